@@ -1,0 +1,38 @@
+# SPDX-License-Identifier: Apache-2.0
+# galaxy_ispc(TARGET FILES...): compiles ISPC files for every instruction set that is dispatched at run time and adds
+# the objects to TARGET; the generated header NAME_ispc.h is seen by TARGET's sources.
+
+if(NOT ISPC_EXECUTABLE)
+  find_program(ISPC_FOUND ispc HINTS $ENV{ISPC_PREFIX}/bin $ENV{XDG_CACHE_HOME}/ispc-private/bin
+                                     $ENV{HOME}/.cache/ispc-private/bin)
+  if(NOT ISPC_FOUND)
+    message(FATAL_ERROR "ispc not found: run tools/fetch-ispc.sh, or configure with -DISPC_EXECUTABLE=/path/to/ispc")
+  endif()
+  set(ISPC_EXECUTABLE ${ISPC_FOUND} CACHE FILEPATH "ispc compiler" FORCE)
+endif()
+set(GALAXY_ISPC_TARGETS sse4-i32x4 avx2-i32x8 avx512skx-x16)
+
+function(galaxy_ispc TARGET)
+  set(out ${CMAKE_CURRENT_BINARY_DIR}/ispc)
+  file(MAKE_DIRECTORY ${out})
+  list(JOIN GALAXY_ISPC_TARGETS , targets)
+  set(suffixes sse4 avx2 avx512skx)
+  file(GLOB headers CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/core/kernels/*.h ${CMAKE_CURRENT_SOURCE_DIR}/*.isph)
+  foreach(file ${ARGN})
+    get_filename_component(name ${file} NAME_WE)
+    set(objects ${out}/${name}.o)
+    foreach(suffix ${suffixes})
+      list(APPEND objects ${out}/${name}_${suffix}.o)
+    endforeach()
+    add_custom_command(
+      OUTPUT ${objects} ${out}/${name}_ispc.h
+      COMMAND ${ISPC_EXECUTABLE} -O3 --pic --opt=disable-fma --target=${targets} --woff --math-lib=default
+              -I${PROJECT_SOURCE_DIR}/core/kernels -I${CMAKE_CURRENT_SOURCE_DIR} -I/usr/include/embree3
+              ${CMAKE_CURRENT_SOURCE_DIR}/${file} -o ${out}/${name}.o -h ${out}/${name}_ispc.h
+      DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/${file} ${headers}
+      COMMENT "ISPC ${name}" VERBATIM)
+    target_sources(${TARGET} PRIVATE ${objects} ${out}/${name}_ispc.h)
+    set_source_files_properties(${objects} PROPERTIES EXTERNAL_OBJECT TRUE GENERATED TRUE)
+  endforeach()
+  target_include_directories(${TARGET} PRIVATE ${out})
+endfunction()

@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
+// The one exception type of Galaxy.
+#pragma once
+#include <stdexcept>
+#include <string>
+
+namespace gxy {
+
+/// An error whose message is meant for the user: what is wrong, where (file, line and column, key, rank), and what was
+/// expected. Caught at the boundary of a request and sent to the one who made it.
+class Error : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+}  // namespace gxy

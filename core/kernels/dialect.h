@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: Apache-2.0
+// The common subset of C++, ISPC and GLSL in which every other file of this folder is written.
+//
+//   real, vec3, ivec3      scalar and short vectors; components are .x .y .z; + - * / work elementwise and with a real
+//   R(0.5)                 a literal of type real
+//   FN, FNV                a function (FNV: ISPC's uniform-free inline, same elsewhere)
+//   INOUT(T), OUT(T)       a parameter that is read and written, or written
+//   make_v3, make_i3       constructors
+//   asUint, asReal         the bits of a float as an integer and back (C++ double: no such functions)
+//
+// C++ reads the kernels through single.h (namespace gxy::single, float) and twin.h (namespace gxy::twin, double), which
+// define GXY_REAL and include the files in order inside the namespace. A file of this folder has therefore no #pragma
+// once; GLSL and ISPC include each file once, in the same order.
+//
+// What the subset lacks: pointers and buffers (data access is each dialect's own), recursion, structs with member
+// functions, default arguments, `uniform`, implicit conversion between int and real (write real(i)).
+#if defined(GXY_GLSL)
+#define real float
+#define R(x) x
+#define FN
+#define INOUT(T) inout T
+#define OUT(T) out T
+#define make_v3 vec3
+#define make_i3 ivec3
+#define asUint floatBitsToUint
+#define asReal uintBitsToFloat
+#elif defined(ISPC)
+typedef float<3> vec3;
+typedef int<3> ivec3;
+typedef unsigned int uint;
+#define real float
+#define R(x) x##f
+#define FN static inline
+#define INOUT(T) T&
+#define OUT(T) T&
+FN vec3 make_v3(float x, float y, float z) {
+  vec3 v = {x, y, z};
+  return v;
+}
+FN ivec3 make_i3(int x, int y, int z) {
+  ivec3 v = {x, y, z};
+  return v;
+}
+FN uint asUint(float x) { return intbits(x); }
+FN float asReal(uint x) { return floatbits(x); }
+#else
+using real = GXY_REAL;
+using vec3 = glm::vec<3, GXY_REAL>;
+using ivec3 = glm::ivec3;
+using uint = unsigned int;
+#define R(x) real(x)
+#define FN inline
+#define INOUT(T) T&
+#define OUT(T) T&
+using std::abs;
+using std::floor;
+using std::ceil;
+using std::max;
+using std::min;
+using std::sqrt;
+FN vec3 make_v3(real x, real y, real z) { return vec3(x, y, z); }
+FN ivec3 make_i3(int x, int y, int z) { return ivec3(x, y, z); }
+#endif
+
+FN real dot3(vec3 a, vec3 b) { return (a.x * b.x + a.y * b.y) + a.z * b.z; }
+FN vec3 cross3(vec3 a, vec3 b) {
+  return make_v3(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x);
+}
+FN real lerp1(real a, real b, real f) { return a + f * (b - a); }
+FN real clamp1(real x, real lo, real hi) { return min(max(x, lo), hi); }
+FN vec3 normalize3(vec3 a) {
+  real s = R(1.0) / sqrt(dot3(a, a));
+  return make_v3(a.x * s, a.y * s, a.z * s);
+}

@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
+// The kernels in C++ float, in namespace gxy::single.
+#pragma once
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <glm/glm.hpp>
+
+#define GXY_REAL float
+namespace gxy::single {
+#include "gxy/kernels/dialect.h"
+#include "gxy/kernels/all.h"
+}  // namespace gxy::single
+#undef GXY_REAL
+#undef R
+#undef FN
+#undef INOUT
+#undef OUT

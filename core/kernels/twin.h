@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
+// The kernels in C++ double, in namespace gxy::twin (the twin: isolates float rounding in tests).
+#pragma once
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <glm/glm.hpp>
+
+#define GXY_REAL double
+namespace gxy::twin {
+#include "gxy/kernels/dialect.h"
+#include "gxy/kernels/all.h"
+}  // namespace gxy::twin
+#undef GXY_REAL
+#undef R
+#undef FN
+#undef INOUT
+#undef OUT
