@@ -1,19 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 // The common subset of C++, ISPC and GLSL in which every other file of this folder is written.
 //
-//   real, vec3, ivec3      scalar and short vectors; components are .x .y .z; + - * / work elementwise and with a real
-//   R(0.5)                 a literal of type real
-//   FN, FNV                a function (FNV: ISPC's uniform-free inline, same elsewhere)
-//   INOUT(T), OUT(T)       a parameter that is read and written, or written
-//   make_v3, make_i3       constructors
-//   asUint, asReal         the bits of a float as an integer and back (C++ double: no such functions)
+//   real, vec3, ivec3      scalar and short vectors; components are .x .y .z; + - * / work elementwise and
+//   with a real R(0.5)                 a literal of type real FN, FNV                a function (FNV: ISPC's
+//   uniform-free inline, same elsewhere) INOUT(T), OUT(T)       a parameter that is read and written, or
+//   written make_v3, make_i3       constructors asUint, asReal         the bits of a float as an integer and
+//   back (not in the twin) toReal(i), toInt(x)    conversions (int or uint to real; real to int, towards
+//   zero) infinity()             +infinity GXY_TWIN               defined where real is double
 //
-// C++ reads the kernels through single.h (namespace gxy::single, float) and twin.h (namespace gxy::twin, double), which
-// define GXY_REAL and include the files in order inside the namespace. A file of this folder has therefore no #pragma
-// once; GLSL and ISPC include each file once, in the same order.
+// C++ reads the kernels through single.h (namespace gxy::single, float) and twin.h (namespace gxy::twin,
+// double), which define GXY_REAL and include the files in order inside the namespace. A file of this folder
+// has therefore no #pragma once; GLSL and ISPC include each file once, in the same order.
 //
-// What the subset lacks: pointers and buffers (data access is each dialect's own), recursion, structs with member
-// functions, default arguments, `uniform`, implicit conversion between int and real (write real(i)).
+// What the subset lacks: pointers and buffers (data access is each dialect's own), recursion, structs with
+// member functions, default arguments, `uniform`, implicit conversion between int and real (write toReal(i)).
 #if defined(GXY_GLSL)
 #define real float
 #define R(x) x
@@ -24,10 +24,12 @@
 #define make_i3 ivec3
 #define asUint floatBitsToUint
 #define asReal uintBitsToFloat
+#define toReal float
+#define toInt int
+FN real infinity() { return asReal(0x7f800000u); }
 #elif defined(ISPC)
 typedef float<3> vec3;
 typedef int<3> ivec3;
-typedef unsigned int uint;
 #define real float
 #define R(x) x##f
 #define FN static inline
@@ -43,6 +45,10 @@ FN ivec3 make_i3(int x, int y, int z) {
 }
 FN uint asUint(float x) { return intbits(x); }
 FN float asReal(uint x) { return floatbits(x); }
+FN real infinity() { return floatbits(0x7f800000u); }
+FN real toReal(int i) { return (float)i; }
+FN real toReal(uint i) { return (float)i; }
+FN int toInt(real x) { return (int)x; }
 #else
 using real = GXY_REAL;
 using vec3 = glm::vec<3, GXY_REAL>;
@@ -53,13 +59,21 @@ using uint = unsigned int;
 #define INOUT(T) T&
 #define OUT(T) T&
 using std::abs;
-using std::floor;
 using std::ceil;
+using std::floor;
 using std::max;
 using std::min;
 using std::sqrt;
 FN vec3 make_v3(real x, real y, real z) { return vec3(x, y, z); }
 FN ivec3 make_i3(int x, int y, int z) { return ivec3(x, y, z); }
+FN real infinity() { return std::numeric_limits<real>::infinity(); }
+FN real toReal(int i) { return real(i); }
+FN real toReal(uint i) { return real(i); }
+FN int toInt(real x) { return int(x); }
+#if !defined(GXY_TWIN)
+FN uint asUint(float x) { return std::bit_cast<uint>(x); }
+FN float asReal(uint x) { return std::bit_cast<float>(x); }
+#endif
 #endif
 
 FN real dot3(vec3 a, vec3 b) { return (a.x * b.x + a.y * b.y) + a.z * b.z; }

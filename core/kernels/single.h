@@ -6,11 +6,12 @@
 #include <cmath>
 #include <cstdint>
 #include <glm/glm.hpp>
+#include <limits>
 
 #define GXY_REAL float
 namespace gxy::single {
-#include "gxy/kernels/dialect.h"
 #include "gxy/kernels/all.h"
+#include "gxy/kernels/dialect.h"
 }  // namespace gxy::single
 #undef GXY_REAL
 #undef R

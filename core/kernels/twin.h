@@ -6,13 +6,16 @@
 #include <cmath>
 #include <cstdint>
 #include <glm/glm.hpp>
+#include <limits>
 
 #define GXY_REAL double
+#define GXY_TWIN
 namespace gxy::twin {
-#include "gxy/kernels/dialect.h"
 #include "gxy/kernels/all.h"
+#include "gxy/kernels/dialect.h"
 }  // namespace gxy::twin
 #undef GXY_REAL
+#undef GXY_TWIN
 #undef R
 #undef FN
 #undef INOUT
