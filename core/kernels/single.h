@@ -10,8 +10,9 @@
 
 #define GXY_REAL float
 namespace gxy::single {
-#include "gxy/kernels/all.h"
 #include "gxy/kernels/dialect.h"
+
+#include "gxy/kernels/all.h"
 }  // namespace gxy::single
 #undef GXY_REAL
 #undef R

@@ -11,8 +11,9 @@
 #define GXY_REAL double
 #define GXY_TWIN
 namespace gxy::twin {
-#include "gxy/kernels/all.h"
 #include "gxy/kernels/dialect.h"
+
+#include "gxy/kernels/all.h"
 }  // namespace gxy::twin
 #undef GXY_REAL
 #undef GXY_TWIN
