@@ -1,12 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 // The common subset of C++, ISPC and GLSL in which every other file of this folder is written.
 //
-//   real, vec3, ivec3      scalar and short vectors; components are .x .y .z; + - * / work elementwise and
-//   with a real R(0.5)                 a literal of type real FN, FNV                a function (FNV: ISPC's
-//   uniform-free inline, same elsewhere) INOUT(T), OUT(T)       a parameter that is read and written, or
-//   written make_v3, make_i3       constructors asUint, asReal         the bits of a float as an integer and
-//   back (not in the twin) toReal(i), toInt(x)    conversions (int or uint to real; real to int, towards
-//   zero) infinity()             +infinity GXY_TWIN               defined where real is double
+//   real, vec3, ivec3      scalar and short vectors; components are .x .y .z; + - * / work elementwise, with a real too
+//   R(0.5)                 a literal of type real
+//   FN                     a function
+//   UNIFORM                a variable that is the same for all rays (a loop counter)
+//   INOUT(T), OUT(T)       a parameter that is read and written, or written
+//   make_v3, make_i3       constructors
+//   toReal(i), toInt(x)    conversions: int or uint to real; real to int, towards zero
+//   asUint, asReal         the bits of a float as an integer and back (not in the twin)
+//   infinity()             +infinity
+//   GXY_TWIN               defined where real is double
 //
 // C++ reads the kernels through single.h (namespace gxy::single, float) and twin.h (namespace gxy::twin,
 // double), which define GXY_REAL and include the files in order inside the namespace. A file of this folder
@@ -22,6 +26,7 @@
 #define OUT(T) out T
 #define make_v3 vec3
 #define make_i3 ivec3
+#define UNIFORM
 #define asUint floatBitsToUint
 #define asReal uintBitsToFloat
 #define toReal float
@@ -35,6 +40,7 @@ typedef int<3> ivec3;
 #define FN static inline
 #define INOUT(T) T&
 #define OUT(T) T&
+#define UNIFORM uniform
 FN vec3 make_v3(float x, float y, float z) {
   vec3 v = {x, y, z};
   return v;
@@ -58,6 +64,7 @@ using uint = unsigned int;
 #define FN inline
 #define INOUT(T) T&
 #define OUT(T) T&
+#define UNIFORM
 using std::abs;
 using std::ceil;
 using std::floor;
@@ -74,6 +81,15 @@ FN int toInt(real x) { return int(x); }
 FN uint asUint(float x) { return std::bit_cast<uint>(x); }
 FN float asReal(uint x) { return std::bit_cast<float>(x); }
 #endif
+#endif
+
+#define NO_HIT R(1e30)  // the t of a ray that meets nothing
+#if defined(GXY_GLSL) || defined(ISPC)
+#define ROOT_ITERATIONS 32
+#define ROOT_TOLERANCE R(1e-6)
+#else
+#define ROOT_ITERATIONS 100
+#define ROOT_TOLERANCE (sizeof(real) == 8 ? real(1e-15) : real(1e-6))
 #endif
 
 FN real dot3(vec3 a, vec3 b) { return (a.x * b.x + a.y * b.y) + a.z * b.z; }

@@ -19,3 +19,7 @@ namespace gxy::single {
 #undef FN
 #undef INOUT
 #undef OUT
+#undef UNIFORM
+#undef NO_HIT
+#undef ROOT_ITERATIONS
+#undef ROOT_TOLERANCE

@@ -21,3 +21,7 @@ namespace gxy::twin {
 #undef FN
 #undef INOUT
 #undef OUT
+#undef UNIFORM
+#undef NO_HIT
+#undef ROOT_ITERATIONS
+#undef ROOT_TOLERANCE
