@@ -13,6 +13,7 @@ namespace gxy::single {
 #include "gxy/kernels/dialect.h"
 
 #include "gxy/kernels/all.h"
+#include "gxy/kernels/fields.h"
 }  // namespace gxy::single
 #undef GXY_REAL
 #undef R
@@ -20,6 +21,11 @@ namespace gxy::single {
 #undef INOUT
 #undef OUT
 #undef UNIFORM
+#undef VOLUME
+#undef PTR
+#undef RAW
+#undef BYTE
+#undef OFFSET
 #undef NO_HIT
 #undef ROOT_ITERATIONS
 #undef ROOT_TOLERANCE

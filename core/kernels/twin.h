@@ -14,6 +14,7 @@ namespace gxy::twin {
 #include "gxy/kernels/dialect.h"
 
 #include "gxy/kernels/all.h"
+#include "gxy/kernels/fields.h"
 }  // namespace gxy::twin
 #undef GXY_REAL
 #undef GXY_TWIN
@@ -22,6 +23,11 @@ namespace gxy::twin {
 #undef INOUT
 #undef OUT
 #undef UNIFORM
+#undef VOLUME
+#undef PTR
+#undef RAW
+#undef BYTE
+#undef OFFSET
 #undef NO_HIT
 #undef ROOT_ITERATIONS
 #undef ROOT_TOLERANCE
