@@ -29,7 +29,7 @@ FN real opaqueDepth() { return R(1e20); }
 
 FN real exp1(real x) { return std::exp(x); }
 FN real oneMinusExp(real x) { return -std::expm1(-x); }
-FN real log1(real x) { return std::log(max(x, real(2.2250738585072014e-308))); }
+FN real log1(real x) { return std::log(max1(x, 2.2250738585072014e-308)); }
 FN real minusLogOneMinus(real a) { return a < R(1.0) ? -std::log1p(-a) : opaqueDepth(); }
 FN void sincos1(real x, OUT(real) s, OUT(real) c) {
   s = std::sin(x);
