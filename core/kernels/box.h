@@ -57,8 +57,8 @@ FN bool boxSpan(vec3 lo, vec3 hi, vec3 origin, vec3 direction, real tMin, real t
   slabSpan(origin.x, direction.x, lo.x, hi.x, e0, x0);
   slabSpan(origin.y, direction.y, lo.y, hi.y, e1, x1);
   slabSpan(origin.z, direction.z, lo.z, hi.z, e2, x2);
-  tEnter = max(max(e0, e1), max(e2, tMin));
-  real nearest = min(min(x0, x1), min(x2, tMax));
+  tEnter = max1(max1(e0, e1), max1(e2, tMin));
+  real nearest = min1(min1(x0, x1), min1(x2, tMax));
   tExit = nearest + abs(nearest) * R(3.6e-7);
   return tEnter <= tExit;
 }

@@ -9,6 +9,7 @@
 //   make_v3, make_i3       constructors
 //   toReal(i), toInt(x)    conversions: int or uint to real; real to int, towards zero
 //   asUint, asReal         the bits of a float as an integer and back (not in the twin)
+//   min1, max1             of two reals, with one meaning everywhere
 //   infinity()             +infinity
 //   GXY_TWIN               defined where real is double
 //
@@ -16,15 +17,21 @@
 // double), which define GXY_REAL and include the files in order inside the namespace. A file of this folder
 // has therefore no #pragma once; GLSL and ISPC include each file once, in the same order.
 //
+// In GLSL every real and vec3 is `precise` (glslang says so of parameters with a warning that -w silences), so no compiler
+// may contract or reorder. What a condition compares is computed into a real first, for the same reason.
+//
 // What the subset lacks: pointers and buffers (data access is each dialect's own), recursion, structs with
 // member functions, default arguments, `uniform`, implicit conversion between int and real (write toReal(i)).
 #if defined(GXY_GLSL)
-#define real float
+// f32vec3 is vec3 under a name that the macro vec3 does not capture.
+#extension GL_EXT_shader_explicit_arithmetic_types_float32 : require
+#define real precise float
+#define vec3 precise f32vec3
+#define make_v3 f32vec3
 #define R(x) x
 #define FN
 #define INOUT(T) inout T
 #define OUT(T) out T
-#define make_v3 vec3
 #define make_i3 ivec3
 #define UNIFORM
 #define asUint floatBitsToUint
@@ -92,13 +99,25 @@ FN float asReal(uint x) { return std::bit_cast<float>(x); }
 #define ROOT_TOLERANCE (sizeof(real) == 8 ? real(1e-15) : real(1e-6))
 #endif
 
+// The second argument where they are equal (0 and -0) or one is NaN; the languages' own min and max differ there.
+FN real min1(real a, real b) { return a < b ? a : b; }
+FN real max1(real a, real b) { return a > b ? a : b; }
 FN real dot3(vec3 a, vec3 b) { return (a.x * b.x + a.y * b.y) + a.z * b.z; }
 FN vec3 cross3(vec3 a, vec3 b) {
   return make_v3(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x);
 }
 FN real lerp1(real a, real b, real f) { return a + f * (b - a); }
-FN real clamp1(real x, real lo, real hi) { return min(max(x, lo), hi); }
+FN real clamp1(real x, real lo, real hi) { return min1(max1(x, lo), hi); }
 FN vec3 normalize3(vec3 a) {
   real s = R(1.0) / sqrt(dot3(a, a));
   return make_v3(a.x * s, a.y * s, a.z * s);
+}
+// Unit vector along a, without underflow or overflow of the squares; 0 stays 0.
+FN vec3 unit3(vec3 a) {
+  real largest = max1(max1(abs(a.x), abs(a.y)), abs(a.z));
+  real scale = R(1.0) / (largest > R(1e-37) ? largest : R(1.0));
+  vec3 b = make_v3(a.x * scale, a.y * scale, a.z * scale);
+  real size = sqrt(dot3(b, b));
+  real s = R(1.0) / (size > R(0.5) ? size : R(1.0));
+  return make_v3(b.x * s, b.y * s, b.z * s);
 }

@@ -2,14 +2,13 @@
 // exp, log, sin, cos and their relatives, from + - * / and bit operations alone, so that a float result has
 // the same bits in C++, ISPC (every target) and GLSL (`precise`). No table, no fused multiply-add, no branch.
 //
-//   name                value                  float: exact range, error       outside it
-//   exp1(x)             e^x                    [-87, 88], 1 ulp                0 below; e^88 = 1.65e38 above
-//   oneMinusExp(x)      1 - e^-x               [-88, inf), 2 ulp               -1.65e38 below
-//   log1(x)             ln x                   [1.18e-38, 3.4e38], 1 ulp       ln 2^-126 = -87.3 below (0,
-//   negative, NaN) minusLogOneMinus(a) -ln(1 - a)             (-inf, 1), 2 ulp                opaqueDepth()
-//   from 1 up sincos1, sin1, cos1 sin x, cos x           [-64, 64], 2 ulp                loses digits in
-//   proportion to |x| pow1(x, y)          x^y, x >= 0            relative error (2 + |y ln x|) 2^-23; pow1(0,
-//   y) is x = 2^-126
+// In float, within 1 ulp (exp1, log1) or 2 ulp:
+// - exp1(x): e^x for x in [-87, 88]; 0 below, e^88 = 1.65e38 above
+// - oneMinusExp(x): 1 - e^-x for x >= -88; -1.65e38 below
+// - log1(x): ln x for normal x; below them (0, negative, NaN) ln 2^-126 = -87.3, above them 88.7
+// - minusLogOneMinus(a): -ln(1 - a) for a < 1; opaqueDepth() from 1 up
+// - sincos1, sin1, cos1: for x in [-64, 64]; beyond, digits are lost in proportion to |x|
+// - pow1(x, y): x^y for x >= 0, relative error (2 + |y ln x|) 2^-23; 0 counts as 2^-126
 //
 // No result is denormal, and a denormal argument counts as 0 (flushSmall), so that devices which flush
 // denormals and devices which keep them agree. NaN gives exp1 = 0, oneMinusExp = 1: callers keep no-data
@@ -29,7 +28,7 @@ FN real opaqueDepth() { return R(1e20); }
 
 FN real exp1(real x) { return std::exp(x); }
 FN real oneMinusExp(real x) { return -std::expm1(-x); }
-FN real log1(real x) { return std::log(max(x, real(2.2250738585072014e-308))); }
+FN real log1(real x) { return std::log(max1(x, 2.2250738585072014e-308)); }
 FN real minusLogOneMinus(real a) { return a < R(1.0) ? -std::log1p(-a) : opaqueDepth(); }
 FN void sincos1(real x, OUT(real) s, OUT(real) c) {
   s = std::sin(x);
