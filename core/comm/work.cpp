@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "work.h"
 
-#include <spdlog/spdlog.h>
-
 #include <condition_variable>
 #include <future>
 #include <memory>
@@ -219,11 +217,9 @@ void Work::receiveReply(int source, const Bytes& message) {
 
   std::unique_lock lock(mutex_);
   const auto found = pending_.find(id);
-  if (found == pending_.end()) {
-    spdlog::warn("rank {}: a reply of rank {} to work {} that is not expected", transport_.rank(), source,
-                 id);
-    return;
-  }
+  if (found == pending_.end())
+    throw Error("rank " + std::to_string(source) + " replied to work " + std::to_string(id) +
+                ", which this rank does not wait for");
   found->second.replies[source] = std::move(reply);
   if (found->second.replies.size() < found->second.expected) return;
   const auto done = std::make_shared<Pending>(std::move(pending_.extract(found).mapped()));
