@@ -18,16 +18,18 @@ struct PointArray {
   std::vector<float> values;
 };
 
-/// The primitives of one partition: every one whose (inflated) box touches the partition, so borders cut nothing.
-/// Positions are world coordinates in double. Ids are global: the same primitive has the same id wherever it is.
+/// The primitives of one partition: every one whose (inflated) box touches the partition, so borders cut
+/// nothing. Positions are world coordinates in double. Ids are global: the same primitive has the same id
+/// wherever it is.
 struct GeometryBlock {
   std::vector<glm::dvec3> points;
-  std::vector<glm::vec3> normals;            ///< per point, unit length; empty when the file has none
-  std::vector<float> values;                 ///< per point, the mapped scalar; empty when the file has none
+  std::vector<glm::vec3> normals;  ///< per point, unit length; empty when the file has none
+  std::vector<float> values;       ///< per point, the mapped scalar; empty when the file has none
   std::vector<std::array<uint32_t, 3>> triangles;  ///< Triangles: point indices
   std::vector<std::array<uint32_t, 2>> segments;   ///< PathLines: point indices
-  std::vector<std::array<uint32_t, 2>> neighbours; ///< PathLines: per segment, point before and after (own end if none)
-  std::vector<uint64_t> ids;                 ///< per primitive (Particles: per point), ascending
+  std::vector<std::array<uint32_t, 2>>
+      neighbours;             ///< PathLines: per segment, point before and after (own end if none)
+  std::vector<uint64_t> ids;  ///< per primitive (Particles: per point), ascending
 };
 
 enum class GeometryKind : uint8_t { Particles, PathLines, Triangles };
@@ -36,10 +38,10 @@ enum class GeometryKind : uint8_t { Particles, PathLines, Triangles };
 struct Geometry {
   std::string name;
   GeometryKind kind = GeometryKind::Particles;
-  Box box;              ///< of all points, world
-  Range range;          ///< of all values
-  uint64_t primitives = 0;  ///< over all partitions, each counted once
-  uint64_t droppedPrimitives = 0;  ///< with non-finite coordinates, or degenerate
+  Box box;                              ///< of all points, world
+  Range range;                          ///< of all values
+  uint64_t primitives = 0;              ///< over all partitions, each counted once
+  uint64_t droppedPrimitives = 0;       ///< with non-finite coordinates, or degenerate
   std::map<int, GeometryBlock> blocks;  ///< by local partition
 };
 

@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gxy/data/volume.h"
+
+#include <cmath>
+#include <cstring>
+
+#include "gxy/comm/error.h"
+
+namespace gxy {
+namespace {
+
+/// World coordinate x in units of the grid's points; on a grid plane exactly where it is so within rounding.
+double planeOf(const Grid& grid, int axis, double x) {
+  const double origin = grid.origin[axis], spacing = grid.spacing[axis];
+  const double index = (x - origin) / spacing;
+  const double plane = std::round(index);
+  const double ulps = 8 * std::numeric_limits<double>::epsilon();
+  const double rounding = ulps * (std::max(std::abs(x), std::abs(origin)) / spacing + std::abs(index));
+  // Coordinates so far from the origin that a cell is a few ulp wide are not snapped across half a cell.
+  return std::abs(index - plane) <= std::min(rounding, 0.25) ? plane : index;
+}
+
+/// First and last plane, as reals, of the part of the grid that the box covers; first >= last where there is
+/// none.
+struct Span {
+  double first, last;
+};
+Span spanOf(const Grid& grid, const Box& part, int axis) {
+  return {std::max(planeOf(grid, axis, part.lo[axis]), 0.0),
+          std::min(planeOf(grid, axis, part.hi[axis]), double(grid.points[axis] - 1))};
+}
+
+}  // namespace
+
+Box Grid::box() const {
+  Box b;
+  b.lo = origin;
+  for (int a = 0; a < 3; ++a) b.hi[a] = origin[a] + spacing[a] * double(points[a] - 1);
+  return b;
+}
+
+Extent extentOf(const Grid& grid, const Box& part, int ghosts) {
+  Extent extent;
+  for (int a = 0; a < 3; ++a) {
+    const Span s = spanOf(grid, part, a);
+    if (!(s.first < s.last)) return {};
+    const int64_t first = std::max<int64_t>(int64_t(std::floor(s.first)) - ghosts, 0);
+    const int64_t last = std::min<int64_t>(int64_t(std::ceil(s.last)) + ghosts, grid.points[a] - 1);
+    extent.first[a] = first;
+    extent.points[a] = last - first + 1;
+  }
+  return extent;
+}
+
+Extent ownedPoints(const Grid& grid, const Partitioning& partitioning, int partition) {
+  const Box& part = partitioning.box(partition);
+  Extent owned = extentOf(grid, part, 0);
+  if (owned.count() == 0) return {};
+  for (int a = 0; a < 3; ++a) {
+    const double lo = planeOf(grid, a, part.lo[a]), hi = planeOf(grid, a, part.hi[a]);
+    int64_t first = owned.first[a], end = first + owned.points[a];
+    if (part.lo[a] > partitioning.domain().lo[a]) first = std::max(first, int64_t(std::ceil(lo)));
+    if (part.hi[a] < partitioning.domain().hi[a]) end = std::min(end, int64_t(std::ceil(hi)));
+    if (first >= end) return {};
+    owned.first[a] = first;
+    owned.points[a] = end - first;
+  }
+  return owned;
+}
+
+Partitioning decomposed(const Grid& grid, int parts, int ranks) {
+  const Box box = grid.box();
+  const std::array<int, 3> blocks = decompose(parts, grid.cells());
+  std::array<std::vector<double>, 3> faces;
+  for (int a = 0; a < 3; ++a) faces[a] = evenFaces(box.lo[a], box.hi[a], blocks[a], grid.cells()[a]);
+  return Partitioning::lattice(std::move(faces), ranks);
+}
+
+void FieldStatistics::merge(const FieldStatistics& other) {
+  if (ranges.size() < other.ranges.size()) ranges.resize(other.ranges.size());
+  for (size_t r = 0; r < other.ranges.size(); ++r) ranges[r].extend(other.ranges[r]);
+  noDataSamples += other.noDataSamples;
+}
+
+FieldStatistics statisticsOf(std::span<const std::byte> samples, ScalarType type, int components) {
+  const size_t point = bytesOf(type) * size_t(std::max(components, 1));
+  const Extent line{{0, 0, 0}, {int64_t(samples.size() / point), 1, 1}};
+  return statisticsOf(samples, type, components, line, line);
+}
+
+FieldStatistics statisticsOf(std::span<const std::byte> samples, ScalarType type, int components,
+                             const Extent& extent, const Extent& part) {
+  if (components < 1 || samples.size() != size_t(extent.count()) * size_t(components) * bytesOf(type)) {
+    throw Error("samples: " + std::to_string(samples.size()) + " bytes, expected " +
+                std::to_string(extent.count()) + " points of " + std::to_string(components) + " x " +
+                nameOf(type));
+  }
+  FieldStatistics statistics;
+  statistics.ranges.resize(components > 1 ? size_t(components) + 1 : 1);
+  if (part.count() == 0) return statistics;
+  withType(type, [&](auto t) {
+    using T = decltype(t);
+    for (int64_t z = part.first[2]; z < part.first[2] + part.points[2]; ++z) {
+      for (int64_t y = part.first[1]; y < part.first[1] + part.points[1]; ++y) {
+        const int64_t row =
+            ((z - extent.first[2]) * extent.points[1] + y - extent.first[1]) * extent.points[0] +
+            part.first[0] - extent.first[0];
+        const std::byte* at = samples.data() + size_t(row) * size_t(components) * sizeof(T);
+        for (int64_t x = 0; x < part.points[0]; ++x) {
+          double squares = 0, finite = 0;
+          for (int c = 0; c < components; ++c, at += sizeof(T)) {
+            T value;
+            std::memcpy(&value, at, sizeof(T));
+            statistics.ranges[size_t(c)].extend(double(value));
+            squares += double(value) * double(value);
+            finite += double(value) - double(value);  // NaN if value is NaN or infinite
+          }
+          if (components > 1) statistics.ranges.back().extend(std::sqrt(squares));
+          if (finite != 0) ++statistics.noDataSamples;
+        }
+      }
+    }
+  });
+  return statistics;
+}
+
+}  // namespace gxy
