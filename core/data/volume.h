@@ -2,27 +2,23 @@
 // Structured volumes: samples on the points of a regular grid, kept in one block per local partition.
 #pragma once
 #include <array>
-#include <cstddef>
 #include <cstdint>
 #include <glm/vec3.hpp>
 #include <map>
-#include <memory>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "gxy/data/box.h"
 #include "gxy/data/partitioning.h"
+#include "gxy/data/scalar.h"
 
 namespace gxy {
 
-enum class ScalarType : uint8_t { Int8, UInt8, Int16, UInt16, Int32, UInt32, Int64, UInt64, Float32, Float64 };
-size_t bytesOf(ScalarType type);
-const char* nameOf(ScalarType type);
-
 using Index3 = std::array<int64_t, 3>;
 
-/// A regular grid: point (i, j, k) lies at origin + spacing * (i, j, k); spacing is positive; points >= 2 per axis.
+/// A regular grid: point (i, j, k) lies at origin + spacing * (i, j, k); spacing is positive; points >= 2 per
+/// axis.
 struct Grid {
   glm::dvec3 origin{0};
   glm::dvec3 spacing{1};
@@ -41,17 +37,28 @@ struct Extent {
   bool operator==(const Extent&) const = default;
 };
 
-/// The points that partition box `part` needs of `grid`: all corners of the cells that it touches, and `ghosts` more
-/// layers on each side, clipped to the grid. Empty (count 0) where the partition does not touch the grid.
+/// The points that partition box `part` needs of `grid`: all corners of the cells that it touches, and
+/// `ghosts` more layers on each side, clipped to the grid. Empty (count 0) where the partition does not touch
+/// the grid. A face within rounding (8 ulp of the coordinates) of a grid plane is on it, and does not touch
+/// the cells beyond.
 Extent extentOf(const Grid& grid, const Box& part, int ghosts);
 
-inline constexpr int kGhostLayers = 2;     ///< see decisions/0001: a segment's sample and a gradient stay inside
-inline constexpr int kMacrocellSize = 8;   ///< cells per macrocell and axis, aligned to the global grid
+/// The points of `grid` that count as the partition's own when something is summed over the grid, so that
+/// each is counted once: those of extentOf(..., 0), the upper end left to the next partition except at the
+/// domain's end.
+Extent ownedPoints(const Grid& grid, const Partitioning& partitioning, int partition);
+
+/// `parts` blocks of a grid, as decompose() shapes them, cut on grid points and shared among `ranks`.
+Partitioning decomposed(const Grid& grid, int parts, int ranks);
+
+inline constexpr int kGhostLayers = 2;  ///< see decisions/0001: a segment's sample and a gradient stay inside
+inline constexpr int kMacrocellSize = 8;  ///< cells per macrocell and axis, aligned to the global grid
 
 /// What is known of the samples of one macrocell (all corners of its 8^3 cells).
 struct Macrocell {
-  float min, max;     ///< over finite samples, of stored values; min > max when there are none
-  bool noData;        ///< holds a NaN or an infinity
+  float min, max;  ///< over finite samples, of stored values; min > max when there are none
+  bool noData;     ///< holds a NaN or an infinity
+  bool operator==(const Macrocell&) const = default;
 };
 
 /// The samples of one partition: ghosts included, x fastest, components interleaved, stored type.
@@ -59,25 +66,40 @@ struct VolumeBlock {
   Extent extent;
   std::vector<std::byte> samples;
 
-  /// Macrocells that the extent touches: global index of the first and their number per axis, x fastest. Summaries are
-  /// those of the *whole* macrocell, merged over all partitions that it crosses; one array per component, then, for
-  /// more than one component, one of the magnitude.
+  /// Macrocells that the extent touches: global index of the first and their number per axis, x fastest.
+  /// Summaries are those of the *whole* macrocell, merged over all partitions that it crosses; one array per
+  /// component, then, for more than one component, one of the magnitude.
   Index3 firstMacrocell{0, 0, 0};
   Index3 macrocells{0, 0, 0};
   std::vector<std::vector<Macrocell>> summaries;
 };
 
-/// A structured volume. `stored` is what the blocks hold: narrow types as in the file, Float32 for wide types, whose
-/// values are value = shift + scale * stored. Immutable once complete; safe to read from any thread.
+/// A structured volume. `stored` is what the blocks hold: narrow types as in the file, Float32 for wide
+/// types, whose values are value = shift + scale * stored. Immutable once complete; safe to read from any
+/// thread.
 struct Volume {
   std::string name;
   Grid grid;
   ScalarType stored = ScalarType::Float32;
   int components = 1;
   double shift = 0, scale = 1;
-  std::vector<Range> ranges;      ///< per component, of true values over the whole grid; then magnitude if components > 1
-  int64_t noDataSamples = 0;      ///< samples that are NaN or infinite, over the whole grid
+  std::vector<Range>
+      ranges;  ///< per component, of true values over the whole grid; then magnitude if components > 1
+  int64_t noDataSamples = 0;          ///< samples that are NaN or infinite, over the whole grid
   std::map<int, VolumeBlock> blocks;  ///< by local partition
 };
+
+/// Statistics of a field, of values as they are in `samples` (interleaved); they merge by Range::extend and
+/// addition.
+struct FieldStatistics {
+  std::vector<Range> ranges;  ///< per component; then of the magnitude if components > 1
+  int64_t noDataSamples = 0;  ///< points with a NaN or infinite component
+  void merge(const FieldStatistics& other);
+};
+FieldStatistics statisticsOf(std::span<const std::byte> samples, ScalarType type, int components);
+
+/// The same over the points of `part` (inside `extent`) of samples that cover `extent`.
+FieldStatistics statisticsOf(std::span<const std::byte> samples, ScalarType type, int components,
+                             const Extent& extent, const Extent& part);
 
 }  // namespace gxy

@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gxy/data/scalar.h"
+
+#include <cmath>
+#include <cstring>
+#include <type_traits>
+
+#include "gxy/comm/error.h"
+
+namespace gxy {
+namespace {
+
+bool isWide(ScalarType type) {
+  switch (type) {
+    case ScalarType::Int32:
+    case ScalarType::UInt32:
+    case ScalarType::Int64:
+    case ScalarType::UInt64:
+    case ScalarType::Float64:
+      return true;
+    default:
+      return false;
+  }
+}
+
+template <size_t N>
+void swapEach(std::span<std::byte> samples) {
+  for (size_t i = 0; i + N <= samples.size(); i += N) std::reverse(&samples[i], &samples[i] + N);
+}
+
+/// The smallest power of two that is >= x, for finite x > 0, within what division can use.
+double powerAbove(double x) {
+  int exponent;
+  const double fraction = std::frexp(x, &exponent);
+  if (fraction == 0.5) --exponent;
+  return std::ldexp(1.0, std::clamp(exponent, -1021, 1023));
+}
+
+}  // namespace
+
+size_t bytesOf(ScalarType type) {
+  return withType(type, [](auto t) { return sizeof(t); });
+}
+
+const char* nameOf(ScalarType type) {
+  switch (type) {
+    case ScalarType::Int8:
+      return "int8";
+    case ScalarType::UInt8:
+      return "uint8";
+    case ScalarType::Int16:
+      return "int16";
+    case ScalarType::UInt16:
+      return "uint16";
+    case ScalarType::Int32:
+      return "int32";
+    case ScalarType::UInt32:
+      return "uint32";
+    case ScalarType::Int64:
+      return "int64";
+    case ScalarType::UInt64:
+      return "uint64";
+    case ScalarType::Float32:
+      return "float32";
+    case ScalarType::Float64:
+      break;
+  }
+  return "float64";
+}
+
+void swapBytes(std::span<std::byte> samples, size_t bytesPerValue) {
+  switch (bytesPerValue) {
+    case 1:
+      return;
+    case 2:
+      return swapEach<2>(samples);
+    case 4:
+      return swapEach<4>(samples);
+    case 8:
+      return swapEach<8>(samples);
+    default:
+      throw Error("byte swap: values of " + std::to_string(bytesPerValue) + " bytes, expected 1, 2, 4 or 8");
+  }
+}
+
+Encoding encodingOf(ScalarType type, int components, const Range& range) {
+  if (!isWide(type)) return {type, 0, 1};
+  if (range.empty()) return {};
+  const double half = range.max / 2 - range.min / 2;
+  double largest = std::max(std::abs(range.min), std::abs(range.max));
+  Encoding encoding;
+  if (components == 1 && largest > 4 * half) {
+    encoding.shift = range.min / 2 + range.max / 2;
+    largest = std::max(std::abs(range.min - encoding.shift), std::abs(range.max - encoding.shift));
+  }
+  const double ample = 0x1p64;
+  if (largest > 0 && (largest > ample || largest < 1 / ample)) encoding.scale = powerAbove(largest);
+  return encoding;
+}
+
+std::vector<std::byte> convert(std::span<const std::byte> values, ScalarType type, const Encoding& encoding) {
+  if (values.size() % bytesOf(type) != 0) {
+    throw Error("samples: " + std::to_string(values.size()) + " bytes of " + nameOf(type) +
+                ", expected a multiple of " + std::to_string(bytesOf(type)));
+  }
+  if (!isWide(type) && encoding.stored == type) return {values.begin(), values.end()};
+  if (!isWide(type) || encoding.stored != ScalarType::Float32) {
+    throw Error(std::string("samples: ") + nameOf(type) + " asked to be stored as " +
+                nameOf(encoding.stored) + ", expected narrow types as they are and wide ones as float32");
+  }
+  return withType(type, [&](auto t) {
+    using T = decltype(t);
+    using Wide = std::conditional_t<std::is_integral_v<T> && sizeof(T) == 8, long double, double>;
+    const size_t count = values.size() / sizeof(T);
+    std::vector<std::byte> stored(count * sizeof(float));
+    const Wide shift = encoding.shift, scale = encoding.scale;
+    for (size_t i = 0; i < count; ++i) {
+      T value;
+      std::memcpy(&value, &values[i * sizeof(T)], sizeof(T));
+      const float f = float((Wide(value) - shift) / scale);
+      std::memcpy(&stored[i * sizeof(float)], &f, sizeof(float));
+    }
+    return stored;
+  });
+}
+
+}  // namespace gxy

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+// Types of sample values, and how wide ones are brought to float without losing their signal.
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "gxy/data/box.h"
+
+namespace gxy {
+
+enum class ScalarType : uint8_t {
+  Int8,
+  UInt8,
+  Int16,
+  UInt16,
+  Int32,
+  UInt32,
+  Int64,
+  UInt64,
+  Float32,
+  Float64
+};
+size_t bytesOf(ScalarType type);
+const char* nameOf(ScalarType type);
+
+/// Calls f(T{}) with the C++ type of `type`, and returns what it returns.
+template <typename F>
+auto withType(ScalarType type, F&& f) {
+  switch (type) {
+    case ScalarType::Int8:
+      return f(int8_t{});
+    case ScalarType::UInt8:
+      return f(uint8_t{});
+    case ScalarType::Int16:
+      return f(int16_t{});
+    case ScalarType::UInt16:
+      return f(uint16_t{});
+    case ScalarType::Int32:
+      return f(int32_t{});
+    case ScalarType::UInt32:
+      return f(uint32_t{});
+    case ScalarType::Int64:
+      return f(int64_t{});
+    case ScalarType::UInt64:
+      return f(uint64_t{});
+    case ScalarType::Float32:
+      return f(float{});
+    case ScalarType::Float64:
+      break;
+  }
+  return f(double{});
+}
+
+/// Reverses the bytes of each value (big-endian files). The size of `samples` is a multiple of bytesPerValue.
+void swapBytes(std::span<std::byte> samples, size_t bytesPerValue);
+
+/// How values are stored: value = shift + scale * stored.
+struct Encoding {
+  ScalarType stored = ScalarType::Float32;
+  double shift = 0, scale = 1;
+  bool operator==(const Encoding&) const = default;
+};
+
+/// The encoding of a field of `type` with values in `range` (over all ranks; of all components together).
+/// Narrow types and float are stored as they are. Wide ones become float: with shift 0 where the offset of
+/// the range costs at most two bits (and always for several components, so that a magnitude is that of the
+/// stored values times the scale), else shifted to the middle of the range; the scale is 1 where float's
+/// exponent has ample room, else a power of two that brings the values into [-1, 1]. Whole numbers below 2^24
+/// (after the shift) stay exact.
+Encoding encodingOf(ScalarType type, int components, const Range& range);
+
+/// Values of `type` as `encoding` stores them: (value - shift) / scale, computed in double (long double for
+/// 64-bit integers) and rounded once more. NaN and infinities stay what they are. Throws Error if the size of
+/// `values` is no multiple of the type's, or a type that is not wide would change.
+std::vector<std::byte> convert(std::span<const std::byte> values, ScalarType type, const Encoding& encoding);
+
+}  // namespace gxy

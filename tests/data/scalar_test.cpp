@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gxy/data/scalar.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <random>
+
+#include "gxy/comm/error.h"
+
+namespace gxy {
+namespace {
+
+template <typename T>
+std::span<const std::byte> bytes(const std::vector<T>& values) {
+  return std::as_bytes(std::span(values));
+}
+
+template <typename T>
+std::vector<float> stored(const std::vector<T>& values, ScalarType type, const Encoding& encoding) {
+  const std::vector<std::byte> samples = convert(bytes(values), type, encoding);
+  std::vector<float> f(samples.size() / sizeof(float));
+  std::memcpy(f.data(), samples.data(), samples.size());
+  return f;
+}
+
+TEST(Convert, KeepsASmallSignalOnALargeOffset) {
+  std::mt19937 random(1);
+  std::uniform_real_distribution<> noise(-0.01, 0.01);
+  std::vector<double> values(1000);
+  Range range;
+  for (double& v : values) range.extend(v = 101325.0 + noise(random));
+  const Encoding e = encodingOf(ScalarType::Float64, 1, range);
+  const std::vector<float> f = stored(values, ScalarType::Float64, e);
+  for (size_t i = 0; i < values.size(); ++i) {
+    // Half an ulp of float at 0.01, and a few of double at 101325.
+    EXPECT_NEAR(e.shift + e.scale * double(f[i]), values[i], 0.01 * 0x1p-24 + 1e-10);
+  }
+}
+
+TEST(Convert, OrdinaryDoublesAreRoundedOnceAndLeftUnshifted) {
+  const Encoding e = encodingOf(ScalarType::Float64, 1, {-3, 255});
+  EXPECT_EQ(e, (Encoding{ScalarType::Float32, 0, 1}));
+  EXPECT_EQ(stored(std::vector<double>{0.1, -3, 1e-9, 255}, ScalarType::Float64, e),
+            (std::vector<float>{0.1f, -3, 1e-9f, 255}));
+}
+
+TEST(Convert, ExtremeDoublesStayFiniteAndAccurate) {
+  for (double scale : {1e-300, 1e300, 1.7e308}) {
+    const std::vector<double> values{-scale, scale, scale / 2};
+    const Encoding e = encodingOf(ScalarType::Float64, 1, {-scale, scale});
+    const std::vector<float> f = stored(values, ScalarType::Float64, e);
+    for (size_t i = 0; i < values.size(); ++i) {
+      ASSERT_TRUE(std::isfinite(f[i]));
+      EXPECT_NEAR(e.shift + e.scale * double(f[i]), values[i], scale * 0x1p-23);
+    }
+  }
+}
+
+TEST(Convert, LargeIntegersWithASmallSpanAreExact) {
+  const int64_t base = 9'000'000'000'000'000'000;
+  const std::vector<int64_t> values{base, base + 1, base + 1000, base + 12345};
+  const Encoding e = encodingOf(ScalarType::Int64, 1, {double(base), double(base + 12345)});
+  const std::vector<float> f = stored(values, ScalarType::Int64, e);
+  for (size_t i = 1; i < values.size(); ++i) {
+    EXPECT_EQ(e.scale * double(f[i]) - e.scale * double(f[0]), double(values[i] - base));
+  }
+  const uint64_t top = std::numeric_limits<uint64_t>::max();
+  const Encoding u = encodingOf(ScalarType::UInt64, 1, {double(top - 2048), double(top)});
+  const std::vector<float> g = stored(std::vector<uint64_t>{top, top - 2048}, ScalarType::UInt64, u);
+  EXPECT_EQ(double(g[0] - g[1]) * u.scale, 2048);
+  const std::vector<int32_t> whole{-16777215, 16777215, 3};
+  EXPECT_EQ(stored(whole, ScalarType::Int32, encodingOf(ScalarType::Int32, 1, {-16777215, 16777215})),
+            (std::vector<float>{-16777215, 16777215, 3}));
+}
+
+TEST(Convert, NoDataStaysNoData) {
+  const Encoding e = encodingOf(ScalarType::Float64, 1, {5e9, 5e9});
+  const std::vector<float> f =
+      stored(std::vector<double>{NAN, INFINITY, -INFINITY, 5e9}, ScalarType::Float64, e);
+  EXPECT_TRUE(std::isnan(f[0]));
+  EXPECT_EQ(f[1], INFINITY);
+  EXPECT_EQ(f[2], -INFINITY);
+  EXPECT_EQ(e.shift + e.scale * double(f[3]), 5e9);
+}
+
+TEST(Convert, NarrowTypesAreKept) {
+  const std::vector<uint16_t> values{1, 65535, 7};
+  const Encoding e = encodingOf(ScalarType::UInt16, 1, {1, 65535});
+  EXPECT_EQ(e, (Encoding{ScalarType::UInt16, 0, 1}));
+  const std::vector<std::byte> kept = convert(bytes(values), ScalarType::UInt16, e);
+  EXPECT_EQ(std::memcmp(kept.data(), values.data(), 6), 0);
+  EXPECT_THROW(convert(bytes(values), ScalarType::UInt16, {ScalarType::Float32, 0, 1}), Error);
+  EXPECT_THROW(convert(bytes(values).first(5), ScalarType::UInt16, e), Error);
+}
+
+TEST(Convert, VectorsAreNeverShifted) {
+  EXPECT_EQ(encodingOf(ScalarType::Float64, 3, {101324, 101325}).shift, 0);
+  EXPECT_NE(encodingOf(ScalarType::Float64, 1, {101324, 101325}).shift, 0);
+}
+
+TEST(SwapBytes, ReversesEachValue) {
+  std::vector<uint32_t> values{0x01020304u, 0xa0b0c0d0u};
+  swapBytes(std::as_writable_bytes(std::span(values)), 4);
+  EXPECT_EQ(values, (std::vector<uint32_t>{0x04030201u, 0xd0c0b0a0u}));
+  EXPECT_THROW(swapBytes(std::as_writable_bytes(std::span(values)), 3), Error);
+}
+
+}  // namespace
+}  // namespace gxy
