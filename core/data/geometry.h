@@ -5,18 +5,13 @@
 #include <cstdint>
 #include <glm/vec3.hpp>
 #include <map>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "gxy/data/box.h"
 
 namespace gxy {
-
-/// Named per-point scalars, one value a point. `values` runs parallel to the points of its block.
-struct PointArray {
-  std::string name;
-  std::vector<float> values;
-};
 
 /// The primitives of one partition: every one whose (inflated) box touches the partition, so borders cut
 /// nothing. Positions are world coordinates in double. Ids are global: the same primitive has the same id
@@ -30,6 +25,7 @@ struct GeometryBlock {
   std::vector<std::array<uint32_t, 2>>
       neighbours;             ///< PathLines: per segment, point before and after (own end if none)
   std::vector<uint64_t> ids;  ///< per primitive (Particles: per point), ascending
+  bool operator==(const GeometryBlock&) const = default;
 };
 
 enum class GeometryKind : uint8_t { Particles, PathLines, Triangles };
@@ -44,5 +40,36 @@ struct Geometry {
   uint64_t droppedPrimitives = 0;       ///< with non-finite coordinates, or degenerate
   std::map<int, GeometryBlock> blocks;  ///< by local partition
 };
+
+/// The points that define primitive p of a block: 1 (Particles), 2 (PathLines; neighbours are not among them)
+/// or 3.
+struct Corners {
+  std::array<uint32_t, 3> points;
+  int count;
+  const uint32_t* begin() const { return points.data(); }
+  const uint32_t* end() const { return points.data() + count; }
+};
+Corners cornersOf(const GeometryBlock& block, GeometryKind kind, size_t p);
+
+/// Throws Error unless the block's arrays fit each other and the kind, and every index names a point.
+void validate(const GeometryBlock& block, GeometryKind kind);
+
+/// The chosen primitives (indices, in the order wanted) and the points that they refer to, in order of first
+/// use.
+GeometryBlock subset(const GeometryBlock& block, GeometryKind kind, std::span<const uint32_t> primitives);
+
+/// All primitives of several valid blocks, ids ascending. Points equal in position, normal and value become
+/// one (never for Particles, where each point is a primitive) and are numbered in order of first use, so that
+/// the result depends neither on the order of the parts nor on how primitives were spread over them. Throws
+/// Error if an id comes twice, if only some parts have normals or values, or for 2^32 - 1 points or more.
+GeometryBlock merged(GeometryKind kind, std::span<const GeometryBlock> parts);
+
+/// Removes primitives that cannot be drawn: with a non-finite coordinate (neighbours' included), and
+/// triangles without area. Returns how many. Segments of no length stay: they are round.
+int64_t dropUnusable(GeometryBlock& block, GeometryKind kind);
+
+/// The box of all points of a block, and the range of its values.
+Box boxOf(const GeometryBlock& block);
+Range rangeOf(const GeometryBlock& block);
 
 }  // namespace gxy

@@ -30,6 +30,74 @@ Span spanOf(const Grid& grid, const Box& part, int axis) {
           std::min(planeOf(grid, axis, part.hi[axis]), double(grid.points[axis] - 1))};
 }
 
+/// Statistics of rows of points. Samples may come unaligned from a file, hence memcpy.
+template <typename T>
+class RowStatistics {
+ public:
+  explicit RowStatistics(int components) : components_(components) {
+    statistics_.ranges.resize(components > 1 ? size_t(components) + 1 : 1);
+  }
+
+  void add(const std::byte* samples, int64_t points) {
+    if (components_ == 1) return addScalars(samples, points);
+    for (int64_t x = 0; x < points; ++x) {
+      double squares = 0;
+      bool finite = true;
+      for (int c = 0; c < components_; ++c, samples += sizeof(T)) {
+        T sample;
+        std::memcpy(&sample, samples, sizeof(T));
+        const double value = double(sample);
+        statistics_.ranges[size_t(c)].extend(value);
+        squares += value * value;
+        finite &= value - value == 0;
+      }
+      statistics_.ranges.back().extend(std::sqrt(squares));
+      if (!finite) ++statistics_.noDataSamples;
+    }
+  }
+
+  FieldStatistics take() { return std::move(statistics_); }
+
+ private:
+  /// One component, in lanes without branches, so that compilers vectorise it.
+  void addScalars(const std::byte* samples, int64_t points) {
+    constexpr int64_t kLanes = 16;
+    using Limits = std::numeric_limits<T>;
+    std::array<T, kLanes> lo, hi;
+    std::array<int64_t, kLanes> bad{};
+    lo.fill(Limits::has_infinity ? Limits::infinity() : Limits::max());
+    hi.fill(Limits::has_infinity ? -Limits::infinity() : Limits::lowest());
+    const T none[2] = {lo[0], hi[0]};
+    int64_t x = 0;
+    for (; x + kLanes <= points; x += kLanes) {
+      std::array<T, kLanes> v;
+      std::memcpy(v.data(), samples + size_t(x) * sizeof(T), sizeof v);
+      for (size_t i = 0; i < kLanes; ++i) {
+        const bool finite = v[i] - v[i] == 0;
+        const T below = finite ? v[i] : none[0], above = finite ? v[i] : none[1];
+        lo[i] = below < lo[i] ? below : lo[i];
+        hi[i] = above > hi[i] ? above : hi[i];
+        bad[i] += finite ? 0 : 1;
+      }
+    }
+    Range& range = statistics_.ranges[0];
+    for (size_t i = 0; i < kLanes && x > 0; ++i) {
+      range.extend(double(lo[i]));
+      range.extend(double(hi[i]));
+      statistics_.noDataSamples += bad[i];
+    }
+    for (; x < points; ++x) {
+      T v;
+      std::memcpy(&v, samples + size_t(x) * sizeof(T), sizeof(T));
+      range.extend(double(v));
+      if (!(v - v == 0)) ++statistics_.noDataSamples;
+    }
+  }
+
+  const int components_;
+  FieldStatistics statistics_;
+};
+
 }  // namespace
 
 Box Grid::box() const {
@@ -100,26 +168,16 @@ FieldStatistics statisticsOf(std::span<const std::byte> samples, ScalarType type
   if (part.count() == 0) return statistics;
   withType(type, [&](auto t) {
     using T = decltype(t);
+    RowStatistics<T> rows(components);
     for (int64_t z = part.first[2]; z < part.first[2] + part.points[2]; ++z) {
       for (int64_t y = part.first[1]; y < part.first[1] + part.points[1]; ++y) {
         const int64_t row =
             ((z - extent.first[2]) * extent.points[1] + y - extent.first[1]) * extent.points[0] +
             part.first[0] - extent.first[0];
-        const std::byte* at = samples.data() + size_t(row) * size_t(components) * sizeof(T);
-        for (int64_t x = 0; x < part.points[0]; ++x) {
-          double squares = 0, finite = 0;
-          for (int c = 0; c < components; ++c, at += sizeof(T)) {
-            T value;
-            std::memcpy(&value, at, sizeof(T));
-            statistics.ranges[size_t(c)].extend(double(value));
-            squares += double(value) * double(value);
-            finite += double(value) - double(value);  // NaN if value is NaN or infinite
-          }
-          if (components > 1) statistics.ranges.back().extend(std::sqrt(squares));
-          if (finite != 0) ++statistics.noDataSamples;
-        }
+        rows.add(samples.data() + size_t(row) * size_t(components) * sizeof(T), part.points[0]);
       }
     }
+    statistics = rows.take();
   });
   return statistics;
 }

@@ -111,6 +111,27 @@ TEST(Statistics, RangesArePerComponentAndOfTheMagnitude) {
   EXPECT_EQ(s.noDataSamples, 1);
 }
 
+TEST(Statistics, AllPointsOfALongRowCount) {
+  // Rows of 1 to 50 points with the extremes, a NaN and an infinity at every place.
+  for (size_t n = 4; n <= 50; ++n) {
+    for (size_t at = 0; at + 3 < n; ++at) {
+      std::vector<float> values(n, 5);
+      values[at] = -7;
+      values[at + 1] = NAN;
+      values[at + 2] = 90;
+      values[at + 3] = -INFINITY;
+      const FieldStatistics s = statisticsOf(bytes(values), ScalarType::Float32, 1);
+      ASSERT_EQ(s.ranges[0], (Range{-7, 90}));
+      ASSERT_EQ(s.noDataSamples, 2);
+      std::vector<int16_t> shorts(n, -5);
+      shorts[at] = -32768;
+      shorts[at + 1] = 32767;
+      ASSERT_EQ(statisticsOf(bytes(shorts), ScalarType::Int16, 1).ranges[0], (Range{-32768, 32767}));
+    }
+  }
+  EXPECT_TRUE(statisticsOf(bytes(std::vector<float>(33, NAN)), ScalarType::Float32, 1).ranges[0].empty());
+}
+
 TEST(Statistics, HugeFiniteValuesAreData) {
   const FieldStatistics s = statisticsOf(bytes(std::vector<double>{1e300, -1e300}), ScalarType::Float64, 1);
   EXPECT_EQ(s.ranges[0], (Range{-1e300, 1e300}));

@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: Apache-2.0
+// Messages as bytes: values are laid one after the other in the machine's own representation (all ranks of a
+// job run the same program), lengths are 64-bit. Reading is bounds-checked: no message, however broken, reads
+// out of bounds or makes the reader allocate more than the message's own size.
+#pragma once
+#include <cstring>
+#include <span>
+#include <string>
+#include <string_view>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include "error.h"
+#include "transport.h"
+
+namespace gxy {
+
+/// What can be written as its bytes: no pointers may hide in it (the compiler cannot see that).
+template <class T>
+concept Plain = std::is_trivially_copyable_v<T> && !std::is_pointer_v<T>;
+
+/// Appends values to a message.
+class Writer {
+ public:
+  template <Plain T>
+  Writer& write(const T& value) {
+    append(&value, sizeof(T));
+    return *this;
+  }
+
+  /// The number of elements, then the elements.
+  template <Plain T>
+  Writer& write(std::span<const T> values) {
+    write(uint64_t(values.size()));
+    append(values.data(), values.size_bytes());
+    return *this;
+  }
+  template <Plain T>
+  Writer& write(const std::vector<T>& values) {
+    return write(std::span<const T>(values));
+  }
+  Writer& write(std::string_view text) { return write(std::span<const char>(text)); }
+  Writer& write(const std::string& text) { return write(std::string_view(text)); }
+  Writer& write(const char* text) { return write(std::string_view(text)); }
+
+  /// The message so far, moved out; the writer is empty afterwards.
+  Bytes take() { return std::exchange(bytes_, {}); }
+
+ private:
+  void append(const void* data, size_t size) {
+    if (size == 0) return;
+    const size_t at = bytes_.size();
+    bytes_.resize(at + size);
+    std::memcpy(bytes_.data() + at, data, size);
+  }
+
+  Bytes bytes_;
+};
+
+/// Takes values off a message, which must outlive it. `what` names the message in errors ("frame start").
+class Reader {
+ public:
+  Reader(std::span<const std::byte> message, std::string_view what) : rest_(message), what_(what) {}
+
+  /// Throws Error when fewer bytes are left, and for a bool that is neither 0 nor 1. Enumerations are the
+  /// caller's to check.
+  template <Plain T>
+  T read() {
+    if constexpr (std::is_same_v<T, bool>) {
+      const auto value = read<uint8_t>();
+      if (value > 1) fail("a flag is " + std::to_string(value) + ", expected 0 or 1");
+      return value == 1;
+    } else {
+      T value;
+      std::memcpy(&value, take(sizeof(T)).data(), sizeof(T));
+      return value;
+    }
+  }
+
+  /// A list as Writer wrote it. Throws Error when its length exceeds what is left of the message.
+  template <Plain T>
+  std::vector<T> readVector() {
+    const auto count = read<uint64_t>();
+    if (count > rest_.size() / sizeof(T))
+      fail("a list of " + std::to_string(count) + " elements of " + std::to_string(sizeof(T)) +
+           " bytes was announced, expected at most the " + std::to_string(rest_.size()) +
+           " bytes that are left");
+    std::vector<T> values(count);
+    const auto bytes = take(count * sizeof(T));
+    if (count) std::memcpy(values.data(), bytes.data(), bytes.size());
+    return values;
+  }
+  std::string readString() {
+    const auto text = readVector<char>();
+    return {text.begin(), text.end()};
+  }
+
+  /// What has not been read.
+  std::span<const std::byte> rest() const { return rest_; }
+
+  /// Throws Error unless everything has been read.
+  void expectEnd() const {
+    if (!rest_.empty()) fail(std::to_string(rest_.size()) + " bytes follow, expected the end of the message");
+  }
+
+  /// Throws an Error about this message.
+  [[noreturn]] void fail(const std::string& reason) const {
+    throw Error("malformed message '" + std::string(what_) + "': " + reason);
+  }
+
+ private:
+  std::span<const std::byte> take(size_t size) {
+    if (size > rest_.size())
+      fail("it ends after " + std::to_string(rest_.size()) + " more bytes, expected " + std::to_string(size));
+    const auto head = rest_.first(size);
+    rest_ = rest_.subspan(size);
+    return head;
+  }
+
+  std::span<const std::byte> rest_;
+  std::string_view what_;
+};
+
+}  // namespace gxy

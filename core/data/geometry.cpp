@@ -1,0 +1,246 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gxy/data/geometry.h"
+
+#include <cmath>
+#include <cstring>
+#include <glm/geometric.hpp>
+#include <limits>
+#include <numeric>
+#include <unordered_map>
+
+#include "gxy/comm/error.h"
+
+namespace gxy {
+namespace {
+
+constexpr uint32_t kNone = std::numeric_limits<uint32_t>::max();
+
+const char* nameOf(GeometryKind kind) {
+  switch (kind) {
+    case GeometryKind::Particles:
+      return "particles";
+    case GeometryKind::PathLines:
+      return "path lines";
+    case GeometryKind::Triangles:
+      break;
+  }
+  return "triangles";
+}
+
+[[noreturn]] void fail(GeometryKind kind, const std::string& what) {
+  throw Error(std::string(nameOf(kind)) + ": " + what);
+}
+
+void appendPoint(GeometryBlock& to, const GeometryBlock& from, uint32_t point) {
+  to.points.push_back(from.points[point]);
+  if (!from.normals.empty()) to.normals.push_back(from.normals[point]);
+  if (!from.values.empty()) to.values.push_back(from.values[point]);
+}
+
+/// Appends primitive p of `from`; pointOf(index in `from`) gives a point's index in `to`, adding it where it
+/// is new.
+template <typename PointOf>
+void appendPrimitive(GeometryBlock& to, const GeometryBlock& from, GeometryKind kind, uint32_t p,
+                     PointOf pointOf) {
+  to.ids.push_back(from.ids[p]);
+  if (kind == GeometryKind::Particles) {
+    appendPoint(to, from, p);
+  } else if (kind == GeometryKind::PathLines) {
+    const auto [a, b] = from.segments[p];
+    const auto [before, after] = from.neighbours[p];
+    const uint32_t first = pointOf(a), second = pointOf(b), previous = pointOf(before), next = pointOf(after);
+    to.segments.push_back({first, second});
+    to.neighbours.push_back({previous, next});
+  } else {
+    const auto [a, b, c] = from.triangles[p];
+    const uint32_t first = pointOf(a), second = pointOf(b), third = pointOf(c);
+    to.triangles.push_back({first, second, third});
+  }
+}
+
+/// Everything that makes a point what it is, compared by its bits.
+struct PointKey {
+  glm::dvec3 position{0};
+  glm::vec3 normal{0};
+  float value = 0;
+
+  PointKey(const GeometryBlock& block, uint32_t point) : position(block.points[point]) {
+    if (!block.normals.empty()) normal = block.normals[point];
+    if (!block.values.empty()) value = block.values[point];
+  }
+  bool operator==(const PointKey& other) const { return std::memcmp(this, &other, sizeof *this) == 0; }
+};
+static_assert(sizeof(PointKey) == 40, "compared and hashed as bytes: no padding");
+
+struct PointHash {
+  size_t operator()(const PointKey& key) const {
+    std::array<uint64_t, 5> words;
+    std::memcpy(words.data(), &key, sizeof key);
+    uint64_t hash = 0;
+    for (uint64_t w : words) {
+      hash = (hash ^ w) * 0x9e3779b97f4a7c15u;
+      hash ^= hash >> 32;
+    }
+    return hash;
+  }
+};
+
+GeometryBlock concatenated(GeometryKind kind, std::span<const GeometryBlock> parts) {
+  GeometryBlock all;
+  bool normals = false, values = false;
+  for (const GeometryBlock& part : parts) {
+    if (part.points.empty()) continue;
+    if (all.points.empty()) {
+      normals = !part.normals.empty();
+      values = !part.values.empty();
+    } else if (normals == part.normals.empty() || values == part.values.empty()) {
+      fail(kind, "some parts have normals or values and others have none, expected all alike");
+    }
+    const size_t offset = all.points.size();
+    if (offset + part.points.size() >= kNone)
+      fail(kind, "a partition has 2^32 - 1 points or more, expected fewer");
+    const auto append = [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); };
+    const auto appendIndices = [&](auto& to, const auto& from) {
+      for (auto indices : from) {
+        for (uint32_t& i : indices) i += uint32_t(offset);
+        to.push_back(indices);
+      }
+    };
+    append(all.points, part.points);
+    append(all.normals, part.normals);
+    append(all.values, part.values);
+    append(all.ids, part.ids);
+    appendIndices(all.triangles, part.triangles);
+    appendIndices(all.segments, part.segments);
+    appendIndices(all.neighbours, part.neighbours);
+  }
+  return all;
+}
+
+bool isFinite(glm::dvec3 p) { return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z); }
+
+bool isUsable(const GeometryBlock& block, GeometryKind kind, size_t p) {
+  for (uint32_t i : cornersOf(block, kind, p)) {
+    if (!isFinite(block.points[i])) return false;
+  }
+  if (kind == GeometryKind::PathLines) {
+    const auto [before, after] = block.neighbours[p];
+    return isFinite(block.points[before]) && isFinite(block.points[after]);
+  }
+  if (kind == GeometryKind::Triangles) {
+    // Scaled to its longest edge first, so that tiny and huge triangles neither underflow nor overflow.
+    const auto [a, b, c] = block.triangles[p];
+    glm::dvec3 u = block.points[b] - block.points[a], v = block.points[c] - block.points[a];
+    double longest = 0;
+    for (int axis = 0; axis < 3; ++axis) longest = std::max({longest, std::abs(u[axis]), std::abs(v[axis])});
+    return longest > 0 && glm::cross(u / longest, v / longest) != glm::dvec3(0);
+  }
+  return true;
+}
+
+}  // namespace
+
+Corners cornersOf(const GeometryBlock& block, GeometryKind kind, size_t p) {
+  switch (kind) {
+    case GeometryKind::Particles:
+      return {{uint32_t(p), 0, 0}, 1};
+    case GeometryKind::PathLines:
+      return {{block.segments[p][0], block.segments[p][1], 0}, 2};
+    case GeometryKind::Triangles:
+      break;
+  }
+  return {block.triangles[p], 3};
+}
+
+void validate(const GeometryBlock& block, GeometryKind kind) {
+  const size_t points = block.points.size(), primitives = block.ids.size();
+  const auto check = [&](const char* what, size_t count, size_t expected) {
+    if (count != expected) {
+      fail(kind, std::to_string(count) + " " + what + ", expected " + std::to_string(expected));
+    }
+  };
+  check("segments", block.segments.size(), kind == GeometryKind::PathLines ? primitives : 0);
+  check("segments with neighbours", block.neighbours.size(), block.segments.size());
+  check("triangles", block.triangles.size(), kind == GeometryKind::Triangles ? primitives : 0);
+  if (kind == GeometryKind::Particles) check("ids", primitives, points);
+  if (!block.normals.empty()) check("normals", block.normals.size(), points);
+  if (!block.values.empty()) check("values", block.values.size(), points);
+  if (points >= kNone)
+    fail(kind, std::to_string(points) + " points in one block, expected fewer than 2^32 - 1");
+  const auto checkIndices = [&](const auto& list) {
+    for (size_t p = 0; p < list.size(); ++p) {
+      for (uint32_t i : list[p]) {
+        if (i >= points) {
+          fail(kind, "primitive " + std::to_string(block.ids[p]) + " refers to point " + std::to_string(i) +
+                         ", expected fewer than " + std::to_string(points));
+        }
+      }
+    }
+  };
+  checkIndices(block.triangles);
+  checkIndices(block.segments);
+  checkIndices(block.neighbours);
+}
+
+GeometryBlock subset(const GeometryBlock& block, GeometryKind kind, std::span<const uint32_t> primitives) {
+  GeometryBlock chosen;
+  std::unordered_map<uint32_t, uint32_t> indices;
+  for (uint32_t p : primitives) {
+    appendPrimitive(chosen, block, kind, p, [&](uint32_t point) {
+      const auto [at, isNew] = indices.try_emplace(point, uint32_t(chosen.points.size()));
+      if (isNew) appendPoint(chosen, block, point);
+      return at->second;
+    });
+  }
+  return chosen;
+}
+
+GeometryBlock merged(GeometryKind kind, std::span<const GeometryBlock> parts) {
+  const GeometryBlock all = concatenated(kind, parts);
+  std::vector<uint32_t> order(all.ids.size());
+  std::iota(order.begin(), order.end(), 0u);
+  std::sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) { return all.ids[a] < all.ids[b]; });
+  for (size_t i = 1; i < order.size(); ++i) {
+    if (all.ids[order[i]] == all.ids[order[i - 1]]) {
+      fail(kind, "primitive " + std::to_string(all.ids[order[i]]) + " comes twice, expected each id once");
+    }
+  }
+  GeometryBlock block;
+  std::unordered_map<PointKey, uint32_t, PointHash> byContent;
+  std::vector<uint32_t> indices(all.points.size(), kNone);  // looked up once per point, not once per use
+  for (uint32_t p : order) {
+    appendPrimitive(block, all, kind, p, [&](uint32_t point) {
+      if (indices[point] == kNone) {
+        const auto [at, isNew] = byContent.try_emplace(PointKey(all, point), uint32_t(block.points.size()));
+        if (isNew) appendPoint(block, all, point);
+        indices[point] = at->second;
+      }
+      return indices[point];
+    });
+  }
+  return block;
+}
+
+int64_t dropUnusable(GeometryBlock& block, GeometryKind kind) {
+  std::vector<uint32_t> usable;
+  for (size_t p = 0; p < block.ids.size(); ++p) {
+    if (isUsable(block, kind, p)) usable.push_back(uint32_t(p));
+  }
+  const int64_t dropped = int64_t(block.ids.size() - usable.size());
+  if (dropped > 0) block = subset(block, kind, usable);
+  return dropped;
+}
+
+Box boxOf(const GeometryBlock& block) {
+  Box box;
+  for (const glm::dvec3& p : block.points) box.extend(p);
+  return box;
+}
+
+Range rangeOf(const GeometryBlock& block) {
+  Range range;
+  for (float v : block.values) range.extend(v);
+  return range;
+}
+
+}  // namespace gxy

@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gxy/data/replicate.h"
+
+#include <cmath>
+#include <limits>
+
+#include "gxy/comm/error.h"
+#include "gxy/comm/wire.h"
+
+namespace gxy {
+namespace {
+
+void write(Writer& writer, const GeometryBlock& block) {
+  writer.write(block.points).write(block.normals).write(block.values);
+  writer.write(block.triangles).write(block.segments).write(block.neighbours).write(block.ids);
+}
+
+GeometryBlock readBlock(Reader& reader) {
+  GeometryBlock block;
+  block.points = reader.readVector<glm::dvec3>();
+  block.normals = reader.readVector<glm::vec3>();
+  block.values = reader.readVector<float>();
+  block.triangles = reader.readVector<std::array<uint32_t, 3>>();
+  block.segments = reader.readVector<std::array<uint32_t, 2>>();
+  block.neighbours = reader.readVector<std::array<uint32_t, 2>>();
+  block.ids = reader.readVector<uint64_t>();
+  return block;
+}
+
+/// Box of a primitive's points, and the largest radius at them.
+struct Bounds {
+  Box box;
+  double radius = 0;
+};
+Bounds boundsOf(const GeometryBlock& block, GeometryKind kind, size_t p, const RadiusOf& radius) {
+  Bounds bounds;
+  for (uint32_t i : cornersOf(block, kind, p)) {
+    bounds.box.extend(block.points[i]);
+    if (kind == GeometryKind::Triangles) continue;
+    const double r = radius(block.values.empty() ? 0.0 : double(block.values[i]));
+    if (r > bounds.radius) bounds.radius = r;
+  }
+  return bounds;
+}
+
+}  // namespace
+
+double borderSlack(const Partitioning& partitioning) {
+  const Box& domain = partitioning.domain();
+  double longest = 0, largest = 0;
+  for (int a = 0; a < 3; ++a) {
+    longest = std::max(longest, domain.hi[a] - domain.lo[a]);
+    largest = std::max({largest, std::abs(domain.lo[a]), std::abs(domain.hi[a])});
+  }
+  return 16 * double(std::numeric_limits<float>::epsilon()) * longest +
+         8 * std::numeric_limits<double>::epsilon() * largest;
+}
+
+std::vector<int> partitionsTouched(const Partitioning& partitioning, const Box& box, double radius) {
+  const double reach = radius + borderSlack(partitioning);
+  std::array<std::array<int, 2>, 3> cells;
+  for (int a = 0; a < 3; ++a) cells[a] = partitioning.cellsTouched(a, box.lo[a] - reach, box.hi[a] + reach);
+  const std::array<int, 3> n = partitioning.cells();
+  const auto [x, y, z] = cells;
+  std::vector<int> touched;
+  for (int k = z[0]; k <= z[1]; ++k) {
+    for (int j = y[0]; j <= y[1]; ++j) {
+      const size_t row = (size_t(k) * size_t(n[1]) + size_t(j)) * size_t(n[0]);
+      for (int i = x[0]; i <= x[1]; ++i) touched.push_back(partitioning.cellPartition()[row + size_t(i)]);
+    }
+  }
+  std::sort(touched.begin(), touched.end());
+  touched.erase(std::unique(touched.begin(), touched.end()), touched.end());
+  return touched;
+}
+
+std::vector<Bytes> packForOwners(const GeometryBlock& read, GeometryKind kind,
+                                 const Partitioning& partitioning, const RadiusOf& radius, int ranks) {
+  validate(read, kind);
+  std::vector<std::vector<uint32_t>> touching(static_cast<size_t>(partitioning.partitions()));
+  for (size_t p = 0; p < read.ids.size(); ++p) {
+    const Bounds bounds = boundsOf(read, kind, p, radius);
+    for (int part : partitionsTouched(partitioning, bounds.box, bounds.radius)) {
+      touching[size_t(part)].push_back(uint32_t(p));
+    }
+  }
+  std::vector<Writer> writers(static_cast<size_t>(ranks));
+  for (int part = 0; part < partitioning.partitions(); ++part) {
+    const int owner = partitioning.owner(part);
+    if (owner >= ranks) {
+      throw Error("replication: partition " + std::to_string(part) + " is owned by rank " +
+                  std::to_string(owner) + ", expected fewer than " + std::to_string(ranks));
+    }
+    if (touching[size_t(part)].empty()) continue;
+    Writer& writer = writers[size_t(owner)];
+    writer.write(int32_t(part));
+    write(writer, subset(read, kind, touching[size_t(part)]));
+  }
+  std::vector<Bytes> messages;
+  for (Writer& writer : writers) messages.push_back(writer.take());
+  return messages;
+}
+
+std::map<int, GeometryBlock> unpackReceived(GeometryKind kind, const Partitioning& partitioning, int rank,
+                                            std::span<const Bytes> received) {
+  std::map<int, std::vector<GeometryBlock>> parts;
+  for (int part : partitioning.owned(rank)) parts[part];
+  for (const Bytes& message : received) {
+    Reader reader(message, "replicated primitives");
+    while (!reader.rest().empty()) {
+      const auto part = reader.read<int32_t>();
+      const auto at = parts.find(part);
+      if (at == parts.end()) {
+        reader.fail("partition " + std::to_string(part) + " came, expected one of rank " +
+                    std::to_string(rank));
+      }
+      at->second.push_back(readBlock(reader));
+      validate(at->second.back(), kind);
+    }
+  }
+  std::map<int, GeometryBlock> blocks;
+  for (auto& [part, list] : parts) {
+    blocks.emplace(part, merged(kind, list));
+    list = {};
+  }
+  return blocks;
+}
+
+GeometryBlock keepHome(const GeometryBlock& read, GeometryKind kind, const Partitioning& partitioning,
+                       int rank) {
+  validate(read, kind);
+  std::vector<uint32_t> home;
+  for (size_t p = 0; p < read.ids.size(); ++p) {
+    const glm::dvec3 first = read.points[*cornersOf(read, kind, p).begin()];
+    if (partitioning.owner(partitioning.nearest(first)) == rank) home.push_back(uint32_t(p));
+  }
+  return subset(read, kind, home);
+}
+
+}  // namespace gxy

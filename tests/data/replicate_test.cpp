@@ -1,0 +1,247 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gxy/data/replicate.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+#include <set>
+
+#include "gxy/comm/error.h"
+#include "random_partitioning.h"
+
+namespace gxy {
+namespace {
+
+Box domainBox() {
+  Box b;
+  b.lo = {-1, 0, 100};
+  b.hi = {1, 3, 101};
+  return b;
+}
+
+double radiusOf(double value) { return 0.002 * value; }
+
+/// Random primitives, some outside the domain, some with a coordinate on a face; lines and meshes share
+/// points.
+GeometryBlock randomGeometry(std::mt19937& random, GeometryKind kind, const Partitioning& p,
+                             uint32_t points) {
+  GeometryBlock block;
+  const Box& d = p.domain();
+  for (uint32_t i = 0; i < points; ++i) {
+    glm::dvec3 x;
+    for (int a = 0; a < 3; ++a) {
+      const double side = d.hi[a] - d.lo[a];
+      const auto faces = p.faces(a);
+      const double previous = block.points.empty() ? d.lo[a] : block.points.back()[a];
+      switch (random() % 4) {
+        case 0:
+          x[a] = faces[random() % faces.size()];
+          break;
+        case 1:
+          x[a] = std::uniform_real_distribution<>(d.lo[a] - 0.2 * side, d.hi[a] + 0.2 * side)(random);
+          break;
+        default:
+          x[a] = previous + std::uniform_real_distribution<>(-0.05, 0.05)(random) * side;
+      }
+    }
+    block.points.push_back(x);
+    block.normals.push_back({0, 0, float(i % 7)});
+    block.values.push_back(float(random() % 30));
+  }
+  for (uint32_t i = 0; i < points; ++i) {
+    if (kind == GeometryKind::Particles) block.ids.push_back(i * 3 + 1);
+    if (kind == GeometryKind::PathLines && i + 1 < points) {
+      block.segments.push_back({i, i + 1});
+      block.neighbours.push_back({i > 0 ? i - 1 : i, i + 2 < points ? i + 2 : i + 1});
+      block.ids.push_back(i + 5);
+    }
+    if (kind == GeometryKind::Triangles && i + 2 < points) {
+      block.triangles.push_back({i, i + 1, i + 2});
+      block.ids.push_back(i);
+    }
+  }
+  return block;
+}
+
+/// The definition, by comparing each primitive's box with each partition's.
+std::set<uint64_t> idsTouching(const GeometryBlock& all, GeometryKind kind, const Partitioning& p, int part) {
+  std::set<uint64_t> ids;
+  for (size_t i = 0; i < all.ids.size(); ++i) {
+    Box box;
+    double reach = 0;
+    for (uint32_t c : cornersOf(all, kind, i)) {
+      box.extend(all.points[c]);
+      if (kind != GeometryKind::Triangles) reach = std::max(reach, radiusOf(double(all.values[c])));
+    }
+    reach += borderSlack(p);
+    bool touches = true;
+    for (int a = 0; a < 3; ++a) {
+      const double lo = p.box(part).lo[a], hi = p.box(part).hi[a];
+      touches = touches && (lo == p.domain().lo[a] || box.hi[a] + reach >= lo);
+      touches = touches && (hi == p.domain().hi[a] || box.lo[a] - reach <= hi);
+    }
+    if (touches) ids.insert(all.ids[i]);
+  }
+  return ids;
+}
+
+/// All blocks when the primitives are spread over the ranks at random and messages arrive in random order.
+std::map<int, GeometryBlock> replicateOver(std::mt19937& random, const GeometryBlock& all, GeometryKind kind,
+                                           const Partitioning& p, int ranks) {
+  std::vector<std::vector<uint32_t>> readBy(static_cast<size_t>(ranks));
+  for (uint32_t i = 0; i < all.ids.size(); ++i) readBy[random() % readBy.size()].push_back(i);
+  std::vector<std::vector<Bytes>> arrived(static_cast<size_t>(ranks));
+  for (const auto& mine : readBy) {
+    std::vector<Bytes> messages = packForOwners(subset(all, kind, mine), kind, p, radiusOf, ranks);
+    for (size_t r = 0; r < messages.size(); ++r) arrived[r].push_back(std::move(messages[r]));
+  }
+  std::map<int, GeometryBlock> blocks;
+  for (int r = 0; r < ranks; ++r) {
+    std::shuffle(arrived[size_t(r)].begin(), arrived[size_t(r)].end(), random);
+    blocks.merge(unpackReceived(kind, p, r, arrived[size_t(r)]));
+  }
+  return blocks;
+}
+
+class Replicate : public testing::TestWithParam<GeometryKind> {};
+INSTANTIATE_TEST_SUITE_P(Kinds, Replicate,
+                         testing::Values(GeometryKind::Particles, GeometryKind::PathLines,
+                                         GeometryKind::Triangles));
+
+TEST_P(Replicate, EveryPartitionHasExactlyThePrimitivesThatTouchIt) {
+  std::mt19937 random(42);
+  for (int ranks = 1; ranks <= 8; ++ranks) {
+    const Partitioning p = test::randomPartitioning(random, domainBox(), 1 + ranks * 2, ranks);
+    const GeometryBlock all = randomGeometry(random, GetParam(), p, 150);
+    const std::map<int, GeometryBlock> blocks = replicateOver(random, all, GetParam(), p, ranks);
+    ASSERT_EQ(blocks.size(), size_t(p.partitions()));
+    for (const auto& [part, block] : blocks) {
+      EXPECT_NO_THROW(validate(block, GetParam()));
+      const std::set<uint64_t> expected = idsTouching(all, GetParam(), p, part);
+      EXPECT_EQ(block.ids, std::vector<uint64_t>(expected.begin(), expected.end()));
+    }
+  }
+}
+
+TEST_P(Replicate, NeitherReadersNorArrivalChangeABlock) {
+  std::mt19937 random(43);
+  const Partitioning p = test::randomPartitioning(random, domainBox(), 11, 4);
+  const GeometryBlock all = randomGeometry(random, GetParam(), p, 200);
+  const auto first = replicateOver(random, all, GetParam(), p, 4);
+  for (int i = 0; i < 5; ++i) EXPECT_EQ(replicateOver(random, all, GetParam(), p, 4), first);
+}
+
+TEST_P(Replicate, PrimitivesArriveAsTheyWereRead) {
+  std::mt19937 random(44);
+  const GeometryKind kind = GetParam();
+  const Partitioning p = test::randomPartitioning(random, domainBox(), 6, 3);
+  const GeometryBlock all = randomGeometry(random, kind, p, 120);
+  std::map<uint64_t, size_t> byId;
+  for (size_t i = 0; i < all.ids.size(); ++i) byId[all.ids[i]] = i;
+  const auto expectSame = [&](const GeometryBlock& block, uint32_t got, uint32_t original) {
+    EXPECT_EQ(block.points[got], all.points[original]);
+    EXPECT_EQ(block.normals[got], all.normals[original]);
+    EXPECT_EQ(block.values[got], all.values[original]);
+  };
+  for (const auto& [part, block] : replicateOver(random, all, kind, p, 3)) {
+    for (size_t i = 0; i < block.ids.size(); ++i) {
+      const size_t original = byId.at(block.ids[i]);
+      const Corners got = cornersOf(block, kind, i), want = cornersOf(all, kind, original);
+      for (int c = 0; c < got.count; ++c) expectSame(block, got.points[size_t(c)], want.points[size_t(c)]);
+      if (kind == GeometryKind::PathLines) {
+        for (size_t n : {0, 1}) expectSame(block, block.neighbours[i][n], all.neighbours[original][n]);
+      }
+    }
+    EXPECT_LE(block.points.size(), all.points.size());
+  }
+}
+
+TEST_P(Replicate, EachPrimitiveHasOneHome) {
+  std::mt19937 random(45);
+  const Partitioning p = test::randomPartitioning(random, domainBox(), 9, 5);
+  const GeometryBlock all = randomGeometry(random, GetParam(), p, 300);
+  std::vector<uint64_t> ids;
+  for (int r = 0; r < 5; ++r) {
+    const GeometryBlock home = keepHome(all, GetParam(), p, r);
+    ids.insert(ids.end(), home.ids.begin(), home.ids.end());
+  }
+  std::sort(ids.begin(), ids.end());
+  EXPECT_EQ(ids, all.ids);
+}
+
+TEST_P(Replicate, TruncatedMessagesAreRefused) {
+  std::mt19937 random(46);
+  const Partitioning p = Partitioning::single(domainBox());
+  const Bytes whole = packForOwners(randomGeometry(random, GetParam(), p, 5), GetParam(), p, radiusOf, 1)[0];
+  for (size_t size = 1; size < whole.size(); ++size) {
+    const Bytes cut(whole.begin(), whole.begin() + std::ptrdiff_t(size));
+    EXPECT_THROW(unpackReceived(GetParam(), p, 0, std::span(&cut, 1)), Error) << size;
+  }
+}
+
+TEST(ReplicateParticles, CoincidentOnesAreAllKept) {
+  const Partitioning p = Partitioning::single(domainBox());
+  GeometryBlock block;
+  block.points.assign(1000, {0, 1, 100.5});
+  for (uint64_t i = 0; i < 1000; ++i) block.ids.push_back(i);
+  const std::vector<Bytes> messages = packForOwners(block, GeometryKind::Particles, p, radiusOf, 1);
+  EXPECT_EQ(unpackReceived(GeometryKind::Particles, p, 0, messages).at(0), block);
+}
+
+TEST(ReplicateParticles, InfiniteRadiiTouchEveryPartitionAndNanNone) {
+  std::mt19937 random(1);
+  const Partitioning p = test::randomPartitioning(random, domainBox(), 7, 1);
+  Box point;
+  point.extend({0, 1, 100.5});
+  EXPECT_EQ(partitionsTouched(p, point, INFINITY).size(), 7u);
+  GeometryBlock block;
+  block.points = {{0, 1, 100.5}};
+  block.ids = {0};
+  const auto nan = [](double) { return NAN; };
+  size_t copies = 0;
+  for (const auto& [part, b] : unpackReceived(GeometryKind::Particles, p, 0,
+                                              packForOwners(block, GeometryKind::Particles, p, nan, 1))) {
+    copies += b.ids.size();
+  }
+  EXPECT_EQ(copies, 1u);
+}
+
+TEST(ReplicateTriangles, AnIdThatComesTwiceIsRefused) {
+  std::mt19937 random(1);
+  const Partitioning p = Partitioning::single(domainBox());
+  const GeometryBlock block = randomGeometry(random, GeometryKind::Triangles, p, 5);
+  std::vector<Bytes> messages = packForOwners(block, GeometryKind::Triangles, p, radiusOf, 1);
+  messages.push_back(messages[0]);
+  EXPECT_THROW(unpackReceived(GeometryKind::Triangles, p, 0, messages), Error);
+}
+
+TEST(Geometry, UnusablePrimitivesAreDroppedAndCounted) {
+  GeometryBlock block;
+  block.points = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {2, 0, 0}, {NAN, 0, 0}, {1e-200, 0, 0}, {0, 1e-200, 0}};
+  block.triangles = {{0, 1, 2}, {0, 1, 3}, {0, 1, 4}, {0, 0, 1}, {0, 5, 6}};
+  block.ids = {10, 11, 12, 13, 14};
+  EXPECT_EQ(dropUnusable(block, GeometryKind::Triangles), 3);
+  EXPECT_EQ(block.ids, (std::vector<uint64_t>{10, 14}));
+  EXPECT_EQ(block.points.size(), 5u);
+  EXPECT_EQ(dropUnusable(block, GeometryKind::Triangles), 0);
+}
+
+TEST(Geometry, InconsistentBlocksAreRefused) {
+  GeometryBlock block;
+  block.points = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  block.triangles = {{0, 1, 2}};
+  block.ids = {0};
+  EXPECT_NO_THROW(validate(block, GeometryKind::Triangles));
+  EXPECT_THROW(validate(block, GeometryKind::Particles), Error);
+  EXPECT_THROW(validate(block, GeometryKind::PathLines), Error);
+  block.values = {1};
+  EXPECT_THROW(validate(block, GeometryKind::Triangles), Error);
+  block.values.clear();
+  block.triangles[0][1] = 3;
+  EXPECT_THROW(validate(block, GeometryKind::Triangles), Error);
+}
+
+}  // namespace
+}  // namespace gxy
