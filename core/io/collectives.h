@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+// What an import needs of the other ranks: one collective operation, and the agreements built on it.
+#pragma once
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "gxy/comm/transport.h"
+#include "gxy/data/box.h"
+
+namespace gxy {
+
+/// The ranks of one import. Every rank calls the same operations in the same order; calls block.
+struct Collectives {
+  virtual ~Collectives() = default;
+  virtual int rank() const = 0;
+  virtual int size() const = 0;
+  /// Every rank's bytes, by rank, on every rank.
+  virtual std::vector<Bytes> allGather(Bytes mine) = 0;
+};
+
+/// One rank by itself.
+struct SingleRank final : Collectives {
+  int rank() const override { return 0; }
+  int size() const override { return 1; }
+  std::vector<Bytes> allGather(Bytes mine) override { return {std::move(mine)}; }
+};
+
+/// Runs `work`, which must not communicate, on every rank. If it throws on any rank, throws Error on every
+/// rank, with the message of the lowest rank that failed (and that rank, where there are several).
+void agree(Collectives& ranks, const std::function<void()>& work);
+
+/// The union over all ranks, in place: of ranges element by element (same number on each rank), of boxes.
+void mergeRanges(Collectives& ranks, std::span<Range> ranges);
+void mergeBox(Collectives& ranks, Box& box);
+
+/// The value of every rank, by rank.
+std::vector<uint64_t> gatherCounts(Collectives& ranks, uint64_t mine);
+
+}  // namespace gxy

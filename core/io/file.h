@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+// Files by position, with 64-bit offsets, and small text files as a whole.
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+
+namespace gxy {
+
+/// An open file. Reads and writes at a position are safe from any thread. Errors name the file and the
+/// system's reason.
+class File {
+ public:
+  static File open(const std::string& path);    ///< an existing regular file, for reading
+  static File create(const std::string& path);  ///< for writing; an older file is emptied
+  File(File&& other) noexcept;
+  File& operator=(File&&) = delete;
+  ~File();
+
+  const std::string& path() const { return path_; }
+  int64_t size() const;
+  /// Fills `out` from `offset` on; Error when the file ends before.
+  void readAt(int64_t offset, std::span<std::byte> out) const;
+  void writeAt(int64_t offset, std::span<const std::byte> data) const;
+
+ private:
+  File(std::string path, int descriptor) : path_(std::move(path)), descriptor_(descriptor) {}
+  std::string path_;
+  int descriptor_;
+};
+
+/// The whole of a text file of at most `limit` bytes.
+std::string readText(const std::string& path, int64_t limit = int64_t(64) << 20);
+void writeText(const std::string& path, const std::string& text);
+
+/// Lower-case extension with its dot, ".vti"; empty if there is none.
+std::string extensionOf(const std::string& path);
+
+/// `name` as seen from the folder that holds `document`: absolute names stay as they are.
+std::string beside(const std::string& document, const std::string& name);
+
+}  // namespace gxy

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gxy/io/import_volume.h"
+
+#include <cstring>
+#include <filesystem>
+
+#include "gxy/comm/error.h"
+#include "gxy/data/macrocells.h"
+
+namespace gxy {
+namespace {
+
+/// The sum over all ranks.
+uint64_t sum(Collectives& ranks, uint64_t mine) {
+  uint64_t total = 0;
+  for (uint64_t theirs : gatherCounts(ranks, mine)) total += theirs;
+  return total;
+}
+
+void mergeMacrocells(Volume& volume, Collectives& ranks) {
+  const std::vector<BorderSummary> mine = borderSummaries(volume);
+  Bytes bytes(mine.size() * sizeof(BorderSummary));
+  if (!bytes.empty()) std::memcpy(bytes.data(), mine.data(), bytes.size());
+  for (const Bytes& theirs : ranks.allGather(std::move(bytes))) {
+    std::vector<BorderSummary> records(theirs.size() / sizeof(BorderSummary));
+    if (!records.empty()) std::memcpy(records.data(), theirs.data(), records.size() * sizeof(BorderSummary));
+    mergeSummaries(volume, records);
+  }
+}
+
+}  // namespace
+
+Grid gridOf(const std::string& path, const std::string& array, Collectives& ranks) {
+  Grid grid;
+  agree(ranks, [&] {
+    if (ranks.rank() == 0) grid = openVolume(path, array).grid;
+  });
+  Bytes bytes(ranks.rank() == 0 ? sizeof(Grid) : 0);
+  if (!bytes.empty()) std::memcpy(bytes.data(), &grid, sizeof grid);
+  std::memcpy(&grid, ranks.allGather(std::move(bytes))[0].data(), sizeof grid);
+  return grid;
+}
+
+std::shared_ptr<Volume> importVolume(const std::string& path, const std::string& array,
+                                     const Partitioning& partitioning, int ghosts, Collectives& ranks) {
+  auto volume = std::make_shared<Volume>();
+  ScalarType type{};
+  FieldStatistics statistics;
+  agree(ranks, [&] {
+    const VolumeFile file = openVolume(path, array);
+    type = file.array.type;
+    volume->name = std::filesystem::path(path).stem().string();
+    if (!file.array.name.empty()) volume->name += ":" + file.array.name;
+    volume->grid = file.grid;
+    volume->components = file.array.components;
+    statistics.ranges.resize(size_t(volume->components) + (volume->components > 1));
+    for (int partition : partitioning.owned(ranks.rank())) {
+      VolumeBlock block;
+      block.extent = extentOf(file.grid, partitioning.box(partition), ghosts);
+      if (block.extent.count() == 0) continue;
+      block.samples.resize(size_t(block.extent.count()) * file.bytesPerPoint());
+      readVolume(file, block.extent, block.samples);
+      statistics.merge(statisticsOf(block.samples, type, volume->components, block.extent,
+                                    ownedPoints(file.grid, partitioning, partition)));
+      volume->blocks.emplace(partition, std::move(block));
+    }
+  });
+
+  mergeRanges(ranks, statistics.ranges);
+  volume->ranges = statistics.ranges;
+  volume->noDataSamples = int64_t(sum(ranks, uint64_t(statistics.noDataSamples)));
+  Range values;
+  for (int c = 0; c < volume->components; ++c) values.extend(volume->ranges[size_t(c)]);
+  const Encoding encoding = encodingOf(type, volume->components, values);
+  volume->stored = encoding.stored;
+  volume->shift = encoding.shift;
+  volume->scale = encoding.scale;
+
+  agree(ranks, [&] {
+    for (auto& [partition, block] : volume->blocks) {
+      if (encoding.stored != type) block.samples = convert(block.samples, type, encoding);
+      summarise(block, encoding.stored, volume->components);
+    }
+  });
+  mergeMacrocells(*volume, ranks);
+  return volume;
+}
+
+}  // namespace gxy

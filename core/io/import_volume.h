@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+// A volume file becomes the blocks of a rank's partitions.
+#pragma once
+#include <memory>
+#include <string>
+
+#include "gxy/data/partitioning.h"
+#include "gxy/data/volume.h"
+#include "gxy/io/collectives.h"
+#include "gxy/io/volume_file.h"
+
+namespace gxy {
+
+/// The grid of a volume file, on every rank; read by rank 0 only. What a partitioning is made of before an
+/// import.
+Grid gridOf(const std::string& path, const std::string& array, Collectives& ranks);
+
+/// Collective over `ranks`. Reads, for each partition that this rank owns, the samples it needs and `ghosts`
+/// layers more; brings wide types to float (scalar.h); fills ranges, the number of samples without data, and
+/// macrocell summaries merged over all ranks. The volume is named after the file and the array. If any rank
+/// fails, all throw the same Error. Memory: the blocks, and for wide types once more the block that is being
+/// converted.
+std::shared_ptr<Volume> importVolume(const std::string& path, const std::string& array,
+                                     const Partitioning& partitioning, int ghosts, Collectives& ranks);
+
+}  // namespace gxy

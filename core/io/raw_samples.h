@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+// Samples that lie uncompressed in a file: the blocks of any box of points are read from their place.
+#pragma once
+#include "gxy/io/file.h"
+#include "gxy/io/volume_file.h"
+
+namespace gxy {
+
+/// One array of samples in a file, laid out as `stored` (x fastest) from byte `offset` on. Throws Error when
+/// the file is shorter than that; with `exact`, also when it is longer.
+class RawSamples final : public SampleSource {
+ public:
+  RawSamples(const std::string& path, int64_t offset, const Extent& stored, ScalarType type, int components,
+             bool swapBytes, bool exact);
+  void read(const Extent& extent, std::span<std::byte> out) const override;
+
+ private:
+  void readSlab(const Extent& slab, std::span<std::byte> out) const;
+
+  File file_;
+  int64_t offset_;
+  Extent stored_;
+  size_t bytesPerSample_, bytesPerPoint_;
+  bool swapBytes_;
+};
+
+}  // namespace gxy

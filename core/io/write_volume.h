@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+// Volumes to files, by slabs, so that a volume need never be in memory as a whole.
+#pragma once
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "gxy/io/file.h"
+#include "gxy/io/volume_file.h"
+
+namespace gxy {
+
+/// Writes .vti (appended raw, any number of arrays), .vol + .raw and .json + .raw (one array) by extension,
+/// in this machine's byte order. Every sample must be written once; write() may be called from any thread, in
+/// any order.
+class VolumeWriter {
+ public:
+  /// Ranges of arrays, where present, are stated in a .vti. `first` is the index of the grid's first point in
+  /// a .vti (a piece of a larger image keeps its place). The first array becomes the active scalars.
+  VolumeWriter(const std::string& path, const Grid& grid, std::vector<ArrayInfo> arrays,
+               Index3 first = {0, 0, 0});
+
+  /// Samples of slices [slice, slice + n) of array `index`, x fastest, components interleaved.
+  void write(size_t index, int64_t slice, std::span<const std::byte> samples) const;
+
+ private:
+  Grid grid_;
+  std::vector<ArrayInfo> arrays_;
+  std::unique_ptr<File> file_;
+  std::vector<int64_t> places_;  ///< of the first sample of each array
+};
+
+/// A piece of a .pvti, written by VolumeWriter; its name is relative to the .pvti.
+struct ImagePiece {
+  Extent extent;
+  std::string file;
+};
+void writePvti(const std::string& path, const Grid& grid, const std::vector<ArrayInfo>& arrays,
+               const std::vector<ImagePiece>& pieces);
+
+}  // namespace gxy

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+// What gxydata does, one function per kind of work. All throw gxy::Error.
+#pragma once
+#include <array>
+#include <atomic>
+#include <cstdint>
+#include <string>
+
+#include "fields.h"
+#include "gxy/data/geometry.h"
+
+namespace gxy::data_tool {
+
+struct Options {
+  std::array<int64_t, 3> resolution{64, 64, 64};
+  int steps = 0;  ///< 0: one file; else files NAME_0000 on
+  uint64_t seed = 1;
+  std::string array;  ///< to write or read; empty: the first, or the active one
+  int64_t count = 0;  ///< of particles or path lines
+  double displacement = 0;
+  std::string in, out;
+};
+
+/// Samples fields on [-1, 1]^3: all of them into a .vti, one into a .vol or .json.
+void makeVolume(const std::vector<Field>& fields, const Options& options);
+
+/// From any format that is read to any that is written; values, types and coordinates stay what they are.
+void convertVolume(const Options& options);
+
+/// Cuts a dataset into i x j x k pieces, or into `parts` by automatic decomposition if the lattice is zero.
+/// Neighbouring pieces of a volume share the points on their common face; a primitive of a geometry goes
+/// where its middle is.
+void partitionVolume(const Options& options, int parts, std::array<int, 3> lattice);
+
+/// Prints what is in a file to standard output.
+void infoVolume(const Options& options);
+
+/// NAME_0.EXT, NAME_1.EXT, ... beside `out`.
+std::string pieceName(const std::string& out, int piece, const char* extension);
+
+/// OUT itself, or OUT with _0000 before its extension for a time series.
+std::string stepName(const Options& options, int step);
+
+/// A percentage on standard error, if that is a terminal. advance() may be called from any thread.
+class Progress {
+ public:
+  Progress(std::string what, int64_t total);
+  ~Progress();
+  void advance(int64_t done = 1);
+
+ private:
+  std::string what_;
+  int64_t total_;
+  std::atomic<int64_t> done_{0};
+  bool terminal_;
+};
+
+}  // namespace gxy::data_tool

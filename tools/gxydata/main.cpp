@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: Apache-2.0
+// gxydata: makes, converts, partitions and describes datasets.
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <sstream>
+
+#include "commands.h"
+
+namespace {
+
+using namespace gxy;
+using namespace gxy::data_tool;
+
+constexpr const char* kExamples = R"(Examples:
+  gxydata radial -r 64 balls.vti                     five arrays: oneBall, eightBalls, x, y, z
+  gxydata radial -r 64,32,16 --array x ramp.vol      one array; the samples go to ramp.raw
+  gxydata turbulence -r 256 --seed 7 noise.vol
+  gxydata radial -t 10 balls.vti                     balls_0000.vti to balls_0009.vti
+  gxydata convert carotid.vtk carotid.vti
+  gxydata partition noise.vol -g 2,2,1 pieces.pvti
+  gxydata info noise.vol
+Exit status: 0 done, 1 failed, 2 wrong usage.)";
+
+/// "64" or "64,32,16".
+template <class T>
+std::array<T, 3> threeNumbers(const std::string& text, const char* option, bool oneIsEnough) {
+  std::vector<long long> numbers;
+  std::stringstream words(text);
+  for (std::string word; std::getline(words, word, ',');) {
+    size_t used = 0;
+    long long n = 0;
+    try {
+      n = std::stoll(word, &used);
+    } catch (const std::exception&) {
+    }
+    if (used == 0 || used != word.size() || n < 1 || n > 1000000)
+      throw CLI::ValidationError(option, "expected positive integers, found '" + text + "'");
+    numbers.push_back(n);
+  }
+  if (oneIsEnough && numbers.size() == 1) numbers.assign(3, numbers[0]);
+  if (numbers.size() != 3)
+    throw CLI::ValidationError(option, "expected three integers, found '" + text + "'");
+  return {T(numbers[0]), T(numbers[1]), T(numbers[2])};
+}
+
+CLI::App* kind(CLI::App& app, Options& options, const char* name, const char* description) {
+  CLI::App* command = app.add_subcommand(name, description);
+  command->add_option("out", options.out, "file to write")->required();
+  command->add_option("-t,--steps", options.steps, "time steps; writes OUT_0000, OUT_0001, ...")
+      ->check(CLI::Range(1, 10000));
+  command->add_option("--seed", options.seed, "seed of what is random")->capture_default_str();
+  return command;
+}
+
+void addResolution(CLI::App* command, Options& options, std::string& text, const char* standard) {
+  command->add_option("-r,--resolution", text,
+                      "points per axis: N or NX,NY,NZ (default " + std::string(standard) + ")");
+  command->add_option("--array", options.array, "write this array only");
+  command->callback([&options, &text, standard] {
+    options.resolution = threeNumbers<int64_t>(text.empty() ? standard : text, "-r", true);
+  });
+}
+
+void addVolumeKinds(CLI::App& app, Options& options, std::string& resolution) {
+  addResolution(kind(app, options, "radial", "volume: distances from one and from eight points, and ramps"),
+                options, resolution, "64");
+  addResolution(kind(app, options, "marschner-lobb", "volume: the test signal of Marschner and Lobb"),
+                options, resolution, "41");
+  addResolution(kind(app, options, "turbulence", "volume: six octaves of value noise"), options, resolution,
+                "64");
+  addResolution(kind(app, options, "sparse", "volume: exact zeros but for a few structures"), options,
+                resolution, "64");
+}
+
+void run(const CLI::App& app, const Options& options, int parts, std::array<int, 3> lattice) {
+  const std::string command = app.get_subcommands().front()->get_name();
+  if (command == "radial") return makeVolume(radialFields(), options);
+  if (command == "marschner-lobb") return makeVolume({marschnerLobb()}, options);
+  if (command == "turbulence") return makeVolume({turbulence(options.seed)}, options);
+  if (command == "sparse") return makeVolume({sparse(options.seed)}, options);
+  if (command == "convert") return convertVolume(options);
+  if (command == "info") return infoVolume(options);
+  partitionVolume(options, parts, lattice);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app("Makes, converts, partitions and describes datasets for Galaxy.", "gxydata");
+  app.footer(kExamples);
+  app.require_subcommand(1);
+  Options options;
+  std::string resolution, latticeText;
+  int parts = 0;
+  addVolumeKinds(app, options, resolution);
+
+  CLI::App* convert =
+      app.add_subcommand("convert", "from one format to another; nothing is moved or rounded");
+  CLI::App* partition = app.add_subcommand("partition", "cut into pieces: .pvti");
+  CLI::App* info = app.add_subcommand("info", "print what is in a file");
+  for (CLI::App* command : {convert, partition, info}) {
+    command->add_option("in", options.in, "file to read")->required();
+    command->add_option("--array", options.array, "use this array only");
+  }
+  for (CLI::App* command : {convert, partition})
+    command->add_option("out", options.out, "file to write")->required();
+  CLI::Option* number =
+      partition->add_option("-n,--parts", parts, "number of pieces")->check(CLI::Range(1, 1000000));
+  CLI::Option* lattice =
+      partition->add_option("-g,--lattice", latticeText, "pieces per axis: I,J,K")->excludes(number);
+
+  std::array<int, 3> cuts{0, 0, 0};
+  try {
+    app.parse(argc, argv);
+    if (lattice->count()) cuts = threeNumbers<int>(latticeText, "-g", false);
+    if (partition->parsed() && !lattice->count() && !number->count())
+      throw CLI::RequiredError("partition: -n or -g");
+  } catch (const CLI::ParseError& e) {
+    return app.exit(e) == 0 ? 0 : 2;
+  }
+  try {
+    run(app, options, parts, cuts);
+  } catch (const std::exception& e) {
+    std::fprintf(stderr, "gxydata: %s\n", e.what());
+    return 1;
+  }
+  return 0;
+}

@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: Apache-2.0
+// convert, partition and info of volumes. All work in slabs: a volume need not fit into memory.
+#include <algorithm>
+#include <cinttypes>
+#include <cstdio>
+#include <filesystem>
+
+#include "commands.h"
+#include "gxy/comm/error.h"
+#include "gxy/data/partitioning.h"
+#include "gxy/io/write_volume.h"
+
+namespace gxy::data_tool {
+namespace {
+
+constexpr int64_t kSlabBytes = 64 << 20;
+
+/// Calls use(first slice, samples) for slabs of `extent` in order.
+template <class Use>
+void forSlabs(const VolumeFile& file, const Extent& extent, Use use) {
+  const int64_t slice = extent.points[0] * extent.points[1] * int64_t(file.bytesPerPoint());
+  const int64_t depth = std::max(kSlabBytes / std::max(slice, int64_t(1)), int64_t(1));
+  std::vector<std::byte> samples;
+  for (int64_t k = 0; k < extent.points[2]; k += depth) {
+    Extent slab = extent;
+    slab.first[2] += k;
+    slab.points[2] = std::min(depth, extent.points[2] - k);
+    samples.resize(size_t(slab.points[2] * slice));
+    readVolume(file, slab, samples);
+    use(slab, std::span<const std::byte>(samples));
+  }
+}
+
+/// Every array of the file as a volume of its own, or the one that is asked for. A raw format takes one array
+/// only.
+std::vector<VolumeFile> chosenArrays(const Options& options, bool several) {
+  const VolumeFile first = openVolume(options.in, options.array);
+  if (!options.array.empty() || !several) return {first};
+  std::vector<VolumeFile> files{first};
+  for (const ArrayInfo& array : first.arrays)
+    if (array.name != first.array.name) files.push_back(openVolume(options.in, array.name));
+  return files;
+}
+
+std::vector<ArrayInfo> infos(const std::vector<VolumeFile>& files) {
+  std::vector<ArrayInfo> arrays;
+  for (const VolumeFile& file : files) {
+    arrays.push_back(file.array);
+    if (arrays.back().name.empty()) arrays.back().name = std::filesystem::path(file.path).stem().string();
+  }
+  return arrays;
+}
+
+void copy(const std::vector<VolumeFile>& files, const Extent& extent, const VolumeWriter& writer,
+          Progress& progress) {
+  for (size_t i = 0; i < files.size(); ++i)
+    forSlabs(files[i], extent, [&](const Extent& slab, std::span<const std::byte> samples) {
+      writer.write(i, slab.first[2] - extent.first[2], samples);
+      progress.advance(int64_t(samples.size()));
+    });
+}
+
+int64_t bytesOfAll(const std::vector<VolumeFile>& files) {
+  int64_t bytes = 0;
+  for (const VolumeFile& file : files) bytes += wholeOf(file.grid).count() * int64_t(file.bytesPerPoint());
+  return bytes;
+}
+
+/// Where `cells` cells are cut into n blocks that differ by one cell at most.
+int64_t cut(int64_t cells, int n, int i) { return cells / n * i + std::min(int64_t(i), cells % n); }
+
+void printArray(const VolumeFile& file) {
+  FieldStatistics all;
+  all.ranges.resize(size_t(file.array.components) + (file.array.components > 1));
+  forSlabs(file, wholeOf(file.grid), [&](const Extent&, std::span<const std::byte> samples) {
+    all.merge(statisticsOf(samples, file.array.type, file.array.components));
+  });
+  std::printf("array       '%s': %s, %d component%s\n", file.array.name.c_str(), nameOf(file.array.type),
+              file.array.components, file.array.components > 1 ? "s" : "");
+  for (size_t i = 0; i < all.ranges.size(); ++i) {
+    const bool magnitude = i == size_t(file.array.components);
+    const std::string label = magnitude ? "magnitude" : "component " + std::to_string(i);
+    if (all.ranges[i].empty())
+      std::printf("  %-11s no finite value\n", label.c_str());
+    else
+      std::printf("  %-11s %.9g to %.9g\n", label.c_str(), all.ranges[i].min, all.ranges[i].max);
+  }
+  std::printf("  not finite  %" PRId64 "\n", all.noDataSamples);
+}
+
+}  // namespace
+
+void convertVolume(const Options& options) {
+  const std::vector<VolumeFile> files = chosenArrays(options, extensionOf(options.out) == ".vti");
+  if (std::filesystem::exists(options.out) && std::filesystem::equivalent(options.in, options.out))
+    throw Error(options.out + ": the file cannot be converted in place");
+  const VolumeWriter writer(options.out, files[0].grid, infos(files));
+  Progress progress("converting", bytesOfAll(files));
+  copy(files, wholeOf(files[0].grid), writer, progress);
+}
+
+void partitionVolume(const Options& options, int parts, std::array<int, 3> lattice) {
+  if (extensionOf(options.out) != ".pvti") throw Error(options.out + ": the pieces of a volume need a .pvti");
+  const std::vector<VolumeFile> files = chosenArrays(options, true);
+  const Grid& grid = files[0].grid;
+  const Index3 cells = grid.cells();
+  if (lattice[0] == 0) lattice = decompose(parts, cells);
+  for (size_t a = 0; a < 3; ++a)
+    if (lattice[a] > cells[a])
+      throw Error(std::to_string(lattice[a]) + " pieces along " + "xyz"[a] + ", but the grid has only " +
+                  std::to_string(cells[a]) + " cells");
+  std::vector<ImagePiece> pieces;
+  Progress progress("partitioning", bytesOfAll(files));
+  for (int k = 0; k < lattice[2]; ++k)
+    for (int j = 0; j < lattice[1]; ++j)
+      for (int i = 0; i < lattice[0]; ++i) {
+        const std::array<int, 3> at{i, j, k};
+        Extent extent;
+        Grid piece = grid;
+        for (size_t a = 0; a < 3; ++a) {
+          extent.first[a] = cut(cells[a], lattice[a], at[a]);
+          extent.points[a] = cut(cells[a], lattice[a], at[a] + 1) - extent.first[a] + 1;
+          piece.origin[int(a)] = grid.origin[int(a)] + grid.spacing[int(a)] * double(extent.first[a]);
+        }
+        piece.points = extent.points;
+        const std::string name = pieceName(options.out, int(pieces.size()), ".vti");
+        copy(files, extent, VolumeWriter(name, piece, infos(files), extent.first), progress);
+        pieces.push_back({extent, std::filesystem::path(name).filename().string()});
+      }
+  writePvti(options.out, grid, infos(files), pieces);
+}
+
+void infoVolume(const Options& options) {
+  const std::vector<VolumeFile> files = chosenArrays(options, true);
+  const Grid& g = files[0].grid;
+  std::printf("file        %s: structured volume\n", options.in.c_str());
+  std::printf("points      %" PRId64 " x %" PRId64 " x %" PRId64 "\n", g.points[0], g.points[1], g.points[2]);
+  std::printf("origin      %.17g %.17g %.17g\n", g.origin.x, g.origin.y, g.origin.z);
+  std::printf("spacing     %.17g %.17g %.17g\n", g.spacing.x, g.spacing.y, g.spacing.z);
+  for (const VolumeFile& file : files) printArray(file);
+}
+
+}  // namespace gxy::data_tool
