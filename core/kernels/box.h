@@ -38,7 +38,9 @@ FN void slabSpan(real origin, real direction, real lo, real hi, OUT(real) tEnter
   bool forward = direction > R(0.0);
   tEnter = faceBefore(origin, direction, forward ? lo : hi);
   tExit = faceAfter(origin, direction, forward ? hi : lo);
-  bool missed = parallelTo(direction) && (origin < lo || origin > hi);
+  real below = flushSmall(lo - origin);
+  real above = flushSmall(origin - hi);
+  bool missed = parallelTo(direction) && (below > R(0.0) || above > R(0.0));
   tEnter = missed ? infinity() : tEnter;
   tExit = missed ? -infinity() : tExit;
 }
