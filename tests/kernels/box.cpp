@@ -48,11 +48,16 @@ bool missesClearly(const Case& c) {
 // One coordinate of a kind that hurts: zeros, shared values, neighbours, large and small ones; none denormal.
 float coordinate(Random& random) {
   switch (random.below(8)) {
-    case 0: return 0.0f;
-    case 1: return float(random.below(5) - 2);
-    case 2: return std::nextafter(float(random.below(4) - 4), random.below(2) == 0 ? 10.0f : -10.0f);
-    case 3: return float(random.in(-1, 1) * random.scale(1e-6, 1e6));
-    default: return float(random.in(-2, 2));
+    case 0:
+      return 0.0f;
+    case 1:
+      return float(random.below(5) - 2);
+    case 2:
+      return std::nextafter(float(random.below(4) - 4), random.below(2) == 0 ? 10.0f : -10.0f);
+    case 3:
+      return float(std::ldexp(random.in(-1, 1), random.below(41) - 20));
+    default:
+      return float(random.in(-2, 2));
   }
 }
 
@@ -63,15 +68,27 @@ Case makeCase(Random& random) {
     c.lo[axis] = std::min(a, b);
     c.hi[axis] = std::max(a, b);
     switch (random.below(6)) {
-      case 0: c.origin[axis] = c.lo[axis]; break;
-      case 1: c.origin[axis] = c.hi[axis]; break;
-      default: c.origin[axis] = coordinate(random);
+      case 0:
+        c.origin[axis] = c.lo[axis];
+        break;
+      case 1:
+        c.origin[axis] = c.hi[axis];
+        break;
+      default:
+        c.origin[axis] = coordinate(random);
     }
     switch (random.below(6)) {
-      case 0: c.direction[axis] = 0.0f; break;
-      case 1: c.direction[axis] = -0.0f; break;
-      case 2: c.direction[axis] = float(random.in(-1, 1) * random.scale(1e-12, 1)); break;
-      default: c.direction[axis] = float(random.in(-1, 1));
+      case 0:
+        c.direction[axis] = 0.0f;
+        break;
+      case 1:
+        c.direction[axis] = -0.0f;
+        break;
+      case 2:
+        c.direction[axis] = float(std::ldexp(random.in(-1, 1), -random.below(40)));
+        break;
+      default:
+        c.direction[axis] = float(random.in(-1, 1));
     }
   }
   if (random.below(2) == 0) {
@@ -90,7 +107,7 @@ Case makeCase(Random& random) {
 
 TEST(BoxSpan, NoHitOfExactArithmeticIsMissed) {
   Random random(5);
-  int hits = 0, extra = 0, missed = 0;
+  int hits = 0, missed = 0;
   for (int i = 0; i < 10'000'000; ++i) {
     Case c = makeCase(random);
     float tEnter, tExit;
@@ -99,12 +116,10 @@ TEST(BoxSpan, NoHitOfExactArithmeticIsMissed) {
     if (hit ? i % 64 != 0 : missesClearly(c)) continue;
     bool truth = meetsExactly(c);
     hits += truth;
-    extra += hit && !truth;
     missed += truth && !hit;
   }
   EXPECT_EQ(missed, 0);
   EXPECT_GT(hits, 10'000);
-  EXPECT_LT(extra, hits / 10);
 }
 
 TEST(BoxSpan, SpanContainsTheExactOne) {
@@ -124,6 +139,21 @@ TEST(BoxSpan, SpanContainsTheExactOne) {
   }
 }
 
+TEST(BoxSpan, WideningAddsFewHits) {
+  Random random(8);
+  int hits = 0, extra = 0;
+  for (int i = 0; i < 300'000; ++i) {
+    Case c{glm::vec3(-1), glm::vec3(1), glm::vec3(random.point(-4, 4)), glm::vec3(random.direction()), 0,
+           INFINITY};
+    float tEnter, tExit;
+    if (!single::boxSpan(c.lo, c.hi, c.origin, c.direction, 0, INFINITY, tEnter, tExit)) continue;
+    ++hits;
+    extra += !meetsExactly(c);
+  }
+  EXPECT_GT(hits, 10'000);
+  EXPECT_LE(extra, hits / 10'000);
+}
+
 TEST(BoxSpan, ZeroComponentsOfEitherSignStayInsideOrOutside) {
   glm::vec3 lo(-1), hi(1);
   float a, b;
@@ -139,7 +169,8 @@ TEST(BoxSpan, ZeroComponentsOfEitherSignStayInsideOrOutside) {
 
 TEST(BoxSpan, UnboundedBoxesAreMet) {
   float a, b;
-  EXPECT_TRUE(single::boxSpan({-INFINITY, 0, 0}, {INFINITY, 1, 1}, {5, 0.5f, -1}, {1, 0, 1}, 0, INFINITY, a, b));
+  EXPECT_TRUE(
+      single::boxSpan({-INFINITY, 0, 0}, {INFINITY, 1, 1}, {5, 0.5f, -1}, {1, 0, 1}, 0, INFINITY, a, b));
   EXPECT_EQ(a, 1.0f);
   EXPECT_NEAR(b, 2.0f, 2e-6f);
   EXPECT_TRUE(single::boxSpan(glm::vec3(-INFINITY), glm::vec3(INFINITY), {}, {0, -1, 0}, 0, INFINITY, a, b));

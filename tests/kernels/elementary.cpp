@@ -15,16 +15,17 @@ struct Function {
   float (*single)(float);
   double (*twin)(double);
   long double (*truth)(long double);
-  double lo, hi;        // the stated range
-  double smallest;      // arguments nearer to 0 are not drawn
-  double ulps;          // the stated error
+  double lo, hi;    // the stated range
+  double smallest;  // arguments nearer to 0 are not drawn
+  double ulps;      // the stated error
 };
 
 const Function functions[] = {
     {"exp1", single::exp1, twin::exp1, [](long double x) { return std::exp(x); }, -87, 88, 1e-30, 1},
-    {"oneMinusExp", single::oneMinusExp, twin::oneMinusExp, [](long double x) { return -std::expm1(-x); }, -88, 1e6,
-     1e-37, 2},
-    {"log1", single::log1, twin::log1, [](long double x) { return std::log(x); }, 1.2e-38, 3.4e38, 1.2e-38, 1},
+    {"oneMinusExp", single::oneMinusExp, twin::oneMinusExp, [](long double x) { return -std::expm1(-x); },
+     -88, 1e6, 1e-37, 2},
+    {"log1", single::log1, twin::log1, [](long double x) { return std::log(x); }, 1.2e-38, 3.4e38, 1.2e-38,
+     1},
     {"minusLogOneMinus", single::minusLogOneMinus, twin::minusLogOneMinus,
      [](long double x) { return -std::log1p(-x); }, -1e30, 0.99999994, 1e-37, 2},
     {"sin1", single::sin1, twin::sin1, [](long double x) { return std::sin(x); }, -64, 64, 1e-37, 2},
@@ -41,7 +42,8 @@ float argument(Random& random, const Function& f) {
     } else if (kind == 4) {
       x = 1 + random.in(-0.5, 0.5);
     } else {
-      x = random.scale(f.smallest, std::max(std::fabs(f.lo), std::fabs(f.hi))) * (random.below(2) == 0 ? 1 : -1);
+      x = random.scale(f.smallest, std::max(std::fabs(f.lo), std::fabs(f.hi))) *
+          (random.below(2) == 0 ? 1 : -1);
     }
     float rounded = float(x);
     if (rounded >= f.lo && rounded <= f.hi && std::fabs(rounded) >= f.smallest) return rounded;
@@ -132,7 +134,8 @@ TEST(Elementary, PowIsWithinItsStatedError) {
     auto y = float(random.scale(0.1, 1000));
     double truth = std::pow(double(x), double(y));
     if (truth < 1e-30) continue;
-    ASSERT_NEAR(single::pow1(x, y), truth, truth * (2 + std::fabs(y * std::log(x))) * 0x1p-23) << x << "^" << y;
+    ASSERT_NEAR(single::pow1(x, y), truth, truth * (2 + std::fabs(y * std::log(x))) * 0x1p-23)
+        << x << "^" << y;
   }
   EXPECT_EQ(single::pow1(1.0f, 77.0f), 1.0f);
   EXPECT_EQ(single::pow1(0.0f, 0.0f), 1.0f);

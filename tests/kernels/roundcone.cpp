@@ -17,12 +17,17 @@ struct Cone {
 
 double distance(const Cone& c, glm::dvec3 p) {
   auto at = [&](double s) {
-    return glm::distance(p, glm::mix(glm::dvec3(c.a), glm::dvec3(c.b), s)) - (c.ra + s * (double(c.rb) - c.ra));
+    return glm::distance(p, glm::mix(glm::dvec3(c.a), glm::dvec3(c.b), s)) -
+           (c.ra + s * (double(c.rb) - c.ra));
   };
   double lo = 0, hi = 1;
-  for (int i = 0; i < 80; ++i) {
-    double m0 = lo + (hi - lo) * 0.45, m1 = lo + (hi - lo) * 0.55;
-    (at(m0) < at(m1) ? hi : lo) = at(m0) < at(m1) ? m1 : m0;
+  for (int i = 0; i < 50; ++i) {
+    double m0 = lo + (hi - lo) * 0.4, m1 = lo + (hi - lo) * 0.6;
+    if (at(m0) < at(m1)) {
+      hi = m1;
+    } else {
+      lo = m0;
+    }
   }
   return std::min({at(0.5 * (lo + hi)), at(0), at(1)});
 }
@@ -30,10 +35,13 @@ double distance(const Cone& c, glm::dvec3 p) {
 // The least distance along the ray's positive part.
 double leastDistance(const Cone& c, glm::dvec3 o, glm::dvec3 d, double tMax) {
   double lo = 0, hi = tMax;
-  for (int i = 0; i < 60; ++i) {
+  for (int i = 0; i < 45; ++i) {
     double m0 = lo + (hi - lo) * 0.4, m1 = lo + (hi - lo) * 0.6;
-    (distance(c, o + m0 * d) < distance(c, o + m1 * d) ? hi : lo) =
-        distance(c, o + m0 * d) < distance(c, o + m1 * d) ? m1 : m0;
+    if (distance(c, o + m0 * d) < distance(c, o + m1 * d)) {
+      hi = m1;
+    } else {
+      lo = m0;
+    }
   }
   return distance(c, o + 0.5 * (lo + hi) * d);
 }
@@ -42,11 +50,20 @@ Cone makeCone(Random& random) {
   Cone c{glm::vec3(random.point(-1, 1)), glm::vec3(random.point(-1, 1)), float(random.in(0.02, 0.5)),
          float(random.in(0.02, 0.5))};
   switch (random.below(8)) {
-    case 0: c.rb = c.ra; break;
-    case 1: c.rb = 0; break;
-    case 2: c.b = c.a; break;
-    case 3: c.b = c.a + 0.05f * glm::vec3(random.direction()); break;  // often nested
-    default: break;
+    case 0:
+      c.rb = c.ra;
+      break;
+    case 1:
+      c.rb = 0;
+      break;
+    case 2:
+      c.b = c.a;
+      break;
+    case 3:
+      c.b = c.a + 0.05f * glm::vec3(random.direction());
+      break;  // often nested
+    default:
+      break;
   }
   return c;
 }
@@ -54,13 +71,13 @@ Cone makeCone(Random& random) {
 glm::vec3 target(Random& random, const Cone& c) {
   double s = random.unit();
   glm::dvec3 p = glm::mix(glm::dvec3(c.a), glm::dvec3(c.b), s);
-  return glm::vec3(p + (c.ra + s * (double(c.rb) - c.ra)) * random.in(0, 1.2) * random.direction());
+  return glm::vec3(p + (c.ra + s * (double(c.rb) - c.ra)) * random.in(0, 1.6) * random.direction());
 }
 
 TEST(RoundCone, HitsWhatTheDefinitionHitsAndOnItsSurface) {
   Random random(21);
   int hits = 0, misses = 0;
-  for (int i = 0; i < 4'000; ++i) {
+  for (int i = 0; i < 1'000; ++i) {
     Cone c = makeCone(random);
     glm::vec3 o(3.0 * random.direction());
     glm::vec3 d = glm::normalize(target(random, c) - o);
@@ -80,16 +97,17 @@ TEST(RoundCone, HitsWhatTheDefinitionHitsAndOnItsSurface) {
     ASSERT_LE(axial, 1.0f);
     glm::dvec3 centre = glm::mix(glm::dvec3(c.a), glm::dvec3(c.b), double(axial));
     double radius = c.ra + axial * (double(c.rb) - c.ra);
-    if (radius > 1e-3) ASSERT_LE(glm::distance(centre + radius * glm::dvec3(n), p), 2e-5);
+    ASSERT_LE(glm::distance(centre + radius * glm::dvec3(n), p), 2e-5);
     // First: nothing of the body lies before it.
     ASSERT_GE(leastDistance(c, o, d, t * (1 - 1e-5)), -5e-6);
   }
-  EXPECT_GT(hits, 2'000);
-  EXPECT_GT(misses, 200);
+  EXPECT_GT(hits, 500);
+  EXPECT_GT(misses, 50);
 }
 
 TEST(RoundCone, FarRaysHitLikeNearOnes) {
   Random random(22);
+  int hits = 0, grazing = 0;
   for (int i = 0; i < 50'000; ++i) {
     Cone c = makeCone(random);
     double size = std::max(c.ra, c.rb);
@@ -97,18 +115,20 @@ TEST(RoundCone, FarRaysHitLikeNearOnes) {
     glm::dvec3 d = glm::normalize(glm::dvec3(target(random, c)) - glm::dvec3(o));
     glm::vec3 df(d);
     float t, axial;
-    double tTwin, axialTwin, inner;
+    double tTwin, axialTwin;
     glm::vec3 n;
     glm::dvec3 nTwin;
     bool hit = single::hitRoundCone(o, df, c.a, c.b, c.ra, c.rb, 0, t, n, axial);
-    bool grown = twin::hitRoundCone(o, df, c.a, c.b, c.ra * 1.00001, c.rb * 1.00001, 0, tTwin, nTwin, axialTwin);
-    bool shrunk = twin::hitRoundCone(o, df, c.a, c.b, c.ra * 0.99999, c.rb * 0.99999, 0, inner, nTwin, axialTwin);
-    if (grown != shrunk) continue;
-    ASSERT_EQ(hit, grown);
-    if (!hit) continue;
-    ASSERT_LE(t, inner + 1e-3 * size);
-    ASSERT_GE(t, tTwin - 1e-3 * size);
+    bool truth = twin::hitRoundCone(o, df, c.a, c.b, c.ra, c.rb, 0, tTwin, nTwin, axialTwin);
+    grazing += hit != truth;
+    if (!hit || !truth) continue;
+    ++hits;
+    double slant = std::fabs(glm::dot(nTwin, glm::dvec3(df)));
+    ASSERT_NEAR(t, tTwin, 1e-3 * size + 1e-6 / std::max(slant, 1e-3));
+    ASSERT_LE(glm::distance(glm::dvec3(n), nTwin), 2e-3);
   }
+  EXPECT_GT(hits, 20'000);
+  EXPECT_LE(grazing, 5);
 }
 
 TEST(RoundCone, SplitConeIsTheWholeCone) {
@@ -127,18 +147,20 @@ TEST(RoundCone, SplitConeIsTheWholeCone) {
     bool second = single::hitRoundCone(o, d, middle, c.b, rm, c.rb, 0, t1, n1, s1);
     ASSERT_EQ(whole, first || second);
     if (!whole) continue;
+    // At the joint the two touch to second order, so which of them is hit shifts s by the root of the rounding.
     bool useFirst = first && (!second || t0 <= t1);
-    ASSERT_NEAR(useFirst ? t0 : t1, tWhole, 5e-6);
-    ASSERT_NEAR(useFirst ? 0.5f * s0 : 0.5f + 0.5f * s1, s, 1e-5);
-    ASSERT_LE(glm::distance(useFirst ? n0 : n1, n), 2e-5f);
+    float slant = std::max(std::fabs(glm::dot(n, d)), 0.01f);
+    ASSERT_NEAR(useFirst ? t0 : t1, tWhole, 1e-6 / slant);
+    ASSERT_NEAR(useFirst ? 0.5f * s0 : 0.5f + 0.5f * s1, s, 5e-4);
+    ASSERT_LE(glm::distance(useFirst ? n0 : n1, n), 1e-3f);
   }
 }
 
 TEST(RoundCone, DegenerateCasesAreTheBiggerSphere) {
   Random random(24);
-  const Cone cases[] = {{{0, 0, 0}, {0, 0, 0}, 0.5f, 0.25f},      {{0, 0, 0}, {0, 0, 0}, 0.25f, 0.5f},
-                        {{0, 0, 0}, {0.2f, 0, 0}, 0.5f, 0.25f},   {{0.2f, 0, 0}, {0, 0, 0}, 0.25f, 0.5f},
-                        {{0, 0, 0}, {0.25f, 0, 0}, 0.5f, 0.25f},  {{0, 0, 0}, {0, 0, 0}, 0.5f, 0.5f}};
+  const Cone cases[] = {{{0, 0, 0}, {0, 0, 0}, 0.5f, 0.25f},     {{0, 0, 0}, {0, 0, 0}, 0.25f, 0.5f},
+                        {{0, 0, 0}, {0.2f, 0, 0}, 0.5f, 0.25f},  {{0.2f, 0, 0}, {0, 0, 0}, 0.25f, 0.5f},
+                        {{0, 0, 0}, {0.25f, 0, 0}, 0.5f, 0.25f}, {{0, 0, 0}, {0, 0, 0}, 0.5f, 0.5f}};
   for (const Cone& c : cases) {
     for (int i = 0; i < 5'000; ++i) {
       glm::vec3 o(2.0 * random.direction());
