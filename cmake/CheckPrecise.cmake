@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # cmake -DSPIRV_DIS=... -DMODULE=x.spv -P CheckPrecise.cmake: fails unless every + - * / of the module is NoContraction,
 # that is, `precise` in GLSL reaches all of it.
+cmake_minimum_required(VERSION 3.25)
 execute_process(COMMAND ${SPIRV_DIS} --raw-id ${MODULE} OUTPUT_VARIABLE text COMMAND_ERROR_IS_FATAL ANY)
 string(REGEX MATCHALL "%[0-9]+ = Op(FAdd|FSub|FMul|FDiv|Dot|VectorTimesScalar)[^\n]*" operations "${text}")
 string(REGEX MATCHALL "OpDecorate %[0-9]+ NoContraction" decorations "${text}")

@@ -61,12 +61,16 @@ float coordinate(Random& random) {
   }
 }
 
-Case makeCase(Random& random) {
-  Case c{};
+void drawBox(Random& random, Case& c) {
   for (int axis = 0; axis < 3; ++axis) {
     float a = coordinate(random), b = random.below(16) == 0 ? a : coordinate(random);
     c.lo[axis] = std::min(a, b);
     c.hi[axis] = std::max(a, b);
+  }
+}
+
+void drawRay(Random& random, Case& c) {
+  for (int axis = 0; axis < 3; ++axis) {
     switch (random.below(6)) {
       case 0:
         c.origin[axis] = c.lo[axis];
@@ -102,14 +106,15 @@ Case makeCase(Random& random) {
   }
   c.tMin = 0;
   c.tMax = random.below(4) == 0 ? float(random.in(0, 4)) : INFINITY;
-  return c;
 }
 
 TEST(BoxSpan, NoHitOfExactArithmeticIsMissed) {
   Random random(5);
   int hits = 0, missed = 0;
+  Case c{};
   for (int i = 0; i < 10'000'000; ++i) {
-    Case c = makeCase(random);
+    if (i % 8 == 0) drawBox(random, c);
+    drawRay(random, c);
     float tEnter, tExit;
     bool hit = single::boxSpan(c.lo, c.hi, c.origin, c.direction, c.tMin, c.tMax, tEnter, tExit);
     // The costly exact test is needed only where floats say no and doubles cannot decide, and on a share of the rest.
@@ -124,8 +129,10 @@ TEST(BoxSpan, NoHitOfExactArithmeticIsMissed) {
 
 TEST(BoxSpan, SpanContainsTheExactOne) {
   Random random(6);
+  Case c{};
   for (int i = 0; i < 200'000; ++i) {
-    Case c = makeCase(random);
+    if (i % 8 == 0) drawBox(random, c);
+    drawRay(random, c);
     float tEnter, tExit;
     double enter, exit;
     if (!twin::boxSpan(c.lo, c.hi, c.origin, c.direction, c.tMin, c.tMax, enter, exit)) continue;
