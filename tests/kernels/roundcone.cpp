@@ -125,7 +125,10 @@ TEST(RoundCone, FarRaysHitLikeNearOnes) {
     ++hits;
     double slant = std::fabs(glm::dot(nTwin, glm::dvec3(df)));
     ASSERT_NEAR(t, tTwin, 1e-3 * size + 1e-6 / std::max(slant, 1e-3));
-    ASSERT_LE(glm::distance(glm::dvec3(n), nTwin), 1e-3 / std::max(slant, 1e-2));
+    // The hit is off by ulps of the segment, which turn the normal by their share of the radius there.
+    double radius = c.ra + axialTwin * (double(c.rb) - c.ra);
+    double turn = 3e-7 * (glm::distance(c.a, c.b) + size) / radius;
+    ASSERT_LE(glm::distance(glm::dvec3(n), nTwin), turn / std::max(slant, 1e-3));
   }
   EXPECT_GT(hits, 20'000);
   EXPECT_LE(grazing, 5);
