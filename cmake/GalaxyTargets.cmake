@@ -16,6 +16,8 @@ endif()
 
 # One floating-point mode everywhere: no contraction (numerics.md section 1).
 add_compile_options(-Wall -Wextra -ffp-contract=off)
+# g++ 12 folds double -> float -> double to nothing where it vectorizes straight-line code: the rounding is lost.
+add_compile_options(-fno-tree-slp-vectorize)
 if(GALAXY_WERROR)
   add_compile_options(-Werror)
 endif()

@@ -16,10 +16,16 @@
 // Does the ray keep a constant coordinate on this axis?
 FN bool parallelTo(real direction) { return abs(direction) < R(1.2e-38); }
 
-// t at which origin + t direction = face. Needs !parallelTo(direction) and a finite origin; face may be
-// infinite.
+// face - origin, 0 if it or what it is made of is too small for a normal float.
+FN real gapTo(real origin, real face) {
+  real gap = flushSmall(face) - flushSmall(origin);
+  return flushSmall(gap);
+}
+
+// t at which origin + t direction = face. Needs !parallelTo(direction) and a finite origin; face may be infinite.
 FN real faceCrossing(real origin, real direction, real face) {
-  return flushSmall(flushSmall(face - origin) / direction);
+  real t = gapTo(origin, face) / direction;
+  return flushSmall(t);
 }
 
 // The crossing as an entry: -infinity where the ray is parallel to the face.
@@ -38,7 +44,7 @@ FN void slabSpan(real origin, real direction, real lo, real hi, OUT(real) tEnter
   bool forward = direction > R(0.0);
   tEnter = faceBefore(origin, direction, forward ? lo : hi);
   tExit = faceAfter(origin, direction, forward ? hi : lo);
-  bool missed = parallelTo(direction) && (origin < lo || origin > hi);
+  bool missed = parallelTo(direction) && (gapTo(origin, lo) > R(0.0) || gapTo(origin, hi) < R(0.0));
   tEnter = missed ? infinity() : tEnter;
   tExit = missed ? -infinity() : tExit;
 }
@@ -59,6 +65,6 @@ FN bool boxSpan(vec3 lo, vec3 hi, vec3 origin, vec3 direction, real tMin, real t
   slabSpan(origin.z, direction.z, lo.z, hi.z, e2, x2);
   tEnter = max1(max1(e0, e1), max1(e2, tMin));
   real nearest = min1(min1(x0, x1), min1(x2, tMax));
-  tExit = nearest + abs(nearest) * R(3.6e-7);
+  tExit = nearest * (nearest > R(0.0) ? R(1.00000036) : R(0.99999964));
   return tEnter <= tExit;
 }

@@ -7,8 +7,9 @@
 //   UNIFORM                a variable that is the same for all rays (a loop counter)
 //   INOUT(T), OUT(T)       a parameter that is read and written, or written
 //   make_v3, make_i3       constructors
-//   toReal(i), toInt(x)    conversions: int or uint to real; real to int, towards zero
+//   toReal(i), toInt(x)    conversions: int or uint (slow) to real; real to int, towards zero
 //   asUint, asReal         the bits of a float as an integer and back (not in the twin)
+//   asInt                  the bits of a uint as an int
 //   min1, max1             of two reals, with one meaning everywhere
 //   infinity()             +infinity
 //   GXY_TWIN               defined where real is double
@@ -18,7 +19,8 @@
 // has therefore no #pragma once; GLSL and ISPC include each file once, in the same order.
 //
 // In GLSL every real and vec3 is `precise` (glslang says so of parameters with a warning that -w silences), so no compiler
-// may contract or reorder. What a condition compares is computed into a real first, for the same reason.
+// may contract or reorder. `precise` does not reach arithmetic that stands in a condition or in an argument: compute that into
+// a real first (the test kernels_glsl_is_precise finds what is left).
 //
 // What the subset lacks: pointers and buffers (data access is each dialect's own), recursion, structs with
 // member functions, default arguments, `uniform`, implicit conversion between int and real (write toReal(i)).
@@ -36,6 +38,7 @@
 #define UNIFORM
 #define asUint floatBitsToUint
 #define asReal uintBitsToFloat
+#define asInt int
 #define toReal float
 #define toInt int
 FN real infinity() { return asReal(0x7f800000u); }
@@ -58,6 +61,7 @@ FN ivec3 make_i3(int x, int y, int z) {
 }
 FN uint asUint(float x) { return intbits(x); }
 FN float asReal(uint x) { return floatbits(x); }
+FN int asInt(uint x) { return (int)x; }
 FN real infinity() { return floatbits(0x7f800000u); }
 FN real toReal(int i) { return (float)i; }
 FN real toReal(uint i) { return (float)i; }
@@ -84,6 +88,7 @@ FN real infinity() { return std::numeric_limits<real>::infinity(); }
 FN real toReal(int i) { return real(i); }
 FN real toReal(uint i) { return real(i); }
 FN int toInt(real x) { return int(x); }
+FN int asInt(uint x) { return int(x); }
 #if !defined(GXY_TWIN)
 FN uint asUint(float x) { return std::bit_cast<uint>(x); }
 FN float asReal(uint x) { return std::bit_cast<float>(x); }

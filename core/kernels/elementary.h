@@ -57,7 +57,7 @@ FN real exp1(real x) {
   real inside = x >= R(-87.0) ? x : R(-87.0);
   inside = inside < R(88.0) ? inside : R(88.0);
   splitExp(inside, scale, q);
-  return x >= R(-87.0) ? scale + scale * q : R(0.0);
+  return x >= R(-87.0) ? scale * (R(1.0) + q) : R(0.0);
 }
 
 FN real oneMinusExp(real x) {
@@ -72,7 +72,7 @@ FN real oneMinusExp(real x) {
 FN real log1(real x) {
   real inside = x >= R(1.17549435e-38) ? x : R(1.17549435e-38);
   uint bits = asUint(inside) + (0x3f800000u - 0x3f3504f3u);
-  real k = toReal(bits >> 23u) - R(127.0);
+  real k = toReal(asInt(bits >> 23u) - 127);
   // The significand in [sqrt(1/2), sqrt(2)), less 1: exact.
   real f = asReal((bits & 0x007fffffu) + 0x3f3504f3u) - R(1.0);
   real s = f / (R(2.0) + f);

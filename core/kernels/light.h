@@ -10,7 +10,7 @@ FN uint hash1(uint x) {
 FN uint hash2(uint x, uint y) { return hash1(x + hash1(y)); }
 
 // The top 24 bits as a real in [0, 1).
-FN real unitReal(uint bits) { return toReal(bits >> 8u) * R(5.9604644775390625e-8); }
+FN real unitReal(uint bits) { return toReal(asInt(bits >> 8u)) * R(5.9604644775390625e-8); }
 
 // Point `index` of the R2 sequence (Roberts 2018: multiples of the inverse powers of the plastic number),
 // shifted modulo 1 by `scramble` (Cranley & Patterson 1976). In integers, so that index may take any value.
@@ -36,7 +36,8 @@ FN vec3 cosineDirection(vec3 n, real x, real y) {
   tangents(n, s, t);
   real sine;
   real cosine;
-  sincos1(R(6.28318531) * y, sine, cosine);
+  real angle = R(6.28318531) * y;
+  sincos1(angle, sine, cosine);
   real radius = sqrt(x);
   real up = sqrt(R(1.0) - x);
   real p = radius * cosine;

@@ -77,7 +77,8 @@ FN bool hitRoundCone(vec3 origin, vec3 direction, vec3 a, vec3 b, real radiusA, 
   real tExit;
   real xEnter;
   real xExit;
-  coneSpanNear(base, direction, u, radiusEnd - xBase * slope, slope, tEnter, tExit, xEnter, xExit);
+  real radiusBase = radiusEnd - xBase * slope;
+  coneSpanNear(base, direction, u, radiusBase, slope, tEnter, tExit, xEnter, xExit);
   xEnter = xEnter + xBase;
   xExit = xExit + xBase;
   bool coneIn = !nested && xEnter >= R(0.0) && xEnter <= span;
