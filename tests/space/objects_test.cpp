@@ -226,7 +226,10 @@ TEST(Observers, NoCallbackRunsAfterItsSubscriptionEnded) {
   Observers observers;
   std::atomic<bool> done = false;
   std::thread notifier([&] {
-    while (!done) observers.notify({Kind::Updated, kKey, 2});
+    while (!done) {
+      observers.notify({Kind::Updated, kKey, 2});
+      std::this_thread::yield();
+    }
   });
   std::atomic<int> late = 0;
   for (int i = 0; i < 200; ++i) {
