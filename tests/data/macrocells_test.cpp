@@ -43,7 +43,6 @@ VolumeBlock cut(const Grid& grid, const std::vector<T>& field, int components, c
 
 Volume volumeOf(const Grid& grid, ScalarType type, int components) {
   Volume v;
-  v.name = "v";
   v.grid = grid;
   v.stored = type;
   v.components = components;

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gxy/space/directory.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "gxy/comm/error.h"
+
+namespace gxy {
+
+void Directory::checkMayChange(const std::string& tenant, const std::string& name,
+                               const DirectoryEntry& entry) {
+  if (entry.readOnly && entry.owner != tenant) {
+    throw Error("name '" + name + "': it is read-only and belongs to " + entry.owner +
+                ", expected a name of your own");
+  }
+}
+
+std::optional<DirectoryEntry> Directory::bind(const std::string& name, Scope scope, DirectoryEntry entry) {
+  if (name.empty()) throw Error("name: it is empty, expected one character or more");
+  const std::lock_guard lock(mutex_);
+  Names& names = scope == Scope::Shared ? shared_ : private_[entry.owner];
+  const auto at = names.find(name);
+  if (at == names.end()) {
+    names.emplace(name, std::move(entry));
+    return std::nullopt;
+  }
+  checkMayChange(entry.owner, name, at->second);
+  return std::exchange(at->second, std::move(entry));
+}
+
+std::optional<DirectoryEntry> Directory::find(const std::string& tenant, const std::string& name) const {
+  const std::lock_guard lock(mutex_);
+  if (const auto own = private_.find(tenant); own != private_.end()) {
+    if (const auto at = own->second.find(name); at != own->second.end()) return at->second;
+  }
+  if (const auto at = shared_.find(name); at != shared_.end()) return at->second;
+  return std::nullopt;
+}
+
+DirectoryEntry Directory::get(const std::string& tenant, const std::string& name) const {
+  if (auto entry = find(tenant, name)) return *std::move(entry);
+  throw Error("name '" + name + "': there is none, expected a name in your directory or the shared one");
+}
+
+DirectoryEntry Directory::remove(const std::string& tenant, const std::string& name, Scope scope) {
+  const std::lock_guard lock(mutex_);
+  Names& names = scope == Scope::Shared ? shared_ : private_[tenant];
+  const auto at = names.find(name);
+  if (at == names.end()) {
+    throw Error("name '" + name + "': there is none in " +
+                (scope == Scope::Shared ? "the shared directory" : "your directory") +
+                ", expected one to remove");
+  }
+  checkMayChange(tenant, name, at->second);
+  DirectoryEntry removed = std::move(at->second);
+  names.erase(at);
+  return removed;
+}
+
+std::vector<Directory::Listed> Directory::list(const std::string& tenant) const {
+  const std::lock_guard lock(mutex_);
+  std::vector<Listed> all;
+  if (const auto own = private_.find(tenant); own != private_.end()) {
+    for (const auto& [name, entry] : own->second) all.push_back({name, Scope::Private, entry});
+  }
+  for (const auto& [name, entry] : shared_) all.push_back({name, Scope::Shared, entry});
+  std::stable_sort(all.begin(), all.end(), [](const Listed& a, const Listed& b) { return a.name < b.name; });
+  return all;
+}
+
+}  // namespace gxy

@@ -1,0 +1,197 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gxy/space/objects.h"
+
+#include <condition_variable>
+#include <mutex>
+#include <string>
+#include <unordered_map>
+#include <utility>
+
+#include "gxy/comm/error.h"
+
+namespace gxy {
+
+struct Pin::Buffer {
+  Payload payload;
+  Generation generation = 0;
+  int pins = 0;  ///< guarded by State::mutex
+};
+
+struct Pin::State {
+  struct Object {
+    WhenTaken whenTaken;
+    std::shared_ptr<Buffer> current, previous;
+    bool reserved = false;
+    Payload staged;
+  };
+
+  mutable std::mutex mutex;
+  std::condition_variable changed;  ///< a pin was released, an update ended, an object was dropped
+  std::unordered_map<Key, Object> objects;
+
+  Object& at(Key key) {
+    const auto found = objects.find(key);
+    if (found == objects.end()) {
+      throw Error("object " + std::to_string(key.value) + ": there is none, expected a key in use");
+    }
+    return found->second;
+  }
+};
+
+namespace {
+
+[[noreturn]] void fail(Key key, const std::string& what) {
+  throw Error("object " + std::to_string(key.value) + ": " + what);
+}
+
+}  // namespace
+
+Pin& Pin::operator=(Pin&& other) {
+  if (this != &other) {
+    release();
+    state_ = std::move(other.state_);
+    buffer_ = std::move(other.buffer_);
+  }
+  return *this;
+}
+
+void Pin::release() {
+  if (!buffer_) return;
+  {
+    const std::lock_guard lock(state_->mutex);
+    --buffer_->pins;
+  }
+  state_->changed.notify_all();
+  buffer_.reset();
+  state_.reset();
+}
+
+const Payload& Pin::payload() const {
+  if (!buffer_) throw Error("pin: it is empty, expected one that holds an object");
+  return buffer_->payload;
+}
+
+Generation Pin::generation() const { return buffer_ ? buffer_->generation : 0; }
+
+Objects::Objects(Observers& observers) : observers_(observers), state_(std::make_shared<Pin::State>()) {}
+
+void Objects::add(Key key, Payload payload, WhenTaken whenTaken) {
+  if (!key.valid()) fail(key, "the key is invalid, expected one from a KeySource");
+  auto buffer = std::make_shared<Pin::Buffer>();
+  buffer->payload = std::move(payload);
+  buffer->generation = 1;
+  {
+    const std::lock_guard lock(state_->mutex);
+    const auto [at, isNew] = state_->objects.try_emplace(key);
+    if (!isNew) fail(key, "it exists, expected a new key");
+    at->second.whenTaken = whenTaken;
+    at->second.current = std::move(buffer);
+  }
+  observers_.notify({ObjectEvent::Kind::Added, key, 1});
+}
+
+bool Objects::contains(Key key) const {
+  const std::lock_guard lock(state_->mutex);
+  return state_->objects.contains(key);
+}
+
+void Objects::drop(Key key) {
+  Pin::State::Object dropped;  // freed after the lock is
+  {
+    const std::lock_guard lock(state_->mutex);
+    dropped = std::move(state_->at(key));
+    state_->objects.erase(key);
+  }
+  state_->changed.notify_all();
+  observers_.notify({ObjectEvent::Kind::Dropped, key, dropped.current->generation});
+}
+
+Pin Objects::pin(Key key) const {
+  Pin pin;
+  const std::lock_guard lock(state_->mutex);
+  pin.buffer_ = state_->at(key).current;
+  pin.state_ = state_;
+  ++pin.buffer_->pins;
+  return pin;
+}
+
+Pin Objects::pin(Key key, Generation generation) const {
+  const std::lock_guard lock(state_->mutex);
+  const Pin::State::Object& object = state_->at(key);
+  for (const auto& buffer : {object.current, object.previous}) {
+    if (!buffer || buffer->generation != generation) continue;
+    Pin pin;
+    pin.buffer_ = buffer;
+    pin.state_ = state_;
+    ++buffer->pins;
+    return pin;
+  }
+  fail(key, "generation " + std::to_string(generation) + " is not here, expected " +
+                std::to_string(object.current->generation) +
+                (object.previous ? " or " + std::to_string(object.previous->generation) : std::string()));
+}
+
+bool Objects::reserve(Key key) {
+  std::shared_ptr<Pin::Buffer> freed;
+  Generation stays = 0;
+  {
+    std::unique_lock lock(state_->mutex);
+    const auto deadline = std::chrono::steady_clock::now() + state_->at(key).whenTaken.wait;
+    // Looked up anew each time: the object may be dropped while this waits.
+    const auto isFree = [&] {
+      const Pin::State::Object& object = state_->at(key);
+      return !object.reserved && (!object.previous || object.previous->pins == 0);
+    };
+    const bool free = state_->changed.wait_until(lock, deadline, isFree);
+    Pin::State::Object& object = state_->at(key);
+    stays = object.current->generation;
+    if (free) {
+      object.reserved = true;
+      freed = std::move(object.previous);
+      return true;
+    }
+  }
+  observers_.notify({ObjectEvent::Kind::Skipped, key, stays});
+  return false;
+}
+
+void Objects::stage(Key key, Payload payload) {
+  if (payload.empty()) fail(key, "nothing was staged, expected data");
+  const std::lock_guard lock(state_->mutex);
+  Pin::State::Object& object = state_->at(key);
+  if (!object.reserved) fail(key, "data were staged without a buffer, expected reserve() first");
+  if (!object.staged.empty()) fail(key, "data were staged twice, expected commit() or abandon() in between");
+  object.staged = std::move(payload);
+}
+
+void Objects::commit(Key key, Generation generation) {
+  auto buffer = std::make_shared<Pin::Buffer>();
+  {
+    const std::lock_guard lock(state_->mutex);
+    Pin::State::Object& object = state_->at(key);
+    if (object.staged.empty()) fail(key, "nothing is staged, expected data before a commit");
+    if (generation <= object.current->generation) {
+      fail(key, "generation " + std::to_string(generation) + " was committed, expected one after " +
+                    std::to_string(object.current->generation));
+    }
+    buffer->payload = std::exchange(object.staged, {});
+    buffer->generation = generation;
+    object.previous = std::exchange(object.current, std::move(buffer));
+    object.reserved = false;
+  }
+  state_->changed.notify_all();
+  observers_.notify({ObjectEvent::Kind::Updated, key, generation});
+}
+
+void Objects::abandon(Key key) {
+  Payload freed;
+  {
+    const std::lock_guard lock(state_->mutex);
+    Pin::State::Object& object = state_->at(key);
+    freed = std::exchange(object.staged, {});
+    object.reserved = false;
+  }
+  state_->changed.notify_all();
+}
+
+}  // namespace gxy

@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: Apache-2.0
+// The objects of the data space on one rank: immutable data by key and generation, pinned by frames, updated
+// in steps.
+//
+// An update takes three calls on every rank: reserve() the second buffer (before the new data are made, so
+// that there are never three), stage() the data, and, when rank 0 says that they are complete everywhere,
+// commit() the generation that it assigned. If a rank could not reserve, rank 0 has all others abandon().
+//
+// The previous generation stays until its buffer is reserved again. A frame whose first message is still on
+// its way holds a pin on rank 0 only, so rank 0 grants a reservation after the frames that use the previous
+// generation are complete.
+#pragma once
+#include <chrono>
+#include <memory>
+
+#include "gxy/space/key.h"
+#include "gxy/space/observers.h"
+#include "gxy/space/payload.h"
+
+namespace gxy {
+
+/// Keeps one generation of one object for a frame, never for a client. Move-only; may outlive the Objects.
+class Pin {
+ public:
+  Pin() = default;
+  Pin(Pin&& other) = default;
+  Pin& operator=(Pin&& other);
+  ~Pin() { release(); }
+  void release();
+
+  explicit operator bool() const { return buffer_ != nullptr; }
+  Generation generation() const;
+  /// The data; not to be kept beyond the pin. Throws Error if they are of another type.
+  template <typename T>
+  std::shared_ptr<const T> get() const {
+    return payload().get<T>();
+  }
+
+ private:
+  friend class Objects;
+  struct State;
+  struct Buffer;
+  const Payload& payload() const;
+
+  std::shared_ptr<State> state_;
+  std::shared_ptr<Buffer> buffer_;
+};
+
+/// What a publisher chose for the case that both buffers are taken: skip the step (wait 0), or wait this long
+/// first.
+struct WhenTaken {
+  std::chrono::milliseconds wait{0};
+};
+
+/// The objects of one rank. Thread safe; observers are called after the change, no lock held. Every function
+/// that takes a key throws Error if there is no such object.
+class Objects {
+ public:
+  /// `observers` must outlive this.
+  explicit Objects(Observers& observers);
+
+  /// A new object with generation 1. Throws Error if the key is in use or invalid.
+  void add(Key key, Payload payload, WhenTaken whenTaken = {});
+  bool contains(Key key) const;
+  /// Forgets the object; its data live until the last pin goes.
+  void drop(Key key);
+
+  /// The current generation, or a given one: throws Error if it is neither the current nor the previous one.
+  Pin pin(Key key) const;
+  Pin pin(Key key, Generation generation) const;
+
+  /// Makes room for the next generation. False, and a Skipped event, if both buffers are still taken after
+  /// the wait that was chosen: by a pinned previous generation or by another update.
+  bool reserve(Key key);
+  /// Puts data in the reserved buffer. Throws Error unless it is reserved and still empty.
+  void stage(Key key, Payload payload);
+  /// Makes the staged data the current generation. Throws Error unless data are staged and the generation is
+  /// newer.
+  void commit(Key key, Generation generation);
+  /// Gives the reserved buffer up, with what was staged in it, if any.
+  void abandon(Key key);
+
+ private:
+  Observers& observers_;
+  std::shared_ptr<Pin::State> state_;
+};
+
+}  // namespace gxy
