@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gxy/rays/backend.h"
+
+#include "gxy/comm/error.h"
+
+namespace gxy {
+
+TraceCounters& TraceCounters::operator+=(const TraceCounters& o) {
+  raysSpawned += o.raysSpawned;
+  raysTraced += o.raysTraced;
+  raysShaded += o.raysShaded;
+  secondariesSpawned += o.secondariesSpawned;
+  samples += o.samples;
+  macrocells += o.macrocells;
+  macrocellsSkipped += o.macrocellsSkipped;
+  cells += o.cells;
+  isoMacrocellsSkipped += o.isoMacrocellsSkipped;
+  nsSpawn += o.nsSpawn;
+  nsGeometry += o.nsGeometry;
+  nsSurfaces += o.nsSurfaces;
+  nsIntegrate += o.nsIntegrate;
+  nsShade += o.nsShade;
+  nsRoute += o.nsRoute;
+  return *this;
+}
+
+std::unique_ptr<Backend> BackendRegistry::make(const std::string& name) const {
+  std::string known = "auto";
+  for (const auto& [n, maker] : makers_) {
+    if (name == n || name == "auto") return maker();
+    known += ", " + n;
+  }
+  throw Error("backend \"" + name + "\" is not in this program; expected one of: " + known);
+}
+
+}  // namespace gxy

@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: Apache-2.0
+// Backend: answers ray lists on one kind of device. The core never sees a device pointer, a backend never sees MPI.
+#pragma once
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "gxy/rays/compiled_frame.h"
+#include "gxy/rays/compiled_scene.h"
+#include "gxy/rays/ray_list.h"
+
+namespace gxy {
+
+/// What was done, and what was skipped. Counters of one call; they add.
+struct TraceCounters {
+  uint64_t raysSpawned = 0;         ///< primaries
+  uint64_t raysTraced = 0;          ///< ray visits to a partition
+  uint64_t raysShaded = 0;          ///< surface hits of primaries
+  uint64_t secondariesSpawned = 0;
+  uint64_t samples = 0;             ///< of volumes
+  uint64_t macrocells = 0, macrocellsSkipped = 0;          ///< of the march
+  uint64_t cells = 0, isoMacrocellsSkipped = 0;            ///< of the isosurface walk
+  uint64_t nsSpawn = 0, nsGeometry = 0, nsSurfaces = 0, nsIntegrate = 0, nsShade = 0, nsRoute = 0;  ///< nanoseconds
+
+  TraceCounters& operator+=(const TraceCounters& o);
+};
+
+/// Rays that leave a packet for a partition; all primaries or all secondaries.
+struct LeavingRays {
+  int partition = 0;
+  bool primary = true;
+  RayList rays;
+};
+
+/// What became of a packet.
+struct TraceResult {
+  std::vector<LeavingRays> leaving;        ///< forwarded rays and new secondaries (which may stay in this partition)
+  std::vector<Contribution> contributions;
+  std::vector<DepthContribution> depths;   ///< only if the frame wants them
+  uint64_t retired = 0;                    ///< rays of the packet that have ended
+  uint64_t secondaries = 0;                ///< rays that were made
+  TraceCounters counters;
+};
+
+/// Pixels [x0, x1) x [y0, y1), at most kTile on a side, and one sample.
+struct Tile {
+  int x0, y0, x1, y1, sample;
+};
+inline constexpr int kTile = 32;
+
+/// A frame as a device holds it. Immutable.
+class DeviceFrame {
+ public:
+  virtual ~DeviceFrame() = default;
+};
+
+/// A compiled scene on a device, for the partitions of one rank; shared by all frames that show it. Calls may come from
+/// any number of threads at once. `done` is called once, with the result, on any thread, possibly before the call
+/// returns.
+class DeviceScene {
+ public:
+  using Done = std::function<void(TraceResult)>;
+  virtual ~DeviceScene() = default;
+
+  virtual std::shared_ptr<const DeviceFrame> makeFrame(const CompiledFrame& frame) const = 0;
+
+  /// Primary rays whose first visible partition is one of this rank's, as leaving rays.
+  virtual void spawn(const DeviceFrame& frame, const Tile& tile, Done done) const = 0;
+
+  /// Traces rays through a local partition until each has ended or left it: trace, act and route in one go.
+  virtual void trace(const DeviceFrame& frame, int partition, bool primary, RayList rays, Done done) const = 0;
+
+  /// Bytes that the device holds besides the data.
+  virtual size_t bytes() const = 0;
+};
+
+class Backend {
+ public:
+  virtual ~Backend() = default;
+  virtual std::string name() const = 0;
+  virtual std::string device() const = 0;  ///< for people: device and instruction set
+  virtual std::unique_ptr<DeviceScene> makeScene(std::shared_ptr<const CompiledScene> scene, int rank) const = 0;
+};
+
+/// Backends by name; a program registers those that it links. Not thread safe.
+class BackendRegistry {
+ public:
+  using Maker = std::function<std::unique_ptr<Backend>()>;
+  /// The first that is added is what `auto` means.
+  void add(std::string name, Maker maker) { makers_.emplace_back(std::move(name), std::move(maker)); }
+  /// Throws Error naming what there is.
+  std::unique_ptr<Backend> make(const std::string& name) const;
+
+ private:
+  std::vector<std::pair<std::string, Maker>> makers_;
+};
+
+}  // namespace gxy

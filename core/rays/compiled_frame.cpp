@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gxy/rays/compiled_frame.h"
+
+#include <glm/geometric.hpp>
+
+namespace gxy {
+
+CompiledFrame compileFrame(const CompiledScene& scene, const Camera& camera, uint32_t number, bool depth) {
+  const CameraBasis world = cameraBasis(camera);
+  const RenderSpace& space = scene.space;
+  CompiledFrame frame;
+  frame.basis = world;
+  frame.basis.eye = space.toRender(world.eye);
+  if (world.orthographic) {
+    frame.basis.corner = space.toRender(world.corner);
+    frame.basis.du = world.du * space.scale;
+    frame.basis.dv = world.dv * space.scale;
+  }
+  frame.width = camera.dimensions.x;
+  frame.height = camera.dimensions.y;
+  frame.samples = scene.settings.raysPerPixel;
+  frame.number = number;
+  frame.depth = depth;
+  frame.worldPerRender = 1 / space.scale;
+
+  const glm::dvec3 right = glm::normalize(world.du), up = glm::normalize(world.dv);
+  for (const Light& light : scene.visualization.lighting.sources) {
+    if (light.type == LightType::Directional) {
+      const glm::dvec3 v = glm::length(light.v) > 0 ? glm::normalize(light.v) : glm::dvec3(1 / std::sqrt(3.0));
+      frame.lights.push_back({0.f, float(v.x), float(v.y), float(v.z)});
+    } else {
+      const glm::dvec3 at = light.type == LightType::Point
+                                ? light.v
+                                : world.eye + light.v.x * right + light.v.y * up + light.v.z * world.view;
+      const glm::dvec3 p = space.toRender(at);
+      frame.lights.push_back({1.f, float(p.x), float(p.y), float(p.z)});
+    }
+  }
+  return frame;
+}
+
+}  // namespace gxy
