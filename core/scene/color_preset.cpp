@@ -63,7 +63,7 @@ ColorMap colors(const JsonValue& preset, const std::string& sourceName) {
     points.push_back({flat[i], {channel(1), channel(2), channel(3)}});
   }
   std::stable_sort(points.begin(), points.end(), [](auto& a, auto& b) { return a.value < b.value; });
-  constexpr size_t kMostCurved = 1024;  // far beyond any real preset; each may become 512 points
+  constexpr size_t kMostCurved = 1024;  // far beyond any real preset; each may become 2048 points
   if (space != ColorSpace::RGB && points.size() > kMostCurved) {
     fail(sourceName, member->value.at,
          "`RGBPoints`: expected at most 1024 colours in a `ColorSpace` other than RGB");

@@ -19,7 +19,7 @@ class Refiner {
 
  private:
   static constexpr double kTolerance = 1.0 / 1024;
-  static constexpr int kMinDepth = 1, kMaxDepth = 9;
+  static constexpr int kMinDepth = 1, kMaxDepth = 11;
 
   glm::dvec3 color(double fraction) const { return interpolate(a_.rgb, b_.rgb, fraction, space_, wrapHue_); }
 

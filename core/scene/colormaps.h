@@ -43,7 +43,7 @@ glm::dvec3 interpolate(const glm::dvec3& from, const glm::dvec3& to, double frac
                        bool wrapHue);
 
 /// The map that follows points joined in a colour space, as one that is linear in RGB: within 1/1024, at the
-/// price of up to 511 more points between each two. Points ascend, at least one.
+/// price of up to 2047 more points between each two. Points ascend, at least one.
 ColorMap resampled(const std::vector<ColorPoint>& points, ColorSpace space, bool wrapHue);
 
 /// What a ParaView JSON preset (an array whose first element is used, or the object itself) says: `RGBPoints`

@@ -41,7 +41,7 @@ class RandomState {
   }
 
   DatasetSpec dataset(int i) {
-    return {"d" + std::to_string(i) + text(),
+    return {std::to_string(i).append(text()),
             DatasetType(integer(0, 3)),
             text(),
             text(),

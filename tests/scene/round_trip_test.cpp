@@ -33,7 +33,8 @@ TEST(RoundTrip, SavedFilesLoadWithoutWarnings) {
   Vis vis;
   vis.dataset = "v";
   vis.volumeRendering = true;
-  state.visualizations.push_back({"", {}, {vis}});
+  state.visualizations.emplace_back();
+  state.visualizations.back().operators.push_back(vis);
   state.cameras.emplace_back();
   const StateFile back = readState(writeState(state), "saved");
   EXPECT_TRUE(back.warnings.empty()) << back.warnings.front();

@@ -36,17 +36,17 @@ TEST(StateMessages, AWrongValueNamesPlaceKeyExpectationAndFinding) {
   EXPECT_EQ(errorFor(R"({"Camera": {"dimensions": [512, 0]}})"),
             "state.json:1:33: `dimensions[1]`: expected an integer 1 to 65536, found 0");
   EXPECT_EQ(operatorError(R"("type": "Volume", "isovalues": 3)"),
-            "state.json:2:50: `isovalues`: expected a list of numbers, found 3");
+            "state.json:2:49: `isovalues`: expected a list of numbers, found 3");
   EXPECT_EQ(operatorError(R"("type": "Volume", "volume rendering": 1)"),
-            "state.json:2:57: `volume rendering`: expected true or false, found 1");
+            "state.json:2:56: `volume rendering`: expected true or false, found 1");
   EXPECT_EQ(operatorError(R"("type": "Volume", "slices": [[0, 0, 0, 1]])"),
-            "state.json:2:48: `slices[0]`: expected [a, b, c, d] for a*x + b*y + c*z = d, with a, b, c not "
+            "state.json:2:47: `slices[0]`: expected [a, b, c, d] for a*x + b*y + c*z = d, with a, b, c not "
             "all 0, found "
             "an array of 4 values");
   EXPECT_EQ(operatorError(R"("type": "Volume", "data range": [2, 1])"),
-            "state.json:2:51: `data range`: expected [min, max] with min <= max, found an array of 2 values");
+            "state.json:2:50: `data range`: expected [min, max] with min <= max, found an array of 2 values");
   EXPECT_EQ(operatorError(R"("type": "Volume", "colormap": [])"),
-            "state.json:2:49: `colormap`: expected a list of [value, r, g, b], or the name of a map (at "
+            "state.json:2:48: `colormap`: expected a list of [value, r, g, b], or the name of a map (at "
             "least one), found "
             "an array of 0 values");
   EXPECT_EQ(errorFor("[]"), "state.json:1:1: expected an object (state file), found an array of 0 values");
@@ -123,7 +123,7 @@ TEST(StateMessages, KeysWithoutEffectWarn) {
   EXPECT_EQ(
       warningFor(
           R"({"Visualization": {"operators": [{"type": "Triangles", "dataset": "d", "isovalues": [1]}]}})"),
-      "state.json:1:71: `isovalues` has no effect on this type of operator");
+      "state.json:1:72: `isovalues` has no effect on this type of operator");
   EXPECT_NE(warningFor(R"({"Visualization": {"operators": [{"type": "Volume", "dataset": "d"}]}})")
                 .find("shows nothing"),
             std::string::npos);

@@ -87,7 +87,7 @@ TEST(UpstreamState, ARadialVolumeWithSlicesIsosurfacesAndOldLighting) {
   EXPECT_EQ(file.warnings.size(), 3u);
   EXPECT_EQ(countOf(file.warnings, "state.json:3:16: `epsilon`: deprecated"), 1u);
   EXPECT_EQ(countOf(file.warnings, "state.json:4:17: deprecated: `Lighting` of the renderer"), 1u);
-  EXPECT_EQ(countOf(file.warnings, "state.json:24:3: unknown key `zVisualizations`"), 1u);
+  EXPECT_EQ(countOf(file.warnings, "state.json:22:3: unknown key `zVisualizations`"), 1u);
 }
 
 TEST(UpstreamState, SingularKeysTakeOneObject) {
