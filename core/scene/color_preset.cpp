@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
-#include <cmath>
 
 #include "gxy/comm/error.h"
 #include "gxy/scene/colormaps.h"
@@ -49,45 +48,6 @@ ColorSpace colorSpace(const JsonValue& preset, bool& wrapHue, const std::string&
        "`ColorSpace`: expected RGB, HSV, Lab or Diverging, found " + member->value.describe());
 }
 
-/// Appends points between a and b (both excluded) until straight lines in RGB follow the colour space's
-/// curve.
-class Refiner {
- public:
-  Refiner(const ColorPoint& a, const ColorPoint& b, ColorSpace space, bool wrapHue,
-          std::vector<ColorPoint>& out)
-      : a_(a), b_(b), space_(space), wrapHue_(wrapHue), out_(out) {}
-
-  void refine() { refine(0, a_.rgb, 1, b_.rgb, 0); }
-
- private:
-  static constexpr double kTolerance = 1.0 / 1024;
-  static constexpr int kMinDepth = 2, kMaxDepth = 9;
-
-  glm::dvec3 color(double fraction) const { return interpolate(a_.rgb, b_.rgb, fraction, space_, wrapHue_); }
-
-  bool straight(double f0, const glm::dvec3& c0, double f1, const glm::dvec3& c1) const {
-    for (const double part : {0.25, 0.5, 0.75}) {
-      const glm::dvec3 off = color(f0 + (f1 - f0) * part) - (c0 * (1 - part) + c1 * part);
-      if (std::max({std::abs(off.r), std::abs(off.g), std::abs(off.b)}) > kTolerance / 2) return false;
-    }
-    return true;
-  }
-
-  void refine(double f0, const glm::dvec3& c0, double f1, const glm::dvec3& c1, int depth) {
-    if (depth >= kMaxDepth || (depth >= kMinDepth && straight(f0, c0, f1, c1))) return;
-    const double middle = (f0 + f1) / 2;
-    const glm::dvec3 c = color(middle);
-    refine(f0, c0, middle, c, depth + 1);
-    out_.push_back({a_.value * (1 - middle) + b_.value * middle, c});
-    refine(middle, c, f1, c1, depth + 1);
-  }
-
-  const ColorPoint &a_, &b_;
-  ColorSpace space_;
-  bool wrapHue_;
-  std::vector<ColorPoint>& out_;
-};
-
 ColorMap colors(const JsonValue& preset, const std::string& sourceName) {
   const JsonMember* member = preset.find("RGBPoints");
   if (!member) {
@@ -103,18 +63,12 @@ ColorMap colors(const JsonValue& preset, const std::string& sourceName) {
     points.push_back({flat[i], {channel(1), channel(2), channel(3)}});
   }
   std::stable_sort(points.begin(), points.end(), [](auto& a, auto& b) { return a.value < b.value; });
-  if (space == ColorSpace::RGB) return {std::move(points)};
-
-  constexpr size_t kMostPoints = 65536;  // far beyond any real preset; keeps a hostile one small
-  ColorMap map{{points.front()}};
-  for (size_t i = 1; i < points.size(); ++i) {
-    if (points[i - 1].value < points[i].value) {
-      Refiner(points[i - 1], points[i], space, wrapHue, map.points).refine();
-    }
-    map.points.push_back(points[i]);
-    if (map.points.size() > kMostPoints) fail(sourceName, member->value.at, "`RGBPoints`: too many points");
+  constexpr size_t kMostCurved = 1024;  // far beyond any real preset; each may become 2048 points
+  if (space != ColorSpace::RGB && points.size() > kMostCurved) {
+    fail(sourceName, member->value.at,
+         "`RGBPoints`: expected at most 1024 colours in a `ColorSpace` other than RGB");
   }
-  return map;
+  return resampled(points, space, wrapHue);
 }
 
 }  // namespace

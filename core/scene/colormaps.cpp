@@ -58,13 +58,7 @@ ColorMap fromTable(std::string_view table) {
 ColorMap coolToWarm() {
   const glm::dvec3 cool{59.0 / 255, 76.0 / 255, 192.0 / 255};
   const glm::dvec3 warm{180.0 / 255, 4.0 / 255, 38.0 / 255};
-  constexpr int kIntervals = 64;  // within 2e-4 of the continuous definition
-  ColorMap map;
-  for (int i = 0; i <= kIntervals; ++i) {
-    const double value = double(i) / kIntervals;
-    map.points.push_back({value, interpolate(cool, warm, value, ColorSpace::Diverging, false)});
-  }
-  return map;
+  return resampled({{0, cool}, {1, warm}}, ColorSpace::Diverging, false);
 }
 
 std::string folded(std::string_view name) {

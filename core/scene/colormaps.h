@@ -42,8 +42,12 @@ enum class ColorSpace { RGB, HSV, Lab, Diverging };
 glm::dvec3 interpolate(const glm::dvec3& from, const glm::dvec3& to, double fraction, ColorSpace space,
                        bool wrapHue);
 
+/// The map that follows points joined in a colour space, as one that is linear in RGB: within 1/1024, at the
+/// price of up to 2047 more points between each two. Points ascend, at least one.
+ColorMap resampled(const std::vector<ColorPoint>& points, ColorSpace space, bool wrapHue);
+
 /// What a ParaView JSON preset (an array whose first element is used, or the object itself) says: `RGBPoints`
-/// in its `ColorSpace`, resampled to linear RGB within 1/1024, and `Points` (value, opacity, midpoint,
+/// in its `ColorSpace`, resampled to linear RGB, and `Points` (value, opacity, midpoint,
 /// sharpness; the last two are not used) where present. Throws Error with the position in `sourceName` where
 /// the preset has no usable points.
 struct ColorPreset {

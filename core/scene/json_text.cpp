@@ -214,7 +214,7 @@ const JsonMember* JsonValue::find(std::string_view key) const {
 
 std::string JsonValue::describe() const {
   if (const bool* b = boolean()) return *b ? "true" : "false";
-  if (const JsonNumber* n = number()) return nlohmann::json(n->value).dump();
+  if (const JsonNumber* n = number()) return numberText(n->value);
   if (const std::string* s = string()) return inQuotes(*s);
   if (const Array* a = array())
     return "an array of " + std::to_string(a->size()) + (a->size() == 1 ? " value" : " values");
@@ -236,6 +236,11 @@ JsonValue parseJson(std::string_view text, const std::string& sourceName) {
 
 std::string locationPrefix(const std::string& sourceName, TextPosition at) {
   return sourceName + ":" + std::to_string(at.line) + ":" + std::to_string(at.column) + ": ";
+}
+
+std::string numberText(double x) {
+  if (x == std::floor(x) && std::abs(x) < 1e15) return std::to_string(static_cast<long long>(x));
+  return nlohmann::json(x).dump();
 }
 
 std::string inQuotes(std::string_view text, char quote) {

@@ -64,6 +64,9 @@ JsonValue parseJson(std::string_view text, const std::string& sourceName);
 /// "SOURCE:LINE:COLUMN: ", the start of every message about a text.
 std::string locationPrefix(const std::string& sourceName, TextPosition at);
 
+/// A number for a message: whole numbers without a point.
+std::string numberText(double x);
+
 /// User text for a message: in the given quotes, control characters replaced, cut when long.
 std::string inQuotes(std::string_view text, char quote = '"');
 

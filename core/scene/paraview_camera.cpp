@@ -27,7 +27,8 @@ double parseNumber(std::string_view text, const std::string& where) {
 
 /// The value of an attribute inside an XML start tag.
 std::optional<std::string_view> attribute(std::string_view tag, std::string_view name) {
-  const std::string wanted = " " + std::string(name) + "=\"";
+  std::string wanted(1, ' ');
+  wanted.append(name).append("=\"");
   const size_t at = tag.find(wanted);
   if (at == std::string_view::npos) return std::nullopt;
   const std::string_view rest = tag.substr(at + wanted.size());
@@ -53,7 +54,8 @@ Properties fromXml(std::string_view text, const std::string& sourceName) {
       current.clear();
     } else if (tag.starts_with("<Element ") && !current.empty()) {
       const auto value = attribute(tag, "value");
-      if (value) out[current].push_back(parseNumber(*value, sourceName + ": " + inQuotes(current, '`') + ": "));
+      if (value)
+        out[current].push_back(parseNumber(*value, sourceName + ": " + inQuotes(current, '`') + ": "));
     }
   }
   return out;

@@ -5,20 +5,13 @@
 #include <cctype>
 #include <climits>
 #include <cmath>
-#include <cstring>
 #include <fstream>
-#include <nlohmann/json.hpp>
 #include <numeric>
 
 #include "gxy/comm/error.h"
 
 namespace gxy {
 namespace {
-
-std::string shortest(double x) {
-  if (x == std::floor(x) && std::abs(x) < 1e15) return std::to_string(static_cast<long long>(x));
-  return nlohmann::json(x).dump();
-}
 
 std::string lower(std::string_view s) {
   std::string out(s);
@@ -59,10 +52,12 @@ void ReadContext::fail(TextPosition at, const std::string& message) const {
 
 std::string Limits::text() const {
   const bool below = std::isfinite(min), above = std::isfinite(max);
-  if (below && above && !openMin && !openMax) return shortest(min) + " to " + shortest(max);
-  const std::string low = below ? (openMin ? "> " : ">= ") + shortest(min) : "";
-  const std::string high = above ? (openMax ? "< " : "<= ") + shortest(max) : "";
-  return low + (below && above ? " and " : "") + high;
+  if (below && above && !openMin && !openMax) return numberText(min) + " to " + numberText(max);
+  std::string out;
+  if (below) out.append(openMin ? "> " : ">= ").append(numberText(min));
+  if (below && above) out.append(" and ");
+  if (above) out.append(openMax ? "< " : "<= ").append(numberText(max));
+  return out;
 }
 
 void Found::fail(const std::string& expected) const {
@@ -116,7 +111,8 @@ std::vector<double> Found::numbers(size_t smallest, size_t largest, const std::s
   out.reserve(items->size());
   for (const JsonValue& item : *items) {
     if (!item.number())
-      context.fail(item.at, inQuotes(key, '`') + ": expected " + expected + ", found in it " + item.describe());
+      context.fail(item.at,
+                   inQuotes(key, '`') + ": expected " + expected + ", found in it " + item.describe());
     out.push_back(item.number()->value);
   }
   return out;
@@ -142,7 +138,7 @@ Plane Found::plane() const {
 
 double Found::clampedToUnit(double x) const {
   if (kUnit.contain(x)) return x;
-  warn(nlohmann::json(x).dump() + " is outside 0 to 1 and was clamped");
+  warn(numberText(x) + " is outside 0 to 1 and was clamped");
   return std::clamp(x, 0.0, 1.0);
 }
 

@@ -38,7 +38,7 @@ struct Light {
 };
 
 struct Lighting {
-  std::vector<Light> sources{Light{}};
+  std::vector<Light> sources = std::vector<Light>(1);
   bool shadows = false;
   int aoCount = 0;
   double aoRadius = 1;                                ///< world units

@@ -140,7 +140,7 @@ void warnOfUnknownKeys(ReadContext& context, const JsonValue& value, const Schem
     const bool known = std::any_of(schema.keys.begin(), schema.keys.end(),
                                    [&](const Key<T>& key) { return named(key, member.key); });
     if (known) continue;
-    context.warn(member.at, "unknown key " + inQuotes(member.key, '`') + " of a " + schema.title +
+    context.warn(member.at, "unknown key " + inQuotes(member.key, '`') + " in the " + schema.title +
                                 suggestion(member.key, names));
   }
 }
@@ -166,20 +166,19 @@ const JsonMember* findMember(ReadContext& context, const JsonValue& value, const
 template <class T>
 void readObject(ReadContext& context, const JsonValue& value, const Schema<T>& schema, T& out) {
   if (!value.object())
-    context.fail(value.at, "expected a " + schema.title + " (an object), found " + value.describe());
+    context.fail(value.at, "expected an object (" + schema.title + "), found " + value.describe());
   detail::warnOfUnknownKeys(context, value, schema);
   for (const Key<T>& key : schema.keys) {
     const JsonMember* member = detail::findMember(context, value, key);
     if (!member) {
       if (key.info.required)
-        context.fail(value.at, "a " + schema.title + " without " + inQuotes(key.info.name, '`') +
-                                   "; expected " + key.info.type);
+        context.fail(value.at, schema.title + " without " + inQuotes(key.info.name, '`') + "; expected " +
+                                   key.info.type);
       continue;
     }
     key.read(Found{context, member->key, member->value, value}, out);
     if (!(key.info.appliesTo & typeBit(out))) {
-      context.warn(member->at,
-                   inQuotes(member->key, '`') + " has no effect on a " + schema.title + " of this type");
+      context.warn(member->at, inQuotes(member->key, '`') + " has no effect on this type of " + schema.title);
     }
   }
 }

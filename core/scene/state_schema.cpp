@@ -26,7 +26,8 @@ void readDatasets(const Found& found, State& state) {
   std::sort(names.begin(), names.end());
   const auto twice = std::adjacent_find(names.begin(), names.end());
   if (twice != names.end()) {
-    found.context.fail(found.value.at, "two datasets named " + inQuotes(*twice) + "; expected each name once");
+    found.context.fail(found.value.at,
+                       "two datasets named " + inQuotes(*twice) + "; expected each name once");
   }
   found.context.datasets = state.datasets;
 }

@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+
+#include "gxy/scene/colormaps.h"
+#include "scene_test_support.h"
+
+namespace gxy {
+namespace {
+
+constexpr double kLevel = 1.0 / 255;
+
+ColorPreset parse(const std::string& text) { return parseColorPreset(parseJson(text, "p.json"), "p.json"); }
+std::string errorFor(const std::string& text) {
+  return errorOf([&] { parse(text); });
+}
+
+double distance(const glm::dvec3& a, const glm::dvec3& b) {
+  return std::max({std::abs(a.r - b.r), std::abs(a.g - b.g), std::abs(a.b - b.b)});
+}
+
+std::string twoColors(const std::string& more) {
+  return R"([{"Name": "x", "RGBPoints": [-4, 0.9, 0.2, 0.1, 4, 0.1, 0.3, 0.8])" + more + "}]";
+}
+
+TEST(ColorPreset, RgbPointsAreTakenAsTheyAre) {
+  const ColorPreset preset =
+      parse(R"({"ColorSpace": "RGB", "RGBPoints": [-1, 0, 0, 1, 0.5, 1, 1, 1, 2, 1, 0, 0]})");
+  EXPECT_EQ(preset.colors, (ColorMap{{{-1, {0, 0, 1}}, {0.5, {1, 1, 1}}, {2, {1, 0, 0}}}}));
+  EXPECT_FALSE(preset.opacities);
+}
+
+TEST(ColorPreset, PointsGiveOpacityInGroupsOfFour) {
+  const ColorPreset preset =
+      parse(R"([{"RGBPoints": [0, 0, 0, 0], "Points": [0, 0.25, 0.5, 0, 1, 0.75, 0.5, 0]}])");
+  ASSERT_TRUE(preset.opacities);
+  EXPECT_EQ(*preset.opacities, (OpacityMap{false, {{0, 0.25}, {1, 0.75}}}));
+}
+
+// Expected colours: VTK 9.1's vtkColorTransferFunction at 1/4, 1/2 and 3/4 between the same colours.
+void expectVtk(const std::string& more, const glm::dvec3 (&vtk)[3]) {
+  const ColorMap map = parse(twoColors(more)).colors;
+  for (int i = 0; i < 3; ++i) EXPECT_LE(distance(evaluate(map, -2 + 2 * i), vtk[i]), kLevel / 2) << more << i;
+}
+
+TEST(ColorPreset, OtherColorSpacesMatchVtk) {
+  expectVtk(R"(, "ColorSpace": "Lab")", {{0.8003381, 0.2295543, 0.2953568},
+                                         {0.6795818, 0.2540815, 0.4618902},
+                                         {0.5107749, 0.2768755, 0.6287763}});
+  expectVtk(R"(, "ColorSpace": "Diverging")",
+            {{1.0, 0.6238339, 0.5267175}, {0.9999828, 1.0, 0.9999832}, {0.4603385, 0.690301, 1.0}});
+  expectVtk(R"(, "ColorSpace": "HSV")",
+            {{0.8577067, 0.875, 0.1002604}, {0.1605872, 0.85, 0.1003472}, {0.1002604, 0.825, 0.6923468}});
+  const glm::dvec3 wrapped[3] = {
+      {0.875, 0.1002604, 0.4703369}, {0.78976, 0.1003472, 0.85}, {0.329977, 0.1002604, 0.825}};
+  expectVtk(R"(, "ColorSpace": "HSV", "HSVWrap": 1)", wrapped);
+  expectVtk(R"(, "ColorSpace": "WrappedHSV")", wrapped);
+}
+
+TEST(ColorPreset, ResamplingStaysWithinAQuarterLevelEverywhere) {
+  const glm::dvec3 from{0.9, 0.2, 0.1}, to{0.1, 0.3, 0.8};
+  for (const auto& [name, space] :
+       {std::pair{"Lab", ColorSpace::Lab}, std::pair{"Diverging", ColorSpace::Diverging},
+        std::pair{"HSV", ColorSpace::HSV}}) {
+    const ColorMap map = parse(twoColors(std::string(R"(, "ColorSpace": ")") + name + "\"")).colors;
+    for (int i = 0; i <= 4000; ++i) {
+      const glm::dvec3 exact = interpolate(from, to, i / 4000.0, space, false);
+      ASSERT_LE(distance(evaluate(map, -4 + i / 500.0), exact), kLevel / 4) << name << " " << i;
+    }
+  }
+}
+
+TEST(ColorPreset, ErrorsNameThePlaceAndWhatWasExpected) {
+  EXPECT_EQ(errorFor("[\n {\"RGBPoints\": [0, 1, 1]}]"),
+            "p.json:2:16: `RGBPoints`: expected numbers in groups of 4, found an array of 3 values");
+  EXPECT_EQ(errorFor("{\"RGBPoints\": [0, 1, \"x\", 1]}"),
+            "p.json:1:22: `RGBPoints`: expected a number, found \"x\"");
+  EXPECT_NE(errorFor("{\"RGBPoints\": []}").find("groups of 4"), std::string::npos);
+  EXPECT_NE(errorFor("{\"IndexedColors\": [1, 0, 0]}").find("RGBPoints"), std::string::npos);
+  EXPECT_NE(errorFor("[]").find("colour preset"), std::string::npos);
+  EXPECT_NE(errorFor(twoColors(R"(, "ColorSpace": "CMYK")")).find("expected RGB, HSV, Lab or Diverging"),
+            std::string::npos);
+}
+
+}  // namespace
+}  // namespace gxy
