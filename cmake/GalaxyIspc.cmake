@@ -27,7 +27,7 @@ function(galaxy_ispc TARGET)
     add_custom_command(
       OUTPUT ${objects} ${out}/${name}_ispc.h
       COMMAND ${ISPC_EXECUTABLE} -O3 --pic --opt=disable-fma --target=${targets} --woff --math-lib=default
-              -I${PROJECT_SOURCE_DIR}/core/kernels -I${CMAKE_CURRENT_SOURCE_DIR} -I/usr/include/embree3
+              -I${PROJECT_SOURCE_DIR}/core/kernels -I${PROJECT_SOURCE_DIR}/core/rays -I${CMAKE_CURRENT_SOURCE_DIR} -I/usr/include/embree3
               ${CMAKE_CURRENT_SOURCE_DIR}/${file} -o ${out}/${name}.o -h ${out}/${name}_ispc.h
       DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/${file} ${headers}
       COMMENT "ISPC ${name}" VERBATIM)

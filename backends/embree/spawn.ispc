@@ -196,3 +196,6 @@ export void routeRays(const void* uniform scene, void* uniform rays, uniform int
     }
   }
 }
+
+// Rays per gang of the instruction set in use.
+export uniform int gangWidth() { return programCount; }

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gxy/embree/embree_backend.h"
+
+#include "gxy/embree/embree_scene.h"
+#include "spawn_ispc.h"
+
+namespace gxy {
+
+namespace {
+
+class EmbreeBackend final : public Backend {
+ public:
+  EmbreeBackend() : device_(makeDevice()) {}
+  std::string name() const override { return "embree"; }
+  std::string device() const override {
+    return "CPU, Embree " + std::to_string(RTC_VERSION_MAJOR) + "." + std::to_string(RTC_VERSION_MINOR) + "." +
+           std::to_string(RTC_VERSION_PATCH) + ", " + std::to_string(ispc::gangWidth()) + " rays at a time";
+  }
+  std::unique_ptr<DeviceScene> makeScene(std::shared_ptr<const CompiledScene> scene, int rank) const override {
+    return std::make_unique<EmbreeScene>(device_, std::move(scene), rank);
+  }
+
+ private:
+  DevicePtr device_;
+};
+
+}  // namespace
+
+std::unique_ptr<Backend> makeEmbreeBackend() { return std::make_unique<EmbreeBackend>(); }
+
+}  // namespace gxy

@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: Apache-2.0
+// The CPU backend: Embree and ISPC. The reference for all others.
+#pragma once
+#include <memory>
+
+#include "gxy/rays/backend.h"
+
+namespace gxy {
+
+/// Device name "embree". Thread safe; scenes build on oneTBB threads.
+std::unique_ptr<Backend> makeEmbreeBackend();
+
+}  // namespace gxy

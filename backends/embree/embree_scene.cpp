@@ -1,0 +1,385 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gxy/embree/embree_scene.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cstring>
+
+#include "fields_ispc.h"
+#include "geometry_ispc.h"
+#include "gxy/comm/error.h"
+#include "integrate_ispc.h"
+#include "integrate_many_ispc.h"
+#include "shade_ispc.h"
+#include "spawn_ispc.h"
+
+namespace gxy {
+
+namespace {
+
+constexpr size_t kMostVolumes = 8;  // MANY_VOLUMES of integrate_many.ispc
+
+struct EmbreeFrame final : DeviceFrame {
+  single::FrameView view{};
+  std::vector<std::array<float, 4>> lights;
+  bool depth = false;
+  double worldPerRender = 1;
+};
+
+int sampleKind(ScalarType type) {
+  switch (type) {
+    case ScalarType::UInt8: return SAMPLE_U8;
+    case ScalarType::Int8: return SAMPLE_I8;
+    case ScalarType::UInt16: return SAMPLE_U16;
+    case ScalarType::Int16: return SAMPLE_I16;
+    default: return SAMPLE_F32;
+  }
+}
+
+int kindOf(VisType type) {
+  switch (type) {
+    case VisType::Particles: return KIND_PARTICLES;
+    case VisType::PathLines: return KIND_PATHLINES;
+    case VisType::Triangles: return KIND_TRIANGLES;
+    default: return KIND_VOLUME;
+  }
+}
+
+// Adds the time until its end to a counter.
+class Stopwatch {
+ public:
+  explicit Stopwatch(uint64_t& sum) : sum_(sum) {}
+  ~Stopwatch() {
+    sum_ += uint64_t(std::chrono::nanoseconds(std::chrono::steady_clock::now() - start_).count());
+  }
+
+ private:
+  uint64_t& sum_;
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+void addContributions(const RayView& r, std::span<const int> which, const std::vector<int32_t>& sums,
+                      std::vector<Contribution>& out) {
+  for (size_t k = 0; k < which.size(); k++) {
+    const int32_t* s = &sums[4 * k];
+    if (s[0] | s[1] | s[2] | s[3]) out.push_back({r.pixel[which[k]], s[0], s[1], s[2], s[3]});
+  }
+}
+
+// Rays to per-destination lists, in order of partition.
+void distribute(const RayList& rays, bool primary, std::vector<LeavingRays>& out) {
+  const int32_t* next = rays.view().next;
+  std::map<int, int> counts;
+  for (int i = 0; i < rays.size(); i++)
+    if (next[i] >= 0) counts[next[i]]++;
+  for (const auto& [partition, count] : counts) {
+    LeavingRays& leaving = out.emplace_back(LeavingRays{partition, primary, RayList(count)});
+    for (int i = 0; i < rays.size(); i++)
+      if (next[i] == partition) leaving.rays.append(rays, i);
+  }
+}
+
+}  // namespace
+
+EmbreeScene::EmbreeScene(DevicePtr device, std::shared_ptr<const CompiledScene> scene, int rank)
+    : device_(std::move(device)), scene_(std::move(scene)), rank_(rank) {
+  const auto& operators = scene_->operators;
+  for (size_t i = 0; i < operators.size(); i++) {
+    if (!operators[i].slices.empty()) slicedOperators_.push_back(int(i));
+    if (!operators[i].isovalues.empty()) isoOperators_.push_back(int(i));
+    if (operators[i].vis.type == VisType::Volume && operators[i].vis.volumeRendering)
+      renderedOperators_.push_back(int(i));
+  }
+  if (renderedOperators_.size() > kMostVolumes)
+    throw Error("a visualization renders " + std::to_string(renderedOperators_.size()) +
+                " volumes at once; this backend takes at most " + std::to_string(kMostVolumes));
+  fillScene(anywhere_, -1);
+  for (int p : scene_->partitioning->owned(rank_)) {
+    if (!scene_->visible[p]) continue;  // nothing is built where nothing can be seen
+    Part& part = parts_[p];
+    fillScene(part.view, p);
+    part.operators.resize(operators.size());
+    part.fields.resize(operators.size());
+    for (size_t i = 0; i < operators.size(); i++) {
+      const CompiledOperator& op = operators[i];
+      const auto found = op.parts.find(p);
+      const OperatorPart* mine = found == op.parts.end() ? nullptr : &found->second;
+      fillField(part.fields[i], op, mine);
+      single::OperatorView& view = part.operators[i];
+      view.kind = kindOf(op.vis.type);
+      view.rendered = op.vis.volumeRendering;
+      view.opacity = float(op.vis.opacity);
+      view.twoSided = op.vis.twoSided;
+      view.slices = int(op.slices.size());
+      view.slice = reinterpret_cast<const float*>(op.slices.data());
+      if (mine && mine->primitives) {
+        view.primitives = mine->primitives;
+        view.points = mine->points.data();
+        view.normals = mine->normals.empty() ? nullptr : mine->normals.data();
+        view.values = mine->values.empty() ? nullptr : mine->values.data();
+        view.indices = mine->indices.data();
+      }
+    }
+    part.geometry = buildGeometry(device_.get(), part.operators);
+    part.view.operators = int(operators.size());
+    part.view.operator_ = part.operators.data();
+    part.view.field = part.fields.data();
+    part.view.embree = part.geometry.get();
+  }
+}
+
+void EmbreeScene::fillScene(single::SceneView& v, int partition) const {
+  const CompiledScene& s = *scene_;
+  const auto inf = std::numeric_limits<float>::infinity();
+  float lo[3] = {-inf, -inf, -inf}, hi[3] = {inf, inf, inf};
+  if (partition >= 0) {
+    // the same floats as in the lattice of faces, so that crossings are the same numbers
+    const Box& box = s.partitioning->box(partition);
+    for (int a = 0; a < 3; a++) {
+      const auto faces = s.partitioning->faces(a);
+      lo[a] = s.faces[a][std::lower_bound(faces.begin(), faces.end(), box.lo[a]) - faces.begin()];
+      hi[a] = s.faces[a][std::lower_bound(faces.begin(), faces.end(), box.hi[a]) - faces.begin()];
+    }
+  }
+  v.boxLoX = lo[0], v.boxLoY = lo[1], v.boxLoZ = lo[2];
+  v.boxHiX = hi[0], v.boxHiY = hi[1], v.boxHiZ = hi[2];
+  v.domainLoX = float(s.lo.x), v.domainLoY = float(s.lo.y), v.domainLoZ = float(s.lo.z);
+  v.domainHiX = float(s.hi.x), v.domainHiY = float(s.hi.y), v.domainHiZ = float(s.hi.z);
+  v.cellsX = int(s.faces[0].size()) - 1, v.cellsY = int(s.faces[1].size()) - 1, v.cellsZ = int(s.faces[2].size()) - 1;
+  v.facesX = s.faces[0].data(), v.facesY = s.faces[1].data(), v.facesZ = s.faces[2].data();
+  v.cellPartition = s.cellPartition.data();
+  v.visible = s.visible.data();
+  v.opaqueSurfaces = s.opaqueSurfaces;
+  v.tMin = s.tMin;
+  const Lighting& l = s.visualization.lighting;
+  const auto lights = std::max<size_t>(l.sources.size(), 1);
+  v.ambient = float(l.Ka), v.diffuse = float(l.Kd / double(lights)), v.specular = float(l.Ks / double(lights));
+  v.shininess = float(l.shininess);
+  v.shadows = l.shadows;
+  v.occlusionRays = l.aoCount;
+  v.occlusionRadius = float(std::min(l.aoRadius * s.space.scale, 1e29));
+}
+
+void EmbreeScene::fillField(single::VolumeView& v, const CompiledOperator& op, const OperatorPart* part) const {
+  v.mapUniform = op.map.uniform;
+  v.mapBuckets = int(op.map.buckets.size());
+  v.mapIntervals = op.map.intervals();
+  v.mapOrigin = op.map.origin;
+  v.mapInverse = op.map.inverse;
+  v.buckets = op.map.buckets.data();
+  v.nodes = op.map.nodes.data();
+  v.lengths = op.map.lengths.data();
+  v.pieces = op.map.pieces.data();
+  v.sums = op.map.sums.data();
+  v.clips = int(op.clips.size());
+  v.clip = reinterpret_cast<const float*>(op.clips.data());
+  if (op.vis.type != VisType::Volume) return;
+  const Volume& volume = *op.data.volume;
+  const Index3 cells = volume.grid.cells();
+  v.cellsX = int(cells[0]), v.cellsY = int(cells[1]), v.cellsZ = int(cells[2]);
+  v.originX = op.gridOrigin[0], v.originY = op.gridOrigin[1], v.originZ = op.gridOrigin[2];
+  v.inverseX = op.gridInverse[0], v.inverseY = op.gridInverse[1], v.inverseZ = op.gridInverse[2];
+  std::copy(op.rates.begin(), op.rates.end(), v.rates);
+  v.isovalues = int(op.isovalues.size());
+  v.isovalue = op.isovalues.data();
+  if (!part || !part->block) return;
+  const VolumeBlock& block = *part->block;
+  v.samples = block.samples.data();
+  v.kind = sampleKind(volume.stored);
+  v.stride = volume.components;
+  v.component = volume.components == 1 ? 0 : op.vis.component.value_or(-1);
+  v.wide = block.samples.size() >= size_t(1) << 31;
+  v.nx = int(block.extent.points[0]), v.ny = int(block.extent.points[1]);
+  v.firstX = int(block.extent.first[0]), v.firstY = int(block.extent.first[1]), v.firstZ = int(block.extent.first[2]);
+  v.lastX = v.firstX + v.nx - 1, v.lastY = v.firstY + v.ny - 1, v.lastZ = v.firstZ + int(block.extent.points[2]) - 1;
+  v.plan = part->plan.data();
+  v.isoPlan = part->isoPlan.data();
+  v.macroX = int(block.macrocells[0]), v.macroY = int(block.macrocells[1]);
+  v.macroFirstX = int(block.firstMacrocell[0]), v.macroFirstY = int(block.firstMacrocell[1]);
+  v.macroFirstZ = int(block.firstMacrocell[2]);
+}
+
+std::shared_ptr<const DeviceFrame> EmbreeScene::makeFrame(const CompiledFrame& f) const {
+  auto frame = std::make_shared<EmbreeFrame>();
+  frame->lights = f.lights;
+  frame->depth = f.depth;
+  frame->worldPerRender = f.worldPerRender;
+  single::FrameView& v = frame->view;
+  const CameraBasis& b = f.basis;
+  v.eyeX = b.eye.x, v.eyeY = b.eye.y, v.eyeZ = b.eye.z;
+  v.cornerX = b.corner.x, v.cornerY = b.corner.y, v.cornerZ = b.corner.z;
+  v.duX = b.du.x, v.duY = b.du.y, v.duZ = b.du.z;
+  v.dvX = b.dv.x, v.dvY = b.dv.y, v.dvZ = b.dv.z;
+  v.viewX = b.view.x, v.viewY = b.view.y, v.viewZ = b.view.z;
+  v.loX = scene_->lo.x, v.loY = scene_->lo.y, v.loZ = scene_->lo.z;
+  v.hiX = scene_->hi.x, v.hiY = scene_->hi.y, v.hiZ = scene_->hi.z;
+  v.orthographic = b.orthographic;
+  v.width = f.width, v.height = f.height;
+  v.frame = f.number;
+  v.lights = int(frame->lights.size());
+  v.light = reinterpret_cast<const float*>(frame->lights.data());
+  return frame;
+}
+
+void EmbreeScene::spawn(const DeviceFrame& deviceFrame, const Tile& tile, Done done) const {
+  const auto& frame = static_cast<const EmbreeFrame&>(deviceFrame);
+  TraceResult result;
+  {
+    Stopwatch time(result.counters.nsSpawn);
+    RayList rays(kTile * kTile);
+    RayView view = rays.view();
+    rays.resize(ispc::spawnRays(&anywhere_, &frame.view, tile.x0, tile.y0, tile.x1, tile.y1, tile.sample, &view));
+    for (int i = 0; i < rays.size(); i++)
+      if (scene_->partitioning->owner(view.next[i]) != rank_) view.next[i] = END_DONE;
+    distribute(rays, true, result.leaving);
+    for (const LeavingRays& l : result.leaving) result.counters.raysSpawned += uint64_t(l.rays.size());
+  }
+  done(std::move(result));
+}
+
+// A list of rays on its way through one partition.
+class EmbreeScene::Packet {
+ public:
+  Packet(const EmbreeScene& scene, const Part& part, const EmbreeFrame& frame, bool primary)
+      : scene_(scene), part_(part), frame_(frame), primary_(primary) {}
+
+  TraceResult trace(RayList rays) {
+    const int start = rays.size();
+    if (primary_) {
+      RayView view = rays.view();
+      ispc::regenerateRays(&frame_.view, &view, rays.size());
+    }
+    while (rays.size() > 0) {
+      result_.counters.raysTraced += uint64_t(rays.size());
+      meet(rays);
+      rays = settle(std::move(rays));
+    }
+    uint64_t leaving = 0;
+    for (const LeavingRays& l : result_.leaving)
+      if (l.primary == primary_) leaving += uint64_t(l.rays.size());
+    result_.retired = uint64_t(start) - leaving;
+    for (RayList& made : secondaries_) distribute(made, false, result_.leaving);
+    return std::move(result_);
+  }
+
+ private:
+  // What each ray meets in the partition: bounds, nearest surface, volumes in front of it.
+  void meet(RayList& rays) {
+    RayView view = rays.view();
+    const int n = rays.size();
+    TraceCounters& c = result_.counters;
+    ispc::boundRays(&part_.view, &view, n);
+    if (part_.geometry) {
+      Stopwatch time(c.nsGeometry);
+      ispc::hitGeometry(&part_.view, &view, n, !primary_ && scene_.scene_->opaqueSurfaces);
+    }
+    if (!scene_.slicedOperators_.empty() || !scene_.isoOperators_.empty()) {
+      Stopwatch time(c.nsSurfaces);
+      for (int op : scene_.slicedOperators_)
+        if (part_.fields[op].samples) ispc::hitSlices(&part_.view, &view, n, op);
+      int64_t counts[2] = {0, 0};
+      for (int op : scene_.isoOperators_)
+        if (part_.fields[op].samples) ispc::hitIsosurfaces(&part_.view, &view, n, op, counts);
+      c.cells += uint64_t(counts[0]);
+      c.isoMacrocellsSkipped += uint64_t(counts[1]);
+    }
+    int volumes[kMostVolumes], count = 0;
+    for (int op : scene_.renderedOperators_)
+      if (part_.fields[op].samples) volumes[count++] = op;
+    if (count > 0) {
+      Stopwatch time(c.nsIntegrate);
+      int64_t counts[3] = {0, 0, 0};
+      if (scene_.renderedOperators_.size() == 1) ispc::integrateRays(&part_.view, &view, n, volumes[0], counts);
+      else ispc::integrateMany(&part_.view, &view, n, volumes, count, counts);
+      c.samples += uint64_t(counts[0]);
+      c.macrocells += uint64_t(counts[1]);
+      c.macrocellsSkipped += uint64_t(counts[2]);
+    }
+    ispc::routeRays(&part_.view, &view, n, false);
+  }
+
+  // Shades, deposits and forwards; returns the rays that go on behind a translucent surface.
+  RayList settle(RayList rays) {
+    RayView view = rays.view();
+    const int n = rays.size();
+    TraceCounters& c = result_.counters;
+    Stopwatch time(c.nsShade);
+    std::vector<int> which;
+    for (int i = 0; i < n; i++)
+      if (view.next[i] == END_SURFACE) which.push_back(i);
+    if (!which.empty()) {
+      if (primary_) shade(rays, which);
+      ispc::passSurfaces(&part_.view, &view, n);
+    }
+    which.clear();
+    int active = 0;
+    for (int i = 0; i < n; i++) {
+      if (view.next[i] == END_DONE) which.push_back(i);
+      active += view.next[i] == END_ACTIVE;
+    }
+    if (!which.empty()) {
+      sums_.assign(4 * which.size(), 0);
+      ispc::settleRays(&view, which.data(), int(which.size()), sums_.data());
+      addContributions(view, which, sums_, result_.contributions);
+    }
+    distribute(rays, primary_, result_.leaving);
+    RayList rest(active);
+    for (int i = 0; i < n && active > 0; i++)
+      if (view.next[i] == END_ACTIVE) rest.append(rays, i);
+    return rest;
+  }
+
+  void shade(RayList& rays, const std::vector<int>& which) {
+    RayView view = rays.view();
+    const int hits = int(which.size());
+    const Lighting& lighting = scene_.scene_->visualization.lighting;
+    const int perHit = (lighting.shadows ? frame_.view.lights : 0) + lighting.aoCount;
+    RayList made(hits * perHit + 16);
+    RayView out = made.view();
+    sums_.assign(4 * which.size(), 0);
+    if (frame_.depth) addDepths(view, which);
+    made.resize(ispc::shadeHits(&part_.view, &frame_.view, &view, which.data(), hits, sums_.data(), &out));
+    addContributions(view, which, sums_, result_.contributions);
+    result_.counters.raysShaded += uint64_t(hits);
+    if (made.size() == 0) return;
+    ispc::routeRays(&part_.view, &out, made.size(), true);
+    for (int i = 0; i < made.size(); i++)
+      if (out.next[i] >= 0) result_.secondaries++;  // the others leave the visible domain at once
+    result_.counters.secondariesSpawned = result_.secondaries;
+    secondaries_.push_back(std::move(made));
+  }
+
+  void addDepths(RayView& view, const std::vector<int>& which) {
+    std::vector<int> first;
+    for (int i : which)
+      if (RAY_SAMPLE(view.info[i]) == 0 && view.tLast[i] < 0) first.push_back(i);
+    std::vector<double> distances(first.size());
+    ispc::eyeDistances(&frame_.view, &view, first.data(), int(first.size()), distances.data());
+    for (size_t k = 0; k < first.size(); k++)
+      result_.depths.push_back({view.pixel[first[k]], distances[k] * frame_.worldPerRender});
+  }
+
+  const EmbreeScene& scene_;
+  const Part& part_;
+  const EmbreeFrame& frame_;
+  const bool primary_;
+  TraceResult result_;
+  std::vector<int32_t> sums_;
+  std::vector<RayList> secondaries_;
+};
+
+void EmbreeScene::trace(const DeviceFrame& frame, int partition, bool primary, RayList rays, Done done) const {
+  const auto part = parts_.find(partition);
+  if (part == parts_.end())
+    throw Error("rays came for partition " + std::to_string(partition) + ", which has nothing to see on this rank");
+  done(Packet(*this, part->second, static_cast<const EmbreeFrame&>(frame), primary).trace(std::move(rays)));
+}
+
+size_t EmbreeScene::bytes() const {
+  size_t n = 0;
+  for (const auto& [p, part] : parts_)
+    n += part.operators.size() * sizeof(single::OperatorView) + part.fields.size() * sizeof(single::VolumeView);
+  return n;
+}
+
+}  // namespace gxy

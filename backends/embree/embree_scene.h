@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+// A compiled scene in the form that the ISPC kernels read.
+#pragma once
+#include <map>
+#include <memory>
+#include <vector>
+
+#include "gxy/embree/embree_geometry.h"
+#include "gxy/rays/backend.h"
+
+namespace gxy {
+
+class EmbreeScene final : public DeviceScene {
+ public:
+  EmbreeScene(DevicePtr device, std::shared_ptr<const CompiledScene> scene, int rank);
+
+  std::shared_ptr<const DeviceFrame> makeFrame(const CompiledFrame& frame) const override;
+  void spawn(const DeviceFrame& frame, const Tile& tile, Done done) const override;
+  void trace(const DeviceFrame& frame, int partition, bool primary, RayList rays, Done done) const override;
+  size_t bytes() const override;
+
+ private:
+  struct Part {
+    single::SceneView view{};
+    std::vector<single::OperatorView> operators;
+    std::vector<single::VolumeView> fields;
+    ScenePtr geometry;
+  };
+  class Packet;
+
+  void fillField(single::VolumeView& field, const CompiledOperator& op, const OperatorPart* part) const;
+  void fillScene(single::SceneView& view, int partition) const;
+
+  DevicePtr device_;
+  std::shared_ptr<const CompiledScene> scene_;
+  int rank_;
+  std::map<int, Part> parts_;         ///< by local partition
+  single::SceneView anywhere_{};      ///< without a partition of its own: for spawning
+  std::vector<int> slicedOperators_, isoOperators_, renderedOperators_;
+};
+
+}  // namespace gxy

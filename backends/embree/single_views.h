@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
+// scene_view.h for C++.
+#pragma once
+#include <span>
+
+#include "gxy/kernels/single.h"
+
+#define PTR(T) const T*
+#define RAW const void*
+#define BYTE std::uint8_t
+namespace gxy::single {
+#include "gxy/embree/scene_view.h"
+}
+#undef PTR
+#undef RAW
+#undef BYTE
