@@ -75,12 +75,12 @@ function(galaxy_test NAME)
 endfunction()
 
 # galaxy_mpi_test(NAME RANKS n... SOURCES ... DEPENDS ... [LABELS labels...] [TIMEOUT seconds])
-# declares one GoogleTest program with a main() of its own, run by ctest once for each number of ranks.
+# declares one GoogleTest program (main() is tests/mpi_main.cpp), run by ctest once for each number of ranks.
 function(galaxy_mpi_test NAME)
   cmake_parse_arguments(ARG "" "TIMEOUT" "RANKS;SOURCES;DEPENDS;LABELS" ${ARGN})
-  add_executable(${NAME} ${ARG_SOURCES})
+  add_executable(${NAME} ${ARG_SOURCES} ${PROJECT_SOURCE_DIR}/tests/mpi_main.cpp)
   set_target_properties(${NAME} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
-  target_link_libraries(${NAME} PRIVATE ${ARG_DEPENDS} GTest::gtest)
+  target_link_libraries(${NAME} PRIVATE ${ARG_DEPENDS} Galaxy::comm GTest::gtest)
   if(NOT ARG_TIMEOUT)
     set(ARG_TIMEOUT 120)
   endif()

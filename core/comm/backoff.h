@@ -10,28 +10,33 @@ namespace gxy {
 class Backoff {
  public:
   using Clock = std::chrono::steady_clock;
-  static constexpr std::chrono::microseconds hot{80}, firstSleep{20}, maxSleep{2000};
+  using Microseconds = std::chrono::microseconds;
+  static constexpr Microseconds hot{80}, hotInTransfer{20'000}, firstSleep{20}, maxSleep{2000};
 
-  /// Without `spins` it sleeps from the start: the core is needed by others.
+  /// Without `spins` it sleeps at once when there is nothing to do: the core is needed by others.
   explicit Backoff(bool spins) : spins_(spins) {}
 
   void active() {
     sleep_ = firstSleep;
-    if (spins_) hotUntil_ = Clock::now() + hot;
+    lastActive_ = Clock::now();
   }
 
-  /// The sleep due now; each call in a row returns a longer one, up to maxSleep.
-  std::chrono::microseconds next() {
-    if (spins_ && Clock::now() < hotUntil_) return {};
+  /// The sleep due now; each call in a row returns a longer one, up to maxSleep. Data move only while MPI is
+  /// called, so with a transfer under way there is something to do, and sleeps stay short.
+  Microseconds next(bool inTransfer) {
+    if (inTransfer || spins_) {
+      const auto window = inTransfer ? hotInTransfer : hot;
+      if (Clock::now() < lastActive_ + window) return {};
+    }
     const auto sleep = sleep_;
-    sleep_ = std::min<std::chrono::microseconds>(sleep * 5 / 4, maxSleep);
+    sleep_ = inTransfer ? firstSleep : std::min<Microseconds>(sleep * 5 / 4, maxSleep);
     return sleep;
   }
 
  private:
   const bool spins_;
-  std::chrono::microseconds sleep_ = firstSleep;
-  Clock::time_point hotUntil_{};
+  Microseconds sleep_ = firstSleep;
+  Clock::time_point lastActive_{};
 };
 
 }  // namespace gxy

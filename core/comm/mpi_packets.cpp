@@ -113,15 +113,20 @@ bool PacketReceiver::poll(const Deliver& deliver) {
     unpack(packet, deliver);
     active = true;
   }
+  std::vector<int> indices;
   for (auto it = large_.begin(); it != large_.end();) {
-    MPI_Testall(int(it->chunks.size()), it->chunks.data(), &done, MPI_STATUSES_IGNORE);
-    if (!done) {
+    indices.resize(it->chunks.size());
+    MPI_Testsome(int(it->chunks.size()), it->chunks.data(), &done, indices.data(), MPI_STATUSES_IGNORE);
+    if (done > 0) {
+      active = true;
+      it->missing -= size_t(done);
+    }
+    if (it->missing > 0) {
       ++it;
       continue;
     }
     deliver(std::move(it->delivery));
     it = large_.erase(it);
-    active = true;
   }
   return active;
 }
@@ -156,13 +161,14 @@ void PacketReceiver::unpack(const Packet& packet, const Deliver& deliver) {
 }
 
 void PacketReceiver::startLarge(int source, Channel channel, uint64_t size) {
-  Large& large = large_.emplace_back(Large{{source, channel, Bytes(size)}, {}});
+  Large& large = large_.emplace_back(Large{{source, channel, Bytes(size)}, {}, 0});
   Bytes& bytes = large.delivery.message;
   for (size_t at = 0; at < size; at += sizes_.chunk) {
     const int count = int(std::min<size_t>(sizes_.chunk, size - at));
     MPI_Irecv(bytes.data() + at, count, MPI_BYTE, source, chunkTag, communicator_,
               &large.chunks.emplace_back(MPI_REQUEST_NULL));
   }
+  large.missing = large.chunks.size();
 }
 
 }  // namespace gxy

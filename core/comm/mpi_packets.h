@@ -81,6 +81,7 @@ class PacketReceiver {
   struct Large {
     Delivery delivery;
     std::vector<MPI_Request> chunks;
+    size_t missing;
   };
 
   bool match();

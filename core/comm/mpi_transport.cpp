@@ -196,9 +196,8 @@ class MpiTransport::Progress {
   }
 
   void pause() {
-    auto sleep = backoff_.next();
-    if (sleep.count() == 0) return;
-    if (!sender_.idle() || !receiver_.idle()) sleep = Backoff::firstSleep;  // MPI moves data only when called
+    const auto sleep = backoff_.next(!sender_.idle() || !receiver_.idle());
+    if (sleep.count() == 0) return std::this_thread::yield();
     std::unique_lock lock(mutex_);
     sleeping_ = true;
     changed_.wait_for(lock, sleep, [this] { return !outgoing_.empty(); });

@@ -12,7 +12,7 @@ namespace gxy {
 
 /// The rank's progress thread is the only caller of MPI on a communicator of Galaxy's own. Messages that are
 /// handed over while it works are coalesced, per destination, into packets; larger ones stream from the
-/// sender's memory into the receiver's. Without traffic the thread sleeps, up to `maxSleep` at a time, but
+/// sender's memory into the receiver's. Without traffic the thread sleeps, up to 2 ms at a time, but
 /// wakes at once when something is sent here; after traffic it stays hot for a moment, unless the node has
 /// fewer cores than threads.
 ///
@@ -29,7 +29,7 @@ class MpiTransport final : public Transport {
     const void* communicator = nullptr;
     int threads = 0;                ///< oneTBB threads for tasks; 0: the node's cores shared by its ranks
     size_t packetBytes = 64 << 10;  ///< of a packet; a message over about half of it is streamed
-    size_t chunkBytes = size_t(1) << 30;  ///< of one MPI call when streaming, at most 2^30
+    size_t chunkBytes = 16 << 20;   ///< of one MPI call when streaming, at most 2^30
     ErrorReport onError = logError;
   };
 

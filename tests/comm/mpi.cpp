@@ -10,7 +10,6 @@
 
 #include "collective_checks.h"
 #include "gxy/comm/completion.h"
-#include "gxy/comm/mpi_environment.h"
 #include "gxy/comm/mpi_transport.h"
 #include "work_checks.h"
 
@@ -253,10 +252,4 @@ TEST(MpiWork, CallsBringResultsAndErrorsOfAllRanks) {
     if (transport.rank() == r) checkWaitingCalls(work, transport.size());
     collective.barrier(1);
   }
-}
-
-int main(int argc, char** argv) {
-  testing::InitGoogleTest(&argc, argv);
-  const MpiEnvironment environment;
-  return RUN_ALL_TESTS();
 }
