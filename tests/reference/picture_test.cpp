@@ -159,6 +159,92 @@ TEST(Picture, TranslucentPathLineIsOneBody) {
   EXPECT_NEAR(across.rgba[0], 1.7, 1e-12);
 }
 
+TEST(Picture, BentPathLineHasNoHoleAtItsJoints) {
+  Uniform random(31);
+  GeometryBlock block;
+  for (uint32_t i = 0; i < 12; i++) {
+    block.points.push_back(random.inCube(0.8));
+    block.values.push_back(float(random()));
+    if (i == 0) continue;
+    block.segments.push_back({i - 1, i});
+    block.neighbours.push_back({i == 1 ? 0 : i - 2, i == 11 ? 11 : i + 1});
+    block.ids.push_back(i - 1);
+  }
+  Vis vis = plain(VisType::PathLines, glm::dvec3(1));
+  vis.radius0 = 0.05, vis.radius1 = 0.3, vis.value0 = 0, vis.value1 = 1;
+  ReferenceScene scene;
+  scene.visualization.operators = {vis};
+  scene.visualization.lighting = ambientOnly();
+  scene.data = {geometry(GeometryKind::PathLines, block)};
+  Camera camera = along({0, 0, 4}, {0, 0, -1});
+  camera.height = 2;
+  camera.dimensions = {64, 64};
+  const ReferencePicture picture = renderReference(scene, camera);
+  auto ball = [&](uint32_t i) { return Ball{block.points[i], 0.05 + 0.25 * block.values[i]}; };
+  for (int y = 0; y < 64; y++) {
+    for (int x = 0; x < 64; x++) {
+      const Ray ray{{(x - 31.5) / 32, (y - 31.5) / 32, 4}, {0, 0, -1}};
+      double expected = 1e30;
+      for (const auto& [a, b] : block.segments) {
+        const Crossing c = cross(RoundCone{ball(a), ball(b)}, ray);
+        if (c.hit) expected = std::min(expected, c.in);
+      }
+      EXPECT_NEAR(picture.depth[size_t(y) * 64 + x], expected, 1e-12);
+    }
+  }
+}
+
+/// Volume, isosurface, slice, spheres and a triangle, with shadows and occlusion, all of it scaled and
+/// shifted.
+ReferencePicture mixedScene(double scale, glm::dvec3 shift) {
+  ReferenceScene scene;
+  Vis volume = plain(VisType::Volume, {0.8, 0.5, 0.3});
+  volume.volumeRendering = true;
+  volume.opacitymap.points = {{0.2, 0}, {1, 0.3}};
+  volume.isovalues = {0.7};
+  volume.opacity = 0.6;
+  volume.slices = {{{1, 1, 0}, shift.x + shift.y}};
+  Vis spheres = plain(VisType::Particles, {0.1, 0.9, 0.3});
+  spheres.radius0 = 0.4 * scale;
+  const Vis mesh = plain(VisType::Triangles, {0.3, 0.1, 0.7});
+  scene.visualization.operators = {volume, spheres, mesh};
+  GeometryBlock centres, triangle;
+  centres.points = {shift + scale * glm::dvec3(1, 0, 0), shift + scale * glm::dvec3(-0.5, 0.5, 1)};
+  triangle.points = {shift + scale * glm::dvec3(-1, -1, -1), shift + scale * glm::dvec3(2, -1, -1),
+                     shift + scale * glm::dvec3(-1, 2, 1)};
+  triangle.triangles = {{0, 1, 2}};
+  const Grid grid{shift - scale, glm::dvec3(scale / 8), {17, 17, 17}};
+  scene.data = {makeVolume(grid, [&](glm::dvec3 p) { return marschnerLobb((p - shift) / scale); }),
+                geometry(GeometryKind::Particles, centres), geometry(GeometryKind::Triangles, triangle)};
+  Lighting& lighting = scene.visualization.lighting;
+  lighting.shadows = true;
+  lighting.aoCount = 4;
+  lighting.aoRadius = 0.5 * scale;
+  lighting.Ks = 0.3;
+  lighting.sources = {{LightType::Point, shift + scale * glm::dvec3(3, 4, 5)},
+                      {LightType::Directional, {1, -2, -1}}};
+  Camera camera;
+  camera.viewpoint = shift + scale * glm::dvec3(1, 2, 4);
+  camera.viewdirection = {-1, -2, -4};
+  camera.dimensions = {24, 24};
+  camera.aov = 45;
+  return renderReference(scene, camera);
+}
+
+TEST(Picture, IsTheSameToTheBitAtAnyScaleByPowersOfTwo) {
+  const ReferencePicture unit = mixedScene(1, glm::dvec3(0));
+  EXPECT_EQ(unit.rgba, mixedScene(0x1p100, glm::dvec3(0)).rgba);
+  EXPECT_EQ(unit.rgba, mixedScene(0x1p-100, glm::dvec3(0)).rgba);
+}
+
+TEST(Picture, ShiftByAMillionExtentsMovesPixelsByRoundingOnly) {
+  const ReferencePicture unit = mixedScene(1, glm::dvec3(0)),
+                         far = mixedScene(1, glm::dvec3(0x1p21, -0x1p20, 0x1p19));
+  int flips = 0;
+  for (size_t i = 0; i < unit.rgba.size(); i++) flips += std::abs(unit.rgba[i] - far.rgba[i]) > 1e-6;
+  EXPECT_LE(flips, 4);
+}
+
 TEST(Picture, TrianglesInterpolateValuesAndNormals) {
   GeometryBlock block;
   block.points = {{-1, -1, 0}, {1, -1, 0}, {-1, 1, 0}};
@@ -287,8 +373,9 @@ TEST(Picture, PerturbationChangesPixelsOnSilhouettesOnly) {
   options.perturbation = 4;
   const ReferencePicture nudged = renderReference(scene, camera, options);
   for (size_t i = 0; i < nudged.depth.size(); i++) {
-    if (straight.depth[i] < 4.5 && nudged.depth[i] < 4.5)
+    if (straight.depth[i] < 4.5 && nudged.depth[i] < 4.5) {
       EXPECT_NEAR(nudged.depth[i], straight.depth[i], 1e-5);
+    }
   }
   EXPECT_NE(straight.depth, nudged.depth);
 }

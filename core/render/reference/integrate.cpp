@@ -79,11 +79,10 @@ VolumeRay::Piece VolumeRay::gauss(const Active& active, double a, double b) {
   std::array<glm::dvec3, kNodes> source{};
   for (int i = 0; i < kNodes; i++) {
     const double t = a + kGauss.x[i] * (b - a);
-    for (const Span* span : active) {
-      const double value = span->field.value((t - span->t0) / (span->t1 - span->t0));
-      const double extinction = span->transfer->extinction(value);
+    for (const ActiveSpan& one : active) {
+      const double value = one.value(t), extinction = one.maps.extinction(value);
       sigma[i] += extinction;
-      if (extinction > 0) source[i] += extinction * span->transfer->colour(value);
+      if (extinction > 0) source[i] += extinction * one.maps.colour(value);
     }
   }
   Piece piece{0, glm::dvec3(0)};
@@ -120,14 +119,11 @@ void VolumeRay::adapt(const Active& active, double a, double b, const Piece& coa
 }
 
 void VolumeRay::integratePiece(const Active& active, double a, double b, Running& running) {
-  const double middle = 0.5 * (a + b);
   glm::dvec3 opaque(0);
   int opaqueTerms = 0;
-  for (const Span* span : active) {
-    auto valueAt = [&](double t) { return span->field.value((t - span->t0) / (span->t1 - span->t0)); };
-    if (!std::isinf(span->transfer->extinction(valueAt(middle)))) continue;
-    // Just behind the piece's start, where a step of the map is surely on the side of this piece.
-    opaque += span->transfer->colour(valueAt(a + 1e-9 * (b - a)));
+  for (const ActiveSpan& one : active) {
+    if (!one.maps.opaque()) continue;
+    opaque += one.maps.colour(one.value(a));
     opaqueTerms++;
   }
   if (opaqueTerms == 0) return adapt(active, a, b, gauss(active, a, b), 0, running);
@@ -148,8 +144,10 @@ RayIntegral VolumeRay::integrate(Interval stretch, double tolerance) const {
     active.clear();
     for (size_t v = 0; v < spans_.size(); v++) {
       while (next[v] < spans_[v].size() && spans_[v][next[v]].seen.hi <= a) next[v]++;
-      if (next[v] < spans_[v].size() && spans_[v][next[v]].seen.lo <= a)
-        active.push_back(&spans_[v][next[v]]);
+      if (next[v] == spans_[v].size() || spans_[v][next[v]].seen.lo > a) continue;
+      ActiveSpan one{&spans_[v][next[v]], {}};
+      one.maps = one.span->transfer->around(one.value(0.5 * (a + b)));
+      active.push_back(one);
     }
     if (!active.empty() && a < b) integratePiece(active, a, b, running);
     a = b;

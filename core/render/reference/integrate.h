@@ -52,7 +52,13 @@ class VolumeRay {
     RayIntegral total;
     double tolerance;
   };
-  using Active = std::vector<const Span*>;
+  /// A span on a smooth piece.
+  struct ActiveSpan {
+    const Span* span;
+    LinearTransfer maps;
+    double value(double t) const { return span->field.value((t - span->t0) / (span->t1 - span->t0)); }
+  };
+  using Active = std::vector<ActiveSpan>;
 
   static Piece gauss(const Active& active, double a, double b);
   static void adapt(const Active& active, double a, double b, const Piece& coarse, int depth,

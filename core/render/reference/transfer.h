@@ -7,6 +7,23 @@
 
 namespace gxy::reference {
 
+/// Both maps between two neighbouring control points, where they are linear.
+class LinearTransfer {
+ public:
+  glm::dvec3 colour(double value) const { return colour_ + (value - colourStart_) * colourSlope_; }
+  /// Per world unit. Finite, unless the opacity is 1 all along.
+  double extinction(double value) const;
+  bool opaque() const { return opaque_; }
+
+ private:
+  friend class Transfer;
+  glm::dvec3 colour_{0}, colourSlope_{0};
+  double colourStart_ = 0;
+  double entry_ = 0, entrySlope_ = 0, entryStart_ = 0;
+  double referenceLength_ = 0;  ///< 0: entries are extinctions
+  bool opaque_ = false;
+};
+
 /// A Vis's colour and opacity maps, moved to its data range. Immutable; safe to use from any thread.
 class Transfer {
  public:
@@ -19,6 +36,9 @@ class Transfer {
 
   /// Per world unit; infinite where the opacity is 1.
   double extinction(double value) const;
+
+  /// The maps in the neighbourhood of a value that is no control point; at one, on its upper side.
+  LinearTransfer around(double value) const;
 
   /// True when the extinction is zero on all of [lo, hi].
   bool transparent(double lo, double hi) const;
