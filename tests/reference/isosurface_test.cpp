@@ -31,7 +31,7 @@ TEST(Cubic, RootsAreThoseItWasMadeFrom) {
 TEST(Cubic, AlongARayIsTheTrilinearField) {
   Uniform random(5);
   for (int i = 0; i < 200; i++) {
-    Corners corners;
+    CellCorners corners;
     for (double& c : corners) c = random();
     const glm::dvec3 p = random.inCube(0.5) + 0.5, q = random.inCube(0.5) + 0.5;
     const Cubic cubic = alongRay(corners, p, q);

@@ -194,6 +194,23 @@ TEST(Picture, BentPathLineHasNoHoleAtItsJoints) {
   }
 }
 
+TEST(Picture, PathLineThinsOutToThePointWhereItsRadiusIsZero) {
+  GeometryBlock block;
+  block.points = {{-1, 0, 0}, {1, 0, 0}, {1.5, 0, 0}};
+  block.segments = {{0, 1}, {1, 2}};
+  block.neighbours = {{0, 2}, {0, 2}};
+  block.values = {1, 0, 0};
+  Vis vis = plain(VisType::PathLines, glm::dvec3(1));
+  vis.radius0 = 0, vis.radius1 = 0.5, vis.value0 = 0, vis.value1 = 1;
+  ReferenceScene scene;
+  scene.visualization.operators = {vis};
+  scene.data = {geometry(GeometryKind::PathLines, block)};
+  // The tangent cone to the ball of radius 1/2 from its tip at distance 2: sine 1/4.
+  const double radius = 0.1 * 0.25 / std::sqrt(1 - 0.0625);
+  EXPECT_NEAR(renderReference(scene, along({0.9, 0, 4}, {0, 0, -1})).depth[0], 4 - radius, 1e-12);
+  EXPECT_EQ(renderReference(scene, along({1.2, 0, 4}, {0, 0, -1})).depth[0], 1e30);
+}
+
 /// Volume, isosurface, slice, spheres and a triangle, with shadows and occlusion, all of it scaled and
 /// shifted.
 ReferencePicture mixedScene(double scale, glm::dvec3 shift) {

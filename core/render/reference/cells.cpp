@@ -79,7 +79,7 @@ glm::dvec3 CellWalk::local(double t) const {
   return w;
 }
 
-Cubic alongRay(const Corners& c, glm::dvec3 p, glm::dvec3 q) {
+Cubic alongRay(const CellCorners& c, glm::dvec3 p, glm::dvec3 q) {
   const double once =
       trilinear(c, {q.x, p.y, p.z}) + trilinear(c, {p.x, q.y, p.z}) + trilinear(c, {p.x, p.y, q.z});
   const double twice =

@@ -41,6 +41,6 @@ class CellWalk {
 
 /// The field along the ray between two points of a cell, given in the cell's own coordinates (the blossoms of
 /// the trilinear form).
-Cubic alongRay(const Corners& corners, glm::dvec3 from, glm::dvec3 to);
+Cubic alongRay(const CellCorners& corners, glm::dvec3 from, glm::dvec3 to);
 
 }  // namespace gxy::reference

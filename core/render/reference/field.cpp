@@ -40,7 +40,7 @@ size_t sizeOf(ScalarType type) {
 
 }  // namespace
 
-double trilinear(const Corners& c, glm::dvec3 w) {
+double trilinear(const CellCorners& c, glm::dvec3 w) {
   const double y0 = mix(mix(c[0], c[1], w.x), mix(c[2], c[3], w.x), w.y);
   const double y1 = mix(mix(c[4], c[5], w.x), mix(c[6], c[7], w.x), w.y);
   return mix(y0, y1, w.z);
@@ -114,8 +114,8 @@ double Field::sample(int64_t i, int64_t j, int64_t k) const {
   return std::isfinite(x) ? x : kNaN;
 }
 
-std::optional<Corners> Field::corners(const Index3& cell) const {
-  Corners c;
+std::optional<CellCorners> Field::corners(const Index3& cell) const {
+  CellCorners c;
   for (int n = 0; n < 8; n++) {
     c[n] = sample(cell[0] + (n & 1), cell[1] + (n >> 1 & 1), cell[2] + (n >> 2));
     if (std::isnan(c[n])) return std::nullopt;
@@ -159,7 +159,7 @@ glm::dvec3 Field::smoothGradient(glm::dvec3 world) const {
   const Place place = locate(world);
   glm::dvec3 gradient;
   for (int a = 0; a < 3; a++) {
-    Corners c;
+    CellCorners c;
     for (int n = 0; n < 8; n++) {
       c[n] = difference({place.cell[0] + (n & 1), place.cell[1] + (n >> 1 & 1), place.cell[2] + (n >> 2)}, a);
     }

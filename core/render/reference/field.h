@@ -10,11 +10,11 @@
 namespace gxy::reference {
 
 /// The eight samples of a cell, x fastest.
-using Corners = std::array<double, 8>;
+using CellCorners = std::array<double, 8>;
 
 /// The trilinear interpolation of eight corners at w in [0,1]^3, exact on faces, edges and corners: two cells
 /// that share a face see the same value on it.
-double trilinear(const Corners& corners, glm::dvec3 w);
+double trilinear(const CellCorners& corners, glm::dvec3 w);
 
 /// A scalar field: one component of a volume, or the magnitude of several, taken at the samples. Immutable;
 /// safe to use from any thread; keeps the volume alive.
@@ -30,7 +30,7 @@ class Field {
   double sample(int64_t i, int64_t j, int64_t k) const;
 
   /// The corners of a cell; none when one of them has no data.
-  std::optional<Corners> corners(const Index3& cell) const;
+  std::optional<CellCorners> corners(const Index3& cell) const;
 
   /// The field at a world point; none outside the grid or in a cell without data. A point within rounding of
   /// the grid's border counts as inside.

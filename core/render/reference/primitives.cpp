@@ -51,6 +51,7 @@ Crossing cross(const Ball& ball, const Ray& ray) {
 }
 
 Crossing cross(const RoundCone& cone, const Ray& ray) {
+  if (!(cone.a.radius > 0 || cone.b.radius > 0)) return {};
   const glm::dvec3 along = cone.b.centre - cone.a.centre;
   const double length = glm::length(along);
   if (length <= std::abs(cone.a.radius - cone.b.radius)) {

@@ -28,10 +28,14 @@ Interval keptBy(const std::vector<Plane>& planes, const Ray& ray) {
   return kept;
 }
 
+/// Never negative: a radius that the map takes below zero is none.
 double radiusAt(const Vis& vis, const GeometryBlock& block, size_t point) {
-  if (block.values.empty() || vis.value0 == vis.value1) return vis.radius0;
-  const double w = (block.values[point] - vis.value0) / (vis.value1 - vis.value0);
-  return std::isnan(w) ? vis.radius0 : mix(vis.radius0, vis.radius1, std::clamp(w, 0.0, 1.0));
+  double radius = vis.radius0;
+  if (!block.values.empty() && vis.value0 != vis.value1 && !std::isnan(block.values[point])) {
+    const double w = (block.values[point] - vis.value0) / (vis.value1 - vis.value0);
+    radius = mix(vis.radius0, vis.radius1, std::clamp(w, 0.0, 1.0));
+  }
+  return std::max(0.0, radius);
 }
 
 Ball ballAt(const Vis& vis, const GeometryBlock& block, size_t point) {
@@ -51,16 +55,22 @@ Box boxOf(const Ball& ball) {
   return ball.radius > 0 ? Box{ball.centre - ball.radius, ball.centre + ball.radius} : Box{};
 }
 
+Box boxOf(const RoundCone& cone) {
+  if (!(cone.a.radius > 0 || cone.b.radius > 0)) return {};
+  Box box;
+  for (const Ball& ball : {cone.a, cone.b}) {
+    box.extend(ball.centre - ball.radius);
+    box.extend(ball.centre + ball.radius);
+  }
+  return box;
+}
+
 std::vector<Box> boxesOf(const Vis& vis, const Geometry& geometry, const GeometryBlock& block) {
   std::vector<Box> boxes;
   if (geometry.kind == GeometryKind::Particles) {
     for (size_t i = 0; i < block.points.size(); i++) boxes.push_back(boxOf(ballAt(vis, block, i)));
   } else if (geometry.kind == GeometryKind::PathLines) {
-    for (const auto& s : block.segments) {
-      Box box = boxOf(ballAt(vis, block, s[0]));
-      box.extend(boxOf(ballAt(vis, block, s[1])));
-      boxes.push_back(box);
-    }
+    for (const auto& [a, b] : block.segments) boxes.push_back(boxOf(coneOf(vis, block, a, b)));
   } else {
     for (size_t i = 0; i < block.triangles.size(); i++) {
       Box box;
