@@ -62,6 +62,17 @@ TEST(RoundCone, HitsLieOnTheSurfaceAndNothingBeforeThem) {
   EXPECT_GT(hits, 300);
 }
 
+TEST(RoundCone, AxialPlaceIsThatOfTheTouchingBall) {
+  const RoundCone cone{{{0, 0, 0}, 0.5}, {{2, 0, 0}, 0.1}};
+  const double sine = 0.2, cosine = std::sqrt(1 - sine * sine);
+  for (double u : {0.0, 0.3, 1.0}) {
+    const glm::dvec3 out(sine, cosine, 0), p = glm::dvec3(2 * u, 0, 0) + (0.5 - 0.4 * u) * out;
+    EXPECT_NEAR(cone.axial(p), u, 1e-14);
+    EXPECT_NEAR(cone.depth(p), 0, 1e-14);
+    EXPECT_NEAR(glm::dot(cone.normal(p), out), 1, 1e-14);
+  }
+}
+
 TEST(RoundCone, ABallThatHoldsTheOtherIsAll) {
   const RoundCone cone{{{0, 0, 0}, 1}, {{0.3, 0, 0}, 0.2}};
   EXPECT_NEAR(cross(cone, {{0, 0, -3}, {0, 0, 1}}).in, 2, 1e-15);

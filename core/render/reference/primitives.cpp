@@ -65,8 +65,7 @@ Crossing cross(const RoundCone& cone, const Ray& ray) {
   return whole;
 }
 
-/// The parameter of the ball, of all those between a and b, whose surface is nearest to p.
-double RoundCone::nearestBall(glm::dvec3 p) const {
+double RoundCone::axial(glm::dvec3 p) const {
   const glm::dvec3 along = b.centre - a.centre;
   const double length = glm::length(along), change = a.radius - b.radius;
   if (length <= std::abs(change)) return change >= 0 ? 0 : 1;
@@ -77,19 +76,13 @@ double RoundCone::nearestBall(glm::dvec3 p) const {
 }
 
 double RoundCone::depth(glm::dvec3 p) const {
-  const double u = nearestBall(p);
+  const double u = axial(p);
   return a.radius + u * (b.radius - a.radius) - glm::length(p - a.centre - u * (b.centre - a.centre));
 }
 
 glm::dvec3 RoundCone::normal(glm::dvec3 p) const {
-  const double u = nearestBall(p);
+  const double u = axial(p);
   return glm::normalize(p - a.centre - u * (b.centre - a.centre));
-}
-
-double RoundCone::axial(glm::dvec3 p) const {
-  const glm::dvec3 along = b.centre - a.centre;
-  const double squared = glm::dot(along, along);
-  return squared > 0 ? std::clamp(glm::dot(p - a.centre, along) / squared, 0.0, 1.0) : 0;
 }
 
 TriangleHit cross(const std::array<glm::dvec3, 3>& triangle, const Ray& ray) {

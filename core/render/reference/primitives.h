@@ -27,11 +27,8 @@ struct RoundCone {
   /// How deep p lies inside (negative outside): the signed distance to the surface, turned around.
   double depth(glm::dvec3 p) const;
   glm::dvec3 normal(glm::dvec3 p) const;
-  /// 0 at a's centre to 1 at b's: the foot of p on the axis, clamped.
+  /// 0 at a's centre to 1 at b's: the place of the ball between them that touches the surface at p.
   double axial(glm::dvec3 p) const;
-
- private:
-  double nearestBall(glm::dvec3 p) const;
 };
 
 /// The discriminant is that of the distance between centre and line, which does not cancel for far rays
