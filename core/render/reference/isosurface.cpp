@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gxy/reference/isosurface.h"
+
+#include "gxy/reference/cells.h"
+
+namespace gxy::reference {
+
+std::optional<double> firstRoot(const Field& field, const Ray& ray, double isovalue, Interval range,
+                                double after) {
+  bool onPlateau =
+      false;  // the field equals the isovalue at the end of the previous cell, and all along in it
+  for (CellWalk walk(field.grid(), ray); walk.inside(); walk.advance()) {
+    if (walk.entry() > range.hi) return std::nullopt;
+    const auto corners = field.corners(walk.cell());
+    if (!corners) {
+      onPlateau = false;
+      continue;
+    }
+    const double t0 = walk.entry(), t1 = walk.exit();
+    const Cubic f = alongRay(*corners, walk.local(t0), walk.local(t1)).minus(isovalue);
+    const bool entered = f.b[0] == 0 && !onPlateau;
+    onPlateau = f.min() == 0 && f.max() == 0;
+    auto accepted = [&](double t) { return range.contains(t) && t > after; };
+    if (entered && accepted(t0)) return t0;
+    for (double s : roots(f, 0)) {
+      const double t = t0 + s * (t1 - t0);
+      if (accepted(t)) return t;
+    }
+    if (walk.last() && f.b[3] == 0 && !onPlateau && accepted(t1)) return t1;
+  }
+  return std::nullopt;
+}
+
+}  // namespace gxy::reference

@@ -1,0 +1,298 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gxy/reference/world.h"
+
+#include <cmath>
+#include <glm/geometric.hpp>
+
+#include "gxy/comm/error.h"
+#include "gxy/reference/isosurface.h"
+#include "gxy/reference/reference.h"
+
+namespace gxy::reference {
+namespace {
+
+/// The part of a ray that the clip planes keep.
+Interval keptBy(const std::vector<Plane>& planes, const Ray& ray) {
+  Interval kept{-kInfinity, kInfinity};
+  for (const Plane& plane : planes) {
+    const double towards = glm::dot(plane.normal, ray.direction);
+    const double missing = plane.offset - glm::dot(plane.normal, ray.origin);
+    if (towards > 0) {
+      kept.lo = std::max(kept.lo, missing / towards);
+    } else if (towards < 0) {
+      kept.hi = std::min(kept.hi, missing / towards);
+    } else if (missing > 0) {
+      return {kInfinity, -kInfinity};
+    }
+  }
+  return kept;
+}
+
+/// Never negative: a radius that the map takes below zero is none.
+double radiusAt(const Vis& vis, const GeometryBlock& block, size_t point) {
+  double radius = vis.radius0;
+  if (!block.values.empty() && vis.value0 != vis.value1 && !std::isnan(block.values[point])) {
+    const double w = (block.values[point] - vis.value0) / (vis.value1 - vis.value0);
+    radius = mix(vis.radius0, vis.radius1, std::clamp(w, 0.0, 1.0));
+  }
+  return std::max(0.0, radius);
+}
+
+Ball ballAt(const Vis& vis, const GeometryBlock& block, size_t point) {
+  return {block.points[point], radiusAt(vis, block, point)};
+}
+
+RoundCone coneOf(const Vis& vis, const GeometryBlock& block, uint32_t a, uint32_t b) {
+  return {ballAt(vis, block, a), ballAt(vis, block, b)};
+}
+
+std::array<glm::dvec3, 3> cornersOf(const GeometryBlock& block, size_t item) {
+  const auto& v = block.triangles[item];
+  return {block.points[v[0]], block.points[v[1]], block.points[v[2]]};
+}
+
+Box boxOf(const Ball& ball) {
+  return ball.radius > 0 ? Box{ball.centre - ball.radius, ball.centre + ball.radius} : Box{};
+}
+
+Box boxOf(const RoundCone& cone) {
+  if (!(cone.a.radius > 0 || cone.b.radius > 0)) return {};
+  Box box;
+  for (const Ball& ball : {cone.a, cone.b}) {
+    box.extend(ball.centre - ball.radius);
+    box.extend(ball.centre + ball.radius);
+  }
+  return box;
+}
+
+std::vector<Box> boxesOf(const Vis& vis, const Geometry& geometry, const GeometryBlock& block) {
+  std::vector<Box> boxes;
+  if (geometry.kind == GeometryKind::Particles) {
+    for (size_t i = 0; i < block.points.size(); i++) boxes.push_back(boxOf(ballAt(vis, block, i)));
+  } else if (geometry.kind == GeometryKind::PathLines) {
+    for (const auto& [a, b] : block.segments) boxes.push_back(boxOf(coneOf(vis, block, a, b)));
+  } else {
+    for (size_t i = 0; i < block.triangles.size(); i++) {
+      Box box;
+      for (const glm::dvec3& p : cornersOf(block, i)) box.extend(p);
+      boxes.push_back(box);
+    }
+  }
+  return boxes;
+}
+
+/// Tubes are one body: a surface inside the segment before or after is none.
+bool insideNeighbour(const Vis& vis, const GeometryBlock& block, size_t item, glm::dvec3 p) {
+  if (item >= block.neighbours.size()) return false;
+  const auto [a, b] = block.segments[item];
+  const auto [before, after] = block.neighbours[item];
+  auto inside = [&](const RoundCone& cone) {
+    return cone.depth(p) > 1e-9 * std::max(cone.a.radius, cone.b.radius);
+  };
+  return (before != a && inside(coneOf(vis, block, before, a))) ||
+         (after != b && inside(coneOf(vis, block, b, after)));
+}
+
+glm::dvec3 unitOr(glm::dvec3 v, glm::dvec3 fallback) {
+  const double length = glm::length(v);
+  return length > 0 && std::isfinite(length) ? v / length : fallback;
+}
+
+double magnitude(glm::dvec3 v) { return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}); }
+
+}  // namespace
+
+World::Part World::makeVolume(const ReferenceScene& scene, size_t index) {
+  const Vis& vis = scene_->visualization.operators[index];
+  const auto* volume = std::get_if<std::shared_ptr<const Volume>>(&scene.data[index]);
+  if (!volume || !*volume) throw Error("reference: operator " + std::to_string(index) + " expects a volume");
+  Field field(*volume, vis.component);
+  const Grid& grid = field.grid();
+  for (int a = 0; a < 3; a++) {
+    if (grid.points[a] < 2)
+      throw Error("reference: volume '" + (*volume)->name + "' needs 2 points on every axis");
+  }
+  box_.extend(grid.origin);
+  box_.extend(grid.origin + grid.spacing * glm::dvec3(grid.cells()[0], grid.cells()[1], grid.cells()[2]));
+  const double length = vis.referenceLength.value_or(field.smallestSpacing());
+  return {&vis, Transfer(vis, length), std::move(field), nullptr, std::nullopt};
+}
+
+World::Part World::makeGeometry(const ReferenceScene& scene, size_t index) {
+  const Vis& vis = scene_->visualization.operators[index];
+  const auto* geometry = std::get_if<std::shared_ptr<const Geometry>>(&scene.data[index]);
+  const GeometryKind kind = vis.type == VisType::Particles   ? GeometryKind::Particles
+                            : vis.type == VisType::PathLines ? GeometryKind::PathLines
+                                                             : GeometryKind::Triangles;
+  if (!geometry || !*geometry || (*geometry)->kind != kind || (*geometry)->blocks.count(0) == 0) {
+    throw Error("reference: operator " + std::to_string(index) +
+                " expects geometry of its kind in one partition");
+  }
+  const auto boxes = boxesOf(vis, **geometry, (*geometry)->blocks.at(0));
+  for (const Box& box : boxes) box_.extend(box);
+  return {&vis, Transfer(vis, 1), std::nullopt, *geometry, Bvh(boxes)};
+}
+
+World::World(const ReferenceScene& scene) : scene_(std::make_shared<ReferenceScene>(scene)) {
+  const auto& operators = scene_->visualization.operators;
+  if (operators.size() != scene.data.size()) throw Error("reference: expected one dataset for each operator");
+  for (size_t i = 0; i < operators.size(); i++) {
+    parts_.push_back(operators[i].type == VisType::Volume ? makeVolume(scene, i) : makeGeometry(scene, i));
+  }
+}
+
+void World::nearestVolumeSurface(const Part& part, const Ray& ray, Interval range, double after,
+                                 SurfaceHit& best) {
+  uint64_t primitive = 0;
+  for (double isovalue : part.vis->isovalues) {
+    const auto t = firstRoot(*part.field, ray, isovalue, {range.lo, std::min(range.hi, best.t)}, after);
+    if (t && *t < best.t) {
+      best.t = *t;
+      best.primitive = primitive;
+    }
+    primitive++;
+  }
+  for (const Plane& plane : part.vis->slices) {
+    const double t =
+        (plane.offset - glm::dot(plane.normal, ray.origin)) / glm::dot(plane.normal, ray.direction);
+    if (range.contains(t) && t > after && t < best.t && part.field->value(ray.at(t))) {
+      best.t = t;
+      best.primitive = primitive;
+    }
+    primitive++;
+  }
+}
+
+void World::nearestPrimitive(const Part& part, const Ray& ray, Interval range, double after,
+                             SurfaceHit& best) {
+  const GeometryBlock& block = part.geometry->blocks.at(0);
+  const bool sphere = part.geometry->kind == GeometryKind::Particles;
+  const double other = best.t;  // of an earlier Vis, which keeps ties
+  auto consider = [&](double t, uint32_t item) {
+    if (!range.contains(t) || !(t > after) || !(t < other)) return;
+    const uint64_t id = item < block.ids.size() ? block.ids[item] : item;
+    if (t > best.t || (t == best.t && id >= best.primitive)) return;
+    if (!sphere && !block.segments.empty() && insideNeighbour(*part.vis, block, item, ray.at(t))) return;
+    best.t = t;
+    best.primitive = id;
+    best.item = item;
+  };
+  auto visit = [&](uint32_t item) {
+    if (part.geometry->kind == GeometryKind::Triangles) {
+      if (const TriangleHit hit = cross(cornersOf(block, item), ray); hit.hit) consider(hit.t, item);
+      return;
+    }
+    const Crossing c =
+        sphere ? cross(ballAt(*part.vis, block, item), ray)
+               : cross(coneOf(*part.vis, block, block.segments[item][0], block.segments[item][1]), ray);
+    if (!c.hit) return;
+    consider(c.in, item);
+    consider(c.out, item);
+  };
+  part.tree->traverse(
+      ray, std::max(range.lo, after), [&] { return std::min(range.hi, best.t); }, visit);
+}
+
+void World::describeVolumeSurface(const Part& part, const Ray& ray, SurfaceHit& hit) {
+  const Vis& vis = *part.vis;
+  const glm::dvec3 viewer = -ray.direction;
+  hit.slack += 1e-9 * part.field->smallestSpacing();
+  if (hit.primitive < vis.isovalues.size()) {
+    // Out of the surface is where values are lower, as for a contour in VTK.
+    hit.geometric = unitOr(-part.field->cellGradient(hit.position), viewer);
+    hit.normal = unitOr(-part.field->smoothGradient(hit.position), hit.geometric);
+    hit.colour = part.transfer.colour(vis.isovalues[hit.primitive]);
+  } else {
+    const Plane& plane = vis.slices[hit.primitive - vis.isovalues.size()];
+    hit.normal = hit.geometric = glm::normalize(plane.normal);
+    hit.colour = part.transfer.colour(part.field->value(hit.position).value_or(0));
+  }
+}
+
+void World::describePrimitive(const Part& part, const Ray& ray, SurfaceHit& hit) {
+  const Vis& vis = *part.vis;
+  const GeometryBlock& block = part.geometry->blocks.at(0);
+  std::array<uint32_t, 3> points{hit.item, 0, 0};
+  glm::dvec3 weights(1, 0, 0);
+  if (part.geometry->kind == GeometryKind::Particles) {
+    hit.normal = hit.geometric = glm::normalize(hit.position - block.points[hit.item]);
+  } else if (part.geometry->kind == GeometryKind::PathLines) {
+    const auto [a, b] = block.segments[hit.item];
+    const RoundCone cone = coneOf(vis, block, a, b);
+    const double u = cone.axial(hit.position);
+    points = {a, b, b};
+    weights = {1 - u, u, 0};
+    hit.normal = hit.geometric = cone.normal(hit.position);
+  } else {
+    const auto corners = cornersOf(block, hit.item);
+    points = block.triangles[hit.item];
+    hit.geometric = glm::normalize(glm::cross(corners[1] - corners[0], corners[2] - corners[0]));
+    weights = cross(corners, ray).weights;
+    hit.normal = hit.geometric;
+    if (!block.normals.empty()) {
+      glm::dvec3 smooth(0);
+      for (int i = 0; i < 3; i++) smooth += weights[i] * glm::dvec3(block.normals[points[i]]);
+      hit.normal = unitOr(smooth, hit.geometric);
+    }
+  }
+  if (block.values.empty()) {
+    hit.colour = part.transfer.firstColour();
+  } else {
+    double value = 0;
+    for (int i = 0; i < 3; i++) value += weights[i] != 0 ? weights[i] * block.values[points[i]] : 0;
+    hit.colour = part.transfer.colour(value);
+  }
+}
+
+std::optional<SurfaceHit> World::firstHit(const Ray& ray, double after, double limit) const {
+  SurfaceHit best;
+  bool found = false;
+  best.t = limit;
+  for (size_t i = 0; i < parts_.size(); i++) {
+    const Part& part = parts_[i];
+    const Interval range = Interval{}.intersected(keptBy(part.vis->clipPlanes, ray));
+    const double before = best.t;
+    if (part.field) {
+      nearestVolumeSurface(part, ray, range, after, best);
+    } else {
+      nearestPrimitive(part, ray, range, after, best);
+    }
+    if (!(best.t < before)) continue;
+    best.vis = int(i);
+    found = true;
+  }
+  if (!found) return std::nullopt;
+  const Part& part = parts_[best.vis];
+  best.position = ray.at(best.t);
+  best.opacity = part.vis->opacity;
+  best.slack =
+      64 * std::numeric_limits<double>::epsilon() * std::max(magnitude(ray.origin), magnitude(best.position));
+  part.field ? describeVolumeSurface(part, ray, best) : describePrimitive(part, ray, best);
+  if (part.vis->twoSided && glm::dot(best.normal, ray.direction) > 0) best.normal = -best.normal;
+  if (glm::dot(best.normal, best.geometric) < 0) best.geometric = -best.geometric;
+  return best;
+}
+
+VolumeRay World::volumes(const Ray& ray, Interval range) const {
+  std::vector<VolumeTerm> terms;
+  for (const Part& part : parts_) {
+    if (part.field && part.vis->volumeRendering) {
+      terms.push_back({&*part.field, &part.transfer, keptBy(part.vis->clipPlanes, ray)});
+    }
+  }
+  return VolumeRay(terms, ray, range);
+}
+
+double World::transmittance(const Ray& ray, double limit, double tolerance) const {
+  double passed = 1, after = -1;
+  while (passed > 0) {
+    const auto hit = firstHit(ray, after, limit);
+    if (!hit) break;
+    passed *= 1 - hit->opacity;
+    after = hit->t;
+  }
+  if (passed > 0) passed *= volumes(ray, {0, limit}).integrate({0, limit}, tolerance).transmittance;
+  return passed;
+}
+
+}  // namespace gxy::reference

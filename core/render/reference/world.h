@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: Apache-2.0
+// A scene prepared for tracing: fields, maps and trees, and what a ray meets in them.
+#pragma once
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "gxy/data/geometry.h"
+#include "gxy/reference/bvh.h"
+#include "gxy/reference/field.h"
+#include "gxy/reference/integrate.h"
+#include "gxy/reference/primitives.h"
+#include "gxy/reference/transfer.h"
+
+namespace gxy::reference {
+
+struct ReferenceScene;
+
+/// Where a ray meets a surface.
+struct SurfaceHit {
+  double t = kInfinity;
+  int vis = 0;             ///< index of the operator
+  uint64_t primitive = 0;  ///< volumes: isovalues first, then slices; geometry: the global id
+  uint32_t item = 0;       ///< index into the block's points, segments or triangles
+  glm::dvec3 position{0};
+  glm::dvec3 normal{0};     ///< for shading: unit, towards the viewer where the Vis is two-sided
+  glm::dvec3 geometric{0};  ///< of the surface itself: unit, on the side of `normal`
+  glm::dvec3 colour{0};
+  double opacity = 1;
+  double slack = 0;  ///< world length by which a secondary ray must start off the surface along `geometric`
+};
+
+/// Immutable; safe to use from any thread; keeps the data alive.
+class World {
+ public:
+  /// Throws Error when an operator has no data or data of another kind.
+  explicit World(const ReferenceScene& scene);
+
+  /// The first surface at t > after (and t >= 0) and t < limit: over isosurfaces, slices and primitives, ties
+  /// by the lowest (vis, primitive). Asking again with `after` set to a hit's t gives what lies strictly
+  /// behind it.
+  std::optional<SurfaceHit> firstHit(const Ray& ray, double after = -1, double limit = kInfinity) const;
+
+  /// The volumes along a ray.
+  VolumeRay volumes(const Ray& ray, Interval range = {}) const;
+
+  /// The fraction of light that passes along the ray up to `limit`: surfaces let 1 - opacity pass, volumes
+  /// exp(-optical depth).
+  double transmittance(const Ray& ray, double limit, double tolerance) const;
+
+  /// Of all data.
+  const Box& box() const { return box_; }
+
+ private:
+  struct Part {
+    const Vis* vis;
+    Transfer transfer;
+    std::optional<Field> field;
+    std::shared_ptr<const Geometry> geometry;
+    std::optional<Bvh> tree;
+  };
+  Part makeVolume(const ReferenceScene& scene, size_t index);
+  Part makeGeometry(const ReferenceScene& scene, size_t index);
+
+  static void nearestVolumeSurface(const Part& part, const Ray& ray, Interval range, double after,
+                                   SurfaceHit& best);
+  static void nearestPrimitive(const Part& part, const Ray& ray, Interval range, double after,
+                               SurfaceHit& best);
+  static void describeVolumeSurface(const Part& part, const Ray& ray, SurfaceHit& hit);
+  static void describePrimitive(const Part& part, const Ray& ray, SurfaceHit& hit);
+
+  std::shared_ptr<const ReferenceScene> scene_;
+  std::vector<Part> parts_;
+  Box box_;
+};
+
+}  // namespace gxy::reference
