@@ -3,8 +3,7 @@
 # the objects to TARGET; the generated header NAME_ispc.h is seen by TARGET's sources.
 
 if(NOT ISPC_EXECUTABLE)
-  find_program(ISPC_FOUND ispc HINTS $ENV{ISPC_PREFIX}/bin $ENV{XDG_CACHE_HOME}/ispc-private/bin
-                                     $ENV{HOME}/.cache/ispc-private/bin)
+  find_program(ISPC_FOUND ispc HINTS $ENV{XDG_CACHE_HOME}/ispc-private/bin $ENV{HOME}/.cache/ispc-private/bin)
   if(NOT ISPC_FOUND)
     message(FATAL_ERROR "ispc not found: run tools/fetch-ispc.sh, or configure with -DISPC_EXECUTABLE=/path/to/ispc")
   endif()

@@ -18,12 +18,22 @@ endif()
 add_compile_options(-Wall -Wextra -ffp-contract=off)
 # g++ 12 folds double -> float -> double to nothing where it vectorizes straight-line code: the rounding is lost.
 add_compile_options(-fno-tree-slp-vectorize)
+if(CMAKE_CXX_COMPILER_ID STREQUAL GNU AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
+  add_compile_options(-Wno-restrict)  # false alarms on "text" + std::string, GCC bug 105651
+endif()
 if(GALAXY_WERROR)
   add_compile_options(-Werror)
 endif()
 if(GALAXY_SANITIZE)
   add_compile_options(-fsanitize=${GALAXY_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
   add_link_options(-fsanitize=${GALAXY_SANITIZE})
+endif()
+if(GALAXY_FUZZ)
+  if(NOT CMAKE_CXX_COMPILER_ID MATCHES Clang)
+    message(FATAL_ERROR "GALAXY_FUZZ needs clang (libFuzzer): cmake --preset fuzz")
+  endif()
+  add_compile_options(-fsanitize=fuzzer-no-link,address,undefined -fno-omit-frame-pointer -fno-sanitize-recover=all)
+  add_link_options(-fsanitize=address,undefined)
 endif()
 if(GALAXY_COVERAGE)
   add_compile_options(--coverage)
@@ -32,7 +42,8 @@ endif()
 
 # galaxy_library(NAME SOURCES... DEPENDS targets... [PRIVATE_DEPENDS targets...])
 # declares static library galaxy_NAME (alias Galaxy::NAME) for the current folder. Its headers are seen as
-# "gxy/NAME/x.h", and only by targets that link it: a forbidden include does not compile.
+# "gxy/NAME/x.h", and only by targets that link it: a forbidden include does not compile. Library and headers are
+# installed, and exported as Galaxy::NAME to those who find_package(Galaxy).
 function(galaxy_library NAME)
   cmake_parse_arguments(ARG "" "" "SOURCES;DEPENDS;PRIVATE_DEPENDS" ${ARGN})
   set(view ${PROJECT_BINARY_DIR}/include/${NAME})
@@ -48,8 +59,28 @@ function(galaxy_library NAME)
   endif()
   add_library(Galaxy::${NAME} ALIAS galaxy_${NAME})
   set_target_properties(galaxy_${NAME} PROPERTIES EXPORT_NAME ${NAME})
-  target_include_directories(galaxy_${NAME} ${scope} $<BUILD_INTERFACE:${view}> $<INSTALL_INTERFACE:include>)
+  target_include_directories(galaxy_${NAME} ${scope} $<BUILD_INTERFACE:${view}> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
   target_link_libraries(galaxy_${NAME} ${scope} ${ARG_DEPENDS})
+  file(GLOB headers CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.h)
+  galaxy_install(galaxy_${NAME} ${NAME} ${headers})
+endfunction()
+
+# galaxy_install(TARGET PART HEADERS...) installs and exports a library and its headers, seen as "gxy/PART/x.h".
+function(galaxy_install TARGET PART)
+  install(TARGETS ${TARGET} EXPORT GalaxyTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
+  install(FILES ${ARGN} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/gxy/${PART})
+endfunction()
+
+# galaxy_install_package() installs what find_package(Galaxy) reads; called once, after all libraries are declared.
+function(galaxy_install_package)
+  include(CMakePackageConfigHelpers)
+  set(where ${CMAKE_INSTALL_LIBDIR}/cmake/Galaxy)
+  configure_package_config_file(${PROJECT_SOURCE_DIR}/cmake/GalaxyConfig.cmake.in
+                                ${PROJECT_BINARY_DIR}/GalaxyConfig.cmake INSTALL_DESTINATION ${where})
+  write_basic_package_version_file(${PROJECT_BINARY_DIR}/GalaxyConfigVersion.cmake COMPATIBILITY SameMinorVersion)
+  install(FILES ${PROJECT_BINARY_DIR}/GalaxyConfig.cmake ${PROJECT_BINARY_DIR}/GalaxyConfigVersion.cmake
+          DESTINATION ${where})
+  install(EXPORT GalaxyTargets NAMESPACE Galaxy:: DESTINATION ${where})
 endfunction()
 
 # galaxy_program(NAME SOURCES... DEPENDS targets...) declares a program in build/<preset>/bin.
@@ -60,8 +91,35 @@ function(galaxy_program NAME)
   install(TARGETS ${NAME} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 endfunction()
 
+# galaxy_fuzzer(NAME SOURCES... DEPENDS targets... [CORPUS folder])
+# declares one libFuzzer program, and with it test fuzz_NAME: a run of ten seconds that starts from the files of
+# CORPUS. Nothing is declared unless GALAXY_FUZZ is on (preset fuzz).
+function(galaxy_fuzzer NAME)
+  if(NOT GALAXY_FUZZ)
+    return()
+  endif()
+  cmake_parse_arguments(ARG "" "CORPUS" "SOURCES;DEPENDS" ${ARGN})
+  set(program fuzz_${NAME})
+  set(found ${CMAKE_BINARY_DIR}/fuzz/${NAME})  # inputs that reached new code, kept between runs
+  file(MAKE_DIRECTORY ${found})
+  add_executable(${program} ${ARG_SOURCES})
+  set_target_properties(${program} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/fuzz)
+  target_link_libraries(${program} PRIVATE ${ARG_DEPENDS})
+  target_link_options(${program} PRIVATE -fsanitize=fuzzer)
+  if(NOT TARGET fuzzers)
+    add_custom_target(fuzzers)
+  endif()
+  add_dependencies(fuzzers ${program})
+  add_test(NAME ${program} COMMAND ${program} -max_total_time=10 -timeout=5 -rss_limit_mb=2048 -seed=1
+                                   -print_final_stats=1 -artifact_prefix=${CMAKE_BINARY_DIR}/fuzz/ ${found} ${ARG_CORPUS})
+  set_tests_properties(${program} PROPERTIES LABELS fuzz TIMEOUT 120)
+endfunction()
+
 # galaxy_test(NAME SOURCES... DEPENDS targets... [LABELS labels...] [TIMEOUT seconds])
-# declares one GoogleTest program, run by ctest as one test.
+# declares one GoogleTest program, run by ctest as one test; target LABEL_tests builds all programs of one label.
+#   unit     fast and in one process; also run under asan and ubsan. The default.
+#   threads  of concurrent code in one process; also run under tsan
+#   nightly  large or long; left out unless asked for
 function(galaxy_test NAME)
   cmake_parse_arguments(ARG "" "TIMEOUT" "SOURCES;DEPENDS;LABELS" ${ARGN})
   add_executable(${NAME} ${ARG_SOURCES})
@@ -71,6 +129,15 @@ function(galaxy_test NAME)
   if(NOT ARG_TIMEOUT)
     set(ARG_TIMEOUT 300)
   endif()
+  if(NOT ARG_LABELS)
+    set(ARG_LABELS unit)
+  endif()
+  foreach(label ${ARG_LABELS})
+    if(NOT TARGET ${label}_tests)
+      add_custom_target(${label}_tests)
+    endif()
+    add_dependencies(${label}_tests ${NAME})
+  endforeach()
   set_tests_properties(${NAME} PROPERTIES LABELS "${ARG_LABELS}" TIMEOUT ${ARG_TIMEOUT})
 endfunction()
 
