@@ -11,20 +11,21 @@ namespace gxy {
 
 using Bytes = std::vector<std::byte>;
 
-/// One number per kind of message; the range of each part of the system is listed here so that they cannot clash.
+/// One number per kind of message; the range of each part of the system is listed here so that they cannot
+/// clash.
 enum class Channel : uint16_t {
-  Work = 0,         ///< core/comm/work.h
-  Completion = 1,   ///< core/comm/completion.h
-  Collective = 2,   ///< core/comm/collective.h
-  Rays = 8,         ///< core/render
+  Work = 0,        ///< core/comm/work.h
+  Completion = 1,  ///< core/comm/completion.h
+  Collective = 2,  ///< core/comm/collective.h
+  Rays = 8,        ///< core/render
   Contributions = 9,
   Frame = 10,
   Test = 64,
 };
 
 /// A rank's connection to all ranks. Two implementations: MpiTransport (mpi_transport.h), and the ranks of an
-/// InProcessWorld (in_process.h) with its seeded scheduler. No order is guaranteed between messages, not even of the
-/// same sender and channel.
+/// InProcessWorld (in_process.h) with its seeded scheduler. No order is guaranteed between messages, not even
+/// of the same sender and channel.
 class Transport {
  public:
   using Handler = std::function<void(int source, Bytes message)>;
@@ -34,19 +35,28 @@ class Transport {
   virtual int rank() const = 0;
   virtual int size() const = 0;
 
-  /// Hands over a message of any size (64-bit) for `destination` (may be this rank). Never blocks, always accepts;
-  /// callable from any thread, handlers included.
+  /// Hands over a message of any size (64-bit) for `destination` (may be this rank). Never blocks, always
+  /// accepts; callable from any thread, handlers included.
   virtual void send(int destination, Channel channel, Bytes message) = 0;
 
-  /// Sets what happens to messages of a channel; messages that came earlier are kept and delivered then. A handler runs
-  /// on the rank's progress thread, one at a time, and must be short: longer work is posted as a task.
+  /// Sets what happens to messages of a channel; messages that came earlier are kept and delivered then. A
+  /// handler runs on the rank's progress thread, one at a time, and must be short: longer work is posted as a
+  /// task. An empty handler removes the one there is; when the call returns it is not running any more, so
+  /// what it refers to may go. (From a thread that holds a lock which a handler takes, this would deadlock.)
   virtual void onMessage(Channel channel, Handler handler) = 0;
 
   /// Runs a task soon on one of the rank's worker threads (oneTBB), in any order.
+  /// It must not wait for other tasks or for messages.
   virtual void post(Task task) = 0;
 
+  /// Runs a task on a thread that it does not share, so that it may wait for tasks and messages of any rank
+  /// (collective.h). For requests, which are few; the threads are kept and used again.
+  virtual void postWaiting(Task task) = 0;
+
   /// Bytes and messages handed to MPI (or to the in-process world), after coalescing; and messages before it.
-  struct Counters { uint64_t bytesSent = 0, packetsSent = 0, messagesSent = 0; };
+  struct Counters {
+    uint64_t bytesSent = 0, packetsSent = 0, messagesSent = 0;
+  };
   virtual Counters counters() const = 0;
 };
 

@@ -48,12 +48,7 @@ class Writer {
   Bytes take() { return std::exchange(bytes_, {}); }
 
  private:
-  void append(const void* data, size_t size) {
-    if (size == 0) return;
-    const size_t at = bytes_.size();
-    bytes_.resize(at + size);
-    std::memcpy(bytes_.data() + at, data, size);
-  }
+  void append(const void* data, size_t size);
 
   Bytes bytes_;
 };
@@ -105,18 +100,10 @@ class Reader {
   }
 
   /// Throws an Error about this message.
-  [[noreturn]] void fail(const std::string& reason) const {
-    throw Error("malformed message '" + std::string(what_) + "': " + reason);
-  }
+  [[noreturn]] void fail(const std::string& reason) const;
 
  private:
-  std::span<const std::byte> take(size_t size) {
-    if (size > rest_.size())
-      fail("it ends after " + std::to_string(rest_.size()) + " more bytes, expected " + std::to_string(size));
-    const auto head = rest_.first(size);
-    rest_ = rest_.subspan(size);
-    return head;
-  }
+  std::span<const std::byte> take(size_t size);
 
   std::span<const std::byte> rest_;
   std::string_view what_;

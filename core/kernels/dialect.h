@@ -1,38 +1,56 @@
 // SPDX-License-Identifier: Apache-2.0
 // The common subset of C++, ISPC and GLSL in which every other file of this folder is written.
 //
-//   real, vec3, ivec3      scalar and short vectors; components are .x .y .z; + - * / work elementwise and with a real
+//   real, vec3, ivec3      scalar and short vectors; components are .x .y .z; + - * / work elementwise, with a real too
 //   R(0.5)                 a literal of type real
-//   FN, FNV                a function (FNV: ISPC's uniform-free inline, same elsewhere)
+//   FN                     a function
+//   UNIFORM                a variable that is the same for all rays (a loop counter)
 //   INOUT(T), OUT(T)       a parameter that is read and written, or written
 //   make_v3, make_i3       constructors
-//   asUint, asReal         the bits of a float as an integer and back (C++ double: no such functions)
+//   toReal(i), toInt(x)    conversions: int or uint (slow) to real; real to int, towards zero
+//   asUint, asReal         the bits of a float as an integer and back (not in the twin)
+//   asInt                  the bits of a uint as an int
+//   min1, max1             of two reals, with one meaning everywhere
+//   infinity()             +infinity
+//   GXY_TWIN               defined where real is double
 //
-// C++ reads the kernels through single.h (namespace gxy::single, float) and twin.h (namespace gxy::twin, double), which
-// define GXY_REAL and include the files in order inside the namespace. A file of this folder has therefore no #pragma
-// once; GLSL and ISPC include each file once, in the same order.
+// C++ reads the kernels through single.h (namespace gxy::single, float) and twin.h (namespace gxy::twin,
+// double), which define GXY_REAL and include the files in order inside the namespace. A file of this folder
+// has therefore no #pragma once; GLSL and ISPC include each file once, in the same order.
 //
-// What the subset lacks: pointers and buffers (data access is each dialect's own), recursion, structs with member
-// functions, default arguments, `uniform`, implicit conversion between int and real (write real(i)).
+// In GLSL every real and vec3 is `precise` (glslang says so of parameters with a warning that -w silences), so no compiler
+// may contract or reorder. `precise` does not reach arithmetic that stands in a condition or in an argument: compute that into
+// a real first (the test kernels_glsl_is_precise finds what is left).
+//
+// What the subset lacks: pointers and buffers (data access is each dialect's own), recursion, structs with
+// member functions, default arguments, `uniform`, implicit conversion between int and real (write toReal(i)).
 #if defined(GXY_GLSL)
-#define real float
+// f32vec3 is vec3 under a name that the macro vec3 does not capture.
+#extension GL_EXT_shader_explicit_arithmetic_types_float32 : require
+#define real precise float
+#define vec3 precise f32vec3
+#define make_v3 f32vec3
 #define R(x) x
 #define FN
 #define INOUT(T) inout T
 #define OUT(T) out T
-#define make_v3 vec3
 #define make_i3 ivec3
+#define UNIFORM
 #define asUint floatBitsToUint
 #define asReal uintBitsToFloat
+#define asInt int
+#define toReal float
+#define toInt int
+FN real infinity() { return asReal(0x7f800000u); }
 #elif defined(ISPC)
 typedef float<3> vec3;
 typedef int<3> ivec3;
-typedef unsigned int uint;
 #define real float
 #define R(x) x##f
 #define FN static inline
 #define INOUT(T) T&
 #define OUT(T) T&
+#define UNIFORM uniform
 FN vec3 make_v3(float x, float y, float z) {
   vec3 v = {x, y, z};
   return v;
@@ -43,6 +61,11 @@ FN ivec3 make_i3(int x, int y, int z) {
 }
 FN uint asUint(float x) { return intbits(x); }
 FN float asReal(uint x) { return floatbits(x); }
+FN int asInt(uint x) { return (int)x; }
+FN real infinity() { return floatbits(0x7f800000u); }
+FN real toReal(int i) { return (float)i; }
+FN real toReal(uint i) { return (float)i; }
+FN int toInt(real x) { return (int)x; }
 #else
 using real = GXY_REAL;
 using vec3 = glm::vec<3, GXY_REAL>;
@@ -52,23 +75,54 @@ using uint = unsigned int;
 #define FN inline
 #define INOUT(T) T&
 #define OUT(T) T&
+#define UNIFORM
 using std::abs;
-using std::floor;
 using std::ceil;
+using std::floor;
 using std::max;
 using std::min;
 using std::sqrt;
 FN vec3 make_v3(real x, real y, real z) { return vec3(x, y, z); }
 FN ivec3 make_i3(int x, int y, int z) { return ivec3(x, y, z); }
+FN real infinity() { return std::numeric_limits<real>::infinity(); }
+FN real toReal(int i) { return real(i); }
+FN real toReal(uint i) { return real(i); }
+FN int toInt(real x) { return int(x); }
+FN int asInt(uint x) { return int(x); }
+#if !defined(GXY_TWIN)
+FN uint asUint(float x) { return std::bit_cast<uint>(x); }
+FN float asReal(uint x) { return std::bit_cast<float>(x); }
+#endif
 #endif
 
+#define NO_HIT R(1e30)  // the t of a ray that meets nothing
+#if defined(GXY_GLSL) || defined(ISPC)
+#define ROOT_ITERATIONS 32
+#define ROOT_TOLERANCE R(1e-6)
+#else
+#define ROOT_ITERATIONS 100
+#define ROOT_TOLERANCE (sizeof(real) == 8 ? real(1e-15) : real(1e-6))
+#endif
+
+// The second argument where they are equal (0 and -0) or one is NaN; the languages' own min and max differ there.
+FN real min1(real a, real b) { return a < b ? a : b; }
+FN real max1(real a, real b) { return a > b ? a : b; }
 FN real dot3(vec3 a, vec3 b) { return (a.x * b.x + a.y * b.y) + a.z * b.z; }
 FN vec3 cross3(vec3 a, vec3 b) {
   return make_v3(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x);
 }
 FN real lerp1(real a, real b, real f) { return a + f * (b - a); }
-FN real clamp1(real x, real lo, real hi) { return min(max(x, lo), hi); }
+FN real clamp1(real x, real lo, real hi) { return min1(max1(x, lo), hi); }
 FN vec3 normalize3(vec3 a) {
   real s = R(1.0) / sqrt(dot3(a, a));
   return make_v3(a.x * s, a.y * s, a.z * s);
+}
+// Unit vector along a, without underflow or overflow of the squares; 0 stays 0.
+FN vec3 unit3(vec3 a) {
+  real largest = max1(max1(abs(a.x), abs(a.y)), abs(a.z));
+  real scale = R(1.0) / (largest > R(1e-37) ? largest : R(1.0));
+  vec3 b = make_v3(a.x * scale, a.y * scale, a.z * scale);
+  real size = sqrt(dot3(b, b));
+  real s = R(1.0) / (size > R(0.5) ? size : R(1.0));
+  return make_v3(b.x * s, b.y * s, b.z * s);
 }

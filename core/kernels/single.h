@@ -6,14 +6,26 @@
 #include <cmath>
 #include <cstdint>
 #include <glm/glm.hpp>
+#include <limits>
 
 #define GXY_REAL float
 namespace gxy::single {
 #include "gxy/kernels/dialect.h"
+
 #include "gxy/kernels/all.h"
+#include "gxy/kernels/fields.h"
 }  // namespace gxy::single
 #undef GXY_REAL
 #undef R
 #undef FN
 #undef INOUT
 #undef OUT
+#undef UNIFORM
+#undef VOLUME
+#undef PTR
+#undef RAW
+#undef BYTE
+#undef OFFSET
+#undef NO_HIT
+#undef ROOT_ITERATIONS
+#undef ROOT_TOLERANCE

@@ -6,14 +6,28 @@
 #include <cmath>
 #include <cstdint>
 #include <glm/glm.hpp>
+#include <limits>
 
 #define GXY_REAL double
+#define GXY_TWIN
 namespace gxy::twin {
 #include "gxy/kernels/dialect.h"
+
 #include "gxy/kernels/all.h"
+#include "gxy/kernels/fields.h"
 }  // namespace gxy::twin
 #undef GXY_REAL
+#undef GXY_TWIN
 #undef R
 #undef FN
 #undef INOUT
 #undef OUT
+#undef UNIFORM
+#undef VOLUME
+#undef PTR
+#undef RAW
+#undef BYTE
+#undef OFFSET
+#undef NO_HIT
+#undef ROOT_ITERATIONS
+#undef ROOT_TOLERANCE

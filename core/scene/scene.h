@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// How to look at data: cameras, lights, maps, Vis operators, visualizations. Plain values, as the state file holds them.
+// How to look at data: cameras, lights, maps, Vis operators, visualizations. Plain values, as the state file
+// holds them.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -12,8 +13,8 @@
 
 namespace gxy {
 
-/// A camera in world coordinates. `aov` is the full angle, in degrees, over the smaller image dimension; 0 means
-/// orthographic, with a window `height` world units high over the smaller dimension.
+/// A camera in world coordinates. `aov` is the full angle, in degrees, over the smaller image dimension; 0
+/// means orthographic, with a window `height` world units high over the smaller dimension.
 struct Camera {
   glm::dvec3 viewpoint{0, 0, 4};
   glm::dvec3 viewdirection{0, 0, -1};  ///< from viewpoint to viewcenter where the file gives that; any length
@@ -40,22 +41,30 @@ struct Lighting {
   std::vector<Light> sources{Light{}};
   bool shadows = false;
   int aoCount = 0;
-  double aoRadius = 1;  ///< world units
+  double aoRadius = 1;                                ///< world units
   double Ka = 0.5, Kd = 0.5, Ks = 0, shininess = 20;  ///< Kd is shared equally among the lights
   bool operator==(const Lighting&) const = default;
 };
 
-struct ColorPoint { double value; glm::dvec3 rgb; bool operator==(const ColorPoint&) const = default; };
-struct OpacityPoint { double value, opacity; bool operator==(const OpacityPoint&) const = default; };
+struct ColorPoint {
+  double value;
+  glm::dvec3 rgb;
+  bool operator==(const ColorPoint&) const = default;
+};
+struct OpacityPoint {
+  double value, opacity;
+  bool operator==(const OpacityPoint&) const = default;
+};
 
-/// Colour by value: linear between its points, clamped outside. Points ascend; two equal values are a step (the later
-/// point holds from that value on). Never empty.
+/// Colour by value: linear between its points, clamped outside. Points ascend; two equal values are a step
+/// (the later point holds from that value on). Never empty. rgb in [0, 1].
 struct ColorMap {
   std::vector<ColorPoint> points;
   bool operator==(const ColorMap&) const = default;
 };
 
-/// Opacity by value, of a slab one reference length thick; or, for an `extinctionmap`, extinction per world unit.
+/// Opacity by value, of a slab one reference length thick; or, for an `extinctionmap`, extinction per world
+/// unit. Points as in ColorMap; opacity in [0, 1], extinction >= 0.
 struct OpacityMap {
   bool extinction = false;
   std::vector<OpacityPoint> points;
@@ -75,21 +84,22 @@ struct Plane {
 /// One operator of a visualization: a dataset and every parameter of how to look at it.
 struct Vis {
   VisType type = VisType::Volume;
-  std::string dataset;                        ///< name of the dataset
-  std::optional<int> component;               ///< of a volume with several; absent: the magnitude
-  ColorMap colormap;                          ///< default: grey 0.4 at 0 to white at 1
-  OpacityMap opacitymap;                      ///< default: opacity 1 everywhere
+  std::string dataset;           ///< name of the dataset
+  std::optional<int> component;  ///< of a volume with several; absent: the magnitude
+  ColorMap colormap{{{0, glm::dvec3(0.4)}, {1, glm::dvec3(1)}}};
+  OpacityMap opacitymap{false, {{0, 1}}};
   std::optional<std::array<double, 2>> dataRange;  ///< maps the maps' own ends onto these values
-  std::optional<double> referenceLength;      ///< world units; absent: the smallest cell spacing
-  double opacity = 1;                         ///< of surfaces: isosurfaces, slices, geometry
+  std::optional<double> referenceLength;           ///< world units; absent: the smallest cell spacing
+  double opacity = 1;                              ///< of surfaces: isosurfaces, slices, geometry
   std::vector<Plane> clipPlanes;
   // Volume
   bool volumeRendering = false;
   std::vector<double> isovalues;
   std::vector<Plane> slices;
-  // Particles and PathLines: radius r0 at value v0 to r1 at v1, clamped; v0 == v1: constant r0
+  // Particles and PathLines: radius r0 at value v0 to r1 at v1, clamped; v0 == v1: constant r0. A radius <= 0
+  // draws nothing. PathLines in a state file start from -1, 1, 0, 1, as the earlier Galaxy's do.
   double radius0 = 0.025, radius1 = 0, value0 = 0, value1 = 0;
-  bool twoSided = true;                       ///< normals face the viewer
+  bool twoSided = true;  ///< normals face the viewer
   bool operator==(const Vis&) const = default;
 };
 
@@ -102,17 +112,18 @@ struct Visualization {
 
 enum class DatasetType : uint8_t { Volume, Particles, PathLines, Triangles };
 struct DatasetSpec {
-  std::string name;                           ///< default: the file name
+  std::string name;  ///< default: the file name
   DatasetType type = DatasetType::Volume;
-  std::string filename;                       ///< absolute, or relative to the state file
-  std::string array;                          ///< of the file; empty: its active scalars, else its first array
+  std::string filename;                ///< absolute, or relative to the state file
+  std::string array;                   ///< of the file; empty: its active scalars, else its first array
+  glm::dvec4 color{0.8, 0.8, 0.8, 1};  ///< of geometry whose file has no values to map
   bool operator==(const DatasetSpec&) const = default;
 };
 
 /// What a rendering needs besides scene and camera.
 struct RenderSettings {
-  double tolerance = 1.0 / 512;               ///< error that every channel of every pixel stays below
-  double step = 0;                            ///< > 0: fixed step in cells instead, for comparison
+  double tolerance = 1.0 / 512;  ///< error that every channel of every pixel stays below
+  double step = 0;               ///< > 0: fixed step in cells instead, for comparison
   int raysPerPixel = 1;
   glm::dvec4 background{0, 0, 0, 1};
   bool operator==(const RenderSettings&) const = default;

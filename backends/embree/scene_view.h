@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the ISPC kernels see of a scene and a frame. Read by C++ (after kernels/single.h, inside gxy::single) and by ISPC
+// (after fields.h); pointers belong to EmbreeScene.
+
+#define KIND_VOLUME 0
+#define KIND_PARTICLES 1
+#define KIND_PATHLINES 2
+#define KIND_TRIANGLES 3
+
+struct OperatorView {
+  int kind;
+  int rendered;                 // a volume that is volume rendered
+  real opacity;                 // of its surfaces
+  int twoSided;
+  int slices;
+  PTR(real) slice;              // 4 per plane: n . p = offset
+  unsigned int primitives;
+  PTR(real) points;             // x y z radius
+  PTR(real) normals;            // x y z per point, or null
+  PTR(real) values;             // per point, or null
+  PTR(unsigned int) indices;    // 2 or 3 per primitive
+};
+
+#define LIGHT_DIRECTIONAL 0
+#define LIGHT_POINT 1
+
+struct SceneView {
+  // the partition: t in [tIn, tOut) between these faces is its own
+  real boxLoX, boxLoY, boxLoZ, boxHiX, boxHiY, boxHiZ;
+  real domainLoX, domainLoY, domainLoZ, domainHiX, domainHiY, domainHiZ;
+  // the lattice of all partitions
+  int cellsX, cellsY, cellsZ;
+  PTR(real) facesX;
+  PTR(real) facesY;
+  PTR(real) facesZ;
+  PTR(int) cellPartition;
+  PTR(BYTE) visible;
+
+  int operators;
+  PTR(OperatorView) operator_;
+  PTR(VolumeView) field;        // one per operator; geometry uses its map only
+  RAW embree;                   // RTCScene of this partition, null without geometry
+  int opaqueSurfaces;
+  real tMin;
+
+  real ambient, diffuse, specular, shininess;  // diffuse and specular: per light
+  int shadows, occlusionRays;
+  real occlusionRadius;
+};
+
+struct FrameView {
+  double eyeX, eyeY, eyeZ, cornerX, cornerY, cornerZ, duX, duY, duZ, dvX, dvY, dvZ, viewX, viewY, viewZ;
+  double loX, loY, loZ, hiX, hiY, hiZ;         // the visible domain
+  int orthographic;
+  int width, height;
+  unsigned int frame;                          // continues the ambient-occlusion sequence
+  int lights;
+  PTR(real) light;                             // 4 per light: type, direction of travel or position
+};

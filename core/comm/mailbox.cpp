@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mailbox.h"
+
+#include <spdlog/spdlog.h>
+
+#include <exception>
+#include <utility>
+
+namespace gxy {
+
+void logError(int rank, const std::string& message) { spdlog::error("rank {}: {}", rank, message); }
+
+void guarded(const ErrorReport& report, int rank, const char* what, const std::function<void()>& action) {
+  try {
+    action();
+  } catch (const std::exception& error) {
+    report(rank, std::string(what) + " failed: " + error.what());
+  } catch (...) {
+    report(rank, std::string(what) + " failed with an exception that is no std::exception");
+  }
+}
+
+bool Mailbox::deliver(Delivery delivery) {
+  std::lock_guard lock(running_);
+  const auto found = handlers_.find(delivery.channel);
+  if (found == handlers_.end()) {
+    const Channel channel = delivery.channel;
+    kept_[channel].push_back(std::move(delivery));
+    return false;
+  }
+  const auto handler = found->second;  // a copy: the handler may replace itself
+  (*handler)(delivery.source, std::move(delivery.message));
+  return true;
+}
+
+std::vector<Delivery> Mailbox::setHandler(Channel channel, Transport::Handler handler) {
+  std::lock_guard lock(running_);
+  if (!handler) {
+    handlers_.erase(channel);
+    return {};
+  }
+  handlers_[channel] = std::make_shared<const Transport::Handler>(std::move(handler));
+  const auto kept = kept_.extract(channel);
+  return kept ? std::move(kept.mapped()) : std::vector<Delivery>{};
+}
+
+}  // namespace gxy

@@ -1,0 +1,275 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mpi_transport.h"
+
+#include <mpi.h>
+#include <tbb/global_control.h>
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+#include <atomic>
+#include <condition_variable>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "backoff.h"
+#include "error.h"
+#include "mpi_environment.h"
+#include "mpi_packets.h"
+#include "thread_pool.h"
+
+namespace gxy {
+
+namespace {
+
+MPI_Comm duplicate(const void* communicator) {
+  MPI_Comm own;
+  MPI_Comm_dup(communicator ? *static_cast<const MPI_Comm*>(communicator) : MPI_COMM_WORLD, &own);
+  return own;
+}
+
+int rankIn(MPI_Comm communicator) {
+  int rank = 0;
+  MPI_Comm_rank(communicator, &rank);
+  return rank;
+}
+
+int sizeOf(MPI_Comm communicator) {
+  int size = 0;
+  MPI_Comm_size(communicator, &size);
+  return size;
+}
+
+int ranksOnNode(MPI_Comm communicator) {
+  MPI_Comm node;
+  MPI_Comm_split_type(communicator, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &node);
+  const int ranks = sizeOf(node);
+  MPI_Comm_free(&node);
+  return ranks;
+}
+
+int cores() { return std::max(1, int(std::thread::hardware_concurrency())); }
+
+MpiTransport::Options checked(MpiTransport::Options options) {
+  if (options.packetBytes < 256 || options.packetBytes > size_t(1) << 30)
+    throw Error("MpiTransport: packetBytes is " + std::to_string(options.packetBytes) +
+                ", expected 256 to 2^30");
+  if (options.chunkBytes < 1 || options.chunkBytes > size_t(1) << 30)
+    throw Error("MpiTransport: chunkBytes is " + std::to_string(options.chunkBytes) + ", expected 1 to 2^30");
+  if (options.threads < 0)
+    throw Error("MpiTransport: threads is " + std::to_string(options.threads) + ", expected 0 or more");
+  return options;
+}
+
+}  // namespace
+
+class MpiTransport::Progress {
+ public:
+  explicit Progress(Options options)
+      : options_(checked(std::move(options))),
+        communicator_(duplicate(options_.communicator)),
+        rank_(rankIn(communicator_)),
+        size_(sizeOf(communicator_)),
+        ranksOnNode_(ranksOnNode(communicator_)),
+        threads_(options_.threads > 0 ? options_.threads : std::max(1, cores() / ranksOnNode_)),
+        sender_(communicator_, size_, {options_.packetBytes, options_.chunkBytes}),
+        receiver_(communicator_, {options_.packetBytes, options_.chunkBytes}),
+        backoff_(ranksOnNode_ * (threads_ + 1) <= cores()) {
+    // oneTBB makes one thread fewer than it is allowed, for the caller; no caller joins here.
+    if (threads_ >= cores())
+      allowed_.emplace(tbb::global_control::max_allowed_parallelism, size_t(threads_) + 1);
+    arena_.initialize(threads_, 0);
+    thread_ = std::thread([this] { run(); });
+  }
+
+  ~Progress() { MPI_Comm_free(&communicator_); }
+
+  /// Returns when all ranks have called it and nothing is left to do. The object works until then.
+  void end() {
+    {
+      std::lock_guard lock(mutex_);
+      ending_ = true;
+    }
+    thread_.join();
+  }
+
+  int rank() const { return rank_; }
+  int size() const { return size_; }
+  int threads() const { return threads_; }
+
+  void send(int destination, Channel channel, Bytes message) {
+    if (destination < 0 || destination >= size_)
+      throw Error("message to rank " + std::to_string(destination) + ", expected 0 to " +
+                  std::to_string(size_ - 1));
+    ++created_;
+    enqueue({destination, {rank_, channel, std::move(message)}});
+  }
+
+  void onMessage(Channel channel, Handler handler) {
+    for (auto& kept : mailbox_.setHandler(channel, std::move(handler))) {
+      ++created_;
+      enqueue({rank_, std::move(kept)});
+    }
+  }
+
+  void post(Task task) { arena_.enqueue(counted(std::move(task))); }
+
+  void postWaiting(Task task) { waitingTasks_.run(counted(std::move(task))); }
+
+  Counters counters() const { return {bytesSent_, packetsSent_, messagesSent_}; }
+
+ private:
+  struct Outgoing {
+    int destination;
+    Delivery delivery;
+  };
+
+  void enqueue(Outgoing outgoing) {
+    bool wake;
+    {
+      std::lock_guard lock(mutex_);
+      wake = sleeping_;
+      outgoing_.push_back(std::move(outgoing));
+    }
+    if (wake) changed_.notify_one();
+  }
+
+  /// The task, reported when it fails and counted when it ends.
+  Task counted(Task task) {
+    ++created_;
+    return [this, task = std::move(task)]() mutable {
+      guarded(options_.onError, rank_, "a task", task);
+      task = nullptr;
+      ++retired_;
+    };
+  }
+
+  // ------------------------------------------------------------------------------------- on the progress
+  // thread
+
+  void run() {
+    try {
+      while (!ended()) {
+        const bool active = handOver() | sender_.reap() | receive();
+        bytesSent_ = sender_.bytesSent();
+        packetsSent_ = sender_.packetsSent();
+        if (active)
+          backoff_.active();
+        else
+          pause();
+      }
+      sender_.finish();
+    } catch (const std::exception& error) {
+      options_.onError(rank_, std::string("the progress thread failed, the job ends: ") + error.what());
+      MPI_Abort(communicator_, 1);
+    }
+  }
+
+  bool handOver() {
+    std::vector<Outgoing> outgoing;
+    {
+      std::lock_guard lock(mutex_);
+      outgoing.swap(outgoing_);
+    }
+    for (auto& [destination, delivery] : outgoing) {
+      if (destination == rank_) {
+        deliver(std::move(delivery));
+      } else {
+        ++messagesSent_;
+        sender_.add(destination, delivery.channel, std::move(delivery.message));
+      }
+    }
+    sender_.flush();
+    return !outgoing.empty();
+  }
+
+  bool receive() {
+    return receiver_.poll([this](Delivery delivery) { deliver(std::move(delivery)); });
+  }
+
+  void deliver(Delivery delivery) {
+    guarded(options_.onError, rank_, "a message handler", [&] { mailbox_.deliver(std::move(delivery)); });
+    ++retired_;
+  }
+
+  void pause() {
+    auto sleep = backoff_.next();
+    if (sleep.count() == 0) return;
+    if (!sender_.idle() || !receiver_.idle()) sleep = Backoff::firstSleep;  // MPI moves data only when called
+    std::unique_lock lock(mutex_);
+    sleeping_ = true;
+    changed_.wait_for(lock, sleep, [this] { return !outgoing_.empty(); });
+    sleeping_ = false;
+  }
+
+  /// True when all ranks are ending and nothing is left to do on any: messages and tasks are counted as in
+  /// completion.h, with one sum over all ranks for a wave.
+  bool ended() {
+    if (sum_ != MPI_REQUEST_NULL) {
+      int done = 0;
+      MPI_Test(&sum_, &done, MPI_STATUS_IGNORE);
+      if (!done) return false;
+      const uint64_t retiredBefore = std::exchange(retiredLastWave_, sums_.retired);
+      if (sums_.created == retiredBefore) return true;
+    }
+    {
+      std::lock_guard lock(mutex_);
+      if (!ending_ || !outgoing_.empty()) return false;
+    }
+    if (!receiver_.idle()) return false;
+    // Each rank's life is an item too, created by its constructor and retired here.
+    mine_ = {created_ + 1, retired_ + 1};
+    MPI_Iallreduce(&mine_, &sums_, 2, MPI_UINT64_T, MPI_SUM, communicator_, &sum_);
+    return false;
+  }
+
+  struct Sums {
+    uint64_t created = 0, retired = 0;
+  };
+
+  const MpiEnvironment environment_;
+  const Options options_;
+  MPI_Comm communicator_;
+  const int rank_, size_, ranksOnNode_, threads_;
+  Mailbox mailbox_;
+  PacketSender sender_;
+  PacketReceiver receiver_;
+  Backoff backoff_;
+
+  std::mutex mutex_;  ///< guards the next four
+  std::condition_variable changed_;
+  std::vector<Outgoing> outgoing_;
+  bool sleeping_ = false, ending_ = false;
+
+  std::atomic<uint64_t> created_ = 0, retired_ = 0;  ///< messages and tasks of this rank
+  std::atomic<uint64_t> bytesSent_ = 0, packetsSent_ = 0, messagesSent_ = 0;
+  Sums mine_, sums_;
+  uint64_t retiredLastWave_ = 0;
+  MPI_Request sum_ = MPI_REQUEST_NULL;
+
+  std::optional<tbb::global_control> allowed_;
+  tbb::task_arena arena_;
+  ThreadPool waitingTasks_;
+  std::thread thread_;
+};
+
+MpiTransport::MpiTransport(Options options) : progress_(std::make_unique<Progress>(std::move(options))) {}
+MpiTransport::~MpiTransport() { progress_->end(); }
+
+int MpiTransport::rank() const { return progress_->rank(); }
+int MpiTransport::size() const { return progress_->size(); }
+int MpiTransport::threads() const { return progress_->threads(); }
+void MpiTransport::send(int destination, Channel channel, Bytes message) {
+  progress_->send(destination, channel, std::move(message));
+}
+void MpiTransport::onMessage(Channel channel, Handler handler) {
+  progress_->onMessage(channel, std::move(handler));
+}
+void MpiTransport::post(Task task) { progress_->post(std::move(task)); }
+void MpiTransport::postWaiting(Task task) { progress_->postWaiting(std::move(task)); }
+Transport::Counters MpiTransport::counters() const { return progress_->counters(); }
+
+}  // namespace gxy

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+// Plain threads that run tasks.
+#pragma once
+#include <condition_variable>
+#include <cstddef>
+#include <deque>
+#include <functional>
+#include <limits>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+namespace gxy {
+
+/// Runs tasks on threads made when needed and kept. Up to `limit` tasks run at once and the others queue;
+/// without a limit no task ever waits for another one to end, so tasks may wait for each other.
+class ThreadPool {
+ public:
+  static constexpr size_t unlimited = std::numeric_limits<size_t>::max();
+
+  explicit ThreadPool(size_t limit = unlimited) : limit_(limit) {}
+
+  /// Runs what is queued to its end, and joins.
+  ~ThreadPool();
+
+  ThreadPool(const ThreadPool&) = delete;
+  ThreadPool& operator=(const ThreadPool&) = delete;
+
+  /// Any thread may call it. The task must not throw.
+  void run(std::function<void()> task);
+
+ private:
+  void serve();
+
+  const size_t limit_;
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::deque<std::function<void()>> queue_;
+  std::vector<std::thread> threads_;
+  size_t idle_ = 0;
+  bool stopping_ = false;
+};
+
+}  // namespace gxy

@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: Apache-2.0
+// First root of a cubic in Bernstein form on [0, 1] (Parker 1998; Marmitt 2004; Neubauer 2002): split at its extrema,
+// then a bracketed, safeguarded Newton iteration. End values are taken as given, so that neighbouring cells, which share
+// them to the bit, cannot both see or both miss a crossing.
+
+FN real bernsteinValue(Bernstein b, real u) {
+  real v = R(1.0) - u;
+  real a0 = b.b0 * v + b.b1 * u, a1 = b.b1 * v + b.b2 * u, a2 = b.b2 * v + b.b3 * u;
+  real c0 = a0 * v + a1 * u, c1 = a1 * v + a2 * u;
+  return c0 * v + c1 * u;
+}
+
+FN real bernsteinSlope(Bernstein b, real u) {
+  real v = R(1.0) - u;
+  real d0 = b.b1 - b.b0, d1 = b.b2 - b.b1, d2 = b.b3 - b.b2;
+  return R(3.0) * ((d0 * v + d1 * u) * v + (d1 * v + d2 * u) * u);
+}
+
+// The root inside (lo, hi), where the value at lo is fLo and the value at hi, fHi, has another sign.
+FN real refineRoot(Bernstein b, real lo, real hi, real fLo, real fHi) {
+  real l = lo, h = hi;
+  real u = l + (h - l) * (fLo / (fLo - fHi));
+  for (UNIFORM int k = 0; k < ROOT_ITERATIONS; k++) {
+    u = min(max(u, l), h);
+    real f = bernsteinValue(b, u);
+    if (f == R(0.0)) break;
+    if ((f < R(0.0)) == (fLo < R(0.0))) l = u;
+    else h = u;
+    real n = u - f / bernsteinSlope(b, u);
+    bool inside = n > l && n < h;
+    real next = inside ? n : R(0.5) * (l + h);
+    bool converged = abs(next - u) <= ROOT_TOLERANCE;
+    u = next;
+    if (converged) break;
+  }
+  return u;
+}
+
+// What a root has to obey to be a hit: t in [tIn, tOut), t > tAfter. `entry`: the cell is the first of the ray, so a
+// value of exactly 0 at its start is a hit; elsewhere that was the end of the cell before (a plateau is hit once, where
+// the ray enters it). `from` != 0: only crossings that leave the side of that sign count (a ray that starts on the
+// surface must not meet it again through rounding).
+struct RootQuery {
+  real tIn, tOut, tAfter;
+  bool entry;
+  int from;
+};
+
+FN bool acceptsRoot(RootQuery q, real t) { return t >= q.tIn && t < q.tOut && t > q.tAfter; }
+
+// The first t in [ta, tb] at which the cubic b over that interval has an accepted root; NO_HIT if there is none.
+FN real firstRoot(Bernstein b, real ta, real tb, RootQuery q) {
+  if (min(min(b.b0, b.b1), min(b.b2, b.b3)) > R(0.0) || max(max(b.b0, b.b1), max(b.b2, b.b3)) < R(0.0)) return NO_HIT;
+  if (q.entry && b.b0 == R(0.0) && q.from == 0 && acceptsRoot(q, ta)) return ta;
+  // extrema: roots of the derivative d0 v^2 + 2 d1 u v + d2 u^2 = qa u^2 + 2 qb u + qc
+  real d0 = b.b1 - b.b0, d1 = b.b2 - b.b1, d2 = b.b3 - b.b2;
+  real qa = (d0 - d1) - (d1 - d2), qb = d1 - d0;
+  real e0 = R(1.0), e1 = R(1.0);
+  real disc = qb * qb - qa * d0;
+  if (disc > R(0.0)) {
+    real s = sqrt(disc);
+    real w = -(qb + (qb < R(0.0) ? -s : s));
+    real r0 = qa != R(0.0) ? w / qa : R(2.0), r1 = w != R(0.0) ? d0 / w : R(2.0);
+    real lo = min(r0, r1), hi = max(r0, r1);
+    if (hi > R(0.0) && hi < R(1.0)) e1 = hi;
+    e0 = lo > R(0.0) && lo < R(1.0) ? lo : e1;
+  }
+  real a = R(0.0), fa = b.b0, hit = NO_HIT;
+  for (UNIFORM int k = 0; k < 3; k++) {
+    real z = k == 0 ? e0 : (k == 1 ? e1 : R(1.0));
+    if (hit >= NO_HIT && z > a) {
+      real fz = z < R(1.0) ? bernsteinValue(b, z) : b.b3;
+      bool crosses = (fa < R(0.0) && fz >= R(0.0)) || (fa > R(0.0) && fz <= R(0.0));
+      if (q.from != 0) crosses = crosses && ((fa < R(0.0)) == (q.from < 0));
+      if (crosses) {
+        real u = z;
+        if (fz != R(0.0)) u = refineRoot(b, a, z, fa, fz);
+        real t = u < R(1.0) ? min(ta + u * (tb - ta), tb) : tb;
+        if (acceptsRoot(q, t)) hit = t;
+      }
+      a = z;
+      fa = fz;
+    }
+  }
+  return hit;
+}

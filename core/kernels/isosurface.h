@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: Apache-2.0
+// The first isosurface along a ray: cell by cell, the first root of each cell's cubic (cubic.h), in macrocells and cells
+// whose range holds the isovalue and in no others (Parker 1998). Fractions on a face that a ray crosses are exactly 0 or
+// 1, so the two cells that share the face compute the same value there, and no sign change is lost between them.
+
+struct IsoHit {
+  real t;     // NO_HIT if none
+  int index;  // of the isovalue
+};
+
+// What the start of a secondary ray knows: it left isosurface `index` (-1: none) on the side of sign `from`.
+struct IsoStart {
+  int index, from;
+};
+
+FN IsoHit firstIsosurface(VOLUME v, VolumeRay r, real tIn, real tOut, real tAfter, IsoStart start,
+                          INOUT(int) cellsVisited, INOUT(int) macrocellsSkipped) {
+  IsoHit hit;
+  hit.t = NO_HIT;
+  hit.index = -1;
+  // The cell before a partition's face is walked too: its cubic may end in a root exactly on the face.
+  real t = max(max(tIn * R(0.9999998), tAfter), r.t0);
+  real end = min(r.t1, tOut);
+  if (!(t <= end)) return hit;
+  ivec3 n = gridCells(v);
+  ivec3 c = make_i3(locateCell(t, r.g.po.x, r.g.pd.x, r.g.rpd.x, n.x),
+                    locateCell(t, r.g.po.y, r.g.pd.y, r.g.rpd.y, n.y),
+                    locateCell(t, r.g.po.z, r.g.pd.z, r.g.rpd.z, n.z));
+  ivec3 up = make_i3(r.g.rpd.x < R(0.0) ? 0 : 1, r.g.rpd.y < R(0.0) ? 0 : 1, r.g.rpd.z < R(0.0) ? 0 : 1);
+  vec3 near = make_v3(planeCrossing(c.x + 1 - up.x, r.g.po.x, r.g.rpd.x),
+                      planeCrossing(c.y + 1 - up.y, r.g.po.y, r.g.rpd.y),
+                      planeCrossing(c.z + 1 - up.z, r.g.po.z, r.g.rpd.z));
+  real ta = max(max3(near), r.t0);
+  bool go = true;
+  while (go) {
+    ivec3 m = make_i3(c.x >> MACRO_BITS, c.y >> MACRO_BITS, c.z >> MACRO_BITS);
+    if (!straddles(v, m)) {
+      // leave the macrocell; the cell behind it is found by the same crossings
+      macrocellsSkipped += 1;
+      vec3 far = make_v3(planeCrossing((m.x + up.x) << MACRO_BITS, r.g.po.x, r.g.rpd.x),
+                         planeCrossing((m.y + up.y) << MACRO_BITS, r.g.po.y, r.g.rpd.y),
+                         planeCrossing((m.z + up.z) << MACRO_BITS, r.g.po.z, r.g.rpd.z));
+      real te = min3(far);
+      if (te >= end) {
+        go = false;
+      } else {
+        int x = locateCell(te, r.g.po.x, r.g.pd.x, r.g.rpd.x, n.x);
+        int y = locateCell(te, r.g.po.y, r.g.pd.y, r.g.rpd.y, n.y);
+        int z = locateCell(te, r.g.po.z, r.g.pd.z, r.g.rpd.z, n.z);
+        c = make_i3(x, y, z);
+        ta = te;
+      }
+    } else {
+      vec3 far = make_v3(planeCrossing(c.x + up.x, r.g.po.x, r.g.rpd.x),
+                         planeCrossing(c.y + up.y, r.g.po.y, r.g.rpd.y),
+                         planeCrossing(c.z + up.z, r.g.po.z, r.g.rpd.z));
+      real exit = min3(far);
+      real tb = min(exit, r.t1);
+      cellsVisited += 1;
+      Corners k = cellCorners(v, c);
+      real lo = minCorner(k), hi = maxCorner(k);
+      for (UNIFORM int i = 0; i < v.isovalues; i++) {
+        real iso = v.isovalue[i];
+        if (lo <= iso && hi >= iso && tb >= ta) {
+          vec3 p = fractionIn(c, pointAt(r.g, ta)), q = fractionIn(c, pointAt(r.g, tb));
+          if (planeCrossing(c.x + 1 - up.x, r.g.po.x, r.g.rpd.x) >= ta) p.x = toReal(1 - up.x);
+          if (planeCrossing(c.y + 1 - up.y, r.g.po.y, r.g.rpd.y) >= ta) p.y = toReal(1 - up.y);
+          if (planeCrossing(c.z + 1 - up.z, r.g.po.z, r.g.rpd.z) >= ta) p.z = toReal(1 - up.z);
+          if (far.x <= tb) q.x = toReal(up.x);
+          if (far.y <= tb) q.y = toReal(up.y);
+          if (far.z <= tb) q.z = toReal(up.z);
+          RootQuery query;
+          query.tIn = tIn;
+          query.tOut = min(tOut, hit.t);
+          query.tAfter = tAfter;
+          query.entry = ta <= r.t0;
+          query.from = start.index == i ? start.from : 0;
+          if (holdsData(k)) {
+            real th = firstRoot(bernsteinAlong(k, p, q, iso), ta, tb, query);
+            if (th < hit.t) {
+              hit.t = th;
+              hit.index = i;
+            }
+          }
+        }
+      }
+      if (hit.t < NO_HIT || exit >= end) {
+        go = false;
+      } else {
+        if (far.x <= exit) c.x += up.x + up.x - 1;
+        if (far.y <= exit) c.y += up.y + up.y - 1;
+        if (far.z <= exit) c.z += up.z + up.z - 1;
+        ta = exit;
+      }
+    }
+  }
+  return hit;
+}
+
+FN real centralDifference(real before, real here, real after, bool hasBefore, bool hasAfter) {
+  bool b = hasBefore && before - before == R(0.0), a = hasAfter && after - after == R(0.0);
+  if (b && a) return R(0.5) * (after - before);
+  if (a) return after - here;
+  if (b) return here - before;
+  return R(0.0);
+}
+
+// The gradient at a grid point, per cell: central differences, one-sided on the domain's boundary or beside no data.
+FN vec3 pointGradient(VOLUME v, ivec3 p) {
+  real s = pointValue(v, p);
+  bool x0 = p.x > 0, x1 = p.x < v.cellsX, y0 = p.y > 0, y1 = p.y < v.cellsY, z0 = p.z > 0, z1 = p.z < v.cellsZ;
+  real ax = s, bx = s, ay = s, by = s, az = s, bz = s;
+  if (x0) ax = pointValue(v, make_i3(p.x - 1, p.y, p.z));
+  if (x1) bx = pointValue(v, make_i3(p.x + 1, p.y, p.z));
+  if (y0) ay = pointValue(v, make_i3(p.x, p.y - 1, p.z));
+  if (y1) by = pointValue(v, make_i3(p.x, p.y + 1, p.z));
+  if (z0) az = pointValue(v, make_i3(p.x, p.y, p.z - 1));
+  if (z1) bz = pointValue(v, make_i3(p.x, p.y, p.z + 1));
+  return make_v3(centralDifference(ax, s, bx, x0, x1), centralDifference(ay, s, by, y0, y1),
+                 centralDifference(az, s, bz, z0, z1));
+}
+
+// The shading gradient at p (index space), per unit of render space: trilinear in the gradients of the cell's points, so
+// that it is continuous across cells.
+FN vec3 gradientAt(VOLUME v, vec3 p) {
+  ivec3 c = cellAt(v, p);
+  vec3 f = fractionIn(c, p);
+  vec3 g = make_v3(R(0.0), R(0.0), R(0.0));
+  for (UNIFORM int i = 0; i < 8; i++) {
+    UNIFORM int x = i & 1, y = (i >> 1) & 1, z = i >> 2;
+    vec3 d = pointGradient(v, make_i3(c.x + x, c.y + y, c.z + z));
+    real w = ((x == 1 ? f.x : R(1.0) - f.x) * (y == 1 ? f.y : R(1.0) - f.y)) * (z == 1 ? f.z : R(1.0) - f.z);
+    g.x += w * d.x;
+    g.y += w * d.y;
+    g.z += w * d.z;
+  }
+  return make_v3(g.x * v.inverseX, g.y * v.inverseY, g.z * v.inverseZ);
+}

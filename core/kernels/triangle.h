@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: Apache-2.0
+// Watertight ray against triangle: Woop, Benthin, Wald, JCGT 2(1), 2013.
+//
+// The vertices are sheared into a frame in which the ray is the z axis; which side of an edge the ray passes
+// is then the sign of a 2-D cross product of two vertices, the same numbers for both triangles that share the
+// edge. Where rounding makes it 0 the paper goes on in double; here the sign comes from the exact rounding
+// errors of the two products (exact.h), so that the answer is that of exact arithmetic in every dialect: a
+// nonzero rounded difference of rounded products already has the exact sign, as rounding is monotone. A ray
+// that meets an edge or a vertex exactly hits all the triangles that share it. Both sides are hit. Vertex
+// distances from the origin within 1e12.
+
+// ax by - ay bx, rounded, with the exact sign.
+FN real edgeSide(real ax, real ay, real bx, real by) {
+  real p;
+  real pLost;
+  twoProduct(ax, by, p, pLost);
+  real q;
+  real qLost;
+  twoProduct(ay, bx, q, qLost);
+  real d = p - q;
+  return d == R(0.0) ? pLost - qLost : d;
+}
+
+// The components in cyclic order, that of index `last` at the end.
+FN vec3 turned(vec3 v, int last) {
+  real x = last == 0 ? v.y : (last == 1 ? v.z : v.x);
+  real y = last == 0 ? v.z : (last == 1 ? v.x : v.y);
+  real z = last == 0 ? v.x : (last == 1 ? v.y : v.z);
+  return make_v3(x, y, z);
+}
+
+// A sheared coordinate; so small a one counts as 0 that the products below never underflow. Being a function
+// of the vertex and the ray alone, this opens no edge.
+FN real sheared(real along, real shear, real depth) {
+  real s = along - shear * depth;
+  return abs(s) < R(1e-12) ? R(0.0) : s;
+}
+
+// The hit with t > tMin. weightB, weightC: barycentric coordinates of b and c, so the point is
+// (1 - weightB - weightC) a + weightB b + weightC c.
+FN bool hitTriangle(vec3 origin, vec3 direction, vec3 a, vec3 b, vec3 c, real tMin, OUT(real) t,
+                    OUT(real) weightB, OUT(real) weightC) {
+  vec3 size = make_v3(abs(direction.x), abs(direction.y), abs(direction.z));
+  int last = size.x >= size.y && size.x >= size.z ? 0 : (size.y >= size.z ? 1 : 2);
+  vec3 d = turned(direction, last);
+  real perDepth = R(1.0) / d.z;
+  real shearX = flushSmall(flushSmall(d.x) * perDepth);
+  real shearY = flushSmall(flushSmall(d.y) * perDepth);
+  vec3 pa = turned(make_v3(a.x - origin.x, a.y - origin.y, a.z - origin.z), last);
+  vec3 pb = turned(make_v3(b.x - origin.x, b.y - origin.y, b.z - origin.z), last);
+  vec3 pc = turned(make_v3(c.x - origin.x, c.y - origin.y, c.z - origin.z), last);
+  real ax = sheared(pa.x, shearX, pa.z);
+  real ay = sheared(pa.y, shearY, pa.z);
+  real bx = sheared(pb.x, shearX, pb.z);
+  real by = sheared(pb.y, shearY, pb.z);
+  real cx = sheared(pc.x, shearX, pc.z);
+  real cy = sheared(pc.y, shearY, pc.z);
+  real sideA = edgeSide(bx, by, cx, cy);
+  real sideB = edgeSide(cx, cy, ax, ay);
+  real sideC = edgeSide(ax, ay, bx, by);
+  real least = min1(min1(sideA, sideB), sideC);
+  real most = max1(max1(sideA, sideB), sideC);
+  real sum = (sideA + sideB) + sideC;
+  bool crossed = (least >= R(0.0) || most <= R(0.0)) && sum != R(0.0);
+  real share = R(1.0) / (crossed ? sum : R(1.0));
+  weightB = sideB * share;
+  weightC = sideC * share;
+  real depth = ((sideA * share) * pa.z + weightB * pb.z) + weightC * pc.z;
+  t = depth * perDepth;
+  return crossed && t > tMin;
+}
+
+// Unit normal of the plane, on the side from which a, b, c turn counter-clockwise; (0, 0, 0) for no area.
+FN vec3 triangleNormal(vec3 a, vec3 b, vec3 c) {
+  vec3 ab = make_v3(b.x - a.x, b.y - a.y, b.z - a.z);
+  vec3 ac = make_v3(c.x - a.x, c.y - a.y, c.z - a.z);
+  return unit3(cross3(unit3(ab), unit3(ac)));
+}

@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: Apache-2.0
+// Emission and absorption along a ray through one structured volume (Max 1995; numerics.md section 3).
+//
+// The plan of segments inside a macrocell is a function of the ray, the macrocell (aligned to the global grid) and its
+// plan byte alone. A partition evaluates the segments that *end* in (tIn, tOut], clipped at the ray's last event and at
+// a hit, so each segment is evaluated by exactly one partition, in the same order, with the same numbers.
+//
+// Each dialect supplies, for its VOLUME type,
+//   vec3 gridOrigin(v), gridInverse(v); ivec3 gridCells(v)    the global grid in render space
+//   Corners cellCorners(v, cell)                              samples of a cell of the local block
+//   int  planOf(v, macrocell)    0: skip; else PLAN_LEVEL bits choose the step, PLAN_PIECES the method
+//   real planRate(v, level)      segments per cell length
+//   real clipIn(v, ray index...) see integrateVolume's t0, t1
+
+#define MACRO_BITS 3
+#define PLAN_LEVEL 31
+#define PLAN_PIECES 32
+
+struct VolumeRay {
+  GridRay g;
+  real t0, t1;    // the ray inside the grid's box and the clip planes: a function of the whole ray
+  real cells;     // cells per unit of t, along the ray
+};
+
+FN VolumeRay volumeRay(VOLUME v, vec3 o, vec3 d, real clip0, real clip1) {
+  VolumeRay r;
+  r.g = gridRay(o, d, gridOrigin(v), gridInverse(v));
+  real t0, t1;
+  gridInterval(r.g, gridCells(v), t0, t1);
+  r.t0 = max(t0, clip0);
+  r.t1 = min(t1, clip1);
+  r.cells = sqrt(dot3(r.g.pd, r.g.pd));
+  return r;
+}
+
+FN ivec3 cellAt(VOLUME v, vec3 p) {
+  ivec3 n = gridCells(v);
+  return make_i3(toInt(clamp1(floor(p.x), R(0.0), toReal(n.x - 1))), toInt(clamp1(floor(p.y), R(0.0), toReal(n.y - 1))),
+                 toInt(clamp1(floor(p.z), R(0.0), toReal(n.z - 1))));
+}
+
+FN vec3 fractionIn(ivec3 c, vec3 p) {
+  return make_v3(clamp1(p.x - toReal(c.x), R(0.0), R(1.0)), clamp1(p.y - toReal(c.y), R(0.0), R(1.0)),
+                 clamp1(p.z - toReal(c.z), R(0.0), R(1.0)));
+}
+
+FN vec3 pointAt(GridRay g, real t) {
+  return make_v3(g.po.x + t * g.pd.x, g.po.y + t * g.pd.y, g.po.z + t * g.pd.z);
+}
+
+// The trilinear value at p; NaN in a no-data cell.
+FN real sampleAt(VOLUME v, vec3 p) {
+  ivec3 c = cellAt(v, p);
+  Corners k = cellCorners(v, c);
+  vec3 f = make_v3(p.x - toReal(c.x), p.y - toReal(c.y), p.z - toReal(c.z));
+  real a = lerp1(k.v000, k.v100, f.x), b = lerp1(k.v010, k.v110, f.x);
+  real e = lerp1(k.v001, k.v101, f.x), g = lerp1(k.v011, k.v111, f.x);
+  return lerp1(lerp1(a, b, f.y), lerp1(e, g, f.y), f.z);
+}
+
+struct MacroWalk {
+  ivec3 m;   // macrocell
+  vec3 far;  // t at which the ray crosses its exit planes
+  real t;    // where the ray entered it
+};
+
+FN MacroWalk startMacroWalk(VOLUME v, VolumeRay r, real t) {
+  ivec3 n = gridCells(v);
+  real s = R(0.125), b = R(8.0);
+  MacroWalk w;
+  w.m = make_i3(locateCell(t, r.g.po.x * s, r.g.pd.x * s, r.g.rpd.x * b, ((n.x - 1) >> MACRO_BITS) + 1),
+                locateCell(t, r.g.po.y * s, r.g.pd.y * s, r.g.rpd.y * b, ((n.y - 1) >> MACRO_BITS) + 1),
+                locateCell(t, r.g.po.z * s, r.g.pd.z * s, r.g.rpd.z * b, ((n.z - 1) >> MACRO_BITS) + 1));
+  w.far = make_v3(planeCrossing(farPlane(w.m.x, r.g.rpd.x) << MACRO_BITS, r.g.po.x, r.g.rpd.x),
+                  planeCrossing(farPlane(w.m.y, r.g.rpd.y) << MACRO_BITS, r.g.po.y, r.g.rpd.y),
+                  planeCrossing(farPlane(w.m.z, r.g.rpd.z) << MACRO_BITS, r.g.po.z, r.g.rpd.z));
+  real nx = planeCrossing(nearPlane(w.m.x, r.g.rpd.x) << MACRO_BITS, r.g.po.x, r.g.rpd.x);
+  real ny = planeCrossing(nearPlane(w.m.y, r.g.rpd.y) << MACRO_BITS, r.g.po.y, r.g.rpd.y);
+  real nz = planeCrossing(nearPlane(w.m.z, r.g.rpd.z) << MACRO_BITS, r.g.po.z, r.g.rpd.z);
+  w.t = max(max(max(nx, ny), nz), r.t0);
+  return w;
+}
+
+// Moves to the next macrocell, crossing every plane whose crossing is at the exit.
+FN void stepMacroWalk(VolumeRay r, INOUT(MacroWalk) w) {
+  real t = min3(w.far);
+  if (w.far.x <= t) {
+    w.m.x += r.g.rpd.x < R(0.0) ? -1 : 1;
+    w.far.x = planeCrossing(farPlane(w.m.x, r.g.rpd.x) << MACRO_BITS, r.g.po.x, r.g.rpd.x);
+  }
+  if (w.far.y <= t) {
+    w.m.y += r.g.rpd.y < R(0.0) ? -1 : 1;
+    w.far.y = planeCrossing(farPlane(w.m.y, r.g.rpd.y) << MACRO_BITS, r.g.po.y, r.g.rpd.y);
+  }
+  if (w.far.z <= t) {
+    w.m.z += r.g.rpd.z < R(0.0) ? -1 : 1;
+    w.far.z = planeCrossing(farPlane(w.m.z, r.g.rpd.z) << MACRO_BITS, r.g.po.z, r.g.rpd.z);
+  }
+  w.t = t;
+}
+
+struct Radiance {
+  vec3 rgb;  // accumulated, premultiplied
+  real T;    // transmittance
+};
+
+FN void addSegment(INOUT(Radiance) L, real tau, vec3 c) {
+  real w = L.T * oneMinusExp(tau);
+  L.rgb.x += w * c.x;
+  L.rgb.y += w * c.y;
+  L.rgb.z += w * c.z;
+  L.T -= w;
+}
+
+// What bounds the work of one partition on one ray: segments that end in (tIn, tOut], from tStart (the ray's last
+// event) to tStop (a hit before tOut, or NO_HIT); ends early when T < tMin.
+struct MarchRange {
+  real tIn, tOut, tStart, tStop, tMin;
+};
+
+struct MarchCount {
+  int samples, macrocells, skipped;
+};

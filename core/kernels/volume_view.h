@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: Apache-2.0
+// One volume of one partition as the kernels see it, and how C++ and ISPC fetch from it. Filled by the host in
+// gxy::single (ISPC reads the same bytes) or gxy::twin. GLSL has its own buffers behind the same functions.
+
+#if defined(ISPC)
+#define PTR(T) const uniform T* uniform
+#define RAW const void* uniform
+#define BYTE unsigned int8
+#define VOLUME const uniform VolumeView&
+#else
+#define PTR(T) const T*
+#define RAW const void*
+#define BYTE std::uint8_t
+#define VOLUME const VolumeView&
+#endif
+
+// Sample kinds: stored type of the block, in the order of ISPC's cheapest first.
+#define SAMPLE_F32 0
+#define SAMPLE_U8 1
+#define SAMPLE_I8 2
+#define SAMPLE_U16 3
+#define SAMPLE_I16 4
+
+struct VolumeView {
+  RAW samples;                        // x fastest, `stride` components interleaved
+  int kind, stride, component;        // component < 0: the magnitude of all
+  int wide;                           // 1: more than 2^31 bytes, needs 64-bit offsets
+  int nx, ny;                         // points per row and per column of the block
+  int firstX, firstY, firstZ;         // global index of its first point
+  int lastX, lastY, lastZ;            // global index of its last point
+  int cellsX, cellsY, cellsZ;         // cells of the global grid
+  real originX, originY, originZ;     // of the global grid, in render space
+  real inverseX, inverseY, inverseZ;  // cells per unit of render space
+
+  PTR(BYTE) plan;                              // per macrocell of the block, see volume.h
+  PTR(BYTE) isoPlan;                           // 1 where an isovalue lies in the macrocell's range
+  int macroX, macroY;                          // macrocells per row and per column
+  int macroFirstX, macroFirstY, macroFirstZ;   // global index of the first
+  real rates[32];                              // segments per cell length, by plan level
+
+  int mapUniform, mapBuckets, mapIntervals;    // see map.h
+  real mapOrigin, mapInverse;
+  PTR(int) buckets;
+  PTR(real) nodes;                             // start of each interval
+  PTR(real) lengths;                           // inverse length of each interval
+  PTR(real) pieces;                            // 8 per interval: sigma, its step, then r, g, b each with its step
+  PTR(real) sums;                              // 4 per interval: integrals of sigma and sigma * rgb up to its start
+
+  int isovalues;
+  PTR(real) isovalue;
+  int clips;
+  PTR(real) clip;                              // 4 per plane: keeps n . p >= offset, render space
+};
+
+FN vec3 gridOrigin(VOLUME v) { return make_v3(v.originX, v.originY, v.originZ); }
+FN vec3 gridInverse(VOLUME v) { return make_v3(v.inverseX, v.inverseY, v.inverseZ); }
+FN ivec3 gridCells(VOLUME v) { return make_i3(v.cellsX, v.cellsY, v.cellsZ); }
+
+FN int macroIndex(VOLUME v, ivec3 m) {
+  return ((m.z - v.macroFirstZ) * v.macroY + (m.y - v.macroFirstY)) * v.macroX + (m.x - v.macroFirstX);
+}
+FN int planOf(VOLUME v, ivec3 m) { return v.plan[macroIndex(v, m)]; }
+FN bool straddles(VOLUME v, ivec3 m) { return v.isoPlan[macroIndex(v, m)] != 0; }
+FN real planRate(VOLUME v, int level) { return v.rates[level]; }
+
+FN int mapUniform(VOLUME v) { return v.mapUniform; }
+FN real mapOrigin(VOLUME v) { return v.mapOrigin; }
+FN real mapInverse(VOLUME v) { return v.mapInverse; }
+FN int mapBuckets(VOLUME v) { return v.mapBuckets; }
+FN int mapBucket(VOLUME v, int i) { return v.buckets[i]; }
+FN int mapIntervals(VOLUME v) { return v.mapIntervals; }
+FN real mapNode(VOLUME v, int k) { return v.nodes[k]; }
+FN real mapInverseLength(VOLUME v, int k) { return v.lengths[k]; }
+FN real mapSigma(VOLUME v, int k) { return v.pieces[8 * k]; }
+FN real mapSigmaStep(VOLUME v, int k) { return v.pieces[8 * k + 1]; }
+FN vec3 mapColor(VOLUME v, int k) { return make_v3(v.pieces[8 * k + 2], v.pieces[8 * k + 4], v.pieces[8 * k + 6]); }
+FN vec3 mapColorStep(VOLUME v, int k) {
+  return make_v3(v.pieces[8 * k + 3], v.pieces[8 * k + 5], v.pieces[8 * k + 7]);
+}
+FN real mapSumSigma(VOLUME v, int k) { return v.sums[4 * k]; }
+FN vec3 mapSumColor(VOLUME v, int k) { return make_v3(v.sums[4 * k + 1], v.sums[4 * k + 2], v.sums[4 * k + 3]); }
+
+// The scalar of point i of the block, whatever the stored type.
+#if defined(ISPC)
+#define OFFSET int64
+#else
+#define OFFSET std::int64_t
+#endif
+FN real storedAt(VOLUME v, OFFSET i) {
+#if defined(ISPC)
+  if (v.kind == SAMPLE_F32) return ((const uniform float* uniform)v.samples)[i];
+  if (v.kind == SAMPLE_U8) return (float)((const uniform unsigned int8* uniform)v.samples)[i];
+  if (v.kind == SAMPLE_I8) return (float)((const uniform int8* uniform)v.samples)[i];
+  if (v.kind == SAMPLE_U16) return (float)((const uniform unsigned int16* uniform)v.samples)[i];
+  return (float)((const uniform int16* uniform)v.samples)[i];
+#else
+  if (v.kind == SAMPLE_F32) return real(static_cast<const float*>(v.samples)[i]);
+  if (v.kind == SAMPLE_U8) return real(static_cast<const std::uint8_t*>(v.samples)[i]);
+  if (v.kind == SAMPLE_I8) return real(static_cast<const std::int8_t*>(v.samples)[i]);
+  if (v.kind == SAMPLE_U16) return real(static_cast<const std::uint16_t*>(v.samples)[i]);
+  return real(static_cast<const std::int16_t*>(v.samples)[i]);
+#endif
+}
+FN real scalarAt(VOLUME v, OFFSET i) {
+  if (v.component >= 0) return storedAt(v, i * v.stride + v.component);
+  real s = R(0.0);
+  for (UNIFORM int c = 0; c < v.stride; c++) {
+    real x = storedAt(v, i * v.stride + c);
+    s += x * x;
+  }
+  return sqrt(s);
+}
+
+// The value at a grid point that the block holds.
+FN real pointValue(VOLUME v, ivec3 p) {
+  OFFSET row = ((OFFSET)(p.z - v.firstZ) * v.ny + (p.y - v.firstY));
+  return scalarAt(v, row * v.nx + (p.x - v.firstX));
+}
+
+// The eight corner values of a cell that the block holds.
+FN Corners cellCorners(VOLUME v, ivec3 c) {
+  Corners k;
+  if (v.kind == SAMPLE_F32 && v.stride == 1 && v.wide == 0) {
+#if defined(ISPC)
+    const uniform float* uniform s = (const uniform float* uniform)v.samples;
+#else
+    const float* s = static_cast<const float*>(v.samples);
+#endif
+    int b = ((c.z - v.firstZ) * v.ny + (c.y - v.firstY)) * v.nx + (c.x - v.firstX);
+    int h = b + v.nx * v.ny;
+    k.v000 = s[b];
+    k.v100 = s[b + 1];
+    k.v010 = s[b + v.nx];
+    k.v110 = s[b + v.nx + 1];
+    k.v001 = s[h];
+    k.v101 = s[h + 1];
+    k.v011 = s[h + v.nx];
+    k.v111 = s[h + v.nx + 1];
+  } else {
+    OFFSET b = ((OFFSET)(c.z - v.firstZ) * v.ny + (c.y - v.firstY)) * v.nx + (c.x - v.firstX);
+    OFFSET h = b + (OFFSET)v.nx * v.ny;
+    k.v000 = scalarAt(v, b);
+    k.v100 = scalarAt(v, b + 1);
+    k.v010 = scalarAt(v, b + v.nx);
+    k.v110 = scalarAt(v, b + v.nx + 1);
+    k.v001 = scalarAt(v, h);
+    k.v101 = scalarAt(v, h + 1);
+    k.v011 = scalarAt(v, h + v.nx);
+    k.v111 = scalarAt(v, h + v.nx + 1);
+  }
+  return k;
+}

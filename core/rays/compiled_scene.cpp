@@ -1,0 +1,190 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gxy/rays/compiled_scene.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <limits>
+
+#include "gxy/comm/error.h"
+#include "gxy/rays/step_plan.h"
+#include "gxy/scene/colormaps.h"
+
+namespace gxy {
+
+namespace {
+
+constexpr double kDomainMargin = 1e-5;  // of the longest side: what is seen lies strictly inside the visible domain
+
+CompiledPlane compilePlane(const Plane& plane, const RenderSpace& space) {
+  const double length = glm::length(plane.normal);
+  const glm::dvec3 n = plane.normal / length;
+  const double offset = (plane.offset / length - glm::dot(n, space.centre)) * space.scale;
+  return {float(n.x), float(n.y), float(n.z), float(offset)};
+}
+
+bool planeMeets(const CompiledPlane& p, const Box& box, const RenderSpace& space) {
+  const glm::dvec3 lo = space.toRender(box.lo), hi = space.toRender(box.hi);
+  const glm::dvec3 centre = 0.5 * (lo + hi), half = 0.5 * (hi - lo);
+  const double reach = std::abs(p.x) * half.x + std::abs(p.y) * half.y + std::abs(p.z) * half.z + kDomainMargin;
+  return std::abs(p.x * centre.x + p.y * centre.y + p.z * centre.z - p.offset) <= reach;
+}
+
+void compileVolume(CompiledOperator& op, CompiledScene& scene) {
+  const Volume& volume = *op.data.volume;
+  const RenderSpace& space = scene.space;
+  const glm::dvec3 origin = space.toRender(volume.grid.origin);
+  for (int k = 0; k < 3; k++) {
+    op.gridOrigin[k] = float(origin[k]);
+    op.gridInverse[k] = float(1 / (volume.grid.spacing[k] * space.scale));
+  }
+  if (op.vis.component && *op.vis.component >= volume.components)
+    throw Error("dataset \"" + op.vis.dataset + "\": component " + std::to_string(*op.vis.component) +
+                " was asked for, it has " + std::to_string(volume.components) + " (counted from 0)");
+  op.summary = volume.components == 1 ? 0 : op.vis.component.value_or(volume.components);
+
+  const glm::dvec3 s = volume.grid.spacing;
+  MapUnits units{volume.shift, volume.scale, 1 / space.scale,
+                 op.vis.referenceLength.value_or(std::min({s.x, s.y, s.z}))};
+  const OpacityMap opacity = effectiveOpacityMap(op.vis);
+  op.map = CompiledMap(effectiveColorMap(op.vis), op.vis.volumeRendering ? &opacity : nullptr, units);
+  op.rates = planRates(scene.settings.step);
+  for (double v : op.vis.isovalues) op.isovalues.push_back(float((v - volume.shift) / volume.scale));
+  for (const Plane& p : op.vis.slices) op.slices.push_back(compilePlane(p, space));
+
+  const double cellT = std::max({s.x, s.y, s.z}) * space.scale;
+  for (const auto& [partition, block] : volume.blocks) {
+    if (block.extent.count() == 0) continue;
+    OperatorPart& part = op.parts[partition];
+    part.block = &block;
+    const auto& summaries = block.summaries.at(op.summary);
+    if (op.vis.volumeRendering)
+      part.plan = stepPlan(summaries, op.map, cellT, scene.settings.tolerance, scene.settings.step > 0);
+    if (!op.isovalues.empty()) part.isoPlan = isoPlan(summaries, op.isovalues);
+    auto any = [](const std::vector<uint8_t>& v) { return std::any_of(v.begin(), v.end(), [](uint8_t x) { return x; }); };
+    bool visible = any(part.plan) || any(part.isoPlan);
+    for (const CompiledPlane& p : op.slices) visible = visible || planeMeets(p, scene.partitioning->box(partition), space);
+    if (visible) scene.visible[partition] = 1;
+  }
+}
+
+void compileGeometry(CompiledOperator& op, CompiledScene& scene) {
+  const Geometry& geometry = *op.data.geometry;
+  ColorMap color = effectiveColorMap(op.vis);
+  op.map = CompiledMap(color, nullptr, MapUnits{});
+  bool hasValues = false;
+  for (const auto& [partition, block] : geometry.blocks) {
+    OperatorPart& part = op.parts[partition];
+    part.values = block.values;
+    hasValues = hasValues || !block.values.empty();
+    part.points.reserve(block.points.size() * 4);
+    for (size_t i = 0; i < block.points.size(); i++) {
+      const glm::dvec3 p = scene.space.toRender(block.points[i]);
+      const double radius = geometry.kind == GeometryKind::Triangles
+                                ? 0
+                                : radiusOf(op.vis, block.values.empty() ? 0 : block.values[i]) * scene.space.scale;
+      for (double x : {p.x, p.y, p.z, radius}) part.points.push_back(float(x));
+    }
+    for (const glm::vec3& n : block.normals) part.normals.insert(part.normals.end(), {n.x, n.y, n.z});
+    for (const auto& s : block.segments) part.indices.insert(part.indices.end(), s.begin(), s.end());
+    for (const auto& t : block.triangles) part.indices.insert(part.indices.end(), t.begin(), t.end());
+    part.primitives = uint32_t(geometry.kind == GeometryKind::Particles   ? block.points.size()
+                               : geometry.kind == GeometryKind::PathLines ? block.segments.size()
+                                                                          : block.triangles.size());
+    if (part.primitives) scene.visible[partition] = 1;
+  }
+  if (geometry.range.empty() && !hasValues)
+    op.map = CompiledMap(ColorMap{{ColorPoint{0, op.data.color}}}, nullptr, MapUnits{});
+}
+
+VisType typeFor(GeometryKind kind) {
+  if (kind == GeometryKind::Particles) return VisType::Particles;
+  return kind == GeometryKind::PathLines ? VisType::PathLines : VisType::Triangles;
+}
+
+}  // namespace
+
+RenderSpace renderSpaceOf(const Partitioning& partitioning) {
+  const Box& b = partitioning.domain();
+  const glm::dvec3 size = b.hi - b.lo;
+  const double longest = std::max({size.x, size.y, size.z});
+  return {0.5 * b.lo + 0.5 * b.hi, longest > 0 ? 1 / longest : 1};
+}
+
+double radiusOf(const Vis& vis, double value) {
+  if (vis.value0 == vis.value1) return vis.radius0;
+  const double f = std::clamp((value - vis.value0) / (vis.value1 - vis.value0), 0.0, 1.0);
+  return vis.radius0 + f * (vis.radius1 - vis.radius0);
+}
+
+double largestRadius(const Vis& vis, const Range& range) {
+  if (vis.type == VisType::Triangles) return 0;
+  if (range.empty()) return std::max(0.0, radiusOf(vis, 0));
+  return std::max({0.0, radiusOf(vis, range.min), radiusOf(vis, range.max)});
+}
+
+size_t CompiledScene::bytes() const {
+  size_t n = 0;
+  for (const auto& op : operators) {
+    n += (op.map.nodes.size() * 14 + op.map.buckets.size()) * 4;
+    for (const auto& [partition, part] : op.parts)
+      n += part.plan.size() + part.isoPlan.size() +
+           4 * (part.points.size() + part.normals.size() + part.values.size() + part.indices.size());
+  }
+  return n;
+}
+
+std::shared_ptr<CompiledScene> compileScene(const Visualization& visualization, std::vector<OperatorData> data,
+                                            std::shared_ptr<const Partitioning> partitioning,
+                                            const RenderSettings& settings) {
+  auto scene = std::make_shared<CompiledScene>();
+  scene->visualization = visualization;
+  scene->settings = settings;
+  scene->partitioning = partitioning;
+  scene->space = renderSpaceOf(*partitioning);
+  scene->visible.assign(partitioning->partitions(), 0);
+  scene->cellPartition.assign(partitioning->cellPartition().begin(), partitioning->cellPartition().end());
+  for (int a = 0; a < 3; a++) {
+    for (double f : partitioning->faces(a))
+      scene->faces[a].push_back(float((f - scene->space.centre[a]) * scene->space.scale));
+    scene->faces[a].front() = -std::numeric_limits<float>::infinity();
+    scene->faces[a].back() = std::numeric_limits<float>::infinity();
+  }
+
+  Box seen;
+  double largestColor = 0;
+  for (size_t i = 0; i < visualization.operators.size(); i++) {
+    CompiledOperator& op = scene->operators.emplace_back();
+    op.vis = visualization.operators[i];
+    op.data = data.at(i);
+    const bool isVolume = op.vis.type == VisType::Volume;
+    if (isVolume ? !op.data.volume : !op.data.geometry || typeFor(op.data.geometry->kind) != op.vis.type)
+      throw Error("operator " + std::to_string(i + 1) + ": dataset \"" + op.vis.dataset +
+                  "\" is not of the kind that this operator shows");
+    for (const Plane& p : op.vis.clipPlanes) op.clips.push_back(compilePlane(p, scene->space));
+    if (isVolume) {
+      compileVolume(op, *scene);
+      seen.extend(op.data.volume->grid.box());
+      scene->volumesRendered += op.vis.volumeRendering;
+    } else {
+      compileGeometry(op, *scene);
+      Box b = op.data.geometry->box;
+      const double r = largestRadius(op.vis, op.data.geometry->range);
+      if (!b.empty()) seen.extend(Box{b.lo - r, b.hi + r});
+    }
+    const bool surfaces = !isVolume || !op.isovalues.empty() || !op.slices.empty();
+    if (surfaces && op.vis.opacity < 1) scene->opaqueSurfaces = false;
+    largestColor = std::max(largestColor, op.map.largestColor);
+  }
+  if (seen.empty()) seen = partitioning->domain();
+  const glm::dvec3 lo = scene->space.toRender(seen.lo), hi = scene->space.toRender(seen.hi), size = hi - lo;
+  const double margin = kDomainMargin * std::max({size.x, size.y, size.z, 1e-3});
+  scene->lo = lo - margin;
+  scene->hi = hi + margin;
+  const Lighting& l = visualization.lighting;
+  scene->largestRadiance = std::max(1.0, l.Ka + l.Kd + l.Ks) * std::max(largestColor, 1e-3);
+  scene->tMin = float(settings.tolerance / 4 / scene->largestRadiance);
+  return scene;
+}
+
+}  // namespace gxy

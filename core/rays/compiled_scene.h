@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: Apache-2.0
+// A visualization and its data in the kernels' units: what a backend turns into a DeviceScene.
+#pragma once
+#include <array>
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "gxy/data/geometry.h"
+#include "gxy/data/partitioning.h"
+#include "gxy/data/volume.h"
+#include "gxy/rays/compiled_map.h"
+#include "gxy/scene/scene.h"
+
+namespace gxy {
+
+/// The frame's render space: the partitioning's domain centred at 0, its longest side 1 (numerics.md section 1).
+struct RenderSpace {
+  glm::dvec3 centre{0};
+  double scale = 1;  ///< render length of one world unit
+  glm::dvec3 toRender(glm::dvec3 world) const { return (world - centre) * scale; }
+};
+RenderSpace renderSpaceOf(const Partitioning& partitioning);
+
+/// What an operator looks at: a volume, or geometry whose blocks are complete (replicated, data/replicate.h).
+struct OperatorData {
+  std::shared_ptr<const Volume> volume;
+  std::shared_ptr<const Geometry> geometry;
+  glm::dvec3 color{0.8};  ///< of geometry without values
+};
+
+/// A plane n . p = offset in render space, |n| = 1.
+struct CompiledPlane {
+  float x, y, z, offset;
+};
+
+/// What one operator has in one local partition.
+struct OperatorPart {
+  const VolumeBlock* block = nullptr;     ///< owned by the operator's volume
+  std::vector<uint8_t> plan, isoPlan;     ///< per macrocell of the block
+  std::vector<float> points;              ///< x y z radius, render space
+  std::vector<float> normals;             ///< x y z per point, or empty
+  std::vector<float> values;              ///< per point, or empty
+  std::vector<uint32_t> indices;          ///< 2 (segments) or 3 (triangles) per primitive; particles none
+  uint32_t primitives = 0;
+};
+
+struct CompiledOperator {
+  Vis vis;
+  OperatorData data;
+  CompiledMap map;                        ///< over stored values; extinction only where it is volume rendered
+  std::array<float, 3> gridOrigin{}, gridInverse{};  ///< render space; cells per unit
+  std::array<float, 32> rates{};
+  std::vector<float> isovalues;           ///< stored units
+  std::vector<CompiledPlane> slices, clips;
+  std::map<int, OperatorPart> parts;      ///< by local partition
+  int summary = 0;                        ///< which of the block's summaries: component, or the magnitude
+};
+
+struct CompiledScene {
+  Visualization visualization;
+  RenderSettings settings;
+  std::shared_ptr<const Partitioning> partitioning;
+  RenderSpace space;
+  glm::dvec3 lo, hi;                      ///< the visible domain, render space: all that can be seen lies strictly inside
+  std::array<std::vector<float>, 3> faces;  ///< of the partitioning, render space; the outer ones at -+infinity
+  std::vector<int32_t> cellPartition;     ///< of the lattice, x fastest
+  std::vector<uint8_t> visible;           ///< per partition: may it change a ray? the same on all ranks
+  std::vector<CompiledOperator> operators;
+  bool opaqueSurfaces = true;             ///< no translucent surface, so shadow and AO rays may stop at any hit
+  int volumesRendered = 0;
+  float tMin = 0;                         ///< transmittance below which a ray ends
+  double largestRadiance = 1;
+
+  /// Bytes that it holds besides the data.
+  size_t bytes() const;
+};
+
+/// Compiles for the partitions that are local (the data's blocks say which). `visible` holds the local partitions'
+/// answers only; merge over ranks (bitwise or), then set it. Throws Error for an operator without fitting data.
+std::shared_ptr<CompiledScene> compileScene(const Visualization& visualization, std::vector<OperatorData> data,
+                                            std::shared_ptr<const Partitioning> partitioning,
+                                            const RenderSettings& settings);
+
+/// The radius (world units) that a Particles or PathLines Vis gives a value.
+double radiusOf(const Vis& vis, double value);
+/// The largest radius over a range of values.
+double largestRadius(const Vis& vis, const Range& range);
+
+}  // namespace gxy

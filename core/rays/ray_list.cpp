@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gxy/rays/ray_list.h"
+
+#include <cstring>
+#include <new>
+
+namespace gxy {
+
+namespace {
+
+#define GXY_COUNT(type, name, primary, secondary) +1
+constexpr int kFields = 0 GXY_RAY_FIELDS(GXY_COUNT);
+#undef GXY_COUNT
+constexpr std::align_val_t kAlignment{64};
+
+}  // namespace
+
+void RayList::Free::operator()(uint32_t* p) const { ::operator delete[](p, kAlignment); }
+
+RayList::RayList(int capacity) : capacity_(capacity) {
+  const size_t stride = (size_t(capacity) + 15) / 16 * 16;
+  auto* p = static_cast<uint32_t*>(::operator new[](stride * kFields * sizeof(uint32_t), kAlignment));
+  storage_.reset(p);
+  std::memset(p, 0, stride * kFields * sizeof(uint32_t));
+#define GXY_POINT(type, name, primary, secondary) \
+  view_.name = reinterpret_cast<type*>(p);        \
+  p += stride;
+  GXY_RAY_FIELDS(GXY_POINT)
+#undef GXY_POINT
+}
+
+void RayList::append(const RayList& from, int i) {
+#define GXY_COPY(type, name, primary, secondary) view_.name[size_] = from.view_.name[i];
+  GXY_RAY_FIELDS(GXY_COPY)
+#undef GXY_COPY
+  size_++;
+}
+
+int RayList::wireBytes(bool primary) {
+#define GXY_WIDTH(type, name, onPrimary, onSecondary) +4 * (primary ? onPrimary : onSecondary)
+  return 0 GXY_RAY_FIELDS(GXY_WIDTH);
+#undef GXY_WIDTH
+}
+
+void RayList::write(std::span<const int> which, bool primary, Bytes& out) const {
+  size_t at = out.size();
+  out.resize(at + which.size() * size_t(wireBytes(primary)));
+#define GXY_WRITE(type, name, onPrimary, onSecondary) \
+  if (primary ? onPrimary : onSecondary)              \
+    for (int i : which) {                             \
+      std::memcpy(out.data() + at, view_.name + i, 4); \
+      at += 4;                                        \
+    }
+  GXY_RAY_FIELDS(GXY_WRITE)
+#undef GXY_WRITE
+}
+
+RayList RayList::read(std::span<const std::byte> in, int count, bool primary) {
+  RayList list(count);
+  list.resize(count);
+  size_t at = 0;
+#define GXY_READ(type, name, onPrimary, onSecondary)              \
+  if (primary ? onPrimary : onSecondary) {                        \
+    std::memcpy(list.view_.name, in.data() + at, 4 * size_t(count)); \
+    at += 4 * size_t(count);                                      \
+  }
+  GXY_RAY_FIELDS(GXY_READ)
+#undef GXY_READ
+  return list;
+}
+
+}  // namespace gxy

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+// A list of rays as a structure of arrays, and its wire form.
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "gxy/comm/transport.h"
+#include "gxy/rays/ray_fields.h"
+
+namespace gxy {
+
+using uint32 = std::uint32_t;
+using int32 = std::int32_t;
+
+/// Pointers to the arrays of a ray list; ISPC sees the same structure.
+struct RayView {
+#define GXY_FIELD(type, name, primary, secondary) type* name;
+  GXY_RAY_FIELDS(GXY_FIELD)
+#undef GXY_FIELD
+};
+
+/// Owns the arrays of up to `capacity` rays; each array is 64-byte aligned and padded to a multiple of 16 rays, so that
+/// a full gang may load past the end. Movable, not copyable. Not thread safe.
+class RayList {
+ public:
+  RayList() = default;
+  explicit RayList(int capacity);
+
+  int size() const { return size_; }
+  int capacity() const { return capacity_; }
+  void resize(int n) { size_ = n; }
+  const RayView& view() const { return view_; }
+
+  /// Appends ray i of `from`; there must be room.
+  void append(const RayList& from, int i);
+
+  /// Bytes per ray on the wire, of primaries and of secondaries.
+  static int wireBytes(bool primary);
+  /// Appends the wire form of rays `which` (all primaries, or all secondaries) to `out`.
+  void write(std::span<const int> which, bool primary, Bytes& out) const;
+  /// Reads `count` rays; the caller has checked that `in` holds count * wireBytes(primary) bytes.
+  static RayList read(std::span<const std::byte> in, int count, bool primary);
+
+ private:
+  struct Free { void operator()(uint32_t* p) const; };
+  int size_ = 0, capacity_ = 0;
+  std::unique_ptr<uint32_t[], Free> storage_;
+  RayView view_{};
+};
+
+/// What one ray adds to one pixel, in units of 2^-26 (CONTRIBUTION_ONE).
+struct Contribution {
+  uint32_t pixel;
+  int32_t r, g, b, a;
+};
+
+/// First hit distance of a pixel's centre ray from the eye, world units.
+struct DepthContribution {
+  uint32_t pixel;
+  double depth;
+};
+
+}  // namespace gxy

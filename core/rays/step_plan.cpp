@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gxy/rays/step_plan.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace gxy {
+
+namespace {
+constexpr int kLevels = 31;
+constexpr uint8_t kPieces = 32;
+constexpr double kErrorPerVariation = 0.025;
+constexpr double kNoDataRate = 4;  // a no-data cell's faces are steps of the field
+}  // namespace
+
+std::array<float, 32> planRates(double fixedStep) {
+  std::array<float, 32> rates{};
+  for (int l = 1; l <= kLevels; l++) rates[l] = float(fixedStep > 0 ? 1 / fixedStep : 0.25 * std::exp2((l - 1) / 4.0));
+  return rates;
+}
+
+std::vector<uint8_t> stepPlan(std::span<const Macrocell> summaries, const CompiledMap& map, double cellT,
+                              double tolerance, bool fixedStep) {
+  std::vector<uint8_t> plan(summaries.size(), 0);
+  for (size_t i = 0; i < plan.size(); i++) {
+    const Macrocell& m = summaries[i];
+    if (!(m.min <= m.max)) continue;
+    const CompiledMap::Over over = map.over(m.min, m.max);
+    if (!(over.extinction > 0)) continue;
+    if (fixedStep) {
+      plan[i] = 1;
+      continue;
+    }
+    const double variation = (over.slope * (double(m.max) - m.min) + 2 * over.jump) * cellT;
+    double rate = std::sqrt(kErrorPerVariation * variation / (0.75 * tolerance));
+    if (m.noData) rate = std::max(rate, kNoDataRate);
+    const int level = rate > 0.25 ? int(std::ceil(4 * std::log2(rate / 0.25))) + 1 : 1;
+    plan[i] = uint8_t(std::clamp(level, 1, kLevels) | (over.jump > 0 ? kPieces : 0));
+  }
+  return plan;
+}
+
+std::vector<uint8_t> isoPlan(std::span<const Macrocell> summaries, std::span<const float> isovalues) {
+  std::vector<uint8_t> plan(summaries.size(), 0);
+  for (size_t i = 0; i < plan.size(); i++)
+    for (float v : isovalues) plan[i] |= uint8_t(summaries[i].min <= v && v <= summaries[i].max);
+  return plan;
+}
+
+}  // namespace gxy

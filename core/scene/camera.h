@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+// The rays of a camera, in double, in a form that every backend repeats bit for bit.
+#pragma once
+#include <glm/vec3.hpp>
+
+#include "gxy/scene/scene.h"
+
+namespace gxy {
+
+/// What a kernel needs of a camera. Pixel coordinates (x, y) run from (0, 0), the window's lower left corner,
+/// to (width, height); the centre of pixel (i, j) is (i + 0.5, j + 0.5), row 0 at the bottom. With
+///     p = (corner + x * du) + y * dv
+/// evaluated per component in that order without contraction, the ray is
+///     perspective   origin eye, direction p
+///     orthographic  origin p,   direction view
+/// Directions are not normalised; `view`, du and dv are orthogonal, `view` has length 1.
+struct CameraBasis {
+  glm::dvec3 eye{0};
+  glm::dvec3 corner{0};     ///< direction (perspective) or origin (orthographic) at (0, 0)
+  glm::dvec3 du{0}, dv{0};  ///< change per pixel to the right and up
+  glm::dvec3 view{0};
+  bool orthographic = false;
+};
+
+struct CameraRay {
+  glm::dvec3 origin, direction;
+};
+
+/// Throws Error, naming the camera's parameter, unless viewpoint, viewdirection and viewup are finite,
+/// viewdirection is not zero, aov is 0 or in (0, 180) degrees, height > 0, both dimensions are in [1, 65536]
+/// and the image has at most 2^31 pixels.
+void validate(const Camera& camera);
+
+/// Sets the rays up; validates first. `aov` or `height` spans the smaller image dimension. A viewup that is
+/// zero or (within 1e-6 radian) parallel to viewdirection is replaced by the axis farthest from viewdirection
+/// (ties: x, y, z).
+CameraBasis cameraBasis(const Camera& camera);
+
+/// The ray through pixel coordinates (x, y).
+inline CameraRay cameraRay(const CameraBasis& basis, double x, double y) {
+  const glm::dvec3 p = (basis.corner + x * basis.du) + y * basis.dv;
+  return basis.orthographic ? CameraRay{p, basis.view} : CameraRay{basis.eye, p};
+}
+
+}  // namespace gxy

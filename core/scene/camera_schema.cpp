@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gxy/comm/error.h"
+#include "gxy/scene/camera.h"
+#include "gxy/scene/paraview_camera.h"
+#include "gxy/scene/schema.h"
+
+namespace gxy {
+namespace {
+
+void readCenter(const Found& found, Camera& camera) {
+  const glm::dvec3 center = found.vec3();
+  if (found.object.find("viewdirection")) return found.warn("not used, as `viewdirection` is given");
+  camera.viewdirection = center - camera.viewpoint;
+}
+
+void readDimensions(const Found& found, Camera& camera) {
+  constexpr Limits kSide{1, 65536};
+  const std::vector<Found> sides = found.list("[width, height]");
+  if (sides.size() != 2) found.fail("[width, height]");
+  camera.dimensions = {sides[0].integer(kSide), sides[1].integer(kSide)};
+}
+
+Camera readCameraFile(const Found& found) {
+  const std::filesystem::path path = found.context.directory / found.text();
+  try {
+    return parseParaViewCamera(readTextFile(path), path.string());
+  } catch (const Error& e) {
+    found.context.fail(found.value.at, "camera file: " + std::string(e.what()));
+  }
+}
+
+}  // namespace
+
+const Schema<Camera>& cameraSchema() {
+  static const Schema<Camera> schema{
+      "camera",
+      {
+          vectorKey("viewpoint", &Camera::viewpoint, "Where the eye is, world."),
+          vectorKey("viewdirection", &Camera::viewdirection, "Where it looks; any length but 0."),
+          customKey<Camera>("viewcenter", "[x, y, z]", "Instead of `viewdirection`: a point to look at.",
+                            readCenter)
+              .byDefault("-"),
+          vectorKey("viewup", &Camera::viewup, "What is up in the picture; any length."),
+          numberKey("aov", &Camera::aov, {0, 180, false, true},
+                    "Full angle of view over the smaller image dimension, degrees; 0: orthographic."),
+          numberKey("height", &Camera::height, kPositive,
+                    "Orthographic only: extent of the window over the smaller image dimension, world units."),
+          customKey<Camera>("dimensions", "[width, height], integers 1 to 65536",
+                            "Image size in pixels, at most 2^31 in all.", readDimensions,
+                            [](const Camera& c) {
+                              return OrderedJson{c.dimensions.x, c.dimensions.y};
+                            }),
+          textKey("annotation", &Camera::annotation, "Becomes part of the picture's name."),
+      }};
+  return schema;
+}
+
+Camera readCamera(const Found& found) {
+  Camera camera;
+  if (found.value.string()) {
+    camera = readCameraFile(found);
+  } else {
+    readObject(found.context, found.value, cameraSchema(), camera);
+    const bool aimed = found.value.find("viewdirection") || found.value.find("viewcenter");
+    if (found.value.find("viewpoint") && !aimed) {
+      found.context.fail(found.value.at,
+                         "a camera without direction; expected `viewdirection` or `viewcenter`");
+    }
+  }
+  try {
+    validate(camera);
+  } catch (const Error& e) {
+    found.context.fail(found.value.at, e.what());
+  }
+  return camera;
+}
+
+}  // namespace gxy

@@ -1,0 +1,223 @@
+// SPDX-License-Identifier: Apache-2.0
+// The schema of the state file: one table per kind of object, whose rows drive reading, the checks and their
+// messages, saving, and the reference in docs/state-file.md.
+#pragma once
+#include <algorithm>
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "gxy/scene/read_context.h"
+
+namespace gxy {
+
+using OrderedJson = nlohmann::ordered_json;
+
+/// What is said about a key.
+struct KeyInfo {
+  std::string name;
+  std::vector<std::string> aliases;
+  std::string type;  ///< in words, range included: "number > 0"
+  std::string meaning;
+  std::string defaultText;  ///< empty: the saved form of a default T
+  bool required = false;
+  unsigned appliesTo = ~0u;  ///< bits 1 << VisType, for keys of operators
+};
+
+/// One row: a key of the objects that describe a T.
+template <class T>
+struct Key {
+  KeyInfo info;
+  std::function<void(const Found&, T&)> read;
+  std::function<OrderedJson(const T&)> write;  ///< null where the key is not saved
+
+  Key alias(std::vector<std::string> names) && {
+    info.aliases = std::move(names);
+    return std::move(*this);
+  }
+  Key require() && {
+    info.required = true;
+    return std::move(*this);
+  }
+  Key only(unsigned types) && {
+    info.appliesTo = types;
+    return std::move(*this);
+  }
+  Key byDefault(std::string text) && {
+    info.defaultText = std::move(text);
+    return std::move(*this);
+  }
+};
+
+template <class T>
+struct Schema {
+  std::string title;  ///< "operator", as messages and the reference call the object
+  std::vector<Key<T>> keys;
+};
+
+/// The bit of appliesTo that an object is; all bits but for operators.
+template <class T>
+unsigned typeBit(const T&) {
+  return ~0u;
+}
+inline unsigned typeBit(const Vis& vis) { return 1u << unsigned(vis.type); }
+
+inline std::string withRange(const std::string& noun, const Limits& limits) {
+  const std::string range = limits.text();
+  return range.empty() ? noun : noun + " " + range;
+}
+
+inline OrderedJson toJson(const glm::dvec3& v) { return {v.x, v.y, v.z}; }
+inline OrderedJson toJson(const glm::dvec4& v) { return {v.x, v.y, v.z, v.w}; }
+inline OrderedJson toJson(const std::vector<Plane>& planes) {
+  OrderedJson out = nullptr;  // an empty list is not saved
+  for (const Plane& p : planes) out.push_back({p.normal.x, p.normal.y, p.normal.z, p.offset});
+  return out;
+}
+
+// Rows for the plain kinds of members.
+template <class T>
+Key<T> numberKey(std::string name, double T::*member, Limits limits, std::string meaning) {
+  return {{std::move(name), {}, withRange("number", limits), std::move(meaning), "", false, ~0u},
+          [=](const Found& found, T& t) { t.*member = found.number(limits); },
+          [=](const T& t) { return OrderedJson(t.*member); }};
+}
+template <class T>
+Key<T> integerKey(std::string name, int T::*member, Limits limits, std::string meaning) {
+  return {{std::move(name), {}, withRange("integer", limits), std::move(meaning), "", false, ~0u},
+          [=](const Found& found, T& t) { t.*member = found.integer(limits); },
+          [=](const T& t) { return OrderedJson(t.*member); }};
+}
+template <class T>
+Key<T> flagKey(std::string name, bool T::*member, std::string meaning) {
+  return {{std::move(name), {}, "true or false", std::move(meaning), "", false, ~0u},
+          [=](const Found& found, T& t) { t.*member = found.boolean(); },
+          [=](const T& t) { return OrderedJson(t.*member); }};
+}
+template <class T>
+Key<T> textKey(std::string name, std::string T::*member, std::string meaning) {
+  return {{std::move(name), {}, "text", std::move(meaning), "empty", false, ~0u},
+          [=](const Found& found, T& t) { t.*member = found.text(); },
+          [=](const T& t) { return (t.*member).empty() ? OrderedJson() : OrderedJson(t.*member); }};
+}
+template <class T>
+Key<T> vectorKey(std::string name, glm::dvec3 T::*member, std::string meaning) {
+  return {{std::move(name), {}, "[x, y, z]", std::move(meaning), "", false, ~0u},
+          [=](const Found& found, T& t) { t.*member = found.vec3(); },
+          [=](const T& t) { return toJson(t.*member); }};
+}
+template <class T>
+Key<T> colorKey(std::string name, glm::dvec4 T::*member, std::string meaning) {
+  return {{std::move(name), {}, "[r, g, b] or [r, g, b, a] of 0 to 1", std::move(meaning), "", false, ~0u},
+          [=](const Found& found, T& t) { t.*member = found.color(); },
+          [=](const T& t) { return toJson(t.*member); }};
+}
+
+/// A row with its own reader and (where it is saved) writer.
+template <class T, class Read>
+Key<T> customKey(
+    std::string name, std::string type, std::string meaning, Read read,
+    std::function<OrderedJson(const T&)> write = [](const T&) { return OrderedJson(); }) {
+  return {{std::move(name), {}, std::move(type), std::move(meaning), "", false, ~0u},
+          std::move(read),
+          std::move(write)};
+}
+
+namespace detail {
+
+template <class T>
+bool named(const Key<T>& key, const std::string& name) {
+  return key.info.name == name || std::count(key.info.aliases.begin(), key.info.aliases.end(), name) > 0;
+}
+
+template <class T>
+void warnOfUnknownKeys(ReadContext& context, const JsonValue& value, const Schema<T>& schema) {
+  std::vector<std::string> names;
+  for (const Key<T>& key : schema.keys) names.push_back(key.info.name);
+  for (const JsonMember& member : *value.object()) {
+    const bool known = std::any_of(schema.keys.begin(), schema.keys.end(),
+                                   [&](const Key<T>& key) { return named(key, member.key); });
+    if (known) continue;
+    context.warn(member.at, "unknown key " + inQuotes(member.key, '`') + " of a " + schema.title +
+                                suggestion(member.key, names));
+  }
+}
+
+template <class T>
+const JsonMember* findMember(ReadContext& context, const JsonValue& value, const Key<T>& key) {
+  const JsonMember* found = nullptr;
+  for (const JsonMember& member : *value.object()) {
+    if (!named(key, member.key)) continue;
+    if (found) {
+      context.fail(member.at, inQuotes(member.key, '`') + ": means the same as " + inQuotes(found->key, '`') +
+                                  " on line " + std::to_string(found->at.line) + "; expected one of them");
+    }
+    found = &member;
+  }
+  return found;
+}
+
+}  // namespace detail
+
+/// Reads an object by its schema into `out`, in the schema's order (so a row may rely on earlier ones). Keys
+/// that are absent leave `out` as it is; unknown ones, and those without effect on this type, warn.
+template <class T>
+void readObject(ReadContext& context, const JsonValue& value, const Schema<T>& schema, T& out) {
+  if (!value.object())
+    context.fail(value.at, "expected a " + schema.title + " (an object), found " + value.describe());
+  detail::warnOfUnknownKeys(context, value, schema);
+  for (const Key<T>& key : schema.keys) {
+    const JsonMember* member = detail::findMember(context, value, key);
+    if (!member) {
+      if (key.info.required)
+        context.fail(value.at, "a " + schema.title + " without " + inQuotes(key.info.name, '`') +
+                                   "; expected " + key.info.type);
+      continue;
+    }
+    key.read(Found{context, member->key, member->value, value}, out);
+    if (!(key.info.appliesTo & typeBit(out))) {
+      context.warn(member->at,
+                   inQuotes(member->key, '`') + " has no effect on a " + schema.title + " of this type");
+    }
+  }
+}
+
+/// Reads one object or a list of them: readOne(found) for each.
+template <class ReadOne>
+void readOneOrMany(const Found& found, ReadOne readOne) {
+  if (!found.value.array()) return readOne(found);
+  for (const Found& item : found.list("a list")) readOne(item);
+}
+
+/// The saved form: every key but those that are empty, and those without effect that have their default.
+template <class T>
+OrderedJson writeObject(const T& t, const Schema<T>& schema) {
+  OrderedJson out = OrderedJson::object();
+  for (const Key<T>& key : schema.keys) {
+    OrderedJson value = key.write(t);
+    const bool idle = !(key.info.appliesTo & typeBit(t)) && value == key.write(T{});
+    if (!value.is_null() && !idle) out[key.info.name] = std::move(value);
+  }
+  return out;
+}
+
+const Schema<Camera>& cameraSchema();
+const Schema<Lighting>& lightingSchema();
+const Schema<Vis>& operatorSchema();
+const Schema<Visualization>& visualizationSchema();
+const Schema<DatasetSpec>& datasetSchema();
+const Schema<RenderSettings>& rendererSchema();
+const Schema<State>& stateSchema();
+
+/// A camera as a state file gives it: an object, or the name of a ParaView camera file.
+Camera readCamera(const Found& found);
+
+// The map keys of an operator.
+void readColorMap(const Found& found, Vis& vis);  ///< a preset file's opacities become the opacity map
+OpacityMap readOpacityMap(const Found& found, bool extinction);
+OrderedJson toJson(const ColorMap& map);
+OrderedJson toJson(const OpacityMap& map);
+
+}  // namespace gxy

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gxy/scene/state_file.h"
+
+#include "gxy/scene/schema.h"
+
+namespace gxy {
+
+StateFile readState(std::string_view text, const std::string& sourceName,
+                    const std::filesystem::path& directory) {
+  const JsonValue root = parseJson(text, sourceName);
+  ReadContext context;
+  context.sourceName = sourceName;
+  context.directory = directory;
+  StateFile out;
+  readObject(context, root, stateSchema(), out.state);
+  out.warnings = std::move(context.warnings);
+  if (context.suppressedWarnings > 0) {
+    out.warnings.push_back(sourceName + ": and " + std::to_string(context.suppressedWarnings) +
+                           " more warnings");
+  }
+  return out;
+}
+
+StateFile readStateFile(const std::filesystem::path& path) {
+  const std::filesystem::path directory = path.has_parent_path() ? path.parent_path() : ".";
+  return readState(readTextFile(path), path.string(), directory);
+}
+
+}  // namespace gxy

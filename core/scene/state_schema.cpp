@@ -1,0 +1,176 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+
+#include "gxy/scene/schema.h"
+
+namespace gxy {
+namespace {
+
+constexpr const char* kDatasetTypes[] = {"Volume", "Particles", "PathLines", "Triangles"};
+
+void readDatasetType(const Found& found, DatasetSpec& dataset) {
+  const auto it = std::find(std::begin(kDatasetTypes), std::end(kDatasetTypes), found.text());
+  if (it == std::end(kDatasetTypes)) found.fail("Volume, Particles, PathLines or Triangles");
+  dataset.type = DatasetType(it - std::begin(kDatasetTypes));
+}
+
+void readDatasets(const Found& found, State& state) {
+  std::vector<std::string> names;
+  readOneOrMany(found, [&](const Found& item) {
+    DatasetSpec dataset;
+    readObject(item.context, item.value, datasetSchema(), dataset);
+    if (dataset.name.empty()) dataset.name = dataset.filename;
+    names.push_back(dataset.name);
+    state.datasets.push_back(std::move(dataset));
+  });
+  std::sort(names.begin(), names.end());
+  const auto twice = std::adjacent_find(names.begin(), names.end());
+  if (twice != names.end()) {
+    found.context.fail(found.value.at, "two datasets named " + inQuotes(*twice) + "; expected each name once");
+  }
+  found.context.datasets = state.datasets;
+}
+
+void readOldLighting(const Found& found, RenderSettings&) {
+  found.context.warn(found.value.at,
+                     "deprecated: `Lighting` of the renderer is used for visualizations that have none; "
+                     "write it inside each visualization");
+  found.context.oldLighting.emplace();
+  readObject(found.context, found.value, lightingSchema(), *found.context.oldLighting);
+}
+
+/// A key of the earlier Galaxy that nothing needs any more.
+Key<RenderSettings> obsoleteKey(std::string name, std::string why) {
+  return customKey<RenderSettings>(name, "number", "Deprecated, not used: " + why + ".",
+                                   [=](const Found& found, RenderSettings&) {
+                                     found.number();
+                                     found.warn("deprecated and not used: " + why);
+                                   })
+      .byDefault("-");
+}
+
+void readOperators(const Found& found, Visualization& visualization) {
+  for (const Found& item : found.list("a list of operators")) {
+    Vis vis;
+    readObject(item.context, item.value, operatorSchema(), vis);
+    if (vis.type == VisType::Volume && !vis.volumeRendering && vis.isovalues.empty() && vis.slices.empty()) {
+      item.warn("shows nothing; a Volume needs `volume rendering`, `isovalues` or `slices`");
+    }
+    visualization.operators.push_back(std::move(vis));
+  }
+}
+
+void readVisualizations(const Found& found, State& state) {
+  readOneOrMany(found, [&](const Found& item) {
+    Visualization visualization;
+    visualization.lighting = item.context.oldLighting.value_or(Lighting{});
+    if (item.value.find("Lighting") || item.value.find("lighting")) visualization.lighting = Lighting{};
+    readObject(item.context, item.value, visualizationSchema(), visualization);
+    state.visualizations.push_back(std::move(visualization));
+  });
+}
+
+template <class T>
+OrderedJson writeAll(const std::vector<T>& items, const Schema<T>& schema) {
+  OrderedJson out = OrderedJson::array();
+  for (const T& item : items) out.push_back(writeObject(item, schema));
+  return out;
+}
+
+}  // namespace
+
+const Schema<DatasetSpec>& datasetSchema() {
+  using D = DatasetSpec;
+  static const Schema<D> schema{
+      "dataset",
+      {
+          textKey("name", &D::name, "What operators call it; each name once.").byDefault("the file name"),
+          customKey<D>("type", "Volume, Particles, PathLines or Triangles", "What is in the file.",
+                       readDatasetType,
+                       [](const D& d) { return OrderedJson(kDatasetTypes[unsigned(d.type)]); })
+              .require(),
+          customKey<D>(
+              "filename", "text", "The file: absolute, or relative to the state file's directory.",
+              [](const Found& f, D& d) { d.filename = f.text(); },
+              [](const D& d) { return OrderedJson(d.filename); })
+              .require(),
+          textKey("array", &D::array, "Which array of the file to map.")
+              .byDefault("its active scalars, else its first array"),
+          colorKey("color", &D::color, "Colour of geometry whose file has no values to map.")
+              .alias({"default color"}),
+      }};
+  return schema;
+}
+
+const Schema<RenderSettings>& rendererSchema() {
+  using R = RenderSettings;
+  static const Schema<R> schema{
+      "renderer",
+      {
+          numberKey("tolerance", &R::tolerance, {0, 1, true},
+                    "Error that every channel of every pixel stays below."),
+          numberKey("step", &R::step, kNonNegative,
+                    "If not 0: march with this fixed step, in cells, instead."),
+          integerKey("rays per pixel", &R::raysPerPixel, {1, 65536}, "Primary rays through each pixel."),
+          colorKey("background", &R::background, "Colour behind everything."),
+          customKey<R>("Lighting", "lighting", "Deprecated: used for visualizations without their own.",
+                       readOldLighting)
+              .alias({"lighting"})
+              .byDefault("-"),
+          obsoleteKey("epsilon", "rays leave surfaces by an amount that follows from rounding"),
+          obsoleteKey("far", "a setting of the earlier Galaxy's Schlieren renderer"),
+      }};
+  return schema;
+}
+
+const Schema<Visualization>& visualizationSchema() {
+  using V = Visualization;
+  static const Schema<V> schema{
+      "visualization",
+      {
+          textKey("annotation", &V::annotation, "Becomes part of the picture's name."),
+          customKey<V>(
+              "Lighting", "lighting", "How surfaces are lit.",
+              [](const Found& f, V& v) { readObject(f.context, f.value, lightingSchema(), v.lighting); },
+              [](const V& v) { return writeObject(v.lighting, lightingSchema()); })
+              .alias({"lighting"})
+              .byDefault("see below"),
+          customKey<V>("operators", "list of operators", "What is shown, all in one picture.", readOperators,
+                       [](const V& v) { return writeAll(v.operators, operatorSchema()); })
+              .require(),
+      }};
+  return schema;
+}
+
+const Schema<State>& stateSchema() {
+  static const Schema<State> schema{
+      "state file",
+      {
+          customKey<State>("Datasets", "dataset or list of datasets",
+                           "The data, imported before anything is rendered.", readDatasets,
+                           [](const State& s) { return writeAll(s.datasets, datasetSchema()); })
+              .byDefault("none"),
+          customKey<State>(
+              "Renderer", "renderer", "How pictures are computed.",
+              [](const Found& f, State& s) { readObject(f.context, f.value, rendererSchema(), s.settings); },
+              [](const State& s) { return writeObject(s.settings, rendererSchema()); })
+              .byDefault("see below"),
+          customKey<State>("Visualizations", "visualization or list of visualizations",
+                           "What is shown; each is rendered with each camera.", readVisualizations,
+                           [](const State& s) { return writeAll(s.visualizations, visualizationSchema()); })
+              .alias({"Visualization"})
+              .byDefault("none"),
+          customKey<State>(
+              "Cameras", "camera, text, or list of these",
+              "Views. Text: a ParaView camera file (.pvcc or its JSON form).",
+              [](const Found& f, State& s) {
+                readOneOrMany(f, [&](const Found& item) { s.cameras.push_back(readCamera(item)); });
+              },
+              [](const State& s) { return writeAll(s.cameras, cameraSchema()); })
+              .alias({"Camera"})
+              .byDefault("none"),
+      }};
+  return schema;
+}
+
+}  // namespace gxy

@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: Apache-2.0
+// Saving a State, and the reference tables: both walk the schema.
+#include <algorithm>
+#include <cmath>
+
+#include "gxy/comm/error.h"
+#include "gxy/scene/schema.h"
+#include "gxy/scene/state_file.h"
+
+namespace gxy {
+namespace {
+
+/// Shortest digits that read back as the same double.
+std::string onOneLine(const OrderedJson& value) {
+  if (value.is_array()) {
+    std::string out;
+    for (const OrderedJson& item : value) out += (out.empty() ? "" : ", ") + onOneLine(item);
+    return "[" + out + "]";
+  }
+  if (value.is_number_float() && !std::isfinite(value.get<double>())) {
+    throw Error("state: a number that is not finite cannot be saved");
+  }
+  return value.dump(-1, ' ', false, OrderedJson::error_handler_t::replace);
+}
+
+/// Objects a key a line; lists on one line while they are short and hold no objects.
+void print(const OrderedJson& value, const std::string& indent, std::string& out) {
+  constexpr size_t kLineLength = 100;
+  const std::string deeper = indent + "  ";
+  const bool list = value.is_array();
+  if (!list && !value.is_object()) {
+    out += onOneLine(value);
+    return;
+  }
+  const bool flat =
+      list && std::none_of(value.begin(), value.end(), [](const auto& v) { return v.is_object(); });
+  if (flat) {
+    const std::string line = onOneLine(value);
+    const bool leaf = std::none_of(value.begin(), value.end(), [](const auto& v) { return v.is_array(); });
+    if (leaf || line.size() + indent.size() <= kLineLength) {
+      out += line;
+      return;
+    }
+  }
+  out += list ? "[" : "{";
+  bool first = true;
+  for (const auto& [key, item] : value.items()) {
+    out += (first ? "\n" : ",\n") + deeper;
+    first = false;
+    if (!list) out += OrderedJson(key).dump() + ": ";
+    print(item, deeper, out);
+  }
+  out += (first ? "" : "\n" + indent) + (list ? "]" : "}");
+}
+
+std::string code(const std::string& text) { return "`" + text + "`"; }
+
+std::string applicability(const KeyInfo& info) {
+  constexpr const char* kNames[] = {"Volume", "Particles", "PathLines", "Triangles"};
+  if (info.appliesTo == ~0u) return "";
+  std::string out;
+  for (unsigned i = 0; i < 4; ++i) {
+    if (info.appliesTo & (1u << i)) out += (out.empty() ? "" : ", ") + std::string(kNames[i]);
+  }
+  return " (" + out + ")";
+}
+
+template <class T>
+std::string defaultOf(const Key<T>& key) {
+  if (key.info.required) return "required";
+  return key.info.defaultText.empty() ? code(onOneLine(key.write(T{}))) : key.info.defaultText;
+}
+
+template <class T>
+std::string table(const Schema<T>& schema) {
+  std::string title = schema.title;
+  title[0] = char(std::toupper(static_cast<unsigned char>(title[0])));
+  std::string out = "### " + title + "\n\n| key | value | default | meaning |\n|---|---|---|---|\n";
+  for (const Key<T>& key : schema.keys) {
+    std::string names = code(key.info.name);
+    for (const std::string& alias : key.info.aliases) names += ", " + code(alias);
+    out += "| " + names + " | " + key.info.type + " | " + defaultOf(key) + " | " + key.info.meaning +
+           applicability(key.info) + " |\n";
+  }
+  return out;
+}
+
+}  // namespace
+
+std::string writeState(const State& state) {
+  std::string out;
+  print(writeObject(state, stateSchema()), "", out);
+  return out + "\n";
+}
+
+std::string stateReference() {
+  return table(stateSchema()) + "\n" + table(datasetSchema()) + "\n" + table(rendererSchema()) + "\n" +
+         table(visualizationSchema()) + "\n" + table(lightingSchema()) + "\n" + table(operatorSchema()) +
+         "\n" + table(cameraSchema());
+}
+
+}  // namespace gxy

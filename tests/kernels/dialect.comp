@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+// result[f * count + i] = probe(f, i), for i = the invocation.
+#version 450
+#extension GL_GOOGLE_include_directive : require
+#define GXY_GLSL
+#include "dialect.h"
+#include "all.h"
+#include "probe.h"
+
+layout(local_size_x = 64) in;
+layout(std430, binding = 0) buffer Result { float result[]; };
+layout(push_constant) uniform Size { int count; };
+
+void main() {
+  int i = int(gl_GlobalInvocationID.x);
+  if (i >= count) return;
+  for (int f = 0; f < PROBES; f++) result[f * count + i] = probe(f, uint(i));
+}

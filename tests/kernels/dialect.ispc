@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: Apache-2.0
+// out[f * count + i] = probe(f, i). Compiled once for each instruction set, PROBE naming the function.
+// clang-format off
+#include "dialect.h"
+#include "all.h"
+#include "probe.h"
+// clang-format on
+
+export void PROBE(uniform int count, uniform float out[]) {
+  for (uniform int f = 0; f < PROBES; f++) {
+    foreach (i = 0 ... count) out[f * count + i] = probe(f, (uint)i);
+  }
+}

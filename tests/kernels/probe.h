@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: Apache-2.0
+// Every function of core/kernels on seeded inputs, in the common dialect: probe(f, i) is a number that function f
+// computes from input i. C++, ISPC and GLSL read it after core/kernels/all.h; their results have the same bits.
+
+#define PROBES 32
+
+// In [lo, hi).
+FN real drawIn(uint i, uint salt, real lo, real hi) { return lo + (hi - lo) * unitReal(hash2(i, salt)); }
+
+// Any float but infinities and NaN: every exponent, both signs, denormals and zeros included.
+FN real drawAny(uint i, uint salt) {
+  uint bits = hash2(i, salt);
+  real wide = asReal((bits & 0x7f800000u) == 0x7f800000u ? bits & 0x807fffffu : bits);
+  return (hash1(bits) & 31u) == 0u ? R(0.0) : wide;
+}
+
+// Half any float, half in [lo, hi).
+FN real draw(uint i, uint salt, real lo, real hi) {
+  return (hash2(i, salt + 1000u) & 1u) == 0u ? drawAny(i, salt) : drawIn(i, salt, lo, hi);
+}
+
+FN vec3 drawPoint(uint i, uint salt, real size) {
+  real x = drawIn(i, salt, -size, size);
+  real y = drawIn(i, salt + 1u, -size, size);
+  real z = drawIn(i, salt + 2u, -size, size);
+  return make_v3(x, y, z);
+}
+
+FN vec3 drawDirection(uint i, uint salt) { return unit3(drawPoint(i, salt, R(1.0))); }
+
+FN real probeElementary(int f, uint i) {
+  real x = f == 4 ? drawIn(i, 8u, R(0.0), R(2.0)) : draw(i, 1u, R(-90.0), R(90.0));
+  real small = f == 4 || f == 5 ? drawIn(i, 2u, R(-70.0), R(70.0)) : x;
+  real s;
+  real c;
+  sincos1(small, s, c);
+  if (f == 0) return exp1(x);
+  if (f == 1) return oneMinusExp(x);
+  if (f == 2) return log1(x);
+  if (f == 3) return minusLogOneMinus(x);
+  if (f == 4) return s + pow1(x, drawIn(i, 9u, R(0.0), R(100.0)));
+  if (f == 5) return c;
+  return flushSmall(x);
+}
+
+FN real probeBox(int f, uint i) {
+  vec3 lo = drawPoint(i, 10u, R(1.0));
+  vec3 hi = drawPoint(i, 13u, R(1.0));
+  vec3 low = make_v3(min1(lo.x, hi.x), min1(lo.y, hi.y), min1(lo.z, hi.z));
+  vec3 high = make_v3(max1(lo.x, hi.x), max1(lo.y, hi.y), max1(lo.z, hi.z));
+  vec3 origin = drawPoint(i, 16u, R(2.0));
+  vec3 direction = make_v3(draw(i, 19u, R(-1.0), R(1.0)), drawIn(i, 20u, R(-1.0), R(1.0)), R(0.5));
+  real tEnter;
+  real tExit;
+  bool hit = boxSpan(low, high, origin, direction, R(0.0), R(1e30), tEnter, tExit);
+  if (f == 7) return hit ? tEnter : R(-1.0);
+  if (f == 8) return hit ? tExit : R(-1.0);
+  if (f == 9) return faceBefore(origin.x, direction.x, low.x);
+  return faceAfter(draw(i, 21u, R(-1.0), R(1.0)), direction.x, draw(i, 22u, R(-1.0), R(1.0)));
+}
+
+FN real probeRound(int f, uint i) {
+  bool isFar = (i & 1u) == 0u;
+  vec3 a = drawPoint(i, 30u, R(1.0));
+  vec3 b = drawPoint(i, 33u, R(1.0));
+  real radiusA = drawIn(i, 36u, R(0.0), R(0.5));
+  real radiusB = drawIn(i, 37u, R(0.0), R(0.5));
+  vec3 from = drawDirection(i, 38u);
+  real distance = isFar ? R(3000.0) : R(1.5);
+  vec3 origin = make_v3(a.x + distance * from.x, a.y + distance * from.y, a.z + distance * from.z);
+  vec3 spread = drawPoint(i, 41u, R(0.3));
+  vec3 direction =
+      unit3(make_v3((a.x + spread.x) - origin.x, (a.y + spread.y) - origin.y, (a.z + spread.z) - origin.z));
+  real t;
+  real axial = R(0.0);
+  vec3 normal;
+  bool hit = false;
+  if (f < 14) {
+    hit = hitSphere(origin, direction, a, radiusA, R(0.0), t, normal);
+  } else {
+    hit = hitRoundCone(origin, direction, a, b, radiusA, radiusB, R(0.0), t, normal, axial);
+  }
+  if (!hit) return R(-1.0);
+  if (f == 11 || f == 14) return t;
+  if (f == 12 || f == 15) return normal.x;
+  if (f == 13 || f == 16) return normal.z;
+  return axial;
+}
+
+FN real probeTriangle(int f, uint i) {
+  vec3 a = drawPoint(i, 50u, R(1.0));
+  vec3 b = drawPoint(i, 53u, R(1.0));
+  vec3 c = drawPoint(i, 56u, R(1.0));
+  vec3 origin = drawPoint(i, 59u, R(2.0));
+  // A third of the rays aims at a vertex, a third at the middle of an edge.
+  uint kind = hash2(i, 62u) % 3u;
+  real wb = kind == 0u ? R(0.0) : (kind == 1u ? R(0.5) : R(0.25));
+  real wc = kind == 2u ? R(0.25) : R(0.0);
+  real wa = (R(1.0) - wb) - wc;
+  real x = (wa * a.x + wb * b.x) + wc * c.x;
+  real y = (wa * a.y + wb * b.y) + wc * c.y;
+  real z = (wa * a.z + wb * b.z) + wc * c.z;
+  real t;
+  real weightB;
+  real weightC;
+  bool hit = hitTriangle(origin, make_v3(x - origin.x, y - origin.y, z - origin.z), a, b, c, R(0.0), t,
+                         weightB, weightC);
+  vec3 normal = triangleNormal(a, b, c);
+  if (f == 18) return hit ? t : R(-1.0);
+  if (f == 19) return hit ? weightB : R(-1.0);
+  if (f == 20) return hit ? weightC : R(-1.0);
+  if (f == 21) return normal.x;
+  vec3 moved = offsetOrigin(a, normal, drawIn(i, 63u, R(0.0), R(4.0)));
+  return f == 22 ? moved.x : moved.z;
+}
+
+FN real probeLight(int f, uint i) {
+  vec3 n = drawDirection(i, 70u);
+  vec3 d = occlusionDirection(n, i, 3u, i >> 4u, i & 15u, 16u);
+  if (f == 24) return d.x;
+  if (f == 25) return d.y;
+  if (f == 26) return d.z;
+  vec3 e = drawDirection(i, 73u);
+  if (f == 27) return lambert(n, e);
+  if (f == 28) return phong(n, d, e, drawIn(i, 76u, R(0.0), R(100.0)));
+  if (f == 29) return clamp1(n.x, R(-0.5), R(0.5));
+  vec3 unit = normalize3(make_v3(n.y, n.z, d.x));
+  if (f == 30) return unit.x;
+  return lerp1(n.x, n.y, d.z);
+}
+
+FN real probe(int f, uint i) {
+  if (f < 7) return probeElementary(f, i);
+  if (f < 11) return probeBox(f, i);
+  if (f < 18) return probeRound(f, i);
+  if (f < 24) return probeTriangle(f, i);
+  return probeLight(f, i);
+}
