@@ -13,10 +13,12 @@ class EmbreeBackend final : public Backend {
   EmbreeBackend() : device_(makeDevice()) {}
   std::string name() const override { return "embree"; }
   std::string device() const override {
-    return "CPU, Embree " + std::to_string(RTC_VERSION_MAJOR) + "." + std::to_string(RTC_VERSION_MINOR) + "." +
-           std::to_string(RTC_VERSION_PATCH) + ", " + std::to_string(ispc::gangWidth()) + " rays at a time";
+    return "CPU, Embree " + std::to_string(RTC_VERSION_MAJOR) + "." + std::to_string(RTC_VERSION_MINOR) +
+           "." + std::to_string(RTC_VERSION_PATCH) + ", " + std::to_string(ispc::gangWidth()) +
+           " rays at a time";
   }
-  std::unique_ptr<DeviceScene> makeScene(std::shared_ptr<const CompiledScene> scene, int rank) const override {
+  std::unique_ptr<DeviceScene> makeScene(std::shared_ptr<const CompiledScene> scene,
+                                         int rank) const override {
     return std::make_unique<EmbreeScene>(device_, std::move(scene), rank);
   }
 

@@ -42,7 +42,8 @@ void primitiveBounds(const RTCBoundsFunctionArguments* args) {
 
 DevicePtr makeDevice() {
   RTCDevice device = rtcNewDevice(nullptr);
-  if (!device) throw Error("Embree: no device (error " + std::to_string(int(rtcGetDeviceError(nullptr))) + ")");
+  if (!device)
+    throw Error("Embree: no device (error " + std::to_string(int(rtcGetDeviceError(nullptr))) + ")");
   return DevicePtr(device, ReleaseDevice{});
 }
 

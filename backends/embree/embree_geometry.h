@@ -5,13 +5,17 @@
 
 #include <memory>
 
-#include "gxy/kernels/single.h"
 #include "gxy/embree/single_views.h"
+#include "gxy/kernels/single.h"
 
 namespace gxy {
 
-struct ReleaseScene { void operator()(RTCScene s) const { rtcReleaseScene(s); } };
-struct ReleaseDevice { void operator()(RTCDevice d) const { rtcReleaseDevice(d); } };
+struct ReleaseScene {
+  void operator()(RTCScene s) const { rtcReleaseScene(s); }
+};
+struct ReleaseDevice {
+  void operator()(RTCDevice d) const { rtcReleaseDevice(d); }
+};
 using ScenePtr = std::unique_ptr<std::remove_pointer_t<RTCScene>, ReleaseScene>;
 using DevicePtr = std::shared_ptr<std::remove_pointer_t<RTCDevice>>;
 

@@ -28,20 +28,29 @@ struct EmbreeFrame final : DeviceFrame {
 
 int sampleKind(ScalarType type) {
   switch (type) {
-    case ScalarType::UInt8: return SAMPLE_U8;
-    case ScalarType::Int8: return SAMPLE_I8;
-    case ScalarType::UInt16: return SAMPLE_U16;
-    case ScalarType::Int16: return SAMPLE_I16;
-    default: return SAMPLE_F32;
+    case ScalarType::UInt8:
+      return SAMPLE_U8;
+    case ScalarType::Int8:
+      return SAMPLE_I8;
+    case ScalarType::UInt16:
+      return SAMPLE_U16;
+    case ScalarType::Int16:
+      return SAMPLE_I16;
+    default:
+      return SAMPLE_F32;
   }
 }
 
 int kindOf(VisType type) {
   switch (type) {
-    case VisType::Particles: return KIND_PARTICLES;
-    case VisType::PathLines: return KIND_PATHLINES;
-    case VisType::Triangles: return KIND_TRIANGLES;
-    default: return KIND_VOLUME;
+    case VisType::Particles:
+      return KIND_PARTICLES;
+    case VisType::PathLines:
+      return KIND_PATHLINES;
+    case VisType::Triangles:
+      return KIND_TRIANGLES;
+    default:
+      return KIND_VOLUME;
   }
 }
 
@@ -145,7 +154,8 @@ void EmbreeScene::fillScene(single::SceneView& v, int partition) const {
   v.boxHiX = hi[0], v.boxHiY = hi[1], v.boxHiZ = hi[2];
   v.domainLoX = float(s.lo.x), v.domainLoY = float(s.lo.y), v.domainLoZ = float(s.lo.z);
   v.domainHiX = float(s.hi.x), v.domainHiY = float(s.hi.y), v.domainHiZ = float(s.hi.z);
-  v.cellsX = int(s.faces[0].size()) - 1, v.cellsY = int(s.faces[1].size()) - 1, v.cellsZ = int(s.faces[2].size()) - 1;
+  v.cellsX = int(s.faces[0].size()) - 1, v.cellsY = int(s.faces[1].size()) - 1,
+  v.cellsZ = int(s.faces[2].size()) - 1;
   v.facesX = s.faces[0].data(), v.facesY = s.faces[1].data(), v.facesZ = s.faces[2].data();
   v.cellPartition = s.cellPartition.data();
   v.visible = s.visible.data();
@@ -153,14 +163,16 @@ void EmbreeScene::fillScene(single::SceneView& v, int partition) const {
   v.tMin = s.tMin;
   const Lighting& l = s.visualization.lighting;
   const auto lights = std::max<size_t>(l.sources.size(), 1);
-  v.ambient = float(l.Ka), v.diffuse = float(l.Kd / double(lights)), v.specular = float(l.Ks / double(lights));
+  v.ambient = float(l.Ka), v.diffuse = float(l.Kd / double(lights)),
+  v.specular = float(l.Ks / double(lights));
   v.shininess = float(l.shininess);
   v.shadows = l.shadows;
   v.occlusionRays = l.aoCount;
   v.occlusionRadius = float(std::min(l.aoRadius * s.space.scale, 1e29));
 }
 
-void EmbreeScene::fillField(single::VolumeView& v, const CompiledOperator& op, const OperatorPart* part) const {
+void EmbreeScene::fillField(single::VolumeView& v, const CompiledOperator& op,
+                            const OperatorPart* part) const {
   v.mapUniform = op.map.uniform;
   v.mapBuckets = int(op.map.buckets.size());
   v.mapIntervals = op.map.intervals();
@@ -190,8 +202,10 @@ void EmbreeScene::fillField(single::VolumeView& v, const CompiledOperator& op, c
   v.component = volume.components == 1 ? 0 : op.vis.component.value_or(-1);
   v.wide = block.samples.size() >= size_t(1) << 31;
   v.nx = int(block.extent.points[0]), v.ny = int(block.extent.points[1]);
-  v.firstX = int(block.extent.first[0]), v.firstY = int(block.extent.first[1]), v.firstZ = int(block.extent.first[2]);
-  v.lastX = v.firstX + v.nx - 1, v.lastY = v.firstY + v.ny - 1, v.lastZ = v.firstZ + int(block.extent.points[2]) - 1;
+  v.firstX = int(block.extent.first[0]), v.firstY = int(block.extent.first[1]),
+  v.firstZ = int(block.extent.first[2]);
+  v.lastX = v.firstX + v.nx - 1, v.lastY = v.firstY + v.ny - 1,
+  v.lastZ = v.firstZ + int(block.extent.points[2]) - 1;
   v.plan = part->plan.data();
   v.isoPlan = part->isoPlan.data();
   v.macroX = int(block.macrocells[0]), v.macroY = int(block.macrocells[1]);
@@ -228,7 +242,8 @@ void EmbreeScene::spawn(const DeviceFrame& deviceFrame, const Tile& tile, Done d
     Stopwatch time(result.counters.nsSpawn);
     RayList rays(kTile * kTile);
     RayView view = rays.view();
-    rays.resize(ispc::spawnRays(&anywhere_, &frame.view, tile.x0, tile.y0, tile.x1, tile.y1, tile.sample, &view));
+    rays.resize(
+        ispc::spawnRays(&anywhere_, &frame.view, tile.x0, tile.y0, tile.x1, tile.y1, tile.sample, &view));
     for (int i = 0; i < rays.size(); i++)
       if (scene_->partitioning->owner(view.next[i]) != rank_) view.next[i] = END_DONE;
     distribute(rays, true, result.leaving);
@@ -289,8 +304,10 @@ class EmbreeScene::Packet {
     if (count > 0) {
       Stopwatch time(c.nsIntegrate);
       int64_t counts[3] = {0, 0, 0};
-      if (scene_.renderedOperators_.size() == 1) ispc::integrateRays(&part_.view, &view, n, volumes[0], counts);
-      else ispc::integrateMany(&part_.view, &view, n, volumes, count, counts);
+      if (scene_.renderedOperators_.size() == 1)
+        ispc::integrateRays(&part_.view, &view, n, volumes[0], counts);
+      else
+        ispc::integrateMany(&part_.view, &view, n, volumes, count, counts);
       c.samples += uint64_t(counts[0]);
       c.macrocells += uint64_t(counts[1]);
       c.macrocellsSkipped += uint64_t(counts[2]);
@@ -368,17 +385,20 @@ class EmbreeScene::Packet {
   std::vector<RayList> secondaries_;
 };
 
-void EmbreeScene::trace(const DeviceFrame& frame, int partition, bool primary, RayList rays, Done done) const {
+void EmbreeScene::trace(const DeviceFrame& frame, int partition, bool primary, RayList rays,
+                        Done done) const {
   const auto part = parts_.find(partition);
   if (part == parts_.end())
-    throw Error("rays came for partition " + std::to_string(partition) + ", which has nothing to see on this rank");
+    throw Error("rays came for partition " + std::to_string(partition) +
+                ", which has nothing to see on this rank");
   done(Packet(*this, part->second, static_cast<const EmbreeFrame&>(frame), primary).trace(std::move(rays)));
 }
 
 size_t EmbreeScene::bytes() const {
   size_t n = 0;
   for (const auto& [p, part] : parts_)
-    n += part.operators.size() * sizeof(single::OperatorView) + part.fields.size() * sizeof(single::VolumeView);
+    n += part.operators.size() * sizeof(single::OperatorView) +
+         part.fields.size() * sizeof(single::VolumeView);
   return n;
 }
 

@@ -34,8 +34,8 @@ class EmbreeScene final : public DeviceScene {
   DevicePtr device_;
   std::shared_ptr<const CompiledScene> scene_;
   int rank_;
-  std::map<int, Part> parts_;         ///< by local partition
-  single::SceneView anywhere_{};      ///< without a partition of its own: for spawning
+  std::map<int, Part> parts_;     ///< by local partition
+  single::SceneView anywhere_{};  ///< without a partition of its own: for spawning
   std::vector<int> slicedOperators_, isoOperators_, renderedOperators_;
 };
 

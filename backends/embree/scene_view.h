@@ -9,16 +9,16 @@
 
 struct OperatorView {
   int kind;
-  int rendered;                 // a volume that is volume rendered
-  real opacity;                 // of its surfaces
+  int rendered;  // a volume that is volume rendered
+  real opacity;  // of its surfaces
   int twoSided;
   int slices;
-  PTR(real) slice;              // 4 per plane: n . p = offset
+  PTR(real) slice;  // 4 per plane: n . p = offset
   unsigned int primitives;
-  PTR(real) points;             // x y z radius
-  PTR(real) normals;            // x y z per point, or null
-  PTR(real) values;             // per point, or null
-  PTR(unsigned int) indices;    // 2 or 3 per primitive
+  PTR(real) points;           // x y z radius
+  PTR(real) normals;          // x y z per point, or null
+  PTR(real) values;           // per point, or null
+  PTR(unsigned int) indices;  // 2 or 3 per primitive
 };
 
 #define LIGHT_DIRECTIONAL 0
@@ -38,8 +38,8 @@ struct SceneView {
 
   int operators;
   PTR(OperatorView) operator_;
-  PTR(VolumeView) field;        // one per operator; geometry uses its map only
-  RAW embree;                   // RTCScene of this partition, null without geometry
+  PTR(VolumeView) field;  // one per operator; geometry uses its map only
+  RAW embree;             // RTCScene of this partition, null without geometry
   int opaqueSurfaces;
   real tMin;
 
@@ -50,10 +50,10 @@ struct SceneView {
 
 struct FrameView {
   double eyeX, eyeY, eyeZ, cornerX, cornerY, cornerZ, duX, duY, duZ, dvX, dvY, dvZ, viewX, viewY, viewZ;
-  double loX, loY, loZ, hiX, hiY, hiZ;         // the visible domain
+  double loX, loY, loZ, hiX, hiY, hiZ;  // the visible domain
   int orthographic;
   int width, height;
-  unsigned int frame;                          // continues the ambient-occlusion sequence
+  unsigned int frame;  // continues the ambient-occlusion sequence
   int lights;
-  PTR(real) light;                             // 4 per light: type, direction of travel or position
+  PTR(real) light;  // 4 per light: type, direction of travel or position
 };

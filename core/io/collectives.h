@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What an import needs of the other ranks: one collective operation, and the agreements built on it.
+// What an import needs of the other ranks: two collective operations, and the agreements built on them.
 #pragma once
 #include <cstdint>
 #include <functional>
@@ -18,6 +18,8 @@ struct Collectives {
   virtual int size() const = 0;
   /// Every rank's bytes, by rank, on every rank.
   virtual std::vector<Bytes> allGather(Bytes mine) = 0;
+  /// `perRank[r]` goes to rank r; returns what each rank had for this one, by rank.
+  virtual std::vector<Bytes> allToAll(std::vector<Bytes> perRank) = 0;
 };
 
 /// One rank by itself.
@@ -25,6 +27,7 @@ struct SingleRank final : Collectives {
   int rank() const override { return 0; }
   int size() const override { return 1; }
   std::vector<Bytes> allGather(Bytes mine) override { return {std::move(mine)}; }
+  std::vector<Bytes> allToAll(std::vector<Bytes> perRank) override { return perRank; }
 };
 
 /// Runs `work`, which must not communicate, on every rank. If it throws on any rank, throws Error on every

@@ -11,6 +11,7 @@
 #include <vtkXMLDataParser.h>
 #include <vtkXMLImageDataReader.h>
 
+#include <algorithm>
 #include <bit>
 #include <charconv>
 #include <cmath>
@@ -158,7 +159,10 @@ class PieceSamples final : public SampleSource {
     std::vector<std::byte> part;
     for (const Piece& piece : pieces_) {
       const Extent shared = intersection(extent, piece.extent);
-      if (shared.count() == 0) continue;
+      // Neighbours share a layer of points: a piece that adds none is not opened.
+      const bool adds = std::any_of(missing.begin(), missing.end(),
+                                    [&](const Extent& box) { return intersection(box, shared).count() > 0; });
+      if (!adds) continue;
       subtract(missing, shared);
       if (shared == extent) {
         piece.source->read(extent, out);

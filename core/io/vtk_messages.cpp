@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gxy/io/vtk_messages.h"
 
+#include <vtkLogger.h>
 #include <vtkObjectFactory.h>
 #include <vtkOutputWindow.h>
 #include <vtkSmartPointer.h>
 
 #include <mutex>
+#include <string_view>
 
 #include "gxy/comm/error.h"
 
@@ -29,10 +31,16 @@ class CapturingWindow : public vtkOutputWindow {
       previous_->DisplayErrorText(text);
   }
   void DisplayWarningText(const char* text) override {
-    if (!scope) previous_->DisplayWarningText(text);
+    if (scope)
+      scope->addWarning(text);
+    else
+      previous_->DisplayWarningText(text);
   }
   void DisplayGenericWarningText(const char* text) override {
-    if (!scope) previous_->DisplayGenericWarningText(text);
+    if (scope)
+      scope->addWarning(text);
+    else
+      previous_->DisplayGenericWarningText(text);
   }
   void DisplayDebugText(const char* text) override {
     if (!scope) previous_->DisplayDebugText(text);
@@ -51,14 +59,47 @@ void installOnce() {
   });
 }
 
+/// VTK's logger prints to standard error besides telling the window. It is quiet, for the whole process,
+/// while any scope lives, and gets its verbosity back after.
+class QuietLogger {
+ public:
+  void enter() {
+    const std::lock_guard lock(mutex_);
+    if (scopes_++ > 0) return;
+    before_ = vtkLogger::GetCurrentVerbosityCutoff();
+    vtkLogger::SetStderrVerbosity(vtkLogger::VERBOSITY_OFF);
+  }
+  void leave() {
+    const std::lock_guard lock(mutex_);
+    if (--scopes_ == 0) vtkLogger::SetStderrVerbosity(before_);
+  }
+
+ private:
+  std::mutex mutex_;
+  int scopes_ = 0;
+  vtkLogger::Verbosity before_ = vtkLogger::VERBOSITY_INFO;
+};
+QuietLogger logger;
+
 }  // namespace
 
 VtkMessages::VtkMessages() : outer_(scope) {
   installOnce();
+  logger.enter();
   scope = this;
 }
 
-VtkMessages::~VtkMessages() { scope = outer_; }
+VtkMessages::~VtkMessages() {
+  scope = outer_;
+  logger.leave();
+}
+
+void VtkMessages::addWarning(const char* text) {
+  // The legacy readers report truncated data as a warning only.
+  const std::string_view warning(text);
+  for (const char* failure : {"Error", "error", "remature", "annot read", "Unable"})
+    if (warning.find(failure) != std::string_view::npos) return addError(text);
+}
 
 void VtkMessages::check(const std::string& path) const {
   if (!error_.empty()) throw Error(path + ": " + error_);

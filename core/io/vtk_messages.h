@@ -19,6 +19,8 @@ class VtkMessages {
   const std::string& error() const { return error_; }
 
   void addError(const char* text);
+  /// Kept only if it tells of a failure.
+  void addWarning(const char* text);
 
  private:
   VtkMessages* outer_;

@@ -24,8 +24,10 @@ FN real refineRoot(Bernstein b, real lo, real hi, real fLo, real fHi) {
     u = min(max(u, l), h);
     real f = bernsteinValue(b, u);
     if (f == R(0.0)) break;
-    if ((f < R(0.0)) == (fLo < R(0.0))) l = u;
-    else h = u;
+    if ((f < R(0.0)) == (fLo < R(0.0)))
+      l = u;
+    else
+      h = u;
     real n = u - f / bernsteinSlope(b, u);
     bool inside = n > l && n < h;
     real next = inside ? n : R(0.5) * (l + h);
@@ -50,7 +52,8 @@ FN bool acceptsRoot(RootQuery q, real t) { return t >= q.tIn && t < q.tOut && t 
 
 // The first t in [ta, tb] at which the cubic b over that interval has an accepted root; NO_HIT if there is none.
 FN real firstRoot(Bernstein b, real ta, real tb, RootQuery q) {
-  if (min(min(b.b0, b.b1), min(b.b2, b.b3)) > R(0.0) || max(max(b.b0, b.b1), max(b.b2, b.b3)) < R(0.0)) return NO_HIT;
+  if (min(min(b.b0, b.b1), min(b.b2, b.b3)) > R(0.0) || max(max(b.b0, b.b1), max(b.b2, b.b3)) < R(0.0))
+    return NO_HIT;
   if (q.entry && b.b0 == R(0.0) && q.from == 0 && acceptsRoot(q, ta)) return ta;
   // extrema: roots of the derivative d0 v^2 + 2 d1 u v + d2 u^2 = qa u^2 + 2 qb u + qc
   real d0 = b.b1 - b.b0, d1 = b.b2 - b.b1, d2 = b.b3 - b.b2;

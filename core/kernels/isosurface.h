@@ -108,7 +108,7 @@ FN real centralDifference(real before, real here, real after, bool hasBefore, bo
 // The gradient at a grid point, per cell: central differences, one-sided on the domain's boundary or beside no data.
 FN vec3 pointGradient(VOLUME v, ivec3 p) {
   real s = pointValue(v, p);
-  bool x0 = p.x > 0, x1 = p.x < v.cellsX, y0 = p.y > 0, y1 = p.y < v.cellsY, z0 = p.z > 0, z1 = p.z < v.cellsZ;
+  bool x0 = p.x > 0, x1 = p.x<v.cellsX, y0 = p.y> 0, y1 = p.y<v.cellsY, z0 = p.z> 0, z1 = p.z < v.cellsZ;
   real ax = s, bx = s, ay = s, by = s, az = s, bz = s;
   if (x0) ax = pointValue(v, make_i3(p.x - 1, p.y, p.z));
   if (x1) bx = pointValue(v, make_i3(p.x + 1, p.y, p.z));

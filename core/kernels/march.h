@@ -12,7 +12,8 @@ FN void meanAlong(VOLUME v, real s0, real s1, OUT(real) sigma, OUT(vec3) source)
     // one linear piece: the mean of a product of linears
     real m = R(0.5) * (a0 + b1), u = (b1 - a0) * R(0.083333333333333333);
     sigma = m;
-    source = make_v3(m * (R(0.5) * (c0.x + d1.x)) + u * (d1.x - c0.x), m * (R(0.5) * (c0.y + d1.y)) + u * (d1.y - c0.y),
+    source = make_v3(m * (R(0.5) * (c0.x + d1.x)) + u * (d1.x - c0.x),
+                     m * (R(0.5) * (c0.y + d1.y)) + u * (d1.y - c0.y),
                      m * (R(0.5) * (c0.z + d1.z)) + u * (d1.z - c0.z));
     return;
   }
@@ -83,7 +84,8 @@ FN void integrateVolume(VOLUME v, VolumeRay r, MarchRange m, INOUT(Radiance) L, 
               meanAlong(v, s0, s1, sigma, source);
               if (sigma > R(0.0)) {
                 real inverse = R(1.0) / sigma;
-                addSegment(L, sigma * length, make_v3(source.x * inverse, source.y * inverse, source.z * inverse));
+                addSegment(L, sigma * length,
+                           make_v3(source.x * inverse, source.y * inverse, source.z * inverse));
               }
             }
             s0 = s1;

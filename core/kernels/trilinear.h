@@ -40,8 +40,12 @@ FN Bernstein bernsteinAlong(Corners c, vec3 p, vec3 q, real offset) {
   b.b0 = trilinear(c, p) - offset;
   b.b3 = trilinear(c, q) - offset;
   b.b1 = ((trilinear(c, make_v3(q.x, p.y, p.z)) + trilinear(c, make_v3(p.x, q.y, p.z))) +
-          trilinear(c, make_v3(p.x, p.y, q.z))) * R(0.33333333333333333) - offset;
+          trilinear(c, make_v3(p.x, p.y, q.z))) *
+             R(0.33333333333333333) -
+         offset;
   b.b2 = ((trilinear(c, make_v3(q.x, q.y, p.z)) + trilinear(c, make_v3(q.x, p.y, q.z))) +
-          trilinear(c, make_v3(p.x, q.y, q.z))) * R(0.33333333333333333) - offset;
+          trilinear(c, make_v3(p.x, q.y, q.z))) *
+             R(0.33333333333333333) -
+         offset;
   return b;
 }

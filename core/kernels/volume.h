@@ -18,8 +18,8 @@
 
 struct VolumeRay {
   GridRay g;
-  real t0, t1;    // the ray inside the grid's box and the clip planes: a function of the whole ray
-  real cells;     // cells per unit of t, along the ray
+  real t0, t1;  // the ray inside the grid's box and the clip planes: a function of the whole ray
+  real cells;   // cells per unit of t, along the ray
 };
 
 FN VolumeRay volumeRay(VOLUME v, vec3 o, vec3 d, real clip0, real clip1) {
@@ -35,7 +35,8 @@ FN VolumeRay volumeRay(VOLUME v, vec3 o, vec3 d, real clip0, real clip1) {
 
 FN ivec3 cellAt(VOLUME v, vec3 p) {
   ivec3 n = gridCells(v);
-  return make_i3(toInt(clamp1(floor(p.x), R(0.0), toReal(n.x - 1))), toInt(clamp1(floor(p.y), R(0.0), toReal(n.y - 1))),
+  return make_i3(toInt(clamp1(floor(p.x), R(0.0), toReal(n.x - 1))),
+                 toInt(clamp1(floor(p.y), R(0.0), toReal(n.y - 1))),
                  toInt(clamp1(floor(p.z), R(0.0), toReal(n.z - 1))));
 }
 

@@ -32,24 +32,24 @@ struct VolumeView {
   real originX, originY, originZ;     // of the global grid, in render space
   real inverseX, inverseY, inverseZ;  // cells per unit of render space
 
-  PTR(BYTE) plan;                              // per macrocell of the block, see volume.h
-  PTR(BYTE) isoPlan;                           // 1 where an isovalue lies in the macrocell's range
-  int macroX, macroY;                          // macrocells per row and per column
-  int macroFirstX, macroFirstY, macroFirstZ;   // global index of the first
-  real rates[32];                              // segments per cell length, by plan level
+  PTR(BYTE) plan;                             // per macrocell of the block, see volume.h
+  PTR(BYTE) isoPlan;                          // 1 where an isovalue lies in the macrocell's range
+  int macroX, macroY;                         // macrocells per row and per column
+  int macroFirstX, macroFirstY, macroFirstZ;  // global index of the first
+  real rates[32];                             // segments per cell length, by plan level
 
-  int mapUniform, mapBuckets, mapIntervals;    // see map.h
+  int mapUniform, mapBuckets, mapIntervals;  // see map.h
   real mapOrigin, mapInverse;
   PTR(int) buckets;
-  PTR(real) nodes;                             // start of each interval
-  PTR(real) lengths;                           // inverse length of each interval
-  PTR(real) pieces;                            // 8 per interval: sigma, its step, then r, g, b each with its step
-  PTR(real) sums;                              // 4 per interval: integrals of sigma and sigma * rgb up to its start
+  PTR(real) nodes;    // start of each interval
+  PTR(real) lengths;  // inverse length of each interval
+  PTR(real) pieces;   // 8 per interval: sigma, its step, then r, g, b each with its step
+  PTR(real) sums;     // 4 per interval: integrals of sigma and sigma * rgb up to its start
 
   int isovalues;
   PTR(real) isovalue;
   int clips;
-  PTR(real) clip;                              // 4 per plane: keeps n . p >= offset, render space
+  PTR(real) clip;  // 4 per plane: keeps n . p >= offset, render space
 };
 
 FN vec3 gridOrigin(VOLUME v) { return make_v3(v.originX, v.originY, v.originZ); }
@@ -73,12 +73,16 @@ FN real mapNode(VOLUME v, int k) { return v.nodes[k]; }
 FN real mapInverseLength(VOLUME v, int k) { return v.lengths[k]; }
 FN real mapSigma(VOLUME v, int k) { return v.pieces[8 * k]; }
 FN real mapSigmaStep(VOLUME v, int k) { return v.pieces[8 * k + 1]; }
-FN vec3 mapColor(VOLUME v, int k) { return make_v3(v.pieces[8 * k + 2], v.pieces[8 * k + 4], v.pieces[8 * k + 6]); }
+FN vec3 mapColor(VOLUME v, int k) {
+  return make_v3(v.pieces[8 * k + 2], v.pieces[8 * k + 4], v.pieces[8 * k + 6]);
+}
 FN vec3 mapColorStep(VOLUME v, int k) {
   return make_v3(v.pieces[8 * k + 3], v.pieces[8 * k + 5], v.pieces[8 * k + 7]);
 }
 FN real mapSumSigma(VOLUME v, int k) { return v.sums[4 * k]; }
-FN vec3 mapSumColor(VOLUME v, int k) { return make_v3(v.sums[4 * k + 1], v.sums[4 * k + 2], v.sums[4 * k + 3]); }
+FN vec3 mapSumColor(VOLUME v, int k) {
+  return make_v3(v.sums[4 * k + 1], v.sums[4 * k + 2], v.sums[4 * k + 3]);
+}
 
 // The scalar of point i of the block, whatever the stored type.
 #if defined(ISPC)

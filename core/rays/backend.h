@@ -15,14 +15,15 @@ namespace gxy {
 
 /// What was done, and what was skipped. Counters of one call; they add.
 struct TraceCounters {
-  uint64_t raysSpawned = 0;         ///< primaries
-  uint64_t raysTraced = 0;          ///< ray visits to a partition
-  uint64_t raysShaded = 0;          ///< surface hits of primaries
+  uint64_t raysSpawned = 0;  ///< primaries
+  uint64_t raysTraced = 0;   ///< ray visits to a partition
+  uint64_t raysShaded = 0;   ///< surface hits of primaries
   uint64_t secondariesSpawned = 0;
-  uint64_t samples = 0;             ///< of volumes
-  uint64_t macrocells = 0, macrocellsSkipped = 0;          ///< of the march
-  uint64_t cells = 0, isoMacrocellsSkipped = 0;            ///< of the isosurface walk
-  uint64_t nsSpawn = 0, nsGeometry = 0, nsSurfaces = 0, nsIntegrate = 0, nsShade = 0, nsRoute = 0;  ///< nanoseconds
+  uint64_t samples = 0;                            ///< of volumes
+  uint64_t macrocells = 0, macrocellsSkipped = 0;  ///< of the march
+  uint64_t cells = 0, isoMacrocellsSkipped = 0;    ///< of the isosurface walk
+  uint64_t nsSpawn = 0, nsGeometry = 0, nsSurfaces = 0, nsIntegrate = 0, nsShade = 0,
+           nsRoute = 0;  ///< nanoseconds
 
   TraceCounters& operator+=(const TraceCounters& o);
 };
@@ -36,11 +37,12 @@ struct LeavingRays {
 
 /// What became of a packet.
 struct TraceResult {
-  std::vector<LeavingRays> leaving;        ///< forwarded rays and new secondaries (which may stay in this partition)
+  std::vector<LeavingRays>
+      leaving;  ///< forwarded rays and new secondaries (which may stay in this partition)
   std::vector<Contribution> contributions;
-  std::vector<DepthContribution> depths;   ///< only if the frame wants them
-  uint64_t retired = 0;                    ///< rays of the packet that have ended
-  uint64_t secondaries = 0;                ///< rays that were made
+  std::vector<DepthContribution> depths;  ///< only if the frame wants them
+  uint64_t retired = 0;                   ///< rays of the packet that have ended
+  uint64_t secondaries = 0;               ///< rays that were made
   TraceCounters counters;
 };
 
@@ -70,7 +72,8 @@ class DeviceScene {
   virtual void spawn(const DeviceFrame& frame, const Tile& tile, Done done) const = 0;
 
   /// Traces rays through a local partition until each has ended or left it: trace, act and route in one go.
-  virtual void trace(const DeviceFrame& frame, int partition, bool primary, RayList rays, Done done) const = 0;
+  virtual void trace(const DeviceFrame& frame, int partition, bool primary, RayList rays,
+                     Done done) const = 0;
 
   /// Bytes that the device holds besides the data.
   virtual size_t bytes() const = 0;
@@ -81,7 +84,8 @@ class Backend {
   virtual ~Backend() = default;
   virtual std::string name() const = 0;
   virtual std::string device() const = 0;  ///< for people: device and instruction set
-  virtual std::unique_ptr<DeviceScene> makeScene(std::shared_ptr<const CompiledScene> scene, int rank) const = 0;
+  virtual std::unique_ptr<DeviceScene> makeScene(std::shared_ptr<const CompiledScene> scene,
+                                                 int rank) const = 0;
 };
 
 /// Backends by name; a program registers those that it links. Not thread safe.

@@ -26,7 +26,8 @@ CompiledFrame compileFrame(const CompiledScene& scene, const Camera& camera, uin
   const glm::dvec3 right = glm::normalize(world.du), up = glm::normalize(world.dv);
   for (const Light& light : scene.visualization.lighting.sources) {
     if (light.type == LightType::Directional) {
-      const glm::dvec3 v = glm::length(light.v) > 0 ? glm::normalize(light.v) : glm::dvec3(1 / std::sqrt(3.0));
+      const glm::dvec3 v =
+          glm::length(light.v) > 0 ? glm::normalize(light.v) : glm::dvec3(1 / std::sqrt(3.0));
       frame.lights.push_back({0.f, float(v.x), float(v.y), float(v.z)});
     } else {
       const glm::dvec3 at = light.type == LightType::Point

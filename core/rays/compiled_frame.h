@@ -11,13 +11,13 @@
 namespace gxy {
 
 struct CompiledFrame {
-  CameraBasis basis;                          ///< lengths in render space
+  CameraBasis basis;  ///< lengths in render space
   int width = 0, height = 0;
-  int samples = 1;                            ///< rays per pixel
-  uint32_t number = 0;                        ///< continues the ambient-occlusion sequence
-  bool depth = false;                         ///< hit distances are wanted
+  int samples = 1;      ///< rays per pixel
+  uint32_t number = 0;  ///< continues the ambient-occlusion sequence
+  bool depth = false;   ///< hit distances are wanted
   double worldPerRender = 1;
-  std::vector<std::array<float, 4>> lights;   ///< 0: directional, x y z of its travel; 1: point, its position
+  std::vector<std::array<float, 4>> lights;  ///< 0: directional, x y z of its travel; 1: point, its position
 };
 
 CompiledFrame compileFrame(const CompiledScene& scene, const Camera& camera, uint32_t number, bool depth);

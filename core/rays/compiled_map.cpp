@@ -11,14 +11,15 @@ namespace gxy {
 
 namespace {
 
-constexpr double kOpaque = 1e20;          // extinction of opacity 1: opaque at once
-constexpr double kNearlyOpaque = 1e-7;    // 1 - a below which a is taken as a limit of finite extinction
+constexpr double kOpaque = 1e20;        // extinction of opacity 1: opaque at once
+constexpr double kNearlyOpaque = 1e-7;  // 1 - a below which a is taken as a limit of finite extinction
 constexpr int kDeepestCut = 14;
 constexpr int kMostBuckets = 4096;
 
 // A piecewise linear function with steps: limits from below and above at any value.
 template <class Point, class Value>
-Value limit(const std::vector<Point>& points, double at, bool above, const std::function<Value(const Point&)>& of) {
+Value limit(const std::vector<Point>& points, double at, bool above,
+            const std::function<Value(const Point&)>& of) {
   auto less = [](const Point& p, double v) { return p.value < v; };
   auto more = [](double v, const Point& p) { return v < p.value; };
   auto next = above ? std::upper_bound(points.begin(), points.end(), at, more)
@@ -40,8 +41,12 @@ CompiledMap::CompiledMap(const ColorMap& color, const OpacityMap* opacity, const
     if (opacity->extinction) return std::min(x * units.worldPerT, kOpaque);
     return x >= 1 ? kOpaque : std::min(-std::log1p(-x) * perLength, kOpaque);
   };
-  auto amountAt = [&](double v, bool above) { return limit<OpacityPoint, double>(opacity->points, v, above, amount); };
-  auto colorAt = [&](double v, bool above) { return limit<ColorPoint, glm::dvec3>(color.points, v, above, rgb); };
+  auto amountAt = [&](double v, bool above) {
+    return limit<OpacityPoint, double>(opacity->points, v, above, amount);
+  };
+  auto colorAt = [&](double v, bool above) {
+    return limit<ColorPoint, glm::dvec3>(color.points, v, above, rgb);
+  };
 
   std::set<double> cuts;
   for (const auto& p : color.points) cuts.insert(p.value);
@@ -49,7 +54,9 @@ CompiledMap::CompiledMap(const ColorMap& color, const OpacityMap* opacity, const
     for (const auto& p : opacity->points) cuts.insert(p.value);
 
   // True values of the nodes, with the limits of extinction on both sides.
-  struct Node { double value, below, above; };
+  struct Node {
+    double value, below, above;
+  };
   std::vector<Node> list;
   for (double v : cuts) {
     double below = 0, above = 0;
@@ -63,7 +70,8 @@ CompiledMap::CompiledMap(const ColorMap& color, const OpacityMap* opacity, const
         if (a1 >= 1) below = curve(1);
         std::function<void(double, double, int)> cut = [&](double f0, double f1, int depth) {
           const double s0 = curve(f0), s1 = curve(f1), middle = curve(0.5 * (f0 + f1));
-          if (depth == kDeepestCut || std::abs(0.5 * (s0 + s1) - middle) <= 2e-4 * middle + 1e-9 * perLength) return;
+          if (depth == kDeepestCut || std::abs(0.5 * (s0 + s1) - middle) <= 2e-4 * middle + 1e-9 * perLength)
+            return;
           cut(f0, 0.5 * (f0 + f1), depth + 1);
           const double f = 0.5 * (f0 + f1);
           list.push_back({v0 + f * (v - v0), middle, middle});
@@ -79,8 +87,10 @@ CompiledMap::CompiledMap(const ColorMap& color, const OpacityMap* opacity, const
   auto stored = [&](double v) { return float((v - units.shift) / units.scale); };
   std::vector<Node> kept;
   for (const Node& n : list) {
-    if (!kept.empty() && stored(n.value) == stored(kept.back().value)) kept.back().above = n.above;
-    else kept.push_back(n);
+    if (!kept.empty() && stored(n.value) == stored(kept.back().value))
+      kept.back().above = n.above;
+    else
+      kept.push_back(n);
   }
   const int inner = int(kept.size()) - 1;
 
@@ -89,7 +99,8 @@ CompiledMap::CompiledMap(const ColorMap& color, const OpacityMap* opacity, const
   auto addInterval = [&](double start, double length, double s0, double s1, glm::dvec3 c0, glm::dvec3 c1) {
     nodes.push_back(float(start));
     lengths.push_back(length > 0 ? float(1 / length) : 0.f);
-    for (double x : {s0, s1 - s0, c0.x, c1.x - c0.x, c0.y, c1.y - c0.y, c0.z, c1.z - c0.z}) pieces.push_back(float(x));
+    for (double x : {s0, s1 - s0, c0.x, c1.x - c0.x, c0.y, c1.y - c0.y, c0.z, c1.z - c0.z})
+      pieces.push_back(float(x));
     for (double x : total) sums.push_back(float(x));
     total[0] += length * 0.5 * (s0 + s1);
     double steepest = 0;
@@ -107,10 +118,11 @@ CompiledMap::CompiledMap(const ColorMap& color, const OpacityMap* opacity, const
   addInterval(-1e30, 0, kept.front().below, kept.front().below, colorAt(first, false), colorAt(first, false));
   for (int i = 0; i < inner; i++) {
     const Node &a = kept[i], &b = kept[i + 1];
-    addInterval(stored(a.value), double(stored(b.value)) - stored(a.value), a.above, b.below, colorAt(a.value, true),
-                colorAt(b.value, false));
+    addInterval(stored(a.value), double(stored(b.value)) - stored(a.value), a.above, b.below,
+                colorAt(a.value, true), colorAt(b.value, false));
   }
-  addInterval(stored(last), 0, kept.back().above, kept.back().above, colorAt(last, true), colorAt(last, true));
+  addInterval(stored(last), 0, kept.back().above, kept.back().above, colorAt(last, true),
+              colorAt(last, true));
   for (const Node& n : kept) jump.push_back(std::abs(n.above - n.below));
   jump.insert(jump.begin(), 0.0);  // jump[k]: at the start of interval k
 
@@ -128,7 +140,8 @@ CompiledMap::CompiledMap(const ColorMap& color, const OpacityMap* opacity, const
     inverse = float(1 / width);
     buckets.resize(count);
     for (int i = 0, k = 0; i < count; i++) {
-      const double start = origin + (i - 0.01) * width;  // before the bucket, whatever the rounding of its index
+      const double start =
+          origin + (i - 0.01) * width;  // before the bucket, whatever the rounding of its index
       while (k + 1 < int(nodes.size()) && nodes[k + 1] <= start) k++;
       buckets[i] = k;
     }

@@ -10,9 +10,9 @@ namespace gxy {
 
 /// How true values and world lengths become the kernels' units.
 struct MapUnits {
-  double shift = 0, scale = 1;      ///< true value = shift + scale * stored
-  double worldPerT = 1;             ///< world length of one unit of a ray's t
-  double referenceLength = 1;       ///< world length of the slab that an opacity map speaks of
+  double shift = 0, scale = 1;  ///< true value = shift + scale * stored
+  double worldPerT = 1;         ///< world length of one unit of a ray's t
+  double referenceLength = 1;   ///< world length of the slab that an opacity map speaks of
 };
 
 /// Intervals over the stored value, each linear in extinction (per unit of t) and colour; the first and last are
@@ -24,17 +24,18 @@ class CompiledMap {
   /// `opacity` null: colour only, extinction 0.
   CompiledMap(const ColorMap& color, const OpacityMap* opacity, const MapUnits& units);
 
-  int uniform = 0;                 ///< number of inner intervals if they are equally long, else 0
-  float origin = 0, inverse = 0;   ///< first inner node; per bucket (or interval) length
-  std::vector<int32_t> buckets;    ///< first interval of each bucket
+  int uniform = 0;                ///< number of inner intervals if they are equally long, else 0
+  float origin = 0, inverse = 0;  ///< first inner node; per bucket (or interval) length
+  std::vector<int32_t> buckets;   ///< first interval of each bucket
   std::vector<float> nodes, lengths, pieces, sums;  ///< see kernels/volume_view.h
-  double largestColor = 0;         ///< over all components
+  double largestColor = 0;                          ///< over all components
 
   /// What the map does over stored values [lo, hi].
   struct Over {
     double extinction = 0;  ///< largest, per unit of t
-    double slope = 0;       ///< largest change of extinction and of extinction times colour, per unit of value and t
-    double jump = 0;        ///< largest step of extinction at a discontinuity inside
+    double slope =
+        0;  ///< largest change of extinction and of extinction times colour, per unit of value and t
+    double jump = 0;  ///< largest step of extinction at a discontinuity inside
   };
   Over over(float lo, float hi) const;
 

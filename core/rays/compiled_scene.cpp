@@ -14,7 +14,8 @@ namespace gxy {
 
 namespace {
 
-constexpr double kDomainMargin = 1e-5;  // of the longest side: what is seen lies strictly inside the visible domain
+constexpr double kDomainMargin =
+    1e-5;  // of the longest side: what is seen lies strictly inside the visible domain
 
 CompiledPlane compilePlane(const Plane& plane, const RenderSpace& space) {
   const double length = glm::length(plane.normal);
@@ -26,7 +27,8 @@ CompiledPlane compilePlane(const Plane& plane, const RenderSpace& space) {
 bool planeMeets(const CompiledPlane& p, const Box& box, const RenderSpace& space) {
   const glm::dvec3 lo = space.toRender(box.lo), hi = space.toRender(box.hi);
   const glm::dvec3 centre = 0.5 * (lo + hi), half = 0.5 * (hi - lo);
-  const double reach = std::abs(p.x) * half.x + std::abs(p.y) * half.y + std::abs(p.z) * half.z + kDomainMargin;
+  const double reach =
+      std::abs(p.x) * half.x + std::abs(p.y) * half.y + std::abs(p.z) * half.z + kDomainMargin;
   return std::abs(p.x * centre.x + p.y * centre.y + p.z * centre.z - p.offset) <= reach;
 }
 
@@ -61,9 +63,12 @@ void compileVolume(CompiledOperator& op, CompiledScene& scene) {
     if (op.vis.volumeRendering)
       part.plan = stepPlan(summaries, op.map, cellT, scene.settings.tolerance, scene.settings.step > 0);
     if (!op.isovalues.empty()) part.isoPlan = isoPlan(summaries, op.isovalues);
-    auto any = [](const std::vector<uint8_t>& v) { return std::any_of(v.begin(), v.end(), [](uint8_t x) { return x; }); };
+    auto any = [](const std::vector<uint8_t>& v) {
+      return std::any_of(v.begin(), v.end(), [](uint8_t x) { return x; });
+    };
     bool visible = any(part.plan) || any(part.isoPlan);
-    for (const CompiledPlane& p : op.slices) visible = visible || planeMeets(p, scene.partitioning->box(partition), space);
+    for (const CompiledPlane& p : op.slices)
+      visible = visible || planeMeets(p, scene.partitioning->box(partition), space);
     if (visible) scene.visible[partition] = 1;
   }
 }
@@ -80,9 +85,10 @@ void compileGeometry(CompiledOperator& op, CompiledScene& scene) {
     part.points.reserve(block.points.size() * 4);
     for (size_t i = 0; i < block.points.size(); i++) {
       const glm::dvec3 p = scene.space.toRender(block.points[i]);
-      const double radius = geometry.kind == GeometryKind::Triangles
-                                ? 0
-                                : radiusOf(op.vis, block.values.empty() ? 0 : block.values[i]) * scene.space.scale;
+      const double radius =
+          geometry.kind == GeometryKind::Triangles
+              ? 0
+              : radiusOf(op.vis, block.values.empty() ? 0 : block.values[i]) * scene.space.scale;
       for (double x : {p.x, p.y, p.z, radius}) part.points.push_back(float(x));
     }
     for (const glm::vec3& n : block.normals) part.normals.insert(part.normals.end(), {n.x, n.y, n.z});
@@ -134,7 +140,8 @@ size_t CompiledScene::bytes() const {
   return n;
 }
 
-std::shared_ptr<CompiledScene> compileScene(const Visualization& visualization, std::vector<OperatorData> data,
+std::shared_ptr<CompiledScene> compileScene(const Visualization& visualization,
+                                            std::vector<OperatorData> data,
                                             std::shared_ptr<const Partitioning> partitioning,
                                             const RenderSettings& settings) {
   auto scene = std::make_shared<CompiledScene>();

@@ -39,25 +39,25 @@ struct CompiledPlane {
 
 /// What one operator has in one local partition.
 struct OperatorPart {
-  const VolumeBlock* block = nullptr;     ///< owned by the operator's volume
-  std::vector<uint8_t> plan, isoPlan;     ///< per macrocell of the block
-  std::vector<float> points;              ///< x y z radius, render space
-  std::vector<float> normals;             ///< x y z per point, or empty
-  std::vector<float> values;              ///< per point, or empty
-  std::vector<uint32_t> indices;          ///< 2 (segments) or 3 (triangles) per primitive; particles none
+  const VolumeBlock* block = nullptr;  ///< owned by the operator's volume
+  std::vector<uint8_t> plan, isoPlan;  ///< per macrocell of the block
+  std::vector<float> points;           ///< x y z radius, render space
+  std::vector<float> normals;          ///< x y z per point, or empty
+  std::vector<float> values;           ///< per point, or empty
+  std::vector<uint32_t> indices;       ///< 2 (segments) or 3 (triangles) per primitive; particles none
   uint32_t primitives = 0;
 };
 
 struct CompiledOperator {
   Vis vis;
   OperatorData data;
-  CompiledMap map;                        ///< over stored values; extinction only where it is volume rendered
+  CompiledMap map;  ///< over stored values; extinction only where it is volume rendered
   std::array<float, 3> gridOrigin{}, gridInverse{};  ///< render space; cells per unit
   std::array<float, 32> rates{};
-  std::vector<float> isovalues;           ///< stored units
+  std::vector<float> isovalues;  ///< stored units
   std::vector<CompiledPlane> slices, clips;
-  std::map<int, OperatorPart> parts;      ///< by local partition
-  int summary = 0;                        ///< which of the block's summaries: component, or the magnitude
+  std::map<int, OperatorPart> parts;  ///< by local partition
+  int summary = 0;                    ///< which of the block's summaries: component, or the magnitude
 };
 
 struct CompiledScene {
@@ -65,14 +65,15 @@ struct CompiledScene {
   RenderSettings settings;
   std::shared_ptr<const Partitioning> partitioning;
   RenderSpace space;
-  glm::dvec3 lo, hi;                      ///< the visible domain, render space: all that can be seen lies strictly inside
-  std::array<std::vector<float>, 3> faces;  ///< of the partitioning, render space; the outer ones at -+infinity
-  std::vector<int32_t> cellPartition;     ///< of the lattice, x fastest
-  std::vector<uint8_t> visible;           ///< per partition: may it change a ray? the same on all ranks
+  glm::dvec3 lo, hi;  ///< the visible domain, render space: all that can be seen lies strictly inside
+  std::array<std::vector<float>, 3>
+      faces;                           ///< of the partitioning, render space; the outer ones at -+infinity
+  std::vector<int32_t> cellPartition;  ///< of the lattice, x fastest
+  std::vector<uint8_t> visible;        ///< per partition: may it change a ray? the same on all ranks
   std::vector<CompiledOperator> operators;
-  bool opaqueSurfaces = true;             ///< no translucent surface, so shadow and AO rays may stop at any hit
+  bool opaqueSurfaces = true;  ///< no translucent surface, so shadow and AO rays may stop at any hit
   int volumesRendered = 0;
-  float tMin = 0;                         ///< transmittance below which a ray ends
+  float tMin = 0;  ///< transmittance below which a ray ends
   double largestRadiance = 1;
 
   /// Bytes that it holds besides the data.
@@ -81,7 +82,8 @@ struct CompiledScene {
 
 /// Compiles for the partitions that are local (the data's blocks say which). `visible` holds the local partitions'
 /// answers only; merge over ranks (bitwise or), then set it. Throws Error for an operator without fitting data.
-std::shared_ptr<CompiledScene> compileScene(const Visualization& visualization, std::vector<OperatorData> data,
+std::shared_ptr<CompiledScene> compileScene(const Visualization& visualization,
+                                            std::vector<OperatorData> data,
                                             std::shared_ptr<const Partitioning> partitioning,
                                             const RenderSettings& settings);
 

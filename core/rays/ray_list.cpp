@@ -19,7 +19,7 @@ void RayList::Free::operator()(uint32_t* p) const { ::operator delete[](p, kAlig
 
 RayList::RayList(int capacity) : capacity_(capacity) {
   const size_t stride = (size_t(capacity) + 15) / 16 * 16;
-  auto* p = static_cast<uint32_t*>(::operator new[](stride * kFields * sizeof(uint32_t), kAlignment));
+  auto* p = static_cast<uint32_t*>(::operator new[](stride* kFields * sizeof(uint32_t), kAlignment));
   storage_.reset(p);
   std::memset(p, 0, stride * kFields * sizeof(uint32_t));
 #define GXY_POINT(type, name, primary, secondary) \
@@ -45,11 +45,11 @@ int RayList::wireBytes(bool primary) {
 void RayList::write(std::span<const int> which, bool primary, Bytes& out) const {
   size_t at = out.size();
   out.resize(at + which.size() * size_t(wireBytes(primary)));
-#define GXY_WRITE(type, name, onPrimary, onSecondary) \
-  if (primary ? onPrimary : onSecondary)              \
-    for (int i : which) {                             \
+#define GXY_WRITE(type, name, onPrimary, onSecondary)  \
+  if (primary ? onPrimary : onSecondary)               \
+    for (int i : which) {                              \
       std::memcpy(out.data() + at, view_.name + i, 4); \
-      at += 4;                                        \
+      at += 4;                                         \
     }
   GXY_RAY_FIELDS(GXY_WRITE)
 #undef GXY_WRITE
@@ -59,10 +59,10 @@ RayList RayList::read(std::span<const std::byte> in, int count, bool primary) {
   RayList list(count);
   list.resize(count);
   size_t at = 0;
-#define GXY_READ(type, name, onPrimary, onSecondary)              \
-  if (primary ? onPrimary : onSecondary) {                        \
+#define GXY_READ(type, name, onPrimary, onSecondary)                 \
+  if (primary ? onPrimary : onSecondary) {                           \
     std::memcpy(list.view_.name, in.data() + at, 4 * size_t(count)); \
-    at += 4 * size_t(count);                                      \
+    at += 4 * size_t(count);                                         \
   }
   GXY_RAY_FIELDS(GXY_READ)
 #undef GXY_READ

@@ -45,7 +45,9 @@ class RayList {
   static RayList read(std::span<const std::byte> in, int count, bool primary);
 
  private:
-  struct Free { void operator()(uint32_t* p) const; };
+  struct Free {
+    void operator()(uint32_t* p) const;
+  };
   int size_ = 0, capacity_ = 0;
   std::unique_ptr<uint32_t[], Free> storage_;
   RayView view_{};

@@ -24,16 +24,23 @@ struct Options {
 /// Samples fields on [-1, 1]^3: all of them into a .vti, one into a .vol or .json.
 void makeVolume(const std::vector<Field>& fields, const Options& options);
 
+void makeParticles(const Options& options);
+void makeSphereMesh(const Options& options);
+void makeHelix(const Options& options);
+
 /// From any format that is read to any that is written; values, types and coordinates stay what they are.
 void convertVolume(const Options& options);
+void convertGeometry(const Options& options);
 
 /// Cuts a dataset into i x j x k pieces, or into `parts` by automatic decomposition if the lattice is zero.
 /// Neighbouring pieces of a volume share the points on their common face; a primitive of a geometry goes
 /// where its middle is.
 void partitionVolume(const Options& options, int parts, std::array<int, 3> lattice);
+void partitionGeometry(const Options& options, int parts, std::array<int, 3> lattice);
 
 /// Prints what is in a file to standard output.
 void infoVolume(const Options& options);
+void infoGeometry(const Options& options);
 
 /// NAME_0.EXT, NAME_1.EXT, ... beside `out`.
 std::string pieceName(const std::string& out, int piece, const char* extension);

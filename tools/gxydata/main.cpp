@@ -5,6 +5,7 @@
 #include <sstream>
 
 #include "commands.h"
+#include "gxy/io/volume_file.h"
 
 namespace {
 
@@ -16,9 +17,10 @@ constexpr const char* kExamples = R"(Examples:
   gxydata radial -r 64,32,16 --array x ramp.vol      one array; the samples go to ramp.raw
   gxydata turbulence -r 256 --seed 7 noise.vol
   gxydata radial -t 10 balls.vti                     balls_0000.vti to balls_0009.vti
+  gxydata particles -n 100000 halos.vtp
   gxydata convert carotid.vtk carotid.vti
   gxydata partition noise.vol -g 2,2,1 pieces.pvti
-  gxydata info noise.vol
+  gxydata info bunny.ply
 Exit status: 0 done, 1 failed, 2 wrong usage.)";
 
 /// "64" or "64,32,16".
@@ -72,15 +74,34 @@ void addVolumeKinds(CLI::App& app, Options& options, std::string& resolution) {
                 resolution, "64");
 }
 
+void addGeometryKinds(CLI::App& app, Options& options) {
+  CLI::App* particles = kind(app, options, "particles", "clustered points with values");
+  particles->add_option("-n,--count", options.count, "number of points (default 10000)")
+      ->check(CLI::PositiveNumber);
+  CLI::App* mesh =
+      kind(app, options, "sphere-mesh", "a triangulated, optionally bumpy sphere with values and normals");
+  mesh->add_option("-r,--resolution", options.count, "rows of the mesh (default 64)")
+      ->check(CLI::Range(3, 20000));
+  mesh->add_option("--displacement", options.displacement, "height of the bumps, in radii (default 0)")
+      ->check(CLI::Range(0.0, 0.9));
+  CLI::App* helix = kind(app, options, "helix", "path lines: coils whose value is their speed");
+  helix->add_option("-n,--count", options.count, "number of lines (default 8)")->check(CLI::PositiveNumber);
+}
+
 void run(const CLI::App& app, const Options& options, int parts, std::array<int, 3> lattice) {
   const std::string command = app.get_subcommands().front()->get_name();
   if (command == "radial") return makeVolume(radialFields(), options);
   if (command == "marschner-lobb") return makeVolume({marschnerLobb()}, options);
   if (command == "turbulence") return makeVolume({turbulence(options.seed)}, options);
   if (command == "sparse") return makeVolume({sparse(options.seed)}, options);
-  if (command == "convert") return convertVolume(options);
-  if (command == "info") return infoVolume(options);
-  partitionVolume(options, parts, lattice);
+  if (command == "particles") return makeParticles(options);
+  if (command == "sphere-mesh") return makeSphereMesh(options);
+  if (command == "helix") return makeHelix(options);
+  const bool volume = isVolumeFile(options.in);
+  if (command == "convert") return volume ? convertVolume(options) : convertGeometry(options);
+  if (command == "info") return volume ? infoVolume(options) : infoGeometry(options);
+  if (volume) return partitionVolume(options, parts, lattice);
+  partitionGeometry(options, parts, lattice);
 }
 
 }  // namespace
@@ -93,10 +114,11 @@ int main(int argc, char** argv) {
   std::string resolution, latticeText;
   int parts = 0;
   addVolumeKinds(app, options, resolution);
+  addGeometryKinds(app, options);
 
   CLI::App* convert =
       app.add_subcommand("convert", "from one format to another; nothing is moved or rounded");
-  CLI::App* partition = app.add_subcommand("partition", "cut into pieces: .pvti");
+  CLI::App* partition = app.add_subcommand("partition", "cut into pieces: .pvti, .pvtu, .pvtp or .part");
   CLI::App* info = app.add_subcommand("info", "print what is in a file");
   for (CLI::App* command : {convert, partition, info}) {
     command->add_option("in", options.in, "file to read")->required();

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+// Geometry files: particles, path lines and triangles.
+//
+// .vtu .vtp          VTK XML unstructured grids and polygonal data, any encoding
+// .vtk               the same in VTK's legacy form
+// .ply .stl .obj     triangle meshes
+// .pvtu .pvtp .part  lists of such files (part_document.h)
+//
+// Particles are all points of a file; path lines its lines and polylines, one segment for each pair of
+// points; triangles its triangles, strips, and quads and polygons cut into fans. Other cells, ghost cells and
+// cell data are not used.
+#pragma once
+#include <string>
+#include <vector>
+
+#include "gxy/data/geometry.h"
+
+namespace gxy {
+
+/// What was read from one file, unusable primitives included. Ids are primitive numbers in file order from 0
+/// on.
+struct GeometryContent {
+  GeometryBlock block;
+  std::string array;         ///< of the file, that became the values; empty if it has none
+  uint64_t unusedCells = 0;  ///< of other kinds
+};
+
+/// The files that hold the data: those that a .pvtu, .pvtp or .part lists, else the file itself. Throws Error
+/// for a list that is missing or malformed, or an extension that is not listed above.
+std::vector<std::string> geometryPieces(const std::string& path);
+
+/// Reads one file that is not a list. `array` names the point array that becomes the values (several
+/// components: their magnitude); empty: the active scalars, else "data", else the first. Normals are the
+/// point array "Normals" or "Normals_", or the active normals. Throws Error for a file that is missing or
+/// malformed or has no such array.
+GeometryContent readGeometry(const std::string& path, GeometryKind kind, const std::string& array = {});
+
+/// What a file holds, for people: kinds and numbers of cells, arrays with their ranges.
+struct GeometrySummary {
+  uint64_t points = 0, vertices = 0, segments = 0, triangles = 0, others = 0;
+  Box box;  ///< of finite points
+  struct Array {
+    std::string name;
+    std::string type;
+    int components = 1;
+    Range range;  ///< of the magnitude for several components
+    uint64_t notFinite = 0;
+    bool ofCells = false;
+  };
+  std::vector<Array> arrays;
+};
+GeometrySummary summariseGeometry(const std::string& path);
+
+/// Triangles if the file has any, else path lines, else particles.
+GeometryKind likelyKind(const GeometrySummary& summary);
+
+}  // namespace gxy

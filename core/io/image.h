@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+// Pictures to files and back, through OpenImageIO. A target of its own, galaxy_image: loading that library
+// takes half a second, which only programs that write pictures should pay.
+#pragma once
+#include <string>
+#include <vector>
+
+namespace gxy {
+
+/// A picture: RGBA in float, premultiplied, rows bottom to top.
+struct Image {
+  int width = 0, height = 0;
+  std::vector<float> rgba;  ///< 4 * width * height
+};
+
+/// Writes by extension. .png: 8 bits, alpha un-premultiplied, clamped to [0, 1] and rounded. .exr: float,
+/// premultiplied. .raw: the floats of `rgba` as they are, in this machine's byte order. Throws Error when the
+/// file cannot be written.
+void writeImage(const std::string& path, const Image& image);
+
+/// Reads a .png (8 or 16 bits; grey or RGB become opaque RGBA) or .exr into the form above. A .raw file does
+/// not state its size: width and height must be given, and are ignored for the others.
+Image readImage(const std::string& path, int width = 0, int height = 0);
+
+}  // namespace gxy

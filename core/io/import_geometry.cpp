@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gxy/io/import_geometry.h"
+
+#include <spdlog/spdlog.h>
+
+#include <filesystem>
+#include <numeric>
+
+#include "gxy/comm/error.h"
+#include "gxy/io/geometry_file.h"
+
+namespace gxy {
+namespace {
+
+template <class T>
+void append(std::vector<T>& to, const std::vector<T>& from) {
+  to.insert(to.end(), from.begin(), from.end());
+}
+
+template <size_t N>
+void append(std::vector<std::array<uint32_t, N>>& to, std::vector<std::array<uint32_t, N>> from,
+            uint32_t shift) {
+  for (auto& indices : from)
+    for (uint32_t& index : indices) index += shift;
+  append(to, from);
+}
+
+/// What has been read so far on this rank. An attribute that one non-empty piece lacks is lost for all.
+struct Reading {
+  GeometryBlock block;
+  bool values = true, normals = true;
+  uint64_t unusedCells = 0;
+
+  void add(const GeometryContent& piece) {
+    const GeometryBlock& from = piece.block;
+    unusedCells += piece.unusedCells;
+    if (from.points.empty()) return;
+    if (block.points.size() + from.points.size() >= std::numeric_limits<uint32_t>::max())
+      throw Error("one rank would hold more than 2^32 - 2 points; use more ranks");
+    const uint32_t shift = uint32_t(block.points.size());
+    values = values && !from.values.empty();
+    normals = normals && !from.normals.empty();
+    append(block.points, from.points);
+    append(block.values, from.values);
+    append(block.normals, from.normals);
+    append(block.segments, from.segments, shift);
+    append(block.neighbours, from.neighbours, shift);
+    append(block.triangles, from.triangles, shift);
+    block.ids.resize(block.ids.size() + from.ids.size());
+  }
+};
+
+uint64_t sumOf(const std::vector<uint64_t>& counts) {
+  return std::accumulate(counts.begin(), counts.end(), uint64_t(0));
+}
+
+const char* plural(GeometryKind kind) {
+  return kind == GeometryKind::Particles ? "points" : kind == GeometryKind::PathLines ? "lines" : "triangles";
+}
+
+}  // namespace
+
+LoadedGeometry loadGeometry(const std::string& path, GeometryKind kind, const std::string& array,
+                            Collectives& ranks) {
+  LoadedGeometry loaded;
+  loaded.name = std::filesystem::path(path).stem().string();
+  loaded.kind = kind;
+  Reading reading;
+  const size_t rank = size_t(ranks.rank()), size = size_t(ranks.size());
+  agree(ranks, [&] {
+    const std::vector<std::string> pieces = geometryPieces(path);
+    loaded.everywhere = pieces.size() == 1;
+    const size_t first = loaded.everywhere ? 0 : pieces.size() * rank / size;
+    const size_t last = loaded.everywhere ? 1 : pieces.size() * (rank + 1) / size;
+    for (size_t i = first; i < last; ++i) reading.add(readGeometry(pieces[i], kind, array));
+  });
+
+  const bool values = sumOf(gatherCounts(ranks, !reading.values)) == 0;
+  const bool normals = sumOf(gatherCounts(ranks, !reading.normals)) == 0;
+  if (!values) reading.block.values.clear();
+  if (!normals) reading.block.normals.clear();
+
+  // Pieces are numbered one after the other, those of lower ranks first.
+  const std::vector<uint64_t> counts = gatherCounts(ranks, reading.block.ids.size());
+  const uint64_t before = std::accumulate(counts.begin(), counts.begin() + ranks.rank(), uint64_t(0));
+  std::iota(reading.block.ids.begin(), reading.block.ids.end(), loaded.everywhere ? uint64_t(0) : before);
+  uint64_t dropped = 0;
+  agree(ranks, [&] { dropped = uint64_t(dropUnusable(reading.block, kind)); });
+  loaded.block = std::move(reading.block);
+  loaded.dropped = loaded.everywhere ? dropped : sumOf(gatherCounts(ranks, dropped));
+  loaded.primitives = (loaded.everywhere ? counts[0] : sumOf(counts)) - loaded.dropped;
+  const uint64_t unused = sumOf(gatherCounts(ranks, reading.unusedCells));
+  if (loaded.primitives + loaded.dropped == 0 && unused > 0)
+    throw Error(path + ": the file has no " + plural(kind) + ", only other kinds of cells");
+  if (loaded.dropped > 0 && rank == 0)
+    spdlog::warn("{}: {} {} dropped: not finite, or without area", path, loaded.dropped, plural(kind));
+
+  // Points that no primitive uses do not count.
+  for (size_t p = 0; p < loaded.block.ids.size(); ++p)
+    for (uint32_t point : cornersOf(loaded.block, kind, p)) {
+      loaded.box.extend(loaded.block.points[point]);
+      if (!loaded.block.values.empty()) loaded.range.extend(double(loaded.block.values[point]));
+    }
+  mergeBox(ranks, loaded.box);
+  mergeRanges(ranks, std::span(&loaded.range, 1));
+  return loaded;
+}
+
+std::shared_ptr<Geometry> distribute(LoadedGeometry loaded, const Partitioning& partitioning,
+                                     const RadiusOf& radius, Collectives& ranks) {
+  auto geometry = std::make_shared<Geometry>();
+  geometry->name = loaded.name;
+  geometry->kind = loaded.kind;
+  geometry->box = loaded.box;
+  geometry->range = loaded.range;
+  geometry->primitives = loaded.primitives;
+  geometry->droppedPrimitives = loaded.dropped;
+  std::vector<Bytes> messages;
+  agree(ranks, [&] {
+    if (loaded.everywhere) loaded.block = keepHome(loaded.block, loaded.kind, partitioning, ranks.rank());
+    messages = packForOwners(loaded.block, loaded.kind, partitioning, radius, ranks.size());
+  });
+  loaded.block = {};
+  const std::vector<Bytes> received = ranks.allToAll(std::move(messages));
+  agree(ranks, [&] { geometry->blocks = unpackReceived(loaded.kind, partitioning, ranks.rank(), received); });
+  return geometry;
+}
+
+}  // namespace gxy

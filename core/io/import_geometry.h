@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+// A geometry file becomes the blocks of a rank's partitions.
+#pragma once
+#include <memory>
+#include <string>
+
+#include "gxy/data/geometry.h"
+#include "gxy/data/partitioning.h"
+#include "gxy/data/replicate.h"
+#include "gxy/io/collectives.h"
+
+namespace gxy {
+
+/// What a rank has read, before it is brought to its partitions. Everything but `block` is the same on every
+/// rank.
+struct LoadedGeometry {
+  std::string name;
+  GeometryKind kind = GeometryKind::Particles;
+  GeometryBlock block;      ///< usable primitives only; ids are global, in file order
+  bool everywhere = false;  ///< the format has no pieces, so every rank has read all
+  Box box;
+  Range range;
+  uint64_t primitives = 0, dropped = 0;
+};
+
+/// Collective over `ranks`. Each rank reads its share of the pieces of a .pvtu, .pvtp or .part, else all of
+/// the file. Unusable primitives (a coordinate that is not finite, triangles without area) are dropped and
+/// counted. Normals and, unless `array` names them, values are used only if all pieces have them. If any rank
+/// fails, all throw the same Error.
+LoadedGeometry loadGeometry(const std::string& path, GeometryKind kind, const std::string& array,
+                            Collectives& ranks);
+
+/// Collective. Brings primitives to every partition that they, `radius` thick, touch.
+std::shared_ptr<Geometry> distribute(LoadedGeometry loaded, const Partitioning& partitioning,
+                                     const RadiusOf& radius, Collectives& ranks);
+
+}  // namespace gxy

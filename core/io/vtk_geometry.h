@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: Apache-2.0
+// Geometry files as VTK datasets. Used inside core/io only, by files that see VTK.
+#pragma once
+#include <vtkPointSet.h>
+#include <vtkSmartPointer.h>
+
+#include <string>
+
+namespace gxy {
+
+/// Reads a .vtu .vtp .vtk .ply .stl or .obj file; Error with VTK's own words when it cannot.
+vtkSmartPointer<vtkPointSet> readPointSet(const std::string& path);
+
+}  // namespace gxy

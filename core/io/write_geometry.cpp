@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gxy/io/write_geometry.h"
+
+#include <vtkCellArray.h>
+#include <vtkDoubleArray.h>
+#include <vtkFloatArray.h>
+#include <vtkIdList.h>
+#include <vtkPointData.h>
+#include <vtkPoints.h>
+#include <vtkPolyData.h>
+#include <vtkSmartPointer.h>
+#include <vtkUnstructuredGrid.h>
+#include <vtkXMLPolyDataWriter.h>
+#include <vtkXMLUnstructuredGridWriter.h>
+
+#include "gxy/comm/error.h"
+#include "gxy/io/file.h"
+#include "gxy/io/part_document.h"
+#include "gxy/io/vtk_messages.h"
+
+namespace gxy {
+namespace {
+
+void addPolylines(vtkCellArray* cells, const GeometryBlock& block) {
+  const auto& segments = block.segments;
+  const auto continues = [&](size_t i) {  // segment i goes on where i - 1 ends, and both know it
+    return i > 0 && i < segments.size() && segments[i - 1][1] == segments[i][0] &&
+           block.neighbours[i][0] == segments[i - 1][0] && block.neighbours[i - 1][1] == segments[i][1];
+  };
+  const auto ids = vtkSmartPointer<vtkIdList>::New();
+  for (size_t i = 0; i < segments.size(); ++i) {
+    if (!continues(i)) {
+      ids->Reset();
+      ids->InsertNextId(segments[i][0]);
+    }
+    ids->InsertNextId(segments[i][1]);
+    if (!continues(i + 1)) cells->InsertNextCell(ids);
+  }
+}
+
+vtkSmartPointer<vtkCellArray> cellsOf(const GeometryBlock& block, GeometryKind kind) {
+  const auto cells = vtkSmartPointer<vtkCellArray>::New();
+  if (kind == GeometryKind::PathLines) addPolylines(cells, block);
+  if (kind == GeometryKind::Triangles)
+    for (const auto& t : block.triangles) {
+      const vtkIdType corners[3] = {t[0], t[1], t[2]};
+      cells->InsertNextCell(3, corners);
+    }
+  if (kind == GeometryKind::Particles)
+    for (vtkIdType i = 0; i < vtkIdType(block.points.size()); ++i) cells->InsertNextCell(1, &i);
+  return cells;
+}
+
+void setPoints(vtkPointSet* set, const GeometryBlock& block, const std::string& array) {
+  const auto points = vtkSmartPointer<vtkPoints>::New();
+  points->SetDataTypeToDouble();
+  points->SetNumberOfPoints(vtkIdType(block.points.size()));
+  for (size_t i = 0; i < block.points.size(); ++i)
+    points->SetPoint(vtkIdType(i), block.points[i].x, block.points[i].y, block.points[i].z);
+  set->SetPoints(points);
+  if (!block.values.empty()) {
+    const auto values = vtkSmartPointer<vtkFloatArray>::New();
+    values->SetName(array.c_str());
+    values->SetNumberOfTuples(vtkIdType(block.values.size()));
+    for (size_t i = 0; i < block.values.size(); ++i) values->SetValue(vtkIdType(i), block.values[i]);
+    set->GetPointData()->SetScalars(values);
+  }
+  if (!block.normals.empty()) {
+    const auto normals = vtkSmartPointer<vtkFloatArray>::New();
+    normals->SetName("Normals");
+    normals->SetNumberOfComponents(3);
+    normals->SetNumberOfTuples(vtkIdType(block.normals.size()));
+    for (size_t i = 0; i < block.normals.size(); ++i)
+      normals->SetTuple3(vtkIdType(i), block.normals[i].x, block.normals[i].y, block.normals[i].z);
+    set->GetPointData()->SetNormals(normals);
+  }
+}
+
+template <class Writer>
+void writeXml(const std::string& path, vtkDataObject* data) {
+  VtkMessages messages;
+  File::create(path);  // names the reason if the folder is missing or not writable
+  const auto writer = vtkSmartPointer<Writer>::New();
+  writer->SetFileName(path.c_str());
+  writer->SetInputData(data);
+  writer->SetDataModeToAppended();
+  writer->EncodeAppendedDataOff();
+  writer->SetCompressorTypeToNone();
+  writer->SetHeaderTypeToUInt64();
+  const bool written = writer->Write() == 1;
+  messages.check(path);
+  if (!written) throw Error(path + ": cannot write the file");
+}
+
+}  // namespace
+
+void writeGeometry(const std::string& path, const GeometryBlock& block, GeometryKind kind,
+                   const std::string& array) {
+  validate(block, kind);
+  const std::string extension = extensionOf(path);
+  if (extension == ".ply" || extension == ".stl") {
+    if (kind != GeometryKind::Triangles)
+      throw Error(path + ": a " + extension + " file holds triangles only");
+    return extension == ".ply" ? writePly(path, block) : writeStl(path, block);
+  }
+  const auto cells = cellsOf(block, kind);
+  if (extension == ".vtp") {
+    const auto data = vtkSmartPointer<vtkPolyData>::New();
+    setPoints(data, block, array);
+    if (kind == GeometryKind::Particles) data->SetVerts(cells);
+    if (kind == GeometryKind::PathLines) data->SetLines(cells);
+    if (kind == GeometryKind::Triangles) data->SetPolys(cells);
+    writeXml<vtkXMLPolyDataWriter>(path, data);
+  } else if (extension == ".vtu") {
+    const auto data = vtkSmartPointer<vtkUnstructuredGrid>::New();
+    setPoints(data, block, array);
+    data->SetCells(kind == GeometryKind::Particles   ? VTK_VERTEX
+                   : kind == GeometryKind::PathLines ? VTK_POLY_LINE
+                                                     : VTK_TRIANGLE,
+                   cells);
+    writeXml<vtkXMLUnstructuredGridWriter>(path, data);
+  } else {
+    throw Error(path + ": cannot write this kind of geometry: expected .vtp, .vtu, .ply or .stl");
+  }
+}
+
+void writeGeometryPieces(const std::string& path, const std::vector<GeometryPiece>& pieces,
+                         const GeometryBlock& like, const std::string& array) {
+  const std::string extension = extensionOf(path);
+  if (extension == ".part") {
+    std::vector<GeometryPart> parts;
+    for (const GeometryPiece& piece : pieces) parts.push_back({piece.extent, piece.file});
+    return writeText(path, formatPart(parts));
+  }
+  if (extension != ".pvtu" && extension != ".pvtp")
+    throw Error(path + ": the pieces of a geometry need a .part, .pvtu or .pvtp");
+  const std::string type = extension == ".pvtu" ? "PUnstructuredGrid" : "PPolyData";
+  std::string text = "<?xml version=\"1.0\"?>\n<VTKFile type=\"" + type +
+                     "\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n  <" + type +
+                     " GhostLevel=\"0\">\n    <PPoints>\n      <PDataArray type=\"Float64\" Name=\"Points\" "
+                     "NumberOfComponents=\"3\"/>\n    </PPoints>\n    <PPointData>\n";
+  if (!like.values.empty()) text += "      <PDataArray type=\"Float32\" Name=\"" + array + "\"/>\n";
+  if (!like.normals.empty())
+    text += "      <PDataArray type=\"Float32\" Name=\"Normals\" NumberOfComponents=\"3\"/>\n";
+  text += "    </PPointData>\n";
+  for (const GeometryPiece& piece : pieces) text += "    <Piece Source=\"" + piece.file + "\"/>\n";
+  writeText(path, text + "  </" + type + ">\n</VTKFile>\n");
+}
+
+}  // namespace gxy

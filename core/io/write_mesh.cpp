@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+// Binary PLY and STL. Both are little-endian; the bytes are put in order here for any machine.
+#include <algorithm>
+#include <bit>
+#include <cstring>
+#include <glm/geometric.hpp>
+#include <limits>
+
+#include "gxy/comm/error.h"
+#include "gxy/io/file.h"
+#include "gxy/io/write_geometry.h"
+
+namespace gxy {
+namespace {
+
+template <class T>
+void put(std::string& bytes, T value) {
+  char raw[sizeof(T)];
+  std::memcpy(raw, &value, sizeof(T));
+  if constexpr (std::endian::native == std::endian::big) std::reverse(raw, raw + sizeof(T));
+  bytes.append(raw, sizeof(T));
+}
+
+}  // namespace
+
+void writePly(const std::string& path, const GeometryBlock& block) {
+  std::string bytes = "ply\nformat binary_little_endian 1.0\nelement vertex " +
+                      std::to_string(block.points.size()) +
+                      "\nproperty double x\nproperty double y\nproperty double z\n";
+  if (!block.normals.empty()) bytes += "property float nx\nproperty float ny\nproperty float nz\n";
+  if (!block.values.empty()) bytes += "property float value\n";
+  bytes += "element face " + std::to_string(block.triangles.size()) +
+           "\nproperty list uchar int vertex_indices\nend_header\n";
+  for (size_t i = 0; i < block.points.size(); ++i) {
+    for (int a = 0; a < 3; ++a) put(bytes, block.points[i][a]);
+    if (!block.normals.empty())
+      for (int a = 0; a < 3; ++a) put(bytes, block.normals[i][a]);
+    if (!block.values.empty()) put(bytes, block.values[i]);
+  }
+  for (const auto& triangle : block.triangles) {
+    put(bytes, uint8_t(3));
+    for (uint32_t index : triangle) {
+      if (index > uint32_t(std::numeric_limits<int32_t>::max()))
+        throw Error(path + ": more than 2^31 points");
+      put(bytes, int32_t(index));
+    }
+  }
+  writeText(path, bytes);
+}
+
+void writeStl(const std::string& path, const GeometryBlock& block) {
+  if (block.triangles.size() > std::numeric_limits<uint32_t>::max())
+    throw Error(path + ": more than 2^32 triangles");
+  std::string bytes(80, ' ');
+  put(bytes, uint32_t(block.triangles.size()));
+  for (const auto& t : block.triangles) {
+    const glm::dvec3 &a = block.points[t[0]], &b = block.points[t[1]], &c = block.points[t[2]];
+    glm::dvec3 normal = glm::cross(b - a, c - a);
+    if (const double length = glm::length(normal); length > 0) normal /= length;
+    for (const glm::dvec3& v : {normal, a, b, c})
+      for (int axis = 0; axis < 3; ++axis) put(bytes, float(v[axis]));
+    put(bytes, uint16_t(0));
+  }
+  writeText(path, bytes);
+}
+
+}  // namespace gxy

@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: Apache-2.0
+// Whatever the bytes: a result or an Error.
+#include <cstdint>
+#include <string_view>
+
+#include "gxy/comm/error.h"
+#include "gxy/io/volume_description.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
+  try {
+    gxy::parseVolumeJson(std::string_view(reinterpret_cast<const char*>(data), size), "input");
+  } catch (const gxy::Error&) {
+  }
+  return 0;
+}

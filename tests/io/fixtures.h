@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the tests of core/io share: a folder that goes away, sample patterns, ranks on threads, and a mutator
+// of texts.
+#pragma once
+#include <spdlog/spdlog.h>
+#include <unistd.h>
+
+#include <barrier>
+#include <cstring>
+#include <exception>
+#include <filesystem>
+#include <random>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "gxy/io/collectives.h"
+#include "gxy/io/volume_file.h"
+
+namespace gxy::testing {
+
+class TemporaryFolder {
+ public:
+  TemporaryFolder() {
+    std::string name = (std::filesystem::temp_directory_path() / "gxy-io-XXXXXX").string();
+    path_ = ::mkdtemp(name.data());
+  }
+  ~TemporaryFolder() { std::filesystem::remove_all(path_); }
+  std::string operator/(const std::string& name) const { return (path_ / name).string(); }
+
+ private:
+  std::filesystem::path path_;
+};
+
+/// Bytes that differ from sample to sample, and are finite as floats.
+inline std::vector<std::byte> pattern(int64_t samples, ScalarType type) {
+  std::vector<std::byte> bytes(size_t(samples) * bytesOf(type));
+  withType(type, [&](auto zero) {
+    for (int64_t i = 0; i < samples; ++i) {
+      const auto value = decltype(zero)((i * 7919) % 251 - (std::is_signed_v<decltype(zero)> ? 125 : 0));
+      std::memcpy(bytes.data() + size_t(i) * sizeof value, &value, sizeof value);
+    }
+  });
+  return bytes;
+}
+
+/// `size` ranks on threads; a collective operation is a barrier and a look at the others' bytes.
+class ThreadRanks {
+ public:
+  explicit ThreadRanks(int size) : barrier_(size), boxes_(size_t(size)) {}
+
+  /// Runs work(ranks) on every rank; returns each rank's error text, empty where there was none.
+  template <class Work>
+  std::vector<std::string> run(Work work) {
+    std::vector<std::string> errors(boxes_.size());
+    std::vector<std::thread> threads;
+    for (int r = 0; r < int(boxes_.size()); ++r)
+      threads.emplace_back([&, r] {
+        Rank rank(*this, r);
+        try {
+          work(static_cast<Collectives&>(rank));
+        } catch (const std::exception& e) {
+          errors[size_t(r)] = e.what();
+        }
+      });
+    for (std::thread& thread : threads) thread.join();
+    return errors;
+  }
+
+ private:
+  struct Rank final : Collectives {
+    Rank(ThreadRanks& all, int rank) : all_(all), rank_(rank) {}
+    int rank() const override { return rank_; }
+    int size() const override { return int(all_.boxes_.size()); }
+    std::vector<Bytes> allGather(Bytes mine) override {
+      return allToAll(std::vector<Bytes>(all_.boxes_.size(), mine));
+    }
+    std::vector<Bytes> allToAll(std::vector<Bytes> perRank) override {
+      all_.boxes_[size_t(rank_)] = std::move(perRank);
+      all_.barrier_.arrive_and_wait();
+      std::vector<Bytes> mine;
+      for (const auto& box : all_.boxes_) mine.push_back(box[size_t(rank_)]);
+      all_.barrier_.arrive_and_wait();
+      return mine;
+    }
+    ThreadRanks& all_;
+    int rank_;
+  };
+  std::barrier<> barrier_;
+  std::vector<std::vector<Bytes>> boxes_;
+};
+
+/// Keeps the warnings about thousands of damaged texts off the terminal while it lives.
+class QuietLog {
+ public:
+  QuietLog() { spdlog::set_level(spdlog::level::off); }
+  ~QuietLog() { spdlog::set_level(spdlog::level::info); }
+};
+
+/// A damaged copy of a text: truncated, bytes changed, pieces doubled or removed, numbers replaced by absurd
+/// ones.
+inline std::string mutated(const std::string& text, std::mt19937& random) {
+  static const char* absurd[] = {"-1",
+                                 "0",
+                                 "1e999",
+                                 "nan",
+                                 "-inf",
+                                 "99999999999999999999",
+                                 "9223372036854775807",
+                                 "1.5",
+                                 "\"\"",
+                                 "null",
+                                 "{}",
+                                 "[]",
+                                 "true",
+                                 "-9223372036854775808",
+                                 "",
+                                 "\xff\xfe"};
+  const auto below = [&](size_t n) { return n ? size_t(random() % n) : 0; };
+  std::string out = text;
+  for (size_t changes = 1 + below(3); changes > 0; --changes) {
+    const size_t at = below(out.size());
+    switch (random() % 5) {
+      case 0:
+        out.resize(at);
+        break;
+      case 1:
+        if (!out.empty()) out[at] = char(random());
+        break;
+      case 2:
+        out.erase(at, 1 + below(12));
+        break;
+      case 3:
+        out.insert(at, out.substr(below(out.size()), below(20)));
+        break;
+      default: {
+        const size_t digit = out.find_first_of("0123456789", at);
+        if (digit == std::string::npos) break;
+        const size_t end = out.find_first_not_of("0123456789.eE+-", digit);
+        out.replace(digit, (end == std::string::npos ? out.size() : end) - digit,
+                    absurd[below(std::size(absurd))]);
+      }
+    }
+  }
+  return out;
+}
+
+}  // namespace gxy::testing

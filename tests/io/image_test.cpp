@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gxy/io/image.h"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <filesystem>
+
+#include "gxy/comm/error.h"
+
+namespace gxy {
+namespace {
+
+struct Folder {
+  Folder() {
+    std::string name = (std::filesystem::temp_directory_path() / "gxy-image-XXXXXX").string();
+    path = ::mkdtemp(name.data());
+  }
+  ~Folder() { std::filesystem::remove_all(path); }
+  std::string operator/(const char* name) const { return (path / name).string(); }
+  std::filesystem::path path;
+};
+
+/// 2 x 2: opaque red, half-transparent green (premultiplied), nothing, and over-bright blue.
+Image sample() { return {2, 2, {1, 0, 0, 1, 0, 0.25f, 0, 0.5f, 0, 0, 0, 0, -0.5f, 0.2f, 1.7f, 1}}; }
+
+TEST(Image, FloatFormatsAreExact) {
+  const Folder folder;
+  writeImage(folder / "a.exr", sample());
+  writeImage(folder / "a.raw", sample());
+  EXPECT_EQ(readImage(folder / "a.exr").rgba, sample().rgba);
+  EXPECT_EQ(readImage(folder / "a.raw", 2, 2).rgba, sample().rgba);
+}
+
+TEST(Image, PngClampsRoundsAndKeepsRowOrder) {
+  const Folder folder;
+  writeImage(folder / "a.png", sample());
+  const Image got = readImage(folder / "a.png");
+  ASSERT_EQ(got.width, 2);
+  ASSERT_EQ(got.height, 2);
+  const float half = 128 / 255.f;  // 0.5 rounds to 128, and so does 0.25 / 0.5
+  const std::vector<float> expected{1, 0, 0, 1, 0, half * half, 0, half, 0, 0, 0, 0, 0, 51 / 255.f, 1, 1};
+  for (size_t i = 0; i < expected.size(); ++i) EXPECT_NEAR(got.rgba[i], expected[i], 1e-6) << i;
+}
+
+TEST(Image, WrongSizesAndUnknownKindsAreErrors) {
+  const Folder folder;
+  writeImage(folder / "a.raw", sample());
+  EXPECT_THROW(readImage(folder / "a.raw", 3, 2), Error);
+  EXPECT_THROW(readImage(folder / "a.raw"), Error);
+  EXPECT_THROW(readImage(folder / "none.png"), Error);
+  EXPECT_THROW(writeImage(folder / "a.gif", sample()), Error);
+  EXPECT_THROW(writeImage(folder / "no/such/folder.png", sample()), Error);
+  EXPECT_THROW(writeImage(folder / "a.png", {2, 3, sample().rgba}), Error);
+}
+
+}  // namespace
+}  // namespace gxy

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gxy/io/import_volume.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "fixtures.h"
+#include "gxy/comm/error.h"
+#include "gxy/io/write_volume.h"
+
+namespace gxy {
+namespace {
+
+using testing::TemporaryFolder;
+using testing::ThreadRanks;
+
+const Grid kGrid{{0, 0, 0}, {1, 1, 1}, {21, 18, 15}};
+
+template <class T>
+void write(const std::string& path, ScalarType type, const std::vector<T>& samples) {
+  VolumeWriter(path, kGrid, {{"field", type, 1, {}}}).write(0, 0, std::as_bytes(std::span(samples)));
+}
+
+TEST(ImportVolume, EveryRankSeesTheSameRangesAndSummariesAsOne) {
+  const TemporaryFolder folder;
+  std::vector<float> samples(size_t(wholeOf(kGrid).count()));
+  for (size_t i = 0; i < samples.size(); ++i) samples[i] = float(std::sin(double(i) * 0.37) * 100);
+  samples[1234] = NAN;
+  samples[4000] = INFINITY;
+  write(folder / "v.json", ScalarType::Float32, samples);
+  SingleRank one;
+  const auto whole = importVolume(folder / "v.json", "", decomposed(kGrid, 1, 1), kGhostLayers, one);
+  EXPECT_EQ(whole->noDataSamples, 2);
+
+  const Partitioning cut = decomposed(kGrid, 7, 3);
+  ThreadRanks ranks(3);
+  const auto errors = ranks.run([&](Collectives& mine) {
+    const auto volume = importVolume(folder / "v.json", "", cut, kGhostLayers, mine);
+    EXPECT_EQ(volume->ranges, whole->ranges);
+    EXPECT_EQ(volume->noDataSamples, 2);
+    const VolumeBlock& all = whole->blocks.at(0);
+    for (const auto& [partition, block] : volume->blocks) {
+      EXPECT_EQ(cut.owner(partition), mine.rank());
+      for (int64_t k = 0; k < block.macrocells[2]; ++k)
+        for (int64_t j = 0; j < block.macrocells[1]; ++j)
+          for (int64_t i = 0; i < block.macrocells[0]; ++i) {
+            const int64_t here = (k * block.macrocells[1] + j) * block.macrocells[0] + i;
+            const int64_t there =
+                ((k + block.firstMacrocell[2]) * all.macrocells[1] + j + block.firstMacrocell[1]) *
+                    all.macrocells[0] +
+                i + block.firstMacrocell[0];
+            EXPECT_EQ(block.summaries[0][size_t(here)], all.summaries[0][size_t(there)]);
+          }
+    }
+  });
+  EXPECT_EQ(errors, std::vector<std::string>(3));
+}
+
+TEST(ImportVolume, WideTypesKeepASmallSignalOnALargeOffset) {
+  const TemporaryFolder folder;
+  std::vector<double> samples(size_t(wholeOf(kGrid).count()));
+  for (size_t i = 0; i < samples.size(); ++i) samples[i] = 101325.0 + 0.01 * std::sin(double(i));
+  write(folder / "v.vti", ScalarType::Float64, samples);
+  SingleRank one;
+  const auto volume = importVolume(folder / "v.vti", "field", decomposed(kGrid, 1, 1), 0, one);
+  ASSERT_EQ(volume->stored, ScalarType::Float32);
+  const auto* stored = reinterpret_cast<const float*>(volume->blocks.at(0).samples.data());
+  for (size_t i = 0; i < samples.size(); ++i)
+    ASSERT_NEAR(volume->shift + volume->scale * double(stored[i]), samples[i], 2e-9);
+}
+
+TEST(ImportVolume, AnErrorOnOneRankIsThrownOnAll) {
+  const TemporaryFolder folder;
+  write(folder / "a.vti", ScalarType::Float32, std::vector<float>(size_t(wholeOf(kGrid).count()), 1.f));
+  // The second half of the image lies in a piece that does not exist: only its rank can notice.
+  writePvti(folder / "v.pvti", kGrid, {{"field", ScalarType::Float32, 1, {}}},
+            {{{{0, 0, 0}, {21, 18, 8}}, "a.vti"}, {{{0, 0, 7}, {21, 18, 8}}, "gone.vti"}});
+  const Partitioning cut = Partitioning::lattice(
+      {std::vector<double>{0, 20}, std::vector<double>{0, 17}, std::vector<double>{0, 7, 14}}, 2);
+  ThreadRanks ranks(2);
+  const auto errors =
+      ranks.run([&](Collectives& mine) { importVolume(folder / "v.pvti", "", cut, 0, mine); });
+  EXPECT_EQ(errors[0].find("rank 1: "), 0u) << errors[0];
+  EXPECT_NE(errors[0].find("gone.vti"), std::string::npos);
+  EXPECT_EQ(errors[0], errors[1]);
+}
+
+}  // namespace
+}  // namespace gxy

@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: Apache-2.0
+// gxydata and gxydiff as a user runs them: exit status and files.
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <glm/geometric.hpp>
+
+#include "gxy/io/geometry_file.h"
+#include "gxy/io/image.h"
+#include "gxy/io/volume_file.h"
+
+namespace gxy {
+namespace {
+
+class DataTools : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    std::string name = (std::filesystem::temp_directory_path() / "gxy-tools-XXXXXX").string();
+    folder_ = ::mkdtemp(name.data());
+  }
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+
+  std::string at(const std::string& name) const { return (folder_ / name).string(); }
+  int run(const char* program, const std::string& arguments) const {
+    const std::string command =
+        "cd " + folder_.string() + " && " + program + " " + arguments + " >/dev/null 2>&1";
+    const int status = std::system(command.c_str());
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+  }
+  int data(const std::string& arguments) const { return run(GXYDATA, arguments); }
+  int diff(const std::string& arguments) const { return run(GXYDIFF, arguments); }
+
+  static std::vector<float> samples(const VolumeFile& file) {
+    std::vector<float> values(size_t(wholeOf(file.grid).count()));
+    readVolume(file, wholeOf(file.grid), std::as_writable_bytes(std::span(values)));
+    return values;
+  }
+  std::filesystem::path folder_;
+};
+
+TEST_F(DataTools, RadialFieldsAreTheDistancesTheyClaim) {
+  ASSERT_EQ(data("radial -r 9,7,5 r.vti"), 0);
+  const VolumeFile one = openVolume(at("r.vti"), "oneBall"), eight = openVolume(at("r.vti"), "eightBalls");
+  EXPECT_EQ(one.grid.points, (Index3{9, 7, 5}));
+  const auto a = samples(one), b = samples(eight);
+  size_t n = 0;
+  for (int k = 0; k < 5; ++k)
+    for (int j = 0; j < 7; ++j)
+      for (int i = 0; i < 9; ++i, ++n) {
+        const double x = i / 4.0 - 1, y = j / 3.0 - 1, z = k / 2.0 - 1;
+        ASSERT_NEAR(a[n], std::hypot(x, y, z), 1e-6);
+        ASSERT_NEAR(b[n], std::hypot(std::abs(x) - 0.5, std::abs(y) - 0.5, std::abs(z) - 0.5), 1e-6);
+      }
+}
+
+TEST_F(DataTools, MarschnerLobbIsItsFormula) {
+  ASSERT_EQ(data("marschner-lobb m.vol"), 0);
+  const VolumeFile file = openVolume(at("m.vol"));
+  ASSERT_EQ(file.grid.points, (Index3{41, 41, 41}));
+  const auto values = samples(file);
+  const double pi = std::acos(-1.0), z = 7 / 20.0 - 1, r = std::hypot(3 / 20.0 - 1, 11 / 20.0 - 1);
+  const double expected =
+      (1 - std::sin(pi * z / 2) + 0.25 * (1 + std::cos(12 * pi * std::cos(pi * r / 2)))) / 2.5;
+  EXPECT_NEAR(values[size_t((7 * 41 + 11) * 41 + 3)], expected, 1e-6);
+}
+
+TEST_F(DataTools, SeedsDecideAndStepsDiffer) {
+  ASSERT_EQ(data("turbulence -r 12 --seed 3 a.vol"), 0);
+  ASSERT_EQ(data("turbulence -r 12 --seed 3 b.json"), 0);
+  ASSERT_EQ(data("turbulence -r 12 --seed 4 c.vol"), 0);
+  ASSERT_EQ(data("turbulence -r 12 --seed 3 -t 2 t.vol"), 0);
+  const auto a = samples(openVolume(at("a.vol")));
+  EXPECT_EQ(a, samples(openVolume(at("b.json"))));
+  EXPECT_NE(a, samples(openVolume(at("c.vol"))));
+  EXPECT_EQ(a, samples(openVolume(at("t_0000.vol"))));
+  EXPECT_NE(a, samples(openVolume(at("t_0001.vol"))));
+}
+
+TEST_F(DataTools, SparseIsMostlyExactZero) {
+  ASSERT_EQ(data("sparse -r 40 s.vol"), 0);
+  const auto values = samples(openVolume(at("s.vol")));
+  const auto zeros = size_t(std::count(values.begin(), values.end(), 0.f));
+  EXPECT_GT(zeros, values.size() * 3 / 4);
+  EXPECT_LT(zeros, values.size());
+}
+
+TEST_F(DataTools, ConvertAndPartitionMoveNothing) {
+  ASSERT_EQ(data("radial -r 20 r.vti"), 0);
+  ASSERT_EQ(data("convert r.vti --array y r.json"), 0);
+  ASSERT_EQ(data("partition r.vti -n 6 p.pvti"), 0);
+  const VolumeFile original = openVolume(at("r.vti"), "y"), raw = openVolume(at("r.json")),
+                   pieces = openVolume(at("p.pvti"), "y");
+  EXPECT_EQ(original.grid, raw.grid);
+  EXPECT_EQ(original.grid, pieces.grid);
+  EXPECT_EQ(samples(original), samples(raw));
+  EXPECT_EQ(samples(original), samples(pieces));
+}
+
+TEST_F(DataTools, GeometryKindsHoldWhatTheyClaim) {
+  ASSERT_EQ(data("particles -n 500 p.vtp"), 0);
+  ASSERT_EQ(data("sphere-mesh -r 16 m.vtp"), 0);
+  ASSERT_EQ(data("helix -n 3 h.vtu"), 0);
+  EXPECT_EQ(summariseGeometry(at("p.vtp")).points, 500u);
+  EXPECT_EQ(summariseGeometry(at("h.vtu")).segments, 3u * 256);
+  const GeometryBlock mesh = readGeometry(at("m.vtp"), GeometryKind::Triangles).block;
+  ASSERT_EQ(mesh.triangles.size(), 2u * 32 * 15);
+  for (const auto& t :
+       mesh.triangles) {  // on the unit sphere, normals outwards, corners counter-clockwise from outside
+    const glm::dvec3 a = mesh.points[t[0]], b = mesh.points[t[1]], c = mesh.points[t[2]];
+    EXPECT_NEAR(glm::length(a), 1, 1e-12);
+    EXPECT_NEAR(glm::length(a - glm::dvec3(mesh.normals[t[0]])), 0, 1e-4);
+    EXPECT_GT(glm::dot(glm::cross(b - a, c - a), a + b + c), 0);
+  }
+}
+
+TEST_F(DataTools, ExitStatusTellsUsageFromFailure) {
+  EXPECT_EQ(data("--help"), 0);
+  EXPECT_EQ(data(""), 2);
+  EXPECT_EQ(data("nonsense x.vti"), 2);
+  EXPECT_EQ(data("radial -r 0 x.vti"), 2);
+  EXPECT_EQ(data("partition x.vti y.pvti"), 2);
+  EXPECT_EQ(data("info missing.vti"), 1);
+  EXPECT_EQ(data("radial x.txt"), 1);
+}
+
+TEST_F(DataTools, DiffAppliesItsLimits) {
+  Image a{10, 10, std::vector<float>(400, 0.5f)}, b = a;
+  b.rgba[4 * 37] += 0.25f;
+  writeImage(at("a.exr"), a);
+  writeImage(at("b.exr"), b);
+  writeImage(at("a.raw"), a);
+  writeImage(at("c.exr"), {5, 20, a.rgba});
+  EXPECT_EQ(diff("a.exr a.exr"), 0);
+  EXPECT_EQ(diff("a.exr a.raw --size 10x10"), 0);
+  EXPECT_EQ(diff("a.exr b.exr"), 1);
+  EXPECT_EQ(diff("a.exr b.exr --max 0.26"), 0);
+  EXPECT_EQ(diff("a.exr b.exr --max 0.24"), 1);
+  EXPECT_EQ(diff("a.exr b.exr --fraction 0.01 --output d.png"), 0);
+  EXPECT_EQ(diff("a.exr b.exr --fraction 0.009"), 1);
+  EXPECT_EQ(diff("a.exr c.exr"), 1);
+  EXPECT_EQ(diff("a.exr missing.exr"), 2);
+  EXPECT_EQ(diff("a.exr"), 2);
+  EXPECT_EQ(diff("a.raw a.raw"), 2);
+  EXPECT_EQ(diff("a.raw a.raw --size 10"), 2);
+  const Image d = readImage(at("d.png"));
+  EXPECT_EQ(d.rgba[4 * 37], 1.f);
+  EXPECT_EQ(d.rgba[0], 0.f);
+}
+
+}  // namespace
+}  // namespace gxy

@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: Apache-2.0
+// convert, partition and info of particles, path lines and triangles.
+#include <algorithm>
+#include <cinttypes>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <limits>
+
+#include "commands.h"
+#include "gxy/comm/error.h"
+#include "gxy/data/partitioning.h"
+#include "gxy/io/file.h"
+#include "gxy/io/geometry_file.h"
+#include "gxy/io/import_geometry.h"
+#include "gxy/io/write_geometry.h"
+
+namespace gxy::data_tool {
+namespace {
+
+struct Input {
+  LoadedGeometry geometry;
+  std::string array;  ///< name of the values
+};
+
+Input load(const Options& options) {
+  const std::string first = geometryPieces(options.in).front();
+  const GeometryKind kind = likelyKind(summariseGeometry(first));
+  SingleRank rank;
+  Input input{loadGeometry(options.in, kind, options.array, rank),
+              readGeometry(first, kind, options.array).array};
+  if (input.array.empty()) input.array = "data";
+  return input;
+}
+
+/// The cell of a lattice over `box` that holds p.
+size_t cellOf(const Box& box, const std::array<int, 3>& lattice, glm::dvec3 p) {
+  size_t cell = 0;
+  for (int a = 2; a >= 0; --a) {
+    const double side = box.hi[a] - box.lo[a];
+    const double place = side > 0 ? (p[a] - box.lo[a]) / side * lattice[size_t(a)] : 0;
+    cell = cell * size_t(lattice[size_t(a)]) + size_t(std::clamp(int(place), 0, lattice[size_t(a)] - 1));
+  }
+  return cell;
+}
+
+/// Cells of the lattice that decompose() may use: in proportion to the box, so that pieces come out as cubes.
+std::array<int64_t, 3> proportions(const Box& box) {
+  const glm::dvec3 side = box.hi - box.lo;
+  const double longest = std::max({side.x, side.y, side.z, std::numeric_limits<double>::min()});
+  std::array<int64_t, 3> cells;
+  for (int a = 0; a < 3; ++a)
+    cells[size_t(a)] = std::max(int64_t(1), int64_t(std::ceil(side[a] / longest * 1e6)));
+  return cells;
+}
+
+}  // namespace
+
+void convertGeometry(const Options& options) {
+  const Input input = load(options);
+  writeGeometry(options.out, input.geometry.block, input.geometry.kind, input.array);
+}
+
+void partitionGeometry(const Options& options, int parts, std::array<int, 3> lattice) {
+  const Input input = load(options);
+  const GeometryBlock& block = input.geometry.block;
+  const Box& box = input.geometry.box;
+  if (box.empty()) throw Error(options.in + ": there is nothing to partition");
+  if (lattice[0] == 0) lattice = decompose(parts, proportions(box));
+  std::vector<std::vector<uint32_t>> members(size_t(lattice[0]) * size_t(lattice[1]) * size_t(lattice[2]));
+  for (size_t p = 0; p < block.ids.size(); ++p) {
+    const Corners corners = cornersOf(block, input.geometry.kind, p);
+    glm::dvec3 middle(0);
+    for (uint32_t point : corners) middle += block.points[point] / double(corners.count);
+    members[cellOf(box, lattice, middle)].push_back(uint32_t(p));
+  }
+  const char* extension = extensionOf(options.out) == ".pvtp" ? ".vtp" : ".vtu";
+  std::vector<GeometryPiece> pieces;
+  Progress progress("partitioning", int64_t(members.size()));
+  const glm::dvec3 side = box.hi - box.lo;
+  for (int k = 0; k < lattice[2]; ++k)
+    for (int j = 0; j < lattice[1]; ++j)
+      for (int i = 0; i < lattice[0]; ++i, progress.advance()) {
+        const std::string name = pieceName(options.out, int(pieces.size()), extension);
+        writeGeometry(name, subset(block, input.geometry.kind, members[pieces.size()]), input.geometry.kind,
+                      input.array);
+        const glm::dvec3 cells(lattice[0], lattice[1], lattice[2]), at(i, j, k);
+        pieces.push_back({{box.lo + side * (at / cells), box.lo + side * ((at + 1.0) / cells)},
+                          std::filesystem::path(name).filename().string()});
+      }
+  writeGeometryPieces(options.out, pieces, block, input.array);
+}
+
+void infoGeometry(const Options& options) {
+  const std::vector<std::string> pieces = geometryPieces(options.in);
+  std::printf("file        %s: geometry", options.in.c_str());
+  std::printf(pieces.size() > 1 ? ", %zu pieces\n" : "\n", pieces.size());
+  for (const std::string& piece : pieces) {
+    const GeometrySummary s = summariseGeometry(piece);
+    if (pieces.size() > 1) std::printf("piece       %s\n", piece.c_str());
+    std::printf("points      %" PRIu64 " (%" PRIu64 " in vertex cells)\n", s.points, s.vertices);
+    std::printf("segments    %" PRIu64 "\ntriangles   %" PRIu64 "\nother cells %" PRIu64 "\n", s.segments,
+                s.triangles, s.others);
+    if (!s.box.empty())
+      std::printf("box         %.9g %.9g %.9g to %.9g %.9g %.9g\n", s.box.lo.x, s.box.lo.y, s.box.lo.z,
+                  s.box.hi.x, s.box.hi.y, s.box.hi.z);
+    for (const GeometrySummary::Array& array : s.arrays) {
+      if (!options.array.empty() && array.name != options.array) continue;
+      std::printf("%s array '%s': %s, %d component%s", array.ofCells ? "cell " : "point", array.name.c_str(),
+                  array.type.c_str(), array.components, array.components > 1 ? "s, magnitude" : ",");
+      if (array.range.empty())
+        std::printf(" no finite value");
+      else
+        std::printf(" %.9g to %.9g", array.range.min, array.range.max);
+      std::printf(", not finite %" PRIu64 "\n", array.notFinite);
+    }
+  }
+}
+
+}  // namespace gxy::data_tool
