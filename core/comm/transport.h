@@ -20,6 +20,7 @@ enum class Channel : uint16_t {
   Rays = 8,        ///< core/render
   Contributions = 9,
   Frame = 10,
+  Credits = 11,
   Test = 64,
 };
 

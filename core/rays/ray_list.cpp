@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gxy/rays/ray_list.h"
 
+#include <algorithm>
 #include <cstring>
 #include <new>
 
@@ -34,6 +35,15 @@ void RayList::append(const RayList& from, int i) {
   GXY_RAY_FIELDS(GXY_COPY)
 #undef GXY_COPY
   size_++;
+}
+
+std::vector<RayList> RayList::split(int size) const {
+  std::vector<RayList> parts;
+  for (int i = 0; i < size_; i += size) {
+    RayList& part = parts.emplace_back(std::min(size, size_ - i));
+    for (int k = i; k < std::min(i + size, size_); k++) part.append(*this, k);
+  }
+  return parts;
 }
 
 int RayList::wireBytes(bool primary) {

@@ -37,6 +37,9 @@ class RayList {
   /// Appends ray i of `from`; there must be room.
   void append(const RayList& from, int i);
 
+  /// Lists of at most `size` rays each, in order.
+  std::vector<RayList> split(int size) const;
+
   /// Bytes per ray on the wire, of primaries and of secondaries.
   static int wireBytes(bool primary);
   /// Appends the wire form of rays `which` (all primaries, or all secondaries) to `out`.

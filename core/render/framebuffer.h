@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+// Where the contributions of a frame add up.
+#pragma once
+#include <glm/vec4.hpp>
+#include <mutex>
+#include <span>
+#include <vector>
+
+#include "gxy/rays/ray_list.h"
+
+namespace gxy {
+
+/// A picture: RGBA in float, premultiplied, rows bottom to top; with depth, the distance of each pixel's first surface
+/// from the eye in world units, 1e30 for a miss.
+struct Picture {
+  int width = 0, height = 0;
+  std::vector<float> rgba;
+  std::vector<double> depth;
+};
+
+/// Integer accumulators of all pixels: sums do not depend on the order of arrival. Thread safe. 32 bytes a pixel, 8 more
+/// with depth.
+class Framebuffer {
+ public:
+  Framebuffer(int width, int height, int samples, bool depth);
+
+  /// Contributions to pixels outside the picture are refused: false, and nothing was added.
+  bool add(std::span<const Contribution> contributions);
+  bool addDepths(std::span<const DepthContribution> depths);
+
+  /// What has arrived so far, mean over samples, in front of `background` (premultiplied by its alpha here), clamped to
+  /// [0, inf): a frame that is not complete may lack what a subtraction takes from.
+  Picture picture(const glm::dvec4& background) const;
+
+  size_t bytes() const { return sums_.size() * sizeof(sums_[0]) + depth_.size() * sizeof(double); }
+
+ private:
+  int width_, height_, samples_;
+  mutable std::mutex mutex_;
+  std::vector<int64_t> sums_;   ///< 4 per pixel, unit 2^-26
+  std::vector<double> depth_;
+};
+
+}  // namespace gxy

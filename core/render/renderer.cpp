@@ -1,0 +1,456 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gxy/render/renderer.h"
+
+#include <algorithm>
+
+#include "gxy/comm/error.h"
+#include "gxy/comm/tree.h"
+#include "gxy/comm/wire.h"
+#include "gxy/render/tiles.h"
+
+namespace gxy {
+
+namespace {
+
+enum class FrameMessage : uint8_t { Start, Cancel, Finish, Delivered };
+
+struct RaysHeader {
+  FrameId frame;
+  int32_t partition, origin, count;
+  uint32_t primary;
+};
+
+struct ContributionsHeader {
+  FrameId frame;
+  uint64_t contributions, depths;
+};
+
+void writeRequest(Writer& w, const FrameRequest& r) {
+  const Camera& c = r.camera;
+  w.write(r.scene).write(r.number).write(r.depth).write(r.window);
+  w.write(c.viewpoint).write(c.viewdirection).write(c.viewup).write(c.aov).write(c.height).write(c.dimensions);
+}
+
+FrameRequest readRequest(Reader& in) {
+  FrameRequest r;
+  Camera& c = r.camera;
+  r.scene = in.read<SceneId>();
+  r.number = in.read<uint32_t>();
+  r.depth = in.read<bool>();
+  r.window = in.read<uint64_t>();
+  c.viewpoint = in.read<glm::dvec3>();
+  c.viewdirection = in.read<glm::dvec3>();
+  c.viewup = in.read<glm::dvec3>();
+  c.aov = in.read<double>();
+  c.height = in.read<double>();
+  c.dimensions = in.read<glm::ivec2>();
+  return r;
+}
+
+}  // namespace
+
+struct Renderer::Scene {
+  std::shared_ptr<const CompiledScene> compiled;
+  std::shared_ptr<const DeviceScene> device;
+};
+
+struct Renderer::Frame {
+  FrameId id = 0;
+  FrameRequest request;
+  Scene scene;
+  std::shared_ptr<const DeviceFrame> device;
+  int owner = 0;
+  int64_t perPrimary = 1;                    ///< credits of a primary ray
+  std::unique_ptr<Framebuffer> framebuffer;  ///< on the owner
+  std::vector<Tile> tiles;                   ///< still to be spawned, last first
+  std::atomic<size_t> tilesLeft = 0;         ///< not yet spawned completely
+  std::atomic<bool> cancelled = false;
+};
+
+struct Renderer::Parked {
+  Channel channel;
+  Bytes message;
+  std::shared_ptr<Completion::Active> active;
+};
+
+Renderer::Renderer(Transport& transport, Options options)
+    : transport_(transport), options_(options), completion_(transport), credits_(options.raysInFlight) {
+  if (options_.packetRays < 16) throw Error("packets of " + std::to_string(options_.packetRays) + " rays, expected >= 16");
+  if (options_.raysInFlight < 1) throw Error("the number of rays in flight must be >= 1");
+  transport_.onMessage(Channel::Frame, [this](int source, Bytes m) { receiveFrame(source, m); });
+  transport_.onMessage(Channel::Rays, [this](int, Bytes m) { receiveRays(std::move(m)); });
+  transport_.onMessage(Channel::Contributions, [this](int, Bytes m) { receiveContributions(m); });
+  transport_.onMessage(Channel::Credits, [this](int, const Bytes& m) {
+    Reader in(m, "ray credits");
+    giveBack(transport_.rank(), in.read<int64_t>());
+  });
+}
+
+Renderer::~Renderer() {
+  for (Channel c : {Channel::Frame, Channel::Rays, Channel::Contributions, Channel::Credits}) transport_.onMessage(c, {});
+}
+
+void Renderer::addScene(SceneId id, std::shared_ptr<const CompiledScene> scene, std::shared_ptr<const DeviceScene> device) {
+  std::lock_guard lock(mutex_);
+  scenes_[id] = {std::move(scene), std::move(device)};
+}
+
+void Renderer::removeScene(SceneId id) {
+  std::lock_guard lock(mutex_);
+  scenes_.erase(id);
+}
+
+void Renderer::onPicture(PictureHandler handler) {
+  std::lock_guard lock(mutex_);
+  pictureHandler_ = std::move(handler);
+}
+
+Renderer::Counters Renderer::counters() const {
+  std::lock_guard lock(mutex_);
+  Counters c = counters_;
+  c.mostRaysInFlight = mostOut_;
+  return c;
+}
+
+FrameId Renderer::render(const FrameRequest& request, Finished finished) {
+  validate(request.camera);
+  Writer start;
+  FrameId id;
+  FrameId older = 0;
+  {
+    std::lock_guard lock(mutex_);
+    if (!scenes_.count(request.scene)) throw Error("there is no scene " + std::to_string(request.scene) + " to render");
+    id = nextFrame_++;
+    finished_[id] = std::move(finished);
+    if (request.window) older = std::exchange(windows_[request.window], id);
+    if (older && finished_.count(older)) superseded_[older] = true;
+    else older = 0;
+  }
+  if (older) {
+    Writer cancel;
+    sendDown(cancel.write(FrameMessage::Cancel).write(older).take());
+    this->cancel(older);
+  }
+  completion_.begin(id, [this, id] {
+    Writer w;
+    const Bytes message = w.write(FrameMessage::Finish).write(id).take();
+    sendDown(message);
+    finish(id);
+  });
+  start.write(FrameMessage::Start).write(id);
+  writeRequest(start, request);
+  const Bytes message = start.take();
+  this->start(id, request, message);
+  return id;
+}
+
+// Down a binary tree rooted at rank 0; each rank passes on what it hears.
+void Renderer::sendDown(const Bytes& message) {
+  forEachTreeChild(transport_.rank(), 0, transport_.size(),
+                   [&](int child) { transport_.send(child, Channel::Frame, message); });
+}
+
+void Renderer::receiveFrame(int, const Bytes& message) {
+  Reader in(message, "frame message");
+  const auto kind = in.read<FrameMessage>();
+  const auto id = in.read<FrameId>();
+  switch (kind) {
+    case FrameMessage::Start: start(id, readRequest(in), message); break;
+    case FrameMessage::Cancel:
+      sendDown(message);
+      cancel(id);
+      break;
+    case FrameMessage::Finish:
+      sendDown(message);
+      finish(id);
+      break;
+    case FrameMessage::Delivered: {
+      Finished finished;
+      bool superseded = false;
+      {
+        std::lock_guard lock(mutex_);
+        const auto it = finished_.find(id);
+        if (it == finished_.end()) return;
+        finished = std::move(it->second);
+        finished_.erase(it);
+        superseded = superseded_.erase(id) > 0;
+      }
+      if (finished) transport_.post([finished = std::move(finished), id, superseded] { finished(id, superseded); });
+      break;
+    }
+    default: in.fail("its kind is " + std::to_string(int(kind)) + ", expected 0 to 3");
+  }
+}
+
+void Renderer::start(FrameId id, FrameRequest request, const Bytes& message) {
+  sendDown(message);
+  auto frame = std::make_shared<Frame>();
+  frame->id = id;
+  frame->request = request;
+  frame->owner = int(id % uint64_t(transport_.size()));
+  {
+    std::lock_guard lock(mutex_);
+    const auto scene = scenes_.find(request.scene);
+    if (scene == scenes_.end())
+      throw Error("frame " + std::to_string(id) + ": rank " + std::to_string(transport_.rank()) + " has no scene " +
+                  std::to_string(request.scene));
+    frame->scene = scene->second;
+  }
+  const CompiledScene& scene = *frame->scene.compiled;
+  const CompiledFrame compiled = compileFrame(scene, request.camera, request.number, request.depth);
+  frame->device = frame->scene.device->makeFrame(compiled);
+  const Lighting& lighting = scene.visualization.lighting;
+  frame->perPrimary = 1 + lighting.aoCount + (lighting.shadows ? int64_t(compiled.lights.size()) : 0);
+  if (frame->owner == transport_.rank())
+    frame->framebuffer = std::make_unique<Framebuffer>(compiled.width, compiled.height, compiled.samples, compiled.depth);
+  TileList list = tilesOf(scene, compiled, transport_.rank());
+  frame->tiles = std::move(list.tiles);
+  frame->tilesLeft = frame->tiles.size();
+
+  std::vector<Parked> parked;
+  {
+    std::lock_guard lock(mutex_);
+    counters_.tilesSkipped += list.skipped;
+    frames_[id] = frame;
+    const auto waiting = parked_.find(id);
+    if (waiting != parked_.end()) {
+      parked = std::move(waiting->second);
+      parked_.erase(waiting);
+    }
+    if (!frame->tiles.empty()) spawning_.push_back(frame);
+  }
+  for (Parked& p : parked) {
+    if (p.channel == Channel::Rays) receiveRays(std::move(p.message));
+    else if (p.channel == Channel::Contributions) receiveContributions(p.message);
+    else cancel(id);
+  }
+  if (frame->tilesLeft == 0) completion_.spawned(id);
+  pump();
+}
+
+void Renderer::cancel(FrameId id) {
+  std::lock_guard lock(mutex_);
+  const auto it = frames_.find(id);
+  if (it != frames_.end()) it->second->cancelled = true;
+  else parked_[id].push_back({Channel::Frame, {}, nullptr});
+}
+
+void Renderer::finish(FrameId id) {
+  FramePtr frame;
+  {
+    std::lock_guard lock(mutex_);
+    parked_.erase(id);
+    const auto it = frames_.find(id);
+    if (it == frames_.end()) return;
+    frame = it->second;
+    frames_.erase(it);
+  }
+  if (frame->owner == transport_.rank()) transport_.post([this, frame] { deliver(frame); });
+}
+
+void Renderer::deliver(FramePtr frame) {
+  PictureHandler handler;
+  {
+    std::lock_guard lock(mutex_);
+    handler = pictureHandler_;
+  }
+  if (handler && !frame->cancelled)
+    handler(frame->id, frame->request, frame->framebuffer->picture(frame->scene.compiled->settings.background));
+  Writer w;
+  transport_.send(0, Channel::Frame, w.write(FrameMessage::Delivered).write(frame->id).take());
+}
+
+Renderer::FramePtr Renderer::find(FrameId id) const {
+  const auto it = frames_.find(id);
+  return it == frames_.end() ? nullptr : it->second;
+}
+
+// Posts tiles while there are credits, frames in turn. With none out at all, one tile goes whatever it may cost.
+void Renderer::pump() {
+  for (;;) {
+    FramePtr frame;
+    Tile tile{};
+    int64_t cost = 0;
+    {
+      std::lock_guard lock(mutex_);
+      if (spawning_.empty()) return;
+      turn_ %= spawning_.size();
+      frame = spawning_[turn_];
+      tile = frame->tiles.back();
+      cost = int64_t(tile.x1 - tile.x0) * (tile.y1 - tile.y0) * frame->perPrimary;
+      if (cost > credits_ && credits_ < options_.raysInFlight) return;
+      credits_ -= cost;
+      mostOut_ = std::max(mostOut_, options_.raysInFlight - credits_);
+      frame->tiles.pop_back();
+      if (frame->tiles.empty()) spawning_.erase(spawning_.begin() + std::ptrdiff_t(turn_));
+      else turn_++;
+    }
+    auto active = std::make_shared<Completion::Active>(completion_, frame->id);
+    transport_.post([this, frame, tile, cost, active] { spawnTile(frame, tile, cost); });
+  }
+}
+
+void Renderer::spawnTile(const FramePtr& frame, const Tile& tile, int64_t reserved) {
+  if (!frame->cancelled) {
+    frame->scene.device->spawn(*frame->device, tile, [&](TraceResult result) {
+      for (const LeavingRays& l : result.leaving) completion_.created(frame->id, uint64_t(l.rays.size()));
+      {
+        std::lock_guard lock(mutex_);
+        counters_.trace += result.counters;
+      }
+      for (LeavingRays& l : result.leaving) {
+        reserved -= l.rays.size() * frame->perPrimary;
+        process(frame, l.partition, true, transport_.rank(), std::move(l.rays));
+      }
+    });
+  }
+  if (--frame->tilesLeft == 0) completion_.spawned(frame->id);
+  giveBack(transport_.rank(), reserved);
+}
+
+// Traces a list, and all that it becomes on this rank.
+void Renderer::process(const FramePtr& frame, int partition, bool primary, int origin, RayList rays) {
+  std::vector<LeavingRays> stack;
+  stack.push_back({partition, primary, std::move(rays)});
+  while (!stack.empty()) {
+    LeavingRays next = std::move(stack.back());
+    stack.pop_back();
+    if (next.rays.size() > options_.packetRays) {  // in packets, first rays first
+      for (RayList& part : next.rays.split(options_.packetRays))
+        stack.push_back({next.partition, next.primary, std::move(part)});
+      continue;
+    }
+    const int64_t each = next.primary ? frame->perPrimary : 1;
+    if (frame->cancelled) {
+      const int64_t n = next.rays.size();
+      completion_.retired(frame->id, uint64_t(n));
+      giveBack(origin, n * each);
+      continue;
+    }
+    frame->scene.device->trace(*frame->device, next.partition, next.primary, std::move(next.rays), [&](TraceResult result) {
+      completion_.created(frame->id, result.secondaries);
+      contribute(frame, result);
+      {
+        std::lock_guard lock(mutex_);
+        counters_.trace += result.counters;
+        counters_.raysRetired += result.retired;
+      }
+      for (LeavingRays& l : result.leaving) {
+        const int rank = frame->scene.compiled->partitioning->owner(l.partition);
+        if (rank == transport_.rank()) stack.push_back(std::move(l));
+        else forward(frame, rank, l.partition, l.primary, origin, l.rays);
+      }
+      completion_.retired(frame->id, result.retired);
+      const int64_t credits = int64_t(result.retired) * each - int64_t(result.secondaries);
+      if (credits != 0) giveBack(origin, credits);
+    });
+  }
+}
+
+void Renderer::forward(const FramePtr& frame, int rank, int partition, bool primary, int origin, const RayList& rays) {
+  std::vector<int> all(size_t(rays.size()));
+  for (int i = 0; i < rays.size(); i++) all[size_t(i)] = i;
+  Writer header;
+  Bytes message = header.write(RaysHeader{frame->id, partition, origin, rays.size(), primary}).take();
+  rays.write(all, primary, message);
+  {
+    std::lock_guard lock(mutex_);
+    counters_.raysForwarded += uint64_t(rays.size());
+    counters_.rayBytes += message.size();
+    counters_.rayMessages++;
+  }
+  transport_.send(rank, Channel::Rays, std::move(message));
+}
+
+void Renderer::contribute(const FramePtr& frame, TraceResult& result) {
+  if (result.contributions.empty() && result.depths.empty()) return;
+  if (frame->framebuffer) {
+    frame->framebuffer->add(result.contributions);
+    frame->framebuffer->addDepths(result.depths);
+    return;
+  }
+  Writer w;
+  w.write(ContributionsHeader{frame->id, result.contributions.size(), result.depths.size()});
+  for (const Contribution& c : result.contributions) w.write(c);
+  for (const DepthContribution& d : result.depths) w.write(d.pixel).write(d.depth);
+  Bytes message = w.take();
+  {
+    std::lock_guard lock(mutex_);
+    counters_.contributionBytes += message.size();
+    counters_.contributionMessages++;
+  }
+  completion_.created(frame->id, 1);
+  transport_.send(frame->owner, Channel::Contributions, std::move(message));
+}
+
+void Renderer::receiveRays(Bytes message) {
+  Reader in(message, "rays");
+  const auto header = in.read<RaysHeader>();
+  const bool primary = header.primary == 1;
+  if (header.primary > 1 || header.count < 0 || header.origin < 0 || header.origin >= transport_.size() ||
+      in.rest().size() != size_t(header.count) * size_t(RayList::wireBytes(primary)))
+    in.fail("its header does not fit its " + std::to_string(message.size()) + " bytes");
+  auto active = std::make_shared<Completion::Active>(completion_, header.frame);
+  FramePtr frame;
+  {
+    std::lock_guard lock(mutex_);
+    frame = find(header.frame);
+    if (!frame) {
+      parked_[header.frame].push_back({Channel::Rays, std::move(message), active});
+      return;
+    }
+  }
+  const auto& partitioning = *frame->scene.compiled->partitioning;
+  if (header.partition < 0 || header.partition >= partitioning.partitions() ||
+      partitioning.owner(header.partition) != transport_.rank())
+    in.fail("partition " + std::to_string(header.partition) + " is not on this rank");
+  transport_.post([this, frame, header, primary, active, message = std::move(message)] {
+    RayList rays = RayList::read(std::span(message).subspan(sizeof(RaysHeader)), header.count, primary);
+    process(frame, header.partition, primary, header.origin, std::move(rays));
+  });
+}
+
+void Renderer::receiveContributions(const Bytes& message) {
+  Reader in(message, "pixel contributions");
+  const auto header = in.read<ContributionsHeader>();
+  FramePtr frame;
+  {
+    std::lock_guard lock(mutex_);
+    frame = find(header.frame);
+    if (!frame) {
+      parked_[header.frame].push_back({Channel::Contributions, message, nullptr});
+      return;
+    }
+  }
+  const size_t bytes = in.rest().size();
+  if (!frame->framebuffer || header.contributions > bytes / sizeof(Contribution) || header.depths > bytes / 12 ||
+      bytes != header.contributions * sizeof(Contribution) + header.depths * 12)
+    in.fail("its header does not fit its " + std::to_string(message.size()) + " bytes, or this rank");
+  std::vector<Contribution> contributions(header.contributions);
+  for (Contribution& c : contributions) c = in.read<Contribution>();
+  std::vector<DepthContribution> depths(header.depths);
+  for (DepthContribution& d : depths) {
+    d.pixel = in.read<uint32_t>();
+    d.depth = in.read<double>();
+  }
+  if (!frame->framebuffer->add(contributions) || !frame->framebuffer->addDepths(depths))
+    in.fail("a pixel lies outside the picture");
+  completion_.retired(header.frame, 1);
+}
+
+void Renderer::giveBack(int origin, int64_t credits) {
+  if (credits == 0) return;
+  if (origin != transport_.rank()) {
+    Writer w;
+    transport_.send(origin, Channel::Credits, w.write(credits).take());
+    return;
+  }
+  {
+    std::lock_guard lock(mutex_);
+    credits_ += credits;
+    mostOut_ = std::max(mostOut_, options_.raysInFlight - credits_);
+  }
+  pump();
+}
+
+}  // namespace gxy

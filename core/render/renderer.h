@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: Apache-2.0
+// From camera to picture on all ranks: spawn, trace, forward, retire.
+#pragma once
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <vector>
+
+#include "gxy/comm/completion.h"
+#include "gxy/comm/transport.h"
+#include "gxy/rays/backend.h"
+#include "gxy/render/framebuffer.h"
+
+namespace gxy {
+
+using SceneId = uint64_t;
+using FrameId = uint64_t;
+
+/// One picture that is wanted.
+struct FrameRequest {
+  SceneId scene = 0;
+  Camera camera;
+  uint32_t number = 0;   ///< of the frame in its window: continues the ambient-occlusion sequence
+  bool depth = false;
+  uint64_t window = 0;   ///< not 0: a newer frame of the same window supersedes this one
+};
+
+/// What all ranks run, one Renderer each over the rank's Transport.
+///
+/// A frame is started on rank 0 and made known down a tree. Each rank spawns the primary rays that first meet something
+/// visible in one of its partitions; rays are traced where they are and forwarded where they go, contributions are sent
+/// to the rank that owns the framebuffer (frames are dealt out round robin). A frame is done when Completion says that
+/// every ray and every message of contributions has been retired; then, and only then, its owner hands out the picture.
+///
+/// Memory: spawning is throttled by credits. A primary takes 1 + (secondaries per hit) credits of its rank and gives
+/// them back, wherever it and they end; a rank spawns only while it has credits, so the rays of a rank that are in
+/// flight anywhere never exceed Options::raysInFlight (or one tile, if that is more). What is forwarded is always
+/// accepted. Behind translucent surfaces a primary may make more secondaries than it reserved; those put its rank into
+/// debt.
+///
+/// Threads: all calls may come from any thread. Callbacks run as tasks of the Transport.
+class Renderer {
+ public:
+  struct Options {
+    int packetRays = 1024;             ///< rays that are traced together, at most; >= 16
+    int64_t raysInFlight = 1 << 20;    ///< credits of a rank
+  };
+  using Finished = std::function<void(FrameId, bool superseded)>;
+  using PictureHandler = std::function<void(FrameId, const FrameRequest&, Picture)>;
+
+  Renderer(Transport& transport, Options options);
+  ~Renderer();
+  Renderer(const Renderer&) = delete;
+  Renderer& operator=(const Renderer&) = delete;
+
+  /// Makes a scene known on this rank; needed on every rank before rank 0 starts a frame of it.
+  void addScene(SceneId id, std::shared_ptr<const CompiledScene> scene, std::shared_ptr<const DeviceScene> device);
+  /// Forgets it; frames that are under way keep what they need.
+  void removeScene(SceneId id);
+
+  /// What is done with pictures that this rank owns; not called for superseded frames. Set before frames start.
+  void onPicture(PictureHandler handler);
+
+  /// Rank 0 only: starts a frame. `finished` is called on rank 0 when the picture handler has returned on its rank.
+  FrameId render(const FrameRequest& request, Finished finished);
+
+  struct Counters {
+    TraceCounters trace;
+    uint64_t raysForwarded = 0;        ///< sent to other ranks
+    uint64_t rayBytes = 0, contributionBytes = 0;  ///< handed to the transport for other ranks
+    uint64_t rayMessages = 0, contributionMessages = 0;
+    uint64_t raysRetired = 0;
+    uint64_t tilesSkipped = 0;         ///< outside the projections of all partitions of this rank
+    int64_t mostRaysInFlight = 0;      ///< credits out at once
+  };
+  Counters counters() const;
+
+ private:
+  struct Frame;
+  struct Scene;
+  struct Parked;
+  using FramePtr = std::shared_ptr<Frame>;
+
+  void receiveFrame(int source, const Bytes& message);
+  void receiveRays(Bytes message);
+  void receiveContributions(const Bytes& message);
+  void start(FrameId id, FrameRequest request, const Bytes& message);
+  void cancel(FrameId id);
+  void finish(FrameId id);
+  void deliver(FramePtr frame);
+  void sendDown(const Bytes& message);
+
+  void pump();
+  void spawnTile(const FramePtr& frame, const Tile& tile, int64_t reserved);
+  void process(const FramePtr& frame, int partition, bool primary, int origin, RayList rays);
+  void forward(const FramePtr& frame, int rank, int partition, bool primary, int origin, const RayList& rays);
+  void contribute(const FramePtr& frame, TraceResult& result);
+  void giveBack(int origin, int64_t credits);
+  FramePtr find(FrameId id) const;
+
+  Transport& transport_;
+  const Options options_;
+  Completion completion_;
+
+  mutable std::mutex mutex_;  ///< guards all below but the atomics
+  std::map<SceneId, Scene> scenes_;
+  std::map<FrameId, FramePtr> frames_;
+  std::map<FrameId, std::vector<Parked>> parked_;  ///< messages that overtook their frame's start
+  std::vector<FramePtr> spawning_;                 ///< frames with tiles left, served in turn
+  size_t turn_ = 0;
+  int64_t credits_;
+  int64_t mostOut_ = 0;
+  PictureHandler pictureHandler_;
+  std::map<FrameId, Finished> finished_;           ///< rank 0
+  std::map<uint64_t, FrameId> windows_;            ///< rank 0: newest frame of each window
+  std::map<FrameId, bool> superseded_;             ///< rank 0
+  FrameId nextFrame_ = 1;
+  Counters counters_;
+};
+
+}  // namespace gxy

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+// From a state to scenes on a backend: data imported, partitioned and compiled, on all ranks together.
+#pragma once
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "gxy/comm/collective.h"
+#include "gxy/io/collectives.h"
+#include "gxy/rays/backend.h"
+#include "gxy/rays/compiled_scene.h"
+#include "gxy/space/ledger.h"
+#include "options.h"
+
+namespace gxy {
+
+/// What core/io needs of the ranks, over a Collective and one of its keys.
+class RankCollectives final : public Collectives {
+ public:
+  RankCollectives(Collective& collective, int rank, int size, uint64_t key)
+      : collective_(collective), rank_(rank), size_(size), key_(key) {}
+  int rank() const override { return rank_; }
+  int size() const override { return size_; }
+  std::vector<Bytes> allGather(Bytes mine) override { return collective_.allGather(key_, std::move(mine)); }
+  std::vector<Bytes> allToAll(std::vector<Bytes> p) override { return collective_.allToAll(key_, std::move(p)); }
+
+ private:
+  Collective& collective_;
+  int rank_, size_;
+  uint64_t key_;
+};
+
+/// The data of a state's visualizations, by operator.
+struct LoadedState {
+  std::shared_ptr<const Partitioning> partitioning;
+  std::vector<std::vector<OperatorData>> data;  ///< by visualization, then operator
+  std::vector<LedgerEntry> memory;
+};
+
+/// Collective. File names are relative to `directory`. Only what some operator shows is read. Throws the same Error on
+/// all ranks.
+LoadedState loadData(const State& state, const std::string& directory, const RenderOptions& options,
+                     Collectives& ranks, Ledger& ledger);
+
+/// Collective: compiles visualization v and agrees on which partitions can be seen.
+std::shared_ptr<const CompiledScene> makeScene(const State& state, const LoadedState& loaded, size_t v,
+                                               Collectives& ranks);
+
+}  // namespace gxy

@@ -1,0 +1,202 @@
+// SPDX-License-Identifier: Apache-2.0
+// gxyrender: the batch renderer.
+#include <unistd.h>
+
+#include <condition_variable>
+#include <filesystem>
+#include <iostream>
+#include <mutex>
+
+#include "gxy/comm/error.h"
+#include "gxy/comm/mpi_environment.h"
+#include "gxy/comm/mpi_transport.h"
+#include "gxy/embree/embree_backend.h"
+#include "gxy/render/renderer.h"
+#include "gxy/scene/state_file.h"
+#include "load.h"
+#include "options.h"
+#include "pictures.h"
+#include "reference_run.h"
+#include "statistics.h"
+
+using namespace gxy;
+
+namespace {
+
+constexpr uint64_t kRunKey = 1;  // of this run's collectives
+
+// The first error of each rank's pictures, and how many pictures are done on rank 0.
+struct Progress {
+  std::mutex mutex;
+  std::condition_variable changed;
+  int inFlight = 0, done = 0;
+  std::optional<std::string> error;
+};
+
+Bytes toBytes(const std::string& s) {
+  const auto* p = reinterpret_cast<const std::byte*>(s.data());
+  return Bytes(p, p + s.size());
+}
+std::string toString(const Bytes& b) { return std::string(reinterpret_cast<const char*>(b.data()), b.size()); }
+
+// Read by rank 0, with its map and camera files; the same on all ranks.
+State readOnAll(const RenderOptions& options, Collective& collective, bool root) {
+  std::string text;
+  std::optional<std::string> error;
+  if (root) {
+    try {
+      const StateFile file = readStateFile(options.stateFile);
+      for (const std::string& w : file.warnings) std::cerr << "warning: " << w << '\n';
+      if (file.state.visualizations.empty()) throw Error(options.stateFile + ": there is no visualization to render");
+      if (file.state.cameras.empty()) throw Error(options.stateFile + ": there is no camera to render from");
+      text = writeState(file.state);
+    } catch (const std::exception& e) {
+      error = e.what();
+    }
+  }
+  // the error is the root's alone: told once, without a rank
+  const Bytes said = collective.broadcast(kRunKey, 0, toBytes(error ? "!" + *error : " " + text));
+  const std::string heard = toString(said);
+  if (heard.at(0) == '!') throw Error(heard.substr(1));
+  State state = readState(heard.substr(1), options.stateFile).state;
+  options.apply(state);
+  return state;
+}
+
+void renderAll(const State& state, const RenderOptions& options, Renderer& renderer, Collective& collective, bool root,
+               bool showProgress) {
+  Progress progress;
+  auto nameOf = [&](FrameId id) {  // frames are started in camera-major order, numbered from 1
+    const size_t index = size_t(id - 1), n = state.visualizations.size();
+    return pictureName(state, options, index % n, index / n);
+  };
+  renderer.onPicture([&](FrameId id, const FrameRequest&, Picture picture) {
+    try {
+      writePicture(nameOf(id), options, std::move(picture));
+    } catch (const std::exception& e) {
+      std::lock_guard lock(progress.mutex);
+      if (!progress.error) progress.error = e.what();
+    }
+  });
+  if (root) {
+    const int total = int(state.cameras.size() * state.visualizations.size());
+    auto show = [&](int done) {
+      if (showProgress) std::cerr << "\rrendered " << done << " of " << total << (done == total ? "\n" : "") << std::flush;
+    };
+    for (size_t c = 0; c < state.cameras.size(); c++)
+      for (size_t v = 0; v < state.visualizations.size(); v++) {
+        {
+          std::unique_lock lock(progress.mutex);
+          progress.changed.wait(lock, [&] { return progress.inFlight < options.concurrent; });
+          progress.inFlight++;
+        }
+        FrameRequest request;
+        request.scene = v;
+        request.camera = state.cameras[c];
+        request.depth = options.depth;
+        renderer.render(request, [&](FrameId, bool) {
+          std::lock_guard lock(progress.mutex);
+          progress.inFlight--;
+          show(++progress.done);
+          progress.changed.notify_all();
+        });
+      }
+    std::unique_lock lock(progress.mutex);
+    progress.changed.wait(lock, [&] { return progress.done == total; });
+  }
+  collective.barrier(kRunKey);
+  renderer.onPicture({});
+  std::lock_guard lock(progress.mutex);
+  collective.agree(kRunKey, progress.error);
+}
+
+int run(const RenderOptions& options) {
+  MpiTransport::Options transportOptions;
+  transportOptions.threads = options.threads;
+  MpiTransport transport(transportOptions);
+  const bool root = transport.rank() == 0;
+  const bool showProgress = root && !options.quiet && isatty(STDERR_FILENO);
+  int code = 0;
+  {
+    Collective collective(transport);
+    RankCollectives ranks(collective, transport.rank(), transport.size(), kRunKey);
+    try {
+      Phases phases;
+      const double begin = wallSeconds();
+      const State state = readOnAll(options, collective, root);
+      const std::string directory = std::filesystem::absolute(options.stateFile).parent_path().string();
+      for (const Camera& camera : state.cameras) validate(camera);
+      if (options.reference) {
+        agree(ranks, [&] { if (root) renderWithReference(state, directory, options, showProgress); });
+      } else {
+        BackendRegistry registry;
+        registry.add("embree", makeEmbreeBackend);
+        std::unique_ptr<Backend> backend;
+        agree(ranks, [&] { backend = registry.make(options.backend); });
+        Ledger ledger;
+        const LoadedState loaded = loadData(state, directory, options, ranks, ledger);
+        phases.load = wallSeconds() - begin;
+
+        Renderer renderer(transport, {options.packet, options.raysInFlight});
+        std::vector<LedgerEntry> memory;
+        for (size_t v = 0; v < state.visualizations.size(); v++) {
+          const auto scene = makeScene(state, loaded, v, ranks);
+          std::shared_ptr<const DeviceScene> device;
+          agree(ranks, [&] { device = backend->makeScene(scene, transport.rank()); });
+          memory.push_back(ledger.enter("batch", "scene", int64_t(scene->bytes() + device->bytes())));
+          renderer.addScene(v, scene, device);
+        }
+        collective.barrier(kRunKey);
+        phases.compile = wallSeconds() - begin - phases.load;
+
+        const double start = wallSeconds(), cpu = cpuSeconds();
+        renderAll(state, options, renderer, collective, root, showProgress);
+        phases.render = wallSeconds() - start;
+        phases.cpuRender = cpuSeconds() - cpu;
+        phases.total = wallSeconds() - begin;
+        if (!options.statsFile.empty()) {
+          const auto mine = statisticsOf(renderer.counters(), transport.counters(), phases, ledger);
+          std::vector<nlohmann::json> all;
+          for (const Bytes& b : ranks.allGather(toBytes(mine.dump()))) all.push_back(nlohmann::json::parse(toString(b)));
+          agree(ranks, [&] {
+            if (root)
+              writeStatistics(options.statsFile,
+                              {{"backend", backend->name()},
+                               {"device", backend->device()},
+                               {"ranks", transport.size()},
+                               {"threads per rank", transport.threads()},
+                               {"partitions", loaded.partitioning->partitions()},
+                               {"pictures", state.cameras.size() * state.visualizations.size()},
+                               {"tolerance", state.settings.tolerance},
+                               {"step", state.settings.step}},
+                              all);
+          });
+        }
+      }
+      if (root && !options.quiet)
+        std::cerr << state.cameras.size() * state.visualizations.size() << " picture(s) "
+                  << pictureName(state, options, 0, 0) << "." << options.format << " ... in " << wallSeconds() - begin
+                  << " s\n";
+    } catch (const Error& e) {
+      if (root) std::cerr << "gxyrender: error: " << e.what() << '\n';
+      code = 1;
+    }
+  }
+  return code;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  RenderOptions options;
+  try {
+    MpiEnvironment mpi;
+    const char* rank = std::getenv("OMPI_COMM_WORLD_RANK");  // who speaks, before there is a transport
+    if (!rank) rank = std::getenv("PMI_RANK");
+    if (const auto code = parseOptions(argc, argv, !rank || std::string(rank) == "0", options)) return *code;
+    return run(options);
+  } catch (const std::exception& e) {
+    std::cerr << "gxyrender: error: " << e.what() << '\n';
+    return 1;
+  }
+}

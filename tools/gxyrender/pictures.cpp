@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "pictures.h"
+
+#include <cstdio>
+#include <fstream>
+
+#include "gxy/comm/error.h"
+#include "gxy/io/image.h"
+
+namespace gxy {
+
+std::string pictureName(const State& state, const RenderOptions& options, size_t visualization, size_t camera) {
+  char number[16];
+  std::snprintf(number, sizeof number, "_%05zu", camera * state.visualizations.size() + visualization);
+  return options.prefix + number + state.visualizations[visualization].annotation + state.cameras[camera].annotation;
+}
+
+void writePicture(const std::string& name, const RenderOptions& options, Picture picture) {
+  if (!picture.depth.empty()) {
+    const std::string path = name + ".depth";
+    std::ofstream out(path, std::ios::binary);
+    out.write(reinterpret_cast<const char*>(picture.depth.data()), std::streamsize(picture.depth.size() * sizeof(double)));
+    if (!out.flush()) throw Error(path + ": cannot be written");
+  }
+  writeImage(name + "." + options.format, Image{picture.width, picture.height, std::move(picture.rgba)});
+}
+
+}  // namespace gxy

@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+// Names and files of pictures.
+#pragma once
+#include <string>
+#include <vector>
+
+#include "gxy/render/framebuffer.h"
+#include "options.h"
+
+namespace gxy {
+
+/// PREFIX_%05d and the annotations of visualization and camera; camera-major order.
+std::string pictureName(const State& state, const RenderOptions& options, size_t visualization, size_t camera);
+
+/// Writes name.FORMAT and, if there are depths, name.depth. Throws Error when a file cannot be written.
+void writePicture(const std::string& name, const RenderOptions& options, Picture picture);
+
+}  // namespace gxy

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "statistics.h"
+
+#include <sys/resource.h>
+
+#include <chrono>
+#include <fstream>
+
+#include "gxy/comm/error.h"
+
+namespace gxy {
+
+double wallSeconds() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+double cpuSeconds() {
+  rusage u{};
+  getrusage(RUSAGE_SELF, &u);
+  return double(u.ru_utime.tv_sec + u.ru_stime.tv_sec) + 1e-6 * double(u.ru_utime.tv_usec + u.ru_stime.tv_usec);
+}
+
+nlohmann::json statisticsOf(const Renderer::Counters& c, const Transport::Counters& t, const Phases& p, const Ledger& ledger) {
+  const TraceCounters& k = c.trace;
+  const ProcessBytes process = processBytes();
+  nlohmann::json memory = nlohmann::json::object();
+  for (const Ledger::Line& line : ledger.snapshot()) memory[line.purpose] = line.bytes;
+  return {{"rays",
+           {{"spawned", k.raysSpawned},
+            {"secondaries", k.secondariesSpawned},
+            {"traced", k.raysTraced},
+            {"shaded", k.raysShaded},
+            {"forwarded", c.raysForwarded},
+            {"retired", c.raysRetired},
+            {"most in flight", c.mostRaysInFlight}}},
+          {"volumes",
+           {{"samples", k.samples},
+            {"macrocells", k.macrocells},
+            {"macrocells skipped", k.macrocellsSkipped},
+            {"isosurface cells", k.cells},
+            {"isosurface macrocells skipped", k.isoMacrocellsSkipped}}},
+          {"tiles skipped", c.tilesSkipped},
+          {"messages",
+           {{"ray messages", c.rayMessages},
+            {"ray bytes", c.rayBytes},
+            {"contribution messages", c.contributionMessages},
+            {"contribution bytes", c.contributionBytes},
+            {"all bytes", t.bytesSent},
+            {"packets", t.packetsSent},
+            {"all messages", t.messagesSent}}},
+          {"thread seconds",
+           {{"spawn", 1e-9 * double(k.nsSpawn)},
+            {"geometry", 1e-9 * double(k.nsGeometry)},
+            {"slices and isosurfaces", 1e-9 * double(k.nsSurfaces)},
+            {"integrate", 1e-9 * double(k.nsIntegrate)},
+            {"shade and route", 1e-9 * double(k.nsShade)}}},
+          {"seconds",
+           {{"load", p.load}, {"compile", p.compile}, {"render", p.render}, {"total", p.total}, {"cpu render", p.cpuRender}}},
+          {"memory",
+           {{"ledger", memory},
+            {"ledger total", ledger.total()},
+            {"ledger peak", ledger.peak()},
+            {"process", process.resident},
+            {"process peak", process.peakResident}}}};
+}
+
+void writeStatistics(const std::string& path, const nlohmann::json& run, const std::vector<nlohmann::json>& ranks) {
+  std::ofstream out(path);
+  out << nlohmann::json{{"run", run}, {"ranks", ranks}}.dump(2) << '\n';
+  if (!out.flush()) throw Error(path + ": cannot be written");
+}
+
+}  // namespace gxy

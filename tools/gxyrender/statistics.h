@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+// What --stats writes.
+#pragma once
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "gxy/comm/transport.h"
+#include "gxy/render/renderer.h"
+#include "gxy/space/ledger.h"
+
+namespace gxy {
+
+/// Seconds of the phases of a run, on one rank.
+struct Phases {
+  double load = 0, compile = 0, render = 0, total = 0;
+  double cpuRender = 0;  ///< processor time of all threads
+};
+
+double wallSeconds();
+double cpuSeconds();
+
+/// Counters of this rank.
+nlohmann::json statisticsOf(const Renderer::Counters& counters, const Transport::Counters& transport, const Phases& phases,
+                            const Ledger& ledger);
+
+/// Writes {"run": ..., "ranks": [...]}. Throws Error when the file cannot be written.
+void writeStatistics(const std::string& path, const nlohmann::json& run, const std::vector<nlohmann::json>& ranks);
+
+}  // namespace gxy
