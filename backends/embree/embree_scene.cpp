@@ -75,17 +75,25 @@ void addContributions(const RayView& r, std::span<const int> which, const std::v
   }
 }
 
-// Rays to per-destination lists, in order of partition.
-void distribute(const RayList& rays, bool primary, std::vector<LeavingRays>& out) {
+// Rays to per-destination lists, in order of partition. A list that goes to one place is not copied.
+void distribute(RayList rays, bool primary, std::vector<LeavingRays>& out) {
   const int32_t* next = rays.view().next;
-  std::map<int, int> counts;
-  for (int i = 0; i < rays.size(); i++)
-    if (next[i] >= 0) counts[next[i]]++;
-  for (const auto& [partition, count] : counts) {
-    LeavingRays& leaving = out.emplace_back(LeavingRays{partition, primary, RayList(count)});
-    for (int i = 0; i < rays.size(); i++)
-      if (next[i] == partition) leaving.rays.append(rays, i);
+  std::map<int, std::vector<int>> places;
+  std::vector<int>* place = nullptr;
+  int last = END_DONE;
+  for (int i = 0; i < rays.size(); i++) {
+    if (next[i] < 0) continue;
+    if (next[i] != last) {
+      last = next[i];
+      place = &places[last];
+    }
+    place->push_back(i);
   }
+  if (places.size() == 1 && places.begin()->second.size() == size_t(rays.size())) {
+    out.push_back({last, primary, std::move(rays)});
+    return;
+  }
+  for (const auto& [partition, which] : places) out.push_back({partition, primary, rays.gather(which)});
 }
 
 }  // namespace
@@ -246,7 +254,7 @@ void EmbreeScene::spawn(const DeviceFrame& deviceFrame, const Tile& tile, Done d
         ispc::spawnRays(&anywhere_, &frame.view, tile.x0, tile.y0, tile.x1, tile.y1, tile.sample, &view));
     for (int i = 0; i < rays.size(); i++)
       if (scene_->partitioning->owner(view.next[i]) != rank_) view.next[i] = END_DONE;
-    distribute(rays, true, result.leaving);
+    distribute(std::move(rays), true, result.leaving);
     for (const LeavingRays& l : result.leaving) result.counters.raysSpawned += uint64_t(l.rays.size());
   }
   done(std::move(result));
@@ -260,9 +268,10 @@ class EmbreeScene::Packet {
 
   TraceResult trace(RayList rays) {
     const int start = rays.size();
-    if (primary_) {
+    if (!rays.complete()) {
       RayView view = rays.view();
       ispc::regenerateRays(&frame_.view, &view, rays.size());
+      rays.setComplete();
     }
     while (rays.size() > 0) {
       result_.counters.raysTraced += uint64_t(rays.size());
@@ -273,7 +282,7 @@ class EmbreeScene::Packet {
     for (const LeavingRays& l : result_.leaving)
       if (l.primary == primary_) leaving += uint64_t(l.rays.size());
     result_.retired = uint64_t(start) - leaving;
-    for (RayList& made : secondaries_) distribute(made, false, result_.leaving);
+    for (RayList& made : secondaries_) distribute(std::move(made), false, result_.leaving);
     return std::move(result_);
   }
 
@@ -329,20 +338,18 @@ class EmbreeScene::Packet {
       ispc::passSurfaces(&part_.view, &view, n);
     }
     which.clear();
-    int active = 0;
+    std::vector<int> active;
     for (int i = 0; i < n; i++) {
       if (view.next[i] == END_DONE) which.push_back(i);
-      active += view.next[i] == END_ACTIVE;
+      if (view.next[i] == END_ACTIVE) active.push_back(i);
     }
     if (!which.empty()) {
       sums_.assign(4 * which.size(), 0);
       ispc::settleRays(&view, which.data(), int(which.size()), sums_.data());
       addContributions(view, which, sums_, result_.contributions);
     }
-    distribute(rays, primary_, result_.leaving);
-    RayList rest(active);
-    for (int i = 0; i < n && active > 0; i++)
-      if (view.next[i] == END_ACTIVE) rest.append(rays, i);
+    RayList rest = rays.gather(active);
+    if (which.size() + active.size() < size_t(n)) distribute(std::move(rays), primary_, result_.leaving);
     return rest;
   }
 

@@ -186,6 +186,9 @@ export void routeRays(const void* uniform scene, void* uniform rays, uniform int
   foreach (i = 0 ... n) {
     vec3 o = originOf(r, i), d = directionOf(r, i);
     if (start) {
+      r.r[i] = 0.0f;  // secondaries gather no radiance
+      r.g[i] = 0.0f;
+      r.b[i] = 0.0f;
       r.next[i] = nextPartition(s, o, d, 0.0f, min(domainExit(s, o, d), r.tMax[i]));
     } else if (r.hitKind[i] != HIT_NONE) {
       r.next[i] = END_SURFACE;

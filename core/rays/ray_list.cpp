@@ -22,7 +22,6 @@ RayList::RayList(int capacity) : capacity_(capacity) {
   const size_t stride = (size_t(capacity) + 15) / 16 * 16;
   auto* p = static_cast<uint32_t*>(::operator new[](stride* kFields * sizeof(uint32_t), kAlignment));
   storage_.reset(p);
-  std::memset(p, 0, stride * kFields * sizeof(uint32_t));
 #define GXY_POINT(type, name, primary, secondary) \
   view_.name = reinterpret_cast<type*>(p);        \
   p += stride;
@@ -30,18 +29,28 @@ RayList::RayList(int capacity) : capacity_(capacity) {
 #undef GXY_POINT
 }
 
-void RayList::append(const RayList& from, int i) {
-#define GXY_COPY(type, name, primary, secondary) view_.name[size_] = from.view_.name[i];
-  GXY_RAY_FIELDS(GXY_COPY)
-#undef GXY_COPY
-  size_++;
+RayList RayList::gather(std::span<const int> which) const {
+  RayList list(int(which.size()));
+  list.resize(int(which.size()));
+  list.complete_ = complete_;
+#define GXY_GATHER(type, name, primary, secondary) \
+  if (primary || secondary)                        \
+    for (size_t k = 0; k < which.size(); k++) list.view_.name[k] = view_.name[which[k]];
+  GXY_RAY_FIELDS(GXY_GATHER)
+#undef GXY_GATHER
+  return list;
 }
 
 std::vector<RayList> RayList::split(int size) const {
   std::vector<RayList> parts;
   for (int i = 0; i < size_; i += size) {
     RayList& part = parts.emplace_back(std::min(size, size_ - i));
-    for (int k = i; k < std::min(i + size, size_); k++) part.append(*this, k);
+    part.resize(std::min(size, size_ - i));
+    part.complete_ = complete_;
+#define GXY_SLICE(type, name, primary, secondary) \
+  if (primary || secondary) std::memcpy(part.view_.name, view_.name + i, 4 * size_t(part.size_));
+    GXY_RAY_FIELDS(GXY_SLICE)
+#undef GXY_SLICE
   }
   return parts;
 }
@@ -68,6 +77,7 @@ void RayList::write(std::span<const int> which, bool primary, Bytes& out) const 
 RayList RayList::read(std::span<const std::byte> in, int count, bool primary) {
   RayList list(count);
   list.resize(count);
+  list.complete_ = !primary;
   size_t at = 0;
 #define GXY_READ(type, name, onPrimary, onSecondary)                 \
   if (primary ? onPrimary : onSecondary) {                           \

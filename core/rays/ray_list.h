@@ -23,7 +23,7 @@ struct RayView {
 };
 
 /// Owns the arrays of up to `capacity` rays; each array is 64-byte aligned and padded to a multiple of 16 rays, so that
-/// a full gang may load past the end. Movable, not copyable. Not thread safe.
+/// a full gang may load past the end. Not initialised. Movable, not copyable. Not thread safe.
 class RayList {
  public:
   RayList() = default;
@@ -34,8 +34,13 @@ class RayList {
   void resize(int n) { size_ = n; }
   const RayView& view() const { return view_; }
 
-  /// Appends ray i of `from`; there must be room.
-  void append(const RayList& from, int i);
+  /// False for primaries off the wire, whose origins and directions have to be regenerated from the camera.
+  bool complete() const { return complete_; }
+  void setComplete() { complete_ = true; }
+
+  /// The rays `which`, in that order: what travels, origins and directions included, and not what belongs to one
+  /// partition.
+  RayList gather(std::span<const int> which) const;
 
   /// Lists of at most `size` rays each, in order.
   std::vector<RayList> split(int size) const;
@@ -52,6 +57,7 @@ class RayList {
     void operator()(uint32_t* p) const;
   };
   int size_ = 0, capacity_ = 0;
+  bool complete_ = true;
   std::unique_ptr<uint32_t[], Free> storage_;
   RayView view_{};
 };

@@ -37,7 +37,7 @@ class Framebuffer {
  private:
   int width_, height_, samples_;
   mutable std::mutex mutex_;
-  std::vector<int64_t> sums_;   ///< 4 per pixel, unit 2^-26
+  std::vector<int64_t> sums_;  ///< 4 per pixel, unit 2^-26
   std::vector<double> depth_;
 };
 

@@ -28,7 +28,12 @@ struct ContributionsHeader {
 void writeRequest(Writer& w, const FrameRequest& r) {
   const Camera& c = r.camera;
   w.write(r.scene).write(r.number).write(r.depth).write(r.window);
-  w.write(c.viewpoint).write(c.viewdirection).write(c.viewup).write(c.aov).write(c.height).write(c.dimensions);
+  w.write(c.viewpoint)
+      .write(c.viewdirection)
+      .write(c.viewup)
+      .write(c.aov)
+      .write(c.height)
+      .write(c.dimensions);
 }
 
 FrameRequest readRequest(Reader& in) {
@@ -75,7 +80,8 @@ struct Renderer::Parked {
 
 Renderer::Renderer(Transport& transport, Options options)
     : transport_(transport), options_(options), completion_(transport), credits_(options.raysInFlight) {
-  if (options_.packetRays < 16) throw Error("packets of " + std::to_string(options_.packetRays) + " rays, expected >= 16");
+  if (options_.packetRays < 16)
+    throw Error("packets of " + std::to_string(options_.packetRays) + " rays, expected >= 16");
   if (options_.raysInFlight < 1) throw Error("the number of rays in flight must be >= 1");
   transport_.onMessage(Channel::Frame, [this](int source, Bytes m) { receiveFrame(source, m); });
   transport_.onMessage(Channel::Rays, [this](int, Bytes m) { receiveRays(std::move(m)); });
@@ -87,10 +93,12 @@ Renderer::Renderer(Transport& transport, Options options)
 }
 
 Renderer::~Renderer() {
-  for (Channel c : {Channel::Frame, Channel::Rays, Channel::Contributions, Channel::Credits}) transport_.onMessage(c, {});
+  for (Channel c : {Channel::Frame, Channel::Rays, Channel::Contributions, Channel::Credits})
+    transport_.onMessage(c, {});
 }
 
-void Renderer::addScene(SceneId id, std::shared_ptr<const CompiledScene> scene, std::shared_ptr<const DeviceScene> device) {
+void Renderer::addScene(SceneId id, std::shared_ptr<const CompiledScene> scene,
+                        std::shared_ptr<const DeviceScene> device) {
   std::lock_guard lock(mutex_);
   scenes_[id] = {std::move(scene), std::move(device)};
 }
@@ -119,12 +127,15 @@ FrameId Renderer::render(const FrameRequest& request, Finished finished) {
   FrameId older = 0;
   {
     std::lock_guard lock(mutex_);
-    if (!scenes_.count(request.scene)) throw Error("there is no scene " + std::to_string(request.scene) + " to render");
+    if (!scenes_.count(request.scene))
+      throw Error("there is no scene " + std::to_string(request.scene) + " to render");
     id = nextFrame_++;
     finished_[id] = std::move(finished);
     if (request.window) older = std::exchange(windows_[request.window], id);
-    if (older && finished_.count(older)) superseded_[older] = true;
-    else older = 0;
+    if (older && finished_.count(older))
+      superseded_[older] = true;
+    else
+      older = 0;
   }
   if (older) {
     Writer cancel;
@@ -155,7 +166,9 @@ void Renderer::receiveFrame(int, const Bytes& message) {
   const auto kind = in.read<FrameMessage>();
   const auto id = in.read<FrameId>();
   switch (kind) {
-    case FrameMessage::Start: start(id, readRequest(in), message); break;
+    case FrameMessage::Start:
+      start(id, readRequest(in), message);
+      break;
     case FrameMessage::Cancel:
       sendDown(message);
       cancel(id);
@@ -175,10 +188,12 @@ void Renderer::receiveFrame(int, const Bytes& message) {
         finished_.erase(it);
         superseded = superseded_.erase(id) > 0;
       }
-      if (finished) transport_.post([finished = std::move(finished), id, superseded] { finished(id, superseded); });
+      if (finished)
+        transport_.post([finished = std::move(finished), id, superseded] { finished(id, superseded); });
       break;
     }
-    default: in.fail("its kind is " + std::to_string(int(kind)) + ", expected 0 to 3");
+    default:
+      in.fail("its kind is " + std::to_string(int(kind)) + ", expected 0 to 3");
   }
 }
 
@@ -192,8 +207,8 @@ void Renderer::start(FrameId id, FrameRequest request, const Bytes& message) {
     std::lock_guard lock(mutex_);
     const auto scene = scenes_.find(request.scene);
     if (scene == scenes_.end())
-      throw Error("frame " + std::to_string(id) + ": rank " + std::to_string(transport_.rank()) + " has no scene " +
-                  std::to_string(request.scene));
+      throw Error("frame " + std::to_string(id) + ": rank " + std::to_string(transport_.rank()) +
+                  " has no scene " + std::to_string(request.scene));
     frame->scene = scene->second;
   }
   const CompiledScene& scene = *frame->scene.compiled;
@@ -202,7 +217,8 @@ void Renderer::start(FrameId id, FrameRequest request, const Bytes& message) {
   const Lighting& lighting = scene.visualization.lighting;
   frame->perPrimary = 1 + lighting.aoCount + (lighting.shadows ? int64_t(compiled.lights.size()) : 0);
   if (frame->owner == transport_.rank())
-    frame->framebuffer = std::make_unique<Framebuffer>(compiled.width, compiled.height, compiled.samples, compiled.depth);
+    frame->framebuffer =
+        std::make_unique<Framebuffer>(compiled.width, compiled.height, compiled.samples, compiled.depth);
   TileList list = tilesOf(scene, compiled, transport_.rank());
   frame->tiles = std::move(list.tiles);
   frame->tilesLeft = frame->tiles.size();
@@ -220,9 +236,12 @@ void Renderer::start(FrameId id, FrameRequest request, const Bytes& message) {
     if (!frame->tiles.empty()) spawning_.push_back(frame);
   }
   for (Parked& p : parked) {
-    if (p.channel == Channel::Rays) receiveRays(std::move(p.message));
-    else if (p.channel == Channel::Contributions) receiveContributions(p.message);
-    else cancel(id);
+    if (p.channel == Channel::Rays)
+      receiveRays(std::move(p.message));
+    else if (p.channel == Channel::Contributions)
+      receiveContributions(p.message);
+    else
+      cancel(id);
   }
   if (frame->tilesLeft == 0) completion_.spawned(id);
   pump();
@@ -231,8 +250,10 @@ void Renderer::start(FrameId id, FrameRequest request, const Bytes& message) {
 void Renderer::cancel(FrameId id) {
   std::lock_guard lock(mutex_);
   const auto it = frames_.find(id);
-  if (it != frames_.end()) it->second->cancelled = true;
-  else parked_[id].push_back({Channel::Frame, {}, nullptr});
+  if (it != frames_.end())
+    it->second->cancelled = true;
+  else
+    parked_[id].push_back({Channel::Frame, {}, nullptr});
 }
 
 void Renderer::finish(FrameId id) {
@@ -255,7 +276,8 @@ void Renderer::deliver(FramePtr frame) {
     handler = pictureHandler_;
   }
   if (handler && !frame->cancelled)
-    handler(frame->id, frame->request, frame->framebuffer->picture(frame->scene.compiled->settings.background));
+    handler(frame->id, frame->request,
+            frame->framebuffer->picture(frame->scene.compiled->settings.background));
   Writer w;
   transport_.send(0, Channel::Frame, w.write(FrameMessage::Delivered).write(frame->id).take());
 }
@@ -282,8 +304,10 @@ void Renderer::pump() {
       credits_ -= cost;
       mostOut_ = std::max(mostOut_, options_.raysInFlight - credits_);
       frame->tiles.pop_back();
-      if (frame->tiles.empty()) spawning_.erase(spawning_.begin() + std::ptrdiff_t(turn_));
-      else turn_++;
+      if (frame->tiles.empty())
+        spawning_.erase(spawning_.begin() + std::ptrdiff_t(turn_));
+      else
+        turn_++;
     }
     auto active = std::make_shared<Completion::Active>(completion_, frame->id);
     transport_.post([this, frame, tile, cost, active] { spawnTile(frame, tile, cost); });
@@ -327,27 +351,31 @@ void Renderer::process(const FramePtr& frame, int partition, bool primary, int o
       giveBack(origin, n * each);
       continue;
     }
-    frame->scene.device->trace(*frame->device, next.partition, next.primary, std::move(next.rays), [&](TraceResult result) {
-      completion_.created(frame->id, result.secondaries);
-      contribute(frame, result);
-      {
-        std::lock_guard lock(mutex_);
-        counters_.trace += result.counters;
-        counters_.raysRetired += result.retired;
-      }
-      for (LeavingRays& l : result.leaving) {
-        const int rank = frame->scene.compiled->partitioning->owner(l.partition);
-        if (rank == transport_.rank()) stack.push_back(std::move(l));
-        else forward(frame, rank, l.partition, l.primary, origin, l.rays);
-      }
-      completion_.retired(frame->id, result.retired);
-      const int64_t credits = int64_t(result.retired) * each - int64_t(result.secondaries);
-      if (credits != 0) giveBack(origin, credits);
-    });
+    frame->scene.device->trace(
+        *frame->device, next.partition, next.primary, std::move(next.rays), [&](TraceResult result) {
+          completion_.created(frame->id, result.secondaries);
+          contribute(frame, result);
+          {
+            std::lock_guard lock(mutex_);
+            counters_.trace += result.counters;
+            counters_.raysRetired += result.retired;
+          }
+          for (LeavingRays& l : result.leaving) {
+            const int rank = frame->scene.compiled->partitioning->owner(l.partition);
+            if (rank == transport_.rank())
+              stack.push_back(std::move(l));
+            else
+              forward(frame, rank, l.partition, l.primary, origin, l.rays);
+          }
+          completion_.retired(frame->id, result.retired);
+          const int64_t credits = int64_t(result.retired) * each - int64_t(result.secondaries);
+          if (credits != 0) giveBack(origin, credits);
+        });
   }
 }
 
-void Renderer::forward(const FramePtr& frame, int rank, int partition, bool primary, int origin, const RayList& rays) {
+void Renderer::forward(const FramePtr& frame, int rank, int partition, bool primary, int origin,
+                       const RayList& rays) {
   std::vector<int> all(size_t(rays.size()));
   for (int i = 0; i < rays.size(); i++) all[size_t(i)] = i;
   Writer header;
@@ -423,8 +451,8 @@ void Renderer::receiveContributions(const Bytes& message) {
     }
   }
   const size_t bytes = in.rest().size();
-  if (!frame->framebuffer || header.contributions > bytes / sizeof(Contribution) || header.depths > bytes / 12 ||
-      bytes != header.contributions * sizeof(Contribution) + header.depths * 12)
+  if (!frame->framebuffer || header.contributions > bytes / sizeof(Contribution) ||
+      header.depths > bytes / 12 || bytes != header.contributions * sizeof(Contribution) + header.depths * 12)
     in.fail("its header does not fit its " + std::to_string(message.size()) + " bytes, or this rank");
   std::vector<Contribution> contributions(header.contributions);
   for (Contribution& c : contributions) c = in.read<Contribution>();

@@ -23,9 +23,9 @@ using FrameId = uint64_t;
 struct FrameRequest {
   SceneId scene = 0;
   Camera camera;
-  uint32_t number = 0;   ///< of the frame in its window: continues the ambient-occlusion sequence
+  uint32_t number = 0;  ///< of the frame in its window: continues the ambient-occlusion sequence
   bool depth = false;
-  uint64_t window = 0;   ///< not 0: a newer frame of the same window supersedes this one
+  uint64_t window = 0;  ///< not 0: a newer frame of the same window supersedes this one
 };
 
 /// What all ranks run, one Renderer each over the rank's Transport.
@@ -45,8 +45,8 @@ struct FrameRequest {
 class Renderer {
  public:
   struct Options {
-    int packetRays = 1024;             ///< rays that are traced together, at most; >= 16
-    int64_t raysInFlight = 1 << 20;    ///< credits of a rank
+    int packetRays = 1024;           ///< rays that are traced together, at most; >= 16
+    int64_t raysInFlight = 1 << 20;  ///< credits of a rank
   };
   using Finished = std::function<void(FrameId, bool superseded)>;
   using PictureHandler = std::function<void(FrameId, const FrameRequest&, Picture)>;
@@ -57,7 +57,8 @@ class Renderer {
   Renderer& operator=(const Renderer&) = delete;
 
   /// Makes a scene known on this rank; needed on every rank before rank 0 starts a frame of it.
-  void addScene(SceneId id, std::shared_ptr<const CompiledScene> scene, std::shared_ptr<const DeviceScene> device);
+  void addScene(SceneId id, std::shared_ptr<const CompiledScene> scene,
+                std::shared_ptr<const DeviceScene> device);
   /// Forgets it; frames that are under way keep what they need.
   void removeScene(SceneId id);
 
@@ -69,12 +70,12 @@ class Renderer {
 
   struct Counters {
     TraceCounters trace;
-    uint64_t raysForwarded = 0;        ///< sent to other ranks
+    uint64_t raysForwarded = 0;                    ///< sent to other ranks
     uint64_t rayBytes = 0, contributionBytes = 0;  ///< handed to the transport for other ranks
     uint64_t rayMessages = 0, contributionMessages = 0;
     uint64_t raysRetired = 0;
-    uint64_t tilesSkipped = 0;         ///< outside the projections of all partitions of this rank
-    int64_t mostRaysInFlight = 0;      ///< credits out at once
+    uint64_t tilesSkipped = 0;     ///< outside the projections of all partitions of this rank
+    int64_t mostRaysInFlight = 0;  ///< credits out at once
   };
   Counters counters() const;
 
@@ -114,9 +115,9 @@ class Renderer {
   int64_t credits_;
   int64_t mostOut_ = 0;
   PictureHandler pictureHandler_;
-  std::map<FrameId, Finished> finished_;           ///< rank 0
-  std::map<uint64_t, FrameId> windows_;            ///< rank 0: newest frame of each window
-  std::map<FrameId, bool> superseded_;             ///< rank 0
+  std::map<FrameId, Finished> finished_;  ///< rank 0
+  std::map<uint64_t, FrameId> windows_;   ///< rank 0: newest frame of each window
+  std::map<FrameId, bool> superseded_;    ///< rank 0
   FrameId nextFrame_ = 1;
   Counters counters_;
 };

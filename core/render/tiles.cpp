@@ -36,7 +36,8 @@ PixelBox project(const CompiledFrame& f, glm::dvec3 lo, glm::dvec3 hi) {
     glm::dvec3 onPlane = corner;
     if (!b.orthographic) {
       const double depth = glm::dot(corner - b.eye, b.view);
-      const double plane = glm::dot(b.corner, b.view);  // of all directions: du and dv are orthogonal to the view
+      const double plane =
+          glm::dot(b.corner, b.view);  // of all directions: du and dv are orthogonal to the view
       if (depth <= 1e-6 * glm::length(corner - b.eye)) return all;
       onPlane = (corner - b.eye) * (plane / depth);
     }
@@ -68,8 +69,10 @@ TileList tilesOf(const CompiledScene& scene, const CompiledFrame& frame, int ran
         const bool meets = std::any_of(seen.begin(), seen.end(), [&](const PixelBox& b) {
           return b.x0 < tile.x1 && tile.x0 < b.x1 && b.y0 < tile.y1 && tile.y0 < b.y1;
         });
-        if (meets) list.tiles.push_back(tile);
-        else list.skipped++;
+        if (meets)
+          list.tiles.push_back(tile);
+        else
+          list.skipped++;
       }
   return list;
 }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "load.h"
 
+#include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <map>
 #include <set>
@@ -19,17 +21,20 @@ GeometryKind kindOf(DatasetType type) {
   return type == DatasetType::PathLines ? GeometryKind::PathLines : GeometryKind::Triangles;
 }
 
-std::shared_ptr<const Partitioning> makePartitioning(const Box& domain, const Grid* grid, std::array<int, 3> wanted, int ranks) {
+std::shared_ptr<const Partitioning> makePartitioning(const Box& domain, const Grid* grid,
+                                                     std::array<int, 3> wanted, int ranks) {
   // The grid whose points carry the cuts: that of the first volume if it fills the domain, else a fine lattice.
   const bool onGrid = grid && grid->box() == domain;
   const glm::dvec3 size = domain.hi - domain.lo;
   const double longest = std::max({size.x, size.y, size.z});
   Index3 cells{};
   for (int a = 0; a < 3; a++)
-    cells[a] = onGrid ? grid->cells()[a] : std::max<int64_t>(1, int64_t(std::ceil(1048576 * size[a] / longest)));
+    cells[a] =
+        onGrid ? grid->cells()[a] : std::max<int64_t>(1, int64_t(std::ceil(1048576 * size[a] / longest)));
   if (wanted[1] == 0) wanted = decompose(wanted[0] > 0 ? wanted[0] : ranks, cells);
   std::array<std::vector<double>, 3> faces;
-  for (int a = 0; a < 3; a++) faces[a] = evenFaces(domain.lo[a], domain.hi[a], wanted[a], onGrid ? cells[a] : 0);
+  for (int a = 0; a < 3; a++)
+    faces[a] = evenFaces(domain.lo[a], domain.hi[a], wanted[a], onGrid ? cells[a] : 0);
   return std::make_shared<Partitioning>(Partitioning::lattice(faces, ranks));
 }
 
@@ -56,8 +61,9 @@ int64_t bytesOf(const Volume& v) {
 int64_t bytesOf(const Geometry& g) {
   int64_t n = 0;
   for (const auto& [p, b] : g.blocks)
-    n += int64_t(b.points.size() * 24 + b.normals.size() * 12 + b.values.size() * 4 + b.triangles.size() * 12 +
-                 b.segments.size() * 8 + b.neighbours.size() * 8 + b.ids.size() * 8);
+    n +=
+        int64_t(b.points.size() * 24 + b.normals.size() * 12 + b.values.size() * 4 + b.triangles.size() * 12 +
+                b.segments.size() * 8 + b.neighbours.size() * 8 + b.ids.size() * 8);
   return n;
 }
 
@@ -70,7 +76,8 @@ LoadedState loadData(const State& state, const std::string& directory, const Ren
   std::set<std::string> shown;
   for (const Visualization& v : state.visualizations)
     for (const Vis& op : v.operators) {
-      if (!specs.count(op.dataset)) throw Error("an operator shows dataset \"" + op.dataset + "\", which the state file does not define");
+      if (!specs.count(op.dataset))
+        throw Error("an operator shows dataset \"" + op.dataset + "\", which the state file does not define");
       shown.insert(op.dataset);
     }
   auto pathOf = [&](const DatasetSpec& d) {
@@ -89,13 +96,15 @@ LoadedState loadData(const State& state, const std::string& directory, const Ren
       domain.extend(grid.box());
       if (!first) first = grid;
     } else {
-      const LoadedGeometry& g = geometry.emplace(d.name, loadGeometry(pathOf(d), kindOf(d.type), d.array, ranks)).first->second;
+      const LoadedGeometry& g =
+          geometry.emplace(d.name, loadGeometry(pathOf(d), kindOf(d.type), d.array, ranks)).first->second;
       domain.extend(g.box);
     }
   }
 
   LoadedState loaded;
-  loaded.partitioning = makePartitioning(thickened(domain), first ? &*first : nullptr, options.partitions, ranks.size());
+  loaded.partitioning =
+      makePartitioning(thickened(domain), first ? &*first : nullptr, options.partitions, ranks.size());
   std::map<std::string, std::shared_ptr<const Volume>> volumes;
   for (const DatasetSpec& d : state.datasets)
     if (shown.count(d.name) && d.type == DatasetType::Volume) {
@@ -114,7 +123,9 @@ LoadedState loadData(const State& state, const std::string& directory, const Ren
       if (d.type == DatasetType::Volume) {
         data.volume = volumes[d.name];
       } else {
-        auto g = distribute(geometry.at(d.name), *loaded.partitioning, [&](double value) { return op.type == VisType::Triangles ? 0.0 : radiusOf(op, value); }, ranks);
+        auto g = distribute(
+            geometry.at(d.name), *loaded.partitioning,
+            [&](double value) { return op.type == VisType::Triangles ? 0.0 : radiusOf(op, value); }, ranks);
         loaded.memory.push_back(ledger.enter("batch", "geometry", bytesOf(*g)));
         data.geometry = std::move(g);
       }
@@ -130,7 +141,8 @@ std::shared_ptr<const CompiledScene> makeScene(const State& state, const LoadedS
     scene = compileScene(state.visualizations[v], loaded.data[v], loaded.partitioning, state.settings);
   });
   Bytes mine(scene->visible.size());
-  std::transform(scene->visible.begin(), scene->visible.end(), mine.begin(), [](uint8_t x) { return std::byte(x); });
+  std::transform(scene->visible.begin(), scene->visible.end(), mine.begin(),
+                 [](uint8_t x) { return std::byte(x); });
   for (const Bytes& theirs : ranks.allGather(std::move(mine)))
     for (size_t p = 0; p < theirs.size(); p++) scene->visible[p] |= uint8_t(theirs[p]);
   return scene;

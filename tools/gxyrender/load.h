@@ -22,7 +22,9 @@ class RankCollectives final : public Collectives {
   int rank() const override { return rank_; }
   int size() const override { return size_; }
   std::vector<Bytes> allGather(Bytes mine) override { return collective_.allGather(key_, std::move(mine)); }
-  std::vector<Bytes> allToAll(std::vector<Bytes> p) override { return collective_.allToAll(key_, std::move(p)); }
+  std::vector<Bytes> allToAll(std::vector<Bytes> p) override {
+    return collective_.allToAll(key_, std::move(p));
+  }
 
  private:
   Collective& collective_;

@@ -37,7 +37,9 @@ Bytes toBytes(const std::string& s) {
   const auto* p = reinterpret_cast<const std::byte*>(s.data());
   return Bytes(p, p + s.size());
 }
-std::string toString(const Bytes& b) { return std::string(reinterpret_cast<const char*>(b.data()), b.size()); }
+std::string toString(const Bytes& b) {
+  return std::string(reinterpret_cast<const char*>(b.data()), b.size());
+}
 
 // Read by rank 0, with its map and camera files; the same on all ranks.
 State readOnAll(const RenderOptions& options, Collective& collective, bool root) {
@@ -47,7 +49,8 @@ State readOnAll(const RenderOptions& options, Collective& collective, bool root)
     try {
       const StateFile file = readStateFile(options.stateFile);
       for (const std::string& w : file.warnings) std::cerr << "warning: " << w << '\n';
-      if (file.state.visualizations.empty()) throw Error(options.stateFile + ": there is no visualization to render");
+      if (file.state.visualizations.empty())
+        throw Error(options.stateFile + ": there is no visualization to render");
       if (file.state.cameras.empty()) throw Error(options.stateFile + ": there is no camera to render from");
       text = writeState(file.state);
     } catch (const std::exception& e) {
@@ -63,8 +66,8 @@ State readOnAll(const RenderOptions& options, Collective& collective, bool root)
   return state;
 }
 
-void renderAll(const State& state, const RenderOptions& options, Renderer& renderer, Collective& collective, bool root,
-               bool showProgress) {
+void renderAll(const State& state, const RenderOptions& options, Renderer& renderer, Collective& collective,
+               bool root, bool showProgress) {
   Progress progress;
   auto nameOf = [&](FrameId id) {  // frames are started in camera-major order, numbered from 1
     const size_t index = size_t(id - 1), n = state.visualizations.size();
@@ -81,7 +84,8 @@ void renderAll(const State& state, const RenderOptions& options, Renderer& rende
   if (root) {
     const int total = int(state.cameras.size() * state.visualizations.size());
     auto show = [&](int done) {
-      if (showProgress) std::cerr << "\rrendered " << done << " of " << total << (done == total ? "\n" : "") << std::flush;
+      if (showProgress)
+        std::cerr << "\rrendered " << done << " of " << total << (done == total ? "\n" : "") << std::flush;
     };
     for (size_t c = 0; c < state.cameras.size(); c++)
       for (size_t v = 0; v < state.visualizations.size(); v++) {
@@ -127,7 +131,9 @@ int run(const RenderOptions& options) {
       const std::string directory = std::filesystem::absolute(options.stateFile).parent_path().string();
       for (const Camera& camera : state.cameras) validate(camera);
       if (options.reference) {
-        agree(ranks, [&] { if (root) renderWithReference(state, directory, options, showProgress); });
+        agree(ranks, [&] {
+          if (root) renderWithReference(state, directory, options, showProgress);
+        });
       } else {
         BackendRegistry registry;
         registry.add("embree", makeEmbreeBackend);
@@ -157,7 +163,8 @@ int run(const RenderOptions& options) {
         if (!options.statsFile.empty()) {
           const auto mine = statisticsOf(renderer.counters(), transport.counters(), phases, ledger);
           std::vector<nlohmann::json> all;
-          for (const Bytes& b : ranks.allGather(toBytes(mine.dump()))) all.push_back(nlohmann::json::parse(toString(b)));
+          for (const Bytes& b : ranks.allGather(toBytes(mine.dump())))
+            all.push_back(nlohmann::json::parse(toString(b)));
           agree(ranks, [&] {
             if (root)
               writeStatistics(options.statsFile,
@@ -175,8 +182,8 @@ int run(const RenderOptions& options) {
       }
       if (root && !options.quiet)
         std::cerr << state.cameras.size() * state.visualizations.size() << " picture(s) "
-                  << pictureName(state, options, 0, 0) << "." << options.format << " ... in " << wallSeconds() - begin
-                  << " s\n";
+                  << pictureName(state, options, 0, 0) << "." << options.format << " ... in "
+                  << wallSeconds() - begin << " s\n";
     } catch (const Error& e) {
       if (root) std::cerr << "gxyrender: error: " << e.what() << '\n';
       code = 1;

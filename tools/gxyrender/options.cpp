@@ -39,29 +39,43 @@ void RenderOptions::apply(State& state) const {
 }
 
 std::optional<int> parseOptions(int argc, char** argv, bool speaks, RenderOptions& o) {
-  CLI::App app("Renders every visualization of a state file with every camera, on all ranks it is started on.\n"
-               "  gxyrender scene.json -o picture\n"
-               "  galaxy run -n 4 gxyrender scene.json -o picture --size 1920x1080\n"
-               "Pictures are PREFIX_00000.png, ...: all visualizations of the first camera, then of the next.");
+  CLI::App app(
+      "Renders every visualization of a state file with every camera, on all ranks it is started on.\n"
+      "  gxyrender scene.json -o picture\n"
+      "  galaxy run -n 4 gxyrender scene.json -o picture --size 1920x1080\n"
+      "Pictures are PREFIX_00000.png, ...: all visualizations of the first camera, then of the next.");
   std::string size, partitions;
   app.add_option("STATE", o.stateFile, "State file (docs/state-file.md)")->required();
   app.add_option("-o,--output", o.prefix, "Prefix of the pictures' names")->capture_default_str();
   app.add_option("--size", size, "Picture size WxH, instead of the cameras'");
   app.add_option("--backend", o.backend, "embree or auto")->capture_default_str();
-  app.add_flag("--reference", o.reference, "Render with the reference renderer: double precision, slow, on one rank");
-  app.add_option("--tolerance", o.tolerance, "Error that every channel of every pixel stays below (default 1/512)")
+  app.add_flag("--reference", o.reference,
+               "Render with the reference renderer: double precision, slow, on one rank");
+  app.add_option("--tolerance", o.tolerance,
+                 "Error that every channel of every pixel stays below (default 1/512)")
       ->check(CLI::Range(1e-6, 1.0));
-  app.add_option("--step", o.step, "Fixed step of the volume integrator in cells, for comparison")->check(CLI::Range(1e-3, 4.0));
-  app.add_option("--partitions", partitions, "Number of partitions N, or I,J,K of them per axis (default: one a rank)");
-  app.add_option("--concurrent", o.concurrent, "Pictures in flight at once")->check(CLI::Range(1, 4096))->capture_default_str();
-  app.add_option("--format", o.format, "png (8 bit), exr (float) or raw (float RGBA, premultiplied, rows bottom to top)")
-      ->check(CLI::IsMember({"png", "exr", "raw"}))->capture_default_str();
-  app.add_flag("--depth", o.depth, "Also write the hit distance, PREFIX_00000.depth: float64, world units, 1e30 for a miss");
+  app.add_option("--step", o.step, "Fixed step of the volume integrator in cells, for comparison")
+      ->check(CLI::Range(1e-3, 4.0));
+  app.add_option("--partitions", partitions,
+                 "Number of partitions N, or I,J,K of them per axis (default: one a rank)");
+  app.add_option("--concurrent", o.concurrent, "Pictures in flight at once")
+      ->check(CLI::Range(1, 4096))
+      ->capture_default_str();
+  app.add_option("--format", o.format,
+                 "png (8 bit), exr (float) or raw (float RGBA, premultiplied, rows bottom to top)")
+      ->check(CLI::IsMember({"png", "exr", "raw"}))
+      ->capture_default_str();
+  app.add_flag("--depth", o.depth,
+               "Also write the hit distance, PREFIX_00000.depth: float64, world units, 1e30 for a miss");
   app.add_option("--stats", o.statsFile, "Write counters per rank and stage to this JSON file");
-  app.add_option("--threads", o.threads, "Threads per rank (default: the cores shared by the ranks)")->check(CLI::Range(0, 4096));
-  app.add_option("--packet", o.packet, "Rays that are traced together, at most")->check(CLI::Range(16, 1 << 20))->capture_default_str();
+  app.add_option("--threads", o.threads, "Threads per rank (default: the cores shared by the ranks)")
+      ->check(CLI::Range(0, 4096));
+  app.add_option("--packet", o.packet, "Rays that are traced together, at most")
+      ->check(CLI::Range(16, 1 << 20))
+      ->capture_default_str();
   app.add_option("--rays-in-flight", o.raysInFlight, "Rays a rank may have under way; bounds memory")
-      ->check(CLI::Range(int64_t(1), int64_t(1) << 40))->capture_default_str();
+      ->check(CLI::Range(int64_t(1), int64_t(1) << 40))
+      ->capture_default_str();
   app.add_flag("-q,--quiet", o.quiet, "No progress and no summary");
   auto usage = [&](const std::string& why) {
     if (speaks) std::cerr << "gxyrender: " << why << "\nRun with --help for more information.\n";
@@ -75,7 +89,8 @@ std::optional<int> parseOptions(int argc, char** argv, bool speaks, RenderOption
   }
   if (!size.empty()) {
     o.size.emplace();
-    if (!parseNumbers(size, 'x', *o.size, 2)) return usage("--size " + size + ": expected WxH, such as 800x600");
+    if (!parseNumbers(size, 'x', *o.size, 2))
+      return usage("--size " + size + ": expected WxH, such as 800x600");
   }
   if (!partitions.empty() && !parseNumbers(partitions, ',', o.partitions, 1))
     return usage("--partitions " + partitions + ": expected N or I,J,K, such as 8 or 2,2,2");

@@ -9,17 +9,20 @@
 
 namespace gxy {
 
-std::string pictureName(const State& state, const RenderOptions& options, size_t visualization, size_t camera) {
+std::string pictureName(const State& state, const RenderOptions& options, size_t visualization,
+                        size_t camera) {
   char number[16];
   std::snprintf(number, sizeof number, "_%05zu", camera * state.visualizations.size() + visualization);
-  return options.prefix + number + state.visualizations[visualization].annotation + state.cameras[camera].annotation;
+  return options.prefix + number + state.visualizations[visualization].annotation +
+         state.cameras[camera].annotation;
 }
 
 void writePicture(const std::string& name, const RenderOptions& options, Picture picture) {
   if (!picture.depth.empty()) {
     const std::string path = name + ".depth";
     std::ofstream out(path, std::ios::binary);
-    out.write(reinterpret_cast<const char*>(picture.depth.data()), std::streamsize(picture.depth.size() * sizeof(double)));
+    out.write(reinterpret_cast<const char*>(picture.depth.data()),
+              std::streamsize(picture.depth.size() * sizeof(double)));
     if (!out.flush()) throw Error(path + ": cannot be written");
   }
   writeImage(name + "." + options.format, Image{picture.width, picture.height, std::move(picture.rgba)});

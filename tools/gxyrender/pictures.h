@@ -10,7 +10,8 @@
 namespace gxy {
 
 /// PREFIX_%05d and the annotations of visualization and camera; camera-major order.
-std::string pictureName(const State& state, const RenderOptions& options, size_t visualization, size_t camera);
+std::string pictureName(const State& state, const RenderOptions& options, size_t visualization,
+                        size_t camera);
 
 /// Writes name.FORMAT and, if there are depths, name.depth. Throws Error when a file cannot be written.
 void writePicture(const std::string& name, const RenderOptions& options, Picture picture);

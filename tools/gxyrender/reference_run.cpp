@@ -10,7 +10,8 @@
 
 namespace gxy {
 
-void renderWithReference(const State& state, const std::string& directory, const RenderOptions& options, bool progress) {
+void renderWithReference(const State& state, const std::string& directory, const RenderOptions& options,
+                         bool progress) {
   SingleRank alone;
   Ledger ledger;
   RenderOptions whole = options;
@@ -26,17 +27,22 @@ void renderWithReference(const State& state, const std::string& directory, const
         } else {
           scene.data.emplace_back(data.geometry);
           // the reference takes the map's first colour for geometry without values
-          if (data.geometry->range.empty()) scene.visualization.operators[i].colormap = {{ColorPoint{0, data.color}}};
+          if (data.geometry->range.empty())
+            scene.visualization.operators[i].colormap = {{ColorPoint{0, data.color}}};
         }
       }
       const std::string name = pictureName(state, options, v, c);
       reference::ReferenceOptions how;
       how.threads = options.threads;
-      if (progress) how.progress = [&](double f) { std::cerr << '\r' << name << ' ' << int(100 * f) << " %" << std::flush; };
+      if (progress)
+        how.progress = [&](double f) {
+          std::cerr << '\r' << name << ' ' << int(100 * f) << " %" << std::flush;
+        };
       reference::ReferencePicture picture = reference::renderReference(scene, state.cameras[c], how);
       if (progress) std::cerr << '\n';
       reference::applyBackground(picture, state.settings.background);
-      Picture out{picture.width, picture.height, std::vector<float>(picture.rgba.begin(), picture.rgba.end()), {}};
+      Picture out{
+          picture.width, picture.height, std::vector<float>(picture.rgba.begin(), picture.rgba.end()), {}};
       if (options.depth) out.depth = std::move(picture.depth);
       writePicture(name, options, std::move(out));
     }

@@ -8,6 +8,7 @@
 namespace gxy {
 
 /// Renders every picture with the reference renderer, on this process alone.
-void renderWithReference(const State& state, const std::string& directory, const RenderOptions& options, bool progress);
+void renderWithReference(const State& state, const std::string& directory, const RenderOptions& options,
+                         bool progress);
 
 }  // namespace gxy

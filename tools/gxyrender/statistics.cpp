@@ -17,10 +17,12 @@ double wallSeconds() {
 double cpuSeconds() {
   rusage u{};
   getrusage(RUSAGE_SELF, &u);
-  return double(u.ru_utime.tv_sec + u.ru_stime.tv_sec) + 1e-6 * double(u.ru_utime.tv_usec + u.ru_stime.tv_usec);
+  return double(u.ru_utime.tv_sec + u.ru_stime.tv_sec) +
+         1e-6 * double(u.ru_utime.tv_usec + u.ru_stime.tv_usec);
 }
 
-nlohmann::json statisticsOf(const Renderer::Counters& c, const Transport::Counters& t, const Phases& p, const Ledger& ledger) {
+nlohmann::json statisticsOf(const Renderer::Counters& c, const Transport::Counters& t, const Phases& p,
+                            const Ledger& ledger) {
   const TraceCounters& k = c.trace;
   const ProcessBytes process = processBytes();
   nlohmann::json memory = nlohmann::json::object();
@@ -55,7 +57,11 @@ nlohmann::json statisticsOf(const Renderer::Counters& c, const Transport::Counte
             {"integrate", 1e-9 * double(k.nsIntegrate)},
             {"shade and route", 1e-9 * double(k.nsShade)}}},
           {"seconds",
-           {{"load", p.load}, {"compile", p.compile}, {"render", p.render}, {"total", p.total}, {"cpu render", p.cpuRender}}},
+           {{"load", p.load},
+            {"compile", p.compile},
+            {"render", p.render},
+            {"total", p.total},
+            {"cpu render", p.cpuRender}}},
           {"memory",
            {{"ledger", memory},
             {"ledger total", ledger.total()},
@@ -64,7 +70,8 @@ nlohmann::json statisticsOf(const Renderer::Counters& c, const Transport::Counte
             {"process peak", process.peakResident}}}};
 }
 
-void writeStatistics(const std::string& path, const nlohmann::json& run, const std::vector<nlohmann::json>& ranks) {
+void writeStatistics(const std::string& path, const nlohmann::json& run,
+                     const std::vector<nlohmann::json>& ranks) {
   std::ofstream out(path);
   out << nlohmann::json{{"run", run}, {"ranks", ranks}}.dump(2) << '\n';
   if (!out.flush()) throw Error(path + ": cannot be written");

@@ -20,10 +20,11 @@ double wallSeconds();
 double cpuSeconds();
 
 /// Counters of this rank.
-nlohmann::json statisticsOf(const Renderer::Counters& counters, const Transport::Counters& transport, const Phases& phases,
-                            const Ledger& ledger);
+nlohmann::json statisticsOf(const Renderer::Counters& counters, const Transport::Counters& transport,
+                            const Phases& phases, const Ledger& ledger);
 
 /// Writes {"run": ..., "ranks": [...]}. Throws Error when the file cannot be written.
-void writeStatistics(const std::string& path, const nlohmann::json& run, const std::vector<nlohmann::json>& ranks);
+void writeStatistics(const std::string& path, const nlohmann::json& run,
+                     const std::vector<nlohmann::json>& ranks);
 
 }  // namespace gxy
