@@ -102,15 +102,15 @@ FN void stepMacroWalk(VolumeRay r, INOUT(MacroWalk) w) {
 
 struct Radiance {
   vec3 rgb;  // accumulated, premultiplied
-  real T;    // transmittance
+  real A;    // opacity, 1 - transmittance: a float near 1 would lose what thin segments take away
 };
 
 FN void addSegment(INOUT(Radiance) L, real tau, vec3 c) {
-  real w = L.T * oneMinusExp(tau);
+  real w = (R(1.0) - L.A) * oneMinusExp(tau);
   L.rgb.x += w * c.x;
   L.rgb.y += w * c.y;
   L.rgb.z += w * c.z;
-  L.T -= w;
+  L.A += w;
 }
 
 // What bounds the work of one partition on one ray: segments that end in (tIn, tOut], from tStart (the ray's last

@@ -212,7 +212,7 @@ typename Kernels<Real>::Ray rayIn(const View<Real>& view, const RaySpec& r) {
 
 template <class Real>
 struct March {
-  typename Kernels<Real>::Radiance L{{0, 0, 0}, 1};
+  typename Kernels<Real>::Radiance L{{0, 0, 0}, 0};
   typename Kernels<Real>::Count count{0, 0, 0};
 };
 

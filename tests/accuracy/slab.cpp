@@ -53,8 +53,8 @@ void expectBeerLambert(double absolute, double relative) {
       const double expected = -std::expm1(-s.sigma * chord(ray, s.field));
       const auto m = march<Real>(view, ray);
       const double bound = std::max(absolute, relative * expected);
-      worst = std::max(worst, std::abs(1 - double(m.L.T) - expected) / bound);
-      EXPECT_NEAR(1 - double(m.L.T), expected, bound) << "scene " << scene << " samples " << m.count.samples;
+      worst = std::max(worst, std::abs(double(m.L.A) - expected) / bound);
+      EXPECT_NEAR(double(m.L.A), expected, bound) << "scene " << scene << " samples " << m.count.samples;
       EXPECT_NEAR(double(m.L.rgb.x), expected, bound) << "scene " << scene << " samples " << m.count.samples;
       reached += expected > 0;
     }

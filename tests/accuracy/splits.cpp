@@ -42,8 +42,8 @@ void expectSameBits(MapShape shape) {
       const Real tMin = random.below(3) ? Real(0) : Real(0.05), tStop = random.below(4) ? Real(1e30) : Real(random.in(0, 2));
       const auto whole = march<Real>(view, ray, tMin, {}, tStop);
       const auto split = march<Real>(view, ray, tMin, randomCuts<Real>(random, ray, 2), tStop);
-      marched += whole.L.T < 1;
-      different += whole.L.T != split.L.T || whole.L.rgb != split.L.rgb || whole.count.samples != split.count.samples;
+      marched += whole.L.A > 0;
+      different += whole.L.A != split.L.A || whole.L.rgb != split.L.rgb || whole.count.samples != split.count.samples;
     }
   }
   EXPECT_EQ(different, 0);
