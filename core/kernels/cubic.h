@@ -38,8 +38,8 @@ FN real refineRoot(Bernstein b, real lo, real hi, real fLo, real fHi) {
   return u;
 }
 
-// What a root has to obey to be a hit: t in [tIn, tOut), t > tAfter. `entry`: the cell is the first of the ray, so a
-// value of exactly 0 at its start is a hit; elsewhere that was the end of the cell before (a plateau is hit once, where
+// What a root has to obey to be a hit: t in [tIn, tOut), t > tAfter. `entry`: the ray comes from no cell with data, so
+// a value of exactly 0 at its start is a hit; elsewhere that was the end of the cell before (a plateau is hit once, where
 // the ray enters it). `from` != 0: only crossings that leave the side of that sign count (a ray that starts on the
 // surface must not meet it again through rounding).
 struct RootQuery {

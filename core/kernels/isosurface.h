@@ -40,6 +40,14 @@ FN real crossedFraction(bool crossed, int side, real p, int cell) {
   return crossed ? toReal(side) : clamp1(f, R(0.0), R(1.0));
 }
 
+// Whether the block holds the cell, and all its corners are finite.
+FN bool cellHoldsData(VOLUME v, ivec3 c) {
+  bool inside = c.x >= v.firstX && c.y >= v.firstY && c.z >= v.firstZ && c.x < v.lastX && c.y < v.lastY && c.z < v.lastZ;
+  bool holds = false;
+  if (inside) holds = holdsData(cellCorners(v, c));
+  return holds;
+}
+
 FN IsoHit firstIsosurface(VOLUME v, VolumeRay r, real tIn, real tOut, real tAfter, IsoStart start,
                           INOUT(int) cellsVisited, INOUT(int) macrocellsSkipped) {
   IsoHit hit;
@@ -97,9 +105,15 @@ FN IsoHit firstIsosurface(VOLUME v, VolumeRay r, real tIn, real tOut, real tAfte
           query.tIn = tIn;
           query.tOut = min(tOut, hit.t);
           query.tAfter = tAfter;
-          query.entry = ta <= r.t0;
           query.from = start.index == i ? start.from : 0;
-          real th = firstRoot(bernsteinAlong(k, p, q, iso), ta, tb, query);
+          Bernstein b = bernsteinAlong(k, p, q, iso);
+          query.entry = ta <= r.t0;
+          if (!query.entry && b.b0 == R(0.0)) {
+            query.entry = !cellHoldsData(v, make_i3(near.x >= ta ? c.x + 1 - up.x - up.x : c.x,
+                                                    near.y >= ta ? c.y + 1 - up.y - up.y : c.y,
+                                                    near.z >= ta ? c.z + 1 - up.z - up.z : c.z));
+          }
+          real th = firstRoot(b, ta, tb, query);
           if (th < hit.t) {
             hit.t = th;
             hit.index = i;

@@ -33,11 +33,11 @@ FN VolumeRay volumeRay(VOLUME v, vec3 o, vec3 d, real clip0, real clip1) {
   return r;
 }
 
+// The cell of the local block at p. Only rounding can put p outside the block: its ghosts reach as far as segments do.
 FN ivec3 cellAt(VOLUME v, vec3 p) {
-  ivec3 n = gridCells(v);
-  return make_i3(toInt(clamp1(floor(p.x), R(0.0), toReal(n.x - 1))),
-                 toInt(clamp1(floor(p.y), R(0.0), toReal(n.y - 1))),
-                 toInt(clamp1(floor(p.z), R(0.0), toReal(n.z - 1))));
+  return make_i3(toInt(clamp1(floor(p.x), toReal(v.firstX), toReal(v.lastX - 1))),
+                 toInt(clamp1(floor(p.y), toReal(v.firstY), toReal(v.lastY - 1))),
+                 toInt(clamp1(floor(p.z), toReal(v.firstZ), toReal(v.lastZ - 1))));
 }
 
 FN vec3 fractionIn(ivec3 c, vec3 p) {
