@@ -43,66 +43,76 @@ FN void meanAlong(VOLUME v, real s0, real s1, OUT(real) sigma, OUT(vec3) source)
   source = make_v3(s.x * inverse, s.y * inverse, s.z * inverse);
 }
 
+// One loop, an iteration a segment: rays of a gang enter macrocells at different times and still sample together.
 FN void integrateVolume(VOLUME v, VolumeRay r, MarchRange m, INOUT(Radiance) L, INOUT(MarchCount) n) {
   real end = min(r.t1, m.tStop);
   real t = max(max(m.tIn, m.tStart), r.t0);
   if (!(t < min(end, m.tOut)) || R(1.0) - L.A < m.tMin) return;
   MacroWalk w = startMacroWalk(v, r, t);
-  bool go = true;
+  real tb = w.t, dt = R(0.0);       // end of the macrocell, length of its segments
+  real i = R(0.0), count = R(0.0);  // segment, and their number
+  real a = t, s0 = R(0.0);          // start of the segment, and the value there (pieces)
+  bool pieces = false, first = true, go = true;
   while (go) {
-    int plan = planOf(v, w.m);
-    real tb = min(min3(w.far), r.t1);
-    if (plan == 0) {
-      n.skipped += 1;
-    } else if (tb > w.t) {
-      n.macrocells += 1;
-      real span = tb - w.t;
-      real count = max(ceil(span * r.cells * planRate(v, plan & PLAN_LEVEL)), R(1.0));
-      real dt = span / count;
-      real i = R(0.0);
-      if (w.t < t) {  // the first macrocell: segments that ended before t were somebody else's
-        i = clamp1(floor((t - w.t) / dt), R(0.0), count - R(1.0));
-        while (i > R(0.0) && w.t + i * dt > t) i -= R(1.0);
-        while (i < count - R(1.0) && w.t + (i + R(1.0)) * dt <= t) i += R(1.0);
+    while (go && i >= count) {  // on to a macrocell that has segments
+      if (first) {
+        first = false;
+      } else if (tb >= end || tb >= m.tOut) {
+        go = false;
+      } else {
+        stepMacroWalk(r, w);
       }
-      bool pieces = (plan & PLAN_PIECES) != 0;
-      real a = max(i > R(0.0) ? w.t + i * dt : w.t, m.tStart);
-      real s0 = R(0.0);
-      if (pieces) s0 = sampleAt(v, pointAt(r.g, a));
-      while (go && i < count) {
-        i += R(1.0);
-        real b = min(i < count ? w.t + i * dt : tb, m.tStop);
-        if (b > m.tOut) {
-          go = false;  // the next partition's
-        } else {
-          n.samples += 1;
-          real length = b - a;
-          if (pieces) {
-            real s1 = sampleAt(v, pointAt(r.g, b)), sigma;
-            vec3 source;
-            if ((s0 - s0) + (s1 - s1) == R(0.0)) {
-              meanAlong(v, s0, s1, sigma, source);
-              if (sigma > R(0.0)) {
-                real inverse = R(1.0) / sigma;
-                addSegment(L, sigma * length,
-                           make_v3(source.x * inverse, source.y * inverse, source.z * inverse));
-              }
-            }
-            s0 = s1;
-          } else {
-            real s = sampleAt(v, pointAt(r.g, R(0.5) * (a + b)));
-            if (s - s == R(0.0)) {
-              MapPlace p = mapPlace(v, s);
-              real sigma = sigmaAt(v, p);
-              if (sigma > R(0.0)) addSegment(L, sigma * length, colorAt(v, p));
-            }
-          }
-          a = b;
-          if (b >= end || R(1.0) - L.A < m.tMin) go = false;
+      int plan = 0;
+      if (go) plan = planOf(v, w.m);
+      tb = min(min3(w.far), r.t1);
+      i = R(0.0);
+      count = R(0.0);
+      if (go) n.skipped += 1;
+      real span = tb - w.t;
+      if (plan != 0 && span > R(0.0)) {
+        n.macrocells += 1;
+        n.skipped -= 1;
+        count = max(ceil(span * r.cells * planRate(v, plan & PLAN_LEVEL)), R(1.0));
+        dt = span / count;
+        if (w.t < t) {  // the first macrocell: segments that ended before t were somebody else's
+          i = clamp1(floor((t - w.t) / dt), R(0.0), count - R(1.0));
+          while (i > R(0.0) && w.t + i * dt > t) i -= R(1.0);
+          while (i < count - R(1.0) && w.t + (i + R(1.0)) * dt <= t) i += R(1.0);
         }
+        a = max(i > R(0.0) ? w.t + i * dt : w.t, m.tStart);
+        pieces = (plan & PLAN_PIECES) != 0;
+        if (pieces) s0 = sampleAt(v, pointAt(r.g, a));
       }
     }
-    if (tb >= end || tb >= m.tOut) go = false;
-    if (go) stepMacroWalk(r, w);
+    if (go) {
+      i += R(1.0);
+      real b = min(i < count ? w.t + i * dt : tb, m.tStop);
+      if (b > m.tOut) {
+        go = false;  // the next partition's
+      } else {
+        n.samples += 1;
+        real length = b - a;
+        real s = sampleAt(v, pointAt(r.g, pieces ? b : R(0.5) * (a + b)));
+        if (pieces) {
+          if ((s0 - s0) + (s - s) == R(0.0)) {
+            real sigma;
+            vec3 source;
+            meanAlong(v, s0, s, sigma, source);
+            if (sigma > R(0.0)) {
+              real inverse = R(1.0) / sigma;
+              addSegment(L, sigma * length,
+                         make_v3(source.x * inverse, source.y * inverse, source.z * inverse));
+            }
+          }
+          s0 = s;
+        } else if (s - s == R(0.0)) {
+          MapPlace p = mapPlace(v, s);
+          real sigma = sigmaAt(v, p);
+          if (sigma > R(0.0)) addSegment(L, sigma * length, colorAt(v, p));
+        }
+        a = b;
+        if (b >= end || R(1.0) - L.A < m.tMin) go = false;
+      }
+    }
   }
 }
