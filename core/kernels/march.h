@@ -43,7 +43,73 @@ FN void meanAlong(VOLUME v, real s0, real s1, OUT(real) sigma, OUT(vec3) source)
   source = make_v3(s.x * inverse, s.y * inverse, s.z * inverse);
 }
 
-// One loop, an iteration a segment: rays of a gang enter macrocells at different times and still sample together.
+// The first of `count` segments of length dt from `begin` on that ends behind t.
+FN real segmentBehind(real t, real begin, real dt, real count) {
+  real i = clamp1(floor((t - begin) / dt), R(0.0), count - R(1.0));
+  while (i > R(0.0) && begin + i * dt > t) i -= R(1.0);
+  while (i < count - R(1.0) && begin + (i + R(1.0)) * dt <= t) i += R(1.0);
+  return i;
+}
+
+// PLAN_PIECES: the macrocell between tEnter and tb cell by cell, since the value kinks at faces, each cell in equal
+// segments along which the value is taken as linear and the map is integrated exactly. Clears `go` where the march ends.
+FN void integratePieces(VOLUME v, VolumeRay r, MarchRange m, real t, real tEnter, real tb, real rate, real end,
+                        INOUT(Radiance) L, INOUT(MarchCount) n, INOUT(bool) go) {
+  real from = max(tEnter, t);
+  ivec3 cells = gridCells(v);
+  ivec3 c = make_i3(locateCell(from, r.g.po.x, r.g.pd.x, r.g.rpd.x, cells.x),
+                    locateCell(from, r.g.po.y, r.g.pd.y, r.g.rpd.y, cells.y),
+                    locateCell(from, r.g.po.z, r.g.pd.z, r.g.rpd.z, cells.z));
+  vec3 near = make_v3(planeCrossing(nearPlane(c.x, r.g.rpd.x), r.g.po.x, r.g.rpd.x),
+                      planeCrossing(nearPlane(c.y, r.g.rpd.y), r.g.po.y, r.g.rpd.y),
+                      planeCrossing(nearPlane(c.z, r.g.rpd.z), r.g.po.z, r.g.rpd.z));
+  real ta = max(max3(near), tEnter);
+  bool inside = true;
+  while (go && inside) {
+    vec3 far = make_v3(planeCrossing(farPlane(c.x, r.g.rpd.x), r.g.po.x, r.g.rpd.x),
+                       planeCrossing(farPlane(c.y, r.g.rpd.y), r.g.po.y, r.g.rpd.y),
+                       planeCrossing(farPlane(c.z, r.g.rpd.z), r.g.po.z, r.g.rpd.z));
+    real exit = min3(far);
+    real tc = min(exit, tb);
+    Corners k = cellCorners(v, c);
+    if (tc > ta && holdsData(k)) {
+      real span = tc - ta;
+      real count = max(ceil(span * r.cells * rate), R(1.0));
+      real dt = span / count;
+      real i = R(0.0);
+      if (ta < t) i = segmentBehind(t, ta, dt, count);
+      real a = max(i > R(0.0) ? ta + i * dt : ta, m.tStart);
+      real s0 = valueIn(k, c, pointAt(r.g, a));
+      while (go && i < count) {
+        i += R(1.0);
+        real b = min(i < count ? ta + i * dt : tc, m.tStop);
+        if (b > m.tOut) {
+          go = false;  // the next partition's
+        } else {
+          n.samples += 1;
+          real s1 = valueIn(k, c, pointAt(r.g, b)), sigma;
+          vec3 source;
+          meanAlong(v, s0, s1, sigma, source);
+          if (sigma > R(0.0)) {
+            real inverse = R(1.0) / sigma;
+            addSegment(L, sigma * (b - a), make_v3(source.x * inverse, source.y * inverse, source.z * inverse));
+          }
+          a = b;
+          s0 = s1;
+          if (b >= end || R(1.0) - L.A < m.tMin) go = false;
+        }
+      }
+    }
+    if (tc >= end || tc >= m.tOut) go = false;
+    inside = exit < tb;
+    if (far.x <= exit) c.x += r.g.rpd.x < R(0.0) ? -1 : 1;
+    if (far.y <= exit) c.y += r.g.rpd.y < R(0.0) ? -1 : 1;
+    if (far.z <= exit) c.z += r.g.rpd.z < R(0.0) ? -1 : 1;
+    ta = exit;
+  }
+}
+
+// One loop, an iteration a midpoint segment: rays of a gang enter macrocells at different times and still sample together.
 FN void integrateVolume(VOLUME v, VolumeRay r, MarchRange m, INOUT(Radiance) L, INOUT(MarchCount) n) {
   real end = min(r.t1, m.tStop);
   real t = max(max(m.tIn, m.tStart), r.t0);
@@ -51,8 +117,8 @@ FN void integrateVolume(VOLUME v, VolumeRay r, MarchRange m, INOUT(Radiance) L, 
   MacroWalk w = startMacroWalk(v, r, t);
   real tb = w.t, dt = R(0.0);       // end of the macrocell, length of its segments
   real i = R(0.0), count = R(0.0);  // segment, and their number
-  real a = t, s0 = R(0.0);          // start of the segment, and the value there (pieces)
-  bool pieces = false, first = true, go = true;
+  real a = t;                       // start of the segment
+  bool first = true, go = true;
   while (go) {
     while (go && i >= count) {  // on to a macrocell that has segments
       if (first) {
@@ -63,25 +129,25 @@ FN void integrateVolume(VOLUME v, VolumeRay r, MarchRange m, INOUT(Radiance) L, 
         stepMacroWalk(r, w);
       }
       int plan = 0;
-      if (go) plan = planOf(v, w.m);
+      if (go) {
+        plan = planOf(v, w.m);
+        n.skipped += plan == 0 ? 1 : 0;
+      }
       tb = min(min3(w.far), r.t1);
       i = R(0.0);
       count = R(0.0);
-      if (go) n.skipped += 1;
       real span = tb - w.t;
       if (plan != 0 && span > R(0.0)) {
         n.macrocells += 1;
-        n.skipped -= 1;
-        count = max(ceil(span * r.cells * planRate(v, plan & PLAN_LEVEL)), R(1.0));
-        dt = span / count;
-        if (w.t < t) {  // the first macrocell: segments that ended before t were somebody else's
-          i = clamp1(floor((t - w.t) / dt), R(0.0), count - R(1.0));
-          while (i > R(0.0) && w.t + i * dt > t) i -= R(1.0);
-          while (i < count - R(1.0) && w.t + (i + R(1.0)) * dt <= t) i += R(1.0);
+        real rate = planRate(v, plan & PLAN_LEVEL);
+        if ((plan & PLAN_PIECES) != 0) {
+          integratePieces(v, r, m, t, w.t, tb, rate, end, L, n, go);
+        } else {
+          count = max(ceil(span * r.cells * rate), R(1.0));
+          dt = span / count;
+          if (w.t < t) i = segmentBehind(t, w.t, dt, count);  // those before were somebody else's
+          a = max(i > R(0.0) ? w.t + i * dt : w.t, m.tStart);
         }
-        a = max(i > R(0.0) ? w.t + i * dt : w.t, m.tStart);
-        pieces = (plan & PLAN_PIECES) != 0;
-        if (pieces) s0 = sampleAt(v, pointAt(r.g, a));
       }
     }
     if (go) {
@@ -91,24 +157,11 @@ FN void integrateVolume(VOLUME v, VolumeRay r, MarchRange m, INOUT(Radiance) L, 
         go = false;  // the next partition's
       } else {
         n.samples += 1;
-        real length = b - a;
-        real s = sampleAt(v, pointAt(r.g, pieces ? b : R(0.5) * (a + b)));
-        if (pieces) {
-          if ((s0 - s0) + (s - s) == R(0.0)) {
-            real sigma;
-            vec3 source;
-            meanAlong(v, s0, s, sigma, source);
-            if (sigma > R(0.0)) {
-              real inverse = R(1.0) / sigma;
-              addSegment(L, sigma * length,
-                         make_v3(source.x * inverse, source.y * inverse, source.z * inverse));
-            }
-          }
-          s0 = s;
-        } else if (s - s == R(0.0)) {
+        real s = sampleAt(v, pointAt(r.g, R(0.5) * (a + b)));
+        if (s - s == R(0.0)) {
           MapPlace p = mapPlace(v, s);
           real sigma = sigmaAt(v, p);
-          if (sigma > R(0.0)) addSegment(L, sigma * length, colorAt(v, p));
+          if (sigma > R(0.0)) addSegment(L, sigma * (b - a), colorAt(v, p));
         }
         a = b;
         if (b >= end || R(1.0) - L.A < m.tMin) go = false;

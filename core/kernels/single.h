@@ -26,6 +26,7 @@ namespace gxy::single {
 #undef RAW
 #undef BYTE
 #undef OFFSET
+#undef FN_OUTLINE
 #undef NO_HIT
 #undef ROOT_ITERATIONS
 #undef ROOT_TOLERANCE

@@ -28,6 +28,7 @@ namespace gxy::twin {
 #undef RAW
 #undef BYTE
 #undef OFFSET
+#undef FN_OUTLINE
 #undef NO_HIT
 #undef ROOT_ITERATIONS
 #undef ROOT_TOLERANCE

@@ -49,14 +49,18 @@ FN vec3 pointAt(GridRay g, real t) {
   return make_v3(g.po.x + t * g.pd.x, g.po.y + t * g.pd.y, g.po.z + t * g.pd.z);
 }
 
-// The trilinear value at p; NaN in a no-data cell.
-FN real sampleAt(VOLUME v, vec3 p) {
-  ivec3 c = cellAt(v, p);
-  Corners k = cellCorners(v, c);
+// The value at p in cell c, with corners k.
+FN real valueIn(Corners k, ivec3 c, vec3 p) {
   vec3 f = make_v3(p.x - toReal(c.x), p.y - toReal(c.y), p.z - toReal(c.z));
   real a = lerp1(k.v000, k.v100, f.x), b = lerp1(k.v010, k.v110, f.x);
   real e = lerp1(k.v001, k.v101, f.x), g = lerp1(k.v011, k.v111, f.x);
   return lerp1(lerp1(a, b, f.y), lerp1(e, g, f.y), f.z);
+}
+
+// The trilinear value at p; NaN in a no-data cell.
+FN real sampleAt(VOLUME v, vec3 p) {
+  ivec3 c = cellAt(v, p);
+  return valueIn(cellCorners(v, c), c, p);
 }
 
 struct MacroWalk {

@@ -87,10 +87,12 @@ FN vec3 mapSumColor(VOLUME v, int k) {
 // The scalar of point i of the block, whatever the stored type.
 #if defined(ISPC)
 #define OFFSET int64
+#define FN_OUTLINE static noinline
 #else
+#define FN_OUTLINE inline
 #define OFFSET std::int64_t
 #endif
-FN real storedAt(VOLUME v, OFFSET i) {
+FN_OUTLINE real storedAt(VOLUME v, OFFSET i) {
 #if defined(ISPC)
   if (v.kind == SAMPLE_F32) return ((const uniform float* uniform)v.samples)[i];
   if (v.kind == SAMPLE_U8) return (float)((const uniform unsigned int8* uniform)v.samples)[i];
@@ -105,7 +107,7 @@ FN real storedAt(VOLUME v, OFFSET i) {
   return real(static_cast<const std::int16_t*>(v.samples)[i]);
 #endif
 }
-FN real scalarAt(VOLUME v, OFFSET i) {
+FN_OUTLINE real scalarAt(VOLUME v, OFFSET i) {
   if (v.component >= 0) return storedAt(v, i * v.stride + v.component);
   real s = R(0.0);
   for (UNIFORM int c = 0; c < v.stride; c++) {
@@ -119,6 +121,22 @@ FN real scalarAt(VOLUME v, OFFSET i) {
 FN real pointValue(VOLUME v, ivec3 p) {
   OFFSET row = ((OFFSET)(p.z - v.firstZ) * v.ny + (p.y - v.firstY));
   return scalarAt(v, row * v.nx + (p.x - v.firstX));
+}
+
+// Any stored type, several components, blocks over 2^31 bytes. Out of line: the common case stays small.
+FN_OUTLINE Corners cellCornersOfAny(VOLUME v, ivec3 c) {
+  Corners k;
+  OFFSET b = ((OFFSET)(c.z - v.firstZ) * v.ny + (c.y - v.firstY)) * v.nx + (c.x - v.firstX);
+  OFFSET h = b + (OFFSET)v.nx * v.ny;
+  k.v000 = scalarAt(v, b);
+  k.v100 = scalarAt(v, b + 1);
+  k.v010 = scalarAt(v, b + v.nx);
+  k.v110 = scalarAt(v, b + v.nx + 1);
+  k.v001 = scalarAt(v, h);
+  k.v101 = scalarAt(v, h + 1);
+  k.v011 = scalarAt(v, h + v.nx);
+  k.v111 = scalarAt(v, h + v.nx + 1);
+  return k;
 }
 
 // The eight corner values of a cell that the block holds.
@@ -141,16 +159,7 @@ FN Corners cellCorners(VOLUME v, ivec3 c) {
     k.v011 = s[h + v.nx];
     k.v111 = s[h + v.nx + 1];
   } else {
-    OFFSET b = ((OFFSET)(c.z - v.firstZ) * v.ny + (c.y - v.firstY)) * v.nx + (c.x - v.firstX);
-    OFFSET h = b + (OFFSET)v.nx * v.ny;
-    k.v000 = scalarAt(v, b);
-    k.v100 = scalarAt(v, b + 1);
-    k.v010 = scalarAt(v, b + v.nx);
-    k.v110 = scalarAt(v, b + v.nx + 1);
-    k.v001 = scalarAt(v, h);
-    k.v101 = scalarAt(v, h + 1);
-    k.v011 = scalarAt(v, h + v.nx);
-    k.v111 = scalarAt(v, h + v.nx + 1);
+    k = cellCornersOfAny(v, c);
   }
   return k;
 }

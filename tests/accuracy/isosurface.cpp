@@ -253,22 +253,29 @@ void startRays(const Field& f, float iso, uint64_t seed, int rays, int& started,
     const Hit hit = firstHit(view, ray);
     if (!(hit.t < 1e30f) || hit.t == ray.t0) continue;
     const glm::vec3 point = glm::vec3(spec.o) + hit.t * glm::vec3(spec.d);
-    glm::vec3 normal = single::unit3(gradientAt(*view, pointAt(ray.g, hit.t)));
+    const glm::dvec3 at(pointAt(ray.g, hit.t));
+    const IndexRay first = indexRay(ray, f);
+    glm::vec3 normal(glm::normalize(Cell(f, first, hit.t, hit.t).gradient(at) / f.grid.spacing));
     const bool outside = glm::dot(normal, glm::vec3(spec.d)) < 0;  // it came from the side of larger values
     if (!outside) normal = -normal;
     const single::IsoStart start{0, outside ? 1 : -1};
     const glm::vec3 origin = single::offsetOrigin(point, normal, 0.5f);
     glm::dvec3 d = random.direction();
     if (glm::dot(d, glm::dvec3(normal)) < 0) d = -d;
-    if (glm::dot(d, glm::dvec3(normal)) < 0.02) continue;  // so grazing that the smooth normal's side is not the surface's
+    if (glm::dot(d, glm::dvec3(normal)) < 0.02) continue;  // grazing: a curved surface may truly be met again
     const auto second = rayIn(view, {origin, d});
     const IndexRay exact = indexRay(second, f);
     const double cells = glm::length(exact.d);
+    // in a crease between cells the ray may go straight into the neighbour's part of the surface
+    const glm::dvec3 ahead = Cell(f, exact, 0, 2e-3 / cells).gradient(exact.o) / f.grid.spacing;
+    if (glm::dot(ahead, d) * (outside ? 1 : -1) < 0.02 * glm::length(ahead)) continue;
     const Hit next = firstHit(view, second, 0, 1e30f, -1, start);
     started++;
-    again += next.t * cells < 1e-2;
     // what it should meet: the first crossing in double that leaves the side on which it starts
     double expected = 1e30;
+    bool real = false;  // the surface bends so much that it is met again within a hundredth of a cell
+    for (const Root& r : rootsAlong(f, exact, iso)) real = real || (r.rising == !outside && r.t * cells > 1e-4 && std::abs(r.t - next.t) * cells < 1e-3);
+    again += next.t * cells < 1e-2 && !real;
     for (const Root& r : rootsAlong(f, exact, iso))
       if (r.rising == !outside && r.t * cells > 1e-2 && std::abs(r.slope) > 1e-3 * r.range) {
         expected = r.t;

@@ -78,6 +78,16 @@ struct Cell {
     return mix(mix(mix(corner[0], corner[1], x), mix(corner[2], corner[3], x), y),
                mix(mix(corner[4], corner[5], x), mix(corner[6], corner[7], x), y), z);
   }
+  /// Of the trilinear field, per cell.
+  glm::dvec3 gradient(glm::dvec3 p) const {
+    glm::dvec3 g;
+    for (int k = 0; k < 3; k++) {
+      glm::dvec3 lo = p, hi = p;
+      lo[k] = double(index[size_t(k)]), hi[k] = lo[k] + 1;
+      g[k] = at(hi) - at(lo);
+    }
+    return g;
+  }
 };
 
 /// Roots of field - iso along the ray, ascending: of each cell's cubic, split at its extrema, by bisection.

@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: Apache-2.0
+// Maps as the kernels evaluate them, against their definition in double.
+#include "maps.h"
+
+#include <gtest/gtest.h>
+
+#include "gxy/scene/colormaps.h"
+
+namespace gxy::test {
+namespace {
+
+// Up to 12 points anywhere in [0, 1], some at one value (a step, or a peak of no width), some only one.
+Maps wildMaps(Random& random) {
+  Maps m;
+  auto values = [&] {
+    std::vector<double> v;
+    for (int n = 1 + random.below(6); n > 0; n--) {
+      v.push_back(random.unit());
+      for (int same = random.below(4) == 0 ? 1 + random.below(2) : 0; same > 0; same--) v.push_back(v.back());
+    }
+    std::sort(v.begin(), v.end());
+    return v;
+  };
+  for (double v : values()) m.color.points.push_back({v, random.point(0, 1)});
+  for (double v : values()) m.opacity.points.push_back({v, random.below(5) ? random.in(0, 0.95) : double(random.below(2))});
+  m.opacity.extinction = random.below(4) == 0;
+  return m;
+}
+
+// The smallest distance to a control point.
+double clearance(const Maps& m, double v) {
+  double d = 1;
+  for (const auto& p : m.color.points) d = std::min(d, std::abs(p.value - v));
+  for (const auto& p : m.opacity.points) d = std::min(d, std::abs(p.value - v));
+  return d;
+}
+
+Field anyField() {
+  return makeField(gridOf({2, 2, 2}), [](int64_t, int64_t, int64_t, int) { return 0.5; });
+}
+
+template <class Real>
+void expectDefinition(double rounding) {
+  Random random(51);
+  const Field f = anyField();
+  double worst = 0;
+  for (int i = 0; i < 400; i++) {
+    const Maps m = wildMaps(random);
+    const double perT = 50;
+    Shown shown;
+    shown.map = CompiledMap(m.color, &m.opacity, MapUnits{0, 1, 2, 2 / perT});
+    shown.plan = evenPlan(f, 0);
+    const View<Real> view(f, shown);
+    for (int k = 0; k < 100; k++) {
+      const double v = double(float(random.in(-0.5, 1.5)));
+      if (clearance(m, v) < 1e-3) continue;
+      const double x = evaluate(m.opacity, v);
+      if (!m.opacity.extinction && x > 1 - 1e-4 && x < 1) continue;
+      const auto p = mapPlace(*view, Real(v));
+      const double sigma = double(sigmaAt(*view, p));
+      if (m.opacity.extinction) EXPECT_NEAR(sigma, 2 * x, rounding * 2) << v;
+      else if (x == 1) EXPECT_GE(sigma, 1e10);
+      else {
+        const double expected = -std::log1p(-x) * perT;
+        worst = std::max(worst, std::abs(sigma - expected) / (expected + rounding * perT));
+        // steep parts move with the rounding of their nodes
+        EXPECT_NEAR(sigma, expected, 2e-4 * expected + 10 * rounding * perT / (1 - x)) << v;
+      }
+      const auto c = colorAt(*view, p);
+      const glm::dvec3 rgb = evaluate(m.color, v);
+      for (int a = 0; a < 3; a++) EXPECT_NEAR(double(c[a]), rgb[a], 10 * rounding) << v;
+    }
+  }
+  testing::Test::RecordProperty("worstRelative", std::to_string(worst));
+}
+
+TEST(Maps, KernelsEvaluateTheDefinition) { expectDefinition<float>(1e-4); }
+TEST(Maps, KernelsEvaluateTheDefinitionInTheTwin) { expectDefinition<double>(1e-4); }
+
+TEST(Maps, EvenMapsOf256PointsNeedNoSearch) {
+  Random random(52);
+  const Maps m{randomColors(random, 256), OpacityMap{true, {{0, 1}}}};
+  Shown shown;
+  shown.map = CompiledMap(m.color, &m.opacity, {});
+  EXPECT_EQ(shown.map.uniform, 255);
+  const Field f = anyField();
+  shown.plan = evenPlan(f, 0);
+  const View<float> view(f, shown);
+  for (int k = 0; k < 20000; k++) {
+    const float v = float(random.in(-0.2, 1.2));
+    const auto c = colorAt(*view, mapPlace(*view, v));
+    const glm::dvec3 rgb = evaluate(m.color, v);
+    for (int a = 0; a < 3; a++) EXPECT_NEAR(double(c[a]), rgb[a], 1e-4) << v;
+  }
+}
+
+TEST(Maps, MeanAlongIsTheIntegralOverTheValues) {
+  Random random(53);
+  const Field f = anyField();
+  for (int i = 0; i < 150; i++) {
+    const Maps m = wildMaps(random);
+    if (!m.opacity.extinction && std::any_of(m.opacity.points.begin(), m.opacity.points.end(), [](auto& p) { return p.opacity == 1; }))
+      continue;
+    Shown shown;
+    shown.map = CompiledMap(m.color, &m.opacity, {});
+    shown.plan = evenPlan(f, 0);
+    const View<float> single(f, shown);
+    const View<double> twin(f, shown);
+    for (int k = 0; k < 20; k++) {
+      const double s0 = double(float(random.in(-0.2, 1.2))), s1 = double(float(random.below(2) ? random.in(-0.2, 1.2) : s0 + random.in(-0.02, 0.02)));
+      double sigma = 0, source = 0;
+      constexpr int kParts = 20000;
+      for (int n = 0; n < kParts; n++) {
+        const auto p = mapPlace(*twin, s0 + (s1 - s0) * (n + 0.5) / kParts);
+        sigma += sigmaAt(*twin, p) / kParts;
+        source += sigmaAt(*twin, p) * colorAt(*twin, p).x / kParts;
+      }
+      float sigmaS;
+      glm::vec3 sourceS;
+      meanAlong(*single, float(s0), float(s1), sigmaS, sourceS);
+      double sigmaT;
+      glm::dvec3 sourceT;
+      meanAlong(*twin, s0, s1, sigmaT, sourceT);
+      EXPECT_NEAR(sigmaT, sigma, 2e-3) << s0 << " " << s1;
+      EXPECT_NEAR(sourceT.x, source, 2e-3) << s0 << " " << s1;
+      EXPECT_NEAR(double(sigmaS), sigmaT, 1e-3 + 2e-6 / std::abs(s1 - s0)) << s0 << " " << s1;
+      EXPECT_NEAR(double(sourceS.x), sourceT.x, 1e-3 + 2e-6 / std::abs(s1 - s0)) << s0 << " " << s1;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace gxy::test

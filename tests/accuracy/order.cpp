@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+// Orders of convergence (Etiene et al. 2014): the error's slope over halved steps and halved spacings.
+#include <gtest/gtest.h>
+
+#include "reference_march.h"
+
+namespace gxy::test {
+namespace {
+
+// Root mean square over rays of the difference from the reference at that rate (segments per cell).
+double marchError(const Field& f, const CompiledMap& map, double rate, bool pieces) {
+  Shown shown;
+  shown.map = map;
+  shown.plan = evenPlan(f, uint8_t(1 | (pieces ? 32 : 0)));
+  shown.rates.fill(float(rate));
+  const View<double> view(f, shown);
+  Random random(61);
+  double sum = 0;
+  constexpr int kRays = 150;
+  for (int i = 0; i < kRays; i++) {
+    const auto ray = rayIn(view, randomRay(random, f));
+    const double d = difference(march<double>(view, ray).L, referenceMarch(f, indexRay(ray, f), map, 64));
+    sum += d * d;
+  }
+  return std::sqrt(sum / kRays);
+}
+
+double fittedOrder(const std::vector<double>& errors) {
+  return std::log2(errors.front() / errors.back()) / double(errors.size() - 1);
+}
+
+TEST(Convergence, MidpointSegmentsAreOfSecondOrderOnSmoothMaps) {
+  const Field f = cube(24, [](glm::dvec3 p) { return 0.5 + 0.4 * std::sin(2 * p.x + p.y) * std::cos(2 * p.z); });
+  const Maps m{{{{0, {1, 0, 0}}, {1, {0, 1, 0.5}}}}, {true, {{-1, 0}, {2, 6}}}};
+  const CompiledMap map = compiled(m, f);
+  std::vector<double> errors;
+  for (double rate : {0.5, 1.0, 2.0, 4.0}) errors.push_back(marchError(f, map, rate, false));
+  EXPECT_GE(fittedOrder(errors), 1.9) << errors.front() << " to " << errors.back();
+}
+
+const Maps kStepped{{{{0, {1, 0, 0}}, {1, {0, 1, 0.5}}}}, {true, {{0, 1}, {0.45, 1}, {0.45, 6}, {0.6, 2}, {0.6, 0}, {1, 0}}}};
+
+double orderOfPieces(const Field& f) {
+  const CompiledMap map = compiled(kStepped, f);
+  std::vector<double> errors;
+  for (double rate : {1.0, 2.0, 4.0, 8.0, 16.0}) errors.push_back(marchError(f, map, rate, true));
+  return fittedOrder(errors);
+}
+
+TEST(Convergence, PiecesAreOfSecondOrderOnSteppedMaps) {
+  EXPECT_GE(orderOfPieces(cube(12, [](glm::dvec3 p) {
+    return 0.5 + 0.2 * p.x + 0.15 * p.y * p.z - 0.2 * p.z * p.x + 0.25 * p.x * p.y * p.z;  // no kink between cells
+  })), 1.9);
+}
+
+// A segment across a face takes the value as linear there: the step of the map is displaced in proportion to its length.
+TEST(Convergence, KinksBetweenCellsLeavePiecesAnOrderOfOneAndAHalf) {
+  EXPECT_GE(orderOfPieces(cube(12, [](glm::dvec3 p) { return 0.5 + 0.4 * std::sin(2 * p.x + p.y) * std::cos(2 * p.z); })), 1.5);
+}
+
+TEST(Convergence, TheFieldIsOfSecondOrderInTheSpacing) {
+  const auto function = [](glm::dvec3 p) { return std::sin(3 * p.x + p.y) * std::cos(2 * p.z - p.y); };
+  std::vector<double> errors;
+  for (int n : {9, 17, 33, 65}) {
+    const Field f = cube(n, function);
+    Shown shown;
+    shown.plan = evenPlan(f, 0);
+    const View<double> view(f, shown);
+    Random random(62);
+    double sum = 0;
+    for (int i = 0; i < 4000; i++) {
+      const glm::dvec3 p = random.point(0, n - 1);
+      const double d = sampleAt(*view, p) - function(2.0 * (f.grid.origin + f.grid.spacing * p));
+      sum += d * d;
+    }
+    errors.push_back(std::sqrt(sum / 4000));
+  }
+  EXPECT_GE(fittedOrder(errors), 1.9);
+}
+
+}  // namespace
+}  // namespace gxy::test
