@@ -307,16 +307,14 @@ class EmbreeScene::Packet {
       c.cells += uint64_t(counts[0]);
       c.isoMacrocellsSkipped += uint64_t(counts[1]);
     }
-    int volumes[kMostVolumes], count = 0;
-    for (int op : scene_.renderedOperators_)
-      if (part_.fields[op].samples) volumes[count++] = op;
-    if (count > 0) {
+    const std::vector<int>& volumes = scene_.renderedOperators_;
+    if (std::any_of(volumes.begin(), volumes.end(), [&](int op) { return part_.fields[op].samples; })) {
       Stopwatch time(c.nsIntegrate);
       int64_t counts[3] = {0, 0, 0};
-      if (scene_.renderedOperators_.size() == 1)
+      if (volumes.size() == 1)
         ispc::integrateRays(&part_.view, &view, n, volumes[0], counts);
       else
-        ispc::integrateMany(&part_.view, &view, n, volumes, count, counts);
+        ispc::integrateMany(&part_.view, &view, n, volumes.data(), int(volumes.size()), counts);
       c.samples += uint64_t(counts[0]);
       c.macrocells += uint64_t(counts[1]);
       c.macrocellsSkipped += uint64_t(counts[2]);
@@ -345,7 +343,7 @@ class EmbreeScene::Packet {
     }
     if (!which.empty()) {
       sums_.assign(4 * which.size(), 0);
-      ispc::settleRays(&view, which.data(), int(which.size()), sums_.data());
+      ispc::settleRays(&part_.view, &view, which.data(), int(which.size()), sums_.data());
       addContributions(view, which, sums_, result_.contributions);
     }
     RayList rest = rays.gather(active);

@@ -96,7 +96,8 @@ static inline void advance(VOLUME v, Cursor& c, int& samples) {
   }
 }
 
-// volumes[0 ... count): the operators that are volume rendered, count <= MANY_VOLUMES.
+// volumes[0 ... count): all operators that are volume rendered, count <= MANY_VOLUMES; those that this partition does
+// not hold, too, as a merged segment may begin where one of them has ended.
 export void integrateMany(const void* uniform scene, void* uniform rays, uniform int n, const uniform int volumes[],
                           uniform int count, uniform int64 counts[]) {
   USE_SCENE(s, scene);
@@ -126,9 +127,17 @@ export void integrateMany(const void* uniform scene, void* uniform rays, uniform
       float begin = 0.0f;
       for (uniform int k = 0; k < count; k++) {
         VOLUME v = s.field[volumes[k]];
-        seek(v, cursor[k], t, samples);
-        float from = cursor[k].b == NO_HIT ? min(cursor[k].ray.t1, t)
-                                           : (cursor[k].index < 0.0f ? 0.0f : (cursor[k].index > 0.0f ? cursor[k].walk.t + cursor[k].index * cursor[k].dt : cursor[k].walk.t));
+        if (v.samples == NULL) {  // not in this partition: all behind it, or all before it
+          cursor[k].b = NO_HIT;
+          cursor[k].sigma = 0.0f;
+          cursor[k].source = make_v3(0.0f, 0.0f, 0.0f);
+        } else {
+          seek(v, cursor[k], t, samples);
+        }
+        float from = 0.0f;
+        if (cursor[k].b == NO_HIT) from = cursor[k].ray.t1 <= t ? cursor[k].ray.t1 : 0.0f;
+        else if (cursor[k].index > 0.0f) from = cursor[k].walk.t + cursor[k].index * cursor[k].dt;
+        else if (cursor[k].index == 0.0f) from = cursor[k].walk.t;
         if (cursor[k].ray.t0 < cursor[k].ray.t1) begin = max(begin, from);
       }
       a = max(begin, tStart);
@@ -154,7 +163,7 @@ export void integrateMany(const void* uniform scene, void* uniform rays, uniform
         if (b >= end || 1.0f - L.A < s.tMin || b >= tOut) go = false;
         for (uniform int k = 0; k < count; k++) {
           VOLUME v = s.field[volumes[k]];
-          if (go && cursor[k].b <= b) advance(v, cursor[k], samples);
+          if (go && cursor[k].b <= b && v.samples != NULL) advance(v, cursor[k], samples);
         }
       }
     }

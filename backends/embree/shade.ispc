@@ -201,8 +201,10 @@ export uniform int shadeHits(const void* uniform scene, const void* uniform fram
   return made;
 }
 
-// What the pixel of a ray that is done gains (primaries) or loses (secondaries): 4 per ray.
-export void settleRays(void* uniform rays, const uniform int which[], uniform int n, uniform int32 sum[]) {
+// What the pixel of a ray that is done gains (primaries) or loses (secondaries): 4 per ray. A secondary that falls below
+// tMin loses all, as if it had met an opaque surface: whether one lies behind is known or not, as the partitions fall.
+export void settleRays(const void* uniform scene, void* uniform rays, const uniform int which[], uniform int n, uniform int32 sum[]) {
+  USE_SCENE(s, scene);
   USE_RAYS(r, rays);
   foreach (k = 0 ... n) {
     int i = which[k];
@@ -213,7 +215,7 @@ export void settleRays(void* uniform rays, const uniform int which[], uniform in
       sum[4 * k + 2] = units(r.b[i]);
       sum[4 * k + 3] = units(A);
     } else {
-      int all = A == 1.0f ? 1 : 0;
+      int all = 1.0f - A < s.tMin || A == 1.0f ? 1 : 0;
       sum[4 * k] = -(all != 0 ? r.sr[i] : min((int)((float)r.sr[i] * A), r.sr[i]));
       sum[4 * k + 1] = -(all != 0 ? r.sg[i] : min((int)((float)r.sg[i] * A), r.sg[i]));
       sum[4 * k + 2] = -(all != 0 ? r.sb[i] : min((int)((float)r.sb[i] * A), r.sb[i]));

@@ -111,13 +111,13 @@ size_t indexOf(const VolumeBlock& block, const Index3& macrocell) {
 
 /// Whether a macrocell lies so deep inside a block that no other block holds any of its cells. The block's
 /// extent ends at most kGhostLayers and a cell outside its partition, and that of a neighbour reaches as far
-/// into it.
-bool isPrivate(const VolumeBlock& block, const Grid& grid, const Index3& macrocell) {
+/// into it. Ends of the grid are no exception: the partition may end up to that far before them.
+bool isPrivate(const VolumeBlock& block, const Index3& macrocell) {
   constexpr int64_t kReach = 2 * (kGhostLayers + 1);
   for (int a = 0; a < 3; ++a) {
     const int64_t first = block.extent.first[a], last = first + block.extent.points[a] - 1;
-    if (first > 0 && macrocell[a] * kSize < first + kReach) return false;
-    if (last < grid.points[a] - 1 && (macrocell[a] + 1) * kSize > last - kReach) return false;
+    if (macrocell[a] * kSize < first + kReach) return false;
+    if ((macrocell[a] + 1) * kSize > last - kReach) return false;
   }
   return true;
 }
@@ -174,7 +174,7 @@ std::vector<BorderSummary> borderSummaries(const Volume& volume) {
       for (int64_t j = 0; j < n[1]; ++j) {
         for (int64_t i = 0; i < n[0]; ++i) {
           const Index3 at{f[0] + i, f[1] + j, f[2] + k};
-          if (isPrivate(block, volume.grid, at)) continue;
+          if (isPrivate(block, at)) continue;
           for (size_t s = 0; s < block.summaries.size(); ++s) {
             const Macrocell& m = block.summaries[s][indexOf(block, at)];
             records.push_back({at, int32_t(s), m.noData, m.min, m.max});

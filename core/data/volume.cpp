@@ -20,16 +20,6 @@ double planeOf(const Grid& grid, int axis, double x) {
   return std::abs(index - plane) <= std::min(rounding, 0.25) ? plane : index;
 }
 
-/// First and last plane, as reals, of the part of the grid that the box covers; first >= last where there is
-/// none.
-struct Span {
-  double first, last;
-};
-Span spanOf(const Grid& grid, const Box& part, int axis) {
-  return {std::max(planeOf(grid, axis, part.lo[axis]), 0.0),
-          std::min(planeOf(grid, axis, part.hi[axis]), double(grid.points[axis] - 1))};
-}
-
 /// Statistics of rows of points. Samples may come unaligned from a file, hence memcpy.
 template <typename T>
 class RowStatistics {
@@ -108,14 +98,16 @@ Box Grid::box() const {
 }
 
 Extent extentOf(const Grid& grid, const Box& part, int ghosts) {
+  const double nearby = ghosts > 0 ? 1 : 0;
   Extent extent;
   for (int a = 0; a < 3; ++a) {
-    const Span s = spanOf(grid, part, a);
-    if (!(s.first < s.last)) return {};
-    const int64_t first = std::max<int64_t>(int64_t(std::floor(s.first)) - ghosts, 0);
-    const int64_t last = std::min<int64_t>(int64_t(std::ceil(s.last)) + ghosts, grid.points[a] - 1);
-    extent.first[a] = first;
-    extent.points[a] = last - first + 1;
+    const double lo = planeOf(grid, a, part.lo[a]), hi = planeOf(grid, a, part.hi[a]);
+    const int64_t end = grid.points[a] - 1;
+    if (!(lo < double(end) + nearby && hi > -nearby)) return {};
+    const double first = std::floor(std::clamp(lo, -1.0, double(end))) - ghosts;
+    const double last = std::ceil(std::clamp(hi, 0.0, double(end) + 1)) + ghosts;
+    extent.first[a] = std::clamp<int64_t>(int64_t(first), 0, end - 1);
+    extent.points[a] = std::clamp<int64_t>(int64_t(last), 1, end) - extent.first[a] + 1;
   }
   return extent;
 }

@@ -40,7 +40,8 @@ struct Extent {
 /// The points that partition box `part` needs of `grid`: all corners of the cells that it touches, and
 /// `ghosts` more layers on each side, clipped to the grid. Empty (count 0) where the partition does not touch
 /// the grid. A face within rounding (8 ulp of the coordinates) of a grid plane is on it, and does not touch
-/// the cells beyond.
+/// the cells beyond; but with ghosts, a partition less than a cell away from the grid gets the layers at its
+/// end: rays round in float, and what they meet on the end of the grid may belong to that partition.
 Extent extentOf(const Grid& grid, const Box& part, int ghosts);
 
 /// The points of `grid` that count as the partition's own when something is summed over the grid, so that

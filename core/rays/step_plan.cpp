@@ -8,6 +8,11 @@ namespace gxy {
 
 namespace {
 constexpr int kLevels = 31;
+// A partition evaluates the segments that end in it, from samples no more than kGhostLayers cells before it: midpoints
+// of segments of up to 2 / 0.525 cells, both ends of those of 1 / 0.525.
+constexpr double kLowestRate = 0.2625;
+constexpr int kLowestPieces = 5;
+static_assert(kGhostLayers == 2);
 constexpr uint8_t kPieces = 32;
 constexpr double kErrorPerVariation = 0.025;
 constexpr double kNoDataRate = 4;  // a no-data cell's faces are steps of the field
@@ -16,7 +21,7 @@ constexpr double kNoDataRate = 4;  // a no-data cell's faces are steps of the fi
 std::array<float, 32> planRates(double fixedStep) {
   std::array<float, 32> rates{};
   for (int l = 1; l <= kLevels; l++)
-    rates[l] = float(fixedStep > 0 ? 1 / fixedStep : 0.25 * std::exp2((l - 1) / 4.0));
+    rates[l] = float(fixedStep > 0 ? std::max(1 / fixedStep, kLowestRate) : kLowestRate * std::exp2((l - 1) / 4.0));
   return rates;
 }
 
@@ -35,8 +40,9 @@ std::vector<uint8_t> stepPlan(std::span<const Macrocell> summaries, const Compil
     const double variation = (over.slope * (double(m.max) - m.min) + 2 * over.jump) * cellT;
     double rate = std::sqrt(kErrorPerVariation * variation / (0.75 * tolerance));
     if (m.noData) rate = std::max(rate, kNoDataRate);
-    const int level = rate > 0.25 ? int(std::ceil(4 * std::log2(rate / 0.25))) + 1 : 1;
-    plan[i] = uint8_t(std::clamp(level, 1, kLevels) | (over.jump > 0 ? kPieces : 0));
+    const int level = rate > kLowestRate ? int(std::ceil(4 * std::log2(rate / kLowestRate))) + 1 : 1;
+    const bool pieces = over.jump > 0;
+    plan[i] = uint8_t(std::clamp(level, pieces ? kLowestPieces : 1, kLevels) | (pieces ? kPieces : 0));
   }
   return plan;
 }

@@ -11,8 +11,8 @@
 
 namespace gxy {
 
-/// The ladder of sampling rates, in segments per cell length: rates[0] is unused, rates[l] = 2^((l - 1) / 4) / 4.
-/// With a fixed step > 0 (in cells) all are 1 / step.
+/// The ladder of sampling rates, in segments per cell length: rates[0] is unused, rates[l] = 2^((l - 1) / 4) * 0.2625.
+/// With a fixed step > 0 (in cells) all are 1 / step, for steps of 3.8 cells at most: the ghost layers allow no longer ones.
 std::array<float, 32> planRates(double fixedStep);
 
 /// The plan of every macrocell, from its value range alone, so that all partitions and ranks agree.

@@ -66,9 +66,18 @@ TEST(Extent, HoldsBothEndsOfACellThatAFaceCuts) {
 
 TEST(Extent, IsEmptyWhereThePartitionMissesTheGrid) {
   const Grid grid{{0, 0, 0}, {1, 1, 1}, {11, 2, 2}};
-  EXPECT_EQ(extentOf(grid, slab(10, 12), 2).count(), 0);  // shares a face only
-  EXPECT_EQ(extentOf(grid, slab(-3, 0), 2).count(), 0);
+  EXPECT_EQ(extentOf(grid, slab(10, 12), 0).count(), 0);  // shares a face only
+  EXPECT_EQ(extentOf(grid, slab(-3, 0), 0).count(), 0);
   EXPECT_EQ(extentOf(grid, slab(20, 22), 2).count(), 0);
+}
+
+TEST(Extent, GhostsReachPartitionsThatShareAFaceWithTheGrid) {
+  const Grid grid{{0, 0, 0}, {1, 1, 1}, {11, 2, 2}};
+  EXPECT_EQ(extentOf(grid, slab(10, 12), 2), (Extent{{8, 0, 0}, {3, 2, 2}}));
+  EXPECT_EQ(extentOf(grid, slab(10 + 1e-6, 12), 2), (Extent{{8, 0, 0}, {3, 2, 2}}));
+  EXPECT_EQ(extentOf(grid, slab(-3, 0), 2), (Extent{{0, 0, 0}, {3, 2, 2}}));
+  EXPECT_EQ(extentOf(grid, slab(11, 12), 2).count(), 0);
+  EXPECT_EQ(extentOf(grid, slab(-3, -1), 2).count(), 0);
 }
 
 TEST(Extent, CountsBeyond32BitsAreExact) {

@@ -1,0 +1,193 @@
+// SPDX-License-Identifier: Apache-2.0
+// Cuts that run exactly where something is: nothing is lost or seen twice on a partition's face.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "support/frames.h"
+
+namespace gxy::test {
+namespace {
+
+const Box kCube{{-1, -1, -1}, {1, 1, 1}};
+
+// Rays that run exactly in the planes x = 0, y = 0, and for two of the axes along lattice lines.
+Camera alongAxis(int axis, bool backwards, int pixels = 41) {
+  Camera camera;
+  camera.aov = 0;
+  camera.height = 2.05;  // a pixel is 0.05 wide and the middle one is centred on 0
+  camera.dimensions = {pixels, pixels};
+  camera.viewpoint = {0, 0, 0};
+  camera.viewpoint[axis] = backwards ? 4 : -4;
+  camera.viewdirection = {0, 0, 0};
+  camera.viewdirection[axis] = backwards ? -1 : 1;
+  camera.viewup = axis == 1 ? glm::dvec3(0, 0, 1) : glm::dvec3(0, 1, 0);
+  return camera;
+}
+
+TestScene cubeScene(const char* name) {
+  TestScene s = emptyScene(name, {48, 48});
+  s.domain = kCube;
+  s.camera = cameraOutside(kCube, {48, 48});
+  s.camera.aov = 44;
+  return s;
+}
+
+Grid cubeGrid(int64_t points) {
+  return {{-1, -1, -1}, glm::dvec3(2.0 / double(points - 1)), {points, points, points}};
+}
+
+void addField(TestScene& s, const Grid& grid, const std::function<double(glm::dvec3)>& f) {
+  s.data.emplace_back(std::make_shared<const WholeVolume>(sampled(grid, f)));
+  Vis& vis = s.visualization.operators.emplace_back();
+  vis.type = VisType::Volume;
+  vis.dataset = "field";
+  vis.colormap = {{{-1, {1, 0, 0}}, {1, {0, 0, 1}}}};
+  vis.opacitymap = {false, {{-1, 0.02}, {1, 0.1}}};
+}
+
+void addBalls(TestScene& s, const std::vector<glm::dvec3>& centres, double radius, double opacity) {
+  WholeGeometry g;
+  for (const glm::dvec3& c : centres) {
+    g.block.ids.push_back(g.block.points.size());
+    g.block.points.push_back(c);
+  }
+  s.data.emplace_back(std::make_shared<const WholeGeometry>(g));
+  Vis& vis = s.visualization.operators.emplace_back();
+  vis.type = VisType::Particles;
+  vis.dataset = "balls";
+  vis.radius0 = vis.radius1 = radius;
+  vis.opacity = opacity;
+}
+
+void expectNoBorderSeen(TestScene scene, const std::vector<Cut>& cuts) {
+  std::vector<Camera> cameras{scene.camera};
+  for (int axis = 0; axis < 3; axis++)
+    for (bool backwards : {false, true}) cameras.push_back(alongAxis(axis, backwards));
+  for (size_t c = 0; c < cameras.size(); c++) {
+    scene.camera = cameras[c];
+    const Picture expected = render(scene, whole(scene.domain));
+    for (const Cut& cut : cuts)
+      EXPECT_EQ(difference(expected, render(scene, cut)), "")
+          << scene.name << ", camera " << c << ", " << cut.name;
+  }
+}
+
+std::vector<Cut> cutsThroughCentre() {
+  return {octants(kCube, {0, 0, 0}, 3), lattice(kCube, {1, 2, 1}, 2), lattice(kCube, {4, 4, 4}, 4)};
+}
+
+TEST(Border, IsosurfaceOnAFace) {
+  for (int64_t points : {25, 32}) {  // the face on a grid plane, and through cells
+    TestScene s = cubeScene("isosurface on a face");
+    addField(s, cubeGrid(points), [](glm::dvec3 p) { return p.x; });
+    s.visualization.operators[0].isovalues = {0, 0.5};
+    s.visualization.operators[0].opacity = 0.5;
+    expectNoBorderSeen(s, cutsThroughCentre());
+  }
+}
+
+TEST(Border, SlicesOnFaces) {
+  TestScene s = cubeScene("slices on faces");
+  addField(s, cubeGrid(26), [](glm::dvec3 p) { return p.x * p.y + p.z; });
+  s.visualization.operators[0].slices = {{{1, 0, 0}, 0}, {{0, 1, 0}, 0}, {{0, 0, -1}, 0.5}};
+  s.visualization.operators[0].opacity = 0.4;
+  expectNoBorderSeen(s, cutsThroughCentre());
+}
+
+TEST(Border, SpheresOnCorners) {
+  for (double opacity : {1.0, 0.5}) {
+    TestScene s = cubeScene("spheres on corners");
+    addBalls(s, {{0, 0, 0}, {0.5, 0.5, 0.5}, {-0.5, 0, 0.5}, {0, 0.25, 0}}, 0.25, opacity);
+    addLights(s);
+    expectNoBorderSeen(s, cutsThroughCentre());
+  }
+}
+
+TEST(Border, TrianglesInFaces) {
+  TestScene s = cubeScene("triangles in faces");
+  WholeGeometry g;
+  g.kind = GeometryKind::Triangles;
+  g.block.points = {{0, -0.5, -0.5}, {0, 0.5, -0.5}, {0, 0, 0.5},  {-0.5, 0, 0},
+                    {0.5, 0, 0},     {0, 0, 0.75},   {0.5, 0.5, 0}};
+  g.block.triangles = {{0, 1, 2}, {3, 4, 5}, {3, 4, 6}};
+  g.block.ids = {0, 1, 2};
+  s.data.emplace_back(std::make_shared<const WholeGeometry>(g));
+  Vis& vis = s.visualization.operators.emplace_back();
+  vis.type = VisType::Triangles;
+  vis.dataset = "triangles";
+  vis.opacity = 0.5;
+  addLights(s);
+  expectNoBorderSeen(s, cutsThroughCentre());
+}
+
+TEST(Border, CutsThroughMacrocellsAndCells) {
+  TestScene s = cubeScene("cuts through macrocells");
+  addField(s, cubeGrid(30), [](glm::dvec3 p) { return std::sin(4 * p.x) * std::cos(3 * p.y + p.z); });
+  s.visualization.operators[0].volumeRendering = true;
+  s.visualization.operators[0].opacitymap = {
+      false, {{-1, 0}, {0.2, 0}, {0.25, 0.8}, {0.3, 0}, {0.31, 0.1}, {1, 0.2}}};
+  std::vector<Cut> cuts = cutsThroughCentre();
+  cuts.push_back(octants(kCube, {0.01, -0.013, 0.7}, 2));
+  cuts.push_back(octants(kCube, {-0.97, 0.98, 0.5}, 2));  // slabs thinner than a cell
+  cuts.push_back(lattice(kCube, {9, 1, 3}, 4));
+  expectNoBorderSeen(s, cuts);
+}
+
+// Long segments reach far back over a border.
+TEST(Border, CoarseSteps) {
+  for (double step : {0.5, 2.0, 4.0, 11.0}) {
+    TestScene s = cubeScene("coarse steps");
+    addField(s, cubeGrid(30), [](glm::dvec3 p) { return std::sin(4 * p.x) * std::cos(3 * p.y + p.z); });
+    s.visualization.operators[0].volumeRendering = true;
+    s.settings.step = step;
+    expectNoBorderSeen(s, {octants(kCube, {0.01, -0.013, 0.7}, 2), lattice(kCube, {5, 4, 3}, 4)});
+  }
+  for (double tolerance : {1e-4, 0.05, 0.9}) {
+    TestScene s = cubeScene("loose tolerance");
+    addField(s, cubeGrid(30), [](glm::dvec3 p) { return std::sin(4 * p.x) * std::cos(3 * p.y + p.z); });
+    s.visualization.operators[0].volumeRendering = true;
+    s.visualization.operators[0].opacitymap = {false, {{-1, 0.01}, {0.2, 0.01}, {0.2, 0.012}, {1, 0.02}}};
+    s.settings.tolerance = tolerance;
+    expectNoBorderSeen(s, {octants(kCube, {0.01, -0.013, 0.7}, 2), lattice(kCube, {5, 4, 3}, 4)});
+  }
+}
+
+// The grid ends exactly on faces of the partitioning, and its last surfaces lie there.
+TEST(Border, GridsThatEndOnFaces) {
+  TestScene s = cubeScene("grid inside the domain");
+  Grid grid{{-0.5, -0.5, -0.5}, glm::dvec3(1.0 / 24), {25, 25, 25}};
+  addField(s, grid, [](glm::dvec3 p) { return p.x; });
+  Vis& vis = s.visualization.operators[0];
+  vis.volumeRendering = true;
+  vis.isovalues = {-0.5, 0.5};
+  vis.slices = {{{0, 1, 0}, 0.5}, {{0, 1, 0}, -0.5}, {{0, 0, 1}, 0.5}};
+  vis.opacity = 0.5;
+  Grid other{{-0.25, -0.75, 0}, {0.05, 0.03125, 0.05}, {16, 33, 21}};
+  addField(s, other, [](glm::dvec3 p) { return p.y; });
+  s.visualization.operators[1].volumeRendering = true;
+  std::vector<Cut> cuts = cutsThroughCentre();
+  cuts.push_back(octants(kCube, {0.5, 0.5, 0.5}, 2));
+  cuts.push_back(octants(kCube, {-0.5, -0.5, -0.5}, 2));
+  cuts.push_back(octants(kCube, {0.5 + 3e-8, 0.5 - 3e-8, 0.5 + 1e-9}, 2));
+  cuts.push_back(octants(kCube, {0.25, 0.125, 0.7}, 2));
+  expectNoBorderSeen(s, cuts);
+}
+
+// A camera so near that a pixel is smaller than the rounding of a partition's corner.
+TEST(Border, MagnifiedCorner) {
+  TestScene s = cubeScene("magnified corner");
+  addField(s, cubeGrid(25), [](glm::dvec3 p) { return p.x + p.y; });
+  s.visualization.operators[0].volumeRendering = true;
+  addBalls(s, {{0.3, 0.2, 0.1}}, 0.3, 0.5);
+  const glm::dvec3 corner(0.123456789, -0.0987654321, 0.4);
+  for (double aov : {1e-2, 1e-5, 1e-7}) {
+    s.camera.viewdirection = corner - s.camera.viewpoint;
+    s.camera.aov = aov;
+    const Picture expected = render(s, whole(kCube));
+    EXPECT_EQ(difference(expected, render(s, octants(kCube, corner, 8))), "") << aov << " degrees";
+  }
+}
+
+}  // namespace
+}  // namespace gxy::test

@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "support/data_sets.h"
+
+#include <cmath>
+#include <cstring>
+
+#include "gxy/data/macrocells.h"
+
+namespace gxy::test {
+
+namespace {
+
+template <class T>
+WholeVolume sampledAs(ScalarType type, const Grid& grid, const std::function<T(glm::dvec3)>& f) {
+  WholeVolume whole{grid, type, 1, {}};
+  std::vector<T> values;
+  for (int64_t z = 0; z < grid.points[2]; z++)
+    for (int64_t y = 0; y < grid.points[1]; y++)
+      for (int64_t x = 0; x < grid.points[0]; x++)
+        values.push_back(f(grid.origin + grid.spacing * glm::dvec3(double(x), double(y), double(z))));
+  whole.samples.resize(values.size() * sizeof(T));
+  std::memcpy(whole.samples.data(), values.data(), whole.samples.size());
+  return whole;
+}
+
+std::vector<std::byte> samplesOf(const WholeVolume& whole, const Extent& e) {
+  const size_t point = bytesOf(whole.stored) * size_t(whole.components);
+  const size_t row = size_t(e.points[0]) * point;
+  std::vector<std::byte> out(size_t(e.count()) * point);
+  std::byte* to = out.data();
+  for (int64_t z = e.first[2]; z < e.first[2] + e.points[2]; z++)
+    for (int64_t y = e.first[1]; y < e.first[1] + e.points[1]; y++, to += row) {
+      const size_t at = size_t((z * whole.grid.points[1] + y) * whole.grid.points[0] + e.first[0]);
+      std::memcpy(to, whole.samples.data() + at * point, row);
+    }
+  return out;
+}
+
+}  // namespace
+
+WholeVolume sampled(const Grid& grid, const std::function<double(glm::dvec3)>& f) {
+  return sampledAs<float>(ScalarType::Float32, grid, [&](glm::dvec3 p) { return float(f(p)); });
+}
+
+WholeVolume sampledAsBytes(const Grid& grid, const std::function<double(glm::dvec3)>& f) {
+  return sampledAs<uint8_t>(ScalarType::UInt8, grid,
+                            [&](glm::dvec3 p) { return uint8_t(std::lround(255 * f(p))); });
+}
+
+std::vector<std::shared_ptr<const Volume>> cut(const WholeVolume& whole, const Partitioning& partitioning,
+                                               int ranks) {
+  const FieldStatistics statistics = statisticsOf(whole.samples, whole.stored, whole.components);
+  std::vector<std::shared_ptr<Volume>> volumes;
+  std::vector<BorderSummary> records;
+  for (int rank = 0; rank < ranks; rank++) {
+    auto& volume = *volumes.emplace_back(std::make_shared<Volume>());
+    volume.name = "volume";
+    volume.grid = whole.grid;
+    volume.stored = whole.stored;
+    volume.components = whole.components;
+    volume.ranges = statistics.ranges;
+    volume.noDataSamples = statistics.noDataSamples;
+    for (int partition : partitioning.owned(rank)) {
+      VolumeBlock block;
+      block.extent = extentOf(whole.grid, partitioning.box(partition), kGhostLayers);
+      if (block.extent.count() == 0) continue;
+      block.samples = samplesOf(whole, block.extent);
+      summarise(block, whole.stored, whole.components);
+      volume.blocks.emplace(partition, std::move(block));
+    }
+    const auto mine = borderSummaries(volume);
+    records.insert(records.end(), mine.begin(), mine.end());
+  }
+  for (auto& volume : volumes) mergeSummaries(*volume, records);
+  return {volumes.begin(), volumes.end()};
+}
+
+std::vector<std::shared_ptr<const Geometry>> distributed(const WholeGeometry& whole,
+                                                         const Partitioning& partitioning,
+                                                         const RadiusOf& radius, int ranks) {
+  std::vector<std::vector<Bytes>> sent;
+  for (int rank = 0; rank < ranks; rank++) {
+    std::vector<uint32_t> mine;
+    for (size_t p = size_t(rank); p < whole.block.ids.size(); p += size_t(ranks)) mine.push_back(uint32_t(p));
+    sent.push_back(
+        packForOwners(subset(whole.block, whole.kind, mine), whole.kind, partitioning, radius, ranks));
+  }
+  std::vector<std::shared_ptr<const Geometry>> all;
+  for (int rank = 0; rank < ranks; rank++) {
+    std::vector<Bytes> received;
+    for (const auto& messages : sent) received.push_back(messages[size_t(rank)]);
+    auto geometry = std::make_shared<Geometry>();
+    geometry->kind = whole.kind;
+    geometry->box = boxOf(whole.block);
+    geometry->range = rangeOf(whole.block);
+    geometry->primitives = whole.block.ids.size();
+    geometry->blocks = unpackReceived(whole.kind, partitioning, rank, received);
+    all.push_back(std::move(geometry));
+  }
+  return all;
+}
+
+}  // namespace gxy::test

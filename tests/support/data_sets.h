@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+// Data in memory, cut for any partitioning and number of ranks as an import would cut it.
+#pragma once
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include "gxy/data/geometry.h"
+#include "gxy/data/partitioning.h"
+#include "gxy/data/replicate.h"
+#include "gxy/data/volume.h"
+
+namespace gxy::test {
+
+/// All samples of a volume: stored type, x fastest, components interleaved.
+struct WholeVolume {
+  Grid grid;
+  ScalarType stored = ScalarType::Float32;
+  int components = 1;
+  std::vector<std::byte> samples;
+};
+
+/// A float volume with the value f(world position) at each grid point.
+WholeVolume sampled(const Grid& grid, const std::function<double(glm::dvec3)>& f);
+/// The same as 8 bits: f in [0, 1] becomes 0 to 255.
+WholeVolume sampledAsBytes(const Grid& grid, const std::function<double(glm::dvec3)>& f);
+
+/// What each rank holds after the import: blocks with ghosts, summaries merged over all ranks.
+std::vector<std::shared_ptr<const Volume>> cut(const WholeVolume& whole, const Partitioning& partitioning,
+                                               int ranks);
+
+/// All primitives of a geometry, ids ascending.
+struct WholeGeometry {
+  GeometryKind kind = GeometryKind::Particles;
+  GeometryBlock block;
+};
+
+/// What each rank holds after replication; primitives start on ranks in turn.
+std::vector<std::shared_ptr<const Geometry>> distributed(const WholeGeometry& whole,
+                                                         const Partitioning& partitioning,
+                                                         const RadiusOf& radius, int ranks);
+
+}  // namespace gxy::test

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+// Small scenes, one of each kind and one with everything, that depend on no partitioning.
+#pragma once
+#include <memory>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "gxy/scene/scene.h"
+#include "support/data_sets.h"
+
+namespace gxy::test {
+
+struct TestScene {
+  std::string name;
+  Box domain;  ///< of all partitionings of the scene
+  Visualization visualization;
+  RenderSettings settings;
+  Camera camera;
+  /// What each operator shows.
+  std::vector<std::variant<std::shared_ptr<const WholeVolume>, std::shared_ptr<const WholeGeometry>>> data;
+};
+
+/// The domain of the scenes below: unequal sides, not centred.
+Box sceneDomain();
+
+/// A perspective camera that sees all of a domain from outside.
+Camera cameraOutside(const Box& domain, glm::ivec2 size);
+
+/// Operators with their data, to mix.
+void addSmoothVolume(TestScene& scene);  ///< rendered; 33 x 28 x 38 points that fill the domain
+void addSpikyVolume(TestScene& scene);   ///< rendered; steps and spikes in the map
+void addSecondVolume(TestScene& scene);  ///< rendered; 8 bits; a grid of its own, smaller than the domain
+void addIsosurfaces(TestScene& scene, double opacity);
+void addSlices(TestScene& scene, double opacity);
+void addParticles(TestScene& scene, double opacity);  ///< radius from data
+void addTubes(TestScene& scene, double opacity);
+void addMesh(TestScene& scene, double opacity);  ///< a triangulated sphere with values and normals
+void addClipPlane(TestScene& scene);             ///< on all operators there are
+void addLights(TestScene& scene);                ///< directional, point and camera lights with shadows
+void addOcclusion(TestScene& scene);             ///< four ambient-occlusion rays
+
+TestScene emptyScene(std::string name, glm::ivec2 size = {56, 48});
+
+/// One of each kind; also orthographic, from inside, several rays a pixel.
+std::vector<TestScene> scenesOfEachKind();
+
+/// Everything at once, some of it translucent.
+TestScene everything(glm::ivec2 size = {56, 48});
+
+}  // namespace gxy::test
