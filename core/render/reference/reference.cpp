@@ -74,7 +74,7 @@ class Renderer {
   PixelValue pixel(glm::ivec2 at) const {
     PixelValue sum;
     for (int k = 0; k < rays_; k++) {
-      const glm::dvec2 position = glm::dvec2(at) + subpixel(k, rays_) + options_.subpixelOffset;
+      const glm::dvec2 position = glm::dvec2(at) + subpixel(k) + options_.subpixelOffset;
       Ray ray = view_.ray(position.x, position.y);
       if (options_.perturbation > 0) {
         const uint64_t index = (uint64_t(uint32_t(at.y)) << 32 | uint32_t(at.x)) * uint64_t(rays_) + k;
@@ -84,7 +84,7 @@ class Renderer {
       const PixelValue one = trace(ray, {at, k, 0, {}, {}});
       sum.colour += one.colour / double(rays_);
       sum.alpha += one.alpha / double(rays_);
-      sum.depth = std::min(sum.depth, one.depth);
+      if (k == 0) sum.depth = one.depth;
     }
     return sum;
   }

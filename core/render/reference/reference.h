@@ -9,14 +9,15 @@
 //  - a one-sided isosurface faces lower values;
 //  - an opacity that reaches 1 at single points of a ray leaves its optical depth finite (the logarithm can
 //    be integrated); on a stretch of the ray it is opaque at once;
-//  - geometry without values takes its map's first colour;
+//  - geometry without values takes its map's first colour, as does a value that is NaN, whose radius is
+//    radius0; without values the radius is that of value 0;
 //  - a tube's value at a hit is that of the ball between its ends that touches the surface there;
 //  - both sides of a translucent sphere or tube are surfaces, those inside the next segment of a line are
 //    not;
 //  - a plateau at an isovalue is one hit, where the ray enters it;
 //  - secondary rays start on the side of the surface that the shading normal is on, off it by the rounding
 //    error of the hit; they see every surface, both sides of translucent bodies included;
-//  - depth is that of the first surface; of several rays in a pixel the nearest counts.
+//  - depth is that of the first surface on the ray through the pixel's centre.
 #pragma once
 #include <cstdint>
 #include <functional>
