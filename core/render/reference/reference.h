@@ -65,7 +65,7 @@ struct ReferencePicture {
 
 /// Renders a scene. A perturbation of p moves every ray's direction by up to p * 2^-24 per component, and the
 /// point where it enters the data's box by up to p * 2^-24 of the box's longest side: the size of rounding
-/// errors in float. Pixels that such a move changes are flips. Throws Error when scene, data or camera do not
+/// errors in float; secondary rays start up to 4 p such ulps further off their surface. Pixels that such a move changes are flips. Throws Error when scene, data or camera do not
 /// fit together.
 ReferencePicture renderReference(const ReferenceScene& scene, const Camera& camera,
                                  const ReferenceOptions& options = {});
