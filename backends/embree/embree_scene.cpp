@@ -135,6 +135,7 @@ EmbreeScene::EmbreeScene(DevicePtr device, std::shared_ptr<const CompiledScene> 
         view.normals = mine->normals.empty() ? nullptr : mine->normals.data();
         view.values = mine->values.empty() ? nullptr : mine->values.data();
         view.indices = mine->indices.data();
+        view.neighbours = mine->neighbours.empty() ? nullptr : mine->neighbours.data();
       }
     }
     part.geometry = buildGeometry(device_.get(), part.operators);

@@ -2,6 +2,7 @@
 // Surfaces of particles, path lines and triangles: Embree finds candidates, the leaf tests of core/kernels decide, and
 // ties go to the lowest (operator, primitive), so that neither packet width nor build order shows.
 #include "embree.isph"
+#include "tube.isph"
 
 // What a callback needs besides Embree's ray: the query's own lower bound.
 struct Query {
@@ -17,10 +18,18 @@ static inline bool hitPrimitive(const uniform OperatorView& op, uniform unsigned
     const uniform float* uniform c = q + 4 * (uniform int64)p;
     return hitSphere(o, d, make_v3(c[0], c[1], c[2]), c[3], tAfter, t, normal);
   } else if (op.kind == KIND_PATHLINES) {
-    const uniform float* uniform a = q + 4 * (uniform int64)op.indices[2 * p];
-    const uniform float* uniform b = q + 4 * (uniform int64)op.indices[2 * p + 1];
-    float axial;
-    return hitRoundCone(o, d, make_v3(a[0], a[1], a[2]), make_v3(b[0], b[1], b[2]), a[3], b[3], tAfter, t, normal, axial);
+    const uniform unsigned int* uniform ends = op.indices + 2 * (uniform int64)p;
+    const uniform unsigned int* uniform near = op.neighbours != NULL ? op.neighbours + 2 * (uniform int64)p : ends;
+    const uniform float* uniform a = q + 4 * (uniform int64)ends[0];
+    const uniform float* uniform b = q + 4 * (uniform int64)ends[1];
+    const uniform float* uniform before = q + 4 * (uniform int64)near[0];
+    const uniform float* uniform after = q + 4 * (uniform int64)near[1];
+    Tube tube = {make_v3(a[0], a[1], a[2]), make_v3(b[0], b[1], b[2]), make_v3(before[0], before[1], before[2]),
+                 make_v3(after[0], after[1], after[2]), a[3], b[3], before[3], after[3], near[0] != ends[0], near[1] != ends[1]};
+    TubeHit h;
+    bool hit = hitTube(tube, o, d, tAfter, h);
+    t = h.t;
+    return hit;
   } else {
     const uniform float* uniform a = q + 4 * (uniform int64)op.indices[3 * p];
     const uniform float* uniform b = q + 4 * (uniform int64)op.indices[3 * p + 1];

@@ -19,6 +19,7 @@ struct OperatorView {
   PTR(real) normals;          // x y z per point, or null
   PTR(real) values;           // per point, or null
   PTR(unsigned int) indices;  // 2 or 3 per primitive
+  PTR(unsigned int) neighbours;  // of segments: the points before and after, own ends where there is none
 };
 
 #define LIGHT_DIRECTIONAL 0

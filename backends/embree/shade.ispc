@@ -2,12 +2,13 @@
 // What a hit means for the picture: light as if nothing blocked it, and the secondary rays that take away what is
 // blocked (subtractive lighting; paper, section 4.4). Shares are quantised once, so what a ray takes away is exactly
 // what was given.
-#include "kernel.isph"
+#include "tube.isph"
 
 static inline int units(float x) { return (int)floor(min(x, 31.0f) * CONTRIBUTION_ONE + 0.5f); }
 
 struct Surface {
-  vec3 point, normal;  // normal: unit, towards the viewer where two-sided
+  vec3 point, normal;  // normal: for shading, unit, towards the viewer where two-sided
+  vec3 geometric;      // of the surface itself: unit; secondary rays leave along it, on the side of `normal`
   float value;
   float size;          // of the numbers it was computed from, for the offset of secondary rays
   unsigned int start;  // RAY_START and RAY_SIDE bits
@@ -24,19 +25,39 @@ static inline Surface geometrySurface(const uniform OperatorView& op, unsigned i
     vec3 c = make_v3(q[a], q[a + 1], q[a + 2]);
     float radius = q[a + 3];
     hitSphere(o, d, c, radius, tLast, t, f.normal);
+    f.geometric = f.normal;
     f.point = make_v3(c.x + radius * f.normal.x, c.y + radius * f.normal.y, c.z + radius * f.normal.z);
     f.size = max(max(abs(c.x), abs(c.y)), max(abs(c.z), radius));
     if (op.values != NULL) f.value = op.values[p];
   } else if (op.kind == KIND_PATHLINES) {
     unsigned int i = op.indices[2 * (int64)p], j = op.indices[2 * (int64)p + 1];
     int64 a = 4 * (int64)i, b = 4 * (int64)j;
-    float axial;
-    hitRoundCone(o, d, make_v3(q[a], q[a + 1], q[a + 2]), make_v3(q[b], q[b + 1], q[b + 2]), q[a + 3], q[b + 3], tLast, t,
-                 f.normal, axial);
-    f.point = make_v3(o.x + t * d.x, o.y + t * d.y, o.z + t * d.z);
+    unsigned int before = i, after = j;
+    if (op.neighbours != NULL) {
+      before = op.neighbours[2 * (int64)p];
+      after = op.neighbours[2 * (int64)p + 1];
+    }
+    int64 e = 4 * (int64)before, g = 4 * (int64)after;
+    Tube tube;
+    tube.a = make_v3(q[a], q[a + 1], q[a + 2]);
+    tube.b = make_v3(q[b], q[b + 1], q[b + 2]);
+    tube.before = make_v3(q[e], q[e + 1], q[e + 2]);
+    tube.after = make_v3(q[g], q[g + 1], q[g + 2]);
+    tube.radiusA = q[a + 3];
+    tube.radiusB = q[b + 3];
+    tube.radiusBefore = q[e + 3];
+    tube.radiusAfter = q[g + 3];
+    tube.hasBefore = before != i;
+    tube.hasAfter = after != j;
+    TubeHit h;
+    hitTube(tube, o, d, tLast, h);
+    vec3 local = tubePoint(tube, h);
+    f.normal = h.normal;
+    f.geometric = f.normal;
+    f.point = make_v3(tube.a.x + local.x, tube.a.y + local.y, tube.a.z + local.z);
     f.size = max(max(max(abs(q[a]), abs(q[a + 1])), max(abs(q[a + 2]), q[a + 3])),
                  max(max(abs(q[b]), abs(q[b + 1])), max(abs(q[b + 2]), q[b + 3])));
-    if (op.values != NULL) f.value = lerp1(op.values[i], op.values[j], axial);
+    if (op.values != NULL) f.value = lerp1(op.values[i], op.values[j], h.axial);
   } else {
     unsigned int i = op.indices[3 * (int64)p], j = op.indices[3 * (int64)p + 1], k = op.indices[3 * (int64)p + 2];
     vec3 a = make_v3(q[4 * (int64)i], q[4 * (int64)i + 1], q[4 * (int64)i + 2]);
@@ -48,6 +69,7 @@ static inline Surface geometrySurface(const uniform OperatorView& op, unsigned i
     f.point = make_v3((wa * a.x + wb * b.x) + wc * c.x, (wa * a.y + wb * b.y) + wc * c.y, (wa * a.z + wb * b.z) + wc * c.z);
     f.size = max(max(max(abs(a.x), abs(a.y)), max(abs(a.z), abs(b.x))), max(max(abs(b.y), abs(b.z)), max(max(abs(c.x), abs(c.y)), abs(c.z))));
     f.normal = triangleNormal(a, b, c);
+    f.geometric = f.normal;
     if (op.normals != NULL) {
       int64 x = 3 * (int64)i, y = 3 * (int64)j, z = 3 * (int64)k;
       vec3 m = make_v3((wa * op.normals[x] + wb * op.normals[y]) + wc * op.normals[z],
@@ -60,6 +82,17 @@ static inline Surface geometrySurface(const uniform OperatorView& op, unsigned i
   return f;
 }
 
+// The gradient of the trilinear interpolation itself, per unit of render space.
+static inline vec3 cellGradientAt(VOLUME v, vec3 p) {
+  ivec3 c = cellAt(v, p);
+  Corners k = cellCorners(v, c);
+  vec3 f = fractionIn(c, p);
+  float x = lerp1(lerp1(k.v100 - k.v000, k.v110 - k.v010, f.y), lerp1(k.v101 - k.v001, k.v111 - k.v011, f.y), f.z);
+  float y = lerp1(lerp1(k.v010 - k.v000, k.v110 - k.v100, f.x), lerp1(k.v011 - k.v001, k.v111 - k.v101, f.x), f.z);
+  float z = lerp1(lerp1(k.v001 - k.v000, k.v101 - k.v100, f.x), lerp1(k.v011 - k.v010, k.v111 - k.v110, f.x), f.y);
+  return make_v3(x * v.inverseX, y * v.inverseY, z * v.inverseZ);
+}
+
 static inline Surface fieldSurface(const uniform OperatorView& op, VOLUME v, int kind, unsigned int index, vec3 o, vec3 d, float t) {
   Surface f;
   f.point = make_v3(o.x + t * d.x, o.y + t * d.y, o.z + t * d.z);
@@ -69,21 +102,22 @@ static inline Surface fieldSurface(const uniform OperatorView& op, VOLUME v, int
   if (kind == HIT_SLICE) {
     const uniform float* s = op.slice + 4 * index;
     f.normal = make_v3(s[0], s[1], s[2]);
+    f.geometric = f.normal;
     f.value = sampleAt(v, p);
     f.start = START_SLICE << 18;
   } else {
-    vec3 g = gradientAt(v, p);
     f.value = v.isovalue[index];
-    // scaled before squaring: gradients of any unit
-    float largest = max(max(abs(g.x), abs(g.y)), abs(g.z));
-    if (largest > 0.0f) {
-      float k = 1.0f / largest;
-      f.normal = normalize3(make_v3(g.x * k, g.y * k, g.z * k));
-      f.start = (START_ISOSURFACE << 18) | (1 << 20);
-    } else {
-      f.normal = make_v3(-d.x, -d.y, -d.z);
+    // outwards is where values are lower, as for a contour in VTK; towards the viewer where the field is flat
+    vec3 down = cellGradientAt(v, p);
+    f.geometric = unit3(make_v3(-down.x, -down.y, -down.z));
+    f.start = START_ISOSURFACE << 18;
+    if (dot3(f.geometric, f.geometric) < 0.5f) {
+      f.geometric = make_v3(-d.x, -d.y, -d.z);
       f.start = 0;
     }
+    vec3 g = gradientAt(v, p);
+    f.normal = unit3(make_v3(-g.x, -g.y, -g.z));
+    if (dot3(f.normal, f.normal) < 0.5f) f.normal = f.geometric;
   }
   return f;
 }
@@ -125,18 +159,19 @@ export uniform int shadeHits(const void* uniform scene, const void* uniform fram
           surface = geometrySurface(view, r.hitPrimitive[i], o, d, after);
         }
         bool away = dot3(surface.normal, d) > 0.0f;
-        if (view.twoSided && away) {
-          surface.normal = make_v3(-surface.normal.x, -surface.normal.y, -surface.normal.z);
-          surface.start ^= (1 << 20);
+        if (view.twoSided && away) surface.normal = make_v3(-surface.normal.x, -surface.normal.y, -surface.normal.z);
+        if (dot3(surface.normal, surface.geometric) < 0.0f) {
+          surface.geometric = make_v3(-surface.geometric.x, -surface.geometric.y, -surface.geometric.z);
+          surface.start ^= (1 << 20);  // on the side of higher values
         }
-        color = colorAt(v, mapPlace(v, surface.value));
+        color = surface.value == surface.value ? colorAt(v, mapPlace(v, surface.value)) : mapColor(v, 0);
         opacity = view.opacity;
       }
     }
     float weight = (1.0f - r.A[i]) * opacity;
     r.A[i] = opacity >= 1.0f ? 1.0f : r.A[i] + (1.0f - r.A[i]) * opacity;
     vec3 toEye = make_v3(-d.x, -d.y, -d.z);
-    vec3 from = offsetOrigin(surface.point, surface.normal, surface.size);
+    vec3 from = offsetOrigin(surface.point, surface.geometric, surface.size);
     unsigned int startBits = (surface.start & (START_ISOSURFACE | START_SLICE) << 18) | (surface.start & (1 << 20));
     unsigned int start = ((unsigned int)hitOperator << 16) | r.hitPrimitive[i];
 

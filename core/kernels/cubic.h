@@ -40,8 +40,8 @@ FN real refineRoot(Bernstein b, real lo, real hi, real fLo, real fHi) {
 
 // What a root has to obey to be a hit: t in [tIn, tOut), t > tAfter. `entry`: the ray comes from no cell with data, so
 // a value of exactly 0 at its start is a hit; elsewhere that was the end of the cell before (a plateau is hit once, where
-// the ray enters it). `from` != 0: only crossings that leave the side of that sign count (a ray that starts on the
-// surface must not meet it again through rounding).
+// the ray enters it). `from` != 0: the ray starts here, on the surface, on the side of that sign, whatever rounding says
+// of the value at its start.
 struct RootQuery {
   real tIn, tOut, tAfter;
   bool entry;
@@ -52,7 +52,12 @@ FN bool acceptsRoot(RootQuery q, real t) { return t >= q.tIn && t < q.tOut && t 
 
 // The first t in [ta, tb] at which the cubic b over that interval has an accepted root; NO_HIT if there is none.
 FN real firstRoot(Bernstein b, real ta, real tb, RootQuery q) {
-  if (min(min(b.b0, b.b1), min(b.b2, b.b3)) > R(0.0) || max(max(b.b0, b.b1), max(b.b2, b.b3)) < R(0.0))
+  real first = b.b0;
+  if (q.from != 0) {
+    real size = max1(abs(b.b0), R(1e-37));
+    first = q.from > 0 ? size : -size;
+  }
+  if (min(min(first, b.b1), min(b.b2, b.b3)) > R(0.0) || max(max(first, b.b1), max(b.b2, b.b3)) < R(0.0))
     return NO_HIT;
   if (q.entry && b.b0 == R(0.0) && q.from == 0 && acceptsRoot(q, ta)) return ta;
   // extrema: roots of the derivative d0 v^2 + 2 d1 u v + d2 u^2 = qa u^2 + 2 qb u + qc
@@ -73,13 +78,12 @@ FN real firstRoot(Bernstein b, real ta, real tb, RootQuery q) {
   real done = R(0.0);
   bool search = true;
   while (search) {
-    real a = R(0.0), fa = b.b0, lo = R(0.0), hi = R(0.0), fLo = R(0.0), fHi = R(0.0);
+    real a = R(0.0), fa = first, lo = R(0.0), hi = R(0.0), fLo = R(0.0), fHi = R(0.0);
     search = false;
     for (UNIFORM int k = 0; k < 3; k++) {
       real z = k == 0 ? e0 : (k == 1 ? e1 : R(1.0));
       real fz = z < R(1.0) ? bernsteinValue(b, z) : b.b3;
-      bool crosses = q.from <= 0 && fa < R(0.0) && fz >= R(0.0);
-      crosses = crosses || (q.from >= 0 && fa > R(0.0) && fz <= R(0.0));
+      bool crosses = (fa < R(0.0) && fz >= R(0.0)) || (fa > R(0.0) && fz <= R(0.0));
       if (!search && crosses && z > a && a >= done) {
         search = true;
         lo = a;

@@ -105,7 +105,7 @@ FN IsoHit firstIsosurface(VOLUME v, VolumeRay r, real tIn, real tOut, real tAfte
           query.tIn = tIn;
           query.tOut = min(tOut, hit.t);
           query.tAfter = tAfter;
-          query.from = start.index == i ? start.from : 0;
+          query.from = start.index == i && ta <= r.t0 ? start.from : 0;
           Bernstein b = bernsteinAlong(k, p, q, iso);
           query.entry = ta <= r.t0;
           if (!query.entry && b.b0 == R(0.0)) {

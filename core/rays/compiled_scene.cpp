@@ -93,6 +93,8 @@ void compileGeometry(CompiledOperator& op, CompiledScene& scene) {
     }
     for (const glm::vec3& n : block.normals) part.normals.insert(part.normals.end(), {n.x, n.y, n.z});
     for (const auto& s : block.segments) part.indices.insert(part.indices.end(), s.begin(), s.end());
+    for (const auto& n : block.neighbours)
+      part.neighbours.insert(part.neighbours.end(), n.begin(), n.end());
     for (const auto& t : block.triangles) part.indices.insert(part.indices.end(), t.begin(), t.end());
     part.primitives = uint32_t(geometry.kind == GeometryKind::Particles   ? block.points.size()
                                : geometry.kind == GeometryKind::PathLines ? block.segments.size()
@@ -118,15 +120,16 @@ RenderSpace renderSpaceOf(const Partitioning& partitioning) {
 }
 
 double radiusOf(const Vis& vis, double value) {
-  if (vis.value0 == vis.value1) return vis.radius0;
+  if (vis.value0 == vis.value1 || std::isnan(value)) return std::max(0.0, vis.radius0);
   const double f = std::clamp((value - vis.value0) / (vis.value1 - vis.value0), 0.0, 1.0);
-  return vis.radius0 + f * (vis.radius1 - vis.radius0);
+  return std::max(0.0, vis.radius0 + f * (vis.radius1 - vis.radius0));
 }
 
 double largestRadius(const Vis& vis, const Range& range) {
   if (vis.type == VisType::Triangles) return 0;
-  if (range.empty()) return std::max(0.0, radiusOf(vis, 0));
-  return std::max({0.0, radiusOf(vis, range.min), radiusOf(vis, range.max)});
+  const double withoutData = radiusOf(vis, std::numeric_limits<double>::quiet_NaN());
+  if (range.empty()) return std::max(withoutData, radiusOf(vis, 0));
+  return std::max({withoutData, radiusOf(vis, range.min), radiusOf(vis, range.max)});
 }
 
 size_t CompiledScene::bytes() const {
@@ -135,7 +138,8 @@ size_t CompiledScene::bytes() const {
     n += (op.map.nodes.size() * 14 + op.map.buckets.size()) * 4;
     for (const auto& [partition, part] : op.parts)
       n += part.plan.size() + part.isoPlan.size() +
-           4 * (part.points.size() + part.normals.size() + part.values.size() + part.indices.size());
+           4 * (part.points.size() + part.normals.size() + part.values.size() + part.indices.size() +
+                part.neighbours.size());
   }
   return n;
 }

@@ -45,6 +45,7 @@ struct OperatorPart {
   std::vector<float> normals;          ///< x y z per point, or empty
   std::vector<float> values;           ///< per point, or empty
   std::vector<uint32_t> indices;       ///< 2 (segments) or 3 (triangles) per primitive; particles none
+  std::vector<uint32_t> neighbours;    ///< of segments: the points before and after, own ends where none
   uint32_t primitives = 0;
 };
 
@@ -87,7 +88,7 @@ std::shared_ptr<CompiledScene> compileScene(const Visualization& visualization,
                                             std::shared_ptr<const Partitioning> partitioning,
                                             const RenderSettings& settings);
 
-/// The radius (world units) that a Particles or PathLines Vis gives a value.
+/// The radius (world units) that a Particles or PathLines Vis gives a value; radius0 for NaN; never negative.
 double radiusOf(const Vis& vis, double value);
 /// The largest radius over a range of values.
 double largestRadius(const Vis& vis, const Range& range);

@@ -33,10 +33,9 @@ glm::dvec3 View::position(glm::dvec3 offset) const {
   return eye_ + offset.x * right_ + offset.y * up_ + offset.z * view_;
 }
 
-glm::dvec2 subpixel(int k, int n) {
-  if (n <= 1) return glm::dvec2(0.5);
+glm::dvec2 subpixel(int k) {
   auto fraction = [](double x) { return x - std::floor(x); };
-  return {fraction(0.5 + (k + 1) * 0.7548776662466927), fraction(0.5 + (k + 1) * 0.5698402909980532)};
+  return {fraction(0.5 + k * 0.7548776662466927), fraction(0.5 + k * 0.5698402909980532)};
 }
 
 }  // namespace gxy::reference

@@ -27,8 +27,8 @@ class View {
   bool orthographic_;
 };
 
-/// Position of ray k (from 0) of n within its pixel, in [0, 1)^2: the centre for n = 1, else point k + 1 of
-/// the R2 sequence (Roberts 2018).
-glm::dvec2 subpixel(int k, int n);
+/// Position of ray k (from 0) within its pixel, in [0, 1)^2: point k of the R2 sequence around the centre
+/// (Roberts 2018).
+glm::dvec2 subpixel(int k);
 
 }  // namespace gxy::reference

@@ -48,11 +48,15 @@ double entryOf(const Box& box, const Ray& ray) {
   return inside.lo <= inside.hi ? inside.lo : 0;
 }
 
-Ray perturbed(const Ray& ray, const Box& box, double ulps, Random random) {
-  if (box.empty()) return ray;
+double longestSide(const Box& box) {
   const glm::dvec3 size = box.hi - box.lo;
-  const double side = std::max({size.x, size.y, size.z}), entry = entryOf(box, ray), unit = ulps * 0x1p-24;
-  const glm::dvec3 entered = ray.at(entry) + unit * side * random.next3();
+  return box.empty() ? 0 : std::max({size.x, size.y, size.z});
+}
+
+Ray perturbed(const Ray& ray, const Box& box, double ulps, Random& random) {
+  if (box.empty()) return ray;
+  const double entry = entryOf(box, ray), unit = ulps * 0x1p-24;
+  const glm::dvec3 entered = ray.at(entry) + unit * longestSide(box) * random.next3();
   const glm::dvec3 direction = glm::normalize(ray.direction + unit * random.next3());
   return {entered - entry * direction, direction};
 }
@@ -74,17 +78,20 @@ class Renderer {
   PixelValue pixel(glm::ivec2 at) const {
     PixelValue sum;
     for (int k = 0; k < rays_; k++) {
-      const glm::dvec2 position = glm::dvec2(at) + subpixel(k, rays_) + options_.subpixelOffset;
+      const glm::dvec2 position = glm::dvec2(at) + subpixel(k) + options_.subpixelOffset;
       Ray ray = view_.ray(position.x, position.y);
+      double slack = 0;
       if (options_.perturbation > 0) {
         const uint64_t index = (uint64_t(uint32_t(at.y)) << 32 | uint32_t(at.x)) * uint64_t(rays_) + k;
         const uint64_t seed = (options_.seed + 1) * 0xd1342543de82ef95u ^ index * 0xff51afd7ed558ccdu;
-        ray = perturbed(ray, world_.box(), options_.perturbation, Random(seed));
+        Random random(seed);
+        ray = perturbed(ray, world_.box(), options_.perturbation, random);
+        slack = 4 * options_.perturbation * 0x1p-24 * longestSide(world_.box()) * std::abs(random.next());
       }
-      const PixelValue one = trace(ray, {at, k, 0, {}, {}});
+      const PixelValue one = trace(ray, {at, k, 0, {}, {}}, slack);
       sum.colour += one.colour / double(rays_);
       sum.alpha += one.alpha / double(rays_);
-      sum.depth = std::min(sum.depth, one.depth);
+      if (k == 0) sum.depth = one.depth;
     }
     return sum;
   }
@@ -96,18 +103,19 @@ class Renderer {
     return [count](const AoRequest& request) { return cosineHemisphere(request.normal, count); };
   }
 
-  /// Volumes and surfaces along one ray, front to back.
-  PixelValue trace(const Ray& ray, AoRequest request) const {
+  /// Volumes and surfaces along one ray, front to back; secondary rays start `slack` further off their surface.
+  PixelValue trace(const Ray& ray, AoRequest request, double slack) const {
     PixelValue value;
     const VolumeRay volumes = world_.volumes(ray);
     double through = 1, reached = 0, after = -1;
     while (through > 0) {
-      const auto hit = world_.firstHit(ray, after);
+      auto hit = world_.firstHit(ray, after);
       const RayIntegral part = volumes.integrate({reached, hit ? hit->t : kInfinity}, options_.tolerance);
       value.colour += through * part.colour;
       through *= part.transmittance;
       if (!hit) break;
       value.depth = std::min(value.depth, hit->t);
+      hit->slack += slack;
       if (through > 0) value.colour += through * hit->opacity * lights_.shade(world_, ray, *hit, request);
       through *= 1 - hit->opacity;
       reached = after = hit->t;

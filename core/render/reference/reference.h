@@ -9,14 +9,15 @@
 //  - a one-sided isosurface faces lower values;
 //  - an opacity that reaches 1 at single points of a ray leaves its optical depth finite (the logarithm can
 //    be integrated); on a stretch of the ray it is opaque at once;
-//  - geometry without values takes its map's first colour;
+//  - geometry without values takes its map's first colour, as does a value that is NaN, whose radius is
+//    radius0; without values the radius is that of value 0;
 //  - a tube's value at a hit is that of the ball between its ends that touches the surface there;
 //  - both sides of a translucent sphere or tube are surfaces, those inside the next segment of a line are
 //    not;
 //  - a plateau at an isovalue is one hit, where the ray enters it;
 //  - secondary rays start on the side of the surface that the shading normal is on, off it by the rounding
 //    error of the hit; they see every surface, both sides of translucent bodies included;
-//  - depth is that of the first surface; of several rays in a pixel the nearest counts.
+//  - depth is that of the first surface on the ray through the pixel's centre.
 #pragma once
 #include <cstdint>
 #include <functional>
@@ -64,7 +65,7 @@ struct ReferencePicture {
 
 /// Renders a scene. A perturbation of p moves every ray's direction by up to p * 2^-24 per component, and the
 /// point where it enters the data's box by up to p * 2^-24 of the box's longest side: the size of rounding
-/// errors in float. Pixels that such a move changes are flips. Throws Error when scene, data or camera do not
+/// errors in float; secondary rays start up to 4 p such ulps further off their surface. Pixels that such a move changes are flips. Throws Error when scene, data or camera do not
 /// fit together.
 ReferencePicture renderReference(const ReferenceScene& scene, const Camera& camera,
                                  const ReferenceOptions& options = {});

@@ -31,8 +31,9 @@ Interval keptBy(const std::vector<Plane>& planes, const Ray& ray) {
 /// Never negative: a radius that the map takes below zero is none.
 double radiusAt(const Vis& vis, const GeometryBlock& block, size_t point) {
   double radius = vis.radius0;
-  if (!block.values.empty() && vis.value0 != vis.value1 && !std::isnan(block.values[point])) {
-    const double w = (block.values[point] - vis.value0) / (vis.value1 - vis.value0);
+  const double value = block.values.empty() ? 0 : block.values[point];
+  if (vis.value0 != vis.value1 && !std::isnan(value)) {
+    const double w = (value - vis.value0) / (vis.value1 - vis.value0);
     radius = mix(vis.radius0, vis.radius1, std::clamp(w, 0.0, 1.0));
   }
   return std::max(0.0, radius);
@@ -240,7 +241,7 @@ void World::describePrimitive(const Part& part, const Ray& ray, SurfaceHit& hit)
   } else {
     double value = 0;
     for (int i = 0; i < 3; i++) value += weights[i] != 0 ? weights[i] * block.values[points[i]] : 0;
-    hit.colour = part.transfer.colour(value);
+    hit.colour = std::isnan(value) ? part.transfer.firstColour() : part.transfer.colour(value);
   }
 }
 

@@ -1,0 +1,185 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "compare.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <iomanip>
+#include <limits>
+#include <sstream>
+
+#include "gxy/io/image.h"
+#include "gxy/kernels/single.h"
+
+namespace gxy::agreement {
+
+namespace {
+
+using reference::ReferenceOptions;
+using reference::ReferencePicture;
+
+constexpr double kMiss = 1e30;
+
+struct PixelRange {
+  std::array<double, 4> lo, hi;
+  double nearest, farthest;
+};
+
+double difference(const float* a, const double* b) {
+  double largest = 0;
+  for (int c = 0; c < 4; c++) largest = std::max(largest, std::abs(double(a[c]) - b[c]));
+  return largest;
+}
+
+/// What the reference shows in one pixel over all perturbations.
+class Perturbed {
+ public:
+  Perturbed(const TestScene& scene, const CompareOptions& options, ReferenceOptions how)
+      : scene_(scene), reference_(scene.forReference()), options_(options), how_(std::move(how)) {
+    how_.perturbation = options.perturbation;
+    how_.size = {1, 1};
+    how_.threads = 1;
+  }
+
+  PixelRange at(glm::ivec2 pixel) {
+    PixelRange range{{1e300, 1e300, 1e300, 1e300}, {-1e300, -1e300, -1e300, -1e300}, kMiss, 0};
+    how_.first = pixel;
+    for (int s = 0; s < options_.seeds; s++) {
+      how_.seed = uint64_t(s);
+      ReferencePicture one = reference::renderReference(reference_, scene_.camera, how_);
+      reference::applyBackground(one, scene_.settings.background);
+      for (int c = 0; c < 4; c++) {
+        range.lo[c] = std::min(range.lo[c], one.rgba[c]);
+        range.hi[c] = std::max(range.hi[c], one.rgba[c]);
+      }
+      range.nearest = std::min(range.nearest, one.depth[0]);
+      range.farthest = std::max(range.farthest, one.depth[0]);
+    }
+    return range;
+  }
+
+ private:
+  const TestScene& scene_;
+  reference::ReferenceScene reference_;
+  CompareOptions options_;
+  ReferenceOptions how_;
+};
+
+void writePictures(const TestScene& scene, const Picture& mine, const ReferencePicture& truth) {
+  const std::string prefix = testing::TempDir() + scene.name;
+  Image image{mine.width, mine.height, mine.rgba};
+  writeImage(prefix + "_backend.png", image);
+  image.rgba.assign(truth.rgba.begin(), truth.rgba.end());
+  writeImage(prefix + "_reference.png", image);
+  for (size_t i = 0; i < image.rgba.size(); i++)
+    image.rgba[i] = i % 4 == 3 ? 1.f : 8 * std::abs(mine.rgba[i] - float(truth.rgba[i]));
+  writeImage(prefix + "_difference.png", image);
+}
+
+}  // namespace
+
+reference::AoDirections backendDirections(const TestScene& scene, uint32_t frameNumber) {
+  const auto count = uint32_t(scene.visualization.lighting.aoCount);
+  const auto width = uint32_t(scene.camera.dimensions.x);
+  return [=](const reference::AoRequest& request) {
+    const single::vec3 normal =
+        single::make_v3(float(request.normal.x), float(request.normal.y), float(request.normal.z));
+    const uint32_t pixel = uint32_t(request.pixel.y) * width + uint32_t(request.pixel.x);
+    std::vector<glm::dvec3> directions;
+    for (uint32_t k = 0; k < count; k++) {
+      const single::vec3 d =
+          single::occlusionDirection(normal, pixel, uint32_t(request.sample), frameNumber, k, count);
+      directions.push_back(glm::normalize(glm::dvec3(d.x, d.y, d.z)));
+    }
+    return directions;
+  };
+}
+
+Comparison compare(const Backend& backend, const TestScene& scene, const CompareOptions& options) {
+  const Picture mine = draw(backend, scene, options.frameNumber);
+  ReferenceOptions how;
+  how.tolerance = 1e-5;
+  if (scene.visualization.lighting.aoCount > 0) how.aoHook = backendDirections(scene, options.frameNumber);
+  ReferencePicture truth = reference::renderReference(scene.forReference(), scene.camera, how);
+  reference::applyBackground(truth, scene.settings.background);
+  Perturbed perturbed(scene, options, how);
+
+  Comparison result;
+  result.pixels = mine.width * mine.height;
+  const auto compiled = scene.compile();
+  const double depthSlack = 4e-6 / compiled->space.scale;
+  std::ostringstream worst;
+  worst << std::setprecision(7);
+  int flipsShown = 0;
+  for (int i = 0; i < result.pixels; i++) {
+    const float* a = &mine.rgba[4 * size_t(i)];
+    const double* b = &truth.rgba[4 * size_t(i)];
+    for (int c = 0; c < 4; c++) result.finite = result.finite && std::isfinite(a[c]);
+    result.seen +=
+        std::abs(b[3] - scene.settings.background.a) > 0.01 || truth.depth[i] < kMiss ||
+        std::abs(b[0] - scene.settings.background.r) + std::abs(b[1] - scene.settings.background.g) > 0.01;
+    const double d = difference(a, b);
+    const bool depthDiffers =
+        (mine.depth[i] < kMiss) != (truth.depth[i] < kMiss) ||
+        !(std::abs(mine.depth[i] - truth.depth[i]) <= depthSlack + 4e-16 * std::abs(truth.depth[i]));
+    if (d <= options.tolerance && !depthDiffers) {
+      result.largest = std::max(result.largest, d);
+      continue;
+    }
+    const glm::ivec2 pixel(i % mine.width, i / mine.width);
+    const PixelRange range = perturbed.at(pixel);
+    bool changes = false, among = true;
+    for (int c = 0; c < 4; c++) {
+      changes = changes || range.hi[c] - range.lo[c] > 0.5 * options.tolerance;
+      among = among && a[c] >= range.lo[c] - options.tolerance && a[c] <= range.hi[c] + options.tolerance;
+    }
+    const bool depthFlips = range.farthest - range.nearest > depthSlack;
+    const bool depthAmong =
+        mine.depth[i] >= range.nearest - depthSlack && mine.depth[i] <= range.farthest + depthSlack;
+    const bool colorWrong = d > options.tolerance && !(changes && among);
+    const bool depthWrong = depthDiffers && !(depthFlips && depthAmong);
+    auto show = [&](const char* what) {
+      worst << "  " << what << " (" << pixel.x << ", " << pixel.y << ")";
+      for (int c = 0; c < 4; c++)
+        worst << ' ' << a[c] << '|' << b[c] << " [" << range.lo[c] << ' ' << range.hi[c] << ']';
+      worst << " depth " << mine.depth[i] << '|' << truth.depth[i] << " [" << range.nearest << ' '
+            << range.farthest << "]\n";
+    };
+    if (colorWrong || depthWrong) {
+      result.wrongDepths += depthWrong;
+      if (colorWrong) result.largest = std::max(result.largest, d);
+      result.wrong.push_back(pixel);
+      if (result.wrong.size() <= 6) show(colorWrong ? "wrong" : "wrong depth");
+      if (result.wrong.size() >= 400) {
+        worst << "  ... and more\n";
+        break;
+      }
+    } else {
+      result.flips++;
+      if (++flipsShown <= 3) show("flip");
+    }
+  }
+  std::ostringstream out;
+  out << scene.name << ": largest " << result.largest << ", seen " << result.seen << " of " << result.pixels
+      << ", flips " << result.flips << ", wrong " << result.wrong.size() << " (depths " << result.wrongDepths
+      << ")" << (result.finite ? "" : ", NOT FINITE") << '\n'
+      << worst.str();
+  if (!result.wrong.empty() || !result.finite || result.flips * 1000 > result.pixels) {
+    writePictures(scene, mine, truth);
+    out << "  pictures in " << testing::TempDir() << scene.name << "_*.png\n";
+  }
+  result.report = out.str();
+  return result;
+}
+
+void expectAgreement(const Backend& backend, const TestScene& scene, const CompareOptions& options, int flips,
+                     int seen) {
+  const Comparison c = compare(backend, scene, options);
+  EXPECT_TRUE(c.finite) << c.report;
+  EXPECT_TRUE(c.wrong.empty()) << c.report;
+  EXPECT_LE(c.flips, flips >= 0 ? flips : std::max(1, c.pixels / 1000)) << c.report;
+  EXPECT_GE(c.seen, seen) << c.report;
+  testing::Test::RecordProperty(scene.name, std::to_string(c.largest));
+}
+
+}  // namespace gxy::agreement

@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: Apache-2.0
+// Particles, path lines and triangles: backend against reference.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "backend.h"
+#include "compare.h"
+
+namespace gxy::agreement {
+namespace {
+
+const glm::dvec3 kEye(2.1, 1.4, 3.3);
+
+GeometryBlock cloud(int n, bool values) {
+  GeometryBlock block;
+  Uniform random(3);
+  for (int i = 0; i < n; i++) {
+    block.points.push_back(random.inCube(0.9));
+    if (values) block.values.push_back(float(random()));
+  }
+  return block;
+}
+
+Vis particles(double r0, double r1) {
+  Vis vis = surfaces(VisType::Particles);
+  vis.radius0 = r0, vis.radius1 = r1, vis.value0 = 0, vis.value1 = r0 == r1 ? 0 : 1;
+  return vis;
+}
+
+Vis tubes(double r0, double r1) {
+  Vis vis = particles(r0, r1);
+  vis.type = VisType::PathLines;
+  return vis;
+}
+
+/// Helices with radii from their values, nested, thin and thick.
+GeometryBlock lines() {
+  GeometryBlock block;
+  for (int l = 0; l < 4; l++) {
+    std::vector<glm::dvec3> points;
+    std::vector<float> values;
+    for (int i = 0; i < 14; i++) {
+      const double a = 0.7 * i + l;
+      points.push_back({0.7 * std::cos(a), -0.9 + 0.14 * i, 0.7 * std::sin(a)});
+      values.push_back(float(0.5 + 0.5 * std::sin(1.3 * i + l)));
+    }
+    addLine(block, points, values);
+  }
+  return block;
+}
+
+TestScene geometryScene(const std::string& name, Vis vis, GeometryBlock block, int size = 96) {
+  TestScene scene = sceneFrom(name, kEye, size, size);
+  const GeometryKind kind = vis.type == VisType::Particles   ? GeometryKind::Particles
+                            : vis.type == VisType::PathLines ? GeometryKind::PathLines
+                                                             : GeometryKind::Triangles;
+  scene.add(std::move(vis), makeGeometry(kind, std::move(block)));
+  return scene;
+}
+
+TEST(GeometryAgreement, SpheresWithRadiusFromData) {
+  expectAgreement(embree(), geometryScene("spheres", particles(0.05, 0.3), cloud(60, true)));
+}
+
+TEST(GeometryAgreement, SpheresWithoutValues) {
+  expectAgreement(embree(), geometryScene("spheres_plain", particles(0.1, 0.1), cloud(60, false)));
+}
+
+TEST(GeometryAgreement, TranslucentSpheresShowBothSides) {
+  Vis vis = particles(0.05, 0.4);
+  vis.opacity = 0.4;
+  expectAgreement(embree(), geometryScene("spheres_translucent", vis, cloud(30, true)));
+  vis.twoSided = false;
+  vis.clipPlanes = {{{0.3, 0, -1}, -0.2}};
+  expectAgreement(embree(), geometryScene("spheres_one_sided", vis, cloud(30, true)));
+}
+
+TEST(GeometryAgreement, Tubes) {
+  expectAgreement(embree(), geometryScene("tubes", tubes(0.02, 0.14), lines()));
+}
+
+TEST(GeometryAgreement, TranslucentTubesAreOneBody) {
+  Vis vis = tubes(0.02, 0.14);
+  vis.opacity = 0.4;
+  expectAgreement(embree(), geometryScene("tubes_translucent", vis, lines()));
+}
+
+TEST(GeometryAgreement, ClippedTubesAreHollowBodies) {
+  Vis vis = tubes(0.05, 0.16);
+  vis.clipPlanes = {{{0, 0, -1}, -0.1}, {{0.2, 1, 0}, -0.5}};
+  expectAgreement(embree(), geometryScene("tubes_clipped", vis, lines()));
+}
+
+TEST(GeometryAgreement, TubesWithRadiiBelowZero) {
+  expectAgreement(embree(), geometryScene("tubes_negative", tubes(-0.1, 0.14), lines()));
+}
+
+TEST(GeometryAgreement, Triangles) {
+  Vis vis = surfaces(VisType::Triangles);
+  for (bool normals : {false, true})
+    for (bool values : {false, true})
+      expectAgreement(embree(), geometryScene(std::string("mesh") + (normals ? "_normals" : "") +
+                                                  (values ? "_values" : ""),
+                                              vis, sphereMesh(24, normals, values), 64));
+}
+
+TEST(GeometryAgreement, TranslucentOneSidedClippedTriangles) {
+  Vis vis = surfaces(VisType::Triangles);
+  vis.opacity = 0.5;
+  vis.clipPlanes = {{{0, 0, -1}, -0.7}};
+  expectAgreement(embree(), geometryScene("mesh_translucent", vis, sphereMesh(24, true, true)));
+  vis.twoSided = false;
+  expectAgreement(embree(), geometryScene("mesh_one_sided", vis, sphereMesh(24, false, true)));
+}
+
+TEST(GeometryAgreement, WithoutDataValuesAreNoCrash) {
+  for (VisType type : {VisType::Particles, VisType::PathLines, VisType::Triangles}) {
+    GeometryBlock block = type == VisType::Particles   ? cloud(30, true)
+                          : type == VisType::PathLines ? lines()
+                                                       : sphereMesh(8, false, true);
+    for (size_t i = 0; i < block.values.size(); i += 3)
+      block.values[i] = std::numeric_limits<float>::quiet_NaN();
+    Vis vis = particles(0.1, 0.2);
+    vis.type = type;
+    TestScene scene = geometryScene("nan_values", vis, block, 48);
+    for (float x : draw(embree(), scene).rgba) EXPECT_TRUE(std::isfinite(x));
+    // A map of one colour: what has no value looks like all else.
+    scene.name = "nan_values_" + std::to_string(int(type));
+    scene.visualization.operators[0].colormap.points = {{0, glm::dvec3(0.7)}};
+    expectAgreement(embree(), scene);
+  }
+}
+
+TEST(GeometryAgreement, PrimitivesOutsideTheDomainOfThePartitioning) {
+  TestScene scene = geometryScene("outside_domain", particles(0.05, 0.3), cloud(60, true));
+  scene.domain = {glm::dvec3(-0.3), glm::dvec3(0.4)};
+  expectAgreement(embree(), scene);
+}
+
+TEST(GeometryAgreement, TiesBetweenOperatorsGoToTheFirst) {
+  TestScene scene = geometryScene("ties", surfaces(VisType::Triangles), sphereMesh(16, true, true), 64);
+  Vis red = surfaces(VisType::Triangles);
+  red.colormap.points = {{0, {1, 0, 0}}};
+  scene.add(red, scene.data[0].geometry);
+  scene.add(particles(0.3, 0.6), makeGeometry(GeometryKind::Particles, cloud(5, true)));
+  scene.add(red, scene.data[0].geometry);
+  expectAgreement(embree(), scene);
+}
+
+}  // namespace
+}  // namespace gxy::agreement

@@ -1,0 +1,227 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "scenes.h"
+
+#include <cmath>
+#include <cstring>
+#include <glm/geometric.hpp>
+#include <numbers>
+
+#include "gxy/data/macrocells.h"
+
+namespace gxy::agreement {
+
+Vis& TestScene::add(Vis vis, std::shared_ptr<const Volume> volume) {
+  data.push_back({std::move(volume), nullptr, glm::dvec3(0.8)});
+  return visualization.operators.emplace_back(std::move(vis));
+}
+
+Vis& TestScene::add(Vis vis, std::shared_ptr<const Geometry> geometry) {
+  data.push_back({nullptr, std::move(geometry), glm::dvec3(0.8)});
+  return visualization.operators.emplace_back(std::move(vis));
+}
+
+std::shared_ptr<const CompiledScene> TestScene::compile() const {
+  Box all = domain;
+  if (all.empty())
+    for (const OperatorData& d : data) all.extend(d.volume ? d.volume->grid.box() : d.geometry->box);
+  for (int a = 0; a < 3; a++) {  // a partitioning has a volume
+    const glm::dvec3 size = all.hi - all.lo;
+    const double longest = std::max({size.x, size.y, size.z, std::abs(all.lo[a]) * 1e-12, 1e-300});
+    if (!(size[a] > 0)) all.lo[a] -= 0.5 * longest, all.hi[a] += 0.5 * longest;
+  }
+  return compileScene(visualization, data, std::make_shared<Partitioning>(Partitioning::single(all)),
+                      settings);
+}
+
+reference::ReferenceScene TestScene::forReference() const {
+  reference::ReferenceScene scene{visualization, {}, settings};
+  for (size_t i = 0; i < data.size(); i++) {
+    if (data[i].volume) {
+      scene.data.emplace_back(data[i].volume);
+    } else {
+      scene.data.emplace_back(data[i].geometry);
+      // The reference takes the map's first colour for geometry without values.
+      if (data[i].geometry->range.empty())
+        scene.visualization.operators[i].colormap.points = {{0, data[i].color}};
+    }
+  }
+  return scene;
+}
+
+TestScene sceneFrom(std::string name, glm::dvec3 eye, int width, int height) {
+  TestScene scene;
+  scene.name = std::move(name);
+  scene.camera.viewpoint = eye;
+  scene.camera.viewdirection = -eye;
+  scene.camera.dimensions = {width, height};
+  scene.camera.aov = 35;
+  return scene;
+}
+
+TestScene moved(const TestScene& from, double factor, glm::dvec3 shift) {
+  TestScene scene = from;
+  auto place = [&](glm::dvec3 p) { return p * factor + shift; };
+  auto plane = [&](Plane& p) { p.offset = p.offset * factor + glm::dot(p.normal, shift); };
+  scene.camera.viewpoint = place(scene.camera.viewpoint);
+  scene.camera.height *= factor;
+  if (!scene.domain.empty()) scene.domain = {place(scene.domain.lo), place(scene.domain.hi)};
+  Lighting& lighting = scene.visualization.lighting;
+  lighting.aoRadius *= factor;
+  for (Light& l : lighting.sources) {
+    if (l.type == LightType::Point) l.v = place(l.v);
+    if (l.type == LightType::Camera) l.v *= factor;
+  }
+  for (Vis& vis : scene.visualization.operators) {
+    for (Plane& p : vis.clipPlanes) plane(p);
+    for (Plane& p : vis.slices) plane(p);
+    vis.radius0 *= factor, vis.radius1 *= factor;
+    if (vis.referenceLength) *vis.referenceLength *= factor;
+    if (vis.opacitymap.extinction)
+      for (OpacityPoint& p : vis.opacitymap.points) p.opacity /= factor;
+  }
+  for (OperatorData& d : scene.data) {
+    if (d.volume) {
+      auto volume = std::make_shared<Volume>(*d.volume);
+      volume->grid.origin = place(volume->grid.origin);
+      volume->grid.spacing *= factor;
+      d.volume = volume;
+    } else {
+      auto geometry = std::make_shared<Geometry>(*d.geometry);
+      for (glm::dvec3& p : geometry->blocks.at(0).points) p = place(p);
+      geometry->box = boxOf(geometry->blocks.at(0));
+      d.geometry = geometry;
+    }
+  }
+  return scene;
+}
+
+namespace {
+
+std::shared_ptr<Volume> finished(const Grid& grid, std::vector<std::byte> samples, ScalarType type,
+                                 Encoding encoding) {
+  auto volume = std::make_shared<Volume>();
+  const FieldStatistics statistics = statisticsOf(samples, type, 1);
+  volume->name = "test";
+  volume->grid = grid;
+  volume->stored = encoding.stored;
+  volume->shift = encoding.shift, volume->scale = encoding.scale;
+  volume->ranges = statistics.ranges;
+  volume->noDataSamples = statistics.noDataSamples;
+  VolumeBlock& block = volume->blocks[0];
+  block.extent.points = grid.points;
+  block.samples = encoding.stored == type ? std::move(samples) : convert(samples, type, encoding);
+  summarise(block, encoding.stored, 1);
+  return volume;
+}
+
+template <class T>
+std::vector<std::byte> sampled(const Grid& grid, const FieldFunction& field) {
+  std::vector<std::byte> samples(size_t(grid.points[0] * grid.points[1] * grid.points[2]) * sizeof(T));
+  std::byte* out = samples.data();
+  for (int64_t k = 0; k < grid.points[2]; k++)
+    for (int64_t j = 0; j < grid.points[1]; j++)
+      for (int64_t i = 0; i < grid.points[0]; i++, out += sizeof(T)) {
+        double value = field(grid.origin + grid.spacing * glm::dvec3(i, j, k));
+        if (std::is_integral_v<T>)
+          value = std::clamp(std::round(value), double(std::numeric_limits<T>::lowest()),
+                             double(std::numeric_limits<T>::max()));
+        const T stored = T(value);
+        std::memcpy(out, &stored, sizeof stored);
+      }
+  return samples;
+}
+
+}  // namespace
+
+std::shared_ptr<Volume> makeVolume(const Grid& grid, const FieldFunction& field, ScalarType stored) {
+  auto samples = withType(stored, [&](auto t) { return sampled<decltype(t)>(grid, field); });
+  return finished(grid, std::move(samples), stored, {stored, 0, 1});
+}
+
+std::shared_ptr<Volume> makeWideVolume(const Grid& grid, const FieldFunction& field) {
+  auto samples = sampled<double>(grid, field);
+  const Range range = statisticsOf(samples, ScalarType::Float64, 1).ranges[0];
+  return finished(grid, std::move(samples), ScalarType::Float64, encodingOf(ScalarType::Float64, 1, range));
+}
+
+Grid cube(int64_t n, double half) {
+  return {glm::dvec3(-half), glm::dvec3(2 * half / double(n - 1)), {n, n, n}};
+}
+
+std::shared_ptr<Geometry> makeGeometry(GeometryKind kind, GeometryBlock block) {
+  auto made = std::make_shared<Geometry>();
+  const size_t count = kind == GeometryKind::Particles   ? block.points.size()
+                       : kind == GeometryKind::PathLines ? block.segments.size()
+                                                         : block.triangles.size();
+  block.ids.resize(count);
+  for (size_t i = 0; i < count; i++) block.ids[i] = i;
+  made->name = "test";
+  made->kind = kind;
+  made->droppedPrimitives = uint64_t(dropUnusable(block, kind));
+  made->primitives = block.ids.size();
+  made->box = boxOf(block);
+  made->range = rangeOf(block);
+  made->blocks[0] = std::move(block);
+  return made;
+}
+
+void addLine(GeometryBlock& block, const std::vector<glm::dvec3>& points, const std::vector<float>& values) {
+  const auto first = uint32_t(block.points.size()), last = first + uint32_t(points.size()) - 1;
+  block.points.insert(block.points.end(), points.begin(), points.end());
+  block.values.insert(block.values.end(), values.begin(), values.end());
+  for (uint32_t i = first; i < last; i++) {
+    block.segments.push_back({i, i + 1});
+    block.neighbours.push_back({i > first ? i - 1 : i, i + 1 < last ? i + 2 : i + 1});
+  }
+}
+
+GeometryBlock sphereMesh(int n, bool normals, bool values) {
+  GeometryBlock block;
+  for (int j = 0; j <= n; j++)
+    for (int i = 0; i < n; i++) {
+      const double theta = std::numbers::pi * j / n, phi = 2 * std::numbers::pi * i / n;
+      const glm::dvec3 p(std::sin(theta) * std::cos(phi), std::cos(theta), std::sin(theta) * std::sin(phi));
+      block.points.push_back(p);
+      if (normals) block.normals.push_back(glm::vec3(p));
+      if (values) block.values.push_back(float(0.5 + 0.5 * p.y));
+    }
+  auto index = [&](int i, int j) { return uint32_t(j * n + i % n); };
+  for (int j = 0; j < n; j++)
+    for (int i = 0; i < n; i++) {
+      block.triangles.push_back({index(i, j), index(i + 1, j), index(i + 1, j + 1)});
+      block.triangles.push_back({index(i, j), index(i + 1, j + 1), index(i, j + 1)});
+    }
+  return block;
+}
+
+double marschnerLobb(glm::dvec3 p) {
+  const double pi = std::numbers::pi, r = std::sqrt(p.x * p.x + p.y * p.y);
+  return (1 - std::sin(pi * p.z / 2) + 0.25 * (1 + std::cos(12 * pi * std::cos(pi * r / 2)))) / 2.5;
+}
+
+double waves(glm::dvec3 p) {
+  Uniform random(7);
+  double sum = 0;
+  for (int i = 0; i < 12; i++) {
+    const glm::dvec3 k = random.inCube(6);
+    sum += std::sin(glm::dot(k, p) + 6.2831853 * random());
+  }
+  return sum / 5;
+}
+
+Vis rendered(std::vector<OpacityPoint> opacity, double lo, double hi, bool extinction) {
+  Vis vis = surfaces(VisType::Volume, lo, hi);
+  vis.volumeRendering = true;
+  vis.opacitymap = {extinction, std::move(opacity)};
+  return vis;
+}
+
+Vis surfaces(VisType type, double lo, double hi) {
+  Vis vis;
+  vis.type = type;
+  const double middle = 0.5 * (lo + hi);
+  vis.colormap.points = {{lo, {0.1, 0.2, 0.9}}, {middle, {0.9, 0.9, 0.5}}, {hi, {0.9, 0.1, 0.1}}};
+  return vis;
+}
+
+}  // namespace gxy::agreement

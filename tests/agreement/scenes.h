@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: Apache-2.0
+// Scenes made in memory, as both the backends and the reference renderer take them: whole in one partition.
+#pragma once
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "gxy/data/geometry.h"
+#include "gxy/data/volume.h"
+#include "gxy/rays/compiled_scene.h"
+#include "gxy/reference/reference.h"
+
+namespace gxy::agreement {
+
+/// A visualization, the data of its operators, and a camera that looks at it.
+struct TestScene {
+  std::string name;
+  Visualization visualization;
+  std::vector<OperatorData> data;
+  RenderSettings settings;
+  Camera camera;
+  Box domain;  ///< of the partitioning; empty: the box of all data
+
+  Vis& add(Vis vis, std::shared_ptr<const Volume> volume);
+  Vis& add(Vis vis, std::shared_ptr<const Geometry> geometry);
+
+  std::shared_ptr<const CompiledScene> compile() const;
+  reference::ReferenceScene forReference() const;
+};
+
+/// Looks from `eye` at the origin, 30 degrees wide.
+TestScene sceneFrom(std::string name, glm::dvec3 eye, int width, int height);
+
+/// The same scene with every length multiplied by `factor` and then moved by `shift`: data, planes, radii, lights,
+/// reference lengths and the camera.
+TestScene moved(const TestScene& scene, double factor, glm::dvec3 shift);
+
+using FieldFunction = std::function<double(glm::dvec3)>;
+
+/// Samples of type `stored` of field(world position); values are clamped to narrow types. One component.
+std::shared_ptr<Volume> makeVolume(const Grid& grid, const FieldFunction& field,
+                                   ScalarType stored = ScalarType::Float32);
+
+/// The same from samples in double, through the encoding that an import would choose.
+std::shared_ptr<Volume> makeWideVolume(const Grid& grid, const FieldFunction& field);
+
+/// n^3 points that span [-half, half]^3.
+Grid cube(int64_t n, double half = 1);
+
+/// Completes block 0: ids, box, range, counts; drops what cannot be drawn, as an import does.
+std::shared_ptr<Geometry> makeGeometry(GeometryKind kind, GeometryBlock block);
+
+/// Points joined to one line each, with neighbours.
+void addLine(GeometryBlock& block, const std::vector<glm::dvec3>& points, const std::vector<float>& values);
+
+/// A sphere of radius 1 as 2 n^2 triangles, with normals and values (the height) where asked for.
+GeometryBlock sphereMesh(int n, bool normals, bool values);
+
+/// Repeatable numbers in [0, 1).
+class Uniform {
+ public:
+  explicit Uniform(uint64_t seed) : state_(seed) {}
+  double operator()() {
+    state_ = state_ * 6364136223846793005u + 1442695040888963407u;
+    return double(state_ >> 11) * 0x1p-53;
+  }
+  double in(double lo, double hi) { return lo + (hi - lo) * (*this)(); }
+  glm::dvec3 inCube(double half) {
+    const double x = in(-half, half), y = in(-half, half), z = in(-half, half);
+    return {x, y, z};
+  }
+
+ private:
+  uint64_t state_;
+};
+
+/// The test signal of Marschner and Lobb (1994), on [-1, 1]^3.
+double marschnerLobb(glm::dvec3 p);
+/// A sum of seeded waves, of wave lengths from 1/3 to 1; in [-1, 1] or little more.
+double waves(glm::dvec3 p);
+
+/// A Vis that draws the volume itself: colour from blue to red over [lo, hi], opacity as given.
+Vis rendered(std::vector<OpacityPoint> opacity, double lo = 0, double hi = 1, bool extinction = false);
+/// A Vis with isosurfaces (or geometry, by type), coloured over [lo, hi].
+Vis surfaces(VisType type, double lo = 0, double hi = 1);
+
+}  // namespace gxy::agreement

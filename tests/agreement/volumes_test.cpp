@@ -1,0 +1,180 @@
+// SPDX-License-Identifier: Apache-2.0
+// Volume rendering and surfaces in volumes: backend against reference.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <glm/geometric.hpp>
+
+#include "backend.h"
+#include "compare.h"
+
+namespace gxy::agreement {
+namespace {
+
+const glm::dvec3 kEye(2.1, 1.4, 3.3);
+
+TestScene volumeScene(const std::string& name, Vis vis, int size = 64) {
+  TestScene scene = sceneFrom(name, kEye, size, size);
+  scene.add(std::move(vis), makeVolume(cube(32), waves));
+  return scene;
+}
+
+TEST(VolumeAgreement, SmoothMap) {
+  expectAgreement(embree(), volumeScene("smooth", rendered({{-1, 0}, {1, 0.3}}, -1, 1)));
+}
+
+TEST(VolumeAgreement, SpikyMap) {
+  expectAgreement(
+      embree(),
+      volumeScene(
+          "spiky",
+          rendered({{-1, 0}, {-0.32, 0}, {-0.3, 0.8}, {-0.28, 0}, {0.2, 0}, {0.21, 0.5}, {0.22, 0}}, -1, 1)));
+}
+
+TEST(VolumeAgreement, SteppedMap) {
+  expectAgreement(
+      embree(),
+      volumeScene(
+          "stepped",
+          rendered({{-0.2, 0}, {-0.2, 0.3}, {0.1, 0.3}, {0.1, 0.02}, {0.4, 0.02}, {0.4, 0.6}}, -1, 1)));
+}
+
+TEST(VolumeAgreement, NearlyOpaqueMap) {
+  expectAgreement(embree(), volumeScene("nearly_opaque", rendered({{-1, 0.9}, {1, 0.999}}, -1, 1)));
+}
+
+TEST(VolumeAgreement, NearlyTransparentMap) {
+  expectAgreement(embree(), volumeScene("nearly_transparent", rendered({{-1, 0.001}, {1, 0.01}}, -1, 1)));
+}
+
+TEST(VolumeAgreement, OpaqueSteps) {
+  expectAgreement(embree(), volumeScene("opaque_steps", rendered({{0.3, 0}, {0.3, 1}, {0.6, 1}}, -1, 1)));
+}
+
+TEST(VolumeAgreement, ExtinctionMap) {
+  expectAgreement(embree(), volumeScene("extinction", rendered({{-1, 0}, {0, 0.5}, {1, 8}}, -1, 1, true)));
+}
+
+TEST(VolumeAgreement, ReferenceLengthAndDataRange) {
+  Vis vis = rendered({{0, 0}, {1, 0.5}}, 0, 1);
+  vis.referenceLength = 0.3;
+  vis.dataRange = {{-0.7, 0.9}};
+  expectAgreement(embree(), volumeScene("reference_length", vis));
+}
+
+TEST(VolumeAgreement, NarrowTypes) {
+  for (ScalarType type : {ScalarType::UInt8, ScalarType::Int8, ScalarType::UInt16, ScalarType::Int16}) {
+    TestScene scene = sceneFrom(std::string("narrow_") + nameOf(type), kEye, 40, 40);
+    const bool isSigned = type == ScalarType::Int8 || type == ScalarType::Int16;
+    Vis vis = rendered({{0, 0}, {200, 0.4}}, 0, 200);
+    if (isSigned) vis = rendered({{-100, 0}, {100, 0.4}}, -100, 100);
+    scene.add(vis, makeVolume(
+                       cube(24), [=](glm::dvec3 p) { return 100 * waves(p) + (isSigned ? 0 : 100); }, type));
+    expectAgreement(embree(), scene);
+  }
+}
+
+TEST(VolumeAgreement, SeveralVolumesOverlap) {
+  TestScene scene = volumeScene("several", rendered({{-1, 0}, {1, 0.2}}, -1, 1));
+  scene.add(rendered({{0.2, 0}, {1, 0.3}}, 0, 1), makeVolume(cube(41, 0.8), marschnerLobb));
+  Grid grid = cube(20, 0.7);
+  grid.origin += glm::dvec3(0.5, 0.3, 0.2);
+  scene.add(rendered({{0, 0}, {1.5, 2}}, 0, 1, true),
+            makeVolume(grid, [](glm::dvec3 p) { return glm::length(p); }));
+  expectAgreement(embree(), scene);
+}
+
+TEST(VolumeAgreement, SeveralSteppedVolumesWithClipPlanes) {
+  TestScene scene =
+      volumeScene("several_clipped", rendered({{-0.2, 0}, {-0.2, 0.3}, {0.3, 0.3}, {0.3, 0}}, -1, 1));
+  scene.visualization.operators[0].clipPlanes = {{{1, 0.3, 0}, 0.1}};
+  Vis& b = scene.add(rendered({{0.5, 0}, {0.5, 0.5}}, 0, 1), makeVolume(cube(41, 0.8), marschnerLobb));
+  b.clipPlanes = {{{0, -1, 0.2}, -0.3}, {{0, 0, 1}, -0.4}};
+  expectAgreement(embree(), scene);
+}
+
+TEST(VolumeAgreement, ClipPlanes) {
+  Vis vis = rendered({{-1, 0}, {1, 0.6}}, -1, 1);
+  vis.clipPlanes = {{{1, 0.2, -0.3}, -0.2}, {{0, -1, 0}, -0.5}};
+  expectAgreement(embree(), volumeScene("clipped", vis));
+}
+
+TEST(VolumeAgreement, Isosurfaces) {
+  Vis vis = surfaces(VisType::Volume, -1, 1);
+  vis.isovalues = {0.5, -0.2, 0.1};
+  expectAgreement(embree(), volumeScene("isosurfaces", vis, 96));
+}
+
+TEST(VolumeAgreement, IsosurfacesOfMarschnerLobb) {
+  TestScene scene = sceneFrom("iso_marschner_lobb", {0.5, 1, 4}, 96, 96);
+  Vis vis = surfaces(VisType::Volume);
+  vis.isovalues = {0.5};
+  scene.add(vis, makeVolume(cube(41), marschnerLobb));
+  expectAgreement(embree(), scene);
+}
+
+TEST(VolumeAgreement, TranslucentIsosurfacesOfSeveralVolumes) {
+  Vis vis = surfaces(VisType::Volume, -1, 1);
+  vis.isovalues = {0.5, -0.4, 0.1};
+  vis.opacity = 0.4;
+  TestScene scene = volumeScene("iso_translucent", vis);
+  Vis other = surfaces(VisType::Volume);
+  other.isovalues = {0.6};
+  other.opacity = 0.7;
+  scene.add(other, makeVolume(cube(30, 0.8), [](glm::dvec3 p) { return glm::length(p); }));
+  expectAgreement(embree(), scene);
+}
+
+TEST(VolumeAgreement, OneSidedIsosurfaces) {
+  Vis vis = surfaces(VisType::Volume, -1, 1);
+  vis.isovalues = {0.3, -0.3};
+  vis.opacity = 0.5;
+  vis.twoSided = false;
+  expectAgreement(embree(), volumeScene("iso_one_sided", vis));
+}
+
+TEST(VolumeAgreement, ClippedIsosurfacesAndSlices) {
+  Vis vis = surfaces(VisType::Volume, -1, 1);
+  vis.isovalues = {0.3, -0.3};
+  vis.slices = {{{0, 0, 2}, 0.2}, {{1, 1, 1}, 0}};
+  vis.clipPlanes = {{{1, 0.2, -0.3}, -0.2}};
+  expectAgreement(embree(), volumeScene("iso_slices_clipped", vis, 96));
+}
+
+TEST(VolumeAgreement, SlicesOneSidedAndTranslucent) {
+  Vis vis = surfaces(VisType::Volume, -1, 1);
+  vis.slices = {{{0, 0, 1}, 0.5}, {{0, -1, 0}, 0.2}, {{1, 0.1, 0}, -0.1}};
+  vis.opacity = 0.6;
+  vis.twoSided = false;
+  expectAgreement(embree(), volumeScene("slices", vis));
+}
+
+TEST(VolumeAgreement, VolumeWithItsOwnSurfaces) {
+  Vis vis = rendered({{-1, 0}, {1, 0.1}}, -1, 1);
+  vis.isovalues = {0.4};
+  vis.slices = {{{0, 0, 1}, 0.1}};
+  vis.opacity = 0.5;
+  expectAgreement(embree(), volumeScene("volume_and_surfaces", vis));
+}
+
+TEST(VolumeAgreement, CameraInsideOrthographicAndSeveralRaysPerPixel) {
+  TestScene scene = volumeScene("inside", rendered({{-1, 0}, {1, 0.15}}, -1, 1));
+  scene.camera.viewpoint = {0.1, 0.2, 0.3};
+  scene.camera.viewdirection = {1, 0.5, -0.3};
+  scene.camera.aov = 100;
+  scene.visualization.operators[0].isovalues = {0.5};
+  expectAgreement(embree(), scene);
+  scene.name = "inside_rays_per_pixel";
+  scene.settings.raysPerPixel = 3;
+  scene.camera.dimensions = {40, 30};
+  expectAgreement(embree(), scene);
+  scene = volumeScene("orthographic", rendered({{-1, 0}, {1, 0.15}}, -1, 1));
+  scene.visualization.operators[0].isovalues = {0.5};
+  scene.camera.aov = 0;
+  scene.camera.height = 2.5;
+  scene.settings.background = {0.2, 0.4, 0.6, 0.5};
+  expectAgreement(embree(), scene);
+}
+
+}  // namespace
+}  // namespace gxy::agreement
