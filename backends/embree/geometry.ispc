@@ -107,7 +107,7 @@ export void hitGeometry(const void* uniform scene, void* uniform rays, uniform i
       ray.id = 0;
       ray.flags = 0;
       rtcOccludedV((RTCScene)s.embree, &query.context, &ray);
-      if (ray.tfar < 0.0f) r.T[i] = 0.0f;
+      if (ray.tfar < 0.0f) r.A[i] = 1.0f;
     } else {
       RTCRayHit q;
       q.ray.org_x = r.ox[i]; q.ray.org_y = r.oy[i]; q.ray.org_z = r.oz[i];

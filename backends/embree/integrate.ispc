@@ -23,13 +23,13 @@ export void integrateRays(const void* uniform scene, void* uniform rays, uniform
     m.tMin = s.tMin;
     Radiance L;
     L.rgb = make_v3(r.r[i], r.g[i], r.b[i]);
-    L.T = r.T[i];
+    L.A = r.A[i];
     integrateVolume(v, ray, m, L, count);
     r.r[i] = L.rgb.x;
     r.g[i] = L.rgb.y;
     r.b[i] = L.rgb.z;
-    r.T[i] = L.T;
-    if (L.T < s.tMin) r.hitKind[i] = HIT_NONE;  // nothing behind is seen
+    r.A[i] = L.A;
+    if (1.0f - L.A < s.tMin) r.hitKind[i] = HIT_NONE;  // nothing behind is seen
   }
   counts[0] += reduce_add((int64)count.samples);
   counts[1] += reduce_add((int64)count.macrocells);

@@ -107,7 +107,7 @@ export void integrateMany(const void* uniform scene, void* uniform rays, uniform
     float tIn = r.tIn[i], tOut = r.tOut[i], tStart = r.tLast[i], tStop = min(r.tHit[i], r.tMax[i]);
     Radiance L;
     L.rgb = make_v3(r.r[i], r.g[i], r.b[i]);
-    L.T = r.T[i];
+    L.A = r.A[i];
     Cursor cursor[MANY_VOLUMES];
     float t = max(max(tIn, tStart), 0.0f), end = 0.0f;
     for (uniform int k = 0; k < count; k++) {
@@ -118,7 +118,7 @@ export void integrateMany(const void* uniform scene, void* uniform rays, uniform
       if (cursor[k].ray.t0 < cursor[k].ray.t1) end = max(end, cursor[k].ray.t1);
     }
     end = min(end, tStop);
-    bool go = t < min(end, tOut) && L.T >= s.tMin;
+    bool go = t < min(end, tOut) && 1.0f - L.A >= s.tMin;
     // The merged segment that contains t may begin before it: at the latest earlier segment end of any volume, which is
     // where the partition before stopped.
     float a = t;
@@ -151,7 +151,7 @@ export void integrateMany(const void* uniform scene, void* uniform rays, uniform
           addSegment(L, sigma * (b - a), make_v3(source.x * inverse, source.y * inverse, source.z * inverse));
         }
         a = b;
-        if (b >= end || L.T < s.tMin || b >= tOut) go = false;
+        if (b >= end || 1.0f - L.A < s.tMin || b >= tOut) go = false;
         for (uniform int k = 0; k < count; k++) {
           VOLUME v = s.field[volumes[k]];
           if (go && cursor[k].b <= b) advance(v, cursor[k], samples);
@@ -161,8 +161,8 @@ export void integrateMany(const void* uniform scene, void* uniform rays, uniform
     r.r[i] = L.rgb.x;
     r.g[i] = L.rgb.y;
     r.b[i] = L.rgb.z;
-    r.T[i] = L.T;
-    if (L.T < s.tMin) r.hitKind[i] = HIT_NONE;
+    r.A[i] = L.A;
+    if (1.0f - L.A < s.tMin) r.hitKind[i] = HIT_NONE;
   }
   counts[0] += reduce_add((int64)samples);
 }

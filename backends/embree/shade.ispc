@@ -133,8 +133,8 @@ export uniform int shadeHits(const void* uniform scene, const void* uniform fram
         opacity = view.opacity;
       }
     }
-    float weight = r.T[i] * opacity;
-    r.T[i] = opacity >= 1.0f ? 0.0f : r.T[i] * (1.0f - opacity);
+    float weight = (1.0f - r.A[i]) * opacity;
+    r.A[i] = opacity >= 1.0f ? 1.0f : r.A[i] + (1.0f - r.A[i]) * opacity;
     vec3 toEye = make_v3(-d.x, -d.y, -d.z);
     vec3 from = offsetOrigin(surface.point, surface.normal, surface.size);
     unsigned int startBits = (surface.start & (START_ISOSURFACE | START_SLICE) << 18) | (surface.start & (1 << 20));
@@ -191,7 +191,7 @@ export uniform int shadeHits(const void* uniform scene, const void* uniform fram
         packed_store_active((uniform int* uniform)(w.dz + made), intbits(toward.z));
         packed_store_active((uniform int* uniform)(w.tLast + made), intbits(-1.0f));
         packed_store_active((uniform int* uniform)(w.tMax + made), intbits(reach));
-        packed_store_active((uniform int* uniform)(w.T + made), intbits(1.0f));
+        packed_store_active((uniform int* uniform)(w.A + made), intbits(0.0f));
         packed_store_active(w.sr + made, sr);
         packed_store_active(w.sg + made, sg);
         made += packed_store_active(w.sb + made, sb);
@@ -206,18 +206,17 @@ export void settleRays(void* uniform rays, const uniform int which[], uniform in
   USE_RAYS(r, rays);
   foreach (k = 0 ... n) {
     int i = which[k];
-    float T = max(r.T[i], 0.0f);
+    float A = min(r.A[i], 1.0f);
     if (RAY_KIND(r.info[i]) == RAY_PRIMARY) {
       sum[4 * k] = units(r.r[i]);
       sum[4 * k + 1] = units(r.g[i]);
       sum[4 * k + 2] = units(r.b[i]);
-      sum[4 * k + 3] = units(1.0f - T);
+      sum[4 * k + 3] = units(A);
     } else {
-      float blocked = 1.0f - T;
-      int all = T == 0.0f ? 1 : 0;
-      sum[4 * k] = -(all != 0 ? r.sr[i] : min((int)((float)r.sr[i] * blocked), r.sr[i]));
-      sum[4 * k + 1] = -(all != 0 ? r.sg[i] : min((int)((float)r.sg[i] * blocked), r.sg[i]));
-      sum[4 * k + 2] = -(all != 0 ? r.sb[i] : min((int)((float)r.sb[i] * blocked), r.sb[i]));
+      int all = A == 1.0f ? 1 : 0;
+      sum[4 * k] = -(all != 0 ? r.sr[i] : min((int)((float)r.sr[i] * A), r.sr[i]));
+      sum[4 * k + 1] = -(all != 0 ? r.sg[i] : min((int)((float)r.sg[i] * A), r.sg[i]));
+      sum[4 * k + 2] = -(all != 0 ? r.sb[i] : min((int)((float)r.sb[i] * A), r.sb[i]));
       sum[4 * k + 3] = 0;
     }
   }
@@ -234,11 +233,11 @@ export void passSurfaces(const void* uniform scene, void* uniform rays, uniform 
         for (uniform int op = 0; op < s.operators; op++)
           if (r.hitOperator[i] == op) {
             float opacity = s.operator_[op].opacity;
-            r.T[i] = opacity >= 1.0f ? 0.0f : r.T[i] * (1.0f - opacity);
+            r.A[i] = opacity >= 1.0f ? 1.0f : r.A[i] + (1.0f - r.A[i]) * opacity;
           }
       }
       r.tLast[i] = r.tHit[i];
-      r.next[i] = r.T[i] < s.tMin ? END_DONE : END_ACTIVE;
+      r.next[i] = 1.0f - r.A[i] < s.tMin ? END_DONE : END_ACTIVE;
     }
   }
 }

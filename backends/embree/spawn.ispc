@@ -125,7 +125,7 @@ export uniform int spawnRays(const void* uniform scene, const void* uniform fram
   foreach (i = 0 ... n) {
     r.tLast[i] = -1.0f;
     r.tMax[i] = NO_HIT;
-    r.T[i] = 1.0f;
+    r.A[i] = 0.0f;
     r.r[i] = 0.0f;
     r.g[i] = 0.0f;
     r.b[i] = 0.0f;
@@ -192,7 +192,7 @@ export void routeRays(const void* uniform scene, void* uniform rays, uniform int
       r.next[i] = nextPartition(s, o, d, 0.0f, min(domainExit(s, o, d), r.tMax[i]));
     } else if (r.hitKind[i] != HIT_NONE) {
       r.next[i] = END_SURFACE;
-    } else if (r.T[i] < s.tMin || r.tOut[i] >= r.tEnd[i]) {
+    } else if (1.0f - r.A[i] < s.tMin || r.tOut[i] >= r.tEnd[i]) {
       r.next[i] = END_DONE;
     } else {
       r.next[i] = nextPartition(s, o, d, r.tOut[i], r.tEnd[i]);

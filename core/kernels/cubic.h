@@ -38,8 +38,8 @@ FN real refineRoot(Bernstein b, real lo, real hi, real fLo, real fHi) {
   return u;
 }
 
-// What a root has to obey to be a hit: t in [tIn, tOut), t > tAfter. `entry`: the cell is the first of the ray, so a
-// value of exactly 0 at its start is a hit; elsewhere that was the end of the cell before (a plateau is hit once, where
+// What a root has to obey to be a hit: t in [tIn, tOut), t > tAfter. `entry`: the ray comes from no cell with data, so
+// a value of exactly 0 at its start is a hit; elsewhere that was the end of the cell before (a plateau is hit once, where
 // the ray enters it). `from` != 0: only crossings that leave the side of that sign count (a ray that starts on the
 // surface must not meet it again through rounding).
 struct RootQuery {
@@ -68,21 +68,36 @@ FN real firstRoot(Bernstein b, real ta, real tb, RootQuery q) {
     if (hi > R(0.0) && hi < R(1.0)) e1 = hi;
     e0 = lo > R(0.0) && lo < R(1.0) ? lo : e1;
   }
-  real a = R(0.0), fa = b.b0, hit = NO_HIT;
-  for (UNIFORM int k = 0; k < 3; k++) {
-    real z = k == 0 ? e0 : (k == 1 ? e1 : R(1.0));
-    if (hit >= NO_HIT && z > a) {
+  // The first piece between extrema whose ends differ in sign is searched once; another only if its root is not accepted.
+  real hit = NO_HIT;
+  real done = R(0.0);
+  bool search = true;
+  while (search) {
+    real a = R(0.0), fa = b.b0, lo = R(0.0), hi = R(0.0), fLo = R(0.0), fHi = R(0.0);
+    search = false;
+    for (UNIFORM int k = 0; k < 3; k++) {
+      real z = k == 0 ? e0 : (k == 1 ? e1 : R(1.0));
       real fz = z < R(1.0) ? bernsteinValue(b, z) : b.b3;
-      bool crosses = (fa < R(0.0) && fz >= R(0.0)) || (fa > R(0.0) && fz <= R(0.0));
-      if (q.from != 0) crosses = crosses && ((fa < R(0.0)) == (q.from < 0));
-      if (crosses) {
-        real u = z;
-        if (fz != R(0.0)) u = refineRoot(b, a, z, fa, fz);
-        real t = u < R(1.0) ? min(ta + u * (tb - ta), tb) : tb;
-        if (acceptsRoot(q, t)) hit = t;
+      bool crosses = q.from <= 0 && fa < R(0.0) && fz >= R(0.0);
+      crosses = crosses || (q.from >= 0 && fa > R(0.0) && fz <= R(0.0));
+      if (!search && crosses && z > a && a >= done) {
+        search = true;
+        lo = a;
+        hi = z;
+        fLo = fa;
+        fHi = fz;
       }
-      a = z;
-      fa = fz;
+      if (z > a) fa = fz;
+      a = max(a, z);
+    }
+    if (search) {
+      real u = hi;
+      if (fHi != R(0.0)) u = refineRoot(b, lo, hi, fLo, fHi);
+      real along = ta + u * (tb - ta);
+      real t = u < R(1.0) ? min(along, tb) : tb;
+      if (acceptsRoot(q, t)) hit = t;
+      done = hi;
+      search = hit >= NO_HIT && hi < R(1.0);
     }
   }
   return hit;

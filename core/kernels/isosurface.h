@@ -13,6 +13,41 @@ struct IsoStart {
   int index, from;
 };
 
+// The cell of one axis, of those of a macrocell, that the ray is in at t, where it is inside this macrocell: the estimate is
+// off by one at most.
+FN int cellInside(real t, real po, real pd, real rpd, int first, int last) {
+  real q = floor(po + t * pd);
+  int i = toInt(clamp1(q, toReal(first), toReal(last)));
+  bool backward = rpd < R(0.0);
+  real below = planeCrossing(i, po, rpd), above = planeCrossing(i + 1, po, rpd);
+  bool down = backward ? below <= t : below > t, up = backward ? above > t : above <= t;
+  if (down && i > first) i -= 1;
+  else if (up && i < last) i += 1;
+  return i;
+}
+
+// The cell of one axis after macrocell m is left at t: across the exit plane if t is its crossing, else still inside.
+FN int cellBehind(real t, real far, int m, int up, real po, real pd, real rpd) {
+  int first = m << MACRO_BITS;
+  int i = cellInside(t, po, pd, rpd, first, first + 7);
+  if (far <= t) i = up > 0 ? first + 8 : first - 1;
+  return i;
+}
+
+// The fraction of a cell at which a segment begins or ends on one axis: exact on a plane that is crossed there.
+FN real crossedFraction(bool crossed, int side, real p, int cell) {
+  real f = p - toReal(cell);
+  return crossed ? toReal(side) : clamp1(f, R(0.0), R(1.0));
+}
+
+// Whether the block holds the cell, and all its corners are finite.
+FN bool cellHoldsData(VOLUME v, ivec3 c) {
+  bool inside = c.x >= v.firstX && c.y >= v.firstY && c.z >= v.firstZ && c.x < v.lastX && c.y < v.lastY && c.z < v.lastZ;
+  bool holds = false;
+  if (inside) holds = holdsData(cellCorners(v, c));
+  return holds;
+}
+
 FN IsoHit firstIsosurface(VOLUME v, VolumeRay r, real tIn, real tOut, real tAfter, IsoStart start,
                           INOUT(int) cellsVisited, INOUT(int) macrocellsSkipped) {
   IsoHit hit;
@@ -27,72 +62,72 @@ FN IsoHit firstIsosurface(VOLUME v, VolumeRay r, real tIn, real tOut, real tAfte
                     locateCell(t, r.g.po.y, r.g.pd.y, r.g.rpd.y, n.y),
                     locateCell(t, r.g.po.z, r.g.pd.z, r.g.rpd.z, n.z));
   ivec3 up = make_i3(r.g.rpd.x < R(0.0) ? 0 : 1, r.g.rpd.y < R(0.0) ? 0 : 1, r.g.rpd.z < R(0.0) ? 0 : 1);
-  vec3 near = make_v3(planeCrossing(c.x + 1 - up.x, r.g.po.x, r.g.rpd.x),
-                      planeCrossing(c.y + 1 - up.y, r.g.po.y, r.g.rpd.y),
-                      planeCrossing(c.z + 1 - up.z, r.g.po.z, r.g.rpd.z));
-  real ta = max(max3(near), r.t0);
+  vec3 first = make_v3(planeCrossing(c.x + 1 - up.x, r.g.po.x, r.g.rpd.x),
+                       planeCrossing(c.y + 1 - up.y, r.g.po.y, r.g.rpd.y),
+                       planeCrossing(c.z + 1 - up.z, r.g.po.z, r.g.rpd.z));
+  real ta = max(max3(first), r.t0);
   bool go = true;
+  bool mayHold = straddles(v, make_i3(c.x >> MACRO_BITS, c.y >> MACRO_BITS, c.z >> MACRO_BITS));
   while (go) {
-    ivec3 m = make_i3(c.x >> MACRO_BITS, c.y >> MACRO_BITS, c.z >> MACRO_BITS);
-    if (!straddles(v, m)) {
-      // leave the macrocell; the cell behind it is found by the same crossings
+    ivec3 was = make_i3(c.x >> MACRO_BITS, c.y >> MACRO_BITS, c.z >> MACRO_BITS);
+    real exit;
+    if (!mayHold) {
       macrocellsSkipped += 1;
-      vec3 far = make_v3(planeCrossing((m.x + up.x) << MACRO_BITS, r.g.po.x, r.g.rpd.x),
-                         planeCrossing((m.y + up.y) << MACRO_BITS, r.g.po.y, r.g.rpd.y),
-                         planeCrossing((m.z + up.z) << MACRO_BITS, r.g.po.z, r.g.rpd.z));
-      real te = min3(far);
-      if (te >= end) {
-        go = false;
-      } else {
-        int x = locateCell(te, r.g.po.x, r.g.pd.x, r.g.rpd.x, n.x);
-        int y = locateCell(te, r.g.po.y, r.g.pd.y, r.g.rpd.y, n.y);
-        int z = locateCell(te, r.g.po.z, r.g.pd.z, r.g.rpd.z, n.z);
-        c = make_i3(x, y, z);
-        ta = te;
-      }
+      vec3 far = make_v3(planeCrossing((was.x + up.x) << MACRO_BITS, r.g.po.x, r.g.rpd.x),
+                         planeCrossing((was.y + up.y) << MACRO_BITS, r.g.po.y, r.g.rpd.y),
+                         planeCrossing((was.z + up.z) << MACRO_BITS, r.g.po.z, r.g.rpd.z));
+      exit = min3(far);
+      c = make_i3(cellBehind(exit, far.x, was.x, up.x, r.g.po.x, r.g.pd.x, r.g.rpd.x),
+                  cellBehind(exit, far.y, was.y, up.y, r.g.po.y, r.g.pd.y, r.g.rpd.y),
+                  cellBehind(exit, far.z, was.z, up.z, r.g.po.z, r.g.pd.z, r.g.rpd.z));
     } else {
+      cellsVisited += 1;
+      Corners k = cellCorners(v, c);
       vec3 far = make_v3(planeCrossing(c.x + up.x, r.g.po.x, r.g.rpd.x),
                          planeCrossing(c.y + up.y, r.g.po.y, r.g.rpd.y),
                          planeCrossing(c.z + up.z, r.g.po.z, r.g.rpd.z));
-      real exit = min3(far);
+      exit = min3(far);
       real tb = min(exit, r.t1);
-      cellsVisited += 1;
-      Corners k = cellCorners(v, c);
       real lo = minCorner(k), hi = maxCorner(k);
       for (UNIFORM int i = 0; i < v.isovalues; i++) {
         real iso = v.isovalue[i];
-        if (lo <= iso && hi >= iso && tb >= ta) {
-          vec3 p = fractionIn(c, pointAt(r.g, ta)), q = fractionIn(c, pointAt(r.g, tb));
-          if (planeCrossing(c.x + 1 - up.x, r.g.po.x, r.g.rpd.x) >= ta) p.x = toReal(1 - up.x);
-          if (planeCrossing(c.y + 1 - up.y, r.g.po.y, r.g.rpd.y) >= ta) p.y = toReal(1 - up.y);
-          if (planeCrossing(c.z + 1 - up.z, r.g.po.z, r.g.rpd.z) >= ta) p.z = toReal(1 - up.z);
-          if (far.x <= tb) q.x = toReal(up.x);
-          if (far.y <= tb) q.y = toReal(up.y);
-          if (far.z <= tb) q.z = toReal(up.z);
+        if (lo <= iso && hi >= iso && tb >= ta && holdsData(k)) {
+          vec3 near = make_v3(planeCrossing(c.x + 1 - up.x, r.g.po.x, r.g.rpd.x),
+                              planeCrossing(c.y + 1 - up.y, r.g.po.y, r.g.rpd.y),
+                              planeCrossing(c.z + 1 - up.z, r.g.po.z, r.g.rpd.z));
+          vec3 from = pointAt(r.g, ta), to = pointAt(r.g, tb);
+          vec3 p = make_v3(crossedFraction(near.x >= ta, 1 - up.x, from.x, c.x),
+                           crossedFraction(near.y >= ta, 1 - up.y, from.y, c.y),
+                           crossedFraction(near.z >= ta, 1 - up.z, from.z, c.z));
+          vec3 q = make_v3(crossedFraction(far.x <= tb, up.x, to.x, c.x), crossedFraction(far.y <= tb, up.y, to.y, c.y),
+                           crossedFraction(far.z <= tb, up.z, to.z, c.z));
           RootQuery query;
           query.tIn = tIn;
           query.tOut = min(tOut, hit.t);
           query.tAfter = tAfter;
-          query.entry = ta <= r.t0;
           query.from = start.index == i ? start.from : 0;
-          if (holdsData(k)) {
-            real th = firstRoot(bernsteinAlong(k, p, q, iso), ta, tb, query);
-            if (th < hit.t) {
-              hit.t = th;
-              hit.index = i;
-            }
+          Bernstein b = bernsteinAlong(k, p, q, iso);
+          query.entry = ta <= r.t0;
+          if (!query.entry && b.b0 == R(0.0)) {
+            query.entry = !cellHoldsData(v, make_i3(near.x >= ta ? c.x + 1 - up.x - up.x : c.x,
+                                                    near.y >= ta ? c.y + 1 - up.y - up.y : c.y,
+                                                    near.z >= ta ? c.z + 1 - up.z - up.z : c.z));
+          }
+          real th = firstRoot(b, ta, tb, query);
+          if (th < hit.t) {
+            hit.t = th;
+            hit.index = i;
           }
         }
       }
-      if (hit.t < NO_HIT || exit >= end) {
-        go = false;
-      } else {
-        if (far.x <= exit) c.x += up.x + up.x - 1;
-        if (far.y <= exit) c.y += up.y + up.y - 1;
-        if (far.z <= exit) c.z += up.z + up.z - 1;
-        ta = exit;
-      }
+      if (far.x <= exit) c.x += up.x + up.x - 1;
+      if (far.y <= exit) c.y += up.y + up.y - 1;
+      if (far.z <= exit) c.z += up.z + up.z - 1;
     }
+    ta = exit;
+    go = hit.t >= NO_HIT && exit < end;
+    ivec3 m = make_i3(c.x >> MACRO_BITS, c.y >> MACRO_BITS, c.z >> MACRO_BITS);
+    if (go && (m.x != was.x || m.y != was.y || m.z != was.z)) mayHold = straddles(v, m);
   }
   return hit;
 }

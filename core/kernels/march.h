@@ -46,7 +46,7 @@ FN void meanAlong(VOLUME v, real s0, real s1, OUT(real) sigma, OUT(vec3) source)
 FN void integrateVolume(VOLUME v, VolumeRay r, MarchRange m, INOUT(Radiance) L, INOUT(MarchCount) n) {
   real end = min(r.t1, m.tStop);
   real t = max(max(m.tIn, m.tStart), r.t0);
-  if (!(t < min(end, m.tOut)) || L.T < m.tMin) return;
+  if (!(t < min(end, m.tOut)) || R(1.0) - L.A < m.tMin) return;
   MacroWalk w = startMacroWalk(v, r, t);
   bool go = true;
   while (go) {
@@ -98,7 +98,7 @@ FN void integrateVolume(VOLUME v, VolumeRay r, MarchRange m, INOUT(Radiance) L, 
             }
           }
           a = b;
-          if (b >= end || L.T < m.tMin) go = false;
+          if (b >= end || R(1.0) - L.A < m.tMin) go = false;
         }
       }
     }

@@ -5,8 +5,13 @@ struct Corners {
   real v000, v100, v010, v110, v001, v101, v011, v111;  // digits: x, y, z
 };
 
-// Exact at f = 0 and f = 1, so that two cells give their shared face the same value.
-FN real mix1(real a, real b, real f) { return a * (R(1.0) - f) + b * f; }
+// Between a and b, exact at f = 0, at f = 1 and for a = b: two cells give their shared face the same value, and no value
+// leaves the range of the samples, so that a cell which is passed over by its range has no root through rounding.
+FN real mix1(real a, real b, real f) {
+  real d = b - a;
+  real fromA = a + f * d, fromB = b - (R(1.0) - f) * d;
+  return f < R(0.5) ? fromA : fromB;
+}
 
 // Value at fractions f in [0,1]^3; on a face it is the bilinear of that face's corners, to the bit.
 FN real trilinear(Corners c, vec3 f) {
@@ -36,16 +41,18 @@ struct Bernstein {
   real b0, b1, b2, b3;
 };
 FN Bernstein bernsteinAlong(Corners c, vec3 p, vec3 q, real offset) {
+  // at the x of p, then of q: the four values on the edges along x, then at the y of p and of q
+  real p00 = mix1(c.v000, c.v100, p.x), p10 = mix1(c.v010, c.v110, p.x);
+  real p01 = mix1(c.v001, c.v101, p.x), p11 = mix1(c.v011, c.v111, p.x);
+  real q00 = mix1(c.v000, c.v100, q.x), q10 = mix1(c.v010, c.v110, q.x);
+  real q01 = mix1(c.v001, c.v101, q.x), q11 = mix1(c.v011, c.v111, q.x);
+  real pp0 = mix1(p00, p10, p.y), pp1 = mix1(p01, p11, p.y), pq0 = mix1(p00, p10, q.y), pq1 = mix1(p01, p11, q.y);
+  real qp0 = mix1(q00, q10, p.y), qp1 = mix1(q01, q11, p.y), qq0 = mix1(q00, q10, q.y), qq1 = mix1(q01, q11, q.y);
+  real third = R(0.33333333333333333);
   Bernstein b;
-  b.b0 = trilinear(c, p) - offset;
-  b.b3 = trilinear(c, q) - offset;
-  b.b1 = ((trilinear(c, make_v3(q.x, p.y, p.z)) + trilinear(c, make_v3(p.x, q.y, p.z))) +
-          trilinear(c, make_v3(p.x, p.y, q.z))) *
-             R(0.33333333333333333) -
-         offset;
-  b.b2 = ((trilinear(c, make_v3(q.x, q.y, p.z)) + trilinear(c, make_v3(q.x, p.y, q.z))) +
-          trilinear(c, make_v3(p.x, q.y, q.z))) *
-             R(0.33333333333333333) -
-         offset;
+  b.b0 = mix1(pp0, pp1, p.z) - offset;
+  b.b1 = ((mix1(qp0, qp1, p.z) + mix1(pq0, pq1, p.z)) + mix1(pp0, pp1, q.z)) * third - offset;
+  b.b2 = ((mix1(qq0, qq1, p.z) + mix1(qp0, qp1, q.z)) + mix1(pq0, pq1, q.z)) * third - offset;
+  b.b3 = mix1(qq0, qq1, q.z) - offset;
   return b;
 }

@@ -33,11 +33,11 @@ FN VolumeRay volumeRay(VOLUME v, vec3 o, vec3 d, real clip0, real clip1) {
   return r;
 }
 
+// The cell of the local block at p. Only rounding can put p outside the block: its ghosts reach as far as segments do.
 FN ivec3 cellAt(VOLUME v, vec3 p) {
-  ivec3 n = gridCells(v);
-  return make_i3(toInt(clamp1(floor(p.x), R(0.0), toReal(n.x - 1))),
-                 toInt(clamp1(floor(p.y), R(0.0), toReal(n.y - 1))),
-                 toInt(clamp1(floor(p.z), R(0.0), toReal(n.z - 1))));
+  return make_i3(toInt(clamp1(floor(p.x), toReal(v.firstX), toReal(v.lastX - 1))),
+                 toInt(clamp1(floor(p.y), toReal(v.firstY), toReal(v.lastY - 1))),
+                 toInt(clamp1(floor(p.z), toReal(v.firstZ), toReal(v.lastZ - 1))));
 }
 
 FN vec3 fractionIn(ivec3 c, vec3 p) {
@@ -102,15 +102,15 @@ FN void stepMacroWalk(VolumeRay r, INOUT(MacroWalk) w) {
 
 struct Radiance {
   vec3 rgb;  // accumulated, premultiplied
-  real T;    // transmittance
+  real A;    // opacity, 1 - transmittance: a float near 1 would lose what thin segments take away
 };
 
 FN void addSegment(INOUT(Radiance) L, real tau, vec3 c) {
-  real w = L.T * oneMinusExp(tau);
+  real w = (R(1.0) - L.A) * oneMinusExp(tau);
   L.rgb.x += w * c.x;
   L.rgb.y += w * c.y;
   L.rgb.z += w * c.z;
-  L.T -= w;
+  L.A += w;
 }
 
 // What bounds the work of one partition on one ray: segments that end in (tIn, tOut], from tStart (the ray's last

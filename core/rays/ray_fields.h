@@ -12,7 +12,7 @@
 //              surface that it starts from
 //   tLast      t of the last surface met (translucent), else -1: what lies before is done
 //   tMax       secondary: t of the light, or the ambient-occlusion radius
-//   T          transmittance so far
+//   A          opacity so far, 1 - transmittance
 //   r, g, b    primary: radiance accumulated so far
 //   sr, sg, sb secondary: what the pixel loses if it is blocked, in units of 1 / CONTRIBUTION_ONE
 // and while a packet is in one partition
@@ -34,7 +34,7 @@
   F(float, dz, 0, 1)            \
   F(float, tLast, 1, 1)         \
   F(float, tMax, 0, 1)          \
-  F(float, T, 1, 1)             \
+  F(float, A, 1, 1)             \
   F(float, r, 1, 0)             \
   F(float, g, 1, 0)             \
   F(float, b, 1, 0)             \

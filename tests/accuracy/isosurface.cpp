@@ -1,0 +1,294 @@
+// SPDX-License-Identifier: Apache-2.0
+// The first isosurface along a ray, against all roots of all cells in double.
+#include <gtest/gtest.h>
+
+#include <cfloat>
+
+#include "gxy/kernels/single.h"
+#include "maps.h"
+#include "roots.h"
+
+namespace gxy::test {
+namespace {
+
+using Hit = single::IsoHit;
+constexpr single::IsoStart kNowhere{-1, 0};
+
+Hit firstHit(const View<float>& view, const single::VolumeRay& ray, float tIn = 0, float tOut = 1e30f, float tAfter = -1,
+             single::IsoStart start = kNowhere) {
+  int cells = 0, skipped = 0;
+  return firstIsosurface(*view, ray, tIn, tOut, tAfter, start, cells, skipped);
+}
+
+struct Score {
+  int rays = 0, hits = 0, missed = 0, wrong = 0, imprecise = 0, tangential = 0, tangentialOff = 0;
+  double worst = 0;  // |dt| in cells beyond 2 ulp(t), where the slope is steep enough
+};
+
+// Compares one ray. A hit must be a root; none that is steep may be passed over.
+void compare(const Field& f, const View<float>& view, const RaySpec& spec, double iso, Score& score) {
+  const auto ray = rayIn(view, spec);
+  const IndexRay exact = indexRay(ray, f);
+  const Hit hit = firstHit(view, ray);
+  const std::vector<Root> roots = rootsAlong(f, exact, iso);
+  const double cells = glm::length(exact.d);
+  score.rays++;
+  score.hits += hit.t < 1e30f;
+  const auto steep = [](const Root& r) { return std::abs(r.slope) >= 1e-3 * r.range; };
+  const auto crosses = [&](const Root& r) {  // not only touches, to rounding
+    const double before = fieldAt(f, exact, r.t - 2e-3 / cells) - iso, after = fieldAt(f, exact, r.t + 2e-3 / cells) - iso;
+    return std::min(std::abs(before), std::abs(after)) > 1e-6 * r.range && (before < 0) != (after < 0);
+  };
+  const double slack = 1e-3 / cells + 4 * double(std::nextafter(hit.t, 2e30f) - hit.t);
+  const Root* nearest = nullptr;
+  for (const Root& r : roots) {
+    if (steep(r) && r.t > exact.t0 + slack && r.t < exact.t1 - slack && r.t < hit.t - slack && crosses(r)) {
+      score.missed++;
+      return;
+    }
+    if (!nearest || std::abs(r.t - hit.t) < std::abs(nearest->t - hit.t)) nearest = &r;
+  }
+  if (!(hit.t < 1e30f)) return;
+  if (nearest && steep(*nearest) && std::abs(nearest->t - hit.t) < slack) {
+    const double off = (std::abs(hit.t - nearest->t) - 2 * double(std::nextafter(hit.t, 2e30f) - hit.t)) * cells;
+    score.worst = std::max(score.worst, off);
+    score.imprecise += off > 1e-4;
+    return;
+  }
+  // tangential: the value there is the isovalue to rounding
+  score.tangential++;
+  const double ulp = double(std::nextafter(float(std::abs(iso)), FLT_MAX)) - std::abs(iso);
+  const Cell cell(f, exact, hit.t, hit.t);
+  const double off = std::abs(fieldAt(f, exact, hit.t) - iso);
+  score.tangentialOff += off > 8 * ulp;
+  score.wrong += off > 1e-4 * (cell.hi - cell.lo);
+}
+
+TEST(Isosurface, MarschnerLobbHasNoMissedRootAndNoWrongSheet) {
+  const Field f = cube(41, marschnerLobb);
+  Shown shown;
+  shown.isovalues = {0.5f};
+  const View<float> view(f, shown);
+  Random random(31);
+  Score s;
+  for (int i = 0; i < 100000; i++) compare(f, view, randomRay(random, f), 0.5, s);
+  EXPECT_EQ(s.missed, 0);
+  EXPECT_EQ(s.wrong, 0);
+  EXPECT_EQ(s.imprecise, 0);
+  EXPECT_EQ(s.tangentialOff, 0);
+  EXPECT_GT(s.hits, 20000);
+  testing::Test::RecordProperty("hits", s.hits);
+  testing::Test::RecordProperty("tangential", s.tangential);
+  testing::Test::RecordProperty("worstCells", std::to_string(s.worst));
+}
+
+
+Score scoreOf(const Field& f, float iso, int rays, uint64_t seed) {
+  Shown shown;
+  shown.isovalues = {iso};
+  const View<float> view(f, shown);
+  Random random(seed);
+  Score s;
+  for (int i = 0; i < rays; i++) compare(f, view, randomRay(random, f), iso, s);
+  return s;
+}
+
+Field randomIntegers(Random& random, const Index3& n, int below) {
+  return makeField(gridOf(n), [&](int64_t, int64_t, int64_t, int) { return double(random.below(below)); });
+}
+
+TEST(Isosurface, RandomCellsHaveNoMissedRootAndNoWrongSheet) {
+  Random random(32);
+  for (int i = 0; i < 200; i++) {
+    const Index3 n{2 + random.below(5), 2 + random.below(5), 2 + random.below(5)};
+    const Field f = makeField(gridOf(n, random.point(0.2, 1)), [&](int64_t, int64_t, int64_t, int) { return random.unit(); });
+    const Score s = scoreOf(f, float(random.in(0.2, 0.8)), 200, uint64_t(i));
+    EXPECT_EQ(s.missed + s.wrong, 0) << i;
+  }
+}
+
+TEST(Isosurface, IsovaluesEqualToSamplesMissNoCrossing) {
+  Random random(33);
+  for (int i = 0; i < 200; i++) {
+    const Field f = randomIntegers(random, {2 + random.below(5), 2 + random.below(5), 2 + random.below(5)}, 3);
+    for (float iso : {0.f, 1.f, 2.f}) {
+      const Score s = scoreOf(f, iso, 100, uint64_t(i));
+      EXPECT_EQ(s.missed + s.wrong, 0) << i << " isovalue " << iso;
+    }
+  }
+}
+
+TEST(Isosurface, ConstantFieldIsHitWhereTheRayEntersItOnlyAtItsOwnValue) {
+  const Field f = makeField(gridOf({5, 6, 7}), [](int64_t, int64_t, int64_t, int) { return 0.3; });
+  Random random(34);
+  for (float iso : {0.3f, std::nextafter(0.3f, 0.f), std::nextafter(0.3f, 1.f)}) {
+    Shown shown;
+    shown.isovalues = {iso};
+    const View<float> view(f, shown);
+    for (int i = 0; i < 500; i++) {
+      const auto ray = rayIn(view, randomRay(random, f));
+      if (!(ray.t0 < ray.t1)) continue;
+      const Hit hit = firstHit(view, ray);
+      if (iso == 0.3f) EXPECT_EQ(hit.t, ray.t0);
+      else EXPECT_EQ(hit.index, -1);
+    }
+  }
+}
+
+// Values 0 below x = 2, `iso` on [2, 4], 1 above; NaN at x = 0 and 1 if `hole`.
+Field plateau(bool hole) {
+  return makeField(gridOf({7, 4, 4}), [=](int64_t i, int64_t, int64_t, int) {
+    if (hole && i < 2) return double(NAN);
+    return i < 2 ? 0.0 : i <= 4 ? 0.5 : 1.0;
+  });
+}
+
+TEST(Isosurface, PlateauIsHitOnceWhereTheRayEntersIt) {
+  for (bool hole : {false, true}) {
+    const Field f = plateau(hole);
+    Shown shown;
+    shown.isovalues = {0.5f};
+    const View<float> view(f, shown);
+    for (int backward = 0; backward < 2; backward++) {
+      const double sign = backward ? -1 : 1;
+      const auto ray = rayIn(view, {{-0.75 * sign, 0.01, 0.02}, {sign, 0, 0}});
+      const Hit hit = firstHit(view, ray);
+      const double entered = (0.75 + (backward ? 4 - 3 : 2 - 3) / 6.0 * sign);
+      EXPECT_NEAR(double(hit.t), entered, 1e-6) << "hole " << hole << " backward " << backward;
+      EXPECT_EQ(firstHit(view, ray, 0, 1e30f, hit.t).index, -1);
+    }
+    EXPECT_EQ(firstHit(view, rayIn(view, {{0, 0, 0}, {1, 0, 0}})).t, 0);
+  }
+}
+
+TEST(Isosurface, NoDataCellsHoldNoSurface) {
+  Random random(35);
+  for (int i = 0; i < 100; i++) {
+    const Field f = makeField(gridOf({6, 6, 6}), [&](int64_t, int64_t, int64_t, int) {
+      const int kind = random.below(30);
+      return kind == 0 ? double(NAN) : kind == 1 ? double(INFINITY) : random.unit();
+    });
+    const Score s = scoreOf(f, 0.5f, 200, uint64_t(i));
+    EXPECT_EQ(s.missed + s.wrong, 0) << i;
+  }
+}
+
+std::vector<std::pair<float, int>> allHits(const View<float>& view, const single::VolumeRay& ray, float tIn, float tOut) {
+  std::vector<std::pair<float, int>> hits;
+  float after = -1;
+  for (int n = 0; n < 100; n++) {
+    const Hit hit = firstHit(view, ray, tIn, tOut, after);
+    if (!(hit.t < 1e30f)) break;
+    hits.push_back({hit.t, hit.index});
+    after = hit.t;
+  }
+  return hits;
+}
+
+TEST(Isosurface, EachHitIsInExactlyOneIntervalWithTheSameBits) {
+  Random random(36);
+  int different = 0, found = 0, cutAtHits = 0;
+  for (int scene = 0; scene < 40; scene++) {
+    const Index3 n{2 + random.below(20), 2 + random.below(20), 2 + random.below(20)};
+    const Field f = scene % 2 ? randomIntegers(random, n, 4) : sampled(gridOf(n, random.point(0.3, 1)), turbulence);
+    Shown shown;
+    shown.isovalues = scene % 2 ? std::vector<float>{1, 2.5f} : std::vector<float>{0.4f, 0.5f, 0.55f};
+    const View<float> view(f, shown);
+    for (int i = 0; i < 150; i++) {
+      const auto ray = rayIn(view, randomRay(random, f));
+      const auto whole = allHits(view, ray, 0, 1e30f);
+      std::vector<float> cuts{0};
+      for (int c = random.below(12); c > 0; c--) {
+        const int axis = random.below(3);
+        const float crossing = (float(random.below(20)) - ray.g.po[axis]) * ray.g.rpd[axis];
+        cuts.push_back(random.below(2) ? crossing : float(random.in(0, 2)));
+        if (!whole.empty() && random.below(4) == 0) cuts.back() = whole[size_t(random.below(int(whole.size())))].first, cutAtHits++;
+      }
+      std::erase_if(cuts, [](float t) { return !(t >= 0 && t < 100); });
+      std::sort(cuts.begin(), cuts.end());
+      cuts.push_back(1e30f);
+      std::vector<std::pair<float, int>> split;
+      for (size_t k = 0; k + 1 < cuts.size(); k++)
+        for (const auto& h : allHits(view, ray, cuts[k], cuts[k + 1])) split.push_back(h);
+      different += split != whole;
+      found += int(whole.size());
+    }
+  }
+  EXPECT_EQ(different, 0);
+  EXPECT_GT(found, 3000);
+  EXPECT_GT(cutAtHits, 1000);
+}
+
+TEST(Isosurface, TheNearestOfSeveralIsovaluesWins) {
+  const Field f = cube(24, turbulence);
+  Shown all;
+  all.isovalues = {0.55f, 0.4f, 0.5f, 0.5f};
+  const View<float> view(f, all);
+  Random random(37);
+  for (int i = 0; i < 2000; i++) {
+    const RaySpec spec = randomRay(random, f);
+    Hit nearest{1e30f, -1};
+    for (int k = 0; k < 4; k++) {
+      Shown one;
+      one.isovalues = {all.isovalues[size_t(k)]};
+      const View<float> single(f, one);
+      const Hit hit = firstHit(single, rayIn(single, spec));
+      if (hit.t < nearest.t) nearest = {hit.t, k};
+    }
+    const Hit hit = firstHit(view, rayIn(view, spec));
+    EXPECT_EQ(hit.t, nearest.t);
+    EXPECT_EQ(hit.index, nearest.index);
+  }
+}
+
+// Starts rays at hits, on the side from which they were hit; `seen` counts those that see their own surface again.
+void startRays(const Field& f, float iso, uint64_t seed, int rays, int& started, int& again, int& lost) {
+  Shown shown;
+  shown.isovalues = {iso};
+  const View<float> view(f, shown);
+  Random random(seed);
+  for (int i = 0; i < rays; i++) {
+    const RaySpec spec = randomRay(random, f);
+    const auto ray = rayIn(view, spec);
+    const Hit hit = firstHit(view, ray);
+    if (!(hit.t < 1e30f) || hit.t == ray.t0) continue;
+    const glm::vec3 point = glm::vec3(spec.o) + hit.t * glm::vec3(spec.d);
+    glm::vec3 normal = single::unit3(gradientAt(*view, pointAt(ray.g, hit.t)));
+    const bool outside = glm::dot(normal, glm::vec3(spec.d)) < 0;  // it came from the side of larger values
+    if (!outside) normal = -normal;
+    const single::IsoStart start{0, outside ? 1 : -1};
+    const glm::vec3 origin = single::offsetOrigin(point, normal, 0.5f);
+    glm::dvec3 d = random.direction();
+    if (glm::dot(d, glm::dvec3(normal)) < 0) d = -d;
+    if (glm::dot(d, glm::dvec3(normal)) < 0.02) continue;  // so grazing that the smooth normal's side is not the surface's
+    const auto second = rayIn(view, {origin, d});
+    const IndexRay exact = indexRay(second, f);
+    const double cells = glm::length(exact.d);
+    const Hit next = firstHit(view, second, 0, 1e30f, -1, start);
+    started++;
+    again += next.t * cells < 1e-2;
+    // what it should meet: the first crossing in double that leaves the side on which it starts
+    double expected = 1e30;
+    for (const Root& r : rootsAlong(f, exact, iso))
+      if (r.rising == !outside && r.t * cells > 1e-2 && std::abs(r.slope) > 1e-3 * r.range) {
+        expected = r.t;
+        break;
+      }
+    lost += next.t > expected + 1e-3 / cells && expected < exact.t1 - 1e-3 / cells;
+  }
+}
+
+TEST(Isosurface, SecondaryRaysNeverMeetTheirOwnStart) {
+  int started = 0, again = 0, lost = 0;
+  startRays(cube(33, [](glm::dvec3 p) { return glm::length(p); }), 0.6f, 41, 60000, started, again, lost);
+  startRays(cube(41, marschnerLobb), 0.5f, 42, 80000, started, again, lost);
+  startRays(sampled(gridOf({20, 90, 60}, {3, 0.5, 1}), turbulence), 0.5f, 43, 80000, started, again, lost);
+  startRays(cube(200, [](glm::dvec3 p) { return glm::length(p); }), 0.6f, 44, 60000, started, again, lost);
+  EXPECT_EQ(again, 0);
+  EXPECT_EQ(lost, 0);
+  EXPECT_GT(started, 100000);
+  testing::Test::RecordProperty("started", started);
+}
+
+}  // namespace
+}  // namespace gxy::test
