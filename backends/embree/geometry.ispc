@@ -91,7 +91,7 @@ unmasked void occludePrimitive(const RTCOccludedFunctionNArguments* uniform args
 export void* uniform intersectCallback() { return (void* uniform) & intersectPrimitive; }
 export void* uniform occludeCallback() { return (void* uniform) & occludePrimitive; }
 
-// The nearest surface of geometry; with anyHit, rays that meet one just become opaque (T = 0).
+// The nearest surface of geometry; with anyHit, rays that meet one just become opaque (A = 1).
 export void hitGeometry(const void* uniform scene, void* uniform rays, uniform int n, uniform bool anyHit) {
   USE_SCENE(s, scene);
   USE_RAYS(r, rays);

@@ -129,7 +129,7 @@ static inline void depositShares(uniform int32 sum[], int k, int sr, int sg, int
 }
 
 // Shades the hits which[0 ... n) of primaries: `sum` (4 per hit, zeroed by the caller) receives what the pixel gains,
-// `out` the secondary rays, whose number is returned; T becomes what passes the surface. `out` has room for
+// `out` the secondary rays, whose number is returned; A gains what the surface hides. `out` has room for
 // n * (lights + occlusion rays).
 export uniform int shadeHits(const void* uniform scene, const void* uniform frame, void* uniform rays,
                              const uniform int which[], uniform int n, uniform int32 sum[], void* uniform out) {

@@ -43,6 +43,24 @@ FN void meanAlong(VOLUME v, real s0, real s1, OUT(real) sigma, OUT(vec3) source)
   source = make_v3(s.x * inverse, s.y * inverse, s.z * inverse);
 }
 
+// A segment along which the value goes linearly from s0 to s1. A dense one is cut, since its front hides its back.
+FN void addPieces(VOLUME v, real s0, real s1, real length, INOUT(Radiance) L) {
+  real sigma;
+  vec3 source;
+  meanAlong(v, s0, s1, sigma, source);
+  if (sigma * length > R(0.1)) {
+    real part = length * R(0.0625), d = (s1 - s0) * R(0.0625);
+    for (UNIFORM int i = 0; i < 16; i++) {
+      meanAlong(v, s0 + toReal(i) * d, s0 + toReal(i + 1) * d, sigma, source);
+      real inverse = sigma > R(0.0) ? R(1.0) / sigma : R(0.0);
+      addSegment(L, sigma * part, make_v3(source.x * inverse, source.y * inverse, source.z * inverse));
+    }
+  } else if (sigma > R(0.0)) {
+    real inverse = R(1.0) / sigma;
+    addSegment(L, sigma * length, make_v3(source.x * inverse, source.y * inverse, source.z * inverse));
+  }
+}
+
 // The first of `count` segments of length dt from `begin` on that ends behind t.
 FN real segmentBehind(real t, real begin, real dt, real count) {
   real i = clamp1(floor((t - begin) / dt), R(0.0), count - R(1.0));
@@ -53,7 +71,7 @@ FN real segmentBehind(real t, real begin, real dt, real count) {
 
 // PLAN_PIECES: the macrocell between tEnter and tb cell by cell, since the value kinks at faces, each cell in equal
 // segments along which the value is taken as linear and the map is integrated exactly. Clears `go` where the march ends.
-FN void integratePieces(VOLUME v, VolumeRay r, MarchRange m, real t, real tEnter, real tb, real rate, real end,
+FN_OUTLINE void integratePieces(VOLUME v, VolumeRay r, MarchRange m, real t, real tEnter, real tb, real rate, real end,
                         INOUT(Radiance) L, INOUT(MarchCount) n, INOUT(bool) go) {
   real from = max(tEnter, t);
   ivec3 cells = gridCells(v);
@@ -87,13 +105,8 @@ FN void integratePieces(VOLUME v, VolumeRay r, MarchRange m, real t, real tEnter
           go = false;  // the next partition's
         } else {
           n.samples += 1;
-          real s1 = valueIn(k, c, pointAt(r.g, b)), sigma;
-          vec3 source;
-          meanAlong(v, s0, s1, sigma, source);
-          if (sigma > R(0.0)) {
-            real inverse = R(1.0) / sigma;
-            addSegment(L, sigma * (b - a), make_v3(source.x * inverse, source.y * inverse, source.z * inverse));
-          }
+          real s1 = valueIn(k, c, pointAt(r.g, b));
+          addPieces(v, s0, s1, b - a, L);
           a = b;
           s0 = s1;
           if (b >= end || R(1.0) - L.A < m.tMin) go = false;
@@ -141,7 +154,15 @@ FN void integrateVolume(VOLUME v, VolumeRay r, MarchRange m, INOUT(Radiance) L, 
         n.macrocells += 1;
         real rate = planRate(v, plan & PLAN_LEVEL);
         if ((plan & PLAN_PIECES) != 0) {
-          integratePieces(v, r, m, t, w.t, tb, rate, end, L, n, go);
+          // copies, so that what the call refers to does not keep the loop's own values in memory
+          VolumeRay ray = r;
+          Radiance sum = L;
+          MarchCount counted = n;
+          bool on = true;
+          integratePieces(v, ray, m, t, w.t, tb, rate, end, sum, counted, on);
+          L = sum;
+          n = counted;
+          go = on;
         } else {
           count = max(ceil(span * r.cells * rate), R(1.0));
           dt = span / count;

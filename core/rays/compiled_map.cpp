@@ -13,6 +13,7 @@ namespace {
 
 constexpr double kOpaque = 1e20;        // extinction of opacity 1: opaque at once
 constexpr double kNearlyOpaque = 1e-7;  // 1 - a below which a is taken as a limit of finite extinction
+constexpr double kDense = 4;  // optical depth of a reference length beyond which errors are hidden
 constexpr int kDeepestCut = 14;
 constexpr int kMostBuckets = 4096;
 
@@ -94,6 +95,8 @@ CompiledMap::CompiledMap(const ColorMap& color, const OpacityMap* opacity, const
   }
   const int inner = int(kept.size()) - 1;
 
+  // what a denser part does more is hidden behind its front
+  auto seen = [&](double sigma) { return std::min(sigma, kDense * perLength); };
   std::vector<double> extinction, slope, jump;
   double total[4] = {0, 0, 0, 0};
   auto addInterval = [&](double start, double length, double s0, double s1, glm::dvec3 c0, glm::dvec3 c1) {
@@ -107,11 +110,11 @@ CompiledMap::CompiledMap(const ColorMap& color, const OpacityMap* opacity, const
     for (int k = 0; k < 3; k++) {
       const double d = s1 - s0, e = c1[k] - c0[k];
       total[1 + k] += length * (s0 * c0[k] + 0.5 * (s0 * e + d * c0[k]) + d * e / 3);
-      steepest = std::max(steepest, std::max(s0, s1) * std::abs(e));
+      steepest = std::max(steepest, seen(std::max(s0, s1)) * std::abs(e));
       largestColor = std::max({largestColor, c0[k], c1[k]});
     }
     extinction.push_back(std::max(s0, s1));
-    slope.push_back(length > 0 ? (std::abs(s1 - s0) + steepest) / length : 0);
+    slope.push_back(length > 0 ? (std::abs(seen(s1) - seen(s0)) + steepest) / length : 0);
   };
 
   const double first = kept.front().value, last = kept.back().value;
@@ -155,9 +158,19 @@ int CompiledMap::intervalOf(float value) const {
   return int(std::upper_bound(nodes.begin() + 1, nodes.end(), value) - nodes.begin()) - 1;
 }
 
+double CompiledMap::extinctionAt(int interval, float value) const {
+  const size_t k = size_t(interval);
+  return double(pieces[8 * k]) + (double(value) - nodes[k]) * double(lengths[k]) * double(pieces[8 * k + 1]);
+}
+
 CompiledMap::Over CompiledMap::over(float lo, float hi) const {
   const int a = intervalOf(lo), b = intervalOf(hi);
-  return {extinction_.query(a, b), slope_.query(a, b), b > a ? jump_.query(a + 1, b) : 0};
+  // Inside one interval the ends decide: a range that just touches where something begins is transparent.
+  if (a == b) return {std::max(extinctionAt(a, lo), extinctionAt(a, hi)), hi > lo ? slope_.query(a, a) : 0, 0};
+  const bool touches = hi == nodes[size_t(b)];
+  Over over{extinctionAt(b, hi), slope_.query(a, touches ? b - 1 : b), jump_.query(a + 1, b)};
+  over.extinction = std::max(over.extinction, extinction_.query(a, b - 1));
+  return over;
 }
 
 void CompiledMap::RangeMax::build(std::vector<double> values) {

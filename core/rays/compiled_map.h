@@ -49,6 +49,7 @@ class CompiledMap {
     double query(int first, int last) const;
   };
   int intervalOf(float value) const;
+  double extinctionAt(int interval, float value) const;
   RangeMax extinction_, slope_, jump_;
 };
 

@@ -14,7 +14,11 @@ constexpr double kLowestRate = 0.2625;
 constexpr int kLowestPieces = 5;
 static_assert(kGhostLayers == 2);
 constexpr uint8_t kPieces = 32;
-constexpr double kErrorPerVariation = 0.025;
+constexpr double kErrorOfVariation = 0.035;
+constexpr double kErrorOfPieces = 0.009;  // the same of pre-integrated segments
+constexpr double kErrorOfJump = 0.85;
+constexpr double kMostJump = 2;  // of optical depth per cell: what is behind such a step is hidden
+constexpr double kSharp = 4;     // change of extinction over the range at its steepest, in extinctions
 constexpr double kNoDataRate = 4;  // a no-data cell's faces are steps of the field
 }  // namespace
 
@@ -37,12 +41,17 @@ std::vector<uint8_t> stepPlan(std::span<const Macrocell> summaries, const Compil
       plan[i] = 1;
       continue;
     }
-    const double variation = (over.slope * (double(m.max) - m.min) + 2 * over.jump) * cellT;
-    double rate = std::sqrt(kErrorPerVariation * variation / (0.75 * tolerance));
+    // errors of about as many cells add up, at random, as a ray sees
+    const double seen = std::min(1 / (over.extinction * cellT), 1.7 / cellT);
+    const double variation = over.slope * (double(m.max) - m.min) * cellT;
+    const double jump = std::min(over.jump * cellT, kMostJump);
+    const bool sharp = jump > 0 || over.slope * (double(m.max) - m.min) > kSharp * over.extinction;
+    const double error = (sharp ? kErrorOfPieces : kErrorOfVariation) * variation * std::sqrt(std::max(seen, 1.0)) +
+                         kErrorOfJump * jump;
+    double rate = std::sqrt(error / (0.75 * tolerance));
     if (m.noData) rate = std::max(rate, kNoDataRate);
     const int level = rate > kLowestRate ? int(std::ceil(4 * std::log2(rate / kLowestRate))) + 1 : 1;
-    const bool pieces = over.jump > 0;
-    plan[i] = uint8_t(std::clamp(level, pieces ? kLowestPieces : 1, kLevels) | (pieces ? kPieces : 0));
+    plan[i] = uint8_t(std::clamp(level, sharp ? kLowestPieces : 1, kLevels) | (sharp ? kPieces : 0));
   }
   return plan;
 }

@@ -19,10 +19,13 @@ inline void addPiece(const CompiledMap& map, double s0, double s1, double t, Pic
   const double f0 = (s0 - map.nodes[size_t(k)]) * map.lengths[size_t(k)], f1 = (s1 - map.nodes[size_t(k)]) * map.lengths[size_t(k)];
   const double a = m[0] + f0 * m[1], b = m[0] + f1 * m[1], sigma = 0.5 * (a + b);
   if (!(sigma > 0)) return;
-  const double w = -(1 - p.A) * std::expm1(-sigma * t);
+  const double tau = sigma * t, w = -(1 - p.A) * std::expm1(-tau);
+  // the mean place of what is seen of the piece: its middle if thin, its front if dense
+  const double thin = 0.5 - tau / 12, dense = (1 - (1 + tau) * std::exp(-tau)) / tau / -std::expm1(-tau);
+  const double place = (tau < 1e-3 ? thin : dense) + (b - a) / sigma / 12;
   for (int c = 0; c < 3; c++) {
     const double c0 = m[2 + 2 * c] + f0 * m[3 + 2 * c], c1 = m[2 + 2 * c] + f1 * m[3 + 2 * c];
-    p.rgb[c] += w * (sigma * 0.5 * (c0 + c1) + (b - a) * (c1 - c0) / 12) / sigma;
+    p.rgb[c] += w * (c0 + place * (c1 - c0));
   }
   p.A += w;
 }
