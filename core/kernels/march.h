@@ -8,7 +8,7 @@ FN void meanAlong(VOLUME v, real s0, real s1, OUT(real) sigma, OUT(vec3) source)
   MapPlace p = mapPlace(v, lo), q = mapPlace(v, hi);
   real a0 = sigmaAt(v, p), b1 = sigmaAt(v, q);
   vec3 c0 = colorAt(v, p), d1 = colorAt(v, q);
-  if (p.k == q.k || !(hi > lo)) {
+  if (p.k == q.k || !(hi - lo > R(1e-35))) {
     // one linear piece: the mean of a product of linears
     real m = R(0.5) * (a0 + b1), u = (b1 - a0) * R(0.083333333333333333);
     sigma = m;
