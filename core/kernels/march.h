@@ -46,7 +46,8 @@ FN void meanAlong(VOLUME v, real s0, real s1, OUT(real) sigma, OUT(vec3) source)
 FN void integrateVolume(VOLUME v, VolumeRay r, MarchRange m, INOUT(Radiance) L, INOUT(MarchCount) n) {
   real end = min(r.t1, m.tStop);
   real t = max(max(m.tIn, m.tStart), r.t0);
-  if (!(t < min(end, m.tOut)) || L.T < m.tMin) return;
+  // A hit exactly at tIn may end a segment that began before it.
+  if (!(t <= m.tStop && t < min(r.t1, m.tOut)) || L.T < m.tMin) return;
   MacroWalk w = startMacroWalk(v, r, t);
   bool go = true;
   while (go) {
