@@ -40,12 +40,14 @@ FN real refineRoot(Bernstein b, real lo, real hi, real fLo, real fHi) {
 
 // What a root has to obey to be a hit: t in [tIn, tOut), t > tAfter. `entry`: the ray comes from no cell with data, so
 // a value of exactly 0 at its start is a hit; elsewhere that was the end of the cell before (a plateau is hit once, where
-// the ray enters it). `from` != 0: the ray starts here, on the surface, on the side of that sign, whatever rounding says
-// of the value at its start.
+// the ray enters it). `from` != 0: the ray starts on the surface, on the side of that sign, and only
+// crossings that leave this side count. `start`: in this cell, or a thousandth of one before, whatever rounding says of
+// the value there: of the other sign, it means a ray into the surface if it grows, else one on its way out.
 struct RootQuery {
   real tIn, tOut, tAfter;
   bool entry;
   int from;
+  bool start;
 };
 
 FN bool acceptsRoot(RootQuery q, real t) { return t >= q.tIn && t < q.tOut && t > q.tAfter; }
@@ -53,7 +55,10 @@ FN bool acceptsRoot(RootQuery q, real t) { return t >= q.tIn && t < q.tOut && t 
 // The first t in [ta, tb] at which the cubic b over that interval has an accepted root; NO_HIT if there is none.
 FN real firstRoot(Bernstein b, real ta, real tb, RootQuery q) {
   real first = b.b0;
-  if (q.from != 0) {
+  real outwards = q.from > 0 ? b.b1 - b.b0 : b.b0 - b.b1;
+  bool deeper = q.from > 0 ? b.b3 < b.b0 + b.b0 : b.b3 > b.b0 + b.b0;
+  bool wrong = (b.b0 < R(0.0)) != (q.from < 0);
+  if (q.from != 0 && q.start && (!wrong || (outwards <= R(0.0) && deeper))) {
     real size = max1(abs(b.b0), R(1e-37));
     first = q.from > 0 ? size : -size;
   }
@@ -83,7 +88,8 @@ FN real firstRoot(Bernstein b, real ta, real tb, RootQuery q) {
     for (UNIFORM int k = 0; k < 3; k++) {
       real z = k == 0 ? e0 : (k == 1 ? e1 : R(1.0));
       real fz = z < R(1.0) ? bernsteinValue(b, z) : b.b3;
-      bool crosses = (fa < R(0.0) && fz >= R(0.0)) || (fa > R(0.0) && fz <= R(0.0));
+      bool crosses = q.from <= 0 && fa < R(0.0) && fz >= R(0.0);
+      crosses = crosses || (q.from >= 0 && fa > R(0.0) && fz <= R(0.0));
       if (!search && crosses && z > a && a >= done) {
         search = true;
         lo = a;

@@ -21,8 +21,10 @@ FN int cellInside(real t, real po, real pd, real rpd, int first, int last) {
   bool backward = rpd < R(0.0);
   real below = planeCrossing(i, po, rpd), above = planeCrossing(i + 1, po, rpd);
   bool down = backward ? below <= t : below > t, up = backward ? above > t : above <= t;
-  if (down && i > first) i -= 1;
-  else if (up && i < last) i += 1;
+  if (down && i > first)
+    i -= 1;
+  else if (up && i < last)
+    i += 1;
   return i;
 }
 
@@ -42,7 +44,8 @@ FN real crossedFraction(bool crossed, int side, real p, int cell) {
 
 // Whether the block holds the cell, and all its corners are finite.
 FN bool cellHoldsData(VOLUME v, ivec3 c) {
-  bool inside = c.x >= v.firstX && c.y >= v.firstY && c.z >= v.firstZ && c.x < v.lastX && c.y < v.lastY && c.z < v.lastZ;
+  bool inside = c.x >= v.firstX && c.y >= v.firstY && c.z >= v.firstZ && c.x < v.lastX && c.y < v.lastY &&
+                c.z < v.lastZ;
   bool holds = false;
   if (inside) holds = holdsData(cellCorners(v, c));
   return holds;
@@ -99,13 +102,15 @@ FN IsoHit firstIsosurface(VOLUME v, VolumeRay r, real tIn, real tOut, real tAfte
           vec3 p = make_v3(crossedFraction(near.x >= ta, 1 - up.x, from.x, c.x),
                            crossedFraction(near.y >= ta, 1 - up.y, from.y, c.y),
                            crossedFraction(near.z >= ta, 1 - up.z, from.z, c.z));
-          vec3 q = make_v3(crossedFraction(far.x <= tb, up.x, to.x, c.x), crossedFraction(far.y <= tb, up.y, to.y, c.y),
+          vec3 q = make_v3(crossedFraction(far.x <= tb, up.x, to.x, c.x),
+                           crossedFraction(far.y <= tb, up.y, to.y, c.y),
                            crossedFraction(far.z <= tb, up.z, to.z, c.z));
           RootQuery query;
           query.tIn = tIn;
           query.tOut = min(tOut, hit.t);
           query.tAfter = tAfter;
-          query.from = start.index == i && ta <= r.t0 ? start.from : 0;
+          query.from = start.index == i ? start.from : 0;
+          query.start = (ta - r.t0) * r.cells <= R(1e-3);
           Bernstein b = bernsteinAlong(k, p, q, iso);
           query.entry = ta <= r.t0;
           if (!query.entry && b.b0 == R(0.0)) {

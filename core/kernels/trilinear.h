@@ -46,8 +46,10 @@ FN Bernstein bernsteinAlong(Corners c, vec3 p, vec3 q, real offset) {
   real p01 = mix1(c.v001, c.v101, p.x), p11 = mix1(c.v011, c.v111, p.x);
   real q00 = mix1(c.v000, c.v100, q.x), q10 = mix1(c.v010, c.v110, q.x);
   real q01 = mix1(c.v001, c.v101, q.x), q11 = mix1(c.v011, c.v111, q.x);
-  real pp0 = mix1(p00, p10, p.y), pp1 = mix1(p01, p11, p.y), pq0 = mix1(p00, p10, q.y), pq1 = mix1(p01, p11, q.y);
-  real qp0 = mix1(q00, q10, p.y), qp1 = mix1(q01, q11, p.y), qq0 = mix1(q00, q10, q.y), qq1 = mix1(q01, q11, q.y);
+  real pp0 = mix1(p00, p10, p.y), pp1 = mix1(p01, p11, p.y), pq0 = mix1(p00, p10, q.y),
+       pq1 = mix1(p01, p11, q.y);
+  real qp0 = mix1(q00, q10, p.y), qp1 = mix1(q01, q11, p.y), qq0 = mix1(q00, q10, q.y),
+       qq1 = mix1(q01, q11, q.y);
   real third = R(0.33333333333333333);
   Bernstein b;
   b.b0 = mix1(pp0, pp1, p.z) - offset;

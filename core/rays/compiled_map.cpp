@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kOpaque = 1e20;        // extinction of opacity 1: opaque at once
 constexpr double kNearlyOpaque = 1e-7;  // 1 - a below which a is taken as a limit of finite extinction
-constexpr double kDense = 4;  // optical depth of a reference length beyond which errors are hidden
+constexpr double kDense = 16;           // optical depth of a reference length beyond which errors are hidden
 constexpr int kDeepestCut = 14;
 constexpr int kMostBuckets = 4096;
 

@@ -132,7 +132,7 @@ inline double Field::at(int64_t i, int64_t j, int64_t k) const {
 /// What a view shows besides the samples.
 struct Shown {
   CompiledMap map;
-  std::vector<uint8_t> plan;       ///< per macrocell of the block
+  std::vector<uint8_t> plan;  ///< per macrocell of the block
   std::array<float, 32> rates = planRates(0);
   std::vector<float> isovalues;
   bool wide = false;
@@ -143,16 +143,20 @@ template <class Real>
 class View {
  public:
   View(const Field& f, const Shown& s)
-      : buckets_(s.map.buckets.begin(), s.map.buckets.end()), nodes_(s.map.nodes.begin(), s.map.nodes.end()),
-        lengths_(s.map.lengths.begin(), s.map.lengths.end()), pieces_(s.map.pieces.begin(), s.map.pieces.end()),
-        sums_(s.map.sums.begin(), s.map.sums.end()), isovalues_(s.isovalues.begin(), s.isovalues.end()),
-        plan_(s.plan), isoPlan_(isoPlan(f.macrocells(), s.isovalues)) {
+      : buckets_(s.map.buckets.begin(), s.map.buckets.end()),
+        nodes_(s.map.nodes.begin(), s.map.nodes.end()),
+        lengths_(s.map.lengths.begin(), s.map.lengths.end()),
+        pieces_(s.map.pieces.begin(), s.map.pieces.end()),
+        sums_(s.map.sums.begin(), s.map.sums.end()),
+        isovalues_(s.isovalues.begin(), s.isovalues.end()),
+        plan_(s.plan),
+        isoPlan_(isoPlan(f.macrocells(), s.isovalues)) {
     const Extent& e = f.block.extent;
     const Index3 cells = f.grid.cells();
     view_.samples = f.block.samples.data();
-    view_.kind = f.stored == ScalarType::Float32 ? SAMPLE_F32
-                 : f.stored == ScalarType::UInt8 ? SAMPLE_U8
-                 : f.stored == ScalarType::Int8  ? SAMPLE_I8
+    view_.kind = f.stored == ScalarType::Float32  ? SAMPLE_F32
+                 : f.stored == ScalarType::UInt8  ? SAMPLE_U8
+                 : f.stored == ScalarType::Int8   ? SAMPLE_I8
                  : f.stored == ScalarType::UInt16 ? SAMPLE_U16
                                                   : SAMPLE_I16;
     view_.stride = f.components;
@@ -235,7 +239,8 @@ inline RaySpec randomRay(Random& random, const Field& f) {
   const glm::dvec3 half = -f.grid.origin;
   auto inside = [&] { return half * random.point(-1, 1); };
   auto lattice = [&] {
-    return f.grid.origin + f.grid.spacing * glm::dvec3(random.below(int(f.grid.points[0])), random.below(int(f.grid.points[1])),
+    return f.grid.origin + f.grid.spacing * glm::dvec3(random.below(int(f.grid.points[0])),
+                                                       random.below(int(f.grid.points[1])),
                                                        random.below(int(f.grid.points[2])));
   };
   RaySpec r;

@@ -14,8 +14,8 @@ namespace {
 using Hit = single::IsoHit;
 constexpr single::IsoStart kNowhere{-1, 0};
 
-Hit firstHit(const View<float>& view, const single::VolumeRay& ray, float tIn = 0, float tOut = 1e30f, float tAfter = -1,
-             single::IsoStart start = kNowhere) {
+Hit firstHit(const View<float>& view, const single::VolumeRay& ray, float tIn = 0, float tOut = 1e30f,
+             float tAfter = -1, single::IsoStart start = kNowhere) {
   int cells = 0, skipped = 0;
   return firstIsosurface(*view, ray, tIn, tOut, tAfter, start, cells, skipped);
 }
@@ -36,7 +36,8 @@ void compare(const Field& f, const View<float>& view, const RaySpec& spec, doubl
   score.hits += hit.t < 1e30f;
   const auto steep = [](const Root& r) { return std::abs(r.slope) >= 1e-3 * r.range; };
   const auto crosses = [&](const Root& r) {  // not only touches, to rounding
-    const double before = fieldAt(f, exact, r.t - 2e-3 / cells) - iso, after = fieldAt(f, exact, r.t + 2e-3 / cells) - iso;
+    const double before = fieldAt(f, exact, r.t - 2e-3 / cells) - iso,
+                 after = fieldAt(f, exact, r.t + 2e-3 / cells) - iso;
     return std::min(std::abs(before), std::abs(after)) > 1e-6 * r.range && (before < 0) != (after < 0);
   };
   const double slack = 1e-3 / cells + 4 * double(std::nextafter(hit.t, 2e30f) - hit.t);
@@ -50,7 +51,8 @@ void compare(const Field& f, const View<float>& view, const RaySpec& spec, doubl
   }
   if (!(hit.t < 1e30f)) return;
   if (nearest && steep(*nearest) && std::abs(nearest->t - hit.t) < slack) {
-    const double off = (std::abs(hit.t - nearest->t) - 2 * double(std::nextafter(hit.t, 2e30f) - hit.t)) * cells;
+    const double off =
+        (std::abs(hit.t - nearest->t) - 2 * double(std::nextafter(hit.t, 2e30f) - hit.t)) * cells;
     score.worst = std::max(score.worst, off);
     score.imprecise += off > 1e-4;
     return;
@@ -82,7 +84,6 @@ TEST(Isosurface, MarschnerLobbHasNoMissedRootAndNoWrongSheet) {
   testing::Test::RecordProperty("worstCells", std::to_string(s.worst));
 }
 
-
 Score scoreOf(const Field& f, float iso, int rays, uint64_t seed) {
   Shown shown;
   shown.isovalues = {iso};
@@ -101,7 +102,8 @@ TEST(Isosurface, RandomCellsHaveNoMissedRootAndNoWrongSheet) {
   Random random(32);
   for (int i = 0; i < 200; i++) {
     const Index3 n{2 + random.below(5), 2 + random.below(5), 2 + random.below(5)};
-    const Field f = makeField(gridOf(n, random.point(0.2, 1)), [&](int64_t, int64_t, int64_t, int) { return random.unit(); });
+    const Field f = makeField(gridOf(n, random.point(0.2, 1)),
+                              [&](int64_t, int64_t, int64_t, int) { return random.unit(); });
     const Score s = scoreOf(f, float(random.in(0.2, 0.8)), 200, uint64_t(i));
     EXPECT_EQ(s.missed + s.wrong, 0) << i;
   }
@@ -110,7 +112,8 @@ TEST(Isosurface, RandomCellsHaveNoMissedRootAndNoWrongSheet) {
 TEST(Isosurface, IsovaluesEqualToSamplesMissNoCrossing) {
   Random random(33);
   for (int i = 0; i < 200; i++) {
-    const Field f = randomIntegers(random, {2 + random.below(5), 2 + random.below(5), 2 + random.below(5)}, 3);
+    const Field f =
+        randomIntegers(random, {2 + random.below(5), 2 + random.below(5), 2 + random.below(5)}, 3);
     for (float iso : {0.f, 1.f, 2.f}) {
       const Score s = scoreOf(f, iso, 100, uint64_t(i));
       EXPECT_EQ(s.missed + s.wrong, 0) << i << " isovalue " << iso;
@@ -129,8 +132,10 @@ TEST(Isosurface, ConstantFieldIsHitWhereTheRayEntersItOnlyAtItsOwnValue) {
       const auto ray = rayIn(view, randomRay(random, f));
       if (!(ray.t0 < ray.t1)) continue;
       const Hit hit = firstHit(view, ray);
-      if (iso == 0.3f) EXPECT_EQ(hit.t, ray.t0);
-      else EXPECT_EQ(hit.index, -1);
+      if (iso == 0.3f)
+        EXPECT_EQ(hit.t, ray.t0);
+      else
+        EXPECT_EQ(hit.index, -1);
     }
   }
 }
@@ -173,7 +178,8 @@ TEST(Isosurface, NoDataCellsHoldNoSurface) {
   }
 }
 
-std::vector<std::pair<float, int>> allHits(const View<float>& view, const single::VolumeRay& ray, float tIn, float tOut) {
+std::vector<std::pair<float, int>> allHits(const View<float>& view, const single::VolumeRay& ray, float tIn,
+                                           float tOut) {
   std::vector<std::pair<float, int>> hits;
   float after = -1;
   for (int n = 0; n < 100; n++) {
@@ -190,7 +196,8 @@ TEST(Isosurface, EachHitIsInExactlyOneIntervalWithTheSameBits) {
   int different = 0, found = 0, cutAtHits = 0;
   for (int scene = 0; scene < 40; scene++) {
     const Index3 n{2 + random.below(20), 2 + random.below(20), 2 + random.below(20)};
-    const Field f = scene % 2 ? randomIntegers(random, n, 4) : sampled(gridOf(n, random.point(0.3, 1)), turbulence);
+    const Field f =
+        scene % 2 ? randomIntegers(random, n, 4) : sampled(gridOf(n, random.point(0.3, 1)), turbulence);
     Shown shown;
     shown.isovalues = scene % 2 ? std::vector<float>{1, 2.5f} : std::vector<float>{0.4f, 0.5f, 0.55f};
     const View<float> view(f, shown);
@@ -202,7 +209,8 @@ TEST(Isosurface, EachHitIsInExactlyOneIntervalWithTheSameBits) {
         const int axis = random.below(3);
         const float crossing = (float(random.below(20)) - ray.g.po[axis]) * ray.g.rpd[axis];
         cuts.push_back(random.below(2) ? crossing : float(random.in(0, 2)));
-        if (!whole.empty() && random.below(4) == 0) cuts.back() = whole[size_t(random.below(int(whole.size())))].first, cutAtHits++;
+        if (!whole.empty() && random.below(4) == 0)
+          cuts.back() = whole[size_t(random.below(int(whole.size())))].first, cutAtHits++;
       }
       std::erase_if(cuts, [](float t) { return !(t >= 0 && t < 100); });
       std::sort(cuts.begin(), cuts.end());
@@ -274,7 +282,8 @@ void startRays(const Field& f, float iso, uint64_t seed, int rays, int& started,
     // what it should meet: the first crossing in double that leaves the side on which it starts
     double expected = 1e30;
     bool real = false;  // the surface bends so much that it is met again within a hundredth of a cell
-    for (const Root& r : rootsAlong(f, exact, iso)) real = real || (r.rising == !outside && r.t * cells > 1e-4 && std::abs(r.t - next.t) * cells < 1e-3);
+    for (const Root& r : rootsAlong(f, exact, iso))
+      real = real || (r.rising == !outside && r.t * cells > 1e-4 && std::abs(r.t - next.t) * cells < 1e-3);
     again += next.t * cells < 1e-2 && !real;
     for (const Root& r : rootsAlong(f, exact, iso))
       if (r.rising == !outside && r.t * cells > 1e-2 && std::abs(r.slope) > 1e-3 * r.range) {

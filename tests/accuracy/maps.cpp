@@ -22,7 +22,8 @@ Maps wildMaps(Random& random) {
     return v;
   };
   for (double v : values()) m.color.points.push_back({v, random.point(0, 1)});
-  for (double v : values()) m.opacity.points.push_back({v, random.below(5) ? random.in(0, 0.95) : double(random.below(2))});
+  for (double v : values())
+    m.opacity.points.push_back({v, random.below(5) ? random.in(0, 0.95) : double(random.below(2))});
   m.opacity.extinction = random.below(4) == 0;
   return m;
 }
@@ -58,8 +59,10 @@ void expectDefinition(double rounding) {
       if (!m.opacity.extinction && x > 1 - 1e-4 && x < 1) continue;
       const auto p = mapPlace(*view, Real(v));
       const double sigma = double(sigmaAt(*view, p));
-      if (m.opacity.extinction) EXPECT_NEAR(sigma, 2 * x, rounding * 2) << v;
-      else if (x == 1) EXPECT_GE(sigma, 1e10);
+      if (m.opacity.extinction)
+        EXPECT_NEAR(sigma, 2 * x, rounding * 2) << v;
+      else if (x == 1)
+        EXPECT_GE(sigma, 1e10);
       else {
         const double expected = -std::log1p(-x) * perT;
         worst = std::max(worst, std::abs(sigma - expected) / (expected + rounding * perT));
@@ -99,7 +102,8 @@ TEST(Maps, MeanAlongIsTheIntegralOverTheValues) {
   const Field f = anyField();
   for (int i = 0; i < 150; i++) {
     const Maps m = wildMaps(random);
-    if (!m.opacity.extinction && std::any_of(m.opacity.points.begin(), m.opacity.points.end(), [](auto& p) { return p.opacity == 1; }))
+    if (!m.opacity.extinction &&
+        std::any_of(m.opacity.points.begin(), m.opacity.points.end(), [](auto& p) { return p.opacity == 1; }))
       continue;
     Shown shown;
     shown.map = CompiledMap(m.color, &m.opacity, {});
@@ -107,7 +111,8 @@ TEST(Maps, MeanAlongIsTheIntegralOverTheValues) {
     const View<float> single(f, shown);
     const View<double> twin(f, shown);
     for (int k = 0; k < 20; k++) {
-      const double s0 = double(float(random.in(-0.2, 1.2))), s1 = double(float(random.below(2) ? random.in(-0.2, 1.2) : s0 + random.in(-0.02, 0.02)));
+      const double s0 = double(float(random.in(-0.2, 1.2))),
+                   s1 = double(float(random.below(2) ? random.in(-0.2, 1.2) : s0 + random.in(-0.02, 0.02)));
       double sigma = 0, source = 0;
       constexpr int kParts = 20000;
       for (int n = 0; n < kParts; n++) {

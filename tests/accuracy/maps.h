@@ -13,8 +13,8 @@ struct Maps {
 };
 
 enum class MapShape { Smooth, Spiky, Stepped, NearlyOpaque, NearlyTransparent };
-inline constexpr MapShape kMapShapes[] = {MapShape::Smooth, MapShape::Spiky, MapShape::Stepped, MapShape::NearlyOpaque,
-                                          MapShape::NearlyTransparent};
+inline constexpr MapShape kMapShapes[] = {MapShape::Smooth, MapShape::Spiky, MapShape::Stepped,
+                                          MapShape::NearlyOpaque, MapShape::NearlyTransparent};
 
 inline const char* nameOf(MapShape s) {
   constexpr const char* names[] = {"smooth", "spiky", "stepped", "nearly opaque", "nearly transparent"};
@@ -23,7 +23,8 @@ inline const char* nameOf(MapShape s) {
 
 inline ColorMap randomColors(Random& random, int points) {
   ColorMap map;
-  for (int i = 0; i < points; i++) map.points.push_back({double(i) / std::max(1, points - 1), random.point(0, 1)});
+  for (int i = 0; i < points; i++)
+    map.points.push_back({double(i) / std::max(1, points - 1), random.point(0, 1)});
   return map;
 }
 

@@ -16,7 +16,8 @@ inline void addPiece(const CompiledMap& map, double s0, double s1, double t, Pic
   const double middle = 0.5 * (s0 + s1);
   const int k = int(std::upper_bound(map.nodes.begin() + 1, map.nodes.end(), middle) - map.nodes.begin()) - 1;
   const float* m = &map.pieces[size_t(8 * k)];
-  const double f0 = (s0 - map.nodes[size_t(k)]) * map.lengths[size_t(k)], f1 = (s1 - map.nodes[size_t(k)]) * map.lengths[size_t(k)];
+  const double f0 = (s0 - map.nodes[size_t(k)]) * map.lengths[size_t(k)],
+               f1 = (s1 - map.nodes[size_t(k)]) * map.lengths[size_t(k)];
   const double a = m[0] + f0 * m[1], b = m[0] + f1 * m[1], sigma = 0.5 * (a + b);
   if (!(sigma > 0)) return;
   const double tau = sigma * t, w = -(1 - p.A) * std::expm1(-tau);
@@ -45,10 +46,12 @@ inline Picture referenceMarch(const Field& f, const IndexRay& r, const CompiledM
       const double s1 = cell.at(r.o + (ta + (k + 1) * step) * r.d);
       splits = {0, 1};
       const auto first = std::upper_bound(map.nodes.begin() + 1, map.nodes.end(), std::min(s0, s1));
-      for (auto n = first; n != map.nodes.end() && *n < std::max(s0, s1); ++n) splits.push_back((*n - s0) / (s1 - s0));
+      for (auto n = first; n != map.nodes.end() && *n < std::max(s0, s1); ++n)
+        splits.push_back((*n - s0) / (s1 - s0));
       std::sort(splits.begin(), splits.end());
       for (size_t j = 0; j + 1 < splits.size(); j++)
-        addPiece(map, s0 + splits[j] * (s1 - s0), s0 + splits[j + 1] * (s1 - s0), (splits[j + 1] - splits[j]) * step, p);
+        addPiece(map, s0 + splits[j] * (s1 - s0), s0 + splits[j + 1] * (s1 - s0),
+                 (splits[j + 1] - splits[j]) * step, p);
       s0 = s1;
     }
   }

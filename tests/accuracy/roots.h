@@ -10,10 +10,10 @@ namespace gxy::test {
 
 struct Root {
   double t;
-  double slope;     ///< change of the field per cell length along the ray
-  double range;     ///< of the cell's corners
-  bool rising;      ///< the field grows along the ray
-  bool touches;     ///< does not change sign (a double root, or a plateau's start)
+  double slope;  ///< change of the field per cell length along the ray
+  double range;  ///< of the cell's corners
+  bool rising;   ///< the field grows along the ray
+  bool touches;  ///< does not change sign (a double root, or a plateau's start)
 };
 
 /// The ray in index space, exactly as the kernels have it.
@@ -130,6 +130,8 @@ inline std::vector<Root> rootsAlong(const Field& f, const IndexRay& r, double is
 }
 
 /// The field at t.
-inline double fieldAt(const Field& f, const IndexRay& r, double t) { return Cell(f, r, t, t).at(r.o + t * r.d); }
+inline double fieldAt(const Field& f, const IndexRay& r, double t) {
+  return Cell(f, r, t, t).at(r.o + t * r.d);
+}
 
 }  // namespace gxy::test

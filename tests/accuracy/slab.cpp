@@ -15,7 +15,8 @@ struct Slab {
 
 Slab uniformSlab(Random& random, uint8_t method) {
   const Index3 n{2 + random.below(40), 2 + random.below(100), 2 + random.below(120)};
-  Slab s{makeField(gridOf(n, random.point(0.3, 1)), [](int64_t, int64_t, int64_t, int) { return 0.5; }), {}, 0};
+  Slab s{
+      makeField(gridOf(n, random.point(0.3, 1)), [](int64_t, int64_t, int64_t, int) { return 0.5; }), {}, 0};
   const OpacityMap map{true, {{0, random.scale(1e-4, 30)}}};
   s.shown.map = CompiledMap({{{0, glm::dvec3(1)}}}, &map, {});
   s.shown.plan = evenPlan(s.field, uint8_t(1 | method));

@@ -39,11 +39,13 @@ void expectSameBits(MapShape shape) {
     const View<Real> view(f, shown);
     for (int i = 0; i < 200; i++) {
       const auto ray = rayIn(view, randomRay(random, f));
-      const Real tMin = random.below(3) ? Real(0) : Real(0.05), tStop = random.below(4) ? Real(1e30) : Real(random.in(0, 2));
+      const Real tMin = random.below(3) ? Real(0) : Real(0.05),
+                 tStop = random.below(4) ? Real(1e30) : Real(random.in(0, 2));
       const auto whole = march<Real>(view, ray, tMin, {}, tStop);
       const auto split = march<Real>(view, ray, tMin, randomCuts<Real>(random, ray, 2), tStop);
       marched += whole.L.A > 0;
-      different += whole.L.A != split.L.A || whole.L.rgb != split.L.rgb || whole.count.samples != split.count.samples;
+      different +=
+          whole.L.A != split.L.A || whole.L.rgb != split.L.rgb || whole.count.samples != split.count.samples;
     }
   }
   EXPECT_EQ(different, 0);
