@@ -126,7 +126,8 @@ FN_OUTLINE void integratePieces(VOLUME v, VolumeRay r, MarchRange m, real t, rea
 FN void integrateVolume(VOLUME v, VolumeRay r, MarchRange m, INOUT(Radiance) L, INOUT(MarchCount) n) {
   real end = min(r.t1, m.tStop);
   real t = max(max(m.tIn, m.tStart), r.t0);
-  if (!(t < min(end, m.tOut)) || R(1.0) - L.A < m.tMin) return;
+  // A hit exactly at tIn may end a segment that began before it.
+  if (!(t <= m.tStop && t < min(r.t1, m.tOut)) || R(1.0) - L.A < m.tMin) return;
   MacroWalk w = startMacroWalk(v, r, t);
   real tb = w.t, dt = R(0.0);       // end of the macrocell, length of its segments
   real i = R(0.0), count = R(0.0);  // segment, and their number
