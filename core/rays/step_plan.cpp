@@ -8,8 +8,8 @@ namespace gxy {
 
 namespace {
 constexpr int kLevels = 31;
-// A partition evaluates the segments that end in it, from samples no more than kGhostLayers cells before it: midpoints
-// of segments of up to 2 / 0.525 cells, both ends of those of 1 / 0.525.
+// A partition evaluates the segments that end in it, and holds kGhostLayers cells before it: so midpoint segments are at
+// most 1 / 0.2625 = 3.8 cells long, and pre-integrated ones, which need their start, 1 / 0.525 = 1.9.
 constexpr double kLowestRate = 0.2625;
 constexpr int kLowestPieces = 5;
 static_assert(kGhostLayers == 2);

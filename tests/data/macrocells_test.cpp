@@ -129,14 +129,28 @@ TEST(Macrocells, SmallGridsToo) {
   checkAnyCut<float>(ScalarType::Float32, 1, Grid{{0, 0, 0}, {1, 1, 1}, {9, 9, 9}}, 0);
 }
 
-TEST(Macrocells, WholeVolumesHaveNoBorder) {
-  const Grid grid{{0, 0, 0}, {1, 1, 1}, {20, 20, 20}};
+TEST(Macrocells, WhatNoOtherBlockCanHoldIsNotSent) {
+  const Grid grid{{0, 0, 0}, {1, 1, 1}, {41, 41, 41}};
   std::mt19937 random(5);
   Volume v = volumeOf(grid, ScalarType::Float32, 1);
-  v.blocks[0] = cut(grid, randomField<float>(random, 8000), 1, {{0, 0, 0}, grid.points});
+  v.blocks[0] = cut(grid, randomField<float>(random, 41 * 41 * 41), 1, {{0, 0, 0}, grid.points});
   summarise(v.blocks[0], v.stored, 1);
-  EXPECT_EQ(v.blocks[0].macrocells, (Index3{3, 3, 3}));
-  EXPECT_TRUE(borderSummaries(v).empty());
+  EXPECT_EQ(v.blocks[0].macrocells, (Index3{5, 5, 5}));
+  EXPECT_EQ(borderSummaries(v).size(), size_t(125 - 27));
+}
+
+// A slab thinner than the ghost layers: its neighbour holds the whole grid, and all that the slab lacks.
+TEST(Macrocells, ThinSlabsAtTheEndOfTheGridLearnTheRest) {
+  const Grid grid{{0, 0, 0}, {1, 1, 1}, {30, 4, 4}};
+  std::vector<float> field(30 * 16);
+  for (size_t i = 0; i < field.size(); ++i) field[i] = float(i % 30);
+  Volume v = volumeOf(grid, ScalarType::Float32, 1);
+  const Box slab{{0, 0, 0}, {0.4, 3, 3}}, rest{{0.4, 0, 0}, {29, 3, 3}};
+  v.blocks[0] = cut(grid, field, 1, extentOf(grid, slab, kGhostLayers));
+  v.blocks[1] = cut(grid, field, 1, extentOf(grid, rest, kGhostLayers));
+  for (auto& [partition, block] : v.blocks) summarise(block, v.stored, 1);
+  mergeSummaries(v, borderSummaries(v));
+  EXPECT_EQ(v.blocks[0].summaries[0][0], (Macrocell{0, 8, false}));
 }
 
 TEST(Macrocells, ForeignRecordsAndWrongSizesAreRefused) {

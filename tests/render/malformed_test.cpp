@@ -127,7 +127,8 @@ TEST(Malformed, RaysThatWouldIndexOutsideAreRefused) {
   const Cut cut = lattice(s.domain, {2, 1, 1}, 2);
   const auto compiled = compiledOn(cut, s);
   Bytes primaries, secondaries;
-  for (const Bytes& m : recorded(s, cut).at(Channel::Rays)) {
+  const auto messages = recorded(s, cut);
+  for (const Bytes& m : messages.at(Channel::Rays)) {
     uint32_t primary;
     std::memcpy(&primary, &m[20], 4);
     (primary ? primaries : secondaries) = m;
