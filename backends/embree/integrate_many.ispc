@@ -118,8 +118,9 @@ export void integrateMany(const void* uniform scene, void* uniform rays, uniform
       cursor[k].ray = volumeRay(v, o, d, clip0, clip1);
       if (cursor[k].ray.t0 < cursor[k].ray.t1) end = max(end, cursor[k].ray.t1);
     }
+    // A hit exactly at tIn may end a segment that began before it.
+    bool go = t <= tStop && t < min(end, tOut) && 1.0f - L.A >= s.tMin;
     end = min(end, tStop);
-    bool go = t < min(end, tOut) && 1.0f - L.A >= s.tMin;
     // The merged segment that contains t may begin before it: at the latest earlier segment end of any volume, which is
     // where the partition before stopped.
     float a = t;

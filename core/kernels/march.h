@@ -8,7 +8,7 @@ FN void meanAlong(VOLUME v, real s0, real s1, OUT(real) sigma, OUT(vec3) source)
   MapPlace p = mapPlace(v, lo), q = mapPlace(v, hi);
   real a0 = sigmaAt(v, p), b1 = sigmaAt(v, q);
   vec3 c0 = colorAt(v, p), d1 = colorAt(v, q);
-  if (p.k == q.k || !(hi > lo)) {
+  if (p.k == q.k || !(hi - lo > R(1e-35))) {
     // one linear piece: the mean of a product of linears
     real m = R(0.5) * (a0 + b1), u = (b1 - a0) * R(0.083333333333333333);
     sigma = m;
@@ -71,8 +71,8 @@ FN real segmentBehind(real t, real begin, real dt, real count) {
 
 // PLAN_PIECES: the macrocell between tEnter and tb cell by cell, since the value kinks at faces, each cell in equal
 // segments along which the value is taken as linear and the map is integrated exactly. Clears `go` where the march ends.
-FN_OUTLINE void integratePieces(VOLUME v, VolumeRay r, MarchRange m, real t, real tEnter, real tb, real rate, real end,
-                        INOUT(Radiance) L, INOUT(MarchCount) n, INOUT(bool) go) {
+FN_OUTLINE void integratePieces(VOLUME v, VolumeRay r, MarchRange m, real t, real tEnter, real tb, real rate,
+                                real end, INOUT(Radiance) L, INOUT(MarchCount) n, INOUT(bool) go) {
   real from = max(tEnter, t);
   ivec3 cells = gridCells(v);
   ivec3 c = make_i3(locateCell(from, r.g.po.x, r.g.pd.x, r.g.rpd.x, cells.x),
@@ -126,7 +126,8 @@ FN_OUTLINE void integratePieces(VOLUME v, VolumeRay r, MarchRange m, real t, rea
 FN void integrateVolume(VOLUME v, VolumeRay r, MarchRange m, INOUT(Radiance) L, INOUT(MarchCount) n) {
   real end = min(r.t1, m.tStop);
   real t = max(max(m.tIn, m.tStart), r.t0);
-  if (!(t < min(end, m.tOut)) || R(1.0) - L.A < m.tMin) return;
+  // A hit exactly at tIn may end a segment that began before it.
+  if (!(t <= m.tStop && t < min(r.t1, m.tOut)) || R(1.0) - L.A < m.tMin) return;
   MacroWalk w = startMacroWalk(v, r, t);
   real tb = w.t, dt = R(0.0);       // end of the macrocell, length of its segments
   real i = R(0.0), count = R(0.0);  // segment, and their number

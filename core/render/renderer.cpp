@@ -2,10 +2,12 @@
 #include "gxy/render/renderer.h"
 
 #include <algorithm>
+#include <condition_variable>
 
 #include "gxy/comm/error.h"
 #include "gxy/comm/tree.h"
 #include "gxy/comm/wire.h"
+#include "gxy/render/check_rays.h"
 #include "gxy/render/tiles.h"
 
 namespace gxy {
@@ -66,6 +68,7 @@ struct Renderer::Frame {
   std::shared_ptr<const DeviceFrame> device;
   int owner = 0;
   int64_t perPrimary = 1;                    ///< credits of a primary ray
+  RayLimits limits;                          ///< of rays that may come
   std::unique_ptr<Framebuffer> framebuffer;  ///< on the owner
   std::vector<Tile> tiles;                   ///< still to be spawned, last first
   std::atomic<size_t> tilesLeft = 0;         ///< not yet spawned completely
@@ -78,23 +81,64 @@ struct Renderer::Parked {
   std::shared_ptr<Completion::Active> active;
 };
 
+/// Lets tasks in until it is closed, and knows how many are inside: a task may still run when the frame that it worked
+/// for has been reported.
+class Renderer::Tasks {
+ public:
+  void run(std::function<void()>& task) {
+    {
+      std::lock_guard lock(mutex_);
+      if (closed_) return;
+      inside_++;
+    }
+    const std::shared_ptr<void> leave(nullptr, [&](void*) {
+      task = nullptr;  // what it holds goes before the Renderer may
+      std::lock_guard lock(mutex_);
+      if (--inside_ == 0) empty_.notify_all();
+    });
+    task();
+  }
+  void close() {
+    std::unique_lock lock(mutex_);
+    closed_ = true;
+    empty_.wait(lock, [this] { return inside_ == 0; });
+  }
+
+ private:
+  std::mutex mutex_;
+  std::condition_variable empty_;
+  size_t inside_ = 0;
+  bool closed_ = false;
+};
+
 Renderer::Renderer(Transport& transport, Options options)
-    : transport_(transport), options_(options), completion_(transport), credits_(options.raysInFlight) {
+    : transport_(transport),
+      options_(options),
+      completion_(transport),
+      tasks_(std::make_shared<Tasks>()),
+      credits_(options.raysInFlight) {
   if (options_.packetRays < 16)
     throw Error("packets of " + std::to_string(options_.packetRays) + " rays, expected >= 16");
   if (options_.raysInFlight < 1) throw Error("the number of rays in flight must be >= 1");
-  transport_.onMessage(Channel::Frame, [this](int source, Bytes m) { receiveFrame(source, m); });
+  transport_.onMessage(Channel::Frame, [this](int, const Bytes& m) { receiveFrame(m); });
   transport_.onMessage(Channel::Rays, [this](int, Bytes m) { receiveRays(std::move(m)); });
-  transport_.onMessage(Channel::Contributions, [this](int, Bytes m) { receiveContributions(m); });
+  transport_.onMessage(Channel::Contributions, [this](int, Bytes m) { receiveContributions(std::move(m)); });
   transport_.onMessage(Channel::Credits, [this](int, const Bytes& m) {
     Reader in(m, "ray credits");
-    giveBack(transport_.rank(), in.read<int64_t>());
+    const auto credits = in.read<int64_t>();
+    in.expectEnd();
+    giveBack(transport_.rank(), credits);
   });
 }
 
 Renderer::~Renderer() {
   for (Channel c : {Channel::Frame, Channel::Rays, Channel::Contributions, Channel::Credits})
     transport_.onMessage(c, {});
+  tasks_->close();
+}
+
+void Renderer::post(std::function<void()> task) {
+  transport_.post([tasks = tasks_, task = std::move(task)]() mutable { tasks->run(task); });
 }
 
 void Renderer::addScene(SceneId id, std::shared_ptr<const CompiledScene> scene,
@@ -120,39 +164,59 @@ Renderer::Counters Renderer::counters() const {
   return c;
 }
 
+Renderer::Kept Renderer::kept() const {
+  Kept kept;
+  kept.completionSets = completion_.setsKept();
+  std::lock_guard lock(mutex_);
+  kept.frames = frames_.size();
+  for (const auto& [id, messages] : parked_) kept.parkedMessages += messages.size();
+  kept.callbacks = pending_.size();
+  kept.windows = windows_.size();
+  kept.credits = options_.raysInFlight - credits_;
+  return kept;
+}
+
 FrameId Renderer::render(const FrameRequest& request, Finished finished) {
   validate(request.camera);
-  Writer start;
-  FrameId id;
-  FrameId older = 0;
+  FrameId id, older = 0;
   {
     std::lock_guard lock(mutex_);
     if (!scenes_.count(request.scene))
       throw Error("there is no scene " + std::to_string(request.scene) + " to render");
     id = nextFrame_++;
-    finished_[id] = std::move(finished);
+    pending_[id] = {std::move(finished), request.window};
     if (request.window) older = std::exchange(windows_[request.window], id);
-    if (older && finished_.count(older))
-      superseded_[older] = true;
+    const auto it = pending_.find(older);
+    if (it != pending_.end() && !it->second.complete)
+      it->second.superseded = true;
     else
       older = 0;
   }
   if (older) {
-    Writer cancel;
-    sendDown(cancel.write(FrameMessage::Cancel).write(older).take());
-    this->cancel(older);
-  }
-  completion_.begin(id, [this, id] {
     Writer w;
-    const Bytes message = w.write(FrameMessage::Finish).write(id).take();
-    sendDown(message);
-    finish(id);
-  });
-  start.write(FrameMessage::Start).write(id);
-  writeRequest(start, request);
-  const Bytes message = start.take();
-  this->start(id, request, message);
+    sendDown(w.write(FrameMessage::Cancel).write(older).take());
+    cancel(older);
+  }
+  completion_.begin(id, [this, id] { complete(id); });
+  Writer w;
+  w.write(FrameMessage::Start).write(id);
+  writeRequest(w, request);
+  start(id, request, w.take());
   return id;
+}
+
+// Rank 0, once all work of a frame is done. Whether its picture counts is decided here, for all ranks.
+void Renderer::complete(FrameId id) {
+  bool superseded;
+  {
+    std::lock_guard lock(mutex_);
+    Pending& pending = pending_.at(id);
+    pending.complete = true;
+    superseded = pending.superseded;
+  }
+  Writer w;
+  sendDown(w.write(FrameMessage::Finish).write(id).write(superseded).take());
+  finish(id, superseded);
 }
 
 // Down a binary tree rooted at rank 0; each rank passes on what it hears.
@@ -161,40 +225,54 @@ void Renderer::sendDown(const Bytes& message) {
                    [&](int child) { transport_.send(child, Channel::Frame, message); });
 }
 
-void Renderer::receiveFrame(int, const Bytes& message) {
+void Renderer::receiveFrame(const Bytes& message) {
   Reader in(message, "frame message");
   const auto kind = in.read<FrameMessage>();
   const auto id = in.read<FrameId>();
-  switch (kind) {
-    case FrameMessage::Start:
-      start(id, readRequest(in), message);
-      break;
-    case FrameMessage::Cancel:
-      sendDown(message);
-      cancel(id);
-      break;
-    case FrameMessage::Finish:
-      sendDown(message);
-      finish(id);
-      break;
-    case FrameMessage::Delivered: {
-      Finished finished;
-      bool superseded = false;
-      {
-        std::lock_guard lock(mutex_);
-        const auto it = finished_.find(id);
-        if (it == finished_.end()) return;
-        finished = std::move(it->second);
-        finished_.erase(it);
-        superseded = superseded_.erase(id) > 0;
-      }
-      if (finished)
-        transport_.post([finished = std::move(finished), id, superseded] { finished(id, superseded); });
-      break;
+  if (kind > FrameMessage::Delivered)
+    in.fail("its kind is " + std::to_string(int(kind)) + ", expected 0 to 3");
+  if (id == 0 || (kind == FrameMessage::Delivered) != (transport_.rank() == 0))
+    in.fail("it is not for rank " + std::to_string(transport_.rank()));
+  if (kind == FrameMessage::Start) {
+    const FrameRequest request = readRequest(in);
+    in.expectEnd();
+    validate(request.camera);
+    {
+      std::lock_guard lock(mutex_);
+      if (find(id) || isOver(id)) in.fail("frame " + std::to_string(id) + " has started before");
     }
-    default:
-      in.fail("its kind is " + std::to_string(int(kind)) + ", expected 0 to 3");
+    start(id, request, message);
+  } else if (kind == FrameMessage::Cancel) {
+    in.expectEnd();
+    sendDown(message);
+    cancel(id);
+  } else if (kind == FrameMessage::Finish) {
+    const bool superseded = in.read<bool>();
+    in.expectEnd();
+    sendDown(message);
+    finish(id, superseded);
+  } else {
+    in.expectEnd();
+    delivered(id);
   }
+}
+
+void Renderer::delivered(FrameId id) {
+  Pending pending;
+  {
+    std::lock_guard lock(mutex_);
+    const auto it = pending_.find(id);
+    if (it == pending_.end() || !it->second.complete)
+      throw Error("frame " + std::to_string(id) + " was said to be delivered, but is not under way");
+    pending = std::move(it->second);
+    pending_.erase(it);
+    const auto window = windows_.find(pending.window);
+    if (window != windows_.end() && window->second == id) windows_.erase(window);
+  }
+  if (pending.finished)
+    post([finished = std::move(pending.finished), id, superseded = pending.superseded] {
+      finished(id, superseded);
+    });
 }
 
 void Renderer::start(FrameId id, FrameRequest request, const Bytes& message) {
@@ -215,6 +293,7 @@ void Renderer::start(FrameId id, FrameRequest request, const Bytes& message) {
   const CompiledFrame compiled = compileFrame(scene, request.camera, request.number, request.depth);
   frame->device = frame->scene.device->makeFrame(compiled);
   const Lighting& lighting = scene.visualization.lighting;
+  frame->limits = limitsOf(scene, compiled);
   frame->perPrimary = 1 + lighting.aoCount + (lighting.shadows ? int64_t(compiled.lights.size()) : 0);
   if (frame->owner == transport_.rank())
     frame->framebuffer =
@@ -222,6 +301,7 @@ void Renderer::start(FrameId id, FrameRequest request, const Bytes& message) {
   TileList list = tilesOf(scene, compiled, transport_.rank());
   frame->tiles = std::move(list.tiles);
   frame->tilesLeft = frame->tiles.size();
+  const bool spawnsNothing = frame->tiles.empty();  // asked here: once it is known, other threads take tiles
 
   std::vector<Parked> parked;
   {
@@ -233,58 +313,74 @@ void Renderer::start(FrameId id, FrameRequest request, const Bytes& message) {
       parked = std::move(waiting->second);
       parked_.erase(waiting);
     }
-    if (!frame->tiles.empty()) spawning_.push_back(frame);
+    if (!spawnsNothing) spawning_.push_back(frame);
   }
   for (Parked& p : parked) {
     if (p.channel == Channel::Rays)
       receiveRays(std::move(p.message));
     else if (p.channel == Channel::Contributions)
-      receiveContributions(p.message);
+      receiveContributions(std::move(p.message));
     else
       cancel(id);
   }
-  if (frame->tilesLeft == 0) completion_.spawned(id);
+  if (spawnsNothing) completion_.spawned(id);
   pump();
 }
 
 void Renderer::cancel(FrameId id) {
   std::lock_guard lock(mutex_);
-  const auto it = frames_.find(id);
-  if (it != frames_.end())
-    it->second->cancelled = true;
+  if (isOver(id)) return;
+  if (const FramePtr frame = find(id))
+    frame->cancelled = true;
   else
     parked_[id].push_back({Channel::Frame, {}, nullptr});
 }
 
-void Renderer::finish(FrameId id) {
+void Renderer::finish(FrameId id, bool superseded) {
   FramePtr frame;
   {
     std::lock_guard lock(mutex_);
-    parked_.erase(id);
-    const auto it = frames_.find(id);
-    if (it == frames_.end()) return;
-    frame = it->second;
-    frames_.erase(it);
+    frame = find(id);
+    if (!frame) throw Error("frame " + std::to_string(id) + " was said to be finished, but is not under way");
+    frames_.erase(id);
+    over_.insert(id);
+    while (over_.erase(firstNotOver_)) firstNotOver_++;
   }
-  if (frame->owner == transport_.rank()) transport_.post([this, frame] { deliver(frame); });
+  if (frame->owner == transport_.rank()) post([this, frame, superseded] { deliver(frame, superseded); });
 }
 
-void Renderer::deliver(FramePtr frame) {
+void Renderer::deliver(const FramePtr& frame, bool superseded) {
+  // told even if the handler throws: the frame is over
+  const std::shared_ptr<void> tell(nullptr, [&](void*) {
+    Writer w;
+    transport_.send(0, Channel::Frame, w.write(FrameMessage::Delivered).write(frame->id).take());
+  });
   PictureHandler handler;
   {
     std::lock_guard lock(mutex_);
     handler = pictureHandler_;
   }
-  if (handler && !frame->cancelled)
+  if (handler && !superseded)
     handler(frame->id, frame->request,
             frame->framebuffer->picture(frame->scene.compiled->settings.background));
-  Writer w;
-  transport_.send(0, Channel::Frame, w.write(FrameMessage::Delivered).write(frame->id).take());
 }
 
 Renderer::FramePtr Renderer::find(FrameId id) const {
   const auto it = frames_.find(id);
   return it == frames_.end() ? nullptr : it->second;
+}
+
+// The frame of a message; where it has not started the message is taken and kept until then, and null returned.
+Renderer::FramePtr Renderer::findOrPark(FrameId id, Channel channel, Bytes& message) {
+  std::lock_guard lock(mutex_);
+  if (isOver(id)) throw Error("a message came for frame " + std::to_string(id) + ", which is over");
+  FramePtr frame = find(id);
+  if (!frame) {
+    std::shared_ptr<Completion::Active> active;
+    if (channel == Channel::Rays) active = std::make_shared<Completion::Active>(completion_, id);
+    parked_[id].push_back({channel, std::move(message), std::move(active)});
+  }
+  return frame;
 }
 
 // Posts tiles while there are credits, frames in turn. With none out at all, one tile goes whatever it may cost.
@@ -310,7 +406,7 @@ void Renderer::pump() {
         turn_++;
     }
     auto active = std::make_shared<Completion::Active>(completion_, frame->id);
-    transport_.post([this, frame, tile, cost, active] { spawnTile(frame, tile, cost); });
+    post([this, frame, tile, cost, active] { spawnTile(frame, tile, cost); });
   }
 }
 
@@ -415,45 +511,38 @@ void Renderer::receiveRays(Bytes message) {
   Reader in(message, "rays");
   const auto header = in.read<RaysHeader>();
   const bool primary = header.primary == 1;
-  if (header.primary > 1 || header.count < 0 || header.origin < 0 || header.origin >= transport_.size() ||
+  if (header.primary > 1 || header.frame == 0 || header.count < 1 || header.origin < 0 ||
+      header.origin >= transport_.size() ||
       in.rest().size() != size_t(header.count) * size_t(RayList::wireBytes(primary)))
     in.fail("its header does not fit its " + std::to_string(message.size()) + " bytes");
+  const FramePtr frame = findOrPark(header.frame, Channel::Rays, message);
+  if (!frame) return;
+  const CompiledScene& scene = *frame->scene.compiled;
+  if (header.partition < 0 || header.partition >= scene.partitioning->partitions() ||
+      scene.partitioning->owner(header.partition) != transport_.rank() ||
+      !scene.visible[size_t(header.partition)])
+    in.fail("partition " + std::to_string(header.partition) + " is not one that this rank shows");
+  RayList rays = RayList::read(in.rest(), header.count, primary);
+  if (const char* wrong = wrongIn(rays, primary, frame->limits)) in.fail(wrong);
   auto active = std::make_shared<Completion::Active>(completion_, header.frame);
-  FramePtr frame;
-  {
-    std::lock_guard lock(mutex_);
-    frame = find(header.frame);
-    if (!frame) {
-      parked_[header.frame].push_back({Channel::Rays, std::move(message), active});
-      return;
-    }
-  }
-  const auto& partitioning = *frame->scene.compiled->partitioning;
-  if (header.partition < 0 || header.partition >= partitioning.partitions() ||
-      partitioning.owner(header.partition) != transport_.rank())
-    in.fail("partition " + std::to_string(header.partition) + " is not on this rank");
-  transport_.post([this, frame, header, primary, active, message = std::move(message)] {
-    RayList rays = RayList::read(std::span(message).subspan(sizeof(RaysHeader)), header.count, primary);
-    process(frame, header.partition, primary, header.origin, std::move(rays));
+  auto list = std::make_shared<RayList>(std::move(rays));  // a task must be copyable
+  post([this, frame, header, primary, active, list] {
+    process(frame, header.partition, primary, header.origin, std::move(*list));
   });
 }
 
-void Renderer::receiveContributions(const Bytes& message) {
+void Renderer::receiveContributions(Bytes message) {
+  constexpr size_t kDepthBytes = sizeof(uint32_t) + sizeof(double);
   Reader in(message, "pixel contributions");
   const auto header = in.read<ContributionsHeader>();
-  FramePtr frame;
-  {
-    std::lock_guard lock(mutex_);
-    frame = find(header.frame);
-    if (!frame) {
-      parked_[header.frame].push_back({Channel::Contributions, message, nullptr});
-      return;
-    }
-  }
   const size_t bytes = in.rest().size();
-  if (!frame->framebuffer || header.contributions > bytes / sizeof(Contribution) ||
-      header.depths > bytes / 12 || bytes != header.contributions * sizeof(Contribution) + header.depths * 12)
-    in.fail("its header does not fit its " + std::to_string(message.size()) + " bytes, or this rank");
+  if (header.frame == 0 || header.contributions > bytes / sizeof(Contribution) ||
+      header.depths > bytes / kDepthBytes ||
+      bytes != header.contributions * sizeof(Contribution) + header.depths * kDepthBytes)
+    in.fail("its header does not fit its " + std::to_string(message.size()) + " bytes");
+  const FramePtr frame = findOrPark(header.frame, Channel::Contributions, message);
+  if (!frame) return;
+  if (!frame->framebuffer) in.fail("the picture is not on this rank");
   std::vector<Contribution> contributions(header.contributions);
   for (Contribution& c : contributions) c = in.read<Contribution>();
   std::vector<DepthContribution> depths(header.depths);

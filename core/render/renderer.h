@@ -7,6 +7,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <set>
 #include <vector>
 
 #include "gxy/comm/completion.h"
@@ -41,6 +42,9 @@ struct FrameRequest {
 /// accepted. Behind translucent surfaces a primary may make more secondaries than it reserved; those put its rank into
 /// debt.
 ///
+/// A superseded frame ends like any other, its rays retired where they are met, but hands out no picture. Messages that
+/// are not what a Renderer sends (a pixel outside the picture, a frame that is over, ...) are refused with an Error.
+///
 /// Threads: all calls may come from any thread. Callbacks run as tasks of the Transport.
 class Renderer {
  public:
@@ -52,6 +56,7 @@ class Renderer {
   using PictureHandler = std::function<void(FrameId, const FrameRequest&, Picture)>;
 
   Renderer(Transport& transport, Options options);
+  /// Waits for the tasks that run; what is still to come of frames under way is dropped.
   ~Renderer();
   Renderer(const Renderer&) = delete;
   Renderer& operator=(const Renderer&) = delete;
@@ -79,19 +84,40 @@ class Renderer {
   };
   Counters counters() const;
 
+  /// What is kept for frames that are not over; all 0 when none is under way.
+  struct Kept {
+    size_t frames = 0;                  ///< started and not finished here
+    size_t parkedMessages = 0;          ///< of frames that have not started here
+    size_t callbacks = 0, windows = 0;  ///< rank 0
+    size_t completionSets = 0;
+    int64_t credits = 0;  ///< out
+  };
+  Kept kept() const;
+
  private:
   struct Frame;
   struct Scene;
   struct Parked;
+  class Tasks;
   using FramePtr = std::shared_ptr<Frame>;
 
-  void receiveFrame(int source, const Bytes& message);
+  /// Rank 0: a frame whose end has not been reported.
+  struct Pending {
+    Finished finished;
+    uint64_t window = 0;
+    bool superseded = false;  ///< by a frame that came before all its work was done
+    bool complete = false;    ///< all its work is done: too late to be superseded
+  };
+
+  void receiveFrame(const Bytes& message);
   void receiveRays(Bytes message);
-  void receiveContributions(const Bytes& message);
+  void receiveContributions(Bytes message);
   void start(FrameId id, FrameRequest request, const Bytes& message);
   void cancel(FrameId id);
-  void finish(FrameId id);
-  void deliver(FramePtr frame);
+  void complete(FrameId id);
+  void finish(FrameId id, bool superseded);
+  void deliver(const FramePtr& frame, bool superseded);
+  void delivered(FrameId id);
   void sendDown(const Bytes& message);
 
   void pump();
@@ -101,10 +127,14 @@ class Renderer {
   void contribute(const FramePtr& frame, TraceResult& result);
   void giveBack(int origin, int64_t credits);
   FramePtr find(FrameId id) const;
+  FramePtr findOrPark(FrameId id, Channel channel, Bytes& message);
+  bool isOver(FrameId id) const { return id < firstNotOver_ || over_.count(id) > 0; }
+  void post(std::function<void()> task);
 
   Transport& transport_;
   const Options options_;
   Completion completion_;
+  const std::shared_ptr<Tasks> tasks_;
 
   mutable std::mutex mutex_;  ///< guards all below but the atomics
   std::map<SceneId, Scene> scenes_;
@@ -115,9 +145,10 @@ class Renderer {
   int64_t credits_;
   int64_t mostOut_ = 0;
   PictureHandler pictureHandler_;
-  std::map<FrameId, Finished> finished_;  ///< rank 0
-  std::map<uint64_t, FrameId> windows_;   ///< rank 0: newest frame of each window
-  std::map<FrameId, bool> superseded_;    ///< rank 0
+  FrameId firstNotOver_ = 1;             ///< all frames below are over here
+  std::set<FrameId> over_;               ///< those above that are
+  std::map<FrameId, Pending> pending_;   ///< rank 0
+  std::map<uint64_t, FrameId> windows_;  ///< rank 0: newest frame of each window, while it is pending
   FrameId nextFrame_ = 1;
   Counters counters_;
 };

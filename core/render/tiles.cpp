@@ -9,6 +9,9 @@ namespace gxy {
 
 namespace {
 
+// Of the float lattice that decides which partition a ray is in, in render space: matters where a pixel is smaller.
+constexpr double kRounding = 2e-6;
+
 struct PixelBox {
   double x0 = 0, y0 = 0, x1 = 0, y1 = 0;
 };
@@ -19,6 +22,8 @@ void visibleBox(const CompiledScene& scene, int p, glm::dvec3& lo, glm::dvec3& h
   const Box& domain = scene.partitioning->domain();
   lo = scene.space.toRender(box.lo);
   hi = scene.space.toRender(box.hi);
+  lo -= kRounding;
+  hi += kRounding;
   for (int k = 0; k < 3; k++) {
     if (box.lo[k] == domain.lo[k] || lo[k] < scene.lo[k]) lo[k] = scene.lo[k];
     if (box.hi[k] == domain.hi[k] || hi[k] > scene.hi[k]) hi[k] = scene.hi[k];

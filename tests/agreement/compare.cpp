@@ -111,6 +111,7 @@ Comparison compare(const Backend& backend, const TestScene& scene, const Compare
   std::ostringstream worst;
   worst << std::setprecision(7);
   int flipsShown = 0;
+  const bool volumes = compiled->volumesRendered > 0;
   for (int i = 0; i < result.pixels; i++) {
     const float* a = &mine.rgba[4 * size_t(i)];
     const double* b = &truth.rgba[4 * size_t(i)];
@@ -122,7 +123,8 @@ Comparison compare(const Backend& backend, const TestScene& scene, const Compare
     const bool depthDiffers =
         (mine.depth[i] < kMiss) != (truth.depth[i] < kMiss) ||
         !(std::abs(mine.depth[i] - truth.depth[i]) <= depthSlack + 4e-16 * std::abs(truth.depth[i]));
-    if (d <= options.tolerance && !depthDiffers) {
+    const bool hidden = volumes && mine.depth[i] >= kMiss;  // a surface behind an opaque volume has no depth
+    if (d <= options.tolerance && (!depthDiffers || hidden)) {
       result.largest = std::max(result.largest, d);
       continue;
     }
@@ -130,10 +132,12 @@ Comparison compare(const Backend& backend, const TestScene& scene, const Compare
     const PixelRange range = perturbed.at(pixel);
     bool changes = false, among = true;
     for (int c = 0; c < 4; c++) {
-      changes = changes || range.hi[c] - range.lo[c] > 0.5 * options.tolerance;
+      changes =
+          changes || std::max(range.hi[c], b[c]) - std::min(range.lo[c], b[c]) > 0.5 * options.tolerance;
       among = among && a[c] >= range.lo[c] - options.tolerance && a[c] <= range.hi[c] + options.tolerance;
     }
-    const bool depthFlips = range.farthest - range.nearest > depthSlack;
+    const bool depthFlips =
+        std::max(range.farthest, truth.depth[i]) - std::min(range.nearest, truth.depth[i]) > depthSlack;
     const bool depthAmong =
         mine.depth[i] >= range.nearest - depthSlack && mine.depth[i] <= range.farthest + depthSlack;
     const bool colorWrong = d > options.tolerance && !(changes && among);

@@ -85,4 +85,21 @@ Vis rendered(std::vector<OpacityPoint> opacity, double lo = 0, double hi = 1, bo
 /// A Vis with isosurfaces (or geometry, by type), coloured over [lo, hi].
 Vis surfaces(VisType type, double lo = 0, double hi = 1);
 
+/// 28^3 samples of waves() on [-1, 1]^3.
+std::shared_ptr<const Volume> wavy();
+
+/// A floor, spheres, tubes, a mesh with normals, an isosurface and a slice; operators in this order.
+TestScene solids(const std::string& name, int size = 72);
+
+/// Ka 0.3, Kd 0.6, Ks 0.3.
+Lighting lit(std::vector<Light> sources, bool shadows);
+
+inline const Light kSun{LightType::Directional, {-0.5, -1, -0.3}};
+inline const Light kLamp{LightType::Point, {1.5, 2, 1}};
+inline const Light kNearLamp{LightType::Point, {0.1, 0.3, 0.4}};
+inline const Light kHeadlight{LightType::Camera, {0.7, 0.9, -0.2}};
+
+/// Solids, translucent ones among them, two volumes, shadows, ambient occlusion, two rays per pixel.
+TestScene everything(int size);
+
 }  // namespace gxy::agreement

@@ -60,8 +60,6 @@ Frames::Frames(int ranks, const FrameRun& run) {
   }
 }
 
-Frames::~Frames() { world_->run(); }
-
 void Frames::add(SceneId id, const std::vector<RankScene>& scene) {
   for (size_t r = 0; r < renderers_.size(); r++)
     renderers_[r]->addScene(id, scene[r].compiled, scene[r].device);

@@ -35,7 +35,6 @@ struct FrameRun {
 class Frames {
  public:
   Frames(int ranks, const FrameRun& run);
-  ~Frames();
 
   void add(SceneId id, const std::vector<RankScene>& scene);
 

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gxy/render/framebuffer.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "gxy/comm/random.h"
+
+namespace gxy {
+namespace {
+
+constexpr int32_t kOne = int32_t(CONTRIBUTION_ONE);
+
+TEST(Framebuffer, SumsDoNotDependOnTheOrderOfArrival) {
+  Random random(3);
+  std::vector<Contribution> list;
+  std::vector<DepthContribution> depths;
+  for (int i = 0; i < 500; i++) {
+    const auto value = [&] { return int32_t(random.below(uint64_t(kOne))); };
+    list.push_back({uint32_t(random.below(6)), value(), -value(), value(), value()});
+    depths.push_back({uint32_t(random.below(6)), double(1 + random.below(1000))});
+  }
+  Framebuffer forward(3, 2, 500, true), backward(3, 2, 500, true);
+  forward.add(list);
+  forward.addDepths(depths);
+  std::reverse(list.begin(), list.end());
+  std::reverse(depths.begin(), depths.end());
+  for (const Contribution& c : list) backward.add({&c, 1});
+  for (const DepthContribution& d : depths) backward.addDepths({&d, 1});
+  const glm::dvec4 background(0.25, 0.5, 0.75, 1);
+  EXPECT_EQ(forward.picture(background).rgba, backward.picture(background).rgba);
+  EXPECT_EQ(forward.picture(background).depth, backward.picture(background).depth);
+}
+
+TEST(Framebuffer, IsTheMeanOfSamplesBeforeTheBackground) {
+  Framebuffer f(1, 1, 4, true);
+  const Contribution half{0, kOne, kOne / 2, 0, 2 * kOne};  // of four samples: half covered
+  f.add({&half, 1});
+  const Picture p = f.picture({0.5, 0.25, 1, 1});
+  EXPECT_EQ(p.rgba, (std::vector<float>{0.25f + 0.25f, 0.125f + 0.125f, 0.5f, 1.f}));
+  EXPECT_EQ(p.depth, std::vector<double>{1e30});
+}
+
+TEST(Framebuffer, AnIncompletePixelIsNotNegative) {
+  Framebuffer f(1, 1, 1, false);
+  const Contribution taken{0, -kOne, -1, -kOne, 0};
+  f.add({&taken, 1});
+  EXPECT_EQ(f.picture({0, 0, 0, 0}).rgba, (std::vector<float>{0, 0, 0, 0}));
+}
+
+TEST(Framebuffer, SumsReachFarBeyondOneContribution) {
+  Framebuffer f(1, 1, 1, false);
+  const std::vector<Contribution> many(100000, Contribution{0, INT32_MAX, INT32_MIN, 0, 0});
+  f.add(many);
+  EXPECT_FLOAT_EQ(f.picture({0, 0, 0, 0}).rgba[0], float(100000 * (double(INT32_MAX) / kOne)));
+}
+
+TEST(Framebuffer, RefusesPixelsOutsideAndThenAddsNothing) {
+  Framebuffer f(2, 2, 1, true);
+  const std::vector<Contribution> list{{0, kOne, 0, 0, kOne}, {4, kOne, 0, 0, kOne}};
+  EXPECT_FALSE(f.add(list));
+  const std::vector<DepthContribution> depths{{1, 2.0}, {UINT32_MAX, 1.0}};
+  EXPECT_FALSE(f.addDepths(depths));
+  const Picture p = f.picture({0, 0, 0, 0});
+  EXPECT_EQ(p.rgba, std::vector<float>(16, 0.f));
+  EXPECT_EQ(p.depth, std::vector<double>(4, 1e30));
+}
+
+TEST(Framebuffer, TakesNoDepthsUnlessAsked) {
+  Framebuffer f(2, 2, 1, false);
+  const DepthContribution depth{0, 1.0};
+  EXPECT_FALSE(f.addDepths({&depth, 1}));
+}
+
+}  // namespace
+}  // namespace gxy

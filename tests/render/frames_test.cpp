@@ -1,0 +1,221 @@
+// SPDX-License-Identifier: Apache-2.0
+// The protocol of frames: always reported, never early, nothing left behind, under any schedule.
+#include <gtest/gtest.h>
+
+#include "gxy/comm/error.h"
+#include "gxy/comm/random.h"
+#include "support/frames.h"
+
+namespace gxy::test {
+namespace {
+
+// Schedules of the seeded world in one run; raise it for long runs: --schedules=100000
+int schedules() {
+  for (const std::string& arg : testing::internal::GetArgvs())
+    if (arg.rfind("--schedules=", 0) == 0) return std::stoi(arg.substr(12));
+  return 2000;
+}
+
+struct Prepared {
+  TestScene scene;
+  Cut cut;
+  std::vector<RankScene> compiled;
+  Picture expected;
+  Prepared(TestScene s, Cut c)
+      : scene(std::move(s)),
+        cut(std::move(c)),
+        compiled(compiledOn(cut, scene)),
+        expected(render(scene, whole(scene.domain))) {}
+  FrameRequest request(SceneId id) const {
+    FrameRequest r;
+    r.scene = id;
+    r.camera = scene.camera;
+    r.depth = true;
+    return r;
+  }
+};
+
+TestScene litBalls(glm::ivec2 size) {
+  TestScene s = emptyScene("balls", size);
+  addParticles(s, 1);
+  addMesh(s, 1);
+  addLights(s);
+  return s;
+}
+
+TestScene tinyVolume(glm::ivec2 size) {
+  TestScene s = emptyScene("volume", size);
+  addSmoothVolume(s);
+  addTubes(s, 0.5);
+  return s;
+}
+
+void expectNothingKept(Frames& frames) {
+  for (int r = 0; r < frames.world().size(); r++) {
+    const Renderer::Kept kept = frames.renderer(r).kept();
+    EXPECT_EQ(kept.frames, 0u);
+    EXPECT_EQ(kept.parkedMessages, 0u);
+    EXPECT_EQ(kept.callbacks, 0u);
+    EXPECT_EQ(kept.windows, 0u);
+    EXPECT_EQ(kept.completionSets, 0u);
+    EXPECT_EQ(kept.credits, 0);
+  }
+}
+
+TEST(Frames, TinyOnesAreRightUnderManySchedules) {
+  const Prepared balls(litBalls({3, 2}), kdCut(sceneDomain(), 5, 3, 4));
+  const Prepared volume(tinyVolume({4, 3}), kdCut(sceneDomain(), 5, 3, 4));
+  for (int seed = 1; seed <= schedules(); seed++) {
+    FrameRun run;
+    run.seed = uint64_t(seed);
+    run.options.packetRays = 16;
+    run.options.raysInFlight = seed % 3 ? 1 : 1 << 20;
+    Frames frames(3, run);
+    frames.add(1, balls.compiled);
+    frames.add(2, volume.compiled);
+    const FrameId a = frames.start(balls.request(1)), b = frames.start(volume.request(2));
+    frames.run();
+    ASSERT_TRUE(frames.errors().empty()) << frames.errors()[0];
+    for (const auto& [id, prepared] : {std::pair(a, &balls), std::pair(b, &volume)}) {
+      ASSERT_EQ(frames.outcome(id).finished, 1) << "schedule " << seed;
+      ASSERT_EQ(difference(prepared->expected, frames.outcome(id).picture), "") << "schedule " << seed;
+    }
+    expectNothingKept(frames);
+    if (HasFailure()) FAIL() << "schedule " << seed;
+  }
+}
+
+// Every frame of a window ends; those that are superseded say so and show nothing; the last one is right.
+TEST(Frames, ANewerFrameOfAWindowSupersedesTheOlder) {
+  const Prepared balls(litBalls({20, 16}), lattice(sceneDomain(), {2, 2, 1}, 4));
+  int superseded = 0;
+  for (uint64_t seed = 1; seed <= 150; seed++) {
+    Random random(seed);
+    FrameRun run;
+    run.seed = seed;
+    run.options.packetRays = 16;
+    run.options.raysInFlight = 500;
+    Frames frames(4, run);
+    frames.add(1, balls.compiled);
+    std::vector<FrameId> ids;
+    for (int i = 0; i < 6; i++) {
+      FrameRequest request = balls.request(1);
+      request.window = 1 + uint64_t(i % 2);
+      ids.push_back(frames.start(request));
+      for (uint64_t steps = random.below(400); steps > 0 && frames.world().step(); steps--) {
+      }
+    }
+    frames.run();
+    ASSERT_TRUE(frames.errors().empty()) << frames.errors()[0];
+    for (size_t i = 0; i < ids.size(); i++) {
+      const Frames::Outcome& o = frames.outcome(ids[i]);
+      ASSERT_EQ(o.finished, 1) << "frame " << i << ", schedule " << seed;
+      ASSERT_EQ(o.pictures + o.superseded, 1) << "frame " << i << ", schedule " << seed;
+      ASSERT_EQ(o.pictures ? difference(balls.expected, o.picture) : "", "") << "frame " << i << ", schedule " << seed;
+      superseded += o.superseded;
+    }
+    ASSERT_EQ(frames.outcome(ids[4]).pictures + frames.outcome(ids[5]).pictures, 2) << "schedule " << seed;
+    expectNothingKept(frames);
+    if (HasFailure()) FAIL() << "schedule " << seed;
+  }
+  EXPECT_GT(superseded, 100);
+}
+
+TEST(Frames, OfSeveralScenesShareTheRanks) {
+  const Cut cut = lattice(sceneDomain(), {2, 2, 2}, 8);
+  const Prepared balls(litBalls({20, 16}), cut), volume(tinyVolume({17, 21}), cut);
+  for (bool threaded : {false, true}) {
+    FrameRun run;
+    run.threaded = threaded;
+    run.options.packetRays = 64;
+    run.options.raysInFlight = 300;
+    Frames frames(8, run);
+    frames.add(1, balls.compiled);
+    frames.add(2, volume.compiled);
+    std::vector<FrameId> ids;
+    for (int i = 0; i < 20; i++)
+      ids.push_back(frames.start((i % 2 ? volume : balls).request(1 + SceneId(i % 2))));
+    frames.run();
+    ASSERT_TRUE(frames.errors().empty()) << frames.errors()[0];
+    for (size_t i = 0; i < ids.size(); i++) {
+      ASSERT_EQ(frames.outcome(ids[i]).finished, 1);
+      EXPECT_EQ(difference((i % 2 ? volume : balls).expected, frames.outcome(ids[i]).picture), "") << i;
+    }
+    expectNothingKept(frames);
+  }
+}
+
+TEST(Frames, ThatSeeNothingAreReportedAndAreBackground) {
+  Prepared balls(litBalls({9, 7}), lattice(sceneDomain(), {2, 1, 1}, 3));
+  balls.scene.camera.viewdirection = -balls.scene.camera.viewdirection;
+  const Picture p = render(balls.scene, 3, balls.compiled);
+  for (size_t i = 0; i < p.rgba.size(); i += 4) ASSERT_EQ(p.rgba[i + 2], 0.2f);
+}
+
+TEST(Frames, OfOnePixel) {
+  const TestScene scene = litBalls({1, 1});
+  const Picture expected = render(scene, whole(scene.domain));
+  EXPECT_NE(expected.rgba[0], 0.1f);
+  EXPECT_EQ(difference(expected, render(scene, kdCut(scene.domain, 9, 8, 2))), "");
+}
+
+// Partitions in a ring around an axis, each on a rank of its own; rays of one tile at a time.
+TEST(Frames, OfARingOnEightRanksFinishWithABudgetOfOne) {
+  const Box d = sceneDomain();
+  const double x[] = {-0.9, -0.2, 0.4, 1.1}, y[] = {-0.75, -0.2, 0.3, 0.8};
+  const int ring[][2] = {{0, 0}, {1, 0}, {2, 0}, {2, 1}, {2, 2}, {1, 2}, {0, 2}, {0, 1}};
+  std::vector<Box> boxes;
+  std::vector<int32_t> owners;
+  for (int i = 0; i < 8; i++) {
+    const auto [a, b] = ring[i];
+    boxes.push_back({{x[a], y[b], d.lo.z}, {x[a + 1], y[b + 1], d.hi.z}});
+    owners.push_back(i);
+  }
+  boxes.push_back({{x[1], y[1], d.lo.z}, {x[2], y[2], d.hi.z}});
+  owners.push_back(0);
+  TestScene scene = litBalls({40, 36});
+  addOcclusion(scene);
+  const Prepared p(scene, {"ring", 8, Partitioning::fromBoxes(boxes, owners)});
+  FrameRun run;
+  run.options = {16, 1};
+  for (uint64_t seed = 1; seed <= 10; seed++) {
+    run.seed = seed;
+    EXPECT_EQ(difference(p.expected, render(p.scene, 8, p.compiled, run)), "");
+  }
+}
+
+// Opaque surfaces: no primary makes more secondaries than it reserved.
+TEST(Frames, KeepToTheBudgetOfRaysInFlight) {
+  const Prepared balls(litBalls({70, 64}), lattice(sceneDomain(), {2, 2, 1}, 4));
+  const int64_t perPrimary = 1 + 3, tile = kTile * kTile * perPrimary;
+  for (int64_t budget : {int64_t(1), tile, 3 * tile}) {
+    FrameRun run;
+    run.options = {64, budget};
+    Frames frames(4, run);
+    frames.add(1, balls.compiled);
+    frames.start(balls.request(1));
+    frames.start(balls.request(1));
+    frames.run();
+    int64_t most = 0;
+    for (int r = 0; r < 4; r++) most = std::max(most, frames.renderer(r).counters().mostRaysInFlight);
+    EXPECT_GT(most, 0);
+    EXPECT_LE(most, std::max(budget, tile));
+  }
+}
+
+TEST(Frames, AreReportedEvenIfThePictureCannotBeHandedOut) {
+  const Prepared balls(litBalls({5, 4}), lattice(sceneDomain(), {2, 1, 1}, 2));
+  Frames frames(2, {});
+  frames.add(1, balls.compiled);
+  for (int r = 0; r < 2; r++)
+    frames.renderer(r).onPicture(
+        [](FrameId, const FrameRequest&, Picture) { throw Error("the disk is full"); });
+  const FrameId id = frames.start(balls.request(1));
+  frames.run();
+  EXPECT_EQ(frames.outcome(id).finished, 1);
+  ASSERT_EQ(frames.errors().size(), 1u);
+  EXPECT_NE(frames.errors()[0].find("the disk is full"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace gxy::test

@@ -1,0 +1,179 @@
+// SPDX-License-Identifier: Apache-2.0
+// Messages that no Renderer sends are refused with an Error, and harm no other frame.
+#include <gtest/gtest.h>
+
+#include <cstring>
+
+#include "gxy/comm/random.h"
+#include "gxy/comm/wire.h"
+#include "support/frames.h"
+
+namespace gxy::test {
+namespace {
+
+TestScene scene() {
+  TestScene s = emptyScene("hostile", {14, 12});
+  addSmoothVolume(s);
+  addIsosurfaces(s, 0.5);
+  addMesh(s, 0.7);
+  addLights(s);
+  return s;
+}
+
+// Everything that is sent while a frame runs, by channel: what mutations start from.
+std::map<Channel, std::vector<Bytes>> recorded(const TestScene& s, const Cut& cut) {
+  std::map<Channel, std::vector<Bytes>> messages;
+  const auto compiled = compiledOn(cut, s);
+  class Tap final : public Transport {
+   public:
+    Tap(Transport& to, std::map<Channel, std::vector<Bytes>>& kept) : to_(to), kept_(kept) {}
+    int rank() const override { return to_.rank(); }
+    int size() const override { return to_.size(); }
+    void send(int destination, Channel channel, Bytes message) override {
+      kept_[channel].push_back(message);
+      to_.send(destination, channel, std::move(message));
+    }
+    void onMessage(Channel channel, Handler handler) override { to_.onMessage(channel, std::move(handler)); }
+    void post(Task task) override { to_.post(std::move(task)); }
+    void postWaiting(Task task) override { to_.postWaiting(std::move(task)); }
+    Counters counters() const override { return to_.counters(); }
+
+   private:
+    Transport& to_;
+    std::map<Channel, std::vector<Bytes>>& kept_;
+  };
+  InProcessWorld world(cut.ranks, 1);
+  std::vector<std::unique_ptr<Tap>> taps;
+  std::vector<std::unique_ptr<Renderer>> renderers;
+  for (int r = 0; r < cut.ranks; r++) {
+    taps.push_back(std::make_unique<Tap>(world.rank(r), messages));
+    renderers.push_back(std::make_unique<Renderer>(*taps.back(), Renderer::Options{16, 1 << 20}));
+    renderers.back()->addScene(1, compiled[size_t(r)].compiled, compiled[size_t(r)].device);
+  }
+  FrameRequest request;
+  request.scene = 1;
+  request.camera = s.camera;
+  request.depth = true;
+  renderers[0]->render(request, {});
+  world.run();
+  return messages;
+}
+
+Bytes mutated(Bytes message, Random& random) {
+  static constexpr uint32_t nasty[] = {0,          1,          0x7fffffff, 0x80000000, 0xffffffff,
+                                       0x7fc00000, 0x7f800000, 0xff800000, 0x7f7fffff};
+  for (uint64_t n = 1 + random.below(3); n > 0 && !message.empty(); n--) {
+    const uint64_t kind = random.below(4);
+    if (kind == 0) {
+      message.resize(random.below(message.size()));
+    } else if (kind == 1) {
+      message.insert(message.end(), 1 + random.below(40), std::byte(random.next()));
+    } else if (kind == 2) {
+      message[random.below(message.size())] ^= std::byte(1u << random.below(8));
+    } else if (message.size() >= 4) {
+      std::memcpy(&message[random.below(message.size() / 4) * 4], &nasty[random.below(std::size(nasty))], 4);
+    }
+  }
+  return message;
+}
+
+// What is wrong may look right and be accepted; it must not crash, hang, or spoil a frame that comes later.
+TEST(Malformed, MessagesAreRefusedAndHarmNothing) {
+  const TestScene s = scene();
+  const Cut cut = lattice(s.domain, {2, 1, 2}, 3);
+  const auto messages = recorded(s, cut);
+  const auto compiled = compiledOn(cut, s);
+  const Picture expected = render(s, 3, compiled);
+  FrameRequest request;
+  request.scene = 1;
+  request.camera = s.camera;
+  request.depth = true;
+  size_t refused = 0;
+  for (uint64_t seed = 1; seed <= 60; seed++) {
+    Random random(seed);
+    Frames frames(3, {seed});
+    frames.add(1, compiled);
+    frames.start(request);
+    for (int i = 0; i < 40; i++) {
+      for (Channel channel : {Channel::Rays, Channel::Contributions, Channel::Frame}) {
+        const auto& list = messages.at(channel);
+        Bytes message = mutated(list[random.below(list.size())], random);
+        if (channel == Channel::Frame &&
+            message.size() >= 9) {  // not the running frame's: it would end early
+          const FrameId other = 1000 + random.below(50);
+          std::memcpy(&message[1], &other, sizeof other);
+        }
+        frames.world().rank(int(random.below(3))).send(int(random.below(3)), channel, std::move(message));
+      }
+      for (int k = 0; k < 30; k++) frames.world().step();
+    }
+    // rays that were made up may have spoilt the count of this frame: it need not end
+    for (int k = 0; k < 5000 && frames.world().step(); k++) {
+    }
+    refused += frames.errors().size();
+  }
+  EXPECT_GT(refused, 2000u);
+  EXPECT_EQ(difference(expected, render(s, 3, compiled)), "");
+}
+
+Bytes raysMessage(const Bytes& valid, size_t offset, uint32_t value) {
+  Bytes out = valid;
+  std::memcpy(&out[offset], &value, 4);
+  return out;
+}
+
+TEST(Malformed, RaysThatWouldIndexOutsideAreRefused) {
+  const TestScene s = scene();
+  const Cut cut = lattice(s.domain, {2, 1, 1}, 2);
+  const auto compiled = compiledOn(cut, s);
+  Bytes primaries, secondaries;
+  for (const Bytes& m : recorded(s, cut).at(Channel::Rays)) {
+    uint32_t primary;
+    std::memcpy(&primary, &m[20], 4);
+    (primary ? primaries : secondaries) = m;
+  }
+  ASSERT_FALSE(primaries.empty());
+  ASSERT_FALSE(secondaries.empty());
+  const auto countOf = [](const Bytes& m) {
+    int32_t n;
+    std::memcpy(&n, &m[16], 4);
+    return size_t(n);
+  };
+  const size_t header = 24, column = 4 * countOf(secondaries);
+  const uint32_t nan = 0x7fc00000;
+  struct Case {
+    Bytes message;
+    const char* expected;
+  };
+  // fields of a secondary in the order of ray_fields.h: pixel info start ox oy oz dx ...
+  const std::vector<Case> cases{
+      {raysMessage(primaries, header, 14 * 12), "outside the picture"},
+      {raysMessage(secondaries, header, 0xffffffff), "outside the picture"},
+      {raysMessage(primaries, header + 4 * countOf(primaries), 5), "a sample"},
+      {raysMessage(secondaries, header + column, 0), "another kind"},
+      {raysMessage(secondaries, header + 3 * column, nan), "outside the visible domain"},
+      {raysMessage(secondaries, header + 6 * column, nan), "unit length"},
+      {raysMessage(secondaries, 8, 77), "partition 77"},
+      {raysMessage(secondaries, 12, 2), "header"},
+      {raysMessage(secondaries, 16, 0x7fffffff), "header"},
+  };
+  for (const Case& c : cases) {
+    Frames frames(2, {});
+    frames.add(1, compiled);
+    FrameRequest request;
+    request.scene = 1;
+    request.camera = s.camera;
+    frames.start(request);
+    int32_t partition;
+    std::memcpy(&partition, &c.message[8], 4);
+    const int owner = partition < 2 ? cut.partitioning.owner(partition) : 1;
+    frames.world().rank(0).send(owner, Channel::Rays, c.message);
+    for (int k = 0; k < 5000 && frames.world().step(); k++) {
+    }
+    ASSERT_EQ(frames.errors().size(), 1u) << c.expected;
+    EXPECT_NE(frames.errors()[0].find(c.expected), std::string::npos) << frames.errors()[0];
+  }
+}
+
+}  // namespace
+}  // namespace gxy::test
