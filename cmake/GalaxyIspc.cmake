@@ -9,30 +9,39 @@ if(NOT ISPC_EXECUTABLE)
   endif()
   set(ISPC_EXECUTABLE ${ISPC_FOUND} CACHE FILEPATH "ispc compiler" FORCE)
 endif()
-set(GALAXY_ISPC_TARGETS sse4-i32x4 avx2-i32x8 avx512skx-x16 CACHE STRING
-    "What ISPC compiles for, at least two; the best that the processor has is chosen at run time")
+set(GALAXY_ISPC_TARGETS sse4-i32x4 avx2-i32x8 avx512skx-x16)
+set(GALAXY_ISPC_KEPT ${PROJECT_BINARY_DIR}/ispc CACHE PATH "Where compiled ISPC is kept; builds may share it")
 
 function(galaxy_ispc TARGET)
   set(out ${CMAKE_CURRENT_BINARY_DIR}/ispc)
   file(MAKE_DIRECTORY ${out})
   list(JOIN GALAXY_ISPC_TARGETS , targets)
   list(TRANSFORM GALAXY_ISPC_TARGETS REPLACE "-.*" "" OUTPUT_VARIABLE suffixes)
-  file(GLOB headers CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/core/kernels/*.h ${CMAKE_CURRENT_SOURCE_DIR}/*.isph)
+  file(GLOB headers CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/core/kernels/*.h ${PROJECT_SOURCE_DIR}/core/rays/ray_fields.h
+       ${CMAKE_CURRENT_SOURCE_DIR}/*.isph ${CMAKE_CURRENT_SOURCE_DIR}/*_view.h)
+  set(flags -O3 --pic --opt=disable-fma --target=${targets} --woff --math-lib=default -I${PROJECT_SOURCE_DIR}/core/kernels
+            -I${PROJECT_SOURCE_DIR}/core/rays -I${CMAKE_CURRENT_SOURCE_DIR} -I/usr/include/embree3)
+  set(script ${PROJECT_SOURCE_DIR}/cmake/CompileIspc.cmake)
+  set(made)
   foreach(file ${ARGN})
     get_filename_component(name ${file} NAME_WE)
     set(objects ${out}/${name}.o)
     foreach(suffix ${suffixes})
       list(APPEND objects ${out}/${name}_${suffix}.o)
     endforeach()
+    set(source ${CMAKE_CURRENT_SOURCE_DIR}/${file})
     add_custom_command(
       OUTPUT ${objects} ${out}/${name}_ispc.h
-      COMMAND ${ISPC_EXECUTABLE} -O3 --pic --opt=disable-fma --target=${targets} --woff --math-lib=default
-              -I${PROJECT_SOURCE_DIR}/core/kernels -I${PROJECT_SOURCE_DIR}/core/rays -I${CMAKE_CURRENT_SOURCE_DIR} -I/usr/include/embree3
-              ${CMAKE_CURRENT_SOURCE_DIR}/${file} -o ${out}/${name}.o -h ${out}/${name}_ispc.h
-      DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/${file} ${headers}
+      COMMAND ${CMAKE_COMMAND} -DISPC=${ISPC_EXECUTABLE} "-DFLAGS=${flags}" -DSOURCE=${source} "-DHEADERS=${headers}"
+              -DOUT=${out} -DKEPT=${GALAXY_ISPC_KEPT} -P ${script}
+      DEPENDS ${source} ${headers} ${script}
       COMMENT "ISPC ${name}" VERBATIM)
     target_sources(${TARGET} PRIVATE ${objects} ${out}/${name}_ispc.h)
     set_source_files_properties(${objects} PROPERTIES EXTERNAL_OBJECT TRUE GENERATED TRUE)
+    list(APPEND made ${objects} ${out}/${name}_ispc.h)
   endforeach()
+  # By itself, so that what takes longest need not wait for the libraries that TARGET links.
+  add_custom_target(${TARGET}_ispc DEPENDS ${made})
+  add_dependencies(${TARGET} ${TARGET}_ispc)
   target_include_directories(${TARGET} PRIVATE ${out})
 endfunction()
