@@ -118,10 +118,19 @@ function(galaxy_fuzzer NAME)
   set_tests_properties(${program} PROPERTIES LABELS fuzz TIMEOUT 120)
 endfunction()
 
+# What sanitizers are to overlook, in libraries that are not ours.
+set(sanitizer_environment)
+if(GALAXY_SANITIZE MATCHES address)
+  set(sanitizer_environment LSAN_OPTIONS=suppressions=${PROJECT_SOURCE_DIR}/tests/lsan.supp:print_suppressions=0)
+elseif(GALAXY_SANITIZE MATCHES thread)
+  set(sanitizer_environment TSAN_OPTIONS=suppressions=${PROJECT_SOURCE_DIR}/tests/tsan.supp:print_suppressions=0)
+endif()
+
 # galaxy_test(NAME SOURCES... DEPENDS targets... [LABELS labels...] [TIMEOUT seconds])
 # declares one GoogleTest program, run by ctest as one test; target LABEL_tests builds all programs of one label.
 #   unit     fast and in one process; also run under asan and ubsan. The default.
 #   threads  of concurrent code in one process; also run under tsan
+#   images   compares many pictures
 #   nightly  large or long; left out unless asked for
 function(galaxy_test NAME)
   cmake_parse_arguments(ARG "" "TIMEOUT" "SOURCES;DEPENDS;LABELS" ${ARGN})
@@ -141,7 +150,8 @@ function(galaxy_test NAME)
     endif()
     add_dependencies(${label}_tests ${NAME})
   endforeach()
-  set_tests_properties(${NAME} PROPERTIES LABELS "${ARG_LABELS}" TIMEOUT ${ARG_TIMEOUT})
+  set_tests_properties(${NAME} PROPERTIES LABELS "${ARG_LABELS}" TIMEOUT ${ARG_TIMEOUT}
+    ENVIRONMENT "${sanitizer_environment}")
 endfunction()
 
 # galaxy_mpi_test(NAME RANKS n... SOURCES ... DEPENDS ... [LABELS labels...] [TIMEOUT seconds])
@@ -154,10 +164,7 @@ function(galaxy_mpi_test NAME)
   if(NOT ARG_TIMEOUT)
     set(ARG_TIMEOUT 120)
   endif()
-  set(environment OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1)
-  if(GALAXY_SANITIZE MATCHES "address")
-    list(APPEND environment LSAN_OPTIONS=suppressions=${PROJECT_SOURCE_DIR}/tests/lsan.supp:print_suppressions=0)
-  endif()
+  set(environment OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 ${sanitizer_environment})
   foreach(ranks ${ARG_RANKS})
     # Several ranks a core, in a container: no binding, shared memory without ptrace rights, and yielding.
     add_test(NAME ${NAME}_${ranks}

@@ -109,7 +109,7 @@ FN IsoHit firstIsosurface(VOLUME v, VolumeRay r, real tIn, real tOut, real tAfte
           query.tIn = tIn;
           query.tOut = min(tOut, hit.t);
           query.tAfter = tAfter;
-          query.from = start.index == i ? start.from : 0;
+          query.from = start.index == i && tAfter < R(0.0) ? start.from : 0;  // until it has met a surface
           query.start = (ta - r.t0) * r.cells <= R(1e-3);
           Bernstein b = bernsteinAlong(k, p, q, iso);
           query.entry = ta <= r.t0;
