@@ -17,16 +17,16 @@ constexpr uint8_t kPieces = 32;
 constexpr double kErrorOfVariation = 0.035;
 constexpr double kErrorOfPieces = 0.015;  // the same of pre-integrated segments
 constexpr double kErrorOfJump = 1.4;
-constexpr double kMostJump = 2;    // of optical depth per cell: what is behind such a step is hidden
-constexpr double kSharp = 4;       // change of extinction over the range at its steepest, in extinctions
-constexpr double kThick = 0.3;     // optical depth of a cell from which a segment hides part of itself
-constexpr double kNoDataRate = 4;  // a no-data cell's faces are steps of the field
+constexpr double kMostJump = 2;  // of optical depth per cell: what is behind such a step is hidden
+constexpr double kSharp = 4;     // change of extinction over the range at its steepest, in extinctions
+constexpr double kThick = 0.3;   // optical depth of a cell from which a segment hides part of itself
 }  // namespace
 
 std::array<float, 32> planRates(double fixedStep) {
   std::array<float, 32> rates{};
   for (int l = 1; l <= kLevels; l++)
-    rates[l] = float(fixedStep > 0 ? std::max(1 / fixedStep, kLowestRate) : kLowestRate * std::exp2((l - 1) / 4.0));
+    rates[l] =
+        float(fixedStep > 0 ? std::max(1 / fixedStep, kLowestRate) : kLowestRate * std::exp2((l - 1) / 4.0));
   return rates;
 }
 
@@ -46,13 +46,12 @@ std::vector<uint8_t> stepPlan(std::span<const Macrocell> summaries, const Compil
     const double seen = std::min(1 / (over.extinction * cellT), 1.7 / cellT);
     const double variation = over.slope * (double(m.max) - m.min) * cellT;
     const double jump = std::min(over.jump * cellT, kMostJump);
-    const bool sharp = jump > 0 || over.extinction * cellT > kThick ||
+    const bool sharp = m.noData || jump > 0 || over.extinction * cellT > kThick ||
                        over.slope * (double(m.max) - m.min) > kSharp * over.extinction;
     const double error =
         (sharp ? kErrorOfPieces : kErrorOfVariation) * variation * std::sqrt(std::max(seen, 1.0)) +
         kErrorOfJump * jump;
-    double rate = std::sqrt(error / (0.75 * tolerance));
-    if (m.noData) rate = std::max(rate, kNoDataRate);
+    const double rate = std::sqrt(error / (0.75 * tolerance));
     const int level = rate > kLowestRate ? int(std::ceil(4 * std::log2(rate / kLowestRate))) + 1 : 1;
     plan[i] = uint8_t(std::clamp(level, sharp ? kLowestPieces : 1, kLevels) | (sharp ? kPieces : 0));
   }
