@@ -26,7 +26,8 @@ constexpr double kNoDataRate = 4;  // a no-data cell's faces are steps of the fi
 std::array<float, 32> planRates(double fixedStep) {
   std::array<float, 32> rates{};
   for (int l = 1; l <= kLevels; l++)
-    rates[l] = float(fixedStep > 0 ? std::max(1 / fixedStep, kLowestRate) : kLowestRate * std::exp2((l - 1) / 4.0));
+    rates[l] =
+        float(fixedStep > 0 ? std::max(1 / fixedStep, kLowestRate) : kLowestRate * std::exp2((l - 1) / 4.0));
   return rates;
 }
 
