@@ -15,10 +15,10 @@ struct OperatorView {
   int slices;
   PTR(real) slice;  // 4 per plane: n . p = offset
   unsigned int primitives;
-  PTR(real) points;           // x y z radius
-  PTR(real) normals;          // x y z per point, or null
-  PTR(real) values;           // per point, or null
-  PTR(unsigned int) indices;  // 2 or 3 per primitive
+  PTR(real) points;              // x y z radius
+  PTR(real) normals;             // x y z per point, or null
+  PTR(real) values;              // per point, or null
+  PTR(unsigned int) indices;     // 2 or 3 per primitive
   PTR(unsigned int) neighbours;  // of segments: the points before and after, own ends where there is none
 };
 

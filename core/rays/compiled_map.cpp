@@ -166,7 +166,8 @@ double CompiledMap::extinctionAt(int interval, float value) const {
 CompiledMap::Over CompiledMap::over(float lo, float hi) const {
   const int a = intervalOf(lo), b = intervalOf(hi);
   // Inside one interval the ends decide: a range that just touches where something begins is transparent.
-  if (a == b) return {std::max(extinctionAt(a, lo), extinctionAt(a, hi)), hi > lo ? slope_.query(a, a) : 0, 0};
+  if (a == b)
+    return {std::max(extinctionAt(a, lo), extinctionAt(a, hi)), hi > lo ? slope_.query(a, a) : 0, 0};
   const bool touches = hi == nodes[size_t(b)];
   Over over{extinctionAt(b, hi), slope_.query(a, touches ? b - 1 : b), jump_.query(a + 1, b)};
   over.extinction = std::max(over.extinction, extinction_.query(a, b - 1));

@@ -93,8 +93,7 @@ void compileGeometry(CompiledOperator& op, CompiledScene& scene) {
     }
     for (const glm::vec3& n : block.normals) part.normals.insert(part.normals.end(), {n.x, n.y, n.z});
     for (const auto& s : block.segments) part.indices.insert(part.indices.end(), s.begin(), s.end());
-    for (const auto& n : block.neighbours)
-      part.neighbours.insert(part.neighbours.end(), n.begin(), n.end());
+    for (const auto& n : block.neighbours) part.neighbours.insert(part.neighbours.end(), n.begin(), n.end());
     for (const auto& t : block.triangles) part.indices.insert(part.indices.end(), t.begin(), t.end());
     part.primitives = uint32_t(geometry.kind == GeometryKind::Particles   ? block.points.size()
                                : geometry.kind == GeometryKind::PathLines ? block.segments.size()

@@ -111,7 +111,8 @@ TEST(Frames, ANewerFrameOfAWindowSupersedesTheOlder) {
       const Frames::Outcome& o = frames.outcome(ids[i]);
       ASSERT_EQ(o.finished, 1) << "frame " << i << ", schedule " << seed;
       ASSERT_EQ(o.pictures + o.superseded, 1) << "frame " << i << ", schedule " << seed;
-      ASSERT_EQ(o.pictures ? difference(balls.expected, o.picture) : "", "") << "frame " << i << ", schedule " << seed;
+      ASSERT_EQ(o.pictures ? difference(balls.expected, o.picture) : "", "")
+          << "frame " << i << ", schedule " << seed;
       superseded += o.superseded;
     }
     ASSERT_EQ(frames.outcome(ids[4]).pictures + frames.outcome(ids[5]).pictures, 2) << "schedule " << seed;

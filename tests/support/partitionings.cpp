@@ -52,7 +52,9 @@ Cut octants(const Box& domain, glm::dvec3 corner, int ranks) {
     cells.push_back(p);
     owners.push_back(p % ranks);
   }
-  return {"octants at " + std::to_string(corner.x) + ", " + std::to_string(corner.y) + ", " + std::to_string(corner.z) + " on " + std::to_string(ranks) + " ranks", ranks, Partitioning(faces, cells, owners)};
+  return {"octants at " + std::to_string(corner.x) + ", " + std::to_string(corner.y) + ", " +
+              std::to_string(corner.z) + " on " + std::to_string(ranks) + " ranks",
+          ranks, Partitioning(faces, cells, owners)};
 }
 
 std::vector<Cut> manyCuts(const Box& domain, uint64_t seed) {
