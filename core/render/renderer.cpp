@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+// The life of frames: started, made known, cancelled, finished, delivered. That of their rays is in renderer_rays.cpp.
 #include "gxy/render/renderer.h"
 
 #include <algorithm>
@@ -7,25 +8,13 @@
 #include "gxy/comm/error.h"
 #include "gxy/comm/tree.h"
 #include "gxy/comm/wire.h"
-#include "gxy/render/check_rays.h"
-#include "gxy/render/tiles.h"
+#include "gxy/render/renderer_state.h"
 
 namespace gxy {
 
 namespace {
 
 enum class FrameMessage : uint8_t { Start, Cancel, Finish, Delivered };
-
-struct RaysHeader {
-  FrameId frame;
-  int32_t partition, origin, count;
-  uint32_t primary;
-};
-
-struct ContributionsHeader {
-  FrameId frame;
-  uint64_t contributions, depths;
-};
 
 void writeRequest(Writer& w, const FrameRequest& r) {
   const Camera& c = r.camera;
@@ -55,31 +44,6 @@ FrameRequest readRequest(Reader& in) {
 }
 
 }  // namespace
-
-struct Renderer::Scene {
-  std::shared_ptr<const CompiledScene> compiled;
-  std::shared_ptr<const DeviceScene> device;
-};
-
-struct Renderer::Frame {
-  FrameId id = 0;
-  FrameRequest request;
-  Scene scene;
-  std::shared_ptr<const DeviceFrame> device;
-  int owner = 0;
-  int64_t perPrimary = 1;                    ///< credits of a primary ray
-  RayLimits limits;                          ///< of rays that may come
-  std::unique_ptr<Framebuffer> framebuffer;  ///< on the owner
-  std::vector<Tile> tiles;                   ///< still to be spawned, last first
-  std::atomic<size_t> tilesLeft = 0;         ///< not yet spawned completely
-  std::atomic<bool> cancelled = false;
-};
-
-struct Renderer::Parked {
-  Channel channel;
-  Bytes message;
-  std::shared_ptr<Completion::Active> active;
-};
 
 /// Lets tasks in until it is closed, and knows how many are inside: a task may still run when the frame that it worked
 /// for has been reported.
@@ -381,193 +345,6 @@ Renderer::FramePtr Renderer::findOrPark(FrameId id, Channel channel, Bytes& mess
     parked_[id].push_back({channel, std::move(message), std::move(active)});
   }
   return frame;
-}
-
-// Posts tiles while there are credits, frames in turn. With none out at all, one tile goes whatever it may cost.
-void Renderer::pump() {
-  for (;;) {
-    FramePtr frame;
-    Tile tile{};
-    int64_t cost = 0;
-    {
-      std::lock_guard lock(mutex_);
-      if (spawning_.empty()) return;
-      turn_ %= spawning_.size();
-      frame = spawning_[turn_];
-      tile = frame->tiles.back();
-      cost = int64_t(tile.x1 - tile.x0) * (tile.y1 - tile.y0) * frame->perPrimary;
-      if (cost > credits_ && credits_ < options_.raysInFlight) return;
-      credits_ -= cost;
-      mostOut_ = std::max(mostOut_, options_.raysInFlight - credits_);
-      frame->tiles.pop_back();
-      if (frame->tiles.empty())
-        spawning_.erase(spawning_.begin() + std::ptrdiff_t(turn_));
-      else
-        turn_++;
-    }
-    auto active = std::make_shared<Completion::Active>(completion_, frame->id);
-    post([this, frame, tile, cost, active] { spawnTile(frame, tile, cost); });
-  }
-}
-
-void Renderer::spawnTile(const FramePtr& frame, const Tile& tile, int64_t reserved) {
-  if (!frame->cancelled) {
-    frame->scene.device->spawn(*frame->device, tile, [&](TraceResult result) {
-      for (const LeavingRays& l : result.leaving) completion_.created(frame->id, uint64_t(l.rays.size()));
-      {
-        std::lock_guard lock(mutex_);
-        counters_.trace += result.counters;
-      }
-      for (LeavingRays& l : result.leaving) {
-        reserved -= l.rays.size() * frame->perPrimary;
-        process(frame, l.partition, true, transport_.rank(), std::move(l.rays));
-      }
-    });
-  }
-  if (--frame->tilesLeft == 0) completion_.spawned(frame->id);
-  giveBack(transport_.rank(), reserved);
-}
-
-// Traces a list, and all that it becomes on this rank.
-void Renderer::process(const FramePtr& frame, int partition, bool primary, int origin, RayList rays) {
-  std::vector<LeavingRays> stack;
-  stack.push_back({partition, primary, std::move(rays)});
-  while (!stack.empty()) {
-    LeavingRays next = std::move(stack.back());
-    stack.pop_back();
-    if (next.rays.size() > options_.packetRays) {  // in packets, first rays first
-      for (RayList& part : next.rays.split(options_.packetRays))
-        stack.push_back({next.partition, next.primary, std::move(part)});
-      continue;
-    }
-    const int64_t each = next.primary ? frame->perPrimary : 1;
-    if (frame->cancelled) {
-      const int64_t n = next.rays.size();
-      completion_.retired(frame->id, uint64_t(n));
-      giveBack(origin, n * each);
-      continue;
-    }
-    frame->scene.device->trace(
-        *frame->device, next.partition, next.primary, std::move(next.rays), [&](TraceResult result) {
-          completion_.created(frame->id, result.secondaries);
-          contribute(frame, result);
-          {
-            std::lock_guard lock(mutex_);
-            counters_.trace += result.counters;
-            counters_.raysRetired += result.retired;
-          }
-          for (LeavingRays& l : result.leaving) {
-            const int rank = frame->scene.compiled->partitioning->owner(l.partition);
-            if (rank == transport_.rank())
-              stack.push_back(std::move(l));
-            else
-              forward(frame, rank, l.partition, l.primary, origin, l.rays);
-          }
-          completion_.retired(frame->id, result.retired);
-          const int64_t credits = int64_t(result.retired) * each - int64_t(result.secondaries);
-          if (credits != 0) giveBack(origin, credits);
-        });
-  }
-}
-
-void Renderer::forward(const FramePtr& frame, int rank, int partition, bool primary, int origin,
-                       const RayList& rays) {
-  std::vector<int> all(size_t(rays.size()));
-  for (int i = 0; i < rays.size(); i++) all[size_t(i)] = i;
-  Writer header;
-  Bytes message = header.write(RaysHeader{frame->id, partition, origin, rays.size(), primary}).take();
-  rays.write(all, primary, message);
-  {
-    std::lock_guard lock(mutex_);
-    counters_.raysForwarded += uint64_t(rays.size());
-    counters_.rayBytes += message.size();
-    counters_.rayMessages++;
-  }
-  transport_.send(rank, Channel::Rays, std::move(message));
-}
-
-void Renderer::contribute(const FramePtr& frame, TraceResult& result) {
-  if (result.contributions.empty() && result.depths.empty()) return;
-  if (frame->framebuffer) {
-    frame->framebuffer->add(result.contributions);
-    frame->framebuffer->addDepths(result.depths);
-    return;
-  }
-  Writer w;
-  w.write(ContributionsHeader{frame->id, result.contributions.size(), result.depths.size()});
-  for (const Contribution& c : result.contributions) w.write(c);
-  for (const DepthContribution& d : result.depths) w.write(d.pixel).write(d.depth);
-  Bytes message = w.take();
-  {
-    std::lock_guard lock(mutex_);
-    counters_.contributionBytes += message.size();
-    counters_.contributionMessages++;
-  }
-  completion_.created(frame->id, 1);
-  transport_.send(frame->owner, Channel::Contributions, std::move(message));
-}
-
-void Renderer::receiveRays(Bytes message) {
-  Reader in(message, "rays");
-  const auto header = in.read<RaysHeader>();
-  const bool primary = header.primary == 1;
-  if (header.primary > 1 || header.frame == 0 || header.count < 1 || header.origin < 0 ||
-      header.origin >= transport_.size() ||
-      in.rest().size() != size_t(header.count) * size_t(RayList::wireBytes(primary)))
-    in.fail("its header does not fit its " + std::to_string(message.size()) + " bytes");
-  const FramePtr frame = findOrPark(header.frame, Channel::Rays, message);
-  if (!frame) return;
-  const CompiledScene& scene = *frame->scene.compiled;
-  if (header.partition < 0 || header.partition >= scene.partitioning->partitions() ||
-      scene.partitioning->owner(header.partition) != transport_.rank() ||
-      !scene.visible[size_t(header.partition)])
-    in.fail("partition " + std::to_string(header.partition) + " is not one that this rank shows");
-  RayList rays = RayList::read(in.rest(), header.count, primary);
-  if (const char* wrong = wrongIn(rays, primary, frame->limits)) in.fail(wrong);
-  auto active = std::make_shared<Completion::Active>(completion_, header.frame);
-  auto list = std::make_shared<RayList>(std::move(rays));  // a task must be copyable
-  post([this, frame, header, primary, active, list] {
-    process(frame, header.partition, primary, header.origin, std::move(*list));
-  });
-}
-
-void Renderer::receiveContributions(Bytes message) {
-  constexpr size_t kDepthBytes = sizeof(uint32_t) + sizeof(double);
-  Reader in(message, "pixel contributions");
-  const auto header = in.read<ContributionsHeader>();
-  const size_t bytes = in.rest().size();
-  if (header.frame == 0 || header.contributions > bytes / sizeof(Contribution) ||
-      header.depths > bytes / kDepthBytes ||
-      bytes != header.contributions * sizeof(Contribution) + header.depths * kDepthBytes)
-    in.fail("its header does not fit its " + std::to_string(message.size()) + " bytes");
-  const FramePtr frame = findOrPark(header.frame, Channel::Contributions, message);
-  if (!frame) return;
-  if (!frame->framebuffer) in.fail("the picture is not on this rank");
-  std::vector<Contribution> contributions(header.contributions);
-  for (Contribution& c : contributions) c = in.read<Contribution>();
-  std::vector<DepthContribution> depths(header.depths);
-  for (DepthContribution& d : depths) {
-    d.pixel = in.read<uint32_t>();
-    d.depth = in.read<double>();
-  }
-  if (!frame->framebuffer->add(contributions) || !frame->framebuffer->addDepths(depths))
-    in.fail("a pixel lies outside the picture");
-  completion_.retired(header.frame, 1);
-}
-
-void Renderer::giveBack(int origin, int64_t credits) {
-  if (credits == 0) return;
-  if (origin != transport_.rank()) {
-    Writer w;
-    transport_.send(origin, Channel::Credits, w.write(credits).take());
-    return;
-  }
-  {
-    std::lock_guard lock(mutex_);
-    credits_ += credits;
-    mostOut_ = std::max(mostOut_, options_.raysInFlight - credits_);
-  }
-  pump();
 }
 
 }  // namespace gxy
