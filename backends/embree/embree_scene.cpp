@@ -191,7 +191,9 @@ void EmbreeScene::fillField(single::VolumeView& v, const CompiledOperator& op,
   v.nodes = op.map.nodes.data();
   v.lengths = op.map.lengths.data();
   v.pieces = op.map.pieces.data();
+  v.rows = op.map.rows.empty() ? nullptr : op.map.rows.data();
   v.sums = op.map.sums.data();
+  v.opaque = op.map.opaque.data();
   v.clips = int(op.clips.size());
   v.clip = reinterpret_cast<const float*>(op.clips.data());
   if (op.vis.type != VisType::Volume) return;
@@ -200,7 +202,6 @@ void EmbreeScene::fillField(single::VolumeView& v, const CompiledOperator& op,
   v.cellsX = int(cells[0]), v.cellsY = int(cells[1]), v.cellsZ = int(cells[2]);
   v.originX = op.gridOrigin[0], v.originY = op.gridOrigin[1], v.originZ = op.gridOrigin[2];
   v.inverseX = op.gridInverse[0], v.inverseY = op.gridInverse[1], v.inverseZ = op.gridInverse[2];
-  std::copy(op.rates.begin(), op.rates.end(), v.rates);
   v.isovalues = int(op.isovalues.size());
   v.isovalue = op.isovalues.data();
   if (!part || !part->block) return;

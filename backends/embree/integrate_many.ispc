@@ -25,11 +25,11 @@ static inline float segmentEnd(const Cursor& c) {
 
 // Sets up the macrocell that the walk is in.
 static inline void enterMacrocell(VOLUME v, Cursor& c) {
-  int plan = planOf(v, c.walk.m);
+  int plan = planAt(v, c.walk.index);
   c.tb = min(min3(c.walk.far), c.ray.t1);
   c.index = 0.0f;
   c.count = 1.0f;
-  if (plan != 0) c.count = max(ceil((c.tb - c.walk.t) * c.ray.cells * planRate(v, plan & PLAN_LEVEL)), 1.0f);
+  if (plan != 0) c.count = max(ceil((c.tb - c.walk.t) * c.ray.cells * planRate(plan)), 1.0f);
   c.dt = (c.tb - c.walk.t) / c.count;
 }
 
@@ -38,19 +38,24 @@ static inline void evaluate(VOLUME v, Cursor& c, int& samples) {
   c.b = segmentEnd(c);
   c.sigma = 0.0f;
   c.source = make_v3(0.0f, 0.0f, 0.0f);
-  int plan = planOf(v, c.walk.m);
+  int plan = planAt(v, c.walk.index);
   if (plan != 0) {
     float a = c.index > 0.0f ? c.walk.t + c.index * c.dt : c.walk.t;
     samples += 1;
     if ((plan & PLAN_PIECES) != 0) {
       float s0 = sampleAt(v, pointAt(c.ray.g, a)), s1 = sampleAt(v, pointAt(c.ray.g, c.b));
-      if ((s0 - s0) + (s1 - s1) == 0.0f) meanAlong(v, s0, s1, c.sigma, c.source);
+      if ((s0 - s0) + (s1 - s1) == 0.0f) {
+        MapMean m = meanAlong(v, s0, s1);
+        c.sigma = m.sigma;
+        c.source = make_v3(m.sigma * m.color.x, m.sigma * m.color.y, m.sigma * m.color.z);
+      }
     } else {
       float s = sampleAt(v, pointAt(c.ray.g, 0.5f * (a + c.b)));
       if (s - s == 0.0f) {
         MapPlace p = mapPlace(v, s);
-        c.sigma = sigmaAt(v, p);
-        vec3 color = colorAt(v, p);
+        MapPiece m = mapPiece(v, p.k);
+        c.sigma = sigmaAt(m, p.f);
+        vec3 color = colorAt(m, p.f);
         c.source = make_v3(c.sigma * color.x, c.sigma * color.y, c.sigma * color.z);
       }
     }
@@ -88,7 +93,7 @@ static inline void advance(VOLUME v, Cursor& c, int& samples) {
     c.index += 1.0f;
     evaluate(v, c, samples);
   } else if (c.index >= 0.0f && t < c.ray.t1) {
-    stepMacroWalk(c.ray, c.walk);
+    stepMacroWalk(v, c.ray, c.walk);
     enterMacrocell(v, c);
     evaluate(v, c, samples);
   } else {

@@ -164,7 +164,7 @@ export uniform int shadeHits(const void* uniform scene, const void* uniform fram
           surface.geometric = make_v3(-surface.geometric.x, -surface.geometric.y, -surface.geometric.z);
           surface.start ^= (1 << 20);  // on the side of higher values
         }
-        color = surface.value == surface.value ? colorAt(v, mapPlace(v, surface.value)) : mapColor(v, 0);
+        color = colorOf(v, surface.value);
         opacity = view.opacity;
       }
     }

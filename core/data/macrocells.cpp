@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gxy/data/macrocells.h"
 
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -13,23 +14,37 @@ namespace {
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 constexpr int64_t kSize = kMacrocellSize;
 
-/// Running minimum, maximum and no-data flag of a row of points, over the rows met so far.
-struct RowSummary {
-  std::vector<float> lo, hi;
-  std::vector<uint32_t> bad;
+/// What is known of the points of one row of macrocells, by their x: of a point itself, of it and the next in x, and of it
+/// and both its neighbours in x.
+class RowSummary {
+ public:
+  explicit RowSummary(size_t points)
+      : lo_(points),
+        hi_(points),
+        steep_(points),
+        bend_(points),
+        steepNext_(points),
+        bendNext_(points),
+        bendBoth_(points),
+        bad_(points) {}
 
-  explicit RowSummary(size_t points) : lo(points), hi(points), bad(points) {}
   void reset() {
-    std::fill(lo.begin(), lo.end(), kInfinity);
-    std::fill(hi.begin(), hi.end(), -kInfinity);
-    std::fill(bad.begin(), bad.end(), 0u);
+    std::fill(lo_.begin(), lo_.end(), kInfinity);
+    std::fill(hi_.begin(), hi_.end(), -kInfinity);
+    for (auto* v : {&steep_, &bend_, &steepNext_, &bendNext_, &bendBoth_})
+      std::fill(v->begin(), v->end(), 0.f);
+    std::fill(bad_.begin(), bad_.end(), 0u);
   }
-  /// Written so that compilers vectorise it: no branch, one pass, arrays that do not alias.
+
+  // Each loop is written so that compilers vectorise it: no branch, one pass, arrays that do not alias. A difference
+  // with NaN or infinity in it is NaN or infinite, and fails the comparison.
+
+  /// A row, and its differences along x.
   void add(const float* __restrict__ row) {
-    float* __restrict__ l = lo.data();
-    float* __restrict__ h = hi.data();
-    uint32_t* __restrict__ b = bad.data();
-    const size_t n = lo.size();
+    float* __restrict__ l = lo_.data(), * __restrict__ h = hi_.data();
+    float* __restrict__ steep = steepNext_.data(), * __restrict__ bend = bendBoth_.data();
+    uint32_t* __restrict__ b = bad_.data();
+    const size_t n = lo_.size();
     for (size_t x = 0; x < n; ++x) {
       const float v = row[x];
       const bool finite = v - v == 0;
@@ -38,61 +53,106 @@ struct RowSummary {
       h[x] = above > h[x] ? above : h[x];
       b[x] |= finite ? 0u : 1u;
     }
+    for (size_t x = 0; x + 1 < n; ++x) widen(steep[x], row[x + 1] - row[x]);
+    for (size_t x = 1; x + 1 < n; ++x) widen(bend[x], (row[x + 1] - row[x]) - (row[x] - row[x - 1]));
   }
+  /// Neighbouring rows, along y or z.
+  void addPair(const float* __restrict__ a, const float* __restrict__ b) {
+    float* __restrict__ steep = steep_.data(), * __restrict__ twist = bendNext_.data();
+    const size_t n = lo_.size();
+    for (size_t x = 0; x < n; ++x) widen(steep[x], b[x] - a[x]);
+    for (size_t x = 0; x + 1 < n; ++x) widen(twist[x], (b[x + 1] - b[x]) - (a[x + 1] - a[x]));
+  }
+  /// (b - a) - (d - c): three rows in a line (b = d there), or four around a face of cells.
+  void addSecond(const float* __restrict__ a, const float* b, const float* __restrict__ c, const float* d) {
+    float* __restrict__ bend = bend_.data();
+    const size_t n = lo_.size();
+    for (size_t x = 0; x < n; ++x) widen(bend[x], (b[x] - a[x]) - (d[x] - c[x]));
+  }
+
   Macrocell over(int64_t first, int64_t last) const {
-    Macrocell m{kInfinity, -kInfinity, false};
+    Macrocell m{kInfinity, -kInfinity, 0, 0, false};
     for (int64_t x = first; x <= last; ++x) {
-      m.min = std::min(m.min, lo[x]);
-      m.max = std::max(m.max, hi[x]);
-      m.noData |= bad[x] != 0;
+      m.min = std::min(m.min, lo_[x]);
+      m.max = std::max(m.max, hi_[x]);
+      m.steep = std::max(m.steep, steep_[x]);
+      m.bend = std::max(m.bend, bend_[x]);
+      m.noData |= bad_[x] != 0;
+      if (x < last) m.steep = std::max(m.steep, steepNext_[x]), m.bend = std::max(m.bend, bendNext_[x]);
+      if (x > first && x < last) m.bend = std::max(m.bend, bendBoth_[x]);
     }
     return m;
   }
+
+ private:
+  static void widen(float& most, float difference) {
+    const float d = std::abs(difference);
+    most = d > most && d < kInfinity ? d : most;
+  }
+
+  std::vector<float> lo_, hi_, steep_, bend_, steepNext_, bendNext_, bendBoth_;
+  std::vector<uint32_t> bad_;
 };
 
-/// Rows of a block as float, one summary (component or magnitude) at a time.
+/// The rows of one row of macrocells as float, one summary (component or magnitude) at a time.
 class Rows {
  public:
   Rows(const VolumeBlock& block, ScalarType stored, int components)
-      : block_(block), stored_(stored), components_(components), row_(size_t(block.extent.points[0])) {}
-
-  const float* operator()(int64_t y, int64_t z, int summary) {
-    const Extent& e = block_.extent;
-    const size_t first = size_t((z * e.points[1] + y) * e.points[0]) * size_t(components_);
-    const std::byte* at = block_.samples.data() + first * bytesOf(stored_);
-    if (stored_ == ScalarType::Float32 && components_ == 1) return reinterpret_cast<const float*>(at);
-    withType(stored_, [&](auto t) {
-      using T = decltype(t);
-      if (summary < components_) {
-        component(reinterpret_cast<const T*>(at) + summary);
-      } else {
-        magnitude(reinterpret_cast<const T*>(at));
-      }
-    });
-    return row_.data();
+      : block_(block), stored_(stored), components_(components) {
+    if (stored != ScalarType::Float32 || components != 1)
+      copies_.resize(kRows * kRows, std::vector<float>(size_t(block.extent.points[0])));
   }
+
+  /// Of the points y and z of the block, (kSize + 1)^2 at most.
+  void read(int64_t y0, int64_t y1, int64_t z0, int64_t z1, int summary) {
+    const Extent& e = block_.extent;
+    for (int64_t z = z0; z <= z1; ++z)
+      for (int64_t y = y0; y <= y1; ++y) {
+        const size_t first = size_t((z * e.points[1] + y) * e.points[0]) * size_t(components_);
+        const std::byte* at = block_.samples.data() + first * bytesOf(stored_);
+        const size_t slot = size_t((z - z0) * kRows + (y - y0));
+        if (copies_.empty()) {
+          rows_[slot] = reinterpret_cast<const float*>(at);
+          continue;
+        }
+        withType(stored_, [&](auto t) {
+          using T = decltype(t);
+          if (summary < components_) {
+            component(reinterpret_cast<const T*>(at) + summary, copies_[slot]);
+          } else {
+            magnitude(reinterpret_cast<const T*>(at), copies_[slot]);
+          }
+        });
+        rows_[slot] = copies_[slot].data();
+      }
+  }
+  /// Counted from the first that was read.
+  const float* operator()(int64_t y, int64_t z) const { return rows_[size_t(z * kRows + y)]; }
 
  private:
+  static constexpr size_t kRows = kSize + 1;
+
   template <typename T>
-  void component(const T* from) {
-    for (size_t x = 0; x < row_.size(); ++x) row_[x] = float(from[x * size_t(components_)]);
+  void component(const T* from, std::vector<float>& row) const {
+    for (size_t x = 0; x < row.size(); ++x) row[x] = float(from[x * size_t(components_)]);
   }
   template <typename T>
-  void magnitude(const T* from) {
-    for (size_t x = 0; x < row_.size(); ++x) {
+  void magnitude(const T* from, std::vector<float>& row) const {
+    for (float& r : row) {
       float squares = 0;
       for (int c = 0; c < components_; ++c) {
         const float v = float(*from++);
         squares += v * v;
       }
-      row_[x] = std::sqrt(squares);
+      r = std::sqrt(squares);
     }
   }
 
   const VolumeBlock& block_;
   const ScalarType stored_;
   const int components_;
-  std::vector<float> row_;
+  std::array<const float*, kRows * kRows> rows_{};
+  std::vector<std::vector<float>> copies_;
 };
 
 /// The points of macrocell `m` on an axis that lie in the extent, relative to its first point.
@@ -153,9 +213,17 @@ void summarise(VolumeBlock& block, ScalarType stored, int components) {
     for (int64_t k = 0; k < n[2]; ++k) {
       for (int64_t j = 0; j < n[1]; ++j) {
         const PointSpan zs = pointsOf(e, 2, f[2] + k), ys = pointsOf(e, 1, f[1] + j);
+        rows.read(ys.first, ys.last, zs.first, zs.last, int(s));
         row.reset();
-        for (int64_t z = zs.first; z <= zs.last; ++z) {
-          for (int64_t y = ys.first; y <= ys.last; ++y) row.add(rows(y, z, int(s)));
+        for (int64_t z = 0; z <= zs.last - zs.first; ++z) {
+          for (int64_t y = 0; y <= ys.last - ys.first; ++y) {
+            row.add(rows(y, z));
+            if (y > 0) row.addPair(rows(y - 1, z), rows(y, z));
+            if (z > 0) row.addPair(rows(y, z - 1), rows(y, z));
+            if (y > 1) row.addSecond(rows(y - 2, z), rows(y - 1, z), rows(y - 1, z), rows(y, z));
+            if (z > 1) row.addSecond(rows(y, z - 2), rows(y, z - 1), rows(y, z - 1), rows(y, z));
+            if (y > 0 && z > 0) row.addSecond(rows(y - 1, z - 1), rows(y, z - 1), rows(y - 1, z), rows(y, z));
+          }
         }
         for (int64_t i = 0; i < n[0]; ++i) {
           const PointSpan xs = pointsOf(e, 0, f[0] + i);
@@ -177,7 +245,7 @@ std::vector<BorderSummary> borderSummaries(const Volume& volume) {
           if (isPrivate(block, at)) continue;
           for (size_t s = 0; s < block.summaries.size(); ++s) {
             const Macrocell& m = block.summaries[s][indexOf(block, at)];
-            records.push_back({at, int32_t(s), m.noData, m.min, m.max});
+            records.push_back({at, int32_t(s), m.noData, m.min, m.max, m.steep, m.bend});
           }
         }
       }
@@ -207,6 +275,8 @@ void mergeSummaries(Volume& volume, std::span<const BorderSummary> records) {
       Macrocell& m = block.summaries[size_t(r.summary)][indexOf(block, r.macrocell)];
       m.min = std::min(m.min, r.min);
       m.max = std::max(m.max, r.max);
+      m.steep = std::max(m.steep, r.steep);
+      m.bend = std::max(m.bend, r.bend);
       m.noData |= r.noData != 0;
     }
   }

@@ -3,8 +3,8 @@
 //
 // After an import or update: summarise() every local block, exchange the borderSummaries() of all ranks (an
 // all-gather of plain structs), and mergeSummaries() with all of them, own ones included. The result is the
-// summary of the whole volume, however it is cut, as long as every cell is in some partition; both sides of a
-// border decide alike.
+// summary of the whole volume, however it is cut, as long as every cell is in some partition and blocks have at least one
+// ghost layer; both sides of a border decide alike.
 #pragma once
 #include <cstdint>
 #include <span>
@@ -26,7 +26,7 @@ struct BorderSummary {
   Index3 macrocell;  ///< global index
   int32_t summary;   ///< index into VolumeBlock::summaries
   int32_t noData;    ///< 0 or 1
-  float min, max;
+  float min, max, steep, bend;
   bool operator==(const BorderSummary&) const = default;
 };
 

@@ -55,9 +55,12 @@ Partitioning decomposed(const Grid& grid, int parts, int ranks);
 inline constexpr int kGhostLayers = 2;  ///< see decisions/0001: a segment's sample and a gradient stay inside
 inline constexpr int kMacrocellSize = 8;  ///< cells per macrocell and axis, aligned to the global grid
 
-/// What is known of the samples of one macrocell (all corners of its 8^3 cells).
+/// What is known of the samples of one macrocell (all corners of its 8^3 cells), in stored values per cell. Differences
+/// that a sample without data takes part in do not count.
 struct Macrocell {
-  float min, max;  ///< over finite samples, of stored values; min > max when there are none
+  float min, max;  ///< over finite samples; min > max when there are none
+  float steep;     ///< largest |first difference| along an axis
+  float bend;      ///< largest |second difference|, along an axis or mixed (the twist of a cell's face)
   bool noData;     ///< holds a NaN or an infinity
   bool operator==(const Macrocell&) const = default;
 };

@@ -25,7 +25,8 @@ FN GridRay gridRay(vec3 o, vec3 d, vec3 origin, vec3 inverseSpacing) {
 }
 
 // The t at which the ray crosses grid plane `plane` of one axis.
-FN real planeCrossing(int plane, real po, real rpd) { return (toReal(plane) - po) * rpd; }
+FN real crossingOf(real plane, real po, real rpd) { return (plane - po) * rpd; }
+FN real planeCrossing(int plane, real po, real rpd) { return crossingOf(toReal(plane), po, rpd); }
 
 // The plane through which a ray enters (leaves) cell i of one axis.
 FN int nearPlane(int i, real rpd) { return rpd < R(0.0) ? i + 1 : i; }

@@ -3,11 +3,13 @@
 // the first and the last are constant and reach to infinity, so nothing clamps. Extinction is per unit of t.
 //
 // Each dialect supplies, for its VOLUME type,
-//   int  mapUniform(v)          > 0: inner intervals have equal length (its number), 0: bucket search
-//   real mapOrigin(v), mapInverse(v)   first inner node, inverse bucket (or interval) length
-//   int  mapBuckets(v), mapBucket(v, i)  interval that holds the start of bucket i
 //   int  mapIntervals(v); real mapNode(v, k), mapInverseLength(v, k)   start of interval k
-//   real mapSigma(v, k), mapSigmaStep(v, k); vec3 mapColor(v, k), mapColorStep(v, k)
+//   MapPiece mapPiece(v, k)            what interval k holds
+//   int  mapUniform(v)                 > 0: inner intervals have equal length (its number)
+//   real mapOrigin(v), mapInverse(v)   first inner node, inverse bucket (or interval) length
+//   int  mapBuckets(v), mapBucket(v, i)  an interval at or before the start of bucket i
+
+#define MAP_SMALL 16  // intervals of maps that are searched by counting the nodes below a value
 
 struct MapPlace {
   int k;   // interval
@@ -16,7 +18,11 @@ struct MapPlace {
 
 FN MapPlace mapPlace(VOLUME v, real s) {
   MapPlace p;
-  if (mapUniform(v) > 0) {
+  if (mapIntervals(v) <= MAP_SMALL) {
+    p.k = 0;
+    for (UNIFORM int i = 1; i < mapIntervals(v); i++) p.k += s >= mapNode(v, i) ? 1 : 0;
+    p.f = (s - mapNode(v, p.k)) * mapInverseLength(v, p.k);
+  } else if (mapUniform(v) > 0) {
     // interval 0 lies below the first node, interval n + 1 above the last
     real q = (s - mapOrigin(v)) * mapInverse(v);
     real c = clamp1(floor(q), R(-1.0), toReal(mapUniform(v)));
@@ -25,16 +31,22 @@ FN MapPlace mapPlace(VOLUME v, real s) {
     if (p.k > mapUniform(v)) p.f = R(0.0);
   } else {
     real q = clamp1((s - mapOrigin(v)) * mapInverse(v), R(0.0), toReal(mapBuckets(v) - 1));
-    int k = mapBucket(v, toInt(q));
-    while (k + 1 < mapIntervals(v) && s >= mapNode(v, k + 1)) k += 1;
-    p.k = k;
-    p.f = (s - mapNode(v, k)) * mapInverseLength(v, k);
+    p.k = mapBucket(v, toInt(q));
+    while (p.k + 1 < mapIntervals(v) && s >= mapNode(v, p.k + 1)) p.k += 1;
+    p.f = (s - mapNode(v, p.k)) * mapInverseLength(v, p.k);
   }
   return p;
 }
 
-FN real sigmaAt(VOLUME v, MapPlace p) { return mapSigma(v, p.k) + p.f * mapSigmaStep(v, p.k); }
-FN vec3 colorAt(VOLUME v, MapPlace p) {
-  vec3 c = mapColor(v, p.k), s = mapColorStep(v, p.k);
-  return make_v3(c.x + p.f * s.x, c.y + p.f * s.y, c.z + p.f * s.z);
+FN real sigmaAt(MapPiece m, real f) { return m.sigma + f * m.sigmaStep; }
+FN vec3 colorAt(MapPiece m, real f) {
+  return make_v3(m.color.x + f * m.colorStep.x, m.color.y + f * m.colorStep.y, m.color.z + f * m.colorStep.z);
+}
+// The colour of a value; of the first interval where there is none.
+FN vec3 colorOf(VOLUME v, real s) {
+  MapPlace p;
+  p.k = 0;
+  p.f = R(0.0);
+  if (s == s) p = mapPlace(v, s);
+  return colorAt(mapPiece(v, p.k), p.f);
 }

@@ -1,63 +1,105 @@
 // SPDX-License-Identifier: Apache-2.0
 // The march through one volume: every segment of the plan (volume.h) that this partition evaluates.
 
-// Mean extinction, and its product with colour, of values spread evenly over [s0, s1]: exact for the map, whatever its
-// nodes between them (pre-integration by antiderivatives; Engel 2001, Williams & Max 1992).
-FN void meanAlong(VOLUME v, real s0, real s1, OUT(real) sigma, OUT(vec3) source) {
+// What a map does along a segment on which the value goes linearly from s0 to s1.
+struct MapMean {
+  real sigma;        // mean extinction
+  vec3 color;        // mean colour, weighted by extinction
+  vec3 front, back;  // colours at s0 and s1
+};
+
+// Means over values spread evenly over [s0, s1]: exact for the map, whatever its nodes between them (pre-integration by
+// antiderivatives; Engel 2001, Williams & Max 1992).
+FN MapMean meanAlong(VOLUME v, real s0, real s1) {
   real lo = min(s0, s1), hi = max(s0, s1);
   MapPlace p = mapPlace(v, lo), q = mapPlace(v, hi);
-  real a0 = sigmaAt(v, p), b1 = sigmaAt(v, q);
-  vec3 c0 = colorAt(v, p), d1 = colorAt(v, q);
+  MapPiece first = mapPiece(v, p.k), last = mapPiece(v, q.k);
+  real a0 = sigmaAt(first, p.f), b1 = sigmaAt(last, q.f);
+  vec3 c0 = colorAt(first, p.f), d1 = colorAt(last, q.f);
+  bool rising = s0 <= s1;
+  MapMean m;
+  m.front = rising ? c0 : d1;
+  m.back = rising ? d1 : c0;
+  vec3 source;
   if (p.k == q.k || !(hi - lo > R(1e-35))) {
     // one linear piece: the mean of a product of linears
-    real m = R(0.5) * (a0 + b1), u = (b1 - a0) * R(0.083333333333333333);
-    sigma = m;
-    source = make_v3(m * (R(0.5) * (c0.x + d1.x)) + u * (d1.x - c0.x),
-                     m * (R(0.5) * (c0.y + d1.y)) + u * (d1.y - c0.y),
-                     m * (R(0.5) * (c0.z + d1.z)) + u * (d1.z - c0.z));
-    return;
+    real h = R(0.5) * (a0 + b1), u = (b1 - a0) * R(0.083333333333333333);
+    m.sigma = h;
+    source = make_v3(h * (R(0.5) * (c0.x + d1.x)) + u * (d1.x - c0.x),
+                     h * (R(0.5) * (c0.y + d1.y)) + u * (d1.y - c0.y),
+                     h * (R(0.5) * (c0.z + d1.z)) + u * (d1.z - c0.z));
+  } else {
+    // from lo to the end of its interval, the whole intervals between, from the start of the last to hi
+    real lengthP = mapNode(v, p.k + 1) - lo, lengthQ = hi - mapNode(v, q.k);
+    real a1 = sigmaAt(first, R(1.0)), b0 = last.sigma;
+    vec3 c1 = colorAt(first, R(1.0)), d0 = last.color;
+    real mp = R(0.5) * (a0 + a1), up = (a1 - a0) * R(0.083333333333333333);
+    real mq = R(0.5) * (b0 + b1), uq = (b1 - b0) * R(0.083333333333333333);
+    real sum = mp * lengthP + mq * lengthQ;
+    source = make_v3((mp * (R(0.5) * (c0.x + c1.x)) + up * (c1.x - c0.x)) * lengthP +
+                         (mq * (R(0.5) * (d0.x + d1.x)) + uq * (d1.x - d0.x)) * lengthQ,
+                     (mp * (R(0.5) * (c0.y + c1.y)) + up * (c1.y - c0.y)) * lengthP +
+                         (mq * (R(0.5) * (d0.y + d1.y)) + uq * (d1.y - d0.y)) * lengthQ,
+                     (mp * (R(0.5) * (c0.z + c1.z)) + up * (c1.z - c0.z)) * lengthP +
+                         (mq * (R(0.5) * (d0.z + d1.z)) + uq * (d1.z - d0.z)) * lengthQ);
+    if (q.k > p.k + 1) {
+      int opaque = mapOpaque(v, q.k);
+      if (opaque > p.k) {  // the sums begin anew behind it, and nothing else matters
+        real depth = opaqueDepth() * (hi - lo);
+        vec3 c = colorAt(mapPiece(v, opaque), R(0.5));
+        sum += depth;
+        source.x += depth * c.x;
+        source.y += depth * c.y;
+        source.z += depth * c.z;
+      } else {
+        vec3 x = mapSumColor(v, q.k), y = mapSumColor(v, p.k + 1);
+        sum += mapSumSigma(v, q.k) - mapSumSigma(v, p.k + 1);
+        source.x += x.x - y.x;
+        source.y += x.y - y.y;
+        source.z += x.z - y.z;
+      }
+    }
+    real inverse = R(1.0) / (hi - lo);
+    m.sigma = sum * inverse;
+    source = make_v3(source.x * inverse, source.y * inverse, source.z * inverse);
   }
-  // from lo to the end of its interval, the whole intervals between, from the start of the last to hi
-  real lengthP = mapNode(v, p.k + 1) - lo, lengthQ = hi - mapNode(v, q.k);
-  real a1 = mapSigma(v, p.k) + mapSigmaStep(v, p.k), b0 = mapSigma(v, q.k);
-  vec3 e = mapColor(v, p.k), es = mapColorStep(v, p.k), d0 = mapColor(v, q.k);
-  vec3 c1 = make_v3(e.x + es.x, e.y + es.y, e.z + es.z);
-  real mp = R(0.5) * (a0 + a1), up = (a1 - a0) * R(0.083333333333333333);
-  real mq = R(0.5) * (b0 + b1), uq = (b1 - b0) * R(0.083333333333333333);
-  real sum = mp * lengthP + mq * lengthQ;
-  vec3 s = make_v3((mp * (R(0.5) * (c0.x + c1.x)) + up * (c1.x - c0.x)) * lengthP +
-                       (mq * (R(0.5) * (d0.x + d1.x)) + uq * (d1.x - d0.x)) * lengthQ,
-                   (mp * (R(0.5) * (c0.y + c1.y)) + up * (c1.y - c0.y)) * lengthP +
-                       (mq * (R(0.5) * (d0.y + d1.y)) + uq * (d1.y - d0.y)) * lengthQ,
-                   (mp * (R(0.5) * (c0.z + c1.z)) + up * (c1.z - c0.z)) * lengthP +
-                       (mq * (R(0.5) * (d0.z + d1.z)) + uq * (d1.z - d0.z)) * lengthQ);
-  if (q.k > p.k + 1) {
-    vec3 x = mapSumColor(v, q.k), y = mapSumColor(v, p.k + 1);
-    sum += mapSumSigma(v, q.k) - mapSumSigma(v, p.k + 1);
-    s.x += x.x - y.x;
-    s.y += x.y - y.y;
-    s.z += x.z - y.z;
-  }
-  real inverse = R(1.0) / (hi - lo);
-  sigma = sum * inverse;
-  source = make_v3(s.x * inverse, s.y * inverse, s.z * inverse);
+  real perSigma = m.sigma > R(0.0) ? R(1.0) / m.sigma : R(0.0);
+  m.color = make_v3(source.x * perSigma, source.y * perSigma, source.z * perSigma);
+  return m;
 }
 
-// A segment along which the value goes linearly from s0 to s1. A dense one is cut, since its front hides its back.
-FN void addPieces(VOLUME v, real s0, real s1, real length, INOUT(Radiance) L) {
-  real sigma;
-  vec3 source;
-  meanAlong(v, s0, s1, sigma, source);
-  if (sigma * length > R(0.1)) {
-    real part = length * R(0.0625), d = (s1 - s0) * R(0.0625);
-    for (UNIFORM int i = 0; i < 16; i++) {
-      meanAlong(v, s0 + toReal(i) * d, s0 + toReal(i + 1) * d, sigma, source);
-      real inverse = sigma > R(0.0) ? R(1.0) / sigma : R(0.0);
-      addSegment(L, sigma * part, make_v3(source.x * inverse, source.y * inverse, source.z * inverse));
+// How far the mean colour of a channel is from that of colours which are linear in optical depth.
+FN real curvature(real mean, real front, real back) { return abs(mean - R(0.5) * (front + back)); }
+
+// A segment along which the value goes linearly from s0 to s1. The front of a dense one hides its back: colours count
+// as linear in optical depth, and where they are not, and it matters against tMin, the segment is halved.
+FN void addPieces(VOLUME v, real s0, real s1, real length, real tMin, INOUT(Radiance) L) {
+  real from = R(0.0), part = R(1.0), d = s1 - s0;
+  bool more = true;
+  while (more) {
+    MapMean m = meanAlong(v, s0 + from * d, s0 + (from + part) * d);
+    real tau = m.sigma * (part * length);
+    real T = R(1.0) - L.A;
+    real w = oneMinusExp(tau);
+    real curved =
+        max(max(curvature(m.color.x, m.front.x, m.back.x), curvature(m.color.y, m.front.y, m.back.y)),
+            curvature(m.color.z, m.front.z, m.back.z));
+    if (T * (w * min(tau, R(1.0))) * curved > R(2.0) * tMin + R(1e-5) && part > R(0.0005)) {
+      part = R(0.5) * part;
+    } else {
+      if (tau > R(0.0)) {
+        // mean of 1/2 - y / tau over what is seen, y the optical depth to it
+        real lead = tau < R(0.3) ? tau * R(0.083333333333333333) : (R(0.5) - R(1.0) / tau) + (R(1.0) - w) / w;
+        real g = T * w;
+        L.rgb.x += g * (m.color.x + lead * (m.front.x - m.back.x));
+        L.rgb.y += g * (m.color.y + lead * (m.front.y - m.back.y));
+        L.rgb.z += g * (m.color.z + lead * (m.front.z - m.back.z));
+        L.A += g;
+      }
+      from += part;
+      more = from < R(1.0) && R(1.0) - L.A >= tMin;
+      part = min(R(2.0) * part, R(1.0) - from);
     }
-  } else if (sigma > R(0.0)) {
-    real inverse = R(1.0) / sigma;
-    addSegment(L, sigma * length, make_v3(source.x * inverse, source.y * inverse, source.z * inverse));
   }
 }
 
@@ -69,10 +111,10 @@ FN real segmentBehind(real t, real begin, real dt, real count) {
   return i;
 }
 
-// PLAN_PIECES: the macrocell between tEnter and tb cell by cell, since the value kinks at faces, each cell in equal
-// segments along which the value is taken as linear and the map is integrated exactly. Clears `go` where the march ends.
-FN_OUTLINE void integratePieces(VOLUME v, VolumeRay r, MarchRange m, real t, real tEnter, real tb, real rate,
-                                real end, INOUT(Radiance) L, INOUT(MarchCount) n, INOUT(bool) go) {
+// PLAN_CELLS: the macrocell between tEnter and tb cell by cell, since some hold no data, each cell in equal segments along
+// which the value is taken as linear and the map is integrated exactly. Clears `go` where the march ends.
+FN_OUTLINE void integrateCells(VOLUME v, VolumeRay r, MarchRange m, real t, real tEnter, real tb, real rate,
+                               real end, INOUT(Radiance) L, INOUT(MarchCount) n, INOUT(bool) go) {
   real from = max(tEnter, t);
   ivec3 cells = gridCells(v);
   ivec3 c = make_i3(locateCell(from, r.g.po.x, r.g.pd.x, r.g.rpd.x, cells.x),
@@ -106,7 +148,7 @@ FN_OUTLINE void integratePieces(VOLUME v, VolumeRay r, MarchRange m, real t, rea
         } else {
           n.samples += 1;
           real s1 = valueIn(k, c, pointAt(r.g, b));
-          addPieces(v, s0, s1, b - a, L);
+          addPieces(v, s0, s1, b - a, m.tMin, L);
           a = b;
           s0 = s1;
           if (b >= end || R(1.0) - L.A < m.tMin) go = false;
@@ -122,68 +164,77 @@ FN_OUTLINE void integratePieces(VOLUME v, VolumeRay r, MarchRange m, real t, rea
   }
 }
 
-// One loop, an iteration a midpoint segment: rays of a gang enter macrocells at different times and still sample together.
+// One loop, an iteration a sample: rays of a gang enter macrocells at different times and still sample together.
 FN void integrateVolume(VOLUME v, VolumeRay r, MarchRange m, INOUT(Radiance) L, INOUT(MarchCount) n) {
   real end = min(r.t1, m.tStop);
   real t = max(max(m.tIn, m.tStart), r.t0);
   // A hit exactly at tIn may end a segment that began before it.
   if (!(t <= m.tStop && t < min(r.t1, m.tOut)) || R(1.0) - L.A < m.tMin) return;
   MacroWalk w = startMacroWalk(v, r, t);
+  real last = min(end, m.tOut);     // no macrocell behind it
   real tb = w.t, dt = R(0.0);       // end of the macrocell, length of its segments
   real i = R(0.0), count = R(0.0);  // segment, and their number
   real a = t;                       // start of the segment
-  bool first = true, go = true;
+  real s0 = R(0.0), known = R(-1.0);  // the value at `known`, the end of the segment before if pre-integrated
+  bool pieces = false, first = true, go = true;
   while (go) {
     while (go && i >= count) {  // on to a macrocell that has segments
       if (first) {
         first = false;
-      } else if (tb >= end || tb >= m.tOut) {
-        go = false;
       } else {
-        stepMacroWalk(r, w);
+        go = tb < last;
+        stepMacroWalk(v, r, w);
       }
-      int plan = 0;
-      if (go) {
-        plan = planOf(v, w.m);
-        n.skipped += plan == 0 ? 1 : 0;
-      }
-      tb = min(min3(w.far), r.t1);
       i = R(0.0);
       count = R(0.0);
-      real span = tb - w.t;
-      if (plan != 0 && span > R(0.0)) {
-        n.macrocells += 1;
-        real rate = planRate(v, plan & PLAN_LEVEL);
-        if ((plan & PLAN_PIECES) != 0) {
-          // copies, so that what the call refers to does not keep the loop's own values in memory
-          VolumeRay ray = r;
-          Radiance sum = L;
-          MarchCount counted = n;
-          bool on = true;
-          integratePieces(v, ray, m, t, w.t, tb, rate, end, sum, counted, on);
-          L = sum;
-          n = counted;
-          go = on;
-        } else {
-          count = max(ceil(span * r.cells * rate), R(1.0));
-          dt = span / count;
-          if (w.t < t) i = segmentBehind(t, w.t, dt, count);  // those before were somebody else's
-          a = max(i > R(0.0) ? w.t + i * dt : w.t, m.tStart);
+      if (go) {
+        tb = min(min3(w.far), r.t1);
+        int plan = planAt(v, w.index);
+        real span = tb - w.t;
+        n.skipped += plan == 0 ? 1 : 0;
+        if (plan != 0 && span > R(0.0)) {
+          n.macrocells += 1;
+          real rate = planRate(plan);
+          if ((plan & PLAN_CELLS) != 0) {
+            // copies, so that what the call refers to does not keep the loop's own values in memory
+            VolumeRay ray = r;
+            Radiance sum = L;
+            MarchCount counted = n;
+            bool on = true;
+            integrateCells(v, ray, m, t, w.t, tb, rate, end, sum, counted, on);
+            L = sum;
+            n = counted;
+            go = on;
+          } else {
+            count = max(ceil(span * r.cells * rate), R(1.0));
+            dt = span / count;
+            if (w.t < t) i = segmentBehind(t, w.t, dt, count);  // those before were somebody else's
+            a = max(i > R(0.0) ? w.t + i * dt : w.t, m.tStart);
+            pieces = (plan & PLAN_PIECES) != 0;
+            if (pieces && a != known) i -= R(1.0);  // an iteration for the value at a
+          }
         }
       }
     }
     if (go) {
       i += R(1.0);
-      real b = min(i < count ? w.t + i * dt : tb, m.tStop);
+      real b = i < count ? w.t + i * dt : tb;
+      b = min(max(b, a), m.tStop);
       if (b > m.tOut) {
         go = false;  // the next partition's
       } else {
-        n.samples += 1;
-        real s = sampleAt(v, pointAt(r.g, R(0.5) * (a + b)));
-        if (s - s == R(0.0)) {
+        n.samples += b > a ? 1 : 0;
+        real at = pieces ? b : R(0.5) * (a + b);
+        real s = sampleAt(v, pointAt(r.g, at));
+        if (pieces) {
+          if (b > a && (s0 - s0) + (s - s) == R(0.0)) addPieces(v, s0, s, b - a, m.tMin, L);
+          s0 = s;
+          known = b;
+        } else if (s - s == R(0.0)) {
           MapPlace p = mapPlace(v, s);
-          real sigma = sigmaAt(v, p);
-          if (sigma > R(0.0)) addSegment(L, sigma * (b - a), colorAt(v, p));
+          MapPiece piece = mapPiece(v, p.k);
+          real sigma = sigmaAt(piece, p.f);
+          if (sigma > R(0.0)) addSegment(L, sigma * (b - a), colorAt(piece, p.f));
         }
         a = b;
         if (b >= end || R(1.0) - L.A < m.tMin) go = false;

@@ -8,13 +8,15 @@
 // Each dialect supplies, for its VOLUME type,
 //   vec3 gridOrigin(v), gridInverse(v); ivec3 gridCells(v)    the global grid in render space
 //   Corners cellCorners(v, cell)                              samples of a cell of the local block
-//   int  planOf(v, macrocell)    0: skip; else PLAN_LEVEL bits choose the step, PLAN_PIECES the method
-//   real planRate(v, level)      segments per cell length
+//   int  planAt(v, index)        0: skip; else the step and the method of a macrocell of the block, see below
 //   real clipIn(v, ray index...) see integrateVolume's t0, t1
 
 #define MACRO_BITS 3
-#define PLAN_LEVEL 31
-#define PLAN_PIECES 32
+// A plan: segments per cell length in units of 1 / PLAN_UNIT, above these bits. 0: nothing is seen there.
+#define PLAN_BITS 2
+#define PLAN_PIECES 1  // pre-integrated segments, else midpoints
+#define PLAN_CELLS 2   // with PLAN_PIECES: cell by cell, as some hold no data
+#define PLAN_UNIT 1024
 
 struct VolumeRay {
   GridRay g;
@@ -32,6 +34,8 @@ FN VolumeRay volumeRay(VOLUME v, vec3 o, vec3 d, real clip0, real clip1) {
   r.cells = sqrt(dot3(r.g.pd, r.g.pd));
   return r;
 }
+
+FN real planRate(int plan) { return toReal(plan >> PLAN_BITS) * (R(1.0) / toReal(PLAN_UNIT)); }
 
 // The cell of the local block at p. Only rounding can put p outside the block: its ghosts reach as far as segments do.
 FN ivec3 cellAt(VOLUME v, vec3 p) {
@@ -63,44 +67,48 @@ FN real sampleAt(VOLUME v, vec3 p) {
   return valueIn(cellCorners(v, c), c, p);
 }
 
+// A walk through the macrocells that a ray meets.
 struct MacroWalk {
-  ivec3 m;   // macrocell
-  vec3 far;  // t at which the ray crosses its exit planes
-  real t;    // where the ray entered it
+  int index;   // of the macrocell in the block
+  vec3 plane;  // its exit planes, in cells
+  vec3 far;    // t at which the ray crosses them
+  real t;      // where the ray entered it
 };
 
 FN MacroWalk startMacroWalk(VOLUME v, VolumeRay r, real t) {
   ivec3 n = gridCells(v);
   real s = R(0.125), b = R(8.0);
+  ivec3 m = make_i3(locateCell(t, r.g.po.x * s, r.g.pd.x * s, r.g.rpd.x * b, ((n.x - 1) >> MACRO_BITS) + 1),
+                    locateCell(t, r.g.po.y * s, r.g.pd.y * s, r.g.rpd.y * b, ((n.y - 1) >> MACRO_BITS) + 1),
+                    locateCell(t, r.g.po.z * s, r.g.pd.z * s, r.g.rpd.z * b, ((n.z - 1) >> MACRO_BITS) + 1));
   MacroWalk w;
-  w.m = make_i3(locateCell(t, r.g.po.x * s, r.g.pd.x * s, r.g.rpd.x * b, ((n.x - 1) >> MACRO_BITS) + 1),
-                locateCell(t, r.g.po.y * s, r.g.pd.y * s, r.g.rpd.y * b, ((n.y - 1) >> MACRO_BITS) + 1),
-                locateCell(t, r.g.po.z * s, r.g.pd.z * s, r.g.rpd.z * b, ((n.z - 1) >> MACRO_BITS) + 1));
-  w.far = make_v3(planeCrossing(farPlane(w.m.x, r.g.rpd.x) << MACRO_BITS, r.g.po.x, r.g.rpd.x),
-                  planeCrossing(farPlane(w.m.y, r.g.rpd.y) << MACRO_BITS, r.g.po.y, r.g.rpd.y),
-                  planeCrossing(farPlane(w.m.z, r.g.rpd.z) << MACRO_BITS, r.g.po.z, r.g.rpd.z));
-  real nx = planeCrossing(nearPlane(w.m.x, r.g.rpd.x) << MACRO_BITS, r.g.po.x, r.g.rpd.x);
-  real ny = planeCrossing(nearPlane(w.m.y, r.g.rpd.y) << MACRO_BITS, r.g.po.y, r.g.rpd.y);
-  real nz = planeCrossing(nearPlane(w.m.z, r.g.rpd.z) << MACRO_BITS, r.g.po.z, r.g.rpd.z);
+  w.index = macroIndex(v, m);
+  w.plane = make_v3(toReal(farPlane(m.x, r.g.rpd.x) << MACRO_BITS), toReal(farPlane(m.y, r.g.rpd.y) << MACRO_BITS),
+                    toReal(farPlane(m.z, r.g.rpd.z) << MACRO_BITS));
+  w.far = make_v3(crossingOf(w.plane.x, r.g.po.x, r.g.rpd.x), crossingOf(w.plane.y, r.g.po.y, r.g.rpd.y),
+                  crossingOf(w.plane.z, r.g.po.z, r.g.rpd.z));
+  real nx = planeCrossing(nearPlane(m.x, r.g.rpd.x) << MACRO_BITS, r.g.po.x, r.g.rpd.x);
+  real ny = planeCrossing(nearPlane(m.y, r.g.rpd.y) << MACRO_BITS, r.g.po.y, r.g.rpd.y);
+  real nz = planeCrossing(nearPlane(m.z, r.g.rpd.z) << MACRO_BITS, r.g.po.z, r.g.rpd.z);
   w.t = max(max(max(nx, ny), nz), r.t0);
   return w;
 }
 
-// Moves to the next macrocell, crossing every plane whose crossing is at the exit.
-FN void stepMacroWalk(VolumeRay r, INOUT(MacroWalk) w) {
+// Moves to the next macrocell, crossing every plane whose crossing is at the exit. No branch: rays of a gang step at
+// different times.
+FN void stepMacroWalk(VOLUME v, VolumeRay r, INOUT(MacroWalk) w) {
   real t = min3(w.far);
-  if (w.far.x <= t) {
-    w.m.x += r.g.rpd.x < R(0.0) ? -1 : 1;
-    w.far.x = planeCrossing(farPlane(w.m.x, r.g.rpd.x) << MACRO_BITS, r.g.po.x, r.g.rpd.x);
-  }
-  if (w.far.y <= t) {
-    w.m.y += r.g.rpd.y < R(0.0) ? -1 : 1;
-    w.far.y = planeCrossing(farPlane(w.m.y, r.g.rpd.y) << MACRO_BITS, r.g.po.y, r.g.rpd.y);
-  }
-  if (w.far.z <= t) {
-    w.m.z += r.g.rpd.z < R(0.0) ? -1 : 1;
-    w.far.z = planeCrossing(farPlane(w.m.z, r.g.rpd.z) << MACRO_BITS, r.g.po.z, r.g.rpd.z);
-  }
+  bool x = w.far.x <= t, y = w.far.y <= t, z = w.far.z <= t;
+  bool left = r.g.rpd.x < R(0.0), down = r.g.rpd.y < R(0.0), back = r.g.rpd.z < R(0.0);
+  int row = macroRow(v), slice = macroSlice(v);
+  w.plane.x += x ? (left ? R(-8.0) : R(8.0)) : R(0.0);
+  w.plane.y += y ? (down ? R(-8.0) : R(8.0)) : R(0.0);
+  w.plane.z += z ? (back ? R(-8.0) : R(8.0)) : R(0.0);
+  w.index += x ? (left ? -1 : 1) : 0;
+  w.index += y ? (down ? -row : row) : 0;
+  w.index += z ? (back ? -slice : slice) : 0;
+  w.far = make_v3(crossingOf(w.plane.x, r.g.po.x, r.g.rpd.x), crossingOf(w.plane.y, r.g.po.y, r.g.rpd.y),
+                  crossingOf(w.plane.z, r.g.po.z, r.g.rpd.z));
   w.t = t;
 }
 

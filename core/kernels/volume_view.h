@@ -32,19 +32,20 @@ struct VolumeView {
   real originX, originY, originZ;     // of the global grid, in render space
   real inverseX, inverseY, inverseZ;  // cells per unit of render space
 
-  PTR(BYTE) plan;                             // per macrocell of the block, see volume.h
+  PTR(int) plan;                              // per macrocell of the block, see volume.h
   PTR(BYTE) isoPlan;                          // 1 where an isovalue lies in the macrocell's range
   int macroX, macroY;                         // macrocells per row and per column
   int macroFirstX, macroFirstY, macroFirstZ;  // global index of the first
-  real rates[32];                             // segments per cell length, by plan level
 
   int mapUniform, mapBuckets, mapIntervals;  // see map.h
   real mapOrigin, mapInverse;
   PTR(int) buckets;
   PTR(real) nodes;    // start of each interval
   PTR(real) lengths;  // inverse length of each interval
+  PTR(real) rows;     // of at most 16 intervals: 10 rows of 16, the nodes, lengths and pieces; else null
   PTR(real) pieces;   // 8 per interval: sigma, its step, then r, g, b each with its step
-  PTR(real) sums;     // 4 per interval: integrals of sigma and sigma * rgb up to its start
+  PTR(real) sums;     // 4 per interval: integrals of sigma and sigma * rgb from the last opaque interval to its start
+  PTR(int) opaque;    // the last opaque interval before it, or -1
 
   int isovalues;
   PTR(real) isovalue;
@@ -59,9 +60,10 @@ FN ivec3 gridCells(VOLUME v) { return make_i3(v.cellsX, v.cellsY, v.cellsZ); }
 FN int macroIndex(VOLUME v, ivec3 m) {
   return ((m.z - v.macroFirstZ) * v.macroY + (m.y - v.macroFirstY)) * v.macroX + (m.x - v.macroFirstX);
 }
-FN int planOf(VOLUME v, ivec3 m) { return v.plan[macroIndex(v, m)]; }
+FN int macroRow(VOLUME v) { return v.macroX; }
+FN int macroSlice(VOLUME v) { return v.macroX * v.macroY; }
+FN int planAt(VOLUME v, int index) { return v.plan[index]; }
 FN bool straddles(VOLUME v, ivec3 m) { return v.isoPlan[macroIndex(v, m)] != 0; }
-FN real planRate(VOLUME v, int level) { return v.rates[level]; }
 
 FN int mapUniform(VOLUME v) { return v.mapUniform; }
 FN real mapOrigin(VOLUME v) { return v.mapOrigin; }
@@ -69,16 +71,51 @@ FN real mapInverse(VOLUME v) { return v.mapInverse; }
 FN int mapBuckets(VOLUME v) { return v.mapBuckets; }
 FN int mapBucket(VOLUME v, int i) { return v.buckets[i]; }
 FN int mapIntervals(VOLUME v) { return v.mapIntervals; }
+struct MapPiece {
+  real sigma, sigmaStep;
+  vec3 color, colorStep;
+};
+#if defined(ISPC)
+// A gang of 16 reads a map of at most 16 intervals as rows, one vector for each quantity.
+static inline uniform bool mapInRows(VOLUME v) { return programCount == 16 && v.rows != NULL; }
+static inline float fromRow(VOLUME v, uniform int row, int k) {
+  float value;
+  unmasked { value = shuffle(v.rows[16 * row + programIndex], k); }
+  return value;
+}
+static inline uniform float mapNode(VOLUME v, uniform int k) { return v.nodes[k]; }
+static inline float mapNode(VOLUME v, int k) {
+  if (mapInRows(v)) return fromRow(v, 0, k);
+  return v.nodes[k];
+}
+static inline float mapInverseLength(VOLUME v, int k) {
+  if (mapInRows(v)) return fromRow(v, 1, k);
+  return v.lengths[k];
+}
+static inline MapPiece mapPiece(VOLUME v, int k) {
+  MapPiece m;
+  if (mapInRows(v)) {
+    m.sigma = fromRow(v, 2, k);
+    m.sigmaStep = fromRow(v, 3, k);
+    m.color = make_v3(fromRow(v, 4, k), fromRow(v, 6, k), fromRow(v, 8, k));
+    m.colorStep = make_v3(fromRow(v, 5, k), fromRow(v, 7, k), fromRow(v, 9, k));
+  } else {
+    m.sigma = v.pieces[8 * k];
+    m.sigmaStep = v.pieces[8 * k + 1];
+    m.color = make_v3(v.pieces[8 * k + 2], v.pieces[8 * k + 4], v.pieces[8 * k + 6]);
+    m.colorStep = make_v3(v.pieces[8 * k + 3], v.pieces[8 * k + 5], v.pieces[8 * k + 7]);
+  }
+  return m;
+}
+#else
 FN real mapNode(VOLUME v, int k) { return v.nodes[k]; }
 FN real mapInverseLength(VOLUME v, int k) { return v.lengths[k]; }
-FN real mapSigma(VOLUME v, int k) { return v.pieces[8 * k]; }
-FN real mapSigmaStep(VOLUME v, int k) { return v.pieces[8 * k + 1]; }
-FN vec3 mapColor(VOLUME v, int k) {
-  return make_v3(v.pieces[8 * k + 2], v.pieces[8 * k + 4], v.pieces[8 * k + 6]);
+FN MapPiece mapPiece(VOLUME v, int k) {
+  PTR(real) p = v.pieces + 8 * k;
+  return {p[0], p[1], make_v3(p[2], p[4], p[6]), make_v3(p[3], p[5], p[7])};
 }
-FN vec3 mapColorStep(VOLUME v, int k) {
-  return make_v3(v.pieces[8 * k + 3], v.pieces[8 * k + 5], v.pieces[8 * k + 7]);
-}
+#endif
+FN int mapOpaque(VOLUME v, int k) { return v.opaque[k]; }
 FN real mapSumSigma(VOLUME v, int k) { return v.sums[4 * k]; }
 FN vec3 mapSumColor(VOLUME v, int k) {
   return make_v3(v.sums[4 * k + 1], v.sums[4 * k + 2], v.sums[4 * k + 3]);

@@ -5,7 +5,10 @@
 #include <bit>
 #include <cmath>
 #include <functional>
+#include <glm/vector_relational.hpp>
 #include <set>
+
+#include "gxy/kernels/single.h"
 
 namespace gxy {
 
@@ -13,7 +16,9 @@ namespace {
 
 constexpr double kOpaque = 1e20;        // extinction of opacity 1: opaque at once
 constexpr double kNearlyOpaque = 1e-7;  // 1 - a below which a is taken as a limit of finite extinction
-constexpr double kDense = 16;           // optical depth of a reference length beyond which errors are hidden
+constexpr double kDense = 4;            // optical depth of a reference length beyond which errors are hidden
+constexpr double kHidden = 1000;        // the same from which an interval hides what is behind it
+constexpr double kStraight = 1e-4;  // of extinction, and absolute in colour
 constexpr int kDeepestCut = 14;
 constexpr int kMostBuckets = 4096;
 
@@ -30,6 +35,35 @@ Value limit(const std::vector<Point>& points, double at, bool above,
   const Point &a = *(next - 1), &b = *next;
   const double f = (at - a.value) / (b.value - a.value);
   return of(a) * (1 - f) + of(b) * f;
+}
+
+// A value where the map may change its course, with the limits of colour and extinction (r, g, b, sigma) on both sides.
+struct Node {
+  double value;
+  glm::dvec4 below, above;
+};
+
+// Drops nodes on straight runs, up to kStraight: from each node kept on, the next one is as far away as every node
+// passed over is within kStraight of the line (a swing filter; Elmeleegy et al. 2009). Steps are kept.
+std::vector<Node> straightened(const std::vector<Node>& nodes) {
+  if (nodes.size() < 3) return nodes;
+  std::vector<Node> kept{nodes.front()};
+  glm::dvec4 least(-INFINITY), most(INFINITY);  // slopes that all nodes passed over allow
+  for (size_t i = 1; i < nodes.size(); i++) {
+    const Node &from = kept.back(), &here = nodes[i];
+    const glm::dvec4 slack(glm::dvec3(kStraight), kStraight * here.below.w);
+    const double run = here.value - from.value;
+    least = glm::max(least, (here.below - slack - from.above) / run);
+    most = glm::min(most, (here.below + slack - from.above) / run);
+    const bool last = i + 1 == nodes.size(), step = here.below != here.above;
+    if (!last && !step) {
+      const glm::dvec4 slope = (nodes[i + 1].below - from.above) / (nodes[i + 1].value - from.value);
+      if (glm::all(glm::lessThanEqual(least, slope)) && glm::all(glm::lessThanEqual(slope, most))) continue;
+    }
+    kept.push_back(here);
+    least = glm::dvec4(-INFINITY), most = glm::dvec4(INFINITY);
+  }
+  return kept;
 }
 
 }  // namespace
@@ -54,11 +88,10 @@ CompiledMap::CompiledMap(const ColorMap& color, const OpacityMap* opacity, const
   if (opacity)
     for (const auto& p : opacity->points) cuts.insert(p.value);
 
-  // True values of the nodes, with the limits of extinction on both sides.
-  struct Node {
-    double value, below, above;
+  std::vector<Node> list;  // of true values
+  auto colored = [&](double v, double below, double above) {
+    return Node{v, glm::dvec4(colorAt(v, false), below), glm::dvec4(colorAt(v, true), above)};
   };
-  std::vector<Node> list;
   for (double v : cuts) {
     double below = 0, above = 0;
     if (opacity) below = sigmaOf(amountAt(v, false)), above = sigmaOf(amountAt(v, true));
@@ -67,7 +100,7 @@ CompiledMap::CompiledMap(const ColorMap& color, const OpacityMap* opacity, const
       const double v0 = list.back().value, a0 = amountAt(v0, true), a1 = amountAt(v, false);
       auto curve = [&](double f) { return sigmaOf(std::min(a0 + f * (a1 - a0), 1 - kNearlyOpaque)); };
       if (a0 < 1 || a1 < 1) {
-        if (a0 >= 1) list.back().above = curve(0);
+        if (a0 >= 1) list.back().above.w = curve(0);
         if (a1 >= 1) below = curve(1);
         std::function<void(double, double, int)> cut = [&](double f0, double f1, int depth) {
           const double s0 = curve(f0), s1 = curve(f1), middle = curve(0.5 * (f0 + f1));
@@ -75,19 +108,19 @@ CompiledMap::CompiledMap(const ColorMap& color, const OpacityMap* opacity, const
             return;
           cut(f0, 0.5 * (f0 + f1), depth + 1);
           const double f = 0.5 * (f0 + f1);
-          list.push_back({v0 + f * (v - v0), middle, middle});
+          list.push_back(colored(v0 + f * (v - v0), middle, middle));
           cut(f, f1, depth + 1);
         };
         cut(0, 1, 0);
       }
     }
-    list.push_back({v, below, above});
+    list.push_back(colored(v, below, above));
   }
 
   // Nodes that coincide in float become one step.
   auto stored = [&](double v) { return float((v - units.shift) / units.scale); };
   std::vector<Node> kept;
-  for (const Node& n : list) {
+  for (const Node& n : straightened(list)) {
     if (!kept.empty() && stored(n.value) == stored(kept.back().value))
       kept.back().above = n.above;
     else
@@ -98,13 +131,19 @@ CompiledMap::CompiledMap(const ColorMap& color, const OpacityMap* opacity, const
   // what a denser part does more is hidden behind its front
   auto seen = [&](double sigma) { return std::min(sigma, kDense * perLength); };
   std::vector<double> extinction, slope, jump;
+  // slopes of extinction and of its product with colour, at the start and end of each interval
+  std::vector<std::array<glm::dvec4, 2>> slopes;
   double total[4] = {0, 0, 0, 0};
-  auto addInterval = [&](double start, double length, double s0, double s1, glm::dvec3 c0, glm::dvec3 c1) {
+  int32_t lastOpaque = -1;
+  auto addInterval = [&](double start, double length, const glm::dvec4& from, const glm::dvec4& to) {
+    const double s0 = from.w, s1 = to.w;
+    const glm::dvec3 c0(from), c1(to);
     nodes.push_back(float(start));
     lengths.push_back(length > 0 ? float(1 / length) : 0.f);
     for (double x : {s0, s1 - s0, c0.x, c1.x - c0.x, c0.y, c1.y - c0.y, c0.z, c1.z - c0.z})
       pieces.push_back(float(x));
     for (double x : total) sums.push_back(float(x));
+    opaque.push_back(lastOpaque);
     total[0] += length * 0.5 * (s0 + s1);
     double steepest = 0;
     for (int k = 0; k < 3; k++) {
@@ -113,21 +152,41 @@ CompiledMap::CompiledMap(const ColorMap& color, const OpacityMap* opacity, const
       steepest = std::max(steepest, seen(std::max(s0, s1)) * std::abs(e));
       largestColor = std::max({largestColor, c0[k], c1[k]});
     }
+    if (0.5 * (s0 + s1) > kHidden * perLength) {
+      // sums beyond it would lose their digits
+      lastOpaque = int32_t(nodes.size()) - 1;
+      std::fill(total, total + 4, 0.0);
+    }
     extinction.push_back(std::max(s0, s1));
     slope.push_back(length > 0 ? (std::abs(seen(s1) - seen(s0)) + steepest) / length : 0);
+    const double per = length > 0 ? 1 / length : 0, d = per * (seen(s1) - seen(s0));
+    const glm::dvec3 e = per * (c1 - c0);
+    slopes.push_back({glm::dvec4(d * c0 + seen(s0) * e, d), glm::dvec4(d * c1 + seen(s1) * e, d)});
   };
 
-  const double first = kept.front().value, last = kept.back().value;
-  addInterval(-1e30, 0, kept.front().below, kept.front().below, colorAt(first, false), colorAt(first, false));
+  addInterval(-1e30, 0, kept.front().below, kept.front().below);
   for (int i = 0; i < inner; i++) {
     const Node &a = kept[i], &b = kept[i + 1];
-    addInterval(stored(a.value), double(stored(b.value)) - stored(a.value), a.above, b.below,
-                colorAt(a.value, true), colorAt(b.value, false));
+    addInterval(stored(a.value), double(stored(b.value)) - stored(a.value), a.above, b.below);
   }
-  addInterval(stored(last), 0, kept.back().above, kept.back().above, colorAt(last, true),
-              colorAt(last, true));
-  for (const Node& n : kept) jump.push_back(std::abs(n.above - n.below));
+  addInterval(stored(kept.back().value), 0, kept.back().above, kept.back().above);
+  for (const Node& n : kept) jump.push_back(std::abs(seen(n.above.w) - seen(n.below.w)));
   jump.insert(jump.begin(), 0.0);  // jump[k]: at the start of interval k
+
+  auto size = [](glm::dvec4 v) {
+    return std::abs(v.w) + std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
+  };
+  std::vector<double> kink{0};  // kink[k]: at the start of interval k
+  double variation = 0;
+  for (size_t k = 0; k < slopes.size(); k++) {
+    if (k > 0) {
+      kink.push_back(size(slopes[k][0] - slopes[k - 1][1]));
+      variation += kink.back();
+    }
+    const double within = size(slopes[k][1] - slopes[k][0]);
+    bend_.push_back(variation + 0.5 * within);
+    variation += within;
+  }
 
   origin = nodes.size() > 1 ? nodes[1] : 0.f;
   const double span = inner > 0 ? double(nodes.back()) - origin : 0;
@@ -149,8 +208,17 @@ CompiledMap::CompiledMap(const ColorMap& color, const OpacityMap* opacity, const
       buckets[i] = k;
     }
   }
+  if (intervals() <= MAP_SMALL) {
+    rows.resize(10 * MAP_SMALL);
+    for (size_t k = 0; k < nodes.size(); k++) {
+      rows[k] = nodes[k];
+      rows[MAP_SMALL + k] = lengths[k];
+      for (size_t i = 0; i < 8; i++) rows[MAP_SMALL * (2 + i) + k] = pieces[8 * k + i];
+    }
+  }
   extinction_.build(std::move(extinction));
   slope_.build(std::move(slope));
+  kink_.build(std::move(kink));
   jump_.build(std::move(jump));
 }
 
@@ -167,9 +235,12 @@ CompiledMap::Over CompiledMap::over(float lo, float hi) const {
   const int a = intervalOf(lo), b = intervalOf(hi);
   // Inside one interval the ends decide: a range that just touches where something begins is transparent.
   if (a == b)
-    return {std::max(extinctionAt(a, lo), extinctionAt(a, hi)), hi > lo ? slope_.query(a, a) : 0, 0};
+    return {std::max(extinctionAt(a, lo), extinctionAt(a, hi)), hi > lo ? slope_.query(a, a) : 0, 0, 0, 0};
   const bool touches = hi == nodes[size_t(b)];
-  Over over{extinctionAt(b, hi), slope_.query(a, touches ? b - 1 : b), jump_.query(a + 1, b)};
+  const int last = touches ? b - 1 : b;
+  Over over{extinctionAt(b, hi), slope_.query(a, last), 0, bend_[size_t(last)] - bend_[size_t(a)],
+            jump_.query(a + 1, b)};
+  if (last > a) over.kink = kink_.query(a + 1, last);
   over.extinction = std::max(over.extinction, extinction_.query(a, b - 1));
   return over;
 }

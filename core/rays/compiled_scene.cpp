@@ -50,7 +50,6 @@ void compileVolume(CompiledOperator& op, CompiledScene& scene) {
                  op.vis.referenceLength.value_or(std::min({s.x, s.y, s.z}))};
   const OpacityMap opacity = effectiveOpacityMap(op.vis);
   op.map = CompiledMap(effectiveColorMap(op.vis), op.vis.volumeRendering ? &opacity : nullptr, units);
-  op.rates = planRates(scene.settings.step);
   for (double v : op.vis.isovalues) op.isovalues.push_back(float((v - volume.shift) / volume.scale));
   for (const Plane& p : op.vis.slices) op.slices.push_back(compilePlane(p, space));
 
@@ -61,10 +60,10 @@ void compileVolume(CompiledOperator& op, CompiledScene& scene) {
     part.block = &block;
     const auto& summaries = block.summaries.at(op.summary);
     if (op.vis.volumeRendering)
-      part.plan = stepPlan(summaries, op.map, cellT, scene.settings.tolerance, scene.settings.step > 0);
+      part.plan = stepPlan(summaries, op.map, cellT, scene.settings.tolerance, scene.settings.step);
     if (!op.isovalues.empty()) part.isoPlan = isoPlan(summaries, op.isovalues);
-    auto any = [](const std::vector<uint8_t>& v) {
-      return std::any_of(v.begin(), v.end(), [](uint8_t x) { return x; });
+    auto any = [](const auto& v) {
+      return std::any_of(v.begin(), v.end(), [](auto x) { return x; });
     };
     bool visible = any(part.plan) || any(part.isoPlan);
     for (const CompiledPlane& p : op.slices)
@@ -134,9 +133,9 @@ double largestRadius(const Vis& vis, const Range& range) {
 size_t CompiledScene::bytes() const {
   size_t n = 0;
   for (const auto& op : operators) {
-    n += (op.map.nodes.size() * 14 + op.map.buckets.size()) * 4;
+    n += (op.map.nodes.size() * 15 + op.map.buckets.size()) * 4;
     for (const auto& [partition, part] : op.parts)
-      n += part.plan.size() + part.isoPlan.size() +
+      n += 4 * part.plan.size() + part.isoPlan.size() +
            4 * (part.points.size() + part.normals.size() + part.values.size() + part.indices.size() +
                 part.neighbours.size());
   }

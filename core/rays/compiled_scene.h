@@ -40,7 +40,8 @@ struct CompiledPlane {
 /// What one operator has in one local partition.
 struct OperatorPart {
   const VolumeBlock* block = nullptr;  ///< owned by the operator's volume
-  std::vector<uint8_t> plan, isoPlan;  ///< per macrocell of the block
+  std::vector<int32_t> plan;     ///< per macrocell of the block
+  std::vector<uint8_t> isoPlan;  ///< the same
   std::vector<float> points;           ///< x y z radius, render space
   std::vector<float> normals;          ///< x y z per point, or empty
   std::vector<float> values;           ///< per point, or empty
@@ -54,7 +55,6 @@ struct CompiledOperator {
   OperatorData data;
   CompiledMap map;  ///< over stored values; extinction only where it is volume rendered
   std::array<float, 3> gridOrigin{}, gridInverse{};  ///< render space; cells per unit
-  std::array<float, 32> rates{};
   std::vector<float> isovalues;  ///< stored units
   std::vector<CompiledPlane> slices, clips;
   std::map<int, OperatorPart> parts;  ///< by local partition

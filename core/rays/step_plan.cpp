@@ -4,56 +4,74 @@
 #include <algorithm>
 #include <cmath>
 
+#include "gxy/kernels/single.h"
+
 namespace gxy {
 
 namespace {
-constexpr int kLevels = 31;
-// A partition evaluates the segments that end in it, and holds kGhostLayers cells before it: so midpoint segments are at
-// most 1 / 0.2625 = 3.8 cells long, and pre-integrated ones, which need their start, 1 / 0.525 = 1.9.
-constexpr double kLowestRate = 0.2625;
-constexpr int kLowestPieces = 5;
+constexpr double kLowestRate = 1 / 3.8, kLowestPieces = 1 / 1.9, kHighestRate = 64;
 static_assert(kGhostLayers == 2);
-constexpr uint8_t kPieces = 32;
-constexpr double kErrorOfVariation = 0.035;
-constexpr double kErrorOfPieces = 0.015;  // the same of pre-integrated segments
-constexpr double kErrorOfJump = 1.4;
-constexpr double kMostJump = 2;  // of optical depth per cell: what is behind such a step is hidden
-constexpr double kSharp = 4;     // change of extinction over the range at its steepest, in extinctions
-constexpr double kThick = 0.3;   // optical depth of a cell from which a segment hides part of itself
-}  // namespace
 
-std::array<float, 32> planRates(double fixedStep) {
-  std::array<float, 32> rates{};
-  for (int l = 1; l <= kLevels; l++)
-    rates[l] =
-        float(fixedStep > 0 ? std::max(1 / fixedStep, kLowestRate) : kLowestRate * std::exp2((l - 1) / 4.0));
-  return rates;
+constexpr double kBendMidpoint = 0.02, kBendPieces = 0.05;
+constexpr double kBendOfMap = 0.02, kKinkOfMap = 0.1;
+constexpr double kJump = 0.7;
+constexpr double kMostJump = 2;      // of optical depth per cell: what is behind such a step is hidden
+constexpr double kThinnest = 0.2;    // part of a cell that is seen, at least
+constexpr double kDense = 0.3;     // optical depth of a segment from which its front hides its back
+constexpr double kCostOfPieces = 1.2;  // time of a pre-integrated segment, in midpoint ones
+
+// Errors of segments of h cells, over h^2.
+struct Errors {
+  double midpoint = 0, pieces = 0;
+};
+Errors errorsOf(const Macrocell& m, const CompiledMap::Over& map, double cellT) {
+  const double range = double(m.max) - m.min;
+  const double depth = 1 / (map.extinction * cellT);        // cells to optical depth 1
+  const double seen = std::clamp(depth, 1.0, 1.7 / cellT);  // ... or through the volume
+  const double alike =
+      m.bend > 0 ? std::clamp(double(m.steep) * m.steep / (double(m.bend) * m.bend), 1.0, 4 * seen) : 1;
+  const double bend = map.slope * m.bend * std::clamp(depth, kThinnest, 1.0) * std::sqrt(seen * alike);
+  const double crossings = range > 0 ? std::max(1.0, seen * m.steep / range) : 1;
+  const double kinks =
+      m.steep * std::max(kBendOfMap * map.bend * std::sqrt(crossings), kKinkOfMap * map.kink);
+  return {cellT * (kBendMidpoint * bend + kinks),
+          cellT * kBendPieces * bend + kJump * std::min(map.jump * cellT, kMostJump)};
 }
 
-std::vector<uint8_t> stepPlan(std::span<const Macrocell> summaries, const CompiledMap& map, double cellT,
-                              double tolerance, bool fixedStep) {
-  std::vector<uint8_t> plan(summaries.size(), 0);
+}  // namespace
+
+int32_t planOf(double segmentsPerCell, Integrator integrator) {
+  const bool midpoint = integrator == Integrator::Midpoint;
+  const double rate = std::clamp(segmentsPerCell, midpoint ? kLowestRate : kLowestPieces, kHighestRate);
+  const int method = midpoint                                    ? 0
+                     : integrator == Integrator::PreIntegrated ? PLAN_PIECES
+                                                                 : PLAN_PIECES | PLAN_CELLS;
+  return int32_t(std::ceil(rate * PLAN_UNIT)) << PLAN_BITS | method;
+}
+
+std::vector<int32_t> stepPlan(std::span<const Macrocell> summaries, const CompiledMap& map, double cellT,
+                              double tolerance, double step) {
+  std::vector<int32_t> plan(summaries.size(), 0);
   for (size_t i = 0; i < plan.size(); i++) {
     const Macrocell& m = summaries[i];
     if (!(m.min <= m.max)) continue;
     const CompiledMap::Over over = map.over(m.min, m.max);
     if (!(over.extinction > 0)) continue;
-    if (fixedStep) {
-      plan[i] = 1;
+    if (step > 0) {
+      plan[i] = planOf(1 / step, Integrator::Midpoint);
       continue;
     }
-    // errors of about as many cells add up, at random, as a ray sees
-    const double seen = std::min(1 / (over.extinction * cellT), 1.7 / cellT);
-    const double variation = over.slope * (double(m.max) - m.min) * cellT;
-    const double jump = std::min(over.jump * cellT, kMostJump);
-    const bool sharp = m.noData || jump > 0 || over.extinction * cellT > kThick ||
-                       over.slope * (double(m.max) - m.min) > kSharp * over.extinction;
-    const double error =
-        (sharp ? kErrorOfPieces : kErrorOfVariation) * variation * std::sqrt(std::max(seen, 1.0)) +
-        kErrorOfJump * jump;
-    const double rate = std::sqrt(error / (0.75 * tolerance));
-    const int level = rate > kLowestRate ? int(std::ceil(4 * std::log2(rate / kLowestRate))) + 1 : 1;
-    plan[i] = uint8_t(std::clamp(level, sharp ? kLowestPieces : 1, kLevels) | (sharp ? kPieces : 0));
+    const Errors errors = errorsOf(m, over, cellT);
+    const double allowed = 0.75 * tolerance;
+    const double midpoint = std::max(std::sqrt(errors.midpoint / allowed), kLowestRate);
+    const double pieces = std::max(std::sqrt(errors.pieces / allowed), kLowestPieces);
+    const bool dense = over.extinction * cellT > kDense * midpoint;
+    if (m.noData)
+      plan[i] = planOf(pieces, Integrator::PreIntegratedByCells);
+    else if (over.jump > 0 || dense || midpoint > kCostOfPieces * pieces)
+      plan[i] = planOf(pieces, Integrator::PreIntegrated);
+    else
+      plan[i] = planOf(midpoint, Integrator::Midpoint);
   }
   return plan;
 }

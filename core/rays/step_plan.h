@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Per macrocell: skip it, or how finely and by which method to integrate it (kernels/volume.h's plan byte).
+// Per macrocell: skip it, or how finely and by which method to integrate it.
 #pragma once
-#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -11,20 +10,31 @@
 
 namespace gxy {
 
-/// The ladder of sampling rates, in segments per cell length: rates[0] is unused, rates[l] = 2^((l - 1) / 4) * 0.2625.
-/// With a fixed step > 0 (in cells) all are 1 / step, for steps of 3.8 cells at most: the ghost layers allow no longer ones.
-std::array<float, 32> planRates(double fixedStep);
+/// How a macrocell's segments are integrated.
+enum class Integrator { Midpoint, PreIntegrated, PreIntegratedByCells };
 
-/// The plan of every macrocell, from its value range alone, so that all partitions and ranks agree.
+/// A plan as kernels/volume.h reads it. Rates below 1 / 3.8 (1 / 1.9 if pre-integrated) are raised to that: a partition
+/// evaluates the segments that end in it, and its ghost layers hold no more of what is before it.
+int32_t planOf(double segmentsPerCell, Integrator integrator);
+
+/// The plan of every macrocell, from its summary alone, so that all partitions and ranks agree.
 ///
-/// The errors of segments of h cells add up over the N cells that a ray sees (until it is opaque, or has crossed the
-/// volume) to about 0.035 V h^2 sqrt(N), where V = (largest slope of the map over the macrocell's range) x (that range) x
-/// (t of a cell). Where the map has a step inside the range, is sharp against its extinction or is dense, segments end at
-/// cell faces and are pre-integrated along the map (PLAN_PIECES): 0.015 V h^2 sqrt(N) + 1.4 J h^2, J the step's optical
-/// depth per cell. h is chosen so that this is 3/4 of the tolerance; early termination takes the rest. The constants are
-/// measured (tests/accuracy/step_plan.cpp: turbulence and Marschner-Lobb under five shapes of maps).
-std::vector<uint8_t> stepPlan(std::span<const Macrocell> summaries, const CompiledMap& map, double cellT,
-                              double tolerance, bool fixedStep);
+/// With h the length of segments in cells, m the macrocell's summary, f the map over its range, N the cells to optical
+/// depth 1 (at most those across the volume), and all extinctions per cell, the error of a ray is estimated as
+///
+///   midpoint         h^2 (0.02 B + m.steep max(0.02 f.bend sqrt(c), 0.1 f.kink))
+///   pre-integrated   h^2 (0.05 B + 0.7 f.jump)
+///
+/// where B = f.slope m.bend sqrt(N l) is what the field's curvature does, in runs of l = (m.steep / m.bend)^2 cells that
+/// err alike (1 <= l <= 4 N), and c = N m.steep / (m.max - m.min) the number of times that the ray crosses the range. h
+/// makes this 3/4 of the tolerance (early termination takes the rest), and the method is the one that costs less; steps
+/// of the map are always pre-integrated. 1/24 and 1/12 are the coefficients of the two rules for errors of one sign
+/// (Davis & Rabinowitz 1984, 2.1); the constants here are those that hold for rays through fields from smooth to white
+/// noise under five shapes of maps (tests/accuracy/step_plan.cpp).
+///
+/// A step > 0 (in cells) asks for midpoint segments of that length wherever something is seen.
+std::vector<int32_t> stepPlan(std::span<const Macrocell> summaries, const CompiledMap& map, double cellT,
+                              double tolerance, double step);
 
 /// 1 for every macrocell whose range holds one of the isovalues (stored units).
 std::vector<uint8_t> isoPlan(std::span<const Macrocell> summaries, std::span<const float> isovalues);

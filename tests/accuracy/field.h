@@ -132,8 +132,7 @@ inline double Field::at(int64_t i, int64_t j, int64_t k) const {
 /// What a view shows besides the samples.
 struct Shown {
   CompiledMap map;
-  std::vector<uint8_t> plan;  ///< per macrocell of the block
-  std::array<float, 32> rates = planRates(0);
+  std::vector<int32_t> plan;  ///< per macrocell of the block
   std::vector<float> isovalues;
   bool wide = false;
 };
@@ -144,10 +143,13 @@ class View {
  public:
   View(const Field& f, const Shown& s)
       : buckets_(s.map.buckets.begin(), s.map.buckets.end()),
+        opaque_(s.map.opaque.begin(), s.map.opaque.end()),
         nodes_(s.map.nodes.begin(), s.map.nodes.end()),
         lengths_(s.map.lengths.begin(), s.map.lengths.end()),
+        rows_(s.map.rows.begin(), s.map.rows.end()),
         pieces_(s.map.pieces.begin(), s.map.pieces.end()),
         sums_(s.map.sums.begin(), s.map.sums.end()),
+
         isovalues_(s.isovalues.begin(), s.isovalues.end()),
         plan_(s.plan),
         isoPlan_(isoPlan(f.macrocells(), s.isovalues)) {
@@ -181,13 +183,14 @@ class View {
     view_.macroFirstX = int(f.block.firstMacrocell[0]);
     view_.macroFirstY = int(f.block.firstMacrocell[1]);
     view_.macroFirstZ = int(f.block.firstMacrocell[2]);
-    for (int i = 0; i < 32; i++) view_.rates[i] = Real(s.rates[size_t(i)]);
     view_.mapUniform = s.map.uniform;
     view_.mapBuckets = int(s.map.buckets.size());
     view_.mapIntervals = s.map.intervals();
     view_.mapOrigin = Real(s.map.origin), view_.mapInverse = Real(s.map.inverse);
     view_.buckets = buckets_.data(), view_.nodes = nodes_.data(), view_.lengths = lengths_.data();
+    view_.rows = rows_.empty() ? nullptr : rows_.data();
     view_.pieces = pieces_.data(), view_.sums = sums_.data();
+    view_.opaque = opaque_.data();
     view_.isovalues = int(isovalues_.size());
     view_.isovalue = isovalues_.data();
   }
@@ -197,9 +200,10 @@ class View {
   const typename Kernels<Real>::View& operator*() const { return view_; }
 
  private:
-  std::vector<int> buckets_;
-  std::vector<Real> nodes_, lengths_, pieces_, sums_, isovalues_;
-  std::vector<uint8_t> plan_, isoPlan_;
+  std::vector<int> buckets_, opaque_;
+  std::vector<Real> nodes_, lengths_, rows_, pieces_, sums_, isovalues_;
+  std::vector<int32_t> plan_;
+  std::vector<uint8_t> isoPlan_;
   typename Kernels<Real>::View view_{};
 };
 

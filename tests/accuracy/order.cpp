@@ -9,11 +9,10 @@ namespace {
 
 // The median over rays of the difference from the reference at that rate (segments per cell): rays that graze a step of
 // the map converge more slowly.
-double marchError(const Field& f, const CompiledMap& map, double rate, bool pieces) {
+double marchError(const Field& f, const CompiledMap& map, double rate, Integrator integrator) {
   Shown shown;
   shown.map = map;
-  shown.plan = evenPlan(f, uint8_t(1 | (pieces ? 32 : 0)));
-  shown.rates.fill(float(rate));
+  shown.plan = evenPlan(f, planOf(rate, integrator));
   const View<double> view(f, shown);
   Random random(61);
   std::vector<double> errors;
@@ -36,7 +35,7 @@ TEST(Convergence, MidpointSegmentsAreOfSecondOrderOnSmoothMaps) {
   const Maps m{{{{0, {1, 0, 0}}, {1, {0, 1, 0.5}}}}, {true, {{-1, 0}, {2, 6}}}};
   const CompiledMap map = compiled(m, f);
   std::vector<double> errors;
-  for (double rate : {1.0, 2.0, 4.0, 8.0}) errors.push_back(marchError(f, map, rate, false));
+  for (double rate : {1.0, 2.0, 4.0, 8.0}) errors.push_back(marchError(f, map, rate, Integrator::Midpoint));
   EXPECT_GE(fittedOrder(errors), 1.9) << errors.front() << " to " << errors.back();
 }
 
@@ -46,7 +45,7 @@ const Maps kStepped{{{{0, {1, 0, 0}}, {1, {0, 1, 0.5}}}},
 double orderOfPieces(const Field& f) {
   const CompiledMap map = compiled(kStepped, f);
   std::vector<double> errors;
-  for (double rate : {1.0, 2.0, 4.0, 8.0, 16.0}) errors.push_back(marchError(f, map, rate, true));
+  for (double rate : {1.0, 2.0, 4.0, 8.0, 16.0}) errors.push_back(marchError(f, map, rate, Integrator::PreIntegrated));
   return fittedOrder(errors);
 }
 

@@ -7,20 +7,22 @@
 namespace gxy::test {
 namespace {
 
+constexpr Integrator kIntegrators[] = {Integrator::Midpoint, Integrator::PreIntegrated,
+                                       Integrator::PreIntegratedByCells};
+
 struct Slab {
   Field field;
   Shown shown;
   double sigma;
 };
 
-Slab uniformSlab(Random& random, uint8_t method) {
+Slab uniformSlab(Random& random, Integrator integrator) {
   const Index3 n{2 + random.below(40), 2 + random.below(100), 2 + random.below(120)};
   Slab s{
       makeField(gridOf(n, random.point(0.3, 1)), [](int64_t, int64_t, int64_t, int) { return 0.5; }), {}, 0};
   const OpacityMap map{true, {{0, random.scale(1e-4, 30)}}};
   s.shown.map = CompiledMap({{{0, glm::dvec3(1)}}}, &map, {});
-  s.shown.plan = evenPlan(s.field, uint8_t(1 | method));
-  s.shown.rates.fill(float(random.scale(0.25, 16)));
+  s.shown.plan = evenPlan(s.field, planOf(random.scale(0.25, 16), integrator));
   s.sigma = s.shown.map.pieces[0];  // as the kernels know it
   return s;
 }
@@ -47,7 +49,7 @@ void expectBeerLambert(double absolute, double relative) {
   int reached = 0;
   double worst = 0;
   for (int scene = 0; scene < 60; scene++) {
-    const Slab s = uniformSlab(random, scene % 3 == 0 ? 32 : 0);
+    const Slab s = uniformSlab(random, kIntegrators[scene % 3]);
     const View<Real> view(s.field, s.shown);
     for (int i = 0; i < 60; i++) {
       const auto ray = rayIn(view, randomRay(random, s.field));

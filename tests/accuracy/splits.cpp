@@ -9,6 +9,9 @@
 namespace gxy::test {
 namespace {
 
+constexpr Integrator kIntegrators[] = {Integrator::Midpoint, Integrator::PreIntegrated,
+                                       Integrator::PreIntegratedByCells};
+
 // 1 to 64 intervals that end anywhere, at planes of cells and of macrocells, and at ends of segments.
 template <class Real>
 std::vector<Real> randomCuts(Random& random, const typename Kernels<Real>::Ray& ray, double rate) {
@@ -35,7 +38,7 @@ void expectSameBits(MapShape shape) {
     Shown shown;
     shown.map = compiled(randomMaps(random, shape), f);
     for (size_t i = 0; i < f.macrocells().size(); i++)
-      shown.plan.push_back(uint8_t(random.below(4) ? 1 + random.below(16) + 32 * random.below(2) : 0));
+      shown.plan.push_back(random.below(4) ? planOf(random.scale(0.2, 8), kIntegrators[random.below(3)]) : 0);
     const View<Real> view(f, shown);
     for (int i = 0; i < 200; i++) {
       const auto ray = rayIn(view, randomRay(random, f));

@@ -17,7 +17,7 @@ struct Cost {
 Cost costOf(const Field& f, const CompiledMap& map, double tolerance, uint64_t seed, int rays) {
   Shown shown;
   shown.map = map;
-  shown.plan = stepPlan(f.macrocells(), map, f.longestCell(), tolerance, false);
+  shown.plan = stepPlan(f.macrocells(), map, f.longestCell(), tolerance, 0);
   const View<float> view(f, shown);
   Random random(seed);
   Cost c;
