@@ -29,7 +29,7 @@ static inline void enterMacrocell(VOLUME v, Cursor& c) {
   c.tb = min(min3(c.walk.far), c.ray.t1);
   c.index = 0.0f;
   c.count = 1.0f;
-  if (plan != 0) c.count = max(ceil((c.tb - c.walk.t) * c.ray.cells * planRate(plan)), 1.0f);
+  if (plan != 0) c.count = segmentCount(c.ray, c.tb - c.walk.t, plan);
   c.dt = (c.tb - c.walk.t) / c.count;
 }
 
@@ -163,7 +163,7 @@ export void integrateMany(const void* uniform scene, void* uniform rays, uniform
       } else {
         if (sigma > 0.0f && b > a) {
           float inverse = 1.0f / sigma;
-          addSegment(L, sigma * (b - a), make_v3(source.x * inverse, source.y * inverse, source.z * inverse));
+          addSegment(L, sigma * (b - a), make_v3(source.x * inverse, source.y * inverse, source.z * inverse), s.tMin);
         }
         a = b;
         if (b >= end || 1.0f - L.A < s.tMin || b >= tOut) go = false;

@@ -52,7 +52,7 @@ Extent ownedPoints(const Grid& grid, const Partitioning& partitioning, int parti
 /// `parts` blocks of a grid, as decompose() shapes them, cut on grid points and shared among `ranks`.
 Partitioning decomposed(const Grid& grid, int parts, int ranks);
 
-inline constexpr int kGhostLayers = 2;  ///< see decisions/0001: a segment's sample and a gradient stay inside
+inline constexpr int kGhostLayers = 4;  ///< see decisions/0001: a segment's sample and a gradient stay inside
 inline constexpr int kMacrocellSize = 8;  ///< cells per macrocell and axis, aligned to the global grid
 
 /// What is known of the samples of one macrocell (all corners of its 8^3 cells), in stored values per cell. Differences

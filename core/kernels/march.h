@@ -84,17 +84,16 @@ FN void addPieces(VOLUME v, real s0, real s1, real length, real tMin, INOUT(Radi
     real curved =
         max(max(curvature(m.color.x, m.front.x, m.back.x), curvature(m.color.y, m.front.y, m.back.y)),
             curvature(m.color.z, m.front.z, m.back.z));
-    if (T * (w * min(tau, R(1.0))) * curved > R(2.0) * tMin + R(1e-5) && part > R(0.0005)) {
+    if (T * (w * min(tau, R(1.0))) * curved > tMin + R(1e-5) && part > R(0.0005)) {
       part = R(0.5) * part;
     } else {
       if (tau > R(0.0)) {
         // mean of 1/2 - y / tau over what is seen, y the optical depth to it
         real lead = tau < R(0.3) ? tau * R(0.083333333333333333) : (R(0.5) - R(1.0) / tau) + (R(1.0) - w) / w;
-        real g = T * w;
-        L.rgb.x += g * (m.color.x + lead * (m.front.x - m.back.x));
-        L.rgb.y += g * (m.color.y + lead * (m.front.y - m.back.y));
-        L.rgb.z += g * (m.color.z + lead * (m.front.z - m.back.z));
-        L.A += g;
+        vec3 seen =
+            make_v3(m.color.x + lead * (m.front.x - m.back.x), m.color.y + lead * (m.front.y - m.back.y),
+                    m.color.z + lead * (m.front.z - m.back.z));
+        addSegment(L, tau, seen, tMin);
       }
       from += part;
       more = from < R(1.0) && R(1.0) - L.A >= tMin;
@@ -111,7 +110,7 @@ FN real segmentBehind(real t, real begin, real dt, real count) {
   return i;
 }
 
-// PLAN_CELLS: the macrocell between tEnter and tb cell by cell, since some hold no data, each cell in equal segments along
+// PLAN_CELLS: the macrocell between tEnter and tb cell by cell, since some hold no data or the map has a step, each cell in equal segments along
 // which the value is taken as linear and the map is integrated exactly. Clears `go` where the march ends.
 FN_OUTLINE void integrateCells(VOLUME v, VolumeRay r, MarchRange m, real t, real tEnter, real tb, real rate,
                                real end, INOUT(Radiance) L, INOUT(MarchCount) n, INOUT(bool) go) {
@@ -164,81 +163,94 @@ FN_OUTLINE void integrateCells(VOLUME v, VolumeRay r, MarchRange m, real t, real
   }
 }
 
+// The segments of a macrocell: `count` of length dt from w.t on. Nearest, not next, as over a ray it evens out.
+FN real segmentCount(VolumeRay r, real span, int plan) {
+  real n = floor(span * r.cells * planRate(plan) + R(0.5));
+  return max(n, R(1.0));
+}
+
 // One loop, an iteration a sample: rays of a gang enter macrocells at different times and still sample together.
 FN void integrateVolume(VOLUME v, VolumeRay r, MarchRange m, INOUT(Radiance) L, INOUT(MarchCount) n) {
   real end = min(r.t1, m.tStop);
+  real last = min(end, m.tOut);
   real t = max(max(m.tIn, m.tStart), r.t0);
   // A hit exactly at tIn may end a segment that began before it.
   if (!(t <= m.tStop && t < min(r.t1, m.tOut)) || R(1.0) - L.A < m.tMin) return;
   MacroWalk w = startMacroWalk(v, r, t);
-  real last = min(end, m.tOut);     // no macrocell behind it
-  real tb = w.t, dt = R(0.0);       // end of the macrocell, length of its segments
-  real i = R(0.0), count = R(0.0);  // segment, and their number
-  real a = t;                       // start of the segment
+  real tb = min(min3(w.far), r.t1);   // end of the macrocell
+  real dt = R(0.0), count = R(0.0);   // length and number of its segments
+  real i = R(0.0), a = t;             // segment, and its start
   real s0 = R(0.0), known = R(-1.0);  // the value at `known`, the end of the segment before if pre-integrated
-  bool pieces = false, first = true, go = true;
-  while (go) {
-    while (go && i >= count) {  // on to a macrocell that has segments
-      if (first) {
-        first = false;
+  int plan = planAt(v, w.index);
+  if (plan != 0 && (plan & PLAN_CELLS) == 0 && w.t < t) {
+    // entered in its middle: the segments before are somebody else's
+    count = segmentCount(r, tb - w.t, plan);
+    dt = (tb - w.t) / count;
+    i = segmentBehind(t, w.t, dt, count);
+    a = max(i > R(0.0) ? w.t + i * dt : w.t, m.tStart);
+    if ((plan & PLAN_PIECES) != 0) i -= R(1.0);  // an iteration for the value at a
+    n.macrocells += 1;
+  }
+  while (true) {
+    while (i >= count) {  // a macrocell at its entry
+      tb = min(min3(w.far), r.t1);
+      plan = planAt(v, w.index);
+      real span = tb - w.t;
+      bool seen = plan != 0 && span > R(0.0);
+      bool cells = (plan & PLAN_CELLS) != 0;
+      if (seen) {
+        n.macrocells += 1;
+        if (cells) {
+          // copies, so that what the call refers to does not keep the loop's own values in memory
+          VolumeRay ray = r;
+          Radiance sum = L;
+          MarchCount counted = n;
+          bool on = true;
+          integrateCells(v, ray, m, t, w.t, tb, planRate(plan), end, sum, counted, on);
+          L = sum;
+          n = counted;
+          if (!on) return;
+        } else {
+          count = segmentCount(r, span, plan);
+          dt = span / count;
+          a = w.t;
+          i = R(0.0);
+          if ((plan & PLAN_PIECES) != 0 && a != known) i = R(-1.0);  // an iteration for the value at a
+        }
       } else {
-        go = tb < last;
+        n.skipped += 1;
+      }
+      if (!seen || cells) {
+        if (tb >= last) return;
         stepMacroWalk(v, r, w);
       }
+    }
+    i += R(1.0);
+    real b = min(i < count ? w.t + i * dt : tb, m.tStop);
+    if (b > m.tOut) return;  // the next partition's
+    bool pieces = (plan & PLAN_PIECES) != 0;
+    fetchAhead(v, pointAt(r.g, b + R(0.5) * dt));
+    real s = sampleAt(v, pointAt(r.g, pieces ? max(a, b) : R(0.5) * (a + b)));
+    if (b > a) {
+      n.samples += 1;
+      if (pieces) {
+        if ((s0 - s0) + (s - s) == R(0.0)) addPieces(v, s0, s, b - a, m.tMin, L);
+      } else if (s - s == R(0.0)) {
+        MapPlace p = mapPlace(v, s);
+        MapPiece piece = mapPiece(v, p.k);
+        real sigma = sigmaAt(piece, p.f);
+        if (sigma > R(0.0)) addSegment(L, sigma * (b - a), colorAt(piece, p.f), m.tMin);
+      }
+      a = b;
+    }
+    s0 = s;
+    known = pieces ? a : R(-1.0);
+    if (b >= end || R(1.0) - L.A < m.tMin) return;
+    if (i >= count) {
+      if (tb >= last) return;
+      stepMacroWalk(v, r, w);
       i = R(0.0);
       count = R(0.0);
-      if (go) {
-        tb = min(min3(w.far), r.t1);
-        int plan = planAt(v, w.index);
-        real span = tb - w.t;
-        n.skipped += plan == 0 ? 1 : 0;
-        if (plan != 0 && span > R(0.0)) {
-          n.macrocells += 1;
-          real rate = planRate(plan);
-          if ((plan & PLAN_CELLS) != 0) {
-            // copies, so that what the call refers to does not keep the loop's own values in memory
-            VolumeRay ray = r;
-            Radiance sum = L;
-            MarchCount counted = n;
-            bool on = true;
-            integrateCells(v, ray, m, t, w.t, tb, rate, end, sum, counted, on);
-            L = sum;
-            n = counted;
-            go = on;
-          } else {
-            count = max(ceil(span * r.cells * rate), R(1.0));
-            dt = span / count;
-            if (w.t < t) i = segmentBehind(t, w.t, dt, count);  // those before were somebody else's
-            a = max(i > R(0.0) ? w.t + i * dt : w.t, m.tStart);
-            pieces = (plan & PLAN_PIECES) != 0;
-            if (pieces && a != known) i -= R(1.0);  // an iteration for the value at a
-          }
-        }
-      }
-    }
-    if (go) {
-      i += R(1.0);
-      real b = i < count ? w.t + i * dt : tb;
-      b = min(max(b, a), m.tStop);
-      if (b > m.tOut) {
-        go = false;  // the next partition's
-      } else {
-        n.samples += b > a ? 1 : 0;
-        real at = pieces ? b : R(0.5) * (a + b);
-        real s = sampleAt(v, pointAt(r.g, at));
-        if (pieces) {
-          if (b > a && (s0 - s0) + (s - s) == R(0.0)) addPieces(v, s0, s, b - a, m.tMin, L);
-          s0 = s;
-          known = b;
-        } else if (s - s == R(0.0)) {
-          MapPlace p = mapPlace(v, s);
-          MapPiece piece = mapPiece(v, p.k);
-          real sigma = sigmaAt(piece, p.f);
-          if (sigma > R(0.0)) addSegment(L, sigma * (b - a), colorAt(piece, p.f));
-        }
-        a = b;
-        if (b >= end || R(1.0) - L.A < m.tMin) go = false;
-      }
     }
   }
 }

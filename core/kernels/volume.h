@@ -15,7 +15,7 @@
 // A plan: segments per cell length in units of 1 / PLAN_UNIT, above these bits. 0: nothing is seen there.
 #define PLAN_BITS 2
 #define PLAN_PIECES 1  // pre-integrated segments, else midpoints
-#define PLAN_CELLS 2   // with PLAN_PIECES: cell by cell, as some hold no data
+#define PLAN_CELLS 2   // with PLAN_PIECES: cell by cell, as some hold no data or the map has a step
 #define PLAN_UNIT 1024
 
 struct VolumeRay {
@@ -83,8 +83,9 @@ FN MacroWalk startMacroWalk(VOLUME v, VolumeRay r, real t) {
                     locateCell(t, r.g.po.z * s, r.g.pd.z * s, r.g.rpd.z * b, ((n.z - 1) >> MACRO_BITS) + 1));
   MacroWalk w;
   w.index = macroIndex(v, m);
-  w.plane = make_v3(toReal(farPlane(m.x, r.g.rpd.x) << MACRO_BITS), toReal(farPlane(m.y, r.g.rpd.y) << MACRO_BITS),
-                    toReal(farPlane(m.z, r.g.rpd.z) << MACRO_BITS));
+  w.plane =
+      make_v3(toReal(farPlane(m.x, r.g.rpd.x) << MACRO_BITS), toReal(farPlane(m.y, r.g.rpd.y) << MACRO_BITS),
+              toReal(farPlane(m.z, r.g.rpd.z) << MACRO_BITS));
   w.far = make_v3(crossingOf(w.plane.x, r.g.po.x, r.g.rpd.x), crossingOf(w.plane.y, r.g.po.y, r.g.rpd.y),
                   crossingOf(w.plane.z, r.g.po.z, r.g.rpd.z));
   real nx = planeCrossing(nearPlane(m.x, r.g.rpd.x) << MACRO_BITS, r.g.po.x, r.g.rpd.x);
@@ -117,8 +118,12 @@ struct Radiance {
   real A;    // opacity, 1 - transmittance: a float near 1 would lose what thin segments take away
 };
 
-FN void addSegment(INOUT(Radiance) L, real tau, vec3 c) {
-  real w = (R(1.0) - L.A) * oneMinusExp(tau);
+// A segment of optical depth tau and colour c. If less than tMin would go on behind it, it counts as opaque: what is
+// behind is taken to look the same, not to be black.
+FN void addSegment(INOUT(Radiance) L, real tau, vec3 c, real tMin) {
+  real T = R(1.0) - L.A;
+  real w = T * oneMinusExp(tau);
+  w = T - w < tMin ? T : w;
   L.rgb.x += w * c.x;
   L.rgb.y += w * c.y;
   L.rgb.z += w * c.z;

@@ -44,8 +44,9 @@ struct VolumeView {
   PTR(real) lengths;  // inverse length of each interval
   PTR(real) rows;     // of at most 16 intervals: 10 rows of 16, the nodes, lengths and pieces; else null
   PTR(real) pieces;   // 8 per interval: sigma, its step, then r, g, b each with its step
-  PTR(real) sums;     // 4 per interval: integrals of sigma and sigma * rgb from the last opaque interval to its start
-  PTR(int) opaque;    // the last opaque interval before it, or -1
+  PTR(real)
+  sums;  // 4 per interval: integrals of sigma and sigma * rgb from the last opaque interval to its start
+  PTR(int) opaque;  // the last opaque interval before it, or -1
 
   int isovalues;
   PTR(real) isovalue;
@@ -175,6 +176,26 @@ FN_OUTLINE Corners cellCornersOfAny(VOLUME v, ivec3 c) {
   k.v111 = scalarAt(v, h + v.nx + 1);
   return k;
 }
+
+// Asks for the samples around p, where the next value will be wanted. Rays of a gang are neighbours: a few stand for all.
+#if defined(ISPC)
+static inline void fetchAhead(VOLUME v, vec3 p) {
+  const uniform float* uniform s = (const uniform float* uniform)v.samples;
+  uniform int slice = v.nx * v.ny;
+  int at = (((int)p.z - v.firstZ) * v.ny + ((int)p.y - v.firstY)) * v.nx + ((int)p.x - v.firstX);
+  if (v.kind == SAMPLE_F32 && v.stride == 1 && v.wide == 0) {
+    for (uniform int i = 0; i < 4; i++) {
+      const uniform float* uniform row = s + extract(at, i * (programCount - 1) / 3);
+      prefetch_l1(row);
+      prefetch_l1(row + v.nx);
+      prefetch_l1(row + slice);
+      prefetch_l1(row + slice + v.nx);
+    }
+  }
+}
+#else
+FN void fetchAhead(VOLUME, vec3) {}
+#endif
 
 // The eight corner values of a cell that the block holds.
 FN Corners cellCorners(VOLUME v, ivec3 c) {

@@ -18,7 +18,7 @@ constexpr double kOpaque = 1e20;        // extinction of opacity 1: opaque at on
 constexpr double kNearlyOpaque = 1e-7;  // 1 - a below which a is taken as a limit of finite extinction
 constexpr double kDense = 4;            // optical depth of a reference length beyond which errors are hidden
 constexpr double kHidden = 1000;        // the same from which an interval hides what is behind it
-constexpr double kStraight = 1e-4;  // of extinction, and absolute in colour
+constexpr double kStraight = 1e-4;      // of extinction, and absolute in colour
 constexpr int kDeepestCut = 14;
 constexpr int kMostBuckets = 4096;
 

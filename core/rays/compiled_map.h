@@ -28,16 +28,17 @@ class CompiledMap {
   float origin = 0, inverse = 0;  ///< first inner node; per bucket (or interval) length
   std::vector<int32_t> buckets;   ///< first interval of each bucket
   std::vector<float> nodes, lengths, rows, pieces, sums;  ///< see kernels/volume_view.h
-  std::vector<int32_t> opaque;                      ///< the same
-  double largestColor = 0;                          ///< over all components
+  std::vector<int32_t> opaque;                            ///< the same
+  double largestColor = 0;                                ///< over all components
 
   /// What the map does over stored values [lo, hi].
   struct Over {
     double extinction = 0;  ///< largest, per unit of t
-    double slope = 0;  ///< largest change of extinction and of extinction times colour, per unit of value and t
-    double kink = 0;   ///< largest change of that slope at a node inside
-    double bend = 0;   ///< total variation of that slope inside
-    double jump = 0;   ///< largest step of extinction at a discontinuity inside
+    double slope =
+        0;  ///< largest change of extinction and of extinction times colour, per unit of value and t
+    double kink = 0;  ///< largest change of that slope at a node inside
+    double bend = 0;  ///< total variation of that slope inside
+    double jump = 0;  ///< largest step of extinction at a discontinuity inside
   };
   Over over(float lo, float hi) const;
 

@@ -62,9 +62,7 @@ void compileVolume(CompiledOperator& op, CompiledScene& scene) {
     if (op.vis.volumeRendering)
       part.plan = stepPlan(summaries, op.map, cellT, scene.settings.tolerance, scene.settings.step);
     if (!op.isovalues.empty()) part.isoPlan = isoPlan(summaries, op.isovalues);
-    auto any = [](const auto& v) {
-      return std::any_of(v.begin(), v.end(), [](auto x) { return x; });
-    };
+    auto any = [](const auto& v) { return std::any_of(v.begin(), v.end(), [](auto x) { return x; }); };
     bool visible = any(part.plan) || any(part.isoPlan);
     for (const CompiledPlane& p : op.slices)
       visible = visible || planeMeets(p, scene.partitioning->box(partition), space);

@@ -40,8 +40,8 @@ struct CompiledPlane {
 /// What one operator has in one local partition.
 struct OperatorPart {
   const VolumeBlock* block = nullptr;  ///< owned by the operator's volume
-  std::vector<int32_t> plan;     ///< per macrocell of the block
-  std::vector<uint8_t> isoPlan;  ///< the same
+  std::vector<int32_t> plan;           ///< per macrocell of the block
+  std::vector<uint8_t> isoPlan;        ///< the same
   std::vector<float> points;           ///< x y z radius, render space
   std::vector<float> normals;          ///< x y z per point, or empty
   std::vector<float> values;           ///< per point, or empty
@@ -55,7 +55,7 @@ struct CompiledOperator {
   OperatorData data;
   CompiledMap map;  ///< over stored values; extinction only where it is volume rendered
   std::array<float, 3> gridOrigin{}, gridInverse{};  ///< render space; cells per unit
-  std::vector<float> isovalues;  ///< stored units
+  std::vector<float> isovalues;                      ///< stored units
   std::vector<CompiledPlane> slices, clips;
   std::map<int, OperatorPart> parts;  ///< by local partition
   int summary = 0;                    ///< which of the block's summaries: component, or the magnitude

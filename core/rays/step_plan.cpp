@@ -9,15 +9,16 @@
 namespace gxy {
 
 namespace {
-constexpr double kLowestRate = 1 / 3.8, kLowestPieces = 1 / 1.9, kHighestRate = 64;
-static_assert(kGhostLayers == 2);
+// Segments are at most 3/2 as long as planned: the nearest number of them fills a macrocell.
+constexpr double kLongest = 2 * (kGhostLayers - 0.1) / 1.5;
+constexpr double kLowestRate = 1 / kLongest, kLowestPieces = 2 / kLongest, kHighestRate = 64;
 
-constexpr double kBendMidpoint = 0.02, kBendPieces = 0.05;
+constexpr double kBendMidpoint = 0.02, kBendPieces = 0.07;
 constexpr double kBendOfMap = 0.02, kKinkOfMap = 0.1;
-constexpr double kJump = 0.7;
-constexpr double kMostJump = 2;      // of optical depth per cell: what is behind such a step is hidden
-constexpr double kThinnest = 0.2;    // part of a cell that is seen, at least
-constexpr double kDense = 0.3;     // optical depth of a segment from which its front hides its back
+constexpr double kJump = 2;
+constexpr double kMostJump = 2;        // of optical depth per cell: what is behind such a step is hidden
+constexpr double kThinnest = 0.2;      // part of a cell that is seen, at least
+constexpr double kDense = 0.3;         // optical depth of a segment from which its front hides its back
 constexpr double kCostOfPieces = 1.2;  // time of a pre-integrated segment, in midpoint ones
 
 // Errors of segments of h cells, over h^2.
@@ -43,9 +44,9 @@ Errors errorsOf(const Macrocell& m, const CompiledMap::Over& map, double cellT) 
 int32_t planOf(double segmentsPerCell, Integrator integrator) {
   const bool midpoint = integrator == Integrator::Midpoint;
   const double rate = std::clamp(segmentsPerCell, midpoint ? kLowestRate : kLowestPieces, kHighestRate);
-  const int method = midpoint                                    ? 0
+  const int method = midpoint                                  ? 0
                      : integrator == Integrator::PreIntegrated ? PLAN_PIECES
-                                                                 : PLAN_PIECES | PLAN_CELLS;
+                                                               : PLAN_PIECES | PLAN_CELLS;
   return int32_t(std::ceil(rate * PLAN_UNIT)) << PLAN_BITS | method;
 }
 
@@ -66,9 +67,9 @@ std::vector<int32_t> stepPlan(std::span<const Macrocell> summaries, const Compil
     const double midpoint = std::max(std::sqrt(errors.midpoint / allowed), kLowestRate);
     const double pieces = std::max(std::sqrt(errors.pieces / allowed), kLowestPieces);
     const bool dense = over.extinction * cellT > kDense * midpoint;
-    if (m.noData)
+    if (m.noData || over.jump > 0)
       plan[i] = planOf(pieces, Integrator::PreIntegratedByCells);
-    else if (over.jump > 0 || dense || midpoint > kCostOfPieces * pieces)
+    else if (dense || midpoint > kCostOfPieces * pieces)
       plan[i] = planOf(pieces, Integrator::PreIntegrated);
     else
       plan[i] = planOf(midpoint, Integrator::Midpoint);

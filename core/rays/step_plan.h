@@ -13,8 +13,8 @@ namespace gxy {
 /// How a macrocell's segments are integrated.
 enum class Integrator { Midpoint, PreIntegrated, PreIntegratedByCells };
 
-/// A plan as kernels/volume.h reads it. Rates below 1 / 3.8 (1 / 1.9 if pre-integrated) are raised to that: a partition
-/// evaluates the segments that end in it, and its ghost layers hold no more of what is before it.
+/// A plan as kernels/volume.h reads it. Rates are at least 1 / 5.2 (1 / 2.6 if pre-integrated): a partition evaluates
+/// the segments that end in it, and its ghost layers hold no more of what is before it.
 int32_t planOf(double segmentsPerCell, Integrator integrator);
 
 /// The plan of every macrocell, from its summary alone, so that all partitions and ranks agree.
@@ -23,12 +23,12 @@ int32_t planOf(double segmentsPerCell, Integrator integrator);
 /// depth 1 (at most those across the volume), and all extinctions per cell, the error of a ray is estimated as
 ///
 ///   midpoint         h^2 (0.02 B + m.steep max(0.02 f.bend sqrt(c), 0.1 f.kink))
-///   pre-integrated   h^2 (0.05 B + 0.7 f.jump)
+///   pre-integrated   h^2 (0.07 B + 2 f.jump)
 ///
 /// where B = f.slope m.bend sqrt(N l) is what the field's curvature does, in runs of l = (m.steep / m.bend)^2 cells that
 /// err alike (1 <= l <= 4 N), and c = N m.steep / (m.max - m.min) the number of times that the ray crosses the range. h
 /// makes this 3/4 of the tolerance (early termination takes the rest), and the method is the one that costs less; steps
-/// of the map are always pre-integrated. 1/24 and 1/12 are the coefficients of the two rules for errors of one sign
+/// of the map are integrated cell by cell. 1/24 and 1/12 are the coefficients of the two rules for errors of one sign
 /// (Davis & Rabinowitz 1984, 2.1); the constants here are those that hold for rays through fields from smooth to white
 /// noise under five shapes of maps (tests/accuracy/step_plan.cpp).
 ///

@@ -45,7 +45,8 @@ const Maps kStepped{{{{0, {1, 0, 0}}, {1, {0, 1, 0.5}}}},
 double orderOfPieces(const Field& f) {
   const CompiledMap map = compiled(kStepped, f);
   std::vector<double> errors;
-  for (double rate : {1.0, 2.0, 4.0, 8.0, 16.0}) errors.push_back(marchError(f, map, rate, Integrator::PreIntegrated));
+  for (double rate : {1.0, 2.0, 4.0, 8.0, 16.0})
+    errors.push_back(marchError(f, map, rate, Integrator::PreIntegrated));
   return fittedOrder(errors);
 }
 
