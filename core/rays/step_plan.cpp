@@ -15,11 +15,13 @@ constexpr double kLowestRate = 1 / kLongest, kLowestPieces = 2 / kLongest, kHigh
 
 constexpr double kBendMidpoint = 0.02, kBendPieces = 0.07;
 constexpr double kBendOfMap = 0.02, kKinkOfMap = 0.1;
-constexpr double kJump = 2;
+constexpr double kJump = 0.7;
 constexpr double kMostJump = 2;        // of optical depth per cell: what is behind such a step is hidden
 constexpr double kThinnest = 0.2;      // part of a cell that is seen, at least
 constexpr double kDense = 0.3;         // optical depth of a segment from which its front hides its back
 constexpr double kCostOfPieces = 1.2;  // time of a pre-integrated segment, in midpoint ones
+
+constexpr double kFew = 16;  // cells over which errors of random sign even out
 
 // Errors of segments of h cells, over h^2.
 struct Errors {
@@ -29,8 +31,8 @@ Errors errorsOf(const Macrocell& m, const CompiledMap::Over& map, double cellT) 
   const double range = double(m.max) - m.min;
   const double depth = 1 / (map.extinction * cellT);        // cells to optical depth 1
   const double seen = std::clamp(depth, 1.0, 1.7 / cellT);  // ... or through the volume
-  const double alike =
-      m.bend > 0 ? std::clamp(double(m.steep) * m.steep / (double(m.bend) * m.bend), 1.0, 4 * seen) : 1;
+  const double ratio = m.bend > 0 ? double(m.steep) / m.bend : 1;
+  const double alike = std::clamp(ratio * ratio, std::max(1.0, std::min(seen, kFew / seen)), 4 * seen);
   const double bend = map.slope * m.bend * std::clamp(depth, kThinnest, 1.0) * std::sqrt(seen * alike);
   const double crossings = range > 0 ? std::max(1.0, seen * m.steep / range) : 1;
   const double kinks =

@@ -23,14 +23,14 @@ int32_t planOf(double segmentsPerCell, Integrator integrator);
 /// depth 1 (at most those across the volume), and all extinctions per cell, the error of a ray is estimated as
 ///
 ///   midpoint         h^2 (0.02 B + m.steep max(0.02 f.bend sqrt(c), 0.1 f.kink))
-///   pre-integrated   h^2 (0.07 B + 2 f.jump)
+///   pre-integrated   h^2 (0.07 B + 0.7 f.jump)
 ///
 /// where B = f.slope m.bend sqrt(N l) is what the field's curvature does, in runs of l = (m.steep / m.bend)^2 cells that
-/// err alike (1 <= l <= 4 N), and c = N m.steep / (m.max - m.min) the number of times that the ray crosses the range. h
-/// makes this 3/4 of the tolerance (early termination takes the rest), and the method is the one that costs less; steps
-/// of the map are integrated cell by cell. 1/24 and 1/12 are the coefficients of the two rules for errors of one sign
-/// (Davis & Rabinowitz 1984, 2.1); the constants here are those that hold for rays through fields from smooth to white
-/// noise under five shapes of maps (tests/accuracy/step_plan.cpp).
+/// err alike (at least 16 / N, as few cells even out less; at least 1, at most 4 N), and c = N m.steep / (m.max - m.min)
+/// the number of times that the ray crosses the range. h makes this 3/4 of the tolerance (early termination takes the
+/// rest), and the method is the one that costs less; steps of the map are integrated cell by cell. 1/24 and 1/12 are the
+/// coefficients of the two rules for errors of one sign (Davis & Rabinowitz 1984, 2.1); the constants here hold for rays
+/// through fields from smooth to white noise under five shapes of maps (tests/accuracy/step_plan.cpp).
 ///
 /// A step > 0 (in cells) asks for midpoint segments of that length wherever something is seen.
 std::vector<int32_t> stepPlan(std::span<const Macrocell> summaries, const CompiledMap& map, double cellT,
