@@ -49,24 +49,6 @@ Box thickened(Box box) {
   return box;
 }
 
-int64_t bytesOf(const Volume& v) {
-  int64_t n = 0;
-  for (const auto& [p, block] : v.blocks) {
-    n += int64_t(block.samples.size());
-    for (const auto& s : block.summaries) n += int64_t(s.size() * sizeof(Macrocell));
-  }
-  return n;
-}
-
-int64_t bytesOf(const Geometry& g) {
-  int64_t n = 0;
-  for (const auto& [p, b] : g.blocks)
-    n +=
-        int64_t(b.points.size() * 24 + b.normals.size() * 12 + b.values.size() * 4 + b.triangles.size() * 12 +
-                b.segments.size() * 8 + b.neighbours.size() * 8 + b.ids.size() * 8);
-  return n;
-}
-
 }  // namespace
 
 LoadedState loadData(const State& state, const std::string& directory, const RenderOptions& options,
@@ -109,7 +91,7 @@ LoadedState loadData(const State& state, const std::string& directory, const Ren
   for (const DatasetSpec& d : state.datasets)
     if (shown.count(d.name) && d.type == DatasetType::Volume) {
       auto volume = importVolume(pathOf(d), d.array, *loaded.partitioning, kGhostLayers, ranks);
-      loaded.memory.push_back(ledger.enter("batch", "volume", bytesOf(*volume)));
+      loaded.memory.push_back(ledger.enter(kTenant, "volume", bytesOf(*volume)));
       volumes[d.name] = std::move(volume);
     }
 
@@ -126,7 +108,7 @@ LoadedState loadData(const State& state, const std::string& directory, const Ren
         auto g = distribute(
             geometry.at(d.name), *loaded.partitioning,
             [&](double value) { return op.type == VisType::Triangles ? 0.0 : radiusOf(op, value); }, ranks);
-        loaded.memory.push_back(ledger.enter("batch", "geometry", bytesOf(*g)));
+        loaded.memory.push_back(ledger.enter(kTenant, "geometry", bytesOf(*g)));
         data.geometry = std::move(g);
       }
     }

@@ -22,11 +22,14 @@ double cpuSeconds() {
 }
 
 nlohmann::json statisticsOf(const Renderer::Counters& c, const Transport::Counters& t, const Phases& p,
-                            const Ledger& ledger) {
+                            const Ledger& ledger, int64_t residentBefore) {
   const TraceCounters& k = c.trace;
   const ProcessBytes process = processBytes();
-  nlohmann::json memory = nlohmann::json::object();
-  for (const Ledger::Line& line : ledger.snapshot()) memory[line.purpose] = line.bytes;
+  const auto byPurpose = [](const std::vector<Ledger::Line>& lines) {
+    auto bytes = nlohmann::json::object();
+    for (const Ledger::Line& line : lines) bytes[line.purpose] = line.bytes;
+    return bytes;
+  };
   return {{"rays",
            {{"spawned", k.raysSpawned},
             {"secondaries", k.secondariesSpawned},
@@ -49,6 +52,7 @@ nlohmann::json statisticsOf(const Renderer::Counters& c, const Transport::Counte
             {"contribution bytes", c.contributionBytes},
             {"all bytes", t.bytesSent},
             {"packets", t.packetsSent},
+            {"most bytes waiting", t.mostBytesWaiting},
             {"all messages", t.messagesSent}}},
           {"thread seconds",
            {{"spawn", 1e-9 * double(k.nsSpawn)},
@@ -63,9 +67,11 @@ nlohmann::json statisticsOf(const Renderer::Counters& c, const Transport::Counte
             {"total", p.total},
             {"cpu render", p.cpuRender}}},
           {"memory",
-           {{"ledger", memory},
+           {{"ledger", byPurpose(ledger.snapshot())},
+            {"ledger peaks", byPurpose(ledger.peaks())},
             {"ledger total", ledger.total()},
             {"ledger peak", ledger.peak()},
+            {"process before data", residentBefore},
             {"process", process.resident},
             {"process peak", process.peakResident}}}};
 }
