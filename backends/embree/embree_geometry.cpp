@@ -42,14 +42,23 @@ void primitiveBounds(const RTCBoundsFunctionArguments* args) {
   order.end();
 }
 
+bool countBytes(void* sum, ssize_t bytes, bool) {
+  *static_cast<std::atomic<int64_t>*>(sum) += bytes;
+  return true;
+}
+
 }  // namespace
 
 DevicePtr makeDevice() {
   RTCDevice device = rtcNewDevice(nullptr);
   if (!device)
     throw Error("Embree: no device (error " + std::to_string(int(rtcGetDeviceError(nullptr))) + ")");
-  return DevicePtr(device, ReleaseDevice{});
+  const auto bytes = std::make_shared<std::atomic<int64_t>>(0);
+  rtcSetDeviceMemoryMonitorFunction(device, countBytes, bytes.get());
+  return DevicePtr(device, ReleaseDevice{bytes});
 }
+
+int64_t bytesOf(const DevicePtr& device) { return *std::get_deleter<ReleaseDevice>(device)->bytes; }
 
 ScenePtr buildGeometry(RTCDevice device, std::span<const OperatorView> operators) {
   bool any = false;
