@@ -154,11 +154,15 @@ function(galaxy_test NAME)
     ENVIRONMENT "${sanitizer_environment}")
 endfunction()
 
-# galaxy_mpi_test(NAME RANKS n... SOURCES ... DEPENDS ... [LABELS labels...] [TIMEOUT seconds])
-# declares one GoogleTest program (main() is tests/mpi_main.cpp), run by ctest once for each number of ranks.
+# galaxy_mpi_test(NAME RANKS n... SOURCES ... DEPENDS ... [OWN_MAIN] [LABELS labels...] [TIMEOUT seconds])
+# declares one GoogleTest program, run by ctest once for each number of ranks. Its main() is tests/mpi_main.cpp unless
+# OWN_MAIN is given.
 function(galaxy_mpi_test NAME)
-  cmake_parse_arguments(ARG "" "TIMEOUT" "RANKS;SOURCES;DEPENDS;LABELS" ${ARGN})
-  add_executable(${NAME} ${ARG_SOURCES} ${PROJECT_SOURCE_DIR}/tests/mpi_main.cpp)
+  cmake_parse_arguments(ARG "OWN_MAIN" "TIMEOUT" "RANKS;SOURCES;DEPENDS;LABELS" ${ARGN})
+  if(NOT ARG_OWN_MAIN)
+    list(APPEND ARG_SOURCES ${PROJECT_SOURCE_DIR}/tests/mpi_main.cpp)
+  endif()
+  add_executable(${NAME} ${ARG_SOURCES})
   set_target_properties(${NAME} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
   target_link_libraries(${NAME} PRIVATE ${ARG_DEPENDS} Galaxy::comm GTest::gtest)
   if(NOT ARG_TIMEOUT)
