@@ -4,9 +4,8 @@
 #include <sys/resource.h>
 
 #include <chrono>
-#include <fstream>
 
-#include "gxy/comm/error.h"
+#include "gxy/io/replace_file.h"
 
 namespace gxy {
 
@@ -78,9 +77,8 @@ nlohmann::json statisticsOf(const Renderer::Counters& c, const Transport::Counte
 
 void writeStatistics(const std::string& path, const nlohmann::json& run,
                      const std::vector<nlohmann::json>& ranks) {
-  std::ofstream out(path);
-  out << nlohmann::json{{"run", run}, {"ranks", ranks}}.dump(2) << '\n';
-  if (!out.flush()) throw Error(path + ": cannot be written");
+  const std::string text = nlohmann::json{{"run", run}, {"ranks", ranks}}.dump(2) + '\n';
+  replaceFile(path, std::as_bytes(std::span(text)));
 }
 
 }  // namespace gxy
