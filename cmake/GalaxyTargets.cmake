@@ -170,12 +170,17 @@ function(galaxy_mpi_test NAME)
   endif()
   set(environment OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 ${sanitizer_environment})
   foreach(ranks ${ARG_RANKS})
-    # Several ranks a core, in a container: no binding, shared memory without ptrace rights, and yielding.
-    add_test(NAME ${NAME}_${ranks}
-      COMMAND ${MPIEXEC_EXECUTABLE} --bind-to none --oversubscribe --mca btl self,vader
-              --mca btl_vader_single_copy_mechanism none --mca mpi_yield_when_idle 1
-              -n ${ranks} $<TARGET_FILE:${NAME}>)
+    add_test(NAME ${NAME}_${ranks} COMMAND ${GALAXY_MPIEXEC} -n ${ranks} $<TARGET_FILE:${NAME}>)
     set_tests_properties(${NAME}_${ranks} PROPERTIES LABELS "mpi;${ARG_LABELS}" TIMEOUT ${ARG_TIMEOUT}
       PROCESSORS ${ranks} ENVIRONMENT "${environment}")
   endforeach()
+endfunction()
+
+# galaxy_nightly(NAME TIMEOUT seconds COMMAND program args...) declares one more run of a test program, larger or longer
+# than the one that every change has to pass.
+function(galaxy_nightly NAME)
+  cmake_parse_arguments(ARG "" "TIMEOUT" "COMMAND" ${ARGN})
+  add_test(NAME ${NAME} COMMAND ${ARG_COMMAND})
+  set_tests_properties(${NAME} PROPERTIES LABELS nightly TIMEOUT ${ARG_TIMEOUT}
+    ENVIRONMENT "OMPI_ALLOW_RUN_AS_ROOT=1;OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1;${sanitizer_environment}")
 endfunction()

@@ -21,6 +21,9 @@ GeometryKind kindOf(DatasetType type) {
   return type == DatasetType::PathLines ? GeometryKind::PathLines : GeometryKind::Triangles;
 }
 
+// A partition's samples stay below 2^31 bytes up to 7 bytes a point: what kernels reach.
+constexpr int64_t kMostPoints = int64_t(1) << 28;
+
 std::shared_ptr<const Partitioning> makePartitioning(const Box& domain, const Grid* grid,
                                                      std::array<int, 3> wanted, int ranks) {
   // The grid whose points carry the cuts: that of the first volume if it fills the domain, else a fine lattice.
@@ -31,7 +34,11 @@ std::shared_ptr<const Partitioning> makePartitioning(const Box& domain, const Gr
   for (int a = 0; a < 3; a++)
     cells[a] =
         onGrid ? grid->cells()[a] : std::max<int64_t>(1, int64_t(std::ceil(1048576 * size[a] / longest)));
-  if (wanted[1] == 0) wanted = decompose(wanted[0] > 0 ? wanted[0] : ranks, cells);
+  if (wanted[0] == 0) {
+    const Index3 points = grid ? grid->points : Index3{1, 1, 1};
+    wanted[0] = int(std::max<int64_t>(ranks, points[0] * points[1] * points[2] / kMostPoints + 1));
+  }
+  if (wanted[1] == 0) wanted = decompose(wanted[0], cells);
   std::array<std::vector<double>, 3> faces;
   for (int a = 0; a < 3; a++)
     faces[a] = evenFaces(domain.lo[a], domain.hi[a], wanted[a], onGrid ? cells[a] : 0);
