@@ -39,7 +39,7 @@ if(GALAXY_FUZZ)
   add_link_options(-fsanitize=address,undefined)
 endif()
 if(GALAXY_COVERAGE)
-  add_compile_options(--coverage)
+  add_compile_options(--coverage -fprofile-update=atomic)  # counters that threads lose go negative, which gcovr refuses
   add_link_options(--coverage)
 endif()
 
