@@ -8,6 +8,8 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "gxy/data/volume.h"
+
 namespace gxy {
 namespace {
 
@@ -43,8 +45,9 @@ class RenderMemory : public ::testing::Test {
 
 TEST_F(RenderMemory, IsInTheLedgerByPurpose) {
   const nlohmann::json memory = memoryOf("--depth");
-  const int64_t macrocells = 32 * 32 * 32;  // of 255^3 cells, 12 bytes each
-  EXPECT_EQ(memory.at("ledger").at("volume"), kPoints * kPoints * kPoints * 4 + macrocells * 12);
+  const int64_t macrocells = 32 * 32 * 32;  // of 255^3 cells
+  EXPECT_EQ(memory.at("ledger").at("volume"),
+            kPoints * kPoints * kPoints * 4 + macrocells * int64_t(sizeof(Macrocell)));
   EXPECT_EQ(memory.at("ledger peaks").at("framebuffer"), kWidth * kHeight * (32 + 8));
   EXPECT_EQ(memory.at("ledger peaks").at("picture"), kWidth * kHeight * (16 + 8));
   EXPECT_GE(memory.at("ledger").at("scene"), macrocells);  // a byte of the step plan each
