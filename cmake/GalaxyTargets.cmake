@@ -39,7 +39,7 @@ if(GALAXY_FUZZ)
   add_link_options(-fsanitize=address,undefined)
 endif()
 if(GALAXY_COVERAGE)
-  add_compile_options(--coverage)
+  add_compile_options(--coverage -fprofile-update=atomic)  # counters that threads lose go negative, which gcovr refuses
   add_link_options(--coverage)
 endif()
 
@@ -154,11 +154,15 @@ function(galaxy_test NAME)
     ENVIRONMENT "${sanitizer_environment}")
 endfunction()
 
-# galaxy_mpi_test(NAME RANKS n... SOURCES ... DEPENDS ... [LABELS labels...] [TIMEOUT seconds])
-# declares one GoogleTest program (main() is tests/mpi_main.cpp), run by ctest once for each number of ranks.
+# galaxy_mpi_test(NAME RANKS n... SOURCES ... DEPENDS ... [OWN_MAIN] [LABELS labels...] [TIMEOUT seconds])
+# declares one GoogleTest program, run by ctest once for each number of ranks. Its main() is tests/mpi_main.cpp unless
+# OWN_MAIN is given.
 function(galaxy_mpi_test NAME)
-  cmake_parse_arguments(ARG "" "TIMEOUT" "RANKS;SOURCES;DEPENDS;LABELS" ${ARGN})
-  add_executable(${NAME} ${ARG_SOURCES} ${PROJECT_SOURCE_DIR}/tests/mpi_main.cpp)
+  cmake_parse_arguments(ARG "OWN_MAIN" "TIMEOUT" "RANKS;SOURCES;DEPENDS;LABELS" ${ARGN})
+  if(NOT ARG_OWN_MAIN)
+    list(APPEND ARG_SOURCES ${PROJECT_SOURCE_DIR}/tests/mpi_main.cpp)
+  endif()
+  add_executable(${NAME} ${ARG_SOURCES})
   set_target_properties(${NAME} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
   target_link_libraries(${NAME} PRIVATE ${ARG_DEPENDS} Galaxy::comm GTest::gtest)
   if(NOT ARG_TIMEOUT)
@@ -166,12 +170,17 @@ function(galaxy_mpi_test NAME)
   endif()
   set(environment OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 ${sanitizer_environment})
   foreach(ranks ${ARG_RANKS})
-    # Several ranks a core, in a container: no binding, shared memory without ptrace rights, and yielding.
-    add_test(NAME ${NAME}_${ranks}
-      COMMAND ${MPIEXEC_EXECUTABLE} --bind-to none --oversubscribe --mca btl self,vader
-              --mca btl_vader_single_copy_mechanism none --mca mpi_yield_when_idle 1
-              -n ${ranks} $<TARGET_FILE:${NAME}>)
+    add_test(NAME ${NAME}_${ranks} COMMAND ${GALAXY_MPIEXEC} -n ${ranks} $<TARGET_FILE:${NAME}>)
     set_tests_properties(${NAME}_${ranks} PROPERTIES LABELS "mpi;${ARG_LABELS}" TIMEOUT ${ARG_TIMEOUT}
       PROCESSORS ${ranks} ENVIRONMENT "${environment}")
   endforeach()
+endfunction()
+
+# galaxy_nightly(NAME TIMEOUT seconds COMMAND program args...) declares one more run of a test program, larger or longer
+# than the one that every change has to pass.
+function(galaxy_nightly NAME)
+  cmake_parse_arguments(ARG "" "TIMEOUT" "COMMAND" ${ARGN})
+  add_test(NAME ${NAME} COMMAND ${ARG_COMMAND})
+  set_tests_properties(${NAME} PROPERTIES LABELS nightly TIMEOUT ${ARG_TIMEOUT}
+    ENVIRONMENT "OMPI_ALLOW_RUN_AS_ROOT=1;OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1;${sanitizer_environment}")
 endfunction()

@@ -7,6 +7,7 @@
 
 #include "geometry_ispc.h"
 #include "gxy/comm/error.h"
+#include "gxy/comm/thread_order.h"
 
 namespace gxy {
 
@@ -19,6 +20,8 @@ constexpr float kBoundsSlack = 2e-6f;
 
 void primitiveBounds(const RTCBoundsFunctionArguments* args) {
   const auto& op = *static_cast<const OperatorView*>(args->geometryUserPtr);
+  const ThreadOrder order(&op);
+  order.begin();
   const int corners = op.kind == KIND_PARTICLES ? 1 : op.kind == KIND_PATHLINES ? 2 : 3;
   float lo[3] = {INFINITY, INFINITY, INFINITY}, hi[3] = {-INFINITY, -INFINITY, -INFINITY};
   for (int c = 0; c < corners; c++) {
@@ -36,6 +39,12 @@ void primitiveBounds(const RTCBoundsFunctionArguments* args) {
   RTCBounds& b = *args->bounds_o;
   b.lower_x = lo[0] - slack, b.lower_y = lo[1] - slack, b.lower_z = lo[2] - slack;
   b.upper_x = hi[0] + slack, b.upper_y = hi[1] + slack, b.upper_z = hi[2] + slack;
+  order.end();
+}
+
+bool countBytes(void* sum, ssize_t bytes, bool) {
+  *static_cast<std::atomic<int64_t>*>(sum) += bytes;
+  return true;
 }
 
 }  // namespace
@@ -44,8 +53,12 @@ DevicePtr makeDevice() {
   RTCDevice device = rtcNewDevice(nullptr);
   if (!device)
     throw Error("Embree: no device (error " + std::to_string(int(rtcGetDeviceError(nullptr))) + ")");
-  return DevicePtr(device, ReleaseDevice{});
+  const auto bytes = std::make_shared<std::atomic<int64_t>>(0);
+  rtcSetDeviceMemoryMonitorFunction(device, countBytes, bytes.get());
+  return DevicePtr(device, ReleaseDevice{bytes});
 }
+
+int64_t bytesOf(const DevicePtr& device) { return *std::get_deleter<ReleaseDevice>(device)->bytes; }
 
 ScenePtr buildGeometry(RTCDevice device, std::span<const OperatorView> operators) {
   bool any = false;
@@ -56,6 +69,7 @@ ScenePtr buildGeometry(RTCDevice device, std::span<const OperatorView> operators
   for (size_t i = 0; i < operators.size(); i++) {
     if (operators[i].primitives == 0) continue;
     RTCGeometry g = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_USER);
+    ThreadOrder(&operators[i]).handOver();  // Embree's builder asks for bounds on threads of its own
     rtcSetGeometryUserPrimitiveCount(g, operators[i].primitives);
     rtcSetGeometryUserData(g, const_cast<OperatorView*>(&operators[i]));
     rtcSetGeometryBoundsFunction(g, primitiveBounds, nullptr);
@@ -66,6 +80,7 @@ ScenePtr buildGeometry(RTCDevice device, std::span<const OperatorView> operators
     rtcReleaseGeometry(g);
   }
   rtcCommitScene(scene.get());
+  for (const OperatorView& op : operators) ThreadOrder(&op).takeBack();
   const RTCError error = rtcGetDeviceError(device);
   if (error != RTC_ERROR_NONE)
     throw Error("Embree: building the geometry failed (error " + std::to_string(int(error)) +

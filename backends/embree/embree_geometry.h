@@ -3,6 +3,8 @@
 #pragma once
 #include <embree3/rtcore.h>
 
+#include <atomic>
+#include <cstdint>
 #include <memory>
 
 #include "gxy/embree/single_views.h"
@@ -14,6 +16,7 @@ struct ReleaseScene {
   void operator()(RTCScene s) const { rtcReleaseScene(s); }
 };
 struct ReleaseDevice {
+  std::shared_ptr<std::atomic<int64_t>> bytes;  ///< that Embree has allocated for the device and its scenes
   void operator()(RTCDevice d) const { rtcReleaseDevice(d); }
 };
 using ScenePtr = std::unique_ptr<std::remove_pointer_t<RTCScene>, ReleaseScene>;
@@ -21,6 +24,9 @@ using DevicePtr = std::shared_ptr<std::remove_pointer_t<RTCDevice>>;
 
 /// Throws Error if Embree does not start.
 DevicePtr makeDevice();
+
+/// Memory of Embree's own for a device and all of its scenes.
+int64_t bytesOf(const DevicePtr& device);
 
 /// A bounding volume hierarchy over all geometry operators of a partition, whose ids are the operators' indices; null if
 /// none has primitives. `operators` must outlive it and not move.

@@ -111,6 +111,7 @@ EmbreeScene::EmbreeScene(DevicePtr device, std::shared_ptr<const CompiledScene> 
     throw Error("a visualization renders " + std::to_string(renderedOperators_.size()) +
                 " volumes at once; this backend takes at most " + std::to_string(kMostVolumes));
   fillScene(anywhere_, -1);
+  const int64_t before = bytesOf(device_);
   for (int p : scene_->partitioning->owned(rank_)) {
     if (!scene_->visible[p]) continue;  // nothing is built where nothing can be seen
     Part& part = parts_[p];
@@ -144,6 +145,7 @@ EmbreeScene::EmbreeScene(DevicePtr device, std::shared_ptr<const CompiledScene> 
     part.view.field = part.fields.data();
     part.view.embree = part.geometry.get();
   }
+  geometryBytes_ = size_t(std::max<int64_t>(bytesOf(device_) - before, 0));
 }
 
 void EmbreeScene::fillScene(single::SceneView& v, int partition) const {
@@ -211,6 +213,9 @@ void EmbreeScene::fillField(single::VolumeView& v, const CompiledOperator& op,
   v.stride = volume.components;
   v.component = volume.components == 1 ? 0 : op.vis.component.value_or(-1);
   v.wide = block.samples.size() >= size_t(1) << 31;
+  if (v.wide)  // gathers of ISPC's reach 2^31 bytes
+    throw Error("a partition holds " + std::to_string(block.samples.size()) + " bytes of volume \"" +
+                volume.name + "\"; this backend takes less than 2^31: use more partitions");
   v.nx = int(block.extent.points[0]), v.ny = int(block.extent.points[1]);
   v.firstX = int(block.extent.first[0]), v.firstY = int(block.extent.first[1]),
   v.firstZ = int(block.extent.first[2]);
@@ -402,7 +407,7 @@ void EmbreeScene::trace(const DeviceFrame& frame, int partition, bool primary, R
 }
 
 size_t EmbreeScene::bytes() const {
-  size_t n = 0;
+  size_t n = geometryBytes_;
   for (const auto& [p, part] : parts_)
     n += part.operators.size() * sizeof(single::OperatorView) +
          part.fields.size() * sizeof(single::VolumeView);

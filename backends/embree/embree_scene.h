@@ -36,6 +36,7 @@ class EmbreeScene final : public DeviceScene {
   int rank_;
   std::map<int, Part> parts_;     ///< by local partition
   single::SceneView anywhere_{};  ///< without a partition of its own: for spawning
+  size_t geometryBytes_ = 0;  ///< of Embree's; exact if no other scene of the device is made at the same time
   std::vector<int> slicedOperators_, isoOperators_, renderedOperators_;
 };
 

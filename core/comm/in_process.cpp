@@ -39,7 +39,7 @@ class Count {
     bytes_ += bytes;
     ++messages_;
   }
-  Transport::Counters counters() const { return {bytes_, messages_, messages_}; }
+  Transport::Counters counters() const { return {bytes_, messages_, messages_, 0}; }
 
  private:
   std::atomic<uint64_t> bytes_ = 0, messages_ = 0;

@@ -32,6 +32,7 @@ PacketSender::PacketSender(MPI_Comm communicator, int ranks, PacketSizes sizes)
 void PacketSender::add(int destination, Channel channel, Bytes message) {
   const bool large = message.size() > sizes_.small();
   const size_t record = sizeof(RecordHeader) + (large ? 0 : message.size());
+  held_ += sizeof(RecordHeader) + message.size();
   Bytes& packet = open_[destination];
   if (packet.size() + record > sizes_.packet) leave(destination);
   if (packet.empty()) filled_.push_back(destination);
@@ -84,6 +85,7 @@ bool PacketSender::reap() {
       chunkUnderWay |= !finished;
       if (finished) continue;
     } else if (finished && !std::exchange(chunkUnderWay, false)) {
+      held_ -= owners_[i].size();
       continue;
     }
     requests_[kept] = requests_[i];
@@ -99,6 +101,7 @@ void PacketSender::finish() {
   MPI_Waitall(int(requests_.size()), requests_.data(), MPI_STATUSES_IGNORE);
   requests_.clear();
   owners_.clear();
+  held_ = 0;
 }
 
 bool PacketReceiver::poll(const Deliver& deliver) {

@@ -42,6 +42,8 @@ class PacketSender {
 
   bool idle() const { return requests_.empty(); }
 
+  /// Memory of what has been added and not yet been sent.
+  uint64_t bytesHeld() const { return held_; }
   uint64_t bytesSent() const { return bytes_; }
   uint64_t packetsSent() const { return packets_; }  ///< chunks included
 
@@ -56,7 +58,7 @@ class PacketSender {
   std::vector<MPI_Request> requests_;
   std::vector<Bytes>
       owners_;  ///< of the memory that the request of the same index reads; empty: the one before
-  uint64_t bytes_ = 0, packets_ = 0;
+  uint64_t bytes_ = 0, packets_ = 0, held_ = 0;
 };
 
 /// Takes packets apart.

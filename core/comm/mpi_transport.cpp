@@ -19,6 +19,7 @@
 #include "error.h"
 #include "mpi_environment.h"
 #include "mpi_packets.h"
+#include "thread_order.h"
 #include "thread_pool.h"
 
 namespace gxy {
@@ -115,11 +116,18 @@ class MpiTransport::Progress {
     }
   }
 
-  void post(Task task) { arena_.enqueue(counted(std::move(task))); }
+  void post(Task task) {
+    const ThreadOrder order(&arena_);
+    order.handOver();
+    arena_.enqueue([order, task = counted(std::move(task))] {
+      order.begin();
+      task();
+    });
+  }
 
   void postWaiting(Task task) { waitingTasks_.run(counted(std::move(task))); }
 
-  Counters counters() const { return {bytesSent_, packetsSent_, messagesSent_}; }
+  Counters counters() const { return {bytesSent_, packetsSent_, messagesSent_, mostWaiting_}; }
 
  private:
   struct Outgoing {
@@ -132,6 +140,8 @@ class MpiTransport::Progress {
     {
       std::lock_guard lock(mutex_);
       wake = sleeping_;
+      if (outgoing.destination != rank_) queuedBytes_ += outgoing.delivery.message.size();
+      mostWaiting_ = std::max<uint64_t>(mostWaiting_, queuedBytes_ + heldBySender_);
       outgoing_.push_back(std::move(outgoing));
     }
     if (wake) changed_.notify_one();
@@ -154,6 +164,7 @@ class MpiTransport::Progress {
     try {
       while (!ended()) {
         const bool active = handOver() | sender_.reap() | receive();
+        heldBySender_ = sender_.bytesHeld();
         bytesSent_ = sender_.bytesSent();
         packetsSent_ = sender_.packetsSent();
         if (active)
@@ -173,6 +184,7 @@ class MpiTransport::Progress {
     {
       std::lock_guard lock(mutex_);
       outgoing.swap(outgoing_);
+      queuedBytes_ = 0;
     }
     for (auto& [destination, delivery] : outgoing) {
       if (destination == rank_) {
@@ -238,13 +250,15 @@ class MpiTransport::Progress {
   PacketReceiver receiver_;
   Backoff backoff_;
 
-  std::mutex mutex_;  ///< guards the next four
+  std::mutex mutex_;  ///< guards the next five
   std::condition_variable changed_;
   std::vector<Outgoing> outgoing_;
+  uint64_t queuedBytes_ = 0;  ///< of outgoing_ messages to other ranks
   bool sleeping_ = false, ending_ = false;
 
   std::atomic<uint64_t> created_ = 0, retired_ = 0;  ///< messages and tasks of this rank
   std::atomic<uint64_t> bytesSent_ = 0, packetsSent_ = 0, messagesSent_ = 0;
+  std::atomic<uint64_t> heldBySender_ = 0, mostWaiting_ = 0;
   Sums mine_, sums_;
   uint64_t retiredLastWave_ = 0;
   MPI_Request sum_ = MPI_REQUEST_NULL;

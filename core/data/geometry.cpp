@@ -243,4 +243,13 @@ Range rangeOf(const GeometryBlock& block) {
   return range;
 }
 
+int64_t bytesOf(const Geometry& geometry) {
+  const auto bytes = [](const auto& array) { return array.size() * sizeof(array[0]); };
+  size_t sum = 0;
+  for (const auto& [partition, b] : geometry.blocks)
+    sum += bytes(b.points) + bytes(b.normals) + bytes(b.values) + bytes(b.triangles) + bytes(b.segments) +
+           bytes(b.neighbours) + bytes(b.ids);
+  return int64_t(sum);
+}
+
 }  // namespace gxy

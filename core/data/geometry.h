@@ -68,6 +68,9 @@ GeometryBlock merged(GeometryKind kind, std::span<const GeometryBlock> parts);
 /// triangles without area. Returns how many. Segments of no length stay: they are round.
 int64_t dropUnusable(GeometryBlock& block, GeometryKind kind);
 
+/// Memory of the local blocks.
+int64_t bytesOf(const Geometry& geometry);
+
 /// The box of all points of a block, and the range of its values.
 Box boxOf(const GeometryBlock& block);
 Range rangeOf(const GeometryBlock& block);

@@ -174,4 +174,13 @@ FieldStatistics statisticsOf(std::span<const std::byte> samples, ScalarType type
   return statistics;
 }
 
+int64_t bytesOf(const Volume& volume) {
+  size_t bytes = 0;
+  for (const auto& [partition, block] : volume.blocks) {
+    bytes += block.samples.size();
+    for (const auto& summary : block.summaries) bytes += summary.size() * sizeof(Macrocell);
+  }
+  return int64_t(bytes);
+}
+
 }  // namespace gxy

@@ -93,6 +93,9 @@ struct Volume {
   std::map<int, VolumeBlock> blocks;  ///< by local partition
 };
 
+/// Memory of the local blocks: samples and macrocells.
+int64_t bytesOf(const Volume& volume);
+
 /// Statistics of a field, of values as they are in `samples` (interleaved); they merge by Range::extend and
 /// addition.
 struct FieldStatistics {

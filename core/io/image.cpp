@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gxy/io/image.h"
 
+#include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
 
 #include <algorithm>
@@ -10,6 +11,7 @@
 #include <fstream>
 
 #include "gxy/comm/error.h"
+#include "replace_file.h"
 
 namespace gxy {
 namespace {
@@ -42,20 +44,30 @@ std::vector<uint8_t> unpremultiplied(const std::vector<float>& rgba) {
   return levels;
 }
 
-void writeWithOiio(const std::string& path, const Image& image, OIIO::TypeDesc type, const void* rows) {
+/// Encoded in memory: OpenImageIO's own files do not notice a full disk.
+std::vector<unsigned char> encoded(const char* format, const Image& image, OIIO::TypeDesc type,
+                                   const void* rows) {
   OIIO::ImageSpec spec(image.width, image.height, 4, type);
   spec.attribute("oiio:UnassociatedAlpha", type == OIIO::TypeDesc::UINT8 ? 1 : 0);
-  const auto out = OIIO::ImageOutput::create(path);
-  if (!out) throw Error(path + ": cannot write the picture: " + OIIO::geterror());
-  if (!out->open(path, spec) || !out->write_image(type, rows) || !out->close())
-    throw Error(path + ": cannot write the picture: " + out->geterror());
+  std::vector<unsigned char> bytes;
+  OIIO::Filesystem::IOVecOutput memory(bytes);
+  const auto out = OIIO::ImageOutput::create(format);
+  if (!out) throw Error(OIIO::geterror());
+  if (!out->set_ioproxy(&memory) || !out->open("memory", spec) || !out->write_image(type, rows) ||
+      !out->close())
+    throw Error(out->geterror());
+  return bytes;
 }
 
-void writeRaw(const std::string& path, const Image& image) {
-  std::ofstream out(path, std::ios::binary | std::ios::trunc);
-  out.write(reinterpret_cast<const char*>(image.rgba.data()),
-            std::streamsize(image.rgba.size() * sizeof(float)));
-  if (!out.flush()) throw Error(path + ": cannot write the picture");
+void writeWithOiio(const std::string& path, const char* format, const Image& image, OIIO::TypeDesc type,
+                   const void* rows) {
+  std::vector<unsigned char> bytes;
+  try {
+    bytes = encoded(format, image, type, rows);
+  } catch (const Error& error) {
+    throw Error(path + ": cannot encode the picture: " + error.what());
+  }
+  replaceFile(path, std::as_bytes(std::span(bytes)));
 }
 
 Image readRaw(const std::string& path, int width, int height) {
@@ -83,11 +95,12 @@ void writeImage(const std::string& path, const Image& image) {
                 std::to_string(image.height) + " pixels cannot have " + std::to_string(image.rgba.size()) +
                 " values");
   const std::string kind = extension(path);
-  if (kind == ".raw") return writeRaw(path, image);
+  if (kind == ".raw") return replaceFile(path, std::as_bytes(std::span(image.rgba)));
   if (kind == ".exr")
-    return writeWithOiio(path, image, OIIO::TypeDesc::FLOAT, flipped(image.rgba, image.height).data());
+    return writeWithOiio(path, "openexr", image, OIIO::TypeDesc::FLOAT,
+                         flipped(image.rgba, image.height).data());
   if (kind != ".png") throw Error(path + ": cannot write this kind of picture: expected .png, .exr or .raw");
-  writeWithOiio(path, image, OIIO::TypeDesc::UINT8,
+  writeWithOiio(path, "png", image, OIIO::TypeDesc::UINT8,
                 flipped(unpremultiplied(image.rgba), image.height).data());
 }
 

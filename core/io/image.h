@@ -15,7 +15,7 @@ struct Image {
 
 /// Writes by extension. .png: 8 bits, alpha un-premultiplied, clamped to [0, 1] and rounded. .exr: float,
 /// premultiplied. .raw: the floats of `rgba` as they are, in this machine's byte order. Throws Error when the
-/// file cannot be written.
+/// file cannot be written; a file of this name is always whole (replace_file.h).
 void writeImage(const std::string& path, const Image& image);
 
 /// Reads a .png (8 or 16 bits; grey or RGB become opaque RGBA) or .exr into the form above. A .raw file does

@@ -14,12 +14,14 @@ constexpr int kFields = 0 GXY_RAY_FIELDS(GXY_COUNT);
 #undef GXY_COUNT
 constexpr std::align_val_t kAlignment{64};
 
+size_t padded(int capacity) { return (size_t(capacity) + 15) / 16 * 16; }
+
 }  // namespace
 
 void RayList::Free::operator()(uint32_t* p) const { ::operator delete[](p, kAlignment); }
 
 RayList::RayList(int capacity) : capacity_(capacity) {
-  const size_t stride = (size_t(capacity) + 15) / 16 * 16;
+  const size_t stride = padded(capacity);
   auto* p = static_cast<uint32_t*>(::operator new[](stride* kFields * sizeof(uint32_t), kAlignment));
   storage_.reset(p);
 #define GXY_POINT(type, name, primary, secondary) \
@@ -27,6 +29,10 @@ RayList::RayList(int capacity) : capacity_(capacity) {
   p += stride;
   GXY_RAY_FIELDS(GXY_POINT)
 #undef GXY_POINT
+}
+
+int64_t RayList::bytes() const {
+  return storage_ ? int64_t(padded(capacity_) * kFields * sizeof(uint32_t)) : 0;
 }
 
 RayList RayList::gather(std::span<const int> which) const {

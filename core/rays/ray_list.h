@@ -33,6 +33,8 @@ class RayList {
   int capacity() const { return capacity_; }
   void resize(int n) { size_ = n; }
   const RayView& view() const { return view_; }
+  /// Of memory: that of `capacity` rays, padded.
+  int64_t bytes() const;
 
   /// False for primaries off the wire, whose origins and directions have to be regenerated from the camera.
   bool complete() const { return complete_; }

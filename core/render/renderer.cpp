@@ -43,6 +43,10 @@ FrameRequest readRequest(Reader& in) {
   return r;
 }
 
+LedgerEntry purpose(const Renderer::Options& options, const char* what) {
+  return options.ledger ? options.ledger->enter(options.tenant, what, 0) : LedgerEntry();
+}
+
 }  // namespace
 
 /// Lets tasks in until it is closed, and knows how many are inside: a task may still run when the frame that it worked
@@ -79,6 +83,11 @@ Renderer::Renderer(Transport& transport, Options options)
     : transport_(transport),
       options_(options),
       completion_(transport),
+      rayMemory_(purpose(options, "rays")),
+      framebufferMemory_(purpose(options, "framebuffer")),
+      pictureMemory_(purpose(options, "picture")),
+      parkedMemory_(purpose(options, "parked messages")),
+      tileMemory_(purpose(options, "tiles")),
       tasks_(std::make_shared<Tasks>()),
       credits_(options.raysInFlight) {
   if (options_.packetRays < 16)
@@ -259,11 +268,14 @@ void Renderer::start(FrameId id, FrameRequest request, const Bytes& message) {
   const Lighting& lighting = scene.visualization.lighting;
   frame->limits = limitsOf(scene, compiled);
   frame->perPrimary = 1 + lighting.aoCount + (lighting.shadows ? int64_t(compiled.lights.size()) : 0);
-  if (frame->owner == transport_.rank())
+  if (frame->owner == transport_.rank()) {
     frame->framebuffer =
         std::make_unique<Framebuffer>(compiled.width, compiled.height, compiled.samples, compiled.depth);
+    frame->framebufferMemory = framebufferMemory_.another(int64_t(frame->framebuffer->bytes()));
+  }
   TileList list = tilesOf(scene, compiled, transport_.rank());
   frame->tiles = std::move(list.tiles);
+  frame->tileMemory = tileMemory_.another(int64_t(frame->tiles.capacity() * sizeof(Tile)));
   frame->tilesLeft = frame->tiles.size();
   const bool spawnsNothing = frame->tiles.empty();  // asked here: once it is known, other threads take tiles
 
@@ -297,7 +309,7 @@ void Renderer::cancel(FrameId id) {
   if (const FramePtr frame = find(id))
     frame->cancelled = true;
   else
-    parked_[id].push_back({Channel::Frame, {}, nullptr});
+    parked_[id].push_back({Channel::Frame, {}, nullptr, {}});
 }
 
 void Renderer::finish(FrameId id, bool superseded) {
@@ -324,9 +336,11 @@ void Renderer::deliver(const FramePtr& frame, bool superseded) {
     std::lock_guard lock(mutex_);
     handler = pictureHandler_;
   }
-  if (handler && !superseded)
-    handler(frame->id, frame->request,
-            frame->framebuffer->picture(frame->scene.compiled->settings.background));
+  if (!handler || superseded) return;
+  Picture picture = frame->framebuffer->picture(frame->scene.compiled->settings.background);
+  const LedgerEntry memory = pictureMemory_.another(
+      int64_t(picture.rgba.size() * sizeof(float) + picture.depth.size() * sizeof(double)));
+  handler(frame->id, frame->request, std::move(picture));
 }
 
 Renderer::FramePtr Renderer::find(FrameId id) const {
@@ -342,7 +356,8 @@ Renderer::FramePtr Renderer::findOrPark(FrameId id, Channel channel, Bytes& mess
   if (!frame) {
     std::shared_ptr<Completion::Active> active;
     if (channel == Channel::Rays) active = std::make_shared<Completion::Active>(completion_, id);
-    parked_[id].push_back({channel, std::move(message), std::move(active)});
+    LedgerEntry memory = parkedMemory_.another(int64_t(message.size()));
+    parked_[id].push_back({channel, std::move(message), std::move(active), std::move(memory)});
   }
   return frame;
 }

@@ -8,12 +8,14 @@
 #include <memory>
 #include <mutex>
 #include <set>
+#include <string>
 #include <vector>
 
 #include "gxy/comm/completion.h"
 #include "gxy/comm/transport.h"
 #include "gxy/rays/backend.h"
 #include "gxy/render/framebuffer.h"
+#include "gxy/space/ledger.h"
 
 namespace gxy {
 
@@ -40,7 +42,8 @@ struct FrameRequest {
 /// them back, wherever it and they end; a rank spawns only while it has credits, so the rays of a rank that are in
 /// flight anywhere never exceed Options::raysInFlight (or one tile, if that is more). What is forwarded is always
 /// accepted. Behind translucent surfaces a primary may make more secondaries than it reserved; those put its rank into
-/// debt.
+/// debt. What frames hold is in the ledger, and 0 when none is under way: "rays" (lists that wait or are traced),
+/// "framebuffer", "picture" (while its handler runs), "parked messages" and "tiles".
 ///
 /// A superseded frame ends like any other, its rays retired where they are met, but hands out no picture. Messages that
 /// are not what a Renderer sends (a pixel outside the picture, a frame that is over, ...) are refused with an Error.
@@ -51,6 +54,8 @@ class Renderer {
   struct Options {
     int packetRays = 1024;           ///< rays that are traced together, at most; >= 16
     int64_t raysInFlight = 1 << 20;  ///< credits of a rank
+    Ledger* ledger = nullptr;      ///< where memory is accounted, if anywhere; needed by the constructor only
+    std::string tenant = "batch";  ///< whose memory it is
   };
   using Finished = std::function<void(FrameId, bool superseded)>;
   using PictureHandler = std::function<void(FrameId, const FrameRequest&, Picture)>;
@@ -98,6 +103,7 @@ class Renderer {
   struct Frame;
   struct Scene;
   struct Parked;
+  struct Held;
   class Tasks;
   using FramePtr = std::shared_ptr<Frame>;
 
@@ -122,7 +128,8 @@ class Renderer {
 
   void pump();
   void spawnTile(const FramePtr& frame, const Tile& tile, int64_t reserved);
-  void process(const FramePtr& frame, int partition, bool primary, int origin, RayList rays);
+  void process(const FramePtr& frame, int origin, Held rays);
+  Held hold(LeavingRays rays) const;
   void forward(const FramePtr& frame, int rank, int partition, bool primary, int origin, const RayList& rays);
   void contribute(const FramePtr& frame, TraceResult& result);
   void giveBack(int origin, int64_t credits);
@@ -134,6 +141,8 @@ class Renderer {
   Transport& transport_;
   const Options options_;
   Completion completion_;
+  /// Without bytes: those of a purpose are entered by their another().
+  const LedgerEntry rayMemory_, framebufferMemory_, pictureMemory_, parkedMemory_, tileMemory_;
   const std::shared_ptr<Tasks> tasks_;
 
   mutable std::mutex mutex_;  ///< guards all below but the atomics

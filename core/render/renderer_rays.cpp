@@ -58,26 +58,33 @@ void Renderer::spawnTile(const FramePtr& frame, const Tile& tile, int64_t reserv
         std::lock_guard lock(mutex_);
         counters_.trace += result.counters;
       }
+      std::vector<Held> spawned;
       for (LeavingRays& l : result.leaving) {
         reserved -= l.rays.size() * frame->perPrimary;
-        process(frame, l.partition, true, transport_.rank(), std::move(l.rays));
+        spawned.push_back(hold(std::move(l)));
       }
+      for (Held& rays : spawned) process(frame, transport_.rank(), std::move(rays));
     });
   }
   if (--frame->tilesLeft == 0) completion_.spawned(frame->id);
   giveBack(transport_.rank(), reserved);
 }
 
+Renderer::Held Renderer::hold(LeavingRays rays) const {
+  LedgerEntry memory = rayMemory_.another(rays.rays.bytes());
+  return {std::move(rays), std::move(memory)};
+}
+
 // Traces a list, and all that it becomes on this rank.
-void Renderer::process(const FramePtr& frame, int partition, bool primary, int origin, RayList rays) {
-  std::vector<LeavingRays> stack;
-  stack.push_back({partition, primary, std::move(rays)});
+void Renderer::process(const FramePtr& frame, int origin, Held rays) {
+  std::vector<Held> stack;
+  stack.push_back(std::move(rays));
   while (!stack.empty()) {
-    LeavingRays next = std::move(stack.back());
+    auto [next, memory] = std::move(stack.back());
     stack.pop_back();
     if (next.rays.size() > options_.packetRays) {  // in packets, first rays first
       for (RayList& part : next.rays.split(options_.packetRays))
-        stack.push_back({next.partition, next.primary, std::move(part)});
+        stack.push_back(hold({next.partition, next.primary, std::move(part)}));
       continue;
     }
     const int64_t each = next.primary ? frame->perPrimary : 1;
@@ -99,7 +106,7 @@ void Renderer::process(const FramePtr& frame, int partition, bool primary, int o
           for (LeavingRays& l : result.leaving) {
             const int rank = frame->scene.compiled->partitioning->owner(l.partition);
             if (rank == transport_.rank())
-              stack.push_back(std::move(l));
+              stack.push_back(hold(std::move(l)));
             else
               forward(frame, rank, l.partition, l.primary, origin, l.rays);
           }
@@ -165,10 +172,8 @@ void Renderer::receiveRays(Bytes message) {
   RayList rays = RayList::read(in.rest(), header.count, primary);
   if (const char* wrong = wrongIn(rays, primary, frame->limits)) in.fail(wrong);
   auto active = std::make_shared<Completion::Active>(completion_, header.frame);
-  auto list = std::make_shared<RayList>(std::move(rays));  // a task must be copyable
-  post([this, frame, header, primary, active, list] {
-    process(frame, header.partition, primary, header.origin, std::move(*list));
-  });
+  auto held = std::make_shared<Held>(hold({header.partition, primary, std::move(rays)}));  // tasks are copied
+  post([this, frame, origin = header.origin, active, held] { process(frame, origin, std::move(*held)); });
 }
 
 void Renderer::receiveContributions(Bytes message) {

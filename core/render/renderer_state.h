@@ -25,8 +25,9 @@ struct Renderer::Frame {
   int64_t perPrimary = 1;                    ///< credits of a primary ray
   RayLimits limits;                          ///< of rays that may come
   std::unique_ptr<Framebuffer> framebuffer;  ///< on the owner
-  std::vector<Tile> tiles;                   ///< still to be spawned, last first
-  std::atomic<size_t> tilesLeft = 0;         ///< not yet spawned completely
+  LedgerEntry framebufferMemory, tileMemory;
+  std::vector<Tile> tiles;            ///< still to be spawned, last first
+  std::atomic<size_t> tilesLeft = 0;  ///< not yet spawned completely
   std::atomic<bool> cancelled = false;
 };
 
@@ -34,6 +35,13 @@ struct Renderer::Parked {
   Channel channel;
   Bytes message;
   std::shared_ptr<Completion::Active> active;
+  LedgerEntry memory;
+};
+
+/// Rays on this rank.
+struct Renderer::Held {
+  LeavingRays list;
+  LedgerEntry memory;
 };
 
 }  // namespace gxy

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gxy/space/ledger.h"
 
+#include <algorithm>
 #include <fstream>
 #include <map>
 #include <mutex>
@@ -12,7 +13,7 @@
 namespace gxy {
 
 struct LedgerEntry::Account {
-  int64_t bytes = 0;
+  int64_t bytes = 0, peak = 0;
 };
 
 struct LedgerEntry::State {
@@ -40,9 +41,18 @@ void LedgerEntry::resize(int64_t bytes) {
   if (!account_ || bytes == bytes_) return;
   const std::lock_guard lock(state_->mutex);
   account_->bytes += bytes - bytes_;
+  account_->peak = std::max(account_->peak, account_->bytes);
   state_->total += bytes - bytes_;
   state_->peak = std::max(state_->peak, state_->total);
   bytes_ = bytes;
+}
+
+LedgerEntry LedgerEntry::another(int64_t bytes) const {
+  LedgerEntry entry;
+  entry.state_ = state_;
+  entry.account_ = account_;
+  entry.resize(bytes);
+  return entry;
 }
 
 Ledger::Ledger() : state_(std::make_shared<LedgerEntry::State>()) {}
@@ -82,6 +92,15 @@ std::vector<Ledger::Line> Ledger::snapshot() const {
   std::vector<Line> lines;
   for (const auto& [who, account] : state_->accounts) {
     if (account.bytes != 0) lines.push_back({who.first, who.second, account.bytes});
+  }
+  return lines;
+}
+
+std::vector<Ledger::Line> Ledger::peaks() const {
+  const std::lock_guard lock(state_->mutex);
+  std::vector<Line> lines;
+  for (const auto& [who, account] : state_->accounts) {
+    if (account.peak != 0) lines.push_back({who.first, who.second, account.peak});
   }
   return lines;
 }

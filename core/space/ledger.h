@@ -20,6 +20,9 @@ class LedgerEntry {
   int64_t bytes() const { return bytes_; }
   /// The allocation has grown or shrunk to this size.
   void resize(int64_t bytes);
+  /// Another allocation of the same tenant and purpose, without the search for its account; of an entry that is in no
+  /// ledger, one that is in none either. May be called by several threads at once.
+  [[nodiscard]] LedgerEntry another(int64_t bytes) const;
 
  private:
   friend class Ledger;
@@ -30,7 +33,7 @@ class LedgerEntry {
   int64_t bytes_ = 0;
 };
 
-/// Bytes of all large allocations of a rank, by tenant and purpose ("volume", "ghosts", "framebuffer",
+/// Bytes of all large allocations of a rank, by tenant and purpose ("volume", "geometry", "scene", "framebuffer",
 /// "rays"...). Thread safe.
 class Ledger {
  public:
@@ -50,6 +53,8 @@ class Ledger {
   };
   /// Every (tenant, purpose) that uses memory now, in alphabetical order.
   std::vector<Line> snapshot() const;
+  /// Every (tenant, purpose) that has ever used memory, with the most that it has been.
+  std::vector<Line> peaks() const;
 
  private:
   std::shared_ptr<LedgerEntry::State> state_;

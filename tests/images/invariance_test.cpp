@@ -46,7 +46,7 @@ TEST_P(Invariance, OfPacketsAndBudget) {
   const Picture expected = render(scene, whole(scene.domain));
   const Cut cut = kdCut(scene.domain, 6, 3, 5);
   const auto compiled = compiledOn(cut, scene);
-  for (const Renderer::Options options : {Renderer::Options{16, 1 << 20}, {64, 1}, {1024, 1}, {100, 5000}}) {
+  for (const Renderer::Options& options : {Renderer::Options{16, 1 << 20}, {64, 1}, {1024, 1}, {100, 5000}}) {
     FrameRun run;
     run.options = options;
     EXPECT_EQ(difference(expected, render(scene, cut.ranks, compiled, run)), "")

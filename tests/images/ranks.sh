@@ -11,7 +11,7 @@ mkdir -p "$out"
 cd "$out"
 "$gxydata" turbulence -r 34,29,31 --seed 7 noise.vol
 "$gxydata" radial -r 27 balls.vti
-"$gxydata" particles -n 400 halos.vtp
+"$gxydata" particles -r 400 halos.vtp
 "$gxydata" sphere-mesh ball.vtp
 cp "$here"/states/*.json .
 

@@ -62,6 +62,19 @@ TEST(Ledger, TotalsAreExactUnderThreads) {
   EXPECT_LE(ledger.peak(), 4 * 64);
 }
 
+TEST(Ledger, PeaksOfAPurposeOutliveItsEntries) {
+  Ledger ledger;
+  {
+    const LedgerEntry rays = ledger.enter("ann", "rays", 5);
+    { const LedgerEntry more = rays.another(20); }
+    const LedgerEntry less = rays.another(10);
+    EXPECT_EQ(ledger.total(), 15);
+  }
+  const LedgerEntry volume = ledger.enter("ann", "volume", 3);
+  EXPECT_EQ(ledger.peaks(), (std::vector<Ledger::Line>{{"ann", "rays", 25}, {"ann", "volume", 3}}));
+  EXPECT_EQ(LedgerEntry().another(100).bytes(), 0);
+}
+
 TEST(ProcessBytes, GrowsByWhatIsTouched) {
   constexpr int64_t kSize = 64 << 20;
   const ProcessBytes before = processBytes();

@@ -103,10 +103,12 @@ TEST_F(DataTools, ConvertAndPartitionMoveNothing) {
 }
 
 TEST_F(DataTools, GeometryKindsHoldWhatTheyClaim) {
-  ASSERT_EQ(data("particles -n 500 p.vtp"), 0);
+  ASSERT_EQ(data("particles -r 500 p.vtp"), 0);
   ASSERT_EQ(data("sphere-mesh -r 16 m.vtp"), 0);
-  ASSERT_EQ(data("helix -n 3 h.vtu"), 0);
+  ASSERT_EQ(data("helix -r 3 h.vtu"), 0);
   EXPECT_EQ(summariseGeometry(at("p.vtp")).points, 500u);
+  ASSERT_EQ(data("particles -r 5,4,3 q.vtp"), 0);
+  EXPECT_EQ(summariseGeometry(at("q.vtp")).points, 60u);
   EXPECT_EQ(summariseGeometry(at("h.vtu")).segments, 3u * 256);
   const GeometryBlock mesh = readGeometry(at("m.vtp"), GeometryKind::Triangles).block;
   ASSERT_EQ(mesh.triangles.size(), 2u * 32 * 15);
@@ -124,6 +126,8 @@ TEST_F(DataTools, ExitStatusTellsUsageFromFailure) {
   EXPECT_EQ(data(""), 2);
   EXPECT_EQ(data("nonsense x.vti"), 2);
   EXPECT_EQ(data("radial -r 0 x.vti"), 2);
+  EXPECT_EQ(data("particles -r 5,4 x.vtp"), 2);
+  EXPECT_EQ(data("particles -r 100000,100000,2 x.vtp"), 2);
   EXPECT_EQ(data("partition x.vti y.pvti"), 2);
   EXPECT_EQ(data("info missing.vti"), 1);
   EXPECT_EQ(data("radial x.txt"), 1);

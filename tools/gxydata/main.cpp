@@ -2,6 +2,7 @@
 // gxydata: makes, converts, partitions and describes datasets.
 #include <CLI/CLI.hpp>
 #include <cstdio>
+#include <limits>
 #include <sstream>
 
 #include "commands.h"
@@ -17,16 +18,15 @@ constexpr const char* kExamples = R"(Examples:
   gxydata radial -r 64,32,16 --array x ramp.vol      one array; the samples go to ramp.raw
   gxydata turbulence -r 256 --seed 7 noise.vol
   gxydata radial -t 10 balls.vti                     balls_0000.vti to balls_0009.vti
-  gxydata particles -n 100000 halos.vtp
+  gxydata particles -r 100000 halos.vtp
   gxydata convert carotid.vtk carotid.vti
   gxydata partition noise.vol -g 2,2,1 pieces.pvti
   gxydata info bunny.ply
 Exit status: 0 done, 1 failed, 2 wrong usage.)";
 
-/// "64" or "64,32,16".
-template <class T>
-std::array<T, 3> threeNumbers(const std::string& text, const char* option, bool oneIsEnough) {
-  std::vector<long long> numbers;
+/// "64" or "64,32,16": one or three numbers from 1 to `most`.
+std::vector<int64_t> numbersIn(const std::string& text, const char* option, int64_t most) {
+  std::vector<int64_t> numbers;
   std::stringstream words(text);
   for (std::string word; std::getline(words, word, ',');) {
     size_t used = 0;
@@ -35,14 +35,36 @@ std::array<T, 3> threeNumbers(const std::string& text, const char* option, bool 
       n = std::stoll(word, &used);
     } catch (const std::exception&) {
     }
-    if (used == 0 || used != word.size() || n < 1 || n > 1000000)
-      throw CLI::ValidationError(option, "expected positive integers, found '" + text + "'");
+    if (used == 0 || used != word.size() || n < 1 || n > most)
+      throw CLI::ValidationError(
+          option, "expected integers from 1 to " + std::to_string(most) + ", found '" + text + "'");
     numbers.push_back(n);
   }
+  if (numbers.size() != 1 && numbers.size() != 3)
+    throw CLI::ValidationError(option, "expected one or three integers, found '" + text + "'");
+  return numbers;
+}
+
+template <class T>
+std::array<T, 3> threeNumbers(const std::string& text, const char* option, bool oneIsEnough) {
+  std::vector<int64_t> numbers = numbersIn(text, option, 1000000);
   if (oneIsEnough && numbers.size() == 1) numbers.assign(3, numbers[0]);
   if (numbers.size() != 3)
     throw CLI::ValidationError(option, "expected three integers, found '" + text + "'");
   return {T(numbers[0]), T(numbers[1]), T(numbers[2])};
+}
+
+/// As many as a lattice has points, or just as many.
+int64_t countIn(const std::string& text, const char* option) {
+  constexpr int64_t most = std::numeric_limits<uint32_t>::max() - 1;  // points have 32-bit indices
+  int64_t count = 1;
+  for (int64_t n : numbersIn(text, option, most)) {
+    if (n > most / count)
+      throw CLI::ValidationError(
+          option, "expected at most " + std::to_string(most) + " in all, found '" + text + "'");
+    count *= n;
+  }
+  return count;
 }
 
 CLI::App* kind(CLI::App& app, Options& options, const char* name, const char* description) {
@@ -74,10 +96,12 @@ void addVolumeKinds(CLI::App& app, Options& options, std::string& resolution) {
                 resolution, "64");
 }
 
-void addGeometryKinds(CLI::App& app, Options& options) {
+void addGeometryKinds(CLI::App& app, Options& options, std::string& points) {
   CLI::App* particles = kind(app, options, "particles", "clustered points with values");
-  particles->add_option("-n,--count", options.count, "number of points (default 10000)")
-      ->check(CLI::PositiveNumber);
+  particles->add_option("-r,--resolution", points,
+                        "number of points: N, or NX,NY,NZ for as many as such a grid has (default 10000)");
+  particles->callback(
+      [&options, &points] { options.count = countIn(points.empty() ? "10000" : points, "-r"); });
   CLI::App* mesh =
       kind(app, options, "sphere-mesh", "a triangulated, optionally bumpy sphere with values and normals");
   mesh->add_option("-r,--resolution", options.count, "rows of the mesh (default 64)")
@@ -85,7 +109,8 @@ void addGeometryKinds(CLI::App& app, Options& options) {
   mesh->add_option("--displacement", options.displacement, "height of the bumps, in radii (default 0)")
       ->check(CLI::Range(0.0, 0.9));
   CLI::App* helix = kind(app, options, "helix", "path lines: coils whose value is their speed");
-  helix->add_option("-n,--count", options.count, "number of lines (default 8)")->check(CLI::PositiveNumber);
+  helix->add_option("-r,--resolution", options.count, "number of lines (default 8)")
+      ->check(CLI::PositiveNumber);
 }
 
 void run(const CLI::App& app, const Options& options, int parts, std::array<int, 3> lattice) {
@@ -114,7 +139,7 @@ int main(int argc, char** argv) {
   std::string resolution, latticeText;
   int parts = 0;
   addVolumeKinds(app, options, resolution);
-  addGeometryKinds(app, options);
+  addGeometryKinds(app, options, resolution);
 
   CLI::App* convert =
       app.add_subcommand("convert", "from one format to another; nothing is moved or rounded");

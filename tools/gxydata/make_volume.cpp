@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 
 #include "commands.h"
 #include "gxy/comm/error.h"
+#include "gxy/comm/parallel_for.h"
 #include "gxy/io/write_volume.h"
 
 namespace gxy::data_tool {
@@ -39,7 +38,7 @@ void makeVolume(const std::vector<Field>& all, const Options& options) {
   for (int step = 0; step < steps; ++step) {
     const VolumeWriter writer(stepName(options, step), grid, arrays);
     const double phase = double(step) / steps;
-    tbb::parallel_for(int64_t(0), grid.points[2], [&](int64_t k) {
+    parallelFor(int64_t(0), grid.points[2], [&](int64_t k) {
       std::vector<float> slice(size_t(grid.points[0] * grid.points[1]));
       for (size_t f = 0; f < fields.size(); ++f) {
         size_t n = 0;

@@ -21,6 +21,9 @@ GeometryKind kindOf(DatasetType type) {
   return type == DatasetType::PathLines ? GeometryKind::PathLines : GeometryKind::Triangles;
 }
 
+// A partition's samples stay below 2^31 bytes up to 7 bytes a point: what kernels reach.
+constexpr int64_t kMostPoints = int64_t(1) << 28;
+
 std::shared_ptr<const Partitioning> makePartitioning(const Box& domain, const Grid* grid,
                                                      std::array<int, 3> wanted, int ranks) {
   // The grid whose points carry the cuts: that of the first volume if it fills the domain, else a fine lattice.
@@ -31,7 +34,11 @@ std::shared_ptr<const Partitioning> makePartitioning(const Box& domain, const Gr
   for (int a = 0; a < 3; a++)
     cells[a] =
         onGrid ? grid->cells()[a] : std::max<int64_t>(1, int64_t(std::ceil(1048576 * size[a] / longest)));
-  if (wanted[1] == 0) wanted = decompose(wanted[0] > 0 ? wanted[0] : ranks, cells);
+  if (wanted[0] == 0) {
+    const Index3 points = grid ? grid->points : Index3{1, 1, 1};
+    wanted[0] = int(std::max<int64_t>(ranks, points[0] * points[1] * points[2] / kMostPoints + 1));
+  }
+  if (wanted[1] == 0) wanted = decompose(wanted[0], cells);
   std::array<std::vector<double>, 3> faces;
   for (int a = 0; a < 3; a++)
     faces[a] = evenFaces(domain.lo[a], domain.hi[a], wanted[a], onGrid ? cells[a] : 0);
@@ -47,24 +54,6 @@ Box thickened(Box box) {
   for (int a = 0; a < 3; a++)
     if (size[a] < least) box.lo[a] -= 0.5 * least, box.hi[a] += 0.5 * least;
   return box;
-}
-
-int64_t bytesOf(const Volume& v) {
-  int64_t n = 0;
-  for (const auto& [p, block] : v.blocks) {
-    n += int64_t(block.samples.size());
-    for (const auto& s : block.summaries) n += int64_t(s.size() * sizeof(Macrocell));
-  }
-  return n;
-}
-
-int64_t bytesOf(const Geometry& g) {
-  int64_t n = 0;
-  for (const auto& [p, b] : g.blocks)
-    n +=
-        int64_t(b.points.size() * 24 + b.normals.size() * 12 + b.values.size() * 4 + b.triangles.size() * 12 +
-                b.segments.size() * 8 + b.neighbours.size() * 8 + b.ids.size() * 8);
-  return n;
 }
 
 }  // namespace
@@ -109,7 +98,7 @@ LoadedState loadData(const State& state, const std::string& directory, const Ren
   for (const DatasetSpec& d : state.datasets)
     if (shown.count(d.name) && d.type == DatasetType::Volume) {
       auto volume = importVolume(pathOf(d), d.array, *loaded.partitioning, kGhostLayers, ranks);
-      loaded.memory.push_back(ledger.enter("batch", "volume", bytesOf(*volume)));
+      loaded.memory.push_back(ledger.enter(kTenant, "volume", bytesOf(*volume)));
       volumes[d.name] = std::move(volume);
     }
 
@@ -126,7 +115,7 @@ LoadedState loadData(const State& state, const std::string& directory, const Ren
         auto g = distribute(
             geometry.at(d.name), *loaded.partitioning,
             [&](double value) { return op.type == VisType::Triangles ? 0.0 : radiusOf(op, value); }, ranks);
-        loaded.memory.push_back(ledger.enter("batch", "geometry", bytesOf(*g)));
+        loaded.memory.push_back(ledger.enter(kTenant, "geometry", bytesOf(*g)));
         data.geometry = std::move(g);
       }
     }

@@ -14,6 +14,8 @@
 
 namespace gxy {
 
+inline constexpr const char* kTenant = "batch";  ///< in the ledger
+
 /// What core/io needs of the ranks, over a Collective and one of its keys.
 class RankCollectives final : public Collectives {
  public:

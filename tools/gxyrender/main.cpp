@@ -140,16 +140,17 @@ int run(const RenderOptions& options) {
         std::unique_ptr<Backend> backend;
         agree(ranks, [&] { backend = registry.make(options.backend); });
         Ledger ledger;
+        const int64_t residentBefore = processBytes().resident;
         const LoadedState loaded = loadData(state, directory, options, ranks, ledger);
         phases.load = wallSeconds() - begin;
 
-        Renderer renderer(transport, {options.packet, options.raysInFlight});
+        Renderer renderer(transport, {options.packet, options.raysInFlight, &ledger, kTenant});
         std::vector<LedgerEntry> memory;
         for (size_t v = 0; v < state.visualizations.size(); v++) {
           const auto scene = makeScene(state, loaded, v, ranks);
           std::shared_ptr<const DeviceScene> device;
           agree(ranks, [&] { device = backend->makeScene(scene, transport.rank()); });
-          memory.push_back(ledger.enter("batch", "scene", int64_t(scene->bytes() + device->bytes())));
+          memory.push_back(ledger.enter(kTenant, "scene", int64_t(scene->bytes() + device->bytes())));
           renderer.addScene(v, scene, device);
         }
         collective.barrier(kRunKey);
@@ -161,7 +162,8 @@ int run(const RenderOptions& options) {
         phases.cpuRender = cpuSeconds() - cpu;
         phases.total = wallSeconds() - begin;
         if (!options.statsFile.empty()) {
-          const auto mine = statisticsOf(renderer.counters(), transport.counters(), phases, ledger);
+          const auto mine =
+              statisticsOf(renderer.counters(), transport.counters(), phases, ledger, residentBefore);
           std::vector<nlohmann::json> all;
           for (const Bytes& b : ranks.allGather(toBytes(mine.dump())))
             all.push_back(nlohmann::json::parse(toString(b)));

@@ -57,7 +57,8 @@ std::optional<int> parseOptions(int argc, char** argv, bool speaks, RenderOption
   app.add_option("--step", o.step, "Fixed step of the volume integrator in cells, for comparison")
       ->check(CLI::Range(1e-3, 4.0));
   app.add_option("--partitions", partitions,
-                 "Number of partitions N, or I,J,K of them per axis (default: one a rank)");
+                 "Number of partitions N, or I,J,K of them per axis (default: one a rank, more for volumes "
+                 "of over 2^28 points)");
   app.add_option("--concurrent", o.concurrent, "Pictures in flight at once")
       ->check(CLI::Range(1, 4096))
       ->capture_default_str();

@@ -16,7 +16,7 @@ struct RenderOptions {
   std::string backend = "auto";
   bool reference = false;
   std::optional<double> tolerance, step;
-  std::array<int, 3> partitions{0, 0, 0};  ///< {n, 0, 0}: n, cut automatically; {0, 0, 0}: one a rank
+  std::array<int, 3> partitions{0, 0, 0};  ///< {n, 0, 0}: n, cut automatically; {0, 0, 0}: one a rank or more
   int concurrent = 8;
   std::string format = "png";
   bool depth = false;

@@ -2,10 +2,9 @@
 #include "pictures.h"
 
 #include <cstdio>
-#include <fstream>
 
-#include "gxy/comm/error.h"
 #include "gxy/io/image.h"
+#include "gxy/io/replace_file.h"
 
 namespace gxy {
 
@@ -18,13 +17,7 @@ std::string pictureName(const State& state, const RenderOptions& options, size_t
 }
 
 void writePicture(const std::string& name, const RenderOptions& options, Picture picture) {
-  if (!picture.depth.empty()) {
-    const std::string path = name + ".depth";
-    std::ofstream out(path, std::ios::binary);
-    out.write(reinterpret_cast<const char*>(picture.depth.data()),
-              std::streamsize(picture.depth.size() * sizeof(double)));
-    if (!out.flush()) throw Error(path + ": cannot be written");
-  }
+  if (!picture.depth.empty()) replaceFile(name + ".depth", std::as_bytes(std::span(picture.depth)));
   writeImage(name + "." + options.format, Image{picture.width, picture.height, std::move(picture.rgba)});
 }
 

@@ -4,9 +4,8 @@
 #include <sys/resource.h>
 
 #include <chrono>
-#include <fstream>
 
-#include "gxy/comm/error.h"
+#include "gxy/io/replace_file.h"
 
 namespace gxy {
 
@@ -22,11 +21,14 @@ double cpuSeconds() {
 }
 
 nlohmann::json statisticsOf(const Renderer::Counters& c, const Transport::Counters& t, const Phases& p,
-                            const Ledger& ledger) {
+                            const Ledger& ledger, int64_t residentBefore) {
   const TraceCounters& k = c.trace;
   const ProcessBytes process = processBytes();
-  nlohmann::json memory = nlohmann::json::object();
-  for (const Ledger::Line& line : ledger.snapshot()) memory[line.purpose] = line.bytes;
+  const auto byPurpose = [](const std::vector<Ledger::Line>& lines) {
+    auto bytes = nlohmann::json::object();
+    for (const Ledger::Line& line : lines) bytes[line.purpose] = line.bytes;
+    return bytes;
+  };
   return {{"rays",
            {{"spawned", k.raysSpawned},
             {"secondaries", k.secondariesSpawned},
@@ -49,6 +51,7 @@ nlohmann::json statisticsOf(const Renderer::Counters& c, const Transport::Counte
             {"contribution bytes", c.contributionBytes},
             {"all bytes", t.bytesSent},
             {"packets", t.packetsSent},
+            {"most bytes waiting", t.mostBytesWaiting},
             {"all messages", t.messagesSent}}},
           {"thread seconds",
            {{"spawn", 1e-9 * double(k.nsSpawn)},
@@ -63,18 +66,19 @@ nlohmann::json statisticsOf(const Renderer::Counters& c, const Transport::Counte
             {"total", p.total},
             {"cpu render", p.cpuRender}}},
           {"memory",
-           {{"ledger", memory},
+           {{"ledger", byPurpose(ledger.snapshot())},
+            {"ledger peaks", byPurpose(ledger.peaks())},
             {"ledger total", ledger.total()},
             {"ledger peak", ledger.peak()},
+            {"process before data", residentBefore},
             {"process", process.resident},
             {"process peak", process.peakResident}}}};
 }
 
 void writeStatistics(const std::string& path, const nlohmann::json& run,
                      const std::vector<nlohmann::json>& ranks) {
-  std::ofstream out(path);
-  out << nlohmann::json{{"run", run}, {"ranks", ranks}}.dump(2) << '\n';
-  if (!out.flush()) throw Error(path + ": cannot be written");
+  const std::string text = nlohmann::json{{"run", run}, {"ranks", ranks}}.dump(2) + '\n';
+  replaceFile(path, std::as_bytes(std::span(text)));
 }
 
 }  // namespace gxy

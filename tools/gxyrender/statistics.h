@@ -19,9 +19,9 @@ struct Phases {
 double wallSeconds();
 double cpuSeconds();
 
-/// Counters of this rank.
+/// Counters of this rank. `residentBefore`: memory of the process before it read any data.
 nlohmann::json statisticsOf(const Renderer::Counters& counters, const Transport::Counters& transport,
-                            const Phases& phases, const Ledger& ledger);
+                            const Phases& phases, const Ledger& ledger, int64_t residentBefore);
 
 /// Writes {"run": ..., "ranks": [...]}. Throws Error when the file cannot be written.
 void writeStatistics(const std::string& path, const nlohmann::json& run,

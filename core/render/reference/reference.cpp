@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gxy/reference/reference.h"
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
 #include <cmath>
@@ -11,6 +9,7 @@
 #include <string>
 
 #include "gxy/comm/error.h"
+#include "gxy/comm/parallel_for.h"
 
 namespace gxy::reference {
 namespace {
@@ -156,7 +155,7 @@ ReferencePicture renderReference(const ReferenceScene& scene, const Camera& came
     options.progress(double(++done) / size.y);
   };
   tbb::task_arena arena(options.threads > 0 ? options.threads : int(tbb::task_arena::automatic));
-  arena.execute([&] { tbb::parallel_for(0, size.y, row); });
+  arena.execute([&] { parallelFor(0, size.y, row); });
   return picture;
 }
 
