@@ -216,7 +216,7 @@ void EmbreeScene::fillField(single::VolumeView& v, const CompiledOperator& op,
   v.lastX = v.firstX + v.nx - 1, v.lastY = v.firstY + v.ny - 1,
   v.lastZ = v.firstZ + int(block.extent.points[2]) - 1;
   v.plan = part->plan.data();
-  v.isoPlan = part->isoPlan.data();
+  v.isoPlan = reinterpret_cast<const uint8_t*>(part->isoPlan.data());
   v.macroX = int(block.macrocells[0]), v.macroY = int(block.macrocells[1]);
   v.macroFirstX = int(block.firstMacrocell[0]), v.macroFirstY = int(block.firstMacrocell[1]);
   v.macroFirstZ = int(block.firstMacrocell[2]);

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "gxy/comm/error.h"
+#include "gxy/rays/iso_plan.h"
 #include "gxy/rays/step_plan.h"
 #include "gxy/scene/colormaps.h"
 
@@ -62,11 +63,12 @@ void compileVolume(CompiledOperator& op, CompiledScene& scene) {
     const auto& summaries = block.summaries.at(op.summary);
     if (op.vis.volumeRendering)
       part.plan = stepPlan(summaries, op.map, cellT, scene.settings.tolerance, scene.settings.step > 0);
-    if (!op.isovalues.empty()) part.isoPlan = isoPlan(summaries, op.isovalues);
-    auto any = [](const std::vector<uint8_t>& v) {
-      return std::any_of(v.begin(), v.end(), [](uint8_t x) { return x; });
-    };
-    bool visible = any(part.plan) || any(part.isoPlan);
+    if (!op.isovalues.empty())
+      part.isoPlan =
+          isoPlan(block, volume.stored, volume.components,
+                  volume.components == 1 ? 0 : op.vis.component.value_or(-1), summaries, op.isovalues);
+    bool visible = std::any_of(part.plan.begin(), part.plan.end(), [](uint8_t x) { return x; }) ||
+                   anyIsosurface(part.isoPlan, summaries.size());
     for (const CompiledPlane& p : op.slices)
       visible = visible || planeMeets(p, scene.partitioning->box(partition), space);
     if (visible) scene.visible[partition] = 1;
@@ -136,7 +138,7 @@ size_t CompiledScene::bytes() const {
   for (const auto& op : operators) {
     n += (op.map.nodes.size() * 14 + op.map.buckets.size()) * 4;
     for (const auto& [partition, part] : op.parts)
-      n += part.plan.size() + part.isoPlan.size() +
+      n += part.plan.size() + 4 * part.isoPlan.size() +
            4 * (part.points.size() + part.normals.size() + part.values.size() + part.indices.size() +
                 part.neighbours.size());
   }

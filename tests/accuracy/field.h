@@ -11,6 +11,7 @@
 #include "gxy/kernels/single.h"
 #include "gxy/kernels/twin.h"
 #include "gxy/rays/compiled_map.h"
+#include "gxy/rays/iso_plan.h"
 #include "gxy/rays/step_plan.h"
 #include "random.h"
 
@@ -150,7 +151,7 @@ class View {
         sums_(s.map.sums.begin(), s.map.sums.end()),
         isovalues_(s.isovalues.begin(), s.isovalues.end()),
         plan_(s.plan),
-        isoPlan_(isoPlan(f.macrocells(), s.isovalues)) {
+        isoPlan_(isoPlan(f.block, f.stored, f.components, f.component, f.macrocells(), s.isovalues)) {
     const Extent& e = f.block.extent;
     const Index3 cells = f.grid.cells();
     view_.samples = f.block.samples.data();
@@ -176,7 +177,7 @@ class View {
     view_.inverseY = Real(float(1 / f.grid.spacing.y));
     view_.inverseZ = Real(float(1 / f.grid.spacing.z));
     view_.plan = plan_.data();
-    view_.isoPlan = isoPlan_.data();
+    view_.isoPlan = reinterpret_cast<const std::uint8_t*>(isoPlan_.data());
     view_.macroX = int(f.block.macrocells[0]), view_.macroY = int(f.block.macrocells[1]);
     view_.macroFirstX = int(f.block.firstMacrocell[0]);
     view_.macroFirstY = int(f.block.firstMacrocell[1]);
@@ -199,7 +200,8 @@ class View {
  private:
   std::vector<int> buckets_;
   std::vector<Real> nodes_, lengths_, pieces_, sums_, isovalues_;
-  std::vector<uint8_t> plan_, isoPlan_;
+  std::vector<uint8_t> plan_;
+  std::vector<int32_t> isoPlan_;
   typename Kernels<Real>::View view_{};
 };
 
