@@ -45,7 +45,10 @@ FN int macrocellBehind(real t, real far, int cube, int level, int up, real po, r
   int first = cube << level;
   int last = first + (1 << level) - 1;
   int m = up > 0 ? last + 1 : first - 1;
-  if (far > t) m = cellInside(t, po, pd, rpd, first, last, MACRO_BITS);
+  if (far > t) {
+    m = cube;
+    if (level > 0) m = cellInside(t, po, pd, rpd, first, last, MACRO_BITS);
+  }
   return m;
 }
 
@@ -188,9 +191,9 @@ FN IsoHit firstIsosurface(VOLUME v, VolumeRay r, real tIn, real tOut, real tAfte
           real planeX = toReal((mx << MACRO_BITS) + lx + up.x);
           real planeY = toReal((my << MACRO_BITS) + ly + up.y);
           real planeZ = toReal((mz << MACRO_BITS) + lz + up.z);
-          int stop = isoCell(v, block, lx, ly, lz);
-          int atOnce = stop;  // only the very first cell may begin where the walk ends
-          while (stop == 0) {
+          found = isoCell(v, block, lx, ly, lz);
+          bool walk = found == 0;
+          while (walk) {
             real farX = (planeX - r.g.po.x) * r.g.rpd.x;
             real farY = (planeY - r.g.po.y) * r.g.rpd.y;
             real farZ = (planeZ - r.g.po.z) * r.g.rpd.z;
@@ -201,19 +204,21 @@ FN IsoHit firstIsosurface(VOLUME v, VolumeRay r, real tIn, real tOut, real tAfte
             planeX += farX <= ta ? strideX : R(0.0);
             planeY += farY <= ta ? strideY : R(0.0);
             planeZ += farZ <= ta ? strideZ : R(0.0);
-            stop = ((lx | ly | lz) & ~7) | isoCell(v, block, lx & 7, ly & 7, lz & 7);
-          }
-          mx += lx >> MACRO_BITS;
-          my += ly >> MACRO_BITS;
-          mz += lz >> MACRO_BITS;
-          lx &= 7;
-          ly &= 7;
-          lz &= 7;
-          found = stop == 1 ? 1 : 0;
-          if (atOnce != 1 && !(ta < end)) {
-            block = ISO_END;
-          } else if (found == 0) {
-            block = isoBlock(v, make_i3(mx, my, mz));
+            if (((lx | ly | lz) & ~7) != 0) {
+              mx += lx >> MACRO_BITS;
+              my += ly >> MACRO_BITS;
+              mz += lz >> MACRO_BITS;
+              lx &= 7;
+              ly &= 7;
+              lz &= 7;
+              block = ISO_END;
+              if (ta < end) block = isoBlock(v, make_i3(mx, my, mz));
+            }
+            walk = block > ISO_END;
+            if (walk) {
+              found = isoCell(v, block, lx, ly, lz);
+              walk = found == 0;
+            }
           }
         }
         if (block == ISO_END) found = 2;
@@ -291,15 +296,63 @@ FN vec3 pointGradient(VOLUME v, ivec3 p) {
                  centralDifference(az, s, bz, z0, z1));
 }
 
+// The gradient at point (x, y, z), each 0 or 1, of the cell with corners k and neighbours on its six sides.
+struct CellNeighbours {
+  Corners lowX, highX, lowY, highY, lowZ, highZ;
+};
+FN real differenceAlong(real before, real low, real high, real after, bool atHigh) {
+  real b = before, h = low, a = high;
+  if (atHigh) {
+    b = low;
+    h = high;
+    a = after;
+  }
+  return centralDifference(b, h, a, true, true);
+}
+FN vec3 cornerGradient(Corners k, CellNeighbours n, UNIFORM int x, UNIFORM int y, UNIFORM int z) {
+  vec3 g;
+  bool x1 = x == 1, y1 = y == 1, z1 = z == 1;
+  if (y == 0 && z == 0) g.x = differenceAlong(n.lowX.v000, k.v000, k.v100, n.highX.v100, x1);
+  if (y == 1 && z == 0) g.x = differenceAlong(n.lowX.v010, k.v010, k.v110, n.highX.v110, x1);
+  if (y == 0 && z == 1) g.x = differenceAlong(n.lowX.v001, k.v001, k.v101, n.highX.v101, x1);
+  if (y == 1 && z == 1) g.x = differenceAlong(n.lowX.v011, k.v011, k.v111, n.highX.v111, x1);
+  if (x == 0 && z == 0) g.y = differenceAlong(n.lowY.v000, k.v000, k.v010, n.highY.v010, y1);
+  if (x == 1 && z == 0) g.y = differenceAlong(n.lowY.v100, k.v100, k.v110, n.highY.v110, y1);
+  if (x == 0 && z == 1) g.y = differenceAlong(n.lowY.v001, k.v001, k.v011, n.highY.v011, y1);
+  if (x == 1 && z == 1) g.y = differenceAlong(n.lowY.v101, k.v101, k.v111, n.highY.v111, y1);
+  if (x == 0 && y == 0) g.z = differenceAlong(n.lowZ.v000, k.v000, k.v001, n.highZ.v001, z1);
+  if (x == 1 && y == 0) g.z = differenceAlong(n.lowZ.v100, k.v100, k.v101, n.highZ.v101, z1);
+  if (x == 0 && y == 1) g.z = differenceAlong(n.lowZ.v010, k.v010, k.v011, n.highZ.v011, z1);
+  if (x == 1 && y == 1) g.z = differenceAlong(n.lowZ.v110, k.v110, k.v111, n.highZ.v111, z1);
+  return g;
+}
+
 // The shading gradient at p (index space), per unit of render space: trilinear in the gradients of the cell's points, so
 // that it is continuous across cells.
 FN vec3 gradientAt(VOLUME v, vec3 p) {
   ivec3 c = cellAt(v, p);
   vec3 f = fractionIn(c, p);
+  bool inner = c.x > v.firstX && c.y > v.firstY && c.z > v.firstZ && c.x + 1 < v.lastX && c.y + 1 < v.lastY &&
+               c.z + 1 < v.lastZ;
   vec3 g = make_v3(R(0.0), R(0.0), R(0.0));
+  Corners k;
+  CellNeighbours n;
+  if (inner) {
+    k = cellCorners(v, c);
+    n.lowX = cellCorners(v, make_i3(c.x - 1, c.y, c.z));
+    n.highX = cellCorners(v, make_i3(c.x + 1, c.y, c.z));
+    n.lowY = cellCorners(v, make_i3(c.x, c.y - 1, c.z));
+    n.highY = cellCorners(v, make_i3(c.x, c.y + 1, c.z));
+    n.lowZ = cellCorners(v, make_i3(c.x, c.y, c.z - 1));
+    n.highZ = cellCorners(v, make_i3(c.x, c.y, c.z + 1));
+  }
   for (UNIFORM int i = 0; i < 8; i++) {
     UNIFORM int x = i & 1, y = (i >> 1) & 1, z = i >> 2;
-    vec3 d = pointGradient(v, make_i3(c.x + x, c.y + y, c.z + z));
+    vec3 d;
+    if (inner)
+      d = cornerGradient(k, n, x, y, z);
+    else
+      d = pointGradient(v, make_i3(c.x + x, c.y + y, c.z + z));
     real w = ((x == 1 ? f.x : R(1.0) - f.x) * (y == 1 ? f.y : R(1.0) - f.y)) * (z == 1 ? f.z : R(1.0) - f.z);
     g.x += w * d.x;
     g.y += w * d.y;

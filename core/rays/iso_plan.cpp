@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gxy/rays/iso_plan.h"
 
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -32,6 +35,14 @@ class Points {
     row_.resize(n);
     withType(stored_, [&](auto t) { convert(reinterpret_cast<const decltype(t)*>(at)); });
     return row_.data();
+  }
+
+  /// Asks for the cache lines of points that will be read soon.
+  void prefetch(int64_t x, int64_t y, int64_t z, size_t n) const {
+    const Extent& e = block_.extent;
+    const size_t each = size_t(components_) * bytesOf(stored_);
+    const std::byte* at = block_.samples.data() + size_t((z * e.points[1] + y) * e.points[0] + x) * each;
+    for (size_t i = 0; i < n * each; i += 64) __builtin_prefetch(at + i);
   }
 
  private:
@@ -79,6 +90,7 @@ class CellBits {
     for (float isovalue : isovalues_) {
       for (int64_t k = zs.first; k <= zs.last; k++) {
         for (int64_t j = ys.first; j <= ys.last; j++) {
+          if (k < zs.last) points_.prefetch(xs.first, j, k + 1, cells + 1);
           classify(points_(xs.first, j, k, cells + 1), isovalue, row_.data() + lead, cells);
           if (j > ys.first) join(last_.data(), row_.data(), plane_.data() + rowOf(1, j - 1) * width_, width_);
           std::swap(row_, last_);
@@ -183,22 +195,25 @@ std::vector<int32_t> isoPlan(const VolumeBlock& block, ScalarType stored, int co
   plan.resize(first + (1 + std::min(having, most)) * kIsoWords, 0);
   std::fill_n(plan.begin() + ptrdiff_t(full), kIsoWords, -1);
   size_t next = full + kIsoWords;
-  CellBits bits(block, Points(block, stored, components, component), isovalues);
-  for (int64_t z = 0; z < n[2]; z++)
-    for (int64_t y = 0; y < n[1]; y++) {
-      int32_t* row = plan.data() + (z * n[1] + y) * n[0];
-      for (int64_t x = 0; x < n[0]; x++) {
-        if (row[x] == 0) continue;
-        int64_t end = x;
-        const size_t start = next;
-        for (; end < n[0] && row[end] == 1 && next < plan.size(); end++, next += kIsoWords)
-          row[end] = int32_t(next);
-        if (end == x)
-          row[x] = int32_t(full);
-        else
-          bits.add(x, end, y, z, plan.data() + start), x = end - 1;
-      }
-    }
+  for (size_t i = 0; i < summaries.size(); i++) {
+    if (plan[i] == 0) continue;
+    const bool fits = next < plan.size();
+    plan[i] = int32_t(fits ? next : full);
+    if (fits) next += kIsoWords;
+  }
+  tbb::parallel_for(tbb::blocked_range<int64_t>(0, n[1] * n[2]),
+                    [&](const tbb::blocked_range<int64_t>& rows) {
+                      CellBits bits(block, Points(block, stored, components, component), isovalues);
+                      for (int64_t row = rows.begin(); row < rows.end(); row++) {
+                        const int32_t* words = plan.data() + row * n[0];
+                        for (int64_t x = 0, end; x < n[0]; x = end) {
+                          for (end = x; end < n[0] && words[end] > int32_t(full); end++) {
+                          }
+                          if (end > x) bits.add(x, end, row % n[1], row / n[1], plan.data() + words[x]);
+                          end = std::max(end, x + 1);
+                        }
+                      }
+                    });
   for (int level = 1; level <= kLevels; level++) markCubes(plan, block, level);
   return plan;
 }
