@@ -2,6 +2,9 @@
 // The first isosurface along a ray: cell by cell, the first root of each cell's cubic (cubic.h), in macrocells and cells
 // whose range holds the isovalue and in no others (Parker 1998). Fractions on a face that a ray crosses are exactly 0 or
 // 1, so the two cells that share the face compute the same value there, and no sign change is lost between them.
+//
+// isoPlan (core/rays/iso_plan.h) says per macrocell, and per bit per cell, where an isovalue may pass; it is read as words.
+// Only in such cells are samples read. Each dialect supplies isoBlock() and isoCell() for its VOLUME type.
 
 struct IsoHit {
   real t;     // NO_HIT if none
