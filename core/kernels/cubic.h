@@ -52,63 +52,75 @@ struct RootQuery {
 
 FN bool acceptsRoot(RootQuery q, real t) { return t >= q.tIn && t < q.tOut && t > q.tAfter; }
 
-// The first t in [ta, tb] at which the cubic b over that interval has an accepted root; NO_HIT if there is none.
-FN real firstRoot(Bernstein b, real ta, real tb, RootQuery q) {
+// A part [lo, hi] of [0, 1] in which the cubic is monotone, and over which its sign changes from that of fLo.
+struct Bracket {
+  real lo, hi, fLo, fHi;
+};
+
+FN real rootTime(real u, real ta, real tb) {
+  real along = ta + u * (tb - ta);
+  return u < R(1.0) ? min(along, tb) : tb;
+}
+
+// The first crossing at or after `done` of the cubic b over [ta, tb]; lo > hi if there is none.
+FN Bracket firstBracket(Bernstein b, real ta, real done, RootQuery q) {
+  Bracket c;
+  c.lo = R(1.0);
+  c.hi = R(0.0);
+  c.fLo = R(0.0);
+  c.fHi = R(0.0);
   real first = b.b0;
-  real outwards = q.from > 0 ? b.b1 - b.b0 : b.b0 - b.b1;
-  bool deeper = q.from > 0 ? b.b3 < b.b0 + b.b0 : b.b3 > b.b0 + b.b0;
-  bool wrong = (b.b0 < R(0.0)) != (q.from < 0);
-  if (q.from != 0 && q.start && (!wrong || (outwards <= R(0.0) && deeper))) {
-    real size = max1(abs(b.b0), R(1e-37));
-    first = q.from > 0 ? size : -size;
+  if (q.from != 0) {
+    real outwards = q.from > 0 ? b.b1 - b.b0 : b.b0 - b.b1;
+    bool deeper = q.from > 0 ? b.b3 < b.b0 + b.b0 : b.b3 > b.b0 + b.b0;
+    bool wrong = (b.b0 < R(0.0)) != (q.from < 0);
+    if (q.start && (!wrong || (outwards <= R(0.0) && deeper))) {
+      real size = max1(abs(b.b0), R(1e-37));
+      first = q.from > 0 ? size : -size;
+    }
   }
-  if (min(min(first, b.b1), min(b.b2, b.b3)) > R(0.0) || max(max(first, b.b1), max(b.b2, b.b3)) < R(0.0))
-    return NO_HIT;
-  if (q.entry && b.b0 == R(0.0) && q.from == 0 && acceptsRoot(q, ta)) return ta;
-  // extrema: roots of the derivative d0 v^2 + 2 d1 u v + d2 u^2 = qa u^2 + 2 qb u + qc
-  real d0 = b.b1 - b.b0, d1 = b.b2 - b.b1, d2 = b.b3 - b.b2;
-  real qa = (d0 - d1) - (d1 - d2), qb = d1 - d0;
-  real e0 = R(1.0), e1 = R(1.0);
-  real disc = qb * qb - qa * d0;
-  if (disc > R(0.0)) {
-    real s = sqrt(disc);
-    real w = -(qb + (qb < R(0.0) ? -s : s));
-    real r0 = qa != R(0.0) ? w / qa : R(2.0), r1 = w != R(0.0) ? d0 / w : R(2.0);
-    real lo = min(r0, r1), hi = max(r0, r1);
-    if (hi > R(0.0) && hi < R(1.0)) e1 = hi;
-    e0 = lo > R(0.0) && lo < R(1.0) ? lo : e1;
-  }
-  // The first piece between extrema whose ends differ in sign is searched once; another only if its root is not accepted.
-  real hit = NO_HIT;
-  real done = R(0.0);
-  bool search = true;
-  while (search) {
-    real a = R(0.0), fa = first, lo = R(0.0), hi = R(0.0), fLo = R(0.0), fHi = R(0.0);
-    search = false;
-    for (UNIFORM int k = 0; k < 3; k++) {
-      real z = k == 0 ? e0 : (k == 1 ? e1 : R(1.0));
-      real fz = z < R(1.0) ? bernsteinValue(b, z) : b.b3;
-      bool crosses = q.from <= 0 && fa < R(0.0) && fz >= R(0.0);
-      crosses = crosses || (q.from >= 0 && fa > R(0.0) && fz <= R(0.0));
-      if (!search && crosses && z > a && a >= done) {
-        search = true;
-        lo = a;
-        hi = z;
-        fLo = fa;
-        fHi = fz;
+  bool none =
+      min(min(first, b.b1), min(b.b2, b.b3)) > R(0.0) || max(max(first, b.b1), max(b.b2, b.b3)) < R(0.0);
+  if (!none) {
+    if (q.entry && b.b0 == R(0.0) && q.from == 0 && done == R(0.0) && acceptsRoot(q, ta)) {
+      c.lo = R(0.0);
+    } else {
+      // extrema: roots of the derivative d0 v^2 + 2 d1 u v + d2 u^2 = qa u^2 + 2 qb u + qc
+      real d0 = b.b1 - b.b0, d1 = b.b2 - b.b1, d2 = b.b3 - b.b2;
+      real qa = (d0 - d1) - (d1 - d2), qb = d1 - d0;
+      real e0 = R(1.0), e1 = R(1.0);
+      real disc = qb * qb - qa * d0;
+      if (disc > R(0.0)) {
+        real s = sqrt(disc);
+        real w = -(qb + (qb < R(0.0) ? -s : s));
+        real r0 = qa != R(0.0) ? w / qa : R(2.0), r1 = w != R(0.0) ? d0 / w : R(2.0);
+        real lo = min(r0, r1), hi = max(r0, r1);
+        if (hi > R(0.0) && hi < R(1.0)) e1 = hi;
+        e0 = lo > R(0.0) && lo < R(1.0) ? lo : e1;
       }
-      if (z > a) fa = fz;
-      a = max(a, z);
-    }
-    if (search) {
-      real u = hi;
-      if (fHi != R(0.0)) u = refineRoot(b, lo, hi, fLo, fHi);
-      real along = ta + u * (tb - ta);
-      real t = u < R(1.0) ? min(along, tb) : tb;
-      if (acceptsRoot(q, t)) hit = t;
-      done = hi;
-      search = hit >= NO_HIT && hi < R(1.0);
+      real a = R(0.0), fa = first;
+      for (UNIFORM int k = 0; k < 3; k++) {
+        real z = k == 0 ? e0 : (k == 1 ? e1 : R(1.0));
+        real fz = z < R(1.0) ? bernsteinValue(b, z) : b.b3;
+        bool crosses = q.from <= 0 && fa < R(0.0) && fz >= R(0.0);
+        crosses = crosses || (q.from >= 0 && fa > R(0.0) && fz <= R(0.0));
+        if (c.lo > c.hi && crosses && z > a && a >= done) {
+          c.lo = a;
+          c.hi = z;
+          c.fLo = fa;
+          c.fHi = fz;
+        }
+        if (z > a) fa = fz;
+        a = max(a, z);
+      }
     }
   }
-  return hit;
+  return c;
+}
+
+// Where in its bracket the crossing is.
+FN real rootIn(Bernstein b, Bracket c) {
+  real u = c.hi;
+  if (c.fHi != R(0.0)) u = refineRoot(b, c.lo, c.hi, c.fLo, c.fHi);
+  return u;
 }

@@ -2,6 +2,9 @@
 // The first isosurface along a ray: cell by cell, the first root of each cell's cubic (cubic.h), in macrocells and cells
 // whose range holds the isovalue and in no others (Parker 1998). Fractions on a face that a ray crosses are exactly 0 or
 // 1, so the two cells that share the face compute the same value there, and no sign change is lost between them.
+//
+// isoPlan (core/rays/iso_plan.h) says per macrocell, and per bit per cell, where an isovalue may pass; it is read as words.
+// Only in such cells are samples read. Each dialect supplies isoBlock() and isoCell() for its VOLUME type.
 
 struct IsoHit {
   real t;     // NO_HIT if none
@@ -13,13 +16,15 @@ struct IsoStart {
   int index, from;
 };
 
-// The cell of one axis, of those of a macrocell, that the ray is in at t, where it is inside this macrocell: the estimate is
-// off by one at most.
-FN int cellInside(real t, real po, real pd, real rpd, int first, int last) {
-  real q = floor(po + t * pd);
+// Of one axis, the cell (bits 0) or macrocell (bits MACRO_BITS), between first and last, that the ray is in at t, where it
+// is inside these: the estimate is off by one at most.
+FN int cellInside(real t, real po, real pd, real rpd, int first, int last, UNIFORM int bits) {
+  real p = po + t * pd;
+  UNIFORM real size = bits == 0 ? R(1.0) : R(0.125);
+  real q = floor(p * size);
   int i = toInt(clamp1(q, toReal(first), toReal(last)));
   bool backward = rpd < R(0.0);
-  real below = planeCrossing(i, po, rpd), above = planeCrossing(i + 1, po, rpd);
+  real below = planeCrossing(i << bits, po, rpd), above = planeCrossing((i + 1) << bits, po, rpd);
   bool down = backward ? below <= t : below > t, up = backward ? above > t : above <= t;
   if (down && i > first)
     i -= 1;
@@ -28,12 +33,26 @@ FN int cellInside(real t, real po, real pd, real rpd, int first, int last) {
   return i;
 }
 
-// The cell of one axis after macrocell m is left at t: across the exit plane if t is its crossing, else still inside.
-FN int cellBehind(real t, real far, int m, int up, real po, real pd, real rpd) {
+// The cell of one axis in which the ray enters macrocell m at t: the outermost if it crosses the near plane there.
+FN int cellEntered(real t, int m, int up, real po, real pd, real rpd) {
   int first = m << MACRO_BITS;
-  int i = cellInside(t, po, pd, rpd, first, first + 7);
-  if (far <= t) i = up > 0 ? first + 8 : first - 1;
+  real near = planeCrossing(first + 8 - (up << MACRO_BITS), po, rpd);
+  int i = up > 0 ? first : first + 7;
+  if (near < t) i = cellInside(t, po, pd, rpd, first, first + 7, 0);
   return i;
+}
+
+// The macrocell of one axis after an aligned cube of 2^level of them, `cube` counted in cubes, is left at t: across the exit
+// plane if t is its crossing, else still inside.
+FN int macrocellBehind(real t, real far, int cube, int level, int up, real po, real pd, real rpd) {
+  int first = cube << level;
+  int last = first + (1 << level) - 1;
+  int m = up > 0 ? last + 1 : first - 1;
+  if (far > t) {
+    m = cube;
+    if (level > 0) m = cellInside(t, po, pd, rpd, first, last, MACRO_BITS);
+  }
+  return m;
 }
 
 // The fraction of a cell at which a segment begins or ends on one axis: exact on a plane that is crossed there.
@@ -51,6 +70,67 @@ FN bool cellHoldsData(VOLUME v, ivec3 c) {
   return holds;
 }
 
+#define ISO_END 1  // in place of where a macrocell's bits start: the walk is over
+
+#if !defined(GXY_GLSL)
+// What isoPlan says of macrocell m: > 0: isovalues pass, and the bits of its cells start at this word; else none does, nor
+// in the aligned cube of 2^-isoBlock macrocells of which it is part.
+FN int isoBlock(VOLUME v, ivec3 m) { return v.isoPlan[macroIndex(v, m)]; }
+// 1 if an isovalue may pass through that cell of a macrocell, by its bit, else 0.
+FN int isoCell(VOLUME v, int block, int x, int y, int z) {
+  int at = x | (y << 3) | (z << 6);
+  int bits = v.isoPlan[block + (at >> 5)];
+  return (bits >> (at & 31)) & 1;
+}
+#endif
+
+// The isosurfaces in one cell: of the isovalues from `index` on, the first whose cubic b, between the ray's ta and tb, has a
+// crossing at or after `done`, and where that is bracketed. None: index = v.isovalues.
+struct IsoCrossing {
+  Bernstein b;
+  Bracket at;
+  int index;
+  real done;
+};
+
+FN void cellCrossing(VOLUME v, VolumeRay r, ivec3 c, ivec3 up, real ta, real tb, RootQuery q, IsoStart start,
+                     INOUT(IsoCrossing) x) {
+  Corners k = cellCorners(v, c);
+  real lo = minCorner(k), hi = maxCorner(k);
+  vec3 near = make_v3(planeCrossing(c.x + 1 - up.x, r.g.po.x, r.g.rpd.x),
+                      planeCrossing(c.y + 1 - up.y, r.g.po.y, r.g.rpd.y),
+                      planeCrossing(c.z + 1 - up.z, r.g.po.z, r.g.rpd.z));
+  vec3 far =
+      make_v3(planeCrossing(c.x + up.x, r.g.po.x, r.g.rpd.x), planeCrossing(c.y + up.y, r.g.po.y, r.g.rpd.y),
+              planeCrossing(c.z + up.z, r.g.po.z, r.g.rpd.z));
+  vec3 from = pointAt(r.g, ta), to = pointAt(r.g, tb);
+  vec3 f = make_v3(crossedFraction(near.x >= ta, 1 - up.x, from.x, c.x),
+                   crossedFraction(near.y >= ta, 1 - up.y, from.y, c.y),
+                   crossedFraction(near.z >= ta, 1 - up.z, from.z, c.z));
+  vec3 g =
+      make_v3(crossedFraction(far.x <= tb, up.x, to.x, c.x), crossedFraction(far.y <= tb, up.y, to.y, c.y),
+              crossedFraction(far.z <= tb, up.z, to.z, c.z));
+  bool holds = tb >= ta && holdsData(k);
+  int next = x.index;
+  x.index = v.isovalues;
+  for (UNIFORM int i = 0; i < v.isovalues; i++) {
+    real iso = v.isovalue[i];
+    if (holds && i >= next && x.index == v.isovalues && lo <= iso && hi >= iso) {
+      x.b = bernsteinAlong(k, f, g, iso);
+      q.from = start.index == i && q.tAfter < R(0.0) ? start.from : 0;  // until it has met a surface
+      q.start = (ta - r.t0) * r.cells <= R(1e-3);
+      q.entry = ta <= r.t0;
+      if (!q.entry && x.b.b0 == R(0.0)) {
+        q.entry = !cellHoldsData(
+            v, make_i3(near.x >= ta ? c.x + 1 - up.x - up.x : c.x, near.y >= ta ? c.y + 1 - up.y - up.y : c.y,
+                       near.z >= ta ? c.z + 1 - up.z - up.z : c.z));
+      }
+      x.at = firstBracket(x.b, ta, i == next ? x.done : R(0.0), q);
+      if (x.at.lo <= x.at.hi) x.index = i;
+    }
+  }
+}
+
 FN IsoHit firstIsosurface(VOLUME v, VolumeRay r, real tIn, real tOut, real tAfter, IsoStart start,
                           INOUT(int) cellsVisited, INOUT(int) macrocellsSkipped) {
   IsoHit hit;
@@ -61,78 +141,137 @@ FN IsoHit firstIsosurface(VOLUME v, VolumeRay r, real tIn, real tOut, real tAfte
   real end = min(r.t1, tOut);
   if (!(t <= end)) return hit;
   ivec3 n = gridCells(v);
+  ivec3 up = make_i3(r.g.rpd.x < R(0.0) ? 0 : 1, r.g.rpd.y < R(0.0) ? 0 : 1, r.g.rpd.z < R(0.0) ? 0 : 1);
   ivec3 c = make_i3(locateCell(t, r.g.po.x, r.g.pd.x, r.g.rpd.x, n.x),
                     locateCell(t, r.g.po.y, r.g.pd.y, r.g.rpd.y, n.y),
                     locateCell(t, r.g.po.z, r.g.pd.z, r.g.rpd.z, n.z));
-  ivec3 up = make_i3(r.g.rpd.x < R(0.0) ? 0 : 1, r.g.rpd.y < R(0.0) ? 0 : 1, r.g.rpd.z < R(0.0) ? 0 : 1);
   vec3 first = make_v3(planeCrossing(c.x + 1 - up.x, r.g.po.x, r.g.rpd.x),
                        planeCrossing(c.y + 1 - up.y, r.g.po.y, r.g.rpd.y),
                        planeCrossing(c.z + 1 - up.z, r.g.po.z, r.g.rpd.z));
   real ta = max(max3(first), r.t0);
+  int stepX = up.x + up.x - 1, stepY = up.y + up.y - 1, stepZ = up.z + up.z - 1;
+  real strideX = toReal(stepX), strideY = toReal(stepY), strideZ = toReal(stepZ);
+  int mx = c.x >> MACRO_BITS, my = c.y >> MACRO_BITS, mz = c.z >> MACRO_BITS;
+  int lx = c.x & 7, ly = c.y & 7, lz = c.z & 7;
+  int block = isoBlock(v, make_i3(mx, my, mz));
+  RootQuery query;
+  query.tIn = tIn;
+  query.tOut = tOut;
+  query.tAfter = tAfter;
+  IsoCrossing x;
+  x.index = 0;
+  x.done = R(0.0);
   bool go = true;
-  bool mayHold = straddles(v, make_i3(c.x >> MACRO_BITS, c.y >> MACRO_BITS, c.z >> MACRO_BITS));
   while (go) {
-    ivec3 was = make_i3(c.x >> MACRO_BITS, c.y >> MACRO_BITS, c.z >> MACRO_BITS);
-    real exit;
-    if (!mayHold) {
-      macrocellsSkipped += 1;
-      vec3 far = make_v3(planeCrossing((was.x + up.x) << MACRO_BITS, r.g.po.x, r.g.rpd.x),
-                         planeCrossing((was.y + up.y) << MACRO_BITS, r.g.po.y, r.g.rpd.y),
-                         planeCrossing((was.z + up.z) << MACRO_BITS, r.g.po.z, r.g.rpd.z));
-      exit = min3(far);
-      c = make_i3(cellBehind(exit, far.x, was.x, up.x, r.g.po.x, r.g.pd.x, r.g.rpd.x),
-                  cellBehind(exit, far.y, was.y, up.y, r.g.po.y, r.g.pd.y, r.g.rpd.y),
-                  cellBehind(exit, far.z, was.z, up.z, r.g.po.z, r.g.pd.z, r.g.rpd.z));
-    } else {
-      cellsVisited += 1;
-      Corners k = cellCorners(v, c);
-      vec3 far = make_v3(planeCrossing(c.x + up.x, r.g.po.x, r.g.rpd.x),
-                         planeCrossing(c.y + up.y, r.g.po.y, r.g.rpd.y),
-                         planeCrossing(c.z + up.z, r.g.po.z, r.g.rpd.z));
-      exit = min3(far);
-      real tb = min(exit, r.t1);
-      real lo = minCorner(k), hi = maxCorner(k);
-      for (UNIFORM int i = 0; i < v.isovalues; i++) {
-        real iso = v.isovalue[i];
-        if (lo <= iso && hi >= iso && tb >= ta && holdsData(k)) {
-          vec3 near = make_v3(planeCrossing(c.x + 1 - up.x, r.g.po.x, r.g.rpd.x),
-                              planeCrossing(c.y + 1 - up.y, r.g.po.y, r.g.rpd.y),
-                              planeCrossing(c.z + 1 - up.z, r.g.po.z, r.g.rpd.z));
-          vec3 from = pointAt(r.g, ta), to = pointAt(r.g, tb);
-          vec3 p = make_v3(crossedFraction(near.x >= ta, 1 - up.x, from.x, c.x),
-                           crossedFraction(near.y >= ta, 1 - up.y, from.y, c.y),
-                           crossedFraction(near.z >= ta, 1 - up.z, from.z, c.z));
-          vec3 q = make_v3(crossedFraction(far.x <= tb, up.x, to.x, c.x),
-                           crossedFraction(far.y <= tb, up.y, to.y, c.y),
-                           crossedFraction(far.z <= tb, up.z, to.z, c.z));
-          RootQuery query;
-          query.tIn = tIn;
-          query.tOut = min(tOut, hit.t);
-          query.tAfter = tAfter;
-          query.from = start.index == i && tAfter < R(0.0) ? start.from : 0;  // until it has met a surface
-          query.start = (ta - r.t0) * r.cells <= R(1e-3);
-          Bernstein b = bernsteinAlong(k, p, q, iso);
-          query.entry = ta <= r.t0;
-          if (!query.entry && b.b0 == R(0.0)) {
-            query.entry = !cellHoldsData(v, make_i3(near.x >= ta ? c.x + 1 - up.x - up.x : c.x,
-                                                    near.y >= ta ? c.y + 1 - up.y - up.y : c.y,
-                                                    near.z >= ta ? c.z + 1 - up.z - up.z : c.z));
+    // Rays of a gang wait for each other at cells that an isovalue may pass through, and again where they have bracketed
+    // a crossing.
+    bool bracketed = false;
+    real tb = ta;
+    while (go && !bracketed) {
+      int found = 0;
+      while (found == 0) {
+        if (block <= 0) {
+          while (block <= 0) {
+            int level = -block;
+            int cubeX = mx >> level, cubeY = my >> level, cubeZ = mz >> level;
+            int bits = level + MACRO_BITS;
+            real farX = planeCrossing((cubeX + up.x) << bits, r.g.po.x, r.g.rpd.x);
+            real farY = planeCrossing((cubeY + up.y) << bits, r.g.po.y, r.g.rpd.y);
+            real farZ = planeCrossing((cubeZ + up.z) << bits, r.g.po.z, r.g.rpd.z);
+            ta = min(min(farX, farY), farZ);
+            mx = macrocellBehind(ta, farX, cubeX, level, up.x, r.g.po.x, r.g.pd.x, r.g.rpd.x);
+            my = macrocellBehind(ta, farY, cubeY, level, up.y, r.g.po.y, r.g.pd.y, r.g.rpd.y);
+            mz = macrocellBehind(ta, farZ, cubeZ, level, up.z, r.g.po.z, r.g.pd.z, r.g.rpd.z);
+            macrocellsSkipped += 1;
+            block = ISO_END;
+            if (ta < end) block = isoBlock(v, make_i3(mx, my, mz));
           }
-          real th = firstRoot(b, ta, tb, query);
-          if (th < hit.t) {
-            hit.t = th;
-            hit.index = i;
+          lx = cellEntered(ta, mx, up.x, r.g.po.x, r.g.pd.x, r.g.rpd.x) - (mx << MACRO_BITS);
+          ly = cellEntered(ta, my, up.y, r.g.po.y, r.g.pd.y, r.g.rpd.y) - (my << MACRO_BITS);
+          lz = cellEntered(ta, mz, up.z, r.g.po.z, r.g.pd.z, r.g.rpd.z) - (mz << MACRO_BITS);
+        }
+        if (block != ISO_END) {
+          real planeX = toReal((mx << MACRO_BITS) + lx + up.x);
+          real planeY = toReal((my << MACRO_BITS) + ly + up.y);
+          real planeZ = toReal((mz << MACRO_BITS) + lz + up.z);
+          found = isoCell(v, block, lx, ly, lz);
+          bool walk = found == 0;
+          while (walk) {
+            real farX = (planeX - r.g.po.x) * r.g.rpd.x;
+            real farY = (planeY - r.g.po.y) * r.g.rpd.y;
+            real farZ = (planeZ - r.g.po.z) * r.g.rpd.z;
+            ta = min(min(farX, farY), farZ);
+            lx += farX <= ta ? stepX : 0;
+            ly += farY <= ta ? stepY : 0;
+            lz += farZ <= ta ? stepZ : 0;
+            planeX += farX <= ta ? strideX : R(0.0);
+            planeY += farY <= ta ? strideY : R(0.0);
+            planeZ += farZ <= ta ? strideZ : R(0.0);
+            if (((lx | ly | lz) & ~7) != 0) {
+              mx += lx >> MACRO_BITS;
+              my += ly >> MACRO_BITS;
+              mz += lz >> MACRO_BITS;
+              lx &= 7;
+              ly &= 7;
+              lz &= 7;
+              block = ISO_END;
+              if (ta < end) block = isoBlock(v, make_i3(mx, my, mz));
+            }
+            walk = block > ISO_END;
+            if (walk) {
+              found = isoCell(v, block, lx, ly, lz);
+              walk = found == 0;
+            }
+          }
+        }
+        if (block == ISO_END) found = 2;
+      }
+      go = block != ISO_END;
+      if (go) {
+        cellsVisited += 1;
+        c = make_i3((mx << MACRO_BITS) + lx, (my << MACRO_BITS) + ly, (mz << MACRO_BITS) + lz);
+        real farX = planeCrossing(c.x + up.x, r.g.po.x, r.g.rpd.x);
+        real farY = planeCrossing(c.y + up.y, r.g.po.y, r.g.rpd.y);
+        real farZ = planeCrossing(c.z + up.z, r.g.po.z, r.g.rpd.z);
+        real exit = min(min(farX, farY), farZ);
+        tb = min(exit, r.t1);
+        cellCrossing(v, r, c, up, ta, tb, query, start, x);
+        bracketed = x.index < v.isovalues;
+        if (!bracketed) {
+          go = hit.t >= NO_HIT && exit < end;
+          x.index = 0;
+          x.done = R(0.0);
+          ta = exit;
+          lx += farX <= exit ? stepX : 0;
+          ly += farY <= exit ? stepY : 0;
+          lz += farZ <= exit ? stepZ : 0;
+          if (((lx | ly | lz) & ~7) != 0) {
+            mx += lx >> MACRO_BITS;
+            my += ly >> MACRO_BITS;
+            mz += lz >> MACRO_BITS;
+            lx &= 7;
+            ly &= 7;
+            lz &= 7;
+            if (go) block = isoBlock(v, make_i3(mx, my, mz));
           }
         }
       }
-      if (far.x <= exit) c.x += up.x + up.x - 1;
-      if (far.y <= exit) c.y += up.y + up.y - 1;
-      if (far.z <= exit) c.z += up.z + up.z - 1;
     }
-    ta = exit;
-    go = hit.t >= NO_HIT && exit < end;
-    ivec3 m = make_i3(c.x >> MACRO_BITS, c.y >> MACRO_BITS, c.z >> MACRO_BITS);
-    if (go && (m.x != was.x || m.y != was.y || m.z != was.z)) mayHold = straddles(v, m);
+    if (bracketed) {
+      real u = rootIn(x.b, x.at);
+      real th = rootTime(u, ta, tb);
+      bool accepted = acceptsRoot(query, th);
+      if (accepted) {
+        hit.t = th;
+        hit.index = x.index;
+        query.tOut = min(tOut, th);
+      }
+      // what is left of this cell
+      bool more = !accepted && x.at.hi < R(1.0);
+      x.done = more ? x.at.hi : R(0.0);
+      x.index += more ? 0 : 1;
+      go = !accepted || x.index < v.isovalues;
+    }
   }
   return hit;
 }
@@ -160,15 +299,63 @@ FN vec3 pointGradient(VOLUME v, ivec3 p) {
                  centralDifference(az, s, bz, z0, z1));
 }
 
+// The gradient at point (x, y, z), each 0 or 1, of the cell with corners k and neighbours on its six sides.
+struct CellNeighbours {
+  Corners lowX, highX, lowY, highY, lowZ, highZ;
+};
+FN real differenceAlong(real before, real low, real high, real after, bool atHigh) {
+  real b = before, h = low, a = high;
+  if (atHigh) {
+    b = low;
+    h = high;
+    a = after;
+  }
+  return centralDifference(b, h, a, true, true);
+}
+FN vec3 cornerGradient(Corners k, CellNeighbours n, UNIFORM int x, UNIFORM int y, UNIFORM int z) {
+  vec3 g;
+  bool x1 = x == 1, y1 = y == 1, z1 = z == 1;
+  if (y == 0 && z == 0) g.x = differenceAlong(n.lowX.v000, k.v000, k.v100, n.highX.v100, x1);
+  if (y == 1 && z == 0) g.x = differenceAlong(n.lowX.v010, k.v010, k.v110, n.highX.v110, x1);
+  if (y == 0 && z == 1) g.x = differenceAlong(n.lowX.v001, k.v001, k.v101, n.highX.v101, x1);
+  if (y == 1 && z == 1) g.x = differenceAlong(n.lowX.v011, k.v011, k.v111, n.highX.v111, x1);
+  if (x == 0 && z == 0) g.y = differenceAlong(n.lowY.v000, k.v000, k.v010, n.highY.v010, y1);
+  if (x == 1 && z == 0) g.y = differenceAlong(n.lowY.v100, k.v100, k.v110, n.highY.v110, y1);
+  if (x == 0 && z == 1) g.y = differenceAlong(n.lowY.v001, k.v001, k.v011, n.highY.v011, y1);
+  if (x == 1 && z == 1) g.y = differenceAlong(n.lowY.v101, k.v101, k.v111, n.highY.v111, y1);
+  if (x == 0 && y == 0) g.z = differenceAlong(n.lowZ.v000, k.v000, k.v001, n.highZ.v001, z1);
+  if (x == 1 && y == 0) g.z = differenceAlong(n.lowZ.v100, k.v100, k.v101, n.highZ.v101, z1);
+  if (x == 0 && y == 1) g.z = differenceAlong(n.lowZ.v010, k.v010, k.v011, n.highZ.v011, z1);
+  if (x == 1 && y == 1) g.z = differenceAlong(n.lowZ.v110, k.v110, k.v111, n.highZ.v111, z1);
+  return g;
+}
+
 // The shading gradient at p (index space), per unit of render space: trilinear in the gradients of the cell's points, so
 // that it is continuous across cells.
 FN vec3 gradientAt(VOLUME v, vec3 p) {
   ivec3 c = cellAt(v, p);
   vec3 f = fractionIn(c, p);
+  bool inner = c.x > v.firstX && c.y > v.firstY && c.z > v.firstZ && c.x + 1 < v.lastX && c.y + 1 < v.lastY &&
+               c.z + 1 < v.lastZ;
   vec3 g = make_v3(R(0.0), R(0.0), R(0.0));
+  Corners k;
+  CellNeighbours n;
+  if (inner) {
+    k = cellCorners(v, c);
+    n.lowX = cellCorners(v, make_i3(c.x - 1, c.y, c.z));
+    n.highX = cellCorners(v, make_i3(c.x + 1, c.y, c.z));
+    n.lowY = cellCorners(v, make_i3(c.x, c.y - 1, c.z));
+    n.highY = cellCorners(v, make_i3(c.x, c.y + 1, c.z));
+    n.lowZ = cellCorners(v, make_i3(c.x, c.y, c.z - 1));
+    n.highZ = cellCorners(v, make_i3(c.x, c.y, c.z + 1));
+  }
   for (UNIFORM int i = 0; i < 8; i++) {
     UNIFORM int x = i & 1, y = (i >> 1) & 1, z = i >> 2;
-    vec3 d = pointGradient(v, make_i3(c.x + x, c.y + y, c.z + z));
+    vec3 d;
+    if (inner)
+      d = cornerGradient(k, n, x, y, z);
+    else
+      d = pointGradient(v, make_i3(c.x + x, c.y + y, c.z + z));
     real w = ((x == 1 ? f.x : R(1.0) - f.x) * (y == 1 ? f.y : R(1.0) - f.y)) * (z == 1 ? f.z : R(1.0) - f.z);
     g.x += w * d.x;
     g.y += w * d.y;

@@ -33,7 +33,7 @@ struct VolumeView {
   real inverseX, inverseY, inverseZ;  // cells per unit of render space
 
   PTR(int) plan;                              // per macrocell of the block, see volume.h
-  PTR(BYTE) isoPlan;                          // 1 where an isovalue lies in the macrocell's range
+  PTR(int) isoPlan;                           // see core/rays/iso_plan.h
   int macroX, macroY;                         // macrocells per row and per column
   int macroFirstX, macroFirstY, macroFirstZ;  // global index of the first
 
@@ -64,7 +64,6 @@ FN int macroIndex(VOLUME v, ivec3 m) {
 FN int macroRow(VOLUME v) { return v.macroX; }
 FN int macroSlice(VOLUME v) { return v.macroX * v.macroY; }
 FN int planAt(VOLUME v, int index) { return v.plan[index]; }
-FN bool straddles(VOLUME v, ivec3 m) { return v.isoPlan[macroIndex(v, m)] != 0; }
 
 FN int mapUniform(VOLUME v) { return v.mapUniform; }
 FN real mapOrigin(VOLUME v) { return v.mapOrigin; }

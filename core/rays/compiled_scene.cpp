@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "gxy/comm/error.h"
+#include "gxy/rays/iso_plan.h"
 #include "gxy/rays/step_plan.h"
 #include "gxy/scene/colormaps.h"
 
@@ -61,9 +62,12 @@ void compileVolume(CompiledOperator& op, CompiledScene& scene) {
     const auto& summaries = block.summaries.at(op.summary);
     if (op.vis.volumeRendering)
       part.plan = stepPlan(summaries, op.map, cellT, scene.settings.tolerance, scene.settings.step);
-    if (!op.isovalues.empty()) part.isoPlan = isoPlan(summaries, op.isovalues);
-    auto any = [](const auto& v) { return std::any_of(v.begin(), v.end(), [](auto x) { return x; }); };
-    bool visible = any(part.plan) || any(part.isoPlan);
+    if (!op.isovalues.empty())
+      part.isoPlan =
+          isoPlan(block, volume.stored, volume.components,
+                  volume.components == 1 ? 0 : op.vis.component.value_or(-1), summaries, op.isovalues);
+    bool visible = std::any_of(part.plan.begin(), part.plan.end(), [](int32_t x) { return x != 0; }) ||
+                   anyIsosurface(part.isoPlan, summaries.size());
     for (const CompiledPlane& p : op.slices)
       visible = visible || planeMeets(p, scene.partitioning->box(partition), space);
     if (visible) scene.visible[partition] = 1;
@@ -133,7 +137,7 @@ size_t CompiledScene::bytes() const {
   for (const auto& op : operators) {
     n += (op.map.nodes.size() * 15 + op.map.buckets.size()) * 4;
     for (const auto& [partition, part] : op.parts)
-      n += 4 * part.plan.size() + part.isoPlan.size() +
+      n += 4 * (part.plan.size() + part.isoPlan.size()) +
            4 * (part.points.size() + part.normals.size() + part.values.size() + part.indices.size() +
                 part.neighbours.size());
   }

@@ -79,11 +79,4 @@ std::vector<int32_t> stepPlan(std::span<const Macrocell> summaries, const Compil
   return plan;
 }
 
-std::vector<uint8_t> isoPlan(std::span<const Macrocell> summaries, std::span<const float> isovalues) {
-  std::vector<uint8_t> plan(summaries.size(), 0);
-  for (size_t i = 0; i < plan.size(); i++)
-    for (float v : isovalues) plan[i] |= uint8_t(summaries[i].min <= v && v <= summaries[i].max);
-  return plan;
-}
-
 }  // namespace gxy

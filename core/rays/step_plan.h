@@ -36,7 +36,4 @@ int32_t planOf(double segmentsPerCell, Integrator integrator);
 std::vector<int32_t> stepPlan(std::span<const Macrocell> summaries, const CompiledMap& map, double cellT,
                               double tolerance, double step);
 
-/// 1 for every macrocell whose range holds one of the isovalues (stored units).
-std::vector<uint8_t> isoPlan(std::span<const Macrocell> summaries, std::span<const float> isovalues);
-
 }  // namespace gxy

@@ -11,6 +11,7 @@
 #include "gxy/kernels/single.h"
 #include "gxy/kernels/twin.h"
 #include "gxy/rays/compiled_map.h"
+#include "gxy/rays/iso_plan.h"
 #include "gxy/rays/step_plan.h"
 #include "random.h"
 
@@ -152,7 +153,7 @@ class View {
 
         isovalues_(s.isovalues.begin(), s.isovalues.end()),
         plan_(s.plan),
-        isoPlan_(isoPlan(f.macrocells(), s.isovalues)) {
+        isoPlan_(isoPlan(f.block, f.stored, f.components, f.component, f.macrocells(), s.isovalues)) {
     const Extent& e = f.block.extent;
     const Index3 cells = f.grid.cells();
     view_.samples = f.block.samples.data();
@@ -202,8 +203,7 @@ class View {
  private:
   std::vector<int> buckets_, opaque_;
   std::vector<Real> nodes_, lengths_, rows_, pieces_, sums_, isovalues_;
-  std::vector<int32_t> plan_;
-  std::vector<uint8_t> isoPlan_;
+  std::vector<int32_t> plan_, isoPlan_;
   typename Kernels<Real>::View view_{};
 };
 

@@ -5,6 +5,7 @@
 #include <cfloat>
 
 #include "gxy/kernels/single.h"
+#include "gxy/rays/iso_plan.h"
 #include "maps.h"
 #include "roots.h"
 
@@ -304,6 +305,126 @@ TEST(Isosurface, SecondaryRaysNeverMeetTheirOwnStart) {
   EXPECT_EQ(lost, 0);
   EXPECT_GT(started, 100000);
   testing::Test::RecordProperty("started", started);
+}
+
+Index3 macrocellOf(const Field& f, size_t i) {
+  const Index3& n = f.block.macrocells;
+  const int64_t at = int64_t(i);
+  return {f.block.firstMacrocell[0] + at % n[0], f.block.firstMacrocell[1] + at / n[0] % n[1],
+          f.block.firstMacrocell[2] + at / n[0] / n[1]};
+}
+
+// Whether the block holds the cell, and one of the isovalues lies in the range of its corners.
+bool straddles(const Field& f, const Index3& cell, const std::vector<float>& isovalues) {
+  const Extent& e = f.block.extent;
+  for (int a = 0; a < 3; a++)
+    if (cell[a] < e.first[a] || cell[a] + 1 >= e.first[a] + e.points[a]) return false;
+  for (float iso : isovalues) {
+    bool below = false, above = false;
+    for (int c = 0; c < 8; c++) {
+      const float s = float(f.at(cell[0] + (c & 1), cell[1] + (c >> 1 & 1), cell[2] + (c >> 2)));
+      below = below || s <= iso;
+      above = above || s >= iso;
+    }
+    if (below && above) return true;
+  }
+  return false;
+}
+
+TEST(IsoPlan, BitsAreOfTheCellsThatAnIsovaluePassesThrough) {
+  Random random(51);
+  for (int scene = 0; scene < 60; scene++) {
+    const Index3 n{2 + random.below(40), 2 + random.below(30), 2 + random.below(30)};
+    Extent part;
+    for (int a = 0; a < 3; a++) {
+      part.first[a] = random.below(int(n[a]) / 2);
+      part.points[a] = 2 + random.below(int(n[a] - part.first[a]) - 1);
+    }
+    const ScalarType stored = scene % 3 == 0   ? ScalarType::Float32
+                              : scene % 3 == 1 ? ScalarType::UInt8
+                                               : ScalarType::Int16;
+    const int components = scene % 4 == 0 ? 3 : 1, component = scene % 8 == 0 ? -1 : components - 1;
+    const double quiet = random.in(0, 12);  // where it is quiet, macrocells hold no isovalue
+    const Field f = makeField(
+        gridOf(n),
+        [&](int64_t i, int64_t j, int64_t, int c) {
+          if (stored == ScalarType::Float32 && random.below(200) == 0) return double(NAN);
+          return double(i) < quiet || j > 20 ? 0.0 : double(random.below(30) + c);
+        },
+        stored, components, component, part);
+    const std::vector<float> isovalues =
+        scene % 2 ? std::vector<float>{5.5f} : std::vector<float>{25, 0.5f, 7};
+    const auto plan = isoPlan(f.block, stored, components, component, f.macrocells(), isovalues);
+    for (size_t m = 0; m < f.macrocells().size(); m++) {
+      const Index3 at = macrocellOf(f, m);
+      for (int c = 0; c < 512; c++) {
+        const Index3 cell{8 * at[0] + c % 8, 8 * at[1] + c / 8 % 8, 8 * at[2] + c / 64};
+        const bool bit = plan[m] > 0 && (plan.at(size_t(plan[m]) + size_t(c) / 32) >> c % 32 & 1);
+        ASSERT_EQ(bit, straddles(f, cell, isovalues))
+            << "scene " << scene << " macrocell " << m << " cell " << c;
+      }
+    }
+  }
+}
+
+// A small sphere, in the middle of nothing.
+Field mostlyEmpty() {
+  return sampled(gridOf({150, 90, 131}),
+                 [](glm::dvec3 p) { return std::min(0.2, glm::length(p - glm::dvec3(0.3, -0.1, 0.2))); });
+}
+
+TEST(IsoPlan, LevelsAreOfTheLargestEmptyCubes) {
+  const Field f = mostlyEmpty();
+  const auto plan = isoPlan(f.block, f.stored, 1, 0, f.macrocells(), std::vector<float>{0.15f});
+  const Index3& n = f.block.macrocells;
+  int most = 0;
+  for (size_t m = 0; m < f.macrocells().size(); m++) {
+    if (plan[m] > 0) continue;
+    const Index3 at = macrocellOf(f, m);
+    int level = 0;
+    for (int k = 1; k <= 3; k++) {
+      bool empty = true;
+      for (size_t o = 0; o < f.macrocells().size(); o++) {
+        const Index3 other = macrocellOf(f, o);
+        const bool same =
+            at[0] >> k == other[0] >> k && at[1] >> k == other[1] >> k && at[2] >> k == other[2] >> k;
+        empty = empty && !(same && plan[o] > 0);
+      }
+      if (empty) level = k;
+    }
+    EXPECT_EQ(plan[m], -level) << m;
+    most += level == 3;
+  }
+  EXPECT_GT(most, int(n[0] * n[1] * n[2]) / 3);
+}
+
+TEST(IsoPlan, WhatItSkipsHoldsNoHit) {
+  const Field empty = mostlyEmpty(), full = cube(70, turbulence);
+  for (const Field* f : {&empty, &full}) {
+    Shown shown;
+    shown.isovalues = {f == &empty ? 0.15f : 0.5f};
+    const View<float> view(*f, shown);
+    auto all = *view;  // every cell of every macrocell may hold a hit
+    std::vector<int32_t> everywhere(f->macrocells().size() + 16, int32_t(f->macrocells().size()));
+    std::fill(everywhere.end() - 16, everywhere.end(), -1);
+    all.isoPlan = everywhere.data();
+    auto few = *view;  // room for the bits of two macrocells
+    const size_t most = (f->macrocells().size() + 15) / 16 * 16 + 3 * kIsoWords;
+    const auto limited = isoPlan(f->block, f->stored, 1, 0, f->macrocells(), shown.isovalues, most);
+    EXPECT_EQ(limited.size(), most);
+    few.isoPlan = limited.data();
+    Random random(52);
+    int hits = 0;
+    for (int i = 0; i < 20000; i++) {
+      const auto ray = rayIn(view, randomRay(random, *f));
+      const Hit hit = firstHit(view, ray);
+      int cells = 0, skipped = 0;
+      EXPECT_EQ(firstIsosurface(all, ray, 0.f, 1e30f, -1.f, kNowhere, cells, skipped).t, hit.t);
+      EXPECT_EQ(firstIsosurface(few, ray, 0.f, 1e30f, -1.f, kNowhere, cells, skipped).t, hit.t);
+      hits += hit.t < 1e30f;
+    }
+    EXPECT_GT(hits, 400);
+  }
 }
 
 }  // namespace

@@ -297,7 +297,9 @@ TEST(Stress, MoreSamplesThanAnInt32Counts) {
   ASSERT_NE(memory, MAP_FAILED);
   std::memset(static_cast<char*>(memory) + (n - 9) * n * n, 100, size_t(9 * n * n));
   const int64_t m = (n - 1 + 7) / 8;
-  const std::vector<uint8_t> everywhere(size_t(m * m * m), 1);
+  std::vector<int32_t> everywhere(size_t(m * m * m + 16),
+                                  int32_t(m * m * m));  // all share 16 words of set bits
+  std::fill(everywhere.end() - 16, everywhere.end(), -1);
   const float isovalue = 50;
 
   single::VolumeView field{};
