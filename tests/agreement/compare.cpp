@@ -46,6 +46,7 @@ class Perturbed {
     how_.first = pixel;
     for (int s = 0; s < options_.seeds; s++) {
       how_.seed = uint64_t(s);
+      moveIsovalues(how_.seed);
       ReferencePicture one = reference::renderReference(reference_, scene_.camera, how_);
       reference::applyBackground(one, scene_.settings.background);
       for (int c = 0; c < 4; c++) {
@@ -59,6 +60,22 @@ class Perturbed {
   }
 
  private:
+  /// By what the field may be off in float: ulps of its largest stored value.
+  void moveIsovalues(uint64_t seed) {
+    Uniform random(seed + 1);
+    for (size_t i = 0; i < scene_.data.size(); i++) {
+      if (!scene_.data[i].volume) continue;
+      const Volume& volume = *scene_.data[i].volume;
+      const Vis& vis = scene_.visualization.operators[i];
+      const size_t last = volume.ranges.size() - 1;
+      const Range& range = volume.ranges[vis.component ? size_t(*vis.component) : last];
+      const double largest = std::max(std::abs(range.min - volume.shift), std::abs(range.max - volume.shift));
+      for (size_t k = 0; k < vis.isovalues.size(); k++)
+        reference_.visualization.operators[i].isovalues[k] =
+            vis.isovalues[k] + options_.perturbation * 0x1p-23 * largest * random.in(-1, 1);
+    }
+  }
+
   const TestScene& scene_;
   reference::ReferenceScene reference_;
   CompareOptions options_;

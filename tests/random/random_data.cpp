@@ -87,14 +87,15 @@ RandomVolume randomVolume(Choices& choose) {
   double lo = 0, hi = 1;
   if (real) {
     const double span = choose.oneIn(3) ? choose.scale(1e-15, 1e15) : 1;
-    const double farthest = type == ScalarType::Float64 ? 1e9 : 30;
+    // an import shifts values to their range unless a magnitude is to be had
+    const double farthest = type == ScalarType::Float64 && v.components == 1 ? 1e9 : 30;
     lo = choose.oneIn(3) ? span * choose.in(-farthest, farthest) : 0;
     hi = lo + span;
   } else {
     const double top = std::min(most, bytesOf(type) > 2 ? choose.scale(100, most) : most) * 0.9;
     lo = isSigned ? -top * choose.unit() : 0;
     hi = std::max(top * choose.in(0.5, 1), lo + 8);
-    if (bytesOf(type) > 2 && choose.oneIn(3)) lo = hi - std::max(hi * 1e-6, 50.0);
+    if (bytesOf(type) > 2 && choose.oneIn(3) && v.components == 1) lo = hi - std::max(hi * 1e-6, 50.0);
   }
   made.lo = lo, made.hi = hi;
 
