@@ -149,14 +149,17 @@ Comparison compare(const Backend& backend, const TestScene& scene, const Compare
     const PixelRange range = perturbed.at(pixel);
     bool changes = false, among = true;
     for (int c = 0; c < 4; c++) {
-      changes =
-          changes || std::max(range.hi[c], b[c]) - std::min(range.lo[c], b[c]) > 0.5 * options.tolerance;
-      among = among && a[c] >= range.lo[c] - options.tolerance && a[c] <= range.hi[c] + options.tolerance;
+      const double lo = std::min(range.lo[c], b[c]), hi = std::max(range.hi[c], b[c]);
+      const double beyond =
+          options.tolerance + (hi - lo);  // not every combination of flips is among the seeds
+      changes = changes || hi - lo > 0.5 * options.tolerance;
+      among = among && a[c] >= lo - beyond && a[c] <= hi + beyond;
     }
-    const bool depthFlips =
-        std::max(range.farthest, truth.depth[i]) - std::min(range.nearest, truth.depth[i]) > depthSlack;
-    const bool depthAmong =
-        mine.depth[i] >= range.nearest - depthSlack && mine.depth[i] <= range.farthest + depthSlack;
+    const double nearest = std::min(range.nearest, truth.depth[i]),
+                 farthest = std::max(range.farthest, truth.depth[i]);
+    const double spread = farthest - nearest, beyond = depthSlack + spread;
+    const bool depthFlips = spread > depthSlack;
+    const bool depthAmong = mine.depth[i] >= nearest - beyond && mine.depth[i] <= farthest + beyond;
     const bool colorWrong = d > options.tolerance && !(changes && among);
     const bool depthWrong = depthDiffers && !(depthFlips && depthAmong);
     auto show = [&](const char* what) {

@@ -155,12 +155,12 @@ WholeGeometry randomParticles(Choices& choose) {
   return finished(GeometryKind::Particles, std::move(block));
 }
 
-WholeGeometry randomLines(Choices& choose) {
+WholeGeometry randomLines(Choices& choose, bool repeats) {
   GeometryBlock block;
   for (int lines = choose.from(1, 4); lines > 0; lines--) {
     std::vector<glm::dvec3> points{choose.point(-1, 1)};
     for (int n = choose.from(1, 7); n > 0; n--)
-      points.push_back(choose.oneIn(10) ? points.back() : points.back() + choose.point(-0.6, 0.6));
+      points.push_back(repeats && choose.oneIn(10) ? points.back() : points.back() + choose.point(-0.6, 0.6));
     agreement::addLine(block, points, {});
   }
   addValues(choose, block);

@@ -15,7 +15,7 @@ RandomVolume randomVolume(Choices& choose);
 
 /// Values in [0, 1], some NaN, or none.
 WholeGeometry randomParticles(Choices& choose);
-WholeGeometry randomLines(Choices& choose);
+WholeGeometry randomLines(Choices& choose, bool repeats);  ///< some points twice in a row
 WholeGeometry randomMesh(Choices& choose);
 
 }  // namespace gxy::test

@@ -93,13 +93,17 @@ void addVolume(Choices& choose, TestScene& scene) {
   if (choose.oneIn(3) || std::min({cells.x, cells.y, cells.z}) < 1e-3)
     vis.referenceLength = choose.scale(0.03, 0.5);
   if (choose.oneIn(6)) vis.dataRange = {{lo + 0.1 * (hi - lo), hi - 0.2 * (hi - lo)}};
+  bool plateau = false;
   if (shown & 2)
-    for (int n = choose.from(1, 3); n > 0; n--)
-      vis.isovalues.push_back(choose.oneIn(8) ? lo + (hi - lo) * choose.from(0, 5) / 5
-                                              : lo + (hi - lo) * choose.in(0.1, 0.9));
+    for (int n = choose.from(1, 3); n > 0; n--) {
+      const bool sample = choose.oneIn(8);
+      plateau = plateau || sample;
+      vis.isovalues.push_back(lo + (hi - lo) * (sample ? choose.from(0, 5) / 5.0 : choose.in(0.1, 0.9)));
+    }
   if (shown & 4)
     for (int n = choose.from(1, 2); n > 0; n--) vis.slices.push_back(randomPlane(choose));
   clipAndFade(choose, vis);
+  if (plateau) vis.opacity = 1;
   scene.data.emplace_back(std::make_shared<const WholeVolume>(std::move(made.volume)));
   scene.visualization.operators.push_back(std::move(vis));
 }
@@ -110,14 +114,16 @@ void addGeometry(Choices& choose, TestScene& scene) {
   vis.type = kind == GeometryKind::Particles   ? VisType::Particles
              : kind == GeometryKind::PathLines ? VisType::PathLines
                                                : VisType::Triangles;
+  const bool repeats = choose.oneIn(2);
   WholeGeometry made = kind == GeometryKind::Particles   ? randomParticles(choose)
-                       : kind == GeometryKind::PathLines ? randomLines(choose)
+                       : kind == GeometryKind::PathLines ? randomLines(choose, repeats)
                                                          : randomMesh(choose);
   vis.colormap = randomColors(choose, 0, 1);
   vis.radius0 = choose.oneIn(5) ? 0 : choose.scale(0.02, 0.3);
   vis.radius1 = choose.oneIn(8) ? -0.1 : choose.scale(0.02, 0.3);
   vis.value1 = choose.oneIn(4) ? 0 : 1;
   clipAndFade(choose, vis);
+  if (repeats && kind == GeometryKind::PathLines) vis.opacity = 1;
   scene.data.emplace_back(std::make_shared<const WholeGeometry>(std::move(made)));
   scene.visualization.operators.push_back(std::move(vis));
 }
