@@ -136,6 +136,7 @@ struct Shown {
   std::array<float, 32> rates = planRates(0);
   std::vector<float> isovalues;
   bool wide = false;
+  bool isoEverywhere = false;  ///< the isosurface walk skips nothing
 };
 
 /// A VolumeView and what it points to. Keep the Field alive.
@@ -151,6 +152,7 @@ class View {
         isovalues_(s.isovalues.begin(), s.isovalues.end()),
         plan_(s.plan),
         isoPlan_(isoPlan(f.macrocells(), s.isovalues)) {
+    if (s.isoEverywhere) isoPlan_.assign(isoPlan_.size(), 1);
     const Extent& e = f.block.extent;
     const Index3 cells = f.grid.cells();
     view_.samples = f.block.samples.data();

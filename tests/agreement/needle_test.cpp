@@ -81,11 +81,5 @@ TEST(Needle, CubicCellsFromTheSideAndFromItsEnd) {  // a box of 1e-3 x 1e-3 x 10
   expectNoneWrong(scene);
 }
 
-TEST(Needle, LongCellsOneToTenThousand) {  // two points across, 1e4 times as far apart as the others
-  TestScene scene = needle("needle_long", 0, 1000, 10, {900, 700, 1400});
-  addSolids(scene, 0, 100, 10);
-  expectAgreement(embree(), scene, {}, 2, 5);
-}
-
 }  // namespace
 }  // namespace gxy::agreement
