@@ -57,7 +57,11 @@ static inline Surface geometrySurface(const uniform OperatorView& op, unsigned i
     f.point = make_v3(tube.a.x + local.x, tube.a.y + local.y, tube.a.z + local.z);
     f.size = max(max(max(abs(q[a]), abs(q[a + 1])), max(abs(q[a + 2]), q[a + 3])),
                  max(max(abs(q[b]), abs(q[b + 1])), max(abs(q[b + 2]), q[b + 3])));
-    if (op.values != NULL) f.value = lerp1(op.values[i], op.values[j], h.axial);
+    if (op.values != NULL) {
+      // on the ball of one end that end's alone, also where the other has no data
+      float va = op.values[i], vb = op.values[j];
+      f.value = h.axial <= 0.0f ? va : h.axial >= 1.0f ? vb : lerp1(va, vb, h.axial);
+    }
   } else {
     unsigned int i = op.indices[3 * (int64)p], j = op.indices[3 * (int64)p + 1], k = op.indices[3 * (int64)p + 2];
     vec3 a = make_v3(q[4 * (int64)i], q[4 * (int64)i + 1], q[4 * (int64)i + 2]);

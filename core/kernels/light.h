@@ -19,9 +19,10 @@ FN void lowDiscrepancyPoint(uint index, uint scramble, OUT(real) x, OUT(real) y)
   y = unitReal(index * 2447445414u + hash1(scramble ^ 0x9e3779b9u));
 }
 
-// Two unit vectors that are orthogonal to unit vector n and to each other (Duff et al., JCGT 6(1), 2017).
+// Two unit vectors that are orthogonal to unit vector n and to each other (Duff et al., JCGT 6(1), 2017). They jump where
+// n.z = -0.01, not at 0: normals there are common, and rounding would choose between two sets of directions.
 FN void tangents(vec3 n, OUT(vec3) s, OUT(vec3) t) {
-  real side = n.z >= R(0.0) ? R(1.0) : R(-1.0);
+  real side = n.z >= R(-0.01) ? R(1.0) : R(-1.0);
   real a = R(-1.0) / (side + n.z);
   real b = n.x * n.y * a;
   s = make_v3(R(1.0) + side * n.x * n.x * a, side * b, -side * n.x);

@@ -122,6 +122,7 @@ FN bool hitRoundCone(vec3 origin, vec3 direction, vec3 a, vec3 b, real radiusA, 
               (base.z - offAxis * u.z) + local * direction.z);
   bool hit = outside || (left && second > tMin);
   normal = unit3(make_v3(hit ? away.x : R(1.0), hit ? away.y : R(0.0), hit ? away.z : R(0.0)));
-  axial = nested ? (fromB ? R(1.0) : R(0.0)) : x * perSize;
+  // exactly 1 on the ball at b, whatever span * perSize rounds to
+  axial = nested ? (fromB ? R(1.0) : R(0.0)) : (x < span ? min1(x * perSize, R(1.0)) : R(1.0));
   return hit;
 }

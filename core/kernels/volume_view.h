@@ -129,8 +129,32 @@ FN vec3 mapSumColor(VOLUME v, int k) {
 #define FN_OUTLINE inline
 #define OFFSET std::int64_t
 #endif
+#if defined(ISPC)
+// The same for a block over 2^31 bytes. A gather of ISPC's takes 32-bit offsets, whatever the type of its index: those
+// from a base per 2^28 samples fit.
+static noinline float farStoredAt(VOLUME v, int64 i) {
+  float value = 0;
+  int page = (int)(i >> 28);
+  int at = (int)(i & 0xfffffff);
+  foreach_unique (p in page) {
+    uniform int64 first = (uniform int64)p << 28;
+    if (v.kind == SAMPLE_F32)
+      value = ((const uniform float* uniform)v.samples + first)[at];
+    else if (v.kind == SAMPLE_U8)
+      value = (float)((const uniform unsigned int8* uniform)v.samples + first)[at];
+    else if (v.kind == SAMPLE_I8)
+      value = (float)((const uniform int8* uniform)v.samples + first)[at];
+    else if (v.kind == SAMPLE_U16)
+      value = (float)((const uniform unsigned int16* uniform)v.samples + first)[at];
+    else
+      value = (float)((const uniform int16* uniform)v.samples + first)[at];
+  }
+  return value;
+}
+#endif
 FN_OUTLINE real storedAt(VOLUME v, OFFSET i) {
 #if defined(ISPC)
+  if (v.wide != 0) return farStoredAt(v, i);
   if (v.kind == SAMPLE_F32) return ((const uniform float* uniform)v.samples)[i];
   if (v.kind == SAMPLE_U8) return (float)((const uniform unsigned int8* uniform)v.samples)[i];
   if (v.kind == SAMPLE_I8) return (float)((const uniform int8* uniform)v.samples)[i];

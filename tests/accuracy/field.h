@@ -136,7 +136,15 @@ struct Shown {
   std::vector<int32_t> plan;  ///< per macrocell of the block
   std::vector<float> isovalues;
   bool wide = false;
+  bool isoEverywhere = false;  ///< the isosurface walk skips nothing
 };
+
+/// The isoPlan of a walk that looks into every cell.
+inline std::vector<int32_t> everyCell(size_t macrocells) {
+  std::vector<int32_t> plan(macrocells + kIsoWords, int32_t(macrocells));
+  std::fill(plan.end() - kIsoWords, plan.end(), -1);
+  return plan;
+}
 
 /// A VolumeView and what it points to. Keep the Field alive.
 template <class Real>
@@ -154,6 +162,7 @@ class View {
         isovalues_(s.isovalues.begin(), s.isovalues.end()),
         plan_(s.plan),
         isoPlan_(isoPlan(f.block, f.stored, f.components, f.component, f.macrocells(), s.isovalues)) {
+    if (s.isoEverywhere) isoPlan_ = everyCell(f.macrocells().size());
     const Extent& e = f.block.extent;
     const Index3 cells = f.grid.cells();
     view_.samples = f.block.samples.data();

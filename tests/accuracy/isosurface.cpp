@@ -405,8 +405,7 @@ TEST(IsoPlan, WhatItSkipsHoldsNoHit) {
     shown.isovalues = {f == &empty ? 0.15f : 0.5f};
     const View<float> view(*f, shown);
     auto all = *view;  // every cell of every macrocell may hold a hit
-    std::vector<int32_t> everywhere(f->macrocells().size() + 16, int32_t(f->macrocells().size()));
-    std::fill(everywhere.end() - 16, everywhere.end(), -1);
+    const std::vector<int32_t> everywhere = everyCell(f->macrocells().size());
     all.isoPlan = everywhere.data();
     auto few = *view;  // room for the bits of two macrocells
     const size_t most = (f->macrocells().size() + 15) / 16 * 16 + 3 * kIsoWords;

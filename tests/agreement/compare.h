@@ -27,10 +27,11 @@ struct CompareOptions {
 
 /// Renders with both, ambient occlusion with the backend's own directions.
 ///
-/// A pixel that differs by more than the tolerance is a flip where the reference itself changes under perturbation, and
-/// the backend's value lies, within the tolerance, among the perturbed reference's. When a pixel is wrong, or flips are
-/// more than 0.1 %, the pictures and their difference (times 8) are written as NAME_{backend,reference,difference}.png
-/// into the test's temporary folder.
+/// A pixel that differs by more than the tolerance is a flip where the reference itself changes under perturbation (of
+/// its rays, and of isovalues by as many ulps of the largest sample, which the value along a ray may be off by), and the
+/// backend's value lies among the perturbed reference's, extended by their spread and the tolerance. When a pixel is
+/// wrong, or flips are more than 0.1 %, the pictures and their difference (times 8) are written as
+/// NAME_{backend,reference,difference}.png into the test's temporary folder.
 Comparison compare(const Backend& backend, const TestScene& scene, const CompareOptions& options = {});
 
 /// Expects no wrong pixel, at most 0.1 % flips (or `flips` of them), and something to see in at least `seen` pixels.

@@ -132,6 +132,25 @@ TEST(GeometryAgreement, WithoutDataValuesAreNoCrash) {
   }
 }
 
+// Found by random scenes: a cap has the value of its own end, also where that of the other is NaN.
+TEST(GeometryAgreement, CapsOfTubesBesideValuesWithoutData) {
+  GeometryBlock block = lines();
+  for (size_t i = 1; i < block.values.size(); i += 3)
+    block.values[i] = std::numeric_limits<float>::quiet_NaN();
+  Vis vis = tubes(0.1, 0.1);
+  expectAgreement(embree(), geometryScene("caps_without_data", vis, block, 64));
+}
+
+// Found by random scenes: a ball that two segments share is one surface, also where a third has no length.
+TEST(GeometryAgreement, TranslucentTubesWithSegmentsOfNoLength) {
+  GeometryBlock block;
+  addLine(block, {{-0.8, 0, 0}, {-0.2, 0.5, 0}, {-0.2, 0.5, 0}, {0.1, -0.4, 0.3}, {0.8, 0.1, 0}},
+          {0.1f, 0.9f, 0.2f, 0.6f, 0.4f});
+  Vis vis = tubes(0.2, 0.2);
+  vis.opacity = 0.4;
+  expectAgreement(embree(), geometryScene("tubes_no_length", vis, block, 64));
+}
+
 TEST(GeometryAgreement, PrimitivesOutsideTheDomainOfThePartitioning) {
   TestScene scene = geometryScene("outside_domain", particles(0.05, 0.3), cloud(60, true));
   scene.domain = {glm::dvec3(-0.3), glm::dvec3(0.4)};

@@ -38,6 +38,10 @@ reference::ReferenceScene TestScene::forReference() const {
   for (size_t i = 0; i < data.size(); i++) {
     if (data[i].volume) {
       scene.data.emplace_back(data[i].volume);
+      // Isovalues are compared with samples as these are stored, so that one equal to a sample meets it.
+      const double shift = data[i].volume->shift, scale = data[i].volume->scale;
+      for (double& v : scene.visualization.operators[i].isovalues)
+        v = shift + scale * double(float((v - shift) / scale));
     } else {
       scene.data.emplace_back(data[i].geometry);
       // The reference takes the map's first colour for geometry without values.

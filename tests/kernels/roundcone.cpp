@@ -186,6 +186,22 @@ TEST(RoundCone, DegenerateCasesAreTheBiggerSphere) {
   EXPECT_FALSE(single::hitRoundCone({-2, 0, 0}, {1, 0, 0}, {0, -1, 0}, {0, 1, 0}, 0, 0, 0, t, n, axial));
 }
 
+TEST(RoundCone, AxialIsExactlyOneOnTheBallAtB) {
+  Random random(45);
+  int caps = 0;
+  for (int i = 0; i < 20'000; ++i) {
+    const glm::vec3 a(random.point(-1, 1)), b(random.point(-1, 1));
+    if (glm::distance(a, b) < 0.2f) continue;
+    const glm::vec3 u = glm::normalize(b - a), o = b + 3.f * u + 0.02f * glm::vec3(random.point(-1, 1));
+    float t, axial;
+    glm::vec3 n;
+    ASSERT_TRUE(single::hitRoundCone(o, -u, a, b, 0.1f, 0.1f, 0, t, n, axial));
+    EXPECT_EQ(axial, 1.f);
+    caps++;
+  }
+  EXPECT_GT(caps, 15'000);
+}
+
 TEST(RoundCone, AxisParallelRayMeetsCapsAndLeavesThroughTheOther) {
   float t, axial;
   glm::vec3 n;

@@ -49,7 +49,9 @@ WholeVolume sampledAsBytes(const Grid& grid, const std::function<double(glm::dve
 
 std::vector<std::shared_ptr<const Volume>> cut(const WholeVolume& whole, const Partitioning& partitioning,
                                                int ranks) {
-  const FieldStatistics statistics = statisticsOf(whole.samples, whole.stored, whole.components);
+  FieldStatistics statistics = statisticsOf(whole.samples, whole.stored, whole.components);
+  for (Range& r : statistics.ranges)
+    if (!r.empty()) r = {whole.shift + whole.scale * r.min, whole.shift + whole.scale * r.max};
   std::vector<std::shared_ptr<Volume>> volumes;
   std::vector<BorderSummary> records;
   for (int rank = 0; rank < ranks; rank++) {
@@ -58,6 +60,7 @@ std::vector<std::shared_ptr<const Volume>> cut(const WholeVolume& whole, const P
     volume.grid = whole.grid;
     volume.stored = whole.stored;
     volume.components = whole.components;
+    volume.shift = whole.shift, volume.scale = whole.scale;
     volume.ranges = statistics.ranges;
     volume.noDataSamples = statistics.noDataSamples;
     for (int partition : partitioning.owned(rank)) {

@@ -12,12 +12,13 @@
 
 namespace gxy::test {
 
-/// All samples of a volume: stored type, x fastest, components interleaved.
+/// All samples of a volume: stored type, x fastest, components interleaved; a true value is shift + scale * stored.
 struct WholeVolume {
   Grid grid;
   ScalarType stored = ScalarType::Float32;
   int components = 1;
   std::vector<std::byte> samples;
+  double shift = 0, scale = 1;
 };
 
 /// A float volume with the value f(world position) at each grid point.

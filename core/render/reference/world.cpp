@@ -82,7 +82,8 @@ std::vector<Box> boxesOf(const Vis& vis, const Geometry& geometry, const Geometr
   return boxes;
 }
 
-/// Tubes are one body: a surface inside the segment before or after is none.
+/// Tubes are one body: a surface inside the segment before or after is none, and the ball at a joint, which is on both
+/// segments, is a surface of the first of them (of no other, also where a segment has no length).
 bool insideNeighbour(const Vis& vis, const GeometryBlock& block, size_t item, glm::dvec3 p) {
   if (item >= block.neighbours.size()) return false;
   const auto [a, b] = block.segments[item];
@@ -90,7 +91,7 @@ bool insideNeighbour(const Vis& vis, const GeometryBlock& block, size_t item, gl
   auto inside = [&](const RoundCone& cone) {
     return cone.depth(p) > 1e-9 * std::max(cone.a.radius, cone.b.radius);
   };
-  return (before != a && inside(coneOf(vis, block, before, a))) ||
+  return (before != a && (coneOf(vis, block, a, b).axial(p) <= 0 || inside(coneOf(vis, block, before, a)))) ||
          (after != b && inside(coneOf(vis, block, b, after)));
 }
 

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+// Partitions of one cell, and of less than a cell: every kind of Vis, the same bits as in one piece.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "support/frames.h"
+
+namespace gxy::test {
+namespace {
+
+/// All kinds of Vis on a volume of n cells over the domain.
+TestScene coarse(std::array<int, 3> n, glm::ivec2 size = {40, 36}) {
+  TestScene scene = emptyScene("coarse", size);
+  const Box d = scene.domain;
+  Grid grid;
+  grid.origin = d.lo;
+  for (int a = 0; a < 3; a++) {
+    grid.points[size_t(a)] = n[size_t(a)] + 1;
+    grid.spacing[a] = (d.hi[a] - d.lo[a]) / n[size_t(a)];
+  }
+  auto volume = std::make_shared<const WholeVolume>(
+      sampled(grid, [](glm::dvec3 p) { return 0.5 + 0.4 * std::sin(2.3 * p.x + 1.7 * p.y - 3.1 * p.z); }));
+  Vis vis;
+  vis.volumeRendering = true;
+  vis.opacitymap = {false, {{0, 0}, {0.4, 0.1}, {0.45, 0.8}, {0.5, 0}, {1, 0.3}}};
+  vis.isovalues = {0.3, 0.65};
+  vis.slices = {{{0.3, 1, 0.5}, 0.2}, {{1, 0, 0}, 0.1}};
+  vis.opacity = 0.5;
+  vis.dataset = "data";
+  scene.visualization.operators.push_back(vis);
+  scene.data.emplace_back(volume);
+  addParticles(scene, 0.6);
+  addTubes(scene, 0.7);
+  addMesh(scene, 0.5);
+  addLights(scene);
+  addOcclusion(scene);
+  return scene;
+}
+
+TEST(SmallPartitions, OneCellEach) {
+  const TestScene scene = coarse({4, 3, 5});
+  const Picture expected = render(scene, whole(scene.domain));
+  for (int ranks : {1, 5, 8})
+    EXPECT_EQ(difference(expected, render(scene, lattice(scene.domain, {4, 3, 5}, ranks))), "") << ranks;
+}
+
+TEST(SmallPartitions, LessThanACellEach) {
+  const TestScene scene = coarse({1, 2, 1});
+  const Picture expected = render(scene, whole(scene.domain));
+  EXPECT_EQ(difference(expected, render(scene, lattice(scene.domain, {3, 3, 3}, 4))), "");
+  EXPECT_EQ(difference(expected, render(scene, kdCut(scene.domain, 20, 6, 3))), "");
+}
+
+TEST(SmallPartitions, OneCellEachOfALargerGridAlongOneAxis) {
+  const TestScene scene = coarse({24, 2, 2});
+  const Picture expected = render(scene, whole(scene.domain));
+  EXPECT_EQ(difference(expected, render(scene, lattice(scene.domain, {24, 1, 1}, 6))), "");
+}
+
+}  // namespace
+}  // namespace gxy::test

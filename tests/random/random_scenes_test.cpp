@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: Apache-2.0
+// Scenes from a seed, pictures of 24 x 24 pixels, against the reference renderer and on any partitioning.
+//   random_scenes [--scenes N] [--seed S]     scenes S, S + 1, ...; 200 from 1 unless told
+// A failure names the scene's seed and the state file that was written for it.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <string_view>
+
+#include "agreement/backend.h"
+#include "agreement/compare.h"
+#include "random_scene.h"
+#include "support/frames.h"
+
+namespace gxy::test {
+namespace {
+
+struct Asked {
+  uint64_t first = 1, scenes = 200;
+};
+Asked asked;
+
+/// "seed 7, state file ...", for messages.
+std::string whatFailed(const TestScene& scene, uint64_t seed) {
+  return "seed " + std::to_string(seed) + ", " + saveScene(scene, testing::TempDir() + scene.name) + "\n";
+}
+
+/// Why the picture cannot be one, or nothing.
+std::string outOfRange(const Picture& picture, double brightest) {
+  const double slack = 1e-5;
+  for (size_t i = 0; i < picture.rgba.size(); i++) {
+    const double most = i % 4 == 3 ? 1 : brightest, x = picture.rgba[i];
+    if (!(x >= -slack && x <= most + slack))
+      return "value " + std::to_string(i) + " is " + std::to_string(x) + ", expected 0 to " +
+             std::to_string(most);
+  }
+  for (double depth : picture.depth)
+    if (!(depth >= 0)) return "a depth is " + std::to_string(depth);
+  return {};
+}
+
+TEST(RandomScenes, AgreeWithTheReference) {
+  int64_t pixels = 0, flips = 0;
+  for (uint64_t seed = asked.first; seed < asked.first + asked.scenes; seed++) {
+    const TestScene scene = withoutKnownLimits(randomScene(seed));
+    agreement::CompareOptions options;
+    options.tolerance = scene.settings.tolerance;
+    const agreement::Comparison c = agreement::compare(agreement::embree(), inOnePiece(scene), options);
+    pixels += c.pixels;
+    flips += c.flips;
+    EXPECT_TRUE(c.finite && c.wrong.empty()) << whatFailed(scene, seed) << c.report;
+  }
+  // of all pixels, of which many lie on edges and in grid planes
+  EXPECT_LE(double(flips), 0.002 * double(pixels) + 3) << flips << " of " << pixels;
+  RecordProperty("flips", std::to_string(flips));
+  RecordProperty("pixels", std::to_string(pixels));
+}
+
+TEST(RandomScenes, AreInRangeAndTheSameOnEveryPartitioning) {
+  for (uint64_t seed = asked.first; seed < asked.first + asked.scenes; seed++) {
+    const TestScene scene = randomScene(seed);
+    const Picture expected = agreement::draw(agreement::embree(), inOnePiece(scene));
+    const std::string wrong = outOfRange(expected, brightest(scene));
+    EXPECT_EQ(wrong, "") << whatFailed(scene, seed);
+    const Cut cut = randomCut(scene, seed);
+    FrameRun run;
+    run.seed = seed;
+    run.options.packetRays = seed % 3 ? 64 : 16;
+    run.options.raysInFlight = seed % 5 ? 1 << 20 : 1;
+    const std::string different = difference(expected, render(scene, cut, run));
+    EXPECT_EQ(different, "") << cut.name << ", " << whatFailed(scene, seed);
+  }
+}
+
+}  // namespace
+}  // namespace gxy::test
+
+int main(int argc, char** argv) {
+  testing::InitGoogleTest(&argc, argv);
+  for (int i = 1; i + 1 < argc; i += 2) {
+    const uint64_t value = std::strtoull(argv[i + 1], nullptr, 10);
+    if (std::string_view(argv[i]) == "--scenes") gxy::test::asked.scenes = value;
+    if (std::string_view(argv[i]) == "--seed") gxy::test::asked.first = value;
+  }
+  return RUN_ALL_TESTS();
+}
