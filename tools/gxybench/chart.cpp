@@ -41,10 +41,12 @@ struct Axis {
   double low = INFINITY, high = 0, pixels = 1;
 
   void extend(double v) { low = std::min(low, v), high = std::max(high, v); }
-  /// Leaves a margin around what it was extended by.
-  void finish(double length) {
+  /// Leaves a margin around what it was extended by, a decade at least in all, and room for `covered` pixels more.
+  void finish(double length, double covered) {
     if (high == 0) low = 0.1, high = 1;
-    low /= 1.4, high *= 1.4;
+    const double margin = std::max(1.4, std::sqrt(10 * low / high));
+    low /= margin, high *= margin;
+    high *= std::pow(high / low, covered / (length - covered));
     pixels = length;
   }
   double at(double v) const { return pixels * std::log(v / low) / std::log(high / low); }
@@ -153,8 +155,9 @@ void writeChart(const std::string& path, const Chart& what) {
     for (size_t i = 0; i < curve.x.size(); i++)
       if (drawable(curve.x[i]) && drawable(curve.y[i])) x.extend(curve.x[i]), y.extend(curve.y[i]);
   if (what.line > 0) y.extend(what.line);
-  x.finish(what.width - 80);  // about what titles and labels leave
-  y.finish(what.height - 60);
+  const double legend = 12 + 17 * double(what.curves.size() + 1);
+  x.finish(what.width - 80, 0);  // about what titles and labels leave
+  y.finish(what.height - 60, std::min(legend, 0.4 * what.height));
 
   const vtkNew<vtkChartXY> chart;
   const vtkNew<vtkContextScene> scene;

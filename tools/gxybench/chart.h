@@ -14,8 +14,8 @@ struct Curve {
 struct Chart {
   std::string title, xLabel, yLabel;
   std::vector<Curve> curves;
-  double line = 0;  ///< a horizontal line there, unless 0
-  std::string lineName;
+  double line = 0;            ///< a horizontal line there, unless 0
+  std::string lineName = {};  ///< in the legend
   int width = 620, height = 460;
 };
 

@@ -10,6 +10,8 @@
 namespace gxy::bench {
 namespace {
 
+constexpr double kScatterOfOne = 0.25;
+
 struct Point {
   double time, error;
 };
@@ -36,11 +38,13 @@ double timeFor(const std::vector<Point>& curve, double error) {
   return a.time * std::pow(b.time / a.time, f);
 }
 
-/// How far repeats scatter about their median: root mean square over the settings, relative.
+/// How far repeats scatter about their median: root mean square over the settings, relative. A single frame says nothing
+/// of that, and is taken to scatter widely.
 double scatter(const std::vector<Row>& rows, const CurveAxes& axes) {
   double sum = 0;
   for (const Row& r : rows) {
-    const double half = 0.5 * (axes.wall ? r.wallSpread : r.cpuSpread) / std::max(timeOf(r, axes), 1e-12);
+    const double spread = (axes.wall ? r.wallSpread : r.cpuSpread) / std::max(timeOf(r, axes), 1e-12);
+    const double half = r.repeats > 1 ? 0.5 * spread : kScatterOfOne;
     sum += half * half / double(rows.size());
   }
   return std::sqrt(sum);

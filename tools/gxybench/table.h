@@ -31,7 +31,9 @@ struct Row {
   double dtRms = 0, dtMax = 0;
 
   /// Which curve of its scene the row is on.
-  std::string curve() const { return method + ", " + backend + ", " + std::to_string(ranks) + " rank(s)"; }
+  std::string curve() const {
+    return method + ", " + backend + ", " + std::to_string(ranks) + (ranks == 1 ? " rank" : " ranks");
+  }
   bool operator==(const Row&) const = default;
 };
 

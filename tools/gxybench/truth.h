@@ -1,28 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// The reference picture of a scene, kept on disk, and how far a picture is from it.
+// The reference picture of a scene, kept on disk.
 #pragma once
 #include <functional>
 #include <string>
-#include <vector>
 
-#include "gxy/render/framebuffer.h"
+#include "errors.h"
 #include "gxy/scene/scene.h"
-#include "table.h"
 
 namespace gxy::bench {
-
-/// What the reference renderer shows of a state's first visualization and camera, in front of the background. Scenes
-/// with surfaces also have the range that each pixel takes while the rays are moved by some ulp of float: pixels where
-/// that range is wide are flips (architecture.md, promise 3). In scenes without surfaces no pixel is a flip.
-struct Truth {
-  int width = 0, height = 0;
-  std::vector<float> rgb;        ///< 3 a pixel, rows bottom to top
-  std::vector<float> low, high;  ///< of rgb; empty without surfaces
-  std::vector<double> depth, nearest,
-      farthest;     ///< world units, 1e30 for a miss; the last two empty without surfaces
-  double cell = 0;  ///< smallest spacing of the first volume, world units; 0 where there is none
-  bool operator==(const Truth&) const = default;
-};
 
 using Progress = std::function<void(double)>;  ///< the fraction done
 
@@ -30,10 +15,5 @@ using Progress = std::function<void(double)>;  ///< the fraction done
 /// found by the content of data, visualization and camera; tolerance and step do not matter.
 Truth truthOf(const State& state, const std::string& directory, const std::string& cache,
               const Progress& progress);
-
-/// Fills in the row's errors, flips and, for a scene of isosurfaces alone, its hits. A pixel that is further from the
-/// truth than row.tolerance (or, in depth, than half a cell) is a flip where the truth changes under perturbation and the
-/// picture lies within its range.
-void compareWith(const Truth& truth, const Picture& picture, bool isosurfacesAlone, Row& row);
 
 }  // namespace gxy::bench
