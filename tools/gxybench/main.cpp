@@ -19,8 +19,8 @@ namespace {
 using namespace gxy;
 using namespace gxy::bench;
 
-int list() {
-  for (const Scene& s : fixedScenes(false)) std::printf("%-34s %s\n", s.name.c_str(), s.about.c_str());
+int list(bool quick) {
+  for (const Scene& s : fixedScenes(quick)) std::printf("%-34s %s\n", s.name.c_str(), s.about.c_str());
   return 0;
 }
 
@@ -46,7 +46,7 @@ std::vector<Scene> chosenScenes(const Options& o) {
       const auto warn = [](const std::string& w) { std::cerr << "warning: " << w << '\n'; };
       for (Scene& s : scenesOf(name, warn)) chosen.push_back(std::move(s));
     } else {
-      throw Error(name + ": expected a scene that `gxybench --list` names, or a state file");
+      throw Error(name + ": expected a state file or one of the scenes that --list shows");
     }
   }
   for (size_t i = 0; i < chosen.size(); i++)
@@ -83,11 +83,12 @@ std::string summary(const Row& r) {
   return out;
 }
 
-/// The folder for pictures on their way from the workers; gone with the object.
+/// The folder for pictures on their way from the workers; gone with the object. What an interrupted run has left in it
+/// goes with the next.
 class Scratch {
  public:
-  explicit Scratch(const std::string& parent)
-      : path_(std::filesystem::absolute(parent) / (".working-" + std::to_string(::getpid()))) {
+  explicit Scratch(const std::string& parent) : path_(std::filesystem::absolute(parent) / ".working") {
+    std::filesystem::remove_all(path_);
     std::filesystem::create_directories(path_);
   }
   ~Scratch() {
@@ -157,7 +158,7 @@ int main(int argc, char** argv) {
   try {
     if (const auto code = parseOptions(argc, argv, options)) return *code;
     if (options.command == Options::Command::Work) return work(options.jobFile);
-    if (options.command == Options::Command::List) return list();
+    if (options.command == Options::Command::List) return list(options.quick);
     if (options.command == Options::Command::Compare) return compare(options);
     std::string command = "gxybench";
     for (int i = 1; i < argc; i++) command += std::string(" ") + argv[i];

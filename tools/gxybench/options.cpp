@@ -87,7 +87,7 @@ void addMeasuring(CLI::App& app, Options& o, std::string& size) {
   addLadder(app, "--tolerances", o.ladders.tolerances, 1e-6, 1,
             "Ladder of `adaptive` (default 1/32 to 1/8192)");
   addLadder(app, "--steps", o.ladders.steps, 1e-3, 4, "Ladder of `fixed`, in cells (default 4 to 1/8)");
-  app.add_option("--repeats", o.repeats, "Frames timed per setting, at least (default 5; --quick 1)")
+  app.add_option("--repeats", o.repeats, "Frames timed per setting, at least (default 3; --quick 1)")
       ->check(CLI::Range(1, 1000));
   app.add_option("--threads", o.threads, "Threads per rank (default: the cores shared by the ranks)")
       ->check(CLI::Range(1, 4096));
@@ -141,7 +141,7 @@ std::optional<int> parseOptions(int argc, char** argv, Options& o) {
   } catch (const CLI::ParseError& e) {
     return app.exit(e) == 0 ? 0 : 2;
   }
-  if (o.repeats == 0) o.repeats = o.quick ? 1 : 5;
+  if (o.repeats == 0) o.repeats = o.quick ? 1 : 3;
   if (o.ladders.tolerances.empty())
     o.ladders.tolerances = o.quick
                                ? std::vector<double>{1.0 / 32, 1.0 / 512, 1.0 / 2048}

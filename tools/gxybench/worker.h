@@ -15,7 +15,7 @@ namespace gxy::bench {
 struct Job {
   std::string directory;  ///< of the data
   std::string backend = "auto";
-  int repeats = 5;       ///< frames timed per setting, at least
+  int repeats = 3;       ///< frames timed per setting, at least
   double seconds = 0.5;  ///< that a setting is timed for, at least, so that short frames are measured well
   int threads = 0;       ///< per rank; 0: the cores shared by the ranks
   std::string pictures;  ///< prefix of the files that pictures go to; the reader removes them
