@@ -88,6 +88,13 @@ TEST(Compare, LostHitsBrokenTolerancesAndMissingCurvesAreRegressions) {
   EXPECT_FALSE(onlyChange({}, {newer}).regressed());
 }
 
+TEST(Compare, PicturesOfOtherSizesAreNotCompared) {
+  std::vector<Row> newer = curve(1, 2, 6);
+  for (Row& r : newer) r.width += 1;
+  EXPECT_EQ(onlyChange(curve(1, 2, 6), newer).ratio, 0);
+  EXPECT_EQ(onlyChange(curve(1, 2, 6), newer).remark, "measured at another size");
+}
+
 TEST(Compare, CurvesAreToldApartBySceneMethodBackendAndRanks) {
   std::vector<Row> rows(5, row("fixed", "1", 1, 1));
   rows[1].scene = "other", rows[2].method = "adaptive", rows[3].backend = "vulkan", rows[4].ranks = 2;

@@ -110,6 +110,11 @@ Change changeOf(const std::vector<Row>& older, const std::vector<Row>& newer, co
   return change;
 }
 
+bool sameSize(const std::vector<Row>& older, const std::vector<Row>& newer) {
+  const Row &o = older.front(), &n = newer.front();
+  return o.width == n.width && o.height == n.height;
+}
+
 using CurveName = std::pair<std::string, std::string>;
 
 std::map<CurveName, std::vector<Row>> curvesOf(const std::vector<Row>& rows, std::vector<CurveName>& order) {
@@ -131,12 +136,13 @@ std::vector<Change> changes(const std::vector<Row>& older, const std::vector<Row
   std::vector<Change> all;
   for (const CurveName& name : order) {
     const auto o = oldCurves.find(name), n = newCurves.find(name);
-    if (o != oldCurves.end() && n != newCurves.end()) {
+    if (o != oldCurves.end() && n != newCurves.end() && sameSize(o->second, n->second)) {
       all.push_back(changeOf(o->second, n->second, axes));
     } else {
       Change& change = all.emplace_back();
       change.scene = name.first, change.curve = name.second;
       if (n == newCurves.end()) change.remark = "not in the new table";
+      if (n != newCurves.end() && o != oldCurves.end()) change.remark = "measured at another size";
     }
   }
   return all;
