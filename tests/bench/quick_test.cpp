@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// gxybench as a user runs it: exit status, files, and errors against the reference. Timings are not looked at.
+// gxybench as a user runs it: exit status, files, and errors against the reference. Timings are not looked
+// at.
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 

@@ -36,12 +36,14 @@ constexpr std::array kMarkers{vtkPlotPoints::CIRCLE, vtkPlotPoints::SQUARE, vtkP
 
 bool drawable(double v) { return v > 0 && std::isfinite(v); }
 
-/// Takes the logarithms itself, and to about pixels: VTK's SVG stretches markers and dashes as it does the axes.
+/// Takes the logarithms itself, and to about pixels: VTK's SVG stretches markers and dashes as it does the
+/// axes.
 struct Axis {
   double low = INFINITY, high = 0, pixels = 1;
 
   void extend(double v) { low = std::min(low, v), high = std::max(high, v); }
-  /// Leaves a margin around what it was extended by, a decade at least in all, and room for `covered` pixels more.
+  /// Leaves a margin around what it was extended by, a decade at least in all, and room for `covered` pixels
+  /// more.
   void finish(double length, double covered) {
     if (high == 0) low = 0.1, high = 1;
     const double margin = std::max(1.4, std::sqrt(10 * low / high));
@@ -106,8 +108,8 @@ void addLine(vtkChartXY* chart, vtkTable* table) {
   plot->GetPen()->SetLineType(vtkPen::DASH_LINE);
 }
 
-/// VTK's clip rectangles are meant in coordinates before a group's transform, SVG's are in those behind it. Nothing
-/// reaches beyond the axes here, so they can go.
+/// VTK's clip rectangles are meant in coordinates before a group's transform, SVG's are in those behind it.
+/// Nothing reaches beyond the axes here, so they can go.
 void removeClips(vtkXMLDataElement* element) {
   element->RemoveAttribute("clip-path");
   for (int i = 0; i < element->GetNumberOfNestedElements(); i++) removeClips(element->GetNestedElement(i));
@@ -130,7 +132,8 @@ std::string svgOf(vtkContextScene* scene, int width, int height) {
 
   const vtkNew<vtkSVGContextDevice2D> device;
   device->SetSVGContext(drawing, definitions);
-  // asked for its size and resolution only; this kind of window opens no display and no OpenGL context by itself
+  // asked for its size and resolution only; this kind of window opens no display and no OpenGL context by
+  // itself
   const vtkNew<vtkGenericOpenGLRenderWindow> window;
   const vtkNew<vtkRenderer> renderer;
   window->SetSize(width, height);

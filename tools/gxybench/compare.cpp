@@ -38,8 +38,8 @@ double timeFor(const std::vector<Point>& curve, double error) {
   return a.time * std::pow(b.time / a.time, f);
 }
 
-/// How far repeats scatter about their median: root mean square over the settings, relative. A single frame says nothing
-/// of that, and is taken to scatter widely.
+/// How far repeats scatter about their median: root mean square over the settings, relative. A single frame
+/// says nothing of that, and is taken to scatter widely.
 double scatter(const std::vector<Row>& rows, const CurveAxes& axes) {
   double sum = 0;
   for (const Row& r : rows) {

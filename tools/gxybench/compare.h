@@ -17,8 +17,9 @@ struct CurveAxes {
 /// What became of one curve: a scene, method, backend and number of ranks.
 struct Change {
   std::string scene, curve;
-  /// New time over old time at equal error: the geometric mean, smallest and largest over the errors that both curves
-  /// reach, interpolated between settings in the logarithms of both. 0 where they have nothing in common.
+  /// New time over old time at equal error: the geometric mean, smallest and largest over the errors that
+  /// both curves reach, interpolated between settings in the logarithms of both. 0 where they have nothing in
+  /// common.
   double ratio = 0, least = 0, most = 0;
   double noise = 0;  ///< relative; from the spreads of the repeats, at least 2 %
   bool atSettings =

@@ -8,9 +8,10 @@
 
 namespace gxy::bench {
 
-/// What the reference renderer shows of a state's first visualization and camera, in front of the background. Scenes
-/// with surfaces also have the range that each pixel takes while the rays are moved by some ulp of float: pixels where
-/// that range is wide are flips (architecture.md, promise 3). In scenes without surfaces no pixel is a flip.
+/// What the reference renderer shows of a state's first visualization and camera, in front of the background.
+/// Scenes with surfaces also have the range that each pixel takes while the rays are moved by some ulp of
+/// float: pixels where that range is wide are flips (architecture.md, promise 3). In scenes without surfaces
+/// no pixel is a flip.
 struct Truth {
   int width = 0, height = 0;
   std::vector<float> rgb;        ///< 3 a pixel, rows bottom to top
@@ -21,9 +22,9 @@ struct Truth {
   bool operator==(const Truth&) const = default;
 };
 
-/// Fills in the row's errors, flips and, for a scene of isosurfaces alone, its hits. A pixel that is further from the
-/// truth than row.tolerance (or, in depth, than half a cell) is a flip where the truth changes under perturbation and the
-/// picture lies within its range.
+/// Fills in the row's errors, flips and, for a scene of isosurfaces alone, its hits. A pixel that is further
+/// from the truth than row.tolerance (or, in depth, than half a cell) is a flip where the truth changes under
+/// perturbation and the picture lies within its range.
 void compareWith(const Truth& truth, const Picture& picture, bool isosurfacesAlone, Row& row);
 
 }  // namespace gxy::bench

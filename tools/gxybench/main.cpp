@@ -83,8 +83,8 @@ std::string summary(const Row& r) {
   return out;
 }
 
-/// The folder for pictures on their way from the workers; gone with the object. What an interrupted run has left in it
-/// goes with the next.
+/// The folder for pictures on their way from the workers; gone with the object. What an interrupted run has
+/// left in it goes with the next.
 class Scratch {
  public:
   explicit Scratch(const std::string& parent) : path_(std::filesystem::absolute(parent) / ".working") {

@@ -70,7 +70,8 @@ constexpr const char* kHead = R"(<!doctype html>
 <style>
 body { font: 15px sans-serif; max-width: 1280px; margin: 1em auto; padding: 0 1em; }
 img { max-width: 49%; } table { border-collapse: collapse; font-size: 12px; }
-td, th { padding: 1px 7px; text-align: right; border-bottom: 1px solid #ddd; } td:first-child { text-align: left; }
+td, th { padding: 1px 7px; text-align: right; border-bottom: 1px solid #ddd; }
+td:first-child { text-align: left; }
 </style>
 <h1>Run time against error</h1>
 )";

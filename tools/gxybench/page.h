@@ -13,8 +13,8 @@ struct Heading {
   std::string name, about;
 };
 
-/// Writes FOLDER/NAME-max.svg and NAME-rms.svg from the scene's rows: processor time across, error up, a curve for each
-/// method, backend and number of ranks.
+/// Writes FOLDER/NAME-max.svg and NAME-rms.svg from the scene's rows: processor time across, error up, a
+/// curve for each method, backend and number of ranks.
 void writeCharts(const std::string& folder, const std::string& scene, const std::vector<Row>& rows);
 
 /// Writes FOLDER/index.html: the charts and the rows of all scenes. `command` is what was run.

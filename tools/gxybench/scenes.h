@@ -29,8 +29,8 @@ struct Scene {
 /// The fixed list (numerics.md section 8); `quick`: small ones, for a test of the plumbing.
 std::vector<Scene> fixedScenes(bool quick);
 
-/// One scene for each visualization and camera of a state file. Warnings go to `warn`. Throws Error for files that
-/// cannot be read or show nothing.
+/// One scene for each visualization and camera of a state file. Warnings go to `warn`. Throws Error for files
+/// that cannot be read or show nothing.
 std::vector<Scene> scenesOf(const std::string& stateFile,
                             const std::function<void(const std::string&)>& warn);
 
@@ -51,8 +51,8 @@ struct Ladders {
 /// The settings of a scene, from coarse to fine within each method:
 ///   adaptive     the integrator that users get, at each tolerance
 ///   fixed        midpoint segments of each step, in cells
-///   uncorrected  the earlier Galaxy's rule: one sample a cell takes the map's opacity, whatever thickness the map speaks
-///                of. Said by what a state file can say: step 1, and the map's `reference length` left to be one cell.
+///   uncorrected  the earlier Galaxy's rule: one sample a cell takes the map's opacity, whatever thickness the
+///                map speaks of. Said by what a state file can say: step 1, and `reference length` left out.
 /// A scene without volume rendering has one setting, adaptive at the scene's own tolerance.
 std::vector<Setting> settingsOf(const Scene& scene, const Ladders& ladders);
 

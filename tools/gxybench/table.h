@@ -8,8 +8,9 @@
 
 namespace gxy::bench {
 
-/// One scene with one method at one setting, on one backend and number of ranks. Times are of a frame, from its start
-/// to its delivered picture, after all is loaded and compiled; counters are of one frame, over all ranks.
+/// One scene with one method at one setting, on one backend and number of ranks. Times are of a frame, from
+/// its start to its delivered picture, after all is loaded and compiled; counters are of one frame, over all
+/// ranks.
 struct Row {
   std::string scene, method, setting, backend;
   int64_t ranks = 1, threads = 1;  ///< threads of each rank
@@ -26,7 +27,8 @@ struct Row {
   double maxError = 0, rmsError = 0,
          p999Error = 0;  ///< over RGB, flips left out; p999: of the pixels' worst channel
   int64_t flips = 0;
-  /// Scenes of isosurfaces alone; hits is -1 for others. dt: distance along the ray from the true hit, in cells.
+  /// Scenes of isosurfaces alone; hits is -1 for others. dt: distance along the ray from the true hit, in
+  /// cells.
   int64_t hits = -1, missed = 0, extra = 0, wrongSheet = 0;
   double dtRms = 0, dtMax = 0;
 
@@ -62,7 +64,8 @@ class TableWriter {
   std::ofstream out_;
 };
 
-/// Throws Error "PATH:LINE: ..." for what is not such a table. Columns may stand in any order; others are ignored.
+/// Throws Error "PATH:LINE: ..." for what is not such a table. Columns may stand in any order; others are
+/// ignored.
 std::vector<Row> readTable(const std::string& path);
 
 }  // namespace gxy::bench

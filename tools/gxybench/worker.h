@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The process that measures: one for each scene, backend and number of ranks, so that memory and threads are its own.
+// The process that measures: one for each scene, backend and number of ranks, so that memory and threads are
+// its own.
 #pragma once
 #include <functional>
 #include <string>
@@ -25,11 +26,12 @@ struct Job {
 /// Times and counters of a setting, with the setting's picture. The row's errors are still to be found.
 using Measured = std::function<void(size_t setting, Row row, Picture picture)>;
 
-/// Starts `ranks` processes of this program under `launcher` (without it, if that is empty), and calls `measured` for
-/// each setting as it comes. Throws Error where they cannot be started or fail.
+/// Starts `ranks` processes of this program under `launcher` (without it, if that is empty), and calls
+/// `measured` for each setting as it comes. Throws Error where they cannot be started or fail.
 void measure(const Job& job, int ranks, const std::string& launcher, const Measured& measured);
 
-/// What such a process does, given the file that measure() has written; its exit status. Prints one line a setting.
+/// What such a process does, given the file that measure() has written; its exit status. Prints one line a
+/// setting.
 int work(const std::string& jobFile);
 
 }  // namespace gxy::bench

@@ -11,8 +11,8 @@ namespace gxy {
 /// Visualization v of a state whose data are loaded whole, in one partition.
 reference::ReferenceScene referenceScene(const State& state, const LoadedState& loaded, size_t v);
 
-/// The directions of ambient occlusion that backends take, so that pictures can be compared pixel by pixel: of frame
-/// `frameNumber`, seen by a camera `width` pixels wide.
+/// The directions of ambient occlusion that backends take, so that pictures can be compared pixel by pixel:
+/// of frame `frameNumber`, seen by a camera `width` pixels wide.
 reference::AoDirections occlusionDirections(int aoCount, int width, uint32_t frameNumber);
 
 }  // namespace gxy

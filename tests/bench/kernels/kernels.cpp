@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// How fast the kernels are by themselves, on one thread: `kernel_benchmarks --benchmark_filter=Trilinear`. Rates count
-// samples, cells, roots, tests, rays or pixels, as the name says.
+// How fast the kernels are by themselves, on one thread: `kernel_benchmarks --benchmark_filter=Trilinear`.
+// Rates count samples, cells, roots, tests, rays or pixels, as the name says.
 #include <benchmark/benchmark.h>
 
 #include <glm/geometric.hpp>
@@ -18,7 +18,8 @@ constexpr int kRays = 64;        // a side of the grid of rays
 constexpr int kPrimitives = 64;  // of a leaf
 constexpr int kSide = 192;       // points of the volume
 
-/// A turbulent volume under a ramp, or under eight narrow peaks, with isovalue 0.5 or one that no sample reaches.
+/// A turbulent volume under a ramp, or under eight narrow peaks, with isovalue 0.5 or one that no sample
+/// reaches.
 struct Volumes {
   Field field = cube(kSide, turbulence);
   Shown ramp = shown({{0, 0}, {0.3, 0}, {1, 0.06}}, 0.5f);

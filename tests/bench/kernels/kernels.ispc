@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Loops over core/kernels as the backend compiles them, one function each. Rays are 6 floats apart: origin, direction.
+// Loops over core/kernels as the backend compiles them, one function each. Rays are 6 floats apart: origin,
+// direction.
 #include "dialect.h"
 #include "all.h"
 #include "fields.h"
@@ -14,8 +15,8 @@ static inline VolumeRay rayOf(VOLUME v, const uniform float rays[], int i) {
 }
 
 // `steps` samples along each ray.
-export void sampleRays(const void* uniform volume, const uniform float rays[], uniform int n, uniform int steps,
-                       uniform float out[]) {
+export void sampleRays(const void* uniform volume, const uniform float rays[], uniform int n,
+                       uniform int steps, uniform float out[]) {
   USE_VOLUME(v, volume);
   foreach (i = 0 ... n) {
     VolumeRay r = rayOf(v, rays, i);
@@ -55,7 +56,8 @@ export void findRoots(const uniform float cubics[], uniform int n, uniform float
   }
 }
 
-export void evaluateMap(const void* uniform volume, const uniform float values[], uniform int n, uniform float out[]) {
+export void evaluateMap(const void* uniform volume, const uniform float values[], uniform int n,
+                        uniform float out[]) {
   USE_VOLUME(v, volume);
   foreach (i = 0 ... n) {
     MapPlace p = mapPlace(v, values[i]);
@@ -65,7 +67,8 @@ export void evaluateMap(const void* uniform volume, const uniform float values[]
 }
 
 // The map's mean between each value and the next, as pre-integrated segments take it.
-export void integrateMap(const void* uniform volume, const uniform float values[], uniform int n, uniform float out[]) {
+export void integrateMap(const void* uniform volume, const uniform float values[], uniform int n,
+                         uniform float out[]) {
   USE_VOLUME(v, volume);
   foreach (i = 0 ... n - 1) {
     float sigma;
@@ -75,7 +78,8 @@ export void integrateMap(const void* uniform volume, const uniform float values[
   }
 }
 
-export void marchRays(const void* uniform volume, const uniform float rays[], uniform int n, uniform float out[]) {
+export void marchRays(const void* uniform volume, const uniform float rays[], uniform int n,
+                      uniform float out[]) {
   USE_VOLUME(v, volume);
   MarchRange m;
   m.tIn = 0.0f;
@@ -97,8 +101,8 @@ export void marchRays(const void* uniform volume, const uniform float rays[], un
 }
 
 // Every ray against the same `count` primitives, 8 floats each, as a packet meets the primitives of a leaf.
-export void hitBoxes(const uniform float rays[], uniform int n, const uniform float boxes[], uniform int count,
-                     uniform float out[]) {
+export void hitBoxes(const uniform float rays[], uniform int n, const uniform float boxes[],
+                     uniform int count, uniform float out[]) {
   foreach (i = 0 ... n) {
     const uniform float* r = rays + 6 * i;
     vec3 o = make_v3(r[0], r[1], r[2]), d = make_v3(r[3], r[4], r[5]);
@@ -106,14 +110,15 @@ export void hitBoxes(const uniform float rays[], uniform int n, const uniform fl
     for (uniform int k = 0; k < count; k++) {
       const uniform float* uniform b = boxes + 8 * k;
       float t0, t1;
-      if (boxSpan(make_v3(b[0], b[1], b[2]), make_v3(b[4], b[5], b[6]), o, d, 0.0f, nearest, t0, t1)) nearest = t0;
+      if (boxSpan(make_v3(b[0], b[1], b[2]), make_v3(b[4], b[5], b[6]), o, d, 0.0f, nearest, t0, t1))
+        nearest = t0;
     }
     out[i] = nearest;
   }
 }
 
-export void hitSpheres(const uniform float rays[], uniform int n, const uniform float spheres[], uniform int count,
-                       uniform float out[]) {
+export void hitSpheres(const uniform float rays[], uniform int n, const uniform float spheres[],
+                       uniform int count, uniform float out[]) {
   foreach (i = 0 ... n) {
     const uniform float* r = rays + 6 * i;
     vec3 o = make_v3(r[0], r[1], r[2]), d = make_v3(r[3], r[4], r[5]), normal;
@@ -126,8 +131,8 @@ export void hitSpheres(const uniform float rays[], uniform int n, const uniform 
   }
 }
 
-export void hitTubes(const uniform float rays[], uniform int n, const uniform float tubes[], uniform int count,
-                     uniform float out[]) {
+export void hitTubes(const uniform float rays[], uniform int n, const uniform float tubes[],
+                     uniform int count, uniform float out[]) {
   foreach (i = 0 ... n) {
     const uniform float* r = rays + 6 * i;
     vec3 o = make_v3(r[0], r[1], r[2]), d = make_v3(r[3], r[4], r[5]);
@@ -142,8 +147,8 @@ export void hitTubes(const uniform float rays[], uniform int n, const uniform fl
   }
 }
 
-export void hitTriangles(const uniform float rays[], uniform int n, const uniform float corners[], uniform int count,
-                         uniform float out[]) {
+export void hitTriangles(const uniform float rays[], uniform int n, const uniform float corners[],
+                         uniform int count, uniform float out[]) {
   foreach (i = 0 ... n) {
     const uniform float* r = rays + 6 * i;
     vec3 o = make_v3(r[0], r[1], r[2]), d = make_v3(r[3], r[4], r[5]);
