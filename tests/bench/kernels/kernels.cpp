@@ -44,7 +44,7 @@ struct Volumes {
     const ColorMap colors{{{0, {0, 0, 1}}, {0.5, {1, 1, 1}}, {1, {1, 0, 0}}}};
     const OpacityMap opacity{false, points};
     s.map = CompiledMap(colors, &opacity, {0, 1, 1, field.shortestCell()});
-    s.plan = stepPlan(field.macrocells(), s.map, field.shortestCell(), 1.0 / 512, false);
+    s.plan = stepPlan(field.macrocells(), s.map, field.shortestCell(), 1.0 / 512, 0);
     s.isovalues = {isovalue};
     return s;
   }

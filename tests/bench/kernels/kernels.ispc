@@ -61,8 +61,9 @@ export void evaluateMap(const void* uniform volume, const uniform float values[]
   USE_VOLUME(v, volume);
   foreach (i = 0 ... n) {
     MapPlace p = mapPlace(v, values[i]);
-    vec3 c = colorAt(v, p);
-    out[i] = sigmaAt(v, p) * (c.x + c.y + c.z);
+    MapPiece piece = mapPiece(v, p.k);
+    vec3 c = colorAt(piece, p.f);
+    out[i] = sigmaAt(piece, p.f) * (c.x + c.y + c.z);
   }
 }
 
@@ -71,10 +72,8 @@ export void integrateMap(const void* uniform volume, const uniform float values[
                          uniform float out[]) {
   USE_VOLUME(v, volume);
   foreach (i = 0 ... n - 1) {
-    float sigma;
-    vec3 source;
-    meanAlong(v, values[i], values[i + 1], sigma, source);
-    out[i] = sigma + source.x;
+    MapMean mean = meanAlong(v, values[i], values[i + 1]);
+    out[i] = mean.sigma + mean.color.x;
   }
 }
 
