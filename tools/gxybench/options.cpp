@@ -80,7 +80,9 @@ void addMeasuring(CLI::App& app, Options& o, std::string& size) {
       ->delimiter(',')
       ->check(CLI::Range(1, 65536))
       ->capture_default_str();
-  app.add_option("--size", size, "Picture size WxH, instead of the scenes' own (fixed scenes: 512x512)");
+  app.add_option(
+      "--size", size,
+      "Picture size WxH, instead of the scenes' own (fixed scenes: 512x512, the mixed one 256x256)");
   app.add_option("--methods", o.ladders.methods, "Methods to measure: adaptive, fixed, uncorrected")
       ->delimiter(',')
       ->check(CLI::IsMember({"adaptive", "fixed", "uncorrected"}));

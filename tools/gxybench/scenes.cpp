@@ -21,9 +21,9 @@ constexpr double kReferenceLength = 1.0 / 128;  // of the maps below: a cell of 
 struct Sizes {
   int64_t volume, small, particles, meshRows;
   double particleRadius;
-  int picture;
+  int picture, mixedPicture;  ///< pixels a side; references of mixed scenes take long
 };
-constexpr Sizes kFull{256, 41, 1000000, 512, 0.002, 512}, kQuick{48, 25, 2000, 24, 0.02, 80};
+constexpr Sizes kFull{256, 41, 1000000, 512, 0.002, 512, 256}, kQuick{48, 25, 2000, 24, 0.02, 80, 64};
 
 const ColorMap kColors{{{0, {0.1, 0.2, 0.8}}, {0.5, {0.9, 0.85, 0.7}}, {1, {0.9, 0.2, 0.1}}}};
 
@@ -112,6 +112,7 @@ class Maker {
     Scene scene = volume(data_tool::turbulence(1), sizes_.volume, kSmooth,
                          "volume, isosurface, slice, spheres and a translucent mesh, with shadows");
     scene.name = "mixed-" + std::to_string(sizes_.volume);
+    scene.state.cameras = {orbitCamera(sizes_.mixedPicture)};
     Vis& vis = scene.state.visualizations[0].operators[0];
     vis.isovalues = {0.75};
     vis.slices = {{{0, 0, 1}, -0.4}};
