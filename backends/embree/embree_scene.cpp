@@ -213,9 +213,6 @@ void EmbreeScene::fillField(single::VolumeView& v, const CompiledOperator& op,
   v.stride = volume.components;
   v.component = volume.components == 1 ? 0 : op.vis.component.value_or(-1);
   v.wide = block.samples.size() >= size_t(1) << 31;
-  if (v.wide)  // gathers of ISPC's reach 2^31 bytes
-    throw Error("a partition holds " + std::to_string(block.samples.size()) + " bytes of volume \"" +
-                volume.name + "\"; this backend takes less than 2^31: use more partitions");
   v.nx = int(block.extent.points[0]), v.ny = int(block.extent.points[1]);
   v.firstX = int(block.extent.first[0]), v.firstY = int(block.extent.first[1]),
   v.firstZ = int(block.extent.first[2]);

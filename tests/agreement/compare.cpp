@@ -9,7 +9,7 @@
 #include <sstream>
 
 #include "gxy/io/image.h"
-#include "gxy/kernels/single.h"
+#include "gxyrender/reference_scene.h"
 
 namespace gxy::agreement {
 
@@ -96,20 +96,7 @@ void writePictures(const TestScene& scene, const Picture& mine, const ReferenceP
 }  // namespace
 
 reference::AoDirections backendDirections(const TestScene& scene, uint32_t frameNumber) {
-  const auto count = uint32_t(scene.visualization.lighting.aoCount);
-  const auto width = uint32_t(scene.camera.dimensions.x);
-  return [=](const reference::AoRequest& request) {
-    const single::vec3 normal =
-        single::make_v3(float(request.normal.x), float(request.normal.y), float(request.normal.z));
-    const uint32_t pixel = uint32_t(request.pixel.y) * width + uint32_t(request.pixel.x);
-    std::vector<glm::dvec3> directions;
-    for (uint32_t k = 0; k < count; k++) {
-      const single::vec3 d =
-          single::occlusionDirection(normal, pixel, uint32_t(request.sample), frameNumber, k, count);
-      directions.push_back(glm::normalize(glm::dvec3(d.x, d.y, d.z)));
-    }
-    return directions;
-  };
+  return occlusionDirections(scene.visualization.lighting.aoCount, scene.camera.dimensions.x, frameNumber);
 }
 
 Comparison compare(const Backend& backend, const TestScene& scene, const CompareOptions& options) {

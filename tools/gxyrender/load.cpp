@@ -21,7 +21,7 @@ GeometryKind kindOf(DatasetType type) {
   return type == DatasetType::PathLines ? GeometryKind::PathLines : GeometryKind::Triangles;
 }
 
-// A partition's samples stay below 2^31 bytes up to 7 bytes a point: what kernels reach.
+// A partition's samples stay below 2^31 bytes up to 7 bytes a point: beyond, kernels need 64-bit offsets and more time.
 constexpr int64_t kMostPoints = int64_t(1) << 28;
 
 std::shared_ptr<const Partitioning> makePartitioning(const Box& domain, const Grid* grid,

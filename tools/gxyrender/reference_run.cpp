@@ -4,9 +4,9 @@
 #include <iostream>
 
 #include "gxy/comm/error.h"
-#include "gxy/reference/reference.h"
 #include "load.h"
 #include "pictures.h"
+#include "reference_scene.h"
 
 namespace gxy {
 
@@ -19,18 +19,7 @@ void renderWithReference(const State& state, const std::string& directory, const
   const LoadedState loaded = loadData(state, directory, whole, alone, ledger);
   for (size_t c = 0; c < state.cameras.size(); c++)
     for (size_t v = 0; v < state.visualizations.size(); v++) {
-      reference::ReferenceScene scene{state.visualizations[v], {}, state.settings};
-      for (size_t i = 0; i < loaded.data[v].size(); i++) {
-        const OperatorData& data = loaded.data[v][i];
-        if (data.volume) {
-          scene.data.emplace_back(data.volume);
-        } else {
-          scene.data.emplace_back(data.geometry);
-          // the reference takes the map's first colour for geometry without values
-          if (data.geometry->range.empty())
-            scene.visualization.operators[i].colormap = {{ColorPoint{0, data.color}}};
-        }
-      }
+      const reference::ReferenceScene scene = referenceScene(state, loaded, v);
       const std::string name = pictureName(state, options, v, c);
       reference::ReferenceOptions how;
       how.threads = options.threads;

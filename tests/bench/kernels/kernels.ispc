@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: Apache-2.0
+// Loops over core/kernels as the backend compiles them, one function each. Rays are 6 floats apart: origin,
+// direction.
+#include "dialect.h"
+#include "all.h"
+#include "fields.h"
+
+#define USE_VOLUME(name, p)                                                                \
+  const uniform VolumeView* uniform name##Pointer = (const uniform VolumeView* uniform)p; \
+  const uniform VolumeView& name = *name##Pointer
+
+static inline VolumeRay rayOf(VOLUME v, const uniform float rays[], int i) {
+  const uniform float* r = rays + 6 * i;
+  return volumeRay(v, make_v3(r[0], r[1], r[2]), make_v3(r[3], r[4], r[5]), 0.0f, 1e30f);
+}
+
+// `steps` samples along each ray.
+export void sampleRays(const void* uniform volume, const uniform float rays[], uniform int n,
+                       uniform int steps, uniform float out[]) {
+  USE_VOLUME(v, volume);
+  foreach (i = 0 ... n) {
+    VolumeRay r = rayOf(v, rays, i);
+    float sum = 0.0f, dt = (r.t1 - r.t0) / steps;
+    for (uniform int k = 0; k < steps; k++) sum += sampleAt(v, pointAt(r.g, r.t0 + (k + 0.5f) * dt));
+    out[i] = sum;
+  }
+}
+
+// The walk that looks for isosurfaces; returns the number of cells.
+export uniform int64 findIsosurface(const void* uniform volume, const uniform float rays[], uniform int n,
+                                    uniform float out[]) {
+  USE_VOLUME(v, volume);
+  int cells = 0, skipped = 0;
+  IsoStart start;
+  start.index = -1;
+  start.from = 0;
+  foreach (i = 0 ... n) {
+    IsoHit hit = firstIsosurface(v, rayOf(v, rays, i), 0.0f, 1e30f, -1.0f, start, cells, skipped);
+    out[i] = hit.t;
+  }
+  return reduce_add((int64)cells);
+}
+
+// Cubics by their Bernstein coefficients, four each.
+export void findRoots(const uniform float cubics[], uniform int n, uniform float out[]) {
+  foreach (i = 0 ... n) {
+    Bernstein b = {cubics[4 * i], cubics[4 * i + 1], cubics[4 * i + 2], cubics[4 * i + 3]};
+    RootQuery q;
+    q.tIn = 0.0f;
+    q.tOut = 1.0f;
+    q.tAfter = -1.0f;
+    q.from = 0;
+    q.start = false;
+    q.entry = false;
+    out[i] = firstRoot(b, 0.0f, 1.0f, q);
+  }
+}
+
+export void evaluateMap(const void* uniform volume, const uniform float values[], uniform int n,
+                        uniform float out[]) {
+  USE_VOLUME(v, volume);
+  foreach (i = 0 ... n) {
+    MapPlace p = mapPlace(v, values[i]);
+    MapPiece piece = mapPiece(v, p.k);
+    vec3 c = colorAt(piece, p.f);
+    out[i] = sigmaAt(piece, p.f) * (c.x + c.y + c.z);
+  }
+}
+
+// The map's mean between each value and the next, as pre-integrated segments take it.
+export void integrateMap(const void* uniform volume, const uniform float values[], uniform int n,
+                         uniform float out[]) {
+  USE_VOLUME(v, volume);
+  foreach (i = 0 ... n - 1) {
+    MapMean mean = meanAlong(v, values[i], values[i + 1]);
+    out[i] = mean.sigma + mean.color.x;
+  }
+}
+
+export void marchRays(const void* uniform volume, const uniform float rays[], uniform int n,
+                      uniform float out[]) {
+  USE_VOLUME(v, volume);
+  MarchRange m;
+  m.tIn = 0.0f;
+  m.tOut = 1e30f;
+  m.tStart = 0.0f;
+  m.tStop = 1e30f;
+  m.tMin = 0.0f;
+  MarchCount count;
+  count.samples = 0;
+  count.macrocells = 0;
+  count.skipped = 0;
+  foreach (i = 0 ... n) {
+    Radiance L;
+    L.rgb = make_v3(0.0f, 0.0f, 0.0f);
+    L.A = 0.0f;
+    integrateVolume(v, rayOf(v, rays, i), m, L, count);
+    out[i] = L.A;
+  }
+}
+
+// Every ray against the same `count` primitives, 8 floats each, as a packet meets the primitives of a leaf.
+export void hitBoxes(const uniform float rays[], uniform int n, const uniform float boxes[],
+                     uniform int count, uniform float out[]) {
+  foreach (i = 0 ... n) {
+    const uniform float* r = rays + 6 * i;
+    vec3 o = make_v3(r[0], r[1], r[2]), d = make_v3(r[3], r[4], r[5]);
+    float nearest = 1e30f;
+    for (uniform int k = 0; k < count; k++) {
+      const uniform float* uniform b = boxes + 8 * k;
+      float t0, t1;
+      if (boxSpan(make_v3(b[0], b[1], b[2]), make_v3(b[4], b[5], b[6]), o, d, 0.0f, nearest, t0, t1))
+        nearest = t0;
+    }
+    out[i] = nearest;
+  }
+}
+
+export void hitSpheres(const uniform float rays[], uniform int n, const uniform float spheres[],
+                       uniform int count, uniform float out[]) {
+  foreach (i = 0 ... n) {
+    const uniform float* r = rays + 6 * i;
+    vec3 o = make_v3(r[0], r[1], r[2]), d = make_v3(r[3], r[4], r[5]), normal;
+    float nearest = 1e30f, t;
+    for (uniform int k = 0; k < count; k++) {
+      const uniform float* uniform s = spheres + 8 * k;
+      if (hitSphere(o, d, make_v3(s[0], s[1], s[2]), s[3], 0.0f, t, normal)) nearest = min(nearest, t);
+    }
+    out[i] = nearest;
+  }
+}
+
+export void hitTubes(const uniform float rays[], uniform int n, const uniform float tubes[],
+                     uniform int count, uniform float out[]) {
+  foreach (i = 0 ... n) {
+    const uniform float* r = rays + 6 * i;
+    vec3 o = make_v3(r[0], r[1], r[2]), d = make_v3(r[3], r[4], r[5]);
+    float nearest = 1e30f, t, axial;
+    vec3 normal;
+    for (uniform int k = 0; k < count; k++) {
+      const uniform float* uniform p = tubes + 8 * k;
+      vec3 a = make_v3(p[0], p[1], p[2]), b = make_v3(p[4], p[5], p[6]);
+      if (hitRoundCone(o, d, a, b, p[3], p[7], 0.0f, t, normal, axial)) nearest = min(nearest, t);
+    }
+    out[i] = nearest;
+  }
+}
+
+export void hitTriangles(const uniform float rays[], uniform int n, const uniform float corners[],
+                         uniform int count, uniform float out[]) {
+  foreach (i = 0 ... n) {
+    const uniform float* r = rays + 6 * i;
+    vec3 o = make_v3(r[0], r[1], r[2]), d = make_v3(r[3], r[4], r[5]);
+    float nearest = 1e30f, t, wb, wc;
+    for (uniform int k = 0; k < count; k++) {
+      const uniform float* uniform p = corners + 8 * k;
+      vec3 a = make_v3(p[0], p[1], p[2]), b = make_v3(p[4], p[5], p[6]), c = make_v3(p[1], p[6], p[0]);
+      if (hitTriangle(o, d, a, b, c, 0.0f, t, wb, wc)) nearest = min(nearest, t);
+    }
+    out[i] = nearest;
+  }
+}

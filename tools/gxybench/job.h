@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the program and its workers say to each other; for their sources only.
+#pragma once
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "worker.h"
+
+namespace gxy::bench {
+
+inline constexpr const char* kLineMark =
+    "gxybench-measured ";  ///< before a worker's JSON; other lines are passed on
+
+/// Pictures of setting i: float RGBA and double depth, as they are in memory.
+inline std::string pictureFile(const Job& job, size_t i) { return job.pictures + std::to_string(i); }
+
+nlohmann::json toJson(const Job& job);
+Job jobOf(const nlohmann::json& json);
+
+nlohmann::json toJson(const Row& row);
+Row rowOf(const nlohmann::json& json);
+
+}  // namespace gxy::bench

@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+// What is loaded, as the reference renderer wants it.
+#pragma once
+#include <cstdint>
+
+#include "gxy/reference/reference.h"
+#include "load.h"
+
+namespace gxy {
+
+/// Visualization v of a state whose data are loaded whole, in one partition.
+reference::ReferenceScene referenceScene(const State& state, const LoadedState& loaded, size_t v);
+
+/// The directions of ambient occlusion that backends take, so that pictures can be compared pixel by pixel:
+/// of frame `frameNumber`, seen by a camera `width` pixels wide.
+reference::AoDirections occlusionDirections(int aoCount, int width, uint32_t frameNumber);
+
+}  // namespace gxy
