@@ -29,7 +29,8 @@ static inline void enterMacrocell(VOLUME v, Cursor& c) {
   c.tb = min(min3(c.walk.far), c.ray.t1);
   c.index = 0.0f;
   c.count = 1.0f;
-  if (plan != 0) c.count = segmentCount(c.ray, c.tb - c.walk.t, plan);
+  // pre-integrated segments are not cut further here, neither at cell faces nor where their front hides their back
+  if (plan != 0) c.count = segmentCount(c.ray, c.tb - c.walk.t, plan) * ((plan & PLAN_CELLS) != 0 ? 4.0f : (plan & PLAN_PIECES) != 0 ? 2.0f : 1.0f);
   c.dt = (c.tb - c.walk.t) / c.count;
 }
 

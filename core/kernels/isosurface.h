@@ -159,6 +159,10 @@ FN IsoHit firstIsosurface(VOLUME v, VolumeRay r, real tIn, real tOut, real tAfte
   query.tOut = tOut;
   query.tAfter = tAfter;
   IsoCrossing x;
+  x.at.lo = R(1.0);
+  x.at.hi = R(0.0);
+  x.at.fLo = R(0.0);
+  x.at.fHi = R(0.0);
   x.index = 0;
   x.done = R(0.0);
   bool go = true;

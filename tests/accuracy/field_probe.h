@@ -41,7 +41,9 @@ FN real probeGrid(VOLUME v, int f, VolumeRay r) {
   q.entry = true;
   q.from = 0;
   q.start = false;
-  return firstRoot(b, R(0.25), R(1.5), q);
+  Bracket found = firstBracket(b, R(0.25), R(0.0), q);
+  real u = rootIn(b, found);
+  return found.lo > found.hi ? R(-1.0) : rootTime(u, R(0.25), R(1.5));
 }
 
 // The map at a value, and between two.

@@ -7,9 +7,6 @@
 namespace gxy::test {
 namespace {
 
-constexpr Integrator kIntegrators[] = {Integrator::Midpoint, Integrator::PreIntegrated,
-                                       Integrator::PreIntegratedByCells};
-
 struct Slab {
   Field field;
   Shown shown;

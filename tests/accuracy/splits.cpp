@@ -9,9 +9,6 @@
 namespace gxy::test {
 namespace {
 
-constexpr Integrator kIntegrators[] = {Integrator::Midpoint, Integrator::PreIntegrated,
-                                       Integrator::PreIntegratedByCells};
-
 // 1 to 64 intervals that end anywhere, at planes of cells and of macrocells, and at ends of segments.
 template <class Real>
 std::vector<Real> randomCuts(Random& random, const typename Kernels<Real>::Ray& ray, double rate) {

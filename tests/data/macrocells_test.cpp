@@ -151,13 +151,13 @@ TEST(Macrocells, SmallGridsToo) {
 }
 
 TEST(Macrocells, WhatNoOtherBlockCanHoldIsNotSent) {
-  const Grid grid{{0, 0, 0}, {1, 1, 1}, {41, 41, 41}};
+  const Grid grid{{0, 0, 0}, {1, 1, 1}, {57, 57, 57}};
   std::mt19937 random(5);
   Volume v = volumeOf(grid, ScalarType::Float32, 1);
-  v.blocks[0] = cut(grid, randomField<float>(random, 41 * 41 * 41), 1, {{0, 0, 0}, grid.points});
+  v.blocks[0] = cut(grid, randomField<float>(random, 57 * 57 * 57), 1, {{0, 0, 0}, grid.points});
   summarise(v.blocks[0], v.stored, 1);
-  EXPECT_EQ(v.blocks[0].macrocells, (Index3{5, 5, 5}));
-  EXPECT_EQ(borderSummaries(v).size(), size_t(125 - 27));
+  EXPECT_EQ(v.blocks[0].macrocells, (Index3{7, 7, 7}));
+  EXPECT_EQ(borderSummaries(v).size(), size_t(343 - 27));
 }
 
 // A slab thinner than the ghost layers: its neighbour holds the whole grid, and all that the slab lacks.

@@ -119,8 +119,10 @@ class LargeVolume : public ::testing::Test {
 };
 
 TEST_F(LargeVolume, OfMoreThan2To31SamplesIsReadRightAtItsFarEnd) {
-  ASSERT_EQ(render("one", 1, ""), 0);
+  ASSERT_EQ(render("one", 1, "--partitions 1"), 0);
   check("one");
+  ASSERT_EQ(render("automatic", 1, ""), 0);
+  check("automatic");
   ASSERT_EQ(render("partitions", 1, "--partitions 1,3,2"), 0);
   check("partitions");
   ASSERT_EQ(render("ranks", 2, ""), 0);

@@ -52,7 +52,8 @@ export void findRoots(const uniform float cubics[], uniform int n, uniform float
     q.from = 0;
     q.start = false;
     q.entry = false;
-    out[i] = firstRoot(b, 0.0f, 1.0f, q);
+    Bracket found = firstBracket(b, 0.0f, 0.0f, q);
+    out[i] = found.lo > found.hi ? NO_HIT : rootTime(rootIn(b, found), 0.0f, 1.0f);
   }
 }
 
