@@ -14,12 +14,12 @@ constexpr double kLongest = 2 * (kGhostLayers - 0.1) / 1.5;
 constexpr double kLowestRate = 1 / kLongest, kLowestPieces = 2 / kLongest, kHighestRate = 64;
 
 constexpr double kBendMidpoint = 0.02, kBendPieces = 0.07;
-constexpr double kBendOfMap = 0.02, kKinkOfMap = 0.1;
+constexpr double kBendOfMap = 0.02, kKinkOfMap = 0.05;
 constexpr double kJump = 0.7;
 constexpr double kMostJump = 2;        // of optical depth per cell: what is behind such a step is hidden
 constexpr double kThinnest = 0.2;      // part of a cell that is seen, at least
 constexpr double kDense = 0.3;         // optical depth of a segment from which its front hides its back
-constexpr double kCostOfPieces = 1.2;  // time of a pre-integrated segment, in midpoint ones
+constexpr double kCostOfPieces = 1.5;  // time of a pre-integrated segment, in midpoint ones
 
 constexpr double kFew = 16;  // cells over which errors of random sign even out
 
