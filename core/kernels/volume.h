@@ -39,9 +39,9 @@ FN real planRate(int plan) { return toReal(plan >> PLAN_BITS) * (R(1.0) / toReal
 
 // The cell of the local block at p. Only rounding can put p outside the block: its ghosts reach as far as segments do.
 FN ivec3 cellAt(VOLUME v, vec3 p) {
-  return make_i3(toInt(clamp1(floor(p.x), toReal(v.firstX), toReal(v.lastX - 1))),
-                 toInt(clamp1(floor(p.y), toReal(v.firstY), toReal(v.lastY - 1))),
-                 toInt(clamp1(floor(p.z), toReal(v.firstZ), toReal(v.lastZ - 1))));
+  return make_i3(toInt(clamp1(p.x, toReal(v.firstX), toReal(v.lastX - 1))),
+                 toInt(clamp1(p.y, toReal(v.firstY), toReal(v.lastY - 1))),
+                 toInt(clamp1(p.z, toReal(v.firstZ), toReal(v.lastZ - 1))));
 }
 
 FN vec3 fractionIn(ivec3 c, vec3 p) {

@@ -205,7 +205,7 @@ FN_OUTLINE Corners cellCornersOfAny(VOLUME v, ivec3 c) {
 static inline void fetchAhead(VOLUME v, vec3 p) {
   const uniform float* uniform s = (const uniform float* uniform)v.samples;
   uniform int slice = v.nx * v.ny;
-  int at = (((int)p.z - v.firstZ) * v.ny + ((int)p.y - v.firstY)) * v.nx + ((int)p.x - v.firstX);
+  int at = ((int)p.z - v.firstZ) * slice + ((int)p.y - v.firstY) * v.nx + ((int)p.x - v.firstX);
   if (v.kind == SAMPLE_F32 && v.stride == 1 && v.wide == 0) {
     for (uniform int i = 0; i < 4; i++) {
       const uniform float* uniform row = s + extract(at, i * (programCount - 1) / 3);
@@ -229,7 +229,7 @@ FN Corners cellCorners(VOLUME v, ivec3 c) {
 #else
     const float* s = static_cast<const float*>(v.samples);
 #endif
-    int b = ((c.z - v.firstZ) * v.ny + (c.y - v.firstY)) * v.nx + (c.x - v.firstX);
+    int b = (c.z - v.firstZ) * (v.nx * v.ny) + (c.y - v.firstY) * v.nx + (c.x - v.firstX);
     int h = b + v.nx * v.ny;
     k.v000 = s[b];
     k.v100 = s[b + 1];
