@@ -45,7 +45,11 @@ static inline void evaluate(VOLUME v, Cursor& c, int& samples) {
     samples += 1;
     if ((plan & PLAN_PIECES) != 0) {
       float s0 = sampleAt(v, pointAt(c.ray.g, a)), s1 = sampleAt(v, pointAt(c.ray.g, c.b));
-      if ((s0 - s0) + (s1 - s1) == 0.0f) {
+      if (!((s0 - s0) + (s1 - s1) == 0.0f)) {  // an end on the face of the macrocell was looked up behind it
+        s0 = sampleAt(v, pointAt(c.ray.g, 0.5f * (a + c.b)));
+        s1 = s0;
+      }
+      if (s0 - s0 == 0.0f) {
         MapMean m = meanAlong(v, s0, s1);
         c.sigma = m.sigma;
         c.source = make_v3(m.sigma * m.color.x, m.sigma * m.color.y, m.sigma * m.color.z);

@@ -7,9 +7,9 @@
 
 namespace gxy {
 
-/// Writes a file beside `path`, as PATH.partial, and gives it its name when all is written: whatever happens meanwhile,
-/// under `path` there is the old file or the whole new one. Throws Error naming `path` and the system's reason (disk
-/// full, no such folder, ...), and then leaves no partial file.
+/// Writes a file beside `path`, as PATH.partial, and gives it its name when all is written: if the process ends
+/// meanwhile, under `path` there is the old file or the whole new one. Devices and pipes are written to as they are.
+/// Throws Error naming `path` and the system's reason (disk full, no such folder, ...), and then leaves no partial file.
 void replaceFile(const std::string& path, std::span<const std::byte> bytes);
 
 }  // namespace gxy

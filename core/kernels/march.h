@@ -8,6 +8,15 @@ struct MapMean {
   vec3 front, back;  // colours at s0 and s1
 };
 
+// Adds the part of a mean that an interval contributes, along which extinction and colour are linear.
+FN void addMean(real s0, real s1, vec3 c0, vec3 c1, real part, INOUT(real) sigma, INOUT(vec3) source) {
+  real h = R(0.5) * (s0 + s1), u = (s1 - s0) * R(0.083333333333333333);
+  sigma += h * part;
+  source.x += (h * (R(0.5) * (c0.x + c1.x)) + u * (c1.x - c0.x)) * part;
+  source.y += (h * (R(0.5) * (c0.y + c1.y)) + u * (c1.y - c0.y)) * part;
+  source.z += (h * (R(0.5) * (c0.z + c1.z)) + u * (c1.z - c0.z)) * part;
+}
+
 // Means over values spread evenly over [s0, s1]: exact for the map, whatever its nodes between them (pre-integration by
 // antiderivatives; Engel 2001, Williams & Max 1992).
 FN MapMean meanAlong(VOLUME v, real s0, real s1) {
@@ -23,45 +32,44 @@ FN MapMean meanAlong(VOLUME v, real s0, real s1) {
   vec3 source;
   if (p.k == q.k || !(hi - lo > R(1e-35))) {
     // one linear piece: the mean of a product of linears
-    real h = R(0.5) * (a0 + b1), u = (b1 - a0) * R(0.083333333333333333);
-    m.sigma = h;
-    source = make_v3(h * (R(0.5) * (c0.x + d1.x)) + u * (d1.x - c0.x),
-                     h * (R(0.5) * (c0.y + d1.y)) + u * (d1.y - c0.y),
-                     h * (R(0.5) * (c0.z + d1.z)) + u * (d1.z - c0.z));
+    m.sigma = R(0.0);
+    source = make_v3(R(0.0), R(0.0), R(0.0));
+    addMean(a0, b1, c0, d1, R(1.0), m.sigma, source);
   } else {
     // from lo to the end of its interval, the whole intervals between, from the start of the last to hi
-    real lengthP = mapNode(v, p.k + 1) - lo, lengthQ = hi - mapNode(v, q.k);
+    real inverse = R(1.0) / (hi - lo);
+    real partP = (mapNode(v, p.k + 1) - lo) * inverse, partQ = (hi - mapNode(v, q.k)) * inverse;
     real a1 = sigmaAt(first, R(1.0)), b0 = last.sigma;
     vec3 c1 = colorAt(first, R(1.0)), d0 = last.color;
-    real mp = R(0.5) * (a0 + a1), up = (a1 - a0) * R(0.083333333333333333);
-    real mq = R(0.5) * (b0 + b1), uq = (b1 - b0) * R(0.083333333333333333);
-    real sum = mp * lengthP + mq * lengthQ;
-    source = make_v3((mp * (R(0.5) * (c0.x + c1.x)) + up * (c1.x - c0.x)) * lengthP +
-                         (mq * (R(0.5) * (d0.x + d1.x)) + uq * (d1.x - d0.x)) * lengthQ,
-                     (mp * (R(0.5) * (c0.y + c1.y)) + up * (c1.y - c0.y)) * lengthP +
-                         (mq * (R(0.5) * (d0.y + d1.y)) + uq * (d1.y - d0.y)) * lengthQ,
-                     (mp * (R(0.5) * (c0.z + c1.z)) + up * (c1.z - c0.z)) * lengthP +
-                         (mq * (R(0.5) * (d0.z + d1.z)) + uq * (d1.z - d0.z)) * lengthQ);
+    real sum = R(0.0);
+    source = make_v3(R(0.0), R(0.0), R(0.0));
+    addMean(a0, a1, c0, c1, partP, sum, source);
+    addMean(b0, b1, d0, d1, partQ, sum, source);
     if (q.k > p.k + 1) {
+      vec3 x = mapSumColor(v, q.k);
+      real over = mapSumSigma(v, q.k);
+      int from = p.k + 1;
       int opaque = mapOpaque(v, q.k);
-      if (opaque > p.k) {  // the sums begin anew behind it, and nothing else matters
-        real depth = opaqueDepth() * (hi - lo);
-        vec3 c = colorAt(mapPiece(v, opaque), R(0.5));
-        sum += depth;
-        source.x += depth * c.x;
-        source.y += depth * c.y;
-        source.z += depth * c.z;
-      } else {
-        vec3 x = mapSumColor(v, q.k), y = mapSumColor(v, p.k + 1);
-        sum += mapSumSigma(v, q.k) - mapSumSigma(v, p.k + 1);
-        source.x += x.x - y.x;
-        source.y += x.y - y.y;
-        source.z += x.z - y.z;
+      if (opaque > p.k) {  // sums begin anew behind it: it counts by itself, and what is before it as well
+        MapPiece o = mapPiece(v, opaque);
+        addMean(o.sigma, sigmaAt(o, R(1.0)), o.color, colorAt(o, R(1.0)),
+                (mapNode(v, opaque + 1) - mapNode(v, opaque)) * inverse, sum, source);
+        vec3 y = mapSumColor(v, opaque);
+        over += mapSumSigma(v, opaque);
+        x = make_v3(x.x + y.x, x.y + y.y, x.z + y.z);
+        if (mapOpaque(v, opaque) > p.k) from = -1;  // hidden by two
       }
+      if (from >= 0) {
+        vec3 y = mapSumColor(v, from);
+        over -= mapSumSigma(v, from);
+        x = make_v3(x.x - y.x, x.y - y.y, x.z - y.z);
+      }
+      sum += over * inverse;
+      source.x += x.x * inverse;
+      source.y += x.y * inverse;
+      source.z += x.z * inverse;
     }
-    real inverse = R(1.0) / (hi - lo);
-    m.sigma = sum * inverse;
-    source = make_v3(source.x * inverse, source.y * inverse, source.z * inverse);
+    m.sigma = sum;
   }
   real perSigma = m.sigma > R(0.0) ? R(1.0) / m.sigma : R(0.0);
   m.color = make_v3(source.x * perSigma, source.y * perSigma, source.z * perSigma);
@@ -84,12 +92,14 @@ FN void addPieces(VOLUME v, real s0, real s1, real length, real tMin, INOUT(Radi
     real curved =
         max(max(curvature(m.color.x, m.front.x, m.back.x), curvature(m.color.y, m.front.y, m.back.y)),
             curvature(m.color.z, m.front.z, m.back.z));
-    if (T * (w * min(tau, R(1.0))) * curved > tMin + R(1e-5) && part > R(0.0005)) {
+    bool smallest = part <= R(0.0005);
+    if (T * (w * min(tau, R(1.0))) * curved > tMin + R(1e-5) && !smallest) {
       part = R(0.5) * part;
     } else {
       if (tau > R(0.0)) {
         // mean of 1/2 - y / tau over what is seen, y the optical depth to it
         real lead = tau < R(0.3) ? tau * R(0.083333333333333333) : (R(0.5) - R(1.0) / tau) + (R(1.0) - w) / w;
+        if (smallest) lead = R(0.0);  // a step: what is dense is what is seen
         vec3 seen =
             make_v3(m.color.x + lead * (m.front.x - m.back.x), m.color.y + lead * (m.front.y - m.back.y),
                     m.color.z + lead * (m.front.z - m.back.z));
@@ -234,7 +244,13 @@ FN void integrateVolume(VOLUME v, VolumeRay r, MarchRange m, INOUT(Radiance) L, 
     if (b > a) {
       n.samples += 1;
       if (pieces) {
-        if ((s0 - s0) + (s - s) == R(0.0)) addPieces(v, s0, s, b - a, m.tMin, L);
+        real from = s0, to = s;
+        if (!((s0 - s0) + (s - s) == R(0.0))) {
+          // the macrocell has data, but an end on its face was looked up behind it
+          from = sampleAt(v, pointAt(r.g, R(0.5) * (a + b)));
+          to = from;
+        }
+        if (from - from == R(0.0)) addPieces(v, from, to, b - a, m.tMin, L);
       } else if (s - s == R(0.0)) {
         MapPlace p = mapPlace(v, s);
         MapPiece piece = mapPiece(v, p.k);

@@ -2,7 +2,7 @@
 // Emission and absorption along a ray through one structured volume (Max 1995; numerics.md section 3).
 //
 // The plan of segments inside a macrocell is a function of the ray, the macrocell (aligned to the global grid) and its
-// plan byte alone. A partition evaluates the segments that *end* in (tIn, tOut], clipped at the ray's last event and at
+// plan alone. A partition evaluates the segments that *end* in (tIn, tOut], clipped at the ray's last event and at
 // a hit, so each segment is evaluated by exactly one partition, in the same order, with the same numbers.
 //
 // Each dialect supplies, for its VOLUME type,

@@ -17,7 +17,7 @@ namespace {
 constexpr double kOpaque = 1e20;        // extinction of opacity 1: opaque at once
 constexpr double kNearlyOpaque = 1e-7;  // 1 - a below which a is taken as a limit of finite extinction
 constexpr double kDense = 4;            // optical depth of a reference length beyond which errors are hidden
-constexpr double kHidden = 1000;        // the same from which an interval hides what is behind it
+constexpr double kHidden = 1e4;         // the same from which an interval hides what is behind it
 constexpr double kStraight = 1e-4;      // of extinction, and absolute in colour
 constexpr int kDeepestCut = 14;
 constexpr int kMostBuckets = 4096;
@@ -130,7 +130,7 @@ CompiledMap::CompiledMap(const ColorMap& color, const OpacityMap* opacity, const
 
   // what a denser part does more is hidden behind its front
   auto seen = [&](double sigma) { return std::min(sigma, kDense * perLength); };
-  std::vector<double> extinction, slope, jump;
+  std::vector<double> extinction, slope, shade, jump;
   // slopes of extinction and of its product with colour, at the start and end of each interval
   std::vector<std::array<glm::dvec4, 2>> slopes;
   double total[4] = {0, 0, 0, 0};
@@ -159,6 +159,7 @@ CompiledMap::CompiledMap(const ColorMap& color, const OpacityMap* opacity, const
     }
     extinction.push_back(std::max(s0, s1));
     slope.push_back(length > 0 ? (std::abs(seen(s1) - seen(s0)) + steepest) / length : 0);
+    shade.push_back(length > 0 ? steepest / length : 0);
     const double per = length > 0 ? 1 / length : 0, d = per * (seen(s1) - seen(s0));
     const glm::dvec3 e = per * (c1 - c0);
     slopes.push_back({glm::dvec4(d * c0 + seen(s0) * e, d), glm::dvec4(d * c1 + seen(s1) * e, d)});
@@ -177,16 +178,19 @@ CompiledMap::CompiledMap(const ColorMap& color, const OpacityMap* opacity, const
     return std::abs(v.w) + std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
   };
   std::vector<double> kink{0};  // kink[k]: at the start of interval k
-  double variation = 0;
+  double variation = 0, curve = 0;
   for (size_t k = 0; k < slopes.size(); k++) {
     if (k > 0) {
       kink.push_back(size(slopes[k][0] - slopes[k - 1][1]));
       variation += kink.back();
     }
     const double within = size(slopes[k][1] - slopes[k][0]);
-    bend_.push_back(variation + 0.5 * within);
+    bend_.push_back(variation);
+    curve_.push_back(curve);
     variation += within;
+    curve += within;
   }
+  curve_.push_back(curve);
 
   origin = nodes.size() > 1 ? nodes[1] : 0.f;
   const double span = inner > 0 ? double(nodes.back()) - origin : 0;
@@ -218,6 +222,7 @@ CompiledMap::CompiledMap(const ColorMap& color, const OpacityMap* opacity, const
   }
   extinction_.build(std::move(extinction));
   slope_.build(std::move(slope));
+  shade_.build(std::move(shade));
   kink_.build(std::move(kink));
   jump_.build(std::move(jump));
 }
@@ -233,15 +238,24 @@ double CompiledMap::extinctionAt(int interval, float value) const {
 
 CompiledMap::Over CompiledMap::over(float lo, float hi) const {
   const int a = intervalOf(lo), b = intervalOf(hi);
-  // Inside one interval the ends decide: a range that just touches where something begins is transparent.
-  if (a == b)
-    return {std::max(extinctionAt(a, lo), extinctionAt(a, hi)), hi > lo ? slope_.query(a, a) : 0, 0, 0, 0};
-  const bool touches = hi == nodes[size_t(b)];
-  const int last = touches ? b - 1 : b;
-  Over over{extinctionAt(b, hi), slope_.query(a, last), 0, bend_[size_t(last)] - bend_[size_t(a)],
-            jump_.query(a + 1, b)};
+  // The ends decide in their intervals: a range that just touches where something begins is transparent.
+  const int last = a < b && hi == nodes[size_t(b)] ? b - 1 : b;
+  Over over;
+  over.extinction = std::max(a == b ? extinctionAt(a, lo) : extinction_.query(a, b - 1), extinctionAt(b, hi));
+  if (!(hi > lo)) return over;
+  over.slope = slope_.query(a, last);
+  over.shade = shade_.query(a, last);
   if (last > a) over.kink = kink_.query(a + 1, last);
-  over.extinction = std::max(over.extinction, extinction_.query(a, b - 1));
+  if (b > a) over.jump = jump_.query(a + 1, b);
+  // the variation up to a value in interval k: that at nodes, and that in intervals
+  auto atNodes = [&](int k) { return bend_[size_t(k)] - curve_[size_t(k)]; };
+  auto inside = [&](int k, float value) {
+    const double within = curve_[size_t(k) + 1] - curve_[size_t(k)];
+    const double part = (double(value) - nodes[size_t(k)]) * double(lengths[size_t(k)]);
+    return curve_[size_t(k)] + within * std::min(part, 1.0);
+  };
+  over.curve = inside(last, hi) - inside(a, lo);
+  over.bend = atNodes(last) - atNodes(a) + over.curve;
   return over;
 }
 

@@ -34,11 +34,12 @@ class CompiledMap {
   /// What the map does over stored values [lo, hi].
   struct Over {
     double extinction = 0;  ///< largest, per unit of t
-    double slope =
-        0;  ///< largest change of extinction and of extinction times colour, per unit of value and t
-    double kink = 0;  ///< largest change of that slope at a node inside
-    double bend = 0;  ///< total variation of that slope inside
-    double jump = 0;  ///< largest step of extinction at a discontinuity inside
+    double slope = 0;       ///< largest change of extinction and extinction times colour, per value and t
+    double shade = 0;       ///< the part of it that colour has
+    double kink = 0;        ///< largest change of the slope at a node inside
+    double bend = 0;        ///< total variation of the slope inside
+    double curve = 0;       ///< the part of it that is not at nodes
+    double jump = 0;        ///< largest step of extinction at a discontinuity inside
   };
   Over over(float lo, float hi) const;
 
@@ -53,8 +54,8 @@ class CompiledMap {
   };
   int intervalOf(float value) const;
   double extinctionAt(int interval, float value) const;
-  RangeMax extinction_, slope_, kink_, jump_;
-  std::vector<double> bend_;  ///< total variation of the slope up to the middle of each interval
+  RangeMax extinction_, slope_, shade_, kink_, jump_;
+  std::vector<double> bend_, curve_;  ///< variation of the slope, and that in intervals, up to their starts
 };
 
 }  // namespace gxy

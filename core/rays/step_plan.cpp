@@ -11,7 +11,7 @@ namespace gxy {
 namespace {
 // Segments are at most 3/2 as long as planned: the nearest number of them fills a macrocell.
 constexpr double kLongest = 2 * (kGhostLayers - 0.1) / 1.5;
-constexpr double kLowestRate = 1 / kLongest, kLowestPieces = 2 / kLongest, kHighestRate = 64;
+constexpr double kLowestRate = 1 / kLongest, kLowestPieces = 2 / kLongest, kHighestRate = 256;
 
 constexpr double kBendMidpoint = 0.02, kBendPieces = 0.07;
 constexpr double kBendOfMap = 0.02, kKinkOfMap = 0.05;
@@ -29,15 +29,19 @@ struct Errors {
 };
 Errors errorsOf(const Macrocell& m, const CompiledMap::Over& map, double cellT) {
   const double range = double(m.max) - m.min;
-  const double depth = 1 / (map.extinction * cellT);        // cells to optical depth 1
-  const double seen = std::clamp(depth, 1.0, 1.7 / cellT);  // ... or through the volume
+  const double depth = 1 / (map.extinction * cellT);                       // cells to optical depth 1
+  const double seen = std::clamp(depth, 1.0, std::max(1.0, 1.7 / cellT));  // ... or through the volume
   const double ratio = m.bend > 0 ? double(m.steep) / m.bend : 1;
   const double alike = std::clamp(ratio * ratio, std::max(1.0, std::min(seen, kFew / seen)), 4 * seen);
   const double bend = map.slope * m.bend * std::clamp(depth, kThinnest, 1.0) * std::sqrt(seen * alike);
   const double crossings = range > 0 ? std::max(1.0, seen * m.steep / range) : 1;
+  // errors of one sign, where the field runs along the map and the map is curved rather than bent back and forth
+  const double smooth = map.curve * crossings / 24;
   const double kinks =
-      m.steep * std::max(kBendOfMap * map.bend * std::sqrt(crossings), kKinkOfMap * map.kink);
-  return {cellT * (kBendMidpoint * bend + kinks),
+      m.steep * std::max({kBendOfMap * map.bend * std::sqrt(crossings), kKinkOfMap * map.kink, smooth});
+  // a front hides its back: the colour of a segment is seen from nearer than its middle
+  const double shade = m.steep * map.shade * std::min(1.0, seen / depth) / 12;
+  return {cellT * (kBendMidpoint * bend + kinks + shade),
           cellT * kBendPieces * bend + kJump * std::min(map.jump * cellT, kMostJump)};
 }
 
@@ -45,7 +49,8 @@ Errors errorsOf(const Macrocell& m, const CompiledMap::Over& map, double cellT) 
 
 int32_t planOf(double segmentsPerCell, Integrator integrator) {
   const bool midpoint = integrator == Integrator::Midpoint;
-  const double rate = std::clamp(segmentsPerCell, midpoint ? kLowestRate : kLowestPieces, kHighestRate);
+  const double lowest = midpoint ? kLowestRate : kLowestPieces;
+  const double rate = segmentsPerCell > lowest ? std::min(segmentsPerCell, kHighestRate) : lowest;
   const int method = midpoint                                  ? 0
                      : integrator == Integrator::PreIntegrated ? PLAN_PIECES
                                                                : PLAN_PIECES | PLAN_CELLS;

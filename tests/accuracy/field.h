@@ -141,7 +141,8 @@ struct Shown {
 
 /// The isoPlan of a walk that looks into every cell.
 inline std::vector<int32_t> everyCell(size_t macrocells) {
-  std::vector<int32_t> plan(macrocells + kIsoWords, int32_t(macrocells));
+  const size_t first = std::max(macrocells, kIsoWords);  // small numbers mean other things
+  std::vector<int32_t> plan(first + kIsoWords, int32_t(first));
   std::fill(plan.end() - kIsoWords, plan.end(), -1);
   return plan;
 }

@@ -97,5 +97,62 @@ TEST(StepPlan, NearlyTransparentMapsStayWithinTheTolerance) {
   expectTolerance(MapShape::NearlyTransparent, 6, 400);
 }
 
+/// Largest error over rays, in tolerances of 1/512.
+double worstOf(const Field& f, const Maps& maps, int rays) {
+  return costOf(f, compiled(maps, f), 1 / 512.0, 91, rays).worst;
+}
+double ramp(glm::dvec3 p) { return 0.5 + 0.5 * p.x; }
+
+// What is dense at a step of the map is what is seen there.
+TEST(StepPlan, AStepOfColourAtAnOpaqueStepShowsTheDenseSide) {
+  const Maps m{{{{0, {0, 0, 1}}, {0.503, {0, 0, 1}}, {0.503, {1, 0, 0}}, {1, {1, 0, 0}}}},
+               {false, {{0, 0}, {0.503, 0}, {0.503, 1}, {1, 1}}}};
+  for (int64_t n : {9, 17, 33}) EXPECT_LE(worstOf(cube(n, ramp), m, 200), 1) << n;
+}
+
+// However high a peak is, its depth is that of the part of a segment which it takes.
+TEST(StepPlan, NarrowPeaksHaveTheirDepth) {
+  const Field cells = cube(17, [](glm::dvec3 p) { return p.x < 0.001 ? 0.0 : 1.0; });
+  const double L = cells.shortestCell();
+  for (double width : {1e-4, 2e-4}) {
+    const Maps m{{{{0, {1, 1, 1}}}}, {true, {{0.5 - width, 0}, {0.5, 0.5 / (width * L)}, {0.5 + width, 0}}}};
+    Random random(92);
+    Shown shown;
+    shown.map = compiled(m, cells);
+    shown.plan = stepPlan(cells.macrocells(), shown.map, cells.longestCell(), 1 / 512.0, 0);
+    const View<float> view(cells, shown);
+    for (int i = 0; i < 20; i++) {
+      const RaySpec along{{-1, random.in(-0.4, 0.4), random.in(-0.4, 0.4)}, {1, 0, 0}};
+      // float resolves the edges of the peak to 3e-4 of its width
+      EXPECT_NEAR(march<float>(view, rayIn(view, along)).L.A, 1 - std::exp(-0.5), 1e-3) << width;
+    }
+  }
+}
+
+TEST(StepPlan, NoDataBehindTheFaceOfAMacrocellHidesNothingBeforeIt) {
+  const Maps m{{{{0, {1, 0, 0}}, {1, {0, 0, 1}}}},
+               {false, {{0, 0}, {0.3, 0}, {0.32, 0.3}, {0.34, 0}, {0.6, 0}, {0.62, 0.3}, {0.64, 0}, {1, 0}}}};
+  for (int64_t missing : {9, 15}) {
+    const Field f = makeField(gridOf({25, 25, 25}), [&](int64_t i, int64_t j, int64_t k, int) {
+      return i == missing
+                 ? std::nan("")
+                 : 0.5 + 0.4 * std::sin(0.3 * double(i) + 0.2 * double(j)) * std::cos(0.25 * double(k));
+    });
+    EXPECT_LE(worstOf(f, m, 400), 1) << missing;
+  }
+}
+
+// Extinction times colour is curved where both are linear, and the front of a segment hides its back.
+TEST(StepPlan, LinearFieldsUnderLinearMapsStayWithinTheTolerance) {
+  for (int64_t n : {2, 3, 5, 9, 17, 33}) {
+    const Field f = cube(n, ramp);
+    const double L = f.shortestCell();
+    for (double first : {0.0, 0.055}) {
+      const Maps m{{{{0, {0, 0, 0}}, {1, {1, 1, 1}}}}, {true, {{0, first / L}, {1, 0.055 / L}}}};
+      EXPECT_LE(worstOf(f, m, 200), 1) << n << " from " << first;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace gxy::test

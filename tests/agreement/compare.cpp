@@ -27,7 +27,10 @@ struct PixelRange {
 
 double difference(const float* a, const double* b) {
   double largest = 0;
-  for (int c = 0; c < 4; c++) largest = std::max(largest, std::abs(double(a[c]) - b[c]));
+  for (int c = 0; c < 4; c++) {
+    const double d = std::abs(double(a[c]) - b[c]);
+    largest = d <= largest ? largest : std::isnan(d) ? kMiss : d;
+  }
   return largest;
 }
 
@@ -66,7 +69,7 @@ class Perturbed {
     for (size_t i = 0; i < scene_.data.size(); i++) {
       if (!scene_.data[i].volume) continue;
       const Volume& volume = *scene_.data[i].volume;
-      const Vis& vis = scene_.visualization.operators[i];
+      const Vis& vis = unmoved_.operators[i];
       const size_t last = volume.ranges.size() - 1;
       const Range& range = volume.ranges[vis.component ? size_t(*vis.component) : last];
       const double largest = std::max(std::abs(range.min - volume.shift), std::abs(range.max - volume.shift));
@@ -78,6 +81,7 @@ class Perturbed {
 
   const TestScene& scene_;
   reference::ReferenceScene reference_;
+  const Visualization unmoved_ = reference_.visualization;  // with isovalues as stored
   CompareOptions options_;
   ReferenceOptions how_;
 };
@@ -137,16 +141,13 @@ Comparison compare(const Backend& backend, const TestScene& scene, const Compare
     bool changes = false, among = true;
     for (int c = 0; c < 4; c++) {
       const double lo = std::min(range.lo[c], b[c]), hi = std::max(range.hi[c], b[c]);
-      const double beyond =
-          options.tolerance + (hi - lo);  // not every combination of flips is among the seeds
       changes = changes || hi - lo > 0.5 * options.tolerance;
-      among = among && a[c] >= lo - beyond && a[c] <= hi + beyond;
+      among = among && a[c] >= lo - options.tolerance && a[c] <= hi + options.tolerance;
     }
     const double nearest = std::min(range.nearest, truth.depth[i]),
                  farthest = std::max(range.farthest, truth.depth[i]);
-    const double spread = farthest - nearest, beyond = depthSlack + spread;
-    const bool depthFlips = spread > depthSlack;
-    const bool depthAmong = mine.depth[i] >= nearest - beyond && mine.depth[i] <= farthest + beyond;
+    const bool depthFlips = farthest - nearest > depthSlack;
+    const bool depthAmong = mine.depth[i] >= nearest - depthSlack && mine.depth[i] <= farthest + depthSlack;
     const bool colorWrong = d > options.tolerance && !(changes && among);
     const bool depthWrong = depthDiffers && !(depthFlips && depthAmong);
     auto show = [&](const char* what) {

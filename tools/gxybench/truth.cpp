@@ -57,6 +57,10 @@ class Hash {
 };
 
 void addVolume(Hash& hash, const Volume& volume) {
+  hash.add(&volume.grid.origin, sizeof volume.grid.origin),
+      hash.add(&volume.grid.spacing, sizeof volume.grid.spacing);
+  hash.add(&volume.stored, sizeof volume.stored), hash.add(&volume.components, sizeof volume.components);
+  hash.add(&volume.shift, sizeof volume.shift), hash.add(&volume.scale, sizeof volume.scale);
   for (const auto& [p, block] : volume.blocks) {
     hash.add(&block.extent, sizeof block.extent);
     hash.add(block.samples);
@@ -64,6 +68,7 @@ void addVolume(Hash& hash, const Volume& volume) {
 }
 
 void addGeometry(Hash& hash, const Geometry& geometry) {
+  hash.add(&geometry.kind, sizeof geometry.kind);
   for (const auto& [p, block] : geometry.blocks) {
     hash.add(block.points), hash.add(block.normals), hash.add(block.values);
     hash.add(block.triangles), hash.add(block.segments), hash.add(block.neighbours);
