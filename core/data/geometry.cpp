@@ -117,6 +117,30 @@ GeometryBlock concatenated(GeometryKind kind, std::span<const GeometryBlock> par
   return all;
 }
 
+/// Whether segment p of a block goes on where segment p - 1 ends, and both know it.
+bool continuesLine(const GeometryBlock& block, size_t p) {
+  return block.segments[p - 1][1] == block.segments[p][0] &&
+         block.neighbours[p][0] == block.segments[p - 1][0] &&
+         block.neighbours[p - 1][1] == block.segments[p][1];
+}
+
+/// Of segments [begin, end), one line: those that are left without the points that repeat the one before, with the
+/// neighbours that they then have. Of a line of one point only, the first is left: it is a ball.
+void withoutRepeatedPoints(GeometryBlock& block, size_t begin, size_t end, std::vector<uint32_t>& left) {
+  const size_t first = left.size();
+  for (size_t p = begin; p < end; ++p) {
+    const auto [a, b] = block.segments[p];
+    if (a != b && !(PointKey(block, a) == PointKey(block, b))) left.push_back(uint32_t(p));
+  }
+  if (left.size() == first) left.push_back(uint32_t(begin));
+  if (left.size() - first == end - begin) return;
+  for (size_t i = first; i < left.size(); ++i) {
+    const auto [a, b] = block.segments[left[i]];
+    block.neighbours[left[i]] = {i > first ? block.segments[left[i - 1]][0] : a,
+                                 i + 1 < left.size() ? block.segments[left[i + 1]][1] : b};
+  }
+}
+
 bool isFinite(glm::dvec3 p) { return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z); }
 
 bool isUsable(const GeometryBlock& block, GeometryKind kind, size_t p) {
@@ -223,9 +247,16 @@ GeometryBlock merged(GeometryKind kind, std::span<const GeometryBlock> parts) {
 
 int64_t dropUnusable(GeometryBlock& block, GeometryKind kind) {
   std::vector<uint32_t> usable;
-  for (size_t p = 0; p < block.ids.size(); ++p) {
-    if (isUsable(block, kind, p)) usable.push_back(uint32_t(p));
+  if (kind == GeometryKind::PathLines) {
+    for (size_t begin = 0, end = 0; begin < block.segments.size(); begin = end) {
+      for (end = begin + 1; end < block.segments.size() && continuesLine(block, end);) ++end;
+      withoutRepeatedPoints(block, begin, end, usable);
+    }
+  } else {
+    usable.resize(block.ids.size());
+    std::iota(usable.begin(), usable.end(), 0u);
   }
+  std::erase_if(usable, [&](uint32_t p) { return !isUsable(block, kind, p); });
   const int64_t dropped = int64_t(block.ids.size() - usable.size());
   if (dropped > 0) block = subset(block, kind, usable);
   return dropped;

@@ -64,8 +64,10 @@ GeometryBlock subset(const GeometryBlock& block, GeometryKind kind, std::span<co
 /// Error if an id comes twice, if only some parts have normals or values, or for 2^32 - 1 points or more.
 GeometryBlock merged(GeometryKind kind, std::span<const GeometryBlock> parts);
 
-/// Removes primitives that cannot be drawn: with a non-finite coordinate (neighbours' included), and
-/// triangles without area. Returns how many. Segments of no length stay: they are round.
+/// Removes primitives that cannot be drawn: with a non-finite coordinate (neighbours' included), triangles without area,
+/// and segments between points of a line that are equal in position, normal and value (merged() makes these one, which
+/// would be its own neighbour); the segments around them become neighbours. Returns how many. Other segments of no length
+/// stay: they are round.
 int64_t dropUnusable(GeometryBlock& block, GeometryKind kind);
 
 /// Memory of the local blocks.

@@ -93,7 +93,8 @@ LoadedGeometry loadGeometry(const std::string& path, GeometryKind kind, const st
   if (loaded.primitives + loaded.dropped == 0 && unused > 0)
     throw Error(path + ": the file has no " + plural(kind) + ", only other kinds of cells");
   if (loaded.dropped > 0 && rank == 0)
-    spdlog::warn("{}: {} {} dropped: not finite, or without area", path, loaded.dropped, plural(kind));
+    spdlog::warn("{}: {} {} dropped: not finite, without area, or repeated", path, loaded.dropped,
+                 plural(kind));
 
   // Points that no primitive uses do not count.
   for (size_t p = 0; p < loaded.block.ids.size(); ++p)

@@ -40,8 +40,8 @@ FN void gridInterval(GridRay g, ivec3 cells, OUT(real) t0, OUT(real) t1) {
   real fx = planeCrossing(g.rpd.x < R(0.0) ? 0 : cells.x, g.po.x, g.rpd.x);
   real fy = planeCrossing(g.rpd.y < R(0.0) ? 0 : cells.y, g.po.y, g.rpd.y);
   real fz = planeCrossing(g.rpd.z < R(0.0) ? 0 : cells.z, g.po.z, g.rpd.z);
-  t0 = max(max(max(nx, ny), nz), R(0.0));
-  t1 = min(min(fx, fy), fz);
+  t0 = max1(max1(max1(nx, ny), nz), R(0.0));  // with 0 and -0 in one order in every dialect
+  t1 = min1(min1(fx, fy), fz);
 }
 
 // The cell of one axis, of n, that the ray is in at t: estimated, then corrected by planeCrossing. A ray that crosses a

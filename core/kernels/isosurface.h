@@ -111,19 +111,23 @@ FN void cellCrossing(VOLUME v, VolumeRay r, ivec3 c, ivec3 up, real ta, real tb,
       make_v3(crossedFraction(far.x <= tb, up.x, to.x, c.x), crossedFraction(far.y <= tb, up.y, to.y, c.y),
               crossedFraction(far.z <= tb, up.z, to.z, c.z));
   bool holds = tb >= ta && holdsData(k);
+  real along = (ta - r.t0) * r.cells;
   int next = x.index;
   x.index = v.isovalues;
   for (UNIFORM int i = 0; i < v.isovalues; i++) {
     real iso = v.isovalue[i];
     if (holds && i >= next && x.index == v.isovalues && lo <= iso && hi >= iso) {
       x.b = bernsteinAlong(k, f, g, iso);
-      q.from = start.index == i && q.tAfter < R(0.0) ? start.from : 0;  // until it has met a surface
-      q.start = (ta - r.t0) * r.cells <= R(1e-3);
+      q.start = along <= R(1e-3);
       q.entry = ta <= r.t0;
-      if (!q.entry && x.b.b0 == R(0.0)) {
+      // The side counts until the ray has met a surface, or may have changed sides in a gap without data: that is behind
+      // it, or a quarter of a cell off the start, where rounding has no ray on the wrong side any more.
+      q.from = start.index == i && q.tAfter < R(0.0) && along <= R(0.25) ? start.from : 0;
+      if (!q.entry && (x.b.b0 == R(0.0) || (q.from != 0 && !q.start))) {
         q.entry = !cellHoldsData(
             v, make_i3(near.x >= ta ? c.x + 1 - up.x - up.x : c.x, near.y >= ta ? c.y + 1 - up.y - up.y : c.y,
                        near.z >= ta ? c.z + 1 - up.z - up.z : c.z));
+        if (q.entry && !q.start) q.from = 0;
       }
       x.at = firstBracket(x.b, ta, i == next ? x.done : R(0.0), q);
       if (x.at.lo <= x.at.hi) x.index = i;

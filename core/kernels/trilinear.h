@@ -35,6 +35,9 @@ FN bool holdsData(Corners c) {
   return s == R(0.0);
 }
 
+// The mean, exact where all are equal: on a plateau at the isovalue every coefficient is then exactly 0.
+FN real mean3(real a, real b, real c) { return a + ((b - a) + (c - a)) * R(0.33333333333333333); }
+
 // Bernstein coefficients of the cell's values, minus `offset`, along the segment from fractions p to q: blossoms of the
 // trilinear form. They bound the cubic; b0 and b3 are its end values.
 struct Bernstein {
@@ -50,11 +53,10 @@ FN Bernstein bernsteinAlong(Corners c, vec3 p, vec3 q, real offset) {
        pq1 = mix1(p01, p11, q.y);
   real qp0 = mix1(q00, q10, p.y), qp1 = mix1(q01, q11, p.y), qq0 = mix1(q00, q10, q.y),
        qq1 = mix1(q01, q11, q.y);
-  real third = R(0.33333333333333333);
   Bernstein b;
   b.b0 = mix1(pp0, pp1, p.z) - offset;
-  b.b1 = ((mix1(qp0, qp1, p.z) + mix1(pq0, pq1, p.z)) + mix1(pp0, pp1, q.z)) * third - offset;
-  b.b2 = ((mix1(qq0, qq1, p.z) + mix1(qp0, qp1, q.z)) + mix1(pq0, pq1, q.z)) * third - offset;
+  b.b1 = mean3(mix1(qp0, qp1, p.z), mix1(pq0, pq1, p.z), mix1(pp0, pp1, q.z)) - offset;
+  b.b2 = mean3(mix1(qq0, qq1, p.z), mix1(qp0, qp1, q.z), mix1(pq0, pq1, q.z)) - offset;
   b.b3 = mix1(qq0, qq1, q.z) - offset;
   return b;
 }

@@ -2,6 +2,7 @@
 // One text, the same bits: the kernels that read volumes, in C++ against the three ISPC targets.
 #include <gtest/gtest.h>
 
+#include <bit>
 #include <string_view>
 
 #include "maps.h"
@@ -61,8 +62,8 @@ int differences(const Field& f, const Shown& shown, double lo, double hi, uint64
   for (const Target& target : targets()) {
     target.probe(&*view, kRays, rays.data(), got.data());
     for (size_t i = 0; i < got.size(); i++) {
-      // the sign of a zero is the languages' own: their min and max differ there
-      const bool same = got[i] == expected[i] || (std::isnan(got[i]) && std::isnan(expected[i]));
+      const bool same = std::bit_cast<uint32_t>(got[i]) == std::bit_cast<uint32_t>(expected[i]) ||
+                        (std::isnan(got[i]) && std::isnan(expected[i]));
       if (same) continue;
       if (different++ < 3)
         ADD_FAILURE() << target.name << " probe " << i / kRays << " ray " << i % kRays << ": " << got[i]

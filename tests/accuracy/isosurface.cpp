@@ -167,6 +167,43 @@ TEST(Isosurface, PlateauIsHitOnceWhereTheRayEntersIt) {
   }
 }
 
+TEST(Isosurface, PlateauOfAnyValueIsHitOnceAlongAnyRay) {
+  Random random(38);
+  int inside = 0, outside = 0;
+  for (int scene = 0; scene < 40; scene++) {
+    const float iso = float(random.scale(1e-3, 1e3) * (scene % 2 ? 1 : -1));
+    // the isovalue at points 3 to 7, less around them
+    const auto on = [](int64_t i) { return i >= 3 && i <= 7; };
+    const Field f = makeField(gridOf({11, 11, 11}), [&](int64_t i, int64_t j, int64_t k, int) {
+      return on(i) && on(j) && on(k) ? double(iso) : iso - std::abs(iso) * random.in(0.1, 1);
+    });
+    Shown shown;
+    shown.isovalues = {iso};
+    const View<float> view(f, shown);
+    for (int i = 0; i < 200; i++) {
+      const RaySpec spec = randomRay(random, f);
+      const auto ray = rayIn(view, spec);
+      const IndexRay exact = indexRay(ray, f);
+      double t0 = 0, t1 = 1e30;  // in the box of the plateau
+      bool inFace = false;
+      for (int a = 0; a < 3; a++) {
+        inFace = inFace || (exact.d[a] == 0 && (exact.o[a] == 3 || exact.o[a] == 7));
+        const double x = (3 - exact.o[a]) / exact.d[a], y = (7 - exact.o[a]) / exact.d[a];
+        t0 = std::max(t0, std::min(x, y)), t1 = std::min(t1, std::max(x, y));
+      }
+      const double cells = (t1 - t0) * glm::length(exact.d);
+      if (inFace || !(std::abs(cells) > 0.01)) continue;  // or past an edge
+      int hits = 0;
+      for (Hit hit = firstHit(view, ray); hit.t < 1e30f && hits < 9; hits++)
+        hit = firstHit(view, ray, 0, 1e30f, hit.t);
+      EXPECT_EQ(hits, cells > 0 ? 1 : 0) << "scene " << scene << " ray " << i;
+      (cells > 0 ? inside : outside)++;
+    }
+  }
+  EXPECT_GT(inside, 1000);
+  EXPECT_GT(outside, 1000);
+}
+
 TEST(Isosurface, NoDataCellsHoldNoSurface) {
   Random random(35);
   for (int i = 0; i < 100; i++) {
@@ -250,8 +287,10 @@ TEST(Isosurface, TheNearestOfSeveralIsovaluesWins) {
   }
 }
 
-// Starts rays at hits, on the side from which they were hit; `seen` counts those that see their own surface again.
-void startRays(const Field& f, float iso, uint64_t seed, int rays, int& started, int& again, int& lost) {
+// Starts rays at hits, on the side from which they were hit; `again` counts those that see their own surface, `lost` those
+// that pass the next crossing: one that leaves the side they are on, or any where gaps without data lie between.
+void startRays(const Field& f, float iso, uint64_t seed, int rays, int& started, int& again, int& lost,
+               bool gaps = false) {
   Shown shown;
   shown.isovalues = {iso};
   const View<float> view(f, shown);
@@ -287,7 +326,7 @@ void startRays(const Field& f, float iso, uint64_t seed, int rays, int& started,
       real = real || (r.rising == !outside && r.t * cells > 1e-4 && std::abs(r.t - next.t) * cells < 1e-3);
     again += next.t * cells < 1e-2 && !real;
     for (const Root& r : rootsAlong(f, exact, iso))
-      if (r.rising == !outside && r.t * cells > 1e-2 && std::abs(r.slope) > 1e-3 * r.range) {
+      if ((gaps || r.rising == !outside) && r.t * cells > 1e-2 && std::abs(r.slope) > 1e-3 * r.range) {
         expected = r.t;
         break;
       }
@@ -304,6 +343,36 @@ TEST(Isosurface, SecondaryRaysNeverMeetTheirOwnStart) {
   EXPECT_EQ(again, 0);
   EXPECT_EQ(lost, 0);
   EXPECT_GT(started, 100000);
+  testing::Test::RecordProperty("started", started);
+}
+
+TEST(Isosurface, SecondaryRaysMeetASurfaceBehindAGapFromItsOtherSide) {
+  // along x: a surface at 1.5, no data between 4 and 6, then the other side until 8.5
+  for (int side : {-1, 1}) {
+    const Field f = makeField(gridOf({11, 4, 4}), [=](int64_t i, int64_t, int64_t, int) {
+      return i == 5 ? double(NAN) : i < 2 || (i > 5 && i < 9) ? -side : side;
+    });
+    Shown shown;
+    shown.isovalues = {0};
+    const View<float> view(f, shown);
+    const auto ray = rayIn(view, {{(1.50001 - 5) / 10, 0.01, 0.02}, {1, 0, 0}});
+    const Hit hit = firstHit(view, ray, 0, 1e30f, -1, {0, side});
+    EXPECT_NEAR(double(hit.t), 0.7, 1e-5) << side;
+    EXPECT_EQ(firstHit(view, ray, 0.6f, 1e30f, -1, {0, side}).t, hit.t) << "from the next partition";
+  }
+}
+
+TEST(Isosurface, SecondaryRaysLoseHardlyACrossingAmongGaps) {
+  Random random(45);
+  int started = 0, again = 0, lost = 0;
+  for (int i = 0; i < 200; i++) {
+    const Field f = makeField(gridOf({8, 8, 8}), [&](int64_t, int64_t, int64_t, int) {
+      return random.below(25) == 0 ? double(NAN) : random.unit();
+    });
+    startRays(f, 0.5f, uint64_t(i), 400, started, again, lost, true);
+  }
+  EXPECT_LE(lost, 1);  // where the first quarter of a cell cuts the corner of a gap
+  EXPECT_GT(started, 20000);
   testing::Test::RecordProperty("started", started);
 }
 

@@ -228,6 +228,36 @@ TEST(Geometry, UnusablePrimitivesAreDroppedAndCounted) {
   EXPECT_EQ(dropUnusable(block, GeometryKind::Triangles), 0);
 }
 
+TEST(Geometry, RepeatedPointsOfALineAreDroppedAndTheirNeighboursJoined) {
+  GeometryBlock block;
+  const auto addLine = [&](std::initializer_list<double> xs) {
+    const auto first = uint32_t(block.points.size()), last = first + uint32_t(xs.size()) - 1;
+    for (double x : xs) block.points.push_back({x, 0, 0}), block.values.push_back(float(x));
+    for (uint32_t i = first; i < last; i++) {
+      block.ids.push_back(block.ids.size());
+      block.segments.push_back({i, i + 1});
+      block.neighbours.push_back({i > first ? i - 1 : i, i + 1 < last ? i + 2 : i + 1});
+    }
+  };
+  addLine({0, 0, 1, 1, 1, 2, 2});  // ids 0 to 5
+  addLine({3, 3, 3});              // 6, 7
+  addLine({4, 4, 5});              // 8, 9: of another value, so no repetition
+  block.values[11] = 9;
+  EXPECT_EQ(dropUnusable(block, GeometryKind::PathLines), 5);
+  EXPECT_EQ(block.ids, (std::vector<uint64_t>{1, 4, 6, 8, 9}));
+  const GeometryBlock one = merged(GeometryKind::PathLines, std::span(&block, 1));
+  const auto x = [&](uint32_t point) { return one.points[point].x; };
+  using Ends = std::array<double, 4>;  // before, first, second, after
+  const std::vector<Ends> expected{{0, 0, 1, 2}, {0, 1, 2, 2}, {3, 3, 3, 3}, {4, 4, 4, 5}, {4, 4, 5, 5}};
+  for (size_t p = 0; p < expected.size(); p++) {
+    const auto [a, b] = one.segments[p];
+    const auto [before, after] = one.neighbours[p];
+    EXPECT_EQ((Ends{x(before), x(a), x(b), x(after)}), expected[p]) << p;
+    EXPECT_EQ(before != a, p == 1 || p == 4) << p;
+    EXPECT_EQ(after != b, p == 0 || p == 3) << p;
+  }
+}
+
 TEST(Geometry, InconsistentBlocksAreRefused) {
   GeometryBlock block;
   block.points = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};

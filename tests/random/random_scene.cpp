@@ -103,7 +103,7 @@ void addVolume(Choices& choose, TestScene& scene) {
   if (shown & 4)
     for (int n = choose.from(1, 2); n > 0; n--) vis.slices.push_back(randomPlane(choose));
   clipAndFade(choose, vis);
-  if (plateau) vis.opacity = 1;  // a translucent plateau shows once in each cell ("Known limits")
+  if (plateau) vis.opacity = 1;  // "Known limits"
   scene.data.emplace_back(std::make_shared<const WholeVolume>(std::move(made.volume)));
   scene.visualization.operators.push_back(std::move(vis));
 }
@@ -123,7 +123,6 @@ void addGeometry(Choices& choose, TestScene& scene) {
   vis.radius1 = choose.oneIn(8) ? -0.1 : choose.scale(0.02, 0.3);
   vis.value1 = choose.oneIn(4) ? 0 : 1;
   clipAndFade(choose, vis);
-  if (repeats && kind == GeometryKind::PathLines) vis.opacity = 1;  // "Known limits"
   scene.data.emplace_back(std::make_shared<const WholeGeometry>(std::move(made)));
   scene.visualization.operators.push_back(std::move(vis));
 }
@@ -326,13 +325,11 @@ agreement::TestScene inOnePiece(const TestScene& scene) {
 }
 
 TestScene withoutKnownLimits(TestScene scene) {
-  bool rendered = false, isosurfaces = false;
+  bool rendered = false;
   for (Vis& vis : scene.visualization.operators) {
     vis.volumeRendering = vis.volumeRendering && !rendered;
     rendered = rendered || vis.volumeRendering;
-    isosurfaces = isosurfaces || !vis.isovalues.empty();
   }
-  if (isosurfaces) scene.visualization.lighting.shadows = false, scene.visualization.lighting.aoCount = 0;
   return scene;
 }
 
