@@ -136,7 +136,7 @@ static noinline float farStoredAt(VOLUME v, int64 i) {
   float value = 0;
   int page = (int)(i >> 28);
   int at = (int)(i & 0xfffffff);
-  foreach_unique (p in page) {
+  foreach_unique(p in page) {
     uniform int64 first = (uniform int64)p << 28;
     if (v.kind == SAMPLE_F32)
       value = ((const uniform float* uniform)v.samples + first)[at];

@@ -13,7 +13,7 @@ namespace {
 constexpr double kLongest = 2 * (kGhostLayers - 0.1) / 1.5;
 constexpr double kLowestRate = 1 / kLongest, kLowestPieces = 2 / kLongest, kHighestRate = 256;
 
-constexpr double kBendMidpoint = 0.02, kBendPieces = 0.07;
+constexpr double kBendMidpoint = 0.016, kBendPieces = 0.07;
 constexpr double kBendOfMap = 0.02, kKinkOfMap = 0.05;
 constexpr double kJump = 0.7;
 constexpr double kMostJump = 2;        // of optical depth per cell: what is behind such a step is hidden

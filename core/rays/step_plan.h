@@ -22,7 +22,7 @@ int32_t planOf(double segmentsPerCell, Integrator integrator);
 /// With h the length of segments in cells, m the macrocell's summary, f the map over its range, N the cells to optical
 /// depth 1 (at most those across the volume), and all extinctions per cell, the error of a ray is estimated as
 ///
-///   midpoint         h^2 (0.02 B + m.steep max(0.02 f.bend sqrt(c), 0.05 f.kink, f.curve c / 24)
+///   midpoint         h^2 (0.016 B + m.steep max(0.02 f.bend sqrt(c), 0.05 f.kink, f.curve c / 24)
 ///                         + m.steep f.shade / 12)
 ///   pre-integrated   h^2 (0.07 B + 0.7 f.jump)
 ///
