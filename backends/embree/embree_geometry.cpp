@@ -43,6 +43,7 @@ void primitiveBounds(const RTCBoundsFunctionArguments* args) {
 }
 
 bool countBytes(void* sum, ssize_t bytes, bool) {
+  ThreadOrder(sum).begin();
   *static_cast<std::atomic<int64_t>*>(sum) += bytes;
   return true;
 }
@@ -54,6 +55,7 @@ DevicePtr makeDevice() {
   if (!device)
     throw Error("Embree: no device (error " + std::to_string(int(rtcGetDeviceError(nullptr))) + ")");
   const auto bytes = std::make_shared<std::atomic<int64_t>>(0);
+  ThreadOrder(bytes.get()).handOver();
   rtcSetDeviceMemoryMonitorFunction(device, countBytes, bytes.get());
   return DevicePtr(device, ReleaseDevice{bytes});
 }

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gxy/rays/iso_plan.h"
-
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
+#include "gxy/comm/parallel_for.h"
 
 #include <algorithm>
 #include <bit>
@@ -201,19 +199,18 @@ std::vector<int32_t> isoPlan(const VolumeBlock& block, ScalarType stored, int co
     plan[i] = int32_t(fits ? next : full);
     if (fits) next += kIsoWords;
   }
-  tbb::parallel_for(tbb::blocked_range<int64_t>(0, n[1] * n[2]),
-                    [&](const tbb::blocked_range<int64_t>& rows) {
-                      CellBits bits(block, Points(block, stored, components, component), isovalues);
-                      for (int64_t row = rows.begin(); row < rows.end(); row++) {
-                        const int32_t* words = plan.data() + row * n[0];
-                        for (int64_t x = 0, end; x < n[0]; x = end) {
-                          for (end = x; end < n[0] && words[end] > int32_t(full); end++) {
-                          }
-                          if (end > x) bits.add(x, end, row % n[1], row / n[1], plan.data() + words[x]);
-                          end = std::max(end, x + 1);
-                        }
-                      }
-                    });
+  parallelFor(int64_t(0), n[2], [&](int64_t slice) {
+    CellBits bits(block, Points(block, stored, components, component), isovalues);
+    for (int64_t row = 0; row < n[1]; row++) {
+      const int32_t* words = plan.data() + (slice * n[1] + row) * n[0];
+      for (int64_t x = 0, end; x < n[0]; x = end) {
+        for (end = x; end < n[0] && words[end] > int32_t(full); end++) {
+        }
+        if (end > x) bits.add(x, end, row, slice, plan.data() + words[x]);
+        end = std::max(end, x + 1);
+      }
+    }
+  });
   for (int level = 1; level <= kLevels; level++) markCubes(plan, block, level);
   return plan;
 }
