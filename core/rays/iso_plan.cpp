@@ -8,6 +8,7 @@
 #include <cstring>
 
 #include "gxy/comm/error.h"
+#include "gxy/comm/parallel_for.h"
 
 namespace gxy {
 
