@@ -14,9 +14,9 @@ namespace gxy::bench::test {
 namespace {
 
 std::string written(const Chart& chart) {
-  const Folder folder;
-  writeChart(folder.at("chart.svg"), chart);
-  std::ifstream in(folder.at("chart.svg"));
+  const TemporaryFolder folder;
+  writeChart(folder / "chart.svg", chart);
+  std::ifstream in(folder / "chart.svg");
   std::stringstream text;
   text << in.rdbuf();
   return text.str();

@@ -28,20 +28,20 @@ std::string textOf(const std::string& path) {
 class Gxybench : public ::testing::Test {
  protected:
   /// Standard places, so that all tests share nothing.
-  std::string places() const { return " -q --out " + folder_.at("out") + " --cache " + folder_.at("cache"); }
-  std::string out(const std::string& name) const { return folder_.at("out/" + name); }
+  std::string places() const { return " -q --out " + folder_ / "out" + " --cache " + folder_ / "cache"; }
+  std::string out(const std::string& name) const { return folder_ / ("out/" + name); }
   size_t references() const {
     size_t n = 0;
     for ([[maybe_unused]] const auto& entry :
-         std::filesystem::directory_iterator(folder_.at("cache/references")))
+         std::filesystem::directory_iterator(folder_ / "cache/references"))
       n++;
     return n;
   }
-  Folder folder_;
+  TemporaryFolder folder_;
 };
 
 TEST_F(Gxybench, QuickMeasuresEverySceneWithinItsTolerance) {
-  ASSERT_EQ(gxybench("--quick" + places(), folder_.at("log")), 0) << textOf(folder_.at("log"));
+  ASSERT_EQ(gxybench("--quick" + places(), folder_ / "log"), 0) << textOf(folder_ / "log");
   std::map<std::string, std::set<std::string>> methods;
   for (const Row& r : readTable(out("results.csv"))) {
     const std::string name = r.scene + " " + r.method + " " + r.setting;
@@ -83,7 +83,7 @@ TEST_F(Gxybench, QuickMeasuresEverySceneWithinItsTolerance) {
 TEST_F(Gxybench, RanksShareTheWorkAndChangeNoError) {
   const std::string scene =
       "--quick marschner-lobb-25-smooth --steps 1 --tolerances 1/64 --ranks 1,2 --launcher '";
-  ASSERT_EQ(gxybench(scene + GALAXY_RUN + "'" + places(), folder_.at("log")), 0) << textOf(folder_.at("log"));
+  ASSERT_EQ(gxybench(scene + GALAXY_RUN + "'" + places(), folder_ / "log"), 0) << textOf(folder_ / "log");
   const std::vector<Row> rows = readTable(out("results.csv"));
   ASSERT_EQ(rows.size(), 6u);
   for (size_t i = 0; i < 3; i++) {
@@ -111,12 +111,12 @@ TEST_F(Gxybench, AReferenceIsFoundByContent) {
 }
 
 TEST_F(Gxybench, CompareReportsAndFailsOnlyWhenAsked) {
-  const std::string older = folder_.at("old.csv"), newer = folder_.at("new.csv");
+  const std::string older = folder_ / "old.csv", newer = folder_ / "new.csv";
   TableWriter(older).add(row("fixed", "1", 1, 1e-3, 1e-3));
   TableWriter(newer).add(row("fixed", "1", 2, 1e-3, 1e-3));
-  EXPECT_EQ(gxybench("compare " + older + " " + newer, folder_.at("log")), 0);
-  EXPECT_NE(textOf(folder_.at("log")).find("time x 2.000"), std::string::npos);
-  EXPECT_NE(textOf(folder_.at("log")).find("SLOWER"), std::string::npos);
+  EXPECT_EQ(gxybench("compare " + older + " " + newer, folder_ / "log"), 0);
+  EXPECT_NE(textOf(folder_ / "log").find("time x 2.000"), std::string::npos);
+  EXPECT_NE(textOf(folder_ / "log").find("SLOWER"), std::string::npos);
   EXPECT_EQ(gxybench("compare --fail " + older + " " + newer), 1);
   EXPECT_EQ(gxybench("compare --fail " + newer + " " + older), 0);
 }

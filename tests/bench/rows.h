@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Rows and folders for tests of gxybench.
 #pragma once
-#include <stdlib.h>
-
-#include <filesystem>
 #include <string>
 
 #include "gxybench/table.h"
+#include "support/temporary_folder.h"
 
 namespace gxy::bench::test {
 
@@ -21,18 +19,6 @@ inline Row row(const std::string& method, const std::string& setting, double cpu
   return r;
 }
 
-/// A folder of its own, gone with the object.
-class Folder {
- public:
-  Folder() {
-    std::string name = (std::filesystem::temp_directory_path() / "gxybench-XXXXXX").string();
-    path_ = ::mkdtemp(name.data());
-  }
-  ~Folder() { std::filesystem::remove_all(path_); }
-  std::string at(const std::string& name) const { return (path_ / name).string(); }
-
- private:
-  std::filesystem::path path_;
-};
+using gxy::test::TemporaryFolder;
 
 }  // namespace gxy::bench::test

@@ -16,21 +16,11 @@
 
 #include "gxy/io/collectives.h"
 #include "gxy/io/volume_file.h"
+#include "support/temporary_folder.h"
 
 namespace gxy::testing {
 
-class TemporaryFolder {
- public:
-  TemporaryFolder() {
-    std::string name = (std::filesystem::temp_directory_path() / "gxy-io-XXXXXX").string();
-    path_ = ::mkdtemp(name.data());
-  }
-  ~TemporaryFolder() { std::filesystem::remove_all(path_); }
-  std::string operator/(const std::string& name) const { return (path_ / name).string(); }
-
- private:
-  std::filesystem::path path_;
-};
+using gxy::test::TemporaryFolder;
 
 /// Bytes that differ from sample to sample, and are finite as floats.
 inline std::vector<std::byte> pattern(int64_t samples, ScalarType type) {

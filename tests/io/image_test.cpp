@@ -8,25 +8,18 @@
 #include <filesystem>
 
 #include "gxy/comm/error.h"
+#include "support/temporary_folder.h"
 
 namespace gxy {
 namespace {
 
-struct Folder {
-  Folder() {
-    std::string name = (std::filesystem::temp_directory_path() / "gxy-image-XXXXXX").string();
-    path = ::mkdtemp(name.data());
-  }
-  ~Folder() { std::filesystem::remove_all(path); }
-  std::string operator/(const char* name) const { return (path / name).string(); }
-  std::filesystem::path path;
-};
+using test::TemporaryFolder;
 
 /// 2 x 2: opaque red, half-transparent green (premultiplied), nothing, and over-bright blue.
 Image sample() { return {2, 2, {1, 0, 0, 1, 0, 0.25f, 0, 0.5f, 0, 0, 0, 0, -0.5f, 0.2f, 1.7f, 1}}; }
 
 TEST(Image, FloatFormatsAreExact) {
-  const Folder folder;
+  const TemporaryFolder folder;
   writeImage(folder / "a.exr", sample());
   writeImage(folder / "a.raw", sample());
   EXPECT_EQ(readImage(folder / "a.exr").rgba, sample().rgba);
@@ -34,7 +27,7 @@ TEST(Image, FloatFormatsAreExact) {
 }
 
 TEST(Image, PngClampsRoundsAndKeepsRowOrder) {
-  const Folder folder;
+  const TemporaryFolder folder;
   writeImage(folder / "a.png", sample());
   const Image got = readImage(folder / "a.png");
   ASSERT_EQ(got.width, 2);
@@ -45,7 +38,7 @@ TEST(Image, PngClampsRoundsAndKeepsRowOrder) {
 }
 
 TEST(Image, WrongSizesAndUnknownKindsAreErrors) {
-  const Folder folder;
+  const TemporaryFolder folder;
   writeImage(folder / "a.raw", sample());
   EXPECT_THROW(readImage(folder / "a.raw", 3, 2), Error);
   EXPECT_THROW(readImage(folder / "a.raw"), Error);

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "gxy/comm/error.h"
+#include "support/temporary_folder.h"
 
 namespace gxy {
 
@@ -24,24 +25,12 @@ std::string errorOf(Call call) {
 }
 
 /// A directory that lives as long as this object.
-class ScratchDirectory {
+class ScratchDirectory : public gxy::test::TemporaryFolder {
  public:
-  ScratchDirectory() {
-    std::string pattern = (std::filesystem::temp_directory_path() / "gxy-scene-XXXXXX").string();
-    path_ = mkdtemp(pattern.data());
-  }
-  ~ScratchDirectory() { std::filesystem::remove_all(path_); }
-  ScratchDirectory(const ScratchDirectory&) = delete;
-  ScratchDirectory& operator=(const ScratchDirectory&) = delete;
-
-  const std::filesystem::path& path() const { return path_; }
   std::filesystem::path write(const std::string& name, const std::string& text) const {
-    std::ofstream(path_ / name) << text;
-    return path_ / name;
+    std::ofstream(path() / name) << text;
+    return path() / name;
   }
-
- private:
-  std::filesystem::path path_;
 };
 
 }  // namespace gxy

@@ -14,18 +14,13 @@
 #include "gxy/io/geometry_file.h"
 #include "gxy/io/image.h"
 #include "gxy/io/volume_file.h"
+#include "support/temporary_folder.h"
 
 namespace gxy {
 namespace {
 
 class DataTools : public ::testing::Test {
  protected:
-  void SetUp() override {
-    std::string name = (std::filesystem::temp_directory_path() / "gxy-tools-XXXXXX").string();
-    folder_ = ::mkdtemp(name.data());
-  }
-  void TearDown() override { std::filesystem::remove_all(folder_); }
-
   std::string at(const std::string& name) const { return (folder_ / name).string(); }
   int run(const char* program, const std::string& arguments) const {
     const std::string command =
@@ -41,7 +36,8 @@ class DataTools : public ::testing::Test {
     readVolume(file, wholeOf(file.grid), std::as_writable_bytes(std::span(values)));
     return values;
   }
-  std::filesystem::path folder_;
+  const test::TemporaryFolder temporary_;
+  const std::filesystem::path folder_ = temporary_.path();
 };
 
 TEST_F(DataTools, RadialFieldsAreTheDistancesTheyClaim) {

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "gxy/data/volume.h"
+#include "support/temporary_folder.h"
 
 namespace gxy {
 namespace {
@@ -18,8 +19,6 @@ constexpr int64_t kPoints = 256, kWidth = 320, kHeight = 200;
 class RenderMemory : public ::testing::Test {
  protected:
   void SetUp() override {
-    std::string name = (std::filesystem::temp_directory_path() / "gxy-memory-XXXXXX").string();
-    folder_ = ::mkdtemp(name.data());
     std::ofstream(folder_ / "zero.raw").close();
     std::filesystem::resize_file(folder_ / "zero.raw", uint64_t(kPoints * kPoints * kPoints) * 4);
     std::ofstream(folder_ / "zero.json")
@@ -31,7 +30,6 @@ class RenderMemory : public ::testing::Test {
         "colormap": [[0, 1, 1, 1]], "extinctionmap": [[0, 0.001]]}]},
       "Camera": {"viewpoint": [128, 128, 700], "viewcenter": [128, 128, 128], "dimensions": [320, 200]}})";
   }
-  void TearDown() override { std::filesystem::remove_all(folder_); }
 
   nlohmann::json memoryOf(const std::string& options) const {
     const std::string command = "cd " + folder_.string() + " && " GXYRENDER +
@@ -40,7 +38,8 @@ class RenderMemory : public ::testing::Test {
     return nlohmann::json::parse(std::ifstream(folder_ / "stats.json")).at("ranks").at(0).at("memory");
   }
 
-  std::filesystem::path folder_;
+  const test::TemporaryFolder temporary_;
+  const std::filesystem::path folder_ = temporary_.path();
 };
 
 TEST_F(RenderMemory, IsInTheLedgerByPurpose) {
