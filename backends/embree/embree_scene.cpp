@@ -219,6 +219,8 @@ void EmbreeScene::fillField(single::VolumeView& v, const CompiledOperator& op,
   v.lastX = v.firstX + v.nx - 1, v.lastY = v.firstY + v.ny - 1,
   v.lastZ = v.firstZ + int(block.extent.points[2]) - 1;
   v.plan = part->plan.data();
+  v.byCells =
+      std::any_of(part->plan.begin(), part->plan.end(), [](int32_t p) { return (p & PLAN_CELLS) != 0; });
   v.isoPlan = part->isoPlan.data();
   v.macroX = int(block.macrocells[0]), v.macroY = int(block.macrocells[1]);
   v.macroFirstX = int(block.firstMacrocell[0]), v.macroFirstY = int(block.firstMacrocell[1]);

@@ -18,13 +18,17 @@ export void integrateRays(const void* uniform scene, void* uniform rays, uniform
     MarchRange m;
     m.tIn = r.tIn[i];
     m.tOut = r.tOut[i];
+    float own = m.tOut;
+    m.tOwn = nextPartition(s, o, d, own, r.tEnd[i]) == END_DONE ? NO_HIT : own;
     m.tStart = r.tLast[i];
     m.tStop = min(r.tHit[i], r.tMax[i]);
     m.tMin = s.tMin;
     Radiance L;
     L.rgb = make_v3(r.r[i], r.g[i], r.b[i]);
     L.A = r.A[i];
-    integrateVolume(v, ray, m, L, count);
+    float begun = r.tBegun[i];
+    integrateVolume(v, ray, m, begun, L, count);
+    r.tBegun[i] = begun;
     r.r[i] = L.rgb.x;
     r.g[i] = L.rgb.y;
     r.b[i] = L.rgb.z;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Emission and absorption through several volumes at once.
 //
-// Each volume keeps its own plan of segments (volume.h), with constant extinction and colour in each; where they
+// In each macrocell each volume has equal segments of its plan (volume.h), with constant extinction and colour; where they
 // overlap, extinction and source add over the merged segments (numerics.md section 3). A merged segment belongs to the
 // partition that contains its end. What a volume has in a segment is a function of that segment alone, so the partition
 // behind a border finds the same numbers again.
@@ -30,7 +30,10 @@ static inline void enterMacrocell(VOLUME v, Cursor& c) {
   c.index = 0.0f;
   c.count = 1.0f;
   // pre-integrated segments are not cut further here, neither at cell faces nor where their front hides their back
-  if (plan != 0) c.count = segmentCount(c.ray, c.tb - c.walk.t, plan) * ((plan & PLAN_CELLS) != 0 ? 4.0f : (plan & PLAN_PIECES) != 0 ? 2.0f : 1.0f);
+  if (plan != 0) {
+    float n = (c.tb - c.walk.t) * c.ray.cells / planStep(plan);
+    c.count = max(floor((byMidpoints(plan) ? n : 4.0f * n) + 0.5f), 1.0f);
+  }
   c.dt = (c.tb - c.walk.t) / c.count;
 }
 
@@ -43,7 +46,7 @@ static inline void evaluate(VOLUME v, Cursor& c, int& samples) {
   if (plan != 0) {
     float a = c.index > 0.0f ? c.walk.t + c.index * c.dt : c.walk.t;
     samples += 1;
-    if ((plan & PLAN_PIECES) != 0) {
+    if (!byMidpoints(plan)) {
       float s0 = sampleAt(v, pointAt(c.ray.g, a)), s1 = sampleAt(v, pointAt(c.ray.g, c.b));
       if (!((s0 - s0) + (s1 - s1) == 0.0f)) {  // an end on the face of the macrocell was looked up behind it
         s0 = sampleAt(v, pointAt(c.ray.g, 0.5f * (a + c.b)));

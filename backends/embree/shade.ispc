@@ -229,6 +229,7 @@ export uniform int shadeHits(const void* uniform scene, const void* uniform fram
         packed_store_active((uniform int* uniform)(w.dy + made), intbits(toward.y));
         packed_store_active((uniform int* uniform)(w.dz + made), intbits(toward.z));
         packed_store_active((uniform int* uniform)(w.tLast + made), intbits(-1.0f));
+        packed_store_active((uniform int* uniform)(w.tBegun + made), intbits(-1.0f));
         packed_store_active((uniform int* uniform)(w.tMax + made), intbits(reach));
         packed_store_active((uniform int* uniform)(w.A + made), intbits(0.0f));
         packed_store_active(w.sr + made, sr);
@@ -278,6 +279,7 @@ export void passSurfaces(const void* uniform scene, void* uniform rays, uniform 
           }
       }
       r.tLast[i] = r.tHit[i];
+      r.tBegun[i] = -1.0f;
       r.next[i] = 1.0f - r.A[i] < s.tMin ? END_DONE : END_ACTIVE;
     }
   }

@@ -3,44 +3,6 @@
 // partition.
 #include "kernel.isph"
 
-// The lattice cell of one axis at t. A ray that crosses a face exactly at t is behind it; one that runs in a face is in
-// the upper cell.
-static inline int faceCell(float t, float o, float d, const uniform float* uniform faces, uniform int cells) {
-  int i = 0;
-  if (parallelTo(d)) {
-    while (i < cells - 1 && o >= faces[i + 1]) i++;
-  } else if (d > 0.0f) {
-    while (i < cells - 1 && faceCrossing(o, d, faces[i + 1]) <= t) i++;
-  } else {
-    i = cells - 1;
-    while (i > 0 && faceCrossing(o, d, faces[i]) <= t) i--;
-  }
-  return i;
-}
-
-// The first partition at or after t that may change the ray; END_DONE if there is none before tEnd.
-static inline int nextPartition(SCENE s, vec3 o, vec3 d, float t, float tEnd) {
-  int next = END_DONE;
-  bool go = t < tEnd;
-  while (go) {
-    int x = faceCell(t, o.x, d.x, s.facesX, s.cellsX);
-    int y = faceCell(t, o.y, d.y, s.facesY, s.cellsY);
-    int z = faceCell(t, o.z, d.z, s.facesZ, s.cellsZ);
-    int p = s.cellPartition[(z * s.cellsY + y) * s.cellsX + x];
-    if (s.visible[p] != 0) {
-      next = p;
-      go = false;
-    } else {
-      float fx = faceAfter(o.x, d.x, s.facesX[d.x > 0.0f ? x + 1 : x]);
-      float fy = faceAfter(o.y, d.y, s.facesY[d.y > 0.0f ? y + 1 : y]);
-      float fz = faceAfter(o.z, d.z, s.facesZ[d.z > 0.0f ? z + 1 : z]);
-      t = min(min(fx, fy), fz);
-      go = t < tEnd;
-    }
-  }
-  return next;
-}
-
 static inline float domainExit(SCENE s, vec3 o, vec3 d) {
   float t0, t1;
   boxSpan(make_v3(s.domainLoX, s.domainLoY, s.domainLoZ), make_v3(s.domainHiX, s.domainHiY, s.domainHiZ), o, d, 0.0f,
@@ -106,7 +68,8 @@ export uniform int spawnRays(const void* uniform scene, const void* uniform fram
       double tEnter;
       if (cameraRay(f, x, y, sample, o, d, tEnter)) {
         float tEnd = domainExit(s, o, d);
-        int next = nextPartition(s, o, d, 0.0f, tEnd);
+        float t = 0.0f;
+        int next = nextPartition(s, o, d, t, tEnd);
         if (next >= 0) {
           packed_store_active(r.pixel + n, (uint32)(y * f.width + x));
           packed_store_active(r.info + n, (uint32)sample);
@@ -124,6 +87,7 @@ export uniform int spawnRays(const void* uniform scene, const void* uniform fram
   }
   foreach (i = 0 ... n) {
     r.tLast[i] = -1.0f;
+    r.tBegun[i] = -1.0f;
     r.tMax[i] = NO_HIT;
     r.A[i] = 0.0f;
     r.r[i] = 0.0f;
@@ -189,13 +153,15 @@ export void routeRays(const void* uniform scene, void* uniform rays, uniform int
       r.r[i] = 0.0f;  // secondaries gather no radiance
       r.g[i] = 0.0f;
       r.b[i] = 0.0f;
-      r.next[i] = nextPartition(s, o, d, 0.0f, min(domainExit(s, o, d), r.tMax[i]));
+      float t = 0.0f;
+      r.next[i] = nextPartition(s, o, d, t, min(domainExit(s, o, d), r.tMax[i]));
     } else if (r.hitKind[i] != HIT_NONE) {
       r.next[i] = END_SURFACE;
     } else if (1.0f - r.A[i] < s.tMin || r.tOut[i] >= r.tEnd[i]) {
       r.next[i] = END_DONE;
     } else {
-      r.next[i] = nextPartition(s, o, d, r.tOut[i], r.tEnd[i]);
+      float t = r.tOut[i];
+      r.next[i] = nextPartition(s, o, d, t, r.tEnd[i]);
     }
   }
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The march through one volume: every segment of the plan (volume.h) that this partition evaluates.
+// The march through one volume: every segment (volume.h) that this partition evaluates.
 
 // What a map does along a segment on which the value goes linearly from s0 to s1.
 struct MapMean {
@@ -120,9 +120,10 @@ FN real segmentBehind(real t, real begin, real dt, real count) {
   return i;
 }
 
-// PLAN_CELLS: the macrocell between tEnter and tb cell by cell, since some hold no data or the map has a step, each cell in equal segments along
-// which the value is taken as linear and the map is integrated exactly. Clears `go` where the march ends.
-FN_OUTLINE void integrateCells(VOLUME v, VolumeRay r, MarchRange m, real t, real tEnter, real tb, real rate,
+// The macrocell between tEnter and tb cell by cell, since some hold no data or the map is too steep, each cell in equal
+// segments of at most `step` cells along which the value is taken as linear and the map is integrated exactly. What is
+// before t is somebody else's. Clears `go` where the march ends.
+FN_OUTLINE void integrateCells(VOLUME v, VolumeRay r, MarchRange m, real t, real tEnter, real tb, real step,
                                real end, INOUT(Radiance) L, INOUT(MarchCount) n, INOUT(bool) go) {
   real from = max(tEnter, t);
   ivec3 cells = gridCells(v);
@@ -143,7 +144,7 @@ FN_OUTLINE void integrateCells(VOLUME v, VolumeRay r, MarchRange m, real t, real
     Corners k = cellCorners(v, c);
     if (tc > ta && holdsData(k)) {
       real span = tc - ta;
-      real count = max(ceil(span * r.cells * rate), R(1.0));
+      real count = max(ceil(span * r.cells / step), R(1.0));
       real dt = span / count;
       real i = R(0.0);
       if (ta < t) i = segmentBehind(t, ta, dt, count);
@@ -173,100 +174,122 @@ FN_OUTLINE void integrateCells(VOLUME v, VolumeRay r, MarchRange m, real t, real
   }
 }
 
-// The segments of a macrocell: `count` of length dt from w.t on. Nearest, not next, as over a ray it evens out.
-FN real segmentCount(VolumeRay r, real span, int plan) {
-  real n = floor(span * r.cells * planRate(plan) + R(0.5));
-  return max(n, R(1.0));
+// Adds the midpoint segment of `length` at whose middle the value is s; nothing if it holds no data.
+FN void addSample(VOLUME v, real s, real length, real tMin, INOUT(Radiance) L, INOUT(MarchCount) n) {
+  if (length > R(0.0)) {
+    n.samples += 1;
+    if (s - s == R(0.0)) {
+      MapPlace p = mapPlace(v, s);
+      MapPiece piece = mapPiece(v, p.k);
+      real sigma = sigmaAt(piece, p.f);
+      if (sigma > R(0.0)) addSegment(L, sigma * length, colorAt(piece, p.f), tMin);
+    }
+  }
 }
 
-// One loop, an iteration a sample: rays of a gang enter macrocells at different times and still sample together.
-FN void integrateVolume(VOLUME v, VolumeRay r, MarchRange m, INOUT(Radiance) L, INOUT(MarchCount) n) {
+// One loop, an iteration a segment. Where a segment's value is fetched, the plan behind it is looked up and the value
+// before it is mapped: three chains that do not wait for each other.
+//
+// `begun`: where the first segment begins if the partition before left it undone, else -1; on return the same for the
+// partition behind.
+FN void integrateVolume(VOLUME v, VolumeRay r, MarchRange m, INOUT(real) begun, INOUT(Radiance) L,
+                        INOUT(MarchCount) n) {
   real end = min(r.t1, m.tStop);
   real last = min(end, m.tOut);
-  real t = max(max(m.tIn, m.tStart), r.t0);
+  bool resumes = begun >= R(0.0);
+  real t = resumes ? begun : max(m.tStart, r.t0);
+  real from = resumes ? t : max(t, m.tIn);  // where a walk through macrocells begins
   // A hit exactly at tIn may end a segment that began before it.
-  if (!(t <= m.tStop && t < min(r.t1, m.tOut)) || R(1.0) - L.A < m.tMin) return;
-  MacroWalk w = startMacroWalk(v, r, t);
-  real tb = min(min3(w.far), r.t1);   // end of the macrocell
-  real dt = R(0.0), count = R(0.0);   // length and number of its segments
-  real i = R(0.0), a = t;             // segment, and its start
-  real s0 = R(0.0), known = R(-1.0);  // the value at `known`, the end of the segment before if pre-integrated
-  int plan = planAt(v, w.index);
-  if (plan != 0 && (plan & PLAN_CELLS) == 0 && w.t < t) {
-    // entered in its middle: the segments before are somebody else's
-    count = segmentCount(r, tb - w.t, plan);
-    dt = (tb - w.t) / count;
-    i = segmentBehind(t, w.t, dt, count);
-    a = max(i > R(0.0) ? w.t + i * dt : w.t, m.tStart);
-    if ((plan & PLAN_PIECES) != 0) i -= R(1.0);  // an iteration for the value at a
-    n.macrocells += 1;
-  }
-  while (true) {
-    while (i >= count) {  // a macrocell at its entry
-      tb = min(min3(w.far), r.t1);
-      plan = planAt(v, w.index);
-      real span = tb - w.t;
-      bool seen = plan != 0 && span > R(0.0);
-      bool cells = (plan & PLAN_CELLS) != 0;
-      if (seen) {
-        n.macrocells += 1;
-        if (cells) {
+  bool meets = from <= m.tStop && max(from, m.tIn) < r.t1;
+  if (meets && !(max(from, m.tIn) < m.tOut)) return;  // nothing of this partition, but perhaps of the next
+  begun = R(-1.0);
+  if (!meets) return;
+  real perCell = R(1.0) / r.cells;
+  int at = macroAt(v, pointAt(r.g, t));
+  int plan = resumes ? planAt(v, at) : 0;
+  real h = planStep(plan) * perCell;
+  int nextAt = macroAt(v, pointAt(r.g, t + h));
+  int nextPlan = planAt(v, nextAt);
+  real s = R(0.0),
+       length = R(0.0);  // the value in the middle of the segment before, and its length, yet to be added
+  while (R(1.0) - L.A >= m.tMin) {
+    real limit = end;
+    if (!byMidpoints(plan) || someByCells(v)) {
+      if (t >= last) break;
+      MacroWalk w = startMacroWalk(v, r, from);
+      bool go = true;
+      while (go && !byMidpoints(planAt(v, w.index))) {
+        real tb = min(min3(w.far), r.t1);
+        if (planAt(v, w.index) == 0) {
+          n.skipped += 1;
+        } else {
+          n.macrocells += 1;
           // copies, so that what the call refers to does not keep the loop's own values in memory
           VolumeRay ray = r;
           Radiance sum = L;
           MarchCount counted = n;
-          bool on = true;
-          integrateCells(v, ray, m, t, w.t, tb, planRate(plan), end, sum, counted, on);
+          addSample(v, s, length, m.tMin, sum, counted);
+          length = R(0.0);
+          bool on = R(1.0) - sum.A >= m.tMin;
+          if (on)
+            integrateCells(v, ray, m, from, w.t, tb, planStep(planAt(v, w.index)), end, sum, counted, on);
           L = sum;
           n = counted;
-          if (!on) return;
-        } else {
-          count = segmentCount(r, span, plan);
-          dt = span / count;
-          a = w.t;
-          i = R(0.0);
-          if ((plan & PLAN_PIECES) != 0 && a != known) i = R(-1.0);  // an iteration for the value at a
+          go = on;
         }
-      } else {
-        n.skipped += 1;
+        if (tb >= last) go = false;
+        if (go) stepMacroWalk(v, r, w);
       }
-      if (!seen || cells) {
-        if (tb >= last) return;
-        stepMacroWalk(v, r, w);
+      if (!go) break;
+      t = max(t, w.t);
+      at = macroAt(v, pointAt(r.g, t));
+      plan = planAt(v, at);
+      // rounding may put the point on the other side of a face, and must not when the partition behind resumes here
+      if (!byMidpoints(plan)) plan = planAt(v, w.index);
+      n.macrocells += 1;
+      h = planStep(plan) * perCell;
+      nextAt = macroAt(v, pointAt(r.g, t + h));
+      nextPlan = planAt(v, nextAt);
+      if (someByCells(v)) {
+        // a segment ends where a macrocell goes cell by cell
+        real reach = min(t + h, last);
+        bool free = true;
+        while (free && min3(w.far) < reach) {
+          stepMacroWalk(v, r, w);
+          free = planAt(v, w.index) == 0 || byMidpoints(planAt(v, w.index));
+        }
+        if (!free) limit = min(limit, w.t);
       }
     }
-    i += R(1.0);
-    real b = min(i < count ? w.t + i * dt : tb, m.tStop);
-    if (b > m.tOut) return;  // the next partition's
-    bool pieces = (plan & PLAN_PIECES) != 0;
-    fetchAhead(v, pointAt(r.g, b + R(0.5) * dt));
-    real s = sampleAt(v, pointAt(r.g, pieces ? max(a, b) : R(0.5) * (a + b)));
-    if (b > a) {
-      n.samples += 1;
-      if (pieces) {
-        real from = s0, to = s;
-        if (!((s0 - s0) + (s - s) == R(0.0))) {
-          // the macrocell has data, but an end on its face was looked up behind it
-          from = sampleAt(v, pointAt(r.g, R(0.5) * (a + b)));
-          to = from;
-        }
-        if (from - from == R(0.0)) addPieces(v, from, to, b - a, m.tMin, L);
-      } else if (s - s == R(0.0)) {
-        MapPlace p = mapPlace(v, s);
-        MapPiece piece = mapPiece(v, p.k);
-        real sigma = sigmaAt(piece, p.f);
-        if (sigma > R(0.0)) addSegment(L, sigma * (b - a), colorAt(piece, p.f), m.tMin);
-      }
-      a = b;
+    real nextH = planStep(nextPlan) * perCell;
+    bool finer = byMidpoints(nextPlan) && nextH < h;
+    real b = min(t + (finer ? nextH : h), limit);
+    if (b > m.tOwn) {  // the next partition's
+      if (t < m.tOut || m.tOwn == m.tOut) begun = t;
+      break;
     }
-    s0 = s;
-    known = pieces ? a : R(-1.0);
-    if (b >= end || R(1.0) - L.A < m.tMin) return;
-    if (i >= count) {
-      if (tb >= last) return;
-      stepMacroWalk(v, r, w);
-      i = R(0.0);
-      count = R(0.0);
+    vec3 p = pointAt(r.g, R(0.5) * (t + b));
+    ivec3 c = cellAt(v, p);
+    Corners k = cellCorners(v, c);
+    if (b != t + h) {
+      nextAt = macroAt(v, pointAt(r.g, b));
+      nextPlan = planAt(v, nextAt);
+    }
+    if (nextAt != at && byMidpoints(nextPlan)) n.macrocells += 1;
+    at = nextAt;
+    plan = nextPlan;
+    h = planStep(plan) * perCell;
+    nextAt = macroAt(v, pointAt(r.g, b + h));
+    nextPlan = planAt(v, nextAt);
+    addSample(v, s, length, m.tMin, L, n);
+    s = valueIn(k, c, p);
+    length = b - t;
+    t = b;
+    from = b;
+    if (b >= last || b > m.tOut) {
+      if (b < end && m.tOwn == m.tOut) begun = b;
+      break;
     }
   }
+  if (R(1.0) - L.A >= m.tMin) addSample(v, s, length, m.tMin, L, n);
 }

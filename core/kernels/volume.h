@@ -1,22 +1,26 @@
 // SPDX-License-Identifier: Apache-2.0
 // Emission and absorption along a ray through one structured volume (Max 1995; numerics.md section 3).
 //
-// The plan of segments inside a macrocell is a function of the ray, the macrocell (aligned to the global grid) and its
-// plan alone. A partition evaluates the segments that *end* in (tIn, tOut], clipped at the ray's last event and at
-// a hit, so each segment is evaluated by exactly one partition, in the same order, with the same numbers.
+// Segments follow each other along the ray, from where it enters the volume, comes out of macrocells in which nothing is
+// seen, or left a surface. Each is as long as the plan of the macrocell at its beginning says, or that at its end if
+// that is finer, and counts as what is seen at its middle (midpoint rule): between segments of equal length errors cancel.
+// Where each begins is a function of the ray and the plan alone. A partition evaluates those that *end* in (tIn, tOut],
+// clipped at a hit, and hands the beginning of the one that does not on with the ray: each is evaluated by exactly one
+// partition, in the same order, with the same numbers.
 //
 // Each dialect supplies, for its VOLUME type,
 //   vec3 gridOrigin(v), gridInverse(v); ivec3 gridCells(v)    the global grid in render space
 //   Corners cellCorners(v, cell)                              samples of a cell of the local block
 //   int  planAt(v, index)        0: skip; else the step and the method of a macrocell of the block, see below
+//   bool someByCells(v)          whether any of them goes cell by cell
 //   real clipIn(v, ray index...) see integrateVolume's t0, t1
 
 #define MACRO_BITS 3
-// A plan: segments per cell length in units of 1 / PLAN_UNIT, above these bits. 0: nothing is seen there.
-#define PLAN_BITS 2
-#define PLAN_PIECES 1  // pre-integrated segments, else midpoints
-#define PLAN_CELLS 2   // with PLAN_PIECES: cell by cell, as some hold no data or the map has a step
-#define PLAN_UNIT 1024
+// A plan: the length of a segment in units of 1 / PLAN_UNIT cells, above these bits. 0: nothing is seen there.
+#define PLAN_BITS 1
+#define PLAN_CELLS \
+  1  // cell by cell and pre-integrated, as some hold no data or the map is too steep; else midpoints
+#define PLAN_UNIT 65536
 
 struct VolumeRay {
   GridRay g;
@@ -35,7 +39,8 @@ FN VolumeRay volumeRay(VOLUME v, vec3 o, vec3 d, real clip0, real clip1) {
   return r;
 }
 
-FN real planRate(int plan) { return toReal(plan >> PLAN_BITS) * (R(1.0) / toReal(PLAN_UNIT)); }
+FN real planStep(int plan) { return toReal(plan >> PLAN_BITS) * (R(1.0) / toReal(PLAN_UNIT)); }
+FN bool byMidpoints(int plan) { return plan != 0 && (plan & PLAN_CELLS) == 0; }
 
 // The cell of the local block at p. Only rounding can put p outside the block: its ghosts reach as far as segments do.
 FN ivec3 cellAt(VOLUME v, vec3 p) {
@@ -65,6 +70,12 @@ FN real valueIn(Corners k, ivec3 c, vec3 p) {
 FN real sampleAt(VOLUME v, vec3 p) {
   ivec3 c = cellAt(v, p);
   return valueIn(cellCorners(v, c), c, p);
+}
+
+// The macrocell of the block at p.
+FN int macroAt(VOLUME v, vec3 p) {
+  ivec3 c = cellAt(v, p);
+  return macroIndex(v, make_i3(c.x >> MACRO_BITS, c.y >> MACRO_BITS, c.z >> MACRO_BITS));
 }
 
 // A walk through the macrocells that a ray meets.
@@ -131,9 +142,10 @@ FN void addSegment(INOUT(Radiance) L, real tau, vec3 c, real tMin) {
 }
 
 // What bounds the work of one partition on one ray: segments that end in (tIn, tOut], from tStart (the ray's last
-// event) to tStop (a hit before tOut, or NO_HIT); ends early when T < tMin.
+// event) to tStop (a hit before tOut, or NO_HIT); ends early when T < tMin. Segments that begin before tOut and end before
+// tOwn, where the next partition begins in which anything is seen (tOut, if that is the next), are this partition's, too.
 struct MarchRange {
-  real tIn, tOut, tStart, tStop, tMin;
+  real tIn, tOut, tOwn, tStart, tStop, tMin;
 };
 
 struct MarchCount {

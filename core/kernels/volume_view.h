@@ -33,6 +33,7 @@ struct VolumeView {
   real inverseX, inverseY, inverseZ;  // cells per unit of render space
 
   PTR(int) plan;                              // per macrocell of the block, see volume.h
+  int byCells;                                // whether any of them goes cell by cell
   PTR(int) isoPlan;                           // see core/rays/iso_plan.h
   int macroX, macroY;                         // macrocells per row and per column
   int macroFirstX, macroFirstY, macroFirstZ;  // global index of the first
@@ -64,6 +65,7 @@ FN int macroIndex(VOLUME v, ivec3 m) {
 FN int macroRow(VOLUME v) { return v.macroX; }
 FN int macroSlice(VOLUME v) { return v.macroX * v.macroY; }
 FN int planAt(VOLUME v, int index) { return v.plan[index]; }
+FN bool someByCells(VOLUME v) { return v.byCells != 0; }
 
 FN int mapUniform(VOLUME v) { return v.mapUniform; }
 FN real mapOrigin(VOLUME v) { return v.mapOrigin; }
@@ -199,26 +201,6 @@ FN_OUTLINE Corners cellCornersOfAny(VOLUME v, ivec3 c) {
   k.v111 = scalarAt(v, h + v.nx + 1);
   return k;
 }
-
-// Asks for the samples around p, where the next value will be wanted. Rays of a gang are neighbours: a few stand for all.
-#if defined(ISPC)
-static inline void fetchAhead(VOLUME v, vec3 p) {
-  const uniform float* uniform s = (const uniform float* uniform)v.samples;
-  uniform int slice = v.nx * v.ny;
-  int at = ((int)p.z - v.firstZ) * slice + ((int)p.y - v.firstY) * v.nx + ((int)p.x - v.firstX);
-  if (v.kind == SAMPLE_F32 && v.stride == 1 && v.wide == 0) {
-    for (uniform int i = 0; i < 4; i++) {
-      const uniform float* uniform row = s + extract(at, i * (programCount - 1) / 3);
-      prefetch_l1(row);
-      prefetch_l1(row + v.nx);
-      prefetch_l1(row + slice);
-      prefetch_l1(row + slice + v.nx);
-    }
-  }
-}
-#else
-FN void fetchAhead(VOLUME, vec3) {}
-#endif
 
 // The eight corner values of a cell that the block holds.
 FN Corners cellCorners(VOLUME v, ivec3 c) {

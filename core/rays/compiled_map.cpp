@@ -213,9 +213,10 @@ CompiledMap::CompiledMap(const ColorMap& color, const OpacityMap* opacity, const
     }
   }
   if (intervals() <= MAP_SMALL) {
+    nodes.resize(MAP_SMALL, INFINITY);
+    rows = nodes;
     rows.resize(10 * MAP_SMALL);
-    for (size_t k = 0; k < nodes.size(); k++) {
-      rows[k] = nodes[k];
+    for (size_t k = 0; k < lengths.size(); k++) {
       rows[MAP_SMALL + k] = lengths[k];
       for (size_t i = 0; i < 8; i++) rows[MAP_SMALL * (2 + i) + k] = pieces[8 * k + i];
     }
@@ -228,7 +229,7 @@ CompiledMap::CompiledMap(const ColorMap& color, const OpacityMap* opacity, const
 }
 
 int CompiledMap::intervalOf(float value) const {
-  return int(std::upper_bound(nodes.begin() + 1, nodes.end(), value) - nodes.begin()) - 1;
+  return int(std::upper_bound(nodes.begin() + 1, nodes.begin() + intervals(), value) - nodes.begin()) - 1;
 }
 
 double CompiledMap::extinctionAt(int interval, float value) const {

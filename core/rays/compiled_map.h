@@ -43,7 +43,7 @@ class CompiledMap {
   };
   Over over(float lo, float hi) const;
 
-  int intervals() const { return int(nodes.size()); }
+  int intervals() const { return int(lengths.size()); }
 
  private:
   /// Maxima over runs of 2^level intervals.

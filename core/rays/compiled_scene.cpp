@@ -194,7 +194,7 @@ std::shared_ptr<CompiledScene> compileScene(const Visualization& visualization,
   scene->hi = hi + margin;
   const Lighting& l = visualization.lighting;
   scene->largestRadiance = std::max(1.0, l.Ka + l.Kd + l.Ks) * std::max(largestColor, 1e-3);
-  scene->tMin = float(settings.tolerance / 4 / scene->largestRadiance);
+  scene->tMin = float(settings.tolerance * kEarlyEnd / scene->largestRadiance);
   return scene;
 }
 

@@ -11,6 +11,8 @@
 //   o*, d*     origin and unit direction in render space; t = 0 where the ray enters the visible domain, or on the
 //              surface that it starts from
 //   tLast      t of the last surface met (translucent), else -1: what lies before is done
+//   tBegun     t at which the first segment begins of the march through the volume, which the partition before left
+//              undone; -1 if none
 //   tMax       secondary: t of the light, or the ambient-occlusion radius
 //   A          opacity so far, 1 - transmittance
 //   r, g, b    primary: radiance accumulated so far
@@ -33,6 +35,7 @@
   F(float, dy, 0, 1)            \
   F(float, dz, 0, 1)            \
   F(float, tLast, 1, 1)         \
+  F(float, tBegun, 1, 1)        \
   F(float, tMax, 0, 1)          \
   F(float, A, 1, 1)             \
   F(float, r, 1, 0)             \

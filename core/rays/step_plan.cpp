@@ -9,17 +9,17 @@
 namespace gxy {
 
 namespace {
-// Segments are at most 3/2 as long as planned: the nearest number of them fills a macrocell.
-constexpr double kLongest = 2 * (kGhostLayers - 0.1) / 1.5;
-constexpr double kLowestRate = 1 / kLongest, kLowestPieces = 2 / kLongest, kHighestRate = 256;
+// Ghost layers reach as far as what the plan of a segment depends on; rounding may ask for a little more.
+constexpr double kLongest = kGhostLayers - 0.1;
+constexpr double kLowestRate = 1 / kLongest, kHighestRate = 256;
 
-constexpr double kBendMidpoint = 0.016, kBendPieces = 0.07;
-constexpr double kBendOfMap = 0.02, kKinkOfMap = 0.05;
-constexpr double kJump = 0.7;
-constexpr double kMostJump = 2;        // of optical depth per cell: what is behind such a step is hidden
-constexpr double kThinnest = 0.2;      // part of a cell that is seen, at least
-constexpr double kDense = 0.3;         // optical depth of a segment from which its front hides its back
-constexpr double kCostOfPieces = 1.5;  // time of a pre-integrated segment, in midpoint ones
+constexpr double kBendMidpoint = 0.015, kBendPieces = 0.09;
+constexpr double kBendOfMap = 0.02, kKinkOfMap = 0.055;
+constexpr double kJump = 0.9;
+constexpr double kMostJump = 2;    // of optical depth per cell: what is behind such a step is hidden
+constexpr double kThinnest = 0.2;  // part of a cell that is seen, at least
+constexpr double kDense = 1;  // most optical depth of a midpoint segment: the front hides the back of others
+constexpr double kCostOfCells = 8;  // time of a cell length cell by cell, in midpoint segments
 
 constexpr double kFew = 16;  // cells over which errors of random sign even out
 
@@ -48,13 +48,8 @@ Errors errorsOf(const Macrocell& m, const CompiledMap::Over& map, double cellT) 
 }  // namespace
 
 int32_t planOf(double segmentsPerCell, Integrator integrator) {
-  const bool midpoint = integrator == Integrator::Midpoint;
-  const double lowest = midpoint ? kLowestRate : kLowestPieces;
-  const double rate = segmentsPerCell > lowest ? std::min(segmentsPerCell, kHighestRate) : lowest;
-  const int method = midpoint                                  ? 0
-                     : integrator == Integrator::PreIntegrated ? PLAN_PIECES
-                                                               : PLAN_PIECES | PLAN_CELLS;
-  return int32_t(std::ceil(rate * PLAN_UNIT)) << PLAN_BITS | method;
+  const double rate = segmentsPerCell > kLowestRate ? std::min(segmentsPerCell, kHighestRate) : kLowestRate;
+  return int32_t(PLAN_UNIT / rate) << PLAN_BITS | (integrator == Integrator::Midpoint ? 0 : PLAN_CELLS);
 }
 
 std::vector<int32_t> stepPlan(std::span<const Macrocell> summaries, const CompiledMap& map, double cellT,
@@ -70,16 +65,12 @@ std::vector<int32_t> stepPlan(std::span<const Macrocell> summaries, const Compil
       continue;
     }
     const Errors errors = errorsOf(m, over, cellT);
-    const double allowed = 0.75 * tolerance;
-    const double midpoint = std::max(std::sqrt(errors.midpoint / allowed), kLowestRate);
-    const double pieces = std::max(std::sqrt(errors.pieces / allowed), kLowestPieces);
-    const bool dense = over.extinction * cellT > kDense * midpoint;
-    if (m.noData || over.jump > 0)
-      plan[i] = planOf(pieces, Integrator::PreIntegratedByCells);
-    else if (dense || midpoint > kCostOfPieces * pieces)
-      plan[i] = planOf(pieces, Integrator::PreIntegrated);
-    else
-      plan[i] = planOf(midpoint, Integrator::Midpoint);
+    const double allowed = (1 - kEarlyEnd) * tolerance;
+    const double midpoint = std::max(std::sqrt(errors.midpoint / allowed), over.extinction * cellT / kDense);
+    const double pieces = std::sqrt(errors.pieces / allowed);
+    const bool cells =
+        m.noData || over.jump > 0 || midpoint > std::min(kHighestRate, kCostOfCells * std::max(pieces, 1.0));
+    plan[i] = cells ? planOf(pieces, Integrator::ByCells) : planOf(midpoint, Integrator::Midpoint);
   }
   return plan;
 }

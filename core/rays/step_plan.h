@@ -11,10 +11,13 @@
 namespace gxy {
 
 /// How a macrocell's segments are integrated.
-enum class Integrator { Midpoint, PreIntegrated, PreIntegratedByCells };
+enum class Integrator { Midpoint, ByCells };
 
-/// A plan as kernels/volume.h reads it. Rates are at least 1 / 5.2 (1 / 2.6 if pre-integrated): a partition evaluates
-/// the segments that end in it, and its ghost layers hold no more of what is before it.
+/// The share of the tolerance that rays may leave behind where they end early. A small one costs few segments.
+inline constexpr double kEarlyEnd = 1 / 16.0;
+
+/// A plan as kernels/volume.h reads it. Segments are at most 3.9 cells long: what the next depends on lies within the
+/// ghost layers of the partition that evaluates it.
 int32_t planOf(double segmentsPerCell, Integrator integrator);
 
 /// The plan of every macrocell, from its summary alone, so that all partitions and ranks agree.
@@ -22,13 +25,13 @@ int32_t planOf(double segmentsPerCell, Integrator integrator);
 /// With h the length of segments in cells, m the macrocell's summary, f the map over its range, N the cells to optical
 /// depth 1 (at most those across the volume), and all extinctions per cell, the error of a ray is estimated as
 ///
-///   midpoint         h^2 (0.016 B + m.steep max(0.02 f.bend sqrt(c), 0.05 f.kink, f.curve c / 24)
+///   midpoint         h^2 (0.015 B + m.steep max(0.02 f.bend sqrt(c), 0.055 f.kink, f.curve c / 24)
 ///                         + m.steep f.shade / 12)
-///   pre-integrated   h^2 (0.07 B + 0.7 f.jump)
+///   pre-integrated   h^2 (0.09 B + 0.9 f.jump)
 ///
 /// where B = f.slope m.bend sqrt(N l) is what the field's curvature does, in runs of l = (m.steep / m.bend)^2 cells that
 /// err alike (at least 16 / N, as few cells even out less; at least 1, at most 4 N), and c = N m.steep / (m.max - m.min)
-/// the number of times that the ray crosses the range. h makes this 3/4 of the tolerance (early termination takes the
+/// the number of times that the ray crosses the range. h makes this 15/16 of the tolerance (early termination takes the
 /// rest), and the method is the one that costs less; steps of the map are integrated cell by cell. 1/24 and 1/12 are the
 /// coefficients of the two rules for errors of one sign (Davis & Rabinowitz 1984, 2.1); the constants here hold for rays
 /// through fields from smooth to white noise under five shapes of maps (tests/accuracy/step_plan.cpp).

@@ -189,6 +189,7 @@ class View {
     view_.inverseY = Real(float(1 / f.grid.spacing.y));
     view_.inverseZ = Real(float(1 / f.grid.spacing.z));
     view_.plan = plan_.data();
+    view_.byCells = std::any_of(plan_.begin(), plan_.end(), [](int32_t p) { return (p & PLAN_CELLS) != 0; });
     view_.isoPlan = isoPlan_.data();
     view_.macroX = int(f.block.macrocells[0]), view_.macroY = int(f.block.macrocells[1]);
     view_.macroFirstX = int(f.block.firstMacrocell[0]);
@@ -239,10 +240,11 @@ template <class Real>
 March<Real> march(const View<Real>& view, const typename Kernels<Real>::Ray& ray, Real tMin = 0,
                   const std::vector<Real>& cuts = {}, Real tStop = Real(1e30)) {
   March<Real> m;
-  Real from = 0;
+  Real from = 0, begun = -1;
   for (size_t i = 0; i <= cuts.size(); i++) {
     const Real to = i < cuts.size() ? cuts[i] : Real(1e30);
-    integrateVolume(*view, ray, {from, to, Real(-1), to > tStop ? tStop : Real(1e30), tMin}, m.L, m.count);
+    integrateVolume(*view, ray, {from, to, to, Real(-1), to > tStop ? tStop : Real(1e30), tMin}, begun, m.L,
+                    m.count);
     from = to;
   }
   return m;

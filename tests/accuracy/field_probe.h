@@ -66,6 +66,7 @@ FN real probeMarch(VOLUME v, int f, VolumeRay r) {
   MarchRange m;
   m.tIn = part ? R(0.7) * r.t0 + R(0.3) * r.t1 : R(0.0);
   m.tOut = part ? R(0.2) * r.t0 + R(0.8) * r.t1 : R(1e30);
+  m.tOwn = m.tOut;
   m.tStart = R(-1.0);
   m.tStop = part ? R(0.4) * r.t0 + R(0.6) * r.t1 : R(1e30);
   m.tMin = part ? R(0.0) : R(1e-3);
@@ -76,7 +77,8 @@ FN real probeMarch(VOLUME v, int f, VolumeRay r) {
   n.samples = 0;
   n.macrocells = 0;
   n.skipped = 0;
-  integrateVolume(v, r, m, L, n);
+  real begun = R(-1.0);
+  integrateVolume(v, r, m, begun, L, n);
   if (f == 19) return L.rgb.x;
   if (f == 20) return L.rgb.y;
   if (f == 21) return L.rgb.z;

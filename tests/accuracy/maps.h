@@ -64,8 +64,7 @@ inline CompiledMap compiled(const Maps& m, const Field& f) {
   return CompiledMap(m.color, &m.opacity, MapUnits{0, 1, 1, f.shortestCell()});
 }
 
-inline constexpr Integrator kIntegrators[] = {Integrator::Midpoint, Integrator::PreIntegrated,
-                                              Integrator::PreIntegratedByCells};
+inline constexpr Integrator kIntegrators[] = {Integrator::Midpoint, Integrator::ByCells};
 
 /// The same plan in every macrocell: 0 or planOf().
 inline std::vector<int32_t> evenPlan(const Field& f, int32_t plan) {

@@ -56,7 +56,7 @@ double orderOfPieces(const Field& f, const Maps& maps, double first) {
   const CompiledMap map = compiled(maps, f);
   std::vector<double> errors;
   for (double rate = first; rate <= 16 * first; rate *= 2)
-    errors.push_back(marchError(f, map, rate, Integrator::PreIntegrated, int(32 * first)));
+    errors.push_back(marchError(f, map, rate, Integrator::ByCells, int(32 * first)));
   const double order = fittedOrder(errors);
   testing::Test::RecordProperty("order", std::to_string(order));
   return order;
@@ -95,7 +95,7 @@ TEST(Convergence, ThePictureIsOfSecondOrderInTheSpacing) {
     const Field f = cube(n, function);
     Shown shown;
     shown.map = map;
-    shown.plan = evenPlan(f, planOf(16 * 64 / (n - 1), Integrator::PreIntegrated));
+    shown.plan = evenPlan(f, planOf(16 * 64 / (n - 1), Integrator::ByCells));
     const View<double> view(f, shown);
     Random random(63);
     double sum = 0;
@@ -123,7 +123,7 @@ TEST(Convergence, ThePictureIsOfSecondOrderInThePixels) {
   const Field f = cube(9, trilinearEverywhere);
   Shown shown;
   shown.map = compiled(kSmooth, f);
-  shown.plan = evenPlan(f, planOf(256, Integrator::PreIntegrated));
+  shown.plan = evenPlan(f, planOf(256, Integrator::ByCells));
   const View<double> view(f, shown);
   std::vector<double> errors;
   for (double pixel : {1.0 / 16, 1.0 / 32, 1.0 / 64}) {

@@ -40,7 +40,7 @@ Cost costOf(const Field& f, const CompiledMap& map, double tolerance, uint64_t s
   for (int i = 0; i < rays; i++) {
     const auto ray = rayIn(view, randomRay(random, f));
     if (!(ray.t0 < ray.t1)) continue;
-    const auto m = march<float>(view, ray, float(tolerance / 4));
+    const auto m = march<float>(view, ray, float(tolerance * kEarlyEnd));
     const Picture truth = referenceMarch(f, indexRay(ray, f), map, tolerance > 1e-3 ? 24 : 64);
     const double error = difference(m.L, truth) / tolerance;
     c.worst = std::max(c.worst, error);

@@ -84,6 +84,7 @@ export void marchRays(const void* uniform volume, const uniform float rays[], un
   MarchRange m;
   m.tIn = 0.0f;
   m.tOut = 1e30f;
+  m.tOwn = 1e30f;
   m.tStart = 0.0f;
   m.tStop = 1e30f;
   m.tMin = 0.0f;
@@ -95,7 +96,8 @@ export void marchRays(const void* uniform volume, const uniform float rays[], un
     Radiance L;
     L.rgb = make_v3(0.0f, 0.0f, 0.0f);
     L.A = 0.0f;
-    integrateVolume(v, rayOf(v, rays, i), m, L, count);
+    float begun = -1.0f;
+    integrateVolume(v, rayOf(v, rays, i), m, begun, L, count);
     out[i] = L.A;
   }
 }
