@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "gxy/comm/collective.h"
 #include "gxy/comm/transport.h"
 #include "gxy/data/box.h"
 
@@ -28,6 +29,24 @@ struct SingleRank final : Collectives {
   int size() const override { return 1; }
   std::vector<Bytes> allGather(Bytes mine) override { return {std::move(mine)}; }
   std::vector<Bytes> allToAll(std::vector<Bytes> perRank) override { return perRank; }
+};
+
+/// The ranks of a Transport, over a Collective and one of its keys.
+class RankCollectives final : public Collectives {
+ public:
+  RankCollectives(Collective& collective, int rank, int size, uint64_t key)
+      : collective_(collective), rank_(rank), size_(size), key_(key) {}
+  int rank() const override { return rank_; }
+  int size() const override { return size_; }
+  std::vector<Bytes> allGather(Bytes mine) override { return collective_.allGather(key_, std::move(mine)); }
+  std::vector<Bytes> allToAll(std::vector<Bytes> perRank) override {
+    return collective_.allToAll(key_, std::move(perRank));
+  }
+
+ private:
+  Collective& collective_;
+  int rank_, size_;
+  uint64_t key_;
 };
 
 /// Runs `work`, which must not communicate, on every rank. If it throws on any rank, throws Error on every

@@ -155,6 +155,22 @@ void dropGhostPoints(vtkPointSet* set, GeometryBlock& block) {
   if (!block.normals.empty()) block.normals.resize(kept);
 }
 
+GeometrySummary::Array summariseArray(vtkDataArray* array, bool ofCells) {
+  GeometrySummary::Array summary;
+  summary.name = array->GetName() ? array->GetName() : "";
+  summary.type = array->GetDataTypeAsString();
+  summary.components = array->GetNumberOfComponents();
+  summary.ofCells = ofCells;
+  for (vtkIdType i = 0; i < array->GetNumberOfTuples(); ++i) {
+    const double value = magnitude(array, i);
+    summary.range.extend(value);
+    summary.notFinite += !std::isfinite(value);
+  }
+  return summary;
+}
+
+}  // namespace
+
 std::vector<std::string> xmlPieces(const std::string& path, const char* type) {
   File::open(path);
   VtkMessages messages;
@@ -174,22 +190,6 @@ std::vector<std::string> xmlPieces(const std::string& path, const char* type) {
   }
   return files;
 }
-
-GeometrySummary::Array summariseArray(vtkDataArray* array, bool ofCells) {
-  GeometrySummary::Array summary;
-  summary.name = array->GetName() ? array->GetName() : "";
-  summary.type = array->GetDataTypeAsString();
-  summary.components = array->GetNumberOfComponents();
-  summary.ofCells = ofCells;
-  for (vtkIdType i = 0; i < array->GetNumberOfTuples(); ++i) {
-    const double value = magnitude(array, i);
-    summary.range.extend(value);
-    summary.notFinite += !std::isfinite(value);
-  }
-  return summary;
-}
-
-}  // namespace
 
 std::vector<std::string> geometryPieces(const std::string& path) {
   const std::string extension = extensionOf(path);

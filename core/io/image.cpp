@@ -34,19 +34,9 @@ uint8_t level(float value) {
   return value > 0 ? uint8_t(std::lround(std::min(value, 1.f) * 255.f)) : uint8_t(0);
 }
 
-std::vector<uint8_t> unpremultiplied(const std::vector<float>& rgba) {
-  std::vector<uint8_t> levels(rgba.size());
-  for (size_t i = 0; i + 4 <= rgba.size(); i += 4) {
-    const float alpha = rgba[i + 3];
-    for (size_t c = 0; c < 3; ++c) levels[i + c] = level(alpha > 0 ? rgba[i + c] / alpha : rgba[i + c]);
-    levels[i + 3] = level(alpha);
-  }
-  return levels;
-}
-
 /// Encoded in memory: OpenImageIO's own files do not notice a full disk.
-std::vector<unsigned char> encoded(const char* format, const Image& image, OIIO::TypeDesc type,
-                                   const void* rows) {
+std::vector<std::byte> encoded(const char* format, const Image& image, OIIO::TypeDesc type,
+                               const void* rows) {
   OIIO::ImageSpec spec(image.width, image.height, 4, type);
   spec.attribute("oiio:UnassociatedAlpha", type == OIIO::TypeDesc::UINT8 ? 1 : 0);
   std::vector<unsigned char> bytes;
@@ -56,18 +46,8 @@ std::vector<unsigned char> encoded(const char* format, const Image& image, OIIO:
   if (!out->set_ioproxy(&memory) || !out->open("memory", spec) || !out->write_image(type, rows) ||
       !out->close())
     throw Error(out->geterror());
-  return bytes;
-}
-
-void writeWithOiio(const std::string& path, const char* format, const Image& image, OIIO::TypeDesc type,
-                   const void* rows) {
-  std::vector<unsigned char> bytes;
-  try {
-    bytes = encoded(format, image, type, rows);
-  } catch (const Error& error) {
-    throw Error(path + ": cannot encode the picture: " + error.what());
-  }
-  replaceFile(path, std::as_bytes(std::span(bytes)));
+  const auto whole = std::as_bytes(std::span(bytes));
+  return {whole.begin(), whole.end()};
 }
 
 Image readRaw(const std::string& path, int width, int height) {
@@ -88,20 +68,40 @@ Image readRaw(const std::string& path, int width, int height) {
 
 }  // namespace
 
-void writeImage(const std::string& path, const Image& image) {
+std::vector<uint8_t> eightBits(std::span<const float> rgba) {
+  std::vector<uint8_t> levels(rgba.size());
+  for (size_t i = 0; i + 4 <= rgba.size(); i += 4) {
+    const float alpha = rgba[i + 3];
+    for (size_t c = 0; c < 3; ++c) levels[i + c] = level(alpha > 0 ? rgba[i + c] / alpha : rgba[i + c]);
+    levels[i + 3] = level(alpha);
+  }
+  return levels;
+}
+
+std::vector<std::byte> encodeImage(const std::string& format, const Image& image) {
   if (image.width < 1 || image.height < 1 ||
       image.rgba.size() != size_t(image.width) * size_t(image.height) * 4)
-    throw Error(path + ": a picture of " + std::to_string(image.width) + " x " +
-                std::to_string(image.height) + " pixels cannot have " + std::to_string(image.rgba.size()) +
-                " values");
-  const std::string kind = extension(path);
-  if (kind == ".raw") return replaceFile(path, std::as_bytes(std::span(image.rgba)));
-  if (kind == ".exr")
-    return writeWithOiio(path, "openexr", image, OIIO::TypeDesc::FLOAT,
-                         flipped(image.rgba, image.height).data());
-  if (kind != ".png") throw Error(path + ": cannot write this kind of picture: expected .png, .exr or .raw");
-  writeWithOiio(path, "png", image, OIIO::TypeDesc::UINT8,
-                flipped(unpremultiplied(image.rgba), image.height).data());
+    throw Error("a picture of " + std::to_string(image.width) + " x " + std::to_string(image.height) +
+                " pixels cannot have " + std::to_string(image.rgba.size()) + " values");
+  if (format == "raw") {
+    const auto bytes = std::as_bytes(std::span(image.rgba));
+    return {bytes.begin(), bytes.end()};
+  }
+  if (format == "exr")
+    return encoded("openexr", image, OIIO::TypeDesc::FLOAT, flipped(image.rgba, image.height).data());
+  if (format != "png") throw Error("cannot write this kind of picture: expected .png, .exr or .raw");
+  return encoded("png", image, OIIO::TypeDesc::UINT8, flipped(eightBits(image.rgba), image.height).data());
+}
+
+void writeImage(const std::string& path, const Image& image) {
+  std::vector<std::byte> bytes;
+  try {
+    const std::string kind = extension(path);
+    bytes = encodeImage(kind.empty() ? kind : kind.substr(1), image);
+  } catch (const Error& error) {
+    throw Error(path + ": " + error.what());
+  }
+  replaceFile(path, bytes);
 }
 
 Image readImage(const std::string& path, int width, int height) {

@@ -2,6 +2,9 @@
 // Pictures to files and back, through OpenImageIO. A target of its own, galaxy_image: loading that library
 // takes half a second, which only programs that write pictures should pay.
 #pragma once
+#include <cstddef>
+#include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -17,6 +20,12 @@ struct Image {
 /// premultiplied. .raw: the floats of `rgba` as they are, in this machine's byte order. Throws Error when the
 /// file cannot be written; a file of this name is always whole (replace_file.h).
 void writeImage(const std::string& path, const Image& image);
+
+/// The bytes that writeImage would write; `format` is "png", "exr" or "raw".
+std::vector<std::byte> encodeImage(const std::string& format, const Image& image);
+
+/// A picture in 8 bits, as a .png has it: RGBA, not premultiplied; rows as in `rgba`.
+std::vector<uint8_t> eightBits(std::span<const float> rgba);
 
 /// Reads a .png (8 or 16 bits; grey or RGB become opaque RGBA) or .exr into the form above. A .raw file does
 /// not state its size: width and height must be given, and are ignored for the others.

@@ -5,10 +5,14 @@
 #include <vtkSmartPointer.h>
 
 #include <string>
+#include <vector>
 
 namespace gxy {
 
 /// Reads a .vtu .vtp .vtk .ply .stl or .obj file; Error with VTK's own words when it cannot.
 vtkSmartPointer<vtkPointSet> readPointSet(const std::string& path);
+
+/// The files that the <Piece> elements of a VTK XML file of this type ("PUnstructuredGrid") name, as they will be opened.
+std::vector<std::string> xmlPieces(const std::string& path, const char* type);
 
 }  // namespace gxy

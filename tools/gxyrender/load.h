@@ -5,7 +5,6 @@
 #include <string>
 #include <vector>
 
-#include "gxy/comm/collective.h"
 #include "gxy/io/collectives.h"
 #include "gxy/rays/backend.h"
 #include "gxy/rays/compiled_scene.h"
@@ -15,24 +14,6 @@
 namespace gxy {
 
 inline constexpr const char* kTenant = "batch";  ///< in the ledger
-
-/// What core/io needs of the ranks, over a Collective and one of its keys.
-class RankCollectives final : public Collectives {
- public:
-  RankCollectives(Collective& collective, int rank, int size, uint64_t key)
-      : collective_(collective), rank_(rank), size_(size), key_(key) {}
-  int rank() const override { return rank_; }
-  int size() const override { return size_; }
-  std::vector<Bytes> allGather(Bytes mine) override { return collective_.allGather(key_, std::move(mine)); }
-  std::vector<Bytes> allToAll(std::vector<Bytes> p) override {
-    return collective_.allToAll(key_, std::move(p));
-  }
-
- private:
-  Collective& collective_;
-  int rank_, size_;
-  uint64_t key_;
-};
 
 /// The data of a state's visualizations, by operator.
 struct LoadedState {

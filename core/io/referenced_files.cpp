@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gxy/io/referenced_files.h"
+
+#include "gxy/comm/error.h"
+#include "gxy/io/file.h"
+#include "gxy/io/geometry_file.h"
+#include "gxy/io/volume_description.h"
+#include "gxy/io/vtk_geometry.h"
+
+namespace gxy {
+
+std::vector<std::string> filesOpenedFor(const std::string& path) {
+  const std::string extension = extensionOf(path);
+  std::vector<std::string> files;
+  if (extension == ".vol")
+    files = {beside(path, parseVol(readText(path), path).rawFile)};
+  else if (extension == ".json")
+    files = {beside(path, parseVolumeJson(readText(path), path).rawFile)};
+  else if (extension == ".pvti")
+    files = xmlPieces(path, "PImageData");
+  else if (extension == ".pvtu" || extension == ".pvtp" || extension == ".part")
+    files = geometryPieces(path);
+  if (files.size() > size_t(1) << 20)
+    throw Error(path + ": it refers to " + std::to_string(files.size()) + " files, expected at most 2^20");
+  files.insert(files.begin(), path);
+  return files;
+}
+
+}  // namespace gxy

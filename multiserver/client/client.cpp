@@ -1,0 +1,223 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gxy/client/client.h"
+
+#include <sys/socket.h>
+
+#include <boost/asio/connect.hpp>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/read.hpp>
+#include <boost/asio/write.hpp>
+
+#include <array>
+#include <atomic>
+#include <cstring>
+#include <future>
+#include <map>
+#include <mutex>
+#include <thread>
+
+#include "gxy/comm/error.h"
+#include "gxy/protocol/frame.h"
+#include "gxy/protocol/json.h"
+#include "gxy/protocol/run_files.h"
+
+namespace gxy {
+
+namespace asio = boost::asio;
+using asio::ip::tcp;
+using protocol::Frame;
+using protocol::FrameChannel;
+
+namespace {
+
+Reply replyOf(std::string_view text) {
+  if (const auto value = protocol::afterWord(text, "ok"))
+    return {true, {}, value->empty() ? nlohmann::json() : protocol::parseObject(*value, "reply")};
+  if (text.starts_with("error: ")) return {false, std::string(text.substr(7)), {}};
+  throw Error("reply: expected `ok` or `error: ...`");
+}
+
+}  // namespace
+
+class Client::Impl {
+ public:
+  explicit Impl(Options options) : options_(std::move(options)), socket_(context_) {
+    protocol::Hello hello;
+    hello.client = options_.name;
+    hello.tenant = options_.tenant;
+    if (options_.tokenFile != "-")
+      hello.token = protocol::readToken(options_.tokenFile.empty() ? protocol::tokenFile(options_.port)
+                                                                   : options_.tokenFile);
+    const std::string where = options_.host + " port " + std::to_string(options_.port);
+    try {
+      tcp::resolver resolver(context_);
+      asio::connect(socket_, resolver.resolve(options_.host, std::to_string(options_.port)));
+      socket_.set_option(tcp::no_delay(true));
+      patience(options_.patience);
+      asio::write(socket_, asio::buffer(protocol::preamble()));
+      std::array<std::byte, protocol::kPreambleBytes> theirs;
+      asio::read(socket_, asio::buffer(theirs));
+      protocol::checkPreamble(theirs);
+      write(protocol::textFrame(FrameChannel::Control, 0, protocol::helloText(hello)));
+      const Frame answer = next();
+      if (const auto reason = protocol::afterWord(answer.text(), "bye"))
+        throw Error("server at " + where + ": " + std::string(*reason));
+      welcome_ = protocol::parseWelcome(answer.text());
+      patience(std::chrono::seconds(0));
+    } catch (const boost::system::system_error& e) {
+      throw Error("cannot connect to " + where + ": " + e.code().message() + "; is a server running there?");
+    }
+    connected_ = true;
+    thread_ = std::thread([this] { run(); });
+  }
+
+  ~Impl() {
+    ending_ = true;
+    ::shutdown(socket_.native_handle(), SHUT_RDWR);
+    thread_.join();
+  }
+
+  uint32_t send(const std::string& statement, OnReply onReply) {
+    uint32_t id;
+    {
+      const std::lock_guard lock(mutex_);
+      if (!connected_) throw Error("the connection has ended: " + reason_);
+      do id = nextId_++;
+      while (id == 0 || waiting_.count(id));
+      waiting_[id] = std::move(onReply);
+    }
+    try {
+      write(protocol::textFrame(FrameChannel::Request, id, statement));
+    } catch (const boost::system::system_error&) {
+      ::shutdown(socket_.native_handle(), SHUT_RDWR);  // the reader tells all who wait
+    }
+    return id;
+  }
+
+  const Options options_;
+  protocol::Welcome welcome_;
+  std::atomic<bool> connected_ = false;
+
+ private:
+  void patience(std::chrono::seconds seconds) {
+    const timeval limit{seconds.count(), 0};
+    ::setsockopt(socket_.native_handle(), SOL_SOCKET, SO_RCVTIMEO, &limit, sizeof limit);
+  }
+
+  void write(const Frame& frame) {
+    const auto header = protocol::headerOf(frame);
+    const std::array<asio::const_buffer, 2> parts{asio::buffer(header), asio::buffer(frame.payload)};
+    const std::lock_guard lock(writing_);
+    asio::write(socket_, parts);
+  }
+
+  Frame next() {
+    for (;;) {
+      if (!unread_.empty())
+        if (auto frame = reader_.take(unread_)) return *std::move(frame);
+      const size_t size = socket_.read_some(asio::buffer(buffer_));
+      unread_ = std::span<const std::byte>(buffer_).first(size);
+    }
+  }
+
+  void run() {
+    std::string reason = "closed";
+    try {
+      for (;;) {
+        const Frame frame = next();
+        if (frame.channel != FrameChannel::Control) {
+          take(frame);
+        } else if (const auto number = protocol::afterWord(frame.text(), "ping")) {
+          write(protocol::textFrame(FrameChannel::Control, 0, "pong " + std::string(*number)));
+        } else if (const auto why = protocol::afterWord(frame.text(), "bye")) {
+          reason = *why;
+          break;
+        }
+      }
+    } catch (const std::exception& e) {
+      reason = e.what();
+    }
+    std::map<uint32_t, OnReply> waiting;
+    {
+      const std::lock_guard lock(mutex_);
+      connected_ = false;
+      reason_ = reason;
+      waiting.swap(waiting_);
+    }
+    const Reply ended{false, "the connection has ended: " + reason, {}};
+    for (const auto& [id, onReply] : waiting) onReply(ended);
+    if (options_.onEnd && !ending_) options_.onEnd(reason);
+  }
+
+  void take(const Frame& frame) {
+    if (frame.channel == FrameChannel::Reply) {
+      OnReply onReply;
+      {
+        const std::lock_guard lock(mutex_);
+        const auto found = waiting_.find(frame.id);
+        if (found == waiting_.end())
+          throw Error("reply to request " + std::to_string(frame.id) + ", which is not out");
+        onReply = std::move(found->second);
+        waiting_.erase(found);
+      }
+      onReply(replyOf(frame.text()));
+    } else if (frame.channel == FrameChannel::Event) {
+      if (options_.onEvent) options_.onEvent(protocol::parseObject(frame.text(), "event"));
+    } else if (frame.channel == FrameChannel::Pixels) {
+      const protocol::PixelHeader header = protocol::pixelHeader(frame.payload);
+      if (options_.onPixels) options_.onPixels(header, protocol::pixelData(frame.payload));
+    } else {
+      takeFile(frame);
+    }
+  }
+
+  void takeFile(const Frame& frame) {
+    uint32_t size = 0;
+    const std::span<const std::byte> payload(frame.payload);
+    if (payload.size() >= sizeof size) std::memcpy(&size, payload.data(), sizeof size);
+    if (payload.size() < sizeof size || size > payload.size() - sizeof size)
+      throw Error("file record of " + std::to_string(payload.size()) + " bytes: its header does not fit");
+    const auto header = frame.text().substr(sizeof size, size);
+    if (options_.onFile)
+      options_.onFile(frame.id, protocol::parseObject(header, "file record"),
+                      payload.subspan(sizeof size + size));
+  }
+
+  asio::io_context context_;
+  tcp::socket socket_;
+  protocol::FrameReader reader_{protocol::FrameReader::fromServer()};
+  std::array<std::byte, 64 << 10> buffer_;
+  std::span<const std::byte> unread_;
+  std::mutex writing_;
+  std::mutex mutex_;
+  std::map<uint32_t, OnReply> waiting_;
+  uint32_t nextId_ = 1;
+  std::string reason_;
+  std::atomic<bool> ending_ = false;
+  std::thread thread_;
+};
+
+Client::Client(Options options) : impl_(std::make_unique<Impl>(std::move(options))) {}
+Client::~Client() = default;
+
+const protocol::Welcome& Client::welcome() const { return impl_->welcome_; }
+bool Client::connected() const { return impl_->connected_; }
+
+uint32_t Client::send(const std::string& statement, OnReply onReply) {
+  return impl_->send(statement, std::move(onReply));
+}
+
+Reply Client::request(const std::string& statement) {
+  const auto promise = std::make_shared<std::promise<Reply>>();
+  send(statement, [promise](const Reply& reply) { promise->set_value(reply); });
+  return promise->get_future().get();
+}
+
+nlohmann::json Client::expect(const std::string& statement) {
+  Reply reply = request(statement);
+  if (!reply.ok) throw Error(reply.error);
+  return std::move(reply.value);
+}
+
+}  // namespace gxy

@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gxy/protocol/handshake.h"
+
+#include "gxy/comm/error.h"
+#include "gxy/protocol/json.h"
+#include "gxy/scene/json_text.h"
+
+namespace gxy::protocol {
+
+namespace {
+
+// The member of an object, of the type of `fallback`; `fallback` where there is none.
+template <class T>
+T member(const nlohmann::json& object, const char* key, T fallback, const char* what) {
+  const auto found = object.find(key);
+  if (found == object.end()) return fallback;
+  try {
+    return found->get<T>();
+  } catch (const nlohmann::json::exception&) {
+    throw Error(std::string(what) + ": `" + key + "` is " + found->type_name() + ", expected another type");
+  }
+}
+
+}  // namespace
+
+std::optional<std::string_view> afterWord(std::string_view text, std::string_view word) {
+  if (!text.starts_with(word)) return std::nullopt;
+  text.remove_prefix(word.size());
+  if (text.empty()) return text;
+  if (text.front() != ' ') return std::nullopt;
+  return text.substr(1);
+}
+
+std::string helloText(const Hello& hello) {
+  return "hello " + dump({{"token", hello.token}, {"client", hello.client}, {"tenant", hello.tenant}});
+}
+
+std::string asLogged(std::string_view text) { return inQuotes(text.substr(0, 80)); }
+
+Hello parseHello(std::string_view text) {
+  const auto json = afterWord(text, "hello");
+  if (!json) throw Error("handshake: expected `hello JSON`");
+  const nlohmann::json object = parseObject(*json, "hello");
+  Hello hello;
+  hello.token = member(object, "token", std::string(), "hello");
+  hello.client = member(object, "client", std::string("unnamed"), "hello");
+  hello.tenant = member(object, "tenant", hello.tenant, "hello");
+  if (hello.client.size() > 255 || hello.tenant.empty() || hello.tenant.size() > 255)
+    throw Error("hello: `client` or `tenant` is too long or empty, expected 1 to 255 bytes");
+  return hello;
+}
+
+std::string welcomeText(const Welcome& w) {
+  return "welcome " + dump({{"server", w.server},
+                            {"session", w.session},
+                            {"tenant", w.tenant},
+                            {"administrator", w.administrator},
+                            {"ranks", w.ranks},
+                            {"limits",
+                             {{"request bytes", w.limits.requestBytes},
+                              {"requests", w.limits.requests},
+                              {"windows", w.limits.windows},
+                              {"pixels", w.limits.pixels},
+                              {"clients", w.limits.clients}}}});
+}
+
+Welcome parseWelcome(std::string_view text) {
+  const auto json = afterWord(text, "welcome");
+  if (!json) throw Error("handshake: expected `welcome JSON`");
+  const nlohmann::json object = parseObject(*json, "welcome");
+  Welcome w;
+  w.server = member(object, "server", std::string(), "welcome");
+  w.session = member(object, "session", uint64_t(0), "welcome");
+  w.tenant = member(object, "tenant", std::string(), "welcome");
+  w.administrator = member(object, "administrator", false, "welcome");
+  w.ranks = member(object, "ranks", 0, "welcome");
+  const auto limits = member(object, "limits", nlohmann::json::object(), "welcome");
+  w.limits.requestBytes = member(limits, "request bytes", w.limits.requestBytes, "welcome");
+  w.limits.requests = member(limits, "requests", w.limits.requests, "welcome");
+  w.limits.windows = member(limits, "windows", w.limits.windows, "welcome");
+  w.limits.pixels = member(limits, "pixels", w.limits.pixels, "welcome");
+  w.limits.clients = member(limits, "clients", w.limits.clients, "welcome");
+  return w;
+}
+
+}  // namespace gxy::protocol

@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
+// JSON that comes from outside.
+#pragma once
+#include <nlohmann/json.hpp>
+#include <string>
+#include <string_view>
+
+namespace gxy::protocol {
+
+/// Parses an object. The bounds of core/scene/json_text.h hold, and its messages: Error "WHAT:LINE:COLUMN: ...". Throws
+/// Error also for a value that is no object.
+nlohmann::json parseObject(std::string_view text, const std::string& what);
+
+/// On one line; bytes that are no UTF-8 are replaced. Never throws.
+std::string dump(const nlohmann::json& value);
+
+bool isUtf8(std::string_view text);
+
+}  // namespace gxy::protocol

@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gxy/protocol/statement.h"
+
+#include <algorithm>
+#include <charconv>
+
+#include "gxy/comm/error.h"
+#include "gxy/protocol/json.h"
+#include "gxy/scene/json_text.h"
+
+namespace gxy::protocol {
+
+namespace {
+
+constexpr std::string_view kBlanks = " \t\r\n";
+
+bool isBlank(char c) { return kBlanks.find(c) != std::string_view::npos; }
+
+std::string_view trimmed(std::string_view text) {
+  const size_t first = text.find_first_not_of(kBlanks);
+  if (first == std::string_view::npos) return {};
+  return text.substr(first, text.find_last_not_of(kBlanks) - first + 1);
+}
+
+bool isVerbCharacter(char c) {
+  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '.' ||
+         c == '-';
+}
+
+// One past the end of the JSON string that begins the text; npos where it does not end.
+size_t endOfString(std::string_view text) {
+  for (size_t i = 1; i < text.size(); i++) {
+    if (text[i] == '\\')
+      i++;
+    else if (text[i] == '"')
+      return i + 1;
+  }
+  return std::string_view::npos;
+}
+
+}  // namespace
+
+Statement parseStatement(std::string_view text) {
+  text = trimmed(text);
+  while (text.ends_with(';')) text = trimmed(text.substr(0, text.size() - 1));
+  const auto* end = std::find_if_not(text.begin(), text.end(), isVerbCharacter);
+  const std::string_view verb(text.begin(), end);
+  const std::string_view rest(end, text.end());
+  if (verb.empty() || verb.size() > 128)
+    throw Error("statement " + inQuotes(text.substr(0, 40)) + ": expected a verb; `help` lists them");
+  if (!rest.empty() && !isBlank(rest.front()) && rest.front() != '{' && rest.front() != '"')
+    throw Error("statement " + inQuotes(text.substr(0, 40)) + ": expected a blank after the verb");
+  return {std::string(verb), std::string(trimmed(rest))};
+}
+
+Arguments::Arguments(std::string_view text, std::string usage)
+    : rest_(trimmed(text)), usage_(std::move(usage)) {}
+
+std::optional<std::string> Arguments::word() {
+  if (rest_.empty() || rest_.front() == '{') return std::nullopt;
+  std::string word;
+  if (rest_.front() == '"') {
+    const size_t end = endOfString(rest_);
+    if (end == std::string_view::npos) fail("a string does not end");
+    const JsonValue value = parseJson(rest_.substr(0, end), usage_);
+    word = *value.string();
+    rest_.remove_prefix(end);
+  } else {
+    const size_t end = std::min(rest_.find_first_of(kBlanks), rest_.size());
+    word = rest_.substr(0, end);
+    rest_.remove_prefix(end);
+  }
+  rest_ = trimmed(rest_);
+  return word;
+}
+
+std::string Arguments::expectWord() {
+  auto found = word();
+  if (!found) fail("a word is missing");
+  return *std::move(found);
+}
+
+std::optional<double> Arguments::number() {
+  const auto found = word();
+  if (!found) return std::nullopt;
+  double value = 0;
+  const auto [end, error] = std::from_chars(found->data(), found->data() + found->size(), value);
+  if (error != std::errc() || end != found->data() + found->size() || value - value != 0)
+    fail(inQuotes(*found) + " is not a number");
+  return value;
+}
+
+bool Arguments::taken(std::string_view word) {
+  if (!rest_.starts_with(word)) return false;
+  const std::string_view after = rest_.substr(word.size());
+  if (!after.empty() && !isBlank(after.front()) && after.front() != '{') return false;
+  rest_ = trimmed(after);
+  return true;
+}
+
+std::optional<std::string> Arguments::json() {
+  if (rest_.empty()) return std::nullopt;
+  if (rest_.front() != '{') fail("there is " + inQuotes(rest_.substr(0, 40)) + " where a JSON object may be");
+  return std::string(std::exchange(rest_, {}));
+}
+
+std::string Arguments::expectJson() {
+  auto found = json();
+  if (!found) fail("a JSON object is missing");
+  return *std::move(found);
+}
+
+void Arguments::expectEnd() const {
+  if (!rest_.empty()) fail(inQuotes(rest_.substr(0, 40)) + " is too much");
+}
+
+void Arguments::fail(const std::string& reason) const { throw Error(reason + ", expected `" + usage_ + "`"); }
+
+std::vector<std::string> cutStatements(std::string_view script, std::string& rest) {
+  std::vector<std::string> statements;
+  size_t begin = 0;
+  for (size_t i = 0; i < script.size(); i++) {
+    if (script[i] == '"') {
+      const size_t length = endOfString(script.substr(i));
+      if (length == std::string_view::npos) break;
+      i += length - 1;
+    } else if (script[i] == ';') {
+      const std::string_view statement = trimmed(script.substr(begin, i - begin));
+      if (!statement.empty()) statements.emplace_back(statement);
+      begin = i + 1;
+    }
+  }
+  rest = script.substr(begin);
+  return statements;
+}
+
+std::string asWord(std::string_view name) {
+  const bool plain = !name.empty() && name.find_first_of(" \t\r\n\";{}\\") == std::string_view::npos;
+  return plain ? std::string(name) : dump(std::string(name));
+}
+
+}  // namespace gxy::protocol

@@ -1,0 +1,227 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gxy/server/connection.h"
+
+#include <linux/sockios.h>
+#include <sys/ioctl.h>
+
+#include <boost/asio/post.hpp>
+#include <boost/asio/read.hpp>
+#include <boost/asio/write.hpp>
+
+#include <algorithm>
+
+#include "gxy/comm/error.h"
+
+namespace gxy {
+
+namespace asio = boost::asio;
+using protocol::Frame;
+using protocol::FrameChannel;
+using protocol::FrameReader;
+
+namespace {
+
+FrameReader::Rules helloRules() {
+  FrameReader::Rules rules;
+  rules.most[size_t(FrameChannel::Control)] = protocol::kMaxHelloBytes;
+  return rules;
+}
+
+constexpr int kSendBuffer = 256 << 10;  // twice what 20 Mbit/s and 40 ms need; more would only be latency
+
+}  // namespace
+
+Connection::Connection(Socket socket, Node& node, Options options, Admit admit, Closed closed)
+    : socket_(std::move(socket)),
+      timer_(socket_.get_executor()),
+      node_(node),
+      options_(options),
+      admit_(std::move(admit)),
+      onClosed_(std::move(closed)),
+      reader_(helloRules()) {}
+
+void Connection::start() {
+  boost::system::error_code ignored;
+  socket_.set_option(asio::ip::tcp::no_delay(true), ignored);
+  socket_.set_option(asio::socket_base::send_buffer_size(kSendBuffer), ignored);
+  const std::weak_ptr<Connection> weak = weak_from_this();
+  outbox_ = std::make_shared<Outbox>(
+      options_.outbox,
+      [weak, executor = socket_.get_executor()] {
+        asio::post(executor, [weak] {
+          if (const auto self = weak.lock()) self->wake();
+        });
+      },
+      node_.ledger.enter("server", "to be sent", 0));
+  readPreamble();
+  watch();
+}
+
+void Connection::readPreamble() {
+  asio::async_read(socket_, asio::buffer(preamble_), [self = shared_from_this()](auto failed, size_t) {
+    if (failed || self->closed_) return self->close();
+    try {
+      protocol::checkPreamble(self->preamble_);
+    } catch (const Error& e) {
+      if (std::equal(protocol::kMagic.begin(), protocol::kMagic.end(),
+                     reinterpret_cast<const unsigned char*>(self->preamble_.data())))
+        return self->bye(e.what());
+      return self->close();
+    }
+    self->heard_ = Clock::now();
+    self->read();
+    self->write();
+  });
+}
+
+bool Connection::paused() const {
+  return outbox_->congested() || (session_ && session_->unanswered() >= options_.limits.requests);
+}
+
+void Connection::read() {
+  if (reading_ || closed_ || leaving_ || paused()) return;
+  if (!unread_.empty()) return consume();
+  reading_ = true;
+  socket_.async_read_some(asio::buffer(buffer_), [self = shared_from_this()](auto failed, size_t size) {
+    self->reading_ = false;
+    if (failed) return self->close();
+    self->heard_ = Clock::now();
+    self->received_ += size;
+    self->unread_ = std::span<const std::byte>(self->buffer_).first(size);
+    self->consume();
+  });
+}
+
+void Connection::consume() {
+  try {
+    while (!unread_.empty() && !closed_ && !leaving_ && !paused())
+      if (auto frame = reader_.take(unread_)) take(*std::move(frame));
+  } catch (const std::exception& e) {
+    return bye(e.what());
+  }
+  // On the stack of a long chain otherwise.
+  asio::post(socket_.get_executor(), [self = shared_from_this()] { self->read(); });
+}
+
+void Connection::take(Frame frame) {
+  if (frame.channel == FrameChannel::Control)
+    control(frame.text());
+  else
+    session_->submit(frame.id, std::string(frame.text()));
+}
+
+void Connection::control(std::string_view text) {
+  if (!session_) return hello(text);
+  if (const auto number = protocol::afterWord(text, "ping")) {
+    if (number->size() > 20 ||
+        !std::all_of(number->begin(), number->end(), [](char c) { return c >= '0' && c <= '9'; }))
+      throw Error("ping: expected `ping N`, N of at most 20 digits");
+    return outbox_->control("pong " + std::string(*number));
+  }
+  if (protocol::afterWord(text, "pong")) return;
+  if (protocol::afterWord(text, "bye")) return close();
+  throw Error("control frame: expected ping, pong or bye");
+}
+
+void Connection::hello(std::string_view text) {
+  protocol::Welcome welcome;
+  std::string reason;
+  auto session = admit_(protocol::parseHello(text), outbox_, welcome, reason);
+  if (!session) return bye(reason);
+  session_ = std::move(session);
+  const std::weak_ptr<Connection> weak = weak_from_this();
+  session_->onAnswered = [weak, executor = socket_.get_executor()] {
+    asio::post(executor, [weak] {
+      if (const auto self = weak.lock()) self->read();
+    });
+  };
+  reader_.setRules(FrameReader::fromClient(options_.limits.requestBytes));
+  outbox_->control(protocol::welcomeText(welcome));
+}
+
+void Connection::wake() {
+  write();
+  read();
+}
+
+void Connection::write() {
+  if (writing_ || closed_) return;
+  writing_ = true;
+  if (!greeted_) {
+    greeted_ = true;
+    const auto hello =
+        std::make_shared<std::array<std::byte, protocol::kPreambleBytes>>(protocol::preamble());
+    asio::async_write(socket_, asio::buffer(*hello), [self = shared_from_this(), hello](auto failed, size_t) {
+      self->writing_ = false;
+      if (failed) return self->close();
+      self->write();
+    });
+    return;
+  }
+  auto frame = outbox_->next();
+  if (!frame) {
+    writing_ = false;
+    if (leaving_) close();
+    return;
+  }
+  writingFrame_ = *std::move(frame);
+  header_ = protocol::headerOf(writingFrame_);
+  const std::array<asio::const_buffer, 2> parts{asio::buffer(header_), asio::buffer(writingFrame_.payload)};
+  asio::async_write(socket_, parts, [self = shared_from_this()](auto failed, size_t size) {
+    self->writing_ = false;
+    self->writingFrame_ = {};
+    if (failed) return self->close();
+    self->written_ += size;
+    self->wake();
+  });
+}
+
+// Every so often: has the client come through the handshake, is it still there?
+void Connection::watch() {
+  const auto soon =
+      std::min({options_.patience.handshake, options_.patience.ping, options_.patience.silence}) / 4;
+  timer_.expires_after(std::max(soon, std::chrono::milliseconds(10)));
+  timer_.async_wait([self = shared_from_this()](auto failed) {
+    if (failed || self->closed_) return;
+    const auto now = Clock::now();
+    const Patience& patience = self->options_.patience;
+    if (!self->session_ && now > self->begin_ + patience.handshake) return self->close();
+    // A slow reader may answer a ping late, but its machine acknowledges more and more; a dead one acknowledges nothing.
+    int underWay = 0;
+    if (ioctl(self->socket_.native_handle(), SIOCOUTQ, &underWay) == 0 &&
+        self->written_ - uint64_t(underWay) > self->acknowledged_) {
+      self->acknowledged_ = self->written_ - uint64_t(underWay);
+      self->heard_ = now;
+    }
+    if (now > self->heard_ + patience.silence) return self->close();
+    if (self->session_ && now > std::max(self->heard_, self->asked_) + patience.ping) {
+      self->asked_ = now;
+      self->outbox_->control("ping 0");
+    }
+    self->watch();
+  });
+}
+
+void Connection::bye(const std::string& reason) {
+  if (closed_ || leaving_) return;
+  leaving_ = true;
+  outbox_->farewell("bye " + reason);
+  write();
+  // What does not leave soon will not.
+  timer_.expires_after(std::chrono::seconds(1));
+  timer_.async_wait([self = shared_from_this()](auto failed) {
+    if (!failed) self->close();
+  });
+}
+
+void Connection::close() {
+  if (std::exchange(closed_, true)) return;
+  boost::system::error_code ignored;
+  timer_.cancel(ignored);
+  socket_.shutdown(Socket::shutdown_both, ignored);
+  socket_.close(ignored);
+  outbox_->close();
+  onClosed_(shared_from_this());
+}
+
+}  // namespace gxy

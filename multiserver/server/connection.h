@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: Apache-2.0
+// The socket of one client: handshake, frames in and out, keep-alive.
+#pragma once
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/steady_timer.hpp>
+
+#include <array>
+#include <atomic>
+#include <chrono>
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "gxy/protocol/frame.h"
+#include "gxy/protocol/handshake.h"
+#include "gxy/server/outbox.h"
+#include "gxy/server/session.h"
+
+namespace gxy {
+
+/// How patient the server is with its clients.
+struct Patience {
+  std::chrono::milliseconds handshake{5000}, ping{15000}, silence{45000};
+};
+
+/// Lives as long as one of its operations is under way, or somebody holds it. All but counters() run on the thread of its
+/// executor.
+class Connection : public std::enable_shared_from_this<Connection> {
+ public:
+  using Socket = boost::asio::ip::tcp::socket;
+  using Clock = std::chrono::steady_clock;
+
+  /// Makes the session of a client that has said hello; null, and the reason, when it is refused.
+  using Admit = std::function<std::shared_ptr<Session>(const protocol::Hello&, const std::shared_ptr<Outbox>&,
+                                                       protocol::Welcome&, std::string& reason)>;
+  using Closed = std::function<void(const std::shared_ptr<Connection>&)>;
+
+  struct Options {
+    protocol::Limits limits;
+    Patience patience;
+    Outbox::Limits outbox;
+  };
+
+  Connection(Socket socket, Node& node, Options options, Admit admit, Closed closed);
+
+  void start();
+  /// Says `bye REASON`, sends what control frames wait, and closes.
+  void bye(const std::string& reason);
+  /// At once.
+  void close();
+
+  /// Null before the handshake.
+  const std::shared_ptr<Session>& session() const { return session_; }
+  Outbox& outbox() { return *outbox_; }
+  uint64_t receivedBytes() const { return received_; }
+
+ private:
+  void readPreamble();
+  void read();
+  void consume();
+  void take(protocol::Frame frame);
+  void control(std::string_view text);
+  void hello(std::string_view text);
+  void write();
+  void watch();
+  bool paused() const;
+  void wake();
+
+  Socket socket_;
+  boost::asio::steady_timer timer_;
+  Node& node_;
+  const Options options_;
+  const Admit admit_;
+  const Closed onClosed_;
+  protocol::FrameReader reader_;
+  std::shared_ptr<Outbox> outbox_;
+  std::shared_ptr<Session> session_;
+
+  std::array<std::byte, protocol::kPreambleBytes> preamble_{};
+  std::array<std::byte, 64 << 10> buffer_;
+  std::span<const std::byte> unread_;  ///< of buffer_
+  std::array<std::byte, protocol::kHeaderBytes> header_{};
+  protocol::Frame writingFrame_;
+  bool greeted_ = false, reading_ = false, writing_ = false, leaving_ = false, closed_ = false;
+  Clock::time_point heard_ = Clock::now(), asked_ = Clock::now();
+  const Clock::time_point begin_ = Clock::now();
+  uint64_t written_ = 0, acknowledged_ = 0;  ///< bytes
+  std::atomic<uint64_t> received_ = 0;
+};
+
+}  // namespace gxy

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gxy/server/data_folders.h"
+
+#include <algorithm>
+
+#include "gxy/comm/error.h"
+#include "gxy/io/referenced_files.h"
+#include "gxy/scene/json_text.h"
+
+namespace gxy {
+
+namespace fs = std::filesystem;
+
+DataFolders::DataFolders(const std::vector<std::string>& folders) {
+  for (const std::string& folder : folders.empty() ? std::vector<std::string>{"."} : folders) {
+    std::error_code failed;
+    const fs::path canonical = fs::canonical(folder, failed);
+    if (failed || !fs::is_directory(canonical, failed))
+      throw Error(folder + ": it is no folder, expected one that clients may read and write files in");
+    folders_.push_back(canonical);
+  }
+}
+
+bool DataFolders::holds(const fs::path& canonical) const {
+  return std::any_of(folders_.begin(), folders_.end(), [&](const fs::path& folder) {
+    const auto [end, rest] = std::mismatch(folder.begin(), folder.end(), canonical.begin(), canonical.end());
+    (void)rest;
+    return end == folder.end();
+  });
+}
+
+void DataFolders::refuse(const std::string& name, const std::string& reason) const {
+  throw Error(inQuotes(name) + ": " + reason + ", expected a file in " + folders_.front().string() +
+              (folders_.size() > 1 ? " or another of the server's data folders" : ""));
+}
+
+std::string DataFolders::toRead(const std::string& name) const {
+  if (name.empty() || name.find('\0') != std::string::npos) refuse(name, "it is no file name");
+  const fs::path given(name);
+  for (const fs::path& folder : folders_) {
+    std::error_code failed;
+    const fs::path canonical = fs::canonical(folder / given, failed);  // an absolute name stays as it is
+    if (failed || !holds(canonical)) continue;
+    if (!fs::is_regular_file(canonical, failed)) refuse(name, "it is not a regular file");
+    return canonical.string();
+  }
+  refuse(name, "there is no such file that may be read");
+}
+
+std::string DataFolders::dataToRead(const std::string& name) const {
+  const std::string path = toRead(name);
+  for (const std::string& file : filesOpenedFor(path)) {
+    std::error_code failed;
+    const fs::path canonical = fs::canonical(file, failed);
+    if (failed || !holds(canonical) || !fs::is_regular_file(canonical, failed))
+      refuse(name, "it refers to " + inQuotes(file) + ", which is no file that may be read");
+  }
+  return path;
+}
+
+std::string DataFolders::toWrite(const std::string& name) const {
+  const fs::path path = folders_.front() / fs::path(name);
+  std::error_code failed;
+  const fs::path parent = fs::canonical(path.parent_path(), failed);
+  if (name.empty() || name.find('\0') != std::string::npos || failed || !holds(parent) ||
+      !path.has_filename() || path.filename() == ".." || path.filename() == ".")
+    refuse(name, "it cannot be written");
+  const fs::path file = parent / path.filename();
+  if (fs::exists(fs::symlink_status(file, failed)) && !fs::is_regular_file(fs::symlink_status(file, failed)))
+    refuse(name, "it is there and not a regular file");
+  return file.string();
+}
+
+}  // namespace gxy

@@ -1,0 +1,295 @@
+// SPDX-License-Identifier: Apache-2.0
+// Names and events; imports are in datasets_import.cpp.
+#include "gxy/server/datasets.h"
+
+#include <algorithm>
+#include <chrono>
+
+#include "gxy/comm/error.h"
+#include "gxy/scene/json_text.h"
+#include "gxy/server/session.h"
+
+namespace gxy {
+
+using nlohmann::json;
+
+namespace {
+
+json point(const glm::dvec3& p) { return json::array({p.x, p.y, p.z}); }
+
+const char* nameOf(DatasetEvent::Kind kind) {
+  constexpr const char* names[] = {"added", "updated", "skipped", "dropped", "renamed"};
+  return names[size_t(kind)];
+}
+
+}  // namespace
+
+const char* nameOf(DatasetType type) {
+  constexpr const char* names[] = {"Volume", "Particles", "PathLines", "Triangles"};
+  return names[size_t(type)];
+}
+
+void checkDatasetName(const std::string& name) {
+  const bool printable =
+      std::none_of(name.begin(), name.end(), [](unsigned char c) { return c < 0x20 || c == 0x7f; });
+  if (name.empty() || name.size() > 255 || !printable)
+    throw Error("name " + inQuotes(name.substr(0, 40)) +
+                ": expected 1 to 255 bytes without control characters");
+}
+
+Box Dataset::box() const { return volume ? volume->grid.box() : geometry->box; }
+Range Dataset::range() const { return volume ? volume->ranges.back() : geometry->range; }
+int Dataset::components() const { return volume ? volume->components : 1; }
+
+json DatasetEvent::json() const {
+  nlohmann::json json{{"event", nameOf(kind)},
+                      {"name", dataset.name},
+                      {"scope", dataset.scope == Scope::Shared ? "shared" : "private"},
+                      {"type", dataset.type},
+                      {"generation", dataset.generation}};
+  if (kind == Kind::Renamed) json["to"] = newName;
+  return json;
+}
+
+Datasets::Datasets(Node& node) : node_(node) {
+  if (node_.rank() == 0)
+    subscription_ = node_.observers.subscribe({}, [this](const ObjectEvent& event) { onObject(event); });
+}
+
+Datasets::~Datasets() = default;
+
+void Datasets::addWorks() {
+  node_.work.add(
+      "datasets.import", [this](const Work::Call& call) { return importHere(call.parameters); },
+      Work::Runs::Waiting);
+  node_.work.add("datasets.info", [this](const Work::Call& call) { return infoHere(call.parameters); });
+  node_.work.add("datasets.drop", [this](const Work::Call& call) -> json {
+    const Key key{call.parameters.at("key").get<uint64_t>()};
+    if (node_.objects.contains(key)) node_.objects.drop(key);
+    return nullptr;
+  });
+  node_.work.add("datasets.commit", [this](const Work::Call& call) -> json {
+    for (const json& update : call.parameters.at("updates")) {
+      const Key key{update.at("key").get<uint64_t>()};
+      if (!node_.objects.contains(key)) continue;  // dropped meanwhile
+      if (call.parameters.at("commit").get<bool>())
+        node_.objects.commit(key, update.at("generation").get<Generation>());
+      else
+        node_.objects.abandon(key);
+    }
+    return nullptr;
+  });
+}
+
+json Datasets::infoHere(const json& parameters) const {
+  const Pin pin = node_.objects.pin(Key{parameters.at("key").get<uint64_t>()});
+  const auto d = pin.get<Dataset>();
+  json result{{"bytes", d->bytes}, {"generation", pin.generation()}};
+  if (node_.rank() != 0) return result;
+  const Box box = d->box();
+  const Range range = d->range();
+  result["box"] = box.empty() ? json(nullptr) : json::array({point(box.lo), point(box.hi)});
+  result["range"] = range.empty() ? json(nullptr) : json::array({range.min, range.max});
+  result["components"] = d->components();
+  result["partitions"] = d->partitioning->partitions();
+  result["array"] = d->array;
+  result["file"] = d->file;
+  if (d->volume) result["points"] = d->volume->grid.points;
+  if (d->geometry) result["primitives"] = d->geometry->primitives;
+  return result;
+}
+
+json Datasets::info(const NamedDataset& dataset) {
+  const std::vector<json> parts = node_.callAll("datasets.info", {{"key", dataset.key.value}});
+  json result = parts.at(0);
+  int64_t bytes = 0;
+  for (const json& part : parts) bytes += part.at("bytes").get<int64_t>();
+  result["bytes"] = bytes;
+  return result;
+}
+
+Generation Datasets::generationOf(Key key) const {
+  try {
+    return node_.objects.pin(key).generation();
+  } catch (const Error&) {
+    return 0;  // dropped meanwhile
+  }
+}
+
+NamedDataset Datasets::named(const std::string& name, Scope scope, const DirectoryEntry& e) const {
+  return {e.key, name, scope, e.type, e.owner, e.readOnly, generationOf(e.key)};
+}
+
+std::vector<NamedDataset> Datasets::list(const std::string& tenant) const {
+  std::vector<NamedDataset> all;
+  for (const Directory::Listed& l : node_.directory.list(tenant))
+    all.push_back(named(l.name, l.scope, l.entry));
+  return all;
+}
+
+std::optional<NamedDataset> Datasets::find(const std::string& tenant, const std::string& name) const {
+  const auto entry = node_.directory.find(tenant, name);
+  if (!entry) return std::nullopt;
+  std::unique_lock lock(mutex_);
+  const auto at = names_.find(entry->key);
+  const Scope scope = at == names_.end() ? Scope::Private : at->second.second;
+  lock.unlock();
+  return named(name, scope, *entry);
+}
+
+NamedDataset Datasets::get(const std::string& tenant, const std::string& name) const {
+  if (auto found = find(tenant, name)) return *std::move(found);
+  throw Error("dataset " + inQuotes(name) + ": there is none that you see; `list` names what there is");
+}
+
+void Datasets::add(const std::string& tenant, const std::string& name, Scope scope, Key key,
+                   DatasetType type) {
+  checkDatasetName(name);
+  const DirectoryEntry entry{key, nameOf(type), tenant, scope == Scope::Shared};
+  std::optional<DirectoryEntry> before;
+  try {
+    before = node_.directory.bind(name, scope, entry);
+  } catch (const Error&) {
+    dropObject(key);
+    throw;
+  }
+  {
+    const std::lock_guard lock(mutex_);
+    names_[key] = {name, scope};
+    newest_[tenant].push_back(key);
+  }
+  if (before) {
+    tell({DatasetEvent::Kind::Dropped, named(name, scope, *before), {}});
+    dropObject(before->key);
+  }
+  tell({DatasetEvent::Kind::Added, named(name, scope, entry), {}});
+}
+
+void Datasets::dropObject(Key key) {
+  {
+    const std::lock_guard lock(mutex_);
+    names_.erase(key);
+    for (auto& [tenant, keys] : newest_) std::erase(keys, key);
+  }
+  node_.callAll("datasets.drop", {{"key", key.value}});
+}
+
+void Datasets::drop(const std::string& tenant, const std::string& name) {
+  const NamedDataset dataset = get(tenant, name);
+  node_.directory.remove(tenant, name, dataset.scope);
+  tell({DatasetEvent::Kind::Dropped, dataset, {}});
+  dropObject(dataset.key);
+}
+
+void Datasets::rename(const std::string& tenant, const std::string& name, const std::string& newName) {
+  checkDatasetName(newName);
+  const NamedDataset d = get(tenant, name);
+  if (find(tenant, newName))
+    throw Error("rename: the name " + inQuotes(newName) + " is in use, expected a free one");
+  if (d.scope == Scope::Shared && d.owner != tenant)
+    throw Error("rename: " + inQuotes(name) + " belongs to " + d.owner + ", expected a dataset of your own");
+  node_.directory.remove(tenant, name, d.scope);
+  node_.directory.bind(newName, d.scope, {d.key, d.type, d.owner, d.readOnly});
+  {
+    const std::lock_guard lock(mutex_);
+    names_[d.key].first = newName;
+  }
+  tell({DatasetEvent::Kind::Renamed, d, newName});
+}
+
+void Datasets::move(const std::string& tenant, const std::string& name, Scope to, bool readOnly) {
+  NamedDataset d = get(tenant, name);
+  if (d.owner != tenant)
+    throw Error("dataset " + inQuotes(name) + " belongs to " + d.owner + ", expected one of your own");
+  if (d.scope == to)
+    throw Error("dataset " + inQuotes(name) + " is " + (to == Scope::Shared ? "shared" : "private") +
+                " already");
+  for (const Directory::Listed& other : node_.directory.list(tenant))
+    if (other.scope == to && other.name == name)
+      throw Error("the name " + inQuotes(name) + " is in use there, expected a free one");
+  node_.directory.bind(name, to, {d.key, d.type, d.owner, readOnly});
+  {
+    const std::lock_guard lock(mutex_);
+    names_[d.key].second = to;
+  }
+  node_.directory.remove(tenant, name, d.scope);
+  const Scope from = std::exchange(d.scope, to);
+  d.readOnly = readOnly;
+  if (to == Scope::Shared) return tell({DatasetEvent::Kind::Added, d, {}});
+  d.scope = from;
+  tell({DatasetEvent::Kind::Dropped, d, {}});
+}
+
+Generation Datasets::wait(Request& request, const std::string& name, std::optional<Generation> generation,
+                          double seconds) {
+  using namespace std::chrono;
+  const std::string tenant = request.session().tenant();
+  const auto now = find(tenant, name);
+  const Generation wanted = generation ? *generation : now ? now->generation + 1 : 1;
+  const auto until = steady_clock::now() + duration_cast<steady_clock::duration>(duration<double>(seconds));
+  request.onCancel([this] {
+    const std::lock_guard lock(mutex_);
+    changed_.notify_all();
+  });
+  for (;;) {
+    const auto found = find(tenant, name);
+    if (found && found->generation >= wanted) return found->generation;
+    request.check();
+    if (steady_clock::now() >= until)
+      throw Error("wait: " + inQuotes(name) + " has no generation " + std::to_string(wanted) + " after " +
+                  numberText(seconds) + " s");
+    std::unique_lock lock(mutex_);
+    changed_.wait_until(lock, std::min(until, steady_clock::now() + milliseconds(200)));
+  }
+}
+
+std::shared_ptr<void> Datasets::observe(Observer observer) {
+  const std::lock_guard lock(mutex_);
+  const uint64_t id = nextObserver_++;
+  observers_[id] = std::make_shared<Observer>(std::move(observer));
+  return {nullptr, [this, id](void*) {
+            const std::lock_guard lock(mutex_);
+            observers_.erase(id);
+          }};
+}
+
+void Datasets::tell(const DatasetEvent& event) {
+  std::vector<std::shared_ptr<Observer>> observers;
+  {
+    const std::lock_guard lock(mutex_);
+    for (const auto& [id, observer] : observers_) observers.push_back(observer);
+    changed_.notify_all();
+  }
+  for (const auto& observer : observers) (*observer)(event);
+}
+
+// New generations come from whoever publishes them.
+void Datasets::onObject(const ObjectEvent& event) {
+  if (event.kind != ObjectEvent::Kind::Updated && event.kind != ObjectEvent::Kind::Skipped) return;
+  std::unique_lock lock(mutex_);
+  const auto at = names_.find(event.key);
+  if (at == names_.end()) return;
+  const auto [name, scope] = at->second;
+  lock.unlock();
+  std::optional<NamedDataset> dataset;
+  if (scope == Scope::Shared) {
+    if (const auto entry = node_.directory.find({}, name); entry && entry->key == event.key)
+      dataset = named(name, scope, *entry);
+  } else {
+    std::string owner;
+    {
+      const std::lock_guard again(mutex_);
+      for (const auto& [tenant, keys] : newest_)
+        if (std::find(keys.begin(), keys.end(), event.key) != keys.end()) owner = tenant;
+    }
+    if (const auto entry = node_.directory.find(owner, name); entry && entry->key == event.key)
+      dataset = named(name, scope, *entry);
+  }
+  if (!dataset) return;
+  dataset->generation = event.generation;
+  tell({event.kind == ObjectEvent::Kind::Updated ? DatasetEvent::Kind::Updated : DatasetEvent::Kind::Skipped,
+        *dataset,
+        {}});
+}
+
+}  // namespace gxy

@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: Apache-2.0
+// Datasets in the data space: imported on all ranks, named on rank 0, and who is told.
+#pragma once
+#include <condition_variable>
+#include <functional>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "gxy/data/partitioning.h"
+#include "gxy/data/volume.h"
+#include "gxy/io/import_geometry.h"
+#include "gxy/scene/scene.h"
+#include "gxy/server/node.h"
+
+namespace gxy {
+
+class Request;
+
+/// What an object of the data space holds on a rank: one generation of a dataset. Immutable.
+struct Dataset {
+  DatasetType type = DatasetType::Volume;
+  std::string file, array;
+  glm::dvec4 color{0.8, 0.8, 0.8, 1};
+  std::shared_ptr<const Partitioning> partitioning;
+  std::shared_ptr<const Volume> volume;  ///< of a volume
+  std::shared_ptr<const LoadedGeometry>
+      geometry;       ///< else: as this rank has read it, before radii say where it goes
+  int64_t bytes = 0;  ///< on this rank
+  LedgerEntry memory;
+
+  Box box() const;
+  Range range() const;
+  int components() const;
+};
+
+/// "Volume", "Particles", "PathLines", "Triangles".
+const char* nameOf(DatasetType type);
+
+/// A dataset as a tenant sees it.
+struct NamedDataset {
+  Key key;
+  std::string name;
+  Scope scope = Scope::Private;
+  std::string type, owner;
+  bool readOnly = false;
+  Generation generation = 0;
+};
+
+/// What is told about names. Rank 0.
+struct DatasetEvent {
+  enum class Kind { Added, Updated, Skipped, Dropped, Renamed };
+  Kind kind;
+  NamedDataset dataset;
+  std::string newName;  ///< Renamed
+  bool visibleTo(const std::string& tenant) const {
+    return dataset.scope == Scope::Shared || dataset.owner == tenant;
+  }
+  nlohmann::json json() const;
+};
+
+/// Thread safe. All calls but addWorks() and here() are for rank 0; those that say so wait for all ranks.
+class Datasets {
+ public:
+  explicit Datasets(Node& node);
+  ~Datasets();
+  void addWorks();
+
+  struct Import {
+    std::vector<DatasetSpec> specs;
+    Scope scope = Scope::Private;
+    bool newPartitioning = false;
+    std::string like;  ///< the dataset whose partitioning is to be used; empty: see docs/protocol.md
+  };
+  /// Reads files and names what is in them: all or nothing. Waits. The request's tenant owns them; it is told the progress,
+  /// and its cancelling ends the import.
+  void import(Request& request, const Import& what);
+
+  /// Puts a dataset of `type` in the directory whose parts a work has made on all ranks, each by Objects::add under `key`.
+  void add(const std::string& tenant, const std::string& name, Scope scope, Key key, DatasetType type);
+
+  std::vector<NamedDataset> list(const std::string& tenant) const;
+  /// Throws Error where the tenant sees none of this name.
+  NamedDataset get(const std::string& tenant, const std::string& name) const;
+  std::optional<NamedDataset> find(const std::string& tenant, const std::string& name) const;
+  /// What all ranks know of it. Waits.
+  nlohmann::json info(const NamedDataset& dataset);
+
+  /// These wait for all ranks.
+  void drop(const std::string& tenant, const std::string& name);
+  void rename(const std::string& tenant, const std::string& name, const std::string& newName);
+  void move(const std::string& tenant, const std::string& name, Scope to, bool readOnly);
+
+  /// Waits until the tenant sees this name with this generation or a newer one; without one, with a newer one than now.
+  Generation wait(Request& request, const std::string& name, std::optional<Generation> generation,
+                  double seconds);
+
+  using Observer = std::function<void(const DatasetEvent&)>;
+  /// Until the returned handle goes. Called on the thread that made the change; must be short.
+  [[nodiscard]] std::shared_ptr<void> observe(Observer observer);
+
+  /// This rank's part of a generation, for as long as the pin lives. Any rank.
+  Pin pin(Key key, Generation generation) const { return node_.objects.pin(key, generation); }
+
+ private:
+  struct Pending;
+  nlohmann::json importHere(const nlohmann::json& parameters);
+  nlohmann::json infoHere(const nlohmann::json& parameters) const;
+  void tell(const DatasetEvent& event);
+  void onObject(const ObjectEvent& event);
+  Generation generationOf(Key key) const;
+  NamedDataset named(const std::string& name, Scope scope, const DirectoryEntry& entry) const;
+  void dropObject(Key key);
+
+  Node& node_;
+  Observers::Subscription subscription_;
+  mutable std::mutex mutex_;
+  std::condition_variable changed_;
+  std::map<uint64_t, Request*> imports_;                ///< rank 0: by exchange
+  std::map<Key, std::pair<std::string, Scope>> names_;  ///< rank 0: of each object
+  std::map<std::string, std::vector<Key>> newest_;      ///< rank 0: by owner, newest last
+  std::map<uint64_t, std::shared_ptr<Observer>> observers_;
+  uint64_t nextObserver_ = 0;
+};
+
+/// Throws Error unless the name is 1 to 255 bytes of text without control characters.
+void checkDatasetName(const std::string& name);
+
+}  // namespace gxy

@@ -1,0 +1,222 @@
+// SPDX-License-Identifier: Apache-2.0
+// Files become datasets on all ranks, together.
+#include <algorithm>
+#include <cstring>
+
+#include "gxy/comm/error.h"
+#include "gxy/comm/wire.h"
+#include "gxy/io/automatic_partitioning.h"
+#include "gxy/io/import_volume.h"
+#include "gxy/scene/json_text.h"
+#include "gxy/server/datasets.h"
+#include "gxy/server/session.h"
+
+namespace gxy {
+
+using nlohmann::json;
+
+namespace {
+
+GeometryKind kindOf(DatasetType type) {
+  if (type == DatasetType::Particles) return GeometryKind::Particles;
+  return type == DatasetType::PathLines ? GeometryKind::PathLines : GeometryKind::Triangles;
+}
+
+// Bytes that this rank will hold of a volume.
+int64_t bytesToCome(const VolumeFile& file, const Partitioning& partitioning, int rank) {
+  const size_t each = std::min<size_t>(bytesOf(file.array.type), 4) * size_t(file.array.components);
+  int64_t bytes = 0;
+  for (const int p : partitioning.owned(rank))
+    bytes += extentOf(file.grid, partitioning.box(p), kGhostLayers).count() * int64_t(each);
+  return bytes;
+}
+
+int64_t bytesOf(const GeometryBlock& b) {
+  return int64_t(b.points.size() * sizeof b.points[0] + b.normals.size() * sizeof b.normals[0] +
+                 b.values.size() * sizeof b.values[0] + b.triangles.size() * sizeof b.triangles[0] +
+                 b.segments.size() * sizeof b.segments[0] + b.neighbours.size() * sizeof b.neighbours[0] +
+                 b.ids.size() * sizeof b.ids[0]);
+}
+
+bool holds(const Box& outer, const Box& inner) {
+  for (int a = 0; a < 3; a++)
+    if (inner.lo[a] < outer.lo[a] || inner.hi[a] > outer.hi[a]) return false;
+  return true;
+}
+
+json specToJson(const DatasetSpec& d) {
+  return {{"name", d.name},
+          {"type", int(d.type)},
+          {"file", d.filename},
+          {"array", d.array},
+          {"color", {d.color.r, d.color.g, d.color.b, d.color.a}}};
+}
+
+}  // namespace
+
+// Every rank: reads, agrees on a partitioning, imports. All ranks make the same exchanges, whatever fails: each step that
+// can fail on one of them is inside agree().
+json Datasets::importHere(const json& p) {
+  const auto exchange = p.at("exchange").get<uint64_t>();
+  const auto tenant = p.at("tenant").get<std::string>();
+  const json& specs = p.at("datasets");
+  RankCollectives ranks = node_.collectives(exchange);
+  const std::shared_ptr<void> finish(nullptr, [&](void*) { node_.collective.finish(exchange); });
+  const auto report = [&](size_t done, const std::string& what) {
+    agree(ranks, [&] {
+      const std::lock_guard lock(mutex_);
+      const auto import = imports_.find(exchange);
+      if (import == imports_.end()) return;
+      import->second->check();
+      import->second->progress(int64_t(done), int64_t(2 * specs.size()), what);
+    });
+  };
+
+  std::vector<std::shared_ptr<Dataset>> made;
+  agree(ranks, [&] {
+    for (const json& s : specs) {
+      auto d = std::make_shared<Dataset>();
+      d->type = DatasetType(s.at("type").get<int>());
+      d->file = node_.folders.dataToRead(s.at("file").get<std::string>());
+      d->array = s.at("array").get<std::string>();
+      for (int c = 0; c < 4; c++) d->color[c] = s.at("color").at(size_t(c)).get<double>();
+      made.push_back(std::move(d));
+    }
+  });
+  Box box;
+  std::optional<Grid> first;
+  for (size_t i = 0; i < made.size(); i++) {
+    Dataset& d = *made[i];
+    report(i, "reading " + specs[i].at("name").get<std::string>());
+    if (d.type == DatasetType::Volume) {
+      const Grid grid = gridOf(d.file, d.array, ranks);
+      box.extend(grid.box());
+      if (!first) first = grid;
+    } else {
+      auto geometry = std::make_shared<LoadedGeometry>(loadGeometry(d.file, kindOf(d.type), d.array, ranks));
+      agree(ranks, [&] {
+        d.bytes = bytesOf(geometry->block);
+        node_.expectMemory(tenant, d.bytes);
+        d.memory = node_.ledger.enter(tenant, "geometry", d.bytes);
+      });
+      box.extend(geometry->box);
+      d.geometry = std::move(geometry);
+    }
+  }
+
+  // Rank 0 says whose partitioning is used; 0: a new one.
+  uint64_t like = 0;
+  agree(ranks, [&] {
+    if (node_.rank() != 0) return;
+    like = p.at("like").get<uint64_t>();
+    if (like || p.at("new").get<bool>()) return;
+    std::vector<Key> candidates;
+    {
+      const std::lock_guard lock(mutex_);
+      if (const auto own = newest_.find(tenant); own != newest_.end()) candidates = own->second;
+    }
+    for (size_t i = candidates.size(); i-- > 0 && !like;) {
+      if (!node_.objects.contains(candidates[i])) continue;
+      if (holds(node_.objects.pin(candidates[i]).get<Dataset>()->partitioning->domain(), box))
+        like = candidates[i].value;
+      else
+        break;  // the tenant's current one does not fit
+    }
+  });
+  Writer w;
+  const Bytes told = node_.collective.broadcast(exchange, 0, w.write(like).take());
+  like = Reader(told, "partitioning").read<uint64_t>();
+  std::shared_ptr<const Partitioning> partitioning;
+  agree(ranks, [&] {
+    partitioning = like ? node_.objects.pin(Key{like}).get<Dataset>()->partitioning
+                        : automaticPartitioning(box, first ? &*first : nullptr, {}, node_.ranks());
+    if (!holds(partitioning->domain(), box) && !box.empty())
+      throw Error("import: the data reach beyond the domain of the partitioning that they were to share");
+  });
+
+  for (size_t i = 0; i < made.size(); i++) {
+    Dataset& d = *made[i];
+    d.partitioning = partitioning;
+    report(specs.size() + i, "importing " + specs[i].at("name").get<std::string>());
+    if (d.type != DatasetType::Volume) continue;
+    agree(ranks, [&] {
+      d.bytes = bytesToCome(openVolume(d.file, d.array), *partitioning, node_.rank());
+      node_.expectMemory(tenant, d.bytes);
+      d.memory = node_.ledger.enter(tenant, "volume", d.bytes);
+    });
+    d.volume = importVolume(d.file, d.array, *partitioning, kGhostLayers, ranks);
+    d.bytes = gxy::bytesOf(*d.volume);
+    d.memory.resize(d.bytes);
+  }
+
+  // Objects that exist get a second buffer, which rank 0 commits or abandons; the others are made.
+  size_t done = 0;
+  try {
+    agree(ranks, [&] {
+      for (; done < made.size(); done++) {
+        const Key key{specs[done].at("key").get<uint64_t>()};
+        if (!specs[done].at("update").get<bool>()) {
+          node_.objects.add(key, Payload(std::shared_ptr<const Dataset>(made[done])));
+        } else {
+          if (!node_.objects.reserve(key))
+            throw Error("dataset " + inQuotes(specs[done].at("name").get<std::string>()) +
+                        ": both its generations are in use, so this step is left out");
+          node_.objects.stage(key, Payload(std::shared_ptr<const Dataset>(made[done])));
+        }
+      }
+    });
+  } catch (const Error&) {
+    for (size_t i = 0; i < done; i++) {
+      const Key key{specs[i].at("key").get<uint64_t>()};
+      if (specs[i].at("update").get<bool>())
+        node_.objects.abandon(key);
+      else
+        node_.objects.drop(key);
+    }
+    throw;
+  }
+  return nullptr;
+}
+
+void Datasets::import(Request& request, const Import& what) {
+  const std::string tenant = request.session().tenant();
+  if (what.specs.empty()) throw Error("import: there is no dataset in `Datasets`, expected one or more");
+  const uint64_t exchange = node_.nextExchange();
+  json parameters{{"exchange", exchange},
+                  {"tenant", tenant},
+                  {"new", what.newPartitioning},
+                  {"like", what.like.empty() ? 0 : get(tenant, what.like).key.value}};
+  json updates = json::array();
+  std::vector<std::pair<const DatasetSpec*, Key>> added;
+  for (const DatasetSpec& d : what.specs) {
+    checkDatasetName(d.name);
+    json spec = specToJson(d);
+    const auto present = find(tenant, d.name);
+    if (present && present->scope == what.scope && present->owner != tenant && present->readOnly)
+      throw Error("import: " + inQuotes(d.name) + " belongs to " + present->owner + " and is read-only");
+    const bool update = present && present->scope == what.scope && present->owner == tenant &&
+                        present->type == nameOf(d.type);
+    const Key key = update ? present->key : node_.keys.next();
+    spec["key"] = key.value;
+    spec["update"] = update;
+    if (update)
+      updates.push_back({{"key", key.value}, {"generation", present->generation + 1}});
+    else
+      added.emplace_back(&d, key);
+    parameters["datasets"].push_back(std::move(spec));
+  }
+  {
+    const std::lock_guard lock(mutex_);
+    imports_[exchange] = &request;
+  }
+  const std::shared_ptr<void> forget(nullptr, [&](void*) {
+    const std::lock_guard lock(mutex_);
+    imports_.erase(exchange);
+  });
+  node_.callAll("datasets.import", parameters);
+  if (!updates.empty()) node_.callAll("datasets.commit", {{"updates", updates}, {"commit", true}});
+  for (const auto& [d, key] : added) add(tenant, d->name, what.scope, key, d->type);
+  request.progress(int64_t(2 * what.specs.size()), int64_t(2 * what.specs.size()), "done");
+}
+
+}  // namespace gxy

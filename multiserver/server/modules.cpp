@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gxy/server/modules.h"
+
+#include <dlfcn.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <set>
+
+#include "gxy/comm/error.h"
+#include "gxy/scene/json_text.h"
+
+namespace gxy {
+
+const Verb* LoadedModule::find(const std::string& verb) const {
+  const auto found =
+      std::find_if(verbs_.begin(), verbs_.end(), [&](const Verb& v) { return v.name == verb; });
+  return found == verbs_.end() ? nullptr : &*found;
+}
+
+/// An open shared library with a module in it.
+class Modules::Library {
+ public:
+  Library(const std::string& name, const std::string& file)
+      : handle_(dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL)) {
+    if (!handle_) throw Error("module " + name + ": it cannot be loaded: " + dlerror());
+    const auto abi = reinterpret_cast<uint32_t (*)()>(dlsym(handle_, "galaxy_module_abi"));
+    register_ = reinterpret_cast<void (*)(Registration&)>(dlsym(handle_, "galaxy_module_register"));
+    std::string wrong;
+    if (!abi || !register_)
+      wrong = "the library is no module, expected one that defines GALAXY_MODULE";
+    else if (abi() != kModuleAbi)
+      wrong = "it was built for interface " + std::to_string(abi()) + ", expected " +
+              std::to_string(kModuleAbi) + "; build it anew against this server";
+    if (wrong.empty()) return;
+    dlclose(handle_);
+    throw Error("module " + name + ": " + wrong);
+  }
+  ~Library() {
+    if (!stays_) dlclose(handle_);
+  }
+  Library(const Library&) = delete;
+  Library& operator=(const Library&) = delete;
+
+  void registerIn(Registration& registration) const { register_(registration); }
+  /// From now on its functions may be anywhere, in tasks for instance, so it stays for the life of the process.
+  void stay() { stays_ = true; }
+
+ private:
+  void* handle_;
+  void (*register_)(Registration&) = nullptr;
+  bool stays_ = false;
+};
+
+Modules::Modules(Node& node) : node_(node) {}
+
+Modules::~Modules() {
+  loaded_.clear();
+  for (auto& [name, opened] : opened_) opened.registration.reset();  // its code is in the library
+}
+
+void Modules::addWorks() {
+  const auto named = [this](nlohmann::json (Modules::*action)(const std::string&)) {
+    return [this, action](const Work::Call& call) {
+      return (this->*action)(call.parameters.at("module").get<std::string>());
+    };
+  };
+  node_.work.add("modules.open", named(&Modules::open), Work::Runs::Waiting);
+  node_.work.add("modules.commit", named(&Modules::commit), Work::Runs::Waiting);
+  node_.work.add("modules.abandon", named(&Modules::abandon), Work::Runs::Waiting);
+}
+
+std::string Modules::fileOf(const std::string& name) const {
+  const bool plain = !name.empty() && name.size() <= 64 && std::all_of(name.begin(), name.end(), [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_';
+  });
+  if (!plain)
+    throw Error("module " + inQuotes(name.substr(0, 40)) + ": expected a name of letters, digits and _");
+  namespace fs = std::filesystem;
+  std::error_code failed;
+  const fs::path folder = fs::canonical(node_.options.moduleFolder, failed);
+  const fs::path file = fs::canonical(folder / ("galaxy_" + name + ".so"), failed);
+  if (failed || file.parent_path() != folder) {
+    std::string names;
+    for (const std::string& other : available()) names += (names.empty() ? "" : ", ") + other;
+    throw Error("module " + inQuotes(name) + ": there is none, expected one of: " + names);
+  }
+  return file.string();
+}
+
+std::vector<std::string> Modules::available() const {
+  std::set<std::string> names;
+  std::error_code failed;
+  for (const auto& file : std::filesystem::directory_iterator(node_.options.moduleFolder, failed)) {
+    const std::string stem = file.path().stem().string();
+    if (file.path().extension() == ".so" && stem.starts_with("galaxy_")) names.insert(stem.substr(7));
+  }
+  return {names.begin(), names.end()};
+}
+
+// On each rank: everything that can fail.
+nlohmann::json Modules::open(const std::string& name) {
+  Opened opened;
+  opened.library = std::make_unique<Library>(name, fileOf(name));
+  opened.registration = std::make_unique<Registration>(node_);
+  opened.library->registerIn(*opened.registration);
+  std::set<std::string> verbs;
+  for (const Verb& verb : opened.registration->verbs_)
+    if (!verbs.insert(verb.name).second || !verb.action)
+      throw Error("module " + name + ": verb " + verb.name + " is registered twice or without an action");
+  const std::lock_guard lock(mutex_);
+  for (const auto& [other, o] : opened_)
+    for (const auto& theirs : o.registration->works_)
+      for (const auto& ours : opened.registration->works_)
+        if (ours.name == theirs.name)
+          throw Error("module " + name + ": module " + other + " has a work " + ours.name +
+                      " too, expected a name of its own");
+  opened_.insert_or_assign(name, std::move(opened));
+  return nullptr;
+}
+
+nlohmann::json Modules::commit(const std::string& name) {
+  const std::lock_guard lock(mutex_);
+  const Registration& registration = *opened_.at(name).registration;
+  opened_.at(name).library->stay();
+  for (const auto& work : registration.works_) node_.work.add(work.name, work.action, work.runs);
+  loaded_[name] = std::make_shared<const LoadedModule>(name, registration.verbs_);
+  return nullptr;
+}
+
+nlohmann::json Modules::abandon(const std::string& name) {
+  Opened opened;
+  const std::lock_guard lock(mutex_);
+  if (const auto found = opened_.find(name); found != opened_.end()) {
+    opened = std::move(found->second);
+    opened_.erase(found);
+  }
+  opened.registration.reset();
+  return nullptr;
+}
+
+std::shared_ptr<const LoadedModule> Modules::load(const std::string& name) {
+  const std::lock_guard loading(loading_);
+  {
+    const std::lock_guard lock(mutex_);
+    if (const auto found = loaded_.find(name); found != loaded_.end()) return found->second;
+  }
+  fileOf(name);  // what is no name at all is told without the other ranks
+  try {
+    node_.callAll("modules.open", {{"module", name}});
+  } catch (const Error&) {
+    node_.callAll("modules.abandon", {{"module", name}});
+    throw;
+  }
+  node_.callAll("modules.commit", {{"module", name}});
+  const std::lock_guard lock(mutex_);
+  return loaded_.at(name);
+}
+
+}  // namespace gxy

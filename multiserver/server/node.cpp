@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gxy/server/node.h"
+
+#include <algorithm>
+#include <future>
+#include <set>
+
+#include "gxy/comm/error.h"
+#include "gxy/server/datasets.h"
+#include "gxy/server/modules.h"
+#include "gxy/server/server_verbs.h"
+
+namespace gxy {
+
+namespace {
+
+Renderer::Options rendererOptions(const NodeOptions& options, Ledger& ledger) {
+  Renderer::Options r;
+  r.raysInFlight = options.raysInFlight;
+  r.ledger = &ledger;
+  r.tenant = "frames";
+  return r;
+}
+
+}  // namespace
+
+Node::Node(Transport& t, NodeOptions o, const BackendRegistry& backends)
+    : transport(t),
+      options(std::move(o)),
+      folders(options.dataFolders),
+      keys(t.rank()),
+      tenants(options.tenantFrames),
+      backend(backends.make(options.backend)),
+      collective(t),
+      renderer(t, rendererOptions(options, ledger)),
+      datasets(std::make_unique<Datasets>(*this)),
+      modules(std::make_unique<Modules>(*this)),
+      work(t) {
+  datasets->addWorks();
+  modules->addWorks();
+  addServerWorks(*this);
+}
+
+Node::~Node() = default;
+
+std::vector<nlohmann::json> Node::callAll(const std::string& name, const nlohmann::json& parameters) {
+  const auto promise = std::make_shared<std::promise<std::vector<Work::Reply>>>();
+  work.broadcast(name, parameters,
+                 [promise](std::vector<Work::Reply> replies) { promise->set_value(std::move(replies)); });
+  std::vector<nlohmann::json> results;
+  std::string all;
+  std::set<std::string> reasons;
+  for (Work::Reply& reply : promise->get_future().get()) {
+    if (!reply.ok()) {
+      const std::string prefix = "rank " + std::to_string(reply.rank) + ": ";
+      reasons.insert(reply.error.starts_with(prefix) ? reply.error.substr(prefix.size()) : reply.error);
+      all += (all.empty() ? "" : "; ") + reply.error;
+    }
+    results.push_back(std::move(reply.result));
+  }
+  if (reasons.size() == 1) throw Error(*reasons.begin());
+  if (!reasons.empty()) throw Error(all);
+  return results;
+}
+
+void Node::expectMemory(const std::string& tenant, int64_t bytes) const {
+  const auto check = [&](int64_t used, int64_t limit, const std::string& whose) {
+    if (bytes > limit - used)
+      throw Error("memory: " + std::to_string(bytes) + " bytes are needed, but of " + whose + "'s " +
+                  std::to_string(limit) + " bytes " + std::to_string(used) +
+                  " are in use, expected room for them");
+  };
+  check(ledger.total(tenant), options.tenantMemory, "tenant " + tenant);
+  check(ledger.total(), options.memory, "this rank");
+}
+
+}  // namespace gxy

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Apache-2.0
+// One rank of the server: all that modules work with.
+#pragma once
+#include <atomic>
+#include <chrono>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "gxy/comm/collective.h"
+#include "gxy/comm/work.h"
+#include "gxy/io/collectives.h"
+#include "gxy/rays/backend.h"
+#include "gxy/render/renderer.h"
+#include "gxy/server/data_folders.h"
+#include "gxy/server/tenants.h"
+#include "gxy/space/directory.h"
+#include "gxy/space/ledger.h"
+#include "gxy/space/objects.h"
+
+namespace gxy {
+
+class Datasets;
+class Modules;
+
+struct NodeOptions {
+  std::vector<std::string> dataFolders;  ///< none: the current one
+  std::string moduleFolder;
+  std::string backend = "auto";
+  int64_t memory = int64_t(8) << 30;        ///< bytes of all tenants, on each rank
+  int64_t tenantMemory = int64_t(8) << 30;  ///< of one
+  int tenantFrames = 64;                    ///< renderings in flight of one tenant
+  int64_t raysInFlight = 1 << 20;           ///< of each rank
+};
+
+/// Made on every rank at the same time, over its Transport, and destroyed on all ranks together. Threads: its parts are
+/// thread safe each. The order of the members is that of their dependencies.
+struct Node {
+  /// Throws Error, possibly on this rank only, for options that cannot be met.
+  Node(Transport& transport, NodeOptions options, const BackendRegistry& backends);
+  ~Node();
+  Node(const Node&) = delete;
+  Node& operator=(const Node&) = delete;
+
+  int rank() const { return transport.rank(); }
+  int ranks() const { return transport.size(); }
+
+  /// A number that names one exchange of all ranks (Collective); rank 0 draws it and tells the others.
+  uint64_t nextExchange() { return ++exchanges_; }
+  RankCollectives collectives(uint64_t exchange) { return {collective, rank(), ranks(), exchange}; }
+
+  /// Work::callAll, with an error that all ranks have alike told once.
+  std::vector<nlohmann::json> callAll(const std::string& name, const nlohmann::json& parameters);
+
+  /// Whether a tenant may have so many bytes more on this rank. Throws Error if not.
+  void expectMemory(const std::string& tenant, int64_t bytes) const;
+
+  Transport& transport;
+  const NodeOptions options;
+  const DataFolders folders;
+  Ledger ledger;
+  Observers observers;
+  Objects objects{observers};
+  KeySource keys;
+  Directory directory;  ///< rank 0's counts
+  Tenants tenants;      ///< rank 0
+  const std::unique_ptr<Backend> backend;
+  Collective collective;
+  Renderer renderer;
+  const std::unique_ptr<Datasets> datasets;
+  const std::unique_ptr<Modules> modules;
+  Work work;  ///< last: its actions use all others
+
+  /// What the listening server on rank 0 answers for; set before clients come.
+  std::function<nlohmann::json()> clients = [] { return nlohmann::json::array(); };
+  std::function<void()> stop = [] {};
+
+  const std::chrono::steady_clock::time_point begin = std::chrono::steady_clock::now();
+
+ private:
+  std::atomic<uint64_t> exchanges_ = 1;
+};
+
+}  // namespace gxy

@@ -1,0 +1,220 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gxy/server/outbox.h"
+
+#include <algorithm>
+#include <chrono>
+
+#include "gxy/protocol/json.h"
+
+namespace gxy {
+
+using protocol::FrameChannel;
+using protocol::PixelKind;
+
+namespace {
+
+PixelKind kindOf(const protocol::Frame& frame) { return protocol::pixelHeader(frame.payload).kind; }
+
+}  // namespace
+
+Outbox::Outbox(Limits limits, std::function<void()> wake, LedgerEntry memory)
+    : limits_(limits), wake_(std::move(wake)), memory_(std::move(memory)) {}
+
+void Outbox::account(int64_t bytes) {
+  counters_.queuedBytes += uint64_t(bytes);
+  counters_.mostQueuedBytes = std::max(counters_.mostQueuedBytes, counters_.queuedBytes);
+  memory_.resize(int64_t(counters_.queuedBytes));
+}
+
+// With the lock held.
+void Outbox::add(std::deque<Frame>& queue, Frame frame) {
+  account(int64_t(frame.payload.size()));
+  queue.push_back(std::move(frame));
+}
+
+void Outbox::control(std::string_view text) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (closed_) return;
+    add(control_, protocol::textFrame(FrameChannel::Control, 0, text));
+  }
+  wake_();
+}
+
+void Outbox::farewell(std::string_view text) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (closed_) return;
+    farewell_ = protocol::textFrame(FrameChannel::Control, 0, text);
+  }
+  wake_();
+}
+
+void Outbox::reply(uint32_t id, std::string_view text) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (closed_) return;
+    textBytes_ += text.size();
+    add(text_, protocol::textFrame(FrameChannel::Reply, id, text));
+  }
+  wake_();
+}
+
+bool Outbox::event(const nlohmann::json& event) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (closed_) return false;
+    if (textBytes_ > limits_.text) {
+      lost_++;
+      counters_.eventsLost++;
+      return false;
+    }
+    const auto put = [this](const nlohmann::json& json) {
+      Frame frame = protocol::textFrame(FrameChannel::Event, 0, protocol::dump(json));
+      textBytes_ += frame.payload.size();
+      add(text_, std::move(frame));
+    };
+    if (lost_) put({{"event", "lost"}, {"count", std::exchange(lost_, 0)}});
+    put(event);
+  }
+  wake_();
+  return true;
+}
+
+// Ends of frames stay: each is promised to come.
+void Outbox::dropTilesOf(Window& window, bool endsOfPassesToo) {
+  std::deque<Frame> kept;
+  for (Frame& frame : window.records) {
+    const PixelKind kind = kindOf(frame);
+    if (kind == PixelKind::EndOfFrame || (kind == PixelKind::EndOfPass && !endsOfPassesToo)) {
+      kept.push_back(std::move(frame));
+      continue;
+    }
+    counters_.tilesDropped += kind == PixelKind::Tile;
+    pixelBytes_ -= frame.payload.size();
+    account(-int64_t(frame.payload.size()));
+  }
+  window.records = std::move(kept);
+}
+
+bool Outbox::pixels(Bytes record) {
+  const protocol::PixelHeader header = protocol::pixelHeader(record);
+  {
+    const std::lock_guard lock(mutex_);
+    if (closed_) return true;
+    Window& window = windows_[header.window];
+    if (header.kind == PixelKind::Tile) {
+      const bool otherFrame = window.frame != header.frame;
+      if (otherFrame || window.scale != header.scale || window.pass != header.pass)
+        dropTilesOf(window, otherFrame);
+      window.frame = header.frame;
+      window.scale = header.scale;
+      window.pass = header.pass;
+      if (pixelBytes_ + record.size() > limits_.pixels) {
+        counters_.tilesDropped++;
+        return false;
+      }
+    }
+    pixelBytes_ += record.size();
+    if (header.kind == PixelKind::EndOfFrame)
+      textBytes_ += record.size();  // they too make a client congested
+    add(window.records, {FrameChannel::Pixels, 0, std::move(record)});
+  }
+  wake_();
+  return true;
+}
+
+void Outbox::dropTiles(uint32_t id) {
+  const std::lock_guard lock(mutex_);
+  const auto window = windows_.find(id);
+  if (window != windows_.end()) dropTilesOf(window->second, true);
+}
+
+bool Outbox::file(uint32_t id, Bytes payload, const std::function<bool()>& cancelled) {
+  {
+    std::unique_lock lock(mutex_);
+    while (!closed_ && fileBytes_ > 0 && fileBytes_ + payload.size() > limits_.files) {
+      if (cancelled()) return false;
+      filesLeft_.wait_for(lock, std::chrono::milliseconds(100));
+    }
+    if (closed_) return false;
+    fileBytes_ += payload.size();
+    add(files_, {FrameChannel::File, id, std::move(payload)});
+  }
+  wake_();
+  return true;
+}
+
+Outbox::Frame Outbox::taken(std::deque<Frame>& queue) {
+  Frame frame = std::move(queue.front());
+  queue.pop_front();
+  account(-int64_t(frame.payload.size()));
+  counters_.sentBytes += frame.payload.size() + protocol::kHeaderBytes;
+  return frame;
+}
+
+std::optional<Outbox::Frame> Outbox::next() {
+  const std::lock_guard lock(mutex_);
+  if (closed_) return std::nullopt;
+  if (!control_.empty()) return taken(control_);
+  // A reply follows the files that were sent for its request.
+  if (farewell_ && text_.empty()) {
+    closed_ = true;
+    return std::exchange(farewell_, std::nullopt);
+  }
+  if (!text_.empty() && (farewell_ || files_.empty() || text_.front().channel == FrameChannel::Event ||
+                         std::none_of(files_.begin(), files_.end(),
+                                      [&](const Frame& f) { return f.id == text_.front().id; }))) {
+    textBytes_ -= text_.front().payload.size();
+    return taken(text_);
+  }
+  auto window = windows_.upper_bound(lastWindow_);
+  for (size_t tried = 0; tried < windows_.size(); tried++, ++window) {
+    if (window == windows_.end()) window = windows_.begin();
+    if (window->second.records.empty()) continue;
+    lastWindow_ = window->first;
+    const Frame& first = window->second.records.front();
+    pixelBytes_ -= first.payload.size();
+    const PixelKind kind = kindOf(first);
+    counters_.tilesSent += kind == PixelKind::Tile;
+    if (kind == PixelKind::EndOfFrame) textBytes_ -= first.payload.size();
+    Frame frame = taken(window->second.records);
+    if (window->second.records.empty() && kind == PixelKind::EndOfFrame) windows_.erase(window);
+    return frame;
+  }
+  if (files_.empty()) return std::nullopt;
+  fileBytes_ -= files_.front().payload.size();
+  filesLeft_.notify_all();
+  return taken(files_);
+}
+
+bool Outbox::congested() const {
+  const std::lock_guard lock(mutex_);
+  return textBytes_ > limits_.text;
+}
+
+bool Outbox::empty() const {
+  const std::lock_guard lock(mutex_);
+  return control_.empty() && text_.empty() && files_.empty() &&
+         std::all_of(windows_.begin(), windows_.end(),
+                     [](const auto& w) { return w.second.records.empty(); });
+}
+
+void Outbox::close() {
+  const std::lock_guard lock(mutex_);
+  closed_ = true;
+  control_.clear();
+  text_.clear();
+  files_.clear();
+  windows_.clear();
+  counters_.queuedBytes = 0;
+  memory_.resize(0);
+  filesLeft_.notify_all();
+}
+
+Outbox::Counters Outbox::counters() const {
+  const std::lock_guard lock(mutex_);
+  return counters_;
+}
+
+}  // namespace gxy

@@ -1,0 +1,238 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gxy/server/server.h"
+
+#include <spdlog/spdlog.h>
+
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/post.hpp>
+#include <boost/asio/signal_set.hpp>
+#include <boost/asio/steady_timer.hpp>
+
+#include <atomic>
+#include <condition_variable>
+#include <csignal>
+#include <future>
+#include <mutex>
+#include <set>
+#include <thread>
+
+#include "gxy/comm/error.h"
+
+namespace gxy {
+
+namespace asio = boost::asio;
+using asio::ip::tcp;
+using nlohmann::json;
+
+class Server::Impl {
+ public:
+  Impl(Node& node, ServerOptions options, std::function<void()> onStop)
+      : node_(node),
+        options_(std::move(options)),
+        onStop_(std::move(onStop)),
+        acceptor_(context_),
+        signals_(context_),
+        timer_(context_) {
+    listen();
+    if (options_.signals) {
+      signals_.add(SIGINT);
+      signals_.add(SIGTERM);
+      signals_.async_wait([this](auto failed, int) {
+        if (!failed) stop();
+      });
+    }
+    node_.clients = [this] { return statistics(); };
+    node_.stop = [this] { stop(); };
+    accept();
+    watchIdleness();
+    thread_ = std::thread([this] { context_.run(); });
+  }
+
+  ~Impl() {
+    asio::post(context_, [this] {
+      boost::system::error_code ignored;
+      acceptor_.close(ignored);
+      signals_.cancel(ignored);
+      retry_ = false;
+      timer_.cancel(ignored);
+      for (const auto& connection : std::set(connections_)) connection->bye("the server stops");
+      const std::lock_guard lock(mutex_);
+      ending_ = true;
+      changed_.notify_all();
+    });
+    {
+      std::unique_lock lock(mutex_);
+      changed_.wait(lock, [this] { return count_ == 0 && sessionsEnding_ == 0 && ending_; });
+    }
+    context_.stop();
+    thread_.join();
+    node_.clients = [] { return json::array(); };
+    node_.stop = [] {};
+  }
+
+  uint16_t port() const { return port_; }
+  size_t clients() const {
+    const std::lock_guard lock(mutex_);
+    return count_;
+  }
+
+ private:
+  using ConnectionPtr = std::shared_ptr<Connection>;
+
+  void listen() {
+    try {
+      const tcp::endpoint where(asio::ip::make_address(options_.bind), options_.port);
+      acceptor_.open(where.protocol());
+      acceptor_.set_option(tcp::acceptor::reuse_address(true));
+      acceptor_.bind(where);
+      acceptor_.listen(asio::socket_base::max_listen_connections);
+      port_ = acceptor_.local_endpoint().port();
+    } catch (const boost::system::system_error& e) {
+      throw Error("cannot listen on " + options_.bind + " port " + std::to_string(options_.port) + ": " +
+                  e.code().message() + "; expected a free port and an address of this machine");
+    }
+  }
+
+  void accept() {
+    acceptor_.async_accept([this](auto failed, tcp::socket socket) {
+      if (failed == asio::error::operation_aborted || ending_) return;
+      if (failed) {  // no descriptors left, for instance
+        spdlog::warn("rank 0: a client could not be accepted: {}", failed.message());
+        timer_.expires_after(std::chrono::milliseconds(100));
+        retry_ = true;
+        return timer_.async_wait([this](auto) {
+          if (std::exchange(retry_, false)) {
+            accept();
+            watchIdleness();
+          }
+        });
+      }
+      const auto connection = std::make_shared<Connection>(
+          std::move(socket), node_, options_.connection,
+          [this](const protocol::Hello& hello, const std::shared_ptr<Outbox>& outbox,
+                 protocol::Welcome& welcome,
+                 std::string& reason) { return admit(hello, outbox, welcome, reason); },
+          [this](const ConnectionPtr& c) { closed(c); });
+      connections_.insert(connection);
+      {
+        const std::lock_guard lock(mutex_);
+        count_ = connections_.size();
+      }
+      connection->start();
+      accept();
+    });
+  }
+
+  std::shared_ptr<Session> admit(const protocol::Hello& hello, const std::shared_ptr<Outbox>& outbox,
+                                 protocol::Welcome& welcome, std::string& reason) {
+    const auto identity = node_.tenants.identify(hello.token, hello.tenant);
+    if (!identity) {
+      spdlog::warn("rank 0: client {} came with a wrong token", protocol::asLogged(hello.client));
+      reason =
+          "the token is wrong; a client finds it by itself on the server's machine, or takes --token-file";
+      return nullptr;
+    }
+    if (connections_.size() > options_.connection.limits.clients) {
+      reason =
+          std::to_string(options_.connection.limits.clients) + " clients are connected, no more are allowed";
+      return nullptr;
+    }
+    Session::Identity who{++sessions_, hello.client, identity->tenant, identity->administrator};
+    welcome = {"gxyserver 0.1",   who.tenant,    who.number,
+               who.administrator, node_.ranks(), options_.connection.limits};
+    spdlog::info("rank 0: session {} of tenant {}: {}", who.number, who.tenant,
+                 protocol::asLogged(who.client));
+    return std::make_shared<Session>(node_, outbox, std::move(who), options_.connection.limits);
+  }
+
+  void closed(const ConnectionPtr& connection) {
+    connections_.erase(connection);
+    idleSince_ = std::chrono::steady_clock::now();
+    const auto session = connection->session();
+    {
+      const std::lock_guard lock(mutex_);
+      if (session) sessionsEnding_++;
+      count_ = connections_.size();
+      changed_.notify_all();
+    }
+    if (!session) return;
+    node_.transport.postWaiting([this, session] {
+      session->end();
+      spdlog::info("rank 0: session {} has ended", session->identity().number);
+      const std::lock_guard lock(mutex_);
+      sessionsEnding_--;
+      changed_.notify_all();
+    });
+  }
+
+  // From any thread; the sockets' own thread is asked.
+  json statistics() {
+    const auto list = std::make_shared<std::promise<json>>();
+    asio::post(context_, [this, list] {
+      json clients = json::array();
+      for (const ConnectionPtr& c : connections_) {
+        if (!c->session()) continue;
+        const Outbox::Counters o = c->outbox().counters();
+        const Session::Identity& who = c->session()->identity();
+        clients.push_back({{"session", who.number},
+                           {"client", who.client},
+                           {"tenant", who.tenant},
+                           {"queued bytes", o.queuedBytes},
+                           {"most queued bytes", o.mostQueuedBytes},
+                           {"sent bytes", o.sentBytes},
+                           {"received bytes", c->receivedBytes()},
+                           {"tiles sent", o.tilesSent},
+                           {"tiles dropped", o.tilesDropped},
+                           {"events lost", o.eventsLost},
+                           {"requests", c->session()->unanswered()}});
+      }
+      list->set_value(std::move(clients));
+    });
+    return list->get_future().get();
+  }
+
+  void watchIdleness() {
+    if (options_.idleExit.count() == 0) return;
+    timer_.expires_after(std::chrono::seconds(1));
+    timer_.async_wait([this](auto failed) {
+      if (failed || ending_) return;
+      const auto now = std::chrono::steady_clock::now();
+      if (!connections_.empty()) idleSince_ = now;
+      if (now >= idleSince_ + options_.idleExit) return stop();
+      watchIdleness();
+    });
+  }
+
+  void stop() {
+    if (!stopped_.exchange(true)) onStop_();
+  }
+
+  Node& node_;
+  const ServerOptions options_;
+  const std::function<void()> onStop_;
+  std::atomic<bool> stopped_ = false;
+  asio::io_context context_{1};
+  tcp::acceptor acceptor_;
+  asio::signal_set signals_;
+  asio::steady_timer timer_;
+  uint16_t port_ = 0;
+  std::set<ConnectionPtr> connections_;  ///< the sockets' thread only, as the next four
+  uint64_t sessions_ = 0;
+  std::chrono::steady_clock::time_point idleSince_ = std::chrono::steady_clock::now();
+  bool retry_ = false;
+
+  mutable std::mutex mutex_;
+  std::condition_variable changed_;
+  size_t count_ = 0, sessionsEnding_ = 0;
+  std::atomic<bool> ending_ = false;
+  std::thread thread_;
+};
+
+Server::Server(Node& node, ServerOptions options, std::function<void()> onStop)
+    : impl_(std::make_unique<Impl>(node, std::move(options), std::move(onStop))) {}
+Server::~Server() = default;
+uint16_t Server::port() const { return impl_->port(); }
+size_t Server::clients() const { return impl_->clients(); }
+
+}  // namespace gxy

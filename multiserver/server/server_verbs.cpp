@@ -1,0 +1,197 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gxy/server/server_verbs.h"
+
+#include <algorithm>
+#include <charconv>
+#include <vector>
+
+#include "gxy/comm/error.h"
+#include "gxy/scene/read_context.h"
+#include "gxy/server/modules.h"
+
+namespace gxy {
+
+namespace {
+
+using nlohmann::json;
+
+struct Offered {
+  std::string name;  ///< as to be typed
+  const Verb* verb;
+};
+
+const std::vector<Verb>& serverVerbs();
+
+// All that a session can say, hidden verbs by their full names.
+std::vector<Offered> offeredTo(const Session& session) {
+  std::vector<Offered> offered;
+  for (const Verb& verb : serverVerbs()) offered.push_back({verb.name, &verb});
+  for (const auto& module : session.modules())
+    for (const Verb& verb : module->verbs()) {
+      const bool hidden =
+          std::any_of(offered.begin(), offered.end(), [&](const Offered& o) { return o.name == verb.name; });
+      offered.push_back({hidden ? module->name() + "." + verb.name : verb.name, &verb});
+    }
+  return offered;
+}
+
+json help(Request& request) {
+  const std::string wanted = request.arguments();
+  json verbs = json::array();
+  std::string text;
+  for (const auto& [name, verb] : offeredTo(request.session())) {
+    if (!wanted.empty() && wanted != name && wanted != verb->name) continue;
+    verbs.push_back({{"verb", name}, {"arguments", verb->arguments}, {"help", verb->help}});
+    text += (text.empty() ? "" : "\n") + name + (verb->arguments.empty() ? "" : " " + verb->arguments) +
+            ";\n    " + verb->help;
+  }
+  if (verbs.empty()) throw Error("help: there is no verb " + inQuotes(wanted) + "; `help` lists them");
+  return {{"verbs", verbs}, {"text", text}};
+}
+
+json load(Request& request) {
+  Session& session = request.session();
+  const auto module = session.node().modules->load(request.arguments());
+  json verbs = json::array(), hidden = json::array();
+  for (const Verb& verb : module->verbs()) {
+    verbs.push_back(verb.name);
+    bool taken = serverVerb(verb.name) != nullptr;
+    for (const auto& other : session.modules()) {
+      if (other == module) break;
+      taken = taken || other->find(verb.name);
+    }
+    if (taken) hidden.push_back(verb.name);
+  }
+  session.addModule(module);
+  return {{"module", module->name()}, {"verbs", verbs}, {"hidden", hidden}};
+}
+
+json modules(Request& request) {
+  json loaded = json::array();
+  std::string text = "loaded:";
+  for (const auto& module : request.session().modules()) {
+    loaded.push_back(module->name());
+    text += " " + module->name();
+  }
+  const json available = request.session().node().modules->available();
+  text += "\navailable:";
+  for (const auto& name : available) text += " " + name.get<std::string>();
+  return {{"loaded", loaded}, {"available", available}, {"text", text}};
+}
+
+json statisticsOfRank(const Node& node) {
+  const Renderer::Counters c = node.renderer.counters();
+  const Renderer::Kept kept = node.renderer.kept();
+  const Transport::Counters t = node.transport.counters();
+  json lines = json::array();
+  for (const Ledger::Line& line : node.ledger.snapshot())
+    if (line.bytes != 0)
+      lines.push_back({{"tenant", line.tenant}, {"purpose", line.purpose}, {"bytes", line.bytes}});
+  return {{"rank", node.rank()},
+          {"memory",
+           {{"ledger", node.ledger.total()},
+            {"peak", node.ledger.peak()},
+            {"resident", processBytes().resident},
+            {"limit", node.options.memory},
+            {"by purpose", lines}}},
+          {"rays",
+           {{"traced", c.trace.raysTraced},
+            {"forwarded", c.raysForwarded},
+            {"retired", c.raysRetired},
+            {"in flight", kept.credits}}},
+          {"frames", kept.frames},
+          {"messages", t.messagesSent},
+          {"bytes", t.bytesSent},
+          {"packets", t.packetsSent},
+          {"most bytes waiting", t.mostBytesWaiting}};
+}
+
+std::string mebibytes(const json& bytes) {
+  return std::to_string((bytes.get<int64_t>() + (1 << 19)) >> 20) + " MiB";
+}
+
+json stat(Request& request) {
+  Node& node = request.session().node();
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - node.begin).count();
+  json result{{"ranks", node.callAll("server.stat", json::object())},
+              {"clients", node.clients()},
+              {"tenants", node.tenants.statistics()},
+              {"seconds", seconds}};
+  std::string text = "up " + std::to_string(int64_t(seconds)) + " s, " + std::to_string(node.ranks()) +
+                     " ranks, " + std::to_string(result["clients"].size()) + " clients";
+  for (const json& rank : result["ranks"]) {
+    text += "\nrank " + rank["rank"].dump() + ": " + mebibytes(rank["memory"]["ledger"]) +
+            " in the ledger (of " + mebibytes(rank["memory"]["limit"]) + "), " +
+            mebibytes(rank["memory"]["resident"]) + " resident, " + rank["frames"].dump() + " frames, " +
+            rank["rays"]["in flight"].dump() + " rays in flight, " + rank["messages"].dump() + " messages";
+    for (const json& line : rank["memory"]["by purpose"])
+      text += "\n  " + line["tenant"].get<std::string>() + ", " + line["purpose"].get<std::string>() + ": " +
+              mebibytes(line["bytes"]);
+  }
+  for (const json& c : result["clients"])
+    text += "\nclient " + c["session"].dump() + ": " + c["client"].get<std::string>() + " of " +
+            c["tenant"].get<std::string>() + ", " + mebibytes(c["queued bytes"]) + " queued, " +
+            mebibytes(c["sent bytes"]) + " sent";
+  result["text"] = text;
+  return result;
+}
+
+json cancel(Request& request) {
+  const std::string& text = request.arguments();
+  uint32_t id = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), id);
+  if (error != std::errc() || end != text.data() + text.size())
+    throw Error("cancel: " + inQuotes(text) + " is no request's id, expected `cancel ID`");
+  request.session().cancel(id);
+  return nullptr;
+}
+
+json echo(Request& request) { return {{"text", request.arguments()}}; }
+
+json quit(Request& request) {
+  if (!request.session().identity().administrator)
+    throw Error("quit: only an administrator may stop the server; `exit` leaves the client");
+  request.onAnswered([&node = request.session().node()] { node.stop(); });
+  return nullptr;
+}
+
+const std::vector<Verb>& serverVerbs() {
+  static const std::vector<Verb> verbs{
+      {"help", "[VERB]", "Lists what can be asked.", Order::AtOnce, help},
+      {"load", "MODULE", "Loads a module for this session.", Order::InTurn, load},
+      {"modules", "", "Lists the session's modules, and those there are.", Order::InTurn, modules},
+      {"stat", "", "What the server uses and does, by rank, tenant and client.", Order::AtOnce, stat},
+      {"cancel", "ID", "Ends a request of this session.", Order::AtOnce, cancel},
+      {"echo", "[TEXT]", "Answers with the same text.", Order::InTurn, echo},
+      {"quit", "", "Stops the server (administrators).", Order::InTurn, quit}};
+  return verbs;
+}
+
+}  // namespace
+
+const Verb* serverVerb(const std::string& name) {
+  const std::string own = name.starts_with("server.") ? name.substr(7) : name;
+  for (const Verb& verb : serverVerbs())
+    if (verb.name == own) return &verb;
+  return nullptr;
+}
+
+const Verb& resolveVerb(Session& session, const std::string& name) {
+  if (const Verb* own = serverVerb(name)) return *own;
+  const size_t dot = name.find('.');
+  const std::string module = dot == std::string::npos ? "" : name.substr(0, dot);
+  const std::string verb = dot == std::string::npos ? name : name.substr(dot + 1);
+  for (const auto& m : session.modules())
+    if (module.empty() || m->name() == module)
+      if (const Verb* found = m->find(verb)) return *found;
+  std::vector<std::string> names;
+  for (const auto& o : offeredTo(session)) names.push_back(o.name);
+  throw Error("verb " + inQuotes(name) + ": there is none in the session's modules" +
+              suggestion(name, names) + "; `help` lists them, `load MODULE` adds some");
+}
+
+void addServerWorks(Node& node) {
+  node.work.add("server.stat", [&node](const Work::Call&) { return statisticsOfRank(node); });
+}
+
+}  // namespace gxy

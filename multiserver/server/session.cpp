@@ -1,0 +1,196 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gxy/server/session.h"
+
+#include "gxy/comm/error.h"
+#include "gxy/protocol/json.h"
+#include "gxy/protocol/statement.h"
+#include "gxy/server/server_verbs.h"
+
+namespace gxy {
+
+Request::Request(Session& session, uint32_t id, std::string verb, std::string arguments)
+    : session_(session), id_(id), verb_(std::move(verb)), arguments_(std::move(arguments)) {}
+
+void Request::check() const {
+  if (cancelled_) throw Error("cancelled");
+}
+
+void Request::onCancel(std::function<void()> action) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (!cancelled_) return cancelActions_.push_back(std::move(action));
+  }
+  action();
+}
+
+void Request::cancel() {
+  std::vector<std::function<void()>> actions;
+  {
+    const std::lock_guard lock(mutex_);
+    cancelled_ = true;
+    actions.swap(cancelActions_);
+  }
+  for (const auto& action : actions) action();
+}
+
+void Request::onAnswered(std::function<void()> action) {
+  const std::lock_guard lock(mutex_);
+  answeredActions_.push_back(std::move(action));
+}
+
+void Request::progress(int64_t done, int64_t of, const std::string& text) {
+  {
+    const std::lock_guard lock(mutex_);
+    const auto now = std::chrono::steady_clock::now();
+    if (done < of && now < lastProgress_ + std::chrono::milliseconds(100)) return;
+    lastProgress_ = now;
+  }
+  session_.outbox().event(
+      {{"event", "progress"}, {"request", id_}, {"done", done}, {"of", of}, {"text", text}});
+}
+
+Session::Session(Node& node, std::shared_ptr<Outbox> outbox, Identity identity, protocol::Limits limits)
+    : node_(node), outbox_(std::move(outbox)), identity_(std::move(identity)), limits_(limits) {}
+
+Session::~Session() = default;
+
+void Session::submit(uint32_t id, std::string text) {
+  std::string wrong;
+  protocol::Statement statement;
+  const Verb* atOnce = nullptr;
+  try {
+    if (!protocol::isUtf8(text)) throw Error("statement: its text is not UTF-8");
+    statement = protocol::parseStatement(text);
+    atOnce = serverVerb(statement.verb);
+    if (atOnce && atOnce->order != Order::AtOnce) atOnce = nullptr;
+  } catch (const Error& e) {
+    wrong = e.what();
+  }
+  const auto request = std::make_shared<Request>(*this, id, statement.verb, std::move(statement.arguments));
+  bool begin = false;
+  {
+    const std::lock_guard lock(mutex_);
+    if (ended_) return;
+    if (id == 0 || !requests_.emplace(id, request).second)
+      throw Error("request with id " + std::to_string(id) + ", which is 0 or not answered yet");
+    if (wrong.empty() && !atOnce) {
+      queue_.push_back(request);
+      begin = !std::exchange(running_, true);
+    }
+  }
+  if (!wrong.empty()) return answer(request, "error: " + wrong);
+  if (atOnce) return start(request, atOnce->action);
+  if (begin) node_.transport.postWaiting([self = shared_from_this()] { self->runNext(); });
+}
+
+// Runs what is queued, until nothing is.
+void Session::runNext() {
+  for (;;) {
+    RequestPtr request;
+    {
+      const std::lock_guard lock(mutex_);
+      if (queue_.empty()) {
+        running_ = false;
+        answered_.notify_all();
+        return;
+      }
+      request = std::move(queue_.front());
+      queue_.pop_front();
+    }
+    // By value: the action lives in a module, which stays, or in a table of the server.
+    const Verb* verb = nullptr;
+    try {
+      verb = &resolveVerb(*this, request->verb());
+    } catch (const Error& e) {
+      answer(request, std::string("error: ") + e.what());
+      continue;
+    }
+    if (verb->order == Order::InTurn)
+      run(request, verb->action);
+    else
+      start(request, verb->action);
+  }
+}
+
+void Session::start(const RequestPtr& request, std::function<nlohmann::json(Request&)> action) {
+  node_.transport.postWaiting(
+      [self = shared_from_this(), request, action = std::move(action)] { self->run(request, action); });
+}
+
+void Session::run(const RequestPtr& request, const std::function<nlohmann::json(Request&)>& action) {
+  std::string text;
+  try {
+    request->check();
+    const nlohmann::json result = action(*request);
+    text = result.is_null() ? "ok" : "ok " + protocol::dump(result);
+  } catch (const std::exception& e) {
+    text = request->cancelled() ? "error: cancelled" : std::string("error: ") + e.what();
+  } catch (...) {
+    text = "error: " + request->verb() + " failed with an exception that is no std::exception";
+  }
+  answer(request, text);
+}
+
+void Session::answer(const RequestPtr& request, const std::string& text) {
+  {
+    const std::lock_guard lock(mutex_);
+    requests_.erase(request->id());
+  }
+  outbox_->reply(request->id(), text);
+  if (onAnswered) onAnswered();
+  for (const auto& action : request->answeredActions_) action();
+  const std::lock_guard lock(mutex_);
+  answered_.notify_all();
+}
+
+size_t Session::unanswered() const {
+  const std::lock_guard lock(mutex_);
+  return requests_.size();
+}
+
+void Session::cancel(uint32_t id) {
+  RequestPtr request;
+  {
+    const std::lock_guard lock(mutex_);
+    if (const auto found = requests_.find(id); found != requests_.end()) request = found->second;
+  }
+  if (request) request->cancel();
+}
+
+void Session::end() {
+  std::map<uint32_t, RequestPtr> requests;
+  {
+    const std::lock_guard lock(mutex_);
+    ended_ = true;
+    requests = requests_;
+  }
+  for (const auto& [id, request] : requests) request->cancel();
+  requests.clear();
+  std::map<std::type_index, std::shared_ptr<void>> states;
+  std::unique_lock lock(mutex_);
+  answered_.wait(lock, [this] { return requests_.empty() && !running_; });
+  states.swap(states_);
+  lock.unlock();
+}
+
+std::shared_ptr<void> Session::stateOf(std::type_index type,
+                                       const std::function<std::shared_ptr<void>()>& make) {
+  const std::lock_guard lock(mutex_);
+  const auto found = states_.find(type);
+  if (found != states_.end() || !make) return found == states_.end() ? nullptr : found->second;
+  return states_[type] = make();
+}
+
+std::vector<std::shared_ptr<const LoadedModule>> Session::modules() const {
+  const std::lock_guard lock(mutex_);
+  return modules_;
+}
+
+void Session::addModule(std::shared_ptr<const LoadedModule> module) {
+  const std::lock_guard lock(mutex_);
+  for (const auto& m : modules_)
+    if (m == module) return;
+  modules_.push_back(std::move(module));
+}
+
+}  // namespace gxy

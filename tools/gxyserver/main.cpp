@@ -1,0 +1,196 @@
+// SPDX-License-Identifier: Apache-2.0
+// gxyserver: the multiserver. Every rank makes a Node; rank 0 listens.
+#include <spdlog/sinks/stdout_color_sinks.h>
+#include <spdlog/spdlog.h>
+#include <unistd.h>
+
+#include <pwd.h>
+#include <condition_variable>
+#include <csignal>
+#include <cstdlib>
+#include <iostream>
+#include <mutex>
+
+#include "gxy/comm/error.h"
+#include "gxy/comm/mpi_environment.h"
+#include "gxy/comm/mpi_transport.h"
+#include "gxy/embree/embree_backend.h"
+#include "gxy/io/replace_file.h"
+#include "gxy/protocol/run_files.h"
+#include "options.h"
+
+using namespace gxy;
+
+namespace {
+
+/// Opens once, for all who wait.
+class Gate {
+ public:
+  void open() {
+    const std::lock_guard lock(mutex_);
+    open_ = true;
+    changed_.notify_all();
+  }
+  void wait() {
+    std::unique_lock lock(mutex_);
+    changed_.wait(lock, [this] { return open_; });
+  }
+
+ private:
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  bool open_ = false;
+};
+
+std::string userName() {
+  const passwd* user = getpwuid(getuid());
+  return user ? user->pw_name : "user" + std::to_string(getuid());
+}
+
+std::string hostName() {
+  char name[256] = {};
+  return gethostname(name, sizeof name - 1) == 0 ? name : "HOST";
+}
+
+/// The tokens of this server's tenants, which exist before it listens, and their files while it runs.
+class TokenFiles {
+ public:
+  TokenFiles(Tenants& tenants, const ServeOptions& options) : options_(options) {
+    if (options.noToken) {
+      tenants.admitAll();
+      return;
+    }
+    for (const std::string& name : options.tenants)
+      if (name.empty() || name.find('/') != std::string::npos || name[0] == '.')
+        throw Error("--tenant " + name + ": expected a name without / that does not begin with a dot");
+    tokens_.push_back(newToken());
+    tenants.add(tokens_.back(), {userName(), true});
+    for (const std::string& name : options.tenants) {
+      tokens_.push_back(newToken());
+      tenants.add(tokens_.back(), {name, false});
+    }
+  }
+  ~TokenFiles() { remove(); }
+  void write(uint16_t port) {
+    if (tokens_.empty()) return;
+    if (options_.tokenFile.empty() || !options_.tenants.empty()) protocol::makeRunDirectory();
+    for (size_t i = 0; i < tokens_.size(); i++) {
+      const std::string file = i > 0 ? protocol::tokenFile(port, options_.tenants[i - 1])
+                               : options_.tokenFile.empty() ? protocol::tokenFile(port)
+                                                            : options_.tokenFile;
+      protocol::writeToken(file, tokens_[i]);
+      files_.push_back(file);
+    }
+  }
+  void remove() {
+    for (const std::string& file : files_) unlink(file.c_str());
+    files_.clear();
+  }
+  const std::vector<std::string>& files() const { return files_; }
+
+ private:
+  const ServeOptions& options_;
+  std::vector<std::string> tokens_, files_;
+};
+
+void announce(const ServeOptions& options, uint16_t port, int ranks, const TokenFiles& tokens) {
+  const std::string p = std::to_string(port);
+  std::cout << "gxyserver: listening on " << options.server.bind << " port " << p << ", " << ranks << " rank"
+            << (ranks > 1 ? "s" : "") << "\n"
+            << "gxyserver: on this machine:  msdata" << (port == 5001 ? "" : " -P " + p) << "\n"
+            << "gxyserver: from elsewhere:   ssh -N -L " << p << ":localhost:" << p << " " << hostName()
+            << "   then, there: msdata -P " << p << " --token-file COPY\n";
+  for (const std::string& file : tokens.files()) std::cout << "gxyserver: token in " << file << "\n";
+  if (options.noToken)
+    std::cout << "gxyserver: no token is asked for: everybody who can connect may do all\n";
+  std::cout << std::flush;
+}
+
+int serve(const ServeOptions& options) {
+  MpiTransport::Options transportOptions;
+  transportOptions.threads = options.threads;
+  MpiTransport transport(transportOptions);
+  const bool root = transport.rank() == 0;
+  constexpr uint64_t kStart = 1;  // the exchange in which ranks agree on the start
+  std::string failure;
+  std::unique_ptr<Node> node;
+  Gate stopped;
+  // Rank 0 alone is told to stop, and tells the others.
+  if (!root) {
+    std::signal(SIGINT, SIG_IGN);
+    std::signal(SIGTERM, SIG_IGN);
+  }
+  std::signal(SIGPIPE, SIG_IGN);
+  try {
+    BackendRegistry backends;
+    backends.add("embree", makeEmbreeBackend);
+    node = std::make_unique<Node>(transport, options.node, backends);
+    node->work.add("gxyserver.stop", [&](const Work::Call&) {
+      stopped.open();
+      return nlohmann::json();
+    });
+  } catch (const std::exception& e) {
+    failure = e.what();
+  }
+  // A rank without a node still takes part.
+  std::unique_ptr<Collective> spare;
+  if (!node) spare = std::make_unique<Collective>(transport);
+  Collective& collective = node ? node->collective : *spare;
+  const auto agreed = [&](uint64_t exchange) {
+    try {
+      collective.agree(exchange, failure.empty() ? std::nullopt : std::optional(failure));
+      return true;
+    } catch (const Error& e) {
+      if (root) std::cerr << "gxyserver: error: " << e.what() << '\n';
+      return false;
+    }
+  };
+  bool good = agreed(kStart);
+  std::unique_ptr<Server> server;
+  std::unique_ptr<TokenFiles> tokens;
+  if (good && root) {
+    try {
+      tokens = std::make_unique<TokenFiles>(node->tenants, options);
+      server = std::make_unique<Server>(*node, options.server, [&] { stopped.open(); });
+      tokens->write(server->port());
+      announce(options, server->port(), transport.size(), *tokens);
+      if (!options.portFile.empty()) {
+        const std::string line = std::to_string(server->port()) + "\n";
+        replaceFile(options.portFile, std::as_bytes(std::span(line)));
+      }
+    } catch (const std::exception& e) {
+      failure = e.what();
+    }
+  }
+  good = good && agreed(kStart);
+  if (good) {
+    stopped.wait();
+    if (root) {
+      tokens->remove();  // first, should there be little time
+      server.reset();
+      node->work.broadcast("gxyserver.stop", nlohmann::json::object(), [](std::vector<Work::Reply>) {});
+      std::cout << "gxyserver: stopped\n" << std::flush;
+    }
+  }
+  server.reset();
+  if (node) node->collective.barrier(kStart);
+  return good ? 0 : 1;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  ServeOptions options;
+  try {
+    MpiEnvironment mpi;
+    const char* rank = std::getenv("OMPI_COMM_WORLD_RANK");  // who speaks, before there is a transport
+    if (!rank) rank = std::getenv("PMI_RANK");
+    if (const auto code = parseOptions(argc, argv, !rank || std::string(rank) == "0", options)) return *code;
+    spdlog::set_default_logger(spdlog::stderr_color_mt("gxyserver"));
+    spdlog::set_level(spdlog::level::from_str(options.logLevel));
+    return serve(options);
+  } catch (const std::exception& e) {
+    std::cerr << "gxyserver: error: " << e.what() << '\n';
+    return 1;
+  }
+}

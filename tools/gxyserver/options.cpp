@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "options.h"
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <iostream>
+
+namespace gxy {
+
+namespace {
+
+// Beside the program, built or installed.
+std::string defaultModules() {
+  std::error_code failed;
+  const auto program = std::filesystem::read_symlink("/proc/self/exe", failed);
+  for (const char* folder : {"../lib/galaxy", "../lib/x86_64-linux-gnu/galaxy", "../lib64/galaxy"}) {
+    const auto modules = std::filesystem::weakly_canonical(program.parent_path() / folder, failed);
+    if (std::filesystem::is_directory(modules, failed)) return modules.string();
+  }
+  return "modules";
+}
+
+}  // namespace
+
+std::optional<int> parseOptions(int argc, char** argv, bool speaks, ServeOptions& o) {
+  CLI::App app("A server that many clients share: data, rendering and analysis on all ranks of an MPI job.",
+               "gxyserver");
+  int64_t idle = 0;
+  o.node.moduleFolder = defaultModules();
+  app.add_option("--port", o.server.port, "TCP port; 0: any that is free")->capture_default_str();
+  app.add_option("--port-file", o.portFile, "a file to write the port to, once it listens");
+  app.add_option("--bind", o.server.bind, "the address to listen on")->capture_default_str();
+  app.add_option("--token-file", o.tokenFile, "where to leave the token (default: the user's run directory)");
+  app.add_flag("--no-token", o.noToken, "let everybody in who can connect: for tests only");
+  app.add_option("--tenant", o.tenants, "a further tenant, with a token file of its own; may be repeated");
+  app.add_option("--modules", o.node.moduleFolder, "folder of the modules")->capture_default_str();
+  app.add_option(
+      "--data", o.node.dataFolders,
+      "folder in which clients may read and write files; may be repeated (default: the current one)");
+  app.add_option("--backend", o.node.backend, "embree or auto")->capture_default_str();
+  app.add_option("--memory", o.node.memory, "bytes for data, on each rank, as 8G")
+      ->transform(CLI::AsSizeValue(false))
+      ->check(CLI::PositiveNumber);
+  app.add_option("--tenant-memory", o.node.tenantMemory,
+                 "bytes of one tenant, on each rank (default: as --memory)")
+      ->transform(CLI::AsSizeValue(false))
+      ->check(CLI::PositiveNumber);
+  app.add_option("--tenant-frames", o.node.tenantFrames, "renderings that a tenant may have in flight")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 100000));
+  app.add_option("--rays-in-flight", o.node.raysInFlight, "of each rank")
+      ->capture_default_str()
+      ->check(CLI::Range(int64_t(1), int64_t(1) << 40));
+  app.add_option("--max-clients", o.server.connection.limits.clients, "clients connected at once")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 100000));
+  app.add_option("--idle-exit", idle, "stop after so many minutes without clients; 0: never")
+      ->check(CLI::Range(int64_t(0), int64_t(1) << 30));
+  app.add_option("--threads", o.threads, "threads of each rank; 0: the node's cores shared by its ranks")
+      ->check(CLI::Range(0, 4096));
+  app.add_option("--log-level", o.logLevel, "debug, info, warn, error or off")
+      ->capture_default_str()
+      ->check(CLI::IsMember({"debug", "info", "warn", "error", "off"}));
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& e) {
+    std::ostream nowhere(nullptr);
+    const int code = app.exit(e, speaks ? std::cout : nowhere, speaks ? std::cerr : nowhere);
+    return code == 0 ? 0 : 2;
+  }
+  o.server.idleExit = std::chrono::minutes(idle);
+  if (app.count("--tenant-memory") == 0) o.node.tenantMemory = o.node.memory;
+  return std::nullopt;
+}
+
+}  // namespace gxy

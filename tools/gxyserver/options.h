@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+// What gxyserver was asked on its command line.
+#pragma once
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "gxy/server/node.h"
+#include "gxy/server/server.h"
+
+namespace gxy {
+
+struct ServeOptions {
+  NodeOptions node;
+  ServerOptions server;
+  std::string tokenFile, portFile;
+  std::vector<std::string> tenants;
+  bool noToken = false;
+  std::string logLevel = "info";
+  int threads = 0;
+};
+
+/// The exit code to end with at once (0 after --help, 2 for wrong usage), or nothing. Prints only if `speaks`.
+std::optional<int> parseOptions(int argc, char** argv, bool speaks, ServeOptions& options);
+
+}  // namespace gxy

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cstdio>  // readline.h needs FILE
+#include <cstdlib>
+#include <cstring>
+#include <memory>
+
+#include <readline/history.h>
+#include <readline/readline.h>
+
+#include "gxy/protocol/statement.h"
+#include "statements.h"
+
+namespace gxy {
+
+namespace {
+
+// Readline's callbacks carry nothing with them.
+const std::vector<std::string>* completions = nullptr;
+
+char* nextCompletion(const char* begun, int state) {
+  static size_t next = 0;
+  if (state == 0) next = 0;
+  while (next < completions->size()) {
+    const std::string& word = (*completions)[next++];
+    if (word.compare(0, std::strlen(begun), begun) == 0) return strdup(word.c_str());
+  }
+  return nullptr;
+}
+
+// Verbs where a statement begins, file names elsewhere.
+char** complete(const char* begun, int start, int) {
+  return start == 0 ? rl_completion_matches(begun, nextCompletion) : nullptr;
+}
+
+}  // namespace
+
+void readTerminal(const std::vector<std::string>& words, const std::function<bool(const std::string&)>& run) {
+  completions = &words;
+  rl_attempted_completion_function = complete;
+  using_history();
+  std::string rest;
+  for (;;) {
+    const std::unique_ptr<char, decltype(&std::free)> line(readline(rest.empty() ? "? " : "> "), &std::free);
+    if (!line) break;
+    if (*line) add_history(line.get());
+    const std::string text = rest + line.get() + "\n";
+    for (const std::string& statement : protocol::cutStatements(text, rest))
+      if (!run(statement)) return;
+    if (rest.find_first_not_of(" \t\r\n") == std::string::npos) rest.clear();
+  }
+  std::printf("\n");
+}
+
+}  // namespace gxy
