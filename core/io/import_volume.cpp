@@ -86,4 +86,23 @@ std::shared_ptr<Volume> importVolume(const std::string& path, const std::string&
   return volume;
 }
 
+void completeVolume(Volume& volume, const Partitioning& partitioning, Collectives& ranks) {
+  FieldStatistics statistics;
+  statistics.ranges.resize(size_t(volume.components) + (volume.components > 1));
+  agree(ranks, [&] {
+    for (auto& [partition, block] : volume.blocks) {
+      summarise(block, volume.stored, volume.components);
+      statistics.merge(statisticsOf(block.samples, volume.stored, volume.components, block.extent,
+                                    ownedPoints(volume.grid, partitioning, partition)));
+    }
+  });
+  mergeRanges(ranks, statistics.ranges);
+  volume.ranges = statistics.ranges;
+  for (Range& range : volume.ranges)
+    if (!range.empty())
+      range = {volume.shift + volume.scale * range.min, volume.shift + volume.scale * range.max};
+  volume.noDataSamples = int64_t(sum(ranks, uint64_t(statistics.noDataSamples)));
+  mergeMacrocells(volume, ranks);
+}
+
 }  // namespace gxy

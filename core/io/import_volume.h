@@ -23,4 +23,9 @@ Grid gridOf(const std::string& path, const std::string& array, Collectives& rank
 std::shared_ptr<Volume> importVolume(const std::string& path, const std::string& array,
                                      const Partitioning& partitioning, int ghosts, Collectives& ranks);
 
+/// Collective. Completes a volume whose blocks (of the partitions of this rank that touch its grid, extents as extentOf()
+/// gives them with kGhostLayers) hold samples that were computed: fills ranges, noDataSamples, and summaries merged over all
+/// ranks. If any rank fails, all throw the same Error.
+void completeVolume(Volume& volume, const Partitioning& partitioning, Collectives& ranks);
+
 }  // namespace gxy

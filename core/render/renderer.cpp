@@ -18,7 +18,8 @@ enum class FrameMessage : uint8_t { Start, Cancel, Finish, Delivered };
 
 void writeRequest(Writer& w, const FrameRequest& r) {
   const Camera& c = r.camera;
-  w.write(r.scene).write(r.number).write(r.depth).write(r.window);
+  w.write(r.scene).write(r.number).write(r.depth).write(r.window).write(r.share.tenant);
+  w.write(r.share.interactive).write(r.note);
   w.write(c.viewpoint)
       .write(c.viewdirection)
       .write(c.viewup)
@@ -34,6 +35,9 @@ FrameRequest readRequest(Reader& in) {
   r.number = in.read<uint32_t>();
   r.depth = in.read<bool>();
   r.window = in.read<uint64_t>();
+  r.share.tenant = in.read<uint32_t>();
+  r.share.interactive = in.read<bool>();
+  r.note = in.readString();
   c.viewpoint = in.read<glm::dvec3>();
   c.viewdirection = in.read<glm::dvec3>();
   c.viewup = in.read<glm::dvec3>();
@@ -92,6 +96,8 @@ Renderer::Renderer(Transport& transport, Options options)
       credits_(options.raysInFlight) {
   if (options_.packetRays < 16)
     throw Error("packets of " + std::to_string(options_.packetRays) + " rays, expected >= 16");
+  if (options_.interactiveRays < 0 || options_.interactiveRays >= options_.raysInFlight)
+    throw Error("the number of rays kept for interactive frames must be >= 0 and less than that of all");
   if (options_.raysInFlight < 1) throw Error("the number of rays in flight must be >= 1");
   transport_.onMessage(Channel::Frame, [this](int, const Bytes& m) { receiveFrame(m); });
   transport_.onMessage(Channel::Rays, [this](int, Bytes m) { receiveRays(std::move(m)); });
@@ -112,6 +118,14 @@ Renderer::~Renderer() {
 
 void Renderer::post(std::function<void()> task) {
   transport_.post([tasks = tasks_, task = std::move(task)]() mutable { tasks->run(task); });
+}
+
+// Runs the task when its turn has come: for each task one is posted that takes whichever is next.
+void Renderer::post(const Share& share, std::function<void()> task) {
+  ready_.push(share, std::move(task));
+  post([this] {
+    if (const auto next = ready_.pop()) next();
+  });
 }
 
 void Renderer::addScene(SceneId id, std::shared_ptr<const CompiledScene> scene,
@@ -159,23 +173,26 @@ FrameId Renderer::render(const FrameRequest& request, Finished finished) {
     id = nextFrame_++;
     pending_[id] = {std::move(finished), request.window};
     if (request.window) older = std::exchange(windows_[request.window], id);
-    const auto it = pending_.find(older);
-    if (it != pending_.end() && !it->second.complete)
-      it->second.superseded = true;
-    else
-      older = 0;
   }
-  if (older) {
-    Writer w;
-    sendDown(w.write(FrameMessage::Cancel).write(older).take());
-    cancel(older);
-  }
+  if (older) supersede(older);
   completion_.begin(id, [this, id] { complete(id); });
   Writer w;
   w.write(FrameMessage::Start).write(id);
   writeRequest(w, request);
   start(id, request, w.take());
   return id;
+}
+
+void Renderer::supersede(FrameId id) {
+  {
+    std::lock_guard lock(mutex_);
+    const auto it = pending_.find(id);
+    if (it == pending_.end() || it->second.complete || it->second.superseded) return;
+    it->second.superseded = true;
+  }
+  Writer w;
+  sendDown(w.write(FrameMessage::Cancel).write(id).take());
+  cancel(id);
 }
 
 // Rank 0, once all work of a frame is done. Whether its picture counts is decided here, for all ranks.

@@ -15,6 +15,7 @@
 #include "gxy/comm/transport.h"
 #include "gxy/rays/backend.h"
 #include "gxy/render/framebuffer.h"
+#include "gxy/render/ready_queue.h"
 #include "gxy/space/ledger.h"
 
 namespace gxy {
@@ -29,6 +30,8 @@ struct FrameRequest {
   uint32_t number = 0;  ///< of the frame in its window: continues the ambient-occlusion sequence
   bool depth = false;
   uint64_t window = 0;  ///< not 0: a newer frame of the same window supersedes this one
+  Share share;          ///< who goes first
+  std::string note;     ///< of the one who asks, for the picture handler
 };
 
 /// What all ranks run, one Renderer each over the rank's Transport.
@@ -45,6 +48,10 @@ struct FrameRequest {
 /// debt. What frames hold is in the ledger, and 0 when none is under way: "rays" (lists that wait or are traced),
 /// "framebuffer", "picture" (while its handler runs), "parked messages" and "tiles".
 ///
+/// Whose turn it is: on each rank, tasks run in the order of ReadyQueue, and rays are spawned for interactive frames first,
+/// else for each tenant in turn. A task that is under way is not interrupted, but it traces one packet at a time, and lets
+/// interactive ones go first after each.
+///
 /// A superseded frame ends like any other, its rays retired where they are met, but hands out no picture. Messages that
 /// are not what a Renderer sends (a pixel outside the picture, a frame that is over, ...) are refused with an Error.
 ///
@@ -54,6 +61,7 @@ class Renderer {
   struct Options {
     int packetRays = 1024;           ///< rays that are traced together, at most; >= 16
     int64_t raysInFlight = 1 << 20;  ///< credits of a rank
+    int64_t interactiveRays = 0;     ///< of these, kept for interactive frames
     Ledger* ledger = nullptr;      ///< where memory is accounted, if anywhere; needed by the constructor only
     std::string tenant = "batch";  ///< whose memory it is
   };
@@ -77,6 +85,9 @@ class Renderer {
 
   /// Rank 0 only: starts a frame. `finished` is called on rank 0 when the picture handler has returned on its rank.
   FrameId render(const FrameRequest& request, Finished finished);
+
+  /// Rank 0 only: gives a frame up, as if a newer one of its window had come. Nothing happens if it is over.
+  void supersede(FrameId id);
 
   struct Counters {
     TraceCounters trace;
@@ -129,6 +140,8 @@ class Renderer {
   void pump();
   void spawnTile(const FramePtr& frame, const Tile& tile, int64_t reserved);
   void process(const FramePtr& frame, int origin, Held rays);
+  void process(const FramePtr& frame, int origin, std::vector<Held> stack);
+  void putOff(const FramePtr& frame, int origin, std::vector<Held> rest);
   Held hold(LeavingRays rays) const;
   void forward(const FramePtr& frame, int rank, int partition, bool primary, int origin, const RayList& rays);
   void contribute(const FramePtr& frame, TraceResult& result);
@@ -136,7 +149,10 @@ class Renderer {
   FramePtr find(FrameId id) const;
   FramePtr findOrPark(FrameId id, Channel channel, Bytes& message);
   bool isOver(FrameId id) const { return id < firstNotOver_ || over_.count(id) > 0; }
+  bool mayTake(int64_t cost, bool interactive) const;
+  std::vector<FramePtr>::iterator nextToSpawn();
   void post(std::function<void()> task);
+  void post(const Share& share, std::function<void()> task);
 
   Transport& transport_;
   const Options options_;
@@ -144,13 +160,15 @@ class Renderer {
   /// Without bytes: those of a purpose are entered by their another().
   const LedgerEntry rayMemory_, framebufferMemory_, pictureMemory_, parkedMemory_, tileMemory_;
   const std::shared_ptr<Tasks> tasks_;
+  ReadyQueue ready_;
 
   mutable std::mutex mutex_;  ///< guards all below but the atomics
   std::map<SceneId, Scene> scenes_;
   std::map<FrameId, FramePtr> frames_;
   std::map<FrameId, std::vector<Parked>> parked_;  ///< messages that overtook their frame's start
-  std::vector<FramePtr> spawning_;                 ///< frames with tiles left, served in turn
-  size_t turn_ = 0;
+  std::vector<FramePtr> spawning_;                 ///< frames with tiles left
+  std::map<uint32_t, uint64_t> tenantTurns_;       ///< when each tenant with such frames was served last
+  uint64_t turn_ = 0;
   int64_t credits_;
   int64_t mostOut_ = 0;
   PictureHandler pictureHandler_;

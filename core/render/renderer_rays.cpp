@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The life of a frame's rays on a rank: spawned against credits, traced, forwarded, and what they add to pixels.
 #include <algorithm>
+#include <tuple>
 
 #include "gxy/comm/error.h"
 #include "gxy/comm/wire.h"
@@ -23,7 +24,22 @@ struct ContributionsHeader {
 
 }  // namespace
 
-// Posts tiles while there are credits, frames in turn. With none out at all, one tile goes whatever it may cost.
+// With no rays out at all, one tile goes whatever it may cost.
+bool Renderer::mayTake(int64_t cost, bool interactive) const {
+  const int64_t kept = interactive ? 0 : options_.interactiveRays;
+  return cost <= credits_ - kept || credits_ >= options_.raysInFlight;
+}
+
+// An interactive frame if there is one, else one of the tenant that was served longest ago; of several the one that was.
+std::vector<Renderer::FramePtr>::iterator Renderer::nextToSpawn() {
+  const auto rank = [this](const FramePtr& f) {
+    return std::tuple(!f->request.share.interactive, tenantTurns_[f->request.share.tenant], f->turn);
+  };
+  return std::min_element(spawning_.begin(), spawning_.end(),
+                          [&](const FramePtr& a, const FramePtr& b) { return rank(a) < rank(b); });
+}
+
+// Posts tiles while there are credits.
 void Renderer::pump() {
   for (;;) {
     FramePtr frame;
@@ -31,22 +47,20 @@ void Renderer::pump() {
     int64_t cost = 0;
     {
       std::lock_guard lock(mutex_);
-      if (spawning_.empty()) return;
-      turn_ %= spawning_.size();
-      frame = spawning_[turn_];
+      if (spawning_.empty()) return tenantTurns_.clear();
+      const auto next = nextToSpawn();
+      frame = *next;
       tile = frame->tiles.back();
       cost = int64_t(tile.x1 - tile.x0) * (tile.y1 - tile.y0) * frame->perPrimary;
-      if (cost > credits_ && credits_ < options_.raysInFlight) return;
+      if (!mayTake(cost, frame->request.share.interactive)) return;
       credits_ -= cost;
       mostOut_ = std::max(mostOut_, options_.raysInFlight - credits_);
+      frame->turn = tenantTurns_[frame->request.share.tenant] = ++turn_;
       frame->tiles.pop_back();
-      if (frame->tiles.empty())
-        spawning_.erase(spawning_.begin() + std::ptrdiff_t(turn_));
-      else
-        turn_++;
+      if (frame->tiles.empty()) spawning_.erase(next);
     }
     auto active = std::make_shared<Completion::Active>(completion_, frame->id);
-    post([this, frame, tile, cost, active] { spawnTile(frame, tile, cost); });
+    post(frame->request.share, [this, frame, tile, cost, active] { spawnTile(frame, tile, cost); });
   }
 }
 
@@ -79,6 +93,10 @@ Renderer::Held Renderer::hold(LeavingRays rays) const {
 void Renderer::process(const FramePtr& frame, int origin, Held rays) {
   std::vector<Held> stack;
   stack.push_back(std::move(rays));
+  process(frame, origin, std::move(stack));
+}
+
+void Renderer::process(const FramePtr& frame, int origin, std::vector<Held> stack) {
   while (!stack.empty()) {
     auto [next, memory] = std::move(stack.back());
     stack.pop_back();
@@ -86,6 +104,10 @@ void Renderer::process(const FramePtr& frame, int origin, Held rays) {
       for (RayList& part : next.rays.split(options_.packetRays))
         stack.push_back(hold({next.partition, next.primary, std::move(part)}));
       continue;
+    }
+    if (!frame->request.share.interactive && ready_.interactiveWaits()) {  // they go first
+      stack.push_back({std::move(next), std::move(memory)});
+      return putOff(frame, origin, std::move(stack));
     }
     const int64_t each = next.primary ? frame->perPrimary : 1;
     if (frame->cancelled) {
@@ -115,6 +137,14 @@ void Renderer::process(const FramePtr& frame, int origin, Held rays) {
           if (credits != 0) giveBack(origin, credits);
         });
   }
+}
+
+// The rest of a task, for later.
+void Renderer::putOff(const FramePtr& frame, int origin, std::vector<Held> rest) {
+  auto active = std::make_shared<Completion::Active>(completion_, frame->id);
+  auto held = std::make_shared<std::vector<Held>>(std::move(rest));
+  post(frame->request.share,
+       [this, frame, origin, active, held] { process(frame, origin, std::move(*held)); });
 }
 
 void Renderer::forward(const FramePtr& frame, int rank, int partition, bool primary, int origin,
@@ -173,7 +203,8 @@ void Renderer::receiveRays(Bytes message) {
   if (const char* wrong = wrongIn(rays, primary, frame->limits)) in.fail(wrong);
   auto active = std::make_shared<Completion::Active>(completion_, header.frame);
   auto held = std::make_shared<Held>(hold({header.partition, primary, std::move(rays)}));  // tasks are copied
-  post([this, frame, origin = header.origin, active, held] { process(frame, origin, std::move(*held)); });
+  post(frame->request.share,
+       [this, frame, origin = header.origin, active, held] { process(frame, origin, std::move(*held)); });
 }
 
 void Renderer::receiveContributions(Bytes message) {

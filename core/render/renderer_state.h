@@ -28,6 +28,7 @@ struct Renderer::Frame {
   LedgerEntry framebufferMemory, tileMemory;
   std::vector<Tile> tiles;            ///< still to be spawned, last first
   std::atomic<size_t> tilesLeft = 0;  ///< not yet spawned completely
+  uint64_t turn = 0;                  ///< when a tile of it was spawned last
   std::atomic<bool> cancelled = false;
 };
 

@@ -17,6 +17,7 @@ namespace {
 Renderer::Options rendererOptions(const NodeOptions& options, Ledger& ledger) {
   Renderer::Options r;
   r.raysInFlight = options.raysInFlight;
+  r.interactiveRays = options.raysInFlight / 4;
   r.ledger = &ledger;
   r.tenant = "frames";
   return r;

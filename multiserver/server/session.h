@@ -70,6 +70,7 @@ class Session : public std::enable_shared_from_this<Session> {
 
   Node& node() const { return node_; }
   Outbox& outbox() const { return *outbox_; }
+  const std::shared_ptr<Outbox>& sharedOutbox() const { return outbox_; }
   const Identity& identity() const { return identity_; }
   const std::string& tenant() const { return identity_.tenant; }
   const protocol::Limits& limits() const { return limits_; }

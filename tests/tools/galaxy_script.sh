@@ -39,7 +39,7 @@ expect RanksAreNotPinnedToCores 0 '^mpirun -np 4 .*--bind-to none .*true x$' wit
 expect MoreRanksThanCoresAreAllowed 0 ':OVERSUBSCRIBE' with_stand_ins "$galaxy" run true
 expect WaitingRanksYield 0 'mpi_yield_when_idle 1' with_stand_ins "$galaxy" run true
 expect OwnFlagsArePassedOn 0 '--hostfile nodes true' with_stand_ins "$galaxy" run --mpi '--hostfile nodes' true
-expect SlurmStartsItsOwn 0 '^srun --ntasks 8 true$' with_stand_ins env SLURM_JOB_ID=1 "$galaxy" run -n 8 true
+expect SlurmStartsItsOwn 0 '^srun --ntasks 8 --kill-on-bad-exit=1 true$' with_stand_ins env SLURM_JOB_ID=1 "$galaxy" run -n 8 true
 expect StatusOfTheProgramIsKept 7 '' "$galaxy" run -n 2 sh -c 'exit 7'
 expect RanksAreReallyStarted 0 'rank.*rank.*rank' "$galaxy" run -n 3 echo rank
 exit $((failures > 0))

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gxy/render/ready_queue.h"
+
+#include <utility>
+
+namespace gxy {
+
+void ReadyQueue::push(const Share& share, Task task) {
+  const std::lock_guard lock(mutex_);
+  (share.interactive ? interactive_ : others_)[share.tenant].tasks.push_back(std::move(task));
+  interactiveTasks_ += share.interactive;
+}
+
+ReadyQueue::Task ReadyQueue::pop() {
+  const std::lock_guard lock(mutex_);
+  for (Tenants* tenants : {&interactive_, &others_}) {
+    Tenant* next = nullptr;
+    for (auto& [number, tenant] : *tenants)
+      if (!tenant.tasks.empty() && (!next || tenant.served < next->served)) next = &tenant;
+    if (!next) continue;
+    next->served = ++turn_;
+    Task task = std::move(next->tasks.front());
+    next->tasks.pop_front();
+    if (tenants == &interactive_) interactiveTasks_--;
+    return task;
+  }
+  return {};
+}
+
+bool ReadyQueue::interactiveWaits() const {
+  const std::lock_guard lock(mutex_);
+  return interactiveTasks_ > 0;
+}
+
+}  // namespace gxy

@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: Apache-2.0
+// Module `example`: the two examples of the Galaxy paper's section 3. docs/modules.md walks through it.
+#include <algorithm>
+#include <cstring>
+
+#include "gxy/comm/error.h"
+#include "gxy/io/import_volume.h"
+#include "gxy/server/datasets.h"
+#include "gxy/server/module.h"
+
+namespace {
+
+using namespace gxy;
+using nlohmann::json;
+
+// --- 1. Global information: the data range ---------------------------------------------------------------------------
+
+/// On each rank: the range of what it owns of a dataset.
+struct RangeWork {
+  static constexpr const char* name = "example.range";
+  static constexpr Work::Runs runs = Work::Runs::Short;
+  uint64_t key = 0, generation = 0;
+
+  json action(Node& node, const Work::Call&) const {
+    const Pin pin = node.objects.pin(Key{key}, generation);
+    const auto dataset = pin.get<Dataset>();
+    Range range;
+    if (dataset->geometry) range = rangeOf(dataset->geometry->block);
+    if (const Volume* volume = dataset->volume.get())
+      for (const auto& [partition, block] : volume->blocks)
+        for (const Range& r : statisticsOf(block.samples, volume->stored, volume->components).ranges)
+          if (!r.empty())
+            range.extend({volume->shift + volume->scale * r.min, volume->shift + volume->scale * r.max});
+    return range.empty() ? json(nullptr) : json{range.min, range.max};
+  }
+};
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(RangeWork, key, generation)
+
+/// The driver: broadcasts the work, waits until the results of all ranks have come, and merges them.
+json range(Request& request) {
+  Node& node = request.session().node();
+  protocol::Arguments arguments(request.arguments(), "range NAME");
+  const NamedDataset dataset = node.datasets->get(request.session().tenant(), arguments.expectWord());
+  arguments.expectEnd();
+  Range all;
+  for (const json& part : callAll(node, RangeWork{dataset.key.value, dataset.generation}))
+    if (!part.is_null()) all.extend({part[0].get<double>(), part[1].get<double>()});
+  if (all.empty()) return {{"range", nullptr}, {"text", "no values"}};
+  return {{"range", {all.min, all.max}}, {"text", json(all.min).dump() + " " + json(all.max).dump()}};
+}
+
+// --- 2. Data parallel: a filter that makes its destination where the source is ----------------------------------------
+
+/// On each rank: a volume of the same grid, 1 where the source lies in [least, largest], else 0.
+struct ThresholdWork {
+  static constexpr const char* name = "example.threshold";
+  static constexpr Work::Runs runs = Work::Runs::Waiting;  // it exchanges with the other ranks
+  uint64_t exchange = 0, source = 0, generation = 0, destination = 0;
+  double least = 0, largest = 0;
+  std::string tenant;
+
+  json action(Node& node, const Work::Call&) const {
+    RankCollectives ranks = node.collectives(exchange);
+    const std::shared_ptr<void> finish(nullptr, [&](void*) { node.collective.finish(exchange); });
+    const auto made = std::make_shared<Dataset>();
+    const auto volume = std::make_shared<Volume>();
+    agree(ranks, [&] {  // what may fail on one rank fails on all
+      const Pin pin = node.objects.pin(Key{source}, generation);
+      const auto from = pin.get<Dataset>();
+      if (!from->volume || from->volume->components != 1)
+        throw Error("threshold: expected a volume with one component");
+      made->file = from->file;
+      made->partitioning = from->partitioning;
+      volume->name = "threshold";
+      volume->grid = from->volume->grid;
+      volume->stored = ScalarType::UInt8;
+      for (const auto& [partition, block] : from->volume->blocks) {
+        made->bytes += block.extent.count();
+        node.expectMemory(tenant, made->bytes);
+        volume->blocks[partition] = thresholded(*from->volume, block);
+      }
+      made->memory = node.ledger.enter(tenant, "volume", made->bytes);
+    });
+    completeVolume(*volume, *made->partitioning, ranks);
+    made->volume = volume;
+    agree(ranks, [&] { node.objects.add(Key{destination}, Payload(std::shared_ptr<const Dataset>(made))); });
+    return nullptr;
+  }
+
+  VolumeBlock thresholded(const Volume& from, const VolumeBlock& block) const {
+    VolumeBlock out;
+    out.extent = block.extent;
+    out.samples.resize(size_t(block.extent.count()));
+    withType(from.stored, [&](auto zero) {
+      for (size_t i = 0; i < out.samples.size(); i++) {
+        auto stored = zero;
+        std::memcpy(&stored, &block.samples[i * sizeof stored], sizeof stored);
+        const double value = from.shift + from.scale * double(stored);
+        out.samples[i] = std::byte(value >= least && value <= largest);
+      }
+    });
+    return out;
+  }
+};
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ThresholdWork, exchange, source, generation, destination, least, largest,
+                                   tenant)
+
+/// The driver: names the destination before the work and puts it in the directory after it.
+json threshold(Request& request) {
+  Node& node = request.session().node();
+  const std::string& tenant = request.session().tenant();
+  protocol::Arguments arguments(request.arguments(), "threshold NAME NEW LEAST LARGEST");
+  const NamedDataset source = node.datasets->get(tenant, arguments.expectWord());
+  const std::string name = arguments.expectWord();
+  const auto least = arguments.number(), largest = arguments.number();
+  if (!least || !largest) arguments.fail("LEAST and LARGEST are numbers");
+  arguments.expectEnd();
+  checkDatasetName(name);
+  const Key destination = node.keys.next();
+  callAll(node, ThresholdWork{node.nextExchange(), source.key.value, source.generation, destination.value,
+                              *least, *largest, tenant});
+  node.datasets->add(tenant, name, Scope::Private, destination, DatasetType::Volume);
+  return nullptr;
+}
+
+}  // namespace
+
+GALAXY_MODULE(registration) {
+  registration.work<RangeWork>();
+  registration.work<ThresholdWork>();
+  registration.verb({"range", "NAME", "Least and largest value, found on all ranks.", Order::InTurn, range});
+  registration.verb({"threshold", "NAME NEW LEAST LARGEST", "A volume that is 1 where NAME lies between.",
+                     Order::Aside, threshold});
+}

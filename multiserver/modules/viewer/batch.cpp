@@ -1,0 +1,190 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "batch.h"
+
+#include <chrono>
+#include <condition_variable>
+#include <cstdio>
+#include <cstring>
+#include <map>
+
+#include "gxy/comm/error.h"
+#include "gxy/protocol/json.h"
+
+namespace gxy::viewer {
+
+using nlohmann::json;
+
+namespace {
+
+/// What frames of a batch have in common; they hold it.
+struct Job {
+  std::mutex mutex;
+  std::condition_variable changed;
+  std::map<size_t, FrameId> inFlight;  ///< by picture
+  std::map<size_t, Bytes> contents;    ///< that have come and are to be sent
+  size_t done = 0;
+  std::string error;
+};
+
+std::string nameOf(const Batch& batch, size_t index) {
+  const size_t n = batch.state.visualizations.size();
+  char number[24];
+  std::snprintf(number, sizeof number, "_%05zu", index);
+  return batch.prefix + number + batch.state.visualizations[index % n].annotation +
+         batch.state.cameras[index / n].annotation + "." + batch.format;
+}
+
+Bytes fileRecord(const json& header, std::span<const std::byte> content) {
+  const std::string text = protocol::dump(header);
+  const auto size = uint32_t(text.size());
+  Bytes record(sizeof size + text.size() + content.size());
+  std::memcpy(record.data(), &size, sizeof size);
+  std::memcpy(record.data() + sizeof size, text.data(), text.size());
+  std::copy(content.begin(), content.end(), record.begin() + std::ptrdiff_t(sizeof size + text.size()));
+  return record;
+}
+
+class Run {
+ public:
+  Run(Services& services, Request& request, const Batch& batch)
+      : services_(services),
+        request_(request),
+        batch_(batch),
+        total_(batch.state.cameras.size() * batch.state.visualizations.size()) {}
+
+  json run() {
+    const auto begin = std::chrono::steady_clock::now();
+    for (const Camera& camera : batch_.state.cameras) {
+      validate(camera);
+      const auto pixels = uint64_t(camera.dimensions.x) * uint64_t(camera.dimensions.y);
+      if (pixels > request_.session().limits().pixels)
+        throw Error("batch: a picture of " + std::to_string(pixels) + " pixels, expected at most " +
+                    std::to_string(request_.session().limits().pixels));
+    }
+    json names = json::array();
+    for (size_t i = 0; i < total_; i++) {
+      names.push_back(nameOf(batch_, i));
+      if (!batch_.toClient) paths_.push_back(services_.node.folders.toWrite(nameOf(batch_, i)));
+    }
+    for (const Visualization& v : batch_.state.visualizations)
+      scenes_.push_back(services_.scenes.get(request_.session().tenant(), v, batch_.state.settings));
+    const std::shared_ptr<void> end(nullptr, [this](void*) { giveUp(); });
+    for (size_t i = 0; i < total_; i++) {
+      waitFor([&] { return job_->inFlight.size() < size_t(batch_.concurrent); });
+      start(i);
+    }
+    waitFor([&] { return job_->done == total_; });
+    return {{"pictures", names},
+            {"seconds", std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count()},
+            {"text", std::to_string(total_) + " pictures"}};
+  }
+
+ private:
+  void check() {
+    request_.check();
+    std::string error;
+    {
+      const std::lock_guard lock(job_->mutex);
+      error = job_->error;
+    }
+    if (!error.empty()) throw Error(error);
+  }
+
+  // Meanwhile what has come is sent on.
+  template <class Condition>
+  void waitFor(const Condition& condition) {
+    for (;;) {
+      check();
+      std::map<size_t, Bytes> contents;
+      size_t done;
+      {
+        std::unique_lock lock(job_->mutex);
+        job_->changed.wait_for(lock, std::chrono::milliseconds(100), [&] {
+          return condition() || !job_->contents.empty() || !job_->error.empty();
+        });
+        contents.swap(job_->contents);
+        done = job_->done;
+      }
+      for (const auto& [index, content] : contents) {
+        const Bytes record =
+            fileRecord({{"name", nameOf(batch_, index)}, {"index", index}, {"of", total_}}, content);
+        if (!request_.session().outbox().file(request_.id(), record, [this] { return request_.cancelled(); }))
+          throw Error("cancelled");
+      }
+      request_.progress(int64_t(done), int64_t(total_), "rendered");
+      const std::lock_guard lock(job_->mutex);
+      if (condition() && job_->contents.empty()) return;
+    }
+  }
+
+  void start(size_t index) {
+    Node& node = services_.node;
+    const ScenePtr& scene = scenes_[index % scenes_.size()];
+    const auto slot = std::make_shared<Tenants::Frame>(
+        node.tenants.beginWhenFree(request_.session().tenant(), [this] { check(); }));
+    const auto pins = std::make_shared<std::vector<Pin>>();
+    for (const NamedDataset& d : scene->data) pins->push_back(node.datasets->pin(d.key, d.generation));
+    FrameRequest frame;
+    frame.scene = scene->id;
+    frame.camera = batch_.state.cameras[index / scenes_.size()];
+    frame.share.tenant = node.tenants.number(request_.session().tenant());
+    Wanted wanted;
+    wanted.as = batch_.toClient ? Wanted::As::Bytes : Wanted::As::File;
+    wanted.format = batch_.format;
+    if (!batch_.toClient) wanted.path = paths_[index];
+    Receiver receiver;
+    receiver.bytes = [job = job_, index](Bytes content) {
+      const std::lock_guard lock(job->mutex);
+      job->contents[index] = std::move(content);
+    };
+    receiver.done = [job = job_, index, slot, pins, scene](bool, const std::string& error) {
+      *slot = {};
+      pins->clear();
+      const std::lock_guard lock(job->mutex);
+      job->inFlight.erase(index);
+      job->done++;
+      if (job->error.empty()) job->error = error;
+      job->changed.notify_all();
+    };
+    {
+      const std::lock_guard lock(job_->mutex);
+      job_->inFlight[index] = 0;
+    }
+    FrameId id;
+    try {
+      id = services_.pictures.start(frame, wanted, std::move(receiver));
+    } catch (const std::exception&) {
+      const std::lock_guard lock(job_->mutex);
+      job_->inFlight.erase(index);
+      throw;
+    }
+    const std::lock_guard lock(job_->mutex);
+    if (const auto at = job_->inFlight.find(index); at != job_->inFlight.end()) at->second = id;
+  }
+
+  // Whatever is still under way ends before the request does.
+  void giveUp() {
+    std::unique_lock lock(job_->mutex);
+    const auto inFlight = job_->inFlight;
+    lock.unlock();
+    for (const auto& [index, id] : inFlight) services_.node.renderer.supersede(id);
+    lock.lock();
+    job_->changed.wait(lock, [this] { return job_->inFlight.empty(); });
+  }
+
+  Services& services_;
+  Request& request_;
+  const Batch& batch_;
+  const size_t total_;
+  std::vector<std::string> paths_;
+  std::vector<ScenePtr> scenes_;
+  const std::shared_ptr<Job> job_ = std::make_shared<Job>();
+};
+
+}  // namespace
+
+json renderBatch(Services& services, Request& request, const Batch& batch) {
+  return Run(services, request, batch).run();
+}
+
+}  // namespace gxy::viewer

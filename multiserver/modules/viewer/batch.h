@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+// Many pictures at once, to files or to the client.
+#pragma once
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "gxy/scene/scene.h"
+#include "gxy/server/session.h"
+#include "window.h"
+
+namespace gxy::viewer {
+
+struct Batch {
+  State state;
+  bool toClient = false;
+  std::string prefix = "picture", format = "png";
+  int concurrent = 4;
+};
+
+/// Renders every visualization with every camera, cameras outermost; returns `pictures` and `seconds`. Waits; tells the
+/// request its progress, and ends when it is cancelled. Throws Error.
+nlohmann::json renderBatch(Services& services, Request& request, const Batch& batch);
+
+}  // namespace gxy::viewer

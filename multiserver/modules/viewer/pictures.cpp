@@ -1,0 +1,197 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "pictures.h"
+
+#include <algorithm>
+#include <cstring>
+
+#include "gxy/comm/error.h"
+#include "gxy/comm/parallel_for.h"
+#include "gxy/comm/wire.h"
+#include "gxy/io/image.h"
+#include "gxy/io/replace_file.h"
+#include "gxy/protocol/tile_codec.h"
+
+namespace gxy::viewer {
+
+namespace {
+
+enum class Piece : uint8_t { Tile, Floats, Bytes, All };
+
+std::string noteOf(uint64_t ticket, const Wanted& wanted) {
+  Writer w;
+  w.write(ticket).write(wanted.as).write(wanted.encoding).write(int32_t(wanted.quality));
+  w.write(wanted.format).write(wanted.path);
+  const Bytes bytes = w.take();
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+
+}  // namespace
+
+std::vector<Bytes> tilesOfPicture(const Picture& picture, protocol::PixelEncoding encoding, int quality) {
+  constexpr uint32_t kSide = protocol::kTileSide;
+  const auto width = uint32_t(picture.width), height = uint32_t(picture.height);
+  const uint32_t across = (width + kSide - 1) / kSide, up = (height + kSide - 1) / kSide;
+  std::vector<Bytes> tiles(size_t(across) * up);
+  parallelFor(size_t(0), tiles.size(), [&](size_t i) {
+    protocol::PixelHeader header;
+    header.width = width;
+    header.height = height;
+    header.x = uint32_t(i % across) * kSide;
+    header.y = uint32_t(i / across) * kSide;
+    header.w = std::min(kSide, width - header.x);
+    header.h = std::min(kSide, height - header.y);
+    header.encoding = encoding;
+    header.format = protocol::formatOf(encoding);
+    std::vector<float> rgba;
+    rgba.reserve(size_t(header.w) * header.h * 4);
+    for (uint32_t y = header.y; y < header.y + header.h; y++) {
+      const float* row = &picture.rgba[(size_t(y) * width + header.x) * 4];
+      rgba.insert(rgba.end(), row, row + size_t(header.w) * 4);
+    }
+    tiles[i] = protocol::pixelRecord(
+        header, protocol::encodeTile(eightBits(rgba), header.w, header.h, encoding, quality));
+  });
+  return tiles;
+}
+
+Pictures::Pictures(Node& node) : node_(node) {
+  node_.renderer.onPicture([this](FrameId, const FrameRequest& request, Picture picture) {
+    onPicture(request, std::move(picture));
+  });
+  if (node_.rank() == 0)
+    node_.transport.onMessage(Channel::Pictures, [this](int, Bytes message) { receive(std::move(message)); });
+}
+
+Pictures::~Pictures() {
+  node_.renderer.onPicture({});
+  if (node_.rank() == 0) node_.transport.onMessage(Channel::Pictures, {});
+}
+
+FrameId Pictures::start(FrameRequest request, const Wanted& wanted, Receiver receiver) {
+  const auto expected = std::make_shared<Expected>();
+  expected->receiver = std::move(receiver);
+  uint64_t ticket;
+  {
+    const std::lock_guard lock(mutex_);
+    ticket = nextTicket_++;
+    expected_[ticket] = expected;
+  }
+  request.note = noteOf(ticket, wanted);
+  try {
+    return node_.renderer.render(
+        request, [this, ticket](FrameId, bool superseded) { onFinished(ticket, superseded); });
+  } catch (const Error&) {
+    const std::lock_guard lock(mutex_);
+    expected_.erase(ticket);
+    throw;
+  }
+}
+
+// On the owner, as a task.
+void Pictures::onPicture(const FrameRequest& request, Picture picture) {
+  const std::span<const char> note(request.note);
+  Reader in(std::as_bytes(note), "picture's note");
+  const auto ticket = in.read<uint64_t>();
+  Wanted wanted;
+  wanted.as = in.read<Wanted::As>();
+  wanted.encoding = in.read<protocol::PixelEncoding>();
+  wanted.quality = in.read<int32_t>();
+  wanted.format = in.readString();
+  wanted.path = in.readString();
+  uint64_t pieces = 0;
+  std::string error;
+  try {
+    pieces = sendPieces(ticket, wanted, std::move(picture));
+  } catch (const std::exception& e) {
+    error = "rank " + std::to_string(node_.rank()) + ": " + e.what();
+  }
+  Writer w;
+  node_.transport.send(0, Channel::Pictures,
+                       w.write(ticket).write(Piece::All).write(pieces).write(error).take());
+}
+
+uint64_t Pictures::sendPieces(uint64_t ticket, const Wanted& wanted, Picture picture) {
+  const auto send = [&](Piece piece, std::span<const std::byte> content) {
+    Writer w;
+    w.write(ticket).write(piece).write(int32_t(picture.width)).write(int32_t(picture.height)).write(content);
+    node_.transport.send(0, Channel::Pictures, w.take());
+  };
+  if (wanted.as == Wanted::As::Tiles) {
+    const std::vector<Bytes> tiles = tilesOfPicture(picture, wanted.encoding, wanted.quality);
+    for (const Bytes& tile : tiles) send(Piece::Tile, tile);
+    return tiles.size();
+  }
+  if (wanted.as == Wanted::As::Floats) {
+    send(Piece::Floats, std::as_bytes(std::span(picture.rgba)));
+    return 1;
+  }
+  const Bytes content = encodeImage(wanted.format, {picture.width, picture.height, std::move(picture.rgba)});
+  if (wanted.as == Wanted::As::Bytes) {
+    send(Piece::Bytes, content);
+    return 1;
+  }
+  replaceFile(wanted.path, content);
+  return 0;
+}
+
+Pictures::ExpectedPtr Pictures::find(uint64_t ticket) const {
+  const std::lock_guard lock(mutex_);
+  const auto at = expected_.find(ticket);
+  return at == expected_.end() ? nullptr : at->second;
+}
+
+void Pictures::receive(Bytes message) {
+  Reader in(message, "picture");
+  const auto ticket = in.read<uint64_t>();
+  const auto piece = in.read<Piece>();
+  const ExpectedPtr expected = find(ticket);
+  if (!expected) return;
+  if (piece == Piece::All) {
+    std::unique_lock lock(mutex_);
+    expected->announced = in.read<uint64_t>();
+    expected->error = in.readString();
+    expected->told = true;
+    return conclude(ticket, lock);
+  }
+  const int width = in.read<int32_t>(), height = in.read<int32_t>();
+  Bytes content = in.readVector<std::byte>();
+  const Receiver& receiver = expected->receiver;
+  if (piece == Piece::Tile && receiver.tile) receiver.tile(std::move(content));
+  if (piece == Piece::Bytes && receiver.bytes) receiver.bytes(std::move(content));
+  if (piece == Piece::Floats && receiver.floats) {
+    Picture picture{width, height, std::vector<float>(content.size() / sizeof(float)), {}};
+    std::memcpy(picture.rgba.data(), content.data(), picture.rgba.size() * sizeof(float));
+    receiver.floats(std::move(picture));
+  }
+  std::unique_lock lock(mutex_);
+  expected->pieces++;
+  conclude(ticket, lock);
+}
+
+void Pictures::onFinished(uint64_t ticket, bool superseded) {
+  std::unique_lock lock(mutex_);
+  const auto at = expected_.find(ticket);
+  if (at == expected_.end()) return;
+  const ExpectedPtr expected = at->second;
+  if (!superseded) {
+    expected->finished = true;
+    return conclude(ticket, lock);
+  }
+  expected_.erase(at);
+  lock.unlock();
+  expected->receiver.done(true, {});
+}
+
+void Pictures::conclude(uint64_t ticket, std::unique_lock<std::mutex>& lock) {
+  const auto at = expected_.find(ticket);
+  if (at == expected_.end()) return;
+  const ExpectedPtr expected = at->second;
+  if (!expected->finished || !expected->told ||
+      (expected->error.empty() && expected->pieces < expected->announced))
+    return;
+  expected_.erase(at);
+  lock.unlock();
+  node_.transport.post([expected] { expected->receiver.done(false, expected->error); });
+}
+
+}  // namespace gxy::viewer

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+// Pictures from the rank that owns a frame to rank 0, as tiles, floats or files.
+#pragma once
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+
+#include "gxy/protocol/pixel_record.h"
+#include "gxy/server/node.h"
+
+namespace gxy::viewer {
+
+/// What the owner of a frame's picture does with it.
+struct Wanted {
+  enum class As : uint8_t { Tiles, Floats, Bytes, File };
+  As as = As::Tiles;
+  protocol::PixelEncoding encoding = protocol::PixelEncoding::Zstd;
+  int quality = 75;
+  std::string format = "png";  ///< Bytes and File
+  std::string path;            ///< File: where, checked already
+};
+
+/// Who gets what comes, on rank 0. `tile`, `floats` and `bytes` are called on a progress thread, in any order, and must be
+/// short; `done` is called once, after them, as a task: with what went wrong, if anything did.
+struct Receiver {
+  std::function<void(Bytes tile)> tile;  ///< a record whose window, frame, scale and pass are to be filled in
+  std::function<void(Picture picture)> floats;
+  std::function<void(Bytes content)> bytes;
+  std::function<void(bool superseded, const std::string& error)> done;
+};
+
+/// The tiles of a picture, as records; window, frame, scale and pass are 0, 0, 1 and 0. May use all threads.
+std::vector<Bytes> tilesOfPicture(const Picture& picture, protocol::PixelEncoding encoding, int quality);
+
+/// One on each rank. Thread safe.
+class Pictures {
+ public:
+  explicit Pictures(Node& node);
+  ~Pictures();
+
+  /// Rank 0: starts a frame. Throws Error as Renderer::render does.
+  FrameId start(FrameRequest request, const Wanted& wanted, Receiver receiver);
+
+ private:
+  struct Expected {
+    Receiver receiver;
+    uint64_t pieces = 0, announced = 0;
+    bool finished = false, told = false;
+    std::string error;
+  };
+  using ExpectedPtr = std::shared_ptr<Expected>;
+
+  void onPicture(const FrameRequest& request, Picture picture);
+  uint64_t sendPieces(uint64_t ticket, const Wanted& wanted, Picture picture);
+  void receive(Bytes message);
+  void onFinished(uint64_t ticket, bool superseded);
+  void conclude(uint64_t ticket, std::unique_lock<std::mutex>& lock);
+  ExpectedPtr find(uint64_t ticket) const;
+
+  Node& node_;
+  mutable std::mutex mutex_;
+  std::map<uint64_t, ExpectedPtr> expected_;  ///< rank 0
+  uint64_t nextTicket_ = 1;
+};
+
+}  // namespace gxy::viewer

@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "scenes.h"
+
+#include <algorithm>
+
+#include "gxy/comm/error.h"
+#include "gxy/scene/json_text.h"
+#include "gxy/scene/state_file.h"
+
+namespace gxy::viewer {
+
+using nlohmann::json;
+
+SceneHandle::~SceneHandle() {
+  node.work.broadcast("viewer.forget", {{"scene", id}}, [](std::vector<Work::Reply>) {});
+}
+
+Scenes::Scenes(Registration& registration) : node_(registration.node()) {
+  registration.work(
+      "viewer.make", [this](const Work::Call& call) { return make(call.parameters); }, Work::Runs::Waiting);
+  registration.work("viewer.forget", [this](const Work::Call& call) { return forget(call.parameters); });
+}
+
+// Every rank: all make the same exchanges, whatever fails.
+json Scenes::make(const json& p) {
+  const auto exchange = p.at("exchange").get<uint64_t>();
+  const auto id = p.at("scene").get<SceneId>();
+  const auto tenant = p.at("tenant").get<std::string>();
+  const json& keys = p.at("data");
+  RankCollectives ranks = node_.collectives(exchange);
+  const std::shared_ptr<void> finish(nullptr, [&](void*) { node_.collective.finish(exchange); });
+
+  Visualization visualization;
+  RenderSettings settings;
+  std::shared_ptr<const Partitioning> partitioning;
+  std::vector<std::shared_ptr<const Dataset>> datasets;
+  agree(ranks, [&] {
+    const State state = readState(p.at("state").get<std::string>(), "visualization").state;
+    visualization = state.visualizations.at(0);
+    settings = state.settings;
+    for (const json& d : keys) {
+      const Pin pin =
+          node_.objects.pin(Key{d.at("key").get<uint64_t>()}, d.at("generation").get<Generation>());
+      const auto dataset = datasets.emplace_back(pin.get<Dataset>());
+      if (!partitioning) partitioning = dataset->partitioning;
+      if (partitioning != dataset->partitioning && !(*partitioning == *dataset->partitioning))
+        throw Error("visualization: " + inQuotes(visualization.operators[0].dataset) + " and " +
+                    inQuotes(visualization.operators[datasets.size() - 1].dataset) +
+                    " are partitioned differently, expected one partitioning; import one `like` the other");
+    }
+  });
+  std::vector<OperatorData> data;
+  std::vector<LedgerEntry> memory;
+  for (size_t i = 0; i < datasets.size(); i++) {
+    const Vis& vis = visualization.operators[i];
+    const Dataset& dataset = *datasets[i];
+    OperatorData& operand = data.emplace_back();
+    operand.color = glm::dvec3(dataset.color);
+    operand.volume = dataset.volume;
+    if (!dataset.geometry) continue;
+    operand.geometry = distribute(
+        *dataset.geometry, *partitioning,
+        [&vis](double value) { return vis.type == VisType::Triangles ? 0.0 : radiusOf(vis, value); }, ranks);
+    memory.push_back(node_.ledger.enter(tenant, "geometry", bytesOf(*operand.geometry)));
+  }
+  std::shared_ptr<CompiledScene> scene;
+  Bytes visible;
+  agree(ranks, [&] {
+    scene = compileScene(visualization, data, partitioning, settings);
+    for (const uint8_t v : scene->visible) visible.push_back(std::byte(v));
+  });
+  for (const Bytes& theirs : ranks.allGather(std::move(visible)))
+    for (size_t i = 0; i < theirs.size(); i++) scene->visible[i] |= uint8_t(theirs[i]);
+  agree(ranks, [&] {
+    const std::shared_ptr<const DeviceScene> device = node_.backend->makeScene(scene, node_.rank());
+    const auto bytes = int64_t(scene->bytes() + device->bytes());
+    node_.expectMemory(tenant, bytes);
+    memory.push_back(node_.ledger.enter(tenant, "scene", bytes));
+    const std::lock_guard lock(mutex_);
+    memory_[id] = std::move(memory);
+    node_.renderer.addScene(id, scene, device);
+  });
+  return nullptr;
+}
+
+json Scenes::forget(const json& p) {
+  const auto id = p.at("scene").get<SceneId>();
+  node_.renderer.removeScene(id);
+  const std::lock_guard lock(mutex_);
+  memory_.erase(id);
+  return nullptr;
+}
+
+ScenePtr Scenes::build(const std::string& tenant, const std::string& text, std::vector<NamedDataset> data) {
+  SceneId id;
+  {
+    const std::lock_guard lock(mutex_);
+    id = next_++;
+  }
+  const auto scene = std::make_shared<SceneHandle>(node_, id);
+  json keys = json::array();
+  for (const NamedDataset& d : data) keys.push_back({{"key", d.key.value}, {"generation", d.generation}});
+  scene->data = std::move(data);
+  node_.callAll("viewer.make", {{"exchange", node_.nextExchange()},
+                                {"scene", id},
+                                {"tenant", tenant},
+                                {"state", text},
+                                {"data", keys}});
+  return scene;
+}
+
+ScenePtr Scenes::get(const std::string& tenant, const Visualization& visualization,
+                     const RenderSettings& settings) {
+  if (visualization.operators.empty())
+    throw Error("visualization: it has no operators, expected one or more");
+  State state;
+  state.visualizations = {visualization};
+  state.settings = settings;
+  std::vector<NamedDataset> data;
+  for (const Vis& vis : visualization.operators) {
+    data.push_back(node_.datasets->get(tenant, vis.dataset));
+    // Names belong to tenants, contents do not; the reader wants every name to be a dataset's.
+    DatasetSpec spec;
+    spec.name = vis.dataset;
+    spec.type = DatasetType(vis.type);
+    spec.filename = "-";
+    if (std::none_of(state.datasets.begin(), state.datasets.end(),
+                     [&](const DatasetSpec& d) { return d.name == spec.name; }))
+      state.datasets.push_back(spec);
+  }
+  const std::string text = writeState(state);
+  std::string content = text;
+  for (const NamedDataset& d : data)
+    content += " " + std::to_string(d.key.value) + ":" + std::to_string(d.generation);
+
+  std::promise<ScenePtr> promise;
+  std::shared_future<ScenePtr> other;
+  {
+    const std::lock_guard lock(mutex_);
+    std::erase_if(known_, [](const auto& k) { return k.second.expired(); });
+    if (const auto at = known_.find(content); at != known_.end())
+      if (ScenePtr scene = at->second.lock()) return scene;
+    if (const auto at = underWay_.find(content); at != underWay_.end())
+      other = at->second;
+    else
+      underWay_[content] = promise.get_future().share();
+  }
+  if (other.valid()) return other.get();
+  ScenePtr scene;
+  std::exception_ptr error;
+  try {
+    scene = build(tenant, text, std::move(data));
+    promise.set_value(scene);
+  } catch (...) {
+    error = std::current_exception();
+    promise.set_exception(error);
+  }
+  const std::lock_guard lock(mutex_);
+  underWay_.erase(content);
+  if (error) std::rethrow_exception(error);
+  known_[content] = scene;
+  return scene;
+}
+
+}  // namespace gxy::viewer

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+// Visualizations with their data, compiled on all ranks and shared by all frames that show them.
+#pragma once
+#include <future>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "gxy/scene/scene.h"
+#include "gxy/server/datasets.h"
+#include "gxy/server/module.h"
+
+namespace gxy::viewer {
+
+/// A scene that all ranks have, until the last who holds this lets go. Rank 0.
+struct SceneHandle {
+  SceneHandle(Node& node, SceneId id) : node(node), id(id) {}
+  ~SceneHandle();
+  SceneHandle(const SceneHandle&) = delete;
+  SceneHandle& operator=(const SceneHandle&) = delete;
+
+  Node& node;
+  const SceneId id;
+  std::vector<NamedDataset> data;  ///< with the generations that it shows
+};
+using ScenePtr = std::shared_ptr<const SceneHandle>;
+
+/// One on each rank. Thread safe.
+class Scenes {
+ public:
+  explicit Scenes(Registration& registration);
+
+  /// Rank 0: the scene of a visualization with the current generations of its data, as the tenant sees them; compiled
+  /// unless there is one of the same content. Waits. Throws Error for data that are not there or do not fit.
+  ScenePtr get(const std::string& tenant, const Visualization& visualization, const RenderSettings& settings);
+
+ private:
+  nlohmann::json make(const nlohmann::json& parameters);
+  nlohmann::json forget(const nlohmann::json& parameters);
+  ScenePtr build(const std::string& tenant, const std::string& text, std::vector<NamedDataset> data);
+
+  Node& node_;
+  std::mutex mutex_;
+  std::map<std::string, std::weak_ptr<const SceneHandle>> known_;  ///< rank 0: by content
+  std::map<std::string, std::shared_future<ScenePtr>> underWay_;   ///< rank 0
+  SceneId next_ = 1;                                               ///< rank 0
+  std::map<SceneId, std::vector<LedgerEntry>> memory_;
+};
+
+}  // namespace gxy::viewer

@@ -1,0 +1,309 @@
+// SPDX-License-Identifier: Apache-2.0
+// Module `viewer`: windows of clients, and batches of pictures.
+#include <map>
+
+#include "batch.h"
+#include "gxy/comm/error.h"
+#include "gxy/protocol/json.h"
+#include "gxy/scene/camera.h"
+#include "gxy/scene/json_text.h"
+#include "gxy/scene/state_file.h"
+#include "window.h"
+
+namespace gxy::viewer {
+namespace {
+
+using nlohmann::json;
+using protocol::Arguments;
+using WindowPtr = std::shared_ptr<Window>;
+
+/// A session's windows. Its end closes them.
+class Windows {
+ public:
+  explicit Windows(Session& session) : session_(session) {
+    subscription_ = session.node().datasets->observe([this](const DatasetEvent& event) {
+      if (event.visibleTo(session_.tenant()))
+        for (const auto& [id, window] : all()) window->onData(event);
+    });
+  }
+  ~Windows() {
+    subscription_ = nullptr;
+    for (const auto& [id, window] : windows_) window->close();
+  }
+
+  std::map<uint32_t, WindowPtr> all() const {
+    const std::lock_guard lock(mutex_);
+    return windows_;
+  }
+  WindowPtr get(uint32_t id) const {
+    const std::lock_guard lock(mutex_);
+    const auto at = windows_.find(id);
+    if (at == windows_.end())
+      throw Error("window " + std::to_string(id) + ": there is none, expected one made by `window`");
+    return at->second;
+  }
+  WindowPtr make(uint32_t id, Services& services, const std::shared_ptr<Outbox>& outbox) {
+    const std::lock_guard lock(mutex_);
+    if (const auto at = windows_.find(id); at != windows_.end()) return at->second;
+    if (windows_.size() >= session_.limits().windows)
+      throw Error("window " + std::to_string(id) + ": there are " + std::to_string(windows_.size()) +
+                  ", expected no more; `close` one");
+    return windows_[id] = std::make_shared<Window>(services, outbox, session_.tenant(), id);
+  }
+  void close(uint32_t id) {
+    get(id)->close();
+    const std::lock_guard lock(mutex_);
+    windows_.erase(id);
+  }
+
+ private:
+  Session& session_;
+  mutable std::mutex mutex_;
+  std::map<uint32_t, WindowPtr> windows_;
+  std::shared_ptr<void> subscription_;
+};
+
+std::shared_ptr<Windows> windowsOf(Session& session) {
+  return session.state<Windows>([&] { return std::make_shared<Windows>(session); });
+}
+
+uint32_t windowId(Arguments& arguments) {
+  const auto number = arguments.number();
+  if (!number || *number < 1 || *number > 4294967295.0 || *number != double(uint32_t(*number)))
+    arguments.fail("a window's ID is an integer from 1 to 4294967295");
+  return uint32_t(*number);
+}
+
+/// Members of a request's JSON object, with messages; every one that is there must be asked for.
+class Members {
+ public:
+  Members(const std::optional<std::string>& text, std::string what)
+      : object_(text ? protocol::parseObject(*text, what) : json::object()), what_(std::move(what)) {}
+
+  const json* find(const char* key) {
+    known_ += (known_.empty() ? "`" : ", `") + std::string(key) + "`";
+    const auto at = object_.find(key);
+    asked_ += at != object_.end();
+    return at == object_.end() ? nullptr : &*at;
+  }
+  int64_t integer(const char* key, int64_t fallback, int64_t least, int64_t most) {
+    const json* value = find(key);
+    return value ? integerIn(*value, key, least, most) : fallback;
+  }
+  int64_t integerIn(const json& value, const char* key, int64_t least, int64_t most) {
+    if (!value.is_number_integer() || value.get<int64_t>() < least || value.get<int64_t>() > most)
+      fail(key, "an integer from " + std::to_string(least) + " to " + std::to_string(most), value);
+    return value.get<int64_t>();
+  }
+  bool flag(const char* key, bool fallback) {
+    const json* value = find(key);
+    if (value && !value->is_boolean()) fail(key, "true or false", *value);
+    return value ? value->get<bool>() : fallback;
+  }
+  std::string oneOf(const char* key, const std::vector<std::string>& choices) {
+    const json* value = find(key);
+    if (!value) return choices.front();
+    std::string all;
+    for (const std::string& choice : choices) {
+      if (*value == choice) return choice;
+      all += (all.empty() ? "\"" : " or \"") + choice + "\"";
+    }
+    fail(key, all, *value);
+  }
+  std::string text(const char* key, const std::string& fallback) {
+    const json* value = find(key);
+    if (value && !value->is_string()) fail(key, "text", *value);
+    return value ? value->get<std::string>() : fallback;
+  }
+  void expectNoMore() const {
+    if (asked_ != object_.size())
+      throw Error(what_ + ": there are keys that mean nothing here, expected none but " + known_);
+  }
+  [[noreturn]] void fail(const char* key, const std::string& expected, const json& found) const {
+    throw Error(what_ + ": `" + key + "`: expected " + expected + ", found " +
+                inQuotes(protocol::dump(found).substr(0, 60)));
+  }
+
+ private:
+  const json object_;
+  const std::string what_;
+  std::string known_;
+  size_t asked_ = 0;
+};
+
+json windowVerb(Services& services, Request& request, Arguments arguments) {
+  Session& session = request.session();
+  const uint32_t id = windowId(arguments);
+  Members members(arguments.json(), "window");
+  const auto windows = windowsOf(session);
+  const auto known = windows->all();
+  Window::Settings settings = known.count(id) ? known.at(id)->settings() : Window::Settings{};
+  if (const json* size = members.find("size")) {
+    if (!size->is_array() || size->size() != 2) members.fail("size", "[width, height]", *size);
+    for (int i = 0; i < 2; i++)
+      settings.size[i] = int(members.integerIn(size->at(size_t(i)), "size", 1, 65536));
+    if (uint64_t(settings.size.x) * uint64_t(settings.size.y) > session.limits().pixels)
+      members.fail("size", "at most " + std::to_string(session.limits().pixels) + " pixels", *size);
+  }
+  settings.follow = members.flag("follow", settings.follow);
+  members.expectNoMore();
+  windows->make(id, services, session.sharedOutbox())->setSettings(settings);
+  return {{"window", id}, {"size", {settings.size.x, settings.size.y}}};
+}
+
+// Imports what a document has and the tenant has not.
+void importMissing(Request& request, const std::vector<DatasetSpec>& specs) {
+  Datasets& datasets = *request.session().node().datasets;
+  Datasets::Import what;
+  for (const DatasetSpec& d : specs)
+    if (!datasets.find(request.session().tenant(), d.name)) what.specs.push_back(d);
+  if (!what.specs.empty()) datasets.import(request, what);
+}
+
+json set(Request& request, Arguments arguments) {
+  const uint32_t id = windowId(arguments);
+  const WindowPtr window = windowsOf(request.session())->get(id);
+  const std::string text = arguments.expectJson();
+  const StateFile file = readState(text, "set");
+  importMissing(request, file.state.datasets);
+  const json keys = protocol::parseObject(text, "set");
+  if (keys.contains("Renderer")) window->setRenderer(file.state.settings);
+  if (!file.state.visualizations.empty()) window->setVisualization(file.state.visualizations[0]);
+  if (!file.state.cameras.empty()) {
+    validate(file.state.cameras[0]);
+    window->setCamera(file.state.cameras[0]);
+  }
+  std::string warnings;
+  for (const std::string& w : file.warnings) warnings += (warnings.empty() ? "warning: " : "\nwarning: ") + w;
+  return {{"warnings", file.warnings}, {"text", warnings}};
+}
+
+json render(Request& request, Arguments arguments) {
+  const uint32_t id = windowId(arguments);
+  const WindowPtr window = windowsOf(request.session())->get(id);
+  Members members(arguments.json(), "render");
+  FrameOptions options;
+  if (const json* levels = members.find("levels")) {
+    options.levels.clear();
+    if (!levels->is_array() || levels->empty() || levels->size() > 7)
+      members.fail("levels", "1 to 7 scales", *levels);
+    for (const json& level : *levels) {
+      const auto scale = uint32_t(members.integerIn(level, "levels", 1, 64));
+      if (!options.levels.empty() && scale >= options.levels.back())
+        members.fail("levels", "descending scales", *levels);
+      options.levels.push_back(scale);
+    }
+    if (options.levels.back() != 1) members.fail("levels", "scales that end in 1", *levels);
+  }
+  options.passes = uint32_t(members.integer("passes", 1, 1, 4096));
+  options.quality = int(members.integer("quality", 75, 1, 100));
+  const std::string encoding = members.oneOf("encoding", {"zstd", "raw", "jpeg"});
+  options.encoding = encoding == "raw"    ? protocol::PixelEncoding::Raw
+                     : encoding == "jpeg" ? protocol::PixelEncoding::Jpeg
+                                          : protocol::PixelEncoding::Zstd;
+  if (const json* camera = members.find("Camera")) {
+    const State read = readState(protocol::dump({{"Camera", *camera}}), "render").state;
+    if (read.cameras.size() != 1) members.fail("Camera", "one camera", *camera);
+    validate(read.cameras[0]);
+    members.expectNoMore();
+    window->setCamera(read.cameras[0]);
+  }
+  members.expectNoMore();
+  return {{"frame", window->render(options)}};
+}
+
+json cancelFrame(Request& request, Arguments arguments) {
+  const uint32_t id = windowId(arguments);
+  arguments.expectEnd();
+  windowsOf(request.session())->get(id)->cancel();
+  return nullptr;
+}
+
+json closeWindow(Request& request, Arguments arguments) {
+  const uint32_t id = windowId(arguments);
+  arguments.expectEnd();
+  windowsOf(request.session())->close(id);
+  return nullptr;
+}
+
+json list(Request& request, Arguments arguments) {
+  arguments.expectEnd();
+  json windows = json::array();
+  std::string text = "windows:";
+  for (const auto& [id, window] : windowsOf(request.session())->all()) {
+    const Window::Settings s = window->settings();
+    windows.push_back({{"window", id},
+                       {"size", {s.size.x, s.size.y}},
+                       {"follow", s.follow},
+                       {"frame", window->lastFrame()}});
+    text += "\n" + std::to_string(id) + ": " + std::to_string(s.size.x) + " x " + std::to_string(s.size.y);
+  }
+  return {{"windows", windows}, {"text", text}};
+}
+
+json state(Request& request, Arguments arguments) {
+  const uint32_t id = windowId(arguments);
+  arguments.expectEnd();
+  State state = windowsOf(request.session())->get(id)->state();
+  Datasets& datasets = *request.session().node().datasets;
+  for (const Visualization& v : state.visualizations)
+    for (const Vis& vis : v.operators) {
+      const auto dataset = datasets.find(request.session().tenant(), vis.dataset);
+      if (!dataset) continue;
+      const Pin pin = datasets.pin(dataset->key, dataset->generation);
+      const auto d = pin.get<Dataset>();
+      DatasetSpec spec{vis.dataset, d->type, d->file, d->array, d->color};
+      if (std::find(state.datasets.begin(), state.datasets.end(), spec) == state.datasets.end())
+        state.datasets.push_back(std::move(spec));
+    }
+  return {{"state", json::parse(writeState(state))}};
+}
+
+json batch(Services& services, Request& request, Arguments arguments) {
+  const std::string text = arguments.expectJson();
+  Members members(text, "batch");
+  Batch batch;
+  const json* document = members.find("state");
+  if (!document || !document->is_object())
+    throw Error("batch: `state`: expected a state document; docs/protocol.md says what else there is");
+  batch.toClient = members.oneOf("to", {"files", "client"}) == "client";
+  batch.prefix = members.text("prefix", "picture");
+  batch.format = members.oneOf("format", {"png", "exr", "raw"});
+  batch.concurrent = int(members.integer("concurrent", 4, 1, 64));
+  members.expectNoMore();
+  batch.state = readState(protocol::dump(*document), "batch").state;
+  if (batch.state.visualizations.empty() || batch.state.cameras.empty())
+    throw Error("batch: `state` has no visualization or no camera, expected one or more of each");
+  importMissing(request, batch.state.datasets);
+  return renderBatch(services, request, batch);
+}
+
+Verb verb(std::string name, std::string arguments, std::string help, Order order,
+          std::function<json(Request&, Arguments)> action) {
+  Verb v{std::move(name), std::move(arguments), std::move(help), order, {}};
+  v.action = [usage = v.name + (v.arguments.empty() ? "" : " " + v.arguments), action = std::move(action)](
+                 Request& request) { return action(request, Arguments(request.arguments(), usage)); };
+  return v;
+}
+
+}  // namespace
+}  // namespace gxy::viewer
+
+GALAXY_MODULE(registration) {
+  using namespace gxy;
+  using namespace gxy::viewer;
+  const auto services = std::make_shared<Services>(registration);
+  registration.keep(services);
+  Services& s = *services;
+  registration.verb(verb("window", "ID [JSON]", "Makes or changes a window: size, follow.", Order::InTurn,
+                         [&s](Request& r, Arguments a) { return windowVerb(s, r, std::move(a)); }));
+  registration.verb(
+      verb("set", "ID JSON", "What the window shows: parts of a state document.", Order::InTurn, set));
+  registration.verb(verb("render", "ID [JSON]", "Begins a frame.", Order::InTurn, render));
+  registration.verb(verb("cancel_frame", "ID", "Ends the frame under way.", Order::InTurn, cancelFrame));
+  registration.verb(verb("close", "ID", "Forgets a window.", Order::InTurn, closeWindow));
+  registration.verb(verb("windows", "", "Lists the windows.", Order::InTurn, list));
+  registration.verb(verb("state", "ID", "The window's state document.", Order::InTurn, state));
+  registration.verb(verb("batch", "JSON", "Renders every visualization with every camera of a state.",
+                         Order::Aside, [&s](Request& r, Arguments a) { return batch(s, r, std::move(a)); }));
+}

@@ -1,0 +1,349 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "window.h"
+
+#include <algorithm>
+#include <cstring>
+
+#include "gxy/comm/error.h"
+#include "gxy/protocol/json.h"
+#include "gxy/protocol/tile_codec.h"
+
+namespace gxy::viewer {
+
+using nlohmann::json;
+using protocol::PixelHeader;
+using protocol::PixelKind;
+
+namespace {
+
+// The end of a pass or a frame.
+Bytes endRecord(PixelHeader header, PixelKind kind, const std::string& data = {}) {
+  header.kind = kind;
+  header.x = header.y = header.w = header.h = 0;
+  header.encoding = protocol::PixelEncoding::Raw;
+  header.format = protocol::PixelFormat::Rgba8;
+  return protocol::pixelRecord(header, protocol::bytesOf(data));
+}
+
+}  // namespace
+
+/// One frame: its stages are its levels, then the further passes of the last.
+struct Window::Frame {
+  uint64_t number = 0;
+  FrameOptions options;
+  ScenePtr scene;
+  Camera camera;  ///< of the window's size
+  std::vector<Pin> pins;
+  Tenants::Frame slot;
+  std::chrono::steady_clock::time_point begin = std::chrono::steady_clock::now();
+
+  size_t level = 0;
+  uint32_t pass = 0, passesSent = 0;
+  FrameId rendering = 0;
+  Picture sum;                 ///< of the passes so far
+  const char* over = nullptr;  ///< "superseded" or "cancelled"
+  bool dropped = false;        ///< a tile found no room
+
+  bool last() const { return level + 1 == options.levels.size(); }
+  PixelHeader header(uint32_t window) const {
+    PixelHeader h;
+    h.window = window;
+    h.frame = number;
+    h.scale = options.levels[level];
+    h.pass = pass;
+    h.width = (uint32_t(camera.dimensions.x) + h.scale - 1) / h.scale;
+    h.height = (uint32_t(camera.dimensions.y) + h.scale - 1) / h.scale;
+    return h;
+  }
+};
+
+Window::Window(Services& services, std::shared_ptr<Outbox> outbox, std::string tenant, uint32_t id)
+    : services_(services),
+      outbox_(std::move(outbox)),
+      tenant_(std::move(tenant)),
+      id_(id),
+      key_(services.windows++) {
+  state_.cameras.resize(1);
+  state_.visualizations.resize(1);
+}
+
+Window::Settings Window::settings() const {
+  const std::lock_guard lock(mutex_);
+  return settings_;
+}
+
+void Window::setSettings(const Settings& settings) {
+  const std::lock_guard lock(mutex_);
+  settings_ = settings;
+}
+
+void Window::setVisualization(const Visualization& visualization) {
+  const std::lock_guard lock(mutex_);
+  state_.visualizations[0] = visualization;
+  hasVisualization_ = true;
+  scene_ = nullptr;
+}
+
+void Window::setRenderer(const RenderSettings& settings) {
+  const std::lock_guard lock(mutex_);
+  if (!(state_.settings == settings)) scene_ = nullptr;
+  state_.settings = settings;
+}
+
+void Window::setCamera(const Camera& camera) {
+  const std::lock_guard lock(mutex_);
+  state_.cameras[0] = camera;
+}
+
+State Window::state() const {
+  const std::lock_guard lock(mutex_);
+  State state = state_;
+  state.cameras[0].dimensions = settings_.size;
+  if (!hasVisualization_) state.visualizations.clear();
+  return state;
+}
+
+uint64_t Window::lastFrame() const {
+  const std::lock_guard lock(mutex_);
+  return frames_;
+}
+
+uint64_t Window::render(const FrameOptions& options) {
+  auto frame = std::make_shared<Frame>();
+  State state;
+  {
+    const std::lock_guard lock(mutex_);
+    if (!hasVisualization_)
+      throw Error("window " + std::to_string(id_) +
+                  ": it shows nothing yet, expected a `set` with a Visualization");
+    state = state_;
+    frame->scene = scene_;
+    frame->camera = state_.cameras[0];
+    frame->camera.dimensions = settings_.size;
+  }
+  validate(frame->camera);
+  if (!frame->scene) frame->scene = services_.scenes.get(tenant_, state.visualizations[0], state.settings);
+  Node& node = services_.node;
+  const int64_t pixels = int64_t(frame->camera.dimensions.x) * frame->camera.dimensions.y;
+  node.expectMemory(tenant_, pixels * 64);
+  frame->slot = node.tenants.begin(tenant_);
+  for (const NamedDataset& d : frame->scene->data)
+    frame->pins.push_back(node.datasets->pin(d.key, d.generation));
+  frame->options = options;
+  FramePtr older;
+  {
+    const std::lock_guard lock(mutex_);
+    if (closed_) throw Error("window " + std::to_string(id_) + ": it is closed");
+    // Kept for the next frame, unless the state or the data have changed since.
+    if (state_ == state) scene_ = frame->scene;
+    lastOptions_ = options;
+    frame->number = ++frames_;
+    underWay_++;
+    older = std::exchange(current_, frame);
+    if (older) older->over = "superseded";
+    stale_ = false;
+  }
+  outbox_->dropTiles(id_);
+  if (older) node.renderer.supersede(older->rendering);
+  startStage(frame);
+  return frame->number;
+}
+
+void Window::startStage(const FramePtr& frame) {
+  FrameRequest request;
+  Wanted wanted;
+  {
+    const std::lock_guard lock(mutex_);
+    const PixelHeader header = frame->header(id_);
+    request.scene = frame->scene->id;
+    request.camera = frame->camera;
+    request.camera.dimensions = {int(header.width), int(header.height)};
+    request.number = frame->pass;
+    request.share = {services_.node.tenants.number(tenant_), true};
+    wanted.encoding = frame->options.encoding;
+    wanted.quality = frame->options.quality;
+    if (frame->last() && frame->options.passes > 1) wanted.as = Wanted::As::Floats;
+  }
+  Receiver receiver;
+  const auto self = shared_from_this();
+  receiver.tile = [self, frame](Bytes record) { self->onTile(frame, std::move(record)); };
+  receiver.floats = [self, frame](const Picture& picture) { self->onFloats(frame, picture); };
+  receiver.done = [self, frame](bool superseded, const std::string& error) {
+    self->onStage(frame, superseded, error);
+  };
+  FrameId id = 0;
+  try {
+    id = services_.pictures.start(request, wanted, std::move(receiver));
+  } catch (const std::exception& e) {
+    return finish(frame, "failed", e.what());
+  }
+  std::unique_lock lock(mutex_);
+  frame->rendering = id;
+  const bool over = frame->over;
+  lock.unlock();
+  if (over) services_.node.renderer.supersede(id);
+}
+
+void Window::onTile(const FramePtr& frame, Bytes record) {
+  const std::lock_guard lock(mutex_);
+  if (frame->over) return;
+  PixelHeader header = protocol::pixelHeader(record);
+  const PixelHeader ours = frame->header(id_);
+  header.window = ours.window;
+  header.frame = ours.frame;
+  header.scale = ours.scale;
+  header.pass = ours.pass;
+  std::memcpy(record.data(), &header, sizeof header);
+  if (!outbox_->pixels(std::move(record))) frame->dropped = true;
+}
+
+void Window::onFloats(const FramePtr& frame, const Picture& picture) {
+  const std::lock_guard lock(mutex_);
+  if (frame->pass == 0) {
+    frame->sum = picture;
+    return;
+  }
+  for (size_t i = 0; i < picture.rgba.size(); i++) frame->sum.rgba[i] += picture.rgba[i];
+}
+
+// A level or pass has been rendered, and its tiles are in the outbox or its floats in the sum.
+void Window::onStage(const FramePtr& frame, bool superseded, const std::string& error) {
+  std::unique_lock lock(mutex_);
+  if (frame->over || superseded) {
+    const char* status = frame->over ? frame->over : "superseded";
+    lock.unlock();
+    return finish(frame, status, {});
+  }
+  if (!error.empty()) {
+    lock.unlock();
+    return finish(frame, "failed", error);
+  }
+  if (!frame->sum.rgba.empty()) {
+    Picture mean = frame->sum;
+    for (float& v : mean.rgba) v /= float(frame->pass + 1);
+    lock.unlock();
+    for (Bytes& tile : tilesOfPicture(mean, frame->options.encoding, frame->options.quality))
+      onTile(frame, std::move(tile));
+    lock.lock();
+  }
+  if (frame->over) {
+    lock.unlock();
+    return finish(frame, frame->over, {});
+  }
+  outbox_->pixels(endRecord(frame->header(id_), PixelKind::EndOfPass));
+  bool more = true;
+  if (!frame->last()) {
+    frame->level++;
+  } else {
+    frame->passesSent++;
+    more = ++frame->pass < frame->options.passes;
+  }
+  const bool dropped = frame->dropped;
+  lock.unlock();
+  if (dropped) return finish(frame, "failed", "too many pixels wait to be read: tiles were left out");
+  if (more) return startStage(frame);
+  finish(frame, "complete", {});
+}
+
+void Window::finish(const FramePtr& frame, const char* status, const std::string& error) {
+  PixelHeader header;
+  header.window = id_;
+  header.frame = frame->number;
+  header.width = uint32_t(frame->camera.dimensions.x);
+  header.height = uint32_t(frame->camera.dimensions.y);
+  json generations = json::object();
+  for (const NamedDataset& d : frame->scene->data) generations[d.name] = d.generation;
+  json end{
+      {"status", status},
+      {"generations", generations},
+      {"passes", frame->passesSent},
+      {"seconds", std::chrono::duration<double>(std::chrono::steady_clock::now() - frame->begin).count()}};
+  if (!error.empty()) end["error"] = error;
+  outbox_->pixels(endRecord(header, PixelKind::EndOfFrame, protocol::dump(end)));
+  frame->pins.clear();
+  frame->slot = {};
+  frame->sum = {};
+  frame->scene = nullptr;
+  bool again = false;
+  {
+    const std::lock_guard lock(mutex_);
+    if (current_ == frame) {
+      current_ = nullptr;
+      again = std::exchange(stale_, false) && settings_.follow && !closed_;
+    }
+    underWay_--;
+    ended_.notify_all();
+  }
+  if (again) renderAgain();
+}
+
+void Window::cancel() {
+  FramePtr frame;
+  {
+    const std::lock_guard lock(mutex_);
+    frame = std::exchange(current_, nullptr);
+    if (!frame) return;
+    frame->over = "cancelled";
+  }
+  outbox_->dropTiles(id_);
+  services_.node.renderer.supersede(frame->rendering);
+}
+
+void Window::close() {
+  {
+    const std::lock_guard lock(mutex_);
+    closed_ = true;
+  }
+  cancel();
+  std::unique_lock lock(mutex_);
+  ended_.wait(lock, [this] { return underWay_ == 0; });
+  scene_ = nullptr;
+}
+
+void Window::onData(const DatasetEvent& event) {
+  if (event.kind != DatasetEvent::Kind::Updated && event.kind != DatasetEvent::Kind::Dropped) return;
+  ScenePtr released;  // outside the lock
+  {
+    const std::lock_guard lock(mutex_);
+    const auto& operators = state_.visualizations[0].operators;
+    if (std::none_of(operators.begin(), operators.end(),
+                     [&](const Vis& vis) { return vis.dataset == event.dataset.name; }))
+      return;
+    released = std::exchange(scene_, nullptr);
+    if (event.kind == DatasetEvent::Kind::Dropped || !settings_.follow || frames_ == 0 || closed_) return;
+    if (current_) {
+      stale_ = true;
+      return;
+    }
+  }
+  renderAgain();
+}
+
+// Compiles, so on a thread that may wait.
+void Window::renderAgain() {
+  {
+    const std::lock_guard lock(mutex_);
+    if (closed_) return;
+    underWay_++;
+  }
+  services_.node.transport.postWaiting([self = shared_from_this()] {
+    const std::shared_ptr<void> leave(nullptr, [&](void*) {
+      const std::lock_guard lock(self->mutex_);
+      self->underWay_--;
+      self->ended_.notify_all();
+    });
+    FrameOptions options;
+    {
+      const std::lock_guard lock(self->mutex_);
+      options = self->lastOptions_;
+    }
+    try {
+      const uint64_t frame = self->render(options);
+      self->outbox_->event({{"event", "frame"}, {"window", self->id_}, {"frame", frame}, {"reason", "data"}});
+    } catch (const Error& e) {
+      self->outbox_->event({{"event", "error"}, {"window", self->id_}, {"text", e.what()}});
+    }
+  });
+}
+
+}  // namespace gxy::viewer

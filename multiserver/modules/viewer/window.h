@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: Apache-2.0
+// A window of a client: what it shows, and its frames, one after the other. Rank 0.
+#pragma once
+#include <chrono>
+#include <condition_variable>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "gxy/protocol/pixel_record.h"
+#include "gxy/server/outbox.h"
+#include "gxy/server/tenants.h"
+#include "pictures.h"
+#include "scenes.h"
+
+namespace gxy::viewer {
+
+/// What the viewer module has on a rank.
+struct Services {
+  explicit Services(Registration& registration)
+      : node(registration.node()), scenes(registration), pictures(registration.node()) {}
+  Node& node;
+  Scenes scenes;
+  Pictures pictures;
+  std::atomic<uint64_t> windows = 1;  ///< for keys of windows in the Renderer
+};
+
+/// How a frame is wanted.
+struct FrameOptions {
+  std::vector<uint32_t> levels{4, 1};  ///< descending, the last one 1
+  uint32_t passes = 1;
+  protocol::PixelEncoding encoding = protocol::PixelEncoding::Zstd;
+  int quality = 75;
+};
+
+/// Thread safe. Frames under way keep their window alive.
+class Window : public std::enable_shared_from_this<Window> {
+ public:
+  Window(Services& services, std::shared_ptr<Outbox> outbox, std::string tenant, uint32_t id);
+
+  struct Settings {
+    glm::ivec2 size{512, 512};
+    bool follow = false;
+  };
+  Settings settings() const;
+  void setSettings(const Settings& settings);
+
+  /// Replaces what a state document says.
+  void setVisualization(const Visualization& visualization);
+  void setRenderer(const RenderSettings& settings);
+  void setCamera(const Camera& camera);
+  State state() const;
+
+  /// Begins a frame; older ones are superseded. Compiles the scene if need be, so it waits. Throws Error.
+  uint64_t render(const FrameOptions& options);
+  /// Ends the frame under way, if any.
+  void cancel();
+  /// Cancels, and waits until no frame is under way.
+  void close();
+  uint64_t lastFrame() const;
+
+  /// Data have changed: scenes of older generations are let go, and, if it follows, a frame begins once the one under way
+  /// has ended. Short.
+  void onData(const DatasetEvent& event);
+
+ private:
+  struct Frame;
+  using FramePtr = std::shared_ptr<Frame>;
+  void startStage(const FramePtr& frame);
+  void onTile(const FramePtr& frame, Bytes record);
+  void onFloats(const FramePtr& frame, const Picture& picture);
+  void onStage(const FramePtr& frame, bool superseded, const std::string& error);
+  void finish(const FramePtr& frame, const char* status, const std::string& error);
+  void renderAgain();
+
+  Services& services_;
+  const std::shared_ptr<Outbox> outbox_;
+  const std::string tenant_;
+  const uint32_t id_;
+  const uint64_t key_;
+
+  mutable std::mutex mutex_;
+  std::condition_variable ended_;
+  Settings settings_;
+  State state_;
+  bool hasVisualization_ = false, closed_ = false, stale_ = false;
+  FrameOptions lastOptions_;
+  ScenePtr scene_;
+  FramePtr current_;  ///< under way and not superseded
+  uint64_t frames_ = 0;
+  int underWay_ = 0;  ///< superseded ones included
+};
+
+}  // namespace gxy::viewer

@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: Apache-2.0
+// Module data: what several clients see of one data space.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <condition_variable>
+#include <fstream>
+#include <future>
+
+#include "gxy/comm/error.h"
+#include "multiserver/test_server.h"
+
+namespace gxy::test {
+namespace {
+
+using nlohmann::json;
+
+std::unique_ptr<TestServer> serve(int ranks = 2) {
+  ServerSetup setup;
+  setup.ranks = ranks;
+  setup.modules = GALAXY_MODULES;
+  return std::make_unique<TestServer>(std::move(setup));
+}
+
+std::unique_ptr<Client> dataClient(const TestServer& server, const std::string& tenant = "user") {
+  auto client = server.client(tenant);
+  client->expect("load data");
+  return client;
+}
+
+std::vector<std::string> names(Client& client) {
+  std::vector<std::string> names;
+  const json list = client.expect("list");
+  for (const json& d : list.at("datasets")) names.push_back(d.at("name"));
+  return names;
+}
+
+using Names = std::vector<std::string>;
+
+TEST(Data, TheTranscriptsOfThePaperWork) {
+  const auto server = serve();
+  const auto first = dataClient(*server), second = dataClient(*server);
+  EXPECT_EQ(first->expect("list;").at("text"), "datasets:");
+  EXPECT_EQ(second
+                ->expect("import { \"Datasets\": [\n  {\n    \"name\": \"eightBalls\",\n    \"filename\": "
+                         "\"ball.vol\",\n    \"type\": \"Volume\" } ]};")
+                .at("text"),
+            "");
+  EXPECT_EQ(first->expect("list;").at("text"), "datasets:\neightBalls");
+  EXPECT_EQ(second->expect("list;").at("text"), "datasets:\neightBalls");
+}
+
+TEST(Data, InfoSaysWhatIsInAFileOnAnyNumberOfRanks) {
+  for (const int ranks : {1, 3}) {
+    const auto server = serve(ranks);
+    const auto client = dataClient(*server);
+    client->expect(importBall("ball"));
+    const json info = client->expect("info ball").at("datasets").at(0);
+    EXPECT_EQ(info.at("points"), (json{16, 16, 16}));
+    EXPECT_EQ(info.at("generation"), 1);
+    EXPECT_EQ(info.at("partitions"), ranks);
+    const json range = client->expect("range ball").at("range");
+    EXPECT_NEAR(range.at(0).get<double>(), std::sqrt(3.0) / 15, 1e-6);
+    EXPECT_NEAR(range.at(1).get<double>(), std::sqrt(3.0), 1e-6);
+  }
+}
+
+TEST(Data, NamesAreDroppedAndRenamed) {
+  const auto server = serve();
+  const auto client = dataClient(*server);
+  client->expect(importBall("a name; with \\\"quotes\\\""));
+  client->expect("rename \"a name; with \\\"quotes\\\"\" ball");
+  EXPECT_EQ(names(*client), Names{"ball"});
+  client->expect("drop ball");
+  EXPECT_EQ(names(*client), Names{});
+  EXPECT_FALSE(client->request("drop ball").ok);
+  for (int rank = 0; rank < 2; rank++) EXPECT_EQ(server->node(rank).ledger.total("user"), 0) << rank;
+}
+
+TEST(Data, TenantsSeeOnlyWhatIsShared) {
+  const auto server = serve();
+  const auto ann = dataClient(*server, "ann"), bob = dataClient(*server, "bob");
+  ann->expect(importBall("ball"));
+  EXPECT_EQ(names(*bob), Names{});
+  EXPECT_FALSE(bob->request("info ball").ok);
+  ann->expect("publish ball");
+  EXPECT_EQ(names(*bob), Names{"ball"});
+  EXPECT_EQ(bob->expect("list").at("datasets").at(0).at("owner"), "ann");
+  EXPECT_FALSE(bob->request("drop ball").ok);
+  EXPECT_FALSE(bob->request("rename ball mine").ok);
+  EXPECT_FALSE(bob->request("unpublish ball").ok);
+  ann->expect("unpublish ball");
+  EXPECT_EQ(names(*bob), Names{});
+  EXPECT_EQ(names(*ann), Names{"ball"});
+}
+
+TEST(Data, AnImportUnderANameInUseIsANewGeneration) {
+  const auto server = serve();
+  writeBall(server->folder().path().string(), "twice", 16, 2);
+  const auto client = dataClient(*server);
+  client->expect(importBall("ball"));
+  const double before = client->expect("range ball").at("range").at(1);
+  client->expect(importBall("ball", "twice.vol"));
+  const json info = client->expect("info ball").at("datasets").at(0);
+  EXPECT_EQ(info.at("generation"), 2);
+  EXPECT_NEAR(info.at("range").at(1).get<double>(), 2 * before, 1e-5);
+}
+
+TEST(Data, ObserversAreToldInOrder) {
+  const auto server = serve();
+  std::mutex mutex;
+  std::condition_variable changed;
+  std::vector<std::string> events;
+  auto options = server->options();
+  options.onEvent = [&](const json& event) {
+    if (event.at("event") == "progress") return;
+    const std::lock_guard lock(mutex);
+    events.push_back(event.at("event").get<std::string>() + " " + event.at("name").get<std::string>() + " " +
+                     event.at("generation").dump());
+    changed.notify_all();
+  };
+  Client watcher(options);
+  watcher.expect("load data");
+  watcher.expect("observe ball");
+  const auto client = dataClient(*server);
+  client->expect(importBall("other"));
+  client->expect(importBall("ball"));
+  client->expect(importBall("ball"));
+  client->expect("drop ball");
+  std::unique_lock lock(mutex);
+  EXPECT_TRUE(changed.wait_for(lock, std::chrono::minutes(1), [&] { return events.size() == 3; }));
+  EXPECT_EQ(events, (Names{"added ball 1", "updated ball 2", "dropped ball 2"}));
+}
+
+TEST(Data, WaitEndsWithTheNextGenerationAndCanBeCancelled) {
+  const auto server = serve();
+  const auto client = dataClient(*server), other = dataClient(*server);
+  std::promise<Reply> waited;
+  client->send("wait ball 1", [&](const Reply& reply) { waited.set_value(reply); });
+  other->expect(importBall("ball"));
+  const Reply reply = waited.get_future().get();
+  EXPECT_EQ(reply.value.at("generation"), 1) << reply.error;
+  std::promise<Reply> cancelled;
+  const uint32_t id = client->send("wait ball 7", [&](const Reply& r) { cancelled.set_value(r); });
+  EXPECT_EQ(client->expect("list").at("datasets").size(), 1u) << "a waiting request holds up no other";
+  client->expect("cancel " + std::to_string(id));
+  EXPECT_EQ(cancelled.get_future().get().error, "cancelled");
+  EXPECT_FALSE(client->request("wait ball 9 0.01").ok);
+}
+
+TEST(Data, AFailedImportChangesNothing) {
+  const auto server = serve();
+  std::ofstream(server->folder() / "broken.vol") << "float\n0 0 0\n4 4 4\n1 1 1\nmissing.raw\n";
+  const auto client = dataClient(*server);
+  for (const std::string& statement :
+       {std::string(R"(import {"Datasets": [{"name": "good", "filename": "ball.vol", "type": "Volume"},
+                                {"name": "bad", "filename": "broken.vol", "type": "Volume"}]})"),
+        importBall("bad", "nowhere.vol"), std::string("import {\"Datasets\": []}"), std::string("import {"),
+        std::string(R"(import {"Datasets": {"name": "b", "filename": "ball.vol", "type": "Ball"}})")}) {
+    const Reply reply = client->request(statement);
+    EXPECT_FALSE(reply.ok) << statement;
+    EXPECT_NE(reply.error.find("expected"), std::string::npos) << reply.error;
+  }
+  EXPECT_EQ(names(*client), Names{});
+  for (int rank = 0; rank < 2; rank++) EXPECT_EQ(server->node(rank).ledger.total("user"), 0) << rank;
+  client->expect(importBall("ball"));  // all still work
+}
+
+TEST(Data, QuotasOfMemoryHoldBeforeAnythingIsRead) {
+  ServerSetup setup;
+  setup.modules = GALAXY_MODULES;
+  setup.node.tenantMemory = 20000;  // a half of 16^3 floats with its ghosts is 12288 bytes or less
+  TestServer server(std::move(setup));
+  const auto client = dataClient(server);
+  client->expect(importBall("ball"));
+  const Reply second = client->request(importBall("second"));
+  EXPECT_FALSE(second.ok);
+  EXPECT_NE(second.error.find("memory"), std::string::npos) << second.error;
+  const auto other = dataClient(server, "other");
+  other->expect(importBall("ball"));
+}
+
+}  // namespace
+}  // namespace gxy::test

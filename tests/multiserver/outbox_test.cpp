@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gxy/server/outbox.h"
+
+#include <gtest/gtest.h>
+
+#include <thread>
+
+namespace gxy {
+namespace {
+
+using protocol::FrameChannel;
+using protocol::PixelHeader;
+using protocol::PixelKind;
+
+Bytes record(uint32_t window, uint64_t frame, PixelKind kind, uint32_t pass = 0, size_t bytes = 100) {
+  PixelHeader h;
+  h.kind = kind;
+  h.window = window;
+  h.frame = frame;
+  h.pass = pass;
+  h.width = h.height = 16;
+  if (kind == PixelKind::Tile) h.w = h.h = 16;
+  return protocol::pixelRecord(h, Bytes(bytes));
+}
+
+std::string kindsLeft(Outbox& outbox) {
+  std::string kinds;
+  while (const auto frame = outbox.next()) {
+    if (frame->channel != FrameChannel::Pixels) {
+      kinds += "CQREPF"[int(frame->channel)];
+      continue;
+    }
+    const PixelHeader h = protocol::pixelHeader(frame->payload);
+    kinds += h.kind == PixelKind::Tile ? 't' : h.kind == PixelKind::EndOfPass ? 'p' : 'f';
+    kinds += std::to_string(h.frame);
+  }
+  return kinds;
+}
+
+TEST(Outbox, SendsControlThenTextThenPixelsThenFiles) {
+  Outbox outbox({}, [] {}, {});
+  outbox.file(9, Bytes(10), [] { return false; });
+  outbox.pixels(record(1, 1, PixelKind::Tile));
+  outbox.event({{"event", "added"}});
+  outbox.reply(1, "ok");
+  outbox.control("pong 1");
+  EXPECT_EQ(kindsLeft(outbox), "CERt1F");
+  EXPECT_EQ(outbox.counters().queuedBytes, 0u);
+}
+
+TEST(Outbox, AReplyFollowsTheFilesOfItsRequest) {
+  Outbox outbox({}, [] {}, {});
+  outbox.file(9, Bytes(10), [] { return false; });
+  outbox.reply(9, "ok");
+  EXPECT_EQ(kindsLeft(outbox), "FR");
+}
+
+TEST(Outbox, ANewerFrameDropsTheTilesOfAnOlderOneButNotItsEnd) {
+  Outbox outbox({}, [] {}, {});
+  outbox.pixels(record(1, 1, PixelKind::Tile));
+  outbox.pixels(record(1, 1, PixelKind::EndOfPass));
+  outbox.pixels(record(1, 1, PixelKind::EndOfFrame));
+  outbox.pixels(record(2, 1, PixelKind::Tile));
+  outbox.pixels(record(1, 2, PixelKind::Tile));
+  outbox.pixels(record(1, 2, PixelKind::Tile));
+  EXPECT_EQ(outbox.counters().tilesDropped, 1u);
+  EXPECT_EQ(kindsLeft(outbox), "f1t1t2t2");
+}
+
+TEST(Outbox, HoldsOnePassOfAWindowForASlowReader) {
+  Outbox outbox({}, [] {}, {});
+  for (uint32_t pass = 0; pass < 100; pass++) {
+    for (int tile = 0; tile < 4; tile++) outbox.pixels(record(1, 1, PixelKind::Tile, pass, 1000));
+    outbox.pixels(record(1, 1, PixelKind::EndOfPass, pass));
+  }
+  EXPECT_EQ(outbox.counters().tilesDropped, 99u * 4);
+  EXPECT_LT(outbox.counters().mostQueuedBytes, 2 * 4 * 1100 + 100 * 200u);
+}
+
+TEST(Outbox, RefusesTilesBeyondItsLimit) {
+  Outbox outbox({.text = 1000, .files = 1000, .pixels = 5000}, [] {}, {});
+  int taken = 0;
+  for (uint32_t window = 1; window <= 100; window++)
+    taken += outbox.pixels(record(window, 1, PixelKind::Tile, 0, 936));
+  EXPECT_EQ(taken, 5);
+}
+
+TEST(Outbox, LeavesEventsOutAndSaysHowMany) {
+  Outbox outbox({.text = 1000, .files = 1000, .pixels = 1000}, [] {}, {});
+  outbox.reply(1, std::string(2000, 'x'));
+  EXPECT_TRUE(outbox.congested());
+  EXPECT_FALSE(outbox.event({{"event", "added"}}));
+  EXPECT_FALSE(outbox.event({{"event", "added"}}));
+  EXPECT_TRUE(outbox.next().has_value());
+  EXPECT_FALSE(outbox.congested());
+  EXPECT_TRUE(outbox.event({{"event", "dropped"}}));
+  EXPECT_EQ(nlohmann::json::parse(outbox.next()->text()), (nlohmann::json{{"event", "lost"}, {"count", 2}}));
+  EXPECT_EQ(nlohmann::json::parse(outbox.next()->text())["event"], "dropped");
+}
+
+TEST(Outbox, FilesWaitForRoomUntilCancelledOrClosed) {
+  Outbox outbox({.text = 1000, .files = 100, .pixels = 1000}, [] {}, {});
+  EXPECT_TRUE(outbox.file(1, Bytes(90), [] { return false; }));
+  EXPECT_FALSE(outbox.file(1, Bytes(90), [] { return true; })) << "cancelled";
+  std::thread waiter([&] { EXPECT_TRUE(outbox.file(1, Bytes(90), [] { return false; })); });
+  EXPECT_TRUE(outbox.next().has_value());
+  waiter.join();
+  std::thread other([&] { EXPECT_FALSE(outbox.file(1, Bytes(90), [] { return false; })); });
+  outbox.close();
+  other.join();
+}
+
+TEST(Outbox, AFarewellFollowsRepliesAndNothingFollowsIt) {
+  Outbox outbox({}, [] {}, {});
+  outbox.pixels(record(1, 1, PixelKind::Tile));
+  outbox.farewell("bye");
+  outbox.reply(1, "ok");
+  EXPECT_EQ(kindsLeft(outbox), "RC");
+}
+
+TEST(Outbox, EntersWhatWaitsInTheLedger) {
+  Ledger ledger;
+  Outbox outbox(
+      {}, [] {}, ledger.enter("server", "to be sent", 0));
+  outbox.reply(1, std::string(500, 'x'));
+  EXPECT_EQ(ledger.total(), 500);
+  outbox.close();
+  EXPECT_EQ(ledger.total(), 0);
+}
+
+}  // namespace
+}  // namespace gxy

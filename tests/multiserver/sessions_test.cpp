@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: Apache-2.0
+// Connections, requests and modules: what a client can rely on whatever it asks.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <future>
+
+#include "gxy/comm/error.h"
+#include "multiserver/test_server.h"
+
+namespace gxy::test {
+namespace {
+
+using nlohmann::json;
+
+ServerSetup setup() {
+  ServerSetup setup;
+  setup.modules = GALAXY_MODULES;
+  return setup;
+}
+
+TEST(Sessions, AnswerEachRequestOnceInTheirOrder) {
+  TestServer server(setup());
+  const auto client = server.client();
+  std::vector<std::future<std::pair<int, Reply>>> replies;
+  std::atomic<int> order = 0;
+  for (int i = 0; i < 1000; i++) {
+    auto promise = std::make_shared<std::promise<std::pair<int, Reply>>>();
+    replies.push_back(promise->get_future());
+    client->send("echo " + std::to_string(i), [promise, &order](const Reply& r) {
+      promise->set_value({order++, r});
+    });
+  }
+  for (int i = 0; i < 1000; i++) {
+    const auto [place, reply] = replies[size_t(i)].get();
+    EXPECT_EQ(place, i);
+    EXPECT_EQ(reply.value.at("text"), std::to_string(i));
+  }
+}
+
+TEST(Sessions, TokensSayWhoMayEnterAndWho) {
+  ServerSetup s = setup();
+  s.tokens = {{"good", "ann"}, {"best", "admin"}};
+  TestServer server(std::move(s));
+  const auto enter = [&](const std::string& token) {
+    const std::string file = server.folder() / "token";
+    std::ofstream(file) << token << "\n";
+    Client::Options options = server.options("somebody");
+    options.tokenFile = file;
+    return std::make_unique<Client>(options);
+  };
+  const auto ann = enter("good");
+  EXPECT_EQ(ann->welcome().tenant, "ann");
+  EXPECT_FALSE(ann->welcome().administrator);
+  for (const char* wrong : {"bad", "goo", "goodd", "best2"}) EXPECT_THROW(enter(wrong), Error) << wrong;
+  EXPECT_FALSE(ann->request("quit").ok);
+  EXPECT_FALSE(server.stopAsked());
+  EXPECT_TRUE(enter("best")->request("quit").ok);
+  EXPECT_TRUE(server.stopAsked());
+}
+
+TEST(Sessions, LoadModulesByBareNameOnly) {
+  TestServer server(setup());
+  const auto client = server.client();
+  for (const char* name :
+       {"", "nothing", "../data", "/etc/passwd", "data.so", "galaxy_data.so", "data/../data", "libc"})
+    EXPECT_FALSE(client->request(std::string("load ") + name).ok) << name;
+  EXPECT_FALSE(client->request("list").ok) << "nothing was loaded";
+  client->expect("load data");
+  client->expect("load data");
+  EXPECT_EQ(client->expect("modules").at("loaded"), json{"data"});
+  EXPECT_FALSE(server.client()->request("list").ok) << "modules are a session's own";
+}
+
+TEST(Sessions, ALibraryThatIsNoModuleIsRefusedEverywhere) {
+  const TemporaryFolder folder;
+  std::filesystem::copy_file(std::filesystem::path(GALAXY_MODULES) / "galaxy_data.so",
+                             folder / "galaxy_data.so");
+  std::ofstream(folder / "galaxy_text.so") << "this is no library";
+  std::filesystem::create_symlink(std::filesystem::path(GALAXY_MODULES) / "galaxy_viewer.so",
+                                  folder / "galaxy_outside.so");
+  ServerSetup s = setup();
+  s.modules = folder.path().string();
+  TestServer server(std::move(s));
+  const auto client = server.client();
+  EXPECT_NE(client->request("load text").error.find("cannot be loaded"), std::string::npos);
+  EXPECT_FALSE(client->request("load outside").ok) << "a link out of the folder";
+  client->expect("load data");
+  client->expect("list");
+}
+
+TEST(Sessions, VerbsAreResolvedAsTheProtocolSays) {
+  TestServer server(setup());
+  const auto client = server.client();
+  client->expect("load data");
+  const json viewer = client->expect("load viewer");
+  EXPECT_EQ(viewer.at("hidden"), json::array());
+  client->expect("list");
+  client->expect("data.list");
+  client->expect("viewer.windows");
+  client->expect("server.stat");
+  EXPECT_FALSE(client->request("viewer.list").ok);
+  const Reply misspelt = client->request("lisst");
+  EXPECT_NE(misspelt.error.find("did you mean `list`"), std::string::npos) << misspelt.error;
+  EXPECT_GT(client->expect("help").at("verbs").size(), 20u);
+  EXPECT_EQ(client->expect("help import").at("verbs").size(), 1u);
+}
+
+TEST(Sessions, StatCountsWhatIsThere) {
+  TestServer server(setup());
+  const auto client = server.client(), other = server.client();
+  const json stat = client->expect("stat");
+  EXPECT_EQ(stat.at("ranks").size(), 2u);
+  EXPECT_EQ(stat.at("clients").size(), 2u);
+  for (const json& rank : stat.at("ranks"))
+    EXPECT_GT(rank.at("memory").at("resident").get<int64_t>(), 1 << 20);
+}
+
+TEST(Sessions, FiftyClientsAtOnceGetTheirOwnReplies) {
+  TestServer server(setup());
+  std::vector<std::unique_ptr<Client>> clients;
+  for (int i = 0; i < 50; i++) clients.push_back(server.client("tenant" + std::to_string(i)));
+  std::vector<std::future<Reply>> replies;
+  for (auto& client : clients) {
+    auto promise = std::make_shared<std::promise<Reply>>();
+    replies.push_back(promise->get_future());
+    client->expect("load data");
+    const std::string name = "ball of " + client->welcome().tenant;
+    client->send(importBall(name), [promise](const Reply& r) { promise->set_value(r); });
+  }
+  for (size_t i = 0; i < clients.size(); i++) {
+    EXPECT_TRUE(replies[i].get().ok);
+    const json list = clients[i]->expect("list").at("datasets");
+    ASSERT_EQ(list.size(), 1u);
+    EXPECT_EQ(list[0].at("name"), "ball of tenant" + std::to_string(i));
+  }
+}
+
+TEST(Sessions, MoreClientsThanAllowedAreTold) {
+  ServerSetup s = setup();
+  s.server.connection.limits.clients = 2;
+  TestServer server(std::move(s));
+  const auto first = server.client(), second = server.client();
+  try {
+    server.client();
+    FAIL() << "a third client came in";
+  } catch (const Error& e) {
+    EXPECT_NE(std::string(e.what()).find("no more are allowed"), std::string::npos) << e.what();
+  }
+}
+
+TEST(Sessions, EndWhenTheServerStops) {
+  TestServer server(setup());
+  std::promise<std::string> ended;
+  auto options = server.options();
+  options.onEnd = [&](const std::string& reason) { ended.set_value(reason); };
+  Client client(options);
+  std::promise<Reply> waiting;
+  client.expect("load data");
+  client.send("wait ball", [&](const Reply& r) { waiting.set_value(r); });
+  client.expect("echo");
+  server.stop();
+  EXPECT_EQ(ended.get_future().get(), "the server stops");
+  EXPECT_FALSE(waiting.get_future().get().ok);
+}
+
+}  // namespace
+}  // namespace gxy::test

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gxy/protocol/statement.h"
+
+#include <gtest/gtest.h>
+
+#include "gxy/comm/error.h"
+
+namespace gxy::protocol {
+namespace {
+
+TEST(Statements, AreAVerbAndItsArguments) {
+  EXPECT_EQ(parseStatement("list").verb, "list");
+  EXPECT_EQ(parseStatement("  data.import\n{\"a\": 1} ; ").verb, "data.import");
+  EXPECT_EQ(parseStatement("  data.import\n{\"a\": 1} ; ").arguments, "{\"a\": 1}");
+  EXPECT_EQ(parseStatement("import{}").arguments, "{}");
+  for (const char* wrong : {"", ";", "{}", "!", "list!", "\"list\""})
+    EXPECT_THROW(parseStatement(wrong), Error) << wrong;
+}
+
+TEST(Statements, GiveTheirWordsOneByOne) {
+  Arguments a("ball \"a; b \\\"c\\\"\" 2.5 {\"x\": 1}", "verb");
+  EXPECT_EQ(a.expectWord(), "ball");
+  EXPECT_EQ(a.expectWord(), "a; b \"c\"");
+  EXPECT_EQ(a.number(), 2.5);
+  EXPECT_EQ(a.word(), std::nullopt);
+  EXPECT_EQ(a.expectJson(), "{\"x\": 1}");
+  a.expectEnd();
+  Arguments b("shared like ball", "verb");
+  EXPECT_TRUE(b.taken("shared"));
+  EXPECT_FALSE(b.taken("li"));
+  EXPECT_TRUE(b.taken("like"));
+  EXPECT_THROW(b.expectEnd(), Error);
+  EXPECT_THROW(b.expectJson(), Error);
+  EXPECT_THROW(Arguments("\"open", "verb").word(), Error);
+  EXPECT_THROW(Arguments("1e999", "verb").number(), Error);
+  EXPECT_THROW(Arguments("nan", "verb").number(), Error);
+}
+
+TEST(Scripts, AreCutAtSemicolonsOutsideOfStrings) {
+  std::string rest;
+  const auto cut = cutStatements("list;; import {\"name\": \"a;b\\\";\"} ; drop \"x;\"; wait x", rest);
+  EXPECT_EQ(cut, (std::vector<std::string>{"list", "import {\"name\": \"a;b\\\";\"}", "drop \"x;\""}));
+  EXPECT_EQ(rest, " wait x");
+  EXPECT_TRUE(cutStatements("import {\"name\": \"a;", rest).empty());
+  EXPECT_EQ(rest, "import {\"name\": \"a;");
+}
+
+TEST(Names, BecomeWordsThatMeanThem) {
+  for (const std::string name : {"ball", "a b", "a\"b", "a;b", "{x}", "\\", "\xC3\xA9"}) {
+    Arguments arguments(asWord(name), "verb");
+    EXPECT_EQ(arguments.expectWord(), name);
+    arguments.expectEnd();
+  }
+}
+
+}  // namespace
+}  // namespace gxy::protocol

@@ -1,0 +1,231 @@
+// SPDX-License-Identifier: Apache-2.0
+// Module viewer: the pictures that clients get.
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <future>
+#include <set>
+
+#include "gxy/comm/error.h"
+#include "gxy/io/image.h"
+#include "multiserver/test_server.h"
+
+namespace gxy::test {
+namespace {
+
+using nlohmann::json;
+
+std::unique_ptr<TestServer> serve(int ranks = 2) {
+  ServerSetup setup;
+  setup.ranks = ranks;
+  setup.modules = GALAXY_MODULES;
+  return std::make_unique<TestServer>(std::move(setup));
+}
+
+/// A client with a window, 1, of 96 x 80 pixels that shows a ball.
+struct Viewer {
+  explicit Viewer(const TestServer& server, const std::string& tenant = "user") {
+    auto options = server.options(tenant);
+    options.onPixels = [this](const auto& header, auto data) { screen.take(header, data); };
+    client = std::make_unique<Client>(options);
+    client->expect("load data");
+    client->expect("load viewer");
+    if (client->expect("list").at("datasets").empty()) client->expect(importBall("ball"));
+    client->expect("window 1 {\"size\": [96, 80]}");
+    client->expect("set 1 " + stateOf("ball"));
+  }
+  uint64_t render(const std::string& options = "") {
+    return client->expect("render 1 " + options).at("frame");
+  }
+  Screen::Picture frame(const std::string& options = "") {
+    const auto end = screen.waitFor(1, render(options));
+    EXPECT_EQ(end.status, "complete") << end.json;
+    return screen.picture(1);
+  }
+
+  Screen screen;
+  std::unique_ptr<Client> client;  // after the screen, so that it goes first
+};
+
+std::vector<uint8_t> flippedRows(const std::vector<uint8_t>& rgba, size_t width) {
+  std::vector<uint8_t> out;
+  for (size_t row = rgba.size() / (4 * width); row-- > 0;)
+    out.insert(out.end(), rgba.begin() + std::ptrdiff_t(row * width * 4),
+               rgba.begin() + std::ptrdiff_t((row + 1) * width * 4));
+  return out;
+}
+
+TEST(ViewerModule, AFrameIsTheSameToTheBitForAnyNumberOfRanksAndInABatch) {
+  std::vector<uint8_t> expected;
+  for (const int ranks : {1, 2, 4}) {
+    const auto server = serve(ranks);
+    Viewer viewer(*server);
+    const Screen::Picture picture = viewer.frame();
+    EXPECT_EQ(picture.covered, 96u * 80u);
+    if (expected.empty()) expected = picture.rgba;
+    EXPECT_EQ(picture.rgba, expected) << ranks;
+    viewer.client->expect(R"(batch {"prefix": "out", "state": )" + stateOf("ball") + "}");
+    const Image file = readImage(server->folder() / "out_00000.png");
+    std::vector<uint8_t> levels = eightBits(file.rgba);
+    EXPECT_EQ(levels, expected) << "the file of a batch on " << ranks;
+    EXPECT_EQ(viewer.screen.error(), "");
+  }
+  EXPECT_GT(std::set<uint8_t>(expected.begin(), expected.end()).size(), 50u) << "there is something to see";
+  EXPECT_NE(flippedRows(expected, 96), expected) << "and up is not down";
+}
+
+TEST(ViewerModule, CoarseLevelsComeFirstAndCoverThePicture) {
+  const auto server = serve();
+  Viewer viewer(*server);
+  viewer.frame(R"({"levels": [8, 3, 1]})");
+  EXPECT_EQ(viewer.screen.picture(1, 8).covered, 12u * 10u);
+  EXPECT_EQ(viewer.screen.picture(1, 3).covered, 32u * 27u);
+  EXPECT_EQ(viewer.screen.picture(1, 1).covered, 96u * 80u);
+}
+
+TEST(ViewerModule, EncodingsAgreeAndJpegIsNear) {
+  const auto server = serve();
+  Viewer viewer(*server);
+  const auto zstd = viewer.frame(R"({"encoding": "zstd", "levels": [1]})");
+  const auto raw = viewer.frame(R"({"encoding": "raw", "levels": [1]})");
+  const auto jpeg = viewer.frame(R"({"encoding": "jpeg", "quality": 95, "levels": [1]})");
+  EXPECT_EQ(zstd.rgba, raw.rgba);
+  double sum = 0;
+  for (size_t i = 0; i < raw.rgba.size(); i++) sum += std::abs(int(raw.rgba[i]) - int(jpeg.rgba[i]));
+  EXPECT_LT(sum / double(raw.rgba.size()), 4) << "mean difference in 255ths";
+}
+
+TEST(ViewerModule, PassesRefineOcclusionAndAreCounted) {
+  const auto server = serve();
+  Viewer viewer(*server);
+  const auto one = viewer.frame(R"({"levels": [1]})");
+  const uint64_t frame = viewer.render(R"({"levels": [1], "passes": 3})");
+  const auto end = viewer.screen.waitFor(1, frame);
+  EXPECT_EQ(end.json.at("passes"), 3);
+  const auto three = viewer.screen.picture(1);
+  EXPECT_EQ(three.pass, 2u);
+  EXPECT_NE(three.rgba, one.rgba);
+}
+
+TEST(ViewerModule, ANewerFrameSupersedesAndEachFrameEndsOnce) {
+  const auto server = serve();
+  Viewer viewer(*server);
+  std::vector<uint64_t> frames;
+  for (int i = 0; i < 20; i++) {
+    const std::string x = std::to_string(3 - 0.05 * i);
+    frames.push_back(
+        viewer.render(R"({"Camera": {"viewpoint": [)" + x + R"(, 2, 4], "viewcenter": [0, 0, 0]}})"));
+  }
+  EXPECT_EQ(viewer.screen.waitFor(1, frames.back()).status, "complete");
+  for (const uint64_t frame : frames) {
+    const std::string status = viewer.screen.waitFor(1, frame).status;
+    EXPECT_TRUE(status == "superseded" || status == "complete") << status;
+  }
+  viewer.client->expect("windows");
+  for (const uint64_t frame : frames) EXPECT_EQ(viewer.screen.ends(1, frame), 1);
+  EXPECT_EQ(viewer.screen.picture(1).frame, frames.back());
+}
+
+TEST(ViewerModule, ACancelledFrameSaysSo) {
+  const auto server = serve();
+  Viewer viewer(*server);
+  const uint64_t frame = viewer.render(R"({"passes": 4096})");
+  viewer.client->expect("cancel_frame 1");
+  EXPECT_EQ(viewer.screen.waitFor(1, frame).status, "cancelled");
+  viewer.frame();
+  viewer.client->expect("close 1");
+  EXPECT_FALSE(viewer.client->request("render 1").ok);
+}
+
+TEST(ViewerModule, TwoVisualizationsOfOneDatasetDoNotSeeEachOther) {
+  const auto server = serve();
+  Viewer a(*server), b(*server);
+  const auto before = a.frame().rgba;
+  b.client->expect(R"(set 1 {"Visualization": {"operators": [{"type": "Volume", "dataset": "ball",
+      "isovalues": [0.3], "colormap": "Inferno"}]}})");
+  EXPECT_NE(b.frame().rgba, before);
+  EXPECT_EQ(a.frame().rgba, before);
+}
+
+TEST(ViewerModule, AWindowThatFollowsRendersNewGenerations) {
+  const auto server = serve();
+  writeBall(server->folder().path().string(), "twice", 16, 2);
+  Viewer viewer(*server);
+  viewer.client->expect("window 1 {\"follow\": true}");
+  const auto before = viewer.frame().rgba;
+  viewer.client->expect(importBall("ball", "twice.vol"));
+  const auto end = viewer.screen.waitFor(1, 2);
+  EXPECT_EQ(end.status, "complete");
+  EXPECT_EQ(end.json.at("generations"), (json{{"ball", 2}}));
+  EXPECT_NE(viewer.screen.picture(1).rgba, before);
+}
+
+TEST(ViewerModule, ScenesAreSharedAndGoWithTheirWindows) {
+  const auto server = serve();
+  {
+    Viewer a(*server), b(*server);
+    EXPECT_EQ(a.frame().rgba, b.frame().rgba);
+    EXPECT_GT(server->node().ledger.total("user"), 0);
+    a.client->expect("close 1");
+    b.client->expect("close 1");
+    a.client->expect("drop ball");
+  }
+  server->stop();
+}
+
+TEST(ViewerModule, ABatchSendsItsPicturesBackOrIsCancelled) {
+  const auto server = serve();
+  auto options = server->options();
+  std::map<std::string, size_t> files;
+  options.onFile = [&](uint32_t, const json& header, std::span<const std::byte> content) {
+    files[header.at("name")] = content.size();
+  };
+  Client client(options);
+  client.expect("load data");
+  client.expect("load viewer");
+  client.expect(importBall("ball"));
+  json state = json::parse(stateOf("ball"));
+  json camera = state["Camera"];
+  state.erase("Camera");
+  for (int i = 0; i < 5; i++) {
+    camera["viewpoint"][0] = 3 - i;
+    state["Cameras"].push_back(camera);
+  }
+  const json reply =
+      client.expect("batch " + json{{"state", state}, {"to", "client"}, {"format", "raw"}}.dump());
+  EXPECT_EQ(reply.at("pictures").size(), 5u);
+  EXPECT_EQ(files.size(), 5u) << "all come before the reply";
+  for (const auto& [name, size] : files) EXPECT_EQ(size, 96u * 80 * 16) << name;
+
+  for (int i = 0; i < 45; i++) state["Cameras"].push_back(camera);
+  std::promise<Reply> ended;
+  const uint32_t id = client.send("batch " + json{{"state", state}, {"prefix", "many"}}.dump(),
+                                  [&](const Reply& r) { ended.set_value(r); });
+  client.expect("cancel " + std::to_string(id));
+  EXPECT_EQ(ended.get_future().get().error, "cancelled");
+  const Reply outside = client.request("batch " + json{{"state", state}, {"prefix", "../escaped"}}.dump());
+  EXPECT_FALSE(outside.ok);
+}
+
+TEST(ViewerModule, WrongRequestsAreErrorsWithWhatWasExpected) {
+  const auto server = serve();
+  Viewer viewer(*server);
+  for (const char* statement :
+       {"window", "window 0", "window 1.5", "window 2 {\"size\": [0, 5]}",
+        "window 2 {\"size\": [60000, 60000]}", "window 2 {\"sise\": [5, 5]}", "render 7",
+        "render 1 {\"levels\": [1, 4]}", "render 1 {\"levels\": []}", "render 1 {\"passes\": 0}",
+        "render 1 {\"encoding\": \"gif\"}", "render 1 {\"Camera\": 3}",
+        "render 1 {\"Camera\": {\"viewpoint\": [0, 0]}}", "set 1", "set 1 {\"Camera\": {\"aov\": 999}}",
+        "batch {}", "batch {\"state\": {}}", "state 9", "close x"}) {
+    const Reply reply = viewer.client->request(statement);
+    EXPECT_FALSE(reply.ok) << statement;
+    EXPECT_NE(reply.error.find("expected"), std::string::npos) << statement << ": " << reply.error;
+  }
+  const Reply unknown = viewer.client->request(
+      R"(set 1 {"Visualization": {"operators": [{"type": "Volume", "dataset": "b"}]}})");
+  EXPECT_TRUE(unknown.ok) << "data may come later";
+  EXPECT_FALSE(viewer.client->request("render 1").ok);
+}
+
+}  // namespace
+}  // namespace gxy::test
