@@ -166,12 +166,13 @@ void Connection::write() {
   }
   writingFrame_ = *std::move(frame);
   header_ = protocol::headerOf(writingFrame_);
+  const bool control = writingFrame_.channel == FrameChannel::Control;
   const std::array<asio::const_buffer, 2> parts{asio::buffer(header_), asio::buffer(writingFrame_.payload)};
-  asio::async_write(socket_, parts, [self = shared_from_this()](auto failed, size_t size) {
+  asio::async_write(socket_, parts, [self = shared_from_this(), control](auto failed, size_t size) {
     self->writing_ = false;
     self->writingFrame_ = {};
     if (failed) return self->close();
-    self->written_ += size;
+    if (!control) self->written_ += int64_t(size);
     self->wake();
   });
 }
@@ -189,8 +190,8 @@ void Connection::watch() {
     // A slow reader may answer a ping late, but its machine acknowledges more and more; a dead one acknowledges nothing.
     int underWay = 0;
     if (ioctl(self->socket_.native_handle(), SIOCOUTQ, &underWay) == 0 &&
-        self->written_ - uint64_t(underWay) > self->acknowledged_) {
-      self->acknowledged_ = self->written_ - uint64_t(underWay);
+        self->written_ - underWay > self->acknowledged_) {
+      self->acknowledged_ = self->written_ - underWay;
       self->heard_ = now;
     }
     if (now > self->heard_ + patience.silence) return self->close();

@@ -84,7 +84,8 @@ class Connection : public std::enable_shared_from_this<Connection> {
   bool greeted_ = false, reading_ = false, writing_ = false, leaving_ = false, closed_ = false;
   Clock::time_point heard_ = Clock::now(), asked_ = Clock::now();
   const Clock::time_point begin_ = Clock::now();
-  uint64_t written_ = 0, acknowledged_ = 0;  ///< bytes
+  int64_t written_ = 0,
+          acknowledged_ = 0;  ///< bytes, without control frames, which dead peers' systems take too
   std::atomic<uint64_t> received_ = 0;
 };
 

@@ -1,1 +1,367 @@
 // SPDX-License-Identifier: Apache-2.0
+// Clients that send anything, read nothing and die at any time: nobody else notices, and nothing is left of them.
+#include <gtest/gtest.h>
+
+#include <dirent.h>
+
+#include <cstdlib>
+#include <fstream>
+#include <future>
+#include <random>
+#include <thread>
+
+#include "gxy/comm/error.h"
+#include "multiserver/raw_client.h"
+#include "multiserver/test_server.h"
+
+namespace gxy::test {
+namespace {
+
+using nlohmann::json;
+using protocol::Frame;
+using protocol::FrameChannel;
+
+ServerSetup setup() {
+  ServerSetup setup;
+  setup.modules = GALAXY_MODULES;
+  return setup;
+}
+
+/// How often everything is done: --times=25 for long runs.
+int times(int few) {
+  for (const std::string& arg : ::testing::internal::GetArgvs())
+    if (arg.starts_with("--times=")) return few * std::stoi(arg.substr(8));
+  return few;
+}
+
+int entries(const char* folder) {
+  int n = 0;
+  DIR* dir = opendir(folder);
+  while (readdir(dir)) n++;
+  closedir(dir);
+  return n;
+}
+int openFiles() { return entries("/proc/self/fd"); }
+int threads() { return entries("/proc/self/task"); }
+
+/// Somebody who only wants pictures, and who must not notice the others.
+class Bystander {
+ public:
+  explicit Bystander(const TestServer& server) {
+    auto options = server.options("bystander");
+    options.onPixels = [this](const auto& header, auto data) { screen_.take(header, data); };
+    client_ = std::make_unique<Client>(options);
+    client_->expect("load data");
+    client_->expect("load viewer");
+    client_->expect(importBall("ball"));
+    client_->expect("window 1 {\"size\": [64, 48]}");
+    client_->expect("set 1 " + stateOf("ball"));
+    expected_ = picture();
+  }
+  void expectTheSamePicture() { EXPECT_EQ(picture(), expected_); }
+
+ private:
+  std::vector<uint8_t> picture() {
+    const uint64_t frame = client_->expect("render 1").at("frame");
+    EXPECT_EQ(screen_.waitFor(1, frame).status, "complete");
+    return screen_.picture(1).rgba;
+  }
+  Screen screen_;
+  std::unique_ptr<Client> client_;
+  std::vector<uint8_t> expected_;
+};
+
+/// Waits until the server has no other clients than so many.
+void waitForClients(const TestServer& server, size_t n) {
+  TestServer& s = const_cast<TestServer&>(server);
+  for (int i = 0; i < 3000 && s.server().clients() > n; i++)
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  EXPECT_EQ(s.server().clients(), n);
+}
+
+// Statements near to right ones.
+std::string randomStatement(std::mt19937& random) {
+  static const std::vector<std::string> seeds{
+      "list",
+      "info ball",
+      "import {\"Datasets\": [{\"name\": \"b\", \"filename\": \"ball.vol\", \"type\": \"Volume\"}]}",
+      "import shared like b {\"Datasets\": {\"name\": \"c\", \"filename\": \"../x.vol\", \"type\": "
+      "\"Particles\"}}",
+      "drop b",
+      "rename b c",
+      "range b",
+      "publish b writable",
+      "unpublish b",
+      "wait b 1 0.01",
+      "observe",
+      "unobserve b",
+      "window 1 {\"size\": [20, 20], \"follow\": true}",
+      "set 1 " + stateOf("b"),
+      "render 1 {\"levels\": [4, 1]}",
+      "render 1 {\"Camera\": {\"viewpoint\": [1, 2, 3]}, \"encoding\": \"jpeg\", \"passes\": 2}",
+      "cancel_frame 1",
+      "close 1",
+      "windows",
+      "state 1",
+      "help",
+      "modules",
+      "load viewer",
+      "load ../data",
+      "stat",
+      "cancel 3",
+      "echo x",
+      "batch {\"prefix\": \"../p\", \"state\": " + stateOf("b") + "}",
+      "server.stat",
+      "data.list",
+      "viewer.list"};
+  std::string text = seeds[random() % seeds.size()];
+  for (int n = int(random() % 4); n > 0 && !text.empty(); n--) {
+    const size_t at = random() % text.size();
+    switch (random() % 5) {
+      case 0:
+        text[at] = char(random());
+        break;
+      case 1:
+        text.erase(at, random() % 8);
+        break;
+      case 2:
+        text.insert(at, text.substr(random() % text.size(), random() % 20));
+        break;
+      case 3:
+        text.insert(at, std::to_string(int64_t(random()) * (random() % 2 ? -1 : 1000000007)));
+        break;
+      default:
+        text.insert(at, std::string(random() % 100, "{[\"-9,e"[random() % 7]));
+    }
+  }
+  return text;
+}
+
+TEST(Hostile, StatementsOfAllKindsAreAnsweredAndOthersSeeTheirPictures) {
+  TestServer server(setup());
+  Bystander bystander(server);
+  for (uint32_t seed = 1; seed <= uint32_t(times(4)); seed++) {
+    std::mt19937 random(seed);
+    auto options = server.options("hostile");
+    Client client(options);
+    client.expect("load data");
+    client.expect("load viewer");
+    std::vector<std::future<Reply>> replies;
+    std::vector<std::string> sent;
+    for (int i = 0; i < 150; i++) {
+      auto promise = std::make_shared<std::promise<Reply>>();
+      replies.push_back(promise->get_future());
+      sent.push_back(randomStatement(random));
+      client.send(sent.back(), [promise](const Reply& r) { promise->set_value(r); });
+    }
+    bystander.expectTheSamePicture();
+    for (size_t i = 0; i < replies.size(); i++)
+      ASSERT_EQ(replies[i].wait_for(std::chrono::minutes(1)), std::future_status::ready)
+          << seed << ": " << sent[i];
+    EXPECT_TRUE(client.connected()) << seed;
+  }
+  bystander.expectTheSamePicture();
+}
+
+TEST(Hostile, BytesOfAllKindsEndOnlyTheirOwnConnection) {
+  TestServer server(setup());
+  Bystander bystander(server);
+  for (uint32_t seed = 1; seed <= uint32_t(times(60)); seed++) {
+    std::mt19937 random(seed);
+    RawClient raw(server.port());
+    if (random() % 4 == 0) {
+      Bytes noise(random() % 2000);
+      for (std::byte& b : noise) b = std::byte(random());
+      raw.send(noise);
+    } else {
+      raw.greet("hostile");
+      for (int i = int(random() % 6); i >= 0; i--) {
+        Frame frame =
+            protocol::textFrame(FrameChannel(random() % 2), uint32_t(random() % 3), randomStatement(random));
+        auto header = protocol::headerOf(frame);
+        if (random() % 2) header[random() % header.size()] = std::byte(random());
+        raw.send(header);
+        raw.send(std::span(frame.payload)
+                     .first(frame.payload.size() - (random() % 3 == 0 ? frame.payload.size() / 2 : 0)));
+      }
+    }
+    if (random() % 2) raw.reset();
+  }
+  bystander.expectTheSamePicture();
+  waitForClients(server, 1);
+}
+
+TEST(Hostile, ViolationsOfTheProtocolCloseTheConnection) {
+  ServerSetup s = setup();
+  s.server.connection.limits.requestBytes = 1000;
+  TestServer server(std::move(s));
+  const auto closes = [&](auto&& act) {
+    RawClient raw(server.port());
+    act(raw);
+    return raw.closedByServer();
+  };
+  EXPECT_TRUE(closes([](RawClient& r) { r.send(Bytes(16)); })) << "another magic";
+  EXPECT_TRUE(closes([](RawClient& r) {
+    auto preamble = protocol::preamble();
+    preamble[8] = std::byte(9);
+    r.send(preamble);
+  })) << "another version";
+  EXPECT_TRUE(closes([](RawClient& r) {
+    r.send(protocol::preamble());
+    r.request(1, "list");
+  })) << "a request before hello";
+  EXPECT_TRUE(closes([](RawClient& r) {
+    r.greet();
+    r.request(1, std::string(1001, 'x'));
+  })) << "too long";
+  EXPECT_TRUE(closes([](RawClient& r) {
+    r.greet();
+    r.send(protocol::textFrame(FrameChannel::Pixels, 0, ""));
+  })) << "on the server's channel";
+  EXPECT_TRUE(closes([](RawClient& r) {
+    r.greet();
+    r.request(5, "load data");
+    r.request(6, "wait nothing");
+    r.request(6, "list");
+  })) << "an id twice";
+  EXPECT_TRUE(closes([](RawClient& r) {
+    r.greet();
+    r.send(protocol::textFrame(FrameChannel::Control, 0, "ping me"));
+  })) << "a wrong ping";
+  waitForClients(server, 0);
+}
+
+TEST(Hostile, WhoSaysNothingOrNoLongerAnswersIsClosed) {
+  ServerSetup s = setup();
+  s.server.connection.patience = {std::chrono::milliseconds(200), std::chrono::milliseconds(100),
+                                  std::chrono::milliseconds(400)};
+  TestServer server(std::move(s));
+  const auto alive = server.client();
+  RawClient silent(server.port());
+  EXPECT_TRUE(silent.closedByServer()) << "no handshake";
+  RawClient halfOpen(server.port());
+  halfOpen.greet();
+  halfOpen.request(1, "echo once");
+  EXPECT_TRUE(halfOpen.closedByServer()) << "no pong";
+  EXPECT_TRUE(alive->request("echo").ok) << "whoever answers pings stays";
+  EXPECT_EQ(server.server().clients(), 1u);
+}
+
+TEST(Hostile, ClientsThatDieAtAnyTimeLeaveNothingBehind) {
+  TestServer server(setup());
+  {
+    Bystander bystander(server);
+    const auto cycle = [&](uint32_t seed) {
+      std::mt19937 random(seed);
+      RawClient raw(server.port(), 4096);
+      raw.greet("victim");
+      for (const std::string& statement :
+           {std::string("load data"), std::string("load viewer"), importBall("ball"),
+            std::string("window 1 {\"size\": [300, 200]}"), "set 1 " + stateOf("ball"),
+            std::string("render 1 {\"passes\": 50}")}) {
+        static uint32_t id = 1;
+        const Frame frame = protocol::textFrame(FrameChannel::Request, id++, statement);
+        raw.send(protocol::headerOf(frame));
+        if (random() % 12 == 0) {
+          raw.send(std::span(frame.payload).first(frame.payload.size() / 2));
+          break;
+        }
+        raw.send(frame.payload);
+      }
+      std::array<std::byte, 4096> some;
+      for (int n = int(random() % 4); n > 0; n--) raw.receive(some, int(random() % 20));
+      if (random() % 2) raw.reset();
+    };
+    for (uint32_t i = 1; i <= 10; i++) cycle(i);  // threads and buffers that stay are there now
+    waitForClients(server, 1);
+    bystander.expectTheSamePicture();
+    server.node().transport.post([] {});
+    const int files = openFiles();
+    for (uint32_t i = 11; i <= 10 + uint32_t(times(40)); i++) cycle(i);
+    bystander.expectTheSamePicture();
+    waitForClients(server, 1);
+    EXPECT_LE(openFiles(), files);
+    EXPECT_LT(threads(), 120);
+  }
+  waitForClients(server, 0);
+  server.stop();  // waits for sessions: none is left behind
+}
+
+TEST(Hostile, ASlowReaderGetsFewerPixelsAndTakesNoMoreMemory) {
+  TestServer server(setup());
+  Bystander bystander(server);
+  RawClient slow(server.port(), 4096);
+  slow.greet("slow");
+  uint32_t id = 1;
+  for (const std::string& statement :
+       {std::string("load data"), std::string("load viewer"), importBall("ball"),
+        std::string("window 1 {\"size\": [800, 600]}"), "set 1 " + stateOf("ball")})
+    ASSERT_TRUE(slow.request(id++, statement));
+  const auto other = server.client("slow");  // of the same tenant, to see when the data are there
+  other->expect("load data");
+  other->expect("wait ball 1");
+  constexpr int kFrames = 12;
+  for (int i = 0; i < kFrames; i++) slow.request(id++, "render 1 {\"encoding\": \"raw\", \"levels\": [1]}");
+  constexpr uint64_t kPicture = 800 * 600 * 4;
+  json mine;
+  for (int i = 0; i < 600; i++) {  // until its last frame is done
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    const json stat = server.client()->expect("stat");
+    for (const json& c : stat.at("clients"))
+      if (c.at("client") == "raw") mine = c;
+    if (!mine.is_null() && mine.at("requests") == 0 && mine.at("queued bytes").get<uint64_t>() > kPicture / 2)
+      break;
+  }
+  ASSERT_FALSE(mine.is_null());
+  EXPECT_LT(mine.at("most queued bytes").get<uint64_t>(), 2 * kPicture + 100000);
+  bystander.expectTheSamePicture();
+}
+
+TEST(Hostile, WhoReadsNoRepliesIsReadNoMore) {
+  ServerSetup s = setup();
+  s.server.connection.outbox.text = 100000;
+  TestServer server(std::move(s));
+  Bystander bystander(server);
+  RawClient deaf(server.port(), 4096);
+  deaf.greet("deaf");
+  const std::string text = "echo " + std::string(10000, 'x');
+  uint32_t id = 1;
+  int sent = 0;
+  while (sent < 5000 && deaf.request(id++, text)) sent++;
+  EXPECT_LT(sent, 5000) << "the server goes on reading whoever reads nothing";
+  const json stat = server.client()->expect("stat");
+  uint64_t most = 0;
+  for (const json& c : stat.at("clients"))
+    if (c.at("tenant") == "deaf") most = c.at("most queued bytes");
+  EXPECT_GT(most, 100000u);
+  EXPECT_LT(most, 100000u + 300 * 11000u);
+  bystander.expectTheSamePicture();
+}
+
+TEST(Hostile, CorruptAndVanishedFilesAreErrorsOfTheirImport) {
+  TestServer server(setup());
+  Bystander bystander(server);
+  const auto client = server.client("importer");
+  client->expect("load data");
+  std::string whole;
+  {
+    std::ifstream in(server.folder() / "ball.vol");
+    whole.assign(std::istreambuf_iterator<char>(in), {});
+  }
+  std::mt19937 random(5);
+  for (int i = 0; i < times(60); i++) {
+    std::string text = whole;
+    for (int k = 0; k < 2; k++) text[random() % text.size()] = char(random());
+    if (random() % 4 == 0) text.resize(random() % text.size());
+    std::ofstream(server.folder() / "corrupt.vol") << text;
+    client->request(importBall("c", "corrupt.vol"));
+  }
+  std::filesystem::resize_file(server.folder() / "ball.raw", 100);
+  EXPECT_FALSE(client->request(importBall("short")).ok);
+  std::filesystem::remove(server.folder() / "ball.raw");
+  EXPECT_FALSE(client->request(importBall("gone")).ok);
+  bystander.expectTheSamePicture();
+}
+
+}  // namespace
+}  // namespace gxy::test

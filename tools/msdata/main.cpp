@@ -22,7 +22,8 @@ struct Options {
 
 std::vector<std::string> verbsOf(Client& client) {
   std::vector<std::string> words{"exit"};
-  for (const auto& verb : client.expect("help").at("verbs")) words.push_back(verb.at("verb"));
+  const nlohmann::json help = client.expect("help");
+  for (const auto& verb : help.at("verbs")) words.push_back(verb.at("verb"));
   return words;
 }
 

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: Apache-2.0
+// A connection that says whatever bytes a test wants.
+#pragma once
+#include <arpa/inet.h>
+#include <netinet/in.h>
+#include <poll.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <cstring>
+#include <stdexcept>
+#include <string>
+
+#include "gxy/protocol/frame.h"
+#include "gxy/protocol/handshake.h"
+
+namespace gxy::test {
+
+class RawClient {
+ public:
+  /// `receiveBuffer` > 0 makes the system keep no more than about that.
+  explicit RawClient(uint16_t port, int receiveBuffer = 0) : socket_(::socket(AF_INET, SOCK_STREAM, 0)) {
+    if (receiveBuffer) ::setsockopt(socket_, SOL_SOCKET, SO_RCVBUF, &receiveBuffer, sizeof receiveBuffer);
+    sockaddr_in where{};
+    where.sin_family = AF_INET;
+    where.sin_port = htons(port);
+    where.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    if (::connect(socket_, reinterpret_cast<const sockaddr*>(&where), sizeof where) != 0)
+      throw std::runtime_error("cannot connect");
+  }
+  ~RawClient() {
+    if (socket_ >= 0) ::close(socket_);
+  }
+  RawClient(const RawClient&) = delete;
+  RawClient& operator=(const RawClient&) = delete;
+
+  /// Closes with a reset, as a process that is killed with unread data does.
+  void reset() {
+    const linger none{1, 0};
+    ::setsockopt(socket_, SOL_SOCKET, SO_LINGER, &none, sizeof none);
+    ::close(socket_);
+    socket_ = -1;
+  }
+
+  /// What can be sent within 100 ms; false if not all.
+  bool send(std::span<const std::byte> bytes) {
+    while (!bytes.empty()) {
+      pollfd ready{socket_, POLLOUT, 0};
+      if (::poll(&ready, 1, 100) <= 0) return false;
+      const ssize_t n = ::send(socket_, bytes.data(), bytes.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
+      if (n <= 0) return false;
+      bytes = bytes.subspan(size_t(n));
+    }
+    return true;
+  }
+  bool send(const protocol::Frame& frame) { return send(protocol::headerOf(frame)) && send(frame.payload); }
+  bool request(uint32_t id, const std::string& text) {
+    return send(protocol::textFrame(protocol::FrameChannel::Request, id, text));
+  }
+
+  /// Preamble and hello, without waiting for the answer.
+  void greet(const std::string& tenant = "user") {
+    send(protocol::preamble());
+    send(protocol::textFrame(protocol::FrameChannel::Control, 0, protocol::helloText({"", "raw", tenant})));
+  }
+
+  /// Bytes that come within the time; 0: none, or the end.
+  size_t receive(std::span<std::byte> into, int milliseconds) {
+    pollfd ready{socket_, POLLIN, 0};
+    if (::poll(&ready, 1, milliseconds) <= 0) return 0;
+    const ssize_t n = ::recv(socket_, into.data(), into.size(), 0);
+    return n > 0 ? size_t(n) : 0;
+  }
+
+  /// Reads until the server closes; false if it has not after ten seconds.
+  bool closedByServer() {
+    std::array<std::byte, 65536> buffer;
+    for (int i = 0; i < 100; i++) {
+      pollfd ready{socket_, POLLIN, 0};
+      if (::poll(&ready, 1, 100) <= 0) continue;
+      if (::recv(socket_, buffer.data(), buffer.size(), 0) <= 0) return true;
+    }
+    return false;
+  }
+
+ private:
+  int socket_;
+};
+
+}  // namespace gxy::test
