@@ -152,7 +152,8 @@ TEST(Hostile, StatementsOfAllKindsAreAnsweredAndOthersSeeTheirPictures) {
       auto promise = std::make_shared<std::promise<Reply>>();
       replies.push_back(promise->get_future());
       sent.push_back(randomStatement(random));
-      client.send(sent.back(), [promise](const Reply& r) { promise->set_value(r); });
+      const uint32_t id = client.send(sent.back(), [promise](const Reply& r) { promise->set_value(r); });
+      if (sent.back().find("wait") != std::string::npos) client.expect("cancel " + std::to_string(id));
     }
     bystander.expectTheSamePicture();
     for (size_t i = 0; i < replies.size(); i++)

@@ -1,0 +1,103 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
+# gxyserver_test.sh GALAXY BIN - the programs as a user runs them: the server under MPI, clients from the shell, how it
+# stops, and what happens when a rank dies.
+set -uo pipefail
+galaxy=$(realpath "$1") bin=$(realpath "$2")
+folder=$(mktemp -d)
+export XDG_RUNTIME_DIR=$folder/run
+mkdir -m 700 "$XDG_RUNTIME_DIR"
+cd "$folder" || exit 1
+server=
+failures=0
+finish() {
+  [[ -z $server ]] || kill -KILL "$server" 2>/dev/null
+  rm -rf "$folder"
+}
+trap finish EXIT
+
+check() {  # check NAME COMMAND...: the command succeeds
+  local name=$1
+  shift
+  if "$@"; then echo "ok: $name"; else printf 'FAILED: %s\n' "$name"; cat server.log; failures=$((failures + 1)); fi
+}
+start() {  # start RANKS ARGS...: a server on a free port; sets server and port
+  local ranks=$1
+  shift
+  rm -f port
+  "$galaxy" serve -n "$ranks" --port 0 --port-file port --log-level warn "$@" >server.log 2>&1 &
+  server=$!
+  for _ in $(seq 300); do [[ -s port ]] && break; sleep 0.1; done
+  port=$(cat port)
+}
+ended() {  # ended SECONDS: the server has, within so long; sets status
+  for _ in $(seq $(($1 * 10))); do
+    if ! kill -0 "$server" 2>/dev/null; then wait "$server"; status=$?; server=; return 0; fi
+    sleep 0.1
+  done
+  return 1
+}
+msdata() { "$bin/msdata" -P "$port" "$@"; }
+# The ranks of the server that was started: children of its mpirun.
+ranks_of() { pgrep -P "$server" gxyserver; }
+
+"$bin/gxydata" radial -r 24 --array eightBalls eightBalls.vol >/dev/null
+
+start 2
+check TokenIsForItsUserOnly test "$(stat -c %a "$XDG_RUNTIME_DIR/galaxy/$port.token")" = 600
+check EmptyListing test "$(echo 'list;' | msdata)" = "  datasets:"
+cat >import.txt <<'END'
+import { "Datasets": [
+  {
+    "name": "eightBalls",
+    "filename": "eightBalls.vol",
+    "type": "Volume" } ]};
+END
+check ABareOkPrintsNothing test -z "$(msdata import.txt)"
+check TheOtherClientSeesIt test "$(echo 'list;' | msdata)" = $'  datasets:\n  eightBalls'
+check JsonIsALineForEachStatement test "$(echo 'range eightBalls; list' | msdata --json | grep -c '"ok":true')" = 2
+echo 'drop nothing; list;' | msdata >out.txt 2>error.txt
+check AFailedStatementIsSeenInTheExitCode test $? = 1
+check AndTheNextOneRunsNevertheless grep -q eightBalls out.txt
+check AWrongTokenIsTold bash -c "echo wrong >wrong; ! '$bin/msdata' -P $port --token-file wrong import.txt 2>error.txt && grep -q 'token is wrong' error.txt"
+
+cat >scene.json <<'END'
+{"Datasets": [{"name": "eightBalls", "type": "Volume", "filename": "eightBalls.vol"}],
+ "Visualization": {"Lighting": {"shadows": true, "ao count": 2},
+   "operators": [{"type": "Volume", "dataset": "eightBalls", "isovalues": [0.3]}]},
+ "Camera": {"viewpoint": [3, 2, 4], "viewcenter": [0, 0, 0], "dimensions": [120, 90]}}
+END
+echo "batch {\"prefix\": \"served\", \"state\": $(cat scene.json)}" | "$bin/msclient" -P "$port" -m viewer >/dev/null
+"$bin/gxyrender" scene.json -o alone >/dev/null 2>&1
+check PicturesAreThoseOfGxyrender cmp served_00000.png alone_00000.png
+
+check QuitByTheAdministratorStopsIt bash -c "echo 'quit;' | '$bin/msdata' -P $port"
+check InTime ended 10
+check WithStatus0 test "$status" = 0
+check AndTakesItsTokenAlong test ! -e "$XDG_RUNTIME_DIR/galaxy/$port.token"
+
+start 1
+kill -TERM "$(ranks_of)"
+check TermStopsIt ended 10
+check CleanlyToo test "$status" = 0 -a ! -e "$XDG_RUNTIME_DIR/galaxy/$port.token"
+
+start 3
+victim=$(ranks_of | tail -n 1)
+began=$SECONDS
+kill -KILL "$victim"
+check ADeadRankTakesTheRunDown ended 5
+check WithAnError test "$status" != 0
+check AndSaysWhichAndWhy grep -Eq 'rank [0-9]+ .*signal 9' server.log
+check WithinFiveSeconds test $((SECONDS - began)) -le 5
+
+start 2
+other=$port
+rm -f port
+"$galaxy" serve -n 2 --port "$other" >second.log 2>&1
+check APortInUseIsAnErrorOnAllRanks test $? != 0
+check AndSaysSo grep -q "cannot listen on 127.0.0.1 port $other" second.log
+check AFolderThatIsNotThereIsAnErrorToo bash -c "! '$galaxy' serve --port 0 --data nowhere >third.log 2>&1 && grep -q nowhere third.log"
+port=$other
+echo 'quit;' | msdata
+ended 10
+exit $((failures > 0))
