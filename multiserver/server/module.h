@@ -23,7 +23,7 @@ namespace gxy {
 inline constexpr uint32_t kModuleAbi = 1;
 
 /// When a request runs: after the earlier ones of its session and before the later ones; in its turn, but the later ones
-/// do not wait for its end (long work); at once.
+/// do not wait for its end (long work); at once, on the thread that serves all sockets (the server's own short ones only).
 enum class Order { InTurn, Aside, AtOnce };
 
 struct Verb {

@@ -140,11 +140,14 @@ nlohmann::json Modules::abandon(const std::string& name) {
 }
 
 std::shared_ptr<const LoadedModule> Modules::load(const std::string& name) {
-  const std::lock_guard loading(loading_);
-  {
+  const auto known = [&]() -> std::shared_ptr<const LoadedModule> {
     const std::lock_guard lock(mutex_);
-    if (const auto found = loaded_.find(name); found != loaded_.end()) return found->second;
-  }
+    const auto found = loaded_.find(name);
+    return found == loaded_.end() ? nullptr : found->second;
+  };
+  if (auto module = known()) return module;
+  const std::lock_guard loading(loading_);
+  if (auto module = known()) return module;
   fileOf(name);  // what is no name at all is told without the other ranks
   try {
     node_.callAll("modules.open", {{"module", name}});
@@ -153,8 +156,7 @@ std::shared_ptr<const LoadedModule> Modules::load(const std::string& name) {
     throw;
   }
   node_.callAll("modules.commit", {{"module", name}});
-  const std::lock_guard lock(mutex_);
-  return loaded_.at(name);
+  return known();
 }
 
 }  // namespace gxy

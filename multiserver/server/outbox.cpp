@@ -105,7 +105,8 @@ bool Outbox::pixels(Bytes record) {
     Window& window = windows_[header.window];
     if (header.kind == PixelKind::Tile) {
       const bool otherFrame = window.frame != header.frame;
-      if (otherFrame || window.scale != header.scale || window.pass != header.pass)
+      // Coarser levels stay: they are small, and the first to be seen.
+      if (otherFrame || (window.scale == header.scale && window.pass != header.pass))
         dropTilesOf(window, otherFrame);
       window.frame = header.frame;
       window.scale = header.scale;

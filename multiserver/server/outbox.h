@@ -39,8 +39,8 @@ class Outbox {
   /// False: left out, and counted in the next `lost` event.
   bool event(const nlohmann::json& event);
 
-  /// A record of pixel_record.h. A tile of another frame, level or pass than the last of its window drops the window's
-  /// older tiles. False: the tile was dropped, since too much waits.
+  /// A record of pixel_record.h. A tile of another frame, or of another pass of the same level, than the last of its window
+  /// drops the window's older tiles. False: the tile was dropped, since too much waits.
   bool pixels(Bytes record);
   /// Drops the tiles of a window.
   void dropTiles(uint32_t window);

@@ -160,7 +160,7 @@ const std::vector<Verb>& serverVerbs() {
       {"help", "[VERB]", "Lists what can be asked.", Order::AtOnce, help},
       {"load", "MODULE", "Loads a module for this session.", Order::InTurn, load},
       {"modules", "", "Lists the session's modules, and those there are.", Order::InTurn, modules},
-      {"stat", "", "What the server uses and does, by rank, tenant and client.", Order::AtOnce, stat},
+      {"stat", "", "What the server uses and does, by rank, tenant and client.", Order::Aside, stat},
       {"cancel", "ID", "Ends a request of this session.", Order::AtOnce, cancel},
       {"echo", "[TEXT]", "Answers with the same text.", Order::InTurn, echo},
       {"quit", "", "Stops the server (administrators).", Order::InTurn, quit}};

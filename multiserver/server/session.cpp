@@ -79,7 +79,7 @@ void Session::submit(uint32_t id, std::string text) {
     }
   }
   if (!wrong.empty()) return answer(request, "error: " + wrong);
-  if (atOnce) return start(request, atOnce->action);
+  if (atOnce) return run(request, atOnce->action);
   if (begin) node_.transport.postWaiting([self = shared_from_this()] { self->runNext(); });
 }
 
@@ -97,24 +97,31 @@ void Session::runNext() {
       request = std::move(queue_.front());
       queue_.pop_front();
     }
-    // By value: the action lives in a module, which stays, or in a table of the server.
-    const Verb* verb = nullptr;
     try {
-      verb = &resolveVerb(*this, request->verb());
-    } catch (const Error& e) {
+      const Verb& verb = resolveVerb(*this, request->verb());
+      if (verb.order == Order::Aside)
+        startAside(request, verb.action);
+      else
+        run(request, verb.action);
+    } catch (const std::exception& e) {
       answer(request, std::string("error: ") + e.what());
-      continue;
     }
-    if (verb->order == Order::InTurn)
-      run(request, verb->action);
-    else
-      start(request, verb->action);
   }
 }
 
-void Session::start(const RequestPtr& request, std::function<nlohmann::json(Request&)> action) {
+void Session::startAside(const RequestPtr& request, std::function<nlohmann::json(Request&)> action) {
+  {
+    std::unique_lock lock(mutex_);
+    answered_.wait(lock, [this] { return aside_ < kAside; });
+    aside_++;
+  }
+  const std::shared_ptr<void> left(nullptr, [self = shared_from_this()](void*) {
+    const std::lock_guard lock(self->mutex_);
+    self->aside_--;
+    self->answered_.notify_all();
+  });
   node_.transport.postWaiting(
-      [self = shared_from_this(), request, action = std::move(action)] { self->run(request, action); });
+      [self = shared_from_this(), request, left, action = std::move(action)] { self->run(request, action); });
 }
 
 void Session::run(const RequestPtr& request, const std::function<nlohmann::json(Request&)>& action) {

@@ -55,7 +55,8 @@ class Request {
 };
 
 /// What becomes of the statements of one connection. Requests run on threads of their own (Transport::postWaiting): those
-/// in turn one after the other, those aside beside them. Nothing here waits for another session.
+/// in turn one after the other, those aside beside them, of which at most kAside run at once. Nothing here waits for
+/// another session.
 class Session : public std::enable_shared_from_this<Session> {
  public:
   struct Identity {
@@ -63,6 +64,8 @@ class Session : public std::enable_shared_from_this<Session> {
     std::string client, tenant;
     bool administrator = false;
   };
+
+  static constexpr int kAside = 8;  ///< requests that run at once beside those in turn; each holds a thread
 
   /// The outbox is the connection's and outlives the session's requests.
   Session(Node& node, std::shared_ptr<Outbox> outbox, Identity identity, protocol::Limits limits);
@@ -108,7 +111,7 @@ class Session : public std::enable_shared_from_this<Session> {
  private:
   using RequestPtr = std::shared_ptr<Request>;
   void runNext();
-  void start(const RequestPtr& request, std::function<nlohmann::json(Request&)> action);
+  void startAside(const RequestPtr& request, std::function<nlohmann::json(Request&)> action);
   void run(const RequestPtr& request, const std::function<nlohmann::json(Request&)>& action);
   void answer(const RequestPtr& request, const std::string& text);
   std::shared_ptr<void> stateOf(std::type_index type, const std::function<std::shared_ptr<void>()>& make);
@@ -121,6 +124,7 @@ class Session : public std::enable_shared_from_this<Session> {
   mutable std::mutex mutex_;
   std::condition_variable answered_;
   bool ended_ = false, running_ = false;
+  int aside_ = 0;
   std::map<uint32_t, RequestPtr> requests_;  ///< not answered
   std::deque<RequestPtr> queue_;             ///< not begun
   std::map<std::type_index, std::shared_ptr<void>> states_;

@@ -54,12 +54,18 @@ class Run {
 
   json run() {
     const auto begin = std::chrono::steady_clock::now();
+    constexpr size_t kPictures = 10000;
+    if (total_ > kPictures)
+      throw Error("batch: " + std::to_string(total_) + " pictures, expected at most " +
+                  std::to_string(kPictures));
     for (const Camera& camera : batch_.state.cameras) {
       validate(camera);
       const auto pixels = uint64_t(camera.dimensions.x) * uint64_t(camera.dimensions.y);
       if (pixels > request_.session().limits().pixels)
         throw Error("batch: a picture of " + std::to_string(pixels) + " pixels, expected at most " +
                     std::to_string(request_.session().limits().pixels));
+      for (const Visualization& v : batch_.state.visualizations)
+        checkCost(v, batch_.state.settings, camera.dimensions);
     }
     json names = json::array();
     for (size_t i = 0; i < total_; i++) {

@@ -11,6 +11,18 @@ namespace gxy::viewer {
 
 using nlohmann::json;
 
+void checkCost(const Visualization& visualization, const RenderSettings& settings, glm::ivec2 size) {
+  constexpr int64_t kRays = int64_t(1) << 31, kOcclusion = 256, kLights = 64;
+  const auto check = [](const char* what, int64_t value, int64_t most) {
+    if (value > most)
+      throw Error(std::string("rendering: ") + std::to_string(value) + " " + what + ", expected at most " +
+                  std::to_string(most));
+  };
+  check("primary rays", int64_t(size.x) * size.y * settings.raysPerPixel, kRays);
+  check("ambient-occlusion rays per hit", visualization.lighting.aoCount, kOcclusion);
+  check("lights", int64_t(visualization.lighting.sources.size()), kLights);
+}
+
 SceneHandle::~SceneHandle() {
   node.work.broadcast("viewer.forget", {{"scene", id}}, [](std::vector<Work::Reply>) {});
 }
@@ -61,7 +73,10 @@ json Scenes::make(const json& p) {
     operand.geometry = distribute(
         *dataset.geometry, *partitioning,
         [&vis](double value) { return vis.type == VisType::Triangles ? 0.0 : radiusOf(vis, value); }, ranks);
-    memory.push_back(node_.ledger.enter(tenant, "geometry", bytesOf(*operand.geometry)));
+    agree(ranks, [&] {
+      node_.expectMemory(tenant, bytesOf(*operand.geometry));
+      memory.push_back(node_.ledger.enter(tenant, "geometry", bytesOf(*operand.geometry)));
+    });
   }
   std::shared_ptr<CompiledScene> scene;
   Bytes visible;

@@ -27,6 +27,9 @@ struct SceneHandle {
 };
 using ScenePtr = std::shared_ptr<const SceneHandle>;
 
+/// Throws Error for what would take more of the server than any client may have (docs/protocol.md section 8).
+void checkCost(const Visualization& visualization, const RenderSettings& settings, glm::ivec2 size);
+
 /// One on each rank. Thread safe.
 class Scenes {
  public:

@@ -122,6 +122,7 @@ uint64_t Window::render(const FrameOptions& options) {
     frame->camera.dimensions = settings_.size;
   }
   validate(frame->camera);
+  checkCost(state.visualizations[0], state.settings, frame->camera.dimensions);
   if (!frame->scene) frame->scene = services_.scenes.get(tenant_, state.visualizations[0], state.settings);
   Node& node = services_.node;
   const int64_t pixels = int64_t(frame->camera.dimensions.x) * frame->camera.dimensions.y;
