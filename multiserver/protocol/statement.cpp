@@ -54,23 +54,28 @@ Statement parseStatement(std::string_view text) {
 }
 
 Arguments::Arguments(std::string_view text, std::string usage)
-    : rest_(trimmed(text)), usage_(std::move(usage)) {}
+    : text_(trimmed(text)), usage_(std::move(usage)) {}
+
+// What follows the first `size` bytes of the rest, and blanks.
+void Arguments::advance(size_t size) {
+  const std::string_view left = rest().substr(size);
+  const size_t blanks = left.find_first_not_of(kBlanks);
+  at_ = blanks == std::string_view::npos ? text_.size() : at_ + size + blanks;
+}
 
 std::optional<std::string> Arguments::word() {
-  if (rest_.empty() || rest_.front() == '{') return std::nullopt;
+  if (rest().empty() || rest().front() == '{') return std::nullopt;
   std::string word;
-  if (rest_.front() == '"') {
-    const size_t end = endOfString(rest_);
-    if (end == std::string_view::npos) fail("a string does not end");
-    const JsonValue value = parseJson(rest_.substr(0, end), usage_);
-    word = *value.string();
-    rest_.remove_prefix(end);
+  size_t size;
+  if (rest().front() == '"') {
+    size = endOfString(rest());
+    if (size == std::string_view::npos) fail("a string does not end");
+    word = *parseJson(rest().substr(0, size), usage_).string();
   } else {
-    const size_t end = std::min(rest_.find_first_of(kBlanks), rest_.size());
-    word = rest_.substr(0, end);
-    rest_.remove_prefix(end);
+    size = std::min(rest().find_first_of(kBlanks), rest().size());
+    word = rest().substr(0, size);
   }
-  rest_ = trimmed(rest_);
+  advance(size);
   return word;
 }
 
@@ -91,17 +96,20 @@ std::optional<double> Arguments::number() {
 }
 
 bool Arguments::taken(std::string_view word) {
-  if (!rest_.starts_with(word)) return false;
-  const std::string_view after = rest_.substr(word.size());
+  if (!rest().starts_with(word)) return false;
+  const std::string_view after = rest().substr(word.size());
   if (!after.empty() && !isBlank(after.front()) && after.front() != '{') return false;
-  rest_ = trimmed(after);
+  advance(word.size());
   return true;
 }
 
 std::optional<std::string> Arguments::json() {
-  if (rest_.empty()) return std::nullopt;
-  if (rest_.front() != '{') fail("there is " + inQuotes(rest_.substr(0, 40)) + " where a JSON object may be");
-  return std::string(std::exchange(rest_, {}));
+  if (rest().empty()) return std::nullopt;
+  if (rest().front() != '{')
+    fail("there is " + inQuotes(rest().substr(0, 40)) + " where a JSON object may be");
+  std::string object(rest());
+  at_ = text_.size();
+  return object;
 }
 
 std::string Arguments::expectJson() {
@@ -111,7 +119,7 @@ std::string Arguments::expectJson() {
 }
 
 void Arguments::expectEnd() const {
-  if (!rest_.empty()) fail(inQuotes(rest_.substr(0, 40)) + " is too much");
+  if (!rest().empty()) fail(inQuotes(rest().substr(0, 40)) + " is too much");
 }
 
 void Arguments::fail(const std::string& reason) const { throw Error(reason + ", expected `" + usage_ + "`"); }

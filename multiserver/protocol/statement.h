@@ -39,7 +39,11 @@ class Arguments {
   [[noreturn]] void fail(const std::string& reason) const;
 
  private:
-  std::string_view rest_;
+  std::string_view rest() const { return std::string_view(text_).substr(at_); }
+  void advance(size_t size);
+
+  std::string text_;
+  size_t at_ = 0;
   std::string usage_;
 };
 
