@@ -98,15 +98,17 @@ Renderer::Renderer(Transport& transport, Options options)
     throw Error("packets of " + std::to_string(options_.packetRays) + " rays, expected >= 16");
   if (options_.interactiveRays < 0 || options_.interactiveRays >= options_.raysInFlight)
     throw Error("the number of rays kept for interactive frames must be >= 0 and less than that of all");
+  if (options_.tenantRays < 0) throw Error("the number of rays of a tenant must be >= 0");
   if (options_.raysInFlight < 1) throw Error("the number of rays in flight must be >= 1");
   transport_.onMessage(Channel::Frame, [this](int, const Bytes& m) { receiveFrame(m); });
   transport_.onMessage(Channel::Rays, [this](int, Bytes m) { receiveRays(std::move(m)); });
   transport_.onMessage(Channel::Contributions, [this](int, Bytes m) { receiveContributions(std::move(m)); });
   transport_.onMessage(Channel::Credits, [this](int, const Bytes& m) {
     Reader in(m, "ray credits");
+    const auto tenant = in.read<uint32_t>();
     const auto credits = in.read<int64_t>();
     in.expectEnd();
-    giveBack(transport_.rank(), credits);
+    giveBack(transport_.rank(), tenant, credits);
   });
 }
 

@@ -62,6 +62,7 @@ class Renderer {
     int packetRays = 1024;           ///< rays that are traced together, at most; >= 16
     int64_t raysInFlight = 1 << 20;  ///< credits of a rank
     int64_t interactiveRays = 0;     ///< of these, kept for interactive frames
+    int64_t tenantRays = 0;          ///< of these, that one tenant may have; 0: all
     Ledger* ledger = nullptr;      ///< where memory is accounted, if anywhere; needed by the constructor only
     std::string tenant = "batch";  ///< whose memory it is
   };
@@ -145,11 +146,12 @@ class Renderer {
   Held hold(LeavingRays rays) const;
   void forward(const FramePtr& frame, int rank, int partition, bool primary, int origin, const RayList& rays);
   void contribute(const FramePtr& frame, TraceResult& result);
-  void giveBack(int origin, int64_t credits);
+  void giveBack(int origin, uint32_t tenant, int64_t credits);
   FramePtr find(FrameId id) const;
   FramePtr findOrPark(FrameId id, Channel channel, Bytes& message);
   bool isOver(FrameId id) const { return id < firstNotOver_ || over_.count(id) > 0; }
   bool mayTake(int64_t cost, bool interactive) const;
+  bool tenantMayTake(const Frame& frame) const;
   std::vector<FramePtr>::iterator nextToSpawn();
   void post(std::function<void()> task);
   void post(const Share& share, std::function<void()> task);
@@ -170,6 +172,7 @@ class Renderer {
   std::map<uint32_t, uint64_t> tenantTurns_;       ///< when each tenant with such frames was served last
   uint64_t turn_ = 0;
   int64_t credits_;
+  std::map<uint32_t, int64_t> tenantOut_;  ///< credits out, by tenant, where not 0
   int64_t mostOut_ = 0;
   PictureHandler pictureHandler_;
   FrameId firstNotOver_ = 1;             ///< all frames below are over here

@@ -30,13 +30,28 @@ bool Renderer::mayTake(int64_t cost, bool interactive) const {
   return cost <= credits_ - kept || credits_ >= options_.raysInFlight;
 }
 
+int64_t Renderer::Frame::nextCost() const {
+  const Tile& tile = tiles.back();
+  return int64_t(tile.x1 - tile.x0) * (tile.y1 - tile.y0) * perPrimary;
+}
+
+// As above, of the credits of a tenant.
+bool Renderer::tenantMayTake(const Frame& frame) const {
+  const auto out = tenantOut_.find(frame.request.share.tenant);
+  return options_.tenantRays == 0 || out == tenantOut_.end() ||
+         out->second + frame.nextCost() <= options_.tenantRays;
+}
+
 // An interactive frame if there is one, else one of the tenant that was served longest ago; of several the one that was.
+// Those whose tenants have all they may have are passed over; the end, if there are no others.
 std::vector<Renderer::FramePtr>::iterator Renderer::nextToSpawn() {
   const auto rank = [this](const FramePtr& f) {
     return std::tuple(!f->request.share.interactive, tenantTurns_[f->request.share.tenant], f->turn);
   };
-  return std::min_element(spawning_.begin(), spawning_.end(),
-                          [&](const FramePtr& a, const FramePtr& b) { return rank(a) < rank(b); });
+  auto next = spawning_.end();
+  for (auto f = spawning_.begin(); f != spawning_.end(); ++f)
+    if (tenantMayTake(**f) && (next == spawning_.end() || rank(*f) < rank(*next))) next = f;
+  return next;
 }
 
 // Posts tiles while there are credits.
@@ -49,11 +64,13 @@ void Renderer::pump() {
       std::lock_guard lock(mutex_);
       if (spawning_.empty()) return tenantTurns_.clear();
       const auto next = nextToSpawn();
+      if (next == spawning_.end()) return;
       frame = *next;
       tile = frame->tiles.back();
-      cost = int64_t(tile.x1 - tile.x0) * (tile.y1 - tile.y0) * frame->perPrimary;
+      cost = frame->nextCost();
       if (!mayTake(cost, frame->request.share.interactive)) return;
       credits_ -= cost;
+      tenantOut_[frame->request.share.tenant] += cost;
       mostOut_ = std::max(mostOut_, options_.raysInFlight - credits_);
       frame->turn = tenantTurns_[frame->request.share.tenant] = ++turn_;
       frame->tiles.pop_back();
@@ -81,7 +98,7 @@ void Renderer::spawnTile(const FramePtr& frame, const Tile& tile, int64_t reserv
     });
   }
   if (--frame->tilesLeft == 0) completion_.spawned(frame->id);
-  giveBack(transport_.rank(), reserved);
+  giveBack(transport_.rank(), frame->request.share.tenant, reserved);
 }
 
 Renderer::Held Renderer::hold(LeavingRays rays) const {
@@ -113,7 +130,7 @@ void Renderer::process(const FramePtr& frame, int origin, std::vector<Held> stac
     if (frame->cancelled) {
       const int64_t n = next.rays.size();
       completion_.retired(frame->id, uint64_t(n));
-      giveBack(origin, n * each);
+      giveBack(origin, frame->request.share.tenant, n * each);
       continue;
     }
     frame->scene.device->trace(
@@ -134,7 +151,7 @@ void Renderer::process(const FramePtr& frame, int origin, std::vector<Held> stac
           }
           completion_.retired(frame->id, result.retired);
           const int64_t credits = int64_t(result.retired) * each - int64_t(result.secondaries);
-          if (credits != 0) giveBack(origin, credits);
+          if (credits != 0) giveBack(origin, frame->request.share.tenant, credits);
         });
   }
 }
@@ -231,16 +248,17 @@ void Renderer::receiveContributions(Bytes message) {
   completion_.retired(header.frame, 1);
 }
 
-void Renderer::giveBack(int origin, int64_t credits) {
+void Renderer::giveBack(int origin, uint32_t tenant, int64_t credits) {
   if (credits == 0) return;
   if (origin != transport_.rank()) {
     Writer w;
-    transport_.send(origin, Channel::Credits, w.write(credits).take());
+    transport_.send(origin, Channel::Credits, w.write(tenant).write(credits).take());
     return;
   }
   {
     std::lock_guard lock(mutex_);
     credits_ += credits;
+    if ((tenantOut_[tenant] -= credits) == 0) tenantOut_.erase(tenant);
     mostOut_ = std::max(mostOut_, options_.raysInFlight - credits_);
   }
   pump();

@@ -30,6 +30,8 @@ struct Renderer::Frame {
   std::atomic<size_t> tilesLeft = 0;  ///< not yet spawned completely
   uint64_t turn = 0;                  ///< when a tile of it was spawned last
   std::atomic<bool> cancelled = false;
+
+  int64_t nextCost() const;  ///< credits of the tile that is spawned next
 };
 
 struct Renderer::Parked {

@@ -18,6 +18,7 @@ Renderer::Options rendererOptions(const NodeOptions& options, Ledger& ledger) {
   Renderer::Options r;
   r.raysInFlight = options.raysInFlight;
   r.interactiveRays = options.raysInFlight / 4;
+  r.tenantRays = options.tenantRays;
   r.ledger = &ledger;
   r.tenant = "frames";
   return r;

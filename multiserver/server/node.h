@@ -32,6 +32,7 @@ struct NodeOptions {
   int64_t tenantMemory = int64_t(8) << 30;  ///< of one
   int tenantFrames = 64;                    ///< renderings in flight of one tenant
   int64_t raysInFlight = 1 << 20;           ///< of each rank
+  int64_t tenantRays = 0;                   ///< of one tenant, of each rank; 0: as many as there may be
 };
 
 /// Made on every rank at the same time, over its Transport, and destroyed on all ranks together. Threads: its parts are

@@ -146,6 +146,41 @@ TEST(Frames, OfSeveralScenesShareTheRanks) {
   }
 }
 
+// Tenants and those who watch in any mix, each tenant with fewer credits than a tile costs: all frames are right, none waits
+// for ever.
+TEST(Frames, OfTenantsWithLittleAllEnd) {
+  const Prepared balls(litBalls({40, 36}), lattice(sceneDomain(), {2, 2, 1}, 3));
+  for (uint64_t seed = 1; seed <= 60; seed++) {
+    FrameRun run;
+    run.seed = seed;
+    run.options.packetRays = 16;
+    run.options.raysInFlight = 2000;
+    run.options.interactiveRays = 500;
+    run.options.tenantRays = 700;
+    Frames frames(3, run);
+    frames.add(1, balls.compiled);
+    std::vector<FrameId> ids;
+    for (int i = 0; i < 6; i++) {
+      FrameRequest request = balls.request(1);
+      request.share = {uint32_t(i % 3), i % 2 == 0};
+      request.note = "for " + std::to_string(i);
+      ids.push_back(frames.start(request));
+    }
+    frames.renderer(0).supersede(ids[3]);
+    frames.run();
+    ASSERT_TRUE(frames.errors().empty()) << frames.errors()[0];
+    for (size_t i = 0; i < ids.size(); i++) {
+      ASSERT_EQ(frames.outcome(ids[i]).finished, 1) << seed;
+      ASSERT_EQ(frames.outcome(ids[i]).superseded, i == 3);
+      if (i != 3) {
+        ASSERT_EQ(difference(balls.expected, frames.outcome(ids[i]).picture), "") << seed;
+      }
+    }
+    expectNothingKept(frames);
+    if (HasFailure()) FAIL() << "schedule " << seed;
+  }
+}
+
 TEST(Frames, ThatSeeNothingAreReportedAndAreBackground) {
   Prepared balls(litBalls({9, 7}), lattice(sceneDomain(), {2, 1, 1}, 3));
   balls.scene.camera.viewdirection = -balls.scene.camera.viewdirection;
