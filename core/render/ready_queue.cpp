@@ -9,6 +9,7 @@ void ReadyQueue::push(const Share& share, Task task) {
   const std::lock_guard lock(mutex_);
   (share.interactive ? interactive_ : others_)[share.tenant].tasks.push_back(std::move(task));
   interactiveTasks_ += share.interactive;
+  tasks_++;
 }
 
 ReadyQueue::Task ReadyQueue::pop() {
@@ -22,6 +23,7 @@ ReadyQueue::Task ReadyQueue::pop() {
     Task task = std::move(next->tasks.front());
     next->tasks.pop_front();
     if (tenants == &interactive_) interactiveTasks_--;
+    tasks_--;
     return task;
   }
   return {};
@@ -30,6 +32,11 @@ ReadyQueue::Task ReadyQueue::pop() {
 bool ReadyQueue::interactiveWaits() const {
   const std::lock_guard lock(mutex_);
   return interactiveTasks_ > 0;
+}
+
+bool ReadyQueue::empty() const {
+  const std::lock_guard lock(mutex_);
+  return tasks_ == 0;
 }
 
 }  // namespace gxy

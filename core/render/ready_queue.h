@@ -26,6 +26,7 @@ class ReadyQueue {
   /// Takes the next; empty if there is none.
   Task pop();
   bool interactiveWaits() const;
+  bool empty() const;
 
  private:
   struct Tenant {
@@ -36,7 +37,7 @@ class ReadyQueue {
 
   mutable std::mutex mutex_;
   Tenants interactive_, others_;
-  size_t interactiveTasks_ = 0;
+  size_t tasks_ = 0, interactiveTasks_ = 0;
   uint64_t turn_ = 0;
 };
 

@@ -122,10 +122,23 @@ void Renderer::post(std::function<void()> task) {
   transport_.post([tasks = tasks_, task = std::move(task)]() mutable { tasks->run(task); });
 }
 
-// Runs the task when its turn has come: for each task one is posted that takes whichever is next.
+// Runs the task when its turn has come.
 void Renderer::post(const Share& share, std::function<void()> task) {
   ready_.push(share, std::move(task));
+  startRunner();
+}
+
+// A runner takes whichever task is next. Where their number is bounded, one that ends makes way for another.
+void Renderer::startRunner() {
+  int running = runners_;
+  do {
+    if (options_.runners > 0 && running >= options_.runners) return;
+  } while (!runners_.compare_exchange_weak(running, running + 1));
   post([this] {
+    const std::shared_ptr<void> ended(nullptr, [this](void*) {
+      runners_--;
+      if (options_.runners > 0 && !ready_.empty()) startRunner();
+    });
     if (const auto next = ready_.pop()) next();
   });
 }

@@ -63,6 +63,8 @@ class Renderer {
     int64_t raysInFlight = 1 << 20;  ///< credits of a rank
     int64_t interactiveRays = 0;     ///< of these, kept for interactive frames
     int64_t tenantRays = 0;          ///< of these, that one tenant may have; 0: all
+    int runners =
+        0;  ///< tasks that it has the Transport run at once, so that those of others wait for no more; 0: all
     Ledger* ledger = nullptr;      ///< where memory is accounted, if anywhere; needed by the constructor only
     std::string tenant = "batch";  ///< whose memory it is
   };
@@ -155,6 +157,7 @@ class Renderer {
   std::vector<FramePtr>::iterator nextToSpawn();
   void post(std::function<void()> task);
   void post(const Share& share, std::function<void()> task);
+  void startRunner();
 
   Transport& transport_;
   const Options options_;
@@ -163,6 +166,7 @@ class Renderer {
   const LedgerEntry rayMemory_, framebufferMemory_, pictureMemory_, parkedMemory_, tileMemory_;
   const std::shared_ptr<Tasks> tasks_;
   ReadyQueue ready_;
+  std::atomic<int> runners_ = 0;  ///< posted to the Transport; each runs one task of ready_
 
   mutable std::mutex mutex_;  ///< guards all below but the atomics
   std::map<SceneId, Scene> scenes_;

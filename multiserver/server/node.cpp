@@ -19,6 +19,7 @@ Renderer::Options rendererOptions(const NodeOptions& options, Ledger& ledger) {
   r.raysInFlight = options.raysInFlight;
   r.interactiveRays = options.raysInFlight / 4;
   r.tenantRays = options.tenantRays;
+  r.runners = options.threads;
   r.ledger = &ledger;
   r.tenant = "frames";
   return r;

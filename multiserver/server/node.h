@@ -31,6 +31,7 @@ struct NodeOptions {
   int64_t memory = int64_t(8) << 30;        ///< bytes of all tenants, on each rank
   int64_t tenantMemory = int64_t(8) << 30;  ///< of one
   int tenantFrames = 64;                    ///< renderings in flight of one tenant
+  int threads = 2;                          ///< of each rank, that run its tasks
   int64_t raysInFlight = 1 << 20;           ///< of each rank
   int64_t tenantRays = 0;                   ///< of one tenant, of each rank; 0: as many as there may be
 };

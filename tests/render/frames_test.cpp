@@ -157,6 +157,7 @@ TEST(Frames, OfTenantsWithLittleAllEnd) {
     run.options.raysInFlight = 2000;
     run.options.interactiveRays = 500;
     run.options.tenantRays = 700;
+    run.options.runners = int(seed % 3);
     Frames frames(3, run);
     frames.add(1, balls.compiled);
     std::vector<FrameId> ids;

@@ -124,7 +124,9 @@ int serve(const ServeOptions& options) {
   try {
     BackendRegistry backends;
     backends.add("embree", makeEmbreeBackend);
-    node = std::make_unique<Node>(transport, options.node, backends);
+    NodeOptions nodeOptions = options.node;
+    nodeOptions.threads = transport.threads();
+    node = std::make_unique<Node>(transport, std::move(nodeOptions), backends);
     node->work.add("gxyserver.stop", [&](const Work::Call&) {
       stopped.open();
       return nlohmann::json();
