@@ -11,7 +11,7 @@ class Backoff {
  public:
   using Clock = std::chrono::steady_clock;
   using Microseconds = std::chrono::microseconds;
-  static constexpr Microseconds hot{80}, hotInTransfer{20'000}, firstSleep{20}, maxSleep{2000};
+  static constexpr Microseconds hot{80}, hotInTransfer{20'000}, firstSleep{20}, maxSleep{4000};
 
   /// Without `spins` it sleeps at once when there is nothing to do: the core is needed by others.
   explicit Backoff(bool spins) : spins_(spins) {}

@@ -12,7 +12,7 @@ namespace gxy {
 
 /// The rank's progress thread is the only caller of MPI on a communicator of Galaxy's own. Messages that are
 /// handed over while it works are coalesced, per destination, into packets; larger ones stream from the
-/// sender's memory into the receiver's. Without traffic the thread sleeps, up to 2 ms at a time, but
+/// sender's memory into the receiver's. Without traffic the thread sleeps, up to 4 ms at a time, but
 /// wakes at once when something is sent here; after traffic it stays hot for a moment, unless the node has
 /// fewer cores than threads.
 ///
