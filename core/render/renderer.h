@@ -61,12 +61,11 @@ class Renderer {
   struct Options {
     int packetRays = 1024;           ///< rays that are traced together, at most; >= 16
     int64_t raysInFlight = 1 << 20;  ///< credits of a rank
-    int64_t interactiveRays = 0;     ///< of these, kept for interactive frames
-    int64_t tenantRays = 0;          ///< of these, that one tenant may have; 0: all
-    int runners =
-        0;  ///< tasks that it has the Transport run at once, so that those of others wait for no more; 0: all
     Ledger* ledger = nullptr;      ///< where memory is accounted, if anywhere; needed by the constructor only
     std::string tenant = "batch";  ///< whose memory it is
+    int64_t interactiveRays = 0;   ///< credits that are kept for interactive frames
+    int64_t tenantRays = 0;        ///< credits that the frames of one tenant may have; 0: all
+    int runners = 0;               ///< tasks that it gives the Transport at once; 0: all there are
   };
   using Finished = std::function<void(FrameId, bool superseded)>;
   using PictureHandler = std::function<void(FrameId, const FrameRequest&, Picture)>;
