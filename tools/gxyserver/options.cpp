@@ -32,11 +32,13 @@ std::optional<int> parseOptions(int argc, char** argv, bool speaks, ServeOptions
   app.add_option("--bind", o.server.bind, "the address to listen on")->capture_default_str();
   app.add_option("--token-file", o.tokenFile, "where to leave the token (default: the user's run directory)");
   app.add_flag("--no-token", o.noToken, "let everybody in who can connect: for tests only");
-  app.add_option("--tenant", o.tenants, "a further tenant, with a token file of its own; may be repeated");
+  app.add_option("--tenant", o.tenants, "a further tenant, with a token file of its own; may be repeated")
+      ->allow_extra_args(false);
   app.add_option("--modules", o.node.moduleFolder, "folder of the modules")->capture_default_str();
   app.add_option(
-      "--data", o.node.dataFolders,
-      "folder in which clients may read and write files; may be repeated (default: the current one)");
+         "--data", o.node.dataFolders,
+         "folder in which clients may read and write files; may be repeated (default: the current one)")
+      ->allow_extra_args(false);
   app.add_option("--backend", o.node.backend, "embree or auto")->capture_default_str();
   app.add_option("--memory", o.node.memory, "bytes for data, on each rank, as 8G")
       ->transform(CLI::AsSizeValue(false))

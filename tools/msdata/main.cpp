@@ -71,7 +71,8 @@ int main(int argc, char** argv) {
   app.add_option("-P,--port", options.client.port, "its port")->capture_default_str();
   app.add_option("--token-file", options.client.tokenFile,
                  "file with the server's token (default: that of the server on this machine)");
-  app.add_option("-m,--module", options.modules, "a module to load; may be repeated");
+  app.add_option("-m,--module", options.modules, "a module to load; may be repeated")
+      ->allow_extra_args(false);
   app.add_flag("--json", options.json, "print a line of JSON for each statement");
   app.add_option("file", options.scripts,
                  "scripts; - is standard input. None: statements are read from the terminal");
