@@ -67,8 +67,8 @@ void main() {
           clipInterval(field, o, d, clip0, clip1);
           bool hit = hitPrimitive(operators[op], p, o, d, boundBehind(field, bound, clip0), t);
           if (hit && t <= nearest && t <= clip1) {
-            bool first1 = hitOperator >= 0 && (op < hitOperator || (op == hitOperator && p < hitPrimitiveId));
-            if (t < nearest || first1) {
+            bool before = hitOperator >= 0 && (op < hitOperator || (op == hitOperator && p < hitPrimitiveId));
+            if (t < nearest || before) {
               nearest = t;
               hitOperator = op;
               hitPrimitiveId = p;

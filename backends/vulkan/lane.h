@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Device buffers for one packet of rays at a time, and the commands that work on them.
 #pragma once
+#include <functional>
+#include <initializer_list>
 #include <memory>
 #include <mutex>
 #include <vector>
