@@ -1,6 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
 // How GLSL reads a VolumeView (core/kernels/volume_view.h): its arrays are places in the scene's tables and samples.
 
+// What grid.h's locateCell gives, without loops, which software devices run masked in every round of a march and count
+// (countIfCut): inside the grid its estimate is off by one at most.
+#undef locateCell
+int locateCell(real t, real po, real pd, real rpd, int n) {
+  int i = toInt(clamp1(floor(po + t * pd), 0.0, toReal(n - 1)));
+  bool backward = rpd < 0.0;
+  real below = planeCrossing(i, po, rpd), above = planeCrossing(i + 1, po, rpd);
+  bool down = backward ? below <= t : below > t, up = backward ? above > t : above <= t;
+  if (up && i < n - 1)
+    i += 1;
+  else if (down && i > 0)
+    i -= 1;
+  return i;
+}
+
 int planAt(VOLUME v, int index) { return int(tableWord(v.plan + uint(index))); }
 bool someByCells(VOLUME v) { return BY_CELLS && v.byCells != 0; }
 int isoWord(VOLUME v, int index) { return int(tableWord(v.isoPlan + uint(index))); }

@@ -57,5 +57,6 @@ uint geometryWord(uint i) {
 }
 float geometryReal(uint i) { return uintBitsToFloat(geometryWord(i)); }
 
+#define locateCell locateCellByLoops  // grid.h's; fetch_volume.glsl has one that every lane can afford
 #include "fields.h"
 #include "scene.h"
