@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gxy/embree/embree_geometry.h"
 
-#include <algorithm>
-#include <cmath>
 #include <string>
 
 #include "geometry_ispc.h"
 #include "gxy/comm/error.h"
 #include "gxy/comm/thread_order.h"
+#include "gxy/rays/primitive_bounds.h"
 
 namespace gxy {
 
@@ -15,30 +14,15 @@ namespace {
 
 using single::OperatorView;
 
-// Wide enough that no candidate is lost to rounding in Embree's traversal, whose boxes are float.
-constexpr float kBoundsSlack = 2e-6f;
-
-void primitiveBounds(const RTCBoundsFunctionArguments* args) {
+void boundPrimitive(const RTCBoundsFunctionArguments* args) {
   const auto& op = *static_cast<const OperatorView*>(args->geometryUserPtr);
   const ThreadOrder order(&op);
   order.begin();
   const int corners = op.kind == KIND_PARTICLES ? 1 : op.kind == KIND_PATHLINES ? 2 : 3;
-  float lo[3] = {INFINITY, INFINITY, INFINITY}, hi[3] = {-INFINITY, -INFINITY, -INFINITY};
-  for (int c = 0; c < corners; c++) {
-    const size_t i = corners == 1 ? args->primID : op.indices[size_t(corners) * args->primID + c];
-    const float* p = op.points + 4 * i;
-    const float r = std::max(p[3], 0.f);
-    for (int k = 0; k < 3; k++) {
-      lo[k] = std::min(lo[k], p[k] - r);
-      hi[k] = std::max(hi[k], p[k] + r);
-    }
-  }
-  float largest = 0;
-  for (int k = 0; k < 3; k++) largest = std::max({largest, std::abs(lo[k]), std::abs(hi[k])});
-  const float slack = largest * kBoundsSlack;
+  const PrimitiveBounds box = primitiveBounds(corners, op.points, op.indices, args->primID);
   RTCBounds& b = *args->bounds_o;
-  b.lower_x = lo[0] - slack, b.lower_y = lo[1] - slack, b.lower_z = lo[2] - slack;
-  b.upper_x = hi[0] + slack, b.upper_y = hi[1] + slack, b.upper_z = hi[2] + slack;
+  b.lower_x = box.lo[0], b.lower_y = box.lo[1], b.lower_z = box.lo[2];
+  b.upper_x = box.hi[0], b.upper_y = box.hi[1], b.upper_z = box.hi[2];
   order.end();
 }
 
@@ -74,7 +58,7 @@ ScenePtr buildGeometry(RTCDevice device, std::span<const OperatorView> operators
     ThreadOrder(&operators[i]).handOver();  // Embree's builder asks for bounds on threads of its own
     rtcSetGeometryUserPrimitiveCount(g, operators[i].primitives);
     rtcSetGeometryUserData(g, const_cast<OperatorView*>(&operators[i]));
-    rtcSetGeometryBoundsFunction(g, primitiveBounds, nullptr);
+    rtcSetGeometryBoundsFunction(g, boundPrimitive, nullptr);
     rtcSetGeometryIntersectFunction(g, reinterpret_cast<RTCIntersectFunctionN>(ispc::intersectCallback()));
     rtcSetGeometryOccludedFunction(g, reinterpret_cast<RTCOccludedFunctionN>(ispc::occludeCallback()));
     rtcCommitGeometry(g);

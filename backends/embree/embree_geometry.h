@@ -6,9 +6,9 @@
 #include <atomic>
 #include <cstdint>
 #include <memory>
+#include <span>
 
-#include "gxy/embree/single_views.h"
-#include "gxy/kernels/single.h"
+#include "gxy/kernels/single_views.h"
 
 namespace gxy {
 

@@ -8,6 +8,7 @@
 #include "fields_ispc.h"
 #include "geometry_ispc.h"
 #include "gxy/comm/error.h"
+#include "gxy/rays/fill_views.h"
 #include "integrate_ispc.h"
 #include "integrate_many_ispc.h"
 #include "shade_ispc.h"
@@ -17,7 +18,7 @@ namespace gxy {
 
 namespace {
 
-constexpr size_t kMostVolumes = 8;  // MANY_VOLUMES of integrate_many.ispc
+constexpr size_t kMostVolumes = 8;  // MANY_VOLUMES of kernels/many.h
 
 struct EmbreeFrame final : DeviceFrame {
   single::FrameView view{};
@@ -26,33 +27,22 @@ struct EmbreeFrame final : DeviceFrame {
   double worldPerRender = 1;
 };
 
-int sampleKind(ScalarType type) {
-  switch (type) {
-    case ScalarType::UInt8:
-      return SAMPLE_U8;
-    case ScalarType::Int8:
-      return SAMPLE_I8;
-    case ScalarType::UInt16:
-      return SAMPLE_U16;
-    case ScalarType::Int16:
-      return SAMPLE_I16;
-    default:
-      return SAMPLE_F32;
+// Kernels read the host's own arrays.
+struct Pointers {
+  struct Any {
+    const void* at;
+    template <class T>
+    operator const T*() const {
+      return static_cast<const T*>(at);
+    }
+    operator const void*() const { return at; }
+  };
+  template <class T>
+  Any operator()(const std::vector<T>& v) const {
+    return {v.empty() ? nullptr : v.data()};
   }
-}
-
-int kindOf(VisType type) {
-  switch (type) {
-    case VisType::Particles:
-      return KIND_PARTICLES;
-    case VisType::PathLines:
-      return KIND_PATHLINES;
-    case VisType::Triangles:
-      return KIND_TRIANGLES;
-    default:
-      return KIND_VOLUME;
-  }
-}
+  Any samples(const VolumeBlock& block) const { return {block.samples.data()}; }
+};
 
 // Adds the time until its end to a counter.
 class Stopwatch {
@@ -110,121 +100,29 @@ EmbreeScene::EmbreeScene(DevicePtr device, std::shared_ptr<const CompiledScene> 
   if (renderedOperators_.size() > kMostVolumes)
     throw Error("a visualization renders " + std::to_string(renderedOperators_.size()) +
                 " volumes at once; this backend takes at most " + std::to_string(kMostVolumes));
-  fillScene(anywhere_, -1);
+  Pointers pointers;
+  fillSceneView(anywhere_, *scene_, -1, pointers);
   const int64_t before = bytesOf(device_);
   for (int p : scene_->partitioning->owned(rank_)) {
     if (!scene_->visible[p]) continue;  // nothing is built where nothing can be seen
     Part& part = parts_[p];
-    fillScene(part.view, p);
+    fillSceneView(part.view, *scene_, p, pointers);
     part.operators.resize(operators.size());
     part.fields.resize(operators.size());
     for (size_t i = 0; i < operators.size(); i++) {
       const CompiledOperator& op = operators[i];
       const auto found = op.parts.find(p);
       const OperatorPart* mine = found == op.parts.end() ? nullptr : &found->second;
-      fillField(part.fields[i], op, mine);
-      single::OperatorView& view = part.operators[i];
-      view.kind = kindOf(op.vis.type);
-      view.rendered = op.vis.volumeRendering;
-      view.opacity = float(op.vis.opacity);
-      view.twoSided = op.vis.twoSided;
-      view.slices = int(op.slices.size());
-      view.slice = reinterpret_cast<const float*>(op.slices.data());
-      if (mine && mine->primitives) {
-        view.primitives = mine->primitives;
-        view.points = mine->points.data();
-        view.normals = mine->normals.empty() ? nullptr : mine->normals.data();
-        view.values = mine->values.empty() ? nullptr : mine->values.data();
-        view.indices = mine->indices.data();
-        view.neighbours = mine->neighbours.empty() ? nullptr : mine->neighbours.data();
-      }
+      fillVolumeView(part.fields[i], op, mine, pointers);
+      fillOperatorView(part.operators[i], op, mine, pointers);
     }
     part.geometry = buildGeometry(device_.get(), part.operators);
     part.view.operators = int(operators.size());
     part.view.operator_ = part.operators.data();
     part.view.field = part.fields.data();
-    part.view.embree = part.geometry.get();
+    part.view.hierarchy = part.geometry.get();
   }
   geometryBytes_ = size_t(std::max<int64_t>(bytesOf(device_) - before, 0));
-}
-
-void EmbreeScene::fillScene(single::SceneView& v, int partition) const {
-  const CompiledScene& s = *scene_;
-  const auto inf = std::numeric_limits<float>::infinity();
-  float lo[3] = {-inf, -inf, -inf}, hi[3] = {inf, inf, inf};
-  if (partition >= 0) {
-    // the same floats as in the lattice of faces, so that crossings are the same numbers
-    const Box& box = s.partitioning->box(partition);
-    for (int a = 0; a < 3; a++) {
-      const auto faces = s.partitioning->faces(a);
-      lo[a] = s.faces[a][std::lower_bound(faces.begin(), faces.end(), box.lo[a]) - faces.begin()];
-      hi[a] = s.faces[a][std::lower_bound(faces.begin(), faces.end(), box.hi[a]) - faces.begin()];
-    }
-  }
-  v.boxLoX = lo[0], v.boxLoY = lo[1], v.boxLoZ = lo[2];
-  v.boxHiX = hi[0], v.boxHiY = hi[1], v.boxHiZ = hi[2];
-  v.domainLoX = float(s.lo.x), v.domainLoY = float(s.lo.y), v.domainLoZ = float(s.lo.z);
-  v.domainHiX = float(s.hi.x), v.domainHiY = float(s.hi.y), v.domainHiZ = float(s.hi.z);
-  v.cellsX = int(s.faces[0].size()) - 1, v.cellsY = int(s.faces[1].size()) - 1,
-  v.cellsZ = int(s.faces[2].size()) - 1;
-  v.facesX = s.faces[0].data(), v.facesY = s.faces[1].data(), v.facesZ = s.faces[2].data();
-  v.cellPartition = s.cellPartition.data();
-  v.visible = s.visible.data();
-  v.opaqueSurfaces = s.opaqueSurfaces;
-  v.tMin = s.tMin;
-  const Lighting& l = s.visualization.lighting;
-  const auto lights = std::max<size_t>(l.sources.size(), 1);
-  v.ambient = float(l.Ka), v.diffuse = float(l.Kd / double(lights)),
-  v.specular = float(l.Ks / double(lights));
-  v.shininess = float(l.shininess);
-  v.shadows = l.shadows;
-  v.occlusionRays = l.aoCount;
-  v.occlusionRadius = float(std::min(l.aoRadius * s.space.scale, 1e29));
-}
-
-void EmbreeScene::fillField(single::VolumeView& v, const CompiledOperator& op,
-                            const OperatorPart* part) const {
-  v.mapUniform = op.map.uniform;
-  v.mapBuckets = int(op.map.buckets.size());
-  v.mapIntervals = op.map.intervals();
-  v.mapOrigin = op.map.origin;
-  v.mapInverse = op.map.inverse;
-  v.buckets = op.map.buckets.data();
-  v.nodes = op.map.nodes.data();
-  v.lengths = op.map.lengths.data();
-  v.pieces = op.map.pieces.data();
-  v.rows = op.map.rows.empty() ? nullptr : op.map.rows.data();
-  v.sums = op.map.sums.data();
-  v.opaque = op.map.opaque.data();
-  v.clips = int(op.clips.size());
-  v.clip = reinterpret_cast<const float*>(op.clips.data());
-  if (op.vis.type != VisType::Volume) return;
-  const Volume& volume = *op.data.volume;
-  const Index3 cells = volume.grid.cells();
-  v.cellsX = int(cells[0]), v.cellsY = int(cells[1]), v.cellsZ = int(cells[2]);
-  v.originX = op.gridOrigin[0], v.originY = op.gridOrigin[1], v.originZ = op.gridOrigin[2];
-  v.inverseX = op.gridInverse[0], v.inverseY = op.gridInverse[1], v.inverseZ = op.gridInverse[2];
-  v.isovalues = int(op.isovalues.size());
-  v.isovalue = op.isovalues.data();
-  if (!part || !part->block) return;
-  const VolumeBlock& block = *part->block;
-  v.samples = block.samples.data();
-  v.kind = sampleKind(volume.stored);
-  v.stride = volume.components;
-  v.component = volume.components == 1 ? 0 : op.vis.component.value_or(-1);
-  v.wide = block.samples.size() >= size_t(1) << 31;
-  v.nx = int(block.extent.points[0]), v.ny = int(block.extent.points[1]);
-  v.firstX = int(block.extent.first[0]), v.firstY = int(block.extent.first[1]),
-  v.firstZ = int(block.extent.first[2]);
-  v.lastX = v.firstX + v.nx - 1, v.lastY = v.firstY + v.ny - 1,
-  v.lastZ = v.firstZ + int(block.extent.points[2]) - 1;
-  v.plan = part->plan.data();
-  v.byCells =
-      std::any_of(part->plan.begin(), part->plan.end(), [](int32_t p) { return (p & PLAN_CELLS) != 0; });
-  v.isoPlan = part->isoPlan.data();
-  v.macroX = int(block.macrocells[0]), v.macroY = int(block.macrocells[1]);
-  v.macroFirstX = int(block.firstMacrocell[0]), v.macroFirstY = int(block.firstMacrocell[1]);
-  v.macroFirstZ = int(block.firstMacrocell[2]);
 }
 
 std::shared_ptr<const DeviceFrame> EmbreeScene::makeFrame(const CompiledFrame& f) const {
@@ -233,18 +131,7 @@ std::shared_ptr<const DeviceFrame> EmbreeScene::makeFrame(const CompiledFrame& f
   frame->depth = f.depth;
   frame->worldPerRender = f.worldPerRender;
   single::FrameView& v = frame->view;
-  const CameraBasis& b = f.basis;
-  v.eyeX = b.eye.x, v.eyeY = b.eye.y, v.eyeZ = b.eye.z;
-  v.cornerX = b.corner.x, v.cornerY = b.corner.y, v.cornerZ = b.corner.z;
-  v.duX = b.du.x, v.duY = b.du.y, v.duZ = b.du.z;
-  v.dvX = b.dv.x, v.dvY = b.dv.y, v.dvZ = b.dv.z;
-  v.viewX = b.view.x, v.viewY = b.view.y, v.viewZ = b.view.z;
-  v.loX = scene_->lo.x, v.loY = scene_->lo.y, v.loZ = scene_->lo.z;
-  v.hiX = scene_->hi.x, v.hiY = scene_->hi.y, v.hiZ = scene_->hi.z;
-  v.orthographic = b.orthographic;
-  v.width = f.width, v.height = f.height;
-  v.frame = f.number;
-  v.lights = int(frame->lights.size());
+  fillFrameView(v, *scene_, f);
   v.light = reinterpret_cast<const float*>(frame->lights.data());
   return frame;
 }
@@ -320,7 +207,7 @@ class EmbreeScene::Packet {
       if (volumes.size() == 1)
         ispc::integrateRays(&part_.view, &view, n, volumes[0], counts);
       else
-        ispc::integrateMany(&part_.view, &view, n, volumes.data(), int(volumes.size()), counts);
+        ispc::integrateRaysOfMany(&part_.view, &view, n, volumes.data(), int(volumes.size()), counts);
       c.samples += uint64_t(counts[0]);
       c.macrocells += uint64_t(counts[1]);
       c.macrocellsSkipped += uint64_t(counts[2]);

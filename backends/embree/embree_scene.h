@@ -28,9 +28,6 @@ class EmbreeScene final : public DeviceScene {
   };
   class Packet;
 
-  void fillField(single::VolumeView& field, const CompiledOperator& op, const OperatorPart* part) const;
-  void fillScene(single::SceneView& view, int partition) const;
-
   DevicePtr device_;
   std::shared_ptr<const CompiledScene> scene_;
   int rank_;

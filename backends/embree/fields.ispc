@@ -18,18 +18,14 @@ export void hitSlices(const void* uniform scene, void* uniform rays, uniform int
   VOLUME v = s.field[op];
   foreach (i = 0 ... n) {
     vec3 o = originOf(r, i), d = directionOf(r, i);
-    float clip0, clip1;
-    clipInterval(v, o, d, clip0, clip1);
-    VolumeRay ray = volumeRay(v, o, d, clip0, clip1);
+    VolumeRay ray = clippedRay(v, o, d);
     float tOut = min(r.tOut[i], r.tEnd[i]);
     for (uniform int k = 0; k < view.slices; k++) {
       const uniform float* uniform p = view.slice + 4 * k;
-      float along = (p[0] * d.x + p[1] * d.y) + p[2] * d.z;
-      float t = (p[3] - ((p[0] * o.x + p[1] * o.y) + p[2] * o.z)) / along;
       bool mine = RAY_START(r.info[i]) == START_SLICE && r.start[i] == ((op << 16) | k);  // a line meets a plane once
-      if (abs(along) > 1e-20f && !mine && t >= r.tIn[i] && t < tOut && t > r.tLast[i] && t >= ray.t0 && t <= ray.t1) {
-        float value = sampleAt(v, pointAt(ray.g, t));
-        if (value - value == 0.0f) takeHit(r, i, t, HIT_SLICE, op, k);
+      if (!mine) {
+        float t = hitSlice(v, ray, o, d, make_v3(p[0], p[1], p[2]), p[3], r.tIn[i], tOut, r.tLast[i]);
+        if (t < NO_HIT) takeHit(r, i, t, HIT_SLICE, op, k);
       }
     }
   }
@@ -42,10 +38,6 @@ export void hitIsosurfaces(const void* uniform scene, void* uniform rays, unifor
   VOLUME v = s.field[op];
   int cells = 0, skipped = 0;
   foreach (i = 0 ... n) {
-    vec3 o = originOf(r, i), d = directionOf(r, i);
-    float clip0, clip1;
-    clipInterval(v, o, d, clip0, clip1);
-    VolumeRay ray = volumeRay(v, o, d, 0.0f, 1e30f);
     IsoStart start;
     start.index = -1;
     start.from = 0;
@@ -53,11 +45,9 @@ export void hitIsosurfaces(const void* uniform scene, void* uniform rays, unifor
       start.index = r.start[i] & 0xffff;
       start.from = RAY_SIDE(r.info[i]) != 0 ? 1 : -1;
     }
-    float tOut = min(min(r.tOut[i], r.tEnd[i]), r.tHit[i] * 1.0000005f);
-    // a hit on the clip plane itself is kept: the interval is closed there
-    float tIn = max(r.tIn[i], clip0);
-    IsoHit hit = firstIsosurface(v, ray, tIn, min(tOut, asReal(asUint(max(clip1, 0.0f)) + 1)), r.tLast[i], start, cells, skipped);
-    if (hit.t < NO_HIT && hit.t < min(r.tOut[i], r.tEnd[i])) takeHit(r, i, hit.t, HIT_ISOSURFACE, op, hit.index);
+    IsoHit hit = hitIsosurface(v, originOf(r, i), directionOf(r, i), r.tIn[i], min(r.tOut[i], r.tEnd[i]), r.tLast[i],
+                               r.tHit[i], start, cells, skipped);
+    if (hit.t < NO_HIT) takeHit(r, i, hit.t, HIT_ISOSURFACE, op, hit.index);
   }
   counts[0] += reduce_add((int64)cells);
   counts[1] += reduce_add((int64)skipped);

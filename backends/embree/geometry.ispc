@@ -2,7 +2,6 @@
 // Surfaces of particles, path lines and triangles: Embree finds candidates, the leaf tests of core/kernels decide, and
 // ties go to the lowest (operator, primitive), so that neither packet width nor build order shows.
 #include "embree.isph"
-#include "tube.isph"
 
 // What a callback needs besides Embree's ray: the query's own lower bound.
 struct Query {
@@ -45,10 +44,10 @@ static inline bool testPrimitive(const uniform Query* uniform query, uniform uns
   const uniform SceneView& s = *query->scene;
   bool hit = false;
   if (active) {
-    float after = query->tAfter[programIndex], clip0, clip1;
+    float clip0, clip1;
     VOLUME field = s.field[geomID];
     clipInterval(field, o, d, clip0, clip1);
-    if (field.clips > 0) after = max(after, asReal(asUint(max(clip0, 1e-30f)) - 1));
+    float after = boundBehind(field, query->tAfter[programIndex], clip0);
     hit = hitPrimitive(s.operator_[geomID], primID, o, d, after, t) && t <= tFar && t <= clip1;
   }
   return hit;
@@ -115,7 +114,7 @@ export void hitGeometry(const void* uniform scene, void* uniform rays, uniform i
       ray.mask = -1;
       ray.id = 0;
       ray.flags = 0;
-      rtcOccludedV((RTCScene)s.embree, &query.context, &ray);
+      rtcOccludedV((RTCScene)s.hierarchy, &query.context, &ray);
       if (ray.tfar < 0.0f) r.A[i] = 1.0f;
     } else {
       RTCRayHit q;
@@ -129,7 +128,7 @@ export void hitGeometry(const void* uniform scene, void* uniform rays, uniform i
       q.ray.flags = 0;
       q.hit.geomID = RTC_INVALID_GEOMETRY_ID;
       q.hit.primID = RTC_INVALID_GEOMETRY_ID;
-      rtcIntersectV((RTCScene)s.embree, &query.context, &q);
+      rtcIntersectV((RTCScene)s.hierarchy, &query.context, &q);
       if (q.hit.geomID != RTC_INVALID_GEOMETRY_ID && q.ray.tfar < tOut) {
         r.tHit[i] = q.ray.tfar;
         r.hitKind[i] = HIT_GEOMETRY;

@@ -12,28 +12,13 @@ export void integrateRays(const void* uniform scene, void* uniform rays, uniform
   count.skipped = 0;
   foreach (i = 0 ... n) {
     vec3 o = originOf(r, i), d = directionOf(r, i);
-    float clip0, clip1;
-    clipInterval(v, o, d, clip0, clip1);
-    VolumeRay ray = volumeRay(v, o, d, clip0, clip1);
-    MarchRange m;
-    m.tIn = r.tIn[i];
-    m.tOut = r.tOut[i];
-    float own = m.tOut;
-    m.tOwn = nextPartition(s, o, d, own, r.tEnd[i]) == END_DONE ? NO_HIT : own;
-    m.tStart = r.tLast[i];
-    m.tStop = min(r.tHit[i], r.tMax[i]);
-    m.tMin = s.tMin;
-    Radiance L;
-    L.rgb = make_v3(r.r[i], r.g[i], r.b[i]);
-    L.A = r.A[i];
+    MarchRange m = marchRange(s, r, i);
+    m.tOwn = nextBegin(s, o, d, m.tOut, r.tEnd[i]);
+    Radiance L = radianceOf(r, i);
     float begun = r.tBegun[i];
-    integrateVolume(v, ray, m, begun, L, count);
+    integrateVolume(v, clippedRay(v, o, d), m, begun, L, count);
     r.tBegun[i] = begun;
-    r.r[i] = L.rgb.x;
-    r.g[i] = L.rgb.y;
-    r.b[i] = L.rgb.z;
-    r.A[i] = L.A;
-    if (1.0f - L.A < s.tMin) r.hitKind[i] = HIT_NONE;  // nothing behind is seen
+    setRadiance(s, r, i, L);
   }
   counts[0] += reduce_add((int64)count.samples);
   counts[1] += reduce_add((int64)count.macrocells);

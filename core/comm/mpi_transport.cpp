@@ -44,13 +44,17 @@ int sizeOf(MPI_Comm communicator) {
   return size;
 }
 
-int ranksOnNode(MPI_Comm communicator) {
-  MPI_Comm node;
-  MPI_Comm_split_type(communicator, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &node);
-  const int ranks = sizeOf(node);
-  MPI_Comm_free(&node);
-  return ranks;
-}
+// The ranks of this one's node, and which of them it is.
+struct Node {
+  explicit Node(MPI_Comm communicator) {
+    MPI_Comm node;
+    MPI_Comm_split_type(communicator, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &node);
+    ranks = sizeOf(node);
+    rank = rankIn(node);
+    MPI_Comm_free(&node);
+  }
+  int ranks, rank;
+};
 
 int cores() { return std::max(1, int(std::thread::hardware_concurrency())); }
 
@@ -74,11 +78,11 @@ class MpiTransport::Progress {
         communicator_(duplicate(options_.communicator)),
         rank_(rankIn(communicator_)),
         size_(sizeOf(communicator_)),
-        ranksOnNode_(ranksOnNode(communicator_)),
-        threads_(options_.threads > 0 ? options_.threads : std::max(1, cores() / ranksOnNode_)),
+        node_(communicator_),
+        threads_(options_.threads > 0 ? options_.threads : std::max(1, cores() / node_.ranks)),
         sender_(communicator_, size_, {options_.packetBytes, options_.chunkBytes}),
         receiver_(communicator_, {options_.packetBytes, options_.chunkBytes}),
-        backoff_(ranksOnNode_ * (threads_ + 1) <= cores()) {
+        backoff_(node_.ranks * (threads_ + 1) <= cores()) {
     // oneTBB makes one thread fewer than it is allowed, for the caller; no caller joins here.
     if (threads_ >= cores())
       allowed_.emplace(tbb::global_control::max_allowed_parallelism, size_t(threads_) + 1);
@@ -100,6 +104,7 @@ class MpiTransport::Progress {
   int rank() const { return rank_; }
   int size() const { return size_; }
   int threads() const { return threads_; }
+  int rankOnNode() const { return node_.rank; }
 
   void send(int destination, Channel channel, Bytes message) {
     if (destination < 0 || destination >= size_)
@@ -244,7 +249,9 @@ class MpiTransport::Progress {
   const MpiEnvironment environment_;
   const Options options_;
   MPI_Comm communicator_;
-  const int rank_, size_, ranksOnNode_, threads_;
+  const int rank_, size_;
+  const Node node_;
+  const int threads_;
   Mailbox mailbox_;
   PacketSender sender_;
   PacketReceiver receiver_;
@@ -275,6 +282,7 @@ MpiTransport::~MpiTransport() { progress_->end(); }
 int MpiTransport::rank() const { return progress_->rank(); }
 int MpiTransport::size() const { return progress_->size(); }
 int MpiTransport::threads() const { return progress_->threads(); }
+int MpiTransport::rankOnNode() const { return progress_->rankOnNode(); }
 void MpiTransport::send(int destination, Channel channel, Bytes message) {
   progress_->send(destination, channel, std::move(message));
 }

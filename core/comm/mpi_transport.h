@@ -48,6 +48,8 @@ class MpiTransport final : public Transport {
 
   /// Threads that run tasks.
   int threads() const;
+  /// Which this is of the ranks on its node, from 0.
+  int rankOnNode() const;
 
  private:
   class Progress;

@@ -3,14 +3,15 @@
 //
 //   real, vec3, ivec3      scalar and short vectors; components are .x .y .z; + - * / work elementwise, with a real too
 //   R(0.5)                 a literal of type real
-//   FN                     a function
+//   FN, FN_OUTLINE         a function; one that is better not inlined
 //   UNIFORM                a variable that is the same for all rays (a loop counter)
 //   INOUT(T), OUT(T)       a parameter that is read and written, or written
 //   make_v3, make_i3       constructors
 //   toReal(i), toInt(x)    conversions: int or uint (slow) to real; real to int, towards zero
 //   asUint, asReal         the bits of a float as an integer and back (not in the twin)
-//   asInt                  the bits of a uint as an int
+//   asInt, toUint          the bits of a uint as an int, and of an int as a uint
 //   min1, max1             of two reals, with one meaning everywhere
+//   floatOf(d)             a double, rounded to float; doubles know + - * /, sqrt, floor, min and max only
 //   infinity()             +infinity
 //   GXY_TWIN               defined where real is double
 //
@@ -18,20 +19,17 @@
 // double), which define GXY_REAL and include the files in order inside the namespace. A file of this folder
 // has therefore no #pragma once; GLSL and ISPC include each file once, in the same order.
 //
-// In GLSL every real and vec3 is `precise` (glslang says so of parameters with a warning that -w silences), so no compiler
-// may contract or reorder. `precise` does not reach arithmetic that stands in a condition or in an argument: compute that into
-// a real first (the test kernels_glsl_is_precise finds what is left).
+// In GLSL nothing needs to be `precise`: the build marks every float operation of a module NoContraction
+// (cmake/MakeShader.cmake), so no compiler may contract or reorder.
 //
 // What the subset lacks: pointers and buffers (data access is each dialect's own), recursion, structs with
 // member functions, default arguments, `uniform`, implicit conversion between int and real (write toReal(i)).
 #if defined(GXY_GLSL)
-// f32vec3 is vec3 under a name that the macro vec3 does not capture.
-#extension GL_EXT_shader_explicit_arithmetic_types_float32 : require
-#define real precise float
-#define vec3 precise f32vec3
-#define make_v3 f32vec3
+#define real float
+#define make_v3 vec3
 #define R(x) x
 #define FN
+#define FN_OUTLINE
 #define INOUT(T) inout T
 #define OUT(T) out T
 #define make_i3 ivec3
@@ -41,6 +39,8 @@
 #define asInt int
 #define toReal float
 #define toInt int
+#define toUint uint
+#define floatOf float
 FN real infinity() { return asReal(0x7f800000u); }
 #elif defined(ISPC)
 typedef float<3> vec3;
@@ -48,6 +48,7 @@ typedef int<3> ivec3;
 #define real float
 #define R(x) x##f
 #define FN static inline
+#define FN_OUTLINE static noinline
 #define INOUT(T) T&
 #define OUT(T) T&
 #define UNIFORM uniform
@@ -66,6 +67,8 @@ FN real infinity() { return floatbits(0x7f800000u); }
 FN real toReal(int i) { return (float)i; }
 FN real toReal(uint i) { return (float)i; }
 FN int toInt(real x) { return (int)x; }
+FN uint toUint(int i) { return (uint)i; }
+FN real floatOf(double x) { return (float)x; }
 #else
 using real = GXY_REAL;
 using vec3 = glm::vec<3, GXY_REAL>;
@@ -73,6 +76,7 @@ using ivec3 = glm::ivec3;
 using uint = unsigned int;
 #define R(x) real(x)
 #define FN inline
+#define FN_OUTLINE inline
 #define INOUT(T) T&
 #define OUT(T) T&
 #define UNIFORM
@@ -88,6 +92,8 @@ FN real infinity() { return std::numeric_limits<real>::infinity(); }
 FN real toReal(int i) { return real(i); }
 FN real toReal(uint i) { return real(i); }
 FN int toInt(real x) { return int(x); }
+FN uint toUint(int i) { return uint(i); }
+FN real floatOf(double x) { return real(float(x)); }
 FN int asInt(uint x) { return int(x); }
 #if !defined(GXY_TWIN)
 FN uint asUint(float x) { return std::bit_cast<uint>(x); }

@@ -3,8 +3,8 @@
 // whose range holds the isovalue and in no others (Parker 1998). Fractions on a face that a ray crosses are exactly 0 or
 // 1, so the two cells that share the face compute the same value there, and no sign change is lost between them.
 //
-// isoPlan (core/rays/iso_plan.h) says per macrocell, and per bit per cell, where an isovalue may pass; it is read as words.
-// Only in such cells are samples read. Each dialect supplies isoBlock() and isoCell() for its VOLUME type.
+// isoPlan (core/rays/iso_plan.h) says per macrocell, and per bit per cell, where an isovalue may pass; it is read as words,
+// by isoWord(v, index), which each dialect supplies. Only in such cells are samples read.
 
 struct IsoHit {
   real t;     // NO_HIT if none
@@ -72,17 +72,15 @@ FN bool cellHoldsData(VOLUME v, ivec3 c) {
 
 #define ISO_END 1  // in place of where a macrocell's bits start: the walk is over
 
-#if !defined(GXY_GLSL)
 // What isoPlan says of macrocell m: > 0: isovalues pass, and the bits of its cells start at this word; else none does, nor
 // in the aligned cube of 2^-isoBlock macrocells of which it is part.
-FN int isoBlock(VOLUME v, ivec3 m) { return v.isoPlan[macroIndex(v, m)]; }
+FN int isoBlock(VOLUME v, ivec3 m) { return isoWord(v, macroIndex(v, m)); }
 // 1 if an isovalue may pass through that cell of a macrocell, by its bit, else 0.
 FN int isoCell(VOLUME v, int block, int x, int y, int z) {
   int at = x | (y << 3) | (z << 6);
-  int bits = v.isoPlan[block + (at >> 5)];
+  int bits = isoWord(v, block + (at >> 5));
   return (bits >> (at & 31)) & 1;
 }
-#endif
 
 // The isosurfaces in one cell: of the isovalues from `index` on, the first whose cubic b, between the ray's ta and tb, has a
 // crossing at or after `done`, and where that is bracketed. None: index = v.isovalues.
@@ -115,7 +113,7 @@ FN void cellCrossing(VOLUME v, VolumeRay r, ivec3 c, ivec3 up, real ta, real tb,
   int next = x.index;
   x.index = v.isovalues;
   for (UNIFORM int i = 0; i < v.isovalues; i++) {
-    real iso = v.isovalue[i];
+    real iso = isovalueAt(v, i);
     if (holds && i >= next && x.index == v.isovalues && lo <= iso && hi >= iso) {
       x.b = bernsteinAlong(k, f, g, iso);
       q.start = along <= R(1e-3);

@@ -5,12 +5,10 @@
 // Each dialect supplies, for its VOLUME type,
 //   int  mapIntervals(v); real mapNode(v, k), mapInverseLength(v, k)   start of interval k
 //   MapPiece mapPiece(v, k)            what interval k holds
+//   int  mapNodesUpTo(v, s)            of a map of at most MAP_SMALL intervals, how many begin at s or below, but the first
 //   int  mapUniform(v)                 > 0: inner intervals have equal length (its number)
 //   real mapOrigin(v), mapInverse(v)   first inner node, inverse bucket (or interval) length
 //   int  mapBuckets(v), mapBucket(v, i)  an interval at or before the start of bucket i
-
-#define MAP_SMALL \
-  16  // intervals of maps that are searched by comparing; their nodes are filled up with infinities
 
 struct MapPlace {
   int k;   // interval
@@ -20,15 +18,7 @@ struct MapPlace {
 FN MapPlace mapPlace(VOLUME v, real s) {
   MapPlace p;
   if (mapIntervals(v) <= MAP_SMALL) {
-    p.k = 0;
-    if (mapIntervals(v) > 8) {
-      p.k += s >= mapNode(v, 8) ? 8 : 0;
-      p.k += s >= mapNode(v, p.k + 4) ? 4 : 0;
-      p.k += s >= mapNode(v, p.k + 2) ? 2 : 0;
-      p.k += s >= mapNode(v, p.k + 1) ? 1 : 0;
-    } else {
-      for (UNIFORM int i = 1; i < mapIntervals(v); i++) p.k += s >= mapNode(v, i) ? 1 : 0;
-    }
+    p.k = mapNodesUpTo(v, s);
     p.f = (s - mapNode(v, p.k)) * mapInverseLength(v, p.k);
   } else if (mapUniform(v) > 0) {
     // interval 0 lies below the first node, interval n + 1 above the last

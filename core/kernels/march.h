@@ -222,7 +222,7 @@ FN void integrateVolume(VOLUME v, VolumeRay r, MarchRange m, INOUT(real) begun, 
         real tb = min(min3(w.far), r.t1);
         if (planAt(v, w.index) == 0) {
           n.skipped += 1;
-        } else {
+        } else if (someByCells(v)) {  // where the scene has none, GLSL compiles none of this
           n.macrocells += 1;
           // copies, so that what the call refers to does not keep the loop's own values in memory
           VolumeRay ray = r;

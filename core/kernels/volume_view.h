@@ -1,8 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // One volume of one partition as the kernels see it, and how C++ and ISPC fetch from it. Filled by the host in
-// gxy::single (ISPC reads the same bytes) or gxy::twin. GLSL has its own buffers behind the same functions.
+// gxy::single (ISPC reads the same bytes) or gxy::twin. In GLSL, and in C++ that writes for it (GXY_LAYOUT: the structures
+// alone), what is a pointer here is a place in a buffer; GLSL fetches in shaders/fetch.glsl.
 
-#if defined(ISPC)
+#if defined(GXY_GLSL) || defined(GXY_LAYOUT)
+#define PTR(T) uint
+#define RAW uint
+#define VOLUME VolumeView
+#elif defined(ISPC)
 #define PTR(T) const uniform T* uniform
 #define RAW const void* uniform
 #define BYTE unsigned int8
@@ -55,6 +60,7 @@ struct VolumeView {
   PTR(real) clip;  // 4 per plane: keeps n . p >= offset, render space
 };
 
+#if !defined(GXY_LAYOUT)
 FN vec3 gridOrigin(VOLUME v) { return make_v3(v.originX, v.originY, v.originZ); }
 FN vec3 gridInverse(VOLUME v) { return make_v3(v.inverseX, v.inverseY, v.inverseZ); }
 FN ivec3 gridCells(VOLUME v) { return make_i3(v.cellsX, v.cellsY, v.cellsZ); }
@@ -64,19 +70,30 @@ FN int macroIndex(VOLUME v, ivec3 m) {
 }
 FN int macroRow(VOLUME v) { return v.macroX; }
 FN int macroSlice(VOLUME v) { return v.macroX * v.macroY; }
-FN int planAt(VOLUME v, int index) { return v.plan[index]; }
-FN bool someByCells(VOLUME v) { return v.byCells != 0; }
-
 FN int mapUniform(VOLUME v) { return v.mapUniform; }
 FN real mapOrigin(VOLUME v) { return v.mapOrigin; }
 FN real mapInverse(VOLUME v) { return v.mapInverse; }
 FN int mapBuckets(VOLUME v) { return v.mapBuckets; }
-FN int mapBucket(VOLUME v, int i) { return v.buckets[i]; }
 FN int mapIntervals(VOLUME v) { return v.mapIntervals; }
+#define MAP_SMALL 16  // intervals of maps that are searched by comparing; their nodes are filled up with infinities
 struct MapPiece {
   real sigma, sigmaStep;
   vec3 color, colorStep;
 };
+#if defined(GXY_GLSL)
+#include "fetch_volume.glsl"
+#else
+FN int planAt(VOLUME v, int index) { return v.plan[index]; }
+FN bool someByCells(VOLUME v) { return v.byCells != 0; }
+FN int isoWord(VOLUME v, int index) { return v.isoPlan[index]; }
+#if defined(ISPC)
+static inline uniform float isovalueAt(VOLUME v, uniform int i) { return v.isovalue[i]; }
+static inline uniform float clipValue(VOLUME v, uniform int i) { return v.clip[i]; }
+#else
+FN real isovalueAt(VOLUME v, int i) { return v.isovalue[i]; }
+FN real clipValue(VOLUME v, int i) { return v.clip[i]; }
+#endif
+FN int mapBucket(VOLUME v, int i) { return v.buckets[i]; }
 #if defined(ISPC)
 // A gang of 16 reads a map of at most 16 intervals as rows, one vector for each quantity.
 static inline uniform bool mapInRows(VOLUME v) { return programCount == 16 && v.rows != NULL; }
@@ -117,6 +134,18 @@ FN MapPiece mapPiece(VOLUME v, int k) {
   return {p[0], p[1], make_v3(p[2], p[4], p[6]), make_v3(p[3], p[5], p[7])};
 }
 #endif
+FN int mapNodesUpTo(VOLUME v, real s) {
+  int k = 0;
+  if (mapIntervals(v) > 8) {
+    k += s >= mapNode(v, 8) ? 8 : 0;
+    k += s >= mapNode(v, k + 4) ? 4 : 0;
+    k += s >= mapNode(v, k + 2) ? 2 : 0;
+    k += s >= mapNode(v, k + 1) ? 1 : 0;
+  } else {
+    for (UNIFORM int i = 1; i < mapIntervals(v); i++) k += s >= mapNode(v, i) ? 1 : 0;
+  }
+  return k;
+}
 FN int mapOpaque(VOLUME v, int k) { return v.opaque[k]; }
 FN real mapSumSigma(VOLUME v, int k) { return v.sums[4 * k]; }
 FN vec3 mapSumColor(VOLUME v, int k) {
@@ -126,9 +155,7 @@ FN vec3 mapSumColor(VOLUME v, int k) {
 // The scalar of point i of the block, whatever the stored type.
 #if defined(ISPC)
 #define OFFSET int64
-#define FN_OUTLINE static noinline
 #else
-#define FN_OUTLINE inline
 #define OFFSET std::int64_t
 #endif
 #if defined(ISPC)
@@ -226,3 +253,5 @@ FN Corners cellCorners(VOLUME v, ivec3 c) {
   }
   return k;
 }
+#endif
+#endif

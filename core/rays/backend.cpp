@@ -26,9 +26,9 @@ TraceCounters& TraceCounters::operator+=(const TraceCounters& o) {
 
 std::unique_ptr<Backend> BackendRegistry::make(const std::string& name) const {
   std::string known = "auto";
-  for (const auto& [n, maker] : makers_) {
-    if (name == n || name == "auto") return maker();
-    known += ", " + n;
+  for (const Entry& e : entries_) {
+    if (name == e.name || (name == "auto" && (!e.fits || e.fits()))) return e.maker();
+    known += ", " + e.name;
   }
   throw Error("backend \"" + name + "\" is not in this program; expected one of: " + known);
 }

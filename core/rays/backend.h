@@ -92,13 +92,20 @@ class Backend {
 class BackendRegistry {
  public:
   using Maker = std::function<std::unique_ptr<Backend>()>;
-  /// The first that is added is what `auto` means.
-  void add(std::string name, Maker maker) { makers_.emplace_back(std::move(name), std::move(maker)); }
+  /// `auto` is the first that is added and `fits`; null: always.
+  void add(std::string name, Maker maker, std::function<bool()> fits = {}) {
+    entries_.push_back({std::move(name), std::move(maker), std::move(fits)});
+  }
   /// Throws Error naming what there is.
   std::unique_ptr<Backend> make(const std::string& name) const;
 
  private:
-  std::vector<std::pair<std::string, Maker>> makers_;
+  struct Entry {
+    std::string name;
+    Maker maker;
+    std::function<bool()> fits;
+  };
+  std::vector<Entry> entries_;
 };
 
 }  // namespace gxy

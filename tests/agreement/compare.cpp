@@ -10,6 +10,7 @@
 
 #include "gxy/io/image.h"
 #include "gxyrender/reference_scene.h"
+#include "same_bits.h"
 
 namespace gxy::agreement {
 
@@ -105,6 +106,9 @@ reference::AoDirections backendDirections(const TestScene& scene, uint32_t frame
 
 Comparison compare(const Backend& backend, const TestScene& scene, const CompareOptions& options) {
   const Picture mine = draw(backend, scene, options.frameNumber);
+#ifdef GALAXY_VULKAN
+  if (backend.name() == "embree") expectVulkanDrawsTheSame(mine, scene, options.frameNumber);
+#endif
   ReferenceOptions how;
   how.tolerance = 1e-5;
   if (scene.visualization.lighting.aoCount > 0) how.aoHook = backendDirections(scene, options.frameNumber);

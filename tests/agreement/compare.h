@@ -25,7 +25,8 @@ struct CompareOptions {
   uint32_t frameNumber = 0;
 };
 
-/// Renders with both, ambient occlusion with the backend's own directions.
+/// Renders with both, ambient occlusion with the backend's own directions; and where the backend is the first one, with
+/// the second, too (same_bits.h).
 ///
 /// A pixel that differs by more than the tolerance is a flip where the reference itself changes under perturbation (of
 /// its rays, and of isovalues by as many ulps of the largest sample, which the value along a ray may be off by), and the

@@ -11,7 +11,7 @@
 #include "backend.h"
 #include "compare.h"
 #include "fields_ispc.h"
-#include "gxy/embree/single_views.h"
+#include "gxy/kernels/single_views.h"
 #include "gxy/scene/state_file.h"
 
 namespace gxy::agreement {

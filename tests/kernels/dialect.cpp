@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // One text, the same bits: probe.h in C++ against the three ISPC targets, and with denormals kept against flushed.
+#include "dialect_probe.h"
+
 #include <gtest/gtest.h>
 #include <xmmintrin.h>
 
@@ -25,9 +27,30 @@ void probe_avx512skx(int count, float* out);
 }
 
 namespace gxy {
-namespace {
 
-constexpr int kCount = 50'000;
+std::vector<float> probesInCpp() {
+  std::vector<float> out(std::size_t(PROBES) * kProbeInputs);
+  for (int f = 0; f < PROBES; ++f)
+    for (int i = 0; i < kProbeInputs; ++i)
+      out[std::size_t(f) * kProbeInputs + std::size_t(i)] = single::probe(f, unsigned(i));
+  return out;
+}
+
+void expectSameProbes(const std::vector<float>& a, const std::vector<float>& b) {
+  for (int f = 0; f < PROBES; ++f) {
+    int different = 0, first = -1;
+    for (int i = 0; i < kProbeInputs; ++i) {
+      float x = a[std::size_t(f) * kProbeInputs + std::size_t(i)],
+            y = b[std::size_t(f) * kProbeInputs + std::size_t(i)];
+      bool same =
+          std::bit_cast<unsigned>(x) == std::bit_cast<unsigned>(y) || (std::isnan(x) && std::isnan(y));
+      if (!same && different++ == 0) first = i;
+    }
+    EXPECT_EQ(different, 0) << "probe " << f << ", first at input " << first;
+  }
+}
+
+namespace {
 
 // Denormal operands and results as 0 while alive (the mode that Embree asks for).
 class FlushDenormals {
@@ -39,31 +62,10 @@ class FlushDenormals {
   unsigned saved_;
 };
 
-std::vector<float> inCpp() {
-  std::vector<float> out(std::size_t(PROBES) * kCount);
-  for (int f = 0; f < PROBES; ++f)
-    for (int i = 0; i < kCount; ++i)
-      out[std::size_t(f) * kCount + std::size_t(i)] = single::probe(f, unsigned(i));
-  return out;
-}
-
 std::vector<float> inIspc(void (*probe)(int, float*)) {
-  std::vector<float> out(std::size_t(PROBES) * kCount);
-  probe(kCount, out.data());
+  std::vector<float> out(std::size_t(PROBES) * kProbeInputs);
+  probe(kProbeInputs, out.data());
   return out;
-}
-
-void expectSameBits(const std::vector<float>& a, const std::vector<float>& b) {
-  for (int f = 0; f < PROBES; ++f) {
-    int different = 0, first = -1;
-    for (int i = 0; i < kCount; ++i) {
-      float x = a[std::size_t(f) * kCount + std::size_t(i)], y = b[std::size_t(f) * kCount + std::size_t(i)];
-      bool same =
-          std::bit_cast<unsigned>(x) == std::bit_cast<unsigned>(y) || (std::isnan(x) && std::isnan(y));
-      if (!same && different++ == 0) first = i;
-    }
-    EXPECT_EQ(different, 0) << "probe " << f << ", first at input " << first;
-  }
 }
 
 bool runs(const char* isa) {
@@ -73,28 +75,28 @@ bool runs(const char* isa) {
 }
 
 TEST(Dialect, ProbesAreNumbersThatVary) {
-  std::vector<float> out = inCpp();
+  std::vector<float> out = probesInCpp();
   for (int f = 0; f < PROBES; ++f) {
-    auto first = out.begin() + std::ptrdiff_t(f) * kCount;
-    std::vector<float> values(first, first + kCount);
+    auto first = out.begin() + std::ptrdiff_t(f) * kProbeInputs;
+    std::vector<float> values(first, first + kProbeInputs);
     EXPECT_EQ(std::count_if(values.begin(), values.end(), [](float x) { return std::isnan(x); }), 0) << f;
     std::sort(values.begin(), values.end());
     EXPECT_GT(std::unique(values.begin(), values.end()) - values.begin(), 100) << f;
   }
 }
 
-TEST(Dialect, IspcSse4HasTheBitsOfCpp) { expectSameBits(inCpp(), inIspc(probe_sse4)); }
+TEST(Dialect, IspcSse4HasTheBitsOfCpp) { expectSameProbes(probesInCpp(), inIspc(probe_sse4)); }
 TEST(Dialect, WiderIspcTargetsHaveTheBitsOfCpp) {
-  std::vector<float> cpp = inCpp();
-  if (runs("avx2")) expectSameBits(cpp, inIspc(probe_avx2));
-  if (runs("avx512skx")) expectSameBits(cpp, inIspc(probe_avx512skx));
+  std::vector<float> cpp = probesInCpp();
+  if (runs("avx2")) expectSameProbes(cpp, inIspc(probe_avx2));
+  if (runs("avx512skx")) expectSameProbes(cpp, inIspc(probe_avx512skx));
 }
 
 TEST(Dialect, FlushingDenormalsChangesNoBit) {
-  std::vector<float> kept = inCpp();
+  std::vector<float> kept = probesInCpp();
   FlushDenormals flush;
-  expectSameBits(kept, inCpp());
-  expectSameBits(kept, inIspc(probe_sse4));
+  expectSameProbes(kept, probesInCpp());
+  expectSameProbes(kept, inIspc(probe_sse4));
 }
 
 }  // namespace

@@ -9,7 +9,7 @@
 
 namespace gxy::test {
 
-std::vector<RankScene> compiledOn(const Cut& cut, const TestScene& scene) {
+std::vector<RankScene> compiledOn(const Cut& cut, const TestScene& scene, const BackendOf& backendOf) {
   const auto partitioning = std::make_shared<const Partitioning>(cut.partitioning);
   std::vector<std::vector<OperatorData>> data(size_t(cut.ranks));
   for (size_t i = 0; i < scene.data.size(); i++) {
@@ -26,7 +26,7 @@ std::vector<RankScene> compiledOn(const Cut& cut, const TestScene& scene) {
         data[r].push_back({nullptr, parts[r], glm::dvec3(0.7, 0.6, 0.5)});
     }
   }
-  const auto backend = makeEmbreeBackend();
+  const auto embree = makeEmbreeBackend();
   std::vector<std::shared_ptr<CompiledScene>> scenes;
   for (auto& mine : data)
     scenes.push_back(compileScene(scene.visualization, std::move(mine), partitioning, scene.settings));
@@ -36,7 +36,8 @@ std::vector<RankScene> compiledOn(const Cut& cut, const TestScene& scene) {
   std::vector<RankScene> out;
   for (int rank = 0; rank < cut.ranks; rank++) {
     scenes[size_t(rank)]->visible = visible;
-    out.push_back({scenes[size_t(rank)], backend->makeScene(scenes[size_t(rank)], rank)});
+    const Backend& backend = backendOf ? backendOf(rank) : *embree;
+    out.push_back({scenes[size_t(rank)], backend.makeScene(scenes[size_t(rank)], rank)});
   }
   return out;
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Scenes compiled for simulated ranks, and frames rendered on them.
 #pragma once
+#include <functional>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -20,8 +21,12 @@ struct RankScene {
   std::shared_ptr<const DeviceScene> device;
 };
 
-/// Cuts the scene's data, compiles it on every rank and merges what ranks know of partitions.
-std::vector<RankScene> compiledOn(const Cut& cut, const TestScene& scene);
+/// The backend of a rank, which need not outlive the scenes that it makes.
+using BackendOf = std::function<const Backend&(int rank)>;
+
+/// Cuts the scene's data, compiles it on every rank, on Embree unless `backendOf` says otherwise, and merges what ranks know
+/// of partitions.
+std::vector<RankScene> compiledOn(const Cut& cut, const TestScene& scene, const BackendOf& backendOf = {});
 
 /// How frames are run.
 struct FrameRun {

@@ -73,7 +73,7 @@ void addMeasuring(CLI::App& app, Options& o, std::string& size) {
       "--list", [&](int64_t) { o.command = Options::Command::List; }, "List the fixed scenes");
   app.add_flag("--quick", o.quick,
                "Small scenes and short ladders: under a minute, for a test of the plumbing");
-  app.add_option("--backend", o.backends, "Backends to measure: embree or auto")
+  app.add_option("--backend", o.backends, "Backends to measure: embree, vulkan, auto")
       ->delimiter(',')
       ->capture_default_str();
   app.add_option("--ranks", o.ranks, "Numbers of ranks to measure on, such as 1,2,4")

@@ -9,10 +9,10 @@
 #include <mutex>
 #include <optional>
 
+#include "gxy/backends/backends.h"
 #include "gxy/comm/error.h"
 #include "gxy/comm/mpi_environment.h"
 #include "gxy/comm/mpi_transport.h"
-#include "gxy/embree/embree_backend.h"
 #include "gxy/render/renderer.h"
 #include "gxyrender/load.h"
 #include "gxyrender/statistics.h"
@@ -63,17 +63,15 @@ nlohmann::json countersOf(const Renderer& renderer) {
 
 class Worker {
  public:
-  Worker(Transport& transport, int threads, const Job& job)
+  Worker(MpiTransport& transport, const Job& job)
       : transport_(transport),
-        threads_(threads),
         job_(job),
         collective_(transport),
         ranks_(collective_, transport.rank(), transport.size(), kRunKey),
         renderer_(transport, {}) {}
 
   void run() {
-    BackendRegistry registry;
-    registry.add("embree", makeEmbreeBackend);
+    const BackendRegistry registry = allBackends({{}, transport_.rankOnNode()});
     agree(ranks_, [&] { backend_ = registry.make(job_.backend); });
     loaded_ = loadData(job_.settings.at(0).state, job_.directory, {}, ranks_, ledger_);
     for (size_t i = 0; i < job_.settings.size(); i++) runSetting(i);
@@ -174,7 +172,7 @@ class Worker {
     const glm::ivec2 size = setting.state.cameras[0].dimensions;
     Row row;
     row.method = setting.method, row.setting = setting.label, row.backend = backend_->name();
-    row.ranks = transport_.size(), row.threads = threads_;
+    row.ranks = transport_.size(), row.threads = transport_.threads();
     row.width = size.x, row.height = size.y;
     row.tolerance = setting.state.settings.tolerance;
     row.repeats = int64_t(wall.size());
@@ -187,8 +185,7 @@ class Worker {
               << std::flush;
   }
 
-  Transport& transport_;
-  const int threads_;
+  MpiTransport& transport_;
   const Job& job_;
   Ledger ledger_;
   Collective collective_;
@@ -209,7 +206,7 @@ int work(const std::string& jobFile) {
   options.threads = job.threads;
   MpiTransport transport(options);
   try {
-    Worker(transport, transport.threads(), job).run();
+    Worker(transport, job).run();
   } catch (const Error& e) {
     if (transport.rank() == 0) std::cerr << "gxybench: error: " << e.what() << '\n';
     return 1;

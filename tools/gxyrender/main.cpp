@@ -7,10 +7,10 @@
 #include <iostream>
 #include <mutex>
 
+#include "gxy/backends/backends.h"
 #include "gxy/comm/error.h"
 #include "gxy/comm/mpi_environment.h"
 #include "gxy/comm/mpi_transport.h"
-#include "gxy/embree/embree_backend.h"
 #include "gxy/render/renderer.h"
 #include "gxy/scene/state_file.h"
 #include "load.h"
@@ -135,8 +135,7 @@ int run(const RenderOptions& options) {
           if (root) renderWithReference(state, directory, options, showProgress);
         });
       } else {
-        BackendRegistry registry;
-        registry.add("embree", makeEmbreeBackend);
+        const BackendRegistry registry = allBackends({options.device, transport.rankOnNode()});
         std::unique_ptr<Backend> backend;
         agree(ranks, [&] { backend = registry.make(options.backend); });
         Ledger ledger;

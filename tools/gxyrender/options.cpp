@@ -5,6 +5,8 @@
 #include <iostream>
 #include <sstream>
 
+#include "gxy/backends/backends.h"
+
 namespace gxy {
 
 namespace {
@@ -48,7 +50,18 @@ std::optional<int> parseOptions(int argc, char** argv, bool speaks, RenderOption
   app.add_option("STATE", o.stateFile, "State file (docs/state-file.md)")->required();
   app.add_option("-o,--output", o.prefix, "Prefix of the pictures' names")->capture_default_str();
   app.add_option("--size", size, "Picture size WxH, instead of the cameras'");
-  app.add_option("--backend", o.backend, "embree or auto")->capture_default_str();
+  app.add_option("--backend", o.backend,
+                 "embree, vulkan, or auto: vulkan where there is a discrete GPU, else embree")
+      ->capture_default_str();
+  app.add_option("--device", o.device, "Device of the vulkan backend: its number, or a part of its name");
+  app.add_flag_callback(
+      "--list-devices",
+      [&] {
+        if (speaks)
+          for (const std::string& line : listDevices()) std::cout << line << '\n';
+        throw CLI::Success();
+      },
+      "List the devices of all backends, and end");
   app.add_flag("--reference", o.reference,
                "Render with the reference renderer: double precision, slow, on one rank");
   app.add_option("--tolerance", o.tolerance,

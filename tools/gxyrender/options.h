@@ -14,6 +14,7 @@ struct RenderOptions {
   std::string prefix = "image";
   std::optional<std::array<int, 2>> size;
   std::string backend = "auto";
+  std::string device;  ///< of the backend; empty: the best
   bool reference = false;
   std::optional<double> tolerance, step;
   std::array<int, 3> partitions{0, 0, 0};  ///< {n, 0, 0}: n, cut automatically; {0, 0, 0}: one a rank or more

@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-// scene_view.h for C++.
+// scene_view.h for C++ in float, with pointers: what ISPC reads.
 #pragma once
-#include <span>
-
 #include "gxy/kernels/single.h"
 
+#define GXY_LAYOUT
 #define PTR(T) const T*
 #define RAW const void*
 #define BYTE std::uint8_t
 namespace gxy::single {
-#include "gxy/embree/scene_view.h"
+#include "gxy/kernels/scene_view.h"
 }
+#undef GXY_LAYOUT
 #undef PTR
 #undef RAW
 #undef BYTE

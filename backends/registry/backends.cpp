@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gxy/backends/backends.h"
+
+#include <algorithm>
+
+#include "gxy/comm/error.h"
+#include "gxy/embree/embree_backend.h"
+#ifdef GALAXY_VULKAN
+#include "gxy/vulkan/vulkan_backend.h"
+#endif
+
+namespace gxy {
+
+BackendRegistry allBackends(const BackendOptions& options) {
+  BackendRegistry registry;
+#ifdef GALAXY_VULKAN
+  const auto fits = [options] {
+    const std::vector<VulkanDeviceInfo> devices = vulkanDevices();
+    return !options.device.empty() ||
+           std::any_of(devices.begin(), devices.end(), [](const VulkanDeviceInfo& d) {
+             return d.kind == VulkanDeviceInfo::Kind::Discrete && d.missing.empty();
+           });
+  };
+  const auto make = [options] {
+    VulkanOptions vulkan;
+    vulkan.device = options.device;
+    vulkan.rankOnMachine = options.rankOnMachine;
+    return makeVulkanBackend(vulkan);
+  };
+  registry.add("vulkan", make, fits);
+#endif
+  registry.add("embree", [options] {
+    if (!options.device.empty())
+      throw Error("device \"" + options.device +
+                  "\" was asked for, but the embree backend has none to choose from");
+    return makeEmbreeBackend();
+  });
+  return registry;
+}
+
+std::vector<std::string> listDevices() {
+  std::vector<std::string> lines{"embree: " + makeEmbreeBackend()->device()};
+#ifdef GALAXY_VULKAN
+  const std::vector<VulkanDeviceInfo> devices = vulkanDevices();
+  for (size_t i = 0; i < devices.size(); i++) {
+    const VulkanDeviceInfo& d = devices[i];
+    std::string line = "vulkan " + std::to_string(i) + ": " + d.name;
+    if (!d.driver.empty()) line += ", " + d.driver;
+    line += ", " + std::to_string(d.memory >> 20) + " MiB";
+    if (d.kind == VulkanDeviceInfo::Kind::Software) line += ", software: taken only if asked for or if alone";
+    for (size_t m = 0; m < d.missing.size(); m++)
+      line += (m ? ", " : ", cannot be used: lacks ") + d.missing[m];
+    lines.push_back(line);
+  }
+  if (devices.empty()) lines.emplace_back("vulkan: no devices");
+#else
+  lines.emplace_back("vulkan: not in this build (GALAXY_VULKAN)");
+#endif
+  return lines;
+}
+
+}  // namespace gxy

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+// The backends that this build has: the one place that knows their names.
+#pragma once
+#include <string>
+#include <vector>
+
+#include "gxy/rays/backend.h"
+
+namespace gxy {
+
+struct BackendOptions {
+  std::string device;     ///< of the vulkan backend: a number or a part of a name (see listDevices), or empty
+  int rankOnMachine = 0;  ///< the ranks of a machine share its devices round robin
+};
+
+/// "embree" and, where the build has it, "vulkan"; `auto` is vulkan where there is a discrete GPU, or a device was asked
+/// for, else embree.
+BackendRegistry allBackends(const BackendOptions& options);
+
+/// For people: a line for each device that a backend may use.
+std::vector<std::string> listDevices();
+
+}  // namespace gxy

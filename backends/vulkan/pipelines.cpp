@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gxy/vulkan/pipelines.h"
+
+#include <vector>
+
+#include "bound.h"
+#include "depth.h"
+#include "finish.h"
+#include "geometry.h"
+#include "gxy/shaders/layout.h"
+#include "integrate.h"
+#include "integrate_many.h"
+#include "isosurfaces.h"
+#include "regenerate.h"
+#include "shade.h"
+#include "slices.h"
+#include "spawn.h"
+
+namespace gxy::vulkan {
+
+namespace {
+
+std::span<const uint32_t> codeOf(Stage stage) {
+  switch (stage) {
+    case Stage::Spawn:
+      return spawn_spirv;
+    case Stage::Regenerate:
+      return regenerate_spirv;
+    case Stage::Bound:
+      return bound_spirv;
+    case Stage::Geometry:
+      return geometry_spirv;
+    case Stage::Slices:
+      return slices_spirv;
+    case Stage::Isosurfaces:
+      return isosurfaces_spirv;
+    case Stage::Integrate:
+      return integrate_spirv;
+    case Stage::IntegrateMany:
+      return integrate_many_spirv;
+    case Stage::Shade:
+      return shade_spirv;
+    case Stage::Depth:
+      return depth_spirv;
+    default:
+      return finish_spirv;
+  }
+}
+
+// What a stage looks at, so that scenes share what is the same for them.
+Special specialFor(Stage stage, const Special& special) {
+  Special s;
+  s.addressed = special.addressed;
+  const bool reads = stage == Stage::Slices || stage == Stage::Isosurfaces || stage == Stage::Integrate ||
+                     stage == Stage::IntegrateMany ||
+                     (stage == Stage::Shade && (special.surfaces & SURFACE_FIELDS) != 0);
+  if (reads) s.sampleKind = special.sampleKind, s.scalars = special.scalars;
+  if (stage == Stage::Shade || stage == Stage::Geometry) s.surfaces = special.surfaces;
+  if (stage == Stage::Geometry) s.anyHit = special.anyHit;
+  if (stage == Stage::Integrate || stage == Stage::IntegrateMany) s.byCells = special.byCells;
+  return s;
+}
+
+SetLayoutHandle makeSetLayout(const Device& device, uint32_t bindings) {
+  std::vector<VkDescriptorSetLayoutBinding> all(bindings);
+  for (uint32_t i = 0; i < bindings; i++)
+    all[i] = {i, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 1, VK_SHADER_STAGE_COMPUTE_BIT, nullptr};
+  VkDescriptorSetLayoutCreateInfo info{};
+  info.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO;
+  info.bindingCount = bindings;
+  info.pBindings = all.data();
+  VkDescriptorSetLayout layout = VK_NULL_HANDLE;
+  check(vkCreateDescriptorSetLayout(device.get(), &info, nullptr, &layout), "describing buffers");
+  return {device.get(), layout};
+}
+
+}  // namespace
+
+DescriptorSet::DescriptorSet(const Device& device, VkDescriptorSetLayout layout,
+                             std::span<const VkDescriptorBufferInfo> buffers) {
+  const VkDescriptorPoolSize size{VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, uint32_t(buffers.size())};
+  VkDescriptorPoolCreateInfo pool{};
+  pool.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO;
+  pool.maxSets = 1;
+  pool.poolSizeCount = 1;
+  pool.pPoolSizes = &size;
+  VkDescriptorPool made = VK_NULL_HANDLE;
+  check(vkCreateDescriptorPool(device.get(), &pool, nullptr, &made), "making room for descriptors");
+  pool_ = DescriptorPoolHandle(device.get(), made);
+  VkDescriptorSetAllocateInfo info{};
+  info.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO;
+  info.descriptorPool = made;
+  info.descriptorSetCount = 1;
+  info.pSetLayouts = &layout;
+  check(vkAllocateDescriptorSets(device.get(), &info, &set_), "making descriptors");
+  std::vector<VkWriteDescriptorSet> writes(buffers.size());
+  for (size_t i = 0; i < buffers.size(); i++) {
+    writes[i].sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET;
+    writes[i].dstSet = set_;
+    writes[i].dstBinding = uint32_t(i);
+    writes[i].descriptorCount = 1;
+    writes[i].descriptorType = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
+    writes[i].pBufferInfo = &buffers[i];
+  }
+  vkUpdateDescriptorSets(device.get(), uint32_t(writes.size()), writes.data(), 0, nullptr);
+}
+
+Pipelines::Pipelines(const Device& device)
+    : device_(device),
+      sets_{makeSetLayout(device, SCENE_BINDINGS), makeSetLayout(device, FRAME_BINDINGS),
+            makeSetLayout(device, LANE_BINDINGS)} {
+  const VkDescriptorSetLayout sets[3] = {setLayout(0), setLayout(1), setLayout(2)};
+  const VkPushConstantRange push{VK_SHADER_STAGE_COMPUTE_BIT, 0, PUSH_WORDS * sizeof(int32_t)};
+  VkPipelineLayoutCreateInfo info{};
+  info.sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO;
+  info.setLayoutCount = 3;
+  info.pSetLayouts = sets;
+  info.pushConstantRangeCount = 1;
+  info.pPushConstantRanges = &push;
+  VkPipelineLayout layout = VK_NULL_HANDLE;
+  check(vkCreatePipelineLayout(device.get(), &info, nullptr, &layout), "making a pipeline layout");
+  layout_ = PipelineLayoutHandle(device.get(), layout);
+}
+
+VkPipeline Pipelines::get(Stage stage, const Special& wanted) {
+  const Special special = specialFor(stage, wanted);
+  std::lock_guard lock(mutex_);
+  PipelineHandle& pipeline = made_[{stage, special}];
+  if (pipeline) return pipeline.get();
+  const std::span<const uint32_t> code = codeOf(stage);
+  VkShaderModuleCreateInfo module{};
+  module.sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO;
+  module.codeSize = code.size_bytes();
+  module.pCode = code.data();
+  VkShaderModule shader = VK_NULL_HANDLE;
+  check(vkCreateShaderModule(device_.get(), &module, nullptr, &shader), "loading a shader");
+  const ShaderHandle owned(device_.get(), shader);
+  std::array<VkSpecializationMapEntry, sizeof(Special) / 4> entries;
+  for (uint32_t i = 0; i < entries.size(); i++) entries[i] = {i, 4 * i, 4};
+  const VkSpecializationInfo constants{uint32_t(entries.size()), entries.data(), sizeof(Special), &special};
+  VkComputePipelineCreateInfo info{};
+  info.sType = VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO;
+  info.stage.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO;
+  info.stage.stage = VK_SHADER_STAGE_COMPUTE_BIT;
+  info.stage.module = shader;
+  info.stage.pName = "main";
+  info.stage.pSpecializationInfo = &constants;
+  info.layout = layout_.get();
+  VkPipeline made = VK_NULL_HANDLE;
+  check(vkCreateComputePipelines(device_.get(), VK_NULL_HANDLE, 1, &info, nullptr, &made),
+        "compiling a shader");
+  pipeline = PipelineHandle(device_.get(), made);
+  return made;
+}
+
+}  // namespace gxy::vulkan

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Apache-2.0
+// The stages of shaders/ as compute pipelines, each made when a scene first needs it so.
+#pragma once
+#include <array>
+#include <compare>
+#include <cstdint>
+#include <map>
+#include <mutex>
+#include <span>
+
+#include "gxy/vulkan/vulkan_device.h"
+
+namespace gxy::vulkan {
+
+enum class Stage {
+  Spawn,
+  Regenerate,
+  Bound,
+  Geometry,
+  Slices,
+  Isosurfaces,
+  Integrate,
+  IntegrateMany,
+  Shade,
+  Depth,
+  Finish
+};
+
+/// What a stage is compiled for: the specialization constants of shaders/layout.h, in their order.
+struct Special {
+  int32_t addressed = 0, sampleKind = -1;
+  uint32_t scalars = 0;
+  int32_t surfaces = 0;
+  uint32_t anyHit = 0;
+  uint32_t byCells = 0;
+  auto operator<=>(const Special&) const = default;
+};
+
+/// A set of storage buffers, bound in order from binding 0; with a pool of its own.
+class DescriptorSet {
+ public:
+  DescriptorSet() = default;
+  DescriptorSet(const Device& device, VkDescriptorSetLayout layout,
+                std::span<const VkDescriptorBufferInfo> buffers);
+  VkDescriptorSet get() const { return set_; }
+
+ private:
+  DescriptorPoolHandle pool_;
+  VkDescriptorSet set_ = VK_NULL_HANDLE;
+};
+
+/// Thread safe.
+class Pipelines {
+ public:
+  explicit Pipelines(const Device& device);
+  VkPipeline get(Stage stage, const Special& special);
+  VkPipelineLayout layout() const { return layout_.get(); }
+  VkDescriptorSetLayout setLayout(int set) const { return sets_[size_t(set)].get(); }
+
+ private:
+  const Device& device_;
+  std::array<SetLayoutHandle, 3> sets_;
+  PipelineLayoutHandle layout_;
+  std::mutex mutex_;
+  std::map<std::pair<Stage, Special>, PipelineHandle> made_;
+};
+
+}  // namespace gxy::vulkan

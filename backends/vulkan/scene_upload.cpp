@@ -1,0 +1,201 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gxy/vulkan/scene_upload.h"
+
+#include <algorithm>
+#include <bit>
+#include <cstring>
+#include <limits>
+#include <span>
+
+#include "gxy/rays/fill_views.h"
+#include "gxy/vulkan/hierarchy.h"
+#include "gxy/vulkan/shader_views.h"
+
+namespace gxy::vulkan {
+
+namespace {
+
+constexpr size_t kSectionAlignment = 256;  // no device asks for more
+
+// Arrays one behind the other, found by the index of their first word; 0 stands for none.
+class Words {
+ public:
+  template <class T>
+  uint32_t add(std::span<const T> values) {
+    static_assert(sizeof(T) % 4 == 0);
+    if (values.empty()) return 0;
+    const size_t at = words_.size();
+    if (at + values.size_bytes() / 4 > std::numeric_limits<uint32_t>::max())
+      throw Error(
+          "a partition has more than 16 GiB of geometry or tables; cut the data into more partitions");
+    words_.resize(at + values.size_bytes() / 4);
+    std::memcpy(words_.data() + at, values.data(), values.size_bytes());
+    return uint32_t(at);
+  }
+  template <class T>
+  uint32_t add(const std::vector<T>& values) {
+    return add(std::span<const T>(values));
+  }
+  std::span<const std::byte> bytes() const { return std::as_bytes(std::span(words_)); }
+
+ private:
+  std::vector<uint32_t> words_ = std::vector<uint32_t>(4, 0);
+};
+
+// Where the arrays of a partition go: samples one behind the other, all else in tables or with the geometry.
+class Places {
+ public:
+  explicit Places(Words& words) : words_(words) {}
+  template <class T>
+  uint32_t operator()(const std::vector<T>& v) {
+    return words_.add(v);
+  }
+  uint32_t operator()(const std::vector<uint8_t>& v) {
+    return words_.add(std::vector<uint32_t>(v.begin(), v.end()));
+  }
+  // Where a block will be, in units of 16 bytes; the same for all operators that look at it. Place 0 stands for none.
+  uint32_t samples(const VolumeBlock& block) {
+    for (const auto& [known, place] : blocks_)
+      if (known == &block) return place;
+    if (block.samples.size() > std::numeric_limits<uint32_t>::max())
+      throw Error("a volume has more than 4 GiB in one partition; cut it into more partitions");
+    const auto place = uint32_t(sampleBytes_ / 16);
+    blocks_.emplace_back(&block, place);
+    sampleBytes_ += (block.samples.size() + 15) / 16 * 16;
+    return place;
+  }
+  const std::vector<std::pair<const VolumeBlock*, uint32_t>>& blocks() const { return blocks_; }
+  size_t sampleBytes() const { return sampleBytes_; }
+
+ private:
+  Words& words_;
+  std::vector<std::pair<const VolumeBlock*, uint32_t>> blocks_;
+  size_t sampleBytes_ = 16;
+};
+
+// Builds what the stages read, then copies it to the device.
+class Uploading {
+ public:
+  Uploading(const Device& device, const CompiledScene& scene, int partition)
+      : device_(device), scene_(scene), partition_(partition) {
+    std::vector<int32_t> rendered;
+    for (size_t i = 0; i < scene.operators.size(); i++) {
+      const CompiledOperator& op = scene.operators[i];
+      const auto found = op.parts.find(partition);
+      const OperatorPart* part = found == op.parts.end() ? nullptr : &found->second;
+      fillVolumeView(fields_.emplace_back(), op, part, inTables_);
+      shader::OperatorView& view = operators_.emplace_back();
+      fillOperatorView(view, op, nullptr, inTables_);
+      if (part && part->primitives > 0) {
+        const uint32_t slice = view.slice;
+        fillOperatorView(view, op, part, inGeometry_);
+        view.slice = slice;
+        constexpr int kBits[] = {0, SURFACE_PARTICLES, SURFACE_PATHLINES, SURFACE_TRIANGLES};
+        out_.geometryKinds |= kBits[view.kind];
+      }
+      out_.hasBlock.push_back(part && part->block);
+      if (op.vis.type == VisType::Volume && op.vis.volumeRendering) rendered.push_back(int32_t(i));
+    }
+    out_.volumeList = tables_.add(rendered);
+    fillSceneView(view_, scene, partition, inTables_);
+    view_.operators = int(scene.operators.size());
+    if (out_.geometryKinds != 0) addHierarchy();
+    specialize();
+  }
+
+  PartOnDevice finish(const Pipelines& pipelines) {
+    const auto sceneBytes = std::as_bytes(std::span(&view_, 1));
+    const auto operatorBytes = std::as_bytes(std::span(operators_)),
+               fieldBytes = std::as_bytes(std::span(fields_));
+    const std::span<const std::byte> sections[] = {sceneBytes, operatorBytes, fieldBytes, tables_.bytes()};
+    size_t at[5] = {0};
+    for (int i = 0; i < 4; i++) {
+      const size_t end = at[i] + std::max<size_t>(sections[i].size(), 4);
+      at[i + 1] = (end + kSectionAlignment - 1) / kSectionAlignment * kSectionAlignment;
+    }
+    // behind them, the addresses
+    out_.scene = Buffer(device_, at[4] + sizeof(VkDeviceAddress[3]), Place::Device, "the scene");
+    for (int i = 0; i < 4; i++)
+      if (!sections[i].empty()) upload(device_, out_.scene, at[i], sections[i]);
+    if (!inTables_.blocks().empty()) out_.samples = makeSamples();
+    if (out_.geometryKinds != 0) {
+      out_.geometry = Buffer(device_, geometry_.bytes().size(), Place::Device, "geometry");
+      upload(device_, out_.geometry, 0, geometry_.bytes());
+    }
+    const VkDeviceAddress addresses[3] = {out_.scene.address() + at[3],
+                                          out_.samples.get() ? out_.samples.address() : 0,
+                                          out_.geometry.get() ? out_.geometry.address() : 0};
+    upload(device_, out_.scene, at[4], std::as_bytes(std::span(addresses)));
+
+    const auto section = [&](int i) {
+      return VkDescriptorBufferInfo{out_.scene.get(), at[i], std::max<size_t>(sections[i].size(), 4)};
+    };
+    const VkDescriptorBufferInfo nothing{out_.scene.get(), 0, 4};
+    VkDescriptorBufferInfo buffers[SCENE_BINDINGS] = {section(0),
+                                                      section(1),
+                                                      section(2),
+                                                      section(3),
+                                                      nothing,
+                                                      nothing,
+                                                      {out_.scene.get(), at[4], sizeof addresses}};
+    if (out_.samples.get()) buffers[SAMPLES_BINDING] = {out_.samples.get(), 0, out_.samples.bytes()};
+    if (out_.geometry.get()) buffers[GEOMETRY_BINDING] = {out_.geometry.get(), 0, out_.geometry.bytes()};
+    const std::pair<int, int> large[] = {{TABLES_BINDING, ADDRESSED_TABLES},
+                                         {SAMPLES_BINDING, ADDRESSED_SAMPLES},
+                                         {GEOMETRY_BINDING, ADDRESSED_GEOMETRY}};
+    for (const auto& [binding, bit] : large)
+      if (buffers[binding].range > device_.largestBinding()) {
+        buffers[binding] = nothing;
+        out_.special.addressed |= bit;
+      }
+    out_.set = DescriptorSet(device_, pipelines.setLayout(SCENE_SET), buffers);
+    return std::move(out_);
+  }
+
+ private:
+  Buffer makeSamples() const {
+    Buffer samples(device_, inTables_.sampleBytes(), Place::Device, "volumes");
+    for (const auto& [block, place] : inTables_.blocks())
+      upload(device_, samples, size_t(place) * 16, block->samples);
+    return samples;
+  }
+
+  void addHierarchy() {
+    const Hierarchy hierarchy = hierarchyOf(scene_, partition_);
+    const uint32_t list = geometry_.add(hierarchy.primitives);
+    view_.hierarchy = geometry_.add(std::vector<uint32_t>{list});
+    geometry_.add(hierarchy.nodes);
+  }
+
+  void specialize() {
+    int kind = -2;
+    bool scalars = true;
+    for (size_t i = 0; i < fields_.size(); i++) {
+      if (operators_[i].kind != KIND_VOLUME) continue;
+      kind = kind == -2 || kind == fields_[i].kind ? fields_[i].kind : -1;
+      scalars = scalars && fields_[i].stride == 1;
+    }
+    out_.special.sampleKind = std::max(kind, -1);
+    out_.special.scalars = scalars;
+    for (const shader::VolumeView& v : fields_) out_.special.byCells |= uint32_t(v.byCells);
+  }
+
+  const Device& device_;
+  const CompiledScene& scene_;
+  const int partition_;
+  PartOnDevice out_;
+  Words tables_, geometry_;
+  Places inTables_{tables_}, inGeometry_{geometry_};
+  shader::SceneView view_{};
+  std::vector<shader::OperatorView> operators_;
+  std::vector<shader::VolumeView> fields_;
+};
+
+}  // namespace
+
+PartOnDevice uploadPart(const Device& device, const Pipelines& pipelines, const CompiledScene& scene,
+                        int partition) {
+  return Uploading(device, scene, partition).finish(pipelines);
+}
+
+}  // namespace gxy::vulkan

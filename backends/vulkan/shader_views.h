@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+// The structures of core/kernels as the shaders see them: what is a pointer elsewhere is a place in a buffer.
+#pragma once
+#include <cstdint>
+
+#include "gxy/shaders/layout.h"
+
+namespace gxy::shader {
+using real = float;
+using uint = std::uint32_t;
+#define GXY_LAYOUT
+// clang-format off
+#include "gxy/kernels/volume_view.h"
+#include "gxy/kernels/scene_view.h"
+// clang-format on
+#undef GXY_LAYOUT
+#undef PTR
+#undef RAW
+#undef VOLUME
+}  // namespace gxy::shader

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gxy/vulkan/vulkan_backend.h"
+
+#include "gxy/comm/error.h"
+#include "gxy/vulkan/vulkan_scene.h"
+
+namespace gxy {
+
+namespace {
+
+class VulkanBackend final : public Backend {
+ public:
+  explicit VulkanBackend(const VulkanOptions& options)
+      : context_(std::make_shared<vulkan::Context>(options)) {}
+  std::string name() const override { return "vulkan"; }
+  std::string device() const override {
+    const VulkanDeviceInfo& info = context_->device.info();
+    return info.name + ", " + info.driver;
+  }
+  std::unique_ptr<DeviceScene> makeScene(std::shared_ptr<const CompiledScene> scene,
+                                         int rank) const override {
+    return std::make_unique<vulkan::VulkanScene>(context_, std::move(scene), rank);
+  }
+  std::vector<std::string> messages() const { return context_->device.instance().messages(); }
+
+ private:
+  std::shared_ptr<vulkan::Context> context_;
+};
+
+}  // namespace
+
+std::unique_ptr<Backend> makeVulkanBackend(const VulkanOptions& options) {
+  return std::make_unique<VulkanBackend>(options);
+}
+
+std::vector<std::string> validationMessages(const Backend& backend) {
+  return dynamic_cast<const VulkanBackend&>(backend).messages();
+}
+
+}  // namespace gxy

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+// The GPU backend: Vulkan 1.2 compute. It needs no window system and no ray-tracing extension.
+#pragma once
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "gxy/rays/backend.h"
+
+namespace gxy {
+
+/// A Vulkan device of this machine.
+struct VulkanDeviceInfo {
+  std::string name, driver;
+  enum class Kind { Discrete, Integrated, Virtual, Software, Other } kind = Kind::Other;
+  uint64_t memory = 0;               ///< bytes, of the largest heap that is the device's own
+  std::vector<std::string> missing;  ///< what this backend needs and the device lacks
+};
+
+/// All of them, in the loader's order; none where there is no Vulkan.
+std::vector<VulkanDeviceInfo> vulkanDevices();
+
+struct VulkanOptions {
+  /// A number in that order, or a part of a device's name; empty: the best kind that there is. Software devices are
+  /// taken only if nothing else is there, or if asked for.
+  std::string device;
+  int rankOnMachine = 0;  ///< the ranks of a machine share equally good devices round robin
+  /// The largest buffer to bind; what is larger is read by address. 0: what the device binds.
+  uint64_t bindingBytes = 0;
+  bool validation = false;  ///< with validation layers (core and synchronization); for tests
+};
+
+/// Device name "vulkan". Thread safe. Throws Error where there is no such device, or it lacks something, and
+/// later, from makeScene, where a scene needs more memory than there is.
+std::unique_ptr<Backend> makeVulkanBackend(const VulkanOptions& options = {});
+
+/// What the validation layers have said of a backend that was made with `validation`.
+std::vector<std::string> validationMessages(const Backend& backend);
+
+}  // namespace gxy

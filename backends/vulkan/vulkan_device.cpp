@@ -1,0 +1,218 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gxy/vulkan/vulkan_device.h"
+
+#include <algorithm>
+#include <cstring>
+
+namespace gxy::vulkan {
+
+namespace {
+
+constexpr size_t kStagingBytes = size_t(16) << 20;
+
+std::string mebibytes(size_t bytes) { return std::to_string((bytes + (1 << 20) - 1) >> 20) + " MiB"; }
+
+}  // namespace
+
+Device::Device(const VulkanOptions& options)
+    : instance_(options.validation), physical_(chooseDevice(instance_, options)), info_(infoOf(physical_)) {
+  VkPhysicalDeviceProperties properties;
+  vkGetPhysicalDeviceProperties(physical_, &properties);
+  limits_ = properties.limits;
+  largestBinding_ = limits_.maxStorageBufferRange;
+  if (options.bindingBytes > 0) largestBinding_ = std::min<size_t>(largestBinding_, options.bindingBytes);
+  vkGetPhysicalDeviceMemoryProperties(physical_, &memory_);
+  family_ = uint32_t(computeFamily(physical_));
+  const float priority = 1;
+  VkDeviceQueueCreateInfo queue{};
+  queue.sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO;
+  queue.queueFamilyIndex = family_;
+  queue.queueCount = 1;
+  queue.pQueuePriorities = &priority;
+  Features features;
+  features.v12.bufferDeviceAddress = VK_TRUE;
+  features.v12.timelineSemaphore = VK_TRUE;
+  features.v10.features.shaderFloat64 = VK_TRUE;
+  features.v10.features.shaderInt64 = VK_TRUE;
+  VkDeviceCreateInfo info{};
+  info.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO;
+  info.pNext = &features.v10;
+  info.queueCreateInfoCount = 1;
+  info.pQueueCreateInfos = &queue;
+  check(vkCreateDevice(physical_, &info, nullptr, &device_), "opening device \"" + info_.name + "\"");
+  vkGetDeviceQueue(device_, family_, 0, &queue_);
+}
+
+Device::~Device() {
+  if (device_) vkDestroyDevice(device_, nullptr);
+}
+
+void Device::submit(VkCommandBuffer commands, VkSemaphore done, uint64_t value) const {
+  VkTimelineSemaphoreSubmitInfo timeline{};
+  timeline.sType = VK_STRUCTURE_TYPE_TIMELINE_SEMAPHORE_SUBMIT_INFO;
+  timeline.signalSemaphoreValueCount = 1;
+  timeline.pSignalSemaphoreValues = &value;
+  VkSubmitInfo info{};
+  info.sType = VK_STRUCTURE_TYPE_SUBMIT_INFO;
+  info.pNext = &timeline;
+  info.commandBufferCount = 1;
+  info.pCommandBuffers = &commands;
+  info.signalSemaphoreCount = 1;
+  info.pSignalSemaphores = &done;
+  std::lock_guard lock(queueMutex_);
+  check(vkQueueSubmit(queue_, 1, &info, VK_NULL_HANDLE), "handing work to the device");
+}
+
+void Device::wait(VkSemaphore done, uint64_t value) const {
+  VkSemaphoreWaitInfo info{};
+  info.sType = VK_STRUCTURE_TYPE_SEMAPHORE_WAIT_INFO;
+  info.semaphoreCount = 1;
+  info.pSemaphores = &done;
+  info.pValues = &value;
+  check(vkWaitSemaphores(device_, &info, UINT64_MAX), "waiting for the device");
+}
+
+uint32_t Device::memoryType(uint32_t allowed, Place place) const {
+  constexpr VkMemoryPropertyFlags kSeen =
+      VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
+  constexpr VkMemoryPropertyFlags kLocal = VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT;
+  constexpr VkMemoryPropertyFlags kCached = VK_MEMORY_PROPERTY_HOST_CACHED_BIT;
+  const VkMemoryPropertyFlags needed = place == Place::Device ? kLocal : kSeen;
+  const VkMemoryPropertyFlags wanted = place == Place::Device ? kSeen : kCached;
+  // device memory that the host sees is preferred where it is about all of it, not where it is a small window
+  int found = -1, score = -1;
+  for (uint32_t i = 0; i < memory_.memoryTypeCount; i++) {
+    const VkMemoryType& type = memory_.memoryTypes[i];
+    if (!(allowed & (1u << i)) || (type.propertyFlags & needed) != needed) continue;
+    const bool big = memory_.memoryHeaps[type.heapIndex].size * 2 >= info_.memory;
+    const int mine =
+        ((type.propertyFlags & wanted) == wanted ? 1 : 0) + (place == Place::Device && big ? 2 : 0);
+    if (mine > score) found = int(i), score = mine;
+  }
+  if (found < 0) throw Error("Vulkan: device \"" + info_.name + "\" has no memory of a kind that is needed");
+  return uint32_t(found);
+}
+
+Buffer::Buffer(const Device& device, size_t bytes, Place place, const char* what)
+    : device_(&device), bytes_(std::max<size_t>(bytes, 16)) {
+  const auto noRoom = [&](size_t heap) {
+    return Error("Vulkan: device \"" + device.info().name + "\" has no " + mebibytes(bytes_) + " left for " +
+                 what + ": it has " + mebibytes(heap) + ", of which this rank holds " +
+                 mebibytes(device.bytes()) +
+                 "; more ranks with devices of their own, or the embree backend, would do");
+  };
+  if (place == Place::Device && bytes_ > device.info().memory) throw noRoom(device.info().memory);
+  VkBufferCreateInfo info{};
+  info.sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO;
+  info.size = bytes_;
+  info.usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_SRC_BIT |
+               VK_BUFFER_USAGE_TRANSFER_DST_BIT | VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT;
+  VkBuffer buffer = VK_NULL_HANDLE;
+  check(vkCreateBuffer(device.get(), &info, nullptr, &buffer), std::string("making a buffer for ") + what);
+  buffer_ = BufferHandle(device.get(), buffer);
+  VkMemoryRequirements needs;
+  vkGetBufferMemoryRequirements(device.get(), buffer, &needs);
+  VkMemoryAllocateFlagsInfo flags{};
+  flags.sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_FLAGS_INFO;
+  flags.flags = VK_MEMORY_ALLOCATE_DEVICE_ADDRESS_BIT;
+  VkMemoryAllocateInfo allocate{};
+  allocate.sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO;
+  allocate.pNext = &flags;
+  allocate.allocationSize = needs.size;
+  allocate.memoryTypeIndex = device.memoryType(needs.memoryTypeBits, place);
+  const VkMemoryType& type = device.memory_.memoryTypes[allocate.memoryTypeIndex];
+  const VkDeviceSize heap = device.memory_.memoryHeaps[type.heapIndex].size;
+  VkDeviceMemory memory = VK_NULL_HANDLE;
+  VkResult result = VK_ERROR_OUT_OF_DEVICE_MEMORY;
+  if (needs.size <= heap) result = vkAllocateMemory(device.get(), &allocate, nullptr, &memory);
+  if (result == VK_ERROR_OUT_OF_DEVICE_MEMORY || result == VK_ERROR_OUT_OF_HOST_MEMORY) throw noRoom(heap);
+  check(result, std::string("allocating memory for ") + what);
+  memory_ = MemoryHandle(device.get(), memory);
+  check(vkBindBufferMemory(device.get(), buffer, memory, 0), "binding memory");
+  if (type.propertyFlags & VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT) {
+    void* p = nullptr;
+    check(vkMapMemory(device.get(), memory, 0, VK_WHOLE_SIZE, 0, &p), "mapping memory");
+    mapped_ = static_cast<std::byte*>(p);
+  }
+  device.bytes_ += bytes_;
+  counted_ = {reinterpret_cast<void*>(bytes_), Uncount{&device.bytes_}};
+}
+
+VkDeviceAddress Buffer::address() const {
+  VkBufferDeviceAddressInfo info{};
+  info.sType = VK_STRUCTURE_TYPE_BUFFER_DEVICE_ADDRESS_INFO;
+  info.buffer = buffer_.get();
+  return vkGetBufferDeviceAddress(device_->get(), &info);
+}
+
+Commands::Commands(const Device& device) : device_(device) {
+  VkCommandPoolCreateInfo pool{};
+  pool.sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO;
+  pool.flags = VK_COMMAND_POOL_CREATE_TRANSIENT_BIT;
+  pool.queueFamilyIndex = device.queueFamily();
+  VkCommandPool made = VK_NULL_HANDLE;
+  check(vkCreateCommandPool(device.get(), &pool, nullptr, &made), "making a command pool");
+  pool_ = CommandPoolHandle(device.get(), made);
+  VkCommandBufferAllocateInfo info{};
+  info.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO;
+  info.commandPool = made;
+  info.level = VK_COMMAND_BUFFER_LEVEL_PRIMARY;
+  info.commandBufferCount = 1;
+  check(vkAllocateCommandBuffers(device.get(), &info, &commands_), "making a command buffer");
+  VkSemaphoreTypeCreateInfo type{};
+  type.sType = VK_STRUCTURE_TYPE_SEMAPHORE_TYPE_CREATE_INFO;
+  type.semaphoreType = VK_SEMAPHORE_TYPE_TIMELINE;
+  VkSemaphoreCreateInfo semaphore{};
+  semaphore.sType = VK_STRUCTURE_TYPE_SEMAPHORE_CREATE_INFO;
+  semaphore.pNext = &type;
+  VkSemaphore done = VK_NULL_HANDLE;
+  check(vkCreateSemaphore(device.get(), &semaphore, nullptr, &done), "making a semaphore");
+  done_ = SemaphoreHandle(device.get(), done);
+}
+
+VkCommandBuffer Commands::begin() {
+  check(vkResetCommandPool(device_.get(), pool_.get(), 0), "beginning commands");
+  VkCommandBufferBeginInfo info{};
+  info.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO;
+  info.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT;
+  check(vkBeginCommandBuffer(commands_, &info), "beginning commands");
+  return commands_;
+}
+
+void Commands::barrier() {
+  constexpr VkAccessFlags kWritten = VK_ACCESS_SHADER_WRITE_BIT | VK_ACCESS_TRANSFER_WRITE_BIT;
+  VkMemoryBarrier barrier{};
+  barrier.sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER;
+  barrier.srcAccessMask = kWritten;
+  barrier.dstAccessMask =
+      kWritten | VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_TRANSFER_READ_BIT | VK_ACCESS_HOST_READ_BIT;
+  constexpr VkPipelineStageFlags kDevice =
+      VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_TRANSFER_BIT;
+  vkCmdPipelineBarrier(commands_, kDevice, kDevice | VK_PIPELINE_STAGE_HOST_BIT, 0, 1, &barrier, 0, nullptr,
+                       0, nullptr);
+}
+
+void Commands::submitAndWait() {
+  check(vkEndCommandBuffer(commands_), "recording commands");
+  device_.submit(commands_, done_.get(), ++value_);
+  device_.wait(done_.get(), value_);
+}
+
+void upload(const Device& device, const Buffer& buffer, size_t offset, std::span<const std::byte> bytes) {
+  if (buffer.mapped()) {
+    std::memcpy(buffer.mapped() + offset, bytes.data(), bytes.size());
+    return;
+  }
+  const Buffer staging(device, std::min(bytes.size(), kStagingBytes), Place::Readback,
+                       "copies to the device");
+  Commands commands(device);
+  for (size_t at = 0; at < bytes.size(); at += kStagingBytes) {
+    const size_t n = std::min(bytes.size() - at, kStagingBytes);
+    std::memcpy(staging.mapped(), bytes.data() + at, n);
+    const VkBufferCopy region{0, offset + at, n};
+    vkCmdCopyBuffer(commands.begin(), staging.get(), buffer.get(), 1, &region);
+    commands.submitAndWait();
+  }
+}
+
+}  // namespace gxy::vulkan

@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: Apache-2.0
+// A device with its queue, and buffers in its memory.
+#pragma once
+#include <atomic>
+#include <cstddef>
+#include <memory>
+#include <mutex>
+#include <span>
+
+#include "gxy/vulkan/vulkan_instance.h"
+
+namespace gxy::vulkan {
+
+/// Where a buffer lives. Device: the device's own memory, which the host may or may not see; Readback: the
+/// host's, cached, for what the device writes and the host reads.
+enum class Place { Device, Readback };
+
+class Buffer;
+
+/// Thread safe. Buffers, pipelines and whatever else is made of it must not outlive it.
+class Device {
+ public:
+  explicit Device(const VulkanOptions& options);
+  ~Device();
+  Device(const Device&) = delete;
+  Device& operator=(const Device&) = delete;
+
+  VkDevice get() const { return device_; }
+  uint32_t queueFamily() const { return family_; }
+  const VulkanDeviceInfo& info() const { return info_; }
+  const VkPhysicalDeviceLimits& limits() const { return limits_; }
+  size_t largestBinding() const { return largestBinding_; }  ///< bytes of scene data; the rest by address
+  const Instance& instance() const { return instance_; }
+  size_t bytes() const { return bytes_; }  ///< of all buffers
+
+  /// Hands commands to the queue, which sets `done` to `value` when they are done.
+  void submit(VkCommandBuffer commands, VkSemaphore done, uint64_t value) const;
+  /// Waits until `done` has that value.
+  void wait(VkSemaphore done, uint64_t value) const;
+
+ private:
+  friend class Buffer;
+  uint32_t memoryType(uint32_t allowed, Place place) const;
+
+  Instance instance_;
+  VkPhysicalDevice physical_;
+  VulkanDeviceInfo info_;
+  VkPhysicalDeviceLimits limits_{};
+  size_t largestBinding_ = 0;
+  VkPhysicalDeviceMemoryProperties memory_{};
+  uint32_t family_ = 0;
+  VkDevice device_ = VK_NULL_HANDLE;
+  VkQueue queue_ = VK_NULL_HANDLE;
+  mutable std::mutex queueMutex_;
+  mutable std::atomic<size_t> bytes_{0};
+};
+
+/// A storage buffer with memory of its own. Move-only.
+class Buffer {
+ public:
+  Buffer() = default;
+  /// Not initialised. Throws Error naming `what` it is for if there is no room for it.
+  Buffer(const Device& device, size_t bytes, Place place, const char* what);
+  Buffer(Buffer&&) noexcept = default;
+  Buffer& operator=(Buffer&&) noexcept = default;
+
+  VkBuffer get() const { return buffer_.get(); }
+  size_t bytes() const { return bytes_; }
+  VkDeviceAddress address() const;
+  /// The buffer as the host sees it; null if it does not.
+  std::byte* mapped() const { return mapped_; }
+
+ private:
+  struct Uncount {
+    std::atomic<size_t>* sum;
+    void operator()(void* bytes) const { *sum -= reinterpret_cast<size_t>(bytes); }
+  };
+  const Device* device_ = nullptr;
+  BufferHandle buffer_;
+  MemoryHandle memory_;
+  std::unique_ptr<void, Uncount> counted_{nullptr, Uncount{nullptr}};
+  size_t bytes_ = 0;
+  std::byte* mapped_ = nullptr;
+};
+
+/// A command buffer with its pool, and the semaphore that tells when its commands are done. One thread at a time.
+class Commands {
+ public:
+  explicit Commands(const Device& device);
+  /// Forgets what was recorded, and begins anew.
+  VkCommandBuffer begin();
+  /// All that is recorded from here on sees what was written before, by shaders, copies and, when done, the host.
+  void barrier();
+  void submitAndWait();
+
+ private:
+  const Device& device_;
+  CommandPoolHandle pool_;
+  VkCommandBuffer commands_ = VK_NULL_HANDLE;
+  SemaphoreHandle done_;
+  uint64_t value_ = 0;
+};
+
+/// Copies to the beginning of a part of a buffer, whether the host sees it or not.
+void upload(const Device& device, const Buffer& buffer, size_t offset, std::span<const std::byte> bytes);
+
+}  // namespace gxy::vulkan

@@ -1,0 +1,251 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gxy/vulkan/vulkan_instance.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <charconv>
+#include <cstring>
+
+namespace gxy::vulkan {
+
+namespace {
+
+constexpr const char* kValidationLayer = "VK_LAYER_KHRONOS_validation";
+constexpr uint32_t kStorageBuffers = 15;  // of the three sets together
+
+std::string lower(std::string s) {
+  for (char& c : s) c = char(std::tolower(static_cast<unsigned char>(c)));
+  return s;
+}
+
+const char* kindName(VulkanDeviceInfo::Kind kind) {
+  switch (kind) {
+    case VulkanDeviceInfo::Kind::Discrete:
+      return "discrete GPU";
+    case VulkanDeviceInfo::Kind::Integrated:
+      return "integrated GPU";
+    case VulkanDeviceInfo::Kind::Virtual:
+      return "virtual GPU";
+    case VulkanDeviceInfo::Kind::Software:
+      return "software";
+    default:
+      return "other";
+  }
+}
+
+std::string listOf(const std::vector<VulkanDeviceInfo>& infos) {
+  std::string text;
+  for (size_t i = 0; i < infos.size(); i++)
+    text +=
+        (i ? ", " : "") + std::to_string(i) + " \"" + infos[i].name + "\" (" + kindName(infos[i].kind) + ")";
+  return text.empty() ? "none" : text;
+}
+
+std::string missingOf(const VulkanDeviceInfo& info) {
+  std::string text;
+  for (const std::string& m : info.missing) text += (text.empty() ? "" : ", ") + m;
+  return text;
+}
+
+}  // namespace
+
+void check(VkResult result, const std::string& what) {
+  if (result == VK_SUCCESS) return;
+  std::string why = "error " + std::to_string(int(result));
+  if (result == VK_ERROR_OUT_OF_DEVICE_MEMORY) why = "the device is out of memory";
+  if (result == VK_ERROR_OUT_OF_HOST_MEMORY) why = "out of memory";
+  if (result == VK_ERROR_DEVICE_LOST) why = "the device was lost";
+  if (result == VK_ERROR_INCOMPATIBLE_DRIVER) why = "no driver is installed";
+  if (result == VK_TIMEOUT) why = "it took too long";
+  throw Error("Vulkan: " + what + " failed: " + why);
+}
+
+Instance::Instance(bool validation) {
+  VkApplicationInfo application{};
+  application.sType = VK_STRUCTURE_TYPE_APPLICATION_INFO;
+  application.pApplicationName = "galaxy";
+  application.apiVersion = VK_API_VERSION_1_2;
+  VkInstanceCreateInfo info{};
+  info.sType = VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO;
+  info.pApplicationInfo = &application;
+
+  VkDebugUtilsMessengerCreateInfoEXT listen{};
+  listen.sType = VK_STRUCTURE_TYPE_DEBUG_UTILS_MESSENGER_CREATE_INFO_EXT;
+  listen.messageSeverity =
+      VK_DEBUG_UTILS_MESSAGE_SEVERITY_WARNING_BIT_EXT | VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT;
+  listen.messageType = VK_DEBUG_UTILS_MESSAGE_TYPE_VALIDATION_BIT_EXT;
+  listen.pfnUserCallback = hear;
+  listen.pUserData = this;
+  const VkValidationFeatureEnableEXT also = VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT;
+  VkValidationFeaturesEXT features{};
+  features.sType = VK_STRUCTURE_TYPE_VALIDATION_FEATURES_EXT;
+  features.pNext = &listen;
+  features.enabledValidationFeatureCount = 1;
+  features.pEnabledValidationFeatures = &also;
+  const char* extension = VK_EXT_DEBUG_UTILS_EXTENSION_NAME;
+  if (validation) {
+    info.pNext = &features;
+    info.enabledLayerCount = 1;
+    info.ppEnabledLayerNames = &kValidationLayer;
+    info.enabledExtensionCount = 1;
+    info.ppEnabledExtensionNames = &extension;
+  }
+  check(vkCreateInstance(&info, nullptr, &instance_),
+        validation ? "starting with the validation layer" : "starting");
+  if (validation) {
+    const auto create = reinterpret_cast<PFN_vkCreateDebugUtilsMessengerEXT>(
+        vkGetInstanceProcAddr(instance_, "vkCreateDebugUtilsMessengerEXT"));
+    check(create(instance_, &listen, nullptr, &messenger_), "listening to the validation layer");
+  }
+}
+
+Instance::~Instance() {
+  if (messenger_) {
+    const auto destroy = reinterpret_cast<PFN_vkDestroyDebugUtilsMessengerEXT>(
+        vkGetInstanceProcAddr(instance_, "vkDestroyDebugUtilsMessengerEXT"));
+    destroy(instance_, messenger_, nullptr);
+  }
+  if (instance_) vkDestroyInstance(instance_, nullptr);
+}
+
+VkBool32 VKAPI_PTR Instance::hear(VkDebugUtilsMessageSeverityFlagBitsEXT, VkDebugUtilsMessageTypeFlagsEXT,
+                                  const VkDebugUtilsMessengerCallbackDataEXT* data, void* instance) {
+  auto* self = static_cast<Instance*>(instance);
+  std::lock_guard lock(self->mutex_);
+  self->messages_.emplace_back(data->pMessage);
+  return VK_FALSE;
+}
+
+std::vector<std::string> Instance::messages() const {
+  std::lock_guard lock(mutex_);
+  return messages_;
+}
+
+std::vector<VkPhysicalDevice> Instance::devices() const {
+  uint32_t n = 0;
+  check(vkEnumeratePhysicalDevices(instance_, &n, nullptr), "listing devices");
+  std::vector<VkPhysicalDevice> devices(n);
+  if (n > 0) check(vkEnumeratePhysicalDevices(instance_, &n, devices.data()), "listing devices");
+  return devices;
+}
+
+Features::Features() {
+  v12.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES;
+  v10.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2;
+  v10.pNext = &v12;
+}
+
+int computeFamily(VkPhysicalDevice device) {
+  uint32_t n = 0;
+  vkGetPhysicalDeviceQueueFamilyProperties(device, &n, nullptr);
+  std::vector<VkQueueFamilyProperties> families(n);
+  vkGetPhysicalDeviceQueueFamilyProperties(device, &n, families.data());
+  int any = -1;
+  for (uint32_t i = 0; i < n; i++) {
+    if (!(families[i].queueFlags & VK_QUEUE_COMPUTE_BIT)) continue;
+    if (!(families[i].queueFlags & VK_QUEUE_GRAPHICS_BIT)) return int(i);
+    if (any < 0) any = int(i);
+  }
+  return any;
+}
+
+VulkanDeviceInfo infoOf(VkPhysicalDevice device) {
+  VulkanDeviceInfo info;
+  VkPhysicalDeviceDriverProperties driver{};
+  driver.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DRIVER_PROPERTIES;
+  VkPhysicalDeviceProperties2 properties{};
+  properties.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2;
+  VkPhysicalDeviceProperties& p = properties.properties;
+  vkGetPhysicalDeviceProperties(device, &p);
+  info.name = p.deviceName;
+  switch (p.deviceType) {
+    case VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU:
+      info.kind = VulkanDeviceInfo::Kind::Discrete;
+      break;
+    case VK_PHYSICAL_DEVICE_TYPE_INTEGRATED_GPU:
+      info.kind = VulkanDeviceInfo::Kind::Integrated;
+      break;
+    case VK_PHYSICAL_DEVICE_TYPE_VIRTUAL_GPU:
+      info.kind = VulkanDeviceInfo::Kind::Virtual;
+      break;
+    case VK_PHYSICAL_DEVICE_TYPE_CPU:
+      info.kind = VulkanDeviceInfo::Kind::Software;
+      break;
+    default:
+      break;
+  }
+  VkPhysicalDeviceMemoryProperties memory;
+  vkGetPhysicalDeviceMemoryProperties(device, &memory);
+  for (uint32_t i = 0; i < memory.memoryHeapCount; i++)
+    if (memory.memoryHeaps[i].flags & VK_MEMORY_HEAP_DEVICE_LOCAL_BIT)
+      info.memory = std::max<uint64_t>(info.memory, memory.memoryHeaps[i].size);
+  if (p.apiVersion < VK_API_VERSION_1_2) {
+    info.missing.push_back("Vulkan 1.2");
+    return info;
+  }
+  properties.pNext = &driver;
+  vkGetPhysicalDeviceProperties2(device, &properties);
+  info.driver = std::string(driver.driverName) + " " + driver.driverInfo;
+  Features has;
+  vkGetPhysicalDeviceFeatures2(device, &has.v10);
+  if (!has.v12.bufferDeviceAddress) info.missing.push_back("bufferDeviceAddress");
+  if (!has.v12.timelineSemaphore) info.missing.push_back("timelineSemaphore");
+  if (!has.v10.features.shaderFloat64) info.missing.push_back("shaderFloat64");
+  if (!has.v10.features.shaderInt64) info.missing.push_back("shaderInt64");
+  if (p.limits.maxPerStageDescriptorStorageBuffers < kStorageBuffers)
+    info.missing.push_back(std::to_string(kStorageBuffers) + " storage buffers in a shader");
+  if (computeFamily(device) < 0) info.missing.push_back("a compute queue");
+  return info;
+}
+
+VkPhysicalDevice chooseDevice(const Instance& instance, const VulkanOptions& options) {
+  const std::vector<VkPhysicalDevice> devices = instance.devices();
+  std::vector<VulkanDeviceInfo> infos;
+  for (VkPhysicalDevice d : devices) infos.push_back(infoOf(d));
+  std::vector<size_t> fit;
+  if (!options.device.empty()) {
+    size_t index = 0;
+    const char* end = options.device.data() + options.device.size();
+    const auto [rest, error] = std::from_chars(options.device.data(), end, index);
+    const bool isNumber = error == std::errc() && rest == end;
+    for (size_t i = 0; i < infos.size(); i++)
+      if (isNumber ? i == index : lower(infos[i].name).find(lower(options.device)) != std::string::npos)
+        fit.push_back(i);
+    if (fit.empty())
+      throw Error("there is no Vulkan device \"" + options.device + "\"; expected one of: " + listOf(infos));
+    if (!infos[fit[0]].missing.empty())
+      throw Error("Vulkan device \"" + infos[fit[0]].name + "\" lacks " + missingOf(infos[fit[0]]));
+  } else {
+    VulkanDeviceInfo::Kind best = VulkanDeviceInfo::Kind::Other;
+    for (size_t i = 0; i < infos.size(); i++) {
+      if (!infos[i].missing.empty() || infos[i].kind > best) continue;
+      if (infos[i].kind < best) fit.clear();
+      best = infos[i].kind;
+      fit.push_back(i);
+    }
+    if (fit.empty()) {
+      std::string why;
+      for (const VulkanDeviceInfo& i : infos) why += "; \"" + i.name + "\" lacks " + missingOf(i);
+      throw Error("there is no Vulkan device that can be used" + why);
+    }
+  }
+  return devices[fit[size_t(options.rankOnMachine) % fit.size()]];
+}
+
+}  // namespace gxy::vulkan
+
+namespace gxy {
+
+std::vector<VulkanDeviceInfo> vulkanDevices() {
+  std::vector<VulkanDeviceInfo> infos;
+  try {
+    const vulkan::Instance instance(false);
+    for (VkPhysicalDevice d : instance.devices()) infos.push_back(vulkan::infoOf(d));
+  } catch (const Error&) {
+    // no loader, or no driver: no devices
+  }
+  return infos;
+}
+
+}  // namespace gxy

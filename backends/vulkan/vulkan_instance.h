@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+// The Vulkan loader's instance, and what its devices can do.
+#pragma once
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "gxy/vulkan/vulkan_backend.h"
+#include "gxy/vulkan/vulkan_handle.h"
+
+namespace gxy::vulkan {
+
+/// Without a window system. With `validation` it keeps what the layers say.
+class Instance {
+ public:
+  /// Throws Error where there is no Vulkan 1.2, or no validation layer though asked for.
+  explicit Instance(bool validation);
+  ~Instance();
+  Instance(const Instance&) = delete;
+  Instance& operator=(const Instance&) = delete;
+
+  VkInstance get() const { return instance_; }
+  std::vector<VkPhysicalDevice> devices() const;
+  std::vector<std::string> messages() const;
+
+ private:
+  static VkBool32 VKAPI_PTR hear(VkDebugUtilsMessageSeverityFlagBitsEXT severity,
+                                 VkDebugUtilsMessageTypeFlagsEXT type,
+                                 const VkDebugUtilsMessengerCallbackDataEXT* data, void* instance);
+
+  mutable std::mutex mutex_;
+  std::vector<std::string> messages_;
+  VkInstance instance_ = VK_NULL_HANDLE;
+  VkDebugUtilsMessengerEXT messenger_ = VK_NULL_HANDLE;
+};
+
+VulkanDeviceInfo infoOf(VkPhysicalDevice device);
+
+/// The queue family that this backend uses: compute, if possible without graphics; -1 if there is none.
+int computeFamily(VkPhysicalDevice device);
+
+/// The device that the options ask for. Throws Error naming those there are.
+VkPhysicalDevice chooseDevice(const Instance& instance, const VulkanOptions& options);
+
+/// The Vulkan 1.2 features that the backend uses, as a chain to ask for or to be filled in.
+struct Features {
+  VkPhysicalDeviceVulkan12Features v12{};
+  VkPhysicalDeviceFeatures2 v10{};
+  Features();
+  Features(const Features&) = delete;
+  Features& operator=(const Features&) = delete;
+};
+
+}  // namespace gxy::vulkan

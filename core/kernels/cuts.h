@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a ray meets in a volume: its slices, its isosurfaces, and what it emits and absorbs, within its clip planes.
+
+// The ray in a volume and its clip planes.
+FN VolumeRay clippedRay(VOLUME v, vec3 o, vec3 d) {
+  real clip0, clip1;
+  clipInterval(v, o, d, clip0, clip1);
+  return volumeRay(v, o, d, clip0, clip1);
+}
+
+// The t at which the ray crosses the plane n . p = offset where the volume has data; NO_HIT if not in [tIn, tOut), or not
+// behind tLast.
+FN real hitSlice(VOLUME v, VolumeRay ray, vec3 o, vec3 d, vec3 n, real offset, real tIn, real tOut,
+                 real tLast) {
+  real along = dot3(n, d);
+  real t = (offset - dot3(n, o)) / along;
+  real hit = NO_HIT;
+  if (abs(along) > R(1e-20) && t >= tIn && t < tOut && t > tLast && t >= ray.t0 && t <= ray.t1) {
+    real value = sampleAt(v, pointAt(ray.g, t));
+    if (value - value == R(0.0)) hit = t;
+  }
+  return hit;
+}
+
+// The first isosurface at t in [tIn, tOut), behind tLast, and not behind tHit.
+FN IsoHit hitIsosurface(VOLUME v, vec3 o, vec3 d, real tIn, real tOut, real tLast, real tHit, IsoStart start,
+                        INOUT(int) cells, INOUT(int) skipped) {
+  real clip0, clip1;
+  clipInterval(v, o, d, clip0, clip1);
+  VolumeRay ray = volumeRay(v, o, d, R(0.0), R(1e30));
+  // a hit on the clip plane itself is kept: the interval is closed there
+  real to = min(min(tOut, tHit * R(1.0000005)), asReal(asUint(max(clip1, R(0.0))) + 1u));
+  IsoHit hit = firstIsosurface(v, ray, max(tIn, clip0), to, tLast, start, cells, skipped);
+  if (!(hit.t < tOut)) hit.t = NO_HIT;
+  return hit;
+}

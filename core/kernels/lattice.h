@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: Apache-2.0
+// From partition to partition.
+
+// The lattice cell of one axis, of `cells`, at t. A ray that crosses a face exactly at t is behind it; one that runs in a
+// face is in the upper cell.
+FN int latticeCell(SCENE s, UNIFORM int axis, UNIFORM int cells, real t, real o, real d) {
+  int i = 0;
+  if (parallelTo(d)) {
+    while (i < cells - 1 && o >= latticeFace(s, axis, i + 1)) i += 1;
+  } else if (d > R(0.0)) {
+    while (i < cells - 1 && faceCrossing(o, d, latticeFace(s, axis, i + 1)) <= t) i += 1;
+  } else {
+    i = cells - 1;
+    while (i > 0 && faceCrossing(o, d, latticeFace(s, axis, i)) <= t) i -= 1;
+  }
+  return i;
+}
+
+// The first partition at or after t that may change the ray, and moves t to where it begins; END_DONE if there is none
+// before tEnd.
+FN int nextPartition(SCENE s, vec3 o, vec3 d, INOUT(real) t, real tEnd) {
+  int next = END_DONE;
+  bool go = t < tEnd;
+  while (go) {
+    int x = latticeCell(s, 0, s.cellsX, t, o.x, d.x);
+    int y = latticeCell(s, 1, s.cellsY, t, o.y, d.y);
+    int z = latticeCell(s, 2, s.cellsZ, t, o.z, d.z);
+    int p = partitionOf(s, (z * s.cellsY + y) * s.cellsX + x);
+    if (isVisible(s, p)) {
+      next = p;
+      go = false;
+    } else {
+      real fx = faceAfter(o.x, d.x, latticeFace(s, 0, d.x > R(0.0) ? x + 1 : x));
+      real fy = faceAfter(o.y, d.y, latticeFace(s, 1, d.y > R(0.0) ? y + 1 : y));
+      real fz = faceAfter(o.z, d.z, latticeFace(s, 2, d.z > R(0.0) ? z + 1 : z));
+      t = min(min(fx, fy), fz);
+      go = t < tEnd;
+    }
+  }
+  return next;
+}
+
+// Where the ray leaves the visible domain.
+FN real domainExit(SCENE s, vec3 o, vec3 d) {
+  real t0, t1;
+  boxSpan(make_v3(s.domainLoX, s.domainLoY, s.domainLoZ), make_v3(s.domainHiX, s.domainHiY, s.domainHiZ), o,
+          d, R(0.0), R(1e30), t0, t1);
+  return t1;
+}
+
+// Where the ray enters and leaves the partition.
+FN void partitionSpan(SCENE s, vec3 o, vec3 d, OUT(real) tIn, OUT(real) tOut) {
+  bool right = d.x > R(0.0), up = d.y > R(0.0), on = d.z > R(0.0);
+  real ax = faceBefore(o.x, d.x, right ? s.boxLoX : s.boxHiX);
+  real ay = faceBefore(o.y, d.y, up ? s.boxLoY : s.boxHiY);
+  real az = faceBefore(o.z, d.z, on ? s.boxLoZ : s.boxHiZ);
+  real bx = faceAfter(o.x, d.x, right ? s.boxHiX : s.boxLoX);
+  real by = faceAfter(o.y, d.y, up ? s.boxHiY : s.boxLoY);
+  real bz = faceAfter(o.z, d.z, on ? s.boxHiZ : s.boxLoZ);
+  tIn = max(max(ax, ay), max(az, R(0.0)));
+  tOut = min(min(bx, by), bz);
+}
+
+// Where the next partition begins in which anything is seen (volume.h's tOwn); NO_HIT if there is none.
+FN real nextBegin(SCENE s, vec3 o, vec3 d, real tOut, real tEnd) {
+  real t = tOut;
+  return nextPartition(s, o, d, t, tEnd) == END_DONE ? NO_HIT : t;
+}
+
+// Where a ray that begins at t = 0 begins.
+FN int firstPartition(SCENE s, vec3 o, vec3 d, real tEnd) {
+  real t = R(0.0);
+  return nextPartition(s, o, d, t, tEnd);
+}

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+// What rays give to pixels: light as if nothing blocked it, and secondary rays that take away what is blocked (subtractive
+// lighting; paper, section 4.4). Shares are quantised once, so what a ray takes away is exactly what was given.
+
+FN int units(real x) { return toInt(floor(min(x, R(31.0)) * CONTRIBUTION_ONE + R(0.5))); }
+
+// What one light (q < f.lights) or one ambient-occlusion ray (the others; one share for all if there are none) gives.
+struct Share {
+  int r, g, b;
+  bool wanted;  // a secondary ray has to look whether it is blocked
+  vec3 toward;  // its direction
+  real reach;
+};
+
+FN Share shareOf(SCENE s, FRAME f, UNIFORM int q, Surface surface, vec3 from, vec3 toEye, vec3 color,
+                 real weight, uint pixel, uint sampleIndex) {
+  Share share;
+  share.toward = surface.normal;
+  share.reach = NO_HIT;
+  if (q < f.lights) {
+    vec3 light = make_v3(lightValue(f, 4 * q + 1), lightValue(f, 4 * q + 2), lightValue(f, 4 * q + 3));
+    if (lightValue(f, 4 * q) == R(0.0)) {  // LIGHT_DIRECTIONAL
+      share.toward = make_v3(-light.x, -light.y, -light.z);
+    } else {
+      vec3 l = make_v3(light.x - from.x, light.y - from.y, light.z - from.z);
+      real distance1 = sqrt(dot3(l, l));
+      real inverse1 = distance1 > R(0.0) ? R(1.0) / distance1 : R(0.0);
+      share.toward = make_v3(l.x * inverse1, l.y * inverse1, l.z * inverse1);
+      share.reach = distance1;
+    }
+    real diffuse = s.diffuse * lambert(surface.normal, share.toward) * weight;
+    real specular = R(0.0);
+    if (s.specular > R(0.0))
+      specular = s.specular * phong(surface.normal, share.toward, toEye, s.shininess) * weight;
+    share.r = units(diffuse * color.x + specular);
+    share.g = units(diffuse * color.y + specular);
+    share.b = units(diffuse * color.z + specular);
+    // a light behind the surface makes no ray
+    share.wanted = s.shadows != 0 && (share.r | share.g | share.b) != 0;
+  } else {
+    real ambient = s.ambient * weight;
+    if (s.occlusionRays > 0) ambient = ambient / toReal(s.occlusionRays);
+    share.r = units(ambient * color.x);
+    share.g = units(ambient * color.y);
+    share.b = units(ambient * color.z);
+    share.wanted = s.occlusionRays > 0 && (share.r | share.g | share.b) != 0;
+    if (share.wanted)
+      share.toward = occlusionDirection(surface.normal, pixel, sampleIndex, f.frame, toUint(q - f.lights),
+                                        toUint(s.occlusionRays));
+    share.reach = s.occlusionRadius;
+  }
+  return share;
+}
+
+// What a secondary whose opacity is A takes away of a share. Below tMin it takes all, as if it had met an opaque surface:
+// whether one lies behind is known or not, as the partitions fall.
+FN int lossOf(int share, real A, real tMin) {
+  int part = toInt(toReal(share) * A);
+  int loss = min(part, share);
+  return R(1.0) - A < tMin || A == R(1.0) ? share : loss;
+}
+
+// The opacity behind a surface.
+FN real opacityBehind(real A, real opacity) {
+  return opacity >= R(1.0) ? R(1.0) : A + (R(1.0) - A) * opacity;
+}

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+// A segment of a path line as part of one body: what lies inside the segment before or after is no surface.
+
+// A round cone and the points at the far ends of its neighbours.
+struct Tube {
+  vec3 a, b, before, after;
+  real radiusA, radiusB, radiusBefore, radiusAfter;
+  bool hasBefore, hasAfter;
+};
+
+struct TubeHit {
+  real t, axial;  // axial: 0 at a, 1 at b
+  vec3 normal;    // unit, outwards
+};
+
+FN vec3 difference(vec3 a, vec3 b) { return make_v3(a.x - b.x, a.y - b.y, a.z - b.z); }
+
+// How deep p lies inside the round cone from a ball of radius `radius` at 0 to one of radius `farRadius` at `far`; x: the
+// place of the ball between them that is nearest, as a length from 0, not clamped (infinite where one holds the other).
+FN real depthInCone(vec3 p, vec3 far, real radius, real farRadius, OUT(real) x) {
+  real size = sqrt(dot3(far, far)), change = radius - farRadius;
+  bool nested = size <= abs(change);
+  real perSize = nested ? R(0.0) : R(1.0) / size;
+  real slope = change * perSize;
+  vec3 u = make_v3(far.x * perSize, far.y * perSize, far.z * perSize);
+  real y = dot3(p, u);
+  vec3 across = make_v3(p.x - y * u.x, p.y - y * u.y, p.z - y * u.z);
+  x = y - sqrt(dot3(across, across)) * slope / sqrt((R(1.0) - slope) * (R(1.0) + slope));
+  if (nested) x = change >= R(0.0) ? -NO_HIT : NO_HIT;
+  real at = nested ? (change >= R(0.0) ? R(0.0) : R(1.0)) : clamp1(x * perSize, R(0.0), R(1.0));
+  vec3 c = make_v3(p.x - at * far.x, p.y - at * far.y, p.z - at * far.z);
+  return radius - at * change - sqrt(dot3(c, c));
+}
+
+// The hit's position relative to a.
+FN vec3 tubePoint(Tube s, TubeHit h) {
+  real radius = s.radiusA + h.axial * (s.radiusB - s.radiusA);
+  vec3 ab = difference(s.b, s.a);
+  return make_v3(h.axial * ab.x + radius * h.normal.x, h.axial * ab.y + radius * h.normal.y,
+                 h.axial * ab.z + radius * h.normal.z);
+}
+
+// The ball at a joint is on both segments: it is a surface of the first of them, up to where the second's cone begins.
+FN bool insideNeighbour(Tube s, TubeHit h) {
+  bool inside = false;
+  real slack = R(1e-5) * max(s.radiusA, s.radiusB), x;
+  vec3 p = tubePoint(s, h);
+  if (s.hasBefore) {
+    real depth = depthInCone(p, difference(s.before, s.a), s.radiusA, s.radiusBefore, x);
+    inside = h.axial <= R(0.0) || depth > slack;
+  }
+  if (s.hasAfter) {
+    real depth = depthInCone(difference(p, difference(s.b, s.a)), difference(s.after, s.b), s.radiusB,
+                             s.radiusAfter, x);
+    inside = inside || (h.axial >= R(1.0) ? x > R(0.0) : depth > slack);
+  }
+  return inside;
+}
+
+// The first surface of the line with t > after on this segment.
+FN bool hitTube(Tube s, vec3 o, vec3 d, real after, OUT(TubeHit) h) {
+  bool hit = hitRoundCone(o, d, s.a, s.b, s.radiusA, s.radiusB, after, h.t, h.normal, h.axial);
+  if (hit && (s.hasBefore || s.hasAfter)) {
+    if (insideNeighbour(s, h)) {
+      real entry = h.t;
+      hit = hitRoundCone(o, d, s.a, s.b, s.radiusA, s.radiusB, entry, h.t, h.normal, h.axial);
+      if (hit) hit = !insideNeighbour(s, h);
+    }
+  }
+  return hit;
+}

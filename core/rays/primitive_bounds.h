@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+// The box of a primitive, for hierarchies that find candidates.
+#pragma once
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+
+namespace gxy {
+
+struct PrimitiveBounds {
+  float lo[3], hi[3];
+};
+
+/// Of primitive `i` with 1 (a sphere), 2 (a tube) or 3 (a triangle) corners; `points` are x y z radius, `indices` are not
+/// read for spheres. Wide enough that no candidate is lost to rounding in a traversal in float.
+inline PrimitiveBounds primitiveBounds(int corners, const float* points, const uint32_t* indices, size_t i) {
+  constexpr float kSlack = 2e-6f, kInfinity = std::numeric_limits<float>::infinity();
+  PrimitiveBounds b{{kInfinity, kInfinity, kInfinity}, {-kInfinity, -kInfinity, -kInfinity}};
+  for (int c = 0; c < corners; c++) {
+    const float* p = points + 4 * (corners == 1 ? i : size_t(indices[size_t(corners) * i + size_t(c)]));
+    const float r = std::max(p[3], 0.f);
+    for (int k = 0; k < 3; k++) {
+      b.lo[k] = std::min(b.lo[k], p[k] - r);
+      b.hi[k] = std::max(b.hi[k], p[k] + r);
+    }
+  }
+  float largest = 0;
+  for (int k = 0; k < 3; k++) largest = std::max({largest, std::abs(b.lo[k]), std::abs(b.hi[k])});
+  for (int k = 0; k < 3; k++) b.lo[k] -= largest * kSlack, b.hi[k] += largest * kSlack;
+  return b;
+}
+
+}  // namespace gxy

@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
+#version 450
+#extension GL_GOOGLE_include_directive : require
+// Where each ray enters and leaves this partition; no hit yet.
+#include "kernels.glsl"
+#include "rays.glsl"
+
+void main() {
+  if (!hasRay()) return;
+  SceneView s = theScene;
+  vec3 o = rayOrigin(), d = rayDirection();
+  float tIn, tOut;
+  partitionSpan(s, o, d, tIn, tOut);
+  RAY(tIn) = tIn;
+  RAY(tOut) = tOut;
+  RAY(tEnd) = min(domainExit(s, o, d), RAY(tMax));
+  RAY(tHit) = NO_HIT;
+  RAY(hitKind) = HIT_NONE;
+}

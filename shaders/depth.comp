@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+#version 450
+#extension GL_GOOGLE_include_directive : require
+// How far from the eye, in render space, the centre rays of pixels first hit a surface.
+#include "kernels.glsl"
+#include "rays.glsl"
+
+void main() {
+  if (!hasRay()) return;
+  if (RAY(hitKind) == HIT_NONE || RAY_SAMPLE(RAY(info)) != 0u || !(RAY(tLast) < 0.0)) return;
+  FrameView f = theFrame;
+  uint pixel = RAY(pixel);
+  vec3 o, d;
+  double tEnter;
+  cameraRay(f, int(pixel % uint(f.width)), int(pixel / uint(f.width)), 0, o, d, tEnter);
+  uvec2 distance1 = unpackDouble2x32(tEnter + double(RAY(tHit)));
+  uint at = DEPTH_WORDS * atomicAdd(counts[COUNT_DEPTHS], 1u);
+  depths[at] = pixel;
+  depths[at + 1u] = distance1.x;
+  depths[at + 2u] = distance1.y;
+}

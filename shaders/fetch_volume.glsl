@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: Apache-2.0
+// How GLSL reads a VolumeView (core/kernels/volume_view.h): its arrays are places in the scene's tables and samples.
+
+// What grid.h's locateCell gives, without loops, which software devices run masked in every round of a march and count
+// (countIfCut): inside the grid its estimate is off by one at most.
+#undef locateCell
+int locateCell(real t, real po, real pd, real rpd, int n) {
+  int i = toInt(clamp1(floor(po + t * pd), 0.0, toReal(n - 1)));
+  bool backward = rpd < 0.0;
+  real below = planeCrossing(i, po, rpd), above = planeCrossing(i + 1, po, rpd);
+  bool down = backward ? below <= t : below > t, up = backward ? above > t : above <= t;
+  if (up && i < n - 1)
+    i += 1;
+  else if (down && i > 0)
+    i -= 1;
+  return i;
+}
+
+int planAt(VOLUME v, int index) { return int(tableWord(v.plan + uint(index))); }
+bool someByCells(VOLUME v) { return BY_CELLS && v.byCells != 0; }
+int isoWord(VOLUME v, int index) { return int(tableWord(v.isoPlan + uint(index))); }
+real isovalueAt(VOLUME v, int i) { return tableReal(v.isovalue + uint(i)); }
+real clipValue(VOLUME v, int i) { return tableReal(v.clip + uint(i)); }
+bool holdsSamples(VOLUME v) { return v.samples != 0u; }
+
+int mapBucket(VOLUME v, int i) { return int(tableWord(v.buckets + uint(i))); }
+real mapNode(VOLUME v, int k) { return tableReal(v.nodes + uint(k)); }
+real mapInverseLength(VOLUME v, int k) { return tableReal(v.lengths + uint(k)); }
+MapPiece mapPiece(VOLUME v, int k) {
+  uint p = v.pieces + 8u * uint(k);
+  MapPiece m;
+  m.sigma = tableReal(p);
+  m.sigmaStep = tableReal(p + 1u);
+  m.color = vec3(tableReal(p + 2u), tableReal(p + 4u), tableReal(p + 6u));
+  m.colorStep = vec3(tableReal(p + 3u), tableReal(p + 5u), tableReal(p + 7u));
+  return m;
+}
+// Without a loop, of which Mesa's software device allows few (countIfCut).
+int mapNodesUpTo(VOLUME v, real s) {
+  int k = s >= mapNode(v, 8) ? 8 : 0;
+  k += s >= mapNode(v, k + 4) ? 4 : 0;
+  k += s >= mapNode(v, k + 2) ? 2 : 0;
+  return k + (s >= mapNode(v, k + 1) ? 1 : 0);
+}
+int mapOpaque(VOLUME v, int k) { return int(tableWord(v.opaque + uint(k))); }
+real mapSumSigma(VOLUME v, int k) { return tableReal(v.sums + 4u * uint(k)); }
+vec3 mapSumColor(VOLUME v, int k) {
+  uint p = v.sums + 4u * uint(k);
+  return vec3(tableReal(p + 1u), tableReal(p + 2u), tableReal(p + 3u));
+}
+
+int sampleKindOf(VOLUME v) { return SAMPLE_KIND >= 0 ? SAMPLE_KIND : v.kind; }
+
+// Number i of the block, whatever its type.
+real storedAt(VOLUME v, uint i) {
+  real value;
+  if (sampleKindOf(v) == SAMPLE_F32) {
+    value = uintBitsToFloat(sampleWord(v.samples, i));
+  } else if (sampleKindOf(v) <= SAMPLE_I8) {
+    uint word = sampleWord(v.samples, i >> 2);
+    int at = int(uint(i) & 3u) * 8;
+    float natural = float(bitfieldExtract(word, at, 8)), signed8 = float(bitfieldExtract(int(word), at, 8));
+    value = sampleKindOf(v) == SAMPLE_U8 ? natural : signed8;
+  } else {
+    uint word = sampleWord(v.samples, i >> 1);
+    int at = int(uint(i) & 1u) * 16;
+    float natural = float(bitfieldExtract(word, at, 16)), signed16 = float(bitfieldExtract(int(word), at, 16));
+    value = sampleKindOf(v) == SAMPLE_U16 ? natural : signed16;
+  }
+  return value;
+}
+
+// The scalar of point i of the block.
+real scalarAt(VOLUME v, uint i) {
+  real value;
+  if (SCALARS) {
+    value = storedAt(v, i);
+  } else if (v.component >= 0) {
+    value = storedAt(v, i * uint(v.stride) + uint(v.component));
+  } else {
+    real s = 0.0;
+    for (int c = 0; c < v.stride; c++) {
+      real x = storedAt(v, i * uint(v.stride) + uint(c));
+      s += x * x;
+    }
+    value = sqrt(s);
+  }
+  return value;
+}
+
+uint pointIndex(VOLUME v, ivec3 p) {
+  uint row = uint(p.z - v.firstZ) * uint(v.ny) + uint(p.y - v.firstY);
+  return row * uint(v.nx) + uint(p.x - v.firstX);
+}
+
+// The value at a grid point that the block holds.
+real pointValue(VOLUME v, ivec3 p) { return scalarAt(v, pointIndex(v, p)); }
+
+// The eight corner values of a cell that the block holds.
+Corners cellCorners(VOLUME v, ivec3 c) {
+  uint b = pointIndex(v, c), row = uint(v.nx), slice = row * uint(v.ny);
+  uint one = 1u;
+  Corners k;
+  k.v000 = scalarAt(v, b);
+  k.v100 = scalarAt(v, b + one);
+  k.v010 = scalarAt(v, b + row);
+  k.v110 = scalarAt(v, b + row + one);
+  k.v001 = scalarAt(v, b + slice);
+  k.v101 = scalarAt(v, b + slice + one);
+  k.v011 = scalarAt(v, b + slice + row);
+  k.v111 = scalarAt(v, b + slice + row + one);
+  return k;
+}

@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: Apache-2.0
+#version 450
+#extension GL_GOOGLE_include_directive : require
+// The nearest surface of geometry: a hierarchy of boxes finds candidates, the leaf tests of core/kernels decide, and ties
+// go to the lowest (operator, primitive), so that the order in which they are found does not show. With ANY_HIT, rays
+// that meet one just become opaque.
+#include "kernels.glsl"
+#include "rays.glsl"
+
+bool hitPrimitive(OperatorView op, uint p, vec3 o, vec3 d, float after, out float t) {
+  bool hit = false;
+  t = NO_HIT;
+  if ((SURFACES & SURFACE_PARTICLES) != 0 && op.kind == KIND_PARTICLES) {
+    vec3 normal;
+    hit = hitSphere(o, d, pointOf(op, p), radiusOf(op, p), after, t, normal);
+  }
+  if ((SURFACES & SURFACE_PATHLINES) != 0 && op.kind == KIND_PATHLINES) {
+    TubeHit h;
+    hit = hitTube(tubeOf(op, p), o, d, after, h);
+    t = h.t;
+  }
+  if ((SURFACES & SURFACE_TRIANGLES) != 0 && op.kind == KIND_TRIANGLES) {
+    float wb, wc;
+    uint i = cornerOf(op, 3u * p), j = cornerOf(op, 3u * p + 1u), k = cornerOf(op, 3u * p + 2u);
+    hit = hitTriangle(o, d, pointOf(op, i), pointOf(op, j), pointOf(op, k), after, t, wb, wc);
+  }
+  return hit;
+}
+
+void main() {
+  if (!hasRay()) return;
+  vec3 o = rayOrigin(), d = rayDirection();
+  float tOut = min(min(RAY(tOut), RAY(tEnd)), NO_HIT);
+  float bound = strictBound(RAY(tIn), RAY(tLast));
+  float nearest = tOut;
+  int hitOperator = -1;
+  uint hitPrimitiveId = 0u;
+  uint list = geometryWord(theScene.hierarchy), nodes = theScene.hierarchy + 1u;
+  uint stack[STACK_ENTRIES];
+  int depth = 0;
+  uint node = 0u;
+  bool go = true;
+  while (go) {
+    uint at = nodes + NODE_WORDS * node;
+    for (uint k = 0u; k < 4u; k++) {
+      uint child = geometryWord(at + 24u + k);
+      if (child == NODE_NONE) continue;
+      vec3 lo = vec3(geometryReal(at + k), geometryReal(at + 4u + k), geometryReal(at + 8u + k));
+      vec3 hi = vec3(geometryReal(at + 12u + k), geometryReal(at + 16u + k), geometryReal(at + 20u + k));
+      float tEnter, tExit;
+      if (boxSpan(lo, hi, o, d, 0.0, nearest, tEnter, tExit)) stack[depth++] = child;
+    }
+    // leaves are emptied here, so that the loop goes on with a node or ends
+    bool descend = false;
+    while (!descend && depth > 0) {
+      uint child = stack[--depth];
+      if ((child & NODE_LEAF) == 0u) {
+        node = child;
+        descend = true;
+      } else {
+        uint first = child & NODE_FIRST, count = ((child >> NODE_COUNT_SHIFT) & 7u) + 1u;
+        for (uint k = first; k < first + count; k++) {
+          int op = int(geometryWord(list + 2u * k));
+          uint p = geometryWord(list + 2u * k + 1u);
+          VolumeView field = fields[op];
+          float clip0, clip1, t;
+          clipInterval(field, o, d, clip0, clip1);
+          bool hit = hitPrimitive(operators[op], p, o, d, boundBehind(field, bound, clip0), t);
+          if (hit && t <= nearest && t <= clip1) {
+            bool before = hitOperator >= 0 && (op < hitOperator || (op == hitOperator && p < hitPrimitiveId));
+            if (t < nearest || before) {
+              nearest = t;
+              hitOperator = op;
+              hitPrimitiveId = p;
+            }
+          }
+        }
+        if (ANY_HIT && hitOperator >= 0) depth = 0;
+      }
+    }
+    go = descend;
+  }
+  if (hitOperator >= 0) {
+    if (ANY_HIT) {
+      RAY(A) = 1.0;
+    } else {
+      RAY(tHit) = nearest;
+      RAY(hitKind) = HIT_GEOMETRY;
+      RAY(hitOperator) = hitOperator;
+      RAY(hitPrimitive) = hitPrimitiveId;
+    }
+  }
+  countIfCut();
+}

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+#version 450
+#extension GL_GOOGLE_include_directive : require
+// Emission and absorption through the one volume that a scene renders.
+#include "kernels.glsl"
+#include "rays.glsl"
+
+void main() {
+  if (!hasRay()) return;
+  VolumeView v = fields[push[PUSH_OPERATOR]];
+  SceneView s = theScene;
+  vec3 o = rayOrigin(), d = rayDirection();
+  MarchRange m = marchRange();
+  m.tOwn = nextBegin(s, o, d, m.tOut, RAY(tEnd));
+  MarchCount count;
+  count.samples = 0;
+  count.macrocells = 0;
+  count.skipped = 0;
+  Radiance L = rayRadiance();
+  float begun = RAY(tBegun);
+  integrateVolume(v, clippedRay(v, o, d), m, begun, L, count);
+  RAY(tBegun) = begun;
+  setRadiance(L);
+  atomicAdd(counts[COUNT_SAMPLES], uint(count.samples));
+  atomicAdd(counts[COUNT_MACROCELLS], uint(count.macrocells));
+  atomicAdd(counts[COUNT_SKIPPED], uint(count.skipped));
+  countIfCut();
+}

@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: Apache-2.0
+#version 450
+#extension GL_GOOGLE_include_directive : require
+// Emission and absorption through several volumes at once.
+#include "kernels.glsl"
+#include "rays.glsl"
+
+void main() {
+  if (!hasRay()) return;
+  SceneView s = theScene;
+  int taken = 0;
+  Radiance L = rayRadiance();
+  integrateMany(s, uint(push[PUSH_OPERATOR]), push[PUSH_COUNT], rayOrigin(), rayDirection(), marchRange(), L, taken);
+  setRadiance(L);
+  atomicAdd(counts[COUNT_SAMPLES], uint(taken));
+  countIfCut();
+}

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+#version 450
+#extension GL_GOOGLE_include_directive : require
+// The nearest isosurface of one operator.
+#include "kernels.glsl"
+#include "rays.glsl"
+
+void main() {
+  if (!hasRay()) return;
+  int op = push[PUSH_OPERATOR];
+  VolumeView v = fields[op];
+  IsoStart start;
+  start.index = -1;
+  start.from = 0;
+  if (RAY_START(RAY(info)) == START_ISOSURFACE && int(RAY(start) >> 16) == op) {
+    start.index = int(RAY(start) & 0xffffu);
+    start.from = RAY_SIDE(RAY(info)) != 0 ? 1 : -1;
+  }
+  int cells = 0, skipped = 0;
+  IsoHit hit = hitIsosurface(v, rayOrigin(), rayDirection(), RAY(tIn), min(RAY(tOut), RAY(tEnd)), RAY(tLast), RAY(tHit),
+                             start, cells, skipped);
+  if (hit.t < NO_HIT) takeHit(hit.t, HIT_ISOSURFACE, op, uint(hit.index));
+  atomicAdd(counts[COUNT_CELLS], uint(cells));
+  atomicAdd(counts[COUNT_ISO_SKIPPED], uint(skipped));
+  countIfCut();
+}

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+// What every stage starts with: core/kernels, and the buffers that it reads.
+#extension GL_EXT_buffer_reference2 : require
+#extension GL_EXT_shader_explicit_arithmetic_types_int64 : require
+#define GXY_GLSL
+#include "layout.h"
+#include "dialect.h"
+#include "all.h"
+#include "ray_fields.h"
+
+layout(local_size_x = BLOCK_RAYS) in;
+
+layout(constant_id = SPEC_ADDRESSED) const int ADDRESSED = 0;
+layout(constant_id = SPEC_SAMPLE_KIND) const int SAMPLE_KIND = -1;
+layout(constant_id = SPEC_SCALARS) const bool SCALARS = false;
+layout(constant_id = SPEC_SURFACES) const int SURFACES = 15;
+layout(constant_id = SPEC_ANY_HIT) const bool ANY_HIT = false;
+
+layout(constant_id = SPEC_BY_CELLS) const bool BY_CELLS = true;
+
+layout(push_constant) uniform Push { int push[PUSH_WORDS]; };
+
+// Words of the scene, from a binding or by address.
+layout(std430, set = SCENE_SET, binding = TABLES_BINDING) readonly buffer Tables { uint tables[]; };
+layout(std430, set = SCENE_SET, binding = SAMPLES_BINDING) readonly buffer Samples { uint samples[]; };
+layout(std430, set = SCENE_SET, binding = GEOMETRY_BINDING) readonly buffer Geometry { uint geometry[]; };
+layout(std430, set = SCENE_SET, binding = ADDRESSES_BINDING) readonly buffer Addresses {
+  uint64_t tablesAddress, samplesAddress, geometryAddress;
+};
+layout(buffer_reference, std430, buffer_reference_align = 4) readonly buffer Words { uint word[]; };
+
+uint tableWord(uint i) {
+  uint value;
+  if ((ADDRESSED & ADDRESSED_TABLES) != 0)
+    value = Words(tablesAddress).word[i];
+  else
+    value = tables[i];
+  return value;
+}
+float tableReal(uint i) { return uintBitsToFloat(tableWord(i)); }
+// Word i of the samples that begin at `place`, in units of 16 bytes.
+uint sampleWord(uint place, uint i) {
+  uint value;
+  if ((ADDRESSED & ADDRESSED_SAMPLES) != 0)
+    value = Words(samplesAddress + 16ul * uint64_t(place)).word[i];
+  else
+    value = samples[4u * place + i];
+  return value;
+}
+uint geometryWord(uint i) {
+  uint value;
+  if ((ADDRESSED & ADDRESSED_GEOMETRY) != 0)
+    value = Words(geometryAddress).word[i];
+  else
+    value = geometry[i];
+  return value;
+}
+float geometryReal(uint i) { return uintBitsToFloat(geometryWord(i)); }
+
+#define locateCell locateCellByLoops  // grid.h's; fetch_volume.glsl has one that every lane can afford
+#include "fields.h"
+#include "scene.h"

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
+#version 450
+#extension GL_GOOGLE_include_directive : require
+// Origin and direction of primaries that came over the wire.
+#include "kernels.glsl"
+#include "rays.glsl"
+
+void main() {
+  if (!hasRay()) return;
+  FrameView f = theFrame;
+  uint pixel = RAY(pixel);
+  vec3 o, d;
+  double tEnter;
+  cameraRay(f, int(pixel % uint(f.width)), int(pixel / uint(f.width)), int(RAY_SAMPLE(RAY(info))), o, d, tEnter);
+  RAY(ox) = o.x;
+  RAY(oy) = o.y;
+  RAY(oz) = o.z;
+  RAY(dx) = d.x;
+  RAY(dy) = d.y;
+  RAY(dz) = d.z;
+  RAY(tMax) = NO_HIT;
+}

@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: Apache-2.0
+#version 450
+#extension GL_GOOGLE_include_directive : require
+// What the hits of primaries mean for the picture: what they give to their pixels, and the secondary rays that take away
+// what is blocked, each with the partition that it starts in.
+#include "kernels.glsl"
+#include "rays.glsl"
+
+Surface surfaceHit(int op, VolumeView v, vec3 o, vec3 d) {
+  OperatorView view = operators[op];
+  uint p = RAY(hitPrimitive);
+  float clip0, clip1;
+  clipInterval(v, o, d, clip0, clip1);
+  float after = boundBehind(v, strictBound(RAY(tIn), RAY(tLast)), clip0);
+  Surface surface;
+  if ((SURFACES & SURFACE_FIELDS) != 0 && view.kind == KIND_VOLUME)
+    surface = fieldSurface(view, v, RAY(hitKind), p, o, d, RAY(tHit));
+  if ((SURFACES & SURFACE_PARTICLES) != 0 && view.kind == KIND_PARTICLES) surface = sphereSurface(view, p, o, d, after);
+  if ((SURFACES & SURFACE_PATHLINES) != 0 && view.kind == KIND_PATHLINES) surface = tubeSurface(view, p, o, d, after);
+  if ((SURFACES & SURFACE_TRIANGLES) != 0 && view.kind == KIND_TRIANGLES) surface = triangleSurface(view, p, o, d, after);
+  return surfaceSeen(surface, d, view.twoSided != 0);
+}
+
+void addSecondary(SceneView s, Share share, int kind, vec3 from, uint startBits, uint start) {
+  int next = firstPartition(s, from, share.toward, min(domainExit(s, from, share.toward), share.reach));
+  if (next < 0) return;  // it leaves the visible domain at once
+  uint i = atomicAdd(counts[COUNT_MADE], 1u);
+  RAY_OF(madeRays, i, pixel) = RAY(pixel);
+  RAY_OF(madeRays, i, info) = RAY_SAMPLE(RAY(info)) | (uint(kind) << 16) | startBits;
+  RAY_OF(madeRays, i, start) = start;
+  RAY_OF(madeRays, i, ox) = from.x;
+  RAY_OF(madeRays, i, oy) = from.y;
+  RAY_OF(madeRays, i, oz) = from.z;
+  RAY_OF(madeRays, i, dx) = share.toward.x;
+  RAY_OF(madeRays, i, dy) = share.toward.y;
+  RAY_OF(madeRays, i, dz) = share.toward.z;
+  RAY_OF(madeRays, i, tLast) = -1.0;
+  RAY_OF(madeRays, i, tBegun) = -1.0;
+  RAY_OF(madeRays, i, tMax) = share.reach;
+  RAY_OF(madeRays, i, A) = 0.0;
+  RAY_OF(madeRays, i, r) = 0.0;  // secondaries gather no radiance
+  RAY_OF(madeRays, i, g) = 0.0;
+  RAY_OF(madeRays, i, b) = 0.0;
+  RAY_OF(madeRays, i, sr) = share.r;
+  RAY_OF(madeRays, i, sg) = share.g;
+  RAY_OF(madeRays, i, sb) = share.b;
+  RAY_OF(madeRays, i, next) = next;
+}
+
+void main() {
+  if (!hasRay()) return;
+  if (RAY(hitKind) == HIT_NONE) return;
+  atomicAdd(counts[COUNT_SHADED], 1u);
+  SceneView s = theScene;
+  FrameView f = theFrame;
+  int op = RAY(hitOperator);
+  VolumeView v = fields[op];
+  vec3 o = rayOrigin(), d = rayDirection();
+  Surface surface = surfaceHit(op, v, o, d);
+  vec3 color = colorOf(v, surface.value);
+  float opacity = operators[op].opacity;
+  float weight = (1.0 - RAY(A)) * opacity;
+  RAY(A) = opacityBehind(RAY(A), opacity);
+  vec3 toEye = vec3(-d.x, -d.y, -d.z);
+  vec3 from = offsetOrigin(surface.point, surface.geometric, surface.size);
+  uint start = (uint(op) << 16) | RAY(hitPrimitive);
+  ivec4 sum = ivec4(0);
+  int rayCount = f.lights + max(s.occlusionRays, 1);
+  for (int q = 0; q < rayCount; q++) {
+    Share share = shareOf(s, f, q, surface, from, toEye, color, weight, RAY(pixel), RAY_SAMPLE(RAY(info)));
+    sum += ivec4(share.r, share.g, share.b, 0);
+    if (share.wanted)
+      addSecondary(s, share, q < f.lights ? RAY_SHADOW : RAY_OCCLUSION, from, surface.start, start);
+  }
+  deposit(RAY(pixel), sum);
+}

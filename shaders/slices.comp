@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+#version 450
+#extension GL_GOOGLE_include_directive : require
+// The nearest slice of one operator.
+#include "kernels.glsl"
+#include "rays.glsl"
+
+void main() {
+  if (!hasRay()) return;
+  int op = push[PUSH_OPERATOR];
+  VolumeView v = fields[op];
+  OperatorView view = operators[op];
+  vec3 o = rayOrigin(), d = rayDirection();
+  VolumeRay ray = clippedRay(v, o, d);
+  float tOut = min(RAY(tOut), RAY(tEnd));
+  for (int k = 0; k < view.slices; k++) {
+    bool mine = RAY_START(RAY(info)) == START_SLICE && RAY(start) == uint((op << 16) | k);  // a line meets a plane once
+    if (!mine) {
+      float offset = tableReal(view.slice + 4u * uint(k) + 3u);
+      float t = hitSlice(v, ray, o, d, sliceNormal(view, uint(k)), offset, RAY(tIn), tOut, RAY(tLast));
+      if (t < NO_HIT) takeHit(t, HIT_SLICE, op, uint(k));
+    }
+  }
+}

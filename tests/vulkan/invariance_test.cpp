@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: Apache-2.0
+// One scene gives one picture, bit for bit, whichever backend the ranks use, however it is cut and packed
+// (architecture.md, promises 1 and 2).
+#include <gtest/gtest.h>
+
+#include "gxy/embree/embree_backend.h"
+#include "support/frames.h"
+#include "vulkan/software_device.h"
+
+namespace gxy::test {
+namespace {
+
+using vulkan_test::newMessages;
+using vulkan_test::softwareVulkan;
+
+const Backend& onVulkan(int) { return softwareVulkan(); }
+
+class VulkanInvariance : public testing::TestWithParam<TestScene> {
+ protected:
+  const TestScene& scene_ = GetParam();
+  const Picture expected_ = render(scene_, whole(scene_.domain));
+
+  std::string differenceOn(const Cut& cut, const BackendOf& backendOf, const FrameRun& run = {}) {
+    return difference(expected_, render(scene_, cut.ranks, compiledOn(cut, scene_, backendOf), run));
+  }
+  void TearDown() override { EXPECT_EQ(newMessages(), std::vector<std::string>()); }
+};
+
+TEST_P(VulkanInvariance, OfPartitionsAndRanks) {
+  EXPECT_EQ(differenceOn(whole(scene_.domain), onVulkan), "");
+  EXPECT_EQ(differenceOn(kdCut(scene_.domain, 6, 3, 5), onVulkan), "");
+  EXPECT_EQ(differenceOn(lattice(scene_.domain, {2, 2, 2}, 8), onVulkan), "");
+}
+
+TEST_P(VulkanInvariance, OfBackendsThatRanksUseTogether) {
+  const auto embree = makeEmbreeBackend();
+  const auto mixed = [&](int rank) -> const Backend& { return rank % 2 ? softwareVulkan() : *embree; };
+  EXPECT_EQ(differenceOn(lattice(scene_.domain, {2, 2, 1}, 4), mixed), "");
+}
+
+TEST_P(VulkanInvariance, OfThreadsAndPackets) {
+  FrameRun run;
+  run.threaded = true;
+  run.options.packetRays = 100;
+  EXPECT_EQ(differenceOn(kdCut(scene_.domain, 4, 2, 3), onVulkan, run), "");
+}
+
+TEST_P(VulkanInvariance, OfDataThatNoBindingHolds) {
+  static const std::unique_ptr<Backend> addressed = [] {
+    VulkanOptions options = vulkan_test::softwareDevice();
+    options.bindingBytes = 64;
+    return makeVulkanBackend(options);
+  }();
+  EXPECT_EQ(differenceOn(whole(scene_.domain), [&](int) -> const Backend& { return *addressed; }), "");
+  EXPECT_EQ(validationMessages(*addressed), std::vector<std::string>());
+}
+
+std::string nameOf(const testing::TestParamInfo<TestScene>& info) {
+  std::string name;
+  for (char c : info.param.name)
+    if (c != ' ') name += c;
+  return name;
+}
+
+std::vector<TestScene> allScenes() {
+  std::vector<TestScene> scenes = scenesOfEachKind();
+  scenes.push_back(everything());
+  return scenes;
+}
+
+INSTANTIATE_TEST_SUITE_P(Scenes, VulkanInvariance, testing::ValuesIn(allScenes()), nameOf);
+
+}  // namespace
+
+void PrintTo(const TestScene& scene, std::ostream* out) { *out << scene.name; }
+
+}  // namespace gxy::test

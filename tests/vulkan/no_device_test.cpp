@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+// Run without any Vulkan driver: an error for those who insist, the CPU for the others.
+#include <gtest/gtest.h>
+
+#include "gxy/backends/backends.h"
+#include "gxy/comm/error.h"
+#include "gxy/vulkan/vulkan_backend.h"
+
+namespace gxy {
+namespace {
+
+TEST(NoVulkanDevice, IsNoErrorToAskFor) {
+  EXPECT_TRUE(vulkanDevices().empty());
+  EXPECT_EQ(listDevices().back(), "vulkan: no devices");
+}
+
+TEST(NoVulkanDevice, IsAnErrorForThoseWhoInsist) {
+  EXPECT_THROW(makeVulkanBackend(), Error);
+  EXPECT_THROW(allBackends({}).make("vulkan"), Error);
+}
+
+TEST(NoVulkanDevice, LeavesEmbreeToAuto) { EXPECT_EQ(allBackends({}).make("auto")->name(), "embree"); }
+
+}  // namespace
+}  // namespace gxy
