@@ -1,0 +1,342 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""A client of Galaxy's multiserver in the standard library and NumPy, written from docs/protocol.md.
+
+As a library:
+
+    import galaxy
+    with galaxy.Client(port=5001) as client:
+        client.request("load data")
+        print(client.request("list")["datasets"])
+        window = client.window(1, size=(640, 480))
+        window.set(json.load(open("scene.json")))
+        picture = window.render(passes=4)
+        galaxy.write_png("picture.png", picture.rgba)
+
+As a program, it leaves one picture of a state file: galaxy.py [-H HOST] [-P PORT] STATE.json -o PICTURE.png
+
+Pixels travel uncompressed: Python's standard library has neither zstd nor JPEG.
+"""
+import argparse
+import json
+import os
+import socket
+import struct
+import sys
+import threading
+import zlib
+from concurrent.futures import Future
+
+import numpy as np
+
+VERSION = 1
+_PREAMBLE = struct.Struct("<8sII")
+_HEADER = struct.Struct("<QHHI")
+_RECORD = struct.Struct("<IIQ8IHHIQ")
+_MAGIC = b"GALAXY\r\n"
+_CONTROL, _REQUEST, _REPLY, _EVENT, _PIXELS, _FILE = range(6)
+_TILE, _END_OF_PASS, _END_OF_FRAME = 1, 2, 3
+_LONGEST = 1 << 30  # bytes of a payload from the server
+
+
+class GalaxyError(Exception):
+    """What the server answered after `error:`, or why the connection ended."""
+
+
+def token_file(port, tenant=None):
+    """Where a server on this machine leaves its token; that of the administrator unless a tenant is named."""
+    folder = os.environ.get("XDG_RUNTIME_DIR")
+    folder = os.path.join(folder, "galaxy") if folder else f"/tmp/galaxy-{os.getuid()}"
+    return os.path.join(folder, f"{port}.{tenant}.token" if tenant else f"{port}.token")
+
+
+def read_token(path):
+    try:
+        with open(path, encoding="ascii") as file:
+            return file.readline().strip()
+    except OSError as e:
+        raise GalaxyError(f"{path}: {e.strerror}; is a server running on that port, started by you? For one "
+                          "elsewhere, copy its token file and name it") from e
+
+
+class Picture:
+    """One frame of a window.
+
+    rgba     uint8 (height, width, 4), row 0 at the bottom, not premultiplied; None if no tile of level 1 came
+    levels   the same for each level that came, by its scale; rgba is levels[1]
+    frame    its number
+    end      the object of its last record: status, generations, seconds, passes, or error
+    """
+
+    def __init__(self, frame):
+        self.frame = frame
+        self.levels = {}
+        self.end = {}
+
+    @property
+    def rgba(self):
+        return self.levels.get(1)
+
+
+class Window:
+    """A window of the server, made by Client.window. Its methods may be called from any thread."""
+
+    def __init__(self, client, number):
+        self._client = client
+        self.number = number
+        self._changed = threading.Condition()
+        self._picture = None  # the newest frame
+        self._ends = {}  # by frame number, the newest 64
+        self._failure = None
+
+    def set(self, state):
+        """What it shows: a state document or a part of one. The reply has `warnings`."""
+        return self._client.request(f"viewer.set {self.number} {json.dumps(state)}")
+
+    def start(self, **options):
+        """Begins a frame, which supersedes older ones; options as in `viewer.render`. Its number."""
+        options["encoding"] = "raw"
+        return self._client.request(f"viewer.render {self.number} {json.dumps(options)}")["frame"]
+
+    def wait(self, frame, timeout=60):
+        """Waits until this frame or a later one has ended; the picture of the newest, however it ended."""
+        with self._changed:
+            if not self._changed.wait_for(
+                    lambda: self._failure or any(n >= frame for n in self._ends), timeout):
+                raise GalaxyError(f"window {self.number}: frame {frame} has not ended after {timeout} s")
+            if not any(n >= frame for n in self._ends):
+                raise GalaxyError(self._failure)
+            return self._ends[max(self._ends)]
+
+    def render(self, timeout=60, **options):
+        """Begins a frame and waits for it. Raises GalaxyError unless it is completed."""
+        picture = self.wait(self.start(**options), timeout)
+        if picture.end["status"] != "complete":
+            raise GalaxyError(f"window {self.number}, frame {picture.frame}: " +
+                              picture.end.get("error", picture.end["status"]))
+        return picture
+
+    def close(self):
+        self._client.request(f"viewer.close {self.number}")
+        self._client._windows.pop(self.number, None)
+
+    def _take(self, record):
+        (kind, _, frame, width, height, scale, _, x, y, w, h, encoding, _, _, size) = _RECORD.unpack_from(record)
+        data = memoryview(record)[_RECORD.size:]
+        if len(data) != size:
+            raise GalaxyError(f"pixels: {len(data)} bytes of data, their header says {size}")
+        with self._changed:
+            if self._picture is None or frame > self._picture.frame:
+                self._picture = Picture(frame)
+            picture = self._picture
+            if kind == _TILE and frame == picture.frame:
+                if encoding != 0 or size != w * h * 4 or x + w > width or y + h > height:
+                    raise GalaxyError(f"pixels: a tile of {size} bytes in encoding {encoding}, expected {w} x {h} raw")
+                level = picture.levels.get(scale)
+                if level is None:
+                    level = picture.levels[scale] = np.zeros((height, width, 4), np.uint8)
+                level[y:y + h, x:x + w] = np.frombuffer(data, np.uint8).reshape(h, w, 4)
+            elif kind == _END_OF_FRAME:
+                ended = picture if frame == picture.frame else Picture(frame)
+                ended.end = json.loads(bytes(data))
+                self._ends[frame] = ended
+                while len(self._ends) > 64:
+                    del self._ends[min(self._ends)]
+                self._changed.notify_all()
+
+    def _fail(self, reason):
+        with self._changed:
+            self._failure = reason
+            self._changed.notify_all()
+
+
+class Client:
+    """One connection. A thread of its own reads, answers pings, and calls the callbacks, which must be short.
+
+    token        text; default: what is in token_file (default: where a server on this machine leaves it)
+    tenant       for servers that run with --no-token, which is said by token=""
+    on_event     called with each event, a dict
+    on_file      called with (request id, dict, bytes) for each picture of a batch to the client
+    welcome      the server's answer to the handshake, a dict
+    """
+
+    def __init__(self, host="127.0.0.1", port=5001, token=None, token_file=None, tenant="user",
+                 name="galaxy.py", on_event=None, on_file=None):
+        if token is None:
+            token = read_token(token_file or globals()["token_file"](port))
+        self._on_event, self._on_file = on_event, on_file
+        self._lock = threading.Lock()  # of the four below
+        self._replies, self._next_id, self._ended, self._windows = {}, 1, None, {}
+        self._sending = threading.Lock()
+        try:
+            self._socket = socket.create_connection((host, port), timeout=10)
+        except OSError as e:
+            raise GalaxyError(f"cannot connect to {host} port {port}: {e}; is a server running there?") from e
+        try:
+            self._socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+            self._socket.sendall(_PREAMBLE.pack(_MAGIC, VERSION, 0))
+            magic, version, _ = _PREAMBLE.unpack(self._read(_PREAMBLE.size))
+            if magic != _MAGIC or version != VERSION:
+                raise GalaxyError(f"{host} port {port}: expected a multiserver of protocol version {VERSION}, found " +
+                                  (f"version {version}" if magic == _MAGIC else "something else"))
+            hello = {"token": token, "client": name, "tenant": tenant}
+            self._send(_CONTROL, 0, "hello " + json.dumps(hello))
+            _, _, answer = self._read_frame()
+            word, _, rest = answer.decode().partition(" ")
+            if word != "welcome":
+                raise GalaxyError(f"{host} port {port}: {rest}")
+            self.welcome = json.loads(rest)
+            self._socket.settimeout(None)
+        except (OSError, GalaxyError) as e:
+            self._socket.close()
+            raise e if isinstance(e, GalaxyError) else GalaxyError(f"{host} port {port}: {e}") from e
+        self._thread = threading.Thread(target=self._run, daemon=True)
+        self._thread.start()
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.close()
+
+    def close(self):
+        try:
+            self._socket.shutdown(socket.SHUT_RDWR)
+        except OSError:
+            pass  # it has ended already
+        self._thread.join()
+        self._socket.close()
+
+    def send(self, statement):
+        """Sends a statement. (its id, a Future of the reply's object or GalaxyError)"""
+        with self._lock:
+            if self._ended:
+                raise GalaxyError(f"the connection has ended: {self._ended}")
+            number, reply = self._next_id, Future()
+            self._next_id = number % 0xFFFFFFFF + 1
+            self._replies[number] = reply
+        self._send(_REQUEST, number, statement)
+        return number, reply
+
+    def request(self, statement, timeout=None):
+        """Sends a statement and waits; the reply's object, {} if it has none. Raises GalaxyError for an error."""
+        return self.send(statement)[1].result(timeout)
+
+    def window(self, number, **settings):
+        """Makes window `number`, or changes it: size=(width, height), follow=True. Loads module viewer."""
+        self.request("load viewer")
+        with self._lock:
+            window = self._windows.setdefault(number, Window(self, number))
+        self.request(f"viewer.window {number} {json.dumps(settings)}")
+        return window
+
+    def _send(self, channel, number, text):
+        payload = text.encode()
+        with self._sending:
+            self._socket.sendall(_HEADER.pack(len(payload), channel, 0, number) + payload)
+
+    def _read(self, size):
+        data = bytearray(size)
+        at = 0
+        while at < size:
+            count = self._socket.recv_into(memoryview(data)[at:])
+            if count == 0:
+                raise GalaxyError("the server has closed the connection")
+            at += count
+        return data
+
+    def _read_frame(self):
+        size, channel, _, number = _HEADER.unpack(self._read(_HEADER.size))
+        if size > _LONGEST:
+            raise GalaxyError(f"a frame of {size} bytes, expected at most {_LONGEST}")
+        return channel, number, self._read(size)
+
+    def _run(self):
+        try:
+            while True:
+                channel, number, payload = self._read_frame()
+                if channel == _CONTROL:
+                    word, _, rest = payload.decode().partition(" ")
+                    if word == "ping":
+                        self._send(_CONTROL, 0, "pong " + rest)
+                    elif word == "bye":
+                        raise GalaxyError(rest)
+                else:
+                    self._take(channel, number, payload)
+        except Exception as e:  # whatever it is, those who wait must hear of it
+            reason = str(e)
+        with self._lock:
+            self._ended = reason
+            replies, self._replies = self._replies, {}
+            windows = list(self._windows.values())
+        for reply in replies.values():
+            reply.set_exception(GalaxyError(f"the connection has ended: {reason}"))
+        for window in windows:
+            window._fail(f"the connection has ended: {reason}")
+
+    def _take(self, channel, number, payload):
+        if channel == _REPLY:
+            with self._lock:
+                reply = self._replies.pop(number)
+            word, _, rest = payload.decode().partition(" ")
+            if word == "ok":
+                reply.set_result(json.loads(rest) if rest else {})
+            else:
+                reply.set_exception(GalaxyError(rest))
+        elif channel == _EVENT:
+            if self._on_event:
+                self._on_event(json.loads(payload))
+        elif channel == _PIXELS:
+            with self._lock:
+                window = self._windows.get(struct.unpack_from("<I", payload, 4)[0])
+            if window:
+                window._take(payload)
+        elif channel == _FILE and self._on_file:
+            (size,) = struct.unpack_from("<I", payload)
+            self._on_file(number, json.loads(payload[4:4 + size]), bytes(payload[4 + size:]))
+
+
+def write_png(path, rgba):
+    """Writes uint8 (height, width, 4), row 0 at the bottom."""
+    height, width, _ = rgba.shape
+    rows = np.zeros((height, 1 + 4 * width), np.uint8)  # each row begins with its filter: none
+    rows[:, 1:] = rgba[::-1].reshape(height, 4 * width)
+
+    def chunk(name, data):
+        return struct.pack(">I", len(data)) + name + data + struct.pack(">I", zlib.crc32(name + data))
+
+    with open(path, "wb") as file:
+        file.write(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, 8, 6, 0, 0, 0)) +
+                   chunk(b"IDAT", zlib.compress(rows.tobytes())) + chunk(b"IEND", b""))
+
+
+def main():
+    parser = argparse.ArgumentParser(description="One picture of a state file, rendered by a Galaxy server.")
+    parser.add_argument("state", metavar="STATE.json", help="its first visualization and camera; names of data files "
+                        "are relative to the server's --data folders")
+    parser.add_argument("-o", metavar="PICTURE.png", default="picture.png")
+    parser.add_argument("-H", "--host", default="127.0.0.1")
+    parser.add_argument("-P", "--port", type=int, default=5001)
+    parser.add_argument("--token-file", help="default: where a server on this machine leaves it")
+    parser.add_argument("--passes", type=int, default=1, help="ambient occlusion is averaged over so many")
+    arguments = parser.parse_args()
+    try:
+        with open(arguments.state, encoding="utf-8") as file:
+            state = json.load(file)
+        camera = state.get("Cameras", state.get("Camera", {}))
+        camera = camera[0] if isinstance(camera, list) else camera
+        size = camera.get("dimensions", [512, 512]) if isinstance(camera, dict) else [512, 512]
+        with Client(arguments.host, arguments.port, token_file=arguments.token_file) as client:
+            window = client.window(1, size=size)
+            for warning in window.set(state).get("warnings", []):
+                print(f"galaxy.py: warning: {warning}", file=sys.stderr)
+            picture = window.render(timeout=None, levels=[1], passes=arguments.passes)
+        write_png(arguments.o, picture.rgba)
+    except (GalaxyError, OSError, ValueError) as e:
+        print(f"galaxy.py: error: {e}", file=sys.stderr)
+        return 1
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
