@@ -14,7 +14,7 @@
 #include "gxy/comm/error.h"
 #include "gxy/comm/mpi_environment.h"
 #include "gxy/comm/mpi_transport.h"
-#include "gxy/embree/embree_backend.h"
+#include "gxy/backends/backends.h"
 #include "gxy/io/replace_file.h"
 #include "gxy/protocol/run_files.h"
 #include "options.h"
@@ -122,8 +122,7 @@ int serve(const ServeOptions& options) {
   }
   std::signal(SIGPIPE, SIG_IGN);
   try {
-    BackendRegistry backends;
-    backends.add("embree", makeEmbreeBackend);
+    const BackendRegistry backends = allBackends({.device = {}, .rankOnMachine = transport.rankOnNode()});
     NodeOptions nodeOptions = options.node;
     nodeOptions.threads = transport.threads();
     node = std::make_unique<Node>(transport, std::move(nodeOptions), backends);

@@ -1,0 +1,264 @@
+# SPDX-License-Identifier: Apache-2.0
+"""viewer_window_test.py PROGRAMS XVFB XDOTOOL MPIEXEC...: gxyviewer on a real server and a display, with real events.
+
+What the mouse must do to the camera are the formulas of VTK's trackball camera style, which ParaView has too: a drag by
+d pixels turns by 200 d / size degrees, a notch of the wheel divides the distance by 1.1^2.
+"""
+import copy
+import json
+import math
+import pathlib
+import signal
+import subprocess
+import sys
+import time
+import unittest
+
+import numpy as np
+
+from display import Display
+from server import STATE, Server
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "tools" / "python"))
+import galaxy  # noqa: E402
+
+PROGRAMS, XVFB, XDOTOOL, MPIEXEC = pathlib.Path(sys.argv[1]).resolve(), sys.argv[2], sys.argv[3], sys.argv[4:]
+WIDTH, HEIGHT = STATE["Camera"]["dimensions"]
+CENTER = (WIDTH // 2, HEIGHT // 2)
+STATUS_ROWS = 40  # at the bottom of the window, where text is written over the picture
+
+# Without occlusion, so that a frame at rest is one pass and has the bits of any other client's.
+SCENE = copy.deepcopy(STATE)
+SCENE["Visualization"]["Lighting"]["ao count"] = 0
+
+
+def setUpModule():
+    global server, display, client
+    server = Server(PROGRAMS, MPIEXEC)
+    display = Display(XVFB, XDOTOOL)
+    client = galaxy.Client(port=server.port, token_file=server.token)
+    client.request("load data")
+    client.request("import " + json.dumps({"Datasets": SCENE["Datasets"]}))
+
+
+def tearDownModule():
+    client.close()
+    display.stop()
+    server.stop()
+
+
+def until(condition, what):
+    """Waits for what the other processes do; only a failure takes the whole minute."""
+    end = time.monotonic() + 60
+    while not condition():
+        if time.monotonic() > end:
+            raise AssertionError(f"after a minute, not yet: {what}")
+        time.sleep(0.02)
+
+
+def over_black(rgba):
+    """As a window shows it, row 0 at the top."""
+    color = rgba[..., :3].astype(int) * rgba[..., 3:]
+    return ((color + 127) // 255).astype(np.uint8)[::-1]
+
+
+class ViewerCase(unittest.TestCase):
+    def setUp(self):
+        (server.folder / "scene.json").write_text(json.dumps(SCENE))
+        self.saved = server.folder / "view.json"
+        self.viewer = subprocess.Popen(
+            [PROGRAMS / "gxyviewer", "-P", str(server.port), "--token-file", server.token, "--output", "view",
+             "scene.json"], cwd=server.folder, env=display.environment, stderr=subprocess.PIPE, text=True)
+        self.addCleanup(self.end)
+        display.do("mousemove", *CENTER)
+        self.wait_for_picture(SCENE["Camera"])
+
+    def end(self):
+        if self.viewer.poll() is None:
+            self.viewer.kill()
+        self.viewer.communicate()
+        for file in server.folder.glob("view*"):
+            file.unlink()
+
+    def key(self, key):
+        display.do("key", key)
+
+    def camera(self):
+        """Where it looks from now, as the state file says that it writes."""
+        self.saved.unlink(missing_ok=True)
+        self.key("w")
+        until(self.saved.exists, "the state is saved")
+        return json.loads(self.saved.read_text())["Cameras"][0]
+
+    def wait_for_picture(self, camera, size=(WIDTH, HEIGHT)):
+        """Waits until the window shows, to the bit, what another client gets of the camera."""
+        window = client.window(1, size=size)
+        window.set({key: value for key, value in SCENE.items() if key != "Camera"})
+        expected = over_black(window.render(Camera=camera).rgba)[:-STATUS_ROWS]
+        self.assertGreater(len(np.unique(expected)), 50, "there is something to see")
+        until(lambda: self.viewer.poll() is not None or
+              np.array_equal(display.screen(*size)[:-STATUS_ROWS], expected), "the window shows the camera's picture")
+        self.assertIsNone(self.viewer.poll(), "the viewer has ended")
+
+    @staticmethod
+    def distance(camera):
+        return math.dist((0, 0, 0), camera["viewdirection"])
+
+    def turned(self, before, after):
+        """Degrees between the views."""
+        a, b = np.array(before["viewdirection"]), np.array(after["viewdirection"])
+        return math.degrees(math.atan2(np.linalg.norm(np.cross(a, b)), a @ b))
+
+
+class Mouse(ViewerCase):
+    def test_left_drag_turns_about_the_center_by_vtks_angle(self):
+        before = self.camera()
+        display.drag(1, CENTER, (30, 0))
+        after = self.camera()
+        self.assertAlmostEqual(self.turned(before, after), 200 * 30 / WIDTH, places=6)
+        self.assertAlmostEqual(self.distance(after), self.distance(before), places=9)
+        np.testing.assert_allclose(np.add(after["viewpoint"], after["viewdirection"]), [0, 0, 0], atol=1e-9)
+        right = np.cross(before["viewdirection"], before["viewup"])
+        self.assertLess(np.dot(np.subtract(after["viewpoint"], before["viewpoint"]), right), 0,
+                        "what is shown follows the mouse, so the camera goes left")
+        self.wait_for_picture(after)
+
+    def test_a_drag_counts_once_however_late_it_is_read(self):
+        before = self.camera()
+        self.viewer.send_signal(signal.SIGSTOP)
+        display.drag(1, CENTER, (30, 0))
+        self.viewer.send_signal(signal.SIGCONT)
+        self.assertAlmostEqual(self.turned(before, self.camera()), 200 * 30 / WIDTH, places=6)
+
+    def test_middle_drag_moves_what_is_shown_with_the_mouse(self):
+        before = self.camera()
+        display.drag(2, CENTER, (40, 0))
+        after = self.camera()
+        np.testing.assert_allclose(after["viewdirection"], before["viewdirection"], atol=1e-9)
+        aov = math.radians(before["aov"])
+        pixel = 2 * self.distance(before) * math.tan(aov / 2) / min(WIDTH, HEIGHT)
+        moved = np.subtract(after["viewpoint"], before["viewpoint"])
+        self.assertAlmostEqual(np.linalg.norm(moved) / (40 * pixel), 1, places=3)
+        self.wait_for_picture(after)
+
+    def test_shift_and_left_drag_pan_too(self):
+        before = self.camera()
+        display.drag(1, CENTER, (0, 30), keys=["shift"])
+        after = self.camera()
+        np.testing.assert_allclose(after["viewdirection"], before["viewdirection"], atol=1e-9)
+        self.assertGreater(np.dot(np.subtract(after["viewpoint"], before["viewpoint"]), before["viewup"]), 0)
+
+    def test_the_wheel_and_the_right_button_zoom(self):
+        before = self.camera()
+        display.do("click", 4)
+        near = self.camera()
+        self.assertAlmostEqual(self.distance(before) / self.distance(near), 1.1 ** 2, places=6)
+        display.do("click", 5)
+        self.assertAlmostEqual(self.distance(self.camera()), self.distance(before), places=6)
+        display.drag(3, CENTER, (0, -20))
+        after = self.camera()
+        self.assertAlmostEqual(self.distance(before) / self.distance(after), 1.1 ** (10 * 20 / (HEIGHT / 2)), places=6)
+        self.wait_for_picture(after)
+
+    def test_ctrl_and_left_drag_roll(self):
+        before = self.camera()
+        display.drag(1, (WIDTH - 20, CENTER[1]), (0, 60), keys=["ctrl"])
+        after = self.camera()
+        np.testing.assert_allclose(after["viewdirection"], before["viewdirection"], atol=1e-9)
+        self.assertGreater(math.dist(after["viewup"], before["viewup"]), 0.1)
+
+
+class Keys(ViewerCase):
+    def test_reset_shows_all_data_and_b_goes_back(self):
+        first = self.camera()
+        display.drag(2, CENTER, (60, 30))
+        self.key("r")
+        reset = self.camera()
+        np.testing.assert_allclose(np.add(reset["viewpoint"], reset["viewdirection"]), [0, 0, 0], atol=1e-6)
+        self.assertAlmostEqual(self.turned(first, reset), 0, places=4)
+        self.key("b")
+        np.testing.assert_allclose(self.camera()["viewpoint"], first["viewpoint"], atol=1e-9)
+
+    def test_axes(self):
+        for key, axis in (("x", [1, 0, 0]), ("y", [0, 1, 0]), ("z", [0, 0, 1]), ("Z", [0, 0, -1])):
+            self.key(key)
+            camera = self.camera()
+            np.testing.assert_allclose(np.divide(camera["viewdirection"], self.distance(camera)), axis, atol=1e-9)
+
+    def test_spinning_goes_on_until_it_is_stopped(self):
+        start = self.camera()
+        self.key("s")
+        until(lambda: self.turned(start, self.camera()) > 5, "it spins")
+        self.key("s")
+        stopped = self.camera()
+        self.wait_for_picture(stopped)
+        self.assertEqual(self.camera(), stopped)
+        self.assertAlmostEqual(self.distance(stopped), self.distance(start), places=6)
+
+    def test_what_is_saved_renders_to_the_picture_that_is_saved(self):
+        display.drag(1, CENTER, (17, 23))
+        self.wait_for_picture(self.camera())
+        self.key("p")
+        picture = server.folder / "view_00000.png"
+        until(picture.exists, "the picture is saved")
+        subprocess.run([PROGRAMS / "gxyrender", "view.json", "-o", "viewed"], cwd=server.folder, check=True,
+                       stdout=subprocess.DEVNULL)
+        subprocess.run([PROGRAMS / "gxydiff", "--alpha", picture, "viewed_00000.png"], cwd=server.folder, check=True)
+        self.key("p")
+        until((server.folder / "view_00001.png").exists, "a second picture gets a name of its own")
+
+    def test_help_is_shown_and_taken_away(self):
+        plain = display.screen(WIDTH, HEIGHT)[:-STATUS_ROWS]
+        self.key("h")
+        until(lambda: not np.array_equal(display.screen(WIDTH, HEIGHT)[:-STATUS_ROWS], plain), "help is shown")
+        self.key("h")
+        until(lambda: np.array_equal(display.screen(WIDTH, HEIGHT)[:-STATUS_ROWS], plain), "help is gone")
+
+    def test_q_ends_it_well(self):
+        self.key("q")
+        self.assertEqual(self.viewer.wait(30), 0)
+        self.assertEqual(self.viewer.stderr.read(), "")
+
+
+class Around(ViewerCase):
+    def test_new_data_are_shown_by_themselves(self):
+        def load(array):
+            client.request('import {"Datasets": [{"name": "balls", "type": "Volume", "filename": "balls.vti", '
+                           f'"array": "{array}"}}]}}')
+
+        before = display.screen(WIDTH, HEIGHT)[:-STATUS_ROWS]
+        load("eightBalls")
+        self.addCleanup(load, "oneBall")
+        self.wait_for_picture(SCENE["Camera"])
+        self.assertFalse(np.array_equal(display.screen(WIDTH, HEIGHT)[:-STATUS_ROWS], before))
+
+    def test_a_window_of_another_size_is_filled(self):
+        display.do("search", "--name", "gxyviewer", "windowsize", 420, 330)
+        self.wait_for_picture(SCENE["Camera"], (420, 330))
+
+
+class Lost(unittest.TestCase):
+    def test_a_server_that_goes_is_told_of_and_the_status_is_1(self):
+        other = Server(PROGRAMS, MPIEXEC, ranks=1)
+        self.addCleanup(other.stop)
+        (other.folder / "scene.json").write_text(json.dumps(SCENE))
+        display.do("mousemove", *CENTER)
+        viewer = subprocess.Popen([PROGRAMS / "gxyviewer", "-P", str(other.port), "--token-file", other.token, "scene.json"],
+                                  cwd=other.folder, env=display.environment, stderr=subprocess.PIPE, text=True)
+        self.addCleanup(viewer.kill)
+        before = display.screen(WIDTH, HEIGHT)
+        until(lambda: not np.array_equal(display.screen(WIDTH, HEIGHT), before), "the window is open")
+        with galaxy.Client(port=other.port, token_file=other.token) as administrator:
+            administrator.request("quit")
+
+        def quits():
+            display.do("key", "q")
+            return viewer.poll() is not None
+
+        until(quits, "it ends")
+        self.assertEqual(viewer.returncode, 1)
+        self.assertIn("the connection has ended", viewer.communicate()[1])
+
+
+if __name__ == "__main__":
+    unittest.main(argv=sys.argv[:1], verbosity=2)

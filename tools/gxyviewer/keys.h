@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+namespace gxy {
+
+/// What the mouse and the keys of the window do; shown by key h and by --help.
+inline constexpr const char* kKeyHelp =
+    "  left drag            rotate\n"
+    "  middle, shift + left pan\n"
+    "  right drag, wheel    zoom\n"
+    "  ctrl + left          roll\n"
+    "  r                    reset: all data in view\n"
+    "  b                    back to the state file's camera\n"
+    "  x y z (X Y Z)        look along an axis (against it)\n"
+    "  s                    spin, on and off\n"
+    "  w                    write camera and state to PREFIX.json\n"
+    "  p                    save the picture as PREFIX_00000.png, ...\n"
+    "  h                    this help, on and off\n"
+    "  q                    quit";
+
+}  // namespace gxy

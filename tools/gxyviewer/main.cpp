@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+// gxyviewer: a window on what a multiserver renders.
+#include <iostream>
+
+#include "gxy/comm/error.h"
+#include "gxy/scene/state_file.h"
+#include "options.h"
+#include "png.h"
+#include "viewer_window.h"
+
+using namespace gxy;
+
+namespace {
+
+/// What of a state file is shown: its first visualization, its first camera.
+State shownState(const ViewOptions& options) {
+  StateFile file = readStateFile(options.stateFile);
+  for (const std::string& warning : file.warnings) std::cerr << "gxyviewer: warning: " << warning << '\n';
+  if (file.state.visualizations.empty())
+    throw Error(options.stateFile + ": it has no `Visualization`, expected one, with operators");
+  file.state.visualizations.resize(1);
+  file.state.cameras.resize(1);
+  if (options.size) file.state.cameras[0].dimensions = *options.size;
+  return std::move(file.state);
+}
+
+int run(const ViewOptions& options) {
+  const State state = shownState(options);
+  if (options.snapshot.empty()) checkDisplay();
+  RemoteWindow remote(options.client, state, options.passes);
+  if (options.snapshot.empty()) {
+    runViewer(remote, state, options.output);
+    return 0;
+  }
+  remote.waitUntilLoaded();
+  remote.renderWhole();
+  writePng(options.snapshot, remote.picture());
+  return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  ViewOptions options;
+  if (const auto code = parseOptions(argc, argv, options)) return *code;
+  try {
+    return run(options);
+  } catch (const std::exception& e) {
+    std::cerr << "gxyviewer: error: " << e.what() << '\n';
+    return 1;
+  }
+}

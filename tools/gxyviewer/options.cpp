@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "options.h"
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+
+#include "keys.h"
+
+namespace gxy {
+
+std::optional<int> parseOptions(int argc, char** argv, ViewOptions& o) {
+  CLI::App app("Shows what a state file says, rendered by a Galaxy server, in a window to turn it in.",
+               "gxyviewer");
+  std::string size;
+  o.client.name = "gxyviewer";
+  app.add_option(
+         "state", o.stateFile,
+         "STATE.json: its first visualization and camera; names of data files are as the server has them")
+      ->required();
+  app.add_option("-H,--host", o.client.host, "the server's machine")->capture_default_str();
+  app.add_option("-P,--port", o.client.port, "the server's port")->capture_default_str();
+  app.add_option("--token-file", o.client.tokenFile,
+                 "the server's token (default: the user's run directory)");
+  app.add_option("--snapshot", o.snapshot, "F.png: write one picture and end; needs no display");
+  app.add_option("--size", size, "WIDTHxHEIGHT of the window (default: the camera's dimensions)");
+  app.add_option("--passes", o.passes,
+                 "pictures that ambient occlusion is averaged over (default: 16 at rest, 1 in a snapshot)")
+      ->check(CLI::Range(1, 4096));
+  app.add_option("--output", o.output,
+                 "PREFIX of what is saved: PREFIX.json, PREFIX_00000.png, ... (default: STATE-view)");
+  app.footer("In the window:\n" + std::string(kKeyHelp) +
+             "\nExit status: 0 done, 1 no server, no display, or it failed; 2 wrong usage.");
+  try {
+    app.parse(argc, argv);
+    if (!size.empty()) {
+      int width = 0, height = 0, used = 0;
+      if (std::sscanf(size.c_str(), "%5dx%5d%n", &width, &height, &used) != 2 ||
+          size_t(used) != size.size() || width < 1 || height < 1)
+        throw CLI::ValidationError("--size", "expected WIDTHxHEIGHT, as 1280x720, found " + size);
+      o.size = glm::ivec2(width, height);
+    }
+  } catch (const CLI::ParseError& e) {
+    return app.exit(e) == 0 ? 0 : 2;
+  }
+  if (o.output.empty()) {
+    const std::filesystem::path state(o.stateFile);
+    o.output = (state.parent_path() / (state.stem().string() + "-view")).string();
+  }
+  if (o.passes == 0) o.passes = o.snapshot.empty() ? 16 : 1;
+  return std::nullopt;
+}
+
+}  // namespace gxy

@@ -1,0 +1,257 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "remote_window.h"
+
+#include <algorithm>
+#include <cstdio>
+
+#include "gxy/comm/error.h"
+#include "gxy/protocol/json.h"
+#include "gxy/scene/state_file.h"
+
+namespace gxy {
+
+using nlohmann::json;
+using protocol::PixelHeader;
+using protocol::PixelKind;
+
+namespace {
+
+constexpr std::chrono::milliseconds kRest{250};             // without a new camera: it rests
+constexpr std::chrono::milliseconds kSlow{120}, kFast{30};  // from a camera to the first of its pixels
+constexpr uint32_t kCoarsest = 16;
+constexpr const char* kWindow = "1";
+
+json cameraJson(const Camera& camera) {
+  State state;
+  state.cameras = {camera};
+  const json document = json::parse(writeState(state));
+  const json& cameras = document.contains("Cameras") ? document["Cameras"] : document["Camera"];
+  return cameras.is_array() ? cameras.at(0) : cameras;
+}
+
+std::vector<std::string> namesOf(const State& state) {
+  std::vector<std::string> names;
+  for (const Vis& vis : state.visualizations.at(0).operators)
+    if (std::find(names.begin(), names.end(), vis.dataset) == names.end()) names.push_back(vis.dataset);
+  return names;
+}
+
+std::string statement(const std::string& verb, const json& argument) {
+  return verb + " " + kWindow + " " + protocol::dump(argument);
+}
+
+}  // namespace
+
+RemoteWindow::RemoteWindow(Client::Options options, const State& state, uint32_t passes)
+    : passes_(state.visualizations.at(0).lighting.aoCount > 0 ? passes : 1),
+      names_(namesOf(state)),
+      canvas_(state.cameras.at(0).dimensions),
+      camera_(state.cameras.at(0)) {
+  options.onPixels = [this](const PixelHeader& header, auto data) { takePixels(header, data); };
+  options.onEvent = [this](const json& event) { takeEvent(event); };
+  options.onEnd = [this](const std::string& why) { fail("the connection has ended: " + why); };
+  client_ = std::make_unique<Client>(std::move(options));
+  client_->expect("load data");
+  client_->expect("load viewer");
+  client_->expect(
+      statement("viewer.window", {{"size", {camera_.dimensions.x, camera_.dimensions.y}}, {"follow", true}}));
+  client_->send(statement("viewer.set", json::parse(writeState(state))), [this](const Reply& reply) {
+    if (!reply.ok) fail(reply.error);
+  });
+  client_->send("data.info", [this](const Reply& reply) { takeInfo(reply); });
+}
+
+void RemoteWindow::fail(const std::string& why) {
+  const std::lock_guard lock(mutex_);
+  if (failure_.empty()) failure_ = why;
+  changed_.notify_all();
+}
+
+void RemoteWindow::takeInfo(const Reply& reply) {
+  if (!reply.ok) return fail(reply.error);
+  const std::lock_guard lock(mutex_);
+  loaded_ = true;  // requests are answered in turn
+  changed_.notify_all();
+  for (const json& dataset : reply.value.at("datasets")) {
+    if (std::find(names_.begin(), names_.end(), dataset.at("name")) == names_.end()) continue;
+    const auto box = dataset.at("box").get<Box>();
+    if (!box_) box_ = box;
+    for (size_t axis = 0; axis < 3; axis++) {
+      (*box_)[0][axis] = std::min((*box_)[0][axis], box[0][axis]);
+      (*box_)[1][axis] = std::max((*box_)[1][axis], box[1][axis]);
+    }
+  }
+}
+
+void RemoteWindow::takePixels(const PixelHeader& header, std::span<const std::byte> data) {
+  const std::lock_guard lock(mutex_);
+  if (header.frame < frame_.number) return;
+  if (header.frame > frame_.number) {
+    frame_ = {};
+    frame_.number = header.frame;
+  }
+  if (header.kind == PixelKind::EndOfFrame) {
+    const json end =
+        protocol::parseObject({reinterpret_cast<const char*>(data.data()), data.size()}, "frame");
+    frame_.ended = true;
+    frame_.status = end.at("status");
+    frame_.error = end.value("error", "");
+    frame_.seconds = end.at("seconds");
+    frame_.generations = end.at("generations").get<std::map<std::string, uint64_t>>();
+  } else {
+    canvasChanged_ |= canvas_.take(header, data);
+    if (header.kind == PixelKind::EndOfPass) {
+      frame_.scale = header.scale;
+      frame_.pass = header.pass;
+    }
+  }
+  changed_.notify_all();
+}
+
+void RemoteWindow::takeEvent(const json& event) {
+  const std::lock_guard lock(mutex_);
+  const std::string kind = event.value("event", "");
+  if (kind == "progress") progress_ = event.value("text", "");
+  if (kind == "error") renderError_ = event.value("text", "");
+}
+
+void RemoteWindow::setCamera(const Camera& camera) {
+  if (camera == camera_) return;
+  camera_ = camera;
+  cameraSent_ = false;
+  moved_ = Clock::now();
+}
+
+void RemoteWindow::resize(glm::ivec2 size) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (size == canvas_.size()) return;
+    canvas_.resize(size);
+    canvasChanged_ = true;
+  }
+  camera_.dimensions = size;
+  cameraSent_ = false;
+  moved_ = Clock::now();
+  client_->send(statement("viewer.window", {{"size", {size.x, size.y}}}), [this](const Reply& reply) {
+    const std::lock_guard lock(mutex_);
+    if (!reply.ok) renderError_ = reply.error;
+  });
+}
+
+// Of the frame that was asked for last, or of one after it.
+bool RemoteWindow::shownSomething() const {
+  return !asked_ && (!awaited_ || frame_.number > *awaited_ ||
+                     (frame_.number == *awaited_ && (frame_.scale > 0 || frame_.ended)));
+}
+
+void RemoteWindow::update(Clock::time_point now) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (!loaded_ || !failure_.empty() || !shownSomething()) return;
+  }
+  if (!measured_) {
+    measured_ = true;
+    if (now - sent_ > kSlow) coarsest_ = std::min(coarsest_ * 2, kCoarsest);
+    if (now - sent_ < kFast) coarsest_ = std::max(coarsest_ / 2, 2u);
+  }
+  if (!cameraSent_)
+    render(true, now);
+  else if (movingSent_ && now - moved_ >= kRest)
+    render(false, now);
+}
+
+void RemoteWindow::render(bool moving, Clock::time_point now) {
+  json options{{"Camera", cameraJson(camera_)}};
+  if (moving) {
+    json levels = json::array();
+    for (uint32_t scale = coarsest_; scale > 1; scale /= 4) levels.push_back(scale);
+    levels.push_back(1);
+    options["levels"] = levels;
+    options["encoding"] = "jpeg";
+    options["quality"] = coarsest_ == kCoarsest ? 50 : 80;
+  } else {
+    options["levels"] = {1};
+    options["passes"] = passes_;
+  }
+  cameraSent_ = true;
+  movingSent_ = moving;
+  measured_ = !moving;
+  sent_ = now;
+  {
+    const std::lock_guard lock(mutex_);
+    asked_ = true;
+    renderError_.clear();
+  }
+  client_->send(statement("viewer.render", options), [this](const Reply& reply) {
+    const std::lock_guard lock(mutex_);
+    asked_ = false;
+    if (reply.ok)
+      awaited_ = reply.value.at("frame").get<uint64_t>();
+    else
+      renderError_ = reply.error;
+    changed_.notify_all();
+  });
+}
+
+bool RemoteWindow::loaded() const {
+  const std::lock_guard lock(mutex_);
+  return loaded_;
+}
+
+std::optional<RemoteWindow::Box> RemoteWindow::box() const {
+  const std::lock_guard lock(mutex_);
+  return box_;
+}
+
+void RemoteWindow::ifChanged(const std::function<void(const Canvas&)>& use) {
+  const std::lock_guard lock(mutex_);
+  if (std::exchange(canvasChanged_, false)) use(canvas_);
+}
+
+Canvas RemoteWindow::picture() const {
+  const std::lock_guard lock(mutex_);
+  return canvas_;
+}
+
+std::string RemoteWindow::failure() const {
+  const std::lock_guard lock(mutex_);
+  return failure_;
+}
+
+std::string RemoteWindow::status() const {
+  const std::lock_guard lock(mutex_);
+  if (!failure_.empty()) return "error: " + failure_;
+  if (!loaded_) return progress_.empty() ? "loading data ..." : progress_;
+  if (!renderError_.empty()) return "error: " + renderError_;
+  if (frame_.number == 0) return "waiting for the first picture ...";
+  if (frame_.ended && frame_.status == "failed") return "error: " + frame_.error;
+  if (!frame_.ended && frame_.scale != 1) return "rendering ...";
+  if (!frame_.ended)
+    return "refining: " + std::to_string(frame_.pass + 1) + " of " + std::to_string(passes_) + " passes";
+  std::string text(32, '\0');
+  text.resize(size_t(std::snprintf(text.data(), text.size(), "%.2f s", frame_.seconds)));
+  for (const auto& [name, generation] : frame_.generations)
+    if (generation > 1) text += ", " + name + ": generation " + std::to_string(generation);
+  return text;
+}
+
+void RemoteWindow::waitUntilLoaded() {
+  std::unique_lock lock(mutex_);
+  changed_.wait(lock, [this] { return loaded_ || !failure_.empty(); });
+  if (!failure_.empty()) throw Error(failure_);
+}
+
+void RemoteWindow::renderWhole() {
+  render(false, Clock::now());
+  std::unique_lock lock(mutex_);
+  changed_.wait(lock, [this] {
+    return !failure_.empty() || !renderError_.empty() ||
+           (!asked_ && awaited_ && frame_.number >= *awaited_ && frame_.ended);
+  });
+  if (!failure_.empty()) throw Error(failure_);
+  if (!renderError_.empty()) throw Error(renderError_);
+  if (frame_.status != "complete")
+    throw Error("the frame was " + frame_.status + (frame_.error.empty() ? "" : ": " + frame_.error));
+}
+
+}  // namespace gxy

@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: Apache-2.0
+// A window of a server: what it shows, which frames are asked for and when, and what has come of them.
+#pragma once
+#include <array>
+#include <chrono>
+#include <condition_variable>
+#include <functional>
+#include <mutex>
+#include <optional>
+#include <string>
+
+#include "canvas.h"
+#include "gxy/client/client.h"
+#include "gxy/scene/scene.h"
+
+namespace gxy {
+
+/// While the camera moves, frames are JPEG and coarse first; the next is asked for as soon as something of the last one
+/// is shown, so the rate follows the server and the link, and the coarsest level follows the rate. When the camera
+/// rests, one lossless frame is made, in several passes where there is occlusion to refine. Frames that the server
+/// makes by itself, because data changed, are shown like any other.
+///
+/// Calls come from one thread, the user's; what the connection brings is taken by its own.
+class RemoteWindow {
+ public:
+  using Clock = std::chrono::steady_clock;
+  using Box = std::array<std::array<double, 3>, 2>;
+
+  /// Connects; the server begins to import those of the state's datasets whose names it does not have. Throws Error.
+  /// `state` has one visualization and one camera, whose dimensions are the window's.
+  /// `passes`: of a frame at rest, if the scene has ambient occlusion.
+  RemoteWindow(Client::Options options, const State& state, uint32_t passes);
+
+  /// What the next frames show.
+  void setCamera(const Camera& camera);
+  void resize(glm::ivec2 size);
+  /// Asks for what is due; called often.
+  void update(Clock::time_point now);
+
+  /// Whether the data are there. The state's data as a whole, world, if anything of it has a box.
+  bool loaded() const;
+  std::optional<Box> box() const;
+
+  /// Calls `use` with the picture if it has changed since the last call.
+  void ifChanged(const std::function<void(const Canvas&)>& use);
+  /// What is shown now.
+  Canvas picture() const;
+
+  /// What goes on, for people: loading, refining, how long a frame took, what failed.
+  std::string status() const;
+  /// Why the data could not be shown, or the connection ended; empty while all is well.
+  std::string failure() const;
+
+  /// Waits until the data are there; then for one whole frame of `passes` passes. Throws Error when there will be none.
+  void waitUntilLoaded();
+  void renderWhole();
+
+ private:
+  struct Frame {
+    uint64_t number = 0;
+    uint32_t scale = 0, pass = 0;  ///< of the last pass that came
+    bool ended = false;
+    std::string status, error;
+    double seconds = 0;
+    std::map<std::string, uint64_t> generations;
+  };
+
+  void takePixels(const protocol::PixelHeader& header, std::span<const std::byte> data);
+  void takeEvent(const nlohmann::json& event);
+  void takeInfo(const Reply& reply);
+  void fail(const std::string& why);
+  void render(bool moving, Clock::time_point now);
+  bool shownSomething() const;
+
+  const uint32_t passes_;
+  const std::vector<std::string> names_;  ///< of the datasets that are shown
+
+  mutable std::mutex mutex_;
+  std::condition_variable changed_;
+  Canvas canvas_;
+  bool canvasChanged_ = false, loaded_ = false;
+  std::optional<Box> box_;
+  std::string failure_, progress_, renderError_;
+  Frame frame_;  ///< the newest of which something came
+  std::optional<uint64_t>
+      awaited_;         ///< the frame that was asked for last, once the server has said its number
+  bool asked_ = false;  ///< it has not said it yet
+
+  // Of the user's thread.
+  Camera camera_;
+  bool cameraSent_ = false, movingSent_ = true;
+  Clock::time_point moved_{}, sent_{};
+  uint32_t coarsest_ = 4;
+  bool measured_ = true;
+
+  std::unique_ptr<Client> client_;  ///< last, so that it goes first
+};
+
+}  // namespace gxy
