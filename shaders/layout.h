@@ -7,7 +7,8 @@
 #define BLOCK_RAYS 64
 
 // Specialization constants.
-#define SPEC_ADDRESSED 0    // bits ADDRESSED_*: which buffers are read by address, being larger than a binding may be
+#define SPEC_ADDRESSED \
+  0  // bits ADDRESSED_*: which buffers are read by address, being larger than a binding may be
 #define SPEC_SAMPLE_KIND 1  // SAMPLE_* of all volumes, -1: of each its own
 #define SPEC_SCALARS 2      // all volumes have one component
 #define SPEC_SURFACES 3     // bits SURFACE_*: what there is to shade, or of what geometry there is
@@ -70,8 +71,8 @@
 #define PUSH_OPERATOR 1  // of a field; or of several volumes: where the list of them is in the tables
 #define PUSH_COUNT 2     // length of that list
 #define PUSH_TILE 1      // x0, y0, x1, y1, sample
-#define PUSH_ONE 6     // the number 1, which no compiler knows
-#define PUSH_ROUNDS 7  // another number
+#define PUSH_ONE 6       // the number 1, which no compiler knows
+#define PUSH_ROUNDS 7    // another number
 #define PUSH_WORDS 8
 
 // A node of the hierarchy over geometry has four children: 6 x 4 bounds (low x of all, low y, ..., high z), and a word for

@@ -75,7 +75,8 @@ FN real mapOrigin(VOLUME v) { return v.mapOrigin; }
 FN real mapInverse(VOLUME v) { return v.mapInverse; }
 FN int mapBuckets(VOLUME v) { return v.mapBuckets; }
 FN int mapIntervals(VOLUME v) { return v.mapIntervals; }
-#define MAP_SMALL 16  // intervals of maps that are searched by comparing; their nodes are filled up with infinities
+#define MAP_SMALL \
+  16  // intervals of maps that are searched by comparing; their nodes are filled up with infinities
 struct MapPiece {
   real sigma, sigmaStep;
   vec3 color, colorStep;

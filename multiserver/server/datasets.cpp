@@ -69,16 +69,22 @@ void Datasets::addWorks() {
     return nullptr;
   });
   node_.work.add("datasets.commit", [this](const Work::Call& call) -> json {
-    for (const json& update : call.parameters.at("updates")) {
-      const Key key{update.at("key").get<uint64_t>()};
-      if (!node_.objects.contains(key)) continue;  // dropped meanwhile
-      if (call.parameters.at("commit").get<bool>())
-        node_.objects.commit(key, update.at("generation").get<Generation>());
-      else
-        node_.objects.abandon(key);
-    }
+    if (node_.rank() != 0) commitHere(call.parameters);  // rank 0 follows when all have
     return nullptr;
   });
+}
+
+void Datasets::commit(const json& updates) {
+  node_.callAll("datasets.commit", updates);
+  commitHere(updates);
+}
+
+void Datasets::commitHere(const json& updates) {
+  for (const json& update : updates) {
+    const Key key{update.at("key").get<uint64_t>()};
+    if (node_.objects.contains(key))  // else dropped meanwhile
+      node_.objects.commit(key, update.at("generation").get<Generation>());
+  }
 }
 
 json Datasets::infoHere(const json& parameters) const {

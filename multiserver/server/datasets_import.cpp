@@ -149,7 +149,7 @@ json Datasets::importHere(const json& p) {
     d.memory.resize(d.bytes);
   }
 
-  // Objects that exist get a second buffer, which rank 0 commits or abandons; the others are made.
+  // Objects that exist get a second buffer, which is committed when all ranks have theirs; the others are made.
   size_t done = 0;
   try {
     agree(ranks, [&] {
@@ -214,7 +214,7 @@ void Datasets::import(Request& request, const Import& what) {
     imports_.erase(exchange);
   });
   node_.callAll("datasets.import", parameters);
-  if (!updates.empty()) node_.callAll("datasets.commit", {{"updates", updates}, {"commit", true}});
+  if (!updates.empty()) commit(updates);
   for (const auto& [d, key] : added) add(tenant, d->name, what.scope, key, d->type);
   request.progress(int64_t(2 * what.specs.size()), int64_t(2 * what.specs.size()), "done");
 }

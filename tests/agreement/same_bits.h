@@ -8,7 +8,8 @@ namespace gxy::agreement {
 /// Expects the Vulkan backend, on a software device and under the validation layers (core and synchronization), to draw the
 /// scene as the first backend has, depths included, and the layers to have said nothing. Writes both pictures and their
 /// difference (times 8) as NAME_{embree,vulkan,vulkan_difference}.png into the test's temporary folder where they differ.
+/// `longMarches`: see CompareOptions.
 void expectVulkanDrawsTheSame(const Picture& first, const TestScene& scene, uint32_t frameNumber = 0,
-                              int packetRays = 1024);
+                              bool longMarches = false);
 
 }  // namespace gxy::agreement

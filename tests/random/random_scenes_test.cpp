@@ -46,6 +46,7 @@ TEST(RandomScenes, AgreeWithTheReference) {
     const TestScene scene = withoutKnownLimits(randomScene(seed));
     agreement::CompareOptions options;
     options.tolerance = scene.settings.tolerance;
+    options.longMarches = true;
     const agreement::Comparison c = agreement::compare(agreement::embree(), inOnePiece(scene), options);
     pixels += c.pixels;
     flips += c.flips;

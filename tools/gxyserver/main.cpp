@@ -11,10 +11,10 @@
 #include <iostream>
 #include <mutex>
 
+#include "gxy/backends/backends.h"
 #include "gxy/comm/error.h"
 #include "gxy/comm/mpi_environment.h"
 #include "gxy/comm/mpi_transport.h"
-#include "gxy/backends/backends.h"
 #include "gxy/io/replace_file.h"
 #include "gxy/protocol/run_files.h"
 #include "options.h"
