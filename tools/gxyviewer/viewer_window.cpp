@@ -37,40 +37,13 @@ constexpr unsigned long kTickMilliseconds = 10;
 constexpr double kSpinDegreesPerSecond = 30;
 constexpr std::chrono::seconds kNoticeTime{4};
 
-/// VTK's trackball, without the keys that VTK binds to other things. VTK tells every motion event of its queue with the
-/// pointer's newest position, and then repeats the last step: here a position counts once.
+/// VTK's trackball, without the keys that VTK binds to other things.
 class Style : public vtkInteractorStyleTrackballCamera {
  public:
   static Style* New();
   vtkTypeMacro(Style, vtkInteractorStyleTrackballCamera);
   void OnChar() override {}
-  void OnTimer() override {}  // VTK would repeat the last step of a drag
-  void OnMouseMove() override {
-    const glm::ivec2 at = position();
-    if (at == last_) return;
-    Interactor->SetLastEventPosition(last_.x, last_.y);
-    last_ = at;
-    Superclass::OnMouseMove();
-  }
-  void OnLeftButtonDown() override {
-    last_ = position();
-    Superclass::OnLeftButtonDown();
-  }
-  void OnMiddleButtonDown() override {
-    last_ = position();
-    Superclass::OnMiddleButtonDown();
-  }
-  void OnRightButtonDown() override {
-    last_ = position();
-    Superclass::OnRightButtonDown();
-  }
-
- private:
-  glm::ivec2 position() const {
-    return {Interactor->GetEventPosition()[0], Interactor->GetEventPosition()[1]};
-  }
-
-  glm::ivec2 last_{0};
+  void OnTimer() override {}  // VTK would repeat the last step of a drag, at each tick
 };
 vtkStandardNewMacro(Style);
 
