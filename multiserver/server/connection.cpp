@@ -31,8 +31,10 @@ constexpr int kSendBuffer = 256 << 10;  // twice what 20 Mbit/s and 40 ms need; 
 
 }  // namespace
 
-Connection::Connection(Socket socket, Node& node, Options options, Admit admit, Closed closed)
-    : socket_(std::move(socket)),
+Connection::Connection(Socket socket, std::shared_ptr<asio::io_context> context, Node& node, Options options,
+                       Admit admit, Closed closed)
+    : context_(std::move(context)),
+      socket_(std::move(socket)),
       timer_(socket_.get_executor()),
       node_(node),
       options_(options),
@@ -47,8 +49,8 @@ void Connection::start() {
   const std::weak_ptr<Connection> weak = weak_from_this();
   outbox_ = std::make_shared<Outbox>(
       options_.outbox,
-      [weak, executor = socket_.get_executor()] {
-        asio::post(executor, [weak] {
+      [weak, context = context_] {
+        asio::post(*context, [weak] {
           if (const auto self = weak.lock()) self->wake();
         });
       },
@@ -130,8 +132,8 @@ void Connection::hello(std::string_view text) {
   if (!session) return bye(reason);
   session_ = std::move(session);
   const std::weak_ptr<Connection> weak = weak_from_this();
-  session_->onAnswered = [weak, executor = socket_.get_executor()] {
-    asio::post(executor, [weak] {
+  session_->onAnswered = [weak, context = context_] {
+    asio::post(*context, [weak] {
       if (const auto self = weak.lock()) self->read();
     });
   };

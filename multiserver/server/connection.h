@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The socket of one client: handshake, frames in and out, keep-alive.
 #pragma once
+#include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/steady_timer.hpp>
 
@@ -41,7 +42,9 @@ class Connection : public std::enable_shared_from_this<Connection> {
     Outbox::Limits outbox;
   };
 
-  Connection(Socket socket, Node& node, Options options, Admit admit, Closed closed);
+  /// `context`: the socket's. Sessions may have something to say until their last task has ended, so it is shared.
+  Connection(Socket socket, std::shared_ptr<boost::asio::io_context> context, Node& node, Options options,
+             Admit admit, Closed closed);
 
   void start();
   /// Says `bye REASON`, sends what control frames wait, and closes.
@@ -66,6 +69,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
   bool paused() const;
   void wake();
 
+  const std::shared_ptr<boost::asio::io_context> context_;
   Socket socket_;
   boost::asio::steady_timer timer_;
   Node& node_;

@@ -31,9 +31,9 @@ class Server::Impl {
       : node_(node),
         options_(std::move(options)),
         onStop_(std::move(onStop)),
-        acceptor_(context_),
-        signals_(context_),
-        timer_(context_) {
+        acceptor_(*context_),
+        signals_(*context_),
+        timer_(*context_) {
     listen();
     if (options_.signals) {
       signals_.add(SIGINT);
@@ -46,11 +46,11 @@ class Server::Impl {
     node_.stop = [this] { stop(); };
     accept();
     watchIdleness();
-    thread_ = std::thread([this] { context_.run(); });
+    thread_ = std::thread([this] { context_->run(); });
   }
 
   ~Impl() {
-    asio::post(context_, [this] {
+    asio::post(*context_, [this] {
       boost::system::error_code ignored;
       acceptor_.close(ignored);
       signals_.cancel(ignored);
@@ -65,8 +65,10 @@ class Server::Impl {
       std::unique_lock lock(mutex_);
       changed_.wait(lock, [this] { return count_ == 0 && sessionsEnding_ == 0 && ending_; });
     }
-    context_.stop();
+    context_->stop();
     thread_.join();
+    context_->restart();
+    context_->poll();  // what was cancelled: it holds connections, and they hold the context
     node_.clients = [] { return json::array(); };
     node_.stop = [] {};
   }
@@ -109,7 +111,7 @@ class Server::Impl {
         });
       }
       const auto connection = std::make_shared<Connection>(
-          std::move(socket), node_, options_.connection,
+          std::move(socket), context_, node_, options_.connection,
           [this](const protocol::Hello& hello, const std::shared_ptr<Outbox>& outbox,
                  protocol::Welcome& welcome,
                  std::string& reason) { return admit(hello, outbox, welcome, reason); },
@@ -169,7 +171,7 @@ class Server::Impl {
   // From any thread; the sockets' own thread is asked.
   json statistics() {
     const auto list = std::make_shared<std::promise<json>>();
-    asio::post(context_, [this, list] {
+    asio::post(*context_, [this, list] {
       json clients = json::array();
       for (const ConnectionPtr& c : connections_) {
         if (!c->session()) continue;
@@ -212,7 +214,7 @@ class Server::Impl {
   const ServerOptions options_;
   const std::function<void()> onStop_;
   std::atomic<bool> stopped_ = false;
-  asio::io_context context_{1};
+  const std::shared_ptr<asio::io_context> context_ = std::make_shared<asio::io_context>(1);
   tcp::acceptor acceptor_;
   asio::signal_set signals_;
   asio::steady_timer timer_;
