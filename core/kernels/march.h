@@ -205,9 +205,10 @@ FN void integrateVolume(VOLUME v, VolumeRay r, MarchRange m, INOUT(real) begun, 
   begun = R(-1.0);
   if (!meets) return;
   real perCell = R(1.0) / r.cells;
+  real least = r.t1 * R(2.4e-7);  // what moves t on: cells may be smaller than float resolves
   int at = macroAt(v, pointAt(r.g, t));
   int plan = resumes ? planAt(v, at) : 0;
-  real h = planStep(plan) * perCell;
+  real h = max(planStep(plan) * perCell, least);
   int nextAt = macroAt(v, pointAt(r.g, t + h));
   int nextPlan = planAt(v, nextAt);
   real s = R(0.0),
@@ -247,7 +248,7 @@ FN void integrateVolume(VOLUME v, VolumeRay r, MarchRange m, INOUT(real) begun, 
       // rounding may put the point on the other side of a face, and must not when the partition behind resumes here
       if (!byMidpoints(plan)) plan = planAt(v, w.index);
       n.macrocells += 1;
-      h = planStep(plan) * perCell;
+      h = max(planStep(plan) * perCell, least);
       nextAt = macroAt(v, pointAt(r.g, t + h));
       nextPlan = planAt(v, nextAt);
       if (someByCells(v)) {
@@ -261,7 +262,7 @@ FN void integrateVolume(VOLUME v, VolumeRay r, MarchRange m, INOUT(real) begun, 
         if (!free) limit = min(limit, w.t);
       }
     }
-    real nextH = planStep(nextPlan) * perCell;
+    real nextH = max(planStep(nextPlan) * perCell, least);
     bool finer = byMidpoints(nextPlan) && nextH < h;
     real b = min(t + (finer ? nextH : h), limit);
     if (b > m.tOwn) {  // the next partition's
@@ -278,7 +279,7 @@ FN void integrateVolume(VOLUME v, VolumeRay r, MarchRange m, INOUT(real) begun, 
     if (nextAt != at && byMidpoints(nextPlan)) n.macrocells += 1;
     at = nextAt;
     plan = nextPlan;
-    h = planStep(plan) * perCell;
+    h = max(planStep(plan) * perCell, least);
     nextAt = macroAt(v, pointAt(r.g, b + h));
     nextPlan = planAt(v, nextAt);
     addSample(v, s, length, m.tMin, L, n);

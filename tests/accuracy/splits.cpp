@@ -56,6 +56,19 @@ TEST(March, SplitsChangeNoBitWithSmoothMaps) { expectSameBits<float>(MapShape::S
 TEST(March, SplitsChangeNoBitWithSpikyMaps) { expectSameBits<float>(MapShape::Spiky); }
 TEST(March, SplitsChangeNoBitWithSteppedMaps) { expectSameBits<float>(MapShape::Stepped); }
 TEST(March, SplitsChangeNoBitWithNearlyOpaqueMaps) { expectSameBits<float>(MapShape::NearlyOpaque); }
+TEST(March, EndsWhereSegmentsAreShorterThanFloatResolves) {
+  const Field f = sampled(gridOf({1 << 17, 2, 2}, {1, 0.3, 0.3}), [](glm::dvec3) { return 0.5; });
+  const OpacityMap map{true, {{0, 0.7}}};
+  Shown shown;
+  shown.map = CompiledMap({{{0, glm::dvec3(1)}}}, &map, {});
+  shown.plan = evenPlan(f, planOf(256, Integrator::Midpoint));
+  const View<float> view(f, shown);
+  const auto ray = rayIn(view, {{3 * f.grid.origin.x, 0, 0}, {1, 0, 0}});
+  ASSERT_LT(ray.t0, ray.t1);
+  ASSERT_EQ(ray.t0 + 1 / (256 * ray.cells), ray.t0);
+  EXPECT_NEAR(march<float>(view, ray).L.A, -std::expm1(-0.7 * double(ray.t1 - ray.t0)), 1e-3);
+}
+
 TEST(March, SplitsChangeNoBitInTheTwin) { expectSameBits<double>(MapShape::Smooth); }
 
 }  // namespace
