@@ -98,7 +98,7 @@ Encoding encodingOf(ScalarType type, int components, const Range& range) {
   return encoding;
 }
 
-std::vector<std::byte> convert(std::span<const std::byte> values, ScalarType type, const Encoding& encoding) {
+Samples convert(std::span<const std::byte> values, ScalarType type, const Encoding& encoding) {
   if (values.size() % bytesOf(type) != 0) {
     throw Error("samples: " + std::to_string(values.size()) + " bytes of " + nameOf(type) +
                 ", expected a multiple of " + std::to_string(bytesOf(type)));
@@ -112,7 +112,7 @@ std::vector<std::byte> convert(std::span<const std::byte> values, ScalarType typ
     using T = decltype(t);
     using Wide = std::conditional_t<std::is_integral_v<T> && sizeof(T) == 8, long double, double>;
     const size_t count = values.size() / sizeof(T);
-    std::vector<std::byte> stored(count * sizeof(float));
+    Samples stored(count * sizeof(float));
     const Wide shift = encoding.shift, scale = encoding.scale;
     for (size_t i = 0; i < count; ++i) {
       T value;

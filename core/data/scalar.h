@@ -4,9 +4,9 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
-#include <vector>
 
 #include "gxy/data/box.h"
+#include "gxy/space/large_vector.h"
 
 namespace gxy {
 
@@ -71,9 +71,12 @@ struct Encoding {
 /// (after the shift) stay exact.
 Encoding encodingOf(ScalarType type, int components, const Range& range);
 
+/// Samples of a volume in their stored type, as bytes.
+using Samples = LargeVector<std::byte>;
+
 /// Values of `type` as `encoding` stores them: (value - shift) / scale, computed in double (long double for
 /// 64-bit integers) and rounded once more. NaN and infinities stay what they are. Throws Error if the size of
 /// `values` is no multiple of the type's, or a type that is not wide would change.
-std::vector<std::byte> convert(std::span<const std::byte> values, ScalarType type, const Encoding& encoding);
+Samples convert(std::span<const std::byte> values, ScalarType type, const Encoding& encoding);
 
 }  // namespace gxy

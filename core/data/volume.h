@@ -68,7 +68,7 @@ struct Macrocell {
 /// The samples of one partition: ghosts included, x fastest, components interleaved, stored type.
 struct VolumeBlock {
   Extent extent;
-  std::vector<std::byte> samples;
+  Samples samples;
 
   /// Macrocells that the extent touches: global index of the first and their number per axis, x fastest.
   /// Summaries are those of the *whole* macrocell, merged over all partitions that it crosses; one array per

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "gxy/rays/ray_list.h"
+#include "gxy/space/large_vector.h"
 
 namespace gxy {
 
@@ -37,7 +38,7 @@ class Framebuffer {
  private:
   int width_, height_, samples_;
   mutable std::mutex mutex_;
-  std::vector<int64_t> sums_;  ///< 4 per pixel, unit 2^-26
+  LargeVector<int64_t> sums_;  ///< 4 per pixel, unit 2^-26
   std::vector<double> depth_;
 };
 

@@ -101,7 +101,7 @@ TestScene moved(const TestScene& from, double factor, glm::dvec3 shift) {
 
 namespace {
 
-std::shared_ptr<Volume> finished(const Grid& grid, std::vector<std::byte> samples, ScalarType type,
+std::shared_ptr<Volume> finished(const Grid& grid, Samples samples, ScalarType type,
                                  Encoding encoding) {
   auto volume = std::make_shared<Volume>();
   const FieldStatistics statistics = statisticsOf(samples, type, 1);
@@ -119,8 +119,8 @@ std::shared_ptr<Volume> finished(const Grid& grid, std::vector<std::byte> sample
 }
 
 template <class T>
-std::vector<std::byte> sampled(const Grid& grid, const FieldFunction& field) {
-  std::vector<std::byte> samples(size_t(grid.points[0] * grid.points[1] * grid.points[2]) * sizeof(T));
+Samples sampled(const Grid& grid, const FieldFunction& field) {
+  Samples samples(size_t(grid.points[0] * grid.points[1] * grid.points[2]) * sizeof(T));
   std::byte* out = samples.data();
   for (int64_t k = 0; k < grid.points[2]; k++)
     for (int64_t j = 0; j < grid.points[1]; j++)

@@ -20,7 +20,7 @@ std::span<const std::byte> bytes(const std::vector<T>& values) {
 
 template <typename T>
 std::vector<float> stored(const std::vector<T>& values, ScalarType type, const Encoding& encoding) {
-  const std::vector<std::byte> samples = convert(bytes(values), type, encoding);
+  const Samples samples = convert(bytes(values), type, encoding);
   std::vector<float> f(samples.size() / sizeof(float));
   std::memcpy(f.data(), samples.data(), samples.size());
   return f;
@@ -90,7 +90,7 @@ TEST(Convert, NarrowTypesAreKept) {
   const std::vector<uint16_t> values{1, 65535, 7};
   const Encoding e = encodingOf(ScalarType::UInt16, 1, {1, 65535});
   EXPECT_EQ(e, (Encoding{ScalarType::UInt16, 0, 1}));
-  const std::vector<std::byte> kept = convert(bytes(values), ScalarType::UInt16, e);
+  const Samples kept = convert(bytes(values), ScalarType::UInt16, e);
   EXPECT_EQ(std::memcmp(kept.data(), values.data(), 6), 0);
   EXPECT_THROW(convert(bytes(values), ScalarType::UInt16, {ScalarType::Float32, 0, 1}), Error);
   EXPECT_THROW(convert(bytes(values).first(5), ScalarType::UInt16, e), Error);

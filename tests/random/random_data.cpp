@@ -62,8 +62,8 @@ Grid randomGrid(Choices& choose) {
 }
 
 template <class T>
-std::vector<std::byte> bytesOf(const std::vector<double>& values) {
-  std::vector<std::byte> out(values.size() * sizeof(T));
+Samples bytesOf(const std::vector<double>& values) {
+  Samples out(values.size() * sizeof(T));
   for (size_t i = 0; i < values.size(); i++) {
     const T x = T(std::is_integral_v<T> ? std::round(values[i]) : values[i]);
     std::memcpy(out.data() + i * sizeof(T), &x, sizeof(T));

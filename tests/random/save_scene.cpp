@@ -15,7 +15,7 @@ namespace {
 void save(const WholeVolume& volume, const std::string& path) {
   const bool encoded = volume.shift != 0 || volume.scale != 1;
   const ScalarType type = encoded ? ScalarType::Float64 : volume.stored;
-  std::vector<std::byte> samples = volume.samples;
+  Samples samples = volume.samples;
   if (encoded) {
     const size_t n = samples.size() / sizeof(float);
     samples.resize(n * sizeof(double));

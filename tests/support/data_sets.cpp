@@ -23,10 +23,10 @@ WholeVolume sampledAs(ScalarType type, const Grid& grid, const std::function<T(g
   return whole;
 }
 
-std::vector<std::byte> samplesOf(const WholeVolume& whole, const Extent& e) {
+Samples samplesOf(const WholeVolume& whole, const Extent& e) {
   const size_t point = bytesOf(whole.stored) * size_t(whole.components);
   const size_t row = size_t(e.points[0]) * point;
-  std::vector<std::byte> out(size_t(e.count()) * point);
+  Samples out(size_t(e.count()) * point);
   std::byte* to = out.data();
   for (int64_t z = e.first[2]; z < e.first[2] + e.points[2]; z++)
     for (int64_t y = e.first[1]; y < e.first[1] + e.points[1]; y++, to += row) {

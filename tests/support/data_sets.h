@@ -17,7 +17,7 @@ struct WholeVolume {
   Grid grid;
   ScalarType stored = ScalarType::Float32;
   int components = 1;
-  std::vector<std::byte> samples;
+  Samples samples;
   double shift = 0, scale = 1;
 };
 

@@ -33,8 +33,8 @@ class Hash {
     }
     for (; bytes > 0; p++, bytes--) step(*p);
   }
-  template <class T>
-  void add(const std::vector<T>& v) {
+  template <class T, class Allocator>
+  void add(const std::vector<T, Allocator>& v) {
     step(v.size());
     add(v.data(), v.size() * sizeof(T));
   }
