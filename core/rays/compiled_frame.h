@@ -14,6 +14,7 @@ struct CompiledFrame {
   CameraBasis basis;  ///< lengths in render space
   int width = 0, height = 0;
   int samples = 1;      ///< rays per pixel
+  int firstSample = 0;  ///< the first one's index: another one continues the sequence of sub-pixel positions
   uint32_t number = 0;  ///< continues the ambient-occlusion sequence
   bool depth = false;   ///< hit distances are wanted
   double worldPerRender = 1;

@@ -35,16 +35,25 @@ bool Framebuffer::addDepths(std::span<const DepthContribution> depths) {
 
 Picture Framebuffer::picture(const glm::dvec4& background) const {
   std::lock_guard lock(mutex_);
-  Picture picture{width_, height_, std::vector<float>(sums_.size()), depth_};
-  const double unit = 1.0 / (double(CONTRIBUTION_ONE) * samples_);
-  for (size_t i = 0; i < sums_.size(); i += 4) {
-    const double alpha = std::clamp(double(sums_[i + 3]) * unit, 0.0, 1.0);
+  return {width_, height_, pixelsOf(sums_, samples_, background), depth_, {}, samples_};
+}
+
+Picture Framebuffer::sums() const {
+  std::lock_guard lock(mutex_);
+  return {width_, height_, {}, depth_, sums_, samples_};
+}
+
+std::vector<float> pixelsOf(std::span<const int64_t> sums, int samples, const glm::dvec4& background) {
+  std::vector<float> rgba(sums.size());
+  const double unit = 1.0 / (double(CONTRIBUTION_ONE) * samples);
+  for (size_t i = 0; i < sums.size(); i += 4) {
+    const double alpha = std::clamp(double(sums[i + 3]) * unit, 0.0, 1.0);
     const double behind = (1 - alpha) * background.a;
-    for (int k = 0; k < 3; k++)
-      picture.rgba[i + k] = float(std::max(double(sums_[i + k]) * unit, 0.0) + behind * background[k]);
-    picture.rgba[i + 3] = float(alpha + behind);
+    for (size_t k = 0; k < 3; k++)
+      rgba[i + k] = float(std::max(double(sums[i + k]) * unit, 0.0) + behind * background[int(k)]);
+    rgba[i + 3] = float(alpha + behind);
   }
-  return picture;
+  return rgba;
 }
 
 }  // namespace gxy

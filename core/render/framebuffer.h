@@ -16,8 +16,19 @@ namespace gxy {
 struct Picture {
   int width = 0, height = 0;
   std::vector<float> rgba;
-  std::vector<double> depth;
+  std::vector<double> depth{};
+  std::vector<int64_t>
+      sums{};       ///< where asked for, instead of `rgba`: 4 per pixel, unit 1 / CONTRIBUTION_ONE
+  int samples = 1;  ///< that are in the sums, of each pixel
+
+  size_t bytes() const {
+    return rgba.size() * sizeof(float) + depth.size() * sizeof(double) + sums.size() * sizeof(int64_t);
+  }
 };
+
+/// The picture that sums make: their mean over samples, in front of `background` (premultiplied by its alpha here), clamped
+/// to [0, inf): a frame that is not complete may lack what a subtraction takes from.
+std::vector<float> pixelsOf(std::span<const int64_t> sums, int samples, const glm::dvec4& background);
 
 /// Integer accumulators of all pixels: sums do not depend on the order of arrival. Thread safe. 32 bytes a pixel, 8 more
 /// with depth.
@@ -29,9 +40,9 @@ class Framebuffer {
   bool add(std::span<const Contribution> contributions);
   bool addDepths(std::span<const DepthContribution> depths);
 
-  /// What has arrived so far, mean over samples, in front of `background` (premultiplied by its alpha here), clamped to
-  /// [0, inf): a frame that is not complete may lack what a subtraction takes from.
+  /// What has arrived so far: pixelsOf its sums, or the sums themselves.
   Picture picture(const glm::dvec4& background) const;
+  Picture sums() const;
 
   size_t bytes() const { return sums_.size() * sizeof(sums_[0]) + depth_.size() * sizeof(double); }
 

@@ -18,7 +18,7 @@ enum class FrameMessage : uint8_t { Start, Cancel, Finish, Delivered };
 
 void writeRequest(Writer& w, const FrameRequest& r) {
   const Camera& c = r.camera;
-  w.write(r.scene).write(r.number).write(r.depth).write(r.window).write(r.share.tenant);
+  w.write(r.scene).write(r.firstSample).write(r.depth).write(r.sums).write(r.window).write(r.share.tenant);
   w.write(r.share.interactive).write(r.note);
   w.write(c.viewpoint)
       .write(c.viewdirection)
@@ -32,8 +32,9 @@ FrameRequest readRequest(Reader& in) {
   FrameRequest r;
   Camera& c = r.camera;
   r.scene = in.read<SceneId>();
-  r.number = in.read<uint32_t>();
+  r.firstSample = in.read<int32_t>();
   r.depth = in.read<bool>();
+  r.sums = in.read<bool>();
   r.window = in.read<uint64_t>();
   r.share.tenant = in.read<uint32_t>();
   r.share.interactive = in.read<bool>();
@@ -295,7 +296,8 @@ void Renderer::start(FrameId id, FrameRequest request, const Bytes& message) {
     frame->scene = scene->second;
   }
   const CompiledScene& scene = *frame->scene.compiled;
-  const CompiledFrame compiled = compileFrame(scene, request.camera, request.number, request.depth);
+  CompiledFrame compiled = compileFrame(scene, request.camera, 0, request.depth);
+  compiled.firstSample = request.firstSample;
   frame->device = frame->scene.device->makeFrame(compiled);
   const Lighting& lighting = scene.visualization.lighting;
   frame->limits = limitsOf(scene, compiled);
@@ -369,9 +371,10 @@ void Renderer::deliver(const FramePtr& frame, bool superseded) {
     handler = pictureHandler_;
   }
   if (!handler || superseded) return;
-  Picture picture = frame->framebuffer->picture(frame->scene.compiled->settings.background);
-  const LedgerEntry memory = pictureMemory_.another(
-      int64_t(picture.rgba.size() * sizeof(float) + picture.depth.size() * sizeof(double)));
+  Picture picture = frame->request.sums
+                        ? frame->framebuffer->sums()
+                        : frame->framebuffer->picture(frame->scene.compiled->settings.background);
+  const LedgerEntry memory = pictureMemory_.another(int64_t(picture.bytes()));
   handler(frame->id, frame->request, std::move(picture));
 }
 

@@ -27,8 +27,10 @@ using FrameId = uint64_t;
 struct FrameRequest {
   SceneId scene = 0;
   Camera camera;
-  uint32_t number = 0;  ///< of the frame in its window: continues the ambient-occlusion sequence
+  int32_t firstSample =
+      0;  ///< index of a pixel's first ray: pictures of other samples add up to one of all of them
   bool depth = false;
+  bool sums = false;    ///< the picture is handed out as its sums, without `rgba`
   uint64_t window = 0;  ///< not 0: a newer frame of the same window supersedes this one
   Share share;          ///< who goes first
   std::string note;     ///< of the one who asks, for the picture handler

@@ -67,7 +67,7 @@ TileList tilesOf(const CompiledScene& scene, const CompiledFrame& frame, int ran
     seen.push_back(project(frame, lo, hi));
   }
   TileList list;
-  for (int sample = frame.samples - 1; sample >= 0; sample--)
+  for (int sample = frame.firstSample + frame.samples - 1; sample >= frame.firstSample; sample--)
     for (int y = (frame.height - 1) / kTile * kTile; y >= 0; y -= kTile)
       for (int x = (frame.width - 1) / kTile * kTile; x >= 0; x -= kTile) {
         const Tile tile{x, y, std::min(x + kTile, frame.width), std::min(y + kTile, frame.height), sample};

@@ -26,7 +26,7 @@ PixelHeader pixelHeader(std::span<const std::byte> record) {
   const bool fits = tile ? h.w >= 1 && h.h >= 1 && h.w <= kTileSide && h.h <= kTileSide && h.x <= h.width &&
                                h.y <= h.height && h.w <= h.width - h.x && h.h <= h.height - h.y
                          : (h.x | h.y | h.w | h.h) == 0;
-  if (h.kind < PixelKind::Tile || h.kind > PixelKind::EndOfFrame || h.encoding > PixelEncoding::Jpeg ||
+  if (h.kind < PixelKind::Tile || h.kind > PixelKind::EndOfFrame || h.encoding > PixelEncoding::Zlib ||
       h.format > PixelFormat::Rgb8 || h.scale == 0 || h.size != record.size() - sizeof h || !fits)
     throw Error("pixel record of window " + std::to_string(h.window) + ", frame " + std::to_string(h.frame) +
                 ": its header is not one that a server sends");

@@ -9,7 +9,7 @@
 namespace gxy::protocol {
 
 enum class PixelKind : uint32_t { Tile = 1, EndOfPass = 2, EndOfFrame = 3 };
-enum class PixelEncoding : uint16_t { Raw = 0, Zstd = 1, Jpeg = 2 };
+enum class PixelEncoding : uint16_t { Raw = 0, Zstd = 1, Jpeg = 2, Zlib = 3 };
 enum class PixelFormat : uint16_t { Rgba8 = 0, Rgb8 = 1 };
 
 inline constexpr uint32_t kTileSide = 256;

@@ -8,6 +8,7 @@
 #include <string>
 
 #include <jpeglib.h>
+#include <zlib.h>
 #include <zstd.h>
 
 #include "gxy/comm/error.h"
@@ -16,6 +17,7 @@ namespace gxy::protocol {
 
 namespace {
 
+constexpr int kZlibLevel = 1;
 constexpr int kZstdLevel = 1;  // a tile of 256 KiB in well under a millisecond
 
 // libjpeg ends the process on an error unless its handler does not return.
@@ -91,12 +93,37 @@ std::vector<uint8_t> decodeJpeg(const PixelHeader& header, std::span<const std::
   return pixels;
 }
 
+Bytes encodeZlib(std::span<const std::byte> bytes) {
+  uLongf size = compressBound(uLong(bytes.size()));
+  Bytes out(size);
+  if (compress2(reinterpret_cast<Bytef*>(out.data()), &size, reinterpret_cast<const Bytef*>(bytes.data()),
+                uLong(bytes.size()), kZlibLevel) != Z_OK)
+    throw Error("zlib: a tile of " + std::to_string(bytes.size()) + " bytes cannot be compressed");
+  out.resize(size);
+  return out;
+}
+
+// Both: the bytes that came out, at most as many as there is room for.
+size_t decodeZlib(std::span<const std::byte> data, std::span<uint8_t> pixels) {
+  uLongf size = uLongf(pixels.size());
+  const int status =
+      uncompress(pixels.data(), &size, reinterpret_cast<const Bytef*>(data.data()), uLong(data.size()));
+  if (status != Z_OK) throw Error("zlib data of a tile: they are broken, or too many");
+  return size;
+}
+size_t decodeZstd(std::span<const std::byte> data, std::span<uint8_t> pixels) {
+  const size_t size = ZSTD_decompress(pixels.data(), pixels.size(), data.data(), data.size());
+  if (ZSTD_isError(size)) throw Error(std::string("zstd data of a tile: ") + ZSTD_getErrorName(size));
+  return size;
+}
+
 }  // namespace
 
 Bytes encodeTile(std::span<const uint8_t> rgba, uint32_t w, uint32_t h, PixelEncoding encoding, int quality) {
   if (encoding == PixelEncoding::Jpeg) return encodeJpeg(rgba, w, h, quality);
   const auto bytes = std::as_bytes(rgba);
   if (encoding == PixelEncoding::Raw) return Bytes(bytes.begin(), bytes.end());
+  if (encoding == PixelEncoding::Zlib) return encodeZlib(bytes);
   Bytes out(ZSTD_compressBound(bytes.size()));
   const size_t size = ZSTD_compress(out.data(), out.size(), bytes.data(), bytes.size(), kZstdLevel);
   if (ZSTD_isError(size)) throw Error(std::string("zstd: ") + ZSTD_getErrorName(size));
@@ -115,8 +142,8 @@ TilePixels decodeTile(const PixelHeader& header, std::span<const std::byte> data
   if (header.encoding == PixelEncoding::Raw) {
     if (size == expected && expected) std::memcpy(tile.bytes.data(), data.data(), expected);
   } else {
-    size = ZSTD_decompress(tile.bytes.data(), expected, data.data(), data.size());
-    if (ZSTD_isError(size)) throw Error(std::string("zstd data of a tile: ") + ZSTD_getErrorName(size));
+    size =
+        header.encoding == PixelEncoding::Zlib ? decodeZlib(data, tile.bytes) : decodeZstd(data, tile.bytes);
   }
   if (size != expected)
     throw Error("tile: " + std::to_string(size) + " bytes of pixels, expected " + std::to_string(expected));

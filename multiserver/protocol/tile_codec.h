@@ -15,7 +15,7 @@ struct TilePixels {
   std::vector<uint8_t> bytes;
 };
 
-/// Data of a tile of w x h RGBA pixels. Raw and Zstd are lossless; Jpeg drops alpha after putting the pixels over black,
+/// Data of a tile of w x h RGBA pixels. Jpeg alone is not lossless: it drops alpha after putting the pixels over black,
 /// `quality` 1 to 100. Thread safe.
 Bytes encodeTile(std::span<const uint8_t> rgba, uint32_t w, uint32_t h, PixelEncoding encoding, int quality);
 

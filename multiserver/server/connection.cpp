@@ -2,6 +2,7 @@
 #include "gxy/server/connection.h"
 
 #include <linux/sockios.h>
+#include <netinet/tcp.h>
 #include <sys/ioctl.h>
 
 #include <boost/asio/post.hpp>
@@ -28,6 +29,7 @@ FrameReader::Rules helloRules() {
 }
 
 constexpr int kSendBuffer = 256 << 10;  // twice what 20 Mbit/s and 40 ms need; more would only be latency
+constexpr int kUnsent = 64 << 10;  // that the system takes before it has sent it: it can no longer be dropped
 
 }  // namespace
 
@@ -46,6 +48,7 @@ void Connection::start() {
   boost::system::error_code ignored;
   socket_.set_option(asio::ip::tcp::no_delay(true), ignored);
   socket_.set_option(asio::socket_base::send_buffer_size(kSendBuffer), ignored);
+  ::setsockopt(socket_.native_handle(), IPPROTO_TCP, TCP_NOTSENT_LOWAT, &kUnsent, sizeof kUnsent);
   const std::weak_ptr<Connection> weak = weak_from_this();
   outbox_ = std::make_shared<Outbox>(
       options_.outbox,

@@ -84,6 +84,7 @@ bool Outbox::event(const nlohmann::json& event) {
 // Ends of frames stay: each is promised to come.
 void Outbox::dropTilesOf(Window& window, bool endsOfPassesToo) {
   std::deque<Frame> kept;
+  if (endsOfPassesToo) window.sent = nullptr;
   for (Frame& frame : window.records) {
     const PixelKind kind = kindOf(frame);
     if (kind == PixelKind::EndOfFrame || (kind == PixelKind::EndOfPass && !endsOfPassesToo)) {
@@ -97,7 +98,7 @@ void Outbox::dropTilesOf(Window& window, bool endsOfPassesToo) {
   window.records = std::move(kept);
 }
 
-bool Outbox::pixels(Bytes record) {
+bool Outbox::pixels(Bytes record, std::function<void()> sent) {
   const protocol::PixelHeader header = protocol::pixelHeader(record);
   {
     const std::lock_guard lock(mutex_);
@@ -116,6 +117,7 @@ bool Outbox::pixels(Bytes record) {
         return false;
       }
     }
+    if (sent) window.sent = std::move(sent);
     pixelBytes_ += record.size();
     if (header.kind == PixelKind::EndOfFrame)
       textBytes_ += record.size();  // they too make a client congested
@@ -155,6 +157,13 @@ Outbox::Frame Outbox::taken(std::deque<Frame>& queue) {
 }
 
 std::optional<Outbox::Frame> Outbox::next() {
+  std::function<void()> sent;
+  std::optional<Frame> frame = takeNext(sent);
+  if (sent) sent();
+  return frame;
+}
+
+std::optional<Outbox::Frame> Outbox::takeNext(std::function<void()>& sent) {
   const std::lock_guard lock(mutex_);
   if (closed_) return std::nullopt;
   if (!control_.empty()) return taken(control_);
@@ -178,6 +187,7 @@ std::optional<Outbox::Frame> Outbox::next() {
     pixelBytes_ -= first.payload.size();
     const PixelKind kind = kindOf(first);
     counters_.tilesSent += kind == PixelKind::Tile;
+    if (kind == PixelKind::EndOfPass) sent = std::exchange(window->second.sent, nullptr);
     if (kind == PixelKind::EndOfFrame) textBytes_ -= first.payload.size();
     Frame frame = taken(window->second.records);
     if (window->second.records.empty() && kind == PixelKind::EndOfFrame) windows_.erase(window);

@@ -41,7 +41,9 @@ class Outbox {
 
   /// A record of pixel_record.h. A tile of another frame, or of another pass of the same level, than the last of its window
   /// drops the window's older tiles. False: the tile was dropped, since too much waits.
-  bool pixels(Bytes record);
+  /// `sent`, of the end of a pass, is called (on the thread of next()) when this record or a later one of its kind has been
+  /// taken; not if it was dropped. A window has one at a time.
+  bool pixels(Bytes record, std::function<void()> sent = {});
   /// Drops the tiles of a window.
   void dropTiles(uint32_t window);
 
@@ -67,12 +69,14 @@ class Outbox {
     std::deque<Frame> records;
     uint64_t frame = 0;
     uint32_t scale = 0, pass = 0;
+    std::function<void()> sent;  ///< of an end of a pass that waits
   };
 
   void add(std::deque<Frame>& queue, Frame frame);
   void dropTilesOf(Window& window, bool endsOfPassesToo);
   void account(int64_t bytes);
   Frame taken(std::deque<Frame>& queue);
+  std::optional<Frame> takeNext(std::function<void()>& sent);
 
   const Limits limits_;
   const std::function<void()> wake_;

@@ -16,9 +16,9 @@ using protocol::PixelKind;
 
 namespace {
 
-constexpr std::chrono::milliseconds kRest{250};             // without a new camera: it rests
-constexpr std::chrono::milliseconds kSlow{120}, kFast{30};  // from a camera to the first of its pixels
-constexpr uint32_t kCoarsest = 16;
+constexpr std::chrono::milliseconds kRest{250};  // without a new camera: it rests
+constexpr size_t kUnderWay = 2;                  // frames of a moving camera
+constexpr uint64_t kMeasurable = 8 << 10;        // bytes that say how fast the link is
 constexpr const char* kWindow = "1";
 
 json cameraJson(const Camera& camera) {
@@ -43,7 +43,7 @@ std::string statement(const std::string& verb, const json& argument) {
 }  // namespace
 
 RemoteWindow::RemoteWindow(Client::Options options, const State& state, uint32_t passes)
-    : passes_(state.visualizations.at(0).lighting.aoCount > 0 ? passes : 1),
+    : passes_(passes),
       names_(namesOf(state)),
       canvas_(state.cameras.at(0).dimensions),
       camera_(state.cameras.at(0)) {
@@ -84,28 +84,64 @@ void RemoteWindow::takeInfo(const Reply& reply) {
 }
 
 void RemoteWindow::takePixels(const PixelHeader& header, std::span<const std::byte> data) {
+  const auto now = Clock::now();
   const std::lock_guard lock(mutex_);
+  statistics_.bytes += data.size();
   if (header.frame < frame_.number) return;
   if (header.frame > frame_.number) {
     frame_ = {};
     frame_.number = header.frame;
   }
+  const auto text = [&] {
+    return protocol::parseObject({reinterpret_cast<const char*>(data.data()), data.size()}, "frame");
+  };
   if (header.kind == PixelKind::EndOfFrame) {
-    const json end =
-        protocol::parseObject({reinterpret_cast<const char*>(data.data()), data.size()}, "frame");
+    const json end = text();
     frame_.ended = true;
     frame_.status = end.at("status");
     frame_.error = end.value("error", "");
     frame_.seconds = end.at("seconds");
     frame_.generations = end.at("generations").get<std::map<std::string, uint64_t>>();
+    forgetUntil(header.frame);
   } else {
+    if (header.kind == PixelKind::Tile && !frame_.shown) {
+      if (frame_.bytes == 0) frame_.begin = now, frame_.firstBytes = data.size();
+      frame_.bytes += data.size();
+    }
     canvasChanged_ |= canvas_.take(header, data);
     if (header.kind == PixelKind::EndOfPass) {
       frame_.scale = header.scale;
       frame_.pass = header.pass;
+      if (!frame_.shown) showFirst(text());
     }
   }
   changed_.notify_all();
+}
+
+// The newest frame's first pass has come; `pass`: what its end says.
+void RemoteWindow::showFirst(const json& pass) {
+  const auto now = Clock::now();
+  frame_.shown = true;
+  statistics_.frames++;
+  statistics_.passBytes = frame_.bytes;
+  const auto asked = std::find_if(asked_.begin(), asked_.end(),
+                                  [this](const Asked& a) { return a.number == frame_.number; });
+  if (asked != asked_.end()) {
+    statistics_.firstPixels = std::chrono::duration<double>(now - asked->at).count();
+    if (asked->moving) {
+      Pace::Pass took{*asked->moving, pass.at("seconds"), frame_.bytes, {}};
+      const double seconds = std::chrono::duration<double>(now - frame_.begin).count();
+      const uint64_t bytes = frame_.bytes - frame_.firstBytes;
+      if (bytes >= kMeasurable && seconds > 0) took.bytesPerSecond = double(bytes) / seconds;
+      pace_.take(took);
+    }
+  }
+  forgetUntil(frame_.number);
+}
+
+void RemoteWindow::forgetUntil(uint64_t frame) {
+  newest_ = std::max(newest_, frame);
+  std::erase_if(asked_, [&](const Asked& a) { return a.number && *a.number <= frame; });
 }
 
 void RemoteWindow::takeEvent(const json& event) {
@@ -126,6 +162,7 @@ void RemoteWindow::resize(glm::ivec2 size) {
   {
     const std::lock_guard lock(mutex_);
     if (size == canvas_.size()) return;
+    pace_.resized(double(size.x) * size.y / (double(canvas_.size().x) * canvas_.size().y));
     canvas_.resize(size);
     canvasChanged_ = true;
   }
@@ -138,59 +175,56 @@ void RemoteWindow::resize(glm::ivec2 size) {
   });
 }
 
-// Of the frame that was asked for last, or of one after it.
-bool RemoteWindow::shownSomething() const {
-  return !asked_ && (!awaited_ || frame_.number > *awaited_ ||
-                     (frame_.number == *awaited_ && (frame_.scale > 0 || frame_.ended)));
-}
-
 void RemoteWindow::update(Clock::time_point now) {
+  size_t underWay;
   {
     const std::lock_guard lock(mutex_);
-    if (!loaded_ || !failure_.empty() || !shownSomething()) return;
+    if (!loaded_ || !failure_.empty()) return;
+    underWay = asked_.size();
   }
-  if (!measured_) {
-    measured_ = true;
-    if (now - sent_ > kSlow) coarsest_ = std::min(coarsest_ * 2, kCoarsest);
-    if (now - sent_ < kFast) coarsest_ = std::max(coarsest_ / 2, 2u);
-  }
-  if (!cameraSent_)
+  if (!cameraSent_ && underWay < kUnderWay)
     render(true, now);
-  else if (movingSent_ && now - moved_ >= kRest)
+  else if (cameraSent_ && movingSent_ && underWay == 0 && now - moved_ >= kRest)
     render(false, now);
 }
 
 void RemoteWindow::render(bool moving, Clock::time_point now) {
   json options{{"Camera", cameraJson(camera_)}};
-  if (moving) {
-    json levels = json::array();
-    for (uint32_t scale = coarsest_; scale > 1; scale /= 4) levels.push_back(scale);
-    levels.push_back(1);
-    options["levels"] = levels;
-    options["encoding"] = "jpeg";
-    options["quality"] = coarsest_ == kCoarsest ? 50 : 80;
-  } else {
-    options["levels"] = {1};
-    options["passes"] = passes_;
+  {
+    const std::lock_guard lock(mutex_);
+    Asked& asked = asked_.emplace_back(Asked{now, {}, {}});
+    if (moving) {
+      asked.moving = statistics_.detail = pace_.choose();
+      options["levels"] = {asked.moving->scale};
+      options["encoding"] = "jpeg";
+      options["quality"] = asked.moving->quality;
+      options["wait"] = movingSent_;  // what is made of a camera that rests is not waited for
+    } else {
+      const uint32_t scale = statistics_.detail.scale;
+      options["levels"] = statistics_.frames > 0 && scale > 1 ? json{scale, 1} : json{1};
+      options["passes"] = passes_;
+    }
+    renderError_.clear();
   }
   cameraSent_ = true;
   movingSent_ = moving;
-  measured_ = !moving;
-  sent_ = now;
-  {
-    const std::lock_guard lock(mutex_);
-    asked_ = true;
-    renderError_.clear();
+  client_->send(statement("viewer.render", options), [this](const Reply& reply) { takeNumber(reply); });
+}
+
+// Replies come in the order of the requests.
+void RemoteWindow::takeNumber(const Reply& reply) {
+  const std::lock_guard lock(mutex_);
+  const auto asked = std::find_if(asked_.begin(), asked_.end(), [](const Asked& a) { return !a.number; });
+  if (reply.ok) {
+    asked->number = reply.value.at("frame").get<uint64_t>();
+    // Pixels may overtake replies.
+    if (frame_.shown || frame_.ended) forgetUntil(frame_.number);
+    newest_ = std::max(newest_, *asked->number);
+  } else {
+    asked_.erase(asked);
+    renderError_ = reply.error;
   }
-  client_->send(statement("viewer.render", options), [this](const Reply& reply) {
-    const std::lock_guard lock(mutex_);
-    asked_ = false;
-    if (reply.ok)
-      awaited_ = reply.value.at("frame").get<uint64_t>();
-    else
-      renderError_ = reply.error;
-    changed_.notify_all();
-  });
+  changed_.notify_all();
 }
 
 bool RemoteWindow::loaded() const {
@@ -225,7 +259,7 @@ std::string RemoteWindow::status() const {
   if (!renderError_.empty()) return "error: " + renderError_;
   if (frame_.number == 0) return "waiting for the first picture ...";
   if (frame_.ended && frame_.status == "failed") return "error: " + frame_.error;
-  if (!frame_.ended && frame_.scale != 1) return "rendering ...";
+  if (frame_.scale != 1) return "rendering ...";
   if (!frame_.ended)
     return "refining: " + std::to_string(frame_.pass + 1) + " of " + std::to_string(passes_) + " passes";
   std::string text(32, '\0');
@@ -233,6 +267,14 @@ std::string RemoteWindow::status() const {
   for (const auto& [name, generation] : frame_.generations)
     if (generation > 1) text += ", " + name + ": generation " + std::to_string(generation);
   return text;
+}
+
+RemoteWindow::Statistics RemoteWindow::statistics() const {
+  const std::lock_guard lock(mutex_);
+  Statistics statistics = statistics_;
+  statistics.passes = frame_.scale == 1 ? frame_.pass + 1 : 0;
+  statistics.ended = frame_.ended && frame_.number == newest_ && asked_.empty();
+  return statistics;
 }
 
 void RemoteWindow::waitUntilLoaded() {
@@ -246,7 +288,7 @@ void RemoteWindow::renderWhole() {
   std::unique_lock lock(mutex_);
   changed_.wait(lock, [this] {
     return !failure_.empty() || !renderError_.empty() ||
-           (!asked_ && awaited_ && frame_.number >= *awaited_ && frame_.ended);
+           (asked_.empty() && newest_ > 0 && frame_.number == newest_ && frame_.ended);
   });
   if (!failure_.empty()) throw Error(failure_);
   if (!renderError_.empty()) throw Error(renderError_);

@@ -4,6 +4,7 @@
 #include <array>
 #include <chrono>
 #include <condition_variable>
+#include <deque>
 #include <functional>
 #include <map>
 #include <memory>
@@ -15,13 +16,14 @@
 #include "canvas.h"
 #include "gxy/client/client.h"
 #include "gxy/scene/scene.h"
+#include "pace.h"
 
 namespace gxy {
 
-/// While the camera moves, frames are JPEG and coarse first; the next is asked for as soon as something of the last one
-/// is shown, so the rate follows the server and the link, and the coarsest level follows the rate. When the camera
-/// rests, one lossless frame is made, in several passes where there is occlusion to refine. Frames that the server
-/// makes by itself, because data changed, are shown like any other.
+/// While the camera moves, frames are JPEG of one level, whose detail follows the server and the link (pace.h). Two are under
+/// way at a time: one is rendered while another travels, and no more than those two ever wait anywhere. When the camera
+/// rests, one lossless frame is made, in passes that add rays to each pixel. Frames that the server makes by itself,
+/// because data changed, are shown like any other.
 ///
 /// Calls come from one thread, the user's; what the connection brings is taken by its own.
 class RemoteWindow {
@@ -31,7 +33,7 @@ class RemoteWindow {
 
   /// Connects; the server begins to import those of the state's datasets whose names it does not have. Throws Error.
   /// `state` has one visualization and one camera, whose dimensions are the window's.
-  /// `passes`: of a frame at rest, if the scene has ambient occlusion.
+  /// `passes`: of a frame at rest.
   RemoteWindow(Client::Options options, const State& state, uint32_t passes);
 
   /// What the next frames show.
@@ -54,6 +56,17 @@ class RemoteWindow {
   /// Why the data could not be shown, or the connection ended; empty while all is well.
   std::string failure() const;
 
+  struct Statistics {
+    uint64_t frames = 0;     ///< of which something has been shown
+    uint64_t bytes = 0;      ///< of all pixels
+    uint64_t passBytes = 0;  ///< of the last frame's first pass
+    double firstPixels = 0;  ///< seconds from the last of these frames' request to its first pass shown
+    Detail detail;           ///< of the last one that was asked for while the camera moved
+    uint32_t passes = 0;     ///< of the newest frame: whole pictures of full detail
+    bool ended = false;      ///< the newest frame
+  };
+  Statistics statistics() const;
+
   /// Waits until the data are there; then for one whole frame of `passes` passes. Throws Error when there will be none.
   void waitUntilLoaded();
   void renderWhole();
@@ -66,14 +79,26 @@ class RemoteWindow {
     std::string status, error;
     double seconds = 0;
     std::map<std::string, uint64_t> generations;
+    // Of its first pass.
+    Clock::time_point begin{};
+    uint64_t bytes = 0, firstBytes = 0;  ///< so far; of its first tile
+    bool shown = false;
+  };
+  /// A frame that was asked for and of which nothing is shown yet.
+  struct Asked {
+    Clock::time_point at;
+    std::optional<Detail> moving;      ///< of a camera that moves
+    std::optional<uint64_t> number{};  ///< once the server has said it
   };
 
   void takePixels(const protocol::PixelHeader& header, std::span<const std::byte> data);
   void takeEvent(const nlohmann::json& event);
   void takeInfo(const Reply& reply);
+  void takeNumber(const Reply& reply);
+  void showFirst(const nlohmann::json& pass);
+  void forgetUntil(uint64_t frame);
   void fail(const std::string& why);
   void render(bool moving, Clock::time_point now);
-  bool shownSomething() const;
 
   const uint32_t passes_;
   const std::vector<std::string> names_;  ///< of the datasets that are shown
@@ -84,17 +109,16 @@ class RemoteWindow {
   bool canvasChanged_ = false, loaded_ = false;
   std::optional<Box> box_;
   std::string failure_, progress_, renderError_;
-  Frame frame_;  ///< the newest of which something came
-  std::optional<uint64_t>
-      awaited_;         ///< the frame that was asked for last, once the server has said its number
-  bool asked_ = false;  ///< it has not said it yet
+  Frame frame_;              ///< the newest of which something came
+  std::deque<Asked> asked_;  ///< in order
+  uint64_t newest_ = 0;      ///< frame that the server has numbered for this window
+  Pace pace_;
+  Statistics statistics_;
 
   // Of the user's thread.
   Camera camera_;
   bool cameraSent_ = false, movingSent_ = true;
-  Clock::time_point moved_{}, sent_{};
-  uint32_t coarsest_ = 4;
-  bool measured_ = true;
+  Clock::time_point moved_{};
 
   std::unique_ptr<Client> client_;  ///< last, so that it goes first
 };

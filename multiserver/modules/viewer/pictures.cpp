@@ -15,7 +15,7 @@ namespace gxy::viewer {
 
 namespace {
 
-enum class Piece : uint8_t { Tile, Floats, Bytes, All };
+enum class Piece : uint8_t { Tile, Sums, Bytes, All };
 
 std::string noteOf(uint64_t ticket, const Wanted& wanted) {
   Writer w;
@@ -77,6 +77,7 @@ FrameId Pictures::start(FrameRequest request, const Wanted& wanted, Receiver rec
     expected_[ticket] = expected;
   }
   request.note = noteOf(ticket, wanted);
+  request.sums = wanted.as == Wanted::As::Sums;
   try {
     return node_.renderer.render(
         request, [this, ticket](FrameId, bool superseded) { onFinished(ticket, superseded); });
@@ -121,8 +122,8 @@ uint64_t Pictures::sendPieces(uint64_t ticket, const Wanted& wanted, Picture pic
     for (const Bytes& tile : tiles) send(Piece::Tile, tile);
     return tiles.size();
   }
-  if (wanted.as == Wanted::As::Floats) {
-    send(Piece::Floats, std::as_bytes(std::span(picture.rgba)));
+  if (wanted.as == Wanted::As::Sums) {
+    send(Piece::Sums, std::as_bytes(std::span(picture.sums)));
     return 1;
   }
   const Bytes content = encodeImage(wanted.format, {picture.width, picture.height, std::move(picture.rgba)});
@@ -158,10 +159,10 @@ void Pictures::receive(Bytes message) {
   const Receiver& receiver = expected->receiver;
   if (piece == Piece::Tile && receiver.tile) receiver.tile(std::move(content));
   if (piece == Piece::Bytes && receiver.bytes) receiver.bytes(std::move(content));
-  if (piece == Piece::Floats && receiver.floats) {
-    Picture picture{width, height, std::vector<float>(content.size() / sizeof(float)), {}};
-    std::memcpy(picture.rgba.data(), content.data(), picture.rgba.size() * sizeof(float));
-    receiver.floats(std::move(picture));
+  if (piece == Piece::Sums && receiver.sums) {
+    Picture picture{width, height, {}, {}, std::vector<int64_t>(content.size() / sizeof(int64_t))};
+    std::memcpy(picture.sums.data(), content.data(), picture.sums.size() * sizeof(int64_t));
+    receiver.sums(std::move(picture));
   }
   std::unique_lock lock(mutex_);
   expected->pieces++;

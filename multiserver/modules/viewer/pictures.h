@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pictures from the rank that owns a frame to rank 0, as tiles, floats or files.
+// Pictures from the rank that owns a frame to rank 0, as tiles, sums or files.
 #pragma once
 #include <cstdint>
 #include <functional>
@@ -15,7 +15,7 @@ namespace gxy::viewer {
 
 /// What the owner of a frame's picture does with it.
 struct Wanted {
-  enum class As : uint8_t { Tiles, Floats, Bytes, File };
+  enum class As : uint8_t { Tiles, Sums, Bytes, File };
   As as = As::Tiles;
   protocol::PixelEncoding encoding = protocol::PixelEncoding::Zstd;
   int quality = 75;
@@ -23,11 +23,11 @@ struct Wanted {
   std::string path;            ///< File: where, checked already
 };
 
-/// Who gets what comes, on rank 0. `tile`, `floats` and `bytes` are called on a progress thread, in any order, and must be
+/// Who gets what comes, on rank 0. `tile`, `sums` and `bytes` are called on a progress thread, in any order, and must be
 /// short; `done` is called once, after them, as a task: with what went wrong, if anything did.
 struct Receiver {
   std::function<void(Bytes tile)> tile;  ///< a record whose window, frame, scale and pass are to be filled in
-  std::function<void(Picture picture)> floats;
+  std::function<void(Picture picture)> sums;
   std::function<void(Bytes content)> bytes;
   std::function<void(bool superseded, const std::string& error)> done;
 };

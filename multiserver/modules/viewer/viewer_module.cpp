@@ -193,13 +193,14 @@ json render(Request& request, Arguments arguments) {
         members.fail("levels", "descending scales", *levels);
       options.levels.push_back(scale);
     }
-    if (options.levels.back() != 1) members.fail("levels", "scales that end in 1", *levels);
   }
   options.passes = uint32_t(members.integer("passes", 1, 1, 4096));
   options.quality = int(members.integer("quality", 75, 1, 100));
-  const std::string encoding = members.oneOf("encoding", {"zstd", "raw", "jpeg"});
+  options.wait = members.flag("wait", false);
+  const std::string encoding = members.oneOf("encoding", {"zstd", "raw", "jpeg", "zlib"});
   options.encoding = encoding == "raw"    ? protocol::PixelEncoding::Raw
                      : encoding == "jpeg" ? protocol::PixelEncoding::Jpeg
+                     : encoding == "zlib" ? protocol::PixelEncoding::Zlib
                                           : protocol::PixelEncoding::Zstd;
   if (const json* camera = members.find("Camera")) {
     const State read = readState(protocol::dump({{"Camera", *camera}}), "render").state;

@@ -16,6 +16,10 @@ using protocol::PixelKind;
 
 namespace {
 
+double secondsSince(std::chrono::steady_clock::time_point begin) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+}
+
 // The end of a pass or a frame.
 Bytes endRecord(PixelHeader header, PixelKind kind, const std::string& data = {}) {
   header.kind = kind;
@@ -40,7 +44,11 @@ struct Window::Frame {
   size_t level = 0;
   uint32_t pass = 0, passesSent = 0;
   FrameId rendering = 0;
-  Picture sum;                 ///< of the passes so far
+  Picture sum;  ///< of the passes so far
+  LedgerEntry sumMemory;
+  int samples = 1;  ///< of each pass
+  glm::dvec4 background{0};
+  bool firstPassMade = false;
   const char* over = nullptr;  ///< "superseded" or "cancelled"
   bool dropped = false;        ///< a tile found no room
 
@@ -123,15 +131,24 @@ uint64_t Window::render(const FrameOptions& options) {
   }
   validate(frame->camera);
   checkCost(state.visualizations[0], state.settings, frame->camera.dimensions);
+  constexpr int64_t kSamples = 65536;  // that a ray can name
+  if (int64_t(options.passes) * state.settings.raysPerPixel > kSamples)
+    throw Error("render: " + std::to_string(options.passes) + " passes of " +
+                std::to_string(state.settings.raysPerPixel) + " rays per pixel, expected at most " +
+                std::to_string(kSamples) + " rays");
   if (!frame->scene) frame->scene = services_.scenes.get(tenant_, state.visualizations[0], state.settings);
   Node& node = services_.node;
   const int64_t pixels = int64_t(frame->camera.dimensions.x) * frame->camera.dimensions.y;
   node.expectMemory(tenant_, pixels * 64);
+  if (options.passes > 1) frame->sumMemory = node.ledger.enter(tenant_, "passes", pixels * 32);
+  frame->samples = state.settings.raysPerPixel;
+  frame->background = state.settings.background;
   frame->slot = node.tenants.begin(tenant_);
   for (const NamedDataset& d : frame->scene->data)
     frame->pins.push_back(node.datasets->pin(d.key, d.generation));
   frame->options = options;
-  FramePtr older;
+  FramePtr older, skipped;
+  bool waits = false;
   {
     const std::lock_guard lock(mutex_);
     if (closed_) throw Error("window " + std::to_string(id_) + ": it is closed");
@@ -140,14 +157,50 @@ uint64_t Window::render(const FrameOptions& options) {
     lastOptions_ = options;
     frame->number = ++frames_;
     underWay_++;
+    stale_ = false;
+    skipped = std::exchange(waiting_, nullptr);
+    waits = options.wait && ((current_ && !current_->firstPassMade) || inOutbox_);
+    if (waits) {
+      waiting_ = frame;
+    } else {
+      older = std::exchange(current_, frame);
+      if (older) older->over = "superseded";
+      inOutbox_ = 0;
+      outbox_->dropTiles(id_);
+    }
+  }
+  if (skipped) finish(skipped, "superseded", {});
+  if (!waits) begin(frame, older);
+  return frame->number;
+}
+
+void Window::begin(const FramePtr& frame, const FramePtr& older) {
+  if (older) services_.node.renderer.supersede(older->rendering);
+  frame->begin = std::chrono::steady_clock::now();
+  startStage(frame);
+}
+
+void Window::onFirstPassSent(uint64_t number) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (inOutbox_ != number) return;
+    inOutbox_ = 0;
+  }
+  beginWaiting();
+}
+
+// If its time has come.
+void Window::beginWaiting() {
+  FramePtr frame, older;
+  {
+    const std::lock_guard lock(mutex_);
+    if (!waiting_ || (current_ && !current_->firstPassMade) || inOutbox_) return;
+    frame = std::exchange(waiting_, nullptr);
     older = std::exchange(current_, frame);
     if (older) older->over = "superseded";
-    stale_ = false;
+    outbox_->dropTiles(id_);
   }
-  outbox_->dropTiles(id_);
-  if (older) node.renderer.supersede(older->rendering);
-  startStage(frame);
-  return frame->number;
+  begin(frame, older);
 }
 
 void Window::startStage(const FramePtr& frame) {
@@ -159,16 +212,16 @@ void Window::startStage(const FramePtr& frame) {
     request.scene = frame->scene->id;
     request.camera = frame->camera;
     request.camera.dimensions = {int(header.width), int(header.height)};
-    request.number = frame->pass;
+    request.firstSample = int32_t(frame->pass) * frame->samples;
     request.share = {services_.node.tenants.number(tenant_), true};
     wanted.encoding = frame->options.encoding;
     wanted.quality = frame->options.quality;
-    if (frame->last() && frame->options.passes > 1) wanted.as = Wanted::As::Floats;
+    if (frame->last() && frame->options.passes > 1) wanted.as = Wanted::As::Sums;
   }
   Receiver receiver;
   const auto self = shared_from_this();
   receiver.tile = [self, frame](Bytes record) { self->onTile(frame, std::move(record)); };
-  receiver.floats = [self, frame](const Picture& picture) { self->onFloats(frame, picture); };
+  receiver.sums = [self, frame](const Picture& picture) { self->onSums(frame, picture); };
   receiver.done = [self, frame](bool superseded, const std::string& error) {
     self->onStage(frame, superseded, error);
   };
@@ -198,16 +251,16 @@ void Window::onTile(const FramePtr& frame, Bytes record) {
   if (!outbox_->pixels(std::move(record))) frame->dropped = true;
 }
 
-void Window::onFloats(const FramePtr& frame, const Picture& picture) {
+void Window::onSums(const FramePtr& frame, const Picture& picture) {
   const std::lock_guard lock(mutex_);
   if (frame->pass == 0) {
     frame->sum = picture;
     return;
   }
-  for (size_t i = 0; i < picture.rgba.size(); i++) frame->sum.rgba[i] += picture.rgba[i];
+  for (size_t i = 0; i < picture.sums.size(); i++) frame->sum.sums[i] += picture.sums[i];
 }
 
-// A level or pass has been rendered, and its tiles are in the outbox or its floats in the sum.
+// A level or pass has been rendered, and its tiles are in the outbox or it is in the sum.
 void Window::onStage(const FramePtr& frame, bool superseded, const std::string& error) {
   std::unique_lock lock(mutex_);
   if (frame->over || superseded) {
@@ -219,9 +272,9 @@ void Window::onStage(const FramePtr& frame, bool superseded, const std::string& 
     lock.unlock();
     return finish(frame, "failed", error);
   }
-  if (!frame->sum.rgba.empty()) {
-    Picture mean = frame->sum;
-    for (float& v : mean.rgba) v /= float(frame->pass + 1);
+  if (!frame->sum.sums.empty()) {
+    const Picture mean{frame->sum.width, frame->sum.height,
+                       pixelsOf(frame->sum.sums, frame->samples * int(frame->pass + 1), frame->background)};
     lock.unlock();
     for (Bytes& tile : tilesOfPicture(mean, frame->options.encoding, frame->options.quality))
       onTile(frame, std::move(tile));
@@ -231,7 +284,16 @@ void Window::onStage(const FramePtr& frame, bool superseded, const std::string& 
     lock.unlock();
     return finish(frame, frame->over, {});
   }
-  outbox_->pixels(endRecord(frame->header(id_), PixelKind::EndOfPass));
+  std::function<void()> sent;
+  if (!std::exchange(frame->firstPassMade, true)) {
+    inOutbox_ = frame->number;
+    sent = [self = shared_from_this(), number = frame->number] {
+      self->services_.node.transport.post([self, number] { self->onFirstPassSent(number); });
+    };
+  }
+  outbox_->pixels(endRecord(frame->header(id_), PixelKind::EndOfPass,
+                            protocol::dump({{"seconds", secondsSince(frame->begin)}})),
+                  std::move(sent));
   bool more = true;
   if (!frame->last()) {
     frame->level++;
@@ -254,40 +316,44 @@ void Window::finish(const FramePtr& frame, const char* status, const std::string
   header.height = uint32_t(frame->camera.dimensions.y);
   json generations = json::object();
   for (const NamedDataset& d : frame->scene->data) generations[d.name] = d.generation;
-  json end{
-      {"status", status},
-      {"generations", generations},
-      {"passes", frame->passesSent},
-      {"seconds", std::chrono::duration<double>(std::chrono::steady_clock::now() - frame->begin).count()}};
+  json end{{"status", status},
+           {"generations", generations},
+           {"passes", frame->passesSent},
+           {"seconds", secondsSince(frame->begin)}};
   if (!error.empty()) end["error"] = error;
   outbox_->pixels(endRecord(header, PixelKind::EndOfFrame, protocol::dump(end)));
   frame->pins.clear();
   frame->slot = {};
   frame->sum = {};
+  frame->sumMemory = {};
   frame->scene = nullptr;
   bool again = false;
   {
     const std::lock_guard lock(mutex_);
     if (current_ == frame) {
       current_ = nullptr;
-      again = std::exchange(stale_, false) && settings_.follow && !closed_;
+      again = !waiting_ && std::exchange(stale_, false) && settings_.follow && !closed_;
+      if (!frame->firstPassMade) inOutbox_ = 0;
     }
     underWay_--;
     ended_.notify_all();
   }
   if (again) renderAgain();
+  beginWaiting();
 }
 
 void Window::cancel() {
-  FramePtr frame;
+  FramePtr frame, waiting;
   {
     const std::lock_guard lock(mutex_);
     frame = std::exchange(current_, nullptr);
-    if (!frame) return;
-    frame->over = "cancelled";
+    waiting = std::exchange(waiting_, nullptr);
+    inOutbox_ = 0;
+    if (frame) frame->over = "cancelled";
   }
   outbox_->dropTiles(id_);
-  services_.node.renderer.supersede(frame->rendering);
+  if (frame) services_.node.renderer.supersede(frame->rendering);
+  if (waiting) finish(waiting, "cancelled", {});
 }
 
 void Window::close() {
@@ -312,7 +378,7 @@ void Window::onData(const DatasetEvent& event) {
       return;
     released = std::exchange(scene_, nullptr);
     if (event.kind == DatasetEvent::Kind::Dropped || !settings_.follow || frames_ == 0 || closed_) return;
-    if (current_) {
+    if (current_ || waiting_) {
       stale_ = true;
       return;
     }
@@ -337,6 +403,7 @@ void Window::renderAgain() {
     {
       const std::lock_guard lock(self->mutex_);
       options = self->lastOptions_;
+      options.wait = false;
     }
     try {
       const uint64_t frame = self->render(options);

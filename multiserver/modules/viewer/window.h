@@ -28,10 +28,11 @@ struct Services {
 
 /// How a frame is wanted.
 struct FrameOptions {
-  std::vector<uint32_t> levels{4, 1};  ///< descending, the last one 1
-  uint32_t passes = 1;
+  std::vector<uint32_t> levels{4, 1};  ///< descending
+  uint32_t passes = 1;                 ///< of the last level
   protocol::PixelEncoding encoding = protocol::PixelEncoding::Zstd;
   int quality = 75;
+  bool wait = false;  ///< for the first pass of the frame under way to be sent, instead of superseding it
 };
 
 /// Thread safe. Frames under way keep their window alive.
@@ -52,9 +53,10 @@ class Window : public std::enable_shared_from_this<Window> {
   void setCamera(const Camera& camera);
   State state() const;
 
-  /// Begins a frame; older ones are superseded. Compiles the scene if need be, so it waits. Throws Error.
+  /// Begins a frame; older ones are superseded. One that waits begins later, and is superseded by any newer one, so that at
+  /// most one does. Compiles the scene if need be, so it takes its time. Throws Error.
   uint64_t render(const FrameOptions& options);
-  /// Ends the frame under way, if any.
+  /// Ends the frame under way and the one that waits, if any.
   void cancel();
   /// Cancels, and waits until no frame is under way.
   void close();
@@ -67,9 +69,12 @@ class Window : public std::enable_shared_from_this<Window> {
  private:
   struct Frame;
   using FramePtr = std::shared_ptr<Frame>;
+  void begin(const FramePtr& frame, const FramePtr& older);
+  void onFirstPassSent(uint64_t number);
+  void beginWaiting();
   void startStage(const FramePtr& frame);
   void onTile(const FramePtr& frame, Bytes record);
-  void onFloats(const FramePtr& frame, const Picture& picture);
+  void onSums(const FramePtr& frame, const Picture& picture);
   void onStage(const FramePtr& frame, bool superseded, const std::string& error);
   void finish(const FramePtr& frame, const char* status, const std::string& error);
   void renderAgain();
@@ -87,7 +92,9 @@ class Window : public std::enable_shared_from_this<Window> {
   bool hasVisualization_ = false, closed_ = false, stale_ = false;
   FrameOptions lastOptions_;
   ScenePtr scene_;
-  FramePtr current_;  ///< under way and not superseded
+  FramePtr current_;       ///< under way and not superseded
+  FramePtr waiting_;       ///< begins once `current_` has made its first pass and that has left the outbox
+  uint64_t inOutbox_ = 0;  ///< the frame whose first pass waits there; 0: none
   uint64_t frames_ = 0;
   int underWay_ = 0;  ///< superseded ones included
 };
