@@ -18,7 +18,13 @@ enum class FrameMessage : uint8_t { Start, Cancel, Finish, Delivered };
 
 void writeRequest(Writer& w, const FrameRequest& r) {
   const Camera& c = r.camera;
-  w.write(r.scene).write(r.firstSample).write(r.depth).write(r.sums).write(r.window).write(r.share.tenant);
+  w.write(r.scene)
+      .write(r.samples)
+      .write(r.firstSample)
+      .write(r.depth)
+      .write(r.sums)
+      .write(r.window)
+      .write(r.share.tenant);
   w.write(r.share.interactive).write(r.note);
   w.write(c.viewpoint)
       .write(c.viewdirection)
@@ -32,6 +38,7 @@ FrameRequest readRequest(Reader& in) {
   FrameRequest r;
   Camera& c = r.camera;
   r.scene = in.read<SceneId>();
+  r.samples = in.read<int32_t>();
   r.firstSample = in.read<int32_t>();
   r.depth = in.read<bool>();
   r.sums = in.read<bool>();
@@ -297,6 +304,7 @@ void Renderer::start(FrameId id, FrameRequest request, const Bytes& message) {
   }
   const CompiledScene& scene = *frame->scene.compiled;
   CompiledFrame compiled = compileFrame(scene, request.camera, 0, request.depth);
+  if (request.samples > 0) compiled.samples = request.samples;
   compiled.firstSample = request.firstSample;
   frame->device = frame->scene.device->makeFrame(compiled);
   const Lighting& lighting = scene.visualization.lighting;

@@ -27,8 +27,9 @@ using FrameId = uint64_t;
 struct FrameRequest {
   SceneId scene = 0;
   Camera camera;
+  int32_t samples = 0;  ///< rays per pixel; 0: what the scene says
   int32_t firstSample =
-      0;  ///< index of a pixel's first ray: pictures of other samples add up to one of all of them
+      0;  ///< the first one's index: the sums of other ones' pictures add up to those of all
   bool depth = false;
   bool sums = false;    ///< the picture is handed out as its sums, without `rgba`
   uint64_t window = 0;  ///< not 0: a newer frame of the same window supersedes this one

@@ -248,7 +248,7 @@ class Pixels(unittest.TestCase):
         self.assertEqual(self.window.wait(frame).end["status"], "cancelled")
 
     def test_wrong_options_are_errors_that_name_them(self):
-        for options, expected in (({"passes": 0}, "passes"), ({"levels": [4]}, "levels"), ({"level": [1]}, "render")):
+        for options, expected in (({"passes": 0}, "passes"), ({"levels": [1, 4]}, "levels"), ({"level": [1]}, "render")):
             with self.assertRaisesRegex(galaxy.GalaxyError, expected):
                 self.window.start(**options)
 

@@ -18,6 +18,7 @@ from server import Server
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 LINKS = {"this machine": None, "100 Mbit/s, 10 ms": (100e6, 0.005), "20 Mbit/s, 40 ms": (20e6, 0.02),
          "2 Mbit/s, 40 ms": (2e6, 0.02)}
+SCENES = {"demo.json": ["radial", "-r", "128", "radial.vti"], "particles.json": ["particles", "-r", "100000", "particles.vtp"]}
 
 
 def main():
@@ -25,27 +26,28 @@ def main():
     parser.add_argument("programs", type=pathlib.Path)
     parser.add_argument("--ranks", type=int, default=1)
     parser.add_argument("--seconds", type=float, default=10)
+    parser.add_argument("--links", nargs="*", choices=LINKS, help="these only")
     parser.add_argument("--mpiexec", default="mpirun --bind-to none --oversubscribe")
     arguments = parser.parse_args()
     server = Server(arguments.programs, arguments.mpiexec.split(), arguments.ranks)
     try:
-        subprocess.run([server.programs / "gxydata", "radial", "-r", "128", "radial.vti"], cwd=server.folder, check=True,
-                       stdout=subprocess.DEVNULL)
-        shutil.copy(ROOT / "docs" / "examples" / "demo.json", server.folder)
-        print("| link | frames/s | longest gap, ms | scale, quality | kB a frame | latency, ms | first pixels, ms "
-              "| complete, ms |\n|---|---|---|---|---|---|---|---|")
-        for name, speed in LINKS.items():
-            link = Link(server.port, *speed) if speed else None
-            done = subprocess.run(
-                [server.programs / "viewer_benchmark", "demo.json", "-P", str(link.port if link else server.port),
-                 "--token-file", server.token, "--seconds", str(arguments.seconds)],
-                cwd=server.folder, check=True, stdout=subprocess.PIPE, text=True)
-            if link:
-                link.stop()
-            m = json.loads(done.stdout)
-            print(f"| {name} | {m['frames per second']:.1f} | {1000 * m['longest interval']:.0f} "
-                  f"| 1/{m['scale']}, {m['quality']} | {m['bytes per frame'] / 1000:.0f} | {1000 * m['latency']:.0f} "
-                  f"| {1000 * m['first pixels']:.0f} | {1000 * m['complete']:.0f} |", flush=True)
+        print("| scene | link | frames/s | longest gap, ms | scale, quality | kB a frame | latency, ms | first pixels, ms "
+              "| complete, ms |\n|---|---|---|---|---|---|---|---|---|")
+        for scene, making in SCENES.items():
+            subprocess.run([server.programs / "gxydata", *making], cwd=server.folder, check=True, stdout=subprocess.DEVNULL)
+            shutil.copy(ROOT / "docs" / "examples" / scene, server.folder)
+            for name in arguments.links or LINKS:
+                link = Link(server.port, *LINKS[name]) if LINKS[name] else None
+                done = subprocess.run(
+                    [server.programs / "viewer_benchmark", scene, "-P", str(link.port if link else server.port),
+                     "--token-file", server.token, "--seconds", str(arguments.seconds)],
+                    cwd=server.folder, check=True, stdout=subprocess.PIPE, text=True)
+                if link:
+                    link.stop()
+                m = json.loads(done.stdout)
+                print(f"| {scene} | {name} | {m['frames per second']:.1f} | {1000 * m['longest interval']:.0f} "
+                      f"| 1/{m['scale']}, {m['quality']} | {m['bytes per frame'] / 1000:.0f} | {1000 * m['latency']:.0f} "
+                      f"| {1000 * m['first pixels']:.0f} | {1000 * m['complete']:.0f} |", flush=True)
     finally:
         server.stop()
 

@@ -63,12 +63,14 @@ def over_black(rgba):
 
 
 class ViewerCase(unittest.TestCase):
+    PASSES = 1
+
     def setUp(self):
         (server.folder / "scene.json").write_text(json.dumps(SCENE))
         self.saved = server.folder / "view.json"
         self.viewer = subprocess.Popen(
             [PROGRAMS / "gxyviewer", "-P", str(server.port), "--token-file", server.token, "--output", "view",
-             "scene.json"], cwd=server.folder, env=display.environment, stderr=subprocess.PIPE, text=True)
+             "--passes", str(self.PASSES), "scene.json"], cwd=server.folder, env=display.environment, stderr=subprocess.PIPE, text=True)
         self.addCleanup(self.end)
         display.do("mousemove", *CENTER)
         self.wait_for_picture(SCENE["Camera"])
@@ -94,7 +96,7 @@ class ViewerCase(unittest.TestCase):
         """Waits until the window shows, to the bit, what another client gets of the camera."""
         window = client.window(1, size=size)
         window.set({key: value for key, value in SCENE.items() if key != "Camera"})
-        expected = over_black(window.render(Camera=camera).rgba)[:-STATUS_ROWS]
+        expected = over_black(window.render(Camera=camera, rays=self.PASSES).rgba)[:-STATUS_ROWS]
         self.assertGreater(len(np.unique(expected)), 50, "there is something to see")
         until(lambda: self.viewer.poll() is not None or
               np.array_equal(display.screen(*size)[:-STATUS_ROWS], expected), "the window shows the camera's picture")
@@ -235,6 +237,14 @@ class Around(ViewerCase):
     def test_a_window_of_another_size_is_filled(self):
         display.do("search", "--name", "gxyviewer", "windowsize", 420, 330)
         self.wait_for_picture(SCENE["Camera"], (420, 330))
+
+
+class Refined(ViewerCase):
+    PASSES = 5  # each wait is for the picture of five rays per pixel rendered at once
+
+    def test_a_picture_at_rest_becomes_that_of_all_its_rays_to_the_bit(self):
+        display.drag(1, CENTER, (30, 10))
+        self.wait_for_picture(self.camera())
 
 
 class Lost(unittest.TestCase):

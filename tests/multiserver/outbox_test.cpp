@@ -77,6 +77,24 @@ TEST(Outbox, HoldsOnePassOfAWindowForASlowReader) {
   EXPECT_LT(outbox.counters().mostQueuedBytes, 2 * 4 * 1100 + 100 * 200u);
 }
 
+TEST(Outbox, SaysWhenAPassHasBeenTakenUnlessItWasDropped) {
+  Outbox outbox({}, [] {}, {});
+  int sent = 0;
+  outbox.pixels(record(1, 1, PixelKind::Tile));
+  outbox.pixels(record(1, 1, PixelKind::EndOfPass), [&] { sent++; });
+  outbox.next();
+  EXPECT_EQ(sent, 0) << "the tile";
+  outbox.next();
+  EXPECT_EQ(sent, 1);
+  outbox.pixels(record(1, 2, PixelKind::Tile));
+  outbox.pixels(record(1, 2, PixelKind::EndOfPass), [&] { sent++; });
+  outbox.dropTiles(1);
+  outbox.pixels(record(1, 3, PixelKind::Tile));
+  outbox.pixels(record(1, 3, PixelKind::EndOfPass));
+  EXPECT_EQ(kindsLeft(outbox), "t3p3");
+  EXPECT_EQ(sent, 1);
+}
+
 TEST(Outbox, RefusesTilesBeyondItsLimit) {
   Outbox outbox({.text = 1000, .files = 1000, .pixels = 5000}, [] {}, {});
   int taken = 0;

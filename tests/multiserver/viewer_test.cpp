@@ -88,6 +88,7 @@ TEST(ViewerModule, EncodingsAgreeAndJpegIsNear) {
   Viewer viewer(*server);
   const auto zstd = viewer.frame(R"({"encoding": "zstd", "levels": [1]})");
   const auto raw = viewer.frame(R"({"encoding": "raw", "levels": [1]})");
+  EXPECT_EQ(viewer.frame(R"({"encoding": "zlib", "levels": [1]})").rgba, raw.rgba);
   const auto jpeg = viewer.frame(R"({"encoding": "jpeg", "quality": 95, "levels": [1]})");
   EXPECT_EQ(zstd.rgba, raw.rgba);
   double sum = 0;
@@ -95,16 +96,21 @@ TEST(ViewerModule, EncodingsAgreeAndJpegIsNear) {
   EXPECT_LT(sum / double(raw.rgba.size()), 4) << "mean difference in 255ths";
 }
 
-TEST(ViewerModule, PassesRefineOcclusionAndAreCounted) {
-  const auto server = serve();
+TEST(ViewerModule, PassesAddUpToAPictureOfAllTheirRaysToTheBit) {
+  const auto server = serve(3);
   Viewer viewer(*server);
-  const auto one = viewer.frame(R"({"levels": [1]})");
-  const uint64_t frame = viewer.render(R"({"levels": [1], "passes": 3})");
-  const auto end = viewer.screen.waitFor(1, frame);
-  EXPECT_EQ(end.json.at("passes"), 3);
-  const auto three = viewer.screen.picture(1);
-  EXPECT_EQ(three.pass, 2u);
-  EXPECT_NE(three.rgba, one.rgba);
+  viewer.client->expect(R"(set 1 {"Renderer": {"rays per pixel": 6, "background": [0.1, 0.2, 0.3, 0.5]}})");
+  const auto whole = viewer.frame(R"({"levels": [1]})");
+  const auto one = viewer.frame(R"({"levels": [1], "rays": 1})");
+  EXPECT_NE(one.rgba, whole.rgba);
+  for (const auto& [rays, passes] : {std::pair{1, 6}, {2, 3}, {3, 2}}) {
+    const uint64_t frame = viewer.render(json{{"levels", {1}}, {"rays", rays}, {"passes", passes}}.dump());
+    const auto end = viewer.screen.waitFor(1, frame);
+    EXPECT_EQ(end.json.at("passes"), passes);
+    const auto picture = viewer.screen.picture(1);
+    EXPECT_EQ(picture.pass, uint32_t(passes - 1));
+    EXPECT_EQ(picture.rgba, whole.rgba) << passes;
+  }
 }
 
 TEST(ViewerModule, ANewerFrameSupersedesAndEachFrameEndsOnce) {
@@ -124,6 +130,42 @@ TEST(ViewerModule, ANewerFrameSupersedesAndEachFrameEndsOnce) {
   viewer.client->expect("windows");
   for (const uint64_t frame : frames) EXPECT_EQ(viewer.screen.ends(1, frame), 1);
   EXPECT_EQ(viewer.screen.picture(1).frame, frames.back());
+}
+
+// The first is rendered and sent while the others come; each of those takes the place of the one that waits.
+TEST(ViewerModule, FramesThatWaitLeaveTheOneUnderWayItsFirstPassAndTheNewestIsMade) {
+  const auto server = serve();
+  Viewer viewer(*server);
+  viewer.client->expect("window 1 {\"size\": [800, 600]}");
+  viewer.frame(R"({"levels": [1]})");
+  std::vector<uint64_t> frames;
+  for (int i = 0; i < 30; i++)
+    frames.push_back(viewer.render(R"({"levels": [1], "wait": true, "Camera": {"viewpoint": [)" +
+                                   std::to_string(3 - 0.05 * i) + R"(, 2, 4], "viewcenter": [0, 0, 0]}})"));
+  EXPECT_EQ(viewer.screen.waitFor(1, frames.front()).status, "complete");
+  EXPECT_EQ(viewer.screen.waitFor(1, frames.back()).status, "complete");
+  int complete = 0;
+  for (const uint64_t frame : frames) {
+    const std::string status = viewer.screen.waitFor(1, frame).status;
+    EXPECT_TRUE(status == "superseded" || status == "complete") << status;
+    EXPECT_EQ(viewer.screen.ends(1, frame), 1);
+    complete += status == "complete";
+  }
+  EXPECT_LT(complete, 30) << "requests came faster than pictures of 800 x 600 are made";
+  EXPECT_EQ(viewer.screen.picture(1).covered, 800u * 600u);
+  EXPECT_EQ(viewer.screen.picture(1).frame, frames.back());
+}
+
+TEST(ViewerModule, AFrameThatWaitsIsCancelledWithTheOneBeforeIt) {
+  const auto server = serve();
+  Viewer viewer(*server);
+  viewer.client->expect("window 1 {\"size\": [800, 600]}");
+  const uint64_t first = viewer.render(R"({"levels": [1], "rays": 64})");
+  const uint64_t second = viewer.render(R"({"levels": [1], "wait": true})");
+  viewer.client->expect("cancel_frame 1");
+  EXPECT_EQ(viewer.screen.waitFor(1, first).status, "cancelled");
+  EXPECT_EQ(viewer.screen.waitFor(1, second).status, "cancelled");
+  viewer.frame();
 }
 
 TEST(ViewerModule, ACancelledFrameSaysSo) {
@@ -210,13 +252,28 @@ TEST(ViewerModule, ABatchSendsItsPicturesBackOrIsCancelled) {
 TEST(ViewerModule, WrongRequestsAreErrorsWithWhatWasExpected) {
   const auto server = serve();
   Viewer viewer(*server);
-  for (const char* statement :
-       {"window", "window 0", "window 1.5", "window 2 {\"size\": [0, 5]}",
-        "window 2 {\"size\": [60000, 60000]}", "window 2 {\"sise\": [5, 5]}", "render 7",
-        "render 1 {\"levels\": [1, 4]}", "render 1 {\"levels\": []}", "render 1 {\"passes\": 0}",
-        "render 1 {\"encoding\": \"gif\"}", "render 1 {\"Camera\": 3}",
-        "render 1 {\"Camera\": {\"viewpoint\": [0, 0]}}", "set 1", "set 1 {\"Camera\": {\"aov\": 999}}",
-        "batch {}", "batch {\"state\": {}}", "state 9", "close x"}) {
+  for (const char* statement : {"window",
+                                "window 0",
+                                "window 1.5",
+                                "window 2 {\"size\": [0, 5]}",
+                                "window 2 {\"size\": [60000, 60000]}",
+                                "window 2 {\"sise\": [5, 5]}",
+                                "render 7",
+                                "render 1 {\"levels\": [1, 4]}",
+                                "render 1 {\"levels\": []}",
+                                "render 1 {\"wait\": 1}",
+                                "render 1 {\"rays\": 0}",
+                                "render 1 {\"rays\": 4096, \"passes\": 17}",
+                                "render 1 {\"passes\": 0}",
+                                "render 1 {\"encoding\": \"gif\"}",
+                                "render 1 {\"Camera\": 3}",
+                                "render 1 {\"Camera\": {\"viewpoint\": [0, 0]}}",
+                                "set 1",
+                                "set 1 {\"Camera\": {\"aov\": 999}}",
+                                "batch {}",
+                                "batch {\"state\": {}}",
+                                "state 9",
+                                "close x"}) {
     const Reply reply = viewer.client->request(statement);
     EXPECT_FALSE(reply.ok) << statement;
     EXPECT_NE(reply.error.find("expected"), std::string::npos) << statement << ": " << reply.error;

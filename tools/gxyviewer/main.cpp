@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // gxyviewer: a window on what a multiserver renders.
+#include <algorithm>
 #include <iostream>
 
 #include "gxy/comm/error.h"
@@ -27,7 +28,11 @@ State shownState(const ViewOptions& options) {
 int run(const ViewOptions& options) {
   const State state = shownState(options);
   if (options.snapshot.empty()) checkDisplay();
-  RemoteWindow remote(options.client, state, options.passes);
+  const auto rays = uint32_t(state.settings.raysPerPixel);
+  RemoteWindow remote(options.client, state,
+                      options.passes             ? options.passes
+                      : options.snapshot.empty() ? std::max(rays, 16u)
+                                                 : rays);
   if (options.snapshot.empty()) {
     runViewer(remote, state, options.output);
     return 0;

@@ -23,9 +23,10 @@ std::optional<int> parseOptions(int argc, char** argv, ViewOptions& o) {
                  "the server's token (default: the user's run directory)");
   app.add_option("--snapshot", o.snapshot, "F.png: write one picture and end; needs no display");
   app.add_option("--size", size, "WIDTHxHEIGHT of the window (default: the camera's dimensions)");
-  app.add_option(
-         "--passes", o.passes,
-         "times `rays per pixel` that a picture gets in the end (default: 16 at rest, 1 in a snapshot)")
+  app.add_option("--passes", o.passes,
+                 "rays per pixel of a picture at rest, added one by one (default: the state's `rays per "
+                 "pixel`, but at least 16 in "
+                 "the window)")
       ->check(CLI::Range(1, 4096));
   app.add_option("--output", o.output,
                  "PREFIX of what is saved: PREFIX.json, PREFIX_00000.png, ... (default: STATE-view)");
@@ -47,7 +48,6 @@ std::optional<int> parseOptions(int argc, char** argv, ViewOptions& o) {
     const std::filesystem::path state(o.stateFile);
     o.output = (state.parent_path() / (state.stem().string() + "-view")).string();
   }
-  if (o.passes == 0) o.passes = o.snapshot.empty() ? 16 : 1;
   return std::nullopt;
 }
 

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
 
 namespace gxy {
@@ -17,7 +16,7 @@ struct Quality {
 };
 constexpr std::array<Quality, 4> kQualities{{{85, 1.5}, {70, 1}, {50, 0.75}, {30, 0.55}}};
 constexpr int kWorst = 50;  // below it a coarser level looks better
-constexpr double kRoom = 0.6;
+constexpr double kRoom = 0.7;
 
 double bytesOf(int quality) {
   for (const Quality& q : kQualities)
@@ -31,7 +30,9 @@ double smooth(double mean, double value) { return 0.6 * mean + 0.4 * value; }
 
 }  // namespace
 
-size_t Pace::indexOf(uint32_t scale) { return size_t(std::countr_zero(scale)); }
+size_t Pace::indexOf(uint32_t scale) {
+  return size_t(std::find(kScales.begin(), kScales.end(), scale) - kScales.begin());
+}
 
 void Pace::resized(double factor) {
   for (std::optional<Cost>& cost : costs_)
@@ -50,21 +51,17 @@ void Pace::take(const Pass& pass) {
   }
 }
 
-// Half the scale has four times the pixels, and costs somewhat less than four times as much.
+// Where it is not known, from the nearest scale of which it is: twice the scale has a quarter of the pixels, and costs
+// somewhat more than a quarter.
 Pace::Cost Pace::expected(size_t index) const {
-  constexpr double kFiner = 3;
-  if (costs_[index]) return *costs_[index];
-  for (size_t coarser = index + 1; coarser < kScales; coarser++)
-    if (costs_[coarser]) {
-      const double factor = std::pow(kFiner, double(coarser - index));
-      return {costs_[coarser]->seconds * factor, costs_[coarser]->bytes * factor};
-    }
-  for (size_t finer = index; finer-- > 0;)
-    if (costs_[finer]) {
-      const double factor = std::pow(kFiner, double(index - finer));
-      return {costs_[finer]->seconds / factor, costs_[finer]->bytes / factor};
-    }
-  return {};
+  std::optional<size_t> from;
+  for (size_t i = 0; i < kScales.size(); i++)
+    if (costs_[i] &&
+        (!from || std::max(i, index) - std::min(i, index) < std::max(*from, index) - std::min(*from, index)))
+      from = i;
+  if (!from) return {};
+  const double factor = std::pow(double(kScales[*from]) / kScales[index], 1.6);
+  return {costs_[*from]->seconds * factor, costs_[*from]->bytes * factor};
 }
 
 bool Pace::fits(Detail detail) const {
@@ -78,12 +75,11 @@ bool Pace::fits(Detail detail) const {
 Detail Pace::choose() {
   if (std::none_of(costs_.begin(), costs_.end(), [](const auto& cost) { return cost.has_value(); }))
     return last_;
-  for (uint32_t scale = 1; scale <= kCoarsest; scale *= 2)
-    for (const Quality& q : kQualities) {
-      const Detail detail{scale, q.quality};
-      if ((q.quality >= kWorst || scale == kCoarsest) && fits(detail)) return last_ = detail;
-    }
-  return last_ = {kCoarsest, kQualities.back().quality};
+  for (const uint32_t scale : kScales)
+    for (const Quality& q : kQualities)
+      if ((q.quality >= kWorst || scale == kScales.back()) && fits({scale, q.quality}))
+        return last_ = {scale, q.quality};
+  return last_ = {kScales.back(), kQualities.back().quality};
 }
 
 }  // namespace gxy

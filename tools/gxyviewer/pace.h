@@ -35,19 +35,18 @@ class Pace {
   void resized(double factor);
 
   static constexpr double kFrame = 0.06;  ///< seconds that rendering, and beside it the transfer, may take
-  static constexpr uint32_t kCoarsest = 16;
+  static constexpr std::array<uint32_t, 8> kScales{1, 2, 3, 4, 6, 8, 12, 16};
 
  private:
   struct Cost {
     double seconds = 0, bytes = 0;  ///< of a frame; bytes at quality 70
   };
-  static constexpr size_t kScales = 5;  ///< 1, 2, 4, 8, 16
   static size_t indexOf(uint32_t scale);
   Cost expected(size_t index) const;
   bool fits(Detail detail) const;
 
   Detail last_;
-  std::array<std::optional<Cost>, kScales> costs_;  ///< smoothed; none before the first of its scale
+  std::array<std::optional<Cost>, kScales.size()> costs_;  ///< smoothed; none before the first of its scale
   std::optional<double> secondsPerByte_;
 };
 

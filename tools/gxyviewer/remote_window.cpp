@@ -189,7 +189,7 @@ void RemoteWindow::update(Clock::time_point now) {
 }
 
 void RemoteWindow::render(bool moving, Clock::time_point now) {
-  json options{{"Camera", cameraJson(camera_)}};
+  json options{{"Camera", cameraJson(camera_)}, {"rays", 1}};
   {
     const std::lock_guard lock(mutex_);
     Asked& asked = asked_.emplace_back(Asked{now, {}, {}});

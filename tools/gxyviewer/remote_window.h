@@ -22,7 +22,7 @@ namespace gxy {
 
 /// While the camera moves, frames are JPEG of one level, whose detail follows the server and the link (pace.h). Two are under
 /// way at a time: one is rendered while another travels, and no more than those two ever wait anywhere. When the camera
-/// rests, one lossless frame is made, in passes that add rays to each pixel. Frames that the server makes by itself,
+/// rests, one lossless frame is made, in passes that each add a ray to every pixel. Frames that the server makes by itself,
 /// because data changed, are shown like any other.
 ///
 /// Calls come from one thread, the user's; what the connection brings is taken by its own.
@@ -33,7 +33,7 @@ class RemoteWindow {
 
   /// Connects; the server begins to import those of the state's datasets whose names it does not have. Throws Error.
   /// `state` has one visualization and one camera, whose dimensions are the window's.
-  /// `passes`: of a frame at rest.
+  /// `passes`: of a frame at rest, each of one ray per pixel.
   RemoteWindow(Client::Options options, const State& state, uint32_t passes);
 
   /// What the next frames show.

@@ -10,12 +10,12 @@ As a library:
         print(client.request("list")["datasets"])
         window = client.window(1, size=(640, 480))
         window.set(json.load(open("scene.json")))
-        picture = window.render(passes=4)
+        picture = window.render(rays=1, passes=4)
         galaxy.write_png("picture.png", picture.rgba)
 
 As a program, it leaves one picture of a state file: galaxy.py [-H HOST] [-P PORT] STATE.json -o PICTURE.png
 
-Pixels travel uncompressed: Python's standard library has neither zstd nor JPEG.
+Pixels travel as zlib: Python's standard library has neither zstd nor JPEG.
 """
 import argparse
 import json
@@ -36,6 +36,7 @@ _RECORD = struct.Struct("<IIQ8IHHIQ")
 _MAGIC = b"GALAXY\r\n"
 _CONTROL, _REQUEST, _REPLY, _EVENT, _PIXELS, _FILE = range(6)
 _TILE, _END_OF_PASS, _END_OF_FRAME = 1, 2, 3
+_ZLIB = 3
 _LONGEST = 1 << 30  # bytes of a payload from the server
 
 
@@ -95,7 +96,7 @@ class Window:
 
     def start(self, **options):
         """Begins a frame, which supersedes older ones; options as in `viewer.render`. Its number."""
-        options["encoding"] = "raw"
+        options["encoding"] = "zlib"
         return self._client.request(f"viewer.render {self.number} {json.dumps(options)}")["frame"]
 
     def wait(self, frame, timeout=60):
@@ -130,8 +131,12 @@ class Window:
                 self._picture = Picture(frame)
             picture = self._picture
             if kind == _TILE and frame == picture.frame:
-                if encoding != 0 or size != w * h * 4 or x + w > width or y + h > height:
-                    raise GalaxyError(f"pixels: a tile of {size} bytes in encoding {encoding}, expected {w} x {h} raw")
+                if encoding != _ZLIB or x + w > width or y + h > height:
+                    raise GalaxyError(f"pixels: a tile of {w} x {h} in encoding {encoding}, expected one of zlib inside "
+                                      f"{width} x {height}")
+                data = zlib.decompressobj().decompress(data, w * h * 4)
+                if len(data) != w * h * 4:
+                    raise GalaxyError(f"pixels: a tile of {len(data)} bytes, expected {w} x {h} x 4")
                 level = picture.levels.get(scale)
                 if level is None:
                     level = picture.levels[scale] = np.zeros((height, width, 4), np.uint8)
@@ -318,7 +323,7 @@ def main():
     parser.add_argument("-H", "--host", default="127.0.0.1")
     parser.add_argument("-P", "--port", type=int, default=5001)
     parser.add_argument("--token-file", help="default: where a server on this machine leaves it")
-    parser.add_argument("--passes", type=int, default=1, help="ambient occlusion is averaged over so many")
+    parser.add_argument("--passes", type=int, default=1, help="so many times the state's rays per pixel")
     arguments = parser.parse_args()
     try:
         with open(arguments.state, encoding="utf-8") as file:

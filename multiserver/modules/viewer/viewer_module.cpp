@@ -195,6 +195,8 @@ json render(Request& request, Arguments arguments) {
     }
   }
   options.passes = uint32_t(members.integer("passes", 1, 1, 4096));
+  if (const json* rays = members.find("rays"))
+    options.rays = uint32_t(members.integerIn(*rays, "rays", 1, 65536));
   options.quality = int(members.integer("quality", 75, 1, 100));
   options.wait = members.flag("wait", false);
   const std::string encoding = members.oneOf("encoding", {"zstd", "raw", "jpeg", "zlib"});

@@ -130,18 +130,19 @@ uint64_t Window::render(const FrameOptions& options) {
     frame->camera.dimensions = settings_.size;
   }
   validate(frame->camera);
-  checkCost(state.visualizations[0], state.settings, frame->camera.dimensions);
+  frame->samples = options.rays ? int(options.rays) : state.settings.raysPerPixel;
+  RenderSettings settings = state.settings;
+  settings.raysPerPixel = frame->samples;
+  checkCost(state.visualizations[0], settings, frame->camera.dimensions);
   constexpr int64_t kSamples = 65536;  // that a ray can name
-  if (int64_t(options.passes) * state.settings.raysPerPixel > kSamples)
-    throw Error("render: " + std::to_string(options.passes) + " passes of " +
-                std::to_string(state.settings.raysPerPixel) + " rays per pixel, expected at most " +
-                std::to_string(kSamples) + " rays");
+  if (int64_t(options.passes) * frame->samples > kSamples)
+    throw Error("render: " + std::to_string(options.passes) + " passes of " + std::to_string(frame->samples) +
+                " rays per pixel, expected at most " + std::to_string(kSamples) + " rays");
   if (!frame->scene) frame->scene = services_.scenes.get(tenant_, state.visualizations[0], state.settings);
   Node& node = services_.node;
   const int64_t pixels = int64_t(frame->camera.dimensions.x) * frame->camera.dimensions.y;
   node.expectMemory(tenant_, pixels * 64);
   if (options.passes > 1) frame->sumMemory = node.ledger.enter(tenant_, "passes", pixels * 32);
-  frame->samples = state.settings.raysPerPixel;
   frame->background = state.settings.background;
   frame->slot = node.tenants.begin(tenant_);
   for (const NamedDataset& d : frame->scene->data)
@@ -212,6 +213,7 @@ void Window::startStage(const FramePtr& frame) {
     request.scene = frame->scene->id;
     request.camera = frame->camera;
     request.camera.dimensions = {int(header.width), int(header.height)};
+    request.samples = frame->samples;
     request.firstSample = int32_t(frame->pass) * frame->samples;
     request.share = {services_.node.tenants.number(tenant_), true};
     wanted.encoding = frame->options.encoding;

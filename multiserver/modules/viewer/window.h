@@ -30,6 +30,7 @@ struct Services {
 struct FrameOptions {
   std::vector<uint32_t> levels{4, 1};  ///< descending
   uint32_t passes = 1;                 ///< of the last level
+  uint32_t rays = 0;                   ///< per pixel, of each pass; 0: what the state says
   protocol::PixelEncoding encoding = protocol::PixelEncoding::Zstd;
   int quality = 75;
   bool wait = false;  ///< for the first pass of the frame under way to be sent, instead of superseding it
