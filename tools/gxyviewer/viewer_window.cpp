@@ -115,9 +115,10 @@ class ViewerWindow {
     text.SetPosition(left, 8);
   }
 
-  // Help hangs from the upper left corner.
+  // Help hangs from the upper left corner, as large as the window lets it be.
   void layOut() {
     helpText_->GetTextProperty()->SetVerticalJustificationToTop();
+    helpText_->GetTextProperty()->SetFontSize(std::clamp(size().x / 40, 7, 15));
     helpText_->SetPosition(10, size().y - 10);
   }
 
