@@ -22,9 +22,10 @@ STATE = {
 
 
 class Server:
-    """`programs`: the folder of gxyserver and gxydata; `mpiexec`: the command that starts ranks, in words."""
+    """`programs`: the folder of gxyserver and gxydata; `mpiexec`: the command that starts ranks, in words; `options`: more of
+    gxyserver's."""
 
-    def __init__(self, programs, mpiexec, ranks=2):
+    def __init__(self, programs, mpiexec, ranks=2, options=()):
         self._temporary = tempfile.TemporaryDirectory(prefix="galaxy-clients-")
         self.folder = pathlib.Path(self._temporary.name)
         self.token = self.folder / "token"
@@ -35,7 +36,7 @@ class Server:
         self._log = open(self.folder / "server.log", "wb")
         self._process = subprocess.Popen(
             [*mpiexec, "-n", str(ranks), self.programs / "gxyserver", "--port", "0", "--port-file", port_file,
-             "--token-file", self.token], cwd=self.folder, stdout=self._log, stderr=subprocess.STDOUT,
+             "--token-file", self.token, *options], cwd=self.folder, stdout=self._log, stderr=subprocess.STDOUT,
             env={**os.environ, "OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"})
         end = time.monotonic() + 60
         while not port_file.exists():
