@@ -17,7 +17,7 @@ struct Picture {
   int width = 0, height = 0;
   std::vector<float> rgba;
   std::vector<double> depth{};
-  std::vector<int64_t>
+  LargeVector<int64_t>
       sums{};       ///< where asked for, instead of `rgba`: 4 per pixel, unit 1 / CONTRIBUTION_ONE
   int samples = 1;  ///< that are in the sums, of each pixel
 

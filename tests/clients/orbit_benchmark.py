@@ -31,7 +31,7 @@ SCENES = {  # what is made, and how it is shown
              {"Lighting": LIGHT, "operators": [{"type": "Triangles", "dataset": "mesh", "colormap": "Viridis"}]}),
     "particles": (["particles", "-r", "1000000", "particles.vtp"],
                   {"Lighting": LIGHT, "operators": [{"type": "Particles", "dataset": "particles", "colormap": "Inferno",
-                                                     "radius0": 0.003, "radius1": 0.003}]}),
+                                                     "radius0": 0.005, "radius1": 0.005}]}),
 }
 
 
@@ -40,12 +40,12 @@ class Failure(Exception):
 
 
 def state_of(scene, box, frames, size):
-    """The whole orbit: about the box's middle, from so far that the box is seen from all sides."""
+    """The whole orbit: about the box's middle, from so near that it fills the picture's height."""
     making, visualization = SCENES[scene]
     kind = visualization["operators"][0]["type"]
     low, high = box
     center = [(a + b) / 2 for a, b in zip(low, high)]
-    distance = 2 * math.dist(low, high) / 2 / math.tan(math.radians(17.5)) * 0.6
+    distance = 1.15 * math.dist(low, high)
     cameras = []
     for i in range(frames):
         angle = 2 * math.pi * i / frames

@@ -160,7 +160,7 @@ void Pictures::receive(Bytes message) {
   if (piece == Piece::Tile && receiver.tile) receiver.tile(std::move(content));
   if (piece == Piece::Bytes && receiver.bytes) receiver.bytes(std::move(content));
   if (piece == Piece::Sums && receiver.sums) {
-    Picture picture{width, height, {}, {}, std::vector<int64_t>(content.size() / sizeof(int64_t))};
+    Picture picture{width, height, {}, {}, LargeVector<int64_t>(content.size() / sizeof(int64_t))};
     std::memcpy(picture.sums.data(), content.data(), picture.sums.size() * sizeof(int64_t));
     receiver.sums(std::move(picture));
   }

@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include "gxy/comm/error.h"
+#include "gxy/comm/parallel_for.h"
 #include "gxy/protocol/json.h"
 #include "gxy/protocol/tile_codec.h"
 
@@ -44,7 +45,8 @@ struct Window::Frame {
   size_t level = 0;
   uint32_t pass = 0, passesSent = 0;
   FrameId rendering = 0;
-  Picture sum;  ///< of the passes so far
+  Picture arrived;  ///< the sums of the pass that was rendered last
+  Picture sum;      ///< of all passes; of the stages only
   LedgerEntry sumMemory;
   int samples = 1;  ///< of each pass
   glm::dvec4 background{0};
@@ -142,7 +144,7 @@ uint64_t Window::render(const FrameOptions& options) {
   Node& node = services_.node;
   const int64_t pixels = int64_t(frame->camera.dimensions.x) * frame->camera.dimensions.y;
   node.expectMemory(tenant_, pixels * 64);
-  if (options.passes > 1) frame->sumMemory = node.ledger.enter(tenant_, "passes", pixels * 32);
+  if (options.passes > 1) frame->sumMemory = node.ledger.enter(tenant_, "passes", pixels * 64);
   frame->background = state.settings.background;
   frame->slot = node.tenants.begin(tenant_);
   for (const NamedDataset& d : frame->scene->data)
@@ -223,7 +225,7 @@ void Window::startStage(const FramePtr& frame) {
   Receiver receiver;
   const auto self = shared_from_this();
   receiver.tile = [self, frame](Bytes record) { self->onTile(frame, std::move(record)); };
-  receiver.sums = [self, frame](const Picture& picture) { self->onSums(frame, picture); };
+  receiver.sums = [self, frame](Picture picture) { self->onSums(frame, std::move(picture)); };
   receiver.done = [self, frame](bool superseded, const std::string& error) {
     self->onStage(frame, superseded, error);
   };
@@ -253,16 +255,12 @@ void Window::onTile(const FramePtr& frame, Bytes record) {
   if (!outbox_->pixels(std::move(record))) frame->dropped = true;
 }
 
-void Window::onSums(const FramePtr& frame, const Picture& picture) {
+void Window::onSums(const FramePtr& frame, Picture picture) {
   const std::lock_guard lock(mutex_);
-  if (frame->pass == 0) {
-    frame->sum = picture;
-    return;
-  }
-  for (size_t i = 0; i < picture.sums.size(); i++) frame->sum.sums[i] += picture.sums[i];
+  frame->arrived = std::move(picture);
 }
 
-// A level or pass has been rendered, and its tiles are in the outbox or it is in the sum.
+// A level or pass has been rendered, and its tiles are in the outbox or its sums have arrived.
 void Window::onStage(const FramePtr& frame, bool superseded, const std::string& error) {
   std::unique_lock lock(mutex_);
   if (frame->over || superseded) {
@@ -274,10 +272,17 @@ void Window::onStage(const FramePtr& frame, bool superseded, const std::string& 
     lock.unlock();
     return finish(frame, "failed", error);
   }
-  if (!frame->sum.sums.empty()) {
-    const Picture mean{frame->sum.width, frame->sum.height,
-                       pixelsOf(frame->sum.sums, frame->samples * int(frame->pass + 1), frame->background)};
+  if (Picture pass = std::exchange(frame->arrived, {}); !pass.sums.empty()) {
     lock.unlock();
+    Picture& sum = frame->sum;
+    if (frame->pass == 0)
+      sum = std::move(pass);
+    else
+      parallelFor(size_t(0), sum.sums.size() / 4, [&](size_t i) {
+        for (size_t k = 4 * i; k < 4 * i + 4; k++) sum.sums[k] += pass.sums[k];
+      });
+    const Picture mean{sum.width, sum.height,
+                       pixelsOf(sum.sums, frame->samples * int(frame->pass + 1), frame->background)};
     for (Bytes& tile : tilesOfPicture(mean, frame->options.encoding, frame->options.quality))
       onTile(frame, std::move(tile));
     lock.lock();

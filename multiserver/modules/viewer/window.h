@@ -75,7 +75,7 @@ class Window : public std::enable_shared_from_this<Window> {
   void beginWaiting();
   void startStage(const FramePtr& frame);
   void onTile(const FramePtr& frame, Bytes record);
-  void onSums(const FramePtr& frame, const Picture& picture);
+  void onSums(const FramePtr& frame, Picture picture);
   void onStage(const FramePtr& frame, bool superseded, const std::string& error);
   void finish(const FramePtr& frame, const char* status, const std::string& error);
   void renderAgain();
