@@ -52,6 +52,10 @@ FrameRequest readRequest(Reader& in) {
   c.aov = in.read<double>();
   c.height = in.read<double>();
   c.dimensions = in.read<glm::ivec2>();
+  constexpr int32_t kSamples = 1 << 16;  // that a ray can name
+  if (r.samples < 0 || r.samples > kSamples || r.firstSample < 0 || r.firstSample > kSamples - r.samples)
+    throw Error("a frame of " + std::to_string(r.samples) + " samples from " + std::to_string(r.firstSample) +
+                " on, expected numbers from 0 to " + std::to_string(kSamples));
   return r;
 }
 

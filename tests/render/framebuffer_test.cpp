@@ -67,6 +67,19 @@ TEST(Framebuffer, RefusesPixelsOutsideAndThenAddsNothing) {
   EXPECT_EQ(p.depth, std::vector<double>(4, 1e30));
 }
 
+TEST(Framebuffer, SumsOfPartsOfTheSamplesMakeThePictureOfAllOfThem) {
+  const glm::dvec4 background{0.3, 0.6, 0.1, 0.7};
+  Framebuffer whole(1, 1, 3, false), first(1, 1, 1, false), rest(1, 1, 2, false);
+  const std::vector<Contribution> each{
+      {0, 123456789, -7, 99, kOne / 3}, {0, 1, 2, 3, kOne / 7}, {0, kOne, 5, 0, 17}};
+  whole.add(each);
+  first.add(std::span(each).first(1));
+  rest.add(std::span(each).last(2));
+  Picture sum = first.sums();
+  for (size_t i = 0; i < 4; i++) sum.sums[i] += rest.sums().sums[i];
+  EXPECT_EQ(pixelsOf(sum.sums, 3, background), whole.picture(background).rgba);
+}
+
 TEST(Framebuffer, TakesNoDepthsUnlessAsked) {
   Framebuffer f(2, 2, 1, false);
   const DepthContribution depth{0, 1.0};

@@ -15,7 +15,7 @@ struct ViewOptions {
   std::string snapshot;            ///< a picture to write; empty: open a window
   std::string output;              ///< what the window saves: OUTPUT.json, OUTPUT_00000.png, ...
   std::optional<glm::ivec2> size;  ///< instead of the camera's dimensions
-  uint32_t passes = 0;             ///< of a frame at rest; 0: as the state file says, and in a window 16 or more
+  uint32_t passes = 0;  ///< of a frame at rest; 0: as the state file says, and in a window 16 or more
 };
 
 /// The exit code to end with at once (0 after --help, 2 for wrong usage), or nothing.

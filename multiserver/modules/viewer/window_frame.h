@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a Window keeps of a frame; for its own sources only.
+#pragma once
+#include "window.h"
+
+namespace gxy::viewer {
+
+/// One frame: its stages are its levels, then the further passes of the last.
+struct Window::Frame {
+  uint64_t number = 0;
+  FrameOptions options;
+  ScenePtr scene;
+  Camera camera;  ///< of the window's size
+  std::vector<Pin> pins;
+  Tenants::Frame slot;
+  std::chrono::steady_clock::time_point begin = std::chrono::steady_clock::now();
+
+  size_t level = 0;
+  uint32_t pass = 0, passesSent = 0;
+  FrameId rendering = 0;
+  Picture arrived;  ///< the sums of the pass that was rendered last
+  Picture sum;      ///< of all passes; of the stages only
+  LedgerEntry sumMemory;
+  int samples = 1;  ///< of each pass
+  glm::dvec4 background{0};
+  bool firstPassMade = false;
+  const char* over = nullptr;  ///< "superseded" or "cancelled"
+  bool dropped = false;        ///< a tile found no room
+
+  bool last() const { return level + 1 == options.levels.size(); }
+  protocol::PixelHeader header(uint32_t window) const {
+    protocol::PixelHeader h;
+    h.window = window;
+    h.frame = number;
+    h.scale = options.levels[level];
+    h.pass = pass;
+    h.width = (uint32_t(camera.dimensions.x) + h.scale - 1) / h.scale;
+    h.height = (uint32_t(camera.dimensions.y) + h.scale - 1) / h.scale;
+    return h;
+  }
+};
+
+}  // namespace gxy::viewer

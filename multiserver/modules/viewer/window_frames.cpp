@@ -1,0 +1,265 @@
+// SPDX-License-Identifier: Apache-2.0
+// The life of a window's frames: begun, at once or when the one before lets it, rendered stage by stage, ended.
+#include <algorithm>
+#include <cstring>
+
+#include "gxy/comm/error.h"
+#include "gxy/comm/parallel_for.h"
+#include "gxy/protocol/json.h"
+#include "window_frame.h"
+
+namespace gxy::viewer {
+
+using nlohmann::json;
+using protocol::PixelHeader;
+using protocol::PixelKind;
+
+namespace {
+
+double secondsSince(std::chrono::steady_clock::time_point begin) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+}
+
+// The end of a pass or a frame.
+Bytes endRecord(PixelHeader header, PixelKind kind, const std::string& data = {}) {
+  header.kind = kind;
+  header.x = header.y = header.w = header.h = 0;
+  header.encoding = protocol::PixelEncoding::Raw;
+  header.format = protocol::PixelFormat::Rgba8;
+  return protocol::pixelRecord(header, protocol::bytesOf(data));
+}
+
+}  // namespace
+
+uint64_t Window::render(const FrameOptions& options) {
+  auto frame = std::make_shared<Frame>();
+  State state;
+  {
+    const std::lock_guard lock(mutex_);
+    if (!hasVisualization_)
+      throw Error("window " + std::to_string(id_) +
+                  ": it shows nothing yet, expected a `set` with a Visualization");
+    state = state_;
+    frame->scene = scene_;
+    frame->camera = state_.cameras[0];
+    frame->camera.dimensions = settings_.size;
+  }
+  validate(frame->camera);
+  frame->samples = options.rays ? int(options.rays) : state.settings.raysPerPixel;
+  RenderSettings settings = state.settings;
+  settings.raysPerPixel = frame->samples;
+  checkCost(state.visualizations[0], settings, frame->camera.dimensions);
+  constexpr int64_t kSamples = 65536;  // that a ray can name
+  if (int64_t(options.passes) * frame->samples > kSamples)
+    throw Error("render: " + std::to_string(options.passes) + " passes of " + std::to_string(frame->samples) +
+                " rays per pixel, expected at most " + std::to_string(kSamples) + " rays");
+  if (!frame->scene) frame->scene = services_.scenes.get(tenant_, state.visualizations[0], state.settings);
+  Node& node = services_.node;
+  const int64_t pixels = int64_t(frame->camera.dimensions.x) * frame->camera.dimensions.y;
+  node.expectMemory(tenant_, pixels * (options.passes > 1 ? 128 : 64));
+  if (options.passes > 1) frame->sumMemory = node.ledger.enter(tenant_, "passes", pixels * 64);
+  frame->background = state.settings.background;
+  frame->slot = node.tenants.begin(tenant_);
+  for (const NamedDataset& d : frame->scene->data)
+    frame->pins.push_back(node.datasets->pin(d.key, d.generation));
+  frame->options = options;
+  FramePtr older, skipped;
+  bool waits = false;
+  {
+    const std::lock_guard lock(mutex_);
+    if (closed_) throw Error("window " + std::to_string(id_) + ": it is closed");
+    // Kept for the next frame, unless the state or the data have changed since.
+    if (state_ == state) scene_ = frame->scene;
+    lastOptions_ = options;
+    frame->number = ++frames_;
+    underWay_++;
+    stale_ = false;
+    skipped = std::exchange(waiting_, nullptr);
+    waits = options.wait && ((current_ && !current_->firstPassMade) || inOutbox_);
+    if (waits) {
+      waiting_ = frame;
+    } else {
+      older = std::exchange(current_, frame);
+      if (older) older->over = "superseded";
+      inOutbox_ = 0;
+      outbox_->dropTiles(id_);
+    }
+  }
+  if (skipped) finish(skipped, "superseded", {});
+  if (!waits) begin(frame, older);
+  return frame->number;
+}
+
+void Window::begin(const FramePtr& frame, const FramePtr& older) {
+  if (older) services_.node.renderer.supersede(older->rendering);
+  frame->begin = std::chrono::steady_clock::now();
+  startStage(frame);
+}
+
+void Window::onFirstPassSent(uint64_t number) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (inOutbox_ != number) return;
+    inOutbox_ = 0;
+  }
+  beginWaiting();
+}
+
+// If its time has come.
+void Window::beginWaiting() {
+  FramePtr frame, older;
+  {
+    const std::lock_guard lock(mutex_);
+    if (!waiting_ || (current_ && !current_->firstPassMade) || inOutbox_) return;
+    frame = std::exchange(waiting_, nullptr);
+    older = std::exchange(current_, frame);
+    if (older) older->over = "superseded";
+    outbox_->dropTiles(id_);
+  }
+  begin(frame, older);
+}
+
+void Window::startStage(const FramePtr& frame) {
+  FrameRequest request;
+  Wanted wanted;
+  {
+    const std::lock_guard lock(mutex_);
+    const PixelHeader header = frame->header(id_);
+    request.scene = frame->scene->id;
+    request.camera = frame->camera;
+    request.camera.dimensions = {int(header.width), int(header.height)};
+    request.samples = frame->samples;
+    request.firstSample = int32_t(frame->pass) * frame->samples;
+    request.share = {services_.node.tenants.number(tenant_), true};
+    wanted.encoding = frame->options.encoding;
+    wanted.quality = frame->options.quality;
+    if (frame->last() && frame->options.passes > 1) wanted.as = Wanted::As::Sums;
+  }
+  Receiver receiver;
+  const auto self = shared_from_this();
+  receiver.tile = [self, frame](Bytes record) { self->onTile(frame, std::move(record)); };
+  receiver.sums = [self, frame](Picture picture) { self->onSums(frame, std::move(picture)); };
+  receiver.done = [self, frame](bool superseded, const std::string& error) {
+    self->onStage(frame, superseded, error);
+  };
+  FrameId id = 0;
+  try {
+    id = services_.pictures.start(request, wanted, std::move(receiver));
+  } catch (const std::exception& e) {
+    return finish(frame, "failed", e.what());
+  }
+  std::unique_lock lock(mutex_);
+  frame->rendering = id;
+  const bool over = frame->over;
+  lock.unlock();
+  if (over) services_.node.renderer.supersede(id);
+}
+
+void Window::onTile(const FramePtr& frame, Bytes record) {
+  const std::lock_guard lock(mutex_);
+  if (frame->over) return;
+  PixelHeader header = protocol::pixelHeader(record);
+  const PixelHeader ours = frame->header(id_);
+  header.window = ours.window;
+  header.frame = ours.frame;
+  header.scale = ours.scale;
+  header.pass = ours.pass;
+  std::memcpy(record.data(), &header, sizeof header);
+  if (!outbox_->pixels(std::move(record))) frame->dropped = true;
+}
+
+void Window::onSums(const FramePtr& frame, Picture picture) {
+  const std::lock_guard lock(mutex_);
+  frame->arrived = std::move(picture);
+}
+
+// A level or pass has been rendered, and its tiles are in the outbox or its sums have arrived.
+void Window::onStage(const FramePtr& frame, bool superseded, const std::string& error) {
+  std::unique_lock lock(mutex_);
+  if (frame->over || superseded) {
+    const char* status = frame->over ? frame->over : "superseded";
+    lock.unlock();
+    return finish(frame, status, {});
+  }
+  if (!error.empty()) {
+    lock.unlock();
+    return finish(frame, "failed", error);
+  }
+  if (Picture pass = std::exchange(frame->arrived, {}); !pass.sums.empty()) {
+    lock.unlock();
+    Picture& sum = frame->sum;
+    if (frame->pass == 0)
+      sum = std::move(pass);
+    else
+      parallelFor(size_t(0), sum.sums.size() / 4, [&](size_t i) {
+        for (size_t k = 4 * i; k < 4 * i + 4; k++) sum.sums[k] += pass.sums[k];
+      });
+    const Picture mean{sum.width, sum.height,
+                       pixelsOf(sum.sums, frame->samples * int(frame->pass + 1), frame->background)};
+    for (Bytes& tile : tilesOfPicture(mean, frame->options.encoding, frame->options.quality))
+      onTile(frame, std::move(tile));
+    lock.lock();
+  }
+  if (frame->over) {
+    lock.unlock();
+    return finish(frame, frame->over, {});
+  }
+  std::function<void()> sent;
+  if (!std::exchange(frame->firstPassMade, true)) {
+    inOutbox_ = frame->number;
+    sent = [self = shared_from_this(), number = frame->number] {
+      self->services_.node.transport.post([self, number] { self->onFirstPassSent(number); });
+    };
+  }
+  outbox_->pixels(endRecord(frame->header(id_), PixelKind::EndOfPass,
+                            protocol::dump({{"seconds", secondsSince(frame->begin)}})),
+                  std::move(sent));
+  bool more = true;
+  if (!frame->last()) {
+    frame->level++;
+  } else {
+    frame->passesSent++;
+    more = ++frame->pass < frame->options.passes;
+  }
+  const bool dropped = frame->dropped;
+  lock.unlock();
+  if (dropped) return finish(frame, "failed", "too many pixels wait to be read: tiles were left out");
+  if (more) return startStage(frame);
+  finish(frame, "complete", {});
+}
+
+void Window::finish(const FramePtr& frame, const char* status, const std::string& error) {
+  PixelHeader header;
+  header.window = id_;
+  header.frame = frame->number;
+  header.width = uint32_t(frame->camera.dimensions.x);
+  header.height = uint32_t(frame->camera.dimensions.y);
+  json generations = json::object();
+  for (const NamedDataset& d : frame->scene->data) generations[d.name] = d.generation;
+  json end{{"status", status},
+           {"generations", generations},
+           {"passes", frame->passesSent},
+           {"seconds", secondsSince(frame->begin)}};
+  if (!error.empty()) end["error"] = error;
+  outbox_->pixels(endRecord(header, PixelKind::EndOfFrame, protocol::dump(end)));
+  frame->pins.clear();
+  frame->slot = {};
+  frame->sum = {};
+  frame->sumMemory = {};
+  frame->scene = nullptr;
+  bool again = false;
+  {
+    const std::lock_guard lock(mutex_);
+    if (current_ == frame) {
+      current_ = nullptr;
+      again = !waiting_ && std::exchange(stale_, false) && settings_.follow && !closed_;
+      if (!frame->firstPassMade) inOutbox_ = 0;
+    }
+    underWay_--;
+    ended_.notify_all();
+  }
+  if (again) renderAgain();
+  beginWaiting();
+}
+
+}  // namespace gxy::viewer
