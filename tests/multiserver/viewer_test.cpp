@@ -139,9 +139,10 @@ TEST(ViewerModule, FramesThatWaitLeaveTheOneUnderWayItsFirstPassAndTheNewestIsMa
   viewer.client->expect("window 1 {\"size\": [800, 600]}");
   viewer.frame(R"({"levels": [1]})");
   std::vector<uint64_t> frames;
-  for (int i = 0; i < 30; i++)
-    frames.push_back(viewer.render(R"({"levels": [1], "wait": true, "Camera": {"viewpoint": [)" +
-                                   std::to_string(3 - 0.05 * i) + R"(, 2, 4], "viewcenter": [0, 0, 0]}})"));
+  for (int i = 0; i < 30; i++) {
+    const json camera{{"viewpoint", {3 - 0.05 * i, 2, 4}}, {"viewcenter", {0, 0, 0}}};
+    frames.push_back(viewer.render(json{{"levels", {1}}, {"wait", i > 0}, {"Camera", camera}}.dump()));
+  }
   EXPECT_EQ(viewer.screen.waitFor(1, frames.front()).status, "complete");
   EXPECT_EQ(viewer.screen.waitFor(1, frames.back()).status, "complete");
   int complete = 0;
