@@ -1,77 +1,132 @@
 // SPDX-License-Identifier: Apache-2.0
 // Emission and absorption through several volumes at once.
 //
-// In each macrocell each volume has equal segments of its plan (volume.h), with constant extinction and colour; where they
-// overlap, extinction and source add over the merged segments (numerics.md section 3). A merged segment belongs to the
-// partition that contains its end. What a volume has in a segment is a function of that segment alone, so the partition
-// behind a border finds the same numbers again.
+// In each macrocell each volume has equal segments of its plan (volume.h), and counts as what is seen at their middle; or,
+// in each cell of one that goes cell by cell, equal segments along which the value is linear, halved where the map is not
+// as good as constant over them. Where volumes overlap, extinction and source add over the merged segments (numerics.md
+// section 3). A merged segment belongs to the partition that contains its end. What a volume has in a segment is a
+// function of that segment alone, so the partition behind a border finds the same numbers again.
 //
 // Each dialect supplies VOLUMES, a list of the operators that are volume rendered, VOLUME_AT(s, list, k), its k-th volume,
 // and holdsSamples(v), whether this partition has it.
 
 #define MANY_VOLUMES 8
 
-// Where a ray is in one volume: segment [a, b) of the macrocell's `count`, with its extinction and source.
+// Where a ray is in one volume: part [a, b) of segment `index` of the `count` equal ones of a stretch, with its extinction
+// and source. A stretch is the ray in a macrocell, or in a cell of it.
 struct Cursor {
   VolumeRay ray;
   MacroWalk walk;
-  real tb, dt, count, index;  // of the macrocell: end, segment length, number of segments, segment
-  real b;                     // end of the current segment; NO_HIT behind the volume
+  ivec3 cell;                       // of a macrocell that goes cell by cell
+  real from, to, dt, count, index;  // of the stretch: its ends, segment length, number of segments, segment
+  bool holds;                       // whether there are data in the segment of a cell, and if so
+  real s0, rise;                    // its value at the start, and what that changes by
+  real begin, part;  // where the part begins and its length, in segments: multiples of powers of 2
+  real a, b;         // ends of the part; b is NO_HIT behind the volume
   real sigma;
   vec3 source;
 };
 
+FN bool goesByCells(VOLUME v, int plan) { return someByCells(v) && plan != 0 && !byMidpoints(plan); }
+FN real macrocellEnd(Cursor c) { return min(min3(c.walk.far), c.ray.t1); }
+FN real segmentStart(Cursor c) { return c.index > R(0.0) ? c.from + c.index * c.dt : c.from; }
 FN real segmentEnd(Cursor c) {
-  return c.index + R(1.0) < c.count ? c.walk.t + (c.index + R(1.0)) * c.dt : c.tb;
+  return c.index + R(1.0) < c.count ? c.from + (c.index + R(1.0)) * c.dt : c.to;
 }
 
-// Sets up the macrocell that the walk is in.
-FN void enterMacrocell(VOLUME v, INOUT(Cursor) c) {
+// Sets up the stretch that t is in, in the macrocell of the walk.
+FN void enterStretch(VOLUME v, INOUT(Cursor) c, real t) {
   int plan = planAt(v, c.walk.index);
-  c.tb = min(min3(c.walk.far), c.ray.t1);
+  c.from = c.walk.t;
+  c.to = macrocellEnd(c);
+  if (goesByCells(v, plan)) {
+    GridRay g = c.ray.g;
+    ivec3 n = gridCells(v);
+    c.cell = make_i3(locateCell(t, g.po.x, g.pd.x, g.rpd.x, n.x), locateCell(t, g.po.y, g.pd.y, g.rpd.y, n.y),
+                     locateCell(t, g.po.z, g.pd.z, g.rpd.z, n.z));
+    vec3 near = make_v3(planeCrossing(nearPlane(c.cell.x, g.rpd.x), g.po.x, g.rpd.x),
+                        planeCrossing(nearPlane(c.cell.y, g.rpd.y), g.po.y, g.rpd.y),
+                        planeCrossing(nearPlane(c.cell.z, g.rpd.z), g.po.z, g.rpd.z));
+    vec3 far = make_v3(planeCrossing(farPlane(c.cell.x, g.rpd.x), g.po.x, g.rpd.x),
+                       planeCrossing(farPlane(c.cell.y, g.rpd.y), g.po.y, g.rpd.y),
+                       planeCrossing(farPlane(c.cell.z, g.rpd.z), g.po.z, g.rpd.z));
+    c.from = max(max3(near), c.walk.t);
+    if (min3(far) > t) c.to = min(min3(far), c.to);  // rounding may leave no cell behind t
+  }
   c.index = R(0.0);
   c.count = R(1.0);
-  // pre-integrated segments are not cut further here, neither at cell faces nor where their front hides their back
   if (plan != 0) {
-    real n = (c.tb - c.walk.t) * c.ray.cells / planStep(plan);
-    if (!byMidpoints(plan)) n = R(4.0) * n;
-    c.count = max(floor(n + R(0.5)), R(1.0));
+    real n = (c.to - c.from) * c.ray.cells / planStep(plan);
+    c.count = max(goesByCells(v, plan) ? ceil(n) : floor(n + R(0.5)), R(1.0));
   }
-  c.dt = (c.tb - c.walk.t) / c.count;
+  c.dt = (c.to - c.from) / c.count;
 }
 
-// Evaluates the current segment.
-FN void evaluateSegment(VOLUME v, INOUT(Cursor) c, INOUT(int) samples) {
-  c.b = segmentEnd(c);
+// Evaluates the part that begins at c.begin; one of a cell's segment is halved until it does not matter against tMin that
+// extinction and colour are called constant along it: they go up or down by `uneven` and `shaded`, which its front and the
+// other volumes hide.
+FN void evaluatePart(VOLUME v, INOUT(Cursor) c, real tMin, INOUT(int) samples) {
+  real start = segmentStart(c), end = segmentEnd(c);
   c.sigma = R(0.0);
   c.source = make_v3(R(0.0), R(0.0), R(0.0));
   int plan = planAt(v, c.walk.index);
-  if (plan != 0) {
-    real a = c.index > R(0.0) ? c.walk.t + c.index * c.dt : c.walk.t;
+  if (goesByCells(v, plan) && c.holds) {
+    bool more = true;
+    while (more) {
+      samples += 1;
+      MapMean m = meanAlong(v, c.s0 + c.begin * c.rise, c.s0 + (c.begin + c.part) * c.rise);
+      real length = c.part * c.dt;
+      real tau = m.sigma * length;
+      real uneven = max(abs(m.sigma - m.sigmaFront), abs(m.sigma - m.sigmaBack)) * length;
+      real shaded =
+          max(max(abs(m.front.x - m.back.x), abs(m.front.y - m.back.y)), abs(m.front.z - m.back.z)) *
+          min(tau, R(1.0));
+      real hidden = min(tau + v.others * length, R(1.0));
+      more = (uneven + shaded) * hidden > R(8.0) * tMin && c.part > R(0.000244140625);
+      if (more) c.part = R(0.5) * c.part;
+      c.sigma = m.sigma;
+      c.source = make_v3(m.sigma * m.color.x, m.sigma * m.color.y, m.sigma * m.color.z);
+    }
+  } else if (plan != 0 && !goesByCells(v, plan)) {
     samples += 1;
-    if (someByCells(v) && !byMidpoints(plan)) {
-      real s0 = sampleAt(v, pointAt(c.ray.g, a)), s1 = sampleAt(v, pointAt(c.ray.g, c.b));
-      if (!((s0 - s0) + (s1 - s1) ==
-            R(0.0))) {  // an end on the face of the macrocell was looked up behind it
-        s0 = sampleAt(v, pointAt(c.ray.g, R(0.5) * (a + c.b)));
-        s1 = s0;
-      }
-      if (s0 - s0 == R(0.0)) {
-        MapMean m = meanAlong(v, s0, s1);
-        c.sigma = m.sigma;
-        c.source = make_v3(m.sigma * m.color.x, m.sigma * m.color.y, m.sigma * m.color.z);
-      }
-    } else {
-      real s = sampleAt(v, pointAt(c.ray.g, R(0.5) * (a + c.b)));
-      if (s - s == R(0.0)) {
-        MapPlace p = mapPlace(v, s);
-        MapPiece m = mapPiece(v, p.k);
-        c.sigma = sigmaAt(m, p.f);
-        vec3 color = colorAt(m, p.f);
-        c.source = make_v3(c.sigma * color.x, c.sigma * color.y, c.sigma * color.z);
-      }
+    real s = sampleAt(v, pointAt(c.ray.g, R(0.5) * (start + end)));
+    if (s - s == R(0.0)) {
+      MapPlace p = mapPlace(v, s);
+      MapPiece m = mapPiece(v, p.k);
+      c.sigma = sigmaAt(m, p.f);
+      vec3 color = colorAt(m, p.f);
+      c.source = make_v3(c.sigma * color.x, c.sigma * color.y, c.sigma * color.z);
     }
   }
+  c.a = c.begin > R(0.0) ? start + c.begin * c.dt : start;
+  c.b = c.begin + c.part < R(1.0) ? start + (c.begin + c.part) * c.dt : end;
+}
+
+// Evaluates the first part of the current segment.
+FN void evaluateSegment(VOLUME v, INOUT(Cursor) c, real tMin, INOUT(int) samples) {
+  c.begin = R(0.0);
+  c.part = R(1.0);
+  if (goesByCells(v, planAt(v, c.walk.index))) {
+    Corners k = cellCorners(v, c.cell);
+    real start = segmentStart(c), end = segmentEnd(c);
+    c.holds = end > start && holdsData(k);
+    if (c.holds) {
+      c.s0 = valueIn(k, c.cell, pointAt(c.ray.g, start));
+      c.rise = valueIn(k, c.cell, pointAt(c.ray.g, end)) - c.s0;
+    }
+  }
+  evaluatePart(v, c, tMin, samples);
+}
+
+// The next part of the current segment; false behind the last.
+FN bool nextPart(VOLUME v, INOUT(Cursor) c, real tMin, INOUT(int) samples) {
+  c.begin += c.part;
+  bool more = c.begin < R(1.0);
+  if (more) {
+    c.part = min(R(2.0) * c.part, R(1.0) - c.begin);
+    evaluatePart(v, c, tMin, samples);
+  }
+  return more;
 }
 
 // No segment: up to `b` there is nothing.
@@ -81,37 +136,42 @@ FN void evaluateNothing(INOUT(Cursor) c, real b) {
   c.source = make_v3(R(0.0), R(0.0), R(0.0));
 }
 
-// The segment that ends after t; before the volume, nothing up to it, with index -1.
-FN void seekSegment(VOLUME v, INOUT(Cursor) c, real t, INOUT(int) samples) {
+// The part that ends after t; before the volume, nothing up to it, with index -1.
+FN void seekPart(VOLUME v, INOUT(Cursor) c, real t, real tMin, INOUT(int) samples) {
   if (t >= c.ray.t1 || c.ray.t0 >= c.ray.t1) {
     evaluateNothing(c, NO_HIT);
   } else {
     real from = max(t, c.ray.t0);
     c.walk = startMacroWalk(v, c.ray, from);
-    enterMacrocell(v, c);
-    if (c.walk.t < from && c.dt > R(0.0)) c.index = segmentBehind(from, c.walk.t, c.dt, c.count);
+    enterStretch(v, c, max(from, c.walk.t));
+    if (c.from < from && c.dt > R(0.0)) c.index = segmentBehind(from, c.from, c.dt, c.count);
     if (t < c.ray.t0) {
       evaluateNothing(c, c.ray.t0);
       c.index = R(-1.0);
     } else {
-      evaluateSegment(v, c, samples);
+      evaluateSegment(v, c, tMin, samples);
+      bool more = c.b <= t;
+      while (more) more = nextPart(v, c, tMin, samples) && c.b <= t;
     }
   }
 }
 
-// The segment behind the current one.
-FN void nextSegment(VOLUME v, INOUT(Cursor) c, INOUT(int) samples) {
+// The part behind the current one.
+FN void advance(VOLUME v, INOUT(Cursor) c, real tMin, INOUT(int) samples) {
+  if (c.index >= R(0.0) && nextPart(v, c, tMin, samples)) return;
   bool more = true;
   if (c.index + R(1.0) < c.count) {
     c.index += R(1.0);
+  } else if (c.to < macrocellEnd(c)) {
+    enterStretch(v, c, c.to);
   } else if (c.b < c.ray.t1) {
     stepMacroWalk(v, c.ray, c.walk);
-    enterMacrocell(v, c);
+    enterStretch(v, c, c.walk.t);
   } else {
     more = false;
   }
   if (more)
-    evaluateSegment(v, c, samples);
+    evaluateSegment(v, c, tMin, samples);
   else
     evaluateNothing(c, NO_HIT);
 }
@@ -140,15 +200,13 @@ FN void integrateMany(SCENE s, VOLUMES list, UNIFORM int count, vec3 o, vec3 d, 
       if (!holdsSamples(v)) {  // not in this partition: all behind it, or all before it
         evaluateNothing(cursor[k], NO_HIT);
       } else {
-        seekSegment(v, cursor[k], t, samples);
+        seekPart(v, cursor[k], t, m.tMin, samples);
       }
       real from = R(0.0);
       if (cursor[k].b == NO_HIT)
         from = cursor[k].ray.t1 <= t ? cursor[k].ray.t1 : R(0.0);
-      else if (cursor[k].index > R(0.0))
-        from = cursor[k].walk.t + cursor[k].index * cursor[k].dt;
-      else if (cursor[k].index == R(0.0))
-        from = cursor[k].walk.t;
+      else if (cursor[k].index >= R(0.0))
+        from = cursor[k].a;
       if (cursor[k].ray.t0 < cursor[k].ray.t1) begin = max(begin, from);
     }
     a = max(begin, m.tStart);
@@ -174,7 +232,7 @@ FN void integrateMany(SCENE s, VOLUMES list, UNIFORM int count, vec3 o, vec3 d, 
       if (b >= end || R(1.0) - L.A < m.tMin || b >= m.tOut) go = false;
       for (UNIFORM int k = 0; k < count; k++) {
         VOLUME v = VOLUME_AT(s, list, k);
-        if (go && cursor[k].b <= b && holdsSamples(v)) nextSegment(v, cursor[k], samples);
+        if (go && cursor[k].b <= b && holdsSamples(v)) advance(v, cursor[k], m.tMin, samples);
       }
     }
   }

@@ -3,9 +3,10 @@
 
 // What a map does along a segment on which the value goes linearly from s0 to s1.
 struct MapMean {
-  real sigma;        // mean extinction
-  vec3 color;        // mean colour, weighted by extinction
-  vec3 front, back;  // colours at s0 and s1
+  real sigma;                  // mean extinction
+  vec3 color;                  // mean colour, weighted by extinction
+  real sigmaFront, sigmaBack;  // extinctions at s0 and s1
+  vec3 front, back;            // colours there
 };
 
 // Adds the part of a mean that an interval contributes, along which extinction and colour are linear.
@@ -27,6 +28,8 @@ FN MapMean meanAlong(VOLUME v, real s0, real s1) {
   vec3 c0 = colorAt(first, p.f), d1 = colorAt(last, q.f);
   bool rising = s0 <= s1;
   MapMean m;
+  m.sigmaFront = rising ? a0 : b1;
+  m.sigmaBack = rising ? b1 : a0;
   m.front = rising ? c0 : d1;
   m.back = rising ? d1 : c0;
   vec3 source;

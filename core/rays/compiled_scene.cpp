@@ -5,6 +5,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <limits>
+#include <optional>
 
 #include "gxy/comm/error.h"
 #include "gxy/rays/iso_plan.h"
@@ -53,7 +54,29 @@ void compileVolume(CompiledOperator& op, CompiledScene& scene) {
   op.map = CompiledMap(effectiveColorMap(op.vis), op.vis.volumeRendering ? &opacity : nullptr, units);
   for (double v : op.vis.isovalues) op.isovalues.push_back(float((v - volume.shift) / volume.scale));
   for (const Plane& p : op.vis.slices) op.slices.push_back(compilePlane(p, space));
+}
 
+// The largest extinction of a rendered volume, per unit of t.
+double largestExtinction(const CompiledOperator& op) {
+  const Volume& volume = *op.data.volume;
+  const Range& range = volume.ranges.at(op.summary);
+  if (!op.vis.volumeRendering || range.empty()) return 0;
+  auto stored = [&](double v) { return float((v - volume.shift) / volume.scale); };
+  return op.map.over(stored(range.min), stored(range.max)).extinction;
+}
+
+// What each macrocell asks for.
+void planVolume(CompiledOperator& op, CompiledScene& scene) {
+  const Volume& volume = *op.data.volume;
+  const RenderSpace& space = scene.space;
+  const glm::dvec3 s = volume.grid.spacing;
+  std::optional<double> others;
+  if (scene.volumesRendered > 1) {
+    others = 0;
+    for (const CompiledOperator& o : scene.operators)
+      if (&o != &op && o.vis.type == VisType::Volume) *others += largestExtinction(o);
+  }
+  op.others = float(others.value_or(0));
   const double cellT = std::max({s.x, s.y, s.z}) * space.scale;
   for (const auto& [partition, block] : volume.blocks) {
     if (block.extent.count() == 0) continue;
@@ -61,7 +84,7 @@ void compileVolume(CompiledOperator& op, CompiledScene& scene) {
     part.block = &block;
     const auto& summaries = block.summaries.at(op.summary);
     if (op.vis.volumeRendering)
-      part.plan = stepPlan(summaries, op.map, cellT, scene.settings.tolerance, scene.settings.step);
+      part.plan = stepPlan(summaries, op.map, cellT, scene.settings.tolerance, scene.settings.step, others);
     if (!op.isovalues.empty())
       part.isoPlan =
           isoPlan(block, volume.stored, volume.components,
@@ -187,6 +210,8 @@ std::shared_ptr<CompiledScene> compileScene(const Visualization& visualization,
     if (surfaces && op.vis.opacity < 1) scene->opaqueSurfaces = false;
     largestColor = std::max(largestColor, op.map.largestColor);
   }
+  for (CompiledOperator& op : scene->operators)
+    if (op.vis.type == VisType::Volume) planVolume(op, *scene);
   if (seen.empty()) seen = partitioning->domain();
   const glm::dvec3 lo = scene->space.toRender(seen.lo), hi = scene->space.toRender(seen.hi), size = hi - lo;
   const double margin = kDomainMargin * std::max({size.x, size.y, size.z, 1e-3});

@@ -58,7 +58,8 @@ struct CompiledOperator {
   std::vector<float> isovalues;                      ///< stored units
   std::vector<CompiledPlane> slices, clips;
   std::map<int, OperatorPart> parts;  ///< by local partition
-  int summary = 0;                    ///< which of the block's summaries: component, or the magnitude
+  float others = 0;  ///< largest extinction of the volumes rendered with it, together, per unit of t
+  int summary = 0;   ///< which of the block's summaries: component, or the magnitude
 };
 
 struct CompiledScene {

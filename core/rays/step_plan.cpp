@@ -21,7 +21,8 @@ constexpr double kThinnest = 0.2;  // part of a cell that is seen, at least
 constexpr double kDense = 1;  // most optical depth of a midpoint segment: the front hides the back of others
 constexpr double kCostOfCells = 8;  // time of a cell length cell by cell, in midpoint segments
 
-constexpr double kFew = 16;  // cells over which errors of random sign even out
+constexpr double kLongestRay = 1.7;  // diagonal of a cube whose side is 1 in t
+constexpr double kFew = 16;          // cells over which errors of random sign even out
 
 // Errors of segments of h cells, over h^2.
 struct Errors {
@@ -29,8 +30,9 @@ struct Errors {
 };
 Errors errorsOf(const Macrocell& m, const CompiledMap::Over& map, double cellT) {
   const double range = double(m.max) - m.min;
-  const double depth = 1 / (map.extinction * cellT);                       // cells to optical depth 1
-  const double seen = std::clamp(depth, 1.0, std::max(1.0, 1.7 / cellT));  // ... or through the volume
+  const double depth = 1 / (map.extinction * cellT);  // cells to optical depth 1
+  const double seen =
+      std::clamp(depth, 1.0, std::max(1.0, kLongestRay / cellT));  // ... or through the volume
   const double ratio = m.bend > 0 ? double(m.steep) / m.bend : 1;
   const double alike = std::clamp(ratio * ratio, std::max(1.0, std::min(seen, kFew / seen)), 4 * seen);
   const double bend = map.slope * m.bend * std::clamp(depth, kThinnest, 1.0) * std::sqrt(seen * alike);
@@ -53,7 +55,7 @@ int32_t planOf(double segmentsPerCell, Integrator integrator) {
 }
 
 std::vector<int32_t> stepPlan(std::span<const Macrocell> summaries, const CompiledMap& map, double cellT,
-                              double tolerance, double step) {
+                              double tolerance, double step, std::optional<double> others) {
   std::vector<int32_t> plan(summaries.size(), 0);
   for (size_t i = 0; i < plan.size(); i++) {
     const Macrocell& m = summaries[i];
@@ -64,8 +66,9 @@ std::vector<int32_t> stepPlan(std::span<const Macrocell> summaries, const Compil
       plan[i] = planOf(1 / step, Integrator::Midpoint);
       continue;
     }
-    const Errors errors = errorsOf(m, over, cellT);
+    Errors errors = errorsOf(m, over, cellT);
     const double allowed = (1 - kEarlyEnd) * tolerance;
+    if (others) errors.midpoint += cellT * over.slope * m.steep * std::min(1.0, kLongestRay * *others) / 24;
     const double midpoint = std::max(std::sqrt(errors.midpoint / allowed), over.extinction * cellT / kDense);
     const double pieces = std::sqrt(errors.pieces / allowed);
     const bool cells =

@@ -2,6 +2,7 @@
 // Per macrocell: skip it, or how finely and by which method to integrate it.
 #pragma once
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -36,8 +37,12 @@ int32_t planOf(double segmentsPerCell, Integrator integrator);
 /// coefficients of the two rules for errors of one sign (Davis & Rabinowitz 1984, 2.1); the constants here hold for rays
 /// through fields from smooth to white noise under five shapes of maps (tests/accuracy/step_plan.cpp).
 ///
+/// Where several volumes are rendered at once, `others` is the largest extinction of the others together, per unit of t.
+/// Midpoint segments then hold extinction constant (kernels/many.h), and the others are seen through their front before
+/// their back: that adds f.slope m.steep min(1, 1.7 others) / 24.
+///
 /// A step > 0 (in cells) asks for midpoint segments of that length wherever something is seen.
 std::vector<int32_t> stepPlan(std::span<const Macrocell> summaries, const CompiledMap& map, double cellT,
-                              double tolerance, double step);
+                              double tolerance, double step, std::optional<double> others = {});
 
 }  // namespace gxy

@@ -84,6 +84,10 @@ TEST(Compare, LostHitsBrokenTolerancesAndMissingCurvesAreRegressions) {
   newer = older;
   newer.maxError = 1.5;
   EXPECT_EQ(onlyChange({older}, {newer}).remark, "tolerance 1/512 no longer held");
+  newer = older = row("fixed", "1/2", 1, 1e-4);
+  newer.maxError = INFINITY;  // what a NaN in a picture counts as
+  EXPECT_EQ(onlyChange({older}, {newer}).remark, "pixels that are no number at 1/2");
+  EXPECT_TRUE(onlyChange({older}, {newer}).regressed());
   EXPECT_TRUE(onlyChange({older}, {}).regressed());
   EXPECT_FALSE(onlyChange({}, {newer}).regressed());
 }

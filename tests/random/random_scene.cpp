@@ -324,15 +324,6 @@ agreement::TestScene inOnePiece(const TestScene& scene) {
   return out;
 }
 
-TestScene withoutKnownLimits(TestScene scene) {
-  bool rendered = false;
-  for (Vis& vis : scene.visualization.operators) {
-    vis.volumeRendering = vis.volumeRendering && !rendered;
-    rendered = rendered || vis.volumeRendering;
-  }
-  return scene;
-}
-
 double brightest(const TestScene& scene) {
   const Lighting& l = scene.visualization.lighting;
   return std::max(1.0, l.Ka + l.Kd + l.Ks);

@@ -23,10 +23,6 @@ Cut randomCut(const TestScene& scene, uint64_t seed);
 /// The scene in one partition, as the comparison with the reference takes it.
 agreement::TestScene inOnePiece(const TestScene& scene);
 
-/// The scene without what the integrators are known not to keep to the tolerance or to lose (docs/numerics.md, "Known
-/// limits"): of several rendered volumes only the first is rendered.
-TestScene withoutKnownLimits(TestScene scene);
-
 /// The largest value that a channel of a picture of the scene may have.
 double brightest(const TestScene& scene);
 

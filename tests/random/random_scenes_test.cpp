@@ -43,7 +43,7 @@ std::string outOfRange(const Picture& picture, double brightest) {
 TEST(RandomScenes, AgreeWithTheReference) {
   int64_t pixels = 0, flips = 0;
   for (uint64_t seed = asked.first; seed < asked.first + asked.scenes; seed++) {
-    const TestScene scene = withoutKnownLimits(randomScene(seed));
+    const TestScene scene = randomScene(seed);
     agreement::CompareOptions options;
     options.tolerance = scene.settings.tolerance;
     options.longMarches = true;

@@ -87,6 +87,8 @@ void addRemarks(const Row& older, const Row& newer, std::string& remark) {
   const int64_t now = newer.missed + newer.extra + newer.wrongSheet;
   if (newer.hits >= 0 && older.hits >= 0 && now > before)
     append(remark, std::to_string(now - before) + " more wrong hits");
+  if (!std::isfinite(newer.maxError) && std::isfinite(older.maxError))
+    append(remark, "pixels that are no number at " + newer.setting);
   if (newer.method == "adaptive" && newer.maxError > newer.tolerance && older.maxError <= older.tolerance)
     append(remark, "tolerance " + newer.setting + " no longer held");
 }
