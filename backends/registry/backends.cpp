@@ -15,11 +15,12 @@ BackendRegistry allBackends(const BackendOptions& options) {
   BackendRegistry registry;
 #ifdef GALAXY_VULKAN
   const auto fits = [options] {
+    if (!options.device.empty()) return true;
+    if (!showsGpu()) return false;  // no driver is loaded where there is nothing to find
     const std::vector<VulkanDeviceInfo> devices = vulkanDevices();
-    return !options.device.empty() ||
-           std::any_of(devices.begin(), devices.end(), [](const VulkanDeviceInfo& d) {
-             return d.kind == VulkanDeviceInfo::Kind::Discrete && d.missing.empty();
-           });
+    return std::any_of(devices.begin(), devices.end(), [](const VulkanDeviceInfo& d) {
+      return d.kind == VulkanDeviceInfo::Kind::Discrete && d.missing.empty();
+    });
   };
   const auto make = [options] {
     VulkanOptions vulkan;

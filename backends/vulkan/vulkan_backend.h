@@ -17,8 +17,13 @@ struct VulkanDeviceInfo {
   std::vector<std::string> missing;  ///< what this backend needs and the device lacks
 };
 
-/// All of them, in the loader's order; none where there is no Vulkan.
+/// All of them, in the loader's order; none where there is no Vulkan. Asking loads every driver into the process; Mesa's
+/// software device takes 67 MB of it.
 std::vector<VulkanDeviceInfo> vulkanDevices();
+
+/// Whether a driver shows a GPU's device node in that folder (dri/renderD*, nvidia<number>, dxg): without one there is no GPU,
+/// which this tells without loading any driver.
+bool showsGpu(const std::string& folder = "/dev");
 
 struct VulkanOptions {
   /// A number in that order, or a part of a device's name; empty: the best kind that there is. Software devices are

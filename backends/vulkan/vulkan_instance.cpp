@@ -6,6 +6,7 @@
 #include <cctype>
 #include <charconv>
 #include <cstring>
+#include <filesystem>
 
 namespace gxy::vulkan {
 
@@ -236,6 +237,21 @@ VkPhysicalDevice chooseDevice(const Instance& instance, const VulkanOptions& opt
 }  // namespace gxy::vulkan
 
 namespace gxy {
+
+bool showsGpu(const std::string& folder) {
+  const std::filesystem::path dev(folder);
+  std::error_code error;  // a folder that is not there has no entries
+  const auto hasNumbered = [&](const std::filesystem::path& in, const std::string& prefix) {
+    for (const auto& entry : std::filesystem::directory_iterator(in, error)) {
+      const std::string name = entry.path().filename().string();
+      if (name.starts_with(prefix) && std::isdigit(static_cast<unsigned char>(name[prefix.size()])))
+        return true;
+    }
+    return false;
+  };
+  return hasNumbered(dev / "dri", "renderD") || hasNumbered(dev, "nvidia") ||
+         std::filesystem::exists(dev / "dxg", error);
+}
 
 std::vector<VulkanDeviceInfo> vulkanDevices() {
   std::vector<VulkanDeviceInfo> infos;
