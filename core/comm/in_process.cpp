@@ -90,16 +90,20 @@ class SeededWorld final : public InProcessWorld::World {
   int size() const override { return int(ranks_.size()); }
   Transport& rank(int rank) override { return *ranks_.at(rank); }
   void run() override {
-    while (step()) {
-    }
+    do {
+      while (step()) {
+      }
+    } while (waitForPost());
   }
 
   bool step() override {
+    std::unique_lock lock(mutex_);
     if (events_.empty()) return false;
     const size_t chosen = choose();
     std::swap(events_[chosen], events_.back());
     Event event = std::move(events_.back());
     events_.pop_back();
+    lock.unlock();
     const auto act = [&] {
       if (event.task)
         event.task();
@@ -137,6 +141,7 @@ class SeededWorld final : public InProcessWorld::World {
     }
     void post(Task task) override { world_.addTask(rank_, std::move(task)); }
     void postWaiting(Task task) override { post(std::move(task)); }
+    std::shared_ptr<void> expectPost() override { return world_.expectPost(); }
     Counters counters() const override { return count_.counters(); }
 
     Mailbox mailbox;
@@ -147,11 +152,30 @@ class SeededWorld final : public InProcessWorld::World {
     Count count_;
   };
 
+  std::shared_ptr<void> expectPost() {
+    std::lock_guard lock(mutex_);
+    expected_++;
+    return {this, [](SeededWorld* world) {
+              std::lock_guard lock(world->mutex_);
+              world->expected_--;
+              world->changed_.notify_all();
+            }};
+  }
+  // Where posts are expected: waits for one. False: there is nothing to wait for.
+  bool waitForPost() {
+    std::unique_lock lock(mutex_);
+    changed_.wait(lock, [this] { return !events_.empty() || expected_ == 0; });
+    return !events_.empty();
+  }
+
   void addMessage(int destination, Delivery delivery) {
+    std::lock_guard lock(mutex_);
     const bool slow = bias_.slowMessage(random_, delivery.source, destination, delivery.channel);
     events_.push_back({destination, slow, std::move(delivery), {}});
   }
   void addTask(int rank, Transport::Task task) {
+    std::lock_guard lock(mutex_);
+    changed_.notify_all();
     events_.push_back({rank, bias_.slowTask(random_, rank), {}, std::move(task)});
   }
 
@@ -169,7 +193,10 @@ class SeededWorld final : public InProcessWorld::World {
   Bias bias_;
   ErrorReport report_;
   std::vector<std::unique_ptr<Rank>> ranks_;
+  std::mutex mutex_;  ///< guards what is below, and random_: what is expected is posted by other threads
+  std::condition_variable changed_;
   std::vector<Event> events_;
+  size_t expected_ = 0;
 };
 
 // --------------------------------------------------------------------------------------------------------
@@ -242,6 +269,10 @@ class ThreadedWorld final : public InProcessWorld::World {
     }
     void post(Task task) override { runOn(world_.workers_, std::move(task)); }
     void postWaiting(Task task) override { runOn(world_.waiting_, std::move(task)); }
+    std::shared_ptr<void> expectPost() override {
+      world_.outstanding_.add();
+      return {this, [](Rank* rank) { rank->world_.outstanding_.remove(); }};
+    }
     Counters counters() const override { return count_.counters(); }
 
    private:

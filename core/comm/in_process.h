@@ -44,7 +44,8 @@ class InProcessWorld {
   /// One event, seeded worlds only; false when there is none.
   bool step();
 
-  /// Until nothing is under way, posted or running: every event (seeded), or waits (threaded).
+  /// Until nothing is under way, posted, running or expected (Transport::expectPost): every event (seeded), or waits
+  /// (threaded).
   void run();
 
   class World;

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -54,6 +55,10 @@ class Transport {
   /// Runs a task on a thread that it does not share, so that it may wait for tasks and messages of any rank
   /// (collective.h). For requests, which are few; the threads are kept and used again.
   virtual void postWaiting(Task task) = 0;
+
+  /// Says that something which is no task, as a device at work, will post one from a thread of its own: until what this
+  /// returns is gone InProcessWorld::run() waits for it. Others need not know, and return null.
+  virtual std::shared_ptr<void> expectPost() { return nullptr; }
 
   /// Bytes and messages handed to MPI (or to the in-process world), after coalescing; and messages before it.
   struct Counters {

@@ -21,6 +21,9 @@ TraceCounters& TraceCounters::operator+=(const TraceCounters& o) {
   nsIntegrate += o.nsIntegrate;
   nsShade += o.nsShade;
   nsRoute += o.nsRoute;
+  submissions += o.submissions;
+  nsDevice += o.nsDevice;
+  nsDeviceIdle += o.nsDeviceIdle;
   return *this;
 }
 

@@ -13,7 +13,7 @@
 
 namespace gxy {
 
-/// What was done, and what was skipped. Counters of one call; they add.
+/// What was done, and what was skipped. Counters of one call, or of several that a device has done as one; they add.
 struct TraceCounters {
   uint64_t raysSpawned = 0;  ///< primaries
   uint64_t raysTraced = 0;   ///< ray visits to a partition
@@ -24,6 +24,9 @@ struct TraceCounters {
   uint64_t cells = 0, isoMacrocellsSkipped = 0;    ///< of the isosurface walk
   uint64_t nsSpawn = 0, nsGeometry = 0, nsSurfaces = 0, nsIntegrate = 0, nsShade = 0,
            nsRoute = 0;  ///< nanoseconds
+  /// Of a device with a queue: how often it was handed work, how long it worked, and how long it had nothing to do between
+  /// one handful and the next.
+  uint64_t submissions = 0, nsDevice = 0, nsDeviceIdle = 0;
 
   TraceCounters& operator+=(const TraceCounters& o);
 };
@@ -37,13 +40,14 @@ struct LeavingRays {
 
 /// What became of a packet.
 struct TraceResult {
-  std::vector<LeavingRays>
-      leaving;  ///< forwarded rays and new secondaries (which may stay in this partition)
+  std::vector<LeavingRays> leaving;  ///< forwarded rays and new secondaries, which may stay in this partition
   std::vector<Contribution> contributions;
   std::vector<DepthContribution> depths;  ///< only if the frame wants them
   uint64_t retired = 0;                   ///< rays of the packet that have ended
-  uint64_t secondaries = 0;               ///< rays that were made
+  uint64_t secondaries =
+      0;  ///< rays that were made and are in `leaving`; a backend may have traced others itself
   TraceCounters counters;
+  std::string error;  ///< not empty: it could not be done, and nothing is in the result but `retired`
 };
 
 /// Pixels [x0, x1) x [y0, y1), at most kTile on a side, and one sample.
@@ -60,7 +64,8 @@ class DeviceFrame {
 
 /// A compiled scene on a device, for the partitions of one rank; shared by all frames that show it. Calls may come from
 /// any number of threads at once. `done` is called once, with the result, on any thread, possibly before the call
-/// returns.
+/// returns, else soon and without further calls; until then the scene and the frame must live. It must be short and not
+/// throw. Where the device fails, the result says so; a call that throws does not call `done`.
 class DeviceScene {
  public:
   using Done = std::function<void(TraceResult)>;
@@ -68,7 +73,8 @@ class DeviceScene {
 
   virtual std::shared_ptr<const DeviceFrame> makeFrame(const CompiledFrame& frame) const = 0;
 
-  /// Primary rays whose first visible partition is one of this rank's, as leaving rays.
+  /// Primary rays whose first visible partition is one of this rank's, as leaving rays, or traced already, and then what
+  /// has become of them; none is `retired`.
   virtual void spawn(const DeviceFrame& frame, const Tile& tile, Done done) const = 0;
 
   /// Traces rays through a local partition until each has ended or left it: trace, act and route in one go.

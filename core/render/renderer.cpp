@@ -3,7 +3,6 @@
 #include "gxy/render/renderer.h"
 
 #include <algorithm>
-#include <condition_variable>
 
 #include "gxy/comm/error.h"
 #include "gxy/comm/tree.h"
@@ -14,7 +13,7 @@ namespace gxy {
 
 namespace {
 
-enum class FrameMessage : uint8_t { Start, Cancel, Finish, Delivered };
+enum class FrameMessage : uint8_t { Start, Cancel, Finish, Delivered, Failed };
 
 void writeRequest(Writer& w, const FrameRequest& r) {
   const Camera& c = r.camera;
@@ -64,36 +63,6 @@ LedgerEntry purpose(const Renderer::Options& options, const char* what) {
 }
 
 }  // namespace
-
-/// Lets tasks in until it is closed, and knows how many are inside: a task may still run when the frame that it worked
-/// for has been reported.
-class Renderer::Tasks {
- public:
-  void run(std::function<void()>& task) {
-    {
-      std::lock_guard lock(mutex_);
-      if (closed_) return;
-      inside_++;
-    }
-    const std::shared_ptr<void> leave(nullptr, [&](void*) {
-      task = nullptr;  // what it holds goes before the Renderer may
-      std::lock_guard lock(mutex_);
-      if (--inside_ == 0) empty_.notify_all();
-    });
-    task();
-  }
-  void close() {
-    std::unique_lock lock(mutex_);
-    closed_ = true;
-    empty_.wait(lock, [this] { return inside_ == 0; });
-  }
-
- private:
-  std::mutex mutex_;
-  std::condition_variable empty_;
-  size_t inside_ = 0;
-  bool closed_ = false;
-};
 
 Renderer::Renderer(Transport& transport, Options options)
     : transport_(transport),
@@ -198,7 +167,7 @@ FrameId Renderer::render(const FrameRequest& request, Finished finished) {
     if (!scenes_.count(request.scene))
       throw Error("there is no scene " + std::to_string(request.scene) + " to render");
     id = nextFrame_++;
-    pending_[id] = {std::move(finished), request.window};
+    pending_[id] = {std::move(finished), request.window, {}};
     if (request.window) older = std::exchange(windows_[request.window], id);
   }
   if (older) supersede(older);
@@ -214,26 +183,56 @@ void Renderer::supersede(FrameId id) {
   {
     std::lock_guard lock(mutex_);
     const auto it = pending_.find(id);
-    if (it == pending_.end() || it->second.complete || it->second.superseded) return;
-    it->second.superseded = true;
+    if (it == pending_.end() || it->second.complete || it->second.ending.superseded) return;
+    it->second.ending.superseded = true;
   }
+  cancelEverywhere(id);
+}
+
+void Renderer::cancelEverywhere(FrameId id) {
   Writer w;
   sendDown(w.write(FrameMessage::Cancel).write(id).take());
   cancel(id);
 }
 
+// On a rank whose device could not do its part. What it tells rank 0 is work of the frame, which does not end before.
+void Renderer::fail(const FramePtr& frame, const std::string& error) {
+  frame->cancelled = true;
+  if (frame->failed.exchange(true)) return;
+  completion_.created(frame->id, 1);
+  Writer w;
+  transport_.send(0, Channel::Frame,
+                  w.write(FrameMessage::Failed)
+                      .write(frame->id)
+                      .write("rank " + std::to_string(transport_.rank()) + ": " + error)
+                      .take());
+}
+
+// Rank 0: the first error of a frame counts.
+void Renderer::failed(FrameId id, const std::string& error) {
+  {
+    std::lock_guard lock(mutex_);
+    const auto it = pending_.find(id);
+    if (it == pending_.end() || it->second.complete)
+      throw Error("frame " + std::to_string(id) + " was said to have failed, but is not under way");
+    if (it->second.ending.error.empty()) it->second.ending.error = error;
+  }
+  cancelEverywhere(id);
+  completion_.retired(id, 1);
+}
+
 // Rank 0, once all work of a frame is done. Whether its picture counts is decided here, for all ranks.
 void Renderer::complete(FrameId id) {
-  bool superseded;
+  bool hasPicture;
   {
     std::lock_guard lock(mutex_);
     Pending& pending = pending_.at(id);
     pending.complete = true;
-    superseded = pending.superseded;
+    hasPicture = pending.ending.hasPicture();
   }
   Writer w;
-  sendDown(w.write(FrameMessage::Finish).write(id).write(superseded).take());
-  finish(id, superseded);
+  sendDown(w.write(FrameMessage::Finish).write(id).write(hasPicture).take());
+  finish(id, hasPicture);
 }
 
 // Down a binary tree rooted at rank 0; each rank passes on what it hears.
@@ -246,9 +245,8 @@ void Renderer::receiveFrame(const Bytes& message) {
   Reader in(message, "frame message");
   const auto kind = in.read<FrameMessage>();
   const auto id = in.read<FrameId>();
-  if (kind > FrameMessage::Delivered)
-    in.fail("its kind is " + std::to_string(int(kind)) + ", expected 0 to 3");
-  if (id == 0 || (kind == FrameMessage::Delivered) != (transport_.rank() == 0))
+  if (kind > FrameMessage::Failed) in.fail("its kind is " + std::to_string(int(kind)) + ", expected 0 to 4");
+  if (id == 0 || (kind >= FrameMessage::Delivered) != (transport_.rank() == 0))
     in.fail("it is not for rank " + std::to_string(transport_.rank()));
   if (kind == FrameMessage::Start) {
     const FrameRequest request = readRequest(in);
@@ -264,10 +262,14 @@ void Renderer::receiveFrame(const Bytes& message) {
     sendDown(message);
     cancel(id);
   } else if (kind == FrameMessage::Finish) {
-    const bool superseded = in.read<bool>();
+    const bool hasPicture = in.read<bool>();
     in.expectEnd();
     sendDown(message);
-    finish(id, superseded);
+    finish(id, hasPicture);
+  } else if (kind == FrameMessage::Failed) {
+    const std::string error = in.readString();
+    in.expectEnd();
+    failed(id, error);
   } else {
     in.expectEnd();
     delivered(id);
@@ -287,8 +289,8 @@ void Renderer::delivered(FrameId id) {
     if (window != windows_.end() && window->second == id) windows_.erase(window);
   }
   if (pending.finished)
-    post([finished = std::move(pending.finished), id, superseded = pending.superseded] {
-      finished(id, superseded);
+    post([finished = std::move(pending.finished), id, ending = std::move(pending.ending)] {
+      finished(id, ending);
     });
 }
 
@@ -310,7 +312,14 @@ void Renderer::start(FrameId id, FrameRequest request, const Bytes& message) {
   CompiledFrame compiled = compileFrame(scene, request.camera, 0, request.depth);
   if (request.samples > 0) compiled.samples = request.samples;
   compiled.firstSample = request.firstSample;
-  frame->device = frame->scene.device->makeFrame(compiled);
+  compiled.urgent = request.share.interactive;
+  std::string error;
+  try {
+    frame->device = frame->scene.device->makeFrame(compiled);
+  } catch (const Error& e) {
+    error = e.what();
+    frame->cancelled = true;  // what needs the device is retired without it
+  }
   const Lighting& lighting = scene.visualization.lighting;
   frame->limits = limitsOf(scene, compiled);
   frame->perPrimary = 1 + lighting.aoCount + (lighting.shadows ? int64_t(compiled.lights.size()) : 0);
@@ -345,6 +354,7 @@ void Renderer::start(FrameId id, FrameRequest request, const Bytes& message) {
     else
       cancel(id);
   }
+  if (!error.empty()) fail(frame, error);
   if (spawnsNothing) completion_.spawned(id);
   pump();
 }
@@ -358,7 +368,7 @@ void Renderer::cancel(FrameId id) {
     parked_[id].push_back({Channel::Frame, {}, nullptr, {}});
 }
 
-void Renderer::finish(FrameId id, bool superseded) {
+void Renderer::finish(FrameId id, bool hasPicture) {
   FramePtr frame;
   {
     std::lock_guard lock(mutex_);
@@ -368,10 +378,10 @@ void Renderer::finish(FrameId id, bool superseded) {
     over_.insert(id);
     while (over_.erase(firstNotOver_)) firstNotOver_++;
   }
-  if (frame->owner == transport_.rank()) post([this, frame, superseded] { deliver(frame, superseded); });
+  if (frame->owner == transport_.rank()) post([this, frame, hasPicture] { deliver(frame, hasPicture); });
 }
 
-void Renderer::deliver(const FramePtr& frame, bool superseded) {
+void Renderer::deliver(const FramePtr& frame, bool hasPicture) {
   // told even if the handler throws: the frame is over
   const std::shared_ptr<void> tell(nullptr, [&](void*) {
     Writer w;
@@ -382,7 +392,7 @@ void Renderer::deliver(const FramePtr& frame, bool superseded) {
     std::lock_guard lock(mutex_);
     handler = pictureHandler_;
   }
-  if (!handler || superseded) return;
+  if (!handler || !hasPicture) return;
   Picture picture = frame->request.sums
                         ? frame->framebuffer->sums()
                         : frame->framebuffer->picture(frame->scene.compiled->settings.background);

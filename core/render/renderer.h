@@ -55,8 +55,9 @@ struct FrameRequest {
 /// else for each tenant in turn. A task that is under way is not interrupted, but it traces one packet at a time, and lets
 /// interactive ones go first after each.
 ///
-/// A superseded frame ends like any other, its rays retired where they are met, but hands out no picture. Messages that
-/// are not what a Renderer sends (a pixel outside the picture, a frame that is over, ...) are refused with an Error.
+/// A superseded frame ends like any other, its rays retired where they are met, but hands out no picture. So does a frame
+/// that a rank's device could not do its part of: rank 0 hears what was wrong, and other frames go on. Messages that are
+/// not what a Renderer sends (a pixel outside the picture, a frame that is over, ...) are refused with an Error.
 ///
 /// Threads: all calls may come from any thread. Callbacks run as tasks of the Transport.
 class Renderer {
@@ -70,11 +71,17 @@ class Renderer {
     int64_t tenantRays = 0;        ///< credits that the frames of one tenant may have; 0: all
     int runners = 0;               ///< tasks that it gives the Transport at once; 0: all there are
   };
-  using Finished = std::function<void(FrameId, bool superseded)>;
+  /// How a frame has ended: with a picture, or superseded, or with what went wrong on a rank's device.
+  struct Ending {
+    bool superseded = false;
+    std::string error;
+    bool hasPicture() const { return !superseded && error.empty(); }
+  };
+  using Finished = std::function<void(FrameId, const Ending&)>;
   using PictureHandler = std::function<void(FrameId, const FrameRequest&, Picture)>;
 
   Renderer(Transport& transport, Options options);
-  /// Waits for the tasks that run; what is still to come of frames under way is dropped.
+  /// Waits for the tasks that run and for devices that trace; what is still to come of frames under way is dropped.
   ~Renderer();
   Renderer(const Renderer&) = delete;
   Renderer& operator=(const Renderer&) = delete;
@@ -85,7 +92,7 @@ class Renderer {
   /// Forgets it; frames that are under way keep what they need.
   void removeScene(SceneId id);
 
-  /// What is done with pictures that this rank owns; not called for superseded frames. Set before frames start.
+  /// What is done with pictures that this rank owns; not called for frames that end without. Set before frames start.
   void onPicture(PictureHandler handler);
 
   /// Rank 0 only: starts a frame. `finished` is called on rank 0 when the picture handler has returned on its rank.
@@ -120,6 +127,7 @@ class Renderer {
   struct Scene;
   struct Parked;
   struct Held;
+  struct Asked;
   class Tasks;
   using FramePtr = std::shared_ptr<Frame>;
 
@@ -127,8 +135,8 @@ class Renderer {
   struct Pending {
     Finished finished;
     uint64_t window = 0;
-    bool superseded = false;  ///< by a frame that came before all its work was done
-    bool complete = false;    ///< all its work is done: too late to be superseded
+    Ending ending;  ///< superseded by a frame that came before all its work was done, or the first error
+    bool complete = false;  ///< all its work is done: too late to be superseded
   };
 
   void receiveFrame(const Bytes& message);
@@ -136,16 +144,26 @@ class Renderer {
   void receiveContributions(Bytes message);
   void start(FrameId id, FrameRequest request, const Bytes& message);
   void cancel(FrameId id);
+  void cancelEverywhere(FrameId id);
+  void fail(const FramePtr& frame, const std::string& error);
+  void failed(FrameId id, const std::string& error);
   void complete(FrameId id);
-  void finish(FrameId id, bool superseded);
-  void deliver(const FramePtr& frame, bool superseded);
+  void finish(FrameId id, bool hasPicture);
+  void deliver(const FramePtr& frame, bool hasPicture);
   void delivered(FrameId id);
   void sendDown(const Bytes& message);
 
   void pump();
   void spawnTile(const FramePtr& frame, const Tile& tile, int64_t reserved);
-  void process(const FramePtr& frame, int origin, Held rays);
+  void spawned(const FramePtr& frame, TraceResult& result, int64_t reserved, std::vector<Held>& stack);
+  void take(const FramePtr& frame, int origin, TraceResult& result, std::vector<Held>& stack);
+  void traced(const FramePtr& frame, int origin, bool primary, TraceResult& result, std::vector<Held>& stack);
   void process(const FramePtr& frame, int origin, std::vector<Held> stack);
+  using Call = std::function<void(DeviceScene::Done)>;
+  using Then = std::function<void(TraceResult&, std::vector<Held>&)>;
+  void ask(const FramePtr& frame, int origin, uint64_t rays, const Call& call, Then then,
+           std::vector<Held>& stack);
+  void answered(Asked& asked, TraceResult result);
   void putOff(const FramePtr& frame, int origin, std::vector<Held> rest);
   Held hold(LeavingRays rays) const;
   void forward(const FramePtr& frame, int rank, int partition, bool primary, int origin, const RayList& rays);

@@ -81,22 +81,71 @@ void Renderer::pump() {
   }
 }
 
-void Renderer::spawnTile(const FramePtr& frame, const Tile& tile, int64_t reserved) {
-  if (!frame->cancelled) {
-    frame->scene.device->spawn(*frame->device, tile, [&](TraceResult result) {
-      for (const LeavingRays& l : result.leaving) completion_.created(frame->id, uint64_t(l.rays.size()));
-      {
-        std::lock_guard lock(mutex_);
-        counters_.trace += result.counters;
-      }
-      std::vector<Held> spawned;
-      for (LeavingRays& l : result.leaving) {
-        reserved -= l.rays.size() * frame->perPrimary;
-        spawned.push_back(hold(std::move(l)));
-      }
-      for (Held& rays : spawned) process(frame, transport_.rank(), std::move(rays));
-    });
+// Calls the device. Its answer goes to `then` with the caller's stack if it is there when the call returns, else with a new
+// one in a task of its own: no thread waits for a device.
+void Renderer::ask(const FramePtr& frame, int origin, uint64_t rays, const Call& call, Then then,
+                   std::vector<Held>& stack) {
+  const auto asked = std::make_shared<Asked>();
+  asked->next.reset(new Asked::Next{
+      tasks_->stay(), transport_.expectPost(), frame, origin, std::move(then), {completion_, frame->id}, {}});
+  try {
+    call([this, asked](TraceResult result) { answered(*asked, std::move(result)); });
+  } catch (const std::exception& e) {
+    asked->next->answer.retired = rays;
+    asked->next->answer.error = e.what();
+    asked->answered = true;
   }
+  std::shared_ptr<Asked::Next> next;
+  {
+    std::lock_guard lock(asked->mutex);
+    asked->left = true;
+    if (asked->answered) next = std::move(asked->next);
+  }
+  if (next) next->then(next->answer, stack);
+}
+
+void Renderer::answered(Asked& asked, TraceResult result) {
+  std::shared_ptr<Asked::Next> next;
+  {
+    std::lock_guard lock(asked.mutex);
+    asked.answered = true;
+    asked.next->answer = std::move(result);
+    if (!asked.left) return;
+    next = std::move(asked.next);
+  }
+  // the task that is posted does not keep the Renderer: it may never run
+  const std::shared_ptr<void> inside = std::move(next->inside), expected = std::move(next->expected);
+  const Share share = next->frame->request.share;
+  post(share, [this, next = std::move(next)] {
+    std::vector<Held> stack;
+    next->then(next->answer, stack);
+    process(next->frame, next->origin, std::move(stack));
+  });
+}
+
+void Renderer::spawnTile(const FramePtr& frame, const Tile& tile, int64_t reserved) {
+  std::vector<Held> stack;
+  TraceResult nothing;
+  if (frame->cancelled)
+    spawned(frame, nothing, reserved, stack);
+  else
+    ask(
+        frame, transport_.rank(), 0,
+        [&](DeviceScene::Done done) { frame->scene.device->spawn(*frame->device, tile, std::move(done)); },
+        [this, frame, reserved](TraceResult& result, std::vector<Held>& rest) {
+          spawned(frame, result, reserved, rest);
+        },
+        stack);
+  process(frame, transport_.rank(), std::move(stack));
+}
+
+void Renderer::spawned(const FramePtr& frame, TraceResult& result, int64_t reserved,
+                       std::vector<Held>& stack) {
+  for (const LeavingRays& l : result.leaving) {
+    completion_.created(frame->id, uint64_t(l.rays.size()));
+    reserved -= l.rays.size() * (l.primary ? frame->perPrimary : 1);
+  }
+  take(frame, transport_.rank(), result, stack);
   if (--frame->tilesLeft == 0) completion_.spawned(frame->id);
   giveBack(transport_.rank(), frame->request.share.tenant, reserved);
 }
@@ -106,53 +155,68 @@ Renderer::Held Renderer::hold(LeavingRays rays) const {
   return {std::move(rays), std::move(memory)};
 }
 
-// Traces a list, and all that it becomes on this rank.
-void Renderer::process(const FramePtr& frame, int origin, Held rays) {
-  std::vector<Held> stack;
-  stack.push_back(std::move(rays));
-  process(frame, origin, std::move(stack));
+// What a device has said of rays of a frame: to the framebuffer, the counters, other ranks, and this rank's stack.
+void Renderer::take(const FramePtr& frame, int origin, TraceResult& result, std::vector<Held>& stack) {
+  if (!result.error.empty()) fail(frame, result.error);
+  contribute(frame, result);
+  {
+    std::lock_guard lock(mutex_);
+    counters_.trace += result.counters;
+    counters_.raysRetired += result.retired;
+  }
+  for (LeavingRays& l : result.leaving) {
+    const int rank = frame->scene.compiled->partitioning->owner(l.partition);
+    if (rank == transport_.rank())
+      stack.push_back(hold(std::move(l)));
+    else
+      forward(frame, rank, l.partition, l.primary, origin, l.rays);
+  }
 }
 
+void Renderer::traced(const FramePtr& frame, int origin, bool primary, TraceResult& result,
+                      std::vector<Held>& stack) {
+  completion_.created(frame->id, result.secondaries);
+  take(frame, origin, result, stack);
+  completion_.retired(frame->id, result.retired);
+  const int64_t credits =
+      int64_t(result.retired) * (primary ? frame->perPrimary : 1) - int64_t(result.secondaries);
+  giveBack(origin, frame->request.share.tenant, credits);
+}
+
+// Traces lists, and all that they become on this rank.
 void Renderer::process(const FramePtr& frame, int origin, std::vector<Held> stack) {
   while (!stack.empty()) {
-    auto [next, memory] = std::move(stack.back());
+    Held next = std::move(stack.back());
     stack.pop_back();
-    if (next.rays.size() > options_.packetRays) {  // in packets, first rays first
-      for (RayList& part : next.rays.split(options_.packetRays))
-        stack.push_back(hold({next.partition, next.primary, std::move(part)}));
+    LeavingRays& list = next.list;
+    if (list.rays.size() > options_.packetRays) {  // in packets, first rays first
+      for (RayList& part : list.rays.split(options_.packetRays))
+        stack.push_back(hold({list.partition, list.primary, std::move(part)}));
       continue;
     }
     if (!frame->request.share.interactive && ready_.interactiveWaits()) {  // they go first
-      stack.push_back({std::move(next), std::move(memory)});
+      stack.push_back(std::move(next));
       return putOff(frame, origin, std::move(stack));
     }
-    const int64_t each = next.primary ? frame->perPrimary : 1;
+    const auto rays = uint64_t(list.rays.size());
+    const bool primary = list.primary;
     if (frame->cancelled) {
-      const int64_t n = next.rays.size();
-      completion_.retired(frame->id, uint64_t(n));
-      giveBack(origin, frame->request.share.tenant, n * each);
+      TraceResult ended;
+      ended.retired = rays;
+      traced(frame, origin, primary, ended, stack);
       continue;
     }
-    frame->scene.device->trace(
-        *frame->device, next.partition, next.primary, std::move(next.rays), [&](TraceResult result) {
-          completion_.created(frame->id, result.secondaries);
-          contribute(frame, result);
-          {
-            std::lock_guard lock(mutex_);
-            counters_.trace += result.counters;
-            counters_.raysRetired += result.retired;
-          }
-          for (LeavingRays& l : result.leaving) {
-            const int rank = frame->scene.compiled->partitioning->owner(l.partition);
-            if (rank == transport_.rank())
-              stack.push_back(hold(std::move(l)));
-            else
-              forward(frame, rank, l.partition, l.primary, origin, l.rays);
-          }
-          completion_.retired(frame->id, result.retired);
-          const int64_t credits = int64_t(result.retired) * each - int64_t(result.secondaries);
-          if (credits != 0) giveBack(origin, frame->request.share.tenant, credits);
-        });
+    const auto memory = std::make_shared<LedgerEntry>(std::move(next.memory));  // until it is answered
+    ask(
+        frame, origin, rays,
+        [&](DeviceScene::Done done) {
+          frame->scene.device->trace(*frame->device, list.partition, primary, std::move(list.rays),
+                                     std::move(done));
+        },
+        [this, frame, origin, primary, memory](TraceResult& result, std::vector<Held>& rest) {
+          traced(frame, origin, primary, result, rest);
+        },
+        stack);
   }
 }
 
@@ -220,8 +284,11 @@ void Renderer::receiveRays(Bytes message) {
   if (const char* wrong = wrongIn(rays, primary, frame->limits)) in.fail(wrong);
   auto active = std::make_shared<Completion::Active>(completion_, header.frame);
   auto held = std::make_shared<Held>(hold({header.partition, primary, std::move(rays)}));  // tasks are copied
-  post(frame->request.share,
-       [this, frame, origin = header.origin, active, held] { process(frame, origin, std::move(*held)); });
+  post(frame->request.share, [this, frame, origin = header.origin, active, held] {
+    std::vector<Held> stack;
+    stack.push_back(std::move(*held));
+    process(frame, origin, std::move(stack));
+  });
 }
 
 void Renderer::receiveContributions(Bytes message) {

@@ -2,7 +2,9 @@
 // What a Renderer keeps of a frame; for its own sources only.
 #pragma once
 #include <atomic>
+#include <condition_variable>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "gxy/render/check_rays.h"
@@ -30,6 +32,7 @@ struct Renderer::Frame {
   std::atomic<size_t> tilesLeft = 0;  ///< not yet spawned completely
   uint64_t turn = 0;                  ///< when a tile of it was spawned last
   std::atomic<bool> cancelled = false;
+  std::atomic<bool> failed = false;  ///< rank 0 has been told, by this rank
 
   int64_t nextCost() const;  ///< credits of the tile that is spawned next
 };
@@ -45,6 +48,61 @@ struct Renderer::Parked {
 struct Renderer::Held {
   LeavingRays list;
   LedgerEntry memory;
+};
+
+/// Lets tasks in until it is closed, and knows how many are inside: a task may still run when the frame that it worked for
+/// has been reported, and a device may still trace.
+class Renderer::Tasks : public std::enable_shared_from_this<Tasks> {
+ public:
+  void run(std::function<void()>& task) {
+    {
+      std::lock_guard lock(mutex_);
+      if (closed_) return;
+      inside_++;
+    }
+    const std::shared_ptr<void> leave(nullptr, [&](void*) {
+      task = nullptr;  // what it holds goes before the Renderer may
+      left();
+    });
+    task();
+  }
+  /// For somebody inside: is inside, too, while what it returns lives.
+  std::shared_ptr<void> stay() {
+    std::lock_guard lock(mutex_);
+    inside_++;
+    return {this, [self = shared_from_this()](void*) { self->left(); }};
+  }
+  void close() {
+    std::unique_lock lock(mutex_);
+    closed_ = true;
+    empty_.wait(lock, [this] { return inside_ == 0; });
+  }
+
+ private:
+  void left() {
+    std::lock_guard lock(mutex_);
+    if (--inside_ == 0) empty_.notify_all();
+  }
+  std::mutex mutex_;
+  std::condition_variable empty_;
+  size_t inside_ = 0;
+  bool closed_ = false;
+};
+
+/// A call to a device. Whoever comes second, the answer or the caller's return, takes what is to be done then: what the device
+/// keeps of the call holds nothing any more.
+struct Renderer::Asked {
+  struct Next {
+    std::shared_ptr<void> inside, expected;  ///< this Renderer, and the Transport, wait for the answer
+    FramePtr frame;
+    int origin;
+    Then then;
+    Completion::Active active;
+    TraceResult answer;
+  };
+  std::mutex mutex;
+  bool answered = false, left = false;
+  std::shared_ptr<Next> next;
 };
 
 }  // namespace gxy

@@ -64,7 +64,7 @@ TEST(FramesOverMpi, AreAllReportedAndRight) {
         request.scene = SceneId(i % 2);
         request.camera = scenes[i % 2].camera;
         request.depth = true;
-        renderer.render(request, [&](FrameId, bool) {
+        renderer.render(request, [&](FrameId, const Renderer::Ending&) {
           std::lock_guard lock(mutex);
           finished++;
           changed.notify_all();

@@ -67,10 +67,11 @@ void Frames::add(SceneId id, const std::vector<RankScene>& scene) {
 }
 
 FrameId Frames::start(const FrameRequest& request) {
-  return renderers_[0]->render(request, [this](FrameId id, bool superseded) {
+  return renderers_[0]->render(request, [this](FrameId id, const Renderer::Ending& ending) {
     std::lock_guard lock(mutex_);
     outcomes_[id].finished++;
-    outcomes_[id].superseded += superseded;
+    outcomes_[id].superseded += ending.superseded;
+    outcomes_[id].error = ending.error;
   });
 }
 
@@ -91,6 +92,7 @@ Picture render(const TestScene& scene, int ranks, const std::vector<RankScene>& 
   frames.run();
   for (const std::string& e : frames.errors()) throw Error(e);
   const Frames::Outcome& outcome = frames.outcome(id);
+  if (!outcome.error.empty()) throw Error(outcome.error);
   if (outcome.finished != 1 || outcome.pictures != 1)
     throw Error("the frame was reported finished " + std::to_string(outcome.finished) + " times, with " +
                 std::to_string(outcome.pictures) + " pictures; expected one of each");

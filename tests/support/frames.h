@@ -51,6 +51,7 @@ class Frames {
 
   struct Outcome {
     int finished = 0, superseded = 0, pictures = 0;
+    std::string error;
     Picture picture;
   };
   /// What has become of a frame.

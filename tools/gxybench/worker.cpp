@@ -132,7 +132,7 @@ class Worker {
       request.scene = scene;
       request.camera = camera;
       request.depth = depth;
-      renderer_.render(request, [&](FrameId, bool) {
+      renderer_.render(request, [&](FrameId, const Renderer::Ending&) {
         std::lock_guard lock(mutex);
         done = true;
         changed.notify_all();

@@ -98,8 +98,9 @@ void renderAll(const State& state, const RenderOptions& options, Renderer& rende
         request.scene = v;
         request.camera = state.cameras[c];
         request.depth = options.depth;
-        renderer.render(request, [&](FrameId, bool) {
+        renderer.render(request, [&](FrameId, const Renderer::Ending& ending) {
           std::lock_guard lock(progress.mutex);
+          if (!progress.error && !ending.error.empty()) progress.error = ending.error;
           progress.inFlight--;
           show(++progress.done);
           progress.changed.notify_all();

@@ -80,7 +80,7 @@ FrameId Pictures::start(FrameRequest request, const Wanted& wanted, Receiver rec
   request.sums = wanted.as == Wanted::As::Sums;
   try {
     return node_.renderer.render(
-        request, [this, ticket](FrameId, bool superseded) { onFinished(ticket, superseded); });
+        request, [this, ticket](FrameId, const Renderer::Ending& ending) { onFinished(ticket, ending); });
   } catch (const Error&) {
     const std::lock_guard lock(mutex_);
     expected_.erase(ticket);
@@ -169,18 +169,18 @@ void Pictures::receive(Bytes message) {
   conclude(ticket, lock);
 }
 
-void Pictures::onFinished(uint64_t ticket, bool superseded) {
+void Pictures::onFinished(uint64_t ticket, const Renderer::Ending& ending) {
   std::unique_lock lock(mutex_);
   const auto at = expected_.find(ticket);
   if (at == expected_.end()) return;
   const ExpectedPtr expected = at->second;
-  if (!superseded) {
+  if (ending.hasPicture()) {
     expected->finished = true;
     return conclude(ticket, lock);
   }
   expected_.erase(at);
   lock.unlock();
-  expected->receiver.done(true, {});
+  expected->receiver.done(ending.superseded, ending.superseded ? std::string() : ending.error);
 }
 
 void Pictures::conclude(uint64_t ticket, std::unique_lock<std::mutex>& lock) {

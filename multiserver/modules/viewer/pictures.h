@@ -56,7 +56,7 @@ class Pictures {
   void onPicture(const FrameRequest& request, Picture picture);
   uint64_t sendPieces(uint64_t ticket, const Wanted& wanted, Picture picture);
   void receive(Bytes message);
-  void onFinished(uint64_t ticket, bool superseded);
+  void onFinished(uint64_t ticket, const Renderer::Ending& ending);
   void conclude(uint64_t ticket, std::unique_lock<std::mutex>& lock);
   ExpectedPtr find(uint64_t ticket) const;
 

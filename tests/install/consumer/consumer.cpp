@@ -54,7 +54,7 @@ gxy::Picture render() {
   request.camera.aov = 0;  // orthographic
   request.camera.height = kWindow;
   request.camera.dimensions = {kPixels, kPixels};
-  renderers[0]->render(request, [](gxy::FrameId, bool) {});
+  renderers[0]->render(request, [](gxy::FrameId, const gxy::Renderer::Ending&) {});
   world.run();
   return picture;
 }
