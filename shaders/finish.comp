@@ -33,15 +33,19 @@ void main() {
   if (next == END_DONE) {
     settle(s);
   } else if (next == END_ACTIVE) {
-    uint i = atomicAdd(counts[COUNT_ACTIVE], 1u);
+    bool primary = RAY_KIND(RAY(info)) == RAY_PRIMARY;
+    uint i = atomicAdd(counts[primary ? COUNT_ACTIVE_PRIMARIES : COUNT_ACTIVE_SECONDARIES], 1u);
 #define COPY_TO activeRays
     GXY_RAY_FIELDS(COPY_FIELD)
+    RAY_OF(activeRays, i, packet) = RAY(packet);
+    RAY_OF(activeRays, i, step) = 0;
 #undef COPY_TO
   } else {
     uint i = atomicAdd(counts[COUNT_LEAVING], 1u);
 #define COPY_TO leavingRays
     GXY_RAY_FIELDS(COPY_FIELD)
 #undef COPY_TO
+    RAY_OF(leavingRays, i, packet) = RAY(packet);
     RAY_OF(leavingRays, i, next) = next;
   }
 }

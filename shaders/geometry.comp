@@ -27,6 +27,22 @@ bool hitPrimitive(OperatorView op, uint p, vec3 o, vec3 d, float after, out floa
   return hit;
 }
 
+// Whether child k of a node may have leaves of the nodes [begin, end). A leaf is of that node; below a child that is a node
+// are the numbers from its own to that of the next such child, if there is one.
+bool mayHold(uint at, uint k, uint node, uint begin, uint end) {
+  uint child = geometryWord(at + 24u + k);
+  bool may = node >= begin && node < end;
+  if ((child & NODE_LEAF) == 0u) {
+    uint behind = NODE_NONE;
+    for (uint j = 3u; j > k; j--) {
+      uint other = geometryWord(at + 24u + j);
+      if ((other & NODE_LEAF) == 0u) behind = other;
+    }
+    may = child < end && behind > begin;
+  }
+  return may;
+}
+
 void main() {
   if (!hasRay()) return;
   vec3 o = rayOrigin(), d = rayDirection();
@@ -35,7 +51,15 @@ void main() {
   float nearest = tOut;
   int hitOperator = -1;
   uint hitPrimitiveId = 0u;
-  uint list = geometryWord(theScene.hierarchy), nodes = theScene.hierarchy + 1u;
+  uint list = geometryWord(theScene.hierarchy), nodes = theScene.hierarchy + 2u;
+  // here the parts are ranges of nodes, whose leaves are tested
+  Part part = partOf(0.0, geometryReal(theScene.hierarchy + 1u));
+  uint begin = uint(part.from), end = uint(part.to);
+  if (LIMITED && begin > 0u && RAY(hitKind) == HIT_GEOMETRY) {
+    nearest = RAY(tHit);
+    hitOperator = RAY(hitOperator);
+    hitPrimitiveId = RAY(hitPrimitive);
+  }
   uint stack[STACK_ENTRIES];
   int depth = 0;
   uint node = 0u;
@@ -45,6 +69,7 @@ void main() {
     for (uint k = 0u; k < 4u; k++) {
       uint child = geometryWord(at + 24u + k);
       if (child == NODE_NONE) continue;
+      if (LIMITED && !mayHold(at, k, node, begin, end)) continue;
       vec3 lo = vec3(geometryReal(at + k), geometryReal(at + 4u + k), geometryReal(at + 8u + k));
       vec3 hi = vec3(geometryReal(at + 12u + k), geometryReal(at + 16u + k), geometryReal(at + 20u + k));
       float tEnter, tExit;
@@ -80,6 +105,8 @@ void main() {
     }
     go = descend;
   }
+  float middle = floor(0.5 * (part.from + part.to)), next = part.to + (part.to - part.from);
+  if (!endPart(part, middle, next, ANY_HIT && hitOperator >= 0)) return;
   if (hitOperator >= 0) {
     if (ANY_HIT) {
       RAY(A) = 1.0;
@@ -90,5 +117,4 @@ void main() {
       RAY(hitPrimitive) = hitPrimitiveId;
     }
   }
-  countIfCut();
 }

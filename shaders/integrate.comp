@@ -10,8 +10,9 @@ void main() {
   VolumeView v = fields[push[PUSH_OPERATOR]];
   SceneView s = theScene;
   vec3 o = rayOrigin(), d = rayDirection();
-  MarchRange m = marchRange();
-  m.tOwn = nextBegin(s, o, d, m.tOut, RAY(tEnd));
+  Part part = marchPart();
+  MarchRange m = marchRange(part);
+  if (!(part.to < part.end)) m.tOwn = nextBegin(s, o, d, m.tOut, RAY(tEnd));
   MarchCount count;
   count.samples = 0;
   count.macrocells = 0;
@@ -19,10 +20,10 @@ void main() {
   Radiance L = rayRadiance();
   float begun = RAY(tBegun);
   integrateVolume(v, clippedRay(v, o, d), m, begun, L, count);
+  if (!endPart(part, false)) return;
   RAY(tBegun) = begun;
   setRadiance(L);
   atomicAdd(counts[COUNT_SAMPLES], uint(count.samples));
   atomicAdd(counts[COUNT_MACROCELLS], uint(count.macrocells));
   atomicAdd(counts[COUNT_SKIPPED], uint(count.skipped));
-  countIfCut();
 }

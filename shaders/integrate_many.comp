@@ -8,10 +8,11 @@
 void main() {
   if (!hasRay()) return;
   SceneView s = theScene;
+  Part part = marchPart();
   int taken = 0;
   Radiance L = rayRadiance();
-  integrateMany(s, uint(push[PUSH_OPERATOR]), push[PUSH_COUNT], rayOrigin(), rayDirection(), marchRange(), L, taken);
+  integrateMany(s, uint(push[PUSH_OPERATOR]), push[PUSH_COUNT], rayOrigin(), rayDirection(), marchRange(part), L, taken);
+  if (!endPart(part, false)) return;
   setRadiance(L);
   atomicAdd(counts[COUNT_SAMPLES], uint(taken));
-  countIfCut();
 }

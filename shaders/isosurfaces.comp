@@ -17,10 +17,11 @@ void main() {
     start.from = RAY_SIDE(RAY(info)) != 0 ? 1 : -1;
   }
   int cells = 0, skipped = 0;
-  IsoHit hit = hitIsosurface(v, rayOrigin(), rayDirection(), RAY(tIn), min(RAY(tOut), RAY(tEnd)), RAY(tLast), RAY(tHit),
-                             start, cells, skipped);
+  Part part = partOf(RAY(tIn), min(RAY(tOut), RAY(tEnd)));
+  IsoHit hit = hitIsosurface(v, rayOrigin(), rayDirection(), part.from, part.to, RAY(tLast), RAY(tHit), start, cells,
+                             skipped);
+  if (!endPart(part, hit.t < NO_HIT)) return;
   if (hit.t < NO_HIT) takeHit(hit.t, HIT_ISOSURFACE, op, uint(hit.index));
   atomicAdd(counts[COUNT_CELLS], uint(cells));
   atomicAdd(counts[COUNT_ISO_SKIPPED], uint(skipped));
-  countIfCut();
 }

@@ -17,6 +17,7 @@ layout(constant_id = SPEC_SURFACES) const int SURFACES = 15;
 layout(constant_id = SPEC_ANY_HIT) const bool ANY_HIT = false;
 
 layout(constant_id = SPEC_BY_CELLS) const bool BY_CELLS = true;
+layout(constant_id = SPEC_LIMITED) const bool LIMITED = false;
 
 layout(push_constant) uniform Push { int push[PUSH_WORDS]; };
 

@@ -14,6 +14,7 @@
 #define SPEC_SURFACES 3     // bits SURFACE_*: what there is to shade, or of what geometry there is
 #define SPEC_ANY_HIT 4      // rays only ask whether geometry is in their way
 #define SPEC_BY_CELLS 5     // some plans go cell by cell
+#define SPEC_LIMITED 6      // the device ends an invocation's loops after some rounds (rays.glsl)
 
 #define ADDRESSED_TABLES 1
 #define ADDRESSED_SAMPLES 2
@@ -41,7 +42,7 @@
 #define LANE_SET 2
 #define RAYS_BINDING 0
 #define ACTIVE_BINDING 1   // rays that go on behind a translucent surface
-#define MADE_BINDING 2     // secondary rays
+#define HERE_BINDING 2     // secondary rays that start in this partition
 #define LEAVING_BINDING 3  // rays for other partitions
 #define RECORDS_BINDING 4  // contributions: pixel, r, g, b, a
 #define DEPTHS_BINDING 5   // pixel, and a double in two words, low first
@@ -51,33 +52,49 @@
 #define RECORD_WORDS 5
 #define DEPTH_WORDS 3
 
+// What a ray on the device has besides the fields of ray_fields.h: F(type, name).
+//   packet    of the batch that it came with
+//   step      of the list of stages: the next that it has to do; where it has begun that and not ended, ~step, and
+//   from, to  what it does of it next (rays.glsl)
+#define GXY_DEVICE_FIELDS(F) F(uint32, packet) F(int32, step) F(float, from) F(float, to)
+
 // Words of the buffer of counts.
-#define COUNT_ACTIVE 0
-#define COUNT_MADE 1
-#define COUNT_LEAVING 2
-#define COUNT_RECORDS 3
-#define COUNT_DEPTHS 4
-#define COUNT_SHADED 5
-#define COUNT_SAMPLES 6
-#define COUNT_MACROCELLS 7
-#define COUNT_SKIPPED 8
-#define COUNT_CELLS 9
-#define COUNT_ISO_SKIPPED 10
-#define COUNT_CUT 11  // rays whose loops the device has ended
-#define COUNT_WORDS 16
+#define COUNT_SPAWNED 0             // rays of the list of primaries, where the device has spawned them
+#define COUNT_ACTIVE_PRIMARIES 1    // rays of the list of those that go on, by their kind
+#define COUNT_ACTIVE_SECONDARIES 2
+#define COUNT_HERE 3
+#define COUNT_LEAVING 4
+#define COUNT_RECORDS 5
+#define COUNT_DEPTHS 6
+#define COUNT_MADE 7  // secondaries, wherever they go
+#define COUNT_SHADED 8
+#define COUNT_SAMPLES 9
+#define COUNT_MACROCELLS 10
+#define COUNT_SKIPPED 11
+#define COUNT_CELLS 12
+#define COUNT_ISO_SKIPPED 13
+#define COUNT_STUCK 14   // rays that the device cannot do any step of
+#define COUNT_CUT 15     // ~step of the first that some rays have not ended; 0: none
+#define COUNT_GROUPS 16  // x, y, z: workgroups of an indirect dispatch
+#define COUNT_WORDS 20
 
-// Push constants: word i is called so in the stage that reads it.
-#define PUSH_RAYS 0      // number of rays of the list
-#define PUSH_OPERATOR 1  // of a field; or of several volumes: where the list of them is in the tables
-#define PUSH_COUNT 2     // length of that list
-#define PUSH_TILE 1      // x0, y0, x1, y1, sample
-#define PUSH_ONE 6       // the number 1, which no compiler knows
-#define PUSH_ROUNDS 7    // another number
-#define PUSH_WORDS 8
+// Push constants: word i is called so in the stages that read it.
+#define PUSH_RAYS 0       // number of rays of the list; ~k: it is counts[k]
+#define PUSH_STEP 1       // place of this stage in what is submitted
+#define PUSH_OPERATOR 2   // of a field; or of several volumes: where the list of them is in the tables
+#define PUSH_COUNT 3      // length of that list
+#define PUSH_PARTITION 4  // that rays are traced in, -1: none
+#define PUSH_TILE 5       // x0, y0, x1, y1, sample
+#define PUSH_PACKET 10    // of a tile
+#define PUSH_MINE 11      // where the tables say which partitions are of this rank
+#define PUSH_ONE 12       // the number 1, which no compiler knows
+#define PUSH_ROUNDS 13    // another number
+#define PUSH_WORDS 14
 
-// A node of the hierarchy over geometry has four children: 6 x 4 bounds (low x of all, low y, ..., high z), and a word for
+// A hierarchy over geometry begins with two words: where its list of primitives is, and the number of its nodes as a float,
+// rounded up. Behind them are the nodes. A node has four children: 6 x 4 bounds (low x of all, low y, ..., high z), and a word for
 // each: a leaf's is NODE_LEAF, its number of primitives and its first entry in the list of primitives; another's is its
-// node. Absent children are NODE_NONE. An entry is two words: operator, primitive.
+// node. Absent children are NODE_NONE. Nodes are numbered depth first, children in their order. An entry is two words: operator, primitive.
 #define NODE_WORDS 28
 #define NODE_NONE 0xffffffffu
 #define NODE_LEAF 0x80000000u

@@ -21,30 +21,42 @@ Surface surfaceHit(int op, VolumeView v, vec3 o, vec3 d) {
   return surfaceSeen(surface, d, view.twoSided != 0);
 }
 
+#define SET_SECONDARY(list)                                                              \
+  RAY_OF(list, i, pixel) = RAY(pixel);                                                   \
+  RAY_OF(list, i, info) = RAY_SAMPLE(RAY(info)) | (uint(kind) << 16) | startBits;        \
+  RAY_OF(list, i, start) = start;                                                        \
+  RAY_OF(list, i, ox) = from.x;                                                          \
+  RAY_OF(list, i, oy) = from.y;                                                          \
+  RAY_OF(list, i, oz) = from.z;                                                          \
+  RAY_OF(list, i, dx) = share.toward.x;                                                  \
+  RAY_OF(list, i, dy) = share.toward.y;                                                  \
+  RAY_OF(list, i, dz) = share.toward.z;                                                  \
+  RAY_OF(list, i, tLast) = -1.0;                                                         \
+  RAY_OF(list, i, tBegun) = -1.0;                                                        \
+  RAY_OF(list, i, tMax) = share.reach;                                                   \
+  RAY_OF(list, i, A) = 0.0;                                                              \
+  RAY_OF(list, i, r) = 0.0;  /* secondaries gather no radiance */                        \
+  RAY_OF(list, i, g) = 0.0;                                                              \
+  RAY_OF(list, i, b) = 0.0;                                                              \
+  RAY_OF(list, i, sr) = share.r;                                                         \
+  RAY_OF(list, i, sg) = share.g;                                                         \
+  RAY_OF(list, i, sb) = share.b;                                                         \
+  RAY_OF(list, i, next) = next;                                                          \
+  RAY_OF(list, i, packet) = RAY(packet);
+
+// To the list of those that start here, which is traced next without going through the host, or of those that leave.
 void addSecondary(SceneView s, Share share, int kind, vec3 from, uint startBits, uint start) {
   int next = firstPartition(s, from, share.toward, min(domainExit(s, from, share.toward), share.reach));
   if (next < 0) return;  // it leaves the visible domain at once
-  uint i = atomicAdd(counts[COUNT_MADE], 1u);
-  RAY_OF(madeRays, i, pixel) = RAY(pixel);
-  RAY_OF(madeRays, i, info) = RAY_SAMPLE(RAY(info)) | (uint(kind) << 16) | startBits;
-  RAY_OF(madeRays, i, start) = start;
-  RAY_OF(madeRays, i, ox) = from.x;
-  RAY_OF(madeRays, i, oy) = from.y;
-  RAY_OF(madeRays, i, oz) = from.z;
-  RAY_OF(madeRays, i, dx) = share.toward.x;
-  RAY_OF(madeRays, i, dy) = share.toward.y;
-  RAY_OF(madeRays, i, dz) = share.toward.z;
-  RAY_OF(madeRays, i, tLast) = -1.0;
-  RAY_OF(madeRays, i, tBegun) = -1.0;
-  RAY_OF(madeRays, i, tMax) = share.reach;
-  RAY_OF(madeRays, i, A) = 0.0;
-  RAY_OF(madeRays, i, r) = 0.0;  // secondaries gather no radiance
-  RAY_OF(madeRays, i, g) = 0.0;
-  RAY_OF(madeRays, i, b) = 0.0;
-  RAY_OF(madeRays, i, sr) = share.r;
-  RAY_OF(madeRays, i, sg) = share.g;
-  RAY_OF(madeRays, i, sb) = share.b;
-  RAY_OF(madeRays, i, next) = next;
+  atomicAdd(counts[COUNT_MADE], 1u);
+  if (next == push[PUSH_PARTITION]) {
+    uint i = atomicAdd(counts[COUNT_HERE], 1u);
+    SET_SECONDARY(hereRays)
+    RAY_OF(hereRays, i, step) = 0;
+  } else {
+    uint i = atomicAdd(counts[COUNT_LEAVING], 1u);
+    SET_SECONDARY(leavingRays)
+  }
 }
 
 void main() {

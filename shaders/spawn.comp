@@ -1,38 +1,48 @@
 // SPDX-License-Identifier: Apache-2.0
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// The primary rays of a tile, in its order; `next` is END_DONE where a pixel has none.
+// The primary rays of a tile: to the list that is traced next where they start in this partition, else, where they start in
+// another of this rank, to that of rays that leave.
 #include "kernels.glsl"
 #include "rays.glsl"
 
+#define SET_PRIMARY(list)                          \
+  RAY_OF(list, i, pixel) = uint(y * f.width + x);  \
+  RAY_OF(list, i, info) = uint(sampleIndex);       \
+  RAY_OF(list, i, start) = 0u;                     \
+  RAY_OF(list, i, ox) = o.x;                       \
+  RAY_OF(list, i, oy) = o.y;                       \
+  RAY_OF(list, i, oz) = o.z;                       \
+  RAY_OF(list, i, dx) = d.x;                       \
+  RAY_OF(list, i, dy) = d.y;                       \
+  RAY_OF(list, i, dz) = d.z;                       \
+  RAY_OF(list, i, tLast) = -1.0;                   \
+  RAY_OF(list, i, tBegun) = -1.0;                  \
+  RAY_OF(list, i, tMax) = NO_HIT;                  \
+  RAY_OF(list, i, A) = 0.0;                        \
+  RAY_OF(list, i, r) = 0.0;                        \
+  RAY_OF(list, i, g) = 0.0;                        \
+  RAY_OF(list, i, b) = 0.0;                        \
+  RAY_OF(list, i, packet) = uint(push[PUSH_PACKET]); \
+  RAY_OF(list, i, next) = next;
+
 void main() {
-  int i = int(gl_GlobalInvocationID.x);
-  int x = push[PUSH_TILE] + tileColumn(i), y = push[PUSH_TILE + 1] + tileRow(i), sampleIndex = push[PUSH_TILE + 4];
+  int at = int(gl_GlobalInvocationID.x);
+  int x = push[PUSH_TILE] + tileColumn(at), y = push[PUSH_TILE + 1] + tileRow(at), sampleIndex = push[PUSH_TILE + 4];
+  if (x >= push[PUSH_TILE + 2] || y >= push[PUSH_TILE + 3]) return;
   SceneView s = theScene;
   FrameView f = theFrame;
-  int next = END_DONE;
-  if (x < push[PUSH_TILE + 2] && y < push[PUSH_TILE + 3]) {
-    vec3 o, d;
-    double tEnter;
-    if (cameraRay(f, x, y, sampleIndex, o, d, tEnter)) {
-      next = firstPartition(s, o, d, domainExit(s, o, d));
-      RAY_OF(leavingRays, i, pixel) = uint(y * f.width + x);
-      RAY_OF(leavingRays, i, info) = uint(sampleIndex);
-      RAY_OF(leavingRays, i, start) = 0u;
-      RAY_OF(leavingRays, i, ox) = o.x;
-      RAY_OF(leavingRays, i, oy) = o.y;
-      RAY_OF(leavingRays, i, oz) = o.z;
-      RAY_OF(leavingRays, i, dx) = d.x;
-      RAY_OF(leavingRays, i, dy) = d.y;
-      RAY_OF(leavingRays, i, dz) = d.z;
-      RAY_OF(leavingRays, i, tLast) = -1.0;
-      RAY_OF(leavingRays, i, tBegun) = -1.0;
-      RAY_OF(leavingRays, i, tMax) = NO_HIT;
-      RAY_OF(leavingRays, i, A) = 0.0;
-      RAY_OF(leavingRays, i, r) = 0.0;
-      RAY_OF(leavingRays, i, g) = 0.0;
-      RAY_OF(leavingRays, i, b) = 0.0;
-    }
+  vec3 o, d;
+  double tEnter;
+  if (!cameraRay(f, x, y, sampleIndex, o, d, tEnter)) return;
+  int next = firstPartition(s, o, d, domainExit(s, o, d));
+  if (next < 0) return;
+  if (next == push[PUSH_PARTITION]) {
+    uint i = atomicAdd(counts[COUNT_SPAWNED], 1u);
+    SET_PRIMARY(rays)
+    RAY_OF(rays, i, step) = 0;
+  } else if (tableWord(uint(push[PUSH_MINE] + next)) != 0u) {
+    uint i = atomicAdd(counts[COUNT_LEAVING], 1u);
+    SET_PRIMARY(leavingRays)
   }
-  RAY_OF(leavingRays, i, next) = next;
 }

@@ -9,9 +9,10 @@ namespace gxy::vulkan {
 
 namespace {
 
-constexpr uint32_t kReadings = 64;  // of the clock; stages beyond are not timed
+constexpr uint32_t kReadings = 128;  // of the clock; stages beyond are not timed
 
 size_t blocksOf(size_t rays) { return (rays + BLOCK_RAYS - 1) / BLOCK_RAYS; }
+size_t listBytes(size_t rays) { return blocksOf(std::max<size_t>(rays, 1)) * sizeof(RayBlock); }
 
 VkDescriptorBufferInfo whole(const Buffer& buffer) { return {buffer.get(), 0, VK_WHOLE_SIZE}; }
 
@@ -46,83 +47,108 @@ Lane::Lane(const Device& device, Pipelines& pipelines)
   clock_ = QueryPoolHandle(device.get(), clock);
 }
 
-void Lane::reserve(size_t rays, size_t made) {
-  if (rays <= rayCapacity_ && made <= madeCapacity_) return;
+void Lane::reserve(size_t rays, size_t perHit) {
+  if (rays <= rayCapacity_ && rays * perHit <= hereCapacity_ && perHit <= perHit_) return;
   rayCapacity_ = std::max(std::bit_ceil(rays), rayCapacity_);
-  madeCapacity_ = std::max(std::bit_ceil(made), madeCapacity_);
-  const size_t listBytes = blocksOf(rayCapacity_) * sizeof(RayBlock);
+  perHit_ = std::max(perHit_, perHit);
+  hereCapacity_ = rayCapacity_ * perHit_;
   for (DescriptorSet& set : sets_) set = {};
-  for (Buffer* b : {&lists_[0], &lists_[1], &made_, &leaving_, &records_, &depths_, &staging_}) *b = {};
-  for (Buffer& list : lists_) list = Buffer(device_, listBytes, Place::Device, "rays");
-  if (!lists_[0].mapped()) staging_ = Buffer(device_, listBytes, Place::Readback, "rays");
-  leaving_ = Buffer(device_, listBytes, Place::Readback, "rays");
-  made_ = Buffer(device_, blocksOf(madeCapacity_) * sizeof(RayBlock), Place::Readback, "secondary rays");
-  // a ray that meets a surface and ends there gives twice
-  records_ =
-      Buffer(device_, 2 * rayCapacity_ * RECORD_WORDS * sizeof(int32_t), Place::Readback, "contributions");
+  for (Buffer& list : lists_) list = {};
+  for (Buffer* b : {&leaving_, &records_, &depths_, &staging_}) *b = {};
+  for (List list : {List::Given, List::GivenOther})
+    lists_[int(list)] = Buffer(device_, listBytes(rayCapacity_), Place::Device, "rays");
+  for (List list : {List::Here, List::HereOther})
+    lists_[int(list)] = Buffer(device_, listBytes(hereCapacity_), Place::Device, "secondary rays");
+  if (!lists_[0].mapped()) staging_ = Buffer(device_, listBytes(rayCapacity_), Place::Readback, "rays");
+  leaving_ = Buffer(device_, listBytes(rayCapacity_ + hereCapacity_), Place::Readback, "rays");
+  // a primary that meets a surface and ends there gives twice
+  const size_t records = 2 * rayCapacity_ + hereCapacity_;
+  records_ = Buffer(device_, records * RECORD_WORDS * sizeof(int32_t), Place::Readback, "contributions");
   depths_ = Buffer(device_, rayCapacity_ * DEPTH_WORDS * sizeof(uint32_t), Place::Readback, "depths");
-  for (int i = 0; i < 2; i++) {
-    const VkDescriptorBufferInfo buffers[LANE_BINDINGS] = {
-        whole(lists_[i]), whole(lists_[1 - i]), whole(made_),  whole(leaving_),
-        whole(records_),  whole(depths_),       whole(counts_)};
-    sets_[i] = DescriptorSet(device_, pipelines_.setLayout(LANE_SET), buffers);
+  for (int list = 0; list < 4; list++) {
+    const VkDescriptorBufferInfo buffers[LANE_BINDINGS] = {whole(lists_[list]),
+                                                           whole(lists_[int(otherOf(List(list)))]),
+                                                           whole(lists_[int(List::Here)]),
+                                                           whole(leaving_),
+                                                           whole(records_),
+                                                           whole(depths_),
+                                                           whole(counts_)};
+    sets_[list] = DescriptorSet(device_, pipelines_.setLayout(LANE_SET), buffers);
   }
 }
 
-void Lane::load(const RayList& list, int first, int count) {
-  staged_ = lists_[turn_].mapped() == nullptr;
-  auto* blocks = reinterpret_cast<RayBlock*>(staged_ ? staging_.mapped() : lists_[turn_].mapped());
-  const RayView& view = list.view();
-  for (int i = 0; i < count; i += BLOCK_RAYS) {
-    RayBlock& block = blocks[i / BLOCK_RAYS];
-    const size_t n = 4 * size_t(std::min(BLOCK_RAYS, count - i));
+void Lane::load(const RayList& rays, size_t at, uint32_t packet) {
+  auto* blocks = reinterpret_cast<RayBlock*>((staging_.get() ? staging_ : lists_[0]).mapped());
+  const RayView& view = rays.view();
+  for (size_t i = 0; i < size_t(rays.size());) {
+    RayBlock& block = blocks[(at + i) / BLOCK_RAYS];
+    const size_t to = (at + i) % BLOCK_RAYS, n = std::min(BLOCK_RAYS - to, size_t(rays.size()) - i);
 #define GXY_LOAD(type, name, primary, secondary) \
-  if (primary || secondary) std::memcpy(block.name, view.name + first + i, n);
+  if (primary || secondary) std::memcpy(block.name + to, view.name + i, 4 * n);
     GXY_RAY_FIELDS(GXY_LOAD)
 #undef GXY_LOAD
+    std::fill_n(block.packet + to, n, packet);
+    std::fill_n(block.step + to, n, 0);
+    i += n;
   }
+  if (staging_.get()) loaded_ = at + size_t(rays.size());
 }
 
-void Lane::begin(VkDescriptorSet scene, VkDescriptorSet frame, int rays) {
-  rays_ = rays;
+void Lane::record(const Step& step, size_t number) {
+  std::array<int32_t, PUSH_WORDS> push = step.push;
+  push[PUSH_STEP] = int32_t(number);
+  push[PUSH_ONE] = 1;
+  push[PUSH_ROUNDS] = 8;
+  commands_.barrier();
+  const VkDescriptorSet set = sets_[int(step.list)].get();
+  vkCmdBindDescriptorSets(recording_, VK_PIPELINE_BIND_POINT_COMPUTE, pipelines_.layout(), LANE_SET, 1, &set,
+                          0, nullptr);
+  vkCmdBindPipeline(recording_, VK_PIPELINE_BIND_POINT_COMPUTE, pipelines_.get(step.stage, step.special));
+  vkCmdPushConstants(recording_, pipelines_.layout(), VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof push,
+                     push.data());
+  if (step.stage == Stage::Groups)
+    vkCmdDispatch(recording_, 1, 1, 1);
+  else if (push[PUSH_RAYS] < 0)
+    vkCmdDispatchIndirect(recording_, counts_.get(), COUNT_GROUPS * sizeof(uint32_t));
+  else
+    vkCmdDispatch(recording_, uint32_t(blocksOf(size_t(push[PUSH_RAYS]))), 1, 1);
+  if (!clock_ || stages_.size() + 1 >= kReadings) return;
+  stages_.push_back(step.stage);
+  vkCmdWriteTimestamp(recording_, VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT, clock_.get(),
+                      uint32_t(stages_.size()));
+}
+
+void Lane::submit(VkDescriptorSet scene, VkDescriptorSet frame, std::span<const Step> steps, size_t firstStep,
+                  bool resumed) {
   recording_ = commands_.begin();
-  const VkDescriptorSet sets[3] = {scene, frame, sets_[turn_].get()};
-  vkCmdBindDescriptorSets(recording_, VK_PIPELINE_BIND_POINT_COMPUTE, pipelines_.layout(), 0, 3, sets, 0,
-                          nullptr);
-  vkCmdFillBuffer(recording_, counts_.get(), 0, VK_WHOLE_SIZE, 0);
+  const VkDescriptorSet sets[2] = {scene, frame};
+  vkCmdBindDescriptorSets(recording_, VK_PIPELINE_BIND_POINT_COMPUTE, pipelines_.layout(), SCENE_SET, 2, sets,
+                          0, nullptr);
+  const VkDeviceSize cut = COUNT_CUT * sizeof(uint32_t);
+  if (resumed)
+    vkCmdFillBuffer(recording_, counts_.get(), cut, sizeof(uint32_t), 0);
+  else
+    vkCmdFillBuffer(recording_, counts_.get(), 0, VK_WHOLE_SIZE, 0);
   stages_.clear();
   if (clock_) {
     vkCmdResetQueryPool(recording_, clock_.get(), 0, kReadings);
     vkCmdWriteTimestamp(recording_, VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT, clock_.get(), 0);
   }
-  if (staged_) {
-    const VkBufferCopy region{0, 0, blocksOf(size_t(rays)) * sizeof(RayBlock)};
-    vkCmdCopyBuffer(recording_, staging_.get(), lists_[turn_].get(), 1, &region);
-    staged_ = false;
+  if (loaded_ > 0) {
+    const VkBufferCopy region{0, 0, listBytes(loaded_)};
+    vkCmdCopyBuffer(recording_, staging_.get(), lists_[0].get(), 1, &region);
+    loaded_ = 0;
   }
-}
-
-void Lane::run(Stage stage, const Special& special, std::initializer_list<int32_t> words) {
-  int32_t push[PUSH_WORDS] = {rays_};
-  std::copy(words.begin(), words.end(), push + 1);
-  push[PUSH_ONE] = 1;
-  push[PUSH_ROUNDS] = 8;
-  commands_.barrier();
-  vkCmdBindPipeline(recording_, VK_PIPELINE_BIND_POINT_COMPUTE, pipelines_.get(stage, special));
-  vkCmdPushConstants(recording_, pipelines_.layout(), VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof push, push);
-  vkCmdDispatch(recording_, uint32_t(blocksOf(size_t(rays_))), 1, 1);
-  if (!clock_ || stages_.size() + 1 >= kReadings) return;
-  stages_.push_back(stage);
-  vkCmdWriteTimestamp(recording_, VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT, clock_.get(),
-                      uint32_t(stages_.size()));
-}
-
-void Lane::finish() {
+  for (size_t i = firstStep; i < steps.size(); i++) record(steps[i], i);
   commands_.barrier();
   const VkBufferCopy region{0, 0, COUNT_WORDS * sizeof(uint32_t)};
   vkCmdCopyBuffer(recording_, counts_.get(), countsRead_.get(), 1, &region);
   commands_.barrier();
-  commands_.submitAndWait();
+  commands_.submit();
+}
+
+void Lane::wait() {
+  commands_.wait();
   std::memcpy(counted_, countsRead_.mapped(), sizeof counted_);
   std::fill(std::begin(nanoseconds_), std::end(nanoseconds_), 0);
   if (stages_.empty()) return;
@@ -131,26 +157,13 @@ void Lane::finish() {
   check(vkGetQueryPoolResults(device_.get(), clock_.get(), 0, uint32_t(n), n * sizeof(uint64_t), readings,
                               sizeof(uint64_t), VK_QUERY_RESULT_64_BIT),
         "reading the clock");
-  for (size_t i = 0; i + 1 < n; i++) {
-    const double ticks = double(readings[i + 1] - readings[i]);
-    nanoseconds_[size_t(stages_[i])] += uint64_t(ticks * double(device_.limits().timestampPeriod));
-  }
-}
-
-LanePool::Lease LanePool::take() {
-  std::unique_ptr<Lane> lane;
-  {
-    std::lock_guard lock(mutex_);
-    if (!idle_.empty()) {
-      lane = std::move(idle_.back());
-      idle_.pop_back();
-    }
-  }
-  if (!lane) lane = std::make_unique<Lane>(device_, pipelines_);
-  return {lane.release(), [this](Lane* used) {
-            std::lock_guard lock(mutex_);
-            idle_.emplace_back(used);
-          }};
+  const auto inNanoseconds = [&](uint64_t ticks) {
+    return uint64_t(double(ticks) * double(device_.limits().timestampPeriod));
+  };
+  for (size_t i = 0; i + 1 < n; i++)
+    nanoseconds_[size_t(stages_[i])] += inNanoseconds(readings[i + 1] - readings[i]);
+  began_ = inNanoseconds(readings[0]);
+  ended_ = inNanoseconds(readings[n - 1]);
 }
 
 }  // namespace gxy::vulkan

@@ -7,6 +7,7 @@
 #include "depth.h"
 #include "finish.h"
 #include "geometry.h"
+#include "groups.h"
 #include "gxy/shaders/layout.h"
 #include "integrate.h"
 #include "integrate_many.h"
@@ -42,8 +43,10 @@ std::span<const uint32_t> codeOf(Stage stage) {
       return shade_spirv;
     case Stage::Depth:
       return depth_spirv;
-    default:
+    case Stage::Finish:
       return finish_spirv;
+    default:
+      return groups_spirv;
   }
 }
 
@@ -51,6 +54,7 @@ std::span<const uint32_t> codeOf(Stage stage) {
 Special specialFor(Stage stage, const Special& special) {
   Special s;
   s.addressed = special.addressed;
+  s.limited = special.limited;
   const bool reads = stage == Stage::Slices || stage == Stage::Isosurfaces || stage == Stage::Integrate ||
                      stage == Stage::IntegrateMany ||
                      (stage == Stage::Shade && (special.surfaces & SURFACE_FIELDS) != 0);

@@ -23,7 +23,9 @@ enum class Stage {
   IntegrateMany,
   Shade,
   Depth,
-  Finish
+  Finish,
+  Groups,
+  Last = Groups
 };
 
 /// What a stage is compiled for: the specialization constants of shaders/layout.h, in their order.
@@ -32,7 +34,7 @@ struct Special {
   uint32_t scalars = 0;
   int32_t surfaces = 0;
   uint32_t anyHit = 0;
-  uint32_t byCells = 0;
+  uint32_t byCells = 0, limited = 0;
   auto operator<=>(const Special&) const = default;
 };
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 #include <cstring>
 #include <limits>
 #include <span>
@@ -76,8 +77,10 @@ class Places {
 // Builds what the stages read, then copies it to the device.
 class Uploading {
  public:
-  Uploading(const Device& device, const CompiledScene& scene, int partition)
+  Uploading(const Device& device, const CompiledScene& scene, int partition, int rank)
       : device_(device), scene_(scene), partition_(partition) {
+    out_.partition = partition;
+    out_.special.limited = device.endsLoops();
     std::vector<int32_t> rendered;
     for (size_t i = 0; i < scene.operators.size(); i++) {
       const CompiledOperator& op = scene.operators[i];
@@ -97,6 +100,10 @@ class Uploading {
       if (op.vis.type == VisType::Volume && op.vis.volumeRendering) rendered.push_back(int32_t(i));
     }
     out_.volumeList = tables_.add(rendered);
+    std::vector<uint32_t> mine(scene.visible.size());
+    for (size_t p = 0; p < mine.size(); p++)
+      mine[p] = scene.visible[p] && scene.partitioning->owner(int(p)) == rank;
+    out_.mine = tables_.add(mine);
     fillSceneView(view_, scene, partition, inTables_);
     view_.operators = int(scene.operators.size());
     if (out_.geometryKinds != 0) addHierarchy();
@@ -163,7 +170,8 @@ class Uploading {
   void addHierarchy() {
     const Hierarchy hierarchy = hierarchyOf(scene_, partition_);
     const uint32_t list = geometry_.add(hierarchy.primitives);
-    view_.hierarchy = geometry_.add(std::vector<uint32_t>{list});
+    const float nodes = std::nextafter(float(hierarchy.nodes.size() / NODE_WORDS), 1e30f);
+    view_.hierarchy = geometry_.add(std::vector<uint32_t>{list, std::bit_cast<uint32_t>(nodes)});
     geometry_.add(hierarchy.nodes);
   }
 
@@ -194,8 +202,8 @@ class Uploading {
 }  // namespace
 
 PartOnDevice uploadPart(const Device& device, const Pipelines& pipelines, const CompiledScene& scene,
-                        int partition) {
-  return Uploading(device, scene, partition).finish(pipelines);
+                        int partition, int rank) {
+  return Uploading(device, scene, partition, rank).finish(pipelines);
 }
 
 }  // namespace gxy::vulkan

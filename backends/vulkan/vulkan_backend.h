@@ -32,6 +32,8 @@ struct VulkanOptions {
   int rankOnMachine = 0;  ///< the ranks of a machine share equally good devices round robin
   /// The largest buffer to bind; what is larger is read by address. 0: what the device binds.
   uint64_t bindingBytes = 0;
+  uint64_t lostAfter = 0;   ///< for tests: the device is lost after so many submissions; 0: it is not
+  size_t batchRays = 0;     ///< that are traced together, about; 0: what suits the device
   bool validation = false;  ///< with validation layers (core and synchronization); for tests
 };
 

@@ -15,7 +15,10 @@ std::string mebibytes(size_t bytes) { return std::to_string((bytes + (1 << 20) -
 }  // namespace
 
 Device::Device(const VulkanOptions& options)
-    : instance_(options.validation), physical_(chooseDevice(instance_, options)), info_(infoOf(physical_)) {
+    : instance_(options.validation),
+      physical_(chooseDevice(instance_, options)),
+      info_(infoOf(physical_)),
+      lostAfter_(options.lostAfter) {
   VkPhysicalDeviceProperties properties;
   vkGetPhysicalDeviceProperties(physical_, &properties);
   limits_ = properties.limits;
@@ -41,17 +44,37 @@ Device::Device(const VulkanOptions& options)
   info.pQueueCreateInfos = &queue;
   check(vkCreateDevice(physical_, &info, nullptr, &device_), "opening device \"" + info_.name + "\"");
   vkGetDeviceQueue(device_, family_, 0, &queue_);
+  VkPhysicalDeviceDriverProperties driver{};
+  driver.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DRIVER_PROPERTIES;
+  VkPhysicalDeviceProperties2 more{};
+  more.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2;
+  more.pNext = &driver;
+  vkGetPhysicalDeviceProperties2(physical_, &more);
+  endsLoops_ = driver.driverID == VK_DRIVER_ID_MESA_LLVMPIPE;
+  VkSemaphoreTypeCreateInfo type{};
+  type.sType = VK_STRUCTURE_TYPE_SEMAPHORE_TYPE_CREATE_INFO;
+  type.semaphoreType = VK_SEMAPHORE_TYPE_TIMELINE;
+  VkSemaphoreCreateInfo semaphore{};
+  semaphore.sType = VK_STRUCTURE_TYPE_SEMAPHORE_CREATE_INFO;
+  semaphore.pNext = &type;
+  VkSemaphore done = VK_NULL_HANDLE;
+  check(vkCreateSemaphore(device_, &semaphore, nullptr, &done), "making a semaphore");
+  done_ = SemaphoreHandle(device_, done);
 }
 
 Device::~Device() {
+  done_ = {};
   if (device_) vkDestroyDevice(device_, nullptr);
 }
 
-void Device::submit(VkCommandBuffer commands, VkSemaphore done, uint64_t value) const {
+uint64_t Device::submit(VkCommandBuffer commands) const {
+  std::lock_guard lock(queueMutex_);
+  const uint64_t number = submitted_ + 1;
+  const VkSemaphore done = done_.get();
   VkTimelineSemaphoreSubmitInfo timeline{};
   timeline.sType = VK_STRUCTURE_TYPE_TIMELINE_SEMAPHORE_SUBMIT_INFO;
   timeline.signalSemaphoreValueCount = 1;
-  timeline.pSignalSemaphoreValues = &value;
+  timeline.pSignalSemaphoreValues = &number;
   VkSubmitInfo info{};
   info.sType = VK_STRUCTURE_TYPE_SUBMIT_INFO;
   info.pNext = &timeline;
@@ -59,17 +82,21 @@ void Device::submit(VkCommandBuffer commands, VkSemaphore done, uint64_t value) 
   info.pCommandBuffers = &commands;
   info.signalSemaphoreCount = 1;
   info.pSignalSemaphores = &done;
-  std::lock_guard lock(queueMutex_);
-  check(vkQueueSubmit(queue_, 1, &info, VK_NULL_HANDLE), "handing work to the device");
+  const bool lost = lostAfter_ > 0 && number > lostAfter_;
+  check(lost ? VK_ERROR_DEVICE_LOST : vkQueueSubmit(queue_, 1, &info, VK_NULL_HANDLE),
+        "handing work to device \"" + info_.name + "\"");
+  submitted_ = number;
+  return number;
 }
 
-void Device::wait(VkSemaphore done, uint64_t value) const {
+void Device::wait(uint64_t submission) const {
+  const VkSemaphore done = done_.get();
   VkSemaphoreWaitInfo info{};
   info.sType = VK_STRUCTURE_TYPE_SEMAPHORE_WAIT_INFO;
   info.semaphoreCount = 1;
   info.pSemaphores = &done;
-  info.pValues = &value;
-  check(vkWaitSemaphores(device_, &info, UINT64_MAX), "waiting for the device");
+  info.pValues = &submission;
+  check(vkWaitSemaphores(device_, &info, UINT64_MAX), "waiting for device \"" + info_.name + "\"");
 }
 
 uint32_t Device::memoryType(uint32_t allowed, Place place) const {
@@ -106,7 +133,8 @@ Buffer::Buffer(const Device& device, size_t bytes, Place place, const char* what
   info.sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO;
   info.size = bytes_;
   info.usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_SRC_BIT |
-               VK_BUFFER_USAGE_TRANSFER_DST_BIT | VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT;
+               VK_BUFFER_USAGE_TRANSFER_DST_BIT | VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT |
+               VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT;
   VkBuffer buffer = VK_NULL_HANDLE;
   check(vkCreateBuffer(device.get(), &info, nullptr, &buffer), std::string("making a buffer for ") + what);
   buffer_ = BufferHandle(device.get(), buffer);
@@ -159,15 +187,6 @@ Commands::Commands(const Device& device) : device_(device) {
   info.level = VK_COMMAND_BUFFER_LEVEL_PRIMARY;
   info.commandBufferCount = 1;
   check(vkAllocateCommandBuffers(device.get(), &info, &commands_), "making a command buffer");
-  VkSemaphoreTypeCreateInfo type{};
-  type.sType = VK_STRUCTURE_TYPE_SEMAPHORE_TYPE_CREATE_INFO;
-  type.semaphoreType = VK_SEMAPHORE_TYPE_TIMELINE;
-  VkSemaphoreCreateInfo semaphore{};
-  semaphore.sType = VK_STRUCTURE_TYPE_SEMAPHORE_CREATE_INFO;
-  semaphore.pNext = &type;
-  VkSemaphore done = VK_NULL_HANDLE;
-  check(vkCreateSemaphore(device.get(), &semaphore, nullptr, &done), "making a semaphore");
-  done_ = SemaphoreHandle(device.get(), done);
 }
 
 VkCommandBuffer Commands::begin() {
@@ -184,18 +203,18 @@ void Commands::barrier() {
   VkMemoryBarrier barrier{};
   barrier.sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER;
   barrier.srcAccessMask = kWritten;
-  barrier.dstAccessMask =
-      kWritten | VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_TRANSFER_READ_BIT | VK_ACCESS_HOST_READ_BIT;
+  barrier.dstAccessMask = kWritten | VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_TRANSFER_READ_BIT |
+                          VK_ACCESS_HOST_READ_BIT | VK_ACCESS_INDIRECT_COMMAND_READ_BIT;
   constexpr VkPipelineStageFlags kDevice =
       VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_TRANSFER_BIT;
-  vkCmdPipelineBarrier(commands_, kDevice, kDevice | VK_PIPELINE_STAGE_HOST_BIT, 0, 1, &barrier, 0, nullptr,
-                       0, nullptr);
+  vkCmdPipelineBarrier(commands_, kDevice,
+                       kDevice | VK_PIPELINE_STAGE_DRAW_INDIRECT_BIT | VK_PIPELINE_STAGE_HOST_BIT, 0, 1,
+                       &barrier, 0, nullptr, 0, nullptr);
 }
 
-void Commands::submitAndWait() {
+void Commands::submit() {
   check(vkEndCommandBuffer(commands_), "recording commands");
-  device_.submit(commands_, done_.get(), ++value_);
-  device_.wait(done_.get(), value_);
+  submission_ = device_.submit(commands_);
 }
 
 void upload(const Device& device, const Buffer& buffer, size_t offset, std::span<const std::byte> bytes) {
@@ -211,7 +230,8 @@ void upload(const Device& device, const Buffer& buffer, size_t offset, std::span
     std::memcpy(staging.mapped(), bytes.data() + at, n);
     const VkBufferCopy region{0, offset + at, n};
     vkCmdCopyBuffer(commands.begin(), staging.get(), buffer.get(), 1, &region);
-    commands.submitAndWait();
+    commands.submit();
+    commands.wait();
   }
 }
 

@@ -33,10 +33,11 @@ class Device {
   const Instance& instance() const { return instance_; }
   size_t bytes() const { return bytes_; }  ///< of all buffers
 
-  /// Hands commands to the queue, which sets `done` to `value` when they are done.
-  void submit(VkCommandBuffer commands, VkSemaphore done, uint64_t value) const;
-  /// Waits until `done` has that value.
-  void wait(VkSemaphore done, uint64_t value) const;
+  /// Hands commands to the queue; returns the number with which to wait for them. They are done in the order of numbers.
+  uint64_t submit(VkCommandBuffer commands) const;
+  void wait(uint64_t submission) const;
+  /// Loops of an invocation end when they have gone round 65535 times together (shaders/rays.glsl).
+  bool endsLoops() const { return endsLoops_; }
 
  private:
   friend class Buffer;
@@ -51,7 +52,11 @@ class Device {
   uint32_t family_ = 0;
   VkDevice device_ = VK_NULL_HANDLE;
   VkQueue queue_ = VK_NULL_HANDLE;
+  bool endsLoops_ = false;
+  SemaphoreHandle done_;  ///< the number of the last submission that is done
+  const uint64_t lostAfter_;
   mutable std::mutex queueMutex_;
+  mutable uint64_t submitted_ = 0;
   mutable std::atomic<size_t> bytes_{0};
 };
 
@@ -83,7 +88,7 @@ class Buffer {
   std::byte* mapped_ = nullptr;
 };
 
-/// A command buffer with its pool, and the semaphore that tells when its commands are done. One thread at a time.
+/// A command buffer with its pool. One thread at a time.
 class Commands {
  public:
   explicit Commands(const Device& device);
@@ -91,14 +96,15 @@ class Commands {
   VkCommandBuffer begin();
   /// All that is recorded from here on sees what was written before, by shaders, copies and, when done, the host.
   void barrier();
-  void submitAndWait();
+  void submit();
+  /// For what was submitted.
+  void wait() const { device_.wait(submission_); }
 
  private:
   const Device& device_;
   CommandPoolHandle pool_;
   VkCommandBuffer commands_ = VK_NULL_HANDLE;
-  SemaphoreHandle done_;
-  uint64_t value_ = 0;
+  uint64_t submission_ = 0;
 };
 
 /// Copies to the beginning of a part of a buffer, whether the host sees it or not.

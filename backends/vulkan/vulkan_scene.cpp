@@ -2,11 +2,10 @@
 #include "gxy/vulkan/vulkan_scene.h"
 
 #include <algorithm>
-#include <bit>
-#include <numeric>
 
 #include "gxy/comm/error.h"
 #include "gxy/rays/fill_views.h"
+#include "gxy/vulkan/batch.h"
 
 namespace gxy::vulkan {
 
@@ -14,27 +13,17 @@ namespace {
 
 constexpr size_t kMostVolumes = 8;  // MANY_VOLUMES of kernels/many.h
 
-struct VulkanFrame final : DeviceFrame {
-  Buffer buffer;
-  DescriptorSet set;
-  int lights = 0;
-  bool depth = false;
-  double worldPerRender = 1;
-};
-
-// Rays to lists by partition, in order of partition; `wanted` says which partitions.
-template <class Wanted>
-void distribute(const RayBlock* blocks, int count, bool primary, const Wanted& wanted,
-                std::vector<LeavingRays>& out) {
-  std::map<int, std::vector<int>> places;
-  for (int i = 0; i < count; i++) {
-    const int next = blocks[i / BLOCK_RAYS].next[i % BLOCK_RAYS];
-    if (next >= 0 && wanted(next)) places[next].push_back(i);
-  }
-  for (const auto& [partition, which] : places) out.push_back({partition, primary, gather(blocks, which)});
+// Rays of a batch: many, so that a device's cores are busy, and so few that the lists of three batches, with their
+// secondaries, are small against its memory.
+size_t batchRaysOf(const VulkanOptions& options, const Device& device) {
+  if (options.batchRays > 0) return options.batchRays;
+  return device.info().kind == VulkanDeviceInfo::Kind::Software ? size_t(1) << 14 : size_t(1) << 17;
 }
 
 }  // namespace
+
+Context::Context(const VulkanOptions& options)
+    : device(options), pipelines(device), tracer(device, pipelines, batchRaysOf(options, device)) {}
 
 VulkanScene::VulkanScene(std::shared_ptr<Context> context, std::shared_ptr<const CompiledScene> scene,
                          int rank)
@@ -50,16 +39,17 @@ VulkanScene::VulkanScene(std::shared_ptr<Context> context, std::shared_ptr<const
   if (renderedOperators_.size() > kMostVolumes)
     throw Error("a visualization renders " + std::to_string(renderedOperators_.size()) +
                 " volumes at once; this backend takes at most " + std::to_string(kMostVolumes));
-  anywhere_ = uploadPart(context_->device, context_->pipelines, *scene_, -1);
   for (int p : scene_->partitioning->owned(rank_))
     if (scene_->visible[size_t(p)])  // nothing is there where nothing can be seen
-      parts_.emplace(p, uploadPart(context_->device, context_->pipelines, *scene_, p));
+      parts_.emplace(p, uploadPart(context_->device, context_->pipelines, *scene_, p, rank_));
+  if (parts_.size() != 1) anywhere_ = uploadPart(context_->device, context_->pipelines, *scene_, -1, rank_);
 }
 
 std::shared_ptr<const DeviceFrame> VulkanScene::makeFrame(const CompiledFrame& f) const {
   auto frame = std::make_shared<VulkanFrame>();
   frame->lights = int(f.lights.size());
   frame->depth = f.depth;
+  frame->urgent = f.urgent;
   frame->worldPerRender = f.worldPerRender;
   shader::FrameView v{};
   fillFrameView(v, *scene_, f);
@@ -77,140 +67,86 @@ std::shared_ptr<const DeviceFrame> VulkanScene::makeFrame(const CompiledFrame& f
 
 void VulkanScene::spawn(const DeviceFrame& deviceFrame, const Tile& tile, Done done) const {
   const auto& frame = static_cast<const VulkanFrame&>(deviceFrame);
-  TraceResult result;
-  {
-    const LanePool::Lease lane = context_->lanes.take();
-    constexpr int kRays = kTile * kTile;
-    lane->reserve(kRays, 1);
-    lane->begin(anywhere_.set.get(), frame.set.get(), kRays);
-    lane->run(Stage::Spawn, anywhere_.special, {tile.x0, tile.y0, tile.x1, tile.y1, tile.sample});
-    lane->finish();
-    result.counters.nsSpawn = lane->nanoseconds(Stage::Spawn);
-    const auto mine = [&](int partition) { return scene_->partitioning->owner(partition) == rank_; };
-    distribute(lane->leaving(), kRays, true, mine, result.leaving);
-    for (const LeavingRays& l : result.leaving) result.counters.raysSpawned += uint64_t(l.rays.size());
-  }
-  done(std::move(result));
+  const PartOnDevice& part = parts_.size() == 1 ? parts_.begin()->second : anywhere_;
+  context_->tracer.add({this, &part, &frame, Request::Kind::Spawn, {}, tile, std::move(done)}, frame.urgent);
 }
 
-// A list of rays on its way through one partition.
-class VulkanScene::Packet {
- public:
-  Packet(const VulkanScene& scene, const PartOnDevice& part, const VulkanFrame& frame, bool primary)
-      : scene_(scene), part_(part), frame_(frame), primary_(primary) {
-    const Lighting& lighting = scene_.scene_->visualization.lighting;
-    perHit_ = primary ? (lighting.shadows ? frame.lights : 0) + lighting.aoCount : 0;
-  }
-
-  TraceResult trace(const RayList& rays) {
-    // a list that is too long for a binding goes in pieces
-    const size_t perRay = sizeof(RayBlock) / BLOCK_RAYS * std::bit_ceil(size_t(std::max(perHit_, 1)));
-    const size_t most = std::bit_floor(scene_.context_->device.limits().maxStorageBufferRange / perRay);
-    for (size_t first = 0; first < size_t(rays.size()); first += most)
-      tracePiece(rays, int(first), int(std::min(most, size_t(rays.size()) - first)));
-    uint64_t leaving = 0;
-    for (const LeavingRays& l : result_.leaving)
-      if (l.primary == primary_) leaving += uint64_t(l.rays.size());
-    result_.retired = uint64_t(rays.size()) - leaving;
-    result_.counters.secondariesSpawned = result_.secondaries;
-    return std::move(result_);
-  }
-
- private:
-  void tracePiece(const RayList& rays, int first, int count) {
-    const LanePool::Lease lane = scene_.context_->lanes.take();
-    lane->reserve(size_t(count), size_t(count) * size_t(std::max(perHit_, 1)));
-    lane->load(rays, first, count);
-    bool complete = rays.complete();
-    while (count > 0) {
-      lane->begin(part_.set.get(), frame_.set.get(), count);
-      if (!complete) lane->run(Stage::Regenerate, part_.special);
-      record(*lane);
-      lane->finish();
-      complete = true;
-      take(*lane, count);
-      count = int(lane->count(COUNT_ACTIVE));
-      lane->swapLists();
-    }
-  }
-
-  void record(Lane& lane) const {
-    const bool opaque = scene_.scene_->opaqueSurfaces;
-    lane.run(Stage::Bound, part_.special);
-    if (part_.geometryKinds != 0) {
-      Special special = part_.special;
-      special.surfaces = part_.geometryKinds;
-      special.anyHit = !primary_ && opaque;
-      lane.run(Stage::Geometry, special);
-    }
-    for (int op : scene_.slicedOperators_)
-      if (part_.hasBlock[size_t(op)]) lane.run(Stage::Slices, part_.special, {op});
-    for (int op : scene_.isoOperators_)
-      if (part_.hasBlock[size_t(op)]) lane.run(Stage::Isosurfaces, part_.special, {op});
-    const std::vector<int>& volumes = scene_.renderedOperators_;
-    if (std::any_of(volumes.begin(), volumes.end(), [&](int op) { return part_.hasBlock[size_t(op)]; })) {
-      if (volumes.size() == 1)
-        lane.run(Stage::Integrate, part_.special, {volumes[0]});
-      else
-        lane.run(Stage::IntegrateMany, part_.special, {int32_t(part_.volumeList), int32_t(volumes.size())});
-    }
-    Special special = part_.special;
-    special.surfaces = part_.geometryKinds | (scene_.surfacesInVolumes_ ? SURFACE_FIELDS : 0);
-    if (primary_ && special.surfaces != 0) {
-      if (frame_.depth) lane.run(Stage::Depth, part_.special);
-      lane.run(Stage::Shade, special);
-    }
-    lane.run(Stage::Finish, part_.special);
-  }
-
-  void take(const Lane& lane, int traced) {
-    if (lane.count(COUNT_CUT) > 0)
-      throw Error("Vulkan: device \"" + scene_.context_->device.info().name + "\" gave up on " +
-                  std::to_string(lane.count(COUNT_CUT)) +
-                  " rays, which take it more than 65535 steps; the embree backend has no such limit");
-    TraceCounters& c = result_.counters;
-    c.raysTraced += uint64_t(traced);
-    const auto spent = [&](Stage stage) { return lane.nanoseconds(stage); };
-    c.nsGeometry += spent(Stage::Geometry);
-    c.nsSurfaces += spent(Stage::Slices) + spent(Stage::Isosurfaces);
-    c.nsIntegrate += spent(Stage::Integrate) + spent(Stage::IntegrateMany);
-    c.nsShade += spent(Stage::Shade) + spent(Stage::Depth) + spent(Stage::Finish);
-    c.nsRoute += spent(Stage::Regenerate) + spent(Stage::Bound);
-    c.raysShaded += lane.count(COUNT_SHADED);
-    c.samples += lane.count(COUNT_SAMPLES);
-    c.macrocells += lane.count(COUNT_MACROCELLS);
-    c.macrocellsSkipped += lane.count(COUNT_SKIPPED);
-    c.cells += lane.count(COUNT_CELLS);
-    c.isoMacrocellsSkipped += lane.count(COUNT_ISO_SKIPPED);
-    result_.secondaries += lane.count(COUNT_MADE);
-    const auto all = [](int) { return true; };
-    distribute(lane.leaving(), int(lane.count(COUNT_LEAVING)), primary_, all, result_.leaving);
-    distribute(lane.made(), int(lane.count(COUNT_MADE)), false, all, result_.leaving);
-    const int32_t* r = lane.records();
-    for (uint32_t i = 0; i < lane.count(COUNT_RECORDS); i++, r += RECORD_WORDS)
-      result_.contributions.push_back({uint32_t(r[0]), r[1], r[2], r[3], r[4]});
-    const uint32_t* d = lane.depths();
-    for (uint32_t i = 0; i < lane.count(COUNT_DEPTHS); i++, d += DEPTH_WORDS) {
-      const auto distance = std::bit_cast<double>(uint64_t(d[2]) << 32 | d[1]);
-      result_.depths.push_back({d[0], distance * frame_.worldPerRender});
-    }
-  }
-
-  const VulkanScene& scene_;
-  const PartOnDevice& part_;
-  const VulkanFrame& frame_;
-  const bool primary_;
-  int perHit_ = 0;
-  TraceResult result_;
-};
-
-void VulkanScene::trace(const DeviceFrame& frame, int partition, bool primary, RayList rays,
+void VulkanScene::trace(const DeviceFrame& deviceFrame, int partition, bool primary, RayList rays,
                         Done done) const {
+  const auto& frame = static_cast<const VulkanFrame&>(deviceFrame);
   const auto part = parts_.find(partition);
   if (part == parts_.end())
     throw Error("rays came for partition " + std::to_string(partition) +
                 ", which has nothing to see on this rank");
-  done(Packet(*this, part->second, static_cast<const VulkanFrame&>(frame), primary).trace(rays));
+  const auto kind = primary ? Request::Kind::Primaries : Request::Kind::Secondaries;
+  context_->tracer.add({this, &part->second, &frame, kind, std::move(rays), {}, std::move(done)},
+                       frame.urgent);
+}
+
+size_t VulkanScene::secondariesPerHit(const VulkanFrame& frame) const {
+  const Lighting& lighting = scene_->visualization.lighting;
+  return size_t((lighting.shadows ? frame.lights : 0) + lighting.aoCount);
+}
+
+Step VulkanScene::spawnStep(const PartOnDevice& part, const Tile& tile, int packet) {
+  Step step{Stage::Spawn, part.special};
+  const int32_t values[] = {tile.x0, tile.y0, tile.x1, tile.y1, tile.sample};
+  std::copy(std::begin(values), std::end(values), step.push.begin() + PUSH_TILE);
+  step.push[PUSH_RAYS] = kTile * kTile;
+  step.push[PUSH_PARTITION] = part.partition;
+  step.push[PUSH_PACKET] = packet;
+  step.push[PUSH_MINE] = int32_t(part.mine);
+  return step;
+}
+
+void VulkanScene::addSteps(std::vector<Step>& steps, const PartOnDevice& part, const VulkanFrame& frame,
+                           List list, int32_t rays, bool primary, bool complete) const {
+  const auto add = [&](Stage stage, const Special& special, int32_t op = 0, int32_t count = 0) {
+    Step& step = steps.emplace_back(Step{stage, special, list});
+    step.push[PUSH_RAYS] = rays;
+    step.push[PUSH_PARTITION] = part.partition;
+    step.push[PUSH_OPERATOR] = op;
+    step.push[PUSH_COUNT] = count;
+  };
+  const auto isHere = [&](int op) { return part.hasBlock[size_t(op)]; };
+  const Special& special = part.special;
+  if (rays < 0) add(Stage::Groups, special);
+  if (!complete) add(Stage::Regenerate, special);
+  add(Stage::Bound, special);
+  if (part.geometryKinds != 0) {
+    Special meets = special;
+    meets.surfaces = part.geometryKinds;
+    meets.anyHit = !primary && scene_->opaqueSurfaces;
+    add(Stage::Geometry, meets);
+  }
+  for (int op : slicedOperators_)
+    if (isHere(op)) add(Stage::Slices, special, op);
+  for (int op : isoOperators_)
+    if (isHere(op)) add(Stage::Isosurfaces, special, op);
+  const std::vector<int>& volumes = renderedOperators_;
+  if (std::any_of(volumes.begin(), volumes.end(), isHere)) {
+    if (volumes.size() == 1)
+      add(Stage::Integrate, special, volumes[0]);
+    else
+      add(Stage::IntegrateMany, special, int32_t(part.volumeList), int32_t(volumes.size()));
+  }
+  Special shades = special;
+  shades.surfaces = part.geometryKinds | (surfacesInVolumes_ ? SURFACE_FIELDS : 0);
+  if (primary && shades.surfaces != 0) {
+    if (frame.depth) add(Stage::Depth, special);
+    add(Stage::Shade, shades);
+  }
+  add(Stage::Finish, special);
+}
+
+void VulkanScene::addTimes(TraceCounters& c, const Lane& lane) {
+  const auto spent = [&](Stage stage) { return lane.nanoseconds(stage); };
+  c.nsSpawn += spent(Stage::Spawn);
+  c.nsGeometry += spent(Stage::Geometry);
+  c.nsSurfaces += spent(Stage::Slices) + spent(Stage::Isosurfaces);
+  c.nsIntegrate += spent(Stage::Integrate) + spent(Stage::IntegrateMany);
+  c.nsShade += spent(Stage::Shade) + spent(Stage::Depth) + spent(Stage::Finish);
+  c.nsRoute += spent(Stage::Regenerate) + spent(Stage::Bound) + spent(Stage::Groups);
 }
 
 size_t VulkanScene::bytes() const {

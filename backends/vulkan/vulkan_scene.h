@@ -8,16 +8,24 @@
 #include "gxy/rays/backend.h"
 #include "gxy/vulkan/lane.h"
 #include "gxy/vulkan/scene_upload.h"
+#include "gxy/vulkan/tracer.h"
 
 namespace gxy::vulkan {
 
 /// What all scenes of a backend share.
 struct Context {
-  explicit Context(const VulkanOptions& options)
-      : device(options), pipelines(device), lanes(device, pipelines) {}
+  explicit Context(const VulkanOptions& options);
   Device device;
   Pipelines pipelines;
-  LanePool lanes;
+  Tracer tracer;
+};
+
+struct VulkanFrame final : DeviceFrame {
+  Buffer buffer;
+  DescriptorSet set;
+  int lights = 0;
+  bool depth = false, urgent = false;
+  double worldPerRender = 1;
 };
 
 class VulkanScene final : public DeviceScene {
@@ -29,13 +37,21 @@ class VulkanScene final : public DeviceScene {
   void trace(const DeviceFrame& frame, int partition, bool primary, RayList rays, Done done) const override;
   size_t bytes() const override;
 
- private:
-  class Packet;
+  // What a Batch asks.
+  /// Adds what `rays` rays of a list (or ~k: as many as counts[k]) go through in a partition.
+  void addSteps(std::vector<Step>& steps, const PartOnDevice& part, const VulkanFrame& frame, List list,
+                int32_t rays, bool primary, bool complete) const;
+  static Step spawnStep(const PartOnDevice& part, const Tile& tile, int packet);
+  /// Adds what a lane's stages took.
+  static void addTimes(TraceCounters& counters, const Lane& lane);
+  size_t secondariesPerHit(const VulkanFrame& frame) const;
+  const std::string& deviceName() const { return context_->device.info().name; }
 
+ private:
   std::shared_ptr<Context> context_;
   std::shared_ptr<const CompiledScene> scene_;
   int rank_;
-  PartOnDevice anywhere_;              ///< without a partition: for spawning
+  PartOnDevice anywhere_;              ///< without a partition: for spawning, where there are several
   std::map<int, PartOnDevice> parts_;  ///< by local partition
   std::vector<int> slicedOperators_, isoOperators_, renderedOperators_;
   bool surfacesInVolumes_ = false;

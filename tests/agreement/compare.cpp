@@ -107,8 +107,7 @@ reference::AoDirections backendDirections(const TestScene& scene, uint32_t frame
 Comparison compare(const Backend& backend, const TestScene& scene, const CompareOptions& options) {
   const Picture mine = draw(backend, scene, options.frameNumber);
 #ifdef GALAXY_VULKAN
-  if (backend.name() == "embree")
-    expectVulkanDrawsTheSame(mine, scene, options.frameNumber, options.longMarches);
+  if (backend.name() == "embree") expectVulkanDrawsTheSame(mine, scene, options.frameNumber);
 #endif
   ReferenceOptions how;
   how.tolerance = 1e-5;

@@ -23,8 +23,6 @@ struct CompareOptions {
   double perturbation = 8;  ///< float ulps by which the rays of the reference move to tell flips
   int seeds = 24;
   uint32_t frameNumber = 0;
-  /// Rays may take more rounds of a loop than Mesa's software device allows: it may say so instead of drawing.
-  bool longMarches = false;
 };
 
 /// Renders with both, ambient occlusion with the backend's own directions; and where the backend is the first one, with

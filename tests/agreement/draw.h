@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A picture straight from a backend, on the calling thread, without ranks or messages.
+// A picture straight from a backend, without ranks or messages.
 #pragma once
 #include "gxy/rays/backend.h"
 #include "gxy/render/framebuffer.h"
@@ -7,7 +7,7 @@
 
 namespace gxy::agreement {
 
-/// Spawns and traces until no ray is left, in packets of at most `packetRays`.
+/// Spawns and traces until no ray is left, in packets of at most `packetRays`. Throws Error where the device fails.
 Picture draw(const Backend& backend, const TestScene& scene, uint32_t frameNumber = 0, int packetRays = 1024);
 
 }  // namespace gxy::agreement

@@ -53,20 +53,18 @@ void addSolids(TestScene& scene, int axis, double thick, double length) {
   scene.visualization.lighting = lit({kSun}, false);
 }
 
-constexpr CompareOptions kLong{.longMarches = true};
-
 TEST(Needle, FlatCellsOneToTenThousand) {  // a box of 1 x 1 x 10, cells of 1 x 1 x 1e-4
   for (int axis : {0, 1, 2}) {
     glm::dvec3 eye(9, 6, 11);
     TestScene scene = needle("needle_flat_" + std::to_string(axis), axis, 1, 10, eye);
     addSolids(scene, axis, 1, 10);
-    expectAgreement(embree(), scene, kLong, 2, 5);
+    expectAgreement(embree(), scene, {}, 2, 5);
   }
 }
 
 /// Where float resolves a hundredth of the thickness, every pixel on the needle may be a flip; none is wrong.
 void expectNoneWrong(const TestScene& scene) {
-  const Comparison c = compare(embree(), scene, kLong);
+  const Comparison c = compare(embree(), scene);
   EXPECT_TRUE(c.finite && c.wrong.empty()) << c.report;
   EXPECT_GE(c.seen, 4) << c.report;
 }

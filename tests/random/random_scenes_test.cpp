@@ -46,7 +46,6 @@ TEST(RandomScenes, AgreeWithTheReference) {
     const TestScene scene = randomScene(seed);
     agreement::CompareOptions options;
     options.tolerance = scene.settings.tolerance;
-    options.longMarches = true;
     const agreement::Comparison c = agreement::compare(agreement::embree(), inOnePiece(scene), options);
     pixels += c.pixels;
     flips += c.flips;

@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gxy/vulkan/batch.h"
+
+#include <algorithm>
+#include <bit>
+#include <map>
+#include <tuple>
+
+#include "gxy/comm/error.h"
+
+namespace gxy::vulkan {
+
+Batch::Batch(std::vector<Request> requests)
+    : requests_(std::move(requests)),
+      results_(requests_.size()),
+      scene_(*requests_[0].scene),
+      part_(*requests_[0].part),
+      frame_(*requests_[0].frame),
+      kind_(requests_[0].kind),
+      perHit_(kind_ == Request::Kind::Secondaries || part_.partition < 0 ? 0
+                                                                         : scene_.secondariesPerHit(frame_)) {
+}
+
+void Batch::start(std::unique_ptr<Lane> lane) {
+  lane_ = std::move(lane);
+  size_t rays = 0;
+  for (const Request& r : requests_) rays += r.size();
+  lane_->reserve(rays, perHit_);
+  if (kind_ == Request::Kind::Spawn) {
+    for (size_t i = 0; i < requests_.size(); i++)
+      steps_.push_back(scene_.spawnStep(part_, requests_[i].tile, int(i)));
+    if (part_.partition >= 0) trace(List::Given, ~COUNT_SPAWNED, true);
+  } else {
+    size_t at = 0;
+    for (size_t i = 0; i < requests_.size(); i++) {
+      lane_->load(requests_[i].rays, at, uint32_t(i));
+      at += requests_[i].size();
+      complete_ = complete_ && requests_[i].rays.complete();
+    }
+    trace(List::Given, int32_t(at), kind_ == Request::Kind::Primaries);
+  }
+  submit(0, false);
+}
+
+// Adds what a list goes through; and behind primaries the secondaries that they have made here.
+void Batch::trace(List list, int32_t rays, bool primary) {
+  scene_.addSteps(steps_, part_, frame_, list, rays, primary, complete_);
+  complete_ = true;
+  results_[0].counters.raysTraced += uint64_t(std::max(rays, 0));
+  if (primary && perHit_ > 0) scene_.addSteps(steps_, part_, frame_, List::Here, ~COUNT_HERE, false, true);
+}
+
+void Batch::submit(size_t firstStep, bool resumed) {
+  lane_->submit(part_.set.get(), frame_.set.get(), steps_, firstStep, resumed);
+}
+
+bool Batch::advance(uint64_t& lastEnd) {
+  lane_->wait();
+  TraceCounters& c = results_[0].counters;
+  c.submissions++;
+  c.nsDevice += lane_->ended() - lane_->began();
+  if (lastEnd > 0 && lane_->began() > lastEnd) c.nsDeviceIdle += lane_->began() - lastEnd;
+  lastEnd = lane_->ended();
+  scene_.addTimes(c, *lane_);
+  if (lane_->count(COUNT_STUCK) > 0)
+    throw Error("device \"" + scene_.deviceName() + "\" gave up on " +
+                std::to_string(lane_->count(COUNT_STUCK)) +
+                " rays, which take it more than 65535 steps between two neighbouring numbers");
+  if (const uint32_t cut = lane_->count(COUNT_CUT)) {
+    submit(~cut, true);
+    return true;
+  }
+  take();
+  steps_.clear();
+  if (activeSecondaries_ > 0 && kind_ != Request::Kind::Secondaries) {
+    here_ = otherOf(here_);
+    trace(here_, int32_t(activeSecondaries_), false);
+  } else if (activePrimaries_ + activeSecondaries_ > 0) {
+    given_ = otherOf(given_);
+    here_ = List::Here;
+    trace(given_, int32_t(activePrimaries_ + activeSecondaries_), kind_ != Request::Kind::Secondaries);
+  } else {
+    return false;
+  }
+  submit(0, false);
+  return true;
+}
+
+// What the last submission has made of the rays.
+void Batch::take() {
+  const Lane& lane = *lane_;
+  TraceResult& all = results_[0];
+  TraceCounters& c = all.counters;
+  c.raysShaded += lane.count(COUNT_SHADED);
+  c.samples += lane.count(COUNT_SAMPLES);
+  c.macrocells += lane.count(COUNT_MACROCELLS);
+  c.macrocellsSkipped += lane.count(COUNT_SKIPPED);
+  c.cells += lane.count(COUNT_CELLS);
+  c.isoMacrocellsSkipped += lane.count(COUNT_ISO_SKIPPED);
+  c.secondariesSpawned += lane.count(COUNT_MADE);
+  c.raysTraced += lane.count(COUNT_SPAWNED) + lane.count(COUNT_HERE);
+  if (kind_ == Request::Kind::Spawn)
+    c.raysSpawned += lane.count(part_.partition < 0 ? COUNT_LEAVING : COUNT_SPAWNED);
+  distribute();
+  const int32_t* r = lane.records();
+  all.contributions.reserve(all.contributions.size() + lane.count(COUNT_RECORDS));
+  for (uint32_t i = 0; i < lane.count(COUNT_RECORDS); i++, r += RECORD_WORDS)
+    all.contributions.push_back({uint32_t(r[0]), r[1], r[2], r[3], r[4]});
+  const uint32_t* d = lane.depths();
+  for (uint32_t i = 0; i < lane.count(COUNT_DEPTHS); i++, d += DEPTH_WORDS)
+    all.depths.push_back({d[0], std::bit_cast<double>(uint64_t(d[2]) << 32 | d[1]) * frame_.worldPerRender});
+  activeSecondaries_ = lane.count(COUNT_ACTIVE_SECONDARIES);
+  // primaries that go on wait until none of their secondaries does
+  if (steps_[0].list == given_) activePrimaries_ = lane.count(COUNT_ACTIVE_PRIMARIES);
+}
+
+// Rays that leave, to the packets that they came with, by kind and partition.
+void Batch::distribute() {
+  const RayBlock* blocks = lane_->leaving();
+  std::map<std::tuple<uint32_t, bool, int>, std::vector<int>> places;
+  std::tuple<uint32_t, bool, int> last{};
+  std::vector<int>* list = nullptr;
+  for (int i = 0; i < int(lane_->count(COUNT_LEAVING)); i++) {
+    const RayBlock& b = blocks[i / BLOCK_RAYS];
+    const int k = i % BLOCK_RAYS;
+    const std::tuple key(b.packet[k], RAY_KIND(b.info[k]) == RAY_PRIMARY, int(b.next[k]));
+    if (!list || key != last) list = &places[key];
+    last = key;
+    list->push_back(i);
+  }
+  for (const auto& [key, which] : places) {
+    const auto& [packet, primary, partition] = key;
+    results_[packet].leaving.push_back({partition, primary, gather(blocks, which)});
+  }
+}
+
+void Batch::answer() {
+  for (size_t i = 0; i < requests_.size(); i++) {
+    TraceResult& result = results_[i];
+    uint64_t left = 0;
+    for (const LeavingRays& l : result.leaving)
+      (l.primary == (kind_ != Request::Kind::Secondaries) ? left : result.secondaries) +=
+          uint64_t(l.rays.size());
+    if (kind_ == Request::Kind::Spawn)
+      result.secondaries = 0;
+    else
+      result.retired = uint64_t(requests_[i].rays.size()) - left;
+    requests_[i].done(std::move(result));
+  }
+}
+
+void Batch::fail(const std::string& error) {
+  for (Request& r : requests_) {
+    TraceResult result;
+    result.error = error;
+    result.retired = uint64_t(r.rays.size());
+    r.done(std::move(result));
+  }
+}
+
+}  // namespace gxy::vulkan

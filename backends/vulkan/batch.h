@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+// Packets of a frame that go through a partition together, on one lane.
+#pragma once
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "gxy/vulkan/lane.h"
+#include "gxy/vulkan/vulkan_scene.h"
+
+namespace gxy::vulkan {
+
+/// What a scene is asked for: a packet to trace or a tile to spawn.
+struct Request {
+  enum class Kind { Spawn, Primaries, Secondaries };
+  const VulkanScene* scene;
+  const PartOnDevice* part;  ///< traces in it; for spawning: where those that start there are traced at once
+  const VulkanFrame* frame;
+  Kind kind;
+  RayList rays;
+  Tile tile{};
+  DeviceScene::Done done;
+
+  size_t size() const { return kind == Kind::Spawn ? size_t(kTile) * kTile : size_t(rays.size()); }
+  /// Whether both can be done together.
+  bool isLike(const Request& o) const {
+    return scene == o.scene && part == o.part && frame == o.frame && kind == o.kind;
+  }
+};
+
+/// On the device, primaries make secondaries, and those that start in the same partition are traced in the same submission,
+/// without the host. Another submission follows where rays go on behind translucent surfaces, and where the device has not
+/// ended what a stage had to do (shaders/rays.glsl). One thread at a time.
+class Batch {
+ public:
+  /// All requests like the first.
+  explicit Batch(std::vector<Request> requests);
+
+  /// Begins. Throws Error where the device fails, as does advance().
+  void start(std::unique_ptr<Lane> lane);
+  /// Waits for what was submitted, and goes on; false: all is done. `lastEnd`, by the device's clock: of what it did before,
+  /// and then of this.
+  bool advance(uint64_t& lastEnd);
+  /// The lane, when the batch is over.
+  std::unique_ptr<Lane> takeLane() { return std::move(lane_); }
+  /// Tells those who asked what has become of their rays.
+  void answer();
+  /// Tells them what went wrong instead.
+  void fail(const std::string& error);
+
+ private:
+  void trace(List list, int32_t rays, bool primary);
+  void submit(size_t firstStep, bool resumed);
+  void take();
+  void distribute();
+
+  std::vector<Request> requests_;
+  std::unique_ptr<Lane> lane_;
+  std::vector<TraceResult> results_;
+  const VulkanScene& scene_;
+  const PartOnDevice& part_;
+  const VulkanFrame& frame_;
+  const Request::Kind kind_;
+  const size_t perHit_;
+  bool complete_ = true;  ///< rays have their origins and directions
+  std::vector<Step> steps_;
+  List given_ = List::Given, here_ = List::Here;
+  size_t activePrimaries_ = 0, activeSecondaries_ = 0;
+};
+
+}  // namespace gxy::vulkan

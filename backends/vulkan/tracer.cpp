@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gxy/vulkan/tracer.h"
+
+#include <algorithm>
+#include <condition_variable>
+#include <deque>
+#include <mutex>
+#include <thread>
+
+#include "gxy/vulkan/batch.h"
+
+namespace gxy::vulkan {
+
+namespace {
+
+constexpr size_t kBatchesAtOnce =
+    3;  // one that the device does, one that it does next, one that the host reads or makes
+
+}  // namespace
+
+struct Tracer::State {
+  State(const Device& d, Pipelines& p, size_t rays) : device(d), pipelines(p), batchRays(rays) {}
+
+  // Hands out what waits, while there are lanes for it.
+  void feed() {
+    std::unique_lock lock(mutex);
+    while (!waiting.empty() && (!idle.empty() || lanes < kBatchesAtOnce)) {
+      auto batch = std::make_unique<Batch>(nextLot());
+      std::unique_ptr<Lane> lane;
+      if (idle.empty()) {
+        lanes++;
+      } else {
+        lane = std::move(idle.back());
+        idle.pop_back();
+      }
+      lock.unlock();
+      std::string error;
+      try {
+        if (!lane) lane = std::make_unique<Lane>(device, pipelines);
+        batch->start(std::move(lane));
+      } catch (const std::exception& e) {
+        error = e.what();
+      }
+      if (!error.empty()) end(*batch, error);
+      lock.lock();
+      if (error.empty()) {
+        underWay.push_back(std::move(batch));
+        changed.notify_one();
+      }
+    }
+  }
+
+  // The first that waits, with those like it up to a batch. Those of a frame are urgent all or none. (Locked.)
+  std::vector<Request> nextLot() {
+    std::vector<Request> lot;
+    size_t rays = 0;
+    for (auto r = waiting.begin(); r != waiting.end();) {
+      if (lot.empty() || (r->isLike(lot[0]) && rays + r->size() <= batchRays)) {
+        rays += r->size();
+        lot.push_back(std::move(*r));
+        r = waiting.erase(r);
+      } else {
+        ++r;
+      }
+    }
+    if (urgent > 0) urgent -= lot.size();
+    return lot;
+  }
+
+  // The device goes on with the next before the host looks at what this one has given. A lane of which nobody knows what the
+  // device does with it is not used again.
+  void end(Batch& batch, const std::string& error) {
+    {
+      std::unique_ptr<Lane> lane = batch.takeLane();
+      std::lock_guard lock(mutex);
+      if (error.empty())
+        idle.push_back(std::move(lane));
+      else
+        lanes--;
+    }
+    if (error.empty())
+      feed(), batch.answer();
+    else
+      batch.fail(error);
+  }
+
+  const Device& device;
+  Pipelines& pipelines;
+  const size_t batchRays;
+  std::mutex mutex;  ///< guards what is below
+  std::condition_variable changed;
+  std::deque<Request> waiting;  ///< urgent ones first
+  size_t urgent = 0;            ///< how many
+  std::deque<std::unique_ptr<Batch>> underWay;
+  std::vector<std::unique_ptr<Lane>> idle;
+  size_t lanes = 0;  ///< idle or not
+  bool stopping = false;
+  std::thread thread;
+};
+
+Tracer::Tracer(const Device& device, Pipelines& pipelines, size_t batchRays)
+    : state_(std::make_shared<State>(device, pipelines, batchRays)) {
+  state_->thread = std::thread([state = state_] { collect(state); });
+}
+
+Tracer::~Tracer() {
+  {
+    std::lock_guard lock(state_->mutex);
+    state_->stopping = true;
+    state_->changed.notify_one();
+    state_->idle.clear();
+  }
+  if (state_->thread.get_id() == std::this_thread::get_id())
+    state_->thread.detach();
+  else
+    state_->thread.join();
+}
+
+void Tracer::add(Request request, bool urgent) {
+  {
+    std::lock_guard lock(state_->mutex);
+    if (urgent)
+      state_->waiting.insert(state_->waiting.begin() + std::ptrdiff_t(state_->urgent++), std::move(request));
+    else
+      state_->waiting.push_back(std::move(request));
+  }
+  state_->feed();
+}
+
+void Tracer::collect(const std::shared_ptr<State>& state) {
+  uint64_t lastEnd = 0;  // of what the device had to do
+  for (;;) {
+    std::unique_ptr<Batch> batch;
+    {
+      std::unique_lock lock(state->mutex);
+      state->changed.wait(lock, [&] { return state->stopping || !state->underWay.empty(); });
+      if (state->underWay.empty()) return;
+      batch = std::move(state->underWay.front());
+      state->underWay.pop_front();
+    }
+    std::string error;
+    bool more = false;
+    try {
+      more = batch->advance(lastEnd);
+    } catch (const std::exception& e) {
+      error = e.what();
+    }
+    if (more) {
+      std::lock_guard lock(state->mutex);
+      state->underWay.push_back(std::move(batch));
+    } else {
+      state->end(*batch, error);
+    }
+  }
+}
+
+}  // namespace gxy::vulkan

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+// What waits for the device, and what it works on.
+#pragma once
+#include <memory>
+
+#include "gxy/rays/backend.h"
+#include "gxy/vulkan/pipelines.h"
+
+namespace gxy::vulkan {
+
+struct Request;
+
+/// Nobody waits for the device but one thread of the Tracer's own. A few batches are handed to the device at once, so that it
+/// has the next when it has done one; what is asked for meanwhile waits here, and goes in one batch with what is like it. So
+/// batches are small while there is little to do, and large when there is much.
+///
+/// Thread safe. Requests must be answered before it goes.
+class Tracer {
+ public:
+  /// Batches of about `batchRays` rays.
+  Tracer(const Device& device, Pipelines& pipelines, size_t batchRays);
+  ~Tracer();
+  Tracer(const Tracer&) = delete;
+  Tracer& operator=(const Tracer&) = delete;
+
+  /// `urgent`: before what waits and is not.
+  void add(Request request, bool urgent);
+
+ private:
+  struct State;
+  static void collect(const std::shared_ptr<State>& state);
+  const std::shared_ptr<State> state_;  ///< the thread's, too: the Tracer may go in what it calls
+};
+
+}  // namespace gxy::vulkan

@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a device cannot do in one go, or not at all.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <condition_variable>
+#include <mutex>
+
+#include "agreement/draw.h"
+#include "gxy/comm/error.h"
+#include "gxy/embree/embree_backend.h"
+#include "support/frames.h"
+#include "vulkan/software_device.h"
+
+namespace gxy::vulkan_test {
+namespace {
+
+using test::difference;
+
+/// The counters of one tile that is spawned, and with one partition traced, too.
+TraceCounters countersOf(const DeviceScene& scene, const CompiledFrame& frame) {
+  const auto deviceFrame = scene.makeFrame(frame);
+  std::mutex mutex;
+  std::condition_variable answered;
+  std::optional<TraceResult> result;
+  scene.spawn(*deviceFrame, {0, 0, frame.width, frame.height, 0}, [&](TraceResult r) {
+    std::lock_guard lock(mutex);
+    result = std::move(r);
+    answered.notify_one();
+  });
+  std::unique_lock lock(mutex);
+  answered.wait(lock, [&] { return result.has_value(); });
+  EXPECT_EQ(result->error, "");
+  return result->counters;
+}
+
+/// The same picture as Embree's, in several submissions, since lavapipe ends loops after 65535 rounds.
+void expectTheSameInParts(const agreement::TestScene& scene) {
+  const auto compiled = scene.compile();
+  const auto device = softwareVulkan().makeScene(compiled, 0);
+  const TraceCounters c = countersOf(*device, compileFrame(*compiled, scene.camera, 0, true));
+  EXPECT_GT(c.submissions, 2u) << c.samples << " samples";
+  EXPECT_EQ(
+      difference(agreement::draw(*makeEmbreeBackend(), scene), agreement::draw(softwareVulkan(), scene)), "");
+  EXPECT_EQ(newMessages(), std::vector<std::string>());
+}
+
+/// 100,000 cells along the rays, all of which stay inside.
+agreement::TestScene needle() {
+  agreement::TestScene scene = agreement::sceneFrom("needle", {0, 0, 5.01}, 6, 6);
+  scene.camera.viewdirection = {0, 0, -1};
+  scene.camera.aov = 0.3;
+  scene.settings.step = 0.5;
+  Grid grid;
+  grid.points = {2, 2, 100'000};
+  grid.spacing = {0.1, 0.1, 1e-4};
+  grid.origin = {-0.05, -0.05, -5};
+  scene.add(agreement::rendered({{-1, 0.01}, {1, 0.05}}, -1, 1, true),
+            agreement::makeVolume(grid, [](glm::dvec3 p) { return 18 * p.x + 0.1 * std::sin(900 * p.z); }));
+  return scene;
+}
+
+TEST(LongLoops, OfAMarch) { expectTheSameInParts(needle()); }
+
+TEST(LongLoops, OfSeveralVolumes) {
+  agreement::TestScene scene = needle();
+  const Vis vis = scene.visualization.operators[0];
+  scene.add(vis, scene.data[0].volume);
+  expectTheSameInParts(scene);
+}
+
+TEST(LongLoops, OfAnIsosurfaceThatPassesBesideTheRays) {
+  agreement::TestScene scene = needle();
+  Vis& vis = scene.visualization.operators[0];
+  vis.volumeRendering = false;
+  vis.isovalues = {0.9};
+  expectTheSameInParts(scene);
+}
+
+TEST(LongLoops, OfCoincidentParticles) {
+  agreement::TestScene scene = agreement::sceneFrom("coincident", {0, 0, 4}, 2, 2);
+  GeometryBlock block;
+  block.points.assign(200'000, {0.1, 0.2, 0.3});
+  Vis vis = agreement::surfaces(VisType::Particles);
+  vis.radius0 = vis.radius1 = 1;
+  scene.add(vis, agreement::makeGeometry(GeometryKind::Particles, std::move(block)));
+  expectTheSameInParts(scene);
+}
+
+VulkanOptions lostAfter(uint64_t submissions) {
+  VulkanOptions options = softwareDevice();
+  options.lostAfter = submissions;
+  return options;
+}
+
+TEST(LostDevice, EndsItsFramesWithAnErrorAndNoOthers) {
+  const test::TestScene scene = test::everything({12, 10});
+  const test::Cut cut = test::kdCut(scene.domain, 4, 2, 5);
+  const auto embree = makeEmbreeBackend();
+  const Picture expected = test::render(scene, test::whole(scene.domain));
+  for (uint64_t submissions : {1, 4}) {
+    const auto lost = makeVulkanBackend(lostAfter(submissions));
+    const auto broken =
+        test::compiledOn(cut, scene, [&](int rank) -> const Backend& { return rank == 1 ? *lost : *embree; });
+    const auto sound = test::compiledOn(cut, scene);
+    test::Frames frames(cut.ranks, {});
+    frames.add(1, broken);
+    frames.add(2, sound);
+    FrameRequest request;
+    request.camera = scene.camera;
+    request.depth = true;
+    request.scene = 1;
+    const FrameId first = frames.start(request), second = frames.start(request);
+    request.scene = 2;
+    const FrameId other = frames.start(request);
+    frames.run();
+    EXPECT_EQ(frames.errors(), std::vector<std::string>());
+    for (FrameId id : {first, second}) {
+      EXPECT_EQ(frames.outcome(id).pictures, 0);
+      EXPECT_NE(frames.outcome(id).error.find("the device was lost"), std::string::npos)
+          << frames.outcome(id).error;
+    }
+    EXPECT_EQ(difference(expected, frames.outcome(other).picture), "");
+    EXPECT_EQ(frames.renderer(1).kept().credits, 0);
+  }
+}
+
+}  // namespace
+}  // namespace gxy::vulkan_test
