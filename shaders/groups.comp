@@ -7,7 +7,8 @@
 
 void main() {
   if (gl_GlobalInvocationID.x != 0u) return;
-  counts[COUNT_GROUPS] = (counts[~push[PUSH_RAYS]] + uint(BLOCK_RAYS) - 1u) / uint(BLOCK_RAYS);
+  uint rays = counts[~push[PUSH_RAYS]], each = uint(BLOCK_RAYS) * GROUP_ROWS;
+  counts[COUNT_GROUPS] = (rays + each - 1u) / each * GROUP_ROWS;
   counts[COUNT_GROUPS + 1] = 1u;
   counts[COUNT_GROUPS + 2] = 1u;
 }

@@ -22,9 +22,9 @@ layout(constant_id = SPEC_LIMITED) const bool LIMITED = false;
 layout(push_constant) uniform Push { int push[PUSH_WORDS]; };
 
 // Words of the scene, from a binding or by address.
-layout(std430, set = SCENE_SET, binding = TABLES_BINDING) readonly buffer Tables { uint tables[]; };
-layout(std430, set = SCENE_SET, binding = SAMPLES_BINDING) readonly buffer Samples { uint samples[]; };
-layout(std430, set = SCENE_SET, binding = GEOMETRY_BINDING) readonly buffer Geometry { uint geometry[]; };
+layout(set = SCENE_SET, binding = TABLES_BINDING) uniform usamplerBuffer tables;
+layout(set = SCENE_SET, binding = SAMPLES_BINDING) uniform usamplerBuffer samples;
+layout(set = SCENE_SET, binding = GEOMETRY_BINDING) uniform usamplerBuffer geometry;
 layout(std430, set = SCENE_SET, binding = ADDRESSES_BINDING) readonly buffer Addresses {
   uint64_t tablesAddress, samplesAddress, geometryAddress;
 };
@@ -35,7 +35,7 @@ uint tableWord(uint i) {
   if ((ADDRESSED & ADDRESSED_TABLES) != 0)
     value = Words(tablesAddress).word[i];
   else
-    value = tables[i];
+    value = texelFetch(tables, int(i)).x;
   return value;
 }
 float tableReal(uint i) { return uintBitsToFloat(tableWord(i)); }
@@ -45,7 +45,7 @@ uint sampleWord(uint place, uint i) {
   if ((ADDRESSED & ADDRESSED_SAMPLES) != 0)
     value = Words(samplesAddress + 16ul * uint64_t(place)).word[i];
   else
-    value = samples[4u * place + i];
+    value = texelFetch(samples, int(4u * place + i)).x;
   return value;
 }
 uint geometryWord(uint i) {
@@ -53,7 +53,7 @@ uint geometryWord(uint i) {
   if ((ADDRESSED & ADDRESSED_GEOMETRY) != 0)
     value = Words(geometryAddress).word[i];
   else
-    value = geometry[i];
+    value = texelFetch(geometry, int(i)).x;
   return value;
 }
 float geometryReal(uint i) { return uintBitsToFloat(geometryWord(i)); }

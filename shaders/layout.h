@@ -5,6 +5,7 @@
 
 // Rays of a workgroup, and of a block of a list (RayBlock: an array of this length for each field).
 #define BLOCK_RAYS 64
+#define GROUP_ROWS 8u  // the number of workgroups of a list is a multiple of this
 
 // Specialization constants.
 #define SPEC_ADDRESSED \

@@ -20,15 +20,21 @@ layout(std430, set = LANE_SET, binding = RECORDS_BINDING) buffer Records { int r
 layout(std430, set = LANE_SET, binding = DEPTHS_BINDING) buffer Depths { uint depths[]; };
 layout(std430, set = LANE_SET, binding = COUNTS_BINDING) buffer Counts { uint counts[COUNT_WORDS]; };
 
+// The block of this workgroup. Mesa's software device gives each core a run of workgroups, and waits for the last: there,
+// neighbouring blocks, whose rays take alike, go to different cores (GROUP_ROWS divides the number of workgroups).
+uint rayBlock = LIMITED ? gl_WorkGroupID.x % (gl_NumWorkGroups.x / GROUP_ROWS) * GROUP_ROWS +
+                              gl_WorkGroupID.x / (gl_NumWorkGroups.x / GROUP_ROWS)
+                        : gl_WorkGroupID.x;
+
 // Field `name` of this invocation's ray, and of ray i of a list.
-#define RAY(name) rays[gl_WorkGroupID.x].name[gl_LocalInvocationIndex]
+#define RAY(name) rays[rayBlock].name[gl_LocalInvocationIndex]
 #define RAY_OF(list, i, name) list[(i) / BLOCK_RAYS].name[(i) % BLOCK_RAYS]
 
 // Whether this invocation has a ray to do. Where a step has not been ended by all rays, those behind it do nothing.
 bool hasRay() {
   int n = push[PUSH_RAYS];
   if (n < 0) n = int(counts[~n]);
-  bool mine = int(gl_GlobalInvocationID.x) < n;
+  bool mine = int(rayBlock * BLOCK_RAYS + gl_LocalInvocationIndex) < n;
   if (LIMITED && mine) {
     bool cutBefore = counts[COUNT_CUT] > ~uint(push[PUSH_STEP]);
     mine = !cutBefore && RAY(step) <= push[PUSH_STEP];

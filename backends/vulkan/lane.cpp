@@ -12,9 +12,12 @@ namespace {
 constexpr uint32_t kReadings = 128;  // of the clock; stages beyond are not timed
 
 size_t blocksOf(size_t rays) { return (rays + BLOCK_RAYS - 1) / BLOCK_RAYS; }
+uint32_t groupsOf(size_t rays) {
+  return uint32_t((blocksOf(rays) + GROUP_ROWS - 1) / GROUP_ROWS * GROUP_ROWS);
+}
 size_t listBytes(size_t rays) { return blocksOf(std::max<size_t>(rays, 1)) * sizeof(RayBlock); }
 
-VkDescriptorBufferInfo whole(const Buffer& buffer) { return {buffer.get(), 0, VK_WHOLE_SIZE}; }
+Binding whole(const Buffer& buffer) { return {{buffer.get(), 0, VK_WHOLE_SIZE}}; }
 
 }  // namespace
 
@@ -66,13 +69,13 @@ void Lane::reserve(size_t rays, size_t perHit) {
   records_ = Buffer(device_, records * RECORD_WORDS * sizeof(int32_t), Place::Readback, "contributions");
   depths_ = Buffer(device_, rayCapacity_ * DEPTH_WORDS * sizeof(uint32_t), Place::Readback, "depths");
   for (int list = 0; list < 4; list++) {
-    const VkDescriptorBufferInfo buffers[LANE_BINDINGS] = {whole(lists_[list]),
-                                                           whole(lists_[int(otherOf(List(list)))]),
-                                                           whole(lists_[int(List::Here)]),
-                                                           whole(leaving_),
-                                                           whole(records_),
-                                                           whole(depths_),
-                                                           whole(counts_)};
+    const Binding buffers[LANE_BINDINGS] = {whole(lists_[list]),
+                                            whole(lists_[int(otherOf(List(list)))]),
+                                            whole(lists_[int(List::Here)]),
+                                            whole(leaving_),
+                                            whole(records_),
+                                            whole(depths_),
+                                            whole(counts_)};
     sets_[list] = DescriptorSet(device_, pipelines_.setLayout(LANE_SET), buffers);
   }
 }
@@ -111,7 +114,7 @@ void Lane::record(const Step& step, size_t number) {
   else if (push[PUSH_RAYS] < 0)
     vkCmdDispatchIndirect(recording_, counts_.get(), COUNT_GROUPS * sizeof(uint32_t));
   else
-    vkCmdDispatch(recording_, uint32_t(blocksOf(size_t(push[PUSH_RAYS]))), 1, 1);
+    vkCmdDispatch(recording_, groupsOf(size_t(push[PUSH_RAYS])), 1, 1);
   if (!clock_ || stages_.size() + 1 >= kReadings) return;
   stages_.push_back(step.stage);
   vkCmdWriteTimestamp(recording_, VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT, clock_.get(),

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gxy/vulkan/pipelines.h"
 
+#include <algorithm>
 #include <vector>
 
 #include "bound.h"
@@ -65,10 +66,16 @@ Special specialFor(Stage stage, const Special& special) {
   return s;
 }
 
-SetLayoutHandle makeSetLayout(const Device& device, uint32_t bindings) {
+VkDescriptorType typeOf(bool texels) {
+  return texels ? VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER : VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
+}
+
+SetLayoutHandle makeSetLayout(const Device& device, uint32_t set, uint32_t bindings) {
   std::vector<VkDescriptorSetLayoutBinding> all(bindings);
-  for (uint32_t i = 0; i < bindings; i++)
-    all[i] = {i, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 1, VK_SHADER_STAGE_COMPUTE_BIT, nullptr};
+  for (uint32_t i = 0; i < bindings; i++) {
+    const bool texels = set == SCENE_SET && i >= TABLES_BINDING && i <= GEOMETRY_BINDING;
+    all[i] = {i, typeOf(texels), 1, VK_SHADER_STAGE_COMPUTE_BIT, nullptr};
+  }
   VkDescriptorSetLayoutCreateInfo info{};
   info.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO;
   info.bindingCount = bindings;
@@ -81,13 +88,17 @@ SetLayoutHandle makeSetLayout(const Device& device, uint32_t bindings) {
 }  // namespace
 
 DescriptorSet::DescriptorSet(const Device& device, VkDescriptorSetLayout layout,
-                             std::span<const VkDescriptorBufferInfo> buffers) {
-  const VkDescriptorPoolSize size{VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, uint32_t(buffers.size())};
+                             std::span<const Binding> bindings) {
+  const auto count = [&](bool texels) {
+    return uint32_t(std::count_if(bindings.begin(), bindings.end(),
+                                  [&](const Binding& b) { return b.texels == texels; }));
+  };
+  const VkDescriptorPoolSize sizes[] = {{typeOf(false), count(false)}, {typeOf(true), count(true)}};
   VkDescriptorPoolCreateInfo pool{};
   pool.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO;
   pool.maxSets = 1;
-  pool.poolSizeCount = 1;
-  pool.pPoolSizes = &size;
+  pool.poolSizeCount = count(true) > 0 ? 2 : 1;
+  pool.pPoolSizes = sizes;
   VkDescriptorPool made = VK_NULL_HANDLE;
   check(vkCreateDescriptorPool(device.get(), &pool, nullptr, &made), "making room for descriptors");
   pool_ = DescriptorPoolHandle(device.get(), made);
@@ -97,22 +108,35 @@ DescriptorSet::DescriptorSet(const Device& device, VkDescriptorSetLayout layout,
   info.descriptorSetCount = 1;
   info.pSetLayouts = &layout;
   check(vkAllocateDescriptorSets(device.get(), &info, &set_), "making descriptors");
-  std::vector<VkWriteDescriptorSet> writes(buffers.size());
-  for (size_t i = 0; i < buffers.size(); i++) {
+  std::vector<VkWriteDescriptorSet> writes(bindings.size());
+  std::vector<VkBufferView> views(bindings.size(), VK_NULL_HANDLE);
+  for (size_t i = 0; i < bindings.size(); i++) {
+    if (bindings[i].texels) {
+      VkBufferViewCreateInfo view{};
+      view.sType = VK_STRUCTURE_TYPE_BUFFER_VIEW_CREATE_INFO;
+      view.buffer = bindings[i].buffer.buffer;
+      view.format = VK_FORMAT_R32_UINT;
+      view.offset = bindings[i].buffer.offset;
+      view.range = bindings[i].buffer.range / 4 * 4;
+      check(vkCreateBufferView(device.get(), &view, nullptr, &views[i]), "making a view of a buffer");
+      views_.emplace_back(device.get(), views[i]);
+    }
     writes[i].sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET;
     writes[i].dstSet = set_;
     writes[i].dstBinding = uint32_t(i);
     writes[i].descriptorCount = 1;
-    writes[i].descriptorType = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
-    writes[i].pBufferInfo = &buffers[i];
+    writes[i].descriptorType = typeOf(bindings[i].texels);
+    writes[i].pBufferInfo = &bindings[i].buffer;
+    writes[i].pTexelBufferView = &views[i];
   }
   vkUpdateDescriptorSets(device.get(), uint32_t(writes.size()), writes.data(), 0, nullptr);
 }
 
 Pipelines::Pipelines(const Device& device)
     : device_(device),
-      sets_{makeSetLayout(device, SCENE_BINDINGS), makeSetLayout(device, FRAME_BINDINGS),
-            makeSetLayout(device, LANE_BINDINGS)} {
+      sets_{makeSetLayout(device, SCENE_SET, SCENE_BINDINGS),
+            makeSetLayout(device, FRAME_SET, FRAME_BINDINGS),
+            makeSetLayout(device, LANE_SET, LANE_BINDINGS)} {
   const VkDescriptorSetLayout sets[3] = {setLayout(0), setLayout(1), setLayout(2)};
   const VkPushConstantRange push{VK_SHADER_STAGE_COMPUTE_BIT, 0, PUSH_WORDS * sizeof(int32_t)};
   VkPipelineLayoutCreateInfo info{};

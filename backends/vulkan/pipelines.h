@@ -7,6 +7,7 @@
 #include <map>
 #include <mutex>
 #include <span>
+#include <vector>
 
 #include "gxy/vulkan/vulkan_device.h"
 
@@ -38,16 +39,22 @@ struct Special {
   auto operator<=>(const Special&) const = default;
 };
 
-/// A set of storage buffers, bound in order from binding 0; with a pool of its own.
+/// A part of a buffer, bound as a storage buffer or, where asked for, as 32-bit texels.
+struct Binding {
+  VkDescriptorBufferInfo buffer{};
+  bool texels = false;
+};
+
+/// What is bound in order from binding 0; with a pool of its own.
 class DescriptorSet {
  public:
   DescriptorSet() = default;
-  DescriptorSet(const Device& device, VkDescriptorSetLayout layout,
-                std::span<const VkDescriptorBufferInfo> buffers);
+  DescriptorSet(const Device& device, VkDescriptorSetLayout layout, std::span<const Binding> bindings);
   VkDescriptorSet get() const { return set_; }
 
  private:
   DescriptorPoolHandle pool_;
+  std::vector<BufferViewHandle> views_;
   VkDescriptorSet set_ = VK_NULL_HANDLE;
 };
 

@@ -138,24 +138,25 @@ class Uploading {
       return VkDescriptorBufferInfo{out_.scene.get(), at[i], std::max<size_t>(sections[i].size(), 4)};
     };
     const VkDescriptorBufferInfo nothing{out_.scene.get(), 0, 4};
-    VkDescriptorBufferInfo buffers[SCENE_BINDINGS] = {section(0),
-                                                      section(1),
-                                                      section(2),
-                                                      section(3),
-                                                      nothing,
-                                                      nothing,
-                                                      {out_.scene.get(), at[4], sizeof addresses}};
-    if (out_.samples.get()) buffers[SAMPLES_BINDING] = {out_.samples.get(), 0, out_.samples.bytes()};
-    if (out_.geometry.get()) buffers[GEOMETRY_BINDING] = {out_.geometry.get(), 0, out_.geometry.bytes()};
+    Binding bindings[SCENE_BINDINGS] = {{section(0)},
+                                        {section(1)},
+                                        {section(2)},
+                                        {section(3), true},
+                                        {nothing, true},
+                                        {nothing, true},
+                                        {{out_.scene.get(), at[4], sizeof addresses}}};
+    if (out_.samples.get()) bindings[SAMPLES_BINDING].buffer = {out_.samples.get(), 0, out_.samples.bytes()};
+    if (out_.geometry.get())
+      bindings[GEOMETRY_BINDING].buffer = {out_.geometry.get(), 0, out_.geometry.bytes()};
     const std::pair<int, int> large[] = {{TABLES_BINDING, ADDRESSED_TABLES},
                                          {SAMPLES_BINDING, ADDRESSED_SAMPLES},
                                          {GEOMETRY_BINDING, ADDRESSED_GEOMETRY}};
     for (const auto& [binding, bit] : large)
-      if (buffers[binding].range > device_.largestBinding()) {
-        buffers[binding] = nothing;
+      if (bindings[binding].buffer.range > device_.largestBinding()) {
+        bindings[binding].buffer = nothing;
         out_.special.addressed |= bit;
       }
-    out_.set = DescriptorSet(device_, pipelines.setLayout(SCENE_SET), buffers);
+    out_.set = DescriptorSet(device_, pipelines.setLayout(SCENE_SET), bindings);
     return std::move(out_);
   }
 

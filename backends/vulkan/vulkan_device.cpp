@@ -22,7 +22,7 @@ Device::Device(const VulkanOptions& options)
   VkPhysicalDeviceProperties properties;
   vkGetPhysicalDeviceProperties(physical_, &properties);
   limits_ = properties.limits;
-  largestBinding_ = limits_.maxStorageBufferRange;
+  largestBinding_ = size_t(limits_.maxTexelBufferElements) * sizeof(uint32_t);
   if (options.bindingBytes > 0) largestBinding_ = std::min<size_t>(largestBinding_, options.bindingBytes);
   vkGetPhysicalDeviceMemoryProperties(physical_, &memory_);
   family_ = uint32_t(computeFamily(physical_));
@@ -134,7 +134,7 @@ Buffer::Buffer(const Device& device, size_t bytes, Place place, const char* what
   info.size = bytes_;
   info.usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_SRC_BIT |
                VK_BUFFER_USAGE_TRANSFER_DST_BIT | VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT |
-               VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT;
+               VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT | VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT;
   VkBuffer buffer = VK_NULL_HANDLE;
   check(vkCreateBuffer(device.get(), &info, nullptr, &buffer), std::string("making a buffer for ") + what);
   buffer_ = BufferHandle(device.get(), buffer);

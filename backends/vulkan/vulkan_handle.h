@@ -38,6 +38,7 @@ class Handle {
 };
 
 using BufferHandle = Handle<VkBuffer, vkDestroyBuffer>;
+using BufferViewHandle = Handle<VkBufferView, vkDestroyBufferView>;
 using MemoryHandle = Handle<VkDeviceMemory, vkFreeMemory>;
 using ShaderHandle = Handle<VkShaderModule, vkDestroyShaderModule>;
 using PipelineHandle = Handle<VkPipeline, vkDestroyPipeline>;

@@ -59,7 +59,7 @@ std::shared_ptr<const DeviceFrame> VulkanScene::makeFrame(const CompiledFrame& f
       Buffer(context_->device, sizeof v + std::max<size_t>(lights.size(), 16), Place::Device, "a frame");
   upload(context_->device, frame->buffer, 0, std::as_bytes(std::span(&v, 1)));
   if (!lights.empty()) upload(context_->device, frame->buffer, sizeof v, lights);
-  const VkDescriptorBufferInfo buffer{frame->buffer.get(), 0, VK_WHOLE_SIZE};
+  const Binding buffer{{frame->buffer.get(), 0, VK_WHOLE_SIZE}};
   frame->set =
       DescriptorSet(context_->device, context_->pipelines.setLayout(FRAME_SET), std::span(&buffer, 1));
   return frame;
