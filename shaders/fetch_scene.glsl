@@ -27,10 +27,9 @@ bool hasNormals(OPERATOR op) { return op.normals != 0u; }
 bool hasValues(OPERATOR op) { return op.values != 0u; }
 bool hasNeighbours(OPERATOR op) { return op.neighbours != 0u; }
 vec3 pointOf(OPERATOR op, uint i) {
-  uint k = op.points + 4u * i;
-  return vec3(geometryReal(k), geometryReal(k + 1u), geometryReal(k + 2u));
+  return uintBitsToFloat(geometryQuad(op.points + 4u * i).xyz);
 }
-real radiusOf(OPERATOR op, uint i) { return geometryReal(op.points + 4u * i + 3u); }
+real radiusOf(OPERATOR op, uint i) { return uintBitsToFloat(geometryQuad(op.points + 4u * i).w); }
 vec3 normalOf(OPERATOR op, uint i) {
   uint k = op.normals + 3u * i;
   return vec3(geometryReal(k), geometryReal(k + 1u), geometryReal(k + 2u));

@@ -23,16 +23,19 @@ real isovalueAt(VOLUME v, int i) { return tableReal(v.isovalue + uint(i)); }
 real clipValue(VOLUME v, int i) { return tableReal(v.clip + uint(i)); }
 bool holdsSamples(VOLUME v) { return v.samples != 0u; }
 
+bool mapIsSmall(VOLUME v) { return MAP_KIND >= 0 ? MAP_KIND == MAP_KIND_SMALL : v.mapIntervals <= MAP_SMALL; }
+bool mapIsUniform(VOLUME v) { return MAP_KIND >= 0 ? MAP_KIND == MAP_KIND_UNIFORM : v.mapUniform > 0; }
 int mapBucket(VOLUME v, int i) { return int(tableWord(v.buckets + uint(i))); }
 real mapNode(VOLUME v, int k) { return tableReal(v.nodes + uint(k)); }
 real mapInverseLength(VOLUME v, int k) { return tableReal(v.lengths + uint(k)); }
 MapPiece mapPiece(VOLUME v, int k) {
   uint p = v.pieces + 8u * uint(k);
+  vec4 a = uintBitsToFloat(tableQuad(p)), b = uintBitsToFloat(tableQuad(p + 4u));
   MapPiece m;
-  m.sigma = tableReal(p);
-  m.sigmaStep = tableReal(p + 1u);
-  m.color = vec3(tableReal(p + 2u), tableReal(p + 4u), tableReal(p + 6u));
-  m.colorStep = vec3(tableReal(p + 3u), tableReal(p + 5u), tableReal(p + 7u));
+  m.sigma = a.x;
+  m.sigmaStep = a.y;
+  m.color = vec3(a.z, b.x, b.z);
+  m.colorStep = vec3(a.w, b.y, b.w);
   return m;
 }
 // Without a loop, of which Mesa's software device allows few (countIfCut).

@@ -27,21 +27,18 @@ bool hitPrimitive(OperatorView op, uint p, vec3 o, vec3 d, float after, out floa
   return hit;
 }
 
-// Whether child k of a node may have leaves of the nodes [begin, end). A leaf is of that node; below a child that is a node
-// are the numbers from its own to that of the next such child, if there is one.
-bool mayHold(uint at, uint k, uint node, uint begin, uint end) {
-  uint child = geometryWord(at + 24u + k);
+// Whether a child may have leaves of the nodes [begin, end). A leaf is of its node; below a child that is a node are the numbers
+// from its own to that of the next such child among `behind`, if there is one.
+bool mayHold(uint child, uvec3 behind, uint node, uint begin, uint end) {
   bool may = node >= begin && node < end;
   if ((child & NODE_LEAF) == 0u) {
-    uint behind = NODE_NONE;
-    for (uint j = 3u; j > k; j--) {
-      uint other = geometryWord(at + 24u + j);
-      if ((other & NODE_LEAF) == 0u) behind = other;
-    }
-    may = child < end && behind > begin;
+    uint next = min(min(behind.x, behind.y), behind.z);  // leaves' words are larger than nodes'
+    may = child < end && next > begin;
   }
   return may;
 }
+
+vec4 geometryReals(uint i) { return uintBitsToFloat(geometryQuad(i)); }
 
 void main() {
   if (!hasRay()) return;
@@ -51,7 +48,7 @@ void main() {
   float nearest = tOut;
   int hitOperator = -1;
   uint hitPrimitiveId = 0u;
-  uint list = geometryWord(theScene.hierarchy), nodes = theScene.hierarchy + 2u;
+  uint list = geometryWord(theScene.hierarchy), nodes = theScene.hierarchy + 4u;
   // here the parts are ranges of nodes, whose leaves are tested
   Part part = partOf(0.0, geometryReal(theScene.hierarchy + 1u));
   uint begin = uint(part.from), end = uint(part.to);
@@ -66,15 +63,18 @@ void main() {
   bool go = true;
   while (go) {
     uint at = nodes + NODE_WORDS * node;
-    for (uint k = 0u; k < 4u; k++) {
-      uint child = geometryWord(at + 24u + k);
-      if (child == NODE_NONE) continue;
-      if (LIMITED && !mayHold(at, k, node, begin, end)) continue;
-      vec3 lo = vec3(geometryReal(at + k), geometryReal(at + 4u + k), geometryReal(at + 8u + k));
-      vec3 hi = vec3(geometryReal(at + 12u + k), geometryReal(at + 16u + k), geometryReal(at + 20u + k));
-      float tEnter, tExit;
-      if (boxSpan(lo, hi, o, d, 0.0, nearest, tEnter, tExit)) stack[depth++] = child;
-    }
+    vec4 loX = geometryReals(at), loY = geometryReals(at + 4u), loZ = geometryReals(at + 8u);
+    vec4 hiX = geometryReals(at + 12u), hiY = geometryReals(at + 16u), hiZ = geometryReals(at + 20u);
+    uvec4 children = geometryQuad(at + 24u);
+    float tEnter, tExit;
+#define VISIT(k, behind)                                                                          \
+  if (children.k != NODE_NONE && (!LIMITED || mayHold(children.k, behind, node, begin, end)) &&   \
+      boxSpan(vec3(loX.k, loY.k, loZ.k), vec3(hiX.k, hiY.k, hiZ.k), o, d, 0.0, nearest, tEnter, tExit)) \
+    stack[depth++] = children.k;
+    VISIT(x, children.yzw)
+    VISIT(y, children.zww)
+    VISIT(z, children.www)
+    VISIT(w, uvec3(NODE_NONE))
     // leaves are emptied here, so that the loop goes on with a node or ends
     bool descend = false;
     while (!descend && depth > 0) {

@@ -18,6 +18,7 @@ layout(constant_id = SPEC_ANY_HIT) const bool ANY_HIT = false;
 
 layout(constant_id = SPEC_BY_CELLS) const bool BY_CELLS = true;
 layout(constant_id = SPEC_LIMITED) const bool LIMITED = false;
+layout(constant_id = SPEC_MAP_KIND) const int MAP_KIND = -1;
 
 layout(push_constant) uniform Push { int push[PUSH_WORDS]; };
 
@@ -25,10 +26,13 @@ layout(push_constant) uniform Push { int push[PUSH_WORDS]; };
 layout(set = SCENE_SET, binding = TABLES_BINDING) uniform usamplerBuffer tables;
 layout(set = SCENE_SET, binding = SAMPLES_BINDING) uniform usamplerBuffer samples;
 layout(set = SCENE_SET, binding = GEOMETRY_BINDING) uniform usamplerBuffer geometry;
+layout(set = SCENE_SET, binding = TABLE_QUADS_BINDING) uniform usamplerBuffer tableQuads;
+layout(set = SCENE_SET, binding = GEOMETRY_QUADS_BINDING) uniform usamplerBuffer geometryQuads;
 layout(std430, set = SCENE_SET, binding = ADDRESSES_BINDING) readonly buffer Addresses {
   uint64_t tablesAddress, samplesAddress, geometryAddress;
 };
 layout(buffer_reference, std430, buffer_reference_align = 4) readonly buffer Words { uint word[]; };
+layout(buffer_reference, std430, buffer_reference_align = 16) readonly buffer Quads { uvec4 quad[]; };
 
 uint tableWord(uint i) {
   uint value;
@@ -39,6 +43,15 @@ uint tableWord(uint i) {
   return value;
 }
 float tableReal(uint i) { return uintBitsToFloat(tableWord(i)); }
+// Words i to i + 3, i a multiple of 4.
+uvec4 tableQuad(uint i) {
+  uvec4 value;
+  if ((ADDRESSED & ADDRESSED_TABLES) != 0)
+    value = Quads(tablesAddress).quad[i >> 2];
+  else
+    value = texelFetch(tableQuads, int(i >> 2));
+  return value;
+}
 // Word i of the samples that begin at `place`, in units of 16 bytes.
 uint sampleWord(uint place, uint i) {
   uint value;
@@ -54,6 +67,14 @@ uint geometryWord(uint i) {
     value = Words(geometryAddress).word[i];
   else
     value = texelFetch(geometry, int(i)).x;
+  return value;
+}
+uvec4 geometryQuad(uint i) {
+  uvec4 value;
+  if ((ADDRESSED & ADDRESSED_GEOMETRY) != 0)
+    value = Quads(geometryAddress).quad[i >> 2];
+  else
+    value = texelFetch(geometryQuads, int(i >> 2));
   return value;
 }
 float geometryReal(uint i) { return uintBitsToFloat(geometryWord(i)); }

@@ -17,6 +17,12 @@
 #define SPEC_BY_CELLS 5     // some plans go cell by cell
 #define SPEC_LIMITED 6      // the device ends an invocation's loops after some rounds (rays.glsl)
 
+#define SPEC_MAP_KIND 7     // MAP_KIND_* of all maps, -1: of each its own
+
+#define MAP_KIND_SMALL 0
+#define MAP_KIND_UNIFORM 1
+#define MAP_KIND_BUCKETS 2
+
 #define ADDRESSED_TABLES 1
 #define ADDRESSED_SAMPLES 2
 #define ADDRESSED_GEOMETRY 4
@@ -34,7 +40,9 @@
 #define SAMPLES_BINDING 4
 #define GEOMETRY_BINDING 5
 #define ADDRESSES_BINDING 6  // of tables, samples and geometry
-#define SCENE_BINDINGS 7
+#define TABLE_QUADS_BINDING 7  // the same four words at once
+#define GEOMETRY_QUADS_BINDING 8
+#define SCENE_BINDINGS 9
 
 #define FRAME_SET 1
 #define FRAME_BINDING 0
@@ -51,6 +59,7 @@
 #define LANE_BINDINGS 7
 
 #define RECORD_WORDS 5
+#define TILE_RAYS 1024u
 #define DEPTH_WORDS 3
 
 // What a ray on the device has besides the fields of ray_fields.h: F(type, name).
@@ -85,15 +94,14 @@
 #define PUSH_OPERATOR 2   // of a field; or of several volumes: where the list of them is in the tables
 #define PUSH_COUNT 3      // length of that list
 #define PUSH_PARTITION 4  // that rays are traced in, -1: none
-#define PUSH_TILE 5       // x0, y0, x1, y1, sample
-#define PUSH_PACKET 10    // of a tile
-#define PUSH_MINE 11      // where the tables say which partitions are of this rank
-#define PUSH_ONE 12       // the number 1, which no compiler knows
-#define PUSH_ROUNDS 13    // another number
-#define PUSH_WORDS 14
+#define PUSH_TILES 5      // number of tiles
+#define PUSH_MINE 6       // where the tables say which partitions are of this rank
+#define PUSH_ONE 7        // the number 1, which no compiler knows
+#define PUSH_ROUNDS 8     // another number
+#define PUSH_WORDS 9
 
 // A hierarchy over geometry begins with two words: where its list of primitives is, and the number of its nodes as a float,
-// rounded up. Behind them are the nodes. A node has four children: 6 x 4 bounds (low x of all, low y, ..., high z), and a word for
+// rounded up; at word 4 begin the nodes. A node has four children: 6 x 4 bounds (low x of all, low y, ..., high z), and a word for
 // each: a leaf's is NODE_LEAF, its number of primitives and its first entry in the list of primitives; another's is its
 // node. Absent children are NODE_NONE. Nodes are numbered depth first, children in their order. An entry is two words: operator, primitive.
 #define NODE_WORDS 28

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// The primary rays of a tile: to the list that is traced next where they start in this partition, else, where they start in
-// another of this rank, to that of rays that leave.
+// The primary rays of tiles: to the list that is traced next where they start in this partition, else, where they start in
+// another of this rank, to that of rays that leave. Before anything is drawn, the tiles are where contributions will be: x0, y0,
+// x1, y1, sample of each.
 #include "kernels.glsl"
 #include "rays.glsl"
 
@@ -23,13 +24,16 @@
   RAY_OF(list, i, r) = 0.0;                        \
   RAY_OF(list, i, g) = 0.0;                        \
   RAY_OF(list, i, b) = 0.0;                        \
-  RAY_OF(list, i, packet) = uint(push[PUSH_PACKET]); \
+  RAY_OF(list, i, packet) = tile;                  \
   RAY_OF(list, i, next) = next;
 
 void main() {
-  int at = int(gl_GlobalInvocationID.x);
-  int x = push[PUSH_TILE] + tileColumn(at), y = push[PUSH_TILE + 1] + tileRow(at), sampleIndex = push[PUSH_TILE + 4];
-  if (x >= push[PUSH_TILE + 2] || y >= push[PUSH_TILE + 3]) return;
+  uint place = rayBlock * BLOCK_RAYS + gl_LocalInvocationIndex;
+  uint tile = place / TILE_RAYS, k = RECORD_WORDS * tile;
+  if (tile >= uint(push[PUSH_TILES])) return;
+  int x = records[k] + tileColumn(int(place % TILE_RAYS)), y = records[k + 1u] + tileRow(int(place % TILE_RAYS));
+  int sampleIndex = records[k + 4u];
+  if (x >= records[k + 2u] || y >= records[k + 3u]) return;
   SceneView s = theScene;
   FrameView f = theFrame;
   vec3 o, d;

@@ -27,8 +27,10 @@ void Batch::start(std::unique_ptr<Lane> lane) {
   for (const Request& r : requests_) rays += r.size();
   lane_->reserve(rays, perHit_);
   if (kind_ == Request::Kind::Spawn) {
-    for (size_t i = 0; i < requests_.size(); i++)
-      steps_.push_back(scene_.spawnStep(part_, requests_[i].tile, int(i)));
+    std::vector<Tile> tiles;
+    for (const Request& r : requests_) tiles.push_back(r.tile);
+    lane_->load(tiles);
+    steps_.push_back(scene_.spawnStep(part_, int(tiles.size())));
     if (part_.partition >= 0) trace(List::Given, ~COUNT_SPAWNED, true);
   } else {
     size_t at = 0;

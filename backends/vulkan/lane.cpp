@@ -97,6 +97,11 @@ void Lane::load(const RayList& rays, size_t at, uint32_t packet) {
   if (staging_.get()) loaded_ = at + size_t(rays.size());
 }
 
+void Lane::load(std::span<const Tile> tiles) {
+  static_assert(sizeof(Tile) == RECORD_WORDS * sizeof(int32_t) && TILE_RAYS == kTile * kTile);
+  std::memcpy(records_.mapped(), tiles.data(), tiles.size_bytes());
+}
+
 void Lane::record(const Step& step, size_t number) {
   std::array<int32_t, PUSH_WORDS> push = step.push;
   push[PUSH_STEP] = int32_t(number);

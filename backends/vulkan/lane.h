@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "gxy/rays/ray_list.h"
+#include "gxy/rays/backend.h"
 #include "gxy/vulkan/pipelines.h"
 #include "gxy/vulkan/shader_views.h"
 
@@ -47,6 +47,9 @@ class Lane {
   void reserve(size_t rays, size_t perHit);
   /// Makes rays at `at`, ... of the list that is given of a packet.
   void load(const RayList& rays, size_t at, uint32_t packet);
+
+  /// Makes them the tiles that are spawned.
+  void load(std::span<const Tile> tiles);
 
   /// Hands these steps to the device; `resumed`: with what was counted in the submission before, else from zero.
   void submit(VkDescriptorSet scene, VkDescriptorSet frame, std::span<const Step> steps, size_t firstStep,

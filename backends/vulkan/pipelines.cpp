@@ -60,6 +60,8 @@ Special specialFor(Stage stage, const Special& special) {
                      stage == Stage::IntegrateMany ||
                      (stage == Stage::Shade && (special.surfaces & SURFACE_FIELDS) != 0);
   if (reads) s.sampleKind = special.sampleKind, s.scalars = special.scalars;
+  if (stage == Stage::Integrate || stage == Stage::IntegrateMany || stage == Stage::Shade)
+    s.mapKind = special.mapKind;
   if (stage == Stage::Shade || stage == Stage::Geometry) s.surfaces = special.surfaces;
   if (stage == Stage::Geometry) s.anyHit = special.anyHit;
   if (stage == Stage::Integrate || stage == Stage::IntegrateMany) s.byCells = special.byCells;
@@ -73,7 +75,8 @@ VkDescriptorType typeOf(bool texels) {
 SetLayoutHandle makeSetLayout(const Device& device, uint32_t set, uint32_t bindings) {
   std::vector<VkDescriptorSetLayoutBinding> all(bindings);
   for (uint32_t i = 0; i < bindings; i++) {
-    const bool texels = set == SCENE_SET && i >= TABLES_BINDING && i <= GEOMETRY_BINDING;
+    const bool texels = set == SCENE_SET && ((i >= TABLES_BINDING && i <= GEOMETRY_BINDING) ||
+                                             i == TABLE_QUADS_BINDING || i == GEOMETRY_QUADS_BINDING);
     all[i] = {i, typeOf(texels), 1, VK_SHADER_STAGE_COMPUTE_BIT, nullptr};
   }
   VkDescriptorSetLayoutCreateInfo info{};
@@ -90,8 +93,9 @@ SetLayoutHandle makeSetLayout(const Device& device, uint32_t set, uint32_t bindi
 DescriptorSet::DescriptorSet(const Device& device, VkDescriptorSetLayout layout,
                              std::span<const Binding> bindings) {
   const auto count = [&](bool texels) {
-    return uint32_t(std::count_if(bindings.begin(), bindings.end(),
-                                  [&](const Binding& b) { return b.texels == texels; }));
+    return uint32_t(std::count_if(bindings.begin(), bindings.end(), [&](const Binding& b) {
+      return (b.texels != VK_FORMAT_UNDEFINED) == texels;
+    }));
   };
   const VkDescriptorPoolSize sizes[] = {{typeOf(false), count(false)}, {typeOf(true), count(true)}};
   VkDescriptorPoolCreateInfo pool{};
@@ -111,13 +115,15 @@ DescriptorSet::DescriptorSet(const Device& device, VkDescriptorSetLayout layout,
   std::vector<VkWriteDescriptorSet> writes(bindings.size());
   std::vector<VkBufferView> views(bindings.size(), VK_NULL_HANDLE);
   for (size_t i = 0; i < bindings.size(); i++) {
-    if (bindings[i].texels) {
+    const bool texels = bindings[i].texels != VK_FORMAT_UNDEFINED;
+    if (texels) {
+      const VkDeviceSize each = bindings[i].texels == VK_FORMAT_R32_UINT ? 4 : 16;
       VkBufferViewCreateInfo view{};
       view.sType = VK_STRUCTURE_TYPE_BUFFER_VIEW_CREATE_INFO;
       view.buffer = bindings[i].buffer.buffer;
-      view.format = VK_FORMAT_R32_UINT;
+      view.format = bindings[i].texels;
       view.offset = bindings[i].buffer.offset;
-      view.range = bindings[i].buffer.range / 4 * 4;
+      view.range = bindings[i].buffer.range / each * each;
       check(vkCreateBufferView(device.get(), &view, nullptr, &views[i]), "making a view of a buffer");
       views_.emplace_back(device.get(), views[i]);
     }
@@ -125,7 +131,7 @@ DescriptorSet::DescriptorSet(const Device& device, VkDescriptorSetLayout layout,
     writes[i].dstSet = set_;
     writes[i].dstBinding = uint32_t(i);
     writes[i].descriptorCount = 1;
-    writes[i].descriptorType = typeOf(bindings[i].texels);
+    writes[i].descriptorType = typeOf(texels);
     writes[i].pBufferInfo = &bindings[i].buffer;
     writes[i].pTexelBufferView = &views[i];
   }

@@ -36,13 +36,14 @@ struct Special {
   int32_t surfaces = 0;
   uint32_t anyHit = 0;
   uint32_t byCells = 0, limited = 0;
+  int32_t mapKind = -1;
   auto operator<=>(const Special&) const = default;
 };
 
-/// A part of a buffer, bound as a storage buffer or, where asked for, as 32-bit texels.
+/// A part of a buffer, bound as a storage buffer or as texels of some format.
 struct Binding {
   VkDescriptorBufferInfo buffer{};
-  bool texels = false;
+  VkFormat texels = VK_FORMAT_UNDEFINED;
 };
 
 /// What is bound in order from binding 0; with a pool of its own.

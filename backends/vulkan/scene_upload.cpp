@@ -17,6 +17,7 @@ namespace gxy::vulkan {
 namespace {
 
 constexpr size_t kSectionAlignment = 256;  // no device asks for more
+constexpr VkFormat kWords = VK_FORMAT_R32_UINT, kQuads = VK_FORMAT_R32G32B32A32_UINT;
 
 // Arrays one behind the other, found by the index of their first word; 0 stands for none.
 class Words {
@@ -25,11 +26,11 @@ class Words {
   uint32_t add(std::span<const T> values) {
     static_assert(sizeof(T) % 4 == 0);
     if (values.empty()) return 0;
-    const size_t at = words_.size();
+    const size_t at = words_.size();  // a multiple of 4, so that quads can be read
     if (at + values.size_bytes() / 4 > std::numeric_limits<uint32_t>::max())
       throw Error(
           "a partition has more than 16 GiB of geometry or tables; cut the data into more partitions");
-    words_.resize(at + values.size_bytes() / 4);
+    words_.resize((at + values.size_bytes() / 4 + 3) / 4 * 4);
     std::memcpy(words_.data() + at, values.data(), values.size_bytes());
     return uint32_t(at);
   }
@@ -141,19 +142,24 @@ class Uploading {
     Binding bindings[SCENE_BINDINGS] = {{section(0)},
                                         {section(1)},
                                         {section(2)},
-                                        {section(3), true},
-                                        {nothing, true},
-                                        {nothing, true},
-                                        {{out_.scene.get(), at[4], sizeof addresses}}};
+                                        {section(3), kWords},
+                                        {nothing, kWords},
+                                        {nothing, kWords},
+                                        {{out_.scene.get(), at[4], sizeof addresses}},
+                                        {section(3), kQuads},
+                                        {nothing, kQuads}};
     if (out_.samples.get()) bindings[SAMPLES_BINDING].buffer = {out_.samples.get(), 0, out_.samples.bytes()};
     if (out_.geometry.get())
       bindings[GEOMETRY_BINDING].buffer = {out_.geometry.get(), 0, out_.geometry.bytes()};
+    bindings[GEOMETRY_QUADS_BINDING].buffer = bindings[GEOMETRY_BINDING].buffer;
     const std::pair<int, int> large[] = {{TABLES_BINDING, ADDRESSED_TABLES},
                                          {SAMPLES_BINDING, ADDRESSED_SAMPLES},
                                          {GEOMETRY_BINDING, ADDRESSED_GEOMETRY}};
     for (const auto& [binding, bit] : large)
       if (bindings[binding].buffer.range > device_.largestBinding()) {
         bindings[binding].buffer = nothing;
+        if (binding == TABLES_BINDING) bindings[TABLE_QUADS_BINDING].buffer = nothing;
+        if (binding == GEOMETRY_BINDING) bindings[GEOMETRY_QUADS_BINDING].buffer = nothing;
         out_.special.addressed |= bit;
       }
     out_.set = DescriptorSet(device_, pipelines.setLayout(SCENE_SET), bindings);
@@ -186,7 +192,15 @@ class Uploading {
     }
     out_.special.sampleKind = std::max(kind, -1);
     out_.special.scalars = scalars;
-    for (const shader::VolumeView& v : fields_) out_.special.byCells |= uint32_t(v.byCells);
+    int map = -2;
+    for (const shader::VolumeView& v : fields_) {
+      out_.special.byCells |= uint32_t(v.byCells);
+      const int mine = v.mapIntervals <= MAP_SMALL ? MAP_KIND_SMALL
+                       : v.mapUniform > 0          ? MAP_KIND_UNIFORM
+                                                   : MAP_KIND_BUCKETS;
+      map = map == -2 || map == mine ? mine : -1;
+    }
+    out_.special.mapKind = std::max(map, -1);
   }
 
   const Device& device_;

@@ -17,7 +17,7 @@ constexpr size_t kMostVolumes = 8;  // MANY_VOLUMES of kernels/many.h
 // secondaries, are small against its memory.
 size_t batchRaysOf(const VulkanOptions& options, const Device& device) {
   if (options.batchRays > 0) return options.batchRays;
-  return device.info().kind == VulkanDeviceInfo::Kind::Software ? size_t(1) << 14 : size_t(1) << 17;
+  return device.info().kind == VulkanDeviceInfo::Kind::Software ? size_t(1) << 15 : size_t(1) << 17;
 }
 
 }  // namespace
@@ -88,13 +88,11 @@ size_t VulkanScene::secondariesPerHit(const VulkanFrame& frame) const {
   return size_t((lighting.shadows ? frame.lights : 0) + lighting.aoCount);
 }
 
-Step VulkanScene::spawnStep(const PartOnDevice& part, const Tile& tile, int packet) {
+Step VulkanScene::spawnStep(const PartOnDevice& part, int tiles) {
   Step step{Stage::Spawn, part.special};
-  const int32_t values[] = {tile.x0, tile.y0, tile.x1, tile.y1, tile.sample};
-  std::copy(std::begin(values), std::end(values), step.push.begin() + PUSH_TILE);
-  step.push[PUSH_RAYS] = kTile * kTile;
+  step.push[PUSH_RAYS] = tiles * kTile * kTile;
   step.push[PUSH_PARTITION] = part.partition;
-  step.push[PUSH_PACKET] = packet;
+  step.push[PUSH_TILES] = tiles;
   step.push[PUSH_MINE] = int32_t(part.mine);
   return step;
 }

@@ -41,7 +41,7 @@ class VulkanScene final : public DeviceScene {
   /// Adds what `rays` rays of a list (or ~k: as many as counts[k]) go through in a partition.
   void addSteps(std::vector<Step>& steps, const PartOnDevice& part, const VulkanFrame& frame, List list,
                 int32_t rays, bool primary, bool complete) const;
-  static Step spawnStep(const PartOnDevice& part, const Tile& tile, int packet);
+  static Step spawnStep(const PartOnDevice& part, int tiles);
   /// Adds what a lane's stages took.
   static void addTimes(TraceCounters& counters, const Lane& lane);
   size_t secondariesPerHit(const VulkanFrame& frame) const;

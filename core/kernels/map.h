@@ -3,10 +3,11 @@
 // the first and the last are constant and reach to infinity, so nothing clamps. Extinction is per unit of t.
 //
 // Each dialect supplies, for its VOLUME type,
+//   bool mapIsSmall(v), mapIsUniform(v)  at most MAP_SMALL intervals; else, whether inner ones have equal length
 //   int  mapIntervals(v); real mapNode(v, k), mapInverseLength(v, k)   start of interval k
 //   MapPiece mapPiece(v, k)            what interval k holds
 //   int  mapNodesUpTo(v, s)            of a map of at most MAP_SMALL intervals, how many begin at s or below, but the first
-//   int  mapUniform(v)                 > 0: inner intervals have equal length (its number)
+//   int  mapUniform(v)                 their number
 //   real mapOrigin(v), mapInverse(v)   first inner node, inverse bucket (or interval) length
 //   int  mapBuckets(v), mapBucket(v, i)  an interval at or before the start of bucket i
 
@@ -17,10 +18,10 @@ struct MapPlace {
 
 FN MapPlace mapPlace(VOLUME v, real s) {
   MapPlace p;
-  if (mapIntervals(v) <= MAP_SMALL) {
+  if (mapIsSmall(v)) {
     p.k = mapNodesUpTo(v, s);
     p.f = (s - mapNode(v, p.k)) * mapInverseLength(v, p.k);
-  } else if (mapUniform(v) > 0) {
+  } else if (mapIsUniform(v)) {
     // interval 0 lies below the first node, interval n + 1 above the last
     real q = (s - mapOrigin(v)) * mapInverse(v);
     real c = clamp1(floor(q), R(-1.0), toReal(mapUniform(v)));

@@ -78,6 +78,10 @@ FN int mapBuckets(VOLUME v) { return v.mapBuckets; }
 FN int mapIntervals(VOLUME v) { return v.mapIntervals; }
 #define MAP_SMALL \
   16  // intervals of maps that are searched by comparing; their nodes are filled up with infinities
+#if !defined(GXY_GLSL)  // has constants for them
+FN bool mapIsSmall(VOLUME v) { return v.mapIntervals <= MAP_SMALL; }
+FN bool mapIsUniform(VOLUME v) { return v.mapUniform > 0; }
+#endif
 struct MapPiece {
   real sigma, sigmaStep;
   vec3 color, colorStep;
