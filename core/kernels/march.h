@@ -190,6 +190,27 @@ FN void addSample(VOLUME v, real s, real length, real tMin, INOUT(Radiance) L, I
   }
 }
 
+// A device without branches does all that is in a loop as long as one of its lanes goes round: there, segments have a loop of
+// their own, so that not each of them pays for the walk through macrocells.
+#if defined(GXY_GLSL)
+#define SEGMENTS     \
+  bool over = false; \
+  while (true) {
+#define END_OF_SEGMENTS(more) \
+  if (!(more)) break;         \
+  }                           \
+  if (over) break;
+#define END_OF_MARCH \
+  {                  \
+    over = true;     \
+    break;           \
+  }
+#else
+#define SEGMENTS
+#define END_OF_SEGMENTS(more)
+#define END_OF_MARCH break;
+#endif
+
 // One loop, an iteration a segment. Where a segment's value is fetched, the plan behind it is looked up and the value
 // before it is mapped: three chains that do not wait for each other.
 //
@@ -265,12 +286,13 @@ FN void integrateVolume(VOLUME v, VolumeRay r, MarchRange m, INOUT(real) begun, 
         if (!free) limit = min(limit, w.t);
       }
     }
+    SEGMENTS
     real nextH = max(planStep(nextPlan) * perCell, least);
     bool finer = byMidpoints(nextPlan) && nextH < h;
     real b = min(t + (finer ? nextH : h), limit);
     if (b > m.tOwn) {  // the next partition's
       if (t < m.tOut || m.tOwn == m.tOut) begun = t;
-      break;
+      END_OF_MARCH
     }
     vec3 p = pointAt(r.g, R(0.5) * (t + b));
     ivec3 c = cellAt(v, p);
@@ -292,8 +314,9 @@ FN void integrateVolume(VOLUME v, VolumeRay r, MarchRange m, INOUT(real) begun, 
     from = b;
     if (b >= last || b > m.tOut) {
       if (b < end && m.tOwn == m.tOut) begun = b;
-      break;
+      END_OF_MARCH
     }
+    END_OF_SEGMENTS(byMidpoints(plan) && !someByCells(v) && R(1.0) - L.A >= m.tMin)
   }
   if (R(1.0) - L.A >= m.tMin) addSample(v, s, length, m.tMin, L, n);
 }
