@@ -56,7 +56,7 @@ uvec4 tableQuad(uint i) {
 uint sampleWord(uint place, uint i) {
   uint value;
   if ((ADDRESSED & ADDRESSED_SAMPLES) != 0)
-    value = Words(samplesAddress + 16ul * uint64_t(place)).word[i];
+    value = Words(samplesAddress + 16ul * uint64_t(place) + 4ul * uint64_t(i)).word[0];
   else
     value = texelFetch(samples, int(4u * place + i)).x;
   return value;

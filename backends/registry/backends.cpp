@@ -26,6 +26,7 @@ BackendRegistry allBackends(const BackendOptions& options) {
     VulkanOptions vulkan;
     vulkan.device = options.device;
     vulkan.rankOnMachine = options.rankOnMachine;
+    vulkan.ledger = options.ledger;
     return makeVulkanBackend(vulkan);
   };
   registry.add("vulkan", make, fits);

@@ -59,8 +59,11 @@ class Places {
   uint32_t samples(const VolumeBlock& block) {
     for (const auto& [known, place] : blocks_)
       if (known == &block) return place;
-    if (block.samples.size() > std::numeric_limits<uint32_t>::max())
-      throw Error("a volume has more than 4 GiB in one partition; cut it into more partitions");
+    // points are numbered, and places told, in 32 bits
+    if (block.extent.points[0] * block.extent.points[1] * block.extent.points[2] > int64_t(1) << 31 ||
+        block.samples.size() >= size_t(1) << 35 || sampleBytes_ / 16 > std::numeric_limits<uint32_t>::max())
+      throw Error(
+          "a volume has more than 2^31 points or 32 GiB in one partition; cut it into more partitions");
     const auto place = uint32_t(sampleBytes_ / 16);
     blocks_.emplace_back(&block, place);
     sampleBytes_ += (block.samples.size() + 15) / 16 * 16;
@@ -111,7 +114,7 @@ class Uploading {
     specialize();
   }
 
-  PartOnDevice finish(const Pipelines& pipelines) {
+  PartOnDevice finish(const Pipelines& pipelines, SharedSamples& shared) {
     const auto sceneBytes = std::as_bytes(std::span(&view_, 1));
     const auto operatorBytes = std::as_bytes(std::span(operators_)),
                fieldBytes = std::as_bytes(std::span(fields_));
@@ -125,20 +128,26 @@ class Uploading {
     out_.scene = Buffer(device_, at[4] + sizeof(VkDeviceAddress[3]), Place::Device, "the scene");
     for (int i = 0; i < 4; i++)
       if (!sections[i].empty()) upload(device_, out_.scene, at[i], sections[i]);
-    if (!inTables_.blocks().empty()) out_.samples = makeSamples();
+    if (!inTables_.blocks().empty()) {
+      SharedSamples::Blocks blocks;
+      for (const auto& [block, place] : inTables_.blocks()) blocks.push_back(block);
+      const auto [samples, made] = shared.get(blocks, [&] { return makeSamples(); });
+      out_.samples = samples;
+      if (made) out_.bytes += samples->bytes();
+    }
     if (out_.geometryKinds != 0) {
       out_.geometry = Buffer(device_, geometry_.bytes().size(), Place::Device, "geometry");
       upload(device_, out_.geometry, 0, geometry_.bytes());
     }
     const VkDeviceAddress addresses[3] = {out_.scene.address() + at[3],
-                                          out_.samples.get() ? out_.samples.address() : 0,
+                                          out_.samples ? out_.samples->address() : 0,
                                           out_.geometry.get() ? out_.geometry.address() : 0};
     upload(device_, out_.scene, at[4], std::as_bytes(std::span(addresses)));
 
     const auto section = [&](int i) {
       return VkDescriptorBufferInfo{out_.scene.get(), at[i], std::max<size_t>(sections[i].size(), 4)};
     };
-    const VkDescriptorBufferInfo nothing{out_.scene.get(), 0, 4};
+    const VkDescriptorBufferInfo nothing{out_.scene.get(), 0, 16};
     Binding bindings[SCENE_BINDINGS] = {{section(0)},
                                         {section(1)},
                                         {section(2)},
@@ -148,7 +157,7 @@ class Uploading {
                                         {{out_.scene.get(), at[4], sizeof addresses}},
                                         {section(3), kQuads},
                                         {nothing, kQuads}};
-    if (out_.samples.get()) bindings[SAMPLES_BINDING].buffer = {out_.samples.get(), 0, out_.samples.bytes()};
+    if (out_.samples) bindings[SAMPLES_BINDING].buffer = {out_.samples->get(), 0, out_.samples->bytes()};
     if (out_.geometry.get())
       bindings[GEOMETRY_BINDING].buffer = {out_.geometry.get(), 0, out_.geometry.bytes()};
     bindings[GEOMETRY_QUADS_BINDING].buffer = bindings[GEOMETRY_BINDING].buffer;
@@ -162,6 +171,7 @@ class Uploading {
         if (binding == GEOMETRY_BINDING) bindings[GEOMETRY_QUADS_BINDING].buffer = nothing;
         out_.special.addressed |= bit;
       }
+    out_.bytes += out_.scene.bytes() + out_.geometry.bytes();
     out_.set = DescriptorSet(device_, pipelines.setLayout(SCENE_SET), bindings);
     return std::move(out_);
   }
@@ -216,9 +226,19 @@ class Uploading {
 
 }  // namespace
 
-PartOnDevice uploadPart(const Device& device, const Pipelines& pipelines, const CompiledScene& scene,
-                        int partition, int rank) {
-  return Uploading(device, scene, partition, rank).finish(pipelines);
+std::pair<std::shared_ptr<const Buffer>, bool> SharedSamples::get(const Blocks& blocks,
+                                                                  const std::function<Buffer()>& make) {
+  std::lock_guard lock(mutex_);  // also while it is made: others who want the same wait for it
+  std::erase_if(known_, [](const auto& entry) { return entry.second.expired(); });
+  if (auto known = known_[blocks].lock()) return {std::move(known), false};
+  auto made = std::make_shared<const Buffer>(make());
+  known_[blocks] = made;
+  return {std::move(made), true};
+}
+
+PartOnDevice uploadPart(const Device& device, const Pipelines& pipelines, SharedSamples& samples,
+                        const CompiledScene& scene, int partition, int rank) {
+  return Uploading(device, scene, partition, rank).finish(pipelines, samples);
 }
 
 }  // namespace gxy::vulkan

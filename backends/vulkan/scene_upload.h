@@ -1,6 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // A partition of a compiled scene in device memory.
 #pragma once
+#include <functional>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <utility>
 #include <vector>
 
 #include "gxy/rays/compiled_scene.h"
@@ -10,7 +15,8 @@ namespace gxy::vulkan {
 
 /// What the stages read of a partition, or, without one, of the scene as a whole, for spawning.
 struct PartOnDevice {
-  Buffer scene, samples, geometry;
+  Buffer scene, geometry;
+  std::shared_ptr<const Buffer> samples;  ///< of the volumes, also of other scenes that look at the same
   DescriptorSet set;
   int partition = -1;
   Special special;             ///< for all stages, but `surfaces` and `anyHit`
@@ -18,10 +24,25 @@ struct PartOnDevice {
   uint32_t volumeList = 0;     ///< place of the rendered volumes' list in the tables
   uint32_t mine = 0;           ///< and of whether each partition is this rank's and seen
   std::vector<bool> hasBlock;  ///< by operator
+  size_t bytes = 0;            ///< that were uploaded for it
+};
+
+/// Samples on the device, by the blocks that they are of, in their order. Scenes that look at the same volumes share them. (Those
+/// of which only some are the same do not.) Thread safe.
+class SharedSamples {
+ public:
+  using Blocks = std::vector<const VolumeBlock*>;
+  using Buffers = std::shared_ptr<const Buffer>;
+  /// Those that there are, else what `make` makes, and whether it was made.
+  std::pair<Buffers, bool> get(const Blocks& blocks, const std::function<Buffer()>& make);
+
+ private:
+  std::mutex mutex_;
+  std::map<Blocks, std::weak_ptr<const Buffer>> known_;
 };
 
 /// partition < 0: none. Throws Error where the device has no room for it.
-PartOnDevice uploadPart(const Device& device, const Pipelines& pipelines, const CompiledScene& scene,
-                        int partition, int rank);
+PartOnDevice uploadPart(const Device& device, const Pipelines& pipelines, SharedSamples& samples,
+                        const CompiledScene& scene, int partition, int rank);
 
 }  // namespace gxy::vulkan

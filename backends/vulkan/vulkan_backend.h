@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "gxy/rays/backend.h"
+#include "gxy/space/ledger.h"
 
 namespace gxy {
 
@@ -32,9 +33,11 @@ struct VulkanOptions {
   int rankOnMachine = 0;  ///< the ranks of a machine share equally good devices round robin
   /// The largest buffer to bind; what is larger is read by address. 0: what the device binds.
   uint64_t bindingBytes = 0;
-  uint64_t lostAfter = 0;   ///< for tests: the device is lost after so many submissions; 0: it is not
-  size_t batchRays = 0;     ///< that are traced together, about; 0: what suits the device
-  bool validation = false;  ///< with validation layers (core and synchronization); for tests
+  Ledger* ledger =
+      nullptr;  ///< where its memory is entered, for tenant "device", if anywhere; needed by the maker only
+  bool hidesMemory = false;  ///< for tests: as if the host did not see the device's memory
+  uint64_t lostAfter = 0;    ///< for tests: the device is lost after so many submissions; 0: it is not
+  bool validation = false;   ///< with validation layers (core and synchronization); for tests
 };
 
 /// Device name "vulkan". Thread safe. Throws Error where there is no such device, or it lacks something, and

@@ -8,7 +8,7 @@ namespace gxy::vulkan {
 
 namespace {
 
-constexpr size_t kStagingBytes = size_t(16) << 20;
+constexpr size_t kStagingBytes = size_t(16) << 20, kBlockBytes = size_t(64) << 20;
 
 std::string mebibytes(size_t bytes) { return std::to_string((bytes + (1 << 20) - 1) >> 20) + " MiB"; }
 
@@ -18,7 +18,9 @@ Device::Device(const VulkanOptions& options)
     : instance_(options.validation),
       physical_(chooseDevice(instance_, options)),
       info_(infoOf(physical_)),
-      lostAfter_(options.lostAfter) {
+      lostAfter_(options.lostAfter),
+      hidesMemory_(options.hidesMemory),
+      isEntered_(options.ledger != nullptr) {
   VkPhysicalDeviceProperties properties;
   vkGetPhysicalDeviceProperties(physical_, &properties);
   limits_ = properties.limits;
@@ -43,6 +45,10 @@ Device::Device(const VulkanOptions& options)
   info.queueCreateInfoCount = 1;
   info.pQueueCreateInfos = &queue;
   check(vkCreateDevice(physical_, &info, nullptr, &device_), "opening device \"" + info_.name + "\"");
+  const VkDeviceSize block = std::min<VkDeviceSize>(kBlockBytes, info_.memory / 16);
+  LedgerEntry account;
+  if (options.ledger) account = options.ledger->enter("device", "vulkan", 0);
+  blocks_ = std::make_unique<Memory>(device_, block, std::move(account));
   vkGetDeviceQueue(device_, family_, 0, &queue_);
   VkPhysicalDeviceDriverProperties driver{};
   driver.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DRIVER_PROPERTIES;
@@ -64,6 +70,7 @@ Device::Device(const VulkanOptions& options)
 
 Device::~Device() {
   done_ = {};
+  blocks_.reset();
   if (device_) vkDestroyDevice(device_, nullptr);
 }
 
@@ -105,7 +112,9 @@ uint32_t Device::memoryType(uint32_t allowed, Place place) const {
   constexpr VkMemoryPropertyFlags kLocal = VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT;
   constexpr VkMemoryPropertyFlags kCached = VK_MEMORY_PROPERTY_HOST_CACHED_BIT;
   const VkMemoryPropertyFlags needed = place == Place::Device ? kLocal : kSeen;
-  const VkMemoryPropertyFlags wanted = place == Place::Device ? kSeen : kCached;
+  const VkMemoryPropertyFlags wanted = place == Place::Device    ? kSeen
+                                       : place == Place::Written ? kLocal
+                                                                 : kCached;
   // device memory that the host sees is preferred where it is about all of it, not where it is a small window
   int found = -1, score = -1;
   for (uint32_t i = 0; i < memory_.memoryTypeCount; i++) {
@@ -140,28 +149,16 @@ Buffer::Buffer(const Device& device, size_t bytes, Place place, const char* what
   buffer_ = BufferHandle(device.get(), buffer);
   VkMemoryRequirements needs;
   vkGetBufferMemoryRequirements(device.get(), buffer, &needs);
-  VkMemoryAllocateFlagsInfo flags{};
-  flags.sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_FLAGS_INFO;
-  flags.flags = VK_MEMORY_ALLOCATE_DEVICE_ADDRESS_BIT;
-  VkMemoryAllocateInfo allocate{};
-  allocate.sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO;
-  allocate.pNext = &flags;
-  allocate.allocationSize = needs.size;
-  allocate.memoryTypeIndex = device.memoryType(needs.memoryTypeBits, place);
-  const VkMemoryType& type = device.memory_.memoryTypes[allocate.memoryTypeIndex];
+  const uint32_t index = device.memoryType(needs.memoryTypeBits, place);
+  const VkMemoryType& type = device.memory_.memoryTypes[index];
   const VkDeviceSize heap = device.memory_.memoryHeaps[type.heapIndex].size;
-  VkDeviceMemory memory = VK_NULL_HANDLE;
-  VkResult result = VK_ERROR_OUT_OF_DEVICE_MEMORY;
-  if (needs.size <= heap) result = vkAllocateMemory(device.get(), &allocate, nullptr, &memory);
-  if (result == VK_ERROR_OUT_OF_DEVICE_MEMORY || result == VK_ERROR_OUT_OF_HOST_MEMORY) throw noRoom(heap);
-  check(result, std::string("allocating memory for ") + what);
-  memory_ = MemoryHandle(device.get(), memory);
-  check(vkBindBufferMemory(device.get(), buffer, memory, 0), "binding memory");
-  if (type.propertyFlags & VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT) {
-    void* p = nullptr;
-    check(vkMapMemory(device.get(), memory, 0, VK_WHOLE_SIZE, 0, &p), "mapping memory");
-    mapped_ = static_cast<std::byte*>(p);
-  }
+  const bool visible = (type.propertyFlags & VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT) != 0 &&
+                       !(place == Place::Device && device.hidesMemory_);
+  if (needs.size > heap) throw noRoom(heap);
+  memory_ = device.blocks_->take(index, visible, needs.size, needs.alignment);
+  if (!memory_.memory()) throw noRoom(heap);
+  check(vkBindBufferMemory(device.get(), buffer, memory_.memory(), memory_.offset()), "binding memory");
+  if (visible) mapped_ = memory_.mapped();
   device.bytes_ += bytes_;
   counted_ = {reinterpret_cast<void*>(bytes_), Uncount{&device.bytes_}};
 }

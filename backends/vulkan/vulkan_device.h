@@ -7,13 +7,15 @@
 #include <mutex>
 #include <span>
 
+#include "gxy/vulkan/memory.h"
 #include "gxy/vulkan/vulkan_instance.h"
 
 namespace gxy::vulkan {
 
-/// Where a buffer lives. Device: the device's own memory, which the host may or may not see; Readback: the
-/// host's, cached, for what the device writes and the host reads.
-enum class Place { Device, Readback };
+/// Where a buffer lives. Device: the device's own memory, which the host may or may not see; Written: memory that the host sees,
+/// the device's own if possible, for little that the host writes and the device reads; Readback: the host's, cached, for what
+/// the device writes and the host reads.
+enum class Place { Device, Written, Readback };
 
 class Buffer;
 
@@ -32,6 +34,8 @@ class Device {
   size_t largestBinding() const { return largestBinding_; }  ///< bytes of scene data; the rest by address
   const Instance& instance() const { return instance_; }
   size_t bytes() const { return bytes_; }  ///< of all buffers
+  const Memory& blocks() const { return *blocks_; }
+  bool isEntered() const { return isEntered_; }  ///< its memory, into a ledger
 
   /// Hands commands to the queue; returns the number with which to wait for them. They are done in the order of numbers.
   uint64_t submit(VkCommandBuffer commands) const;
@@ -55,12 +59,14 @@ class Device {
   bool endsLoops_ = false;
   SemaphoreHandle done_;  ///< the number of the last submission that is done
   const uint64_t lostAfter_;
+  const bool hidesMemory_, isEntered_;
+  mutable std::unique_ptr<Memory> blocks_;
   mutable std::mutex queueMutex_;
   mutable uint64_t submitted_ = 0;
   mutable std::atomic<size_t> bytes_{0};
 };
 
-/// A storage buffer with memory of its own. Move-only.
+/// A buffer in the device's memory. Move-only.
 class Buffer {
  public:
   Buffer() = default;
@@ -82,7 +88,7 @@ class Buffer {
   };
   const Device* device_ = nullptr;
   BufferHandle buffer_;
-  MemoryHandle memory_;
+  Memory::Range memory_;
   std::unique_ptr<void, Uncount> counted_{nullptr, Uncount{nullptr}};
   size_t bytes_ = 0;
   std::byte* mapped_ = nullptr;

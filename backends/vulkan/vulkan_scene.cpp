@@ -2,6 +2,7 @@
 #include "gxy/vulkan/vulkan_scene.h"
 
 #include <algorithm>
+#include <cstring>
 
 #include "gxy/comm/error.h"
 #include "gxy/rays/fill_views.h"
@@ -15,15 +16,14 @@ constexpr size_t kMostVolumes = 8;  // MANY_VOLUMES of kernels/many.h
 
 // Rays of a batch: many, so that a device's cores are busy, and so few that the lists of three batches, with their
 // secondaries, are small against its memory.
-size_t batchRaysOf(const VulkanOptions& options, const Device& device) {
-  if (options.batchRays > 0) return options.batchRays;
+size_t batchRaysOf(const Device& device) {
   return device.info().kind == VulkanDeviceInfo::Kind::Software ? size_t(1) << 15 : size_t(1) << 17;
 }
 
 }  // namespace
 
 Context::Context(const VulkanOptions& options)
-    : device(options), pipelines(device), tracer(device, pipelines, batchRaysOf(options, device)) {}
+    : device(options), pipelines(device), tracer(device, pipelines, batchRaysOf(device)) {}
 
 VulkanScene::VulkanScene(std::shared_ptr<Context> context, std::shared_ptr<const CompiledScene> scene,
                          int rank)
@@ -41,8 +41,10 @@ VulkanScene::VulkanScene(std::shared_ptr<Context> context, std::shared_ptr<const
                 " volumes at once; this backend takes at most " + std::to_string(kMostVolumes));
   for (int p : scene_->partitioning->owned(rank_))
     if (scene_->visible[size_t(p)])  // nothing is there where nothing can be seen
-      parts_.emplace(p, uploadPart(context_->device, context_->pipelines, *scene_, p, rank_));
-  if (parts_.size() != 1) anywhere_ = uploadPart(context_->device, context_->pipelines, *scene_, -1, rank_);
+      parts_.emplace(p,
+                     uploadPart(context_->device, context_->pipelines, context_->samples, *scene_, p, rank_));
+  if (parts_.size() != 1)
+    anywhere_ = uploadPart(context_->device, context_->pipelines, context_->samples, *scene_, -1, rank_);
 }
 
 std::shared_ptr<const DeviceFrame> VulkanScene::makeFrame(const CompiledFrame& f) const {
@@ -56,9 +58,9 @@ std::shared_ptr<const DeviceFrame> VulkanScene::makeFrame(const CompiledFrame& f
   const auto lights = std::as_bytes(std::span(f.lights));
   // the shaders' array of lights begins right behind the structure
   frame->buffer =
-      Buffer(context_->device, sizeof v + std::max<size_t>(lights.size(), 16), Place::Device, "a frame");
-  upload(context_->device, frame->buffer, 0, std::as_bytes(std::span(&v, 1)));
-  if (!lights.empty()) upload(context_->device, frame->buffer, sizeof v, lights);
+      Buffer(context_->device, sizeof v + std::max<size_t>(lights.size(), 16), Place::Written, "a frame");
+  std::memcpy(frame->buffer.mapped(), &v, sizeof v);
+  if (!lights.empty()) std::memcpy(frame->buffer.mapped() + sizeof v, lights.data(), lights.size());
   const Binding buffer{{frame->buffer.get(), 0, VK_WHOLE_SIZE}};
   frame->set =
       DescriptorSet(context_->device, context_->pipelines.setLayout(FRAME_SET), std::span(&buffer, 1));
@@ -148,11 +150,9 @@ void VulkanScene::addTimes(TraceCounters& c, const Lane& lane) {
 }
 
 size_t VulkanScene::bytes() const {
-  const auto bytesOf = [](const PartOnDevice& p) {
-    return p.scene.bytes() + p.samples.bytes() + p.geometry.bytes();
-  };
-  size_t n = bytesOf(anywhere_);
-  for (const auto& [p, part] : parts_) n += bytesOf(part);
+  if (context_->device.isEntered()) return 0;
+  size_t n = anywhere_.bytes;
+  for (const auto& [p, part] : parts_) n += part.bytes;
   return n;
 }
 

@@ -17,6 +17,7 @@ struct Context {
   explicit Context(const VulkanOptions& options);
   Device device;
   Pipelines pipelines;
+  SharedSamples samples;
   Tracer tracer;
 };
 

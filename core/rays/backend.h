@@ -81,7 +81,7 @@ class DeviceScene {
   virtual void trace(const DeviceFrame& frame, int partition, bool primary, RayList rays,
                      Done done) const = 0;
 
-  /// Bytes that the device holds besides the data.
+  /// Bytes that the device holds besides the data; 0 where the backend enters them into a ledger itself.
   virtual size_t bytes() const = 0;
 };
 

@@ -136,10 +136,10 @@ int run(const RenderOptions& options) {
           if (root) renderWithReference(state, directory, options, showProgress);
         });
       } else {
-        const BackendRegistry registry = allBackends({options.device, transport.rankOnNode()});
+        Ledger ledger;
+        const BackendRegistry registry = allBackends({options.device, transport.rankOnNode(), &ledger});
         std::unique_ptr<Backend> backend;
         agree(ranks, [&] { backend = registry.make(options.backend); });
-        Ledger ledger;
         const int64_t residentBefore = processBytes().resident;
         const LoadedState loaded = loadData(state, directory, options, ranks, ledger);
         phases.load = wallSeconds() - begin;

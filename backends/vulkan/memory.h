@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+// A device's memory in a few large blocks, out of which buffers are cut.
+#pragma once
+#include <cstddef>
+#include <list>
+#include <map>
+#include <mutex>
+
+#include "gxy/space/ledger.h"
+#include "gxy/vulkan/vulkan_handle.h"
+
+namespace gxy::vulkan {
+
+/// Blocks of one device. What is as large as half a block or larger has one of its own. The lowest place that is large enough
+/// is taken; a block that is empty is given back, so that nothing is held when nothing is used. Thread safe.
+class Memory {
+ public:
+  struct Block;
+  /// A part of a block. Move-only.
+  class Range {
+   public:
+    Range() = default;
+    Range(Range&& other) noexcept;
+    Range& operator=(Range&& other) noexcept;
+    ~Range();
+    VkDeviceMemory memory() const;
+    VkDeviceSize offset() const { return offset_; }
+    /// As the host sees it; null if it does not.
+    std::byte* mapped() const;
+
+   private:
+    friend class Memory;
+    Memory* owner_ = nullptr;
+    Block* block_ = nullptr;
+    VkDeviceSize offset_ = 0, bytes_ = 0;
+  };
+
+  /// `account`: of the blocks' sizes; in a ledger or not.
+  Memory(VkDevice device, VkDeviceSize blockBytes, LedgerEntry account);
+  ~Memory();
+  Memory(const Memory&) = delete;
+  Memory& operator=(const Memory&) = delete;
+
+  /// Of a memory type, which the host sees or not. Empty (memory() is null) where the device has no room.
+  Range take(uint32_t type, bool visible, VkDeviceSize bytes, VkDeviceSize alignment);
+  /// Of all blocks.
+  VkDeviceSize bytes() const;
+  size_t blocks() const;
+
+ private:
+  void giveBack(Range& range);
+
+  const VkDevice device_;
+  const VkDeviceSize blockBytes_;
+  mutable std::mutex mutex_;
+  std::list<Block> blocks_;
+  VkDeviceSize bytes_ = 0;
+  LedgerEntry account_;
+};
+
+}  // namespace gxy::vulkan
