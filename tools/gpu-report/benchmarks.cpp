@@ -1,0 +1,179 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <functional>
+#include <iomanip>
+#include <sstream>
+
+#include "gxy/comm/error.h"
+#include "gxy/comm/parallel_for.h"
+#include "report.h"
+#include "support/frames.h"
+
+namespace gxy::gpu_report {
+
+namespace {
+
+using test::TestScene;
+
+double seconds() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+/// A dense field of waves on [-1, 1]^3, n points an axis.
+std::shared_ptr<const test::WholeVolume> waves(int64_t n) {
+  auto whole = std::make_shared<test::WholeVolume>();
+  whole->grid.points = {n, n, n};
+  whole->grid.origin = glm::dvec3(-1);
+  whole->grid.spacing = glm::dvec3(2.0 / double(n - 1));
+  whole->samples.resize(size_t(n) * size_t(n) * size_t(n) * sizeof(float));
+  auto* values = reinterpret_cast<float*>(whole->samples.data());
+  std::vector<float> s(static_cast<size_t>(n));
+  for (int64_t i = 0; i < n; i++) s[size_t(i)] = float(std::sin(25.0 * double(i) / double(n)));
+  parallelFor(int64_t(0), n, [&](int64_t z) {
+    for (int64_t y = 0; y < n; y++)
+      for (int64_t x = 0; x < n; x++)
+        values[(z * n + y) * n + x] =
+            0.5f + 0.25f * (s[size_t(x)] * s[size_t(y)] + s[size_t(y)] * s[size_t(z)]);
+  });
+  return whole;
+}
+
+TestScene sceneOf(const std::string& name, int size) {
+  TestScene scene = test::emptyScene(name, {size, size});
+  scene.domain = {glm::dvec3(-1), glm::dvec3(1)};
+  scene.camera = test::cameraOutside(scene.domain, {size, size});
+  return scene;
+}
+
+void addVolume(TestScene& scene, std::shared_ptr<const test::WholeVolume> volume, bool rendered,
+               bool isosurface) {
+  Vis vis;
+  vis.type = VisType::Volume;
+  vis.volumeRendering = rendered;
+  if (rendered) vis.opacitymap = {false, {{0, 0}, {0.3, 0.02}, {1, 0.3}}};
+  if (isosurface) vis.isovalues = {0.7};
+  scene.visualization.operators.push_back(vis);
+  scene.data.emplace_back(std::move(volume));
+}
+
+void addSpheres(TestScene& scene, size_t count) {
+  auto geometry = std::make_shared<test::WholeGeometry>();
+  geometry->block.points.resize(count);
+  uint64_t state = 1;
+  const auto next = [&] {
+    state = state * 6364136223846793005u + 1442695040888963407u;
+    return 2 * (double(state >> 11) * 0x1p-53) - 1;
+  };
+  for (glm::dvec3& p : geometry->block.points) {
+    p.x = next(), p.y = next(), p.z = next();
+  }
+  geometry->block.ids.resize(count);
+  for (size_t i = 0; i < count; i++) geometry->block.ids[i] = i;
+  Vis vis;
+  vis.type = VisType::Particles;
+  vis.radius0 = vis.radius1 = 0.35 / std::cbrt(double(count));
+  scene.visualization.operators.push_back(vis);
+  scene.data.emplace_back(std::move(geometry));
+}
+
+std::string rounded(double x) {
+  std::ostringstream out;
+  out << std::setprecision(3) << x;
+  return out.str();
+}
+
+/// Frames one after another, for about ten seconds.
+void measure(const Backend& device, const TestScene& scene, Report& report) {
+  const double begin = seconds();
+  const auto compiled =
+      test::compiledOn(test::whole(scene.domain), scene, [&](int) -> const Backend& { return device; });
+  const double making = seconds() - begin;
+  test::FrameRun run;
+  run.threaded = true;
+  run.options.raysInFlight = int64_t(1) << 24;
+  test::Frames frames(1, run);
+  frames.add(1, compiled);
+  FrameRequest request;
+  request.scene = 1;
+  request.camera = scene.camera;
+  const auto frame = [&] {
+    const double start = seconds();
+    const FrameId id = frames.start(request);
+    frames.run();
+    if (const std::string& error = frames.outcome(id).error; !error.empty()) throw Error(error);
+    return seconds() - start;
+  };
+  const double first = frame();  // compiles shaders
+  frame();
+  const TraceCounters before = frames.renderer(0).counters().trace;
+  std::vector<double> times;
+  for (const double until = seconds() + std::min(10.0, report.left());
+       times.empty() || (seconds() < until && times.size() < 50);)
+    times.push_back(frame());
+  const TraceCounters after = frames.renderer(0).counters().trace;
+  std::sort(times.begin(), times.end());
+  const auto each = [&](uint64_t TraceCounters::*field) {
+    return double(after.*field - before.*field) / double(times.size());
+  };
+  const auto ms = [&](uint64_t TraceCounters::*field) { return rounded(1e-6 * each(field)); };
+  const double busy = 1e-9 * each(&TraceCounters::nsDevice);
+  std::ostringstream line;
+  line << "| " << scene.name << " | " << rounded(making) << " | " << rounded(first) << " | "
+       << rounded(1e3 * times[0]) << " | " << rounded(1e3 * times[times.size() / 2]) << " | "
+       << rounded(1e3 * busy) << " | " << ms(&TraceCounters::nsDeviceIdle) << " | "
+       << rounded(each(&TraceCounters::submissions)) << " | " << ms(&TraceCounters::nsSpawn) << " | "
+       << ms(&TraceCounters::nsGeometry) << " | " << ms(&TraceCounters::nsSurfaces) << " | "
+       << ms(&TraceCounters::nsIntegrate) << " | " << ms(&TraceCounters::nsShade) << " | "
+       << rounded(1e-6 * each(&TraceCounters::raysTraced) / busy) << " | "
+       << rounded(1e-6 * each(&TraceCounters::samples) / busy) << " | "
+       << rounded(1e-9 * 32 * each(&TraceCounters::samples) / busy) << " |";
+  report.line(line.str());
+}
+
+}  // namespace
+
+void benchmarks(const Backend& device, double scale, Report& report) {
+  const auto n = std::max<int64_t>(32, std::llround(512 * scale));
+  const int size = std::max(128, int(std::lround(1024 * std::sqrt(scale))));
+  const auto spheres = size_t(std::llround(1e7 * scale * scale * scale));
+  report.line(
+      "\n## Times\n\nOne rank; a frame's time is from its request to its picture, the other milliseconds are "
+      "the device's "
+      "own clock, of a frame. Idle: the device had nothing to do between two submissions. GB/s: the 8 "
+      "samples that each "
+      "evaluation asks for, caches included.\n");
+  report.line(
+      "| scene | load, s | first frame, s | best, ms | median, ms | busy | idle | submissions | spawn | "
+      "geometry | surfaces "
+      "| march | shade | Mrays/s | Msamples/s | GB/s |");
+  report.line("|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|");
+  const std::string cube = std::to_string(n) + "^3", at = " at " + std::to_string(size) + "^2";
+  std::shared_ptr<const test::WholeVolume> volume;
+  const auto field = [&] { return volume ? volume : volume = waves(n); };
+  const std::pair<std::string, std::function<void(TestScene&)>> kinds[] = {
+      {"volume " + cube + at, [&](TestScene& s) { addVolume(s, field(), true, false); }},
+      {"isosurface " + cube + at, [&](TestScene& s) { addVolume(s, field(), false, true); }},
+      {std::to_string(spheres) + " spheres, 4 occlusion rays" + at,
+       [&](TestScene& s) { addSpheres(s, std::max<size_t>(spheres, 1000)), test::addOcclusion(s); }},
+      {"volume, isosurface, shadows, 4 occlusion rays" + at, [&](TestScene& s) {
+         addVolume(s, field(), true, true), test::addOcclusion(s);
+         s.visualization.lighting.shadows = true;
+       }}};
+  for (const auto& [name, fill] : kinds) {
+    if (report.left() < 0) {
+      report.line("| " + name + " | left out: no time |");
+      continue;
+    }
+    try {
+      TestScene scene = sceneOf(name, size);
+      fill(scene);
+      measure(device, scene, report);
+    } catch (const std::exception& e) {
+      report.line("| " + name + " | " + e.what() + " |");
+    }
+  }
+}
+
+}  // namespace gxy::gpu_report

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+// What gpu_report finds out about a device, written as it finds it out.
+#pragma once
+#include <chrono>
+#include <ostream>
+
+#include "gxy/rays/backend.h"
+
+namespace gxy::gpu_report {
+
+/// Both to the file and to the terminal, at once: what was found stays if the device takes the program with it.
+class Report {
+ public:
+  Report(std::ostream& file, std::ostream& terminal, double minutes)
+      : file_(file),
+        terminal_(terminal),
+        end_(Clock::now() +
+             std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(60 * minutes))) {}
+  void line(const std::string& text) {
+    file_ << text << std::endl;
+    terminal_ << text << std::endl;
+  }
+  /// Seconds that are left of its time.
+  double left() const { return std::chrono::duration<double>(end_ - Clock::now()).count(); }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  std::ostream &file_, &terminal_;
+  Clock::time_point end_;
+};
+
+/// Pictures of many small scenes against the Embree backend's, and against the device's own of a domain in pieces. Returns how
+/// many scenes fail: a device agrees if 99.9 % of a picture's pixels are within 1/255 and the pieces do not show at all.
+int agreement(const Backend& device, Report& report);
+
+/// Times of frames, and what they say of the device. `scale`: of the data's size, 1 for a large GPU.
+void benchmarks(const Backend& device, double scale, Report& report);
+
+}  // namespace gxy::gpu_report
