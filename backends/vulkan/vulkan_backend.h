@@ -37,7 +37,9 @@ struct VulkanOptions {
       nullptr;  ///< where its memory is entered, for tenant "device", if anywhere; needed by the maker only
   bool hidesMemory = false;  ///< for tests: as if the host did not see the device's memory
   uint64_t lostAfter = 0;    ///< for tests: the device is lost after so many submissions; 0: it is not
-  bool validation = false;   ///< with validation layers (core and synchronization); for tests
+  /// For tests: with the validation layer. GpuAssisted checks each access of the shaders, too, but not synchronization, and is
+  /// slow.
+  enum class Validation { None, CoreAndSynchronization, GpuAssisted } validation = Validation::None;
 };
 
 /// Device name "vulkan". Thread safe. Throws Error where there is no such device, or it lacks something, and

@@ -62,7 +62,9 @@ void check(VkResult result, const std::string& what) {
   throw Error("Vulkan: " + what + " failed: " + why);
 }
 
-Instance::Instance(bool validation) {
+Instance::Instance(VulkanOptions::Validation kind) {
+  using Validation = VulkanOptions::Validation;
+  const bool validation = kind != Validation::None;
   VkApplicationInfo application{};
   application.sType = VK_STRUCTURE_TYPE_APPLICATION_INFO;
   application.pApplicationName = "galaxy";
@@ -78,7 +80,9 @@ Instance::Instance(bool validation) {
   listen.messageType = VK_DEBUG_UTILS_MESSAGE_TYPE_VALIDATION_BIT_EXT;
   listen.pfnUserCallback = hear;
   listen.pUserData = this;
-  const VkValidationFeatureEnableEXT also = VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT;
+  const VkValidationFeatureEnableEXT also = kind == Validation::GpuAssisted
+                                                ? VK_VALIDATION_FEATURE_ENABLE_GPU_ASSISTED_EXT
+                                                : VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT;
   VkValidationFeaturesEXT features{};
   features.sType = VK_STRUCTURE_TYPE_VALIDATION_FEATURES_EXT;
   features.pNext = &listen;
@@ -256,7 +260,7 @@ bool showsGpu(const std::string& folder) {
 std::vector<VulkanDeviceInfo> vulkanDevices() {
   std::vector<VulkanDeviceInfo> infos;
   try {
-    const vulkan::Instance instance(false);
+    const vulkan::Instance instance(VulkanOptions::Validation::None);
     for (VkPhysicalDevice d : instance.devices()) infos.push_back(vulkan::infoOf(d));
   } catch (const Error&) {
     // no loader, or no driver: no devices

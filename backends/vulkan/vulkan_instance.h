@@ -11,11 +11,11 @@
 
 namespace gxy::vulkan {
 
-/// Without a window system. With `validation` it keeps what the layers say.
+/// Without a window system. With validation it keeps what the layers say.
 class Instance {
  public:
   /// Throws Error where there is no Vulkan 1.2, or no validation layer though asked for.
-  explicit Instance(bool validation);
+  explicit Instance(VulkanOptions::Validation validation);
   ~Instance();
   Instance(const Instance&) = delete;
   Instance& operator=(const Instance&) = delete;

@@ -9,7 +9,7 @@ namespace gxy::vulkan_test {
 
 VulkanOptions softwareDevice() {
   VulkanOptions options;
-  options.validation = true;
+  options.validation = VulkanOptions::Validation::CoreAndSynchronization;
   const std::vector<VulkanDeviceInfo> devices = vulkanDevices();
   for (size_t i = 0; i < devices.size(); i++)
     if (devices[i].kind == VulkanDeviceInfo::Kind::Software) options.device = std::to_string(i);
