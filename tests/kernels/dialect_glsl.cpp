@@ -59,7 +59,7 @@ std::vector<float> probesInGlsl() {
   check(vkCreateComputePipelines(d, VK_NULL_HANDLE, 1, &info, nullptr, &pipeline), "compiling the shader");
   const PipelineHandle ownPipeline(d, pipeline);
 
-  const VkDescriptorBufferInfo buffer{out.get(), 0, VK_WHOLE_SIZE};
+  const Binding buffer{{out.get(), 0, VK_WHOLE_SIZE}};
   const DescriptorSet descriptors(device, setLayout, std::span(&buffer, 1));
   const VkDescriptorSet set = descriptors.get();
   Commands commands(device);
@@ -70,7 +70,8 @@ std::vector<float> probesInGlsl() {
   vkCmdPushConstants(c, layout, VK_SHADER_STAGE_COMPUTE_BIT, 0, 4, &count);
   vkCmdDispatch(c, (kProbeInputs + 63) / 64, 1, 1);
   commands.barrier();
-  commands.submitAndWait();
+  commands.submit();
+  commands.wait();
   std::vector<float> results(size_t(kProbes) * kProbeInputs);
   std::memcpy(results.data(), out.mapped(), results.size() * sizeof(float));
   EXPECT_EQ(device.instance().messages(), std::vector<std::string>());
