@@ -17,7 +17,7 @@
 #define SPEC_BY_CELLS 5     // some plans go cell by cell
 #define SPEC_LIMITED 6      // the device ends an invocation's loops after some rounds (rays.glsl)
 
-#define SPEC_MAP_KIND 7     // MAP_KIND_* of all maps, -1: of each its own
+#define SPEC_MAP_KIND 7  // MAP_KIND_* of all maps, -1: of each its own
 
 #define MAP_KIND_SMALL 0
 #define MAP_KIND_UNIFORM 1
@@ -39,7 +39,7 @@
 #define TABLES_BINDING 3
 #define SAMPLES_BINDING 4
 #define GEOMETRY_BINDING 5
-#define ADDRESSES_BINDING 6  // of tables, samples and geometry
+#define ADDRESSES_BINDING 6    // of tables, samples and geometry
 #define TABLE_QUADS_BINDING 7  // the same four words at once
 #define GEOMETRY_QUADS_BINDING 8
 #define SCENE_BINDINGS 9
@@ -69,8 +69,8 @@
 #define GXY_DEVICE_FIELDS(F) F(uint32, packet) F(int32, step) F(float, from) F(float, to)
 
 // Words of the buffer of counts.
-#define COUNT_SPAWNED 0             // rays of the list of primaries, where the device has spawned them
-#define COUNT_ACTIVE_PRIMARIES 1    // rays of the list of those that go on, by their kind
+#define COUNT_SPAWNED 0           // rays of the list of primaries, where the device has spawned them
+#define COUNT_ACTIVE_PRIMARIES 1  // rays of the list of those that go on, by their kind
 #define COUNT_ACTIVE_SECONDARIES 2
 #define COUNT_HERE 3
 #define COUNT_LEAVING 4
