@@ -166,6 +166,28 @@ TEST(Data, AFailedImportChangesNothing) {
   client->expect(importBall("ball"));  // all still work
 }
 
+TEST(Data, ImportsOfOneNameAtOnceBecomeOneGenerationEach) {
+  const auto server = serve();
+  std::vector<std::unique_ptr<Client>> clients;
+  std::vector<std::future<Reply>> replies;
+  for (int i = 0; i < 6; i++) clients.push_back(dataClient(*server));
+  for (auto& client : clients) {
+    auto promise = std::make_shared<std::promise<Reply>>();
+    replies.push_back(promise->get_future());
+    client->send(importBall("ball"), [promise](const Reply& r) { promise->set_value(r); });
+  }
+  for (auto& reply : replies) {
+    const Reply r = reply.get();
+    EXPECT_TRUE(r.ok) << r.error;
+  }
+  EXPECT_EQ(clients[0]->expect("list").at("datasets").at(0).at("generation"), 6);
+  EXPECT_FALSE(clients[0]
+                   ->request(R"(import {"Datasets": [{"name": "b", "filename": "ball.vol", "type": "Volume"},
+                              {"name": "b", "filename": "ball.vol", "type": "Volume"}]})")
+                   .ok)
+      << "one name twice";
+}
+
 TEST(Data, QuotasOfMemoryHoldBeforeAnythingIsRead) {
   ServerSetup setup;
   setup.modules = GALAXY_MODULES;

@@ -169,6 +169,55 @@ TEST(ViewerModule, AFrameThatWaitsIsCancelledWithTheOneBeforeIt) {
   viewer.frame();
 }
 
+TEST(ViewerModule, SessionsThatSetOneStateAtOnceImportItOnceAndAllSeeIt) {
+  const auto server = serve();
+  json state = json::parse(stateOf("ball"));
+  state["Datasets"] = {{{"name", "ball"}, {"filename", "ball.vol"}, {"type", "Volume"}}};
+  std::vector<std::unique_ptr<Client>> clients;
+  for (int i = 0; i < 4; i++) {
+    clients.push_back(server->client());
+    clients.back()->expect("load data");
+    clients.back()->expect("load viewer");
+    clients.back()->expect("window 1 {\"size\": [8, 8]}");
+  }
+  for (int round = 0; round < 5; round++) {
+    std::vector<std::future<Reply>> replies;
+    for (auto& client : clients)
+      for (const std::string& statement : {"set 1 " + state.dump(), std::string("render 1")}) {
+        auto promise = std::make_shared<std::promise<Reply>>();
+        replies.push_back(promise->get_future());
+        client->send(statement, [promise](const Reply& r) { promise->set_value(r); });
+      }
+    for (auto& reply : replies) {
+      const Reply r = reply.get();
+      EXPECT_TRUE(r.ok) << r.error;
+    }
+    EXPECT_EQ(clients[0]->expect("list").at("datasets").at(0).at("generation"), 1);
+    clients[0]->expect("drop ball");
+  }
+}
+
+TEST(ViewerModule, FramesFollowANameThatIsReplacedMeanwhile) {
+  const auto server = serve();
+  Viewer viewer(*server);
+  const auto other = server->client();
+  other->expect("load data");
+  std::promise<void> done;
+  int replaced = 0;
+  const std::function<void(const Reply&)> next = [&](const Reply& r) {
+    EXPECT_TRUE(r.ok || r.error.find("left out") != std::string::npos) << r.error;
+    if (++replaced == 30) return done.set_value();
+    other->send(importBall("ball"), next);
+  };
+  other->send(importBall("ball"), next);
+  auto ended = done.get_future();
+  do {
+    const Reply r = viewer.client->request("render 1");
+    ASSERT_TRUE(r.ok) << r.error;
+    EXPECT_EQ(viewer.screen.waitFor(1, r.value.at("frame")).status, "complete");
+  } while (ended.wait_for(std::chrono::seconds(0)) != std::future_status::ready);
+}
+
 TEST(ViewerModule, ACancelledFrameSaysSo) {
   const auto server = serve();
   Viewer viewer(*server);

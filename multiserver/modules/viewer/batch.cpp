@@ -125,11 +125,14 @@ class Run {
 
   void start(size_t index) {
     Node& node = services_.node;
-    const ScenePtr& scene = scenes_[index % scenes_.size()];
+    ScenePtr& kept = scenes_[index % scenes_.size()];
+    Scenes::Pinned pinned = services_.scenes.getPinned(request_.session().tenant(),
+                                                       batch_.state.visualizations[index % scenes_.size()],
+                                                       batch_.state.settings, kept);
+    const ScenePtr scene = kept = std::move(pinned.scene);
     const auto slot = std::make_shared<Tenants::Frame>(
         node.tenants.beginWhenFree(request_.session().tenant(), [this] { check(); }));
-    const auto pins = std::make_shared<std::vector<Pin>>();
-    for (const NamedDataset& d : scene->data) pins->push_back(node.datasets->pin(d.key, d.generation));
+    const auto pins = std::make_shared<std::vector<Pin>>(std::move(pinned.pins));
     FrameRequest frame;
     frame.scene = scene->id;
     frame.camera = batch_.state.cameras[index / scenes_.size()];

@@ -53,15 +53,16 @@ uint64_t Window::render(const FrameOptions& options) {
   if (int64_t(options.passes) * frame->samples > kSamples)
     throw Error("render: " + std::to_string(options.passes) + " passes of " + std::to_string(frame->samples) +
                 " rays per pixel, expected at most " + std::to_string(kSamples) + " rays");
-  if (!frame->scene) frame->scene = services_.scenes.get(tenant_, state.visualizations[0], state.settings);
+  Scenes::Pinned pinned =
+      services_.scenes.getPinned(tenant_, state.visualizations[0], state.settings, frame->scene);
+  frame->scene = std::move(pinned.scene);
+  frame->pins = std::move(pinned.pins);
   Node& node = services_.node;
   const int64_t pixels = int64_t(frame->camera.dimensions.x) * frame->camera.dimensions.y;
   node.expectMemory(tenant_, pixels * (options.passes > 1 ? 128 : 64));
   if (options.passes > 1) frame->sumMemory = node.ledger.enter(tenant_, "passes", pixels * 64);
   frame->background = state.settings.background;
   frame->slot = node.tenants.begin(tenant_);
-  for (const NamedDataset& d : frame->scene->data)
-    frame->pins.push_back(node.datasets->pin(d.key, d.generation));
   frame->options = options;
   FramePtr older, skipped;
   bool waits = false;
