@@ -175,7 +175,7 @@ void Session::end() {
   requests.clear();
   std::map<std::type_index, std::shared_ptr<void>> states;
   std::unique_lock lock(mutex_);
-  answered_.wait(lock, [this] { return requests_.empty() && !running_; });
+  answered_.wait(lock, [this] { return requests_.empty() && !running_ && aside_ == 0; });
   states.swap(states_);
   lock.unlock();
 }
