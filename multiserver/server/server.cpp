@@ -76,7 +76,7 @@ class Server::Impl {
   uint16_t port() const { return port_; }
   size_t clients() const {
     const std::lock_guard lock(mutex_);
-    return count_;
+    return count_ + sessionsEnding_;
   }
 
  private:
