@@ -2,7 +2,10 @@
 // Clients that send anything, read nothing and die at any time: nobody else notices, and nothing is left of them.
 #include <gtest/gtest.h>
 
-#include <cstdlib>
+#include <sys/resource.h>
+
+#include <csignal>
+#include <filesystem>
 #include <fstream>
 #include <future>
 #include <random>
@@ -272,6 +275,69 @@ TEST(Hostile, CorruptAndVanishedFilesAreErrorsOfTheirImport) {
   std::filesystem::remove(server.folder() / "ball.raw");
   EXPECT_FALSE(client->request(importBall("gone")).ok);
   bystander.expectTheSamePicture();
+}
+
+/// While it lives, no file of this process grows beyond so many bytes: writing more fails as on a full disk.
+class FullDisk {
+ public:
+  explicit FullDisk(rlim_t bytes) : handler_(std::signal(SIGXFSZ, SIG_IGN)) {
+    getrlimit(RLIMIT_FSIZE, &before_);
+    const rlimit little{bytes, before_.rlim_max};
+    setrlimit(RLIMIT_FSIZE, &little);
+  }
+  ~FullDisk() {
+    setrlimit(RLIMIT_FSIZE, &before_);
+    std::signal(SIGXFSZ, handler_);
+  }
+
+ private:
+  rlimit before_{};
+  void (*handler_)(int);
+};
+
+TEST(Hostile, AFullDiskIsAnErrorOfWhatWritesThere) {
+  TestServer server(setup());
+  Bystander bystander(server);
+  const auto client = server.client("writer");
+  client->expect("load data");
+  client->expect("load viewer");
+  client->expect(importBall("ball"));
+  const std::string batch = R"(batch {"prefix": "full", "format": "raw", "state": )" + stateOf("ball") + "}";
+  {
+    const FullDisk full(1000);
+    const Reply reply = client->request(batch);
+    EXPECT_FALSE(reply.ok);
+    EXPECT_TRUE(reply.error.starts_with("rank ")) << reply.error;
+    EXPECT_NE(reply.error.find("full_00000.raw: cannot be written"), std::string::npos) << reply.error;
+    bystander.expectTheSamePicture();
+  }
+  for (const auto& file : std::filesystem::directory_iterator(server.folder().path()))
+    EXPECT_FALSE(file.path().filename().string().starts_with("full")) << "a part of a file is left";
+  client->expect(batch);
+}
+
+TEST(Hostile, ARankThatCannotTakeItsPartOfAnImportIsNamedAndNothingChanges) {
+  TestServer server(setup());
+  Bystander bystander(server);
+  const auto client = server.client("importer");
+  client->expect("load data");
+  client->expect(importBall("ball"));
+  {
+    const LedgerEntry all =
+        server.node(1).ledger.enter("importer", "a test's", server.node(1).options.tenantMemory);
+    for (const char* name : {"ball", "other"}) {
+      const Reply reply = client->request(importBall(name));
+      EXPECT_FALSE(reply.ok);
+      EXPECT_TRUE(reply.error.starts_with("rank 1: memory: ")) << reply.error;
+    }
+    bystander.expectTheSamePicture();
+  }
+  const json list = client->expect("list").at("datasets");
+  ASSERT_EQ(list.size(), 1u);
+  EXPECT_EQ(list[0].at("generation"), 1);
+  client->expect(importBall("ball"));
+  client->expect("drop ball");
+  for (int rank = 0; rank < 2; rank++) EXPECT_EQ(server.node(rank).ledger.total("importer"), 0) << rank;
 }
 
 }  // namespace

@@ -121,6 +121,7 @@ int serve(const ServeOptions& options) {
     std::signal(SIGTERM, SIG_IGN);
   }
   std::signal(SIGPIPE, SIG_IGN);
+  std::signal(SIGXFSZ, SIG_IGN);  // a file that may not grow is an error of who writes it
   try {
     const BackendRegistry backends = allBackends({.device = {}, .rankOnMachine = transport.rankOnNode()});
     NodeOptions nodeOptions = options.node;

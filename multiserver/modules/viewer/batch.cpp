@@ -80,6 +80,7 @@ class Run {
       start(i);
     }
     waitFor([&] { return job_->done == total_; });
+    check();  // the last picture, too
     return {{"pictures", names},
             {"seconds", std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count()},
             {"text", std::to_string(total_) + " pictures"}};
