@@ -135,8 +135,8 @@ void Renderer::post(std::function<void()> task) {
 }
 
 // Runs the task when its turn has come.
-void Renderer::post(const Share& share, std::function<void()> task) {
-  ready_.push(share, std::move(task));
+void Renderer::post(const Share& share, std::function<void()> task, bool first) {
+  ready_.push(share, std::move(task), first);
   startRunner();
 }
 
@@ -198,7 +198,7 @@ FrameId Renderer::render(const FrameRequest& request, Finished finished) {
     if (!scenes_.count(request.scene))
       throw Error("there is no scene " + std::to_string(request.scene) + " to render");
     id = nextFrame_++;
-    pending_[id] = {std::move(finished), request.window};
+    pending_[id] = {std::move(finished), request.window, request.share};
     if (request.window) older = std::exchange(windows_[request.window], id);
   }
   if (older) supersede(older);
@@ -287,9 +287,12 @@ void Renderer::delivered(FrameId id) {
     if (window != windows_.end() && window->second == id) windows_.erase(window);
   }
   if (pending.finished)
-    post([finished = std::move(pending.finished), id, superseded = pending.superseded] {
-      finished(id, superseded);
-    });
+    post(
+        pending.share,
+        [finished = std::move(pending.finished), id, superseded = pending.superseded] {
+          finished(id, superseded);
+        },
+        true);
 }
 
 void Renderer::start(FrameId id, FrameRequest request, const Bytes& message) {
@@ -368,7 +371,10 @@ void Renderer::finish(FrameId id, bool superseded) {
     over_.insert(id);
     while (over_.erase(firstNotOver_)) firstNotOver_++;
   }
-  if (frame->owner == transport_.rank()) post([this, frame, superseded] { deliver(frame, superseded); });
+  if (frame->owner != transport_.rank()) return;
+  std::function<void()> task = [this, frame, superseded] { deliver(frame, superseded); };
+  if (frame->request.share.interactive) return post(frame->request.share, std::move(task));
+  transport_.postWaiting([tasks = tasks_, task = std::move(task)]() mutable { tasks->run(task); });
 }
 
 void Renderer::deliver(const FramePtr& frame, bool superseded) {

@@ -52,8 +52,9 @@ struct FrameRequest {
 /// "framebuffer", "picture" (while its handler runs), "parked messages" and "tiles".
 ///
 /// Whose turn it is: on each rank, tasks run in the order of ReadyQueue, and rays are spawned for interactive frames first,
-/// else for each tenant in turn. A task that is under way is not interrupted, but it traces one packet at a time, and lets
-/// interactive ones go first after each.
+/// else for each tenant in turn. A task that is under way is not interrupted, but it traces one packet and puts the rest off,
+/// so that an interactive frame waits, on each rank that it passes, for the packets that are being traced and for no others.
+/// Pictures of frames that nobody watches are handed out beside the tasks (Transport::postWaiting), however long that takes.
 ///
 /// A superseded frame ends like any other, its rays retired where they are met, but hands out no picture. Messages that
 /// are not what a Renderer sends (a pixel outside the picture, a frame that is over, ...) are refused with an Error.
@@ -127,6 +128,7 @@ class Renderer {
   struct Pending {
     Finished finished;
     uint64_t window = 0;
+    Share share;
     bool superseded = false;  ///< by a frame that came before all its work was done
     bool complete = false;    ///< all its work is done: too late to be superseded
   };
@@ -144,7 +146,6 @@ class Renderer {
 
   void pump();
   void spawnTile(const FramePtr& frame, const Tile& tile, int64_t reserved);
-  void process(const FramePtr& frame, int origin, Held rays);
   void process(const FramePtr& frame, int origin, std::vector<Held> stack);
   void putOff(const FramePtr& frame, int origin, std::vector<Held> rest);
   Held hold(LeavingRays rays) const;
@@ -158,7 +159,7 @@ class Renderer {
   bool tenantMayTake(const Frame& frame) const;
   std::vector<FramePtr>::iterator nextToSpawn();
   void post(std::function<void()> task);
-  void post(const Share& share, std::function<void()> task);
+  void post(const Share& share, std::function<void()> task, bool first = false);
   void startRunner();
 
   Transport& transport_;

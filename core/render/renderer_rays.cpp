@@ -94,7 +94,8 @@ void Renderer::spawnTile(const FramePtr& frame, const Tile& tile, int64_t reserv
         reserved -= l.rays.size() * frame->perPrimary;
         spawned.push_back(hold(std::move(l)));
       }
-      for (Held& rays : spawned) process(frame, transport_.rank(), std::move(rays));
+      std::reverse(spawned.begin(), spawned.end());  // it is a stack
+      process(frame, transport_.rank(), std::move(spawned));
     });
   }
   if (--frame->tilesLeft == 0) completion_.spawned(frame->id);
@@ -106,13 +107,7 @@ Renderer::Held Renderer::hold(LeavingRays rays) const {
   return {std::move(rays), std::move(memory)};
 }
 
-// Traces a list, and all that it becomes on this rank.
-void Renderer::process(const FramePtr& frame, int origin, Held rays) {
-  std::vector<Held> stack;
-  stack.push_back(std::move(rays));
-  process(frame, origin, std::move(stack));
-}
-
+// Traces one packet, and puts off the rest and all that it becomes on this rank.
 void Renderer::process(const FramePtr& frame, int origin, std::vector<Held> stack) {
   while (!stack.empty()) {
     auto [next, memory] = std::move(stack.back());
@@ -121,10 +116,6 @@ void Renderer::process(const FramePtr& frame, int origin, std::vector<Held> stac
       for (RayList& part : next.rays.split(options_.packetRays))
         stack.push_back(hold({next.partition, next.primary, std::move(part)}));
       continue;
-    }
-    if (!frame->request.share.interactive && ready_.interactiveWaits()) {  // they go first
-      stack.push_back({std::move(next), std::move(memory)});
-      return putOff(frame, origin, std::move(stack));
     }
     const int64_t each = next.primary ? frame->perPrimary : 1;
     if (frame->cancelled) {
@@ -153,6 +144,8 @@ void Renderer::process(const FramePtr& frame, int origin, std::vector<Held> stac
           const int64_t credits = int64_t(result.retired) * each - int64_t(result.secondaries);
           if (credits != 0) giveBack(origin, frame->request.share.tenant, credits);
         });
+    if (!stack.empty()) putOff(frame, origin, std::move(stack));
+    return;
   }
 }
 
@@ -160,8 +153,9 @@ void Renderer::process(const FramePtr& frame, int origin, std::vector<Held> stac
 void Renderer::putOff(const FramePtr& frame, int origin, std::vector<Held> rest) {
   auto active = std::make_shared<Completion::Active>(completion_, frame->id);
   auto held = std::make_shared<std::vector<Held>>(std::move(rest));
-  post(frame->request.share,
-       [this, frame, origin, active, held] { process(frame, origin, std::move(*held)); });
+  post(
+      frame->request.share, [this, frame, origin, active, held] { process(frame, origin, std::move(*held)); },
+      true);
 }
 
 void Renderer::forward(const FramePtr& frame, int rank, int partition, bool primary, int origin,
@@ -219,7 +213,8 @@ void Renderer::receiveRays(Bytes message) {
   RayList rays = RayList::read(in.rest(), header.count, primary);
   if (const char* wrong = wrongIn(rays, primary, frame->limits)) in.fail(wrong);
   auto active = std::make_shared<Completion::Active>(completion_, header.frame);
-  auto held = std::make_shared<Held>(hold({header.partition, primary, std::move(rays)}));  // tasks are copied
+  auto held = std::make_shared<std::vector<Held>>();  // tasks are copied
+  held->push_back(hold({header.partition, primary, std::move(rays)}));
   post(frame->request.share,
        [this, frame, origin = header.origin, active, held] { process(frame, origin, std::move(*held)); });
 }
