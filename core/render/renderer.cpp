@@ -25,7 +25,7 @@ void writeRequest(Writer& w, const FrameRequest& r) {
       .write(r.sums)
       .write(r.window)
       .write(r.share.tenant);
-  w.write(r.share.interactive).write(r.note);
+  w.write(r.share.interactive).write(r.account).write(r.note);
   w.write(c.viewpoint)
       .write(c.viewdirection)
       .write(c.viewup)
@@ -45,6 +45,7 @@ FrameRequest readRequest(Reader& in) {
   r.window = in.read<uint64_t>();
   r.share.tenant = in.read<uint32_t>();
   r.share.interactive = in.read<bool>();
+  r.account = in.readString();
   r.note = in.readString();
   c.viewpoint = in.read<glm::dvec3>();
   c.viewdirection = in.read<glm::dvec3>();
@@ -59,11 +60,17 @@ FrameRequest readRequest(Reader& in) {
   return r;
 }
 
-LedgerEntry purpose(const Renderer::Options& options, const char* what) {
-  return options.ledger ? options.ledger->enter(options.tenant, what, 0) : LedgerEntry();
+LedgerEntry entry(const Renderer::Options& options, const std::string& tenant, const char* purpose) {
+  return options.ledger ? options.ledger->enter(tenant, purpose, 0) : LedgerEntry();
 }
 
 }  // namespace
+
+Renderer::Account::Account(const Options& options, const std::string& tenant)
+    : rays(entry(options, tenant, "rays")),
+      framebuffer(entry(options, tenant, "framebuffer")),
+      picture(entry(options, tenant, "picture")),
+      tiles(entry(options, tenant, "tiles")) {}
 
 /// Lets tasks in until it is closed, and knows how many are inside: a task may still run when the frame that it worked
 /// for has been reported.
@@ -99,11 +106,8 @@ Renderer::Renderer(Transport& transport, Options options)
     : transport_(transport),
       options_(options),
       completion_(transport),
-      rayMemory_(purpose(options, "rays")),
-      framebufferMemory_(purpose(options, "framebuffer")),
-      pictureMemory_(purpose(options, "picture")),
-      parkedMemory_(purpose(options, "parked messages")),
-      tileMemory_(purpose(options, "tiles")),
+      account_(options, options.tenant),
+      parkedMemory_(entry(options, options.tenant, "parked messages")),
       tasks_(std::make_shared<Tasks>()),
       credits_(options.raysInFlight) {
   if (options_.packetRays < 16)
@@ -187,6 +191,7 @@ Renderer::Kept Renderer::kept() const {
   kept.callbacks = pending_.size();
   kept.windows = windows_.size();
   kept.credits = options_.raysInFlight - credits_;
+  kept.tenantCredits = tenantOut_;
   return kept;
 }
 
@@ -301,6 +306,8 @@ void Renderer::start(FrameId id, FrameRequest request, const Bytes& message) {
   frame->id = id;
   frame->request = request;
   frame->owner = int(id % uint64_t(transport_.size()));
+  frame->shared = &account_;
+  if (!request.account.empty()) frame->own.emplace(options_, request.account);
   {
     std::lock_guard lock(mutex_);
     const auto scene = scenes_.find(request.scene);
@@ -320,11 +327,11 @@ void Renderer::start(FrameId id, FrameRequest request, const Bytes& message) {
   if (frame->owner == transport_.rank()) {
     frame->framebuffer =
         std::make_unique<Framebuffer>(compiled.width, compiled.height, compiled.samples, compiled.depth);
-    frame->framebufferMemory = framebufferMemory_.another(int64_t(frame->framebuffer->bytes()));
+    frame->framebufferMemory = frame->account().framebuffer.another(int64_t(frame->framebuffer->bytes()));
   }
   TileList list = tilesOf(scene, compiled, transport_.rank());
   frame->tiles = std::move(list.tiles);
-  frame->tileMemory = tileMemory_.another(int64_t(frame->tiles.capacity() * sizeof(Tile)));
+  frame->tileMemory = frame->account().tiles.another(int64_t(frame->tiles.capacity() * sizeof(Tile)));
   frame->tilesLeft = frame->tiles.size();
   const bool spawnsNothing = frame->tiles.empty();  // asked here: once it is known, other threads take tiles
 
@@ -392,7 +399,7 @@ void Renderer::deliver(const FramePtr& frame, bool superseded) {
   Picture picture = frame->request.sums
                         ? frame->framebuffer->sums()
                         : frame->framebuffer->picture(frame->scene.compiled->settings.background);
-  const LedgerEntry memory = pictureMemory_.another(int64_t(picture.bytes()));
+  const LedgerEntry memory = frame->account().picture.another(int64_t(picture.bytes()));
   handler(frame->id, frame->request, std::move(picture));
 }
 

@@ -34,6 +34,7 @@ struct FrameRequest {
   bool sums = false;    ///< the picture is handed out as its sums, without `rgba`
   uint64_t window = 0;  ///< not 0: a newer frame of the same window supersedes this one
   Share share;          ///< who goes first
+  std::string account;  ///< the tenant whose memory it is in the ledger; empty: Options::tenant
   std::string note;     ///< of the one who asks, for the picture handler
 };
 
@@ -65,7 +66,8 @@ class Renderer {
   struct Options {
     int packetRays = 1024;           ///< rays that are traced together, at most; >= 16
     int64_t raysInFlight = 1 << 20;  ///< credits of a rank
-    Ledger* ledger = nullptr;      ///< where memory is accounted, if anywhere; needed by the constructor only
+    Ledger* ledger =
+        nullptr;  ///< where memory is accounted, if anywhere; outlives frames that name an account
     std::string tenant = "batch";  ///< whose memory it is
     int64_t interactiveRays = 0;   ///< credits that are kept for interactive frames
     int64_t tenantRays = 0;        ///< credits that the frames of one tenant may have; 0: all
@@ -112,7 +114,8 @@ class Renderer {
     size_t parkedMessages = 0;          ///< of frames that have not started here
     size_t callbacks = 0, windows = 0;  ///< rank 0
     size_t completionSets = 0;
-    int64_t credits = 0;  ///< out
+    int64_t credits = 0;                        ///< out
+    std::map<uint32_t, int64_t> tenantCredits;  ///< out, by tenant
   };
   Kept kept() const;
 
@@ -122,6 +125,11 @@ class Renderer {
   struct Parked;
   struct Held;
   class Tasks;
+  /// Entries without bytes, for what frames hold.
+  struct Account {
+    Account(const Options& options, const std::string& tenant);
+    LedgerEntry rays, framebuffer, picture, tiles;
+  };
   using FramePtr = std::shared_ptr<Frame>;
 
   /// Rank 0: a frame whose end has not been reported.
@@ -148,7 +156,7 @@ class Renderer {
   void spawnTile(const FramePtr& frame, const Tile& tile, int64_t reserved);
   void process(const FramePtr& frame, int origin, std::vector<Held> stack);
   void putOff(const FramePtr& frame, int origin, std::vector<Held> rest);
-  Held hold(LeavingRays rays) const;
+  static Held hold(const Frame& frame, LeavingRays rays);
   void forward(const FramePtr& frame, int rank, int partition, bool primary, int origin, const RayList& rays);
   void contribute(const FramePtr& frame, TraceResult& result);
   void giveBack(int origin, uint32_t tenant, int64_t credits);
@@ -166,7 +174,8 @@ class Renderer {
   const Options options_;
   Completion completion_;
   /// Without bytes: those of a purpose are entered by their another().
-  const LedgerEntry rayMemory_, framebufferMemory_, pictureMemory_, parkedMemory_, tileMemory_;
+  const Account account_;
+  const LedgerEntry parkedMemory_;
   const std::shared_ptr<Tasks> tasks_;
   ReadyQueue ready_;
   std::atomic<int> runners_ = 0;  ///< posted to the Transport; each runs one task of ready_

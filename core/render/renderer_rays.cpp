@@ -92,7 +92,7 @@ void Renderer::spawnTile(const FramePtr& frame, const Tile& tile, int64_t reserv
       std::vector<Held> spawned;
       for (LeavingRays& l : result.leaving) {
         reserved -= l.rays.size() * frame->perPrimary;
-        spawned.push_back(hold(std::move(l)));
+        spawned.push_back(hold(*frame, std::move(l)));
       }
       std::reverse(spawned.begin(), spawned.end());  // it is a stack
       process(frame, transport_.rank(), std::move(spawned));
@@ -102,8 +102,8 @@ void Renderer::spawnTile(const FramePtr& frame, const Tile& tile, int64_t reserv
   giveBack(transport_.rank(), frame->request.share.tenant, reserved);
 }
 
-Renderer::Held Renderer::hold(LeavingRays rays) const {
-  LedgerEntry memory = rayMemory_.another(rays.rays.bytes());
+Renderer::Held Renderer::hold(const Frame& frame, LeavingRays rays) {
+  LedgerEntry memory = frame.account().rays.another(rays.rays.bytes());
   return {std::move(rays), std::move(memory)};
 }
 
@@ -114,7 +114,7 @@ void Renderer::process(const FramePtr& frame, int origin, std::vector<Held> stac
     stack.pop_back();
     if (next.rays.size() > options_.packetRays) {  // in packets, first rays first
       for (RayList& part : next.rays.split(options_.packetRays))
-        stack.push_back(hold({next.partition, next.primary, std::move(part)}));
+        stack.push_back(hold(*frame, {next.partition, next.primary, std::move(part)}));
       continue;
     }
     const int64_t each = next.primary ? frame->perPrimary : 1;
@@ -136,7 +136,7 @@ void Renderer::process(const FramePtr& frame, int origin, std::vector<Held> stac
           for (LeavingRays& l : result.leaving) {
             const int rank = frame->scene.compiled->partitioning->owner(l.partition);
             if (rank == transport_.rank())
-              stack.push_back(hold(std::move(l)));
+              stack.push_back(hold(*frame, std::move(l)));
             else
               forward(frame, rank, l.partition, l.primary, origin, l.rays);
           }
@@ -214,7 +214,7 @@ void Renderer::receiveRays(Bytes message) {
   if (const char* wrong = wrongIn(rays, primary, frame->limits)) in.fail(wrong);
   auto active = std::make_shared<Completion::Active>(completion_, header.frame);
   auto held = std::make_shared<std::vector<Held>>();  // tasks are copied
-  held->push_back(hold({header.partition, primary, std::move(rays)}));
+  held->push_back(hold(*frame, {header.partition, primary, std::move(rays)}));
   post(frame->request.share,
        [this, frame, origin = header.origin, active, held] { process(frame, origin, std::move(*held)); });
 }

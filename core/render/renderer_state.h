@@ -3,6 +3,7 @@
 #pragma once
 #include <atomic>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "gxy/render/check_rays.h"
@@ -25,12 +26,15 @@ struct Renderer::Frame {
   int64_t perPrimary = 1;                    ///< credits of a primary ray
   RayLimits limits;                          ///< of rays that may come
   std::unique_ptr<Framebuffer> framebuffer;  ///< on the owner
+  const Account* shared = nullptr;           ///< of frames that name no account
+  std::optional<Account> own;
   LedgerEntry framebufferMemory, tileMemory;
   std::vector<Tile> tiles;            ///< still to be spawned, last first
   std::atomic<size_t> tilesLeft = 0;  ///< not yet spawned completely
   uint64_t turn = 0;                  ///< when a tile of it was spawned last
   std::atomic<bool> cancelled = false;
 
+  const Account& account() const { return own ? *own : *shared; }
   int64_t nextCost() const;  ///< credits of the tile that is spawned next
 };
 

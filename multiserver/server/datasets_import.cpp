@@ -96,8 +96,7 @@ json Datasets::importHere(const json& p) {
       auto geometry = std::make_shared<LoadedGeometry>(loadGeometry(d.file, kindOf(d.type), d.array, ranks));
       agree(ranks, [&] {
         d.bytes = bytesOf(geometry->block);
-        node_.expectMemory(tenant, d.bytes);
-        d.memory = node_.ledger.enter(tenant, "geometry", d.bytes);
+        d.memory = node_.takeMemory(tenant, "geometry", d.bytes);
       });
       box.extend(geometry->box);
       d.geometry = std::move(geometry);
@@ -141,8 +140,7 @@ json Datasets::importHere(const json& p) {
     if (d.type != DatasetType::Volume) continue;
     agree(ranks, [&] {
       d.bytes = bytesToCome(openVolume(d.file, d.array), *partitioning, node_.rank());
-      node_.expectMemory(tenant, d.bytes);
-      d.memory = node_.ledger.enter(tenant, "volume", d.bytes);
+      d.memory = node_.takeMemory(tenant, "volume", d.bytes);
     });
     d.volume = importVolume(d.file, d.array, *partitioning, kGhostLayers, ranks);
     d.bytes = gxy::bytesOf(*d.volume);

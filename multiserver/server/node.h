@@ -5,6 +5,7 @@
 #include <chrono>
 #include <functional>
 #include <memory>
+#include <mutex>
 #include <string>
 #include <vector>
 
@@ -55,8 +56,12 @@ struct Node {
   /// Work::callAll, with an error that all ranks have alike told once.
   std::vector<nlohmann::json> callAll(const std::string& name, const nlohmann::json& parameters);
 
-  /// Whether a tenant may have so many bytes more on this rank. Throws Error if not.
-  void expectMemory(const std::string& tenant, int64_t bytes) const;
+  /// Enters so many bytes of a tenant in the ledger. Throws Error if it may not have them on this rank.
+  [[nodiscard]] LedgerEntry takeMemory(const std::string& tenant, const std::string& purpose, int64_t bytes);
+
+  /// What a rendering of so many pixels takes of its tenant. All pictures in flight have to fit beside what the tenant has
+  /// on rank 0, as if that rank owned them all. Rank 0.
+  Tenants::Cost costOf(const std::string& tenant, glm::ivec2 size) const;
 
   Transport& transport;
   const NodeOptions options;
@@ -82,6 +87,7 @@ struct Node {
 
  private:
   std::atomic<uint64_t> exchanges_ = 1;
+  std::mutex memory_;
 };
 
 }  // namespace gxy

@@ -299,6 +299,34 @@ TEST(ViewerModule, ABatchSendsItsPicturesBackOrIsCancelled) {
   EXPECT_FALSE(outside.ok);
 }
 
+TEST(ViewerModule, PicturesCountAgainstTheMemoryOfTheirTenant) {
+  ServerSetup setup;
+  setup.modules = GALAXY_MODULES;
+  setup.node.tenantMemory = 2 << 20;  // pictures of 64 bytes a pixel, beside the ball and its scene
+  TestServer server(std::move(setup));
+  Viewer viewer(server);
+  viewer.frame();
+  int64_t framebuffer = 0;
+  for (int rank = 0; rank < 2; rank++)
+    for (const Ledger::Line& line : server.node(rank).ledger.peaks())
+      if (line.tenant == "user" && line.purpose == "framebuffer")
+        framebuffer = std::max(framebuffer, line.bytes);
+  EXPECT_EQ(framebuffer, 96 * 80 * 32);
+  viewer.client->expect("window 1 {\"size\": [200, 200]}");
+  const Reply reply = viewer.client->request("render 1");
+  EXPECT_FALSE(reply.ok);
+  EXPECT_TRUE(reply.error.starts_with("memory: the picture takes 2560000 bytes")) << reply.error;
+  json state = json::parse(stateOf("ball"));
+  state["Cameras"] = json::array();
+  for (int i = 0; i < 12; i++) state["Cameras"].push_back(state["Camera"]);
+  state.erase("Camera");
+  const std::string batch = json{{"state", state}, {"concurrent", 12}}.dump();
+  EXPECT_EQ(viewer.client->expect("batch " + batch).at("pictures").size(), 12u) << "they wait for room";
+  const json stat = viewer.client->expect("stat");
+  EXPECT_EQ(stat.at("tenants").at(0).at("picture bytes"), 0);
+  for (int rank = 0; rank < 2; rank++) EXPECT_LE(server.node(rank).ledger.peak(), 2 << 20);
+}
+
 TEST(ViewerModule, WrongRequestsAreErrorsWithWhatWasExpected) {
   const auto server = serve();
   Viewer viewer(*server);

@@ -140,5 +140,37 @@ TEST(Fairness, AWatchedFrameWaitsForAtMostTwoPacketsOfABatchOnEachRank) {
   }
 }
 
+// However many frames one has, its rays in flight are bounded on each rank, and the other goes on.
+TEST(Fairness, ATenantHasSoManyRaysInFlightAndNoMore) {
+  constexpr int64_t kMost = 20000;
+  TestScene scene = emptyScene("balls", {64, 64});
+  addParticles(scene, 1);
+  addLights(scene);
+  const Cut cut = lattice(sceneDomain(), {3, 1, 1}, kRanks);
+  FrameRun run;
+  run.seed = 11;
+  run.options.packetRays = 64;
+  run.options.tenantRays = kMost;
+  Frames frames(kRanks, run);
+  frames.add(1, compiledOn(cut, scene));
+  FrameRequest request;
+  request.scene = 1;
+  request.camera = scene.camera;
+  std::vector<FrameId> ids;
+  for (int i = 0; i < 40; i++) {
+    request.share.tenant = i < 38 ? 1 : 2;
+    ids.push_back(frames.start(request));
+  }
+  std::map<uint32_t, int64_t> most;
+  while (frames.world().step())
+    for (int rank = 0; rank < kRanks; rank++)
+      for (const auto& [tenant, credits] : frames.renderer(rank).kept().tenantCredits)
+        most[tenant] = std::max(most[tenant], credits);
+  for (const FrameId id : ids) EXPECT_EQ(frames.outcome(id).finished, 1);
+  EXPECT_LE(most.at(1), kMost);
+  EXPECT_GT(most.at(1), kMost / 2) << "it comes near";
+  EXPECT_LE(most.at(2), kMost);
+}
+
 }  // namespace
 }  // namespace gxy::test

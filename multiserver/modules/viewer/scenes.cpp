@@ -80,10 +80,7 @@ json Scenes::make(const json& p) {
     operand.geometry = distribute(
         *dataset.geometry, *partitioning,
         [&vis](double value) { return vis.type == VisType::Triangles ? 0.0 : radiusOf(vis, value); }, ranks);
-    agree(ranks, [&] {
-      node_.expectMemory(tenant, bytesOf(*operand.geometry));
-      memory.push_back(node_.ledger.enter(tenant, "geometry", bytesOf(*operand.geometry)));
-    });
+    agree(ranks, [&] { memory.push_back(node_.takeMemory(tenant, "geometry", bytesOf(*operand.geometry))); });
   }
   std::shared_ptr<CompiledScene> scene;
   Bytes visible;
@@ -96,8 +93,7 @@ json Scenes::make(const json& p) {
   agree(ranks, [&] {
     const std::shared_ptr<const DeviceScene> device = node_.backend->makeScene(scene, node_.rank());
     const auto bytes = int64_t(scene->bytes() + device->bytes());
-    node_.expectMemory(tenant, bytes);
-    memory.push_back(node_.ledger.enter(tenant, "scene", bytes));
+    memory.push_back(node_.takeMemory(tenant, "scene", bytes));
     const std::lock_guard lock(mutex_);
     memory_[id] = std::move(memory);
     node_.renderer.addScene(id, scene, device);

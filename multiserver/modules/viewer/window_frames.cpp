@@ -59,10 +59,9 @@ uint64_t Window::render(const FrameOptions& options) {
   frame->pins = std::move(pinned.pins);
   Node& node = services_.node;
   const int64_t pixels = int64_t(frame->camera.dimensions.x) * frame->camera.dimensions.y;
-  node.expectMemory(tenant_, pixels * (options.passes > 1 ? 128 : 64));
-  if (options.passes > 1) frame->sumMemory = node.ledger.enter(tenant_, "passes", pixels * 64);
+  if (options.passes > 1) frame->sumMemory = node.takeMemory(tenant_, "passes", pixels * 64);
   frame->background = state.settings.background;
-  frame->slot = node.tenants.begin(tenant_);
+  frame->slot = node.tenants.begin(tenant_, node.costOf(tenant_, frame->camera.dimensions));
   frame->options = options;
   FramePtr older, skipped;
   bool waits = false;
@@ -132,6 +131,7 @@ void Window::startStage(const FramePtr& frame) {
     request.samples = frame->samples;
     request.firstSample = int32_t(frame->pass) * frame->samples;
     request.share = {services_.node.tenants.number(tenant_), true};
+    request.account = tenant_;
     wanted.encoding = frame->options.encoding;
     wanted.quality = frame->options.quality;
     if (frame->last() && frame->options.passes > 1) wanted.as = Wanted::As::Sums;
