@@ -378,6 +378,7 @@ void Renderer::finish(FrameId id, bool superseded) {
     over_.insert(id);
     while (over_.erase(firstNotOver_)) firstNotOver_++;
   }
+  if (options_.trace) options_.trace->addLong("frame", id, frame->begin);
   if (frame->owner != transport_.rank()) return;
   std::function<void()> task = [this, frame, superseded] { deliver(frame, superseded); };
   if (frame->request.share.interactive) return post(frame->request.share, std::move(task));
@@ -396,6 +397,7 @@ void Renderer::deliver(const FramePtr& frame, bool superseded) {
     handler = pictureHandler_;
   }
   if (!handler || superseded) return;
+  const Trace::Span span(options_.trace, "picture", frame->id);
   Picture picture = frame->request.sums
                         ? frame->framebuffer->sums()
                         : frame->framebuffer->picture(frame->scene.compiled->settings.background);

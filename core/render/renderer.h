@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "gxy/comm/completion.h"
+#include "gxy/comm/trace.h"
 #include "gxy/comm/transport.h"
 #include "gxy/rays/backend.h"
 #include "gxy/render/framebuffer.h"
@@ -71,6 +72,7 @@ class Renderer {
     std::string tenant = "batch";  ///< whose memory it is
     int64_t interactiveRays = 0;   ///< credits that are kept for interactive frames
     int64_t tenantRays = 0;        ///< credits that the frames of one tenant may have; 0: all
+    Trace* trace = nullptr;        ///< of packets, tiles, pictures and frames; outlives the Renderer
     int runners = 0;               ///< tasks that it gives the Transport at once; 0: all there are
   };
   using Finished = std::function<void(FrameId, bool superseded)>;

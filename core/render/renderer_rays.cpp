@@ -83,6 +83,7 @@ void Renderer::pump() {
 
 void Renderer::spawnTile(const FramePtr& frame, const Tile& tile, int64_t reserved) {
   if (!frame->cancelled) {
+    const Trace::Span span(options_.trace, "tile", frame->id);
     frame->scene.device->spawn(*frame->device, tile, [&](TraceResult result) {
       for (const LeavingRays& l : result.leaving) completion_.created(frame->id, uint64_t(l.rays.size()));
       {
@@ -124,6 +125,7 @@ void Renderer::process(const FramePtr& frame, int origin, std::vector<Held> stac
       giveBack(origin, frame->request.share.tenant, n * each);
       continue;
     }
+    const Trace::Span span(options_.trace, "packet", uint64_t(next.rays.size()));
     frame->scene.device->trace(
         *frame->device, next.partition, next.primary, std::move(next.rays), [&](TraceResult result) {
           completion_.created(frame->id, result.secondaries);

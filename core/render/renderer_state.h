@@ -33,6 +33,7 @@ struct Renderer::Frame {
   std::atomic<size_t> tilesLeft = 0;  ///< not yet spawned completely
   uint64_t turn = 0;                  ///< when a tile of it was spawned last
   std::atomic<bool> cancelled = false;
+  const Trace::Clock::time_point begin = Trace::Clock::now();
 
   const Account& account() const { return own ? *own : *shared; }
   int64_t nextCost() const;  ///< credits of the tile that is spawned next

@@ -60,8 +60,19 @@ json Datasets::importHere(const json& p) {
   const auto exchange = p.at("exchange").get<uint64_t>();
   const auto tenant = p.at("tenant").get<std::string>();
   const json& specs = p.at("datasets");
-  RankCollectives ranks = node_.collectives(exchange);
-  const std::shared_ptr<void> finish(nullptr, [&](void*) { node_.collective.finish(exchange); });
+  {
+    const std::lock_guard lock(mutex_);
+    underWay_.emplace(exchange, false);
+  }
+  RankCollectives ranks = node_.collectives(exchange, [&] {
+    const std::lock_guard lock(mutex_);
+    if (underWay_.at(exchange)) throw Error("cancelled");
+  });
+  const std::shared_ptr<void> finish(nullptr, [&](void*) {
+    node_.collective.finish(exchange);
+    const std::lock_guard lock(mutex_);
+    underWay_.erase(exchange);
+  });
   const auto report = [&](size_t done, const std::string& what) {
     agree(ranks, [&] {
       const std::lock_guard lock(mutex_);
@@ -242,6 +253,9 @@ void Datasets::import(Request& request, const Import& what) {
   const std::shared_ptr<void> forget(nullptr, [&](void*) {
     const std::lock_guard lock(mutex_);
     imports_.erase(exchange);
+  });
+  request.onCancel([this, exchange] {
+    node_.work.broadcast("datasets.cancel", {{"exchange", exchange}}, [](std::vector<Work::Reply>) {});
   });
   node_.callAll("datasets.import", parameters);
   if (!updates.empty()) commit(updates);

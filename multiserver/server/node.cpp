@@ -21,6 +21,7 @@ Renderer::Options rendererOptions(const NodeOptions& options, Ledger& ledger) {
   r.tenantRays = options.tenantRays;
   r.runners = options.threads;
   r.ledger = &ledger;
+  r.trace = options.trace;
   r.tenant = "frames";
   return r;
 }
@@ -38,7 +39,7 @@ Node::Node(Transport& t, NodeOptions o, const BackendRegistry& backends)
       renderer(t, rendererOptions(options, ledger)),
       datasets(std::make_unique<Datasets>(*this)),
       modules(std::make_unique<Modules>(*this)),
-      work(t) {
+      work(t, options.trace) {
   datasets->addWorks();
   modules->addWorks();
   addServerWorks(*this);

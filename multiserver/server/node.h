@@ -35,6 +35,7 @@ struct NodeOptions {
   int threads = 2;                          ///< of each rank, that run its tasks
   int64_t raysInFlight = 1 << 20;           ///< of each rank
   int64_t tenantRays = 0;                   ///< of one tenant, of each rank; 0: as many as there may be
+  Trace* trace = nullptr;  ///< of requests, works and rendering, if not null; outlives the node
 };
 
 /// Made on every rank at the same time, over its Transport, and destroyed on all ranks together. Threads: its parts are
@@ -51,7 +52,9 @@ struct Node {
 
   /// A number that names one exchange of all ranks (Collective); rank 0 draws it and tells the others.
   uint64_t nextExchange() { return ++exchanges_; }
-  RankCollectives collectives(uint64_t exchange) { return {collective, rank(), ranks(), exchange}; }
+  RankCollectives collectives(uint64_t exchange, std::function<void()> check = {}) {
+    return {collective, rank(), ranks(), exchange, std::move(check)};
+  }
 
   /// Work::callAll, with an error that all ranks have alike told once.
   std::vector<nlohmann::json> callAll(const std::string& name, const nlohmann::json& parameters);

@@ -198,6 +198,9 @@ const Verb& resolveVerb(Session& session, const std::string& name) {
 }
 
 void addServerWorks(Node& node) {
+  node.work.add("server.trace", [&node](const Work::Call&) -> json {
+    return node.options.trace ? node.options.trace->events(node.rank()) : std::string();
+  });
   node.work.add("server.stat", [&node](const Work::Call&) { return statisticsOfRank(node); });
 }
 

@@ -125,6 +125,7 @@ void Session::startAside(const RequestPtr& request, std::function<nlohmann::json
 }
 
 void Session::run(const RequestPtr& request, const std::function<nlohmann::json(Request&)>& action) {
+  const Trace::Span span(node_.options.trace, request->verb(), identity_.number);
   std::string text;
   try {
     request->check();

@@ -188,6 +188,22 @@ TEST(Data, ImportsOfOneNameAtOnceBecomeOneGenerationEach) {
       << "one name twice";
 }
 
+TEST(Data, AnImportThatIsCancelledEndsBetweenItsFilesAndLeavesNothing) {
+  const auto server = serve();
+  const auto client = dataClient(*server);
+  json state;
+  for (int i = 0; i < 500; i++)
+    state["Datasets"].push_back(
+        {{"name", "ball " + std::to_string(i)}, {"filename", "ball.vol"}, {"type", "Volume"}});
+  std::promise<Reply> ended;
+  const uint32_t id = client->send("import " + state.dump(), [&](const Reply& r) { ended.set_value(r); });
+  client->expect("cancel " + std::to_string(id));
+  EXPECT_EQ(ended.get_future().get().error, "cancelled");
+  EXPECT_EQ(names(*client), Names{});
+  for (int rank = 0; rank < 2; rank++) EXPECT_EQ(server->node(rank).ledger.total("user"), 0) << rank;
+  client->expect(importBall("ball"));
+}
+
 TEST(Data, QuotasOfMemoryHoldBeforeAnythingIsRead) {
   ServerSetup setup;
   setup.modules = GALAXY_MODULES;
