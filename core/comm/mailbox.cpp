@@ -20,6 +20,34 @@ void guarded(const ErrorReport& report, int rank, const char* what, const std::f
   }
 }
 
+namespace {
+
+const char* nameOf(Channel channel) {
+  switch (channel) {
+    case Channel::Work:
+      return "message: work";
+    case Channel::Completion:
+      return "message: completion";
+    case Channel::Collective:
+      return "message: collective";
+    case Channel::Rays:
+      return "message: rays";
+    case Channel::Contributions:
+      return "message: pixels";
+    case Channel::Frame:
+      return "message: frame";
+    case Channel::Credits:
+      return "message: credits";
+    case Channel::Pictures:
+      return "message: pictures";
+    case Channel::Test:
+      break;
+  }
+  return "message";
+}
+
+}  // namespace
+
 bool Mailbox::deliver(Delivery delivery) {
   std::lock_guard lock(running_);
   const auto found = handlers_.find(delivery.channel);
@@ -28,6 +56,7 @@ bool Mailbox::deliver(Delivery delivery) {
     kept_[channel].push_back(std::move(delivery));
     return false;
   }
+  const Trace::Span span(trace_, nameOf(delivery.channel), delivery.message.size());
   const auto handler = found->second;  // a copy: the handler may replace itself
   (*handler)(delivery.source, std::move(delivery.message));
   return true;

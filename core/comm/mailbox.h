@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "trace.h"
 #include "transport.h"
 
 namespace gxy {
@@ -32,6 +33,9 @@ struct Delivery {
 /// The handlers of one rank, run one at a time.
 class Mailbox {
  public:
+  /// Messages handled are stages of `trace`, if not null.
+  explicit Mailbox(Trace* trace = nullptr) : trace_(trace) {}
+
   /// Runs the handler of the message's channel. Without one the message is kept, and false returned.
   bool deliver(Delivery delivery);
 
@@ -40,6 +44,7 @@ class Mailbox {
   std::vector<Delivery> setHandler(Channel channel, Transport::Handler handler);
 
  private:
+  Trace* const trace_;
   std::recursive_mutex running_;  ///< held while a handler runs; recursive, as a handler may set handlers
   std::map<Channel, std::shared_ptr<const Transport::Handler>> handlers_;
   std::map<Channel, std::vector<Delivery>> kept_;

@@ -252,7 +252,7 @@ class MpiTransport::Progress {
   const int rank_, size_;
   const Node node_;
   const int threads_;
-  Mailbox mailbox_;
+  Mailbox mailbox_{options_.trace};
   PacketSender sender_;
   PacketReceiver receiver_;
   Backoff backoff_;

@@ -12,7 +12,7 @@ namespace gxy {
 
 /// The rank's progress thread is the only caller of MPI on a communicator of Galaxy's own. Messages that are
 /// handed over while it works are coalesced, per destination, into packets; larger ones stream from the
-/// sender's memory into the receiver's. Without traffic the thread sleeps, up to 4 ms at a time, but
+/// sender's memory into the receiver's. Without traffic the thread sleeps, up to 4 ms at a time, 16 ms after two quiet seconds, but
 /// wakes at once when something is sent here; after traffic it stays hot for a moment, unless the node has
 /// fewer cores than threads.
 ///
@@ -31,6 +31,7 @@ class MpiTransport final : public Transport {
     size_t packetBytes = 64 << 10;  ///< of a packet; a message over about half of it is streamed
     size_t chunkBytes = 16 << 20;   ///< of one MPI call when streaming, at most 2^30
     ErrorReport onError = logError;
+    Trace* trace = nullptr;  ///< of the messages that are handled; outlives the Transport
   };
 
   /// Initialises MPI if need be (mpi_environment.h). Throws Error on options out of range.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "thread_pool.h"
 
+#include <algorithm>
 #include <utility>
 
 namespace gxy {
@@ -11,7 +12,15 @@ ThreadPool::~ThreadPool() {
     stopping_ = true;
   }
   changed_.notify_all();
-  for (auto& thread : threads_) thread.join();
+  std::unique_lock lock(mutex_);
+  while (!threads_.empty()) {
+    std::thread thread = std::move(threads_.front());
+    threads_.pop_front();
+    lock.unlock();
+    thread.join();
+    lock.lock();
+  }
+  if (left_.joinable()) left_.join();
 }
 
 void ThreadPool::run(std::function<void()> task) {
@@ -22,19 +31,27 @@ void ThreadPool::run(std::function<void()> task) {
 }
 
 void ThreadPool::serve() {
-  std::unique_lock lock(mutex_);
-  while (true) {
-    ++idle_;
-    changed_.wait(lock, [this] { return stopping_ || !queue_.empty(); });
-    --idle_;
-    if (queue_.empty()) return;
-    auto task = std::move(queue_.front());
-    queue_.pop_front();
-    lock.unlock();
-    task();
-    task = nullptr;
-    lock.lock();
+  std::thread before;
+  {
+    std::unique_lock lock(mutex_);
+    while (stopping_ || !queue_.empty() || idle_ < kKept) {
+      ++idle_;
+      changed_.wait(lock, [this] { return stopping_ || !queue_.empty(); });
+      --idle_;
+      if (queue_.empty()) return;
+      auto task = std::move(queue_.front());
+      queue_.pop_front();
+      lock.unlock();
+      task();
+      task = nullptr;
+      lock.lock();
+    }
+    const auto own = std::find_if(threads_.begin(), threads_.end(),
+                                  [](const auto& t) { return t.get_id() == std::this_thread::get_id(); });
+    before = std::exchange(left_, std::move(*own));
+    threads_.erase(own);
   }
+  if (before.joinable()) before.join();
 }
 
 }  // namespace gxy

@@ -6,17 +6,18 @@
 #include <deque>
 #include <functional>
 #include <limits>
+#include <list>
 #include <mutex>
 #include <thread>
-#include <vector>
 
 namespace gxy {
 
-/// Runs tasks on threads made when needed and kept. Up to `limit` tasks run at once and the others queue;
-/// without a limit no task ever waits for another one to end, so tasks may wait for each other.
+/// Runs tasks on threads made when needed, of which kKept stay when idle. Up to `limit` tasks run at once and the others
+/// queue; without a limit no task ever waits for another one to end, so tasks may wait for each other.
 class ThreadPool {
  public:
   static constexpr size_t unlimited = std::numeric_limits<size_t>::max();
+  static constexpr size_t kKept = 16;
 
   explicit ThreadPool(size_t limit = unlimited) : limit_(limit) {}
 
@@ -36,7 +37,8 @@ class ThreadPool {
   std::mutex mutex_;
   std::condition_variable changed_;
   std::deque<std::function<void()>> queue_;
-  std::vector<std::thread> threads_;
+  std::list<std::thread> threads_;
+  std::thread left_;  ///< the one that ended last, not joined yet
   size_t idle_ = 0;
   bool stopping_ = false;
 };

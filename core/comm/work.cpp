@@ -69,7 +69,8 @@ struct Work::Request {
   std::vector<std::byte> attachment;
 };
 
-Work::Work(Transport& transport) : transport_(transport), gate_(std::make_shared<Gate>()) {
+Work::Work(Transport& transport, Trace* trace)
+    : transport_(transport), trace_(trace), gate_(std::make_shared<Gate>()) {
   transport_.onMessage(Channel::Work,
                        [this](int source, Bytes message) { receive(source, std::move(message)); });
 }
@@ -181,6 +182,7 @@ void Work::receiveRequest(Bytes message) {
 }
 
 void Work::run(const Request& request, const Action& action) {
+  const Trace::Span span(trace_, request.name, request.parameters.size());
   nlohmann::json result;
   std::string error;
   try {

@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "trace.h"
 #include "transport.h"
 
 namespace gxy {
@@ -46,7 +47,8 @@ class Work {
   /// Called once, as a task on the sender, with the replies by rank (of one rank, or of all).
   using OnDone = std::function<void(std::vector<Reply>)>;
 
-  explicit Work(Transport& transport);
+  /// Actions are stages of `trace`, if not null.
+  explicit Work(Transport& transport, Trace* trace = nullptr);
 
   /// Waits for the actions that run here, drops those that have not begun. Replies that are still out are not
   /// awaited, and their OnDone never called.
@@ -93,6 +95,7 @@ class Work {
   std::vector<nlohmann::json> wait(const std::function<void(OnDone)>& start);
 
   Transport& transport_;
+  Trace* const trace_;
   const std::shared_ptr<Gate> gate_;  ///< tasks share it: one that comes too late finds it closed
   std::mutex mutex_;
   std::map<std::string, Registered> actions_;

@@ -21,6 +21,9 @@ struct Collectives {
   virtual std::vector<Bytes> allGather(Bytes mine) = 0;
   /// `perRank[r]` goes to rank r; returns what each rank had for this one, by rank.
   virtual std::vector<Bytes> allToAll(std::vector<Bytes> perRank) = 0;
+  /// Throws Error if this rank's part is to end before it is done; called between files and between blocks of them, where
+  /// agree() makes all ranks end.
+  virtual void check() const {}
 };
 
 /// One rank by itself.
@@ -34,19 +37,23 @@ struct SingleRank final : Collectives {
 /// The ranks of a Transport, over a Collective and one of its keys.
 class RankCollectives final : public Collectives {
  public:
-  RankCollectives(Collective& collective, int rank, int size, uint64_t key)
-      : collective_(collective), rank_(rank), size_(size), key_(key) {}
+  RankCollectives(Collective& collective, int rank, int size, uint64_t key, std::function<void()> check = {})
+      : collective_(collective), rank_(rank), size_(size), key_(key), check_(std::move(check)) {}
   int rank() const override { return rank_; }
   int size() const override { return size_; }
   std::vector<Bytes> allGather(Bytes mine) override { return collective_.allGather(key_, std::move(mine)); }
   std::vector<Bytes> allToAll(std::vector<Bytes> perRank) override {
     return collective_.allToAll(key_, std::move(perRank));
   }
+  void check() const override {
+    if (check_) check_();
+  }
 
  private:
   Collective& collective_;
   int rank_, size_;
   uint64_t key_;
+  std::function<void()> check_;
 };
 
 /// Runs `work`, which must not communicate, on every rank. If it throws on any rank, throws Error on every

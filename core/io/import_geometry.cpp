@@ -72,7 +72,10 @@ LoadedGeometry loadGeometry(const std::string& path, GeometryKind kind, const st
     loaded.everywhere = pieces.size() == 1;
     const size_t first = loaded.everywhere ? 0 : pieces.size() * rank / size;
     const size_t last = loaded.everywhere ? 1 : pieces.size() * (rank + 1) / size;
-    for (size_t i = first; i < last; ++i) reading.add(readGeometry(pieces[i], kind, array));
+    for (size_t i = first; i < last; ++i) {
+      ranks.check();
+      reading.add(readGeometry(pieces[i], kind, array));
+    }
   });
 
   const bool values = sumOf(gatherCounts(ranks, !reading.values)) == 0;

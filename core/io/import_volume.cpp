@@ -58,6 +58,7 @@ std::shared_ptr<Volume> importVolume(const std::string& path, const std::string&
       VolumeBlock block;
       block.extent = extentOf(file.grid, partitioning.box(partition), ghosts);
       if (block.extent.count() == 0) continue;
+      ranks.check();
       block.samples.resize(size_t(block.extent.count()) * file.bytesPerPoint());
       readVolume(file, block.extent, block.samples);
       statistics.merge(statisticsOf(block.samples, type, volume->components, block.extent,
@@ -78,6 +79,7 @@ std::shared_ptr<Volume> importVolume(const std::string& path, const std::string&
 
   agree(ranks, [&] {
     for (auto& [partition, block] : volume->blocks) {
+      ranks.check();
       if (encoding.stored != type) block.samples = convert(block.samples, type, encoding);
       summarise(block, encoding.stored, volume->components);
     }

@@ -5,10 +5,10 @@
 
 namespace gxy {
 
-void ReadyQueue::push(const Share& share, Task task) {
+void ReadyQueue::push(const Share& share, Task task, bool first) {
   const std::lock_guard lock(mutex_);
-  (share.interactive ? interactive_ : others_)[share.tenant].tasks.push_back(std::move(task));
-  interactiveTasks_ += share.interactive;
+  std::deque<Task>& tasks = (share.interactive ? interactive_ : others_)[share.tenant].tasks;
+  tasks.insert(first ? tasks.begin() : tasks.end(), std::move(task));
   tasks_++;
 }
 
@@ -22,16 +22,10 @@ ReadyQueue::Task ReadyQueue::pop() {
     next->served = ++turn_;
     Task task = std::move(next->tasks.front());
     next->tasks.pop_front();
-    if (tenants == &interactive_) interactiveTasks_--;
     tasks_--;
     return task;
   }
   return {};
-}
-
-bool ReadyQueue::interactiveWaits() const {
-  const std::lock_guard lock(mutex_);
-  return interactiveTasks_ > 0;
 }
 
 bool ReadyQueue::empty() const {

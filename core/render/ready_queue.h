@@ -22,10 +22,10 @@ class ReadyQueue {
  public:
   using Task = std::function<void()>;
 
-  void push(const Share& share, Task task);
+  /// `first`: before the other tasks of its tenant, as the rest of one that gave way.
+  void push(const Share& share, Task task, bool first = false);
   /// Takes the next; empty if there is none.
   Task pop();
-  bool interactiveWaits() const;
   bool empty() const;
 
  private:
@@ -37,7 +37,7 @@ class ReadyQueue {
 
   mutable std::mutex mutex_;
   Tenants interactive_, others_;
-  size_t tasks_ = 0, interactiveTasks_ = 0;
+  size_t tasks_ = 0;
   uint64_t turn_ = 0;
 };
 

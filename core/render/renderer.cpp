@@ -24,7 +24,7 @@ void writeRequest(Writer& w, const FrameRequest& r) {
       .write(r.sums)
       .write(r.window)
       .write(r.share.tenant);
-  w.write(r.share.interactive).write(r.note);
+  w.write(r.share.interactive).write(r.account).write(r.note);
   w.write(c.viewpoint)
       .write(c.viewdirection)
       .write(c.viewup)
@@ -44,6 +44,7 @@ FrameRequest readRequest(Reader& in) {
   r.window = in.read<uint64_t>();
   r.share.tenant = in.read<uint32_t>();
   r.share.interactive = in.read<bool>();
+  r.account = in.readString();
   r.note = in.readString();
   c.viewpoint = in.read<glm::dvec3>();
   c.viewdirection = in.read<glm::dvec3>();
@@ -58,21 +59,24 @@ FrameRequest readRequest(Reader& in) {
   return r;
 }
 
-LedgerEntry purpose(const Renderer::Options& options, const char* what) {
-  return options.ledger ? options.ledger->enter(options.tenant, what, 0) : LedgerEntry();
+LedgerEntry entry(const Renderer::Options& options, const std::string& tenant, const char* purpose) {
+  return options.ledger ? options.ledger->enter(tenant, purpose, 0) : LedgerEntry();
 }
 
 }  // namespace
+
+Renderer::Account::Account(const Options& options, const std::string& tenant)
+    : rays(entry(options, tenant, "rays")),
+      framebuffer(entry(options, tenant, "framebuffer")),
+      picture(entry(options, tenant, "picture")),
+      tiles(entry(options, tenant, "tiles")) {}
 
 Renderer::Renderer(Transport& transport, Options options)
     : transport_(transport),
       options_(options),
       completion_(transport),
-      rayMemory_(purpose(options, "rays")),
-      framebufferMemory_(purpose(options, "framebuffer")),
-      pictureMemory_(purpose(options, "picture")),
-      parkedMemory_(purpose(options, "parked messages")),
-      tileMemory_(purpose(options, "tiles")),
+      account_(options, options.tenant),
+      parkedMemory_(entry(options, options.tenant, "parked messages")),
       tasks_(std::make_shared<Tasks>()),
       credits_(options.raysInFlight) {
   if (options_.packetRays < 16)
@@ -104,8 +108,8 @@ void Renderer::post(std::function<void()> task) {
 }
 
 // Runs the task when its turn has come.
-void Renderer::post(const Share& share, std::function<void()> task) {
-  ready_.push(share, std::move(task));
+void Renderer::post(const Share& share, std::function<void()> task, bool first) {
+  ready_.push(share, std::move(task), first);
   startRunner();
 }
 
@@ -156,6 +160,7 @@ Renderer::Kept Renderer::kept() const {
   kept.callbacks = pending_.size();
   kept.windows = windows_.size();
   kept.credits = options_.raysInFlight - credits_;
+  kept.tenantCredits = tenantOut_;
   return kept;
 }
 
@@ -167,7 +172,7 @@ FrameId Renderer::render(const FrameRequest& request, Finished finished) {
     if (!scenes_.count(request.scene))
       throw Error("there is no scene " + std::to_string(request.scene) + " to render");
     id = nextFrame_++;
-    pending_[id] = {std::move(finished), request.window, {}};
+    pending_[id] = {std::move(finished), request.window, request.share, {}};
     if (request.window) older = std::exchange(windows_[request.window], id);
   }
   if (older) supersede(older);
@@ -289,9 +294,12 @@ void Renderer::delivered(FrameId id) {
     if (window != windows_.end() && window->second == id) windows_.erase(window);
   }
   if (pending.finished)
-    post([finished = std::move(pending.finished), id, ending = std::move(pending.ending)] {
-      finished(id, ending);
-    });
+    post(
+        pending.share,
+        [finished = std::move(pending.finished), id, ending = std::move(pending.ending)] {
+          finished(id, ending);
+        },
+        true);
 }
 
 void Renderer::start(FrameId id, FrameRequest request, const Bytes& message) {
@@ -300,6 +308,8 @@ void Renderer::start(FrameId id, FrameRequest request, const Bytes& message) {
   frame->id = id;
   frame->request = request;
   frame->owner = int(id % uint64_t(transport_.size()));
+  frame->shared = &account_;
+  if (!request.account.empty()) frame->own.emplace(options_, request.account);
   {
     std::lock_guard lock(mutex_);
     const auto scene = scenes_.find(request.scene);
@@ -326,11 +336,11 @@ void Renderer::start(FrameId id, FrameRequest request, const Bytes& message) {
   if (frame->owner == transport_.rank()) {
     frame->framebuffer =
         std::make_unique<Framebuffer>(compiled.width, compiled.height, compiled.samples, compiled.depth);
-    frame->framebufferMemory = framebufferMemory_.another(int64_t(frame->framebuffer->bytes()));
+    frame->framebufferMemory = frame->account().framebuffer.another(int64_t(frame->framebuffer->bytes()));
   }
   TileList list = tilesOf(scene, compiled, transport_.rank());
   frame->tiles = std::move(list.tiles);
-  frame->tileMemory = tileMemory_.another(int64_t(frame->tiles.capacity() * sizeof(Tile)));
+  frame->tileMemory = frame->account().tiles.another(int64_t(frame->tiles.capacity() * sizeof(Tile)));
   frame->tilesLeft = frame->tiles.size();
   const bool spawnsNothing = frame->tiles.empty();  // asked here: once it is known, other threads take tiles
 
@@ -378,7 +388,11 @@ void Renderer::finish(FrameId id, bool hasPicture) {
     over_.insert(id);
     while (over_.erase(firstNotOver_)) firstNotOver_++;
   }
-  if (frame->owner == transport_.rank()) post([this, frame, hasPicture] { deliver(frame, hasPicture); });
+  if (options_.trace) options_.trace->addLong("frame", id, frame->begin);
+  if (frame->owner != transport_.rank()) return;
+  std::function<void()> task = [this, frame, hasPicture] { deliver(frame, hasPicture); };
+  if (frame->request.share.interactive) return post(frame->request.share, std::move(task));
+  transport_.postWaiting([tasks = tasks_, task = std::move(task)]() mutable { tasks->run(task); });
 }
 
 void Renderer::deliver(const FramePtr& frame, bool hasPicture) {
@@ -393,10 +407,11 @@ void Renderer::deliver(const FramePtr& frame, bool hasPicture) {
     handler = pictureHandler_;
   }
   if (!handler || !hasPicture) return;
+  const Trace::Span span(options_.trace, "picture", frame->id);
   Picture picture = frame->request.sums
                         ? frame->framebuffer->sums()
                         : frame->framebuffer->picture(frame->scene.compiled->settings.background);
-  const LedgerEntry memory = pictureMemory_.another(int64_t(picture.bytes()));
+  const LedgerEntry memory = frame->account().picture.another(int64_t(picture.bytes()));
   handler(frame->id, frame->request, std::move(picture));
 }
 

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "gxy/comm/completion.h"
+#include "gxy/comm/trace.h"
 #include "gxy/comm/transport.h"
 #include "gxy/rays/backend.h"
 #include "gxy/render/framebuffer.h"
@@ -34,6 +35,7 @@ struct FrameRequest {
   bool sums = false;    ///< the picture is handed out as its sums, without `rgba`
   uint64_t window = 0;  ///< not 0: a newer frame of the same window supersedes this one
   Share share;          ///< who goes first
+  std::string account;  ///< the tenant whose memory it is in the ledger; empty: Options::tenant
   std::string note;     ///< of the one who asks, for the picture handler
 };
 
@@ -52,8 +54,9 @@ struct FrameRequest {
 /// "framebuffer", "picture" (while its handler runs), "parked messages" and "tiles".
 ///
 /// Whose turn it is: on each rank, tasks run in the order of ReadyQueue, and rays are spawned for interactive frames first,
-/// else for each tenant in turn. A task that is under way is not interrupted, but it traces one packet at a time, and lets
-/// interactive ones go first after each.
+/// else for each tenant in turn. A task that is under way is not interrupted, but it traces one packet and puts the rest off,
+/// so that an interactive frame waits, on each rank that it passes, for the packets that are being traced and for no others.
+/// Pictures of frames that nobody watches are handed out beside the tasks (Transport::postWaiting), however long that takes.
 ///
 /// A superseded frame ends like any other, its rays retired where they are met, but hands out no picture. So does a frame
 /// that a rank's device could not do its part of: rank 0 hears what was wrong, and other frames go on. Messages that are
@@ -65,10 +68,12 @@ class Renderer {
   struct Options {
     int packetRays = 1024;           ///< rays that are traced together, at most; >= 16
     int64_t raysInFlight = 1 << 20;  ///< credits of a rank
-    Ledger* ledger = nullptr;      ///< where memory is accounted, if anywhere; needed by the constructor only
+    Ledger* ledger =
+        nullptr;  ///< where memory is accounted, if anywhere; outlives frames that name an account
     std::string tenant = "batch";  ///< whose memory it is
     int64_t interactiveRays = 0;   ///< credits that are kept for interactive frames
     int64_t tenantRays = 0;        ///< credits that the frames of one tenant may have; 0: all
+    Trace* trace = nullptr;        ///< of packets, tiles, pictures and frames; outlives the Renderer
     int runners = 0;               ///< tasks that it gives the Transport at once; 0: all there are
   };
   /// How a frame has ended: with a picture, or superseded, or with what went wrong on a rank's device.
@@ -118,7 +123,8 @@ class Renderer {
     size_t parkedMessages = 0;          ///< of frames that have not started here
     size_t callbacks = 0, windows = 0;  ///< rank 0
     size_t completionSets = 0;
-    int64_t credits = 0;  ///< out
+    int64_t credits = 0;                        ///< out
+    std::map<uint32_t, int64_t> tenantCredits;  ///< out, by tenant
   };
   Kept kept() const;
 
@@ -129,12 +135,18 @@ class Renderer {
   struct Held;
   struct Asked;
   class Tasks;
+  /// Entries without bytes, for what frames hold.
+  struct Account {
+    Account(const Options& options, const std::string& tenant);
+    LedgerEntry rays, framebuffer, picture, tiles;
+  };
   using FramePtr = std::shared_ptr<Frame>;
 
   /// Rank 0: a frame whose end has not been reported.
   struct Pending {
     Finished finished;
     uint64_t window = 0;
+    Share share;
     Ending ending;  ///< superseded by a frame that came before all its work was done, or the first error
     bool complete = false;  ///< all its work is done: too late to be superseded
   };
@@ -165,7 +177,7 @@ class Renderer {
            std::vector<Held>& stack);
   void answered(Asked& asked, TraceResult result);
   void putOff(const FramePtr& frame, int origin, std::vector<Held> rest);
-  Held hold(LeavingRays rays) const;
+  static Held hold(const Frame& frame, LeavingRays rays);
   void forward(const FramePtr& frame, int rank, int partition, bool primary, int origin, const RayList& rays);
   void contribute(const FramePtr& frame, TraceResult& result);
   void giveBack(int origin, uint32_t tenant, int64_t credits);
@@ -176,14 +188,15 @@ class Renderer {
   bool tenantMayTake(const Frame& frame) const;
   std::vector<FramePtr>::iterator nextToSpawn();
   void post(std::function<void()> task);
-  void post(const Share& share, std::function<void()> task);
+  void post(const Share& share, std::function<void()> task, bool first = false);
   void startRunner();
 
   Transport& transport_;
   const Options options_;
   Completion completion_;
   /// Without bytes: those of a purpose are entered by their another().
-  const LedgerEntry rayMemory_, framebufferMemory_, pictureMemory_, parkedMemory_, tileMemory_;
+  const Account account_;
+  const LedgerEntry parkedMemory_;
   const std::shared_ptr<Tasks> tasks_;
   ReadyQueue ready_;
   std::atomic<int> runners_ = 0;  ///< posted to the Transport; each runs one task of ready_

@@ -126,6 +126,7 @@ void Renderer::answered(Asked& asked, TraceResult result) {
 void Renderer::spawnTile(const FramePtr& frame, const Tile& tile, int64_t reserved) {
   std::vector<Held> stack;
   TraceResult nothing;
+  const Trace::Span span(options_.trace, "tile", frame->id);
   if (frame->cancelled)
     spawned(frame, nothing, reserved, stack);
   else
@@ -150,8 +151,8 @@ void Renderer::spawned(const FramePtr& frame, TraceResult& result, int64_t reser
   giveBack(transport_.rank(), frame->request.share.tenant, reserved);
 }
 
-Renderer::Held Renderer::hold(LeavingRays rays) const {
-  LedgerEntry memory = rayMemory_.another(rays.rays.bytes());
+Renderer::Held Renderer::hold(const Frame& frame, LeavingRays rays) {
+  LedgerEntry memory = frame.account().rays.another(rays.rays.bytes());
   return {std::move(rays), std::move(memory)};
 }
 
@@ -167,7 +168,7 @@ void Renderer::take(const FramePtr& frame, int origin, TraceResult& result, std:
   for (LeavingRays& l : result.leaving) {
     const int rank = frame->scene.compiled->partitioning->owner(l.partition);
     if (rank == transport_.rank())
-      stack.push_back(hold(std::move(l)));
+      stack.push_back(hold(*frame, std::move(l)));
     else
       forward(frame, rank, l.partition, l.primary, origin, l.rays);
   }
@@ -183,7 +184,7 @@ void Renderer::traced(const FramePtr& frame, int origin, bool primary, TraceResu
   giveBack(origin, frame->request.share.tenant, credits);
 }
 
-// Traces lists, and all that they become on this rank.
+// Traces one packet, and puts off the rest and all that it becomes on this rank.
 void Renderer::process(const FramePtr& frame, int origin, std::vector<Held> stack) {
   while (!stack.empty()) {
     Held next = std::move(stack.back());
@@ -191,12 +192,8 @@ void Renderer::process(const FramePtr& frame, int origin, std::vector<Held> stac
     LeavingRays& list = next.list;
     if (list.rays.size() > options_.packetRays) {  // in packets, first rays first
       for (RayList& part : list.rays.split(options_.packetRays))
-        stack.push_back(hold({list.partition, list.primary, std::move(part)}));
+        stack.push_back(hold(*frame, {list.partition, list.primary, std::move(part)}));
       continue;
-    }
-    if (!frame->request.share.interactive && ready_.interactiveWaits()) {  // they go first
-      stack.push_back(std::move(next));
-      return putOff(frame, origin, std::move(stack));
     }
     const auto rays = uint64_t(list.rays.size());
     const bool primary = list.primary;
@@ -206,6 +203,7 @@ void Renderer::process(const FramePtr& frame, int origin, std::vector<Held> stac
       traced(frame, origin, primary, ended, stack);
       continue;
     }
+    const Trace::Span span(options_.trace, "packet", rays);
     const auto memory = std::make_shared<LedgerEntry>(std::move(next.memory));  // until it is answered
     ask(
         frame, origin, rays,
@@ -217,6 +215,8 @@ void Renderer::process(const FramePtr& frame, int origin, std::vector<Held> stac
           traced(frame, origin, primary, result, rest);
         },
         stack);
+    if (!stack.empty()) putOff(frame, origin, std::move(stack));
+    return;
   }
 }
 
@@ -224,8 +224,9 @@ void Renderer::process(const FramePtr& frame, int origin, std::vector<Held> stac
 void Renderer::putOff(const FramePtr& frame, int origin, std::vector<Held> rest) {
   auto active = std::make_shared<Completion::Active>(completion_, frame->id);
   auto held = std::make_shared<std::vector<Held>>(std::move(rest));
-  post(frame->request.share,
-       [this, frame, origin, active, held] { process(frame, origin, std::move(*held)); });
+  post(
+      frame->request.share, [this, frame, origin, active, held] { process(frame, origin, std::move(*held)); },
+      true);
 }
 
 void Renderer::forward(const FramePtr& frame, int rank, int partition, bool primary, int origin,
@@ -283,12 +284,10 @@ void Renderer::receiveRays(Bytes message) {
   RayList rays = RayList::read(in.rest(), header.count, primary);
   if (const char* wrong = wrongIn(rays, primary, frame->limits)) in.fail(wrong);
   auto active = std::make_shared<Completion::Active>(completion_, header.frame);
-  auto held = std::make_shared<Held>(hold({header.partition, primary, std::move(rays)}));  // tasks are copied
-  post(frame->request.share, [this, frame, origin = header.origin, active, held] {
-    std::vector<Held> stack;
-    stack.push_back(std::move(*held));
-    process(frame, origin, std::move(stack));
-  });
+  auto held = std::make_shared<std::vector<Held>>();  // tasks are copied
+  held->push_back(hold(*frame, {header.partition, primary, std::move(rays)}));
+  post(frame->request.share,
+       [this, frame, origin = header.origin, active, held] { process(frame, origin, std::move(*held)); });
 }
 
 void Renderer::receiveContributions(Bytes message) {

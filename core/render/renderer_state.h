@@ -27,13 +27,17 @@ struct Renderer::Frame {
   int64_t perPrimary = 1;                    ///< credits of a primary ray
   RayLimits limits;                          ///< of rays that may come
   std::unique_ptr<Framebuffer> framebuffer;  ///< on the owner
+  const Account* shared = nullptr;           ///< of frames that name no account
+  std::optional<Account> own;
   LedgerEntry framebufferMemory, tileMemory;
   std::vector<Tile> tiles;            ///< still to be spawned, last first
   std::atomic<size_t> tilesLeft = 0;  ///< not yet spawned completely
   uint64_t turn = 0;                  ///< when a tile of it was spawned last
   std::atomic<bool> cancelled = false;
   std::atomic<bool> failed = false;  ///< rank 0 has been told, by this rank
+  const Trace::Clock::time_point begin = Trace::Clock::now();
 
+  const Account& account() const { return own ? *own : *shared; }
   int64_t nextCost() const;  ///< credits of the tile that is spawned next
 };
 

@@ -16,17 +16,9 @@
 namespace gxy {
 
 namespace asio = boost::asio;
-using protocol::Frame;
 using protocol::FrameChannel;
-using protocol::FrameReader;
 
 namespace {
-
-FrameReader::Rules helloRules() {
-  FrameReader::Rules rules;
-  rules.most[size_t(FrameChannel::Control)] = protocol::kMaxHelloBytes;
-  return rules;
-}
 
 constexpr int kSendBuffer = 256 << 10;  // twice what 20 Mbit/s and 40 ms need; more would only be latency
 constexpr int kUnsent = 64 << 10;  // that the system takes before it has sent it: it can no longer be dropped
@@ -34,57 +26,45 @@ constexpr int kUnsent = 64 << 10;  // that the system takes before it has sent i
 }  // namespace
 
 Connection::Connection(Socket socket, std::shared_ptr<asio::io_context> context, Node& node, Options options,
-                       Admit admit, Closed closed)
+                       Dialogue::Admit admit, Closed closed)
     : context_(std::move(context)),
       socket_(std::move(socket)),
       timer_(socket_.get_executor()),
       node_(node),
       options_(options),
       admit_(std::move(admit)),
-      onClosed_(std::move(closed)),
-      reader_(helloRules()) {}
+      onClosed_(std::move(closed)) {}
 
 void Connection::start() {
   boost::system::error_code ignored;
   socket_.set_option(asio::ip::tcp::no_delay(true), ignored);
   socket_.set_option(asio::socket_base::send_buffer_size(kSendBuffer), ignored);
   ::setsockopt(socket_.native_handle(), IPPROTO_TCP, TCP_NOTSENT_LOWAT, &kUnsent, sizeof kUnsent);
-  const std::weak_ptr<Connection> weak = weak_from_this();
-  outbox_ = std::make_shared<Outbox>(
-      options_.outbox,
-      [weak, context = context_] {
-        asio::post(*context, [weak] {
-          if (const auto self = weak.lock()) self->wake();
-        });
-      },
-      node_.ledger.enter("server", "to be sent", 0));
-  readPreamble();
+  // Calls, on the sockets' thread, as long as there is a connection.
+  const auto later = [weak = weak_from_this(), context = context_](void (Connection::*action)()) {
+    return [weak, context, action] {
+      asio::post(*context, [weak, action] {
+        if (const auto self = weak.lock()) (self.get()->*action)();
+      });
+    };
+  };
+  outbox_ = std::make_shared<Outbox>(options_.outbox, later(&Connection::wake),
+                                     node_.ledger.enter("server", "to be sent", 0));
+  dialogue_.emplace(
+      outbox_, options_.limits,
+      [this, answered = later(&Connection::read)](
+          const protocol::Hello& hello, const std::shared_ptr<Outbox>& outbox, protocol::Welcome& welcome) {
+        auto session = admit_(hello, outbox, welcome);
+        session->onAnswered = answered;
+        return session;
+      });
+  greet();
+  read();
   watch();
 }
 
-void Connection::readPreamble() {
-  asio::async_read(socket_, asio::buffer(preamble_), [self = shared_from_this()](auto failed, size_t) {
-    if (failed || self->closed_) return self->close();
-    try {
-      protocol::checkPreamble(self->preamble_);
-    } catch (const Error& e) {
-      if (std::equal(protocol::kMagic.begin(), protocol::kMagic.end(),
-                     reinterpret_cast<const unsigned char*>(self->preamble_.data())))
-        return self->bye(e.what());
-      return self->close();
-    }
-    self->heard_ = Clock::now();
-    self->read();
-    self->write();
-  });
-}
-
-bool Connection::paused() const {
-  return outbox_->congested() || (session_ && session_->unanswered() >= options_.limits.requests);
-}
-
 void Connection::read() {
-  if (reading_ || closed_ || leaving_ || paused()) return;
+  if (reading_ || closed_ || leaving_ || dialogue_->paused()) return;
   if (!unread_.empty()) return consume();
   reading_ = true;
   socket_.async_read_some(asio::buffer(buffer_), [self = shared_from_this()](auto failed, size_t size) {
@@ -98,50 +78,24 @@ void Connection::read() {
 }
 
 void Connection::consume() {
+  if (closed_ || leaving_) return;
   try {
-    while (!unread_.empty() && !closed_ && !leaving_ && !paused())
-      if (auto frame = reader_.take(unread_)) take(*std::move(frame));
+    dialogue_->take(unread_);
   } catch (const std::exception& e) {
     return bye(e.what());
   }
+  if (dialogue_->over()) return close();
   // On the stack of a long chain otherwise.
   asio::post(socket_.get_executor(), [self = shared_from_this()] { self->read(); });
 }
 
-void Connection::take(Frame frame) {
-  if (frame.channel == FrameChannel::Control)
-    control(frame.text());
-  else
-    session_->submit(frame.id, std::string(frame.text()));
-}
-
-void Connection::control(std::string_view text) {
-  if (!session_) return hello(text);
-  if (const auto number = protocol::afterWord(text, "ping")) {
-    if (number->size() > 20 ||
-        !std::all_of(number->begin(), number->end(), [](char c) { return c >= '0' && c <= '9'; }))
-      throw Error("ping: expected `ping N`, N of at most 20 digits");
-    return outbox_->control("pong " + std::string(*number));
-  }
-  if (protocol::afterWord(text, "pong")) return;
-  if (protocol::afterWord(text, "bye")) return close();
-  throw Error("control frame: expected ping, pong or bye");
-}
-
-void Connection::hello(std::string_view text) {
-  protocol::Welcome welcome;
-  std::string reason;
-  auto session = admit_(protocol::parseHello(text), outbox_, welcome, reason);
-  if (!session) return bye(reason);
-  session_ = std::move(session);
-  const std::weak_ptr<Connection> weak = weak_from_this();
-  session_->onAnswered = [weak, context = context_] {
-    asio::post(*context, [weak] {
-      if (const auto self = weak.lock()) self->read();
-    });
-  };
-  reader_.setRules(FrameReader::fromClient(options_.limits.requestBytes));
-  outbox_->control(protocol::welcomeText(welcome));
+void Connection::greet() {
+  writing_ = true;
+  asio::async_write(socket_, asio::buffer(greeting_), [self = shared_from_this()](auto failed, size_t) {
+    self->writing_ = false;
+    if (failed) return self->close();
+    self->write();
+  });
 }
 
 void Connection::wake() {
@@ -152,17 +106,6 @@ void Connection::wake() {
 void Connection::write() {
   if (writing_ || closed_) return;
   writing_ = true;
-  if (!greeted_) {
-    greeted_ = true;
-    const auto hello =
-        std::make_shared<std::array<std::byte, protocol::kPreambleBytes>>(protocol::preamble());
-    asio::async_write(socket_, asio::buffer(*hello), [self = shared_from_this(), hello](auto failed, size_t) {
-      self->writing_ = false;
-      if (failed) return self->close();
-      self->write();
-    });
-    return;
-  }
   auto frame = outbox_->next();
   if (!frame) {
     writing_ = false;
@@ -191,7 +134,7 @@ void Connection::watch() {
     if (failed || self->closed_) return;
     const auto now = Clock::now();
     const Patience& patience = self->options_.patience;
-    if (!self->session_ && now > self->begin_ + patience.handshake) return self->close();
+    if (!self->session() && now > self->begin_ + patience.handshake) return self->close();
     // A slow reader may answer a ping late, but its machine acknowledges more and more; a dead one acknowledges nothing.
     int underWay = 0;
     if (ioctl(self->socket_.native_handle(), SIOCOUTQ, &underWay) == 0 &&
@@ -200,7 +143,7 @@ void Connection::watch() {
       self->heard_ = now;
     }
     if (now > self->heard_ + patience.silence) return self->close();
-    if (self->session_ && now > std::max(self->heard_, self->asked_) + patience.ping) {
+    if (self->session() && now > std::max(self->heard_, self->asked_) + patience.ping) {
       self->asked_ = now;
       self->outbox_->control("ping 0");
     }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The socket of one client: handshake, frames in and out, keep-alive.
+// The socket of one client: bytes in, frames out, keep-alive.
 #pragma once
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
@@ -10,12 +10,10 @@
 #include <chrono>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 
-#include "gxy/protocol/frame.h"
-#include "gxy/protocol/handshake.h"
-#include "gxy/server/outbox.h"
-#include "gxy/server/session.h"
+#include "gxy/server/dialogue.h"
 
 namespace gxy {
 
@@ -31,9 +29,6 @@ class Connection : public std::enable_shared_from_this<Connection> {
   using Socket = boost::asio::ip::tcp::socket;
   using Clock = std::chrono::steady_clock;
 
-  /// Makes the session of a client that has said hello; null, and the reason, when it is refused.
-  using Admit = std::function<std::shared_ptr<Session>(const protocol::Hello&, const std::shared_ptr<Outbox>&,
-                                                       protocol::Welcome&, std::string& reason)>;
   using Closed = std::function<void(const std::shared_ptr<Connection>&)>;
 
   struct Options {
@@ -44,7 +39,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
 
   /// `context`: the socket's. Sessions may have something to say until their last task has ended, so it is shared.
   Connection(Socket socket, std::shared_ptr<boost::asio::io_context> context, Node& node, Options options,
-             Admit admit, Closed closed);
+             Dialogue::Admit admit, Closed closed);
 
   void start();
   /// Says `bye REASON`, sends what control frames wait, and closes.
@@ -52,21 +47,17 @@ class Connection : public std::enable_shared_from_this<Connection> {
   /// At once.
   void close();
 
-  /// Null before the handshake.
-  const std::shared_ptr<Session>& session() const { return session_; }
+  /// Null before the handshake. This and what follows: once it has started.
+  const std::shared_ptr<Session>& session() const { return dialogue_->session(); }
   Outbox& outbox() { return *outbox_; }
   uint64_t receivedBytes() const { return received_; }
 
  private:
-  void readPreamble();
+  void greet();
   void read();
   void consume();
-  void take(protocol::Frame frame);
-  void control(std::string_view text);
-  void hello(std::string_view text);
   void write();
   void watch();
-  bool paused() const;
   void wake();
 
   const std::shared_ptr<boost::asio::io_context> context_;
@@ -74,18 +65,17 @@ class Connection : public std::enable_shared_from_this<Connection> {
   boost::asio::steady_timer timer_;
   Node& node_;
   const Options options_;
-  const Admit admit_;
+  const Dialogue::Admit admit_;
   const Closed onClosed_;
-  protocol::FrameReader reader_;
   std::shared_ptr<Outbox> outbox_;
-  std::shared_ptr<Session> session_;
+  std::optional<Dialogue> dialogue_;
 
-  std::array<std::byte, protocol::kPreambleBytes> preamble_{};
+  const std::array<std::byte, protocol::kPreambleBytes> greeting_ = protocol::preamble();
   std::array<std::byte, 64 << 10> buffer_;
   std::span<const std::byte> unread_;  ///< of buffer_
   std::array<std::byte, protocol::kHeaderBytes> header_{};
   protocol::Frame writingFrame_;
-  bool greeted_ = false, reading_ = false, writing_ = false, leaving_ = false, closed_ = false;
+  bool reading_ = false, writing_ = false, leaving_ = false, closed_ = false;
   Clock::time_point heard_ = Clock::now(), asked_ = Clock::now();
   const Clock::time_point begin_ = Clock::now();
   int64_t written_ = 0,

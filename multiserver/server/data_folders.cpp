@@ -1,7 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gxy/server/data_folders.h"
 
+#include <fcntl.h>
+#include <unistd.h>
+
 #include <algorithm>
+#include <cerrno>
+#include <cstring>
 
 #include "gxy/comm/error.h"
 #include "gxy/io/referenced_files.h"
@@ -69,6 +74,41 @@ std::string DataFolders::toWrite(const std::string& name) const {
   if (fs::exists(fs::symlink_status(file, failed)) && !fs::is_regular_file(fs::symlink_status(file, failed)))
     refuse(name, "it is there and not a regular file");
   return file.string();
+}
+
+void DataFolders::write(const std::string& path, std::span<const std::byte> bytes) const {
+  const fs::path place(path);
+  const auto fail = [&](int reason) { throw Error(path + ": cannot be written: " + std::strerror(reason)); };
+  /// Closes with its scope.
+  struct Descriptor {
+    int number;
+    ~Descriptor() {
+      if (number >= 0) ::close(number);
+    }
+  };
+  const Descriptor folder{::open(place.parent_path().c_str(), O_PATH | O_DIRECTORY | O_CLOEXEC)};
+  if (folder.number < 0) fail(errno);
+  std::error_code failed;
+  if (!holds(fs::read_symlink("/proc/self/fd/" + std::to_string(folder.number), failed)) || failed)
+    refuse(path, "it cannot be written");
+  const std::string name = place.filename(), partial = name + ".partial";
+  ::unlinkat(folder.number, partial.c_str(), 0);
+  const Descriptor file{
+      ::openat(folder.number, partial.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666)};
+  if (file.number < 0) fail(errno);
+  int reason = 0;
+  while (!bytes.empty() && reason == 0) {
+    const ssize_t put = ::write(file.number, bytes.data(), std::min(bytes.size(), size_t(1) << 30));
+    if (put >= 0)
+      bytes = bytes.subspan(size_t(put));
+    else if (errno != EINTR)
+      reason = errno;
+  }
+  if (reason == 0 && ::renameat(folder.number, partial.c_str(), folder.number, name.c_str()) != 0)
+    reason = errno;
+  if (reason == 0) return;
+  ::unlinkat(folder.number, partial.c_str(), 0);
+  fail(reason);
 }
 
 }  // namespace gxy

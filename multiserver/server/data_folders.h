@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // The folders that clients may read and write files in, and nothing beyond.
 #pragma once
+#include <cstddef>
 #include <filesystem>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -22,6 +24,9 @@ class DataFolders {
 
   /// A file to write; a relative name means the first folder. Its own folder must exist.
   std::string toWrite(const std::string& name) const;
+  /// Writes such a file, whole or not at all. What toWrite() found is looked at once more when it is open, and no link is
+  /// followed: whoever puts links in its place meanwhile gains nothing. Throws Error.
+  void write(const std::string& path, std::span<const std::byte> bytes) const;
 
   const std::vector<std::filesystem::path>& folders() const { return folders_; }
 

@@ -62,6 +62,12 @@ void Datasets::addWorks() {
   node_.work.add(
       "datasets.import", [this](const Work::Call& call) { return importHere(call.parameters); },
       Work::Runs::Waiting);
+  node_.work.add("datasets.cancel", [this](const Work::Call& call) -> json {
+    const std::lock_guard lock(mutex_);
+    const auto import = underWay_.find(call.parameters.at("exchange").get<uint64_t>());
+    if (import != underWay_.end()) import->second = true;
+    return nullptr;
+  });
   node_.work.add("datasets.info", [this](const Work::Call& call) { return infoHere(call.parameters); });
   node_.work.add("datasets.drop", [this](const Work::Call& call) -> json {
     const Key key{call.parameters.at("key").get<uint64_t>()};
@@ -154,21 +160,20 @@ void Datasets::add(const std::string& tenant, const std::string& name, Scope sco
   const DirectoryEntry entry{key, nameOf(type), tenant, scope == Scope::Shared};
   std::optional<DirectoryEntry> before;
   try {
+    const std::lock_guard naming(naming_);
     before = node_.directory.bind(name, scope, entry);
+    {
+      const std::lock_guard lock(mutex_);
+      names_[key] = {name, scope};
+      newest_[tenant].push_back(key);
+    }
+    if (before) tell({DatasetEvent::Kind::Dropped, named(name, scope, *before), {}});
+    tell({DatasetEvent::Kind::Added, named(name, scope, entry), {}});
   } catch (const Error&) {
     dropObject(key);
     throw;
   }
-  {
-    const std::lock_guard lock(mutex_);
-    names_[key] = {name, scope};
-    newest_[tenant].push_back(key);
-  }
-  if (before) {
-    tell({DatasetEvent::Kind::Dropped, named(name, scope, *before), {}});
-    dropObject(before->key);
-  }
-  tell({DatasetEvent::Kind::Added, named(name, scope, entry), {}});
+  if (before) dropObject(before->key);
 }
 
 void Datasets::dropObject(Key key) {
@@ -181,14 +186,20 @@ void Datasets::dropObject(Key key) {
 }
 
 void Datasets::drop(const std::string& tenant, const std::string& name) {
-  const NamedDataset dataset = get(tenant, name);
-  node_.directory.remove(tenant, name, dataset.scope);
-  tell({DatasetEvent::Kind::Dropped, dataset, {}});
-  dropObject(dataset.key);
+  Key key;
+  {
+    const std::lock_guard naming(naming_);
+    const NamedDataset dataset = get(tenant, name);
+    node_.directory.remove(tenant, name, dataset.scope);
+    key = dataset.key;
+    tell({DatasetEvent::Kind::Dropped, dataset, {}});
+  }
+  dropObject(key);
 }
 
 void Datasets::rename(const std::string& tenant, const std::string& name, const std::string& newName) {
   checkDatasetName(newName);
+  const std::lock_guard naming(naming_);
   const NamedDataset d = get(tenant, name);
   if (find(tenant, newName))
     throw Error("rename: the name " + inQuotes(newName) + " is in use, expected a free one");
@@ -204,6 +215,7 @@ void Datasets::rename(const std::string& tenant, const std::string& name, const 
 }
 
 void Datasets::move(const std::string& tenant, const std::string& name, Scope to, bool readOnly) {
+  const std::lock_guard naming(naming_);
   NamedDataset d = get(tenant, name);
   if (d.owner != tenant)
     throw Error("dataset " + inQuotes(name) + " belongs to " + d.owner + ", expected one of your own");

@@ -8,6 +8,7 @@
 #include <mutex>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -74,10 +75,11 @@ class Datasets {
     std::vector<DatasetSpec> specs;
     Scope scope = Scope::Private;
     bool newPartitioning = false;
-    std::string like;  ///< the dataset whose partitioning is to be used; empty: see docs/protocol.md
+    std::string like;          ///< the dataset whose partitioning is to be used; empty: see docs/protocol.md
+    bool onlyMissing = false;  ///< leaves out names that the tenant sees already
   };
-  /// Reads files and names what is in them: all or nothing. Waits. The request's tenant owns them; it is told the progress,
-  /// and its cancelling ends the import.
+  /// Reads files and names what is in them: all or nothing. Waits, also for other imports of the same names, which come one
+  /// after the other. The request's tenant owns them; it is told the progress, and its cancelling ends the import.
   void import(Request& request, const Import& what);
 
   /// Puts a dataset of `type` in the directory whose parts a work has made on all ranks, each by Objects::add under `key`.
@@ -107,8 +109,8 @@ class Datasets {
   Pin pin(Key key, Generation generation) const { return node_.objects.pin(key, generation); }
 
  private:
-  struct Pending;
   nlohmann::json importHere(const nlohmann::json& parameters);
+  std::shared_ptr<void> takeNames(Request& request, const Import& what);
   /// New generations, on rank 0 last: what it tells of is everywhere, and the generation before is still held.
   void commit(const nlohmann::json& updates);
   void commitHere(const nlohmann::json& updates);
@@ -123,7 +125,10 @@ class Datasets {
   Observers::Subscription subscription_;
   mutable std::mutex mutex_;
   std::condition_variable changed_;
-  std::map<uint64_t, Request*> imports_;                ///< rank 0: by exchange
+  std::mutex naming_;  ///< held while names change and that is told: one change at a time; before mutex_
+  std::map<uint64_t, Request*> imports_;  ///< rank 0: by exchange
+  std::map<uint64_t, bool> underWay_;     ///< by exchange: an import here, and whether it is to end
+  std::set<std::string> importing_;       ///< rank 0: names with their scopes
   std::map<Key, std::pair<std::string, Scope>> names_;  ///< rank 0: of each object
   std::map<std::string, std::vector<Key>> newest_;      ///< rank 0: by owner, newest last
   std::map<uint64_t, std::shared_ptr<Observer>> observers_;

@@ -60,8 +60,19 @@ json Datasets::importHere(const json& p) {
   const auto exchange = p.at("exchange").get<uint64_t>();
   const auto tenant = p.at("tenant").get<std::string>();
   const json& specs = p.at("datasets");
-  RankCollectives ranks = node_.collectives(exchange);
-  const std::shared_ptr<void> finish(nullptr, [&](void*) { node_.collective.finish(exchange); });
+  {
+    const std::lock_guard lock(mutex_);
+    underWay_.emplace(exchange, false);
+  }
+  RankCollectives ranks = node_.collectives(exchange, [&] {
+    const std::lock_guard lock(mutex_);
+    if (underWay_.at(exchange)) throw Error("cancelled");
+  });
+  const std::shared_ptr<void> finish(nullptr, [&](void*) {
+    node_.collective.finish(exchange);
+    const std::lock_guard lock(mutex_);
+    underWay_.erase(exchange);
+  });
   const auto report = [&](size_t done, const std::string& what) {
     agree(ranks, [&] {
       const std::lock_guard lock(mutex_);
@@ -96,8 +107,7 @@ json Datasets::importHere(const json& p) {
       auto geometry = std::make_shared<LoadedGeometry>(loadGeometry(d.file, kindOf(d.type), d.array, ranks));
       agree(ranks, [&] {
         d.bytes = bytesOf(geometry->block);
-        node_.expectMemory(tenant, d.bytes);
-        d.memory = node_.ledger.enter(tenant, "geometry", d.bytes);
+        d.memory = node_.takeMemory(tenant, "geometry", d.bytes);
       });
       box.extend(geometry->box);
       d.geometry = std::move(geometry);
@@ -141,8 +151,7 @@ json Datasets::importHere(const json& p) {
     if (d.type != DatasetType::Volume) continue;
     agree(ranks, [&] {
       d.bytes = bytesToCome(openVolume(d.file, d.array), *partitioning, node_.rank());
-      node_.expectMemory(tenant, d.bytes);
-      d.memory = node_.ledger.enter(tenant, "volume", d.bytes);
+      d.memory = node_.takeMemory(tenant, "volume", d.bytes);
     });
     d.volume = importVolume(d.file, d.array, *partitioning, kGhostLayers, ranks);
     d.bytes = gxy::bytesOf(*d.volume);
@@ -178,9 +187,42 @@ json Datasets::importHere(const json& p) {
   return nullptr;
 }
 
+// The names are the caller's until it lets go.
+std::shared_ptr<void> Datasets::takeNames(Request& request, const Import& what) {
+  std::set<std::string> names;
+  for (const DatasetSpec& d : what.specs) {
+    checkDatasetName(d.name);
+    const std::string whose = what.scope == Scope::Shared ? "" : request.session().tenant();
+    if (!names.insert(whose + "\n" + d.name).second)
+      throw Error("import: the name " + inQuotes(d.name) +
+                  " is there twice, expected a name for each dataset");
+  }
+  request.onCancel([this] {
+    const std::lock_guard lock(mutex_);
+    changed_.notify_all();
+  });
+  std::unique_lock lock(mutex_);
+  changed_.wait(lock, [&] {
+    return request.cancelled() || std::none_of(names.begin(), names.end(), [this](const std::string& name) {
+             return importing_.count(name) > 0;
+           });
+  });
+  request.check();
+  importing_.insert(names.begin(), names.end());
+  return {nullptr, [this, names](void*) {
+            const std::lock_guard again(mutex_);
+            for (const std::string& name : names) importing_.erase(name);
+            changed_.notify_all();
+          }};
+}
+
 void Datasets::import(Request& request, const Import& what) {
   const std::string tenant = request.session().tenant();
   if (what.specs.empty()) throw Error("import: there is no dataset in `Datasets`, expected one or more");
+  const std::shared_ptr<void> names = takeNames(request, what);
+  std::vector<DatasetSpec> specs = what.specs;
+  if (what.onlyMissing) std::erase_if(specs, [&](const DatasetSpec& d) { return find(tenant, d.name); });
+  if (specs.empty()) return;
   const uint64_t exchange = node_.nextExchange();
   json parameters{{"exchange", exchange},
                   {"tenant", tenant},
@@ -188,8 +230,7 @@ void Datasets::import(Request& request, const Import& what) {
                   {"like", what.like.empty() ? 0 : get(tenant, what.like).key.value}};
   json updates = json::array();
   std::vector<std::pair<const DatasetSpec*, Key>> added;
-  for (const DatasetSpec& d : what.specs) {
-    checkDatasetName(d.name);
+  for (const DatasetSpec& d : specs) {
     json spec = specToJson(d);
     const auto present = find(tenant, d.name);
     if (present && present->scope == what.scope && present->owner != tenant && present->readOnly)
@@ -213,10 +254,13 @@ void Datasets::import(Request& request, const Import& what) {
     const std::lock_guard lock(mutex_);
     imports_.erase(exchange);
   });
+  request.onCancel([this, exchange] {
+    node_.work.broadcast("datasets.cancel", {{"exchange", exchange}}, [](std::vector<Work::Reply>) {});
+  });
   node_.callAll("datasets.import", parameters);
   if (!updates.empty()) commit(updates);
   for (const auto& [d, key] : added) add(tenant, d->name, what.scope, key, d->type);
-  request.progress(int64_t(2 * what.specs.size()), int64_t(2 * what.specs.size()), "done");
+  request.progress(int64_t(2 * specs.size()), int64_t(2 * specs.size()), "done");
 }
 
 }  // namespace gxy

@@ -21,6 +21,7 @@ Renderer::Options rendererOptions(const NodeOptions& options, Ledger& ledger) {
   r.tenantRays = options.tenantRays;
   r.runners = options.threads;
   r.ledger = &ledger;
+  r.trace = options.trace;
   r.tenant = "frames";
   return r;
 }
@@ -38,7 +39,7 @@ Node::Node(Transport& t, NodeOptions o, const BackendRegistry& backends)
       renderer(t, rendererOptions(options, ledger)),
       datasets(std::make_unique<Datasets>(*this)),
       modules(std::make_unique<Modules>(*this)),
-      work(t) {
+      work(t, options.trace) {
   datasets->addWorks();
   modules->addWorks();
   addServerWorks(*this);
@@ -66,7 +67,8 @@ std::vector<nlohmann::json> Node::callAll(const std::string& name, const nlohman
   return results;
 }
 
-void Node::expectMemory(const std::string& tenant, int64_t bytes) const {
+LedgerEntry Node::takeMemory(const std::string& tenant, const std::string& purpose, int64_t bytes) {
+  const std::lock_guard lock(memory_);  // so that two do not take the same room
   const auto check = [&](int64_t used, int64_t limit, const std::string& whose) {
     if (bytes > limit - used)
       throw Error("memory: " + std::to_string(bytes) + " bytes are needed, but of " + whose + "'s " +
@@ -75,6 +77,15 @@ void Node::expectMemory(const std::string& tenant, int64_t bytes) const {
   };
   check(ledger.total(tenant), options.tenantMemory, "tenant " + tenant);
   check(ledger.total(), options.memory, "this rank");
+  return ledger.enter(tenant, purpose, bytes);
+}
+
+Tenants::Cost Node::costOf(const std::string& tenant, glm::ivec2 size) const {
+  constexpr int64_t kBytes =
+      64;  // of a pixel: 32 in the framebuffer, 16 in the picture, the rest in tiles and messages
+  return {int64_t(size.x) * size.y * kBytes, [this, tenant] {
+            return std::min(options.tenantMemory - ledger.total(tenant), options.memory - ledger.total());
+          }};
 }
 
 }  // namespace gxy

@@ -5,6 +5,7 @@
 #include <chrono>
 #include <functional>
 #include <memory>
+#include <mutex>
 #include <string>
 #include <vector>
 
@@ -34,6 +35,7 @@ struct NodeOptions {
   int threads = 2;                          ///< of each rank, that run its tasks
   int64_t raysInFlight = 1 << 20;           ///< of each rank
   int64_t tenantRays = 0;                   ///< of one tenant, of each rank; 0: as many as there may be
+  Trace* trace = nullptr;  ///< of requests, works and rendering, if not null; outlives the node
 };
 
 /// Made on every rank at the same time, over its Transport, and destroyed on all ranks together. Threads: its parts are
@@ -50,13 +52,19 @@ struct Node {
 
   /// A number that names one exchange of all ranks (Collective); rank 0 draws it and tells the others.
   uint64_t nextExchange() { return ++exchanges_; }
-  RankCollectives collectives(uint64_t exchange) { return {collective, rank(), ranks(), exchange}; }
+  RankCollectives collectives(uint64_t exchange, std::function<void()> check = {}) {
+    return {collective, rank(), ranks(), exchange, std::move(check)};
+  }
 
   /// Work::callAll, with an error that all ranks have alike told once.
   std::vector<nlohmann::json> callAll(const std::string& name, const nlohmann::json& parameters);
 
-  /// Whether a tenant may have so many bytes more on this rank. Throws Error if not.
-  void expectMemory(const std::string& tenant, int64_t bytes) const;
+  /// Enters so many bytes of a tenant in the ledger. Throws Error if it may not have them on this rank.
+  [[nodiscard]] LedgerEntry takeMemory(const std::string& tenant, const std::string& purpose, int64_t bytes);
+
+  /// What a rendering of so many pixels takes of its tenant. All pictures in flight have to fit beside what the tenant has
+  /// on rank 0, as if that rank owned them all. Rank 0.
+  Tenants::Cost costOf(const std::string& tenant, glm::ivec2 size) const;
 
   Transport& transport;
   const NodeOptions options;
@@ -82,6 +90,7 @@ struct Node {
 
  private:
   std::atomic<uint64_t> exchanges_ = 1;
+  std::mutex memory_;
 };
 
 }  // namespace gxy

@@ -76,7 +76,7 @@ class Server::Impl {
   uint16_t port() const { return port_; }
   size_t clients() const {
     const std::lock_guard lock(mutex_);
-    return count_;
+    return count_ + sessionsEnding_;
   }
 
  private:
@@ -113,8 +113,7 @@ class Server::Impl {
       const auto connection = std::make_shared<Connection>(
           std::move(socket), context_, node_, options_.connection,
           [this](const protocol::Hello& hello, const std::shared_ptr<Outbox>& outbox,
-                 protocol::Welcome& welcome,
-                 std::string& reason) { return admit(hello, outbox, welcome, reason); },
+                 protocol::Welcome& welcome) { return admit(hello, outbox, welcome); },
           [this](const ConnectionPtr& c) { closed(c); });
       connections_.insert(connection);
       {
@@ -127,19 +126,16 @@ class Server::Impl {
   }
 
   std::shared_ptr<Session> admit(const protocol::Hello& hello, const std::shared_ptr<Outbox>& outbox,
-                                 protocol::Welcome& welcome, std::string& reason) {
+                                 protocol::Welcome& welcome) {
     const auto identity = node_.tenants.identify(hello.token, hello.tenant);
     if (!identity) {
       spdlog::warn("rank 0: client {} came with a wrong token", protocol::asLogged(hello.client));
-      reason =
-          "the token is wrong; a client finds it by itself on the server's machine, or takes --token-file";
-      return nullptr;
+      throw Error(
+          "the token is wrong; a client finds it by itself on the server's machine, or takes --token-file");
     }
-    if (connections_.size() > options_.connection.limits.clients) {
-      reason =
-          std::to_string(options_.connection.limits.clients) + " clients are connected, no more are allowed";
-      return nullptr;
-    }
+    if (connections_.size() > options_.connection.limits.clients)
+      throw Error(std::to_string(options_.connection.limits.clients) +
+                  " clients are connected, no more are allowed");
     Session::Identity who{++sessions_, hello.client, identity->tenant, identity->administrator};
     welcome = {"gxyserver 0.1",   who.tenant,    who.number,
                who.administrator, node_.ranks(), options_.connection.limits};

@@ -31,6 +31,7 @@ class Server {
   Server& operator=(const Server&) = delete;
 
   uint16_t port() const;
+  /// Connected, or gone with requests that still come to their end.
   size_t clients() const;
 
  private:

@@ -87,6 +87,9 @@ json statisticsOfRank(const Node& node) {
   for (const Ledger::Line& line : node.ledger.snapshot())
     if (line.bytes != 0)
       lines.push_back({{"tenant", line.tenant}, {"purpose", line.purpose}, {"bytes", line.bytes}});
+  json byTenant = json::array();  // by number, until rank 0 has it
+  for (const auto& [tenant, rays] : kept.tenantCredits)
+    byTenant.push_back({{"tenant", tenant}, {"in flight", rays}});
   return {{"rank", node.rank()},
           {"memory",
            {{"ledger", node.ledger.total()},
@@ -98,7 +101,8 @@ json statisticsOfRank(const Node& node) {
            {{"traced", c.trace.raysTraced},
             {"forwarded", c.raysForwarded},
             {"retired", c.raysRetired},
-            {"in flight", kept.credits}}},
+            {"in flight", kept.credits},
+            {"by tenant", byTenant}}},
           {"frames", kept.frames},
           {"messages", t.messagesSent},
           {"bytes", t.bytesSent},
@@ -117,6 +121,9 @@ json stat(Request& request) {
               {"clients", node.clients()},
               {"tenants", node.tenants.statistics()},
               {"seconds", seconds}};
+  for (json& rank : result["ranks"])
+    for (json& line : rank["rays"]["by tenant"])
+      line["tenant"] = node.tenants.name(line["tenant"].get<uint32_t>());
   std::string text = "up " + std::to_string(int64_t(seconds)) + " s, " + std::to_string(node.ranks()) +
                      " ranks, " + std::to_string(result["clients"].size()) + " clients";
   for (const json& rank : result["ranks"]) {
@@ -191,6 +198,9 @@ const Verb& resolveVerb(Session& session, const std::string& name) {
 }
 
 void addServerWorks(Node& node) {
+  node.work.add("server.trace", [&node](const Work::Call&) -> json {
+    return node.options.trace ? node.options.trace->events(node.rank()) : std::string();
+  });
   node.work.add("server.stat", [&node](const Work::Call&) { return statisticsOfRank(node); });
 }
 

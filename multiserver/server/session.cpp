@@ -125,6 +125,7 @@ void Session::startAside(const RequestPtr& request, std::function<nlohmann::json
 }
 
 void Session::run(const RequestPtr& request, const std::function<nlohmann::json(Request&)>& action) {
+  const Trace::Span span(node_.options.trace, request->verb(), identity_.number);
   std::string text;
   try {
     request->check();
@@ -175,7 +176,7 @@ void Session::end() {
   requests.clear();
   std::map<std::type_index, std::shared_ptr<void>> states;
   std::unique_lock lock(mutex_);
-  answered_.wait(lock, [this] { return requests_.empty() && !running_; });
+  answered_.wait(lock, [this] { return requests_.empty() && !running_ && aside_ == 0; });
   states.swap(states_);
   lock.unlock();
 }

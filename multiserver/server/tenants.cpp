@@ -3,6 +3,7 @@
 
 #include <sys/random.h>
 
+#include <algorithm>
 #include <array>
 #include <chrono>
 
@@ -46,13 +47,15 @@ Tenants::Account& Tenants::account(const std::string& tenant) {
   return at->second;
 }
 
-Tenants::Frame Tenants::entered(const std::string& tenant) {
+Tenants::Frame Tenants::entered(const std::string& tenant, int64_t bytes) {
   account(tenant).frames++;
+  account(tenant).bytes += bytes;
   Frame frame;
-  frame.end_ = [state = state_, tenant, begin = std::chrono::steady_clock::now()] {
+  frame.end_ = [state = state_, tenant, bytes, begin = std::chrono::steady_clock::now()] {
     const std::lock_guard lock(state->mutex);
     Account& account = state->accounts.at(tenant);
     account.frames--;
+    account.bytes -= bytes;
     account.done++;
     account.seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     state->ended.notify_all();
@@ -60,23 +63,38 @@ Tenants::Frame Tenants::entered(const std::string& tenant) {
   return frame;
 }
 
-Tenants::Frame Tenants::begin(const std::string& tenant) {
+namespace {
+
+[[noreturn]] void failNoRoom(const std::string& tenant, int64_t bytes, int64_t room) {
+  throw Error("memory: the picture takes " + std::to_string(bytes) + " bytes, but of tenant " + tenant +
+              "'s " + std::to_string(std::max(room, int64_t(0))) + " are free, expected room for it");
+}
+
+}  // namespace
+
+Tenants::Frame Tenants::begin(const std::string& tenant, const Cost& cost) {
   const std::lock_guard lock(state_->mutex);
   if (account(tenant).frames >= frames_)
     throw Error("tenant " + tenant + ": " + std::to_string(frames_) +
                 " renderings are in flight, expected fewer; wait for one to end");
-  return entered(tenant);
+  const int64_t room = cost.room() - account(tenant).bytes;
+  if (cost.bytes > room) failNoRoom(tenant, cost.bytes, room);
+  return entered(tenant, cost.bytes);
 }
 
-Tenants::Frame Tenants::beginWhenFree(const std::string& tenant, const std::function<void()>& check) {
+Tenants::Frame Tenants::beginWhenFree(const std::string& tenant, const Cost& cost,
+                                      const std::function<void()>& check) {
   std::unique_lock lock(state_->mutex);
-  while (account(tenant).frames >= frames_) {
+  for (;;) {
+    const Account& now = account(tenant);
+    const int64_t room = cost.room() - now.bytes;
+    if (now.frames < frames_ && cost.bytes <= room) return entered(tenant, cost.bytes);
+    if (now.frames == 0) failNoRoom(tenant, cost.bytes, room);
     lock.unlock();
     check();
     lock.lock();
     state_->ended.wait_for(lock, std::chrono::milliseconds(100));
   }
-  return entered(tenant);
 }
 
 nlohmann::json Tenants::statistics() const {
@@ -85,6 +103,7 @@ nlohmann::json Tenants::statistics() const {
   for (const auto& [name, account] : state_->accounts)
     list.push_back({{"tenant", name},
                     {"frames in flight", account.frames},
+                    {"picture bytes", account.bytes},
                     {"frames", account.done},
                     {"frame seconds", account.seconds}});
   return list;
@@ -93,6 +112,13 @@ nlohmann::json Tenants::statistics() const {
 uint32_t Tenants::number(const std::string& tenant) {
   const std::lock_guard lock(state_->mutex);
   return account(tenant).number;
+}
+
+std::string Tenants::name(uint32_t number) const {
+  const std::lock_guard lock(state_->mutex);
+  for (const auto& [name, account] : state_->accounts)
+    if (account.number == number) return name;
+  return {};
 }
 
 }  // namespace gxy

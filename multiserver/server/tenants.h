@@ -57,20 +57,28 @@ class Tenants {
     std::function<void()> end_;
   };
 
+  /// What a rendering takes.
+  struct Cost {
+    int64_t bytes = 0;              ///< of its picture
+    std::function<int64_t()> room;  ///< bytes that pictures of the tenant in flight may take now, together
+  };
   /// Throws Error when the tenant has as many as it may have.
-  Frame begin(const std::string& tenant);
-  /// Waits for room instead; throws what `check` throws, which is called now and then.
-  Frame beginWhenFree(const std::string& tenant, const std::function<void()>& check);
+  Frame begin(const std::string& tenant, const Cost& cost);
+  /// Waits for room instead; throws Error where there would be none without its other renderings, and what `check` throws,
+  /// which is called now and then.
+  Frame beginWhenFree(const std::string& tenant, const Cost& cost, const std::function<void()>& check);
 
-  /// By name: frames in flight and done, seconds they took.
+  /// By name: frames in flight and done, bytes of their pictures, seconds they took.
   nlohmann::json statistics() const;
   /// A number for a tenant that stays the same.
   uint32_t number(const std::string& tenant);
+  std::string name(uint32_t number) const;
 
  private:
   struct Account {
     uint32_t number = 0;
     int frames = 0;
+    int64_t bytes = 0;
     uint64_t done = 0;
     double seconds = 0;
   };
@@ -79,7 +87,7 @@ class Tenants {
     std::condition_variable ended;
     std::map<std::string, Account> accounts;
   };
-  Frame entered(const std::string& tenant);  ///< with the lock held
+  Frame entered(const std::string& tenant, int64_t bytes);  ///< with the lock held
   Account& account(const std::string& tenant);
 
   const int frames_;

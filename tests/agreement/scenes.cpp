@@ -101,8 +101,7 @@ TestScene moved(const TestScene& from, double factor, glm::dvec3 shift) {
 
 namespace {
 
-std::shared_ptr<Volume> finished(const Grid& grid, Samples samples, ScalarType type,
-                                 Encoding encoding) {
+std::shared_ptr<Volume> finished(const Grid& grid, Samples samples, ScalarType type, Encoding encoding) {
   auto volume = std::make_shared<Volume>();
   const FieldStatistics statistics = statisticsOf(samples, type, 1);
   volume->name = "test";

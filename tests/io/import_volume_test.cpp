@@ -57,6 +57,28 @@ TEST(ImportVolume, EveryRankSeesTheSameRangesAndSummariesAsOne) {
   EXPECT_EQ(errors, std::vector<std::string>(3));
 }
 
+/// One rank whose part is to end when it has been asked so often.
+struct EndsAt : Collectives {
+  explicit EndsAt(int most) : most(most) {}
+  int rank() const override { return 0; }
+  int size() const override { return 1; }
+  std::vector<Bytes> allGather(Bytes mine) override { return {std::move(mine)}; }
+  std::vector<Bytes> allToAll(std::vector<Bytes> perRank) override { return perRank; }
+  void check() const override {
+    if (++asked == most) throw Error("cancelled");
+  }
+  const int most;
+  mutable int asked = 0;
+};
+
+TEST(ImportVolume, EndsBetweenTwoBlocksWhenItIsToldTo) {
+  const TemporaryFolder folder;
+  write(folder / "v.json", ScalarType::Float32, std::vector<float>(size_t(wholeOf(kGrid).count())));
+  EndsAt third(3);
+  EXPECT_THROW(importVolume(folder / "v.json", "", decomposed(kGrid, 7, 1), kGhostLayers, third), Error);
+  EXPECT_EQ(third.asked, 3);
+}
+
 TEST(ImportVolume, WideTypesKeepASmallSignalOnALargeOffset) {
   const TemporaryFolder folder;
   std::vector<double> samples(size_t(wholeOf(kGrid).count()));

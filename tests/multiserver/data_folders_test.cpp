@@ -100,5 +100,30 @@ TEST(DataFolders, AreWrittenToInsideOnly) {
     EXPECT_THROW(folders.toWrite(name), Error) << name;
 }
 
+TEST(DataFolders, AreLeftByNoLinkThatIsPutInPlaceBeforeAFileIsWritten) {
+  Place place;
+  const DataFolders folders({place.folder / "data"});
+  const std::string text = "new";
+  const auto bytes = std::as_bytes(std::span(text));
+  const auto content = [&](const std::string& name) {
+    std::ifstream in(place.folder / name);
+    return std::string(std::istreambuf_iterator<char>(in), {});
+  };
+  const std::string path = folders.toWrite("sub/new.png");
+  folders.write(path, bytes);
+  EXPECT_EQ(content("data/sub/new.png"), "new");
+  // What was checked has become a link since.
+  fs::create_symlink(place.folder / "secret.raw", path + ".partial");
+  fs::remove(path);
+  fs::create_symlink(place.folder / "secret.raw", path);
+  folders.write(path, bytes);
+  EXPECT_EQ(content("secret.raw"), "bytes");
+  EXPECT_EQ(content("data/sub/new.png"), "new");
+  fs::remove_all(place.folder / "data/sub");
+  fs::create_directory_symlink(place.folder / "data-more", place.folder / "data/sub");
+  EXPECT_THROW(folders.write(path, bytes), Error);
+  EXPECT_FALSE(fs::exists(place.folder / "data-more/new.png"));
+}
+
 }  // namespace
 }  // namespace gxy

@@ -166,6 +166,44 @@ TEST(Data, AFailedImportChangesNothing) {
   client->expect(importBall("ball"));  // all still work
 }
 
+TEST(Data, ImportsOfOneNameAtOnceBecomeOneGenerationEach) {
+  const auto server = serve();
+  std::vector<std::unique_ptr<Client>> clients;
+  std::vector<std::future<Reply>> replies;
+  for (int i = 0; i < 6; i++) clients.push_back(dataClient(*server));
+  for (auto& client : clients) {
+    auto promise = std::make_shared<std::promise<Reply>>();
+    replies.push_back(promise->get_future());
+    client->send(importBall("ball"), [promise](const Reply& r) { promise->set_value(r); });
+  }
+  for (auto& reply : replies) {
+    const Reply r = reply.get();
+    EXPECT_TRUE(r.ok) << r.error;
+  }
+  EXPECT_EQ(clients[0]->expect("list").at("datasets").at(0).at("generation"), 6);
+  EXPECT_FALSE(clients[0]
+                   ->request(R"(import {"Datasets": [{"name": "b", "filename": "ball.vol", "type": "Volume"},
+                              {"name": "b", "filename": "ball.vol", "type": "Volume"}]})")
+                   .ok)
+      << "one name twice";
+}
+
+TEST(Data, AnImportThatIsCancelledEndsBetweenItsFilesAndLeavesNothing) {
+  const auto server = serve();
+  const auto client = dataClient(*server);
+  json state;
+  for (int i = 0; i < 500; i++)
+    state["Datasets"].push_back(
+        {{"name", "ball " + std::to_string(i)}, {"filename", "ball.vol"}, {"type", "Volume"}});
+  std::promise<Reply> ended;
+  const uint32_t id = client->send("import " + state.dump(), [&](const Reply& r) { ended.set_value(r); });
+  client->expect("cancel " + std::to_string(id));
+  EXPECT_EQ(ended.get_future().get().error, "cancelled");
+  EXPECT_EQ(names(*client), Names{});
+  for (int rank = 0; rank < 2; rank++) EXPECT_EQ(server->node(rank).ledger.total("user"), 0) << rank;
+  client->expect(importBall("ball"));
+}
+
 TEST(Data, QuotasOfMemoryHoldBeforeAnythingIsRead) {
   ServerSetup setup;
   setup.modules = GALAXY_MODULES;

@@ -81,6 +81,22 @@ kill -TERM "$(ranks_of)"
 check TermStopsIt ended 10
 check CleanlyToo test "$status" = 0 -a ! -e "$XDG_RUNTIME_DIR/galaxy/$port.token"
 
+start 2
+kill -TERM "$(ranks_of | tail -n 1)"
+check TermToAnyRankStopsIt ended 10
+check CleanlyToo test "$status" = 0 -a ! -e "$XDG_RUNTIME_DIR/galaxy/$port.token"
+
+start 2 --trace trace.json
+echo 'list;' | msdata >/dev/null
+kill -TERM "$server"
+check TermToMpirunStopsIt ended 10
+check AndItsTokenGoesToo test ! -e "$XDG_RUNTIME_DIR/galaxy/$port.token"
+check TheTraceTellsOfAllRanks python3 -c "
+import json
+events = json.load(open('trace.json'))['traceEvents']
+names = {(e['pid'], e['name']) for e in events}
+assert {(0, 'list'), (0, 'load'), (1, 'modules.open'), (1, 'message: work')} <= names, names"
+
 start 3
 victim=$(ranks_of | tail -n 1)
 began=$SECONDS

@@ -2,15 +2,17 @@
 // Clients that send anything, read nothing and die at any time: nobody else notices, and nothing is left of them.
 #include <gtest/gtest.h>
 
-#include <dirent.h>
+#include <sys/resource.h>
 
-#include <cstdlib>
+#include <csignal>
+#include <filesystem>
 #include <fstream>
 #include <future>
 #include <random>
 #include <thread>
 
 #include "gxy/comm/error.h"
+#include "multiserver/bystander.h"
 #include "multiserver/raw_client.h"
 #include "multiserver/test_server.h"
 
@@ -28,56 +30,7 @@ ServerSetup setup() {
 }
 
 /// How often everything is done: --times=25 for long runs.
-int times(int few) {
-  for (const std::string& arg : ::testing::internal::GetArgvs())
-    if (arg.starts_with("--times=")) return few * std::stoi(arg.substr(8));
-  return few;
-}
-
-int entries(const char* folder) {
-  int n = 0;
-  DIR* dir = opendir(folder);
-  while (readdir(dir)) n++;
-  closedir(dir);
-  return n;
-}
-int openFiles() { return entries("/proc/self/fd"); }
-int threads() { return entries("/proc/self/task"); }
-
-/// Somebody who only wants pictures, and who must not notice the others.
-class Bystander {
- public:
-  explicit Bystander(const TestServer& server) {
-    auto options = server.options("bystander");
-    options.onPixels = [this](const auto& header, auto data) { screen_.take(header, data); };
-    client_ = std::make_unique<Client>(options);
-    client_->expect("load data");
-    client_->expect("load viewer");
-    client_->expect(importBall("ball"));
-    client_->expect("window 1 {\"size\": [64, 48]}");
-    client_->expect("set 1 " + stateOf("ball"));
-    expected_ = picture();
-  }
-  void expectTheSamePicture() { EXPECT_EQ(picture(), expected_); }
-
- private:
-  std::vector<uint8_t> picture() {
-    const uint64_t frame = client_->expect("render 1").at("frame");
-    EXPECT_EQ(screen_.waitFor(1, frame).status, "complete");
-    return screen_.picture(1).rgba;
-  }
-  Screen screen_;
-  std::unique_ptr<Client> client_;
-  std::vector<uint8_t> expected_;
-};
-
-/// Waits until the server has no other clients than so many.
-void waitForClients(const TestServer& server, size_t n) {
-  TestServer& s = const_cast<TestServer&>(server);
-  for (int i = 0; i < 3000 && s.server().clients() > n; i++)
-    std::this_thread::sleep_for(std::chrono::milliseconds(10));
-  EXPECT_EQ(s.server().clients(), n);
-}
+int times(int few) { return few * argument("--times=", 1); }
 
 // Statements near to right ones.
 std::string randomStatement(std::mt19937& random) {
@@ -248,46 +201,6 @@ TEST(Hostile, WhoSaysNothingOrNoLongerAnswersIsClosed) {
   EXPECT_EQ(server.server().clients(), 1u);
 }
 
-TEST(Hostile, ClientsThatDieAtAnyTimeLeaveNothingBehind) {
-  TestServer server(setup());
-  {
-    Bystander bystander(server);
-    const auto cycle = [&](uint32_t seed) {
-      std::mt19937 random(seed);
-      RawClient raw(server.port(), 4096);
-      raw.greet("victim");
-      for (const std::string& statement :
-           {std::string("load data"), std::string("load viewer"), importBall("ball"),
-            std::string("window 1 {\"size\": [300, 200]}"), "set 1 " + stateOf("ball"),
-            std::string("render 1 {\"passes\": 50}")}) {
-        static uint32_t id = 1;
-        const Frame frame = protocol::textFrame(FrameChannel::Request, id++, statement);
-        raw.send(protocol::headerOf(frame));
-        if (random() % 12 == 0) {
-          raw.send(std::span(frame.payload).first(frame.payload.size() / 2));
-          break;
-        }
-        raw.send(frame.payload);
-      }
-      std::array<std::byte, 4096> some;
-      for (int n = int(random() % 4); n > 0; n--) raw.receive(some, int(random() % 20));
-      if (random() % 2) raw.reset();
-    };
-    for (uint32_t i = 1; i <= 10; i++) cycle(i);  // threads and buffers that stay are there now
-    waitForClients(server, 1);
-    bystander.expectTheSamePicture();
-    server.node().transport.post([] {});
-    const int files = openFiles();
-    for (uint32_t i = 11; i <= 10 + uint32_t(times(40)); i++) cycle(i);
-    bystander.expectTheSamePicture();
-    waitForClients(server, 1);
-    EXPECT_LE(openFiles(), files);
-    EXPECT_LT(threads(), 120);
-  }
-  waitForClients(server, 0);
-  server.stop();  // waits for sessions: none is left behind
-}
-
 TEST(Hostile, ASlowReaderGetsFewerPixelsAndTakesNoMoreMemory) {
   TestServer server(setup());
   Bystander bystander(server);
@@ -362,6 +275,69 @@ TEST(Hostile, CorruptAndVanishedFilesAreErrorsOfTheirImport) {
   std::filesystem::remove(server.folder() / "ball.raw");
   EXPECT_FALSE(client->request(importBall("gone")).ok);
   bystander.expectTheSamePicture();
+}
+
+/// While it lives, no file of this process grows beyond so many bytes: writing more fails as on a full disk.
+class FullDisk {
+ public:
+  explicit FullDisk(rlim_t bytes) : handler_(std::signal(SIGXFSZ, SIG_IGN)) {
+    getrlimit(RLIMIT_FSIZE, &before_);
+    const rlimit little{bytes, before_.rlim_max};
+    setrlimit(RLIMIT_FSIZE, &little);
+  }
+  ~FullDisk() {
+    setrlimit(RLIMIT_FSIZE, &before_);
+    std::signal(SIGXFSZ, handler_);
+  }
+
+ private:
+  rlimit before_{};
+  void (*handler_)(int);
+};
+
+TEST(Hostile, AFullDiskIsAnErrorOfWhatWritesThere) {
+  TestServer server(setup());
+  Bystander bystander(server);
+  const auto client = server.client("writer");
+  client->expect("load data");
+  client->expect("load viewer");
+  client->expect(importBall("ball"));
+  const std::string batch = R"(batch {"prefix": "full", "format": "raw", "state": )" + stateOf("ball") + "}";
+  {
+    const FullDisk full(1000);
+    const Reply reply = client->request(batch);
+    EXPECT_FALSE(reply.ok);
+    EXPECT_TRUE(reply.error.starts_with("rank ")) << reply.error;
+    EXPECT_NE(reply.error.find("full_00000.raw: cannot be written"), std::string::npos) << reply.error;
+    bystander.expectTheSamePicture();
+  }
+  for (const auto& file : std::filesystem::directory_iterator(server.folder().path()))
+    EXPECT_FALSE(file.path().filename().string().starts_with("full")) << "a part of a file is left";
+  client->expect(batch);
+}
+
+TEST(Hostile, ARankThatCannotTakeItsPartOfAnImportIsNamedAndNothingChanges) {
+  TestServer server(setup());
+  Bystander bystander(server);
+  const auto client = server.client("importer");
+  client->expect("load data");
+  client->expect(importBall("ball"));
+  {
+    const LedgerEntry all =
+        server.node(1).ledger.enter("importer", "a test's", server.node(1).options.tenantMemory);
+    for (const char* name : {"ball", "other"}) {
+      const Reply reply = client->request(importBall(name));
+      EXPECT_FALSE(reply.ok);
+      EXPECT_TRUE(reply.error.starts_with("rank 1: memory: ")) << reply.error;
+    }
+    bystander.expectTheSamePicture();
+  }
+  const json list = client->expect("list").at("datasets");
+  ASSERT_EQ(list.size(), 1u);
+  EXPECT_EQ(list[0].at("generation"), 1);
+  client->expect(importBall("ball"));
+  client->expect("drop ball");
+  for (int rank = 0; rank < 2; rank++) EXPECT_EQ(server.node(rank).ledger.total("importer"), 0) << rank;
 }
 
 }  // namespace

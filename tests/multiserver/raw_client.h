@@ -10,9 +10,11 @@
 #include <cstring>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 #include "gxy/protocol/frame.h"
 #include "gxy/protocol/handshake.h"
+#include "gxy/protocol/pixel_record.h"
 
 namespace gxy::test {
 
@@ -81,6 +83,35 @@ class RawClient {
       if (::recv(socket_, buffer.data(), buffer.size(), 0) <= 0) return true;
     }
     return false;
+  }
+
+  /// Reads until so many replies and ends of frames have come: what went wrong, or nothing. A minute at most.
+  std::string repliesAndEnds(size_t replies, size_t ends) {
+    std::vector<std::byte> buffer(65536);
+    size_t preamble = protocol::kPreambleBytes;
+    protocol::FrameReader reader(protocol::FrameReader::fromServer());
+    while (replies > 0 || ends > 0) {
+      const size_t size = receive(buffer, 60000);
+      if (size == 0) return "nothing more comes, though not all has come";
+      std::span<const std::byte> bytes = std::span<const std::byte>(buffer).first(size);
+      const size_t skipped = std::min(preamble, bytes.size());
+      preamble -= skipped;
+      bytes = bytes.subspan(skipped);
+      while (!bytes.empty()) {
+        const auto frame = reader.take(bytes);
+        if (!frame) break;
+        if (frame->channel == protocol::FrameChannel::Control && frame->text().starts_with("ping"))
+          send(protocol::textFrame(protocol::FrameChannel::Control, 0, "pong 0"));
+        if (frame->channel == protocol::FrameChannel::Reply) {
+          if (!frame->text().starts_with("ok")) return std::string(frame->text());
+          replies--;
+        }
+        if (frame->channel == protocol::FrameChannel::Pixels &&
+            protocol::pixelHeader(frame->payload).kind == protocol::PixelKind::EndOfFrame)
+          ends--;
+      }
+    }
+    return {};
   }
 
  private:

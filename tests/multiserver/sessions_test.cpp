@@ -137,6 +137,32 @@ TEST(Sessions, FiftyClientsAtOnceGetTheirOwnReplies) {
   }
 }
 
+// As imports do, which wait for files and other ranks.
+TEST(Sessions, LongWorkOfOthersHoldsUpNobody) {
+  TestServer server(setup());
+  std::promise<void> release;
+  const std::shared_future<void> released = release.get_future().share();
+  for (int rank = 0; rank < 2; rank++)
+    server.node(rank).work.add(
+        "test.long", [released](const Work::Call&) -> json { return released.wait(), nullptr; },
+        Work::Runs::Waiting);
+  std::atomic<int> ended = 0;
+  constexpr int kWorks = 60;
+  for (int i = 0; i < kWorks; i++)
+    server.node().work.broadcast("test.long", json::object(), [&](std::vector<Work::Reply>) { ended++; });
+  const auto client = server.client();
+  for (const std::string& statement :
+       {std::string("echo"), std::string("load data"), importBall("ball"), std::string("info"),
+        std::string("stat"), std::string("load viewer"), std::string("window 1 {\"size\": [20, 20]}"),
+        "set 1 " + stateOf("ball"), std::string("render 1"), "batch {\"state\": " + stateOf("ball") + "}",
+        std::string("drop ball")})
+    client->expect(statement);
+  EXPECT_EQ(ended, 0) << "they are still at it";
+  release.set_value();
+  server.stop();
+  EXPECT_EQ(ended, kWorks);
+}
+
 TEST(Sessions, MoreClientsThanAllowedAreTold) {
   ServerSetup s = setup();
   s.server.connection.limits.clients = 2;

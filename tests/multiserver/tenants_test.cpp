@@ -36,20 +36,39 @@ TEST(Tenants, AreWhoTheirTokensSay) {
   EXPECT_FALSE(Tenants(1).identify("", "ann").has_value()) << "nobody, before there are tokens";
 }
 
+const Tenants::Cost free{0, [] { return int64_t(0); }};
+
+TEST(Tenants, HaveSoManyBytesOfPicturesInFlightAndNoMore) {
+  Tenants tenants(100);
+  const auto cost = [](int64_t bytes) { return Tenants::Cost{bytes, [] { return int64_t(1000); }}; };
+  auto first = tenants.begin("ann", cost(600));
+  EXPECT_THROW(tenants.begin("ann", cost(401)), Error);
+  EXPECT_NO_THROW(tenants.begin("bob", cost(1000)));
+  auto second = tenants.begin("ann", cost(400));
+  std::thread waits([&] { tenants.beginWhenFree("ann", cost(500), [] {}); });
+  first = {};
+  waits.join();
+  EXPECT_THROW(tenants.beginWhenFree("ann", cost(601), [] { throw Error("cancelled"); }), Error);
+  second = {};
+  EXPECT_THROW(tenants.beginWhenFree("ann", cost(1001), [] { FAIL() << "it waits"; }), Error)
+      << "it will never fit";
+  for (const auto& t : tenants.statistics()) EXPECT_EQ(t["picture bytes"], 0);
+}
+
 TEST(Tenants, HaveSoManyFramesInFlightAndNoMore) {
   Tenants tenants(2);
-  auto first = tenants.begin("ann"), second = tenants.begin("ann");
-  EXPECT_THROW(tenants.begin("ann"), Error);
-  EXPECT_NO_THROW(tenants.begin("bob"));
+  auto first = tenants.begin("ann", free), second = tenants.begin("ann", free);
+  EXPECT_THROW(tenants.begin("ann", free), Error);
+  EXPECT_NO_THROW(tenants.begin("bob", free));
   first = {};
-  auto third = tenants.begin("ann");
-  std::thread waits([&] { tenants.beginWhenFree("ann", [] {}); });
+  auto third = tenants.begin("ann", free);
+  std::thread waits([&] { tenants.beginWhenFree("ann", free, [] {}); });
   second = {};
   waits.join();
   EXPECT_THROW(
       {
-        auto fourth = tenants.begin("ann");
-        tenants.beginWhenFree("ann", [] { throw Error("cancelled"); });
+        auto fourth = tenants.begin("ann", free);
+        tenants.beginWhenFree("ann", free, [] { throw Error("cancelled"); });
       },
       Error);
   for (const auto& t : tenants.statistics()) EXPECT_EQ(t["frames in flight"], t["tenant"] == "ann" ? 1 : 0);

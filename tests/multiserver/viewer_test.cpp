@@ -169,6 +169,55 @@ TEST(ViewerModule, AFrameThatWaitsIsCancelledWithTheOneBeforeIt) {
   viewer.frame();
 }
 
+TEST(ViewerModule, SessionsThatSetOneStateAtOnceImportItOnceAndAllSeeIt) {
+  const auto server = serve();
+  json state = json::parse(stateOf("ball"));
+  state["Datasets"] = {{{"name", "ball"}, {"filename", "ball.vol"}, {"type", "Volume"}}};
+  std::vector<std::unique_ptr<Client>> clients;
+  for (int i = 0; i < 4; i++) {
+    clients.push_back(server->client());
+    clients.back()->expect("load data");
+    clients.back()->expect("load viewer");
+    clients.back()->expect("window 1 {\"size\": [8, 8]}");
+  }
+  for (int round = 0; round < 5; round++) {
+    std::vector<std::future<Reply>> replies;
+    for (auto& client : clients)
+      for (const std::string& statement : {"set 1 " + state.dump(), std::string("render 1")}) {
+        auto promise = std::make_shared<std::promise<Reply>>();
+        replies.push_back(promise->get_future());
+        client->send(statement, [promise](const Reply& r) { promise->set_value(r); });
+      }
+    for (auto& reply : replies) {
+      const Reply r = reply.get();
+      EXPECT_TRUE(r.ok) << r.error;
+    }
+    EXPECT_EQ(clients[0]->expect("list").at("datasets").at(0).at("generation"), 1);
+    clients[0]->expect("drop ball");
+  }
+}
+
+TEST(ViewerModule, FramesFollowANameThatIsReplacedMeanwhile) {
+  const auto server = serve();
+  Viewer viewer(*server);
+  const auto other = server->client();
+  other->expect("load data");
+  std::promise<void> done;
+  int replaced = 0;
+  const std::function<void(const Reply&)> next = [&](const Reply& r) {
+    EXPECT_TRUE(r.ok || r.error.find("left out") != std::string::npos) << r.error;
+    if (++replaced == 30) return done.set_value();
+    other->send(importBall("ball"), next);
+  };
+  other->send(importBall("ball"), next);
+  auto ended = done.get_future();
+  do {
+    const Reply r = viewer.client->request("render 1");
+    ASSERT_TRUE(r.ok) << r.error;
+    EXPECT_EQ(viewer.screen.waitFor(1, r.value.at("frame")).status, "complete");
+  } while (ended.wait_for(std::chrono::seconds(0)) != std::future_status::ready);
+}
+
 TEST(ViewerModule, ACancelledFrameSaysSo) {
   const auto server = serve();
   Viewer viewer(*server);
@@ -248,6 +297,34 @@ TEST(ViewerModule, ABatchSendsItsPicturesBackOrIsCancelled) {
   EXPECT_EQ(ended.get_future().get().error, "cancelled");
   const Reply outside = client.request("batch " + json{{"state", state}, {"prefix", "../escaped"}}.dump());
   EXPECT_FALSE(outside.ok);
+}
+
+TEST(ViewerModule, PicturesCountAgainstTheMemoryOfTheirTenant) {
+  ServerSetup setup;
+  setup.modules = GALAXY_MODULES;
+  setup.node.tenantMemory = 2 << 20;  // pictures of 64 bytes a pixel, beside the ball and its scene
+  TestServer server(std::move(setup));
+  Viewer viewer(server);
+  viewer.frame();
+  int64_t framebuffer = 0;
+  for (int rank = 0; rank < 2; rank++)
+    for (const Ledger::Line& line : server.node(rank).ledger.peaks())
+      if (line.tenant == "user" && line.purpose == "framebuffer")
+        framebuffer = std::max(framebuffer, line.bytes);
+  EXPECT_EQ(framebuffer, 96 * 80 * 32);
+  viewer.client->expect("window 1 {\"size\": [200, 200]}");
+  const Reply reply = viewer.client->request("render 1");
+  EXPECT_FALSE(reply.ok);
+  EXPECT_TRUE(reply.error.starts_with("memory: the picture takes 2560000 bytes")) << reply.error;
+  json state = json::parse(stateOf("ball"));
+  state["Cameras"] = json::array();
+  for (int i = 0; i < 12; i++) state["Cameras"].push_back(state["Camera"]);
+  state.erase("Camera");
+  const std::string batch = json{{"state", state}, {"concurrent", 12}}.dump();
+  EXPECT_EQ(viewer.client->expect("batch " + batch).at("pictures").size(), 12u) << "they wait for room";
+  const json stat = viewer.client->expect("stat");
+  EXPECT_EQ(stat.at("tenants").at(0).at("picture bytes"), 0);
+  for (int rank = 0; rank < 2; rank++) EXPECT_LE(server.node(rank).ledger.peak(), 2 << 20);
 }
 
 TEST(ViewerModule, WrongRequestsAreErrorsWithWhatWasExpected) {

@@ -18,9 +18,8 @@ TEST(ReadyQueue, ServesInteractiveTasksFirst) {
   std::string ran;
   for (int i = 0; i < 3; i++) queue.push({1, false}, [&] { ran += 'b'; });
   queue.push({2, true}, [&] { ran += 'I'; });
-  EXPECT_TRUE(queue.interactiveWaits());
   EXPECT_EQ(order(queue, ran), "Ibbb");
-  EXPECT_FALSE(queue.interactiveWaits());
+  EXPECT_TRUE(queue.empty());
 }
 
 TEST(ReadyQueue, ServesTenantsInTurnHoweverManyTasksTheyHave) {
@@ -37,6 +36,18 @@ TEST(ReadyQueue, KeepsTheOrderOfATenantsTasks) {
   std::string ran;
   for (const char c : std::string("12345")) queue.push({7, true}, [&ran, c] { ran += c; });
   EXPECT_EQ(order(queue, ran), "12345");
+}
+
+TEST(ReadyQueue, TheRestOfATaskComesBeforeTheOthersOfItsTenant) {
+  ReadyQueue queue;
+  std::string ran;
+  queue.push({1, false}, [&] {
+    queue.push(
+        {1, false}, [&] { ran += 'r'; }, true);
+  });
+  queue.push({1, false}, [&] { ran += 'n'; });
+  queue.push({2, false}, [&] { ran += 'o'; });
+  EXPECT_EQ(order(queue, ran), "orn");
 }
 
 TEST(ReadyQueue, WhoComesLateWaitsForOneTaskOfEachOther) {

@@ -5,11 +5,18 @@
 #include <unistd.h>
 
 #include <pwd.h>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/post.hpp>
+#include <boost/asio/signal_set.hpp>
+
 #include <condition_variable>
 #include <csignal>
 #include <cstdlib>
+#include <functional>
 #include <iostream>
 #include <mutex>
+#include <optional>
+#include <thread>
 
 #include "gxy/backends/backends.h"
 #include "gxy/comm/error.h"
@@ -40,6 +47,27 @@ class Gate {
   std::mutex mutex_;
   std::condition_variable changed_;
   bool open_ = false;
+};
+
+/// Calls `action` once, on a thread of its own, when this process is asked to end.
+class Signals {
+ public:
+  explicit Signals(std::function<void()> action) : action_(std::move(action)) {
+    set_.async_wait([this](auto failed, int) {
+      if (!failed) action_();
+    });
+    thread_ = std::thread([this] { context_.run(); });
+  }
+  ~Signals() {
+    boost::asio::post(context_, [this] { set_.cancel(); });
+    thread_.join();
+  }
+
+ private:
+  const std::function<void()> action_;
+  boost::asio::io_context context_;
+  boost::asio::signal_set set_{context_, SIGINT, SIGTERM};
+  std::thread thread_;
 };
 
 std::string userName() {
@@ -106,8 +134,23 @@ void announce(const ServeOptions& options, uint16_t port, int ranks, const Token
   std::cout << std::flush;
 }
 
+// What all ranks have; a failure is told and changes nothing.
+void writeTrace(Node& node, const std::string& file) {
+  try {
+    std::vector<std::string> events;
+    for (nlohmann::json& rank : node.callAll("server.trace", nlohmann::json::object()))
+      events.push_back(rank.get<std::string>());
+    const std::string document = Trace::document(events);
+    replaceFile(file, std::as_bytes(std::span(document)));
+  } catch (const Error& e) {
+    std::cerr << "gxyserver: error: " << e.what() << '\n';
+  }
+}
+
 int serve(const ServeOptions& options) {
+  const auto trace = options.traceFile.empty() ? nullptr : std::make_unique<Trace>();
   MpiTransport::Options transportOptions;
+  transportOptions.trace = trace.get();
   transportOptions.threads = options.threads;
   MpiTransport transport(transportOptions);
   const bool root = transport.rank() == 0;
@@ -115,16 +158,13 @@ int serve(const ServeOptions& options) {
   std::string failure;
   std::unique_ptr<Node> node;
   Gate stopped;
-  // Rank 0 alone is told to stop, and tells the others.
-  if (!root) {
-    std::signal(SIGINT, SIG_IGN);
-    std::signal(SIGTERM, SIG_IGN);
-  }
   std::signal(SIGPIPE, SIG_IGN);
+  std::signal(SIGXFSZ, SIG_IGN);  // a file that may not grow is an error of who writes it
   try {
     const BackendRegistry backends = allBackends({.device = {}, .rankOnMachine = transport.rankOnNode()});
     NodeOptions nodeOptions = options.node;
     nodeOptions.threads = transport.threads();
+    nodeOptions.trace = trace.get();
     node = std::make_unique<Node>(transport, std::move(nodeOptions), backends);
     node->work.add("gxyserver.stop", [&](const Work::Call&) {
       stopped.open();
@@ -147,6 +187,10 @@ int serve(const ServeOptions& options) {
     }
   };
   bool good = agreed(kStart);
+  // Whichever rank a signal comes to, rank 0 stops, and tells the others. It listens to its own by itself.
+  std::optional<Signals> signals;
+  if (good && !root)
+    signals.emplace([&] { node->work.send(0, "gxyserver.stop", nlohmann::json::object(), {}); });
   std::unique_ptr<Server> server;
   std::unique_ptr<TokenFiles> tokens;
   if (good && root) {
@@ -169,11 +213,13 @@ int serve(const ServeOptions& options) {
     if (root) {
       tokens->remove();  // first, should there be little time
       server.reset();
+      if (trace) writeTrace(*node, options.traceFile);
       node->work.broadcast("gxyserver.stop", nlohmann::json::object(), [](std::vector<Work::Reply>) {});
       std::cout << "gxyserver: stopped\n" << std::flush;
     }
   }
   server.reset();
+  signals.reset();
   if (node) node->collective.barrier(kStart);
   return good ? 0 : 1;
 }

@@ -63,6 +63,10 @@ std::optional<int> parseOptions(int argc, char** argv, bool speaks, ServeOptions
       ->check(CLI::Range(int64_t(0), int64_t(1) << 30));
   app.add_option("--threads", o.threads, "threads of each rank; 0: the node's cores shared by its ranks")
       ->check(CLI::Range(0, 4096));
+  app.add_option(
+      "--trace", o.traceFile,
+      "write what all ranks did when, the newest 262144 stages of each, to this file at the end, for "
+      "chrome://tracing");
   app.add_option("--log-level", o.logLevel, "debug, info, warn, error or off")
       ->capture_default_str()
       ->check(CLI::IsMember({"debug", "info", "warn", "error", "off"}));

@@ -13,7 +13,7 @@ namespace gxy {
 struct ServeOptions {
   NodeOptions node;
   ServerOptions server;
-  std::string tokenFile, portFile;
+  std::string tokenFile, portFile, traceFile;
   std::vector<std::string> tenants;
   bool noToken = false;
   std::string logLevel = "info";

@@ -74,12 +74,10 @@ struct ThresholdWork {
       volume->name = "threshold";
       volume->grid = from->volume->grid;
       volume->stored = ScalarType::UInt8;
-      for (const auto& [partition, block] : from->volume->blocks) {
-        made->bytes += block.extent.count();
-        node.expectMemory(tenant, made->bytes);
+      for (const auto& [partition, block] : from->volume->blocks) made->bytes += block.extent.count();
+      made->memory = node.takeMemory(tenant, "volume", made->bytes);
+      for (const auto& [partition, block] : from->volume->blocks)
         volume->blocks[partition] = thresholded(*from->volume, block);
-      }
-      made->memory = node.ledger.enter(tenant, "volume", made->bytes);
     });
     completeVolume(*volume, *made->partitioning, ranks);
     made->volume = volume;

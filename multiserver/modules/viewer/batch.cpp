@@ -80,6 +80,7 @@ class Run {
       start(i);
     }
     waitFor([&] { return job_->done == total_; });
+    check();  // the last picture, too
     return {{"pictures", names},
             {"seconds", std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count()},
             {"text", std::to_string(total_) + " pictures"}};
@@ -125,15 +126,20 @@ class Run {
 
   void start(size_t index) {
     Node& node = services_.node;
-    const ScenePtr& scene = scenes_[index % scenes_.size()];
+    const std::string& tenant = request_.session().tenant();
+    const Camera& camera = batch_.state.cameras[index / scenes_.size()];
     const auto slot = std::make_shared<Tenants::Frame>(
-        node.tenants.beginWhenFree(request_.session().tenant(), [this] { check(); }));
-    const auto pins = std::make_shared<std::vector<Pin>>();
-    for (const NamedDataset& d : scene->data) pins->push_back(node.datasets->pin(d.key, d.generation));
+        node.tenants.beginWhenFree(tenant, node.costOf(tenant, camera.dimensions), [this] { check(); }));
+    ScenePtr& kept = scenes_[index % scenes_.size()];
+    Scenes::Pinned pinned = services_.scenes.getPinned(
+        tenant, batch_.state.visualizations[index % scenes_.size()], batch_.state.settings, kept);
+    const ScenePtr scene = kept = std::move(pinned.scene);
+    const auto pins = std::make_shared<std::vector<Pin>>(std::move(pinned.pins));
     FrameRequest frame;
     frame.scene = scene->id;
-    frame.camera = batch_.state.cameras[index / scenes_.size()];
-    frame.share.tenant = node.tenants.number(request_.session().tenant());
+    frame.camera = camera;
+    frame.share.tenant = node.tenants.number(tenant);
+    frame.account = tenant;
     Wanted wanted;
     wanted.as = batch_.toClient ? Wanted::As::Bytes : Wanted::As::File;
     wanted.format = batch_.format;

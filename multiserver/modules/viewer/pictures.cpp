@@ -8,7 +8,6 @@
 #include "gxy/comm/parallel_for.h"
 #include "gxy/comm/wire.h"
 #include "gxy/io/image.h"
-#include "gxy/io/replace_file.h"
 #include "gxy/protocol/tile_codec.h"
 
 namespace gxy::viewer {
@@ -131,7 +130,7 @@ uint64_t Pictures::sendPieces(uint64_t ticket, const Wanted& wanted, Picture pic
     send(Piece::Bytes, content);
     return 1;
   }
-  replaceFile(wanted.path, content);
+  node_.folders.write(wanted.path, content);
   return 0;
 }
 

@@ -2,6 +2,7 @@
 #include "scenes.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "gxy/comm/error.h"
 #include "gxy/scene/json_text.h"
@@ -10,6 +11,12 @@
 namespace gxy::viewer {
 
 using nlohmann::json;
+
+namespace {
+
+constexpr int kLooks = 8;  // at names whose objects change meanwhile, each time
+
+}  // namespace
 
 void checkCost(const Visualization& visualization, const RenderSettings& settings, glm::ivec2 size) {
   constexpr int64_t kRays = int64_t(1) << 31, kOcclusion = 256, kLights = 64;
@@ -73,10 +80,7 @@ json Scenes::make(const json& p) {
     operand.geometry = distribute(
         *dataset.geometry, *partitioning,
         [&vis](double value) { return vis.type == VisType::Triangles ? 0.0 : radiusOf(vis, value); }, ranks);
-    agree(ranks, [&] {
-      node_.expectMemory(tenant, bytesOf(*operand.geometry));
-      memory.push_back(node_.ledger.enter(tenant, "geometry", bytesOf(*operand.geometry)));
-    });
+    agree(ranks, [&] { memory.push_back(node_.takeMemory(tenant, "geometry", bytesOf(*operand.geometry))); });
   }
   std::shared_ptr<CompiledScene> scene;
   Bytes visible;
@@ -89,8 +93,7 @@ json Scenes::make(const json& p) {
   agree(ranks, [&] {
     const std::shared_ptr<const DeviceScene> device = node_.backend->makeScene(scene, node_.rank());
     const auto bytes = int64_t(scene->bytes() + device->bytes());
-    node_.expectMemory(tenant, bytes);
-    memory.push_back(node_.ledger.enter(tenant, "scene", bytes));
+    memory.push_back(node_.takeMemory(tenant, "scene", bytes));
     const std::lock_guard lock(mutex_);
     memory_[id] = std::move(memory);
     node_.renderer.addScene(id, scene, device);
@@ -124,6 +127,15 @@ ScenePtr Scenes::build(const std::string& tenant, const std::string& text, std::
   return scene;
 }
 
+std::vector<NamedDataset> Scenes::dataOf(const std::string& tenant,
+                                         const Visualization& visualization) const {
+  std::vector<NamedDataset> data;
+  for (const Vis& vis : visualization.operators) data.push_back(node_.datasets->get(tenant, vis.dataset));
+  return data;
+}
+
+// Between the look at a name and the use of what it means, that may have been replaced or have got newer generations; then
+// the name is looked at again.
 ScenePtr Scenes::get(const std::string& tenant, const Visualization& visualization,
                      const RenderSettings& settings) {
   if (visualization.operators.empty())
@@ -131,9 +143,7 @@ ScenePtr Scenes::get(const std::string& tenant, const Visualization& visualizati
   State state;
   state.visualizations = {visualization};
   state.settings = settings;
-  std::vector<NamedDataset> data;
   for (const Vis& vis : visualization.operators) {
-    data.push_back(node_.datasets->get(tenant, vis.dataset));
     // Names belong to tenants, contents do not; the reader wants every name to be a dataset's.
     DatasetSpec spec;
     spec.name = vis.dataset;
@@ -143,6 +153,35 @@ ScenePtr Scenes::get(const std::string& tenant, const Visualization& visualizati
                      [&](const DatasetSpec& d) { return d.name == spec.name; }))
       state.datasets.push_back(spec);
   }
+  for (int looks = 1;; looks++) {
+    const std::vector<NamedDataset> data = dataOf(tenant, visualization);
+    try {
+      return getOf(tenant, state, data);
+    } catch (const Error&) {
+      const std::vector<NamedDataset> now = dataOf(tenant, visualization);
+      const bool same = std::equal(
+          data.begin(), data.end(), now.begin(), now.end(),
+          [](const auto& a, const auto& b) { return a.key == b.key && a.generation == b.generation; });
+      if (same || looks == kLooks) throw;
+    }
+  }
+}
+
+Scenes::Pinned Scenes::getPinned(const std::string& tenant, const Visualization& visualization,
+                                 const RenderSettings& settings, ScenePtr known) {
+  for (int looks = 1;; looks++) {
+    Pinned pinned{known ? std::exchange(known, nullptr) : get(tenant, visualization, settings), {}};
+    try {
+      for (const NamedDataset& d : pinned.scene->data)
+        pinned.pins.push_back(node_.datasets->pin(d.key, d.generation));
+      return pinned;
+    } catch (const Error&) {
+      if (looks == kLooks) throw;
+    }
+  }
+}
+
+ScenePtr Scenes::getOf(const std::string& tenant, const State& state, const std::vector<NamedDataset>& data) {
   const std::string text = writeState(state);
   std::string content = text;
   for (const NamedDataset& d : data)
@@ -164,7 +203,7 @@ ScenePtr Scenes::get(const std::string& tenant, const Visualization& visualizati
   ScenePtr scene;
   std::exception_ptr error;
   try {
-    scene = build(tenant, text, std::move(data));
+    scene = build(tenant, text, data);
     promise.set_value(scene);
   } catch (...) {
     error = std::current_exception();

@@ -153,11 +153,10 @@ json windowVerb(Services& services, Request& request, Arguments arguments) {
 
 // Imports what a document has and the tenant has not.
 void importMissing(Request& request, const std::vector<DatasetSpec>& specs) {
-  Datasets& datasets = *request.session().node().datasets;
   Datasets::Import what;
-  for (const DatasetSpec& d : specs)
-    if (!datasets.find(request.session().tenant(), d.name)) what.specs.push_back(d);
-  if (!what.specs.empty()) datasets.import(request, what);
+  what.specs = specs;
+  what.onlyMissing = true;
+  if (!specs.empty()) request.session().node().datasets->import(request, what);
 }
 
 json set(Request& request, Arguments arguments) {

@@ -53,15 +53,15 @@ uint64_t Window::render(const FrameOptions& options) {
   if (int64_t(options.passes) * frame->samples > kSamples)
     throw Error("render: " + std::to_string(options.passes) + " passes of " + std::to_string(frame->samples) +
                 " rays per pixel, expected at most " + std::to_string(kSamples) + " rays");
-  if (!frame->scene) frame->scene = services_.scenes.get(tenant_, state.visualizations[0], state.settings);
+  Scenes::Pinned pinned =
+      services_.scenes.getPinned(tenant_, state.visualizations[0], state.settings, frame->scene);
+  frame->scene = std::move(pinned.scene);
+  frame->pins = std::move(pinned.pins);
   Node& node = services_.node;
   const int64_t pixels = int64_t(frame->camera.dimensions.x) * frame->camera.dimensions.y;
-  node.expectMemory(tenant_, pixels * (options.passes > 1 ? 128 : 64));
-  if (options.passes > 1) frame->sumMemory = node.ledger.enter(tenant_, "passes", pixels * 64);
+  if (options.passes > 1) frame->sumMemory = node.takeMemory(tenant_, "passes", pixels * 64);
   frame->background = state.settings.background;
-  frame->slot = node.tenants.begin(tenant_);
-  for (const NamedDataset& d : frame->scene->data)
-    frame->pins.push_back(node.datasets->pin(d.key, d.generation));
+  frame->slot = node.tenants.begin(tenant_, node.costOf(tenant_, frame->camera.dimensions));
   frame->options = options;
   FramePtr older, skipped;
   bool waits = false;
@@ -131,6 +131,7 @@ void Window::startStage(const FramePtr& frame) {
     request.samples = frame->samples;
     request.firstSample = int32_t(frame->pass) * frame->samples;
     request.share = {services_.node.tenants.number(tenant_), true};
+    request.account = tenant_;
     wanted.encoding = frame->options.encoding;
     wanted.quality = frame->options.quality;
     if (frame->last() && frame->options.passes > 1) wanted.as = Wanted::As::Sums;

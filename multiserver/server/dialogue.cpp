@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gxy/server/dialogue.h"
+
+#include <algorithm>
+
+#include "gxy/comm/error.h"
+
+namespace gxy {
+
+using protocol::FrameChannel;
+using protocol::FrameReader;
+
+namespace {
+
+FrameReader::Rules helloRules() {
+  FrameReader::Rules rules;
+  rules.most[size_t(FrameChannel::Control)] = protocol::kMaxHelloBytes;
+  return rules;
+}
+
+}  // namespace
+
+Dialogue::Dialogue(std::shared_ptr<Outbox> outbox, protocol::Limits limits, Admit admit)
+    : outbox_(std::move(outbox)), limits_(limits), admit_(std::move(admit)), reader_(helloRules()) {}
+
+bool Dialogue::paused() const {
+  return outbox_->congested() || (session_ && session_->unanswered() >= limits_.requests);
+}
+
+void Dialogue::take(std::span<const std::byte>& bytes) {
+  takePreamble(bytes);
+  while (!bytes.empty() && !over_ && !paused()) {
+    const auto frame = reader_.take(bytes);
+    if (!frame) continue;
+    if (frame->channel == FrameChannel::Control)
+      control(frame->text());
+    else
+      session_->submit(frame->id, std::string(frame->text()));
+  }
+}
+
+void Dialogue::takePreamble(std::span<const std::byte>& bytes) {
+  const size_t size = std::min(bytes.size(), preamble_.size() - preambleBytes_);
+  if (size == 0) return;
+  std::copy_n(bytes.begin(), size, preamble_.begin() + std::ptrdiff_t(preambleBytes_));
+  preambleBytes_ += size;
+  bytes = bytes.subspan(size);
+  if (preambleBytes_ < preamble_.size()) return;
+  over_ = !std::equal(protocol::kMagic.begin(), protocol::kMagic.end(),
+                      reinterpret_cast<const unsigned char*>(preamble_.data()));
+  if (!over_) protocol::checkPreamble(preamble_);
+}
+
+void Dialogue::control(std::string_view text) {
+  if (!session_) return hello(text);
+  if (const auto number = protocol::afterWord(text, "ping")) {
+    if (number->size() > 20 ||
+        !std::all_of(number->begin(), number->end(), [](char c) { return c >= '0' && c <= '9'; }))
+      throw Error("ping: expected `ping N`, N of at most 20 digits");
+    return outbox_->control("pong " + std::string(*number));
+  }
+  if (protocol::afterWord(text, "pong")) return;
+  if (!protocol::afterWord(text, "bye")) throw Error("control frame: expected ping, pong or bye");
+  over_ = true;
+}
+
+void Dialogue::hello(std::string_view text) {
+  protocol::Welcome welcome;
+  session_ = admit_(protocol::parseHello(text), outbox_, welcome);
+  reader_.setRules(FrameReader::fromClient(limits_.requestBytes));
+  outbox_->control(protocol::welcomeText(welcome));
+}
+
+}  // namespace gxy

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gxy/comm/thread_pool.h"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <filesystem>
+#include <latch>
+#include <thread>
+
+namespace gxy {
+namespace {
+
+size_t threadsOfThisProcess() {
+  const std::filesystem::directory_iterator tasks("/proc/self/task");
+  return size_t(std::distance(begin(tasks), end(tasks)));
+}
+
+TEST(ThreadPool, RunsAllTasksAtOnceThatWaitForEachOther) {
+  ThreadPool pool;
+  constexpr int kTasks = 100;
+  std::latch all(kTasks + 1);
+  for (int i = 0; i < kTasks; i++) pool.run([&] { all.arrive_and_wait(); });
+  all.arrive_and_wait();
+}
+
+TEST(ThreadPool, KeepsFewThreadsAfterManyTasksAtOnce) {
+  const size_t before = threadsOfThisProcess();
+  ThreadPool pool;
+  for (int burst = 0; burst < 3; burst++) {
+    std::latch all(101);
+    for (int i = 0; i < 100; i++) pool.run([&] { all.arrive_and_wait(); });
+    EXPECT_GE(threadsOfThisProcess(), before + 100);
+    all.arrive_and_wait();
+    while (threadsOfThisProcess() > before + ThreadPool::kKept) std::this_thread::yield();
+  }
+}
+
+TEST(ThreadPool, RunsWhatIsQueuedBeforeItEnds) {
+  std::atomic<int> ran = 0;
+  {
+    ThreadPool pool(2);
+    for (int i = 0; i < 1000; i++) pool.run([&] { ran++; });
+  }
+  EXPECT_EQ(ran, 1000);
+}
+
+}  // namespace
+}  // namespace gxy

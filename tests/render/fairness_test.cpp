@@ -1,0 +1,176 @@
+// SPDX-License-Identifier: Apache-2.0
+// Whose packets are traced while a frame that somebody watches waits: counted, in worlds whose schedule a seed decides.
+#include <gtest/gtest.h>
+
+#include "gxy/comm/random.h"
+#include "gxy/embree/embree_backend.h"
+#include "support/frames.h"
+
+namespace gxy::test {
+namespace {
+
+constexpr int kRanks = 3, kBatch = 500, kInFlight = 8;
+constexpr glm::ivec2 kBatchSize{40, 33}, kWatchedSize{20, 16};
+
+/// What is counted of one rank.
+struct Counts {
+  int64_t packets = 0;        ///< of the batch, traced so far
+  int64_t whenKnown = 0;      ///< of them, before the watched frame became known here
+  bool waits = false;         ///< it is known, and nothing of it has been done
+  int64_t mostWaitedFor = 0;  ///< of the batch's packets, by any watched frame
+  int64_t watchedFrames = 0;  ///< that had something to do here
+
+  void watchedBegins() {
+    if (!std::exchange(waits, false)) return;
+    mostWaitedFor = std::max(mostWaitedFor, packets - whenKnown);
+    watchedFrames++;
+  }
+};
+
+struct CountedFrame : DeviceFrame {
+  std::shared_ptr<const DeviceFrame> frame;
+  bool watched = false;
+};
+
+/// Counts, and has another scene do the work. Frames are told apart by their size.
+class CountedScene : public DeviceScene {
+ public:
+  CountedScene(std::unique_ptr<DeviceScene> scene, Counts& counts)
+      : scene_(std::move(scene)), counts_(counts) {}
+
+  std::shared_ptr<const DeviceFrame> makeFrame(const CompiledFrame& frame) const override {
+    auto counted = std::make_shared<CountedFrame>();
+    counted->frame = scene_->makeFrame(frame);
+    counted->watched = frame.width == kWatchedSize.x;
+    if (counted->watched) {
+      counts_.waits = true;
+      counts_.whenKnown = counts_.packets;
+    }
+    return counted;
+  }
+  void spawn(const DeviceFrame& frame, const Tile& tile, Done done) const override {
+    const auto& counted = static_cast<const CountedFrame&>(frame);
+    if (counted.watched) counts_.watchedBegins();
+    scene_->spawn(*counted.frame, tile, std::move(done));
+  }
+  void trace(const DeviceFrame& frame, int partition, bool primary, RayList rays, Done done) const override {
+    const auto& counted = static_cast<const CountedFrame&>(frame);
+    if (counted.watched)
+      counts_.watchedBegins();
+    else
+      counts_.packets++;
+    scene_->trace(*counted.frame, partition, primary, std::move(rays), std::move(done));
+  }
+  size_t bytes() const override { return scene_->bytes(); }
+
+ private:
+  std::unique_ptr<DeviceScene> scene_;
+  Counts& counts_;
+};
+
+class CountedBackend : public Backend {
+ public:
+  explicit CountedBackend(Counts& counts) : counts_(counts) {}
+  std::string name() const override { return "counted"; }
+  std::string device() const override { return embree_->device(); }
+  std::unique_ptr<DeviceScene> makeScene(std::shared_ptr<const CompiledScene> scene,
+                                         int rank) const override {
+    return std::make_unique<CountedScene>(embree_->makeScene(std::move(scene), rank), counts_);
+  }
+
+ private:
+  const std::unique_ptr<Backend> embree_ = makeEmbreeBackend();
+  Counts& counts_;
+};
+
+// Two tenants: one has a batch of 500 frames, 8 in flight, the other looks at a frame now and then.
+TEST(Fairness, AWatchedFrameWaitsForAtMostTwoPacketsOfABatchOnEachRank) {
+  std::array<Counts, kRanks> counts;
+  std::vector<std::unique_ptr<CountedBackend>> backends;
+  for (Counts& c : counts) backends.push_back(std::make_unique<CountedBackend>(c));
+  TestScene scene = emptyScene("balls", kBatchSize);
+  addParticles(scene, 1);
+  addMesh(scene, 1);
+  addLights(scene);
+  const Cut cut = lattice(sceneDomain(), {3, 1, 1}, kRanks);
+  FrameRun run;
+  run.seed = 7;
+  run.options.packetRays = 64;
+  run.options.raysInFlight = 40000;
+  run.options.interactiveRays = 10000;
+  run.options.runners = 1;
+  Frames frames(kRanks, run);
+  frames.add(1, compiledOn(cut, scene, [&](int rank) -> const Backend& { return *backends[size_t(rank)]; }));
+
+  FrameRequest batch, watched;
+  batch.scene = watched.scene = 1;
+  batch.camera = watched.camera = scene.camera;
+  batch.share = {1, false};
+  watched.share = {2, true};
+  watched.camera.dimensions = kWatchedSize;
+  std::vector<FrameId> ids, watchedIds;
+  const auto ended = [&](FrameId id) { return frames.outcome(id).finished > 0; };
+  Random random(3);
+  size_t done = 0;
+  int64_t mostInAStep = 0;
+  uint64_t untilNext = 1000;
+  do {
+    while (ids.size() < kBatch && ids.size() < done + kInFlight) ids.push_back(frames.start(batch));
+    while (done < ids.size() && ended(ids[done])) done++;
+    if (--untilNext == 0) {
+      if (watchedIds.empty() || ended(watchedIds.back())) watchedIds.push_back(frames.start(watched));
+      untilNext = 1 + random.below(2000);
+    }
+    int64_t before = 0, after = 0;
+    for (const Counts& c : counts) before += c.packets;
+    if (!frames.world().step()) break;
+    for (const Counts& c : counts) after += c.packets;
+    mostInAStep = std::max(mostInAStep, after - before);
+  } while (done < kBatch);
+  frames.run();
+
+  EXPECT_TRUE(frames.errors().empty());
+  EXPECT_EQ(done, size_t(kBatch));
+  EXPECT_GT(watchedIds.size(), 20u);
+  EXPECT_EQ(mostInAStep, 1) << "a task goes on with the next packet by itself";
+  for (const Counts& c : counts) {
+    EXPECT_GT(c.packets, 10 * kBatch);
+    EXPECT_GT(c.watchedFrames, 20);
+    EXPECT_LE(c.mostWaitedFor, 2);
+  }
+}
+
+// However many frames one has, its rays in flight are bounded on each rank, and the other goes on.
+TEST(Fairness, ATenantHasSoManyRaysInFlightAndNoMore) {
+  constexpr int64_t kMost = 20000;
+  TestScene scene = emptyScene("balls", {64, 64});
+  addParticles(scene, 1);
+  addLights(scene);
+  const Cut cut = lattice(sceneDomain(), {3, 1, 1}, kRanks);
+  FrameRun run;
+  run.seed = 11;
+  run.options.packetRays = 64;
+  run.options.tenantRays = kMost;
+  Frames frames(kRanks, run);
+  frames.add(1, compiledOn(cut, scene));
+  FrameRequest request;
+  request.scene = 1;
+  request.camera = scene.camera;
+  std::vector<FrameId> ids;
+  for (int i = 0; i < 40; i++) {
+    request.share.tenant = i < 38 ? 1 : 2;
+    ids.push_back(frames.start(request));
+  }
+  std::map<uint32_t, int64_t> most;
+  while (frames.world().step())
+    for (int rank = 0; rank < kRanks; rank++)
+      for (const auto& [tenant, credits] : frames.renderer(rank).kept().tenantCredits)
+        most[tenant] = std::max(most[tenant], credits);
+  for (const FrameId id : ids) EXPECT_EQ(frames.outcome(id).finished, 1);
+  EXPECT_LE(most.at(1), kMost);
+  EXPECT_GT(most.at(1), kMost / 2) << "it comes near";
+  EXPECT_LE(most.at(2), kMost);
+}
+
+}  // namespace
+}  // namespace gxy::test
