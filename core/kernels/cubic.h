@@ -72,7 +72,8 @@ FN Bracket firstBracket(Bernstein b, real ta, real done, RootQuery q) {
   real first = b.b0;
   if (q.from != 0) {
     real outwards = q.from > 0 ? b.b1 - b.b0 : b.b0 - b.b1;
-    bool deeper = q.from > 0 ? b.b3 < b.b0 + b.b0 : b.b3 > b.b0 + b.b0;
+    bool deeper =
+        q.from > 0 ? min(min(b.b1, b.b2), b.b3) < b.b0 + b.b0 : max(max(b.b1, b.b2), b.b3) > b.b0 + b.b0;
     bool wrong = (b.b0 < R(0.0)) != (q.from < 0);
     if (q.start && (!wrong || (outwards <= R(0.0) && deeper))) {
       real size = max1(abs(b.b0), R(1e-37));

@@ -23,10 +23,11 @@ struct CompareOptions {
   double perturbation = 8;  ///< float ulps by which the rays of the reference move to tell flips
   int seeds = 24;
   uint32_t frameNumber = 0;
+  bool vulkan = true;  ///< whether the second backend draws it, too
 };
 
 /// Renders with both, ambient occlusion with the backend's own directions; and where the backend is the first one, with
-/// the second, too (same_bits.h).
+/// the second, too, if options ask for it (same_bits.h).
 ///
 /// A pixel that differs by more than the tolerance is a flip where the reference itself changes under perturbation (of
 /// its rays, and of isovalues by as many ulps of the largest sample, which the value along a ray may be off by), and the
