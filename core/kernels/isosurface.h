@@ -284,13 +284,15 @@ FN IsoHit firstIsosurface(VOLUME v, VolumeRay r, real tIn, real tOut, real tAfte
 
 FN real centralDifference(real before, real here, real after, bool hasBefore, bool hasAfter) {
   bool b = hasBefore && before - before == R(0.0), a = hasAfter && after - after == R(0.0);
+  bool h = here - here == R(0.0);
   if (b && a) return R(0.5) * (after - before);
-  if (a) return after - here;
-  if (b) return here - before;
+  if (a && h) return after - here;
+  if (b && h) return here - before;
   return R(0.0);
 }
 
-// The gradient at a grid point, per cell: central differences, one-sided on the domain's boundary or beside no data.
+// The gradient at a grid point, per cell: central differences, one-sided on the domain's boundary or beside no data. Finite
+// even where there are none: rounding puts a hit on the border of a hole into the cell behind it.
 FN vec3 pointGradient(VOLUME v, ivec3 p) {
   real s = pointValue(v, p);
   bool x0 = p.x > 0, x1 = p.x<v.cellsX, y0 = p.y> 0, y1 = p.y<v.cellsY, z0 = p.z> 0, z1 = p.z < v.cellsZ;

@@ -96,17 +96,20 @@ FN Surface fieldSurface(OPERATOR op, VOLUME v, int hitKind, uint index, vec3 o, 
     f.start = START_SLICE << 18;
   } else {
     f.value = isovalueOf(v, index);
-    // outwards is where values are lower, as for a contour in VTK; towards the viewer where the field is flat
+    // Outwards is where values are lower, as for a contour in VTK; towards the viewer where the field is flat.
+    vec3 g = gradientAt(v, p);
     vec3 down = cellGradientAt(v, p);
+    f.normal = unit3(make_v3(-g.x, -g.y, -g.z));
     f.geometric = unit3(make_v3(-down.x, -down.y, -down.z));
     f.start = START_ISOSURFACE << 18;
-    if (dot3(f.geometric, f.geometric) < R(0.5)) {
+    // Not a number where rounding has put the hit into the cell behind that it was found in, and that holds no data.
+    bool aside = !(dot3(f.geometric, f.geometric) >= R(0.0));
+    if (aside) f.geometric = f.normal;
+    if (!(dot3(f.geometric, f.geometric) >= R(0.5))) {
       f.geometric = make_v3(-d.x, -d.y, -d.z);
       f.start = 0u;
     }
-    vec3 g = gradientAt(v, p);
-    f.normal = unit3(make_v3(-g.x, -g.y, -g.z));
-    if (dot3(f.normal, f.normal) < R(0.5)) f.normal = f.geometric;
+    if (!(dot3(f.normal, f.normal) >= R(0.5))) f.normal = f.geometric;
   }
   return f;
 }

@@ -1,9 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gxy/rays/compiled_frame.h"
 
+#include <algorithm>
+#include <cmath>
 #include <glm/geometric.hpp>
 
 namespace gxy {
+
+namespace {
+
+// In sizes of the scene: from there on a float cannot tell the directions of a light at its two ends apart.
+constexpr double kFarAway = 1e9;
+
+}  // namespace
 
 CompiledFrame compileFrame(const CompiledScene& scene, const Camera& camera, uint32_t number, bool depth) {
   const CameraBasis world = cameraBasis(camera);
@@ -34,7 +43,13 @@ CompiledFrame compileFrame(const CompiledScene& scene, const Camera& camera, uin
                                 ? light.v
                                 : world.eye + light.v.x * right + light.v.y * up + light.v.z * world.view;
       const glm::dvec3 p = space.toRender(at);
-      frame.lights.push_back({1.f, float(p.x), float(p.y), float(p.z)});
+      const double farthest = std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)});
+      if (farthest < kFarAway) {
+        frame.lights.push_back({1.f, float(p.x), float(p.y), float(p.z)});
+      } else {
+        const glm::dvec3 v = -glm::normalize(p / farthest);
+        frame.lights.push_back({0.f, float(v.x), float(v.y), float(v.z)});
+      }
     }
   }
   return frame;

@@ -154,6 +154,21 @@ NamedDataset Datasets::get(const std::string& tenant, const std::string& name) c
   throw Error("dataset " + inQuotes(name) + ": there is none that you see; `list` names what there is");
 }
 
+std::pair<NamedDataset, Pin> Datasets::getPinned(const std::string& tenant, const std::string& name) const {
+  for (;;) {
+    NamedDataset d = get(tenant, name);
+    try {
+      Pin pin = node_.objects.pin(d.key);
+      d.generation = pin.generation();
+      return {std::move(d), std::move(pin)};
+    } catch (const Error&) {
+      // Dropped after the look at its name, which means another dataset by now, or none.
+      const auto now = find(tenant, name);
+      if (now && now->key == d.key) throw;
+    }
+  }
+}
+
 void Datasets::add(const std::string& tenant, const std::string& name, Scope scope, Key key,
                    DatasetType type) {
   checkDatasetName(name);

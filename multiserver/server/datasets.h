@@ -89,6 +89,9 @@ class Datasets {
   /// Throws Error where the tenant sees none of this name.
   NamedDataset get(const std::string& tenant, const std::string& name) const;
   std::optional<NamedDataset> find(const std::string& tenant, const std::string& name) const;
+  /// The same with its current generation held: while the pin lives, every rank has that generation, as its current one or
+  /// the one before, unless the dataset is dropped.
+  std::pair<NamedDataset, Pin> getPinned(const std::string& tenant, const std::string& name) const;
   /// What all ranks know of it. Waits.
   nlohmann::json info(const NamedDataset& dataset);
 
@@ -104,9 +107,6 @@ class Datasets {
   using Observer = std::function<void(const DatasetEvent&)>;
   /// Until the returned handle goes. Called on the thread that made the change; must be short.
   [[nodiscard]] std::shared_ptr<void> observe(Observer observer);
-
-  /// This rank's part of a generation, for as long as the pin lives. Any rank.
-  Pin pin(Key key, Generation generation) const { return node_.objects.pin(key, generation); }
 
  private:
   nlohmann::json importHere(const nlohmann::json& parameters);

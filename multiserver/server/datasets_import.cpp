@@ -158,22 +158,27 @@ json Datasets::importHere(const json& p) {
     d.memory.resize(d.bytes);
   }
 
-  // Objects that exist get a second buffer, which is committed when all ranks have theirs; the others are made.
+  // Objects that exist get a second buffer, which is committed when all ranks have theirs; the others are made. Rank 0 goes
+  // before the others: what is pinned there keeps them all from giving that generation up.
   size_t done = 0;
+  const auto store = [&] {
+    for (; done < made.size(); done++) {
+      const Key key{specs[done].at("key").get<uint64_t>()};
+      if (!specs[done].at("update").get<bool>()) {
+        node_.objects.add(key, Payload(std::shared_ptr<const Dataset>(made[done])));
+      } else {
+        if (!node_.objects.reserve(key))
+          throw Error("dataset " + inQuotes(specs[done].at("name").get<std::string>()) +
+                      ": both its generations are in use, so this step is left out");
+        node_.objects.stage(key, Payload(std::shared_ptr<const Dataset>(made[done])));
+      }
+    }
+  };
   try {
     agree(ranks, [&] {
-      for (; done < made.size(); done++) {
-        const Key key{specs[done].at("key").get<uint64_t>()};
-        if (!specs[done].at("update").get<bool>()) {
-          node_.objects.add(key, Payload(std::shared_ptr<const Dataset>(made[done])));
-        } else {
-          if (!node_.objects.reserve(key))
-            throw Error("dataset " + inQuotes(specs[done].at("name").get<std::string>()) +
-                        ": both its generations are in use, so this step is left out");
-          node_.objects.stage(key, Payload(std::shared_ptr<const Dataset>(made[done])));
-        }
-      }
+      if (node_.rank() == 0) store();
     });
+    agree(ranks, store);
   } catch (const Error&) {
     for (size_t i = 0; i < done; i++) {
       const Key key{specs[i].at("key").get<uint64_t>()};

@@ -31,6 +31,11 @@ TEST(LightAgreement, Shadows) {
   scene.name = "shadows_lamps";
   scene.visualization.lighting = lit({kLamp, kNearLamp, kHeadlight}, true);
   expectAgreement(embree(), scene);
+  for (const double far : {1e8, 1e12, 1e30, 1e100}) {  // past what a float holds, and its square
+    scene.name = "shadows_lamp_far_away";
+    scene.visualization.lighting = lit({{LightType::Point, far * glm::dvec3(0.4, 0.7, 0.5)}}, true);
+    expectAgreement(embree(), scene);
+  }
 }
 
 TEST(LightAgreement, ShadowsOfTranslucentSurfaces) {

@@ -17,18 +17,18 @@ size_t threadsOfThisProcess() {
 }
 
 TEST(ThreadPool, RunsAllTasksAtOnceThatWaitForEachOther) {
-  ThreadPool pool;
   constexpr int kTasks = 100;
-  std::latch all(kTasks + 1);
+  std::latch all(kTasks + 1);  // outlives the tasks, as do those below: who waits may look once more
+  ThreadPool pool;
   for (int i = 0; i < kTasks; i++) pool.run([&] { all.arrive_and_wait(); });
   all.arrive_and_wait();
 }
 
 TEST(ThreadPool, KeepsFewThreadsAfterManyTasksAtOnce) {
   const size_t before = threadsOfThisProcess();
+  std::latch bursts[] = {std::latch(101), std::latch(101), std::latch(101)};
   ThreadPool pool;
-  for (int burst = 0; burst < 3; burst++) {
-    std::latch all(101);
+  for (std::latch& all : bursts) {
     for (int i = 0; i < 100; i++) pool.run([&] { all.arrive_and_wait(); });
     EXPECT_GE(threadsOfThisProcess(), before + 100);
     all.arrive_and_wait();

@@ -32,8 +32,7 @@ TEST(Example, FindsTheRangeAndMakesADatasetWhereTheSourceIs) {
   EXPECT_EQ(client->expect("range shell").at("range"), (json{0, 1}));
   int shown = 0;
   for (int rank = 0; rank < 3; rank++) {
-    const auto& datasets = server.node(rank).datasets;
-    const Pin pin = datasets->pin(server.node(0).datasets->get("user", "shell").key, 1);
+    const Pin pin = server.node(rank).objects.pin(server.node(0).datasets->get("user", "shell").key, 1);
     for (const auto& [partition, block] : pin.get<Dataset>()->volume->blocks) {
       EXPECT_EQ(pin.get<Dataset>()->partitioning->owner(partition), rank);
       shown++;

@@ -40,7 +40,8 @@ NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(RangeWork, key, generation)
 json range(Request& request) {
   Node& node = request.session().node();
   protocol::Arguments arguments(request.arguments(), "range NAME");
-  const NamedDataset dataset = node.datasets->get(request.session().tenant(), arguments.expectWord());
+  // pinned on this rank, the generation stays on all of them
+  const auto [dataset, pin] = node.datasets->getPinned(request.session().tenant(), arguments.expectWord());
   arguments.expectEnd();
   Range all;
   for (const json& part : callAll(node, RangeWork{dataset.key.value, dataset.generation}))
@@ -108,7 +109,7 @@ json threshold(Request& request) {
   Node& node = request.session().node();
   const std::string& tenant = request.session().tenant();
   protocol::Arguments arguments(request.arguments(), "threshold NAME NEW LEAST LARGEST");
-  const NamedDataset source = node.datasets->get(tenant, arguments.expectWord());
+  const auto [source, pin] = node.datasets->getPinned(tenant, arguments.expectWord());
   const std::string name = arguments.expectWord();
   const auto least = arguments.number(), largest = arguments.number();
   if (!least || !largest) arguments.fail("LEAST and LARGEST are numbers");

@@ -73,7 +73,7 @@ class Run {
       if (!batch_.toClient) paths_.push_back(services_.node.folders.toWrite(nameOf(batch_, i)));
     }
     for (const Visualization& v : batch_.state.visualizations)
-      scenes_.push_back(services_.scenes.get(request_.session().tenant(), v, batch_.state.settings));
+      scenes_.push_back(services_.scenes.get(request_.session().tenant(), v, batch_.state.settings).scene);
     const std::shared_ptr<void> end(nullptr, [this](void*) { giveUp(); });
     for (size_t i = 0; i < total_; i++) {
       waitFor([&] { return job_->inFlight.size() < size_t(batch_.concurrent); });
@@ -131,8 +131,8 @@ class Run {
     const auto slot = std::make_shared<Tenants::Frame>(
         node.tenants.beginWhenFree(tenant, node.costOf(tenant, camera.dimensions), [this] { check(); }));
     ScenePtr& kept = scenes_[index % scenes_.size()];
-    Scenes::Pinned pinned = services_.scenes.getPinned(
-        tenant, batch_.state.visualizations[index % scenes_.size()], batch_.state.settings, kept);
+    Scenes::Pinned pinned = services_.scenes.get(tenant, batch_.state.visualizations[index % scenes_.size()],
+                                                 batch_.state.settings, kept);
     const ScenePtr scene = kept = std::move(pinned.scene);
     const auto pins = std::make_shared<std::vector<Pin>>(std::move(pinned.pins));
     FrameRequest frame;

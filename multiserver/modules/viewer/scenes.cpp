@@ -14,7 +14,7 @@ using nlohmann::json;
 
 namespace {
 
-constexpr int kLooks = 8;  // at names whose objects change meanwhile, each time
+constexpr int kLooks = 8;  // at names whose objects are replaced meanwhile, each time
 
 }  // namespace
 
@@ -127,17 +127,30 @@ ScenePtr Scenes::build(const std::string& tenant, const std::string& text, std::
   return scene;
 }
 
-std::vector<NamedDataset> Scenes::dataOf(const std::string& tenant,
-                                         const Visualization& visualization) const {
-  std::vector<NamedDataset> data;
-  for (const Vis& vis : visualization.operators) data.push_back(node_.datasets->get(tenant, vis.dataset));
-  return data;
+namespace {
+
+std::vector<Pin> pinned(Node& node, const std::vector<NamedDataset>& data) {
+  std::vector<Pin> pins;
+  for (const NamedDataset& d : data) pins.push_back(node.objects.pin(d.key, d.generation));
+  return pins;
 }
 
-// Between the look at a name and the use of what it means, that may have been replaced or have got newer generations; then
-// the name is looked at again.
-ScenePtr Scenes::get(const std::string& tenant, const Visualization& visualization,
-                     const RenderSettings& settings) {
+}  // namespace
+
+bool Scenes::namesMean(const std::string& tenant, const std::vector<NamedDataset>& data) const {
+  return std::all_of(data.begin(), data.end(), [&](const NamedDataset& d) {
+    const auto now = node_.datasets->find(tenant, d.name);
+    return now && now->key == d.key;
+  });
+}
+
+Scenes::Pinned Scenes::get(const std::string& tenant, const Visualization& visualization,
+                           const RenderSettings& settings, const ScenePtr& known) {
+  if (known) try {
+      return {known, pinned(node_, known->data)};
+    } catch (const Error&) {
+      // its data have gone
+    }
   if (visualization.operators.empty())
     throw Error("visualization: it has no operators, expected one or more");
   State state;
@@ -154,29 +167,18 @@ ScenePtr Scenes::get(const std::string& tenant, const Visualization& visualizati
       state.datasets.push_back(spec);
   }
   for (int looks = 1;; looks++) {
-    const std::vector<NamedDataset> data = dataOf(tenant, visualization);
-    try {
-      return getOf(tenant, state, data);
-    } catch (const Error&) {
-      const std::vector<NamedDataset> now = dataOf(tenant, visualization);
-      const bool same = std::equal(
-          data.begin(), data.end(), now.begin(), now.end(),
-          [](const auto& a, const auto& b) { return a.key == b.key && a.generation == b.generation; });
-      if (same || looks == kLooks) throw;
+    std::vector<NamedDataset> data;
+    std::vector<Pin> pins;
+    for (const Vis& vis : visualization.operators) {
+      auto [dataset, pin] = node_.datasets->getPinned(tenant, vis.dataset);
+      data.push_back(std::move(dataset));
+      pins.push_back(std::move(pin));
     }
-  }
-}
-
-Scenes::Pinned Scenes::getPinned(const std::string& tenant, const Visualization& visualization,
-                                 const RenderSettings& settings, ScenePtr known) {
-  for (int looks = 1;; looks++) {
-    Pinned pinned{known ? std::exchange(known, nullptr) : get(tenant, visualization, settings), {}};
     try {
-      for (const NamedDataset& d : pinned.scene->data)
-        pinned.pins.push_back(node_.datasets->pin(d.key, d.generation));
-      return pinned;
+      return {getOf(tenant, state, data), std::move(pins)};
     } catch (const Error&) {
-      if (looks == kLooks) throw;
+      // Dropped meanwhile, and perhaps replaced by others of the same names.
+      if (namesMean(tenant, data) || looks == kLooks) throw;
     }
   }
 }

@@ -35,24 +35,22 @@ class Scenes {
  public:
   explicit Scenes(Registration& registration);
 
-  /// Rank 0: the scene of a visualization with the current generations of its data, as the tenant sees them; compiled
-  /// unless there is one of the same content. Waits. Throws Error for data that are not there or do not fit.
-  ScenePtr get(const std::string& tenant, const Visualization& visualization, const RenderSettings& settings);
-
   struct Pinned {
     ScenePtr scene;
     std::vector<Pin> pins;  ///< of its data
   };
-  /// The same with its data pinned; `known`, if not null, is taken unless its data have gone.
-  Pinned getPinned(const std::string& tenant, const Visualization& visualization,
-                   const RenderSettings& settings, ScenePtr known);
+  /// Rank 0: the scene of a visualization with the current generations of its data, as the tenant sees them; compiled
+  /// unless there is one of the same content. `known`, if not null, is taken unless its data have gone. Waits. Throws Error
+  /// for data that are not there or do not fit.
+  Pinned get(const std::string& tenant, const Visualization& visualization, const RenderSettings& settings,
+             const ScenePtr& known = nullptr);
 
  private:
   nlohmann::json make(const nlohmann::json& parameters);
   nlohmann::json forget(const nlohmann::json& parameters);
   ScenePtr build(const std::string& tenant, const std::string& text, std::vector<NamedDataset> data);
   ScenePtr getOf(const std::string& tenant, const State& state, const std::vector<NamedDataset>& data);
-  std::vector<NamedDataset> dataOf(const std::string& tenant, const Visualization& visualization) const;
+  bool namesMean(const std::string& tenant, const std::vector<NamedDataset>& data) const;
 
   Node& node_;
   std::mutex mutex_;

@@ -250,10 +250,8 @@ json state(Request& request, Arguments arguments) {
   Datasets& datasets = *request.session().node().datasets;
   for (const Visualization& v : state.visualizations)
     for (const Vis& vis : v.operators) {
-      const auto dataset = datasets.find(request.session().tenant(), vis.dataset);
-      if (!dataset) continue;
-      const Pin pin = datasets.pin(dataset->key, dataset->generation);
-      const auto d = pin.get<Dataset>();
+      if (!datasets.find(request.session().tenant(), vis.dataset)) continue;
+      const auto d = datasets.getPinned(request.session().tenant(), vis.dataset).second.get<Dataset>();
       DatasetSpec spec{vis.dataset, d->type, d->file, d->array, d->color};
       if (std::find(state.datasets.begin(), state.datasets.end(), spec) == state.datasets.end())
         state.datasets.push_back(std::move(spec));

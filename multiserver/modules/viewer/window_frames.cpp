@@ -54,7 +54,7 @@ uint64_t Window::render(const FrameOptions& options) {
     throw Error("render: " + std::to_string(options.passes) + " passes of " + std::to_string(frame->samples) +
                 " rays per pixel, expected at most " + std::to_string(kSamples) + " rays");
   Scenes::Pinned pinned =
-      services_.scenes.getPinned(tenant_, state.visualizations[0], state.settings, frame->scene);
+      services_.scenes.get(tenant_, state.visualizations[0], state.settings, frame->scene);
   frame->scene = std::move(pinned.scene);
   frame->pins = std::move(pinned.pins);
   Node& node = services_.node;
