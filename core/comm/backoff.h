@@ -22,8 +22,8 @@ class Backoff {
     lastActive_ = Clock::now();
   }
 
-  /// The sleep due now; each call in a row returns a longer one, up to maxSleep, and restSleep at rest. Data move only while MPI is
-  /// called, so with a transfer under way there is something to do, and sleeps stay short.
+  /// The sleep due now; each call in a row returns a longer one, up to maxSleep, and restSleep at rest. Data move only
+  /// while MPI is called, so with a transfer under way there is something to do, and sleeps stay short.
   Microseconds next(bool inTransfer) {
     const auto quiet = Clock::now() - lastActive_;
     if ((inTransfer || spins_) && quiet < (inTransfer ? hotInTransfer : hot)) return {};

@@ -12,9 +12,9 @@ namespace gxy {
 
 /// The rank's progress thread is the only caller of MPI on a communicator of Galaxy's own. Messages that are
 /// handed over while it works are coalesced, per destination, into packets; larger ones stream from the
-/// sender's memory into the receiver's. Without traffic the thread sleeps, up to 4 ms at a time, 16 ms after two quiet seconds, but
-/// wakes at once when something is sent here; after traffic it stays hot for a moment, unless the node has
-/// fewer cores than threads.
+/// sender's memory into the receiver's. Without traffic the thread sleeps, up to 4 ms at a time, 16 ms after two
+/// quiet seconds, but wakes at once when something is sent here; after traffic it stays hot for a moment, unless the
+/// node has fewer cores than threads.
 ///
 /// Constructing and destroying are collective. The destructor returns when all ranks are in their destructors
 /// and all messages have been delivered and all tasks run, those included that were sent or posted meanwhile:

@@ -27,8 +27,8 @@
 namespace gxy {
 namespace {
 
-constexpr unsigned char kDuplicate =
-    1;  ///< bit of VTK's ghost arrays: the cell or point belongs to another piece
+/// Bit of VTK's ghost arrays: the cell or point belongs to another piece.
+constexpr unsigned char kDuplicate = 1;
 
 double magnitude(vtkDataArray* array, vtkIdType i) {
   if (array->GetNumberOfComponents() == 1) return array->GetComponent(i, 0);

@@ -24,9 +24,9 @@ struct LoadedGeometry {
 };
 
 /// Collective over `ranks`. Each rank reads its share of the pieces of a .pvtu, .pvtp or .part, else all of
-/// the file. Unusable primitives (a coordinate that is not finite, triangles without area, repeated points of lines) are dropped and
-/// counted. Normals and, unless `array` names them, values are used only if all pieces have them. If any rank
-/// fails, all throw the same Error.
+/// the file. Unusable primitives (a coordinate that is not finite, triangles without area, repeated points of
+/// lines) are dropped and counted. Normals and, unless `array` names them, values are used only if all pieces
+/// have them. If any rank fails, all throw the same Error.
 LoadedGeometry loadGeometry(const std::string& path, GeometryKind kind, const std::string& array,
                             Collectives& ranks);
 

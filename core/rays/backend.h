@@ -44,8 +44,8 @@ struct TraceResult {
   std::vector<Contribution> contributions;
   std::vector<DepthContribution> depths;  ///< only if the frame wants them
   uint64_t retired = 0;                   ///< rays of the packet that have ended
-  uint64_t secondaries =
-      0;  ///< rays that were made and are in `leaving`; a backend may have traced others itself
+  /// Rays that were made and are in `leaving`; a backend may have traced others itself.
+  uint64_t secondaries = 0;
   TraceCounters counters;
   std::string error;  ///< not empty: it could not be done, and nothing is in the result but `retired`
 };

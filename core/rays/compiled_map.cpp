@@ -206,8 +206,8 @@ CompiledMap::CompiledMap(const ColorMap& color, const OpacityMap* opacity, const
     inverse = float(1 / width);
     buckets.resize(count);
     for (int i = 0, k = 0; i < count; i++) {
-      const double start =
-          origin + (i - 0.01) * width;  // before the bucket, whatever the rounding of its index
+      // Before the bucket, whatever the rounding of its index.
+      const double start = origin + (i - 0.01) * width;
       while (k + 1 < int(nodes.size()) && nodes[k + 1] <= start) k++;
       buckets[i] = k;
     }

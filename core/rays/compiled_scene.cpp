@@ -16,8 +16,8 @@ namespace gxy {
 
 namespace {
 
-constexpr double kDomainMargin =
-    1e-5;  // of the longest side: what is seen lies strictly inside the visible domain
+// Of the longest side: what is seen lies strictly inside the visible domain.
+constexpr double kDomainMargin = 1e-5;
 
 CompiledPlane compilePlane(const Plane& plane, const RenderSpace& space) {
   const double length = glm::length(plane.normal);

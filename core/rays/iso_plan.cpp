@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gxy/rays/iso_plan.h"
-#include "gxy/comm/parallel_for.h"
 
 #include <algorithm>
 #include <bit>

@@ -17,8 +17,9 @@ inline constexpr size_t kMostIsoWords = size_t(1) << 29;
 
 /// One word per macrocell of the block (x fastest), then the bits of cells, 64 bytes per macrocell that has some:
 ///   > 0  an isovalue (stored units) lies in the macrocell's range (`summaries`: merged, so that all partitions agree);
-///        the index of its first word of bits. Bit x + 8 y + 64 z, from the lowest of the first word on, is of cell
-///        (x, y, z): set if an isovalue lies in the range of its corners, clear if it does not or the block lacks one of them
+///        the index of its first word of bits. Bit x + 8 y + 64 z, from the lowest of the first word on, is of
+///        cell (x, y, z): set if an isovalue lies in the range of its corners, clear if it does not or the block
+///        lacks one of them
 ///   -k   no isovalue lies in the range of any macrocell that the block has of the aligned cube of 2^k of them, k <= 3
 /// `component` < 0: the magnitude, in float. Macrocells beyond `mostWords` share 16 words of set bits. Takes the time
 /// of one pass over the macrocells that have bits. Throws Error where the samples do not fit the extent.

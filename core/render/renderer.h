@@ -29,8 +29,8 @@ struct FrameRequest {
   SceneId scene = 0;
   Camera camera;
   int32_t samples = 0;  ///< rays per pixel; 0: what the scene says
-  int32_t firstSample =
-      0;  ///< the first one's index: the sums of other ones' pictures add up to those of all
+  /// Index of the first of them: the sums of pictures of different samples add up to those of all.
+  int32_t firstSample = 0;
   bool depth = false;
   bool sums = false;    ///< the picture is handed out as its sums, without `rgba`
   uint64_t window = 0;  ///< not 0: a newer frame of the same window supersedes this one
@@ -68,8 +68,8 @@ class Renderer {
   struct Options {
     int packetRays = 1024;           ///< rays that are traced together, at most; >= 16
     int64_t raysInFlight = 1 << 20;  ///< credits of a rank
-    Ledger* ledger =
-        nullptr;  ///< where memory is accounted, if anywhere; outlives frames that name an account
+    /// Where memory is accounted, if anywhere; outlives frames that name an account.
+    Ledger* ledger = nullptr;
     std::string tenant = "batch";  ///< whose memory it is
     int64_t interactiveRays = 0;   ///< credits that are kept for interactive frames
     int64_t tenantRays = 0;        ///< credits that the frames of one tenant may have; 0: all

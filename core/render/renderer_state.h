@@ -93,8 +93,8 @@ class Renderer::Tasks : public std::enable_shared_from_this<Tasks> {
   bool closed_ = false;
 };
 
-/// A call to a device. Whoever comes second, the answer or the caller's return, takes what is to be done then: what the device
-/// keeps of the call holds nothing any more.
+/// A call to a device. Whoever comes second, the answer or the caller's return, takes what is to be done then: what the
+/// device keeps of the call holds nothing any more.
 struct Renderer::Asked {
   struct Next {
     std::shared_ptr<void> inside, expected;  ///< this Renderer, and the Transport, wait for the answer

@@ -41,8 +41,8 @@ PixelBox project(const CompiledFrame& f, glm::dvec3 lo, glm::dvec3 hi) {
     glm::dvec3 onPlane = corner;
     if (!b.orthographic) {
       const double depth = glm::dot(corner - b.eye, b.view);
-      const double plane =
-          glm::dot(b.corner, b.view);  // of all directions: du and dv are orthogonal to the view
+      // Of all directions: du and dv are orthogonal to the view.
+      const double plane = glm::dot(b.corner, b.view);
       if (depth <= 1e-6 * glm::length(corner - b.eye)) return all;
       onPlane = (corner - b.eye) * (plane / depth);
     }

@@ -129,8 +129,8 @@ Camera parseParaViewCamera(std::string_view text, const std::string& sourceName)
   camera.aov = scalar(properties, "CameraViewAngle").value_or(camera.aov);
   if (scalar(properties, "CameraParallelProjection").value_or(0) != 0) {
     camera.aov = 0;
-    camera.height =
-        2 * scalar(properties, "CameraParallelScale").value_or(1);  // the scale is half the window
+    // The scale is half the window.
+    camera.height = 2 * scalar(properties, "CameraParallelScale").value_or(1);
   }
   return camera;
 }

@@ -81,8 +81,8 @@ LedgerEntry Node::takeMemory(const std::string& tenant, const std::string& purpo
 }
 
 Tenants::Cost Node::costOf(const std::string& tenant, glm::ivec2 size) const {
-  constexpr int64_t kBytes =
-      64;  // of a pixel: 32 in the framebuffer, 16 in the picture, the rest in tiles and messages
+  // Of a pixel: 32 in the framebuffer, 16 in the picture, the rest in tiles and messages.
+  constexpr int64_t kBytes = 64;
   return {int64_t(size.x) * size.y * kBytes, [this, tenant] {
             return std::min(options.tenantMemory - ledger.total(tenant), options.memory - ledger.total());
           }};

@@ -22,8 +22,8 @@ struct Change {
   /// common.
   double ratio = 0, least = 0, most = 0;
   double noise = 0;  ///< relative; from the spreads of the repeats, at least 2 %
-  bool atSettings =
-      false;  ///< the errors do not overlap, or there is one setting: times at equal settings instead
+  /// The errors do not overlap, or there is one setting: times at equal settings instead.
+  bool atSettings = false;
   double errorRatio = 1;  ///< new error over old at equal settings, geometric mean
   std::string remark;     ///< what is worse besides time, or missing
   bool slower() const { return ratio > 1 + noise; }

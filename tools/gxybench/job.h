@@ -8,8 +8,8 @@
 
 namespace gxy::bench {
 
-inline constexpr const char* kLineMark =
-    "gxybench-measured ";  ///< before a worker's JSON; other lines are passed on
+/// Before a worker's JSON; other lines are passed on.
+inline constexpr const char* kLineMark = "gxybench-measured ";
 
 /// Pictures of setting i: float RGBA and double depth, as they are in memory.
 inline std::string pictureFile(const Job& job, size_t i) { return job.pictures + std::to_string(i); }

@@ -16,8 +16,8 @@
 namespace gxy::bench {
 namespace {
 
-constexpr const char* kFormat =
-    "gxybench truth 2\n";            // changes with what the reference means or the file holds
+// Changes with what the reference means or the file holds.
+constexpr const char* kFormat = "gxybench truth 2\n";
 constexpr double kPerturbation = 8;  // ulps of float
 constexpr int kPerturbations = 24;
 
