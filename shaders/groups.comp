@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// How many workgroups the next stages take for a list whose length only the device knows.
+// How many workgroups the next stages take for a list whose length only the device knows. Behind a step that was cut
+// (rays.glsl) nothing is done until that has been resumed, for which the number of its own list stays.
 #include "kernels.glsl"
 #include "rays.glsl"
 
 void main() {
-  if (gl_GlobalInvocationID.x != 0u) return;
+  if (gl_GlobalInvocationID.x != 0u || counts[COUNT_CUT] != 0u) return;
   uint rays = counts[~push[PUSH_RAYS]], each = uint(BLOCK_RAYS) * GROUP_ROWS;
   counts[COUNT_GROUPS] = (rays + each - 1u) / each * GROUP_ROWS;
   counts[COUNT_GROUPS + 1] = 1u;

@@ -44,7 +44,6 @@ agreement::Comparison compared(uint64_t seed) {
   const TestScene scene = randomScene(seed);
   agreement::CompareOptions options;
   options.tolerance = scene.settings.tolerance;
-  options.vulkan = false;  // docs/backends.md, "Limits"
   agreement::Comparison c = agreement::compare(agreement::embree(), inOnePiece(scene), options);
   EXPECT_TRUE(c.finite && c.wrong.empty()) << whatFailed(scene, seed) << c.report;
   return c;

@@ -69,6 +69,18 @@ TEST(LongLoops, OfSeveralVolumes) {
   expectTheSameInParts(scene);
 }
 
+// What primaries have made is traced in the same submission, but not before all of them have ended.
+TEST(LongLoops, OfPrimariesThatMakeSecondaries) {
+  agreement::TestScene scene = needle();
+  GeometryBlock block;
+  block.points = {{0, 0, -5}};
+  Vis vis = agreement::surfaces(VisType::Particles);
+  vis.radius0 = vis.radius1 = 0.03;
+  scene.add(vis, agreement::makeGeometry(GeometryKind::Particles, std::move(block)));
+  scene.visualization.lighting.aoCount = 2;
+  expectTheSameInParts(scene);
+}
+
 TEST(LongLoops, OfAnIsosurfaceThatPassesBesideTheRays) {
   agreement::TestScene scene = needle();
   Vis& vis = scene.visualization.operators[0];
