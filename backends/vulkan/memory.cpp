@@ -64,14 +64,10 @@ Memory::Range Memory::take(uint32_t type, bool visible, VkDeviceSize bytes, VkDe
     for (Block& block : blocks_)
       if (block.type == type && block.bytes == blockBytes_ && (block.mapped != nullptr) == visible)
         if (Range range = cut(block); range.block_) return range;
-  VkMemoryAllocateFlagsInfo flags{};
-  flags.sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_FLAGS_INFO;
-  flags.flags = VK_MEMORY_ALLOCATE_DEVICE_ADDRESS_BIT;
-  VkMemoryAllocateInfo info{};
-  info.sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO;
-  info.pNext = &flags;
-  info.allocationSize = alone ? bytes : blockBytes_;
-  info.memoryTypeIndex = type;
+  const VkMemoryAllocateFlagsInfo flags{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_FLAGS_INFO, nullptr,
+                                        VK_MEMORY_ALLOCATE_DEVICE_ADDRESS_BIT, 0};
+  VkMemoryAllocateInfo info{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO, &flags, alone ? bytes : blockBytes_,
+                            type};
   VkDeviceMemory memory = VK_NULL_HANDLE;
   VkResult result = vkAllocateMemory(device_, &info, nullptr, &memory);
   if (result != VK_SUCCESS && !alone) {  // perhaps for less

@@ -57,12 +57,9 @@ Device::Device(const VulkanOptions& options)
   more.pNext = &driver;
   vkGetPhysicalDeviceProperties2(physical_, &more);
   endsLoops_ = driver.driverID == VK_DRIVER_ID_MESA_LLVMPIPE;
-  VkSemaphoreTypeCreateInfo type{};
-  type.sType = VK_STRUCTURE_TYPE_SEMAPHORE_TYPE_CREATE_INFO;
-  type.semaphoreType = VK_SEMAPHORE_TYPE_TIMELINE;
-  VkSemaphoreCreateInfo semaphore{};
-  semaphore.sType = VK_STRUCTURE_TYPE_SEMAPHORE_CREATE_INFO;
-  semaphore.pNext = &type;
+  const VkSemaphoreTypeCreateInfo type{VK_STRUCTURE_TYPE_SEMAPHORE_TYPE_CREATE_INFO, nullptr,
+                                       VK_SEMAPHORE_TYPE_TIMELINE, 0};
+  const VkSemaphoreCreateInfo semaphore{VK_STRUCTURE_TYPE_SEMAPHORE_CREATE_INFO, &type, 0};
   VkSemaphore done = VK_NULL_HANDLE;
   check(vkCreateSemaphore(device_, &semaphore, nullptr, &done), "making a semaphore");
   done_ = SemaphoreHandle(device_, done);

@@ -108,14 +108,6 @@ std::vector<RankScene> oddly(const Cut& cut, bool later, int faultyRank = -1, Fa
   return scenes;
 }
 
-FrameRequest request() {
-  FrameRequest request;
-  request.scene = 1;
-  request.camera = kScene.camera;
-  request.depth = true;
-  return request;
-}
-
 TEST(LateDevice, GivesTheSamePicture) {
   const Cut cut = kdCut(kScene.domain, 6, kRanks, 5);
   const Picture expected = render(kScene, whole(kScene.domain));
@@ -137,7 +129,7 @@ TEST(LateDevice, IsWaitedForWhenARendererGoes) {
     const auto scenes = oddly(cut, true);
     Frames frames(kRanks, run);
     frames.add(1, scenes);
-    frames.start(request());
+    frames.start(requestOf(kScene));
   }
 }
 
@@ -154,10 +146,10 @@ void expectOnlyThatFrameFails(const Faults& faults, const std::string& error, bo
     Frames frames(kRanks, run);
     frames.add(1, good);
     frames.add(2, bad);
-    FrameRequest failing = request();
+    FrameRequest failing = requestOf(kScene);
     failing.scene = 2;
-    const FrameId before = frames.start(request()), fails = frames.start(failing),
-                  after = frames.start(request());
+    const FrameId before = frames.start(requestOf(kScene)), fails = frames.start(failing),
+                  after = frames.start(requestOf(kScene));
     frames.run();
     EXPECT_EQ(frames.errors(), std::vector<std::string>());
     EXPECT_EQ(frames.outcome(fails).finished, 1);

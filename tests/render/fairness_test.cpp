@@ -83,19 +83,29 @@ class CountedBackend : public Backend {
   Counts& counts_;
 };
 
+TestScene balls(glm::ivec2 size) {
+  TestScene scene = emptyScene("balls", size);
+  addParticles(scene, 1);
+  addLights(scene);
+  return scene;
+}
+
+FrameRun inSmallPackets(uint64_t seed) {
+  FrameRun run;
+  run.seed = seed;
+  run.options.packetRays = 64;
+  return run;
+}
+
 // Two tenants: one has a batch of 500 frames, 8 in flight, the other looks at a frame now and then.
 TEST(Fairness, AWatchedFrameWaitsForAtMostTwoPacketsOfABatchOnEachRank) {
   std::array<Counts, kRanks> counts;
   std::vector<std::unique_ptr<CountedBackend>> backends;
   for (Counts& c : counts) backends.push_back(std::make_unique<CountedBackend>(c));
-  TestScene scene = emptyScene("balls", kBatchSize);
-  addParticles(scene, 1);
+  TestScene scene = balls(kBatchSize);
   addMesh(scene, 1);
-  addLights(scene);
   const Cut cut = lattice(sceneDomain(), {3, 1, 1}, kRanks);
-  FrameRun run;
-  run.seed = 7;
-  run.options.packetRays = 64;
+  FrameRun run = inSmallPackets(7);
   run.options.raysInFlight = 40000;
   run.options.interactiveRays = 10000;
   run.options.runners = 1;
@@ -143,13 +153,9 @@ TEST(Fairness, AWatchedFrameWaitsForAtMostTwoPacketsOfABatchOnEachRank) {
 // However many frames one has, its rays in flight are bounded on each rank, and the other goes on.
 TEST(Fairness, ATenantHasSoManyRaysInFlightAndNoMore) {
   constexpr int64_t kMost = 20000;
-  TestScene scene = emptyScene("balls", {64, 64});
-  addParticles(scene, 1);
-  addLights(scene);
+  const TestScene scene = balls({64, 64});
   const Cut cut = lattice(sceneDomain(), {3, 1, 1}, kRanks);
-  FrameRun run;
-  run.seed = 11;
-  run.options.packetRays = 64;
+  FrameRun run = inSmallPackets(11);
   run.options.tenantRays = kMost;
   Frames frames(kRanks, run);
   frames.add(1, compiledOn(cut, scene));

@@ -50,11 +50,7 @@ std::map<Channel, std::vector<Bytes>> recorded(const TestScene& s, const Cut& cu
     renderers.push_back(std::make_unique<Renderer>(*taps.back(), Renderer::Options{16, 1 << 20}));
     renderers.back()->addScene(1, compiled[size_t(r)].compiled, compiled[size_t(r)].device);
   }
-  FrameRequest request;
-  request.scene = 1;
-  request.camera = s.camera;
-  request.depth = true;
-  renderers[0]->render(request, {});
+  renderers[0]->render(requestOf(s), {});
   world.run();
   return messages;
 }
@@ -84,10 +80,7 @@ TEST(Malformed, MessagesAreRefusedAndHarmNothing) {
   const auto messages = recorded(s, cut);
   const auto compiled = compiledOn(cut, s);
   const Picture expected = render(s, 3, compiled);
-  FrameRequest request;
-  request.scene = 1;
-  request.camera = s.camera;
-  request.depth = true;
+  const FrameRequest request = requestOf(s);
   size_t refused = 0;
   for (uint64_t seed = 1; seed <= 60; seed++) {
     Random random(seed);
@@ -161,10 +154,7 @@ TEST(Malformed, RaysThatWouldIndexOutsideAreRefused) {
   for (const Case& c : cases) {
     Frames frames(2, {});
     frames.add(1, compiled);
-    FrameRequest request;
-    request.scene = 1;
-    request.camera = s.camera;
-    frames.start(request);
+    frames.start(requestOf(s));
     int32_t partition;
     std::memcpy(&partition, &c.message[8], 4);
     const int owner = partition < 2 ? cut.partitioning.owner(partition) : 1;

@@ -21,14 +21,6 @@ TestScene everything(glm::ivec2 size) {
   return s;
 }
 
-FrameRequest requestOf(const TestScene& scene) {
-  FrameRequest request;
-  request.scene = 1;
-  request.camera = scene.camera;
-  request.depth = true;
-  return request;
-}
-
 TEST(RendererMemory, OfFramesIsBackAtZeroOnceTheyAreOver) {
   const TestScene scene = everything({20, 18});
   const Cut cut = lattice(sceneDomain(), {2, 2, 1}, 4);

@@ -80,15 +80,19 @@ std::vector<std::string> Frames::errors() const {
   return errors_;
 }
 
-Picture render(const TestScene& scene, int ranks, const std::vector<RankScene>& compiled,
-               const FrameRun& run) {
-  Frames frames(ranks, run);
-  frames.add(1, compiled);
+FrameRequest requestOf(const TestScene& scene) {
   FrameRequest request;
   request.scene = 1;
   request.camera = scene.camera;
   request.depth = true;
-  const FrameId id = frames.start(request);
+  return request;
+}
+
+Picture render(const TestScene& scene, int ranks, const std::vector<RankScene>& compiled,
+               const FrameRun& run) {
+  Frames frames(ranks, run);
+  frames.add(1, compiled);
+  const FrameId id = frames.start(requestOf(scene));
   frames.run();
   for (const std::string& e : frames.errors()) throw Error(e);
   const Frames::Outcome& outcome = frames.outcome(id);

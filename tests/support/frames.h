@@ -69,6 +69,9 @@ class Frames {
   std::map<FrameId, Outcome> outcomes_;
 };
 
+/// A frame of the scene that a rank knows as 1, with depths.
+FrameRequest requestOf(const TestScene& scene);
+
 /// One frame of one scene.
 Picture render(const TestScene& scene, const Cut& cut, const FrameRun& run = {});
 Picture render(const TestScene& scene, int ranks, const std::vector<RankScene>& compiled,

@@ -118,10 +118,7 @@ TEST(LostDevice, EndsItsFramesWithAnErrorAndNoOthers) {
     test::Frames frames(cut.ranks, {});
     frames.add(1, broken);
     frames.add(2, sound);
-    FrameRequest request;
-    request.camera = scene.camera;
-    request.depth = true;
-    request.scene = 1;
+    FrameRequest request = test::requestOf(scene);
     const FrameId first = frames.start(request), second = frames.start(request);
     request.scene = 2;
     const FrameId other = frames.start(request);
