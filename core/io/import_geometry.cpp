@@ -61,7 +61,7 @@ const char* plural(GeometryKind kind) {
 }  // namespace
 
 LoadedGeometry loadGeometry(const std::string& path, GeometryKind kind, const std::string& array,
-                            Collectives& ranks) {
+                            Collectives& ranks, const std::function<void(int64_t bytes)>& toRead) {
   LoadedGeometry loaded;
   loaded.name = std::filesystem::path(path).stem().string();
   loaded.kind = kind;
@@ -74,6 +74,9 @@ LoadedGeometry loadGeometry(const std::string& path, GeometryKind kind, const st
     const size_t last = loaded.everywhere ? 1 : pieces.size() * (rank + 1) / size;
     for (size_t i = first; i < last; ++i) {
       ranks.check();
+      std::error_code none;  // what is not there is for the reader to tell
+      const auto bytes = std::filesystem::file_size(pieces[i], none);
+      if (toRead && !none) toRead(int64_t(bytes));
       reading.add(readGeometry(pieces[i], kind, array));
     }
   });

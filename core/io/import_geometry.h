@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // A geometry file becomes the blocks of a rank's partitions.
 #pragma once
+#include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
 
@@ -26,9 +28,10 @@ struct LoadedGeometry {
 /// Collective over `ranks`. Each rank reads its share of the pieces of a .pvtu, .pvtp or .part, else all of
 /// the file. Unusable primitives (a coordinate that is not finite, triangles without area, repeated points of
 /// lines) are dropped and counted. Normals and, unless `array` names them, values are used only if all pieces
-/// have them. If any rank fails, all throw the same Error.
+/// have them. `toRead`, if any, is told the bytes of each file before that is read, and may refuse it by an Error. If any
+/// rank fails, all throw the same Error.
 LoadedGeometry loadGeometry(const std::string& path, GeometryKind kind, const std::string& array,
-                            Collectives& ranks);
+                            Collectives& ranks, const std::function<void(int64_t bytes)>& toRead = {});
 
 /// Collective. Brings primitives to every partition that they, `radius` thick, touch.
 std::shared_ptr<Geometry> distribute(LoadedGeometry loaded, const Partitioning& partitioning,

@@ -104,8 +104,12 @@ json Datasets::importHere(const json& p) {
       box.extend(grid.box());
       if (!first) first = grid;
     } else {
-      auto geometry = std::make_shared<LoadedGeometry>(loadGeometry(d.file, kindOf(d.type), d.array, ranks));
+      std::vector<LedgerEntry> reading;  // as large as the files, until it is known what they hold
+      auto geometry = std::make_shared<LoadedGeometry>(loadGeometry(
+          d.file, kindOf(d.type), d.array, ranks,
+          [&](int64_t bytes) { reading.push_back(node_.takeMemory(tenant, "geometry", bytes)); }));
       agree(ranks, [&] {
+        reading.clear();
         d.bytes = bytesOf(geometry->block);
         d.memory = node_.takeMemory(tenant, "geometry", d.bytes);
       });

@@ -214,6 +214,12 @@ TEST(Data, QuotasOfMemoryHoldBeforeAnythingIsRead) {
   const Reply second = client->request(importBall("second"));
   EXPECT_FALSE(second.ok);
   EXPECT_NE(second.error.find("memory"), std::string::npos) << second.error;
+  // a mesh that no reader would take: it is not asked
+  std::ofstream(server.folder() / "large.stl") << std::string(20001, 'x');
+  const Reply mesh = client->request(
+      R"(import {"Datasets": [{"name": "mesh", "filename": "large.stl", "type": "Triangles"}]})");
+  EXPECT_FALSE(mesh.ok);
+  EXPECT_NE(mesh.error.find("20001 bytes are needed"), std::string::npos) << mesh.error;
   const auto other = dataClient(server, "other");
   other->expect(importBall("ball"));
 }
