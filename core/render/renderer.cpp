@@ -304,7 +304,7 @@ void Renderer::delivered(FrameId id) {
 
 void Renderer::start(FrameId id, FrameRequest request, const Bytes& message) {
   sendDown(message);
-  auto frame = std::make_shared<Frame>();
+  auto frame = std::make_shared<Frame>(options_);
   frame->id = id;
   frame->request = request;
   frame->owner = int(id % uint64_t(transport_.size()));

@@ -190,8 +190,9 @@ void Renderer::process(const FramePtr& frame, int origin, std::vector<Held> stac
     Held next = std::move(stack.back());
     stack.pop_back();
     LeavingRays& list = next.list;
-    if (list.rays.size() > options_.packetRays) {  // in packets, first rays first
-      for (RayList& part : list.rays.split(options_.packetRays))
+    const int most = frame->packet.rays();
+    if (list.rays.size() > most) {  // in packets, first rays first
+      for (RayList& part : list.rays.split(most))
         stack.push_back(hold(*frame, {list.partition, list.primary, std::move(part)}));
       continue;
     }
@@ -205,6 +206,7 @@ void Renderer::process(const FramePtr& frame, int origin, std::vector<Held> stac
     }
     const Trace::Span span(options_.trace, "packet", rays);
     const auto memory = std::make_shared<LedgerEntry>(std::move(next.memory));  // until it is answered
+    const auto begin = PacketSize::processorTime();
     ask(
         frame, origin, rays,
         [&](DeviceScene::Done done) {
@@ -215,6 +217,7 @@ void Renderer::process(const FramePtr& frame, int origin, std::vector<Held> stac
           traced(frame, origin, primary, result, rest);
         },
         stack);
+    frame->packet.took(int(rays), PacketSize::processorTime() - begin);
     if (!stack.empty()) putOff(frame, origin, std::move(stack));
     return;
   }

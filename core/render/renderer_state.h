@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "gxy/render/check_rays.h"
+#include "gxy/render/packet_size.h"
 #include "gxy/render/renderer.h"
 #include "gxy/render/tiles.h"
 
@@ -19,6 +20,8 @@ struct Renderer::Scene {
 };
 
 struct Renderer::Frame {
+  explicit Frame(const Options& options) : packet(options.packetRays) {}
+
   FrameId id = 0;
   FrameRequest request;
   Scene scene;
@@ -33,6 +36,7 @@ struct Renderer::Frame {
   std::vector<Tile> tiles;            ///< still to be spawned, last first
   std::atomic<size_t> tilesLeft = 0;  ///< not yet spawned completely
   uint64_t turn = 0;                  ///< when a tile of it was spawned last
+  PacketSize packet;
   std::atomic<bool> cancelled = false;
   std::atomic<bool> failed = false;  ///< rank 0 has been told, by this rank
   const Trace::Clock::time_point begin = Trace::Clock::now();

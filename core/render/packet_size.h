@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+// How many rays are traced together.
+#pragma once
+#include <time.h>
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+
+namespace gxy {
+
+/// Rays a packet, so that one takes at most kMostWork: whoever is more urgent waits for the packets under way. Begins small,
+/// doubles while packets are cheap, and shrinks in proportion where they are not. Thread safe; one that is told of two
+/// packets at once may forget one of them.
+class PacketSize {
+ public:
+  static constexpr std::chrono::nanoseconds kMostWork{5'000'000};  ///< of a thread's processor time
+  static constexpr int kFewest = 64, kFirst = 256;
+
+  /// At most `most` rays.
+  explicit PacketSize(int most) : most_(most), rays_(std::min(most, kFirst)) {}
+
+  int rays() const { return rays_; }
+
+  /// A packet of so many rays took so much processor time.
+  void took(int rays, std::chrono::nanoseconds work) {
+    const int now = rays_;
+    if (2 * work > kMostWork)
+      rays_ = std::clamp(int(rays * (kMostWork / 4) / work), std::min(kFewest, now), now);
+    else if (rays >= now && 8 * work < kMostWork)
+      rays_ = std::min(2 * now, most_);
+  }
+
+  /// Of the calling thread.
+  static std::chrono::nanoseconds processorTime() {
+    timespec t{};
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+    return std::chrono::seconds(t.tv_sec) + std::chrono::nanoseconds(t.tv_nsec);
+  }
+
+ private:
+  const int most_;
+  std::atomic<int> rays_;
+};
+
+}  // namespace gxy
