@@ -43,11 +43,12 @@ CompiledFrame compileFrame(const CompiledScene& scene, const Camera& camera, uin
                                 ? light.v
                                 : world.eye + light.v.x * right + light.v.y * up + light.v.z * world.view;
       const glm::dvec3 p = space.toRender(at);
-      const double farthest = std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)});
-      if (farthest < kFarAway) {
+      if (std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)}) < kFarAway) {
         frame.lights.push_back({1.f, float(p.x), float(p.y), float(p.z)});
       } else {
-        const glm::dvec3 v = -glm::normalize(p / farthest);
+        // not of p, which may be infinite
+        const double farthest = std::max({std::abs(at.x), std::abs(at.y), std::abs(at.z)});
+        const glm::dvec3 v = -glm::normalize(at / farthest - space.centre / farthest);
         frame.lights.push_back({0.f, float(v.x), float(v.y), float(v.z)});
       }
     }

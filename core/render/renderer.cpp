@@ -341,13 +341,15 @@ void Renderer::start(FrameId id, FrameRequest request, const Bytes& message) {
   TileList list = tilesOf(scene, compiled, transport_.rank());
   frame->tiles = std::move(list.tiles);
   frame->tileMemory = frame->account().tiles.another(int64_t(frame->tiles.capacity() * sizeof(Tile)));
-  frame->tilesLeft = frame->tiles.size();
+  frame->samples = compiled.samples;
+  frame->tilesLeft = frame->allTiles();
   const bool spawnsNothing = frame->tiles.empty();  // asked here: once it is known, other threads take tiles
 
+  if (!error.empty()) fail(frame, error);  // before others can end it
   std::vector<Parked> parked;
   {
     std::lock_guard lock(mutex_);
-    counters_.tilesSkipped += list.skipped;
+    counters_.tilesSkipped += list.skipped * uint64_t(frame->samples);
     frames_[id] = frame;
     const auto waiting = parked_.find(id);
     if (waiting != parked_.end()) {
@@ -364,18 +366,19 @@ void Renderer::start(FrameId id, FrameRequest request, const Bytes& message) {
     else
       cancel(id);
   }
-  if (!error.empty()) fail(frame, error);
   if (spawnsNothing) completion_.spawned(id);
   pump();
 }
 
 void Renderer::cancel(FrameId id) {
-  std::lock_guard lock(mutex_);
-  if (isOver(id)) return;
-  if (const FramePtr frame = find(id))
+  {
+    std::lock_guard lock(mutex_);
+    if (isOver(id)) return;
+    const FramePtr frame = find(id);
+    if (!frame) return parked_[id].push_back({Channel::Frame, {}, nullptr, {}});
     frame->cancelled = true;
-  else
-    parked_[id].push_back({Channel::Frame, {}, nullptr, {}});
+  }
+  pump();
 }
 
 void Renderer::finish(FrameId id, bool hasPicture) {

@@ -187,6 +187,7 @@ class Renderer {
   bool mayTake(int64_t cost, bool interactive) const;
   bool tenantMayTake(const Frame& frame) const;
   std::vector<FramePtr>::iterator nextToSpawn();
+  FramePtr takeCancelled();
   void post(std::function<void()> task);
   void post(const Share& share, std::function<void()> task, bool first = false);
   void startRunner();

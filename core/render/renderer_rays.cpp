@@ -31,7 +31,7 @@ bool Renderer::mayTake(int64_t cost, bool interactive) const {
 }
 
 int64_t Renderer::Frame::nextCost() const {
-  const Tile& tile = tiles.back();
+  const Tile tile = nextTile();
   return int64_t(tile.x1 - tile.x0) * (tile.y1 - tile.y0) * perPrimary;
 }
 
@@ -54,27 +54,42 @@ std::vector<Renderer::FramePtr>::iterator Renderer::nextToSpawn() {
   return next;
 }
 
+// A frame that needs no more tiles, as it has been cancelled; null if there is none.
+Renderer::FramePtr Renderer::takeCancelled() {
+  std::lock_guard lock(mutex_);
+  const auto found = std::find_if(spawning_.begin(), spawning_.end(),
+                                  [](const FramePtr& frame) { return frame->cancelled.load(); });
+  if (found == spawning_.end()) return nullptr;
+  FramePtr frame = *found;
+  spawning_.erase(found);
+  return frame;
+}
+
 // Posts tiles while there are credits.
 void Renderer::pump() {
   for (;;) {
     FramePtr frame;
     Tile tile{};
     int64_t cost = 0;
+    if (const auto ended = takeCancelled()) {
+      const size_t left = ended->allTiles() - ended->next;
+      if ((ended->tilesLeft -= left) == 0) completion_.spawned(ended->id);
+      continue;
+    }
     {
       std::lock_guard lock(mutex_);
       if (spawning_.empty()) return tenantTurns_.clear();
       const auto next = nextToSpawn();
       if (next == spawning_.end()) return;
       frame = *next;
-      tile = frame->tiles.back();
+      tile = frame->nextTile();
       cost = frame->nextCost();
       if (!mayTake(cost, frame->request.share.interactive)) return;
       credits_ -= cost;
       tenantOut_[frame->request.share.tenant] += cost;
       mostOut_ = std::max(mostOut_, options_.raysInFlight - credits_);
       frame->turn = tenantTurns_[frame->request.share.tenant] = ++turn_;
-      frame->tiles.pop_back();
-      if (frame->tiles.empty()) spawning_.erase(next);
+      if (++frame->next == frame->allTiles()) spawning_.erase(next);
     }
     auto active = std::make_shared<Completion::Active>(completion_, frame->id);
     post(frame->request.share, [this, frame, tile, cost, active] { spawnTile(frame, tile, cost); });

@@ -27,13 +27,15 @@ struct Renderer::Frame {
   Scene scene;
   std::shared_ptr<const DeviceFrame> device;
   int owner = 0;
+  int samples = 1;                           ///< of a pixel
   int64_t perPrimary = 1;                    ///< credits of a primary ray
   RayLimits limits;                          ///< of rays that may come
   std::unique_ptr<Framebuffer> framebuffer;  ///< on the owner
   const Account* shared = nullptr;           ///< of frames that name no account
   std::optional<Account> own;
   LedgerEntry framebufferMemory, tileMemory;
-  std::vector<Tile> tiles;            ///< still to be spawned, last first
+  std::vector<Tile> tiles;            ///< of the first sample
+  size_t next = 0;                    ///< to be spawned: all tiles of a sample, then those of the next
   std::atomic<size_t> tilesLeft = 0;  ///< not yet spawned completely
   uint64_t turn = 0;                  ///< when a tile of it was spawned last
   PacketSize packet;
@@ -42,7 +44,13 @@ struct Renderer::Frame {
   const Trace::Clock::time_point begin = Trace::Clock::now();
 
   const Account& account() const { return own ? *own : *shared; }
-  int64_t nextCost() const;  ///< credits of the tile that is spawned next
+  size_t allTiles() const { return tiles.size() * size_t(samples); }
+  Tile nextTile() const {
+    Tile tile = tiles[next % tiles.size()];
+    tile.sample += int(next / tiles.size());
+    return tile;
+  }
+  int64_t nextCost() const;  ///< credits of nextTile()
 };
 
 struct Renderer::Parked {

@@ -67,18 +67,18 @@ TileList tilesOf(const CompiledScene& scene, const CompiledFrame& frame, int ran
     seen.push_back(project(frame, lo, hi));
   }
   TileList list;
-  for (int sample = frame.firstSample + frame.samples - 1; sample >= frame.firstSample; sample--)
-    for (int y = (frame.height - 1) / kTile * kTile; y >= 0; y -= kTile)
-      for (int x = (frame.width - 1) / kTile * kTile; x >= 0; x -= kTile) {
-        const Tile tile{x, y, std::min(x + kTile, frame.width), std::min(y + kTile, frame.height), sample};
-        const bool meets = std::any_of(seen.begin(), seen.end(), [&](const PixelBox& b) {
-          return b.x0 < tile.x1 && tile.x0 < b.x1 && b.y0 < tile.y1 && tile.y0 < b.y1;
-        });
-        if (meets)
-          list.tiles.push_back(tile);
-        else
-          list.skipped++;
-      }
+  for (int y = 0; y < frame.height; y += kTile)
+    for (int x = 0; x < frame.width; x += kTile) {
+      const Tile tile{x, y, std::min(x + kTile, frame.width), std::min(y + kTile, frame.height),
+                      frame.firstSample};
+      const bool meets = std::any_of(seen.begin(), seen.end(), [&](const PixelBox& b) {
+        return b.x0 < tile.x1 && tile.x0 < b.x1 && b.y0 < tile.y1 && tile.y0 < b.y1;
+      });
+      if (meets)
+        list.tiles.push_back(tile);
+      else
+        list.skipped++;
+    }
   return list;
 }
 

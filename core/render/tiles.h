@@ -8,11 +8,12 @@
 namespace gxy {
 
 struct TileList {
-  std::vector<Tile> tiles;  ///< in reverse order of rendering
-  uint64_t skipped = 0;
+  std::vector<Tile>
+      tiles;  ///< of the frame's first sample, in order of rendering; those of the others are the same
+  uint64_t skipped = 0;  ///< of one sample
 };
 
-/// The tiles (of all samples) that meet the projection of a visible partition of this rank. Conservative; whose a pixel
+/// The tiles that meet the projection of a visible partition of this rank. Conservative; whose a pixel
 /// is, is decided by the ray itself.
 TileList tilesOf(const CompiledScene& scene, const CompiledFrame& frame, int rank);
 

@@ -2,6 +2,7 @@
 #include "gxy/server/data_folders.h"
 
 #include <fcntl.h>
+#include <sys/random.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -91,8 +92,10 @@ void DataFolders::write(const std::string& path, std::span<const std::byte> byte
   std::error_code failed;
   if (!holds(fs::read_symlink("/proc/self/fd/" + std::to_string(folder.number), failed)) || failed)
     refuse(path, "it cannot be written");
-  const std::string name = place.filename(), partial = name + ".partial";
-  ::unlinkat(folder.number, partial.c_str(), 0);
+  // a name of its own: others may write the same file
+  uint64_t number = 0;
+  if (::getrandom(&number, sizeof number, 0) != sizeof number) fail(errno);
+  const std::string name = place.filename(), partial = name + "." + std::to_string(number) + ".partial";
   const Descriptor file{
       ::openat(folder.number, partial.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666)};
   if (file.number < 0) fail(errno);

@@ -81,16 +81,36 @@ void Datasets::addWorks() {
 }
 
 void Datasets::commit(const json& updates) {
-  node_.callAll("datasets.commit", updates);
+  try {
+    node_.callAll("datasets.commit", updates);
+  } catch (const Error&) {
+    for (const json& update : updates) abandonHere(Key{update.at("key").get<uint64_t>()});
+    throw;
+  }
   commitHere(updates);
 }
 
+void Datasets::abandonHere(Key key) {
+  try {
+    node_.objects.abandon(key);
+  } catch (const Error&) {
+    // dropped meanwhile
+  }
+}
+
 void Datasets::commitHere(const json& updates) {
+  std::string error;
   for (const json& update : updates) {
     const Key key{update.at("key").get<uint64_t>()};
-    if (node_.objects.contains(key))  // else dropped meanwhile
+    if (!node_.objects.contains(key)) continue;  // dropped meanwhile
+    try {
       node_.objects.commit(key, update.at("generation").get<Generation>());
+    } catch (const Error& e) {
+      error = e.what();
+      abandonHere(key);
+    }
   }
+  if (!error.empty()) throw Error(error);
 }
 
 json Datasets::infoHere(const json& parameters) const {

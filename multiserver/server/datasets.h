@@ -114,6 +114,7 @@ class Datasets {
   /// New generations, on rank 0 last: what it tells of is everywhere, and the generation before is still held.
   void commit(const nlohmann::json& updates);
   void commitHere(const nlohmann::json& updates);
+  void abandonHere(Key key);
   nlohmann::json infoHere(const nlohmann::json& parameters) const;
   void tell(const DatasetEvent& event);
   void onObject(const ObjectEvent& event);

@@ -187,8 +187,8 @@ json Datasets::importHere(const json& p) {
     for (size_t i = 0; i < done; i++) {
       const Key key{specs[i].at("key").get<uint64_t>()};
       if (specs[i].at("update").get<bool>())
-        node_.objects.abandon(key);
-      else
+        abandonHere(key);
+      else if (node_.objects.contains(key))  // nobody else knows its name
         node_.objects.drop(key);
     }
     throw;
@@ -267,8 +267,18 @@ void Datasets::import(Request& request, const Import& what) {
     node_.work.broadcast("datasets.cancel", {{"exchange", exchange}}, [](std::vector<Work::Reply>) {});
   });
   node_.callAll("datasets.import", parameters);
-  if (!updates.empty()) commit(updates);
-  for (const auto& [d, key] : added) add(tenant, d->name, what.scope, key, d->type);
+  size_t named = 0;
+  try {
+    if (!updates.empty()) commit(updates);
+    for (; named < added.size(); named++) {
+      const auto& [d, key] = added[named];
+      add(tenant, d->name, what.scope, key, d->type);
+    }
+  } catch (const Error&) {
+    // what has no name could not be dropped by anybody else
+    for (; named < added.size(); named++) dropObject(added[named].second);
+    throw;
+  }
   request.progress(int64_t(2 * specs.size()), int64_t(2 * specs.size()), "done");
 }
 

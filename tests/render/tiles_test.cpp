@@ -46,23 +46,22 @@ void expectCovered(const Cut& cut, Camera camera) {
   const CameraBasis basis = cameraBasis(camera);
   for (int rank = 0; rank < cut.ranks; rank++) {
     const TileList list = tilesOf(scene, frame, rank);
-    EXPECT_EQ(list.tiles.size() + list.skipped, size_t(2 * 3 * 2));
-    std::vector<int> claimed(size_t(75 * 50 * 2));
+    EXPECT_EQ(list.tiles.size() + list.skipped, size_t(2 * 3));
+    std::vector<int> claimed(size_t(75 * 50));
     for (const Tile& t : list.tiles) {
       EXPECT_LE(t.x1 - t.x0, kTile);
       EXPECT_LE(t.y1 - t.y0, kTile);
       for (int y = t.y0; y < t.y1; y++)
-        for (int x = t.x0; x < t.x1; x++) claimed.at(size_t(((t.sample - 5) * 50 + y) * 75 + x))++;
+        for (int x = t.x0; x < t.x1; x++) claimed.at(size_t(y * 75 + x))++;
+      EXPECT_EQ(t.sample, 5);
     }
     for (int pixel = 0; pixel < 75 * 50; pixel++) {
       bool met = false;
       for (int p : cut.partitioning.owned(rank))
         met = met || meets(cut.partitioning.box(p), cameraRay(basis, pixel % 75 + 0.5, pixel / 75 + 0.5));
-      for (int sample = 0; sample < 2; sample++) {
-        const int n = claimed[size_t(sample * 75 * 50 + pixel)];
-        ASSERT_LE(n, 1);
-        ASSERT_TRUE(n == 1 || !met) << "pixel " << pixel << " of rank " << rank << ", " << cut.name;
-      }
+      const int n = claimed[size_t(pixel)];
+      ASSERT_LE(n, 1);
+      ASSERT_TRUE(n == 1 || !met) << "pixel " << pixel << " of rank " << rank << ", " << cut.name;
     }
   }
 }

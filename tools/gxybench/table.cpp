@@ -81,22 +81,26 @@ std::vector<Row> readTable(const std::string& path) {
   std::map<std::string, size_t> columns;
   const std::vector<std::string> names = fieldsOf(line);
   for (size_t i = 0; i < names.size(); i++) columns[names[i]] = i;
+  Row any;
+  forEachColumn(any, [&](const char* name, auto&) {
+    if (!columns.count(name))
+      throw Error(path + ":1: there is no column " + name + "; expected a table of gxybench");
+  });
   std::vector<Row> rows;
   for (int number = 2; std::getline(in, line); number++) {
     if (line.empty()) continue;
     const std::vector<std::string> fields = fieldsOf(line);
     Row row;
     forEachColumn(row, [&](const char* name, auto& value) {
-      const auto column = columns.find(name);
-      if (column == columns.end())
-        throw Error(path + ":1: there is no column " + name + "; expected a table of gxybench");
-      const std::string text = column->second < fields.size() ? fields[column->second] : "";
+      const size_t column = columns.at(name);
+      const std::string text = column < fields.size() ? fields[column] : "";
       if (!read(text, value))
         throw Error(path + ":" + std::to_string(number) + ": " + name + ": expected a number, found '" +
                     text + "'");
     });
     rows.push_back(row);
   }
+  if (rows.empty()) throw Error(path + ": it has no rows, expected what gxybench measured");
   return rows;
 }
 

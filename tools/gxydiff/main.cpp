@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "../number_option.h"
 #include "gxy/io/image.h"
 
 namespace {
@@ -87,9 +88,9 @@ Exit status: 0 equal within the limits, 1 different, 2 wrong usage or a picture 
   app.add_option("b", options.b, "another picture")->required();
   app.add_option("--max", options.max,
                  "largest difference of a channel (1 is full scale) that counts as equal")
-      ->check(CLI::NonNegativeNumber);
+      ->check(gxy::numberFrom(0, 1e30));
   app.add_option("--fraction", options.fraction, "fraction of pixels that may differ by more")
-      ->check(CLI::Range(0., 1.));
+      ->check(gxy::numberFrom(0, 1));
   app.add_option("--output", options.output, "write a picture of the differences");
   app.add_option("--size", options.size, "size of raw pictures, WIDTHxHEIGHT")
       ->check([](const std::string& text) {

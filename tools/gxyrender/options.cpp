@@ -5,6 +5,7 @@
 #include <iostream>
 #include <sstream>
 
+#include "../number_option.h"
 #include "gxy/backends/backends.h"
 
 namespace gxy {
@@ -66,9 +67,9 @@ std::optional<int> parseOptions(int argc, char** argv, bool speaks, RenderOption
                "Render with the reference renderer: double precision, slow, on one rank");
   app.add_option("--tolerance", o.tolerance,
                  "Error that every channel of every pixel stays below (default 1/512)")
-      ->check(CLI::Range(1e-6, 1.0));
+      ->check(numberFrom(1e-6, 1));
   app.add_option("--step", o.step, "Fixed step of the volume integrator in cells, for comparison")
-      ->check(CLI::Range(1e-3, 4.0));
+      ->check(numberFrom(1e-3, 4));
   app.add_option("--partitions", partitions,
                  "Number of partitions N, or I,J,K of them per axis (default: one a rank, more for volumes "
                  "of over 2^28 points)");
@@ -101,6 +102,11 @@ std::optional<int> parseOptions(int argc, char** argv, bool speaks, RenderOption
     if (speaks) app.exit(e);
     return e.get_exit_code() == 0 ? 0 : 2;
   }
+  if (o.reference)
+    for (const char* other :
+         {"--backend", "--device", "--partitions", "--stats", "--concurrent", "--packet", "--rays-in-flight"})
+      if (app.count(other) > 0)
+        return usage(std::string(other) + " does not go with --reference, which renders by itself");
   if (!size.empty()) {
     o.size.emplace();
     if (!parseNumbers(size, 'x', *o.size, 2))

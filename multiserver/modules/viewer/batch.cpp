@@ -21,7 +21,12 @@ struct Job {
   std::mutex mutex;
   std::condition_variable changed;
   std::map<size_t, FrameId> inFlight;  ///< by picture
-  std::map<size_t, Bytes> contents;    ///< that have come and are to be sent
+  /// Has come and is to be sent; counts as the tenant's until then.
+  struct Content {
+    Bytes picture;
+    Tenants::Frame slot;
+  };
+  std::map<size_t, Content> contents;
   size_t done = 0;
   std::string error;
 };
@@ -102,26 +107,34 @@ class Run {
   void waitFor(const Condition& condition) {
     for (;;) {
       check();
-      std::map<size_t, Bytes> contents;
-      size_t done;
       {
         std::unique_lock lock(job_->mutex);
         job_->changed.wait_for(lock, std::chrono::milliseconds(100), [&] {
           return condition() || !job_->contents.empty() || !job_->error.empty();
         });
-        contents.swap(job_->contents);
-        done = job_->done;
       }
-      for (const auto& [index, content] : contents) {
-        const Bytes record =
-            fileRecord({{"name", nameOf(batch_, index)}, {"index", index}, {"of", total_}}, content);
-        if (!request_.session().outbox().file(request_.id(), record, [this] { return request_.cancelled(); }))
-          throw Error("cancelled");
-      }
-      request_.progress(int64_t(done), int64_t(total_), "rendered");
+      sendWhatHasCome();
       const std::lock_guard lock(job_->mutex);
       if (condition() && job_->contents.empty()) return;
     }
+  }
+
+  void sendWhatHasCome() {
+    std::map<size_t, Job::Content> contents;
+    size_t done;
+    {
+      const std::lock_guard lock(job_->mutex);
+      contents.swap(job_->contents);
+      done = job_->done;
+    }
+    for (auto& [index, content] : contents) {
+      const Bytes record =
+          fileRecord({{"name", nameOf(batch_, index)}, {"index", index}, {"of", total_}}, content.picture);
+      if (!request_.session().outbox().file(request_.id(), record, [this] { return request_.cancelled(); }))
+        throw Error("cancelled");
+      content = {};
+    }
+    request_.progress(int64_t(done), int64_t(total_), "rendered");
   }
 
   void start(size_t index) {
@@ -129,11 +142,14 @@ class Run {
     const std::string& tenant = request_.session().tenant();
     const Camera& camera = batch_.state.cameras[index / scenes_.size()];
     const auto slot = std::make_shared<Tenants::Frame>(
-        node.tenants.beginWhenFree(tenant, node.costOf(tenant, camera.dimensions), [this] { check(); }));
+        node.tenants.beginWhenFree(tenant, node.costOf(tenant, camera.dimensions), [this] {
+          check();
+          sendWhatHasCome();  // it takes room as long as it is here
+        }));
     ScenePtr& kept = scenes_[index % scenes_.size()];
     Scenes::Pinned pinned = services_.scenes.get(tenant, batch_.state.visualizations[index % scenes_.size()],
                                                  batch_.state.settings, kept);
-    const ScenePtr scene = kept = std::move(pinned.scene);
+    ScenePtr scene = kept = std::move(pinned.scene);
     const auto pins = std::make_shared<std::vector<Pin>>(std::move(pinned.pins));
     FrameRequest frame;
     frame.scene = scene->id;
@@ -145,13 +161,14 @@ class Run {
     wanted.format = batch_.format;
     if (!batch_.toClient) wanted.path = paths_[index];
     Receiver receiver;
-    receiver.bytes = [job = job_, index](Bytes content) {
+    receiver.bytes = [job = job_, index, slot](Bytes content) {
       const std::lock_guard lock(job->mutex);
-      job->contents[index] = std::move(content);
+      job->contents[index] = {std::move(content), std::move(*slot)};
     };
-    receiver.done = [job = job_, index, slot, pins, scene](bool, const std::string& error) {
+    receiver.done = [job = job_, index, slot, pins, scene](bool, const std::string& error) mutable {
       *slot = {};
       pins->clear();
+      scene = nullptr;
       const std::lock_guard lock(job->mutex);
       job->inFlight.erase(index);
       job->done++;

@@ -185,7 +185,7 @@ Scenes::Pinned Scenes::get(const std::string& tenant, const Visualization& visua
 
 ScenePtr Scenes::getOf(const std::string& tenant, const State& state, const std::vector<NamedDataset>& data) {
   const std::string text = writeState(state);
-  std::string content = text;
+  std::string content = tenant + "\n" + text;  // whose memory it takes
   for (const NamedDataset& d : data)
     content += " " + std::to_string(d.key.value) + ":" + std::to_string(d.generation);
 

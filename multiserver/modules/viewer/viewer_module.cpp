@@ -21,45 +21,53 @@ using WindowPtr = std::shared_ptr<Window>;
 class Windows {
  public:
   explicit Windows(Session& session) : session_(session) {
-    subscription_ = session.node().datasets->observe([this](const DatasetEvent& event) {
-      if (event.visibleTo(session_.tenant()))
-        for (const auto& [id, window] : all()) window->onData(event);
-    });
+    // What is told when a session ends may still be under way then.
+    subscription_ = session.node().datasets->observe(
+        [weak = std::weak_ptr(list_), tenant = session.tenant()](const DatasetEvent& event) {
+          const auto list = weak.lock();
+          if (!list || !event.visibleTo(tenant)) return;
+          for (const auto& [id, window] : list->all()) window->onData(event);
+        });
   }
   ~Windows() {
     subscription_ = nullptr;
-    for (const auto& [id, window] : windows_) window->close();
+    for (const auto& [id, window] : list_->all()) window->close();
   }
 
-  std::map<uint32_t, WindowPtr> all() const {
-    const std::lock_guard lock(mutex_);
-    return windows_;
-  }
+  std::map<uint32_t, WindowPtr> all() const { return list_->all(); }
   WindowPtr get(uint32_t id) const {
-    const std::lock_guard lock(mutex_);
-    const auto at = windows_.find(id);
-    if (at == windows_.end())
+    const std::lock_guard lock(list_->mutex);
+    const auto at = list_->windows.find(id);
+    if (at == list_->windows.end())
       throw Error("window " + std::to_string(id) + ": there is none, expected one made by `window`");
     return at->second;
   }
   WindowPtr make(uint32_t id, Services& services, const std::shared_ptr<Outbox>& outbox) {
-    const std::lock_guard lock(mutex_);
-    if (const auto at = windows_.find(id); at != windows_.end()) return at->second;
-    if (windows_.size() >= session_.limits().windows)
-      throw Error("window " + std::to_string(id) + ": there are " + std::to_string(windows_.size()) +
+    const std::lock_guard lock(list_->mutex);
+    auto& windows = list_->windows;
+    if (const auto at = windows.find(id); at != windows.end()) return at->second;
+    if (windows.size() >= session_.limits().windows)
+      throw Error("window " + std::to_string(id) + ": there are " + std::to_string(windows.size()) +
                   ", expected no more; `close` one");
-    return windows_[id] = std::make_shared<Window>(services, outbox, session_.tenant(), id);
+    return windows[id] = std::make_shared<Window>(services, outbox, session_.tenant(), id);
   }
   void close(uint32_t id) {
     get(id)->close();
-    const std::lock_guard lock(mutex_);
-    windows_.erase(id);
+    const std::lock_guard lock(list_->mutex);
+    list_->windows.erase(id);
   }
 
  private:
+  struct List {
+    mutable std::mutex mutex;
+    std::map<uint32_t, WindowPtr> windows;
+    std::map<uint32_t, WindowPtr> all() const {
+      const std::lock_guard lock(mutex);
+      return windows;
+    }
+  };
   Session& session_;
-  mutable std::mutex mutex_;
-  std::map<uint32_t, WindowPtr> windows_;
+  const std::shared_ptr<List> list_ = std::make_shared<List>();
   std::shared_ptr<void> subscription_;
 };
 

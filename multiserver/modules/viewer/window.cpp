@@ -62,15 +62,16 @@ uint64_t Window::lastFrame() const {
 
 void Window::cancel() {
   FramePtr frame, waiting;
+  FrameId rendering = 0;
   {
     const std::lock_guard lock(mutex_);
     frame = std::exchange(current_, nullptr);
     waiting = std::exchange(waiting_, nullptr);
     inOutbox_ = 0;
-    if (frame) frame->over = "cancelled";
+    if (frame) frame->over = "cancelled", rendering = frame->rendering;
+    outbox_->dropTiles(id_);
   }
-  outbox_->dropTiles(id_);
-  if (frame) services_.node.renderer.supersede(frame->rendering);
+  if (frame) services_.node.renderer.supersede(rendering);
   if (waiting) finish(waiting, "cancelled", {});
 }
 
@@ -95,6 +96,7 @@ void Window::onData(const DatasetEvent& event) {
                      [&](const Vis& vis) { return vis.dataset == event.dataset.name; }))
       return;
     released = std::exchange(scene_, nullptr);
+    if (event.kind == DatasetEvent::Kind::Updated) updates_++;
     if (event.kind == DatasetEvent::Kind::Dropped || !settings_.follow || frames_ == 0 || closed_) return;
     if (current_ || waiting_) {
       stale_ = true;

@@ -96,8 +96,8 @@ class Window : public std::enable_shared_from_this<Window> {
   FramePtr current_;       ///< under way and not superseded
   FramePtr waiting_;       ///< begins once `current_` has made its first pass and that has left the outbox
   uint64_t inOutbox_ = 0;  ///< the frame whose first pass waits there; 0: none
-  uint64_t frames_ = 0;
-  int underWay_ = 0;  ///< superseded ones included
+  uint64_t frames_ = 0, updates_ = 0;  ///< asked for; of its data
+  int underWay_ = 0;                   ///< superseded ones included
 };
 
 }  // namespace gxy::viewer

@@ -34,12 +34,14 @@ Bytes endRecord(PixelHeader header, PixelKind kind, const std::string& data = {}
 uint64_t Window::render(const FrameOptions& options) {
   auto frame = std::make_shared<Frame>();
   State state;
+  uint64_t updates = 0;
   {
     const std::lock_guard lock(mutex_);
     if (!hasVisualization_)
       throw Error("window " + std::to_string(id_) +
                   ": it shows nothing yet, expected a `set` with a Visualization");
     state = state_;
+    updates = updates_;
     frame->scene = scene_;
     frame->camera = state_.cameras[0];
     frame->camera.dimensions = settings_.size;
@@ -69,11 +71,11 @@ uint64_t Window::render(const FrameOptions& options) {
     const std::lock_guard lock(mutex_);
     if (closed_) throw Error("window " + std::to_string(id_) + ": it is closed");
     // Kept for the next frame, unless the state or the data have changed since.
-    if (state_ == state) scene_ = frame->scene;
+    if (state_ == state && updates_ == updates) scene_ = frame->scene;
     lastOptions_ = options;
     frame->number = ++frames_;
     underWay_++;
-    stale_ = false;
+    stale_ = updates_ != updates;
     skipped = std::exchange(waiting_, nullptr);
     waits = options.wait && ((current_ && !current_->firstPassMade) || inOutbox_);
     if (waits) {
@@ -91,7 +93,12 @@ uint64_t Window::render(const FrameOptions& options) {
 }
 
 void Window::begin(const FramePtr& frame, const FramePtr& older) {
-  if (older) services_.node.renderer.supersede(older->rendering);
+  if (older) {
+    std::unique_lock lock(mutex_);
+    const FrameId rendering = older->rendering;
+    lock.unlock();
+    services_.node.renderer.supersede(rendering);
+  }
   frame->begin = std::chrono::steady_clock::now();
   startStage(frame);
 }
@@ -150,7 +157,7 @@ void Window::startStage(const FramePtr& frame) {
     return finish(frame, "failed", e.what());
   }
   std::unique_lock lock(mutex_);
-  frame->rendering = id;
+  frame->rendering = std::max(frame->rendering, id);  // a later stage may have begun meanwhile
   const bool over = frame->over;
   lock.unlock();
   if (over) services_.node.renderer.supersede(id);
