@@ -62,6 +62,12 @@ FN real rootTime(real u, real ta, real tb) {
   return u < R(1.0) ? min(along, tb) : tb;
 }
 
+// The same, behind the cell's entry unless the root is the entry: which cell a hit is in can be told from its t.
+FN real rootBehind(real t, real u, real ta, real tb) {
+  real next = max(ta * R(1.0000002), R(1e-30));
+  return u > R(0.0) && t <= ta ? min(next, tb) : t;
+}
+
 // The first crossing at or after `done` of the cubic b over [ta, tb]; lo > hi if there is none.
 FN Bracket firstBracket(Bernstein b, real ta, real done, RootQuery q) {
   Bracket c;

@@ -40,8 +40,8 @@ class Field {
   /// neighbour has data; interpolated trilinearly. Per world unit.
   glm::dvec3 smoothGradient(glm::dvec3 world) const;
 
-  /// The gradient of the trilinear interpolant itself. Per world unit.
-  glm::dvec3 cellGradient(glm::dvec3 world) const;
+  /// The gradient of the trilinear interpolant itself in a cell, zero where it holds no data. Per world unit.
+  glm::dvec3 cellGradient(const Index3& cell, glm::dvec3 world) const;
 
  private:
   struct Place {

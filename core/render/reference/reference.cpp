@@ -85,7 +85,7 @@ class Renderer {
         const uint64_t seed = (options_.seed + 1) * 0xd1342543de82ef95u ^ index * 0xff51afd7ed558ccdu;
         Random random(seed);
         ray = perturbed(ray, world_.box(), options_.perturbation, random);
-        slack = 4 * options_.perturbation * 0x1p-24 * longestSide(world_.box()) * std::abs(random.next());
+        slack = 6 * options_.perturbation * 0x1p-24 * longestSide(world_.box()) * std::abs(random.next());
       }
       const PixelValue one = trace(ray, {at, k, 0, {}, {}}, slack);
       sum.colour += one.colour / double(rays_);

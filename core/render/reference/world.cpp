@@ -201,7 +201,7 @@ void World::describeVolumeSurface(const Part& part, const Ray& ray, SurfaceHit& 
   hit.slack += 1e-9 * part.field->smallestSpacing();
   if (hit.primitive < vis.isovalues.size()) {
     // Out of the surface is where values are lower, as for a contour in VTK.
-    hit.geometric = unitOr(-part.field->cellGradient(hit.position), viewer);
+    hit.geometric = unitOr(-part.field->cellGradient(cellMet(*part.field, ray, hit.t), hit.position), viewer);
     hit.normal = unitOr(-part.field->smoothGradient(hit.position), hit.geometric);
     hit.colour = part.transfer.colour(vis.isovalues[hit.primitive]);
   } else {
