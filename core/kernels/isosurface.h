@@ -368,13 +368,16 @@ FN ivec3 cellMet(VOLUME v, GridRay g, real t) {
   return c;
 }
 
+#define FLAT_GRADIENT R(1e-5)  // of the largest gradient at the cell's points: what counts as none at all
+
 // The shading gradient at p (index space), per unit of render space: trilinear in the gradients of the cell's points, so
-// that it is continuous across cells; p is in cell c.
+// that it is continuous across cells; p is in cell c. None where they cancel, or end at the border of a plateau: what is
+// left over is rounding, of any direction.
 FN vec3 gradientIn(VOLUME v, ivec3 c, vec3 p) {
   vec3 f = fractionIn(c, p);
   bool inner = c.x > v.firstX && c.y > v.firstY && c.z > v.firstZ && c.x + 1 < v.lastX && c.y + 1 < v.lastY &&
                c.z + 1 < v.lastZ;
-  vec3 g = make_v3(R(0.0), R(0.0), R(0.0));
+  vec3 g = make_v3(R(0.0), R(0.0), R(0.0)), most = make_v3(R(0.0), R(0.0), R(0.0));
   Corners k;
   CellNeighbours n;
   if (inner) {
@@ -397,8 +400,13 @@ FN vec3 gradientIn(VOLUME v, ivec3 c, vec3 p) {
     g.x += w * d.x;
     g.y += w * d.y;
     g.z += w * d.z;
+    most = make_v3(max(most.x, abs(d.x)), max(most.y, abs(d.y)), max(most.z, abs(d.z)));
   }
-  return make_v3(g.x * v.inverseX, g.y * v.inverseY, g.z * v.inverseZ);
+  vec3 gradient = make_v3(g.x * v.inverseX, g.y * v.inverseY, g.z * v.inverseZ);
+  real least = FLAT_GRADIENT * max(max(most.x * v.inverseX, most.y * v.inverseY), most.z * v.inverseZ);
+  if (max(max(abs(gradient.x), abs(gradient.y)), abs(gradient.z)) <= least)
+    gradient = make_v3(R(0.0), R(0.0), R(0.0));
+  return gradient;
 }
 
 FN vec3 gradientAt(VOLUME v, vec3 p) { return gradientIn(v, cellAt(v, p), p); }

@@ -68,7 +68,7 @@ std::vector<int32_t> stepPlan(std::span<const Macrocell> summaries, const Compil
     }
     Errors errors = errorsOf(m, over, cellT);
     const double allowed = (1 - kEarlyEnd) * tolerance;
-    if (others) errors.midpoint += cellT * over.slope * m.steep * std::min(1.0, kLongestRay * *others) / 24;
+    if (others) errors.midpoint += cellT * over.slope * m.steep * std::min(1.0, kLongestRay * *others) / 12;
     const double midpoint = std::max(std::sqrt(errors.midpoint / allowed), over.extinction * cellT / kDense);
     const double pieces = std::sqrt(errors.pieces / allowed);
     const bool cells =

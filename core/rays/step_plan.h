@@ -39,7 +39,8 @@ int32_t planOf(double segmentsPerCell, Integrator integrator);
 ///
 /// Where several volumes are rendered at once, `others` is the largest extinction of the others together, per unit of t.
 /// Midpoint segments then hold extinction constant (kernels/many.h), and the others are seen through their front before
-/// their back: that adds f.slope m.steep min(1, 1.7 others) / 24.
+/// their back: that adds f.slope m.steep min(1, 1.7 others) / 12, a twelfth of the cube of a segment being the integral
+/// of the product of two slopes over it.
 ///
 /// A step > 0 (in cells) asks for midpoint segments of that length wherever something is seen.
 std::vector<int32_t> stepPlan(std::span<const Macrocell> summaries, const CompiledMap& map, double cellT,

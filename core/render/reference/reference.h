@@ -66,7 +66,8 @@ struct ReferencePicture {
 /// Renders a scene. A perturbation of p moves every ray's direction by up to p * 2^-24 per component, and the point where it
 /// enters the data's box by up to p * 2^-24 of the box's longest side: the size of rounding errors in float. Secondary rays
 /// start up to 6 p such ulps further off their surface: with p = 8 the 32 by which backends start them off it, and half as
-/// many for what their hits are off by. Pixels that such a move changes are flips. Throws Error when scene, data or camera
+/// many for what their hits are off by; and hits are shaded up to p ulps aside, since that is how far from the surface a
+/// point in float is. Pixels that such a move changes are flips. Throws Error when scene, data or camera
 /// do not fit together.
 ReferencePicture renderReference(const ReferenceScene& scene, const Camera& camera,
                                  const ReferenceOptions& options = {});
