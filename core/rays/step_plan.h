@@ -30,12 +30,16 @@ int32_t planOf(double segmentsPerCell, Integrator integrator);
 ///                         + m.steep f.shade / 12)
 ///   pre-integrated   h^2 (0.09 B + 0.9 f.jump)
 ///
-/// where B = f.slope m.bend sqrt(N l) is what the field's curvature does, in runs of l = (m.steep / m.bend)^2 cells that
+/// (and more on grids of few cells, below), where B = f.slope m.bend sqrt(N l) is what the field's curvature does, in runs of l = (m.steep / m.bend)^2 cells that
 /// err alike (at least 16 / N, as few cells even out less; at least 1, at most 4 N), and c = N m.steep / (m.max - m.min)
 /// the number of times that the ray crosses the range. h makes this 15/16 of the tolerance (early termination takes the
 /// rest), and the method is the one that costs less; steps of the map are integrated cell by cell. 1/24 and 1/12 are the
 /// coefficients of the two rules for errors of one sign (Davis & Rabinowitz 1984, 2.1); the constants here hold for rays
 /// through fields from smooth to white noise under five shapes of maps (tests/accuracy/step_plan.cpp).
+///
+/// On grids of few cells across a ray is too short for its errors to even out. With w = min(1, 16 / cells across)^2, the
+/// kink's coefficient is that of the worst place of a kink in its segment, 1/8, by the part w, and the pre-integrated error
+/// counts (1 + w) times.
 ///
 /// Where several volumes are rendered at once, `others` is the largest extinction of the others together, per unit of t.
 /// Midpoint segments then hold extinction constant (kernels/many.h), and the others are seen through their front before
