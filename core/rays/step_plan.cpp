@@ -23,7 +23,7 @@ constexpr double kCostOfCells = 8;  // time of a cell length cell by cell, in mi
 
 constexpr double kLongestRay = 1.7;                     // diagonal of a cube whose side is 1 in t
 constexpr double kFew = 16;                             // cells over which errors of random sign even out
-constexpr double kWorstKink = 0.125, kWorstPieces = 2;  // where rays are too short for that
+constexpr double kWorstKink = 0.125, kWorstPieces = 4;  // where rays are too short for that
 
 // Errors of segments of h cells, over h^2.
 struct Errors {
@@ -73,7 +73,7 @@ std::vector<int32_t> stepPlan(std::span<const Macrocell> summaries, const Compil
     }
     Errors errors = errorsOf(m, over, cellT);
     const double allowed = (1 - kEarlyEnd) * tolerance;
-    if (others) errors.midpoint += cellT * over.slope * m.steep * std::min(1.0, kLongestRay * *others) / 12;
+    if (others) errors.midpoint += cellT * over.slope * m.steep * std::min(1.0, kLongestRay * *others) / 24;
     const double midpoint = std::max(std::sqrt(errors.midpoint / allowed), over.extinction * cellT / kDense);
     const double pieces = std::sqrt(errors.pieces / allowed);
     const bool cells =

@@ -38,13 +38,12 @@ int32_t planOf(double segmentsPerCell, Integrator integrator);
 /// through fields from smooth to white noise under five shapes of maps (tests/accuracy/step_plan.cpp).
 ///
 /// On grids of few cells across a ray is too short for its errors to even out. With w = min(1, 16 / cells across)^2, the
-/// kink's coefficient is that of the worst place of a kink in its segment, 1/8, by the part w, and the pre-integrated error
-/// counts (1 + w) times.
+/// kink's coefficient is by the part w that of the worst place of a kink in its segment, 1/8, and the pre-integrated error
+/// counts 1 + 3 w times.
 ///
 /// Where several volumes are rendered at once, `others` is the largest extinction of the others together, per unit of t.
 /// Midpoint segments then hold extinction constant (kernels/many.h), and the others are seen through their front before
-/// their back: that adds f.slope m.steep min(1, 1.7 others) / 12, a twelfth of the cube of a segment being the integral
-/// of the product of two slopes over it.
+/// their back: that adds f.slope m.steep min(1, 1.7 others) / 24.
 ///
 /// A step > 0 (in cells) asks for midpoint segments of that length wherever something is seen.
 std::vector<int32_t> stepPlan(std::span<const Macrocell> summaries, const CompiledMap& map, double cellT,
