@@ -30,7 +30,7 @@ int32_t planOf(double segmentsPerCell, Integrator integrator);
 ///                         + m.steep f.shade / 12)
 ///   pre-integrated   h^2 (0.09 B + 0.9 f.jump)
 ///
-/// (and more on grids of few cells, below), where B = f.slope m.bend sqrt(N l) is what the field's curvature does, in runs of l = (m.steep / m.bend)^2 cells that
+/// where B = f.slope m.bend sqrt(N l) is what the field's curvature does, in runs of l = (m.steep / m.bend)^2 cells that
 /// err alike (at least 16 / N, as few cells even out less; at least 1, at most 4 N), and c = N m.steep / (m.max - m.min)
 /// the number of times that the ray crosses the range. h makes this 15/16 of the tolerance (early termination takes the
 /// rest), and the method is the one that costs less; steps of the map are integrated cell by cell. 1/24 and 1/12 are the
