@@ -237,17 +237,26 @@ FN void integrateMany(SCENE s, VOLUMES list, UNIFORM int count, vec3 o, vec3 d, 
   while (go) {
     real next = NO_HIT, sigma = R(0.0);
     vec3 source = make_v3(R(0.0), R(0.0), R(0.0));
-    for (UNIFORM int k = 0; k < count; k++) next = min(next, cursor[k].b);
-    real b = min(m.tStop, next);
     for (UNIFORM int k = 0; k < count; k++) {
-      VOLUME v = VOLUME_AT(s, list, k);
-      // of a part that a surface cuts off, what counts is what is left of it
-      if (b < next && b <= m.tOut && cursor[k].index >= R(0.0) && cursor[k].b < NO_HIT)
-        evaluateBetween(v, cursor[k], a, b, samples);
+      next = min(next, cursor[k].b);
       sigma += cursor[k].sigma;
       source.x += cursor[k].source.x;
       source.y += cursor[k].source.y;
       source.z += cursor[k].source.z;
+    }
+    real b = min(m.tStop, next);
+    if (b < next && b <= m.tOut) {
+      // a surface cuts parts off: what counts is what is left of them
+      sigma = R(0.0);
+      source = make_v3(R(0.0), R(0.0), R(0.0));
+      for (UNIFORM int k = 0; k < count; k++) {
+        VOLUME v = VOLUME_AT(s, list, k);
+        if (cursor[k].index >= R(0.0) && cursor[k].b < NO_HIT) evaluateBetween(v, cursor[k], a, b, samples);
+        sigma += cursor[k].sigma;
+        source.x += cursor[k].source.x;
+        source.y += cursor[k].source.y;
+        source.z += cursor[k].source.z;
+      }
     }
     if (b > m.tOut) {
       go = false;  // the next partition's
