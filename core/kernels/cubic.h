@@ -62,6 +62,12 @@ FN real rootTime(real u, real ta, real tb) {
   return u < R(1.0) ? min(along, tb) : tb;
 }
 
+// The same, behind the cell's entry unless the root is the entry: which cell a hit is in can be told from its t.
+FN real rootBehind(real t, real u, real ta, real tb) {
+  real next = max(ta * R(1.0000002), R(1e-30));
+  return u > R(0.0) && t <= ta ? min(next, tb) : t;
+}
+
 // The first crossing at or after `done` of the cubic b over [ta, tb]; lo > hi if there is none.
 FN Bracket firstBracket(Bernstein b, real ta, real done, RootQuery q) {
   Bracket c;
@@ -83,7 +89,9 @@ FN Bracket firstBracket(Bernstein b, real ta, real done, RootQuery q) {
   bool none =
       min(min(first, b.b1), min(b.b2, b.b3)) > R(0.0) || max(max(first, b.b1), max(b.b2, b.b3)) < R(0.0);
   if (!none) {
-    if (q.entry && b.b0 == R(0.0) && q.from == 0 && done == R(0.0) && acceptsRoot(q, ta)) {
+    // whatever side it left, a ray that starts inside a plateau meets it at once
+    bool plateau = max(max(abs(b.b0), abs(b.b1)), max(abs(b.b2), abs(b.b3))) == R(0.0);
+    if (q.entry && b.b0 == R(0.0) && (q.from == 0 || plateau) && done == R(0.0) && acceptsRoot(q, ta)) {
       c.lo = R(0.0);
     } else {
       // extrema: roots of the derivative d0 v^2 + 2 d1 u v + d2 u^2 = qa u^2 + 2 qb u + qc

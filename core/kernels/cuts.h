@@ -28,8 +28,9 @@ FN IsoHit hitIsosurface(VOLUME v, vec3 o, vec3 d, real tIn, real tOut, real tLas
   real clip0, clip1;
   clipInterval(v, o, d, clip0, clip1);
   VolumeRay ray = volumeRay(v, o, d, R(0.0), R(1e30));
-  // a hit on the clip plane itself is kept: the interval is closed there
-  real to = min(min(tOut, tHit * R(1.0000005)), asReal(asUint(max(clip1, R(0.0))) + 1u));
+  // a hit on the clip plane itself is kept: the interval is closed there, and empty where the ray begins behind its end
+  real kept = clip1 < R(0.0) ? R(-1.0) : asReal(asUint(max(clip1, R(1e-30))) + 1u);
+  real to = min(min(tOut, tHit * R(1.0000005)), kept);
   IsoHit hit = firstIsosurface(v, ray, max(tIn, clip0), to, tLast, start, cells, skipped);
   if (!(hit.t < tOut)) hit.t = NO_HIT;
   return hit;

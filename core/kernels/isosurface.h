@@ -115,7 +115,7 @@ FN void cellCrossing(VOLUME v, VolumeRay r, ivec3 c, ivec3 up, real ta, real tb,
   for (UNIFORM int i = 0; i < v.isovalues; i++) {
     real iso = isovalueAt(v, i);
     if (holds && i >= next && x.index == v.isovalues && lo <= iso && hi >= iso) {
-      x.b = bernsteinAlong(k, f, g, iso);
+      x.b = bernsteinAlong(cornersMinus(k, iso), f, g);
       q.start = along <= R(1e-3);
       q.entry = ta <= r.t0;
       // The side counts until the ray has met a surface, or may have changed sides in a gap without data: that is behind
@@ -265,7 +265,7 @@ FN IsoHit firstIsosurface(VOLUME v, VolumeRay r, real tIn, real tOut, real tAfte
     }
     if (bracketed) {
       real u = rootIn(x.b, x.at);
-      real th = rootTime(u, ta, tb);
+      real th = rootBehind(rootTime(u, ta, tb), u, ta, tb);
       bool accepted = acceptsRoot(query, th);
       if (accepted) {
         hit.t = th;
@@ -291,8 +291,8 @@ FN real centralDifference(real before, real here, real after, bool hasBefore, bo
   return R(0.0);
 }
 
-// The gradient at a grid point, per cell: central differences, one-sided on the domain's boundary or beside no data. Finite
-// even where there are none: rounding puts a hit on the border of a hole into the cell behind it.
+// The gradient at a grid point, per cell: central differences, one-sided on the domain's boundary or beside no data, and 0
+// where there are none.
 FN vec3 pointGradient(VOLUME v, ivec3 p) {
   real s = pointValue(v, p);
   bool x0 = p.x > 0, x1 = p.x<v.cellsX, y0 = p.y> 0, y1 = p.y<v.cellsY, z0 = p.z> 0, z1 = p.z < v.cellsZ;
@@ -338,14 +338,46 @@ FN vec3 cornerGradient(Corners k, CellNeighbours n, UNIFORM int x, UNIFORM int y
   return g;
 }
 
+// Of one axis, the cell between first and last in which the ray is just before t, or, `behind`, on from there: `i` is off
+// by one at most.
+FN int cellBeside(real t, int i, real po, real rpd, int first, int last, bool behind) {
+  int forward = rpd < R(0.0) ? -1 : 1;
+  real near = planeCrossing(nearPlane(i, rpd), po, rpd), far = planeCrossing(farPlane(i, rpd), po, rpd);
+  int c = i;
+  if (near > t || (near == t && !behind))
+    c = i - forward;
+  else if (far < t || (far == t && behind))
+    c = i + forward;
+  return max(min(c, last), first);
+}
+
+// The cell in which the ray met an isosurface at t, whatever rounding says of the point there: the one that it leaves at
+// t or later (rootBehind), or, where that holds no data, the one behind.
+FN ivec3 cellMet(VOLUME v, GridRay g, real t) {
+  ivec3 i = cellAt(v, pointAt(g, t));
+  bool behind = false;
+  ivec3 c = make_i3(cellBeside(t, i.x, g.po.x, g.rpd.x, v.firstX, v.lastX - 1, behind),
+                    cellBeside(t, i.y, g.po.y, g.rpd.y, v.firstY, v.lastY - 1, behind),
+                    cellBeside(t, i.z, g.po.z, g.rpd.z, v.firstZ, v.lastZ - 1, behind));
+  if (!holdsData(cellCorners(v, c))) {
+    behind = true;
+    c = make_i3(cellBeside(t, i.x, g.po.x, g.rpd.x, v.firstX, v.lastX - 1, behind),
+                cellBeside(t, i.y, g.po.y, g.rpd.y, v.firstY, v.lastY - 1, behind),
+                cellBeside(t, i.z, g.po.z, g.rpd.z, v.firstZ, v.lastZ - 1, behind));
+  }
+  return c;
+}
+
+#define FLAT_GRADIENT R(1e-5)  // of the largest gradient at the cell's points: what counts as none at all
+
 // The shading gradient at p (index space), per unit of render space: trilinear in the gradients of the cell's points, so
-// that it is continuous across cells.
-FN vec3 gradientAt(VOLUME v, vec3 p) {
-  ivec3 c = cellAt(v, p);
+// that it is continuous across cells; p is in cell c. None where they cancel, or end at the border of a plateau: what is
+// left over is rounding, of any direction.
+FN vec3 gradientIn(VOLUME v, ivec3 c, vec3 p) {
   vec3 f = fractionIn(c, p);
   bool inner = c.x > v.firstX && c.y > v.firstY && c.z > v.firstZ && c.x + 1 < v.lastX && c.y + 1 < v.lastY &&
                c.z + 1 < v.lastZ;
-  vec3 g = make_v3(R(0.0), R(0.0), R(0.0));
+  vec3 g = make_v3(R(0.0), R(0.0), R(0.0)), most = make_v3(R(0.0), R(0.0), R(0.0));
   Corners k;
   CellNeighbours n;
   if (inner) {
@@ -368,6 +400,13 @@ FN vec3 gradientAt(VOLUME v, vec3 p) {
     g.x += w * d.x;
     g.y += w * d.y;
     g.z += w * d.z;
+    most = make_v3(max(most.x, abs(d.x)), max(most.y, abs(d.y)), max(most.z, abs(d.z)));
   }
-  return make_v3(g.x * v.inverseX, g.y * v.inverseY, g.z * v.inverseZ);
+  vec3 gradient = make_v3(g.x * v.inverseX, g.y * v.inverseY, g.z * v.inverseZ);
+  real least = FLAT_GRADIENT * max(max(most.x * v.inverseX, most.y * v.inverseY), most.z * v.inverseZ);
+  if (max(max(abs(gradient.x), abs(gradient.y)), abs(gradient.z)) <= least)
+    gradient = make_v3(R(0.0), R(0.0), R(0.0));
+  return gradient;
 }
+
+FN vec3 gradientAt(VOLUME v, vec3 p) { return gradientIn(v, cellAt(v, p), p); }

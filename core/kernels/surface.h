@@ -68,9 +68,8 @@ FN Surface triangleSurface(OPERATOR op, uint p, vec3 o, vec3 d, real after) {
   return f;
 }
 
-// The gradient of the trilinear interpolation itself, per unit of render space.
-FN vec3 cellGradientAt(VOLUME v, vec3 p) {
-  ivec3 c = cellAt(v, p);
+// The gradient of the trilinear interpolation itself at p in cell c, per unit of render space.
+FN vec3 cellGradientIn(VOLUME v, ivec3 c, vec3 p) {
   Corners k = cellCorners(v, c);
   vec3 f = fractionIn(c, p);
   real x =
@@ -97,14 +96,12 @@ FN Surface fieldSurface(OPERATOR op, VOLUME v, int hitKind, uint index, vec3 o, 
   } else {
     f.value = isovalueOf(v, index);
     // Outwards is where values are lower, as for a contour in VTK; towards the viewer where the field is flat.
-    vec3 g = gradientAt(v, p);
-    vec3 down = cellGradientAt(v, p);
+    ivec3 c = cellMet(v, ray.g, t);
+    vec3 g = gradientIn(v, c, p);
+    vec3 down = cellGradientIn(v, c, p);
     f.normal = unit3(make_v3(-g.x, -g.y, -g.z));
     f.geometric = unit3(make_v3(-down.x, -down.y, -down.z));
     f.start = START_ISOSURFACE << 18;
-    // Not a number where rounding has put the hit into the cell behind that it was found in, and that holds no data.
-    bool aside = !(dot3(f.geometric, f.geometric) >= R(0.0));
-    if (aside) f.geometric = f.normal;
     if (!(dot3(f.geometric, f.geometric) >= R(0.5))) {
       f.geometric = make_v3(-d.x, -d.y, -d.z);
       f.start = 0u;

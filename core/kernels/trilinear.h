@@ -38,12 +38,27 @@ FN bool holdsData(Corners c) {
 // The mean, exact where all are equal: on a plateau at the isovalue every coefficient is then exactly 0.
 FN real mean3(real a, real b, real c) { return a + ((b - a) + (c - a)) * R(0.33333333333333333); }
 
-// Bernstein coefficients of the cell's values, minus `offset`, along the segment from fractions p to q: blossoms of the
-// trilinear form. They bound the cubic; b0 and b3 are its end values.
+// The same cell of the values minus `offset`. Of values near the offset the difference is exact (Sterbenz 1974), and what is
+// made of the differences rounds as they do: samples of 300 K and an isovalue among them keep the digits behind the point.
+FN Corners cornersMinus(Corners c, real offset) {
+  Corners d;
+  d.v000 = c.v000 - offset;
+  d.v100 = c.v100 - offset;
+  d.v010 = c.v010 - offset;
+  d.v110 = c.v110 - offset;
+  d.v001 = c.v001 - offset;
+  d.v101 = c.v101 - offset;
+  d.v011 = c.v011 - offset;
+  d.v111 = c.v111 - offset;
+  return d;
+}
+
+// Bernstein coefficients of the cell's values along the segment from fractions p to q: blossoms of the trilinear form.
+// They bound the cubic; b0 and b3 are its end values.
 struct Bernstein {
   real b0, b1, b2, b3;
 };
-FN Bernstein bernsteinAlong(Corners c, vec3 p, vec3 q, real offset) {
+FN Bernstein bernsteinAlong(Corners c, vec3 p, vec3 q) {
   // at the x of p, then of q: the four values on the edges along x, then at the y of p and of q
   real p00 = mix1(c.v000, c.v100, p.x), p10 = mix1(c.v010, c.v110, p.x);
   real p01 = mix1(c.v001, c.v101, p.x), p11 = mix1(c.v011, c.v111, p.x);
@@ -54,9 +69,9 @@ FN Bernstein bernsteinAlong(Corners c, vec3 p, vec3 q, real offset) {
   real qp0 = mix1(q00, q10, p.y), qp1 = mix1(q01, q11, p.y), qq0 = mix1(q00, q10, q.y),
        qq1 = mix1(q01, q11, q.y);
   Bernstein b;
-  b.b0 = mix1(pp0, pp1, p.z) - offset;
-  b.b1 = mean3(mix1(qp0, qp1, p.z), mix1(pq0, pq1, p.z), mix1(pp0, pp1, q.z)) - offset;
-  b.b2 = mean3(mix1(qq0, qq1, p.z), mix1(qp0, qp1, q.z), mix1(pq0, pq1, q.z)) - offset;
-  b.b3 = mix1(qq0, qq1, q.z) - offset;
+  b.b0 = mix1(pp0, pp1, p.z);
+  b.b1 = mean3(mix1(qp0, qp1, p.z), mix1(pq0, pq1, p.z), mix1(pp0, pp1, q.z));
+  b.b2 = mean3(mix1(qq0, qq1, p.z), mix1(qp0, qp1, q.z), mix1(pq0, pq1, q.z));
+  b.b3 = mix1(qq0, qq1, q.z);
   return b;
 }

@@ -9,8 +9,9 @@ namespace gxy {
 
 namespace {
 
-// In sizes of the scene: from there on a float cannot tell the directions of a light at its two ends apart.
-constexpr double kFarAway = 1e9;
+// In sizes of what is seen: from there on a float cannot tell the directions of a light at its two ends apart. A single
+// sphere is larger than the domain, which is the box of centres, so that counts as well; but squares must not overflow.
+constexpr double kFarAway = 1e9, kFarthest = 1e18;
 
 }  // namespace
 
@@ -32,6 +33,8 @@ CompiledFrame compileFrame(const CompiledScene& scene, const Camera& camera, uin
   frame.depth = depth;
   frame.worldPerRender = 1 / space.scale;
 
+  const glm::dvec3 seen = scene.hi - scene.lo;
+  const double farAway = std::min(kFarAway * std::max({1.0, seen.x, seen.y, seen.z}), kFarthest);
   const glm::dvec3 right = glm::normalize(world.du), up = glm::normalize(world.dv);
   for (const Light& light : scene.visualization.lighting.sources) {
     if (light.type == LightType::Directional) {
@@ -43,7 +46,7 @@ CompiledFrame compileFrame(const CompiledScene& scene, const Camera& camera, uin
                                 ? light.v
                                 : world.eye + light.v.x * right + light.v.y * up + light.v.z * world.view;
       const glm::dvec3 p = space.toRender(at);
-      if (std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)}) < kFarAway) {
+      if (std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)}) < farAway) {
         frame.lights.push_back({1.f, float(p.x), float(p.y), float(p.z)});
       } else {
         // not of p, which may be infinite

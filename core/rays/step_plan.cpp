@@ -21,8 +21,9 @@ constexpr double kThinnest = 0.2;  // part of a cell that is seen, at least
 constexpr double kDense = 1;  // most optical depth of a midpoint segment: the front hides the back of others
 constexpr double kCostOfCells = 8;  // time of a cell length cell by cell, in midpoint segments
 
-constexpr double kLongestRay = 1.7;  // diagonal of a cube whose side is 1 in t
-constexpr double kFew = 16;          // cells over which errors of random sign even out
+constexpr double kLongestRay = 1.7;                     // diagonal of a cube whose side is 1 in t
+constexpr double kFew = 16;                             // cells over which errors of random sign even out
+constexpr double kWorstKink = 0.125, kWorstPieces = 4;  // where rays are too short for that
 
 // Errors of segments of h cells, over h^2.
 struct Errors {
@@ -39,12 +40,16 @@ Errors errorsOf(const Macrocell& m, const CompiledMap::Over& map, double cellT) 
   const double crossings = range > 0 ? std::max(1.0, seen * m.steep / range) : 1;
   // errors of one sign, where the field runs along the map and the map is curved rather than bent back and forth
   const double smooth = map.curve * crossings / 24;
+  const double across = std::max(1.0, kLongestRay / cellT),
+               few = std::min(1.0, kFew * kFew / (across * across));
+  const double kink = kKinkOfMap + few * (kWorstKink - kKinkOfMap);
   const double kinks =
-      m.steep * std::max({kBendOfMap * map.bend * std::sqrt(crossings), kKinkOfMap * map.kink, smooth});
+      m.steep * std::max({kBendOfMap * map.bend * std::sqrt(crossings), kink * map.kink, smooth});
   // a front hides its back: the colour of a segment is seen from nearer than its middle
   const double shade = m.steep * map.shade * std::min(1.0, seen / depth) / 12;
   return {cellT * (kBendMidpoint * bend + kinks + shade),
-          cellT * kBendPieces * bend + kJump * std::min(map.jump * cellT, kMostJump)};
+          (1 + few * (kWorstPieces - 1)) *
+              (cellT * kBendPieces * bend + kJump * std::min(map.jump * cellT, kMostJump))};
 }
 
 }  // namespace

@@ -95,6 +95,17 @@ Score scoreOf(const Field& f, float iso, int rays, uint64_t seed) {
   return s;
 }
 
+// Values are mixed as differences to the isovalue, so an offset of 1000 spans costs no digits: mixed as they are, 187 roots
+// would be missed.
+TEST(Isosurface, SamplesFarFromZeroAreHitAsPrecisely) {
+  const Field f = cube(41, [](glm::dvec3 p) { return double(float(1000 + marschnerLobb(p))); });
+  const Score s = scoreOf(f, 1000.5f, 20000, 33);
+  EXPECT_EQ(s.missed, 0);
+  EXPECT_EQ(s.wrong, 0);
+  EXPECT_LE(s.imprecise, 1);  // little steeper than what counts as tangential
+  EXPECT_GT(s.hits, 4000);
+}
+
 Field randomIntegers(Random& random, const Index3& n, int below) {
   return makeField(gridOf(n), [&](int64_t, int64_t, int64_t, int) { return double(random.below(below)); });
 }

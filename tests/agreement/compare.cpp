@@ -154,7 +154,7 @@ Comparison compare(const Backend& backend, const TestScene& scene, const Compare
     const bool depthFlips = farthest - nearest > depthSlack;
     const bool depthAmong = mine.depth[i] >= nearest - depthSlack && mine.depth[i] <= farthest + depthSlack;
     const bool colorWrong = d > options.tolerance && !(changes && among);
-    const bool depthWrong = depthDiffers && !(depthFlips && depthAmong);
+    const bool depthWrong = depthDiffers && !hidden && !(depthFlips && depthAmong);
     auto show = [&](const char* what) {
       worst << "  " << what << " (" << pixel.x << ", " << pixel.y << ")";
       for (int c = 0; c < 4; c++)

@@ -232,6 +232,8 @@ Box domainOf(const TestScene& scene) {
     else
       box.extend(boxOf(std::get<std::shared_ptr<const WholeGeometry>>(data)->block));
   }
+  if (box.empty())
+    return {glm::dvec3(-1), glm::dvec3(1)};  // all its geometry was dropped, as it cannot be drawn
   const glm::dvec3 size = box.hi - box.lo;
   const glm::dvec3 farthest = glm::max(glm::abs(box.lo), glm::abs(box.hi));
   const double longest =

@@ -127,7 +127,8 @@ class Window:
         if len(data) != size:
             raise GalaxyError(f"pixels: {len(data)} bytes of data, their header says {size}")
         with self._changed:
-            if self._picture is None or frame > self._picture.frame:
+            # the end of a frame that waited and was overtaken comes while an older one is under way
+            if kind == _TILE and (self._picture is None or frame > self._picture.frame):
                 self._picture = Picture(frame)
             picture = self._picture
             if kind == _TILE and frame == picture.frame:
@@ -142,7 +143,7 @@ class Window:
                     level = picture.levels[scale] = np.zeros((height, width, 4), np.uint8)
                 level[y:y + h, x:x + w] = np.frombuffer(data, np.uint8).reshape(h, w, 4)
             elif kind == _END_OF_FRAME:
-                ended = picture if frame == picture.frame else Picture(frame)
+                ended = picture if picture and frame == picture.frame else Picture(frame)
                 ended.end = json.loads(bytes(data))
                 self._ends[frame] = ended
                 while len(self._ends) > 64:

@@ -158,23 +158,27 @@ double Field::difference(Index3 p, int axis) const {
 glm::dvec3 Field::smoothGradient(glm::dvec3 world) const {
   const Place place = locate(world);
   glm::dvec3 gradient;
+  double most = 0;
   for (int a = 0; a < 3; a++) {
     CellCorners c;
     for (int n = 0; n < 8; n++) {
       c[n] = difference({place.cell[0] + (n & 1), place.cell[1] + (n >> 1 & 1), place.cell[2] + (n >> 2)}, a);
     }
+    for (double d : c) most = std::max(most, std::abs(d));
     gradient[a] = trilinear(c, place.fraction);
   }
-  return gradient;
+  const double left = std::max({std::abs(gradient.x), std::abs(gradient.y), std::abs(gradient.z)});
+  return left <= 1e-5 * most ? glm::dvec3(0) : gradient;
 }
 
-glm::dvec3 Field::cellGradient(glm::dvec3 world) const {
-  const Place place = locate(world);
-  const auto c = corners(place.cell);
+glm::dvec3 Field::cellGradient(const Index3& cell, glm::dvec3 world) const {
+  const auto c = corners(cell);
   if (!c) return glm::dvec3(0);
-  glm::dvec3 gradient;
+  glm::dvec3 inside, gradient;
+  for (int a = 0; a < 3; a++)
+    inside[a] = std::clamp((world[a] - grid().origin[a]) / grid().spacing[a] - double(cell[a]), 0.0, 1.0);
   for (int a = 0; a < 3; a++) {
-    glm::dvec3 lower = place.fraction, upper = place.fraction;
+    glm::dvec3 lower = inside, upper = inside;
     lower[a] = 0;
     upper[a] = 1;
     gradient[a] = (trilinear(*c, upper) - trilinear(*c, lower)) / grid().spacing[a];

@@ -37,11 +37,12 @@ class Field {
   std::optional<double> value(glm::dvec3 world) const;
 
   /// Central differences at the grid points, one-sided on the border and next to no-data, zero where neither
-  /// neighbour has data; interpolated trilinearly. Per world unit.
+  /// neighbour has data; interpolated trilinearly. Per world unit. Zero where less than 1e-5 of the largest at the
+  /// cell's points is left over: a normal of that would be one of rounding errors.
   glm::dvec3 smoothGradient(glm::dvec3 world) const;
 
-  /// The gradient of the trilinear interpolant itself. Per world unit.
-  glm::dvec3 cellGradient(glm::dvec3 world) const;
+  /// The gradient of the trilinear interpolant itself in a cell, zero where it holds no data. Per world unit.
+  glm::dvec3 cellGradient(const Index3& cell, glm::dvec3 world) const;
 
  private:
   struct Place {

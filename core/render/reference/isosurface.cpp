@@ -31,4 +31,13 @@ std::optional<double> firstRoot(const Field& field, const Ray& ray, double isova
   return std::nullopt;
 }
 
+Index3 cellMet(const Field& field, const Ray& ray, double t) {
+  Index3 last{};
+  for (CellWalk walk(field.grid(), ray); walk.inside(); walk.advance()) {
+    last = walk.cell();
+    if (walk.exit() >= t && field.corners(last)) break;
+  }
+  return last;
+}
+
 }  // namespace gxy::reference

@@ -16,4 +16,8 @@ namespace gxy::reference {
 std::optional<double> firstRoot(const Field& field, const Ray& ray, double isovalue, Interval range = {},
                                 double after = -kInfinity);
 
+/// The cell in which firstRoot found a root at t: on a face the one that the ray leaves there, or, where that holds no
+/// data, the one behind.
+Index3 cellMet(const Field& field, const Ray& ray, double t);
+
 }  // namespace gxy::reference

@@ -60,6 +60,12 @@ Ray perturbed(const Ray& ray, const Box& box, double ulps, Random& random) {
   return {entered - entry * direction, direction};
 }
 
+/// What the hits of a perturbed ray are off by: where its secondary rays start, along the normal, and where it is shaded.
+struct Off {
+  double slack = 0;
+  glm::dvec3 shaded{0};
+};
+
 struct PixelValue {
   glm::dvec3 colour{0};
   double alpha = 0, depth = kMiss;
@@ -79,15 +85,17 @@ class Renderer {
     for (int k = 0; k < rays_; k++) {
       const glm::dvec2 position = glm::dvec2(at) + subpixel(k) + options_.subpixelOffset;
       Ray ray = view_.ray(position.x, position.y);
-      double slack = 0;
+      Off off;
       if (options_.perturbation > 0) {
         const uint64_t index = (uint64_t(uint32_t(at.y)) << 32 | uint32_t(at.x)) * uint64_t(rays_) + k;
         const uint64_t seed = (options_.seed + 1) * 0xd1342543de82ef95u ^ index * 0xff51afd7ed558ccdu;
         Random random(seed);
         ray = perturbed(ray, world_.box(), options_.perturbation, random);
-        slack = 4 * options_.perturbation * 0x1p-24 * longestSide(world_.box()) * std::abs(random.next());
+        const double unit = options_.perturbation * 0x1p-24 * longestSide(world_.box());
+        off.slack = 6 * unit * std::abs(random.next());
+        off.shaded = unit * random.next3();
       }
-      const PixelValue one = trace(ray, {at, k, 0, {}, {}}, slack);
+      const PixelValue one = trace(ray, {at, k, 0, {}, {}}, off);
       sum.colour += one.colour / double(rays_);
       sum.alpha += one.alpha / double(rays_);
       if (k == 0) sum.depth = one.depth;
@@ -102,19 +110,19 @@ class Renderer {
     return [count](const AoRequest& request) { return cosineHemisphere(request.normal, count); };
   }
 
-  /// Volumes and surfaces along one ray, front to back; secondary rays start `slack` further off their surface.
-  PixelValue trace(const Ray& ray, AoRequest request, double slack) const {
+  /// Volumes and surfaces along one ray, front to back.
+  PixelValue trace(const Ray& ray, AoRequest request, const Off& off) const {
     PixelValue value;
     const VolumeRay volumes = world_.volumes(ray);
     double through = 1, reached = 0, after = -1;
     while (through > 0) {
-      auto hit = world_.firstHit(ray, after);
+      auto hit = world_.firstHit(ray, after, kInfinity, off.shaded);
       const RayIntegral part = volumes.integrate({reached, hit ? hit->t : kInfinity}, options_.tolerance);
       value.colour += through * part.colour;
       through *= part.transmittance;
       if (!hit) break;
       value.depth = std::min(value.depth, hit->t);
-      hit->slack += slack;
+      hit->slack += off.slack;
       if (through > 0) value.colour += through * hit->opacity * lights_.shade(world_, ray, *hit, request);
       through *= 1 - hit->opacity;
       reached = after = hit->t;

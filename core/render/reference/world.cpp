@@ -201,7 +201,7 @@ void World::describeVolumeSurface(const Part& part, const Ray& ray, SurfaceHit& 
   hit.slack += 1e-9 * part.field->smallestSpacing();
   if (hit.primitive < vis.isovalues.size()) {
     // Out of the surface is where values are lower, as for a contour in VTK.
-    hit.geometric = unitOr(-part.field->cellGradient(hit.position), viewer);
+    hit.geometric = unitOr(-part.field->cellGradient(cellMet(*part.field, ray, hit.t), hit.position), viewer);
     hit.normal = unitOr(-part.field->smoothGradient(hit.position), hit.geometric);
     hit.colour = part.transfer.colour(vis.isovalues[hit.primitive]);
   } else {
@@ -246,7 +246,8 @@ void World::describePrimitive(const Part& part, const Ray& ray, SurfaceHit& hit)
   }
 }
 
-std::optional<SurfaceHit> World::firstHit(const Ray& ray, double after, double limit) const {
+std::optional<SurfaceHit> World::firstHit(const Ray& ray, double after, double limit,
+                                          glm::dvec3 aside) const {
   SurfaceHit best;
   bool found = false;
   best.t = limit;
@@ -265,11 +266,12 @@ std::optional<SurfaceHit> World::firstHit(const Ray& ray, double after, double l
   }
   if (!found) return std::nullopt;
   const Part& part = parts_[best.vis];
-  best.position = ray.at(best.t);
+  best.position = ray.at(best.t) + aside;
   best.opacity = part.vis->opacity;
   best.slack =
       64 * std::numeric_limits<double>::epsilon() * std::max(magnitude(ray.origin), magnitude(best.position));
   part.field ? describeVolumeSurface(part, ray, best) : describePrimitive(part, ray, best);
+  best.position = ray.at(best.t);
   if (part.vis->twoSided && glm::dot(best.normal, ray.direction) > 0) best.normal = -best.normal;
   if (glm::dot(best.normal, best.geometric) < 0) best.geometric = -best.geometric;
   return best;

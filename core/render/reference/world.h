@@ -39,7 +39,9 @@ class World {
   /// The first surface at t > after (and t >= 0) and t < limit: over isosurfaces, slices and primitives, ties
   /// by the lowest (vis, primitive). Asking again with `after` set to a hit's t gives what lies strictly
   /// behind it.
-  std::optional<SurfaceHit> firstHit(const Ray& ray, double after = -1, double limit = kInfinity) const;
+  /// Its normals and colour are those at `aside` from it, for what a point is off by that is not computed in double.
+  std::optional<SurfaceHit> firstHit(const Ray& ray, double after = -1, double limit = kInfinity,
+                                     glm::dvec3 aside = glm::dvec3(0)) const;
 
   /// The volumes along a ray.
   VolumeRay volumes(const Ray& ray, Interval range = {}) const;
