@@ -27,7 +27,7 @@ class PacketSize {
     const int now = rays_;
     if (2 * work > kMostWork)
       rays_ = std::clamp(int(rays * (kMostWork / 4) / work), std::min(kFewest, now), now);
-    else if (rays >= now && 8 * work < kMostWork)
+    else if (rays >= now && 4 * work < kMostWork)
       rays_ = std::min(2 * now, most_);
   }
 
