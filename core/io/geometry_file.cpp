@@ -123,10 +123,6 @@ void addCells(vtkPointSet* set, GeometryKind kind, GeometryContent& content) {
       continue;
     }
     set->GetCellPoints(cell, ids);
-    for (vtkIdType i = 0; i < ids->GetNumberOfIds(); ++i)
-      if (ids->GetId(i) < 0 || ids->GetId(i) >= set->GetNumberOfPoints())
-        throw Error("cell " + std::to_string(cell) + " refers to point " + std::to_string(ids->GetId(i)) +
-                    " of " + std::to_string(set->GetNumberOfPoints()));
     if (kind == GeometryKind::PathLines) {
       addPolyline(block, ids);
       continue;
@@ -221,10 +217,6 @@ GeometryContent readGeometry(const std::string& path, GeometryKind kind, const s
       block.values.push_back(float(magnitude(values, i)));
   }
   block.normals = unitNormals(data, path);
-  const size_t n = block.points.size();
-  if ((!block.values.empty() && block.values.size() != n) ||
-      (!block.normals.empty() && block.normals.size() != n))
-    throw Error(path + ": a point array has not one entry per point");
   if (set->GetCellData()->GetNumberOfArrays() > (set->GetCellGhostArray() ? 1 : 0))
     spdlog::info("{}: cell data are not used", path);
 
@@ -232,11 +224,7 @@ GeometryContent readGeometry(const std::string& path, GeometryKind kind, const s
     dropGhostPoints(set, block);
     block.normals.clear();
   } else {
-    try {
-      addCells(set, kind, content);
-    } catch (const Error& e) {
-      throw Error(path + ": " + e.what());
-    }
+    addCells(set, kind, content);
   }
   block.ids.resize(kind == GeometryKind::Particles   ? block.points.size()
                    : kind == GeometryKind::PathLines ? block.segments.size()

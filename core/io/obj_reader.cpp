@@ -1,0 +1,206 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gxy/io/obj_reader.h"
+
+#include <vtkCellArray.h>
+#include <vtkFloatArray.h>
+#include <vtkPointData.h>
+#include <vtkPoints.h>
+
+#include <array>
+#include <map>
+#include <vector>
+
+#include "gxy/io/text_scanner.h"
+
+namespace gxy {
+namespace {
+
+/// Indices from 0 on of a vertex, texture coordinates and a normal; -1: none.
+using Corner = std::array<int64_t, 3>;
+
+struct Cells {
+  size_t leastCorners;
+  std::vector<Corner> corners = {};
+  std::vector<size_t> ends = {};  ///< of each cell among the corners
+};
+
+struct Mesh {
+  std::vector<std::array<double, 3>> vertices;
+  std::vector<std::array<float, 2>> coordinates;
+  std::vector<std::array<float, 3>> normals;
+  Cells points{1}, lines{2}, polygons{3};
+
+  std::array<int64_t, 3> counts() const {
+    return {int64_t(vertices.size()), int64_t(coordinates.size()), int64_t(normals.size())};
+  }
+};
+constexpr const char* kKinds[] = {"vertex", "texture coordinates", "normal"};
+
+template <size_t N, class T>
+std::array<T, N> readNumbers(TextScanner& line, const TextScanner& file, size_t least = N) {
+  std::array<T, N> numbers{};
+  for (size_t i = 0; i < N; ++i) {
+    const std::string_view word = line.word();
+    if (word.empty() && i >= least) break;
+    double value = 0;
+    if (!TextScanner::parse(word, value))
+      file.fail("found '" + std::string(word.substr(0, 40)) + "', expected a number");
+    numbers[i] = T(value);
+  }
+  return numbers;
+}
+
+Corner readCorner(std::string_view word, const Mesh& mesh, const TextScanner& file) {
+  const auto malformed = [&] {
+    file.fail("found the corner '" + std::string(word.substr(0, 40)) +
+              "', expected v, v/t, v//n or v/t/n with numbers that are not 0");
+  };
+  Corner corner{-1, -1, -1};
+  std::string_view rest = word;
+  for (size_t i = 0; i < 3; ++i) {
+    const size_t slash = std::min(rest.find('/'), rest.size());
+    const std::string_view text = rest.substr(0, slash);
+    const bool last = slash == rest.size();
+    if (!(text.empty() && i == 1 && !last)) {
+      int64_t index = 0;
+      if (!TextScanner::parse(text, index) || index == 0) malformed();
+      const int64_t count = mesh.counts()[i];
+      if (index < -count)
+        file.fail("refers to " + std::string(kKinds[i]) + " " + std::to_string(index) + " of " +
+                  std::to_string(count));
+      corner[i] = index > 0 ? index - 1 : count + index;
+    }
+    if (last) return corner;
+    rest.remove_prefix(slash + 1);
+  }
+  malformed();
+  return corner;
+}
+
+void readCell(TextScanner& line, const TextScanner& file, const Mesh& mesh, Cells& cells) {
+  const size_t begin = cells.corners.size();
+  for (std::string_view word = line.word(); !word.empty(); word = line.word())
+    cells.corners.push_back(readCorner(word, mesh, file));
+  if (cells.corners.size() - begin < cells.leastCorners)
+    file.fail(std::to_string(cells.corners.size() - begin) + " corners, expected at least " +
+              std::to_string(cells.leastCorners));
+  cells.ends.push_back(cells.corners.size());
+}
+
+Mesh parse(std::string_view bytes, const std::string& path) {
+  TextScanner file(bytes, path);
+  Mesh mesh;
+  while (file.left()) {
+    std::string_view text = file.line();
+    text = text.substr(0, text.find('#'));
+    TextScanner line(text, path);
+    const std::string_view word = line.word();
+    if (word == "v")
+      mesh.vertices.push_back(readNumbers<3, double>(line, file));
+    else if (word == "vt")
+      mesh.coordinates.push_back(readNumbers<2, float>(line, file, 1));
+    else if (word == "vn")
+      mesh.normals.push_back(readNumbers<3, float>(line, file));
+    else if (word == "f")
+      readCell(line, file, mesh, mesh.polygons);
+    else if (word == "l")
+      readCell(line, file, mesh, mesh.lines);
+    else if (word == "p")
+      readCell(line, file, mesh, mesh.points);
+  }
+  return mesh;
+}
+
+/// Statements may refer to later ones, so this waits for the end of the file.
+void checkCorners(const Mesh& mesh, const Cells& cells, const char* kind, const std::string& path) {
+  const auto counts = mesh.counts();
+  for (size_t cell = 0, c = 0; cell < cells.ends.size(); ++cell)
+    for (; c < cells.ends[cell]; ++c)
+      for (size_t i = 0; i < 3; ++i)
+        if (cells.corners[c][i] >= counts[i])
+          throw Error(path + ": " + kind + " " + std::to_string(cell + 1) + " refers to " + kKinds[i] + " " +
+                      std::to_string(cells.corners[c][i] + 1) + " of " + std::to_string(counts[i]));
+}
+
+/// Points for all corners that occur: first each vertex as it is used first, then the copies.
+class Points {
+ public:
+  explicit Points(size_t vertices) : corners_(vertices), used_(vertices, false) {
+    for (size_t v = 0; v < vertices; ++v) corners_[v] = {int64_t(v), -1, -1};
+  }
+  vtkIdType idOf(const Corner& corner) {
+    const size_t vertex = size_t(corner[0]);
+    if (!used_[vertex]) {
+      used_[vertex] = true;
+      corners_[vertex] = corner;
+    }
+    if (corners_[vertex] == corner) return vtkIdType(vertex);
+    const auto [found, isNew] = copies_.try_emplace(corner, vtkIdType(corners_.size()));
+    if (isNew) corners_.push_back(corner);
+    return found->second;
+  }
+  const std::vector<Corner>& corners() const { return corners_; }
+
+ private:
+  std::vector<Corner> corners_;
+  std::vector<bool> used_;
+  std::map<Corner, vtkIdType> copies_;
+};
+
+vtkSmartPointer<vtkCellArray> cellArray(const Cells& cells, Points& points) {
+  const auto array = vtkSmartPointer<vtkCellArray>::New();
+  std::vector<vtkIdType> ids;
+  for (size_t cell = 0, c = 0; cell < cells.ends.size(); ++cell) {
+    ids.clear();
+    for (; c < cells.ends[cell]; ++c) ids.push_back(points.idOf(cells.corners[c]));
+    array->InsertNextCell(vtkIdType(ids.size()), ids.data());
+  }
+  return array;
+}
+
+/// Do all corners of the cells have the i-th index?
+bool allHave(const Mesh& mesh, size_t i) {
+  for (const Cells* cells : {&mesh.points, &mesh.lines, &mesh.polygons})
+    for (const Corner& corner : cells->corners)
+      if (corner[i] < 0) return false;
+  return mesh.counts()[i] > 0;
+}
+
+template <size_t N>
+vtkSmartPointer<vtkFloatArray> pointArray(const char* name, const std::vector<Corner>& corners, size_t index,
+                                          const std::vector<std::array<float, N>>& values) {
+  const auto array = vtkSmartPointer<vtkFloatArray>::New();
+  array->SetName(name);
+  array->SetNumberOfComponents(int(N));
+  array->SetNumberOfTuples(vtkIdType(corners.size()));
+  for (size_t p = 0; p < corners.size(); ++p)
+    array->SetTypedTuple(vtkIdType(p), values[size_t(std::max(corners[p][index], int64_t(0)))].data());
+  return array;
+}
+
+}  // namespace
+
+vtkSmartPointer<vtkPolyData> readObj(std::string_view bytes, const std::string& path) {
+  const Mesh mesh = parse(bytes, path);
+  checkCorners(mesh, mesh.points, "point", path);
+  checkCorners(mesh, mesh.lines, "line", path);
+  checkCorners(mesh, mesh.polygons, "face", path);
+  const auto data = vtkSmartPointer<vtkPolyData>::New();
+  Points points(mesh.vertices.size());
+  data->SetVerts(cellArray(mesh.points, points));
+  data->SetLines(cellArray(mesh.lines, points));
+  data->SetPolys(cellArray(mesh.polygons, points));
+  const auto positions = vtkSmartPointer<vtkPoints>::New();
+  positions->SetDataTypeToDouble();
+  positions->SetNumberOfPoints(vtkIdType(points.corners().size()));
+  for (size_t p = 0; p < points.corners().size(); ++p)
+    positions->SetPoint(vtkIdType(p), mesh.vertices[size_t(points.corners()[p][0])].data());
+  data->SetPoints(positions);
+  if (allHave(mesh, 1))
+    data->GetPointData()->SetTCoords(pointArray("TCoords", points.corners(), 1, mesh.coordinates));
+  if (allHave(mesh, 2))
+    data->GetPointData()->SetNormals(pointArray("Normals", points.corners(), 2, mesh.normals));
+  return data;
+}
+
+}  // namespace gxy

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+// PLY 1.0 meshes: ascii, binary_little_endian and binary_big_endian. Used inside core/io only.
+#pragma once
+#include <vtkPolyData.h>
+#include <vtkSmartPointer.h>
+
+#include <string>
+#include <string_view>
+
+namespace gxy {
+
+/// The points of element `vertex` and the polygons of element `face`, if there is one, from the bytes of a
+/// file; every other element is passed over. x, y and z become the points; nx, ny, nz the normals "Normals";
+/// u, v (or texture_u, texture_v, or s, t) the texture coordinates "TCoords"; red, green, blue the active
+/// scalars "RGB"; each other scalar property an array of its own name. Throws Error, which begins with
+/// `path`, for bytes that are not such a file, that end too early, or whose faces refer to points that do not
+/// exist; what it allocates is in proportion to the number of bytes, whatever they say.
+vtkSmartPointer<vtkPolyData> readPly(std::string_view bytes, const std::string& path);
+
+}  // namespace gxy

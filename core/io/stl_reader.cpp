@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gxy/io/stl_reader.h"
+
+#include <vtkCellArray.h>
+#include <vtkPoints.h>
+
+#include <bit>
+#include <cctype>
+#include <cstring>
+
+#include "gxy/io/text_scanner.h"
+
+namespace gxy {
+namespace {
+
+constexpr size_t kHeader = 84, kFacet = 50;
+
+/// A little-endian value of 4 bytes.
+template <class T>
+T valueAt(std::string_view bytes, size_t offset) {
+  char raw[sizeof(T)];
+  std::memcpy(raw, bytes.data() + offset, sizeof raw);
+  if constexpr (std::endian::native == std::endian::big) std::reverse(raw, raw + sizeof raw);
+  return std::bit_cast<T>(raw);
+}
+
+std::string lower(std::string_view word) {
+  std::string text(word.substr(0, 40));
+  for (char& c : text) c = char(std::tolower(static_cast<unsigned char>(c)));
+  return text;
+}
+
+/// Of a facet: its normal, three corners, two bytes of attributes.
+void readBinary(std::string_view bytes, vtkPoints* points) {
+  const size_t facets = (bytes.size() - kHeader) / kFacet;
+  points->SetNumberOfPoints(vtkIdType(3 * facets));
+  for (size_t i = 0; i < 3 * facets; ++i) {
+    const size_t at = kHeader + i / 3 * kFacet + 12 * (1 + i % 3);
+    points->SetPoint(vtkIdType(i), valueAt<float>(bytes, at), valueAt<float>(bytes, at + 4),
+                     valueAt<float>(bytes, at + 8));
+  }
+}
+
+/// solid NAME, any number of { facet normal X Y Z, outer loop, 3 times vertex X Y Z, endloop, endfacet }, endsolid NAME; a
+/// file may have several such solids.
+void readAscii(std::string_view bytes, const std::string& path, vtkPoints* points) {
+  TextScanner scanner(bytes, path);
+  const auto keyword = [&] { return lower(scanner.word()); };
+  const auto expect = [&](std::initializer_list<std::string_view> words) {
+    for (std::string_view word : words)
+      if (keyword() != word) scanner.fail("expected '" + std::string(word) + "'");
+  };
+  for (std::string word = keyword(); !word.empty(); word = keyword()) {
+    if (word != "solid") scanner.fail("expected 'solid'");
+    scanner.line();
+    for (word = keyword(); word == "facet"; word = keyword()) {
+      expect({"normal"});
+      for (int axis = 0; axis < 3; ++axis) scanner.number<double>("a number");
+      expect({"outer", "loop"});
+      for (int corner = 0; corner < 3; ++corner) {
+        expect({"vertex"});
+        double p[3];
+        for (double& value : p) value = scanner.number<double>("a number");
+        points->InsertNextPoint(p);
+      }
+      expect({"endloop", "endfacet"});
+    }
+    if (word != "endsolid") scanner.fail("expected 'facet' or 'endsolid'");
+    scanner.line();
+  }
+}
+
+}  // namespace
+
+vtkSmartPointer<vtkPolyData> readStl(std::string_view bytes, const std::string& path) {
+  const auto points = vtkSmartPointer<vtkPoints>::New();
+  const uint64_t facets = bytes.size() < kHeader ? 0 : valueAt<uint32_t>(bytes, kHeader - 4);
+  if (bytes.size() == kHeader + kFacet * facets)
+    readBinary(bytes, points);
+  else if (lower(TextScanner(bytes, path).word()) == "solid")
+    readAscii(bytes, path, points);
+  else
+    throw Error(path + ": " + std::to_string(bytes.size()) + " bytes for " + std::to_string(facets) +
+                " facets: expected a binary STL file of " + std::to_string(kHeader + kFacet * facets) +
+                " bytes, or an ascii one that begins with 'solid'");
+  const auto triangles = vtkSmartPointer<vtkCellArray>::New();
+  for (vtkIdType i = 0; i < points->GetNumberOfPoints(); i += 3) triangles->InsertNextCell({i, i + 1, i + 2});
+  const auto mesh = vtkSmartPointer<vtkPolyData>::New();
+  mesh->SetPoints(points);
+  mesh->SetPolys(triangles);
+  return mesh;
+}
+
+}  // namespace gxy

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: Apache-2.0
+// Reads a file's bytes, held in memory, as words, lines, numbers and binary blocks, and never beyond their
+// end. Numbers are parsed the same under every locale. Used inside core/io only.
+#pragma once
+#include <algorithm>
+#include <charconv>
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+#include "gxy/comm/error.h"
+
+namespace gxy {
+
+/// Neither the bytes nor the path are copied; both outlive the scanner.
+class TextScanner {
+ public:
+  TextScanner(std::string_view bytes, const std::string& path) : bytes_(bytes), path_(path) {}
+
+  /// The next word between white space; empty at the end.
+  std::string_view word() {
+    while (at_ < bytes_.size() && isSpace(bytes_[at_])) ++at_;
+    last_ = at_;
+    while (at_ < bytes_.size() && !isSpace(bytes_[at_])) ++at_;
+    return bytes_.substr(last_, at_ - last_);
+  }
+
+  /// What is left of the current line, without its end ("\n" or "\r\n"), which is passed over.
+  std::string_view line() {
+    last_ = at_;
+    const size_t end = std::min(bytes_.find('\n', at_), bytes_.size());
+    std::string_view text = bytes_.substr(at_, end - at_);
+    at_ = std::min(end + 1, bytes_.size());
+    if (text.ends_with('\r')) text.remove_suffix(1);
+    return text;
+  }
+
+  /// The next word as a number: the whole of it, an optional sign first. `what` says in errors what it is.
+  template <class T>
+  T number(std::string_view what) {
+    const std::string_view text = word();
+    T value{};
+    if (!parse(text, value))
+      fail((text.empty() ? "the file ends" : "found '" + std::string(text.substr(0, 40)) + "'") +
+           ", expected " + std::string(what));
+    return value;
+  }
+
+  /// The next `count` bytes as they are.
+  std::string_view take(size_t count, std::string_view what) {
+    if (count > left()) fail("the file ends before " + std::string(what));
+    last_ = at_;
+    at_ += count;
+    return bytes_.substr(last_, count);
+  }
+
+  const std::string& path() const { return path_; }
+  size_t left() const { return bytes_.size() - at_; }
+
+  /// Throws Error "path: line n: what", with the line on which what was read last began.
+  [[noreturn]] void fail(const std::string& what) const {
+    const auto lines = 1 + std::count(bytes_.begin(), bytes_.begin() + std::ptrdiff_t(last_), '\n');
+    throw Error(path_ + ": line " + std::to_string(lines) + ": " + what);
+  }
+
+  template <class T>
+  static bool parse(std::string_view text, T& value) {
+    if (text.starts_with('+') && !text.starts_with("+-")) text.remove_prefix(1);
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    return error == std::errc() && end == text.data() + text.size();
+  }
+
+ private:
+  static bool isSpace(char c) { return c == ' ' || (c >= '\t' && c <= '\r'); }
+
+  std::string_view bytes_;
+  const std::string& path_;
+  size_t at_ = 0, last_ = 0;
+};
+
+}  // namespace gxy
