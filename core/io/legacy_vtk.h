@@ -6,8 +6,8 @@
 
 namespace gxy {
 
-/// Walks through a file with DATASET POLYDATA or UNSTRUCTURED_GRID up to its first POINT_DATA or CELL_DATA and
-/// blanks out each METADATA block in `bytes`, as no use is made of them. Throws Error, which begins with
+/// Walks through a file with DATASET POLYDATA or UNSTRUCTURED_GRID up to its first POINT_DATA or CELL_DATA,
+/// and blanks out each METADATA block in `bytes`, as no use is made of them. Throws Error, which begins with
 /// `path`, unless every keyword is known, every array is all there, cells have sizes that add up, and there
 /// are as many cell types as cells. Polyhedra are not allowed. Point ids are left unchecked.
 void checkLegacyVtk(std::string& bytes, const std::string& path);

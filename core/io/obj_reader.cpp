@@ -147,23 +147,24 @@ class Points {
   std::map<Corner, vtkIdType> copies_;
 };
 
-vtkSmartPointer<vtkCellArray> cellArray(const Cells& cells, Points& points) {
+/// `idOf` gives the point for a corner.
+template <class IdOf>
+vtkSmartPointer<vtkCellArray> cellArray(const Cells& cells, IdOf idOf) {
   const auto array = vtkSmartPointer<vtkCellArray>::New();
   std::vector<vtkIdType> ids;
   for (size_t cell = 0, c = 0; cell < cells.ends.size(); ++cell) {
     ids.clear();
-    for (; c < cells.ends[cell]; ++c) ids.push_back(points.idOf(cells.corners[c]));
+    for (; c < cells.ends[cell]; ++c) ids.push_back(idOf(cells.corners[c]));
     array->InsertNextCell(vtkIdType(ids.size()), ids.data());
   }
   return array;
 }
 
-/// Do all corners of the cells have the i-th index?
+/// Do all corners of the polygons have the i-th index?
 bool allHave(const Mesh& mesh, size_t i) {
-  for (const Cells* cells : {&mesh.points, &mesh.lines, &mesh.polygons})
-    for (const Corner& corner : cells->corners)
-      if (corner[i] < 0) return false;
-  return mesh.counts()[i] > 0;
+  const auto has = [i](const Corner& corner) { return corner[i] >= 0; };
+  return !mesh.polygons.corners.empty() &&
+         std::all_of(mesh.polygons.corners.begin(), mesh.polygons.corners.end(), has);
 }
 
 template <size_t N>
@@ -187,9 +188,10 @@ vtkSmartPointer<vtkPolyData> readObj(std::string_view bytes, const std::string& 
   checkCorners(mesh, mesh.polygons, "face", path);
   const auto data = vtkSmartPointer<vtkPolyData>::New();
   Points points(mesh.vertices.size());
-  data->SetVerts(cellArray(mesh.points, points));
-  data->SetLines(cellArray(mesh.lines, points));
-  data->SetPolys(cellArray(mesh.polygons, points));
+  data->SetPolys(cellArray(mesh.polygons, [&](const Corner& corner) { return points.idOf(corner); }));
+  const auto vertexOf = [](const Corner& corner) { return vtkIdType(corner[0]); };
+  data->SetLines(cellArray(mesh.lines, vertexOf));
+  data->SetVerts(cellArray(mesh.points, vertexOf));
   const auto positions = vtkSmartPointer<vtkPoints>::New();
   positions->SetDataTypeToDouble();
   positions->SetNumberOfPoints(vtkIdType(points.corners().size()));

@@ -11,9 +11,10 @@ namespace gxy {
 
 /// The vertices `v`, polygons `f`, lines `l` and points `p` of a file's bytes; groups, materials and other
 /// statements are passed over. Corners are "v", "v/t", "v//n" or "v/t/n", counted from 1 on or, if negative,
-/// back from the last one so far. A vertex that is used with several normals or texture coordinates becomes
-/// as many points, the copies after all vertices. If every corner has a normal, the points have normals
-/// "Normals" (that of an unused vertex is arbitrary); if every one has texture coordinates, "TCoords".
+/// back from the last one so far. A vertex that polygons use with several normals or texture coordinates
+/// becomes as many points, the copies after all vertices. If every corner of a polygon has a normal, the
+/// points have normals "Normals" (that of a vertex no polygon uses is arbitrary); if every one has texture
+/// coordinates, "TCoords".
 /// Throws Error, which begins with `path`, for malformed statements and corners that do not exist.
 vtkSmartPointer<vtkPolyData> readObj(std::string_view bytes, const std::string& path);
 

@@ -41,8 +41,8 @@ void readBinary(std::string_view bytes, vtkPoints* points) {
   }
 }
 
-/// solid NAME, any number of { facet normal X Y Z, outer loop, 3 times vertex X Y Z, endloop, endfacet }, endsolid NAME; a
-/// file may have several such solids.
+/// One or several solids: solid NAME, facets, endsolid NAME. A facet: facet normal X Y Z, outer loop, 3 times
+/// vertex X Y Z, endloop, endfacet.
 void readAscii(std::string_view bytes, const std::string& path, vtkPoints* points) {
   TextScanner scanner(bytes, path);
   const auto keyword = [&] { return lower(scanner.word()); };

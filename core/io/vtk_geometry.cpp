@@ -3,9 +3,11 @@
 
 #include <vtkCellArray.h>
 #include <vtkCellData.h>
+#include <vtkCellType.h>
 #include <vtkDataSetReader.h>
 #include <vtkPointData.h>
 #include <vtkPolyData.h>
+#include <vtkUnsignedCharArray.h>
 #include <vtkUnstructuredGrid.h>
 #include <vtkXMLPolyDataReader.h>
 #include <vtkXMLUnstructuredGridReader.h>
@@ -59,8 +61,9 @@ vtkSmartPointer<vtkPointSet> readLegacy(const std::string& path, const VtkMessag
   return outputOf(reader.Get(), path, messages);
 }
 
-/// Offsets that rise from 0 to the number of ids, and ids that are those of points.
-void checkCells(vtkCellArray* cells, vtkIdType points, const std::string& path) {
+/// Offsets that rise from 0 to the number of ids, cells of at least `least` ids, and ids that are those of
+/// points.
+void checkCells(vtkCellArray* cells, vtkIdType least, vtkIdType points, const std::string& path) {
   if (!cells) return;
   const auto check = [&](const auto* offsets, const auto* ids) {
     const vtkIdType count = offsets->GetNumberOfValues(), idCount = ids->GetNumberOfValues();
@@ -71,12 +74,15 @@ void checkCells(vtkCellArray* cells, vtkIdType points, const std::string& path) 
     if (!ordered)
       throw Error(path + ": the offsets of the cells do not rise from 0 to the " + std::to_string(idCount) +
                   " point ids that there are");
-    vtkIdType cell = 0;
-    for (vtkIdType i = 0; i < idCount; ++i) {
-      while (offsets->GetValue(cell + 1) <= i) ++cell;
-      if (ids->GetValue(i) < 0 || ids->GetValue(i) >= points)
-        throw Error(path + ": cell " + std::to_string(cell) + " refers to point " +
-                    std::to_string(ids->GetValue(i)) + " of " + std::to_string(points));
+    for (vtkIdType cell = 0; cell + 1 < count; ++cell) {
+      const vtkIdType begin = offsets->GetValue(cell), end = offsets->GetValue(cell + 1);
+      if (end - begin < least)
+        throw Error(path + ": cell " + std::to_string(cell) + " has " + std::to_string(end - begin) +
+                    " points, expected at least " + std::to_string(least));
+      for (vtkIdType i = begin; i < end; ++i)
+        if (ids->GetValue(i) < 0 || ids->GetValue(i) >= points)
+          throw Error(path + ": cell " + std::to_string(cell) + " refers to point " +
+                      std::to_string(ids->GetValue(i)) + " of " + std::to_string(points));
     }
   };
   if (cells->IsStorage64Bit())
@@ -98,14 +104,20 @@ void checkArrays(vtkFieldData* data, vtkIdType count, const char* of, const std:
 void check(vtkPointSet* set, const std::string& path) {
   const vtkIdType points = set->GetNumberOfPoints();
   if (const auto mesh = vtkPolyData::SafeDownCast(set)) {
-    for (vtkCellArray* cells : {mesh->GetVerts(), mesh->GetLines(), mesh->GetPolys(), mesh->GetStrips()})
-      checkCells(cells, points, path);
+    checkCells(mesh->GetVerts(), 1, points, path);
+    checkCells(mesh->GetLines(), 2, points, path);
+    checkCells(mesh->GetPolys(), 3, points, path);
+    checkCells(mesh->GetStrips(), 3, points, path);
   } else if (const auto grid = vtkUnstructuredGrid::SafeDownCast(set)) {
-    checkCells(grid->GetCells(), points, path);
-    const vtkIdType types = grid->GetCellTypesArray() ? grid->GetCellTypesArray()->GetNumberOfValues() : 0;
-    if (types != grid->GetNumberOfCells())
-      throw Error(path + ": " + std::to_string(types) + " cell types for " +
-                  std::to_string(grid->GetNumberOfCells()) + " cells");
+    checkCells(grid->GetCells(), 0, points, path);
+    const vtkUnsignedCharArray* types = grid->GetCellTypesArray();
+    const vtkIdType cells = grid->GetNumberOfCells();
+    if (const vtkIdType typed = types ? types->GetNumberOfValues() : 0; typed != cells)
+      throw Error(path + ": " + std::to_string(typed) + " cell types for " + std::to_string(cells) +
+                  " cells");
+    for (vtkIdType cell = 0; cell < cells; ++cell)
+      if (types->GetValue(cell) == VTK_PIXEL && grid->GetCells()->GetCellSize(cell) != 4)
+        throw Error(path + ": cell " + std::to_string(cell) + " is a pixel, but has not 4 points");
   } else {
     throw Error(path + ": expected polygonal data or an unstructured grid, found " + set->GetClassName());
   }

@@ -9,9 +9,9 @@
 
 namespace gxy {
 
-/// Reads a .vtu .vtp .vtk .ply .stl or .obj file as polygonal data or an unstructured grid whose cells refer to
-/// its points and whose arrays have one entry per point or cell; Error, with VTK's own words if it has some,
-/// when it cannot.
+/// Reads a .vtu .vtp .vtk .ply .stl or .obj file as polygonal data or an unstructured grid whose cells refer
+/// to its points and whose arrays have one entry per point or cell; Error, with VTK's own words if it has
+/// some, when it cannot.
 vtkSmartPointer<vtkPointSet> readPointSet(const std::string& path);
 
 /// The files that the <Piece> elements of a VTK XML file of this type ("PUnstructuredGrid") name, as they will be opened.

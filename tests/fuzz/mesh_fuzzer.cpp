@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+// Whatever the bytes: a result or an Error, of each reader of meshes and of the check of legacy VTK files.
+#include <cstdint>
+#include <string>
+
+#include "gxy/comm/error.h"
+#include "gxy/io/legacy_vtk.h"
+#include "gxy/io/obj_reader.h"
+#include "gxy/io/ply_reader.h"
+#include "gxy/io/stl_reader.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
+  std::string bytes(reinterpret_cast<const char*>(data), size);
+  const auto attempt = [](auto read) {
+    try {
+      read();
+    } catch (const gxy::Error&) {
+    }
+  };
+  attempt([&] { gxy::readPly(bytes, "input"); });
+  attempt([&] { gxy::readObj(bytes, "input"); });
+  attempt([&] { gxy::readStl(bytes, "input"); });
+  attempt([&] { gxy::checkLegacyVtk(bytes, "input"); });
+  return 0;
+}

@@ -1,0 +1,373 @@
+// SPDX-License-Identifier: Apache-2.0
+// PLY, OBJ, STL and legacy VTK files: what is read from sound ones, and that damaged ones give an Error that
+// names the file and never more than that.
+#include <gtest/gtest.h>
+
+#include <bit>
+#include <clocale>
+#include <cstring>
+#include <functional>
+
+#include "fixtures.h"
+#include "gxy/comm/error.h"
+#include "gxy/io/file.h"
+#include "gxy/io/geometry_file.h"
+#include "gxy/io/write_geometry.h"
+
+namespace gxy {
+namespace {
+
+using testing::mutated;
+using testing::QuietLog;
+using testing::TemporaryFolder;
+
+using Triangles = std::vector<std::array<uint32_t, 3>>;
+
+GeometryBlock tetrahedron() {
+  GeometryBlock block;
+  block.points = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  block.values = {1, 2, 3, 4};
+  block.normals.assign(4, {0, 0, 1});
+  block.triangles = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}};
+  block.ids = {0, 1, 2, 3};
+  return block;
+}
+
+class MeshReader : public ::testing::Test {
+ protected:
+  GeometryContent read(const std::string& name, const std::string& bytes,
+                       const std::string& array = {}) const {
+    writeText(folder_ / name, bytes);
+    return readGeometry(folder_ / name, GeometryKind::Triangles, array);
+  }
+
+  /// The message of the Error without the path, which it must begin with; for both ways of reading.
+  std::string errorOf(const std::string& name, const std::string& bytes) const {
+    const std::string path = folder_ / name;
+    writeText(path, bytes);
+    EXPECT_THROW(summariseGeometry(path), Error);
+    try {
+      readGeometry(path, GeometryKind::Triangles);
+    } catch (const Error& e) {
+      const std::string text = e.what();
+      EXPECT_TRUE(text.starts_with(path + ": ")) << text;
+      return text.substr(std::min(text.size(), path.size() + 2));
+    }
+    ADD_FAILURE() << "no error";
+    return {};
+  }
+
+  std::string written(const std::string& name) const {
+    writeGeometry(folder_ / name, tetrahedron(), GeometryKind::Triangles);
+    return readText(folder_ / name);
+  }
+
+  const TemporaryFolder folder_;
+};
+
+const std::string kXyz = "property float x\nproperty float y\nproperty float z\n";
+
+std::string asciiPly(const std::string& vertexProperties, const std::string& body,
+                     const std::string& vertices = "3",
+                     const std::string& corners = "property list uchar int vertex_indices\n") {
+  return "ply\nformat ascii 1.0\ncomment made here\nelement vertex " + vertices + "\n" + vertexProperties +
+         "element face 1\n" + corners + "end_header\n" + body;
+}
+
+const std::string kCorner = "0 0 0\n1 0 0\n0 1 0\n";
+
+TEST_F(MeshReader, PlyThatWasWrittenIsReadWithoutLoss) {
+  written("g.ply");
+  const GeometryContent content = readGeometry(folder_ / "g.ply", GeometryKind::Triangles);
+  EXPECT_EQ(content.block, tetrahedron());
+  EXPECT_EQ(content.array, "value");
+}
+
+TEST_F(MeshReader, PlyIsTheSameInAllThreeEncodings) {
+  const std::string header =
+      " 1.0\r\nelement note 1\r\nproperty list ushort short words\r\nelement vertex 4\r\nproperty double "
+      "x\r\n"
+      "property float32 y\r\nproperty int16 z\r\nproperty uchar heat\r\nelement face 1\r\nproperty char "
+      "flag\r\n"
+      "property list uint8 uint vertex_index\r\nend_header\r\n";
+  std::string bytes[2];
+  for (const bool big : {false, true}) {
+    const auto put = [&](auto value) {
+      char raw[sizeof value];
+      std::memcpy(raw, &value, sizeof value);
+      if (big != (std::endian::native == std::endian::big)) std::reverse(raw, raw + sizeof value);
+      bytes[big].append(raw, sizeof value);
+    };
+    put(uint16_t(2)), put(int16_t(-1)), put(int16_t(7));
+    for (int i = 0; i < 4; ++i) put(i + 0.1), put(float(-i)), put(int16_t(i - 300)), put(uint8_t(200 + i));
+    put(int8_t(-1)), put(uint8_t(4));
+    for (uint32_t i = 0; i < 4; ++i) put(3 - i);
+  }
+  const GeometryBlock ascii =
+      read("a.ply",
+           "ply\r\nformat ascii" + header +
+               "2 -1 7\r\n0.1 0 -300 200\r\n1.1 -1 -299 201\n2.1 -2 -298 202\n3.1 -3 -297 203\n-1 4 3 2 1 0")
+          .block;
+  EXPECT_EQ(ascii.points[3], glm::dvec3(3.1, -3, -297));
+  EXPECT_EQ(ascii.values, (std::vector<float>{200, 201, 202, 203}));
+  EXPECT_EQ(ascii.triangles, (Triangles{{3, 2, 1}, {3, 1, 0}}));
+  EXPECT_EQ(read("l.ply", "ply\r\nformat binary_little_endian" + header + bytes[0]).block, ascii);
+  EXPECT_EQ(read("b.ply", "ply\r\nformat binary_big_endian" + header + bytes[1]).block, ascii);
+}
+
+TEST_F(MeshReader, PlyColorsComeBeforeOtherValues) {
+  const std::string text =
+      asciiPly(kXyz + "property float heat\nproperty uchar red\nproperty uchar green\nproperty uchar blue\n",
+               "0 0 0 9 3 4 0\n1 0 0 9 0 0 0\n0 1 0 9 0 0 1\n3 0 1 2\n");
+  EXPECT_EQ(read("g.ply", text).block.values, (std::vector<float>{5, 0, 1}));
+  EXPECT_EQ(read("g.ply", text, "heat").block.values, (std::vector<float>{9, 9, 9}));
+}
+
+TEST_F(MeshReader, PlyWithoutThreeScalarCoordinatesIsAnError) {
+  EXPECT_EQ(errorOf("g.ply", asciiPly("property float x\nproperty float y\n", "0 0\n1 0\n0 1\n3 0 1 2\n")),
+            "element 'vertex': expected a property 'z' that is a number, found none");
+  EXPECT_EQ(errorOf("g.ply", asciiPly("property list uchar float x\nproperty float y\nproperty float z\n",
+                                      "1 0 0 0\n1 1 0 0\n1 0 1 0\n3 0 1 2\n")),
+            "element 'vertex': expected a property 'x' that is a number, found a list");
+}
+
+TEST_F(MeshReader, PlyFacesOfMissingVerticesAreAnError) {
+  EXPECT_EQ(errorOf("g.ply", asciiPly(kXyz, kCorner + "3 0 1 2000000\n")),
+            "line 14: face 0: refers to vertex 2000000 of 3");
+  EXPECT_EQ(errorOf("g.ply", asciiPly(kXyz, kCorner + "3 0 1 -1\n")),
+            "line 14: face 0: refers to vertex -1 of 3");
+}
+
+TEST_F(MeshReader, PlyCountsThatTheFileCannotHoldAreAnError) {
+  EXPECT_EQ(errorOf("g.ply", asciiPly(kXyz, kCorner + "3 0 1 2\n", "-5")),
+            "line 4: element 'vertex' has no valid count: expected an integer from 0 on");
+  for (const char* count : {"2000000000", "18446744073709551615"})
+    EXPECT_NE(errorOf("g.ply", asciiPly(kXyz, kCorner + "3 0 1 2\n", count)).find("the file ends too early"),
+              std::string::npos);
+  EXPECT_EQ(errorOf("g.ply", asciiPly(kXyz, kCorner + "4000000000 0 1 2\n", "3",
+                                      "property list uint int vertex_indices\n")),
+            "line 14: face 0: the file ends within list 'vertex_indices' of 4000000000 entries");
+  EXPECT_EQ(errorOf("g.ply", "ply\nformat ascii 1.0\nelement nothing 9999999999999\nelement vertex 0\n" +
+                                 kXyz + "end_header\n"),
+            "element 'nothing' has no properties");
+}
+
+TEST_F(MeshReader, PlyListsOfNegativeLengthAreAnError) {
+  const std::string header = "ply\nformat binary_little_endian 1.0\nelement vertex 1\n" + kXyz +
+                             "element face 1\nproperty list int int vertex_indices\nend_header\n";
+  EXPECT_EQ(errorOf("g.ply", header + std::string(12, '\0') + std::string(4, '\xff')),
+            "face 0: list 'vertex_indices' has -1 entries");
+}
+
+TEST_F(MeshReader, PlyFacesThatAreNoListsOfIntegersAreAnError) {
+  for (const char* corners : {"property float vertex_indices\n", "property list uchar float vertex_indices\n",
+                              "property list uchar int corners\n"})
+    EXPECT_EQ(errorOf("g.ply", asciiPly(kXyz, kCorner + "3 0 1 2\n", "3", corners)),
+              "element 'face': expected a property list of integers 'vertex_indices'");
+}
+
+TEST_F(MeshReader, NumbersDoNotDependOnTheLocale) {
+  const std::string before = std::setlocale(LC_ALL, nullptr);
+  for (const char* name : {"de_DE.UTF-8", "fr_FR.UTF-8", "C.UTF-8"})
+    if (std::setlocale(LC_ALL, name)) break;
+  const GeometryBlock ply = read("g.ply", asciiPly(kXyz, "+0.5 0 0\n1 0 0\n0 1 0\n3 0 1 2\n")).block;
+  const GeometryBlock obj = read("g.obj", "v 0.5 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").block;
+  std::setlocale(LC_ALL, before.c_str());
+  EXPECT_EQ(ply.points[0].x, 0.5);
+  EXPECT_EQ(obj.points[0].x, 0.5);
+}
+
+TEST_F(MeshReader, EveryTruncationOfABinaryMeshIsAnError) {
+  for (const char* name : {"g.ply", "g.stl"}) {
+    const std::string whole = written(name);
+    for (size_t size = 0; size < whole.size(); ++size) errorOf(name, whole.substr(0, size));
+  }
+}
+
+TEST_F(MeshReader, ObjCornersHaveFourFormsAndCountFromEitherEnd) {
+  const std::string vertices =
+      "v 0 0 0\nv 1 0 0 # second\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 0.5\nvn 0 0 2\nvn 0 1 0\n";
+  for (const char* face : {"f 1 2 3 4", "f 1/1 2/2 3/1 4/2", "f 1//1 2//1 3//1 4//1",
+                           "f 1/1/1 2/1/1 3/1/1 4/1/1", "f -4 -3 -2 -1", "f -4/-2/-2 2/-1/1 3/1/1 -1/1/1"})
+    EXPECT_EQ(read("g.obj", vertices + face).block.triangles, (Triangles{{0, 1, 2}, {0, 2, 3}})) << face;
+  EXPECT_EQ(read("g.obj", vertices + "f 1//1 2//1 3//1\n").block.normals[0], glm::vec3(0, 0, 1));
+  EXPECT_TRUE(read("g.obj", vertices + "f 1//1 2//1 3\n").block.normals.empty());
+}
+
+TEST_F(MeshReader, ObjVerticesWithTwoNormalsBecomeTwoPoints) {
+  const GeometryBlock block = read("g.obj",
+                                   "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nvn 0 0 1\nvn 1 0 0\n"
+                                   "f 1//1 2//1 3//1\nf 1//2 3//2 4//2\nf 1//2 2//1 4//2\n")
+                                  .block;
+  ASSERT_EQ(block.points.size(), 6u);
+  EXPECT_EQ(block.triangles, (Triangles{{0, 1, 2}, {4, 5, 3}, {4, 1, 3}}));
+  EXPECT_EQ(block.points[5], block.points[2]);
+  EXPECT_EQ(block.normals[2], glm::vec3(0, 0, 1));
+  EXPECT_EQ(block.normals[5], glm::vec3(1, 0, 0));
+}
+
+TEST_F(MeshReader, ObjLinesArePathLines) {
+  writeText(folder_ / "g.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nl 1 2 3\n");
+  EXPECT_EQ(readGeometry(folder_ / "g.obj", GeometryKind::PathLines).block.segments.size(), 2u);
+}
+
+TEST_F(MeshReader, ObjCornersThatDoNotExistAreAnError) {
+  const std::string vertices = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\n";
+  EXPECT_EQ(errorOf("g.obj", vertices + "f 1//7 2//8 3//9\n"), "face 1 refers to normal 7 of 0");
+  EXPECT_EQ(errorOf("g.obj", vertices + "f 1/1 2/5 3/1\n"), "face 1 refers to texture coordinates 5 of 1");
+  EXPECT_EQ(errorOf("g.obj", vertices + "f 1 2 3\nf 1 2 99999\n"), "face 2 refers to vertex 99999 of 3");
+  EXPECT_EQ(errorOf("g.obj", vertices + "f -1 -2 -9\n"), "line 5: refers to vertex -9 of 3");
+}
+
+TEST_F(MeshReader, ObjMalformedStatementsAreAnError) {
+  const std::string vertices = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
+  for (const char* corner : {"0", "1/", "1//", "/1", "1/2/3/4", "1.5", "x", "9223372036854775808"})
+    EXPECT_EQ(errorOf("g.obj", vertices + "f 1 2 " + corner),
+              "line 4: found the corner '" + std::string(corner) +
+                  "', expected v, v/t, v//n or v/t/n with numbers that are not 0");
+  EXPECT_EQ(errorOf("g.obj", vertices + "f 1 2\n"), "line 4: 2 corners, expected at least 3");
+  EXPECT_EQ(errorOf("g.obj", "v 0 0\n"), "line 1: found '', expected a number");
+}
+
+TEST_F(MeshReader, BinaryStlMustHaveTheSizeItStates) {
+  const std::string whole = written("g.stl");
+  EXPECT_NE(errorOf("g.stl", whole.substr(0, 84 + 2 * 50)).find("184 bytes for 4 facets"), std::string::npos);
+  EXPECT_NE(errorOf("g.stl", whole + "x").find("of 284 bytes"), std::string::npos);
+  std::string header = whole;
+  header.replace(0, 5, "solid");  // as some programs begin binary files
+  EXPECT_EQ(read("g.stl", header).block, read("g.stl", whole).block);
+}
+
+TEST_F(MeshReader, AsciiStlIsReadInAnyCaseAndWithSeveralSolids) {
+  const std::string solid =
+      "solid a part\n facet normal 0 0 1\n  OUTER LOOP\n   vertex 0 0 0\n   vertex 1e0 0 0\n   vertex 0 1 0\n"
+      "  endloop\n endfacet\nendsolid a part\n";
+  EXPECT_EQ(read("g.stl", solid + solid).block.triangles, (Triangles{{0, 1, 2}, {3, 4, 5}}));
+  EXPECT_EQ(errorOf("g.stl", solid.substr(0, solid.find(" 0 1 0"))),
+            "line 6: the file ends, expected a number");
+}
+
+std::string legacy(const std::string& body, const std::string& type = "POLYDATA") {
+  return "# vtk DataFile Version 3.0\nt\nASCII\nDATASET " + type + "\nPOINTS 3 float\n0 0 0 1 0 0 0 1 0\n" +
+         body;
+}
+
+TEST_F(MeshReader, LegacyCellsWhoseSizesDoNotAddUpAreAnError) {
+  EXPECT_EQ(
+      errorOf("g.vtk", legacy("POLYGONS 1 4\n9999999 0 1 2\n")),
+      "line 8: POLYGONS: cell 0 of 1 has 9999999 points, but 3 of the stated 4 integers are left for it");
+  EXPECT_EQ(errorOf("g.vtk", legacy("LINES 1 4\n-1 0 1 2\n")),
+            "line 8: LINES: cell 0 of 1 has -1 points, but 3 of the stated 4 integers are left for it");
+  EXPECT_EQ(errorOf("g.vtk", legacy("VERTICES 2 2\n1 0\n")),
+            "line 8: VERTICES: cell 1 of 2 is missing: 0 of the stated 2 integers are left for it");
+  EXPECT_EQ(errorOf("g.vtk", legacy("POLYGONS 1 5\n3 0 1 2 0\n")),
+            "line 8: POLYGONS: 1 cells take 4 integers, not 5");
+  std::string binary = legacy("");
+  binary.replace(binary.find("ASCII"), 5, "BINARY");
+  binary.resize(binary.find("0 0 0 1"));
+  binary +=
+      std::string(36, '\0') + "POLYGONS 1 4\n" + std::string("\x7f\xff\xff\xff", 4) + std::string(12, '\0');
+  EXPECT_NE(errorOf("g.vtk", binary).find("has 2147483647 points"), std::string::npos);
+}
+
+TEST_F(MeshReader, LegacyCellsOfMissingPointsAreAnError) {
+  for (const char* id : {"3", "-1"})
+    EXPECT_EQ(errorOf("g.vtk", legacy("POLYGONS 1 4\n3 0 1 " + std::string(id) + "\n")),
+              "cell 0 refers to point " + std::string(id) + " of 3");
+}
+
+TEST_F(MeshReader, CellsWithTooFewPointsForTheirKindAreAnError) {
+  EXPECT_EQ(errorOf("g.vtk", legacy("POLYGONS 1 3\n2 0 1\n")), "cell 0 has 2 points, expected at least 3");
+  EXPECT_EQ(errorOf("g.vtk", legacy("LINES 1 2\n1 0\n")), "cell 0 has 1 points, expected at least 2");
+  EXPECT_EQ(errorOf("g.ply", asciiPly(kXyz, kCorner + "2 0 1\n")),
+            "cell 0 has 2 points, expected at least 3");
+  EXPECT_EQ(errorOf("g.vtk", legacy("POLYGONS 2 5\n3 0 1 2\n0\n")),
+            "cell 1 has 0 points, expected at least 3");
+}
+
+TEST_F(MeshReader, PixelsWithoutFourPointsAreAnError) {
+  EXPECT_EQ(errorOf("g.vtk", legacy("CELLS 1 4\n3 0 1 2\nCELL_TYPES 1\n8\n", "UNSTRUCTURED_GRID")),
+            "cell 0 is a pixel, but has not 4 points");
+}
+
+TEST_F(MeshReader, LegacyOffsetsThatDoNotRiseAreAnError) {
+  const auto text = [](const char* offsets) {
+    std::string all = legacy("POLYGONS 3 6\nOFFSETS vtktypeint64\n" + std::string(offsets) +
+                             "\nCONNECTIVITY vtktypeint64\n0 1 2 0 2 1\n");
+    all[all.find("3.0")] = '5';
+    return all;
+  };
+  EXPECT_EQ(read("g.vtk", text("0 3 6")).block.triangles, (Triangles{{0, 1, 2}, {0, 2, 1}}));
+  for (const char* offsets : {"0 3 7", "0 -3 6", "1 3 6", "0 9 6", "0 3 5"})
+    EXPECT_EQ(errorOf("g.vtk", text(offsets)),
+              "the offsets of the cells do not rise from 0 to the 6 point ids that there are");
+}
+
+TEST_F(MeshReader, LegacyCountsThatTheFileCannotHoldAreAnError) {
+  EXPECT_EQ(
+      errorOf("g.vtk", legacy("CELLS 3 12\n3 0 1 2 3 0 1 2 3 0 1 2\nCELL_TYPES 1\n5\n", "UNSTRUCTURED_GRID")),
+      "line 11: 1 CELL_TYPES for 3 CELLS");
+  std::string many = legacy("");
+  many.replace(many.find("POINTS 3"), 8, "POINTS 4000000000");
+  EXPECT_NE(errorOf("g.vtk", many).find("ends too early for an array of 12000000000 values"),
+            std::string::npos);
+}
+
+TEST_F(MeshReader, ArraysWithoutOneEntryPerPointOrCellAreAnError) {
+  EXPECT_EQ(errorOf("g.vtk", legacy("POLYGONS 2 8\n3 0 1 2\n3 0 1 2\nCELL_DATA 2\nFIELD f 1\n"
+                                    "vtkGhostType 1 1 unsigned_char\n0\n")),
+            "array 'vtkGhostType' has 1 entries for 2 cells");
+  EXPECT_EQ(
+      errorOf("g.vtk",
+              legacy("VERTICES 1 2\n1 0\nPOINT_DATA 3\nFIELD f 1\nvtkGhostType 1 1 unsigned_char\n0\n")),
+      "array 'vtkGhostType' has 1 entries for 3 points");
+}
+
+TEST_F(MeshReader, LegacyFieldsAndMetadataBeforeTheCellsArePassedOver) {
+  std::string text =
+      legacy("METADATA\nINFORMATION 1\nNAME R LOCATION x\nDATA 2 0 1\n\nPOLYGONS 1 4\n3 0 1 2\n");
+  text.insert(text.find("POINTS"),
+              "FIELD FieldData 2\nTIME 1 1 double\n0.5\nnames 1 2 string\na b\nPOLYGONS 9 9\n");
+  EXPECT_EQ(read("g.vtk", text).block.triangles, (Triangles{{0, 1, 2}}));
+}
+
+TEST_F(MeshReader, DamagedFilesGiveAResultOrAnError) {
+  const std::string obj =
+      "v 0 0 0\nv 1 0 0\nv 1 1 0\nvt 0 0\nvt 1 1\nvn 0 0 1\nf 1/1/1 2/2/1 3/1/1\nf 1//1 2//1 -1//1\nl 1 2 "
+      "3\np 1\n";
+  const std::string solid =
+      "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 "
+      "0\nendloop\nendfacet\nendsolid\n";
+  const std::pair<std::string, std::string> whole[] = {
+      {"a.ply", asciiPly(kXyz + "property uchar heat\n", "0 0 0 1\n1 0 0 2\n0 1 0 3\n3 0 1 2\n")},
+      {"b.ply", written("b.ply")},
+      {"a.stl", solid},
+      {"b.stl", written("b.stl")},
+      {"a.obj", obj},
+      {"a.vtk", legacy("POLYGONS 2 8\n3 0 1 2\n3 0 2 1\nLINES 1 3\n2 0 1\nPOINT_DATA 3\nFIELD f 1\n"
+                       "vtkGhostType 1 3 unsigned_char\n0 1 0\n")},
+      {"b.vtk", legacy("CELLS 2 8\n3 0 1 2\n3 0 2 1\nCELL_TYPES 2\n5 5\n", "UNSTRUCTURED_GRID")}};
+  const QuietLog quiet;
+  std::mt19937 random(3);
+  size_t sound = 0, damaged = 0;
+  for (const auto& [name, bytes] : whole)
+    for (int i = 0; i < 200; ++i) {
+      const std::string path = folder_ / name;
+      writeText(path, mutated(bytes, random));
+      try {
+        const GeometryKind kind = likelyKind(summariseGeometry(path));
+        const GeometryBlock block = readGeometry(path, kind).block;
+        for (const auto& triangle : block.triangles)
+          for (uint32_t point : triangle) ASSERT_LT(point, block.points.size()) << path;
+        ++sound;
+      } catch (const Error& e) {
+        EXPECT_TRUE(std::string(e.what()).starts_with(path + ": ")) << e.what();
+        ++damaged;
+      }
+    }
+  EXPECT_GT(sound, 100u);
+  EXPECT_GT(damaged, 400u);
+}
+
+}  // namespace
+}  // namespace gxy
