@@ -65,8 +65,8 @@ TEST(GeometryAgreement, SpheresWithRadiusFromData) {
 
 // Hierarchies take less: 1e19 is beyond Embree's largest bound, 1e300 is no float.
 TEST(GeometryAgreement, SpheresOfAnyRadius) {
-  for (double radius :
-       {1e19, 1e300})  // depths as large change with the last bits of a ray: all pixels may be flips
+  // depths as large change with the last bits of a ray: all pixels may be flips
+  for (double radius : {1e19, 1e300})
     expectAgreement(embree(), geometryScene("spheres_huge", particles(radius, radius), cloud(60, false), 24),
                     {}, 24 * 24, radius < 1e300 ? 24 * 24 : 0);
 }

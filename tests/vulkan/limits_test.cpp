@@ -2,6 +2,7 @@
 // What a device cannot do in one go, or not at all.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <condition_variable>
 #include <mutex>
@@ -177,11 +178,11 @@ TEST(LostDevice, AnswersWhatWaits) {
   EXPECT_GE(s.failures, kFrames - 1);
 }
 
-/// A ball that fills the picture; every hit makes `occlusion` rays.
+/// Balls that fill most of the picture; every hit makes `occlusion` rays.
 agreement::TestScene occluded(int size, int occlusion) {
   agreement::TestScene scene = agreement::sceneFrom("occluded", {0, 0, 4}, size, size);
   GeometryBlock block;
-  block.points = {{0, 0, 0}};
+  block.points = {{-0.3, 0, 0}, {0.3, 0.1, 0}};
   Vis vis = agreement::surfaces(VisType::Particles);
   vis.radius0 = vis.radius1 = 1;
   scene.add(vis, agreement::makeGeometry(GeometryKind::Particles, std::move(block)));
@@ -189,13 +190,19 @@ agreement::TestScene occluded(int size, int occlusion) {
   return scene;
 }
 
+/// Pixels that show a surface.
+int seen(const Picture& picture) {
+  return int(std::count_if(picture.depth.begin(), picture.depth.end(), [](double d) { return d < 1e30; }));
+}
+
 // All at once they would be more than the device binds, which the validation layer would tell.
 TEST(Batches, AreWithinWhatTheDeviceBinds) {
   const vulkan::Device device(softwareDevice());
   const agreement::TestScene scene = occluded(128, 128);
   ASSERT_GT(128u * 128 * 129, vulkan::mostRays(device));
-  EXPECT_EQ(
-      difference(agreement::draw(*makeEmbreeBackend(), scene), agreement::draw(softwareVulkan(), scene)), "");
+  const Picture expected = agreement::draw(*makeEmbreeBackend(), scene);
+  EXPECT_GT(seen(expected), 128 * 128 / 2);
+  EXPECT_EQ(difference(expected, agreement::draw(softwareVulkan(), scene)), "");
   EXPECT_EQ(newMessages(), std::vector<std::string>());
 }
 
@@ -206,6 +213,20 @@ TEST(Batches, OfATileThatIsTooLargeAreAnError) {
   } catch (const Error& e) {
     EXPECT_NE(std::string(e.what()).find("1024 with up to 4000 secondary rays each"), std::string::npos)
         << e.what();
+  }
+  EXPECT_EQ(newMessages(), std::vector<std::string>());
+}
+
+// Embree ends the program where a ray starts as far away as these secondaries.
+TEST(HugeSpheres, OfWhichRaysStartAreTheSameOnBothBackends) {
+  agreement::TestScene scene = occluded(24, 2);
+  scene.visualization.lighting = agreement::lit({agreement::kSun, agreement::kLamp}, true);
+  scene.visualization.lighting.aoCount = 2;
+  for (double radius : {5e18, 1e19, 1e300}) {
+    scene.visualization.operators[0].radius0 = scene.visualization.operators[0].radius1 = radius;
+    const Picture expected = agreement::draw(*makeEmbreeBackend(), scene);
+    EXPECT_EQ(seen(expected), radius < 1e300 ? 24 * 24 : 0);
+    EXPECT_EQ(difference(expected, agreement::draw(softwareVulkan(), scene)), "") << radius;
   }
   EXPECT_EQ(newMessages(), std::vector<std::string>());
 }
