@@ -60,7 +60,7 @@ void main() {
   uint stack[STACK_ENTRIES];
   int depth = 0;
   uint node = 0u;
-  bool go = true;
+  bool go = meetsGeometry(o);
   while (go) {
     uint at = nodes + NODE_WORDS * node;
     vec4 loX = geometryReals(at), loY = geometryReals(at + 4u), loZ = geometryReals(at + 8u);

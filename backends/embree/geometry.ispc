@@ -104,9 +104,11 @@ export void hitGeometry(const void* uniform scene, void* uniform rays, uniform i
     float tOut = min(min(r.tOut[i], r.tEnd[i]), NO_HIT);
     float bound = strictBound(r.tIn[i], r.tLast[i]);
     after[programIndex] = bound;
+    vec3 o = make_v3(r.ox[i], r.oy[i], r.oz[i]);
+    if (!meetsGeometry(o)) continue;
     if (anyHit) {
       RTCRay ray;
-      ray.org_x = r.ox[i]; ray.org_y = r.oy[i]; ray.org_z = r.oz[i];
+      ray.org_x = o.x; ray.org_y = o.y; ray.org_z = o.z;
       ray.dir_x = r.dx[i]; ray.dir_y = r.dy[i]; ray.dir_z = r.dz[i];
       ray.tnear = max(bound, 0.0f);
       ray.tfar = tOut;
@@ -118,7 +120,7 @@ export void hitGeometry(const void* uniform scene, void* uniform rays, uniform i
       if (ray.tfar < 0.0f) r.A[i] = 1.0f;
     } else {
       RTCRayHit q;
-      q.ray.org_x = r.ox[i]; q.ray.org_y = r.oy[i]; q.ray.org_z = r.oz[i];
+      q.ray.org_x = o.x; q.ray.org_y = o.y; q.ray.org_z = o.z;
       q.ray.dir_x = r.dx[i]; q.ray.dir_y = r.dy[i]; q.ray.dir_z = r.dz[i];
       q.ray.tnear = max(bound, 0.0f);
       q.ray.tfar = tOut;

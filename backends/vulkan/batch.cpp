@@ -17,9 +17,7 @@ Batch::Batch(std::vector<Request> requests)
       part_(*requests_[0].part),
       frame_(*requests_[0].frame),
       kind_(requests_[0].kind),
-      perHit_(kind_ == Request::Kind::Secondaries || part_.partition < 0 ? 0
-                                                                         : scene_.secondariesPerHit(frame_)) {
-}
+      perHit_(requests_[0].perHit()) {}
 
 void Batch::start(std::unique_ptr<Lane> lane) {
   lane_ = std::move(lane);

@@ -22,6 +22,10 @@ struct Request {
   DeviceScene::Done done;
 
   size_t size() const { return kind == Kind::Spawn ? size_t(kTile) * kTile : size_t(rays.size()); }
+  /// Secondaries that each of its rays may make at a time, on the device.
+  size_t perHit() const {
+    return kind == Kind::Secondaries || part->partition < 0 ? 0 : scene->secondariesPerHit(*frame);
+  }
   /// Whether both can be done together.
   bool isLike(const Request& o) const {
     return scene == o.scene && part == o.part && frame == o.frame && kind == o.kind;

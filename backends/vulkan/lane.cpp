@@ -5,6 +5,8 @@
 #include <bit>
 #include <cstring>
 
+#include "gxy/comm/error.h"
+
 namespace gxy::vulkan {
 
 namespace {
@@ -20,6 +22,12 @@ size_t listBytes(size_t rays) { return blocksOf(std::max<size_t>(rays, 1)) * siz
 Binding whole(const Buffer& buffer) { return {{buffer.get(), 0, VK_WHOLE_SIZE}}; }
 
 }  // namespace
+
+size_t mostRays(const Device& device) {
+  const size_t blocks = device.limits().maxStorageBufferRange / sizeof(RayBlock);
+  return std::min(blocks, device.limits().maxComputeWorkGroupCount[0] / GROUP_ROWS * size_t(GROUP_ROWS)) *
+         BLOCK_RAYS;
+}
 
 RayList gather(const RayBlock* blocks, std::span<const int> which) {
   RayList list(int(which.size()));
@@ -51,23 +59,40 @@ Lane::Lane(const Device& device, Pipelines& pipelines)
 }
 
 void Lane::reserve(size_t rays, size_t perHit) {
-  if (rays <= rayCapacity_ && rays * perHit <= hereCapacity_ && perHit <= perHit_) return;
-  rayCapacity_ = std::max(std::bit_ceil(rays), rayCapacity_);
-  perHit_ = std::max(perHit_, perHit);
-  hereCapacity_ = rayCapacity_ * perHit_;
+  const size_t here = rays * perHit, all = rays + here, most = mostRays(device_);
+  if (all > most)
+    throw Error("Vulkan: device \"" + device_.info().name + "\" takes lists of up to " +
+                std::to_string(most) + " rays, not " + std::to_string(rays) + " with up to " +
+                std::to_string(perHit) + " secondary rays each; fewer lights or occlusion rays would do");
+  struct Need {
+    Buffer& buffer;
+    size_t bytes;
+    Place place;
+    const char* what;
+  };
+  const size_t given = listBytes(rays);
+  const Need needs[] = {
+      {lists_[int(List::Given)], given, Place::Device, "rays"},
+      {lists_[int(List::GivenOther)], given, Place::Device, "rays"},
+      {lists_[int(List::Here)], listBytes(here), Place::Device, "secondary rays"},
+      {lists_[int(List::HereOther)], listBytes(here), Place::Device, "secondary rays"},
+      {leaving_, listBytes(all), Place::Readback, "rays"},
+      // a primary that meets a surface and ends there gives twice
+      {records_, (rays + all) * RECORD_WORDS * sizeof(int32_t), Place::Readback, "contributions"},
+      {depths_, rays * DEPTH_WORDS * sizeof(uint32_t), Place::Readback, "depths"}};
+  const auto lacks = [](const Need& n) { return n.buffer.bytes() < n.bytes; };
+  if (std::none_of(std::begin(needs), std::end(needs), lacks)) return;
   for (DescriptorSet& set : sets_) set = {};
-  for (Buffer& list : lists_) list = {};
-  for (Buffer* b : {&leaving_, &records_, &depths_, &staging_}) *b = {};
-  for (List list : {List::Given, List::GivenOther})
-    lists_[int(list)] = Buffer(device_, listBytes(rayCapacity_), Place::Device, "rays");
-  for (List list : {List::Here, List::HereOther})
-    lists_[int(list)] = Buffer(device_, listBytes(hereCapacity_), Place::Device, "secondary rays");
-  if (!lists_[0].mapped()) staging_ = Buffer(device_, listBytes(rayCapacity_), Place::Readback, "rays");
-  leaving_ = Buffer(device_, listBytes(rayCapacity_ + hereCapacity_), Place::Readback, "rays");
-  // a primary that meets a surface and ends there gives twice
-  const size_t records = 2 * rayCapacity_ + hereCapacity_;
-  records_ = Buffer(device_, records * RECORD_WORDS * sizeof(int32_t), Place::Readback, "contributions");
-  depths_ = Buffer(device_, rayCapacity_ * DEPTH_WORDS * sizeof(uint32_t), Place::Readback, "depths");
+  staging_ = {};
+  for (const Need& n : needs)
+    if (lacks(n)) n.buffer = {};
+  // with room for more, so that it is seldom done again
+  const auto roomy = [&](size_t bytes) {
+    return std::min<size_t>(std::bit_ceil(bytes), device_.limits().maxStorageBufferRange);
+  };
+  for (const Need& n : needs)
+    if (!n.buffer.get()) n.buffer = Buffer(device_, roomy(n.bytes), n.place, n.what);
+  if (!lists_[0].mapped()) staging_ = Buffer(device_, lists_[0].bytes(), Place::Readback, "rays");
   for (int list = 0; list < 4; list++) {
     const Binding buffers[LANE_BINDINGS] = {whole(lists_[list]),
                                             whole(lists_[int(otherOf(List(list)))]),

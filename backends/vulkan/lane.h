@@ -38,12 +38,16 @@ struct Step {
   std::array<int32_t, PUSH_WORDS> push{};  ///< but for PUSH_STEP, PUSH_ONE and PUSH_ROUNDS
 };
 
+/// The most rays that a list holds on this device: a binding and the workgroups of a dispatch have their limits.
+size_t mostRays(const Device& device);
+
 /// Used by one thread at a time.
 class Lane {
  public:
   Lane(const Device& device, Pipelines& pipelines);
 
-  /// Makes room for `rays` given rays, each of which makes up to `perHit` secondaries.
+  /// Makes room for `rays` given rays, each of which makes up to `perHit` secondaries. Throws Error where these are more than
+  /// mostRays() together.
   void reserve(size_t rays, size_t perHit);
   /// Makes rays at `at`, ... of the list that is given of a packet.
   void load(const RayList& rays, size_t at, uint32_t packet);
@@ -75,7 +79,6 @@ class Lane {
   Pipelines& pipelines_;
   Commands commands_;
   VkCommandBuffer recording_ = VK_NULL_HANDLE;
-  size_t rayCapacity_ = 0, hereCapacity_ = 0, perHit_ = 0;
   Buffer lists_[4], leaving_, records_, depths_, counts_, countsRead_, staging_;
   DescriptorSet sets_[4];  ///< by list
   size_t loaded_ = 0;      ///< rays that wait in staging_ to be copied

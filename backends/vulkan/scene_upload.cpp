@@ -59,11 +59,8 @@ class Places {
   uint32_t samples(const VolumeBlock& block) {
     for (const auto& [known, place] : blocks_)
       if (known == &block) return place;
-    // points are numbered, and places told, in 32 bits
-    if (block.extent.points[0] * block.extent.points[1] * block.extent.points[2] > int64_t(1) << 31 ||
-        block.samples.size() >= size_t(1) << 35 || sampleBytes_ / 16 > std::numeric_limits<uint32_t>::max())
-      throw Error(
-          "a volume has more than 2^31 points or 32 GiB in one partition; cut it into more partitions");
+    if (block.samples.size() >= size_t(1) << 35 || sampleBytes_ / 16 > std::numeric_limits<uint32_t>::max())
+      throw Error("a volume has more than 32 GiB in one partition; cut it into more partitions");
     const auto place = uint32_t(sampleBytes_ / 16);
     blocks_.emplace_back(&block, place);
     sampleBytes_ += (block.samples.size() + 15) / 16 * 16;
@@ -101,6 +98,7 @@ class Uploading {
         out_.geometryKinds |= kBits[view.kind];
       }
       out_.hasBlock.push_back(part && part->block);
+      if (part && part->block) checkNumbering(part->block->extent.points, op.data.volume->components);
       if (op.vis.type == VisType::Volume && op.vis.volumeRendering) rendered.push_back(int32_t(i));
     }
     out_.volumeList = tables_.add(rendered);
@@ -234,6 +232,14 @@ std::pair<std::shared_ptr<const Buffer>, bool> SharedSamples::get(const Blocks& 
   auto made = std::make_shared<const Buffer>(make());
   known_[blocks] = made;
   return {std::move(made), true};
+}
+
+void checkNumbering(const Index3& points, int components) {
+  const int64_t n = points[0] * points[1] * points[2];
+  if (n > int64_t(1) << 31 || n * components > int64_t(1) << 32)
+    throw Error("a volume has " + std::to_string(n) + " points of " + std::to_string(components) +
+                " components in one partition, expected up to 2^31 points and 2^32 numbers; cut it into more "
+                "partitions");
 }
 
 PartOnDevice uploadPart(const Device& device, const Pipelines& pipelines, SharedSamples& samples,

@@ -41,6 +41,9 @@ class SharedSamples {
   std::map<Blocks, std::weak_ptr<const Buffer>> known_;
 };
 
+/// Throws Error where a block has more points, or numbers of all components, than the shaders tell apart in 32 bits.
+void checkNumbering(const Index3& points, int components);
+
 /// partition < 0: none. Throws Error where the device has no room for it.
 PartOnDevice uploadPart(const Device& device, const Pipelines& pipelines, SharedSamples& samples,
                         const CompiledScene& scene, int partition, int rank);

@@ -13,13 +13,15 @@ namespace gxy::vulkan {
 
 namespace {
 
-constexpr size_t kBatchesAtOnce =
-    3;  // one that the device does, one that it does next, one that the host reads or makes
+// one that the device does, one that it does next, one that the host reads or makes
+constexpr size_t kBatchesAtOnce = 3;
+constexpr size_t kWithSecondaries = 8;  // so many times the rays of a batch it may have with secondaries
 
 }  // namespace
 
 struct Tracer::State {
-  State(const Device& d, Pipelines& p, size_t rays) : device(d), pipelines(p), batchRays(rays) {}
+  State(const Device& d, Pipelines& p, size_t rays)
+      : device(d), pipelines(p), batchRays(rays), allRays(std::min(kWithSecondaries * rays, mostRays(d))) {}
 
   // Hands out what waits, while there are lanes for it.
   void feed() {
@@ -53,9 +55,11 @@ struct Tracer::State {
   // The first that waits, with those like it up to a batch. Those of a frame are urgent all or none. (Locked.)
   std::vector<Request> nextLot() {
     std::vector<Request> lot;
-    size_t rays = 0;
+    size_t rays = 0, each = 1;
+    const auto fits = [&](size_t n) { return n <= batchRays && n * each <= allRays; };
     for (auto r = waiting.begin(); r != waiting.end();) {
-      if (lot.empty() || (r->isLike(lot[0]) && rays + r->size() <= batchRays)) {
+      if (lot.empty() || (r->isLike(lot[0]) && fits(rays + r->size()))) {
+        if (lot.empty()) each = 1 + r->perHit();
         rays += r->size();
         lot.push_back(std::move(*r));
         r = waiting.erase(r);
@@ -86,7 +90,7 @@ struct Tracer::State {
 
   const Device& device;
   Pipelines& pipelines;
-  const size_t batchRays;
+  const size_t batchRays, allRays;
   std::mutex mutex;  ///< guards what is below
   std::condition_variable changed;
   std::deque<Request> waiting;  ///< urgent ones first
@@ -150,6 +154,7 @@ void Tracer::collect(const std::shared_ptr<State>& state) {
       state->underWay.push_back(std::move(batch));
     } else {
       state->end(*batch, error);
+      if (!error.empty()) state->feed();  // its lane is gone: what waits must not wait for it
     }
   }
 }

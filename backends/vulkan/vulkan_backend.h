@@ -37,6 +37,7 @@ struct VulkanOptions {
       nullptr;  ///< where its memory is entered, for tenant "device", if anywhere; needed by the maker only
   bool hidesMemory = false;  ///< for tests: as if the host did not see the device's memory
   uint64_t lostAfter = 0;    ///< for tests: the device is lost after so many submissions; 0: it is not
+  bool lostInWaits = false;  ///< for tests: who waits for a later one is told, not who hands it over
   /// For tests: with the validation layer. GpuAssisted checks each access of the shaders, too, but not synchronization, and is
   /// slow.
   enum class Validation { None, CoreAndSynchronization, GpuAssisted } validation = Validation::None;

@@ -19,6 +19,7 @@ Device::Device(const VulkanOptions& options)
       physical_(chooseDevice(instance_, options)),
       info_(infoOf(physical_)),
       lostAfter_(options.lostAfter),
+      lostInWaits_(options.lostInWaits),
       hidesMemory_(options.hidesMemory),
       isEntered_(options.ledger != nullptr) {
   VkPhysicalDeviceProperties properties;
@@ -86,8 +87,8 @@ uint64_t Device::submit(VkCommandBuffer commands) const {
   info.pCommandBuffers = &commands;
   info.signalSemaphoreCount = 1;
   info.pSignalSemaphores = &done;
-  const bool lost = lostAfter_ > 0 && number > lostAfter_;
-  check(lost ? VK_ERROR_DEVICE_LOST : vkQueueSubmit(queue_, 1, &info, VK_NULL_HANDLE),
+  check(isLost(number) && !lostInWaits_ ? VK_ERROR_DEVICE_LOST
+                                        : vkQueueSubmit(queue_, 1, &info, VK_NULL_HANDLE),
         "handing work to device \"" + info_.name + "\"");
   submitted_ = number;
   return number;
@@ -100,7 +101,8 @@ void Device::wait(uint64_t submission) const {
   info.semaphoreCount = 1;
   info.pSemaphores = &done;
   info.pValues = &submission;
-  check(vkWaitSemaphores(device_, &info, UINT64_MAX), "waiting for device \"" + info_.name + "\"");
+  const VkResult waited = vkWaitSemaphores(device_, &info, UINT64_MAX);
+  check(isLost(submission) ? VK_ERROR_DEVICE_LOST : waited, "waiting for device \"" + info_.name + "\"");
 }
 
 uint32_t Device::memoryType(uint32_t allowed, Place place) const {

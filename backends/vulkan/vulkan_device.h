@@ -58,8 +58,9 @@ class Device {
   VkQueue queue_ = VK_NULL_HANDLE;
   bool endsLoops_ = false;
   SemaphoreHandle done_;  ///< the number of the last submission that is done
+  bool isLost(uint64_t submission) const { return lostAfter_ > 0 && submission > lostAfter_; }
   const uint64_t lostAfter_;
-  const bool hidesMemory_, isEntered_;
+  const bool lostInWaits_, hidesMemory_, isEntered_;
   mutable std::unique_ptr<Memory> blocks_;
   mutable std::mutex queueMutex_;
   mutable uint64_t submitted_ = 0;

@@ -14,9 +14,10 @@ struct PrimitiveBounds {
 };
 
 /// Of primitive `i` with 1 (a sphere), 2 (a tube) or 3 (a triangle) corners; `points` are x y z radius, `indices` are not
-/// read for spheres. Wide enough that no candidate is lost to rounding in a traversal in float.
+/// read for spheres. Wide enough that no candidate is lost to rounding in a traversal in float; finite, and within what Embree
+/// takes (|x| < 1.844e18: it drops what is larger, or ends the program), which holds all that rays come to.
 inline PrimitiveBounds primitiveBounds(int corners, const float* points, const uint32_t* indices, size_t i) {
-  constexpr float kSlack = 2e-6f, kInfinity = std::numeric_limits<float>::infinity();
+  constexpr float kSlack = 2e-6f, kLargest = 1.8e18f, kInfinity = std::numeric_limits<float>::infinity();
   PrimitiveBounds b{{kInfinity, kInfinity, kInfinity}, {-kInfinity, -kInfinity, -kInfinity}};
   for (int c = 0; c < corners; c++) {
     const float* p = points + 4 * (corners == 1 ? i : size_t(indices[size_t(corners) * i + size_t(c)]));
@@ -28,7 +29,10 @@ inline PrimitiveBounds primitiveBounds(int corners, const float* points, const u
   }
   float largest = 0;
   for (int k = 0; k < 3; k++) largest = std::max({largest, std::abs(b.lo[k]), std::abs(b.hi[k])});
-  for (int k = 0; k < 3; k++) b.lo[k] -= largest * kSlack, b.hi[k] += largest * kSlack;
+  for (int k = 0; k < 3; k++) {
+    b.lo[k] = std::clamp(b.lo[k] - largest * kSlack, -kLargest, kLargest);
+    b.hi[k] = std::clamp(b.hi[k] + largest * kSlack, -kLargest, kLargest);
+  }
   return b;
 }
 

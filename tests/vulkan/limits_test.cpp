@@ -2,6 +2,7 @@
 // What a device cannot do in one go, or not at all.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <condition_variable>
 #include <mutex>
@@ -9,6 +10,8 @@
 #include "agreement/draw.h"
 #include "gxy/comm/error.h"
 #include "gxy/embree/embree_backend.h"
+#include "gxy/vulkan/lane.h"
+#include "gxy/vulkan/scene_upload.h"
 #include "support/frames.h"
 #include "vulkan/software_device.h"
 
@@ -99,9 +102,10 @@ TEST(LongLoops, OfCoincidentParticles) {
   expectTheSameInParts(scene);
 }
 
-VulkanOptions lostAfter(uint64_t submissions) {
+VulkanOptions lostAfter(uint64_t submissions, bool inWaits) {
   VulkanOptions options = softwareDevice();
   options.lostAfter = submissions;
+  options.lostInWaits = inWaits;
   return options;
 }
 
@@ -110,8 +114,8 @@ TEST(LostDevice, EndsItsFramesWithAnErrorAndNoOthers) {
   const test::Cut cut = test::kdCut(scene.domain, 4, 2, 5);
   const auto embree = makeEmbreeBackend();
   const Picture expected = test::render(scene, test::whole(scene.domain));
-  for (uint64_t submissions : {1, 4}) {
-    const auto lost = makeVulkanBackend(lostAfter(submissions));
+  for (const auto& [submissions, inWaits] : {std::pair{1, false}, {4, false}, {1, true}, {4, true}}) {
+    const auto lost = makeVulkanBackend(lostAfter(uint64_t(submissions), inWaits));
     const auto broken =
         test::compiledOn(cut, scene, [&](int rank) -> const Backend& { return rank == 1 ? *lost : *embree; });
     const auto sound = test::compiledOn(cut, scene);
@@ -132,6 +136,106 @@ TEST(LostDevice, EndsItsFramesWithAnErrorAndNoOthers) {
     EXPECT_EQ(difference(expected, frames.outcome(other).picture), "");
     EXPECT_EQ(frames.renderer(1).kept().credits, 0);
   }
+}
+
+// All that the device has at once fails while more waits.
+TEST(LostDevice, AnswersWhatWaits) {
+  const auto backend = makeVulkanBackend(lostAfter(1, true));
+  agreement::TestScene scene = agreement::sceneFrom("lost", {0, 0, 4}, 8, 8);
+  scene.add(agreement::rendered({{0, 0}, {1, 1}}), agreement::wavy());
+  const auto compiled = scene.compile();
+  const auto device = backend->makeScene(compiled, 0);
+  struct {
+    std::mutex mutex;
+    std::condition_variable changed;
+    int answers = 0, failures = 0;
+    bool allAsked = false;
+  } s;
+  const auto spawn = [&](const DeviceFrame& frame) {
+    device->spawn(frame, {0, 0, 8, 8, 0}, [&](TraceResult result) {
+      std::unique_lock lock(s.mutex);
+      s.answers++;
+      s.failures += !result.error.empty();
+      s.changed.notify_all();
+      s.changed.wait(lock,
+                     [&] { return s.allAsked; });  // the first holds up the thread that waits for the device
+    });
+  };
+  constexpr int kFrames = 12;  // which are not done together
+  std::vector<std::shared_ptr<const DeviceFrame>> frames;
+  for (uint32_t i = 0; i < kFrames; i++)
+    frames.push_back(device->makeFrame(compileFrame(*compiled, scene.camera, i, false)));
+  spawn(*frames[0]);
+  std::unique_lock lock(s.mutex);
+  s.changed.wait(lock, [&] { return s.answers > 0; });
+  lock.unlock();
+  for (size_t i = 1; i < kFrames; i++) spawn(*frames[i]);
+  lock.lock();
+  s.allAsked = true;
+  s.changed.notify_all();
+  s.changed.wait_for(lock, std::chrono::seconds(60), [&] { return s.answers == kFrames; });
+  EXPECT_EQ(s.answers, kFrames);
+  EXPECT_GE(s.failures, kFrames - 1);
+}
+
+/// Balls that fill most of the picture; every hit makes `occlusion` rays.
+agreement::TestScene occluded(int size, int occlusion) {
+  agreement::TestScene scene = agreement::sceneFrom("occluded", {0, 0, 4}, size, size);
+  GeometryBlock block;
+  block.points = {{-0.3, 0, 0}, {0.3, 0.1, 0}};
+  Vis vis = agreement::surfaces(VisType::Particles);
+  vis.radius0 = vis.radius1 = 1;
+  scene.add(vis, agreement::makeGeometry(GeometryKind::Particles, std::move(block)));
+  scene.visualization.lighting.aoCount = occlusion;
+  return scene;
+}
+
+/// Pixels that show a surface.
+int seen(const Picture& picture) {
+  return int(std::count_if(picture.depth.begin(), picture.depth.end(), [](double d) { return d < 1e30; }));
+}
+
+// All at once they would be more than the device binds, which the validation layer would tell.
+TEST(Batches, AreWithinWhatTheDeviceBinds) {
+  const vulkan::Device device(softwareDevice());
+  const agreement::TestScene scene = occluded(128, 128);
+  ASSERT_GT(128u * 128 * 129, vulkan::mostRays(device));
+  const Picture expected = agreement::draw(*makeEmbreeBackend(), scene);
+  EXPECT_GT(seen(expected), 128 * 128 / 2);
+  EXPECT_EQ(difference(expected, agreement::draw(softwareVulkan(), scene)), "");
+  EXPECT_EQ(newMessages(), std::vector<std::string>());
+}
+
+TEST(Batches, OfATileThatIsTooLargeAreAnError) {
+  try {
+    agreement::draw(softwareVulkan(), occluded(32, 4000));
+    FAIL();
+  } catch (const Error& e) {
+    EXPECT_NE(std::string(e.what()).find("1024 with up to 4000 secondary rays each"), std::string::npos)
+        << e.what();
+  }
+  EXPECT_EQ(newMessages(), std::vector<std::string>());
+}
+
+// Embree ends the program where a ray starts as far away as these secondaries.
+TEST(HugeSpheres, OfWhichRaysStartAreTheSameOnBothBackends) {
+  agreement::TestScene scene = occluded(24, 2);
+  scene.visualization.lighting = agreement::lit({agreement::kSun, agreement::kLamp}, true);
+  scene.visualization.lighting.aoCount = 2;
+  for (double radius : {5e18, 1e19, 1e300}) {
+    scene.visualization.operators[0].radius0 = scene.visualization.operators[0].radius1 = radius;
+    const Picture expected = agreement::draw(*makeEmbreeBackend(), scene);
+    EXPECT_EQ(seen(expected), radius < 1e300 ? 24 * 24 : 0);
+    EXPECT_EQ(difference(expected, agreement::draw(softwareVulkan(), scene)), "") << radius;
+  }
+  EXPECT_EQ(newMessages(), std::vector<std::string>());
+}
+
+TEST(Volumes, AreNumberedInThirtyTwoBits) {
+  EXPECT_NO_THROW(vulkan::checkNumbering({1 << 11, 1 << 10, 1 << 10}, 1));
+  EXPECT_THROW(vulkan::checkNumbering({1 << 11, 1 << 10, (1 << 10) + 1}, 1), Error);
+  EXPECT_NO_THROW(vulkan::checkNumbering({1 << 10, 1 << 10, 1 << 10}, 4));
+  EXPECT_THROW(vulkan::checkNumbering({1 << 10, 1 << 10, 1 << 10}, 5), Error);
 }
 
 }  // namespace

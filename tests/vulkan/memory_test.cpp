@@ -4,7 +4,7 @@
 
 #include "agreement/draw.h"
 #include "gxy/embree/embree_backend.h"
-#include "gxy/vulkan/vulkan_device.h"
+#include "gxy/vulkan/lane.h"
 #include "support/frames.h"
 #include "vulkan/software_device.h"
 
@@ -72,6 +72,20 @@ TEST(DeviceMemory, SamplesAreUploadedOnceForAllScenesOfAVolume) {
   EXPECT_LT(second->bytes(), kSamples);
   EXPECT_EQ(test::difference(agreement::draw(*makeEmbreeBackend(), scene), agreement::draw(*backend, scene)),
             "");
+}
+
+TEST(DeviceMemory, OfALaneIsForTheLargestOfItsBatchesNotForTheProductOfTheirLargestNumbers) {
+  const vulkan::Device device(softwareDevice());
+  vulkan::Pipelines pipelines(device);
+  const auto bytesFor = [&](std::initializer_list<std::pair<size_t, size_t>> batches) {
+    vulkan::Lane lane(device, pipelines);
+    for (const auto& [rays, perHit] : batches) lane.reserve(rays, perHit);
+    return device.bytes();
+  };
+  constexpr size_t kMany = 32768;
+  EXPECT_LE(bytesFor({{kMany, 0}, {1024, 255}, {kMany, 0}, {kMany / 2, 1}}),
+            bytesFor({{kMany, 0}}) + bytesFor({{1024, 255}}));
+  EXPECT_LT(bytesFor({{1024, 255}}), 6 * 1024 * 256 * vulkan::kRayBytes);
 }
 
 TEST(DeviceMemory, MayBeOutOfTheHostsSight) {

@@ -48,7 +48,7 @@ std::string percent(size_t part, size_t all) {
 
 }  // namespace
 
-int agreement(const Backend& device, Report& report) {
+Tally agreement(const Backend& device, Report& report) {
   report.line("\n## Agreement with the Embree backend (" + makeEmbreeBackend()->device() + ")\n");
   report.line(
       "| scene | pixels | equal to the bit, % | farther than 1/255 | largest difference | depths within 4 "
@@ -57,13 +57,14 @@ int agreement(const Backend& device, Report& report) {
   report.line("|---|---|---|---|---|---|---|---|");
   std::vector<test::TestScene> scenes = test::scenesOfEachKind();
   scenes.push_back(test::everything({192, 160}));
-  int failures = 0;
+  Tally tally{.all = int(scenes.size())};
   const double untilThen = 0.5 * report.left();  // the rest is for the benchmarks
   for (test::TestScene& scene : scenes) {
     if (report.left() < untilThen) {
       report.line("| " + scene.name + " | left out: no time |");
       continue;
     }
+    tally.tried++;
     scene.camera.dimensions = {192, 160};
     const auto onDevice = [&](int) -> const Backend& { return device; };
     const test::Cut one = test::whole(scene.domain), many = test::kdCut(scene.domain, 6, 3, 5);
@@ -81,14 +82,14 @@ int agreement(const Backend& device, Report& report) {
     } catch (const std::exception& e) {
       verdict = std::string("FAILS: ") + e.what();
     }
-    failures += verdict != "agrees";
+    tally.failed += verdict != "agrees";
     std::ostringstream line;
     line << "| " << scene.name << " | " << d.pixels << " | " << percent(d.equal, d.pixels) << " | " << d.far
          << " | " << std::setprecision(3) << d.largest << " | " << percent(d.depths - d.depthsFar, d.depths)
          << " | " << pieces << " | " << verdict << " |";
     report.line(line.str());
   }
-  return failures;
+  return tally;
 }
 
 }  // namespace gxy::gpu_report

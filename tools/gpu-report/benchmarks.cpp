@@ -134,7 +134,7 @@ void measure(const Backend& device, const TestScene& scene, Report& report) {
 
 }  // namespace
 
-void benchmarks(const Backend& device, double scale, Report& report) {
+Tally benchmarks(const Backend& device, double scale, Report& report) {
   const auto n = std::max<int64_t>(32, std::llround(512 * scale));
   const int size = std::max(128, int(std::lround(1024 * std::sqrt(scale))));
   const auto spheres = size_t(std::llround(1e7 * scale * scale * scale));
@@ -161,19 +161,24 @@ void benchmarks(const Backend& device, double scale, Report& report) {
          addVolume(s, field(), true, true), test::addOcclusion(s);
          s.visualization.lighting.shadows = true;
        }}};
+  Tally tally;
   for (const auto& [name, fill] : kinds) {
+    tally.all++;
     if (report.left() < 0) {
       report.line("| " + name + " | left out: no time |");
       continue;
     }
+    tally.tried++;
     try {
       TestScene scene = sceneOf(name, size);
       fill(scene);
       measure(device, scene, report);
     } catch (const std::exception& e) {
+      tally.failed++;
       report.line("| " + name + " | " + e.what() + " |");
     }
   }
+  return tally;
 }
 
 }  // namespace gxy::gpu_report

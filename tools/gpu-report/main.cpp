@@ -35,21 +35,30 @@ int main(int argc, char** argv) {
   app.add_option("-o,--output", output, "The report")->capture_default_str();
   app.add_option("--device", options.device, "Number of a device, or a part of its name");
   app.add_option("--minutes", minutes, "What is not begun by then is left out")->capture_default_str();
-  app.add_option("--scale", scale, "Of the benchmarks' data and pictures; 1 suits a large GPU, 0.1 software")
-      ->check(CLI::Range(0.01, 2.0))
+  app.add_option("--scale", scale,
+                 "Of the benchmarks' data and pictures; 0.01 to 2; 1 suits a large GPU, 0.1 software")
       ->capture_default_str();
-  CLI11_PARSE(app, argc, argv);
+  try {
+    app.parse(argc, argv);
+    if (!(minutes >= 0 && minutes <= 1440)) throw CLI::ValidationError("--minutes", "expected 0 to 1440");
+    if (!(scale >= 0.01 && scale <= 2)) throw CLI::ValidationError("--scale", "expected 0.01 to 2");
+  } catch (const CLI::ParseError& e) {
+    return app.exit(e) == 0 ? 0 : 2;
+  }
   try {
     std::ofstream file(output);
     if (!file) throw Error(output + ": cannot be written");
     gpu_report::Report report(file, std::cout, minutes);
     const std::unique_ptr<Backend> device = makeVulkanBackend(options);
     describe(report, *device);
-    const int failures = gpu_report::agreement(*device, report);
-    gpu_report::benchmarks(*device, scale, report);
-    report.line("\n" + std::to_string(failures) + " scenes do not agree; " +
+    const gpu_report::Tally compared = gpu_report::agreement(*device, report);
+    const gpu_report::Tally timed = gpu_report::benchmarks(*device, scale, report);
+    report.line("\n" + std::to_string(compared.tried) + " of " + std::to_string(compared.all) +
+                " scenes compared, " + std::to_string(compared.failed) + " do not agree; " +
+                std::to_string(timed.tried) + " of " + std::to_string(timed.all) + " benchmarks run, " +
+                std::to_string(timed.failed) + " failed; " +
                 std::to_string(int(60 * minutes - report.left())) + " s in all");
-    return failures > 0;
+    return compared.tried == 0 || compared.failed > 0 || timed.failed > 0;
   } catch (const std::exception& e) {
     std::cerr << "gpu_report: error: " << e.what() << '\n';
     return 1;

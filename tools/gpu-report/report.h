@@ -29,11 +29,16 @@ class Report {
   Clock::time_point end_;
 };
 
-/// Pictures of many small scenes against the Embree backend's, and against the device's own of a domain in pieces. Returns how
-/// many scenes fail: a device agrees if 99.9 % of a picture's pixels are within 1/255 and the pieces do not show at all.
-int agreement(const Backend& device, Report& report);
+/// How many scenes there are, for how many there was time, and how many of these failed.
+struct Tally {
+  int all = 0, tried = 0, failed = 0;
+};
+
+/// Pictures of many small scenes against the Embree backend's, and against the device's own of a domain in pieces. A device
+/// agrees if 99.9 % of a picture's pixels are within 1/255 and the pieces do not show at all.
+Tally agreement(const Backend& device, Report& report);
 
 /// Times of frames, and what they say of the device. `scale`: of the data's size, 1 for a large GPU.
-void benchmarks(const Backend& device, double scale, Report& report);
+Tally benchmarks(const Backend& device, double scale, Report& report);
 
 }  // namespace gxy::gpu_report
