@@ -78,13 +78,22 @@ class Walk {
       scanner_.fail("expected the end of the line before");
   }
 
+  static bool number(std::string_view text, int& value) {
+    return !text.empty() && std::isdigit(static_cast<unsigned char>(text[0])) &&
+           TextScanner::parse(text, value);
+  }
+
   void readHeader() {
     constexpr std::string_view kMagic = "# vtk DataFile Version ";
-    const std::string_view version = scanner_.line();
-    if (!version.starts_with(kMagic) || version.size() == kMagic.size() ||
-        !std::isdigit(static_cast<unsigned char>(version[kMagic.size()])))
-      scanner_.fail("expected '# vtk DataFile Version' and a number");
-    std::from_chars(version.data() + kMagic.size(), version.data() + version.size(), major_);
+    std::string_view version = scanner_.line();
+    const bool named = version.starts_with(kMagic);
+    version.remove_prefix(named ? kMagic.size() : version.size());
+    version = version.substr(0, version.find_last_not_of(" \t") + 1);
+    const size_t dot = std::min(version.find('.'), version.size());
+    int minor = 0;
+    if (!named || !number(version.substr(0, dot), major_) ||
+        !number(version.substr(std::min(dot + 1, version.size())), minor))
+      scanner_.fail("expected '# vtk DataFile Version' and two numbers, as 3.0");
     scanner_.line();
     const std::string encoding = keyword();
     if (encoding != "ASCII" && encoding != "BINARY")

@@ -276,6 +276,14 @@ TEST_F(MeshReader, LegacyCellsOfMissingPointsAreAnError) {
               "cell 0 refers to point " + std::string(id) + " of 3");
 }
 
+TEST_F(MeshReader, LegacyVersionsThatVtkCannotParseAreAnError) {
+  for (const char* version : {"5.M-E", "5.", "x.0", "99999999999.0", ""}) {
+    std::string text = legacy("POLYGONS 2 3\nOFFSETS vtktypeint64\n0 3\nCONNECTIVITY vtktypeint64\n0 1 2\n");
+    text.replace(text.find("3.0"), 3, version);
+    EXPECT_EQ(errorOf("g.vtk", text), "line 1: expected '# vtk DataFile Version' and two numbers, as 3.0");
+  }
+}
+
 TEST_F(MeshReader, CellsWithTooFewPointsForTheirKindAreAnError) {
   EXPECT_EQ(errorOf("g.vtk", legacy("POLYGONS 1 3\n2 0 1\n")), "cell 0 has 2 points, expected at least 3");
   EXPECT_EQ(errorOf("g.vtk", legacy("LINES 1 2\n1 0\n")), "cell 0 has 1 points, expected at least 2");
