@@ -182,6 +182,25 @@ TEST(Frames, OfTenantsWithLittleAllEnd) {
   }
 }
 
+// Neither the list of tiles nor what ends a frame grows with its samples.
+TEST(Frames, OfManySamplesEndAtOnceWhenTheyAreSuperseded) {
+  Prepared balls(litBalls({64, 64}), lattice(sceneDomain(), {2, 1, 1}, 2));
+  FrameRun run;
+  run.options.raysInFlight = 1;  // one tile at a time
+  Frames frames(2, run);
+  frames.add(1, balls.compiled);
+  FrameRequest request = balls.request(1);
+  request.samples = 1 << 16;
+  const FrameId id = frames.start(request);
+  frames.renderer(0).supersede(id);
+  int events = 0;
+  while (events < 10000 && frames.world().step()) events++;
+  EXPECT_LT(events, 1000);
+  EXPECT_EQ(frames.outcome(id).superseded, 1);
+  EXPECT_EQ(frames.errors(), std::vector<std::string>{});
+  expectNothingKept(frames);
+}
+
 TEST(Frames, ThatSeeNothingAreReportedAndAreBackground) {
   Prepared balls(litBalls({9, 7}), lattice(sceneDomain(), {2, 1, 1}, 3));
   balls.scene.camera.viewdirection = -balls.scene.camera.viewdirection;
