@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Visualizations with their data, compiled on all ranks and shared by all frames that show them.
+// Visualizations with their data, compiled on all ranks and shared by all frames of a tenant that show them.
 #pragma once
 #include <future>
 #include <map>
@@ -40,8 +40,8 @@ class Scenes {
     std::vector<Pin> pins;  ///< of its data
   };
   /// Rank 0: the scene of a visualization with the current generations of its data, as the tenant sees them; compiled
-  /// unless there is one of the same content. `known`, if not null, is taken unless its data have gone. Waits. Throws Error
-  /// for data that are not there or do not fit.
+  /// unless that tenant has one of the same content. `known`, if not null, is taken unless its data have gone. Waits.
+  /// Throws Error for data that are not there or do not fit.
   Pinned get(const std::string& tenant, const Visualization& visualization, const RenderSettings& settings,
              const ScenePtr& known = nullptr);
 
