@@ -46,10 +46,15 @@ int mapNodesUpTo(VOLUME v, real s) {
   return k + (s >= mapNode(v, k + 1) ? 1 : 0);
 }
 int mapOpaque(VOLUME v, int k) { return int(tableWord(v.opaque + uint(k))); }
-real mapSumSigma(VOLUME v, int k) { return tableReal(v.sums + 4u * uint(k)); }
-vec3 mapSumColor(VOLUME v, int k) {
-  uint p = v.sums + 4u * uint(k);
-  return vec3(tableReal(p + 1u), tableReal(p + 2u), tableReal(p + 3u));
+MapSum mapSum(VOLUME v, int k) {
+  uint p = v.sums + 8u * uint(k);
+  vec4 a = uintBitsToFloat(tableQuad(p)), b = uintBitsToFloat(tableQuad(p + 4u));
+  MapSum s;
+  s.sigma = a.x;
+  s.source = a.yzw;
+  s.sigmaRest = b.x;
+  s.sourceRest = b.yzw;
+  return s;
 }
 
 int sampleKindOf(VOLUME v) { return SAMPLE_KIND >= 0 ? SAMPLE_KIND : v.kind; }

@@ -18,9 +18,10 @@ void main() {
   }
   int cells = 0, skipped = 0;
   Part part = partOf(RAY(tIn), min(RAY(tOut), RAY(tEnd)));
-  IsoHit hit = hitIsosurface(v, rayOrigin(), rayDirection(), part.from, part.to, RAY(tLast), RAY(tHit), start, cells,
-                             skipped);
-  if (!endPart(part, hit.t < NO_HIT)) return;
+  bool blocked = RAY(A) >= 1.0;  // nothing to find
+  IsoHit hit = hitIsosurface(v, rayOrigin(), rayDirection(), part.from, blocked ? -1.0 : part.to, RAY(tLast), RAY(tHit),
+                             start, cells, skipped);
+  if (!endPart(part, blocked || hit.t < NO_HIT)) return;
   if (hit.t < NO_HIT) takeHit(hit.t, HIT_ISOSURFACE, op, uint(hit.index));
   atomicAdd(counts[COUNT_CELLS], uint(cells));
   atomicAdd(counts[COUNT_ISO_SKIPPED], uint(skipped));

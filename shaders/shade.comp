@@ -80,6 +80,7 @@ void main() {
   int rayCount = f.lights + max(s.occlusionRays, 1);
   for (int q = 0; q < rayCount; q++) {
     Share share = shareOf(s, f, q, surface, from, toEye, color, weight, RAY(pixel), RAY_SAMPLE(RAY(info)));
+    limitShare(share, sum.x, sum.y, sum.z);
     sum += ivec4(share.r, share.g, share.b, 0);
     if (share.wanted)
       addSecondary(s, share, q < f.lights ? RAY_SHADOW : RAY_OCCLUSION, from, surface.start, start);

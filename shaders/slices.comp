@@ -15,7 +15,7 @@ void main() {
   float tOut = min(RAY(tOut), RAY(tEnd));
   for (int k = 0; k < view.slices; k++) {
     bool mine = RAY_START(RAY(info)) == START_SLICE && RAY(start) == uint((op << 16) | k);  // a line meets a plane once
-    if (!mine) {
+    if (!mine && RAY(A) < 1.0) {  // not blocked yet
       float offset = tableReal(view.slice + 4u * uint(k) + 3u);
       float t = hitSlice(v, ray, o, d, sliceNormal(view, uint(k)), offset, RAY(tIn), tOut, RAY(tLast));
       if (t < NO_HIT) takeHit(t, HIT_SLICE, op, uint(k));

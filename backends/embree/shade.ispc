@@ -63,6 +63,7 @@ export uniform int shadeHits(const void* uniform scene, const void* uniform fram
     uniform int rayCount = f.lights + max(s.occlusionRays, 1);
     for (uniform int q = 0; q < rayCount; q++) {
       Share share = shareOf(s, f, q, surface, from, toEye, color, weight, r.pixel[i], RAY_SAMPLE(r.info[i]));
+      limitShare(share, sum[4 * k], sum[4 * k + 1], sum[4 * k + 2]);
       depositShares(sum, k, share);
       uniform int kind = q < f.lights ? RAY_SHADOW : RAY_OCCLUSION;
       if (share.wanted) {

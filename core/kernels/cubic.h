@@ -96,6 +96,13 @@ FN Bracket firstBracket(Bernstein b, real ta, real done, RootQuery q) {
     } else {
       // extrema: roots of the derivative d0 v^2 + 2 d1 u v + d2 u^2 = qa u^2 + 2 qb u + qc
       real d0 = b.b1 - b.b0, d1 = b.b2 - b.b1, d2 = b.b3 - b.b2;
+      // where their products would leave float, scaled: that moves no root
+      real size = max(max(abs(d0), abs(d1)), abs(d2)), scale = R(1.0);
+      if (size > R(1e15)) scale = R(8.271806125530277e-25);   // 2^-80
+      if (size < R(1e-15)) scale = R(1.2089258196146292e24);  // 2^80
+      d0 *= scale;
+      d1 *= scale;
+      d2 *= scale;
       real qa = (d0 - d1) - (d1 - d2), qb = d1 - d0;
       real e0 = R(1.0), e1 = R(1.0);
       real disc = qb * qb - qa * d0;

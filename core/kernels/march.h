@@ -49,28 +49,23 @@ FN MapMean meanAlong(VOLUME v, real s0, real s1) {
     addMean(a0, a1, c0, c1, partP, sum, source);
     addMean(b0, b1, d0, d1, partQ, sum, source);
     if (q.k > p.k + 1) {
-      vec3 x = mapSumColor(v, q.k);
-      real over = mapSumSigma(v, q.k);
+      MapSum y = mapSum(v, q.k);
       int from = p.k + 1;
       int opaque = mapOpaque(v, q.k);
       if (opaque > p.k) {  // sums begin anew behind it: it counts by itself, and what is before it as well
         MapPiece o = mapPiece(v, opaque);
         addMean(o.sigma, sigmaAt(o, R(1.0)), o.color, colorAt(o, R(1.0)),
                 (mapNode(v, opaque + 1) - mapNode(v, opaque)) * inverse, sum, source);
-        vec3 y = mapSumColor(v, opaque);
-        over += mapSumSigma(v, opaque);
-        x = make_v3(x.x + y.x, x.y + y.y, x.z + y.z);
-        if (mapOpaque(v, opaque) > p.k) from = -1;  // hidden by two
+        MapSum z = mapSum(v, opaque);
+        y.sigma += z.sigma;
+        y.source = make_v3(y.source.x + z.source.x, y.source.y + z.source.y, y.source.z + z.source.z);
+        if (mapOpaque(v, opaque) > p.k) from = 0;  // hidden by two: nothing is subtracted
       }
-      if (from >= 0) {
-        vec3 y = mapSumColor(v, from);
-        over -= mapSumSigma(v, from);
-        x = make_v3(x.x - y.x, x.y - y.y, x.z - y.z);
-      }
-      sum += over * inverse;
-      source.x += x.x * inverse;
-      source.y += x.y * inverse;
-      source.z += x.z * inverse;
+      MapSum x = mapSum(v, from);
+      sum += ((y.sigma - x.sigma) + (y.sigmaRest - x.sigmaRest)) * inverse;
+      source.x += ((y.source.x - x.source.x) + (y.sourceRest.x - x.sourceRest.x)) * inverse;
+      source.y += ((y.source.y - x.source.y) + (y.sourceRest.y - x.sourceRest.y)) * inverse;
+      source.z += ((y.source.z - x.source.z) + (y.sourceRest.z - x.sourceRest.z)) * inverse;
     }
     m.sigma = sum;
   }

@@ -2,7 +2,8 @@
 // What rays give to pixels: light as if nothing blocked it, and secondary rays that take away what is blocked (subtractive
 // lighting; paper, section 4.4). Shares are quantised once, so what a ray takes away is exactly what was given.
 
-FN int units(real x) { return toInt(floor(min(x, R(31.0)) * CONTRIBUTION_ONE + R(0.5))); }
+#define MOST_LIGHT R(31.0)  // of a hit, in all
+FN int units(real x) { return toInt(floor(min(x, MOST_LIGHT) * CONTRIBUTION_ONE + R(0.5))); }
 
 // What one light (q < f.lights) or one ambient-occlusion ray (the others; one share for all if there are none) gives.
 struct Share {
@@ -50,6 +51,16 @@ FN Share shareOf(SCENE s, FRAME f, UNIFORM int q, Surface surface, vec3 from, ve
     share.reach = s.occlusionRadius;
   }
   return share;
+}
+
+// What is left of a share when the ones before have given r, g and b: what a pixel cannot hold is not given, so that nothing
+// can take it away.
+FN void limitShare(INOUT(Share) share, int r, int g, int b) {
+  int most = units(MOST_LIGHT);
+  share.r = min(share.r, most - r);
+  share.g = min(share.g, most - g);
+  share.b = min(share.b, most - b);
+  share.wanted = share.wanted && (share.r | share.g | share.b) != 0;
 }
 
 // What a secondary whose opacity is A takes away of a share. Below tMin it takes all, as if it had met an opaque surface:

@@ -52,7 +52,8 @@ struct VolumeView {
   PTR(real) rows;     // of at most 16 intervals: 10 rows of 16, the nodes, lengths and pieces; else null
   PTR(real) pieces;   // 8 per interval: sigma, its step, then r, g, b each with its step
   PTR(real)
-  sums;  // 4 per interval: integrals of sigma and sigma * rgb from the last opaque interval to its start
+  sums;  // 8 per interval: integrals of sigma and sigma * rgb from the last opaque interval to its start,
+         // and what rounding left of them, which counts where two that are large and alike are subtracted
   PTR(int) opaque;  // the last opaque interval before it, or -1
 
   int isovalues;
@@ -85,6 +86,10 @@ FN bool mapIsUniform(VOLUME v) { return v.mapUniform > 0; }
 struct MapPiece {
   real sigma, sigmaStep;
   vec3 color, colorStep;
+};
+struct MapSum {
+  real sigma, sigmaRest;
+  vec3 source, sourceRest;
 };
 #if defined(GXY_GLSL)
 #include "fetch_volume.glsl"
@@ -153,9 +158,13 @@ FN int mapNodesUpTo(VOLUME v, real s) {
   return k;
 }
 FN int mapOpaque(VOLUME v, int k) { return v.opaque[k]; }
-FN real mapSumSigma(VOLUME v, int k) { return v.sums[4 * k]; }
-FN vec3 mapSumColor(VOLUME v, int k) {
-  return make_v3(v.sums[4 * k + 1], v.sums[4 * k + 2], v.sums[4 * k + 3]);
+FN MapSum mapSum(VOLUME v, int k) {
+  MapSum s;
+  s.sigma = v.sums[8 * k];
+  s.source = make_v3(v.sums[8 * k + 1], v.sums[8 * k + 2], v.sums[8 * k + 3]);
+  s.sigmaRest = v.sums[8 * k + 4];
+  s.sourceRest = make_v3(v.sums[8 * k + 5], v.sums[8 * k + 6], v.sums[8 * k + 7]);
+  return s;
 }
 
 // The scalar of point i of the block, whatever the stored type.

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <functional>
 #include <glm/vector_relational.hpp>
+#include <limits>
 #include <set>
 
 #include "gxy/kernels/single.h"
@@ -117,11 +118,11 @@ CompiledMap::CompiledMap(const ColorMap& color, const OpacityMap* opacity, const
     list.push_back(colored(v, below, above));
   }
 
-  // Nodes that coincide in float become one step.
+  // Nodes that coincide in float, or are no normal number apart, become one step.
   auto stored = [&](double v) { return float((v - units.shift) / units.scale); };
   std::vector<Node> kept;
   for (const Node& n : straightened(list)) {
-    if (!kept.empty() && stored(n.value) == stored(kept.back().value))
+    if (!kept.empty() && stored(n.value) - stored(kept.back().value) < std::numeric_limits<float>::min())
       kept.back().above = n.above;
     else
       kept.push_back(n);
@@ -143,6 +144,7 @@ CompiledMap::CompiledMap(const ColorMap& color, const OpacityMap* opacity, const
     for (double x : {s0, s1 - s0, c0.x, c1.x - c0.x, c0.y, c1.y - c0.y, c0.z, c1.z - c0.z})
       pieces.push_back(float(x));
     for (double x : total) sums.push_back(float(x));
+    for (double x : total) sums.push_back(float(x - float(x)));
     opaque.push_back(lastOpaque);
     total[0] += length * 0.5 * (s0 + s1);
     double steepest = 0;
@@ -194,7 +196,9 @@ CompiledMap::CompiledMap(const ColorMap& color, const OpacityMap* opacity, const
 
   origin = nodes.size() > 1 ? nodes[1] : 0.f;
   const double span = inner > 0 ? double(nodes.back()) - origin : 0;
-  bool even = inner > 0 && span > 0;
+  // a value exactly at a step belongs above it, which only nodes can tell
+  bool even =
+      inner > 0 && span > 0 && std::none_of(jump.begin() + 1, jump.end(), [](double j) { return j > 0; });
   for (int i = 0; even && i <= inner; i++)
     even = std::abs(double(nodes[1 + i]) - (origin + span * i / inner)) <= 1e-5 * span / inner;
   if (even) {

@@ -41,7 +41,8 @@ void compare(const Field& f, const View<float>& view, const RaySpec& spec, doubl
                  after = fieldAt(f, exact, r.t + 2e-3 / cells) - iso;
     return std::min(std::abs(before), std::abs(after)) > 1e-6 * r.range && (before < 0) != (after < 0);
   };
-  const double slack = 1e-3 / cells + 4 * double(std::nextafter(hit.t, 2e30f) - hit.t);
+  const float at = std::min(hit.t, float(exact.t1));  // without a hit, every root was passed over
+  const double slack = 1e-3 / cells + 4 * double(std::nextafter(at, 2e30f) - at);
   const Root* nearest = nullptr;
   for (const Root& r : roots) {
     if (steep(r) && r.t > exact.t0 + slack && r.t < exact.t1 - slack && r.t < hit.t - slack && crosses(r)) {
@@ -93,6 +94,28 @@ Score scoreOf(const Field& f, float iso, int rays, uint64_t seed) {
   Score s;
   for (int i = 0; i < rays; i++) compare(f, view, randomRay(random, f), iso, s);
   return s;
+}
+
+// The side of the extrema decides, and they do not depend on the unit of the values.
+TEST(Isosurface, BracketsAreTheSameAtAnyScaleOfTheValues) {
+  Random random(39);
+  single::RootQuery query{};
+  query.tOut = 1e30f;
+  query.tAfter = -1;
+  int bracketed = 0;
+  for (int i = 0; i < 2000; i++) {
+    const single::Bernstein b{float(random.in(-1, 1)), float(random.in(-2, 2)), float(random.in(-2, 2)),
+                              float(random.in(-1, 1))};
+    const single::Bracket one = firstBracket(b, 1, 0, query);
+    bracketed += one.lo <= one.hi;
+    for (int power = -90; power <= 120; power += 7) {
+      const float s = std::ldexp(1.f, power);
+      const single::Bracket other = firstBracket({s * b.b0, s * b.b1, s * b.b2, s * b.b3}, 1, 0, query);
+      ASSERT_EQ(other.lo, one.lo) << power;
+      ASSERT_EQ(other.hi, one.hi) << power;
+    }
+  }
+  EXPECT_GT(bracketed, 800);
 }
 
 // Values are mixed as differences to the isovalue, so an offset of 1000 spans costs no digits: mixed as they are, 187 roots

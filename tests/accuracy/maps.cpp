@@ -98,6 +98,72 @@ TEST(Maps, EvenMapsOf256PointsNeedNoSearch) {
   }
 }
 
+// An interval of a map holds what begins at its first node, for labels too.
+TEST(Maps, AValueAtAStepIsAboveIt) {
+  const Field f = anyField();
+  for (double spacing : {1.0, 41.0, 0.1}) {
+    Maps m{{}, {true, {}}};
+    for (int label = 1; label <= 40; label++) {
+      const double v = double(float(spacing * label));
+      m.color.points.push_back({v, glm::dvec3(label / 41.0)});
+      for (int side : {-1, 0}) m.opacity.points.push_back({v, double(label + side)});
+    }
+    Shown shown;
+    shown.map = CompiledMap(m.color, &m.opacity, {});
+    shown.plan = evenPlan(f, 0);
+    const View<float> view(f, shown);
+    for (int label = 1; label <= 40; label++) {
+      const auto p = mapPlace(*view, float(spacing * label));
+      EXPECT_FLOAT_EQ(sigmaAt(mapPiece(*view, p.k), p.f), float(label)) << spacing;
+    }
+  }
+}
+
+// What lies closer than normal numbers do is one node: an interval between would have no length to divide by.
+TEST(Maps, NodesThatFloatHardlyTellApartLeaveNumbers) {
+  const Field f = anyField();
+  Shown shown;
+  const OpacityMap opacity{true, {{0, 1}, {1e-40, 2}}};
+  shown.map = CompiledMap(ColorMap{{{0, {0, 0, 0}}, {1e-40, {1, 1, 1}}}}, &opacity, {});
+  shown.plan = evenPlan(f, 0);
+  const View<float> view(f, shown);
+  for (float v : {-1.f, 0.f, 5e-41f, 1e-40f, 1.f}) {
+    const auto p = mapPlace(*view, v);
+    EXPECT_TRUE(std::isfinite(sigmaAt(mapPiece(*view, p.k), p.f))) << v;
+    EXPECT_TRUE(std::isfinite(colorOf(*view, v).x)) << v;
+  }
+}
+
+// Behind a dense plateau the sums are large: what is faint there is the difference of two that are alike.
+TEST(Maps, MeansOfFaintPartsBehindDenseOnesKeepTheirDigits) {
+  Random random(54);
+  const Field f = anyField();
+  for (double plateau : {1000.0, 5000.0}) {
+    for (int parts : {64, 256}) {
+      Maps m{{{{0, {0.9, 0.9, 0.9}}, {1, {0.1, 0.1, 0.1}}}}, {true, {{0, plateau}, {0.5, plateau}}}};
+      for (int i = 0; i <= parts / 2; i++)
+        m.opacity.points.push_back({0.5 + double(i) / parts, random.in(0.002, 0.02)});
+      Shown shown;
+      shown.map = CompiledMap(m.color, &m.opacity, {});
+      shown.plan = evenPlan(f, 0);
+      const View<float> view(f, shown);
+      for (int k = 0; k < 100; k++) {
+        const double s0 = double(float(random.in(0.51, 0.9))), s1 = double(float(s0 + 2.5 / parts));
+        double sigma = 0, source = 0;
+        constexpr int kSteps = 4000;
+        for (int n = 0; n < kSteps; n++) {
+          const double v = s0 + (s1 - s0) * (n + 0.5) / kSteps;
+          sigma += evaluate(m.opacity, v) / kSteps;
+          source += evaluate(m.opacity, v) * evaluate(m.color, v).x / kSteps;
+        }
+        const auto mean = meanAlong(*view, float(s0), float(s1));
+        EXPECT_NEAR(double(mean.sigma), sigma, 2e-3 * sigma) << plateau;
+        EXPECT_NEAR(double(mean.sigma * mean.color.x), source, 2e-3 * sigma) << plateau;
+      }
+    }
+  }
+}
+
 TEST(Maps, MeanAlongIsTheIntegralOverTheValues) {
   Random random(53);
   const Field f = anyField();

@@ -42,6 +42,37 @@ TEST(Skipping, OfTransparentMacrocellsChangesNoBit) {
   EXPECT_GT(tried, 10000);
 }
 
+// Cells have the same segments whether the macrocells before them are skipped or not.
+TEST(Skipping, OfTransparentMacrocellsLeavesTheBitsOfTheOthers) {
+  Random random(93);
+  int skipped = 0, seen = 0;
+  for (int scene = 0; scene < 20; scene++) {
+    const Index3 n{40 + random.below(30), 40 + random.below(30), 40 + random.below(30)};
+    const Field f =
+        sampled(gridOf(n, random.point(0.3, 1)), [](glm::dvec3 p) { return 0.7 * glm::length(p); });
+    Shown on, off;
+    on.map = off.map = compiled(randomMaps(random, scene % 2 ? MapShape::Spiky : MapShape::NearlyOpaque), f);
+    on.plan = stepPlan(f.macrocells(), on.map, f.longestCell(), 1 / 512.0, 0);
+    const int32_t cells = planOf(2, Integrator::ByCells);
+    for (int32_t& p : on.plan) p = p == 0 ? 0 : cells;
+    off.plan = evenPlan(f, cells);
+    const View<float> with(f, on), without(f, off);
+    for (int i = 0; i < 200; i++) {
+      const auto ray = rayIn(with, randomRay(random, f));
+      if (!(ray.t0 < ray.t1)) continue;
+      const auto a = march<float>(with, ray, 1e-4f), b = march<float>(without, ray, 1e-4f);
+      EXPECT_EQ(a.L.A, b.L.A);
+      EXPECT_EQ(a.L.rgb.x, b.L.rgb.x);
+      EXPECT_EQ(a.L.rgb.y, b.L.rgb.y);
+      EXPECT_EQ(a.L.rgb.z, b.L.rgb.z);
+      skipped += a.count.skipped;
+      seen += a.L.A > 0;
+    }
+  }
+  EXPECT_GT(skipped, 1000);
+  EXPECT_GT(seen, 500);
+}
+
 TEST(Skipping, OfMacrocellsWithoutTheIsovalueChangesNoBit) {
   Random random(92);
   int skipped = 0, hits = 0;

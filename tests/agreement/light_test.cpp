@@ -24,6 +24,27 @@ TEST(LightAgreement, EveryKindOfLightWithSpecular) {
   expectAgreement(embree(), scene);
 }
 
+// A pixel's light is a sum of 32 bits: what it cannot hold is left out, and never turns into darkness.
+TEST(LightAgreement, WhatIsTooBrightForAPixelIsAsBrightAsItHolds) {
+  TestScene scene = solids("too_bright", 32);
+  auto drawn = [&](double weight, bool shadows) {
+    scene.visualization.lighting = lit({kSun, kLamp, kHeadlight}, shadows);
+    scene.visualization.lighting.Ka = scene.visualization.lighting.Kd = weight;
+    scene.visualization.lighting.Ks = 0;
+    return draw(embree(), scene).rgba;
+  };
+  const std::vector<float> dim = drawn(0.5, false), bright = drawn(25, false), shadowed = drawn(25, true);
+  int full = 0;
+  for (size_t i = 0; i < dim.size(); i++) {
+    if (i % 4 == 3) continue;
+    ASSERT_NEAR(bright[i], std::min(50 * dim[i], 31.f), 1e-3) << i;
+    ASSERT_GE(shadowed[i], 0) << i;
+    ASSERT_LE(shadowed[i], bright[i]) << i;
+    full += bright[i] > 30;
+  }
+  EXPECT_GT(full, 50);
+}
+
 TEST(LightAgreement, Shadows) {
   TestScene scene = solids("shadows");
   scene.visualization.lighting = lit({kSun}, true);

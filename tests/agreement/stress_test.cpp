@@ -355,6 +355,7 @@ TEST(Stress, MoreSamplesThanAnInt32Counts) {
     r.dx[i] = r.dy[i] = 0, r.dz[i] = 1;
     r.tIn[i] = 0, r.tOut[i] = r.tEnd[i] = 10;
     r.tLast[i] = -1;
+    r.A[i] = 0;
     r.tHit[i] = 1e30f;
     r.hitKind[i] = HIT_NONE;
   }

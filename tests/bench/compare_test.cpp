@@ -92,6 +92,25 @@ TEST(Compare, LostHitsBrokenTolerancesAndMissingCurvesAreRegressions) {
   EXPECT_FALSE(onlyChange({}, {newer}).regressed());
 }
 
+TEST(Compare, ErrorsFlipsAndDistancesOfHitsThatGrowAreRegressions) {
+  Row older = row("adaptive", "1/512", 1, 1e-4), newer = older;
+  older.width = newer.width = older.height = newer.height = 100;
+  newer.rmsError = 1.4e-4;
+  EXPECT_FALSE(onlyChange({older}, {newer}).regressed());
+  newer.rmsError = 2e-4;
+  EXPECT_EQ(onlyChange({older}, {newer}).remark, "error 2.000 times as large");
+  newer = older;
+  newer.flips = 10;
+  EXPECT_FALSE(onlyChange({older}, {newer}).regressed());
+  newer.flips = 11;
+  EXPECT_EQ(onlyChange({older}, {newer}).remark, "11 more flips at 1/512");
+  newer = older;
+  older.dtMax = 1e-5, newer.dtMax = 1e-4;
+  EXPECT_FALSE(onlyChange({older}, {newer}).regressed());
+  newer.dtMax = 0.4;
+  EXPECT_EQ(onlyChange({older}, {newer}).remark, "hits further off at 1/512");
+}
+
 TEST(Compare, PicturesOfOtherSizesAreNotCompared) {
   std::vector<Row> newer = curve(1, 2, 6);
   for (Row& r : newer) r.width += 1;

@@ -11,6 +11,9 @@ namespace gxy::bench {
 namespace {
 
 constexpr double kScatterOfOne = 0.25;
+constexpr double kMoreFlips = 1e-3;  // of the pixels
+constexpr double kMostOff = 1e-4;    // cells between a hit and the exact root that are not looked at
+constexpr double kMoreError = 1.5, kLeastError = 1e-6;
 
 struct Point {
   double time, error;
@@ -91,6 +94,11 @@ void addRemarks(const Row& older, const Row& newer, std::string& remark) {
     append(remark, "pixels that are no number at " + newer.setting);
   if (newer.method == "adaptive" && newer.maxError > newer.tolerance && older.maxError <= older.tolerance)
     append(remark, "tolerance " + newer.setting + " no longer held");
+  const double pixels = double(newer.width) * newer.height;
+  if (double(newer.flips - older.flips) > kMoreFlips * pixels)
+    append(remark, std::to_string(newer.flips - older.flips) + " more flips at " + newer.setting);
+  if (newer.dtMax > std::max(2 * older.dtMax, kMostOff))
+    append(remark, "hits further off at " + newer.setting);
 }
 
 Change changeOf(const std::vector<Row>& older, const std::vector<Row>& newer, const CurveAxes& axes) {
@@ -98,15 +106,20 @@ Change changeOf(const std::vector<Row>& older, const std::vector<Row>& newer, co
   change.scene = newer.front().scene, change.curve = newer.front().curve();
   change.noise = std::max(0.02, std::hypot(scatter(older, axes), scatter(newer, axes)));
   Ratios times = atEqualError(front(older, axes), front(newer, axes)), settings, errors;
+  double growth = 0;
   for (const Row& n : newer)
     for (const Row& o : older)
       if (o.setting == n.setting) {
         settings.add(timeOf(n, axes) / timeOf(o, axes));
         errors.add(n.*axes.error / o.*axes.error);
+        growth = std::max(growth, n.*axes.error / std::max(o.*axes.error, kLeastError));
         addRemarks(o, n, change.remark);
       }
   change.atSettings = times.mean() == 0;
   if (change.atSettings) times = settings;
+  // where there is no curve to trade error for time along, error must not grow by itself
+  if (change.atSettings && growth > kMoreError)
+    append(change.remark, "error " + std::to_string(growth).substr(0, 5) + " times as large");
   change.ratio = times.mean(), change.least = times.least, change.most = times.most;
   change.errorRatio = errors.mean() > 0 ? errors.mean() : 1;
   return change;
