@@ -252,6 +252,29 @@ TEST(Hostile, WhoReadsNoRepliesIsReadNoMore) {
   bystander.expectTheSamePicture();
 }
 
+TEST(Hostile, RequestsThatWaitTakeNoMoreMemoryThanTheyMay) {
+  ServerSetup s = setup();
+  constexpr uint64_t kLongest = 100000;
+  s.server.connection.limits.requestBytes = kLongest;
+  TestServer server(std::move(s));
+  Bystander bystander(server);
+  RawClient hog(server.port());
+  hog.greet("hog");
+  uint32_t id = 1;
+  hog.request(id++, "load data");
+  for (int i = 0; i <= Session::kAside; i++) hog.request(id++, "wait nothing 1 1e6");
+  const std::string text = "echo " + std::string(kLongest - 5, 'x');
+  while (id < 250 && hog.request(id, text)) id++;
+  uint64_t received = 0;
+  const json stat = server.client()->expect("stat");
+  for (const json& c : stat.at("clients"))
+    if (c.at("tenant") == "hog") received = c.at("received bytes");
+  EXPECT_GT(received, 2 * kLongest);
+  EXPECT_LT(received, 4 * kLongest);
+  EXPECT_LE(server.node().ledger.total("hog"), int64_t(3 * kLongest));
+  bystander.expectTheSamePicture();
+}
+
 TEST(Hostile, CorruptAndVanishedFilesAreErrorsOfTheirImport) {
   TestServer server(setup());
   Bystander bystander(server);
