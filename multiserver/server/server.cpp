@@ -9,6 +9,7 @@
 #include <boost/asio/signal_set.hpp>
 #include <boost/asio/steady_timer.hpp>
 
+#include <algorithm>
 #include <atomic>
 #include <condition_variable>
 #include <csignal>
@@ -135,6 +136,12 @@ class Server::Impl {
     }
     if (connections_.size() > options_.connection.limits.clients)
       throw Error(std::to_string(options_.connection.limits.clients) +
+                  " clients are connected, no more are allowed");
+    const auto ofTenant = [&](const ConnectionPtr& c) {
+      return c->session() && c->session()->tenant() == identity->tenant;
+    };
+    if (size_t(std::count_if(connections_.begin(), connections_.end(), ofTenant)) >= options_.tenantClients)
+      throw Error("tenant " + identity->tenant + ": " + std::to_string(options_.tenantClients) +
                   " clients are connected, no more are allowed");
     Session::Identity who{++sessions_, hello.client, identity->tenant, identity->administrator};
     welcome = {"gxyserver 0.1",   who.tenant,    who.number,

@@ -115,12 +115,14 @@ void Session::runNext() {
 }
 
 void Session::startAside(const RequestPtr& request, std::function<nlohmann::json(Request&)> action) {
+  std::shared_ptr<void> slot;
   {
     std::unique_lock lock(mutex_);
     answered_.wait(lock, [this] { return aside_ < kAside; });
+    slot = node_.tenants.beginAside(tenant());
     aside_++;
   }
-  const std::shared_ptr<void> left(nullptr, [self = shared_from_this()](void*) {
+  const std::shared_ptr<void> left(nullptr, [self = shared_from_this(), slot](void*) {
     const std::lock_guard lock(self->mutex_);
     self->aside_--;
     self->answered_.notify_all();

@@ -176,6 +176,21 @@ TEST(Sessions, MoreClientsThanAllowedAreTold) {
   }
 }
 
+TEST(Sessions, ATenantThatHasAllItsClientsLeavesRoomForOthers) {
+  ServerSetup s = setup();
+  s.server.tenantClients = 2;
+  TestServer server(std::move(s));
+  const auto first = server.client("ann"), second = server.client("ann");
+  try {
+    server.client("ann");
+    FAIL() << "a third client of one tenant came in";
+  } catch (const Error& e) {
+    EXPECT_NE(std::string(e.what()).find("tenant ann: 2 clients are connected"), std::string::npos)
+        << e.what();
+  }
+  EXPECT_NO_THROW(server.client("bob"));
+}
+
 TEST(Sessions, EndWhenTheServerStops) {
   TestServer server(setup());
   std::promise<std::string> ended;
