@@ -116,11 +116,14 @@ void Connection::write() {
   header_ = protocol::headerOf(writingFrame_);
   const bool control = writingFrame_.channel == FrameChannel::Control;
   const std::array<asio::const_buffer, 2> parts{asio::buffer(header_), asio::buffer(writingFrame_.payload)};
-  asio::async_write(socket_, parts, [self = shared_from_this(), control](auto failed, size_t size) {
+  const auto wrote = [this, control, before = written_](auto failed, size_t size) {
+    if (!control) written_ = before + int64_t(size);
+    return asio::transfer_all()(failed, size);
+  };
+  asio::async_write(socket_, parts, wrote, [self = shared_from_this()](auto failed, size_t) {
     self->writing_ = false;
     self->writingFrame_ = {};
     if (failed) return self->close();
-    if (!control) self->written_ += int64_t(size);
     self->wake();
   });
 }

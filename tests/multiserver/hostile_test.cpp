@@ -201,6 +201,29 @@ TEST(Hostile, WhoSaysNothingOrNoLongerAnswersIsClosed) {
   EXPECT_EQ(server.server().clients(), 1u);
 }
 
+TEST(Hostile, ASlowReaderOfALongFrameIsNotTakenForDead) {
+  ServerSetup s = setup();
+  s.server.connection.patience.ping = std::chrono::milliseconds(250);
+  s.server.connection.patience.silence = std::chrono::milliseconds(1000);
+  TestServer server(std::move(s));
+  RawClient slow(server.port(), 16384);
+  slow.greet();
+  constexpr size_t kLong = 8 << 20;
+  slow.request(1, "echo " + std::string(kLong, 'x'));
+  std::vector<std::byte> buffer(16384);
+  size_t received = 0;
+  const auto end = std::chrono::steady_clock::now() + std::chrono::milliseconds(2500);
+  while (std::chrono::steady_clock::now() < end && received < kLong / 2) {
+    received += slow.receive(buffer, 1000);
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  while (received < kLong) {
+    const size_t size = slow.receive(buffer, 10000);
+    ASSERT_GT(size, 0u) << "closed after " << received << " bytes";
+    received += size;
+  }
+}
+
 TEST(Hostile, ASlowReaderGetsFewerPixelsAndTakesNoMoreMemory) {
   TestServer server(setup());
   Bystander bystander(server);
