@@ -40,6 +40,9 @@ void Connection::start() {
   socket_.set_option(asio::ip::tcp::no_delay(true), ignored);
   socket_.set_option(asio::socket_base::send_buffer_size(kSendBuffer), ignored);
   ::setsockopt(socket_.native_handle(), IPPROTO_TCP, TCP_NOTSENT_LOWAT, &kUnsent, sizeof kUnsent);
+  // A machine that acknowledges nothing, not even pings, is gone.
+  const auto gone = unsigned(options_.patience.silence.count());
+  ::setsockopt(socket_.native_handle(), IPPROTO_TCP, TCP_USER_TIMEOUT, &gone, sizeof gone);
   // Calls, on the sockets' thread, as long as there is a connection.
   const auto later = [weak = weak_from_this(), context = context_](void (Connection::*action)()) {
     return [weak, context, action] {
@@ -145,8 +148,12 @@ void Connection::watch() {
       self->acknowledged_ = self->written_ - underWay;
       self->heard_ = now;
     }
+    // Of whom no more requests are read, the pongs are not read either.
+    const bool unread = self->session() && self->session()->full() && !self->outbox_->congested();
+    if (unread) self->heard_ = now;
     if (now > self->heard_ + patience.silence) return self->close();
-    if (self->session() && now > std::max(self->heard_, self->asked_) + patience.ping) {
+    const auto last = unread ? self->asked_ : std::max(self->heard_, self->asked_);
+    if (self->session() && now > last + patience.ping) {
       self->asked_ = now;
       self->outbox_->control("ping 0");
     }

@@ -201,6 +201,24 @@ TEST(Hostile, WhoSaysNothingOrNoLongerAnswersIsClosed) {
   EXPECT_EQ(server.server().clients(), 1u);
 }
 
+TEST(Hostile, WhoHasAsManyRequestsOutAsItMayIsNotTakenForDead) {
+  ServerSetup s = setup();
+  s.server.connection.patience.ping = std::chrono::milliseconds(100);
+  s.server.connection.patience.silence = std::chrono::milliseconds(500);
+  s.server.connection.limits.requests = 4;
+  TestServer server(std::move(s));
+  RawClient full(server.port());
+  full.greet();
+  full.request(1, "load data");
+  for (uint32_t id = 2; id < 6; id++) full.request(id, "wait ball 1 1e6");
+  auto all = std::async(std::launch::async, [&] { return full.repliesAndEnds(5, 0); });
+  EXPECT_EQ(all.wait_for(std::chrono::milliseconds(1500)), std::future_status::timeout);
+  const auto other = server.client();
+  other->expect("load data");
+  other->expect(importBall("ball"));
+  EXPECT_EQ(all.get(), "");
+}
+
 TEST(Hostile, ASlowReaderOfALongFrameIsNotTakenForDead) {
   ServerSetup s = setup();
   s.server.connection.patience.ping = std::chrono::milliseconds(250);
