@@ -201,6 +201,19 @@ TEST(Hostile, WhoSaysNothingOrNoLongerAnswersIsClosed) {
   EXPECT_EQ(server.server().clients(), 1u);
 }
 
+TEST(Hostile, SocketsThatSayNothingKeepNobodyOut) {
+  ServerSetup s = setup();
+  s.server.connection.limits.clients = 2;
+  s.server.connection.patience.handshake = std::chrono::hours(1);
+  TestServer server(std::move(s));
+  std::vector<std::unique_ptr<RawClient>> silent;
+  for (int i = 0; i < 300; i++) silent.push_back(std::make_unique<RawClient>(server.port()));
+  EXPECT_TRUE(silent.front()->closedByServer()) << "the oldest makes room";
+  const auto first = server.client(), second = server.client();
+  EXPECT_TRUE(second->request("echo").ok);
+  EXPECT_THROW(server.client(), Error) << "as many as may be have a session";
+}
+
 TEST(Hostile, WhoHasAsManyRequestsOutAsItMayIsNotTakenForDead) {
   ServerSetup s = setup();
   s.server.connection.patience.ping = std::chrono::milliseconds(100);
