@@ -285,6 +285,40 @@ TEST(Hostile, ASlowReaderGetsFewerPixelsAndTakesNoMoreMemory) {
   bystander.expectTheSamePicture();
 }
 
+TEST(Hostile, AWindowThatFollowsMakesFewFramesForWhoReadsNoneAndThenTheNewest) {
+  ServerSetup s = setup();
+  s.server.connection.outbox.text = 2000;
+  TestServer server(std::move(s));
+  const auto other = server.client("slow");
+  other->expect("load data");
+  other->expect(importBall("ball"));
+  RawClient slow(server.port(), 4096);
+  slow.greet("slow");
+  uint32_t id = 1;
+  for (const std::string& statement :
+       {std::string("load viewer"), std::string("window 1 {\"size\": [256, 256], \"follow\": true}"),
+        "set 1 " + stateOf("ball"), std::string("render 1 {\"encoding\": \"raw\", \"levels\": [1]}")})
+    ASSERT_TRUE(slow.request(id++, statement));
+  const auto frames = [&] {
+    const json stat = other->expect("stat");
+    for (const json& t : stat.at("tenants"))
+      if (t.at("tenant") == "slow") return t.at("frames").get<int>();
+    return 0;
+  };
+  while (frames() < 1) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  int generation = 1;  // a step is left out while frames show the two before
+  while (generation < 60) generation += other->request(importBall("ball")).ok;
+  EXPECT_LT(frames(), 30);
+  json end;
+  EXPECT_TRUE(slow.readUntil([&](const Frame& frame) {
+    if (!RawClient::isEnd(frame)) return false;
+    const auto data = protocol::pixelData(frame.payload);
+    end = json::parse(std::string_view(reinterpret_cast<const char*>(data.data()), data.size()));
+    return end.at("generations") == json{{"ball", generation}};
+  }));
+  EXPECT_EQ(end.at("status"), "complete");
+}
+
 TEST(Hostile, WhoReadsNoRepliesIsReadNoMore) {
   ServerSetup s = setup();
   s.server.connection.outbox.text = 100000;
