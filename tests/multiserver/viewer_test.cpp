@@ -253,6 +253,22 @@ TEST(ViewerModule, AWindowThatFollowsRendersNewGenerations) {
   EXPECT_NE(viewer.screen.picture(1).rgba, before);
 }
 
+TEST(ViewerModule, AWindowThatFollowsRendersWhatCameBeforeItsFrameWasCancelled) {
+  const auto server = serve();
+  Viewer viewer(*server);
+  viewer.client->expect("window 1 {\"follow\": true}");
+  const uint64_t frame = viewer.render(R"({"passes": 4096, "levels": [1]})");
+  viewer.client->expect(importBall("ball"));
+  viewer.client->expect("cancel_frame 1");
+  EXPECT_EQ(viewer.screen.waitFor(1, frame).status, "cancelled");
+  const auto newest = [&] { return viewer.client->expect("windows").at("windows")[0].at("frame"); };
+  for (int i = 0; i < 1000 && newest() == frame; i++)
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  ASSERT_EQ(newest(), frame + 1);
+  viewer.client->expect("cancel_frame 1");
+  EXPECT_EQ(viewer.screen.waitFor(1, frame + 1).json.at("generations"), (json{{"ball", 2}}));
+}
+
 TEST(ViewerModule, ScenesAreSharedAndGoWithTheirWindows) {
   const auto server = serve();
   {

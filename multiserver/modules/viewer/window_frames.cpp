@@ -260,9 +260,10 @@ void Window::finish(const FramePtr& frame, const char* status, const std::string
     const std::lock_guard lock(mutex_);
     if (current_ == frame) {
       current_ = nullptr;
-      again = !waiting_ && std::exchange(stale_, false) && settings_.follow && !closed_;
       if (!frame->firstPassMade) inOutbox_ = 0;
     }
+    if (!current_ && !waiting_)  // after a frame that was cancelled too
+      again = std::exchange(stale_, false) && settings_.follow && !closed_;
     underWay_--;
     ended_.notify_all();
   }
