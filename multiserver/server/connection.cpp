@@ -59,6 +59,7 @@ void Connection::start() {
           const protocol::Hello& hello, const std::shared_ptr<Outbox>& outbox, protocol::Welcome& welcome) {
         auto session = admit_(hello, outbox, welcome);
         session->onAnswered = answered;
+        outbox->chargeTo(node_.ledger.enter(session->tenant(), "to be sent", 0));
         return session;
       });
   greet();

@@ -26,6 +26,12 @@ void Outbox::account(int64_t bytes) {
   memory_.resize(int64_t(counters_.queuedBytes));
 }
 
+void Outbox::chargeTo(LedgerEntry memory) {
+  const std::lock_guard lock(mutex_);
+  memory_ = std::move(memory);
+  memory_.resize(int64_t(counters_.queuedBytes));
+}
+
 // With the lock held.
 void Outbox::add(std::deque<Frame>& queue, Frame frame) {
   account(int64_t(frame.payload.size()));

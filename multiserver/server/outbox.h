@@ -33,6 +33,9 @@ class Outbox {
   /// into the Outbox are made with. What waits is in `memory`.
   Outbox(Limits limits, std::function<void()> wake, LedgerEntry memory);
 
+  /// What waits is in `memory` instead, from now on.
+  void chargeTo(LedgerEntry memory);
+
   void control(std::string_view text);
   /// A last control frame: sent after replies and events that wait; nothing follows it.
   void farewell(std::string_view text);

@@ -282,6 +282,10 @@ TEST(Hostile, ASlowReaderGetsFewerPixelsAndTakesNoMoreMemory) {
   }
   ASSERT_FALSE(mine.is_null());
   EXPECT_LT(mine.at("most queued bytes").get<uint64_t>(), 2 * kPicture + 100000);
+  int64_t charged = 0;
+  for (const Ledger::Line& line : server.node().ledger.snapshot())
+    if (line.tenant == "slow" && line.purpose == "to be sent") charged = line.bytes;
+  EXPECT_GT(charged, int64_t(kPicture / 2)) << "to its tenant";
   bystander.expectTheSamePicture();
 }
 
