@@ -316,6 +316,26 @@ TEST(ViewerModule, ABatchSendsItsPicturesBackOrIsCancelled) {
   EXPECT_FALSE(outside.ok);
 }
 
+TEST(ViewerModule, WindowsOfManyPassesLeaveABatchOfOthersItsTurn) {
+  const auto server = serve();
+  Viewer viewer(*server, "looks");
+  for (int id = 1; id <= 16; id++) {
+    const std::string window = std::to_string(id);
+    viewer.client->expect("window " + window + " {\"size\": [96, 80]}");
+    viewer.client->expect("set " + window + " " + stateOf("ball"));
+    viewer.client->expect("render " + window + R"( {"passes": 4096, "rays": 4, "levels": [1]})");
+  }
+  const auto batch = server->client("batch");
+  batch->expect("load data");
+  batch->expect("load viewer");
+  batch->expect(importBall("ball"));
+  batch->expect("batch {\"prefix\": \"turn\", \"state\": " + stateOf("ball") + "}");
+  for (uint32_t id = 1; id <= 16; id++) {
+    EXPECT_EQ(viewer.screen.ends(id, 1), 0) << "they are still at it";
+    viewer.client->expect("cancel_frame " + std::to_string(id));
+  }
+}
+
 TEST(ViewerModule, PicturesCountAgainstTheMemoryOfTheirTenant) {
   ServerSetup setup;
   setup.modules = GALAXY_MODULES;

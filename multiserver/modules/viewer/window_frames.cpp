@@ -137,7 +137,8 @@ void Window::startStage(const FramePtr& frame) {
     request.camera.dimensions = {int(header.width), int(header.height)};
     request.samples = frame->samples;
     request.firstSample = int32_t(frame->pass) * frame->samples;
-    request.share = {services_.node.tenants.number(tenant_), true};
+    // Somebody waits for a level's first pass. Further ones, of which there may be thousands, are like a batch's pictures.
+    request.share = {services_.node.tenants.number(tenant_), frame->pass == 0};
     request.account = tenant_;
     wanted.encoding = frame->options.encoding;
     wanted.quality = frame->options.quality;
