@@ -2,9 +2,15 @@
 #include "thread_pool.h"
 
 #include <algorithm>
+#include <system_error>
 #include <utility>
 
 namespace gxy {
+
+ThreadPool::ThreadPool(size_t limit) : limit_(limit) {
+  std::lock_guard lock(mutex_);
+  threads_.emplace_back([this] { serve(); });
+}
 
 ThreadPool::~ThreadPool() {
   {
@@ -26,7 +32,12 @@ ThreadPool::~ThreadPool() {
 void ThreadPool::run(std::function<void()> task) {
   std::lock_guard lock(mutex_);
   queue_.push_back(std::move(task));
-  if (idle_ < queue_.size() && threads_.size() < limit_) threads_.emplace_back([this] { serve(); });
+  if (idle_ < queue_.size() && threads_.size() < limit_) {
+    try {
+      threads_.emplace_back([this] { serve(); });
+    } catch (const std::system_error&) {  // no more threads: one of those there are will come to it
+    }
+  }
   changed_.notify_one();
 }
 

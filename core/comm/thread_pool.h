@@ -13,13 +13,15 @@
 namespace gxy {
 
 /// Runs tasks on threads made when needed, of which kKept stay when idle. Up to `limit` tasks run at once and the others
-/// queue; without a limit no task ever waits for another one to end, so tasks may wait for each other.
+/// queue; without a limit no task ever waits for another one to end, so tasks may wait for each other: as long as the system
+/// gives threads, else tasks queue too.
 class ThreadPool {
  public:
   static constexpr size_t unlimited = std::numeric_limits<size_t>::max();
   static constexpr size_t kKept = 16;
 
-  explicit ThreadPool(size_t limit = unlimited) : limit_(limit) {}
+  /// Starts a first thread, so that there always is one. Throws std::system_error where the system gives none.
+  explicit ThreadPool(size_t limit = unlimited);
 
   /// Runs what is queued to its end, and joins.
   ~ThreadPool();

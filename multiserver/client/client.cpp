@@ -7,6 +7,7 @@
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/read.hpp>
+#include <boost/asio/use_future.hpp>
 #include <boost/asio/write.hpp>
 
 #include <array>
@@ -51,20 +52,23 @@ class Client::Impl {
                                                                    : options_.tokenFile);
     const std::string where = options_.host + " port " + std::to_string(options_.port);
     try {
+      const auto end = std::chrono::steady_clock::now() + options_.patience;
       tcp::resolver resolver(context_);
-      asio::connect(socket_, resolver.resolve(options_.host, std::to_string(options_.port)));
+      const auto found = waitFor(
+          resolver.async_resolve(options_.host, std::to_string(options_.port), asio::use_future), end);
+      waitFor(asio::async_connect(socket_, found, asio::use_future), end);
       socket_.set_option(tcp::no_delay(true));
-      patience(options_.patience);
       asio::write(socket_, asio::buffer(protocol::preamble()));
       std::array<std::byte, protocol::kPreambleBytes> theirs;
-      asio::read(socket_, asio::buffer(theirs));
+      waitFor(asio::async_read(socket_, asio::buffer(theirs), asio::use_future), end);
       protocol::checkPreamble(theirs);
       write(protocol::textFrame(FrameChannel::Control, 0, protocol::helloText(hello)));
-      const Frame answer = next();
+      const Frame answer = next([&](const auto& buffer) {
+        return waitFor(socket_.async_read_some(buffer, asio::use_future), end);
+      });
       if (const auto reason = protocol::afterWord(answer.text(), "bye"))
         throw Error("server at " + where + ": " + std::string(*reason));
       welcome_ = protocol::parseWelcome(answer.text());
-      patience(std::chrono::seconds(0));
     } catch (const boost::system::system_error& e) {
       throw Error("cannot connect to " + where + ": " + e.code().message() + "; is a server running there?");
     }
@@ -100,9 +104,14 @@ class Client::Impl {
   std::atomic<bool> connected_ = false;
 
  private:
-  void patience(std::chrono::seconds seconds) {
-    const timeval limit{seconds.count(), 0};
-    ::setsockopt(socket_.native_handle(), SOL_SOCKET, SO_RCVTIMEO, &limit, sizeof limit);
+  // Runs what has been started. Throws where that has not come by `end`: nothing else may be done with the socket then.
+  template <class T>
+  T waitFor(std::future<T> result, std::chrono::steady_clock::time_point end) {
+    context_.restart();
+    context_.run_until(end);
+    if (result.wait_for(std::chrono::seconds(0)) != std::future_status::ready)
+      throw boost::system::system_error(asio::error::timed_out);
+    return result.get();
   }
 
   void write(const Frame& frame) {
@@ -112,11 +121,11 @@ class Client::Impl {
     asio::write(socket_, parts);
   }
 
-  Frame next() {
+  Frame next(const auto& readSome) {
     for (;;) {
       if (!unread_.empty())
         if (auto frame = reader_.take(unread_)) return *std::move(frame);
-      const size_t size = socket_.read_some(asio::buffer(buffer_));
+      const size_t size = readSome(asio::buffer(buffer_));
       unread_ = std::span<const std::byte>(buffer_).first(size);
     }
   }
@@ -125,7 +134,7 @@ class Client::Impl {
     std::string reason = "closed";
     try {
       for (;;) {
-        const Frame frame = next();
+        const Frame frame = next([this](const auto& buffer) { return socket_.read_some(buffer); });
         if (frame.channel != FrameChannel::Control) {
           take(frame);
         } else if (const auto number = protocol::afterWord(frame.text(), "ping")) {

@@ -40,6 +40,9 @@ void Connection::start() {
   socket_.set_option(asio::ip::tcp::no_delay(true), ignored);
   socket_.set_option(asio::socket_base::send_buffer_size(kSendBuffer), ignored);
   ::setsockopt(socket_.native_handle(), IPPROTO_TCP, TCP_NOTSENT_LOWAT, &kUnsent, sizeof kUnsent);
+  // A machine that acknowledges nothing, not even pings, is gone.
+  const auto gone = unsigned(options_.patience.silence.count());
+  ::setsockopt(socket_.native_handle(), IPPROTO_TCP, TCP_USER_TIMEOUT, &gone, sizeof gone);
   // Calls, on the sockets' thread, as long as there is a connection.
   const auto later = [weak = weak_from_this(), context = context_](void (Connection::*action)()) {
     return [weak, context, action] {
@@ -56,6 +59,7 @@ void Connection::start() {
           const protocol::Hello& hello, const std::shared_ptr<Outbox>& outbox, protocol::Welcome& welcome) {
         auto session = admit_(hello, outbox, welcome);
         session->onAnswered = answered;
+        outbox->chargeTo(node_.ledger.enter(session->tenant(), "to be sent", 0));
         return session;
       });
   greet();
@@ -116,11 +120,14 @@ void Connection::write() {
   header_ = protocol::headerOf(writingFrame_);
   const bool control = writingFrame_.channel == FrameChannel::Control;
   const std::array<asio::const_buffer, 2> parts{asio::buffer(header_), asio::buffer(writingFrame_.payload)};
-  asio::async_write(socket_, parts, [self = shared_from_this(), control](auto failed, size_t size) {
+  const auto wrote = [this, control, before = written_](auto failed, size_t size) {
+    if (!control) written_ = before + int64_t(size);
+    return asio::transfer_all()(failed, size);
+  };
+  asio::async_write(socket_, parts, wrote, [self = shared_from_this()](auto failed, size_t) {
     self->writing_ = false;
     self->writingFrame_ = {};
     if (failed) return self->close();
-    if (!control) self->written_ += int64_t(size);
     self->wake();
   });
 }
@@ -142,8 +149,12 @@ void Connection::watch() {
       self->acknowledged_ = self->written_ - underWay;
       self->heard_ = now;
     }
+    // Of whom no more requests are read, the pongs are not read either.
+    const bool unread = self->session() && self->session()->full() && !self->outbox_->congested();
+    if (unread) self->heard_ = now;
     if (now > self->heard_ + patience.silence) return self->close();
-    if (self->session() && now > std::max(self->heard_, self->asked_) + patience.ping) {
+    const auto last = unread ? self->asked_ : std::max(self->heard_, self->asked_);
+    if (self->session() && now > last + patience.ping) {
       self->asked_ = now;
       self->outbox_->control("ping 0");
     }

@@ -51,6 +51,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
   const std::shared_ptr<Session>& session() const { return dialogue_->session(); }
   Outbox& outbox() { return *outbox_; }
   uint64_t receivedBytes() const { return received_; }
+  Clock::time_point begin() const { return begin_; }
 
  private:
   void greet();

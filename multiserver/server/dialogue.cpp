@@ -23,9 +23,7 @@ FrameReader::Rules helloRules() {
 Dialogue::Dialogue(std::shared_ptr<Outbox> outbox, protocol::Limits limits, Admit admit)
     : outbox_(std::move(outbox)), limits_(limits), admit_(std::move(admit)), reader_(helloRules()) {}
 
-bool Dialogue::paused() const {
-  return outbox_->congested() || (session_ && session_->unanswered() >= limits_.requests);
-}
+bool Dialogue::paused() const { return outbox_->congested() || (session_ && session_->full()); }
 
 void Dialogue::take(std::span<const std::byte>& bytes) {
   takePreamble(bytes);

@@ -26,6 +26,12 @@ void Outbox::account(int64_t bytes) {
   memory_.resize(int64_t(counters_.queuedBytes));
 }
 
+void Outbox::chargeTo(LedgerEntry memory) {
+  const std::lock_guard lock(mutex_);
+  memory_ = std::move(memory);
+  memory_.resize(int64_t(counters_.queuedBytes));
+}
+
 // With the lock held.
 void Outbox::add(std::deque<Frame>& queue, Frame frame) {
   account(int64_t(frame.payload.size()));
@@ -157,15 +163,16 @@ Outbox::Frame Outbox::taken(std::deque<Frame>& queue) {
 }
 
 std::optional<Outbox::Frame> Outbox::next() {
-  std::function<void()> sent;
-  std::optional<Frame> frame = takeNext(sent);
-  if (sent) sent();
+  std::vector<std::function<void()>> then;
+  std::optional<Frame> frame = takeNext(then);
+  for (const auto& action : then) action();
   return frame;
 }
 
-std::optional<Outbox::Frame> Outbox::takeNext(std::function<void()>& sent) {
+std::optional<Outbox::Frame> Outbox::takeNext(std::vector<std::function<void()>>& then) {
   const std::lock_guard lock(mutex_);
   if (closed_) return std::nullopt;
+  if (textBytes_ <= limits_.text) then.swap(drained_);
   if (!control_.empty()) return taken(control_);
   // A reply follows the files that were sent for its request.
   if (farewell_ && text_.empty()) {
@@ -187,7 +194,8 @@ std::optional<Outbox::Frame> Outbox::takeNext(std::function<void()>& sent) {
     pixelBytes_ -= first.payload.size();
     const PixelKind kind = kindOf(first);
     counters_.tilesSent += kind == PixelKind::Tile;
-    if (kind == PixelKind::EndOfPass) sent = std::exchange(window->second.sent, nullptr);
+    if (kind == PixelKind::EndOfPass && window->second.sent)
+      then.push_back(std::exchange(window->second.sent, nullptr));
     if (kind == PixelKind::EndOfFrame) textBytes_ -= first.payload.size();
     Frame frame = taken(window->second.records);
     if (window->second.records.empty() && kind == PixelKind::EndOfFrame) windows_.erase(window);
@@ -204,6 +212,13 @@ bool Outbox::congested() const {
   return textBytes_ > limits_.text;
 }
 
+bool Outbox::congested(std::function<void()> drained) {
+  const std::lock_guard lock(mutex_);
+  if (textBytes_ <= limits_.text) return false;
+  drained_.push_back(std::move(drained));
+  return true;
+}
+
 bool Outbox::empty() const {
   const std::lock_guard lock(mutex_);
   return control_.empty() && text_.empty() && files_.empty() &&
@@ -218,6 +233,7 @@ void Outbox::close() {
   text_.clear();
   files_.clear();
   windows_.clear();
+  drained_.clear();
   counters_.queuedBytes = 0;
   memory_.resize(0);
   filesLeft_.notify_all();

@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string_view>
+#include <vector>
 
 #include "gxy/protocol/frame.h"
 #include "gxy/protocol/pixel_record.h"
@@ -31,6 +32,9 @@ class Outbox {
   /// `wake` is called, from any thread, when there is something to send; it must be short and take no lock that calls
   /// into the Outbox are made with. What waits is in `memory`.
   Outbox(Limits limits, std::function<void()> wake, LedgerEntry memory);
+
+  /// What waits is in `memory` instead, from now on.
+  void chargeTo(LedgerEntry memory);
 
   void control(std::string_view text);
   /// A last control frame: sent after replies and events that wait; nothing follows it.
@@ -54,6 +58,8 @@ class Outbox {
   std::optional<protocol::Frame> next();
   /// Text that waits exceeds its limit.
   bool congested() const;
+  /// The same; if so, `drained` is called once (on the thread of next()) when it no longer does, not if it closes before.
+  bool congested(std::function<void()> drained);
   bool empty() const;
   void close();
 
@@ -76,7 +82,7 @@ class Outbox {
   void dropTilesOf(Window& window, bool endsOfPassesToo);
   void account(int64_t bytes);
   Frame taken(std::deque<Frame>& queue);
-  std::optional<Frame> takeNext(std::function<void()>& sent);
+  std::optional<Frame> takeNext(std::vector<std::function<void()>>& then);
 
   const Limits limits_;
   const std::function<void()> wake_;
@@ -88,6 +94,7 @@ class Outbox {
   std::deque<Frame> control_, text_, files_;
   std::map<uint32_t, Window> windows_;
   uint32_t lastWindow_ = 0;
+  std::vector<std::function<void()>> drained_;
   uint64_t textBytes_ = 0, fileBytes_ = 0, pixelBytes_ = 0, lost_ = 0;
   Counters counters_;
 };

@@ -9,6 +9,7 @@
 #include <boost/asio/signal_set.hpp>
 #include <boost/asio/steady_timer.hpp>
 
+#include <algorithm>
 #include <atomic>
 #include <condition_variable>
 #include <csignal>
@@ -16,6 +17,7 @@
 #include <mutex>
 #include <set>
 #include <thread>
+#include <vector>
 
 #include "gxy/comm/error.h"
 
@@ -24,6 +26,10 @@ namespace gxy {
 namespace asio = boost::asio;
 using asio::ip::tcp;
 using nlohmann::json;
+
+namespace {
+constexpr size_t kHandshakes = 256;  // sockets without a session; the oldest is closed for one more
+}
 
 class Server::Impl {
  public:
@@ -121,8 +127,20 @@ class Server::Impl {
         count_ = connections_.size();
       }
       connection->start();
+      limitHandshakes();
       accept();
     });
+  }
+
+  // Whoever says hello soon comes in, however many sockets say nothing.
+  void limitHandshakes() {
+    std::vector<ConnectionPtr> shaking;
+    for (const ConnectionPtr& c : connections_)
+      if (!c->session()) shaking.push_back(c);
+    if (shaking.size() <= kHandshakes) return;
+    (*std::min_element(shaking.begin(), shaking.end(), [](const auto& a, const auto& b) {
+      return a->begin() < b->begin();
+    }))->close();
   }
 
   std::shared_ptr<Session> admit(const protocol::Hello& hello, const std::shared_ptr<Outbox>& outbox,
@@ -133,8 +151,17 @@ class Server::Impl {
       throw Error(
           "the token is wrong; a client finds it by itself on the server's machine, or takes --token-file");
     }
-    if (connections_.size() > options_.connection.limits.clients)
+    size_t sessions = 0, ofTenant = 0;
+    for (const ConnectionPtr& c : connections_) {
+      if (!c->session()) continue;
+      sessions++;
+      ofTenant += c->session()->tenant() == identity->tenant;
+    }
+    if (sessions >= options_.connection.limits.clients)
       throw Error(std::to_string(options_.connection.limits.clients) +
+                  " clients are connected, no more are allowed");
+    if (ofTenant >= options_.tenantClients)
+      throw Error("tenant " + identity->tenant + ": " + std::to_string(options_.tenantClients) +
                   " clients are connected, no more are allowed");
     Session::Identity who{++sessions_, hello.client, identity->tenant, identity->administrator};
     welcome = {"gxyserver 0.1",   who.tenant,    who.number,

@@ -50,7 +50,11 @@ void Request::progress(int64_t done, int64_t of, const std::string& text) {
 }
 
 Session::Session(Node& node, std::shared_ptr<Outbox> outbox, Identity identity, protocol::Limits limits)
-    : node_(node), outbox_(std::move(outbox)), identity_(std::move(identity)), limits_(limits) {}
+    : node_(node),
+      outbox_(std::move(outbox)),
+      identity_(std::move(identity)),
+      limits_(limits),
+      requestBytes_(node.ledger.enter(identity_.tenant, "requests", 0)) {}
 
 Session::~Session() = default;
 
@@ -73,6 +77,7 @@ void Session::submit(uint32_t id, std::string text) {
     if (ended_) return;
     if (id == 0 || !requests_.emplace(id, request).second)
       throw Error("request with id " + std::to_string(id) + ", which is 0 or not answered yet");
+    requestBytes_.resize(requestBytes_.bytes() + int64_t(request->bytes()));
     if (wrong.empty() && !atOnce) {
       queue_.push_back(request);
       begin = !std::exchange(running_, true);
@@ -110,12 +115,14 @@ void Session::runNext() {
 }
 
 void Session::startAside(const RequestPtr& request, std::function<nlohmann::json(Request&)> action) {
+  std::shared_ptr<void> slot;
   {
     std::unique_lock lock(mutex_);
     answered_.wait(lock, [this] { return aside_ < kAside; });
+    slot = node_.tenants.beginAside(tenant());
     aside_++;
   }
-  const std::shared_ptr<void> left(nullptr, [self = shared_from_this()](void*) {
+  const std::shared_ptr<void> left(nullptr, [self = shared_from_this(), slot](void*) {
     const std::lock_guard lock(self->mutex_);
     self->aside_--;
     self->answered_.notify_all();
@@ -143,6 +150,7 @@ void Session::answer(const RequestPtr& request, const std::string& text) {
   {
     const std::lock_guard lock(mutex_);
     requests_.erase(request->id());
+    requestBytes_.resize(requestBytes_.bytes() - int64_t(request->bytes()));
   }
   outbox_->reply(request->id(), text);
   if (onAnswered) onAnswered();
@@ -154,6 +162,11 @@ void Session::answer(const RequestPtr& request, const std::string& text) {
 size_t Session::unanswered() const {
   const std::lock_guard lock(mutex_);
   return requests_.size();
+}
+
+bool Session::full() const {
+  const std::lock_guard lock(mutex_);
+  return requests_.size() >= limits_.requests || uint64_t(requestBytes_.bytes()) > 2 * limits_.requestBytes;
 }
 
 void Session::cancel(uint32_t id) {

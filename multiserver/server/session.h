@@ -30,6 +30,7 @@ class Request {
   uint32_t id() const { return id_; }
   const std::string& verb() const { return verb_; }
   const std::string& arguments() const { return arguments_; }
+  size_t bytes() const { return verb_.size() + arguments_.size(); }
 
   bool cancelled() const { return cancelled_; }
   /// Throws Error "cancelled" if so. Long work calls it often.
@@ -82,6 +83,9 @@ class Session : public std::enable_shared_from_this<Session> {
   /// to the protocol.
   void submit(uint32_t id, std::string text);
   size_t unanswered() const;
+  /// So many statements are not answered yet, or so many bytes of them (more than twice those of the longest), that no more
+  /// should be read.
+  bool full() const;
 
   /// Cancels a request, if there is one with this id.
   void cancel(uint32_t id);
@@ -126,6 +130,7 @@ class Session : public std::enable_shared_from_this<Session> {
   bool ended_ = false, running_ = false;
   int aside_ = 0;
   std::map<uint32_t, RequestPtr> requests_;  ///< not answered
+  LedgerEntry requestBytes_;                 ///< theirs
   std::deque<RequestPtr> queue_;             ///< not begun
   std::map<std::type_index, std::shared_ptr<void>> states_;
   std::vector<std::shared_ptr<const LoadedModule>> modules_;

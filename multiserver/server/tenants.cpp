@@ -97,6 +97,18 @@ Tenants::Frame Tenants::beginWhenFree(const std::string& tenant, const Cost& cos
   }
 }
 
+std::shared_ptr<void> Tenants::beginAside(const std::string& tenant) {
+  const std::lock_guard lock(state_->mutex);
+  if (account(tenant).aside >= kAside)
+    throw Error("tenant " + tenant + ": " + std::to_string(kAside) +
+                " long requests run, expected fewer; wait for one to end");
+  account(tenant).aside++;
+  return {nullptr, [state = state_, tenant](void*) {
+            const std::lock_guard lock(state->mutex);
+            state->accounts.at(tenant).aside--;
+          }};
+}
+
 nlohmann::json Tenants::statistics() const {
   const std::lock_guard lock(state_->mutex);
   auto list = nlohmann::json::array();

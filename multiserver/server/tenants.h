@@ -68,6 +68,10 @@ class Tenants {
   /// which is called now and then.
   Frame beginWhenFree(const std::string& tenant, const Cost& cost, const std::function<void()>& check);
 
+  static constexpr int kAside = 128;  ///< long requests that run at once for a tenant; each holds a thread
+  /// One of these, until let go. Throws Error when the tenant has as many as it may have. The same lifetime.
+  [[nodiscard]] std::shared_ptr<void> beginAside(const std::string& tenant);
+
   /// By name: frames in flight and done, bytes of their pictures, seconds they took.
   nlohmann::json statistics() const;
   /// A number for a tenant that stays the same.
@@ -77,7 +81,7 @@ class Tenants {
  private:
   struct Account {
     uint32_t number = 0;
-    int frames = 0;
+    int frames = 0, aside = 0;
     int64_t bytes = 0;
     uint64_t done = 0;
     double seconds = 0;

@@ -2,6 +2,7 @@
 #include "gxy/comm/thread_pool.h"
 
 #include <gtest/gtest.h>
+#include <pthread.h>
 
 #include <atomic>
 #include <filesystem>
@@ -43,6 +44,41 @@ TEST(ThreadPool, RunsWhatIsQueuedBeforeItEnds) {
     for (int i = 0; i < 1000; i++) pool.run([&] { ran++; });
   }
   EXPECT_EQ(ran, 1000);
+}
+
+/// While it lives, the system starts no thread of this process: none has room for its stack.
+class NoMoreThreads {
+ public:
+  NoMoreThreads() {
+    pthread_getattr_default_np(&before_);
+    pthread_attr_t none = before_;
+    pthread_attr_setstacksize(&none, size_t(1) << 60);
+    pthread_setattr_default_np(&none);
+  }
+  ~NoMoreThreads() { pthread_setattr_default_np(&before_); }
+
+ private:
+  pthread_attr_t before_;
+};
+
+TEST(ThreadPool, RunsTasksOnTheThreadsItHasWhereTheSystemGivesNoMore) {
+  std::atomic<int> ran = 0;
+  std::latch begun(2), release(2);
+  {
+    ThreadPool pool;
+    pool.run([&] {
+      begun.arrive_and_wait();
+      release.arrive_and_wait();
+    });
+    begun.arrive_and_wait();
+    {
+      const NoMoreThreads now;
+      EXPECT_ANY_THROW(std::thread([] {}).join());
+      for (int i = 0; i < 10; i++) EXPECT_NO_THROW(pool.run([&] { ran++; }));
+    }
+    release.arrive_and_wait();
+  }
+  EXPECT_EQ(ran, 10);
 }
 
 }  // namespace

@@ -201,6 +201,60 @@ TEST(Hostile, WhoSaysNothingOrNoLongerAnswersIsClosed) {
   EXPECT_EQ(server.server().clients(), 1u);
 }
 
+TEST(Hostile, SocketsThatSayNothingKeepNobodyOut) {
+  ServerSetup s = setup();
+  s.server.connection.limits.clients = 2;
+  s.server.connection.patience.handshake = std::chrono::hours(1);
+  TestServer server(std::move(s));
+  std::vector<std::unique_ptr<RawClient>> silent;
+  for (int i = 0; i < 300; i++) silent.push_back(std::make_unique<RawClient>(server.port()));
+  EXPECT_TRUE(silent.front()->closedByServer()) << "the oldest makes room";
+  const auto first = server.client(), second = server.client();
+  EXPECT_TRUE(second->request("echo").ok);
+  EXPECT_THROW(server.client(), Error) << "as many as may be have a session";
+}
+
+TEST(Hostile, WhoHasAsManyRequestsOutAsItMayIsNotTakenForDead) {
+  ServerSetup s = setup();
+  s.server.connection.patience.ping = std::chrono::milliseconds(100);
+  s.server.connection.patience.silence = std::chrono::milliseconds(500);
+  s.server.connection.limits.requests = 4;
+  TestServer server(std::move(s));
+  RawClient full(server.port());
+  full.greet();
+  full.request(1, "load data");
+  for (uint32_t id = 2; id < 6; id++) full.request(id, "wait ball 1 1e6");
+  auto all = std::async(std::launch::async, [&] { return full.repliesAndEnds(5, 0); });
+  EXPECT_EQ(all.wait_for(std::chrono::milliseconds(1500)), std::future_status::timeout);
+  const auto other = server.client();
+  other->expect("load data");
+  other->expect(importBall("ball"));
+  EXPECT_EQ(all.get(), "");
+}
+
+TEST(Hostile, ASlowReaderOfALongFrameIsNotTakenForDead) {
+  ServerSetup s = setup();
+  s.server.connection.patience.ping = std::chrono::milliseconds(250);
+  s.server.connection.patience.silence = std::chrono::milliseconds(1000);
+  TestServer server(std::move(s));
+  RawClient slow(server.port(), 16384);
+  slow.greet();
+  constexpr size_t kLong = 8 << 20;
+  slow.request(1, "echo " + std::string(kLong, 'x'));
+  std::vector<std::byte> buffer(16384);
+  size_t received = 0;
+  const auto end = std::chrono::steady_clock::now() + std::chrono::milliseconds(2500);
+  while (std::chrono::steady_clock::now() < end && received < kLong / 2) {
+    received += slow.receive(buffer, 1000);
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  while (received < kLong) {
+    const size_t size = slow.receive(buffer, 10000);
+    ASSERT_GT(size, 0u) << "closed after " << received << " bytes";
+    received += size;
+  }
+}
+
 TEST(Hostile, ASlowReaderGetsFewerPixelsAndTakesNoMoreMemory) {
   TestServer server(setup());
   Bystander bystander(server);
@@ -228,7 +282,45 @@ TEST(Hostile, ASlowReaderGetsFewerPixelsAndTakesNoMoreMemory) {
   }
   ASSERT_FALSE(mine.is_null());
   EXPECT_LT(mine.at("most queued bytes").get<uint64_t>(), 2 * kPicture + 100000);
+  int64_t charged = 0;
+  for (const Ledger::Line& line : server.node().ledger.snapshot())
+    if (line.tenant == "slow" && line.purpose == "to be sent") charged = line.bytes;
+  EXPECT_GT(charged, int64_t(kPicture / 2)) << "to its tenant";
   bystander.expectTheSamePicture();
+}
+
+TEST(Hostile, AWindowThatFollowsMakesFewFramesForWhoReadsNoneAndThenTheNewest) {
+  ServerSetup s = setup();
+  s.server.connection.outbox.text = 2000;
+  TestServer server(std::move(s));
+  const auto other = server.client("slow");
+  other->expect("load data");
+  other->expect(importBall("ball"));
+  RawClient slow(server.port(), 4096);
+  slow.greet("slow");
+  uint32_t id = 1;
+  for (const std::string& statement :
+       {std::string("load viewer"), std::string("window 1 {\"size\": [256, 256], \"follow\": true}"),
+        "set 1 " + stateOf("ball"), std::string("render 1 {\"encoding\": \"raw\", \"levels\": [1]}")})
+    ASSERT_TRUE(slow.request(id++, statement));
+  const auto frames = [&] {
+    const json stat = other->expect("stat");
+    for (const json& t : stat.at("tenants"))
+      if (t.at("tenant") == "slow") return t.at("frames").get<int>();
+    return 0;
+  };
+  while (frames() < 1) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  int generation = 1;  // a step is left out while frames show the two before
+  while (generation < 60) generation += other->request(importBall("ball")).ok;
+  EXPECT_LT(frames(), 30);
+  json end;
+  EXPECT_TRUE(slow.readUntil([&](const Frame& frame) {
+    if (!RawClient::isEnd(frame)) return false;
+    const auto data = protocol::pixelData(frame.payload);
+    end = json::parse(std::string_view(reinterpret_cast<const char*>(data.data()), data.size()));
+    return end.at("generations") == json{{"ball", generation}};
+  }));
+  EXPECT_EQ(end.at("status"), "complete");
 }
 
 TEST(Hostile, WhoReadsNoRepliesIsReadNoMore) {
@@ -249,6 +341,29 @@ TEST(Hostile, WhoReadsNoRepliesIsReadNoMore) {
     if (c.at("tenant") == "deaf") most = c.at("most queued bytes");
   EXPECT_GT(most, 100000u);
   EXPECT_LT(most, 100000u + 300 * 11000u);
+  bystander.expectTheSamePicture();
+}
+
+TEST(Hostile, RequestsThatWaitTakeNoMoreMemoryThanTheyMay) {
+  ServerSetup s = setup();
+  constexpr uint64_t kLongest = 100000;
+  s.server.connection.limits.requestBytes = kLongest;
+  TestServer server(std::move(s));
+  Bystander bystander(server);
+  RawClient hog(server.port());
+  hog.greet("hog");
+  uint32_t id = 1;
+  hog.request(id++, "load data");
+  for (int i = 0; i <= Session::kAside; i++) hog.request(id++, "wait nothing 1 1e6");
+  const std::string text = "echo " + std::string(kLongest - 5, 'x');
+  while (id < 250 && hog.request(id, text)) id++;
+  uint64_t received = 0;
+  const json stat = server.client()->expect("stat");
+  for (const json& c : stat.at("clients"))
+    if (c.at("tenant") == "hog") received = c.at("received bytes");
+  EXPECT_GT(received, 2 * kLongest);
+  EXPECT_LT(received, 4 * kLongest);
+  EXPECT_LE(server.node().ledger.total("hog"), int64_t(3 * kLongest));
   bystander.expectTheSamePicture();
 }
 

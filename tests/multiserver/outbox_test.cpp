@@ -116,6 +116,20 @@ TEST(Outbox, LeavesEventsOutAndSaysHowMany) {
   EXPECT_EQ(nlohmann::json::parse(outbox.next()->text())["event"], "dropped");
 }
 
+TEST(Outbox, SaysOnceWhenItIsNoLongerCongested) {
+  Outbox outbox({40, 1000, 1000}, [] {}, {});
+  int drained = 0;
+  const auto count = [&] { drained++; };
+  outbox.reply(1, std::string(30, 'x'));
+  EXPECT_FALSE(outbox.congested(count));
+  outbox.reply(2, std::string(30, 'x'));
+  EXPECT_TRUE(outbox.congested(count));
+  outbox.next();
+  EXPECT_FALSE(outbox.congested());
+  while (outbox.next()) continue;
+  EXPECT_EQ(drained, 1);
+}
+
 TEST(Outbox, FilesWaitForRoomUntilCancelledOrClosed) {
   Outbox outbox({.text = 1000, .files = 100, .pixels = 1000}, [] {}, {});
   EXPECT_TRUE(outbox.file(1, Bytes(90), [] { return false; }));

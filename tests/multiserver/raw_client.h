@@ -85,14 +85,16 @@ class RawClient {
     return false;
   }
 
-  /// Reads until so many replies and ends of frames have come: what went wrong, or nothing. A minute at most.
-  std::string repliesAndEnds(size_t replies, size_t ends) {
+  /// Reads from the first byte on, and answers pings, until `last` says so of a frame; false if nothing more comes for a
+  /// minute.
+  template <class Last>
+  bool readUntil(const Last& last) {
     std::vector<std::byte> buffer(65536);
     size_t preamble = protocol::kPreambleBytes;
     protocol::FrameReader reader(protocol::FrameReader::fromServer());
-    while (replies > 0 || ends > 0) {
+    for (;;) {
       const size_t size = receive(buffer, 60000);
-      if (size == 0) return "nothing more comes, though not all has come";
+      if (size == 0) return false;
       std::span<const std::byte> bytes = std::span<const std::byte>(buffer).first(size);
       const size_t skipped = std::min(preamble, bytes.size());
       preamble -= skipped;
@@ -102,16 +104,27 @@ class RawClient {
         if (!frame) break;
         if (frame->channel == protocol::FrameChannel::Control && frame->text().starts_with("ping"))
           send(protocol::textFrame(protocol::FrameChannel::Control, 0, "pong 0"));
-        if (frame->channel == protocol::FrameChannel::Reply) {
-          if (!frame->text().starts_with("ok")) return std::string(frame->text());
-          replies--;
-        }
-        if (frame->channel == protocol::FrameChannel::Pixels &&
-            protocol::pixelHeader(frame->payload).kind == protocol::PixelKind::EndOfFrame)
-          ends--;
+        if (last(*frame)) return true;
       }
     }
-    return {};
+  }
+
+  /// Reads until so many replies and ends of frames have come: what went wrong, or nothing. A minute at most.
+  std::string repliesAndEnds(size_t replies, size_t ends) {
+    std::string wrong;
+    const bool all = readUntil([&](const protocol::Frame& frame) {
+      if (frame.channel == protocol::FrameChannel::Reply) {
+        if (!frame.text().starts_with("ok")) wrong = frame.text();
+        replies--;
+      }
+      ends -= isEnd(frame);
+      return !wrong.empty() || (replies == 0 && ends == 0);
+    });
+    return all ? wrong : "nothing more comes, though not all has come";
+  }
+  static bool isEnd(const protocol::Frame& frame) {
+    return frame.channel == protocol::FrameChannel::Pixels &&
+           protocol::pixelHeader(frame.payload).kind == protocol::PixelKind::EndOfFrame;
   }
 
  private:

@@ -2,6 +2,10 @@
 // Connections, requests and modules: what a client can rely on whatever it asks.
 #include <gtest/gtest.h>
 
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
 #include <filesystem>
 #include <fstream>
 #include <future>
@@ -174,6 +178,43 @@ TEST(Sessions, MoreClientsThanAllowedAreTold) {
   } catch (const Error& e) {
     EXPECT_NE(std::string(e.what()).find("no more are allowed"), std::string::npos) << e.what();
   }
+}
+
+TEST(Sessions, AClientGivesUpOnAPortThatSaysNothing) {
+  const int mute = ::socket(AF_INET, SOCK_STREAM, 0);
+  sockaddr_in where{};
+  where.sin_family = AF_INET;
+  where.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  socklen_t size = sizeof where;
+  ASSERT_EQ(::bind(mute, reinterpret_cast<sockaddr*>(&where), size), 0);
+  ASSERT_EQ(::listen(mute, 1), 0);
+  ASSERT_EQ(::getsockname(mute, reinterpret_cast<sockaddr*>(&where), &size), 0);
+  Client::Options options;
+  options.port = ntohs(where.sin_port);
+  options.tokenFile = "-";
+  options.patience = std::chrono::seconds(1);
+  try {
+    Client client(options);
+    FAIL() << "nobody has answered";
+  } catch (const Error& e) {
+    EXPECT_NE(std::string(e.what()).find("timed out"), std::string::npos) << e.what();
+  }
+  ::close(mute);
+}
+
+TEST(Sessions, ATenantThatHasAllItsClientsLeavesRoomForOthers) {
+  ServerSetup s = setup();
+  s.server.tenantClients = 2;
+  TestServer server(std::move(s));
+  const auto first = server.client("ann"), second = server.client("ann");
+  try {
+    server.client("ann");
+    FAIL() << "a third client of one tenant came in";
+  } catch (const Error& e) {
+    EXPECT_NE(std::string(e.what()).find("tenant ann: 2 clients are connected"), std::string::npos)
+        << e.what();
+  }
+  EXPECT_NO_THROW(server.client("bob"));
 }
 
 TEST(Sessions, EndWhenTheServerStops) {

@@ -3,7 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <memory>
 #include <thread>
+#include <vector>
 
 #include "gxy/comm/error.h"
 
@@ -72,6 +74,16 @@ TEST(Tenants, HaveSoManyFramesInFlightAndNoMore) {
       },
       Error);
   for (const auto& t : tenants.statistics()) EXPECT_EQ(t["frames in flight"], t["tenant"] == "ann" ? 1 : 0);
+}
+
+TEST(Tenants, HaveSoManyLongRequestsAtOnceAndNoMore) {
+  Tenants tenants(1);
+  std::vector<std::shared_ptr<void>> running;
+  for (int i = 0; i < Tenants::kAside; i++) running.push_back(tenants.beginAside("ann"));
+  EXPECT_THROW((void)tenants.beginAside("ann"), Error);
+  EXPECT_NO_THROW((void)tenants.beginAside("bob"));
+  running.pop_back();
+  EXPECT_NO_THROW((void)tenants.beginAside("ann"));
 }
 
 }  // namespace

@@ -253,6 +253,22 @@ TEST(ViewerModule, AWindowThatFollowsRendersNewGenerations) {
   EXPECT_NE(viewer.screen.picture(1).rgba, before);
 }
 
+TEST(ViewerModule, AWindowThatFollowsRendersWhatCameBeforeItsFrameWasCancelled) {
+  const auto server = serve();
+  Viewer viewer(*server);
+  viewer.client->expect("window 1 {\"follow\": true}");
+  const uint64_t frame = viewer.render(R"({"passes": 4096, "levels": [1]})");
+  viewer.client->expect(importBall("ball"));
+  viewer.client->expect("cancel_frame 1");
+  EXPECT_EQ(viewer.screen.waitFor(1, frame).status, "cancelled");
+  const auto newest = [&] { return viewer.client->expect("windows").at("windows")[0].at("frame"); };
+  for (int i = 0; i < 1000 && newest() == frame; i++)
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  ASSERT_EQ(newest(), frame + 1);
+  viewer.client->expect("cancel_frame 1");
+  EXPECT_EQ(viewer.screen.waitFor(1, frame + 1).json.at("generations"), (json{{"ball", 2}}));
+}
+
 TEST(ViewerModule, ScenesAreSharedAndGoWithTheirWindows) {
   const auto server = serve();
   {
@@ -298,6 +314,26 @@ TEST(ViewerModule, ABatchSendsItsPicturesBackOrIsCancelled) {
   EXPECT_EQ(ended.get_future().get().error, "cancelled");
   const Reply outside = client.request("batch " + json{{"state", state}, {"prefix", "../escaped"}}.dump());
   EXPECT_FALSE(outside.ok);
+}
+
+TEST(ViewerModule, WindowsOfManyPassesLeaveABatchOfOthersItsTurn) {
+  const auto server = serve();
+  Viewer viewer(*server, "looks");
+  for (int id = 1; id <= 16; id++) {
+    const std::string window = std::to_string(id);
+    viewer.client->expect("window " + window + " {\"size\": [96, 80]}");
+    viewer.client->expect("set " + window + " " + stateOf("ball"));
+    viewer.client->expect("render " + window + R"( {"passes": 4096, "rays": 4, "levels": [1]})");
+  }
+  const auto batch = server->client("batch");
+  batch->expect("load data");
+  batch->expect("load viewer");
+  batch->expect(importBall("ball"));
+  batch->expect("batch {\"prefix\": \"turn\", \"state\": " + stateOf("ball") + "}");
+  for (uint32_t id = 1; id <= 16; id++) {
+    EXPECT_EQ(viewer.screen.ends(id, 1), 0) << "they are still at it";
+    viewer.client->expect("cancel_frame " + std::to_string(id));
+  }
 }
 
 TEST(ViewerModule, PicturesCountAgainstTheMemoryOfTheirTenant) {

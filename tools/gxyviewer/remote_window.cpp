@@ -74,6 +74,7 @@ void RemoteWindow::takeInfo(const Reply& reply) {
   changed_.notify_all();
   for (const json& dataset : reply.value.at("datasets")) {
     if (std::find(names_.begin(), names_.end(), dataset.at("name")) == names_.end()) continue;
+    if (dataset.at("box").is_null()) continue;  // it has no data
     const auto box = dataset.at("box").get<Box>();
     if (!box_) box_ = box;
     for (size_t axis = 0; axis < 3; axis++) {

@@ -153,18 +153,31 @@ void Pictures::receive(Bytes message) {
     expected->told = true;
     return conclude(ticket, lock);
   }
+  if (piece == Piece::Tile) return receivePiece(ticket, *expected, message);
+  node_.transport.post([this, ticket, expected, message = std::move(message)] {  // a whole picture
+    receivePiece(ticket, *expected, message);
+  });
+}
+
+void Pictures::receivePiece(uint64_t ticket, Expected& expected, const Bytes& message) {
+  Reader in(message, "picture");
+  in.read<uint64_t>();
+  const auto piece = in.read<Piece>();
   const int width = in.read<int32_t>(), height = in.read<int32_t>();
-  Bytes content = in.readVector<std::byte>();
-  const Receiver& receiver = expected->receiver;
-  if (piece == Piece::Tile && receiver.tile) receiver.tile(std::move(content));
-  if (piece == Piece::Bytes && receiver.bytes) receiver.bytes(std::move(content));
+  const auto size = in.read<uint64_t>();
+  const std::span<const std::byte> content = in.rest();
+  if (content.size() != size)
+    in.fail(std::to_string(content.size()) + " bytes follow, expected " + std::to_string(size));
+  const Receiver& receiver = expected.receiver;
+  if (piece == Piece::Tile && receiver.tile) receiver.tile({content.begin(), content.end()});
+  if (piece == Piece::Bytes && receiver.bytes) receiver.bytes({content.begin(), content.end()});
   if (piece == Piece::Sums && receiver.sums) {
-    Picture picture{width, height, {}, {}, LargeVector<int64_t>(content.size() / sizeof(int64_t))};
+    Picture picture{width, height, {}, {}, LargeVector<int64_t>(size / sizeof(int64_t))};
     std::memcpy(picture.sums.data(), content.data(), picture.sums.size() * sizeof(int64_t));
     receiver.sums(std::move(picture));
   }
   std::unique_lock lock(mutex_);
-  expected->pieces++;
+  expected.pieces++;
   conclude(ticket, lock);
 }
 

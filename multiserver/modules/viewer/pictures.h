@@ -23,8 +23,8 @@ struct Wanted {
   std::string path;            ///< File: where, checked already
 };
 
-/// Who gets what comes, on rank 0. `tile`, `sums` and `bytes` are called on a progress thread, in any order, and must be
-/// short; `done` is called once, after them, as a task: with what went wrong, if anything did.
+/// Who gets what comes, on rank 0, in any order. `tile` is called on a progress thread and must be short, `sums` and `bytes`
+/// as tasks; `done` is called once, after them, as a task: with what went wrong, if anything did.
 struct Receiver {
   std::function<void(Bytes tile)> tile;  ///< a record whose window, frame, scale and pass are to be filled in
   std::function<void(Picture picture)> sums;
@@ -56,6 +56,7 @@ class Pictures {
   void onPicture(const FrameRequest& request, Picture picture);
   uint64_t sendPieces(uint64_t ticket, const Wanted& wanted, Picture picture);
   void receive(Bytes message);
+  void receivePiece(uint64_t ticket, Expected& expected, const Bytes& message);
   void onFinished(uint64_t ticket, const Renderer::Ending& ending);
   void conclude(uint64_t ticket, std::unique_lock<std::mutex>& lock);
   ExpectedPtr find(uint64_t ticket) const;

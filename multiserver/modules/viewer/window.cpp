@@ -106,11 +106,28 @@ void Window::onData(const DatasetEvent& event) {
   renderAgain();
 }
 
+void Window::onDrained() {
+  {
+    const std::lock_guard lock(mutex_);
+    drains_ = false;
+    if (!stale_ || !settings_.follow || current_ || waiting_) return;
+  }
+  renderAgain();
+}
+
 // Compiles, so on a thread that may wait.
 void Window::renderAgain() {
   {
     const std::lock_guard lock(mutex_);
     if (closed_) return;
+    // Ends of frames are kept for a client that does not read.
+    stale_ = drains_ || outbox_->congested([weak = weak_from_this(), &transport = services_.node.transport] {
+      transport.post([weak] {
+        if (const auto self = weak.lock()) self->onDrained();
+      });
+    });
+    drains_ = stale_;
+    if (stale_) return;
     underWay_++;
   }
   services_.node.transport.postWaiting([self = shared_from_this()] {

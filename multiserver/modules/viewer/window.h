@@ -64,7 +64,7 @@ class Window : public std::enable_shared_from_this<Window> {
   uint64_t lastFrame() const;
 
   /// Data have changed: scenes of older generations are let go, and, if it follows, a frame begins once the one under way
-  /// has ended. Short.
+  /// has ended and the client has read enough. Short.
   void onData(const DatasetEvent& event);
 
  private:
@@ -79,6 +79,7 @@ class Window : public std::enable_shared_from_this<Window> {
   void onStage(const FramePtr& frame, bool superseded, const std::string& error);
   void finish(const FramePtr& frame, const char* status, const std::string& error);
   void renderAgain();
+  void onDrained();
 
   Services& services_;
   const std::shared_ptr<Outbox> outbox_;
@@ -90,7 +91,9 @@ class Window : public std::enable_shared_from_this<Window> {
   std::condition_variable ended_;
   Settings settings_;
   State state_;
-  bool hasVisualization_ = false, closed_ = false, stale_ = false;
+  bool hasVisualization_ = false, closed_ = false;
+  bool stale_ = false;   ///< the newest frame shows older data than there are
+  bool drains_ = false;  ///< onDrained() is to come
   FrameOptions lastOptions_;
   ScenePtr scene_;
   FramePtr current_;       ///< under way and not superseded

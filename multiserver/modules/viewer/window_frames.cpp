@@ -137,7 +137,8 @@ void Window::startStage(const FramePtr& frame) {
     request.camera.dimensions = {int(header.width), int(header.height)};
     request.samples = frame->samples;
     request.firstSample = int32_t(frame->pass) * frame->samples;
-    request.share = {services_.node.tenants.number(tenant_), true};
+    // Somebody waits for a level's first pass. Further ones, of which there may be thousands, are like a batch's pictures.
+    request.share = {services_.node.tenants.number(tenant_), frame->pass == 0};
     request.account = tenant_;
     wanted.encoding = frame->options.encoding;
     wanted.quality = frame->options.quality;
@@ -260,9 +261,10 @@ void Window::finish(const FramePtr& frame, const char* status, const std::string
     const std::lock_guard lock(mutex_);
     if (current_ == frame) {
       current_ = nullptr;
-      again = !waiting_ && std::exchange(stale_, false) && settings_.follow && !closed_;
       if (!frame->firstPassMade) inOutbox_ = 0;
     }
+    if (!current_ && !waiting_)  // after a frame that was cancelled too
+      again = std::exchange(stale_, false) && settings_.follow && !closed_;
     underWay_--;
     ended_.notify_all();
   }
