@@ -148,6 +148,18 @@ TEST(Data, WaitEndsWithTheNextGenerationAndCanBeCancelled) {
   EXPECT_FALSE(client->request("wait ball 9 0.01").ok);
 }
 
+TEST(Data, WhatIsNoNameIsNeitherObservedNorWaitedFor) {
+  const auto server = serve();
+  const auto client = dataClient(*server);
+  for (const std::string& name : {std::string(256, 'n'), std::string(1 << 20, 'n'), std::string("\"a\\tb\"")})
+    for (const std::string verb : {"observe ", "wait "}) {
+      const Reply reply = client->request(verb + name + (verb == "wait " ? " 1 0" : ""));
+      EXPECT_NE(reply.error.find("expected 1 to 255 bytes"), std::string::npos) << reply.error.substr(0, 200);
+      EXPECT_LT(reply.error.size(), 200u);
+    }
+  client->expect("observe " + std::string(255, 'n'));
+}
+
 TEST(Data, AFailedImportChangesNothing) {
   const auto server = serve();
   std::ofstream(server->folder() / "broken.vol") << "float\n0 0 0\n4 4 4\n1 1 1\nmissing.raw\n";
