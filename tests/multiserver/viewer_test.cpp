@@ -328,6 +328,50 @@ TEST(ViewerModule, PicturesCountAgainstTheMemoryOfTheirTenant) {
   for (int rank = 0; rank < 2; rank++) EXPECT_LE(server.node(rank).ledger.peak(), 2 << 20);
 }
 
+TEST(ViewerModule, VisualizationsThatWouldTakeHoursToCompileAreRefused) {
+  const auto server = serve();
+  Viewer viewer(*server);
+  viewer.client->expect("window 1 {\"size\": [8, 8]}");
+  const auto refusal = [&](const json& document) {
+    viewer.client->expect("set 1 " + document.dump());
+    const Reply frame = viewer.client->request("render 1");
+    const Reply batch = viewer.client->request("batch " + json{{"state", document}}.dump());
+    EXPECT_EQ(frame.error, batch.error);
+    return frame.error;
+  };
+  const json state = json::parse(stateOf("ball"));
+  const auto with = [&](const char* key, json value, int operators = 1) {
+    json changed = state;
+    changed["Camera"]["dimensions"] = {8, 8};
+    changed["Visualization"]["operators"][0]["volume rendering"] = false;
+    json& all = changed["Visualization"]["operators"];
+    all[0][key] = std::move(value);
+    for (int i = 1; i < operators; i++) all.push_back(all[0]);
+    return changed;
+  };
+  const auto values = [](int count) {
+    json list = json::array();
+    for (int i = 0; i < count; i++) list.push_back(2 + i);  // beyond the data: nothing to show
+    return list;
+  };
+  const auto points = [](int count) {
+    json list = json::array();
+    for (int i = 0; i < count; i++) list.push_back({i, 0.5});
+    return list;
+  };
+  const json plane{1, 0, 0, -9};
+  EXPECT_EQ(refusal(with("isovalues", values(5), 65)), "rendering: 65 operators, expected at most 64");
+  EXPECT_EQ(refusal(with("isovalues", values(257))),
+            "rendering: 257 isovalues and slices, expected at most 256");
+  EXPECT_EQ(refusal(with("slices", json(128, plane), 2)),  // and an isovalue each
+            "rendering: 258 isovalues and slices, expected at most 256");
+  EXPECT_EQ(refusal(with("clip planes", json(33, plane), 2)),
+            "rendering: 66 clip planes, expected at most 64");
+  EXPECT_TRUE(refusal(with("extinctionmap", points(65536))).find("points of maps, expected at most 65536") !=
+              std::string::npos);
+  EXPECT_EQ(refusal(with("isovalues", values(4), 64)), "");
+}
+
 TEST(ViewerModule, WrongRequestsAreErrorsWithWhatWasExpected) {
   const auto server = serve();
   Viewer viewer(*server);
