@@ -300,6 +300,38 @@ TEST(ViewerModule, ABatchSendsItsPicturesBackOrIsCancelled) {
   EXPECT_FALSE(outside.ok);
 }
 
+TEST(ViewerModule, ABatchThatIsCancelledCompilesNoMoreScenes) {
+  Trace trace;
+  ServerSetup setup;
+  setup.ranks = 1;
+  setup.modules = GALAXY_MODULES;
+  setup.node.trace = &trace;
+  TestServer server(std::move(setup));
+  const auto client = server.client();
+  client->expect("load data");
+  client->expect("load viewer");
+  client->expect(importBall("ball"));
+  json state = json::parse(stateOf("ball"));
+  json visualization = state["Visualization"];
+  state.erase("Visualization");
+  constexpr int kVisualizations = 2000;
+  for (int i = 0; i < kVisualizations; i++) {
+    visualization["operators"][0]["isovalues"][0] = 0.2 + i * 1e-4;
+    state["Visualizations"].push_back(visualization);
+  }
+  std::promise<Reply> ended;
+  const uint32_t id =
+      client->send("batch " + json{{"state", state}}.dump(), [&](const Reply& r) { ended.set_value(r); });
+  client->expect("cancel " + std::to_string(id));
+  EXPECT_EQ(ended.get_future().get().error, "cancelled");
+  const std::string events = trace.events(0);
+  int compiled = 0;
+  for (size_t at = events.find("viewer.make"); at != std::string::npos;
+       at = events.find("viewer.make", at + 1))
+    compiled++;
+  EXPECT_LT(compiled, kVisualizations);
+}
+
 TEST(ViewerModule, PicturesCountAgainstTheMemoryOfTheirTenant) {
   ServerSetup setup;
   setup.modules = GALAXY_MODULES;
