@@ -114,6 +114,17 @@ class Datasets {
   /// New generations, on rank 0 last: what it tells of is everywhere, and the generation before is still held.
   void commit(const nlohmann::json& updates);
   void commitHere(const nlohmann::json& updates);
+  /// A dataset that has no name yet.
+  struct Unnamed {
+    std::string name;  ///< that it is to get
+    Key key;
+    DatasetType type;
+  };
+  /// Names all and commits the updates, or none of either, and then tells. What has failed is on no rank any more.
+  void nameAll(const std::string& tenant, Scope scope, const std::vector<Unnamed>& added,
+               const nlohmann::json& updates);
+  /// What a name means there. Throws Error if the tenant may not give it to something else.
+  std::optional<NamedDataset> mayName(const std::string& tenant, const std::string& name, Scope scope) const;
   void abandonHere(Key key);
   nlohmann::json infoHere(const nlohmann::json& parameters) const;
   void tell(const DatasetEvent& event);

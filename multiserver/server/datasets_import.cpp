@@ -238,21 +238,18 @@ void Datasets::import(Request& request, const Import& what) {
                   {"new", what.newPartitioning},
                   {"like", what.like.empty() ? 0 : get(tenant, what.like).key.value}};
   json updates = json::array();
-  std::vector<std::pair<const DatasetSpec*, Key>> added;
+  std::vector<Unnamed> added;
   for (const DatasetSpec& d : specs) {
     json spec = specToJson(d);
-    const auto present = find(tenant, d.name);
-    if (present && present->scope == what.scope && present->owner != tenant && present->readOnly)
-      throw Error("import: " + inQuotes(d.name) + " belongs to " + present->owner + " and is read-only");
-    const bool update = present && present->scope == what.scope && present->owner == tenant &&
-                        present->type == nameOf(d.type);
+    const auto present = mayName(tenant, d.name, what.scope);
+    const bool update = present && present->owner == tenant && present->type == nameOf(d.type);
     const Key key = update ? present->key : node_.keys.next();
     spec["key"] = key.value;
     spec["update"] = update;
     if (update)
       updates.push_back({{"key", key.value}, {"generation", present->generation + 1}});
     else
-      added.emplace_back(&d, key);
+      added.push_back({d.name, key, d.type});
     parameters["datasets"].push_back(std::move(spec));
   }
   {
@@ -267,18 +264,7 @@ void Datasets::import(Request& request, const Import& what) {
     node_.work.broadcast("datasets.cancel", {{"exchange", exchange}}, [](std::vector<Work::Reply>) {});
   });
   node_.callAll("datasets.import", parameters);
-  size_t named = 0;
-  try {
-    if (!updates.empty()) commit(updates);
-    for (; named < added.size(); named++) {
-      const auto& [d, key] = added[named];
-      add(tenant, d->name, what.scope, key, d->type);
-    }
-  } catch (const Error&) {
-    // what has no name could not be dropped by anybody else
-    for (; named < added.size(); named++) dropObject(added[named].second);
-    throw;
-  }
+  nameAll(tenant, what.scope, added, updates);
   request.progress(int64_t(2 * specs.size()), int64_t(2 * specs.size()), "done");
 }
 

@@ -178,6 +178,57 @@ TEST(Data, AFailedImportChangesNothing) {
   client->expect(importBall("ball"));  // all still work
 }
 
+std::string importShared(const std::vector<std::string>& names) {
+  json state;
+  for (const std::string& name : names)
+    state["Datasets"].push_back({{"name", name}, {"filename", "ball.vol"}, {"type", "Volume"}});
+  return "import shared " + state.dump();
+}
+
+TEST(Data, AnImportLooksForItsNamesInItsOwnDirectory) {
+  const auto server = serve();
+  const auto ann = dataClient(*server, "ann"), bob = dataClient(*server, "bob");
+  bob->expect(importShared({"b"}));
+  ann->expect(importBall("b"));  // hides the shared one
+  const Reply reply = ann->request(importShared({"a", "b"}));
+  EXPECT_NE(reply.error.find("\"b\" belongs to bob and is read-only"), std::string::npos) << reply.error;
+  EXPECT_EQ(names(*ann), (Names{"b", "b"})) << "all or none";
+
+  ann->expect(importBall("c"));
+  ann->expect(importShared({"c"}));
+  ann->expect(importShared({"c"}));
+  const json list = bob->expect("list").at("datasets");
+  ASSERT_EQ(list.size(), 2u);
+  EXPECT_EQ(list.at(1).at("name"), "c");
+  EXPECT_EQ(list.at(1).at("generation"), 2) << "of the shared one, though a private one hides it";
+}
+
+TEST(Data, AnImportThatLosesANameMeanwhileNamesNothing) {
+  const auto server = serve();
+  std::promise<void> begun;
+  std::once_flag once;
+  auto options = server->options("ann");
+  options.onEvent = [&](const json& event) {
+    if (event.at("event") == "progress") std::call_once(once, [&] { begun.set_value(); });
+  };
+  Client ann(options);
+  ann.expect("load data");
+  const auto bob = dataClient(*server, "bob");
+  bob->expect(importBall("last"));
+  std::vector<std::string> all;
+  for (int i = 0; i < 200; i++) all.push_back("ball " + std::to_string(i));
+  all.push_back("last");
+  std::promise<Reply> imported;
+  ann.send(importShared(all), [&](const Reply& r) { imported.set_value(r); });
+  begun.get_future().wait();
+  const Reply published = bob->request("publish last");
+  const Reply reply = imported.get_future().get();
+  EXPECT_NE(published.ok, reply.ok) << reply.error;
+  EXPECT_EQ(names(ann).size(), reply.ok ? 201u : 1u) << "all or none";
+  if (reply.ok) return;
+  for (int rank = 0; rank < 2; rank++) EXPECT_EQ(server->node(rank).ledger.total("ann"), 0) << rank;
+}
+
 TEST(Data, ImportsOfOneNameAtOnceBecomeOneGenerationEach) {
   const auto server = serve();
   std::vector<std::unique_ptr<Client>> clients;
