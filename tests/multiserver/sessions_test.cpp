@@ -90,6 +90,21 @@ TEST(Sessions, ALibraryThatIsNoModuleIsRefusedEverywhere) {
   client->expect("list");
 }
 
+TEST(Sessions, AModuleWithAWorkThatThereIsAlreadyChangesNothing) {
+  const TemporaryFolder folder;
+  std::filesystem::copy_file(GALAXY_CLASHING_MODULE, folder / "galaxy_clashing.so");
+  ServerSetup s = setup();
+  s.modules = folder.path().string();
+  TestServer server(std::move(s));
+  const auto client = server.client();
+  for (int times = 0; times < 2; times++) {
+    const Reply reply = client->request("load clashing");
+    EXPECT_NE(reply.error.find("there is a work datasets.info already"), std::string::npos) << reply.error;
+  }
+  for (int rank = 0; rank < 2; rank++)
+    EXPECT_FALSE(server.node(rank).work.contains("clashing.first")) << rank;
+}
+
 TEST(Sessions, VerbsAreResolvedAsTheProtocolSays) {
   TestServer server(setup());
   const auto client = server.client();
