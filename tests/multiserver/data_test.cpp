@@ -203,28 +203,60 @@ TEST(Data, AnImportLooksForItsNamesInItsOwnDirectory) {
   EXPECT_EQ(list.at(1).at("generation"), 2) << "of the shared one, though a private one hides it";
 }
 
+/// An import of 200 datasets; what is done meanwhile begins when its client is told that it goes on.
+struct LongImport {
+  LongImport(const TestServer& server, const std::string& tenant) {
+    auto options = server.options(tenant);
+    options.onEvent = [this](const json& event) {
+      if (event.at("event") == "progress") std::call_once(once, [this] { begun.set_value(); });
+    };
+    client = std::make_unique<Client>(options);
+    client->expect("load data");
+  }
+  Reply run(const std::string& how, const std::vector<std::string>& more,
+            const std::function<void()>& meanwhile) {
+    json state;
+    for (int i = 0; i < 200; i++)
+      state["Datasets"].push_back(
+          {{"name", "ball " + std::to_string(i)}, {"filename", "ball.vol"}, {"type", "Volume"}});
+    for (const std::string& name : more)
+      state["Datasets"].push_back({{"name", name}, {"filename", "ball.vol"}, {"type", "Volume"}});
+    client->send("import " + how + state.dump(), [this](const Reply& r) { imported.set_value(r); });
+    begun.get_future().wait();
+    meanwhile();
+    return imported.get_future().get();
+  }
+
+  std::once_flag once;
+  std::promise<void> begun;
+  std::promise<Reply> imported;
+  std::unique_ptr<Client> client;  // after what it sets, so that it goes first
+};
+
+TEST(Data, AnImportLikeADatasetThatIsDroppedMeanwhileIsCutAsItWas) {
+  for (const std::string how : {"like model ", ""}) {
+    const auto server = serve();
+    LongImport import(*server, "user");
+    dataClient(*server)->expect(importBall("model"));
+    const Reply reply = import.run(how, {}, [&] { dataClient(*server)->expect("drop model"); });
+    EXPECT_TRUE(reply.ok) << reply.error;
+    const auto client = dataClient(*server);
+    EXPECT_EQ(names(*client).size(), 200u);
+    const Reply late = client->request(
+        R"(import like model {"Datasets": [{"name": "late", "filename": "ball.vol", "type": "Volume"}]})");
+    EXPECT_NE(late.error.find("dataset \"model\""), std::string::npos) << late.error;
+  }
+}
+
 TEST(Data, AnImportThatLosesANameMeanwhileNamesNothing) {
   const auto server = serve();
-  std::promise<void> begun;
-  std::once_flag once;
-  auto options = server->options("ann");
-  options.onEvent = [&](const json& event) {
-    if (event.at("event") == "progress") std::call_once(once, [&] { begun.set_value(); });
-  };
-  Client ann(options);
-  ann.expect("load data");
+  LongImport import(*server, "ann");
   const auto bob = dataClient(*server, "bob");
   bob->expect(importBall("last"));
-  std::vector<std::string> all;
-  for (int i = 0; i < 200; i++) all.push_back("ball " + std::to_string(i));
-  all.push_back("last");
-  std::promise<Reply> imported;
-  ann.send(importShared(all), [&](const Reply& r) { imported.set_value(r); });
-  begun.get_future().wait();
-  const Reply published = bob->request("publish last");
-  const Reply reply = imported.get_future().get();
+  Reply published;
+  const Reply reply = import.run("shared ", {"last"}, [&] { published = bob->request("publish last"); });
   EXPECT_NE(published.ok, reply.ok) << reply.error;
-  EXPECT_EQ(names(ann).size(), reply.ok ? 201u : 1u) << "all or none";
+  EXPECT_EQ(names(*import.client).size(), reply.ok ? 201u : 1u) << "all or none";
   if (reply.ok) return;
   for (int rank = 0; rank < 2; rank++) EXPECT_EQ(server->node(rank).ledger.total("ann"), 0) << rank;
 }
