@@ -103,6 +103,7 @@ json Datasets::importHere(const json& p) {
   const auto exchange = p.at("exchange").get<uint64_t>();
   const auto tenant = p.at("tenant").get<std::string>();
   const json& specs = p.at("datasets");
+  const ReadScope inside = node_.folders.reading();
   {
     const std::lock_guard lock(mutex_);
     underWay_.emplace(exchange, false);
