@@ -25,7 +25,7 @@ start() {  # start RANKS ARGS...: a server on a free port; sets server and port
   local ranks=$1
   shift
   rm -f port
-  "$galaxy" serve -n "$ranks" --port 0 --port-file port --log-level warn "$@" >server.log 2>&1 &
+  "$galaxy" serve -n "$ranks" --port 0 --port-file port --log-level "${level:-warn}" "$@" >server.log 2>&1 &
   server=$!
   for _ in $(seq 300); do [[ -s port ]] && break; sleep 0.1; done
   port=$(cat port)
@@ -56,6 +56,12 @@ END
 check ABareOkPrintsNothing test -z "$(msdata import.txt)"
 check TheOtherClientSeesIt test "$(echo 'list;' | msdata)" = $'  datasets:\n  eightBalls'
 check JsonIsALineForEachStatement test "$(echo 'range eightBalls; list' | msdata --json | grep -c '"ok":true')" = 2
+check StatementsAreArguments test "$(msdata -c 'range eightBalls; list' -c 'drop nothing' --json 2>error.txt | wc -l)" = 3
+check BeforeScripts test "$(echo 'list;' | msdata --json -c modules - | grep -o '"[a-z]*"}$' | tr -d '"}\n')" = moduleslist
+check StatIsAWordOfItsOwn test "$(msdata stat --json | grep -c '"ledger".*"ledger".*"statement":"stat"')" = 1
+echo 'list;' >stat
+check UnlessAFileIsCalledSo test "$(msdata stat)" = $'  datasets:\n  eightBalls'
+rm stat
 echo 'drop nothing; list;' | msdata >out.txt 2>error.txt
 check AFailedStatementIsSeenInTheExitCode test $? = 1
 check AndTheNextOneRunsNevertheless grep -q eightBalls out.txt
