@@ -261,6 +261,30 @@ TEST(Data, AnImportThatLosesANameMeanwhileNamesNothing) {
   for (int rank = 0; rank < 2; rank++) EXPECT_EQ(server->node(rank).ledger.total("ann"), 0) << rank;
 }
 
+TEST(Data, TheProgressOfAnImportIsToldToItsClientOnly) {
+  const auto server = serve();
+  Progress progress, others;
+  auto options = server->options();
+  options.onEvent = [&](const json& event) { others.take(event); };
+  Client other(options);
+  options.onEvent = [&](const json& event) { progress.take(event); };
+  Client client(options);
+  client.expect("load data");
+  std::promise<Reply> imported;
+  const uint32_t id = client.send(importBall("ball"), [&](const Reply& reply) { imported.set_value(reply); });
+  EXPECT_TRUE(imported.get_future().get().ok);
+  const std::vector<json> events = progress.waitFor(id);
+  EXPECT_EQ(events.front().at("text"), "reading ball");
+  EXPECT_EQ(events.front().at("done"), 0);
+  for (size_t i = 0; i < events.size(); i++) {
+    EXPECT_EQ(events[i].at("of"), 2) << "a dataset is read and imported";
+    EXPECT_LE(events[i == 0 ? 0 : i - 1].at("done"), events[i].at("done"));
+  }
+  EXPECT_EQ(events.back().at("text"), "done");
+  other.expect("echo");
+  EXPECT_TRUE(others.none());
+}
+
 TEST(Data, ImportsOfOneNameAtOnceBecomeOneGenerationEach) {
   const auto server = serve();
   std::vector<std::unique_ptr<Client>> clients;

@@ -82,6 +82,17 @@ check InTime ended 10
 check WithStatus0 test "$status" = 0
 check AndTakesItsTokenAlong test ! -e "$XDG_RUNTIME_DIR/galaxy/$port.token"
 
+level=debug start 1
+token=$(cat "$XDG_RUNTIME_DIR/galaxy/$port.token")
+check TheTokenIsThere test ${#token} = 64
+check AndLetsIn test "$(echo 'list;' | msdata)" = "  datasets:"
+echo "${token%?}x" >wrong
+"$bin/msdata" -P "$port" --token-file wrong -c list 2>error.txt
+kill -INT "$(ranks_of)"
+check CtrlCStopsIt ended 10
+check Cleanly test "$status" = 0 -a ! -e "$XDG_RUNTIME_DIR/galaxy/$port.token"
+check TheLogDoesNotTellTheToken bash -c "grep -q 'listening on' server.log && ! grep -q '${token:0:16}' server.log"
+
 start 1
 kill -TERM "$(ranks_of)"
 check TermStopsIt ended 10

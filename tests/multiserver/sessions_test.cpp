@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <fstream>
 #include <future>
+#include <thread>
 
 #include "gxy/comm/error.h"
 #include "multiserver/test_server.h"
@@ -189,6 +190,20 @@ TEST(Sessions, MoreClientsThanAllowedAreTold) {
   } catch (const Error& e) {
     EXPECT_NE(std::string(e.what()).find("no more are allowed"), std::string::npos) << e.what();
   }
+}
+
+TEST(Sessions, AServerThatIsToStopWhenIdleStaysWhileThereAreClients) {
+  ServerSetup s = setup();
+  s.server.idleExit = std::chrono::seconds(2);
+  TestServer server(std::move(s));
+  auto client = server.client();
+  std::this_thread::sleep_for(std::chrono::seconds(4));
+  EXPECT_FALSE(server.stopAsked());
+  client = nullptr;
+  const auto until = std::chrono::steady_clock::now() + std::chrono::minutes(1);
+  while (!server.stopAsked() && std::chrono::steady_clock::now() < until)
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  EXPECT_TRUE(server.stopAsked());
 }
 
 TEST(Sessions, EndWhenTheServerStops) {

@@ -300,6 +300,28 @@ TEST(ViewerModule, ABatchSendsItsPicturesBackOrIsCancelled) {
   EXPECT_FALSE(outside.ok);
 }
 
+TEST(ViewerModule, TheProgressOfABatchIsToldToItsClient) {
+  const auto server = serve();
+  Progress progress;
+  auto options = server->options();
+  options.onEvent = [&](const json& event) { progress.take(event); };
+  Client client(options);
+  client.expect("load data");
+  client.expect("load viewer");
+  client.expect(importBall("ball"));
+  json state = json::parse(stateOf("ball"));
+  state["Cameras"] = json(5, state["Camera"]);
+  state.erase("Camera");
+  std::promise<Reply> ended;
+  const uint32_t id =
+      client.send("batch " + json{{"state", state}}.dump(), [&](const Reply& r) { ended.set_value(r); });
+  EXPECT_TRUE(ended.get_future().get().ok);
+  for (const json& event : progress.waitFor(id)) {
+    EXPECT_EQ(event.at("of"), 5) << "pictures";
+    EXPECT_EQ(event.at("text"), "rendered");
+  }
+}
+
 TEST(ViewerModule, ABatchThatIsCancelledCompilesNoMoreScenes) {
   Trace trace;
   ServerSetup setup;

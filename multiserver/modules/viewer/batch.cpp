@@ -88,6 +88,7 @@ class Run {
     }
     waitFor([&] { return job_->done == total_; });
     check();  // the last picture, too
+    request_.progress(int64_t(total_), int64_t(total_), "rendered");
     return {{"pictures", names},
             {"seconds", std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count()},
             {"text", std::to_string(total_) + " pictures"}};
@@ -136,7 +137,7 @@ class Run {
         throw Error("cancelled");
       content = {};
     }
-    request_.progress(int64_t(done), int64_t(total_), "rendered");
+    if (done < total_) request_.progress(int64_t(done), int64_t(total_), "rendered");
   }
 
   void start(size_t index) {
