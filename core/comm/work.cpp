@@ -86,6 +86,11 @@ void Work::add(const std::string& name, Action action, Runs runs) {
     throw Error("work '" + name + "' is registered twice");
 }
 
+bool Work::contains(const std::string& name) const {
+  const std::lock_guard lock(mutex_);
+  return actions_.count(name) > 0;
+}
+
 // -----------------------------------------------------------------------------------------------------------
 // sending
 

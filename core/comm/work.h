@@ -60,6 +60,9 @@ class Work {
   /// Before anyone sends it. Throws Error when the name is taken.
   void add(const std::string& name, Action action, Runs runs = Runs::Short);
 
+  /// Whether an action has this name.
+  bool contains(const std::string& name) const;
+
   void send(int rank, const std::string& name, const nlohmann::json& parameters, OnDone onDone,
             std::span<const std::byte> attachment = {});
   void broadcast(const std::string& name, const nlohmann::json& parameters, OnDone onDone,
@@ -97,7 +100,7 @@ class Work {
   Transport& transport_;
   Trace* const trace_;
   const std::shared_ptr<Gate> gate_;  ///< tasks share it: one that comes too late finds it closed
-  std::mutex mutex_;
+  mutable std::mutex mutex_;
   std::map<std::string, Registered> actions_;
   std::map<uint64_t, Pending> pending_;
   uint64_t nextId_ = 0;

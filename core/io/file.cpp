@@ -21,12 +21,25 @@ namespace {
   throw Error(path + ": " + what + ": " + std::strerror(errno));
 }
 
+thread_local const ReadScope* scope = nullptr;  ///< innermost on this thread
+
 }  // namespace
 
+ReadScope::ReadScope(Check check) : check_(std::move(check)), outer_(std::exchange(scope, this)) {}
+
+ReadScope::~ReadScope() { scope = outer_; }
+
 File File::open(const std::string& path) {
-  const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  // without waiting for whoever writes, should it be a pipe; regular files do not know the difference
+  const int descriptor = ::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
   if (descriptor < 0) fail(path, "cannot open the file");
   File file(path, descriptor);
+  if (scope) {
+    std::error_code failed;
+    const std::filesystem::path place = std::filesystem::read_symlink(file.opened(), failed);
+    if (failed) throw Error(path + ": cannot find out where the file lies: " + failed.message());
+    scope->check_(path, place.string());
+  }
   struct stat status {};
   if (::fstat(descriptor, &status) != 0) fail(path, "cannot examine the file");
   if (!S_ISREG(status.st_mode)) throw Error(path + ": not a regular file");
@@ -45,6 +58,8 @@ File::File(File&& other) noexcept
 File::~File() {
   if (descriptor_ >= 0) ::close(descriptor_);
 }
+
+std::string File::opened() const { return "/proc/self/fd/" + std::to_string(descriptor_); }
 
 int64_t File::size() const {
   struct stat status {};

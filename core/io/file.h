@@ -3,6 +3,7 @@
 #pragma once
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <string>
 
@@ -19,6 +20,8 @@ class File {
   ~File();
 
   const std::string& path() const { return path_; }
+  /// A name of what is open, whatever is at its path by now, for as long as it is.
+  std::string opened() const;
   int64_t size() const;
   /// Fills `out` from `offset` on; Error when the file ends before.
   void readAt(int64_t offset, std::span<std::byte> out) const;
@@ -28,6 +31,24 @@ class File {
   File(std::string path, int descriptor) : path_(std::move(path)), descriptor_(descriptor) {}
   std::string path_;
   int descriptor_;
+};
+
+/// While one exists, the files that File opens for reading on this thread, and with it all readers of this part, are those
+/// that it lets. The inner one of two counts.
+class ReadScope {
+ public:
+  /// `check` throws Error unless a file may be read: its path as asked for, and the path, without links, of what has been
+  /// opened.
+  using Check = std::function<void(const std::string& path, const std::string& place)>;
+  explicit ReadScope(Check check);
+  ~ReadScope();
+  ReadScope(const ReadScope&) = delete;
+  ReadScope& operator=(const ReadScope&) = delete;
+
+ private:
+  friend class File;
+  const Check check_;
+  const ReadScope* const outer_;
 };
 
 /// The whole of a text file of at most `limit` bytes.

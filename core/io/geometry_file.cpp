@@ -168,10 +168,10 @@ GeometrySummary::Array summariseArray(vtkDataArray* array, bool ofCells) {
 }  // namespace
 
 std::vector<std::string> xmlPieces(const std::string& path, const char* type) {
-  File::open(path);
+  const File file = File::open(path);
   VtkMessages messages;
   const auto parser = vtkSmartPointer<vtkXMLDataParser>::New();
-  parser->SetFileName(path.c_str());
+  parser->SetFileName(file.opened().c_str());
   const bool parsed = parser->Parse();
   messages.check(path);
   vtkXMLDataElement* root = parsed ? parser->GetRootElement() : nullptr;

@@ -36,10 +36,10 @@ class ArraySamples final : public SampleSource {
 }  // namespace
 
 VolumeFile openLegacyVolume(const std::string& path, const std::string& arrayName) {
-  File::open(path);
+  const File opened = File::open(path);
   VtkMessages messages;
   const auto reader = vtkSmartPointer<vtkStructuredPointsReader>::New();
-  reader->SetFileName(path.c_str());
+  reader->SetFileName(opened.opened().c_str());
   if (!reader->IsFileStructuredPoints())
     throw Error(path + ": expected a legacy VTK file of STRUCTURED_POINTS");
   reader->ReadAllScalarsOn();

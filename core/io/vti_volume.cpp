@@ -58,12 +58,12 @@ Extent extentAttribute(const Header& header, vtkXMLDataElement* element, const c
 }
 
 Header readHeader(const std::string& path, const char* type) {
-  File::open(path);
+  const File file = File::open(path);
   Header header;
   header.path = path;
   header.parser = vtkSmartPointer<vtkXMLDataParser>::New();
   VtkMessages messages;
-  header.parser->SetFileName(path.c_str());
+  header.parser->SetFileName(file.opened().c_str());
   const bool parsed = header.parser->Parse();
   messages.check(path);
   vtkXMLDataElement* root = header.parser->GetRootElement();
@@ -192,9 +192,10 @@ class VtkSamples final : public SampleSource {
       : path_(std::move(path)), array_(std::move(array)), base_(base) {}
 
   void read(const Extent& extent, std::span<std::byte> out) const override {
+    const File file = File::open(path_);
     VtkMessages messages;
     const auto reader = vtkSmartPointer<vtkXMLImageDataReader>::New();
-    reader->SetFileName(path_.c_str());
+    reader->SetFileName(file.opened().c_str());
     reader->UpdateInformation();
     reader->GetPointDataArraySelection()->DisableAllArrays();
     reader->GetPointDataArraySelection()->EnableArray(array_.name.c_str());

@@ -38,8 +38,9 @@ vtkSmartPointer<vtkPointSet> outputOf(Reader* reader, const std::string& path, c
 
 template <class Reader>
 vtkSmartPointer<vtkPointSet> readXml(const std::string& path, const VtkMessages& messages) {
+  const File file = File::open(path);
   const auto reader = vtkSmartPointer<Reader>::New();
-  reader->SetFileName(path.c_str());
+  reader->SetFileName(file.opened().c_str());
   return outputOf(reader.Get(), path, messages);
 }
 
@@ -141,7 +142,6 @@ vtkSmartPointer<vtkPointSet> readByExtension(const std::string& path) {
 }  // namespace
 
 vtkSmartPointer<vtkPointSet> readPointSet(const std::string& path) {
-  File::open(path);
   try {
     const vtkSmartPointer<vtkPointSet> set = readByExtension(path);
     check(set, path);

@@ -31,11 +31,23 @@ std::optional<DirectoryEntry> Directory::bind(const std::string& name, Scope sco
 
 std::optional<DirectoryEntry> Directory::find(const std::string& tenant, const std::string& name) const {
   const std::lock_guard lock(mutex_);
-  if (const auto own = private_.find(tenant); own != private_.end()) {
-    if (const auto at = own->second.find(name); at != own->second.end()) return at->second;
-  }
-  if (const auto at = shared_.find(name); at != shared_.end()) return at->second;
-  return std::nullopt;
+  if (auto own = findLocked(tenant, name, Scope::Private)) return own;
+  return findLocked(tenant, name, Scope::Shared);
+}
+
+std::optional<DirectoryEntry> Directory::find(const std::string& tenant, const std::string& name,
+                                              Scope scope) const {
+  const std::lock_guard lock(mutex_);
+  return findLocked(tenant, name, scope);
+}
+
+std::optional<DirectoryEntry> Directory::findLocked(const std::string& tenant, const std::string& name,
+                                                    Scope scope) const {
+  const auto own = private_.find(tenant);
+  if (scope == Scope::Private && own == private_.end()) return std::nullopt;
+  const Names& names = scope == Scope::Shared ? shared_ : own->second;
+  const auto at = names.find(name);
+  return at == names.end() ? std::nullopt : std::optional(at->second);
 }
 
 DirectoryEntry Directory::get(const std::string& tenant, const std::string& name) const {

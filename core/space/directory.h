@@ -38,7 +38,9 @@ class Directory {
 
   /// What a name means to a tenant: its own directory first, then the shared one.
   std::optional<DirectoryEntry> find(const std::string& tenant, const std::string& name) const;
-  /// The same; throws Error if there is none.
+  /// What it means in one of the two.
+  std::optional<DirectoryEntry> find(const std::string& tenant, const std::string& name, Scope scope) const;
+  /// The first of these; throws Error if there is none.
   DirectoryEntry get(const std::string& tenant, const std::string& name) const;
 
   /// Removes a name, and returns what it named. Throws Error if there is none, or if it is another's and
@@ -50,6 +52,8 @@ class Directory {
 
  private:
   using Names = std::map<std::string, DirectoryEntry>;
+  std::optional<DirectoryEntry> findLocked(const std::string& tenant, const std::string& name,
+                                           Scope scope) const;
   static void checkMayChange(const std::string& tenant, const std::string& name, const DirectoryEntry& entry);
 
   mutable std::mutex mutex_;

@@ -64,6 +64,12 @@ std::string DataFolders::dataToRead(const std::string& name) const {
   return path;
 }
 
+ReadScope DataFolders::reading() const {
+  return ReadScope([this](const std::string& path, const std::string& place) {
+    if (!holds(place)) refuse(path, "it is no file that may be read");
+  });
+}
+
 std::string DataFolders::toWrite(const std::string& name) const {
   const fs::path path = folders_.front() / fs::path(name);
   std::error_code failed;

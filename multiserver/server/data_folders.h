@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "gxy/io/file.h"
+
 namespace gxy {
 
 /// Names from clients become paths without links or `..` that lie in one of the folders. Immutable.
@@ -21,6 +23,10 @@ class DataFolders {
 
   /// A data file to read, and that all files it refers to lie inside (core/io/referenced_files.h).
   std::string dataToRead(const std::string& name) const;
+
+  /// While it lives, nothing that lies outside is read on this thread, though a link to it has taken the place of a file that
+  /// was found here.
+  [[nodiscard]] ReadScope reading() const;
 
   /// A file to write; a relative name means the first folder. Its own folder must exist.
   std::string toWrite(const std::string& name) const;

@@ -78,15 +78,14 @@ void Datasets::addWorks() {
     if (node_.rank() != 0) commitHere(call.parameters);  // rank 0 follows when all have
     return nullptr;
   });
+  node_.work.add("datasets.abandon", [this](const Work::Call& call) -> json {
+    for (const json& update : call.parameters) abandonHere(Key{update.at("key").get<uint64_t>()});
+    return nullptr;
+  });
 }
 
 void Datasets::commit(const json& updates) {
-  try {
-    node_.callAll("datasets.commit", updates);
-  } catch (const Error&) {
-    for (const json& update : updates) abandonHere(Key{update.at("key").get<uint64_t>()});
-    throw;
-  }
+  node_.callAll("datasets.commit", updates);
   commitHere(updates);
 }
 
@@ -189,26 +188,47 @@ std::pair<NamedDataset, Pin> Datasets::getPinned(const std::string& tenant, cons
   }
 }
 
+std::optional<NamedDataset> Datasets::mayName(const std::string& tenant, const std::string& name,
+                                              Scope scope) const {
+  const auto entry = node_.directory.find(tenant, name, scope);
+  if (!entry) return std::nullopt;
+  if (entry->readOnly && entry->owner != tenant)
+    throw Error("dataset " + inQuotes(name) + " belongs to " + entry->owner +
+                " and is read-only, expected a name that is free or your own");
+  return named(name, scope, *entry);
+}
+
 void Datasets::add(const std::string& tenant, const std::string& name, Scope scope, Key key,
                    DatasetType type) {
   checkDatasetName(name);
-  const DirectoryEntry entry{key, nameOf(type), tenant, scope == Scope::Shared};
-  std::optional<DirectoryEntry> before;
+  nameAll(tenant, scope, {{name, key, type}}, json::array());
+}
+
+void Datasets::nameAll(const std::string& tenant, Scope scope, const std::vector<Unnamed>& added,
+                       const json& updates) {
+  std::vector<NamedDataset> replaced;
   try {
     const std::lock_guard naming(naming_);
-    before = node_.directory.bind(name, scope, entry);
-    {
+    for (const Unnamed& a : added)
+      if (auto before = mayName(tenant, a.name, scope)) replaced.push_back(*std::move(before));
+    if (!updates.empty()) commit(updates);
+    for (const Unnamed& a : added) {
+      node_.directory.bind(a.name, scope, {a.key, nameOf(a.type), tenant, scope == Scope::Shared});
       const std::lock_guard lock(mutex_);
-      names_[key] = {name, scope};
-      newest_[tenant].push_back(key);
+      names_[a.key] = {a.name, scope};
+      newest_[tenant].push_back(a.key);
     }
-    if (before) tell({DatasetEvent::Kind::Dropped, named(name, scope, *before), {}});
-    tell({DatasetEvent::Kind::Added, named(name, scope, entry), {}});
+    for (const NamedDataset& before : replaced) tell({DatasetEvent::Kind::Dropped, before, {}});
+    for (const Unnamed& a : added)
+      tell({DatasetEvent::Kind::Added,
+            {a.key, a.name, scope, nameOf(a.type), tenant, scope == Scope::Shared, generationOf(a.key)},
+            {}});
   } catch (const Error&) {
-    dropObject(key);
+    if (!updates.empty()) node_.callAll("datasets.abandon", updates);
+    for (const Unnamed& a : added) dropObject(a.key);
     throw;
   }
-  if (before) dropObject(before->key);
+  for (const NamedDataset& before : replaced) dropObject(before.key);
 }
 
 void Datasets::dropObject(Key key) {

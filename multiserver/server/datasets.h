@@ -110,10 +110,24 @@ class Datasets {
 
  private:
   nlohmann::json importHere(const nlohmann::json& parameters);
+  /// Rank 0: what an import's data are cut by.
+  std::shared_ptr<const Partitioning> partitioningFor(const nlohmann::json& parameters, const Box& data,
+                                                      const Grid* grid) const;
   std::shared_ptr<void> takeNames(Request& request, const Import& what);
   /// New generations, on rank 0 last: what it tells of is everywhere, and the generation before is still held.
   void commit(const nlohmann::json& updates);
   void commitHere(const nlohmann::json& updates);
+  /// A dataset that has no name yet.
+  struct Unnamed {
+    std::string name;  ///< that it is to get
+    Key key;
+    DatasetType type;
+  };
+  /// Names all and commits the updates, or none of either, and then tells. What has failed is on no rank any more.
+  void nameAll(const std::string& tenant, Scope scope, const std::vector<Unnamed>& added,
+               const nlohmann::json& updates);
+  /// What a name means there. Throws Error if the tenant may not give it to something else.
+  std::optional<NamedDataset> mayName(const std::string& tenant, const std::string& name, Scope scope) const;
   void abandonHere(Key key);
   nlohmann::json infoHere(const nlohmann::json& parameters) const;
   void tell(const DatasetEvent& event);
@@ -127,9 +141,13 @@ class Datasets {
   mutable std::mutex mutex_;
   std::condition_variable changed_;
   std::mutex naming_;  ///< held while names change and that is told: one change at a time; before mutex_
-  std::map<uint64_t, Request*> imports_;  ///< rank 0: by exchange
-  std::map<uint64_t, bool> underWay_;     ///< by exchange: an import here, and whether it is to end
-  std::set<std::string> importing_;       ///< rank 0: names with their scopes
+  struct Asked {
+    Request* request;
+    std::shared_ptr<const Partitioning> like;  ///< to be used, or null
+  };
+  std::map<uint64_t, Asked> imports_;  ///< rank 0: by exchange
+  std::map<uint64_t, bool> underWay_;  ///< by exchange: an import here, and whether it is to end
+  std::set<std::string> importing_;    ///< rank 0: names with their scopes
   std::map<Key, std::pair<std::string, Scope>> names_;  ///< rank 0: of each object
   std::map<std::string, std::vector<Key>> newest_;      ///< rank 0: by owner, newest last
   std::map<uint64_t, std::shared_ptr<Observer>> observers_;

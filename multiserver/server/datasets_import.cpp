@@ -52,7 +52,50 @@ json specToJson(const DatasetSpec& d) {
           {"color", {d.color.r, d.color.g, d.color.b, d.color.a}}};
 }
 
+Bytes written(const Partitioning& p) {
+  std::vector<int32_t> owners;
+  for (int i = 0; i < p.partitions(); i++) owners.push_back(p.owner(i));
+  Writer w;
+  for (int a = 0; a < 3; a++) w.write(p.faces(a));
+  return w.write(p.cellPartition()).write(owners).take();
+}
+
+Partitioning readPartitioning(std::span<const std::byte> message) {
+  Reader r(message, "partitioning");
+  std::array<std::vector<double>, 3> faces;
+  for (auto& f : faces) f = r.readVector<double>();
+  auto cells = r.readVector<int32_t>(), owners = r.readVector<int32_t>();
+  return {std::move(faces), std::move(cells), std::move(owners)};
+}
+
 }  // namespace
+
+std::shared_ptr<const Partitioning> Datasets::partitioningFor(const json& p, const Box& data,
+                                                              const Grid* grid) const {
+  std::shared_ptr<const Partitioning> like;
+  std::vector<Key> candidates;
+  {
+    const std::lock_guard lock(mutex_);
+    like = imports_.at(p.at("exchange").get<uint64_t>()).like;
+    if (const auto own = newest_.find(p.at("tenant").get<std::string>()); own != newest_.end())
+      candidates = own->second;
+  }
+  if (like) {
+    if (!data.empty() && !holds(like->domain(), data))
+      throw Error("import: the data reach beyond the domain of the partitioning that they were to share");
+    return like;
+  }
+  while (!p.at("new").get<bool>() && !like && !candidates.empty()) {
+    try {
+      like = node_.objects.pin(candidates.back()).get<Dataset>()->partitioning;
+    } catch (const Error&) {
+      // dropped meanwhile
+    }
+    candidates.pop_back();
+  }
+  if (like && holds(like->domain(), data)) return like;
+  return automaticPartitioning(data, grid, {}, node_.ranks());
+}
 
 // Every rank: reads, agrees on a partitioning, imports. All ranks make the same exchanges, whatever fails: each step that
 // can fail on one of them is inside agree().
@@ -60,6 +103,7 @@ json Datasets::importHere(const json& p) {
   const auto exchange = p.at("exchange").get<uint64_t>();
   const auto tenant = p.at("tenant").get<std::string>();
   const json& specs = p.at("datasets");
+  const ReadScope inside = node_.folders.reading();
   {
     const std::lock_guard lock(mutex_);
     underWay_.emplace(exchange, false);
@@ -78,8 +122,8 @@ json Datasets::importHere(const json& p) {
       const std::lock_guard lock(mutex_);
       const auto import = imports_.find(exchange);
       if (import == imports_.end()) return;
-      import->second->check();
-      import->second->progress(int64_t(done), int64_t(2 * specs.size()), what);
+      import->second.request->check();
+      import->second.request->progress(int64_t(done), int64_t(2 * specs.size()), what);
     });
   };
 
@@ -118,34 +162,17 @@ json Datasets::importHere(const json& p) {
     }
   }
 
-  // Rank 0 says whose partitioning is used; 0: a new one.
-  uint64_t like = 0;
+  // Rank 0 says how they are cut: what it took that from may have been dropped on others.
+  std::shared_ptr<const Partitioning> partitioning;
+  Bytes told;
   agree(ranks, [&] {
     if (node_.rank() != 0) return;
-    like = p.at("like").get<uint64_t>();
-    if (like || p.at("new").get<bool>()) return;
-    std::vector<Key> candidates;
-    {
-      const std::lock_guard lock(mutex_);
-      if (const auto own = newest_.find(tenant); own != newest_.end()) candidates = own->second;
-    }
-    for (size_t i = candidates.size(); i-- > 0 && !like;) {
-      if (!node_.objects.contains(candidates[i])) continue;
-      if (holds(node_.objects.pin(candidates[i]).get<Dataset>()->partitioning->domain(), box))
-        like = candidates[i].value;
-      else
-        break;  // the tenant's current one does not fit
-    }
+    partitioning = partitioningFor(p, box, first ? &*first : nullptr);
+    told = written(*partitioning);
   });
-  Writer w;
-  const Bytes told = node_.collective.broadcast(exchange, 0, w.write(like).take());
-  like = Reader(told, "partitioning").read<uint64_t>();
-  std::shared_ptr<const Partitioning> partitioning;
+  told = node_.collective.broadcast(exchange, 0, std::move(told));
   agree(ranks, [&] {
-    partitioning = like ? node_.objects.pin(Key{like}).get<Dataset>()->partitioning
-                        : automaticPartitioning(box, first ? &*first : nullptr, {}, node_.ranks());
-    if (!holds(partitioning->domain(), box) && !box.empty())
-      throw Error("import: the data reach beyond the domain of the partitioning that they were to share");
+    if (!partitioning) partitioning = std::make_shared<const Partitioning>(readPartitioning(told));
   });
 
   for (size_t i = 0; i < made.size(); i++) {
@@ -233,31 +260,27 @@ void Datasets::import(Request& request, const Import& what) {
   if (what.onlyMissing) std::erase_if(specs, [&](const DatasetSpec& d) { return find(tenant, d.name); });
   if (specs.empty()) return;
   const uint64_t exchange = node_.nextExchange();
-  json parameters{{"exchange", exchange},
-                  {"tenant", tenant},
-                  {"new", what.newPartitioning},
-                  {"like", what.like.empty() ? 0 : get(tenant, what.like).key.value}};
+  json parameters{{"exchange", exchange}, {"tenant", tenant}, {"new", what.newPartitioning}};
+  Asked asked{&request, nullptr};
+  if (!what.like.empty()) asked.like = getPinned(tenant, what.like).second.get<Dataset>()->partitioning;
   json updates = json::array();
-  std::vector<std::pair<const DatasetSpec*, Key>> added;
+  std::vector<Unnamed> added;
   for (const DatasetSpec& d : specs) {
     json spec = specToJson(d);
-    const auto present = find(tenant, d.name);
-    if (present && present->scope == what.scope && present->owner != tenant && present->readOnly)
-      throw Error("import: " + inQuotes(d.name) + " belongs to " + present->owner + " and is read-only");
-    const bool update = present && present->scope == what.scope && present->owner == tenant &&
-                        present->type == nameOf(d.type);
+    const auto present = mayName(tenant, d.name, what.scope);
+    const bool update = present && present->owner == tenant && present->type == nameOf(d.type);
     const Key key = update ? present->key : node_.keys.next();
     spec["key"] = key.value;
     spec["update"] = update;
     if (update)
       updates.push_back({{"key", key.value}, {"generation", present->generation + 1}});
     else
-      added.emplace_back(&d, key);
+      added.push_back({d.name, key, d.type});
     parameters["datasets"].push_back(std::move(spec));
   }
   {
     const std::lock_guard lock(mutex_);
-    imports_[exchange] = &request;
+    imports_[exchange] = std::move(asked);
   }
   const std::shared_ptr<void> forget(nullptr, [&](void*) {
     const std::lock_guard lock(mutex_);
@@ -267,18 +290,7 @@ void Datasets::import(Request& request, const Import& what) {
     node_.work.broadcast("datasets.cancel", {{"exchange", exchange}}, [](std::vector<Work::Reply>) {});
   });
   node_.callAll("datasets.import", parameters);
-  size_t named = 0;
-  try {
-    if (!updates.empty()) commit(updates);
-    for (; named < added.size(); named++) {
-      const auto& [d, key] = added[named];
-      add(tenant, d->name, what.scope, key, d->type);
-    }
-  } catch (const Error&) {
-    // what has no name could not be dropped by anybody else
-    for (; named < added.size(); named++) dropObject(added[named].second);
-    throw;
-  }
+  nameAll(tenant, what.scope, added, updates);
   request.progress(int64_t(2 * specs.size()), int64_t(2 * specs.size()), "done");
 }
 

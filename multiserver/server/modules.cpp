@@ -108,13 +108,12 @@ nlohmann::json Modules::open(const std::string& name) {
   for (const Verb& verb : opened.registration->verbs_)
     if (!verbs.insert(verb.name).second || !verb.action)
       throw Error("module " + name + ": verb " + verb.name + " is registered twice or without an action");
+  std::set<std::string> works;
+  for (const auto& work : opened.registration->works_)
+    if (!works.insert(work.name).second || node_.work.contains(work.name))
+      throw Error("module " + name + ": there is a work " + work.name +
+                  " already, expected a name that begins with the module's");
   const std::lock_guard lock(mutex_);
-  for (const auto& [other, o] : opened_)
-    for (const auto& theirs : o.registration->works_)
-      for (const auto& ours : opened.registration->works_)
-        if (ours.name == theirs.name)
-          throw Error("module " + name + ": module " + other + " has a work " + ours.name +
-                      " too, expected a name of its own");
   opened_.insert_or_assign(name, std::move(opened));
   return nullptr;
 }

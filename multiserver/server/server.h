@@ -14,7 +14,7 @@ namespace gxy {
 struct ServerOptions {
   std::string bind = "127.0.0.1";
   uint16_t port = 5001;              ///< 0: any that is free
-  std::chrono::minutes idleExit{0};  ///< stops after so long without clients; 0: never
+  std::chrono::seconds idleExit{0};  ///< stops after so long without clients; 0: never
   size_t tenantClients = 256;        ///< of those that may be connected, of one tenant
   bool signals = true;               ///< SIGINT and SIGTERM stop it
   Connection::Options connection;

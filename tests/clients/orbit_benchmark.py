@@ -56,6 +56,31 @@ def state_of(scene, box, frames, size):
             "Cameras": cameras}
 
 
+class Race:
+    """Orbits that begin together: the frames per second of each until the first has ended."""
+
+    def __init__(self, tokens):
+        self._frames = dict.fromkeys(tokens, 0)
+        self._ready = threading.Barrier(len(tokens), action=self._start, timeout=600)
+        self._end = threading.Lock()
+        self.rates = None
+
+    def _start(self):
+        self._begin = time.monotonic()
+
+    def ready(self):
+        self._ready.wait()
+
+    def frame(self, token):
+        self._frames[token] += 1
+
+    def end(self):
+        with self._end:
+            if self.rates is None:
+                seconds = time.monotonic() - self._begin
+                self.rates = {token: frames / seconds for token, frames in self._frames.items()}
+
+
 class Bench:
     def __init__(self, arguments):
         self._arguments = arguments
@@ -68,9 +93,12 @@ class Bench:
             subprocess.run([server.programs / "gxydata", *making], cwd=server.folder, check=True, stdout=subprocess.DEVNULL)
         return server
 
-    def orbit(self, server, scene, in_flight, token, ready=lambda: None):
-        """Frames per second; `ready` is called when all is warm."""
+    def orbit(self, server, scene, in_flight, token, race=None):
+        """Frames per second, by token; waits for the others of the race when all is warm."""
+        race = race or Race([token])
+
         def take(_, header, content):
+            race.frame(token)
             digest = hashlib.sha256(content).hexdigest()
             if self._sums.setdefault((scene, header["name"]), digest) != digest:
                 wrong.append(header["name"])
@@ -85,15 +113,16 @@ class Bench:
                     "name": scene, "type": visualization["operators"][0]["type"], "filename": making[-1]}}))
             box = client.request(f"info {scene}")["datasets"][0]["box"]
             state = state_of(scene, box, self._arguments.frames, self._arguments.size)
-            few = {**state, "Cameras": state["Cameras"][:2]}
-            client.request("batch " + json.dumps({"state": few, "to": "client", "prefix": "warm"}))
-            ready()
-            begin = time.monotonic()
+            # The server keeps a scene while somebody shows it.
+            window = client.window(1, size=[64, 64])
+            window.set({"Visualization": visualization, "Camera": state["Cameras"][0]})
+            window.render(timeout=600)
+            race.ready()
             client.request("batch " + json.dumps({"state": state, "to": "client", "concurrent": in_flight}))
-            seconds = time.monotonic() - begin
+            race.end()
         if wrong:
             raise Failure(f"{scene}: {len(wrong)} pictures are not those of the runs before, {wrong[0]} for one")
-        return self._arguments.frames / seconds
+        return race.rates
 
     def run(self):
         a = self._arguments
@@ -104,7 +133,7 @@ class Bench:
             try:
                 own, other = server.token, self.second(server)
                 for scene in a.scenes:
-                    row = [f"{self.orbit(server, scene, n, own):.2f}" for n in a.in_flight]
+                    row = [f"{self.orbit(server, scene, n, own)[own]:.2f}" for n in a.in_flight]
                     both = self.together(server, scene, (own, other))
                     print(f"| {scene} | {ranks} | {' | '.join(row)} | {both[0]:.2f} + {both[1]:.2f} |", flush=True)
             finally:
@@ -115,19 +144,20 @@ class Bench:
         return pathlib.Path(galaxy.token_file(server.port, "second"))
 
     def together(self, server, scene, tokens):
-        rates, ready = {}, threading.Barrier(len(tokens), timeout=600)
+        race, done = Race(tokens), []
 
         def one(token):
-            rates[token] = self.orbit(server, scene, 10, token, ready.wait)
+            self.orbit(server, scene, 10, token, race)
+            done.append(token)
 
         threads = [threading.Thread(target=one, args=(token,)) for token in tokens]
         for thread in threads:
             thread.start()
         for thread in threads:
             thread.join()
-        if len(rates) < len(tokens):
+        if len(done) < len(tokens):
             raise Failure(f"{scene}: the orbit of one of two tenants failed")
-        return [rates[token] for token in tokens]
+        return [race.rates[token] for token in tokens]
 
 
 def main():

@@ -259,5 +259,23 @@ TEST(VolumeFile, DamagedHeadersGiveAnErrorAndPrintNothing) {
   EXPECT_GT(errors, 100);
 }
 
+TEST(VolumeFile, ErrorsOfVtkNameTheFileAsItWasAskedFor) {
+  const TemporaryFolder folder;
+  const std::string path = folder / "v.vtk";
+  writeText(
+      path,
+      "# vtk DataFile Version 3.0\nv\nASCII\nDATASET STRUCTURED_POINTS\nDIMENSIONS 2 2 2\nORIGIN 0 0 0\n"
+      "SPACING 1 1 1\nPOINT_DATA 8\nNOTHING v\n");
+  try {
+    openVolume(path);
+    FAIL() << "an array of no kind was read";
+  } catch (const Error& e) {
+    const std::string text = e.what();
+    EXPECT_TRUE(text.starts_with(path)) << text;
+    EXPECT_NE(text.find(path, 1), std::string::npos) << "VTK tells of the file: " << text;
+    EXPECT_EQ(text.find("/proc/"), std::string::npos) << text;
+  }
+}
+
 }  // namespace
 }  // namespace gxy

@@ -2,11 +2,16 @@
 #include "gxy/server/data_folders.h"
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <filesystem>
 #include <fstream>
 
 #include "gxy/comm/error.h"
+#include "gxy/io/geometry_file.h"
+#include "gxy/io/volume_file.h"
+#include "gxy/io/write_volume.h"
+#include "support/swapped_link.h"
 #include "support/temporary_folder.h"
 
 namespace gxy {
@@ -87,6 +92,104 @@ TEST(DataFolders, FilesThatDescriptionsNameLieInsideToo) {
   std::ofstream(place.folder / "data/bad.pvtu")
       << R"(<VTKFile type="PUnstructuredGrid"><PUnstructuredGrid><Piece Source="../secret.vtu"/></PUnstructuredGrid></VTKFile>)";
   EXPECT_THROW(folders.dataToRead("bad.pvtu"), Error);
+}
+
+/// A file of a kind that is opened in a way of its own, and which of the files that reading it opens is swapped.
+struct Kind {
+  std::string name, swapped;
+};
+const std::vector<Kind> kKinds = {{"raw.vol", "raw.raw"},       {"appended.vti", "appended.vti"},
+                                  {"text.vti", "text.vti"},     {"pieces.pvti", "piece.vti"},
+                                  {"legacy.vtk", "legacy.vtk"}, {"points.vtp", "points.vtp"},
+                                  {"parts.pvtp", "part.vtp"},   {"mesh.obj", "mesh.obj"}};
+
+/// All of them, with this value everywhere.
+void writeAll(const std::string& folder, int value) {
+  const auto file = [&](const char* name) { return std::ofstream(folder + "/" + name); };
+  const std::string one = std::to_string(value), eight = one + " " + one + " " + one + " " + one + " " + one +
+                                                         " " + one + " " + one + " " + one;
+  const std::vector<std::byte> bytes(8, std::byte(value));
+  file("raw.raw").write(reinterpret_cast<const char*>(bytes.data()), 8);
+  file("raw.vol") << "uchar\n0 0 0\n2 2 2\n1 1 1\nraw.raw\n";
+  const Grid grid{{0, 0, 0}, {1, 1, 1}, {2, 2, 2}};
+  VolumeWriter(folder + "/appended.vti", grid, {{"v", ScalarType::UInt8, 1, {}}}).write(0, 0, bytes);
+  for (const char* name : {"text.vti", "piece.vti"})
+    file(name)
+        << R"(<VTKFile type="ImageData"><ImageData WholeExtent="0 1 0 1 0 1"><Piece Extent="0 1 0 1 0 1">)"
+        << R"(<PointData><DataArray type="UInt8" Name="v" format="ascii">)" << eight
+        << "</DataArray></PointData></Piece></ImageData></VTKFile>";
+  file("pieces.pvti")
+      << R"(<VTKFile type="PImageData"><PImageData WholeExtent="0 1 0 1 0 1"><PPointData>)"
+      << R"(<PDataArray type="UInt8" Name="v"/></PPointData><Piece Extent="0 1 0 1 0 1" Source="piece.vti"/>)"
+      << "</PImageData></VTKFile>";
+  file("legacy.vtk") << "# vtk DataFile Version 3.0\nv\nASCII\nDATASET STRUCTURED_POINTS\nDIMENSIONS 2 2 2\n"
+                     << "ORIGIN 0 0 0\nSPACING 1 1 1\nPOINT_DATA 8\nSCALARS v unsigned_char 1\n"
+                     << "LOOKUP_TABLE default\n"
+                     << eight << "\n";
+  for (const char* name : {"points.vtp", "part.vtp"})
+    file(name)
+        << R"(<VTKFile type="PolyData"><PolyData><Piece NumberOfPoints="1"><Points><DataArray type="Float32")"
+        << R"( NumberOfComponents="3" format="ascii">)" << one << " 0 0"
+        << "</DataArray></Points></Piece></PolyData></VTKFile>";
+  file("parts.pvtp")
+      << R"(<VTKFile type="PPolyData"><PPolyData><Piece Source="part.vtp"/></PPolyData></VTKFile>)";
+  file("mesh.obj") << "v " << one << " 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\n";
+}
+
+int valueIn(const std::string& path) {
+  if (!isVolumeFile(path))
+    return int(readGeometry(geometryPieces(path).at(0), GeometryKind::Particles, "").block.points.at(0).x);
+  const VolumeFile file = openVolume(path, "");
+  std::vector<std::byte> samples(8);
+  readVolume(file, wholeOf(file.grid), samples);
+  EXPECT_EQ(samples, std::vector<std::byte>(8, samples[0]));
+  return int(samples[0]);
+}
+
+TEST(DataFolders, AreLeftByNoReaderWhoseFileHasBecomeALink) {
+  Place place;
+  writeAll(place.folder / "data", 1);
+  writeAll(place.folder.path(), 2);
+  const DataFolders folders({place.folder / "data"});
+  for (const Kind& kind : kKinds) {
+    const std::string path = folders.dataToRead(kind.name);
+    const std::string swapped = place.folder / "data/" + kind.swapped;
+    {
+      const ReadScope inside = folders.reading();
+      EXPECT_EQ(valueIn(path), 1) << kind.name;
+      fs::remove(swapped);
+      fs::create_symlink(place.folder / kind.swapped, swapped);
+      EXPECT_THROW(valueIn(path), Error) << kind.name;
+      fs::remove(swapped);
+      ASSERT_EQ(mkfifo(swapped.c_str(), 0600), 0);
+      EXPECT_THROW(valueIn(path), Error) << kind.name << ": nobody writes to the pipe";
+    }
+    fs::remove(swapped);
+    fs::create_symlink(place.folder / kind.swapped, swapped);
+    EXPECT_EQ(valueIn(path), 2) << kind.name << ": for programs that ask for no scope";
+  }
+}
+
+TEST(DataFolders, AreNotLeftWhileLinksAreSwapped) {
+  Place place;
+  writeAll(place.folder / "data", 1);
+  writeAll(place.folder.path(), 2);
+  const DataFolders folders({place.folder / "data"});
+  for (const Kind& kind : kKinds) {
+    const auto read = [&] {
+      const ReadScope inside = folders.reading();
+      return valueIn(folders.dataToRead(kind.name));
+    };
+    {
+      const test::SwappedLink swapped(place.folder / "data/" + kind.swapped, place.folder / kind.swapped);
+      for (int i = 0; i < 300; i++) try {
+          ASSERT_EQ(read(), 1) << kind.name;
+        } catch (const Error&) {
+          // it was a link just then
+        }
+    }
+    EXPECT_EQ(read(), 1) << kind.name;
+  }
 }
 
 TEST(DataFolders, AreWrittenToInsideOnly) {

@@ -148,6 +148,18 @@ TEST(Data, WaitEndsWithTheNextGenerationAndCanBeCancelled) {
   EXPECT_FALSE(client->request("wait ball 9 0.01").ok);
 }
 
+TEST(Data, WhatIsNoNameIsNeitherObservedNorWaitedFor) {
+  const auto server = serve();
+  const auto client = dataClient(*server);
+  for (const std::string& name : {std::string(256, 'n'), std::string(1 << 20, 'n'), std::string("\"a\\tb\"")})
+    for (const std::string verb : {"observe ", "wait "}) {
+      const Reply reply = client->request(verb + name + (verb == "wait " ? " 1 0" : ""));
+      EXPECT_NE(reply.error.find("expected 1 to 255 bytes"), std::string::npos) << reply.error.substr(0, 200);
+      EXPECT_LT(reply.error.size(), 200u);
+    }
+  client->expect("observe " + std::string(255, 'n'));
+}
+
 TEST(Data, AFailedImportChangesNothing) {
   const auto server = serve();
   std::ofstream(server->folder() / "broken.vol") << "float\n0 0 0\n4 4 4\n1 1 1\nmissing.raw\n";
@@ -164,6 +176,113 @@ TEST(Data, AFailedImportChangesNothing) {
   EXPECT_EQ(names(*client), Names{});
   for (int rank = 0; rank < 2; rank++) EXPECT_EQ(server->node(rank).ledger.total("user"), 0) << rank;
   client->expect(importBall("ball"));  // all still work
+}
+
+std::string importShared(const std::vector<std::string>& names) {
+  json state;
+  for (const std::string& name : names)
+    state["Datasets"].push_back({{"name", name}, {"filename", "ball.vol"}, {"type", "Volume"}});
+  return "import shared " + state.dump();
+}
+
+TEST(Data, AnImportLooksForItsNamesInItsOwnDirectory) {
+  const auto server = serve();
+  const auto ann = dataClient(*server, "ann"), bob = dataClient(*server, "bob");
+  bob->expect(importShared({"b"}));
+  ann->expect(importBall("b"));  // hides the shared one
+  const Reply reply = ann->request(importShared({"a", "b"}));
+  EXPECT_NE(reply.error.find("\"b\" belongs to bob and is read-only"), std::string::npos) << reply.error;
+  EXPECT_EQ(names(*ann), (Names{"b", "b"})) << "all or none";
+
+  ann->expect(importBall("c"));
+  ann->expect(importShared({"c"}));
+  ann->expect(importShared({"c"}));
+  const json list = bob->expect("list").at("datasets");
+  ASSERT_EQ(list.size(), 2u);
+  EXPECT_EQ(list.at(1).at("name"), "c");
+  EXPECT_EQ(list.at(1).at("generation"), 2) << "of the shared one, though a private one hides it";
+}
+
+/// An import of 200 datasets; what is done meanwhile begins when its client is told that it goes on.
+struct LongImport {
+  LongImport(const TestServer& server, const std::string& tenant) {
+    auto options = server.options(tenant);
+    options.onEvent = [this](const json& event) {
+      if (event.at("event") == "progress") std::call_once(once, [this] { begun.set_value(); });
+    };
+    client = std::make_unique<Client>(options);
+    client->expect("load data");
+  }
+  Reply run(const std::string& how, const std::vector<std::string>& more,
+            const std::function<void()>& meanwhile) {
+    json state;
+    for (int i = 0; i < 200; i++)
+      state["Datasets"].push_back(
+          {{"name", "ball " + std::to_string(i)}, {"filename", "ball.vol"}, {"type", "Volume"}});
+    for (const std::string& name : more)
+      state["Datasets"].push_back({{"name", name}, {"filename", "ball.vol"}, {"type", "Volume"}});
+    client->send("import " + how + state.dump(), [this](const Reply& r) { imported.set_value(r); });
+    begun.get_future().wait();
+    meanwhile();
+    return imported.get_future().get();
+  }
+
+  std::once_flag once;
+  std::promise<void> begun;
+  std::promise<Reply> imported;
+  std::unique_ptr<Client> client;  // after what it sets, so that it goes first
+};
+
+TEST(Data, AnImportLikeADatasetThatIsDroppedMeanwhileIsCutAsItWas) {
+  for (const std::string how : {"like model ", ""}) {
+    const auto server = serve();
+    LongImport import(*server, "user");
+    dataClient(*server)->expect(importBall("model"));
+    const Reply reply = import.run(how, {}, [&] { dataClient(*server)->expect("drop model"); });
+    EXPECT_TRUE(reply.ok) << reply.error;
+    const auto client = dataClient(*server);
+    EXPECT_EQ(names(*client).size(), 200u);
+    const Reply late = client->request(
+        R"(import like model {"Datasets": [{"name": "late", "filename": "ball.vol", "type": "Volume"}]})");
+    EXPECT_NE(late.error.find("dataset \"model\""), std::string::npos) << late.error;
+  }
+}
+
+TEST(Data, AnImportThatLosesANameMeanwhileNamesNothing) {
+  const auto server = serve();
+  LongImport import(*server, "ann");
+  const auto bob = dataClient(*server, "bob");
+  bob->expect(importBall("last"));
+  Reply published;
+  const Reply reply = import.run("shared ", {"last"}, [&] { published = bob->request("publish last"); });
+  EXPECT_NE(published.ok, reply.ok) << reply.error;
+  EXPECT_EQ(names(*import.client).size(), reply.ok ? 201u : 1u) << "all or none";
+  if (reply.ok) return;
+  for (int rank = 0; rank < 2; rank++) EXPECT_EQ(server->node(rank).ledger.total("ann"), 0) << rank;
+}
+
+TEST(Data, TheProgressOfAnImportIsToldToItsClientOnly) {
+  const auto server = serve();
+  Progress progress, others;
+  auto options = server->options();
+  options.onEvent = [&](const json& event) { others.take(event); };
+  Client other(options);
+  options.onEvent = [&](const json& event) { progress.take(event); };
+  Client client(options);
+  client.expect("load data");
+  std::promise<Reply> imported;
+  const uint32_t id = client.send(importBall("ball"), [&](const Reply& reply) { imported.set_value(reply); });
+  EXPECT_TRUE(imported.get_future().get().ok);
+  const std::vector<json> events = progress.waitFor(id);
+  EXPECT_EQ(events.front().at("text"), "reading ball");
+  EXPECT_EQ(events.front().at("done"), 0);
+  for (size_t i = 0; i < events.size(); i++) {
+    EXPECT_EQ(events[i].at("of"), 2) << "a dataset is read and imported";
+    EXPECT_LE(events[i == 0 ? 0 : i - 1].at("done"), events[i].at("done"));
+  }
+  EXPECT_EQ(events.back().at("text"), "done");
+  other.expect("echo");
+  EXPECT_TRUE(others.none());
 }
 
 TEST(Data, ImportsOfOneNameAtOnceBecomeOneGenerationEach) {

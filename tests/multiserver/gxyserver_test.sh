@@ -25,7 +25,7 @@ start() {  # start RANKS ARGS...: a server on a free port; sets server and port
   local ranks=$1
   shift
   rm -f port
-  "$galaxy" serve -n "$ranks" --port 0 --port-file port --log-level warn "$@" >server.log 2>&1 &
+  "$galaxy" serve -n "$ranks" --port 0 --port-file port --log-level "${level:-warn}" "$@" >server.log 2>&1 &
   server=$!
   for _ in $(seq 300); do [[ -s port ]] && break; sleep 0.1; done
   port=$(cat port)
@@ -56,6 +56,12 @@ END
 check ABareOkPrintsNothing test -z "$(msdata import.txt)"
 check TheOtherClientSeesIt test "$(echo 'list;' | msdata)" = $'  datasets:\n  eightBalls'
 check JsonIsALineForEachStatement test "$(echo 'range eightBalls; list' | msdata --json | grep -c '"ok":true')" = 2
+check StatementsAreArguments test "$(msdata -c 'range eightBalls; list' -c 'drop nothing' --json 2>error.txt | wc -l)" = 3
+check BeforeScripts test "$(echo 'list;' | msdata --json -c modules - | grep -o '"[a-z]*"}$' | tr -d '"}\n')" = moduleslist
+check StatIsAWordOfItsOwn test "$(msdata stat --json | grep -c '"ledger".*"ledger".*"statement":"stat"')" = 1
+echo 'list;' >stat
+check UnlessAFileIsCalledSo test "$(msdata stat)" = $'  datasets:\n  eightBalls'
+rm stat
 echo 'drop nothing; list;' | msdata >out.txt 2>error.txt
 check AFailedStatementIsSeenInTheExitCode test $? = 1
 check AndTheNextOneRunsNevertheless grep -q eightBalls out.txt
@@ -75,6 +81,17 @@ check QuitByTheAdministratorStopsIt bash -c "echo 'quit;' | '$bin/msdata' -P $po
 check InTime ended 10
 check WithStatus0 test "$status" = 0
 check AndTakesItsTokenAlong test ! -e "$XDG_RUNTIME_DIR/galaxy/$port.token"
+
+level=debug start 1
+token=$(cat "$XDG_RUNTIME_DIR/galaxy/$port.token")
+check TheTokenIsThere test ${#token} = 64
+check AndLetsIn test "$(echo 'list;' | msdata)" = "  datasets:"
+echo "${token%?}x" >wrong
+"$bin/msdata" -P "$port" --token-file wrong -c list 2>error.txt
+kill -INT "$(ranks_of)"
+check CtrlCStopsIt ended 10
+check Cleanly test "$status" = 0 -a ! -e "$XDG_RUNTIME_DIR/galaxy/$port.token"
+check TheLogDoesNotTellTheToken bash -c "grep -q 'listening on' server.log && ! grep -q '${token:0:16}' server.log"
 
 start 1
 kill -TERM "$(ranks_of)"

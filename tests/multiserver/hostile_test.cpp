@@ -15,6 +15,7 @@
 #include "multiserver/bystander.h"
 #include "multiserver/raw_client.h"
 #include "multiserver/test_server.h"
+#include "support/swapped_link.h"
 
 namespace gxy::test {
 namespace {
@@ -390,6 +391,19 @@ TEST(Hostile, CorruptAndVanishedFilesAreErrorsOfTheirImport) {
   std::filesystem::remove(server.folder() / "ball.raw");
   EXPECT_FALSE(client->request(importBall("gone")).ok);
   bystander.expectTheSamePicture();
+}
+
+TEST(Hostile, NothingOutsideTheDataFoldersIsImportedWhileLinksAreSwapped) {
+  TestServer server(setup());
+  const TemporaryFolder outside;
+  writeBall(outside.path().string(), "ball", 16, 1000);
+  const auto client = server.client("importer");
+  client->expect("load data");
+  const SwappedLink swapped(server.folder() / "ball.raw", outside / "ball.raw");
+  for (int i = 0; i < times(200); i++) {
+    if (!client->request(importBall("ball")).ok) continue;
+    EXPECT_LT(client->expect("range ball").at("range").at(1).get<double>(), 2);
+  }
 }
 
 /// While it lives, no file of this process grows beyond so many bytes: writing more fails as on a full disk.

@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <fstream>
 #include <future>
+#include <thread>
 
 #include "gxy/comm/error.h"
 #include "multiserver/test_server.h"
@@ -92,6 +93,21 @@ TEST(Sessions, ALibraryThatIsNoModuleIsRefusedEverywhere) {
   EXPECT_FALSE(client->request("load outside").ok) << "a link out of the folder";
   client->expect("load data");
   client->expect("list");
+}
+
+TEST(Sessions, AModuleWithAWorkThatThereIsAlreadyChangesNothing) {
+  const TemporaryFolder folder;
+  std::filesystem::copy_file(GALAXY_CLASHING_MODULE, folder / "galaxy_clashing.so");
+  ServerSetup s = setup();
+  s.modules = folder.path().string();
+  TestServer server(std::move(s));
+  const auto client = server.client();
+  for (int times = 0; times < 2; times++) {
+    const Reply reply = client->request("load clashing");
+    EXPECT_NE(reply.error.find("there is a work datasets.info already"), std::string::npos) << reply.error;
+  }
+  for (int rank = 0; rank < 2; rank++)
+    EXPECT_FALSE(server.node(rank).work.contains("clashing.first")) << rank;
 }
 
 TEST(Sessions, VerbsAreResolvedAsTheProtocolSays) {
@@ -215,6 +231,20 @@ TEST(Sessions, ATenantThatHasAllItsClientsLeavesRoomForOthers) {
         << e.what();
   }
   EXPECT_NO_THROW(server.client("bob"));
+}
+
+TEST(Sessions, AServerThatIsToStopWhenIdleStaysWhileThereAreClients) {
+  ServerSetup s = setup();
+  s.server.idleExit = std::chrono::seconds(2);
+  TestServer server(std::move(s));
+  auto client = server.client();
+  std::this_thread::sleep_for(std::chrono::seconds(4));
+  EXPECT_FALSE(server.stopAsked());
+  client = nullptr;
+  const auto until = std::chrono::steady_clock::now() + std::chrono::minutes(1);
+  while (!server.stopAsked() && std::chrono::steady_clock::now() < until)
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  EXPECT_TRUE(server.stopAsked());
 }
 
 TEST(Sessions, EndWhenTheServerStops) {

@@ -85,6 +85,28 @@ std::string stateOf(const std::string& dataset) {
     "Camera": {"viewpoint": [3, 2, 4], "viewcenter": [0, 0, 0], "aov": 30, "dimensions": [96, 80]}})";
 }
 
+void Progress::take(const nlohmann::json& event) {
+  if (event.at("event") != "progress") return;
+  const std::lock_guard lock(mutex_);
+  events_[event.at("request")].push_back(event);
+  changed_.notify_all();
+}
+
+std::vector<nlohmann::json> Progress::waitFor(uint32_t request) {
+  std::unique_lock lock(mutex_);
+  const std::vector<nlohmann::json>& events = events_[request];
+  if (!changed_.wait_for(lock, std::chrono::minutes(1), [&] {
+        return !events.empty() && events.back().at("done") == events.back().at("of");
+      }))
+    throw Error("request " + std::to_string(request) + " is not done");
+  return events;
+}
+
+bool Progress::none() const {
+  const std::lock_guard lock(mutex_);
+  return events_.empty();
+}
+
 void Screen::take(const protocol::PixelHeader& header, std::span<const std::byte> data) {
   const std::lock_guard lock(mutex_);
   try {

@@ -59,6 +59,21 @@ std::string importBall(const std::string& name, const std::string& file = "ball.
 /// A visualization document of a dataset: volume rendered, with an isosurface.
 std::string stateOf(const std::string& dataset);
 
+/// The progress that a client is told of.
+class Progress {
+ public:
+  /// The event callback of a client.
+  void take(const nlohmann::json& event);
+  /// Waits (at most a minute) until a request is done; all events of it.
+  std::vector<nlohmann::json> waitFor(uint32_t request);
+  bool none() const;
+
+ private:
+  mutable std::mutex mutex_;
+  std::condition_variable changed_;
+  std::map<uint32_t, std::vector<nlohmann::json>> events_;
+};
+
 /// What a window's client has got: pictures by level, and ends.
 class Screen {
  public:

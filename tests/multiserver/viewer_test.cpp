@@ -336,6 +336,60 @@ TEST(ViewerModule, WindowsOfManyPassesLeaveABatchOfOthersItsTurn) {
   }
 }
 
+TEST(ViewerModule, TheProgressOfABatchIsToldToItsClient) {
+  const auto server = serve();
+  Progress progress;
+  auto options = server->options();
+  options.onEvent = [&](const json& event) { progress.take(event); };
+  Client client(options);
+  client.expect("load data");
+  client.expect("load viewer");
+  client.expect(importBall("ball"));
+  json state = json::parse(stateOf("ball"));
+  state["Cameras"] = json(5, state["Camera"]);
+  state.erase("Camera");
+  std::promise<Reply> ended;
+  const uint32_t id =
+      client.send("batch " + json{{"state", state}}.dump(), [&](const Reply& r) { ended.set_value(r); });
+  EXPECT_TRUE(ended.get_future().get().ok);
+  for (const json& event : progress.waitFor(id)) {
+    EXPECT_EQ(event.at("of"), 5) << "pictures";
+    EXPECT_EQ(event.at("text"), "rendered");
+  }
+}
+
+TEST(ViewerModule, ABatchThatIsCancelledCompilesNoMoreScenes) {
+  Trace trace;
+  ServerSetup setup;
+  setup.ranks = 1;
+  setup.modules = GALAXY_MODULES;
+  setup.node.trace = &trace;
+  TestServer server(std::move(setup));
+  const auto client = server.client();
+  client->expect("load data");
+  client->expect("load viewer");
+  client->expect(importBall("ball"));
+  json state = json::parse(stateOf("ball"));
+  json visualization = state["Visualization"];
+  state.erase("Visualization");
+  constexpr int kVisualizations = 2000;
+  for (int i = 0; i < kVisualizations; i++) {
+    visualization["operators"][0]["isovalues"][0] = 0.2 + i * 1e-4;
+    state["Visualizations"].push_back(visualization);
+  }
+  std::promise<Reply> ended;
+  const uint32_t id =
+      client->send("batch " + json{{"state", state}}.dump(), [&](const Reply& r) { ended.set_value(r); });
+  client->expect("cancel " + std::to_string(id));
+  EXPECT_EQ(ended.get_future().get().error, "cancelled");
+  const std::string events = trace.events(0);
+  int compiled = 0;
+  for (size_t at = events.find("viewer.make"); at != std::string::npos;
+       at = events.find("viewer.make", at + 1))
+    compiled++;
+  EXPECT_LT(compiled, kVisualizations);
+}
+
 TEST(ViewerModule, PicturesCountAgainstTheMemoryOfTheirTenant) {
   ServerSetup setup;
   setup.modules = GALAXY_MODULES;
@@ -362,6 +416,50 @@ TEST(ViewerModule, PicturesCountAgainstTheMemoryOfTheirTenant) {
   const json stat = viewer.client->expect("stat");
   EXPECT_EQ(stat.at("tenants").at(0).at("picture bytes"), 0);
   for (int rank = 0; rank < 2; rank++) EXPECT_LE(server.node(rank).ledger.peak(), 2 << 20);
+}
+
+TEST(ViewerModule, VisualizationsThatWouldTakeHoursToCompileAreRefused) {
+  const auto server = serve();
+  Viewer viewer(*server);
+  viewer.client->expect("window 1 {\"size\": [8, 8]}");
+  const auto refusal = [&](const json& document) {
+    viewer.client->expect("set 1 " + document.dump());
+    const Reply frame = viewer.client->request("render 1");
+    const Reply batch = viewer.client->request("batch " + json{{"state", document}}.dump());
+    EXPECT_EQ(frame.error, batch.error);
+    return frame.error;
+  };
+  const json state = json::parse(stateOf("ball"));
+  const auto with = [&](const char* key, json value, int operators = 1) {
+    json changed = state;
+    changed["Camera"]["dimensions"] = {8, 8};
+    changed["Visualization"]["operators"][0]["volume rendering"] = false;
+    json& all = changed["Visualization"]["operators"];
+    all[0][key] = std::move(value);
+    for (int i = 1; i < operators; i++) all.push_back(all[0]);
+    return changed;
+  };
+  const auto values = [](int count) {
+    json list = json::array();
+    for (int i = 0; i < count; i++) list.push_back(2 + i);  // beyond the data: nothing to show
+    return list;
+  };
+  const auto points = [](int count) {
+    json list = json::array();
+    for (int i = 0; i < count; i++) list.push_back({i, 0.5});
+    return list;
+  };
+  const json plane{1, 0, 0, -9};
+  EXPECT_EQ(refusal(with("isovalues", values(5), 65)), "rendering: 65 operators, expected at most 64");
+  EXPECT_EQ(refusal(with("isovalues", values(257))),
+            "rendering: 257 isovalues and slices, expected at most 256");
+  EXPECT_EQ(refusal(with("slices", json(128, plane), 2)),  // and an isovalue each
+            "rendering: 258 isovalues and slices, expected at most 256");
+  EXPECT_EQ(refusal(with("clip planes", json(33, plane), 2)),
+            "rendering: 66 clip planes, expected at most 64");
+  EXPECT_TRUE(refusal(with("extinctionmap", points(65536))).find("points of maps, expected at most 65536") !=
+              std::string::npos);
+  EXPECT_EQ(refusal(with("isovalues", values(4), 64)), "");
 }
 
 TEST(ViewerModule, WrongRequestsAreErrorsWithWhatWasExpected) {

@@ -3,8 +3,10 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <filesystem>
 #include <fstream>
 #include <iostream>
+#include <sstream>
 
 #include "gxy/comm/error.h"
 #include "gxy/protocol/json.h"
@@ -16,7 +18,7 @@ namespace {
 
 struct Options {
   Client::Options client;
-  std::vector<std::string> modules, scripts;
+  std::vector<std::string> modules, statements, scripts;
   bool json = false;
 };
 
@@ -32,8 +34,20 @@ int run(const Options& options) {
   for (const std::string& module : options.modules) client.expect("load " + module);
   Runner runner(client, options.json);
   bool on = true;
+  const auto runText = [&](const std::string& text) {
+    std::istringstream script(text);
+    on = runner.runAll(script);
+  };
+  for (const std::string& statement : options.statements)
+    if (on) runText(statement);
   for (const std::string& script : options.scripts) {
     if (!on) break;
+    std::error_code failed;
+    const bool first = &script == &options.scripts.front();
+    if (first && script == "stat" && !std::filesystem::exists(script, failed)) {
+      runText("stat;");
+      continue;
+    }
     if (script == "-") {
       on = runner.runAll(std::cin);
     } else {
@@ -42,7 +56,7 @@ int run(const Options& options) {
       on = runner.runAll(file);
     }
   }
-  if (options.scripts.empty()) {
+  if (options.scripts.empty() && options.statements.empty()) {
     if (isatty(STDIN_FILENO))
       readTerminal(verbsOf(client), [&](const std::string& statement) { return runner.run(statement); });
     else
@@ -74,8 +88,12 @@ int main(int argc, char** argv) {
   app.add_option("-m,--module", options.modules, "a module to load; may be repeated")
       ->allow_extra_args(false);
   app.add_flag("--json", options.json, "print a line of JSON for each statement");
-  app.add_option("file", options.scripts,
-                 "scripts; - is standard input. None: statements are read from the terminal");
+  app.add_option("-c,--command", options.statements, "a statement to run, before scripts; may be repeated")
+      ->allow_extra_args(false);
+  app.add_option(
+      "file", options.scripts,
+      "scripts; - is standard input; `stat` first, where no file is called so, is the statement. No "
+      "script and no -c: statements are read from the terminal");
   CLI11_PARSE(app, argc, argv);
 #ifdef MSCLIENT_MODULE
   options.modules.insert(options.modules.begin(), MSCLIENT_MODULE);

@@ -122,6 +122,7 @@ json wait(Request& request, protocol::Arguments arguments) {
   const std::string name = arguments.expectWord();
   const auto generation = arguments.number(), seconds = arguments.number();
   arguments.expectEnd();
+  checkDatasetName(name);
   if (generation && (*generation < 1 || *generation > 1e15 || *generation != double(uint64_t(*generation))))
     arguments.fail("a generation is an integer from 1 up");
   if (seconds && (*seconds < 0 || *seconds > 1e7)) arguments.fail("seconds are 0 to 10^7");
@@ -161,6 +162,7 @@ std::shared_ptr<Observed> observedBy(Session& session) {
 json observe(Request& request, protocol::Arguments arguments) {
   const auto name = arguments.word();
   arguments.expectEnd();
+  if (name) checkDatasetName(*name);  // it is kept
   const auto observed = observedBy(request.session());
   const std::lock_guard lock(observed->mutex);
   if (!name)

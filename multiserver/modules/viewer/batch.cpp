@@ -77,8 +77,10 @@ class Run {
       names.push_back(nameOf(batch_, i));
       if (!batch_.toClient) paths_.push_back(services_.node.folders.toWrite(nameOf(batch_, i)));
     }
-    for (const Visualization& v : batch_.state.visualizations)
+    for (const Visualization& v : batch_.state.visualizations) {
+      request_.check();
       scenes_.push_back(services_.scenes.get(request_.session().tenant(), v, batch_.state.settings).scene);
+    }
     const std::shared_ptr<void> end(nullptr, [this](void*) { giveUp(); });
     for (size_t i = 0; i < total_; i++) {
       waitFor([&] { return job_->inFlight.size() < size_t(batch_.concurrent); });
@@ -86,6 +88,7 @@ class Run {
     }
     waitFor([&] { return job_->done == total_; });
     check();  // the last picture, too
+    request_.progress(int64_t(total_), int64_t(total_), "rendered");
     return {{"pictures", names},
             {"seconds", std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count()},
             {"text", std::to_string(total_) + " pictures"}};
@@ -134,7 +137,7 @@ class Run {
         throw Error("cancelled");
       content = {};
     }
-    request_.progress(int64_t(done), int64_t(total_), "rendered");
+    if (done < total_) request_.progress(int64_t(done), int64_t(total_), "rendered");
   }
 
   void start(size_t index) {

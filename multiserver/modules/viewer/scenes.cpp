@@ -20,6 +20,7 @@ constexpr int kLooks = 8;  // at names whose objects are replaced meanwhile, eac
 
 void checkCost(const Visualization& visualization, const RenderSettings& settings, glm::ivec2 size) {
   constexpr int64_t kRays = int64_t(1) << 31, kOcclusion = 256, kLights = 64;
+  constexpr int64_t kOperators = 64, kSurfaces = 256, kClips = 64, kMapPoints = 65536;
   const auto check = [](const char* what, int64_t value, int64_t most) {
     if (value > most)
       throw Error(std::string("rendering: ") + std::to_string(value) + " " + what + ", expected at most " +
@@ -28,6 +29,17 @@ void checkCost(const Visualization& visualization, const RenderSettings& setting
   check("primary rays", int64_t(size.x) * size.y * settings.raysPerPixel, kRays);
   check("ambient-occlusion rays per hit", visualization.lighting.aoCount, kOcclusion);
   check("lights", int64_t(visualization.lighting.sources.size()), kLights);
+  // Compiling looks at all data for each isovalue and slice, and cannot be cancelled.
+  check("operators", int64_t(visualization.operators.size()), kOperators);
+  size_t surfaces = 0, clips = 0, points = 0;
+  for (const Vis& vis : visualization.operators) {
+    surfaces += vis.isovalues.size() + vis.slices.size();
+    clips += vis.clipPlanes.size();
+    points += vis.colormap.points.size() + vis.opacitymap.points.size();
+  }
+  check("isovalues and slices", int64_t(surfaces), kSurfaces);
+  check("clip planes", int64_t(clips), kClips);
+  check("points of maps", int64_t(points), kMapPoints);
 }
 
 SceneHandle::~SceneHandle() {

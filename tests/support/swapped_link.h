@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+// Somebody who changes files between the look at them and their opening.
+#pragma once
+#include <atomic>
+#include <filesystem>
+#include <string>
+#include <thread>
+
+namespace gxy::test {
+
+/// While it lives, a thread puts a link to `target` in the place of a file, and the file back, again and again.
+/// There is always one of the two. The file is back when it ends.
+class SwappedLink {
+ public:
+  SwappedLink(std::filesystem::path file, std::filesystem::path target)
+      : file_(std::move(file)), target_(std::move(target)) {
+    std::filesystem::create_hard_link(file_, kept_);
+    thread_ = std::thread([this] {
+      while (!ended_) {
+        std::filesystem::create_symlink(target_, next_);
+        std::filesystem::rename(next_, file_);
+        std::filesystem::create_hard_link(kept_, next_);
+        std::filesystem::rename(next_, file_);
+      }
+    });
+  }
+  ~SwappedLink() {
+    ended_ = true;
+    thread_.join();
+    std::filesystem::remove(kept_);
+  }
+  SwappedLink(const SwappedLink&) = delete;
+  SwappedLink& operator=(const SwappedLink&) = delete;
+
+ private:
+  const std::filesystem::path file_, target_;
+  const std::filesystem::path kept_ = file_.string() + ".kept", next_ = file_.string() + ".next";
+  std::atomic<bool> ended_ = false;
+  std::thread thread_;
+};
+
+}  // namespace gxy::test
