@@ -98,11 +98,12 @@ class Backend {
 class BackendRegistry {
  public:
   using Maker = std::function<std::unique_ptr<Backend>()>;
-  /// `auto` is the first that is added and `fits`; null: always.
+  /// `auto` is the first that is added, `fits` (null: always) and can be made.
   void add(std::string name, Maker maker, std::function<bool()> fits = {}) {
     entries_.push_back({std::move(name), std::move(maker), std::move(fits)});
   }
-  /// Throws Error naming what there is.
+  /// Throws Error naming what there is; what the maker throws; with `auto`, where none can be made, what the
+  /// first threw. Logs a warning of each that `auto` had to pass over.
   std::unique_ptr<Backend> make(const std::string& name) const;
 
  private:
