@@ -27,10 +27,11 @@ std::vector<VulkanDeviceInfo> vulkanDevices();
 bool showsGpu(const std::string& folder = "/dev");
 
 struct VulkanOptions {
-  /// A number in that order, or a part of a device's name; empty: the best kind that there is. Software devices are
-  /// taken only if nothing else is there, or if asked for.
+  /// A number in that order, or a part of a device's name (as is a number that no device has); empty: the best
+  /// kind that there is. Software devices are taken only if nothing else is there, or if asked for.
   std::string device;
-  int rankOnMachine = 0;  ///< the ranks of a machine share equally good devices round robin
+  /// The ranks of a machine share round robin equally good devices, or all that have the name.
+  int rankOnMachine = 0;
   /// The largest buffer to bind; what is larger is read by address. 0: what the device binds.
   uint64_t bindingBytes = 0;
   Ledger* ledger =

@@ -204,38 +204,41 @@ VulkanDeviceInfo infoOf(VkPhysicalDevice device) {
   return info;
 }
 
-VkPhysicalDevice chooseDevice(const Instance& instance, const VulkanOptions& options) {
-  const std::vector<VkPhysicalDevice> devices = instance.devices();
-  std::vector<VulkanDeviceInfo> infos;
-  for (VkPhysicalDevice d : devices) infos.push_back(infoOf(d));
+size_t pick(const std::vector<VulkanDeviceInfo>& infos, const VulkanOptions& options) {
+  const std::string& wanted = options.device;
+  size_t index = 0;
+  const auto [rest, error] = std::from_chars(wanted.data(), wanted.data() + wanted.size(), index);
+  const bool isNumber = error == std::errc() && rest == wanted.data() + wanted.size() && index < infos.size();
+  const auto isMeant = [&](size_t i) {
+    return isNumber ? i == index : lower(infos[i].name).find(lower(wanted)) != std::string::npos;
+  };
+  VulkanDeviceInfo::Kind best = VulkanDeviceInfo::Kind::Other;
   std::vector<size_t> fit;
-  if (!options.device.empty()) {
-    size_t index = 0;
-    const char* end = options.device.data() + options.device.size();
-    const auto [rest, error] = std::from_chars(options.device.data(), end, index);
-    const bool isNumber = error == std::errc() && rest == end;
-    for (size_t i = 0; i < infos.size(); i++)
-      if (isNumber ? i == index : lower(infos[i].name).find(lower(options.device)) != std::string::npos)
-        fit.push_back(i);
-    if (fit.empty())
-      throw Error("there is no Vulkan device \"" + options.device + "\"; expected one of: " + listOf(infos));
-    if (!infos[fit[0]].missing.empty())
-      throw Error("Vulkan device \"" + infos[fit[0]].name + "\" lacks " + missingOf(infos[fit[0]]));
-  } else {
-    VulkanDeviceInfo::Kind best = VulkanDeviceInfo::Kind::Other;
-    for (size_t i = 0; i < infos.size(); i++) {
-      if (!infos[i].missing.empty() || infos[i].kind > best) continue;
+  std::string unfit;
+  for (size_t i = 0; i < infos.size(); i++) {
+    if (!isMeant(i)) continue;
+    if (!infos[i].missing.empty()) {
+      unfit += "; \"" + infos[i].name + "\" lacks " + missingOf(infos[i]);
+    } else if (!wanted.empty()) {
+      fit.push_back(i);
+    } else if (infos[i].kind <= best) {
       if (infos[i].kind < best) fit.clear();
       best = infos[i].kind;
       fit.push_back(i);
     }
-    if (fit.empty()) {
-      std::string why;
-      for (const VulkanDeviceInfo& i : infos) why += "; \"" + i.name + "\" lacks " + missingOf(i);
-      throw Error("there is no Vulkan device that can be used" + why);
-    }
   }
-  return devices[fit[size_t(options.rankOnMachine) % fit.size()]];
+  if (!fit.empty()) return fit[size_t(options.rankOnMachine) % fit.size()];
+  if (wanted.empty() || !unfit.empty())
+    throw Error("there is no Vulkan device" + (wanted.empty() ? "" : " \"" + wanted + "\"") +
+                " that can be used" + unfit);
+  throw Error("there is no Vulkan device \"" + wanted + "\"; expected one of: " + listOf(infos));
+}
+
+VkPhysicalDevice chooseDevice(const Instance& instance, const VulkanOptions& options) {
+  const std::vector<VkPhysicalDevice> devices = instance.devices();
+  std::vector<VulkanDeviceInfo> infos;
+  for (VkPhysicalDevice d : devices) infos.push_back(infoOf(d));
+  return devices[pick(infos, options)];
 }
 
 }  // namespace gxy::vulkan
