@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gxy/backends/backends.h"
 
+#include <spdlog/spdlog.h>
+
 #include <algorithm>
 
 #include "gxy/comm/error.h"
@@ -27,7 +29,10 @@ BackendRegistry allBackends(const BackendOptions& options) {
     vulkan.device = options.device;
     vulkan.rankOnMachine = options.rankOnMachine;
     vulkan.ledger = options.ledger;
-    return makeVulkanBackend(vulkan);
+    std::unique_ptr<Backend> made = makeVulkanBackend(vulkan);
+    if (deviceOf(*made).kind == VulkanDeviceInfo::Kind::Software && options.rankOnMachine == 0)
+      spdlog::warn("backend vulkan: {} is software; the embree backend would be faster", made->device());
+    return made;
   };
   registry.add("vulkan", make, fits);
 #endif

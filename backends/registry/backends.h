@@ -16,8 +16,8 @@ struct BackendOptions {
   Ledger* ledger = nullptr;
 };
 
-/// "embree" and, where the build has it, "vulkan"; `auto` is vulkan where there is a discrete GPU, or a device was asked
-/// for, else embree.
+/// "embree" and, where the build has it, "vulkan"; `auto` is vulkan where there is a discrete GPU, or a device
+/// was asked for, else embree. The first rank of a machine logs a warning where its device is software.
 BackendRegistry allBackends(const BackendOptions& options);
 
 /// For people: a line for each device that a backend may use.

@@ -48,6 +48,9 @@ struct VulkanOptions {
 /// later, from makeScene, where a scene needs more memory than there is.
 std::unique_ptr<Backend> makeVulkanBackend(const VulkanOptions& options = {});
 
+/// The device of a backend that makeVulkanBackend has made.
+const VulkanDeviceInfo& deviceOf(const Backend& backend);
+
 /// What the validation layers have said of a backend that was made with `validation`.
 std::vector<std::string> validationMessages(const Backend& backend);
 

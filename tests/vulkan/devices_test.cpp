@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Which device is taken, and what is said where there is none to take.
 #include <gtest/gtest.h>
+#include <spdlog/sinks/ostream_sink.h>
+#include <spdlog/spdlog.h>
+
+#include <sstream>
 
 #include "gxy/backends/backends.h"
 #include "gxy/comm/error.h"
@@ -117,6 +121,19 @@ TEST(VulkanDevices, AutoTakesVulkanForADiscreteGpuOrADeviceThatIsAskedFor) {
   EXPECT_EQ(allBackends({}).make("auto")->name(), discrete ? "vulkan" : "embree");
   EXPECT_EQ(allBackends({"llvmpipe", 0}).make("auto")->name(), "vulkan");
   EXPECT_EQ(allBackends({"", 5}).make("vulkan")->name(), "vulkan");
+}
+
+TEST(VulkanDevices, SoftwareIsTakenWithAWarningOnEachMachine) {
+  std::ostringstream said;
+  const auto before = spdlog::default_logger();
+  spdlog::set_default_logger(
+      std::make_shared<spdlog::logger>("test", std::make_shared<spdlog::sinks::ostream_sink_st>(said)));
+  allBackends({"llvmpipe", 1}).make("vulkan");
+  EXPECT_EQ(said.str(), "");
+  allBackends({"llvmpipe", 0}).make("vulkan");
+  spdlog::set_default_logger(before);
+  EXPECT_NE(said.str().find("is software"), std::string::npos) << said.str();
+  EXPECT_NE(said.str().find("llvmpipe"), std::string::npos) << said.str();
 }
 
 TEST(VulkanDevices, EmbreeHasNoneToChooseFrom) {
