@@ -36,6 +36,8 @@ struct VulkanOptions {
   uint64_t bindingBytes = 0;
   Ledger* ledger =
       nullptr;  ///< where its memory is entered, for tenant "device", if anywhere; needed by the maker only
+  /// For tests: as if the device gave no more memory at once. 0: what it gives.
+  uint64_t allocationBytes = 0;
   bool hidesMemory = false;  ///< for tests: as if the host did not see the device's memory
   uint64_t lostAfter = 0;    ///< for tests: the device is lost after so many submissions; 0: it is not
   bool lostInWaits = false;  ///< for tests: who waits for a later one is told, not who hands it over

@@ -51,7 +51,7 @@ class Device {
   VkPhysicalDevice physical_;
   VulkanDeviceInfo info_;
   VkPhysicalDeviceLimits limits_{};
-  size_t largestBinding_ = 0;
+  size_t largestBinding_ = 0, largestAllocation_ = 0;
   VkPhysicalDeviceMemoryProperties memory_{};
   uint32_t family_ = 0;
   VkDevice device_ = VK_NULL_HANDLE;

@@ -105,6 +105,18 @@ TEST(VulkanDevices, TooLittleMemoryIsAnErrorThatSaysHowMuchThereIs) {
   EXPECT_EQ(device.bytes(), 0u);
 }
 
+TEST(VulkanDevices, MoreThanIsGivenAtOnceIsAnErrorThatSaysHowMuchIs) {
+  VulkanOptions options = softwareDevice();
+  options.allocationBytes = size_t(3) << 20;
+  const vulkan::Device device(options);
+  const vulkan::Buffer fits(device, size_t(3) << 20, vulkan::Place::Device, "volumes");
+  const std::string error =
+      errorOf([&] { vulkan::Buffer(device, size_t(4) << 20, vulkan::Place::Device, "volumes"); });
+  EXPECT_NE(error.find("gives no 4 MiB for volumes at once, expected up to 3 MiB (maxMemoryAllocationSize)"),
+            std::string::npos)
+      << error;
+}
+
 TEST(VulkanDevices, BuffersAreCountedWhileTheyLive) {
   const vulkan::Device device(softwareDevice());
   {
