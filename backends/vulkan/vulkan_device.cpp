@@ -36,7 +36,8 @@ Device::Device(const VulkanOptions& options)
   largestAllocation_ = size_t(allocations.maxMemoryAllocationSize);
   if (options.allocationBytes > 0)
     largestAllocation_ = std::min<size_t>(largestAllocation_, options.allocationBytes);
-  largestBinding_ = size_t(limits_.maxTexelBufferElements) * sizeof(uint32_t);
+  // texels are found by an int
+  largestBinding_ = std::min<size_t>(limits_.maxTexelBufferElements, INT32_MAX) * sizeof(uint32_t);
   if (options.bindingBytes > 0) largestBinding_ = std::min<size_t>(largestBinding_, options.bindingBytes);
   vkGetPhysicalDeviceMemoryProperties(physical_, &memory_);
   family_ = uint32_t(computeFamily(physical_));

@@ -8,12 +8,15 @@
 #include <cstring>
 #include <filesystem>
 
+#include "gxy/shaders/layout.h"
+
 namespace gxy::vulkan {
 
 namespace {
 
 constexpr const char* kValidationLayer = "VK_LAYER_KHRONOS_validation";
-constexpr uint32_t kStorageBuffers = 15;  // of the three sets together
+// Of the three sets together; tables, samples and geometry, and two of them as quads, are texels.
+constexpr uint32_t kStorageBuffers = SCENE_BINDINGS + FRAME_BINDINGS + LANE_BINDINGS - 5;
 
 std::string lower(std::string s) {
   for (char& c : s) c = char(std::tolower(static_cast<unsigned char>(c)));
