@@ -192,7 +192,10 @@ VulkanDeviceInfo infoOf(VkPhysicalDevice device) {
     info.missing.push_back("Vulkan 1.2");
     return info;
   }
-  properties.pNext = &driver;
+  VkPhysicalDeviceFloatControlsProperties floats{};
+  floats.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FLOAT_CONTROLS_PROPERTIES;
+  floats.pNext = &driver;
+  properties.pNext = &floats;
   vkGetPhysicalDeviceProperties2(device, &properties);
   info.driver = std::string(driver.driverName) + " " + driver.driverInfo;
   Features has;
@@ -201,6 +204,8 @@ VulkanDeviceInfo infoOf(VkPhysicalDevice device) {
   if (!has.v12.timelineSemaphore) info.missing.push_back("timelineSemaphore");
   if (!has.v10.features.shaderFloat64) info.missing.push_back("shaderFloat64");
   if (!has.v10.features.shaderInt64) info.missing.push_back("shaderInt64");
+  if (!floats.shaderSignedZeroInfNanPreserveFloat32)
+    info.missing.push_back("shaderSignedZeroInfNanPreserveFloat32");
   if (p.limits.maxPerStageDescriptorStorageBuffers < kStorageBuffers)
     info.missing.push_back(std::to_string(kStorageBuffers) + " storage buffers in a shader");
   if (computeFamily(device) < 0) info.missing.push_back("a compute queue");
