@@ -5,15 +5,12 @@
 #include <vector>
 
 #include "gxy/rays/backend.h"
-#include "gxy/space/ledger.h"
 
 namespace gxy {
 
 struct BackendOptions {
   std::string device;     ///< of the vulkan backend: a number or a part of a name (see listDevices), or empty
   int rankOnMachine = 0;  ///< the ranks of a machine share its devices round robin
-  /// Where devices' own memory is entered, if anywhere; lives while backends are made.
-  Ledger* ledger = nullptr;
 };
 
 /// "embree" and, where the build has it, "vulkan"; `auto` is vulkan where there is a discrete GPU, or a device

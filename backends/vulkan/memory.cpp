@@ -85,7 +85,7 @@ Memory::Range Memory::take(uint32_t type, bool visible, VkDeviceSize bytes, VkDe
                                             static_cast<std::byte*>(mapped),
                                             {{0, info.allocationSize}}});
   bytes_ += block.bytes;
-  account_.resize(int64_t(bytes_));
+  account();
   return cut(block);
 }
 
@@ -105,8 +105,14 @@ void Memory::giveBack(Range& range) {
     }
   if (block.free.begin()->second < block.bytes) return;
   bytes_ -= block.bytes;
-  account_.resize(int64_t(bytes_));
+  account();
   blocks_.remove_if([&](const Block& b) { return &b == &block; });
+}
+
+void Memory::chargeElsewhere(int64_t bytes) {
+  std::lock_guard lock(mutex_);
+  elsewhere_ += bytes;
+  account();
 }
 
 VkDeviceSize Memory::bytes() const {

@@ -20,8 +20,7 @@ Device::Device(const VulkanOptions& options)
       info_(infoOf(physical_)),
       lostAfter_(options.lostAfter),
       lostInWaits_(options.lostInWaits),
-      hidesMemory_(options.hidesMemory),
-      isEntered_(options.ledger != nullptr) {
+      hidesMemory_(options.hidesMemory) {
   VkPhysicalDeviceDriverProperties driver{};
   driver.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DRIVER_PROPERTIES;
   VkPhysicalDeviceMaintenance3Properties allocations{};

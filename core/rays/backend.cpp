@@ -31,16 +31,16 @@ TraceCounters& TraceCounters::operator+=(const TraceCounters& o) {
   return *this;
 }
 
-std::unique_ptr<Backend> BackendRegistry::make(const std::string& name) const {
+std::unique_ptr<Backend> BackendRegistry::make(const std::string& name, Ledger* ledger) const {
   std::string known = "auto";
   std::exception_ptr first;
   std::vector<std::string> failures;
   for (const Entry& e : entries_) {
     known += ", " + e.name;
-    if (name == e.name) return e.maker();
+    if (name == e.name) return e.maker(ledger);
     if (name != "auto" || (e.fits && !e.fits())) continue;
     try {
-      std::unique_ptr<Backend> made = e.maker();
+      std::unique_ptr<Backend> made = e.maker(ledger);
       for (const std::string& failure : failures) spdlog::warn("{}; {} is taken", failure, e.name);
       return made;
     } catch (const std::exception& error) {

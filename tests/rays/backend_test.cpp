@@ -25,11 +25,11 @@ class Named final : public Backend {
 };
 
 BackendRegistry::Maker sound(const std::string& name) {
-  return [name] { return std::make_unique<Named>(name); };
+  return [name](Ledger*) { return std::make_unique<Named>(name); };
 }
 
 BackendRegistry::Maker broken(const std::string& why) {
-  return [why]() -> std::unique_ptr<Backend> { throw Error(why); };
+  return [why](Ledger*) -> std::unique_ptr<Backend> { throw Error(why); };
 }
 
 std::string errorOf(const BackendRegistry& registry, const std::string& name) {

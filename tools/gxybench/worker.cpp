@@ -72,7 +72,7 @@ class Worker {
 
   void run() {
     const BackendRegistry registry = allBackends({job_.device, transport_.rankOnNode()});
-    agree(ranks_, [&] { backend_ = registry.make(job_.backend); });
+    agree(ranks_, [&] { backend_ = registry.make(job_.backend, &ledger_); });
     loaded_ = loadData(job_.settings.at(0).state, job_.directory, {}, ranks_, ledger_);
     for (size_t i = 0; i < job_.settings.size(); i++) runSetting(i);
     renderer_.onPicture({});
