@@ -72,12 +72,13 @@ struct Tracer::State {
   }
 
   // The device goes on with the next before the host looks at what this one has given. A lane of which nobody knows what the
-  // device does with it is not used again.
+  // device does with it is not used again; nor, where nothing waits, is one that a single request has made larger
+  // than batches are.
   void end(Batch& batch, const std::string& error) {
     {
       std::unique_ptr<Lane> lane = batch.takeLane();
       std::lock_guard lock(mutex);
-      if (error.empty())
+      if (error.empty() && !(waiting.empty() && lane->isLargerThan(allRays)))
         idle.push_back(std::move(lane));
       else
         lanes--;

@@ -206,6 +206,16 @@ TEST(Batches, AreWithinWhatTheDeviceBinds) {
   EXPECT_EQ(newMessages(), std::vector<std::string>());
 }
 
+TEST(Batches, LargerThanOthersLeaveNoLaneOfTheirSize) {
+  Ledger ledger;
+  VulkanOptions options = softwareDevice();
+  options.ledger = &ledger;
+  const auto backend = makeVulkanBackend(options);
+  agreement::draw(*backend, occluded(32, 600));
+  EXPECT_GT(ledger.peak(), int64_t(1024 * 601 * vulkan::kRayBytes));
+  EXPECT_EQ(ledger.total(), 0);
+}
+
 TEST(Batches, OfATileThatIsTooLargeAreAnError) {
   try {
     agreement::draw(softwareVulkan(), occluded(32, 4000));
