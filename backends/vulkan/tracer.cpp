@@ -133,7 +133,7 @@ void Tracer::add(Request request, bool urgent) {
 }
 
 void Tracer::collect(const std::shared_ptr<State>& state) {
-  uint64_t lastEnd = 0;  // of what the device had to do
+  LastWork last;
   for (;;) {
     std::unique_ptr<Batch> batch;
     {
@@ -146,7 +146,7 @@ void Tracer::collect(const std::shared_ptr<State>& state) {
     std::string error;
     bool more = false;
     try {
-      more = batch->advance(lastEnd);
+      more = batch->advance(last);
     } catch (const std::exception& e) {
       error = e.what();
     }

@@ -54,6 +54,7 @@ VulkanScene::~VulkanScene() { context_->device.chargeElsewhere(-int64_t(bytes_))
 
 std::shared_ptr<const DeviceFrame> VulkanScene::makeFrame(const CompiledFrame& f) const {
   auto frame = std::make_shared<VulkanFrame>();
+  frame->number = ++context_->frames;
   frame->lights = int(f.lights.size());
   frame->depth = f.depth;
   frame->urgent = f.urgent;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // A compiled scene on a Vulkan device.
 #pragma once
+#include <atomic>
 #include <map>
 #include <memory>
 #include <vector>
@@ -19,9 +20,11 @@ struct Context {
   Pipelines pipelines;
   SharedSamples samples;
   Tracer tracer;
+  std::atomic<uint64_t> frames = 0;  ///< that were made
 };
 
 struct VulkanFrame final : DeviceFrame {
+  uint64_t number = 0;  ///< from 1
   Buffer buffer;
   DescriptorSet set;
   int lights = 0;
