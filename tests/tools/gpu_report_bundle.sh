@@ -27,8 +27,10 @@ check IsBelow60MB test "$(stat -c %s report.tar.gz)" -lt 60000000
 mkdir elsewhere
 tar -C elsewhere -xzf report.tar.gz
 cd elsewhere || exit 1
-env -i gpu-report/run --device llvmpipe --scale 0.01 --minutes 0.01 >out.txt 2>&1
+env -i gpu-report/run --device llvmpipe --scale 0.01 --minutes 0.01 --pictures . >out.txt 2>&1
 check RunsInAnEmptyEnvironment test $? = 0
 check AndHasComparedAScene grep -Eq '^[1-9][0-9]* of [0-9]+ scenes compared, 0 do not agree' gpu-report.md
+check AndLeavesItsPictures cmp "smooth volume.device.raw" "smooth volume.embree.raw"
+check AsFloatRgba test "$(stat -c %s "smooth volume.device.raw")" = $((192 * 160 * 16))
 ((failures == 0)) || cat out.txt
 exit $((failures > 0))

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <fstream>
 #include <iomanip>
 #include <sstream>
 
 #include "difference.h"
+#include "gxy/comm/error.h"
 #include "gxy/embree/embree_backend.h"
 #include "report.h"
 #include "support/frames.h"
@@ -17,9 +19,16 @@ std::string percent(size_t part, size_t all) {
   return out.str();
 }
 
+void writeRaw(const std::string& file, const Picture& picture) {
+  std::ofstream out(file, std::ios::binary);
+  out.write(reinterpret_cast<const char*>(picture.rgba.data()),
+            std::streamsize(picture.rgba.size() * sizeof(float)));
+  if (!out.flush()) throw Error(file + ": cannot be written");
+}
+
 }  // namespace
 
-Tally agreement(const Backend& device, Report& report) {
+Tally agreement(const Backend& device, const std::string& folder, Report& report) {
   report.line("\n## Agreement with the Embree backend (" + makeEmbreeBackend()->device() + ")\n");
   report.line(
       "| scene | pixels | equal to the bit, % | farther than 1/255 | largest difference | hits within 4 ulp, "
@@ -44,6 +53,10 @@ Tally agreement(const Backend& device, Report& report) {
     try {
       const Picture expected = test::render(scene, one);
       const Picture mine = test::render(scene, 1, test::compiledOn(one, scene, onDevice));
+      if (!folder.empty()) {
+        writeRaw(folder + "/" + scene.name + ".embree.raw", expected);
+        writeRaw(folder + "/" + scene.name + ".device.raw", mine);
+      }
       d = differenceOf(expected, mine);
       const Picture cut = test::render(scene, many.ranks, test::compiledOn(many, scene, onDevice));
       pieces = test::difference(mine, cut).empty() ? "the same" : "DIFFERENT";
