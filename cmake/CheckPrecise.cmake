@@ -1,8 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 # cmake -DSPIRV_DIS=... -DMODULE=x.spv -P CheckPrecise.cmake: fails unless every + - * / of the module is NoContraction,
-# that is, `precise` in GLSL reaches all of it.
+# that is, `precise` in GLSL reaches all of it, and the module keeps signed zeros, infinities and NaN.
 cmake_minimum_required(VERSION 3.25)
 execute_process(COMMAND ${SPIRV_DIS} --raw-id ${MODULE} OUTPUT_VARIABLE text COMMAND_ERROR_IS_FATAL ANY)
+if(NOT text MATCHES "OpExecutionMode %[0-9]+ SignedZeroInfNanPreserve 32\n")
+  message(FATAL_ERROR "the module does not keep signed zeros, infinities and NaN")
+endif()
 string(REGEX MATCHALL "%[0-9]+ = Op(FAdd|FSub|FMul|FDiv|Dot|VectorTimesScalar)[^\n]*" operations "${text}")
 string(REGEX MATCHALL "OpDecorate %[0-9]+ NoContraction" decorations "${text}")
 list(LENGTH operations total)

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 # cmake -DGLSLANG= -DSPIRV_DIS= -DSPIRV_AS= -DSPIRV_VAL= -DSOURCE=x.comp -DINCLUDES=list -DMODULE=x.spv [-DHEADER=x.h]
 # -P MakeShader.cmake compiles a compute shader in which no float operation may be contracted or reordered: each is
-# marked NoContraction, as `precise` would where it reaches. The header holds the module as the array x_spirv.
+# marked NoContraction, as `precise` would where it reaches; and none may take it that there is no NaN, infinity or
+# signed zero (SignedZeroInfNanPreserve). The header holds the module as the array x_spirv.
 cmake_minimum_required(VERSION 3.25)
 get_filename_component(name ${SOURCE} NAME_WE)
 list(TRANSFORM INCLUDES PREPEND -I)
@@ -19,6 +20,9 @@ foreach(operation ${operations})
     string(APPEND marks "${mark}")
   endif()
 endforeach()
+string(REPLACE "OpCapability Shader\n" "OpCapability Shader\nOpCapability SignedZeroInfNanPreserve\n" text "${text}")
+string(REGEX REPLACE "OpExecutionMode (%[0-9]+) LocalSize" "OpExecutionMode \\1 SignedZeroInfNanPreserve 32\nOpExecutionMode \\1 LocalSize"
+       text "${text}")
 string(FIND "${text}" "%2 = OpType" types)
 string(SUBSTRING "${text}" 0 ${types} head)
 string(SUBSTRING "${text}" ${types} -1 tail)

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gxy/backends/backends.h"
 
+#include <spdlog/spdlog.h>
+
 #include <algorithm>
 
 #include "gxy/comm/error.h"
@@ -22,16 +24,19 @@ BackendRegistry allBackends(const BackendOptions& options) {
       return d.kind == VulkanDeviceInfo::Kind::Discrete && d.missing.empty();
     });
   };
-  const auto make = [options] {
+  const auto make = [options](Ledger* ledger) {
     VulkanOptions vulkan;
     vulkan.device = options.device;
     vulkan.rankOnMachine = options.rankOnMachine;
-    vulkan.ledger = options.ledger;
-    return makeVulkanBackend(vulkan);
+    vulkan.ledger = ledger;
+    std::unique_ptr<Backend> made = makeVulkanBackend(vulkan);
+    if (deviceOf(*made).kind == VulkanDeviceInfo::Kind::Software && options.rankOnMachine == 0)
+      spdlog::warn("backend vulkan: {} is software; the embree backend would be faster", made->device());
+    return made;
   };
   registry.add("vulkan", make, fits);
 #endif
-  registry.add("embree", [options] {
+  registry.add("embree", [options](Ledger*) {
     if (!options.device.empty())
       throw Error("device \"" + options.device +
                   "\" was asked for, but the embree backend has none to choose from");

@@ -5,19 +5,16 @@
 #include <vector>
 
 #include "gxy/rays/backend.h"
-#include "gxy/space/ledger.h"
 
 namespace gxy {
 
 struct BackendOptions {
   std::string device;     ///< of the vulkan backend: a number or a part of a name (see listDevices), or empty
   int rankOnMachine = 0;  ///< the ranks of a machine share its devices round robin
-  /// Where devices' own memory is entered, if anywhere; lives while backends are made.
-  Ledger* ledger = nullptr;
 };
 
-/// "embree" and, where the build has it, "vulkan"; `auto` is vulkan where there is a discrete GPU, or a device was asked
-/// for, else embree.
+/// "embree" and, where the build has it, "vulkan"; `auto` is vulkan where there is a discrete GPU, or a device
+/// was asked for, else embree. The first rank of a machine logs a warning where its device is software.
 BackendRegistry allBackends(const BackendOptions& options);
 
 /// For people: a line for each device that a backend may use.

@@ -54,13 +54,13 @@ void Batch::submit(size_t firstStep, bool resumed) {
   lane_->submit(part_.set.get(), frame_.set.get(), steps_, firstStep, resumed);
 }
 
-bool Batch::advance(uint64_t& lastEnd) {
+bool Batch::advance(LastWork& last) {
   lane_->wait();
   TraceCounters& c = results_[0].counters;
   c.submissions++;
   c.nsDevice += lane_->ended() - lane_->began();
-  if (lastEnd > 0 && lane_->began() > lastEnd) c.nsDeviceIdle += lane_->began() - lastEnd;
-  lastEnd = lane_->ended();
+  if (last.frame == frame_.number && lane_->began() > last.end) c.nsDeviceIdle += lane_->began() - last.end;
+  last = {frame_.number, lane_->ended()};
   scene_.addTimes(c, *lane_);
   if (lane_->count(COUNT_STUCK) > 0)
     throw Error("device \"" + scene_.deviceName() + "\" gave up on " +

@@ -32,6 +32,11 @@ struct Request {
   }
 };
 
+/// What the device did last: of which frame, and until when by its clock.
+struct LastWork {
+  uint64_t frame = 0, end = 0;
+};
+
 /// On the device, primaries make secondaries, and those that start in the same partition are traced in the same submission,
 /// without the host. Another submission follows where rays go on behind translucent surfaces, and where the device has not
 /// ended what a stage had to do (shaders/rays.glsl). One thread at a time.
@@ -42,9 +47,8 @@ class Batch {
 
   /// Begins. Throws Error where the device fails, as does advance().
   void start(std::unique_ptr<Lane> lane);
-  /// Waits for what was submitted, and goes on; false: all is done. `lastEnd`, by the device's clock: of what it did before,
-  /// and then of this.
-  bool advance(uint64_t& lastEnd);
+  /// Waits for what was submitted, and goes on; false: all is done. `last`: before this, and then this.
+  bool advance(LastWork& last);
   /// The lane, when the batch is over.
   std::unique_ptr<Lane> takeLane() { return std::move(lane_); }
   /// Tells those who asked what has become of their rays.

@@ -58,6 +58,13 @@ Lane::Lane(const Device& device, Pipelines& pipelines)
   clock_ = QueryPoolHandle(device.get(), clock);
 }
 
+// With room for more, so that it is seldom done again.
+size_t Lane::roomy(size_t bytes) const {
+  return std::min<size_t>(std::bit_ceil(bytes), device_.limits().maxStorageBufferRange);
+}
+
+bool Lane::isLargerThan(size_t rays) const { return leaving_.bytes() > roomy(listBytes(rays)); }
+
 void Lane::reserve(size_t rays, size_t perHit) {
   const size_t here = rays * perHit, all = rays + here, most = mostRays(device_);
   if (all > most)
@@ -86,10 +93,6 @@ void Lane::reserve(size_t rays, size_t perHit) {
   staging_ = {};
   for (const Need& n : needs)
     if (lacks(n)) n.buffer = {};
-  // with room for more, so that it is seldom done again
-  const auto roomy = [&](size_t bytes) {
-    return std::min<size_t>(std::bit_ceil(bytes), device_.limits().maxStorageBufferRange);
-  };
   for (const Need& n : needs)
     if (!n.buffer.get()) n.buffer = Buffer(device_, roomy(n.bytes), n.place, n.what);
   if (!lists_[0].mapped()) staging_ = Buffer(device_, lists_[0].bytes(), Place::Readback, "rays");

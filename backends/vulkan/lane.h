@@ -49,6 +49,8 @@ class Lane {
   /// Makes room for `rays` given rays, each of which makes up to `perHit` secondaries. Throws Error where these are more than
   /// mostRays() together.
   void reserve(size_t rays, size_t perHit);
+  /// Whether it has room for more than so many rays, given and made.
+  bool isLargerThan(size_t rays) const;
   /// Makes rays at `at`, ... of the list that is given of a packet.
   void load(const RayList& rays, size_t at, uint32_t packet);
 
@@ -73,6 +75,7 @@ class Lane {
   const uint32_t* depths() const { return reinterpret_cast<const uint32_t*>(depths_.mapped()); }
 
  private:
+  size_t roomy(size_t bytes) const;
   void record(const Step& step, size_t number);
 
   const Device& device_;

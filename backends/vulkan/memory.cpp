@@ -76,13 +76,16 @@ Memory::Range Memory::take(uint32_t type, bool visible, VkDeviceSize bytes, VkDe
   }
   if (result == VK_ERROR_OUT_OF_DEVICE_MEMORY || result == VK_ERROR_OUT_OF_HOST_MEMORY) return {};
   check(result, "allocating memory");
-  Block& block = blocks_.emplace_back(
-      Block{type, info.allocationSize, MemoryHandle(device_, memory), nullptr, {{0, info.allocationSize}}});
-  bytes_ += block.bytes;
-  account_.resize(int64_t(bytes_));
+  MemoryHandle owned(device_, memory);
   void* mapped = nullptr;
   if (visible) check(vkMapMemory(device_, memory, 0, VK_WHOLE_SIZE, 0, &mapped), "mapping memory");
-  block.mapped = static_cast<std::byte*>(mapped);
+  Block& block = blocks_.emplace_back(Block{type,
+                                            info.allocationSize,
+                                            std::move(owned),
+                                            static_cast<std::byte*>(mapped),
+                                            {{0, info.allocationSize}}});
+  bytes_ += block.bytes;
+  account();
   return cut(block);
 }
 
@@ -102,8 +105,14 @@ void Memory::giveBack(Range& range) {
     }
   if (block.free.begin()->second < block.bytes) return;
   bytes_ -= block.bytes;
-  account_.resize(int64_t(bytes_));
+  account();
   blocks_.remove_if([&](const Block& b) { return &b == &block; });
+}
+
+void Memory::chargeElsewhere(int64_t bytes) {
+  std::lock_guard lock(mutex_);
+  elsewhere_ += bytes;
+  account();
 }
 
 VkDeviceSize Memory::bytes() const {

@@ -35,7 +35,7 @@ class Memory {
     VkDeviceSize offset_ = 0, bytes_ = 0;
   };
 
-  /// `account`: of the blocks' sizes; in a ledger or not.
+  /// `account`: of the blocks' sizes, less what is charged elsewhere; in a ledger or not.
   Memory(VkDevice device, VkDeviceSize blockBytes, LedgerEntry account);
   ~Memory();
   Memory(const Memory&) = delete;
@@ -43,18 +43,22 @@ class Memory {
 
   /// Of a memory type, which the host sees or not. Empty (memory() is null) where the device has no room.
   Range take(uint32_t type, bool visible, VkDeviceSize bytes, VkDeviceSize alignment);
+  /// So many bytes more (or fewer) of what is taken are in others' accounts.
+  void chargeElsewhere(int64_t bytes);
   /// Of all blocks.
   VkDeviceSize bytes() const;
   size_t blocks() const;
 
  private:
   void giveBack(Range& range);
+  void account() { account_.resize(int64_t(bytes_) - elsewhere_); }
 
   const VkDevice device_;
   const VkDeviceSize blockBytes_;
   mutable std::mutex mutex_;
   std::list<Block> blocks_;
   VkDeviceSize bytes_ = 0;
+  int64_t elsewhere_ = 0;
   LedgerEntry account_;
 };
 

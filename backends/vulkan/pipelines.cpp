@@ -158,9 +158,11 @@ Pipelines::Pipelines(const Device& device)
 
 VkPipeline Pipelines::get(Stage stage, const Special& wanted) {
   const Special special = specialFor(stage, wanted);
-  std::lock_guard lock(mutex_);
-  PipelineHandle& pipeline = made_[{stage, special}];
-  if (pipeline) return pipeline.get();
+  std::unique_lock all(mutex_);
+  Compiled& compiled = made_[{stage, special}];
+  all.unlock();
+  std::lock_guard lock(compiled.mutex);
+  if (compiled.pipeline) return compiled.pipeline.get();
   const std::span<const uint32_t> code = codeOf(stage);
   VkShaderModuleCreateInfo module{};
   module.sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO;
@@ -183,7 +185,7 @@ VkPipeline Pipelines::get(Stage stage, const Special& wanted) {
   VkPipeline made = VK_NULL_HANDLE;
   check(vkCreateComputePipelines(device_.get(), VK_NULL_HANDLE, 1, &info, nullptr, &made),
         "compiling a shader");
-  pipeline = PipelineHandle(device_.get(), made);
+  compiled.pipeline = PipelineHandle(device_.get(), made);
   return made;
 }
 

@@ -71,8 +71,13 @@ class Pipelines {
   const Device& device_;
   std::array<SetLayoutHandle, 3> sets_;
   PipelineLayoutHandle layout_;
-  std::mutex mutex_;
-  std::map<std::pair<Stage, Special>, PipelineHandle> made_;
+  /// Whoever wants one that another thread compiles waits for it, and for no other.
+  struct Compiled {
+    std::mutex mutex;
+    PipelineHandle pipeline;
+  };
+  std::mutex mutex_;  ///< of the map; its values stay where they are
+  std::map<std::pair<Stage, Special>, Compiled> made_;
 };
 
 }  // namespace gxy::vulkan

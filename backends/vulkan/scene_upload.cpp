@@ -129,9 +129,7 @@ class Uploading {
     if (!inTables_.blocks().empty()) {
       SharedSamples::Blocks blocks;
       for (const auto& [block, place] : inTables_.blocks()) blocks.push_back(block);
-      const auto [samples, made] = shared.get(blocks, [&] { return makeSamples(); });
-      out_.samples = samples;
-      if (made) out_.bytes += samples->bytes();
+      out_.samples = shared.get(blocks, [&] { return makeSamples(); });
     }
     if (out_.geometryKinds != 0) {
       out_.geometry = Buffer(device_, geometry_.bytes().size(), Place::Device, "geometry");
@@ -169,7 +167,6 @@ class Uploading {
         if (binding == GEOMETRY_BINDING) bindings[GEOMETRY_QUADS_BINDING].buffer = nothing;
         out_.special.addressed |= bit;
       }
-    out_.bytes += out_.scene.bytes() + out_.geometry.bytes();
     out_.set = DescriptorSet(device_, pipelines.setLayout(SCENE_SET), bindings);
     return std::move(out_);
   }
@@ -224,14 +221,13 @@ class Uploading {
 
 }  // namespace
 
-std::pair<std::shared_ptr<const Buffer>, bool> SharedSamples::get(const Blocks& blocks,
-                                                                  const std::function<Buffer()>& make) {
+SharedSamples::Buffers SharedSamples::get(const Blocks& blocks, const std::function<Buffer()>& make) {
   std::lock_guard lock(mutex_);  // also while it is made: others who want the same wait for it
   std::erase_if(known_, [](const auto& entry) { return entry.second.expired(); });
-  if (auto known = known_[blocks].lock()) return {std::move(known), false};
+  if (auto known = known_[blocks].lock()) return known;
   auto made = std::make_shared<const Buffer>(make());
   known_[blocks] = made;
-  return {std::move(made), true};
+  return made;
 }
 
 void checkNumbering(const Index3& points, int components) {

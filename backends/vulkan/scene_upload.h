@@ -5,7 +5,6 @@
 #include <map>
 #include <memory>
 #include <mutex>
-#include <utility>
 #include <vector>
 
 #include "gxy/rays/compiled_scene.h"
@@ -24,7 +23,8 @@ struct PartOnDevice {
   uint32_t volumeList = 0;     ///< place of the rendered volumes' list in the tables
   uint32_t mine = 0;           ///< and of whether each partition is this rank's and seen
   std::vector<bool> hasBlock;  ///< by operator
-  size_t bytes = 0;            ///< that were uploaded for it
+
+  size_t bytes() const { return scene.bytes() + geometry.bytes(); }  ///< that are its own
 };
 
 /// Samples on the device, by the blocks that they are of, in their order. Scenes that look at the same volumes share them. (Those
@@ -33,8 +33,8 @@ class SharedSamples {
  public:
   using Blocks = std::vector<const VolumeBlock*>;
   using Buffers = std::shared_ptr<const Buffer>;
-  /// Those that there are, else what `make` makes, and whether it was made.
-  std::pair<Buffers, bool> get(const Blocks& blocks, const std::function<Buffer()>& make);
+  /// Those that there are, else what `make` makes.
+  Buffers get(const Blocks& blocks, const std::function<Buffer()>& make);
 
  private:
   std::mutex mutex_;

@@ -72,12 +72,13 @@ struct Tracer::State {
   }
 
   // The device goes on with the next before the host looks at what this one has given. A lane of which nobody knows what the
-  // device does with it is not used again.
+  // device does with it is not used again; nor, where nothing waits, is one that a single request has made larger
+  // than batches are.
   void end(Batch& batch, const std::string& error) {
     {
       std::unique_ptr<Lane> lane = batch.takeLane();
       std::lock_guard lock(mutex);
-      if (error.empty())
+      if (error.empty() && !(waiting.empty() && lane->isLargerThan(allRays)))
         idle.push_back(std::move(lane));
       else
         lanes--;
@@ -132,7 +133,7 @@ void Tracer::add(Request request, bool urgent) {
 }
 
 void Tracer::collect(const std::shared_ptr<State>& state) {
-  uint64_t lastEnd = 0;  // of what the device had to do
+  LastWork last;
   for (;;) {
     std::unique_ptr<Batch> batch;
     {
@@ -145,7 +146,7 @@ void Tracer::collect(const std::shared_ptr<State>& state) {
     std::string error;
     bool more = false;
     try {
-      more = batch->advance(lastEnd);
+      more = batch->advance(last);
     } catch (const std::exception& e) {
       error = e.what();
     }

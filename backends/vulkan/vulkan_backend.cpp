@@ -13,14 +13,12 @@ class VulkanBackend final : public Backend {
   explicit VulkanBackend(const VulkanOptions& options)
       : context_(std::make_shared<vulkan::Context>(options)) {}
   std::string name() const override { return "vulkan"; }
-  std::string device() const override {
-    const VulkanDeviceInfo& info = context_->device.info();
-    return info.name + ", " + info.driver;
-  }
+  std::string device() const override { return info().name + ", " + info().driver; }
   std::unique_ptr<DeviceScene> makeScene(std::shared_ptr<const CompiledScene> scene,
                                          int rank) const override {
     return std::make_unique<vulkan::VulkanScene>(context_, std::move(scene), rank);
   }
+  const VulkanDeviceInfo& info() const { return context_->device.info(); }
   std::vector<std::string> messages() const { return context_->device.instance().messages(); }
 
  private:
@@ -31,6 +29,10 @@ class VulkanBackend final : public Backend {
 
 std::unique_ptr<Backend> makeVulkanBackend(const VulkanOptions& options) {
   return std::make_unique<VulkanBackend>(options);
+}
+
+const VulkanDeviceInfo& deviceOf(const Backend& backend) {
+  return dynamic_cast<const VulkanBackend&>(backend).info();
 }
 
 std::vector<std::string> validationMessages(const Backend& backend) {

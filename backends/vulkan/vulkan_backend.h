@@ -27,14 +27,17 @@ std::vector<VulkanDeviceInfo> vulkanDevices();
 bool showsGpu(const std::string& folder = "/dev");
 
 struct VulkanOptions {
-  /// A number in that order, or a part of a device's name; empty: the best kind that there is. Software devices are
-  /// taken only if nothing else is there, or if asked for.
+  /// A number in that order, or a part of a device's name (as is a number that no device has); empty: the best
+  /// kind that there is. Software devices are taken only if nothing else is there, or if asked for.
   std::string device;
-  int rankOnMachine = 0;  ///< the ranks of a machine share equally good devices round robin
+  /// The ranks of a machine share round robin equally good devices, or all that have the name.
+  int rankOnMachine = 0;
   /// The largest buffer to bind; what is larger is read by address. 0: what the device binds.
   uint64_t bindingBytes = 0;
-  Ledger* ledger =
-      nullptr;  ///< where its memory is entered, for tenant "device", if anywhere; needed by the maker only
+  /// Where its memory is entered for tenant "device", but what scenes tell by bytes(); needed by the maker only.
+  Ledger* ledger = nullptr;
+  /// For tests: as if the device gave no more memory at once. 0: what it gives.
+  uint64_t allocationBytes = 0;
   bool hidesMemory = false;  ///< for tests: as if the host did not see the device's memory
   uint64_t lostAfter = 0;    ///< for tests: the device is lost after so many submissions; 0: it is not
   bool lostInWaits = false;  ///< for tests: who waits for a later one is told, not who hands it over
@@ -46,6 +49,9 @@ struct VulkanOptions {
 /// Device name "vulkan". Thread safe. Throws Error where there is no such device, or it lacks something, and
 /// later, from makeScene, where a scene needs more memory than there is.
 std::unique_ptr<Backend> makeVulkanBackend(const VulkanOptions& options = {});
+
+/// The device of a backend that makeVulkanBackend has made.
+const VulkanDeviceInfo& deviceOf(const Backend& backend);
 
 /// What the validation layers have said of a backend that was made with `validation`.
 std::vector<std::string> validationMessages(const Backend& backend);

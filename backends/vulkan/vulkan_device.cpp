@@ -20,12 +20,23 @@ Device::Device(const VulkanOptions& options)
       info_(infoOf(physical_)),
       lostAfter_(options.lostAfter),
       lostInWaits_(options.lostInWaits),
-      hidesMemory_(options.hidesMemory),
-      isEntered_(options.ledger != nullptr) {
-  VkPhysicalDeviceProperties properties;
-  vkGetPhysicalDeviceProperties(physical_, &properties);
-  limits_ = properties.limits;
-  largestBinding_ = size_t(limits_.maxTexelBufferElements) * sizeof(uint32_t);
+      hidesMemory_(options.hidesMemory) {
+  VkPhysicalDeviceDriverProperties driver{};
+  driver.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DRIVER_PROPERTIES;
+  VkPhysicalDeviceMaintenance3Properties allocations{};
+  allocations.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MAINTENANCE_3_PROPERTIES;
+  allocations.pNext = &driver;
+  VkPhysicalDeviceProperties2 properties{};
+  properties.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2;
+  properties.pNext = &allocations;
+  vkGetPhysicalDeviceProperties2(physical_, &properties);
+  limits_ = properties.properties.limits;
+  endsLoops_ = driver.driverID == VK_DRIVER_ID_MESA_LLVMPIPE;
+  largestAllocation_ = size_t(allocations.maxMemoryAllocationSize);
+  if (options.allocationBytes > 0)
+    largestAllocation_ = std::min<size_t>(largestAllocation_, options.allocationBytes);
+  // texels are found by an int
+  largestBinding_ = std::min<size_t>(limits_.maxTexelBufferElements, INT32_MAX) * sizeof(uint32_t);
   if (options.bindingBytes > 0) largestBinding_ = std::min<size_t>(largestBinding_, options.bindingBytes);
   vkGetPhysicalDeviceMemoryProperties(physical_, &memory_);
   family_ = uint32_t(computeFamily(physical_));
@@ -46,18 +57,11 @@ Device::Device(const VulkanOptions& options)
   info.queueCreateInfoCount = 1;
   info.pQueueCreateInfos = &queue;
   check(vkCreateDevice(physical_, &info, nullptr, &device_), "opening device \"" + info_.name + "\"");
-  const VkDeviceSize block = std::min<VkDeviceSize>(kBlockBytes, info_.memory / 16);
+  const VkDeviceSize block = std::min<VkDeviceSize>({kBlockBytes, info_.memory / 16, largestAllocation_});
   LedgerEntry account;
   if (options.ledger) account = options.ledger->enter("device", "vulkan", 0);
   blocks_ = std::make_unique<Memory>(device_, block, std::move(account));
   vkGetDeviceQueue(device_, family_, 0, &queue_);
-  VkPhysicalDeviceDriverProperties driver{};
-  driver.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DRIVER_PROPERTIES;
-  VkPhysicalDeviceProperties2 more{};
-  more.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2;
-  more.pNext = &driver;
-  vkGetPhysicalDeviceProperties2(physical_, &more);
-  endsLoops_ = driver.driverID == VK_DRIVER_ID_MESA_LLVMPIPE;
   const VkSemaphoreTypeCreateInfo type{VK_STRUCTURE_TYPE_SEMAPHORE_TYPE_CREATE_INFO, nullptr,
                                        VK_SEMAPHORE_TYPE_TIMELINE, 0};
   const VkSemaphoreCreateInfo semaphore{VK_STRUCTURE_TYPE_SEMAPHORE_CREATE_INFO, &type, 0};
@@ -154,6 +158,10 @@ Buffer::Buffer(const Device& device, size_t bytes, Place place, const char* what
   const bool visible = (type.propertyFlags & VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT) != 0 &&
                        !(place == Place::Device && device.hidesMemory_);
   if (needs.size > heap) throw noRoom(heap);
+  if (needs.size > device.largestAllocation_)
+    throw Error("Vulkan: device \"" + device.info().name + "\" gives no " + mebibytes(needs.size) + " for " +
+                what + " at once, expected up to " + mebibytes(device.largestAllocation_) +
+                " (maxMemoryAllocationSize); cut the data into more partitions");
   memory_ = device.blocks_->take(index, visible, needs.size, needs.alignment);
   if (!memory_.memory()) throw noRoom(heap);
   check(vkBindBufferMemory(device.get(), buffer, memory_.memory(), memory_.offset()), "binding memory");

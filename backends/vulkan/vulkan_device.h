@@ -35,7 +35,8 @@ class Device {
   const Instance& instance() const { return instance_; }
   size_t bytes() const { return bytes_; }  ///< of all buffers
   const Memory& blocks() const { return *blocks_; }
-  bool isEntered() const { return isEntered_; }  ///< its memory, into a ledger
+  /// So many bytes more of its blocks are others' to account for.
+  void chargeElsewhere(int64_t bytes) const { blocks_->chargeElsewhere(bytes); }
 
   /// Hands commands to the queue; returns the number with which to wait for them. They are done in the order of numbers.
   uint64_t submit(VkCommandBuffer commands) const;
@@ -51,7 +52,7 @@ class Device {
   VkPhysicalDevice physical_;
   VulkanDeviceInfo info_;
   VkPhysicalDeviceLimits limits_{};
-  size_t largestBinding_ = 0;
+  size_t largestBinding_ = 0, largestAllocation_ = 0;
   VkPhysicalDeviceMemoryProperties memory_{};
   uint32_t family_ = 0;
   VkDevice device_ = VK_NULL_HANDLE;
@@ -60,7 +61,7 @@ class Device {
   SemaphoreHandle done_;  ///< the number of the last submission that is done
   bool isLost(uint64_t submission) const { return lostAfter_ > 0 && submission > lostAfter_; }
   const uint64_t lostAfter_;
-  const bool lostInWaits_, hidesMemory_, isEntered_;
+  const bool lostInWaits_, hidesMemory_;
   mutable std::unique_ptr<Memory> blocks_;
   mutable std::mutex queueMutex_;
   mutable uint64_t submitted_ = 0;

@@ -8,12 +8,15 @@
 #include <cstring>
 #include <filesystem>
 
+#include "gxy/shaders/layout.h"
+
 namespace gxy::vulkan {
 
 namespace {
 
 constexpr const char* kValidationLayer = "VK_LAYER_KHRONOS_validation";
-constexpr uint32_t kStorageBuffers = 15;  // of the three sets together
+// Of the three sets together; tables, samples and geometry, and two of them as quads, are texels.
+constexpr uint32_t kStorageBuffers = SCENE_BINDINGS + FRAME_BINDINGS + LANE_BINDINGS - 5;
 
 std::string lower(std::string s) {
   for (char& c : s) c = char(std::tolower(static_cast<unsigned char>(c)));
@@ -189,7 +192,10 @@ VulkanDeviceInfo infoOf(VkPhysicalDevice device) {
     info.missing.push_back("Vulkan 1.2");
     return info;
   }
-  properties.pNext = &driver;
+  VkPhysicalDeviceFloatControlsProperties floats{};
+  floats.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FLOAT_CONTROLS_PROPERTIES;
+  floats.pNext = &driver;
+  properties.pNext = &floats;
   vkGetPhysicalDeviceProperties2(device, &properties);
   info.driver = std::string(driver.driverName) + " " + driver.driverInfo;
   Features has;
@@ -198,44 +204,49 @@ VulkanDeviceInfo infoOf(VkPhysicalDevice device) {
   if (!has.v12.timelineSemaphore) info.missing.push_back("timelineSemaphore");
   if (!has.v10.features.shaderFloat64) info.missing.push_back("shaderFloat64");
   if (!has.v10.features.shaderInt64) info.missing.push_back("shaderInt64");
+  if (!floats.shaderSignedZeroInfNanPreserveFloat32)
+    info.missing.push_back("shaderSignedZeroInfNanPreserveFloat32");
   if (p.limits.maxPerStageDescriptorStorageBuffers < kStorageBuffers)
     info.missing.push_back(std::to_string(kStorageBuffers) + " storage buffers in a shader");
   if (computeFamily(device) < 0) info.missing.push_back("a compute queue");
   return info;
 }
 
-VkPhysicalDevice chooseDevice(const Instance& instance, const VulkanOptions& options) {
-  const std::vector<VkPhysicalDevice> devices = instance.devices();
-  std::vector<VulkanDeviceInfo> infos;
-  for (VkPhysicalDevice d : devices) infos.push_back(infoOf(d));
+size_t pick(const std::vector<VulkanDeviceInfo>& infos, const VulkanOptions& options) {
+  const std::string& wanted = options.device;
+  size_t index = 0;
+  const auto [rest, error] = std::from_chars(wanted.data(), wanted.data() + wanted.size(), index);
+  const bool isNumber = error == std::errc() && rest == wanted.data() + wanted.size() && index < infos.size();
+  const auto isMeant = [&](size_t i) {
+    return isNumber ? i == index : lower(infos[i].name).find(lower(wanted)) != std::string::npos;
+  };
+  VulkanDeviceInfo::Kind best = VulkanDeviceInfo::Kind::Other;
   std::vector<size_t> fit;
-  if (!options.device.empty()) {
-    size_t index = 0;
-    const char* end = options.device.data() + options.device.size();
-    const auto [rest, error] = std::from_chars(options.device.data(), end, index);
-    const bool isNumber = error == std::errc() && rest == end;
-    for (size_t i = 0; i < infos.size(); i++)
-      if (isNumber ? i == index : lower(infos[i].name).find(lower(options.device)) != std::string::npos)
-        fit.push_back(i);
-    if (fit.empty())
-      throw Error("there is no Vulkan device \"" + options.device + "\"; expected one of: " + listOf(infos));
-    if (!infos[fit[0]].missing.empty())
-      throw Error("Vulkan device \"" + infos[fit[0]].name + "\" lacks " + missingOf(infos[fit[0]]));
-  } else {
-    VulkanDeviceInfo::Kind best = VulkanDeviceInfo::Kind::Other;
-    for (size_t i = 0; i < infos.size(); i++) {
-      if (!infos[i].missing.empty() || infos[i].kind > best) continue;
+  std::string unfit;
+  for (size_t i = 0; i < infos.size(); i++) {
+    if (!isMeant(i)) continue;
+    if (!infos[i].missing.empty()) {
+      unfit += "; \"" + infos[i].name + "\" lacks " + missingOf(infos[i]);
+    } else if (!wanted.empty()) {
+      fit.push_back(i);
+    } else if (infos[i].kind <= best) {
       if (infos[i].kind < best) fit.clear();
       best = infos[i].kind;
       fit.push_back(i);
     }
-    if (fit.empty()) {
-      std::string why;
-      for (const VulkanDeviceInfo& i : infos) why += "; \"" + i.name + "\" lacks " + missingOf(i);
-      throw Error("there is no Vulkan device that can be used" + why);
-    }
   }
-  return devices[fit[size_t(options.rankOnMachine) % fit.size()]];
+  if (!fit.empty()) return fit[size_t(options.rankOnMachine) % fit.size()];
+  if (wanted.empty() || !unfit.empty())
+    throw Error("there is no Vulkan device" + (wanted.empty() ? "" : " \"" + wanted + "\"") +
+                " that can be used" + unfit);
+  throw Error("there is no Vulkan device \"" + wanted + "\"; expected one of: " + listOf(infos));
+}
+
+VkPhysicalDevice chooseDevice(const Instance& instance, const VulkanOptions& options) {
+  const std::vector<VkPhysicalDevice> devices = instance.devices();
+  std::vector<VulkanDeviceInfo> infos;
+  for (VkPhysicalDevice d : devices) infos.push_back(infoOf(d));
+  return devices[pick(infos, options)];
 }
 
 }  // namespace gxy::vulkan

@@ -40,7 +40,9 @@ VulkanDeviceInfo infoOf(VkPhysicalDevice device);
 /// The queue family that this backend uses: compute, if possible without graphics; -1 if there is none.
 int computeFamily(VkPhysicalDevice device);
 
-/// The device that the options ask for. Throws Error naming those there are.
+/// The place of the device that the options ask for. Throws Error naming those there are, or what they lack.
+size_t pick(const std::vector<VulkanDeviceInfo>& infos, const VulkanOptions& options);
+/// The same among an instance's devices.
 VkPhysicalDevice chooseDevice(const Instance& instance, const VulkanOptions& options);
 
 /// The Vulkan 1.2 features that the backend uses, as a chain to ask for or to be filled in.

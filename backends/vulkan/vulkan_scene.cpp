@@ -45,10 +45,16 @@ VulkanScene::VulkanScene(std::shared_ptr<Context> context, std::shared_ptr<const
                      uploadPart(context_->device, context_->pipelines, context_->samples, *scene_, p, rank_));
   if (parts_.size() != 1)
     anywhere_ = uploadPart(context_->device, context_->pipelines, context_->samples, *scene_, -1, rank_);
+  bytes_ = anywhere_.bytes();
+  for (const auto& [p, part] : parts_) bytes_ += part.bytes();
+  context_->device.chargeElsewhere(int64_t(bytes_));
 }
+
+VulkanScene::~VulkanScene() { context_->device.chargeElsewhere(-int64_t(bytes_)); }
 
 std::shared_ptr<const DeviceFrame> VulkanScene::makeFrame(const CompiledFrame& f) const {
   auto frame = std::make_shared<VulkanFrame>();
+  frame->number = ++context_->frames;
   frame->lights = int(f.lights.size());
   frame->depth = f.depth;
   frame->urgent = f.urgent;
@@ -147,13 +153,6 @@ void VulkanScene::addTimes(TraceCounters& c, const Lane& lane) {
   c.nsIntegrate += spent(Stage::Integrate) + spent(Stage::IntegrateMany);
   c.nsShade += spent(Stage::Shade) + spent(Stage::Depth) + spent(Stage::Finish);
   c.nsRoute += spent(Stage::Regenerate) + spent(Stage::Bound) + spent(Stage::Groups);
-}
-
-size_t VulkanScene::bytes() const {
-  if (context_->device.isEntered()) return 0;
-  size_t n = anywhere_.bytes;
-  for (const auto& [p, part] : parts_) n += part.bytes;
-  return n;
 }
 
 }  // namespace gxy::vulkan

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // A compiled scene on a Vulkan device.
 #pragma once
+#include <atomic>
 #include <map>
 #include <memory>
 #include <vector>
@@ -19,9 +20,11 @@ struct Context {
   Pipelines pipelines;
   SharedSamples samples;
   Tracer tracer;
+  std::atomic<uint64_t> frames = 0;  ///< that were made
 };
 
 struct VulkanFrame final : DeviceFrame {
+  uint64_t number = 0;  ///< from 1
   Buffer buffer;
   DescriptorSet set;
   int lights = 0;
@@ -32,11 +35,12 @@ struct VulkanFrame final : DeviceFrame {
 class VulkanScene final : public DeviceScene {
  public:
   VulkanScene(std::shared_ptr<Context> context, std::shared_ptr<const CompiledScene> scene, int rank);
+  ~VulkanScene() override;
 
   std::shared_ptr<const DeviceFrame> makeFrame(const CompiledFrame& frame) const override;
   void spawn(const DeviceFrame& frame, const Tile& tile, Done done) const override;
   void trace(const DeviceFrame& frame, int partition, bool primary, RayList rays, Done done) const override;
-  size_t bytes() const override;
+  size_t bytes() const override { return bytes_; }
 
   // What a Batch asks.
   /// Adds what `rays` rays of a list (or ~k: as many as counts[k]) go through in a partition.
@@ -54,6 +58,7 @@ class VulkanScene final : public DeviceScene {
   int rank_;
   PartOnDevice anywhere_;              ///< without a partition: for spawning, where there are several
   std::map<int, PartOnDevice> parts_;  ///< by local partition
+  size_t bytes_ = 0;                   ///< of both, but for samples
   std::vector<int> slicedOperators_, isoOperators_, renderedOperators_;
   bool surfacesInVolumes_ = false;
 };

@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gxy/rays/backend.h"
 
+#include <spdlog/spdlog.h>
+
+#include <exception>
+
 #include "gxy/comm/error.h"
 
 namespace gxy {
@@ -27,12 +31,24 @@ TraceCounters& TraceCounters::operator+=(const TraceCounters& o) {
   return *this;
 }
 
-std::unique_ptr<Backend> BackendRegistry::make(const std::string& name) const {
+std::unique_ptr<Backend> BackendRegistry::make(const std::string& name, Ledger* ledger) const {
   std::string known = "auto";
+  std::exception_ptr first;
+  std::vector<std::string> failures;
   for (const Entry& e : entries_) {
-    if (name == e.name || (name == "auto" && (!e.fits || e.fits()))) return e.maker();
     known += ", " + e.name;
+    if (name == e.name) return e.maker(ledger);
+    if (name != "auto" || (e.fits && !e.fits())) continue;
+    try {
+      std::unique_ptr<Backend> made = e.maker(ledger);
+      for (const std::string& failure : failures) spdlog::warn("{}; {} is taken", failure, e.name);
+      return made;
+    } catch (const std::exception& error) {
+      if (!first) first = std::current_exception();
+      failures.push_back("backend " + e.name + " cannot be used: " + error.what());
+    }
   }
+  if (first) std::rethrow_exception(first);
   throw Error("backend \"" + name + "\" is not in this program; expected one of: " + known);
 }
 

@@ -13,6 +13,8 @@
 
 namespace gxy {
 
+class Ledger;
+
 /// What was done, and what was skipped. Counters of one call, or of several that a device has done as one; they add.
 struct TraceCounters {
   uint64_t raysSpawned = 0;  ///< primaries
@@ -81,7 +83,8 @@ class DeviceScene {
   virtual void trace(const DeviceFrame& frame, int partition, bool primary, RayList rays,
                      Done done) const = 0;
 
-  /// Bytes that the device holds besides the data; 0 where the backend enters them into a ledger itself.
+  /// Bytes that the device holds for this scene alone. What scenes share is in the ledger that the backend was
+  /// made with, if in any.
   virtual size_t bytes() const = 0;
 };
 
@@ -97,13 +100,15 @@ class Backend {
 /// Backends by name; a program registers those that it links. Not thread safe.
 class BackendRegistry {
  public:
-  using Maker = std::function<std::unique_ptr<Backend>()>;
-  /// `auto` is the first that is added and `fits`; null: always.
+  /// `ledger`: where a device's memory is entered for tenant "device", but what scenes tell by bytes(); or null.
+  using Maker = std::function<std::unique_ptr<Backend>(Ledger* ledger)>;
+  /// `auto` is the first that is added, `fits` (null: always) and can be made.
   void add(std::string name, Maker maker, std::function<bool()> fits = {}) {
     entries_.push_back({std::move(name), std::move(maker), std::move(fits)});
   }
-  /// Throws Error naming what there is.
-  std::unique_ptr<Backend> make(const std::string& name) const;
+  /// Throws Error naming what there is; what the maker throws; with `auto`, where none can be made, what the
+  /// first threw. Logs a warning of each that `auto` had to pass over.
+  std::unique_ptr<Backend> make(const std::string& name, Ledger* ledger = nullptr) const;
 
  private:
   struct Entry {

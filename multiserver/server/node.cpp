@@ -34,7 +34,7 @@ Node::Node(Transport& t, NodeOptions o, const BackendRegistry& backends)
       folders(options.dataFolders),
       keys(t.rank()),
       tenants(options.tenantFrames),
-      backend(backends.make(options.backend)),
+      backend(backends.make(options.backend, &ledger)),
       collective(t),
       renderer(t, rendererOptions(options, ledger)),
       datasets(std::make_unique<Datasets>(*this)),

@@ -25,7 +25,7 @@ start() {  # start RANKS ARGS...: a server on a free port; sets server and port
   local ranks=$1
   shift
   rm -f port
-  "$galaxy" serve -n "$ranks" --port 0 --port-file port --log-level "${level:-warn}" "$@" >server.log 2>&1 &
+  "$galaxy" serve -n "$ranks" --port 0 --port-file port --log-level "${level:-info}" "$@" >server.log 2>&1 &
   server=$!
   for _ in $(seq 300); do [[ -s port ]] && break; sleep 0.1; done
   port=$(cat port)
@@ -43,7 +43,8 @@ ranks_of() { pgrep -P "$server" gxyserver; }
 
 "$bin/gxydata" radial -r 24 --array eightBalls eightBalls.vol >/dev/null
 
-start 2
+start 2 --backend embree
+check EachRankSaysWhatItRendersWith test "$(grep -c 'rank [01]: backend embree, CPU' server.log)" = 2
 check TokenIsForItsUserOnly test "$(stat -c %a "$XDG_RUNTIME_DIR/galaxy/$port.token")" = 600
 check EmptyListing test "$(echo 'list;' | msdata)" = "  datasets:"
 cat >import.txt <<'END'
@@ -130,6 +131,7 @@ rm -f port
 check APortInUseIsAnErrorOnAllRanks test $? != 0
 check AndSaysSo grep -q "cannot listen on 127.0.0.1 port $other" second.log
 check AFolderThatIsNotThereIsAnErrorToo bash -c "! '$galaxy' serve --port 0 --data nowhere >third.log 2>&1 && grep -q nowhere third.log"
+check SoIsADeviceThatIsNotThere bash -c "! '$galaxy' serve --port 0 --device nosuch >fourth.log 2>&1 && grep -q 'device \"nosuch\"' fourth.log"
 port=$other
 echo 'quit;' | msdata
 ended 10

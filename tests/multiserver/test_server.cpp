@@ -21,7 +21,7 @@ TestServer::TestServer(ServerSetup setup) {
   world.threaded = true;
   world_ = std::make_unique<InProcessWorld>(setup.ranks, 1, world);
   BackendRegistry backends;
-  backends.add("embree", makeEmbreeBackend);
+  backends.add("embree", [](Ledger*) { return makeEmbreeBackend(); });
   setup.node.moduleFolder = setup.modules;
   setup.node.dataFolders = {folder_.path().string()};
   for (int r = 0; r < setup.ranks; r++)

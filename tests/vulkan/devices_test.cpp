@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Which device is taken, and what is said where there is none to take.
 #include <gtest/gtest.h>
+#include <spdlog/sinks/ostream_sink.h>
+#include <spdlog/spdlog.h>
+
+#include <sstream>
 
 #include "gxy/backends/backends.h"
 #include "gxy/comm/error.h"
@@ -30,6 +34,58 @@ TEST(VulkanDevices, AreFoundByNumberAndByPartOfTheirName) {
   EXPECT_NE(makeVulkanBackend(byName)->device().find("llvmpipe"), std::string::npos);
 }
 
+using Kind = VulkanDeviceInfo::Kind;
+
+VulkanDeviceInfo info(const std::string& name, Kind kind, std::vector<std::string> missing = {}) {
+  return {name, "a driver", kind, 0, std::move(missing)};
+}
+
+/// The devices that the first ranks of a machine get.
+std::vector<size_t> picks(const std::vector<VulkanDeviceInfo>& infos, const std::string& device) {
+  std::vector<size_t> all;
+  VulkanOptions options;
+  options.device = device;
+  for (; options.rankOnMachine < 4; options.rankOnMachine++) all.push_back(vulkan::pick(infos, options));
+  return all;
+}
+
+TEST(PickedDevices, AreTheBestKindRoundRobin) {
+  const std::vector<VulkanDeviceInfo> infos{
+      info("llvmpipe", Kind::Software), info("A", Kind::Discrete), info("i", Kind::Integrated),
+      info("B", Kind::Discrete, {"shaderInt64"}), info("C", Kind::Discrete)};
+  EXPECT_EQ(picks(infos, ""), (std::vector<size_t>{1, 4, 1, 4}));
+}
+
+TEST(PickedDevices, AreSoftwareOnlyIfAloneOrAskedFor) {
+  const VulkanDeviceInfo software = info("llvmpipe", Kind::Software), gpu = info("i", Kind::Integrated);
+  EXPECT_EQ(picks({software, gpu}, "")[0], 1u);
+  EXPECT_EQ(picks({software}, "")[0], 0u);
+  EXPECT_EQ(picks({software, info("old", Kind::Discrete, {"Vulkan 1.2"})}, "")[0], 0u);
+  EXPECT_EQ(picks({software, gpu}, "LLVM")[0], 0u);
+  EXPECT_EQ(picks({software, gpu}, "0")[0], 0u);
+}
+
+TEST(PickedDevices, OfANameAreAllThatHaveItAndLackNothing) {
+  const std::vector<VulkanDeviceInfo> infos{
+      info("GeForce RTX 4090", Kind::Discrete, {"shaderFloat64"}), info("GeForce RTX 4090", Kind::Discrete),
+      info("llvmpipe", Kind::Software), info("GeForce RTX 4090", Kind::Discrete)};
+  EXPECT_EQ(picks(infos, "geforce"), (std::vector<size_t>{1, 3, 1, 3}));
+  EXPECT_EQ(picks(infos, "4090"), (std::vector<size_t>{1, 3, 1, 3})) << "no device has this number";
+  EXPECT_EQ(picks(infos, "2"), (std::vector<size_t>{2, 2, 2, 2}));
+}
+
+TEST(PickedDevices, ThatLackSomethingAreAnErrorThatSaysWhat) {
+  const std::vector<VulkanDeviceInfo> infos{info("old", Kind::Discrete, {"Vulkan 1.2"}),
+                                            info("older", Kind::Discrete, {"shaderInt64", "shaderFloat64"})};
+  const std::string both =
+      " that can be used; \"old\" lacks Vulkan 1.2; "
+      "\"older\" lacks shaderInt64, shaderFloat64";
+  EXPECT_EQ(errorOf([&] { picks(infos, ""); }), "there is no Vulkan device" + both);
+  EXPECT_EQ(errorOf([&] { picks(infos, "old"); }), "there is no Vulkan device \"old\"" + both);
+  EXPECT_EQ(errorOf([&] { picks(infos, "0"); }),
+            "there is no Vulkan device \"0\" that can be used; \"old\" lacks Vulkan 1.2");
+}
+
 TEST(VulkanDevices, UnknownOnesAreAnErrorThatListsThoseThereAre) {
   for (const char* device : {"no such thing", "97"}) {
     VulkanOptions options;
@@ -49,6 +105,18 @@ TEST(VulkanDevices, TooLittleMemoryIsAnErrorThatSaysHowMuchThereIs) {
   EXPECT_EQ(device.bytes(), 0u);
 }
 
+TEST(VulkanDevices, MoreThanIsGivenAtOnceIsAnErrorThatSaysHowMuchIs) {
+  VulkanOptions options = softwareDevice();
+  options.allocationBytes = size_t(3) << 20;
+  const vulkan::Device device(options);
+  const vulkan::Buffer fits(device, size_t(3) << 20, vulkan::Place::Device, "volumes");
+  const std::string error =
+      errorOf([&] { vulkan::Buffer(device, size_t(4) << 20, vulkan::Place::Device, "volumes"); });
+  EXPECT_NE(error.find("gives no 4 MiB for volumes at once, expected up to 3 MiB (maxMemoryAllocationSize)"),
+            std::string::npos)
+      << error;
+}
+
 TEST(VulkanDevices, BuffersAreCountedWhileTheyLive) {
   const vulkan::Device device(softwareDevice());
   {
@@ -65,6 +133,19 @@ TEST(VulkanDevices, AutoTakesVulkanForADiscreteGpuOrADeviceThatIsAskedFor) {
   EXPECT_EQ(allBackends({}).make("auto")->name(), discrete ? "vulkan" : "embree");
   EXPECT_EQ(allBackends({"llvmpipe", 0}).make("auto")->name(), "vulkan");
   EXPECT_EQ(allBackends({"", 5}).make("vulkan")->name(), "vulkan");
+}
+
+TEST(VulkanDevices, SoftwareIsTakenWithAWarningOnEachMachine) {
+  std::ostringstream said;
+  const auto before = spdlog::default_logger();
+  spdlog::set_default_logger(
+      std::make_shared<spdlog::logger>("test", std::make_shared<spdlog::sinks::ostream_sink_st>(said)));
+  allBackends({"llvmpipe", 1}).make("vulkan");
+  EXPECT_EQ(said.str(), "");
+  allBackends({"llvmpipe", 0}).make("vulkan");
+  spdlog::set_default_logger(before);
+  EXPECT_NE(said.str().find("is software"), std::string::npos) << said.str();
+  EXPECT_NE(said.str().find("llvmpipe"), std::string::npos) << said.str();
 }
 
 TEST(VulkanDevices, EmbreeHasNoneToChooseFrom) {

@@ -24,7 +24,7 @@ void expectNoMessages(const Backend& backend, const test::TestScene& scene) {
 }
 
 TEST(GpuAssistedValidation, FindsNothingInAVolumeWithSurfacesAndShadows) {
-  test::TestScene scene = test::emptyScene("volume", {20, 16});
+  test::TestScene scene = test::emptyScene("volume", {12, 10});
   test::addSmoothVolume(scene);
   test::addIsosurfaces(scene, 0.5);
   test::addSlices(scene, 1);
@@ -34,7 +34,7 @@ TEST(GpuAssistedValidation, FindsNothingInAVolumeWithSurfacesAndShadows) {
 }
 
 TEST(GpuAssistedValidation, FindsNothingInGeometry) {
-  test::TestScene scene = test::emptyScene("geometry", {20, 16});
+  test::TestScene scene = test::emptyScene("geometry", {12, 10});
   test::addParticles(scene, 0.6);
   test::addTubes(scene, 1);
   test::addMesh(scene, 1);
@@ -43,7 +43,7 @@ TEST(GpuAssistedValidation, FindsNothingInGeometry) {
 }
 
 TEST(GpuAssistedValidation, FindsNothingInDataReadByAddress) {
-  test::TestScene scene = test::emptyScene("addressed", {20, 16});
+  test::TestScene scene = test::emptyScene("addressed", {12, 10});
   test::addSmoothVolume(scene);
   test::addParticles(scene, 1);
   expectNoMessages(*checkedBackend(64), scene);

@@ -37,6 +37,18 @@ TraceCounters countersOf(const DeviceScene& scene, const CompiledFrame& frame) {
   return result->counters;
 }
 
+TEST(IdleTime, IsNotThatBetweenFrames) {
+  agreement::TestScene scene = agreement::sceneFrom("wavy", {0, 0, 4}, 8, 8);
+  scene.add(agreement::rendered({{0, 0}, {1, 1}}), agreement::wavy());
+  const auto compiled = scene.compile();
+  const auto device = softwareVulkan().makeScene(compiled, 0);
+  for (uint32_t frame = 0; frame < 3; frame++) {
+    const TraceCounters c = countersOf(*device, compileFrame(*compiled, scene.camera, frame, false));
+    EXPECT_EQ(c.submissions, 1u);
+    EXPECT_EQ(c.nsDeviceIdle, 0u) << frame;
+  }
+}
+
 /// The same picture as Embree's, in several submissions, since lavapipe ends loops after 65535 rounds.
 void expectTheSameInParts(const agreement::TestScene& scene) {
   const auto compiled = scene.compile();
@@ -204,6 +216,16 @@ TEST(Batches, AreWithinWhatTheDeviceBinds) {
   EXPECT_GT(seen(expected), 128 * 128 / 2);
   EXPECT_EQ(difference(expected, agreement::draw(softwareVulkan(), scene)), "");
   EXPECT_EQ(newMessages(), std::vector<std::string>());
+}
+
+TEST(Batches, LargerThanOthersLeaveNoLaneOfTheirSize) {
+  Ledger ledger;
+  VulkanOptions options = softwareDevice();
+  options.ledger = &ledger;
+  const auto backend = makeVulkanBackend(options);
+  agreement::draw(*backend, occluded(32, 600));
+  EXPECT_GT(ledger.peak(), int64_t(1024 * 601 * vulkan::kRayBytes));
+  EXPECT_EQ(ledger.total(), 0);
 }
 
 TEST(Batches, OfATileThatIsTooLargeAreAnError) {

@@ -13,12 +13,18 @@ output=${2:-gpu-report.tar.gz}
 program=$build/bin/gpu_report
 [ -x "$program" ] || { echo "$program is not there: cmake --build $build --target gpu_report" >&2; exit 1; }
 
+libraries=$(ldd "$program")
+if grep 'not found' <<<"$libraries" >&2; then
+  echo "$program needs what is not on this machine: build it here" >&2
+  exit 1
+fi
+
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 mkdir -p "$work/gpu-report/lib" "$work/gpu-report/system"
 cp "$program" "$work/gpu-report/"
 strip "$work/gpu-report/gpu_report"
-ldd "$program" | awk '$3 ~ /^\// { print $1, $3 }' | while read -r name path; do
+awk '$3 ~ /^\// { print $1, $3 }' <<<"$libraries" | while read -r name path; do
   case $name in
     libc.so.* | libm.so.* | libdl.so.* | librt.so.* | libpthread.so.*) ;;
     libstdc++.so.* | libgcc_s.so.* | libvulkan.so.*) cp -L "$path" "$work/gpu-report/system/$name" ;;

@@ -29,10 +29,15 @@ void describe(gpu_report::Report& report, const Backend& backend) {
 
 int main(int argc, char** argv) {
   CLI::App app("Tests a Vulkan device against the Embree backend, times it, and writes one report.");
-  std::string output = "gpu-report.md";
+  std::string output = "gpu-report.md", pictures;
   VulkanOptions options;
   double minutes = 8, scale = 1;
   app.add_option("-o,--output", output, "The report")->capture_default_str();
+  app.add_option(
+         "--pictures", pictures,
+         "A folder to leave the compared pictures in, as raw float RGBA, premultiplied, 192 x 160, rows "
+         "bottom to top")
+      ->check(CLI::ExistingDirectory);
   app.add_option("--device", options.device, "Number of a device, or a part of its name");
   app.add_option("--minutes", minutes, "What is not begun by then is left out")->capture_default_str();
   app.add_option("--scale", scale,
@@ -51,7 +56,7 @@ int main(int argc, char** argv) {
     gpu_report::Report report(file, std::cout, minutes);
     const std::unique_ptr<Backend> device = makeVulkanBackend(options);
     describe(report, *device);
-    const gpu_report::Tally compared = gpu_report::agreement(*device, report);
+    const gpu_report::Tally compared = gpu_report::agreement(*device, pictures, report);
     const gpu_report::Tally timed = gpu_report::benchmarks(*device, scale, report);
     report.line("\n" + std::to_string(compared.tried) + " of " + std::to_string(compared.all) +
                 " scenes compared, " + std::to_string(compared.failed) + " do not agree; " +

@@ -3,6 +3,7 @@
 #pragma once
 #include <chrono>
 #include <ostream>
+#include <string>
 
 #include "gxy/rays/backend.h"
 
@@ -34,9 +35,10 @@ struct Tally {
   int all = 0, tried = 0, failed = 0;
 };
 
-/// Pictures of many small scenes against the Embree backend's, and against the device's own of a domain in pieces. A device
-/// agrees if 99.9 % of a picture's pixels are within 1/255 and the pieces do not show at all.
-Tally agreement(const Backend& device, Report& report);
+/// Pictures of many small scenes against the Embree backend's, and against the device's own of a domain in
+/// pieces. A device agrees where Difference::agrees() and the pieces do not show at all.
+/// `folder`, if not empty: where the pictures of each scene are left, SCENE.embree.raw and SCENE.device.raw.
+Tally agreement(const Backend& device, const std::string& folder, Report& report);
 
 /// Times of frames, and what they say of the device. `scale`: of the data's size, 1 for a large GPU.
 Tally benchmarks(const Backend& device, double scale, Report& report);

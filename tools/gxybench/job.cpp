@@ -8,19 +8,14 @@ namespace gxy::bench {
 nlohmann::json toJson(const Job& job) {
   nlohmann::json settings = nlohmann::json::array();
   for (const Setting& s : job.settings) settings.push_back({s.method, s.label, writeState(s.state)});
-  return {{"directory", job.directory}, {"backend", job.backend}, {"repeats", job.repeats},
-          {"seconds", job.seconds},     {"threads", job.threads}, {"pictures", job.pictures},
-          {"settings", settings}};
+  return {{"directory", job.directory}, {"backend", job.backend}, {"device", job.device},
+          {"repeats", job.repeats},     {"seconds", job.seconds}, {"threads", job.threads},
+          {"pictures", job.pictures},   {"settings", settings}};
 }
 
 Job jobOf(const nlohmann::json& json) {
-  Job job{json.at("directory"),
-          json.at("backend"),
-          json.at("repeats"),
-          json.at("seconds"),
-          json.at("threads"),
-          json.at("pictures"),
-          {}};
+  Job job{json.at("directory"), json.at("backend"), json.at("device"),   json.at("repeats"),
+          json.at("seconds"),   json.at("threads"), json.at("pictures"), {}};
   for (const nlohmann::json& s : json.at("settings"))
     job.settings.push_back({s.at(0), s.at(1), readState(s.at(2).get<std::string>(), "job").state});
   return job;

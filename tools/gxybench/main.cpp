@@ -114,6 +114,7 @@ void measureScene(const Options& o, Scene& scene, const Scratch& scratch, const 
       Job job;
       job.directory = scene.directory;
       job.backend = backend;
+      if (backend != "embree") job.device = o.device;
       job.repeats = o.repeats;
       job.seconds = o.quick ? 0 : 0.5;
       job.threads = o.threads;

@@ -76,6 +76,7 @@ void addMeasuring(CLI::App& app, Options& o, std::string& size) {
   app.add_option("--backend", o.backends, "Backends to measure: embree, vulkan, auto")
       ->delimiter(',')
       ->capture_default_str();
+  app.add_option("--device", o.device, "Device of the vulkan backend: its number, or a part of its name");
   app.add_option("--ranks", o.ranks, "Numbers of ranks to measure on, such as 1,2,4")
       ->delimiter(',')
       ->check(CLI::Range(1, 65536))

@@ -18,6 +18,7 @@ struct Options {
   std::vector<std::string> scenes;  ///< names of fixed scenes or state files; empty: all fixed ones
   bool quick = false;
   std::vector<std::string> backends{"auto"};
+  std::string device;
   std::vector<int> ranks{1};
   std::optional<std::array<int, 2>> size;
   Ladders ladders;

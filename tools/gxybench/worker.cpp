@@ -71,8 +71,8 @@ class Worker {
         renderer_(transport, {}) {}
 
   void run() {
-    const BackendRegistry registry = allBackends({{}, transport_.rankOnNode()});
-    agree(ranks_, [&] { backend_ = registry.make(job_.backend); });
+    const BackendRegistry registry = allBackends({job_.device, transport_.rankOnNode()});
+    agree(ranks_, [&] { backend_ = registry.make(job_.backend, &ledger_); });
     loaded_ = loadData(job_.settings.at(0).state, job_.directory, {}, ranks_, ledger_);
     for (size_t i = 0; i < job_.settings.size(); i++) runSetting(i);
     renderer_.onPicture({});

@@ -137,9 +137,9 @@ int run(const RenderOptions& options) {
         });
       } else {
         Ledger ledger;
-        const BackendRegistry registry = allBackends({options.device, transport.rankOnNode(), &ledger});
+        const BackendRegistry registry = allBackends({options.device, transport.rankOnNode()});
         std::unique_ptr<Backend> backend;
-        agree(ranks, [&] { backend = registry.make(options.backend); });
+        agree(ranks, [&] { backend = registry.make(options.backend, &ledger); });
         const int64_t residentBefore = processBytes().resident;
         const LoadedState loaded = loadData(state, directory, options, ranks, ledger);
         phases.load = wallSeconds() - begin;

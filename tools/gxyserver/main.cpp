@@ -161,11 +161,12 @@ int serve(const ServeOptions& options) {
   std::signal(SIGPIPE, SIG_IGN);
   std::signal(SIGXFSZ, SIG_IGN);  // a file that may not grow is an error of who writes it
   try {
-    const BackendRegistry backends = allBackends({.device = {}, .rankOnMachine = transport.rankOnNode()});
+    const BackendRegistry backends = allBackends({options.device, transport.rankOnNode()});
     NodeOptions nodeOptions = options.node;
     nodeOptions.threads = transport.threads();
     nodeOptions.trace = trace.get();
     node = std::make_unique<Node>(transport, std::move(nodeOptions), backends);
+    spdlog::info("rank {}: backend {}, {}", transport.rank(), node->backend->name(), node->backend->device());
     node->work.add("gxyserver.stop", [&](const Work::Call&) {
       stopped.open();
       return nlohmann::json();

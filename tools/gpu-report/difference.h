@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+// How far a device's picture is from the Embree backend's.
+#pragma once
+#include <cstddef>
+
+#include "gxy/render/framebuffer.h"
+
+namespace gxy::gpu_report {
+
+struct Difference {
+  size_t pixels = 0, equal = 0, far = 0;  ///< equal: colour to the bit; far: some channel by more than 1/255
+  double largest = 0;                     ///< of any channel; 1e30 where one is not a number
+  size_t hits = 0, hitsFar = 0;  ///< of either picture; only of one, or by more than 4 ulp of a float
+  /// Each of the three for 99.9 %: the rest may be rays that rounding takes past an edge.
+  bool agrees() const {
+    return 1000 * far <= pixels && 1000 * (pixels - equal) <= pixels && 1000 * hitsFar <= hits;
+  }
+};
+
+/// Of pictures of one size with depths.
+Difference differenceOf(const Picture& expected, const Picture& found);
+
+}  // namespace gxy::gpu_report
