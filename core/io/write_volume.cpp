@@ -71,6 +71,12 @@ std::string fileElement(const char* type) {
 
 }  // namespace
 
+std::string rawFileOf(const std::string& path) {
+  const std::string extension = extensionOf(path);
+  if (extension != ".vol" && extension != ".json") return {};
+  return std::filesystem::path(path).replace_extension(".raw").string();
+}
+
 VolumeWriter::VolumeWriter(const std::string& path, const Grid& grid, std::vector<ArrayInfo> arrays,
                            Index3 first)
     : grid_(grid), arrays_(std::move(arrays)) {
@@ -78,14 +84,13 @@ VolumeWriter::VolumeWriter(const std::string& path, const Grid& grid, std::vecto
   for (const ArrayInfo& array : arrays_) checkGrid(grid, array.type, array.components, path);
   const std::string extension = extensionOf(path);
   const int64_t points = wholeOf(grid).count();
-  if (extension == ".vol" || extension == ".json") {
+  if (const std::string raw = rawFileOf(path); !raw.empty()) {
     if (arrays_.size() != 1)
       throw Error(path + ": a " + extension + " file holds one array, not " + std::to_string(arrays_.size()));
-    const std::filesystem::path raw = std::filesystem::path(path).replace_extension(".raw");
-    const VolumeDescription description{arrays_[0].type, grid, arrays_[0].components, raw.filename().string(),
-                                        false};
+    const VolumeDescription description{arrays_[0].type, grid, arrays_[0].components,
+                                        std::filesystem::path(raw).filename().string(), false};
     writeText(path, extension == ".vol" ? formatVol(description) : formatVolumeJson(description));
-    file_ = std::make_unique<File>(File::create(raw.string()));
+    file_ = std::make_unique<File>(File::create(raw));
     places_ = {0};
     return;
   }

@@ -31,6 +31,9 @@ class VolumeWriter {
   std::vector<int64_t> places_;  ///< of the first sample of each array
 };
 
+/// The file beside a .vol or .json into which a VolumeWriter puts the samples; empty for other extensions.
+std::string rawFileOf(const std::string& path);
+
 /// A piece of a .pvti, written by VolumeWriter; its name is relative to the .pvti.
 struct ImagePiece {
   Extent extent;

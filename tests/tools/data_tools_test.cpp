@@ -98,6 +98,29 @@ TEST_F(DataTools, ConvertAndPartitionMoveNothing) {
   EXPECT_EQ(samples(original), samples(pieces));
 }
 
+TEST_F(DataTools, NothingThatIsReadIsOverwritten) {
+  ASSERT_EQ(data("radial -r 8 --array x noise.vol"), 0);
+  const auto before = samples(openVolume(at("noise.vol")));
+  EXPECT_EQ(data("convert noise.vol noise.json"), 1);  // both have noise.raw
+  EXPECT_EQ(data("convert noise.vol noise.vol"), 1);
+  std::filesystem::create_hard_link(at("noise.raw"), at("other.raw"));
+  EXPECT_EQ(data("convert noise.vol other.json"), 1);
+  EXPECT_FALSE(std::filesystem::exists(at("noise.json")) || std::filesystem::exists(at("other.json")));
+  EXPECT_EQ(samples(openVolume(at("noise.vol"))), before);
+
+  ASSERT_EQ(data("partition noise.vol -n 2 pp.pvti"), 0);
+  EXPECT_EQ(data("partition pp.pvti -n 4 pp.pvti"), 1);
+  EXPECT_EQ(data("convert pp.pvti pp_1.vti"), 1);
+  EXPECT_EQ(samples(openVolume(at("pp.pvti"))), before);
+
+  ASSERT_EQ(data("sphere-mesh -r 8 s.vtp"), 0);
+  ASSERT_EQ(data("partition s.vtp -n 4 q.pvtp"), 0);
+  EXPECT_EQ(data("partition q.pvtp -n 2 q.pvtp"), 1);
+  EXPECT_EQ(data("convert q.pvtp q_1.vtp"), 1);
+  EXPECT_EQ(data("convert q.pvtp q.vtp"), 0);
+  EXPECT_EQ(summariseGeometry(at("q.vtp")).triangles, 2u * 16 * 7);
+}
+
 TEST_F(DataTools, GeometryKindsHoldWhatTheyClaim) {
   ASSERT_EQ(data("particles -r 500 p.vtp"), 0);
   ASSERT_EQ(data("sphere-mesh -r 16 m.vtp"), 0);

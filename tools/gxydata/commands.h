@@ -5,6 +5,7 @@
 #include <atomic>
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "fields.h"
 #include "gxy/data/geometry.h"
@@ -44,6 +45,13 @@ void infoGeometry(const Options& options);
 
 /// NAME_0.EXT, NAME_1.EXT, ... beside `out`.
 std::string pieceName(const std::string& out, int piece, const char* extension);
+
+/// OUT and all pieces of a lattice.
+std::vector<std::string> filesOfPieces(const std::string& out, std::array<int, 3> lattice,
+                                       const char* extension);
+
+/// Throws Error if one of the files to be written is one that reading `in` opens: nothing has been written yet.
+void keepInput(const std::string& in, const std::vector<std::string>& written);
 
 /// OUT itself, or OUT with _0000 before its extension for a time series.
 std::string stepName(const Options& options, int step);

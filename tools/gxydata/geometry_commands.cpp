@@ -57,6 +57,7 @@ std::array<int64_t, 3> proportions(const Box& box) {
 }  // namespace
 
 void convertGeometry(const Options& options) {
+  keepInput(options.in, {options.out});
   const Input input = load(options);
   writeGeometry(options.out, input.geometry.block, input.geometry.kind, input.array);
 }
@@ -75,6 +76,7 @@ void partitionGeometry(const Options& options, int parts, std::array<int, 3> lat
     members[cellOf(box, lattice, middle)].push_back(uint32_t(p));
   }
   const char* extension = extensionOf(options.out) == ".pvtp" ? ".vtp" : ".vtu";
+  keepInput(options.in, filesOfPieces(options.out, lattice, extension));
   std::vector<GeometryPiece> pieces;
   Progress progress("partitioning", int64_t(members.size()));
   const glm::dvec3 side = box.hi - box.lo;

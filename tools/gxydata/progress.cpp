@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cstdio>
 #include <filesystem>
+#include <set>
 
 #include "commands.h"
+#include "gxy/comm/error.h"
+#include "gxy/io/referenced_files.h"
 
 namespace gxy::data_tool {
 
@@ -32,6 +36,25 @@ std::string stepName(const Options& options, int step) {
 std::string pieceName(const std::string& out, int piece, const char* extension) {
   const std::filesystem::path path(out);
   return (path.parent_path() / (path.stem().string() + "_" + std::to_string(piece) + extension)).string();
+}
+
+std::vector<std::string> filesOfPieces(const std::string& out, std::array<int, 3> lattice,
+                                       const char* extension) {
+  std::vector<std::string> files{out};
+  const int pieces = lattice[0] * lattice[1] * lattice[2];
+  for (int i = 0; i < pieces; ++i) files.push_back(pieceName(out, i, extension));
+  return files;
+}
+
+void keepInput(const std::string& in, const std::vector<std::string>& written) {
+  std::set<std::pair<dev_t, ino_t>> read;  // whatever they are called, through links too
+  struct stat status {};
+  for (const std::string& file : filesOpenedFor(in))
+    if (::stat(file.c_str(), &status) == 0) read.insert({status.st_dev, status.st_ino});
+  for (const std::string& file : written)
+    if (::stat(file.c_str(), &status) == 0 && read.count({status.st_dev, status.st_ino}))
+      throw Error(file + ": it would be overwritten, but " + in +
+                  " is read from it; give the output another name");
 }
 
 }  // namespace gxy::data_tool

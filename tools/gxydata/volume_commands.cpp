@@ -92,8 +92,7 @@ void printArray(const VolumeFile& file) {
 
 void convertVolume(const Options& options) {
   const std::vector<VolumeFile> files = chosenArrays(options, extensionOf(options.out) == ".vti");
-  if (std::filesystem::exists(options.out) && std::filesystem::equivalent(options.in, options.out))
-    throw Error(options.out + ": the file cannot be converted in place");
+  keepInput(options.in, {options.out, rawFileOf(options.out)});
   const VolumeWriter writer(options.out, files[0].grid, infos(files));
   Progress progress("converting", bytesOfAll(files));
   copy(files, wholeOf(files[0].grid), writer, progress);
@@ -109,6 +108,7 @@ void partitionVolume(const Options& options, int parts, std::array<int, 3> latti
     if (lattice[a] > cells[a])
       throw Error(std::to_string(lattice[a]) + " pieces along " + "xyz"[a] + ", but the grid has only " +
                   std::to_string(cells[a]) + " cells");
+  keepInput(options.in, filesOfPieces(options.out, lattice, ".vti"));
   std::vector<ImagePiece> pieces;
   Progress progress("partitioning", bytesOfAll(files));
   for (int k = 0; k < lattice[2]; ++k)
