@@ -6,6 +6,8 @@
 #include <exception>
 #include <utility>
 
+#include "error_text.h"
+
 namespace gxy {
 
 void logError(int rank, const std::string& message) { spdlog::error("rank {}: {}", rank, message); }
@@ -14,7 +16,7 @@ void guarded(const ErrorReport& report, int rank, const char* what, const std::f
   try {
     action();
   } catch (const std::exception& error) {
-    report(rank, std::string(what) + " failed: " + error.what());
+    report(rank, std::string(what) + " failed: " + textOf(error));
   } catch (...) {
     report(rank, std::string(what) + " failed with an exception that is no std::exception");
   }

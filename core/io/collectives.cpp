@@ -5,6 +5,7 @@
 #include <string>
 
 #include "gxy/comm/error.h"
+#include "gxy/comm/error_text.h"
 
 namespace gxy {
 namespace {
@@ -32,7 +33,7 @@ void agree(Collectives& ranks, const std::function<void()>& work) {
     work();
   } catch (const std::exception& e) {
     failed = true;
-    failure = e.what();
+    failure = textOf(e);
   }
   // An empty message means success, so a failure is marked by a first byte.
   Bytes message(failed ? 1 + failure.size() : 0);

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "gxy/comm/error.h"
+#include "gxy/comm/error_text.h"
 #include "gxy/comm/tree.h"
 #include "gxy/comm/wire.h"
 #include "gxy/render/renderer_state.h"
@@ -302,54 +303,57 @@ void Renderer::delivered(FrameId id) {
         true);
 }
 
-void Renderer::start(FrameId id, FrameRequest request, const Bytes& message) {
-  sendDown(message);
-  auto frame = std::make_shared<Frame>(options_);
-  frame->id = id;
-  frame->request = request;
-  frame->owner = int(id % uint64_t(transport_.size()));
-  frame->shared = &account_;
-  if (!request.account.empty()) frame->own.emplace(options_, request.account);
+// What this rank needs for a frame, but for what came with its request.
+void Renderer::prepare(Frame& frame) {
+  const FrameRequest& request = frame.request;
+  if (!request.account.empty()) frame.own.emplace(options_, request.account);
   {
     std::lock_guard lock(mutex_);
     const auto scene = scenes_.find(request.scene);
-    if (scene == scenes_.end())
-      throw Error("frame " + std::to_string(id) + ": rank " + std::to_string(transport_.rank()) +
-                  " has no scene " + std::to_string(request.scene));
-    frame->scene = scene->second;
+    if (scene == scenes_.end()) throw Error("there is no scene " + std::to_string(request.scene));
+    frame.scene = scene->second;
   }
-  const CompiledScene& scene = *frame->scene.compiled;
+  const CompiledScene& scene = *frame.scene.compiled;
+  const Lighting& lighting = scene.visualization.lighting;
+  frame.perPrimary = 1 + lighting.aoCount + (lighting.shadows ? int64_t(lighting.sources.size()) : 0);
   CompiledFrame compiled = compileFrame(scene, request.camera, 0, request.depth);
   if (request.samples > 0) compiled.samples = request.samples;
   compiled.firstSample = request.firstSample;
   compiled.urgent = request.share.interactive;
-  std::string error;
-  try {
-    frame->device = frame->scene.device->makeFrame(compiled);
-  } catch (const Error& e) {
-    error = e.what();
-    frame->cancelled = true;  // what needs the device is retired without it
-  }
-  const Lighting& lighting = scene.visualization.lighting;
-  frame->limits = limitsOf(scene, compiled);
-  frame->perPrimary = 1 + lighting.aoCount + (lighting.shadows ? int64_t(compiled.lights.size()) : 0);
-  if (frame->owner == transport_.rank()) {
-    frame->framebuffer =
+  frame.samples = compiled.samples;
+  frame.limits = limitsOf(scene, compiled);
+  if (frame.owner == transport_.rank()) {
+    frame.framebuffer =
         std::make_unique<Framebuffer>(compiled.width, compiled.height, compiled.samples, compiled.depth);
-    frame->framebufferMemory = frame->account().framebuffer.another(int64_t(frame->framebuffer->bytes()));
+    frame.framebufferMemory = frame.account().framebuffer.another(int64_t(frame.framebuffer->bytes()));
   }
   TileList list = tilesOf(scene, compiled, transport_.rank());
-  frame->tiles = std::move(list.tiles);
-  frame->tileMemory = frame->account().tiles.another(int64_t(frame->tiles.capacity() * sizeof(Tile)));
-  frame->samples = compiled.samples;
+  frame.tiles = std::move(list.tiles);
+  frame.tileMemory = frame.account().tiles.another(int64_t(frame.tiles.capacity() * sizeof(Tile)));
+  frame.device = frame.scene.device->makeFrame(compiled);
+  std::lock_guard lock(mutex_);
+  counters_.tilesSkipped += list.skipped * uint64_t(frame.samples);
+}
+
+void Renderer::start(FrameId id, FrameRequest request, const Bytes& message) {
+  sendDown(message);
+  auto frame = std::make_shared<Frame>(options_);
+  frame->id = id;
+  frame->request = std::move(request);
+  frame->owner = int(id % uint64_t(transport_.size()));
+  frame->shared = &account_;
+  try {
+    prepare(*frame);
+  } catch (const std::exception& e) {
+    frame->tiles.clear();    // the frame spawns nothing here, and what comes is retired
+    fail(frame, textOf(e));  // before others can end it
+  }
   frame->tilesLeft = frame->allTiles();
   const bool spawnsNothing = frame->tiles.empty();  // asked here: once it is known, other threads take tiles
 
-  if (!error.empty()) fail(frame, error);  // before others can end it
   std::vector<Parked> parked;
   {
     std::lock_guard lock(mutex_);
-    counters_.tilesSkipped += list.skipped * uint64_t(frame->samples);
     frames_[id] = frame;
     const auto waiting = parked_.find(id);
     if (waiting != parked_.end()) {
@@ -358,14 +362,15 @@ void Renderer::start(FrameId id, FrameRequest request, const Bytes& message) {
     }
     if (!spawnsNothing) spawning_.push_back(frame);
   }
-  for (Parked& p : parked) {
-    if (p.channel == Channel::Rays)
-      receiveRays(std::move(p.message));
-    else if (p.channel == Channel::Contributions)
-      receiveContributions(std::move(p.message));
-    else
-      cancel(id);
-  }
+  for (Parked& p : parked)  // each by itself: one that is refused keeps no other back
+    post([this, id, p = std::make_shared<Parked>(std::move(p))] {
+      if (p->channel == Channel::Rays)
+        receiveRays(std::move(p->message));
+      else if (p->channel == Channel::Contributions)
+        receiveContributions(std::move(p->message));
+      else
+        cancel(id);
+    });
   if (spawnsNothing) completion_.spawned(id);
   pump();
 }

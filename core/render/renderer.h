@@ -59,8 +59,9 @@ struct FrameRequest {
 /// Pictures of frames that nobody watches are handed out beside the tasks (Transport::postWaiting), however long that takes.
 ///
 /// A superseded frame ends like any other, its rays retired where they are met, but hands out no picture. So does a frame
-/// that a rank's device could not do its part of: rank 0 hears what was wrong, and other frames go on. Messages that are
-/// not what a Renderer sends (a pixel outside the picture, a frame that is over, ...) are refused with an Error.
+/// that a rank or its device could not do its part of: rank 0 hears what was wrong, and other frames go on. Messages that
+/// are not what a Renderer sends (a pixel outside the picture, a frame that is over, ...) are refused with an Error; what
+/// they hold counts as ended, and a frame that is under way fails.
 ///
 /// Threads: all calls may come from any thread. Callbacks run as tasks of the Transport.
 class Renderer {
@@ -76,7 +77,7 @@ class Renderer {
     Trace* trace = nullptr;        ///< of packets, tiles, pictures and frames; outlives the Renderer
     int runners = 0;               ///< tasks that it gives the Transport at once; 0: all there are
   };
-  /// How a frame has ended: with a picture, or superseded, or with what went wrong on a rank's device.
+  /// How a frame has ended: with a picture, or superseded, or with what went wrong on a rank.
   struct Ending {
     bool superseded = false;
     std::string error;
@@ -155,6 +156,7 @@ class Renderer {
   void receiveRays(Bytes message);
   void receiveContributions(Bytes message);
   void start(FrameId id, FrameRequest request, const Bytes& message);
+  void prepare(Frame& frame);
   void cancel(FrameId id);
   void cancelEverywhere(FrameId id);
   void fail(const FramePtr& frame, const std::string& error);
@@ -170,6 +172,7 @@ class Renderer {
   void spawned(const FramePtr& frame, TraceResult& result, int64_t reserved, std::vector<Held>& stack);
   void take(const FramePtr& frame, int origin, TraceResult& result, std::vector<Held>& stack);
   void traced(const FramePtr& frame, int origin, bool primary, TraceResult& result, std::vector<Held>& stack);
+  void retire(const FramePtr& frame, int origin, bool primary, uint64_t rays);
   void process(const FramePtr& frame, int origin, std::vector<Held> stack);
   using Call = std::function<void(DeviceScene::Done)>;
   using Then = std::function<void(TraceResult&, std::vector<Held>&)>;

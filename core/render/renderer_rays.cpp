@@ -4,6 +4,7 @@
 #include <tuple>
 
 #include "gxy/comm/error.h"
+#include "gxy/comm/error_text.h"
 #include "gxy/comm/wire.h"
 #include "gxy/render/renderer_state.h"
 
@@ -107,7 +108,7 @@ void Renderer::ask(const FramePtr& frame, int origin, uint64_t rays, const Call&
     call([this, asked](TraceResult result) { answered(*asked, std::move(result)); });
   } catch (const std::exception& e) {
     asked->next->answer.retired = rays;
-    asked->next->answer.error = e.what();
+    asked->next->answer.error = textOf(e);
     asked->answered = true;
   }
   std::shared_ptr<Asked::Next> next;
@@ -199,6 +200,14 @@ void Renderer::traced(const FramePtr& frame, int origin, bool primary, TraceResu
   giveBack(origin, frame->request.share.tenant, credits);
 }
 
+// Ends rays that are not traced.
+void Renderer::retire(const FramePtr& frame, int origin, bool primary, uint64_t rays) {
+  TraceResult ended;
+  ended.retired = rays;
+  std::vector<Held> nothing;
+  traced(frame, origin, primary, ended, nothing);
+}
+
 // Traces one packet, and puts off the rest and all that it becomes on this rank.
 void Renderer::process(const FramePtr& frame, int origin, std::vector<Held> stack) {
   while (!stack.empty()) {
@@ -214,9 +223,7 @@ void Renderer::process(const FramePtr& frame, int origin, std::vector<Held> stac
     const auto rays = uint64_t(list.rays.size());
     const bool primary = list.primary;
     if (frame->cancelled) {
-      TraceResult ended;
-      ended.retired = rays;
-      traced(frame, origin, primary, ended, stack);
+      retire(frame, origin, primary, rays);
       continue;
     }
     const Trace::Span span(options_.trace, "packet", rays);
@@ -294,16 +301,23 @@ void Renderer::receiveRays(Bytes message) {
     in.fail("its header does not fit its " + std::to_string(message.size()) + " bytes");
   const FramePtr frame = findOrPark(header.frame, Channel::Rays, message);
   if (!frame) return;
-  const CompiledScene& scene = *frame->scene.compiled;
-  if (header.partition < 0 || header.partition >= scene.partitioning->partitions() ||
-      scene.partitioning->owner(header.partition) != transport_.rank() ||
-      !scene.visible[size_t(header.partition)])
-    in.fail("partition " + std::to_string(header.partition) + " is not one that this rank shows");
-  RayList rays = RayList::read(in.rest(), header.count, primary);
-  if (const char* wrong = wrongIn(rays, primary, frame->limits)) in.fail(wrong);
+  if (!frame->device) return retire(frame, header.origin, primary, uint64_t(header.count));
   auto active = std::make_shared<Completion::Active>(completion_, header.frame);
   auto held = std::make_shared<std::vector<Held>>();  // tasks are copied
-  held->push_back(hold(*frame, {header.partition, primary, std::move(rays)}));
+  try {
+    const CompiledScene& scene = *frame->scene.compiled;
+    if (header.partition < 0 || header.partition >= scene.partitioning->partitions() ||
+        scene.partitioning->owner(header.partition) != transport_.rank() ||
+        !scene.visible[size_t(header.partition)])
+      in.fail("partition " + std::to_string(header.partition) + " is not one that this rank shows");
+    RayList rays = RayList::read(in.rest(), header.count, primary);
+    if (const char* wrong = wrongIn(rays, primary, frame->limits)) in.fail(wrong);
+    held->push_back(hold(*frame, {header.partition, primary, std::move(rays)}));
+  } catch (const std::exception& e) {  // their frame must end all the same
+    fail(frame, textOf(e));
+    retire(frame, header.origin, primary, uint64_t(header.count));
+    throw;
+  }
   post(frame->request.share,
        [this, frame, origin = header.origin, active, held] { process(frame, origin, std::move(*held)); });
 }
@@ -319,16 +333,23 @@ void Renderer::receiveContributions(Bytes message) {
     in.fail("its header does not fit its " + std::to_string(message.size()) + " bytes");
   const FramePtr frame = findOrPark(header.frame, Channel::Contributions, message);
   if (!frame) return;
-  if (!frame->framebuffer) in.fail("the picture is not on this rank");
-  std::vector<Contribution> contributions(header.contributions);
-  for (Contribution& c : contributions) c = in.read<Contribution>();
-  std::vector<DepthContribution> depths(header.depths);
-  for (DepthContribution& d : depths) {
-    d.pixel = in.read<uint32_t>();
-    d.depth = in.read<double>();
+  if (!frame->device) return completion_.retired(header.frame, 1);
+  try {
+    if (!frame->framebuffer) in.fail("the picture is not on this rank");
+    std::vector<Contribution> contributions(header.contributions);
+    for (Contribution& c : contributions) c = in.read<Contribution>();
+    std::vector<DepthContribution> depths(header.depths);
+    for (DepthContribution& d : depths) {
+      d.pixel = in.read<uint32_t>();
+      d.depth = in.read<double>();
+    }
+    if (!frame->framebuffer->add(contributions) || !frame->framebuffer->addDepths(depths))
+      in.fail("a pixel lies outside the picture");
+  } catch (const std::exception& e) {
+    fail(frame, textOf(e));
+    completion_.retired(header.frame, 1);
+    throw;
   }
-  if (!frame->framebuffer->add(contributions) || !frame->framebuffer->addDepths(depths))
-    in.fail("a pixel lies outside the picture");
   completion_.retired(header.frame, 1);
 }
 

@@ -25,12 +25,12 @@ struct Renderer::Frame {
   FrameId id = 0;
   FrameRequest request;
   Scene scene;
-  std::shared_ptr<const DeviceFrame> device;
+  std::shared_ptr<const DeviceFrame> device;  ///< null where this rank could not begin the frame
   int owner = 0;
   int samples = 1;                           ///< of a pixel
   int64_t perPrimary = 1;                    ///< credits of a primary ray
   RayLimits limits;                          ///< of rays that may come
-  std::unique_ptr<Framebuffer> framebuffer;  ///< on the owner
+  std::unique_ptr<Framebuffer> framebuffer;  ///< on the owner, unless it could not begin
   const Account* shared = nullptr;           ///< of frames that name no account
   std::optional<Account> own;
   LedgerEntry framebufferMemory, tileMemory;

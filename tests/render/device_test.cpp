@@ -46,7 +46,7 @@ class LaterThread {
 };
 
 struct Faults {
-  bool frame = false, spawn = false, throws = false;
+  bool frame = false, memory = false, spawn = false, throws = false;
   int64_t traces = -1;  ///< fail from that many calls on; -1: never
 };
 
@@ -59,6 +59,7 @@ class OddScene final : public DeviceScene {
         later_(later ? std::make_unique<LaterThread>() : nullptr) {}
   std::shared_ptr<const DeviceFrame> makeFrame(const CompiledFrame& frame) const override {
     if (faults_.frame) throw Error("no room for a frame");
+    if (faults_.memory) throw std::bad_alloc();
     return scene_->makeFrame(frame);
   }
   void spawn(const DeviceFrame& frame, const Tile& tile, Done done) const override {
@@ -169,6 +170,22 @@ void expectOnlyThatFrameFails(const Faults& faults, const std::string& error, bo
 
 TEST(FailingDevice, EndsTheFrameItCannotBegin) {
   for (bool later : {false, true}) expectOnlyThatFrameFails({.frame = true}, "no room for a frame", later);
+}
+
+TEST(FailingDevice, MayHaveNoMemoryForAFrame) {
+  for (bool later : {false, true}) expectOnlyThatFrameFails({.memory = true}, "not enough memory", later);
+}
+
+TEST(FailingDevice, SceneThatARankHasNotEndsTheFrame) {
+  const Cut cut = kdCut(kScene.domain, 6, kRanks, 5);
+  Frames frames(kRanks, {});
+  frames.add(1, oddly(cut, false));
+  frames.renderer(1).removeScene(1);
+  const FrameId id = frames.start(requestOf(kScene));
+  frames.run();
+  EXPECT_EQ(frames.errors(), std::vector<std::string>());
+  EXPECT_EQ(frames.outcome(id).finished, 1);
+  EXPECT_EQ(frames.outcome(id).error, "rank 1: there is no scene 1");
 }
 
 TEST(FailingDevice, EndsTheFrameItCannotSpawn) {

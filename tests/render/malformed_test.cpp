@@ -20,37 +20,48 @@ TestScene scene() {
   return s;
 }
 
+// A Transport that shows what is sent.
+class Tap final : public Transport {
+ public:
+  using Look = std::function<void(Channel, Bytes&)>;
+  Tap(Transport& to, Look look) : to_(to), look_(std::move(look)) {}
+  int rank() const override { return to_.rank(); }
+  int size() const override { return to_.size(); }
+  void send(int destination, Channel channel, Bytes message) override {
+    look_(channel, message);
+    to_.send(destination, channel, std::move(message));
+  }
+  void onMessage(Channel channel, Handler handler) override { to_.onMessage(channel, std::move(handler)); }
+  void post(Task task) override { to_.post(std::move(task)); }
+  void postWaiting(Task task) override { to_.postWaiting(std::move(task)); }
+  Counters counters() const override { return to_.counters(); }
+
+ private:
+  Transport& to_;
+  const Look look_;
+};
+
+// Renderers of a scene over taps.
+struct TappedRanks {
+  TappedRanks(InProcessWorld& world, const std::vector<RankScene>& scenes, const Tap::Look& look) {
+    for (size_t r = 0; r < scenes.size(); r++) {
+      taps.push_back(std::make_unique<Tap>(world.rank(int(r)), look));
+      renderers.push_back(std::make_unique<Renderer>(*taps.back(), Renderer::Options{16, 1 << 20}));
+      renderers.back()->addScene(1, scenes[r].compiled, scenes[r].device);
+    }
+  }
+  std::vector<std::unique_ptr<Tap>> taps;
+  std::vector<std::unique_ptr<Renderer>> renderers;
+};
+
 // Everything that is sent while a frame runs, by channel: what mutations start from.
 std::map<Channel, std::vector<Bytes>> recorded(const TestScene& s, const Cut& cut) {
   std::map<Channel, std::vector<Bytes>> messages;
-  const auto compiled = compiledOn(cut, s);
-  class Tap final : public Transport {
-   public:
-    Tap(Transport& to, std::map<Channel, std::vector<Bytes>>& kept) : to_(to), kept_(kept) {}
-    int rank() const override { return to_.rank(); }
-    int size() const override { return to_.size(); }
-    void send(int destination, Channel channel, Bytes message) override {
-      kept_[channel].push_back(message);
-      to_.send(destination, channel, std::move(message));
-    }
-    void onMessage(Channel channel, Handler handler) override { to_.onMessage(channel, std::move(handler)); }
-    void post(Task task) override { to_.post(std::move(task)); }
-    void postWaiting(Task task) override { to_.postWaiting(std::move(task)); }
-    Counters counters() const override { return to_.counters(); }
-
-   private:
-    Transport& to_;
-    std::map<Channel, std::vector<Bytes>>& kept_;
-  };
   InProcessWorld world(cut.ranks, 1);
-  std::vector<std::unique_ptr<Tap>> taps;
-  std::vector<std::unique_ptr<Renderer>> renderers;
-  for (int r = 0; r < cut.ranks; r++) {
-    taps.push_back(std::make_unique<Tap>(world.rank(r), messages));
-    renderers.push_back(std::make_unique<Renderer>(*taps.back(), Renderer::Options{16, 1 << 20}));
-    renderers.back()->addScene(1, compiled[size_t(r)].compiled, compiled[size_t(r)].device);
-  }
-  renderers[0]->render(requestOf(s), {});
+  const TappedRanks ranks(world, compiledOn(cut, s), [&](Channel channel, const Bytes& message) {
+    messages[channel].push_back(message);
+  });
+  ranks.renderers[0]->render(requestOf(s), {});
   world.run();
   return messages;
 }
@@ -163,6 +174,41 @@ TEST(Malformed, RaysThatWouldIndexOutsideAreRefused) {
     }
     ASSERT_EQ(frames.errors().size(), 1u) << c.expected;
     EXPECT_NE(frames.errors()[0].find(c.expected), std::string::npos) << frames.errors()[0];
+  }
+}
+
+// Such as a scene that cannot be told in the fields of a ray would make.
+TEST(Malformed, MessagesOfItsOwnEndAFrame) {
+  const TestScene s = scene();
+  const Cut cut = lattice(s.domain, {2, 1, 1}, 2);
+  const auto compiled = compiledOn(cut, s);
+  struct Case {
+    Channel channel;
+    size_t offset;  ///< of what is spoilt: the partition of rays, a contribution's pixel
+    const char* expected;
+  };
+  for (const Case& c : {Case{Channel::Rays, 8, "partition 77 is not one that this rank shows"},
+                        Case{Channel::Contributions, 24, "a pixel lies outside the picture"}}) {
+    int sent = 0;
+    InProcessWorld::Options options;
+    std::vector<std::string> errors, endings;
+    options.onError = [&](int, const std::string& error) { errors.push_back(error); };
+    InProcessWorld world(cut.ranks, 1, std::move(options));
+    const TappedRanks ranks(world, compiled, [&](Channel channel, Bytes& message) {
+      const uint32_t wrong = channel == Channel::Rays ? 77 : 0xffffffff;
+      if (channel == c.channel && sent++ == 1) std::memcpy(&message[c.offset], &wrong, sizeof wrong);
+    });
+    ranks.renderers[0]->render(
+        requestOf(s), [&](FrameId, const Renderer::Ending& ending) { endings.push_back(ending.error); });
+    world.run();
+    ASSERT_EQ(endings.size(), 1u) << c.expected;
+    EXPECT_NE(endings[0].find(c.expected), std::string::npos) << endings[0];
+    EXPECT_EQ(errors.size(), 1u);
+    for (const auto& renderer : ranks.renderers) {
+      const Renderer::Kept kept = renderer->kept();
+      EXPECT_EQ(kept.frames + kept.parkedMessages + kept.callbacks + kept.completionSets, 0u);
+      EXPECT_EQ(kept.credits, 0);
+    }
   }
 }
 

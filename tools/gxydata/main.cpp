@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "commands.h"
+#include "gxy/comm/error_text.h"
 #include "gxy/io/volume_file.h"
 
 namespace {
@@ -168,7 +169,7 @@ int main(int argc, char** argv) {
   try {
     run(app, options, parts, cuts);
   } catch (const std::exception& e) {
-    std::fprintf(stderr, "gxydata: %s\n", e.what());
+    std::fprintf(stderr, "gxydata: %s\n", textOf(e).c_str());
     return 1;
   }
   return 0;

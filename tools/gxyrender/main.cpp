@@ -9,6 +9,7 @@
 
 #include "gxy/backends/backends.h"
 #include "gxy/comm/error.h"
+#include "gxy/comm/error_text.h"
 #include "gxy/comm/mpi_environment.h"
 #include "gxy/comm/mpi_transport.h"
 #include "gxy/render/renderer.h"
@@ -25,12 +26,13 @@ namespace {
 
 constexpr uint64_t kRunKey = 1;  // of this run's collectives
 
-// The first error of each rank's pictures, and how many pictures are done on rank 0.
+// The first error of each rank's pictures; on rank 0 that of the frames, and how many are under way and done.
 struct Progress {
   std::mutex mutex;
   std::condition_variable changed;
   int inFlight = 0, done = 0;
   std::optional<std::string> error;
+  std::string ending;
 };
 
 Bytes toBytes(const std::string& s) {
@@ -54,7 +56,7 @@ State readOnAll(const RenderOptions& options, Collective& collective, bool root)
       if (file.state.cameras.empty()) throw Error(options.stateFile + ": there is no camera to render from");
       text = writeState(file.state);
     } catch (const std::exception& e) {
-      error = e.what();
+      error = textOf(e);
     }
   }
   // the error is the root's alone: told once, without a rank
@@ -78,7 +80,7 @@ void renderAll(const State& state, const RenderOptions& options, Renderer& rende
       writePicture(nameOf(id), options, std::move(picture));
     } catch (const std::exception& e) {
       std::lock_guard lock(progress.mutex);
-      if (!progress.error) progress.error = e.what();
+      if (!progress.error) progress.error = textOf(e);
     }
   });
   if (root) {
@@ -98,13 +100,18 @@ void renderAll(const State& state, const RenderOptions& options, Renderer& rende
         request.scene = v;
         request.camera = state.cameras[c];
         request.depth = options.depth;
-        renderer.render(request, [&](FrameId, const Renderer::Ending& ending) {
+        const auto ended = [&](const std::string& error) {
           std::lock_guard lock(progress.mutex);
-          if (!progress.error && !ending.error.empty()) progress.error = ending.error;
+          if (progress.ending.empty()) progress.ending = error;
           progress.inFlight--;
           show(++progress.done);
           progress.changed.notify_all();
-        });
+        };
+        try {
+          renderer.render(request, [ended](FrameId, const Renderer::Ending& e) { ended(e.error); });
+        } catch (const std::exception& e) {
+          ended(textOf(e));
+        }
       }
     std::unique_lock lock(progress.mutex);
     progress.changed.wait(lock, [&] { return progress.done == total; });
@@ -113,6 +120,9 @@ void renderAll(const State& state, const RenderOptions& options, Renderer& rende
   renderer.onPicture({});
   std::lock_guard lock(progress.mutex);
   collective.agree(kRunKey, progress.error);
+  // names the rank where a frame failed, so told as it is
+  const Bytes ending = collective.broadcast(kRunKey, 0, toBytes(progress.ending));
+  if (!ending.empty()) throw Error(toString(ending));
 }
 
 int run(const RenderOptions& options) {
@@ -186,8 +196,8 @@ int run(const RenderOptions& options) {
         std::cerr << state.cameras.size() * state.visualizations.size() << " picture(s) "
                   << pictureName(state, options, 0, 0) << "." << options.format << " ... in "
                   << wallSeconds() - begin << " s\n";
-    } catch (const Error& e) {
-      if (root) std::cerr << "gxyrender: error: " << e.what() << '\n';
+    } catch (const std::exception& e) {
+      if (root) std::cerr << "gxyrender: error: " << textOf(e) << '\n';
       code = 1;
     }
   }
@@ -205,7 +215,7 @@ int main(int argc, char** argv) {
     if (const auto code = parseOptions(argc, argv, !rank || std::string(rank) == "0", options)) return *code;
     return run(options);
   } catch (const std::exception& e) {
-    std::cerr << "gxyrender: error: " << e.what() << '\n';
+    std::cerr << "gxyrender: error: " << textOf(e) << '\n';
     return 1;
   }
 }
