@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "gxy/comm/error.h"
+
 namespace gxy {
 
 namespace {
@@ -22,6 +24,17 @@ Box thickened(Box box) {
   return box;
 }
 
+// Into `parts` blocks or, where the grid has no such division, into the next fewer that it has.
+std::array<int, 3> decomposeAtMost(int parts, const Index3& cells) {
+  for (;; parts--) {
+    try {
+      return decompose(parts, cells);
+    } catch (const Error&) {
+      if (parts <= 1) throw;
+    }
+  }
+}
+
 }  // namespace
 
 std::shared_ptr<const Partitioning> automaticPartitioning(const Box& data, const Grid* grid,
@@ -37,7 +50,8 @@ std::shared_ptr<const Partitioning> automaticPartitioning(const Box& data, const
         onGrid ? grid->cells()[a] : std::max<int64_t>(1, int64_t(std::ceil(1048576 * size[a] / longest)));
   if (wanted[0] == 0) {
     const Index3 points = grid ? grid->points : Index3{1, 1, 1};
-    wanted[0] = int(std::max<int64_t>(ranks, points[0] * points[1] * points[2] / kMostPoints + 1));
+    const int64_t parts = std::max<int64_t>(ranks, points[0] * points[1] * points[2] / kMostPoints + 1);
+    wanted = decomposeAtMost(int(parts), cells);
   }
   if (wanted[1] == 0) wanted = decompose(wanted[0], cells);
   std::array<std::vector<double>, 3> faces;
