@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cstring>
+#include <limits>
 
 #include "fields_ispc.h"
 #include "geometry_ispc.h"
@@ -248,8 +249,12 @@ class EmbreeScene::Packet {
     RayView view = rays.view();
     const int hits = int(which.size());
     const Lighting& lighting = scene_.scene_->visualization.lighting;
-    const int perHit = (lighting.shadows ? frame_.view.lights : 0) + lighting.aoCount;
-    RayList made(hits * perHit + 16);
+    const int64_t perHit = int64_t(lighting.shadows ? frame_.view.lights : 0) + lighting.aoCount;
+    const int64_t most = hits * perHit + 16;
+    if (most > std::numeric_limits<int>::max())
+      throw Error(std::to_string(perHit) + " shadow and ambient-occlusion rays of each of " +
+                  std::to_string(hits) + " hits are more than one packet can make");
+    RayList made{int(most)};
     RayView out = made.view();
     sums_.assign(4 * which.size(), 0);
     if (frame_.depth) addDepths(view, which);

@@ -161,7 +161,7 @@ std::vector<Key<Vis>> surfaceKeys() {
               "March through the volume; combines with the two below.")
           .only(kVolume),
       customKey<Vis>(
-          "isovalues", "list of numbers", "Values of isosurfaces.",
+          "isovalues", "list of numbers", "Values of isosurfaces; with slices, at most 65535.",
           [](F f, Vis& v) { v.isovalues = f.numbers(0, kMaxJsonValues, "a list of numbers"); },
           [](V v) { return orAbsent(v.isovalues); })
           .only(kVolume)

@@ -50,10 +50,19 @@ Key<RenderSettings> obsoleteKey(std::string name, std::string why) {
       .byDefault("-");
 }
 
+/// Rays name the surface that they start on by its operator and its number there, in 16 bits each.
+constexpr size_t kMostSurfaces = 65535;
+
 void readOperators(const Found& found, Visualization& visualization) {
   for (const Found& item : found.list("a list of operators")) {
+    if (visualization.operators.size() == kMostSurfaces)
+      item.fail("at most " + std::to_string(kMostSurfaces) + " operators");
     Vis vis;
     readObject(item.context, item.value, operatorSchema(), vis);
+    if (const size_t surfaces = vis.isovalues.size() + vis.slices.size(); surfaces > kMostSurfaces)
+      item.context.fail(item.value.at,
+                        inQuotes(item.key, '`') + ": expected at most " + std::to_string(kMostSurfaces) +
+                            " isovalues and slices together, found " + std::to_string(surfaces));
     if (vis.type == VisType::Volume && !vis.volumeRendering && vis.isovalues.empty() && vis.slices.empty()) {
       item.warn("shows nothing; a Volume needs `volume rendering`, `isovalues` or `slices`");
     }

@@ -24,7 +24,9 @@ TEST(StateMessages, AWrongValueNamesPlaceKeyExpectationAndFinding) {
   EXPECT_EQ(
       errorFor(
           "{\"Visualization\": {\n  \"operators\": [],\n  \"Lighting\": {\n    \"ao count\": \"many\"}}}"),
-      "state.json:4:17: `ao count`: expected an integer >= 0, found \"many\"");
+      "state.json:4:17: `ao count`: expected an integer 0 to 4096, found \"many\"");
+  EXPECT_EQ(errorFor(R"({"Visualization": {"operators": [], "Lighting": {"ao count": 67108864}}})"),
+            "state.json:1:62: `ao count`: expected an integer 0 to 4096, found 67108864");
   EXPECT_EQ(errorFor(R"({"Renderer": {"tolerance": 0}})"),
             "state.json:1:28: `tolerance`: expected a number > 0 and <= 1, found 0");
   EXPECT_EQ(errorFor(R"({"Renderer": {"rays per pixel": 1.5}})"),
@@ -50,6 +52,31 @@ TEST(StateMessages, AWrongValueNamesPlaceKeyExpectationAndFinding) {
             "least one), found "
             "an array of 0 values");
   EXPECT_EQ(errorFor("[]"), "state.json:1:1: expected an object (state file), found an array of 0 values");
+}
+
+TEST(StateMessages, SurfacesAreAsManyAsRaysCanName) {
+  const auto listOf = [](size_t n, const std::string& item) {
+    std::string list = "[" + item;
+    for (size_t i = 1; i < n; i++) list += "," + item;
+    return list + "]";
+  };
+  const auto stateWith = [](const std::string& operators) {
+    return "{\"Visualization\": {\"operators\": " + operators + "}}";
+  };
+  const auto isovalues = [&](size_t n) {
+    return stateWith(R"([{"type": "Volume", "dataset": "d", "plane": [1, 0, 0, 0], "isovalues": )" +
+                     listOf(n, "1") + "}]");
+  };
+  EXPECT_NO_THROW(readState(isovalues(65534), "state.json"));
+  EXPECT_EQ(errorFor(isovalues(65535)),
+            "state.json:1:34: `operators[0]`: expected at most 65535 isovalues and slices together, found "
+            "65536");
+  const auto operators = [&](size_t n) {
+    return stateWith(listOf(n, R"({"type":"Particles","dataset":"d"})"));
+  };
+  EXPECT_NO_THROW(readState(operators(65535), "state.json"));
+  EXPECT_NE(errorFor(operators(65536)).find("`operators[65535]`: expected at most 65535 operators"),
+            std::string::npos);
 }
 
 TEST(StateMessages, MissingKeysAreErrorsAtTheirObject) {
