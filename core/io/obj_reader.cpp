@@ -87,13 +87,28 @@ void readCell(TextScanner& line, const TextScanner& file, const Mesh& mesh, Cell
   cells.ends.push_back(cells.corners.size());
 }
 
+/// The next line without its comment, and those that continue it after a backslash, put together in `joined`.
+std::string_view statement(TextScanner& file, std::string& joined) {
+  const auto next = [&] {
+    const std::string_view text = file.line();
+    return text.substr(0, text.find('#'));
+  };
+  std::string_view text = next();
+  if (!text.ends_with('\\')) return text;
+  joined.clear();
+  for (; text.ends_with('\\'); text = next()) {
+    text.remove_suffix(1);
+    joined.append(text) += ' ';
+  }
+  return joined.append(text);
+}
+
 Mesh parse(std::string_view bytes, const std::string& path) {
   TextScanner file(bytes, path);
   Mesh mesh;
+  std::string joined;
   while (file.left()) {
-    std::string_view text = file.line();
-    text = text.substr(0, text.find('#'));
-    TextScanner line(text, path);
+    TextScanner line(statement(file, joined), path);
     const std::string_view word = line.word();
     if (word == "v")
       mesh.vertices.push_back(readNumbers<3, double>(line, file));

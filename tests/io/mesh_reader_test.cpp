@@ -194,6 +194,13 @@ TEST_F(MeshReader, ObjCornersHaveFourFormsAndCountFromEitherEnd) {
   EXPECT_TRUE(read("g.obj", vertices + "f 1//1 2//1 3\n").block.normals.empty());
 }
 
+TEST_F(MeshReader, ObjLinesGoOnAfterABackslash) {
+  const std::string vertices = "v 0 0 0\nv 1 \\\n0 0\nv 1 1 0\nv 0 1 0\n";
+  for (const char* face :
+       {"f 1 2 \\\n3 4\n", "f 1 2\\\r\n3\\\r\n4", "f 1 2 3 4 \\\n", "f 1 2 3 4\\", "# no more \\\nf 1 2 3 4"})
+    EXPECT_EQ(read("g.obj", vertices + face).block.triangles, (Triangles{{0, 1, 2}, {0, 2, 3}})) << face;
+}
+
 TEST_F(MeshReader, ObjVerticesWithTwoNormalsBecomeTwoPoints) {
   const GeometryBlock block = read("g.obj",
                                    "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nvn 0 0 1\nvn 1 0 0\n"
