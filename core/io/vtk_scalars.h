@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// VTK's scalar types and Galaxy's. Used inside core/io only, by files that see VTK.
+// VTK's scalar types and Galaxy's, and text in its XML files. Used inside core/io only, by files that see VTK.
 #pragma once
 #include <vtkType.h>
 
 #include <optional>
+#include <string>
 #include <string_view>
 
 #include "gxy/data/volume.h"
@@ -67,6 +68,24 @@ inline const char* xmlWord(ScalarType type) {
       break;
   }
   return "Float64";
+}
+
+/// Text as it stands in an attribute.
+inline std::string escaped(std::string_view text) {
+  std::string out;
+  for (char c : text) {
+    if (c == '&')
+      out += "&amp;";
+    else if (c == '<')
+      out += "&lt;";
+    else if (c == '>')
+      out += "&gt;";
+    else if (c == '"')
+      out += "&quot;";
+    else
+      out += c;
+  }
+  return out;
 }
 
 inline std::optional<ScalarType> scalarOfXmlWord(std::string_view word) {

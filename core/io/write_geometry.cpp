@@ -17,6 +17,7 @@
 #include "gxy/io/file.h"
 #include "gxy/io/part_document.h"
 #include "gxy/io/vtk_messages.h"
+#include "gxy/io/vtk_scalars.h"
 
 namespace gxy {
 namespace {
@@ -139,11 +140,11 @@ void writeGeometryPieces(const std::string& path, const std::vector<GeometryPiec
                      "\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n  <" + type +
                      " GhostLevel=\"0\">\n    <PPoints>\n      <PDataArray type=\"Float64\" Name=\"Points\" "
                      "NumberOfComponents=\"3\"/>\n    </PPoints>\n    <PPointData>\n";
-  if (!like.values.empty()) text += "      <PDataArray type=\"Float32\" Name=\"" + array + "\"/>\n";
+  if (!like.values.empty()) text += "      <PDataArray type=\"Float32\" Name=\"" + escaped(array) + "\"/>\n";
   if (!like.normals.empty())
     text += "      <PDataArray type=\"Float32\" Name=\"Normals\" NumberOfComponents=\"3\"/>\n";
   text += "    </PPointData>\n";
-  for (const GeometryPiece& piece : pieces) text += "    <Piece Source=\"" + piece.file + "\"/>\n";
+  for (const GeometryPiece& piece : pieces) text += "    <Piece Source=\"" + escaped(piece.file) + "\"/>\n";
   writeText(path, text + "  </" + type + ">\n</VTKFile>\n");
 }
 

@@ -52,6 +52,16 @@ GeometryBlock cloud(size_t n) {
   return block;
 }
 
+TEST(GeometryFile, NamesInListsMayHoldAnyCharacter) {
+  const TemporaryFolder folder;
+  const std::string name = "a & <b> \"c\"";
+  writeGeometry(folder / (name + ".vtp"), twoTriangles(), GeometryKind::Triangles);
+  writeGeometryPieces(folder / "list.pvtp", {{{}, name + ".vtp"}}, twoTriangles(), name);
+  EXPECT_EQ(geometryPieces(folder / "list.pvtp"), std::vector<std::string>{folder / (name + ".vtp")});
+  EXPECT_NE(readText(folder / "list.pvtp").find("Name=\"a &amp; &lt;b&gt; &quot;c&quot;\""),
+            std::string::npos);
+}
+
 TEST(GeometryFile, XmlFormatsLoseNothing) {
   const TemporaryFolder folder;
   for (const char* name : {"g.vtp", "g.vtu"}) {
