@@ -277,12 +277,13 @@ void Renderer::receiveFrame(const Bytes& message) {
     in.expectEnd();
     failed(id, error);
   } else {
+    const std::string error = in.readString();
     in.expectEnd();
-    delivered(id);
+    delivered(id, error);
   }
 }
 
-void Renderer::delivered(FrameId id) {
+void Renderer::delivered(FrameId id, const std::string& error) {
   Pending pending;
   {
     std::lock_guard lock(mutex_);
@@ -291,6 +292,7 @@ void Renderer::delivered(FrameId id) {
       throw Error("frame " + std::to_string(id) + " was said to be delivered, but is not under way");
     pending = std::move(it->second);
     pending_.erase(it);
+    if (pending.ending.error.empty()) pending.ending.error = error;
     const auto window = windows_.find(pending.window);
     if (window != windows_.end() && window->second == id) windows_.erase(window);
   }
@@ -404,10 +406,11 @@ void Renderer::finish(FrameId id, bool hasPicture) {
 }
 
 void Renderer::deliver(const FramePtr& frame, bool hasPicture) {
-  // told even if the handler throws: the frame is over
+  // told even if there is no memory for the picture or the handler throws: the frame is over
+  std::string error;
   const std::shared_ptr<void> tell(nullptr, [&](void*) {
     Writer w;
-    transport_.send(0, Channel::Frame, w.write(FrameMessage::Delivered).write(frame->id).take());
+    transport_.send(0, Channel::Frame, w.write(FrameMessage::Delivered).write(frame->id).write(error).take());
   });
   PictureHandler handler;
   {
@@ -416,11 +419,16 @@ void Renderer::deliver(const FramePtr& frame, bool hasPicture) {
   }
   if (!handler || !hasPicture) return;
   const Trace::Span span(options_.trace, "picture", frame->id);
-  Picture picture = frame->request.sums
-                        ? frame->framebuffer->sums()
-                        : frame->framebuffer->picture(frame->scene.compiled->settings.background);
-  const LedgerEntry memory = frame->account().picture.another(int64_t(picture.bytes()));
-  handler(frame->id, frame->request, std::move(picture));
+  try {
+    Picture picture = frame->request.sums
+                          ? frame->framebuffer->sums()
+                          : frame->framebuffer->picture(frame->scene.compiled->settings.background);
+    const LedgerEntry memory = frame->account().picture.another(int64_t(picture.bytes()));
+    handler(frame->id, frame->request, std::move(picture));
+  } catch (const std::exception& e) {
+    error = "rank " + std::to_string(transport_.rank()) + ": " + textOf(e);
+    throw;
+  }
 }
 
 Renderer::FramePtr Renderer::find(FrameId id) const {

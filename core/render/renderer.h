@@ -77,7 +77,7 @@ class Renderer {
     Trace* trace = nullptr;        ///< of packets, tiles, pictures and frames; outlives the Renderer
     int runners = 0;               ///< tasks that it gives the Transport at once; 0: all there are
   };
-  /// How a frame has ended: with a picture, or superseded, or with what went wrong on a rank.
+  /// How a frame has ended: with a picture, or superseded, or with what went wrong on a rank or in its handler.
   struct Ending {
     bool superseded = false;
     std::string error;
@@ -164,7 +164,7 @@ class Renderer {
   void complete(FrameId id);
   void finish(FrameId id, bool hasPicture);
   void deliver(const FramePtr& frame, bool hasPicture);
-  void delivered(FrameId id);
+  void delivered(FrameId id, const std::string& error);
   void sendDown(const Bytes& message);
 
   void pump();

@@ -269,6 +269,7 @@ TEST(Frames, AreReportedEvenIfThePictureCannotBeHandedOut) {
   const FrameId id = frames.start(balls.request(1));
   frames.run();
   EXPECT_EQ(frames.outcome(id).finished, 1);
+  EXPECT_EQ(frames.outcome(id).error, "rank 1: the disk is full");
   ASSERT_EQ(frames.errors().size(), 1u);
   EXPECT_NE(frames.errors()[0].find("the disk is full"), std::string::npos);
 }
