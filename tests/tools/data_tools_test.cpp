@@ -11,9 +11,11 @@
 #include <filesystem>
 #include <glm/geometric.hpp>
 
+#include "gxy/io/file.h"
 #include "gxy/io/geometry_file.h"
 #include "gxy/io/image.h"
 #include "gxy/io/volume_file.h"
+#include "gxy/io/write_geometry.h"
 #include "support/temporary_folder.h"
 
 namespace gxy {
@@ -22,13 +24,18 @@ namespace {
 class DataTools : public ::testing::Test {
  protected:
   std::string at(const std::string& name) const { return (folder_ / name).string(); }
-  int run(const char* program, const std::string& arguments) const {
+  int run(const char* program, const std::string& arguments, const char* errors = "/dev/null") const {
     const std::string command =
-        "cd " + folder_.string() + " && " + program + " " + arguments + " >/dev/null 2>&1";
+        "cd " + folder_.string() + " && " + program + " " + arguments + " >/dev/null 2>" + errors;
     const int status = std::system(command.c_str());
     return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
   }
   int data(const std::string& arguments) const { return run(GXYDATA, arguments); }
+  /// What gxydata says on standard error.
+  std::string saidBy(const std::string& arguments) const {
+    run(GXYDATA, arguments, "said");
+    return readText(at("said"));
+  }
   int diff(const std::string& arguments) const { return run(GXYDIFF, arguments); }
 
   static std::vector<float> samples(const VolumeFile& file) {
@@ -119,6 +126,47 @@ TEST_F(DataTools, NothingThatIsReadIsOverwritten) {
   EXPECT_EQ(data("convert q.pvtp q_1.vtp"), 1);
   EXPECT_EQ(data("convert q.pvtp q.vtp"), 0);
   EXPECT_EQ(summariseGeometry(at("q.vtp")).triangles, 2u * 16 * 7);
+}
+
+TEST_F(DataTools, PiecesWithoutCellsDoNotDecideTheKind) {
+  ASSERT_EQ(data("sphere-mesh -r 16 s.vtp"), 0);
+  ASSERT_EQ(data("partition s.vtp -g 6,6,6 q.pvtp"), 0);
+  ASSERT_EQ(summariseGeometry(at("q_0.vtp")).triangles, 0u);  // a corner of the box
+  ASSERT_EQ(data("convert q.pvtp back.vtp"), 0);
+  EXPECT_EQ(summariseGeometry(at("back.vtp")).triangles, 2u * 32 * 15);
+  writeText(at("none.pvtu"), "<VTKFile type=\"PUnstructuredGrid\"><PUnstructuredGrid/></VTKFile>");
+  EXPECT_EQ(data("convert none.pvtu none.vtu"), 1);
+}
+
+TEST_F(DataTools, ConvertSaysWhatIsLost) {
+  ASSERT_EQ(data("radial -r 4 r.vti"), 0);
+  EXPECT_EQ(saidBy("convert r.vti all.vti"), "");
+  EXPECT_EQ(saidBy("convert r.vti --array x x.vol"), "");
+  const std::string said = saidBy("convert r.vti one.json");
+  EXPECT_EQ(std::count(said.begin(), said.end(), '\n'), 4);
+  EXPECT_NE(said.find("gxydata: r.vti: array 'eightBalls' is left out\n"), std::string::npos) << said;
+
+  writeText(at("g.vtk"), R"(# vtk DataFile Version 3.0
+two arrays
+ASCII
+DATASET POLYDATA
+POINTS 3 double
+0 0 0 1 0 0 0 1 0
+POLYGONS 1 4
+3 0 1 2
+POINT_DATA 3
+SCALARS s double 1
+LOOKUP_TABLE default
+1 2 3
+VECTORS v float
+1 0 0 0 1 0 0 0 1
+)");
+  EXPECT_EQ(saidBy("convert g.vtk g.vtp"),
+            "gxydata: g.vtk: array 's' is rounded from double to float\n"
+            "gxydata: g.vtk: array 'v' is left out\n");
+  EXPECT_EQ(saidBy("convert g.vtk --array v v.vtp"),
+            "gxydata: g.vtk: array 'v' becomes the magnitude of its 3 components\n");
+  EXPECT_EQ(saidBy("convert v.vtp v2.vtu"), "");
 }
 
 TEST_F(DataTools, GeometryKindsHoldWhatTheyClaim) {

@@ -29,7 +29,9 @@ void makeParticles(const Options& options);
 void makeSphereMesh(const Options& options);
 void makeHelix(const Options& options);
 
-/// From any format that is read to any that is written; values, types and coordinates stay what they are.
+/// From any format that is read to any that is written. Coordinates and the samples of a volume stay what they
+/// are (.stl: float coordinates); of a geometry one array is kept, in float, or its magnitude, with the normals.
+/// What is lost is told.
 void convertVolume(const Options& options);
 void convertGeometry(const Options& options);
 
@@ -50,8 +52,11 @@ std::string pieceName(const std::string& out, int piece, const char* extension);
 std::vector<std::string> filesOfPieces(const std::string& out, std::array<int, 3> lattice,
                                        const char* extension);
 
-/// Throws Error if one of the files to be written is one that reading `in` opens: nothing has been written yet.
+/// Throws Error if one of the files to be written is one that reading `in` opens; called before any is.
 void keepInput(const std::string& in, const std::vector<std::string>& written);
+
+/// Tells on standard error what of the input is rounded or left out.
+void tellLoss(const Options& options, const std::string& what);
 
 /// OUT itself, or OUT with _0000 before its extension for a time series.
 std::string stepName(const Options& options, int step);

@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <limits>
+#include <optional>
 
 #include "commands.h"
 #include "gxy/comm/error.h"
@@ -20,17 +21,58 @@ namespace {
 
 struct Input {
   LoadedGeometry geometry;
-  std::string array;  ///< name of the values
+  std::string array;        ///< name of the values
+  GeometrySummary summary;  ///< of one of the pieces, which tells what all of them hold
 };
 
+/// The first piece with cells, else the first with points, else the first: others say nothing about the kind.
+std::pair<std::string, GeometrySummary> tellingPiece(const std::string& in) {
+  const std::vector<std::string> pieces = geometryPieces(in);
+  if (pieces.empty()) throw Error(in + ": it lists no pieces, expected one or more");
+  std::optional<std::pair<std::string, GeometrySummary>> best;
+  for (const std::string& piece : pieces) {
+    const GeometrySummary summary = summariseGeometry(piece);
+    if (summary.triangles || summary.segments || summary.vertices) return {piece, summary};
+    if (!best || (best->second.points == 0 && summary.points > 0)) best = {piece, summary};
+  }
+  return *best;
+}
+
 Input load(const Options& options) {
-  const std::string first = geometryPieces(options.in).front();
-  const GeometryKind kind = likelyKind(summariseGeometry(first));
+  const auto [piece, summary] = tellingPiece(options.in);
+  const GeometryKind kind = likelyKind(summary);
   SingleRank rank;
   Input input{loadGeometry(options.in, kind, options.array, rank),
-              readGeometry(first, kind, options.array).array};
+              readGeometry(piece, kind, options.array).array, summary};
   if (input.array.empty()) input.array = "data";
   return input;
+}
+
+/// What files with this extension will not hold as the input does.
+void tellLosses(const Options& options, const Input& input, const std::string& extension) {
+  const auto tell = [&](const std::string& what) { tellLoss(options, what); };
+  const GeometryBlock& block = input.geometry.block;
+  const bool bare = extension == ".stl";
+  const GeometrySummary& s = input.summary;
+  if (bare) tell("coordinates are rounded to float");
+  for (const GeometrySummary::Array& array : s.arrays) {
+    const std::string name = (array.ofCells ? "cell array '" : "array '") + array.name + "'";
+    const bool normals = array.components == 3 && (array.name == "Normals" || array.name == "Normals_");
+    if (!array.ofCells && normals && !block.normals.empty() && !bare) continue;
+    if (array.ofCells || array.name != input.array || block.values.empty() || bare) {
+      if (options.array.empty() || array.name == options.array) tell(name + " is left out");
+      continue;
+    }
+    if (array.components > 1)
+      tell(name + " becomes the magnitude of its " + std::to_string(array.components) + " components");
+    if (array.type != "float") tell(name + " is rounded from " + array.type + " to float");
+  }
+  uint64_t used = s.vertices;
+  const char* kept = "points";
+  if (input.geometry.kind == GeometryKind::PathLines) used = s.segments, kept = "lines";
+  if (input.geometry.kind == GeometryKind::Triangles) used = s.triangles, kept = "triangles";
+  if (s.vertices + s.segments + s.triangles + s.others > used)
+    tell("cells other than " + std::string(kept) + " are left out");
 }
 
 /// The cell of a lattice over `box` that holds p.
@@ -59,6 +101,7 @@ std::array<int64_t, 3> proportions(const Box& box) {
 void convertGeometry(const Options& options) {
   keepInput(options.in, {options.out});
   const Input input = load(options);
+  tellLosses(options, input, extensionOf(options.out));
   writeGeometry(options.out, input.geometry.block, input.geometry.kind, input.array);
 }
 
@@ -77,6 +120,7 @@ void partitionGeometry(const Options& options, int parts, std::array<int, 3> lat
   }
   const char* extension = extensionOf(options.out) == ".pvtp" ? ".vtp" : ".vtu";
   keepInput(options.in, filesOfPieces(options.out, lattice, extension));
+  tellLosses(options, input, extension);
   std::vector<GeometryPiece> pieces;
   Progress progress("partitioning", int64_t(members.size()));
   const glm::dvec3 side = box.hi - box.lo;

@@ -105,12 +105,12 @@ void addGeometryKinds(CLI::App& app, Options& options, std::string& points) {
       [&options, &points] { options.count = countIn(points.empty() ? "10000" : points, "-r"); });
   CLI::App* mesh =
       kind(app, options, "sphere-mesh", "a triangulated, optionally bumpy sphere with values and normals");
-  mesh->add_option("-r,--resolution", options.count, "rows of the mesh (default 64)")
+  mesh->add_option("-r,--resolution", options.count, "rows of the mesh: N only (default 64)")
       ->check(CLI::Range(3, 20000));
   mesh->add_option("--displacement", options.displacement, "height of the bumps, in radii (default 0)")
       ->check(CLI::Range(0.0, 0.9));
   CLI::App* helix = kind(app, options, "helix", "path lines: coils whose value is their speed");
-  helix->add_option("-r,--resolution", options.count, "number of lines (default 8)")
+  helix->add_option("-r,--resolution", options.count, "number of lines: N only (default 8)")
       ->check(CLI::PositiveNumber);
 }
 
@@ -142,8 +142,10 @@ int main(int argc, char** argv) {
   addVolumeKinds(app, options, resolution);
   addGeometryKinds(app, options, resolution);
 
-  CLI::App* convert =
-      app.add_subcommand("convert", "from one format to another; nothing is moved or rounded");
+  CLI::App* convert = app.add_subcommand(
+      "convert",
+      "from one format to another: a volume as it is, of a geometry one array, in float; says what is "
+      "left out or rounded");
   CLI::App* partition = app.add_subcommand("partition", "cut into pieces: .pvti, .pvtu, .pvtp or .part");
   CLI::App* info = app.add_subcommand("info", "print what is in a file");
   for (CLI::App* command : {convert, partition, info}) {

@@ -46,6 +46,10 @@ std::vector<std::string> filesOfPieces(const std::string& out, std::array<int, 3
   return files;
 }
 
+void tellLoss(const Options& options, const std::string& what) {
+  std::fprintf(stderr, "gxydata: %s: %s\n", options.in.c_str(), what.c_str());
+}
+
 void keepInput(const std::string& in, const std::vector<std::string>& written) {
   std::set<std::pair<dev_t, ino_t>> read;  // whatever they are called, through links too
   struct stat status {};

@@ -93,6 +93,9 @@ void printArray(const VolumeFile& file) {
 void convertVolume(const Options& options) {
   const std::vector<VolumeFile> files = chosenArrays(options, extensionOf(options.out) == ".vti");
   keepInput(options.in, {options.out, rawFileOf(options.out)});
+  if (options.array.empty() && files.size() == 1)
+    for (const ArrayInfo& array : files[0].arrays)
+      if (array.name != files[0].array.name) tellLoss(options, "array '" + array.name + "' is left out");
   const VolumeWriter writer(options.out, files[0].grid, infos(files));
   Progress progress("converting", bytesOfAll(files));
   copy(files, wholeOf(files[0].grid), writer, progress);
