@@ -15,7 +15,9 @@ TEST(AutomaticPartitioning, GivesAnyNumberOfRanksADivisionOfASmallGrid) {
       const int parts = automaticPartitioning(grid.box(), &grid, {0, 0, 0}, ranks)->partitions();
       EXPECT_GE(parts, 1);
       EXPECT_LE(parts, ranks);
-      if (ranks < n) EXPECT_EQ(parts, ranks);
+      if (ranks < n) {
+        EXPECT_EQ(parts, ranks);
+      }
     }
   }
   const Grid grid{{0, 0, 0}, {1, 1, 1}, {12, 12, 12}};
