@@ -236,7 +236,7 @@ TEST(Hostile, WhoHasAsManyRequestsOutAsItMayIsNotTakenForDead) {
 TEST(Hostile, ASlowReaderOfALongFrameIsNotTakenForDead) {
   ServerSetup s = setup();
   s.server.connection.patience.ping = std::chrono::milliseconds(250);
-  s.server.connection.patience.silence = std::chrono::milliseconds(1500);
+  s.server.connection.patience.silence = std::chrono::milliseconds(2000);
   TestServer server(std::move(s));
   RawClient slow(server.port(), 16384);
   slow.greet();
