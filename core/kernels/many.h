@@ -133,8 +133,8 @@ FN void evaluateSegment(VOLUME v, INOUT(Cursor) c, real tMin, INOUT(int) samples
     real start = segmentStart(c), end = segmentEnd(c);
     c.holds = end > start && holdsData(k);
     if (c.holds) {
-      c.s0 = valueIn(k, c.cell, pointAt(c.ray.g, start));
-      c.rise = valueIn(k, c.cell, pointAt(c.ray.g, end)) - c.s0;
+      c.s0 = valueIn(k, fractionIn(c.cell, pointAt(c.ray.g, start)));
+      c.rise = valueIn(k, fractionIn(c.cell, pointAt(c.ray.g, end))) - c.s0;
     }
   }
   evaluatePart(v, c, tMin, samples);

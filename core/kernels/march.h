@@ -147,7 +147,7 @@ FN_OUTLINE void integrateCells(VOLUME v, VolumeRay r, MarchRange m, real t, real
       real i = R(0.0);
       if (ta < t) i = segmentBehind(t, ta, dt, count);
       real a = max(i > R(0.0) ? ta + i * dt : ta, m.tStart);
-      real s0 = valueIn(k, c, pointAt(r.g, a));
+      real s0 = valueIn(k, fractionIn(c, pointAt(r.g, a)));
       while (go && i < count) {
         i += R(1.0);
         real b = min(i < count ? ta + i * dt : tc, m.tStop);
@@ -155,7 +155,7 @@ FN_OUTLINE void integrateCells(VOLUME v, VolumeRay r, MarchRange m, real t, real
           go = false;  // the next partition's
         } else {
           n.samples += 1;
-          real s1 = valueIn(k, c, pointAt(r.g, b));
+          real s1 = valueIn(k, fractionIn(c, pointAt(r.g, b)));
           addPieces(v, s0, s1, b - a, m.tMin, L);
           a = b;
           s0 = s1;
@@ -303,7 +303,7 @@ FN void integrateVolume(VOLUME v, VolumeRay r, MarchRange m, INOUT(real) begun, 
     nextAt = macroAt(v, pointAt(r.g, b + h));
     nextPlan = planAt(v, nextAt);
     addSample(v, s, length, m.tMin, L, n);
-    s = valueIn(k, c, p);
+    s = valueIn(k, fractionOf(c, p));
     length = b - t;
     t = b;
     from = b;

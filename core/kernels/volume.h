@@ -49,6 +49,11 @@ FN ivec3 cellAt(VOLUME v, vec3 p) {
                  toInt(clamp1(p.z, toReal(v.firstZ), toReal(v.lastZ - 1))));
 }
 
+// Where p is in cell c, to which it belongs but for what its own coordinates are rounded by.
+FN vec3 fractionOf(ivec3 c, vec3 p) {
+  return make_v3(p.x - toReal(c.x), p.y - toReal(c.y), p.z - toReal(c.z));
+}
+// The same, within the cell.
 FN vec3 fractionIn(ivec3 c, vec3 p) {
   return make_v3(clamp1(p.x - toReal(c.x), R(0.0), R(1.0)), clamp1(p.y - toReal(c.y), R(0.0), R(1.0)),
                  clamp1(p.z - toReal(c.z), R(0.0), R(1.0)));
@@ -58,9 +63,8 @@ FN vec3 pointAt(GridRay g, real t) {
   return make_v3(g.po.x + t * g.pd.x, g.po.y + t * g.pd.y, g.po.z + t * g.pd.z);
 }
 
-// The value at p in cell c, with corners k.
-FN real valueIn(Corners k, ivec3 c, vec3 p) {
-  vec3 f = make_v3(p.x - toReal(c.x), p.y - toReal(c.y), p.z - toReal(c.z));
+// The value at fractions f of a cell with corners k.
+FN real valueIn(Corners k, vec3 f) {
   real a = lerp1(k.v000, k.v100, f.x), b = lerp1(k.v010, k.v110, f.x);
   real e = lerp1(k.v001, k.v101, f.x), g = lerp1(k.v011, k.v111, f.x);
   return lerp1(lerp1(a, b, f.y), lerp1(e, g, f.y), f.z);
@@ -69,7 +73,7 @@ FN real valueIn(Corners k, ivec3 c, vec3 p) {
 // The trilinear value at p; NaN in a no-data cell.
 FN real sampleAt(VOLUME v, vec3 p) {
   ivec3 c = cellAt(v, p);
-  return valueIn(cellCorners(v, c), c, p);
+  return valueIn(cellCorners(v, c), fractionOf(c, p));
 }
 
 // The macrocell of the block at p.
