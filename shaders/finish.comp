@@ -9,6 +9,7 @@
   if (primary + secondary > 0) RAY_OF(COPY_TO, i, name) = RAY(name);
 
 void settle(SceneView s) {
+  if (1.0 - RAY(A) < s.tMin) atomicAdd(counts[COUNT_ENDED], 1u);
   float A = min(RAY(A), 1.0);
   if (RAY_KIND(RAY(info)) == RAY_PRIMARY)
     deposit(RAY(pixel), ivec4(units(RAY(r)), units(RAY(g)), units(RAY(b)), units(A)));

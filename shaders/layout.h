@@ -86,6 +86,7 @@
 #define COUNT_STUCK 14   // rays that the device cannot do any step of
 #define COUNT_CUT 15     // ~step of the first that some rays have not ended; 0: none
 #define COUNT_GROUPS 16  // x, y, z: workgroups of an indirect dispatch
+#define COUNT_ENDED 19   // rays that ended early, nothing behind being seen
 #define COUNT_WORDS 20
 
 // Push constants: word i is called so in the stages that read it.

@@ -189,21 +189,29 @@ class EmbreeScene::Packet {
     ispc::boundRays(&part_.view, &view, n);
     if (part_.geometry) {
       Stopwatch time(c.nsGeometry);
+      c.runs(Kernel::Geometry)++;
       ispc::hitGeometry(&part_.view, &view, n, !primary_ && scene_.scene_->opaqueSurfaces);
     }
     if (!scene_.slicedOperators_.empty() || !scene_.isoOperators_.empty()) {
       Stopwatch time(c.nsSurfaces);
       for (int op : scene_.slicedOperators_)
-        if (part_.fields[op].samples) ispc::hitSlices(&part_.view, &view, n, op);
+        if (part_.fields[op].samples) {
+          c.runs(Kernel::Slices)++;
+          ispc::hitSlices(&part_.view, &view, n, op);
+        }
       int64_t counts[2] = {0, 0};
       for (int op : scene_.isoOperators_)
-        if (part_.fields[op].samples) ispc::hitIsosurfaces(&part_.view, &view, n, op, counts);
+        if (part_.fields[op].samples) {
+          c.runs(Kernel::Isosurfaces)++;
+          ispc::hitIsosurfaces(&part_.view, &view, n, op, counts);
+        }
       c.cells += uint64_t(counts[0]);
       c.isoMacrocellsSkipped += uint64_t(counts[1]);
     }
     const std::vector<int>& volumes = scene_.renderedOperators_;
     if (std::any_of(volumes.begin(), volumes.end(), [&](int op) { return part_.fields[op].samples; })) {
       Stopwatch time(c.nsIntegrate);
+      c.runs(volumes.size() == 1 ? Kernel::Integrate : Kernel::IntegrateMany)++;
       int64_t counts[3] = {0, 0, 0};
       if (volumes.size() == 1)
         ispc::integrateRays(&part_.view, &view, n, volumes[0], counts);
@@ -232,7 +240,10 @@ class EmbreeScene::Packet {
     which.clear();
     std::vector<int> active;
     for (int i = 0; i < n; i++) {
-      if (view.next[i] == END_DONE) which.push_back(i);
+      if (view.next[i] == END_DONE) {
+        which.push_back(i);
+        c.raysEndedEarly += 1.0f - view.A[i] < part_.view.tMin;
+      }
       if (view.next[i] == END_ACTIVE) active.push_back(i);
     }
     if (!which.empty()) {
@@ -258,14 +269,20 @@ class EmbreeScene::Packet {
     RayView out = made.view();
     sums_.assign(4 * which.size(), 0);
     if (frame_.depth) addDepths(view, which);
+    TraceCounters& c = result_.counters;
+    c.runs(Kernel::Shade)++;
     made.resize(ispc::shadeHits(&part_.view, &frame_.view, &view, which.data(), hits, sums_.data(), &out));
     addContributions(view, which, sums_, result_.contributions);
-    result_.counters.raysShaded += uint64_t(hits);
+    c.raysShaded += uint64_t(hits);
+    c.secondariesSkipped += uint64_t(hits * perHit);
     if (made.size() == 0) return;
     ispc::routeRays(&part_.view, &out, made.size(), true);
+    uint64_t going = 0;
     for (int i = 0; i < made.size(); i++)
-      if (out.next[i] >= 0) result_.secondaries++;  // the others leave the visible domain at once
-    result_.counters.secondariesSpawned = result_.secondaries;
+      going += out.next[i] >= 0;  // the others leave the visible domain at once
+    result_.secondaries += going;
+    c.secondariesSpawned += going;
+    c.secondariesSkipped -= going;
     secondaries_.push_back(std::move(made));
   }
 

@@ -4,11 +4,35 @@
 #include <algorithm>
 #include <bit>
 #include <map>
+#include <optional>
 #include <tuple>
 
 #include "gxy/comm/error.h"
 
 namespace gxy::vulkan {
+
+namespace {
+
+std::optional<Kernel> kernelOf(Stage stage) {
+  switch (stage) {
+    case Stage::Geometry:
+      return Kernel::Geometry;
+    case Stage::Slices:
+      return Kernel::Slices;
+    case Stage::Isosurfaces:
+      return Kernel::Isosurfaces;
+    case Stage::Integrate:
+      return Kernel::Integrate;
+    case Stage::IntegrateMany:
+      return Kernel::IntegrateMany;
+    case Stage::Shade:
+      return Kernel::Shade;
+    default:
+      return {};
+  }
+}
+
+}  // namespace
 
 Batch::Batch(std::vector<Request> requests)
     : requests_(std::move(requests)),
@@ -51,6 +75,9 @@ void Batch::trace(List list, int32_t rays, bool primary) {
 }
 
 void Batch::submit(size_t firstStep, bool resumed) {
+  if (!resumed)
+    for (const Step& step : steps_)
+      if (const auto kernel = kernelOf(step.stage)) results_[0].counters.runs(*kernel)++;
   lane_->submit(part_.set.get(), frame_.set.get(), steps_, firstStep, resumed);
 }
 
@@ -98,6 +125,8 @@ void Batch::take() {
   c.cells += lane.count(COUNT_CELLS);
   c.isoMacrocellsSkipped += lane.count(COUNT_ISO_SKIPPED);
   c.secondariesSpawned += lane.count(COUNT_MADE);
+  c.secondariesSkipped += uint64_t(lane.count(COUNT_SHADED)) * perHit_ - lane.count(COUNT_MADE);
+  c.raysEndedEarly += lane.count(COUNT_ENDED);
   c.raysTraced += lane.count(COUNT_SPAWNED) + lane.count(COUNT_HERE);
   if (kind_ == Request::Kind::Spawn)
     c.raysSpawned += lane.count(part_.partition < 0 ? COUNT_LEAVING : COUNT_SPAWNED);

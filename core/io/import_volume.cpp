@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gxy/io/import_volume.h"
 
+#include <algorithm>
 #include <cstring>
 #include <filesystem>
 
@@ -28,7 +29,25 @@ void mergeMacrocells(Volume& volume, Collectives& ranks) {
   }
 }
 
+/// What a rank with these blocks has not read of a file.
+LeftOut leftOutOf(const VolumeFile& file, const Volume& volume) {
+  LeftOut out{file.arrays.size() - 1, file.source->piecesNotRead(), 0};
+  const auto points = uint64_t(wholeOf(file.grid).count());
+  for (const ArrayInfo& a : file.arrays) out.bytes += points * bytesOf(a.type) * uint64_t(a.components);
+  uint64_t read = 0;
+  for (const auto& [partition, block] : volume.blocks) read += block.samples.size();
+  out.bytes -= std::min(read, out.bytes);  // ghost layers are read more than once
+  return out;
+}
+
 }  // namespace
+
+LeftOut& LeftOut::operator+=(const LeftOut& o) {
+  arrays += o.arrays;
+  pieces += o.pieces;
+  bytes += o.bytes;
+  return *this;
+}
 
 Grid gridOf(const std::string& path, const std::string& array, Collectives& ranks) {
   Grid grid;
@@ -42,7 +61,8 @@ Grid gridOf(const std::string& path, const std::string& array, Collectives& rank
 }
 
 std::shared_ptr<Volume> importVolume(const std::string& path, const std::string& array,
-                                     const Partitioning& partitioning, int ghosts, Collectives& ranks) {
+                                     const Partitioning& partitioning, int ghosts, Collectives& ranks,
+                                     LeftOut* leftOut) {
   auto volume = std::make_shared<Volume>();
   ScalarType type{};
   FieldStatistics statistics;
@@ -65,6 +85,7 @@ std::shared_ptr<Volume> importVolume(const std::string& path, const std::string&
                                     ownedPoints(file.grid, partitioning, partition)));
       volume->blocks.emplace(partition, std::move(block));
     }
+    if (leftOut) *leftOut += leftOutOf(file, *volume);
   });
 
   mergeRanges(ranks, statistics.ranges);

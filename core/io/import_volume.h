@@ -15,13 +15,23 @@ namespace gxy {
 /// import.
 Grid gridOf(const std::string& path, const std::string& array, Collectives& ranks);
 
+/// What of volume files a rank has not read.
+struct LeftOut {
+  uint64_t arrays = 0;  ///< point arrays
+  uint64_t pieces = 0;  ///< of files in several, with nothing that this rank needs
+  uint64_t bytes = 0;   ///< of the samples of all arrays, as the files' types have them
+
+  LeftOut& operator+=(const LeftOut& o);
+};
+
 /// Collective over `ranks`. Reads, for each partition that this rank owns, the samples it needs and `ghosts`
 /// layers more; brings wide types to float (scalar.h); fills ranges, the number of samples without data, and
 /// macrocell summaries merged over all ranks. The volume is named after the file and the array. If any rank
 /// fails, all throw the same Error. Memory: the blocks, and for wide types once more the block that is being
-/// converted.
+/// converted. What is not read is added to `leftOut`.
 std::shared_ptr<Volume> importVolume(const std::string& path, const std::string& array,
-                                     const Partitioning& partitioning, int ghosts, Collectives& ranks);
+                                     const Partitioning& partitioning, int ghosts, Collectives& ranks,
+                                     LeftOut* leftOut = nullptr);
 
 /// Collective. Completes a volume whose blocks (of the partitions of this rank that touch its grid, extents as extentOf()
 /// gives them with kGhostLayers) hold samples that were computed: fills ranges, noDataSamples, and summaries merged over all

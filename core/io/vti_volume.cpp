@@ -12,6 +12,7 @@
 #include <vtkXMLImageDataReader.h>
 
 #include <algorithm>
+#include <atomic>
 #include <bit>
 #include <charconv>
 #include <cmath>
@@ -152,17 +153,24 @@ class PieceSamples final : public SampleSource {
     std::shared_ptr<const SampleSource> source;
   };
   PieceSamples(std::string path, std::vector<Piece> pieces, size_t bytesPerPoint)
-      : path_(std::move(path)), pieces_(std::move(pieces)), bytesPerPoint_(bytesPerPoint) {}
+      : path_(std::move(path)),
+        pieces_(std::move(pieces)),
+        bytesPerPoint_(bytesPerPoint),
+        read_(pieces_.size()) {}
+
+  uint64_t piecesNotRead() const override { return uint64_t(std::count(read_.begin(), read_.end(), false)); }
 
   void read(const Extent& extent, std::span<std::byte> out) const override {
     std::vector<Extent> missing{extent};
     std::vector<std::byte> part;
-    for (const Piece& piece : pieces_) {
+    for (size_t i = 0; i < pieces_.size(); ++i) {
+      const Piece& piece = pieces_[i];
       const Extent shared = intersection(extent, piece.extent);
       // Neighbours share a layer of points: a piece that adds none is not opened.
       const bool adds = std::any_of(missing.begin(), missing.end(),
                                     [&](const Extent& box) { return intersection(box, shared).count() > 0; });
       if (!adds) continue;
+      read_[i] = true;
       subtract(missing, shared);
       if (shared == extent) {
         piece.source->read(extent, out);
@@ -182,6 +190,7 @@ class PieceSamples final : public SampleSource {
   std::string path_;
   std::vector<Piece> pieces_;
   size_t bytesPerPoint_;
+  mutable std::vector<std::atomic<bool>> read_;  ///< by piece
 };
 
 /// One array of a .vti in any encoding, through VTK. Indices are relative to `base`, in the file's own

@@ -14,6 +14,8 @@ TraceCounters& TraceCounters::operator+=(const TraceCounters& o) {
   raysTraced += o.raysTraced;
   raysShaded += o.raysShaded;
   secondariesSpawned += o.secondariesSpawned;
+  secondariesSkipped += o.secondariesSkipped;
+  raysEndedEarly += o.raysEndedEarly;
   samples += o.samples;
   macrocells += o.macrocells;
   macrocellsSkipped += o.macrocellsSkipped;
@@ -28,6 +30,7 @@ TraceCounters& TraceCounters::operator+=(const TraceCounters& o) {
   submissions += o.submissions;
   nsDevice += o.nsDevice;
   nsDeviceIdle += o.nsDeviceIdle;
+  for (size_t k = 0; k < kKernels; k++) kernelRuns[k] += o.kernelRuns[k];
   return *this;
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Backend: answers ray lists on one kind of device. The core never sees a device pointer, a backend never sees MPI.
 #pragma once
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -15,12 +16,22 @@ namespace gxy {
 
 class Ledger;
 
+/// The kernels that scenes may do without; each has code of its own.
+enum class Kernel { Geometry, Slices, Isosurfaces, Integrate, IntegrateMany, Shade };
+inline constexpr const char* kKernelNames[] = {"geometry",  "slices",         "isosurfaces",
+                                               "integrate", "integrate many", "shade"};
+inline constexpr size_t kKernels = std::size(kKernelNames);
+
 /// What was done, and what was skipped. Counters of one call, or of several that a device has done as one; they add.
 struct TraceCounters {
   uint64_t raysSpawned = 0;  ///< primaries
   uint64_t raysTraced = 0;   ///< ray visits to a partition
   uint64_t raysShaded = 0;   ///< surface hits of primaries
   uint64_t secondariesSpawned = 0;
+  /// Rays of lights and ambient occlusion that hits did not make: they would have nothing to take away (a
+  /// light behind the surface, say), or nothing that may block them is on their way.
+  uint64_t secondariesSkipped = 0;
+  uint64_t raysEndedEarly = 0;                     ///< as nothing behind could be seen any more
   uint64_t samples = 0;                            ///< of volumes
   uint64_t macrocells = 0, macrocellsSkipped = 0;  ///< of the march
   uint64_t cells = 0, isoMacrocellsSkipped = 0;    ///< of the isosurface walk
@@ -29,7 +40,9 @@ struct TraceCounters {
   /// Of a device with a queue: how often it was handed work, how long it worked, and how long it had nothing to do between
   /// one handful and the next.
   uint64_t submissions = 0, nsDevice = 0, nsDeviceIdle = 0;
+  std::array<uint64_t, kKernels> kernelRuns{};  ///< how often each was started, by Kernel
 
+  uint64_t& runs(Kernel kernel) { return kernelRuns[size_t(kernel)]; }
   TraceCounters& operator+=(const TraceCounters& o);
 };
 

@@ -76,6 +76,9 @@ struct CompiledScene {
   bool opaqueSurfaces = true;  ///< no translucent surface, so shadow and AO rays may stop at any hit
   int volumesRendered = 0;
   float tMin = 0;  ///< transmittance below which a ray ends
+  /// Of local macrocells which an isovalue passes through, the cells that hold none, or that the block lacks:
+  /// rays pass them by.
+  uint64_t isoCellsSkipped = 0;
   double largestRadiance = 1;
 
   /// Bytes that it holds besides the data.

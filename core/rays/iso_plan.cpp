@@ -215,6 +215,15 @@ std::vector<int32_t> isoPlan(const VolumeBlock& block, ScalarType stored, int co
   return plan;
 }
 
+uint64_t cellsWithoutIsovalue(std::span<const int32_t> plan, size_t macrocells) {
+  uint64_t cells = 0;
+  for (const int32_t word : plan.first(std::min(macrocells, plan.size())))
+    if (word > 0)
+      for (const int32_t bits : plan.subspan(size_t(word), kIsoWords))
+        cells += uint64_t(std::popcount(~uint32_t(bits)));
+  return cells;
+}
+
 bool anyIsosurface(std::span<const int32_t> plan, size_t macrocells) {
   return std::any_of(plan.begin(), plan.begin() + ptrdiff_t(std::min(macrocells, plan.size())),
                      [](int32_t w) { return w > 0; });

@@ -335,6 +335,8 @@ void Renderer::prepare(Frame& frame) {
   frame.device = frame.scene.device->makeFrame(compiled);
   std::lock_guard lock(mutex_);
   counters_.tilesSkipped += list.skipped * uint64_t(frame.samples);
+  for (int p : scene.partitioning->owned(transport_.rank()))
+    counters_.partitionsSkipped += !scene.visible[size_t(p)];
 }
 
 void Renderer::start(FrameId id, FrameRequest request, const Bytes& message) {

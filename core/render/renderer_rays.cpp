@@ -180,6 +180,7 @@ void Renderer::take(const FramePtr& frame, int origin, TraceResult& result, std:
     std::lock_guard lock(mutex_);
     counters_.trace += result.counters;
     counters_.raysRetired += result.retired;
+    counters_.messagesSkipped += !frame->framebuffer && result.contributions.empty() && result.depths.empty();
   }
   for (LeavingRays& l : result.leaving) {
     const int rank = frame->scene.compiled->partitioning->owner(l.partition);
@@ -354,7 +355,12 @@ void Renderer::receiveContributions(Bytes message) {
 }
 
 void Renderer::giveBack(int origin, uint32_t tenant, int64_t credits) {
-  if (credits == 0) return;
+  if (credits == 0) {
+    if (origin == transport_.rank()) return;
+    std::lock_guard lock(mutex_);
+    counters_.messagesSkipped++;
+    return;
+  }
   if (origin != transport_.rank()) {
     Writer w;
     transport_.send(origin, Channel::Credits, w.write(tenant).write(credits).take());

@@ -92,6 +92,34 @@ TEST(ImportVolume, WideTypesKeepASmallSignalOnALargeOffset) {
     ASSERT_NEAR(volume->shift + volume->scale * double(stored[i]), samples[i], 2e-9);
 }
 
+TEST(ImportVolume, WhatIsNotShownAndWhatOthersNeedIsNotRead) {
+  const TemporaryFolder folder;
+  const std::vector<ArrayInfo> arrays{{"shown", ScalarType::Float32, 1, {}},
+                                      {"other", ScalarType::UInt8, 3, {}}};
+  const Extent lower{{0, 0, 0}, {21, 18, 8}}, upper{{0, 0, 7}, {21, 18, 8}};
+  for (const auto& [name, extent] : {std::pair("a.vti", lower), std::pair("b.vti", upper)}) {
+    Grid grid = kGrid;
+    grid.origin.z = double(extent.first[2]);
+    grid.points = extent.points;
+    VolumeWriter writer(folder / name, grid, arrays, extent.first);
+    const std::vector<std::byte> shown(size_t(extent.count()) * 4), other(size_t(extent.count()) * 3);
+    writer.write(0, 0, shown);
+    writer.write(1, 0, other);
+  }
+  writePvti(folder / "v.pvti", kGrid, arrays, {{lower, "a.vti"}, {upper, "b.vti"}});
+  const Partitioning cut = Partitioning::lattice(
+      {std::vector<double>{0, 20}, std::vector<double>{0, 17}, std::vector<double>{0, 7, 14}}, 2);
+  ThreadRanks ranks(2);
+  const auto errors = ranks.run([&](Collectives& mine) {
+    LeftOut leftOut;
+    importVolume(folder / "v.pvti", "shown", cut, 0, mine, &leftOut);
+    EXPECT_EQ(leftOut.arrays, 1u);
+    EXPECT_EQ(leftOut.pieces, mine.rank() == 0 ? 1u : 0u) << "the layer that both hold is in the first";
+    EXPECT_EQ(leftOut.bytes, 21u * 18 * (15 * 7 - 8 * 4));
+  });
+  EXPECT_EQ(errors, std::vector<std::string>(2));
+}
+
 TEST(ImportVolume, AnErrorOnOneRankIsThrownOnAll) {
   const TemporaryFolder folder;
   write(folder / "a.vti", ScalarType::Float32, std::vector<float>(size_t(wholeOf(kGrid).count()), 1.f));

@@ -62,7 +62,8 @@ LoadedState loadData(const State& state, const std::string& directory, const Ren
   std::map<std::string, std::shared_ptr<const Volume>> volumes;
   for (const DatasetSpec& d : state.datasets)
     if (shown.count(d.name) && d.type == DatasetType::Volume) {
-      auto volume = importVolume(pathOf(d), d.array, *loaded.partitioning, kGhostLayers, ranks);
+      auto volume =
+          importVolume(pathOf(d), d.array, *loaded.partitioning, kGhostLayers, ranks, &loaded.leftOut);
       loaded.memory.push_back(ledger.enter(kTenant, "volume", bytesOf(*volume)));
       volumes[d.name] = std::move(volume);
     }

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "gxy/io/collectives.h"
+#include "gxy/io/import_volume.h"
 #include "gxy/rays/backend.h"
 #include "gxy/rays/compiled_scene.h"
 #include "gxy/space/ledger.h"
@@ -20,6 +21,7 @@ struct LoadedState {
   std::shared_ptr<const Partitioning> partitioning;
   std::vector<std::vector<OperatorData>> data;  ///< by visualization, then operator
   std::vector<LedgerEntry> memory;
+  LeftOut leftOut;
 };
 
 /// Collective. File names are relative to `directory`. Only what some operator shows is read. Throws the same Error on

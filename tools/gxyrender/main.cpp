@@ -156,11 +156,13 @@ int run(const RenderOptions& options) {
 
         Renderer renderer(transport, {options.packet, options.raysInFlight, &ledger, kTenant});
         std::vector<LedgerEntry> memory;
+        LeftBefore before{loaded.leftOut};
         for (size_t v = 0; v < state.visualizations.size(); v++) {
           const auto scene = makeScene(state, loaded, v, ranks);
           std::shared_ptr<const DeviceScene> device;
           agree(ranks, [&] { device = backend->makeScene(scene, transport.rank()); });
           memory.push_back(ledger.enter(kTenant, "scene", int64_t(scene->bytes() + device->bytes())));
+          before.isoCells += scene->isoCellsSkipped;
           renderer.addScene(v, scene, device);
         }
         collective.barrier(kRunKey);
@@ -173,7 +175,7 @@ int run(const RenderOptions& options) {
         phases.total = wallSeconds() - begin;
         if (!options.statsFile.empty()) {
           const auto mine =
-              statisticsOf(renderer.counters(), transport.counters(), phases, ledger, residentBefore);
+              statisticsOf(renderer.counters(), transport.counters(), phases, before, ledger, residentBefore);
           std::vector<nlohmann::json> all;
           for (const Bytes& b : ranks.allGather(toBytes(mine.dump())))
             all.push_back(nlohmann::json::parse(toString(b)));

@@ -20,8 +20,31 @@ double cpuSeconds() {
          1e-6 * double(u.ru_utime.tv_usec + u.ru_stime.tv_usec);
 }
 
+namespace {
+
+nlohmann::json skipped(const Renderer::Counters& c, const LeftBefore& before) {
+  const TraceCounters& k = c.trace;
+  auto kernels = nlohmann::json::array();
+  for (size_t i = 0; i < kKernels; i++)
+    if (k.kernelRuns[i] == 0) kernels.push_back(kKernelNames[i]);
+  return {{"arrays", before.data.arrays},
+          {"pieces", before.data.pieces},
+          {"sample bytes", before.data.bytes},
+          {"partitions", c.partitionsSkipped},
+          {"tiles", c.tilesSkipped},
+          {"macrocells", k.macrocellsSkipped},
+          {"isosurface macrocells", k.isoMacrocellsSkipped},
+          {"isosurface cells", before.isoCells},
+          {"rays ended early", k.raysEndedEarly},
+          {"secondaries", k.secondariesSkipped},
+          {"kernels", kernels},
+          {"messages", c.messagesSkipped}};
+}
+
+}  // namespace
+
 nlohmann::json statisticsOf(const Renderer::Counters& c, const Transport::Counters& t, const Phases& p,
-                            const Ledger& ledger, int64_t residentBefore) {
+                            const LeftBefore& before, const Ledger& ledger, int64_t residentBefore) {
   const TraceCounters& k = c.trace;
   const ProcessBytes process = processBytes();
   const auto byPurpose = [](const std::vector<Ledger::Line>& lines) {
@@ -37,13 +60,8 @@ nlohmann::json statisticsOf(const Renderer::Counters& c, const Transport::Counte
             {"forwarded", c.raysForwarded},
             {"retired", c.raysRetired},
             {"most in flight", c.mostRaysInFlight}}},
-          {"volumes",
-           {{"samples", k.samples},
-            {"macrocells", k.macrocells},
-            {"macrocells skipped", k.macrocellsSkipped},
-            {"isosurface cells", k.cells},
-            {"isosurface macrocells skipped", k.isoMacrocellsSkipped}}},
-          {"tiles skipped", c.tilesSkipped},
+          {"volumes", {{"samples", k.samples}, {"macrocells", k.macrocells}, {"isosurface cells", k.cells}}},
+          {"skipped", skipped(c, before)},
           {"messages",
            {{"ray messages", c.rayMessages},
             {"ray bytes", c.rayBytes},

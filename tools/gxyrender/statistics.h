@@ -5,6 +5,7 @@
 #include <string>
 
 #include "gxy/comm/transport.h"
+#include "gxy/io/import_volume.h"
 #include "gxy/render/renderer.h"
 #include "gxy/space/ledger.h"
 
@@ -19,9 +20,16 @@ struct Phases {
 double wallSeconds();
 double cpuSeconds();
 
+/// What was left out before anything was traced.
+struct LeftBefore {
+  LeftOut data;
+  uint64_t isoCells = 0;  ///< CompiledScene::isoCellsSkipped
+};
+
 /// Counters of this rank. `residentBefore`: memory of the process before it read any data.
 nlohmann::json statisticsOf(const Renderer::Counters& counters, const Transport::Counters& transport,
-                            const Phases& phases, const Ledger& ledger, int64_t residentBefore);
+                            const Phases& phases, const LeftBefore& before, const Ledger& ledger,
+                            int64_t residentBefore);
 
 /// Writes {"run": ..., "ranks": [...]}. Throws Error when the file cannot be written.
 void writeStatistics(const std::string& path, const nlohmann::json& run,

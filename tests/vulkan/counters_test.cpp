@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+// What was done and what was skipped is the same on this backend as on the other (docs/statistics.md).
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "support/frames.h"
+#include "vulkan/software_device.h"
+
+namespace gxy::test {
+namespace {
+
+Renderer::Counters countersOf(const TestScene& scene, const BackendOf& backendOf) {
+  const Cut cut = lattice(scene.domain, {2, 1, 1}, 2);
+  Frames frames(cut.ranks, {});
+  frames.add(1, compiledOn(cut, scene, backendOf));
+  frames.start(requestOf(scene));
+  frames.run();
+  EXPECT_EQ(frames.errors(), std::vector<std::string>());
+  Renderer::Counters sum;
+  for (int rank = 0; rank < cut.ranks; rank++) {
+    const Renderer::Counters c = frames.renderer(rank).counters();
+    sum.trace += c.trace;
+    sum.partitionsSkipped += c.partitionsSkipped;
+    sum.tilesSkipped += c.tilesSkipped;
+  }
+  return sum;
+}
+
+TEST(VulkanCounters, AreThoseOfEmbree) {
+  const std::vector<std::string> names{"spiky volume", "translucent isosurfaces", "translucent surfaces",
+                                       "shadows and occlusion"};
+  size_t found = 0;
+  for (const TestScene& s : scenesOfEachKind()) {
+    if (std::find(names.begin(), names.end(), s.name) == names.end()) continue;
+    SCOPED_TRACE(s.name);
+    found++;
+    const Renderer::Counters expected = countersOf(s, {});
+    const Renderer::Counters c =
+        countersOf(s, [](int) -> const Backend& { return vulkan_test::softwareVulkan(); });
+    EXPECT_EQ(c.partitionsSkipped, expected.partitionsSkipped);
+    EXPECT_EQ(c.tilesSkipped, expected.tilesSkipped);
+    using T = TraceCounters;
+    for (const auto counter : {&T::raysSpawned, &T::raysTraced, &T::raysShaded, &T::secondariesSpawned,
+                               &T::secondariesSkipped, &T::raysEndedEarly, &T::samples, &T::macrocells,
+                               &T::macrocellsSkipped, &T::cells, &T::isoMacrocellsSkipped})
+      EXPECT_EQ(c.trace.*counter, expected.trace.*counter);
+    for (size_t k = 0; k < kKernels; k++)
+      EXPECT_EQ(c.trace.kernelRuns[k] > 0, expected.trace.kernelRuns[k] > 0) << kKernelNames[k];
+  }
+  EXPECT_EQ(found, names.size());
+  EXPECT_EQ(vulkan_test::newMessages(), std::vector<std::string>());
+}
+
+}  // namespace
+}  // namespace gxy::test
