@@ -29,9 +29,10 @@ void mergeMacrocells(Volume& volume, Collectives& ranks) {
   }
 }
 
-/// What a rank with these blocks has not read of a file.
-LeftOut leftOutOf(const VolumeFile& file, const Volume& volume) {
-  LeftOut out{file.arrays.size() - 1, file.source->piecesNotRead(), 0};
+/// What a rank with these blocks has not kept of a file whose array has `components`.
+LeftOut leftOutOf(const VolumeFile& file, int components, const Volume& volume) {
+  LeftOut out{file.arrays.size() - 1, uint64_t(components - volume.components), file.source->piecesNotRead(),
+              0};
   const auto points = uint64_t(wholeOf(file.grid).count());
   for (const ArrayInfo& a : file.arrays) out.bytes += points * bytesOf(a.type) * uint64_t(a.components);
   uint64_t read = 0;
@@ -44,6 +45,7 @@ LeftOut leftOutOf(const VolumeFile& file, const Volume& volume) {
 
 LeftOut& LeftOut::operator+=(const LeftOut& o) {
   arrays += o.arrays;
+  components += o.components;
   pieces += o.pieces;
   bytes += o.bytes;
   return *this;
@@ -62,12 +64,15 @@ Grid gridOf(const std::string& path, const std::string& array, Collectives& rank
 
 std::shared_ptr<Volume> importVolume(const std::string& path, const std::string& array,
                                      const Partitioning& partitioning, int ghosts, Collectives& ranks,
-                                     LeftOut* leftOut) {
+                                     std::vector<int> components, LeftOut* leftOut) {
   auto volume = std::make_shared<Volume>();
   ScalarType type{};
+  int componentsOfFile = 0;
   FieldStatistics statistics;
   agree(ranks, [&] {
-    const VolumeFile file = openVolume(path, array);
+    VolumeFile file = openVolume(path, array);
+    componentsOfFile = file.array.components;
+    if (!components.empty()) file = withComponents(std::move(file), std::move(components));
     type = file.array.type;
     volume->name = std::filesystem::path(path).stem().string();
     if (!file.array.name.empty()) volume->name += ":" + file.array.name;
@@ -85,7 +90,7 @@ std::shared_ptr<Volume> importVolume(const std::string& path, const std::string&
                                     ownedPoints(file.grid, partitioning, partition)));
       volume->blocks.emplace(partition, std::move(block));
     }
-    if (leftOut) *leftOut += leftOutOf(file, *volume);
+    if (leftOut) *leftOut += leftOutOf(file, componentsOfFile, *volume);
   });
 
   mergeRanges(ranks, statistics.ranges);
@@ -93,7 +98,7 @@ std::shared_ptr<Volume> importVolume(const std::string& path, const std::string&
   volume->noDataSamples = int64_t(sum(ranks, uint64_t(statistics.noDataSamples)));
   Range values;
   for (int c = 0; c < volume->components; ++c) values.extend(volume->ranges[size_t(c)]);
-  const Encoding encoding = encodingOf(type, volume->components, values);
+  const Encoding encoding = encodingOf(type, componentsOfFile, values);
   volume->stored = encoding.stored;
   volume->shift = encoding.shift;
   volume->scale = encoding.scale;

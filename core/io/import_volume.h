@@ -15,11 +15,12 @@ namespace gxy {
 /// import.
 Grid gridOf(const std::string& path, const std::string& array, Collectives& ranks);
 
-/// What of volume files a rank has not read.
+/// What of volume files a rank has not read, or has not kept.
 struct LeftOut {
-  uint64_t arrays = 0;  ///< point arrays
-  uint64_t pieces = 0;  ///< of files in several, with nothing that this rank needs
-  uint64_t bytes = 0;   ///< of the samples of all arrays, as the files' types have them
+  uint64_t arrays = 0;      ///< point arrays
+  uint64_t components = 0;  ///< of the arrays that are shown
+  uint64_t pieces = 0;      ///< of files in several, with nothing that this rank needs
+  uint64_t bytes = 0;       ///< of the samples of all arrays, as the files' types have them
 
   LeftOut& operator+=(const LeftOut& o);
 };
@@ -28,10 +29,11 @@ struct LeftOut {
 /// layers more; brings wide types to float (scalar.h); fills ranges, the number of samples without data, and
 /// macrocell summaries merged over all ranks. The volume is named after the file and the array. If any rank
 /// fails, all throw the same Error. Memory: the blocks, and for wide types once more the block that is being
-/// converted. What is not read is added to `leftOut`.
+/// converted. Of the components of the array only `components`, which ascend, are kept if there are
+/// any; their values are stored as they are beside the others. What is left out is added to `leftOut`.
 std::shared_ptr<Volume> importVolume(const std::string& path, const std::string& array,
                                      const Partitioning& partitioning, int ghosts, Collectives& ranks,
-                                     LeftOut* leftOut = nullptr);
+                                     std::vector<int> components = {}, LeftOut* leftOut = nullptr);
 
 /// Collective. Completes a volume whose blocks (of the partitions of this rank that touch its grid, extents as extentOf()
 /// gives them with kGhostLayers) hold samples that were computed: fills ranges, noDataSamples, and summaries merged over all

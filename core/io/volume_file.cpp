@@ -10,6 +10,46 @@
 
 namespace gxy {
 
+namespace {
+
+/// Some of the components of samples. They lie between the others, so those are read, too, but not kept.
+class SomeComponents final : public SampleSource {
+ public:
+  SomeComponents(const VolumeFile& file, std::vector<int> components)
+      : source_(file.source),
+        bytesPerPoint_(file.bytesPerPoint()),
+        bytesPerSample_(bytesOf(file.array.type)),
+        components_(std::move(components)) {}
+
+  uint64_t piecesNotRead() const override { return source_->piecesNotRead(); }
+
+  void read(const Extent& extent, std::span<std::byte> out) const override {
+    Extent slab = extent;
+    const int64_t end = extent.first[2] + extent.points[2];
+    const int64_t each = extent.points[0] * extent.points[1] * int64_t(bytesPerPoint_);
+    const int64_t depth = std::max<int64_t>(1, kSlabBytes / each);
+    std::vector<std::byte> all;
+    for (; slab.first[2] < end; slab.first[2] += depth) {
+      slab.points[2] = std::min(depth, end - slab.first[2]);
+      all.resize(size_t(slab.count()) * bytesPerPoint_);
+      source_->read(slab, all);
+      for (size_t at = 0; at < all.size(); at += bytesPerPoint_)
+        for (const int c : components_) {
+          std::memcpy(out.data(), all.data() + at + size_t(c) * bytesPerSample_, bytesPerSample_);
+          out = out.subspan(bytesPerSample_);
+        }
+    }
+  }
+
+ private:
+  static constexpr int64_t kSlabBytes = 16 << 20;  ///< that are read at once
+  std::shared_ptr<const SampleSource> source_;
+  size_t bytesPerPoint_, bytesPerSample_;
+  std::vector<int> components_;
+};
+
+}  // namespace
+
 bool isVolumeFile(const std::string& path) {
   const std::string extension = extensionOf(path);
   if (extension == ".vtk") {
@@ -28,6 +68,18 @@ VolumeFile openVolume(const std::string& path, const std::string& array) {
   if (extension == ".pvti") return openPvti(path, array);
   if (extension == ".vtk") return openLegacyVolume(path, array);
   throw Error(path + ": not a volume file: expected .vti, .pvti, .vtk, .vol or .json");
+}
+
+VolumeFile withComponents(VolumeFile file, std::vector<int> components) {
+  for (const int c : components)
+    if (c < 0 || c >= file.array.components)
+      throw Error(file.path + ": component " + std::to_string(c) + " was asked for, it has " +
+                  std::to_string(file.array.components) + " (counted from 0)");
+  const int kept = int(components.size());
+  if (kept == file.array.components) return file;
+  file.source = std::make_shared<SomeComponents>(file, std::move(components));
+  file.array.components = kept;
+  return file;
 }
 
 void readVolume(const VolumeFile& file, const Extent& extent, std::span<std::byte> out) {

@@ -55,6 +55,9 @@ bool isVolumeFile(const std::string& path);
 /// file that is missing, malformed, truncated or too long, or that has no such array.
 VolumeFile openVolume(const std::string& path, const std::string& array = {});
 
+/// The file as if its array had these components only, which ascend. Throws Error for one that it has not.
+VolumeFile withComponents(VolumeFile file, std::vector<int> components);
+
 /// Reads the samples of `extent` into `out`, whose size must be extent.count() * bytesPerPoint().
 void readVolume(const VolumeFile& file, const Extent& extent, std::span<std::byte> out);
 

@@ -112,7 +112,7 @@ TEST(ImportVolume, WhatIsNotShownAndWhatOthersNeedIsNotRead) {
   ThreadRanks ranks(2);
   const auto errors = ranks.run([&](Collectives& mine) {
     LeftOut leftOut;
-    importVolume(folder / "v.pvti", "shown", cut, 0, mine, &leftOut);
+    importVolume(folder / "v.pvti", "shown", cut, 0, mine, {}, &leftOut);
     EXPECT_EQ(leftOut.arrays, 1u);
     EXPECT_EQ(leftOut.pieces, mine.rank() == 0 ? 1u : 0u) << "the layer that both hold is in the first";
     EXPECT_EQ(leftOut.bytes, 21u * 18 * (15 * 7 - 8 * 4));

@@ -21,7 +21,38 @@ GeometryKind kindOf(DatasetType type) {
   return type == DatasetType::PathLines ? GeometryKind::PathLines : GeometryKind::Triangles;
 }
 
+/// The components of each volume that operators show, ascending. Volumes of which one shows the magnitude, and so
+/// perhaps all components, are not among them.
+std::map<std::string, std::vector<int>> componentsShown(const State& state) {
+  std::map<std::string, std::set<int>> shown;
+  std::set<std::string> whole;
+  for (const Visualization& v : state.visualizations)
+    for (const Vis& op : v.operators) {
+      if (op.component)
+        shown[op.dataset].insert(*op.component);
+      else
+        whole.insert(op.dataset);
+    }
+  std::map<std::string, std::vector<int>> components;
+  for (const auto& [name, some] : shown)
+    if (!whole.count(name)) components[name] = {some.begin(), some.end()};
+  return components;
+}
+
 }  // namespace
+
+Visualization LoadedState::visualization(const State& state, size_t v) const {
+  Visualization out = state.visualizations[v];
+  for (Vis& op : out.operators) {
+    const auto kept = components.find(op.dataset);
+    if (kept == components.end()) continue;
+    const auto place = std::find(kept->second.begin(), kept->second.end(), op.component);
+    if (place == kept->second.end())
+      throw Error("dataset \"" + op.dataset + "\": a component is shown that was not loaded");
+    op.component = int(place - kept->second.begin());
+  }
+  return out;
+}
 
 LoadedState loadData(const State& state, const std::string& directory, const RenderOptions& options,
                      Collectives& ranks, Ledger& ledger) {
@@ -59,11 +90,14 @@ LoadedState loadData(const State& state, const std::string& directory, const Ren
   LoadedState loaded;
   loaded.partitioning =
       automaticPartitioning(domain, first ? &*first : nullptr, options.partitions, ranks.size());
+  loaded.components = componentsShown(state);
   std::map<std::string, std::shared_ptr<const Volume>> volumes;
   for (const DatasetSpec& d : state.datasets)
     if (shown.count(d.name) && d.type == DatasetType::Volume) {
+      const auto kept = loaded.components.find(d.name);
       auto volume =
-          importVolume(pathOf(d), d.array, *loaded.partitioning, kGhostLayers, ranks, &loaded.leftOut);
+          importVolume(pathOf(d), d.array, *loaded.partitioning, kGhostLayers, ranks,
+                       kept == loaded.components.end() ? std::vector<int>() : kept->second, &loaded.leftOut);
       loaded.memory.push_back(ledger.enter(kTenant, "volume", bytesOf(*volume)));
       volumes[d.name] = std::move(volume);
     }
@@ -93,7 +127,7 @@ std::shared_ptr<const CompiledScene> makeScene(const State& state, const LoadedS
                                                Collectives& ranks) {
   std::shared_ptr<CompiledScene> scene;
   agree(ranks, [&] {
-    scene = compileScene(state.visualizations[v], loaded.data[v], loaded.partitioning, state.settings);
+    scene = compileScene(loaded.visualization(state, v), loaded.data[v], loaded.partitioning, state.settings);
   });
   Bytes mine(scene->visible.size());
   std::transform(scene->visible.begin(), scene->visible.end(), mine.begin(),

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // From a state to scenes on a backend: data imported, partitioned and compiled, on all ranks together.
 #pragma once
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -20,11 +21,18 @@ inline constexpr const char* kTenant = "batch";  ///< in the ledger
 struct LoadedState {
   std::shared_ptr<const Partitioning> partitioning;
   std::vector<std::vector<OperatorData>> data;  ///< by visualization, then operator
+  /// By volume: those of its file's components that it has, where these are not all.
+  std::map<std::string, std::vector<int>> components;
   std::vector<LedgerEntry> memory;
   LeftOut leftOut;
+
+  /// Visualization v of a state that shows no more than the one that was loaded, its components counted among
+  /// those that there are.
+  Visualization visualization(const State& state, size_t v) const;
 };
 
-/// Collective. File names are relative to `directory`. Only what some operator shows is read. Throws the same Error on
+/// Collective. File names are relative to `directory`. Only what some operator shows is read, and of
+/// volumes only the components that are shown are kept. Throws the same Error on
 /// all ranks.
 LoadedState loadData(const State& state, const std::string& directory, const RenderOptions& options,
                      Collectives& ranks, Ledger& ledger);

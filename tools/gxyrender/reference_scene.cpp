@@ -8,7 +8,7 @@
 namespace gxy {
 
 reference::ReferenceScene referenceScene(const State& state, const LoadedState& loaded, size_t v) {
-  reference::ReferenceScene scene{state.visualizations[v], {}, state.settings};
+  reference::ReferenceScene scene{loaded.visualization(state, v), {}, state.settings};
   for (size_t i = 0; i < loaded.data[v].size(); i++) {
     const OperatorData& data = loaded.data[v][i];
     if (data.volume) {

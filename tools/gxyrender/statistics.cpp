@@ -27,17 +27,12 @@ nlohmann::json skipped(const Renderer::Counters& c, const LeftBefore& before) {
   auto kernels = nlohmann::json::array();
   for (size_t i = 0; i < kKernels; i++)
     if (k.kernelRuns[i] == 0) kernels.push_back(kKernelNames[i]);
-  return {{"arrays", before.data.arrays},
-          {"pieces", before.data.pieces},
-          {"sample bytes", before.data.bytes},
-          {"partitions", c.partitionsSkipped},
-          {"tiles", c.tilesSkipped},
-          {"macrocells", k.macrocellsSkipped},
-          {"isosurface macrocells", k.isoMacrocellsSkipped},
-          {"isosurface cells", before.isoCells},
-          {"rays ended early", k.raysEndedEarly},
-          {"secondaries", k.secondariesSkipped},
-          {"kernels", kernels},
+  return {{"arrays", before.data.arrays},        {"components", before.data.components},
+          {"pieces", before.data.pieces},        {"sample bytes", before.data.bytes},
+          {"partitions", c.partitionsSkipped},   {"tiles", c.tilesSkipped},
+          {"macrocells", k.macrocellsSkipped},   {"isosurface macrocells", k.isoMacrocellsSkipped},
+          {"isosurface cells", before.isoCells}, {"rays ended early", k.raysEndedEarly},
+          {"secondaries", k.secondariesSkipped}, {"kernels", kernels},
           {"messages", c.messagesSkipped}};
 }
 
