@@ -201,7 +201,7 @@ class EmbreeScene::Packet {
         }
       int64_t counts[2] = {0, 0};
       for (int op : scene_.isoOperators_)
-        if (part_.fields[op].samples) {
+        if (part_.fields[op].isoPlan) {
           c.runs(Kernel::Isosurfaces)++;
           ispc::hitIsosurfaces(&part_.view, &view, n, op, counts);
         }

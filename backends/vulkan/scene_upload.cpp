@@ -98,6 +98,7 @@ class Uploading {
         out_.geometryKinds |= kBits[view.kind];
       }
       out_.hasBlock.push_back(part && part->block);
+      out_.hasIsosurface.push_back(part && !part->isoPlan.empty());
       if (part && part->block) checkNumbering(part->block->extent.points, op.data.volume->components);
       if (op.vis.type == VisType::Volume && op.vis.volumeRendering) rendered.push_back(int32_t(i));
     }

@@ -18,11 +18,11 @@ struct PartOnDevice {
   std::shared_ptr<const Buffer> samples;  ///< of the volumes, also of other scenes that look at the same
   DescriptorSet set;
   int partition = -1;
-  Special special;             ///< for all stages, but `surfaces` and `anyHit`
-  int32_t geometryKinds = 0;   ///< bits SURFACE_* of its geometry
-  uint32_t volumeList = 0;     ///< place of the rendered volumes' list in the tables
-  uint32_t mine = 0;           ///< and of whether each partition is this rank's and seen
-  std::vector<bool> hasBlock;  ///< by operator
+  Special special;                            ///< for all stages, but `surfaces` and `anyHit`
+  int32_t geometryKinds = 0;                  ///< bits SURFACE_* of its geometry
+  uint32_t volumeList = 0;                    ///< place of the rendered volumes' list in the tables
+  uint32_t mine = 0;                          ///< and of whether each partition is this rank's and seen
+  std::vector<bool> hasBlock, hasIsosurface;  ///< by operator
 
   size_t bytes() const { return scene.bytes() + geometry.bytes(); }  ///< that are its own
 };

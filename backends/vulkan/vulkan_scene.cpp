@@ -128,7 +128,7 @@ void VulkanScene::addSteps(std::vector<Step>& steps, const PartOnDevice& part, c
   for (int op : slicedOperators_)
     if (isHere(op)) add(Stage::Slices, special, op);
   for (int op : isoOperators_)
-    if (isHere(op)) add(Stage::Isosurfaces, special, op);
+    if (part.hasIsosurface[size_t(op)]) add(Stage::Isosurfaces, special, op);
   const std::vector<int>& volumes = renderedOperators_;
   if (std::any_of(volumes.begin(), volumes.end(), isHere)) {
     if (volumes.size() == 1)

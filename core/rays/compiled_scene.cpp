@@ -85,14 +85,14 @@ void planVolume(CompiledOperator& op, CompiledScene& scene) {
     const auto& summaries = block.summaries.at(op.summary);
     if (op.vis.volumeRendering)
       part.plan = stepPlan(summaries, op.map, cellT, scene.settings.tolerance, scene.settings.step, others);
-    if (!op.isovalues.empty()) {
+    if (anyIsosurface(summaries, op.isovalues)) {
       part.isoPlan =
           isoPlan(block, volume.stored, volume.components,
                   volume.components == 1 ? 0 : op.vis.component.value_or(-1), summaries, op.isovalues);
       scene.isoCellsSkipped += cellsWithoutIsovalue(part.isoPlan, summaries.size());
     }
     bool visible = std::any_of(part.plan.begin(), part.plan.end(), [](int32_t x) { return x != 0; }) ||
-                   anyIsosurface(part.isoPlan, summaries.size());
+                   !part.isoPlan.empty();
     for (const CompiledPlane& p : op.slices)
       visible = visible || planeMeets(p, scene.partitioning->box(partition), space);
     if (visible) scene.visible[partition] = 1;

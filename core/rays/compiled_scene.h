@@ -41,7 +41,7 @@ struct CompiledPlane {
 struct OperatorPart {
   const VolumeBlock* block = nullptr;  ///< owned by the operator's volume
   std::vector<int32_t> plan;           ///< per macrocell of the block, see step_plan.h
-  std::vector<int32_t> isoPlan;        ///< see iso_plan.h
+  std::vector<int32_t> isoPlan;        ///< see iso_plan.h; empty where there is no isosurface
   std::vector<float> points;           ///< x y z radius, render space
   std::vector<float> normals;          ///< x y z per point, or empty
   std::vector<float> values;           ///< per point, or empty

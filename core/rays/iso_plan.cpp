@@ -145,6 +145,10 @@ class CellBits {
   std::vector<uint8_t> class_, row_, last_, plane_, before_;
 };
 
+bool isIn(const Macrocell& m, std::span<const float> isovalues) {
+  return std::any_of(isovalues.begin(), isovalues.end(), [&](float v) { return m.min <= v && v <= m.max; });
+}
+
 /// Marks the macrocells of empty aligned cubes of 2^level of them.
 void markCubes(std::vector<int32_t>& plan, const VolumeBlock& block, int level) {
   const Index3 &n = block.macrocells, &f = block.firstMacrocell;
@@ -184,7 +188,7 @@ std::vector<int32_t> isoPlan(const VolumeBlock& block, ScalarType stored, int co
   std::vector<int32_t> plan(summaries.size(), 0);
   size_t having = 0;
   for (size_t i = 0; i < plan.size(); i++) {
-    for (float v : isovalues) plan[i] |= summaries[i].min <= v && v <= summaries[i].max;
+    plan[i] = isIn(summaries[i], isovalues);
     having += size_t(plan[i]);
   }
   // blocks of bits begin at cache lines, and never at word 1 (ISO_END)
@@ -224,9 +228,9 @@ uint64_t cellsWithoutIsovalue(std::span<const int32_t> plan, size_t macrocells) 
   return cells;
 }
 
-bool anyIsosurface(std::span<const int32_t> plan, size_t macrocells) {
-  return std::any_of(plan.begin(), plan.begin() + ptrdiff_t(std::min(macrocells, plan.size())),
-                     [](int32_t w) { return w > 0; });
+bool anyIsosurface(std::span<const Macrocell> summaries, std::span<const float> isovalues) {
+  return std::any_of(summaries.begin(), summaries.end(),
+                     [&](const Macrocell& m) { return isIn(m, isovalues); });
 }
 
 }  // namespace gxy

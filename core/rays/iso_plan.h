@@ -30,7 +30,7 @@ std::vector<int32_t> isoPlan(const VolumeBlock& block, ScalarType stored, int co
 /// The cells without a bit in the macrocells that have some, of a plan for `macrocells` of them.
 uint64_t cellsWithoutIsovalue(std::span<const int32_t> plan, size_t macrocells);
 
-/// Whether an isosurface may be in a macrocell of a plan for `macrocells` of them.
-bool anyIsosurface(std::span<const int32_t> plan, size_t macrocells);
+/// Whether an isovalue lies in the range of a macrocell: where none does there is no isosurface, and no plan is needed.
+bool anyIsosurface(std::span<const Macrocell> summaries, std::span<const float> isovalues);
 
 }  // namespace gxy

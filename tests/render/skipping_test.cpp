@@ -1,11 +1,25 @@
 // SPDX-License-Identifier: Apache-2.0
 // What a scene does not need is not done, and is counted (docs/statistics.md).
 #include <gtest/gtest.h>
+#include <sys/mman.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <atomic>
 #include <set>
 
+#include "gxy/embree/embree_backend.h"
 #include "support/frames.h"
+
+// The linker puts this in the place of Embree's.
+extern "C" {
+void* __real_rtcNewScene(void* device);
+static std::atomic<int> scenesMade = 0;
+void* __wrap_rtcNewScene(void* device) {
+  scenesMade++;
+  return __real_rtcNewScene(device);
+}
+}
 
 namespace gxy::test {
 namespace {
@@ -28,9 +42,10 @@ TestScene alongX() {
   return s;
 }
 
-// 17 points on each axis of a box: 16 cells, 2 macrocells.
-Vis& addField(TestScene& s, const Box& box, const std::function<double(glm::dvec3)>& f) {
-  const Grid grid{box.lo, (box.hi - box.lo) / 16.0, {17, 17, 17}};
+// Of macrocells on each axis of the cube.
+Vis& addField(TestScene& s, int macrocells, const std::function<double(glm::dvec3)>& f) {
+  const int64_t cells = kMacrocellSize * macrocells;
+  const Grid grid{kCube.lo, glm::dvec3(2.0 / double(cells)), {cells + 1, cells + 1, cells + 1}};
   s.data.emplace_back(std::make_shared<const WholeVolume>(sampled(grid, f)));
   Vis& vis = s.visualization.operators.emplace_back();
   vis.type = VisType::Volume;
@@ -40,10 +55,21 @@ Vis& addField(TestScene& s, const Box& box, const std::function<double(glm::dvec
 }
 
 Vis& addPlane(TestScene& s, double x, double opacity = 1) {
-  Vis& vis = addField(s, kCube, [](glm::dvec3 p) { return p.x; });
+  Vis& vis = addField(s, 2, [](glm::dvec3 p) { return p.x; });
   vis.isovalues = {x};
   vis.opacity = opacity;
   return vis;
+}
+
+void addBall(TestScene& s, glm::dvec3 centre, double radius) {
+  WholeGeometry g;
+  g.block.points = {centre};
+  g.block.ids = {0};
+  s.data.emplace_back(std::make_shared<const WholeGeometry>(g));
+  Vis& vis = s.visualization.operators.emplace_back();
+  vis.type = VisType::Particles;
+  vis.dataset = "ball";
+  vis.radius0 = vis.radius1 = radius;
 }
 
 Cut halves() { return lattice(kCube, {2, 1, 1}, 2); }
@@ -51,7 +77,9 @@ Cut halves() { return lattice(kCube, {2, 1, 1}, 2); }
 /// One frame of a scene, or several, and what each rank counted.
 struct Counted {
   Counted(const TestScene& scene, const Cut& cut, int pictures = 1)
-      : compiled(compiledOn(cut, scene)), frames(cut.ranks, {}) {
+      : Counted(scene, cut, compiledOn(cut, scene), pictures) {}
+  Counted(const TestScene& scene, const Cut& cut, const std::vector<RankScene>& compiled, int pictures = 1)
+      : frames(cut.ranks, {}) {
     frames.add(1, compiled);
     for (int i = 0; i < pictures; i++) {
       const FrameId id = frames.start(requestOf(scene));
@@ -63,7 +91,6 @@ struct Counted {
   }
   Renderer::Counters of(int rank) { return frames.renderer(rank).counters(); }
 
-  std::vector<RankScene> compiled;
   Frames frames;
   TraceCounters all;
 };
@@ -142,6 +169,148 @@ TEST(Skipped, MessagesWithoutPixels) {
   EXPECT_EQ(counted.of(0).messagesSkipped, uint64_t(kTiles)) << "of the tiles, when their rays were spawned";
   EXPECT_EQ(counted.of(1).contributionMessages, 0u);
   EXPECT_EQ(counted.of(1).messagesSkipped, 0u);
+}
+
+/// Keeps the whole pages of some memory from being read.
+class Unreadable {
+ public:
+  explicit Unreadable(std::span<const std::byte> memory) {
+    const auto page = uintptr_t(::sysconf(_SC_PAGESIZE)), at = uintptr_t(memory.data());
+    begin_ = (at + page - 1) / page * page;
+    size_ = (at + memory.size()) / page * page - begin_;
+    protect(PROT_NONE);
+  }
+  ~Unreadable() { protect(PROT_READ | PROT_WRITE); }
+  Unreadable(const Unreadable&) = delete;
+  Unreadable& operator=(const Unreadable&) = delete;
+
+ private:
+  void protect(int how) const { EXPECT_EQ(::mprotect(reinterpret_cast<void*>(begin_), size_, how), 0); }
+  uintptr_t begin_, size_;
+};
+
+// The ball brings the rays into the partition.
+TEST(Skipped, SamplesOfATransparentMap) {
+  TestScene s = alongX();
+  Vis& vis = addField(s, 4, [](glm::dvec3 p) { return p.x; });
+  vis.volumeRendering = true;
+  vis.opacitymap = {false, {{-1, 0.1}, {1, 0.1}}};
+  addBall(s, {0.5, 0, 0}, 0.3);
+  EXPECT_GT(Counted(s, whole(kCube)).all.samples, 0u);
+  s.visualization.operators[0].opacitymap = {false, {{-1, 0}, {1, 0}}};
+  const auto compiled = compiledOn(whole(kCube), s);
+  const Unreadable samples(compiled[0].compiled->operators[0].parts.at(0).block->samples);
+  const TraceCounters c = Counted(s, whole(kCube), compiled).all;
+  EXPECT_EQ(c.samples, 0u);
+  EXPECT_EQ(c.macrocells, 0u);
+  EXPECT_GT(c.macrocellsSkipped, 0u);
+  EXPECT_GT(c.raysShaded, 0u);
+}
+
+TEST(Skipped, RaysAndMessagesOfPartitionsWithNothingToSee) {
+  TestScene s = alongX();
+  Vis& vis = addField(s, 4, [](glm::dvec3 p) { return p.x; });
+  vis.volumeRendering = true;
+  vis.opacitymap = {false, {{-0.9, 0.1}, {-0.8, 0}}};  // in the first of four macrocells
+  constexpr int kPictures = 4;                         // each rank owns one
+  Counted counted(s, lattice(kCube, {4, 1, 1}, 4), kPictures);
+  EXPECT_EQ(counted.all.raysSpawned, uint64_t(kPictures * kPixels * kPixels));
+  EXPECT_GT(counted.all.samples, 0u);
+  for (const int rank : {2, 3}) {
+    const Renderer::Counters c = counted.of(rank);
+    EXPECT_EQ(c.partitionsSkipped, uint64_t(kPictures));
+    EXPECT_EQ(c.tilesSkipped, uint64_t(kPictures * kTiles));
+    EXPECT_EQ(c.trace.raysSpawned + c.trace.raysTraced, 0u);
+    EXPECT_EQ(c.rayMessages + c.contributionMessages, 0u);
+  }
+  EXPECT_EQ(counted.of(1).rayMessages, 0u) << "behind it there is nothing";
+}
+
+TEST(Skipped, PlansOfIsovaluesOutsideTheRange) {
+  TestScene s = alongX();
+  addPlane(s, 7);
+  const auto alone = compiledOn(halves(), s);
+  for (const RankScene& rank : alone) {
+    for (const auto& [p, part] : rank.compiled->operators[0].parts) EXPECT_TRUE(part.isoPlan.empty());
+    EXPECT_EQ(rank.compiled->visible, std::vector<uint8_t>(2, 0));
+  }
+  EXPECT_EQ(Counted(s, halves(), alone).all.raysSpawned, 0u);
+  addBall(s, {0.5, 0, 0}, 0.3);
+  TraceCounters c = Counted(s, halves()).all;
+  EXPECT_GT(c.raysShaded, 0u);
+  EXPECT_EQ(c.runs(Kernel::Isosurfaces), 0u);
+  EXPECT_EQ(c.cells + c.isoMacrocellsSkipped, 0u);
+}
+
+TEST(Skipped, EmbreeScenesWithoutGeometry) {
+  TestScene s = alongX();
+  addPlane(s, 0).volumeRendering = true;
+  scenesMade = 0;
+  compiledOn(halves(), s);
+  EXPECT_EQ(scenesMade, 0);
+  addBall(s, {0, 0, 0}, 0.3);
+  compiledOn(halves(), s);
+  EXPECT_EQ(scenesMade, 2) << "one in each half";
+}
+
+// The surface is 0.51 away from the other half, in which there is a ball, outside of the picture.
+TEST(Skipped, WaysOfOcclusionRaysBehindTheirRadius) {
+  TestScene s = alongX();
+  addField(s, 4, [](glm::dvec3 p) { return p.x; }).isovalues = {0.51};
+  s.visualization.lighting.aoCount = 4;
+  const auto raysOf = [&](double radius) {
+    s.visualization.lighting.aoRadius = radius;
+    Counted counted(s, halves());
+    EXPECT_EQ(counted.all.secondariesSpawned, uint64_t(4 * kPixels * kPixels)) << radius;
+    return counted.of(1).raysForwarded;
+  };
+  EXPECT_EQ(raysOf(5), 0u) << "nothing is there";
+  addBall(s, {-0.5, -0.96, -0.96}, 0.03);
+  EXPECT_EQ(raysOf(0.5), 0u);
+  EXPECT_GT(raysOf(5), 0u);
+}
+
+TEST(Skipped, RanksBehindAnOpaqueFront) {
+  const auto isRankIdle = [](const TestScene& s) {
+    Counted counted(s, halves());
+    EXPECT_EQ(counted.of(0).trace.raysSpawned, uint64_t(kPixels * kPixels));
+    const bool idle = counted.of(1).trace.raysTraced == 0;
+    EXPECT_EQ(counted.of(0).rayMessages == 0, idle);
+    EXPECT_EQ(counted.of(0).trace.raysEndedEarly, idle ? uint64_t(kPixels * kPixels) : 0u);
+    return idle;
+  };
+  for (const double opacity : {0.5, 1.0}) {
+    TestScene s = alongX();
+    addPlane(s, -0.5, opacity).isovalues.push_back(0.5);
+    EXPECT_EQ(isRankIdle(s), opacity == 1);
+  }
+  for (const double extinction : {1.0, 1000.0}) {
+    TestScene s = alongX();
+    Vis& vis = addField(s, 4, [](glm::dvec3 p) { return p.x; });
+    vis.volumeRendering = true;
+    vis.opacitymap = {true, {{-1, extinction}, {1, extinction}}};
+    EXPECT_EQ(isRankIdle(s), extinction == 1000);
+  }
+}
+
+// Partitions count as seen though nothing is in them.
+TEST(Skipped, PartitionsChangeNoBit) {
+  const auto embree = makeEmbreeBackend();
+  for (const TestScene& s : scenesOfEachKind()) {
+    const Cut cut = lattice(s.domain, {5, 4, 3}, 3);
+    auto on = compiledOn(cut, s), off = on;
+    size_t skipped = 0;
+    for (int rank = 0; rank < cut.ranks; rank++) {
+      const auto all = std::make_shared<CompiledScene>(*on[size_t(rank)].compiled);
+      skipped += size_t(std::count(all->visible.begin(), all->visible.end(), 0));
+      std::fill(all->visible.begin(), all->visible.end(), 1);
+      off[size_t(rank)] = {all, embree->makeScene(all, rank)};
+    }
+    EXPECT_EQ(difference(render(s, cut.ranks, on), render(s, cut.ranks, off)), "") << s.name;
+    if (s.name == "particles") {
+      EXPECT_GT(skipped, 0u);
+    }
+  }
 }
 
 }  // namespace
