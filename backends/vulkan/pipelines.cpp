@@ -156,6 +156,13 @@ Pipelines::Pipelines(const Device& device)
   layout_ = PipelineLayoutHandle(device.get(), layout);
 }
 
+std::vector<Stage> Pipelines::stages() const {
+  std::lock_guard lock(mutex_);
+  std::vector<Stage> stages;
+  for (const auto& [key, compiled] : made_) stages.push_back(key.first);
+  return stages;
+}
+
 VkPipeline Pipelines::get(Stage stage, const Special& wanted) {
   const Special special = specialFor(stage, wanted);
   std::unique_lock all(mutex_);

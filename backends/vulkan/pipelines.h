@@ -64,6 +64,8 @@ class Pipelines {
  public:
   explicit Pipelines(const Device& device);
   VkPipeline get(Stage stage, const Special& special);
+  /// The stage of each that was made.
+  std::vector<Stage> stages() const;
   VkPipelineLayout layout() const { return layout_.get(); }
   VkDescriptorSetLayout setLayout(int set) const { return sets_[size_t(set)].get(); }
 
@@ -76,7 +78,7 @@ class Pipelines {
     std::mutex mutex;
     PipelineHandle pipeline;
   };
-  std::mutex mutex_;  ///< of the map; its values stay where they are
+  mutable std::mutex mutex_;  ///< of the map; its values stay where they are
   std::map<std::pair<Stage, Special>, Compiled> made_;
 };
 

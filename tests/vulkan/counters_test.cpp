@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "gxy/vulkan/vulkan_scene.h"
 #include "support/frames.h"
 #include "vulkan/software_device.h"
 
@@ -50,6 +51,24 @@ TEST(VulkanCounters, AreThoseOfEmbree) {
   }
   EXPECT_EQ(found, names.size());
   EXPECT_EQ(vulkan_test::newMessages(), std::vector<std::string>());
+}
+
+// The shader of each stage is compiled for what the scene has, and only where it is needed.
+TEST(VulkanCounters, NothingIsCompiledThatASceneDoesNotNeed) {
+  using vulkan::Stage;
+  const auto stagesOf = [](const char* name) {
+    const std::vector<TestScene> scenes = scenesOfEachKind();
+    const auto scene =
+        std::find_if(scenes.begin(), scenes.end(), [&](const TestScene& s) { return s.name == name; });
+    const auto context = std::make_shared<vulkan::Context>(vulkan_test::softwareDevice());
+    const auto compiled = compiledOn(whole(scene->domain), *scene)[0].compiled;
+    render(*scene, 1, {{compiled, std::make_shared<vulkan::VulkanScene>(context, compiled, 0)}});
+    return context->pipelines.stages();
+  };
+  EXPECT_EQ(stagesOf("isosurfaces"), (std::vector{Stage::Spawn, Stage::Bound, Stage::Isosurfaces,
+                                                  Stage::Shade, Stage::Depth, Stage::Finish, Stage::Groups}));
+  EXPECT_EQ(stagesOf("smooth volume"),
+            (std::vector{Stage::Spawn, Stage::Bound, Stage::Integrate, Stage::Finish, Stage::Groups}));
 }
 
 }  // namespace
