@@ -65,7 +65,30 @@ double largestExtinction(const CompiledOperator& op) {
   return op.map.over(stored(range.min), stored(range.max)).extinction;
 }
 
-// What each macrocell asks for.
+// Calls visit(index, firstCell) for the block's macrocells that have cells between the points of an extent, until one
+// says true; says whether one did.
+template <class Visit>
+bool anyMacrocell(const VolumeBlock& block, const Extent& extent, Visit&& visit) {
+  Index3 from, to;  // in the block's own
+  for (size_t a = 0; a < 3; a++) {
+    from[a] = std::max<int64_t>(extent.first[a] / kMacrocellSize - block.firstMacrocell[a], 0);
+    const int64_t lastCell = extent.first[a] + extent.points[a] - 2;
+    to[a] = std::min(lastCell / kMacrocellSize + 1 - block.firstMacrocell[a], block.macrocells[a]);
+  }
+  for (int64_t z = from[2]; z < to[2]; z++)
+    for (int64_t y = from[1]; y < to[1]; y++)
+      for (int64_t x = from[0]; x < to[0]; x++) {
+        const auto index = size_t((z * block.macrocells[1] + y) * block.macrocells[0] + x);
+        const Index3& f = block.firstMacrocell;
+        if (visit(index, Index3{(f[0] + x) * kMacrocellSize, (f[1] + y) * kMacrocellSize,
+                                (f[2] + z) * kMacrocellSize}))
+          return true;
+      }
+  return false;
+}
+
+// What each macrocell asks for. A partition is seen if something is in the cells that it touches or, as rays round, in
+// those next to them: ghost layers reach further.
 void planVolume(CompiledOperator& op, CompiledScene& scene) {
   const Volume& volume = *op.data.volume;
   const RenderSpace& space = scene.space;
@@ -91,8 +114,11 @@ void planVolume(CompiledOperator& op, CompiledScene& scene) {
                   volume.components == 1 ? 0 : op.vis.component.value_or(-1), summaries, op.isovalues);
       scene.isoCellsSkipped += cellsWithoutIsovalue(part.isoPlan, summaries.size());
     }
-    bool visible = std::any_of(part.plan.begin(), part.plan.end(), [](int32_t x) { return x != 0; }) ||
-                   !part.isoPlan.empty();
+    const Extent near = extentOf(volume.grid, scene.partitioning->box(partition), 1);
+    bool visible = anyMacrocell(block, near, [&](size_t i, const Index3& firstCell) {
+      return (!part.plan.empty() && part.plan[i] != 0) ||
+             (!part.isoPlan.empty() && hasIsoCell(part.isoPlan, i, firstCell, near));
+    });
     for (const CompiledPlane& p : op.slices)
       visible = visible || planeMeets(p, scene.partitioning->box(partition), space);
     if (visible) scene.visible[partition] = 1;

@@ -219,6 +219,22 @@ std::vector<int32_t> isoPlan(const VolumeBlock& block, ScalarType stored, int co
   return plan;
 }
 
+bool hasIsoCell(std::span<const int32_t> plan, size_t index, const Index3& firstCell, const Extent& extent) {
+  if (plan[index] <= 0) return false;
+  Index3 from, to;
+  for (size_t a = 0; a < 3; a++) {
+    from[a] = std::max<int64_t>(extent.first[a] - firstCell[a], 0);
+    to[a] = std::min(extent.first[a] + extent.points[a] - 1 - firstCell[a], kSize);
+  }
+  for (int64_t z = from[2]; z < to[2]; z++)
+    for (int64_t y = from[1]; y < to[1]; y++)
+      for (int64_t x = from[0]; x < to[0]; x++) {
+        const int64_t bit = x + kSize * (y + kSize * z);
+        if (uint32_t(plan[size_t(plan[index] + bit / 32)]) >> (bit % 32) & 1) return true;
+      }
+  return false;
+}
+
 uint64_t cellsWithoutIsovalue(std::span<const int32_t> plan, size_t macrocells) {
   uint64_t cells = 0;
   for (const int32_t word : plan.first(std::min(macrocells, plan.size())))

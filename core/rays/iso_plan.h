@@ -27,6 +27,10 @@ std::vector<int32_t> isoPlan(const VolumeBlock& block, ScalarType stored, int co
                              std::span<const Macrocell> summaries, std::span<const float> isovalues,
                              size_t mostWords = kMostIsoWords);
 
+/// Whether a cell of macrocell `index`, whose first cell on the grid is `firstCell`, lies between the points of an extent and
+/// has its bit set.
+bool hasIsoCell(std::span<const int32_t> plan, size_t index, const Index3& firstCell, const Extent& extent);
+
 /// The cells without a bit in the macrocells that have some, of a plan for `macrocells` of them.
 uint64_t cellsWithoutIsovalue(std::span<const int32_t> plan, size_t macrocells);
 

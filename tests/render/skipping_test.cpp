@@ -226,6 +226,26 @@ TEST(Skipped, RaysAndMessagesOfPartitionsWithNothingToSee) {
   EXPECT_EQ(counted.of(1).rayMessages, 0u) << "behind it there is nothing";
 }
 
+// Ghost layers hold cells of the other half, and its macrocell, in which there is something.
+TEST(Skipped, PartitionsThatHaveSomethingInTheirGhostsOnly) {
+  const auto seen = [](double isovalue) {
+    TestScene s = alongX();
+    addPlane(s, isovalue);
+    return compiledOn(halves(), s)[0].compiled->visible;
+  };
+  const double cell = 2.0 / 16;
+  EXPECT_EQ(seen(1.5 * cell), (std::vector<uint8_t>{0, 1}));
+  EXPECT_EQ(seen(-1.5 * cell), (std::vector<uint8_t>{1, 0}));
+  EXPECT_EQ(seen(0.5 * cell), (std::vector<uint8_t>{1, 1})) << "in the cell next to it";
+  TestScene s = alongX();
+  Vis& vis = addField(s, 4, [](glm::dvec3 p) { return p.x; });
+  vis.volumeRendering = true;
+  vis.opacitymap = {false, {{-0.9, 0.1}, {-0.8, 0}}};  // in the first macrocell, of 8 cells
+  const Cut third = octants(kCube, {kCube.lo.x + 10.5 * 2 / 32, 0, 0}, 2);
+  const std::vector<uint8_t> visible = compiledOn(third, s)[0].compiled->visible;
+  EXPECT_EQ(visible, (std::vector<uint8_t>{1, 0, 1, 0, 1, 0, 1, 0}));
+}
+
 TEST(Skipped, PlansOfIsovaluesOutsideTheRange) {
   TestScene s = alongX();
   addPlane(s, 7);
