@@ -158,12 +158,14 @@ int run(const RenderOptions& options) {
         std::vector<LedgerEntry> memory;
         LeftBefore before{loaded.leftOut};
         for (size_t v = 0; v < state.visualizations.size(); v++) {
+          const double since = wallSeconds();
           const auto scene = makeScene(state, loaded, v, ranks);
           std::shared_ptr<const DeviceScene> device;
           agree(ranks, [&] { device = backend->makeScene(scene, transport.rank()); });
           memory.push_back(ledger.enter(kTenant, "scene", int64_t(scene->bytes() + device->bytes())));
           before.isoCells += scene->isoCellsSkipped;
           renderer.addScene(v, scene, device);
+          phases.compileEach.push_back(wallSeconds() - since);
         }
         collective.barrier(kRunKey);
         phases.compile = wallSeconds() - begin - phases.load;

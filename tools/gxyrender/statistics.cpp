@@ -79,6 +79,7 @@ nlohmann::json statisticsOf(const Renderer::Counters& c, const Transport::Counte
           {"seconds",
            {{"load", p.load},
             {"compile", p.compile},
+            {"compile each", p.compileEach},
             {"render", p.render},
             {"total", p.total},
             {"cpu render", p.cpuRender}}},

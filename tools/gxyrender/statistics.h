@@ -3,6 +3,7 @@
 #pragma once
 #include <nlohmann/json.hpp>
 #include <string>
+#include <vector>
 
 #include "gxy/comm/transport.h"
 #include "gxy/io/import_volume.h"
@@ -15,6 +16,8 @@ namespace gxy {
 struct Phases {
   double load = 0, compile = 0, render = 0, total = 0;
   double cpuRender = 0;  ///< processor time of all threads
+  std::vector<double>
+      compileEach;  ///< of `compile`, by visualization: those behind the first find the data there
 };
 
 double wallSeconds();
