@@ -87,9 +87,22 @@ bool anyMacrocell(const VolumeBlock& block, const Extent& extent, Visit&& visit)
   return false;
 }
 
+using OtherScenes = std::span<const std::shared_ptr<const CompiledScene>>;
+
+// The plan that another scene has of the same isosurfaces; null if none has.
+const std::vector<int32_t>* isoPlanAmong(OtherScenes scenes, const CompiledOperator& op, int partition) {
+  for (const auto& scene : scenes)
+    for (const CompiledOperator& o : scene->operators) {
+      if (o.data.volume != op.data.volume || o.summary != op.summary || o.isovalues != op.isovalues) continue;
+      const auto part = o.parts.find(partition);
+      if (part != o.parts.end()) return &part->second.isoPlan;
+    }
+  return nullptr;
+}
+
 // What each macrocell asks for. A partition is seen if something is in the cells that it touches or, as rays round, in
 // those next to them: ghost layers reach further.
-void planVolume(CompiledOperator& op, CompiledScene& scene) {
+void planVolume(CompiledOperator& op, CompiledScene& scene, OtherScenes known) {
   const Volume& volume = *op.data.volume;
   const RenderSpace& space = scene.space;
   const glm::dvec3 s = volume.grid.spacing;
@@ -109,9 +122,11 @@ void planVolume(CompiledOperator& op, CompiledScene& scene) {
     if (op.vis.volumeRendering)
       part.plan = stepPlan(summaries, op.map, cellT, scene.settings.tolerance, scene.settings.step, others);
     if (anyIsosurface(summaries, op.isovalues)) {
+      const std::vector<int32_t>* same = isoPlanAmong(known, op, partition);
       part.isoPlan =
-          isoPlan(block, volume.stored, volume.components,
-                  volume.components == 1 ? 0 : op.vis.component.value_or(-1), summaries, op.isovalues);
+          same ? *same
+               : isoPlan(block, volume.stored, volume.components,
+                         volume.components == 1 ? 0 : op.vis.component.value_or(-1), summaries, op.isovalues);
       scene.isoCellsSkipped += cellsWithoutIsovalue(part.isoPlan, summaries.size());
     }
     const Extent near = extentOf(volume.grid, scene.partitioning->box(partition), 1);
@@ -198,7 +213,8 @@ size_t CompiledScene::bytes() const {
 std::shared_ptr<CompiledScene> compileScene(const Visualization& visualization,
                                             std::vector<OperatorData> data,
                                             std::shared_ptr<const Partitioning> partitioning,
-                                            const RenderSettings& settings) {
+                                            const RenderSettings& settings,
+                                            std::span<const std::shared_ptr<const CompiledScene>> others) {
   auto scene = std::make_shared<CompiledScene>();
   scene->visualization = visualization;
   scene->settings = settings;
@@ -239,7 +255,7 @@ std::shared_ptr<CompiledScene> compileScene(const Visualization& visualization,
     largestColor = std::max(largestColor, op.map.largestColor);
   }
   for (CompiledOperator& op : scene->operators)
-    if (op.vis.type == VisType::Volume) planVolume(op, *scene);
+    if (op.vis.type == VisType::Volume) planVolume(op, *scene, others);
   if (seen.empty()) seen = partitioning->domain();
   const glm::dvec3 lo = scene->space.toRender(seen.lo), hi = scene->space.toRender(seen.hi), size = hi - lo;
   const double margin = kDomainMargin * std::max({size.x, size.y, size.z, 1e-3});

@@ -6,6 +6,7 @@
 #include <glm/vec3.hpp>
 #include <map>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -86,11 +87,13 @@ struct CompiledScene {
 };
 
 /// Compiles for the partitions that are local (the data's blocks say which). `visible` holds the local partitions'
-/// answers only; merge over ranks (bitwise or), then set it. Throws Error for an operator without fitting data.
-std::shared_ptr<CompiledScene> compileScene(const Visualization& visualization,
-                                            std::vector<OperatorData> data,
-                                            std::shared_ptr<const Partitioning> partitioning,
-                                            const RenderSettings& settings);
+/// answers only; merge over ranks (bitwise or), then set it. Where one of `others` shows the same isosurfaces of
+/// the same volume, its plan of them is taken: making it looks at samples, and an edit of a map need not wait for
+/// that. Throws Error for an operator without fitting data.
+std::shared_ptr<CompiledScene> compileScene(
+    const Visualization& visualization, std::vector<OperatorData> data,
+    std::shared_ptr<const Partitioning> partitioning, const RenderSettings& settings,
+    std::span<const std::shared_ptr<const CompiledScene>> others = {});
 
 /// The radius (world units) that a Particles or PathLines Vis gives a value; radius0 for NaN; never negative.
 double radiusOf(const Vis& vis, double value);

@@ -262,6 +262,26 @@ TEST(Skipped, PlansOfIsovaluesOutsideTheRange) {
   EXPECT_EQ(c.cells + c.isoMacrocellsSkipped, 0u);
 }
 
+// A plan that nobody would make shows where it comes from.
+TEST(Skipped, PlansOfIsosurfacesThatAnotherSceneHas) {
+  TestScene s = alongX();
+  addPlane(s, 0.3);
+  const auto before = std::make_shared<CompiledScene>(*compiledOn(whole(kCube), s)[0].compiled);
+  std::vector<int32_t>& plan = before->operators[0].parts.at(0).isoPlan;
+  plan.back() ^= 1;
+  const auto planOf = [&](const Visualization& visualization) {
+    const std::shared_ptr<const CompiledScene> others[] = {before};
+    const auto scene =
+        compileScene(visualization, {before->operators[0].data}, before->partitioning, s.settings, others);
+    return scene->operators[0].parts.at(0).isoPlan;
+  };
+  Visualization edited = s.visualization;
+  edited.operators[0].colormap = {{{0, {0, 1, 0}}}};
+  EXPECT_EQ(planOf(edited), plan);
+  edited.operators[0].isovalues = {0.31};
+  EXPECT_NE(planOf(edited), plan);
+}
+
 TEST(Skipped, EmbreeScenesWithoutGeometry) {
   TestScene s = alongX();
   addPlane(s, 0).volumeRendering = true;

@@ -124,10 +124,12 @@ LoadedState loadData(const State& state, const std::string& directory, const Ren
 }
 
 std::shared_ptr<const CompiledScene> makeScene(const State& state, const LoadedState& loaded, size_t v,
-                                               Collectives& ranks) {
+                                               Collectives& ranks,
+                                               std::span<const std::shared_ptr<const CompiledScene>> others) {
   std::shared_ptr<CompiledScene> scene;
   agree(ranks, [&] {
-    scene = compileScene(loaded.visualization(state, v), loaded.data[v], loaded.partitioning, state.settings);
+    scene = compileScene(loaded.visualization(state, v), loaded.data[v], loaded.partitioning, state.settings,
+                         others);
   });
   Bytes mine(scene->visible.size());
   std::transform(scene->visible.begin(), scene->visible.end(), mine.begin(),

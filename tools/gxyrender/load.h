@@ -3,6 +3,7 @@
 #pragma once
 #include <map>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -37,8 +38,10 @@ struct LoadedState {
 LoadedState loadData(const State& state, const std::string& directory, const RenderOptions& options,
                      Collectives& ranks, Ledger& ledger);
 
-/// Collective: compiles visualization v and agrees on which partitions can be seen.
-std::shared_ptr<const CompiledScene> makeScene(const State& state, const LoadedState& loaded, size_t v,
-                                               Collectives& ranks);
+/// Collective: compiles visualization v, taking plans from `others` (compileScene), and agrees on which partitions
+/// can be seen.
+std::shared_ptr<const CompiledScene> makeScene(
+    const State& state, const LoadedState& loaded, size_t v, Collectives& ranks,
+    std::span<const std::shared_ptr<const CompiledScene>> others = {});
 
 }  // namespace gxy

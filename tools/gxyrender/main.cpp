@@ -156,10 +156,12 @@ int run(const RenderOptions& options) {
 
         Renderer renderer(transport, {options.packet, options.raysInFlight, &ledger, kTenant});
         std::vector<LedgerEntry> memory;
+        std::vector<std::shared_ptr<const CompiledScene>> scenes;
         LeftBefore before{loaded.leftOut};
         for (size_t v = 0; v < state.visualizations.size(); v++) {
           const double since = wallSeconds();
-          const auto scene = makeScene(state, loaded, v, ranks);
+          const auto scene = makeScene(state, loaded, v, ranks, scenes);
+          scenes.push_back(scene);
           std::shared_ptr<const DeviceScene> device;
           agree(ranks, [&] { device = backend->makeScene(scene, transport.rank()); });
           memory.push_back(ledger.enter(kTenant, "scene", int64_t(scene->bytes() + device->bytes())));

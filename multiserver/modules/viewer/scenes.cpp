@@ -97,7 +97,13 @@ json Scenes::make(const json& p) {
   std::shared_ptr<CompiledScene> scene;
   Bytes visible;
   agree(ranks, [&] {
-    scene = compileScene(visualization, data, partitioning, settings);
+    std::vector<std::shared_ptr<const CompiledScene>> others;
+    {
+      const std::lock_guard lock(mutex_);
+      for (const auto& [known, made] : made_)
+        if (auto other = made.scene.lock()) others.push_back(std::move(other));
+    }
+    scene = compileScene(visualization, data, partitioning, settings, others);
     for (const uint8_t v : scene->visible) visible.push_back(std::byte(v));
   });
   for (const Bytes& theirs : ranks.allGather(std::move(visible)))
@@ -107,7 +113,7 @@ json Scenes::make(const json& p) {
     const auto bytes = int64_t(scene->bytes() + device->bytes());
     memory.push_back(node_.takeMemory(tenant, "scene", bytes));
     const std::lock_guard lock(mutex_);
-    memory_[id] = std::move(memory);
+    made_[id] = {std::move(memory), scene};
     node_.renderer.addScene(id, scene, device);
   });
   return nullptr;
@@ -117,7 +123,7 @@ json Scenes::forget(const json& p) {
   const auto id = p.at("scene").get<SceneId>();
   node_.renderer.removeScene(id);
   const std::lock_guard lock(mutex_);
-  memory_.erase(id);
+  made_.erase(id);
   return nullptr;
 }
 

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "gxy/rays/compiled_scene.h"
 #include "gxy/scene/scene.h"
 #include "gxy/server/datasets.h"
 #include "gxy/server/module.h"
@@ -57,7 +58,11 @@ class Scenes {
   std::map<std::string, std::weak_ptr<const SceneHandle>> known_;  ///< rank 0: by content
   std::map<std::string, std::shared_future<ScenePtr>> underWay_;   ///< rank 0
   SceneId next_ = 1;                                               ///< rank 0
-  std::map<SceneId, std::vector<LedgerEntry>> memory_;
+  struct Made {
+    std::vector<LedgerEntry> memory;
+    std::weak_ptr<const CompiledScene> scene;
+  };
+  std::map<SceneId, Made> made_;
 };
 
 }  // namespace gxy::viewer
