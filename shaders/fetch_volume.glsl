@@ -96,26 +96,27 @@ real scalarAt(VOLUME v, uint i) {
   return value;
 }
 
-uint pointIndex(VOLUME v, ivec3 p) {
-  uint row = uint(p.z - v.firstZ) * uint(v.ny) + uint(p.y - v.firstY);
-  return row * uint(v.nx) + uint(p.x - v.firstX);
+uint pointPlace(VOLUME v, ivec3 p) {
+  uint x = uint(p.x - v.firstX), y = uint(p.y - v.firstY), z = uint(p.z - v.firstZ);
+  return BRICK_PLACE(x, 512u, 1u) + BRICK_PLACE(y, uint(v.brickRow), 8u) + BRICK_PLACE(z, uint(v.brickLayer), 64u);
 }
 
 // The value at a grid point that the block holds.
-real pointValue(VOLUME v, ivec3 p) { return scalarAt(v, pointIndex(v, p)); }
+real pointValue(VOLUME v, ivec3 p) { return scalarAt(v, pointPlace(v, p)); }
 
 // The eight corner values of a cell that the block holds.
 Corners cellCorners(VOLUME v, ivec3 c) {
-  uint b = pointIndex(v, c), row = uint(v.nx), slice = row * uint(v.ny);
-  uint one = 1u;
+  uint x = uint(BRICK_STEP(c.x - v.firstX, 512, 1)), y = uint(BRICK_STEP(c.y - v.firstY, v.brickRow, 8));
+  uint b = pointPlace(v, c);
+  uint h = b + uint(BRICK_STEP(c.z - v.firstZ, v.brickLayer, 64));
   Corners k;
   k.v000 = scalarAt(v, b);
-  k.v100 = scalarAt(v, b + one);
-  k.v010 = scalarAt(v, b + row);
-  k.v110 = scalarAt(v, b + row + one);
-  k.v001 = scalarAt(v, b + slice);
-  k.v101 = scalarAt(v, b + slice + one);
-  k.v011 = scalarAt(v, b + slice + row);
-  k.v111 = scalarAt(v, b + slice + row + one);
+  k.v100 = scalarAt(v, b + x);
+  k.v010 = scalarAt(v, b + y);
+  k.v110 = scalarAt(v, b + y + x);
+  k.v001 = scalarAt(v, h);
+  k.v101 = scalarAt(v, h + x);
+  k.v011 = scalarAt(v, h + y);
+  k.v111 = scalarAt(v, h + y + x);
   return k;
 }

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "gxy/comm/error.h"
+#include "gxy/data/bricks.h"
 
 namespace gxy {
 namespace {
@@ -184,7 +185,7 @@ bool isPrivate(const VolumeBlock& block, const Index3& macrocell) {
 
 }  // namespace
 
-void summarise(VolumeBlock& block, ScalarType stored, int components) {
+void completeBlock(VolumeBlock& block, ScalarType stored, int components) {
   const Extent& e = block.extent;
   if (bytesOf(stored) > 4 || stored == ScalarType::Int32 || stored == ScalarType::UInt32) {
     throw Error(std::string("macrocells: samples stored as ") + nameOf(stored) +
@@ -195,6 +196,7 @@ void summarise(VolumeBlock& block, ScalarType stored, int components) {
                 std::to_string(e.count()) + " points of " + std::to_string(components) + " x " +
                 nameOf(stored));
   }
+  if (!block.summaries.empty()) throw Error("macrocells: a block that is complete already");
   block.summaries.assign(components > 1 ? size_t(components) + 1 : 1, {});
   block.firstMacrocell = block.macrocells = {0, 0, 0};
   if (e.count() == 0) return;
@@ -232,6 +234,7 @@ void summarise(VolumeBlock& block, ScalarType stored, int components) {
       }
     }
   }
+  putIntoBricks(block.samples, e.points, size_t(components) * bytesOf(stored));
 }
 
 std::vector<BorderSummary> borderSummaries(const Volume& volume) {

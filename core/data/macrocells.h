@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Summaries of macrocells: per block, and merged across the partitions that cut a macrocell.
 //
-// After an import or update: summarise() every local block, exchange the borderSummaries() of all ranks (an
+// After an import or update: completeBlock() every local block, exchange the borderSummaries() of all ranks (an
 // all-gather of plain structs), and mergeSummaries() with all of them, own ones included. The result is the
 // summary of the whole volume, however it is cut, as long as every cell is in some partition and blocks have at least one
 // ghost layer; both sides of a border decide alike.
@@ -14,11 +14,11 @@
 
 namespace gxy {
 
-/// Fills firstMacrocell, macrocells and summaries of a block from its own samples (stored type: int8 to
-/// uint16, or float). The magnitude of a point is sqrt of the sum of squares of the stored components, in
+/// Fills firstMacrocell, macrocells and summaries of a block from its own samples (x fastest; stored type: int8 to uint16,
+/// or float), and puts these into bricks. The magnitude of a point is sqrt of the sum of squares of the stored components, in
 /// float, left to right; a point is "no data" for the magnitude if one component is. Throws Error if the
-/// samples do not fit the extent.
-void summarise(VolumeBlock& block, ScalarType stored, int components);
+/// samples do not fit the extent, or the block is complete.
+void completeBlock(VolumeBlock& block, ScalarType stored, int components);
 
 /// What one block knows of one macrocell that other blocks may hold too; plain data, sent between ranks as it
 /// is.
@@ -30,7 +30,7 @@ struct BorderSummary {
   bool operator==(const BorderSummary&) const = default;
 };
 
-/// Of every summarised local block, the macrocells of which it lacks samples. Order: block, macrocell,
+/// Of every complete local block, the macrocells of which it lacks samples. Order: block, macrocell,
 /// summary.
 std::vector<BorderSummary> borderSummaries(const Volume& volume);
 

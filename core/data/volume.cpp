@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include "gxy/comm/error.h"
+#include "gxy/data/bricks.h"
 
 namespace gxy {
 namespace {
@@ -172,6 +173,22 @@ FieldStatistics statisticsOf(std::span<const std::byte> samples, ScalarType type
     statistics = rows.take();
   });
   return statistics;
+}
+
+FieldStatistics statisticsOf(const VolumeBlock& block, ScalarType stored, int components) {
+  const Bricks bricks(block.extent.points);
+  const Index3& n = block.extent.points;
+  return withType(stored, [&](auto t) {
+    using T = decltype(t);
+    RowStatistics<T> rows(components);
+    const size_t point = sizeof(T) * size_t(components);
+    for (int64_t z = 0; z < n[2]; ++z)
+      for (int64_t y = 0; y < n[1]; ++y)
+        bricks.alongX(0, y, z, n[0], [&](size_t place, int64_t, int64_t count) {
+          rows.add(block.samples.data() + place * point, count);
+        });
+    return rows.take();
+  });
 }
 
 int64_t bytesOf(const Volume& volume) {

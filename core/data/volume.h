@@ -65,7 +65,8 @@ struct Macrocell {
   bool operator==(const Macrocell&) const = default;
 };
 
-/// The samples of one partition: ghosts included, x fastest, components interleaved, stored type.
+/// The samples of one partition: ghosts included, stored type, the components of a point together. Points come x fastest;
+/// completeBlock (macrocells.h) puts them into bricks (bricks.h), where they stay.
 struct VolumeBlock {
   Extent extent;
   Samples samples;
@@ -108,5 +109,8 @@ FieldStatistics statisticsOf(std::span<const std::byte> samples, ScalarType type
 /// The same over the points of `part` (inside `extent`) of samples that cover `extent`.
 FieldStatistics statisticsOf(std::span<const std::byte> samples, ScalarType type, int components,
                              const Extent& extent, const Extent& part);
+
+/// The same over all points of a complete block.
+FieldStatistics statisticsOf(const VolumeBlock& block, ScalarType stored, int components);
 
 }  // namespace gxy

@@ -6,6 +6,7 @@
 #include <filesystem>
 
 #include "gxy/comm/error.h"
+#include "gxy/data/bricks.h"
 #include "gxy/data/macrocells.h"
 
 namespace gxy {
@@ -84,6 +85,7 @@ std::shared_ptr<Volume> importVolume(const std::string& path, const std::string&
       block.extent = extentOf(file.grid, partitioning.box(partition), ghosts);
       if (block.extent.count() == 0) continue;
       ranks.check();
+      block.samples.reserve(Bricks(block.extent.points).count() * file.bytesPerPoint());
       block.samples.resize(size_t(block.extent.count()) * file.bytesPerPoint());
       readVolume(file, block.extent, block.samples);
       statistics.merge(statisticsOf(block.samples, type, volume->components, block.extent,
@@ -107,7 +109,7 @@ std::shared_ptr<Volume> importVolume(const std::string& path, const std::string&
     for (auto& [partition, block] : volume->blocks) {
       ranks.check();
       if (encoding.stored != type) block.samples = convert(block.samples, type, encoding);
-      summarise(block, encoding.stored, volume->components);
+      completeBlock(block, encoding.stored, volume->components);
     }
   });
   mergeMacrocells(*volume, ranks);
@@ -119,9 +121,9 @@ void completeVolume(Volume& volume, const Partitioning& partitioning, Collective
   statistics.ranges.resize(size_t(volume.components) + (volume.components > 1));
   agree(ranks, [&] {
     for (auto& [partition, block] : volume.blocks) {
-      summarise(block, volume.stored, volume.components);
       statistics.merge(statisticsOf(block.samples, volume.stored, volume.components, block.extent,
                                     ownedPoints(volume.grid, partitioning, partition)));
+      completeBlock(block, volume.stored, volume.components);
     }
   });
   mergeRanges(ranks, statistics.ranges);

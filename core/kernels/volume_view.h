@@ -27,10 +27,10 @@
 #define SAMPLE_I16 4
 
 struct VolumeView {
-  RAW samples;                        // x fastest, `stride` components interleaved
+  RAW samples;                        // in bricks, see below, `stride` components together
   int kind, stride, component;        // component < 0: the magnitude of all
   int wide;                           // 1: more than 2^31 bytes, needs 64-bit offsets
-  int nx, ny;                         // points per row and per column of the block
+  int brickRow, brickLayer;           // places in a row of bricks, and in a layer of such rows
   int firstX, firstY, firstZ;         // global index of its first point
   int lastX, lastY, lastZ;            // global index of its last point
   int cellsX, cellsY, cellsZ;         // cells of the global grid
@@ -63,6 +63,11 @@ struct VolumeView {
 };
 
 #if !defined(GXY_LAYOUT)
+// Points lie in bricks of 8^3, x fastest in each and among them. What index i of an axis adds to a point's place, and how far
+// from there the next one is, of an axis on which points of a brick are `near` apart and bricks `far`.
+#define BRICK_PLACE(i, far, near) (((i) >> 3) * (far) + ((i)&7) * (near))
+#define BRICK_STEP(i, far, near) (((i)&7) == 7 ? (far)-7 * (near) : (near))
+
 FN vec3 gridOrigin(VOLUME v) { return make_v3(v.originX, v.originY, v.originZ); }
 FN vec3 gridInverse(VOLUME v) { return make_v3(v.inverseX, v.inverseY, v.inverseZ); }
 FN ivec3 gridCells(VOLUME v) { return make_i3(v.cellsX, v.cellsY, v.cellsZ); }
@@ -222,25 +227,29 @@ FN_OUTLINE real scalarAt(VOLUME v, OFFSET i) {
   return sqrt(s);
 }
 
-// The value at a grid point that the block holds.
-FN real pointValue(VOLUME v, ivec3 p) {
-  OFFSET row = ((OFFSET)(p.z - v.firstZ) * v.ny + (p.y - v.firstY));
-  return scalarAt(v, row * v.nx + (p.x - v.firstX));
+FN OFFSET pointPlace(VOLUME v, ivec3 p) {
+  int x = p.x - v.firstX, y = p.y - v.firstY, z = p.z - v.firstZ;
+  return BRICK_PLACE((OFFSET)x, 512, 1) + BRICK_PLACE((OFFSET)y, v.brickRow, 8) +
+         BRICK_PLACE((OFFSET)z, v.brickLayer, 64);
 }
+
+// The value at a grid point that the block holds.
+FN real pointValue(VOLUME v, ivec3 p) { return scalarAt(v, pointPlace(v, p)); }
 
 // Any stored type, several components, blocks over 2^31 bytes. Out of line: the common case stays small.
 FN_OUTLINE Corners cellCornersOfAny(VOLUME v, ivec3 c) {
   Corners k;
-  OFFSET b = ((OFFSET)(c.z - v.firstZ) * v.ny + (c.y - v.firstY)) * v.nx + (c.x - v.firstX);
-  OFFSET h = b + (OFFSET)v.nx * v.ny;
+  int x = BRICK_STEP(c.x - v.firstX, 512, 1), y = BRICK_STEP(c.y - v.firstY, v.brickRow, 8);
+  OFFSET b = pointPlace(v, c);
+  OFFSET h = b + BRICK_STEP(c.z - v.firstZ, v.brickLayer, 64);
   k.v000 = scalarAt(v, b);
-  k.v100 = scalarAt(v, b + 1);
-  k.v010 = scalarAt(v, b + v.nx);
-  k.v110 = scalarAt(v, b + v.nx + 1);
+  k.v100 = scalarAt(v, b + x);
+  k.v010 = scalarAt(v, b + y);
+  k.v110 = scalarAt(v, b + y + x);
   k.v001 = scalarAt(v, h);
-  k.v101 = scalarAt(v, h + 1);
-  k.v011 = scalarAt(v, h + v.nx);
-  k.v111 = scalarAt(v, h + v.nx + 1);
+  k.v101 = scalarAt(v, h + x);
+  k.v011 = scalarAt(v, h + y);
+  k.v111 = scalarAt(v, h + y + x);
   return k;
 }
 
@@ -253,16 +262,18 @@ FN Corners cellCorners(VOLUME v, ivec3 c) {
 #else
     const float* s = static_cast<const float*>(v.samples);
 #endif
-    int b = (c.z - v.firstZ) * (v.nx * v.ny) + (c.y - v.firstY) * v.nx + (c.x - v.firstX);
-    int h = b + v.nx * v.ny;
+    int cx = c.x - v.firstX, cy = c.y - v.firstY, cz = c.z - v.firstZ;
+    int x = BRICK_STEP(cx, 512, 1), y = BRICK_STEP(cy, v.brickRow, 8);
+    int b = BRICK_PLACE(cx, 512, 1) + BRICK_PLACE(cy, v.brickRow, 8) + BRICK_PLACE(cz, v.brickLayer, 64);
+    int h = b + BRICK_STEP(cz, v.brickLayer, 64);
     k.v000 = s[b];
-    k.v100 = s[b + 1];
-    k.v010 = s[b + v.nx];
-    k.v110 = s[b + v.nx + 1];
+    k.v100 = s[b + x];
+    k.v010 = s[b + y];
+    k.v110 = s[b + y + x];
     k.v001 = s[h];
-    k.v101 = s[h + 1];
-    k.v011 = s[h + v.nx];
-    k.v111 = s[h + v.nx + 1];
+    k.v101 = s[h + x];
+    k.v011 = s[h + y];
+    k.v111 = s[h + y + x];
   } else {
     k = cellCornersOfAny(v, c);
   }

@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <limits>
 
+#include "gxy/data/bricks.h"
 #include "gxy/kernels/single_views.h"
 #include "gxy/rays/compiled_frame.h"
 #include "gxy/rays/compiled_scene.h"
@@ -75,10 +76,12 @@ void fillVolumeView(View& v, const CompiledOperator& op, const OperatorPart* par
   const VolumeBlock& block = *part->block;
   v.samples = put.samples(block);
   v.wide = block.samples.size() >= size_t(1) << 31;
-  v.nx = int(block.extent.points[0]), v.ny = int(block.extent.points[1]);
+  const Bricks bricks(block.extent.points);
+  v.brickRow = int(bricks.row()), v.brickLayer = int(bricks.layer());
   v.firstX = int(block.extent.first[0]), v.firstY = int(block.extent.first[1]),
   v.firstZ = int(block.extent.first[2]);
-  v.lastX = v.firstX + v.nx - 1, v.lastY = v.firstY + v.ny - 1,
+  v.lastX = v.firstX + int(block.extent.points[0]) - 1;
+  v.lastY = v.firstY + int(block.extent.points[1]) - 1;
   v.lastZ = v.firstZ + int(block.extent.points[2]) - 1;
   v.plan = put(part->plan);
   v.byCells =

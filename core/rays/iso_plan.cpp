@@ -8,6 +8,7 @@
 
 #include "gxy/comm/error.h"
 #include "gxy/comm/parallel_for.h"
+#include "gxy/data/bricks.h"
 
 namespace gxy {
 
@@ -22,31 +23,36 @@ constexpr uint8_t kBelow = 1, kAbove = 2;  // some corner's value is at most, is
 class Points {
  public:
   Points(const VolumeBlock& block, ScalarType stored, int components, int component)
-      : block_(block), stored_(stored), components_(components), component_(component) {}
+      : block_(block),
+        bricks_(block.extent.points),
+        stored_(stored),
+        components_(components),
+        component_(component) {}
 
   /// `n` points from (x, y, z) of the block on; valid until the next call.
   const float* operator()(int64_t x, int64_t y, int64_t z, size_t n) {
-    const Extent& e = block_.extent;
-    const size_t first = size_t((z * e.points[1] + y) * e.points[0] + x) * size_t(components_);
-    const std::byte* at = block_.samples.data() + first * bytesOf(stored_);
-    if (stored_ == ScalarType::Float32 && components_ == 1) return reinterpret_cast<const float*>(at);
     row_.resize(n);
-    withType(stored_, [&](auto t) { convert(reinterpret_cast<const decltype(t)*>(at)); });
+    withType(stored_, [&](auto t) {
+      const auto* samples = reinterpret_cast<const decltype(t)*>(block_.samples.data());
+      bricks_.alongX(x, y, z, int64_t(n), [&](size_t place, int64_t first, int64_t count) {
+        convert(samples + place * size_t(components_), std::span(row_).subspan(size_t(first), size_t(count)));
+      });
+    });
     return row_.data();
   }
 
   /// Asks for the cache lines of points that will be read soon.
   void prefetch(int64_t x, int64_t y, int64_t z, size_t n) const {
-    const Extent& e = block_.extent;
     const size_t each = size_t(components_) * bytesOf(stored_);
-    const std::byte* at = block_.samples.data() + size_t((z * e.points[1] + y) * e.points[0] + x) * each;
-    for (size_t i = 0; i < n * each; i += 64) __builtin_prefetch(at + i);
+    bricks_.alongX(x, y, z, int64_t(n), [&](size_t place, int64_t, int64_t) {
+      __builtin_prefetch(block_.samples.data() + place * each);
+    });
   }
 
  private:
   template <typename T>
-  void convert(const T* from) {
-    for (float& value : row_) {
+  void convert(const T* from, std::span<float> row) const {
+    for (float& value : row) {
       if (component_ >= 0) {
         value = float(from[component_]);
       } else {
@@ -59,6 +65,7 @@ class Points {
   }
 
   const VolumeBlock& block_;
+  const Bricks bricks_;
   const ScalarType stored_;
   const int components_, component_;
   std::vector<float> row_;
@@ -180,7 +187,7 @@ void markCubes(std::vector<int32_t>& plan, const VolumeBlock& block, int level) 
 std::vector<int32_t> isoPlan(const VolumeBlock& block, ScalarType stored, int components, int component,
                              std::span<const Macrocell> summaries, std::span<const float> isovalues,
                              size_t mostWords) {
-  if (block.samples.size() != size_t(block.extent.count()) * size_t(components) * bytesOf(stored))
+  if (block.samples.size() != Bricks(block.extent.points).count() * size_t(components) * bytesOf(stored))
     throw Error("isosurface plan: a block of " + std::to_string(block.samples.size()) + " bytes, expected " +
                 std::to_string(block.extent.count()) + " points of " + std::to_string(components) + " x " +
                 nameOf(stored));

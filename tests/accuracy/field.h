@@ -7,6 +7,7 @@
 #include <numbers>
 #include <vector>
 
+#include "gxy/data/bricks.h"
 #include "gxy/data/macrocells.h"
 #include "gxy/kernels/single.h"
 #include "gxy/kernels/twin.h"
@@ -91,7 +92,7 @@ inline Field makeField(const Grid& grid, const std::function<double(int64_t, int
   if (stored == ScalarType::Int8) fill<std::int8_t>(f, value);
   if (stored == ScalarType::UInt16) fill<std::uint16_t>(f, value);
   if (stored == ScalarType::Int16) fill<std::int16_t>(f, value);
-  summarise(f.block, stored, components);
+  completeBlock(f.block, stored, components);
   return f;
 }
 
@@ -114,8 +115,8 @@ double readSample(const Field& f, int64_t index) {
 
 inline double Field::stored1(int64_t i, int64_t j, int64_t k, int c) const {
   const Extent& e = block.extent;
-  const int64_t point = ((k - e.first[2]) * e.points[1] + (j - e.first[1])) * e.points[0] + (i - e.first[0]);
-  const int64_t index = point * components + c;
+  const size_t point = Bricks(e.points)(i - e.first[0], j - e.first[1], k - e.first[2]);
+  const int64_t index = int64_t(point) * components + c;
   if (stored == ScalarType::Float32) return readSample<float>(*this, index);
   if (stored == ScalarType::UInt8) return readSample<std::uint8_t>(*this, index);
   if (stored == ScalarType::Int8) return readSample<std::int8_t>(*this, index);
@@ -165,6 +166,7 @@ class View {
         isoPlan_(isoPlan(f.block, f.stored, f.components, f.component, f.macrocells(), s.isovalues)) {
     if (s.isoEverywhere) isoPlan_ = everyCell(f.macrocells().size());
     const Extent& e = f.block.extent;
+    const Bricks bricks(e.points);
     const Index3 cells = f.grid.cells();
     view_.samples = f.block.samples.data();
     view_.kind = f.stored == ScalarType::Float32  ? SAMPLE_F32
@@ -175,7 +177,7 @@ class View {
     view_.stride = f.components;
     view_.component = f.component;
     view_.wide = s.wide;
-    view_.nx = int(e.points[0]), view_.ny = int(e.points[1]);
+    view_.brickRow = int(bricks.row()), view_.brickLayer = int(bricks.layer());
     view_.firstX = int(e.first[0]), view_.firstY = int(e.first[1]), view_.firstZ = int(e.first[2]);
     view_.lastX = int(e.first[0] + e.points[0] - 1);
     view_.lastY = int(e.first[1] + e.points[1] - 1);

@@ -113,7 +113,7 @@ std::shared_ptr<Volume> finished(const Grid& grid, Samples samples, ScalarType t
   VolumeBlock& block = volume->blocks[0];
   block.extent.points = grid.points;
   block.samples = encoding.stored == type ? std::move(samples) : convert(samples, type, encoding);
-  summarise(block, encoding.stored, 1);
+  completeBlock(block, encoding.stored, 1);
   return volume;
 }
 

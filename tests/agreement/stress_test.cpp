@@ -11,6 +11,7 @@
 #include "backend.h"
 #include "compare.h"
 #include "fields_ispc.h"
+#include "gxy/data/bricks.h"
 #include "gxy/kernels/single_views.h"
 #include "gxy/scene/state_file.h"
 
@@ -313,12 +314,18 @@ TEST(Stress, AMillionCoincidentParticles) {
 
 TEST(Stress, MoreSamplesThanAnInt32Counts) {
   // 1291^3 bytes, of which only those of the last planes are ever touched: 100 in the last 9, 0 before.
-  const int64_t n = 1291, bytes = n * n * n;
+  const int64_t n = 1291;
+  const Bricks bricks({n, n, n});
+  const int64_t bytes = int64_t(bricks.count());
   ASSERT_GT(bytes, int64_t(1) << 31);
   void* memory = mmap(nullptr, size_t(bytes), PROT_READ | PROT_WRITE,
                       MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
   ASSERT_NE(memory, MAP_FAILED);
-  std::memset(static_cast<char*>(memory) + (n - 9) * n * n, 100, size_t(9 * n * n));
+  for (int64_t z = n - 9; z < n; z++)
+    for (int64_t y = 0; y < n; y++)
+      bricks.alongX(0, y, z, n, [&](size_t place, int64_t, int64_t points) {
+        std::memset(static_cast<char*>(memory) + place, 100, size_t(points));
+      });
   const int64_t m = (n - 1 + 7) / 8;
   std::vector<int32_t> everywhere(size_t(m * m * m + 16),
                                   int32_t(m * m * m));  // all share 16 words of set bits
@@ -330,7 +337,7 @@ TEST(Stress, MoreSamplesThanAnInt32Counts) {
   field.kind = SAMPLE_U8;
   field.stride = 1;
   field.wide = 1;
-  field.nx = field.ny = int(n);
+  field.brickRow = int(bricks.row()), field.brickLayer = int(bricks.layer());
   field.lastX = field.lastY = field.lastZ = field.cellsX = field.cellsY = field.cellsZ = int(n) - 1;
   field.originX = field.originY = field.originZ = -0.5f;
   field.inverseX = field.inverseY = field.inverseZ = float(n - 1);

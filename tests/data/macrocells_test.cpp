@@ -103,7 +103,7 @@ void checkAnyCut(ScalarType type, int components, const Grid& grid, unsigned see
     std::vector<Volume> ranks(4, volumeOf(grid, type, components));
     for (int i = 0; i < parts; ++i) {
       VolumeBlock block = cut(grid, field, components, extentOf(grid, p.box(i), 1 + int(seed % 2)));
-      summarise(block, type, components);
+      completeBlock(block, type, components);
       ranks[size_t(p.owner(i))].blocks.emplace(i, std::move(block));
     }
     std::vector<BorderSummary> records;
@@ -155,7 +155,7 @@ TEST(Macrocells, WhatNoOtherBlockCanHoldIsNotSent) {
   std::mt19937 random(5);
   Volume v = volumeOf(grid, ScalarType::Float32, 1);
   v.blocks[0] = cut(grid, randomField<float>(random, 57 * 57 * 57), 1, {{0, 0, 0}, grid.points});
-  summarise(v.blocks[0], v.stored, 1);
+  completeBlock(v.blocks[0], v.stored, 1);
   EXPECT_EQ(v.blocks[0].macrocells, (Index3{7, 7, 7}));
   EXPECT_EQ(borderSummaries(v).size(), size_t(343 - 27));
 }
@@ -169,7 +169,7 @@ TEST(Macrocells, ThinSlabsAtTheEndOfTheGridLearnTheRest) {
   const Box slab{{0, 0, 0}, {0.4, 3, 3}}, rest{{0.4, 0, 0}, {29, 3, 3}};
   v.blocks[0] = cut(grid, field, 1, extentOf(grid, slab, kGhostLayers));
   v.blocks[1] = cut(grid, field, 1, extentOf(grid, rest, kGhostLayers));
-  for (auto& [partition, block] : v.blocks) summarise(block, v.stored, 1);
+  for (auto& [partition, block] : v.blocks) completeBlock(block, v.stored, 1);
   mergeSummaries(v, borderSummaries(v));
   EXPECT_EQ(v.blocks[0].summaries[0][0], (Macrocell{0, 8, 1, 0, false}));
 }
@@ -187,8 +187,8 @@ TEST(Macrocells, ForeignRecordsAndWrongSizesAreRefused) {
   VolumeBlock block;
   block.extent = {{0, 0, 0}, {2, 2, 2}};
   block.samples.resize(31);
-  EXPECT_THROW(summarise(block, ScalarType::Float32, 1), Error);
-  EXPECT_THROW(summarise(block, ScalarType::Float64, 1), Error);
+  EXPECT_THROW(completeBlock(block, ScalarType::Float32, 1), Error);
+  EXPECT_THROW(completeBlock(block, ScalarType::Float64, 1), Error);
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gxy/io/import_volume.h"
+#include "gxy/data/bricks.h"
 
 #include <gtest/gtest.h>
 
@@ -7,6 +8,7 @@
 
 #include "fixtures.h"
 #include "gxy/comm/error.h"
+#include "gxy/data/bricks.h"
 #include "gxy/io/write_volume.h"
 
 namespace gxy {
@@ -88,8 +90,12 @@ TEST(ImportVolume, WideTypesKeepASmallSignalOnALargeOffset) {
   const auto volume = importVolume(folder / "v.vti", "field", decomposed(kGrid, 1, 1), 0, one);
   ASSERT_EQ(volume->stored, ScalarType::Float32);
   const auto* stored = reinterpret_cast<const float*>(volume->blocks.at(0).samples.data());
-  for (size_t i = 0; i < samples.size(); ++i)
-    ASSERT_NEAR(volume->shift + volume->scale * double(stored[i]), samples[i], 2e-9);
+  const Bricks bricks(kGrid.points);
+  size_t i = 0;
+  for (int64_t z = 0; z < kGrid.points[2]; ++z)
+    for (int64_t y = 0; y < kGrid.points[1]; ++y)
+      for (int64_t x = 0; x < kGrid.points[0]; ++x)
+        ASSERT_NEAR(volume->shift + volume->scale * double(stored[bricks(x, y, z)]), samples[i++], 2e-9);
 }
 
 TEST(ImportVolume, WhatIsNotShownAndWhatOthersNeedIsNotRead) {

@@ -8,6 +8,7 @@
 #include <memory>
 #include <numbers>
 
+#include "gxy/data/bricks.h"
 #include "gxy/reference/reference.h"
 
 namespace gxy::reference {
@@ -30,6 +31,7 @@ inline std::shared_ptr<Volume> makeVolume(const Grid& grid, const std::function<
       }
     }
   }
+  putIntoBricks(block.samples, grid.points, sizeof(float));
   return volume;
 }
 

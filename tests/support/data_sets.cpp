@@ -68,7 +68,7 @@ std::vector<std::shared_ptr<const Volume>> cut(const WholeVolume& whole, const P
       block.extent = extentOf(whole.grid, partitioning.box(partition), kGhostLayers);
       if (block.extent.count() == 0) continue;
       block.samples = samplesOf(whole, block.extent);
-      summarise(block, whole.stored, whole.components);
+      completeBlock(block, whole.stored, whole.components);
       volume.blocks.emplace(partition, std::move(block));
     }
     const auto mine = borderSummaries(volume);

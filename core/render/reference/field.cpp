@@ -47,7 +47,7 @@ double trilinear(const CellCorners& c, glm::dvec3 w) {
 }
 
 Field::Field(std::shared_ptr<const Volume> volume, std::optional<int> component)
-    : volume_(std::move(volume)) {
+    : volume_(std::move(volume)), bricks_(volume_->grid.points) {
   const auto found = volume_->blocks.find(0);
   if (found == volume_->blocks.end() || found->second.extent.first != Index3{0, 0, 0} ||
       found->second.extent.points != volume_->grid.points) {
@@ -55,7 +55,7 @@ Field::Field(std::shared_ptr<const Volume> volume, std::optional<int> component)
                 "' is cut: expected one partition that holds its whole grid");
   }
   const VolumeBlock& block = found->second;
-  if (block.samples.size() < size_t(block.extent.count()) * volume_->components * sizeOf(volume_->stored)) {
+  if (block.samples.size() < bricks_.count() * volume_->components * sizeOf(volume_->stored)) {
     throw Error("reference: volume '" + volume_->name + "' holds fewer samples than its grid has points");
   }
   if (component && (*component < 0 || *component >= volume_->components)) {
@@ -100,7 +100,7 @@ double Field::stored(int64_t index) const {
 double Field::sample(int64_t i, int64_t j, int64_t k) const {
   const Index3& n = grid().points;
   if (i < 0 || j < 0 || k < 0 || i >= n[0] || j >= n[1] || k >= n[2]) return kNaN;
-  const int64_t first = ((k * n[1] + j) * n[0] + i) * volume_->components;
+  const int64_t first = int64_t(bricks_(i, j, k)) * volume_->components;
   double x = 0;
   if (component_ >= 0) {
     x = volume_->shift + volume_->scale * stored(first + component_);

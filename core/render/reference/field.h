@@ -5,7 +5,7 @@
 #include <memory>
 #include <optional>
 
-#include "gxy/data/volume.h"
+#include "gxy/data/bricks.h"
 
 namespace gxy::reference {
 
@@ -55,6 +55,7 @@ class Field {
   double difference(Index3 point, int axis) const;
 
   std::shared_ptr<const Volume> volume_;
+  Bricks bricks_;  ///< of its one block
   const std::byte* samples_;
   int component_;  ///< -1: the magnitude
 };

@@ -4,6 +4,7 @@
 #include <cstring>
 
 #include "gxy/comm/error.h"
+#include "gxy/data/bricks.h"
 #include "gxy/io/import_volume.h"
 #include "gxy/server/datasets.h"
 #include "gxy/server/module.h"
@@ -28,7 +29,7 @@ struct RangeWork {
     if (dataset->geometry) range = rangeOf(dataset->geometry->block);
     if (const Volume* volume = dataset->volume.get())
       for (const auto& [partition, block] : volume->blocks)
-        for (const Range& r : statisticsOf(block.samples, volume->stored, volume->components).ranges)
+        for (const Range& r : statisticsOf(block, volume->stored, volume->components).ranges)
           if (!r.empty())
             range.extend({volume->shift + volume->scale * r.min, volume->shift + volume->scale * r.max});
     return range.empty() ? json(nullptr) : json{range.min, range.max};
@@ -75,7 +76,8 @@ struct ThresholdWork {
       volume->name = "threshold";
       volume->grid = from->volume->grid;
       volume->stored = ScalarType::UInt8;
-      for (const auto& [partition, block] : from->volume->blocks) made->bytes += block.extent.count();
+      for (const auto& [partition, block] : from->volume->blocks)
+        made->bytes += int64_t(Bricks(block.extent.points).count());
       made->memory = node.takeMemory(tenant, "volume", made->bytes);
       for (const auto& [partition, block] : from->volume->blocks)
         volume->blocks[partition] = thresholded(*from->volume, block);
@@ -90,13 +92,17 @@ struct ThresholdWork {
     VolumeBlock out;
     out.extent = block.extent;
     out.samples.resize(size_t(block.extent.count()));
-    withType(from.stored, [&](auto zero) {
-      for (size_t i = 0; i < out.samples.size(); i++) {
-        auto stored = zero;
-        std::memcpy(&stored, &block.samples[i * sizeof stored], sizeof stored);
-        const double value = from.shift + from.scale * double(stored);
-        out.samples[i] = std::byte(value >= least && value <= largest);
-      }
+    const Index3& n = block.extent.points;
+    const Bricks bricks(n);  // where the points of a complete block lie
+    size_t i = 0;            // those of a new one come x fastest
+    withType(from.stored, [&](auto stored) {
+      for (int64_t z = 0; z < n[2]; z++)
+        for (int64_t y = 0; y < n[1]; y++)
+          for (int64_t x = 0; x < n[0]; x++) {
+            std::memcpy(&stored, &block.samples[bricks(x, y, z) * sizeof stored], sizeof stored);
+            const double value = from.shift + from.scale * double(stored);
+            out.samples[i++] = std::byte(value >= least && value <= largest);
+          }
     });
     return out;
   }
