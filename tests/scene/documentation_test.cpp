@@ -36,7 +36,7 @@ TEST(Documentation, ExamplesLoadWithoutWarnings) {
     EXPECT_TRUE(readState(writeState(file.state), "saved").state == file.state) << entry.path();
     ++examples;
   }
-  EXPECT_GE(examples, 7);
+  EXPECT_GE(examples, 13);
 }
 
 TEST(Documentation, ExamplesAreListedWithTheirData) {
