@@ -10,12 +10,9 @@ namespace {
 
 class EmbreeBackend final : public Backend {
  public:
-  EmbreeBackend() : device_(makeDevice()) {}
   std::string name() const override { return "embree"; }
   std::string device() const override {
-    return "CPU, Embree " + std::to_string(RTC_VERSION_MAJOR) + "." + std::to_string(RTC_VERSION_MINOR) +
-           "." + std::to_string(RTC_VERSION_PATCH) + ", " + std::to_string(ispc::gangWidth()) +
-           " rays at a time";
+    return "CPU, Embree " + embree::version() + ", " + std::to_string(ispc::gangWidth()) + " rays at a time";
   }
   std::unique_ptr<DeviceScene> makeScene(std::shared_ptr<const CompiledScene> scene,
                                          int rank) const override {
@@ -23,7 +20,7 @@ class EmbreeBackend final : public Backend {
   }
 
  private:
-  DevicePtr device_;
+  std::shared_ptr<const embree::Device> device_ = std::make_shared<embree::Device>();
 };
 
 }  // namespace

@@ -1,10 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gxy/embree/embree_geometry.h"
 
-#include <string>
-
 #include "geometry_ispc.h"
-#include "gxy/comm/error.h"
 #include "gxy/comm/thread_order.h"
 #include "gxy/rays/primitive_bounds.h"
 
@@ -26,35 +23,17 @@ void boundPrimitive(const RTCBoundsFunctionArguments* args) {
   order.end();
 }
 
-bool countBytes(void* sum, ssize_t bytes, bool) {
-  ThreadOrder(sum).begin();
-  *static_cast<std::atomic<int64_t>*>(sum) += bytes;
-  return true;
-}
-
 }  // namespace
 
-DevicePtr makeDevice() {
-  RTCDevice device = rtcNewDevice(nullptr);
-  if (!device)
-    throw Error("Embree: no device (error " + std::to_string(int(rtcGetDeviceError(nullptr))) + ")");
-  const auto bytes = std::make_shared<std::atomic<int64_t>>(0);
-  ThreadOrder(bytes.get()).handOver();
-  rtcSetDeviceMemoryMonitorFunction(device, countBytes, bytes.get());
-  return DevicePtr(device, ReleaseDevice{bytes});
-}
-
-int64_t bytesOf(const DevicePtr& device) { return *std::get_deleter<ReleaseDevice>(device)->bytes; }
-
-ScenePtr buildGeometry(RTCDevice device, std::span<const OperatorView> operators) {
+embree::Scene buildGeometry(const embree::Device& device, std::span<const OperatorView> operators) {
   bool any = false;
   for (const OperatorView& op : operators) any = any || op.primitives > 0;
   if (!any) return nullptr;
-  ScenePtr scene(rtcNewScene(device));
+  embree::Scene scene(rtcNewScene(device.get()));
   rtcSetSceneFlags(scene.get(), RTC_SCENE_FLAG_ROBUST);
   for (size_t i = 0; i < operators.size(); i++) {
     if (operators[i].primitives == 0) continue;
-    RTCGeometry g = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_USER);
+    RTCGeometry g = rtcNewGeometry(device.get(), RTC_GEOMETRY_TYPE_USER);
     ThreadOrder(&operators[i]).handOver();  // Embree's builder asks for bounds on threads of its own
     rtcSetGeometryUserPrimitiveCount(g, operators[i].primitives);
     rtcSetGeometryUserData(g, const_cast<OperatorView*>(&operators[i]));
@@ -67,10 +46,7 @@ ScenePtr buildGeometry(RTCDevice device, std::span<const OperatorView> operators
   }
   rtcCommitScene(scene.get());
   for (const OperatorView& op : operators) ThreadOrder(&op).takeBack();
-  const RTCError error = rtcGetDeviceError(device);
-  if (error != RTC_ERROR_NONE)
-    throw Error("Embree: building the geometry failed (error " + std::to_string(int(error)) +
-                (error == RTC_ERROR_OUT_OF_MEMORY ? ", out of memory)" : ")"));
+  device.expectDone("building the geometry");
   return scene;
 }
 

@@ -89,7 +89,8 @@ void distribute(RayList rays, bool primary, std::vector<LeavingRays>& out) {
 
 }  // namespace
 
-EmbreeScene::EmbreeScene(DevicePtr device, std::shared_ptr<const CompiledScene> scene, int rank)
+EmbreeScene::EmbreeScene(std::shared_ptr<const embree::Device> device,
+                         std::shared_ptr<const CompiledScene> scene, int rank)
     : device_(std::move(device)), scene_(std::move(scene)), rank_(rank) {
   const auto& operators = scene_->operators;
   for (size_t i = 0; i < operators.size(); i++) {
@@ -103,7 +104,7 @@ EmbreeScene::EmbreeScene(DevicePtr device, std::shared_ptr<const CompiledScene> 
                 " volumes at once; this backend takes at most " + std::to_string(kMostVolumes));
   Pointers pointers;
   fillSceneView(anywhere_, *scene_, -1, pointers);
-  const int64_t before = bytesOf(device_);
+  const int64_t before = device_->bytes();
   for (int p : scene_->partitioning->owned(rank_)) {
     if (!scene_->visible[p]) continue;  // nothing is built where nothing can be seen
     Part& part = parts_[p];
@@ -117,13 +118,13 @@ EmbreeScene::EmbreeScene(DevicePtr device, std::shared_ptr<const CompiledScene> 
       fillVolumeView(part.fields[i], op, mine, pointers);
       fillOperatorView(part.operators[i], op, mine, pointers);
     }
-    part.geometry = buildGeometry(device_.get(), part.operators);
+    part.geometry = buildGeometry(*device_, part.operators);
     part.view.operators = int(operators.size());
     part.view.operator_ = part.operators.data();
     part.view.field = part.fields.data();
     part.view.hierarchy = part.geometry.get();
   }
-  geometryBytes_ = size_t(std::max<int64_t>(bytesOf(device_) - before, 0));
+  geometryBytes_ = size_t(std::max<int64_t>(device_->bytes() - before, 0));
 }
 
 std::shared_ptr<const DeviceFrame> EmbreeScene::makeFrame(const CompiledFrame& f) const {

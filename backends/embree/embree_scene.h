@@ -12,7 +12,8 @@ namespace gxy {
 
 class EmbreeScene final : public DeviceScene {
  public:
-  EmbreeScene(DevicePtr device, std::shared_ptr<const CompiledScene> scene, int rank);
+  EmbreeScene(std::shared_ptr<const embree::Device> device, std::shared_ptr<const CompiledScene> scene,
+              int rank);
 
   std::shared_ptr<const DeviceFrame> makeFrame(const CompiledFrame& frame) const override;
   void spawn(const DeviceFrame& frame, const Tile& tile, Done done) const override;
@@ -24,11 +25,11 @@ class EmbreeScene final : public DeviceScene {
     single::SceneView view{};
     std::vector<single::OperatorView> operators;
     std::vector<single::VolumeView> fields;
-    ScenePtr geometry;
+    embree::Scene geometry;
   };
   class Packet;
 
-  DevicePtr device_;
+  std::shared_ptr<const embree::Device> device_;
   std::shared_ptr<const CompiledScene> scene_;
   int rank_;
   std::map<int, Part> parts_;     ///< by local partition

@@ -5,7 +5,7 @@
 
 // What a callback needs besides Embree's ray: the query's own lower bound.
 struct Query {
-  RTCIntersectContext context;
+  QueryContext context;
   const SceneView* uniform scene;
   float* uniform tAfter;  // strict, per lane
 };
@@ -38,52 +38,38 @@ static inline bool hitPrimitive(const uniform OperatorView& op, uniform unsigned
   }
 }
 
-// Tests one primitive against the gang's rays, of which `active` take part.
+// Tests one primitive against the gang's rays.
 static inline bool testPrimitive(const uniform Query* uniform query, uniform unsigned int geomID, uniform unsigned int primID,
-                                 bool active, vec3 o, vec3 d, float tFar, float& t) {
+                                 CallbackRay ray, float& t) {
   const uniform SceneView& s = *query->scene;
   bool hit = false;
-  if (active) {
+  if (ray.active) {
     float clip0, clip1;
     VOLUME field = s.field[geomID];
-    clipInterval(field, o, d, clip0, clip1);
+    clipInterval(field, ray.o, ray.d, clip0, clip1);
     float after = boundBehind(field, query->tAfter[programIndex], clip0);
-    hit = hitPrimitive(s.operator_[geomID], primID, o, d, after, t) && t <= tFar && t <= clip1;
+    hit = hitPrimitive(s.operator_[geomID], primID, ray.o, ray.d, after, t) && t <= ray.tFar && t <= clip1;
   }
   return hit;
 }
 
-unmasked void intersectPrimitive(const RTCIntersectFunctionNArguments* uniform args) {
+unmasked void intersectPrimitive(const NearestArguments* uniform args) {
   const uniform Query* uniform query = (const uniform Query* uniform)args->context;
-  RTCRayN* uniform ray = RTCRayHitN_RayN(args->rayhit, args->N);
-  RTCHitN* uniform hit = RTCRayHitN_HitN(args->rayhit, args->N);
-  uniform unsigned int geomID = args->geomID, primID = args->primID, N = args->N;
-  uniform unsigned int i = 0;  // the gang is the whole packet
-  bool active = args->valid[programIndex] != 0;
-  vec3 o = make_v3(RTCRayN_org_x(ray, N, i), RTCRayN_org_y(ray, N, i), RTCRayN_org_z(ray, N, i));
-  vec3 d = make_v3(RTCRayN_dir_x(ray, N, i), RTCRayN_dir_y(ray, N, i), RTCRayN_dir_z(ray, N, i));
-  float tFar = RTCRayN_tfar(ray, N, i), t = NO_HIT;
-  if (testPrimitive(query, geomID, primID, active, o, d, tFar, t)) {
-    unsigned int g = RTCHitN_geomID(hit, N, i), p = RTCHitN_primID(hit, N, i);
-    bool better = t < tFar || (g != RTC_INVALID_GEOMETRY_ID && (geomID < g || (geomID == g && primID < p)));
-    if (better) {
-      RTCRayN_tfar(ray, N, i) = t;
-      RTCHitN_geomID(hit, N, i) = geomID;
-      RTCHitN_primID(hit, N, i) = primID;
-    }
+  uniform unsigned int geomID = args->geomID, primID = args->primID;
+  CallbackRay ray = rayOf(args);
+  float t = NO_HIT;
+  if (testPrimitive(query, geomID, primID, ray, t)) {
+    unsigned int g = foundGeometry(args), p = foundPrimitive(args);
+    bool better = t < ray.tFar || (g != NO_GEOMETRY && (geomID < g || (geomID == g && primID < p)));
+    if (better) acceptHit(args, t);
   }
 }
 
-unmasked void occludePrimitive(const RTCOccludedFunctionNArguments* uniform args) {
+unmasked void occludePrimitive(const AnyArguments* uniform args) {
   const uniform Query* uniform query = (const uniform Query* uniform)args->context;
-  RTCRayN* uniform ray = args->ray;
-  uniform unsigned int N = args->N;
-  uniform unsigned int i = 0;  // the gang is the whole packet
-  bool active = args->valid[programIndex] != 0;
-  vec3 o = make_v3(RTCRayN_org_x(ray, N, i), RTCRayN_org_y(ray, N, i), RTCRayN_org_z(ray, N, i));
-  vec3 d = make_v3(RTCRayN_dir_x(ray, N, i), RTCRayN_dir_y(ray, N, i), RTCRayN_dir_z(ray, N, i));
-  float tFar = RTCRayN_tfar(ray, N, i), t = NO_HIT;
-  if (testPrimitive(query, args->geomID, args->primID, active, o, d, tFar, t) && t < tFar) RTCRayN_tfar(ray, N, i) = -infinity();
+  CallbackRay ray = rayOf(args);
+  float t = NO_HIT;
+  if (testPrimitive(query, args->geomID, args->primID, ray, t) && t < ray.tFar) acceptHit(args);
 }
 
 // The callbacks of the instruction set in use.
@@ -95,8 +81,7 @@ export void hitGeometry(const void* uniform scene, void* uniform rays, uniform i
   USE_SCENE(s, scene);
   USE_RAYS(r, rays);
   uniform Query query;
-  rtcInitIntersectContext(&query.context);
-  query.context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+  beginQuery(query.context);
   query.scene = &s;
   uniform float after[programCount];
   query.tAfter = after;
@@ -104,38 +89,21 @@ export void hitGeometry(const void* uniform scene, void* uniform rays, uniform i
     float tOut = min(min(r.tOut[i], r.tEnd[i]), NO_HIT);
     float bound = strictBound(r.tIn[i], r.tLast[i]);
     after[programIndex] = bound;
-    vec3 o = make_v3(r.ox[i], r.oy[i], r.oz[i]);
+    vec3 o = originOf(r, i);
     if (!meetsGeometry(o)) continue;
+    vec3 d = directionOf(r, i);
+    float tNear = max(bound, 0.0f);
     if (anyHit) {
-      RTCRay ray;
-      ray.org_x = o.x; ray.org_y = o.y; ray.org_z = o.z;
-      ray.dir_x = r.dx[i]; ray.dir_y = r.dy[i]; ray.dir_z = r.dz[i];
-      ray.tnear = max(bound, 0.0f);
-      ray.tfar = tOut;
-      ray.time = 0.0f;
-      ray.mask = -1;
-      ray.id = 0;
-      ray.flags = 0;
-      rtcOccludedV((RTCScene)s.hierarchy, &query.context, &ray);
-      if (ray.tfar < 0.0f) r.A[i] = 1.0f;
+      if (findAny(s.hierarchy, query.context, o, d, tNear, tOut)) r.A[i] = 1.0f;
     } else {
-      RTCRayHit q;
-      q.ray.org_x = o.x; q.ray.org_y = o.y; q.ray.org_z = o.z;
-      q.ray.dir_x = r.dx[i]; q.ray.dir_y = r.dy[i]; q.ray.dir_z = r.dz[i];
-      q.ray.tnear = max(bound, 0.0f);
-      q.ray.tfar = tOut;
-      q.ray.time = 0.0f;
-      q.ray.mask = -1;
-      q.ray.id = 0;
-      q.ray.flags = 0;
-      q.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-      q.hit.primID = RTC_INVALID_GEOMETRY_ID;
-      rtcIntersectV((RTCScene)s.hierarchy, &query.context, &q);
-      if (q.hit.geomID != RTC_INVALID_GEOMETRY_ID && q.ray.tfar < tOut) {
-        r.tHit[i] = q.ray.tfar;
+      float t = tOut;
+      unsigned int geometry, primitive;
+      findNearest(s.hierarchy, query.context, o, d, tNear, t, geometry, primitive);
+      if (geometry != NO_GEOMETRY && t < tOut) {
+        r.tHit[i] = t;
         r.hitKind[i] = HIT_GEOMETRY;
-        r.hitOperator[i] = q.hit.geomID;
-        r.hitPrimitive[i] = q.hit.primID;
+        r.hitOperator[i] = geometry;
+        r.hitPrimitive[i] = primitive;
       }
     }
   }

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gxy/vulkan/hierarchy.h"
 
-#include <embree3/rtcore.h>
-
 #include <array>
 #include <bit>
 #include <memory>
@@ -10,6 +8,7 @@
 
 #include "gxy/comm/error.h"
 #include "gxy/comm/parallel_for.h"
+#include "gxy/embree/embree.h"
 #include "gxy/rays/primitive_bounds.h"
 #include "gxy/shaders/layout.h"
 
@@ -88,13 +87,6 @@ std::vector<RTCBuildPrimitive> primitivesOf(const CompiledScene& scene, int part
   return all;
 }
 
-struct ReleaseDevice {
-  void operator()(RTCDevice d) const { rtcReleaseDevice(d); }
-};
-struct ReleaseBvh {
-  void operator()(RTCBVH b) const { rtcReleaseBVH(b); }
-};
-
 }  // namespace
 
 int cornersOf(VisType type) {
@@ -112,9 +104,8 @@ Hierarchy hierarchyOf(const CompiledScene& scene, int partition) {
   Hierarchy hierarchy;
   std::vector<RTCBuildPrimitive> primitives = primitivesOf(scene, partition);
   if (primitives.empty()) return hierarchy;
-  const std::unique_ptr<std::remove_pointer_t<RTCDevice>, ReleaseDevice> device(rtcNewDevice(nullptr));
-  if (!device) throw Error("Embree, which builds the hierarchy over geometry, does not start");
-  const std::unique_ptr<std::remove_pointer_t<RTCBVH>, ReleaseBvh> bvh(rtcNewBVH(device.get()));
+  const embree::Device device;
+  const embree::Bvh bvh(rtcNewBVH(device.get()));
   RTCBuildArguments build = rtcDefaultBuildArguments();
   build.buildQuality = RTC_BUILD_QUALITY_MEDIUM;
   build.maxBranchingFactor = kChildren;
@@ -144,10 +135,9 @@ Hierarchy hierarchyOf(const CompiledScene& scene, int partition) {
     return n;
   };
   auto* root = static_cast<Node*>(rtcBuildBVH(&build));
-  const RTCError error = rtcGetDeviceError(device.get());
-  if (!root || error != RTC_ERROR_NONE)
-    throw Error("building the hierarchy over " + std::to_string(primitives.size()) +
-                " primitives failed (Embree error " + std::to_string(int(error)) + ")");
+  const std::string what = "building the hierarchy over " + std::to_string(primitives.size()) + " primitives";
+  device.expectDone(what);
+  if (!root) throw Error("Embree: " + what + " failed");
   Node above;  // a root has children
   if (root->leaf) {
     above.children = 1;

@@ -92,8 +92,11 @@ Renderer::Renderer(Transport& transport, Options options)
   transport_.onMessage(Channel::Credits, [this](int, const Bytes& m) {
     Reader in(m, "ray credits");
     const auto tenant = in.read<uint32_t>();
-    const auto credits = in.read<int64_t>();
+    const auto credits = in.read<int64_t>();  // less than 0: secondaries beyond what their primaries took
     in.expectEnd();
+    constexpr int64_t kMost = int64_t(1) << 40;  // far beyond those of a packet's rays
+    if (credits < -kMost || credits > kMost)
+      in.fail(std::to_string(credits) + " credits come back, expected at most " + std::to_string(kMost));
     giveBack(transport_.rank(), tenant, credits);
   });
 }

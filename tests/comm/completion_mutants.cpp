@@ -59,6 +59,18 @@ TEST(CompletionRule, CountingChildrenAfterTheirParentRetiresIsCaught) {
   EXPECT_GT(earlySchedules(options), 0);
 }
 
+TEST(CompletionRule, CountingItemsAfterTheyAreSentIsCaught) {
+  TreeOptions options;
+  options.countsBeforeSending = false;
+  EXPECT_GT(earlySchedules(options), 0);
+}
+
+TEST(CompletionRule, RetiringATokenBeforeAllIsSpawnedIsCaught) {
+  TreeOptions options;
+  options.retiresTokenAfterSpawning = false;
+  EXPECT_GT(earlySchedules(options), 0);
+}
+
 TEST(CompletionRule, ABusyRankHoldsTheOneWave) {
   for (uint64_t seed = 0; seed < 200; ++seed) EXPECT_EQ(wavesWhileBusy(seed, {}), 1u) << "seed " << seed;
 }

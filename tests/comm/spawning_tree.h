@@ -25,6 +25,8 @@ class MutantCompletion : public Completion {
 struct TreeOptions {
   MutantCompletion::Rule rule = {};
   bool countsChildrenBeforeParentRetires = true;
+  bool countsBeforeSending = true;
+  bool retiresTokenAfterSpawning = true;
 };
 
 /// What was seen of one schedule.
@@ -86,7 +88,10 @@ class SpawningTree {
     Reader reader(message, "tree");
     const auto set = reader.read<SetId>();
     const auto generation = reader.read<int32_t>();
-    if (generation == start) return spawn(r, set, int(random_.below(4)));
+    if (generation == start) {
+      if (!options_.retiresTokenAfterSpawning) completions_[r]->spawned(set);
+      return spawn(r, set, int(random_.below(4)));
+    }
     auto active = std::make_shared<Completion::Active>(*completions_[r], set);
     if (random_.oneIn(3))
       act(r, set, generation);
@@ -98,7 +103,7 @@ class SpawningTree {
   void spawn(int r, SetId set, int rest) {
     if (rest == 0) {
       --truth_[set].ranksToSpawn;
-      completions_[r]->spawned(set);
+      if (options_.retiresTokenAfterSpawning) completions_[r]->spawned(set);
       return;
     }
     make(r, set, 0);
@@ -106,8 +111,14 @@ class SpawningTree {
   }
 
   void make(int r, SetId set, int32_t generation) {
+    if (!options_.countsBeforeSending) return makeAndCountLater(r, set, generation);
     completions_[r]->created(set, 1);
     sendItem(r, set, generation);
+  }
+
+  void makeAndCountLater(int r, SetId set, int32_t generation) {
+    sendItem(r, set, generation);
+    world_->rank(r).post([this, r, set] { completions_[r]->created(set, 1); });
   }
 
   void sendItem(int r, SetId set, int32_t generation) {
@@ -119,12 +130,10 @@ class SpawningTree {
   void act(int r, SetId set, int32_t generation) {
     const int children = generation < depth ? int(random_.below(4)) - 1 : 0;
     for (int i = 0; i < children; ++i) {
-      if (options_.countsChildrenBeforeParentRetires) {
+      if (options_.countsChildrenBeforeParentRetires)
         make(r, set, generation + 1);
-      } else {
-        sendItem(r, set, generation + 1);
-        world_->rank(r).post([this, r, set] { completions_[r]->created(set, 1); });
-      }
+      else
+        makeAndCountLater(r, set, generation + 1);
     }
     --truth_[set].alive;
     completions_[r]->retired(set, 1);

@@ -189,6 +189,9 @@ TEST(Macrocells, ForeignRecordsAndWrongSizesAreRefused) {
   block.samples.resize(31);
   EXPECT_THROW(completeBlock(block, ScalarType::Float32, 1), Error);
   EXPECT_THROW(completeBlock(block, ScalarType::Float64, 1), Error);
+  block.samples.resize(32);
+  EXPECT_NO_THROW(completeBlock(block, ScalarType::Float32, 1));
+  EXPECT_THROW(completeBlock(block, ScalarType::Float32, 1), Error);  // its samples are in bricks by now
 }
 
 }  // namespace

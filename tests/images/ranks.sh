@@ -1,8 +1,29 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# ranks.sh FOLDER GXYDATA GXYRENDER MPIEXEC...: pictures and depths of the states in states/ are the same bytes on 1, 2,
-# 3, 4 and 8 ranks, with other packets and partitions too.
+# ranks.sh FOLDER GXYDATA GXYRENDER MPIEXEC...: pictures and depths of states/kinds.json, whose data come
+# from files of several formats, are the same bytes on 1, 2, 3, 4 and 8 ranks, with other packets, partitions and threads.
 set -euo pipefail
+
+# Three path lines, with a value along each.
+helices() {
+  awk 'BEGIN {
+    lines = 3; points = 25
+    print "# vtk DataFile Version 3.0\nhelices\nASCII\nDATASET POLYDATA\nPOINTS " lines * points " float"
+    for (l = 0; l < lines; l++)
+      for (i = 0; i < points; i++) {
+        a = 0.4 * i + 2.1 * l
+        printf "%.4f %.4f %.4f\n", 0.8 * cos(a), i / 12 - 1, 0.8 * sin(a)
+      }
+    print "LINES " lines " " lines * (points + 1)
+    for (l = 0; l < lines; l++) {
+      printf "%d", points
+      for (i = 0; i < points; i++) printf " %d", l * points + i
+      print ""
+    }
+    print "POINT_DATA " lines * points "\nSCALARS along float 1\nLOOKUP_TABLE default"
+    for (i = 0; i < lines * points; i++) print (i % points) / points
+  }'
+}
 here=$(cd "$(dirname "$0")" && pwd)
 out=$1 gxydata=$2 gxyrender=$3
 shift 3
@@ -13,25 +34,24 @@ cd "$out"
 "$gxydata" radial -r 27 balls.vti
 "$gxydata" particles -r 400 halos.vtp
 "$gxydata" sphere-mesh ball.vtp
-cp "$here"/states/*.json .
+helices > helices.vtk
+cp "$here"/states/kinds.json .
 
 render() {  # NAME RANKS OPTIONS...
   local name=$1 ranks=$2
   shift 2
-  for state in volume geometry; do
-    "${mpiexec[@]}" -n "$ranks" "$gxyrender" "$state.json" -o "$state-$name" --format raw --depth "$@"
-  done
+  "${mpiexec[@]}" -n "$ranks" "$gxyrender" kinds.json -o "$name" --format raw --depth "$@"
 }
 mpiexec=("$@")
 render reference 1 --partitions 1
 for ranks in 2 3 4 8; do render "on$ranks" "$ranks"; done
-render packets 3 --partitions 3,2,3 --packet 16
+render packets 3 --partitions 3,2,3 --packet 16 --threads 2
 
 compared=0
-for expected in *-reference_*; do
+for expected in reference_*; do
   for name in on2 on3 on4 on8 packets; do
     cmp "$expected" "${expected/reference/$name}"
     compared=$((compared + 1))
   done
 done
-((compared == 30)) || { echo "compared $compared pairs of files, expected 30" >&2; exit 1; }
+((compared == 40)) || { echo "compared $compared pairs of files, expected 40" >&2; exit 1; }

@@ -211,6 +211,7 @@ TEST(Field, ScaleShiftAndMagnitudeGiveTrueValues) {
   const std::vector<int16_t> stored(16, 1);  // true value 3 in both components
   block.samples.resize(32);
   std::memcpy(block.samples.data(), stored.data(), 32);
+  putIntoBricks(block.samples, block.extent.points, 4);
   EXPECT_DOUBLE_EQ(Field(volume, 1).sample(0, 0, 0), 3);
   EXPECT_DOUBLE_EQ(Field(volume, std::nullopt).sample(0, 0, 0), std::sqrt(18.0));
   EXPECT_THROW(Field(volume, 2), Error);

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cstring>
+#include <limits>
 
 #include "gxy/comm/random.h"
 #include "gxy/comm/wire.h"
@@ -99,8 +100,7 @@ TEST(Malformed, MessagesAreRefusedAndHarmNothing) {
     frames.add(1, compiled);
     frames.start(request);
     for (int i = 0; i < 40; i++) {
-      for (Channel channel : {Channel::Rays, Channel::Contributions, Channel::Frame}) {
-        const auto& list = messages.at(channel);
+      for (const auto& [channel, list] : messages) {
         Bytes message = mutated(list[random.below(list.size())], random);
         if (channel == Channel::Frame &&
             message.size() >= 9) {  // not the running frame's: it would end early
@@ -174,6 +174,24 @@ TEST(Malformed, RaysThatWouldIndexOutsideAreRefused) {
     }
     ASSERT_EQ(frames.errors().size(), 1u) << c.expected;
     EXPECT_NE(frames.errors()[0].find(c.expected), std::string::npos) << frames.errors()[0];
+  }
+}
+
+// Their sum stays a number.
+TEST(Malformed, CreditsThatNoRaysHaveTakenAreRefused) {
+  const TestScene s = scene();
+  const Cut cut = lattice(s.domain, {2, 1, 1}, 2);
+  for (int64_t credits : {std::numeric_limits<int64_t>::min(), std::numeric_limits<int64_t>::max()}) {
+    Frames frames(2, {});
+    frames.add(1, compiledOn(cut, s));
+    frames.world().rank(1).send(0, Channel::Credits, Writer().write(uint32_t(0)).write(credits).take());
+    frames.run();
+    ASSERT_EQ(frames.errors().size(), 1u);
+    EXPECT_NE(frames.errors()[0].find("credits come back"), std::string::npos) << frames.errors()[0];
+    EXPECT_EQ(frames.renderer(0).kept().credits, 0);
+    const FrameId id = frames.start(requestOf(s));
+    frames.run();
+    EXPECT_EQ(frames.outcome(id).pictures, 1);
   }
 }
 

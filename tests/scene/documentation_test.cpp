@@ -27,7 +27,7 @@ TEST(Documentation, StateFileReferenceIsTheSchema) {
 
 TEST(Documentation, ExamplesLoadWithoutWarnings) {
   int examples = 0;
-  for (const auto& entry : std::filesystem::directory_iterator(kDocs / "examples")) {
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(kDocs / "examples")) {
     if (entry.path().extension() != ".json") continue;
     const StateFile file = readStateFile(entry.path());
     EXPECT_TRUE(file.warnings.empty()) << file.warnings.front();
@@ -36,7 +36,20 @@ TEST(Documentation, ExamplesLoadWithoutWarnings) {
     EXPECT_TRUE(readState(writeState(file.state), "saved").state == file.state) << entry.path();
     ++examples;
   }
-  EXPECT_GE(examples, 2);
+  EXPECT_GE(examples, 13);
+}
+
+TEST(Documentation, ExamplesAreListedWithTheirData) {
+  const std::string list = contentOf(kDocs / "examples" / "README.md");
+  for (const auto& entry : std::filesystem::directory_iterator(kDocs / "examples")) {
+    const std::string name = entry.path().filename();
+    if (entry.path().extension() != ".json") continue;
+    EXPECT_NE(list.find("[" + name + "](" + name + ")"), std::string::npos) << name;
+    for (const DatasetSpec& data : readStateFile(entry.path()).state.datasets) {
+      const std::string stem = std::filesystem::path(data.filename).stem();
+      EXPECT_NE(list.find(stem), std::string::npos) << name << ": " << stem;
+    }
+  }
 }
 
 TEST(Documentation, JsonInTheReferenceLoadsWithoutWarnings) {

@@ -8,7 +8,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "gxy/data/volume.h"
+#include "gxy/data/bricks.h"
 #include "support/temporary_folder.h"
 
 namespace gxy {
@@ -62,7 +62,7 @@ class ComponentsShown : public ::testing::Test {
   }
 
   static int64_t bytesOf(int64_t components) {
-    return kPoints * 4 * components +
+    return int64_t(Bricks({kSide, kSide, kSide}).count()) * 4 * components +
            kMacrocells * (components > 1 ? components + 1 : 1) * int64_t(sizeof(Macrocell));
   }
 

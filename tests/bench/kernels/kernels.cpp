@@ -9,6 +9,7 @@
 #include "accuracy/field.h"
 #include "gxy/rays/ray_list.h"
 #include "gxy/render/framebuffer.h"
+#include "gxy/space/large_vector.h"
 #include "kernels_ispc.h"
 
 namespace gxy::test {
@@ -18,12 +19,22 @@ constexpr int kRays = 64;        // a side of the grid of rays
 constexpr int kPrimitives = 64;  // of a leaf
 constexpr int kSide = 192;       // points of the volume
 
+Shown shown(const Field& field, const std::vector<OpacityPoint>& points, float isovalue) {
+  Shown s;
+  const ColorMap colors{{{0, {0, 0, 1}}, {0.5, {1, 1, 1}}, {1, {1, 0, 0}}}};
+  const OpacityMap opacity{false, points};
+  s.map = CompiledMap(colors, &opacity, {0, 1, 1, field.shortestCell()});
+  s.plan = stepPlan(field.macrocells(), s.map, field.shortestCell(), 1.0 / 512, 0);
+  s.isovalues = {isovalue};
+  return s;
+}
+
 /// A turbulent volume under a ramp, or under eight narrow peaks, with isovalue 0.5 or one that no sample
 /// reaches.
 struct Volumes {
   Field field = cube(kSide, turbulence);
-  Shown ramp = shown({{0, 0}, {0.3, 0}, {1, 0.06}}, 0.5f);
-  Shown peaks = shown(peakPoints(), 9);
+  Shown ramp = shown(field, {{0, 0}, {0.3, 0}, {1, 0.06}}, 0.5f);
+  Shown peaks = shown(field, peakPoints(), 9);
   View<float> rampView{field, ramp}, peaksView{field, peaks};
 
   static const Volumes& get() {
@@ -39,27 +50,18 @@ struct Volumes {
         points.push_back({0.1 + 0.1 * i + 0.01 * part, part == 1 ? 0.4 : 0});
     return points;
   }
-  Shown shown(const std::vector<OpacityPoint>& points, float isovalue) const {
-    Shown s;
-    const ColorMap colors{{{0, {0, 0, 1}}, {0.5, {1, 1, 1}}, {1, {1, 0, 0}}}};
-    const OpacityMap opacity{false, points};
-    s.map = CompiledMap(colors, &opacity, {0, 1, 1, field.shortestCell()});
-    s.plan = stepPlan(field.macrocells(), s.map, field.shortestCell(), 1.0 / 512, 0);
-    s.isovalues = {isovalue};
-    return s;
-  }
 };
 
-/// Parallel rays through the unit box around 0, in tiles of 4 x 4 so that a gang is coherent.
-std::vector<float> raysAlong(glm::dvec3 direction) {
+/// side^2 parallel rays through the unit box around 0, in tiles of 4 x 4 so that a gang is coherent.
+std::vector<float> raysAlong(glm::dvec3 direction, int side = kRays, double apart = 1.0 / kRays) {
   const glm::dvec3 d = glm::normalize(direction);
   const glm::dvec3 u =
       glm::normalize(glm::cross(d, std::abs(d.z) < 0.9 ? glm::dvec3(0, 0, 1) : glm::dvec3(0, 1, 0)));
   const glm::dvec3 w = glm::cross(d, u);
   std::vector<float> rays;
-  for (int i = 0; i < kRays * kRays; i++) {
-    const int tile = i / 16, x = 4 * (tile % (kRays / 4)) + i % 4, y = 4 * (tile / (kRays / 4)) + i / 4 % 4;
-    const glm::dvec3 o = (x + 0.5 - kRays / 2) / kRays * u + (y + 0.5 - kRays / 2) / kRays * w - 1.5 * d;
+  for (int i = 0; i < side * side; i++) {
+    const int tile = i / 16, x = 4 * (tile % (side / 4)) + i % 4, y = 4 * (tile / (side / 4)) + i / 4 % 4;
+    const glm::dvec3 o = (x + 0.5 - side / 2) * apart * u + (y + 0.5 - side / 2) * apart * w - 1.5 * d;
     for (const glm::dvec3& v : {o, d})
       for (int a = 0; a < 3; a++) rays.push_back(float(v[a]));
   }
@@ -72,12 +74,15 @@ const glm::dvec3 kDirections[] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {-1, 0, 0},
 void eachDirection(benchmark::internal::Benchmark* b) {
   for (size_t i = 0; i < std::size(kDirections); i++) b->Arg(int64_t(i));
 }
-std::vector<float> raysOf(benchmark::State& state) {
+std::string labelOf(const benchmark::State& state) {
   const glm::dvec3 d = kDirections[state.range(0)];
   char label[64];
   std::snprintf(label, sizeof label, "along %g %g %g", d.x, d.y, d.z);
-  state.SetLabel(label);
-  return raysAlong(d);
+  return label;
+}
+std::vector<float> raysOf(benchmark::State& state) {
+  state.SetLabel(labelOf(state));
+  return raysAlong(kDirections[state.range(0)]);
 }
 
 std::vector<float> results() { return std::vector<float>(kRays * kRays); }
@@ -91,6 +96,28 @@ void TrilinearSamples(benchmark::State& state) {
   state.SetItemsProcessed(state.iterations() * kRays * kRays * steps);
 }
 BENCHMARK(TrilinearSamples)->Apply(eachDirection);
+
+/// Rays half a cell apart through the middle of a volume whose points lie in memory in one order or another.
+void SamplesByLayout(benchmark::State& state) {
+  constexpr int steps = 384, points = 384, mortonPoints = 512, side = 256;
+  static const Field field = cube(points, [](glm::dvec3 p) { return p.x + p.y * p.z; });
+  static const Shown transparent = shown(field, {{0, 0}, {1, 0}}, 9);
+  static const View<float> view{field, transparent};
+  static int arrangedAs = -1;
+  static LargeVector<float> arranged(size_t(mortonPoints) * mortonPoints * mortonPoints);
+  const char* names[] = {"row by row", "bricks of 2", "bricks of 4", "bricks of 8", "Morton"};
+  const int layout = int(state.range(1));
+  state.SetLabel(names[layout] + (", " + labelOf(state)));
+  if (layout != arrangedAs) ispc::arrangePoints(points, layout, arranged.data());
+  arrangedAs = layout;
+  const auto rays = raysAlong(kDirections[state.range(0)], side, 0.5 / points);
+  std::vector<float> out(side * side);
+  for (auto _ : state)
+    ispc::sampleArranged(&*view, arranged.data(), points, layout, rays.data(), side * side, steps,
+                         out.data());
+  state.SetItemsProcessed(state.iterations() * side * side * steps);
+}
+BENCHMARK(SamplesByLayout)->ArgsProduct({{0, 1, 2, 4, 6, 7}, {0, 1, 2, 3, 4}});
 
 /// Isovalue 0.5; the cells are those whose corners are looked at.
 void IsosurfaceCells(benchmark::State& state) {

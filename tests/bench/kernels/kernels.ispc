@@ -26,6 +26,53 @@ export void sampleRays(const void* uniform volume, const uniform float rays[], u
   }
 }
 
+// What a point's index on one axis (0: x) adds to its place in memory. `layout` 0: row by row; 1, 2, 3: in bricks of 2, 4,
+// 8 points a side; else in Morton order, for sides of at most 1024 points.
+static inline int placeAlong(uniform int layout, uniform int side, uniform int axis, int i) {
+  if (layout == 0) return axis == 0 ? i : axis == 1 ? i * side : i * (side * side);
+  if (layout <= 3) {
+    uniform int bricks = (side + (1 << layout) - 1) >> layout;
+    uniform int stride = axis == 0 ? 1 : axis == 1 ? bricks : bricks * bricks;
+    return (((i >> layout) * stride) << (3 * layout)) | ((i & ((1 << layout) - 1)) << (axis * layout));
+  }
+  int x = i;
+  x = (x | (x << 16)) & 0x030000ff;
+  x = (x | (x << 8)) & 0x0300f00f;
+  x = (x | (x << 4)) & 0x030c30c3;
+  x = (x | (x << 2)) & 0x09249249;
+  return x << axis;
+}
+
+// Values for side^3 points, each in its place.
+export void arrangePoints(uniform int side, uniform int layout, uniform float out[]) {
+  for (uniform int z = 0; z < side; z++)
+    for (uniform int y = 0; y < side; y++)
+      foreach (x = 0 ... side)
+        out[placeAlong(layout, side, 0, x) + placeAlong(layout, side, 1, y) + placeAlong(layout, side, 2, z)] =
+            (float)(x ^ y ^ z);
+}
+
+// sampleRays of a volume whose points are arranged so.
+export void sampleArranged(const void* uniform volume, const uniform float points[], uniform int side,
+                           uniform int layout, const uniform float rays[], uniform int n, uniform int steps, uniform float out[]) {
+  USE_VOLUME(v, volume);
+  foreach (i = 0 ... n) {
+    VolumeRay r = rayOf(v, rays, i);
+    float sum = 0.0f, dt = (r.t1 - r.t0) / steps;
+    for (uniform int k = 0; k < steps; k++) {
+      vec3 p = pointAt(r.g, r.t0 + (k + 0.5f) * dt);
+      ivec3 c = cellAt(v, p);
+      int x0 = placeAlong(layout, side, 0, c.x), x1 = placeAlong(layout, side, 0, c.x + 1);
+      int y0 = placeAlong(layout, side, 1, c.y), y1 = placeAlong(layout, side, 1, c.y + 1);
+      int z0 = placeAlong(layout, side, 2, c.z), z1 = placeAlong(layout, side, 2, c.z + 1);
+      Corners corners = {points[x0 + y0 + z0], points[x1 + y0 + z0], points[x0 + y1 + z0], points[x1 + y1 + z0],
+                         points[x0 + y0 + z1], points[x1 + y0 + z1], points[x0 + y1 + z1], points[x1 + y1 + z1]};
+      sum += valueIn(corners, fractionOf(c, p));
+    }
+    out[i] = sum;
+  }
+}
+
 // The walk that looks for isosurfaces; returns the number of cells.
 export uniform int64 findIsosurface(const void* uniform volume, const uniform float rays[], uniform int n,
                                     uniform float out[]) {
