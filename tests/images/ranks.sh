@@ -1,11 +1,11 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# ranks.sh FOLDER GXYDATA GXYRENDER MPIEXEC...: pictures and depths of the states in states/ are the same bytes on 1, 2,
-# 3, 4 and 8 ranks, with other packets and partitions too.
+# ranks.sh BACKEND FOLDER GXYDATA GXYRENDER MPIEXEC...: pictures and depths of the states in states/ are the same bytes as
+# Embree's on one rank, on 2, 3, 4 and 8 ranks (vulkan: 2 and 4), with other packets and partitions too.
 set -euo pipefail
 here=$(cd "$(dirname "$0")" && pwd)
-out=$1 gxydata=$2 gxyrender=$3
-shift 3
+backend=$1 out=$2 gxydata=$3 gxyrender=$4
+shift 4
 rm -rf "$out"
 mkdir -p "$out"
 cd "$out"
@@ -23,15 +23,17 @@ render() {  # NAME RANKS OPTIONS...
   done
 }
 mpiexec=("$@")
-render reference 1 --partitions 1
-for ranks in 2 3 4 8; do render "on$ranks" "$ranks"; done
-render packets 3 --partitions 3,2,3 --packet 16
+render reference 1 --partitions 1 --backend embree
+case $backend in vulkan) counts=(2 4) ;; *) counts=(2 3 4 8) ;; esac
+for ranks in "${counts[@]}"; do render "on$ranks" "$ranks" --backend "$backend"; done
+render packets 3 --partitions 3,2,3 --packet 16 --backend "$backend"
 
 compared=0
 for expected in *-reference_*; do
-  for name in on2 on3 on4 on8 packets; do
+  for name in "${counts[@]/#/on}" packets; do
     cmp "$expected" "${expected/reference/$name}"
     compared=$((compared + 1))
   done
 done
-((compared == 30)) || { echo "compared $compared pairs of files, expected 30" >&2; exit 1; }
+expected=$((6 * (${#counts[@]} + 1)))
+((compared == expected)) || { echo "compared $compared pairs of files, expected $expected" >&2; exit 1; }

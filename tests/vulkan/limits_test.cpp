@@ -125,7 +125,7 @@ TEST(LostDevice, EndsItsFramesWithAnErrorAndNoOthers) {
   const test::TestScene scene = test::everything({12, 10});
   const test::Cut cut = test::kdCut(scene.domain, 4, 2, 5);
   const auto embree = makeEmbreeBackend();
-  const Picture expected = test::render(scene, test::whole(scene.domain));
+  const Picture expected = test::wholeOnEmbree(scene);
   for (const auto& [submissions, inWaits] : {std::pair{1, false}, {4, false}, {1, true}, {4, true}}) {
     const auto lost = makeVulkanBackend(lostAfter(uint64_t(submissions), inWaits));
     const auto broken =

@@ -132,9 +132,7 @@ TEST(DeviceMemory, MayBeOutOfTheHostsSight) {
   const test::TestScene scene = test::everything({24, 20});
   const test::Cut cut = test::kdCut(scene.domain, 4, 2, 5);
   const auto onIt = test::compiledOn(cut, scene, [&](int) -> const Backend& { return *backend; });
-  EXPECT_EQ(
-      test::difference(test::render(scene, test::whole(scene.domain)), test::render(scene, cut.ranks, onIt)),
-      "");
+  EXPECT_EQ(test::difference(test::wholeOnEmbree(scene), test::render(scene, cut.ranks, onIt)), "");
   EXPECT_EQ(validationMessages(*backend), std::vector<std::string>());
 }
 
