@@ -9,7 +9,7 @@
 #include "field_dialect.h"
 #include "gxy/shaders/layout.h"
 #include "gxy/vulkan/scene_upload.h"
-#include "vulkan/software_device.h"
+#include "vulkan/test_device.h"
 #include "vulkan/test_shader.h"
 
 namespace gxy::test {
@@ -48,7 +48,7 @@ CompiledScene sceneOf(const Field& f, const Shown& shown) {
 /// The probes' shader by what it is compiled for, which takes long.
 class Gpu {
  public:
-  const vulkan::Device device{vulkan_test::softwareDevice()};
+  const vulkan::Device device{vulkan_test::testDevice()};
   const vulkan::Pipelines pipelines{device};
 
   const vulkan_test::TestShader& shader(const vulkan::Special& special) {

@@ -4,12 +4,12 @@
 #include <gtest/gtest.h>
 
 #include "support/difference.h"
-#include "vulkan/software_device.h"
+#include "vulkan/test_device.h"
 
 namespace gxy::agreement {
 
 void expectVulkanDrawsTheSame(const Picture& first, const TestScene& scene, uint32_t frameNumber) {
-  EXPECT_EQ(test::difference(first, draw(vulkan_test::softwareVulkan(), scene, frameNumber)), "")
+  EXPECT_EQ(test::difference(first, draw(vulkan_test::testedVulkan(), scene, frameNumber)), "")
       << scene.name << ": Vulkan draws other pixels than Embree";
   for (const std::string& message : vulkan_test::newMessages())
     ADD_FAILURE() << scene.name << ": " << message;

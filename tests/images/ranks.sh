@@ -1,11 +1,12 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# ranks.sh BACKEND FOLDER GXYDATA GXYRENDER MPIEXEC...: pictures and depths of the states in states/ are the same bytes as
+# ranks.sh BACKEND DEVICE FOLDER GXYDATA GXYRENDER MPIEXEC...: pictures and depths of the states in states/ are the same bytes as
 # Embree's on one rank, on 2, 3, 4 and 8 ranks (vulkan: 2 and 4), with other packets and partitions too.
 set -euo pipefail
 here=$(cd "$(dirname "$0")" && pwd)
-backend=$1 out=$2 gxydata=$3 gxyrender=$4
-shift 4
+backend=$1 device=$2 out=$3 gxydata=$4 gxyrender=$5  # DEVICE: empty where the backend has none to choose from
+shift 5
+options=(--backend "$backend" ${device:+--device "$device"})
 rm -rf "$out"
 mkdir -p "$out"
 cd "$out"
@@ -25,8 +26,8 @@ render() {  # NAME RANKS OPTIONS...
 mpiexec=("$@")
 render reference 1 --partitions 1 --backend embree
 case $backend in vulkan) counts=(2 4) ;; *) counts=(2 3 4 8) ;; esac
-for ranks in "${counts[@]}"; do render "on$ranks" "$ranks" --backend "$backend"; done
-render packets 3 --partitions 3,2,3 --packet 16 --backend "$backend"
+for ranks in "${counts[@]}"; do render "on$ranks" "$ranks" "${options[@]}"; done
+render packets 3 --partitions 3,2,3 --packet 16 "${options[@]}"
 
 compared=0
 for expected in *-reference_*; do

@@ -7,7 +7,7 @@
 #include "dialect.h"
 #include "dialect_probe.h"
 #include "gxy/shaders/layout.h"
-#include "vulkan/software_device.h"
+#include "vulkan/test_device.h"
 #include "vulkan/test_shader.h"
 
 namespace gxy {
@@ -18,7 +18,7 @@ using namespace vulkan;
 constexpr int kProbes = 32;
 
 std::vector<float> probesInGlsl() {
-  const Device device(vulkan_test::softwareDevice());
+  const Device device(vulkan_test::testDevice());
   const Pipelines pipelines(device);
   std::vector<float> results(size_t(kProbes) * kProbeInputs);
   const Buffer out(device, results.size() * sizeof(float), Place::Readback, "probes");

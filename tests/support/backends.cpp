@@ -8,7 +8,7 @@
 #include "gxy/comm/error.h"
 #include "gxy/embree/embree_backend.h"
 #ifdef GALAXY_VULKAN
-#include "vulkan/software_device.h"
+#include "vulkan/test_device.h"
 #endif
 
 namespace gxy::test {
@@ -33,7 +33,7 @@ const Backend& embree() {
 const Backend& testedBackend() {
   if (!onVulkan()) return embree();
 #ifdef GALAXY_VULKAN
-  return vulkan_test::softwareVulkan();
+  return vulkan_test::testedVulkan();
 #else
   throw Error("this test was built without Vulkan");
 #endif

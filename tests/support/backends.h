@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The backend that a test program's frames are rendered on: Embree, or with `--backend=vulkan` the Vulkan backend, on the
-// software device and under the validation layers (core and synchronization).
+// The backend that a test program's frames are rendered on: Embree, or with `--backend=vulkan` the Vulkan
+// backend, on the tests' device (vulkan/test_device.h) and under the validation layers.
 #pragma once
 #include <glm/vec2.hpp>
 #include <string>
@@ -14,7 +14,8 @@ namespace gxy::test {
 const Backend& embree();
 const Backend& testedBackend();
 
-/// A size of pictures of which a test makes many: `size` on Embree, less on the software device, which takes far longer.
+/// A size of pictures of which a test makes many: `size` on Embree, less on Vulkan, whose software device
+/// takes far longer.
 glm::ivec2 affordable(glm::ivec2 size);
 
 /// What the validation layers have said of testedBackend() since the last call; of Embree nothing.

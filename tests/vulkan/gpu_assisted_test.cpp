@@ -3,13 +3,13 @@
 #include <gtest/gtest.h>
 
 #include "support/frames.h"
-#include "vulkan/software_device.h"
+#include "vulkan/test_device.h"
 
 namespace gxy::vulkan_test {
 namespace {
 
 std::unique_ptr<Backend> checkedBackend(uint64_t bindingBytes = 0) {
-  VulkanOptions options = softwareDevice();
+  VulkanOptions options = testDevice();
   options.validation = VulkanOptions::Validation::GpuAssisted;
   options.bindingBytes = bindingBytes;
   return makeVulkanBackend(options);

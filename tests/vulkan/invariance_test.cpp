@@ -5,13 +5,13 @@
 
 #include "support/backends.h"
 #include "support/frames.h"
-#include "vulkan/software_device.h"
+#include "vulkan/test_device.h"
 
 namespace gxy::test {
 namespace {
 
 using vulkan_test::newMessages;
-using vulkan_test::softwareVulkan;
+using vulkan_test::testedVulkan;
 
 class VulkanInvariance : public testing::TestWithParam<TestScene> {
  protected:
@@ -25,13 +25,13 @@ class VulkanInvariance : public testing::TestWithParam<TestScene> {
 };
 
 TEST_P(VulkanInvariance, OfBackendsThatRanksUseTogether) {
-  const auto mixed = [&](int rank) -> const Backend& { return rank % 2 ? softwareVulkan() : embree(); };
+  const auto mixed = [&](int rank) -> const Backend& { return rank % 2 ? testedVulkan() : embree(); };
   EXPECT_EQ(differenceOn(lattice(scene_.domain, {2, 2, 1}, 4), mixed), "");
 }
 
 TEST_P(VulkanInvariance, OfDataThatNoBindingHolds) {
   static const std::unique_ptr<Backend> addressed = [] {
-    VulkanOptions options = vulkan_test::softwareDevice();
+    VulkanOptions options = vulkan_test::testDevice();
     options.bindingBytes = 64;
     return makeVulkanBackend(options);
   }();
