@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// One text, the same bits: the kernels that read volumes, in C++ against the three ISPC targets.
+// One text, the same bits: the kernels that read volumes, in C++ against the three ISPC targets and GLSL.
 #include <gtest/gtest.h>
 
 #include <bit>
 #include <string_view>
 
 #include "maps.h"
+#ifdef GALAXY_VULKAN
+#include "field_dialect_glsl.h"
+#endif
 
 #define FN inline
 #define R(x) real(x)
@@ -59,17 +62,26 @@ int differences(const Field& f, const Shown& shown, double lo, double hi, uint64
       varied += x != expected[size_t(p) * kRays];
     }
   int different = 0;
-  for (const Target& target : targets()) {
-    target.probe(&*view, kRays, rays.data(), got.data());
+  const auto compare = [&](const char* target) {
     for (size_t i = 0; i < got.size(); i++) {
       const bool same = std::bit_cast<uint32_t>(got[i]) == std::bit_cast<uint32_t>(expected[i]) ||
                         (std::isnan(got[i]) && std::isnan(expected[i]));
       if (same) continue;
       if (different++ < 3)
-        ADD_FAILURE() << target.name << " probe " << i / kRays << " ray " << i % kRays << ": " << got[i]
+        ADD_FAILURE() << target << " probe " << i / kRays << " ray " << i % kRays << ": " << got[i]
                       << ", in C++ " << expected[i];
     }
+  };
+  for (const Target& target : targets()) {
+    target.probe(&*view, kRays, rays.data(), got.data());
+    compare(target.name);
   }
+#ifdef GALAXY_VULKAN
+  if (f.components == 1 || f.stored == ScalarType::UInt8) {  // a software device compiles those for a minute
+    got = fieldProbesInGlsl(f, shown, rays, FIELD_PROBES);
+    compare("GLSL");
+  }
+#endif
   return different;
 }
 

@@ -8,6 +8,7 @@
 #include <limits>
 #include <sstream>
 
+#include "backend.h"
 #include "gxy/io/image.h"
 #include "gxyrender/reference_scene.h"
 #include "same_bits.h"
@@ -104,12 +105,18 @@ reference::AoDirections backendDirections(const TestScene& scene, uint32_t frame
   return occlusionDirections(scene.visualization.lighting.aoCount, scene.camera.dimensions.x, frameNumber);
 }
 
-Comparison compare(const Backend& backend, const TestScene& scene, const CompareOptions& options) {
-  const Picture mine = draw(backend, scene, options.frameNumber);
+Picture drawnByBoth(const TestScene& scene, uint32_t frameNumber) {
+  Picture picture = draw(embree(), scene, frameNumber);
 #ifdef GALAXY_VULKAN
-  if (options.vulkan && backend.name() == "embree")
-    expectVulkanDrawsTheSame(mine, scene, options.frameNumber);
+  expectVulkanDrawsTheSame(picture, scene, frameNumber);
 #endif
+  return picture;
+}
+
+Comparison compare(const Backend& backend, const TestScene& scene, const CompareOptions& options) {
+  const bool both = options.vulkan && backend.name() == "embree";
+  const Picture mine =
+      both ? drawnByBoth(scene, options.frameNumber) : draw(backend, scene, options.frameNumber);
   ReferenceOptions how;
   how.tolerance = 1e-5;
   if (scene.visualization.lighting.aoCount > 0) how.aoHook = backendDirections(scene, options.frameNumber);

@@ -26,8 +26,12 @@ struct CompareOptions {
   bool vulkan = true;  ///< whether the second backend draws it, too
 };
 
+/// Embree's picture, which the Vulkan backend, where it is built, is expected to draw to the bit
+/// (same_bits.h).
+Picture drawnByBoth(const TestScene& scene, uint32_t frameNumber = 0);
+
 /// Renders with both, ambient occlusion with the backend's own directions; and where the backend is the first one, with
-/// the second, too, if options ask for it (same_bits.h).
+/// the second, too, if options ask for it (drawnByBoth).
 ///
 /// A pixel that differs by more than the tolerance is a flip where the reference itself changes under perturbation (of
 /// its rays, and of isovalues by as many ulps of the largest sample, which the value along a ray may be off by), and the

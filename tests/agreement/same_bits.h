@@ -5,9 +5,9 @@
 
 namespace gxy::agreement {
 
-/// Expects the Vulkan backend, on a software device and under the validation layers (core and synchronization), to draw the
-/// scene as the first backend has, depths included, and the layers to have said nothing. Writes both pictures and their
-/// difference (times 8) as NAME_{embree,vulkan,vulkan_difference}.png into the test's temporary folder where they differ.
+/// Expects the Vulkan backend, on the tests' device and under the validation layers (core and
+/// synchronization), to draw the scene as the first backend has, depths included, and the layers to have said
+/// nothing. Where they differ, support/difference.h says where the pictures are.
 void expectVulkanDrawsTheSame(const Picture& first, const TestScene& scene, uint32_t frameNumber = 0);
 
 }  // namespace gxy::agreement

@@ -30,23 +30,23 @@ TestScene mixed(const std::string& name, int size = 40) {
 }
 
 void expectFinite(const TestScene& scene) {
-  const Picture picture = draw(embree(), scene);
+  const Picture picture = drawnByBoth(scene);
   for (float x : picture.rgba) ASSERT_TRUE(std::isfinite(x)) << scene.name;
   for (double x : picture.depth) ASSERT_GE(x, 0) << scene.name;
 }
 
 TEST(Stress, PowersOfTwoOfScaleLeaveEveryBit) {
   const TestScene scene = mixed("scaled");
-  const Picture one = draw(embree(), scene);
+  const Picture one = drawnByBoth(scene);
   for (double factor : {0x1p-100, 0x1p100, 0.5, 0x1p20})
-    EXPECT_EQ(draw(embree(), moved(scene, factor, glm::dvec3(0))).rgba, one.rgba) << factor;
+    EXPECT_EQ(drawnByBoth(moved(scene, factor, glm::dvec3(0))).rgba, one.rgba) << factor;
 }
 
 TEST(Stress, AnyScaleLeavesThePicture) {
   const TestScene scene = mixed("scaled");
-  const Picture one = draw(embree(), scene);
+  const Picture one = drawnByBoth(scene);
   for (double factor : {1e-30, 1e30, 1e-3, 1e7}) {
-    const Picture other = draw(embree(), moved(scene, factor, glm::dvec3(0)));
+    const Picture other = drawnByBoth(moved(scene, factor, glm::dvec3(0)));
     int differ = 0;
     for (size_t i = 0; i < one.rgba.size(); i += 4)
       for (int c = 0; c < 3; c++)
@@ -183,7 +183,7 @@ TEST(Stress, UnsortedMapPointsAreThoseSorted) {
   scene.add(readState(writeState(state), "unsorted").state.visualizations[0].operators[0], wavy());
   TestScene other = sceneFrom("sorted", {2.1, 1.4, 3.3}, 24, 24);
   other.add(sorted.operators[0], wavy());
-  EXPECT_EQ(draw(embree(), scene).rgba, draw(embree(), other).rgba);
+  EXPECT_EQ(drawnByBoth(scene).rgba, drawnByBoth(other).rgba);
   expectAgreement(embree(), scene);
 }
 
@@ -307,7 +307,7 @@ TEST(Stress, AMillionCoincidentParticles) {
   Vis vis = surfaces(VisType::Particles);
   vis.radius0 = 2;
   scene.add(vis, makeGeometry(GeometryKind::Particles, balls));
-  const Picture picture = draw(embree(), scene);
+  const Picture picture = drawnByBoth(scene);
   for (size_t i = 3; i < picture.rgba.size(); i += 4) EXPECT_EQ(picture.rgba[i], 1);
   for (double depth : picture.depth) EXPECT_NEAR(depth, 4 - 0.3 - 2, 0.2);
 }

@@ -1,11 +1,12 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# failures.sh FOLDER GXYDATA GXYRENDER MPIEXEC...: what gxyrender leaves behind when it cannot write, when a rank is
-# killed, and when it is interrupted: an exit status that says so, one message, and no part of a picture under a
+# failures.sh BACKEND DEVICE FOLDER GXYDATA GXYRENDER MPIEXEC...: what gxyrender leaves behind when it cannot write, when a
+# rank is killed, and when it is interrupted: an exit status that says so, one message, and no part of a picture under a
 # picture's name.
 set -uo pipefail
-out=$1 gxydata=$2 gxyrender=$3
-shift 3
+backend=$1 device=$2 out=$3 gxydata=$4 gxyrender=$5  # DEVICE: empty where the backend has none to choose from
+shift 5
+options=(--backend "$backend" ${device:+--device "$device"})
 mpiexec=("$@")
 rm -rf "$out"
 mkdir -p "$out"
@@ -28,7 +29,7 @@ state 5000 >many.json
 cannot_write() {  # FILE OPTIONS...
   local file=$1 status said
   shift
-  said=$(timeout 60 "${mpiexec[@]}" -n 2 "$gxyrender" one.json -q "$@" 2>&1)
+  said=$(timeout 150 "${mpiexec[@]}" -n 2 "$gxyrender" one.json -q "${options[@]}" "$@" 2>&1)
   status=$?
   ((status == 1)) || failed "$file: status $status, expected 1"
   [[ $(grep -c 'gxyrender: error:' <<<"$said") == 1 && $said == *"error: "*"$file: "* ]] ||
@@ -51,7 +52,7 @@ runs() { grep -qs '^State:[[:space:]]*[^ZX[:space:]]' "/proc/$1/status"; }  # an
 # Stopped after its first pictures, it ends at once, with a status that is not 0; every picture there is is whole.
 stopped_by() {  # NAME COMMAND: the command gets the process ids of mpiexec and of the ranks
   local name=$1 stop=$2 status pictures=0 ranks
-  "${mpiexec[@]}" -n 3 "$gxyrender" many.json -q -o "$name" --format raw --concurrent 4 >"$name.log" 2>&1 &
+  "${mpiexec[@]}" -n 3 "$gxyrender" many.json -q "${options[@]}" -o "$name" --format raw --concurrent 4 >"$name.log" 2>&1 &
   local job=$!
   for ((i = 0; i < 600; i++)); do
     [[ ! -e ${name}_00005.raw ]] && runs "$job" || break

@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# ranks.sh FOLDER GXYDATA GXYRENDER MPIEXEC...: pictures and depths of states/kinds.json, whose data come
-# from files of several formats, are the same bytes on 1, 2, 3, 4 and 8 ranks, with other packets, partitions and threads.
+# ranks.sh BACKEND DEVICE FOLDER GXYDATA GXYRENDER MPIEXEC...: pictures and depths of states/kinds.json, whose data come
+# from files of several formats, are the same bytes as Embree's on one rank, on 2, 3, 4 and 8 ranks (vulkan: 2 and 4), with
+# other packets, partitions and threads.
 set -euo pipefail
 
 # Three path lines, with a value along each.
@@ -25,8 +26,9 @@ helices() {
   }'
 }
 here=$(cd "$(dirname "$0")" && pwd)
-out=$1 gxydata=$2 gxyrender=$3
-shift 3
+backend=$1 device=$2 out=$3 gxydata=$4 gxyrender=$5  # DEVICE: empty where the backend has none to choose from
+shift 5
+options=(--backend "$backend" ${device:+--device "$device"})
 rm -rf "$out"
 mkdir -p "$out"
 cd "$out"
@@ -43,15 +45,17 @@ render() {  # NAME RANKS OPTIONS...
   "${mpiexec[@]}" -n "$ranks" "$gxyrender" kinds.json -o "$name" --format raw --depth "$@"
 }
 mpiexec=("$@")
-render reference 1 --partitions 1
-for ranks in 2 3 4 8; do render "on$ranks" "$ranks"; done
-render packets 3 --partitions 3,2,3 --packet 16 --threads 2
+render reference 1 --partitions 1 --backend embree
+case $backend in vulkan) counts=(2 4) ;; *) counts=(2 3 4 8) ;; esac
+for ranks in "${counts[@]}"; do render "on$ranks" "$ranks" "${options[@]}"; done
+render packets 3 --partitions 3,2,3 --packet 16 --threads 2 "${options[@]}"
 
 compared=0
 for expected in reference_*; do
-  for name in on2 on3 on4 on8 packets; do
+  for name in "${counts[@]/#/on}" packets; do
     cmp "$expected" "${expected/reference/$name}"
     compared=$((compared + 1))
   done
 done
-((compared == 40)) || { echo "compared $compared pairs of files, expected 40" >&2; exit 1; }
+files=$((8 * (${#counts[@]} + 1)))
+((compared == files)) || { echo "compared $compared pairs of files, expected $files" >&2; exit 1; }

@@ -4,13 +4,14 @@
 
 #include <cmath>
 
+#include "support/backends.h"
 #include "support/frames.h"
 
 namespace gxy::test {
 namespace {
 
 /// All kinds of Vis on a volume of n cells over the domain.
-TestScene coarse(std::array<int, 3> n, glm::ivec2 size = {40, 36}) {
+TestScene coarse(std::array<int, 3> n, glm::ivec2 size = affordable({40, 36})) {
   TestScene scene = emptyScene("coarse", size);
   const Box d = scene.domain;
   Grid grid;
@@ -40,21 +41,21 @@ TestScene coarse(std::array<int, 3> n, glm::ivec2 size = {40, 36}) {
 
 TEST(SmallPartitions, OneCellEach) {
   const TestScene scene = coarse({4, 3, 5});
-  const Picture expected = render(scene, whole(scene.domain));
+  const Picture expected = wholeOnEmbree(scene);
   for (int ranks : {1, 5, 8})
     EXPECT_EQ(difference(expected, render(scene, lattice(scene.domain, {4, 3, 5}, ranks))), "") << ranks;
 }
 
 TEST(SmallPartitions, LessThanACellEach) {
   const TestScene scene = coarse({1, 2, 1});
-  const Picture expected = render(scene, whole(scene.domain));
+  const Picture expected = wholeOnEmbree(scene);
   EXPECT_EQ(difference(expected, render(scene, lattice(scene.domain, {3, 3, 3}, 4))), "");
   EXPECT_EQ(difference(expected, render(scene, kdCut(scene.domain, 20, 6, 3))), "");
 }
 
 TEST(SmallPartitions, OneCellEachOfALargerGridAlongOneAxis) {
   const TestScene scene = coarse({24, 2, 2});
-  const Picture expected = render(scene, whole(scene.domain));
+  const Picture expected = wholeOnEmbree(scene);
   EXPECT_EQ(difference(expected, render(scene, lattice(scene.domain, {24, 1, 1}, 6))), "");
 }
 

@@ -3,12 +3,13 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #define GXY_GLSL
+#include "layout.h"
 #include "dialect.h"
 #include "all.h"
 #include "probe.h"
 
-layout(local_size_x = 64) in;
-layout(std430, binding = 0) buffer Result { float result[]; };
+layout(local_size_x = BLOCK_RAYS) in;
+layout(std430, set = LANE_SET, binding = 0) buffer Result { float result[]; };
 layout(push_constant) uniform Size { int count; };
 
 void main() {

@@ -21,7 +21,8 @@ TestServer::TestServer(ServerSetup setup) {
   world.threaded = true;
   world_ = std::make_unique<InProcessWorld>(setup.ranks, 1, world);
   BackendRegistry backends;
-  backends.add("embree", [](Ledger*) { return makeEmbreeBackend(); });
+  if (!setup.backend) setup.backend = [](Ledger*) { return makeEmbreeBackend(); };
+  backends.add("tested", setup.backend);
   setup.node.moduleFolder = setup.modules;
   setup.node.dataFolders = {folder_.path().string()};
   for (int r = 0; r < setup.ranks; r++)

@@ -21,7 +21,8 @@ struct ServerSetup {
   std::string modules;
   NodeOptions node{};
   ServerOptions server{};
-  std::map<std::string, std::string> tokens;  ///< tenant by token; none: --no-token
+  std::map<std::string, std::string> tokens{};  ///< tenant by token; none: --no-token
+  BackendRegistry::Maker backend{};             ///< called for each rank in turn; none: Embree
 };
 
 /// Runs while it lives. folder() is its only data folder; in it is ball.vol, 16^3 distances from the middle of [-1, 1]^3.

@@ -111,7 +111,7 @@ std::vector<RankScene> oddly(const Cut& cut, bool later, int faultyRank = -1, Fa
 
 TEST(LateDevice, GivesTheSamePicture) {
   const Cut cut = kdCut(kScene.domain, 6, kRanks, 5);
-  const Picture expected = render(kScene, whole(kScene.domain));
+  const Picture expected = wholeOnEmbree(kScene);
   for (bool threaded : {false, true})
     for (uint64_t seed = 1; seed <= 4; seed++) {
       FrameRun run;
@@ -137,7 +137,7 @@ TEST(LateDevice, IsWaitedForWhenARendererGoes) {
 /// The frame of a rank that fails ends with its error, everything is given back, and a scene that works is rendered after.
 void expectOnlyThatFrameFails(const Faults& faults, const std::string& error, bool later) {
   const Cut cut = kdCut(kScene.domain, 6, kRanks, 5);
-  const Picture expected = render(kScene, whole(kScene.domain));
+  const Picture expected = wholeOnEmbree(kScene);
   const int faulty = 2;
   const auto good = oddly(cut, later), bad = oddly(cut, later, faulty, faults);
   for (uint64_t seed = 1; seed <= 2; seed++) {

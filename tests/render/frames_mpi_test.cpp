@@ -42,7 +42,7 @@ TEST(FramesOverMpi, AreAllReportedAndRight) {
     Renderer renderer(transport, {16, 200});
     Picture expected[2];
     for (int i = 0; i < 2; i++) {
-      expected[i] = render(scenes[i], whole(scenes[i].domain));
+      expected[i] = wholeOnEmbree(scenes[i]);
       const auto compiled = compiledOn(kdCut(scenes[i].domain, 7, transport.size(), 3), scenes[i]);
       const RankScene& mine = compiled[size_t(transport.rank())];
       renderer.addScene(SceneId(i), mine.compiled, mine.device);

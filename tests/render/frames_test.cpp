@@ -25,7 +25,7 @@ struct Prepared {
       : scene(std::move(s)),
         cut(std::move(c)),
         compiled(compiledOn(cut, scene)),
-        expected(render(scene, whole(scene.domain))) {}
+        expected(wholeOnEmbree(scene)) {}
   FrameRequest request(SceneId id) const {
     FrameRequest r;
     r.scene = id;
@@ -210,7 +210,7 @@ TEST(Frames, ThatSeeNothingAreReportedAndAreBackground) {
 
 TEST(Frames, OfOnePixel) {
   const TestScene scene = litBalls({1, 1});
-  const Picture expected = render(scene, whole(scene.domain));
+  const Picture expected = wholeOnEmbree(scene);
   EXPECT_NE(expected.rgba[0], 0.1f);
   EXPECT_EQ(difference(expected, render(scene, kdCut(scene.domain, 9, 8, 2))), "");
 }

@@ -1,11 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "support/frames.h"
 
-#include <cstring>
-#include <sstream>
-
 #include "gxy/comm/error.h"
-#include "gxy/embree/embree_backend.h"
+#include "support/backends.h"
 
 namespace gxy::test {
 
@@ -26,7 +23,6 @@ std::vector<RankScene> compiledOn(const Cut& cut, const TestScene& scene, const 
         data[r].push_back({nullptr, parts[r], glm::dvec3(0.7, 0.6, 0.5)});
     }
   }
-  const auto embree = makeEmbreeBackend();
   std::vector<std::shared_ptr<CompiledScene>> scenes;
   for (auto& mine : data)
     scenes.push_back(compileScene(scene.visualization, std::move(mine), partitioning, scene.settings));
@@ -36,7 +32,7 @@ std::vector<RankScene> compiledOn(const Cut& cut, const TestScene& scene, const 
   std::vector<RankScene> out;
   for (int rank = 0; rank < cut.ranks; rank++) {
     scenes[size_t(rank)]->visible = visible;
-    const Backend& backend = backendOf ? backendOf(rank) : *embree;
+    const Backend& backend = backendOf ? backendOf(rank) : testedBackend();
     out.push_back({scenes[size_t(rank)], backend.makeScene(scenes[size_t(rank)], rank)});
   }
   return out;
@@ -75,8 +71,9 @@ FrameId Frames::start(const FrameRequest& request) {
   });
 }
 
-std::vector<std::string> Frames::errors() const {
+std::vector<std::string> Frames::errors() {
   std::lock_guard lock(mutex_);
+  for (std::string& message : messagesOfTestedBackend()) errors_.push_back(std::move(message));
   return errors_;
 }
 
@@ -107,25 +104,9 @@ Picture render(const TestScene& scene, const Cut& cut, const FrameRun& run) {
   return render(scene, cut.ranks, compiledOn(cut, scene), run);
 }
 
-std::string difference(const Picture& a, const Picture& b) {
-  if (a.width != b.width || a.height != b.height || a.depth.size() != b.depth.size())
-    return "the sizes differ";
-  size_t pixels = 0;
-  std::ostringstream first;
-  first.precision(9);
-  for (size_t p = 0; p < size_t(a.width) * size_t(a.height); p++) {
-    const bool color = std::memcmp(&a.rgba[4 * p], &b.rgba[4 * p], 4 * sizeof(float)) != 0;
-    const bool depth = !a.depth.empty() && std::memcmp(&a.depth[p], &b.depth[p], sizeof(double)) != 0;
-    if (!color && !depth) continue;
-    if (pixels++ > 0) continue;
-    first << "pixel " << p % size_t(a.width) << ", " << p / size_t(a.width) << ":";
-    for (const Picture* x : {&a, &b}) {
-      for (int k = 0; k < 4; k++) first << ' ' << x->rgba[4 * p + size_t(k)];
-      if (!x->depth.empty()) first << " depth " << x->depth[p];
-      if (x == &a) first << " against";
-    }
-  }
-  return pixels == 0 ? "" : std::to_string(pixels) + " pixels differ, first " + first.str();
+Picture wholeOnEmbree(const TestScene& scene) {
+  const Cut cut = whole(scene.domain);
+  return render(scene, cut.ranks, compiledOn(cut, scene, [](int) -> const Backend& { return embree(); }));
 }
 
 }  // namespace gxy::test

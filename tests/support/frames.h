@@ -10,6 +10,7 @@
 
 #include "gxy/comm/in_process.h"
 #include "gxy/render/renderer.h"
+#include "support/difference.h"
 #include "support/partitionings.h"
 #include "support/scenes.h"
 
@@ -24,8 +25,8 @@ struct RankScene {
 /// The backend of a rank, which need not outlive the scenes that it makes.
 using BackendOf = std::function<const Backend&(int rank)>;
 
-/// Cuts the scene's data, compiles it on every rank, on Embree unless `backendOf` says otherwise, and merges what ranks know
-/// of partitions.
+/// Cuts the scene's data, compiles it on every rank, on testedBackend() unless `backendOf` says otherwise,
+/// and merges what ranks know of partitions.
 std::vector<RankScene> compiledOn(const Cut& cut, const TestScene& scene, const BackendOf& backendOf = {});
 
 /// How frames are run.
@@ -36,7 +37,8 @@ struct FrameRun {
   Renderer::Options options{};
 };
 
-/// A Renderer on every rank of an in-process world. Errors that leave handlers or tasks are collected.
+/// A Renderer on every rank of an in-process world. Errors that leave handlers or tasks are collected, and
+/// what the validation layers say.
 class Frames {
  public:
   Frames(int ranks, const FrameRun& run);
@@ -59,10 +61,10 @@ class Frames {
 
   InProcessWorld& world() { return *world_; }
   Renderer& renderer(int rank) { return *renderers_[size_t(rank)]; }
-  std::vector<std::string> errors() const;
+  std::vector<std::string> errors();
 
  private:
-  mutable std::mutex mutex_;
+  std::mutex mutex_;
   std::vector<std::string> errors_;
   std::unique_ptr<InProcessWorld> world_;
   std::vector<std::unique_ptr<Renderer>> renderers_;
@@ -77,7 +79,7 @@ Picture render(const TestScene& scene, const Cut& cut, const FrameRun& run = {})
 Picture render(const TestScene& scene, int ranks, const std::vector<RankScene>& compiled,
                const FrameRun& run = {});
 
-/// The first pixel in which two pictures differ in any bit, in words; empty if they are the same.
-std::string difference(const Picture& a, const Picture& b);
+/// One frame of the scene in one piece on Embree: what all its pictures are compared with.
+Picture wholeOnEmbree(const TestScene& scene);
 
 }  // namespace gxy::test

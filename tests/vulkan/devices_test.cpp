@@ -4,12 +4,14 @@
 #include <spdlog/sinks/ostream_sink.h>
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
+#include <cctype>
 #include <sstream>
 
 #include "gxy/backends/backends.h"
 #include "gxy/comm/error.h"
 #include "gxy/vulkan/vulkan_device.h"
-#include "vulkan/software_device.h"
+#include "vulkan/test_device.h"
 
 namespace gxy::vulkan_test {
 namespace {
@@ -25,13 +27,17 @@ std::string errorOf(const Call& call) {
 }
 
 TEST(VulkanDevices, AreFoundByNumberAndByPartOfTheirName) {
-  const VulkanOptions byNumber = softwareDevice();
-  const VulkanDeviceInfo info = vulkanDevices().at(std::stoul(byNumber.device));
-  EXPECT_TRUE(info.missing.empty());
-  EXPECT_NE(makeVulkanBackend(byNumber)->device().find(info.name), std::string::npos);
-  VulkanOptions byName;
-  byName.device = "LLVMpipe";
-  EXPECT_NE(makeVulkanBackend(byName)->device().find("llvmpipe"), std::string::npos);
+  const std::vector<VulkanDeviceInfo> all = vulkanDevices();
+  for (size_t i = 0; i < all.size(); i++) {
+    if (!all[i].missing.empty()) continue;
+    VulkanOptions options;
+    options.device = std::to_string(i);
+    EXPECT_NE(makeVulkanBackend(options)->device().find(all[i].name), std::string::npos);
+    options.device = all[i].name.substr(1);
+    std::transform(options.device.begin(), options.device.end(), options.device.begin(), ::toupper);
+    EXPECT_NE(makeVulkanBackend(options)->device().find(all[i].name), std::string::npos);
+  }
+  EXPECT_TRUE(deviceOf(testedVulkan()).missing.empty());
 }
 
 using Kind = VulkanDeviceInfo::Kind;
@@ -97,7 +103,7 @@ TEST(VulkanDevices, UnknownOnesAreAnErrorThatListsThoseThereAre) {
 }
 
 TEST(VulkanDevices, TooLittleMemoryIsAnErrorThatSaysHowMuchThereIs) {
-  const vulkan::Device device(softwareDevice());
+  const vulkan::Device device(testDevice());
   const std::string error =
       errorOf([&] { vulkan::Buffer(device, size_t(1) << 44, vulkan::Place::Device, "volumes"); });
   EXPECT_NE(error.find("16777216 MiB left for volumes"), std::string::npos) << error;
@@ -106,7 +112,7 @@ TEST(VulkanDevices, TooLittleMemoryIsAnErrorThatSaysHowMuchThereIs) {
 }
 
 TEST(VulkanDevices, MoreThanIsGivenAtOnceIsAnErrorThatSaysHowMuchIs) {
-  VulkanOptions options = softwareDevice();
+  VulkanOptions options = testDevice();
   options.allocationBytes = size_t(3) << 20;
   const vulkan::Device device(options);
   const vulkan::Buffer fits(device, size_t(3) << 20, vulkan::Place::Device, "volumes");
@@ -118,7 +124,7 @@ TEST(VulkanDevices, MoreThanIsGivenAtOnceIsAnErrorThatSaysHowMuchIs) {
 }
 
 TEST(VulkanDevices, BuffersAreCountedWhileTheyLive) {
-  const vulkan::Device device(softwareDevice());
+  const vulkan::Device device(testDevice());
   {
     const vulkan::Buffer buffer(device, 1000, vulkan::Place::Device, "a test");
     EXPECT_EQ(device.bytes(), 1000u);

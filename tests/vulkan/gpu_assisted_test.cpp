@@ -3,13 +3,13 @@
 #include <gtest/gtest.h>
 
 #include "support/frames.h"
-#include "vulkan/software_device.h"
+#include "vulkan/test_device.h"
 
 namespace gxy::vulkan_test {
 namespace {
 
 std::unique_ptr<Backend> checkedBackend(uint64_t bindingBytes = 0) {
-  VulkanOptions options = softwareDevice();
+  VulkanOptions options = testDevice();
   options.validation = VulkanOptions::Validation::GpuAssisted;
   options.bindingBytes = bindingBytes;
   return makeVulkanBackend(options);
@@ -18,7 +18,7 @@ std::unique_ptr<Backend> checkedBackend(uint64_t bindingBytes = 0) {
 void expectNoMessages(const Backend& backend, const test::TestScene& scene) {
   const test::Cut cut = test::kdCut(scene.domain, 4, 2, 5);
   const auto compiled = test::compiledOn(cut, scene, [&](int) -> const Backend& { return backend; });
-  const Picture expected = test::render(scene, test::whole(scene.domain));
+  const Picture expected = test::wholeOnEmbree(scene);
   EXPECT_EQ(test::difference(expected, test::render(scene, cut.ranks, compiled)), "");
   EXPECT_EQ(validationMessages(backend), std::vector<std::string>());
 }

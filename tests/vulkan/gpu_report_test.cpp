@@ -6,7 +6,7 @@
 #include <cstdio>
 #include <string>
 
-#include "vulkan/software_device.h"
+#include "vulkan/test_device.h"
 
 namespace gxy::vulkan_test {
 namespace {
@@ -17,8 +17,8 @@ struct Outcome {
 };
 
 Outcome report(const std::string& arguments) {
-  const std::string command =
-      std::string(GPU_REPORT) + " --output /dev/null " + arguments + " --device " + softwareDevice().device;
+  const std::string command = std::string(GPU_REPORT) + " --output /dev/null " + arguments + " --device '" +
+                              testDevice().device + "'";
   FILE* pipe = popen((command + " 2>&1").c_str(), "r");
   if (!pipe) return {-1, "popen failed"};
   Outcome outcome{};

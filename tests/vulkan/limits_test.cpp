@@ -13,7 +13,7 @@
 #include "gxy/vulkan/lane.h"
 #include "gxy/vulkan/scene_upload.h"
 #include "support/frames.h"
-#include "vulkan/software_device.h"
+#include "vulkan/test_device.h"
 
 namespace gxy::vulkan_test {
 namespace {
@@ -41,7 +41,7 @@ TEST(IdleTime, IsNotThatBetweenFrames) {
   agreement::TestScene scene = agreement::sceneFrom("wavy", {0, 0, 4}, 8, 8);
   scene.add(agreement::rendered({{0, 0}, {1, 1}}), agreement::wavy());
   const auto compiled = scene.compile();
-  const auto device = softwareVulkan().makeScene(compiled, 0);
+  const auto device = testedVulkan().makeScene(compiled, 0);
   for (uint32_t frame = 0; frame < 3; frame++) {
     const TraceCounters c = countersOf(*device, compileFrame(*compiled, scene.camera, frame, false));
     EXPECT_EQ(c.submissions, 1u);
@@ -52,11 +52,11 @@ TEST(IdleTime, IsNotThatBetweenFrames) {
 /// The same picture as Embree's, in several submissions, since lavapipe ends loops after 65535 rounds.
 void expectTheSameInParts(const agreement::TestScene& scene) {
   const auto compiled = scene.compile();
-  const auto device = softwareVulkan().makeScene(compiled, 0);
+  const auto device = testedVulkan().makeScene(compiled, 0);
   const TraceCounters c = countersOf(*device, compileFrame(*compiled, scene.camera, 0, true));
   EXPECT_GT(c.submissions, 2u) << c.samples << " samples";
-  EXPECT_EQ(
-      difference(agreement::draw(*makeEmbreeBackend(), scene), agreement::draw(softwareVulkan(), scene)), "");
+  EXPECT_EQ(difference(agreement::draw(*makeEmbreeBackend(), scene), agreement::draw(testedVulkan(), scene)),
+            "");
   EXPECT_EQ(newMessages(), std::vector<std::string>());
 }
 
@@ -115,7 +115,7 @@ TEST(LongLoops, OfCoincidentParticles) {
 }
 
 VulkanOptions lostAfter(uint64_t submissions, bool inWaits) {
-  VulkanOptions options = softwareDevice();
+  VulkanOptions options = testDevice();
   options.lostAfter = submissions;
   options.lostInWaits = inWaits;
   return options;
@@ -125,7 +125,7 @@ TEST(LostDevice, EndsItsFramesWithAnErrorAndNoOthers) {
   const test::TestScene scene = test::everything({12, 10});
   const test::Cut cut = test::kdCut(scene.domain, 4, 2, 5);
   const auto embree = makeEmbreeBackend();
-  const Picture expected = test::render(scene, test::whole(scene.domain));
+  const Picture expected = test::wholeOnEmbree(scene);
   for (const auto& [submissions, inWaits] : {std::pair{1, false}, {4, false}, {1, true}, {4, true}}) {
     const auto lost = makeVulkanBackend(lostAfter(uint64_t(submissions), inWaits));
     const auto broken =
@@ -209,18 +209,18 @@ int seen(const Picture& picture) {
 
 // All at once they would be more than the device binds, which the validation layer would tell.
 TEST(Batches, AreWithinWhatTheDeviceBinds) {
-  const vulkan::Device device(softwareDevice());
+  const vulkan::Device device(testDevice());
   const agreement::TestScene scene = occluded(128, 128);
   ASSERT_GT(128u * 128 * 129, vulkan::mostRays(device));
   const Picture expected = agreement::draw(*makeEmbreeBackend(), scene);
   EXPECT_GT(seen(expected), 128 * 128 / 2);
-  EXPECT_EQ(difference(expected, agreement::draw(softwareVulkan(), scene)), "");
+  EXPECT_EQ(difference(expected, agreement::draw(testedVulkan(), scene)), "");
   EXPECT_EQ(newMessages(), std::vector<std::string>());
 }
 
 TEST(Batches, LargerThanOthersLeaveNoLaneOfTheirSize) {
   Ledger ledger;
-  VulkanOptions options = softwareDevice();
+  VulkanOptions options = testDevice();
   options.ledger = &ledger;
   const auto backend = makeVulkanBackend(options);
   agreement::draw(*backend, occluded(32, 600));
@@ -230,7 +230,7 @@ TEST(Batches, LargerThanOthersLeaveNoLaneOfTheirSize) {
 
 TEST(Batches, OfATileThatIsTooLargeAreAnError) {
   try {
-    agreement::draw(softwareVulkan(), occluded(32, 4000));
+    agreement::draw(testedVulkan(), occluded(32, 4000));
     FAIL();
   } catch (const Error& e) {
     EXPECT_NE(std::string(e.what()).find("1024 with up to 4000 secondary rays each"), std::string::npos)
@@ -248,7 +248,7 @@ TEST(HugeSpheres, OfWhichRaysStartAreTheSameOnBothBackends) {
     scene.visualization.operators[0].radius0 = scene.visualization.operators[0].radius1 = radius;
     const Picture expected = agreement::draw(*makeEmbreeBackend(), scene);
     EXPECT_EQ(seen(expected), radius < 1e300 ? 24 * 24 : 0);
-    EXPECT_EQ(difference(expected, agreement::draw(softwareVulkan(), scene)), "") << radius;
+    EXPECT_EQ(difference(expected, agreement::draw(testedVulkan(), scene)), "") << radius;
   }
   EXPECT_EQ(newMessages(), std::vector<std::string>());
 }

@@ -6,7 +6,7 @@
 #include "gxy/embree/embree_backend.h"
 #include "gxy/vulkan/lane.h"
 #include "support/frames.h"
-#include "vulkan/software_device.h"
+#include "vulkan/test_device.h"
 
 namespace gxy::vulkan_test {
 namespace {
@@ -15,7 +15,7 @@ using vulkan::Buffer;
 using vulkan::Place;
 
 TEST(DeviceMemory, ManySmallBuffersAreInOneBlockAndNothingIsHeldWithoutThem) {
-  const vulkan::Device device(softwareDevice());
+  const vulkan::Device device(testDevice());
   {
     std::vector<Buffer> buffers;
     for (int i = 0; i < 2000; i++) buffers.emplace_back(device, size_t(100 + i), Place::Device, "a test");
@@ -35,7 +35,7 @@ TEST(DeviceMemory, ManySmallBuffersAreInOneBlockAndNothingIsHeldWithoutThem) {
 }
 
 TEST(DeviceMemory, LargeBuffersHaveBlocksOfTheirOwn) {
-  const vulkan::Device device(softwareDevice());
+  const vulkan::Device device(testDevice());
   const Buffer large(device, size_t(48) << 20, Place::Device, "a test");
   const Buffer small(device, 1000, Place::Device, "a test");
   EXPECT_EQ(device.blocks().blocks(), 2u);
@@ -44,7 +44,7 @@ TEST(DeviceMemory, LargeBuffersHaveBlocksOfTheirOwn) {
 
 TEST(DeviceMemory, IsInTheLedgerWhileItIsHeld) {
   Ledger ledger;
-  VulkanOptions options = softwareDevice();
+  VulkanOptions options = testDevice();
   options.ledger = &ledger;
   {
     const vulkan::Device device(options);
@@ -75,7 +75,7 @@ constexpr int64_t kLarge = 4 * 256 * 256 * 160;
 
 TEST(DeviceMemory, OfSharedSamplesIsInTheLedgerOnceAsLongAsAnySceneShowsThem) {
   Ledger ledger;
-  VulkanOptions options = softwareDevice();
+  VulkanOptions options = testDevice();
   options.ledger = &ledger;
   const auto backend = makeVulkanBackend(options);
   agreement::TestScene scene = largeScene();
@@ -103,7 +103,7 @@ TEST(DeviceMemory, OfSharedSamplesIsInTheLedgerOnceAsLongAsAnySceneShowsThem) {
 }
 
 TEST(DeviceMemory, OfSharedSamplesGivesTheSamePicture) {
-  const auto backend = makeVulkanBackend(softwareDevice());
+  const auto backend = makeVulkanBackend(testDevice());
   agreement::TestScene scene = wavyScene();
   const auto first = backend->makeScene(scene.compile(), 0);
   scene.visualization.operators[0].isovalues = {0.1};
@@ -112,7 +112,7 @@ TEST(DeviceMemory, OfSharedSamplesGivesTheSamePicture) {
 }
 
 TEST(DeviceMemory, OfALaneIsForTheLargestOfItsBatchesNotForTheProductOfTheirLargestNumbers) {
-  const vulkan::Device device(softwareDevice());
+  const vulkan::Device device(testDevice());
   vulkan::Pipelines pipelines(device);
   const auto bytesFor = [&](std::initializer_list<std::pair<size_t, size_t>> batches) {
     vulkan::Lane lane(device, pipelines);
@@ -126,15 +126,13 @@ TEST(DeviceMemory, OfALaneIsForTheLargestOfItsBatchesNotForTheProductOfTheirLarg
 }
 
 TEST(DeviceMemory, MayBeOutOfTheHostsSight) {
-  VulkanOptions options = softwareDevice();
+  VulkanOptions options = testDevice();
   options.hidesMemory = true;
   const auto backend = makeVulkanBackend(options);
   const test::TestScene scene = test::everything({24, 20});
   const test::Cut cut = test::kdCut(scene.domain, 4, 2, 5);
   const auto onIt = test::compiledOn(cut, scene, [&](int) -> const Backend& { return *backend; });
-  EXPECT_EQ(
-      test::difference(test::render(scene, test::whole(scene.domain)), test::render(scene, cut.ranks, onIt)),
-      "");
+  EXPECT_EQ(test::difference(test::wholeOnEmbree(scene), test::render(scene, cut.ranks, onIt)), "");
   EXPECT_EQ(validationMessages(*backend), std::vector<std::string>());
 }
 

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: Apache-2.0
+// A server on the Vulkan backend: the pictures of one on Embree; and a device that is lost is an error of
+// requests, not the server's end.
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <iterator>
+
+#include "gxy/vulkan/vulkan_backend.h"
+#include "multiserver/test_server.h"
+#include "vulkan/test_device.h"
+
+namespace gxy::test {
+namespace {
+
+const std::string kBatch = R"(batch {"prefix": "out", "state": )" + stateOf("ball") + "}";
+
+/// Ranks 0, 1, ... with a backend each, of these options; none: Embree.
+std::unique_ptr<TestServer> serve(const std::vector<VulkanOptions>& ranks) {
+  ServerSetup setup;
+  setup.modules = GALAXY_MODULES;
+  if (!ranks.empty()) {
+    setup.ranks = int(ranks.size());
+    setup.backend = [ranks, next = std::make_shared<size_t>(0)](Ledger* ledger) {
+      VulkanOptions options = ranks.at((*next)++);
+      options.ledger = ledger;
+      return makeVulkanBackend(options);
+    };
+  }
+  return std::make_unique<TestServer>(std::move(setup));
+}
+
+std::unique_ptr<Client> viewer(const TestServer& server) {
+  auto client = server.client();
+  client->expect("load data");
+  client->expect("load viewer");
+  client->expect(importBall("ball"));
+  return client;
+}
+
+std::string pictureOf(const TestServer& server) {
+  std::ifstream file(server.folder() / "out_00000.png", std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+TEST(VulkanServer, MakesThePicturesOfEmbree) {
+  std::string expected, found;
+  {
+    const auto server = serve({});
+    viewer(*server)->expect(kBatch);
+    expected = pictureOf(*server);
+  }
+  const VulkanOptions sound = vulkan_test::testDevice();
+  const auto server = serve({sound, sound});
+  viewer(*server)->expect(kBatch);
+  found = pictureOf(*server);
+  EXPECT_GT(expected.size(), 1000u);
+  EXPECT_EQ(found, expected);
+  for (int rank : {0, 1})
+    EXPECT_EQ(validationMessages(*server->node(rank).backend), std::vector<std::string>());
+}
+
+TEST(VulkanServer, GoesOnWhenADeviceIsLost) {
+  const VulkanOptions sound = vulkan_test::testDevice();
+  VulkanOptions lost = sound;
+  lost.lostAfter = 2;
+  const auto server = serve({sound, lost});
+  const auto client = viewer(*server);
+  for (int time = 0; time < 2; time++) {
+    const Reply reply = client->request(kBatch);
+    EXPECT_FALSE(reply.ok);
+    EXPECT_NE(reply.error.find("the device was lost"), std::string::npos) << reply.error;
+    EXPECT_NE(reply.error.find("rank 1"), std::string::npos) << reply.error;
+  }
+  EXPECT_EQ(client->expect("list").at("datasets").size(), 1u);
+  EXPECT_EQ(server->client("another")->expect("echo hello").at("text"), "hello");
+  EXPECT_FALSE(server->stopAsked());
+}
+
+}  // namespace
+}  // namespace gxy::test

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+// The backend that a test program's frames are rendered on: Embree, or with `--backend=vulkan` the Vulkan
+// backend, on the tests' device (vulkan/test_device.h) and under the validation layers.
+#pragma once
+#include <glm/vec2.hpp>
+#include <string>
+#include <vector>
+
+#include "gxy/rays/backend.h"
+
+namespace gxy::test {
+
+/// Each is made once per program.
+const Backend& embree();
+const Backend& testedBackend();
+
+/// A size of pictures of which a test makes many: `size` on Embree, less on Vulkan, whose software device
+/// takes far longer.
+glm::ivec2 affordable(glm::ivec2 size);
+
+/// What the validation layers have said of testedBackend() since the last call; of Embree nothing.
+std::vector<std::string> messagesOfTestedBackend();
+
+}  // namespace gxy::test

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "support/difference.h"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <cmath>
+#include <cstring>
+#include <sstream>
+
+#include "gxy/io/image.h"
+
+namespace gxy::test {
+
+namespace {
+
+constexpr size_t kShown = 4;     ///< pixels
+constexpr int kMostWritten = 8;  ///< per program
+
+/// Where the pictures have been written, or why they have not.
+std::string written(const Picture& expected, const Picture& found) {
+  static std::atomic<int> before = 0;
+  const int number = before++;
+  if (number >= kMostWritten) return "";
+  std::string name = "picture";
+  if (const auto* test = testing::UnitTest::GetInstance()->current_test_info())
+    name = std::string(test->test_suite_name()) + "." + test->name();
+  for (char& c : name)
+    if (c == '/') c = '_';
+  const std::string prefix = testing::TempDir() + name + "-" + std::to_string(number);
+  std::vector<float> difference(expected.rgba.size());
+  for (size_t i = 0; i < difference.size(); i++)
+    difference[i] = i % 4 == 3 ? 1 : 8 * std::abs(expected.rgba[i] - found.rgba[i]);
+  try {
+    writeImage(prefix + "_expected.png", {expected.width, expected.height, expected.rgba});
+    writeImage(prefix + "_found.png", {found.width, found.height, found.rgba});
+    writeImage(prefix + "_difference.png", {found.width, found.height, std::move(difference)});
+  } catch (const std::exception& e) {
+    return std::string("; ") + e.what();
+  }
+  return "; see " + prefix + "_*.png";
+}
+
+}  // namespace
+
+std::string difference(const Picture& expected, const Picture& found) {
+  if (expected.width != found.width || expected.height != found.height ||
+      expected.depth.size() != found.depth.size())
+    return "the sizes differ";
+  size_t pixels = 0;
+  std::ostringstream first;
+  first.precision(9);
+  for (size_t p = 0; p < size_t(expected.width) * size_t(expected.height); p++) {
+    const bool color = std::memcmp(&expected.rgba[4 * p], &found.rgba[4 * p], 4 * sizeof(float)) != 0;
+    const bool depth =
+        !expected.depth.empty() && std::memcmp(&expected.depth[p], &found.depth[p], sizeof(double)) != 0;
+    if (!color && !depth) continue;
+    if (pixels++ >= kShown) continue;
+    first << "\n  pixel " << p % size_t(expected.width) << ", " << p / size_t(expected.width) << ":";
+    for (const Picture* x : {&expected, &found}) {
+      for (int k = 0; k < 4; k++) first << ' ' << x->rgba[4 * p + size_t(k)];
+      if (!x->depth.empty()) first << " depth " << x->depth[p];
+      if (x == &expected) first << " against";
+    }
+  }
+  if (pixels == 0) return "";
+  return std::to_string(pixels) + " pixels differ" + written(expected, found) + first.str();
+}
+
+}  // namespace gxy::test
