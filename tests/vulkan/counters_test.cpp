@@ -6,7 +6,7 @@
 
 #include "gxy/vulkan/vulkan_scene.h"
 #include "support/frames.h"
-#include "vulkan/software_device.h"
+#include "vulkan/test_device.h"
 
 namespace gxy::test {
 namespace {
@@ -38,7 +38,7 @@ TEST(VulkanCounters, AreThoseOfEmbree) {
     found++;
     const Renderer::Counters expected = countersOf(s, {});
     const Renderer::Counters c =
-        countersOf(s, [](int) -> const Backend& { return vulkan_test::softwareVulkan(); });
+        countersOf(s, [](int) -> const Backend& { return vulkan_test::testedVulkan(); });
     EXPECT_EQ(c.partitionsSkipped, expected.partitionsSkipped);
     EXPECT_EQ(c.tilesSkipped, expected.tilesSkipped);
     using T = TraceCounters;
@@ -60,7 +60,7 @@ TEST(VulkanCounters, NothingIsCompiledThatASceneDoesNotNeed) {
     const std::vector<TestScene> scenes = scenesOfEachKind();
     const auto scene =
         std::find_if(scenes.begin(), scenes.end(), [&](const TestScene& s) { return s.name == name; });
-    const auto context = std::make_shared<vulkan::Context>(vulkan_test::softwareDevice());
+    const auto context = std::make_shared<vulkan::Context>(vulkan_test::testDevice());
     const auto compiled = compiledOn(whole(scene->domain), *scene)[0].compiled;
     render(*scene, 1, {{compiled, std::make_shared<vulkan::VulkanScene>(context, compiled, 0)}});
     return context->pipelines.stages();
