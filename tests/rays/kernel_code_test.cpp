@@ -48,7 +48,9 @@ TEST(KernelCode, OcclusionDirectionsAreInShadingOnly) {  // hash1 in light.h
   EXPECT_EQ(kernelsWithNumber(747796405u), (Names{"shade"}));
 }
 
-TEST(KernelCode, HierarchiesAreInGeometryOnly) { EXPECT_EQ(kernelsWith("rtcOccluded"), (Names{"geometry"})); }
+TEST(KernelCode, HierarchiesAreInGeometryOnly) {  // a call of Embree's
+  EXPECT_EQ(kernelsWith("Occluded"), (Names{"geometry"}));
+}
 
 }  // namespace
 }  // namespace gxy
