@@ -36,8 +36,8 @@ std::shared_ptr<Volume> importVolume(const std::string& path, const std::string&
                                      std::vector<int> components = {}, LeftOut* leftOut = nullptr);
 
 /// Collective. Completes a volume whose blocks (of the partitions of this rank that touch its grid, extents as extentOf()
-/// gives them with kGhostLayers) hold samples that were computed: fills ranges, noDataSamples, and summaries merged over all
-/// ranks. If any rank fails, all throw the same Error.
+/// gives them with kGhostLayers) hold samples that were computed, x fastest: fills ranges, noDataSamples, and summaries
+/// merged over all ranks, and puts the samples into bricks. If any rank fails, all throw the same Error.
 void completeVolume(Volume& volume, const Partitioning& partitioning, Collectives& ranks);
 
 }  // namespace gxy

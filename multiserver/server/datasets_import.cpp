@@ -5,6 +5,7 @@
 
 #include "gxy/comm/error.h"
 #include "gxy/comm/wire.h"
+#include "gxy/data/bricks.h"
 #include "gxy/io/automatic_partitioning.h"
 #include "gxy/io/import_volume.h"
 #include "gxy/scene/json_text.h"
@@ -25,10 +26,10 @@ GeometryKind kindOf(DatasetType type) {
 // Bytes that this rank will hold of a volume.
 int64_t bytesToCome(const VolumeFile& file, const Partitioning& partitioning, int rank) {
   const size_t each = std::min<size_t>(bytesOf(file.array.type), 4) * size_t(file.array.components);
-  int64_t bytes = 0;
+  size_t bytes = 0;
   for (const int p : partitioning.owned(rank))
-    bytes += extentOf(file.grid, partitioning.box(p), kGhostLayers).count() * int64_t(each);
-  return bytes;
+    bytes += Bricks(extentOf(file.grid, partitioning.box(p), kGhostLayers).points).count() * each;
+  return int64_t(bytes);
 }
 
 int64_t bytesOf(const GeometryBlock& b) {
