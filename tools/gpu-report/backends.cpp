@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+// What tests/support renders on here where it is not told: Embree, to compare with.
+#include "support/backends.h"
+
+#include "gxy/embree/embree_backend.h"
+
+namespace gxy::test {
+
+const Backend& embree() {
+  static const std::unique_ptr<Backend> backend = makeEmbreeBackend();
+  return *backend;
+}
+
+const Backend& testedBackend() { return embree(); }
+
+std::vector<std::string> messagesOfTestedBackend() { return {}; }
+
+}  // namespace gxy::test
