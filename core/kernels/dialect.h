@@ -5,6 +5,8 @@
 //   R(0.5)                 a literal of type real
 //   FN, FN_OUTLINE         a function; one that is better not inlined
 //   UNIFORM                a variable that is the same for all rays (a loop counter)
+//   ALL_RAYS { ... }       done with the rays of a gang that take no part here, too (what they get must harm nobody): what a loop
+//                          carries from one turn to the next then does not wait for who goes on
 //   INOUT(T), OUT(T)       a parameter that is read and written, or written
 //   make_v3, make_i3       constructors
 //   toReal(i), toInt(x)    conversions: int or uint (slow) to real; real to int, towards zero
@@ -34,6 +36,7 @@
 #define OUT(T) out T
 #define make_i3 ivec3
 #define UNIFORM
+#define ALL_RAYS
 #define asUint floatBitsToUint
 #define asReal uintBitsToFloat
 #define asInt int
@@ -52,6 +55,7 @@ typedef int<3> ivec3;
 #define INOUT(T) T&
 #define OUT(T) T&
 #define UNIFORM uniform
+#define ALL_RAYS unmasked
 FN vec3 make_v3(float x, float y, float z) {
   vec3 v = {x, y, z};
   return v;
@@ -80,6 +84,7 @@ using uint = unsigned int;
 #define INOUT(T) T&
 #define OUT(T) T&
 #define UNIFORM
+#define ALL_RAYS
 using std::abs;
 using std::ceil;
 using std::floor;

@@ -202,32 +202,66 @@ FN IsoHit firstIsosurface(VOLUME v, VolumeRay r, real tIn, real tOut, real tAfte
           real planeZ = toReal((mz << MACRO_BITS) + lz + up.z);
           found = isoCell(v, block, lx, ly, lz);
           bool walk = found == 0;
+          // The cell that comes next. Rays that have found theirs go on to it too, so that no step waits for what the one
+          // before it found; they stay where isovalues no longer pass, as do those that never walked.
+          int nextX, nextY, nextZ, macroX, macroY, macroZ, nextBlock;
+          real nextT, last;
+          ALL_RAYS {
+            nextX = 0;
+            nextY = 0;
+            nextZ = 0;
+            macroX = 0;
+            macroY = 0;
+            macroZ = 0;
+            nextBlock = ISO_END;
+            nextT = R(0.0);
+            last = R(0.0);
+          }
+          nextX = lx;
+          nextY = ly;
+          nextZ = lz;
+          macroX = mx;
+          macroY = my;
+          macroZ = mz;
+          nextBlock = block;
+          last = end;
           while (walk) {
-            real farX = (planeX - r.g.po.x) * r.g.rpd.x;
-            real farY = (planeY - r.g.po.y) * r.g.rpd.y;
-            real farZ = (planeZ - r.g.po.z) * r.g.rpd.z;
-            ta = min(min(farX, farY), farZ);
-            lx += farX <= ta ? stepX : 0;
-            ly += farY <= ta ? stepY : 0;
-            lz += farZ <= ta ? stepZ : 0;
-            planeX += farX <= ta ? strideX : R(0.0);
-            planeY += farY <= ta ? strideY : R(0.0);
-            planeZ += farZ <= ta ? strideZ : R(0.0);
-            if (((lx | ly | lz) & ~7) != 0) {
-              mx += lx >> MACRO_BITS;
-              my += ly >> MACRO_BITS;
-              mz += lz >> MACRO_BITS;
-              lx &= 7;
-              ly &= 7;
-              lz &= 7;
-              block = ISO_END;
-              if (ta < end) block = isoBlock(v, make_i3(mx, my, mz));
+            int holds = 0;
+            ALL_RAYS {
+              real farX = (planeX - r.g.po.x) * r.g.rpd.x;
+              real farY = (planeY - r.g.po.y) * r.g.rpd.y;
+              real farZ = (planeZ - r.g.po.z) * r.g.rpd.z;
+              nextT = min(min(farX, farY), farZ);
+              nextX += farX <= nextT ? stepX : 0;
+              nextY += farY <= nextT ? stepY : 0;
+              nextZ += farZ <= nextT ? stepZ : 0;
+              planeX += farX <= nextT ? strideX : R(0.0);
+              planeY += farY <= nextT ? strideY : R(0.0);
+              planeZ += farZ <= nextT ? strideZ : R(0.0);
+              if (((nextX | nextY | nextZ) & ~7) != 0) {
+                macroX += nextX >> MACRO_BITS;
+                macroY += nextY >> MACRO_BITS;
+                macroZ += nextZ >> MACRO_BITS;
+                nextX &= 7;
+                nextY &= 7;
+                nextZ &= 7;
+                if (nextBlock > ISO_END) {
+                  nextBlock = ISO_END;
+                  if (nextT < last) nextBlock = isoBlock(v, make_i3(macroX, macroY, macroZ));
+                }
+              }
+              if (nextBlock > ISO_END) holds = isoCell(v, nextBlock, nextX, nextY, nextZ);
             }
-            walk = block > ISO_END;
-            if (walk) {
-              found = isoCell(v, block, lx, ly, lz);
-              walk = found == 0;
-            }
+            lx = nextX;
+            ly = nextY;
+            lz = nextZ;
+            mx = macroX;
+            my = macroY;
+            mz = macroZ;
+            block = nextBlock;
+            ta = nextT;
+            found = holds;
+            walk = block > ISO_END && found == 0;
           }
         }
         if (block == ISO_END) found = 2;

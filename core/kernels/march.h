@@ -206,7 +206,30 @@ FN void addSample(VOLUME v, real s, real length, real tMin, INOUT(Radiance) L, I
 #define END_OF_MARCH break;
 #endif
 
-// One loop, an iteration a segment. Where a segment's value is fetched, the plan behind it is looked up and the value
+// The segments that a plan makes from a point on. Where two fit into PLAN_REACH they go together: a plan is looked up for both.
+struct Stride {
+  real h;        // the length of one
+  real reach;    // of what goes together
+  int at, plan;  // the macrocell at the end of that, and its plan
+};
+
+// What makes strides of plans, of one ray: t per unit of a plan, the shortest segment, the longest that has a second.
+struct StrideUnits {
+  real perUnit, least, paired;
+};
+
+FN real segmentOf(StrideUnits u, int plan) { return max(toReal(plan) * u.perUnit, u.least); }
+
+FN Stride strideFrom(VOLUME v, GridRay g, StrideUnits u, real t, int plan) {
+  Stride s;
+  s.h = segmentOf(u, plan);
+  s.reach = s.h <= u.paired ? s.h + s.h : s.h;
+  s.at = macroAt(v, pointAt(g, t + s.reach));
+  s.plan = planAt(v, s.at);
+  return s;
+}
+
+// One loop, an iteration a stride. Where a segment's value is fetched, the plan behind it is looked up and the value
 // before it is mapped: three chains that do not wait for each other.
 //
 // `begun`: where the first segment begins if the partition before left it undone, else -1; on return the same for the
@@ -223,13 +246,13 @@ FN void integrateVolume(VOLUME v, VolumeRay r, MarchRange m, INOUT(real) begun, 
   if (meets && !(max(from, m.tIn) < m.tOut)) return;  // nothing of this partition, but perhaps of the next
   begun = R(-1.0);
   if (!meets) return;
-  real perCell = R(1.0) / r.cells;
-  real least = r.t1 * R(2.4e-7);  // what moves t on: cells may be smaller than float resolves
+  StrideUnits units;
+  units.perUnit = (R(1.0) / r.cells) * (R(1.0) / toReal(PLAN_UNIT << PLAN_BITS));
+  units.least = r.t1 * R(2.4e-7);  // what moves t on: cells may be smaller than float resolves
+  units.paired = R(0.5) * PLAN_REACH / r.cells;
   int at = macroAt(v, pointAt(r.g, t));
   int plan = resumes ? planAt(v, at) : 0;
-  real h = max(planStep(plan) * perCell, least);
-  int nextAt = macroAt(v, pointAt(r.g, t + h));
-  int nextPlan = planAt(v, nextAt);
+  Stride next = strideFrom(v, r.g, units, t, plan);
   real s = R(0.0),
        length = R(0.0);  // the value in the middle of the segment before, and its length, yet to be added
   while (R(1.0) - L.A >= m.tMin) {
@@ -267,12 +290,10 @@ FN void integrateVolume(VOLUME v, VolumeRay r, MarchRange m, INOUT(real) begun, 
       // rounding may put the point on the other side of a face, and must not when the partition behind resumes here
       if (!byMidpoints(plan)) plan = planAt(v, w.index);
       n.macrocells += 1;
-      h = max(planStep(plan) * perCell, least);
-      nextAt = macroAt(v, pointAt(r.g, t + h));
-      nextPlan = planAt(v, nextAt);
+      next = strideFrom(v, r.g, units, t, plan);
       if (someByCells(v)) {
         // a segment ends where a macrocell goes cell by cell
-        real reach = min(t + h, last);
+        real reach = min(t + next.reach, last);
         bool free = true;
         while (free && min3(w.far) < reach) {
           stepMacroWalk(v, r, w);
@@ -282,29 +303,39 @@ FN void integrateVolume(VOLUME v, VolumeRay r, MarchRange m, INOUT(real) begun, 
       }
     }
     SEGMENTS
-    real nextH = max(planStep(nextPlan) * perCell, least);
-    bool finer = byMidpoints(nextPlan) && nextH < h;
-    real b = min(t + (finer ? nextH : h), limit);
+    real shorter = segmentOf(units, next.plan);
+    bool finer = byMidpoints(next.plan) && shorter < next.h;
+    real h = finer ? shorter : next.h;
+    bool two = h + h <= next.reach;
+    real b = min(t + (two ? h + h : h), limit);
     if (b > m.tOwn) {  // the next partition's
       if (t < m.tOut || m.tOwn == m.tOut) begun = t;
       END_OF_MARCH
     }
-    vec3 p = pointAt(r.g, R(0.5) * (t + b));
+    real middle = two ? R(0.5) * (t + b) : b;
+    vec3 p = pointAt(r.g, R(0.5) * (t + middle));
     ivec3 c = cellAt(v, p);
     Corners k = cellCorners(v, c);
-    if (b != t + h) {
-      nextAt = macroAt(v, pointAt(r.g, b));
-      nextPlan = planAt(v, nextAt);
+    int passed = at;
+    at = next.at;
+    plan = next.plan;
+    if (b != t + next.reach) {
+      at = macroAt(v, pointAt(r.g, b));
+      plan = planAt(v, at);
     }
-    if (nextAt != at && byMidpoints(nextPlan)) n.macrocells += 1;
-    at = nextAt;
-    plan = nextPlan;
-    h = max(planStep(plan) * perCell, least);
-    nextAt = macroAt(v, pointAt(r.g, b + h));
-    nextPlan = planAt(v, nextAt);
+    if (at != passed && byMidpoints(plan)) n.macrocells += 1;
+    next = strideFrom(v, r.g, units, b, plan);
     addSample(v, s, length, m.tMin, L, n);
     s = valueIn(k, fractionOf(c, p));
-    length = b - t;
+    length = middle - t;
+    if (two) {
+      p = pointAt(r.g, R(0.5) * (middle + b));
+      c = cellAt(v, p);
+      k = cellCorners(v, c);
+      addSample(v, s, R(1.0) - L.A >= m.tMin ? length : R(0.0), m.tMin, L, n);
+      s = valueIn(k, fractionOf(c, p));
+      length = b - middle;
+    }
     t = b;
     from = b;
     if (b >= last || b > m.tOut) {

@@ -4,9 +4,9 @@
 // Segments follow each other along the ray, from where it enters the volume, comes out of macrocells in which nothing is
 // seen, or left a surface. Each is as long as the plan of the macrocell at its beginning says, or that at its end if
 // that is finer, and counts as what is seen at its middle (midpoint rule): between segments of equal length errors cancel.
-// Where each begins is a function of the ray and the plan alone. A partition evaluates those that *end* in (tIn, tOut],
-// clipped at a hit, and hands the beginning of the one that does not on with the ray: each is evaluated by exactly one
-// partition, in the same order, with the same numbers.
+// Short ones go by twos of equal length, as one for all that follows. Where each begins is a function of the ray and the plan
+// alone. A partition evaluates those that *end* in (tIn, tOut], clipped at a hit, and hands the beginning of the one that does
+// not on with the ray: each is evaluated by exactly one partition, in the same order, with the same numbers.
 //
 // Each dialect supplies, for its VOLUME type,
 //   vec3 gridOrigin(v), gridInverse(v); ivec3 gridCells(v)    the global grid in render space
@@ -21,6 +21,8 @@
 #define PLAN_CELLS \
   1  // cell by cell and pre-integrated, as some hold no data or the map is too steep; else midpoints
 #define PLAN_UNIT 65536
+// Cells from the beginning of a segment, at most, to where its plan is looked up.
+#define PLAN_REACH 3.9f
 
 struct VolumeRay {
   GridRay g;

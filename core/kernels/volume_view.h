@@ -73,7 +73,8 @@ FN vec3 gridInverse(VOLUME v) { return make_v3(v.inverseX, v.inverseY, v.inverse
 FN ivec3 gridCells(VOLUME v) { return make_i3(v.cellsX, v.cellsY, v.cellsZ); }
 
 FN int macroIndex(VOLUME v, ivec3 m) {
-  return ((m.z - v.macroFirstZ) * v.macroY + (m.y - v.macroFirstY)) * v.macroX + (m.x - v.macroFirstX);
+  return ((m.z - v.macroFirstZ) * (v.macroX * v.macroY) + (m.y - v.macroFirstY) * v.macroX) +
+         (m.x - v.macroFirstX);
 }
 FN int macroRow(VOLUME v) { return v.macroX; }
 FN int macroSlice(VOLUME v) { return v.macroX * v.macroY; }

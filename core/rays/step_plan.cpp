@@ -9,8 +9,8 @@
 namespace gxy {
 
 namespace {
-// Ghost layers reach as far as what the plan of a segment depends on; rounding may ask for a little more.
-constexpr double kLongest = kGhostLayers - 0.1;
+constexpr double kLongest = PLAN_REACH;
+static_assert(kLongest < kGhostLayers - 0.09);  // rounding may ask for a little more
 constexpr double kLowestRate = 1 / kLongest, kHighestRate = 256;
 
 constexpr double kBendMidpoint = 0.015, kBendPieces = 0.09;

@@ -9,7 +9,7 @@ trap 'rm -rf "$stand_ins"' EXIT
 failures=0
 
 printf '#!/bin/sh\n[ "$1" = --version ] && echo "mpirun (Open MPI) 4.1.4" || echo "mpirun $*"\n' >"$stand_ins/mpirun"
-printf '#!/bin/sh\necho "srun $*"\n' >"$stand_ins/srun"
+printf '#!/bin/sh\n[ "$1" = --mpi=list ] && echo "none $PLUGINS" || echo "srun $*"\n' >"$stand_ins/srun"
 chmod +x "$stand_ins"/*
 with_stand_ins() { env -u SLURM_JOB_ID PATH="$stand_ins:$PATH" "$@"; }
 
@@ -40,6 +40,9 @@ expect MoreRanksThanCoresAreAllowed 0 ':OVERSUBSCRIBE' with_stand_ins "$galaxy" 
 expect WaitingRanksYield 0 'mpi_yield_when_idle 1' with_stand_ins "$galaxy" run true
 expect OwnFlagsArePassedOn 0 '--hostfile nodes true' with_stand_ins "$galaxy" run --mpi '--hostfile nodes' true
 expect SlurmStartsItsOwn 0 '^srun --ntasks 8 --kill-on-bad-exit=1 true$' with_stand_ins env SLURM_JOB_ID=1 "$galaxy" run -n 8 true
+expect SlurmRanksFindEachOther 0 '^srun .*--mpi=pmix true$' with_stand_ins env SLURM_JOB_ID=1 PLUGINS=pmix_v4 "$galaxy" run true
+expect SlurmKeepsTheMpiThatTheUserChose 0 '^srun --ntasks 1 --kill-on-bad-exit=1 true$' \
+  with_stand_ins env SLURM_JOB_ID=1 PLUGINS=pmix_v4 SLURM_MPI_TYPE=pmi2 "$galaxy" run true
 expect StatusOfTheProgramIsKept 7 '' "$galaxy" run -n 2 sh -c 'exit 7'
 expect RanksAreReallyStarted 0 'rank.*rank.*rank' "$galaxy" run -n 3 echo rank
 exit $((failures > 0))
