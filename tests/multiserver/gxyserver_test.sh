@@ -3,7 +3,7 @@
 # gxyserver_test.sh GALAXY BIN - the programs as a user runs them: the server under MPI, clients from the shell, how it
 # stops, and what happens when a rank dies.
 set -uo pipefail
-galaxy=$(realpath "$1") bin=$(realpath "$2")
+galaxy=$(realpath "$1") bin=$(realpath "$2") tests=$(dirname "$(realpath "$0")")
 folder=$(mktemp -d)
 export XDG_RUNTIME_DIR=$folder/run
 mkdir -m 700 "$XDG_RUNTIME_DIR"
@@ -56,6 +56,7 @@ import { "Datasets": [
 END
 check ABareOkPrintsNothing test -z "$(msdata import.txt)"
 check TheOtherClientSeesIt test "$(echo 'list;' | msdata)" = $'  datasets:\n  eightBalls'
+check TheTerminalCompletesAndRemembers "$tests/terminal.py" "$bin/msdata" -P "$port"
 check JsonIsALineForEachStatement test "$(echo 'range eightBalls; list' | msdata --json | grep -c '"ok":true')" = 2
 check StatementsAreArguments test "$(msdata -c 'range eightBalls; list' -c 'drop nothing' --json 2>error.txt | wc -l)" = 3
 check BeforeScripts test "$(echo 'list;' | msdata --json -c modules - | grep -o '"[a-z]*"}$' | tr -d '"}\n')" = moduleslist

@@ -1,0 +1,52 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""terminal.py COMMAND...: a client at a terminal (pseudo-terminal) of a server that has a dataset eightBalls: Tab
+completes a verb, the arrow up brings the last line back, a statement may go over lines, Ctrl-D ends it with status 0."""
+import os
+import pty
+import select
+import sys
+import time
+
+
+said = ""  # by the program, and not waited for yet
+
+
+def until(text, seconds=30):
+    """Waits for the program to write `text`."""
+    global said
+    end = time.monotonic() + seconds
+    while text not in said:
+        if not select.select([terminal], [], [], max(end - time.monotonic(), 0))[0]:
+            sys.exit(f"no {text!r} within {seconds} s, but {said!r}")
+        try:
+            said += os.read(terminal, 4096).decode()
+        except OSError:  # it has ended
+            sys.exit(f"ended without {text!r}: {said!r}")
+    said = said.split(text, 1)[1]
+
+
+process, terminal = pty.fork()
+if process == 0:
+    os.environ["TERM"] = "dumb"
+    os.execv(sys.argv[1], sys.argv[1:])
+until("? ")
+os.write(terminal, b"lis\t")
+until("list ")
+os.write(terminal, b";\n")
+until("eightBalls")
+until("? ")
+os.write(terminal, b"\x1b[A")
+until("list ;")
+os.write(terminal, b"\n")
+until("eightBalls")
+until("? ")
+os.write(terminal, b"info\n")
+until("> ")
+os.write(terminal, b"eightBalls;\n")
+until("24")
+until("? ")
+os.write(terminal, b"\x04")
+status = os.waitstatus_to_exitcode(os.waitpid(process, 0)[1])
+if status != 0:
+    sys.exit(f"exit status {status}, expected 0")
