@@ -21,7 +21,7 @@
 #define PLAN_CELLS \
   1  // cell by cell and pre-integrated, as some hold no data or the map is too steep; else midpoints
 #define PLAN_UNIT 65536
-// Cells from the beginning of a segment, at most, to where its plan is looked up.
+// Cells from the beginning of a segment, at most, to where the plan behind it is looked up.
 #define PLAN_REACH 3.9f
 
 struct VolumeRay {

@@ -33,13 +33,17 @@ void Window::setVisualization(const Visualization& visualization) {
   const std::lock_guard lock(mutex_);
   state_.visualizations[0] = visualization;
   hasVisualization_ = true;
-  scene_ = nullptr;
+  forgetScene();
 }
 
 void Window::setRenderer(const RenderSettings& settings) {
   const std::lock_guard lock(mutex_);
-  if (!(state_.settings == settings)) scene_ = nullptr;
+  if (!(state_.settings == settings)) forgetScene();
   state_.settings = settings;
+}
+
+void Window::forgetScene() {
+  if (scene_) edited_ = std::exchange(scene_, nullptr);
 }
 
 void Window::setCamera(const Camera& camera) {
@@ -84,11 +88,12 @@ void Window::close() {
   std::unique_lock lock(mutex_);
   ended_.wait(lock, [this] { return underWay_ == 0; });
   scene_ = nullptr;
+  edited_ = nullptr;
 }
 
 void Window::onData(const DatasetEvent& event) {
   if (event.kind != DatasetEvent::Kind::Updated && event.kind != DatasetEvent::Kind::Dropped) return;
-  ScenePtr released;  // outside the lock
+  ScenePtr released, edited;  // outside the lock
   {
     const std::lock_guard lock(mutex_);
     const auto& operators = state_.visualizations[0].operators;
@@ -96,6 +101,7 @@ void Window::onData(const DatasetEvent& event) {
                      [&](const Vis& vis) { return vis.dataset == event.dataset.name; }))
       return;
     released = std::exchange(scene_, nullptr);
+    edited = std::exchange(edited_, nullptr);
     if (event.kind == DatasetEvent::Kind::Updated) updates_++;
     if (event.kind == DatasetEvent::Kind::Dropped || !settings_.follow || frames_ == 0 || closed_) return;
     if (current_ || waiting_) {

@@ -70,6 +70,7 @@ class Window : public std::enable_shared_from_this<Window> {
  private:
   struct Frame;
   using FramePtr = std::shared_ptr<Frame>;
+  void forgetScene();
   void begin(const FramePtr& frame, const FramePtr& older);
   void onFirstPassSent(uint64_t number);
   void beginWaiting();
@@ -96,6 +97,8 @@ class Window : public std::enable_shared_from_this<Window> {
   bool drains_ = false;  ///< onDrained() is to come
   FrameOptions lastOptions_;
   ScenePtr scene_;
+  ScenePtr
+      edited_;  ///< what was shown before an edit, until the next frame's scene has taken over what it may
   FramePtr current_;       ///< under way and not superseded
   FramePtr waiting_;       ///< begins once `current_` has made its first pass and that has left the outbox
   uint64_t inOutbox_ = 0;  ///< the frame whose first pass waits there; 0: none

@@ -34,6 +34,7 @@ Bytes endRecord(PixelHeader header, PixelKind kind, const std::string& data = {}
 uint64_t Window::render(const FrameOptions& options) {
   auto frame = std::make_shared<Frame>();
   State state;
+  ScenePtr edited;
   uint64_t updates = 0;
   {
     const std::lock_guard lock(mutex_);
@@ -43,6 +44,7 @@ uint64_t Window::render(const FrameOptions& options) {
     state = state_;
     updates = updates_;
     frame->scene = scene_;
+    edited = std::exchange(edited_, nullptr);
     frame->camera = state_.cameras[0];
     frame->camera.dimensions = settings_.size;
   }
@@ -57,6 +59,7 @@ uint64_t Window::render(const FrameOptions& options) {
                 " rays per pixel, expected at most " + std::to_string(kSamples) + " rays");
   Scenes::Pinned pinned =
       services_.scenes.get(tenant_, state.visualizations[0], state.settings, frame->scene);
+  edited = nullptr;
   frame->scene = std::move(pinned.scene);
   frame->pins = std::move(pinned.pins);
   Node& node = services_.node;
