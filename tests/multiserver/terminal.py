@@ -8,7 +8,6 @@ import select
 import sys
 import time
 
-
 said = ""  # by the program, and not waited for yet
 
 
@@ -31,21 +30,11 @@ if process == 0:
     os.environ["TERM"] = "dumb"
     os.execv(sys.argv[1], sys.argv[1:])
 until("? ")
-os.write(terminal, b"lis\t")
-until("list ")
-os.write(terminal, b";\n")
-until("eightBalls")
-until("? ")
-os.write(terminal, b"\x1b[A")
-until("list ;")
-os.write(terminal, b"\n")
-until("eightBalls")
-until("? ")
-os.write(terminal, b"info\n")
-until("> ")
-os.write(terminal, b"eightBalls;\n")
-until("24")
-until("? ")
+for typed, answers in [(b"lis\t", ["list "]), (b";\n", ["eightBalls", "? "]), (b"\x1b[A", ["list ;"]),
+                       (b"\n", ["eightBalls", "? "]), (b"info\n", ["> "]), (b"eightBalls;\n", ["24", "? "])]:
+    os.write(terminal, typed)
+    for answer in answers:
+        until(answer)
 os.write(terminal, b"\x04")
 status = os.waitstatus_to_exitcode(os.waitpid(process, 0)[1])
 if status != 0:

@@ -97,8 +97,7 @@ class Window : public std::enable_shared_from_this<Window> {
   bool drains_ = false;  ///< onDrained() is to come
   FrameOptions lastOptions_;
   ScenePtr scene_;
-  ScenePtr
-      edited_;  ///< what was shown before an edit, until the next frame's scene has taken over what it may
+  ScenePtr edited_;        ///< shown before an edit: the next scene takes over what it may
   FramePtr current_;       ///< under way and not superseded
   FramePtr waiting_;       ///< begins once `current_` has made its first pass and that has left the outbox
   uint64_t inOutbox_ = 0;  ///< the frame whose first pass waits there; 0: none
