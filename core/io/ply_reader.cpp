@@ -19,22 +19,22 @@
 namespace gxy {
 namespace {
 
-enum class Encoding { Ascii, LittleEndian, BigEndian };
+enum class PlyEncoding { Ascii, LittleEndian, BigEndian };
 
-struct Type {
+struct PlyType {
   std::string_view name, otherName;
   size_t bytes;
   bool integer, isSigned;
 };
-constexpr Type kTypes[] = {{"char", "int8", 1, true, true},      {"uchar", "uint8", 1, true, false},
-                           {"short", "int16", 2, true, true},    {"ushort", "uint16", 2, true, false},
-                           {"int", "int32", 4, true, true},      {"uint", "uint32", 4, true, false},
-                           {"float", "float32", 4, false, true}, {"double", "float64", 8, false, true}};
+constexpr PlyType kPlyTypes[] = {{"char", "int8", 1, true, true},      {"uchar", "uint8", 1, true, false},
+                                 {"short", "int16", 2, true, true},    {"ushort", "uint16", 2, true, false},
+                                 {"int", "int32", 4, true, true},      {"uint", "uint32", 4, true, false},
+                                 {"float", "float32", 4, false, true}, {"double", "float64", 8, false, true}};
 
 struct Property {
   std::string name;
-  const Type* type = nullptr;
-  const Type* count = nullptr;  ///< of a list
+  const PlyType* type = nullptr;
+  const PlyType* count = nullptr;  ///< of a list
 };
 
 struct Element {
@@ -56,10 +56,10 @@ struct Element {
 /// The values of the body, one after the other.
 class Values {
  public:
-  Values(TextScanner& scanner, Encoding encoding) : scanner_(scanner), encoding_(encoding) {}
+  Values(TextScanner& scanner, PlyEncoding encoding) : scanner_(scanner), encoding_(encoding) {}
 
-  double next(const Type& type) {
-    if (encoding_ != Encoding::Ascii) return binary(type, scanner_.take(type.bytes, "its last element"));
+  double next(const PlyType& type) {
+    if (encoding_ != PlyEncoding::Ascii) return binary(type, scanner_.take(type.bytes, "its last element"));
     const double value = scanner_.number<double>(type.integer ? "an integer" : "a number");
     if (type.integer) {
       const double half = std::ldexp(1., int(8 * type.bytes) - 1);
@@ -74,8 +74,9 @@ class Values {
   void checkCount(const Element& element) const {
     uint64_t least = 0;
     for (const Property& p : element.properties)
-      least += encoding_ == Encoding::Ascii ? 2 : p.count ? p.count->bytes : p.type->bytes;
-    const uint64_t bytes = scanner_.left() + (encoding_ == Encoding::Ascii ? 1 : 0);  // the last line's end
+      least += encoding_ == PlyEncoding::Ascii ? 2 : p.count ? p.count->bytes : p.type->bytes;
+    const uint64_t bytes =
+        scanner_.left() + (encoding_ == PlyEncoding::Ascii ? 1 : 0);  // the last line's end
     if (element.count > bytes / least)
       scanner_.fail("the file ends too early: it has " + std::to_string(scanner_.left()) +
                     " bytes left for " + std::to_string(element.count) + " elements '" + element.name +
@@ -87,7 +88,7 @@ class Values {
     const double length = next(*list.count);
     if (!(length >= 0))
       fail(element, i, "list '" + list.name + "' has " + std::to_string(int64_t(length)) + " entries");
-    const uint64_t bytes = uint64_t(length) * (encoding_ == Encoding::Ascii ? 2 : list.type->bytes);
+    const uint64_t bytes = uint64_t(length) * (encoding_ == PlyEncoding::Ascii ? 2 : list.type->bytes);
     if (bytes > scanner_.left() + 1)
       fail(element, i,
            "the file ends within list '" + list.name + "' of " + std::to_string(uint64_t(length)) +
@@ -102,15 +103,15 @@ class Values {
 
   [[noreturn]] void fail(const Element& element, uint64_t i, const std::string& what) const {
     const std::string text = element.name + " " + std::to_string(i) + ": " + what;
-    if (encoding_ == Encoding::Ascii) scanner_.fail(text);
+    if (encoding_ == PlyEncoding::Ascii) scanner_.fail(text);
     throw Error(scanner_.path() + ": " + text);
   }
 
  private:
-  double binary(const Type& type, std::string_view bytes) const {
+  double binary(const PlyType& type, std::string_view bytes) const {
     char raw[8];
     std::memcpy(raw, bytes.data(), type.bytes);
-    if ((encoding_ == Encoding::BigEndian) != (std::endian::native == std::endian::big))
+    if ((encoding_ == PlyEncoding::BigEndian) != (std::endian::native == std::endian::big))
       std::reverse(raw, raw + type.bytes);
     const auto as = [&]<class T>(T value) {
       std::memcpy(&value, raw, sizeof value);
@@ -129,21 +130,21 @@ class Values {
   }
 
   TextScanner& scanner_;
-  Encoding encoding_;
+  PlyEncoding encoding_;
 };
 
-const Type& typeNamed(std::string_view name, const TextScanner& header) {
-  for (const Type& type : kTypes)
+const PlyType& typeNamed(std::string_view name, const TextScanner& header) {
+  for (const PlyType& type : kPlyTypes)
     if (name == type.name || name == type.otherName) return type;
   header.fail("'" + std::string(name.substr(0, 40)) + "' is not a type of PLY");
 }
 
-Encoding readFormat(TextScanner& header, TextScanner line) {
+PlyEncoding readFormat(TextScanner& header, TextScanner line) {
   const std::string_view encoding = line.word(), version = line.word();
   if (version == "1.0") {
-    if (encoding == "ascii") return Encoding::Ascii;
-    if (encoding == "binary_little_endian") return Encoding::LittleEndian;
-    if (encoding == "binary_big_endian") return Encoding::BigEndian;
+    if (encoding == "ascii") return PlyEncoding::Ascii;
+    if (encoding == "binary_little_endian") return PlyEncoding::LittleEndian;
+    if (encoding == "binary_big_endian") return PlyEncoding::BigEndian;
   }
   header.fail("expected format ascii, binary_little_endian or binary_big_endian, version 1.0");
 }
@@ -163,7 +164,7 @@ Property readProperty(TextScanner& header, TextScanner line) {
 }
 
 struct Header {
-  Encoding encoding = Encoding::Ascii;
+  PlyEncoding encoding = PlyEncoding::Ascii;
   std::vector<Element> elements;
 
   const Element* find(std::string_view name) const {
@@ -176,7 +177,7 @@ struct Header {
 Header readHeader(TextScanner& scanner, const std::string& path) {
   if (scanner.line() != "ply") scanner.fail("expected the line 'ply'");
   Header header;
-  std::optional<Encoding> encoding;
+  std::optional<PlyEncoding> encoding;
   while (true) {
     if (!scanner.left()) scanner.fail("the file ends within its header: expected 'end_header'");
     TextScanner line(scanner.line(), path);

@@ -8,15 +8,11 @@
 #include <limits>
 #include <random>
 
+#include "bytes.h"
 #include "gxy/comm/error.h"
 
 namespace gxy {
 namespace {
-
-template <typename T>
-std::span<const std::byte> bytes(const std::vector<T>& values) {
-  return std::as_bytes(std::span(values));
-}
 
 template <typename T>
 std::vector<float> stored(const std::vector<T>& values, ScalarType type, const Encoding& encoding) {

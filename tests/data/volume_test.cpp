@@ -7,16 +7,12 @@
 #include <cstring>
 #include <random>
 
+#include "bytes.h"
 #include "gxy/comm/error.h"
 #include "random_partitioning.h"
 
 namespace gxy {
 namespace {
-
-template <typename T>
-std::span<const std::byte> bytes(const std::vector<T>& values) {
-  return std::as_bytes(std::span(values));
-}
 
 Box slab(double lo, double hi) {
   Box b;

@@ -21,7 +21,7 @@ namespace {
 using testing::pattern;
 using testing::TemporaryFolder;
 
-const Grid kGrid{{-1, 0.5, 100}, {0.1, 0.2, 0.3}, {7, 6, 5}};
+const Grid kSmallGrid{{-1, 0.5, 100}, {0.1, 0.2, 0.3}, {7, 6, 5}};
 
 /// Random boxes of points inside a grid, the whole one first.
 std::vector<Extent> someExtents(const Grid& grid, int count) {
@@ -111,21 +111,21 @@ TEST(VolumeFile, WhatIsWrittenIsReadByBlockInEveryFormatAndType) {
     for (const char* extension : {".vti", ".vol", ".json"}) {
       const ScalarType type = ScalarType(t);
       const int components = std::string(extension) == ".vol" ? 1 : 2;
-      const auto samples = pattern(wholeOf(kGrid).count() * components, type);
+      const auto samples = pattern(wholeOf(kSmallGrid).count() * components, type);
       const std::string path = folder / (std::string("v") + extension);
-      VolumeWriter(path, kGrid, {{"field", type, components, {}}}).write(0, 0, samples);
+      VolumeWriter(path, kSmallGrid, {{"field", type, components, {}}}).write(0, 0, samples);
       const VolumeFile file = openVolume(path);
       EXPECT_EQ(file.array.type, type);
       EXPECT_EQ(file.array.components, components);
-      expectGrid(file.grid, kGrid);
+      expectGrid(file.grid, kSmallGrid);
       expectBlocks(file, samples);
     }
 }
 
 TEST(VolumeFile, ImagesThatVtkWroteAreReadInEveryEncoding) {
   const TemporaryFolder folder;
-  const auto samples = pattern(wholeOf(kGrid).count() * 3, ScalarType::Float64);
-  const auto image = vtkImage<vtkImageData>(kGrid, ScalarType::Float64, 3, samples);
+  const auto samples = pattern(wholeOf(kSmallGrid).count() * 3, ScalarType::Float64);
+  const auto image = vtkImage<vtkImageData>(kSmallGrid, ScalarType::Float64, 3, samples);
   for (int mode : {vtkXMLWriter::Ascii, vtkXMLWriter::Binary, vtkXMLWriter::Appended})
     for (bool compressed : {false, true})
       for (bool big : {false, true})
@@ -140,7 +140,7 @@ TEST(VolumeFile, ImagesThatVtkWroteAreReadInEveryEncoding) {
           if (big) writer->SetByteOrderToBigEndian();
           ASSERT_EQ(writer->Write(), 1);
           const VolumeFile file = openVolume(path, "field");
-          expectGrid(file.grid, kGrid);
+          expectGrid(file.grid, kSmallGrid);
           expectBlocks(file, samples);
         }
 }
@@ -149,16 +149,16 @@ TEST(VolumeFile, LegacyStructuredPointsAreReadInEveryType) {
   const TemporaryFolder folder;
   for (int t = 0; t <= int(ScalarType::Float64); ++t)
     for (bool binary : {false, true}) {  // binary legacy files are big-endian
-      const auto samples = pattern(wholeOf(kGrid).count(), ScalarType(t));
+      const auto samples = pattern(wholeOf(kSmallGrid).count(), ScalarType(t));
       const auto writer = vtkSmartPointer<vtkStructuredPointsWriter>::New();
       const std::string path = folder / "v.vtk";
       writer->SetFileName(path.c_str());
-      writer->SetInputData(vtkImage<vtkStructuredPoints>(kGrid, ScalarType(t), 1, samples));
+      writer->SetInputData(vtkImage<vtkStructuredPoints>(kSmallGrid, ScalarType(t), 1, samples));
       binary ? writer->SetFileTypeToBinary() : writer->SetFileTypeToASCII();
       ASSERT_EQ(writer->Write(), 1);
       const VolumeFile file = openVolume(path);
       EXPECT_EQ(file.array.type, ScalarType(t));
-      EXPECT_EQ(file.grid.points, kGrid.points);
+      EXPECT_EQ(file.grid.points, kSmallGrid.points);
       expectBlocks(file, samples);
     }
 }
@@ -166,11 +166,11 @@ TEST(VolumeFile, LegacyStructuredPointsAreReadInEveryType) {
 TEST(VolumeFile, BigEndianRawIsSwapped) {
   const TemporaryFolder folder;
   for (ScalarType type : {ScalarType::UInt8, ScalarType::Int16, ScalarType::Float32, ScalarType::Float64}) {
-    const auto samples = pattern(wholeOf(kGrid).count(), type);
+    const auto samples = pattern(wholeOf(kSmallGrid).count(), type);
     auto swapped = samples;
     swapBytes(swapped, bytesOf(type));
     const std::string path = folder / "v.json";
-    VolumeWriter(path, kGrid, {{"field", type, 1, {}}}).write(0, 0, swapped);
+    VolumeWriter(path, kSmallGrid, {{"field", type, 1, {}}}).write(0, 0, swapped);
     std::string text = readText(path);
     text.replace(text.find("little"), 6, "big");
     writeText(path, text);
@@ -180,15 +180,15 @@ TEST(VolumeFile, BigEndianRawIsSwapped) {
 
 TEST(VolumeFile, PiecesMakeOneImage) {
   const TemporaryFolder folder;
-  const auto samples = pattern(wholeOf(kGrid).count(), ScalarType::Float32);
+  const auto samples = pattern(wholeOf(kSmallGrid).count(), ScalarType::Float32);
   const std::string whole = folder / "w.vti";
-  VolumeWriter(whole, kGrid, {{"field", ScalarType::Float32, 1, {}}}).write(0, 0, samples);
+  VolumeWriter(whole, kSmallGrid, {{"field", ScalarType::Float32, 1, {}}}).write(0, 0, samples);
   std::vector<ImagePiece> pieces;
   for (const Extent& e :
        {Extent{{0, 0, 0}, {4, 6, 5}}, Extent{{3, 0, 0}, {4, 3, 5}}, Extent{{3, 2, 0}, {4, 4, 5}}}) {
     std::vector<std::byte> part(size_t(e.count()) * 4);
     readVolume(openVolume(whole), e, part);
-    Grid grid = kGrid;
+    Grid grid = kSmallGrid;
     grid.points = e.points;
     for (int a = 0; a < 3; ++a) grid.origin[a] += grid.spacing[a] * double(e.first[size_t(a)]);
     const std::string name = "p" + std::to_string(pieces.size()) + ".vti";
@@ -196,21 +196,22 @@ TEST(VolumeFile, PiecesMakeOneImage) {
     pieces.push_back({e, name});
   }
   const std::vector<ArrayInfo> arrays{{"field", ScalarType::Float32, 1, {}}};
-  writePvti(folder / "v.pvti", kGrid, arrays, pieces);
+  writePvti(folder / "v.pvti", kSmallGrid, arrays, pieces);
   const VolumeFile file = openVolume(folder / "v.pvti");
-  expectGrid(file.grid, kGrid);
+  expectGrid(file.grid, kSmallGrid);
   expectBlocks(file, samples);
 
   pieces.pop_back();
-  writePvti(folder / "hole.pvti", kGrid, arrays, pieces);
+  writePvti(folder / "hole.pvti", kSmallGrid, arrays, pieces);
   std::vector<std::byte> out(samples.size());
-  EXPECT_THROW(readVolume(openVolume(folder / "hole.pvti"), wholeOf(kGrid), out), Error);
+  EXPECT_THROW(readVolume(openVolume(folder / "hole.pvti"), wholeOf(kSmallGrid), out), Error);
 }
 
 TEST(VolumeFile, ArraysAreChosenByNameElseTheActiveOne) {
   const TemporaryFolder folder;
   const std::string path = folder / "v.vti";
-  VolumeWriter(path, kGrid, {{"a", ScalarType::Float32, 1, {}}, {"b", ScalarType::UInt8, 1, Range{1, 2}}});
+  VolumeWriter(path, kSmallGrid,
+               {{"a", ScalarType::Float32, 1, {}}, {"b", ScalarType::UInt8, 1, Range{1, 2}}});
   EXPECT_EQ(openVolume(path).array.name, "a");
   EXPECT_EQ(openVolume(path, "b").array.type, ScalarType::UInt8);
   EXPECT_EQ(openVolume(path, "b").array.range, (Range{1, 2}));
@@ -219,10 +220,10 @@ TEST(VolumeFile, ArraysAreChosenByNameElseTheActiveOne) {
 
 TEST(VolumeFile, WrongSizesAreErrors) {
   const TemporaryFolder folder;
-  const auto samples = pattern(wholeOf(kGrid).count(), ScalarType::Float32);
+  const auto samples = pattern(wholeOf(kSmallGrid).count(), ScalarType::Float32);
   for (const char* name : {"v.vol", "v.json", "v.vti"}) {
     const std::string path = folder / name;
-    VolumeWriter(path, kGrid, {{"field", ScalarType::Float32, 1, {}}}).write(0, 0, samples);
+    VolumeWriter(path, kSmallGrid, {{"field", ScalarType::Float32, 1, {}}}).write(0, 0, samples);
     const std::string data = extensionOf(path) == ".vti" ? path : folder / "v.raw";
     const auto size = std::filesystem::file_size(data);
     std::filesystem::resize_file(data, size - 100);
@@ -238,8 +239,8 @@ TEST(VolumeFile, WrongSizesAreErrors) {
 TEST(VolumeFile, DamagedHeadersGiveAnErrorAndPrintNothing) {
   const TemporaryFolder folder;
   const std::string path = folder / "v.vti";
-  VolumeWriter(path, kGrid, {{"field", ScalarType::Float32, 1, {}}})
-      .write(0, 0, pattern(wholeOf(kGrid).count(), ScalarType::Float32));
+  VolumeWriter(path, kSmallGrid, {{"field", ScalarType::Float32, 1, {}}})
+      .write(0, 0, pattern(wholeOf(kSmallGrid).count(), ScalarType::Float32));
   const std::string text = readText(path), header = text.substr(0, text.find('_')),
                     rest = text.substr(header.size());
   std::mt19937 random(11);

@@ -9,7 +9,7 @@
 namespace gxy::test {
 namespace {
 
-constexpr int kRanks = 3, kBatch = 500, kInFlight = 8;
+constexpr int kSlabs = 3, kBatch = 500, kInFlight = 8;
 constexpr glm::ivec2 kBatchSize{40, 33}, kWatchedSize{20, 16};
 
 /// What is counted of one rank.
@@ -99,17 +99,17 @@ FrameRun inSmallPackets(uint64_t seed) {
 
 // Two tenants: one has a batch of 500 frames, 8 in flight, the other looks at a frame now and then.
 TEST(Fairness, AWatchedFrameWaitsForAtMostTwoPacketsOfABatchOnEachRank) {
-  std::array<Counts, kRanks> counts;
+  std::array<Counts, kSlabs> counts;
   std::vector<std::unique_ptr<CountedBackend>> backends;
   for (Counts& c : counts) backends.push_back(std::make_unique<CountedBackend>(c));
   TestScene scene = balls(kBatchSize);
   addMesh(scene, 1);
-  const Cut cut = lattice(sceneDomain(), {3, 1, 1}, kRanks);
+  const Cut cut = lattice(sceneDomain(), {3, 1, 1}, kSlabs);
   FrameRun run = inSmallPackets(7);
   run.options.raysInFlight = 40000;
   run.options.interactiveRays = 10000;
   run.options.runners = 1;
-  Frames frames(kRanks, run);
+  Frames frames(kSlabs, run);
   frames.add(1, compiledOn(cut, scene, [&](int rank) -> const Backend& { return *backends[size_t(rank)]; }));
 
   FrameRequest batch, watched;
@@ -154,10 +154,10 @@ TEST(Fairness, AWatchedFrameWaitsForAtMostTwoPacketsOfABatchOnEachRank) {
 TEST(Fairness, ATenantHasSoManyRaysInFlightAndNoMore) {
   constexpr int64_t kMost = 20000;
   const TestScene scene = balls({64, 64});
-  const Cut cut = lattice(sceneDomain(), {3, 1, 1}, kRanks);
+  const Cut cut = lattice(sceneDomain(), {3, 1, 1}, kSlabs);
   FrameRun run = inSmallPackets(11);
   run.options.tenantRays = kMost;
-  Frames frames(kRanks, run);
+  Frames frames(kSlabs, run);
   frames.add(1, compiledOn(cut, scene));
   FrameRequest request;
   request.scene = 1;
@@ -169,7 +169,7 @@ TEST(Fairness, ATenantHasSoManyRaysInFlightAndNoMore) {
   }
   std::map<uint32_t, int64_t> most;
   while (frames.world().step())
-    for (int rank = 0; rank < kRanks; rank++)
+    for (int rank = 0; rank < kSlabs; rank++)
       for (const auto& [tenant, credits] : frames.renderer(rank).kept().tenantCredits)
         most[tenant] = std::max(most[tenant], credits);
   for (const FrameId id : ids) EXPECT_EQ(frames.outcome(id).finished, 1);

@@ -2,21 +2,16 @@
 #include <algorithm>
 #include <cmath>
 
+#include "color_distance.h"
 #include "gxy/scene/colormaps.h"
 #include "scene_test_support.h"
 
 namespace gxy {
 namespace {
 
-constexpr double kLevel = 1.0 / 255;
-
 ColorPreset parse(const std::string& text) { return parseColorPreset(parseJson(text, "p.json"), "p.json"); }
 std::string errorFor(const std::string& text) {
   return errorOf([&] { parse(text); });
-}
-
-double distance(const glm::dvec3& a, const glm::dvec3& b) {
-  return std::max({std::abs(a.r - b.r), std::abs(a.g - b.g), std::abs(a.b - b.b)});
 }
 
 std::string twoColors(const std::string& more) {

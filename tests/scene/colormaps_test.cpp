@@ -5,16 +5,11 @@
 #include <cmath>
 #include <limits>
 
+#include "color_distance.h"
 #include "scene_test_support.h"
 
 namespace gxy {
 namespace {
-
-constexpr double kLevel = 1.0 / 255;
-
-double distance(const glm::dvec3& a, const glm::dvec3& b) {
-  return std::max({std::abs(a.r - b.r), std::abs(a.g - b.g), std::abs(a.b - b.b)});
-}
 
 TEST(Evaluate, IsLinearBetweenPointsAndConstantOutside) {
   const OpacityMap map{false, {{-1, 0.2}, {1, 0.6}, {3, 0}}};

@@ -11,7 +11,7 @@
 namespace gxy::data_tool {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
+using std::numbers::pi;
 
 /// The finaliser of SplitMix64 (Steele et al. 2014).
 uint64_t mix(uint64_t x) {
@@ -51,7 +51,7 @@ double bump(double distance, double width) { return std::exp(-(distance / width)
 
 /// Distance to a coil of radius 0.25 around the y axis, in the plane of equal angle.
 double coilDistance(glm::dvec3 p) {
-  const double pitch = 0.35, turn = std::atan2(p.z, p.x) / (2 * kPi) * pitch;
+  const double pitch = 0.35, turn = std::atan2(p.z, p.x) / (2 * pi) * pitch;
   const double rise = p.y - turn - pitch * std::round((p.y - turn) / pitch);
   return std::hypot(std::hypot(p.x, p.z) - 0.25, rise);
 }
@@ -75,8 +75,8 @@ Field marschnerLobb() {
   return {"marschner-lobb", [](glm::dvec3 p, double phase) {
             constexpr double frequency = 6, alpha = 0.25;
             const double r = std::hypot(p.x, p.y);
-            const double wave = std::cos(2 * kPi * (frequency * std::cos(kPi * r / 2) + phase));
-            return float((1 - std::sin(kPi * p.z / 2) + alpha * (1 + wave)) / (2 * (1 + alpha)));
+            const double wave = std::cos(2 * pi * (frequency * std::cos(pi * r / 2) + phase));
+            return float((1 - std::sin(pi * p.z / 2) + alpha * (1 + wave)) / (2 * (1 + alpha)));
           }};
 }
 

@@ -12,7 +12,7 @@
 namespace gxy::data_tool {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
+using std::numbers::pi;
 
 /// One block a time step, `make(phase)`.
 template <class Make>
@@ -34,7 +34,7 @@ glm::dvec3 gaussian(uint64_t seed, uint64_t n) {
   glm::dvec3 g;
   for (int a = 0; a < 3; ++a) {
     const double u = std::max(uniform(seed, 6 * n + 2 * uint64_t(a)), 1e-12);
-    g[a] = std::sqrt(-2 * std::log(u)) * std::cos(2 * kPi * uniform(seed, 6 * n + 2 * uint64_t(a) + 1));
+    g[a] = std::sqrt(-2 * std::log(u)) * std::cos(2 * pi * uniform(seed, 6 * n + 2 * uint64_t(a) + 1));
   }
   return g;
 }
@@ -55,7 +55,7 @@ void makeParticles(const Options& options) {
       if (random(3) < 0.75) {
         const uint64_t c = uint64_t(random(4) * double(clusters));
         const auto place = [&](uint64_t k) { return 1.4 * uniform(seed, 4 * c + k) - 0.7; };
-        const double radius = 0.02 + 0.06 * uniform(seed, 4 * c + 3), turn = 2 * kPi * phase;
+        const double radius = 0.02 + 0.06 * uniform(seed, 4 * c + 3), turn = 2 * pi * phase;
         const glm::dvec3 g = gaussian(seed ^ 0x77, i) * random(5);
         const glm::dvec3 centre(place(0) * std::cos(turn) - place(2) * std::sin(turn), place(1),
                                 place(0) * std::sin(turn) + place(2) * std::cos(turn));
@@ -74,7 +74,7 @@ void makeSphereMesh(const Options& options) {
   const uint32_t rows = uint32_t(options.count > 0 ? options.count : 64), columns = 2 * rows;
   writeSteps(options, GeometryKind::Triangles, "height", [&](double phase) {
     const auto height = [&](double polar, double azimuth) {
-      return std::sin(polar) * std::sin(6 * polar) * std::cos(8 * azimuth + 2 * kPi * phase);
+      return std::sin(polar) * std::sin(6 * polar) * std::cos(8 * azimuth + 2 * pi * phase);
     };
     const auto point = [&](double polar, double azimuth) {
       const double r = 1 + options.displacement * height(polar, azimuth);
@@ -87,15 +87,15 @@ void makeSphereMesh(const Options& options) {
       glm::dvec3 normal = glm::cross(point(polar, azimuth + h) - point(polar, azimuth - h),
                                      point(polar + h, azimuth) - point(polar - h, azimuth));
       const glm::dvec3 p = point(polar, azimuth);
-      if (polar == 0 || polar == kPi) normal = p;  // meridians meet
+      if (polar == 0 || polar == pi) normal = p;  // meridians meet
       block.points.push_back(p);
       block.normals.push_back(glm::vec3(glm::normalize(normal)));
       block.values.push_back(float(height(polar, azimuth)));
     };
     add(0, 0);
     for (uint32_t j = 1; j < rows; ++j)
-      for (uint32_t i = 0; i < columns; ++i) add(kPi * j / rows, 2 * kPi * i / columns);
-    add(kPi, 0);
+      for (uint32_t i = 0; i < columns; ++i) add(pi * j / rows, 2 * pi * i / columns);
+    add(pi, 0);
     const uint32_t last = uint32_t(block.points.size()) - 1;
     const auto at = [&](uint32_t j, uint32_t i) { return 1 + (j - 1) * columns + i % columns; };
     for (uint32_t i = 0; i < columns; ++i) {
@@ -119,15 +119,15 @@ void makeHelix(const Options& options) {
     GeometryBlock block;
     for (int line = 0; line < lines; ++line) {
       const double radius = 0.3 + 0.5 * uniform(options.seed, uint64_t(line));
-      const double start = 2 * kPi * (double(line) / lines + phase);
+      const double start = 2 * pi * (double(line) / lines + phase);
       const uint32_t first = uint32_t(block.points.size());
       for (int i = 0; i <= samples; ++i) {
         const double time = double(i) / samples;
-        const double way = time - 0.4 * std::sin(2 * kPi * time) / (2 * kPi);
-        const double angle = start + 2 * kPi * turns * way;
+        const double way = time - 0.4 * std::sin(2 * pi * time) / (2 * pi);
+        const double angle = start + 2 * pi * turns * way;
         block.points.push_back({radius * std::cos(angle), 2 * way - 1, radius * std::sin(angle)});
         block.values.push_back(
-            float((1 - 0.4 * std::cos(2 * kPi * time)) * std::hypot(2 * kPi * turns * radius, 2)));
+            float((1 - 0.4 * std::cos(2 * pi * time)) * std::hypot(2 * pi * turns * radius, 2)));
       }
       for (uint32_t i = 0; i < samples; ++i) {
         block.segments.push_back({first + i, first + i + 1});
