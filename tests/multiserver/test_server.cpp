@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstring>
 #include <fstream>
+#include <thread>
 
 #include "gxy/comm/error.h"
 #include "gxy/embree/embree_backend.h"
@@ -35,6 +36,13 @@ TestServer::TestServer(ServerSetup setup) {
 }
 
 TestServer::~TestServer() { stop(); }
+
+bool TestServer::waitForStop() const {
+  const auto until = std::chrono::steady_clock::now() + std::chrono::minutes(1);
+  while (!stopAsked_ && std::chrono::steady_clock::now() < until)
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  return stopAsked_;
+}
 
 void TestServer::stop() {
   server_.reset();

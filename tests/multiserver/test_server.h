@@ -36,6 +36,8 @@ class TestServer {
   Node& node(int rank = 0) { return *nodes_[size_t(rank)]; }
   Server& server() { return *server_; }
   bool stopAsked() const { return stopAsked_; }
+  /// Waits for it, a minute at most; whether it came.
+  bool waitForStop() const;
   /// Ends the server and its nodes, as gxyserver does.
   void stop();
 
