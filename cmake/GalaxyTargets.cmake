@@ -21,7 +21,7 @@ add_compile_options(-fno-tree-slp-vectorize)
 if(CMAKE_CXX_COMPILER_ID STREQUAL GNU AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
   add_compile_options(-Wno-restrict)  # false alarms on "text" + std::string, GCC bug 105651
 endif()
-if(CMAKE_UNITY_BUILD)
+if(CMAKE_UNITY_BUILD AND CMAKE_CXX_COMPILER_ID STREQUAL GNU)
   add_compile_options(-Wno-subobject-linkage)  # takes a .cpp that is compiled with others for a header
 endif()
 if(GALAXY_WERROR)
