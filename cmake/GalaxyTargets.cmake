@@ -89,7 +89,7 @@ function(galaxy_install_package)
   install(EXPORT GalaxyTargets NAMESPACE Galaxy:: DESTINATION ${where})
 endfunction()
 
-# galaxy_glue(TARGET): its own sources (options, files, checks) call what computes; to optimize them takes long and gains nothing.
+# galaxy_glue(TARGET): its own sources (options, files, checks) call what computes; to optimize them takes long and gains little.
 function(galaxy_glue TARGET)
   target_compile_options(${TARGET} PRIVATE $<$<CONFIG:Release>:-O1>)
 endfunction()

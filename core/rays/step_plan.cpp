@@ -16,10 +16,9 @@ constexpr double kLowestRate = 1 / kLongest, kHighestRate = 256;
 constexpr double kBendMidpoint = 0.015, kBendPieces = 0.09;
 constexpr double kBendOfMap = 0.02, kKinkOfMap = 0.055;
 constexpr double kJump = 0.9;
-constexpr double kMostJump = 2;    // of optical depth per cell: what is behind such a step is hidden
-constexpr double kThinnest = 0.2;  // part of a cell that is seen, at least
-constexpr double kDensest =
-    1;  // most optical depth of a midpoint segment: the front hides the back of others
+constexpr double kMostJump = 2;     // of optical depth per cell: what is behind such a step is hidden
+constexpr double kThinnest = 0.2;   // part of a cell that is seen, at least
+constexpr double kMostDepth = 1;    // optical depth of a midpoint segment: the front hides the back of others
 constexpr double kCostOfCells = 8;  // time of a cell length cell by cell, in midpoint segments
 
 constexpr double kLongestRay = 1.7;                     // diagonal of a cube whose side is 1 in t
@@ -76,7 +75,7 @@ std::vector<int32_t> stepPlan(std::span<const Macrocell> summaries, const Compil
     const double allowed = (1 - kEarlyEnd) * tolerance;
     if (others) errors.midpoint += cellT * over.slope * m.steep * std::min(1.0, kLongestRay * *others) / 24;
     const double midpoint =
-        std::max(std::sqrt(errors.midpoint / allowed), over.extinction * cellT / kDensest);
+        std::max(std::sqrt(errors.midpoint / allowed), over.extinction * cellT / kMostDepth);
     const double pieces = std::sqrt(errors.pieces / allowed);
     const bool cells =
         m.noData || over.jump > 0 || midpoint > std::min(kHighestRate, kCostOfCells * std::max(pieces, 1.0));
