@@ -1,23 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
-// First root of a cubic in Bernstein form on [0, 1] (Parker 1998; Marmitt 2004; Neubauer 2002): split at its extrema,
+// First root of a cubic on [0, 1], by its four Bernstein coefficients (Parker 1998; Marmitt 2004; Neubauer 2002): split at its extrema,
 // then a bracketed, safeguarded Newton iteration. End values are taken as given, so that neighbouring cells, which share
 // them to the bit, cannot both see or both miss a crossing.
 
-FN real bernsteinValue(Bernstein b, real u) {
+FN real bernsteinValue(vec4 b, real u) {
   real v = R(1.0) - u;
-  real a0 = b.b0 * v + b.b1 * u, a1 = b.b1 * v + b.b2 * u, a2 = b.b2 * v + b.b3 * u;
+  real a0 = b.x * v + b.y * u, a1 = b.y * v + b.z * u, a2 = b.z * v + b.w * u;
   real c0 = a0 * v + a1 * u, c1 = a1 * v + a2 * u;
   return c0 * v + c1 * u;
 }
 
-FN real bernsteinSlope(Bernstein b, real u) {
+FN real bernsteinSlope(vec4 b, real u) {
   real v = R(1.0) - u;
-  real d0 = b.b1 - b.b0, d1 = b.b2 - b.b1, d2 = b.b3 - b.b2;
+  real d0 = b.y - b.x, d1 = b.z - b.y, d2 = b.w - b.z;
   return R(3.0) * ((d0 * v + d1 * u) * v + (d1 * v + d2 * u) * u);
 }
 
 // The root inside (lo, hi), where the value at lo is fLo and the value at hi, fHi, has another sign.
-FN real refineRoot(Bernstein b, real lo, real hi, real fLo, real fHi) {
+FN real refineRoot(vec4 b, real lo, real hi, real fLo, real fHi) {
   real l = lo, h = hi;
   real u = l + (h - l) * (fLo / (fLo - fHi));
   for (UNIFORM int k = 0; k < ROOT_ITERATIONS; k++) {
@@ -50,7 +50,7 @@ struct RootQuery {
   bool start;
 };
 
-FN bool acceptsRoot(RootQuery q, real t) { return t >= q.tIn && t < q.tOut && t > q.tAfter; }
+FN bool acceptsRoot(real t, real tIn, real tOut, real tAfter) { return t >= tIn && t < tOut && t > tAfter; }
 
 // A part [lo, hi] of [0, 1] in which the cubic is monotone, and over which its sign changes from that of fLo.
 struct Bracket {
@@ -69,33 +69,28 @@ FN real rootBehind(real t, real u, real ta, real tb) {
 }
 
 // The first crossing at or after `done` of the cubic b over [ta, tb]; lo > hi if there is none.
-FN Bracket firstBracket(Bernstein b, real ta, real done, RootQuery q) {
-  Bracket c;
-  c.lo = R(1.0);
-  c.hi = R(0.0);
-  c.fLo = R(0.0);
-  c.fHi = R(0.0);
-  real first = b.b0;
+FN Bracket firstBracket(vec4 b, real ta, real done, RootQuery q) {
+  real from = R(1.0), to = R(0.0), fFrom = R(0.0), fTo = R(0.0);
+  real first = b.x;
   if (q.from != 0) {
-    real outwards = q.from > 0 ? b.b1 - b.b0 : b.b0 - b.b1;
-    bool deeper =
-        q.from > 0 ? min(min(b.b1, b.b2), b.b3) < b.b0 + b.b0 : max(max(b.b1, b.b2), b.b3) > b.b0 + b.b0;
-    bool wrong = (b.b0 < R(0.0)) != (q.from < 0);
+    real outwards = q.from > 0 ? b.y - b.x : b.x - b.y;
+    bool deeper = q.from > 0 ? min(min(b.y, b.z), b.w) < b.x + b.x : max(max(b.y, b.z), b.w) > b.x + b.x;
+    bool wrong = (b.x < R(0.0)) != (q.from < 0);
     if (q.start && (!wrong || (outwards <= R(0.0) && deeper))) {
-      real size = max1(abs(b.b0), R(1e-37));
+      real size = max1(abs(b.x), R(1e-37));
       first = q.from > 0 ? size : -size;
     }
   }
-  bool none =
-      min(min(first, b.b1), min(b.b2, b.b3)) > R(0.0) || max(max(first, b.b1), max(b.b2, b.b3)) < R(0.0);
+  bool none = min(min(first, b.y), min(b.z, b.w)) > R(0.0) || max(max(first, b.y), max(b.z, b.w)) < R(0.0);
   if (!none) {
     // whatever side it left, a ray that starts inside a plateau meets it at once
-    bool plateau = max(max(abs(b.b0), abs(b.b1)), max(abs(b.b2), abs(b.b3))) == R(0.0);
-    if (q.entry && b.b0 == R(0.0) && (q.from == 0 || plateau) && done == R(0.0) && acceptsRoot(q, ta)) {
-      c.lo = R(0.0);
+    bool plateau = max(max(abs(b.x), abs(b.y)), max(abs(b.z), abs(b.w))) == R(0.0);
+    if (q.entry && b.x == R(0.0) && (q.from == 0 || plateau) && done == R(0.0) &&
+        acceptsRoot(ta, q.tIn, q.tOut, q.tAfter)) {
+      from = R(0.0);
     } else {
       // extrema: roots of the derivative d0 v^2 + 2 d1 u v + d2 u^2 = qa u^2 + 2 qb u + qc
-      real d0 = b.b1 - b.b0, d1 = b.b2 - b.b1, d2 = b.b3 - b.b2;
+      real d0 = b.y - b.x, d1 = b.z - b.y, d2 = b.w - b.z;
       // where their products would leave float, scaled: that moves no root
       real size = max(max(abs(d0), abs(d1)), abs(d2)), scale = R(1.0);
       if (size > R(1e15)) scale = R(8.271806125530277e-25);   // 2^-80
@@ -117,25 +112,30 @@ FN Bracket firstBracket(Bernstein b, real ta, real done, RootQuery q) {
       real a = R(0.0), fa = first;
       for (UNIFORM int k = 0; k < 3; k++) {
         real z = k == 0 ? e0 : (k == 1 ? e1 : R(1.0));
-        real fz = z < R(1.0) ? bernsteinValue(b, z) : b.b3;
+        real fz = z < R(1.0) ? bernsteinValue(b, z) : b.w;
         bool crosses = q.from <= 0 && fa < R(0.0) && fz >= R(0.0);
         crosses = crosses || (q.from >= 0 && fa > R(0.0) && fz <= R(0.0));
-        if (c.lo > c.hi && crosses && z > a && a >= done) {
-          c.lo = a;
-          c.hi = z;
-          c.fLo = fa;
-          c.fHi = fz;
+        if (from > to && crosses && z > a && a >= done) {
+          from = a;
+          to = z;
+          fFrom = fa;
+          fTo = fz;
         }
         if (z > a) fa = fz;
         a = max(a, z);
       }
     }
   }
+  Bracket c;
+  c.lo = from;
+  c.hi = to;
+  c.fLo = fFrom;
+  c.fHi = fTo;
   return c;
 }
 
 // Where in its bracket the crossing is.
-FN real rootIn(Bernstein b, Bracket c) {
+FN real rootIn(vec4 b, Bracket c) {
   real u = c.hi;
   if (c.fHi != R(0.0)) u = refineRoot(b, c.lo, c.hi, c.fLo, c.fHi);
   return u;

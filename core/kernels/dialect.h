@@ -1,14 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 // The common subset of C++, ISPC and GLSL in which every other file of this folder is written.
 //
-//   real, vec3, ivec3      scalar and short vectors; components are .x .y .z; + - * / work elementwise, with a real too
+//   real, vec3, vec4, ivec3  scalar and short vectors; components are .x .y .z .w; + - * / work elementwise, with a real too
 //   R(0.5)                 a literal of type real
 //   FN, FN_OUTLINE         a function; one that is better not inlined
 //   UNIFORM                a variable that is the same for all rays (a loop counter)
 //   ALL_RAYS { ... }       done with the rays of a gang that take no part here, too (what they get must harm nobody): what a loop
 //                          carries from one turn to the next then does not wait for who goes on
 //   INOUT(T), OUT(T)       a parameter that is read and written, or written
-//   make_v3, make_i3       constructors
+//   put(to, x)             to = x, where `to` is a member of a structure that outlives the branch or turn of the loop: assigned, it
+//                          would be a masked store of ISPC's to memory, which a processor without masks does at a tenth of the pace.
+//                          A variable by itself (real, int, vec3) needs none
+//   make_v3, make_v4, make_i3   constructors
 //   toReal(i), toInt(x)    conversions: int or uint (slow) to real; real to int, towards zero
 //   asUint, asReal         the bits of a float as an integer and back (not in the twin)
 //   asInt, toUint          the bits of a uint as an int, and of an int as a uint
@@ -29,6 +32,7 @@
 #if defined(GXY_GLSL)
 #define real float
 #define make_v3 vec3
+#define make_v4 vec4
 #define R(x) x
 #define FN
 #define FN_OUTLINE
@@ -44,9 +48,11 @@
 #define toInt int
 #define toUint uint
 #define floatOf float
+#define put(to, x) to = x
 FN real infinity() { return asReal(0x7f800000u); }
 #elif defined(ISPC)
 typedef float<3> vec3;
+typedef float<4> vec4;
 typedef int<3> ivec3;
 #define real float
 #define R(x) x##f
@@ -58,6 +64,10 @@ typedef int<3> ivec3;
 #define ALL_RAYS unmasked
 FN vec3 make_v3(float x, float y, float z) {
   vec3 v = {x, y, z};
+  return v;
+}
+FN vec4 make_v4(float x, float y, float z, float w) {
+  vec4 v = {x, y, z, w};
   return v;
 }
 FN ivec3 make_i3(int x, int y, int z) {
@@ -73,9 +83,24 @@ FN real toReal(uint i) { return (float)i; }
 FN int toInt(real x) { return (int)x; }
 FN uint toUint(int i) { return (uint)i; }
 FN real floatOf(double x) { return (float)x; }
+// Every ray's value is stored, an idle one's own. (Assigned where it is declared, `takesPart` would be true for all.)
+FN void setTrue(bool& b) { b = true; }
+#define GXY_PUT(T)                        \
+  FN void put(T& to, T x) {               \
+    bool takesPart;                       \
+    unmasked { takesPart = false; }       \
+    setTrue(takesPart);                   \
+    unmasked { to = takesPart ? x : to; } \
+  }
+GXY_PUT(float)
+GXY_PUT(int)
+GXY_PUT(bool)
+GXY_PUT(vec3)
+GXY_PUT(ivec3)
 #else
 using real = GXY_REAL;
 using vec3 = glm::vec<3, GXY_REAL>;
+using vec4 = glm::vec<4, GXY_REAL>;
 using ivec3 = glm::ivec3;
 using uint = unsigned int;
 #define R(x) real(x)
@@ -92,6 +117,7 @@ using std::max;
 using std::min;
 using std::sqrt;
 FN vec3 make_v3(real x, real y, real z) { return vec3(x, y, z); }
+FN vec4 make_v4(real x, real y, real z, real w) { return vec4(x, y, z, w); }
 FN ivec3 make_i3(int x, int y, int z) { return ivec3(x, y, z); }
 FN real infinity() { return std::numeric_limits<real>::infinity(); }
 FN real toReal(int i) { return real(i); }
@@ -99,6 +125,10 @@ FN real toReal(uint i) { return real(i); }
 FN int toInt(real x) { return int(x); }
 FN uint toUint(int i) { return uint(i); }
 FN real floatOf(double x) { return real(float(x)); }
+template <class T>
+FN void put(T& to, T x) {
+  to = x;
+}
 FN int asInt(uint x) { return int(x); }
 #if !defined(GXY_TWIN)
 FN uint asUint(float x) { return std::bit_cast<uint>(x); }

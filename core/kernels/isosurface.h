@@ -82,17 +82,16 @@ FN int isoCell(VOLUME v, int block, int x, int y, int z) {
   return (bits >> (at & 31)) & 1;
 }
 
-// The isosurfaces in one cell: of the isovalues from `index` on, the first whose cubic b, between the ray's ta and tb, has a
-// crossing at or after `done`, and where that is bracketed. None: index = v.isovalues.
+// The isosurfaces in one cell: of the isovalues from `first` on, the first whose cubic, between the ray's ta and tb, has a
+// crossing, of isovalue `first` at or after `done`, and where that is bracketed. None: index = v.isovalues.
 struct IsoCrossing {
-  Bernstein b;
+  vec4 cubic;
   Bracket at;
   int index;
-  real done;
 };
 
-FN void cellCrossing(VOLUME v, VolumeRay r, ivec3 c, ivec3 up, real ta, real tb, RootQuery q, IsoStart start,
-                     INOUT(IsoCrossing) x) {
+FN IsoCrossing cellCrossing(VOLUME v, VolumeRay r, ivec3 c, ivec3 up, real ta, real tb, int first, real done,
+                            real tIn, real tOut, real tAfter, IsoStart start) {
   Corners k = cellCorners(v, c);
   real lo = minCorner(k), hi = maxCorner(k);
   vec3 near = make_v3(planeCrossing(c.x + 1 - up.x, r.g.po.x, r.g.rpd.x),
@@ -110,27 +109,44 @@ FN void cellCrossing(VOLUME v, VolumeRay r, ivec3 c, ivec3 up, real ta, real tb,
               crossedFraction(far.z <= tb, up.z, to.z, c.z));
   bool holds = tb >= ta && holdsData(k);
   real along = (ta - r.t0) * r.cells;
-  int next = x.index;
-  x.index = v.isovalues;
+  // what the loop finds (decision 0012)
+  vec4 cubic = make_v4(R(0.0), R(0.0), R(0.0), R(0.0));
+  vec4 bracket = cubic;
+  int index = v.isovalues;
   for (UNIFORM int i = 0; i < v.isovalues; i++) {
     real iso = isovalueAt(v, i);
-    if (holds && i >= next && x.index == v.isovalues && lo <= iso && hi >= iso) {
-      x.b = bernsteinAlong(cornersMinus(k, iso), f, g);
-      q.start = along <= R(1e-3);
-      q.entry = ta <= r.t0;
+    if (holds && i >= first && index == v.isovalues && lo <= iso && hi >= iso) {
+      cubic = bernsteinAlong(cornersMinus(k, iso), f, g);
+      bool starts = along <= R(1e-3), entry = ta <= r.t0;
       // The side counts until the ray has met a surface, or may have changed sides in a gap without data: that is behind
       // it, or a quarter of a cell off the start, where rounding has no ray on the wrong side any more.
-      q.from = start.index == i && q.tAfter < R(0.0) && along <= R(0.25) ? start.from : 0;
-      if (!q.entry && (x.b.b0 == R(0.0) || (q.from != 0 && !q.start))) {
-        q.entry = !cellHoldsData(
+      int side = start.index == i && tAfter < R(0.0) && along <= R(0.25) ? start.from : 0;
+      if (!entry && (cubic.x == R(0.0) || (side != 0 && !starts))) {
+        entry = !cellHoldsData(
             v, make_i3(near.x >= ta ? c.x + 1 - up.x - up.x : c.x, near.y >= ta ? c.y + 1 - up.y - up.y : c.y,
                        near.z >= ta ? c.z + 1 - up.z - up.z : c.z));
-        if (q.entry && !q.start) q.from = 0;
+        if (entry && !starts) side = 0;
       }
-      x.at = firstBracket(x.b, ta, i == next ? x.done : R(0.0), q);
-      if (x.at.lo <= x.at.hi) x.index = i;
+      RootQuery q;
+      q.tIn = tIn;
+      q.tOut = tOut;
+      q.tAfter = tAfter;
+      q.entry = entry;
+      q.from = side;
+      q.start = starts;
+      Bracket at = firstBracket(cubic, ta, i == first ? done : R(0.0), q);
+      bracket = make_v4(at.lo, at.hi, at.fLo, at.fHi);
+      if (at.lo <= at.hi) index = i;
     }
   }
+  IsoCrossing x;
+  x.cubic = cubic;
+  x.at.lo = bracket.x;
+  x.at.hi = bracket.y;
+  x.at.fLo = bracket.z;
+  x.at.fHi = bracket.w;
+  x.index = index;
+  return x;
 }
 
 FN IsoHit firstIsosurface(VOLUME v, VolumeRay r, real tIn, real tOut, real tAfter, IsoStart start,
@@ -156,17 +172,12 @@ FN IsoHit firstIsosurface(VOLUME v, VolumeRay r, real tIn, real tOut, real tAfte
   int mx = c.x >> MACRO_BITS, my = c.y >> MACRO_BITS, mz = c.z >> MACRO_BITS;
   int lx = c.x & 7, ly = c.y & 7, lz = c.z & 7;
   int block = isoBlock(v, make_i3(mx, my, mz));
-  RootQuery query;
-  query.tIn = tIn;
-  query.tOut = tOut;
-  query.tAfter = tAfter;
-  IsoCrossing x;
-  x.at.lo = R(1.0);
-  x.at.hi = R(0.0);
-  x.at.fLo = R(0.0);
-  x.at.fHi = R(0.0);
-  x.index = 0;
-  x.done = R(0.0);
+  real tMet = NO_HIT, tLimit = tOut;
+  int met = -1;
+  vec4 cubic = make_v4(R(0.0), R(0.0), R(0.0), R(0.0));  // of the crossing
+  vec4 bracket = cubic;
+  int index = 0;
+  real done = R(0.0);
   bool go = true;
   while (go) {
     // Rays of a gang wait for each other at cells that an isovalue may pass through, and again where they have bracketed
@@ -275,12 +286,15 @@ FN IsoHit firstIsosurface(VOLUME v, VolumeRay r, real tIn, real tOut, real tAfte
         real farZ = planeCrossing(c.z + up.z, r.g.po.z, r.g.rpd.z);
         real exit = min(min(farX, farY), farZ);
         tb = min(exit, r.t1);
-        cellCrossing(v, r, c, up, ta, tb, query, start, x);
-        bracketed = x.index < v.isovalues;
+        IsoCrossing x = cellCrossing(v, r, c, up, ta, tb, index, done, tIn, tLimit, tAfter, start);
+        cubic = x.cubic;
+        bracket = make_v4(x.at.lo, x.at.hi, x.at.fLo, x.at.fHi);
+        index = x.index;
+        bracketed = index < v.isovalues;
         if (!bracketed) {
-          go = hit.t >= NO_HIT && exit < end;
-          x.index = 0;
-          x.done = R(0.0);
+          go = tMet >= NO_HIT && exit < end;
+          index = 0;
+          done = R(0.0);
           ta = exit;
           lx += farX <= exit ? stepX : 0;
           ly += farY <= exit ? stepY : 0;
@@ -298,21 +312,28 @@ FN IsoHit firstIsosurface(VOLUME v, VolumeRay r, real tIn, real tOut, real tAfte
       }
     }
     if (bracketed) {
-      real u = rootIn(x.b, x.at);
+      Bracket at;
+      at.lo = bracket.x;
+      at.hi = bracket.y;
+      at.fLo = bracket.z;
+      at.fHi = bracket.w;
+      real u = rootIn(cubic, at);
       real th = rootBehind(rootTime(u, ta, tb), u, ta, tb);
-      bool accepted = acceptsRoot(query, th);
+      bool accepted = acceptsRoot(th, tIn, tLimit, tAfter);
       if (accepted) {
-        hit.t = th;
-        hit.index = x.index;
-        query.tOut = min(tOut, th);
+        tMet = th;
+        met = index;
+        tLimit = min(tOut, th);
       }
       // what is left of this cell
-      bool more = !accepted && x.at.hi < R(1.0);
-      x.done = more ? x.at.hi : R(0.0);
-      x.index += more ? 0 : 1;
-      go = !accepted || x.index < v.isovalues;
+      bool more = !accepted && bracket.y < R(1.0);
+      done = more ? bracket.y : R(0.0);
+      index += more ? 0 : 1;
+      go = !accepted || index < v.isovalues;
     }
   }
+  hit.t = tMet;
+  hit.index = met;
   return hit;
 }
 
@@ -402,6 +423,16 @@ FN ivec3 cellMet(VOLUME v, GridRay g, real t) {
   return c;
 }
 
+// Adds the gradient d at point (x, y, z) of a cell, by its weight at fractions f, and notes the largest.
+FN void addGradient(vec3 d, vec3 f, UNIFORM int x, UNIFORM int y, UNIFORM int z, INOUT(vec3) g,
+                    INOUT(vec3) most) {
+  real w = ((x == 1 ? f.x : R(1.0) - f.x) * (y == 1 ? f.y : R(1.0) - f.y)) * (z == 1 ? f.z : R(1.0) - f.z);
+  g.x += w * d.x;
+  g.y += w * d.y;
+  g.z += w * d.z;
+  most = make_v3(max(most.x, abs(d.x)), max(most.y, abs(d.y)), max(most.z, abs(d.z)));
+}
+
 #define FLAT_GRADIENT R(1e-5)  // of the largest gradient at the cell's points: what counts as none at all
 
 // The shading gradient at p (index space), per unit of render space: trilinear in the gradients of the cell's points, so
@@ -412,29 +443,24 @@ FN vec3 gradientIn(VOLUME v, ivec3 c, vec3 p) {
   bool inner = c.x > v.firstX && c.y > v.firstY && c.z > v.firstZ && c.x + 1 < v.lastX && c.y + 1 < v.lastY &&
                c.z + 1 < v.lastZ;
   vec3 g = make_v3(R(0.0), R(0.0), R(0.0)), most = make_v3(R(0.0), R(0.0), R(0.0));
-  Corners k;
-  CellNeighbours n;
   if (inner) {
-    k = cellCorners(v, c);
+    Corners k = cellCorners(v, c);
+    CellNeighbours n;
     n.lowX = cellCorners(v, make_i3(c.x - 1, c.y, c.z));
     n.highX = cellCorners(v, make_i3(c.x + 1, c.y, c.z));
     n.lowY = cellCorners(v, make_i3(c.x, c.y - 1, c.z));
     n.highY = cellCorners(v, make_i3(c.x, c.y + 1, c.z));
     n.lowZ = cellCorners(v, make_i3(c.x, c.y, c.z - 1));
     n.highZ = cellCorners(v, make_i3(c.x, c.y, c.z + 1));
-  }
-  for (UNIFORM int i = 0; i < 8; i++) {
-    UNIFORM int x = i & 1, y = (i >> 1) & 1, z = i >> 2;
-    vec3 d;
-    if (inner)
-      d = cornerGradient(k, n, x, y, z);
-    else
-      d = pointGradient(v, make_i3(c.x + x, c.y + y, c.z + z));
-    real w = ((x == 1 ? f.x : R(1.0) - f.x) * (y == 1 ? f.y : R(1.0) - f.y)) * (z == 1 ? f.z : R(1.0) - f.z);
-    g.x += w * d.x;
-    g.y += w * d.y;
-    g.z += w * d.z;
-    most = make_v3(max(most.x, abs(d.x)), max(most.y, abs(d.y)), max(most.z, abs(d.z)));
+    for (UNIFORM int i = 0; i < 8; i++) {
+      UNIFORM int x = i & 1, y = (i >> 1) & 1, z = i >> 2;
+      addGradient(cornerGradient(k, n, x, y, z), f, x, y, z, g, most);
+    }
+  } else {
+    for (UNIFORM int i = 0; i < 8; i++) {
+      UNIFORM int x = i & 1, y = (i >> 1) & 1, z = i >> 2;
+      addGradient(pointGradient(v, make_i3(c.x + x, c.y + y, c.z + z)), f, x, y, z, g, most);
+    }
   }
   vec3 gradient = make_v3(g.x * v.inverseX, g.y * v.inverseY, g.z * v.inverseZ);
   real least = FLAT_GRADIENT * max(max(most.x * v.inverseX, most.y * v.inverseY), most.z * v.inverseZ);

@@ -37,44 +37,43 @@ FN real segmentEnd(Cursor c) {
 // Sets up the stretch that t is in, in the macrocell of the walk.
 FN void enterStretch(VOLUME v, INOUT(Cursor) c, real t) {
   int plan = planAt(v, c.walk.index);
-  c.from = c.walk.t;
-  c.to = macrocellEnd(c);
+  put(c.from, c.walk.t);
+  put(c.to, macrocellEnd(c));
   if (goesByCells(v, plan)) {
     GridRay g = c.ray.g;
     ivec3 n = gridCells(v);
-    c.cell = make_i3(locateCell(t, g.po.x, g.pd.x, g.rpd.x, n.x), locateCell(t, g.po.y, g.pd.y, g.rpd.y, n.y),
-                     locateCell(t, g.po.z, g.pd.z, g.rpd.z, n.z));
+    put(c.cell,
+        make_i3(locateCell(t, g.po.x, g.pd.x, g.rpd.x, n.x), locateCell(t, g.po.y, g.pd.y, g.rpd.y, n.y),
+                locateCell(t, g.po.z, g.pd.z, g.rpd.z, n.z)));
     vec3 near = make_v3(planeCrossing(nearPlane(c.cell.x, g.rpd.x), g.po.x, g.rpd.x),
                         planeCrossing(nearPlane(c.cell.y, g.rpd.y), g.po.y, g.rpd.y),
                         planeCrossing(nearPlane(c.cell.z, g.rpd.z), g.po.z, g.rpd.z));
     vec3 far = make_v3(planeCrossing(farPlane(c.cell.x, g.rpd.x), g.po.x, g.rpd.x),
                        planeCrossing(farPlane(c.cell.y, g.rpd.y), g.po.y, g.rpd.y),
                        planeCrossing(farPlane(c.cell.z, g.rpd.z), g.po.z, g.rpd.z));
-    c.from = max(max3(near), c.walk.t);
-    if (min3(far) > t) c.to = min(min3(far), c.to);  // rounding may leave no cell behind t
+    put(c.from, max(max3(near), c.walk.t));
+    if (min3(far) > t) put(c.to, min(min3(far), c.to));  // rounding may leave no cell behind t
   }
-  c.index = R(0.0);
-  c.count = R(1.0);
+  put(c.index, R(0.0));
+  put(c.count, R(1.0));
   if (plan != 0) {
     real n = (c.to - c.from) * c.ray.cells / planStep(plan);
     // midpoint segments may be a twentieth longer than planned: a tenth of the error
-    c.count = max(ceil(goesByCells(v, plan) ? n : R(0.95) * n), R(1.0));
+    put(c.count, max(ceil(goesByCells(v, plan) ? n : R(0.95) * n), R(1.0)));
   }
-  c.dt = (c.to - c.from) / c.count;
+  put(c.dt, (c.to - c.from) / c.count);
 }
 
 // What is seen at t, for a midpoint segment.
-FN void evaluateAt(VOLUME v, INOUT(Cursor) c, real t, INOUT(int) samples) {
+FN void evaluateAt(VOLUME v, GridRay g, real t, INOUT(real) sigma, INOUT(vec3) source, INOUT(int) samples) {
   samples += 1;
-  c.sigma = R(0.0);
-  c.source = make_v3(R(0.0), R(0.0), R(0.0));
-  real s = sampleAt(v, pointAt(c.ray.g, t));
+  real s = sampleAt(v, pointAt(g, t));
   if (s - s == R(0.0)) {
     MapPlace p = mapPlace(v, s);
     MapPiece m = mapPiece(v, p.k);
-    c.sigma = sigmaAt(m, p.f);
+    sigma = sigmaAt(m, p.f);
     vec3 color = colorAt(m, p.f);
-    c.source = make_v3(c.sigma * color.x, c.sigma * color.y, c.sigma * color.z);
+    source = make_v3(sigma * color.x, sigma * color.y, sigma * color.z);
   }
 }
 
@@ -83,58 +82,67 @@ FN void evaluateAt(VOLUME v, INOUT(Cursor) c, real t, INOUT(int) samples) {
 // other volumes hide.
 FN void evaluatePart(VOLUME v, INOUT(Cursor) c, real tMin, INOUT(int) samples) {
   real start = segmentStart(c), end = segmentEnd(c);
-  c.sigma = R(0.0);
-  c.source = make_v3(R(0.0), R(0.0), R(0.0));
+  real part = c.part, sigma = R(0.0);
+  vec3 source = make_v3(R(0.0), R(0.0), R(0.0));
   int plan = planAt(v, c.walk.index);
   if (goesByCells(v, plan) && c.holds) {
     bool more = true;
     while (more) {
       samples += 1;
-      MapMean m = meanAlong(v, c.s0 + c.begin * c.rise, c.s0 + (c.begin + c.part) * c.rise);
-      real length = c.part * c.dt;
+      MapMean m = meanAlong(v, c.s0 + c.begin * c.rise, c.s0 + (c.begin + part) * c.rise);
+      real length = part * c.dt;
       real tau = m.sigma * length;
       real uneven = max(abs(m.sigma - m.sigmaFront), abs(m.sigma - m.sigmaBack)) * length;
       real shaded =
           max(max(abs(m.front.x - m.back.x), abs(m.front.y - m.back.y)), abs(m.front.z - m.back.z)) *
           min(tau, R(1.0));
       real hidden = min(tau + v.others * length, R(1.0));
-      more = (uneven + shaded) * hidden > R(8.0) * tMin && c.part > R(0.000244140625);
-      if (more) c.part = R(0.5) * c.part;
-      c.sigma = m.sigma;
-      c.source = make_v3(m.sigma * m.color.x, m.sigma * m.color.y, m.sigma * m.color.z);
+      more = (uneven + shaded) * hidden > R(8.0) * tMin && part > R(0.000244140625);
+      if (more) part = R(0.5) * part;
+      sigma = m.sigma;
+      source = make_v3(m.sigma * m.color.x, m.sigma * m.color.y, m.sigma * m.color.z);
     }
   } else if (plan != 0 && !goesByCells(v, plan)) {
-    evaluateAt(v, c, R(0.5) * (start + end), samples);
+    evaluateAt(v, c.ray.g, R(0.5) * (start + end), sigma, source, samples);
   }
-  c.a = c.begin > R(0.0) ? start + c.begin * c.dt : start;
-  c.b = c.begin + c.part < R(1.0) ? start + (c.begin + c.part) * c.dt : end;
+  put(c.part, part);
+  put(c.sigma, sigma);
+  put(c.source, source);
+  put(c.a, c.begin > R(0.0) ? start + c.begin * c.dt : start);
+  put(c.b, c.begin + part < R(1.0) ? start + (c.begin + part) * c.dt : end);
 }
 
 // Evaluates the current part over [a, b] alone.
 FN void evaluateBetween(VOLUME v, INOUT(Cursor) c, real a, real b, INOUT(int) samples) {
   int plan = planAt(v, c.walk.index);
+  real sigma = c.sigma;
+  vec3 source = c.source;
   if (byMidpoints(plan)) {
-    evaluateAt(v, c, R(0.5) * (a + b), samples);
+    sigma = R(0.0);
+    source = make_v3(R(0.0), R(0.0), R(0.0));
+    evaluateAt(v, c.ray.g, R(0.5) * (a + b), sigma, source, samples);
   } else if (goesByCells(v, plan) && c.holds && c.dt > R(0.0)) {
     samples += 1;
     real start = segmentStart(c), rate = c.rise / c.dt;
     MapMean m = meanAlong(v, c.s0 + (a - start) * rate, c.s0 + (b - start) * rate);
-    c.sigma = m.sigma;
-    c.source = make_v3(m.sigma * m.color.x, m.sigma * m.color.y, m.sigma * m.color.z);
+    sigma = m.sigma;
+    source = make_v3(m.sigma * m.color.x, m.sigma * m.color.y, m.sigma * m.color.z);
   }
+  put(c.sigma, sigma);
+  put(c.source, source);
 }
 
 // Evaluates the first part of the current segment.
 FN void evaluateSegment(VOLUME v, INOUT(Cursor) c, real tMin, INOUT(int) samples) {
-  c.begin = R(0.0);
-  c.part = R(1.0);
+  put(c.begin, R(0.0));
+  put(c.part, R(1.0));
   if (goesByCells(v, planAt(v, c.walk.index))) {
     Corners k = cellCorners(v, c.cell);
     real start = segmentStart(c), end = segmentEnd(c);
-    c.holds = end > start && holdsData(k);
+    put(c.holds, end > start && holdsData(k));
     if (c.holds) {
-      c.s0 = valueIn(k, fractionIn(c.cell, pointAt(c.ray.g, start)));
-      c.rise = valueIn(k, fractionIn(c.cell, pointAt(c.ray.g, end))) - c.s0;
+      put(c.s0, valueIn(k, fractionIn(c.cell, pointAt(c.ray.g, start))));
+      put(c.rise, valueIn(k, fractionIn(c.cell, pointAt(c.ray.g, end))) - c.s0);
     }
   }
   evaluatePart(v, c, tMin, samples);
@@ -142,10 +150,10 @@ FN void evaluateSegment(VOLUME v, INOUT(Cursor) c, real tMin, INOUT(int) samples
 
 // The next part of the current segment; false behind the last.
 FN bool nextPart(VOLUME v, INOUT(Cursor) c, real tMin, INOUT(int) samples) {
-  c.begin += c.part;
+  put(c.begin, c.begin + c.part);
   bool more = c.begin < R(1.0);
   if (more) {
-    c.part = min(R(2.0) * c.part, R(1.0) - c.begin);
+    put(c.part, min(R(2.0) * c.part, R(1.0) - c.begin));
     evaluatePart(v, c, tMin, samples);
   }
   return more;
@@ -153,9 +161,9 @@ FN bool nextPart(VOLUME v, INOUT(Cursor) c, real tMin, INOUT(int) samples) {
 
 // No segment: up to `b` there is nothing.
 FN void evaluateNothing(INOUT(Cursor) c, real b) {
-  c.b = b;
-  c.sigma = R(0.0);
-  c.source = make_v3(R(0.0), R(0.0), R(0.0));
+  put(c.b, b);
+  put(c.sigma, R(0.0));
+  put(c.source, make_v3(R(0.0), R(0.0), R(0.0)));
 }
 
 // The part that ends after t; before the volume, nothing up to it, with index -1.
@@ -166,10 +174,10 @@ FN void seekPart(VOLUME v, INOUT(Cursor) c, real t, real tMin, INOUT(int) sample
     real from = max(t, c.ray.t0);
     c.walk = startMacroWalk(v, c.ray, from);
     enterStretch(v, c, max(from, c.walk.t));
-    if (c.from < from && c.dt > R(0.0)) c.index = segmentBehind(from, c.from, c.dt, c.count);
+    if (c.from < from && c.dt > R(0.0)) put(c.index, segmentBehind(from, c.from, c.dt, c.count));
     if (t < c.ray.t0) {
       evaluateNothing(c, c.ray.t0);
-      c.index = R(-1.0);
+      put(c.index, R(-1.0));
     } else {
       evaluateSegment(v, c, tMin, samples);
       bool more = c.b <= t;
@@ -183,11 +191,18 @@ FN void advance(VOLUME v, INOUT(Cursor) c, real tMin, INOUT(int) samples) {
   if (c.index >= R(0.0) && nextPart(v, c, tMin, samples)) return;
   bool more = true;
   if (c.index + R(1.0) < c.count) {
-    c.index += R(1.0);
+    put(c.index, c.index + R(1.0));
   } else if (c.to < macrocellEnd(c)) {
     enterStretch(v, c, c.to);
   } else if (c.b < c.ray.t1) {
-    stepMacroWalk(v, c.ray, c.walk);
+    int index = c.walk.index;
+    vec3 plane = c.walk.plane, far = c.walk.far;
+    real t = c.walk.t;
+    stepMacroWalk(v, c.ray, index, plane, far, t);
+    put(c.walk.index, index);
+    put(c.walk.plane, plane);
+    put(c.walk.far, far);
+    put(c.walk.t, t);
     enterStretch(v, c, c.walk.t);
   } else {
     more = false;
@@ -203,6 +218,8 @@ FN void advance(VOLUME v, INOUT(Cursor) c, real tMin, INOUT(int) samples) {
 FN void integrateMany(SCENE s, VOLUMES list, UNIFORM int count, vec3 o, vec3 d, MarchRange m,
                       INOUT(Radiance) L, INOUT(int) samples) {
   Cursor cursor[MANY_VOLUMES];
+  vec3 rgb = L.rgb;
+  real A = L.A;
   real t = max(max(m.tIn, m.tStart), R(0.0)), end = R(0.0);
   for (UNIFORM int k = 0; k < count; k++) {
     VOLUME v = VOLUME_AT(s, list, k);
@@ -210,7 +227,7 @@ FN void integrateMany(SCENE s, VOLUMES list, UNIFORM int count, vec3 o, vec3 d, 
     if (cursor[k].ray.t0 < cursor[k].ray.t1) end = max(end, cursor[k].ray.t1);
   }
   // A hit exactly at tIn may end a segment that began before it.
-  bool go = t <= m.tStop && t < min(end, m.tOut) && R(1.0) - L.A >= m.tMin;
+  bool go = t <= m.tStop && t < min(end, m.tOut) && R(1.0) - A >= m.tMin;
   end = min(end, m.tStop);
   // The merged segment that contains t may begin before it: at the latest earlier segment end of any volume, which is
   // where the partition before stopped.
@@ -263,14 +280,16 @@ FN void integrateMany(SCENE s, VOLUMES list, UNIFORM int count, vec3 o, vec3 d, 
     } else {
       if (sigma > R(0.0) && b > a) {
         real per = R(1.0) / sigma;
-        addSegment(L, sigma * (b - a), make_v3(source.x * per, source.y * per, source.z * per), m.tMin);
+        addSegment(rgb, A, sigma * (b - a), make_v3(source.x * per, source.y * per, source.z * per), m.tMin);
       }
       a = b;
-      if (b >= end || R(1.0) - L.A < m.tMin || b >= m.tOut) go = false;
+      if (b >= end || R(1.0) - A < m.tMin || b >= m.tOut) go = false;
       for (UNIFORM int k = 0; k < count; k++) {
         VOLUME v = VOLUME_AT(s, list, k);
         if (go && cursor[k].b <= b && holdsSamples(v)) advance(v, cursor[k], m.tMin, samples);
       }
     }
   }
+  L.rgb = rgb;
+  L.A = A;
 }

@@ -32,22 +32,19 @@ FN MapMean meanAlong(VOLUME v, real s0, real s1) {
   m.sigmaBack = rising ? b1 : a0;
   m.front = rising ? c0 : d1;
   m.back = rising ? d1 : c0;
-  vec3 source;
+  real sigma = R(0.0);
+  vec3 source = make_v3(R(0.0), R(0.0), R(0.0));
   if (p.k == q.k || !(hi - lo > R(1e-35))) {
     // one linear piece: the mean of a product of linears
-    m.sigma = R(0.0);
-    source = make_v3(R(0.0), R(0.0), R(0.0));
-    addMean(a0, b1, c0, d1, R(1.0), m.sigma, source);
+    addMean(a0, b1, c0, d1, R(1.0), sigma, source);
   } else {
     // from lo to the end of its interval, the whole intervals between, from the start of the last to hi
     real inverse = R(1.0) / (hi - lo);
     real partP = (mapNode(v, p.k + 1) - lo) * inverse, partQ = (hi - mapNode(v, q.k)) * inverse;
     real a1 = sigmaAt(first, R(1.0)), b0 = last.sigma;
     vec3 c1 = colorAt(first, R(1.0)), d0 = last.color;
-    real sum = R(0.0);
-    source = make_v3(R(0.0), R(0.0), R(0.0));
-    addMean(a0, a1, c0, c1, partP, sum, source);
-    addMean(b0, b1, d0, d1, partQ, sum, source);
+    addMean(a0, a1, c0, c1, partP, sigma, source);
+    addMean(b0, b1, d0, d1, partQ, sigma, source);
     if (q.k > p.k + 1) {
       MapSum y = mapSum(v, q.k);
       int from = p.k + 1;
@@ -55,20 +52,20 @@ FN MapMean meanAlong(VOLUME v, real s0, real s1) {
       if (opaque > p.k) {  // sums begin anew behind it: it counts by itself, and what is before it as well
         MapPiece o = mapPiece(v, opaque);
         addMean(o.sigma, sigmaAt(o, R(1.0)), o.color, colorAt(o, R(1.0)),
-                (mapNode(v, opaque + 1) - mapNode(v, opaque)) * inverse, sum, source);
+                (mapNode(v, opaque + 1) - mapNode(v, opaque)) * inverse, sigma, source);
         MapSum z = mapSum(v, opaque);
         y.sigma += z.sigma;
         y.source = make_v3(y.source.x + z.source.x, y.source.y + z.source.y, y.source.z + z.source.z);
         if (mapOpaque(v, opaque) > p.k) from = 0;  // hidden by two: nothing is subtracted
       }
       MapSum x = mapSum(v, from);
-      sum += ((y.sigma - x.sigma) + (y.sigmaRest - x.sigmaRest)) * inverse;
+      sigma += ((y.sigma - x.sigma) + (y.sigmaRest - x.sigmaRest)) * inverse;
       source.x += ((y.source.x - x.source.x) + (y.sourceRest.x - x.sourceRest.x)) * inverse;
       source.y += ((y.source.y - x.source.y) + (y.sourceRest.y - x.sourceRest.y)) * inverse;
       source.z += ((y.source.z - x.source.z) + (y.sourceRest.z - x.sourceRest.z)) * inverse;
     }
-    m.sigma = sum;
   }
+  m.sigma = sigma;
   real perSigma = m.sigma > R(0.0) ? R(1.0) / m.sigma : R(0.0);
   m.color = make_v3(source.x * perSigma, source.y * perSigma, source.z * perSigma);
   return m;
@@ -79,13 +76,13 @@ FN real curvature(real mean, real front, real back) { return abs(mean - R(0.5) *
 
 // A segment along which the value goes linearly from s0 to s1. The front of a dense one hides its back: colours count
 // as linear in optical depth, and where they are not, and it matters against tMin, the segment is halved.
-FN void addPieces(VOLUME v, real s0, real s1, real length, real tMin, INOUT(Radiance) L) {
+FN void addPieces(VOLUME v, real s0, real s1, real length, real tMin, INOUT(vec3) rgb, INOUT(real) A) {
   real from = R(0.0), part = R(1.0), d = s1 - s0;
   bool more = true;
   while (more) {
     MapMean m = meanAlong(v, s0 + from * d, s0 + (from + part) * d);
     real tau = m.sigma * (part * length);
-    real T = R(1.0) - L.A;
+    real T = R(1.0) - A;
     real w = oneMinusExp(tau);
     real curved =
         max(max(curvature(m.color.x, m.front.x, m.back.x), curvature(m.color.y, m.front.y, m.back.y)),
@@ -101,10 +98,10 @@ FN void addPieces(VOLUME v, real s0, real s1, real length, real tMin, INOUT(Radi
         vec3 seen =
             make_v3(m.color.x + lead * (m.front.x - m.back.x), m.color.y + lead * (m.front.y - m.back.y),
                     m.color.z + lead * (m.front.z - m.back.z));
-        addSegment(L, tau, seen, tMin);
+        addSegment(rgb, A, tau, seen, tMin);
       }
       from += part;
-      more = from < R(1.0) && R(1.0) - L.A >= tMin;
+      more = from < R(1.0) && R(1.0) - A >= tMin;
       part = min(R(2.0) * part, R(1.0) - from);
     }
   }
@@ -122,7 +119,7 @@ FN real segmentBehind(real t, real begin, real dt, real count) {
 // segments of at most `step` cells along which the value is taken as linear and the map is integrated exactly. What is
 // before t is somebody else's. Clears `go` where the march ends.
 FN_OUTLINE void integrateCells(VOLUME v, VolumeRay r, MarchRange m, real t, real tEnter, real tb, real step,
-                               real end, INOUT(Radiance) L, INOUT(MarchCount) n, INOUT(bool) go) {
+                               real end, INOUT(Radiance) L, INOUT(int) samples, INOUT(bool) go) {
   real from = max(tEnter, t);
   ivec3 cells = gridCells(v);
   ivec3 c = make_i3(locateCell(from, r.g.po.x, r.g.pd.x, r.g.rpd.x, cells.x),
@@ -132,6 +129,9 @@ FN_OUTLINE void integrateCells(VOLUME v, VolumeRay r, MarchRange m, real t, real
                       planeCrossing(nearPlane(c.y, r.g.rpd.y), r.g.po.y, r.g.rpd.y),
                       planeCrossing(nearPlane(c.z, r.g.rpd.z), r.g.po.z, r.g.rpd.z));
   real ta = max(max3(near), tEnter);
+  vec3 rgb = L.rgb;
+  real A = L.A;
+  int evaluated = 0;
   bool inside = true;
   while (go && inside) {
     vec3 far = make_v3(planeCrossing(farPlane(c.x, r.g.rpd.x), r.g.po.x, r.g.rpd.x),
@@ -154,12 +154,12 @@ FN_OUTLINE void integrateCells(VOLUME v, VolumeRay r, MarchRange m, real t, real
         if (b > m.tOut) {
           go = false;  // the next partition's
         } else {
-          n.samples += 1;
+          evaluated += 1;
           real s1 = valueIn(k, fractionIn(c, pointAt(r.g, b)));
-          addPieces(v, s0, s1, b - a, m.tMin, L);
+          addPieces(v, s0, s1, b - a, m.tMin, rgb, A);
           a = b;
           s0 = s1;
-          if (b >= end || R(1.0) - L.A < m.tMin) go = false;
+          if (b >= end || R(1.0) - A < m.tMin) go = false;
         }
       }
     }
@@ -170,17 +170,21 @@ FN_OUTLINE void integrateCells(VOLUME v, VolumeRay r, MarchRange m, real t, real
     if (far.z <= exit) c.z += r.g.rpd.z < R(0.0) ? -1 : 1;
     ta = exit;
   }
+  L.rgb = rgb;
+  L.A = A;
+  samples += evaluated;
 }
 
 // Adds the midpoint segment of `length` at whose middle the value is s; nothing if it holds no data.
-FN void addSample(VOLUME v, real s, real length, real tMin, INOUT(Radiance) L, INOUT(MarchCount) n) {
+FN void addSample(VOLUME v, real s, real length, real tMin, INOUT(vec3) rgb, INOUT(real) A,
+                  INOUT(int) samples) {
   if (length > R(0.0)) {
-    n.samples += 1;
+    samples += 1;
     if (s - s == R(0.0)) {
       MapPlace p = mapPlace(v, s);
       MapPiece piece = mapPiece(v, p.k);
       real sigma = sigmaAt(piece, p.f);
-      if (sigma > R(0.0)) addSegment(L, sigma * length, colorAt(piece, p.f), tMin);
+      if (sigma > R(0.0)) addSegment(rgb, A, sigma * length, colorAt(piece, p.f), tMin);
     }
   }
 }
@@ -206,13 +210,6 @@ FN void addSample(VOLUME v, real s, real length, real tMin, INOUT(Radiance) L, I
 #define END_OF_MARCH break;
 #endif
 
-// The segments that a plan makes from a point on. Where two fit into PLAN_REACH they go together: a plan is looked up for both.
-struct Stride {
-  real h;        // the length of one
-  real reach;    // of what goes together
-  int at, plan;  // the macrocell at the end of that, and its plan
-};
-
 // What makes strides of plans, of one ray: t per unit of a plan, the shortest segment, the longest that has a second.
 struct StrideUnits {
   real perUnit, least, paired;
@@ -220,13 +217,14 @@ struct StrideUnits {
 
 FN real segmentOf(StrideUnits u, int plan) { return max(toReal(plan) * u.perUnit, u.least); }
 
-FN Stride strideFrom(VOLUME v, GridRay g, StrideUnits u, real t, int plan) {
-  Stride s;
-  s.h = segmentOf(u, plan);
-  s.reach = s.h <= u.paired ? s.h + s.h : s.h;
-  s.at = macroAt(v, pointAt(g, t + s.reach));
-  s.plan = planAt(v, s.at);
-  return s;
+// The segments that a plan makes from t on, each `h` long. Where two fit into PLAN_REACH they go together: a plan is looked up
+// for both, that of macrocell `at` at the end of their `reach`.
+FN void strideFrom(VOLUME v, GridRay g, StrideUnits u, real t, int plan, OUT(real) h, OUT(real) reach,
+                   OUT(int) at, OUT(int) planBehind) {
+  h = segmentOf(u, plan);
+  reach = h <= u.paired ? h + h : h;
+  at = macroAt(v, pointAt(g, t + reach));
+  planBehind = planAt(v, at);
 }
 
 // One loop, an iteration a stride. Where a segment's value is fetched, the plan behind it is looked up and the value
@@ -252,61 +250,77 @@ FN void integrateVolume(VOLUME v, VolumeRay r, MarchRange m, INOUT(real) begun, 
   units.paired = R(0.5) * PLAN_REACH / r.cells;
   int at = macroAt(v, pointAt(r.g, t));
   int plan = resumes ? planAt(v, at) : 0;
-  Stride next = strideFrom(v, r.g, units, t, plan);
+  real nextLength, nextReach;  // of the stride from t on
+  int nextAt, nextPlan;
+  strideFrom(v, r.g, units, t, plan, nextLength, nextReach, nextAt, nextPlan);
+  // what the loop changes: no structures (decision 0012)
+  vec3 rgb = L.rgb;
+  real A = L.A;
+  int samples = 0, macrocells = 0, skipped = 0;
   real s = R(0.0),
        length = R(0.0);  // the value in the middle of the segment before, and its length, yet to be added
-  while (R(1.0) - L.A >= m.tMin) {
+  while (R(1.0) - A >= m.tMin) {
     real limit = end;
     if (!byMidpoints(plan) || someByCells(v)) {
       if (t >= last) break;
       MacroWalk w = startMacroWalk(v, r, from);
+      int index = w.index;
+      int planHere = planAt(v, index);
+      vec3 plane = w.plane, far = w.far;
+      real tHere = w.t;
       bool go = true;
-      while (go && !byMidpoints(planAt(v, w.index))) {
-        real tb = min(min3(w.far), r.t1);
-        if (planAt(v, w.index) == 0) {
-          n.skipped += 1;
+      while (go && !byMidpoints(planHere)) {
+        real tb = min(min3(far), r.t1);
+        if (planHere == 0) {
+          skipped += 1;
         } else if (someByCells(v)) {  // where the scene has none, GLSL compiles none of this
-          n.macrocells += 1;
+          macrocells += 1;
           // copies, so that what the call refers to does not keep the loop's own values in memory
           VolumeRay ray = r;
-          Radiance sum = L;
-          MarchCount counted = n;
-          addSample(v, s, length, m.tMin, sum, counted);
+          addSample(v, s, length, m.tMin, rgb, A, samples);
           length = R(0.0);
-          bool on = R(1.0) - sum.A >= m.tMin;
-          if (on)
-            integrateCells(v, ray, m, from, w.t, tb, planStep(planAt(v, w.index)), end, sum, counted, on);
-          L = sum;
-          n = counted;
+          Radiance sum;
+          sum.rgb = rgb;
+          sum.A = A;
+          int counted = samples;
+          bool on = R(1.0) - A >= m.tMin;
+          if (on) integrateCells(v, ray, m, from, tHere, tb, planStep(planHere), end, sum, counted, on);
+          rgb = sum.rgb;
+          A = sum.A;
+          samples = counted;
           go = on;
         }
         if (tb >= last) go = false;
-        if (go) stepMacroWalk(v, r, w);
+        if (go) {
+          stepMacroWalk(v, r, index, plane, far, tHere);
+          planHere = planAt(v, index);
+        }
       }
       if (!go) break;
-      t = max(t, w.t);
+      t = max(t, tHere);
       at = macroAt(v, pointAt(r.g, t));
       plan = planAt(v, at);
       // rounding may put the point on the other side of a face, and must not when the partition behind resumes here
-      if (!byMidpoints(plan)) plan = planAt(v, w.index);
-      n.macrocells += 1;
-      next = strideFrom(v, r.g, units, t, plan);
+      if (!byMidpoints(plan)) plan = planHere;
+      macrocells += 1;
+      strideFrom(v, r.g, units, t, plan, nextLength, nextReach, nextAt, nextPlan);
       if (someByCells(v)) {
         // a segment ends where a macrocell goes cell by cell
-        real reach = min(t + next.reach, last);
+        real reach = min(t + nextReach, last);
         bool free = true;
-        while (free && min3(w.far) < reach) {
-          stepMacroWalk(v, r, w);
-          free = planAt(v, w.index) == 0 || byMidpoints(planAt(v, w.index));
+        while (free && min3(far) < reach) {
+          stepMacroWalk(v, r, index, plane, far, tHere);
+          planHere = planAt(v, index);
+          free = planHere == 0 || byMidpoints(planHere);
         }
-        if (!free) limit = min(limit, w.t);
+        if (!free) limit = min(limit, tHere);
       }
     }
     SEGMENTS
-    real shorter = segmentOf(units, next.plan);
-    bool finer = byMidpoints(next.plan) && shorter < next.h;
-    real h = finer ? shorter : next.h;
-    bool two = h + h <= next.reach;
+    real shorter = segmentOf(units, nextPlan);
+    bool finer = byMidpoints(nextPlan) && shorter < nextLength;
+    real h = finer ? shorter : nextLength;
+    bool two = h + h <= nextReach;
     real b = min(t + (two ? h + h : h), limit);
     if (b > m.tOwn) {  // the next partition's
       if (t < m.tOut || m.tOwn == m.tOut) begun = t;
@@ -317,23 +331,23 @@ FN void integrateVolume(VOLUME v, VolumeRay r, MarchRange m, INOUT(real) begun, 
     ivec3 c = cellAt(v, p);
     Corners k = cellCorners(v, c);
     int passed = at;
-    at = next.at;
-    plan = next.plan;
-    if (b != t + next.reach) {
+    at = nextAt;
+    plan = nextPlan;
+    if (b != t + nextReach) {
       at = macroAt(v, pointAt(r.g, b));
       plan = planAt(v, at);
     }
-    if (at != passed && byMidpoints(plan)) n.macrocells += 1;
-    next = strideFrom(v, r.g, units, b, plan);
-    addSample(v, s, length, m.tMin, L, n);
+    if (at != passed && byMidpoints(plan)) macrocells += 1;
+    strideFrom(v, r.g, units, b, plan, nextLength, nextReach, nextAt, nextPlan);
+    addSample(v, s, length, m.tMin, rgb, A, samples);
     s = valueIn(k, fractionOf(c, p));
     length = middle - t;
     if (two) {
-      p = pointAt(r.g, R(0.5) * (middle + b));
-      c = cellAt(v, p);
-      k = cellCorners(v, c);
-      addSample(v, s, R(1.0) - L.A >= m.tMin ? length : R(0.0), m.tMin, L, n);
-      s = valueIn(k, fractionOf(c, p));
+      vec3 q = pointAt(r.g, R(0.5) * (middle + b));
+      ivec3 e = cellAt(v, q);
+      Corners l = cellCorners(v, e);
+      addSample(v, s, R(1.0) - A >= m.tMin ? length : R(0.0), m.tMin, rgb, A, samples);
+      s = valueIn(l, fractionOf(e, q));
       length = b - middle;
     }
     t = b;
@@ -342,7 +356,12 @@ FN void integrateVolume(VOLUME v, VolumeRay r, MarchRange m, INOUT(real) begun, 
       if (b < end && m.tOwn == m.tOut) begun = b;
       END_OF_MARCH
     }
-    END_OF_SEGMENTS(byMidpoints(plan) && !someByCells(v) && R(1.0) - L.A >= m.tMin)
+    END_OF_SEGMENTS(byMidpoints(plan) && !someByCells(v) && R(1.0) - A >= m.tMin)
   }
-  if (R(1.0) - L.A >= m.tMin) addSample(v, s, length, m.tMin, L, n);
+  if (R(1.0) - A >= m.tMin) addSample(v, s, length, m.tMin, rgb, A, samples);
+  L.rgb = rgb;
+  L.A = A;
+  n.samples += samples;
+  n.macrocells += macrocells;
+  n.skipped += skipped;
 }

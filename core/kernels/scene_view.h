@@ -79,9 +79,9 @@ FN int partitionOf(SCENE s, int cell) { return s.cellPartition[cell]; }
 FN bool isVisible(SCENE s, int partition) { return s.visible[partition] != 0; }
 static inline uniform float lightValue(FRAME f, uniform int i) { return f.light[i]; }
 
-FN bool hasNormals(OPERATOR op) { return op.normals != NULL; }
-FN bool hasValues(OPERATOR op) { return op.values != NULL; }
-FN bool hasNeighbours(OPERATOR op) { return op.neighbours != NULL; }
+FN UNIFORM bool hasNormals(OPERATOR op) { return op.normals != NULL; }
+FN UNIFORM bool hasValues(OPERATOR op) { return op.values != NULL; }
+FN UNIFORM bool hasNeighbours(OPERATOR op) { return op.neighbours != NULL; }
 FN vec3 pointOf(OPERATOR op, uint i) {
   int64 k = 4 * (int64)i;
   return make_v3(op.points[k], op.points[k + 1], op.points[k + 2]);
@@ -100,6 +100,6 @@ FN vec3 sliceNormal(OPERATOR op, uint i) {
 FN real isovalueOf(VOLUME v, uint i) { return v.isovalue[i]; }
 #define VOLUMES const uniform int* uniform
 #define VOLUME_AT(s, list, k) (s).field[(list)[k]]
-FN bool holdsSamples(VOLUME v) { return v.samples != NULL; }
+FN UNIFORM bool holdsSamples(VOLUME v) { return v.samples != NULL; }
 #endif
 #endif

@@ -54,11 +54,8 @@ FN Corners cornersMinus(Corners c, real offset) {
 }
 
 // Bernstein coefficients of the cell's values along the segment from fractions p to q: blossoms of the trilinear form.
-// They bound the cubic; b0 and b3 are its end values.
-struct Bernstein {
-  real b0, b1, b2, b3;
-};
-FN Bernstein bernsteinAlong(Corners c, vec3 p, vec3 q) {
+// They bound the cubic; the first and the last are its end values.
+FN vec4 bernsteinAlong(Corners c, vec3 p, vec3 q) {
   // at the x of p, then of q: the four values on the edges along x, then at the y of p and of q
   real p00 = mix1(c.v000, c.v100, p.x), p10 = mix1(c.v010, c.v110, p.x);
   real p01 = mix1(c.v001, c.v101, p.x), p11 = mix1(c.v011, c.v111, p.x);
@@ -68,10 +65,10 @@ FN Bernstein bernsteinAlong(Corners c, vec3 p, vec3 q) {
        pq1 = mix1(p01, p11, q.y);
   real qp0 = mix1(q00, q10, p.y), qp1 = mix1(q01, q11, p.y), qq0 = mix1(q00, q10, q.y),
        qq1 = mix1(q01, q11, q.y);
-  Bernstein b;
-  b.b0 = mix1(pp0, pp1, p.z);
-  b.b1 = mean3(mix1(qp0, qp1, p.z), mix1(pq0, pq1, p.z), mix1(pp0, pp1, q.z));
-  b.b2 = mean3(mix1(qq0, qq1, p.z), mix1(qp0, qp1, q.z), mix1(pq0, pq1, q.z));
-  b.b3 = mix1(qq0, qq1, q.z);
+  vec4 b;
+  b.x = mix1(pp0, pp1, p.z);
+  b.y = mean3(mix1(qp0, qp1, p.z), mix1(pq0, pq1, p.z), mix1(pp0, pp1, q.z));
+  b.z = mean3(mix1(qq0, qq1, p.z), mix1(qp0, qp1, q.z), mix1(pq0, pq1, q.z));
+  b.w = mix1(qq0, qq1, q.z);
   return b;
 }

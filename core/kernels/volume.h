@@ -114,20 +114,20 @@ FN MacroWalk startMacroWalk(VOLUME v, VolumeRay r, real t) {
 
 // Moves to the next macrocell, crossing every plane whose crossing is at the exit. No branch: rays of a gang step at
 // different times.
-FN void stepMacroWalk(VOLUME v, VolumeRay r, INOUT(MacroWalk) w) {
-  real t = min3(w.far);
-  bool x = w.far.x <= t, y = w.far.y <= t, z = w.far.z <= t;
+FN void stepMacroWalk(VOLUME v, VolumeRay r, INOUT(int) index, INOUT(vec3) plane, INOUT(vec3) far,
+                      INOUT(real) t) {
+  t = min3(far);
+  bool x = far.x <= t, y = far.y <= t, z = far.z <= t;
   bool left = r.g.rpd.x < R(0.0), down = r.g.rpd.y < R(0.0), back = r.g.rpd.z < R(0.0);
   int row = macroRow(v), slice = macroSlice(v);
-  w.plane.x += x ? (left ? R(-8.0) : R(8.0)) : R(0.0);
-  w.plane.y += y ? (down ? R(-8.0) : R(8.0)) : R(0.0);
-  w.plane.z += z ? (back ? R(-8.0) : R(8.0)) : R(0.0);
-  w.index += x ? (left ? -1 : 1) : 0;
-  w.index += y ? (down ? -row : row) : 0;
-  w.index += z ? (back ? -slice : slice) : 0;
-  w.far = make_v3(crossingOf(w.plane.x, r.g.po.x, r.g.rpd.x), crossingOf(w.plane.y, r.g.po.y, r.g.rpd.y),
-                  crossingOf(w.plane.z, r.g.po.z, r.g.rpd.z));
-  w.t = t;
+  plane.x += x ? (left ? R(-8.0) : R(8.0)) : R(0.0);
+  plane.y += y ? (down ? R(-8.0) : R(8.0)) : R(0.0);
+  plane.z += z ? (back ? R(-8.0) : R(8.0)) : R(0.0);
+  index += x ? (left ? -1 : 1) : 0;
+  index += y ? (down ? -row : row) : 0;
+  index += z ? (back ? -slice : slice) : 0;
+  far = make_v3(crossingOf(plane.x, r.g.po.x, r.g.rpd.x), crossingOf(plane.y, r.g.po.y, r.g.rpd.y),
+                crossingOf(plane.z, r.g.po.z, r.g.rpd.z));
 }
 
 struct Radiance {
@@ -137,14 +137,14 @@ struct Radiance {
 
 // A segment of optical depth tau and colour c. If less than tMin would go on behind it, it counts as opaque: what is
 // behind is taken to look the same, not to be black.
-FN void addSegment(INOUT(Radiance) L, real tau, vec3 c, real tMin) {
-  real T = R(1.0) - L.A;
+FN void addSegment(INOUT(vec3) rgb, INOUT(real) A, real tau, vec3 c, real tMin) {
+  real T = R(1.0) - A;
   real w = T * oneMinusExp(tau);
   w = T - w < tMin ? T : w;
-  L.rgb.x += w * c.x;
-  L.rgb.y += w * c.y;
-  L.rgb.z += w * c.z;
-  L.A += w;
+  rgb.x += w * c.x;
+  rgb.y += w * c.y;
+  rgb.z += w * c.z;
+  A += w;
 }
 
 // What bounds the work of one partition on one ray: segments that end in (tIn, tOut], from tStart (the ray's last

@@ -76,18 +76,18 @@ FN int macroIndex(VOLUME v, ivec3 m) {
   return ((m.z - v.macroFirstZ) * (v.macroX * v.macroY) + (m.y - v.macroFirstY) * v.macroX) +
          (m.x - v.macroFirstX);
 }
-FN int macroRow(VOLUME v) { return v.macroX; }
-FN int macroSlice(VOLUME v) { return v.macroX * v.macroY; }
-FN int mapUniform(VOLUME v) { return v.mapUniform; }
-FN real mapOrigin(VOLUME v) { return v.mapOrigin; }
-FN real mapInverse(VOLUME v) { return v.mapInverse; }
-FN int mapBuckets(VOLUME v) { return v.mapBuckets; }
-FN int mapIntervals(VOLUME v) { return v.mapIntervals; }
+FN UNIFORM int macroRow(VOLUME v) { return v.macroX; }
+FN UNIFORM int macroSlice(VOLUME v) { return v.macroX * v.macroY; }
+FN UNIFORM int mapUniform(VOLUME v) { return v.mapUniform; }
+FN UNIFORM real mapOrigin(VOLUME v) { return v.mapOrigin; }
+FN UNIFORM real mapInverse(VOLUME v) { return v.mapInverse; }
+FN UNIFORM int mapBuckets(VOLUME v) { return v.mapBuckets; }
+FN UNIFORM int mapIntervals(VOLUME v) { return v.mapIntervals; }
 #define MAP_SMALL \
   16  // intervals of maps that are searched by comparing; their nodes are filled up with infinities
 #if !defined(GXY_GLSL)  // has constants for them
-FN bool mapIsSmall(VOLUME v) { return v.mapIntervals <= MAP_SMALL; }
-FN bool mapIsUniform(VOLUME v) { return v.mapUniform > 0; }
+FN UNIFORM bool mapIsSmall(VOLUME v) { return v.mapIntervals <= MAP_SMALL; }
+FN UNIFORM bool mapIsUniform(VOLUME v) { return v.mapUniform > 0; }
 #endif
 struct MapPiece {
   real sigma, sigmaStep;
@@ -101,7 +101,7 @@ struct MapSum {
 #include "fetch_volume.glsl"
 #else
 FN int planAt(VOLUME v, int index) { return v.plan[index]; }
-FN bool someByCells(VOLUME v) { return v.byCells != 0; }
+FN UNIFORM bool someByCells(VOLUME v) { return v.byCells != 0; }
 FN int isoWord(VOLUME v, int index) { return v.isoPlan[index]; }
 #if defined(ISPC)
 static inline uniform float isovalueAt(VOLUME v, uniform int i) { return v.isovalue[i]; }
@@ -112,11 +112,18 @@ FN real clipValue(VOLUME v, int i) { return v.clip[i]; }
 #endif
 FN int mapBucket(VOLUME v, int i) { return v.buckets[i]; }
 #if defined(ISPC)
-// A gang of 16 reads a map of at most 16 intervals as rows, one vector for each quantity.
-static inline uniform bool mapInRows(VOLUME v) { return programCount == 16 && v.rows != NULL; }
+// A gang of 16 or 8 reads a map of at most 16 intervals as rows, one or two vectors for each quantity: to pick lanes of a
+// register is cheaper than to gather.
+static inline uniform bool mapInRows(VOLUME v) { return programCount >= 8 && v.rows != NULL; }
 static inline float fromRow(VOLUME v, uniform int row, int k) {
   float value;
-  unmasked { value = shuffle(v.rows[16 * row + programIndex], k); }
+  unmasked {
+    value = shuffle(v.rows[16 * row + programIndex], k & (programCount - 1));
+    if (programCount == 8 && v.mapIntervals > 8) {
+      float upper = shuffle(v.rows[16 * row + 8 + programIndex], k & 7);
+      value = k < 8 ? value : upper;
+    }
+  }
   return value;
 }
 static inline uniform float mapNode(VOLUME v, uniform int k) { return v.nodes[k]; }
@@ -254,30 +261,19 @@ FN_OUTLINE Corners cellCornersOfAny(VOLUME v, ivec3 c) {
   return k;
 }
 
-// The eight corner values of a cell that the block holds.
+// The eight corner values of a cell that the block holds. Initialized as a whole: assigned to, they would be masked stores.
 FN Corners cellCorners(VOLUME v, ivec3 c) {
-  Corners k;
-  if (v.kind == SAMPLE_F32 && v.stride == 1 && v.wide == 0) {
+  if (v.kind != SAMPLE_F32 || v.stride != 1 || v.wide != 0) return cellCornersOfAny(v, c);
 #if defined(ISPC)
-    const uniform float* uniform s = (const uniform float* uniform)v.samples;
+  const uniform float* uniform s = (const uniform float* uniform)v.samples;
 #else
-    const float* s = static_cast<const float*>(v.samples);
+  const float* s = static_cast<const float*>(v.samples);
 #endif
-    int cx = c.x - v.firstX, cy = c.y - v.firstY, cz = c.z - v.firstZ;
-    int x = BRICK_STEP(cx, 512, 1), y = BRICK_STEP(cy, v.brickRow, 8);
-    int b = BRICK_PLACE(cx, 512, 1) + BRICK_PLACE(cy, v.brickRow, 8) + BRICK_PLACE(cz, v.brickLayer, 64);
-    int h = b + BRICK_STEP(cz, v.brickLayer, 64);
-    k.v000 = s[b];
-    k.v100 = s[b + x];
-    k.v010 = s[b + y];
-    k.v110 = s[b + y + x];
-    k.v001 = s[h];
-    k.v101 = s[h + x];
-    k.v011 = s[h + y];
-    k.v111 = s[h + y + x];
-  } else {
-    k = cellCornersOfAny(v, c);
-  }
+  int cx = c.x - v.firstX, cy = c.y - v.firstY, cz = c.z - v.firstZ;
+  int x = BRICK_STEP(cx, 512, 1), y = BRICK_STEP(cy, v.brickRow, 8);
+  int b = BRICK_PLACE(cx, 512, 1) + BRICK_PLACE(cy, v.brickRow, 8) + BRICK_PLACE(cz, v.brickLayer, 64);
+  int h = b + BRICK_STEP(cz, v.brickLayer, 64);
+  Corners k = {s[b], s[b + x], s[b + y], s[b + y + x], s[h], s[h + x], s[h + y], s[h + y + x]};
   return k;
 }
 #endif

@@ -31,9 +31,9 @@ FN real probeGrid(VOLUME v, int f, VolumeRay r) {
   if (f == 7) return g.y;
   if (f == 8) return g.z;
   vec3 to = make_v3(R(1.0) - from.y, from.z, R(1.0));
-  Bernstein b = bernsteinAlong(cornersMinus(k, trilinear(k, make_v3(R(0.5), R(0.25), R(0.75)))), from, to);
-  if (f == 9) return b.b0 + b.b3;
-  if (f == 10) return b.b1 + b.b2;
+  vec4 b = bernsteinAlong(cornersMinus(k, trilinear(k, make_v3(R(0.5), R(0.25), R(0.75)))), from, to);
+  if (f == 9) return b.x + b.w;
+  if (f == 10) return b.y + b.z;
   RootQuery q;
   q.tIn = R(0.0);
   q.tOut = R(1e30);

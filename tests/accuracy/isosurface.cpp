@@ -104,13 +104,13 @@ TEST(Isosurface, BracketsAreTheSameAtAnyScaleOfTheValues) {
   query.tAfter = -1;
   int bracketed = 0;
   for (int i = 0; i < 2000; i++) {
-    const single::Bernstein b{float(random.in(-1, 1)), float(random.in(-2, 2)), float(random.in(-2, 2)),
-                              float(random.in(-1, 1))};
+    const single::vec4 b{float(random.in(-1, 1)), float(random.in(-2, 2)), float(random.in(-2, 2)),
+                         float(random.in(-1, 1))};
     const single::Bracket one = firstBracket(b, 1, 0, query);
     bracketed += one.lo <= one.hi;
     for (int power = -90; power <= 120; power += 7) {
       const float s = std::ldexp(1.f, power);
-      const single::Bracket other = firstBracket({s * b.b0, s * b.b1, s * b.b2, s * b.b3}, 1, 0, query);
+      const single::Bracket other = firstBracket({s * b.x, s * b.y, s * b.z, s * b.w}, 1, 0, query);
       ASSERT_EQ(other.lo, one.lo) << power;
       ASSERT_EQ(other.hi, one.hi) << power;
     }

@@ -23,7 +23,7 @@ TEST(Skipping, OfTransparentMacrocellsChangesNoBit) {
       const auto ray = rayIn(view, randomRay(random, f));
       if (!(ray.t0 < ray.t1)) continue;
       auto w = startMacroWalk(*view, ray, ray.t0);
-      for (float out = 0; out < ray.t1; stepMacroWalk(*view, ray, w)) {
+      for (float out = 0; out < ray.t1; stepMacroWalk(*view, ray, w.index, w.plane, w.far, w.t)) {
         out = std::min(single::min3(w.far), ray.t1);
         if (planAt(*view, w.index) != 0) continue;
         skipped++;

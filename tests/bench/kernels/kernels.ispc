@@ -91,7 +91,7 @@ export uniform int64 findIsosurface(const void* uniform volume, const uniform fl
 // Cubics by their Bernstein coefficients, four each.
 export void findRoots(const uniform float cubics[], uniform int n, uniform float out[]) {
   foreach (i = 0 ... n) {
-    Bernstein b = {cubics[4 * i], cubics[4 * i + 1], cubics[4 * i + 2], cubics[4 * i + 3]};
+    vec4 b = {cubics[4 * i], cubics[4 * i + 1], cubics[4 * i + 2], cubics[4 * i + 3]};
     RootQuery q;
     q.tIn = 0.0f;
     q.tOut = 1.0f;
