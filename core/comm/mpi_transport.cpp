@@ -168,7 +168,9 @@ class MpiTransport::Progress {
   void run() {
     try {
       while (!ended()) {
-        const bool active = handOver() | sender_.reap() | receive();
+        // each, whatever the others found
+        const bool handed = handOver(), reaped = sender_.reap(), received = receive();
+        const bool active = handed || reaped || received;
         heldBySender_ = sender_.bytesHeld();
         bytesSent_ = sender_.bytesSent();
         packetsSent_ = sender_.packetsSent();
