@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// First root of a cubic on [0, 1], by its four Bernstein coefficients (Parker 1998; Marmitt 2004; Neubauer 2002): split at its extrema,
-// then a bracketed, safeguarded Newton iteration. End values are taken as given, so that neighbouring cells, which share
-// them to the bit, cannot both see or both miss a crossing.
+// First root of a cubic on [0, 1], given by its four Bernstein coefficients (Parker 1998; Marmitt 2004; Neubauer 2002):
+// split at its extrema, then a bracketed, safeguarded Newton iteration. End values are taken as given, so that neighbouring
+// cells, which share them to the bit, cannot both see or both miss a crossing.
 
 FN real bernsteinValue(vec4 b, real u) {
   real v = R(1.0) - u;
@@ -70,7 +70,7 @@ FN real rootBehind(real t, real u, real ta, real tb) {
 
 // The first crossing at or after `done` of the cubic b over [ta, tb]; lo > hi if there is none.
 FN Bracket firstBracket(vec4 b, real ta, real done, RootQuery q) {
-  real from = R(1.0), to = R(0.0), fFrom = R(0.0), fTo = R(0.0);
+  real begin = R(1.0), end = R(0.0), fBegin = R(0.0), fEnd = R(0.0);
   real first = b.x;
   if (q.from != 0) {
     real outwards = q.from > 0 ? b.y - b.x : b.x - b.y;
@@ -87,7 +87,7 @@ FN Bracket firstBracket(vec4 b, real ta, real done, RootQuery q) {
     bool plateau = max(max(abs(b.x), abs(b.y)), max(abs(b.z), abs(b.w))) == R(0.0);
     if (q.entry && b.x == R(0.0) && (q.from == 0 || plateau) && done == R(0.0) &&
         acceptsRoot(ta, q.tIn, q.tOut, q.tAfter)) {
-      from = R(0.0);
+      begin = R(0.0);
     } else {
       // extrema: roots of the derivative d0 v^2 + 2 d1 u v + d2 u^2 = qa u^2 + 2 qb u + qc
       real d0 = b.y - b.x, d1 = b.z - b.y, d2 = b.w - b.z;
@@ -115,11 +115,11 @@ FN Bracket firstBracket(vec4 b, real ta, real done, RootQuery q) {
         real fz = z < R(1.0) ? bernsteinValue(b, z) : b.w;
         bool crosses = q.from <= 0 && fa < R(0.0) && fz >= R(0.0);
         crosses = crosses || (q.from >= 0 && fa > R(0.0) && fz <= R(0.0));
-        if (from > to && crosses && z > a && a >= done) {
-          from = a;
-          to = z;
-          fFrom = fa;
-          fTo = fz;
+        if (begin > end && crosses && z > a && a >= done) {
+          begin = a;
+          end = z;
+          fBegin = fa;
+          fEnd = fz;
         }
         if (z > a) fa = fz;
         a = max(a, z);
@@ -127,10 +127,10 @@ FN Bracket firstBracket(vec4 b, real ta, real done, RootQuery q) {
     }
   }
   Bracket c;
-  c.lo = from;
-  c.hi = to;
-  c.fLo = fFrom;
-  c.fHi = fTo;
+  c.lo = begin;
+  c.hi = end;
+  c.fLo = fBegin;
+  c.fHi = fEnd;
   return c;
 }
 

@@ -261,7 +261,7 @@ FN_OUTLINE Corners cellCornersOfAny(VOLUME v, ivec3 c) {
   return k;
 }
 
-// The eight corner values of a cell that the block holds. Initialized as a whole: assigned to, they would be masked stores.
+// The eight corner values of a cell that the block holds.
 FN Corners cellCorners(VOLUME v, ivec3 c) {
   if (v.kind != SAMPLE_F32 || v.stride != 1 || v.wide != 0) return cellCornersOfAny(v, c);
 #if defined(ISPC)
