@@ -115,11 +115,14 @@ FN real segmentBehind(real t, real begin, real dt, real count) {
   return i;
 }
 
-// The macrocell between tEnter and tb cell by cell, since some hold no data or the map is too steep, each cell in equal
-// segments of at most `step` cells along which the value is taken as linear and the map is integrated exactly. What is
-// before t is somebody else's. Clears `go` where the march ends.
-FN_OUTLINE void integrateCells(VOLUME v, VolumeRay r, MarchRange m, real t, real tEnter, real tb, real step,
-                               real end, INOUT(Radiance) L, INOUT(int) samples, INOUT(bool) go) {
+// What goes cell by cell, since some cells hold no data or the map is too steep, from the macrocell on that the ray enters at
+// tEnter, of that plan, to where it enters one that does not, at `leaves`: each cell in equal segments of at most the plan's
+// length along which the value is taken as linear and the map is integrated exactly. One loop for all macrocells: the rays
+// of a gang, which stay in each for different numbers of cells, do not wait for each other. What is before t is somebody
+// else's. Clears `go` where the march ends.
+FN_OUTLINE void integrateCells(VOLUME v, VolumeRay r, MarchRange m, real t, real tEnter, int plan, real end,
+                               INOUT(Radiance) L, INOUT(int) samples, INOUT(int) macrocells, OUT(real) leaves,
+                               INOUT(bool) go) {
   real from = max(tEnter, t);
   ivec3 cells = gridCells(v);
   ivec3 c = make_i3(locateCell(from, r.g.po.x, r.g.pd.x, r.g.rpd.x, cells.x),
@@ -129,16 +132,17 @@ FN_OUTLINE void integrateCells(VOLUME v, VolumeRay r, MarchRange m, real t, real
                       planeCrossing(nearPlane(c.y, r.g.rpd.y), r.g.po.y, r.g.rpd.y),
                       planeCrossing(nearPlane(c.z, r.g.rpd.z), r.g.po.z, r.g.rpd.z));
   real ta = max(max3(near), tEnter);
+  real step = planStep(plan);
   vec3 rgb = L.rgb;
   real A = L.A;
-  int evaluated = 0;
+  int evaluated = 0, entered = 1;
   bool inside = true;
   while (go && inside) {
     vec3 far = make_v3(planeCrossing(farPlane(c.x, r.g.rpd.x), r.g.po.x, r.g.rpd.x),
                        planeCrossing(farPlane(c.y, r.g.rpd.y), r.g.po.y, r.g.rpd.y),
                        planeCrossing(farPlane(c.z, r.g.rpd.z), r.g.po.z, r.g.rpd.z));
     real exit = min3(far);
-    real tc = min(exit, tb);
+    real tc = min(exit, r.t1);
     Corners k = cellCorners(v, c);
     if (tc > ta && holdsData(k)) {
       real span = tc - ta;
@@ -164,15 +168,25 @@ FN_OUTLINE void integrateCells(VOLUME v, VolumeRay r, MarchRange m, real t, real
       }
     }
     if (tc >= end || tc >= m.tOut) go = false;
-    inside = exit < tb;
-    if (far.x <= exit) c.x += r.g.rpd.x < R(0.0) ? -1 : 1;
-    if (far.y <= exit) c.y += r.g.rpd.y < R(0.0) ? -1 : 1;
-    if (far.z <= exit) c.z += r.g.rpd.z < R(0.0) ? -1 : 1;
+    int x = far.x <= exit ? (r.g.rpd.x < R(0.0) ? -1 : 1) : 0;
+    int y = far.y <= exit ? (r.g.rpd.y < R(0.0) ? -1 : 1) : 0;
+    int z = far.z <= exit ? (r.g.rpd.z < R(0.0) ? -1 : 1) : 0;
+    ivec3 next = make_i3(c.x + x, c.y + y, c.z + z);
+    bool crosses = (((c.x ^ next.x) | (c.y ^ next.y) | (c.z ^ next.z)) >> MACRO_BITS) != 0;
+    c = next;
     ta = exit;
+    if (go && crosses) {
+      int behind = planAt(v, macroIndex(v, make_i3(c.x >> MACRO_BITS, c.y >> MACRO_BITS, c.z >> MACRO_BITS)));
+      inside = behind != 0 && !byMidpoints(behind);
+      step = planStep(behind);
+      entered += inside ? 1 : 0;
+    }
   }
   L.rgb = rgb;
   L.A = A;
   samples += evaluated;
+  macrocells += entered;
+  leaves = ta;
 }
 
 // Adds the midpoint segment of `length` at whose middle the value is s; nothing if it holds no data.
@@ -270,11 +284,18 @@ FN void integrateVolume(VOLUME v, VolumeRay r, MarchRange m, INOUT(real) begun, 
       real tHere = w.t;
       bool go = true;
       while (go && !byMidpoints(planHere)) {
-        real tb = min(min3(far), r.t1);
-        if (planHere == 0) {
+        // rays of a gang meet again where something is seen
+        while (go && planHere == 0) {
           skipped += 1;
-        } else if (someByCells(v)) {  // where the scene has none, GLSL compiles none of this
-          macrocells += 1;
+          if (min(min3(far), r.t1) >= last) {
+            go = false;
+          } else {
+            stepMacroWalk(v, r, index, plane, far, tHere);
+            planHere = planAt(v, index);
+          }
+        }
+        if (go && !byMidpoints(planHere) &&
+            someByCells(v)) {  // where the scene has none, GLSL compiles none of this
           // copies, so that what the call refers to does not keep the loop's own values in memory
           VolumeRay ray = r;
           addSample(v, s, length, m.tMin, rgb, A, samples);
@@ -282,17 +303,16 @@ FN void integrateVolume(VOLUME v, VolumeRay r, MarchRange m, INOUT(real) begun, 
           Radiance sum;
           sum.rgb = rgb;
           sum.A = A;
-          int counted = samples;
+          int counted = samples, entered = macrocells;
+          real leaves = tHere;
           bool on = R(1.0) - A >= m.tMin;
-          if (on) integrateCells(v, ray, m, from, tHere, tb, planStep(planHere), end, sum, counted, on);
+          if (on) integrateCells(v, ray, m, from, tHere, planHere, end, sum, counted, entered, leaves, on);
           rgb = sum.rgb;
           A = sum.A;
           samples = counted;
+          macrocells = entered;
           go = on;
-        }
-        if (tb >= last) go = false;
-        if (go) {
-          stepMacroWalk(v, r, index, plane, far, tHere);
+          while (go && min3(far) <= leaves) stepMacroWalk(v, r, index, plane, far, tHere);
           planHere = planAt(v, index);
         }
       }

@@ -173,8 +173,12 @@ CompiledMap::CompiledMap(const ColorMap& color, const OpacityMap* opacity, const
     addInterval(stored(a.value), double(stored(b.value)) - stored(a.value), a.above, b.below);
   }
   addInterval(stored(kept.back().value), 0, kept.back().above, kept.back().above);
-  for (const Node& n : kept) jump.push_back(std::abs(seen(n.above.w) - seen(n.below.w)));
-  jump.insert(jump.begin(), 0.0);  // jump[k]: at the start of interval k
+  jump.push_back(0);  // jump[k]: at the start of interval k
+  for (const Node& n : kept) {
+    const double below = seen(n.below.w), above = seen(n.above.w);
+    const glm::dvec3 source = glm::abs(above * glm::dvec3(n.above) - below * glm::dvec3(n.below));
+    jump.push_back(std::max({std::abs(above - below), source.r, source.g, source.b}));
+  }
 
   auto size = [](glm::dvec4 v) {
     return std::abs(v.w) + std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});

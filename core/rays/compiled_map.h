@@ -39,7 +39,7 @@ class CompiledMap {
     double kink = 0;        ///< largest change of the slope at a node inside
     double bend = 0;        ///< total variation of the slope inside
     double curve = 0;       ///< the part of it that is not at nodes
-    double jump = 0;        ///< largest step of extinction at a discontinuity inside
+    double jump = 0;  ///< largest step of extinction and extinction times colour at a discontinuity inside
   };
   Over over(float lo, float hi) const;
 

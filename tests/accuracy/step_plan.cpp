@@ -110,6 +110,20 @@ TEST(StepPlan, AStepOfColourAtAnOpaqueStepShowsTheDenseSide) {
   for (int64_t n : {9, 17, 33}) EXPECT_LE(worstOf(cube(n, ramp), m, 200), 1) << n;
 }
 
+// Categories: the colour has steps, the opacity none.
+TEST(StepPlan, StepsOfColourStayWithinTheTolerance) {
+  const glm::dvec3 red{1, 0, 0}, green{0, 1, 0}, blue{0, 0, 1};
+  const ColorMap categories{
+      {{0, blue}, {0.4, blue}, {0.4, red}, {0.5, red}, {0.5, green}, {0.6, green}, {0.6, blue}}};
+  for (const Field* f : {&turbulent(), &lobb()}) {
+    const double perCell = 0.2 / f->shortestCell();
+    const Maps m{categories, {true, {{0, 0}, {0.3, 0}, {1, perCell}}}};
+    const Cost c = costOf(*f, compiled(m, *f), 1 / 512.0, 93, 2000);
+    EXPECT_LE(c.over - c.flips, c.rays / 1000) << c.worst;
+    EXPECT_LE(c.flips, c.rays / 100);
+  }
+}
+
 // However high a peak is, its depth is that of the part of a segment which it takes.
 TEST(StepPlan, NarrowPeaksHaveTheirDepth) {
   const Field cells = cube(17, [](glm::dvec3 p) { return p.x < 0.001 ? 0.0 : 1.0; });
