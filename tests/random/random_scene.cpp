@@ -22,6 +22,23 @@ ColorMap randomColors(Choices& choose, double lo, double hi) {
   return map;
 }
 
+/// The colour of the nearest point, as of labels.
+ColorMap categories(ColorMap map) {
+  std::stable_sort(map.points.begin(), map.points.end(),
+                   [](const ColorPoint& a, const ColorPoint& b) { return a.value < b.value; });
+  ColorMap steps;
+  for (const ColorPoint& p : map.points) {
+    if (!steps.points.empty()) {
+      const ColorPoint before = steps.points.back();
+      const double middle = 0.5 * (before.value + p.value);
+      steps.points.push_back({middle, before.rgb});
+      steps.points.push_back({middle, p.rgb});
+    }
+    steps.points.push_back(p);
+  }
+  return steps;
+}
+
 OpacityMap randomOpacity(Choices& choose, double lo, double hi, double cell) {
   OpacityMap map;
   auto add = [&](double f, double a) { map.points.push_back({lo + f * (hi - lo), a}); };
@@ -275,6 +292,9 @@ TestScene randomScene(uint64_t seed) {
   const double farthest = choose.oneIn(4) ? choose.scale(1, 1e6) : 0;
   place(scene, factor, factor * farthest * choose.point(-1, 1));
   scene.domain = domainOf(scene);
+  Choices apart(~seed);  // what else a seed draws does not depend on it
+  for (Vis& vis : scene.visualization.operators)
+    if (vis.volumeRendering && apart.oneIn(4)) vis.colormap = categories(vis.colormap);
 
   StateFile read = readState(writeState(stateOf(scene)), scene.name);
   scene.visualization = std::move(read.state.visualizations.at(0));
