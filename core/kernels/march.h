@@ -196,9 +196,9 @@ FN void addSample(VOLUME v, real s, real length, real tMin, INOUT(vec3) rgb, INO
     samples += 1;
     if (s - s == R(0.0)) {
       MapPlace p = mapPlace(v, s);
-      MapPiece piece = mapPiece(v, p.k);
-      real sigma = sigmaAt(piece, p.f);
-      if (sigma > R(0.0)) addSegment(rgb, A, sigma * length, colorAt(piece, p.f), tMin);
+      // colours are fetched only where one of a gang sees something
+      real sigma = sigmaAt(mapPiece(v, p.k), p.f);
+      if (sigma > R(0.0)) addSegment(rgb, A, sigma * length, colorAt(mapPiece(v, p.k), p.f), tMin);
     }
   }
 }
