@@ -11,11 +11,10 @@ FN void twoSum(real a, real b, OUT(real) sum, OUT(real) lost) {
   lost = (a - (sum - bb)) + (b - bb);
 }
 
-// a * b = product + lost, exactly, while |a|, |b| < 1e30 and |a b| is 0 or above 1e-30.
-FN void twoProduct(real a, real b, OUT(real) product, OUT(real) lost) {
-  product = a * b;
+// a * b - product, exactly, of the rounded product, while |a|, |b| < 1e30 and |a b| is 0 or above 1e-30.
+FN real productError(real a, real b, real product) {
 #if defined(GXY_TWIN)
-  lost = std::fma(a, b, -product);
+  return std::fma(a, b, -product);
 #else
   real ca = R(4097.0) * a;
   real aHigh = ca - (ca - a);
@@ -23,7 +22,7 @@ FN void twoProduct(real a, real b, OUT(real) product, OUT(real) lost) {
   real cb = R(4097.0) * b;
   real bHigh = cb - (cb - b);
   real bLow = b - bHigh;
-  lost = aLow * bLow - (((product - aHigh * bHigh) - aLow * bHigh) - aHigh * bLow);
+  return aLow * bLow - (((product - aHigh * bHigh) - aLow * bHigh) - aHigh * bLow);
 #endif
 }
 
@@ -33,9 +32,8 @@ FN real pointFromTarget(real origin, real direction, real t, real target) {
   real apart;
   real apartLost;
   twoSum(origin, -target, apart, apartLost);
-  real step;
-  real stepLost;
-  twoProduct(t, direction, step, stepLost);
+  real step = t * direction;
+  real stepLost = productError(t, direction, step);
   real sum;
   real sumLost;
   twoSum(apart, step, sum, sumLost);

@@ -11,14 +11,11 @@
 
 // ax by - ay bx, rounded, with the exact sign.
 FN real edgeSide(real ax, real ay, real bx, real by) {
-  real p;
-  real pLost;
-  twoProduct(ax, by, p, pLost);
-  real q;
-  real qLost;
-  twoProduct(ay, bx, q, qLost);
+  real p = ax * by;
+  real q = ay * bx;
   real d = p - q;
-  return d == R(0.0) ? pLost - qLost : d;
+  if (d == R(0.0)) d = productError(ax, by, p) - productError(ay, bx, q);
+  return d;
 }
 
 // The components in cyclic order, that of index `last` at the end.
