@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gxy/data/geometry.h"
 
+#include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstring>
 #include <glm/geometric.hpp>
@@ -72,17 +74,33 @@ struct PointKey {
 };
 static_assert(sizeof(PointKey) == 40, "compared and hashed as bytes: no padding");
 
-struct PointHash {
-  size_t operator()(const PointKey& key) const {
-    std::array<uint64_t, 5> words;
-    std::memcpy(words.data(), &key, sizeof key);
-    uint64_t hash = 0;
-    for (uint64_t w : words) {
-      hash = (hash ^ w) * 0x9e3779b97f4a7c15u;
-      hash ^= hash >> 32;
-    }
-    return hash;
+uint64_t hashOf(const PointKey& key) {
+  std::array<uint64_t, 5> words;
+  std::memcpy(words.data(), &key, sizeof key);
+  uint64_t hash = 0;
+  for (uint64_t w : words) {
+    hash = (hash ^ w) * 0x9e3779b97f4a7c15u;
+    hash ^= hash >> 32;
   }
+  return hash;
+}
+
+/// Finds points of a block, up to so many, by content: a table of indices with linear probing.
+class PointsByContent {
+ public:
+  PointsByContent(const GeometryBlock& block, size_t points)
+      : block_(block), slots_(std::bit_ceil(2 * points), kNone) {}
+
+  /// The index of the point with this content; kNone, to be set to what it will get, where there is none.
+  uint32_t& operator[](const PointKey& key) {
+    size_t i = hashOf(key);
+    while (slots_[i &= slots_.size() - 1] != kNone && !(PointKey(block_, slots_[i]) == key)) ++i;
+    return slots_[i];
+  }
+
+ private:
+  const GeometryBlock& block_;
+  std::vector<uint32_t> slots_;
 };
 
 GeometryBlock concatenated(GeometryKind kind, std::span<const GeometryBlock> parts) {
@@ -208,36 +226,56 @@ void validate(const GeometryBlock& block, GeometryKind kind) {
 
 GeometryBlock subset(const GeometryBlock& block, GeometryKind kind, std::span<const uint32_t> primitives) {
   GeometryBlock chosen;
-  std::unordered_map<uint32_t, uint32_t> indices;
-  for (uint32_t p : primitives) {
-    appendPrimitive(chosen, block, kind, p, [&](uint32_t point) {
-      const auto [at, isNew] = indices.try_emplace(point, uint32_t(chosen.points.size()));
-      if (isNew) appendPoint(chosen, block, point);
-      return at->second;
-    });
+  chosen.ids.reserve(primitives.size());
+  const auto append = [&](auto&& numberOf) {
+    for (uint32_t p : primitives) {
+      appendPrimitive(chosen, block, kind, p, [&](uint32_t point) {
+        uint32_t& number = numberOf(point);
+        if (number == kNone) {
+          number = uint32_t(chosen.points.size());
+          appendPoint(chosen, block, point);
+        }
+        return number;
+      });
+    }
+  };
+  if (primitives.size() > block.points.size() / 16) {
+    std::vector<uint32_t> numbers(block.points.size(), kNone);
+    append([&](uint32_t point) -> uint32_t& { return numbers[point]; });
+  } else {  // a table of all points for each of many small pieces would take longer than the pieces
+    std::unordered_map<uint32_t, uint32_t> numbers;
+    append([&](uint32_t point) -> uint32_t& { return numbers.try_emplace(point, kNone).first->second; });
   }
   return chosen;
 }
 
 GeometryBlock merged(GeometryKind kind, std::span<const GeometryBlock> parts) {
-  const GeometryBlock all = concatenated(kind, parts);
+  GeometryBlock joined;
+  if (parts.size() != 1) joined = concatenated(kind, parts);
+  const GeometryBlock& all = parts.size() == 1 ? parts[0] : joined;
   std::vector<uint32_t> order(all.ids.size());
   std::iota(order.begin(), order.end(), 0u);
-  std::sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) { return all.ids[a] < all.ids[b]; });
+  const auto before = [&](uint32_t a, uint32_t b) { return all.ids[a] < all.ids[b]; };
+  if (!std::is_sorted(order.begin(), order.end(), before)) std::sort(order.begin(), order.end(), before);
   for (size_t i = 1; i < order.size(); ++i) {
     if (all.ids[order[i]] == all.ids[order[i - 1]]) {
       fail(kind, "primitive " + std::to_string(all.ids[order[i]]) + " comes twice, expected each id once");
     }
   }
   GeometryBlock block;
-  std::unordered_map<PointKey, uint32_t, PointHash> byContent;
+  block.ids.reserve(order.size());
+  block.points.reserve(all.points.size());
+  PointsByContent byContent(block, kind == GeometryKind::Particles ? 1 : all.points.size());
   std::vector<uint32_t> indices(all.points.size(), kNone);  // looked up once per point, not once per use
   for (uint32_t p : order) {
     appendPrimitive(block, all, kind, p, [&](uint32_t point) {
       if (indices[point] == kNone) {
-        const auto [at, isNew] = byContent.try_emplace(PointKey(all, point), uint32_t(block.points.size()));
-        if (isNew) appendPoint(block, all, point);
-        indices[point] = at->second;
+        uint32_t& index = byContent[PointKey(all, point)];
+        if (index == kNone) {
+          index = uint32_t(block.points.size());
+          appendPoint(block, all, point);
+        }
+        indices[point] = index;
       }
       return indices[point];
     });

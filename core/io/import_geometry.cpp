@@ -113,7 +113,7 @@ LoadedGeometry loadGeometry(const std::string& path, GeometryKind kind, const st
   return loaded;
 }
 
-std::shared_ptr<Geometry> distribute(LoadedGeometry loaded, const Partitioning& partitioning,
+std::shared_ptr<Geometry> distribute(const LoadedGeometry& loaded, const Partitioning& partitioning,
                                      const RadiusOf& radius, Collectives& ranks) {
   auto geometry = std::make_shared<Geometry>();
   geometry->name = loaded.name;
@@ -124,10 +124,11 @@ std::shared_ptr<Geometry> distribute(LoadedGeometry loaded, const Partitioning& 
   geometry->droppedPrimitives = loaded.dropped;
   std::vector<Bytes> messages;
   agree(ranks, [&] {
-    if (loaded.everywhere) loaded.block = keepHome(loaded.block, loaded.kind, partitioning, ranks.rank());
-    messages = packForOwners(loaded.block, loaded.kind, partitioning, radius, ranks.size());
+    GeometryBlock home;
+    const bool some = loaded.everywhere && ranks.size() > 1;
+    if (some) home = keepHome(loaded.block, loaded.kind, partitioning, ranks.rank());
+    messages = packForOwners(some ? home : loaded.block, loaded.kind, partitioning, radius, ranks.size());
   });
-  loaded.block = {};
   const std::vector<Bytes> received = ranks.allToAll(std::move(messages));
   agree(ranks, [&] { geometry->blocks = unpackReceived(loaded.kind, partitioning, ranks.rank(), received); });
   return geometry;

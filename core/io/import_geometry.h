@@ -34,7 +34,7 @@ LoadedGeometry loadGeometry(const std::string& path, GeometryKind kind, const st
                             Collectives& ranks, const std::function<void(int64_t bytes)>& toRead = {});
 
 /// Collective. Brings primitives to every partition that they, `radius` thick, touch.
-std::shared_ptr<Geometry> distribute(LoadedGeometry loaded, const Partitioning& partitioning,
+std::shared_ptr<Geometry> distribute(const LoadedGeometry& loaded, const Partitioning& partitioning,
                                      const RadiusOf& radius, Collectives& ranks);
 
 }  // namespace gxy
