@@ -16,11 +16,11 @@ class EmbreeBackend final : public Backend {
   }
   std::unique_ptr<DeviceScene> makeScene(std::shared_ptr<const CompiledScene> scene,
                                          int rank) const override {
-    return std::make_unique<EmbreeScene>(device_, std::move(scene), rank);
+    return std::make_unique<EmbreeScene>(shared_, std::move(scene), rank);
   }
 
  private:
-  std::shared_ptr<const embree::Device> device_ = std::make_shared<embree::Device>();
+  std::shared_ptr<EmbreeShared> shared_ = std::make_shared<EmbreeShared>();
 };
 
 }  // namespace

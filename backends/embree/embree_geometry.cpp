@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gxy/embree/embree_geometry.h"
 
+#include <algorithm>
+
 #include "geometry_ispc.h"
 #include "gxy/comm/thread_order.h"
 #include "gxy/rays/primitive_bounds.h"
@@ -25,10 +27,8 @@ void boundPrimitive(const RTCBoundsFunctionArguments* args) {
 
 }  // namespace
 
-embree::Scene buildGeometry(const embree::Device& device, std::span<const OperatorView> operators) {
-  bool any = false;
-  for (const OperatorView& op : operators) any = any || op.primitives > 0;
-  if (!any) return nullptr;
+GeometryHierarchy buildGeometry(const embree::Device& device, std::span<const OperatorView> operators) {
+  const int64_t before = device.bytes();
   embree::Scene scene(rtcNewScene(device.get()));
   rtcSetSceneFlags(scene.get(), RTC_SCENE_FLAG_ROBUST);
   for (size_t i = 0; i < operators.size(); i++) {
@@ -47,7 +47,7 @@ embree::Scene buildGeometry(const embree::Device& device, std::span<const Operat
   rtcCommitScene(scene.get());
   for (const OperatorView& op : operators) ThreadOrder(&op).takeBack();
   device.expectDone("building the geometry");
-  return scene;
+  return {std::move(scene), size_t(std::max<int64_t>(device.bytes() - before, 0))};
 }
 
 }  // namespace gxy

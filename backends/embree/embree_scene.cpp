@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cstring>
+#include <functional>
 #include <limits>
 
 #include "fields_ispc.h"
@@ -89,9 +90,9 @@ void distribute(RayList rays, bool primary, std::vector<LeavingRays>& out) {
 
 }  // namespace
 
-EmbreeScene::EmbreeScene(std::shared_ptr<const embree::Device> device,
-                         std::shared_ptr<const CompiledScene> scene, int rank)
-    : device_(std::move(device)), scene_(std::move(scene)), rank_(rank) {
+EmbreeScene::EmbreeScene(std::shared_ptr<EmbreeShared> shared, std::shared_ptr<const CompiledScene> scene,
+                         int rank)
+    : shared_(std::move(shared)), scene_(std::move(scene)), rank_(rank) {
   const auto& operators = scene_->operators;
   for (size_t i = 0; i < operators.size(); i++) {
     if (!operators[i].slices.empty()) slicedOperators_.push_back(int(i));
@@ -104,27 +105,31 @@ EmbreeScene::EmbreeScene(std::shared_ptr<const embree::Device> device,
                 " volumes at once; this backend takes at most " + std::to_string(kMostVolumes));
   Pointers pointers;
   fillSceneView(anywhere_, *scene_, -1, pointers);
-  const int64_t before = device_->bytes();
   for (int p : scene_->partitioning->owned(rank_)) {
     if (!scene_->visible[p]) continue;  // nothing is built where nothing can be seen
     Part& part = parts_[p];
     fillSceneView(part.view, *scene_, p, pointers);
     part.operators.resize(operators.size());
     part.fields.resize(operators.size());
+    std::vector<const GeometryPart*> primitives(operators.size());
     for (size_t i = 0; i < operators.size(); i++) {
       const CompiledOperator& op = operators[i];
       const auto found = op.parts.find(p);
       const OperatorPart* mine = found == op.parts.end() ? nullptr : &found->second;
       fillVolumeView(part.fields[i], op, mine, pointers);
-      fillOperatorView(part.operators[i], op, mine, pointers);
+      fillOperatorView(part.operators[i], op, pointers);
+      if (!mine || !mine->geometry) continue;
+      fillPrimitives(part.operators[i], *mine->geometry, pointers);
+      primitives[i] = mine->geometry.get();
     }
-    part.geometry = buildGeometry(*device_, part.operators);
+    if (std::any_of(primitives.begin(), primitives.end(), std::identity()))
+      part.geometry = shared_->hierarchies.get(
+          primitives, [&] { return buildGeometry(shared_->device, part.operators); });
     part.view.operators = int(operators.size());
     part.view.operator_ = part.operators.data();
     part.view.field = part.fields.data();
-    part.view.hierarchy = part.geometry.get();
+    part.view.hierarchy = part.geometry ? part.geometry->scene.get() : nullptr;
   }
-  geometryBytes_ = size_t(std::max<int64_t>(device_->bytes() - before, 0));
 }
 
 std::shared_ptr<const DeviceFrame> EmbreeScene::makeFrame(const CompiledFrame& f) const {
@@ -316,11 +321,18 @@ void EmbreeScene::trace(const DeviceFrame& frame, int partition, bool primary, R
 }
 
 size_t EmbreeScene::bytes() const {
-  size_t n = geometryBytes_;
+  size_t n = 0;
   for (const auto& [p, part] : parts_)
     n += part.operators.size() * sizeof(single::OperatorView) +
          part.fields.size() * sizeof(single::VolumeView);
   return n;
+}
+
+std::vector<SharedBytes> EmbreeScene::sharedBytes() const {
+  std::vector<SharedBytes> shared;
+  for (const auto& [p, part] : parts_)
+    if (part.geometry) shared.push_back({part.geometry.get(), part.geometry->bytes});
+  return shared;
 }
 
 }  // namespace gxy

@@ -12,29 +12,28 @@ namespace gxy {
 
 class EmbreeScene final : public DeviceScene {
  public:
-  EmbreeScene(std::shared_ptr<const embree::Device> device, std::shared_ptr<const CompiledScene> scene,
-              int rank);
+  EmbreeScene(std::shared_ptr<EmbreeShared> shared, std::shared_ptr<const CompiledScene> scene, int rank);
 
   std::shared_ptr<const DeviceFrame> makeFrame(const CompiledFrame& frame) const override;
   void spawn(const DeviceFrame& frame, const Tile& tile, Done done) const override;
   void trace(const DeviceFrame& frame, int partition, bool primary, RayList rays, Done done) const override;
   size_t bytes() const override;
+  std::vector<SharedBytes> sharedBytes() const override;
 
  private:
   struct Part {
     single::SceneView view{};
     std::vector<single::OperatorView> operators;
     std::vector<single::VolumeView> fields;
-    embree::Scene geometry;
+    std::shared_ptr<const GeometryHierarchy> geometry;  ///< null if there is none
   };
   class Packet;
 
-  std::shared_ptr<const embree::Device> device_;
+  std::shared_ptr<EmbreeShared> shared_;
   std::shared_ptr<const CompiledScene> scene_;
   int rank_;
   std::map<int, Part> parts_;     ///< by local partition
   single::SceneView anywhere_{};  ///< without a partition of its own: for spawning
-  size_t geometryBytes_ = 0;  ///< of Embree's; exact if no other scene of the device is made at the same time
   std::vector<int> slicedOperators_, isoOperators_, renderedOperators_;
 };
 

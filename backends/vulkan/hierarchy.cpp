@@ -75,7 +75,8 @@ std::vector<RTCBuildPrimitive> primitivesOf(const CompiledScene& scene, int part
   for (size_t op = 0; op < scene.operators.size(); op++) {
     const auto found = scene.operators[op].parts.find(partition);
     if (found == scene.operators[op].parts.end()) continue;
-    const OperatorPart& part = found->second;
+    if (!found->second.geometry) continue;
+    const GeometryPart& part = *found->second.geometry;
     const int corners = cornersOf(scene.operators[op].vis.type);
     const size_t first = all.size();
     all.resize(first + part.primitives);

@@ -89,11 +89,9 @@ class Uploading {
       const OperatorPart* part = found == op.parts.end() ? nullptr : &found->second;
       fillVolumeView(fields_.emplace_back(), op, part, inTables_);
       shader::OperatorView& view = operators_.emplace_back();
-      fillOperatorView(view, op, nullptr, inTables_);
-      if (part && part->primitives > 0) {
-        const uint32_t slice = view.slice;
-        fillOperatorView(view, op, part, inGeometry_);
-        view.slice = slice;
+      fillOperatorView(view, op, inTables_);
+      primitives_.push_back(part ? part->geometry.get() : nullptr);
+      if (primitives_.back()) {
         constexpr int kBits[] = {0, SURFACE_PARTICLES, SURFACE_PATHLINES, SURFACE_TRIANGLES};
         out_.geometryKinds |= kBits[view.kind];
       }
@@ -109,11 +107,24 @@ class Uploading {
     out_.mine = tables_.add(mine);
     fillSceneView(view_, scene, partition, inTables_);
     view_.operators = int(scene.operators.size());
-    if (out_.geometryKinds != 0) addHierarchy();
     specialize();
   }
 
-  PartOnDevice finish(const Pipelines& pipelines, SharedSamples& shared) {
+  PartOnDevice finish(const Pipelines& pipelines, SharedData& shared) {
+    if (out_.geometryKinds != 0) {
+      out_.geometry = shared.geometry.get(primitives_, [&] { return makeGeometry(); });
+      view_.hierarchy = out_.geometry->hierarchy;
+      for (size_t i = 0; i < operators_.size(); i++) {
+        const shader::OperatorView& at = out_.geometry->places[i];
+        shader::OperatorView& view = operators_[i];
+        view.primitives = at.primitives;
+        view.points = at.points;
+        view.normals = at.normals;
+        view.values = at.values;
+        view.indices = at.indices;
+        view.neighbours = at.neighbours;
+      }
+    }
     const auto sceneBytes = std::as_bytes(std::span(&view_, 1));
     const auto operatorBytes = std::as_bytes(std::span(operators_)),
                fieldBytes = std::as_bytes(std::span(fields_));
@@ -128,17 +139,13 @@ class Uploading {
     for (int i = 0; i < 4; i++)
       if (!sections[i].empty()) upload(device_, out_.scene, at[i], sections[i]);
     if (!inTables_.blocks().empty()) {
-      SharedSamples::Blocks blocks;
+      std::vector<const VolumeBlock*> blocks;
       for (const auto& [block, place] : inTables_.blocks()) blocks.push_back(block);
-      out_.samples = shared.get(blocks, [&] { return makeSamples(); });
-    }
-    if (out_.geometryKinds != 0) {
-      out_.geometry = Buffer(device_, geometry_.bytes().size(), Place::Device, "geometry");
-      upload(device_, out_.geometry, 0, geometry_.bytes());
+      out_.samples = shared.samples.get(blocks, [&] { return makeSamples(); });
     }
     const VkDeviceAddress addresses[3] = {out_.scene.address() + at[3],
-                                          out_.samples ? out_.samples->address() : 0,
-                                          out_.geometry.get() ? out_.geometry.address() : 0};
+                                          out_.samples ? out_.samples->buffer.address() : 0,
+                                          out_.geometry ? out_.geometry->buffer.address() : 0};
     upload(device_, out_.scene, at[4], std::as_bytes(std::span(addresses)));
 
     const auto section = [&](int i) {
@@ -154,9 +161,9 @@ class Uploading {
                                         {{out_.scene.get(), at[4], sizeof addresses}},
                                         {section(3), kQuads},
                                         {nothing, kQuads}};
-    if (out_.samples) bindings[SAMPLES_BINDING].buffer = {out_.samples->get(), 0, out_.samples->bytes()};
-    if (out_.geometry.get())
-      bindings[GEOMETRY_BINDING].buffer = {out_.geometry.get(), 0, out_.geometry.bytes()};
+    const auto whole = [](const Buffer& b) { return VkDescriptorBufferInfo{b.get(), 0, b.bytes()}; };
+    if (out_.samples) bindings[SAMPLES_BINDING].buffer = whole(out_.samples->buffer);
+    if (out_.geometry) bindings[GEOMETRY_BINDING].buffer = whole(out_.geometry->buffer);
     bindings[GEOMETRY_QUADS_BINDING].buffer = bindings[GEOMETRY_BINDING].buffer;
     const std::pair<int, int> large[] = {{TABLES_BINDING, ADDRESSED_TABLES},
                                          {SAMPLES_BINDING, ADDRESSED_SAMPLES},
@@ -173,19 +180,31 @@ class Uploading {
   }
 
  private:
-  Buffer makeSamples() const {
-    Buffer samples(device_, inTables_.sampleBytes(), Place::Device, "volumes");
+  SamplesOnDevice makeSamples() const {
+    SamplesOnDevice made{Buffer(device_, inTables_.sampleBytes(), Place::Device, "volumes"), {}};
     for (const auto& [block, place] : inTables_.blocks())
-      upload(device_, samples, size_t(place) * 16, block->samples);
-    return samples;
+      upload(device_, made.buffer, size_t(place) * 16, block->samples);
+    made.charge = Charge(device_, made.buffer.bytes());
+    return made;
   }
 
-  void addHierarchy() {
+  GeometryOnDevice makeGeometry() const {
+    GeometryOnDevice made;
+    Words words;
+    Places places(words);
+    for (const GeometryPart* part : primitives_) {
+      shader::OperatorView& at = made.places.emplace_back();
+      if (part) fillPrimitives(at, *part, places);
+    }
     const Hierarchy hierarchy = hierarchyOf(scene_, partition_);
-    const uint32_t list = geometry_.add(hierarchy.primitives);
+    const uint32_t list = words.add(hierarchy.primitives);
     const float nodes = std::nextafter(float(hierarchy.nodes.size() / NODE_WORDS), 1e30f);
-    view_.hierarchy = geometry_.add(std::vector<uint32_t>{list, std::bit_cast<uint32_t>(nodes)});
-    geometry_.add(hierarchy.nodes);
+    made.hierarchy = words.add(std::vector<uint32_t>{list, std::bit_cast<uint32_t>(nodes)});
+    words.add(hierarchy.nodes);
+    made.buffer = Buffer(device_, words.bytes().size(), Place::Device, "geometry");
+    upload(device_, made.buffer, 0, words.bytes());
+    made.charge = Charge(device_, made.buffer.bytes());
+    return made;
   }
 
   void specialize() {
@@ -213,23 +232,15 @@ class Uploading {
   const CompiledScene& scene_;
   const int partition_;
   PartOnDevice out_;
-  Words tables_, geometry_;
-  Places inTables_{tables_}, inGeometry_{geometry_};
+  Words tables_;
+  Places inTables_{tables_};
+  std::vector<const GeometryPart*> primitives_;  // by operator; null where there are none
   shader::SceneView view_{};
   std::vector<shader::OperatorView> operators_;
   std::vector<shader::VolumeView> fields_;
 };
 
 }  // namespace
-
-SharedSamples::Buffers SharedSamples::get(const Blocks& blocks, const std::function<Buffer()>& make) {
-  std::lock_guard lock(mutex_);  // also while it is made: others who want the same wait for it
-  std::erase_if(known_, [](const auto& entry) { return entry.second.expired(); });
-  if (auto known = known_[blocks].lock()) return known;
-  auto made = std::make_shared<const Buffer>(make());
-  known_[blocks] = made;
-  return made;
-}
 
 void checkNumbering(const Index3& points, int components) {
   const int64_t n = points[0] * points[1] * points[2];
@@ -239,9 +250,9 @@ void checkNumbering(const Index3& points, int components) {
                 "partitions");
 }
 
-PartOnDevice uploadPart(const Device& device, const Pipelines& pipelines, SharedSamples& samples,
+PartOnDevice uploadPart(const Device& device, const Pipelines& pipelines, SharedData& shared,
                         const CompiledScene& scene, int partition, int rank) {
-  return Uploading(device, scene, partition, rank).finish(pipelines, samples);
+  return Uploading(device, scene, partition, rank).finish(pipelines, shared);
 }
 
 }  // namespace gxy::vulkan

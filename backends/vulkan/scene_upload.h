@@ -1,21 +1,60 @@
 // SPDX-License-Identifier: Apache-2.0
 // A partition of a compiled scene in device memory.
 #pragma once
-#include <functional>
-#include <map>
 #include <memory>
-#include <mutex>
+#include <utility>
 #include <vector>
 
 #include "gxy/rays/compiled_scene.h"
+#include "gxy/space/shared_by.h"
 #include "gxy/vulkan/pipelines.h"
+#include "gxy/vulkan/shader_views.h"
 
 namespace gxy::vulkan {
 
+/// Bytes of a device that scenes account for (DeviceScene), while this lives.
+class Charge {
+ public:
+  Charge() = default;
+  Charge(const Device& device, size_t bytes) : device_(&device), bytes_(bytes) {
+    device.chargeElsewhere(int64_t(bytes_));
+  }
+  Charge(Charge&& other) noexcept
+      : device_(std::exchange(other.device_, nullptr)), bytes_(std::exchange(other.bytes_, 0)) {}
+  Charge& operator=(Charge other) noexcept {
+    std::swap(device_, other.device_);
+    std::swap(bytes_, other.bytes_);
+    return *this;
+  }
+  ~Charge() {
+    if (device_) device_->chargeElsewhere(-int64_t(bytes_));
+  }
+  size_t bytes() const { return bytes_; }
+
+ private:
+  const Device* device_ = nullptr;
+  size_t bytes_ = 0;
+};
+
+/// Samples of volumes.
+struct SamplesOnDevice {
+  Buffer buffer;
+  Charge charge;
+};
+
+/// The primitives of a partition's operators, and the hierarchy over them.
+struct GeometryOnDevice {
+  Buffer buffer;
+  Charge charge;
+  uint32_t hierarchy = 0;                    ///< its place
+  std::vector<shader::OperatorView> places;  ///< of each operator's primitives; no other member is set
+};
+
 /// What the stages read of a partition, or, without one, of the scene as a whole, for spawning.
 struct PartOnDevice {
-  Buffer scene, geometry;
-  std::shared_ptr<const Buffer> samples;  ///< of the volumes, also of other scenes that look at the same
+  Buffer scene;
+  std::shared_ptr<const SamplesOnDevice> samples;    ///< null if there are none
+  std::shared_ptr<const GeometryOnDevice> geometry;  ///< likewise
   DescriptorSet set;
   int partition = -1;
   Special special;                            ///< for all stages, but `surfaces` and `anyHit`
@@ -23,29 +62,20 @@ struct PartOnDevice {
   uint32_t volumeList = 0;                    ///< place of the rendered volumes' list in the tables
   uint32_t mine = 0;                          ///< and of whether each partition is this rank's and seen
   std::vector<bool> hasBlock, hasIsosurface;  ///< by operator
-
-  size_t bytes() const { return scene.bytes() + geometry.bytes(); }  ///< that are its own
 };
 
-/// Samples on the device, by the blocks that they are of, in their order. Scenes that look at the same volumes share them. (Those
-/// of which only some are the same do not.) Thread safe.
-class SharedSamples {
- public:
-  using Blocks = std::vector<const VolumeBlock*>;
-  using Buffers = std::shared_ptr<const Buffer>;
-  /// Those that there are, else what `make` makes.
-  Buffers get(const Blocks& blocks, const std::function<Buffer()>& make);
-
- private:
-  std::mutex mutex_;
-  std::map<Blocks, std::weak_ptr<const Buffer>> known_;
+/// What scenes that look at the same data have in common, by those, in their order. (Scenes of which only some data are the
+/// same share nothing.)
+struct SharedData {
+  SharedBy<std::vector<const VolumeBlock*>, SamplesOnDevice> samples;
+  SharedBy<std::vector<const GeometryPart*>, GeometryOnDevice> geometry;
 };
 
 /// Throws Error where a block has more points, or numbers of all components, than the shaders tell apart in 32 bits.
 void checkNumbering(const Index3& points, int components);
 
 /// partition < 0: none. Throws Error where the device has no room for it.
-PartOnDevice uploadPart(const Device& device, const Pipelines& pipelines, SharedSamples& samples,
+PartOnDevice uploadPart(const Device& device, const Pipelines& pipelines, SharedData& shared,
                         const CompiledScene& scene, int partition, int rank);
 
 }  // namespace gxy::vulkan

@@ -42,15 +42,25 @@ VulkanScene::VulkanScene(std::shared_ptr<Context> context, std::shared_ptr<const
   for (int p : scene_->partitioning->owned(rank_))
     if (scene_->visible[size_t(p)])  // nothing is there where nothing can be seen
       parts_.emplace(p,
-                     uploadPart(context_->device, context_->pipelines, context_->samples, *scene_, p, rank_));
+                     uploadPart(context_->device, context_->pipelines, context_->shared, *scene_, p, rank_));
   if (parts_.size() != 1)
-    anywhere_ = uploadPart(context_->device, context_->pipelines, context_->samples, *scene_, -1, rank_);
-  bytes_ = anywhere_.bytes();
-  for (const auto& [p, part] : parts_) bytes_ += part.bytes();
-  context_->device.chargeElsewhere(int64_t(bytes_));
+    anywhere_ = uploadPart(context_->device, context_->pipelines, context_->shared, *scene_, -1, rank_);
+  size_t bytes = anywhere_.scene.bytes();
+  for (const auto& [p, part] : parts_) bytes += part.scene.bytes();
+  charge_ = Charge(context_->device, bytes);
 }
 
-VulkanScene::~VulkanScene() { context_->device.chargeElsewhere(-int64_t(bytes_)); }
+std::vector<SharedBytes> VulkanScene::sharedBytes() const {
+  std::vector<SharedBytes> shared;
+  const auto add = [&](const auto& data) {
+    if (data) shared.push_back({data.get(), data->charge.bytes()});
+  };
+  for (const auto& [p, part] : parts_) {
+    add(part.samples);
+    add(part.geometry);
+  }
+  return shared;
+}
 
 std::shared_ptr<const DeviceFrame> VulkanScene::makeFrame(const CompiledFrame& f) const {
   auto frame = std::make_shared<VulkanFrame>();

@@ -18,7 +18,7 @@ struct Context {
   explicit Context(const VulkanOptions& options);
   Device device;
   Pipelines pipelines;
-  SharedSamples samples;
+  SharedData shared;
   Tracer tracer;
   std::atomic<uint64_t> frames = 0;  ///< that were made
 };
@@ -35,12 +35,12 @@ struct VulkanFrame final : DeviceFrame {
 class VulkanScene final : public DeviceScene {
  public:
   VulkanScene(std::shared_ptr<Context> context, std::shared_ptr<const CompiledScene> scene, int rank);
-  ~VulkanScene() override;
 
   std::shared_ptr<const DeviceFrame> makeFrame(const CompiledFrame& frame) const override;
   void spawn(const DeviceFrame& frame, const Tile& tile, Done done) const override;
   void trace(const DeviceFrame& frame, int partition, bool primary, RayList rays, Done done) const override;
-  size_t bytes() const override { return bytes_; }
+  size_t bytes() const override { return charge_.bytes(); }
+  std::vector<SharedBytes> sharedBytes() const override;
 
   // What a Batch asks.
   /// Adds what `rays` rays of a list (or ~k: as many as counts[k]) go through in a partition.
@@ -58,7 +58,7 @@ class VulkanScene final : public DeviceScene {
   int rank_;
   PartOnDevice anywhere_;              ///< without a partition: for spawning, where there are several
   std::map<int, PartOnDevice> parts_;  ///< by local partition
-  size_t bytes_ = 0;                   ///< of both, but for samples
+  Charge charge_;                      ///< of both, but for what they share
   std::vector<int> slicedOperators_, isoOperators_, renderedOperators_;
   bool surfacesInVolumes_ = false;
 };

@@ -96,9 +96,10 @@ class DeviceScene {
   virtual void trace(const DeviceFrame& frame, int partition, bool primary, RayList rays,
                      Done done) const = 0;
 
-  /// Bytes that the device holds for this scene alone. What scenes share is in the ledger that the backend was
-  /// made with, if in any.
+  /// Bytes that the device holds for this scene alone.
   virtual size_t bytes() const = 0;
+  /// What it may hold for others, too. What else scenes share is in the ledger that the backend was made with, if in any.
+  virtual std::vector<SharedBytes> sharedBytes() const { return {}; }
 };
 
 class Backend {
@@ -113,7 +114,7 @@ class Backend {
 /// Backends by name; a program registers those that it links. Not thread safe.
 class BackendRegistry {
  public:
-  /// `ledger`: where a device's memory is entered for tenant "device", but what scenes tell by bytes(); or null.
+  /// `ledger`: where a device's memory is entered for tenant "device", but what scenes tell of themselves; or null.
   using Maker = std::function<std::unique_ptr<Backend>(Ledger* ledger)>;
   /// `auto` is the first that is added, `fits` (null: always) and can be made.
   void add(std::string name, Maker maker, std::function<bool()> fits = {}) {

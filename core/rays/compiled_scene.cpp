@@ -140,32 +140,55 @@ void planVolume(CompiledOperator& op, CompiledScene& scene, OtherScenes known) {
   }
 }
 
-void compileGeometry(CompiledOperator& op, CompiledScene& scene) {
+// The primitives that another scene has of the same geometry; null if none has.
+std::shared_ptr<const GeometryPart> partAmong(OtherScenes scenes, const CompiledOperator& op,
+                                              const RenderSpace& space, int partition) {
+  for (const auto& scene : scenes)
+    for (const CompiledOperator& o : scene->operators) {
+      if (o.data.geometry != op.data.geometry || scene->space != space || radiiOf(o.vis) != radiiOf(op.vis))
+        continue;
+      const auto part = o.parts.find(partition);
+      if (part != o.parts.end()) return part->second.geometry;
+    }
+  return nullptr;
+}
+
+GeometryPart compilePart(const GeometryBlock& block, GeometryKind kind, const Vis& vis,
+                         const RenderSpace& space) {
+  GeometryPart part;
+  part.values = block.values;
+  part.points.reserve(block.points.size() * 4);
+  for (size_t i = 0; i < block.points.size(); i++) {
+    const glm::dvec3 p = space.toRender(block.points[i]);
+    const double radius = kind == GeometryKind::Triangles
+                              ? 0
+                              : radiusOf(vis, block.values.empty() ? 0 : block.values[i]) * space.scale;
+    for (double x : {p.x, p.y, p.z, radius}) part.points.push_back(float(x));
+  }
+  const auto append = [](auto& to, const auto& from) {
+    for (const auto& numbers : from) to.insert(to.end(), std::begin(numbers), std::end(numbers));
+  };
+  for (const glm::vec3& n : block.normals) part.normals.insert(part.normals.end(), {n.x, n.y, n.z});
+  append(part.indices, block.segments);
+  append(part.indices, block.triangles);
+  append(part.neighbours, block.neighbours);
+  part.primitives = uint32_t(block.ids.size());
+  return part;
+}
+
+void compileGeometry(CompiledOperator& op, CompiledScene& scene, OtherScenes known) {
   const Geometry& geometry = *op.data.geometry;
   ColorMap color = effectiveColorMap(op.vis);
   op.map = CompiledMap(color, nullptr, MapUnits{});
   bool hasValues = false;
   for (const auto& [partition, block] : geometry.blocks) {
-    OperatorPart& part = op.parts[partition];
-    part.values = block.values;
     hasValues = hasValues || !block.values.empty();
-    part.points.reserve(block.points.size() * 4);
-    for (size_t i = 0; i < block.points.size(); i++) {
-      const glm::dvec3 p = scene.space.toRender(block.points[i]);
-      const double radius =
-          geometry.kind == GeometryKind::Triangles
-              ? 0
-              : radiusOf(op.vis, block.values.empty() ? 0 : block.values[i]) * scene.space.scale;
-      for (double x : {p.x, p.y, p.z, radius}) part.points.push_back(float(x));
-    }
-    for (const glm::vec3& n : block.normals) part.normals.insert(part.normals.end(), {n.x, n.y, n.z});
-    for (const auto& s : block.segments) part.indices.insert(part.indices.end(), s.begin(), s.end());
-    for (const auto& n : block.neighbours) part.neighbours.insert(part.neighbours.end(), n.begin(), n.end());
-    for (const auto& t : block.triangles) part.indices.insert(part.indices.end(), t.begin(), t.end());
-    part.primitives = uint32_t(geometry.kind == GeometryKind::Particles   ? block.points.size()
-                               : geometry.kind == GeometryKind::PathLines ? block.segments.size()
-                                                                          : block.triangles.size());
-    if (part.primitives) scene.visible[partition] = 1;
+    if (block.ids.empty()) continue;
+    auto& part = op.parts[partition].geometry;
+    part = partAmong(known, op, scene.space, partition);
+    if (!part)
+      part = std::make_shared<const GeometryPart>(compilePart(block, geometry.kind, op.vis, scene.space));
+    scene.visible[partition] = 1;
   }
   if (geometry.range.empty() && !hasValues)
     op.map = CompiledMap(ColorMap{{ColorPoint{0, op.data.color}}}, nullptr, MapUnits{});
@@ -185,6 +208,11 @@ RenderSpace renderSpaceOf(const Partitioning& partitioning) {
   return {0.5 * b.lo + 0.5 * b.hi, longest > 0 ? 1 / longest : 1};
 }
 
+std::array<double, 4> radiiOf(const Vis& vis) {
+  if (vis.type == VisType::Triangles) return {};
+  return {vis.radius0, vis.radius1, vis.value0, vis.value1};
+}
+
 double radiusOf(const Vis& vis, double value) {
   if (vis.value0 == vis.value1 || std::isnan(value)) return std::max(0.0, vis.radius0);
   const double f = std::clamp((value - vis.value0) / (vis.value1 - vis.value0), 0.0, 1.0);
@@ -198,16 +226,25 @@ double largestRadius(const Vis& vis, const Range& range) {
   return std::max({withoutData, radiusOf(vis, range.min), radiusOf(vis, range.max)});
 }
 
+size_t GeometryPart::bytes() const {
+  return 4 * (points.size() + normals.size() + values.size() + indices.size() + neighbours.size());
+}
+
 size_t CompiledScene::bytes() const {
   size_t n = 0;
   for (const auto& op : operators) {
     n += (op.map.nodes.size() * 15 + op.map.buckets.size()) * 4;
-    for (const auto& [partition, part] : op.parts)
-      n += 4 * (part.plan.size() + part.isoPlan.size()) +
-           4 * (part.points.size() + part.normals.size() + part.values.size() + part.indices.size() +
-                part.neighbours.size());
+    for (const auto& [partition, part] : op.parts) n += 4 * (part.plan.size() + part.isoPlan.size());
   }
   return n;
+}
+
+std::vector<SharedBytes> CompiledScene::sharedBytes() const {
+  std::vector<SharedBytes> shared;
+  for (const auto& op : operators)
+    for (const auto& [partition, part] : op.parts)
+      if (part.geometry) shared.push_back({part.geometry.get(), part.geometry->bytes()});
+  return shared;
 }
 
 std::shared_ptr<CompiledScene> compileScene(const Visualization& visualization,
@@ -245,7 +282,7 @@ std::shared_ptr<CompiledScene> compileScene(const Visualization& visualization,
       seen.extend(op.data.volume->grid.box());
       scene->volumesRendered += op.vis.volumeRendering;
     } else {
-      compileGeometry(op, *scene);
+      compileGeometry(op, *scene, others);
       Box b = op.data.geometry->box;
       const double r = largestRadius(op.vis, op.data.geometry->range);
       if (!b.empty()) seen.extend(Box{b.lo - r, b.hi + r});

@@ -23,6 +23,7 @@ struct RenderSpace {
   glm::dvec3 centre{0};
   double scale = 1;  ///< render length of one world unit
   glm::dvec3 toRender(glm::dvec3 world) const { return (world - centre) * scale; }
+  bool operator==(const RenderSpace&) const = default;
 };
 RenderSpace renderSpaceOf(const Partitioning& partitioning);
 
@@ -38,17 +39,30 @@ struct CompiledPlane {
   float x, y, z, offset;
 };
 
+/// Primitives of an operator in one partition. Scenes that show the same geometry with the same radii share them.
+struct GeometryPart {
+  std::vector<float> points;         ///< x y z radius, render space
+  std::vector<float> normals;        ///< x y z per point, or empty
+  std::vector<float> values;         ///< per point, or empty
+  std::vector<uint32_t> indices;     ///< 2 (segments) or 3 (triangles) per primitive; particles none
+  std::vector<uint32_t> neighbours;  ///< of segments: the points before and after, own ends where none
+  uint32_t primitives = 0;           ///< 1 or more
+
+  size_t bytes() const;
+};
+
 /// What one operator has in one local partition.
 struct OperatorPart {
-  const VolumeBlock* block = nullptr;  ///< owned by the operator's volume
-  std::vector<int32_t> plan;           ///< per macrocell of the block, see step_plan.h
-  std::vector<int32_t> isoPlan;        ///< see iso_plan.h; empty where there is no isosurface
-  std::vector<float> points;           ///< x y z radius, render space
-  std::vector<float> normals;          ///< x y z per point, or empty
-  std::vector<float> values;           ///< per point, or empty
-  std::vector<uint32_t> indices;       ///< 2 (segments) or 3 (triangles) per primitive; particles none
-  std::vector<uint32_t> neighbours;    ///< of segments: the points before and after, own ends where none
-  uint32_t primitives = 0;
+  const VolumeBlock* block = nullptr;            ///< owned by the operator's volume
+  std::vector<int32_t> plan;                     ///< per macrocell of the block, see step_plan.h
+  std::vector<int32_t> isoPlan;                  ///< see iso_plan.h; empty where there is no isosurface
+  std::shared_ptr<const GeometryPart> geometry;  ///< null if there is none
+};
+
+/// An allocation that scenes may hold together: what tells it from others, and its size.
+struct SharedBytes {
+  const void* what;
+  size_t bytes;
 };
 
 struct CompiledOperator {
@@ -82,19 +96,24 @@ struct CompiledScene {
   uint64_t isoCellsSkipped = 0;
   double largestRadiance = 1;
 
-  /// Bytes that it holds besides the data.
+  /// Bytes that it holds alone, besides the data.
   size_t bytes() const;
+  /// What it may hold together with others.
+  std::vector<SharedBytes> sharedBytes() const;
 };
 
 /// Compiles for the partitions that are local (the data's blocks say which). `visible` holds the local partitions'
 /// answers only; merge over ranks (bitwise or), then set it. Where one of `others` shows the same isosurfaces of
-/// the same volume, its plan of them is taken: making it looks at samples, and an edit of a map need not wait for
-/// that. Throws Error for an operator without fitting data.
+/// the same volume, or the same geometry with the same radii, its plan of them and its primitives are taken: making them
+/// looks at all samples and points, and an edit of a map or of a light need not wait for that. Throws Error for an operator
+/// without fitting data.
 std::shared_ptr<CompiledScene> compileScene(
     const Visualization& visualization, std::vector<OperatorData> data,
     std::shared_ptr<const Partitioning> partitioning, const RenderSettings& settings,
     std::span<const std::shared_ptr<const CompiledScene>> others = {});
 
+/// What the radii of a Vis depend on, besides values; the same for all Triangles, which have none.
+std::array<double, 4> radiiOf(const Vis& vis);
 /// The radius (world units) that a Particles or PathLines Vis gives a value; radius0 for NaN; never negative.
 double radiusOf(const Vis& vis, double value);
 /// The largest radius over a range of values.

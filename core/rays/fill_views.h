@@ -92,22 +92,26 @@ void fillVolumeView(View& v, const CompiledOperator& op, const OperatorPart* par
   v.macroFirstZ = int(block.firstMacrocell[2]);
 }
 
-/// How an operator's surfaces look, and its primitives in the partition.
+/// An operator's primitives in the partition.
 template <class View, class Put>
-void fillOperatorView(View& v, const CompiledOperator& op, const OperatorPart* part, Put& put) {
+void fillPrimitives(View& v, const GeometryPart& part, Put& put) {
+  v.primitives = part.primitives;
+  v.points = put(part.points);
+  v.normals = put(part.normals);
+  v.values = put(part.values);
+  v.indices = put(part.indices);
+  v.neighbours = put(part.neighbours);
+}
+
+/// How an operator's surfaces look.
+template <class View, class Put>
+void fillOperatorView(View& v, const CompiledOperator& op, Put& put) {
   v.kind = viewKindOf(op.vis.type);
   v.rendered = op.vis.volumeRendering;
   v.opacity = float(op.vis.opacity);
   v.twoSided = op.vis.twoSided;
   v.slices = int(op.slices.size());
   v.slice = put(op.slices);
-  if (!part || part->primitives == 0) return;
-  v.primitives = part->primitives;
-  v.points = put(part->points);
-  v.normals = put(part->normals);
-  v.values = put(part->values);
-  v.indices = put(part->indices);
-  v.neighbours = put(part->neighbours);
 }
 
 /// All but the operators and the hierarchy. partition < 0: none of its own.

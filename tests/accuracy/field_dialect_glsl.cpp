@@ -64,9 +64,9 @@ class Gpu {
 std::vector<float> fieldProbesInGlsl(const Field& f, const Shown& shown, std::span<const float> rays,
                                      int probes) {
   static Gpu gpu;
-  vulkan::SharedSamples samples;
+  vulkan::SharedData shared;
   const vulkan::PartOnDevice part =
-      vulkan::uploadPart(gpu.device, gpu.pipelines, samples, sceneOf(f, shown), 0, 0);
+      vulkan::uploadPart(gpu.device, gpu.pipelines, shared, sceneOf(f, shown), 0, 0);
   const size_t count = rays.size() / 8;
   std::vector<float> found(size_t(probes) * count);
   std::vector<vulkan::Buffer> buffers;

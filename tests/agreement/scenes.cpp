@@ -30,7 +30,7 @@ std::shared_ptr<const CompiledScene> TestScene::compile() const {
     if (!(size[a] > 0)) all.lo[a] -= 0.5 * longest, all.hi[a] += 0.5 * longest;
   }
   return compileScene(visualization, data, std::make_shared<Partitioning>(Partitioning::single(all)),
-                      settings);
+                      settings, others);
 }
 
 reference::ReferenceScene TestScene::forReference() const {

@@ -21,6 +21,7 @@ struct TestScene {
   RenderSettings settings;
   Camera camera;
   Box domain;  ///< of the partitioning; empty: the box of all data
+  std::vector<std::shared_ptr<const CompiledScene>> others;  ///< that compile() may take from
 
   Vis& add(Vis vis, std::shared_ptr<const Volume> volume);
   Vis& add(Vis vis, std::shared_ptr<const Geometry> geometry);

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "gxy/embree/embree_backend.h"
+#include "gxy/io/write_geometry.h"
 #include "multiserver/test_server.h"
 
 namespace gxy::test {
@@ -19,6 +20,7 @@ class Watching final : public Backend {
   struct Seen {
     std::weak_ptr<const CompiledScene> last;
     std::vector<bool> hadLast;
+    std::vector<const GeometryPart*> primitives;  // of the first operator; null if a volume
   };
   explicit Watching(std::shared_ptr<Seen> seen) : seen_(std::move(seen)) {}
   std::string name() const override { return embree_->name(); }
@@ -27,6 +29,7 @@ class Watching final : public Backend {
                                          int rank) const override {
     seen_->hadLast.push_back(!seen_->last.expired());
     seen_->last = scene;
+    seen_->primitives.push_back(scene->operators.at(0).parts.at(0).geometry.get());
     return embree_->makeScene(std::move(scene), rank);
   }
 
@@ -68,6 +71,43 @@ TEST(ViewerModule, WhatIsShownIsThereUntilAnEditOfItIsCompiled) {
   for (int i = 0; i < 1000 && !seen->last.expired(); i++)
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
   EXPECT_TRUE(seen->last.expired());
+}
+
+TEST(ViewerModule, GeometryIsMadeReadyOnceForEditsThatLeaveIt) {
+  const auto seen = std::make_shared<Watching::Seen>();
+  ServerSetup setup;
+  setup.ranks = 1;
+  setup.modules = GALAXY_MODULES;
+  setup.backend = [seen](Ledger*) { return std::make_unique<Watching>(seen); };
+  TestServer server(std::move(setup));
+  GeometryBlock balls;
+  balls.points = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  balls.ids = {0, 1, 2};
+  writeGeometry(server.folder() / "balls.vtp", balls, GeometryKind::Particles);
+  Screen screen;
+  auto options = server.options();
+  options.onPixels = [&](const auto& header, auto data) { screen.take(header, data); };
+  Client client(options);
+  client.expect("load data");
+  client.expect("load viewer");
+  client.expect(R"(import {"Datasets": {"name": "balls", "filename": "balls.vtp", "type": "Particles"}})");
+  const auto show = [&](int window, const std::string& radius, const std::string& light) {
+    const std::string id = std::to_string(window);
+    client.expect("window " + id + " {\"size\": [48, 40]}");
+    client.expect(
+        "set " + id +
+        R"( {"Visualization": {"operators": [{"type": "Particles", "dataset": "balls", "radius": )" + radius +
+        R"(}], "Lighting": {"Sources": [[)" + light + "]]}}}");
+    EXPECT_EQ(screen.waitFor(window, client.expect("render " + id).at("frame")).status, "complete");
+  };
+  show(1, "0.25", "1, 1, 1, 0");
+  show(1, "0.25", "1, 0, 0, 0");
+  show(2, "0.25", "0, 1, 0, 0");
+  show(2, "0.5", "0, 1, 0, 0");
+  ASSERT_EQ(seen->primitives.size(), 4u);
+  EXPECT_EQ(seen->primitives[1], seen->primitives[0]) << "another light";
+  EXPECT_EQ(seen->primitives[2], seen->primitives[0]) << "another window";
+  EXPECT_NE(seen->primitives[3], seen->primitives[0]) << "other radii";
 }
 
 }  // namespace

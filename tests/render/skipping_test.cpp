@@ -6,9 +6,11 @@
 
 #include <algorithm>
 #include <atomic>
+#include <functional>
 #include <set>
 
 #include "gxy/embree/embree_backend.h"
+#include "gxy/rays/scene_memory.h"
 #include "support/frames.h"
 
 // The linker puts this in the place of Embree's.
@@ -291,6 +293,50 @@ TEST(Skipped, EmbreeScenesWithoutGeometry) {
   addBall(s, {0, 0, 0}, 0.3);
   compiledOn(halves(), s);
   EXPECT_EQ(scenesMade, 2) << "one in each half";
+}
+
+TEST(Skipped, PrimitivesAndHierarchiesThatAnotherSceneHas) {
+  TestScene s = alongX();
+  addBall(s, {0, 0, 0}, 0.3);
+  const std::shared_ptr<const CompiledScene> first = compiledOn(whole(kCube), s)[0].compiled;
+  const auto edited = [&](const std::function<void(Visualization&)>& edit) {
+    const std::shared_ptr<const CompiledScene> others[] = {first};
+    Visualization visualization = first->visualization;
+    edit(visualization);
+    return compileScene(visualization, {first->operators[0].data}, first->partitioning, s.settings, others);
+  };
+  const auto ballOf = [](const CompiledScene& scene) { return scene.operators[0].parts.at(0).geometry; };
+  const auto lit = edited([](Visualization& v) { v.lighting.Kd = 0.25; });
+  const auto thick = edited([](Visualization& v) { v.operators[0].radius0 = v.operators[0].radius1 = 0.4; });
+  EXPECT_EQ(ballOf(*lit), ballOf(*first));
+  EXPECT_NE(ballOf(*thick), ballOf(*first));
+  EXPECT_GT(ballOf(*thick)->points[3], ballOf(*first)->points[3]);
+
+  const auto backend = makeEmbreeBackend();
+  Ledger ledger;
+  SceneMemory memory;
+  const auto hold = [&](const std::shared_ptr<const CompiledScene>& scene) {
+    std::shared_ptr<const DeviceScene> device = backend->makeScene(scene, 0);
+    auto entries =
+        memory.enter(*scene, *device, [&](int64_t bytes) { return ledger.enter("ann", "scene", bytes); });
+    return std::pair(device, std::move(entries));  // entries go first
+  };
+  scenesMade = 0;
+  auto one = hold(first);
+  const int64_t ofOne = ledger.total(), shared = int64_t(ballOf(*first)->bytes());
+  EXPECT_GT(ofOne, shared);
+  {
+    const auto two = hold(lit);
+    EXPECT_EQ(scenesMade, 1);
+    EXPECT_LT(ledger.total(), 2 * ofOne - shared) << "what they share is entered once";
+    const auto other = hold(thick);
+    EXPECT_EQ(scenesMade, 2);
+    one = {};
+    EXPECT_GT(ledger.total(), ofOne) << "of two with hierarchies";
+  }
+  EXPECT_EQ(ledger.total(), 0);
+  hold(lit);
+  EXPECT_EQ(scenesMade, 3) << "nobody had it any more";
 }
 
 // The surface is 0.51 away from the other half, in which there is a ball, outside of the picture.

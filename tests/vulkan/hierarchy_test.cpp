@@ -31,7 +31,7 @@ class Walk {
       for (uint32_t i = child & NODE_FIRST; i < (child & NODE_FIRST) + count; i++) {
         const uint32_t op = h_.primitives.at(2 * i), primitive = h_.primitives.at(2 * i + 1);
         EXPECT_TRUE(seen.insert({op, primitive}).second) << op << " " << primitive;
-        const OperatorPart& part = scene_.operators.at(op).parts.at(0);
+        const GeometryPart& part = *scene_.operators.at(op).parts.at(0).geometry;
         const PrimitiveBounds b = primitiveBounds(cornersOf(scene_.operators[op].vis.type),
                                                   part.points.data(), part.indices.data(), primitive);
         for (uint32_t a = 0; a < 3; a++) {
@@ -56,7 +56,8 @@ TEST(Hierarchy, HoldsEveryPrimitiveOnceWithinItsBoxes) {
   walk.node(0, 1);
   size_t primitives = 0;
   for (const CompiledOperator& op : scene->operators)
-    if (const auto part = op.parts.find(0); part != op.parts.end()) primitives += part->second.primitives;
+    if (const auto part = op.parts.find(0); part != op.parts.end() && part->second.geometry)
+      primitives += part->second.geometry->primitives;
   EXPECT_GT(primitives, 100u);
   EXPECT_EQ(walk.seen.size(), primitives);
 }

@@ -13,6 +13,7 @@
 #include "gxy/comm/error.h"
 #include "gxy/comm/mpi_environment.h"
 #include "gxy/comm/mpi_transport.h"
+#include "gxy/rays/scene_memory.h"
 #include "gxy/render/renderer.h"
 #include "gxyrender/load.h"
 #include "gxyrender/statistics.h"
@@ -157,7 +158,10 @@ class Worker {
     nlohmann::json mine = countersOf(renderer_);
     for (auto& [name, value] : mine.items())
       value = (value.get<int64_t>() - before.at(name).get<int64_t>()) / int64_t(wall.size());
-    mine["bytes_held"] = ledger_.total() + int64_t(scene.bytes() + device.bytes());
+    SceneMemory memory;
+    const auto entries =
+        memory.enter(scene, device, [&](int64_t bytes) { return ledger_.enter("bench", "scene", bytes); });
+    mine["bytes_held"] = ledger_.total();
     const int64_t peak = processBytes().peakResident;
     int64_t largest = 0;
     nlohmann::json sum = nlohmann::json::object();

@@ -2,6 +2,7 @@
 #include "load.h"
 
 #include <algorithm>
+#include <array>
 #include <filesystem>
 #include <map>
 #include <set>
@@ -102,7 +103,8 @@ LoadedState loadData(const State& state, const std::string& directory, const Ren
       volumes[d.name] = std::move(volume);
     }
 
-  // Geometry goes to every partition that it touches with the radius that its Vis gives it.
+  // Geometry goes to every partition that it touches with the radii that its Vis gives it, once for each.
+  std::map<std::pair<std::string, std::array<double, 4>>, std::shared_ptr<const Geometry>> distributed;
   for (const Visualization& v : state.visualizations) {
     auto& list = loaded.data.emplace_back();
     for (const Vis& op : v.operators) {
@@ -112,11 +114,14 @@ LoadedState loadData(const State& state, const std::string& directory, const Ren
       if (d.type == DatasetType::Volume) {
         data.volume = volumes[d.name];
       } else {
-        auto g = distribute(
-            geometry.at(d.name), *loaded.partitioning,
-            [&](double value) { return op.type == VisType::Triangles ? 0.0 : radiusOf(op, value); }, ranks);
-        loaded.memory.push_back(ledger.enter(kTenant, "geometry", bytesOf(*g)));
-        data.geometry = std::move(g);
+        auto& g = distributed[{d.name, radiiOf(op)}];
+        if (!g) {
+          g = distribute(
+              geometry.at(d.name), *loaded.partitioning,
+              [&](double value) { return op.type == VisType::Triangles ? 0.0 : radiusOf(op, value); }, ranks);
+          loaded.memory.push_back(ledger.enter(kTenant, "geometry", bytesOf(*g)));
+        }
+        data.geometry = g;
       }
     }
   }

@@ -12,6 +12,7 @@
 #include "gxy/comm/error_text.h"
 #include "gxy/comm/mpi_environment.h"
 #include "gxy/comm/mpi_transport.h"
+#include "gxy/rays/scene_memory.h"
 #include "gxy/render/renderer.h"
 #include "gxy/scene/state_file.h"
 #include "load.h"
@@ -155,7 +156,8 @@ int run(const RenderOptions& options) {
         phases.load = wallSeconds() - begin;
 
         Renderer renderer(transport, {options.packet, options.raysInFlight, &ledger, kTenant});
-        std::vector<LedgerEntry> memory;
+        SceneMemory memory;
+        std::vector<SceneMemory::Entries> held;
         std::vector<std::shared_ptr<const CompiledScene>> scenes;
         LeftBefore before{loaded.leftOut};
         for (size_t v = 0; v < state.visualizations.size(); v++) {
@@ -164,7 +166,8 @@ int run(const RenderOptions& options) {
           scenes.push_back(scene);
           std::shared_ptr<const DeviceScene> device;
           agree(ranks, [&] { device = backend->makeScene(scene, transport.rank()); });
-          memory.push_back(ledger.enter(kTenant, "scene", int64_t(scene->bytes() + device->bytes())));
+          held.push_back(memory.enter(*scene, *device,
+                                      [&](int64_t bytes) { return ledger.enter(kTenant, "scene", bytes); }));
           before.isoCells += scene->isoCellsSkipped;
           renderer.addScene(v, scene, device);
           phases.compileEach.push_back(wallSeconds() - since);

@@ -81,7 +81,9 @@ json Scenes::make(const json& p) {
     }
   });
   std::vector<OperatorData> data;
-  std::vector<LedgerEntry> memory;
+  std::shared_ptr<CompiledScene> scene;
+  std::shared_ptr<const DeviceScene> device;
+  Made made;  // goes before what it accounts for
   for (size_t i = 0; i < datasets.size(); i++) {
     const Vis& vis = visualization.operators[i];
     const Dataset& dataset = *datasets[i];
@@ -89,12 +91,22 @@ json Scenes::make(const json& p) {
     operand.color = glm::dvec3(dataset.color);
     operand.volume = dataset.volume;
     if (!dataset.geometry) continue;
-    operand.geometry = distribute(
-        *dataset.geometry, *partitioning,
-        [&vis](double value) { return vis.type == VisType::Triangles ? 0.0 : radiusOf(vis, value); }, ranks);
-    agree(ranks, [&] { memory.push_back(node_.takeMemory(tenant, "geometry", bytesOf(*operand.geometry))); });
+    const Distribution distribution{tenant, keys[i].at("key"), keys[i].at("generation"), radiiOf(vis)};
+    std::shared_ptr<const Distributed> known = distributed_.find(distribution);
+    // One rank may have forgotten it already.
+    const auto there = ranks.allGather(Bytes(1, std::byte(known != nullptr)));
+    if (std::any_of(there.begin(), there.end(), [](const Bytes& b) { return b.at(0) == std::byte(0); })) {
+      Distributed mine;
+      mine.geometry = distribute(
+          *dataset.geometry, *partitioning,
+          [&vis](double value) { return vis.type == VisType::Triangles ? 0.0 : radiusOf(vis, value); },
+          ranks);
+      agree(ranks, [&] { mine.memory = node_.takeMemory(tenant, "geometry", bytesOf(*mine.geometry)); });
+      known = distributed_.get(distribution, [&] { return std::move(mine); });
+    }
+    operand.geometry = known->geometry;
+    made.geometry.push_back(known);
   }
-  std::shared_ptr<CompiledScene> scene;
   Bytes visible;
   agree(ranks, [&] {
     std::vector<std::shared_ptr<const CompiledScene>> others;
@@ -109,11 +121,12 @@ json Scenes::make(const json& p) {
   for (const Bytes& theirs : ranks.allGather(std::move(visible)))
     for (size_t i = 0; i < theirs.size(); i++) scene->visible[i] |= uint8_t(theirs[i]);
   agree(ranks, [&] {
-    const std::shared_ptr<const DeviceScene> device = node_.backend->makeScene(scene, node_.rank());
-    const auto bytes = int64_t(scene->bytes() + device->bytes());
-    memory.push_back(node_.takeMemory(tenant, "scene", bytes));
+    device = node_.backend->makeScene(scene, node_.rank());
+    made.memory = memory_.enter(*scene, *device,
+                                [&](int64_t bytes) { return node_.takeMemory(tenant, "scene", bytes); });
+    made.scene = scene;
     const std::lock_guard lock(mutex_);
-    made_[id] = {std::move(memory), scene};
+    made_[id] = std::move(made);
     node_.renderer.addScene(id, scene, device);
   });
   return nullptr;
@@ -121,9 +134,11 @@ json Scenes::make(const json& p) {
 
 json Scenes::forget(const json& p) {
   const auto id = p.at("scene").get<SceneId>();
+  {
+    const std::lock_guard lock(mutex_);
+    made_.erase(id);
+  }
   node_.renderer.removeScene(id);
-  const std::lock_guard lock(mutex_);
-  made_.erase(id);
   return nullptr;
 }
 

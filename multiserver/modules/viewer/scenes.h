@@ -1,17 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 // Visualizations with their data, compiled on all ranks and shared by all frames of a tenant that show them.
 #pragma once
+#include <array>
 #include <future>
 #include <map>
 #include <memory>
 #include <mutex>
 #include <string>
+#include <tuple>
 #include <vector>
 
-#include "gxy/rays/compiled_scene.h"
+#include "gxy/rays/scene_memory.h"
 #include "gxy/scene/scene.h"
 #include "gxy/server/datasets.h"
 #include "gxy/server/module.h"
+#include "gxy/space/shared_by.h"
 
 namespace gxy::viewer {
 
@@ -58,11 +61,21 @@ class Scenes {
   std::map<std::string, std::weak_ptr<const SceneHandle>> known_;  ///< rank 0: by content
   std::map<std::string, std::shared_future<ScenePtr>> underWay_;   ///< rank 0
   SceneId next_ = 1;                                               ///< rank 0
+  /// Geometry in every partition that it touches, of a tenant's scenes.
+  struct Distributed {
+    std::shared_ptr<const Geometry> geometry;
+    LedgerEntry memory;
+  };
+  using Distribution =
+      std::tuple<std::string, uint64_t, Generation, std::array<double, 4>>;  ///< tenant, key... radii
   struct Made {
-    std::vector<LedgerEntry> memory;
+    SceneMemory::Entries memory;
+    std::vector<std::shared_ptr<const Distributed>> geometry;
     std::weak_ptr<const CompiledScene> scene;
   };
   std::map<SceneId, Made> made_;
+  SharedBy<Distribution, Distributed> distributed_;
+  SceneMemory memory_;
 };
 
 }  // namespace gxy::viewer

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+// What scenes hold, for a ledger.
+#pragma once
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include "gxy/rays/backend.h"
+#include "gxy/space/ledger.h"
+#include "gxy/space/shared_by.h"
+
+namespace gxy {
+
+/// Enters what scenes hold, and once what several of them hold together: with the first, for as long as one of them has its
+/// entries. Thread safe.
+class SceneMemory {
+ public:
+  using Entries = std::vector<std::shared_ptr<const LedgerEntry>>;
+
+  /// `enter` makes an entry of so many bytes, or throws. The scenes must live as long as the entries.
+  Entries enter(const CompiledScene& scene, const DeviceScene& device,
+                const std::function<LedgerEntry(int64_t bytes)>& enter) {
+    Entries entries{std::make_shared<const LedgerEntry>(enter(int64_t(scene.bytes() + device.bytes())))};
+    for (const auto& all : {scene.sharedBytes(), device.sharedBytes()})
+      for (const SharedBytes& shared : all)
+        entries.push_back(shared_.get(shared.what, [&] { return enter(int64_t(shared.bytes)); }));
+    return entries;
+  }
+
+ private:
+  SharedBy<const void*, LedgerEntry> shared_;
+};
+
+}  // namespace gxy

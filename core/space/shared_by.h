@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+// Things that several owners hold together, found by what they were made of.
+#pragma once
+#include <map>
+#include <memory>
+#include <mutex>
+
+namespace gxy {
+
+/// Values by key, each for as long as somebody holds it. Where a key names objects by their addresses, whoever holds the value
+/// must hold them, too. Thread safe.
+template <class Key, class Value>
+class SharedBy {
+ public:
+  /// The value that there is, else what `make()` makes, or throws. Others who want one wait meanwhile.
+  template <class Make>
+  std::shared_ptr<const Value> get(const Key& key, Make&& make) {
+    const std::lock_guard lock(mutex_);
+    std::erase_if(known_, [](const auto& entry) { return entry.second.expired(); });
+    if (const auto known = known_.find(key); known != known_.end())
+      if (auto value = known->second.lock()) return value;
+    auto made = std::make_shared<const Value>(make());
+    known_[key] = made;
+    return made;
+  }
+
+  /// The value that there is, or null.
+  std::shared_ptr<const Value> find(const Key& key) const {
+    const std::lock_guard lock(mutex_);
+    const auto known = known_.find(key);
+    return known == known_.end() ? nullptr : known->second.lock();
+  }
+
+ private:
+  mutable std::mutex mutex_;
+  std::map<Key, std::weak_ptr<const Value>> known_;
+};
+
+}  // namespace gxy

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gxy/space/shared_by.h"
+
+#include <gtest/gtest.h>
+
+#include <stdexcept>
+#include <string>
+
+namespace gxy {
+namespace {
+
+TEST(SharedBy, MakesAValueOnceWhileSomebodyHoldsIt) {
+  SharedBy<int, std::string> words;
+  int made = 0;
+  const auto get = [&](int key) {
+    return words.get(key, [&] { return std::to_string(key) + "/" + std::to_string(made++); });
+  };
+  EXPECT_EQ(words.find(1), nullptr);
+  const auto first = get(1);
+  EXPECT_EQ(*first, "1/0");
+  EXPECT_EQ(get(1), first);
+  EXPECT_EQ(words.find(1), first);
+  EXPECT_EQ(*get(2), "2/1");
+  EXPECT_EQ(words.find(2), nullptr) << "nobody holds it";
+  EXPECT_EQ(*get(2), "2/2");
+}
+
+TEST(SharedBy, MakesAgainWhatCouldNotBeMade) {
+  SharedBy<int, std::string> words;
+  EXPECT_THROW(words.get(1, []() -> std::string { throw std::runtime_error("no room"); }),
+               std::runtime_error);
+  EXPECT_EQ(words.find(1), nullptr);
+  EXPECT_EQ(*words.get(1, [] { return std::string("there"); }), "there");
+}
+
+}  // namespace
+}  // namespace gxy
