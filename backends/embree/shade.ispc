@@ -13,6 +13,24 @@ static inline Surface geometrySurface(OPERATOR op, unsigned int p, vec3 o, vec3 
   return f;
 }
 
+// What ray i has hit, of an operator.
+static inline void surfaceHit(SCENE s, RAYS r, uniform int op, int i, vec3 o, vec3 d, Surface& surface, vec3& color, float& opacity) {
+  const uniform OperatorView& view = s.operator_[op];
+  VOLUME v = s.field[op];
+  Surface hit;
+  if (view.kind == KIND_VOLUME) {
+    hit = fieldSurface(view, v, r.hitKind[i], r.hitPrimitive[i], o, d, r.tHit[i]);
+  } else {
+    float clip0, clip1;
+    clipInterval(v, o, d, clip0, clip1);
+    float after = boundBehind(v, strictBound(r.tIn[i], r.tLast[i]), clip0);
+    hit = geometrySurface(view, r.hitPrimitive[i], o, d, after);
+  }
+  surface = surfaceSeen(hit, d, view.twoSided != 0);
+  color = colorOf(v, surface.value);
+  opacity = view.opacity;
+}
+
 static inline void depositShares(uniform int32 sum[], int k, Share share) {
   sum[4 * k] += share.r;
   sum[4 * k + 1] += share.g;
@@ -33,26 +51,14 @@ export uniform int shadeHits(const void* uniform scene, const void* uniform fram
     int i = which[k];
     vec3 o = originOf(r, i), d = directionOf(r, i);
     Surface surface;
-    vec3 color = make_v3(0.0f, 0.0f, 0.0f);
-    float opacity = 1.0f;
+    vec3 color;
+    float opacity;
     int hitOperator = r.hitOperator[i];
-    for (uniform int op = 0; op < s.operators; op++) {
-      if (hitOperator == op) {
-        const uniform OperatorView& view = s.operator_[op];
-        VOLUME v = s.field[op];
-        if (view.kind == KIND_VOLUME) {
-          surface = fieldSurface(view, v, r.hitKind[i], r.hitPrimitive[i], o, d, r.tHit[i]);
-        } else {
-          float clip0, clip1;
-          clipInterval(v, o, d, clip0, clip1);
-          float after = boundBehind(v, strictBound(r.tIn[i], r.tLast[i]), clip0);
-          surface = geometrySurface(view, r.hitPrimitive[i], o, d, after);
-        }
-        surface = surfaceSeen(surface, d, view.twoSided != 0);
-        color = colorOf(v, surface.value);
-        opacity = view.opacity;
-      }
-    }
+    uniform int op;
+    if (reduce_equal(hitOperator, &op))  // mostly; no lane is masked then
+      surfaceHit(s, r, op, i, o, d, surface, color, opacity);
+    else
+      foreach_unique (one in hitOperator) surfaceHit(s, r, one, i, o, d, surface, color, opacity);
     float weight = (1.0f - r.A[i]) * opacity;
     r.A[i] = opacityBehind(r.A[i], opacity);
     vec3 toEye = make_v3(-d.x, -d.y, -d.z);

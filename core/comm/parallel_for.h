@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Loops over oneTBB threads.
+// Loops and sorting over oneTBB threads.
 #pragma once
+#include <algorithm>
 #ifdef __SANITIZE_THREAD__
 #include <atomic>
 #include <exception>
@@ -8,6 +9,7 @@
 #include <thread>
 #else
 #include <tbb/parallel_for.h>
+#include <tbb/parallel_sort.h>
 #endif
 
 namespace gxy {
@@ -38,6 +40,16 @@ void parallelFor(Index first, Index last, const Body& body) {
   if (error) std::rethrow_exception(error);
 #else
   tbb::parallel_for(first, last, body);
+#endif
+}
+
+/// std::sort, on the threads of the calling thread's task arena; under the thread sanitizer on its own.
+template <class Iterator>
+void parallelSort(Iterator begin, Iterator end) {
+#ifdef __SANITIZE_THREAD__
+  std::sort(begin, end);
+#else
+  tbb::parallel_sort(begin, end);
 #endif
 }
 

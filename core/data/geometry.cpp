@@ -227,6 +227,7 @@ void validate(const GeometryBlock& block, GeometryKind kind) {
 GeometryBlock subset(const GeometryBlock& block, GeometryKind kind, std::span<const uint32_t> primitives) {
   GeometryBlock chosen;
   chosen.ids.reserve(primitives.size());
+  if (kind == GeometryKind::Particles) chosen.points.reserve(primitives.size());
   const auto append = [&](auto&& numberOf) {
     for (uint32_t p : primitives) {
       appendPrimitive(chosen, block, kind, p, [&](uint32_t point) {

@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "gxy/comm/error.h"
+#include "gxy/comm/parallel_for.h"
 #include "gxy/rays/iso_plan.h"
 #include "gxy/rays/step_plan.h"
 #include "gxy/scene/colormaps.h"
@@ -153,8 +154,31 @@ std::shared_ptr<const GeometryPart> partAmong(OtherScenes scenes, const Compiled
   return nullptr;
 }
 
-GeometryPart compilePart(const GeometryBlock& block, GeometryKind kind, const Vis& vis,
+// The lowest 10 bits, two 0 behind each.
+uint32_t spread(uint32_t x) {
+  x = (x | x << 16) & 0x030000ff;
+  x = (x | x << 8) & 0x0300f00f;
+  x = (x | x << 4) & 0x030c30c3;
+  return (x | x << 2) & 0x09249249;
+}
+
+// Primitives along a curve through space (Morton's), so that neighbours are close in memory. Which of two comes first depends on
+// their first corners and ids alone, and so is the same in all partitions: ties between hits go by it.
+std::vector<uint32_t> alongCurve(const GeometryBlock& block, GeometryKind kind, const RenderSpace& space) {
+  std::vector<uint64_t> places(block.ids.size());  // on the curve, and the index
+  parallelFor(size_t(0), places.size(), [&](size_t i) {
+    const glm::dvec3 p = space.toRender(block.points[*cornersOf(block, kind, i).begin()]);
+    uint32_t place = 0;
+    for (int a = 0; a < 3; a++) place |= spread(uint32_t(std::clamp((p[a] + 0.5) * 1024, 0.0, 1023.0))) << a;
+    places[i] = uint64_t(place) << 32 | i;
+  });
+  parallelSort(places.begin(), places.end());
+  return {places.begin(), places.end()};  // the indices
+}
+
+GeometryPart compilePart(const GeometryBlock& all, GeometryKind kind, const Vis& vis,
                          const RenderSpace& space) {
+  const GeometryBlock block = subset(all, kind, alongCurve(all, kind, space));
   GeometryPart part;
   part.values = block.values;
   part.points.reserve(block.points.size() * 4);
