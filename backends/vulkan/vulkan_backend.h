@@ -34,7 +34,8 @@ struct VulkanOptions {
   int rankOnMachine = 0;
   /// The largest buffer to bind; what is larger is read by address. 0: what the device binds.
   uint64_t bindingBytes = 0;
-  /// Where its memory is entered for tenant "device", but what scenes tell by bytes() and sharedBytes(); needed by the maker only.
+  /// Where its memory is entered for tenant "device", but what scenes tell by bytes() and sharedBytes(); needed by
+  /// the maker only.
   Ledger* ledger = nullptr;
   /// For tests: as if the device gave no more memory at once. 0: what it gives.
   uint64_t allocationBytes = 0;

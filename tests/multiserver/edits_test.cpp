@@ -38,13 +38,18 @@ class Watching final : public Backend {
   std::shared_ptr<Seen> seen_;
 };
 
-TEST(ViewerModule, WhatIsShownIsThereUntilAnEditOfItIsCompiled) {
-  const auto seen = std::make_shared<Watching::Seen>();
+// A server of one rank.
+ServerSetup watchedBy(const std::shared_ptr<Watching::Seen>& seen) {
   ServerSetup setup;
   setup.ranks = 1;
   setup.modules = GALAXY_MODULES;
   setup.backend = [seen](Ledger*) { return std::make_unique<Watching>(seen); };
-  TestServer server(std::move(setup));
+  return setup;
+}
+
+TEST(ViewerModule, WhatIsShownIsThereUntilAnEditOfItIsCompiled) {
+  const auto seen = std::make_shared<Watching::Seen>();
+  TestServer server(watchedBy(seen));
   Screen screen;
   auto options = server.options();
   options.onPixels = [&](const auto& header, auto data) { screen.take(header, data); };
@@ -75,11 +80,7 @@ TEST(ViewerModule, WhatIsShownIsThereUntilAnEditOfItIsCompiled) {
 
 TEST(ViewerModule, GeometryIsMadeReadyOnceForEditsThatLeaveIt) {
   const auto seen = std::make_shared<Watching::Seen>();
-  ServerSetup setup;
-  setup.ranks = 1;
-  setup.modules = GALAXY_MODULES;
-  setup.backend = [seen](Ledger*) { return std::make_unique<Watching>(seen); };
-  TestServer server(std::move(setup));
+  TestServer server(watchedBy(seen));
   GeometryBlock balls;
   balls.points = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
   balls.ids = {0, 1, 2};
