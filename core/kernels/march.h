@@ -74,35 +74,84 @@ FN MapMean meanAlong(VOLUME v, real s0, real s1) {
 // How far the mean colour of a channel is from that of colours which are linear in optical depth.
 FN real curvature(real mean, real front, real back) { return abs(mean - R(0.5) * (front + back)); }
 
-// A segment along which the value goes linearly from s0 to s1. The front of a dense one hides its back: colours count
-// as linear in optical depth, and where they are not, and it matters against tMin, the segment is halved.
+// Adds a piece of optical depth tau whose mean colour, that of its front and that of its back are given, as if colours were
+// linear in optical depth: the front of a dense one hides its back. Where they are not, and it matters against tMin, nothing is
+// added, and true is returned: to be halved, unless it is the `smallest`.
+FN bool addPiece(real tau, vec3 mean, vec3 front, vec3 back, bool smallest, real tMin, INOUT(vec3) rgb,
+                 INOUT(real) A) {
+  real T = R(1.0) - A;
+  real w = oneMinusExp(tau);
+  real curved = max(max(curvature(mean.x, front.x, back.x), curvature(mean.y, front.y, back.y)),
+                    curvature(mean.z, front.z, back.z));
+  bool halve = T * (w * min(tau, R(1.0))) * curved > tMin + R(1e-5) && !smallest;
+  if (!halve && tau > R(0.0)) {
+    // mean of 1/2 - y / tau over what is seen, y the optical depth to it
+    real lead = tau < R(0.3) ? tau * R(0.083333333333333333) : (R(0.5) - R(1.0) / tau) + (R(1.0) - w) / w;
+    if (smallest) lead = R(0.0);  // a step: what is dense is what is seen
+    addSegment(rgb, A, tau,
+               make_v3(mean.x + lead * (front.x - back.x), mean.y + lead * (front.y - back.y),
+                       mean.z + lead * (front.z - back.z)),
+               tMin);
+  }
+  return halve;
+}
+
+// A segment along which the value goes linearly from s0 to s1.
 FN void addPieces(VOLUME v, real s0, real s1, real length, real tMin, INOUT(vec3) rgb, INOUT(real) A) {
   real from = R(0.0), part = R(1.0), d = s1 - s0;
   bool more = true;
   while (more) {
     MapMean m = meanAlong(v, s0 + from * d, s0 + (from + part) * d);
-    real tau = m.sigma * (part * length);
-    real T = R(1.0) - A;
-    real w = oneMinusExp(tau);
-    real curved =
-        max(max(curvature(m.color.x, m.front.x, m.back.x), curvature(m.color.y, m.front.y, m.back.y)),
-            curvature(m.color.z, m.front.z, m.back.z));
-    bool smallest = part <= R(0.0005);
-    if (T * (w * min(tau, R(1.0))) * curved > tMin + R(1e-5) && !smallest) {
+    more = addPiece(m.sigma * (part * length), m.color, m.front, m.back, part <= R(0.0005), tMin, rgb, A);
+    if (more) {
       part = R(0.5) * part;
     } else {
-      if (tau > R(0.0)) {
-        // mean of 1/2 - y / tau over what is seen, y the optical depth to it
-        real lead = tau < R(0.3) ? tau * R(0.083333333333333333) : (R(0.5) - R(1.0) / tau) + (R(1.0) - w) / w;
-        if (smallest) lead = R(0.0);  // a step: what is dense is what is seen
-        vec3 seen =
-            make_v3(m.color.x + lead * (m.front.x - m.back.x), m.color.y + lead * (m.front.y - m.back.y),
-                    m.color.z + lead * (m.front.z - m.back.z));
-        addSegment(rgb, A, tau, seen, tMin);
-      }
       from += part;
       more = from < R(1.0) && R(1.0) - A >= tMin;
       part = min(R(2.0) * part, R(1.0) - from);
+    }
+  }
+}
+
+// The same through a map of few intervals, without sums: a piece ends where the value leaves its interval, too.
+FN void addPiecesOfFew(VOLUME v, real s0, real s1, real length, real tMin, INOUT(int) k, INOUT(real) f0,
+                       INOUT(vec3) rgb, INOUT(real) A) {
+  real from = R(0.0), most = R(1.0), d = s1 - s0;
+  bool rising = d > R(0.0), varies = abs(d) > R(1e-35);
+  bool more = true;
+  while (more) {
+    MapPiece m = mapPiece(v, k);
+    int behind = rising ? k + 1 : k;  // the node through which the value leaves
+    bool leaves = false;
+    if (varies && behind > 0 && behind < mapIntervals(v)) leaves = rising == (s1 >= mapNode(v, behind));
+    real to = R(1.0), f1 = R(0.0);
+    if (leaves) {
+      to = clamp1(flushSmall(mapNode(v, behind) - s0) / d, from, R(1.0));
+      f1 = rising ? R(1.0) : R(0.0);
+    } else {
+      f1 = clamp1((s1 - mapNode(v, k)) * mapInverseLength(v, k), R(0.0), R(1.0));
+    }
+    bool whole = to - from <= most;
+    real part = whole ? to - from : most;
+    if (!whole) f1 = f0 + (f1 - f0) * (part / (to - from));
+    vec3 front = colorAt(m, f0), back = colorAt(m, f1);
+    real sigma = R(0.0);
+    vec3 source = make_v3(R(0.0), R(0.0), R(0.0));
+    addMean(sigmaAt(m, f0), sigmaAt(m, f1), front, back, R(1.0), sigma, source);
+    real perSigma = sigma > R(0.0) ? R(1.0) / sigma : R(0.0);
+    vec3 color = make_v3(source.x * perSigma, source.y * perSigma, source.z * perSigma);
+    more = addPiece(sigma * (part * length), color, front, back, part <= R(0.0005), tMin, rgb, A);
+    if (more) {
+      most = R(0.5) * part;
+    } else {
+      from = whole ? to : from + part;
+      most = whole ? R(1.0) : R(2.0) * part;
+      f0 = f1;
+      if (whole && leaves) {
+        k += rising ? 1 : -1;
+        f0 = rising ? R(0.0) : R(1.0);
+      }
+      more = from < R(1.0) && R(1.0) - A >= tMin;
     }
   }
 }
@@ -132,7 +181,7 @@ FN_OUTLINE void integrateCells(VOLUME v, VolumeRay r, MarchRange m, real t, real
                       planeCrossing(nearPlane(c.y, r.g.rpd.y), r.g.po.y, r.g.rpd.y),
                       planeCrossing(nearPlane(c.z, r.g.rpd.z), r.g.po.z, r.g.rpd.z));
   real ta = max(max3(near), tEnter);
-  real step = planStep(plan);
+  real step = planStep(plan), within = planStepWithin(plan);
   vec3 rgb = L.rgb;
   real A = L.A;
   int evaluated = 0, entered = 1;
@@ -145,14 +194,29 @@ FN_OUTLINE void integrateCells(VOLUME v, VolumeRay r, MarchRange m, real t, real
     real tc = min(exit, r.t1);
     Corners k = cellCorners(v, c);
     if (tc > ta && holdsData(k)) {
+      real low = leastCorner(k), high = mostCorner(k);
+      bool even = low == high, seen = true;  // within one interval of the map; which shows something
+      if (mapIsSmall(v)) {
+        MapPlace p = mapPlace(v, low), q = mapPlace(v, high);
+        MapPiece piece = mapPiece(v, p.k);
+        even = p.k == q.k;
+        seen = !even || piece.sigma != R(0.0) || piece.sigmaStep != R(0.0);
+      }
       real span = tc - ta;
-      real count = max(ceil(span * r.cells / step), R(1.0));
+      real count = max(ceil(span * r.cells / (even ? within : step)), R(1.0));
       real dt = span / count;
       real i = R(0.0);
       if (ta < t) i = segmentBehind(t, ta, dt, count);
       real a = max(i > R(0.0) ? ta + i * dt : ta, m.tStart);
       real s0 = valueIn(k, fractionIn(c, pointAt(r.g, a)));
-      while (go && i < count) {
+      int interval = 0;  // of s0, and where in it, for a map of few
+      real fraction = R(0.0);
+      if (mapIsSmall(v)) {
+        MapPlace place = mapPlace(v, s0);
+        interval = place.k;
+        fraction = place.f;
+      }
+      while (go && seen && i < count) {
         i += R(1.0);
         real b = min(i < count ? ta + i * dt : tc, m.tStop);
         if (b > m.tOut) {
@@ -160,7 +224,10 @@ FN_OUTLINE void integrateCells(VOLUME v, VolumeRay r, MarchRange m, real t, real
         } else {
           evaluated += 1;
           real s1 = valueIn(k, fractionIn(c, pointAt(r.g, b)));
-          addPieces(v, s0, s1, b - a, m.tMin, rgb, A);
+          if (mapIsSmall(v))
+            addPiecesOfFew(v, s0, s1, b - a, m.tMin, interval, fraction, rgb, A);
+          else
+            addPieces(v, s0, s1, b - a, m.tMin, rgb, A);
           a = b;
           s0 = s1;
           if (b >= end || R(1.0) - A < m.tMin) go = false;
@@ -179,6 +246,7 @@ FN_OUTLINE void integrateCells(VOLUME v, VolumeRay r, MarchRange m, real t, real
       int behind = planAt(v, macroIndex(v, make_i3(c.x >> MACRO_BITS, c.y >> MACRO_BITS, c.z >> MACRO_BITS)));
       inside = behind != 0 && !byMidpoints(behind);
       step = planStep(behind);
+      within = planStepWithin(behind);
       entered += inside ? 1 : 0;
     }
   }
@@ -273,15 +341,27 @@ FN void integrateVolume(VOLUME v, VolumeRay r, MarchRange m, INOUT(real) begun, 
   int samples = 0, macrocells = 0, skipped = 0;
   real s = R(0.0),
        length = R(0.0);  // the value in the middle of the segment before, and its length, yet to be added
+  // the walk through macrocells, which goes ahead of midpoint segments to where they end: one that goes cell by cell
+  int index = 0;
+  vec3 plane = make_v3(R(0.0), R(0.0), R(0.0)), far = make_v3(R(0.0), R(0.0), R(0.0));
+  real tHere = R(0.0), limit = end;
+  if (someByCells(v)) {
+    MacroWalk w = startMacroWalk(v, r, from);
+    index = w.index;
+    plane = w.plane;
+    far = w.far;
+    int planHere = planAt(v, index);
+    if (planHere != 0 && !byMidpoints(planHere)) limit = w.t;
+  }
   while (R(1.0) - A >= m.tMin) {
-    real limit = end;
-    if (!byMidpoints(plan) || someByCells(v)) {
+    if (!byMidpoints(plan) || t >= limit) {
       if (t >= last) break;
       MacroWalk w = startMacroWalk(v, r, from);
-      int index = w.index;
+      index = w.index;
       int planHere = planAt(v, index);
-      vec3 plane = w.plane, far = w.far;
-      real tHere = w.t;
+      plane = w.plane;
+      far = w.far;
+      tHere = w.t;
       bool go = true;
       while (go && !byMidpoints(planHere)) {
         // rays of a gang meet again where something is seen
@@ -324,19 +404,20 @@ FN void integrateVolume(VOLUME v, VolumeRay r, MarchRange m, INOUT(real) begun, 
       if (!byMidpoints(plan)) plan = planHere;
       macrocells += 1;
       strideFrom(v, r.g, units, t, plan, nextLength, nextReach, nextAt, nextPlan);
-      if (someByCells(v)) {
-        // a segment ends where a macrocell goes cell by cell
-        real reach = min(t + nextReach, last);
-        bool free = true;
-        while (free && min3(far) < reach) {
-          stepMacroWalk(v, r, index, plane, far, tHere);
-          planHere = planAt(v, index);
-          free = planHere == 0 || byMidpoints(planHere);
-        }
+      limit = end;
+    }
+    SEGMENTS
+    if (someByCells(v)) {
+      // a segment ends where a macrocell goes cell by cell
+      real reach = min(t + nextReach, last);
+      bool free = limit == end;
+      while (free && min3(far) < reach) {
+        stepMacroWalk(v, r, index, plane, far, tHere);
+        int planHere = planAt(v, index);
+        free = planHere == 0 || byMidpoints(planHere);
         if (!free) limit = min(limit, tHere);
       }
     }
-    SEGMENTS
     real shorter = segmentOf(units, nextPlan);
     bool finer = byMidpoints(nextPlan) && shorter < nextLength;
     real h = finer ? shorter : nextLength;
@@ -376,7 +457,7 @@ FN void integrateVolume(VOLUME v, VolumeRay r, MarchRange m, INOUT(real) begun, 
       if (b < end && m.tOwn == m.tOut) begun = b;
       END_OF_MARCH
     }
-    END_OF_SEGMENTS(byMidpoints(plan) && !someByCells(v) && R(1.0) - A >= m.tMin)
+    END_OF_SEGMENTS(byMidpoints(plan) && t < limit && R(1.0) - A >= m.tMin)
   }
   if (R(1.0) - A >= m.tMin) addSample(v, s, length, m.tMin, rgb, A, samples);
   L.rgb = rgb;

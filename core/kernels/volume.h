@@ -17,9 +17,13 @@
 
 #define MACRO_BITS 3
 // A plan: the length of a segment in units of 1 / PLAN_UNIT cells, above these bits. 0: nothing is seen there.
-#define PLAN_BITS 1
+#define PLAN_BITS 4
 #define PLAN_CELLS \
   1  // cell by cell and pre-integrated, as some hold no data or the map is too steep; else midpoints
+// Above it, of what goes cell by cell: log2 of how many times as long segments are in cells whose values lie within one interval
+// of the map.
+#define PLAN_LONGER_BIT 1
+#define PLAN_MOST_LONGER 7
 #define PLAN_UNIT 65536
 // Cells from the beginning of a segment, at most, to where the plan behind it is looked up.
 #define PLAN_REACH 3.9f
@@ -42,6 +46,10 @@ FN VolumeRay volumeRay(VOLUME v, vec3 o, vec3 d, real clip0, real clip1) {
 }
 
 FN real planStep(int plan) { return toReal(plan >> PLAN_BITS) * (R(1.0) / toReal(PLAN_UNIT)); }
+// The same in cells whose values lie within one interval of the map.
+FN real planStepWithin(int plan) {
+  return planStep(plan) * toReal(1 << ((plan >> PLAN_LONGER_BIT) & PLAN_MOST_LONGER));
+}
 FN bool byMidpoints(int plan) { return plan != 0 && (plan & PLAN_CELLS) == 0; }
 
 // The cell of the local block at p. Only rounding can put p outside the block: its ghosts reach as far as segments do.

@@ -9,6 +9,7 @@
 namespace gxy {
 
 namespace {
+constexpr double kOnePerCell = 0.57;  // segments a cell: its diagonal is sqrt(3) long
 constexpr double kLongest = PLAN_REACH;
 static_assert(kLongest < kGhostLayers - 0.09);  // rounding may ask for a little more
 constexpr double kLowestRate = 1 / kLongest, kHighestRate = 256;
@@ -25,9 +26,9 @@ constexpr double kLongestRay = 1.7;                     // diagonal of a cube wh
 constexpr double kFew = 16;                             // cells over which errors of random sign even out
 constexpr double kWorstKink = 0.125, kWorstPieces = 4;  // where rays are too short for that
 
-// Errors of segments of h cells, over h^2.
+// Errors of segments of h cells, over h^2. `within`: of pieces where the map has no step.
 struct Errors {
-  double midpoint = 0, pieces = 0;
+  double midpoint = 0, pieces = 0, within = 0;
 };
 Errors errorsOf(const Macrocell& m, const CompiledMap::Over& map, double cellT) {
   const double range = double(m.max) - m.min;
@@ -47,16 +48,22 @@ Errors errorsOf(const Macrocell& m, const CompiledMap::Over& map, double cellT) 
       m.steep * std::max({kBendOfMap * map.bend * std::sqrt(crossings), kink * map.kink, smooth});
   // a front hides its back: the colour of a segment is seen from nearer than its middle
   const double shade = m.steep * map.shade * std::min(1.0, seen / depth) / 12;
-  return {cellT * (kBendMidpoint * bend + kinks + shade),
-          (1 + few * (kWorstPieces - 1)) *
-              (cellT * kBendPieces * bend + kJump * std::min(map.jump * cellT, kMostJump))};
+  const double uneven = 1 + few * (kWorstPieces - 1);
+  const double within = uneven * cellT * kBendPieces * bend;
+  const double jumps = uneven * kJump * std::min(map.jump * cellT, kMostJump);
+  return {cellT * (kBendMidpoint * bend + kinks + shade), within + jumps, within};
 }
 
 }  // namespace
 
-int32_t planOf(double segmentsPerCell, Integrator integrator) {
+int32_t planOf(double segmentsPerCell, Integrator integrator, double within) {
   const double rate = segmentsPerCell > kLowestRate ? std::min(segmentsPerCell, kHighestRate) : kLowestRate;
-  return int32_t(PLAN_UNIT / rate) << PLAN_BITS | (integrator == Integrator::Midpoint ? 0 : PLAN_CELLS);
+  const int32_t length = int32_t(PLAN_UNIT / rate) << PLAN_BITS;
+  if (integrator == Integrator::Midpoint) return length;
+  int longer = 0;
+  while (longer < PLAN_MOST_LONGER && rate / (1 << longer) > kOnePerCell && rate / (2 << longer) >= within)
+    longer++;
+  return length | longer << PLAN_LONGER_BIT | PLAN_CELLS;
 }
 
 std::vector<int32_t> stepPlan(std::span<const Macrocell> summaries, const CompiledMap& map, double cellT,
@@ -79,7 +86,8 @@ std::vector<int32_t> stepPlan(std::span<const Macrocell> summaries, const Compil
     const double pieces = std::sqrt(errors.pieces / allowed);
     const bool cells =
         m.noData || over.jump > 0 || midpoint > std::min(kHighestRate, kCostOfCells * std::max(pieces, 1.0));
-    plan[i] = cells ? planOf(pieces, Integrator::ByCells) : planOf(midpoint, Integrator::Midpoint);
+    plan[i] = cells ? planOf(pieces, Integrator::ByCells, std::sqrt(errors.within / allowed))
+                    : planOf(midpoint, Integrator::Midpoint);
   }
   return plan;
 }

@@ -92,7 +92,9 @@ Shown randomShown(Random& random, const Field& f, MapShape shape, double lo, dou
   Shown shown;
   shown.map = compiled(m, f);
   for (size_t i = 0; i < f.macrocells().size(); i++)
-    shown.plan.push_back(random.below(4) ? planOf(random.scale(0.2, 8), kIntegrators[random.below(2)]) : 0);
+    shown.plan.push_back(
+        random.below(4) ? planOf(random.scale(0.2, 8), kIntegrators[random.below(2)], random.scale(0.05, 8))
+                        : 0);
   for (int n = 1 + random.below(3); n > 0; n--) shown.isovalues.push_back(float(random.in(lo, hi)));
   shown.wide = random.below(4) == 0;
   return shown;

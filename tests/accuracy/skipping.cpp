@@ -73,6 +73,34 @@ TEST(Skipping, OfTransparentMacrocellsLeavesTheBitsOfTheOthers) {
   EXPECT_GT(seen, 500);
 }
 
+// A cell that no step of the map goes through is integrated exactly by its value at both ends, as far as that is linear.
+TEST(Skipping, OfSegmentsInCellsWithoutAStepOfTheMap) {
+  Random random(94);
+  int fine = 0, coarse = 0, seen = 0;
+  for (int scene = 0; scene < 20; scene++) {
+    const Index3 n{40 + random.below(30), 40 + random.below(30), 40 + random.below(30)};
+    const Field f =
+        sampled(gridOf(n, random.point(0.3, 1)), [](glm::dvec3 p) { return 0.5 + 0.3 * (p.x + p.y - p.z); });
+    Shown few, many;
+    few.map = many.map = compiled(randomMaps(random, MapShape::Stepped), f);
+    few.plan = evenPlan(f, planOf(8, Integrator::ByCells, 0.2));
+    many.plan = evenPlan(f, planOf(8, Integrator::ByCells));
+    const View<float> with(f, few), without(f, many);
+    for (int i = 0; i < 100; i++) {
+      const auto ray = rayIn(with, randomRay(random, f));
+      if (!(ray.t0 < ray.t1)) continue;
+      const auto a = march<float>(with, ray, 1e-4f), b = march<float>(without, ray, 1e-4f);
+      EXPECT_NEAR(a.L.A, b.L.A, 2e-4);
+      EXPECT_NEAR(a.L.rgb.x, b.L.rgb.x, 2e-4);
+      coarse += a.count.samples;
+      fine += b.count.samples;
+      seen += a.L.A > 0;
+    }
+  }
+  EXPECT_LT(3 * coarse, fine);
+  EXPECT_GT(seen, 500);
+}
+
 TEST(Skipping, OfMacrocellsWithoutTheIsovalueChangesNoBit) {
   Random random(92);
   int skipped = 0, hits = 0;

@@ -35,7 +35,9 @@ void expectSameBits(MapShape shape) {
     Shown shown;
     shown.map = compiled(randomMaps(random, shape), f);
     for (size_t i = 0; i < f.macrocells().size(); i++)
-      shown.plan.push_back(random.below(4) ? planOf(random.scale(0.2, 8), kIntegrators[random.below(2)]) : 0);
+      shown.plan.push_back(
+          random.below(4) ? planOf(random.scale(0.2, 8), kIntegrators[random.below(2)], random.scale(0.05, 8))
+                          : 0);
     const View<Real> view(f, shown);
     for (int i = 0; i < 200; i++) {
       const auto ray = rayIn(view, randomRay(random, f));
