@@ -194,7 +194,7 @@ FN_OUTLINE void integrateCells(VOLUME v, VolumeRay r, MarchRange m, real t, real
     real tc = min(exit, r.t1);
     Corners k = cellCorners(v, c);
     if (tc > ta && holdsData(k)) {
-      real low = leastCorner(k), high = mostCorner(k);
+      real low = minCorner(k), high = maxCorner(k);
       bool even = low == high, seen = true;  // within one interval of the map; which shows something
       if (mapIsSmall(v)) {
         MapPlace p = mapPlace(v, low), q = mapPlace(v, high);

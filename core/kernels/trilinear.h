@@ -35,13 +35,6 @@ FN bool holdsData(Corners c) {
   return s == R(0.0);
 }
 
-FN real leastCorner(Corners c) {
-  return min(min(min(c.v000, c.v100), min(c.v010, c.v110)), min(min(c.v001, c.v101), min(c.v011, c.v111)));
-}
-FN real mostCorner(Corners c) {
-  return max(max(max(c.v000, c.v100), max(c.v010, c.v110)), max(max(c.v001, c.v101), max(c.v011, c.v111)));
-}
-
 // The mean, exact where all are equal: on a plateau at the isovalue every coefficient is then exactly 0.
 FN real mean3(real a, real b, real c) { return a + ((b - a) + (c - a)) * R(0.33333333333333333); }
 
