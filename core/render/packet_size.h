@@ -15,7 +15,7 @@ namespace gxy {
 class PacketSize {
  public:
   static constexpr std::chrono::nanoseconds kMostWork{5'000'000};  ///< of a thread's processor time
-  static constexpr int kFewest = 64, kFirst = 256;
+  static constexpr int kFewest = 16, kFirst = 64;  // one gang of rays; what even dear rays do in time
 
   /// At most `most` rays.
   explicit PacketSize(int most) : most_(most), rays_(std::min(most, kFirst)) {}

@@ -13,15 +13,15 @@ using std::chrono::microseconds;
 TEST(PacketSize, GrowsToTheMostWhileRaysAreCheap) {
   PacketSize size(1024);
   std::vector<int> sizes;
-  for (int i = 0; i < 4; i++) {
+  for (int i = 0; i < 6; i++) {
     sizes.push_back(size.rays());
     size.took(size.rays(), microseconds(size.rays() / 4));
   }
-  EXPECT_EQ(sizes, (std::vector<int>{256, 512, 1024, 1024}));
+  EXPECT_EQ(sizes, (std::vector<int>{64, 128, 256, 512, 1024, 1024}));
 }
 
 TEST(PacketSize, KeepsTheWorkOfAPacketBelowItsMost) {
-  for (const int microsecondsPerRay : {1, 3, 10, 30, 70}) {
+  for (const int microsecondsPerRay : {1, 3, 10, 30, 70, 300}) {
     PacketSize size(1024);
     size.took(size.rays(),
               microseconds(size.rays() * microsecondsPerRay));  // the first of a frame may be long

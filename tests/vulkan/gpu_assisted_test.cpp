@@ -33,6 +33,12 @@ TEST(GpuAssistedValidation, FindsNothingInAVolumeWithSurfacesAndShadows) {
   expectNoMessages(*checkedBackend(), scene);
 }
 
+TEST(GpuAssistedValidation, FindsNothingInSlices) {
+  test::TestScene scene = test::emptyScene("slices", {12, 10});
+  test::addSlices(scene, 1);
+  expectNoMessages(*checkedBackend(), scene);
+}
+
 TEST(GpuAssistedValidation, FindsNothingInGeometry) {
   test::TestScene scene = test::emptyScene("geometry", {12, 10});
   test::addParticles(scene, 0.6);
