@@ -113,7 +113,8 @@ FN void addPieces(VOLUME v, real s0, real s1, real length, real tMin, INOUT(vec3
   }
 }
 
-// The same through a map of few intervals, without sums: a piece ends where the value leaves its interval, too.
+// The same through a map of few intervals, without sums: a piece ends where the value leaves its interval, too. s0 is at f0 of
+// interval k; on return s1 is.
 FN void addPiecesOfFew(VOLUME v, real s0, real s1, real length, real tMin, INOUT(int) k, INOUT(real) f0,
                        INOUT(vec3) rgb, INOUT(real) A) {
   real from = R(0.0), most = R(1.0), d = s1 - s0;
