@@ -167,7 +167,8 @@ FN real segmentBehind(real t, real begin, real dt, real count) {
 
 // What goes cell by cell, since some cells hold no data or the map is too steep, from the macrocell on that the ray enters at
 // tEnter, of that plan, to where it enters one that does not, at `leaves`: each cell in equal segments of at most the plan's
-// length along which the value is taken as linear and the map is integrated exactly. One loop for all macrocells: the rays
+// length (planStepWithin, where its values lie within one interval of the map; none, where that shows nothing) along which
+// the value is taken as linear and the map is integrated exactly. One loop for all macrocells: the rays
 // of a gang, which stay in each for different numbers of cells, do not wait for each other. What is before t is somebody
 // else's. Clears `go` where the march ends.
 FN_OUTLINE void integrateCells(VOLUME v, VolumeRay r, MarchRange m, real t, real tEnter, int plan, real end,

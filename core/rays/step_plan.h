@@ -19,8 +19,8 @@ enum class Integrator { Midpoint, ByCells };
 inline constexpr double kEarlyEnd = 1 / 16.0;
 
 /// A plan as kernels/volume.h reads it. Segments are at most 3.9 cells long: what the next depends on lies within the
-/// ghost layers of the partition that evaluates it. Cell by cell, cells whose values lie within one interval of the map have
-/// fewer segments, but `within` of them and one.
+/// ghost layers of the partition that evaluates it. Cell by cell, segments of cells whose values lie within one interval of
+/// the map are longer: at least `within` a cell length, where that is more than one a cell.
 int32_t planOf(double segmentsPerCell, Integrator integrator,
                double within = std::numeric_limits<double>::infinity());
 
@@ -36,10 +36,10 @@ int32_t planOf(double segmentsPerCell, Integrator integrator,
 /// where B = f.slope m.bend sqrt(N l) is what the field's curvature does, in runs of l = (m.steep / m.bend)^2 cells that
 /// err alike (at least 16 / N, as few cells even out less; at least 1, at most 4 N), and c = N m.steep / (m.max - m.min)
 /// the number of times that the ray crosses the range. h makes this 15/16 of the tolerance (early termination takes the
-/// rest), and the method is the one that costs less; steps of the map are integrated cell by cell, and cells that meet none, by what
-/// is left of the estimate without them. 1/24 and 1/12 are the
-/// coefficients of the two rules for errors of one sign (Davis & Rabinowitz 1984, 2.1); the constants here hold for rays
-/// through fields from smooth to white noise under five shapes of maps (tests/accuracy/step_plan.cpp).
+/// rest), and the method is the one that costs less; steps of the map are integrated cell by cell, where f.jump counts only
+/// for cells that meet one. 1/24 and 1/12 are the coefficients of the two rules for errors of one sign (Davis & Rabinowitz
+/// 1984, 2.1); the constants here hold for rays through fields from smooth to white noise under five shapes of maps
+/// (tests/accuracy/step_plan.cpp).
 ///
 /// On grids of few cells across a ray is too short for its errors to even out. With w = min(1, 16 / cells across)^2, the
 /// kink's coefficient is by the part w that of the worst place of a kink in its segment, 1/8, and the pre-integrated error

@@ -15,7 +15,8 @@ namespace gxy {
 class PacketSize {
  public:
   static constexpr std::chrono::nanoseconds kMostWork{5'000'000};  ///< of a thread's processor time
-  static constexpr int kFewest = 16, kFirst = 64;  // one gang of rays; what even dear rays do in time
+  static constexpr int kFewest = 16;                               ///< the widest gang
+  static constexpr int kFirst = 64;  ///< of a frame, while nobody knows what its rays take
 
   /// At most `most` rays.
   explicit PacketSize(int most) : most_(most), rays_(std::min(most, kFirst)) {}
