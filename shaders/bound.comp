@@ -13,7 +13,7 @@ void main() {
   partitionSpan(s, o, d, tIn, tOut);
   RAY(tIn) = tIn;
   RAY(tOut) = tOut;
-  RAY(tEnd) = min(domainExit(s, o, d), RAY(tMax));
+  RAY(tEnd) = min(domainExit(s, o, d), GIVEN(tMax));
   RAY(tHit) = NO_HIT;
   RAY(hitKind) = HIT_NONE;
 }

@@ -6,14 +6,15 @@
 #include "rays.glsl"
 
 void main() {
-  if (!hasRay()) return;
-  if (RAY(hitKind) == HIT_NONE || RAY_SAMPLE(RAY(info)) != 0u || !(RAY(tLast) < 0.0)) return;
   FrameView f = theFrame;
-  uint pixel = RAY(pixel);
+  if (!hasRay()) return;
+  givenPlace = placeOf(GIVEN(shaded));
+  if (RAY_SAMPLE(GIVEN(info)) != 0u || !(GIVEN(tLast) < 0.0)) return;
+  uint pixel = GIVEN(pixel);
   vec3 o, d;
   double tEnter;
   cameraRay(f, int(pixel % uint(f.width)), int(pixel / uint(f.width)), 0, o, d, tEnter);
-  uvec2 distance1 = unpackDouble2x32(tEnter + double(RAY(tHit)));
+  uvec2 distance1 = unpackDouble2x32(tEnter + double(GIVEN(tHit)));
   uint at = DEPTH_WORDS * atomicAdd(counts[COUNT_DEPTHS], 1u);
   depths[at] = pixel;
   depths[at + 1u] = distance1.x;

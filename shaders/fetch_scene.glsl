@@ -2,7 +2,7 @@
 // How GLSL reads a SceneView, a FrameView and an OperatorView (core/kernels/scene_view.h).
 
 layout(std430, set = SCENE_SET, binding = SCENE_BINDING) readonly buffer SceneBuffer {
-  SceneView theScene;
+  SceneView sceneBuffer;
 };
 layout(std430, set = SCENE_SET, binding = OPERATORS_BINDING) readonly buffer OperatorBuffer { OperatorView operators[]; };
 layout(std430, set = SCENE_SET, binding = FIELDS_BINDING) readonly buffer FieldBuffer { VolumeView fields[]; };
@@ -11,8 +11,37 @@ layout(std430, set = FRAME_SET, binding = FRAME_BINDING) readonly buffer FrameBu
   float lightValues[];
 };
 
+// What all invocations read alike, main()s read before any of them returns, and so does this: Mesa's software device then
+// reads each word once, else once for each invocation. What a stage does not use is not read.
+SceneView theScene = sceneBuffer;
+#define READ_OPERATOR(k)                   \
+  OperatorView operator##k = operators[k]; \
+  VolumeView field##k = fields[k];
+READ_OPERATOR(0)
+READ_OPERATOR(1)
+READ_OPERATOR(2)
+READ_OPERATOR(3)
+
+// Operator `op` of the scene, and its field.
+OperatorView operatorOf(int op) {
+  OperatorView view = operator0;
+  if (OPERATORS == 0) view = operators[op];
+  if (OPERATORS == FEW_OPERATORS && op == 1) view = operator1;
+  if (OPERATORS == FEW_OPERATORS && op == 2) view = operator2;
+  if (OPERATORS == FEW_OPERATORS && op == 3) view = operator3;
+  return view;
+}
+VolumeView fieldOf(int op) {
+  VolumeView view = field0;
+  if (OPERATORS == 0) view = fields[op];
+  if (OPERATORS == FEW_OPERATORS && op == 1) view = field1;
+  if (OPERATORS == FEW_OPERATORS && op == 2) view = field2;
+  if (OPERATORS == FEW_OPERATORS && op == 3) view = field3;
+  return view;
+}
+
 #define VOLUMES uint
-#define VOLUME_AT(s, list, k) fields[tableWord((list) + uint(k))]
+#define VOLUME_AT(s, list, k) fieldOf(int(tableWord((list) + uint(k))))
 
 real lightValue(FRAME f, int i) { return lightValues[i]; }
 

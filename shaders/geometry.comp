@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// The nearest surface of geometry: a hierarchy of boxes finds candidates, the leaf tests of core/kernels decide, and ties
+// The nearest surface of geometry: a hierarchy of boxes finds candidates, nearest first, the leaf tests of core/kernels decide, and ties
 // go to the lowest (operator, primitive), so that the order in which they are found does not show. With ANY_HIT, rays
 // that meet one just become opaque.
 #include "kernels.glsl"
@@ -40,11 +40,24 @@ bool mayHold(uint child, uvec3 behind, uint node, uint begin, uint end) {
 
 vec4 geometryReals(uint i) { return uintBitsToFloat(geometryQuad(i)); }
 
+// 1 / d, and a large number where the ray never crosses a face.
+float perLength(float d) { return parallelTo(d) ? (d < 0.0 ? -1e37 : 1e37) : 1.0 / d; }
+
+// Where a ray enters a box, in which all hits of what lies there are; infinity if it does not before `nearest`. With the
+// direction's reciprocals, so wider than boxSpan's, by 16 roundings; leaf tests decide. No ray runs in a face: those of
+// primitives are moved out (primitive_bounds.h).
+float entryOf(vec3 lo, vec3 hi, vec3 o, vec3 rd, float nearest) {
+  vec3 a = (lo - o) * rd, b = (hi - o) * rd;
+  float enter = max1(max1(min1(a.x, b.x), min1(a.y, b.y)), max1(min1(a.z, b.z), 0.0));
+  float leave = min1(min1(max1(a.x, b.x), max1(a.y, b.y)), min1(max1(a.z, b.z), nearest));
+  return enter <= leave * 1.000001 ? enter : infinity();
+}
+
 void main() {
   if (!hasRay()) return;
   vec3 o = rayOrigin(), d = rayDirection();
-  float tOut = min(min(RAY(tOut), RAY(tEnd)), NO_HIT);
-  float bound = strictBound(RAY(tIn), RAY(tLast));
+  float tOut = min(min(GIVEN(tOut), GIVEN(tEnd)), NO_HIT);
+  float bound = strictBound(GIVEN(tIn), GIVEN(tLast));
   float nearest = tOut;
   int hitOperator = -1;
   uint hitPrimitiveId = 0u;
@@ -52,58 +65,78 @@ void main() {
   // here the parts are ranges of nodes, whose leaves are tested
   Part part = partOf(0.0, geometryReal(theScene.hierarchy + 1u));
   uint begin = uint(part.from), end = uint(part.to);
-  if (LIMITED && begin > 0u && RAY(hitKind) == HIT_GEOMETRY) {
-    nearest = RAY(tHit);
-    hitOperator = RAY(hitOperator);
-    hitPrimitiveId = RAY(hitPrimitive);
+  if (LIMITED && begin > 0u && GIVEN(hitKind) == HIT_GEOMETRY) {
+    nearest = GIVEN(tHit);
+    hitOperator = GIVEN(hitOperator);
+    hitPrimitiveId = GIVEN(hitPrimitive);
   }
+  vec3 rd = vec3(perLength(d.x), perLength(d.y), perLength(d.z));
   uint stack[STACK_ENTRIES];
   int depth = 0;
-  uint node = 0u;
-  bool go = meetsGeometry(o);
-  while (go) {
-    uint at = nodes + NODE_WORDS * node;
-    vec4 loX = geometryReals(at), loY = geometryReals(at + 4u), loZ = geometryReals(at + 8u);
-    vec4 hiX = geometryReals(at + 12u), hiY = geometryReals(at + 16u), hiZ = geometryReals(at + 20u);
-    uvec4 children = geometryQuad(at + 24u);
-    float tEnter, tExit;
-#define VISIT(k, behind)                                                                          \
-  if (children.k != NODE_NONE && (!LIMITED || mayHold(children.k, behind, node, begin, end)) &&   \
-      boxSpan(vec3(loX.k, loY.k, loZ.k), vec3(hiX.k, hiY.k, hiZ.k), o, d, 0.0, nearest, tEnter, tExit)) \
-    stack[depth++] = children.k;
-    VISIT(x, children.yzw)
-    VISIT(y, children.zww)
-    VISIT(z, children.www)
-    VISIT(w, uvec3(NODE_NONE))
-    // leaves are emptied here, so that the loop goes on with a node or ends
-    bool descend = false;
-    while (!descend && depth > 0) {
-      uint child = stack[--depth];
-      if ((child & NODE_LEAF) == 0u) {
-        node = child;
-        descend = true;
-      } else {
-        uint first = child & NODE_FIRST, count = ((child >> NODE_COUNT_SHIFT) & 7u) + 1u;
-        for (uint k = first; k < first + count; k++) {
-          int op = int(geometryWord(list + 2u * k));
-          uint p = geometryWord(list + 2u * k + 1u);
-          VolumeView field = fields[op];
-          float clip0, clip1, t;
-          clipInterval(field, o, d, clip0, clip1);
-          bool hit = hitPrimitive(operators[op], p, o, d, boundBehind(field, bound, clip0), t);
-          if (hit && t <= nearest && t <= clip1) {
-            bool before = hitOperator >= 0 && (op < hitOperator || (op == hitOperator && p < hitPrimitiveId));
-            if (t < nearest || before) {
-              nearest = t;
-              hitOperator = op;
-              hitPrimitiveId = p;
-            }
+  // a node, a leaf, or NODE_NONE, which looks like a leaf
+  uint child = meetsGeometry(o) ? 0u : NODE_NONE;
+  while (child != NODE_NONE) {
+    while ((child & NODE_LEAF) == 0u) {
+      uint at = nodes + NODE_WORDS * child;
+      vec4 loX = geometryReals(at), loY = geometryReals(at + 4u), loZ = geometryReals(at + 8u);
+      vec4 hiX = geometryReals(at + 12u), hiY = geometryReals(at + 16u), hiZ = geometryReals(at + 20u);
+      uvec4 children = geometryQuad(at + 24u), found;
+      vec4 t;
+#define VISIT(k, behind)                                                                      \
+  t.k = entryOf(vec3(loX.k, loY.k, loZ.k), vec3(hiX.k, hiY.k, hiZ.k), o, rd, nearest);        \
+  if (children.k == NODE_NONE || (LIMITED && !mayHold(children.k, behind, child, begin, end))) \
+    t.k = infinity();                                                                         \
+  found.k = t.k < infinity() ? children.k : NODE_NONE;
+      VISIT(x, children.yzw)
+      VISIT(y, children.zww)
+      VISIT(z, children.www)
+      VISIT(w, uvec3(NODE_NONE))
+      // the nearest first
+#define SORT(a, b)                                                                      \
+  {                                                                                     \
+    bool turn = t.b < t.a;                                                              \
+    vec2 u = turn ? vec2(t.b, t.a) : vec2(t.a, t.b);                                    \
+    uvec2 v = turn ? uvec2(found.b, found.a) : uvec2(found.a, found.b);                 \
+    t.a = u.x;                                                                          \
+    t.b = u.y;                                                                          \
+    found.a = v.x;                                                                      \
+    found.b = v.y;                                                                      \
+  }
+      SORT(x, y)
+      SORT(z, w)
+      SORT(x, z)
+      SORT(y, w)
+      SORT(y, z)
+      if (found.w != NODE_NONE) stack[depth++] = found.w;
+      if (found.z != NODE_NONE) stack[depth++] = found.z;
+      if (found.y != NODE_NONE) stack[depth++] = found.y;
+      child = found.x;
+      if (child == NODE_NONE && depth > 0) child = stack[--depth];
+    }
+    if (child != NODE_NONE) {
+      uint first = child & NODE_FIRST, count = ((child >> NODE_COUNT_SHIFT) & 7u) + 1u;
+      for (uint k = first; k < first + count; k++) {
+        int op = int(geometryWord(list + 2u * k));
+        uint p = geometryWord(list + 2u * k + 1u);
+        float t, after = bound, last = NO_HIT;
+        if ((SURFACES & SURFACE_CLIPPED) != 0) {
+          VolumeView field = fieldOf(op);
+          float clip0;
+          clipInterval(field, o, d, clip0, last);
+          after = boundBehind(field, bound, clip0);
+        }
+        if (hitPrimitive(operatorOf(op), p, o, d, after, t) && t <= nearest && t <= last) {
+          bool before = hitOperator >= 0 && (op < hitOperator || (op == hitOperator && p < hitPrimitiveId));
+          if (t < nearest || before) {
+            nearest = t;
+            hitOperator = op;
+            hitPrimitiveId = p;
           }
         }
-        if (ANY_HIT && hitOperator >= 0) depth = 0;
       }
+      child = NODE_NONE;
+      if (depth > 0 && !(ANY_HIT && hitOperator >= 0)) child = stack[--depth];
     }
-    go = descend;
   }
   float middle = floor(0.5 * (part.from + part.to)), next = part.to + (part.to - part.from);
   if (!endPart(part, middle, next, ANY_HIT && hitOperator >= 0)) return;

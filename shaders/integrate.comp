@@ -7,18 +7,18 @@
 
 void main() {
   if (!hasRay()) return;
-  VolumeView v = fields[push[PUSH_OPERATOR]];
+  VolumeView v = fieldOf(push[PUSH_OPERATOR]);
   SceneView s = theScene;
   vec3 o = rayOrigin(), d = rayDirection();
   Part part = marchPart();
   MarchRange m = marchRange(part);
-  if (!(part.to < part.end)) m.tOwn = nextBegin(s, o, d, m.tOut, RAY(tEnd));
+  if (!(part.to < part.end)) m.tOwn = LEAVES ? nextBegin(s, o, d, m.tOut, GIVEN(tEnd)) : NO_HIT;
   MarchCount count;
   count.samples = 0;
   count.macrocells = 0;
   count.skipped = 0;
   Radiance L = rayRadiance();
-  float begun = RAY(tBegun);
+  float begun = GIVEN(tBegun);
   integrateVolume(v, clippedRay(v, o, d), m, begun, L, count);
   if (!endPart(part, false)) return;
   RAY(tBegun) = begun;

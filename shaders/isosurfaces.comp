@@ -8,21 +8,22 @@
 void main() {
   if (!hasRay()) return;
   int op = push[PUSH_OPERATOR];
-  VolumeView v = fields[op];
+  VolumeView v = fieldOf(op);
   IsoStart start;
   start.index = -1;
   start.from = 0;
-  if (RAY_START(RAY(info)) == START_ISOSURFACE && int(RAY(start) >> 16) == op) {
-    start.index = int(RAY(start) & 0xffffu);
-    start.from = RAY_SIDE(RAY(info)) != 0 ? 1 : -1;
+  if (RAY_START(GIVEN(info)) == START_ISOSURFACE && int(GIVEN(start) >> 16) == op) {
+    start.index = int(GIVEN(start) & 0xffffu);
+    start.from = RAY_SIDE(GIVEN(info)) != 0 ? 1 : -1;
   }
   int cells = 0, skipped = 0;
-  Part part = partOf(RAY(tIn), min(RAY(tOut), RAY(tEnd)));
-  bool blocked = RAY(A) >= 1.0;  // nothing to find
-  IsoHit hit = hitIsosurface(v, rayOrigin(), rayDirection(), part.from, blocked ? -1.0 : part.to, RAY(tLast), RAY(tHit),
+  Part part = partOf(GIVEN(tIn), min(GIVEN(tOut), GIVEN(tEnd)));
+  NearestHit nearest = givenHit();
+  bool blocked = GIVEN(A) >= 1.0;  // nothing to find
+  IsoHit hit = hitIsosurface(v, rayOrigin(), rayDirection(), part.from, blocked ? -1.0 : part.to, GIVEN(tLast), nearest.t,
                              start, cells, skipped);
   if (!endPart(part, blocked || hit.t < NO_HIT)) return;
-  if (hit.t < NO_HIT) takeHit(hit.t, HIT_ISOSURFACE, op, uint(hit.index));
+  if (hit.t < NO_HIT) takeHit(nearest, hit.t, HIT_ISOSURFACE, op, uint(hit.index));
   atomicAdd(counts[COUNT_CELLS], uint(cells));
   atomicAdd(counts[COUNT_ISO_SKIPPED], uint(skipped));
 }

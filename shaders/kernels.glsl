@@ -19,6 +19,10 @@ layout(constant_id = SPEC_ANY_HIT) const bool ANY_HIT = false;
 layout(constant_id = SPEC_BY_CELLS) const bool BY_CELLS = true;
 layout(constant_id = SPEC_LIMITED) const bool LIMITED = false;
 layout(constant_id = SPEC_MAP_KIND) const int MAP_KIND = -1;
+layout(constant_id = SPEC_OPERATORS) const int OPERATORS = 0;
+layout(constant_id = SPEC_ROUTES) const int ROUTES = ROUTE_ON | ROUTE_LEAVES;
+#define GOES_ON ((ROUTES & ROUTE_ON) != 0)
+#define LEAVES ((ROUTES & ROUTE_LEAVES) != 0)
 
 layout(push_constant) uniform Push { int push[PUSH_WORDS]; };
 

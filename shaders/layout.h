@@ -16,12 +16,18 @@
 #define SPEC_ANY_HIT 4      // rays only ask whether geometry is in their way
 #define SPEC_BY_CELLS 5     // some plans go cell by cell
 #define SPEC_LIMITED 6      // the device ends an invocation's loops after some rounds (rays.glsl)
+#define SPEC_MAP_KIND 7     // MAP_KIND_* of all maps, -1: of each its own
+#define SPEC_OPERATORS 8    // how many there are: 1, up to FEW_OPERATORS, or (0) any number
+#define SPEC_ROUTES 9       // bits ROUTE_*: where rays may go besides into their pixels
 
-#define SPEC_MAP_KIND 7  // MAP_KIND_* of all maps, -1: of each its own
+#define FEW_OPERATORS 4
 
 #define MAP_KIND_SMALL 0
 #define MAP_KIND_UNIFORM 1
 #define MAP_KIND_BUCKETS 2
+
+#define ROUTE_ON 1      // on, behind a translucent surface
+#define ROUTE_LEAVES 2  // to other partitions
 
 #define ADDRESSED_TABLES 1
 #define ADDRESSED_SAMPLES 2
@@ -30,7 +36,8 @@
 #define SURFACE_PARTICLES 1
 #define SURFACE_PATHLINES 2
 #define SURFACE_TRIANGLES 4
-#define SURFACE_FIELDS 8  // slices and isosurfaces
+#define SURFACE_FIELDS 8    // slices and isosurfaces
+#define SURFACE_CLIPPED 16  // some are clipped by planes
 
 #define SCENE_SET 0
 #define SCENE_BINDING 0
@@ -56,7 +63,9 @@
 #define RECORDS_BINDING 4  // contributions: pixel, r, g, b, a
 #define DEPTHS_BINDING 5   // pixel, and a double in two words, low first
 #define COUNTS_BINDING 6
-#define LANE_BINDINGS 7
+#define RAY_WORDS_BINDING 7  // the same words as of RAYS_BINDING
+#define TILES_BINDING 8      // of RECORDS_BINDING
+#define LANE_BINDINGS 9
 
 #define RECORD_WORDS 5
 #define TILE_RAYS 1024u
@@ -66,7 +75,8 @@
 //   packet    of the batch that it came with
 //   step      of the list of stages: the next that it has to do; where it has begun that and not ended, ~step, and
 //   from, to  what it does of it next (rays.glsl)
-#define GXY_DEVICE_FIELDS(F) F(uint32, packet) F(int32, step) F(float, from) F(float, to)
+//   shaded    not of this ray: ray i of the list has the number of the i-th primary of the list that has hit a surface
+#define GXY_DEVICE_FIELDS(F) F(uint32, packet) F(int32, step) F(float, from) F(float, to) F(uint32, shaded)
 
 // Words of the buffer of counts.
 #define COUNT_SPAWNED 0           // rays of the list of primaries, where the device has spawned them
@@ -77,7 +87,7 @@
 #define COUNT_RECORDS 5
 #define COUNT_DEPTHS 6
 #define COUNT_MADE 7  // secondaries, wherever they go
-#define COUNT_SHADED 8
+#define COUNT_SHADED 8  // primaries that have hit a surface
 #define COUNT_SAMPLES 9
 #define COUNT_MACROCELLS 10
 #define COUNT_SKIPPED 11

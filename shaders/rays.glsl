@@ -12,6 +12,21 @@ struct RayBlock {
 #undef GXY_FIELD
 #undef GXY_DEVICE_FIELD
 
+// The place of each field in a block.
+#define GXY_NUMBER(type, name, primary, secondary) uint name;
+#define GXY_DEVICE_NUMBER(type, name) uint name;
+struct FieldNumbers {
+  GXY_RAY_FIELDS(GXY_NUMBER)
+  GXY_DEVICE_FIELDS(GXY_DEVICE_NUMBER)
+};
+#undef GXY_NUMBER
+#undef GXY_DEVICE_NUMBER
+const FieldNumbers FIELD = FieldNumbers(0u, 1u, 2u, 3u, 4u, 5u, 6u, 7u, 8u, 9u, 10u, 11u, 12u, 13u, 14u, 15u, 16u, 17u, 18u, 19u,
+                                        20u, 21u, 22u, 23u, 24u, 25u, 26u, 27u, 28u, 29u, 30u, 31u);
+#define BLOCK_WORDS ((FIELD.shaded + 1u) * BLOCK_RAYS)
+
+layout(set = LANE_SET, binding = RAY_WORDS_BINDING) uniform usamplerBuffer rayWords;  // of `rays`
+layout(set = LANE_SET, binding = TILES_BINDING) uniform usamplerBuffer tiles;
 layout(std430, set = LANE_SET, binding = RAYS_BINDING) buffer Rays { RayBlock rays[]; };
 layout(std430, set = LANE_SET, binding = ACTIVE_BINDING) buffer ActiveRays { RayBlock activeRays[]; };
 layout(std430, set = LANE_SET, binding = HERE_BINDING) buffer HereRays { RayBlock hereRays[]; };
@@ -26,9 +41,31 @@ uint rayBlock = LIMITED ? gl_WorkGroupID.x % (gl_NumWorkGroups.x / GROUP_ROWS) *
                               gl_WorkGroupID.x / (gl_NumWorkGroups.x / GROUP_ROWS)
                         : gl_WorkGroupID.x;
 
-// Field `name` of this invocation's ray, and of ray i of a list.
+// Field `name` of this invocation's ray, to be written, and of ray i of a list.
 #define RAY(name) rays[rayBlock].name[gl_LocalInvocationIndex]
 #define RAY_OF(list, i, name) list[(i) / BLOCK_RAYS].name[(i) % BLOCK_RAYS]
+
+// The same as the stage has found it, of this invocation's ray or of another one of the list, at givenPlace. By texels, since
+// Mesa's software device gathers these, and reads storage buffers one invocation after the other. A stage that writes a field,
+// too, reads it before.
+uint givenPlace = rayBlock * BLOCK_WORDS + gl_LocalInvocationIndex;
+uint placeOf(uint i) { return i / BLOCK_RAYS * BLOCK_WORDS + i % BLOCK_RAYS; }
+#define GIVEN(name) given_##name()
+void setBits(out float x, uint bits) { x = uintBitsToFloat(bits); }
+void setBits(out uint x, uint bits) { x = bits; }
+void setBits(out int x, uint bits) { x = int(bits); }
+uint givenWord(uint field) { return texelFetch(rayWords, int(givenPlace + field * BLOCK_RAYS)).x; }
+#define GXY_DEVICE_GIVEN(type, name)       \
+  type given_##name() {                    \
+    type value;                            \
+    setBits(value, givenWord(FIELD.name)); \
+    return value;                          \
+  }
+#define GXY_GIVEN(type, name, primary, secondary) GXY_DEVICE_GIVEN(type, name)
+GXY_RAY_FIELDS(GXY_GIVEN)
+GXY_DEVICE_FIELDS(GXY_DEVICE_GIVEN)
+#undef GXY_GIVEN
+#undef GXY_DEVICE_GIVEN
 
 // Whether this invocation has a ray to do. Where a step has not been ended by all rays, those behind it do nothing.
 bool hasRay() {
@@ -37,16 +74,24 @@ bool hasRay() {
   bool mine = int(rayBlock * BLOCK_RAYS + gl_LocalInvocationIndex) < n;
   if (LIMITED && mine) {
     bool cutBefore = counts[COUNT_CUT] > ~uint(push[PUSH_STEP]);
-    mine = !cutBefore && RAY(step) <= push[PUSH_STEP];
+    mine = !cutBefore && GIVEN(step) <= push[PUSH_STEP];
   }
   return mine;
 }
 
-vec3 rayOrigin() { return vec3(RAY(ox), RAY(oy), RAY(oz)); }
-vec3 rayDirection() { return vec3(RAY(dx), RAY(dy), RAY(dz)); }
+vec3 rayOrigin() { return vec3(GIVEN(ox), GIVEN(oy), GIVEN(oz)); }
+vec3 rayDirection() { return vec3(GIVEN(dx), GIVEN(dy), GIVEN(dz)); }
 
-void takeHit(float t, int kind, int op, uint primitive) {
-  if (t < RAY(tHit) || (t == RAY(tHit) && op < RAY(hitOperator))) {
+// The nearest hit so far.
+struct NearestHit {
+  float t;
+  int op;
+};
+NearestHit givenHit() { return NearestHit(GIVEN(tHit), GIVEN(hitOperator)); }
+
+void takeHit(inout NearestHit nearest, float t, int kind, int op, uint primitive) {
+  if (t < nearest.t || (t == nearest.t && op < nearest.op)) {
+    nearest = NearestHit(t, op);
     RAY(tHit) = t;
     RAY(hitKind) = kind;
     RAY(hitOperator) = op;
@@ -67,9 +112,9 @@ Part partOf(float begin, float end) {
   p.from = begin;
   p.to = end;
   p.end = end;
-  if (LIMITED && RAY(step) == ~push[PUSH_STEP]) {
-    p.from = RAY(from);
-    p.to = min(RAY(to), end);
+  if (LIMITED && GIVEN(step) == ~push[PUSH_STEP]) {
+    p.from = GIVEN(from);
+    p.to = min(GIVEN(to), end);
   }
   return p;
 }
@@ -101,23 +146,23 @@ bool endPart(Part p, float middle, float next, bool over) {
 bool endPart(Part p, bool over) { return endPart(p, 0.5 * (p.from + p.to), p.to + (p.to - p.from), over); }
 
 // All that a march does of the ray's part in this partition.
-Part marchPart() { return partOf(RAY(tIn), min(RAY(tOut), RAY(tEnd))); }
+Part marchPart() { return partOf(GIVEN(tIn), min(GIVEN(tOut), GIVEN(tEnd))); }
 
 MarchRange marchRange(Part p) {
   MarchRange m;
   m.tIn = p.from;
-  m.tOut = p.to < p.end ? p.to : RAY(tOut);
+  m.tOut = p.to < p.end ? p.to : GIVEN(tOut);
   m.tOwn = m.tOut;
-  m.tStart = RAY(tLast);
-  m.tStop = min(RAY(tHit), RAY(tMax));
+  m.tStart = GIVEN(tLast);
+  m.tStop = min(GIVEN(tHit), GIVEN(tMax));
   m.tMin = theScene.tMin;
   return m;
 }
 
 Radiance rayRadiance() {
   Radiance L;
-  L.rgb = vec3(RAY(r), RAY(g), RAY(b));
-  L.A = RAY(A);
+  L.rgb = vec3(GIVEN(r), GIVEN(g), GIVEN(b));
+  L.A = GIVEN(A);
   return L;
 }
 

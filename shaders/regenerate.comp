@@ -6,12 +6,12 @@
 #include "rays.glsl"
 
 void main() {
-  if (!hasRay()) return;
   FrameView f = theFrame;
-  uint pixel = RAY(pixel);
+  if (!hasRay()) return;
+  uint pixel = GIVEN(pixel);
   vec3 o, d;
   double tEnter;
-  cameraRay(f, int(pixel % uint(f.width)), int(pixel / uint(f.width)), int(RAY_SAMPLE(RAY(info))), o, d, tEnter);
+  cameraRay(f, int(pixel % uint(f.width)), int(pixel / uint(f.width)), int(RAY_SAMPLE(GIVEN(info))), o, d, tEnter);
   RAY(ox) = o.x;
   RAY(oy) = o.y;
   RAY(oz) = o.z;

@@ -1,20 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// What the hits of primaries mean for the picture: what they give to their pixels, and the secondary rays that take away
+// What the hits of primaries (finish.comp's list of them) mean for the picture: what they give to their pixels, and the secondary rays that take away
 // what is blocked, each with the partition that it starts in.
 #include "kernels.glsl"
 #include "rays.glsl"
 
 Surface surfaceHit(int op, VolumeView v, vec3 o, vec3 d) {
-  OperatorView view = operators[op];
-  uint p = RAY(hitPrimitive);
-  float clip0, clip1;
-  clipInterval(v, o, d, clip0, clip1);
-  float after = boundBehind(v, strictBound(RAY(tIn), RAY(tLast)), clip0);
+  OperatorView view = operatorOf(op);
+  uint p = GIVEN(hitPrimitive);
+  float after = strictBound(GIVEN(tIn), GIVEN(tLast));
+  if ((SURFACES & SURFACE_CLIPPED) != 0) {
+    float clip0, clip1;
+    clipInterval(v, o, d, clip0, clip1);
+    after = boundBehind(v, after, clip0);
+  }
   Surface surface;
   if ((SURFACES & SURFACE_FIELDS) != 0 && view.kind == KIND_VOLUME)
-    surface = fieldSurface(view, v, RAY(hitKind), p, o, d, RAY(tHit));
+    surface = fieldSurface(view, v, GIVEN(hitKind), p, o, d, GIVEN(tHit));
   if ((SURFACES & SURFACE_PARTICLES) != 0 && view.kind == KIND_PARTICLES) surface = sphereSurface(view, p, o, d, after);
   if ((SURFACES & SURFACE_PATHLINES) != 0 && view.kind == KIND_PATHLINES) surface = tubeSurface(view, p, o, d, after);
   if ((SURFACES & SURFACE_TRIANGLES) != 0 && view.kind == KIND_TRIANGLES) surface = triangleSurface(view, p, o, d, after);
@@ -22,8 +25,8 @@ Surface surfaceHit(int op, VolumeView v, vec3 o, vec3 d) {
 }
 
 #define SET_SECONDARY(list)                                                              \
-  RAY_OF(list, i, pixel) = RAY(pixel);                                                   \
-  RAY_OF(list, i, info) = RAY_SAMPLE(RAY(info)) | (uint(kind) << 16) | startBits;        \
+  RAY_OF(list, i, pixel) = GIVEN(pixel);                                                   \
+  RAY_OF(list, i, info) = RAY_SAMPLE(GIVEN(info)) | (uint(kind) << 16) | startBits;        \
   RAY_OF(list, i, start) = start;                                                        \
   RAY_OF(list, i, ox) = from.x;                                                          \
   RAY_OF(list, i, oy) = from.y;                                                          \
@@ -42,7 +45,7 @@ Surface surfaceHit(int op, VolumeView v, vec3 o, vec3 d) {
   RAY_OF(list, i, sg) = share.g;                                                         \
   RAY_OF(list, i, sb) = share.b;                                                         \
   RAY_OF(list, i, next) = next;                                                          \
-  RAY_OF(list, i, packet) = RAY(packet);
+  RAY_OF(list, i, packet) = GIVEN(packet);
 
 // To the list of those that start here, which is traced next without going through the host, or of those that leave.
 void addSecondary(SceneView s, Share share, int kind, vec3 from, uint startBits, uint start) {
@@ -53,37 +56,35 @@ void addSecondary(SceneView s, Share share, int kind, vec3 from, uint startBits,
     uint i = atomicAdd(counts[COUNT_HERE], 1u);
     SET_SECONDARY(hereRays)
     RAY_OF(hereRays, i, step) = 0;
-  } else {
+  } else if (LEAVES) {
     uint i = atomicAdd(counts[COUNT_LEAVING], 1u);
     SET_SECONDARY(leavingRays)
   }
 }
 
 void main() {
-  if (!hasRay()) return;
-  if (RAY(hitKind) == HIT_NONE) return;
-  atomicAdd(counts[COUNT_SHADED], 1u);
   SceneView s = theScene;
   FrameView f = theFrame;
-  int op = RAY(hitOperator);
-  VolumeView v = fields[op];
+  if (!hasRay()) return;
+  givenPlace = placeOf(GIVEN(shaded));
+  int op = GIVEN(hitOperator);
+  VolumeView v = fieldOf(op);
   vec3 o = rayOrigin(), d = rayDirection();
   Surface surface = surfaceHit(op, v, o, d);
   vec3 color = colorOf(v, surface.value);
-  float opacity = operators[op].opacity;
-  float weight = (1.0 - RAY(A)) * opacity;
-  RAY(A) = opacityBehind(RAY(A), opacity);
+  float opacity = operatorOf(op).opacity;
+  float weight = (1.0 - GIVEN(A)) * opacity;
   vec3 toEye = vec3(-d.x, -d.y, -d.z);
   vec3 from = offsetOrigin(surface.point, surface.geometric, surface.size);
-  uint start = (uint(op) << 16) | RAY(hitPrimitive);
+  uint start = (uint(op) << 16) | GIVEN(hitPrimitive);
   ivec4 sum = ivec4(0);
   int rayCount = f.lights + max(s.occlusionRays, 1);
   for (int q = 0; q < rayCount; q++) {
-    Share share = shareOf(s, f, q, surface, from, toEye, color, weight, RAY(pixel), RAY_SAMPLE(RAY(info)));
+    Share share = shareOf(s, f, q, surface, from, toEye, color, weight, GIVEN(pixel), RAY_SAMPLE(GIVEN(info)));
     limitShare(share, sum.x, sum.y, sum.z);
     sum += ivec4(share.r, share.g, share.b, 0);
     if (share.wanted)
       addSecondary(s, share, q < f.lights ? RAY_SHADOW : RAY_OCCLUSION, from, surface.start, start);
   }
-  deposit(RAY(pixel), sum);
+  deposit(GIVEN(pixel), sum);
 }

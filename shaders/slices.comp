@@ -8,17 +8,18 @@
 void main() {
   if (!hasRay()) return;
   int op = push[PUSH_OPERATOR];
-  VolumeView v = fields[op];
-  OperatorView view = operators[op];
+  VolumeView v = fieldOf(op);
+  OperatorView view = operatorOf(op);
   vec3 o = rayOrigin(), d = rayDirection();
   VolumeRay ray = clippedRay(v, o, d);
-  float tOut = min(RAY(tOut), RAY(tEnd));
+  float tOut = min(GIVEN(tOut), GIVEN(tEnd));
+  NearestHit nearest = givenHit();
   for (int k = 0; k < view.slices; k++) {
-    bool mine = RAY_START(RAY(info)) == START_SLICE && RAY(start) == uint((op << 16) | k);  // a line meets a plane once
-    if (!mine && RAY(A) < 1.0) {  // not blocked yet
+    bool mine = RAY_START(GIVEN(info)) == START_SLICE && GIVEN(start) == uint((op << 16) | k);  // a line meets a plane once
+    if (!mine && GIVEN(A) < 1.0) {  // not blocked yet
       float offset = tableReal(view.slice + 4u * uint(k) + 3u);
-      float t = hitSlice(v, ray, o, d, sliceNormal(view, uint(k)), offset, RAY(tIn), tOut, RAY(tLast));
-      if (t < NO_HIT) takeHit(t, HIT_SLICE, op, uint(k));
+      float t = hitSlice(v, ray, o, d, sliceNormal(view, uint(k)), offset, GIVEN(tIn), tOut, GIVEN(tLast));
+      if (t < NO_HIT) takeHit(nearest, t, HIT_SLICE, op, uint(k));
     }
   }
 }

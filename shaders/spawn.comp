@@ -27,15 +27,17 @@
   RAY_OF(list, i, packet) = tile;                  \
   RAY_OF(list, i, next) = next;
 
+int tileWord(uint i) { return int(texelFetch(tiles, int(i)).x); }
+
 void main() {
+  SceneView s = theScene;
+  FrameView f = theFrame;
   uint place = rayBlock * BLOCK_RAYS + gl_LocalInvocationIndex;
   uint tile = place / TILE_RAYS, k = RECORD_WORDS * tile;
   if (tile >= uint(push[PUSH_TILES])) return;
-  int x = records[k] + tileColumn(int(place % TILE_RAYS)), y = records[k + 1u] + tileRow(int(place % TILE_RAYS));
-  int sampleIndex = records[k + 4u];
-  if (x >= records[k + 2u] || y >= records[k + 3u]) return;
-  SceneView s = theScene;
-  FrameView f = theFrame;
+  int x = tileWord(k) + tileColumn(int(place % TILE_RAYS)), y = tileWord(k + 1u) + tileRow(int(place % TILE_RAYS));
+  int sampleIndex = tileWord(k + 4u);
+  if (x >= tileWord(k + 2u) || y >= tileWord(k + 3u)) return;
   vec3 o, d;
   double tEnter;
   if (!cameraRay(f, x, y, sampleIndex, o, d, tEnter)) return;
@@ -45,7 +47,7 @@ void main() {
     uint i = atomicAdd(counts[COUNT_SPAWNED], 1u);
     SET_PRIMARY(rays)
     RAY_OF(rays, i, step) = 0;
-  } else if (tableWord(uint(push[PUSH_MINE] + next)) != 0u) {
+  } else if (LEAVES && tableWord(uint(push[PUSH_MINE] + next)) != 0u) {
     uint i = atomicAdd(counts[COUNT_LEAVING], 1u);
     SET_PRIMARY(leavingRays)
   }

@@ -19,12 +19,18 @@ uint32_t groupsOf(size_t rays) {
 }
 size_t listBytes(size_t rays) { return blocksOf(std::max<size_t>(rays, 1)) * sizeof(RayBlock); }
 
+// A list is bound as a storage buffer and as texels.
+size_t largestList(const Device& device) {
+  const VkPhysicalDeviceLimits& limits = device.limits();
+  return std::min<size_t>(limits.maxStorageBufferRange, limits.maxTexelBufferElements * sizeof(uint32_t));
+}
+
 Binding whole(const Buffer& buffer) { return {{buffer.get(), 0, VK_WHOLE_SIZE}}; }
 
 }  // namespace
 
 size_t mostRays(const Device& device) {
-  const size_t blocks = device.limits().maxStorageBufferRange / sizeof(RayBlock);
+  const size_t blocks = largestList(device) / sizeof(RayBlock);
   return std::min(blocks, device.limits().maxComputeWorkGroupCount[0] / GROUP_ROWS * size_t(GROUP_ROWS)) *
          BLOCK_RAYS;
 }
@@ -97,13 +103,16 @@ void Lane::reserve(size_t rays, size_t perHit) {
     if (!n.buffer.get()) n.buffer = Buffer(device_, roomy(n.bytes), n.place, n.what);
   if (!lists_[0].mapped()) staging_ = Buffer(device_, lists_[0].bytes(), Place::Readback, "rays");
   for (int list = 0; list < 4; list++) {
-    const Binding buffers[LANE_BINDINGS] = {whole(lists_[list]),
-                                            whole(lists_[int(otherOf(List(list)))]),
-                                            whole(lists_[int(List::Here)]),
-                                            whole(leaving_),
-                                            whole(records_),
-                                            whole(depths_),
-                                            whole(counts_)};
+    const Binding buffers[LANE_BINDINGS] = {
+        whole(lists_[list]),
+        whole(lists_[int(otherOf(List(list)))]),
+        whole(lists_[int(List::Here)]),
+        whole(leaving_),
+        whole(records_),
+        whole(depths_),
+        whole(counts_),
+        {{lists_[list].get(), 0, std::min(lists_[list].bytes(), largestList(device_))}, VK_FORMAT_R32_UINT},
+        {{records_.get(), 0, std::min(records_.bytes(), largestList(device_))}, VK_FORMAT_R32_UINT}};
     sets_[list] = DescriptorSet(device_, pipelines_.setLayout(LANE_SET), buffers);
   }
 }

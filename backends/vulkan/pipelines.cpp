@@ -62,6 +62,11 @@ Special specialFor(Stage stage, const Special& special) {
   if (reads) s.sampleKind = special.sampleKind, s.scalars = special.scalars;
   if (stage == Stage::Integrate || stage == Stage::IntegrateMany || stage == Stage::Shade)
     s.mapKind = special.mapKind;
+  if (reads || stage == Stage::Geometry || stage == Stage::Shade || stage == Stage::Finish)
+    s.operators = special.operators;
+  if (stage == Stage::Spawn || stage == Stage::Integrate || stage == Stage::Shade)
+    s.routes = special.routes | ROUTE_ON;
+  if (stage == Stage::Finish) s.routes = special.routes;
   if (stage == Stage::Shade || stage == Stage::Geometry) s.surfaces = special.surfaces;
   if (stage == Stage::Geometry) s.anyHit = special.anyHit;
   if (stage == Stage::Integrate || stage == Stage::IntegrateMany) s.byCells = special.byCells;
@@ -75,8 +80,9 @@ VkDescriptorType typeOf(bool texels) {
 SetLayoutHandle makeSetLayout(const Device& device, uint32_t set, uint32_t bindings) {
   std::vector<VkDescriptorSetLayoutBinding> all(bindings);
   for (uint32_t i = 0; i < bindings; i++) {
-    const bool texels = set == SCENE_SET && ((i >= TABLES_BINDING && i <= GEOMETRY_BINDING) ||
-                                             i == TABLE_QUADS_BINDING || i == GEOMETRY_QUADS_BINDING);
+    const bool texels = (set == SCENE_SET && ((i >= TABLES_BINDING && i <= GEOMETRY_BINDING) ||
+                                              i == TABLE_QUADS_BINDING || i == GEOMETRY_QUADS_BINDING)) ||
+                        (set == LANE_SET && (i == RAY_WORDS_BINDING || i == TILES_BINDING));
     all[i] = {i, typeOf(texels), 1, VK_SHADER_STAGE_COMPUTE_BIT, nullptr};
   }
   VkDescriptorSetLayoutCreateInfo info{};

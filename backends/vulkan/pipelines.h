@@ -9,6 +9,7 @@
 #include <span>
 #include <vector>
 
+#include "gxy/shaders/layout.h"
 #include "gxy/vulkan/vulkan_device.h"
 
 namespace gxy::vulkan {
@@ -36,7 +37,7 @@ struct Special {
   int32_t surfaces = 0;
   uint32_t anyHit = 0;
   uint32_t byCells = 0, limited = 0;
-  int32_t mapKind = -1;
+  int32_t mapKind = -1, operators = 0, routes = ROUTE_ON | ROUTE_LEAVES;
   auto operator<=>(const Special&) const = default;
 };
 

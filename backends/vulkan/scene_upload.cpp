@@ -82,6 +82,11 @@ class Uploading {
       : device_(device), scene_(scene), partition_(partition) {
     out_.partition = partition;
     out_.special.limited = device.endsLoops();
+    out_.special.routes = 0;
+    if (!scene.opaqueSurfaces) out_.special.routes |= ROUTE_ON;
+    if (partition < 0 ||
+        scene.visible.size() - size_t(std::count(scene.visible.begin(), scene.visible.end(), 0)) > 1)
+      out_.special.routes |= ROUTE_LEAVES;
     std::vector<int32_t> rendered;
     for (size_t i = 0; i < scene.operators.size(); i++) {
       const CompiledOperator& op = scene.operators[i];
@@ -114,7 +119,7 @@ class Uploading {
     if (out_.geometryKinds != 0) {
       out_.geometry = shared.geometry.get(primitives_, [&] { return makeGeometry(); });
       view_.hierarchy = out_.geometry->hierarchy;
-      for (size_t i = 0; i < operators_.size(); i++) {
+      for (size_t i = 0; i < primitives_.size(); i++) {
         const shader::OperatorView& at = out_.geometry->places[i];
         shader::OperatorView& view = operators_[i];
         view.primitives = at.primitives;
@@ -226,6 +231,14 @@ class Uploading {
       map = map == -2 || map == mine ? mine : -1;
     }
     out_.special.mapKind = std::max(map, -1);
+    // several are read ahead only where that is cheaper than to read the one
+    const size_t readAhead = device_.endsLoops() ? FEW_OPERATORS : 1;
+    const size_t n = fields_.size();
+    out_.special.operators = n == 1 ? 1 : n <= readAhead ? FEW_OPERATORS : 0;
+    if (out_.special.operators == FEW_OPERATORS) {
+      operators_.resize(FEW_OPERATORS);
+      fields_.resize(FEW_OPERATORS);
+    }
   }
 
   const Device& device_;

@@ -15,8 +15,8 @@ namespace gxy::vulkan {
 namespace {
 
 constexpr const char* kValidationLayer = "VK_LAYER_KHRONOS_validation";
-// Of the three sets together; tables, samples and geometry, and two of them as quads, are texels.
-constexpr uint32_t kStorageBuffers = SCENE_BINDINGS + FRAME_BINDINGS + LANE_BINDINGS - 5;
+// Of the three sets together; tables, samples and geometry, two of them as quads, a list of rays and one of tiles are texels.
+constexpr uint32_t kStorageBuffers = SCENE_BINDINGS + FRAME_BINDINGS + LANE_BINDINGS - 7;
 
 std::string lower(std::string s) {
   for (char& c : s) c = char(std::tolower(static_cast<unsigned char>(c)));

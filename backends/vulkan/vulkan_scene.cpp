@@ -32,6 +32,7 @@ VulkanScene::VulkanScene(std::shared_ptr<Context> context, std::shared_ptr<const
   for (size_t i = 0; i < operators.size(); i++) {
     if (!operators[i].slices.empty()) slicedOperators_.push_back(int(i));
     if (!operators[i].isovalues.empty()) isoOperators_.push_back(int(i));
+    isClipped_ = isClipped_ || !operators[i].clips.empty();
     if (operators[i].vis.type == VisType::Volume && operators[i].vis.volumeRendering)
       renderedOperators_.push_back(int(i));
   }
@@ -126,12 +127,13 @@ void VulkanScene::addSteps(std::vector<Step>& steps, const PartOnDevice& part, c
   };
   const auto isHere = [&](int op) { return part.hasBlock[size_t(op)]; };
   const Special& special = part.special;
+  const int32_t clipped = isClipped_ ? SURFACE_CLIPPED : 0;
   if (rays < 0) add(Stage::Groups, special);
   if (!complete) add(Stage::Regenerate, special);
   add(Stage::Bound, special);
   if (part.geometryKinds != 0) {
     Special meets = special;
-    meets.surfaces = part.geometryKinds;
+    meets.surfaces = part.geometryKinds | clipped;
     meets.anyHit = !primary && scene_->opaqueSurfaces;
     add(Stage::Geometry, meets);
   }
@@ -148,11 +150,14 @@ void VulkanScene::addSteps(std::vector<Step>& steps, const PartOnDevice& part, c
   }
   Special shades = special;
   shades.surfaces = part.geometryKinds | (surfacesInVolumes_ ? SURFACE_FIELDS : 0);
+  add(Stage::Finish, special);
   if (primary && shades.surfaces != 0) {
+    shades.surfaces |= clipped;
+    rays = ~COUNT_SHADED;
+    add(Stage::Groups, special);
     if (frame.depth) add(Stage::Depth, special);
     add(Stage::Shade, shades);
   }
-  add(Stage::Finish, special);
 }
 
 void VulkanScene::addTimes(TraceCounters& c, const Lane& lane) {

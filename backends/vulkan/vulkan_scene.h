@@ -60,7 +60,7 @@ class VulkanScene final : public DeviceScene {
   std::map<int, PartOnDevice> parts_;  ///< by local partition
   Charge charge_;                      ///< of both, but for what they share
   std::vector<int> slicedOperators_, isoOperators_, renderedOperators_;
-  bool surfacesInVolumes_ = false;
+  bool surfacesInVolumes_ = false, isClipped_ = false;
 };
 
 }  // namespace gxy::vulkan

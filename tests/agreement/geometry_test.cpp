@@ -165,6 +165,36 @@ TEST(GeometryAgreement, PrimitivesOutsideTheDomainOfThePartitioning) {
   expectAgreement(embree(), scene);
 }
 
+// Along each axis, each ray through a vertex; the outer ones along the border of the mesh.
+TEST(GeometryAgreement, ParallelRaysThroughVertices) {
+  constexpr int n = 16;
+  for (int axis = 0; axis < 3; axis++) {
+    const auto turned = [&](double x, double y, double z) {
+      const double p[3] = {x, y, z};
+      return glm::dvec3(p[(axis + 1) % 3], p[(axis + 2) % 3], p[axis]);
+    };
+    GeometryBlock block;
+    for (int j = 0; j < n; j++)
+      for (int i = 0; i < n; i++)
+        block.points.push_back(
+            turned((2.0 * i + 1) / n - 1, (2.0 * j + 1) / n - 1, (3 * i + 5 * j) % 7 / 14.0));
+    for (unsigned j = 0; j + 1 < n; j++)
+      for (unsigned i = 0; i + 1 < n; i++) {
+        const unsigned k = j * n + i;
+        block.triangles.push_back({k, k + 1, k + n + 1});
+        block.triangles.push_back({k, k + n + 1, k + n});
+      }
+    TestScene scene =
+        geometryScene("parallel_" + std::to_string(axis), surfaces(VisType::Triangles), block, n);
+    scene.camera.viewpoint = turned(0, 0, 3);
+    scene.camera.viewdirection = turned(0, 0, -1);
+    scene.camera.viewup = turned(0, 1, 0);
+    scene.camera.aov = 0;
+    scene.camera.height = 2;
+    expectAgreement(embree(), scene, {}, 4 * n);
+  }
+}
+
 TEST(GeometryAgreement, TiesBetweenOperatorsGoToTheFirst) {
   TestScene scene = geometryScene("ties", surfaces(VisType::Triangles), sphereMesh(16, true, true), 64);
   Vis red = surfaces(VisType::Triangles);

@@ -39,8 +39,11 @@ TestShader::TestShader(const Device& device, const Pipelines& pipelines, std::sp
 void TestShader::run(VkDescriptorSet scene, std::span<const Buffer> buffers, int32_t count,
                      std::array<uint32_t, 2> groups) const {
   std::array<Binding, LANE_BINDINGS> bindings;  // those without a buffer have the last one
-  for (size_t i = 0; i < bindings.size(); i++)
-    bindings[i].buffer = {buffers[std::min(i, buffers.size() - 1)].get(), 0, VK_WHOLE_SIZE};
+  for (size_t i = 0; i < bindings.size(); i++) {
+    const Buffer& buffer = buffers[std::min(i, buffers.size() - 1)];
+    bindings[i].buffer = {buffer.get(), 0, buffer.bytes()};
+    if (i == RAY_WORDS_BINDING || i == TILES_BINDING) bindings[i].texels = VK_FORMAT_R32_UINT;
+  }
   const DescriptorSet lane(device_, pipelines_.setLayout(LANE_SET), bindings);
   Commands commands(device_);
   const VkCommandBuffer c = commands.begin();
