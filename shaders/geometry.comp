@@ -6,6 +6,7 @@
 // that meet one just become opaque.
 #include "kernels.glsl"
 #include "rays.glsl"
+#include "box_entry.glsl"
 
 bool hitPrimitive(OperatorView op, uint p, vec3 o, vec3 d, float after, out float t) {
   bool hit = false;
@@ -39,19 +40,6 @@ bool mayHold(uint child, uvec3 behind, uint node, uint begin, uint end) {
 }
 
 vec4 geometryReals(uint i) { return uintBitsToFloat(geometryQuad(i)); }
-
-// 1 / d, and a large number where the ray never crosses a face.
-float perLength(float d) { return parallelTo(d) ? (d < 0.0 ? -1e37 : 1e37) : 1.0 / d; }
-
-// Where a ray enters a box, in which all hits of what lies there are; infinity if it does not before `nearest`. With the
-// direction's reciprocals, so wider than boxSpan's, by 16 roundings; leaf tests decide. No ray runs in a face: those of
-// primitives are moved out (primitive_bounds.h).
-float entryOf(vec3 lo, vec3 hi, vec3 o, vec3 rd, float nearest) {
-  vec3 a = (lo - o) * rd, b = (hi - o) * rd;
-  float enter = max1(max1(min1(a.x, b.x), min1(a.y, b.y)), max1(min1(a.z, b.z), 0.0));
-  float leave = min1(min1(max1(a.x, b.x), max1(a.y, b.y)), min1(max1(a.z, b.z), nearest));
-  return enter <= leave * 1.000001 ? enter : infinity();
-}
 
 void main() {
   if (!hasRay()) return;

@@ -31,7 +31,7 @@ TEST(LightAgreement, WhatIsTooBrightForAPixelIsAsBrightAsItHolds) {
     scene.visualization.lighting = lit({kSun, kLamp, kHeadlight}, shadows);
     scene.visualization.lighting.Ka = scene.visualization.lighting.Kd = weight;
     scene.visualization.lighting.Ks = 0;
-    return draw(embree(), scene).rgba;
+    return drawnByBoth(scene).rgba;
   };
   const std::vector<float> dim = drawn(0.5, false), bright = drawn(25, false), shadowed = drawn(25, true);
   int full = 0;
@@ -130,7 +130,7 @@ TEST(LightAgreement, AmbientOcclusionConvergesToTheHemisphere) {
   std::vector<double> mean(4 * 32 * 32);
   const int frames = 16;
   for (int f = 0; f < frames; f++) {
-    const Picture one = draw(embree(), scene, uint32_t(f));
+    const Picture one = drawnByBoth(scene, uint32_t(f));
     for (size_t i = 0; i < mean.size(); i++) mean[i] += one.rgba[i] / double(frames);
   }
   reference::ReferenceOptions how;

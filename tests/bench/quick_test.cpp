@@ -40,6 +40,25 @@ class Gxybench : public ::testing::Test {
   TemporaryFolder folder_;
 };
 
+#if defined(GALAXY_VULKAN)
+TEST_F(Gxybench, QuickMeasuresEveryBackend) {
+  ASSERT_EQ(
+      gxybench("--quick mixed-48 --backend embree vulkan --methods adaptive --tolerances 1/64" + places(),
+               folder_ / "log"),
+      0)
+      << textOf(folder_ / "log");
+  const std::vector<Row> rows = readTable(out("results.csv"));
+  ASSERT_EQ(rows.size(), 2u);
+  EXPECT_EQ(rows[0].backend, "embree");
+  EXPECT_EQ(rows[1].backend, "vulkan");
+  EXPECT_EQ(rows[1].samples, rows[0].samples);
+  EXPECT_EQ(rows[1].cells, rows[0].cells);
+  EXPECT_EQ(rows[1].rays, rows[0].rays);
+  EXPECT_EQ(rows[1].maxError, rows[0].maxError);
+  EXPECT_EQ(rows[1].rmsError, rows[0].rmsError);
+}
+#endif
+
 TEST_F(Gxybench, QuickMeasuresEverySceneWithinItsTolerance) {
   ASSERT_EQ(gxybench("--quick" + places(), folder_ / "log"), 0) << textOf(folder_ / "log");
   std::map<std::string, std::set<std::string>> methods;

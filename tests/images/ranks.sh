@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # ranks.sh BACKEND DEVICE FOLDER GXYDATA GXYRENDER MPIEXEC...: pictures and depths of states/kinds.json, whose data come
 # from files of several formats, are the same bytes as Embree's on one rank, on 2, 3, 4 and 8 ranks (vulkan: 2 and 4), with
-# other packets, partitions and threads.
+# other packets, partitions and threads; and on two ranks of which only one has the backend.
 set -euo pipefail
 
 # Three path lines, with a value along each.
@@ -48,14 +48,16 @@ mpiexec=("$@")
 render reference 1 --partitions 1 --backend embree
 case $backend in vulkan) counts=(2 4) ;; *) counts=(2 3 4 8) ;; esac
 for ranks in "${counts[@]}"; do render "on$ranks" "$ranks" "${options[@]}"; done
+all=(kinds.json -o mixed --format raw --depth)
+"${mpiexec[@]}" -n 1 "$gxyrender" "${all[@]}" --backend embree : -n 1 "$gxyrender" "${all[@]}" "${options[@]}"
 render packets 3 --partitions 3,2,3 --packet 16 --threads 2 "${options[@]}"
 
 compared=0
 for expected in reference_*; do
-  for name in "${counts[@]/#/on}" packets; do
+  for name in "${counts[@]/#/on}" mixed packets; do
     cmp "$expected" "${expected/reference/$name}"
     compared=$((compared + 1))
   done
 done
-files=$((8 * (${#counts[@]} + 1)))
+files=$((8 * (${#counts[@]} + 2)))
 ((compared == files)) || { echo "compared $compared pairs of files, expected $files" >&2; exit 1; }
