@@ -86,7 +86,7 @@
 #define COUNT_LEAVING 4
 #define COUNT_RECORDS 5
 #define COUNT_DEPTHS 6
-#define COUNT_MADE 7  // secondaries, wherever they go
+#define COUNT_MADE 7    // secondaries, wherever they go
 #define COUNT_SHADED 8  // primaries that have hit a surface
 #define COUNT_SAMPLES 9
 #define COUNT_MACROCELLS 10
