@@ -15,7 +15,7 @@ namespace {
 
 using namespace vulkan;
 
-constexpr int kProbes = 32;
+constexpr int kProbes = 41;
 
 std::vector<float> probesInGlsl() {
   const Device device(vulkan_test::testDevice());

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Every function of core/kernels on seeded inputs, in the common dialect: probe(f, i) is a number that function f
-// computes from input i. C++, ISPC and GLSL read it after core/kernels/all.h; their results have the same bits.
+// Every function of core/kernels/all.h on seeded inputs, in the common dialect: probe(f, i) is a number that function f
+// computes from input i. C++, ISPC and GLSL read it after that file; their results have the same bits.
 
-#define PROBES 32
+#define PROBES 41
 
 // In [lo, hi).
 FN real drawIn(uint i, uint salt, real lo, real hi) { return lo + (hi - lo) * unitReal(hash2(i, salt)); }
@@ -129,10 +129,47 @@ FN real probeLight(int f, uint i) {
   return lerp1(n.x, n.y, d.z);
 }
 
+FN real probeTube(int f, uint i) {
+  Tube s;
+  s.a = drawPoint(i, 80u, R(1.0));
+  s.b = drawPoint(i, 83u, R(1.0));
+  s.before = drawPoint(i, 86u, R(1.0));
+  s.after = drawPoint(i, 89u, R(1.0));
+  s.radiusA = drawIn(i, 92u, R(0.0), R(0.5));
+  s.radiusB = drawIn(i, 93u, R(0.0), R(0.5));
+  s.radiusBefore = drawIn(i, 94u, R(0.0), R(0.5));
+  s.radiusAfter = drawIn(i, 95u, R(0.0), R(0.5));
+  s.hasBefore = (hash2(i, 96u) & 1u) == 0u;
+  s.hasAfter = (hash2(i, 97u) & 1u) == 0u;
+  vec3 origin = drawPoint(i, 98u, R(2.0));
+  vec3 to = drawPoint(i, 101u, R(0.5));
+  real x;
+  real depth = depthInCone(difference(origin, s.a), difference(s.b, s.a), s.radiusA, s.radiusB, x);
+  if (f == 32) return depth;
+  if (f == 33) return x;
+  TubeHit h;
+  if (!hitTube(s, origin, unit3(difference(to, origin)), R(0.0), h)) return R(-2.0);
+  vec3 p = tubePoint(s, h);
+  if (f == 34) return h.t;
+  if (f == 35) return h.normal.y;
+  return f == 36 ? h.axial : p.z;
+}
+
+FN real probeNumbers(int f, uint i) {
+  real x = drawIn(i, 104u, R(-70.0), R(70.0));
+  if (f == 38) return sin1(x);
+  if (f == 39) return cos1(x);
+  double wide = x;
+  wide = wide * wide + wide;
+  return floatOf(wide) + toReal(toUint(toInt(x + R(70.0)))) + toReal(asInt(asUint(x)));
+}
+
 FN real probe(int f, uint i) {
   if (f < 7) return probeElementary(f, i);
   if (f < 11) return probeBox(f, i);
   if (f < 18) return probeRound(f, i);
   if (f < 24) return probeTriangle(f, i);
-  return probeLight(f, i);
+  if (f < 32) return probeLight(f, i);
+  if (f < 38) return probeTube(f, i);
+  return probeNumbers(f, i);
 }
