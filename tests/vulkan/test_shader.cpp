@@ -37,7 +37,7 @@ TestShader::TestShader(const Device& device, const Pipelines& pipelines, std::sp
 }
 
 void TestShader::run(VkDescriptorSet scene, std::span<const Buffer> buffers, int32_t count,
-                     std::array<uint32_t, 2> groups) const {
+                     std::array<uint32_t, 2> groups, VkDescriptorSet frame) const {
   std::array<Binding, LANE_BINDINGS> bindings;  // those without a buffer have the last one
   for (size_t i = 0; i < bindings.size(); i++) {
     const Buffer& buffer = buffers[std::min(i, buffers.size() - 1)];
@@ -53,6 +53,7 @@ void TestShader::run(VkDescriptorSet scene, std::span<const Buffer> buffers, int
                             nullptr);
   };
   if (scene) bind(SCENE_SET, scene);
+  if (frame) bind(FRAME_SET, frame);
   bind(LANE_SET, lane.get());
   vkCmdPushConstants(c, pipelines_.layout(), VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof count, &count);
   vkCmdDispatch(c, groups[0], groups[1], 1);

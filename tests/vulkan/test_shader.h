@@ -15,10 +15,10 @@ class TestShader {
   TestShader(const vulkan::Device& device, const vulkan::Pipelines& pipelines,
              std::span<const uint32_t> spirv, const vulkan::Special& special = {});
 
-  /// Runs so many workgroups and returns when they have ended. `scene` is SCENE_SET, null where the shader
+  /// Runs so many workgroups and returns when they have ended. `scene` is SCENE_SET, `frame` FRAME_SET, null where the shader
   /// reads none; `buffers`, at most LANE_BINDINGS, are bound in order from 0 of LANE_SET; `count` is push[0].
   void run(VkDescriptorSet scene, std::span<const vulkan::Buffer> buffers, int32_t count,
-           std::array<uint32_t, 2> groups) const;
+           std::array<uint32_t, 2> groups, VkDescriptorSet frame = VK_NULL_HANDLE) const;
 
  private:
   const vulkan::Device& device_;

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+// out[p * count + i] = sceneProbe(..., p, i) of operator `op`. Compiled once for each instruction set, PROBE naming the function.
+// clang-format off
+#include "dialect.h"
+#include "all.h"
+#include "fields.h"
+#include "ray_fields.h"
+#include "scene.h"
+#include "scene_probe.h"
+// clang-format on
+
+export void PROBE(const void* uniform scene, const void* uniform frame, uniform int op, const uniform int list[],
+                  uniform int volumes, uniform int count, uniform float out[]) {
+  const uniform SceneView* uniform s = (const uniform SceneView* uniform)scene;
+  const uniform FrameView* uniform f = (const uniform FrameView* uniform)frame;
+  for (uniform int p = 0; p < SCENE_PROBES; p++) {
+    foreach (i = 0 ... count)
+      out[p * count + i] = sceneProbe(*s, *f, s->operator_[op], s->field[op], list, volumes, p, (uint)i);
+  }
+}
