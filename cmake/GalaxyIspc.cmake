@@ -45,3 +45,24 @@ function(galaxy_ispc TARGET)
   add_dependencies(${TARGET} ${TARGET}_ispc)
   target_include_directories(${TARGET} PRIVATE ${out})
 endfunction()
+
+# galaxy_ispc_probes(TARGET FILE PROBE): compiles a test's FILE for each instruction set into TARGET; PROBE_<set> is the function
+# that it exports, which it calls PROBE.
+function(galaxy_ispc_probes TARGET FILE PROBE)
+  get_filename_component(name ${FILE} NAME_WE)
+  file(GLOB headers CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/core/kernels/*.h ${PROJECT_SOURCE_DIR}/core/rays/ray_fields.h
+       ${CMAKE_CURRENT_SOURCE_DIR}/*probe.h)
+  foreach(target ${GALAXY_ISPC_TARGETS})
+    string(REGEX REPLACE "-.*" "" isa ${target})
+    set(object ${CMAKE_CURRENT_BINARY_DIR}/${name}_${isa}.o)
+    add_custom_command(
+      OUTPUT ${object}
+      COMMAND ${ISPC_EXECUTABLE} -O3 --pic --opt=disable-fma --target=${target} --woff -DPROBE=${PROBE}_${isa}
+              -I${PROJECT_SOURCE_DIR}/core/kernels -I${PROJECT_SOURCE_DIR}/core/rays -I${CMAKE_CURRENT_SOURCE_DIR}
+              ${CMAKE_CURRENT_SOURCE_DIR}/${FILE} -o ${object}
+      DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/${FILE} ${headers}
+      COMMENT "ISPC ${name} (${target})" VERBATIM)
+    set_source_files_properties(${object} PROPERTIES EXTERNAL_OBJECT TRUE GENERATED TRUE)
+    target_sources(${TARGET} PRIVATE ${object})
+  endforeach()
+endfunction()

@@ -235,10 +235,9 @@ class Uploading {
     const size_t readAhead = device_.endsLoops() ? FEW_OPERATORS : 1;
     const size_t n = fields_.size();
     out_.special.operators = n == 1 ? 1 : n <= readAhead ? FEW_OPERATORS : 0;
-    if (out_.special.operators == FEW_OPERATORS) {
-      operators_.resize(FEW_OPERATORS);
-      fields_.resize(FEW_OPERATORS);
-    }
+    // whether a driver leaves out the reads that nothing uses, or not: there is something
+    operators_.resize(std::max<size_t>(n, FEW_OPERATORS));
+    fields_.resize(operators_.size());
   }
 
   const Device& device_;
