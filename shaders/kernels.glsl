@@ -85,4 +85,5 @@ float geometryReal(uint i) { return uintBitsToFloat(geometryWord(i)); }
 
 #define locateCell locateCellByLoops  // grid.h's; fetch_volume.glsl has one that every lane can afford
 #include "fields.h"
+#include "scene_view.h"
 #include "scene.h"

@@ -3,8 +3,6 @@
 
 #include <spdlog/spdlog.h>
 
-#include <algorithm>
-
 #include "gxy/comm/error.h"
 #include "gxy/embree/embree_backend.h"
 #ifdef GALAXY_VULKAN
@@ -13,16 +11,18 @@
 
 namespace gxy {
 
+const char* const kBackendHelp =
+    "embree, vulkan, or auto: vulkan where there is a discrete GPU or --device was given, else embree";
+const char* const kDeviceHelp = "Device of the vulkan backend: its number, or a part of its name";
+
+bool hasDevices(const std::string& backend) { return backend != "embree"; }
+
 BackendRegistry allBackends(const BackendOptions& options) {
   BackendRegistry registry;
 #ifdef GALAXY_VULKAN
   const auto fits = [options] {
-    if (!options.device.empty()) return true;
-    if (!showsGpu()) return false;  // no driver is loaded where there is nothing to find
-    const std::vector<VulkanDeviceInfo> devices = vulkanDevices();
-    return std::any_of(devices.begin(), devices.end(), [](const VulkanDeviceInfo& d) {
-      return d.kind == VulkanDeviceInfo::Kind::Discrete && d.missing.empty();
-    });
+    // no driver is loaded where there is nothing to find
+    return !options.device.empty() || (showsGpu() && hasDiscreteGpu(vulkanDevices()));
   };
   const auto make = [options](Ledger* ledger) {
     VulkanOptions vulkan;

@@ -19,7 +19,6 @@ class VulkanBackend final : public Backend {
     return std::make_unique<vulkan::VulkanScene>(context_, std::move(scene), rank);
   }
   const VulkanDeviceInfo& info() const { return context_->device.info(); }
-  std::vector<std::string> messages() const { return context_->device.instance().messages(); }
 
  private:
   std::shared_ptr<vulkan::Context> context_;
@@ -33,10 +32,6 @@ std::unique_ptr<Backend> makeVulkanBackend(const VulkanOptions& options) {
 
 const VulkanDeviceInfo& deviceOf(const Backend& backend) {
   return dynamic_cast<const VulkanBackend&>(backend).info();
-}
-
-std::vector<std::string> validationMessages(const Backend& backend) {
-  return dynamic_cast<const VulkanBackend&>(backend).messages();
 }
 
 }  // namespace gxy

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The GPU backend: Vulkan 1.2 compute. It needs no window system and no ray-tracing extension.
 #pragma once
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -21,6 +22,9 @@ struct VulkanDeviceInfo {
 /// All of them, in the loader's order; none where there is no Vulkan. Asking loads every driver into the process; Mesa's
 /// software device takes 67 MB of it.
 std::vector<VulkanDeviceInfo> vulkanDevices();
+
+/// Whether there is one among them that this backend can use.
+bool hasDiscreteGpu(const std::vector<VulkanDeviceInfo>& devices);
 
 /// Whether a driver shows a GPU's device node in that folder (dri/renderD*, nvidia<number>, dxg): without one there is no GPU,
 /// which this tells without loading any driver.
@@ -45,6 +49,8 @@ struct VulkanOptions {
   /// For tests: with the validation layer. GpuAssisted checks each access of the shaders, too, but not synchronization, and is
   /// slow.
   enum class Validation { None, CoreAndSynchronization, GpuAssisted } validation = Validation::None;
+  std::function<void(const char* message)>
+      heard;  ///< with validation: is told what the layers say, on any thread
 };
 
 /// Device name "vulkan". Thread safe. Throws Error where there is no such device, or it lacks something, and
@@ -53,8 +59,5 @@ std::unique_ptr<Backend> makeVulkanBackend(const VulkanOptions& options = {});
 
 /// The device of a backend that makeVulkanBackend has made.
 const VulkanDeviceInfo& deviceOf(const Backend& backend);
-
-/// What the validation layers have said of a backend that was made with `validation`.
-std::vector<std::string> validationMessages(const Backend& backend);
 
 }  // namespace gxy

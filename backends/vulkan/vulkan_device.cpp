@@ -2,7 +2,9 @@
 #include "gxy/vulkan/vulkan_device.h"
 
 #include <algorithm>
+#include <array>
 #include <cstring>
+#include <optional>
 
 namespace gxy::vulkan {
 
@@ -15,7 +17,7 @@ std::string mebibytes(size_t bytes) { return std::to_string((bytes + (1 << 20) -
 }  // namespace
 
 Device::Device(const VulkanOptions& options)
-    : instance_(options.validation),
+    : instance_(options),
       physical_(chooseDevice(instance_, options)),
       info_(infoOf(physical_)),
       lostAfter_(options.lostAfter),
@@ -226,17 +228,34 @@ void upload(const Device& device, const Buffer& buffer, size_t offset, std::span
     std::memcpy(buffer.mapped() + offset, bytes.data(), bytes.size());
     return;
   }
-  const Buffer staging(device, std::min(bytes.size(), kStagingBytes), Place::Readback,
-                       "copies to the device");
-  Commands commands(device);
-  for (size_t at = 0; at < bytes.size(); at += kStagingBytes) {
-    const size_t n = std::min(bytes.size() - at, kStagingBytes);
-    std::memcpy(staging.mapped(), bytes.data() + at, n);
+  // Two pieces in turn: one is filled while the device copies the other.
+  struct Piece {
+    Buffer staging;
+    Commands commands;
+    Piece(const Device& device, size_t size)
+        : staging(device, size, Place::Readback, "copies to the device"), commands(device) {}
+    ~Piece() {
+      try {
+        commands.wait();
+      } catch (const Error&) {
+        // the device was lost, which the one who waits in turn is told
+      }
+    }
+  };
+  const size_t size = std::min(bytes.size(), kStagingBytes);
+  std::array<std::optional<Piece>, 2> pieces;
+  for (size_t at = 0, turn = 0; at < bytes.size(); at += size, turn ^= 1) {
+    std::optional<Piece>& piece = pieces[turn];
+    if (piece) piece->commands.wait();
+    if (!piece) piece.emplace(device, size);
+    const size_t n = std::min(bytes.size() - at, size);
+    std::memcpy(piece->staging.mapped(), bytes.data() + at, n);
     const VkBufferCopy region{0, offset + at, n};
-    vkCmdCopyBuffer(commands.begin(), staging.get(), buffer.get(), 1, &region);
-    commands.submit();
-    commands.wait();
+    vkCmdCopyBuffer(piece->commands.begin(), piece->staging.get(), buffer.get(), 1, &region);
+    piece->commands.submit();
   }
+  for (const std::optional<Piece>& piece : pieces)
+    if (piece) piece->commands.wait();
 }
 
 }  // namespace gxy::vulkan

@@ -32,8 +32,7 @@ class Device {
   const VulkanDeviceInfo& info() const { return info_; }
   const VkPhysicalDeviceLimits& limits() const { return limits_; }
   size_t largestBinding() const { return largestBinding_; }  ///< bytes of scene data; the rest by address
-  const Instance& instance() const { return instance_; }
-  size_t bytes() const { return bytes_; }  ///< of all buffers
+  size_t bytes() const { return bytes_; }                    ///< of all buffers
   const Memory& blocks() const { return *blocks_; }
   /// So many bytes more of its blocks are others' to account for.
   void chargeElsewhere(int64_t bytes) const { blocks_->chargeElsewhere(bytes); }

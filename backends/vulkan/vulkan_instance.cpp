@@ -65,9 +65,9 @@ void check(VkResult result, const std::string& what) {
   throw Error("Vulkan: " + what + " failed: " + why);
 }
 
-Instance::Instance(VulkanOptions::Validation kind) {
+Instance::Instance(const VulkanOptions& options) : heard_(options.heard) {
   using Validation = VulkanOptions::Validation;
-  const bool validation = kind != Validation::None;
+  const bool validation = options.validation != Validation::None;
   VkApplicationInfo application{};
   application.sType = VK_STRUCTURE_TYPE_APPLICATION_INFO;
   application.pApplicationName = "galaxy";
@@ -83,7 +83,7 @@ Instance::Instance(VulkanOptions::Validation kind) {
   listen.messageType = VK_DEBUG_UTILS_MESSAGE_TYPE_VALIDATION_BIT_EXT;
   listen.pfnUserCallback = hear;
   listen.pUserData = this;
-  const VkValidationFeatureEnableEXT also = kind == Validation::GpuAssisted
+  const VkValidationFeatureEnableEXT also = options.validation == Validation::GpuAssisted
                                                 ? VK_VALIDATION_FEATURE_ENABLE_GPU_ASSISTED_EXT
                                                 : VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT;
   VkValidationFeaturesEXT features{};
@@ -119,15 +119,9 @@ Instance::~Instance() {
 
 VkBool32 VKAPI_PTR Instance::hear(VkDebugUtilsMessageSeverityFlagBitsEXT, VkDebugUtilsMessageTypeFlagsEXT,
                                   const VkDebugUtilsMessengerCallbackDataEXT* data, void* instance) {
-  auto* self = static_cast<Instance*>(instance);
-  std::lock_guard lock(self->mutex_);
-  self->messages_.emplace_back(data->pMessage);
+  const auto& heard = static_cast<const Instance*>(instance)->heard_;
+  if (heard) heard(data->pMessage);
   return VK_FALSE;
-}
-
-std::vector<std::string> Instance::messages() const {
-  std::lock_guard lock(mutex_);
-  return messages_;
 }
 
 std::vector<VkPhysicalDevice> Instance::devices() const {
@@ -253,6 +247,12 @@ VkPhysicalDevice chooseDevice(const Instance& instance, const VulkanOptions& opt
 
 namespace gxy {
 
+bool hasDiscreteGpu(const std::vector<VulkanDeviceInfo>& devices) {
+  return std::any_of(devices.begin(), devices.end(), [](const VulkanDeviceInfo& d) {
+    return d.kind == VulkanDeviceInfo::Kind::Discrete && d.missing.empty();
+  });
+}
+
 bool showsGpu(const std::string& folder) {
   const std::filesystem::path dev(folder);
   std::error_code error;  // a folder that is not there has no entries
@@ -271,7 +271,7 @@ bool showsGpu(const std::string& folder) {
 std::vector<VulkanDeviceInfo> vulkanDevices() {
   std::vector<VulkanDeviceInfo> infos;
   try {
-    const vulkan::Instance instance(VulkanOptions::Validation::None);
+    const vulkan::Instance instance;
     for (VkPhysicalDevice d : instance.devices()) infos.push_back(vulkan::infoOf(d));
   } catch (const Error&) {
     // no loader, or no driver: no devices

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The Vulkan loader's instance, and what its devices can do.
 #pragma once
-#include <memory>
-#include <mutex>
 #include <string>
 #include <vector>
 
@@ -11,26 +9,24 @@
 
 namespace gxy::vulkan {
 
-/// Without a window system. With validation it keeps what the layers say.
+/// Without a window system.
 class Instance {
  public:
   /// Throws Error where there is no Vulkan 1.2, or no validation layer though asked for.
-  explicit Instance(VulkanOptions::Validation validation);
+  explicit Instance(const VulkanOptions& options = {});
   ~Instance();
   Instance(const Instance&) = delete;
   Instance& operator=(const Instance&) = delete;
 
   VkInstance get() const { return instance_; }
   std::vector<VkPhysicalDevice> devices() const;
-  std::vector<std::string> messages() const;
 
  private:
   static VkBool32 VKAPI_PTR hear(VkDebugUtilsMessageSeverityFlagBitsEXT severity,
                                  VkDebugUtilsMessageTypeFlagsEXT type,
                                  const VkDebugUtilsMessengerCallbackDataEXT* data, void* instance);
 
-  mutable std::mutex mutex_;
-  std::vector<std::string> messages_;
+  const std::function<void(const char*)> heard_;
   VkInstance instance_ = VK_NULL_HANDLE;
   VkDebugUtilsMessengerEXT messenger_ = VK_NULL_HANDLE;
 };

@@ -7,7 +7,7 @@
 
 namespace gxy {
 
-/// Work that a thread hands to threads of a library built without the thread sanitizer (oneTBB, Embree), whose own
+/// Work that a thread hands to threads of a library built without the thread sanitizer (oneTBB, say), whose own
 /// synchronisation the sanitizer therefore misses: handOver() before the call into the library, begin() and end() around
 /// what each of its threads runs of ours, takeBack() once the library has said that all is done. Both sides know the
 /// work by the address of an object of two bytes or more, which is not accessed. It declares an order that the library

@@ -14,7 +14,7 @@ namespace gxy {
 
 namespace {
 
-enum class Kind : uint8_t { Request, Reply };
+enum class Part : uint8_t { Request, Reply };
 
 /// Deeper documents are refused: taking them apart is recursive.
 constexpr int maxDepth = 200;
@@ -99,7 +99,7 @@ Bytes Work::request(const std::string& name, const nlohmann::json& parameters,
   std::lock_guard lock(mutex_);
   const uint64_t id = nextId_++;
   Writer writer;
-  writer.write(Kind::Request).write(id).write(int32_t(transport_.rank())).write(toAll);
+  writer.write(Part::Request).write(id).write(int32_t(transport_.rank())).write(toAll);
   writer.write(name).write(dumpJson(parameters)).write(attachment);
   pending_[id] = {expected, {}, std::move(onDone)};
   return writer.take();
@@ -146,10 +146,10 @@ std::vector<nlohmann::json> Work::wait(const std::function<void(OnDone)>& start)
 // receiving
 
 void Work::receive(int source, Bytes message) {
-  switch (Reader(message, "work").read<Kind>()) {
-    case Kind::Request:
+  switch (Reader(message, "work").read<Part>()) {
+    case Part::Request:
       return receiveRequest(std::move(message));
-    case Kind::Reply:
+    case Part::Reply:
       return receiveReply(source, message);
   }
   throw Error("malformed message 'work' from rank " + std::to_string(source) + ": neither request nor reply");
@@ -158,7 +158,7 @@ void Work::receive(int source, Bytes message) {
 void Work::receiveRequest(Bytes message) {
   Request request;
   Reader reader(message, "work request");
-  reader.read<Kind>();
+  reader.read<Part>();
   request.id = reader.read<uint64_t>();
   request.sender = reader.read<int32_t>();
   request.toAll = reader.read<bool>();
@@ -204,13 +204,13 @@ void Work::run(const Request& request, const Action& action) {
 
 void Work::reply(const Request& request, const nlohmann::json& result, const std::string& error) {
   Writer writer;
-  writer.write(Kind::Reply).write(request.id).write(error).write(dumpJson(result));
+  writer.write(Part::Reply).write(request.id).write(error).write(dumpJson(result));
   transport_.send(request.sender, Channel::Work, writer.take());
 }
 
 void Work::receiveReply(int source, const Bytes& message) {
   Reader reader(message, "work reply");
-  reader.read<Kind>();
+  reader.read<Part>();
   const auto id = reader.read<uint64_t>();
   Reply reply{source, nullptr, {}};
   try {

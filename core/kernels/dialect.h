@@ -104,8 +104,10 @@ using vec4 = glm::vec<4, GXY_REAL>;
 using ivec3 = glm::ivec3;
 using uint = unsigned int;
 #define R(x) real(x)
+#ifndef FN
 #define FN inline
 #define FN_OUTLINE inline
+#endif
 #define INOUT(T) T&
 #define OUT(T) T&
 #define UNIFORM

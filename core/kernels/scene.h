@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// The kernels that read scenes, for ISPC and GLSL, in dependency order; all.h, fields.h and core/rays/ray_fields.h come
-// before.
+// The kernels that read scenes, in dependency order; all.h, fields.h, scene_view.h and core/rays/ray_fields.h come before.
 // clang-format off
-#include "scene_view.h"
+#if defined(ISPC) || defined(GXY_GLSL)
+#include "scene_fetch.h"
 #include "clip.h"
 #include "cuts.h"
 #include "many.h"
@@ -11,4 +11,15 @@
 #include "primitives.h"
 #include "surface.h"
 #include "shares.h"
+#else
+#include "gxy/kernels/scene_fetch.h"
+#include "gxy/kernels/clip.h"
+#include "gxy/kernels/cuts.h"
+#include "gxy/kernels/many.h"
+#include "gxy/kernels/camera.h"
+#include "gxy/kernels/lattice.h"
+#include "gxy/kernels/primitives.h"
+#include "gxy/kernels/surface.h"
+#include "gxy/kernels/shares.h"
+#endif
 // clang-format on

@@ -3,14 +3,12 @@
 #pragma once
 #include "gxy/kernels/single.h"
 
-#define GXY_LAYOUT
 #define PTR(T) const T*
 #define RAW const void*
 #define BYTE std::uint8_t
 namespace gxy::single {
 #include "gxy/kernels/scene_view.h"
 }
-#undef GXY_LAYOUT
 #undef PTR
 #undef RAW
 #undef BYTE

@@ -14,8 +14,8 @@ struct PrimitiveBounds {
 };
 
 /// Of primitive `i` with 1 (a sphere), 2 (a tube) or 3 (a triangle) corners; `points` are x y z radius, `indices` are not
-/// read for spheres. Wide enough that no candidate is lost to rounding in a traversal in float; finite, and within what Embree
-/// takes (|x| < 1.844e18: it drops what is larger, or ends the program), which holds all that rays come to.
+/// read for spheres. Wide enough that no candidate is lost to rounding in a traversal in float; finite, and
+/// below 1.844e18, which is as far as builders of hierarchies go and holds all that rays come to (meetsGeometry in clip.h).
 inline PrimitiveBounds primitiveBounds(int corners, const float* points, const uint32_t* indices, size_t i) {
   constexpr float kSlack = 2e-6f, kLargest = 1.8e18f, kInfinity = std::numeric_limits<float>::infinity();
   PrimitiveBounds b{{kInfinity, kInfinity, kInfinity}, {-kInfinity, -kInfinity, -kInfinity}};

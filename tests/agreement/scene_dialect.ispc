@@ -5,6 +5,7 @@
 #include "all.h"
 #include "fields.h"
 #include "ray_fields.h"
+#include "scene_view.h"
 #include "scene.h"
 #include "scene_probe.h"
 // clang-format on

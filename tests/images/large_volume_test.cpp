@@ -119,15 +119,27 @@ class LargeVolume : public ::testing::Test {
 };
 
 TEST_F(LargeVolume, OfMoreThan2To31SamplesIsReadRightAtItsFarEnd) {
-  ASSERT_EQ(render("one", 1, "--partitions 1"), 0);
+  ASSERT_EQ(render("one", 1, "--backend embree --partitions 1"), 0);
   check("one");
-  ASSERT_EQ(render("automatic", 1, ""), 0);
+  ASSERT_EQ(render("automatic", 1, "--backend embree"), 0);
   check("automatic");
-  ASSERT_EQ(render("partitions", 1, "--partitions 1,3,2"), 0);
+  ASSERT_EQ(render("partitions", 1, "--backend embree --partitions 1,3,2"), 0);
   check("partitions");
-  ASSERT_EQ(render("ranks", 2, ""), 0);
+  ASSERT_EQ(render("ranks", 2, "--backend embree"), 0);
   check("ranks");
 }
+
+#ifdef TEST_DEVICE
+// Of which a partition has up to 2^31; more is an error.
+TEST_F(LargeVolume, OfMoreThan2To31SamplesIsReadRightOnVulkanToo) {
+  const std::string options = "--backend vulkan --device " TEST_DEVICE;
+  ASSERT_EQ(render("ranks", 2, options), 0);
+  check("ranks");
+  ASSERT_EQ(render("partitions", 1, options + " --partitions 1,1,2"), 0);
+  check("partitions");
+  EXPECT_EQ(render("one", 1, options + " --partitions 1"), 1);
+}
+#endif
 
 }  // namespace
 }  // namespace gxy

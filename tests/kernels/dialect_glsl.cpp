@@ -26,7 +26,6 @@ std::vector<float> probesInGlsl() {
   shader.run(VK_NULL_HANDLE, std::span(&out, 1), kProbeInputs,
              {(kProbeInputs + BLOCK_RAYS - 1) / BLOCK_RAYS, 1});
   std::memcpy(results.data(), out.mapped(), results.size() * sizeof(float));
-  EXPECT_EQ(device.instance().messages(), std::vector<std::string>());
   return results;
 }
 

@@ -41,11 +41,4 @@ const Backend& testedBackend() {
 
 glm::ivec2 affordable(glm::ivec2 size) { return onVulkan() ? size / 3 : size; }
 
-std::vector<std::string> messagesOfTestedBackend() {
-#ifdef GALAXY_VULKAN
-  if (onVulkan()) return vulkan_test::newMessages();
-#endif
-  return {};
-}
-
 }  // namespace gxy::test

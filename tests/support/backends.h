@@ -3,8 +3,6 @@
 // backend, on the tests' device (vulkan/test_device.h) and under the validation layers.
 #pragma once
 #include <glm/vec2.hpp>
-#include <string>
-#include <vector>
 
 #include "gxy/rays/backend.h"
 
@@ -17,8 +15,5 @@ const Backend& testedBackend();
 /// A size of pictures of which a test makes many: `size` on Embree, less on Vulkan, whose software device
 /// takes far longer.
 glm::ivec2 affordable(glm::ivec2 size);
-
-/// What the validation layers have said of testedBackend() since the last call; of Embree nothing.
-std::vector<std::string> messagesOfTestedBackend();
 
 }  // namespace gxy::test

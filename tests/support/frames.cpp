@@ -73,7 +73,6 @@ FrameId Frames::start(const FrameRequest& request) {
 
 std::vector<std::string> Frames::errors() {
   std::lock_guard lock(mutex_);
-  for (std::string& message : messagesOfTestedBackend()) errors_.push_back(std::move(message));
   return errors_;
 }
 

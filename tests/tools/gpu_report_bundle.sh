@@ -3,6 +3,7 @@
 # gpu_report_bundle.sh BUNDLE_SH BUILD - the bundle as a user takes it to another machine: small, and enough without anything of
 # this one's environment.
 set -uo pipefail
+shopt -s extglob
 bundle=$(realpath "$1") build=$(realpath "$2")
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
@@ -27,9 +28,11 @@ check IsBelow60MB test "$(stat -c %s report.tar.gz)" -lt 60000000
 mkdir elsewhere
 tar -C elsewhere -xzf report.tar.gz
 cd elsewhere || exit 1
-env -i gpu-report/run --device llvmpipe --scale 0.01 --minutes 0.01 --pictures . >out.txt 2>&1
+check HasNoneOfTheLibrariesThatOnlyOthersNeed test -z "$(compgen -G 'gpu-report/*/lib@(mpi|vtk|OpenImageIO)*')"
+env -i gpu-report/run --device llvmpipe --scale 0.01 --minutes 2 --scenes 1 --pictures . >out.txt 2>&1
 check RunsInAnEmptyEnvironment test $? = 0
-check AndHasComparedAScene grep -Eq '^[1-9][0-9]* of [0-9]+ scenes compared, 0 do not agree' gpu-report.md
+check AndHasComparedAndTimed grep -Eq '^1 of 19 scenes compared, 0 do not agree; 4 of 4 benchmarks run, 0 failed' gpu-report.md
+check InTenNumbersAndMore grep -Eq '^\| volume 32\^3 at 128\^2( \| [0-9][0-9.e-]*){15} \|$' gpu-report.md
 check AndLeavesItsPictures cmp "smooth volume.device.raw" "smooth volume.embree.raw"
 check AsFloatRgba test "$(stat -c %s "smooth volume.device.raw")" = $((192 * 160 * 16))
 ((failures == 0)) || cat out.txt

@@ -50,7 +50,6 @@ TEST(VulkanCounters, AreThoseOfEmbree) {
       EXPECT_EQ(c.trace.kernelRuns[k] > 0, expected.trace.kernelRuns[k] > 0) << kKernelNames[k];
   }
   EXPECT_EQ(found, names.size());
-  EXPECT_EQ(vulkan_test::newMessages(), std::vector<std::string>());
 }
 
 // The shader of each stage is compiled for what the scene has, and only where it is needed.

@@ -71,6 +71,15 @@ TEST(PickedDevices, AreSoftwareOnlyIfAloneOrAskedFor) {
   EXPECT_EQ(picks({software, gpu}, "0")[0], 0u);
 }
 
+TEST(PickedDevices, AreTakenByAutoWhereOneIsADiscreteGpuThatLacksNothing) {
+  const VulkanDeviceInfo software = info("llvmpipe", Kind::Software),
+                         integrated = info("i", Kind::Integrated),
+                         old = info("old", Kind::Discrete, {"Vulkan 1.2"}), gpu = info("A", Kind::Discrete);
+  EXPECT_FALSE(hasDiscreteGpu({}));
+  EXPECT_FALSE(hasDiscreteGpu({software, integrated, old}));
+  EXPECT_TRUE(hasDiscreteGpu({software, old, gpu}));
+}
+
 TEST(PickedDevices, OfANameAreAllThatHaveItAndLackNothing) {
   const std::vector<VulkanDeviceInfo> infos{
       info("GeForce RTX 4090", Kind::Discrete, {"shaderFloat64"}), info("GeForce RTX 4090", Kind::Discrete),
@@ -132,11 +141,29 @@ TEST(VulkanDevices, BuffersAreCountedWhileTheyLive) {
   EXPECT_EQ(device.bytes(), 0u);
 }
 
+// Or silence would say nothing.
+TEST(ValidationLayers, HearAMissingBarrier) {
+  std::vector<std::string> heard;
+  VulkanOptions options = testDevice();
+  options.heard = [&](const char* message) { heard.emplace_back(message); };
+  const vulkan::Device device(options);
+  const vulkan::Buffer buffer(device, 1000, vulkan::Place::Device, "a test");
+  vulkan::Commands commands(device);
+  for (bool barrier : {true, false}) {
+    const VkCommandBuffer c = commands.begin();
+    vkCmdFillBuffer(c, buffer.get(), 0, VK_WHOLE_SIZE, 1);
+    if (barrier) commands.barrier();
+    vkCmdFillBuffer(c, buffer.get(), 0, VK_WHOLE_SIZE, 2);
+    commands.submit();
+    commands.wait();
+    EXPECT_EQ(heard.empty(), barrier);
+  }
+  ASSERT_EQ(heard.size(), 1u);
+  EXPECT_NE(heard[0].find("SYNC-HAZARD-WRITE-AFTER-WRITE"), std::string::npos) << heard[0];
+}
+
 TEST(VulkanDevices, AutoTakesVulkanForADiscreteGpuOrADeviceThatIsAskedFor) {
-  bool discrete = false;
-  for (const VulkanDeviceInfo& d : vulkanDevices())
-    discrete = discrete || (d.kind == VulkanDeviceInfo::Kind::Discrete && d.missing.empty());
-  EXPECT_EQ(allBackends({}).make("auto")->name(), discrete ? "vulkan" : "embree");
+  EXPECT_EQ(allBackends({}).make("auto")->name(), hasDiscreteGpu(vulkanDevices()) ? "vulkan" : "embree");
   EXPECT_EQ(allBackends({"llvmpipe", 0}).make("auto")->name(), "vulkan");
   EXPECT_EQ(allBackends({"", 5}).make("vulkan")->name(), "vulkan");
 }

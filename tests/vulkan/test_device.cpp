@@ -1,27 +1,37 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vulkan/test_device.h"
 
-#include <utility>
+#include <gtest/gtest.h>
+
+#include <cstdio>
+#include <cstdlib>
 
 namespace gxy::vulkan_test {
+
+namespace {
+
+void failTest(const char* message) {
+  if (testing::UnitTest::GetInstance()->current_test_info()) {
+    ADD_FAILURE() << message;
+  } else {  // before or after all tests, where no failure would be counted
+    std::fprintf(stderr, "%s\n", message);
+    std::_Exit(1);
+  }
+}
+
+}  // namespace
 
 VulkanOptions testDevice() {
   VulkanOptions options;
   options.device = GALAXY_TEST_DEVICE;
   options.validation = VulkanOptions::Validation::CoreAndSynchronization;
+  options.heard = failTest;
   return options;
 }
 
 const Backend& testedVulkan() {
   static const std::unique_ptr<Backend> backend = makeVulkanBackend(testDevice());
   return *backend;
-}
-
-std::vector<std::string> newMessages() {
-  static size_t heard = 0;
-  const std::vector<std::string> all = validationMessages(testedVulkan());
-  const size_t first = std::exchange(heard, all.size());
-  return {all.begin() + std::ptrdiff_t(first), all.end()};
 }
 
 }  // namespace gxy::vulkan_test

@@ -3,20 +3,14 @@
 // -DGALAXY_TEST_DEVICE=...), a number or a part of a name as --device takes it. It is Mesa's software device
 // unless told, on which bits are promised; real GPUs may round divisions otherwise.
 #pragma once
-#include <string>
-#include <vector>
-
 #include "gxy/vulkan/vulkan_backend.h"
 
 namespace gxy::vulkan_test {
 
-/// Options for it, under the validation layers (core and synchronization).
+/// Options for it, under the validation layers (core and synchronization): whatever they say fails the test that runs.
 VulkanOptions testDevice();
 
 /// Its backend, made once per program. Throws Error where there is no such device.
 const Backend& testedVulkan();
-
-/// What the validation layers have said of testedVulkan() since the last call.
-std::vector<std::string> newMessages();
 
 }  // namespace gxy::vulkan_test

@@ -13,6 +13,4 @@ const Backend& embree() {
 
 const Backend& testedBackend() { return embree(); }
 
-std::vector<std::string> messagesOfTestedBackend() { return {}; }
-
 }  // namespace gxy::test

@@ -84,8 +84,8 @@ std::string rounded(double x) {
   return out.str();
 }
 
-/// Frames one after another, for about ten seconds.
-void measure(const Backend& device, const TestScene& scene, Report& report) {
+/// Frames one after another, at least one, for so long.
+void measure(const Backend& device, const TestScene& scene, double duration, Report& report) {
   const double begin = seconds();
   const auto compiled =
       test::compiledOn(test::whole(scene.domain), scene, [&](int) -> const Backend& { return device; });
@@ -109,7 +109,7 @@ void measure(const Backend& device, const TestScene& scene, Report& report) {
   frame();
   const TraceCounters before = frames.renderer(0).counters().trace;
   std::vector<double> times;
-  for (const double until = seconds() + std::min(10.0, report.left());
+  for (const double until = seconds() + std::min(duration, report.left());
        times.empty() || (seconds() < until && times.size() < 50);)
     times.push_back(frame());
   const TraceCounters after = frames.renderer(0).counters().trace;
@@ -134,7 +134,7 @@ void measure(const Backend& device, const TestScene& scene, Report& report) {
 
 }  // namespace
 
-Tally benchmarks(const Backend& device, double scale, Report& report) {
+Tally benchmarks(const Backend& device, double scale, double seconds, Report& report) {
   const auto n = std::max<int64_t>(32, std::llround(512 * scale));
   const int size = std::max(128, int(std::lround(1024 * std::sqrt(scale))));
   const auto spheres = size_t(std::llround(1e7 * scale * scale * scale));
@@ -172,7 +172,7 @@ Tally benchmarks(const Backend& device, double scale, Report& report) {
     try {
       TestScene scene = sceneOf(name, size);
       fill(scene);
-      measure(device, scene, report);
+      measure(device, scene, seconds, report);
     } catch (const std::exception& e) {
       tally.failed++;
       report.line("| " + name + " | " + e.what() + " |");

@@ -32,6 +32,7 @@ int main(int argc, char** argv) {
   std::string output = "gpu-report.md", pictures;
   VulkanOptions options;
   double minutes = 8, scale = 1;
+  int scenes = 1000;
   app.add_option("-o,--output", output, "The report")->capture_default_str();
   app.add_option(
          "--pictures", pictures,
@@ -39,7 +40,10 @@ int main(int argc, char** argv) {
          "bottom to top")
       ->check(CLI::ExistingDirectory);
   app.add_option("--device", options.device, "Number of a device, or a part of its name");
-  app.add_option("--minutes", minutes, "What is not begun by then is left out")->capture_default_str();
+  app.add_option("--minutes", minutes, "It ends after so many; half of them are for the comparison")
+      ->capture_default_str();
+  app.add_option("--scenes", scenes, "Compare only the first so many (default: all)")
+      ->check(CLI::NonNegativeNumber);
   app.add_option("--scale", scale,
                  "Of the benchmarks' data and pictures; 0.01 to 2; 1 suits a large GPU, 0.1 software")
       ->capture_default_str();
@@ -56,8 +60,8 @@ int main(int argc, char** argv) {
     gpu_report::Report report(file, std::cout, minutes);
     const std::unique_ptr<Backend> device = makeVulkanBackend(options);
     describe(report, *device);
-    const gpu_report::Tally compared = gpu_report::agreement(*device, pictures, report);
-    const gpu_report::Tally timed = gpu_report::benchmarks(*device, scale, report);
+    const gpu_report::Tally compared = gpu_report::agreement(*device, scenes, pictures, report);
+    const gpu_report::Tally timed = gpu_report::benchmarks(*device, scale, minutes / 48 * 60, report);
     report.line("\n" + std::to_string(compared.tried) + " of " + std::to_string(compared.all) +
                 " scenes compared, " + std::to_string(compared.failed) + " do not agree; " +
                 std::to_string(timed.tried) + " of " + std::to_string(timed.all) + " benchmarks run, " +

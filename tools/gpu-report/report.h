@@ -1,23 +1,38 @@
 // SPDX-License-Identifier: Apache-2.0
 // What gpu_report finds out about a device, written as it finds it out.
 #pragma once
+#include <algorithm>
 #include <chrono>
+#include <condition_variable>
+#include <cstdlib>
+#include <mutex>
 #include <ostream>
 #include <string>
+#include <thread>
 
 #include "gxy/rays/backend.h"
 
 namespace gxy::gpu_report {
 
-/// Both to the file and to the terminal, at once: what was found stays if the device takes the program with it.
+/// Both to the file and to the terminal, at once: what was found stays if the device takes the program with it. Ends the program,
+/// with status 1, where its time is over (half a minute is always given).
 class Report {
  public:
   Report(std::ostream& file, std::ostream& terminal, double minutes)
       : file_(file),
         terminal_(terminal),
         end_(Clock::now() +
-             std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(60 * minutes))) {}
+             std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(60 * minutes))),
+        watch_([this, last = std::max(end_, Clock::now() + std::chrono::seconds(30))](std::stop_token done) {
+          std::unique_lock lock(mutex_);
+          ended_.wait_until(lock, done, last, [] { return false; });
+          if (done.stop_requested()) return;
+          lock.unlock();
+          line("\nThe time is over, and what was begun last is not done.");
+          std::_Exit(1);
+        }) {}
   void line(const std::string& text) {
+    std::lock_guard lock(mutex_);
     file_ << text << std::endl;
     terminal_ << text << std::endl;
   }
@@ -27,7 +42,10 @@ class Report {
  private:
   using Clock = std::chrono::steady_clock;
   std::ostream &file_, &terminal_;
-  Clock::time_point end_;
+  const Clock::time_point end_;
+  std::mutex mutex_;
+  std::condition_variable_any ended_;
+  std::jthread watch_;
 };
 
 /// How many scenes there are, for how many there was time, and how many of these failed.
@@ -37,10 +55,11 @@ struct Tally {
 
 /// Pictures of many small scenes against the Embree backend's, and against the device's own of a domain in
 /// pieces. A device agrees where Difference::agrees() and the pieces do not show at all.
-/// `folder`, if not empty: where the pictures of each scene are left, SCENE.embree.raw and SCENE.device.raw.
-Tally agreement(const Backend& device, const std::string& folder, Report& report);
+/// `most`: of these scenes, so many at most. `folder`, if not empty: where the pictures of each scene are left, SCENE.embree.raw and SCENE.device.raw.
+Tally agreement(const Backend& device, int most, const std::string& folder, Report& report);
 
-/// Times of frames, and what they say of the device. `scale`: of the data's size, 1 for a large GPU.
-Tally benchmarks(const Backend& device, double scale, Report& report);
+/// Times of frames, and what they say of the device. `scale`: of the data's size, 1 for a large GPU; `seconds`: of frames, for
+/// each.
+Tally benchmarks(const Backend& device, double scale, double seconds, Report& report);
 
 }  // namespace gxy::gpu_report

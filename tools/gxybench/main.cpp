@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // gxybench: run time against error.
+#include <spdlog/sinks/stdout_color_sinks.h>
+#include <spdlog/spdlog.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -8,6 +10,7 @@
 #include <iostream>
 
 #include "compare.h"
+#include "gxy/backends/backends.h"
 #include "gxy/comm/error.h"
 #include "options.h"
 #include "page.h"
@@ -114,7 +117,7 @@ void measureScene(const Options& o, Scene& scene, const Scratch& scratch, const 
       Job job;
       job.directory = scene.directory;
       job.backend = backend;
-      if (backend != "embree") job.device = o.device;
+      if (hasDevices(backend)) job.device = o.device;
       job.repeats = o.repeats;
       job.seconds = o.quick ? 0 : 0.5;
       job.threads = o.threads;
@@ -131,6 +134,8 @@ void measureScene(const Options& o, Scene& scene, const Scratch& scratch, const 
 
 int measureAll(const Options& o, const std::string& command) {
   std::vector<Scene> scenes = chosenScenes(o);
+  if (!o.device.empty() && std::none_of(o.backends.begin(), o.backends.end(), hasDevices))
+    throw Error("--device " + o.device + ": none of the backends has devices to choose from");
   if (o.size)
     for (Scene& s : scenes) s.state.cameras[0].dimensions = {(*o.size)[0], (*o.size)[1]};
   std::filesystem::create_directories(o.out);
@@ -156,6 +161,7 @@ int measureAll(const Options& o, const std::string& command) {
 
 int main(int argc, char** argv) {
   Options options;
+  spdlog::set_default_logger(spdlog::stderr_color_mt("gxybench"));
   try {
     if (const auto code = parseOptions(argc, argv, options)) return *code;
     if (options.command == Options::Command::Work) return work(options.jobFile);

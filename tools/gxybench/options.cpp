@@ -6,6 +6,8 @@
 #include <cstdlib>
 #include <filesystem>
 
+#include "gxy/backends/backends.h"
+
 namespace gxy::bench {
 namespace {
 
@@ -73,10 +75,10 @@ void addMeasuring(CLI::App& app, Options& o, std::string& size) {
       "--list", [&](int64_t) { o.command = Options::Command::List; }, "List the fixed scenes");
   app.add_flag("--quick", o.quick,
                "Small scenes and short ladders: under a minute, for a test of the plumbing");
-  app.add_option("--backend", o.backends, "Backends to measure: embree, vulkan, auto")
+  app.add_option("--backend", o.backends, "Backends to measure, each " + std::string(kBackendHelp))
       ->delimiter(',')
       ->capture_default_str();
-  app.add_option("--device", o.device, "Device of the vulkan backend: its number, or a part of its name");
+  app.add_option("--device", o.device, kDeviceHelp);
   app.add_option("--ranks", o.ranks, "Numbers of ranks to measure on, such as 1,2,4")
       ->delimiter(',')
       ->check(CLI::Range(1, 65536))

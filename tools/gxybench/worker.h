@@ -16,7 +16,7 @@ namespace gxy::bench {
 struct Job {
   std::string directory;  ///< of the data
   std::string backend = "auto";
-  std::string device;    ///< of the vulkan backend, or empty
+  std::string device;    ///< BackendOptions::device
   int repeats = 3;       ///< frames timed per setting, at least
   double seconds = 0.5;  ///< that a setting is timed for, at least, so that short frames are measured well
   int threads = 0;       ///< per rank; 0: the cores shared by the ranks

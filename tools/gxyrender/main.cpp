@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // gxyrender: the batch renderer.
+#include <spdlog/sinks/stdout_color_sinks.h>
+#include <spdlog/spdlog.h>
 #include <unistd.h>
 
 #include <condition_variable>
@@ -217,6 +219,7 @@ int run(const RenderOptions& options) {
 
 int main(int argc, char** argv) {
   RenderOptions options;
+  spdlog::set_default_logger(spdlog::stderr_color_mt("gxyrender"));
   try {
     MpiEnvironment mpi;
     const char* rank = std::getenv("OMPI_COMM_WORLD_RANK");  // who speaks, before there is a transport

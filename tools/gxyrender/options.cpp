@@ -51,10 +51,8 @@ std::optional<int> parseOptions(int argc, char** argv, bool speaks, RenderOption
   app.add_option("STATE", o.stateFile, "State file (docs/state-file.md)")->required();
   app.add_option("-o,--output", o.prefix, "Prefix of the pictures' names")->capture_default_str();
   app.add_option("--size", size, "Picture size WxH, instead of the cameras'");
-  app.add_option("--backend", o.backend,
-                 "embree, vulkan, or auto: vulkan where there is a discrete GPU, else embree")
-      ->capture_default_str();
-  app.add_option("--device", o.device, "Device of the vulkan backend: its number, or a part of its name");
+  app.add_option("--backend", o.backend, kBackendHelp)->capture_default_str();
+  app.add_option("--device", o.device, kDeviceHelp);
   app.add_flag_callback(
       "--list-devices",
       [&] {

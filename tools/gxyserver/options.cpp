@@ -5,6 +5,8 @@
 #include <filesystem>
 #include <iostream>
 
+#include "gxy/backends/backends.h"
+
 namespace gxy {
 
 namespace {
@@ -39,8 +41,8 @@ std::optional<int> parseOptions(int argc, char** argv, bool speaks, ServeOptions
          "--data", o.node.dataFolders,
          "folder in which clients may read and write files; may be repeated (default: the current one)")
       ->allow_extra_args(false);
-  app.add_option("--backend", o.node.backend, "embree, vulkan or auto")->capture_default_str();
-  app.add_option("--device", o.device, "device of the vulkan backend: its number, or a part of its name");
+  app.add_option("--backend", o.node.backend, kBackendHelp)->capture_default_str();
+  app.add_option("--device", o.device, kDeviceHelp);
   app.add_option("--memory", o.node.memory, "bytes for data, on each rank, as 8G")
       ->transform(CLI::AsSizeValue(false))
       ->check(CLI::PositiveNumber);

@@ -16,7 +16,7 @@ struct ServeOptions {
   std::string tokenFile, portFile, traceFile;
   std::vector<std::string> tenants;
   bool noToken = false;
-  std::string device;  ///< of the vulkan backend, or empty
+  std::string device;  ///< BackendOptions::device
   std::string logLevel = "info";
   int threads = 0;
 };

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+// How ISPC and C++ fetch from scene_view.h's structures. In GLSL see shaders/fetch_scene.glsl.
+
+#if defined(GXY_GLSL)
+#define SCENE SceneView
+#define FRAME FrameView
+#define OPERATOR OperatorView
+#include "fetch_scene.glsl"
+#else
+#if defined(ISPC)
+#define SCENE const uniform SceneView&
+#define FRAME const uniform FrameView&
+#define OPERATOR const uniform OperatorView&
+#define VOLUMES const uniform int* uniform
+#define PLACE(i) ((int64)(i))
+#else
+#define SCENE const SceneView&
+#define FRAME const FrameView&
+#define OPERATOR const OperatorView&
+#define VOLUMES const int*
+#define PLACE(i) std::int64_t(i)
+#endif
+#define VOLUME_AT(s, list, k) (s).field[(list)[k]]
+// Face i of an axis of the lattice.
+FN real latticeFace(SCENE s, UNIFORM int axis, int i) {
+  if (axis == 0) return s.facesX[i];
+  if (axis == 1) return s.facesY[i];
+  return s.facesZ[i];
+}
+FN int partitionOf(SCENE s, int cell) { return s.cellPartition[cell]; }
+FN bool isVisible(SCENE s, int partition) { return s.visible[partition] != 0; }
+FN UNIFORM real lightValue(FRAME f, UNIFORM int i) { return f.light[i]; }
+
+FN UNIFORM bool hasNormals(OPERATOR op) { return op.normals != NULL; }
+FN UNIFORM bool hasValues(OPERATOR op) { return op.values != NULL; }
+FN UNIFORM bool hasNeighbours(OPERATOR op) { return op.neighbours != NULL; }
+FN vec3 pointOf(OPERATOR op, uint i) {
+  return make_v3(op.points[4 * PLACE(i)], op.points[4 * PLACE(i) + 1], op.points[4 * PLACE(i) + 2]);
+}
+FN real radiusOf(OPERATOR op, uint i) { return op.points[4 * PLACE(i) + 3]; }
+FN vec3 normalOf(OPERATOR op, uint i) {
+  return make_v3(op.normals[3 * PLACE(i)], op.normals[3 * PLACE(i) + 1], op.normals[3 * PLACE(i) + 2]);
+}
+FN real valueOf(OPERATOR op, uint i) { return op.values[i]; }
+FN uint cornerOf(OPERATOR op, uint i) { return op.indices[i]; }
+FN uint neighbourOf(OPERATOR op, uint i) { return op.neighbours[i]; }
+FN vec3 sliceNormal(OPERATOR op, uint i) {
+  return make_v3(op.slice[4 * i], op.slice[4 * i + 1], op.slice[4 * i + 2]);
+}
+FN real isovalueOf(VOLUME v, uint i) { return v.isovalue[i]; }
+FN UNIFORM bool holdsSamples(VOLUME v) { return v.samples != NULL; }
+#undef PLACE
+#endif

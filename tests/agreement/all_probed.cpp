@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+// Every function of core/kernels is called by a probe, if only through others: all of them once more, static, so that it is an
+// error to compile one that nothing calls (-Werror=unused-function; no kernel calls itself).
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <limits>
+
+#include "gxy/rays/ray_fields.h"
+
+#define GXY_REAL float
+#define FN static
+#define FN_OUTLINE static
+namespace gxy::all_probed {
+// clang-format off
+#include "gxy/kernels/dialect.h"
+#include "gxy/kernels/all.h"
+namespace rays {
+#include "kernels/probe.h"
+}
+#include "gxy/kernels/fields.h"
+namespace fields {
+#include "accuracy/field_probe.h"
+}
+#include "gxy/kernels/scene_view.h"
+#include "gxy/kernels/scene.h"
+namespace scenes {
+#include "scene_probe.h"
+}
+// clang-format on
+
+float probes(VOLUME v, SCENE s, FRAME f, OPERATOR op, VOLUMES list) {
+  return rays::probe(0, 0) + fields::fieldProbe(v, 0, {}) + scenes::sceneProbe(s, f, op, v, list, 0, 0, 0);
+}
+
+}  // namespace gxy::all_probed
