@@ -8,6 +8,7 @@
 
 #include "gxy/comm/error.h"
 #include "gxy/comm/parallel_for.h"
+#include "gxy/vulkan/vulkan_device.h"
 #include "report.h"
 #include "support/frames.h"
 
@@ -85,7 +86,8 @@ std::string rounded(double x) {
 }
 
 /// Frames one after another, at least one, for so long.
-void measure(const Backend& device, const TestScene& scene, double duration, Report& report) {
+void measure(const Backend& device, const TestScene& scene, double duration, double copyRate,
+             Report& report) {
   const double begin = seconds();
   const auto compiled =
       test::compiledOn(test::whole(scene.domain), scene, [&](int) -> const Backend& { return device; });
@@ -119,6 +121,8 @@ void measure(const Backend& device, const TestScene& scene, double duration, Rep
   };
   const auto ms = [&](uint64_t TraceCounters::*field) { return rounded(1e-6 * each(field)); };
   const double busy = 1e-9 * each(&TraceCounters::nsDevice);
+  const double asked =  // bytes a second
+      32 * (each(&TraceCounters::samples) + each(&TraceCounters::cells)) / busy;
   std::ostringstream line;
   line << "| " << scene.name << " | " << rounded(making) << " | " << rounded(first) << " | "
        << rounded(1e3 * times[0]) << " | " << rounded(1e3 * times[times.size() / 2]) << " | "
@@ -127,28 +131,54 @@ void measure(const Backend& device, const TestScene& scene, double duration, Rep
        << ms(&TraceCounters::nsGeometry) << " | " << ms(&TraceCounters::nsSurfaces) << " | "
        << ms(&TraceCounters::nsIntegrate) << " | " << ms(&TraceCounters::nsShade) << " | "
        << rounded(1e-6 * each(&TraceCounters::raysTraced) / busy) << " | "
-       << rounded(1e-6 * each(&TraceCounters::samples) / busy) << " | "
-       << rounded(1e-9 * 32 * each(&TraceCounters::samples) / busy) << " |";
+       << rounded(1e-6 * each(&TraceCounters::samples) / busy) << " | " << rounded(1e-9 * asked) << " | "
+       << rounded(100 * asked / copyRate) << " |";
   report.line(line.str());
 }
 
 }  // namespace
 
-Tally benchmarks(const Backend& device, double scale, double seconds, Report& report) {
+double copyRate(const VulkanOptions& options, double scale) {
+  const vulkan::Device device(options);
+  const auto bytes = std::max(size_t(4) << 20, size_t(double(size_t(256) << 20) * scale));
+  const vulkan::Buffer from(device, bytes, vulkan::Place::Device, "copies"),
+      to(device, bytes, vulkan::Place::Device, "copies");
+  vulkan::Commands commands(device);
+  double best = 1e30;
+  for (int turn = 0; turn < 5; turn++) {
+    constexpr int kCopies = 10;
+    const VkCommandBuffer c = commands.begin();
+    const VkBufferCopy region{0, 0, bytes};
+    for (int i = 0; i < kCopies; i++) {
+      vkCmdCopyBuffer(c, from.get(), to.get(), 1, &region);
+      commands.barrier();
+    }
+    const double start = seconds();
+    commands.submit();
+    commands.wait();
+    best = std::min(best, (seconds() - start) / kCopies);
+  }
+  return 2 * double(bytes) / best;
+}
+
+Tally benchmarks(const Backend& device, double scale, double seconds, double copyRate, Report& report) {
   const auto n = std::max<int64_t>(32, std::llround(512 * scale));
   const int size = std::max(128, int(std::lround(1024 * std::sqrt(scale))));
   const auto spheres = size_t(std::llround(1e7 * scale * scale * scale));
   report.line(
-      "\n## Times\n\nOne rank; a frame's time is from its request to its picture, the other milliseconds are "
-      "the device's "
-      "own clock, of a frame. Idle: the device had nothing to do between two submissions. GB/s: the 8 "
-      "samples that each "
-      "evaluation asks for, caches included.\n");
+      "\n## Times\n\n"
+      "One rank; a frame's time is from its request to its picture, the other milliseconds are the device's "
+      "own "
+      "clock, of a frame. Idle: the device had nothing to do between two submissions. GB/s: the 8 samples "
+      "that "
+      "each evaluation and each cell of an isosurface asks for, caches included; and as a part of what the "
+      "device's own copies read and write: near 100 % its memory limits, far below its arithmetic.\n");
+  report.line("Copies of the device: " + rounded(1e-9 * copyRate) + " GB/s.\n");
   report.line(
       "| scene | load, s | first frame, s | best, ms | median, ms | busy | idle | submissions | spawn | "
       "geometry | surfaces "
-      "| march | shade | Mrays/s | Msamples/s | GB/s |");
-  report.line("|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|");
+      "| march | shade | Mrays/s | Msamples/s | GB/s | % of copies |");
+  report.line("|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|");
   const std::string cube = std::to_string(n) + "^3", at = " at " + std::to_string(size) + "^2";
   std::shared_ptr<const test::WholeVolume> volume;
   const auto field = [&] { return volume ? volume : volume = waves(n); };
@@ -172,7 +202,7 @@ Tally benchmarks(const Backend& device, double scale, double seconds, Report& re
     try {
       TestScene scene = sceneOf(name, size);
       fill(scene);
-      measure(device, scene, seconds, report);
+      measure(device, scene, seconds, copyRate, report);
     } catch (const std::exception& e) {
       tally.failed++;
       report.line("| " + name + " | " + e.what() + " |");

@@ -61,7 +61,8 @@ int main(int argc, char** argv) {
     const std::unique_ptr<Backend> device = makeVulkanBackend(options);
     describe(report, *device);
     const gpu_report::Tally compared = gpu_report::agreement(*device, scenes, pictures, report);
-    const gpu_report::Tally timed = gpu_report::benchmarks(*device, scale, minutes / 48 * 60, report);
+    const gpu_report::Tally timed = gpu_report::benchmarks(*device, scale, minutes / 48 * 60,
+                                                           gpu_report::copyRate(options, scale), report);
     report.line("\n" + std::to_string(compared.tried) + " of " + std::to_string(compared.all) +
                 " scenes compared, " + std::to_string(compared.failed) + " do not agree; " +
                 std::to_string(timed.tried) + " of " + std::to_string(timed.all) + " benchmarks run, " +

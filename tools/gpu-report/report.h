@@ -10,7 +10,7 @@
 #include <string>
 #include <thread>
 
-#include "gxy/rays/backend.h"
+#include "gxy/vulkan/vulkan_backend.h"
 
 namespace gxy::gpu_report {
 
@@ -58,8 +58,11 @@ struct Tally {
 /// `most`: of these scenes, so many at most. `folder`, if not empty: where the pictures of each scene are left, SCENE.embree.raw and SCENE.device.raw.
 Tally agreement(const Backend& device, int most, const std::string& folder, Report& report);
 
+/// Bytes that a device's copies within its own memory read and write in a second, measured with 256 MiB * scale, 4 MiB at least.
+double copyRate(const VulkanOptions& device, double scale);
+
 /// Times of frames, and what they say of the device. `scale`: of the data's size, 1 for a large GPU; `seconds`: of frames, for
-/// each.
-Tally benchmarks(const Backend& device, double scale, double seconds, Report& report);
+/// each; `copyRate`: what bytes a second are compared with.
+Tally benchmarks(const Backend& device, double scale, double seconds, double copyRate, Report& report);
 
 }  // namespace gxy::gpu_report
