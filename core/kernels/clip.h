@@ -18,7 +18,8 @@ FN void clipInterval(VOLUME v, vec3 o, vec3 d, OUT(real) t0, OUT(real) t1) {
   }
 }
 
-// Whether a ray from there can meet geometry: what is farther away overflows in a traversal in float, whose limit is 1.844e18.
+// Whether a ray from there can meet geometry: builders of hierarchies take no box, and traversals no ray, that is farther away
+// than 1.844e18.
 FN bool meetsGeometry(vec3 o) { return abs(o.x) < R(1.8e18) && abs(o.y) < R(1.8e18) && abs(o.z) < R(1.8e18); }
 
 // A lower bound that t must exceed: rays see surfaces from tIn on, and strictly behind the last one they met.

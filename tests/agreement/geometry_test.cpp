@@ -6,6 +6,7 @@
 
 #include "backend.h"
 #include "compare.h"
+#include "kernels/mesh.h"
 
 namespace gxy::agreement {
 namespace {
@@ -166,6 +167,26 @@ TEST(GeometryAgreement, PrimitivesOutsideTheDomainOfThePartitioning) {
 }
 
 // Along each axis, each ray through a vertex; the outer ones along the border of the mesh.
+// A million rays.
+TEST(GeometryAgreement, NoRayLeavesAClosedMesh) {
+  const test::Mesh mesh = test::icosphere();
+  for (double offset : {0.0, 1e5}) {
+    TestScene scene = sceneFrom("closed mesh", glm::dvec3(offset), 720, 720);
+    scene.camera.viewdirection = {0.3, -0.4, 0.5};
+    scene.camera.aov = 120;
+    scene.settings.background = glm::dvec4(0);
+    GeometryBlock block;
+    for (const glm::dvec3& p : mesh.vertices) block.points.push_back(p + offset);
+    for (const auto& t : mesh.triangles)
+      block.triangles.push_back({uint32_t(t[0]), uint32_t(t[1]), uint32_t(t[2])});
+    scene.add(surfaces(VisType::Triangles), makeGeometry(GeometryKind::Triangles, block));
+    const Picture picture = drawnByBoth(scene);
+    size_t leaks = 0;
+    for (size_t i = 3; i < picture.rgba.size(); i += 4) leaks += picture.rgba[i] != 1;
+    EXPECT_EQ(leaks, 0u) << offset;
+  }
+}
+
 TEST(GeometryAgreement, ParallelRaysThroughVertices) {
   constexpr int n = 16;
   for (int axis = 0; axis < 3; axis++) {

@@ -302,6 +302,7 @@ TEST(Stress, DegeneratePrimitives) {
 
 TEST(Stress, AMillionCoincidentParticles) {
   TestScene scene = sceneFrom("coincident", {0, 0, 4}, 2, 2);
+  scene.settings.background = glm::dvec4(0);
   GeometryBlock balls;
   balls.points.assign(1'000'000, {0.1, 0.2, 0.3});
   Vis vis = surfaces(VisType::Particles);

@@ -57,6 +57,27 @@ TEST(VolumeAgreement, ExtinctionMap) {
   expectAgreement(embree(), volumeScene("extinction", rendered({{-1, 0}, {0, 0.5}, {1, 8}}, -1, 1, true)));
 }
 
+// By Beer and Lambert's law.
+TEST(VolumeAgreement, UniformSlab) {
+  for (double sigma : {1e-3, 0.1, 3.0, 20.0}) {
+    TestScene scene = sceneFrom("slab", {0, 0, 4}, 32, 32);
+    scene.camera.viewdirection = {0, 0, -1};
+    scene.camera.aov = 0;
+    scene.camera.height = 1;
+    scene.settings.background = glm::dvec4(0);
+    Grid grid;
+    grid.points = {5, 9, 17};
+    grid.origin = {-1, -1, -1};
+    grid.spacing = {0.5, 0.25, 0.125};
+    scene.add(rendered({{0, sigma}, {1, sigma}}, 0, 1, true),
+              makeVolume(grid, [](glm::dvec3) { return 0.5; }));
+    const Picture picture = drawnByBoth(scene);
+    const double expected = -std::expm1(-2 * sigma), bound = std::max(1e-6, 1e-4 * expected);
+    for (size_t i = 3; i < picture.rgba.size(); i += 4)
+      ASSERT_NEAR(picture.rgba[i], expected, bound) << sigma;
+  }
+}
+
 TEST(VolumeAgreement, ReferenceLengthAndDataRange) {
   Vis vis = rendered({{0, 0}, {1, 0.5}}, 0, 1);
   vis.referenceLength = 0.3;

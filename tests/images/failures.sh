@@ -32,6 +32,7 @@ cannot_write() {  # FILE OPTIONS...
   said=$(timeout 150 "${mpiexec[@]}" -n 2 "$gxyrender" one.json -q "${options[@]}" "$@" 2>&1)
   status=$?
   ((status == 1)) || failed "$file: status $status, expected 1"
+  echo "$said"
   [[ $(grep -c 'gxyrender: error:' <<<"$said") == 1 && $said == *"error: "*"$file: "* ]] ||
     failed "$file: expected one error that names it, found: $said"
   [[ ! -e $file && ! -L $file.partial ]] || failed "$file: something is left behind"
@@ -90,4 +91,5 @@ kill_a_rank() { kill -KILL "$3"; }
 interrupt() { kill -INT "$1"; }
 stopped_by killed kill_a_rank
 stopped_by interrupted interrupt
+cat ./*.log
 exit $((failures > 0))

@@ -10,6 +10,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <vector>
 
 #include "gxy/io/image.h"
@@ -137,7 +138,10 @@ TEST_F(LargeVolume, OfMoreThan2To31SamplesIsReadRightOnVulkanToo) {
   check("ranks");
   ASSERT_EQ(render("partitions", 1, options + " --partitions 1,1,2"), 0);
   check("partitions");
-  EXPECT_EQ(render("one", 1, options + " --partitions 1"), 1);
+  EXPECT_EQ(render("one", 1, options + " --partitions 1 >one.log 2>&1"), 1);
+  std::ifstream log("one.log");
+  const std::string said{std::istreambuf_iterator<char>(log), {}};
+  EXPECT_NE(said.find("expected up to 2^31 points"), std::string::npos) << said;
 }
 #endif
 

@@ -141,25 +141,36 @@ TEST(VulkanDevices, BuffersAreCountedWhileTheyLive) {
   EXPECT_EQ(device.bytes(), 0u);
 }
 
+/// Fills a buffer twice.
+void fill(const VulkanOptions& options, bool barrier) {
+  const vulkan::Device device(options);
+  const vulkan::Buffer buffer(device, 1000, vulkan::Place::Device, "a test");
+  vulkan::Commands commands(device);
+  const VkCommandBuffer c = commands.begin();
+  vkCmdFillBuffer(c, buffer.get(), 0, VK_WHOLE_SIZE, 1);
+  if (barrier) commands.barrier();
+  vkCmdFillBuffer(c, buffer.get(), 0, VK_WHOLE_SIZE, 2);
+  commands.submit();
+  commands.wait();
+}
+
 // Or silence would say nothing.
 TEST(ValidationLayers, HearAMissingBarrier) {
   std::vector<std::string> heard;
   VulkanOptions options = testDevice();
   options.heard = [&](const char* message) { heard.emplace_back(message); };
-  const vulkan::Device device(options);
-  const vulkan::Buffer buffer(device, 1000, vulkan::Place::Device, "a test");
-  vulkan::Commands commands(device);
-  for (bool barrier : {true, false}) {
-    const VkCommandBuffer c = commands.begin();
-    vkCmdFillBuffer(c, buffer.get(), 0, VK_WHOLE_SIZE, 1);
-    if (barrier) commands.barrier();
-    vkCmdFillBuffer(c, buffer.get(), 0, VK_WHOLE_SIZE, 2);
-    commands.submit();
-    commands.wait();
-    EXPECT_EQ(heard.empty(), barrier);
-  }
+  fill(options, true);
+  EXPECT_EQ(heard, std::vector<std::string>());
+  fill(options, false);
   ASSERT_EQ(heard.size(), 1u);
   EXPECT_NE(heard[0].find("SYNC-HAZARD-WRITE-AFTER-WRITE"), std::string::npos) << heard[0];
+}
+
+// Run by a test that expects to hear of it: layers that the environment asks for, not the program.
+TEST(ValidationLayers, DISABLED_HearAMissingBarrierOfPrograms) {
+  VulkanOptions options;
+  options.device = testDevice().device;
+  fill(options, false);
 }
 
 TEST(VulkanDevices, AutoTakesVulkanForADiscreteGpuOrADeviceThatIsAskedFor) {

@@ -24,7 +24,7 @@ std::unique_ptr<Backend> checkedBackend(uint64_t bindingBytes = 0) {
 }
 
 // Or finding nothing would say nothing.
-TEST(GpuAssistedValidation, FindsAWriteOutsideABufferInSlices) {
+TEST(GpuAssistedValidation, FindsAWriteOutsideABuffer) {
   std::vector<std::string> heard;
   VulkanOptions options = checked();
   options.heard = [&](const char* message) { heard.emplace_back(message); };

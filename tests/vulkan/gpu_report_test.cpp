@@ -4,8 +4,12 @@
 #include <sys/wait.h>
 
 #include <cstdio>
+#include <iostream>
+#include <sstream>
 #include <string>
+#include <thread>
 
+#include "gpu-report/report.h"
 #include "vulkan/test_device.h"
 
 namespace gxy::vulkan_test {
@@ -35,6 +39,27 @@ TEST(GpuReport, WithoutTimeHasComparedNothingAndFails) {
   EXPECT_NE(o.output.find("\n0 of 19 scenes compared, 0 do not agree; 0 of 4 benchmarks run, 0 failed"),
             std::string::npos)
       << o.output;
+}
+
+TEST(GpuReport, EndsWhereItsTimeIsOverWhateverTheDeviceDoes) {
+  GTEST_FLAG_SET(death_test_style, "threadsafe");
+  EXPECT_EXIT(
+      {
+        std::ostringstream file;
+        gpu_report::Report begun(file, std::cerr, 0, 0.05);
+        std::this_thread::sleep_for(std::chrono::seconds(60));
+      },
+      testing::ExitedWithCode(1), "The time is over");
+  EXPECT_EXIT(
+      {
+        std::ostringstream file;
+        gpu_report::Report done(file, std::cerr, 0, 0.05);
+        done.line("done");
+        done.finish();
+        std::this_thread::sleep_for(std::chrono::milliseconds(200));
+        std::_Exit(0);
+      },
+      testing::ExitedWithCode(0), "^done\n$");
 }
 
 TEST(GpuReport, RefusesWhatIsNoTimeAndNoScale) {

@@ -15,6 +15,7 @@ void failTest(const char* message) {
     ADD_FAILURE() << message;
   } else {  // before or after all tests, where no failure would be counted
     std::fprintf(stderr, "%s\n", message);
+    std::fflush(nullptr);
     std::_Exit(1);
   }
 }

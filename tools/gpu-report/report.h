@@ -15,22 +15,26 @@
 namespace gxy::gpu_report {
 
 /// Both to the file and to the terminal, at once: what was found stays if the device takes the program with it. Ends the program,
-/// with status 1, where its time is over (half a minute is always given).
+/// with status 1, where its time is over and it has not been finished; `least` seconds are always given.
 class Report {
  public:
-  Report(std::ostream& file, std::ostream& terminal, double minutes)
+  Report(std::ostream& file, std::ostream& terminal, double minutes, double least = 30)
       : file_(file),
         terminal_(terminal),
-        end_(Clock::now() +
-             std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(60 * minutes))),
-        watch_([this, last = std::max(end_, Clock::now() + std::chrono::seconds(30))](std::stop_token done) {
+        end_(Clock::now() + duration(60 * minutes)),
+        watch_([this, last = std::max(end_, Clock::now() + duration(least))](std::stop_token finished) {
           std::unique_lock lock(mutex_);
-          ended_.wait_until(lock, done, last, [] { return false; });
-          if (done.stop_requested()) return;
+          finished_.wait_until(lock, finished, last, [] { return false; });
+          if (finished.stop_requested()) return;
           lock.unlock();
           line("\nThe time is over, and what was begun last is not done.");
           std::_Exit(1);
         }) {}
+  /// After the last line: whatever takes time from here on is nobody's concern.
+  void finish() {
+    watch_.request_stop();
+    watch_.join();
+  }
   void line(const std::string& text) {
     std::lock_guard lock(mutex_);
     file_ << text << std::endl;
@@ -41,10 +45,13 @@ class Report {
 
  private:
   using Clock = std::chrono::steady_clock;
+  static Clock::duration duration(double seconds) {
+    return std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
+  }
   std::ostream &file_, &terminal_;
   const Clock::time_point end_;
   std::mutex mutex_;
-  std::condition_variable_any ended_;
+  std::condition_variable_any finished_;
   std::jthread watch_;
 };
 
@@ -58,11 +65,9 @@ struct Tally {
 /// `most`: of these scenes, so many at most. `folder`, if not empty: where the pictures of each scene are left, SCENE.embree.raw and SCENE.device.raw.
 Tally agreement(const Backend& device, int most, const std::string& folder, Report& report);
 
-/// Bytes that a device's copies within its own memory read and write in a second, measured with 256 MiB * scale, 4 MiB at least.
-double copyRate(const VulkanOptions& device, double scale);
-
-/// Times of frames, and what they say of the device. `scale`: of the data's size, 1 for a large GPU; `seconds`: of frames, for
-/// each; `copyRate`: what bytes a second are compared with.
-Tally benchmarks(const Backend& device, double scale, double seconds, double copyRate, Report& report);
+/// Times of frames, and what they say of the device, which is the one that `options` choose. `scale`: of the data's size, 1 for a
+/// large GPU; `seconds`: of frames, for each benchmark.
+Tally benchmarks(const Backend& device, const VulkanOptions& options, double scale, double seconds,
+                 Report& report);
 
 }  // namespace gxy::gpu_report
