@@ -43,11 +43,15 @@ Batch::Batch(std::vector<Request> requests)
       kind_(requests_[0].kind),
       perHit_(requests_[0].perHit()) {}
 
-void Batch::start(std::unique_ptr<Lane> lane) {
-  lane_ = std::move(lane);
+size_t Batch::rays() const {
   size_t rays = 0;
   for (const Request& r : requests_) rays += r.size();
-  lane_->reserve(rays, perHit_);
+  return rays;
+}
+
+void Batch::start(std::unique_ptr<Lane> lane) {
+  lane_ = std::move(lane);
+  lane_->reserve(rays(), perHit_);
   if (kind_ == Request::Kind::Spawn) {
     std::vector<Tile> tiles;
     for (const Request& r : requests_) tiles.push_back(r.tile);
@@ -89,6 +93,8 @@ bool Batch::advance(LastWork& last) {
   if (last.frame == frame_.number && lane_->began() > last.end) c.nsDeviceIdle += lane_->began() - last.end;
   last = {frame_.number, lane_->ended()};
   scene_.addTimes(c, *lane_);
+  if (!frame_.urgent && c.submissions == 1)
+    scene_.batchSize().took(int(rays()), std::chrono::nanoseconds(lane_->ended() - lane_->began()));
   if (lane_->count(COUNT_STUCK) > 0)
     throw Error("device \"" + scene_.deviceName() + "\" gave up on " +
                 std::to_string(lane_->count(COUNT_STUCK)) +

@@ -57,6 +57,7 @@ class Batch {
   void fail(const std::string& error);
 
  private:
+  size_t rays() const;
   void trace(List list, int32_t rays, bool primary);
   void submit(size_t firstStep, bool resumed);
   void take();

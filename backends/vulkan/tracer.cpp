@@ -55,11 +55,14 @@ struct Tracer::State {
   // The first that waits, with those like it up to a batch. Those of a frame are urgent all or none. (Locked.)
   std::vector<Request> nextLot() {
     std::vector<Request> lot;
-    size_t rays = 0, each = 1;
-    const auto fits = [&](size_t n) { return n <= batchRays && n * each <= allRays; };
+    size_t rays = 0, each = 1, most = batchRays;
+    const auto fits = [&](size_t n) { return n <= most && n * each <= allRays; };
     for (auto r = waiting.begin(); r != waiting.end();) {
       if (lot.empty() || (r->isLike(lot[0]) && fits(rays + r->size()))) {
-        if (lot.empty()) each = 1 + r->perHit();
+        if (lot.empty()) {
+          each = 1 + r->perHit();
+          if (!r->frame->urgent) most = std::min(batchRays, size_t(r->scene->batchSize().rays()));
+        }
         rays += r->size();
         lot.push_back(std::move(*r));
         r = waiting.erase(r);

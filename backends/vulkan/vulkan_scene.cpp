@@ -14,11 +14,11 @@ namespace {
 
 constexpr size_t kMostVolumes = 8;  // MANY_VOLUMES of kernels/many.h
 
+bool isSoftware(const Device& device) { return device.info().kind == VulkanDeviceInfo::Kind::Software; }
+
 // Rays of a batch: many, so that a device's cores are busy, and so few that the lists of three batches, with their
 // secondaries, are small against its memory.
-size_t batchRaysOf(const Device& device) {
-  return device.info().kind == VulkanDeviceInfo::Kind::Software ? size_t(1) << 15 : size_t(1) << 17;
-}
+size_t batchRaysOf(const Device& device) { return isSoftware(device) ? size_t(1) << 15 : size_t(1) << 17; }
 
 }  // namespace
 
@@ -27,7 +27,11 @@ Context::Context(const VulkanOptions& options)
 
 VulkanScene::VulkanScene(std::shared_ptr<Context> context, std::shared_ptr<const CompiledScene> scene,
                          int rank)
-    : context_(std::move(context)), scene_(std::move(scene)), rank_(rank) {
+    : context_(std::move(context)),
+      scene_(std::move(scene)),
+      rank_(rank),
+      batchSize_(int(batchRaysOf(context_->device)),
+                 isSoftware(context_->device) ? kTile * kTile : int(batchRaysOf(context_->device))) {
   const auto& operators = scene_->operators;
   for (size_t i = 0; i < operators.size(); i++) {
     if (!operators[i].slices.empty()) slicedOperators_.push_back(int(i));

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "gxy/rays/backend.h"
+#include "gxy/rays/packet_size.h"
 #include "gxy/vulkan/lane.h"
 #include "gxy/vulkan/scene_upload.h"
 #include "gxy/vulkan/tracer.h"
@@ -50,6 +51,8 @@ class VulkanScene final : public DeviceScene {
   /// Adds what a lane's stages took.
   static void addTimes(TraceCounters& counters, const Lane& lane);
   size_t secondariesPerHit(const VulkanFrame& frame) const;
+  /// Of frames that nobody waits for.
+  PacketSize& batchSize() const { return batchSize_; }
   const std::string& deviceName() const { return context_->device.info().name; }
 
  private:
@@ -59,6 +62,7 @@ class VulkanScene final : public DeviceScene {
   PartOnDevice anywhere_;              ///< without a partition: for spawning, where there are several
   std::map<int, PartOnDevice> parts_;  ///< by local partition
   Charge charge_;                      ///< of both, but for what they share
+  mutable PacketSize batchSize_;
   std::vector<int> slicedOperators_, isoOperators_, renderedOperators_;
   bool surfacesInVolumes_ = false, isClipped_ = false;
 };
