@@ -16,8 +16,9 @@ FN real bernsteinSlope(vec4 b, real u) {
   return R(3.0) * ((d0 * v + d1 * u) * v + (d1 * v + d2 * u) * u);
 }
 
-// The root inside (lo, hi), where the value at lo is fLo and the value at hi, fHi, has another sign.
-FN real refineRoot(vec4 b, real lo, real hi, real fLo, real fHi) {
+// The root inside (lo, hi), where the value at lo is fLo and the value at hi, fHi, has another sign. Ends with a step of at most
+// `tolerance`; what is left is about its square.
+FN real refineRoot(vec4 b, real lo, real hi, real fLo, real fHi, real tolerance) {
   real l = lo, h = hi;
   real u = l + (h - l) * (fLo / (fLo - fHi));
   for (UNIFORM int k = 0; k < ROOT_ITERATIONS; k++) {
@@ -30,12 +31,37 @@ FN real refineRoot(vec4 b, real lo, real hi, real fLo, real fHi) {
       h = u;
     real n = u - f / bernsteinSlope(b, u);
     bool inside = n > l && n < h;
-    real next = inside ? n : R(0.5) * (l + h);
-    bool converged = abs(next - u) <= ROOT_TOLERANCE;
-    u = next;
+    bool converged = abs(n - u) <= tolerance;
+    if (!inside) n = converged ? min(max(n, l), h) : R(0.5) * (l + h);
+    u = n;
     if (converged) break;
   }
   return u;
+}
+
+// Where in (0, 1) the cubic turns, in order; 1 in place of what it does not: roots of the derivative
+// d0 v^2 + 2 d1 u v + d2 u^2 = qa u^2 + 2 qb u + qc.
+FN void extremaOf(vec4 b, OUT(real) e0, OUT(real) e1) {
+  real d0 = b.y - b.x, d1 = b.z - b.y, d2 = b.w - b.z;
+  // where their products would leave float, scaled: that moves no root
+  real size = max(max(abs(d0), abs(d1)), abs(d2)), scale = R(1.0);
+  if (size > R(1e15)) scale = R(8.271806125530277e-25);   // 2^-80
+  if (size < R(1e-15)) scale = R(1.2089258196146292e24);  // 2^80
+  d0 *= scale;
+  d1 *= scale;
+  d2 *= scale;
+  real qa = (d0 - d1) - (d1 - d2), qb = d1 - d0;
+  e0 = R(1.0);
+  e1 = R(1.0);
+  real disc = qb * qb - qa * d0;
+  if (disc > R(0.0)) {
+    real s = sqrt(disc);
+    real w = -(qb + (qb < R(0.0) ? -s : s));
+    real r0 = qa != R(0.0) ? w / qa : R(2.0), r1 = w != R(0.0) ? d0 / w : R(2.0);
+    real lo = min(r0, r1), hi = max(r0, r1);
+    if (hi > R(0.0) && hi < R(1.0)) e1 = hi;
+    e0 = lo > R(0.0) && lo < R(1.0) ? lo : e1;
+  }
 }
 
 // What a root has to obey to be a hit: t in [tIn, tOut), t > tAfter. `entry`: the ray comes from no cell with data, so
@@ -89,26 +115,8 @@ FN Bracket firstBracket(vec4 b, real ta, real done, RootQuery q) {
         acceptsRoot(ta, q.tIn, q.tOut, q.tAfter)) {
       begin = R(0.0);
     } else {
-      // extrema: roots of the derivative d0 v^2 + 2 d1 u v + d2 u^2 = qa u^2 + 2 qb u + qc
-      real d0 = b.y - b.x, d1 = b.z - b.y, d2 = b.w - b.z;
-      // where their products would leave float, scaled: that moves no root
-      real size = max(max(abs(d0), abs(d1)), abs(d2)), scale = R(1.0);
-      if (size > R(1e15)) scale = R(8.271806125530277e-25);   // 2^-80
-      if (size < R(1e-15)) scale = R(1.2089258196146292e24);  // 2^80
-      d0 *= scale;
-      d1 *= scale;
-      d2 *= scale;
-      real qa = (d0 - d1) - (d1 - d2), qb = d1 - d0;
-      real e0 = R(1.0), e1 = R(1.0);
-      real disc = qb * qb - qa * d0;
-      if (disc > R(0.0)) {
-        real s = sqrt(disc);
-        real w = -(qb + (qb < R(0.0) ? -s : s));
-        real r0 = qa != R(0.0) ? w / qa : R(2.0), r1 = w != R(0.0) ? d0 / w : R(2.0);
-        real lo = min(r0, r1), hi = max(r0, r1);
-        if (hi > R(0.0) && hi < R(1.0)) e1 = hi;
-        e0 = lo > R(0.0) && lo < R(1.0) ? lo : e1;
-      }
+      real e0, e1;
+      extremaOf(b, e0, e1);
       real a = R(0.0), fa = first;
       for (UNIFORM int k = 0; k < 3; k++) {
         real z = k == 0 ? e0 : (k == 1 ? e1 : R(1.0));
@@ -137,6 +145,6 @@ FN Bracket firstBracket(vec4 b, real ta, real done, RootQuery q) {
 // Where in its bracket the crossing is.
 FN real rootIn(vec4 b, Bracket c) {
   real u = c.hi;
-  if (c.fHi != R(0.0)) u = refineRoot(b, c.lo, c.hi, c.fLo, c.fHi);
+  if (c.fHi != R(0.0)) u = refineRoot(b, c.lo, c.hi, c.fLo, c.fHi, ROOT_TOLERANCE);
   return u;
 }

@@ -113,46 +113,90 @@ FN void addPieces(VOLUME v, real s0, real s1, real length, real tMin, INOUT(vec3
   }
 }
 
-// The same through a map of few intervals, without sums: a piece ends where the value leaves its interval, too. s0 is at f0 of
-// interval k; on return s1 is.
-FN void addPiecesOfFew(VOLUME v, real s0, real s1, real length, real tMin, INOUT(int) k, INOUT(real) f0,
-                       INOUT(vec3) rgb, INOUT(real) A) {
-  real from = R(0.0), most = R(1.0), d = s1 - s0;
-  bool rising = d > R(0.0), varies = abs(d) > R(1e-35);
+// The value along a ray through a cell: a cubic over [0, 1], the part of the ray that is in it; and what it stays within.
+struct CellCurve {
+  vec4 cubic;
+  real low, high;
+};
+
+// From fractions p to q of it: bernsteinAlong (trilinear.h) by half its operations, within the corners all the same.
+FN CellCurve curveIn(Corners k, vec3 p, vec3 q) {
+  real p00 = lerp1(k.v000, k.v100, p.x), p10 = lerp1(k.v010, k.v110, p.x);
+  real p01 = lerp1(k.v001, k.v101, p.x), p11 = lerp1(k.v011, k.v111, p.x);
+  real q00 = lerp1(k.v000, k.v100, q.x), q10 = lerp1(k.v010, k.v110, q.x);
+  real q01 = lerp1(k.v001, k.v101, q.x), q11 = lerp1(k.v011, k.v111, q.x);
+  real pp0 = lerp1(p00, p10, p.y), pp1 = lerp1(p01, p11, p.y);
+  real pq0 = lerp1(p00, p10, q.y), pq1 = lerp1(p01, p11, q.y);
+  real qp0 = lerp1(q00, q10, p.y), qp1 = lerp1(q01, q11, p.y);
+  real qq0 = lerp1(q00, q10, q.y), qq1 = lerp1(q01, q11, q.y);
+  CellCurve c;
+  c.cubic.x = lerp1(pp0, pp1, p.z);
+  c.cubic.y = mean3(lerp1(qp0, qp1, p.z), lerp1(pq0, pq1, p.z), lerp1(pp0, pp1, q.z));
+  c.cubic.z = mean3(lerp1(qq0, qq1, p.z), lerp1(qp0, qp1, q.z), lerp1(pq0, pq1, q.z));
+  c.cubic.w = lerp1(qq0, qq1, q.z);
+  real least = minCorner(k), most = maxCorner(k);
+  c.low = clamp1(min(min(c.cubic.x, c.cubic.y), min(c.cubic.z, c.cubic.w)), least, most);
+  c.high = clamp1(max(max(c.cubic.x, c.cubic.y), max(c.cubic.z, c.cubic.w)), least, most);
+  return c;
+}
+
+FN real valueOn(CellCurve c, real u) { return clamp1(bernsteinValue(c.cubic, u), c.low, c.high); }
+
+// The same from uFrom to uTo of a cell, `span` long, whose value turns at turns0 and turns1 (1: nowhere), through a map of few
+// intervals, without sums: a piece ends where the value leaves its interval, too, at a root of the cubic. So steps of the
+// map are where they are, however long segments are.
+FN void addPiecesOfFew(VOLUME v, CellCurve c, real turns0, real turns1, real uFrom, real uTo, real span,
+                       real tMin, INOUT(vec3) rgb, INOUT(real) A) {
+  real from = uFrom, s = valueOn(c, uFrom);
+  MapPlace place = mapPlace(v, s);
+  int k = place.k;
+  real f0 = place.f;
+  real most = R(1.0), smallest = R(0.0005) * (uTo - uFrom);
   bool more = true;
   while (more) {
-    MapPiece m = mapPiece(v, k);
+    real to = min(from < turns0 ? turns0 : (from < turns1 ? turns1 : R(1.0)), uTo);
+    real s1 = valueOn(c, to);
+    bool rising = s1 > s;
     int behind = rising ? k + 1 : k;  // the node through which the value leaves
     bool leaves = false;
-    if (varies && behind > 0 && behind < mapIntervals(v)) leaves = rising == (s1 >= mapNode(v, behind));
-    real to = R(1.0), f1 = R(0.0);
+    if (abs(s1 - s) > R(1e-35) && behind > 0 && behind < mapIntervals(v))
+      leaves = rising == (s1 >= mapNode(v, behind));
     if (leaves) {
-      to = clamp1(flushSmall(mapNode(v, behind) - s0) / d, from, R(1.0));
-      f1 = rising ? R(1.0) : R(0.0);
-    } else {
-      f1 = clamp1((s1 - mapNode(v, k)) * mapInverseLength(v, k), R(0.0), R(1.0));
+      real node = mapNode(v, behind);
+      vec4 b = make_v4(c.cubic.x - node, c.cubic.y - node, c.cubic.z - node, c.cubic.w - node);
+      real before = flushSmall(s - node), after = flushSmall(s1 - node);
+      if (after != R(0.0)) to = refineRoot(b, from, to, before, after, R(1e-4));
+      s1 = node;
     }
     bool whole = to - from <= most;
-    real part = whole ? to - from : most;
-    if (!whole) f1 = f0 + (f1 - f0) * (part / (to - from));
+    if (!whole) {
+      to = from + most;
+      s1 = valueOn(c, to);
+      leaves = false;
+    }
+    real f1 = clamp1((s1 - mapNode(v, k)) * mapInverseLength(v, k), R(0.0), R(1.0));
+    if (leaves) f1 = rising ? R(1.0) : R(0.0);
+    real part = to - from;
+    MapPiece m = mapPiece(v, k);
     vec3 front = colorAt(m, f0), back = colorAt(m, f1);
     real sigma = R(0.0);
     vec3 source = make_v3(R(0.0), R(0.0), R(0.0));
     addMean(sigmaAt(m, f0), sigmaAt(m, f1), front, back, R(1.0), sigma, source);
     real perSigma = sigma > R(0.0) ? R(1.0) / sigma : R(0.0);
     vec3 color = make_v3(source.x * perSigma, source.y * perSigma, source.z * perSigma);
-    more = addPiece(sigma * (part * length), color, front, back, part <= R(0.0005), tMin, rgb, A);
+    more = addPiece(sigma * (part * span), color, front, back, part <= smallest, tMin, rgb, A);
     if (more) {
       most = R(0.5) * part;
     } else {
-      from = whole ? to : from + part;
+      from = to;
       most = whole ? R(1.0) : R(2.0) * part;
+      s = s1;
       f0 = f1;
-      if (whole && leaves) {
+      if (leaves) {
         k += rising ? 1 : -1;
         f0 = rising ? R(0.0) : R(1.0);
       }
-      more = from < R(1.0) && R(1.0) - A >= tMin;
+      more = from < uTo && R(1.0) - A >= tMin;
     }
   }
 }
@@ -167,10 +211,10 @@ FN real segmentBehind(real t, real begin, real dt, real count) {
 
 // What goes cell by cell, since some cells hold no data or the map is too steep, from the macrocell on that the ray enters at
 // tEnter, of that plan, to where it enters one that does not, at `leaves`: each cell in equal segments of at most the plan's
-// length (planStepWithin, where its values lie within one interval of the map; none, where that shows nothing) along which
-// the value is taken as linear and the map is integrated exactly. One loop for all macrocells: the rays
-// of a gang, which stay in each for different numbers of cells, do not wait for each other. What is before t is somebody
-// else's. Clears `go` where the march ends.
+// length (planStepWithin, where the ray's values there lie within one interval of the map; none, where that shows nothing)
+// along which the value is taken as linear, but for where it leaves an interval of a map of few, and the map is integrated exactly.
+// One loop for all macrocells: the rays of a gang, which stay in each for different numbers of cells, do not wait for each
+// other. What is before t is somebody else's. Clears `go` where the march ends.
 FN_OUTLINE void integrateCells(VOLUME v, VolumeRay r, MarchRange m, real t, real tEnter, int plan, real end,
                                INOUT(Radiance) L, INOUT(int) samples, INOUT(int) macrocells, OUT(real) leaves,
                                INOUT(bool) go) {
@@ -196,13 +240,16 @@ FN_OUTLINE void integrateCells(VOLUME v, VolumeRay r, MarchRange m, real t, real
     real tc = min(exit, r.t1);
     Corners k = cellCorners(v, c);
     if (tc > ta && holdsData(k)) {
-      real low = minCorner(k), high = maxCorner(k);
-      bool even = low == high, seen = true;  // within one interval of the map; which shows something
+      CellCurve curve = curveIn(k, fractionIn(c, pointAt(r.g, ta)), fractionIn(c, pointAt(r.g, tc)));
+      bool even = curve.low == curve.high,
+           seen = true;  // within one interval of the map; which shows something
+      real turns0 = R(1.0), turns1 = R(1.0);
       if (mapIsSmall(v)) {
-        MapPlace p = mapPlace(v, low), q = mapPlace(v, high);
+        MapPlace p = mapPlace(v, curve.low), q = mapPlace(v, curve.high);
         MapPiece piece = mapPiece(v, p.k);
         even = p.k == q.k;
         seen = !even || piece.sigma != R(0.0) || piece.sigmaStep != R(0.0);
+        if (!even) extremaOf(curve.cubic, turns0, turns1);
       }
       real span = tc - ta;
       real count = max(ceil(span * r.cells / (even ? within : step)), R(1.0));
@@ -210,14 +257,7 @@ FN_OUTLINE void integrateCells(VOLUME v, VolumeRay r, MarchRange m, real t, real
       real i = R(0.0);
       if (ta < t) i = segmentBehind(t, ta, dt, count);
       real a = max(i > R(0.0) ? ta + i * dt : ta, m.tStart);
-      real s0 = valueIn(k, fractionIn(c, pointAt(r.g, a)));
-      int interval = 0;  // of s0, and where in it, for a map of few
-      real fraction = R(0.0);
-      if (mapIsSmall(v)) {
-        MapPlace place = mapPlace(v, s0);
-        interval = place.k;
-        fraction = place.f;
-      }
+      real u = (a - ta) / span;
       while (go && seen && i < count) {
         i += R(1.0);
         real b = min(i < count ? ta + i * dt : tc, m.tStop);
@@ -225,13 +265,13 @@ FN_OUTLINE void integrateCells(VOLUME v, VolumeRay r, MarchRange m, real t, real
           go = false;  // the next partition's
         } else {
           evaluated += 1;
-          real s1 = valueIn(k, fractionIn(c, pointAt(r.g, b)));
+          real uTo = b < tc ? (b - ta) / span : R(1.0);
           if (mapIsSmall(v))
-            addPiecesOfFew(v, s0, s1, b - a, m.tMin, interval, fraction, rgb, A);
+            addPiecesOfFew(v, curve, turns0, turns1, u, uTo, span, m.tMin, rgb, A);
           else
-            addPieces(v, s0, s1, b - a, m.tMin, rgb, A);
+            addPieces(v, valueOn(curve, u), valueOn(curve, uTo), b - a, m.tMin, rgb, A);
+          u = uTo;
           a = b;
-          s0 = s1;
           if (b >= end || R(1.0) - A < m.tMin) go = false;
         }
       }

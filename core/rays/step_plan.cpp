@@ -30,7 +30,7 @@ constexpr double kWorstKink = 0.125, kWorstPieces = 4;  // where rays are too sh
 struct Errors {
   double midpoint = 0, pieces = 0, within = 0;
 };
-Errors errorsOf(const Macrocell& m, const CompiledMap::Over& map, double cellT) {
+Errors errorsOf(const Macrocell& m, const CompiledMap::Over& map, bool exactSteps, double cellT) {
   const double range = double(m.max) - m.min;
   const double depth = 1 / (map.extinction * cellT);  // cells to optical depth 1
   const double seen =
@@ -50,7 +50,7 @@ Errors errorsOf(const Macrocell& m, const CompiledMap::Over& map, double cellT) 
   const double shade = m.steep * map.shade * std::min(1.0, seen / depth) / 12;
   const double uneven = 1 + few * (kWorstPieces - 1);
   const double within = uneven * cellT * kBendPieces * bend;
-  const double jumps = uneven * kJump * std::min(map.jump * cellT, kMostJump);
+  const double jumps = exactSteps ? 0 : uneven * kJump * std::min(map.jump * cellT, kMostJump);
   return {cellT * (kBendMidpoint * bend + kinks + shade), within + jumps, within};
 }
 
@@ -69,6 +69,7 @@ int32_t planOf(double segmentsPerCell, Integrator integrator, double within) {
 std::vector<int32_t> stepPlan(std::span<const Macrocell> summaries, const CompiledMap& map, double cellT,
                               double tolerance, double step, std::optional<double> others) {
   std::vector<int32_t> plan(summaries.size(), 0);
+  const bool exactSteps = map.intervals() <= MAP_SMALL && !others;  // addPiecesOfFew of kernels/march.h
   for (size_t i = 0; i < plan.size(); i++) {
     const Macrocell& m = summaries[i];
     if (!(m.min <= m.max)) continue;
@@ -78,7 +79,7 @@ std::vector<int32_t> stepPlan(std::span<const Macrocell> summaries, const Compil
       plan[i] = planOf(1 / step, Integrator::Midpoint);
       continue;
     }
-    Errors errors = errorsOf(m, over, cellT);
+    Errors errors = errorsOf(m, over, exactSteps, cellT);
     const double allowed = (1 - kEarlyEnd) * tolerance;
     if (others) errors.midpoint += cellT * over.slope * m.steep * std::min(1.0, kLongestRay * *others) / 24;
     const double midpoint =

@@ -37,7 +37,8 @@ int32_t planOf(double segmentsPerCell, Integrator integrator,
 /// err alike (at least 16 / N, as few cells even out less; at least 1, at most 4 N), and c = N m.steep / (m.max - m.min)
 /// the number of times that the ray crosses the range. h makes this 15/16 of the tolerance (early termination takes the
 /// rest), and the method is the one that costs less; steps of the map are integrated cell by cell, where f.jump counts only
-/// for cells that meet one. 1/24 and 1/12 are the coefficients of the two rules for errors of one sign (Davis & Rabinowitz
+/// for cells that meet one, and not at all where a map of at most MAP_SMALL intervals is that of the only volume: there
+/// steps are met exactly. 1/24 and 1/12 are the coefficients of the two rules for errors of one sign (Davis & Rabinowitz
 /// 1984, 2.1); the constants here hold for rays through fields from smooth to white noise under five shapes of maps
 /// (tests/accuracy/step_plan.cpp).
 ///

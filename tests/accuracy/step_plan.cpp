@@ -65,22 +65,26 @@ const Field& lobb() {
   return f;
 }
 
-void expectTolerance(MapShape shape, int maps, int rays) {
+/// `grazing`: rays for which a hundredth of a cell matters as much may miss the tolerance. `colors`: points of the colour map, or
+/// some.
+void expectTolerance(MapShape shape, int maps, int rays, bool grazing = true, int colors = 0) {
   for (const double tolerance : {1 / 128.0, 1 / 512.0, 1 / 4096.0}) {
     for (const Field* f : {&turbulent(), &lobb()}) {
       Random random(81 + uint64_t(shape));
       Cost all;
       for (int i = 0; i < maps; i++) {
-        const Cost c = costOf(*f, compiled(randomMaps(random, shape), *f), tolerance, uint64_t(i), rays);
+        Maps m = randomMaps(random, shape);
+        if (colors > 0) m.color = randomColors(random, colors);
+        const Cost c = costOf(*f, compiled(m, *f), tolerance, uint64_t(i), rays);
         all.worst = std::max(all.worst, c.worst);
         all.samples += c.samples / maps;
         all.rays += c.rays;
         all.over += c.over;
         all.flips += c.flips;
       }
-      EXPECT_LE(all.over - all.flips, all.rays / 1000) << nameOf(shape) << " tolerance 1/" << 1 / tolerance;
-      EXPECT_LE(all.flips, tolerance > 1e-3 ? all.rays / 100 : all.rays / 50)
-          << nameOf(shape) << " tolerance 1/" << 1 / tolerance;
+      const std::string where = nameOf(shape) + (" tolerance 1/" + std::to_string(1 / tolerance));
+      EXPECT_LE(all.over - (grazing ? all.flips : 0), all.rays / 1000) << where;
+      EXPECT_LE(all.flips, tolerance > 1e-3 ? all.rays / 100 : all.rays / 50) << where;
       const std::string key =
           std::string(f == &lobb() ? "lobb" : "turbulent") + std::to_string(int(1 / tolerance));
       testing::Test::RecordProperty(key + "SamplesPerCell", std::to_string(all.samples));
@@ -91,7 +95,11 @@ void expectTolerance(MapShape shape, int maps, int rays) {
 
 TEST(StepPlan, SmoothMapsStayWithinTheTolerance) { expectTolerance(MapShape::Smooth, 6, 400); }
 TEST(StepPlan, SpikyMapsStayWithinTheTolerance) { expectTolerance(MapShape::Spiky, 6, 400); }
-TEST(StepPlan, SteppedMapsStayWithinTheTolerance) { expectTolerance(MapShape::Stepped, 6, 400); }
+TEST(StepPlan, SteppedMapsStayWithinTheTolerance) { expectTolerance(MapShape::Stepped, 6, 400, false); }
+// Their steps are where segments put them.
+TEST(StepPlan, SteppedMapsOfManyIntervalsDoButForRaysThatGrazeAStep) {
+  expectTolerance(MapShape::Stepped, 2, 400, true, 40);
+}
 TEST(StepPlan, NearlyOpaqueMapsStayWithinTheTolerance) { expectTolerance(MapShape::NearlyOpaque, 6, 400); }
 TEST(StepPlan, NearlyTransparentMapsStayWithinTheTolerance) {
   expectTolerance(MapShape::NearlyTransparent, 6, 400);
@@ -119,8 +127,7 @@ TEST(StepPlan, StepsOfColourStayWithinTheTolerance) {
     const double perCell = 0.2 / f->shortestCell();
     const Maps m{categories, {true, {{0, 0}, {0.3, 0}, {1, perCell}}}};
     const Cost c = costOf(*f, compiled(m, *f), 1 / 512.0, 93, 2000);
-    EXPECT_LE(c.over - c.flips, c.rays / 1000) << c.worst;
-    EXPECT_LE(c.flips, c.rays / 100);
+    EXPECT_LE(c.over, c.rays / 1000) << c.worst;
   }
 }
 
