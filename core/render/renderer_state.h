@@ -7,8 +7,8 @@
 #include <optional>
 #include <vector>
 
-#include "gxy/render/check_rays.h"
 #include "gxy/rays/packet_size.h"
+#include "gxy/render/check_rays.h"
 #include "gxy/render/renderer.h"
 #include "gxy/render/tiles.h"
 
