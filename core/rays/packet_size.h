@@ -14,8 +14,8 @@ namespace gxy {
 /// packets at once may forget one of them.
 class PacketSize {
  public:
-  static constexpr std::chrono::nanoseconds kMostWork{
-      5'000'000};                     ///< of a thread's processor time, or a device's
+  /// Of a thread's processor time, or a device's.
+  static constexpr std::chrono::nanoseconds kMostWork{5'000'000};
   static constexpr int kFewest = 16;  ///< the widest gang
   static constexpr int kFirst = 64;   ///< of a frame, while nobody knows what its rays take
 
