@@ -15,6 +15,8 @@ namespace {
 
 // one that the device does, one that it does next, one that the host reads or makes
 constexpr size_t kBatchesAtOnce = 3;
+// batches of other frames that are small after an urgent request: a second of the device's time
+constexpr size_t kWatchedFor = 200;
 constexpr size_t kWithSecondaries = 8;  // so many times the rays of a batch it may have with secondaries
 
 }  // namespace
@@ -61,7 +63,10 @@ struct Tracer::State {
       if (lot.empty() || (r->isLike(lot[0]) && fits(rays + r->size()))) {
         if (lot.empty()) {
           each = 1 + r->perHit();
-          if (!r->frame->urgent) most = std::min(batchRays, size_t(r->scene->batchSize().rays()));
+          if (!r->frame->urgent && sinceUrgent < kWatchedFor) {
+            most = std::min(batchRays, size_t(r->scene->batchSize().rays()));
+            sinceUrgent++;
+          }
         }
         rays += r->size();
         lot.push_back(std::move(*r));
@@ -97,8 +102,9 @@ struct Tracer::State {
   const size_t batchRays, allRays;
   std::mutex mutex;  ///< guards what is below
   std::condition_variable changed;
-  std::deque<Request> waiting;  ///< urgent ones first
-  size_t urgent = 0;            ///< how many
+  std::deque<Request> waiting;       ///< urgent ones first
+  size_t urgent = 0;                 ///< how many
+  size_t sinceUrgent = kWatchedFor;  ///< batches of other frames, up to that many
   std::deque<std::unique_ptr<Batch>> underWay;
   std::vector<std::unique_ptr<Lane>> idle;
   size_t lanes = 0;  ///< idle or not
@@ -127,10 +133,12 @@ Tracer::~Tracer() {
 void Tracer::add(Request request, bool urgent) {
   {
     std::lock_guard lock(state_->mutex);
-    if (urgent)
+    if (urgent) {
       state_->waiting.insert(state_->waiting.begin() + std::ptrdiff_t(state_->urgent++), std::move(request));
-    else
+      state_->sinceUrgent = 0;
+    } else {
       state_->waiting.push_back(std::move(request));
+    }
   }
   state_->feed();
 }

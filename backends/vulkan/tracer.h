@@ -12,8 +12,9 @@ struct Request;
 
 /// Nobody waits for the device but one thread of the Tracer's own. A few batches are handed to the device at once, so that it
 /// has the next when it has done one; what is asked for meanwhile waits here, and goes in one batch with what is like it. So
-/// batches are small while there is little to do, and large when there is much; those of frames that are not urgent so large
-/// that the device works on one for at most 5 ms (PacketSize), or a single request.
+/// batches are small while there is little to do, and large when there is much. Those of frames that are not urgent are,
+/// for a while after one that is, only so large that the device works on one for at most 5 ms (PacketSize), or a single
+/// request.
 ///
 /// Thread safe. Requests must be answered before it goes.
 class Tracer {

@@ -51,7 +51,7 @@ class VulkanScene final : public DeviceScene {
   /// Adds what a lane's stages took.
   static void addTimes(TraceCounters& counters, const Lane& lane);
   size_t secondariesPerHit(const VulkanFrame& frame) const;
-  /// Of frames that nobody waits for.
+  /// Of frames that are not urgent, while others are (tracer.h).
   PacketSize& batchSize() const { return batchSize_; }
   const std::string& deviceName() const { return context_->device.info().name; }
 

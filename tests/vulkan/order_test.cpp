@@ -73,16 +73,20 @@ TEST(UrgentFrames, WaitForThreeBatchesAtMost) {
   EXPECT_LE(whenAnswered - whenAsked, 4u) << "three that the device has, and one that is being answered";
 }
 
-// So much of a frame that nobody waits for goes to the device at once as takes it 5 ms, or one request.
+// While somebody waits for another frame, so much goes to the device at once as takes it 5 ms, or one request.
 TEST(OtherFrames, GoInSmallBatchesWhereTheDeviceTakesLong) {
   constexpr uint64_t kTiles = 7;  // sizes at most double from one batch to the next: 16 to 1024 rays
   const agreement::TestScene scene = oneTile();
   const auto compiled = scene.compile();
   const vulkan::VulkanScene device(std::make_shared<vulkan::Context>(testDevice()), compiled, 0);
-  const auto frame = device.makeFrame(compileFrame(*compiled, scene.camera, 0, false));
+  CompiledFrame compiledFrame = compileFrame(*compiled, scene.camera, 0, false);
+  const auto frame = device.makeFrame(compiledFrame);
+  compiledFrame.urgent = true;
+  const auto urgent = device.makeFrame(compiledFrame);
   device.batchSize().took(device.batchSize().rays(), std::chrono::seconds(1));
   uint64_t batches = 0;
   Answers answers;
+  device.spawn(*urgent, kWhole, answers.next([](uint64_t) {}));
   for (uint64_t i = 0; i < kTiles; i++)
     device.spawn(*frame, kWhole, answers.next([&](uint64_t submissions) { batches += submissions; }));
   answers.wait();
