@@ -35,9 +35,10 @@ class Answers {
       changed_.notify_one();
     };
   }
-  uint64_t read(const uint64_t& count) {
+  /// Nothing is answered meanwhile, so nothing more is handed to the device than it has.
+  void hold(const std::function<void()>& what) {
     std::lock_guard lock(mutex_);
-    return count;
+    what();
   }
   void wait() {
     std::unique_lock lock(mutex_);
@@ -63,8 +64,11 @@ TEST(UrgentFrames, WaitForThreeBatchesAtMost) {
   Answers answers;
   for (int i = 0; i < kTiles; i++) {
     if (i == kTiles / 2) {
-      whenAsked = answers.read(batches);
-      device->spawn(*urgent, kWhole, answers.next([&](uint64_t) { whenAnswered = batches; }));
+      const auto done = answers.next([&](uint64_t) { whenAnswered = batches; });
+      answers.hold([&] {
+        whenAsked = batches;
+        device->spawn(*urgent, kWhole, done);
+      });
     }
     device->spawn(*other, kWhole, answers.next([&](uint64_t submissions) { batches += submissions; }));
   }
