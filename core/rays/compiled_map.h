@@ -38,6 +38,8 @@ class CompiledMap {
     double shade = 0;       ///< the part of it that colour has
     double kink = 0;        ///< largest change of the slope at a node inside
     double bend = 0;        ///< total variation of the slope inside
+    double denseKink = 0;   ///< largest change of the slope at a node over the square of the extinction there
+    double denseBend = 0;   ///< sum of these
     double curve = 0;       ///< the part of it that is not at nodes
     double jump = 0;  ///< largest step of extinction and extinction times colour at a discontinuity inside
   };
@@ -54,8 +56,9 @@ class CompiledMap {
   };
   int intervalOf(float value) const;
   double extinctionAt(int interval, float value) const;
-  RangeMax extinction_, slope_, shade_, kink_, jump_;
-  std::vector<double> bend_, curve_;  ///< variation of the slope, and that in intervals, up to their starts
+  RangeMax extinction_, slope_, shade_, kink_, denseKink_, jump_;
+  std::vector<double> bend_, denseBend_;  ///< variation of the slope up to intervals' starts
+  std::vector<double> curve_;             ///< that in intervals
 };
 
 }  // namespace gxy

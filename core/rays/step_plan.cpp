@@ -44,8 +44,12 @@ Errors errorsOf(const Macrocell& m, const CompiledMap::Over& map, bool exactStep
   const double across = std::max(1.0, kLongestRay / cellT),
                few = std::min(1.0, kFew * kFew / (across * across));
   const double kink = kKinkOfMap + few * (kWorstKink - kKinkOfMap);
+  // what a kink changes in a dense part is hidden by what is before it, and like what is behind it
+  auto visible = [&](double all, double dense) { return std::min(all, dense / (cellT * cellT)); };
+  const double bendOfMap = visible(map.bend - map.curve, map.denseBend) + map.curve;
+  const double kinkOfMap = visible(map.kink, map.denseKink);
   const double kinks =
-      m.steep * std::max({kBendOfMap * map.bend * std::sqrt(crossings), kink * map.kink, smooth});
+      m.steep * std::max({kBendOfMap * bendOfMap * std::sqrt(crossings), kink * kinkOfMap, smooth});
   // a front hides its back: the colour of a segment is seen from nearer than its middle
   const double shade = m.steep * map.shade * std::min(1.0, seen / depth) / 12;
   const double uneven = 1 + few * (kWorstPieces - 1);

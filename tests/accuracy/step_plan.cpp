@@ -175,5 +175,21 @@ TEST(StepPlan, LinearFieldsUnderLinearMapsStayWithinTheTolerance) {
   }
 }
 
+// A kink of the map is as sharp in a dense part as in a thin one, and shows less.
+TEST(StepPlan, KinksInDensePartsTakeFewerSegments) {
+  const double L = 1 / 32.0;
+  auto lengthOver = [&](double first, double last) {
+    const OpacityMap extinction{true, {{0, first / L}, {0.6, first / L}, {1, last / L}}};
+    const CompiledMap map({{{0, {1, 1, 1}}}}, &extinction, MapUnits{0, 1, 1, L});
+    const std::vector<Macrocell> range{{0.5f, 0.7f, 0.15f, 0, false}};
+    return double(single::planStep(stepPlan(range, map, L, 1 / 512.0, 0)[0]));
+  };
+  EXPECT_GT(lengthOver(3, 4), 1.4 * lengthOver(0, 1));
+}
+
+TEST(StepPlan, KinksOfColourInDensePartsStayWithinTheTolerance) {
+  expectTolerance(MapShape::NearlyOpaque, 4, 400, true, 30);
+}
+
 }  // namespace
 }  // namespace gxy::test
