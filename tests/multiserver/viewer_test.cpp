@@ -240,6 +240,50 @@ TEST(ViewerModule, TwoVisualizationsOfOneDatasetDoNotSeeEachOther) {
   EXPECT_EQ(a.frame().rgba, before);
 }
 
+TEST(ViewerModule, AWindowShowsWhatItsNamesMeanNow) {
+  const auto server = serve();
+  writeBall(server->folder().path().string(), "twice", 16, 2);
+  const auto ann = server->client("ann");
+  ann->expect("load data");
+  ann->expect(importBall("ball"));
+  ann->expect("publish ball");
+  ann->expect(importBall("other", "twice.vol"));
+  ann->expect("publish other");
+  Viewer viewer(*server, "bob");
+  const auto first = viewer.frame().rgba;
+  ann->expect("rename ball old");
+  ann->expect("rename other ball");
+  const auto second = viewer.frame().rgba;
+  EXPECT_NE(second, first) << "another under its name";
+  viewer.client->expect(importBall("ball"));
+  EXPECT_EQ(viewer.frame().rgba, first) << "its own counts";
+  viewer.client->expect("drop ball");
+  EXPECT_EQ(viewer.frame().rgba, second) << "its own has gone";
+  ann->expect("unpublish ball");
+  const Reply taken = viewer.client->request("render 1");
+  EXPECT_NE(taken.error.find("there is none that you see"), std::string::npos) << taken.error;
+}
+
+TEST(ViewerModule, AWindowThatFollowsRendersWhateverComesUnderItsName) {
+  const auto server = serve();
+  writeBall(server->folder().path().string(), "twice", 16, 2);
+  Viewer viewer(*server);
+  viewer.client->expect("window 1 {\"follow\": true}");
+  const auto first = viewer.frame().rgba;
+  viewer.client->expect("drop ball");
+  viewer.client->expect(importBall("ball", "twice.vol"));
+  EXPECT_EQ(viewer.screen.waitFor(1, 2).status, "complete");
+  const auto second = viewer.screen.picture(1).rgba;
+  EXPECT_NE(second, first);
+  viewer.client->expect("rename ball old");
+  viewer.client->expect(importBall("new"));
+  viewer.client->expect("rename new ball");
+  EXPECT_EQ(viewer.screen.waitFor(1, 3).status, "complete");
+  EXPECT_EQ(viewer.screen.picture(1).rgba, first);
+  viewer.client->expect("publish ball");
+  EXPECT_EQ(viewer.client->expect("windows").at("windows").at(0).at("frame"), 3) << "the same object";
+}
+
 TEST(ViewerModule, AWindowThatFollowsRendersNewGenerations) {
   const auto server = serve();
   writeBall(server->folder().path().string(), "twice", 16, 2);
@@ -423,11 +467,13 @@ TEST(ViewerModule, VisualizationsThatWouldTakeHoursToCompileAreRefused) {
   Viewer viewer(*server);
   viewer.client->expect("window 1 {\"size\": [8, 8]}");
   const auto refusal = [&](const json& document) {
-    viewer.client->expect("set 1 " + document.dump());
-    const Reply frame = viewer.client->request("render 1");
+    const Reply set = viewer.client->request("set 1 " + document.dump());
+    if (set.ok) {
+      EXPECT_EQ(viewer.client->request("render 1").error, "");
+    }
     const Reply batch = viewer.client->request("batch " + json{{"state", document}}.dump());
-    EXPECT_EQ(frame.error, batch.error);
-    return frame.error;
+    EXPECT_EQ(set.error, batch.error);
+    return set.error;
   };
   const json state = json::parse(stateOf("ball"));
   const auto with = [&](const char* key, json value, int operators = 1) {
@@ -460,6 +506,29 @@ TEST(ViewerModule, VisualizationsThatWouldTakeHoursToCompileAreRefused) {
   EXPECT_TRUE(refusal(with("extinctionmap", points(65536))).find("points of maps, expected at most 65536") !=
               std::string::npos);
   EXPECT_EQ(refusal(with("isovalues", values(4), 64)), "");
+}
+
+TEST(ViewerModule, WhatWindowsShowTakesMemoryOfTheirTenant) {
+  ServerSetup setup;
+  setup.modules = GALAXY_MODULES;
+  setup.node.tenantMemory = 2 << 20;
+  TestServer server(std::move(setup));
+  Viewer viewer(server);
+  json state = json::parse(stateOf("ball"));
+  json& map = state["Visualization"]["operators"][0]["extinctionmap"];
+  map = json::array();
+  for (int i = 0; i < 30000; i++) map.push_back({i, 0.5});
+  int windows = 0;
+  std::string error;
+  while (error.empty() && windows < 16) {
+    viewer.client->expect("window " + std::to_string(++windows));
+    error = viewer.client->request("set " + std::to_string(windows) + " " + state.dump()).error;
+  }
+  EXPECT_TRUE(error.starts_with("memory: ")) << error;
+  EXPECT_GT(windows, 2);
+  EXPECT_LT(windows, 6);
+  viewer.client->expect("close 1");
+  viewer.client->expect("set " + std::to_string(windows) + " " + state.dump());
 }
 
 TEST(ViewerModule, WrongRequestsAreErrorsWithWhatWasExpected) {

@@ -69,9 +69,9 @@ class Run {
       if (pixels > request_.session().limits().pixels)
         throw Error("batch: a picture of " + std::to_string(pixels) + " pixels, expected at most " +
                     std::to_string(request_.session().limits().pixels));
-      for (const Visualization& v : batch_.state.visualizations)
-        checkCost(v, batch_.state.settings, camera.dimensions);
+      checkCost(batch_.state.settings, camera.dimensions);
     }
+    for (const Visualization& v : batch_.state.visualizations) checkCost(v);
     json names = json::array();
     for (size_t i = 0; i < total_; i++) {
       names.push_back(nameOf(batch_, i));

@@ -32,7 +32,11 @@ struct SceneHandle {
 using ScenePtr = std::shared_ptr<const SceneHandle>;
 
 /// Throws Error for what would take more of the server than any client may have (docs/protocol.md section 8).
-void checkCost(const Visualization& visualization, const RenderSettings& settings, glm::ivec2 size);
+void checkCost(const Visualization& visualization);
+void checkCost(const RenderSettings& settings, glm::ivec2 size);
+
+/// Memory that a visualization takes, or somewhat less.
+int64_t bytesOf(const Visualization& visualization);
 
 /// One on each rank. Thread safe.
 class Scenes {
@@ -44,17 +48,18 @@ class Scenes {
     std::vector<Pin> pins;  ///< of its data
   };
   /// Rank 0: the scene of a visualization with the current generations of its data, as the tenant sees them; compiled
-  /// unless that tenant has one of the same content. `known`, if not null, is taken unless its data have gone. Waits.
+  /// unless that tenant has one of the same content. `known`, if not null, is taken while its names mean its data. Waits.
   /// Throws Error for data that are not there or do not fit.
   Pinned get(const std::string& tenant, const Visualization& visualization, const RenderSettings& settings,
              const ScenePtr& known = nullptr);
+  /// Whether that is what these names mean to the tenant now.
+  bool namesMean(const std::string& tenant, const std::vector<NamedDataset>& data) const;
 
  private:
   nlohmann::json make(const nlohmann::json& parameters);
   nlohmann::json forget(const nlohmann::json& parameters);
   ScenePtr build(const std::string& tenant, const std::string& text, std::vector<NamedDataset> data);
   ScenePtr getOf(const std::string& tenant, const State& state, const std::vector<NamedDataset>& data);
-  bool namesMean(const std::string& tenant, const std::vector<NamedDataset>& data) const;
 
   Node& node_;
   std::mutex mutex_;

@@ -172,14 +172,19 @@ json set(Request& request, Arguments arguments) {
   const WindowPtr window = windowsOf(request.session())->get(id);
   const std::string text = arguments.expectJson();
   const StateFile file = readState(text, "set");
-  importMissing(request, file.state.datasets);
-  const json keys = protocol::parseObject(text, "set");
-  if (keys.contains("Renderer")) window->setRenderer(file.state.settings);
-  if (!file.state.visualizations.empty()) window->setVisualization(file.state.visualizations[0]);
-  if (!file.state.cameras.empty()) {
-    validate(file.state.cameras[0]);
-    window->setCamera(file.state.cameras[0]);
+  const auto& visualizations = file.state.visualizations;
+  LedgerEntry memory;
+  if (!visualizations.empty()) {
+    checkCost(visualizations[0]);
+    Session& session = request.session();
+    memory = session.node().takeMemory(session.tenant(), "windows", bytesOf(visualizations[0]));
   }
+  if (!file.state.cameras.empty()) validate(file.state.cameras[0]);
+  const json keys = protocol::parseObject(text, "set");
+  importMissing(request, file.state.datasets);
+  if (keys.contains("Renderer")) window->setRenderer(file.state.settings);
+  if (!visualizations.empty()) window->setVisualization(visualizations[0], std::move(memory));
+  if (!file.state.cameras.empty()) window->setCamera(file.state.cameras[0]);
   std::string warnings;
   for (const std::string& w : file.warnings) warnings += (warnings.empty() ? "warning: " : "\nwarning: ") + w;
   return {{"warnings", file.warnings}, {"text", warnings}};

@@ -29,9 +29,10 @@ void Window::setSettings(const Settings& settings) {
   settings_ = settings;
 }
 
-void Window::setVisualization(const Visualization& visualization) {
+void Window::setVisualization(const Visualization& visualization, LedgerEntry memory) {
   const std::lock_guard lock(mutex_);
   state_.visualizations[0] = visualization;
+  stateMemory_ = std::move(memory);
   hasVisualization_ = true;
   forgetScene();
 }
@@ -92,18 +93,31 @@ void Window::close() {
 }
 
 void Window::onData(const DatasetEvent& event) {
-  if (event.kind != DatasetEvent::Kind::Updated && event.kind != DatasetEvent::Kind::Dropped) return;
+  using Kind = DatasetEvent::Kind;
+  if (event.kind == Kind::Skipped) return;
+  Datasets& datasets = *services_.node.datasets;
   ScenePtr released, edited;  // outside the lock
   {
     const std::lock_guard lock(mutex_);
     const auto& operators = state_.visualizations[0].operators;
-    if (std::none_of(operators.begin(), operators.end(),
-                     [&](const Vis& vis) { return vis.dataset == event.dataset.name; }))
-      return;
+    const auto shows = [&](const std::string& name) {
+      return std::any_of(operators.begin(), operators.end(),
+                         [&](const Vis& vis) { return vis.dataset == name; });
+    };
+    if (!shows(event.dataset.name) && !(event.kind == Kind::Renamed && shows(event.newName))) return;
+    // Names of others, or hidden by its own, or the same object in another directory.
+    if (event.kind != Kind::Updated && scene_ && services_.scenes.namesMean(tenant_, scene_->data)) return;
     released = std::exchange(scene_, nullptr);
     edited = std::exchange(edited_, nullptr);
-    if (event.kind == DatasetEvent::Kind::Updated) updates_++;
-    if (event.kind == DatasetEvent::Kind::Dropped || !settings_.follow || frames_ == 0 || closed_) return;
+    // A dataset in whose place another one comes is dropped first; one that was hidden by it is there at once.
+    const bool there = std::all_of(operators.begin(), operators.end(), [&](const Vis& vis) {
+      const auto now = datasets.find(tenant_, vis.dataset);
+      const bool inItsPlace = event.kind == Kind::Dropped && vis.dataset == event.dataset.name;
+      return now && !(inItsPlace && now->scope == event.dataset.scope);
+    });
+    if (!there) return;
+    updates_++;
+    if (!settings_.follow || frames_ == 0 || closed_) return;
     if (current_ || waiting_) {
       stale_ = true;
       return;

@@ -48,8 +48,8 @@ class Window : public std::enable_shared_from_this<Window> {
   Settings settings() const;
   void setSettings(const Settings& settings);
 
-  /// Replaces what a state document says.
-  void setVisualization(const Visualization& visualization);
+  /// These replace what a state document says. `memory` is for the visualization.
+  void setVisualization(const Visualization& visualization, LedgerEntry memory);
   void setRenderer(const RenderSettings& settings);
   void setCamera(const Camera& camera);
   State state() const;
@@ -63,8 +63,8 @@ class Window : public std::enable_shared_from_this<Window> {
   void close();
   uint64_t lastFrame() const;
 
-  /// Data have changed: scenes of older generations are let go, and, if it follows, a frame begins once the one under way
-  /// has ended and the client has read enough. Short.
+  /// A name that it shows means something else, or newer data: scenes of the old ones are let go, and, if it follows and
+  /// there is something to see, a frame begins once the one under way has ended and the client has read enough. Short.
   void onData(const DatasetEvent& event);
 
  private:
@@ -92,6 +92,7 @@ class Window : public std::enable_shared_from_this<Window> {
   std::condition_variable ended_;
   Settings settings_;
   State state_;
+  LedgerEntry stateMemory_;
   bool hasVisualization_ = false, closed_ = false;
   bool stale_ = false;   ///< the newest frame shows older data than there are
   bool drains_ = false;  ///< onDrained() is to come

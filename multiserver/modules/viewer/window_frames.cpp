@@ -52,7 +52,7 @@ uint64_t Window::render(const FrameOptions& options) {
   frame->samples = options.rays ? int(options.rays) : state.settings.raysPerPixel;
   RenderSettings settings = state.settings;
   settings.raysPerPixel = frame->samples;
-  checkCost(state.visualizations[0], settings, frame->camera.dimensions);
+  checkCost(settings, frame->camera.dimensions);
   constexpr int64_t kSamples = 65536;  // that a ray can name
   if (int64_t(options.passes) * frame->samples > kSamples)
     throw Error("render: " + std::to_string(options.passes) + " passes of " + std::to_string(frame->samples) +
