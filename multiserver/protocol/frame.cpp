@@ -94,6 +94,8 @@ void FrameReader::readHeader() {
     throw Error("frame with id " + std::to_string(id) + " on channel " + std::to_string(channel) +
                 ", expected " + (id ? "0" : "one from 1 up"));
   frame_ = {FrameChannel(channel), id, {}};
+  frame_.skipped = rules_.room && !rules_.room(length_);
+  taken_ = 0;
 }
 
 std::optional<Frame> FrameReader::take(std::span<const std::byte>& bytes) {
@@ -105,10 +107,12 @@ std::optional<Frame> FrameReader::take(std::span<const std::byte>& bytes) {
     if (headerBytes_ < kHeaderBytes) return std::nullopt;
     readHeader();
   }
-  const size_t n = size_t(std::min<uint64_t>(length_ - frame_.payload.size(), bytes.size()));
-  frame_.payload.insert(frame_.payload.end(), bytes.begin(), bytes.begin() + std::ptrdiff_t(n));
+  const size_t n = size_t(std::min<uint64_t>(length_ - taken_, bytes.size()));
+  if (!frame_.skipped)
+    frame_.payload.insert(frame_.payload.end(), bytes.begin(), bytes.begin() + std::ptrdiff_t(n));
+  taken_ += n;
   bytes = bytes.subspan(n);
-  if (frame_.payload.size() < length_) return std::nullopt;
+  if (taken_ < length_) return std::nullopt;
   headerBytes_ = 0;
   return std::exchange(frame_, {});
 }

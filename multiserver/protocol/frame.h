@@ -3,6 +3,7 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <span>
 #include <string>
@@ -25,6 +26,7 @@ struct Frame {
   FrameChannel channel = FrameChannel::Control;
   uint32_t id = 0;  ///< of the request on channels 1, 2 and 5
   Bytes payload;
+  bool skipped = false;  ///< there was no room for its payload, so it is not here
 
   /// The payload as text.
   std::string_view text() const { return {reinterpret_cast<const char*>(payload.data()), payload.size()}; }
@@ -45,15 +47,16 @@ class FrameReader {
  public:
   /// Which frames may come. An id other than 0 may come with channels that have ids only.
   struct Rules {
-    std::array<uint64_t, 6> most{};  ///< bytes of payload by channel; 0: none may come on it
+    std::array<uint64_t, 6> most{};        ///< bytes of payload by channel; 0: none may come on it
+    std::function<bool(uint64_t)> room{};  ///< whether a payload of so many bytes may be kept; empty: always
   };
   static Rules fromClient(uint64_t requestBytes);
   static Rules fromServer();
 
-  explicit FrameReader(Rules rules) : rules_(rules) {}
+  explicit FrameReader(Rules rules) : rules_(std::move(rules)) {}
 
   /// Other rules, from the next frame on.
-  void setRules(Rules rules) { rules_ = rules; }
+  void setRules(Rules rules) { rules_ = std::move(rules); }
 
   /// Takes bytes off the front of `bytes`; a frame when one is complete, nothing when all have been taken. Throws Error
   /// when a header breaks the rules; the reader is of no use afterwards.
@@ -65,7 +68,7 @@ class FrameReader {
   Rules rules_;
   std::array<std::byte, kHeaderBytes> header_{};
   size_t headerBytes_ = 0;
-  uint64_t length_ = 0;
+  uint64_t length_ = 0, taken_ = 0;
   Frame frame_;
 };
 

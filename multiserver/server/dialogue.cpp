@@ -32,6 +32,8 @@ void Dialogue::take(std::span<const std::byte>& bytes) {
     if (!frame) continue;
     if (frame->channel == FrameChannel::Control)
       control(frame->text());
+    else if (frame->skipped)
+      session_->refuse(frame->id);
     else
       session_->submit(frame->id, std::string(frame->text()));
   }
@@ -65,7 +67,9 @@ void Dialogue::control(std::string_view text) {
 void Dialogue::hello(std::string_view text) {
   protocol::Welcome welcome;
   session_ = admit_(protocol::parseHello(text), outbox_, welcome);
-  reader_.setRules(FrameReader::fromClient(limits_.requestBytes));
+  FrameReader::Rules rules = FrameReader::fromClient(limits_.requestBytes);
+  rules.room = [session = session_.get()](uint64_t bytes) { return session->makeRoom(bytes); };
+  reader_.setRules(std::move(rules));
   outbox_->control(protocol::welcomeText(welcome));
 }
 

@@ -50,13 +50,36 @@ void Request::progress(int64_t done, int64_t of, const std::string& text) {
 }
 
 Session::Session(Node& node, std::shared_ptr<Outbox> outbox, Identity identity, protocol::Limits limits)
-    : node_(node),
-      outbox_(std::move(outbox)),
-      identity_(std::move(identity)),
-      limits_(limits),
-      requestBytes_(node.ledger.enter(identity_.tenant, "requests", 0)) {}
+    : node_(node), outbox_(std::move(outbox)), identity_(std::move(identity)), limits_(limits) {}
 
 Session::~Session() = default;
+
+bool Session::makeRoom(uint64_t bytes) {
+  constexpr uint64_t kShort = 4096;  // enough to free memory where there is none
+  incoming_ = {};
+  if (bytes <= kShort) return true;
+  try {
+    incoming_ = node_.takeMemory(tenant(), "requests", int64_t(bytes));
+    return true;
+  } catch (const Error& e) {
+    noRoom_ = e.what();
+    return false;
+  }
+}
+
+void Session::refuse(uint32_t id) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (ended_) return;
+    checkId(id);
+  }
+  outbox_->reply(id, "error: " + noRoom_);
+}
+
+void Session::checkId(uint32_t id) const {
+  if (id == 0 || requests_.count(id) > 0)
+    throw Error("request with id " + std::to_string(id) + ", which is 0 or not answered yet");
+}
 
 void Session::submit(uint32_t id, std::string text) {
   std::string wrong;
@@ -71,13 +94,16 @@ void Session::submit(uint32_t id, std::string text) {
     wrong = e.what();
   }
   const auto request = std::make_shared<Request>(*this, id, statement.verb, std::move(statement.arguments));
+  request->memory_ = std::exchange(incoming_, {});
+  if (request->memory_.bytes() == 0)
+    request->memory_ = node_.ledger.enter(tenant(), "requests", int64_t(request->bytes()));
   bool begin = false;
   {
     const std::lock_guard lock(mutex_);
     if (ended_) return;
-    if (id == 0 || !requests_.emplace(id, request).second)
-      throw Error("request with id " + std::to_string(id) + ", which is 0 or not answered yet");
-    requestBytes_.resize(requestBytes_.bytes() + int64_t(request->bytes()));
+    checkId(id);
+    requests_[id] = request;
+    requestBytes_ += request->bytes();
     if (wrong.empty() && !atOnce) {
       queue_.push_back(request);
       begin = !std::exchange(running_, true);
@@ -150,7 +176,8 @@ void Session::answer(const RequestPtr& request, const std::string& text) {
   {
     const std::lock_guard lock(mutex_);
     requests_.erase(request->id());
-    requestBytes_.resize(requestBytes_.bytes() - int64_t(request->bytes()));
+    requestBytes_ -= request->bytes();
+    request->memory_ = {};
   }
   outbox_->reply(request->id(), text);
   if (onAnswered) onAnswered();
@@ -166,7 +193,7 @@ size_t Session::unanswered() const {
 
 bool Session::full() const {
   const std::lock_guard lock(mutex_);
-  return requests_.size() >= limits_.requests || uint64_t(requestBytes_.bytes()) > 2 * limits_.requestBytes;
+  return requests_.size() >= limits_.requests || requestBytes_ > 2 * limits_.requestBytes;
 }
 
 void Session::cancel(uint32_t id) {

@@ -51,6 +51,7 @@ class Request {
   std::atomic<bool> cancelled_ = false;
   std::mutex mutex_;
   friend class Session;
+  LedgerEntry memory_;
   std::vector<std::function<void()>> cancelActions_, answeredActions_;
   std::chrono::steady_clock::time_point lastProgress_{};
 };
@@ -79,9 +80,14 @@ class Session : public std::enable_shared_from_this<Session> {
   const std::string& tenant() const { return identity_.tenant; }
   const protocol::Limits& limits() const { return limits_; }
 
+  /// Takes the memory of a statement of so many bytes that is about to come; short ones may always. False where there is
+  /// none: it is not to be kept, but refused. This and the next two: one thread at a time.
+  bool makeRoom(uint64_t bytes);
   /// Takes a statement; its reply will come to the outbox. Throws Error for an id that is in use: the client does not keep
   /// to the protocol.
   void submit(uint32_t id, std::string text);
+  /// Answers the statement for which there was no room with an error. Throws as submit() does.
+  void refuse(uint32_t id);
   size_t unanswered() const;
   /// So many statements are not answered yet, or so many bytes of them (more than twice those of the longest), that no more
   /// should be read.
@@ -114,6 +120,7 @@ class Session : public std::enable_shared_from_this<Session> {
 
  private:
   using RequestPtr = std::shared_ptr<Request>;
+  void checkId(uint32_t id) const;
   void runNext();
   void startAside(const RequestPtr& request, std::function<nlohmann::json(Request&)> action);
   void run(const RequestPtr& request, const std::function<nlohmann::json(Request&)>& action);
@@ -130,10 +137,12 @@ class Session : public std::enable_shared_from_this<Session> {
   bool ended_ = false, running_ = false;
   int aside_ = 0;
   std::map<uint32_t, RequestPtr> requests_;  ///< not answered
-  LedgerEntry requestBytes_;                 ///< theirs
+  uint64_t requestBytes_ = 0;                ///< theirs
   std::deque<RequestPtr> queue_;             ///< not begun
   std::map<std::type_index, std::shared_ptr<void>> states_;
   std::vector<std::shared_ptr<const LoadedModule>> modules_;
+  LedgerEntry incoming_;  ///< for the statement that comes
+  std::string noRoom_;    ///< why there is none for it
 };
 
 }  // namespace gxy

@@ -54,6 +54,29 @@ TEST(Frames, ComeOutOfAStreamHoweverItIsCut) {
   }
 }
 
+TEST(Frames, ForWhichThereIsNoRoomArePassedOver) {
+  Bytes stream;
+  for (uint32_t id = 1; id <= 4; id++) {
+    const Bytes bytes = wire(textFrame(FrameChannel::Request, id, std::string(id % 2 ? 5 : 50, 'x')));
+    stream.insert(stream.end(), bytes.begin(), bytes.end());
+  }
+  for (size_t step : {1, 7, 1000}) {
+    FrameReader::Rules rules = FrameReader::fromClient(1000);
+    rules.room = [](uint64_t bytes) { return bytes <= 5; };
+    FrameReader reader(std::move(rules));
+    std::vector<std::pair<uint32_t, std::string>> got;
+    for (size_t at = 0; at < stream.size(); at += step) {
+      std::span<const std::byte> some(&stream[at], std::min(step, stream.size() - at));
+      while (!some.empty())
+        if (const auto frame = reader.take(some))
+          got.emplace_back(frame->id, frame->skipped ? "no room" : std::string(frame->text()));
+    }
+    const std::vector<std::pair<uint32_t, std::string>> expected{
+        {1, "xxxxx"}, {2, "no room"}, {3, "xxxxx"}, {4, "no room"}};
+    EXPECT_EQ(got, expected) << step;
+  }
+}
+
 TEST(Frames, ThatBreakTheRulesAreRefusedByTheirHeader) {
   const auto refused = [](const Frame& frame, uint64_t announced, uint16_t channel) {
     auto header = headerOf(frame);

@@ -368,6 +368,39 @@ TEST(Hostile, RequestsThatWaitTakeNoMoreMemoryThanTheyMay) {
   bystander.expectTheSamePicture();
 }
 
+TEST(Hostile, RequestsOfATenantTakeNoMoreThanItsMemoryHoweverManyItsConnections) {
+  constexpr int64_t kMost = 2'000'000;
+  ServerSetup s = setup();
+  s.node.tenantMemory = kMost;
+  TestServer server(std::move(s));
+  Bystander bystander(server);
+  std::deque<RawClient> hogs;
+  const std::string text = "echo " + std::string(300'000, 'x');
+  for (int i = 0; i < 10; i++) {
+    RawClient& hog = hogs.emplace_back(server.port());
+    hog.greet("hog");
+    hog.request(1, "load data");
+    for (uint32_t id = 2; id <= 2 + Session::kAside; id++) hog.request(id, "wait nothing 1 1e6");
+    hog.request(100, text);
+    // one whose payload does not come
+    auto half = protocol::headerOf(protocol::textFrame(FrameChannel::Request, 101, text));
+    hog.send(half);
+  }
+  RawClient& last = hogs.back();
+  std::string refusal;
+  last.request(102, "");  // within that payload
+  last.send(Bytes(text.size() - protocol::kHeaderBytes, std::byte('x')));
+  EXPECT_TRUE(last.readUntil([&](const Frame& frame) {
+    if (frame.channel == FrameChannel::Reply && frame.id == 101) refusal = frame.text();
+    return !refusal.empty();
+  }));
+  EXPECT_TRUE(refusal.starts_with("error: memory: 300005 bytes are needed")) << refusal;
+  EXPECT_LE(server.node().ledger.total("hog"), kMost + 10 * (Session::kAside + 3) * 4096);
+  EXPECT_GT(server.node().ledger.total("hog"), kMost / 2);
+  EXPECT_TRUE(server.client("hog")->request("echo short").ok) << "to free memory there must be a way";
+  bystander.expectTheSamePicture();
+}
+
 TEST(Hostile, CorruptAndVanishedFilesAreErrorsOfTheirImport) {
   TestServer server(setup());
   Bystander bystander(server);
