@@ -93,7 +93,7 @@ bool Batch::advance(LastWork& last) {
   if (last.frame == frame_.number && lane_->began() > last.end) c.nsDeviceIdle += lane_->began() - last.end;
   last = {frame_.number, lane_->ended()};
   scene_.addTimes(c, *lane_);
-  if (!frame_.urgent && c.submissions == 1)
+  if (!requests_[0].urgent && c.submissions == 1)
     scene_.batchSize().took(int(rays()), std::chrono::nanoseconds(lane_->ended() - lane_->began()));
   if (lane_->count(COUNT_STUCK) > 0)
     throw Error("device \"" + scene_.deviceName() + "\" gave up on " +

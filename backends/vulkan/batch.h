@@ -20,6 +20,7 @@ struct Request {
   RayList rays;
   Tile tile{};
   DeviceScene::Done done;
+  bool urgent = false;  ///< as its frame was when this was asked for
 
   size_t size() const { return kind == Kind::Spawn ? size_t(kTile) * kTile : size_t(rays.size()); }
   /// Secondaries that each of its rays may make at a time, on the device.

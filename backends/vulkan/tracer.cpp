@@ -54,7 +54,7 @@ struct Tracer::State {
     }
   }
 
-  // The first that waits, with those like it up to a batch. Those of a frame are urgent all or none. (Locked.)
+  // The first that waits, with those like it up to a batch. (Locked.)
   std::vector<Request> nextLot() {
     std::vector<Request> lot;
     size_t rays = 0, each = 1, most = batchRays;
@@ -63,19 +63,19 @@ struct Tracer::State {
       if (lot.empty() || (r->isLike(lot[0]) && fits(rays + r->size()))) {
         if (lot.empty()) {
           each = 1 + r->perHit();
-          if (!r->frame->urgent && sinceUrgent < kWatchedFor) {
+          if (!r->urgent && sinceUrgent < kWatchedFor) {
             most = std::min(batchRays, size_t(r->scene->batchSize().rays()));
             sinceUrgent++;
           }
         }
         rays += r->size();
+        urgent -= r->urgent;
         lot.push_back(std::move(*r));
         r = waiting.erase(r);
       } else {
         ++r;
       }
     }
-    if (urgent > 0) urgent -= lot.size();
     return lot;
   }
 
@@ -130,10 +130,11 @@ Tracer::~Tracer() {
     state_->thread.join();
 }
 
-void Tracer::add(Request request, bool urgent) {
+void Tracer::add(Request request) {
+  request.urgent = request.frame->urgent();
   {
     std::lock_guard lock(state_->mutex);
-    if (urgent) {
+    if (request.urgent) {
       state_->waiting.insert(state_->waiting.begin() + std::ptrdiff_t(state_->urgent++), std::move(request));
       state_->sinceUrgent = 0;
     } else {

@@ -25,8 +25,8 @@ class Tracer {
   Tracer(const Tracer&) = delete;
   Tracer& operator=(const Tracer&) = delete;
 
-  /// `urgent`: before what waits and is not.
-  void add(Request request, bool urgent);
+  /// Before what waits and is not urgent, if its frame is.
+  void add(Request request);
 
  private:
   struct State;

@@ -72,7 +72,6 @@ std::shared_ptr<const DeviceFrame> VulkanScene::makeFrame(const CompiledFrame& f
   frame->number = ++context_->frames;
   frame->lights = int(f.lights.size());
   frame->depth = f.depth;
-  frame->urgent = f.urgent;
   frame->worldPerRender = f.worldPerRender;
   shader::FrameView v{};
   fillFrameView(v, *scene_, f);
@@ -91,7 +90,7 @@ std::shared_ptr<const DeviceFrame> VulkanScene::makeFrame(const CompiledFrame& f
 void VulkanScene::spawn(const DeviceFrame& deviceFrame, const Tile& tile, Done done) const {
   const auto& frame = static_cast<const VulkanFrame&>(deviceFrame);
   const PartOnDevice& part = parts_.size() == 1 ? parts_.begin()->second : anywhere_;
-  context_->tracer.add({this, &part, &frame, Request::Kind::Spawn, {}, tile, std::move(done)}, frame.urgent);
+  context_->tracer.add({this, &part, &frame, Request::Kind::Spawn, {}, tile, std::move(done)});
 }
 
 void VulkanScene::trace(const DeviceFrame& deviceFrame, int partition, bool primary, RayList rays,
@@ -102,8 +101,7 @@ void VulkanScene::trace(const DeviceFrame& deviceFrame, int partition, bool prim
     throw Error("rays came for partition " + std::to_string(partition) +
                 ", which has nothing to see on this rank");
   const auto kind = primary ? Request::Kind::Primaries : Request::Kind::Secondaries;
-  context_->tracer.add({this, &part->second, &frame, kind, std::move(rays), {}, std::move(done)},
-                       frame.urgent);
+  context_->tracer.add({this, &part->second, &frame, kind, std::move(rays), {}, std::move(done)});
 }
 
 size_t VulkanScene::secondariesPerHit(const VulkanFrame& frame) const {

@@ -29,7 +29,7 @@ struct VulkanFrame final : DeviceFrame {
   Buffer buffer;
   DescriptorSet set;
   int lights = 0;
-  bool depth = false, urgent = false;
+  bool depth = false;
   double worldPerRender = 1;
 };
 

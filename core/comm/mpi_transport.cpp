@@ -132,7 +132,10 @@ class MpiTransport::Progress {
 
   void postWaiting(Task task) { waitingTasks_.run(counted(std::move(task))); }
 
-  Counters counters() const { return {bytesSent_, packetsSent_, messagesSent_, mostWaiting_}; }
+  Counters counters() const {
+    std::lock_guard lock(mutex_);
+    return {bytesSent_, packetsSent_, messagesSent_, queuedBytes_ + heldBySender_, mostWaiting_};
+  }
 
  private:
   struct Outgoing {
@@ -259,7 +262,7 @@ class MpiTransport::Progress {
   PacketReceiver receiver_;
   Backoff backoff_;
 
-  std::mutex mutex_;  ///< guards the next five
+  mutable std::mutex mutex_;  ///< guards the next five
   std::condition_variable changed_;
   std::vector<Outgoing> outgoing_;
   uint64_t queuedBytes_ = 0;  ///< of outgoing_ messages to other ranks

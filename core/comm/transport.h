@@ -63,8 +63,8 @@ class Transport {
   /// Bytes and messages handed to MPI (or to the in-process world), after coalescing; and messages before it.
   struct Counters {
     uint64_t bytesSent = 0, packetsSent = 0, messagesSent = 0;
-    /// The most that has waited to be sent at once: handed over and not yet taken by MPI (0 in an in-process world).
-    uint64_t mostBytesWaiting = 0;
+    /// Waiting to be sent, now and at most: handed over and not yet taken by MPI (0 in an in-process world).
+    uint64_t bytesWaiting = 0, mostBytesWaiting = 0;
   };
   virtual Counters counters() const = 0;
 };

@@ -2,6 +2,7 @@
 // Backend: answers ray lists on one kind of device. The core never sees a device pointer, a backend never sees MPI.
 #pragma once
 #include <array>
+#include <atomic>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -43,6 +44,7 @@ struct TraceCounters {
   std::array<uint64_t, kKernels> kernelRuns{};  ///< how often each was started, by Kernel
 
   uint64_t& runs(Kernel kernel) { return kernelRuns[size_t(kernel)]; }
+  uint64_t nsWork() const { return nsSpawn + nsGeometry + nsSurfaces + nsIntegrate + nsShade + nsRoute; }
   TraceCounters& operator+=(const TraceCounters& o);
 };
 
@@ -71,10 +73,16 @@ struct Tile {
 };
 inline constexpr int kTile = 32;
 
-/// A frame as a device holds it. Immutable.
+/// A frame as a device holds it. Immutable but for its urgency.
 class DeviceFrame {
  public:
   virtual ~DeviceFrame() = default;
+  /// A device with a queue takes what it is asked for from now on first.
+  void setUrgent(bool urgent) const { urgent_ = urgent; }
+  bool urgent() const { return urgent_; }
+
+ private:
+  mutable std::atomic<bool> urgent_ = false;
 };
 
 /// A compiled scene on a device, for the partitions of one rank; shared by all frames that show it. Calls may come from

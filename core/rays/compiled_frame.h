@@ -17,7 +17,6 @@ struct CompiledFrame {
   int firstSample = 0;  ///< the first one's index: another one continues the sequence of sub-pixel positions
   uint32_t number = 0;  ///< continues the ambient-occlusion sequence
   bool depth = false;   ///< hit distances are wanted
-  bool urgent = false;  ///< a device with a queue takes its rays first
   double worldPerRender = 1;
   std::vector<std::array<float, 4>> lights;  ///< 0: directional, x y z of its travel; 1: point, its position
 };

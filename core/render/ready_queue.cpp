@@ -28,9 +28,9 @@ ReadyQueue::Task ReadyQueue::pop() {
   return {};
 }
 
-bool ReadyQueue::empty() const {
+size_t ReadyQueue::size() const {
   const std::lock_guard lock(mutex_);
-  return tasks_ == 0;
+  return tasks_;
 }
 
 }  // namespace gxy

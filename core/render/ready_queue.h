@@ -26,7 +26,8 @@ class ReadyQueue {
   void push(const Share& share, Task task, bool first = false);
   /// Takes the next; empty if there is none.
   Task pop();
-  bool empty() const;
+  bool empty() const { return size() == 0; }
+  size_t size() const;
 
  private:
   struct Tenant {

@@ -117,6 +117,19 @@ void Renderer::post(const Share& share, std::function<void()> task, bool first) 
   startRunner();
 }
 
+// Among those of others, if its frame has become one of these meanwhile.
+void Renderer::post(const FramePtr& frame, std::function<void()> task, bool first) {
+  const Share share = frame->share();
+  if (share.interactive)
+    task = [this, frame, task = std::move(task)] {
+      if (const Share now = frame->share(); now.interactive)
+        task();
+      else
+        post(now, task);
+    };
+  post(share, std::move(task), first);
+}
+
 // A runner takes whichever task is next. Where their number is bounded, one that ends makes way for another.
 void Renderer::startRunner() {
   int running = runners_;
@@ -158,6 +171,7 @@ Renderer::Counters Renderer::counters() const {
 Renderer::Kept Renderer::kept() const {
   Kept kept;
   kept.completionSets = completion_.setsKept();
+  kept.tasks = ready_.size();
   std::lock_guard lock(mutex_);
   kept.frames = frames_.size();
   for (const auto& [id, messages] : parked_) kept.parkedMessages += messages.size();
@@ -324,7 +338,6 @@ void Renderer::prepare(Frame& frame) {
   CompiledFrame compiled = compileFrame(scene, request.camera, 0, request.depth);
   if (request.samples > 0) compiled.samples = request.samples;
   compiled.firstSample = request.firstSample;
-  compiled.urgent = request.share.interactive;
   frame.samples = compiled.samples;
   frame.limits = limitsOf(scene, compiled);
   if (frame.owner == transport_.rank()) {
@@ -336,6 +349,7 @@ void Renderer::prepare(Frame& frame) {
   frame.tiles = std::move(list.tiles);
   frame.tileMemory = frame.account().tiles.another(int64_t(frame.tiles.capacity() * sizeof(Tile)));
   frame.device = frame.scene.device->makeFrame(compiled);
+  frame.device->setUrgent(request.share.interactive);
   std::lock_guard lock(mutex_);
   counters_.tilesSkipped += list.skipped * uint64_t(frame.samples);
   for (int p : scene.partitioning->owned(transport_.rank()))

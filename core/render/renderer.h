@@ -2,6 +2,7 @@
 // From camera to picture on all ranks: spawn, trace, forward, retire.
 #pragma once
 #include <atomic>
+#include <chrono>
 #include <cstdint>
 #include <functional>
 #include <map>
@@ -73,9 +74,11 @@ class Renderer {
     Ledger* ledger = nullptr;
     std::string tenant = "batch";  ///< whose memory it is
     int64_t interactiveRays = 0;   ///< credits that are kept for interactive frames
-    int64_t tenantRays = 0;        ///< credits that the frames of one tenant may have; 0: all
-    Trace* trace = nullptr;        ///< of packets, tiles, pictures and frames; outlives the Renderer
-    int runners = 0;               ///< tasks that it gives the Transport at once; 0: all there are
+    /// Of a rank's processors or device: after that a frame is like those that nobody watches.
+    std::chrono::nanoseconds urgentWork = std::chrono::seconds(1);
+    int64_t tenantRays = 0;  ///< credits that the frames of one tenant may have; 0: all
+    Trace* trace = nullptr;  ///< of packets, tiles, pictures and frames; outlives the Renderer
+    int runners = 0;         ///< tasks that it gives the Transport at once; 0: all there are
   };
   /// How a frame has ended: with a picture, or superseded, or with what went wrong on a rank or in its handler.
   struct Ending {
@@ -127,6 +130,7 @@ class Renderer {
     size_t parkedMessages = 0;          ///< of frames that have not started here
     size_t callbacks = 0, windows = 0;  ///< rank 0
     size_t completionSets = 0;
+    size_t tasks = 0;                           ///< that wait for their turn
     int64_t credits = 0;                        ///< out
     std::map<uint32_t, int64_t> tenantCredits;  ///< out, by tenant
   };
@@ -196,6 +200,7 @@ class Renderer {
   FramePtr takeCancelled();
   void post(std::function<void()> task);
   void post(const Share& share, std::function<void()> task, bool first = false);
+  void post(const FramePtr& frame, std::function<void()> task, bool first = false);
   void startRunner();
 
   Transport& transport_;

@@ -47,7 +47,7 @@ bool Renderer::tenantMayTake(const Frame& frame) const {
 // Those whose tenants have all they may have are passed over; the end, if there are no others.
 std::vector<Renderer::FramePtr>::iterator Renderer::nextToSpawn() {
   const auto rank = [this](const FramePtr& f) {
-    return std::tuple(!f->request.share.interactive, tenantTurns_[f->request.share.tenant], f->turn);
+    return std::tuple(!f->share().interactive, tenantTurns_[f->request.share.tenant], f->turn);
   };
   auto next = spawning_.end();
   for (auto f = spawning_.begin(); f != spawning_.end(); ++f)
@@ -85,7 +85,7 @@ void Renderer::pump() {
       frame = *next;
       tile = frame->nextTile();
       cost = frame->nextCost();
-      if (!mayTake(cost, frame->request.share.interactive)) return;
+      if (!mayTake(cost, frame->share().interactive)) return;
       credits_ -= cost;
       tenantOut_[frame->request.share.tenant] += cost;
       mostOut_ = std::max(mostOut_, options_.raysInFlight - credits_);
@@ -93,7 +93,7 @@ void Renderer::pump() {
       if (++frame->next == frame->allTiles()) spawning_.erase(next);
     }
     auto active = std::make_shared<Completion::Active>(completion_, frame->id);
-    post(frame->request.share, [this, frame, tile, cost, active] { spawnTile(frame, tile, cost); });
+    post(frame, [this, frame, tile, cost, active] { spawnTile(frame, tile, cost); });
   }
 }
 
@@ -131,8 +131,8 @@ void Renderer::answered(Asked& asked, TraceResult result) {
   }
   // the task that is posted does not keep the Renderer: it may never run
   const std::shared_ptr<void> inside = std::move(next->inside), expected = std::move(next->expected);
-  const Share share = next->frame->request.share;
-  post(share, [this, next = std::move(next)] {
+  const FramePtr frame = next->frame;
+  post(frame, [this, next = std::move(next)] {
     std::vector<Held> stack;
     next->then(next->answer, stack);
     process(next->frame, next->origin, std::move(stack));
@@ -176,6 +176,8 @@ Renderer::Held Renderer::hold(const Frame& frame, LeavingRays rays) {
 void Renderer::take(const FramePtr& frame, int origin, TraceResult& result, std::vector<Held>& stack) {
   if (!result.error.empty()) fail(frame, result.error);
   contribute(frame, result);
+  frame->work += result.counters.nsWork();
+  if (frame->device && !frame->share().interactive) frame->device->setUrgent(false);
   {
     std::lock_guard lock(mutex_);
     counters_.trace += result.counters;
@@ -251,8 +253,7 @@ void Renderer::putOff(const FramePtr& frame, int origin, std::vector<Held> rest)
   auto active = std::make_shared<Completion::Active>(completion_, frame->id);
   auto held = std::make_shared<std::vector<Held>>(std::move(rest));
   post(
-      frame->request.share, [this, frame, origin, active, held] { process(frame, origin, std::move(*held)); },
-      true);
+      frame, [this, frame, origin, active, held] { process(frame, origin, std::move(*held)); }, true);
 }
 
 void Renderer::forward(const FramePtr& frame, int rank, int partition, bool primary, int origin,
@@ -319,7 +320,7 @@ void Renderer::receiveRays(Bytes message) {
     retire(frame, header.origin, primary, uint64_t(header.count));
     throw;
   }
-  post(frame->request.share,
+  post(frame,
        [this, frame, origin = header.origin, active, held] { process(frame, origin, std::move(*held)); });
 }
 

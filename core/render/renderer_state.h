@@ -20,7 +20,8 @@ struct Renderer::Scene {
 };
 
 struct Renderer::Frame {
-  explicit Frame(const Options& options) : packet(options.packetRays) {}
+  explicit Frame(const Options& options)
+      : packet(options.packetRays), mostUrgentWork(uint64_t(options.urgentWork.count())) {}
 
   FrameId id = 0;
   FrameRequest request;
@@ -39,11 +40,15 @@ struct Renderer::Frame {
   std::atomic<size_t> tilesLeft = 0;  ///< not yet spawned completely
   uint64_t turn = 0;                  ///< when a tile of it was spawned last
   PacketSize packet;
+  const uint64_t mostUrgentWork;
+  std::atomic<uint64_t> work = 0;  ///< nanoseconds of this rank's processors, or of its device
   std::atomic<bool> cancelled = false;
   std::atomic<bool> failed = false;  ///< rank 0 has been told, by this rank
   const Trace::Clock::time_point begin = Trace::Clock::now();
 
   const Account& account() const { return own ? *own : *shared; }
+  /// A frame that takes long is no longer before all others.
+  Share share() const { return {request.share.tenant, request.share.interactive && work <= mostUrgentWork}; }
   size_t allTiles() const { return tiles.size() * size_t(samples); }
   Tile nextTile() const {
     Tile tile = tiles[next % tiles.size()];

@@ -206,23 +206,28 @@ void Datasets::add(const std::string& tenant, const std::string& name, Scope sco
 
 void Datasets::nameAll(const std::string& tenant, Scope scope, const std::vector<Unnamed>& added,
                        const json& updates) {
-  std::vector<NamedDataset> replaced;
+  std::vector<NamedDataset> replaced, all;
   try {
     const std::lock_guard naming(naming_);
-    for (const Unnamed& a : added)
-      if (auto before = mayName(tenant, a.name, scope)) replaced.push_back(*std::move(before));
-    if (!updates.empty()) commit(updates);
     for (const Unnamed& a : added) {
-      node_.directory.bind(a.name, scope, {a.key, nameOf(a.type), tenant, scope == Scope::Shared});
+      NamedDataset& d = all.emplace_back(
+          NamedDataset{a.key, a.name, scope, nameOf(a.type), tenant, scope == Scope::Shared});
+      if (auto before = mayName(tenant, a.name, scope)) {
+        d.owner = before->owner;  // who has published it for all to write
+        d.readOnly = before->readOnly;
+        replaced.push_back(*std::move(before));
+      }
+    }
+    if (!updates.empty()) commit(updates);
+    for (NamedDataset& d : all) {
+      node_.directory.bind(d.name, scope, {d.key, d.type, d.owner, d.readOnly});
+      d.generation = generationOf(d.key);
       const std::lock_guard lock(mutex_);
-      names_[a.key] = {a.name, scope};
-      newest_[tenant].push_back(a.key);
+      names_[d.key] = {d.name, scope};
+      newest_[d.owner].push_back(d.key);
     }
     for (const NamedDataset& before : replaced) tell({DatasetEvent::Kind::Dropped, before, {}});
-    for (const Unnamed& a : added)
-      tell({DatasetEvent::Kind::Added,
-            {a.key, a.name, scope, nameOf(a.type), tenant, scope == Scope::Shared, generationOf(a.key)},
-            {}});
+    for (const NamedDataset& d : all) tell({DatasetEvent::Kind::Added, d, {}});
   } catch (const Error&) {
     if (!updates.empty()) node_.callAll("datasets.abandon", updates);
     for (const Unnamed& a : added) dropObject(a.key);
@@ -271,22 +276,23 @@ void Datasets::rename(const std::string& tenant, const std::string& name, const 
 
 void Datasets::move(const std::string& tenant, const std::string& name, Scope to, bool readOnly) {
   const std::lock_guard naming(naming_);
-  NamedDataset d = get(tenant, name);
+  const Scope from = to == Scope::Shared ? Scope::Private : Scope::Shared;
+  const auto entry = node_.directory.find(tenant, name, from);
+  NamedDataset d = entry ? named(name, from, *entry) : get(tenant, name);
   if (d.owner != tenant)
     throw Error("dataset " + inQuotes(name) + " belongs to " + d.owner + ", expected one of your own");
-  if (d.scope == to)
+  if (!entry)
     throw Error("dataset " + inQuotes(name) + " is " + (to == Scope::Shared ? "shared" : "private") +
                 " already");
-  for (const Directory::Listed& other : node_.directory.list(tenant))
-    if (other.scope == to && other.name == name)
-      throw Error("the name " + inQuotes(name) + " is in use there, expected a free one");
+  if (node_.directory.find(tenant, name, to))
+    throw Error("the name " + inQuotes(name) + " is in use there, expected a free one");
   node_.directory.bind(name, to, {d.key, d.type, d.owner, readOnly});
   {
     const std::lock_guard lock(mutex_);
     names_[d.key].second = to;
   }
-  node_.directory.remove(tenant, name, d.scope);
-  const Scope from = std::exchange(d.scope, to);
+  node_.directory.remove(tenant, name, from);
+  d.scope = to;
   d.readOnly = readOnly;
   if (to == Scope::Shared) return tell({DatasetEvent::Kind::Added, d, {}});
   d.scope = from;

@@ -269,7 +269,7 @@ void Datasets::import(Request& request, const Import& what) {
   for (const DatasetSpec& d : specs) {
     json spec = specToJson(d);
     const auto present = mayName(tenant, d.name, what.scope);
-    const bool update = present && present->owner == tenant && present->type == nameOf(d.type);
+    const bool update = present && present->type == nameOf(d.type);
     const Key key = update ? present->key : node_.keys.next();
     spec["key"] = key.value;
     spec["update"] = update;

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
+#include <cstdio>
 #include <vector>
 
 #include "gxy/comm/error.h"
@@ -104,14 +106,23 @@ json statisticsOfRank(const Node& node) {
             {"in flight", kept.credits},
             {"by tenant", byTenant}}},
           {"frames", kept.frames},
+          {"tasks waiting", kept.tasks},
           {"messages", t.messagesSent},
           {"bytes", t.bytesSent},
           {"packets", t.packetsSent},
+          {"bytes waiting", t.bytesWaiting},
           {"most bytes waiting", t.mostBytesWaiting}};
 }
 
-std::string mebibytes(const json& bytes) {
-  return std::to_string((bytes.get<int64_t>() + (1 << 19)) >> 20) + " MiB";
+// To three digits.
+std::string sizeText(const json& bytes) {
+  constexpr const char* units[] = {" B", " KiB", " MiB", " GiB", " TiB"};
+  double size = bytes.get<double>();
+  size_t unit = 0;
+  for (; size >= 999.5 && unit + 1 < std::size(units); unit++) size /= 1024;
+  char text[32];
+  std::snprintf(text, sizeof text, "%.*f%s", unit == 0 || size >= 99.95 ? 0 : 1, size, units[unit]);
+  return text;
 }
 
 json stat(Request& request) {
@@ -127,18 +138,34 @@ json stat(Request& request) {
   std::string text = "up " + std::to_string(int64_t(seconds)) + " s, " + std::to_string(node.ranks()) +
                      " ranks, " + std::to_string(result["clients"].size()) + " clients";
   for (const json& rank : result["ranks"]) {
-    text += "\nrank " + rank["rank"].dump() + ": " + mebibytes(rank["memory"]["ledger"]) +
-            " in the ledger (of " + mebibytes(rank["memory"]["limit"]) + "), " +
-            mebibytes(rank["memory"]["resident"]) + " resident, " + rank["frames"].dump() + " frames, " +
-            rank["rays"]["in flight"].dump() + " rays in flight, " + rank["messages"].dump() + " messages";
+    text += "\nrank " + rank["rank"].dump() + ": " + sizeText(rank["memory"]["ledger"]) +
+            " in the ledger (of " + sizeText(rank["memory"]["limit"]) + "), " +
+            sizeText(rank["memory"]["resident"]) + " resident, " + rank["frames"].dump() + " frames, " +
+            rank["rays"]["in flight"].dump() + " rays in flight, " + rank["tasks waiting"].dump() +
+            " tasks and " + sizeText(rank["bytes waiting"]) + " waiting, " + rank["messages"].dump() +
+            " messages of " + sizeText(rank["bytes"]) + " sent";
     for (const json& line : rank["memory"]["by purpose"])
       text += "\n  " + line["tenant"].get<std::string>() + ", " + line["purpose"].get<std::string>() + ": " +
-              mebibytes(line["bytes"]);
+              sizeText(line["bytes"]);
+  }
+  for (const json& tenant : result["tenants"]) {
+    const json& name = tenant["tenant"];
+    int64_t rays = 0;
+    for (const json& rank : result["ranks"])
+      for (const json& line : rank["rays"]["by tenant"])
+        if (line["tenant"] == name) rays += line["in flight"].get<int64_t>();
+    const auto frames = tenant["frames"].get<double>();
+    text += "\ntenant " + name.get<std::string>() + ": " + tenant["frames in flight"].dump() +
+            " frames and " + std::to_string(rays) + " rays in flight, " + tenant["frames"].dump() +
+            " frames made";
+    if (frames > 0)
+      text += " in " + numberText(std::round(tenant["frame seconds"].get<double>() / frames * 1e4) / 1e4) +
+              " s on average";
   }
   for (const json& c : result["clients"])
     text += "\nclient " + c["session"].dump() + ": " + c["client"].get<std::string>() + " of " +
-            c["tenant"].get<std::string>() + ", " + mebibytes(c["queued bytes"]) + " queued, " +
-            mebibytes(c["sent bytes"]) + " sent";
+            c["tenant"].get<std::string>() + ", " + sizeText(c["queued bytes"]) + " queued, " +
+            sizeText(c["sent bytes"]) + " sent";
   result["text"] = text;
   return result;
 }

@@ -94,6 +94,35 @@ TEST(Data, TenantsSeeOnlyWhatIsShared) {
   EXPECT_EQ(names(*ann), Names{"ball"});
 }
 
+TEST(Data, WhatIsPublishedForAllToWriteStaysItsOwners) {
+  const auto server = serve();
+  writeBall(server->folder().path().string(), "twice", 16, 2);
+  const auto ann = dataClient(*server, "ann"), bob = dataClient(*server, "bob"),
+             cid = dataClient(*server, "cid");
+  ann->expect(importBall("ball"));
+  ann->expect("publish ball writable");
+  Generation generation = 1;
+  for (Client* writer : {bob.get(), cid.get(), ann.get()}) {
+    writer->expect("import shared " + importBall("ball", "twice.vol").substr(sizeof "import"));
+    const json d = ann->expect("list").at("datasets").at(0);
+    EXPECT_EQ(d.at("owner"), "ann");
+    EXPECT_EQ(d.at("generation"), ++generation);
+  }
+  EXPECT_FALSE(bob->request("rename ball mine").ok);
+  EXPECT_FALSE(bob->request("unpublish ball").ok);
+  ann->expect(importBall("ball"));  // a private one, by which it is hidden
+  ann->expect("rename ball other");
+  ann->expect(importBall("ball"));
+  const Reply taken = ann->request("unpublish ball");
+  EXPECT_NE(taken.error.find("is in use there"), std::string::npos) << taken.error;
+  ann->expect("drop ball");
+  ann->expect("unpublish ball");
+  EXPECT_EQ(names(*bob), Names{});
+  ann->expect("publish ball writable");
+  bob->expect("drop ball");
+  EXPECT_EQ(names(*ann), Names{"other"});
+}
+
 TEST(Data, AnImportUnderANameInUseIsANewGeneration) {
   const auto server = serve();
   writeBall(server->folder().path().string(), "twice", 16, 2);

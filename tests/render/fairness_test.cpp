@@ -150,6 +150,36 @@ TEST(Fairness, AWatchedFrameWaitsForAtMostTwoPacketsOfABatchOnEachRank) {
   }
 }
 
+// A watched frame of many rays goes first until its time is up, and then takes turns with a batch.
+TEST(Fairness, AFrameThatTakesLongIsNoLongerBeforeAllOthers) {
+  const TestScene scene = balls({64, 64});
+  const Cut cut = lattice(sceneDomain(), {1, 1, 1}, 1);
+  FrameRequest large, small;
+  large.scene = small.scene = 1;
+  large.camera = small.camera = scene.camera;
+  large.share = {1, true};
+  small.share = {2, false};
+  large.samples = 20;
+  const auto largeIsFirst = [&](std::chrono::nanoseconds urgentWork) {
+    FrameRun run = inSmallPackets(5);
+    run.options.runners = 1;
+    run.options.raysInFlight = 40000;
+    run.options.interactiveRays = 10000;
+    run.options.urgentWork = urgentWork;
+    Frames frames(1, run);
+    frames.add(1, compiledOn(cut, scene));
+    const FrameId watched = frames.start(large), other = frames.start(small);
+    while (frames.outcome(watched).finished == 0 && frames.outcome(other).finished == 0)
+      if (!frames.world().step()) break;
+    const bool first = frames.outcome(watched).finished > 0;
+    frames.run();
+    EXPECT_EQ(frames.outcome(watched).finished + frames.outcome(other).finished, 2);
+    return first;
+  };
+  EXPECT_TRUE(largeIsFirst(std::chrono::hours(1)));
+  EXPECT_FALSE(largeIsFirst(std::chrono::nanoseconds(1)));
+}
+
 // However many frames one has, its rays in flight are bounded on each rank, and the other goes on.
 TEST(Fairness, ATenantHasSoManyRaysInFlightAndNoMore) {
   constexpr int64_t kMost = 20000;

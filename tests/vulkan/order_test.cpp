@@ -56,10 +56,10 @@ TEST(UrgentFrames, WaitForThreeBatchesAtMost) {
   const agreement::TestScene scene = oneTile();
   const auto compiled = scene.compile();
   const auto device = testedVulkan().makeScene(compiled, 0);
-  CompiledFrame frame = compileFrame(*compiled, scene.camera, 0, false);
+  const CompiledFrame frame = compileFrame(*compiled, scene.camera, 0, false);
   const auto other = device->makeFrame(frame);
-  frame.urgent = true;
   const auto urgent = device->makeFrame(frame);
+  urgent->setUrgent(true);
   uint64_t batches = 0, whenAsked = 0, whenAnswered = 0;  // of the other frame
   Answers answers;
   for (int i = 0; i < kTiles; i++) {
@@ -83,10 +83,10 @@ TEST(OtherFrames, GoInSmallBatchesWhereTheDeviceTakesLong) {
   const agreement::TestScene scene = oneTile();
   const auto compiled = scene.compile();
   const vulkan::VulkanScene device(std::make_shared<vulkan::Context>(testDevice()), compiled, 0);
-  CompiledFrame compiledFrame = compileFrame(*compiled, scene.camera, 0, false);
+  const CompiledFrame compiledFrame = compileFrame(*compiled, scene.camera, 0, false);
   const auto frame = device.makeFrame(compiledFrame);
-  compiledFrame.urgent = true;
   const auto urgent = device.makeFrame(compiledFrame);
+  urgent->setUrgent(true);
   device.batchSize().took(device.batchSize().rays(), std::chrono::seconds(1));
   uint64_t batches = 0;
   Answers answers;
