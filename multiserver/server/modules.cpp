@@ -83,7 +83,9 @@ std::string Modules::fileOf(const std::string& name) const {
   if (failed || file.parent_path() != folder) {
     std::string names;
     for (const std::string& other : available()) names += (names.empty() ? "" : ", ") + other;
-    throw Error("module " + inQuotes(name) + ": there is none, expected one of: " + names);
+    throw Error(
+        "module " + inQuotes(name) + ": there is none, " +
+        (names.empty() ? "nor any other in the server's module folder" : "expected one of: " + names));
   }
   return file.string();
 }

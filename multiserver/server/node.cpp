@@ -2,6 +2,7 @@
 #include "gxy/server/node.h"
 
 #include <algorithm>
+#include <filesystem>
 #include <future>
 #include <set>
 
@@ -13,6 +14,15 @@
 namespace gxy {
 
 namespace {
+
+// Before anything is made of them that other ranks could write to.
+NodeOptions checked(NodeOptions options) {
+  const std::string& folder = options.moduleFolder;
+  std::error_code failed;
+  if (!folder.empty() && !std::filesystem::is_directory(folder, failed))
+    throw Error(folder + ": it is no folder, expected that of the server's modules");
+  return options;
+}
 
 Renderer::Options rendererOptions(const NodeOptions& options, Ledger& ledger) {
   Renderer::Options r;
@@ -30,7 +40,7 @@ Renderer::Options rendererOptions(const NodeOptions& options, Ledger& ledger) {
 
 Node::Node(Transport& t, NodeOptions o, const BackendRegistry& backends)
     : transport(t),
-      options(std::move(o)),
+      options(checked(std::move(o))),
       folders(options.dataFolders),
       keys(t.rank()),
       tenants(options.tenantFrames),

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "gxy/comm/error.h"
+#include "gxy/protocol/statement.h"
 #include "gxy/scene/read_context.h"
 #include "gxy/server/modules.h"
 
@@ -19,6 +20,7 @@ using nlohmann::json;
 
 struct Offered {
   std::string name;  ///< as to be typed
+  std::string full;  ///< with its module, which is always unambiguous
   const Verb* verb;
 };
 
@@ -27,12 +29,13 @@ const std::vector<Verb>& serverVerbs();
 // All that a session can say, hidden verbs by their full names.
 std::vector<Offered> offeredTo(const Session& session) {
   std::vector<Offered> offered;
-  for (const Verb& verb : serverVerbs()) offered.push_back({verb.name, &verb});
+  for (const Verb& verb : serverVerbs()) offered.push_back({verb.name, "server." + verb.name, &verb});
   for (const auto& module : session.modules())
     for (const Verb& verb : module->verbs()) {
       const bool hidden =
           std::any_of(offered.begin(), offered.end(), [&](const Offered& o) { return o.name == verb.name; });
-      offered.push_back({hidden ? module->name() + "." + verb.name : verb.name, &verb});
+      const std::string full = module->name() + "." + verb.name;
+      offered.push_back({hidden ? full : verb.name, full, &verb});
     }
   return offered;
 }
@@ -41,8 +44,8 @@ json help(Request& request) {
   const std::string wanted = request.arguments();
   json verbs = json::array();
   std::string text;
-  for (const auto& [name, verb] : offeredTo(request.session())) {
-    if (!wanted.empty() && wanted != name && wanted != verb->name) continue;
+  for (const auto& [name, full, verb] : offeredTo(request.session())) {
+    if (!wanted.empty() && wanted != full && wanted != verb->name) continue;
     verbs.push_back({{"verb", name}, {"arguments", verb->arguments}, {"help", verb->help}});
     text += (text.empty() ? "" : "\n") + name + (verb->arguments.empty() ? "" : " " + verb->arguments) +
             ";\n    " + verb->help;
@@ -189,15 +192,25 @@ json quit(Request& request) {
   return nullptr;
 }
 
+// A verb that takes no arguments.
+Verb alone(std::string name, std::string help, Order order, json (*action)(Request&)) {
+  Verb verb{std::move(name), "", std::move(help), order, {}};
+  verb.action = [usage = verb.name, action](Request& request) {
+    protocol::Arguments(request.arguments(), usage).expectEnd();
+    return action(request);
+  };
+  return verb;
+}
+
 const std::vector<Verb>& serverVerbs() {
   static const std::vector<Verb> verbs{
       {"help", "[VERB]", "Lists what can be asked.", Order::AtOnce, help},
       {"load", "MODULE", "Loads a module for this session.", Order::InTurn, load},
-      {"modules", "", "Lists the session's modules, and those there are.", Order::InTurn, modules},
-      {"stat", "", "What the server uses and does, by rank, tenant and client.", Order::Aside, stat},
+      alone("modules", "Lists the session's modules, and those there are.", Order::InTurn, modules),
+      alone("stat", "What the server uses and does, by rank, tenant and client.", Order::Aside, stat),
       {"cancel", "ID", "Ends a request of this session.", Order::AtOnce, cancel},
       {"echo", "[TEXT]", "Answers with the same text.", Order::InTurn, echo},
-      {"quit", "", "Stops the server (administrators).", Order::InTurn, quit}};
+      alone("quit", "Stops the server (administrators).", Order::InTurn, quit)};
   return verbs;
 }
 

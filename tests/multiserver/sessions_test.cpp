@@ -12,6 +12,7 @@
 #include <thread>
 
 #include "gxy/comm/error.h"
+#include "gxy/server/module.h"
 #include "multiserver/test_server.h"
 
 namespace gxy::test {
@@ -110,6 +111,47 @@ TEST(Sessions, AModuleWithAWorkThatThereIsAlreadyChangesNothing) {
     EXPECT_FALSE(server.node(rank).work.contains("clashing.first")) << rank;
 }
 
+TEST(Sessions, AModuleOfAnotherInterfaceIsRefusedBeforeItRuns) {
+  const TemporaryFolder folder;
+  std::filesystem::copy_file(GALAXY_FOREIGN_MODULE, folder / "galaxy_foreign.so");
+  std::filesystem::copy_file(std::filesystem::path(GALAXY_MODULES) / "galaxy_data.so",
+                             folder / "galaxy_data.so");
+  ServerSetup s = setup();
+  s.modules = folder.path().string();
+  TestServer server(std::move(s));
+  const auto client = server.client();
+  for (int times = 0; times < 2; times++)
+    EXPECT_EQ(client->request("load foreign").error,
+              "module foreign: it was built for interface " + std::to_string(kModuleAbi + 1) + ", expected " +
+                  std::to_string(kModuleAbi) + "; build it anew against this server");
+  EXPECT_EQ(client->expect("modules").at("loaded"), json::array());
+  for (int rank = 0; rank < 2; rank++) EXPECT_FALSE(server.node(rank).work.contains("foreign.work")) << rank;
+  client->expect("load data");
+  client->expect("list");
+}
+
+TEST(Sessions, AServerWhoseModuleFolderIsNoneDoesNotStart) {
+  for (const std::string& folder : {std::string("/nonexistent"), std::string(GALAXY_FOREIGN_MODULE)}) {
+    ServerSetup s = setup();
+    s.modules = folder;
+    try {
+      TestServer server(std::move(s));
+      ADD_FAILURE() << "it has started with modules in " << folder;
+    } catch (const Error& e) {
+      EXPECT_EQ(e.what(), folder + ": it is no folder, expected that of the server's modules");
+    }
+  }
+}
+
+TEST(Sessions, AFolderWithoutModulesIsToldAsOne) {
+  const TemporaryFolder folder;
+  ServerSetup s = setup();
+  s.modules = folder.path().string();
+  TestServer server(std::move(s));
+  EXPECT_EQ(server.client()->request("load data").error,
+            "module \"data\": there is none, nor any other in the server's module folder");
+}
+
 TEST(Sessions, VerbsAreResolvedAsTheProtocolSays) {
   TestServer server(setup());
   const auto client = server.client();
@@ -124,7 +166,24 @@ TEST(Sessions, VerbsAreResolvedAsTheProtocolSays) {
   const Reply misspelt = client->request("lisst");
   EXPECT_NE(misspelt.error.find("did you mean `list`"), std::string::npos) << misspelt.error;
   EXPECT_GT(client->expect("help").at("verbs").size(), 20u);
-  EXPECT_EQ(client->expect("help import").at("verbs").size(), 1u);
+  for (const char* one :
+       {"help import", "help data.import", "help server.stat", "help stat", "server.help help"})
+    EXPECT_EQ(client->expect(one).at("verbs").size(), 1u) << one;
+  for (const char* none : {"help viewer.import", "help server.import", "help data.", "help import drop"})
+    EXPECT_NE(client->request(none).error.find("there is no verb"), std::string::npos) << none;
+}
+
+TEST(Sessions, VerbsWithoutArgumentsRefuseThem) {
+  TestServer server(setup());
+  const auto client = server.client();
+  client->expect("load data");
+  client->expect("load viewer");
+  for (const json& verb : client->expect("help").at("verbs"))
+    if (verb.at("arguments") == "") {
+      const auto name = verb.at("verb").get<std::string>();
+      EXPECT_EQ(client->request(name + " foo").error, "\"foo\" is too much, expected `" + name + "`");
+    }
+  EXPECT_FALSE(server.stopAsked());
 }
 
 TEST(Sessions, StatCountsWhatIsThere) {

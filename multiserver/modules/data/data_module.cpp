@@ -21,7 +21,8 @@ json listed(const NamedDataset& d) {
 
 Datasets& datasetsOf(const Request& request) { return *request.session().node().datasets; }
 
-json list(Request& request) {
+json list(Request& request, protocol::Arguments arguments) {
+  arguments.expectEnd();
   json datasets = json::array();
   std::string text = "datasets:";
   for (const NamedDataset& d : datasetsOf(request).list(request.session().tenant())) {
@@ -201,7 +202,7 @@ Verb verb(std::string name, std::string arguments, std::string help, Order order
 
 GALAXY_MODULE(registration) {
   using namespace gxy;
-  registration.verb({"list", "", "Names the datasets.", Order::InTurn, list});
+  registration.verb(verb("list", "", "Names the datasets.", Order::InTurn, list));
   registration.verb(verb("info", "[NAME]", "What is known of a dataset, or of all.", Order::InTurn, info));
   registration.verb(verb("import", "[shared] [new | like NAME] {\"Datasets\": [...]}",
                          "Reads files; each becomes a dataset, or a new generation of one.", Order::Aside,
