@@ -47,15 +47,14 @@ class Client::Impl {
     protocol::Hello hello;
     hello.client = options_.name;
     hello.tenant = options_.tenant;
-    if (options_.tokenFile != "-")
-      hello.token = protocol::readToken(options_.tokenFile.empty() ? protocol::tokenFile(options_.port)
-                                                                   : options_.tokenFile);
+    std::string noToken;  // why there is none to send
     const std::string where = options_.host + " port " + std::to_string(options_.port);
     try {
       const auto end = std::chrono::steady_clock::now() + options_.patience;
       tcp::resolver resolver(context_);
       const auto found = waitFor(
           resolver.async_resolve(options_.host, std::to_string(options_.port), asio::use_future), end);
+      hello.token = tokenFor(found, noToken);
       waitFor(asio::async_connect(socket_, found, asio::use_future), end);
       socket_.set_option(tcp::no_delay(true));
       asio::write(socket_, asio::buffer(protocol::preamble()));
@@ -67,7 +66,8 @@ class Client::Impl {
         return waitFor(socket_.async_read_some(buffer, asio::use_future), end);
       });
       if (const auto reason = protocol::afterWord(answer.text(), "bye"))
-        throw Error("server at " + where + ": " + std::string(*reason));
+        throw Error("server at " + where + ": " + std::string(*reason) +
+                    (noToken.empty() ? "" : " (none was sent: " + noToken + ")"));
       welcome_ = protocol::parseWelcome(answer.text());
     } catch (const boost::system::system_error& e) {
       throw Error("cannot connect to " + where + ": " + e.code().message() + "; is a server running there?");
@@ -104,6 +104,25 @@ class Client::Impl {
   std::atomic<bool> connected_ = false;
 
  private:
+  // The token of the user's run directory is for servers of this machine: no other is sent it by itself. An ssh tunnel ends
+  // here, too. Where there is none, the server may still be one that asks for none.
+  std::string tokenFor(const tcp::resolver::results_type& found, std::string& whyNone) const {
+    if (options_.tokenFile == "-") return {};
+    if (!options_.tokenFile.empty()) return protocol::readToken(options_.tokenFile);
+    for (const auto& entry : found)
+      if (!entry.endpoint().address().is_loopback())
+        throw Error("host " + options_.host + " is another machine (" +
+                    entry.endpoint().address().to_string() +
+                    "), and everything goes there as clear text, the token, too: expected an ssh tunnel, or "
+                    "--token-file with a copy of the server's token");
+    try {
+      return protocol::readToken(protocol::tokenFile(options_.port));
+    } catch (const Error& e) {
+      whyNone = e.what();
+      return {};
+    }
+  }
+
   // Runs what has been started. Throws where that has not come by `end`: nothing else may be done with the socket then.
   template <class T>
   T waitFor(std::future<T> result, std::chrono::steady_clock::time_point end) {

@@ -14,6 +14,11 @@
 
 namespace gxy {
 
+/// Help text of programs' option --token-file, which sets Client::Options::tokenFile.
+inline constexpr const char* kTokenFileHelp =
+    "file with the server's token, - for none (default: where a server on this machine leaves it, if it "
+    "does; servers elsewhere need this option, or an ssh tunnel to here)";
+
 /// What a request was answered.
 struct Reply {
   bool ok = false;
@@ -28,7 +33,9 @@ class Client {
   struct Options {
     std::string host = "127.0.0.1";
     uint16_t port = 5001;
-    std::string tokenFile;  ///< empty: the user's run directory (gxy/protocol/run_files.h); "-": no token
+    /// Empty: that of the user's run directory (gxy/protocol/run_files.h), if there is one, for servers on this machine, and
+    /// an error for others; "-": no token.
+    std::string tokenFile;
     std::string name = "client";
     std::string tenant = "user";        ///< for servers without tokens
     std::chrono::seconds patience{10};  ///< for connecting and the handshake

@@ -107,6 +107,16 @@ class Session(unittest.TestCase):
         with self.assertRaisesRegex(galaxy.GalaxyError, "/nowhere/token.*is a server running"):
             galaxy.Client(port=server.port, token_file="/nowhere/token")
 
+    def test_another_machine_is_sent_no_token_by_itself(self):
+        for host in ("192.0.2.1", "2001:db8::1", "0.0.0.0"):
+            with self.assertRaisesRegex(galaxy.GalaxyError, f"host {host} is another machine.*clear text"):
+                galaxy.Client(host, server.port)
+
+    def test_this_machine_is_sent_none_where_there_is_none(self):
+        for host in ("127.0.0.1", "localhost"):
+            with self.assertRaisesRegex(galaxy.GalaxyError, f"token is wrong.*none was sent: .*{server.port}.token"):
+                galaxy.Client(host, server.port)
+
     def test_no_server_is_an_error_that_says_so(self):
         with socket.socket() as taken:  # bound and not listening: nobody answers there
             taken.bind(("127.0.0.1", 0))

@@ -6,12 +6,15 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <future>
+#include <optional>
 #include <thread>
 
 #include "gxy/comm/error.h"
+#include "gxy/protocol/run_files.h"
 #include "gxy/server/module.h"
 #include "multiserver/test_server.h"
 
@@ -25,6 +28,27 @@ ServerSetup setup() {
   setup.modules = GALAXY_MODULES;
   return setup;
 }
+
+/// A run directory of its own, while it lives.
+class RunDirectory {
+ public:
+  RunDirectory() {
+    if (const char* user = std::getenv("XDG_RUNTIME_DIR")) before_ = user;
+    setenv("XDG_RUNTIME_DIR", folder_.path().c_str(), 1);
+  }
+  ~RunDirectory() {
+    if (before_)
+      setenv("XDG_RUNTIME_DIR", before_->c_str(), 1);
+    else
+      unsetenv("XDG_RUNTIME_DIR");
+  }
+  RunDirectory(const RunDirectory&) = delete;
+  RunDirectory& operator=(const RunDirectory&) = delete;
+
+ private:
+  const TemporaryFolder folder_;
+  std::optional<std::string> before_;
+};
 
 TEST(Sessions, AnswerEachRequestOnceInTheirOrder) {
   TestServer server(setup());
@@ -64,6 +88,42 @@ TEST(Sessions, TokensSayWhoMayEnterAndWho) {
   EXPECT_FALSE(server.stopAsked());
   EXPECT_TRUE(enter("best")->request("quit").ok);
   EXPECT_TRUE(server.waitForStop());  // the reply comes first
+}
+
+TEST(Sessions, OnlyServersOfThisMachineAreSentTheTokenThatIsHere) {
+  const RunDirectory here;
+  ServerSetup s = setup();
+  s.tokens = {{"good", "ann"}};
+  TestServer server(std::move(s));
+  Client::Options options = server.options();
+  options.tokenFile.clear();
+  const auto refusal = [&](const std::string& host) {
+    options.host = host;
+    try {
+      Client client(options);
+      return std::string("let in");
+    } catch (const Error& e) {
+      return std::string(e.what());
+    }
+  };
+  const std::string file = protocol::tokenFile(server.port());
+  EXPECT_NE(refusal("127.0.0.1").find("the token is wrong"), std::string::npos);
+  EXPECT_NE(refusal("127.0.0.1").find("none was sent: " + file), std::string::npos);
+  protocol::makeRunDirectory();
+  protocol::writeToken(file, "good");
+  for (const char* host : {"127.0.0.1", "localhost"}) EXPECT_EQ(refusal(host), "let in") << host;
+  for (const char* host : {"127.0.0.3", "::1"})  // nobody listens there
+    EXPECT_NE(refusal(host).find("is a server running there?"), std::string::npos) << refusal(host);
+  for (const char* host : {"192.0.2.1", "2001:db8::1", "0.0.0.0"})
+    EXPECT_NE(refusal(host).find("is another machine"), std::string::npos) << refusal(host);
+}
+
+TEST(Sessions, AServerThatAsksForNoTokenTakesWhoeverHasNone) {
+  const RunDirectory here;
+  TestServer server(setup());
+  Client::Options options = server.options("ann");
+  options.tokenFile.clear();
+  EXPECT_EQ(Client(options).welcome().tenant, "ann");
 }
 
 TEST(Sessions, LoadModulesByBareNameOnly) {

@@ -19,8 +19,7 @@ std::optional<int> parseOptions(int argc, char** argv, ViewOptions& o) {
       ->required();
   app.add_option("-H,--host", o.client.host, "the server's machine")->capture_default_str();
   app.add_option("-P,--port", o.client.port, "the server's port")->capture_default_str();
-  app.add_option("--token-file", o.client.tokenFile,
-                 "the server's token (default: the user's run directory)");
+  app.add_option("--token-file", o.client.tokenFile, kTokenFileHelp);
   app.add_option("--snapshot", o.snapshot, "F.png: write one picture and end; needs no display");
   app.add_option("--size", size, "WIDTHxHEIGHT of the window (default: the camera's dimensions)");
   app.add_option("--passes", o.passes,

@@ -18,6 +18,7 @@ As a program, it leaves one picture of a state file: galaxy.py [-H HOST] [-P POR
 Pixels travel as zlib: Python's standard library has neither zstd nor JPEG.
 """
 import argparse
+import ipaddress
 import json
 import os
 import socket
@@ -58,6 +59,25 @@ def read_token(path):
     except OSError as e:
         raise GalaxyError(f"{path}: {e.strerror}; is a server running on that port, started by you? For one "
                           "elsewhere, copy its token file and name it") from e
+
+
+def _token_for(host, port):
+    """(the token of a server on this machine, why there is none). An ssh tunnel ends here, too.
+
+    No other machine is sent a token by itself. Where there is none the server may still be one that asks for none.
+    """
+    try:
+        addresses = {entry[4][0] for entry in socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)}
+    except OSError as e:
+        raise GalaxyError(f"cannot connect to {host} port {port}: {e}") from e
+    for address in addresses:
+        if not ipaddress.ip_address(address).is_loopback:
+            raise GalaxyError(f"host {host} is another machine ({address}), and everything goes there as clear text, the "
+                              "token, too: expected an ssh tunnel, or the file of a copy of the server's token")
+    try:
+        return read_token(token_file(port)), None
+    except GalaxyError as e:
+        return "", str(e)
 
 
 class Picture:
@@ -159,8 +179,9 @@ class Window:
 class Client:
     """One connection. A thread of its own reads, answers pings, and calls the callbacks, which must be short.
 
-    token        text; default: what is in token_file (default: where a server on this machine leaves it)
-    tenant       for servers that run with --no-token, which is said by token=""
+    token        text; default: what is in token_file; default: where a server on this machine leaves it, if it does, and an
+                 error for other machines
+    tenant       for servers that run with --no-token, for which there is token="" (or token_file="-")
     on_event     called with each event, a dict
     on_file      called with (request id, dict, bytes) for each picture of a batch to the client
     welcome      the server's answer to the handshake, a dict
@@ -168,8 +189,13 @@ class Client:
 
     def __init__(self, host="127.0.0.1", port=5001, token=None, token_file=None, tenant="user",
                  name="galaxy.py", on_event=None, on_file=None):
-        if token is None:
-            token = read_token(token_file or globals()["token_file"](port))
+        why_none = None
+        if token_file == "-":
+            token = ""
+        elif token is None and token_file:
+            token = read_token(token_file)
+        elif token is None:
+            token, why_none = _token_for(host, port)
         self._on_event, self._on_file = on_event, on_file
         self._lock = threading.Lock()  # of the four below
         self._replies, self._next_id, self._ended, self._windows = {}, 1, None, {}
@@ -190,7 +216,7 @@ class Client:
             _, _, answer = self._read_frame()
             word, _, rest = answer.decode().partition(" ")
             if word != "welcome":
-                raise GalaxyError(f"{host} port {port}: {rest}")
+                raise GalaxyError(f"{host} port {port}: {rest}" + (f" (none was sent: {why_none})" if why_none else ""))
             self.welcome = json.loads(rest)
             self._socket.settimeout(None)
         except (OSError, GalaxyError) as e:
@@ -323,7 +349,8 @@ def main():
     parser.add_argument("-o", metavar="PICTURE.png", default="picture.png")
     parser.add_argument("-H", "--host", default="127.0.0.1")
     parser.add_argument("-P", "--port", type=int, default=5001)
-    parser.add_argument("--token-file", help="default: where a server on this machine leaves it")
+    parser.add_argument("--token-file", help="file with the server's token; - for none (default: where a server on this "
+                        "machine leaves it, if it does; needed for servers elsewhere)")
     parser.add_argument("--passes", type=int, default=1, help="so many times the state's rays per pixel")
     arguments = parser.parse_args()
     try:
