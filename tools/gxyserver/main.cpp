@@ -6,6 +6,7 @@
 
 #include <pwd.h>
 #include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/address.hpp>
 #include <boost/asio/post.hpp>
 #include <boost/asio/signal_set.hpp>
 
@@ -122,12 +123,27 @@ class TokenFiles {
 };
 
 void announce(const ServeOptions& options, uint16_t port, int ranks, const TokenFiles& tokens) {
+  using namespace boost::asio::ip;
   const std::string p = std::to_string(port);
+  address where = make_address(options.server.bind);
+  if (where.is_unspecified())
+    where = where.is_v6() ? address(address_v6::loopback()) : address(address_v4::loopback());
+  const bool usual = where == address_v4::loopback();  // where clients look by themselves
+  const std::string host = where.to_string();
+  const std::string target = usual ? "localhost" : where.is_v6() ? "[" + host + "]" : host;
+  std::string here = "msdata", there = "msdata -P " + p;
+  if (!usual) here += " -H " + host;
+  if (port != 5001) here += " -P " + p;
+  if (tokens.files().empty())
+    here += where.is_loopback() ? "" : " --token-file -";
+  else if (!where.is_loopback() || !options.tokenFile.empty())
+    here += " --token-file " + tokens.files().front();
+  if (!tokens.files().empty()) there += " --token-file COPY";
   std::cout << "gxyserver: listening on " << options.server.bind << " port " << p << ", " << ranks << " rank"
             << (ranks > 1 ? "s" : "") << "\n"
-            << "gxyserver: on this machine:  msdata" << (port == 5001 ? "" : " -P " + p) << "\n"
-            << "gxyserver: from elsewhere:   ssh -N -L " << p << ":localhost:" << p << " " << hostName()
-            << "   then, there: msdata -P " << p << " --token-file COPY\n";
+            << "gxyserver: on this machine:  " << here << "\n"
+            << "gxyserver: from elsewhere:   ssh -N -L " << p << ":" << target << ":" << p << " "
+            << hostName() << "   then, there: " << there << "\n";
   for (const std::string& file : tokens.files()) std::cout << "gxyserver: token in " << file << "\n";
   if (options.noToken)
     std::cout << "gxyserver: no token is asked for: everybody who can connect may do all\n";

@@ -43,7 +43,8 @@ std::optional<int> parseOptions(int argc, char** argv, bool speaks, ServeOptions
       ->allow_extra_args(false);
   app.add_option("--backend", o.node.backend, kBackendHelp)->capture_default_str();
   app.add_option("--device", o.device, kDeviceHelp);
-  app.add_option("--memory", o.node.memory, "bytes for data, on each rank, as 8G")
+  app.add_option("--memory", o.node.memory, "bytes for data, on each rank, as 500M")
+      ->default_str(std::to_string(o.node.memory >> 30) + "G")
       ->transform(CLI::AsSizeValue(false))
       ->check(CLI::PositiveNumber);
   app.add_option("--tenant-memory", o.node.tenantMemory,
