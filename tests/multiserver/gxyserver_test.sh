@@ -69,6 +69,26 @@ check AFailedStatementIsSeenInTheExitCode test $? = 1
 check AndTheNextOneRunsNevertheless grep -q eightBalls out.txt
 check AWrongTokenIsTold bash -c "echo wrong >wrong; ! '$bin/msdata' -P $port --token-file wrong import.txt 2>error.txt && grep -q 'token is wrong' error.txt"
 
+# Events: told apart from replies, in the order in which they came, also to who waits for more input or has none.
+seen='import {"Datasets": {"name": "seen", "type": "Volume", "filename": "eightBalls.vol"}}'
+told() { grep -o '"\(event\|statement\)":"[a-z]*' | grep -v progress | cut -d '"' -f 2,4 | tr '"\n' ' ,'; }
+check EventsAreLinesOfJsonAmongReplies test "$(msdata --json -c "observe; $seen; drop seen" | told)" = \
+  "statement observe,event added,statement import,event dropped,statement drop,"
+check ProgressIsLinesOfJsonToo test "$(msdata --json -c "$seen; drop seen" | grep -c '"event":"progress"')" -ge 1
+check ForPeopleToo test "$(msdata -c "observe; $seen; drop seen" 2>&1)" = \
+  $'event: added seen, private Volume, generation 1\nevent: dropped seen, private Volume, generation 1'
+(echo 'observe; echo ready;'; for _ in $(seq 300); do [[ -e over ]] && break; sleep 0.1; done) | msdata >piped.txt &
+piped=$!
+"$bin/msdata" -P "$port" -c 'observe; echo ready' --follow >followed.txt &
+follows=$!
+came() { for _ in $(seq 300); do grep -q "$1" piped.txt && grep -q "$1" followed.txt && return; sleep 0.1; done; return 1; }
+came ready
+msdata -c "$seen; drop seen"
+check WhoWaitsForInputOrFollowsIsTold came 'event: dropped seen'
+touch over
+kill "$follows"
+wait "$piped" "$follows" 2>/dev/null
+
 cat >scene.json <<'END'
 {"Datasets": [{"name": "eightBalls", "type": "Volume", "filename": "eightBalls.vol"}],
  "Visualization": {"Lighting": {"shadows": true, "ao count": 2},
@@ -78,6 +98,18 @@ END
 echo "batch {\"prefix\": \"served\", \"state\": $(cat scene.json)}" | "$bin/msclient" -P "$port" -m viewer >/dev/null
 "$bin/gxyrender" scene.json -o alone >/dev/null 2>&1
 check PicturesAreThoseOfGxyrender cmp served_00000.png alone_00000.png
+
+mkdir -p there/pictures/blocked_00000.png
+batch() {  # batch PREFIX: a picture to the client, in folder there/pictures
+  (cd there/pictures && "$bin/msclient" -P "$port" -m viewer \
+    -c "batch {\"to\": \"client\", \"prefix\": \"$1\", \"state\": $(cat ../../scene.json)}")
+}
+check PicturesThatComeAreWrittenHere test "$(batch ../sent)" = $'  wrote sent_00000.png\n  1 pictures'
+check AndNowhereElse cmp there/pictures/sent_00000.png alone_00000.png
+check WhateverTheirNames test ! -e there/sent_00000.png
+batch blocked 2>error.txt
+check OneThatCannotBeWrittenIsSeenInTheExitCode test $? = 1
+check AndTold grep -q 'blocked_00000.png: cannot be written' error.txt
 
 check QuitByTheAdministratorStopsIt bash -c "echo 'quit;' | '$bin/msdata' -P $port"
 check InTime ended 10
@@ -104,6 +136,21 @@ start 2
 kill -TERM "$(ranks_of | tail -n 1)"
 check TermToAnyRankStopsIt ended 10
 check CleanlyToo test "$status" = 0 -a ! -e "$XDG_RUNTIME_DIR/galaxy/$port.token"
+
+announced() { sed -n "s/^gxyserver: $1: *//p" server.log; }
+start 1 --bind 127.0.0.3
+check WhatIsAnnouncedHereConnects test "$(eval "echo 'list;' | '$bin'/$(announced 'on this machine')")" = "  datasets:"
+check AndTheTunnelEndsThere grep -qF "ssh -N -L $port:127.0.0.3:$port " <(announced 'from elsewhere')
+kill -TERM "$(ranks_of)"
+ended 10
+start 1 --token-file its-token
+check SoItDoesWithATokenFile test "$(eval "echo 'list;' | '$bin'/$(announced 'on this machine')")" = "  datasets:"
+kill -TERM "$(ranks_of)"
+ended 10
+start 1 --no-token --bind 0.0.0.0
+check AndWithoutTokens test "$(eval "echo 'list;' | '$bin'/$(announced 'on this machine')")" = "  datasets:"
+kill -TERM "$(ranks_of)"
+ended 10
 
 start 2 --trace trace.json
 echo 'list;' | msdata >/dev/null
@@ -132,8 +179,18 @@ rm -f port
 check APortInUseIsAnErrorOnAllRanks test $? != 0
 check AndSaysSo grep -q "cannot listen on 127.0.0.1 port $other" second.log
 check AFolderThatIsNotThereIsAnErrorToo bash -c "! '$galaxy' serve --port 0 --data nowhere >third.log 2>&1 && grep -q nowhere third.log"
+check SoIsOneOfModules bash -c "! '$galaxy' serve --port 0 --modules /nonexistent >fifth.log 2>&1 && grep -q '/nonexistent: it is no folder' fifth.log"
 check SoIsADeviceThatIsNotThere bash -c "! '$galaxy' serve --port 0 --device nosuch >fourth.log 2>&1 && grep -q 'device \"nosuch\"' fourth.log"
 port=$other
 echo 'quit;' | msdata
 ended 10
+
+for program in msdata msclient; do
+  "$bin/$program" --nosuch 2>error.txt
+  check "WrongUsageOf${program}IsStatus2" test $? = 2
+done
+"$bin/msdata" -H 192.0.2.1 -c list 2>error.txt
+check NoTokenGoesElsewhereByItself test $? = 2
+check AndThatIsSaid grep -q 'another machine.*--token-file' error.txt
+check TheHelpSaysHowMuchMemory grep -Eq -- '--memory [^ ]* [^-]*=8G ' <("$bin/gxyserver" --help | tr -s ' \n' ' ')
 exit $((failures > 0))

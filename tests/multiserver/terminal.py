@@ -1,10 +1,12 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
 """terminal.py COMMAND...: a client at a terminal (pseudo-terminal) of a server that has a dataset eightBalls: Tab
-completes a verb, the arrow up brings the last line back, a statement may go over lines, Ctrl-D ends it with status 0."""
+completes a verb, the arrow up brings the last line back, a statement may go over lines, events come above the line that is
+being typed, long work shows how far it is, Ctrl-D ends it with status 0."""
 import os
 import pty
 import select
+import subprocess
 import sys
 import time
 
@@ -35,6 +37,23 @@ for typed, answers in [(b"lis\t", ["list "]), (b";\n", ["eightBalls", "? "]), (b
     os.write(terminal, typed)
     for answer in answers:
         until(answer)
+load = 'import {"Datasets": {"name": "seen", "type": "Volume", "filename": "eightBalls.vol"}}'
+os.write(terminal, b"observe;\n")
+until("? ")
+os.write(terminal, b"li")
+until("li")
+subprocess.run([*sys.argv[1:], "-c", load], check=True)
+until("event: added seen, private Volume, generation 1")
+until("? li")
+os.write(terminal, b"st;\n")
+for answer in ["datasets:", "seen", "? "]:
+    until(answer)
+os.write(terminal, load.encode() + b";\n")
+for answer in ["event: updated seen, private Volume, generation 2", "done: 2 of 2", "? "]:
+    until(answer)
+os.write(terminal, b"drop seen;\n")
+for answer in ["event: dropped seen", "? "]:
+    until(answer)
 os.write(terminal, b"\x04")
 status = os.waitstatus_to_exitcode(os.waitpid(process, 0)[1])
 if status != 0:

@@ -2,25 +2,20 @@
 // msdata and msclient: statements to a multiserver, typed or from scripts.
 #include <unistd.h>
 
-#include <CLI/CLI.hpp>
 #include <filesystem>
 #include <fstream>
 #include <iostream>
 #include <sstream>
 
 #include "gxy/comm/error.h"
-#include "gxy/protocol/json.h"
+#include "options.h"
+#include "output.h"
+#include "report.h"
 #include "statements.h"
 
 using namespace gxy;
 
 namespace {
-
-struct Options {
-  Client::Options client;
-  std::vector<std::string> modules, statements, scripts;
-  bool json = false;
-};
 
 std::vector<std::string> verbsOf(Client& client) {
   std::vector<std::string> words{"exit"};
@@ -29,10 +24,13 @@ std::vector<std::string> verbsOf(Client& client) {
   return words;
 }
 
-int run(const Options& options) {
+int run(SayOptions options) {
+  Output output;
+  Report report(output, options.json);
+  report.listenTo(options.client);
   Client client(options.client);
   for (const std::string& module : options.modules) client.expect("load " + module);
-  Runner runner(client, options.json);
+  Runner runner(client, report, output);
   bool on = true;
   const auto runText = [&](const std::string& text) {
     std::istringstream script(text);
@@ -58,50 +56,24 @@ int run(const Options& options) {
   }
   if (options.scripts.empty() && options.statements.empty()) {
     if (isatty(STDIN_FILENO))
-      readTerminal(verbsOf(client), [&](const std::string& statement) { return runner.run(statement); });
+      on = readTerminal(verbsOf(client), output,
+                        [&](const std::string& statement) { return runner.run(statement); });
     else
-      runner.runAll(std::cin);
+      on = runner.runAll(std::cin);
   }
-  return runner.failed() ? 1 : 0;
+  if (on && options.follow) throw Error("the connection has ended: " + report.waitForEnd());
+  return report.failed() ? 1 : 0;
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-#ifdef MSCLIENT_MODULE
-  const std::string name = "msdata";
-  CLI::App app(
-      "Works with the data of a multiserver: statements end with `;`, `help;` lists them, `exit;` leaves.",
-      name);
-#else
-  const std::string name = "msclient";
-  CLI::App app(
-      "Says statements to modules of a multiserver: they end with `;`, `help;` lists them, `exit;` leaves.",
-      name);
-#endif
-  Options options;
-  options.client.name = name;
-  app.add_option("-H,--host", options.client.host, "where the server runs")->capture_default_str();
-  app.add_option("-P,--port", options.client.port, "its port")->capture_default_str();
-  app.add_option("--token-file", options.client.tokenFile,
-                 "file with the server's token (default: that of the server on this machine)");
-  app.add_option("-m,--module", options.modules, "a module to load; may be repeated")
-      ->allow_extra_args(false);
-  app.add_flag("--json", options.json, "print a line of JSON for each statement");
-  app.add_option("-c,--command", options.statements, "a statement to run, before scripts; may be repeated")
-      ->allow_extra_args(false);
-  app.add_option(
-      "file", options.scripts,
-      "scripts; - is standard input; `stat` first, where no file is called so, is the statement. No "
-      "script and no -c: statements are read from the terminal");
-  CLI11_PARSE(app, argc, argv);
-#ifdef MSCLIENT_MODULE
-  options.modules.insert(options.modules.begin(), MSCLIENT_MODULE);
-#endif
+  SayOptions options;
+  if (const auto code = parseOptions(argc, argv, options)) return *code;
   try {
     return run(options);
   } catch (const std::exception& e) {
-    std::cerr << name << ": error: " << e.what() << '\n';
+    std::cerr << options.client.name << ": error: " << e.what() << '\n';
     return 2;
   }
 }

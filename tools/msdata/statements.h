@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where statements come from, and what becomes of their replies.
+// Where statements come from.
 #pragma once
 #include <functional>
 #include <istream>
@@ -7,31 +7,31 @@
 #include <vector>
 
 #include "gxy/client/client.h"
+#include "output.h"
+#include "report.h"
 
 namespace gxy {
 
-/// Runs statements one after the other.
+/// Runs statements one after the other: each is answered, and the answer printed, before the next.
 class Runner {
  public:
-  /// `json`: a line of JSON for each statement instead of text for people.
-  Runner(Client& client, bool json) : client_(client), json_(json) {}
+  Runner(Client& client, Report& report, Output& output)
+      : client_(client), report_(report), output_(output) {}
 
   /// False when the session is to end: `exit`, or the connection has ended.
   bool run(const std::string& statement);
   /// Runs a script; statements end with `;`, a line that begins with # is a comment. A last one without `;` runs too.
   bool runAll(std::istream& script);
 
-  bool failed() const { return failed_; }
-
  private:
-  void show(const std::string& statement, const Reply& reply);
-
   Client& client_;
-  const bool json_;
-  bool failed_ = false;
+  Report& report_;
+  Output& output_;
 };
 
-/// Reads statements from a terminal with editing, history and completion of verbs; `run` returns false to end.
-void readTerminal(const std::vector<std::string>& words, const std::function<bool(const std::string&)>& run);
+/// Reads statements from a terminal with editing, history and completion of verbs; `run` returns false to end, as this
+/// does then. What is to be printed while a line is edited is printed above it.
+bool readTerminal(const std::vector<std::string>& words, Output& output,
+                  const std::function<bool(const std::string&)>& run);
 
 }  // namespace gxy

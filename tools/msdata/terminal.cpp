@@ -16,6 +16,7 @@ namespace {
 
 // Readline's callbacks carry nothing with them.
 const std::vector<std::string>* completions = nullptr;
+Output* printed = nullptr;
 
 char* nextCompletion(const char* begun, int state) {
   static size_t next = 0;
@@ -32,23 +33,38 @@ char** complete(const char* begun, int start, int) {
   return start == 0 ? rl_completion_matches(begun, nextCompletion) : nullptr;
 }
 
+// Ten times a second while a line is edited: what has come meanwhile goes above it.
+int showArrivals() {
+  if (printed->printHeld([] { rl_clear_visible_line(); })) {
+    rl_on_new_line();
+    rl_redisplay();
+  }
+  return 0;
+}
+
 }  // namespace
 
-void readTerminal(const std::vector<std::string>& words, const std::function<bool(const std::string&)>& run) {
+bool readTerminal(const std::vector<std::string>& words, Output& output,
+                  const std::function<bool(const std::string&)>& run) {
   completions = &words;
+  printed = &output;
   rl_attempted_completion_function = complete;
+  rl_event_hook = showArrivals;
   using_history();
   std::string rest;
   for (;;) {
+    output.hold();
     const std::unique_ptr<char, decltype(&std::free)> line(readline(rest.empty() ? "? " : "> "), &std::free);
+    output.release();
     if (!line) break;
     if (*line) add_history(line.get());
     const std::string text = rest + line.get() + "\n";
     for (const std::string& statement : protocol::cutStatements(text, rest))
-      if (!run(statement)) return;
+      if (!run(statement)) return false;
     if (rest.find_first_not_of(" \t\r\n") == std::string::npos) rest.clear();
   }
   std::printf("\n");
+  return true;
 }
 
 }  // namespace gxy

@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "report.h"
+
+#include <filesystem>
+
+#include "gxy/comm/error.h"
+#include "gxy/io/replace_file.h"
+#include "gxy/protocol/json.h"
+
+namespace gxy {
+
+using nlohmann::json;
+
+namespace {
+
+std::string indented(const std::string& text) {
+  std::string out = "  ";
+  for (const char c : text) {
+    out += c;
+    if (c == '\n') out += "  ";
+  }
+  return out;
+}
+
+// A member for people, whatever it is; empty where there is none.
+std::string member(const json& object, const char* key) {
+  const auto found = object.find(key);
+  if (found == object.end()) return {};
+  return found->is_string() ? found->get<std::string>() : protocol::dump(*found);
+}
+
+// Whatever path the server says, nothing outside of the current folder is written.
+std::string pictureName(const json& header) {
+  const std::string name = member(header, "name");
+  const std::string own = std::filesystem::path(name).filename().string();
+  if (own.empty() || own == "." || own == ".." || own.find('\0') != std::string::npos)
+    throw Error("a picture has come under the name \"" + name + "\", expected that of a file");
+  return own;
+}
+
+}  // namespace
+
+std::string eventText(const json& event) {
+  const std::string kind = member(event, "event");
+  if (event.contains("to"))
+    return "event: " + kind + " " + member(event, "name") + " to " + member(event, "to") + ", " +
+           member(event, "scope");
+  if (event.contains("generation"))
+    return "event: " + kind + " " + member(event, "name") + ", " + member(event, "scope") + " " +
+           member(event, "type") + ", generation " + member(event, "generation");
+  json others = event;
+  others.erase("event");
+  return "event: " + kind + " " + protocol::dump(others);
+}
+
+void Report::listenTo(Client::Options& options) {
+  options.onEvent = [this](const json& e) { event(e); };
+  options.onFile = [this](uint32_t, const json& header, std::span<const std::byte> content) {
+    picture(header, content);
+  };
+  options.onEnd = [this](const std::string& reason) { ended_.set_value(reason); };
+}
+
+void Report::reply(const std::string& statement, const Reply& reply) {
+  if (!reply.ok) failed_ = true;
+  if (json_) {
+    json line{{"statement", statement}, {"ok", reply.ok}};
+    if (reply.ok)
+      line["reply"] = reply.value;
+    else
+      line["error"] = reply.error;
+    output_.line(protocol::dump(line));
+  } else if (!reply.ok) {
+    output_.error("error: " + reply.error);
+  } else if (const auto text = reply.value.find("text"); text != reply.value.end() && text->is_string()) {
+    if (!text->get_ref<const std::string&>().empty()) output_.line(indented(text->get<std::string>()));
+  } else if (!reply.value.is_null() && !reply.value.empty()) {
+    output_.line(indented(reply.value.dump(2)));
+  }
+}
+
+void Report::event(const json& event) {
+  if (json_)
+    output_.line(protocol::dump(event));
+  else if (member(event, "event") == "progress")
+    output_.progress("  " + member(event, "text") + ": " + member(event, "done") + " of " +
+                     member(event, "of"));
+  else
+    output_.line(eventText(event));
+}
+
+void Report::picture(const json& header, std::span<const std::byte> content) {
+  try {
+    const std::string name = pictureName(header);
+    replaceFile(name, content);
+    if (json_)
+      output_.line(protocol::dump({{"file", name}, {"bytes", content.size()}}));
+    else
+      output_.line("  wrote " + name);
+  } catch (const Error& e) {
+    failed_ = true;
+    if (json_)
+      output_.line(protocol::dump({{"file", member(header, "name")}, {"error", e.what()}}));
+    else
+      output_.error(std::string("error: ") + e.what());
+  }
+}
+
+}  // namespace gxy
