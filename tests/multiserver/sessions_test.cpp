@@ -246,6 +246,34 @@ TEST(Sessions, VerbsWithoutArgumentsRefuseThem) {
   EXPECT_FALSE(server.stopAsked());
 }
 
+TEST(Sessions, RequestsAreBoundedAsTheProtocolSays) {
+  TestServer server(setup());
+  const auto client = server.client();
+  client->expect("load data");
+  client->expect("load viewer");
+  client->expect("window 1");
+  const auto error = [&](const std::string& statement) { return client->request(statement).error; };
+  EXPECT_NE(error("range {x}").find("a word is missing"), std::string::npos);
+  EXPECT_NE(error("range \"{x}\"").find("{x}"), std::string::npos);
+  EXPECT_NE(error(R"(render 1 {"levels": [8, 7, 6, 5, 4, 3, 2, 1]})").find("1 to 7 scales"),
+            std::string::npos);
+  std::string many = "1";
+  for (int i = 1; i < 1'000'000; i++) many += ",1";
+  EXPECT_NE(error("import {\"Datasets\": [" + many + "]}").find("more than 1000000 values"),
+            std::string::npos);
+  const std::string deep = std::string(64, '[') + std::string(64, ']');
+  EXPECT_NE(error("import {\"Datasets\": " + deep + "}").find("nested deeper than 64"), std::string::npos);
+  const std::string one = R"({"type": "Triangles", "dataset": "x"})";
+  std::string operators = one;
+  for (int i = 1; i <= 65535; i++) operators += "," + one;
+  EXPECT_NE(
+      error(R"(set 1 {"Visualization": {"operators": [)" + operators + "]}}").find("at most 65535 operators"),
+      std::string::npos);
+  for (int i = 0; i < 10000; i++)
+    client->send("observe name" + std::to_string(i), [](const Reply& reply) { EXPECT_TRUE(reply.ok); });
+  EXPECT_NE(error("observe another").find("10000 names are observed"), std::string::npos);
+}
+
 TEST(Sessions, StatCountsWhatIsThere) {
   TestServer server(setup());
   const auto client = server.client(), other = server.client();

@@ -25,6 +25,8 @@ TEST(Statements, GiveTheirWordsOneByOne) {
   EXPECT_EQ(a.word(), std::nullopt);
   EXPECT_EQ(a.expectJson(), "{\"x\": 1}");
   a.expectEnd();
+  EXPECT_THROW(Arguments("{x}", "verb").expectWord(), Error) << "a word that begins with { is quoted";
+  EXPECT_EQ(Arguments("\"{x}\"", "verb").expectWord(), "{x}");
   Arguments b("shared like ball", "verb");
   EXPECT_TRUE(b.taken("shared"));
   EXPECT_FALSE(b.taken("li"));
