@@ -9,8 +9,6 @@
 #include <vtkIdList.h>
 #include <vtkPointData.h>
 #include <vtkUnsignedCharArray.h>
-#include <vtkXMLDataElement.h>
-#include <vtkXMLDataParser.h>
 
 #include <cmath>
 #include <cstring>
@@ -22,7 +20,7 @@
 #include "gxy/io/file.h"
 #include "gxy/io/part_document.h"
 #include "gxy/io/vtk_geometry.h"
-#include "gxy/io/vtk_messages.h"
+#include "gxy/io/vtk_xml.h"
 
 namespace gxy {
 namespace {
@@ -134,6 +132,30 @@ void addCells(vtkPointSet* set, GeometryKind kind, GeometryContent& content) {
   }
 }
 
+/// How many primitives the cells become, ghosts among them.
+size_t primitivesOf(vtkPointSet* set, GeometryKind kind) {
+  if (kind == GeometryKind::Particles) return size_t(set->GetNumberOfPoints());
+  const vtkIdType fewer = kind == GeometryKind::PathLines ? 1 : 2;
+  vtkIdType primitives = 0;
+  const auto ids = vtkSmartPointer<vtkIdList>::New();
+  for (vtkIdType cell = 0; cell < set->GetNumberOfCells(); ++cell) {
+    const int type = set->GetCellType(cell);
+    if (kind == GeometryKind::PathLines ? !isLine(type) : !isSurface(type)) continue;
+    set->GetCellPoints(cell, ids);
+    primitives += std::max(vtkIdType(0), ids->GetNumberOfIds() - fewer);
+  }
+  return size_t(primitives);
+}
+
+/// The most that a block with so many points and primitives takes.
+int64_t bytesOf(size_t points, size_t primitives, GeometryKind kind) {
+  const size_t cell = kind == GeometryKind::Triangles   ? sizeof(std::array<uint32_t, 3>)
+                      : kind == GeometryKind::PathLines ? 2 * sizeof(std::array<uint32_t, 2>)
+                                                        : 0;
+  return int64_t(points * (sizeof(glm::dvec3) + sizeof(glm::vec3) + sizeof(float)) +
+                 primitives * (cell + sizeof(uint64_t)));
+}
+
 /// Points that another piece owns are left out of a set of particles.
 void dropGhostPoints(vtkPointSet* set, GeometryBlock& block) {
   vtkUnsignedCharArray* ghosts = set->GetPointGhostArray();
@@ -168,18 +190,10 @@ GeometrySummary::Array summariseArray(vtkDataArray* array, bool ofCells) {
 }  // namespace
 
 std::vector<std::string> xmlPieces(const std::string& path, const char* type) {
-  const File file = File::open(path);
-  VtkMessages messages;
-  const auto parser = vtkSmartPointer<vtkXMLDataParser>::New();
-  parser->SetFileName(file.opened().c_str());
-  const bool parsed = parser->Parse();
-  messages.check(path);
-  vtkXMLDataElement* root = parsed ? parser->GetRootElement() : nullptr;
-  vtkXMLDataElement* list = root ? root->FindNestedElementWithName(type) : nullptr;
-  if (!list) throw Error(path + ": expected a VTK XML file of type " + type);
+  const VtkXml xml(path, type);
   std::vector<std::string> files;
-  for (int i = 0; i < list->GetNumberOfNestedElements(); ++i) {
-    vtkXMLDataElement* piece = list->GetNestedElement(i);
+  for (int i = 0; i < xml.data()->GetNumberOfNestedElements(); ++i) {
+    vtkXMLDataElement* piece = xml.data()->GetNestedElement(i);
     if (std::strcmp(piece->GetName(), "Piece") != 0) continue;
     if (!piece->GetAttribute("Source")) throw Error(path + ": a <Piece> has no attribute Source");
     files.push_back(beside(path, piece->GetAttribute("Source")));
@@ -197,11 +211,14 @@ std::vector<std::string> geometryPieces(const std::string& path) {
   return files;
 }
 
-GeometryContent readGeometry(const std::string& path, GeometryKind kind, const std::string& wanted) {
-  const vtkSmartPointer<vtkPointSet> set = readPointSet(path);
+GeometryContent readGeometry(const std::string& path, GeometryKind kind, const std::string& wanted,
+                             const TakeMemory& toTake) {
+  const vtkSmartPointer<vtkPointSet> set = readPointSet(path, toTake);
   const vtkIdType count = set->GetNumberOfPoints();
   if (uint64_t(count) >= std::numeric_limits<uint32_t>::max())
     throw Error(path + ": " + std::to_string(count) + " points; one file may have at most 2^32 - 2");
+  const size_t primitives = primitivesOf(set, kind);
+  if (toTake) toTake(bytesOf(size_t(count), primitives, kind));
   GeometryContent content;
   GeometryBlock& block = content.block;
   block.points.reserve(size_t(count));
@@ -224,6 +241,9 @@ GeometryContent readGeometry(const std::string& path, GeometryKind kind, const s
     dropGhostPoints(set, block);
     block.normals.clear();
   } else {
+    block.triangles.reserve(kind == GeometryKind::Triangles ? primitives : 0);
+    block.segments.reserve(kind == GeometryKind::PathLines ? primitives : 0);
+    block.neighbours.reserve(block.segments.capacity());
     addCells(set, kind, content);
   }
   block.ids.resize(kind == GeometryKind::Particles   ? block.points.size()

@@ -10,12 +10,17 @@
 // points; triangles its triangles, strips, and quads and polygons cut into fans. Other cells, ghost cells and
 // cell data are not used.
 #pragma once
+#include <cstdint>
+#include <functional>
 #include <string>
 #include <vector>
 
 #include "gxy/data/geometry.h"
 
 namespace gxy {
+
+/// Told bytes of memory before they are allocated; may refuse them by an Error.
+using TakeMemory = std::function<void(int64_t bytes)>;
 
 /// What was read from one file, unusable primitives included. Ids are primitive numbers in file order from 0
 /// on.
@@ -32,8 +37,9 @@ std::vector<std::string> geometryPieces(const std::string& path);
 /// Reads one file that is not a list. `array` names the point array that becomes the values (several
 /// components: their magnitude); empty: the active scalars, else "data", else the first. Normals are the
 /// point array "Normals" or "Normals_", or the active normals. Throws Error for a file that is missing or
-/// malformed or has no such array.
-GeometryContent readGeometry(const std::string& path, GeometryKind kind, const std::string& array = {});
+/// malformed or has no such array. `toTake`, if any, is told what the file's arrays take, then what the result takes.
+GeometryContent readGeometry(const std::string& path, GeometryKind kind, const std::string& array = {},
+                             const TakeMemory& toTake = {});
 
 /// What a file holds, for people: kinds and numbers of cells, arrays with their ranges.
 struct GeometrySummary {

@@ -7,7 +7,6 @@
 #include <numeric>
 
 #include "gxy/comm/error.h"
-#include "gxy/io/geometry_file.h"
 
 namespace gxy {
 namespace {
@@ -31,8 +30,8 @@ struct Reading {
   bool values = true, normals = true;
   uint64_t unusedCells = 0;
 
-  void add(const GeometryContent& piece) {
-    const GeometryBlock& from = piece.block;
+  void add(GeometryContent piece) {
+    GeometryBlock& from = piece.block;
     unusedCells += piece.unusedCells;
     if (from.points.empty()) return;
     if (block.points.size() + from.points.size() >= std::numeric_limits<uint32_t>::max())
@@ -40,6 +39,10 @@ struct Reading {
     const uint32_t shift = uint32_t(block.points.size());
     values = values && !from.values.empty();
     normals = normals && !from.normals.empty();
+    if (block.points.empty()) {  // one file is not held twice
+      block = std::move(from);
+      return;
+    }
     append(block.points, from.points);
     append(block.values, from.values);
     append(block.normals, from.normals);
@@ -61,7 +64,7 @@ const char* plural(GeometryKind kind) {
 }  // namespace
 
 LoadedGeometry loadGeometry(const std::string& path, GeometryKind kind, const std::string& array,
-                            Collectives& ranks, const std::function<void(int64_t bytes)>& toRead) {
+                            Collectives& ranks, const TakeMemory& toTake) {
   LoadedGeometry loaded;
   loaded.name = std::filesystem::path(path).stem().string();
   loaded.kind = kind;
@@ -74,10 +77,7 @@ LoadedGeometry loadGeometry(const std::string& path, GeometryKind kind, const st
     const size_t last = loaded.everywhere ? 1 : pieces.size() * (rank + 1) / size;
     for (size_t i = first; i < last; ++i) {
       ranks.check();
-      std::error_code none;  // what is not there is for the reader to tell
-      const auto bytes = std::filesystem::file_size(pieces[i], none);
-      if (toRead && !none) toRead(int64_t(bytes));
-      reading.add(readGeometry(pieces[i], kind, array));
+      reading.add(readGeometry(pieces[i], kind, array, toTake));
     }
   });
 

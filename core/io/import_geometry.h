@@ -10,6 +10,7 @@
 #include "gxy/data/partitioning.h"
 #include "gxy/data/replicate.h"
 #include "gxy/io/collectives.h"
+#include "gxy/io/geometry_file.h"
 
 namespace gxy {
 
@@ -28,10 +29,10 @@ struct LoadedGeometry {
 /// Collective over `ranks`. Each rank reads its share of the pieces of a .pvtu, .pvtp or .part, else all of
 /// the file. Unusable primitives (a coordinate that is not finite, triangles without area, repeated points of
 /// lines) are dropped and counted. Normals and, unless `array` names them, values are used only if all pieces
-/// have them. `toRead`, if any, is told the bytes of each file before that is read, and may refuse it by an Error. If any
-/// rank fails, all throw the same Error.
+/// have them. `toTake`, if any, is told what this rank takes for each file before it does, until the end all in all: what
+/// the file's arrays take, then what they become. If any rank fails, all throw the same Error.
 LoadedGeometry loadGeometry(const std::string& path, GeometryKind kind, const std::string& array,
-                            Collectives& ranks, const std::function<void(int64_t bytes)>& toRead = {});
+                            Collectives& ranks, const TakeMemory& toTake = {});
 
 /// Collective. Brings primitives to every partition that they, `radius` thick, touch.
 std::shared_ptr<Geometry> distribute(const LoadedGeometry& loaded, const Partitioning& partitioning,

@@ -7,8 +7,6 @@
 #include <vtkImageData.h>
 #include <vtkPointData.h>
 #include <vtkSmartPointer.h>
-#include <vtkXMLDataElement.h>
-#include <vtkXMLDataParser.h>
 #include <vtkXMLImageDataReader.h>
 
 #include <algorithm>
@@ -24,6 +22,7 @@
 #include "gxy/io/volume_formats.h"
 #include "gxy/io/vtk_messages.h"
 #include "gxy/io/vtk_scalars.h"
+#include "gxy/io/vtk_xml.h"
 
 namespace gxy {
 namespace {
@@ -31,17 +30,12 @@ namespace {
 /// The header of a .vti or .pvti: the parsed XML, and what it says about the grid.
 struct Header {
   std::string path;
-  vtkSmartPointer<vtkXMLDataParser> parser;
-  vtkXMLDataElement* image = nullptr;  ///< <ImageData> or <PImageData>
-  Index3 start{0, 0, 0};               ///< index of the grid's first point in the file's own numbers
-  Grid grid;
-  bool swap = false, wideSizes = false, compressed = false;
+  VtkXml xml;
+  vtkXMLDataElement* image = xml.data();  ///< <ImageData> or <PImageData>
+  Index3 start{0, 0, 0};                  ///< index of the grid's first point in the file's own numbers
+  Grid grid = {};
+  bool swap = false, wideSizes = false;
 };
-
-std::string attribute(vtkXMLDataElement* element, const char* name) {
-  const char* value = element->GetAttribute(name);
-  return value ? value : "";
-}
 
 /// The extent "i0 i1 j0 j1 k0 k1" relative to `base`.
 Extent extentAttribute(const Header& header, vtkXMLDataElement* element, const char* name,
@@ -59,24 +53,10 @@ Extent extentAttribute(const Header& header, vtkXMLDataElement* element, const c
 }
 
 Header readHeader(const std::string& path, const char* type) {
-  const File file = File::open(path);
-  Header header;
-  header.path = path;
-  header.parser = vtkSmartPointer<vtkXMLDataParser>::New();
-  VtkMessages messages;
-  header.parser->SetFileName(file.opened().c_str());
-  const bool parsed = header.parser->Parse();
-  messages.check(path);
-  vtkXMLDataElement* root = header.parser->GetRootElement();
-  if (!parsed || !root) throw Error(path + ": not an XML file");
-  if (std::strcmp(root->GetName(), "VTKFile") != 0 || attribute(root, "type") != type)
-    throw Error(path + ": expected a VTK XML file of type " + type + ", found '" + attribute(root, "type") +
-                "'");
-  header.image = root->FindNestedElementWithName(type);
-  if (!header.image) throw Error(path + ": element <" + std::string(type) + "> is missing");
+  Header header{path, VtkXml(path, type)};
+  vtkXMLDataElement* root = header.xml.root();
   header.swap = (attribute(root, "byte_order") == "BigEndian") != (std::endian::native == std::endian::big);
   header.wideSizes = attribute(root, "header_type") == "UInt64";
-  header.compressed = !attribute(root, "compressor").empty();
 
   const Extent whole = extentAttribute(header, header.image, "WholeExtent", {0, 0, 0});
   double origin[3] = {0, 0, 0}, spacing[3] = {1, 1, 1}, direction[9];
@@ -197,14 +177,13 @@ class PieceSamples final : public SampleSource {
 /// numbers.
 class VtkSamples final : public SampleSource {
  public:
-  VtkSamples(std::string path, ArrayInfo array, Index3 base)
-      : path_(std::move(path)), array_(std::move(array)), base_(base) {}
+  VtkSamples(std::shared_ptr<const File> file, ArrayInfo array, Index3 base)
+      : file_(std::move(file)), path_(file_->path()), array_(std::move(array)), base_(base) {}
 
   void read(const Extent& extent, std::span<std::byte> out) const override {
-    const File file = File::open(path_);
     VtkMessages messages;
-    const auto reader = vtkSmartPointer<vtkXMLImageDataReader>::New();
-    reader->SetFileName(file.opened().c_str());
+    const auto reader = vtkSmartPointer<WithoutFieldData<vtkXMLImageDataReader>>::New();
+    reader->SetFileName(file_->opened().c_str());
     reader->UpdateInformation();
     reader->GetPointDataArraySelection()->DisableAllArrays();
     reader->GetPointDataArraySelection()->EnableArray(array_.name.c_str());
@@ -232,6 +211,7 @@ class VtkSamples final : public SampleSource {
   }
 
  private:
+  std::shared_ptr<const File> file_;  ///< whose headers were checked
   std::string path_;
   ArrayInfo array_;
   Index3 base_;
@@ -239,8 +219,8 @@ class VtkSamples final : public SampleSource {
 
 /// Where the samples of an uncompressed appended array begin; -1 for other encodings.
 int64_t appendedPlace(const Header& header, vtkXMLDataElement* entry, int64_t expectedBytes) {
-  if (attribute(entry, "format") != "appended" || header.compressed) return -1;
-  vtkXMLDataElement* root = header.parser->GetRootElement();
+  if (attribute(entry, "format") != "appended" || header.xml.compressed()) return -1;
+  vtkXMLDataElement* root = header.xml.root();
   vtkXMLDataElement* appended = root->FindNestedElementWithName("AppendedData");
   if (!appended || attribute(appended, "encoding") != "raw") return -1;
   int64_t place = 0;
@@ -248,7 +228,7 @@ int64_t appendedPlace(const Header& header, vtkXMLDataElement* entry, int64_t ex
   if (std::from_chars(offset.data(), offset.data() + offset.size(), place).ec != std::errc() || place < 0 ||
       place > (int64_t(1) << 61))
     throw Error(header.path + ": array '" + attribute(entry, "Name") + "': the offset is not a position");
-  place += header.parser->GetAppendedDataPosition();
+  place += header.xml.parser()->GetAppendedDataPosition();
 
   std::byte size[8] = {};
   const size_t width = header.wideSizes ? 8 : 4;
@@ -268,6 +248,17 @@ int64_t appendedPlace(const Header& header, vtkXMLDataElement* entry, int64_t ex
     throw Error(header.path + ": array '" + attribute(entry, "Name") + "' has " + std::to_string(stated) +
                 " bytes, expected " + std::to_string(expectedBytes));
   return place + int64_t(width);
+}
+
+/// Every array of that name in a piece: of two lists of arrays VTK's reader may take the other.
+void checkCompressed(const Header& header, vtkXMLDataElement* piece, const std::string& name, int64_t bytes) {
+  for (int i = 0; i < piece->GetNumberOfNestedElements(); ++i) {
+    vtkXMLDataElement* list = piece->GetNestedElement(i);
+    if (std::strcmp(list->GetName(), "PointData") != 0) continue;
+    for (int k = 0; k < list->GetNumberOfNestedElements(); ++k)
+      if (attribute(list->GetNestedElement(k), "Name") == name)
+        header.xml.checkCompressed(list->GetNestedElement(k), bytes);
+  }
 }
 
 /// Opens a .vti; the indices that its source takes are relative to `base`, in the file's own numbers.
@@ -302,12 +293,13 @@ VolumeFile openVtiRelative(const std::string& path, const std::string& wanted, c
     for (int k = 0; k < data->GetNumberOfNestedElements(); ++k)
       if (attribute(data->GetNestedElement(k), "Name") == array.name)
         place = appendedPlace(header, data->GetNestedElement(k), bytes);
+    checkCompressed(header, piece, array.name, bytes);
     std::shared_ptr<const SampleSource> source;
     if (place >= 0)
       source =
           std::make_shared<RawSamples>(path, place, extent, array.type, array.components, header.swap, false);
     else
-      source = std::make_shared<VtkSamples>(path, array, origin);
+      source = std::make_shared<VtkSamples>(header.xml.file(), array, origin);
     pieces.push_back({extent, std::move(source)});
   }
   if (pieces.empty()) throw Error(path + ": the image has no <Piece>");

@@ -4,6 +4,7 @@
 #include <vtkCellArray.h>
 #include <vtkCellData.h>
 #include <vtkCellType.h>
+#include <vtkDataArraySelection.h>
 #include <vtkDataSetReader.h>
 #include <vtkPointData.h>
 #include <vtkPolyData.h>
@@ -12,8 +13,10 @@
 #include <vtkXMLPolyDataReader.h>
 #include <vtkXMLUnstructuredGridReader.h>
 
+#include <algorithm>
 #include <limits>
 #include <new>
+#include <set>
 #include <stdexcept>
 
 #include "gxy/comm/error.h"
@@ -23,6 +26,7 @@
 #include "gxy/io/ply_reader.h"
 #include "gxy/io/stl_reader.h"
 #include "gxy/io/vtk_messages.h"
+#include "gxy/io/vtk_xml.h"
 
 namespace gxy {
 namespace {
@@ -36,18 +40,139 @@ vtkSmartPointer<vtkPointSet> outputOf(Reader* reader, const std::string& path, c
   return points;
 }
 
+/// What VTK's readers of .vtp and .vtu would allocate for a file, array by array, and which arrays they are not to read.
+/// Walks through all that stands in the pieces, as of two elements of one name a reader may take either.
+class Arrays {
+ public:
+  explicit Arrays(const VtkXml& xml) : xml_(xml) {
+    std::vector<vtkXMLDataElement*> pieces;
+    for (int i = 0; i < xml.data()->GetNumberOfNestedElements(); ++i)
+      if (isNamed(xml.data()->GetNestedElement(i), "Piece"))
+        pieces.push_back(xml.data()->GetNestedElement(i));
+    several_ = pieces.size() > 1;
+    for (vtkXMLDataElement* piece : pieces) addPiece(piece);
+  }
+
+  int64_t bytes() const { return bytes_; }
+  /// Names of arrays of strings, which take what no attribute states, and of which no use is made; and of unknown types.
+  const std::vector<std::string>& withoutNumbers() const { return withoutNumbers_; }
+
+ private:
+  static bool isNamed(vtkXMLDataElement* element, std::string_view name) {
+    return element->GetName() == name;
+  }
+
+  int64_t count(vtkXMLDataElement* piece, const char* attribute) const {
+    long long n = 0;
+    if (piece->GetAttribute(attribute) && (!piece->GetScalarAttribute(attribute, n) || n < 0))
+      throw Error(xml_.path() + ": attribute " + attribute + " of a <Piece>: expected a number, 0 or more");
+    return n;
+  }
+
+  void addPiece(vtkXMLDataElement* piece) {
+    const int64_t points = count(piece, "NumberOfPoints"), gridCells = count(piece, "NumberOfCells");
+    int64_t cells = gridCells;
+    for (const char* kind : kKinds) {
+      const int64_t some = count(piece, (std::string("NumberOf") + kind).c_str());
+      cells = sum(cells, some);
+      add(some, sizeof(int64_t));  // where vtkPolyData finds its cells
+      for (int i = 0; i < piece->GetNumberOfNestedElements(); ++i)
+        if (isNamed(piece->GetNestedElement(i), kind)) addCells(piece->GetNestedElement(i), some);
+    }
+    for (int i = 0; i < piece->GetNumberOfNestedElements(); ++i) {
+      vtkXMLDataElement* group = piece->GetNestedElement(i);
+      if (isNamed(group, "Points") || isNamed(group, "PointData")) addArrays(group, points);
+      if (isNamed(group, "CellData")) addArrays(group, cells);
+      if (isNamed(group, "Cells")) addCells(group, gridCells);
+    }
+  }
+
+  void addArrays(vtkXMLDataElement* group, int64_t tuples) {
+    std::set<std::string> names;
+    for (int i = 0; i < group->GetNumberOfNestedElements(); ++i) {
+      vtkXMLDataElement* array = group->GetNestedElement(i);
+      const std::string name = attribute(array, "Name");
+      // VTK's readers count arrays, but make one of those of one name, and look for the others of cells nowhere.
+      if (isNamed(group, "CellData") && array->GetAttribute("Name") && !names.insert(name).second)
+        throw Error(xml_.path() + ": array '" + name + "' is there twice in one list");
+      if (xml_.statedBytes(array, 1) == 0) {
+        withoutNumbers_.push_back(name);
+        continue;
+      }
+      const int64_t bytes = xml_.statedBytes(array, tuples);
+      xml_.checkCompressed(array, bytes);
+      add(bytes, 1);
+    }
+  }
+
+  void addCells(vtkXMLDataElement* group, int64_t cells) {
+    for (int i = 0; i < group->GetNumberOfNestedElements(); ++i) {
+      vtkXMLDataElement* array = group->GetNestedElement(i);
+      const std::string name = attribute(array, "Name");
+      if (cells == 0 && name != "types") continue;  // VTK's readers pass over them
+      int64_t bytes = 0;
+      if (name == "offsets" || name == "types" || name == "faceoffsets") {
+        bytes = xml_.statedBytes(array, cells);
+        xml_.checkCompressed(array, bytes);
+      } else if (name == "connectivity" || name == "faces") {
+        bytes = xml_.dataBytes(array);  // as long as the last offset says, which is not known yet
+      }
+      add(bytes, 1);
+      const int64_t each = xml_.statedBytes(array, 1);
+      if (each == 0 || name == "types") continue;
+      // Copied to what vtkCellArray may have instead, and when the cells of further pieces are appended.
+      if (attribute(array, "type") != "Int64" || several_) add(bytes / each, sizeof(int64_t));
+    }
+  }
+
+  int64_t sum(int64_t a, int64_t b) const {
+    if (__builtin_add_overflow(a, b, &a)) tooLarge();
+    return a;
+  }
+  void add(int64_t n, int64_t each) {
+    if (__builtin_mul_overflow(n, each, &n)) tooLarge();
+    bytes_ = sum(bytes_, n);
+  }
+  [[noreturn]] void tooLarge() const { throw Error(xml_.path() + ": its arrays have more than 2^63 bytes"); }
+
+  static constexpr const char* kKinds[] = {"Verts", "Lines", "Strips", "Polys"};
+
+  const VtkXml& xml_;
+  int64_t bytes_ = 0;
+  bool several_ = false;
+  std::vector<std::string> withoutNumbers_;
+};
+
 template <class Reader>
-vtkSmartPointer<vtkPointSet> readXml(const std::string& path, const VtkMessages& messages) {
-  const File file = File::open(path);
-  const auto reader = vtkSmartPointer<Reader>::New();
-  reader->SetFileName(file.opened().c_str());
+vtkSmartPointer<vtkPointSet> readXml(const std::string& path, const char* type, const TakeMemory& toTake,
+                                     const VtkMessages& messages) {
+  std::shared_ptr<const File> file;
+  std::vector<std::string> withoutNumbers;
+  {
+    const VtkXml xml(path, type);
+    const Arrays arrays(xml);
+    if (toTake) toTake(std::max(arrays.bytes(), xml.file()->size()));
+    file = xml.file();
+    withoutNumbers = arrays.withoutNumbers();
+  }
+  const auto reader = vtkSmartPointer<WithoutFieldData<Reader>>::New();
+  reader->SetFileName(file->opened().c_str());
+  reader->UpdateInformation();
+  for (const std::string& name : withoutNumbers) {
+    reader->GetPointDataArraySelection()->DisableArray(name.c_str());
+    reader->GetCellDataArraySelection()->DisableArray(name.c_str());
+  }
   return outputOf(reader.Get(), path, messages);
 }
 
-std::string bytesOf(const std::string& path) { return readText(path, std::numeric_limits<int64_t>::max()); }
+std::string bytesOf(const std::string& path, const TakeMemory& toTake) {
+  if (toTake) toTake(File::open(path).size());
+  return readText(path, std::numeric_limits<int64_t>::max());
+}
 
-vtkSmartPointer<vtkPointSet> readLegacy(const std::string& path, const VtkMessages& messages) {
-  std::string bytes = bytesOf(path);
+vtkSmartPointer<vtkPointSet> readLegacy(const std::string& path, const TakeMemory& toTake,
+                                        const VtkMessages& messages) {
+  std::string bytes = bytesOf(path, toTake);
   if (bytes.size() > size_t(std::numeric_limits<int>::max()))
     throw Error(path + ": " + std::to_string(bytes.size()) +
                 " bytes; a file in VTK's legacy form may have at most 2^31 - 1, use .vtu or .vtp");
@@ -126,24 +251,25 @@ void check(vtkPointSet* set, const std::string& path) {
   checkArrays(set->GetCellData(), set->GetNumberOfCells(), "cells", path);
 }
 
-vtkSmartPointer<vtkPointSet> readByExtension(const std::string& path) {
+vtkSmartPointer<vtkPointSet> readByExtension(const std::string& path, const TakeMemory& toTake) {
   const VtkMessages messages;
   const std::string extension = extensionOf(path);
-  if (extension == ".vtu") return readXml<vtkXMLUnstructuredGridReader>(path, messages);
-  if (extension == ".vtp") return readXml<vtkXMLPolyDataReader>(path, messages);
-  if (extension == ".vtk") return readLegacy(path, messages);
-  if (extension == ".ply") return readPly(bytesOf(path), path);
-  if (extension == ".stl") return readStl(bytesOf(path), path);
-  if (extension == ".obj") return readObj(bytesOf(path), path);
+  if (extension == ".vtu")
+    return readXml<vtkXMLUnstructuredGridReader>(path, "UnstructuredGrid", toTake, messages);
+  if (extension == ".vtp") return readXml<vtkXMLPolyDataReader>(path, "PolyData", toTake, messages);
+  if (extension == ".vtk") return readLegacy(path, toTake, messages);
+  if (extension == ".ply") return readPly(bytesOf(path, toTake), path);
+  if (extension == ".stl") return readStl(bytesOf(path, toTake), path);
+  if (extension == ".obj") return readObj(bytesOf(path, toTake), path);
   throw Error(path +
               ": not a geometry file: expected .vtu, .vtp, .vtk, .ply, .stl, .obj, .pvtu, .pvtp or .part");
 }
 
 }  // namespace
 
-vtkSmartPointer<vtkPointSet> readPointSet(const std::string& path) {
+vtkSmartPointer<vtkPointSet> readPointSet(const std::string& path, const TakeMemory& toTake) {
   try {
-    const vtkSmartPointer<vtkPointSet> set = readByExtension(path);
+    const vtkSmartPointer<vtkPointSet> set = readByExtension(path, toTake);
     check(set, path);
     return set;
   } catch (const std::bad_alloc&) {

@@ -7,12 +7,15 @@
 #include <string>
 #include <vector>
 
+#include "gxy/io/geometry_file.h"
+
 namespace gxy {
 
 /// Reads a .vtu .vtp .vtk .ply .stl or .obj file as polygonal data or an unstructured grid whose cells refer
 /// to its points and whose arrays have one entry per point or cell; Error, with VTK's own words if it has
-/// some, when it cannot.
-vtkSmartPointer<vtkPointSet> readPointSet(const std::string& path);
+/// some, when it cannot. `toTake`, if any, is told once, before anything is allocated, how many bytes this takes: in the
+/// XML forms those of all arrays as the file states them, else those of the file. It may refuse them by an Error.
+vtkSmartPointer<vtkPointSet> readPointSet(const std::string& path, const TakeMemory& toTake = {});
 
 /// The files that the <Piece> elements of a VTK XML file of this type ("PUnstructuredGrid") name, as they will be opened.
 std::vector<std::string> xmlPieces(const std::string& path, const char* type);

@@ -149,7 +149,7 @@ json Datasets::importHere(const json& p) {
       box.extend(grid.box());
       if (!first) first = grid;
     } else {
-      std::vector<LedgerEntry> reading;  // as large as the files, until it is known what they hold
+      std::vector<LedgerEntry> reading;  // until it is known what is kept
       auto geometry = std::make_shared<LoadedGeometry>(loadGeometry(
           d.file, kindOf(d.type), d.array, ranks,
           [&](int64_t bytes) { reading.push_back(node_.takeMemory(tenant, "geometry", bytes)); }));

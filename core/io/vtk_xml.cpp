@@ -1,0 +1,180 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gxy/io/vtk_xml.h"
+
+#include <vtkInputStream.h>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstring>
+#include <fstream>
+#include <limits>
+#include <optional>
+
+#include "gxy/comm/error.h"
+#include "gxy/io/vtk_messages.h"
+#include "gxy/io/vtk_scalars.h"
+
+namespace gxy {
+namespace {
+
+/// As a reader finds it: "offset" counts, not "format".
+bool isAppended(vtkXMLDataElement* array) { return array->GetAttribute("offset"); }
+bool isText(vtkXMLDataElement* array) { return !isAppended(array) && attribute(array, "format") != "binary"; }
+
+/// VTK's parser keeps some 2.5 kB for each element, and goes from one to those inside it by recursion.
+constexpr size_t kMostElements = size_t(1) << 16, kDeepest = 64;
+
+/// VTK's parser, which ends at too many elements, and also reads the headers of arrays: from the place, and through the stream,
+/// that it reads the arrays.
+class Parser final : public vtkXMLDataParser {
+ public:
+  static Parser* New() { VTK_STANDARD_NEW_BODY(Parser); }
+
+  bool endedEarly() const { return elements_ > kMostElements || deepest_ > kDeepest; }
+
+  size_t headerWordBytes() const { return HeaderType == 64 ? 8 : 4; }
+
+  /// To the header of an array that is not text.
+  void seekHeader(vtkXMLDataElement* array) {
+    Stream->clear();
+    DataStream = isAppended(array) ? AppendedDataStream : InlineDataStream;
+    if (isAppended(array)) {
+      vtkTypeInt64 offset = 0, place;
+      array->GetScalarAttribute("offset", offset);
+      SeekG(__builtin_add_overflow(AppendedDataPosition, offset, &place) ? -1 : place);
+    } else {
+      SeekInlineDataPosition(array);
+    }
+    DataStream->SetStream(Stream);
+    DataStream->StartReading();
+  }
+
+  /// The next word of the header; none if the file, or what is base64, ends before.
+  std::optional<uint64_t> headerWord() {
+    std::array<std::byte, 8> bytes;
+    if (DataStream->Read(bytes.data(), headerWordBytes()) < headerWordBytes()) return {};
+    PerformByteSwap(bytes.data(), 1, headerWordBytes());
+    if (headerWordBytes() == 8) return std::bit_cast<uint64_t>(bytes);
+    uint32_t narrow;
+    std::memcpy(&narrow, bytes.data(), 4);
+    return narrow;
+  }
+
+ protected:
+  void StartElement(const char* name, const char** attributes) override {
+    vtkXMLDataParser::StartElement(name, attributes);
+    ++elements_;
+    deepest_ = std::max(deepest_, size_t(NumberOfOpenElements));
+  }
+  int ParseBuffer(const char* buffer, unsigned int count) override {
+    return vtkXMLDataParser::ParseBuffer(buffer, count) && !endedEarly();
+  }
+
+ private:
+  size_t elements_ = 0, deepest_ = 0;
+};
+
+/// Where the next element of the same parent begins, if there is one; what is text in between may be the array's.
+int64_t endOfText(vtkXMLDataElement* array, int64_t fileBytes) {
+  vtkXMLDataElement* parent = array->GetParent();
+  for (int i = 0; parent && i + 1 < parent->GetNumberOfNestedElements(); ++i)
+    if (parent->GetNestedElement(i) == array) return parent->GetNestedElement(i + 1)->GetXMLByteIndex();
+  return fileBytes;
+}
+
+/// VTK's parser takes 24 bytes for each block. All writers make them of some kilobytes.
+constexpr uint64_t kSmallestBlock = 64;
+
+Parser& of(vtkXMLDataParser* parser) { return static_cast<Parser&>(*parser); }
+
+}  // namespace
+
+std::string attribute(vtkXMLDataElement* element, const char* name) {
+  const char* value = element->GetAttribute(name);
+  return value ? value : "";
+}
+
+VtkXml::VtkXml(const std::string& path, const char* type)
+    : file_(std::make_shared<const File>(File::open(path))),
+      stream_(std::make_unique<std::ifstream>(file_->opened(), std::ios::binary)),
+      parser_(vtkSmartPointer<Parser>::New()) {
+  const VtkMessages messages;
+  parser_->SetStream(stream_.get());
+  const bool parsed = parser_->Parse();
+  if (of(parser_).endedEarly())
+    throw Error(path + ": too many XML elements, expected at most " + std::to_string(kMostElements) +
+                " and at most " + std::to_string(kDeepest) + " in one another");
+  messages.check(path);
+  if (!parsed || !root()) throw Error(path + ": not an XML file");
+  if (std::strcmp(root()->GetName(), "VTKFile") != 0 || attribute(root(), "type") != type)
+    throw Error(path + ": expected a VTK XML file of type " + type + ", found '" + attribute(root(), "type") +
+                "'");
+  data_ = root()->FindNestedElementWithName(type);
+  if (!data_) throw Error(path + ": element <" + type + "> is missing");
+}
+
+bool VtkXml::compressed() const { return !attribute(root(), "compressor").empty(); }
+
+void VtkXml::fail(vtkXMLDataElement* array, const std::string& what) const {
+  throw Error(path() + ": array '" + attribute(array, "Name") + "' " + what);
+}
+
+int64_t VtkXml::dataBytes(vtkXMLDataElement* array) const {
+  const auto fileBytes = uint64_t(file_->size());
+  if (isText(array))  // a digit and a space each, or more
+    return statedBytes(array, (endOfText(array, file_->size()) - array->GetXMLByteIndex()) / 2);
+  Parser& parser = of(parser_);
+  parser.seekHeader(array);
+  const auto word = [&] {
+    const std::optional<uint64_t> next = parser.headerWord();
+    if (!next) fail(array, "has no data: the file ends before");
+    return *next;
+  };
+  if (!compressed()) return int64_t(std::min(word(), fileBytes));
+  const uint64_t blocks = word(), size = word(), last = word();
+  if (blocks == 0) return 0;
+  const auto text = [](uint64_t n) { return std::to_string(n); };
+  if (blocks > fileBytes / parser.headerWordBytes())
+    fail(array, "is compressed in " + text(blocks) + " blocks, whose sizes the file cannot hold");
+  if (size == 0 || last > size || (blocks > 1 && size < kSmallestBlock))
+    fail(array, "is compressed in " + text(blocks) + " blocks of " + text(size) + " bytes, the last of " +
+                    text(last) + ", expected " + text(kSmallestBlock) + " or more, and no more in the last");
+  uint64_t bytes;
+  if (__builtin_mul_overflow(blocks - 1, size, &bytes) ||
+      __builtin_add_overflow(bytes, last ? last : size, &bytes) ||
+      bytes > uint64_t(std::numeric_limits<int64_t>::max()))
+    fail(array, "is compressed in " + text(blocks) + " blocks of " + text(size) + " bytes: too many");
+  for (uint64_t block = 0; block < blocks; ++block)
+    if (const uint64_t stored = word(); stored > fileBytes)
+      fail(array, "is compressed to " + text(stored) + " bytes in block " + text(block) +
+                      ", more than the file has");
+  return int64_t(bytes);
+}
+
+int64_t VtkXml::statedBytes(vtkXMLDataElement* array, int64_t tuples) const {
+  const std::string word = attribute(array, "type");
+  const auto type = scalarOfXmlWord(word);
+  if (!type && word != "Bit") return 0;
+  int components = 1;
+  if (array->GetAttribute("NumberOfComponents") &&
+      (!array->GetScalarAttribute("NumberOfComponents", components) || components < 1))
+    fail(array, "has " + attribute(array, "NumberOfComponents") + " components, expected one or more");
+  int64_t bytes;
+  if (__builtin_mul_overflow(tuples, int64_t(components), &bytes) ||
+      __builtin_mul_overflow(bytes, int64_t(type ? bytesOf(*type) : 1), &bytes))
+    fail(array, "has too many values: " + std::to_string(tuples) + " entries of " +
+                    std::to_string(components) + " components");
+  return type ? bytes : bytes / 8 + (bytes % 8 > 0);
+}
+
+void VtkXml::checkCompressed(vtkXMLDataElement* array, int64_t bytes) const {
+  if (!compressed() || isText(array)) return;
+  of(parser_).seekHeader(array);
+  if (bytes == 0 && !of(parser_).headerWord()) return;  // some writers leave it out
+  if (const int64_t found = dataBytes(array); found != bytes)
+    fail(array, "has " + std::to_string(found) + " bytes when it is decompressed, expected " +
+                    std::to_string(bytes));
+}
+
+}  // namespace gxy
