@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "gxy/data/macrocells.h"
+#include "gxyrender/reference_scene.h"
 
 namespace gxy::agreement {
 
@@ -34,22 +35,7 @@ std::shared_ptr<const CompiledScene> TestScene::compile() const {
 }
 
 reference::ReferenceScene TestScene::forReference() const {
-  reference::ReferenceScene scene{visualization, {}, settings};
-  for (size_t i = 0; i < data.size(); i++) {
-    if (data[i].volume) {
-      scene.data.emplace_back(data[i].volume);
-      // Isovalues are compared with samples as these are stored, so that one equal to a sample meets it.
-      const double shift = data[i].volume->shift, scale = data[i].volume->scale;
-      for (double& v : scene.visualization.operators[i].isovalues)
-        v = shift + scale * double(float((v - shift) / scale));
-    } else {
-      scene.data.emplace_back(data[i].geometry);
-      // The reference takes the map's first colour for geometry without values.
-      if (data[i].geometry->range.empty())
-        scene.visualization.operators[i].colormap.points = {{0, data[i].color}};
-    }
-  }
-  return scene;
+  return referenceScene(visualization, data, settings);
 }
 
 TestScene sceneFrom(std::string name, glm::dvec3 eye, int width, int height) {

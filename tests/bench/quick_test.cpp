@@ -37,6 +37,24 @@ class Gxybench : public ::testing::Test {
       n++;
     return n;
   }
+  /// A state file that shows a volume of steps of 0.2 as `operatorKeys` say.
+  std::string stepped(const std::string& operatorKeys) const {
+    constexpr int kSide = 11;
+    std::ofstream raw(folder_ / "v.raw", std::ios::binary);
+    for (int i = 0; i < kSide * kSide * kSide; i++) {
+      const auto value = float(0.2 * (i / kSide / kSide % 4));
+      raw.write(reinterpret_cast<const char*>(&value), sizeof value);
+    }
+    std::ofstream(folder_ / "v.json")
+        << R"({"type": "float", "origin": [-1, -1, -1], "delta": [0.2, 0.2, 0.2],
+        "counts": [11, 11, 11], "rawdata": "v.raw"})";
+    std::ofstream(folder_ / "stepped.json") << R"({
+        "Datasets": [{"name": "v", "type": "Volume", "filename": "v.json"}],
+        "Visualizations": [{"operators": [{"type": "Volume", "dataset": "v", )"
+                                            << operatorKeys << R"(}]}],
+        "Camera": {"viewpoint": [2.1, 1.4, 3.3], "viewcenter": [0, 0, 0], "dimensions": [32, 32]}})";
+    return folder_ / "stepped.json";
+  }
   TemporaryFolder folder_;
 };
 
@@ -128,6 +146,16 @@ TEST_F(Gxybench, AReferenceIsFoundByContent) {
   EXPECT_EQ(readTable(out("results.csv"))[0].dtRms, first[0].dtRms);
   ASSERT_EQ(gxybench(scene + " --size 60x50" + places()), 0);
   EXPECT_EQ(references(), 2u);
+}
+
+// 0.4 is no float: it meets samples that stand for it, a plateau of them too.
+TEST_F(Gxybench, ReferencesCompareIsovaluesAsSamplesAreStored) {
+  const std::string scene = stepped(R"("isovalues": [0.4])");
+  ASSERT_EQ(gxybench(scene + places(), folder_ / "log"), 0) << textOf(folder_ / "log");
+  const std::vector<Row> rows = readTable(out("results.csv"));
+  ASSERT_EQ(rows.size(), 1u);
+  EXPECT_GT(rows[0].hits, 100);
+  EXPECT_EQ(rows[0].missed + rows[0].extra + rows[0].wrongSheet, 0);
 }
 
 TEST_F(Gxybench, CompareReportsAndFailsOnlyWhenAsked) {

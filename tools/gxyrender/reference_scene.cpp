@@ -7,20 +7,34 @@
 
 namespace gxy {
 
-reference::ReferenceScene referenceScene(const State& state, const LoadedState& loaded, size_t v) {
-  reference::ReferenceScene scene{loaded.visualization(state, v), {}, state.settings};
-  for (size_t i = 0; i < loaded.data[v].size(); i++) {
-    const OperatorData& data = loaded.data[v][i];
-    if (data.volume) {
-      scene.data.emplace_back(data.volume);
+namespace {
+
+/// As backends compare them: with samples as these are stored, so that one equal to a sample meets it.
+double asStored(double isovalue, const Volume& volume) {
+  return volume.shift + volume.scale * double(float((isovalue - volume.shift) / volume.scale));
+}
+
+}  // namespace
+
+reference::ReferenceScene referenceScene(const Visualization& visualization,
+                                         std::span<const OperatorData> data, const RenderSettings& settings) {
+  reference::ReferenceScene scene{visualization, {}, settings};
+  for (size_t i = 0; i < data.size(); i++) {
+    Vis& vis = scene.visualization.operators[i];
+    if (data[i].volume) {
+      scene.data.emplace_back(data[i].volume);
+      for (double& v : vis.isovalues) v = asStored(v, *data[i].volume);
     } else {
-      scene.data.emplace_back(data.geometry);
+      scene.data.emplace_back(data[i].geometry);
       // the reference takes the map's first colour for geometry without values
-      if (data.geometry->range.empty())
-        scene.visualization.operators[i].colormap = {{ColorPoint{0, data.color}}};
+      if (data[i].geometry->range.empty()) vis.colormap = {{ColorPoint{0, data[i].color}}};
     }
   }
   return scene;
+}
+
+reference::ReferenceScene referenceScene(const State& state, const LoadedState& loaded, size_t v) {
+  return referenceScene(loaded.visualization(state, v), loaded.data[v], state.settings);
 }
 
 reference::AoDirections occlusionDirections(int aoCount, int width, uint32_t frameNumber) {

@@ -2,11 +2,16 @@
 // What is loaded, as the reference renderer wants it.
 #pragma once
 #include <cstdint>
+#include <span>
 
 #include "gxy/reference/reference.h"
 #include "load.h"
 
 namespace gxy {
+
+/// A visualization of data that are whole, in one partition.
+reference::ReferenceScene referenceScene(const Visualization& visualization,
+                                         std::span<const OperatorData> data, const RenderSettings& settings);
 
 /// Visualization v of a state whose data are loaded whole, in one partition.
 reference::ReferenceScene referenceScene(const State& state, const LoadedState& loaded, size_t v);
