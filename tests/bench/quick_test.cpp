@@ -158,6 +158,23 @@ TEST_F(Gxybench, ReferencesCompareIsovaluesAsSamplesAreStored) {
   EXPECT_EQ(rows[0].missed + rows[0].extra + rows[0].wrongSheet, 0);
 }
 
+// They speak of no thickness that could be left uncorrected.
+TEST_F(Gxybench, ExtinctionMapsHaveNoUncorrectedSetting) {
+  const auto methodsOf = [&](const std::string& map, const std::string& methods) {
+    const std::string scene = stepped("\"volume rendering\": true, " + map);
+    EXPECT_EQ(gxybench(scene + " --steps 1 --methods " + methods + places(), folder_ / "log"), 0)
+        << textOf(folder_ / "log");
+    std::vector<std::string> used;
+    for (const Row& r : readTable(out("results.csv"))) used.push_back(r.method);
+    return used;
+  };
+  using Methods = std::vector<std::string>;
+  EXPECT_EQ(methodsOf(R"("opacitymap": [[0, 0.1]])", "fixed uncorrected"), (Methods{"fixed", "uncorrected"}));
+  EXPECT_EQ(methodsOf(R"("extinctionmap": [[0, 0.1]])", "fixed uncorrected"), Methods{"fixed"});
+  const std::string nothing = stepped(R"("volume rendering": true, "extinctionmap": [[0, 0.1]])");
+  EXPECT_EQ(gxybench(nothing + " --methods uncorrected" + places()), 0);
+}
+
 TEST_F(Gxybench, CompareReportsAndFailsOnlyWhenAsked) {
   const std::string older = folder_ / "old.csv", newer = folder_ / "new.csv";
   TableWriter(older).add(row("fixed", "1", 1, 1e-3, 1e-3));

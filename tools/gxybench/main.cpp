@@ -106,6 +106,8 @@ class Scratch {
 
 void measureScene(const Options& o, Scene& scene, const Scratch& scratch, const Speaker& speaker,
                   const std::function<void(const Row&)>& add) {
+  const std::vector<Setting> settings = settingsOf(scene, o.ladders);
+  if (settings.empty()) return;
   makeData(scene, o.cache + "/data");
   speaker.done(scene.name);
   speaker.meanwhile("  reference");
@@ -122,7 +124,7 @@ void measureScene(const Options& o, Scene& scene, const Scratch& scratch, const 
       job.seconds = o.quick ? 0 : 0.5;
       job.threads = o.threads;
       job.pictures = scratch.prefix();
-      job.settings = settingsOf(scene, o.ladders);
+      job.settings = settings;
       measure(job, ranks, ranks > 1 ? o.launcher : "", [&](size_t, Row row, const Picture& picture) {
         row.scene = scene.name;
         compareWith(truth, picture, scene.isosurfacesAlone(), row);

@@ -76,6 +76,11 @@ std::string nameOf(const Field& field, int64_t points) {
   return name;
 }
 
+std::string geometryName(const char* kind, int64_t count) {
+  return std::string(kind) + "-" + std::to_string(count) + "-v" +
+         std::to_string(data_tool::kGeometryVersion) + ".vtp";
+}
+
 class Maker {
  public:
   explicit Maker(const Sizes& sizes) : sizes_(sizes) {}
@@ -167,7 +172,7 @@ class Maker {
     };
     scene.state.visualizations[0].lighting.shadows = true;
     Vis& vis = add(scene, DatasetType::Particles, VisType::Particles,
-                   {"particles-" + std::to_string(sizes_.particles) + ".vtp", make});
+                   {geometryName("particles", sizes_.particles), make});
     vis.radius0 = sizes_.particleRadius;
     vis.dataRange = {0, 4};
   }
@@ -181,8 +186,8 @@ class Maker {
       data_tool::makeSphereMesh(options);
     };
     scene.state.visualizations[0].lighting.shadows = true;
-    Vis& vis = add(scene, DatasetType::Triangles, VisType::Triangles,
-                   {"mesh-" + std::to_string(meshTriangles()) + ".vtp", make});
+    Vis& vis =
+        add(scene, DatasetType::Triangles, VisType::Triangles, {geometryName("mesh", meshTriangles()), make});
     vis.dataRange = {-1, 1};
   }
 

@@ -23,6 +23,7 @@ struct Scene {
   std::vector<DataFile> data;  ///< to be made
 
   bool rendersVolumes() const;
+  bool hasExtinctionMaps() const;  ///< of a volume that is rendered
   bool isosurfacesAlone() const;
 };
 
@@ -52,7 +53,8 @@ struct Ladders {
 ///   adaptive     the integrator that users get, at each tolerance
 ///   fixed        midpoint segments of each step, in cells
 ///   uncorrected  the earlier Galaxy's rule: one sample a cell takes the map's opacity, whatever thickness the
-///                map speaks of. Said by what a state file can say: step 1, and `reference length` left out.
+///                map speaks of. Said by what a state file can say: step 1, and `reference length` left out; not for scenes
+///                with extinction maps, which speak of no thickness.
 /// A scene without volume rendering has one setting, adaptive at the scene's own tolerance.
 std::vector<Setting> settingsOf(const Scene& scene, const Ladders& ladders);
 

@@ -22,6 +22,12 @@ bool Scene::rendersVolumes() const {
   return std::any_of(operators.begin(), operators.end(), [](const Vis& v) { return v.volumeRendering; });
 }
 
+bool Scene::hasExtinctionMaps() const {
+  const auto& operators = state.visualizations.at(0).operators;
+  return std::any_of(operators.begin(), operators.end(),
+                     [](const Vis& v) { return v.volumeRendering && v.opacitymap.extinction; });
+}
+
 bool Scene::isosurfacesAlone() const {
   const auto& operators = state.visualizations.at(0).operators;
   return std::all_of(operators.begin(), operators.end(), [](const Vis& v) {
@@ -52,7 +58,7 @@ std::vector<Setting> settingsOf(const Scene& scene, const Ladders& ladders) {
       settings.push_back({"fixed", fractionText(step), state});
       settings.back().state.settings.step = step;
     }
-  if (wanted("uncorrected")) {
+  if (wanted("uncorrected") && !scene.hasExtinctionMaps()) {
     state.settings.step = 1;
     for (Vis& vis : state.visualizations[0].operators) vis.referenceLength.reset();
     settings.push_back({"uncorrected", "1", state});

@@ -25,6 +25,9 @@ struct Options {
 /// Samples fields on [-1, 1]^3: all of them into a .vti, one into a .vol or .json.
 void makeVolume(const std::vector<Field>& fields, const Options& options);
 
+/// Raised when one of the generators of geometry below makes other data of the same options: gxybench keeps files by it.
+constexpr int kGeometryVersion = 1;
+
 void makeParticles(const Options& options);
 void makeSphereMesh(const Options& options);
 void makeHelix(const Options& options);
