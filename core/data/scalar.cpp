@@ -84,12 +84,13 @@ void swapBytes(std::span<std::byte> samples, size_t bytesPerValue) {
 }
 
 Encoding encodingOf(ScalarType type, int components, const Range& range) {
-  if (!isWide(type)) return {type, 0, 1};
+  const bool wide = isWide(type);
+  if (!wide && type != ScalarType::Float32) return {type};
   if (range.empty()) return {};
   const double half = range.max / 2 - range.min / 2;
   double largest = std::max(std::abs(range.min), std::abs(range.max));
   Encoding encoding;
-  if (components == 1 && largest > 4 * half) {
+  if (wide && components == 1 && largest > 4 * half) {
     encoding.shift = range.min / 2 + range.max / 2;
     largest = std::max(std::abs(range.min - encoding.shift), std::abs(range.max - encoding.shift));
   }
@@ -103,10 +104,10 @@ Samples convert(std::span<const std::byte> values, ScalarType type, const Encodi
     throw Error("samples: " + std::to_string(values.size()) + " bytes of " + nameOf(type) +
                 ", expected a multiple of " + std::to_string(bytesOf(type)));
   }
-  if (!isWide(type) && encoding.stored == type) return {values.begin(), values.end()};
-  if (!isWide(type) || encoding.stored != ScalarType::Float32) {
+  if (!isWide(type) && encoding == Encoding{type}) return {values.begin(), values.end()};
+  if (!(isWide(type) || type == ScalarType::Float32) || encoding.stored != ScalarType::Float32) {
     throw Error(std::string("samples: ") + nameOf(type) + " asked to be stored as " +
-                nameOf(encoding.stored) + ", expected narrow types as they are and wide ones as float32");
+                nameOf(encoding.stored) + ", expected narrow types as they are and others as float32");
   }
   return withType(type, [&](auto t) {
     using T = decltype(t);

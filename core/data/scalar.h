@@ -64,11 +64,12 @@ struct Encoding {
 };
 
 /// The encoding of a field of `type` with values in `range` (over all ranks; of all components together).
-/// Narrow types and float are stored as they are. Wide ones become float: with shift 0 where the offset of
-/// the range costs at most two bits (and always for several components, so that a magnitude is that of the
-/// stored values times the scale), else shifted to the middle of the range; the scale is 1 where float's
-/// exponent has ample room, else a power of two that brings the values into [-1, 1]. Whole numbers below 2^24
-/// (after the shift) stay exact.
+/// Narrow types are stored as they are. Wide ones become float: with shift 0 where the offset of the range
+/// costs at most two bits (and always for several components, so that a magnitude is that of the stored values
+/// times the scale), else shifted to the middle of the range; the scale is 1 where float's exponent has ample
+/// room (denormals are 0 to backends, as are squares that underflow), else a power of two that brings the values
+/// into [-1, 1]. Whole numbers below 2^24 (after the shift) stay exact. Float is never shifted, so that it loses
+/// no bit.
 Encoding encodingOf(ScalarType type, int components, const Range& range);
 
 /// Samples of a volume in their stored type, as bytes.
@@ -76,7 +77,7 @@ using Samples = LargeVector<std::byte>;
 
 /// Values of `type` as `encoding` stores them: (value - shift) / scale, computed in double (long double for
 /// 64-bit integers) and rounded once more. NaN and infinities stay what they are. Throws Error if the size of
-/// `values` is no multiple of the type's, or a type that is not wide would change.
+/// `values` is no multiple of the type's, or a narrow type would change.
 Samples convert(std::span<const std::byte> values, ScalarType type, const Encoding& encoding);
 
 }  // namespace gxy

@@ -79,8 +79,8 @@ struct VolumeBlock {
   std::vector<std::vector<Macrocell>> summaries;
 };
 
-/// A structured volume. `stored` is what the blocks hold: narrow types as in the file, Float32 for wide
-/// types, whose values are value = shift + scale * stored. Immutable once complete; safe to read from any
+/// A structured volume. `stored` is what the blocks hold: narrow types as in the file, Float32 for float
+/// and wide types; values are shift + scale * stored (encodingOf()). Immutable once complete; safe to read from any
 /// thread.
 struct Volume {
   std::string name;

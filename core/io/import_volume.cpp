@@ -30,6 +30,26 @@ void mergeMacrocells(Volume& volume, Collectives& ranks) {
   }
 }
 
+/// Stores the samples of all blocks as values of `type` in `ranges`, those of all ranks, want it, and completes the blocks.
+/// `components` are those of the array that the volume's are of.
+void storeSamples(Volume& volume, ScalarType type, int components, const std::vector<Range>& ranges,
+                  Collectives& ranks) {
+  Range values;
+  for (int c = 0; c < volume.components; ++c) values.extend(ranges[size_t(c)]);
+  const Encoding encoding = encodingOf(type, components, values);
+  volume.stored = encoding.stored;
+  volume.shift += volume.scale * encoding.shift;
+  volume.scale *= encoding.scale;
+  agree(ranks, [&] {
+    for (auto& [partition, block] : volume.blocks) {
+      ranks.check();
+      if (encoding != Encoding{type}) block.samples = convert(block.samples, type, encoding);
+      completeBlock(block, encoding.stored, volume.components);
+    }
+  });
+  mergeMacrocells(volume, ranks);
+}
+
 /// What a rank with these blocks has not kept of a file whose array has `components`.
 LeftOut leftOutOf(const VolumeFile& file, int components, const Volume& volume) {
   LeftOut out{file.arrays.size() - 1, uint64_t(components - volume.components), file.source->piecesNotRead(),
@@ -98,21 +118,7 @@ std::shared_ptr<Volume> importVolume(const std::string& path, const std::string&
   mergeRanges(ranks, statistics.ranges);
   volume->ranges = statistics.ranges;
   volume->noDataSamples = int64_t(sum(ranks, uint64_t(statistics.noDataSamples)));
-  Range values;
-  for (int c = 0; c < volume->components; ++c) values.extend(volume->ranges[size_t(c)]);
-  const Encoding encoding = encodingOf(type, componentsOfFile, values);
-  volume->stored = encoding.stored;
-  volume->shift = encoding.shift;
-  volume->scale = encoding.scale;
-
-  agree(ranks, [&] {
-    for (auto& [partition, block] : volume->blocks) {
-      ranks.check();
-      if (encoding.stored != type) block.samples = convert(block.samples, type, encoding);
-      completeBlock(block, encoding.stored, volume->components);
-    }
-  });
-  mergeMacrocells(*volume, ranks);
+  storeSamples(*volume, type, componentsOfFile, volume->ranges, ranks);
   return volume;
 }
 
@@ -120,11 +126,9 @@ void completeVolume(Volume& volume, const Partitioning& partitioning, Collective
   FieldStatistics statistics;
   statistics.ranges.resize(size_t(volume.components) + (volume.components > 1));
   agree(ranks, [&] {
-    for (auto& [partition, block] : volume.blocks) {
+    for (const auto& [partition, block] : volume.blocks)
       statistics.merge(statisticsOf(block.samples, volume.stored, volume.components, block.extent,
                                     ownedPoints(volume.grid, partitioning, partition)));
-      completeBlock(block, volume.stored, volume.components);
-    }
   });
   mergeRanges(ranks, statistics.ranges);
   volume.ranges = statistics.ranges;
@@ -132,7 +136,7 @@ void completeVolume(Volume& volume, const Partitioning& partitioning, Collective
     if (!range.empty())
       range = {volume.shift + volume.scale * range.min, volume.shift + volume.scale * range.max};
   volume.noDataSamples = int64_t(sum(ranks, uint64_t(statistics.noDataSamples)));
-  mergeMacrocells(volume, ranks);
+  storeSamples(volume, volume.stored, volume.components, statistics.ranges, ranks);
 }
 
 }  // namespace gxy

@@ -26,9 +26,9 @@ struct LeftOut {
 };
 
 /// Collective over `ranks`. Reads, for each partition that this rank owns, the samples it needs and `ghosts`
-/// layers more; brings wide types to float (scalar.h); fills ranges, the number of samples without data, and
+/// layers more; stores them as encodingOf() says (scalar.h); fills ranges, the number of samples without data, and
 /// macrocell summaries merged over all ranks. The volume is named after the file and the array. If any rank
-/// fails, all throw the same Error. Memory: the blocks, and for wide types once more the block that is being
+/// fails, all throw the same Error. Memory: the blocks, and for types that change once more the block that is being
 /// converted. Of the components of the array only `components`, which ascend, are kept if there are
 /// any; their values are stored as they are beside the others. What is left out is added to `leftOut`.
 std::shared_ptr<Volume> importVolume(const std::string& path, const std::string& array,
@@ -37,7 +37,8 @@ std::shared_ptr<Volume> importVolume(const std::string& path, const std::string&
 
 /// Collective. Completes a volume whose blocks (of the partitions of this rank that touch its grid, extents as extentOf()
 /// gives them with kGhostLayers) hold samples that were computed, x fastest: fills ranges, noDataSamples, and summaries
-/// merged over all ranks, and puts the samples into bricks. If any rank fails, all throw the same Error.
+/// merged over all ranks, stores the samples as encodingOf() says of the whole field (shift and scale may change), and puts
+/// them into bricks. If any rank fails, all throw the same Error.
 void completeVolume(Volume& volume, const Partitioning& partitioning, Collectives& ranks);
 
 }  // namespace gxy

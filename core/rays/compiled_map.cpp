@@ -21,6 +21,7 @@ constexpr double kDense = 4;            // optical depth of a reference length b
 constexpr double kThin = 1e-3;          // the same up to which nothing is
 constexpr double kHidden = 1e4;         // the same from which an interval hides what is behind it
 constexpr double kStraight = 1e-4;      // of extinction, and absolute in colour
+constexpr double kFarStored = 1e29;     // stored values that a map speaks of
 constexpr int kDeepestCut = 14;
 constexpr int kMostBuckets = 4096;
 
@@ -66,6 +67,27 @@ std::vector<Node> straightened(const std::vector<Node>& nodes) {
     least = glm::dvec4(-INFINITY), most = glm::dvec4(INFINITY);
   }
   return kept;
+}
+
+Node between(const Node& a, const Node& b, double value) {
+  const glm::dvec4 here = glm::mix(a.above, b.below, (value - a.value) / (b.value - a.value));
+  return {value, here, here};
+}
+
+// The part of a map in [lo, hi], beyond which there are no values: its lines end there instead of far away.
+std::vector<Node> within(const std::vector<Node>& nodes, double lo, double hi) {
+  std::vector<Node> part;
+  for (size_t i = 0; i < nodes.size(); i++) {
+    const Node& n = nodes[i];
+    const Node* next = i + 1 < nodes.size() ? &nodes[i + 1] : nullptr;
+    if (n.value >= lo && n.value <= hi) part.push_back(n);
+    if (next && n.value < lo && next->value > lo) part.push_back(between(n, *next, lo));
+    if (next && n.value < hi && next->value > hi) part.push_back(between(n, *next, hi));
+  }
+  const Node &first = nodes.front(), &last = nodes.back();
+  if (last.value < lo) part.push_back({lo, last.above, last.above});
+  if (first.value > hi) part.push_back({hi, first.below, first.below});
+  return part;
 }
 
 }  // namespace
@@ -122,7 +144,8 @@ CompiledMap::CompiledMap(const ColorMap& color, const OpacityMap* opacity, const
   // Nodes that coincide in float, or are no normal number apart, become one step.
   auto stored = [&](double v) { return float((v - units.shift) / units.scale); };
   std::vector<Node> kept;
-  for (const Node& n : straightened(list)) {
+  const double farthest = kFarStored * units.scale;
+  for (const Node& n : straightened(within(list, units.shift - farthest, units.shift + farthest))) {
     if (!kept.empty() && stored(n.value) - stored(kept.back().value) < std::numeric_limits<float>::min())
       kept.back().above = n.above;
     else
@@ -216,7 +239,7 @@ CompiledMap::CompiledMap(const ColorMap& color, const OpacityMap* opacity, const
   } else {
     const int count = std::clamp(int(std::bit_ceil(unsigned(8 * std::max(inner, 1)))), 64, kMostBuckets);
     const double width = span > 0 ? span / count : 1;
-    inverse = float(1 / width);
+    inverse = float(std::min(1 / width, 1e38));  // a smaller one finds a bucket before that of the value
     buckets.resize(count);
     for (int i = 0, k = 0; i < count; i++) {
       // Before the bucket, whatever the rounding of its index.

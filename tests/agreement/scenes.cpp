@@ -87,9 +87,10 @@ TestScene moved(const TestScene& from, double factor, glm::dvec3 shift) {
 
 namespace {
 
-std::shared_ptr<Volume> finished(const Grid& grid, Samples samples, ScalarType type, Encoding encoding) {
+std::shared_ptr<Volume> finished(const Grid& grid, const Samples& samples, ScalarType type) {
   auto volume = std::make_shared<Volume>();
   const FieldStatistics statistics = statisticsOf(samples, type, 1);
+  const Encoding encoding = encodingOf(type, 1, statistics.ranges[0]);
   volume->name = "test";
   volume->grid = grid;
   volume->stored = encoding.stored;
@@ -98,7 +99,7 @@ std::shared_ptr<Volume> finished(const Grid& grid, Samples samples, ScalarType t
   volume->noDataSamples = statistics.noDataSamples;
   VolumeBlock& block = volume->blocks[0];
   block.extent.points = grid.points;
-  block.samples = encoding.stored == type ? std::move(samples) : convert(samples, type, encoding);
+  block.samples = convert(samples, type, encoding);
   completeBlock(block, encoding.stored, 1);
   return volume;
 }
@@ -122,15 +123,8 @@ Samples sampled(const Grid& grid, const FieldFunction& field) {
 
 }  // namespace
 
-std::shared_ptr<Volume> makeVolume(const Grid& grid, const FieldFunction& field, ScalarType stored) {
-  auto samples = withType(stored, [&](auto t) { return sampled<decltype(t)>(grid, field); });
-  return finished(grid, std::move(samples), stored, {stored, 0, 1});
-}
-
-std::shared_ptr<Volume> makeWideVolume(const Grid& grid, const FieldFunction& field) {
-  auto samples = sampled<double>(grid, field);
-  const Range range = statisticsOf(samples, ScalarType::Float64, 1).ranges[0];
-  return finished(grid, std::move(samples), ScalarType::Float64, encodingOf(ScalarType::Float64, 1, range));
+std::shared_ptr<Volume> makeVolume(const Grid& grid, const FieldFunction& field, ScalarType type) {
+  return finished(grid, withType(type, [&](auto t) { return sampled<decltype(t)>(grid, field); }), type);
 }
 
 Grid cube(int64_t n, double half) {

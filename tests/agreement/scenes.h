@@ -39,12 +39,9 @@ TestScene moved(const TestScene& scene, double factor, glm::dvec3 shift);
 
 using FieldFunction = std::function<double(glm::dvec3)>;
 
-/// Samples of type `stored` of field(world position); values are clamped to narrow types. One component.
+/// Samples of `type` of field(world position), stored as an import would; values are clamped to narrow types. One component.
 std::shared_ptr<Volume> makeVolume(const Grid& grid, const FieldFunction& field,
-                                   ScalarType stored = ScalarType::Float32);
-
-/// The same from samples in double, through the encoding that an import would choose.
-std::shared_ptr<Volume> makeWideVolume(const Grid& grid, const FieldFunction& field);
+                                   ScalarType type = ScalarType::Float32);
 
 /// n^3 points that span [-half, half]^3.
 Grid cube(int64_t n, double half = 1);

@@ -208,12 +208,45 @@ TEST(Stress, SamplesWithoutData) {
   expectFinite(scene);
 }
 
+/// waves(p), scaled, volume and surfaces under a map that is scaled alike.
+TestScene scaledWaves(double scale, ScalarType type = ScalarType::Float32) {
+  TestScene scene = sceneFrom("values_scaled", {2.1, 1.4, 3.3}, 32, 32);
+  Vis vis = rendered({{-scale, 0}, {scale, 0.4}}, -scale, scale);
+  vis.isovalues = {0.3 * scale};
+  vis.slices = {{{0, 0, 1}, 0.2}};
+  vis.opacity = 0.5;
+  scene.add(vis, makeVolume(
+                     cube(12), [=](glm::dvec3 p) { return scale * waves(p); }, type));
+  return scene;
+}
+
 TEST(Stress, DenormalSamples) {
   TestScene scene = sceneFrom("denormal", {2.1, 1.4, 3.3}, 24, 24);
   Vis vis = rendered({{-1, 0}, {1, 0.4}}, -1, 1);
   vis.isovalues = {0.2};
   scene.add(vis, makeVolume(cube(12), [](glm::dvec3 p) { return p.x > 0 ? waves(p) : 1e-41 * waves(p); }));
   expectAgreement(embree(), scene);
+  // denormal throughout, the last in steps of a seventieth
+  for (double scale : {1e-36, 1e-38, 1e-40, 1e-43}) expectAgreement(embree(), scaledWaves(scale));
+}
+
+TEST(Stress, ValuesOfAnySize) {
+  for (double scale : {1e-20, 1e20, 3e38}) expectAgreement(embree(), scaledWaves(scale));
+  for (double scale : {1e-60, 1e60}) expectAgreement(embree(), scaledWaves(scale, ScalarType::Float64));
+}
+
+TEST(Stress, MapsThatReachFarBeyondTheValues) {
+  for (ScalarType type : {ScalarType::Float32, ScalarType::Float64}) {
+    TestScene scene = scaledWaves(1e-40, type);
+    Vis& vis = scene.visualization.operators[0];
+    vis.opacitymap.points = {{-1, 0}, {3, 0.4}};  // all values lie at a quarter of it
+    vis.colormap.points = {{-1, {1, 0, 0}}, {3, {0, 0, 1}}};
+    vis.isovalues.push_back(0.5);
+    expectAgreement(embree(), scene);
+    vis.opacitymap.points = {{1, 0}, {3, 0.4}};
+    vis.isovalues = {0.5};
+    for (float x : drawnByBoth(scene).rgba) EXPECT_TRUE(std::isfinite(x));
+  }
 }
 
 TEST(Stress, MapsAtTheirLimits) {
@@ -269,7 +302,8 @@ TEST(Stress, ValuesFarFromZero) {
   Vis vis = rendered({{offset - 1, 0}, {offset + 1, 0.4}}, offset - 1, offset + 1);
   vis.isovalues = {offset + 0.3};
   vis.opacity = 0.5;
-  scene.add(vis, makeWideVolume(cube(20), [=](glm::dvec3 p) { return offset + waves(p); }));
+  scene.add(vis, makeVolume(
+                     cube(20), [=](glm::dvec3 p) { return offset + waves(p); }, ScalarType::Float64));
   expectAgreement(embree(), scene);
 }
 

@@ -92,6 +92,20 @@ TEST(Convert, NarrowTypesAreKept) {
   EXPECT_THROW(convert(bytes(values).first(5), ScalarType::UInt16, e), Error);
 }
 
+TEST(Convert, FloatsOfAnySizeKeepEveryBit) {
+  EXPECT_EQ(encodingOf(ScalarType::Float32, 1, {101324, 101325}), Encoding{ScalarType::Float32});
+  for (float size : {1e-44f, 1e-40f, 1e-30f, 1e-10f, 1e10f, 3e38f}) {
+    const std::vector<float> values{-size, size, size / 3, 0};
+    const Encoding e = encodingOf(ScalarType::Float32, 1, {-double(size), double(size)});
+    EXPECT_EQ(e.scale == 1, size == 1e-10f || size == 1e10f);
+    const std::vector<float> f = stored(values, ScalarType::Float32, e);
+    for (size_t i = 0; i < values.size(); ++i) {
+      EXPECT_EQ(e.shift + e.scale * double(f[i]), double(values[i]));
+      EXPECT_TRUE(f[i] == 0 || std::isnormal(f[i]));
+    }
+  }
+}
+
 TEST(Convert, VectorsAreNeverShifted) {
   EXPECT_EQ(encodingOf(ScalarType::Float64, 3, {101324, 101325}).shift, 0);
   EXPECT_NE(encodingOf(ScalarType::Float64, 1, {101324, 101325}).shift, 0);

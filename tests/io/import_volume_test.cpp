@@ -98,6 +98,50 @@ TEST(ImportVolume, WideTypesKeepASmallSignalOnALargeOffset) {
         ASSERT_NEAR(volume->shift + volume->scale * double(stored[bricks(x, y, z)]), samples[i++], 2e-9);
 }
 
+/// Floats of one partition alone, `there`; 1e-42 in the others.
+std::vector<float> denormalsBeside(float there) {
+  std::vector<float> samples(size_t(wholeOf(kGrid).count()), 1e-42f);
+  samples.back() = there;
+  return samples;
+}
+
+TEST(ImportVolume, FloatsAreScaledByWhatIsLargestOnAllRanks) {
+  const TemporaryFolder folder;
+  const Partitioning cut = decomposed(kGrid, 7, 3);
+  for (const float largest : {1e-38f, 1.f}) {
+    const std::vector<float> samples = denormalsBeside(largest);
+    write(folder / "v.json", ScalarType::Float32, samples);
+    ThreadRanks ranks(3);
+    const auto errors = ranks.run([&](Collectives& mine) {
+      const auto volume = importVolume(folder / "v.json", "", cut, kGhostLayers, mine);
+      EXPECT_EQ(volume->scale, largest == 1 ? 1 : 0x1p-126);
+      EXPECT_EQ(volume->ranges[0].max, double(largest));
+
+      Volume made;  // the same, computed
+      made.grid = kGrid;
+      for (const auto& [partition, imported] : volume->blocks) {
+        VolumeBlock& block = made.blocks[partition];
+        block.extent = imported.extent;
+        const auto& [first, n] = block.extent;
+        for (int64_t z = first[2]; z < first[2] + n[2]; z++)
+          for (int64_t y = first[1]; y < first[1] + n[1]; y++) {
+            const auto row = std::as_bytes(std::span(
+                &samples[size_t((z * kGrid.points[1] + y) * kGrid.points[0] + first[0])], size_t(n[0])));
+            block.samples.insert(block.samples.end(), row.begin(), row.end());
+          }
+      }
+      completeVolume(made, cut, mine);
+      EXPECT_EQ(made.scale, volume->scale);
+      EXPECT_EQ(made.ranges, volume->ranges);
+      for (const auto& [partition, block] : made.blocks) {
+        EXPECT_EQ(block.samples, volume->blocks.at(partition).samples);
+        EXPECT_EQ(block.summaries, volume->blocks.at(partition).summaries);
+      }
+    });
+    EXPECT_EQ(errors, std::vector<std::string>(3));
+  }
+}
+
 TEST(ImportVolume, WhatIsNotShownAndWhatOthersNeedIsNotRead) {
   const TemporaryFolder folder;
   const std::vector<ArrayInfo> arrays{{"shown", ScalarType::Float32, 1, {}},

@@ -116,11 +116,11 @@ RandomVolume randomVolume(Choices& choose) {
           values.push_back(!none ? value : choose.oneIn(3) ? std::numeric_limits<double>::infinity() : kNaN);
         }
       }
-  auto samples = withType(type, [&](auto t) { return bytesOf<decltype(t)>(values); });
+  const auto samples = withType(type, [&](auto t) { return bytesOf<decltype(t)>(values); });
   Range all;
   for (const Range& r : statisticsOf(samples, type, v.components).ranges) all.extend(r);
   const Encoding encoding = encodingOf(type, v.components, all);
-  v.samples = encoding.stored == type ? std::move(samples) : convert(samples, type, encoding);
+  v.samples = convert(samples, type, encoding);
   v.stored = encoding.stored, v.shift = encoding.shift, v.scale = encoding.scale;
   return made;
 }
