@@ -74,6 +74,8 @@ TEST(Convergence, PiecesKeepTheirOrderWhereTheFieldKinksBetweenCells) {
   EXPECT_GE(orderOfPieces(cube(12, waving), kStepped, 4), 1.9);
 }
 
+// Not the design's 2 - 0.1: segments are whole numbers of a cell's chord, and a ray that cuts a corner takes one of them at
+// rates 1, 2 and 4 alike, so that nominal halving does not halve its steps (docs/numerics.md). From 4 on the order is 2, above.
 TEST(Convergence, PiecesHaveAnOrderBeyondOneAndAHalfFromOneSegmentACellOn) {
   EXPECT_GE(orderOfPieces(cube(12, trilinearEverywhere), kStepped, 1), 1.6);
 }
