@@ -110,17 +110,13 @@ void addVolume(Choices& choose, TestScene& scene) {
   if (choose.oneIn(3) || std::min({cells.x, cells.y, cells.z}) < 1e-3)
     vis.referenceLength = choose.scale(0.03, 0.5);
   if (choose.oneIn(6)) vis.dataRange = {{lo + 0.1 * (hi - lo), hi - 0.2 * (hi - lo)}};
-  bool plateau = false;
   if (shown & 2)
-    for (int n = choose.from(1, 3); n > 0; n--) {
-      const bool sample = choose.oneIn(8);
-      plateau = plateau || sample;
-      vis.isovalues.push_back(lo + (hi - lo) * (sample ? choose.from(0, 5) / 5.0 : choose.in(0.1, 0.9)));
-    }
+    for (int n = choose.from(1, 3); n > 0; n--)
+      vis.isovalues.push_back(lo +
+                              (hi - lo) * (choose.oneIn(8) ? choose.from(0, 5) / 5.0 : choose.in(0.1, 0.9)));
   if (shown & 4)
     for (int n = choose.from(1, 2); n > 0; n--) vis.slices.push_back(randomPlane(choose));
   clipAndFade(choose, vis);
-  if (plateau) vis.opacity = 1;  // "Known limits"
   scene.data.emplace_back(std::make_shared<const WholeVolume>(std::move(made.volume)));
   scene.visualization.operators.push_back(std::move(vis));
 }
