@@ -9,10 +9,16 @@ void main() {
   if (!hasRay()) return;
   SceneView s = theScene;
   Part part = marchPart();
-  int taken = 0;
+  MarchCount count;
+  count.samples = 0;
+  count.macrocells = 0;
+  count.skipped = 0;
   Radiance L = rayRadiance();
-  integrateMany(s, uint(push[PUSH_OPERATOR]), push[PUSH_COUNT], rayOrigin(), rayDirection(), marchRange(part), L, taken);
+  integrateMany(s, uint(push[PUSH_OPERATOR]), push[PUSH_COUNT], rayOrigin(), rayDirection(), marchRange(part),
+                L, count);
   if (!endPart(part, false)) return;
   setRadiance(L);
-  atomicAdd(counts[COUNT_SAMPLES], uint(taken));
+  atomicAdd(counts[COUNT_SAMPLES], uint(count.samples));
+  atomicAdd(counts[COUNT_MACROCELLS], uint(count.macrocells));
+  atomicAdd(counts[COUNT_SKIPPED], uint(count.skipped));
 }

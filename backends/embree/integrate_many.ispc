@@ -3,15 +3,20 @@
 #include "kernel.isph"
 
 // volumes[0 ... count): the operators that are volume rendered, count <= MANY_VOLUMES.
-export void integrateRaysOfMany(const void* uniform scene, void* uniform rays, uniform int n, const uniform int volumes[],
-                                uniform int count, uniform int64 counts[]) {
+export void integrateRaysOfMany(const void* uniform scene, void* uniform rays, uniform int n,
+                                const uniform int volumes[], uniform int count, uniform int64 counts[]) {
   USE_SCENE(s, scene);
   USE_RAYS(r, rays);
-  int samples = 0;
+  MarchCount counted;
+  counted.samples = 0;
+  counted.macrocells = 0;
+  counted.skipped = 0;
   foreach (i = 0 ... n) {
     Radiance L = radianceOf(r, i);
-    integrateMany(s, volumes, count, originOf(r, i), directionOf(r, i), marchRange(s, r, i), L, samples);
+    integrateMany(s, volumes, count, originOf(r, i), directionOf(r, i), marchRange(s, r, i), L, counted);
     setRadiance(s, r, i, L);
   }
-  counts[0] += reduce_add((int64)samples);
+  counts[0] += reduce_add((int64)counted.samples);
+  counts[1] += reduce_add((int64)counted.macrocells);
+  counts[2] += reduce_add((int64)counted.skipped);
 }

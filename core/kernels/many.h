@@ -25,6 +25,8 @@ struct Cursor {
   real a, b;         // ends of the part; b is NO_HIT behind the volume
   real sigma;
   vec3 source;
+  // macrocells entered, and skipped of them: here, since counters that the loop carries cost what registers hold
+  int entered, skipped;
 };
 
 FN bool goesByCells(VOLUME v, int plan) { return someByCells(v) && plan != 0 && !byMidpoints(plan); }
@@ -166,6 +168,11 @@ FN void evaluateNothing(INOUT(Cursor) c, real b) {
   put(c.source, make_v3(R(0.0), R(0.0), R(0.0)));
 }
 
+FN void countMacrocell(VOLUME v, INOUT(Cursor) c) {
+  put(c.entered, c.entered + 1);
+  if (planAt(v, c.walk.index) == 0) put(c.skipped, c.skipped + 1);
+}
+
 // The part that ends after t; before the volume, nothing up to it, with index -1.
 FN void seekPart(VOLUME v, INOUT(Cursor) c, real t, real tMin, INOUT(int) samples) {
   if (t >= c.ray.t1 || c.ray.t0 >= c.ray.t1) {
@@ -179,6 +186,7 @@ FN void seekPart(VOLUME v, INOUT(Cursor) c, real t, real tMin, INOUT(int) sample
       evaluateNothing(c, c.ray.t0);
       put(c.index, R(-1.0));
     } else {
+      countMacrocell(v, c);
       evaluateSegment(v, c, tMin, samples);
       bool more = c.b <= t;
       while (more) more = nextPart(v, c, tMin, samples) && c.b <= t;
@@ -191,6 +199,7 @@ FN void advance(VOLUME v, INOUT(Cursor) c, real tMin, INOUT(int) samples) {
   if (c.index >= R(0.0) && nextPart(v, c, tMin, samples)) return;
   bool more = true;
   if (c.index + R(1.0) < c.count) {
+    if (c.index < R(0.0)) countMacrocell(v, c);
     put(c.index, c.index + R(1.0));
   } else if (c.to < macrocellEnd(c)) {
     enterStretch(v, c, c.to);
@@ -204,6 +213,7 @@ FN void advance(VOLUME v, INOUT(Cursor) c, real tMin, INOUT(int) samples) {
     put(c.walk.far, far);
     put(c.walk.t, t);
     enterStretch(v, c, c.walk.t);
+    countMacrocell(v, c);
   } else {
     more = false;
   }
@@ -216,14 +226,17 @@ FN void advance(VOLUME v, INOUT(Cursor) c, real tMin, INOUT(int) samples) {
 // Several volumes, count <= MANY_VOLUMES: all that are volume rendered, those that this partition does not hold, too, as a
 // merged segment may begin where one of them has ended. m.tStop is also where a light or a radius ends the ray.
 FN void integrateMany(SCENE s, VOLUMES list, UNIFORM int count, vec3 o, vec3 d, MarchRange m,
-                      INOUT(Radiance) L, INOUT(int) samples) {
+                      INOUT(Radiance) L, INOUT(MarchCount) n) {
   Cursor cursor[MANY_VOLUMES];
   vec3 rgb = L.rgb;
   real A = L.A;
+  int samples = 0;
   real t = max(max(m.tIn, m.tStart), R(0.0)), end = R(0.0);
   for (UNIFORM int k = 0; k < count; k++) {
     VOLUME v = VOLUME_AT(s, list, k);
     cursor[k].ray = clippedRay(v, o, d);
+    cursor[k].entered = 0;
+    cursor[k].skipped = 0;
     if (cursor[k].ray.t0 < cursor[k].ray.t1) end = max(end, cursor[k].ray.t1);
   }
   // A hit exactly at tIn may end a segment that began before it.
@@ -292,4 +305,9 @@ FN void integrateMany(SCENE s, VOLUMES list, UNIFORM int count, vec3 o, vec3 d, 
   }
   L.rgb = rgb;
   L.A = A;
+  n.samples += samples;
+  for (UNIFORM int k = 0; k < count; k++) {
+    n.macrocells += cursor[k].entered - cursor[k].skipped;
+    n.skipped += cursor[k].skipped;
+  }
 }

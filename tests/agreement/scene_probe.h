@@ -61,12 +61,15 @@ FN real probeCuts(SCENE s, OPERATOR op, VOLUME v, VOLUMES list, UNIFORM int coun
     Radiance L;
     L.rgb = make_v3(R(0.0), R(0.0), R(0.0));
     L.A = R(0.0);
-    int samples = 0;
-    integrateMany(s, list, count, o, d, m, L, samples);
+    MarchCount n;
+    n.samples = 0;
+    n.macrocells = 0;
+    n.skipped = 0;
+    integrateMany(s, list, count, o, d, m, L, n);
     if (p == 17) return L.rgb.x;
     if (p == 18) return L.rgb.y;
     if (p == 19) return L.rgb.z;
-    return p == 20 ? L.A : toReal(samples);
+    return p == 20 ? L.A : toReal(n.samples + 100 * n.macrocells + 10000 * n.skipped);
   }
   if (op.kind != KIND_VOLUME) return R(-1.0);
   if (p == 22) {

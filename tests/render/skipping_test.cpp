@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <deque>
 #include <functional>
 #include <set>
 
@@ -72,6 +73,15 @@ void addBall(TestScene& s, glm::dvec3 centre, double radius) {
   vis.type = VisType::Particles;
   vis.dataset = "ball";
   vis.radius0 = vis.radius1 = radius;
+}
+
+/// So many volumes that are rendered, of four macrocells along x, by which values rise from -1 to 1.
+void addRendered(TestScene& s, int volumes, const std::vector<OpacityPoint>& opacity) {
+  for (int k = 0; k < volumes; k++) {
+    Vis& vis = addField(s, 4, [](glm::dvec3 p) { return p.x; });
+    vis.volumeRendering = true;
+    vis.opacitymap = {false, opacity};
+  }
 }
 
 Cut halves() { return lattice(kCube, {2, 1, 1}, 2); }
@@ -193,20 +203,34 @@ class Unreadable {
 
 // The ball brings the rays into the partition.
 TEST(Skipped, SamplesOfATransparentMap) {
-  TestScene s = alongX();
-  Vis& vis = addField(s, 4, [](glm::dvec3 p) { return p.x; });
-  vis.volumeRendering = true;
-  vis.opacitymap = {false, {{-1, 0.1}, {1, 0.1}}};
-  addBall(s, {0.5, 0, 0}, 0.3);
-  EXPECT_GT(Counted(s, whole(kCube)).all.samples, 0u);
-  s.visualization.operators[0].opacitymap = {false, {{-1, 0}, {1, 0}}};
-  const auto compiled = compiledOn(whole(kCube), s);
-  const Unreadable samples(compiled[0].compiled->operators[0].parts.at(0).block->samples);
-  const TraceCounters c = Counted(s, whole(kCube), compiled).all;
-  EXPECT_EQ(c.samples, 0u);
-  EXPECT_EQ(c.macrocells, 0u);
-  EXPECT_GT(c.macrocellsSkipped, 0u);
-  EXPECT_GT(c.raysShaded, 0u);
+  for (const int volumes : {1, 2}) {
+    SCOPED_TRACE(volumes);
+    TestScene s = alongX();
+    addRendered(s, volumes, {{-1, 0.1}, {1, 0.1}});
+    addBall(s, {0.5, 0, 0}, 0.3);
+    EXPECT_GT(Counted(s, whole(kCube)).all.samples, 0u);
+    for (int k = 0; k < volumes; k++) s.visualization.operators[size_t(k)].opacitymap.points = {{-1, 0}};
+    const auto compiled = compiledOn(whole(kCube), s);
+    std::deque<Unreadable> samples;
+    for (int k = 0; k < volumes; k++)
+      samples.emplace_back(compiled[0].compiled->operators[size_t(k)].parts.at(0).block->samples);
+    const TraceCounters c = Counted(s, whole(kCube), compiled).all;
+    EXPECT_EQ(c.samples, 0u);
+    EXPECT_EQ(c.macrocells, 0u);
+    EXPECT_GT(c.macrocellsSkipped, 0u);
+    EXPECT_GT(c.raysShaded, 0u);
+  }
+}
+
+// Two of the four that each ray meets in each volume.
+TEST(Skipped, MacrocellsOfEachVolume) {
+  for (const int volumes : {1, 2, 3}) {
+    TestScene s = alongX();
+    addRendered(s, volumes, {{0.05, 0}, {1, 0.1}});
+    const TraceCounters c = Counted(s, whole(kCube)).all;
+    EXPECT_EQ(c.macrocellsSkipped, uint64_t(2 * volumes * kPixels * kPixels));
+    EXPECT_EQ(c.macrocells, uint64_t(2 * volumes * kPixels * kPixels));
+  }
 }
 
 TEST(Skipped, RaysAndMessagesOfPartitionsWithNothingToSee) {

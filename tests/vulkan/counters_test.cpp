@@ -29,13 +29,18 @@ Renderer::Counters countersOf(const TestScene& scene, const BackendOf& backendOf
 }
 
 TEST(VulkanCounters, AreThoseOfEmbree) {
-  const std::vector<std::string> names{"spiky volume", "translucent isosurfaces", "translucent surfaces",
-                                       "shadows and occlusion"};
+  const std::vector<std::string> names{"spiky volume", "several volumes", "translucent isosurfaces",
+                                       "translucent surfaces", "shadows and occlusion"};
   size_t found = 0;
-  for (const TestScene& s : scenesOfEachKind()) {
+  for (TestScene& s : scenesOfEachKind()) {
     if (std::find(names.begin(), names.end(), s.name) == names.end()) continue;
     SCOPED_TRACE(s.name);
     found++;
+    if (s.name ==
+        "several volumes") {  // where maps are narrow, too, Mesa's software device does some rays in parts
+      s.data.pop_back();
+      s.visualization.operators.pop_back();
+    }
     const Renderer::Counters expected = countersOf(s, {});
     const Renderer::Counters c =
         countersOf(s, [](int) -> const Backend& { return vulkan_test::testedVulkan(); });
