@@ -18,7 +18,7 @@ constexpr double kBendMidpoint = 0.015, kBendPieces = 0.09;
 constexpr double kBendOfMap = 0.02, kKinkOfMap = 0.055;
 constexpr double kJump = 0.9;
 constexpr double kMostJump = 2;     // of optical depth per cell: what is behind such a step is hidden
-constexpr double kThinnest = 0.2;   // part of a cell that is seen, at least
+constexpr double kThinnest = 0.2;   // part of a cell, or of a kink, that is seen, at least
 constexpr double kMostDepth = 1;    // optical depth of a midpoint segment: the front hides the back of others
 constexpr double kCostOfCells = 8;  // time of a cell length cell by cell, in midpoint segments
 
@@ -45,7 +45,9 @@ Errors errorsOf(const Macrocell& m, const CompiledMap::Over& map, bool exactStep
                few = std::min(1.0, kFew * kFew / (across * across));
   const double kink = kKinkOfMap + few * (kWorstKink - kKinkOfMap);
   // what a kink changes in a dense part is hidden by what is before it, and like what is behind it
-  auto visible = [&](double all, double dense) { return std::min(all, dense / (cellT * cellT)); };
+  auto visible = [&](double all, double dense) {
+    return std::min(all, std::max(dense / (cellT * cellT), kThinnest * all));
+  };
   const double bendOfMap = visible(map.bend - map.curve, map.denseBend) + map.curve;
   const double kinkOfMap = visible(map.kink, map.denseKink);
   const double kinks =
