@@ -168,6 +168,16 @@ TEST(Stress, IsovaluesAreComparedAsSamplesAreStored) {
   expectAgreement(embree(), scene, {}, 2);
 }
 
+// Found by random scenes: the step at the end of a data range that ends at a plateau.
+TEST(Stress, StepsOfMapsAreComparedAsSamplesAreStored) {
+  for (const double plateau : {0.4, 0.7}) {  // whose floats are above and below them
+    TestScene scene = sceneFrom("step_as_stored", {2.13, 1.41, 3.37}, 32, 32);
+    scene.add(rendered({{0, 0.1}, {plateau, 0.1}, {plateau, 0.5}, {1, 0.5}}, 0, 1),
+              makeVolume(cube(6), [&](glm::dvec3) { return plateau; }));
+    expectAgreement(embree(), scene);
+  }
+}
+
 TEST(Stress, UnsortedMapPointsAreThoseSorted) {
   Visualization sorted;
   sorted.operators = {rendered({{-1, 0}, {-0.2, 0.3}, {0.1, 0.05}, {1, 0.3}}, -1, 1)};

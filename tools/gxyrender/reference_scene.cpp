@@ -4,14 +4,25 @@
 #include <glm/geometric.hpp>
 
 #include "gxy/kernels/single.h"
+#include "gxy/scene/colormaps.h"
 
 namespace gxy {
 
 namespace {
 
-/// As backends compare them: with samples as these are stored, so that one equal to a sample meets it.
-double asStored(double isovalue, const Volume& volume) {
-  return volume.shift + volume.scale * double(float((isovalue - volume.shift) / volume.scale));
+/// As backends compare it: with samples as these are stored, so that one equal to a sample meets it.
+double asStored(double value, const Volume& volume) {
+  return volume.shift + volume.scale * double(float((value - volume.shift) / volume.scale));
+}
+
+/// The same for steps of a map, which are points at one value.
+template <class Point>
+void storeSteps(std::vector<Point>& points, const Volume& volume) {
+  for (size_t i = 0, next; i < points.size(); i = next) {
+    for (next = i + 1; next < points.size() && points[next].value == points[i].value;) next++;
+    const double value = next > i + 1 ? asStored(points[i].value, volume) : points[i].value;
+    for (size_t k = i; k < next; k++) points[k].value = value;
+  }
 }
 
 }  // namespace
@@ -24,6 +35,11 @@ reference::ReferenceScene referenceScene(const Visualization& visualization,
     if (data[i].volume) {
       scene.data.emplace_back(data[i].volume);
       for (double& v : vis.isovalues) v = asStored(v, *data[i].volume);
+      vis.colormap = effectiveColorMap(vis);
+      vis.opacitymap = effectiveOpacityMap(vis);
+      vis.dataRange.reset();
+      storeSteps(vis.colormap.points, *data[i].volume);
+      storeSteps(vis.opacitymap.points, *data[i].volume);
     } else {
       scene.data.emplace_back(data[i].geometry);
       // the reference takes the map's first colour for geometry without values
