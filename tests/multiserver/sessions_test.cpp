@@ -238,7 +238,8 @@ TEST(Sessions, VerbsWithoutArgumentsRefuseThem) {
   const auto client = server.client();
   client->expect("load data");
   client->expect("load viewer");
-  for (const json& verb : client->expect("help").at("verbs"))
+  const json verbs = client->expect("help").at("verbs");
+  for (const json& verb : verbs)
     if (verb.at("arguments") == "") {
       const auto name = verb.at("verb").get<std::string>();
       EXPECT_EQ(client->request(name + " foo").error, "\"foo\" is too much, expected `" + name + "`");
