@@ -37,9 +37,7 @@ double magnitude(vtkDataArray* array, vtkIdType i) {
 }
 
 bool isNormals(vtkDataArray* array) {
-  const char* name = array->GetName();
-  return name && array->GetNumberOfComponents() == 3 &&
-         (std::strcmp(name, "Normals") == 0 || std::strcmp(name, "Normals_") == 0);
+  return array->GetName() && array->GetNumberOfComponents() == 3 && isNameOfNormals(array->GetName());
 }
 
 vtkDataArray* chooseValues(vtkPointData* data, const std::string& wanted, const std::string& path) {
@@ -165,12 +163,10 @@ void dropGhostPoints(vtkPointSet* set, GeometryBlock& block) {
     if (ghosts->GetValue(vtkIdType(i)) & kDuplicate) continue;
     block.points[kept] = block.points[i];
     if (!block.values.empty()) block.values[kept] = block.values[i];
-    if (!block.normals.empty()) block.normals[kept] = block.normals[i];
     ++kept;
   }
   block.points.resize(kept);
   if (!block.values.empty()) block.values.resize(kept);
-  if (!block.normals.empty()) block.normals.resize(kept);
 }
 
 GeometrySummary::Array summariseArray(vtkDataArray* array, bool ofCells) {
@@ -213,13 +209,15 @@ std::vector<std::string> geometryPieces(const std::string& path) {
 
 GeometryContent readGeometry(const std::string& path, GeometryKind kind, const std::string& wanted,
                              const TakeMemory& toTake) {
-  const vtkSmartPointer<vtkPointSet> set = readPointSet(path, toTake);
+  GeometryContent content;
+  const bool normals = kind != GeometryKind::Particles;
+  const vtkSmartPointer<vtkPointSet> set =
+      readPointSet(path, toTake, ArraysNeeded{wanted, normals}, &content.leftOut);
   const vtkIdType count = set->GetNumberOfPoints();
   if (uint64_t(count) >= std::numeric_limits<uint32_t>::max())
     throw Error(path + ": " + std::to_string(count) + " points; one file may have at most 2^32 - 2");
   const size_t primitives = primitivesOf(set, kind);
   if (toTake) toTake(bytesOf(size_t(count), primitives, kind));
-  GeometryContent content;
   GeometryBlock& block = content.block;
   block.points.reserve(size_t(count));
   for (vtkIdType i = 0; i < count; ++i) {
@@ -233,13 +231,10 @@ GeometryContent readGeometry(const std::string& path, GeometryKind kind, const s
     for (vtkIdType i = 0; i < values->GetNumberOfTuples(); ++i)
       block.values.push_back(float(magnitude(values, i)));
   }
-  block.normals = unitNormals(data, path);
-  if (set->GetCellData()->GetNumberOfArrays() > (set->GetCellGhostArray() ? 1 : 0))
-    spdlog::info("{}: cell data are not used", path);
+  if (normals) block.normals = unitNormals(data, path);
 
   if (kind == GeometryKind::Particles) {
     dropGhostPoints(set, block);
-    block.normals.clear();
   } else {
     block.triangles.reserve(kind == GeometryKind::Triangles ? primitives : 0);
     block.segments.reserve(kind == GeometryKind::PathLines ? primitives : 0);

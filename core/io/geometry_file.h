@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "gxy/data/geometry.h"
+#include "gxy/io/left_out.h"
 
 namespace gxy {
 
@@ -28,6 +29,7 @@ struct GeometryContent {
   GeometryBlock block;
   std::string array;         ///< of the file, that became the values; empty if it has none
   uint64_t unusedCells = 0;  ///< of other kinds
+  LeftOut leftOut;           ///< arrays that .vtp and .vtu files hold and this is not made of: not read
 };
 
 /// The files that hold the data: those that a .pvtu, .pvtp or .part lists, else the file itself. Throws Error

@@ -29,10 +29,12 @@ struct Reading {
   GeometryBlock block;
   bool values = true, normals = true;
   uint64_t unusedCells = 0;
+  LeftOut leftOut;
 
   void add(GeometryContent piece) {
     GeometryBlock& from = piece.block;
     unusedCells += piece.unusedCells;
+    leftOut += piece.leftOut;
     if (from.points.empty()) return;
     if (block.points.size() + from.points.size() >= std::numeric_limits<uint32_t>::max())
       throw Error("one rank would hold more than 2^32 - 2 points; use more ranks");
@@ -93,6 +95,7 @@ LoadedGeometry loadGeometry(const std::string& path, GeometryKind kind, const st
   uint64_t dropped = 0;
   agree(ranks, [&] { dropped = uint64_t(dropUnusable(reading.block, kind)); });
   loaded.block = std::move(reading.block);
+  loaded.leftOut = reading.leftOut;
   loaded.dropped = loaded.everywhere ? dropped : sumOf(gatherCounts(ranks, dropped));
   loaded.primitives = (loaded.everywhere ? counts[0] : sumOf(counts)) - loaded.dropped;
   const uint64_t unused = sumOf(gatherCounts(ranks, reading.unusedCells));

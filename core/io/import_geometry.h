@@ -14,7 +14,7 @@
 
 namespace gxy {
 
-/// What a rank has read, before it is brought to its partitions. Everything but `block` is the same on every
+/// What a rank has read, before it is brought to its partitions. Everything but `block` and `leftOut` is the same on every
 /// rank.
 struct LoadedGeometry {
   std::string name;
@@ -24,6 +24,7 @@ struct LoadedGeometry {
   Box box;
   Range range;
   uint64_t primitives = 0, dropped = 0;
+  LeftOut leftOut;  ///< of the files that this rank has read
 };
 
 /// Collective over `ranks`. Each rank reads its share of the pieces of a .pvtu, .pvtp or .part, else all of

@@ -64,14 +64,6 @@ LeftOut leftOutOf(const VolumeFile& file, int components, const Volume& volume) 
 
 }  // namespace
 
-LeftOut& LeftOut::operator+=(const LeftOut& o) {
-  arrays += o.arrays;
-  components += o.components;
-  pieces += o.pieces;
-  bytes += o.bytes;
-  return *this;
-}
-
 Grid gridOf(const std::string& path, const std::string& array, Collectives& ranks) {
   Grid grid;
   agree(ranks, [&] {

@@ -7,6 +7,7 @@
 #include "gxy/data/partitioning.h"
 #include "gxy/data/volume.h"
 #include "gxy/io/collectives.h"
+#include "gxy/io/left_out.h"
 #include "gxy/io/volume_file.h"
 
 namespace gxy {
@@ -14,16 +15,6 @@ namespace gxy {
 /// The grid of a volume file, on every rank; read by rank 0 only. What a partitioning is made of before an
 /// import.
 Grid gridOf(const std::string& path, const std::string& array, Collectives& ranks);
-
-/// What of volume files a rank has not read, or has not kept.
-struct LeftOut {
-  uint64_t arrays = 0;      ///< point arrays
-  uint64_t components = 0;  ///< of the arrays that are shown
-  uint64_t pieces = 0;      ///< of files in several, with nothing that this rank needs
-  uint64_t bytes = 0;       ///< of the samples of all arrays, as the files' types have them
-
-  LeftOut& operator+=(const LeftOut& o);
-};
 
 /// Collective over `ranks`. Reads, for each partition that this rank owns, the samples it needs and `ghosts`
 /// layers more; stores them as encodingOf() says (scalar.h); fills ranges, the number of samples without data, and

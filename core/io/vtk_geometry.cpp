@@ -5,6 +5,7 @@
 #include <vtkCellData.h>
 #include <vtkCellType.h>
 #include <vtkDataArraySelection.h>
+#include <vtkDataSetAttributes.h>
 #include <vtkDataSetReader.h>
 #include <vtkPointData.h>
 #include <vtkPolyData.h>
@@ -44,22 +45,62 @@ vtkSmartPointer<vtkPointSet> outputOf(Reader* reader, const std::string& path, c
 /// Walks through all that stands in the pieces, as of two elements of one name a reader may take either.
 class Arrays {
  public:
-  explicit Arrays(const VtkXml& xml) : xml_(xml) {
+  Arrays(const VtkXml& xml, const std::optional<ArraysNeeded>& needed) : xml_(xml), all_(!needed) {
     std::vector<vtkXMLDataElement*> pieces;
     for (int i = 0; i < xml.data()->GetNumberOfNestedElements(); ++i)
       if (isNamed(xml.data()->GetNestedElement(i), "Piece"))
         pieces.push_back(xml.data()->GetNestedElement(i));
     several_ = pieces.size() > 1;
+    for (vtkXMLDataElement* piece : pieces)
+      for (int i = 0; needed && i < piece->GetNumberOfNestedElements(); ++i)
+        if (isNamed(piece->GetNestedElement(i), "PointData")) choose(piece->GetNestedElement(i), *needed);
     for (vtkXMLDataElement* piece : pieces) addPiece(piece);
   }
 
   int64_t bytes() const { return bytes_; }
-  /// Names of arrays of strings, which take what no attribute states, and of which no use is made; and of unknown types.
-  const std::vector<std::string>& withoutNumbers() const { return withoutNumbers_; }
+  /// Names of arrays that are not needed, and of those of strings, which take what no attribute states, and of unknown
+  /// types, of which no use is made.
+  const std::set<std::string>& pointArraysToPassOver() const { return points_; }
+  const std::set<std::string>& cellArraysToPassOver() const { return cells_; }
+  const LeftOut& leftOut() const { return leftOut_; }
 
  private:
   static bool isNamed(vtkXMLDataElement* element, std::string_view name) {
     return element->GetName() == name;
+  }
+
+  bool holdsNumbers(vtkXMLDataElement* array) const { return xml_.statedBytes(array, 1) != 0; }
+
+  // Of a list of point arrays, what geometry is made of: as chooseValues() and unitNormals() choose when all are there.
+  void choose(vtkXMLDataElement* list, const ArraysNeeded& needed) {
+    const std::string scalars = attribute(list, "Scalars"), normals = attribute(list, "Normals"),
+                      textures = attribute(list, "TCoords");
+    std::string first;
+    std::set<std::string> names;
+    for (int i = 0; i < list->GetNumberOfNestedElements(); ++i) {
+      vtkXMLDataElement* array = list->GetNestedElement(i);
+      const std::string name = attribute(array, "Name");
+      if (name.empty() || !holdsNumbers(array)) continue;
+      names.insert(name);
+      if (isNameOfNormals(name) || name == normals) {
+        if (needed.normals) chosen_.insert(name);
+        if (name == normals || attribute(array, "NumberOfComponents") == "3") continue;
+      }
+      if (first.empty() && name != textures && name != vtkDataSetAttributes::GhostArrayName()) first = name;
+    }
+    if (needed.values.empty()) {
+      chosen_.insert(names.count(scalars) ? scalars : names.count("data") ? "data" : first);
+    } else if (names.count(needed.values)) {
+      chosen_.insert(needed.values);
+    } else {
+      all_ = true;  // and who asked says what there is
+    }
+  }
+
+  bool isPassedOver(vtkXMLDataElement* array, bool ofCells) const {
+    const std::string name = attribute(array, "Name");
+    if (!holdsNumbers(array)) return true;
+    return !all_ && name != vtkDataSetAttributes::GhostArrayName() && (ofCells || !chosen_.count(name));
   }
 
   int64_t count(vtkXMLDataElement* piece, const char* attribute) const {
@@ -95,8 +136,10 @@ class Arrays {
       // VTK's readers count arrays, but make one of those of one name, and look for the others of cells nowhere.
       if (isNamed(group, "CellData") && array->GetAttribute("Name") && !names.insert(name).second)
         throw Error(xml_.path() + ": array '" + name + "' is there twice in one list");
-      if (xml_.statedBytes(array, 1) == 0) {
-        withoutNumbers_.push_back(name);
+      const bool ofCells = isNamed(group, "CellData");
+      if (isNamed(group, "Points") ? !holdsNumbers(array) : isPassedOver(array, ofCells)) {
+        (ofCells ? cells_ : points_).insert(name);
+        leftOut_ += {.arrays = 1, .bytes = uint64_t(xml_.statedBytes(array, tuples))};
         continue;
       }
       const int64_t bytes = xml_.statedBytes(array, tuples);
@@ -139,28 +182,30 @@ class Arrays {
 
   const VtkXml& xml_;
   int64_t bytes_ = 0;
-  bool several_ = false;
-  std::vector<std::string> withoutNumbers_;
+  bool several_ = false, all_;
+  std::set<std::string> chosen_;  ///< of points
+  std::set<std::string> points_, cells_;
+  LeftOut leftOut_;
 };
 
 template <class Reader>
 vtkSmartPointer<vtkPointSet> readXml(const std::string& path, const char* type, const TakeMemory& toTake,
-                                     const VtkMessages& messages) {
+                                     const VtkMessages& messages, const std::optional<ArraysNeeded>& needed,
+                                     LeftOut* leftOut) {
+  const auto reader = vtkSmartPointer<WithoutFieldData<Reader>>::New();
   std::shared_ptr<const File> file;
-  std::vector<std::string> withoutNumbers;
   {
     const VtkXml xml(path, type);
-    const Arrays arrays(xml);
+    const Arrays arrays(xml, needed);
     if (toTake) toTake(std::max(arrays.bytes(), xml.file()->size()));
+    if (leftOut) *leftOut += arrays.leftOut();
     file = xml.file();
-    withoutNumbers = arrays.withoutNumbers();
-  }
-  const auto reader = vtkSmartPointer<WithoutFieldData<Reader>>::New();
-  reader->SetFileName(file->opened().c_str());
-  reader->UpdateInformation();
-  for (const std::string& name : withoutNumbers) {
-    reader->GetPointDataArraySelection()->DisableArray(name.c_str());
-    reader->GetCellDataArraySelection()->DisableArray(name.c_str());
+    reader->SetFileName(file->opened().c_str());
+    reader->UpdateInformation();
+    for (const std::string& name : arrays.pointArraysToPassOver())
+      reader->GetPointDataArraySelection()->DisableArray(name.c_str());
+    for (const std::string& name : arrays.cellArraysToPassOver())
+      reader->GetCellDataArraySelection()->DisableArray(name.c_str());
   }
   return outputOf(reader.Get(), path, messages);
 }
@@ -251,12 +296,14 @@ void check(vtkPointSet* set, const std::string& path) {
   checkArrays(set->GetCellData(), set->GetNumberOfCells(), "cells", path);
 }
 
-vtkSmartPointer<vtkPointSet> readByExtension(const std::string& path, const TakeMemory& toTake) {
+vtkSmartPointer<vtkPointSet> readByExtension(const std::string& path, const TakeMemory& toTake,
+                                             const std::optional<ArraysNeeded>& needed, LeftOut* leftOut) {
   const VtkMessages messages;
   const std::string extension = extensionOf(path);
   if (extension == ".vtu")
-    return readXml<vtkXMLUnstructuredGridReader>(path, "UnstructuredGrid", toTake, messages);
-  if (extension == ".vtp") return readXml<vtkXMLPolyDataReader>(path, "PolyData", toTake, messages);
+    return readXml<vtkXMLUnstructuredGridReader>(path, "UnstructuredGrid", toTake, messages, needed, leftOut);
+  if (extension == ".vtp")
+    return readXml<vtkXMLPolyDataReader>(path, "PolyData", toTake, messages, needed, leftOut);
   if (extension == ".vtk") return readLegacy(path, toTake, messages);
   if (extension == ".ply") return readPly(bytesOf(path, toTake), path);
   if (extension == ".stl") return readStl(bytesOf(path, toTake), path);
@@ -267,9 +314,12 @@ vtkSmartPointer<vtkPointSet> readByExtension(const std::string& path, const Take
 
 }  // namespace
 
-vtkSmartPointer<vtkPointSet> readPointSet(const std::string& path, const TakeMemory& toTake) {
+bool isNameOfNormals(std::string_view name) { return name == "Normals" || name == "Normals_"; }
+
+vtkSmartPointer<vtkPointSet> readPointSet(const std::string& path, const TakeMemory& toTake,
+                                          const std::optional<ArraysNeeded>& needed, LeftOut* leftOut) {
   try {
-    const vtkSmartPointer<vtkPointSet> set = readByExtension(path, toTake);
+    const vtkSmartPointer<vtkPointSet> set = readByExtension(path, toTake, needed, leftOut);
     check(set, path);
     return set;
   } catch (const std::bad_alloc&) {

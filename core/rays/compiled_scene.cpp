@@ -35,6 +35,15 @@ bool planeMeets(const CompiledPlane& p, const Box& box, const RenderSpace& space
   return std::abs(p.x * centre.x + p.y * centre.y + p.z * centre.z - p.offset) <= reach;
 }
 
+// The largest extinction of a rendered volume, per unit of t.
+double largestExtinction(const CompiledOperator& op) {
+  const Volume& volume = *op.data.volume;
+  const Range& range = volume.ranges.at(op.summary);
+  if (!op.vis.volumeRendering || range.empty()) return 0;
+  auto stored = [&](double v) { return float((v - volume.shift) / volume.scale); };
+  return op.map.over(stored(range.min), stored(range.max)).extinction;
+}
+
 void compileVolume(CompiledOperator& op, CompiledScene& scene) {
   const Volume& volume = *op.data.volume;
   const RenderSpace& space = scene.space;
@@ -53,17 +62,9 @@ void compileVolume(CompiledOperator& op, CompiledScene& scene) {
                  op.vis.referenceLength.value_or(std::min({s.x, s.y, s.z}))};
   const OpacityMap opacity = effectiveOpacityMap(op.vis);
   op.map = CompiledMap(effectiveColorMap(op.vis), op.vis.volumeRendering ? &opacity : nullptr, units);
+  if (largestExtinction(op) == 0) op.vis.volumeRendering = false;  // nothing of it would be seen
   for (double v : op.vis.isovalues) op.isovalues.push_back(float((v - volume.shift) / volume.scale));
   for (const Plane& p : op.vis.slices) op.slices.push_back(compilePlane(p, space));
-}
-
-// The largest extinction of a rendered volume, per unit of t.
-double largestExtinction(const CompiledOperator& op) {
-  const Volume& volume = *op.data.volume;
-  const Range& range = volume.ranges.at(op.summary);
-  if (!op.vis.volumeRendering || range.empty()) return 0;
-  auto stored = [&](double v) { return float((v - volume.shift) / volume.scale); };
-  return op.map.over(stored(range.min), stored(range.max)).extinction;
 }
 
 // Calls visit(index, firstCell) for the block's macrocells that have cells between the points of an extent, until one

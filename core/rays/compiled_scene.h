@@ -66,7 +66,7 @@ struct SharedBytes {
 };
 
 struct CompiledOperator {
-  Vis vis;
+  Vis vis;  ///< volumeRendering: only where the map is not transparent over all data
   OperatorData data;
   CompiledMap map;  ///< over stored values; extinction only where it is volume rendered
   std::array<float, 3> gridOrigin{}, gridInverse{};  ///< render space; cells per unit

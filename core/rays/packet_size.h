@@ -17,10 +17,9 @@ class PacketSize {
   /// Of a thread's processor time, or a device's.
   static constexpr std::chrono::nanoseconds kMostWork{5'000'000};
   static constexpr int kFewest = 16;  ///< the widest gang
-  static constexpr int kFirst = 64;   ///< of a frame, while nobody knows what its rays take
 
-  /// At most `most` rays.
-  explicit PacketSize(int most, int first = kFirst) : most_(most), rays_(std::min(most, first)) {}
+  /// At most `most` rays; `first` while nobody knows what they take.
+  explicit PacketSize(int most, int first = kFewest) : most_(most), rays_(std::min(most, first)) {}
 
   int rays() const { return rays_; }
 

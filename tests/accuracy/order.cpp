@@ -86,62 +86,70 @@ Picture fine(const View<double>& view, const RaySpec& spec) {
   return {L.rgb, L.A};
 }
 
+constexpr Integrator kIntegrators[] = {Integrator::Midpoint, Integrator::ByCells};
+
 TEST(Convergence, ThePictureIsOfSecondOrderInTheSpacing) {
   const auto function = [](glm::dvec3 p) {
     return 0.5 + 0.4 * std::sin(3 * p.x + p.y) * std::cos(2 * p.z - p.y);
   };
   // one map for all spacings: opacity of one length
   const CompiledMap map(kSmooth.color, &kSmooth.opacity, MapUnits{0, 1, 1, 1});
-  std::vector<double> errors;
-  for (int n : {9, 17, 33, 65}) {
-    const Field f = cube(n, function);
-    Shown shown;
-    shown.map = map;
-    shown.plan = evenPlan(f, planOf(16 * 64 / (n - 1), Integrator::ByCells));
-    const View<double> view(f, shown);
-    Random random(63);
-    double sum = 0;
-    for (int i = 0; i < 150; i++) {
-      const glm::dvec3 d = random.direction(), o = random.point(-0.2, 0.2) - 1.5 * d;
-      const IndexRay r = indexRay(rayIn(view, {o, d}), f);
-      Picture exact;
-      const int pieces = 4096;
-      const double step = (r.t1 - r.t0) / pieces;
-      for (int k = 0; k < pieces; k++) {
-        const glm::dvec3 p = f.grid.origin + f.grid.spacing * (r.o + (r.t0 + (k + 0.5) * step) * r.d);
-        const double s = function(2.0 * p);
-        addPiece(map, s, s, step, exact);
+  for (const Integrator integrator : kIntegrators) {
+    std::vector<double> errors;
+    for (int n : {9, 17, 33, 65}) {
+      const Field f = cube(n, function);
+      Shown shown;
+      shown.map = map;
+      shown.plan = evenPlan(f, planOf(16 * 64 / (n - 1), integrator));
+      const View<double> view(f, shown);
+      Random random(63);
+      double sum = 0;
+      for (int i = 0; i < 150; i++) {
+        const glm::dvec3 d = random.direction(), o = random.point(-0.2, 0.2) - 1.5 * d;
+        const IndexRay r = indexRay(rayIn(view, {o, d}), f);
+        Picture exact;
+        const int pieces = 4096;
+        const double step = (r.t1 - r.t0) / pieces;
+        for (int k = 0; k < pieces; k++) {
+          const glm::dvec3 p = f.grid.origin + f.grid.spacing * (r.o + (r.t0 + (k + 0.5) * step) * r.d);
+          const double s = function(2.0 * p);
+          addPiece(map, s, s, step, exact);
+        }
+        const double e = difference(exact, fine(view, {o, d}));
+        sum += e * e;
       }
-      const double e = difference(exact, fine(view, {o, d}));
-      sum += e * e;
+      errors.push_back(std::sqrt(sum / 150));
     }
-    errors.push_back(std::sqrt(sum / 150));
+    EXPECT_GE(fittedOrder(errors), 1.9)
+        << int(integrator) << ": " << errors.front() << " to " << errors.back();
   }
-  EXPECT_GE(fittedOrder(errors), 1.9) << errors.front() << " to " << errors.back();
 }
 
 TEST(Convergence, ThePictureIsOfSecondOrderInThePixels) {
   // A pixel between two others is their mean, up to the square of their distance (Etiene et al., section 5.3).
   const Field f = cube(9, trilinearEverywhere);
-  Shown shown;
-  shown.map = compiled(kSmooth, f);
-  shown.plan = evenPlan(f, planOf(256, Integrator::ByCells));
-  const View<double> view(f, shown);
-  std::vector<double> errors;
-  for (double pixel : {1.0 / 16, 1.0 / 32, 1.0 / 64}) {
-    Random random(64);
-    double sum = 0;
-    for (int i = 0; i < 60; i++) {
-      // towards one face, away from its border: all rays cross the same two faces of the box
-      const double x = random.in(-0.2, 0.2), y = random.in(-0.2, 0.2);
-      auto at = [&](double shift) { return fine(view, {{x + shift, y, -2}, {0.01, 0.02, 1}}); };
-      const Picture a = at(-pixel), b = at(0), c = at(pixel);
-      const double e = difference(Picture{0.5 * (a.rgb + c.rgb), 0.5 * (a.A + c.A)}, b);
-      sum += e * e;
+  for (const Integrator integrator : kIntegrators) {
+    Shown shown;
+    shown.map = compiled(kSmooth, f);
+    shown.plan = evenPlan(f, planOf(256, integrator));
+    const View<double> view(f, shown);
+    std::vector<double> errors;
+    for (double pixel : {1.0 / 16, 1.0 / 32, 1.0 / 64}) {
+      Random random(64);
+      double sum = 0;
+      for (int i = 0; i < 60; i++) {
+        // towards one face, away from its border: all rays cross the same two faces of the box
+        const double x = random.in(-0.2, 0.2), y = random.in(-0.2, 0.2);
+        auto at = [&](double shift) { return fine(view, {{x + shift, y, -2}, {0.01, 0.02, 1}}); };
+        const Picture a = at(-pixel), b = at(0), c = at(pixel);
+        const double e = difference(Picture{0.5 * (a.rgb + c.rgb), 0.5 * (a.A + c.A)}, b);
+        sum += e * e;
+      }
+      errors.push_back(std::sqrt(sum / 60));
     }
-    errors.push_back(std::sqrt(sum / 60));
+    EXPECT_GE(fittedOrder(errors), 1.9)
+        << int(integrator) << ": " << errors.front() << " to " << errors.back();
   }
-  EXPECT_GE(fittedOrder(errors), 1.9) << errors.front() << " to " << errors.back();
 }
 
 TEST(Convergence, TheFieldIsOfSecondOrderInTheSpacing) {

@@ -107,6 +107,30 @@ TEST(VolumeAgreement, SeveralVolumesOverlap) {
   expectAgreement(embree(), scene);
 }
 
+// The slope over halved steps, of pictures; in float, whose rounding is far below.
+TEST(VolumeAgreement, SeveralVolumesAreOfSecondOrderInTheStep) {
+  TestScene scene = sceneFrom("order of several", kEye, 32, 32);
+  const auto field = [](double phase) {
+    return [phase](glm::dvec3 p) { return std::sin(1.5 * p.x + p.y + phase) * std::cos(p.z - phase); };
+  };
+  scene.add(rendered({{-2, 0}, {2, 1.5}}, -2, 2, true), makeVolume(cube(20), field(0)));
+  scene.add(rendered({{-2, 1}, {2, 0}}, -2, 2, true), makeVolume(cube(20), field(1)));
+  scene.settings.tolerance = 1e-5;
+  scene.settings.background = glm::dvec4(0);
+  const reference::ReferencePicture truth = reference::renderReference(scene.forReference(), scene.camera);
+  std::vector<double> errors;
+  for (scene.settings.step = 1; scene.settings.step >= 0.125; scene.settings.step /= 2) {
+    const Picture picture = draw(embree(), scene);
+    double sum = 0;
+    for (size_t i = 0; i < picture.rgba.size(); i++)
+      sum += std::pow(double(picture.rgba[i]) - truth.rgba[i], 2);
+    errors.push_back(std::sqrt(sum / double(picture.rgba.size())));
+  }
+  const double order = std::log2(errors.front() / errors.back()) / double(errors.size() - 1);
+  RecordProperty("order", std::to_string(order));
+  EXPECT_GE(order, 1.9) << errors.front() << " to " << errors.back();
+}
+
 TEST(VolumeAgreement, SeveralSteppedVolumesWithClipPlanes) {
   TestScene scene =
       volumeScene("several_clipped", rendered({{-0.2, 0}, {-0.2, 0.3}, {0.3, 0.3}, {0.3, 0}}, -1, 1));

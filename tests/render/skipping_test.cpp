@@ -216,10 +216,22 @@ TEST(Skipped, SamplesOfATransparentMap) {
       samples.emplace_back(compiled[0].compiled->operators[size_t(k)].parts.at(0).block->samples);
     const TraceCounters c = Counted(s, whole(kCube), compiled).all;
     EXPECT_EQ(c.samples, 0u);
-    EXPECT_EQ(c.macrocells, 0u);
-    EXPECT_GT(c.macrocellsSkipped, 0u);
+    EXPECT_EQ(c.macrocells + c.macrocellsSkipped, 0u);
+    EXPECT_EQ(c.kernelRuns[size_t(Kernel::Integrate)] + c.kernelRuns[size_t(Kernel::IntegrateMany)], 0u);
     EXPECT_GT(c.raysShaded, 0u);
   }
+}
+
+// Those of one in which there is something see none of it.
+TEST(Skipped, VolumesWithATransparentMapBesideOthers) {
+  TestScene one = alongX();
+  addRendered(one, 1, {{-1, 0.1}, {1, 0.1}});
+  TestScene both = one;
+  addRendered(both, 1, {{-1, 0}, {1, 0}});
+  EXPECT_EQ(kernelsRunBy(both), std::set<std::string>{"integrate"});
+  const Cut cut = halves();
+  EXPECT_EQ(Counted(both, cut).all.samples, Counted(one, cut).all.samples);
+  EXPECT_EQ(difference(render(one, cut), render(both, cut)), "");
 }
 
 // Two of the four that each ray meets in each volume.

@@ -75,6 +75,7 @@ LoadedState loadData(const State& state, const std::string& directory, const Ren
   Box domain;
   std::optional<Grid> first;
   std::map<std::string, LoadedGeometry> geometry;
+  LeftOut leftOut;
   for (const DatasetSpec& d : state.datasets) {
     if (!shown.count(d.name)) continue;
     if (d.type == DatasetType::Volume) {
@@ -84,11 +85,13 @@ LoadedState loadData(const State& state, const std::string& directory, const Ren
     } else {
       const LoadedGeometry& g =
           geometry.emplace(d.name, loadGeometry(pathOf(d), kindOf(d.type), d.array, ranks)).first->second;
+      leftOut += g.leftOut;
       domain.extend(g.box);
     }
   }
 
   LoadedState loaded;
+  loaded.leftOut = leftOut;
   loaded.partitioning =
       automaticPartitioning(domain, first ? &*first : nullptr, options.partitions, ranks.size());
   loaded.components = componentsShown(state);
