@@ -21,11 +21,15 @@ void readDimensions(const Found& found, Camera& camera) {
 }
 
 Camera readCameraFile(const Found& found) {
-  const std::filesystem::path path = found.context.directory / found.text();
+  ReadContext& context = found.context;
+  const std::string& name = found.text();
   try {
-    return parseParaViewCamera(readTextFile(path), path.string());
+    auto known = context.cameras.find(name);
+    if (known == context.cameras.end())
+      known = context.cameras.emplace(name, parseParaViewCamera(context.contentOf(name), name)).first;
+    return known->second;
   } catch (const Error& e) {
-    found.context.fail(found.value.at, "camera file: " + std::string(e.what()));
+    context.fail(found.value.at, "camera file: " + std::string(e.what()));
   }
 }
 
@@ -36,7 +40,8 @@ const Schema<Camera>& cameraSchema() {
       "camera",
       {
           vectorKey("viewpoint", &Camera::viewpoint, "Where the eye is, world."),
-          vectorKey("viewdirection", &Camera::viewdirection, "Where it looks; any length but 0."),
+          vectorKey("viewdirection", &Camera::viewdirection, "Where it looks; any length but 0.")
+              .byDefault("`[0.0, 0.0, -1.0]`; required with `viewpoint`, unless there is `viewcenter`"),
           customKey<Camera>("viewcenter", "[x, y, z]", "Instead of `viewdirection`: a point to look at.",
                             readCenter)
               .byDefault("-"),

@@ -24,14 +24,24 @@ std::string shippedNames() {
 }
 
 void readPreset(const Found& found, Vis& vis) {
-  const std::filesystem::path path = found.context.directory / found.text();
+  ReadContext& context = found.context;
+  const std::string& name = found.text();
   try {
-    ColorPreset preset = parseColorPreset(parseJson(readTextFile(path), path.string()), path.string());
-    vis.colormap = std::move(preset.colors);
-    if (preset.opacities) vis.opacitymap = std::move(*preset.opacities);
+    auto known = context.presets.find(name);
+    if (known == context.presets.end())
+      known = context.presets.emplace(name, parseColorPreset(parseJson(context.contentOf(name), name), name))
+                  .first;
+    const ColorPreset& preset = known->second;
+    context.presetPoints +=
+        preset.colors.points.size() + (preset.opacities ? preset.opacities->points.size() : 0);
+    if (context.presetPoints > kMaxJsonValues)
+      throw Error(inQuotes(name) + ": with it presets give " + std::to_string(context.presetPoints) +
+                  " points of maps, expected at most " + std::to_string(kMaxJsonValues));
+    vis.colormap = preset.colors;
+    if (preset.opacities) vis.opacitymap = *preset.opacities;
   } catch (const Error& e) {
-    found.context.fail(found.value.at, inQuotes(found.key, '`') + ": expected the name of a shipped map (" +
-                                           shippedNames() + ") or of a ParaView preset file; " + e.what());
+    context.fail(found.value.at, inQuotes(found.key, '`') + ": expected the name of a shipped map (" +
+                                     shippedNames() + ") or of a ParaView preset file; " + e.what());
   }
 }
 

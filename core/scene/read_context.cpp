@@ -50,6 +50,15 @@ void ReadContext::fail(TextPosition at, const std::string& message) const {
   throw Error(locationPrefix(sourceName, at) + message);
 }
 
+std::string ReadContext::contentOf(const std::string& name) {
+  std::string content = readFile(name);
+  fileBytes += content.size();
+  if (fileBytes > kMaxJsonBytes)
+    throw Error(inQuotes(name) + ": with it the preset and camera files have " + std::to_string(fileBytes) +
+                " bytes together, expected at most " + std::to_string(kMaxJsonBytes));
+  return content;
+}
+
 std::string Limits::text() const {
   const bool below = std::isfinite(min), above = std::isfinite(max);
   if (below && above && !openMin && !openMax) return numberText(min) + " to " + numberText(max);

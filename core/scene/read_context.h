@@ -6,28 +6,39 @@
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
 #include <limits>
+#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "gxy/scene/colormaps.h"
 #include "gxy/scene/json_text.h"
 #include "gxy/scene/scene.h"
+#include "gxy/scene/state_file.h"
 
 namespace gxy {
 
 /// What the reader of one state file knows. One per file, used by one thread.
 struct ReadContext {
-  std::string sourceName;           ///< for messages
-  std::filesystem::path directory;  ///< that file names are relative to
+  std::string sourceName;  ///< for messages
+  NamedFileReader readFile;
   std::vector<std::string> warnings;
   size_t suppressedWarnings = 0;
 
   std::vector<DatasetSpec> datasets;    ///< of this file, once they have been read
   std::optional<Lighting> oldLighting;  ///< Renderer.Lighting, for visualizations without their own
 
+  // What the text's files hold, by name: a short text may name a long file many times.
+  std::map<std::string, ColorPreset> presets;
+  std::map<std::string, Camera> cameras;
+  size_t fileBytes = 0;     ///< of all files that have been read
+  size_t presetPoints = 0;  ///< of all maps that presets have given
+
   void warn(TextPosition at, const std::string& message);
   [[noreturn]] void fail(TextPosition at, const std::string& message) const;
+  /// The content of a file, while all of them together are within their bounds; else throws Error.
+  std::string contentOf(const std::string& name);
 };
 
 /// The interval a number must lie in.

@@ -5,13 +5,13 @@
 
 namespace gxy {
 
-StateFile readState(std::string_view text, const std::string& sourceName,
-                    const std::filesystem::path& directory) {
+StateFile readState(std::string_view text, const std::string& sourceName, const NamedFileReader& readFile) {
   const JsonValue root = parseJson(text, sourceName);
   ReadContext context;
   context.sourceName = sourceName;
-  context.directory = directory;
+  context.readFile = readFile;
   StateFile out;
+  out.hasRenderer = root.find("Renderer") != nullptr;
   readObject(context, root, stateSchema(), out.state);
   out.warnings = std::move(context.warnings);
   if (context.suppressedWarnings > 0) {
@@ -19,6 +19,11 @@ StateFile readState(std::string_view text, const std::string& sourceName,
                            " more warnings");
   }
   return out;
+}
+
+StateFile readState(std::string_view text, const std::string& sourceName,
+                    const std::filesystem::path& directory) {
+  return readState(text, sourceName, [&](const std::string& name) { return readTextFile(directory / name); });
 }
 
 StateFile readStateFile(const std::filesystem::path& path) {

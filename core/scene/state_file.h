@@ -3,6 +3,7 @@
 // reference.
 #pragma once
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -16,12 +17,21 @@ namespace gxy {
 struct StateFile {
   State state;
   std::vector<std::string> warnings;
+  bool hasRenderer = false;  ///< whether the text says anything of the renderer
 };
 
-/// Reads a text. Files of the earlier Galaxy load. Every top-level key may be absent. Names of preset and
-/// camera files are relative to `directory`; dataset file names stay as written. Throws Error
+/// Gives the content of a preset or camera file by its name in a text, at most kMaxJsonBytes (json_text.h). Throws
+/// Error where the file cannot or may not be read.
+using NamedFileReader = std::function<std::string(const std::string& name)>;
+
+/// Reads a text. Files of the earlier Galaxy load. Every top-level key may be absent. Preset and camera files come
+/// from `readFile`, which is asked once for each name; together they have at most kMaxJsonBytes, and presets give at
+/// most kMaxJsonValues points of maps. Dataset file names stay as written. Throws Error
 /// "SOURCE:LINE:COLUMN: `key`: expected ..., found ..." for whatever is wrong. No other exception, however
 /// hostile the text; stateless, safe from any thread.
+StateFile readState(std::string_view text, const std::string& sourceName, const NamedFileReader& readFile);
+
+/// The same with file names that are relative to `directory`; any file of this machine may be named.
 StateFile readState(std::string_view text, const std::string& sourceName,
                     const std::filesystem::path& directory = ".");
 

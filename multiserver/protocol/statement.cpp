@@ -103,19 +103,19 @@ bool Arguments::taken(std::string_view word) {
   return true;
 }
 
-std::optional<std::string> Arguments::json() {
+std::optional<std::string_view> Arguments::json() {
   if (rest().empty()) return std::nullopt;
   if (rest().front() != '{')
     fail("there is " + inQuotes(rest().substr(0, 40)) + " where a JSON object may be");
-  std::string object(rest());
+  const std::string_view object = rest();
   at_ = text_.size();
   return object;
 }
 
-std::string Arguments::expectJson() {
-  auto found = json();
+std::string_view Arguments::expectJson() {
+  const auto found = json();
   if (!found) fail("a JSON object is missing");
-  return *std::move(found);
+  return *found;
 }
 
 void Arguments::expectEnd() const {

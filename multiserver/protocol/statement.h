@@ -19,7 +19,7 @@ Statement parseStatement(std::string_view text);
 /// Arguments of a verb, taken one by one.
 class Arguments {
  public:
-  /// `usage`, as "rename NAME NEW", is what was expected, for messages.
+  /// `text` stays where it is as long as this is used. `usage`, as "rename NAME NEW", is what was expected, for messages.
   Arguments(std::string_view text, std::string usage);
 
   /// The next word: what is there up to a blank, or a JSON string; empty text where a JSON object or the end follows.
@@ -31,18 +31,18 @@ class Arguments {
   bool taken(std::string_view word);
 
   /// All that is left, which must be a JSON object, or nothing.
-  std::optional<std::string> json();
-  std::string expectJson();
+  std::optional<std::string_view> json();
+  std::string_view expectJson();
 
   /// Throws Error unless all has been taken.
   void expectEnd() const;
   [[noreturn]] void fail(const std::string& reason) const;
 
  private:
-  std::string_view rest() const { return std::string_view(text_).substr(at_); }
+  std::string_view rest() const { return text_.substr(at_); }
   void advance(size_t size);
 
-  std::string text_;
+  std::string_view text_;  // no copy: it may be long, and work may be
   size_t at_ = 0;
   std::string usage_;
 };

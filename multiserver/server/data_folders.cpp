@@ -70,6 +70,11 @@ ReadScope DataFolders::reading() const {
   });
 }
 
+std::string DataFolders::textOf(const std::string& name, int64_t limit) const {
+  const ReadScope inside = reading();
+  return readText(toRead(name), limit);
+}
+
 std::string DataFolders::toWrite(const std::string& name) const {
   const fs::path path = folders_.front() / fs::path(name);
   std::error_code failed;

@@ -2,6 +2,7 @@
 // The folders that clients may read and write files in, and nothing beyond.
 #pragma once
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <span>
 #include <string>
@@ -27,6 +28,9 @@ class DataFolders {
   /// While it lives, nothing that lies outside is read on this thread, though a link to it has taken the place of a file that
   /// was found here.
   [[nodiscard]] ReadScope reading() const;
+
+  /// The content of such a file, of at most `limit` bytes.
+  std::string textOf(const std::string& name, int64_t limit) const;
 
   /// A file to write; a relative name means the first folder. Its own folder must exist.
   std::string toWrite(const std::string& name) const;

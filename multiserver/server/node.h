@@ -15,6 +15,7 @@
 #include "gxy/rays/backend.h"
 #include "gxy/render/renderer.h"
 #include "gxy/server/data_folders.h"
+#include "gxy/server/document_reader.h"
 #include "gxy/server/tenants.h"
 #include "gxy/space/directory.h"
 #include "gxy/space/ledger.h"
@@ -73,8 +74,9 @@ struct Node {
   Observers observers;
   Objects objects{observers};
   KeySource keys;
-  Directory directory;  ///< rank 0's counts
-  Tenants tenants;      ///< rank 0
+  Directory directory;   ///< rank 0's counts
+  Tenants tenants;       ///< rank 0
+  ReadingTurns reading;  ///< rank 0
   const std::unique_ptr<Backend> backend;
   Collective collective;
   Renderer renderer;

@@ -29,7 +29,8 @@ void takeStatement(std::string_view text) {
     const Statement statement = parseStatement(text);
     Arguments arguments(statement.arguments, "verb");
     while (const auto word = arguments.word()) {
-      Arguments again(asWord(*word), "verb");
+      const std::string written = asWord(*word);
+      Arguments again(written, "verb");
       if (isUtf8(*word) && again.word() != *word) std::abort();
     }
     if (const auto json = arguments.json()) dump(parseObject(*json, "json"));

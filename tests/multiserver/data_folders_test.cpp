@@ -57,6 +57,15 @@ TEST(DataFolders, KeepOutWhatLiesOutside) {
     EXPECT_THROW(folders.toRead(name), Error) << name;
 }
 
+TEST(DataFolders, GiveTextsOfWhatLiesInsideAndIsNotTooLong) {
+  Place place;
+  const DataFolders folders({place.folder / "data"});
+  EXPECT_EQ(folders.textOf("a.raw", 5), "bytes");
+  EXPECT_THROW(folders.textOf("a.raw", 4), Error);
+  for (const char* name : {"../secret.raw", "link.raw", "up/secret.raw", "nowhere"})
+    EXPECT_THROW(folders.textOf(name, 100), Error) << name;
+}
+
 TEST(DataFolders, DoNotTellWhetherAFileOutsideExists) {
   Place place;
   const DataFolders folders({place.folder / "data"});

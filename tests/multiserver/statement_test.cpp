@@ -49,7 +49,8 @@ TEST(Scripts, AreCutAtSemicolonsOutsideOfStrings) {
 
 TEST(Names, BecomeWordsThatMeanThem) {
   for (const std::string name : {"ball", "a b", "a\"b", "a;b", "{x}", "\\", "\xC3\xA9"}) {
-    Arguments arguments(asWord(name), "verb");
+    const std::string word = asWord(name);
+    Arguments arguments(word, "verb");
     EXPECT_EQ(arguments.expectWord(), name);
     arguments.expectEnd();
   }

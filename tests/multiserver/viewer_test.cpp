@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <filesystem>
 #include <fstream>
 #include <future>
 #include <set>
@@ -74,6 +75,63 @@ TEST(ViewerModule, AFrameIsTheSameToTheBitForAnyNumberOfRanksAndInABatch) {
   }
   EXPECT_GT(std::set<uint8_t>(expected.begin(), expected.end()).size(), 50u) << "there is something to see";
   EXPECT_NE(flippedRows(expected, 96), expected) << "and up is not down";
+}
+
+std::string property(const std::string& name, const std::string& z) {
+  return "<Property name=\"" + name + R"("><Element value="0"/><Element value="1"/><Element value=")" + z +
+         "\"/></Property>";
+}
+
+TEST(ViewerModule, PresetsAndCameraFilesAreThoseOfTheDataFolders) {
+  const auto server = serve();
+  const TemporaryFolder outside;
+  const auto write = [](const std::filesystem::path& folder) {
+    std::ofstream(folder / "preset.json") << R"([{"RGBPoints": [0, 0.25, 0, 0, 1, 0.5, 1, 1]}])";
+    std::ofstream(folder / "camera.pvcc")
+        << "<PVCameraConfiguration>" << property("CameraPosition", "4") << property("CameraFocalPoint", "0")
+        << property("CameraViewUp", "0") << "</PVCameraConfiguration>";
+  };
+  std::filesystem::create_directory(server->folder() / "sub");
+  write(server->folder() / "sub");
+  write(outside.path());
+  std::filesystem::create_directory_symlink(outside.path(), server->folder() / "link");
+  Viewer viewer(*server);
+  const std::string operators = R"({"Visualization": {"operators": [{"type": "Volume", "dataset": "ball",
+    "volume rendering": true, "colormap": "FILE"}]}, "Camera": {"dimensions": [8, 8]}})";
+  const std::string cameras =
+      stateOf("ball").substr(0, stateOf("ball").rfind("\"Camera\"")) + R"("Camera": "FILE"})";
+  struct Case {
+    std::string statement, file;
+  };
+  const std::vector<Case> cases{{"set 1 " + operators, "preset.json"},
+                                {"batch {\"state\": " + operators + "}", "preset.json"},
+                                {R"(set 1 {"Camera": "FILE"})", "camera.pvcc"},
+                                {R"(render 1 {"Camera": "FILE"})", "camera.pvcc"},
+                                {"batch {\"state\": " + cameras + "}", "camera.pvcc"},
+                                {R"(import {"Camera": "FILE"})", "camera.pvcc"}};
+  const std::string up = "../" + outside.path().filename().string() + "/";
+  for (const Case& c : cases) {
+    const auto statement = [&](const std::string& name) {
+      std::string text = c.statement;
+      return text.replace(text.find("FILE"), 4, name);
+    };
+    for (const std::string& name :
+         {outside.path().string() + "/" + c.file, up + c.file, "link/" + c.file, std::string("/etc/passwd"),
+          std::string("/nowhere/" + c.file), "no" + c.file}) {
+      const std::string error = viewer.client->request(statement(name)).error;
+      const std::string reason =
+          "\"" + name + "\": there is no such file that may be read, expected a file in ";
+      EXPECT_NE(error.find(reason.substr(name.size() > 60 ? 62 : 0)), std::string::npos) << error;
+    }
+    const Reply inside = viewer.client->request(statement("sub/" + c.file));
+    if (c.statement.starts_with("import"))
+      EXPECT_NE(inside.error.find("expected `Datasets` only"), std::string::npos) << inside.error;
+    else
+      EXPECT_TRUE(inside.ok) << c.statement << ": " << inside.error;
+  }
+  const json state = viewer.client->expect("state 1").at("state");
+  EXPECT_EQ(state.at("Visualizations").at(0).at("operators").at(0).at("colormap").at(0),
+            (json{0.0, 0.25, 0.0, 0.0}));
 }
 
 TEST(ViewerModule, CoarseLevelsComeFirstAndCoverThePicture) {
@@ -511,7 +569,7 @@ TEST(ViewerModule, VisualizationsThatWouldTakeHoursToCompileAreRefused) {
 TEST(ViewerModule, WhatWindowsShowTakesMemoryOfTheirTenant) {
   ServerSetup setup;
   setup.modules = GALAXY_MODULES;
-  setup.node.tenantMemory = 2 << 20;
+  setup.node.tenantMemory = 27 << 19;  // of which reading what follows takes 12.5 * 10^6 bytes
   TestServer server(std::move(setup));
   Viewer viewer(server);
   json state = json::parse(stateOf("ball"));

@@ -146,6 +146,65 @@ TEST(HostileState, MutatedCameraFilesAndPresetsGiveAValueOrAnError) {
   EXPECT_GT(refused, 200);
 }
 
+std::string many(const std::string& one, int count) {
+  std::string list = one;
+  for (int i = 1; i < count; ++i) list += "," + one;
+  return "[" + list + "]";
+}
+
+std::string operatorWith(const std::string& preset) {
+  return R"({"type": "Volume", "dataset": "d", "volume rendering": true, "colormap": ")" + preset + "\"}";
+}
+
+TEST(HostileState, AFileIsReadOnceHoweverOftenItIsNamed) {
+  std::vector<std::string> read;
+  const auto files = [&](const std::string& name) {
+    read.push_back(name);
+    if (name == "p.json")
+      return std::string(R"({"RGBPoints": [0, 0, 0, 0, 1, 1, 1, 1], "Points": [2, 0.5, 0, 0]})");
+    const auto property = [](const std::string& key, int z) {
+      return "<Property name=\"" + key + "\"><Element value=\"0\"/><Element value=\"1\"/><Element value=\"" +
+             std::to_string(z) + "\"/></Property>";
+    };
+    return "<PVCameraConfiguration>" + property("CameraPosition", 4) + property("CameraFocalPoint", 0) +
+           property("CameraViewUp", 0) + "</PVCameraConfiguration>";
+  };
+  const std::string text = R"({"Visualization": {"operators": )" + many(operatorWith("p.json"), 200) +
+                           R"(}, "Cameras": )" + many("\"c.pvcc\"", 200) + "}";
+  const State state = readState(text, "s", files).state;
+  EXPECT_EQ(read, (std::vector<std::string>{"p.json", "c.pvcc"}));
+  ASSERT_EQ(state.visualizations.at(0).operators.size(), 200u);
+  ASSERT_EQ(state.cameras.size(), 200u);
+  const Vis& last = state.visualizations[0].operators.back();
+  EXPECT_EQ(last.colormap, (ColorMap{{{0, {0, 0, 0}}, {1, {1, 1, 1}}}}));
+  EXPECT_EQ(last.opacitymap, (OpacityMap{false, {{2, 0.5}}}));
+  EXPECT_TRUE(state.cameras.back() == state.cameras.front());
+}
+
+TEST(HostileState, FilesAreBoundedTogether) {
+  int read = 0;
+  const auto large = [&](const std::string&) {
+    ++read;
+    return R"({"RGBPoints": [0, 0, 0, 0]})" + std::string(kMaxJsonBytes / 4, ' ');
+  };
+  std::string operators;
+  for (int i = 0; i < 10; ++i) operators += (i ? "," : "") + operatorWith("p" + std::to_string(i));
+  const std::string bytes =
+      errorOf([&] { readState(R"({"Visualization": {"operators": [)" + operators + "]}}", "s", large); });
+  EXPECT_NE(bytes.find("expected at most " + std::to_string(kMaxJsonBytes)), std::string::npos) << bytes;
+  EXPECT_EQ(read, 4);
+
+  std::string points = "0, 0, 0, 0";
+  for (int i = 1; i < 1000; ++i) points += ", " + std::to_string(i) + ", 0, 0, 0";
+  const auto thousand = [&](const std::string&) { return "{\"RGBPoints\": [" + points + "]}"; };
+  const auto named = [&](int times) {
+    return R"({"Visualization": {"operators": )" + many(operatorWith("p"), times) + "}}";
+  };
+  EXPECT_EQ(readState(named(1000), "s", thousand).state.visualizations.at(0).operators.size(), 1000u);
+  const std::string copies = errorOf([&] { readState(named(1001), "s", thousand); });
+  EXPECT_NE(copies.find("points of maps, expected at most 1000000"), std::string::npos) << copies;
+}
+
 TEST(HostileState, DevicesAndDirectoriesAreNotRead) {
   for (const char* name : {"/dev/zero", "/", "/dev/stdin", "\\u0000"}) {
     const std::string text = std::string("{\"Camera\": \"") + name + "\"}";

@@ -65,8 +65,8 @@ json import(Request& request, protocol::Arguments arguments) {
     what.newPartitioning = true;
   else if (arguments.taken("like"))
     what.like = arguments.expectWord();
-  const std::string text = arguments.expectJson();
-  const StateFile file = readState(text, "import");
+  const std::string_view text = arguments.expectJson();
+  const StateFile file = DocumentReader(request).state(text, "import");
   if (!file.state.visualizations.empty() || !file.state.cameras.empty())
     throw Error("import: expected `Datasets` only; module viewer takes whole state documents");
   what.specs = file.state.datasets;

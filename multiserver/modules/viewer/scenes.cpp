@@ -62,6 +62,13 @@ int64_t bytesOf(const Visualization& visualization) {
   return int64_t(bytes);
 }
 
+int64_t bytesOf(const State& state) {
+  auto bytes = int64_t(state.visualizations.size() * sizeof(Visualization) +
+                       state.cameras.size() * sizeof(Camera) + state.datasets.size() * sizeof(DatasetSpec));
+  for (const Visualization& v : state.visualizations) bytes += bytesOf(v);
+  return bytes;
+}
+
 SceneHandle::~SceneHandle() {
   node.work.broadcast("viewer.forget", {{"scene", id}}, [](std::vector<Work::Reply>) {});
 }

@@ -35,8 +35,9 @@ using ScenePtr = std::shared_ptr<const SceneHandle>;
 void checkCost(const Visualization& visualization);
 void checkCost(const RenderSettings& settings, glm::ivec2 size);
 
-/// Memory that a visualization takes, or somewhat less.
+/// Memory that these take, or somewhat less.
 int64_t bytesOf(const Visualization& visualization);
+int64_t bytesOf(const State& state);
 
 /// One on each rank. Thread safe.
 class Scenes {

@@ -85,8 +85,8 @@ uint32_t windowId(Arguments& arguments) {
 /// Members of a request's JSON object, with messages; every one that is there must be asked for.
 class Members {
  public:
-  Members(const std::optional<std::string>& text, std::string what)
-      : object_(text ? protocol::parseObject(*text, what) : json::object()), what_(std::move(what)) {}
+  Members(DocumentReader& reader, const std::optional<std::string_view>& text, std::string what)
+      : object_(text ? reader.object(*text, what) : json::object()), what_(std::move(what)) {}
 
   const json* find(const char* key) {
     known_ += (known_.empty() ? "`" : ", `") + std::string(key) + "`";
@@ -142,7 +142,8 @@ class Members {
 json windowVerb(Services& services, Request& request, Arguments arguments) {
   Session& session = request.session();
   const uint32_t id = windowId(arguments);
-  Members members(arguments.json(), "window");
+  DocumentReader reader(request);
+  Members members(reader, arguments.json(), "window");
   const auto windows = windowsOf(session);
   const auto known = windows->all();
   Window::Settings settings = known.count(id) ? known.at(id)->settings() : Window::Settings{};
@@ -167,11 +168,19 @@ void importMissing(Request& request, const std::vector<DatasetSpec>& specs) {
   if (!specs.empty()) request.session().node().datasets->import(request, what);
 }
 
+// What is kept of a long document while its data are imported and rendered.
+LedgerEntry roomFor(const State& state, Session& session) {
+  constexpr int64_t kShort = 64 << 10;
+  const int64_t bytes = bytesOf(state);
+  return bytes > kShort ? session.node().takeMemory(session.tenant(), "documents", bytes) : LedgerEntry();
+}
+
 json set(Request& request, Arguments arguments) {
   const uint32_t id = windowId(arguments);
   const WindowPtr window = windowsOf(request.session())->get(id);
-  const std::string text = arguments.expectJson();
-  const StateFile file = readState(text, "set");
+  const std::string_view text = arguments.expectJson();
+  const StateFile file = DocumentReader(request).state(text, "set");
+  const LedgerEntry room = roomFor(file.state, request.session());
   const auto& visualizations = file.state.visualizations;
   LedgerEntry memory;
   if (!visualizations.empty()) {
@@ -180,9 +189,8 @@ json set(Request& request, Arguments arguments) {
     memory = session.node().takeMemory(session.tenant(), "windows", bytesOf(visualizations[0]));
   }
   if (!file.state.cameras.empty()) validate(file.state.cameras[0]);
-  const json keys = protocol::parseObject(text, "set");
   importMissing(request, file.state.datasets);
-  if (keys.contains("Renderer")) window->setRenderer(file.state.settings);
+  if (file.hasRenderer) window->setRenderer(file.state.settings);
   if (!visualizations.empty()) window->setVisualization(visualizations[0], std::move(memory));
   if (!file.state.cameras.empty()) window->setCamera(file.state.cameras[0]);
   std::string warnings;
@@ -190,11 +198,16 @@ json set(Request& request, Arguments arguments) {
   return {{"warnings", file.warnings}, {"text", warnings}};
 }
 
-json render(Request& request, Arguments arguments) {
-  const uint32_t id = windowId(arguments);
-  const WindowPtr window = windowsOf(request.session())->get(id);
-  Members members(arguments.json(), "render");
+struct RenderRequest {
   FrameOptions options;
+  std::optional<Camera> camera;
+};
+
+RenderRequest readRender(Request& request, const std::optional<std::string_view>& text) {
+  DocumentReader reader(request);
+  Members members(reader, text, "render");
+  RenderRequest read;
+  FrameOptions& options = read.options;
   if (const json* levels = members.find("levels")) {
     options.levels.clear();
     if (!levels->is_array() || levels->empty() || levels->size() > 7)
@@ -217,14 +230,21 @@ json render(Request& request, Arguments arguments) {
                      : encoding == "zlib" ? protocol::PixelEncoding::Zlib
                                           : protocol::PixelEncoding::Zstd;
   if (const json* camera = members.find("Camera")) {
-    const State read = readState(protocol::dump({{"Camera", *camera}}), "render").state;
-    if (read.cameras.size() != 1) members.fail("Camera", "one camera", *camera);
-    validate(read.cameras[0]);
-    members.expectNoMore();
-    window->setCamera(read.cameras[0]);
+    const State state = reader.state(protocol::dump({{"Camera", *camera}}), "render").state;
+    if (state.cameras.size() != 1) members.fail("Camera", "one camera", *camera);
+    validate(state.cameras[0]);
+    read.camera = state.cameras[0];
   }
   members.expectNoMore();
-  return {{"frame", window->render(options)}};
+  return read;
+}
+
+json render(Request& request, Arguments arguments) {
+  const uint32_t id = windowId(arguments);
+  const WindowPtr window = windowsOf(request.session())->get(id);
+  const RenderRequest read = readRender(request, arguments.json());
+  if (read.camera) window->setCamera(*read.camera);
+  return {{"frame", window->render(read.options)}};
 }
 
 json cancelFrame(Request& request, Arguments arguments) {
@@ -272,9 +292,9 @@ json state(Request& request, Arguments arguments) {
   return {{"state", json::parse(writeState(state))}};
 }
 
-json batch(Services& services, Request& request, Arguments arguments) {
-  const std::string text = arguments.expectJson();
-  Members members(text, "batch");
+Batch readBatch(Request& request, std::string_view text) {
+  DocumentReader reader(request);
+  Members members(reader, text, "batch");
   Batch batch;
   const json* document = members.find("state");
   if (!document || !document->is_object())
@@ -284,9 +304,15 @@ json batch(Services& services, Request& request, Arguments arguments) {
   batch.format = members.oneOf("format", {"png", "exr", "raw"});
   batch.concurrent = int(members.integer("concurrent", 4, 1, 64));
   members.expectNoMore();
-  batch.state = readState(protocol::dump(*document), "batch").state;
+  batch.state = reader.state(protocol::dump(*document), "batch").state;
   if (batch.state.visualizations.empty() || batch.state.cameras.empty())
     throw Error("batch: `state` has no visualization or no camera, expected one or more of each");
+  return batch;
+}
+
+json batch(Services& services, Request& request, Arguments arguments) {
+  const Batch batch = readBatch(request, arguments.expectJson());
+  const LedgerEntry room = roomFor(batch.state, request.session());
   importMissing(request, batch.state.datasets);
   return renderBatch(services, request, batch);
 }

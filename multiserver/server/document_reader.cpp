@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gxy/server/document_reader.h"
+
+#include <malloc.h>
+
+#include <algorithm>
+
+#include "gxy/protocol/json.h"
+#include "gxy/scene/json_text.h"
+#include "gxy/server/session.h"
+
+namespace gxy {
+
+namespace {
+
+constexpr size_t kShort = 4096;            // needs no room: enough to free memory where there is none
+constexpr size_t kLong = 64 << 10;         // waits for its turn
+constexpr int64_t kGivenBack = 8 << 20;    // the system gets as much back at once
+constexpr int64_t kBytesOfAValue = 128;    // with its place in a list that grows, and in what is made of it
+constexpr int64_t kBytesOfACharacter = 2;  // of texts in it
+
+// What parsing a text takes, or somewhat more: a value follows a comma or what opens a list or an object.
+int64_t costOf(std::string_view text) {
+  const auto values =
+      1 + std::count_if(text.begin(), text.end(), [](char c) { return c == ',' || c == '[' || c == '{'; });
+  return std::min(int64_t(values), int64_t(kMaxJsonValues)) * kBytesOfAValue +
+         int64_t(text.size()) * kBytesOfACharacter;
+}
+
+}  // namespace
+
+std::shared_ptr<void> ReadingTurns::take(Request& request) {
+  const std::string tenant = request.session().tenant();
+  request.onCancel([this] {
+    const std::lock_guard lock(mutex_);
+    changed_.notify_all();
+  });
+  std::unique_lock lock(mutex_);
+  changed_.wait(lock, [&] { return request.cancelled() || reading_.count(tenant) == 0; });
+  request.check();
+  reading_.insert(tenant);
+  return {nullptr, [this, tenant](void*) {
+            const std::lock_guard again(mutex_);
+            reading_.erase(tenant);
+            changed_.notify_all();
+          }};
+}
+
+DocumentReader::~DocumentReader() {
+  if (bytes_ >= kGivenBack) ::malloc_trim(0);
+}
+
+void DocumentReader::makeRoom(std::string_view text) {
+  request_.check();
+  if (text.size() <= kShort) return;
+  const Session& session = request_.session();
+  const bool hasTurn = turn_.use_count() > 0;  // it points to nothing
+  if (text.size() > kLong && !hasTurn) turn_ = session.node().reading.take(request_);
+  const int64_t bytes = costOf(text);
+  memory_.push_back(session.node().takeMemory(session.tenant(), "documents", bytes));
+  bytes_ += bytes;
+}
+
+StateFile DocumentReader::state(std::string_view text, const std::string& what) {
+  makeRoom(text);
+  return readState(text, what, [this](const std::string& name) {
+    std::string content = request_.session().node().folders.textOf(name, int64_t(kMaxJsonBytes));
+    makeRoom(content);
+    return content;
+  });
+}
+
+nlohmann::json DocumentReader::object(std::string_view text, const std::string& what) {
+  makeRoom(text);
+  return protocol::parseObject(text, what);
+}
+
+}  // namespace gxy
