@@ -47,6 +47,8 @@ Hello parseHello(std::string_view text) {
   hello.tenant = member(object, "tenant", hello.tenant, "hello");
   if (hello.client.size() > 255 || hello.tenant.empty() || hello.tenant.size() > 255)
     throw Error("hello: `client` or `tenant` is too long or empty, expected 1 to 255 bytes");
+  if (hasControls(hello.client) || hasControls(hello.tenant))  // they are shown to others
+    throw Error("hello: `client` or `tenant` has control characters, expected text without them");
   return hello;
 }
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gxy/protocol/json.h"
 
+#include <algorithm>
+
 #include "gxy/comm/error.h"
 #include "gxy/scene/json_text.h"
 
@@ -17,26 +19,68 @@ std::string dump(const nlohmann::json& value) {
   return value.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
+namespace {
+
+struct Character {
+  uint32_t point = 0;
+  size_t bytes = 0;  ///< 0: it is no UTF-8
+};
+
+// The one that begins a text.
+Character firstOf(std::string_view text) {
+  const auto first = uint8_t(text[0]);
+  const size_t length = first < 0x80             ? 1
+                        : (first & 0xE0) == 0xC0 ? 2
+                        : (first & 0xF0) == 0xE0 ? 3
+                        : (first & 0xF8) == 0xF0 ? 4
+                                                 : 0;
+  if (length == 0 || length > text.size()) return {};
+  uint32_t point = length == 1 ? first : first & (0x7F >> length);
+  for (size_t k = 1; k < length; k++) {
+    const auto next = uint8_t(text[k]);
+    if ((next & 0xC0) != 0x80) return {};
+    point = point << 6 | (next & 0x3F);
+  }
+  constexpr uint32_t kLeast[] = {0, 0, 0x80, 0x800, 0x10000};
+  if (point < kLeast[length] || point > 0x10FFFF || (point >= 0xD800 && point < 0xE000)) return {};
+  return {point, length};
+}
+
+bool isControl(uint32_t point) { return point < 0x20 || (point >= 0x7F && point < 0xA0); }
+
+}  // namespace
+
 bool isUtf8(std::string_view text) {
-  for (size_t i = 0; i < text.size();) {
-    const auto first = uint8_t(text[i]);
-    const int length = first < 0x80             ? 1
-                       : (first & 0xE0) == 0xC0 ? 2
-                       : (first & 0xF0) == 0xE0 ? 3
-                       : (first & 0xF8) == 0xF0 ? 4
-                                                : 0;
-    if (length == 0 || i + size_t(length) > text.size()) return false;
-    uint32_t point = length == 1 ? first : first & (0x7F >> length);
-    for (int k = 1; k < length; k++) {
-      const auto next = uint8_t(text[i + size_t(k)]);
-      if ((next & 0xC0) != 0x80) return false;
-      point = point << 6 | (next & 0x3F);
-    }
-    constexpr uint32_t kLeast[] = {0, 0, 0x80, 0x800, 0x10000};
-    if (point < kLeast[length] || point > 0x10FFFF || (point >= 0xD800 && point < 0xE000)) return false;
-    i += size_t(length);
+  while (!text.empty()) {
+    const Character c = firstOf(text);
+    if (c.bytes == 0) return false;
+    text.remove_prefix(c.bytes);
   }
   return true;
+}
+
+bool hasControls(std::string_view text) {
+  while (!text.empty()) {
+    const Character c = firstOf(text);
+    if (c.bytes > 0 && isControl(c.point)) return true;
+    text.remove_prefix(std::max(c.bytes, size_t(1)));
+  }
+  return false;
+}
+
+std::string printable(std::string_view text) {
+  std::string shown;
+  shown.reserve(text.size());
+  while (!text.empty()) {
+    const Character c = firstOf(text);
+    const bool blank = c.point == '\n' || c.point == '\t';
+    if (c.bytes == 0 || (isControl(c.point) && !blank))
+      shown += '?';
+    else
+      shown += text.substr(0, c.bytes);
+    text.remove_prefix(std::max(c.bytes, size_t(1)));
+  }
+  return shown;
 }
 
 }  // namespace gxy::protocol

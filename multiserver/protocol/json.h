@@ -16,4 +16,10 @@ std::string dump(const nlohmann::json& value);
 
 bool isUtf8(std::string_view text);
 
+/// Whether text has control characters: C0, DEL or C1.
+bool hasControls(std::string_view text);
+
+/// Text for people: what is no UTF-8, and control characters but line ends and tabs, are `?`.
+std::string printable(std::string_view text);
+
 }  // namespace gxy::protocol

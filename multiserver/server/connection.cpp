@@ -12,6 +12,7 @@
 #include <algorithm>
 
 #include "gxy/comm/error.h"
+#include "gxy/protocol/json.h"
 
 namespace gxy {
 
@@ -165,7 +166,7 @@ void Connection::watch() {
 void Connection::bye(const std::string& reason) {
   if (closed_ || leaving_) return;
   leaving_ = true;
-  outbox_->farewell("bye " + reason);
+  outbox_->farewell("bye " + protocol::printable(reason));
   write();
   // What does not leave soon will not.
   timer_.expires_after(std::chrono::seconds(1));

@@ -28,14 +28,14 @@ bool Dialogue::paused() const { return outbox_->congested() || (session_ && sess
 void Dialogue::take(std::span<const std::byte>& bytes) {
   takePreamble(bytes);
   while (!bytes.empty() && !over_ && !paused()) {
-    const auto frame = reader_.take(bytes);
+    auto frame = reader_.take(bytes);
     if (!frame) continue;
     if (frame->channel == FrameChannel::Control)
       control(frame->text());
     else if (frame->skipped)
       session_->refuse(frame->id);
     else
-      session_->submit(frame->id, std::string(frame->text()));
+      session_->submit(frame->id, std::move(frame->payload));
   }
 }
 

@@ -31,7 +31,7 @@ struct Verb {
   std::string name;
   std::string arguments, help;  ///< for people: "NAME [GENERATION]", "Waits for a dataset."
   Order order = Order::InTurn;
-  /// Returns what the reply holds after `ok` (null: nothing); a member `text` is what people are shown. Throws
+  /// Returns what the reply holds after `ok`, an object or null (nothing); a member `text` is what people are shown. Throws
   /// (gxy::Error: a message for the user) to answer `error: ...`. Runs on a thread of its own and may wait.
   std::function<nlohmann::json(Request&)> action;
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gxy/server/session.h"
 
+#include <optional>
+
 #include "gxy/comm/error.h"
 #include "gxy/protocol/json.h"
 #include "gxy/protocol/statement.h"
@@ -8,8 +10,18 @@
 
 namespace gxy {
 
-Request::Request(Session& session, uint32_t id, std::string verb, std::string arguments)
-    : session_(session), id_(id), verb_(std::move(verb)), arguments_(std::move(arguments)) {}
+Request::Request(Session& session, uint32_t id, Bytes text)
+    : session_(session), id_(id), bytes_(text.size()), text_(std::move(text)) {}
+
+void Request::read() {
+  const Bytes taken = std::exchange(text_, {});
+  if (!verb_.empty()) return;
+  const std::string_view text(reinterpret_cast<const char*>(taken.data()), taken.size());
+  if (!protocol::isUtf8(text)) throw Error("statement: its text is not UTF-8");
+  protocol::Statement statement = protocol::parseStatement(text);
+  verb_ = std::move(statement.verb);
+  arguments_ = std::move(statement.arguments);
+}
 
 void Request::check() const {
   if (cancelled_) throw Error("cancelled");
@@ -73,7 +85,7 @@ void Session::refuse(uint32_t id) {
     if (ended_) return;
     checkId(id);
   }
-  outbox_->reply(id, "error: " + noRoom_);
+  outbox_->reply(id, "error: " + protocol::printable(noRoom_));
 }
 
 void Session::checkId(uint32_t id) const {
@@ -81,19 +93,20 @@ void Session::checkId(uint32_t id) const {
     throw Error("request with id " + std::to_string(id) + ", which is 0 or not answered yet");
 }
 
-void Session::submit(uint32_t id, std::string text) {
+void Session::submit(uint32_t id, Bytes text) {
+  constexpr size_t kLong = 64 << 10;  // what is longer is read in its turn, not on the thread of all sockets
+  const auto request = std::make_shared<Request>(*this, id, std::move(text));
   std::string wrong;
-  protocol::Statement statement;
   const Verb* atOnce = nullptr;
   try {
-    if (!protocol::isUtf8(text)) throw Error("statement: its text is not UTF-8");
-    statement = protocol::parseStatement(text);
-    atOnce = serverVerb(statement.verb);
-    if (atOnce && atOnce->order != Order::AtOnce) atOnce = nullptr;
+    if (request->bytes() <= kLong) {
+      request->read();
+      atOnce = serverVerb(request->verb());
+      if (atOnce && atOnce->order != Order::AtOnce) atOnce = nullptr;
+    }
   } catch (const Error& e) {
     wrong = e.what();
   }
-  const auto request = std::make_shared<Request>(*this, id, statement.verb, std::move(statement.arguments));
   request->memory_ = std::exchange(incoming_, {});
   if (request->memory_.bytes() == 0)
     request->memory_ = node_.ledger.enter(tenant(), "requests", int64_t(request->bytes()));
@@ -109,7 +122,7 @@ void Session::submit(uint32_t id, std::string text) {
       begin = !std::exchange(running_, true);
     }
   }
-  if (!wrong.empty()) return answer(request, "error: " + wrong);
+  if (!wrong.empty()) return answerError(request, wrong);
   if (atOnce) return run(request, atOnce->action);
   if (begin) node_.transport.postWaiting([self = shared_from_this()] { self->runNext(); });
 }
@@ -129,13 +142,15 @@ void Session::runNext() {
       queue_.pop_front();
     }
     try {
+      request->check();
+      request->read();
       const Verb& verb = resolveVerb(*this, request->verb());
       if (verb.order == Order::Aside)
         startAside(request, verb.action);
       else
         run(request, verb.action);
     } catch (const std::exception& e) {
-      answer(request, std::string("error: ") + e.what());
+      answerError(request, e.what());
     }
   }
 }
@@ -144,7 +159,8 @@ void Session::startAside(const RequestPtr& request, std::function<nlohmann::json
   std::shared_ptr<void> slot;
   {
     std::unique_lock lock(mutex_);
-    answered_.wait(lock, [this] { return aside_ < kAside; });
+    answered_.wait(lock, [&] { return aside_ < kAside || request->cancelled(); });
+    request->check();
     slot = node_.tenants.beginAside(tenant());
     aside_++;
   }
@@ -160,16 +176,28 @@ void Session::startAside(const RequestPtr& request, std::function<nlohmann::json
 void Session::run(const RequestPtr& request, const std::function<nlohmann::json(Request&)>& action) {
   const Trace::Span span(node_.options.trace, request->verb(), identity_.number);
   std::string text;
+  std::optional<std::string> error;
   try {
     request->check();
     const nlohmann::json result = action(*request);
+    if (!result.is_null() && !result.is_object())
+      throw Error(request->verb() + " returned no object: its result is " + result.type_name() +
+                  ", expected an object or nothing");
     text = result.is_null() ? "ok" : "ok " + protocol::dump(result);
   } catch (const std::exception& e) {
-    text = request->cancelled() ? "error: cancelled" : std::string("error: ") + e.what();
+    error = request->cancelled() ? "cancelled" : e.what();
   } catch (...) {
-    text = "error: " + request->verb() + " failed with an exception that is no std::exception";
+    error = request->verb() + " failed with an exception that is no std::exception";
   }
-  answer(request, text);
+  if (error)
+    answerError(request, *error);
+  else
+    answer(request, text);
+}
+
+// Messages may quote what is in files.
+void Session::answerError(const RequestPtr& request, const std::string& message) {
+  answer(request, "error: " + protocol::printable(message));
 }
 
 void Session::answer(const RequestPtr& request, const std::string& text) {
@@ -198,11 +226,18 @@ bool Session::full() const {
 
 void Session::cancel(uint32_t id) {
   RequestPtr request;
+  bool waits = false;
   {
     const std::lock_guard lock(mutex_);
-    if (const auto found = requests_.find(id); found != requests_.end()) request = found->second;
+    const auto found = requests_.find(id);
+    if (found == requests_.end()) return;
+    request = found->second;
+    waits = std::erase(queue_, request) > 0;
   }
-  if (request) request->cancel();
+  request->cancel();
+  if (waits) return answerError(request, "cancelled");
+  const std::lock_guard lock(mutex_);  // it may wait to be run beside others
+  answered_.notify_all();
 }
 
 void Session::end() {
@@ -216,6 +251,7 @@ void Session::end() {
   requests.clear();
   std::map<std::type_index, std::shared_ptr<void>> states;
   std::unique_lock lock(mutex_);
+  answered_.notify_all();
   answered_.wait(lock, [this] { return requests_.empty() && !running_ && aside_ == 0; });
   states.swap(states_);
   lock.unlock();

@@ -24,13 +24,13 @@ class Session;
 /// A statement that a client has sent and that is not answered yet. Thread safe.
 class Request {
  public:
-  Request(Session& session, uint32_t id, std::string verb, std::string arguments);
+  Request(Session& session, uint32_t id, Bytes text);
 
   Session& session() const { return session_; }
   uint32_t id() const { return id_; }
   const std::string& verb() const { return verb_; }
   const std::string& arguments() const { return arguments_; }
-  size_t bytes() const { return verb_.size() + arguments_.size(); }
+  size_t bytes() const { return bytes_; }
 
   bool cancelled() const { return cancelled_; }
   /// Throws Error "cancelled" if so. Long work calls it often.
@@ -45,9 +45,14 @@ class Request {
   void progress(int64_t done, int64_t of, const std::string& text);
 
  private:
+  /// Takes verb and arguments out of the text, if that has not been done. Before anyone else has the request. Throws Error.
+  void read();
+
   Session& session_;
   const uint32_t id_;
-  const std::string verb_, arguments_;
+  const size_t bytes_;
+  Bytes text_;  ///< not read yet
+  std::string verb_, arguments_;
   std::atomic<bool> cancelled_ = false;
   std::mutex mutex_;
   friend class Session;
@@ -85,7 +90,7 @@ class Session : public std::enable_shared_from_this<Session> {
   bool makeRoom(uint64_t bytes);
   /// Takes a statement; its reply will come to the outbox. Throws Error for an id that is in use: the client does not keep
   /// to the protocol.
-  void submit(uint32_t id, std::string text);
+  void submit(uint32_t id, Bytes text);
   /// Answers the statement for which there was no room with an error. Throws as submit() does.
   void refuse(uint32_t id);
   size_t unanswered() const;
@@ -93,7 +98,7 @@ class Session : public std::enable_shared_from_this<Session> {
   /// should be read.
   bool full() const;
 
-  /// Cancels a request, if there is one with this id.
+  /// Cancels a request, if there is one with this id; one that has not begun is answered at once.
   void cancel(uint32_t id);
 
   /// Cancels all and drops what modules keep; requests that run end soon, their replies going nowhere. Later statements are
@@ -125,6 +130,7 @@ class Session : public std::enable_shared_from_this<Session> {
   void startAside(const RequestPtr& request, std::function<nlohmann::json(Request&)> action);
   void run(const RequestPtr& request, const std::function<nlohmann::json(Request&)>& action);
   void answer(const RequestPtr& request, const std::string& text);
+  void answerError(const RequestPtr& request, const std::string& message);
   std::shared_ptr<void> stateOf(std::type_index type, const std::function<std::shared_ptr<void>()>& make);
 
   Node& node_;

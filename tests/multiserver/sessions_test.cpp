@@ -190,6 +190,20 @@ TEST(Sessions, AModuleOfAnotherInterfaceIsRefusedBeforeItRuns) {
   client->expect("list");
 }
 
+TEST(Sessions, AVerbWithoutAnObjectIsAnError) {
+  const TemporaryFolder folder;
+  std::filesystem::copy_file(GALAXY_ODD_MODULE, folder / "galaxy_odd.so");
+  ServerSetup s = setup();
+  s.modules = folder.path().string();
+  TestServer server(std::move(s));
+  const auto client = server.client();
+  client->expect("load odd");
+  EXPECT_EQ(client->request("list_of_two").error,
+            "list_of_two returned no object: its result is array, expected an object or nothing");
+  EXPECT_NE(client->request("text").error.find("text returned no object"), std::string::npos);
+  EXPECT_EQ(client->expect("object").at("a"), 1);
+}
+
 TEST(Sessions, AServerWhoseModuleFolderIsNoneDoesNotStart) {
   for (const std::string& folder : {std::string("/nonexistent"), std::string(GALAXY_FOREIGN_MODULE)}) {
     ServerSetup s = setup();
@@ -329,6 +343,93 @@ TEST(Sessions, LongWorkOfOthersHoldsUpNobody) {
   release.set_value();
   server.stop();
   EXPECT_EQ(ended, kWorks);
+}
+
+/// A reply that is to come.
+std::future<Reply> sent(Client& client, const std::string& statement, uint32_t* id = nullptr) {
+  const auto promise = std::make_shared<std::promise<Reply>>();
+  const uint32_t number = client.send(statement, [promise](const Reply& r) { promise->set_value(r); });
+  if (id) *id = number;
+  return promise->get_future();
+}
+
+TEST(Sessions, ARequestThatHasNotBegunIsCancelledAtOnce) {
+  TestServer server(setup());
+  const auto client = server.client();
+  client->expect("load data");
+  std::vector<std::future<Reply>> waits;
+  std::vector<uint32_t> ids(size_t(Session::kAside) + 1);
+  for (uint32_t& id : ids) waits.push_back(sent(*client, "wait nothing 1 100000", &id));
+  uint32_t echo = 0;
+  auto queued = sent(*client, "echo", &echo), last = sent(*client, "echo last");
+  const auto cancel = [&](uint32_t id) { client->expect("cancel " + std::to_string(id)); };
+  cancel(echo);
+  EXPECT_EQ(queued.get().error, "cancelled");
+  cancel(ids.back());
+  EXPECT_EQ(waits.back().get().error, "cancelled") << "it waited for one of the eight to end";
+  EXPECT_EQ(last.get().value.at("text"), "last") << "and nothing waits for it";
+  waits.pop_back();
+  ids.pop_back();
+  for (const uint32_t id : ids) cancel(id);
+  for (auto& wait : waits) EXPECT_EQ(wait.get().error, "cancelled");
+}
+
+TEST(Sessions, LongRequestsAreReadInTheirTurn) {
+  TestServer server(setup());
+  const auto client = server.client();
+  const std::string text(1 << 20, 'x');
+  EXPECT_EQ(client->expect("echo " + text).at("text"), text);
+  EXPECT_NE(client->request("help " + text).error.find("there is no verb"), std::string::npos);
+  EXPECT_NE(client->request(text).error.find("expected a verb"), std::string::npos);
+  EXPECT_NE(client->request("echo " + text + "\xFF").error.find("not UTF-8"), std::string::npos);
+  client->expect("echo");
+}
+
+TEST(Sessions, LongDocumentsOfATenantAreReadOneAfterTheOther) {
+  TestServer server(setup());
+  Node& node = server.node();
+  const auto outbox = std::make_shared<Outbox>(
+      Outbox::Limits{}, [] {}, node.ledger.enter("ann", "to be sent", 0));
+  Session ann(node, outbox, {1, "test", "ann", false}, {}), bob(node, outbox, {2, "test", "bob", false}, {});
+  const Bytes text = protocol::bytesOf("echo");
+  Request first(ann, 1, text), second(ann, 2, text), third(ann, 3, text), other(bob, 1, text);
+  auto turn = node.reading.take(first);
+  auto waiting = std::async(std::launch::async, [&] { return node.reading.take(second); });
+  const auto others = node.reading.take(other);
+  second.cancel();
+  EXPECT_THROW(waiting.get(), Error) << "it waited, and was cancelled";
+  turn = nullptr;
+  turn = node.reading.take(third);
+}
+
+TEST(Sessions, DocumentsTakeMemoryOfTheirTenantWhileTheyAreRead) {
+  ServerSetup s = setup();
+  s.node.tenantMemory = 8 << 20;
+  TestServer server(std::move(s));
+  const auto client = server.client();
+  client->expect("load viewer");
+  client->expect("window 1");
+  const auto isovalues = [](int count) {
+    std::string list = "0";
+    for (int i = 1; i < count; i++) list += ",0";
+    return R"({"Visualization": {"operators": [{"type": "Volume", "dataset": "x", "isovalues": [)" + list +
+           "]}]}}";
+  };
+  const auto error = [&](const std::string& statement) { return client->request(statement).error; };
+  for (const std::string& statement :
+       {"set 1 " + isovalues(200000), "batch {\"state\": " + isovalues(200000) + "}",
+        "render 1 {\"Camera\": {}, \"x\": [" + std::string(200000, ' ') + "0" +
+            [] {
+              std::string zeros;
+              for (int i = 0; i < 200000; i++) zeros += ",0";
+              return zeros;
+            }() +
+            "]}"})
+    EXPECT_EQ(error(statement).find("memory: "), 0u) << error(statement);
+  EXPECT_NE(error("set 1 " + isovalues(20000)).find("20000 isovalues"), std::string::npos);
+  for (int i = 0; i < 20; i++) client->expect("set 1 " + isovalues(200));
+  client->expect("close 1");
+  EXPECT_EQ(server.node().ledger.total("user"), 0);
 }
 
 TEST(Sessions, MoreClientsThanAllowedAreTold) {
