@@ -6,6 +6,7 @@
 #include <chrono>
 
 #include "gxy/comm/error.h"
+#include "gxy/protocol/json.h"
 #include "gxy/scene/json_text.h"
 #include "gxy/server/session.h"
 
@@ -30,9 +31,7 @@ const char* nameOf(DatasetType type) {
 }
 
 void checkDatasetName(const std::string& name) {
-  const bool printable =
-      std::none_of(name.begin(), name.end(), [](unsigned char c) { return c < 0x20 || c == 0x7f; });
-  if (name.empty() || name.size() > 255 || !printable)
+  if (name.empty() || name.size() > 255 || protocol::hasControls(name))
     throw Error("name " + inQuotes(name.substr(0, 40)) +
                 ": expected 1 to 255 bytes without control characters");
 }
@@ -113,7 +112,12 @@ void Datasets::commitHere(const json& updates) {
 }
 
 json Datasets::infoHere(const json& parameters) const {
-  const Pin pin = node_.objects.pin(Key{parameters.at("key").get<uint64_t>()});
+  Pin pin;
+  try {
+    pin = node_.objects.pin(Key{parameters.at("key").get<uint64_t>()});
+  } catch (const Error&) {
+    return nullptr;  // dropped meanwhile
+  }
   const auto d = pin.get<Dataset>();
   json result{{"bytes", d->bytes}, {"generation", pin.generation()}};
   if (node_.rank() != 0) return result;
@@ -134,9 +138,23 @@ json Datasets::info(const NamedDataset& dataset) {
   const std::vector<json> parts = node_.callAll("datasets.info", {{"key", dataset.key.value}});
   json result = parts.at(0);
   int64_t bytes = 0;
-  for (const json& part : parts) bytes += part.at("bytes").get<int64_t>();
+  for (const json& part : parts) {
+    if (part.is_null()) return nullptr;
+    bytes += part.at("bytes").get<int64_t>();
+  }
   result["bytes"] = bytes;
   return result;
+}
+
+std::pair<NamedDataset, json> Datasets::info(const std::string& tenant, const std::string& name) {
+  for (;;) {
+    NamedDataset d = get(tenant, name);
+    json known = info(d);
+    if (!known.is_null()) return {std::move(d), std::move(known)};
+    // Dropped after the look at its name, which means another dataset by now, or none.
+    if (const auto now = find(tenant, name); now && now->key == d.key)
+      throw Error("dataset " + inQuotes(name) + ": it is not on all ranks");
+  }
 }
 
 Generation Datasets::generationOf(Key key) const {
@@ -198,6 +216,17 @@ std::optional<NamedDataset> Datasets::mayName(const std::string& tenant, const s
   return named(name, scope, *entry);
 }
 
+void Datasets::checkUpdates(const std::string& tenant, Scope scope, const json& updates) const {
+  for (const json& update : updates) {
+    const auto name = update.at("name").get<std::string>();
+    const auto now = mayName(tenant, name, scope);
+    if (!now || now->key != Key{update.at("key").get<uint64_t>()})
+      throw Error(
+          "import: " + inQuotes(name) +
+          " was dropped, renamed or taken back meanwhile, expected the dataset that was there at first");
+  }
+}
+
 void Datasets::add(const std::string& tenant, const std::string& name, Scope scope, Key key,
                    DatasetType type) {
   checkDatasetName(name);
@@ -218,6 +247,7 @@ void Datasets::nameAll(const std::string& tenant, Scope scope, const std::vector
         replaced.push_back(*std::move(before));
       }
     }
+    checkUpdates(tenant, scope, updates);
     if (!updates.empty()) commit(updates);
     for (NamedDataset& d : all) {
       node_.directory.bind(d.name, scope, {d.key, d.type, d.owner, d.readOnly});

@@ -92,8 +92,10 @@ class Datasets {
   /// The same with its current generation held: while the pin lives, every rank has that generation, as its current one or
   /// the one before, unless the dataset is dropped.
   std::pair<NamedDataset, Pin> getPinned(const std::string& tenant, const std::string& name) const;
-  /// What all ranks know of it. Waits.
+  /// What all ranks know of it; null when it has been dropped. Waits.
   nlohmann::json info(const NamedDataset& dataset);
+  /// The same of what the name means. Throws as get() does.
+  std::pair<NamedDataset, nlohmann::json> info(const std::string& tenant, const std::string& name);
 
   /// These wait for all ranks.
   void drop(const std::string& tenant, const std::string& name);
@@ -123,6 +125,8 @@ class Datasets {
     Key key;
     DatasetType type;
   };
+  /// Throws Error unless the names of all updates still mean what is to be updated.
+  void checkUpdates(const std::string& tenant, Scope scope, const nlohmann::json& updates) const;
   /// Names all and commits the updates, or none of either, and then tells. What has failed is on no rank any more.
   void nameAll(const std::string& tenant, Scope scope, const std::vector<Unnamed>& added,
                const nlohmann::json& updates);

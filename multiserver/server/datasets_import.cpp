@@ -224,6 +224,8 @@ json Datasets::importHere(const json& p) {
   return nullptr;
 }
 
+constexpr size_t kAtOnce = 10000;  // datasets: all ranks are told of all of them
+
 // The names are the caller's until it lets go.
 std::shared_ptr<void> Datasets::takeNames(Request& request, const Import& what) {
   std::set<std::string> names;
@@ -256,6 +258,9 @@ std::shared_ptr<void> Datasets::takeNames(Request& request, const Import& what) 
 void Datasets::import(Request& request, const Import& what) {
   const std::string tenant = request.session().tenant();
   if (what.specs.empty()) throw Error("import: there is no dataset in `Datasets`, expected one or more");
+  if (what.specs.size() > kAtOnce)
+    throw Error("import: there are " + std::to_string(what.specs.size()) + " datasets, expected at most " +
+                std::to_string(kAtOnce) + " in one request");
   const std::shared_ptr<void> names = takeNames(request, what);
   std::vector<DatasetSpec> specs = what.specs;
   if (what.onlyMissing) std::erase_if(specs, [&](const DatasetSpec& d) { return find(tenant, d.name); });
@@ -274,7 +279,7 @@ void Datasets::import(Request& request, const Import& what) {
     spec["key"] = key.value;
     spec["update"] = update;
     if (update)
-      updates.push_back({{"key", key.value}, {"generation", present->generation + 1}});
+      updates.push_back({{"name", d.name}, {"key", key.value}, {"generation", present->generation + 1}});
     else
       added.push_back({d.name, key, d.type});
     parameters["datasets"].push_back(std::move(spec));
@@ -290,7 +295,12 @@ void Datasets::import(Request& request, const Import& what) {
   request.onCancel([this, exchange] {
     node_.work.broadcast("datasets.cancel", {{"exchange", exchange}}, [](std::vector<Work::Reply>) {});
   });
-  node_.callAll("datasets.import", parameters);
+  try {
+    node_.callAll("datasets.import", parameters);
+  } catch (const Error&) {
+    checkUpdates(tenant, what.scope, updates);  // where that is why, it says more
+    throw;
+  }
   nameAll(tenant, what.scope, added, updates);
   request.progress(int64_t(2 * specs.size()), int64_t(2 * specs.size()), "done");
 }

@@ -2,12 +2,16 @@
 // Module data: what several clients see of one data space.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <condition_variable>
 #include <fstream>
 #include <future>
+#include <thread>
 
 #include "gxy/comm/error.h"
+#include "gxy/protocol/json.h"
+#include "gxy/server/datasets.h"
 #include "multiserver/test_server.h"
 
 namespace gxy::test {
@@ -187,6 +191,10 @@ TEST(Data, WhatIsNoNameIsNeitherObservedNorWaitedFor) {
       EXPECT_LT(reply.error.size(), 200u);
     }
   client->expect("observe " + std::string(255, 'n'));
+  for (const std::string control : {"\x1B", "\x7F", "\xC2\x9B", "\xC2\x80"})
+    EXPECT_NE(client->request("observe a" + control + "b").error.find("without control characters"),
+              std::string::npos);
+  client->expect("observe a\xC2\xA0\xC3\xA9");
 }
 
 TEST(Data, AFailedImportChangesNothing) {
@@ -288,6 +296,103 @@ TEST(Data, AnImportThatLosesANameMeanwhileNamesNothing) {
   EXPECT_EQ(names(*import.client).size(), reply.ok ? 201u : 1u) << "all or none";
   if (reply.ok) return;
   for (int rank = 0; rank < 2; rank++) EXPECT_EQ(server->node(rank).ledger.total("ann"), 0) << rank;
+}
+
+/// What is done while rank 1 has stored the first of an import's two datasets, before any is named.
+Reply importWhile(TestServer& server, Client& client, const std::string& second,
+                  const std::function<void()>& meanwhile) {
+  std::promise<void> stored, goOn;
+  std::once_flag once;
+  const auto subscription = server.node(1).observers.subscribe({}, [&](const ObjectEvent& event) {
+    if (event.kind != ObjectEvent::Kind::Added) return;
+    std::call_once(once, [&] {
+      stored.set_value();
+      goOn.get_future().wait();
+    });
+  });
+  std::promise<Reply> imported;
+  client.send(importShared({"first", second}), [&](const Reply& r) { imported.set_value(r); });
+  stored.get_future().wait();
+  meanwhile();
+  goOn.set_value();
+  return imported.get_future().get();
+}
+
+TEST(Data, AnImportChangesNothingThatItMayNoLongerChange) {
+  const auto server = serve();
+  const auto ann = dataClient(*server, "ann"), bob = dataClient(*server, "bob");
+  const auto refused = [&](const Reply& reply) {
+    EXPECT_EQ(reply.error.find("import: \"ball\" was dropped, renamed or taken back meanwhile"), 0u)
+        << reply.error;
+    const Names left = names(*ann);
+    EXPECT_EQ(std::count(left.begin(), left.end(), "first"), 0) << "all or none";
+  };
+  bob->expect(importBall("ball"));
+  bob->expect("publish ball writable");
+  refused(importWhile(*server, *ann, "ball", [&] { bob->expect("unpublish ball"); }));
+  EXPECT_EQ(bob->expect("info ball").at("datasets").at(0).at("generation"), 1) << "it is bob's own again";
+  bob->expect("publish ball writable");
+  refused(importWhile(*server, *ann, "ball", [&] { bob->expect("rename ball other"); }));
+  EXPECT_EQ(bob->expect("info other").at("datasets").at(0).at("generation"), 1);
+  bob->expect("rename other ball");
+  std::promise<Reply> dropped;  // rank 1 is not asked before the import goes on
+  refused(importWhile(*server, *ann, "ball", [&] {
+    bob->send("drop ball", [&](const Reply& r) { dropped.set_value(r); });
+    while (server->node().datasets->find("bob", "ball"))
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }));
+  EXPECT_TRUE(dropped.get_future().get().ok);
+  EXPECT_EQ(names(*bob), Names{});
+  for (int rank = 0; rank < 2; rank++)
+    for (const char* tenant : {"ann", "bob"})
+      EXPECT_EQ(server->node(rank).ledger.total(tenant), 0) << tenant << " on " << rank;
+  ann->expect(importShared({"first", "ball"}));
+  bob->expect(importBall("ball"));
+}
+
+TEST(Data, AnImportHasAtMostTenThousandDatasets) {
+  const auto server = serve(1);
+  const auto client = dataClient(*server);
+  std::vector<std::string> many;
+  for (int i = 0; i <= 10000; i++) many.push_back(std::to_string(i));
+  EXPECT_EQ(client->request(importShared(many)).error,
+            "import: there are 10001 datasets, expected at most 10000 in one request");
+}
+
+TEST(Data, InfoLeavesOutWhatIsDroppedMeanwhile) {
+  const auto server = serve();
+  const auto client = dataClient(*server);
+  client->expect(importBall("ball"));
+  client->expect(importBall("gone"));
+  Datasets& datasets = *server->node().datasets;
+  const NamedDataset gone = datasets.get("user", "gone");
+  server->node(1).objects.drop(
+      gone.key);  // as while it is dropped: it has its name, but not all of its parts
+  const json all = client->expect("info").at("datasets");
+  ASSERT_EQ(all.size(), 1u);
+  EXPECT_EQ(all.at(0).at("name"), "ball");
+  EXPECT_FALSE(client->request("info gone").ok);
+  client->expect("drop gone");
+  EXPECT_TRUE(datasets.info(gone).is_null());
+  for (const char* verb : {"info", "range"})
+    EXPECT_EQ(client->request(std::string(verb) + " gone")
+                  .error.find("dataset \"gone\": there is none that you see"),
+              0u);
+}
+
+TEST(Data, MessagesAboutBinaryFilesAreTextForPeople) {
+  const auto server = serve();
+  const auto client = dataClient(*server);
+  for (const char* name : {"b.json", "b.part", "b.vol", "b.obj"}) {
+    const bool mesh = std::string(name) == "b.obj";
+    std::ofstream(server->folder() / name)
+        << (mesh ? "v 0 0 0\nf " : "{\"") << "\xA0\x1B[31m\xC2\x9B\xFF 2 3\n";
+    const std::string type = mesh ? "Triangles" : "Volume";
+    const Reply reply = client->request(R"(import {"Datasets": {"name": "b", "filename": ")" +
+                                        std::string(name) + R"(", "type": ")" + type + R"("}})");
+    EXPECT_FALSE(reply.ok) << name;
+    EXPECT_EQ(reply.error, protocol::printable(reply.error)) << name;
+  }
 }
 
 TEST(Data, TheProgressOfAnImportIsToldToItsClientOnly) {

@@ -49,11 +49,18 @@ json info(Request& request, protocol::Arguments arguments) {
   Datasets& datasets = datasetsOf(request);
   json all = json::array();
   std::string text;
-  for (const NamedDataset& d : name ? std::vector{datasets.get(tenant, *name)} : datasets.list(tenant)) {
+  const auto add = [&](const NamedDataset& d, const json& known) {
     json one = listed(d);
-    one.update(datasets.info(d));
+    one.update(known);
     text += (text.empty() ? "" : "\n") + infoText(one);
     all.push_back(std::move(one));
+  };
+  if (name) {
+    const auto [dataset, known] = datasets.info(tenant, *name);
+    add(dataset, known);
+  } else {
+    for (const NamedDataset& d : datasets.list(tenant))
+      if (const json known = datasets.info(d); !known.is_null()) add(d, known);
   }
   return {{"datasets", all}, {"text", text}};
 }
@@ -85,7 +92,7 @@ json range(Request& request, protocol::Arguments arguments) {
   const std::string name = arguments.expectWord();
   arguments.expectEnd();
   Datasets& datasets = datasetsOf(request);
-  const json found = datasets.info(datasets.get(request.session().tenant(), name)).at("range");
+  const json found = datasets.info(request.session().tenant(), name).second.at("range");
   return {{"range", found},
           {"text", found.is_null() ? "no values" : found[0].dump() + " " + found[1].dump()}};
 }
