@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gxy/io/import_volume.h"
 
+#include <spdlog/spdlog.h>
+
 #include <algorithm>
 #include <cstring>
 #include <filesystem>
@@ -64,10 +66,19 @@ LeftOut leftOutOf(const VolumeFile& file, int components, const Volume& volume) 
 
 }  // namespace
 
-Grid gridOf(const std::string& path, const std::string& array, Collectives& ranks) {
+Grid gridOf(const std::string& path, const std::string& array, Collectives& ranks,
+            std::vector<std::string>* warnings) {
   Grid grid;
   agree(ranks, [&] {
-    if (ranks.rank() == 0) grid = openVolume(path, array).grid;
+    if (ranks.rank() != 0) return;
+    const VolumeFile file = openVolume(path, array);
+    grid = file.grid;
+    for (const std::string& warning : file.warnings) {
+      if (warnings)
+        warnings->push_back(warning);
+      else
+        spdlog::warn("{}", warning);
+    }
   });
   Bytes bytes(ranks.rank() == 0 ? sizeof(Grid) : 0);
   if (!bytes.empty()) std::memcpy(bytes.data(), &grid, sizeof grid);

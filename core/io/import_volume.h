@@ -13,8 +13,9 @@
 namespace gxy {
 
 /// The grid of a volume file, on every rank; read by rank 0 only. What a partitioning is made of before an
-/// import.
-Grid gridOf(const std::string& path, const std::string& array, Collectives& ranks);
+/// import. On rank 0 the file's warnings are added to `warnings`; null: they are logged.
+Grid gridOf(const std::string& path, const std::string& array, Collectives& ranks,
+            std::vector<std::string>* warnings = nullptr);
 
 /// Collective over `ranks`. Reads, for each partition that this rank owns, the samples it needs and `ghosts`
 /// layers more; stores them as encodingOf() says (scalar.h); fills ranges, the number of samples without data, and

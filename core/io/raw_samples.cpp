@@ -81,6 +81,7 @@ VolumeFile openRawVolume(const std::string& path) {
   file.grid = d.grid;
   file.array = {{}, d.type, d.components, {}};
   file.arrays = {file.array};
+  file.warnings = d.warnings;
   file.source = std::make_shared<RawSamples>(beside(path, d.rawFile), 0, wholeOf(d.grid), d.type,
                                              d.components, d.swapBytes, true);
   return file;

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gxy/io/volume_description.h"
 
-#include <spdlog/spdlog.h>
-
 #include <bit>
 #include <charconv>
 #include <cmath>
@@ -60,7 +58,10 @@ const char* wordOfType(ScalarType type) {
 
 std::string inQuotes(std::string_view text) {
   constexpr size_t kLongest = 60;
-  return "'" + std::string(text.substr(0, kLongest)) + (text.size() > kLongest ? "...'" : "'");
+  std::string shown(text.substr(0, kLongest));
+  for (char& c : shown)
+    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7F) c = '?';
+  return "'" + shown + (text.size() > kLongest ? "...'" : "'");
 }
 
 /// The words of a text with the line each stands on; the raw file's name is the rest of its line, blanks
@@ -154,11 +155,21 @@ std::string text(const json& object, const char* key, const std::string& where) 
   return value.get<std::string>();
 }
 
-void warnOfUnknownKeys(const json& object, const std::string& where) {
+std::vector<std::string> warningsOfUnknownKeys(const json& object, const std::string& where) {
+  constexpr size_t kMost = 10;
   static const std::set<std::string> known = {
       "type", "origin", "counts", "delta", "rawdata", "number of components", "byte order"};
-  for (const auto& [key, value] : object.items())
-    if (!known.count(key)) spdlog::warn("{}: unknown key \"{}\" is ignored", where, key);
+  std::vector<std::string> warnings;
+  size_t more = 0;
+  for (const auto& [key, value] : object.items()) {
+    if (known.count(key)) continue;
+    if (warnings.size() < kMost)
+      warnings.push_back(where + ": unknown key " + inQuotes(key) + " is ignored");
+    else
+      more++;
+  }
+  if (more > 0) warnings.push_back(where + ": and " + std::to_string(more) + " more unknown keys");
+  return warnings;
 }
 
 }  // namespace
@@ -188,9 +199,9 @@ VolumeDescription parseVolumeJson(std::string_view source, const std::string& wh
     throw Error(where + ": not valid JSON: " + e.what());
   }
   if (!document.is_object()) throw Error(where + ": expected a JSON object that describes a volume");
-  warnOfUnknownKeys(document, where);
 
   VolumeDescription volume;
+  volume.warnings = warningsOfUnknownKeys(document, where);
   const std::string word = text(document, "type", where);
   const auto type = typeOfWord(word);
   if (!type) throw Error(where + ": \"type\": unknown type " + inQuotes(word) + ", expected " + kTypeWords);

@@ -11,6 +11,7 @@
 #pragma once
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "gxy/data/volume.h"
 
@@ -20,8 +21,9 @@ struct VolumeDescription {
   ScalarType type = ScalarType::Float32;
   Grid grid;
   int components = 1;
-  std::string rawFile;     ///< as written: absolute, or relative to the description
-  bool swapBytes = false;  ///< the file's byte order is not this machine's
+  std::string rawFile;                  ///< as written: absolute, or relative to the description
+  bool swapBytes = false;               ///< the file's byte order is not this machine's
+  std::vector<std::string> warnings{};  ///< keys that mean nothing, each with `where`; at most eleven lines
 };
 
 /// Both parse text only, open nothing, and throw Error naming `where` (the file) and the line or key.

@@ -42,7 +42,8 @@ struct VolumeFile {
   std::string path;
   Grid grid;
   std::vector<ArrayInfo> arrays;
-  ArrayInfo array;  ///< the chosen one
+  ArrayInfo array;                    ///< the chosen one
+  std::vector<std::string> warnings;  ///< what of the file is not used, for its user
   std::shared_ptr<const SampleSource> source;
 
   size_t bytesPerPoint() const { return bytesOf(array.type) * size_t(array.components); }

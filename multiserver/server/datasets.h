@@ -80,7 +80,8 @@ class Datasets {
   };
   /// Reads files and names what is in them: all or nothing. Waits, also for other imports of the same names, which come one
   /// after the other. The request's tenant owns them; it is told the progress, and its cancelling ends the import.
-  void import(Request& request, const Import& what);
+  /// Returns what of the files is not used, for their user.
+  std::vector<std::string> import(Request& request, const Import& what);
 
   /// Puts a dataset of `type` in the directory whose parts a work has made on all ranks, each by Objects::add under `key`.
   void add(const std::string& tenant, const std::string& name, Scope scope, Key key, DatasetType type);

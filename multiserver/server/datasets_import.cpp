@@ -141,11 +141,12 @@ json Datasets::importHere(const json& p) {
   });
   Box box;
   std::optional<Grid> first;
+  std::vector<std::string> warnings;  // on rank 0
   for (size_t i = 0; i < made.size(); i++) {
     Dataset& d = *made[i];
     report(i, "reading " + specs[i].at("name").get<std::string>());
     if (d.type == DatasetType::Volume) {
-      const Grid grid = gridOf(d.file, d.array, ranks);
+      const Grid grid = gridOf(d.file, d.array, ranks, &warnings);
       box.extend(grid.box());
       if (!first) first = grid;
     } else {
@@ -221,7 +222,7 @@ json Datasets::importHere(const json& p) {
     }
     throw;
   }
-  return nullptr;
+  return warnings;
 }
 
 constexpr size_t kAtOnce = 10000;  // datasets: all ranks are told of all of them
@@ -255,7 +256,7 @@ std::shared_ptr<void> Datasets::takeNames(Request& request, const Import& what) 
           }};
 }
 
-void Datasets::import(Request& request, const Import& what) {
+std::vector<std::string> Datasets::import(Request& request, const Import& what) {
   const std::string tenant = request.session().tenant();
   if (what.specs.empty()) throw Error("import: there is no dataset in `Datasets`, expected one or more");
   if (what.specs.size() > kAtOnce)
@@ -264,7 +265,7 @@ void Datasets::import(Request& request, const Import& what) {
   const std::shared_ptr<void> names = takeNames(request, what);
   std::vector<DatasetSpec> specs = what.specs;
   if (what.onlyMissing) std::erase_if(specs, [&](const DatasetSpec& d) { return find(tenant, d.name); });
-  if (specs.empty()) return;
+  if (specs.empty()) return {};
   const uint64_t exchange = node_.nextExchange();
   json parameters{{"exchange", exchange}, {"tenant", tenant}, {"new", what.newPartitioning}};
   Asked asked{&request, nullptr};
@@ -295,14 +296,16 @@ void Datasets::import(Request& request, const Import& what) {
   request.onCancel([this, exchange] {
     node_.work.broadcast("datasets.cancel", {{"exchange", exchange}}, [](std::vector<Work::Reply>) {});
   });
+  std::vector<std::string> warnings;
   try {
-    node_.callAll("datasets.import", parameters);
+    warnings = node_.callAll("datasets.import", parameters).at(0).get<std::vector<std::string>>();
   } catch (const Error&) {
     checkUpdates(tenant, what.scope, updates);  // where that is why, it says more
     throw;
   }
   nameAll(tenant, what.scope, added, updates);
   request.progress(int64_t(2 * specs.size()), int64_t(2 * specs.size()), "done");
+  return warnings;
 }
 
 }  // namespace gxy

@@ -350,6 +350,26 @@ TEST(Data, AnImportChangesNothingThatItMayNoLongerChange) {
   bob->expect(importBall("ball"));
 }
 
+TEST(Data, KeysOfAVolumeThatMeanNothingAreToldOnceToWhoImportsIt) {
+  const auto server = serve();
+  const auto client = dataClient(*server);
+  json volume{{"type", "float"},    {"origin", {-1, -1, -1}}, {"counts", {16, 16, 16}},
+              {"delta", {1, 1, 1}}, {"rawdata", "ball.raw"},  {"conts\x1B[31m", 1}};
+  const auto warnings = [&] {
+    std::ofstream(server->folder() / "odd.json") << volume.dump();
+    return client->expect(importBall("odd", "odd.json")).at("warnings");
+  };
+  const json one = warnings();
+  ASSERT_EQ(one.size(), 1u);
+  EXPECT_NE(one.at(0).get<std::string>().find("odd.json: unknown key 'conts?[31m' is ignored"),
+            std::string::npos)
+      << one;
+  for (int i = 0; i < 30; i++) volume["more" + std::to_string(i)] = i;
+  const json many = warnings();
+  ASSERT_EQ(many.size(), 11u);
+  EXPECT_NE(many.at(10).get<std::string>().find("and 21 more unknown keys"), std::string::npos) << many;
+}
+
 TEST(Data, AnImportHasAtMostTenThousandDatasets) {
   const auto server = serve(1);
   const auto client = dataClient(*server);

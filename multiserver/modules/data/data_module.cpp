@@ -73,11 +73,11 @@ json import(Request& request, protocol::Arguments arguments) {
   else if (arguments.taken("like"))
     what.like = arguments.expectWord();
   const std::string_view text = arguments.expectJson();
-  const StateFile file = DocumentReader(request).state(text, "import");
+  StateFile file = DocumentReader(request).state(text, "import");
   if (!file.state.visualizations.empty() || !file.state.cameras.empty())
     throw Error("import: expected `Datasets` only; module viewer takes whole state documents");
   what.specs = file.state.datasets;
-  datasetsOf(request).import(request, what);
+  for (std::string& w : datasetsOf(request).import(request, what)) file.warnings.push_back(std::move(w));
   json names = json::array();
   for (const DatasetSpec& d : what.specs) names.push_back(d.name);
   json result{{"datasets", names}, {"text", ""}};

@@ -160,12 +160,13 @@ json windowVerb(Services& services, Request& request, Arguments arguments) {
   return {{"window", id}, {"size", {settings.size.x, settings.size.y}}};
 }
 
-// Imports what a document has and the tenant has not.
-void importMissing(Request& request, const std::vector<DatasetSpec>& specs) {
+// Imports what a document has and the tenant has not. Returns what of the files is not used.
+std::vector<std::string> importMissing(Request& request, const std::vector<DatasetSpec>& specs) {
   Datasets::Import what;
   what.specs = specs;
   what.onlyMissing = true;
-  if (!specs.empty()) request.session().node().datasets->import(request, what);
+  if (specs.empty()) return {};
+  return request.session().node().datasets->import(request, what);
 }
 
 // What is kept of a long document while its data are imported and rendered.
@@ -179,7 +180,7 @@ json set(Request& request, Arguments arguments) {
   const uint32_t id = windowId(arguments);
   const WindowPtr window = windowsOf(request.session())->get(id);
   const std::string_view text = arguments.expectJson();
-  const StateFile file = DocumentReader(request).state(text, "set");
+  StateFile file = DocumentReader(request).state(text, "set");
   const LedgerEntry room = roomFor(file.state, request.session());
   const auto& visualizations = file.state.visualizations;
   LedgerEntry memory;
@@ -189,7 +190,7 @@ json set(Request& request, Arguments arguments) {
     memory = session.node().takeMemory(session.tenant(), "windows", bytesOf(visualizations[0]));
   }
   if (!file.state.cameras.empty()) validate(file.state.cameras[0]);
-  importMissing(request, file.state.datasets);
+  for (std::string& w : importMissing(request, file.state.datasets)) file.warnings.push_back(std::move(w));
   if (file.hasRenderer) window->setRenderer(file.state.settings);
   if (!visualizations.empty()) window->setVisualization(visualizations[0], std::move(memory));
   if (!file.state.cameras.empty()) window->setCamera(file.state.cameras[0]);
@@ -313,8 +314,10 @@ Batch readBatch(Request& request, std::string_view text) {
 json batch(Services& services, Request& request, Arguments arguments) {
   const Batch batch = readBatch(request, arguments.expectJson());
   const LedgerEntry room = roomFor(batch.state, request.session());
-  importMissing(request, batch.state.datasets);
-  return renderBatch(services, request, batch);
+  const std::vector<std::string> warnings = importMissing(request, batch.state.datasets);
+  json result = renderBatch(services, request, batch);
+  result["warnings"] = warnings;
+  return result;
 }
 
 Verb verb(std::string name, std::string arguments, std::string help, Order order,
