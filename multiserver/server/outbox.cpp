@@ -226,9 +226,19 @@ bool Outbox::empty() const {
                      [](const auto& w) { return w.second.records.empty(); });
 }
 
+void Outbox::onClose(std::function<void()> action) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (!gone_) return closeActions_.push_back(std::move(action));
+  }
+  action();
+}
+
 void Outbox::close() {
-  const std::lock_guard lock(mutex_);
-  closed_ = true;
+  std::vector<std::function<void()>> actions;
+  std::unique_lock lock(mutex_);
+  closed_ = gone_ = true;
+  actions.swap(closeActions_);
   control_.clear();
   text_.clear();
   files_.clear();
@@ -237,6 +247,8 @@ void Outbox::close() {
   counters_.queuedBytes = 0;
   memory_.resize(0);
   filesLeft_.notify_all();
+  lock.unlock();
+  for (const auto& action : actions) action();
 }
 
 Outbox::Counters Outbox::counters() const {

@@ -62,6 +62,8 @@ class Outbox {
   bool congested(std::function<void()> drained);
   bool empty() const;
   void close();
+  /// Calls `action` when it closes, at once if it has. The same as of `wake` holds.
+  void onClose(std::function<void()> action);
 
   struct Counters {
     uint64_t queuedBytes = 0, sentBytes = 0, tilesSent = 0, tilesDropped = 0, eventsLost = 0;
@@ -89,12 +91,12 @@ class Outbox {
   mutable std::mutex mutex_;
   std::condition_variable filesLeft_;
   LedgerEntry memory_;
-  bool closed_ = false;
+  bool closed_ = false, gone_ = false;  ///< nothing is taken any more; close() was called
   std::optional<Frame> farewell_;
   std::deque<Frame> control_, text_, files_;
   std::map<uint32_t, Window> windows_;
   uint32_t lastWindow_ = 0;
-  std::vector<std::function<void()>> drained_;
+  std::vector<std::function<void()>> drained_, closeActions_;
   uint64_t textBytes_ = 0, fileBytes_ = 0, pixelBytes_ = 0, lost_ = 0;
   Counters counters_;
 };

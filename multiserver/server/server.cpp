@@ -44,6 +44,7 @@ class Server::Impl {
     if (options_.signals) {
       signals_.add(SIGINT);
       signals_.add(SIGTERM);
+      signals_.add(SIGUSR2);  // which mpirun hands on, and lives
       signals_.async_wait([this](auto failed, int) {
         if (!failed) stop();
       });

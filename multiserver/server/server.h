@@ -16,7 +16,7 @@ struct ServerOptions {
   uint16_t port = 5001;              ///< 0: any that is free
   std::chrono::seconds idleExit{0};  ///< stops after so long without clients; 0: never
   size_t tenantClients = 256;        ///< of those that may be connected, of one tenant
-  bool signals = true;               ///< SIGINT and SIGTERM stop it
+  bool signals = true;               ///< SIGINT, SIGTERM and SIGUSR2 stop it
   Connection::Options connection;
 };
 

@@ -38,8 +38,8 @@ ended() {  # ended SECONDS: the server has, within so long; sets status
   return 1
 }
 msdata() { "$bin/msdata" -P "$port" "$@"; }
-# The ranks of the server that was started: children of its mpirun.
-ranks_of() { pgrep -P "$server" gxyserver; }
+# The ranks of the server that was started: children of its mpirun, which is the child of `galaxy serve`.
+ranks_of() { pgrep -P "$(pgrep -P "$server")" gxyserver; }
 
 "$bin/gxydata" radial -r 24 --array eightBalls eightBalls.vol >/dev/null
 
@@ -155,13 +155,45 @@ ended 10
 start 2 --trace trace.json
 echo 'list;' | msdata >/dev/null
 kill -TERM "$server"
-check TermToMpirunStopsIt ended 10
-check AndItsTokenGoesToo test ! -e "$XDG_RUNTIME_DIR/galaxy/$port.token"
+check TermToGalaxyServeStopsIt ended 30
+check CleanlyToo test "$status" = 0 -a ! -e "$XDG_RUNTIME_DIR/galaxy/$port.token"
+check AndSaysSo grep -q 'gxyserver: stopped' server.log
 check TheTraceTellsOfAllRanks python3 -c "
 import json
 events = json.load(open('trace.json'))['traceEvents']
 names = {(e['pid'], e['name']) for e in events}
 assert {(0, 'list'), (0, 'load'), (1, 'modules.open'), (1, 'message: work')} <= names, names"
+
+# With work under way: windows that refine, a batch, an import. Ctrl-C comes to the process group.
+set -m
+start 2 --backend embree
+set +m
+"$bin/gxydata" radial -r 256 --array eightBalls large.vol >/dev/null
+{
+  printf 'load data; import {"Datasets": {"name": "eightBalls", "type": "Volume", "filename": "eightBalls.vol"}};\n'
+  for window in 1 2 3 4; do
+    printf 'window %s; set %s %s; render %s {"passes": 500};\n' $window $window "$(cat scene.json)" $window
+  done
+  printf 'echo ready; batch {"prefix": "busy", "state": %s};\n' "$(sed 's/"Camera": {.*}/"Cameras": [{"dimensions": [400, 300]}]/' scene.json)"
+} >busy.txt
+"$bin/msclient" -P "$port" -m viewer busy.txt >busy.log 2>&1 &
+busy=$!
+msdata -c 'import {"Datasets": {"name": "large", "type": "Volume", "filename": "large.vol"}}' >/dev/null 2>&1 &
+importing=$!
+for _ in $(seq 300); do grep -q ready busy.log && break; sleep 0.1; done
+kill -INT -- "-$server"
+check CtrlCStopsAServerThatWorks ended 60
+check CleanlyToo test "$status" = 0 -a ! -e "$XDG_RUNTIME_DIR/galaxy/$port.token"
+check AndSaysSo grep -q 'gxyserver: stopped' server.log
+wait "$busy" "$importing"
+
+start 2
+launcher=$(pgrep -P "$server")
+kill -KILL "$server"
+server=
+gone() { for _ in $(seq 300); do kill -0 "$launcher" 2>/dev/null || return 0; sleep 0.1; done; return 1; }
+check ItStopsWhenGalaxyServeIsKilled gone
+check AndTakesItsTokenAlong test ! -e "$XDG_RUNTIME_DIR/galaxy/$port.token"
 
 start 3
 victim=$(ranks_of | tail -n 1)

@@ -48,6 +48,20 @@ TEST(Outbox, SendsControlThenTextThenPixelsThenFiles) {
   EXPECT_EQ(outbox.counters().queuedBytes, 0u);
 }
 
+TEST(Outbox, SaysOnceThatItHasClosed) {
+  Outbox outbox({}, [] {}, {});
+  int closed = 0;
+  outbox.onClose([&] { closed++; });
+  outbox.farewell("bye");
+  EXPECT_EQ(kindsLeft(outbox), "C");
+  EXPECT_EQ(closed, 0) << "its farewell is not its end";
+  outbox.close();
+  outbox.close();
+  EXPECT_EQ(closed, 1);
+  outbox.onClose([&] { closed++; });
+  EXPECT_EQ(closed, 2) << "at once where it has closed";
+}
+
 TEST(Outbox, AReplyFollowsTheFilesOfItsRequest) {
   Outbox outbox({}, [] {}, {});
   outbox.file(9, Bytes(10), [] { return false; });

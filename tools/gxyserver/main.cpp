@@ -67,7 +67,7 @@ class Signals {
  private:
   const std::function<void()> action_;
   boost::asio::io_context context_;
-  boost::asio::signal_set set_{context_, SIGINT, SIGTERM};
+  boost::asio::signal_set set_{context_, SIGINT, SIGTERM, SIGUSR2};
   std::thread thread_;
 };
 

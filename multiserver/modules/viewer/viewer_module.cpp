@@ -17,7 +17,7 @@ using nlohmann::json;
 using protocol::Arguments;
 using WindowPtr = std::shared_ptr<Window>;
 
-/// A session's windows. Its end closes them.
+/// A session's windows. Its end closes them; they render no more from when its client has gone.
 class Windows {
  public:
   explicit Windows(Session& session) : session_(session) {
@@ -28,9 +28,16 @@ class Windows {
           if (!list || !event.visibleTo(tenant)) return;
           for (const auto& [id, window] : list->all()) window->onData(event);
         });
+    // The session ends after all its requests, which may take a while.
+    session.outbox().onClose([weak = std::weak_ptr(list_), &transport = session.node().transport] {
+      transport.post([weak] {
+        if (const auto list = weak.lock()) list->endFrames();
+      });
+    });
   }
   ~Windows() {
     subscription_ = nullptr;
+    list_->endFrames();
     for (const auto& [id, window] : list_->all()) window->close();
   }
 
@@ -64,6 +71,10 @@ class Windows {
     std::map<uint32_t, WindowPtr> all() const {
       const std::lock_guard lock(mutex);
       return windows;
+    }
+    // Of all windows before any of them is waited for.
+    void endFrames() const {
+      for (const auto& [id, window] : all()) window->endFrames();
     }
   };
   Session& session_;

@@ -60,6 +60,11 @@ State Window::state() const {
   return state;
 }
 
+bool Window::closed() const {
+  const std::lock_guard lock(mutex_);
+  return closed_;
+}
+
 uint64_t Window::lastFrame() const {
   const std::lock_guard lock(mutex_);
   return frames_;
@@ -80,12 +85,16 @@ void Window::cancel() {
   if (waiting) finish(waiting, "cancelled", {});
 }
 
-void Window::close() {
+void Window::endFrames() {
   {
     const std::lock_guard lock(mutex_);
     closed_ = true;
   }
   cancel();
+}
+
+void Window::close() {
+  endFrames();
   std::unique_lock lock(mutex_);
   ended_.wait(lock, [this] { return underWay_ == 0; });
   scene_ = nullptr;
@@ -166,6 +175,7 @@ void Window::renderAgain() {
       const uint64_t frame = self->render(options);
       self->outbox_->event({{"event", "frame"}, {"window", self->id_}, {"frame", frame}, {"reason", "data"}});
     } catch (const Error& e) {
+      if (self->closed()) return;  // meanwhile: nobody waits for it
       self->outbox_->event({{"event", "error"}, {"window", self->id_}, {"text", e.what()}});
     }
   });

@@ -59,7 +59,9 @@ class Window : public std::enable_shared_from_this<Window> {
   uint64_t render(const FrameOptions& options);
   /// Ends the frame under way and the one that waits, if any.
   void cancel();
-  /// Cancels, and waits until no frame is under way.
+  /// Cancels, and begins no frame any more.
+  void endFrames();
+  /// The same, and waits until no frame is under way.
   void close();
   uint64_t lastFrame() const;
 
@@ -80,6 +82,7 @@ class Window : public std::enable_shared_from_this<Window> {
   void onStage(const FramePtr& frame, bool superseded, const std::string& error);
   void finish(const FramePtr& frame, const char* status, const std::string& error);
   void renderAgain();
+  bool closed() const;
   void onDrained();
 
   Services& services_;
