@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
 """terminal.py COMMAND...: a client at a terminal (pseudo-terminal) of a server that has a dataset eightBalls: Tab
-completes a verb, the arrow up brings the last line back, a statement may go over lines, events come above the line that is
-being typed, long work shows how far it is, Ctrl-D ends it with status 0."""
+completes a verb wherever one may be, the arrow up brings the last line back, a statement may go over lines, events come
+above the line that is being typed, long work shows how far it is, Ctrl-D ends it with status 0."""
 import os
 import pty
 import select
@@ -37,6 +37,13 @@ for typed, answers in [(b"lis\t", ["list "]), (b";\n", ["eightBalls", "? "]), (b
     os.write(terminal, typed)
     for answer in answers:
         until(answer)
+# Verbs of a module that was loaded meanwhile, with its name, and after another statement. Ctrl-U forgets the line.
+os.write(terminal, b"load viewer;\n")
+until("? ")
+for typed, answer in [(b"cancel_f\t", "cancel_frame "), (b"viewer.sta\t", "viewer.state "), (b"list; unp\t", "unpublish ")]:
+    os.write(terminal, typed)
+    until(answer)
+    os.write(terminal, b"\x15")
 load = 'import {"Datasets": {"name": "seen", "type": "Volume", "filename": "eightBalls.vol"}}'
 os.write(terminal, b"observe;\n")
 until("? ")

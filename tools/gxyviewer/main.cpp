@@ -4,6 +4,7 @@
 #include <iostream>
 
 #include "gxy/comm/error.h"
+#include "gxy/protocol/printable.h"
 #include "gxy/scene/state_file.h"
 #include "options.h"
 #include "png.h"
@@ -51,7 +52,7 @@ int main(int argc, char** argv) {
   try {
     return run(options);
   } catch (const std::exception& e) {
-    std::cerr << "gxyviewer: error: " << e.what() << '\n';
+    std::cerr << "gxyviewer: error: " << protocol::printable(e.what()) << '\n';
     return 1;
   }
 }

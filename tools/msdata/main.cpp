@@ -5,9 +5,11 @@
 #include <filesystem>
 #include <fstream>
 #include <iostream>
+#include <set>
 #include <sstream>
 
 #include "gxy/comm/error.h"
+#include "gxy/protocol/printable.h"
 #include "options.h"
 #include "output.h"
 #include "report.h"
@@ -17,11 +19,27 @@ using namespace gxy;
 
 namespace {
 
+// What a statement may begin with, with and without its module.
 std::vector<std::string> verbsOf(Client& client) {
-  std::vector<std::string> words{"exit"};
-  const nlohmann::json help = client.expect("help");
-  for (const auto& verb : help.at("verbs")) words.push_back(verb.at("verb"));
-  return words;
+  std::set<std::string> words{"exit"};
+  const nlohmann::json help = client.expect("help"), modules = client.expect("modules");
+  for (const auto& verb : help.at("verbs")) words.insert(verb.at("verb").get<std::string>());
+  for (const auto& loaded : modules.at("loaded")) {
+    const std::string module = loaded;
+    const nlohmann::json again = client.expect("load " + module);  // it changes nothing and lists
+    for (const auto& verb : again.at("verbs")) words.insert(module + "." + verb.get<std::string>());
+  }
+  return {words.begin(), words.end()};
+}
+
+// False: `exit`, or the connection has ended, which a user who types sees.
+bool readAtTerminal(Client& client, Runner& runner, Output& output) {
+  std::vector<std::string> words = verbsOf(client);
+  return readTerminal(words, output, [&](const std::string& statement) {
+    if (!runner.run(statement) || !client.connected()) return false;
+    if (statement.starts_with("load")) words = verbsOf(client);
+    return true;
+  });
 }
 
 int run(SayOptions options) {
@@ -56,8 +74,7 @@ int run(SayOptions options) {
   }
   if (options.scripts.empty() && options.statements.empty()) {
     if (isatty(STDIN_FILENO))
-      on = readTerminal(verbsOf(client), output,
-                        [&](const std::string& statement) { return runner.run(statement); });
+      on = readAtTerminal(client, runner, output);
     else
       on = runner.runAll(std::cin);
   }
@@ -73,7 +90,7 @@ int main(int argc, char** argv) {
   try {
     return run(options);
   } catch (const std::exception& e) {
-    std::cerr << options.client.name << ": error: " << e.what() << '\n';
+    std::cerr << options.client.name << ": error: " << protocol::printable(e.what()) << '\n';
     return 2;
   }
 }

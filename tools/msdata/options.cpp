@@ -37,8 +37,8 @@ std::optional<int> parseOptions(int argc, char** argv, SayOptions& o) {
       "scripts; - is standard input; `stat` first, where no file is called so, is the statement. No "
       "script and no -c: statements are read from the terminal");
   app.footer(
-      "Exit status: 0 done, 1 a statement failed or a picture could not be written, 2 wrong usage or no "
-      "server.");
+      "Exit status: 0 done, 1 a statement failed or a picture could not be written, 2 wrong usage, no "
+      "server, or its connection ended before all statements were sent.");
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {

@@ -5,6 +5,8 @@
 
 #include <iostream>
 
+#include "gxy/protocol/printable.h"
+
 namespace gxy {
 
 Output::Output() : terminal_(::isatty(STDERR_FILENO) == 1), thread_([this] { run(); }) {}
@@ -19,13 +21,14 @@ Output::~Output() {
   clearProgress();
 }
 
-void Output::progress(std::string text) {
-  if (terminal_) add(Kind::Progress, std::move(text));
+void Output::progress(const std::string& text) {
+  if (terminal_) add(Kind::Progress, text);
 }
 
-void Output::add(Kind kind, std::string text) {
+void Output::add(Kind kind, const std::string& text) {
+  Item item{kind, protocol::printable(text)};
   const std::lock_guard lock(mutex_);
-  waiting_.push_back({kind, std::move(text)});
+  waiting_.push_back(std::move(item));
   changed_.notify_all();
 }
 

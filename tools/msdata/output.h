@@ -11,7 +11,8 @@
 namespace gxy {
 
 /// Prints lines in the order in which they are given, on a thread of its own: who gives them, as the thread that reads
-/// from a server, never waits for a slow pipe or a stopped terminal. Thread safe.
+/// from a server, never waits for a slow pipe or a stopped terminal. What a terminal could obey in them is replaced. Thread
+/// safe.
 class Output {
  public:
   Output();
@@ -20,10 +21,10 @@ class Output {
   Output(const Output&) = delete;
   Output& operator=(const Output&) = delete;
 
-  void line(std::string text) { add(Kind::Line, std::move(text)); }    ///< to standard output
-  void error(std::string text) { add(Kind::Error, std::move(text)); }  ///< to standard error
+  void line(const std::string& text) { add(Kind::Line, text); }    ///< to standard output
+  void error(const std::string& text) { add(Kind::Error, text); }  ///< to standard error
   /// How far work is, on standard error if that is a terminal, until something else is printed.
-  void progress(std::string text);
+  void progress(const std::string& text);
   /// Waits until all is printed; no progress is shown afterwards.
   void flush();
 
@@ -40,7 +41,7 @@ class Output {
     std::string text;
   };
 
-  void add(Kind kind, std::string text);
+  void add(Kind kind, const std::string& text);
   void run();
   void printWaiting(std::unique_lock<std::mutex>& lock);
   void print(const Item& item);

@@ -6,12 +6,15 @@
 #include "gxy/comm/error.h"
 #include "gxy/io/replace_file.h"
 #include "gxy/protocol/json.h"
+#include "gxy/protocol/printable.h"
 
 namespace gxy {
 
 using nlohmann::json;
 
 namespace {
+
+std::string jsonLine(const json& value) { return protocol::printableJson(protocol::dump(value)); }
 
 std::string indented(const std::string& text) {
   std::string out = "  ";
@@ -69,19 +72,19 @@ void Report::reply(const std::string& statement, const Reply& reply) {
       line["reply"] = reply.value;
     else
       line["error"] = reply.error;
-    output_.line(protocol::dump(line));
+    output_.line(jsonLine(line));
   } else if (!reply.ok) {
     output_.error("error: " + reply.error);
   } else if (const auto text = reply.value.find("text"); text != reply.value.end() && text->is_string()) {
     if (!text->get_ref<const std::string&>().empty()) output_.line(indented(text->get<std::string>()));
   } else if (!reply.value.is_null() && !reply.value.empty()) {
-    output_.line(indented(reply.value.dump(2)));
+    output_.line(indented(reply.value.dump(2, ' ', false, json::error_handler_t::replace)));
   }
 }
 
 void Report::event(const json& event) {
   if (json_)
-    output_.line(protocol::dump(event));
+    output_.line(jsonLine(event));
   else if (member(event, "event") == "progress")
     output_.progress("  " + member(event, "text") + ": " + member(event, "done") + " of " +
                      member(event, "of"));
@@ -94,13 +97,13 @@ void Report::picture(const json& header, std::span<const std::byte> content) {
     const std::string name = pictureName(header);
     replaceFile(name, content);
     if (json_)
-      output_.line(protocol::dump({{"file", name}, {"bytes", content.size()}}));
+      output_.line(jsonLine({{"file", name}, {"bytes", content.size()}}));
     else
       output_.line("  wrote " + name);
   } catch (const Error& e) {
     failed_ = true;
     if (json_)
-      output_.line(protocol::dump({{"file", member(header, "name")}, {"error", e.what()}}));
+      output_.line(jsonLine({{"file", member(header, "name")}, {"error", e.what()}}));
     else
       output_.error(std::string("error: ") + e.what());
   }

@@ -18,7 +18,7 @@ bool Runner::run(const std::string& statement) {
   });
   shown->get_future().wait();
   output_.flush();
-  return client_.connected();
+  return true;
 }
 
 bool Runner::runAll(std::istream& script) {

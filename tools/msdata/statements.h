@@ -18,7 +18,7 @@ class Runner {
   Runner(Client& client, Report& report, Output& output)
       : client_(client), report_(report), output_(output) {}
 
-  /// False when the session is to end: `exit`, or the connection has ended.
+  /// False when the session is to end: `exit`. Throws Error where the connection has ended before.
   bool run(const std::string& statement);
   /// Runs a script; statements end with `;`, a line that begins with # is a comment. A last one without `;` runs too.
   bool runAll(std::istream& script);
@@ -29,8 +29,8 @@ class Runner {
   Output& output_;
 };
 
-/// Reads statements from a terminal with editing, history and completion of verbs; `run` returns false to end, as this
-/// does then. What is to be printed while a line is edited is printed above it.
+/// Reads statements from a terminal with editing, history and completion of verbs, which are `words` (`run` may change
+/// them); `run` returns false to end, as this does then. What is to be printed while a line is edited is printed above it.
 bool readTerminal(const std::vector<std::string>& words, Output& output,
                   const std::function<bool(const std::string&)>& run);
 

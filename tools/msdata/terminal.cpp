@@ -16,6 +16,7 @@ namespace {
 
 // Readline's callbacks carry nothing with them.
 const std::vector<std::string>* completions = nullptr;
+const std::string* begunBefore = nullptr;  // of the statement, in earlier lines
 Output* printed = nullptr;
 
 char* nextCompletion(const char* begun, int state) {
@@ -30,7 +31,10 @@ char* nextCompletion(const char* begun, int state) {
 
 // Verbs where a statement begins, file names elsewhere.
 char** complete(const char* begun, int start, int) {
-  return start == 0 ? rl_completion_matches(begun, nextCompletion) : nullptr;
+  std::string statement;
+  protocol::cutStatements(*begunBefore + std::string(rl_line_buffer, size_t(start)), statement);
+  const bool verb = statement.find_first_not_of(" \t\r\n") == std::string::npos;
+  return verb ? rl_completion_matches(begun, nextCompletion) : nullptr;
 }
 
 // Ten times a second while a line is edited: what has come meanwhile goes above it.
@@ -52,6 +56,7 @@ bool readTerminal(const std::vector<std::string>& words, Output& output,
   rl_event_hook = showArrivals;
   using_history();
   std::string rest;
+  begunBefore = &rest;
   for (;;) {
     output.hold();
     const std::unique_ptr<char, decltype(&std::free)> line(readline(rest.empty() ? "? " : "> "), &std::free);
