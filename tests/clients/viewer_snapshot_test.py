@@ -52,6 +52,10 @@ class Snapshot(unittest.TestCase):
         png = (server.folder / "small.png").read_bytes()
         self.assertEqual((int.from_bytes(png[16:20], "big"), int.from_bytes(png[20:24], "big")), (64, 48))
 
+    def test_a_window_that_the_server_would_refuse_is_refused_before_it_takes_memory(self):
+        self.fails(self.view("--snapshot", "x.png", "--size", "99999x99999", "scene.json"),
+                   "99999 x 99999: expected at most 33177600 pixels")
+
     def test_no_server_is_said(self):
         with socket.socket() as taken:  # bound and not listening: nobody answers there
             taken.bind(("127.0.0.1", 0))
@@ -87,6 +91,7 @@ class Snapshot(unittest.TestCase):
     def test_wrong_usage_has_status_2_and_help_0(self):
         self.fails(self.view(), "state", status=2)
         self.fails(self.view("--size", "3", "scene.json"), "WIDTHxHEIGHT", status=2)
+        self.fails(self.view("--snapshot", "x.jpg", "scene.json"), "ends with .png", "x.jpg", status=2)
         done = self.view("--help")
         self.assertEqual(done.returncode, 0)
         self.assertIn("--snapshot", done.stdout)

@@ -20,7 +20,14 @@ std::optional<int> parseOptions(int argc, char** argv, ViewOptions& o) {
   app.add_option("-H,--host", o.client.host, "the server's machine")->capture_default_str();
   app.add_option("-P,--port", o.client.port, "the server's port")->capture_default_str();
   app.add_option("--token-file", o.client.tokenFile, kTokenFileHelp);
-  app.add_option("--snapshot", o.snapshot, "F.png: write one picture and end; needs no display");
+  app.add_option("--snapshot", o.snapshot, "F.png: write one picture and end; needs no display")
+      ->check(CLI::Validator(
+          [](const std::string& path) {
+            return path.ends_with(".png") || path.ends_with(".PNG")
+                       ? std::string()
+                       : "expected a name that ends with .png, found " + path;
+          },
+          ""));
   app.add_option("--size", size, "WIDTHxHEIGHT of the window (default: the camera's dimensions)");
   app.add_option("--passes", o.passes,
                  "rays per pixel of a picture at rest, added one by one (default: the state's `rays per "

@@ -6,6 +6,7 @@
 
 #include "gxy/comm/error.h"
 #include "gxy/protocol/json.h"
+#include "gxy/protocol/statement.h"
 #include "gxy/scene/state_file.h"
 
 namespace gxy {
@@ -43,22 +44,34 @@ std::string statement(const std::string& verb, const json& argument) {
 }  // namespace
 
 RemoteWindow::RemoteWindow(Client::Options options, const State& state, uint32_t passes)
-    : passes_(passes),
-      names_(namesOf(state)),
-      canvas_(state.cameras.at(0).dimensions),
-      camera_(state.cameras.at(0)) {
+    : passes_(passes), names_(namesOf(state)), canvas_({1, 1}), camera_(state.cameras.at(0)) {
   options.onPixels = [this](const PixelHeader& header, auto data) { takePixels(header, data); };
   options.onEvent = [this](const json& event) { takeEvent(event); };
   options.onEnd = [this](const std::string& why) { fail("the connection has ended: " + why); };
   client_ = std::make_unique<Client>(std::move(options));
+  const glm::ivec2 size = camera_.dimensions;
+  if (const uint64_t most = client_->welcome().limits.pixels; uint64_t(size.x) * uint64_t(size.y) > most)
+    throw Error("a window of " + std::to_string(size.x) + " x " + std::to_string(size.y) +
+                ": expected at most " + std::to_string(most) + " pixels");
+  {
+    const std::lock_guard lock(mutex_);
+    canvas_.resize(size);
+  }
   client_->expect("load data");
   client_->expect("load viewer");
-  client_->expect(
-      statement("viewer.window", {{"size", {camera_.dimensions.x, camera_.dimensions.y}}, {"follow", true}}));
+  client_->expect(statement("viewer.window", {{"size", {size.x, size.y}}, {"follow", true}}));
   client_->send(statement("viewer.set", json::parse(writeState(state))), [this](const Reply& reply) {
     if (!reply.ok) fail(reply.error);
   });
-  client_->send("data.info", [this](const Reply& reply) { takeInfo(reply); });
+  // Requests are answered in turn: after `set`, and the last of these last.
+  for (const std::string& name : names_)
+    client_->send("data.info " + protocol::asWord(name), [this](const Reply& reply) { takeInfo(reply); });
+  client_->send("server.echo", [this](const Reply& reply) {
+    if (!reply.ok) return fail(reply.error);
+    const std::lock_guard lock(mutex_);
+    loaded_ = true;
+    changed_.notify_all();
+  });
 }
 
 void RemoteWindow::fail(const std::string& why) {
@@ -67,13 +80,11 @@ void RemoteWindow::fail(const std::string& why) {
   changed_.notify_all();
 }
 
+// Of one dataset. What is not there has no box; what it means for the picture, its frames say.
 void RemoteWindow::takeInfo(const Reply& reply) {
-  if (!reply.ok) return fail(reply.error);
+  if (!reply.ok) return;
   const std::lock_guard lock(mutex_);
-  loaded_ = true;  // requests are answered in turn
-  changed_.notify_all();
   for (const json& dataset : reply.value.at("datasets")) {
-    if (std::find(names_.begin(), names_.end(), dataset.at("name")) == names_.end()) continue;
     if (dataset.at("box").is_null()) continue;  // it has no data
     const auto box = dataset.at("box").get<Box>();
     if (!box_) box_ = box;
