@@ -32,11 +32,16 @@ using protocol::FrameChannel;
 
 namespace {
 
+// What cannot be understood is an error like any other: whoever waits is told.
 Reply replyOf(std::string_view text) {
-  if (const auto value = protocol::afterWord(text, "ok"))
-    return {true, {}, value->empty() ? nlohmann::json() : protocol::parseObject(*value, "reply")};
+  try {
+    if (const auto value = protocol::afterWord(text, "ok"))
+      return {true, {}, value->empty() ? nlohmann::json() : protocol::parseAnswer(*value, "reply")};
+  } catch (const Error& e) {
+    return {false, e.what(), {}};
+  }
   if (text.starts_with("error: ")) return {false, std::string(text.substr(7)), {}};
-  throw Error("reply: expected `ok` or `error: ...`");
+  return {false, "reply: expected `ok` or `error: ...`", {}};
 }
 
 }  // namespace
@@ -191,7 +196,7 @@ class Client::Impl {
       }
       onReply(replyOf(frame.text()));
     } else if (frame.channel == FrameChannel::Event) {
-      if (options_.onEvent) options_.onEvent(protocol::parseObject(frame.text(), "event"));
+      if (options_.onEvent) options_.onEvent(protocol::parseAnswer(frame.text(), "event"));
     } else if (frame.channel == FrameChannel::Pixels) {
       const protocol::PixelHeader header = protocol::pixelHeader(frame.payload);
       if (options_.onPixels) options_.onPixels(header, protocol::pixelData(frame.payload));
@@ -208,7 +213,7 @@ class Client::Impl {
       throw Error("file record of " + std::to_string(payload.size()) + " bytes: its header does not fit");
     const auto header = frame.text().substr(sizeof size, size);
     if (options_.onFile)
-      options_.onFile(frame.id, protocol::parseObject(header, "file record"),
+      options_.onFile(frame.id, protocol::parseAnswer(header, "file record"),
                       payload.subspan(sizeof size + size));
   }
 

@@ -22,7 +22,7 @@ inline constexpr const char* kTokenFileHelp =
 /// What a request was answered.
 struct Reply {
   bool ok = false;
-  std::string error;     ///< where not ok: the message
+  std::string error;     ///< where not ok: the message, or why the reply means nothing
   nlohmann::json value;  ///< where ok: the reply's object, or null
 };
 

@@ -15,6 +15,42 @@ nlohmann::json parseObject(std::string_view text, const std::string& what) {
   return nlohmann::json::parse(text);
 }
 
+namespace {
+
+// Parsing takes any depth, but not what walks the value afterwards.
+bool tooDeep(std::string_view text) {
+  size_t depth = 0;
+  bool inString = false;
+  for (size_t i = 0; i < text.size(); i++) {
+    const char c = text[i];
+    if (inString) {
+      i += c == '\\';
+      inString = c != '"';
+    } else if (c == '"') {
+      inString = true;
+    } else if (c == '[' || c == '{') {
+      if (++depth > kMaxJsonDepth) return true;
+    } else if (c == ']' || c == '}') {
+      depth -= depth > 0;
+    }
+  }
+  return false;
+}
+
+}  // namespace
+
+nlohmann::json parseAnswer(std::string_view text, const std::string& what) {
+  if (tooDeep(text))
+    throw Error(what + ": expected arrays and objects at most " + std::to_string(kMaxJsonDepth) + " deep");
+  try {
+    nlohmann::json value = nlohmann::json::parse(text);
+    if (value.is_object()) return value;
+    throw Error("expected a JSON object, found " + std::string(value.type_name()));
+  } catch (const std::exception& e) {
+    throw Error(what + ": " + e.what());
+  }
+}
+
 std::string dump(const nlohmann::json& value) {
   return value.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }

@@ -11,6 +11,9 @@ namespace gxy::protocol {
 /// Error also for a value that is no object.
 nlohmann::json parseObject(std::string_view text, const std::string& what);
 
+/// The same of what a server sends to its client, with as many values as there are.
+nlohmann::json parseAnswer(std::string_view text, const std::string& what);
+
 /// On one line; bytes that are no UTF-8 are replaced. Never throws.
 std::string dump(const nlohmann::json& value);
 

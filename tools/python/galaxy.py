@@ -20,6 +20,7 @@ Pixels travel as zlib: Python's standard library has neither zstd nor JPEG.
 import argparse
 import ipaddress
 import json
+import logging
 import os
 import socket
 import struct
@@ -28,7 +29,12 @@ import threading
 import zlib
 from concurrent.futures import Future
 
-import numpy as np
+try:
+    import numpy as np
+except ImportError as e:
+    if __name__ == "__main__":
+        sys.exit(f"galaxy.py: error: {e}; expected NumPy, as Debian's package python3-numpy has it")
+    raise
 
 VERSION = 1
 _PREAMBLE = struct.Struct("<8sII")
@@ -39,10 +45,11 @@ _CONTROL, _REQUEST, _REPLY, _EVENT, _PIXELS, _FILE = range(6)
 _TILE, _END_OF_PASS, _END_OF_FRAME = 1, 2, 3
 _ZLIB = 3
 _LONGEST = 1 << 30  # bytes of a payload from the server
+_log = logging.getLogger("galaxy")
 
 
 class GalaxyError(Exception):
-    """What the server answered after `error:`, or why the connection ended."""
+    """What the server answered after `error:`, why its answer means nothing, or why the connection ended."""
 
 
 def token_file(port, tenant=None):
@@ -177,7 +184,8 @@ class Window:
 
 
 class Client:
-    """One connection. A thread of its own reads, answers pings, and calls the callbacks, which must be short.
+    """One connection. A thread of its own reads, answers pings, and calls the callbacks, which must be short. What they
+    raise is logged (logger "galaxy") and changes nothing.
 
     token        text; default: what is in token_file; default: where a server on this machine leaves it, if it does, and an
                  error for other machines
@@ -212,7 +220,7 @@ class Client:
                 raise GalaxyError(f"{host} port {port}: expected a multiserver of protocol version {VERSION}, found " +
                                   (f"version {version}" if magic == _MAGIC else "something else"))
             hello = {"token": token, "client": name, "tenant": tenant}
-            self._send(_CONTROL, 0, "hello " + json.dumps(hello))
+            self._send(_CONTROL, 0, b"hello " + json.dumps(hello).encode())
             _, _, answer = self._read_frame()
             word, _, rest = answer.decode().partition(" ")
             if word != "welcome":
@@ -241,13 +249,22 @@ class Client:
 
     def send(self, statement):
         """Sends a statement. (its id, a Future of the reply's object or GalaxyError)"""
+        payload = statement.encode()
+        most = self.welcome.get("limits", {}).get("request bytes", 1 << 24)
+        if len(payload) > most:
+            raise GalaxyError(f"a request of {len(payload)} bytes, expected at most {most}")
         with self._lock:
             if self._ended:
                 raise GalaxyError(f"the connection has ended: {self._ended}")
             number, reply = self._next_id, Future()
             self._next_id = number % 0xFFFFFFFF + 1
             self._replies[number] = reply
-        self._send(_REQUEST, number, statement)
+        try:
+            self._send(_REQUEST, number, payload)
+        except OSError as e:
+            with self._lock:
+                self._replies.pop(number, None)
+            raise GalaxyError(f"the connection has ended: {self._ended or e}") from e
         return number, reply
 
     def request(self, statement, timeout=None):
@@ -262,8 +279,7 @@ class Client:
         self.request(f"viewer.window {number} {json.dumps(settings)}")
         return window
 
-    def _send(self, channel, number, text):
-        payload = text.encode()
+    def _send(self, channel, number, payload):
         with self._sending:
             self._socket.sendall(_HEADER.pack(len(payload), channel, 0, number) + payload)
 
@@ -290,7 +306,7 @@ class Client:
                 if channel == _CONTROL:
                     word, _, rest = payload.decode().partition(" ")
                     if word == "ping":
-                        self._send(_CONTROL, 0, "pong " + rest)
+                        self._send(_CONTROL, 0, b"pong " + rest.encode())
                     elif word == "bye":
                         raise GalaxyError(rest)
                 else:
@@ -302,22 +318,27 @@ class Client:
             replies, self._replies = self._replies, {}
             windows = list(self._windows.values())
         for reply in replies.values():
-            reply.set_exception(GalaxyError(f"the connection has ended: {reason}"))
+            if reply.set_running_or_notify_cancel():
+                reply.set_exception(GalaxyError(f"the connection has ended: {reason}"))
         for window in windows:
             window._fail(f"the connection has ended: {reason}")
 
     def _take(self, channel, number, payload):
         if channel == _REPLY:
+            value, failure = _reply_of(payload)
             with self._lock:
-                reply = self._replies.pop(number)
-            word, _, rest = payload.decode().partition(" ")
-            if word == "ok":
-                reply.set_result(json.loads(rest) if rest else {})
+                reply = self._replies.pop(number, None)
+            if reply is None:
+                raise GalaxyError(f"reply to request {number}, which is not out")
+            if not reply.set_running_or_notify_cancel():
+                return  # whoever asked does not wait any more
+            if failure:
+                reply.set_exception(failure)
             else:
-                reply.set_exception(GalaxyError(rest))
+                reply.set_result(value)
         elif channel == _EVENT:
             if self._on_event:
-                self._on_event(json.loads(payload))
+                self._call(self._on_event, json.loads(payload))
         elif channel == _PIXELS:
             with self._lock:
                 window = self._windows.get(struct.unpack_from("<I", payload, 4)[0])
@@ -325,7 +346,33 @@ class Client:
                 window._take(payload)
         elif channel == _FILE and self._on_file:
             (size,) = struct.unpack_from("<I", payload)
-            self._on_file(number, json.loads(payload[4:4 + size]), bytes(payload[4 + size:]))
+            self._call(self._on_file, number, json.loads(payload[4:4 + size]), bytes(payload[4 + size:]))
+
+    @staticmethod
+    def _call(callback, *arguments):
+        try:
+            callback(*arguments)
+        except Exception:  # the connection is not to blame
+            _log.exception("a callback failed")
+
+
+def _reply_of(payload):
+    """(the reply's object, None), or (None, a GalaxyError): also of a reply that means nothing, so that who waits is told."""
+    word, _, rest = payload.decode(errors="replace").partition(" ")
+    if word == "error:":
+        return None, GalaxyError(rest)
+    try:
+        value = json.loads(rest) if rest else {}
+    except (ValueError, RecursionError) as e:
+        return None, GalaxyError(f"reply: {e}")
+    if word != "ok" or not isinstance(value, dict):
+        return None, GalaxyError("reply: expected `ok`, perhaps with a JSON object, or `error: ...`")
+    return value, None
+
+
+def _printable(text):
+    """What a terminal could obey in it is replaced."""
+    return "".join("\ufffd" if (c < " " and c not in "\n\t") or "\x7f" <= c <= "\x9f" else c for c in text)
 
 
 def write_png(path, rgba):
@@ -356,17 +403,21 @@ def main():
     try:
         with open(arguments.state, encoding="utf-8") as file:
             state = json.load(file)
+        if not isinstance(state, dict):
+            raise GalaxyError(f"{arguments.state}: expected a JSON object, a state document")
         camera = state.get("Cameras", state.get("Camera", {}))
+        if camera == []:
+            raise GalaxyError(f"{arguments.state}: `Cameras` is empty, expected one or more")
         camera = camera[0] if isinstance(camera, list) else camera
         size = camera.get("dimensions", [512, 512]) if isinstance(camera, dict) else [512, 512]
         with Client(arguments.host, arguments.port, token_file=arguments.token_file) as client:
             window = client.window(1, size=size)
             for warning in window.set(state).get("warnings", []):
-                print(f"galaxy.py: warning: {warning}", file=sys.stderr)
+                print(f"galaxy.py: warning: {_printable(warning)}", file=sys.stderr)
             picture = window.render(timeout=None, levels=[1], passes=arguments.passes)
         write_png(arguments.o, picture.rgba)
     except (GalaxyError, OSError, ValueError) as e:
-        print(f"galaxy.py: error: {e}", file=sys.stderr)
+        print(f"galaxy.py: error: {_printable(str(e))}", file=sys.stderr)
         return 1
     return 0
 

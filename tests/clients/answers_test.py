@@ -1,0 +1,207 @@
+# SPDX-License-Identifier: Apache-2.0
+"""answers_test.py PROGRAMS: what clients make of answers that no good server gives, and of ends that come early. The server
+is a stand-in that answers as each test says."""
+import json
+import pathlib
+import socket
+import struct
+import subprocess
+import sys
+import tempfile
+import threading
+import unittest
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "tools" / "python"))
+import galaxy  # noqa: E402
+
+PROGRAMS = pathlib.Path(sys.argv[1]).resolve()
+CONTROL, REPLY, EVENT = 0, 2, 3
+STATE = {"Datasets": [{"name": "a b", "type": "Volume", "filename": "x.vol"}],
+         "Visualization": {"operators": [{"type": "Volume", "dataset": "a b", "volume rendering": True}]},
+         "Camera": {"viewpoint": [0, 0, 3], "viewcenter": [0, 0, 0], "dimensions": [16, 16]}}
+
+
+class StandIn:
+    """Serves one client. `answers`: replies by statement, bytes; others are answered by `ok`. After the reply of a statement in
+    `last` it says bye. What was asked is in `asked`."""
+
+    def __init__(self, answers=None, events=(), last=None, limits=None):
+        self._answers, self._events, self._last = answers or {}, events, last
+        self._welcome = {"server": "stand-in", "session": 1, "tenant": "t", "administrator": True, "ranks": 1,
+                         "limits": limits or {}}
+        self.asked = []
+        self._listener = socket.create_server(("127.0.0.1", 0))
+        self.port = self._listener.getsockname()[1]
+        self._thread = threading.Thread(target=self._serve, daemon=True)
+        self._thread.start()
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self._listener.close()
+
+    def _serve(self):
+        try:
+            connection, _ = self._listener.accept()
+        except OSError:
+            return  # nobody came
+        with connection, connection.makefile("rb") as stream:
+            def send(channel, number, payload):
+                connection.sendall(struct.pack("<QHHI", len(payload), channel, 0, number) + payload)
+
+            connection.sendall(b"GALAXY\r\n" + struct.pack("<II", 1, 0))
+            stream.read(16)
+            try:
+                while header := stream.read(16):
+                    size, channel, _, number = struct.unpack("<QHHI", header)
+                    text = stream.read(size).decode()
+                    if channel == CONTROL:
+                        send(CONTROL, 0, b"welcome " + json.dumps(self._welcome).encode())
+                        for event in self._events:
+                            send(EVENT, 0, event)
+                        continue
+                    self.asked.append(text)
+                    send(REPLY, number, self._answers.get(text, b"ok"))
+                    if text == self._last:
+                        send(CONTROL, 0, b"bye the server stops")
+                        return
+            except OSError:
+                pass  # the client has gone
+
+
+class Python(unittest.TestCase):
+    def client(self, server, **options):
+        client = galaxy.Client(port=server.port, token="", **options)
+        self.addCleanup(client.close)
+        return client
+
+    def test_replies_that_mean_nothing_are_errors_and_the_connection_goes_on(self):
+        answers = {"binary": b"error: last read: '\xa0'", "list": b"ok [1, 2]", "half": b"ok {", "other": b"yes",
+                   "deep": b"ok " + b"[" * 100000}
+        with StandIn(answers) as server:
+            client = self.client(server)
+            for statement, expected in (("binary", "last read: '\ufffd'"), ("list", "JSON object"), ("half", "reply: "),
+                                        ("other", "expected `ok`"), ("deep", "reply: ")):
+                with self.assertRaisesRegex(galaxy.GalaxyError, expected):
+                    client.request(statement, timeout=60)
+            self.assertEqual(client.request("echo", timeout=60), {})
+
+    def test_a_callback_that_fails_is_logged_and_ends_nothing(self):
+        with StandIn(events=[b'{"event": "added"}']) as server, self.assertLogs("galaxy") as logged:
+            client = self.client(server, on_event=lambda event: event["nosuch"])
+            client.request("echo", timeout=60)
+        self.assertIn("nosuch", logged.output[0])
+
+    def test_a_request_that_is_too_long_is_not_sent(self):
+        with StandIn(limits={"request bytes": 100}) as server:
+            client = self.client(server)
+            with self.assertRaisesRegex(galaxy.GalaxyError, "a request of 101 bytes, expected at most 100"):
+                client.request("x" * 101, timeout=60)
+            client.request("x" * 100, timeout=60)
+        self.assertEqual(server.asked, ["x" * 100])
+
+    def test_after_the_end_requests_are_errors(self):
+        with StandIn(last="quit") as server:
+            client = self.client(server)
+            client.request("quit", timeout=60)
+            for _ in range(3):
+                with self.assertRaisesRegex(galaxy.GalaxyError, "the connection has ended"):
+                    client.request("list", timeout=60)
+
+    def test_a_request_that_nobody_waits_for_any_more_ends_nothing(self):
+        with StandIn({"first": b'ok {"text": "late"}'}) as server:
+            client = self.client(server)
+            client.send("first")[1].cancel()
+            self.assertEqual(client.request("second", timeout=60), {})
+
+
+class Programs(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory(prefix="galaxy-answers-")
+        self.addCleanup(folder.cleanup)
+        self.folder = pathlib.Path(folder.name)
+
+    def run_it(self, program, server, *arguments):
+        return subprocess.run([*program, "-P", str(server.port), "--token-file", "-", *arguments], cwd=self.folder,
+                              capture_output=True, timeout=120)
+
+    def say(self, server, *arguments):
+        return self.run_it([PROGRAMS / "msdata"], server, *arguments)
+
+    def test_a_reply_that_is_no_object_is_an_error_and_the_next_statement_runs(self):
+        with StandIn({"arr": b"ok [1, 2]", "half": b"ok {", "deep": b'ok {"a": ' + b"[" * 100000}) as server:
+            done = self.say(server, "-c", "arr; half; deep; echo b")
+        self.assertEqual(server.asked, ["load data", "arr", "half", "deep", "echo b"])
+        self.assertEqual(done.returncode, 1)
+        self.assertIn(b"error: reply: expected a JSON object, found array", done.stderr)
+
+    def test_a_long_listing_is_one_however_long(self):
+        listing = b'ok {"datasets": [' + b",".join([b'{"name": "x"}'] * 600000) + b'], "text": "many"}'
+        with StandIn({"list": listing}) as server:
+            done = self.say(server, "-c", "list")
+        self.assertEqual((done.returncode, done.stdout, done.stderr), (0, b"  many\n", b""))
+
+    def test_statements_that_were_not_sent_are_told(self):
+        for arguments in (["-c", "import a; import b; import c"], ["-c", "import a; import b", "-c", "import c"]):
+            with StandIn(last="import b") as server:
+                done = self.say(server, *arguments)
+            self.assertEqual(server.asked, ["load data", "import a", "import b"])
+            self.assertIn(done.returncode, (1, 2), "it was sent into a connection that had ended, or not sent at all")
+            self.assertIn(b"the connection has ended: ", done.stderr)
+
+    def test_the_last_one_may_end_the_connection(self):
+        with StandIn(last="quit") as server:
+            done = self.say(server, "-c", "quit;")
+        self.assertEqual((done.returncode, done.stderr), (0, b""))
+
+    def test_nothing_that_a_server_says_moves_the_terminal(self):
+        evil = "\x1b]0;title\x07 \u009b2J \x7f fine \u00e9"
+        answers = {"one": b"ok " + json.dumps({"text": evil}).encode(), "two": b"error: " + evil.encode() + b"\xff",
+                   "three": b"ok " + json.dumps({"value": evil}).encode()}
+        event = json.dumps({"event": "added", "name": evil, "generation": 1}).encode()
+        for options in ([], ["--json"]):
+            with StandIn(answers, events=[event]) as server:
+                done = self.say(server, *options, "-c", "one; two; three")
+            said = (done.stdout + done.stderr).decode()
+            self.assertEqual([c for c in said if (c < " " and c != "\n") or "\x7f" <= c <= "\x9f"], [], said)
+            self.assertIn("fine \u00e9", said)
+        replies = [json.loads(line) for line in done.stdout.decode().splitlines()]
+        self.assertEqual([r["reply"]["text"] for r in replies if r.get("statement") == "one"], [evil])
+
+    def test_the_viewer_asks_for_its_own_data_only_and_survives_that_they_go(self):
+        (self.folder / "scene.json").write_text(json.dumps(STATE))
+        with StandIn(RenderFails({'data.info "a b"': b"error: there is none"})) as server:
+            done = self.run_it([PROGRAMS / "gxyviewer"], server, "--snapshot", "x.png", "scene.json")
+        self.assertIn('data.info "a b"', server.asked)
+        self.assertNotIn("data.info", server.asked)
+        self.assertEqual(done.returncode, 1)
+        self.assertIn(b"nothing to render", done.stderr)
+
+    def test_galaxy_py_says_what_is_wrong_with_a_state_file(self):
+        for text, words in (("[]", b"expected a JSON object"), ('{"Cameras": []}', b"`Cameras` is empty"), ("{", b"error: ")):
+            (self.folder / "state.json").write_text(text)
+            with StandIn() as server:
+                done = self.run_it([sys.executable, galaxy.__file__], server, "state.json")
+            self.assertEqual(done.returncode, 1)
+            self.assertTrue(done.stderr.startswith(b"galaxy.py: error: "), done.stderr)
+            self.assertIn(words, done.stderr)
+
+    def test_galaxy_py_says_that_numpy_is_missing(self):
+        (self.folder / "numpy.py").write_text("raise ImportError('No module named numpy')")
+        done = subprocess.run([sys.executable, galaxy.__file__, "state.json"], cwd=self.folder, capture_output=True,
+                              env={"PYTHONPATH": str(self.folder)}, timeout=60)
+        self.assertEqual(done.returncode, 1)
+        self.assertIn(b"expected NumPy", done.stderr)
+        self.assertNotIn(b"Traceback", done.stderr)
+
+
+class RenderFails(dict):
+    """Answers, with an error for every frame."""
+
+    def get(self, statement, default=None):
+        return b"error: nothing to render" if statement.startswith("viewer.render") else super().get(statement, default)
+
+
+if __name__ == "__main__":
+    unittest.main(argv=sys.argv[:1], verbosity=2)
