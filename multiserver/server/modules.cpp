@@ -70,32 +70,46 @@ void Modules::addWorks() {
   node_.work.add("modules.abandon", named(&Modules::abandon), Work::Runs::Waiting);
 }
 
-std::string Modules::fileOf(const std::string& name) const {
-  const bool plain = !name.empty() && name.size() <= 64 && std::all_of(name.begin(), name.end(), [](char c) {
+namespace {
+
+bool isModuleName(const std::string& name) {
+  return !name.empty() && name.size() <= 64 && std::all_of(name.begin(), name.end(), [](char c) {
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_';
   });
-  if (!plain)
-    throw Error("module " + inQuotes(name.substr(0, 40)) + ": expected a name of letters, digits and _");
+}
+
+// The module's file in a folder; empty where there is none that lies in it.
+std::string fileIn(const std::string& folder, const std::string& name) {
   namespace fs = std::filesystem;
   std::error_code failed;
-  const fs::path folder = fs::canonical(node_.options.moduleFolder, failed);
-  const fs::path file = fs::canonical(folder / ("galaxy_" + name + ".so"), failed);
-  if (failed || file.parent_path() != folder) {
-    std::string names;
-    for (const std::string& other : available()) names += (names.empty() ? "" : ", ") + other;
-    throw Error(
-        "module " + inQuotes(name) + ": there is none, " +
-        (names.empty() ? "nor any other in the server's module folder" : "expected one of: " + names));
-  }
-  return file.string();
+  const fs::path inside = fs::canonical(folder, failed);
+  const fs::path file = fs::canonical(inside / ("galaxy_" + name + ".so"), failed);
+  return failed || file.parent_path() != inside ? std::string() : file.string();
+}
+
+}  // namespace
+
+std::string Modules::fileOf(const std::string& name) const {
+  if (!isModuleName(name))
+    throw Error("module " + inQuotes(name.substr(0, 40)) + ": expected a name of letters, digits and _");
+  for (const std::string& folder : node_.options.moduleFolders)
+    if (std::string file = fileIn(folder, name); !file.empty()) return file;
+  std::string names;
+  for (const std::string& other : available()) names += (names.empty() ? "" : ", ") + other;
+  throw Error("module " + inQuotes(name) + ": there is none, " +
+              (names.empty() ? "nor any other in the server's module folders" : "expected one of: " + names));
 }
 
 std::vector<std::string> Modules::available() const {
   std::set<std::string> names;
-  std::error_code failed;
-  for (const auto& file : std::filesystem::directory_iterator(node_.options.moduleFolder, failed)) {
-    const std::string stem = file.path().stem().string();
-    if (file.path().extension() == ".so" && stem.starts_with("galaxy_")) names.insert(stem.substr(7));
+  for (const std::string& folder : node_.options.moduleFolders) {
+    std::error_code failed;
+    for (const auto& file : std::filesystem::directory_iterator(folder, failed)) {
+      const std::string stem = file.path().stem().string();
+      if (file.path().extension() != ".so" || !stem.starts_with("galaxy_")) continue;
+      const std::string name = stem.substr(7);
+      if (isModuleName(name) && !fileIn(folder, name).empty()) names.insert(name);
+    }
   }
   return {names.begin(), names.end()};
 }

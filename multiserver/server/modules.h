@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Modules: shared libraries in the server's module folder, loaded on all ranks by bare name.
+// Modules: shared libraries in the server's module folders, loaded on all ranks by bare name.
 #pragma once
 #include <map>
 #include <memory>
@@ -35,7 +35,7 @@ class Modules {
   /// nothing has changed on any. One load at a time; waits.
   std::shared_ptr<const LoadedModule> load(const std::string& name);
 
-  /// Names of what there is in the folder, in alphabetical order.
+  /// Names of what load() may find in the folders, in alphabetical order.
   std::vector<std::string> available() const;
 
  private:

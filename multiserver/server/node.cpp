@@ -17,10 +17,10 @@ namespace {
 
 // Before anything is made of them that other ranks could write to.
 NodeOptions checked(NodeOptions options) {
-  const std::string& folder = options.moduleFolder;
   std::error_code failed;
-  if (!folder.empty() && !std::filesystem::is_directory(folder, failed))
-    throw Error(folder + ": it is no folder, expected that of the server's modules");
+  for (const std::string& folder : options.moduleFolders)
+    if (!std::filesystem::is_directory(folder, failed))
+      throw Error(folder + ": it is no folder, expected one of the server's modules");
   return options;
 }
 

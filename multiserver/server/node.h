@@ -27,8 +27,8 @@ class Datasets;
 class Modules;
 
 struct NodeOptions {
-  std::vector<std::string> dataFolders;  ///< none: the current one
-  std::string moduleFolder;              ///< empty: there are no modules
+  std::vector<std::string> dataFolders;    ///< none: the current one
+  std::vector<std::string> moduleFolders;  ///< looked into in this order; none: there are no modules
   std::string backend = "auto";
   int64_t memory = int64_t(8) << 30;        ///< bytes of all tenants, on each rank
   int64_t tenantMemory = int64_t(8) << 30;  ///< of one

@@ -8,7 +8,6 @@ export XDG_RUNTIME_DIR=$folder/run OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_RO
 mkdir -m 700 "$XDG_RUNTIME_DIR"
 cd "$folder"
 trap 'kill "$server" 2>/dev/null || true; rm -rf "$folder"' EXIT
-cp "$prefix"/lib*/galaxy/galaxy_data.so "$prefix"/lib*/*/galaxy/galaxy_data.so . 2>/dev/null || true
 cp "$modules/galaxy_example.so" .
 "$prefix/bin/gxydata" radial -r 16 --array x ramp.vol >/dev/null
 "$prefix/bin/gxyserver" --port 0 --port-file port --modules . --log-level warn >server.log 2>&1 &

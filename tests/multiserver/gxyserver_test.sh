@@ -214,6 +214,12 @@ check AFolderThatIsNotThereIsAnErrorToo bash -c "! '$galaxy' serve --port 0 --da
 check SoIsOneOfModules bash -c "! '$galaxy' serve --port 0 --modules /nonexistent >fifth.log 2>&1 && grep -q '/nonexistent: it is no folder' fifth.log"
 check SoIsADeviceThatIsNotThere bash -c "! '$galaxy' serve --port 0 --device nosuch >fourth.log 2>&1 && grep -q 'device \"nosuch\"' fourth.log"
 port=$other
+check AndTheTokenOfTheOneThatRunsStays test -s "$XDG_RUNTIME_DIR/galaxy/$port.token"
+echo 'quit;' | msdata
+ended 10
+mkdir modules
+start 1 --modules modules
+check ModulesOfOnesOwnComeBesideGalaxys test "$(echo 'list;' | msdata)" = "  datasets:"
 echo 'quit;' | msdata
 ended 10
 

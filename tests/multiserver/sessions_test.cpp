@@ -151,9 +151,26 @@ TEST(Sessions, ALibraryThatIsNoModuleIsRefusedEverywhere) {
   TestServer server(std::move(s));
   const auto client = server.client();
   EXPECT_NE(client->request("load text").error.find("cannot be loaded"), std::string::npos);
-  EXPECT_FALSE(client->request("load outside").ok) << "a link out of the folder";
+  EXPECT_EQ(client->request("load outside").error,
+            "module \"outside\": there is none, expected one of: data, text")
+      << "a link out of the folder";
+  EXPECT_EQ(client->expect("modules").at("available"), (json{"data", "text"}));
   client->expect("load data");
   client->expect("list");
+}
+
+TEST(Sessions, FoldersOfModulesAreLookedIntoInTheirOrder) {
+  const TemporaryFolder folder;
+  std::filesystem::copy_file(GALAXY_FOREIGN_MODULE, folder / "galaxy_viewer.so");
+  ServerSetup s = setup();
+  s.modules = folder.path().string();
+  s.node.moduleFolders = {GALAXY_MODULES};
+  TestServer server(std::move(s));
+  const auto client = server.client();
+  EXPECT_NE(client->request("load viewer").error.find("it was built for interface"), std::string::npos)
+      << "that of the first folder: " << client->request("load viewer").error;
+  client->expect("load data");
+  EXPECT_EQ(client->expect("modules").at("available"), (json{"data", "example", "viewer"}));
 }
 
 TEST(Sessions, AModuleWithAWorkThatThereIsAlreadyChangesNothing) {
@@ -212,7 +229,7 @@ TEST(Sessions, AServerWhoseModuleFolderIsNoneDoesNotStart) {
       TestServer server(std::move(s));
       ADD_FAILURE() << "it has started with modules in " << folder;
     } catch (const Error& e) {
-      EXPECT_EQ(e.what(), folder + ": it is no folder, expected that of the server's modules");
+      EXPECT_EQ(e.what(), folder + ": it is no folder, expected one of the server's modules");
     }
   }
 }
@@ -223,7 +240,7 @@ TEST(Sessions, AFolderWithoutModulesIsToldAsOne) {
   s.modules = folder.path().string();
   TestServer server(std::move(s));
   EXPECT_EQ(server.client()->request("load data").error,
-            "module \"data\": there is none, nor any other in the server's module folder");
+            "module \"data\": there is none, nor any other in the server's module folders");
 }
 
 TEST(Sessions, VerbsAreResolvedAsTheProtocolSays) {

@@ -24,7 +24,8 @@ TestServer::TestServer(ServerSetup setup) {
   BackendRegistry backends;
   if (!setup.backend) setup.backend = [](Ledger*) { return makeEmbreeBackend(); };
   backends.add("tested", setup.backend);
-  setup.node.moduleFolder = setup.modules;
+  auto& folders = setup.node.moduleFolders;
+  if (!setup.modules.empty()) folders.insert(folders.begin(), setup.modules);
   setup.node.dataFolders = {folder_.path().string()};
   for (int r = 0; r < setup.ranks; r++)
     nodes_.push_back(std::make_unique<Node>(world_->rank(r), setup.node, backends));

@@ -18,7 +18,7 @@ namespace gxy::test {
 
 struct ServerSetup {
   int ranks = 2;
-  std::string modules;
+  std::string modules;  ///< a folder to look into first; empty: none
   NodeOptions node{};
   ServerOptions server{};
   std::map<std::string, std::string> tokens{};  ///< tenant by token; none: --no-token

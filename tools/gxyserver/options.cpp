@@ -2,6 +2,7 @@
 #include "options.h"
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <filesystem>
 #include <iostream>
 
@@ -11,15 +12,32 @@ namespace gxy {
 
 namespace {
 
-// Beside the program, built or installed.
-std::string defaultModules() {
+// Beside the program, built or installed; empty where there is none.
+std::string ownModules() {
   std::error_code failed;
   const auto program = std::filesystem::read_symlink("/proc/self/exe", failed);
   for (const char* folder : {"../lib/galaxy", "../lib/x86_64-linux-gnu/galaxy", "../lib64/galaxy"}) {
     const auto modules = std::filesystem::weakly_canonical(program.parent_path() / folder, failed);
     if (std::filesystem::is_directory(modules, failed)) return modules.string();
   }
-  return "modules";
+  return {};
+}
+
+// Bytes, once AsSizeValue has made a number of them.
+std::string wrongBytes(const std::string& text) {
+  int64_t bytes = 0;
+  return CLI::detail::lexical_cast(text, bytes) && bytes > 0
+             ? std::string()
+             : "expected bytes from 1 up, as 500M, found " + text;
+}
+
+// "" where a tenant may have this name.
+std::string wrongTenant(const std::string& name) {
+  if (name.empty() || name.find('/') != std::string::npos || name[0] == '.')
+    return "expected a name without / that does not begin with a dot, found '" + name + "'";
+  if (name == "server" || name == "device")
+    return "expected another name than " + name + ", under which memory of no tenant is counted";
+  return {};
 }
 
 }  // namespace
@@ -28,15 +46,17 @@ std::optional<int> parseOptions(int argc, char** argv, bool speaks, ServeOptions
   CLI::App app("A server that many clients share: data, rendering and analysis on all ranks of an MPI job.",
                "gxyserver");
   int64_t idle = 0;
-  o.node.moduleFolder = defaultModules();
   app.add_option("--port", o.server.port, "TCP port; 0: any that is free")->capture_default_str();
   app.add_option("--port-file", o.portFile, "a file to write the port to, once it listens");
   app.add_option("--bind", o.server.bind, "the address to listen on")->capture_default_str();
   app.add_option("--token-file", o.tokenFile, "where to leave the token (default: the user's run directory)");
   app.add_flag("--no-token", o.noToken, "let everybody in who can connect: for tests only");
   app.add_option("--tenant", o.tenants, "a further tenant, with a token file of its own; may be repeated")
+      ->allow_extra_args(false)
+      ->check(CLI::Validator(wrongTenant, ""));
+  app.add_option("--modules", o.node.moduleFolders,
+                 "folder in which modules are looked for before Galaxy's own; may be repeated")
       ->allow_extra_args(false);
-  app.add_option("--modules", o.node.moduleFolder, "folder of the modules")->capture_default_str();
   app.add_option(
          "--data", o.node.dataFolders,
          "folder in which clients may read and write files; may be repeated (default: the current one)")
@@ -46,11 +66,11 @@ std::optional<int> parseOptions(int argc, char** argv, bool speaks, ServeOptions
   app.add_option("--memory", o.node.memory, "bytes for data, on each rank, as 500M")
       ->default_str(std::to_string(o.node.memory >> 30) + "G")
       ->transform(CLI::AsSizeValue(false))
-      ->check(CLI::PositiveNumber);
+      ->check(CLI::Validator(wrongBytes, ""));
   app.add_option("--tenant-memory", o.node.tenantMemory,
                  "bytes of one tenant, on each rank (default: as --memory)")
       ->transform(CLI::AsSizeValue(false))
-      ->check(CLI::PositiveNumber);
+      ->check(CLI::Validator(wrongBytes, ""));
   app.add_option("--tenant-frames", o.node.tenantFrames, "renderings that a tenant may have in flight")
       ->capture_default_str()
       ->check(CLI::Range(1, 100000));
@@ -76,12 +96,16 @@ std::optional<int> parseOptions(int argc, char** argv, bool speaks, ServeOptions
       ->check(CLI::IsMember({"debug", "info", "warn", "error", "off"}));
   try {
     app.parse(argc, argv);
+    for (const std::string& name : o.tenants)
+      if (std::count(o.tenants.begin(), o.tenants.end(), name) > 1)
+        throw CLI::ValidationError("--tenant", "expected each tenant once, found '" + name + "' again");
   } catch (const CLI::ParseError& e) {
     std::ostream nowhere(nullptr);
     const int code = app.exit(e, speaks ? std::cout : nowhere, speaks ? std::cerr : nowhere);
     return code == 0 ? 0 : 2;
   }
   o.server.idleExit = std::chrono::minutes(idle);
+  if (std::string own = ownModules(); !own.empty()) o.node.moduleFolders.push_back(std::move(own));
   if (app.count("--tenant-memory") == 0) o.node.tenantMemory = o.node.memory;
   return std::nullopt;
 }
