@@ -2,6 +2,7 @@
 #include "gxy/protocol/run_files.h"
 
 #include <fcntl.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -48,14 +49,43 @@ std::string readToken(const std::string& path) {
   return token;
 }
 
-void writeToken(const std::string& path, const std::string& token) {
-  unlink(path.c_str());  // of a server that was killed
-  const int file = open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0600);
+namespace {
+
+// Locked by who wrote it, and so for as long as that runs. File systems without locks lock nothing.
+bool inUse(int file) { return flock(file, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK; }
+
+[[noreturn]] void failInUse(const std::string& path) {
+  throw Error(path + ": a server that runs has its token there, expected another port or --token-file");
+}
+
+}  // namespace
+
+TokenFile::TokenFile(std::string path, const std::string& token) : path_(std::move(path)) {
+  if (const int old = open(path_.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK); old >= 0) {
+    const bool taken = inUse(old);
+    close(old);
+    if (taken) failInUse(path_);
+  }
+  unlink(path_.c_str());  // of a server that was killed
+  file_ = open(path_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0600);
+  if (file_ >= 0 && inUse(file_)) {
+    close(file_);
+    failInUse(path_);
+  }
   const std::string line = token + "\n";
-  const bool written = file >= 0 && write(file, line.data(), line.size()) == ssize_t(line.size());
+  if (file_ >= 0 && write(file_, line.data(), line.size()) == ssize_t(line.size())) return;
   const int reason = errno;
-  if (file >= 0) close(file);
-  if (!written) throw Error(path + ": cannot write the token: " + std::strerror(reason));
+  if (file_ >= 0) close(file_);
+  throw Error(path_ + ": cannot write the token: " + std::strerror(reason));
+}
+
+TokenFile::~TokenFile() {
+  if (file_ < 0) return;
+  struct stat mine = {}, there = {};  // another's by now, where nothing could be locked
+  if (fstat(file_, &mine) == 0 && lstat(path_.c_str(), &there) == 0 && mine.st_ino == there.st_ino &&
+      mine.st_dev == there.st_dev)
+    unlink(path_.c_str());
+  close(file_);
 }
 
 }  // namespace gxy::protocol

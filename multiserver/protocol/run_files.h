@@ -3,6 +3,7 @@
 #pragma once
 #include <cstdint>
 #include <string>
+#include <utility>
 
 namespace gxy::protocol {
 
@@ -18,7 +19,21 @@ std::string tokenFile(uint16_t port, const std::string& tenant = {});
 /// The token in a file. Throws Error, with what to do, where there is none.
 std::string readToken(const std::string& path);
 
-/// Writes a token, mode 0600 from the start.
-void writeToken(const std::string& path, const std::string& token);
+/// A file with a token, mode 0600 from the start, while it lives. Another process that would write one there is refused.
+class TokenFile {
+ public:
+  /// Throws Error where it cannot be written, or a server that runs has its own there.
+  TokenFile(std::string path, const std::string& token);
+  ~TokenFile();
+  TokenFile(TokenFile&& other) noexcept
+      : path_(std::move(other.path_)), file_(std::exchange(other.file_, -1)) {}
+  TokenFile& operator=(TokenFile&&) = delete;
+
+  const std::string& path() const { return path_; }
+
+ private:
+  std::string path_;
+  int file_ = -1;  ///< locked
+};
 
 }  // namespace gxy::protocol

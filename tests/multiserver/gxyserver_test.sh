@@ -153,6 +153,7 @@ kill -TERM "$(ranks_of)"
 ended 10
 
 start 2 --trace trace.json
+check ATraceIsBegunAtTheStart test -s trace.json
 echo 'list;' | msdata >/dev/null
 kill -TERM "$server"
 check TermToGalaxyServeStopsIt ended 30
@@ -213,6 +214,8 @@ check AndSaysSo grep -q "cannot listen on 127.0.0.1 port $other" second.log
 check AFolderThatIsNotThereIsAnErrorToo bash -c "! '$galaxy' serve --port 0 --data nowhere >third.log 2>&1 && grep -q nowhere third.log"
 check SoIsOneOfModules bash -c "! '$galaxy' serve --port 0 --modules /nonexistent >fifth.log 2>&1 && grep -q '/nonexistent: it is no folder' fifth.log"
 check SoIsADeviceThatIsNotThere bash -c "! '$galaxy' serve --port 0 --device nosuch >fourth.log 2>&1 && grep -q 'device \"nosuch\"' fourth.log"
+check SoIsAnotherAddressOnItsPort bash -c "! '$galaxy' serve --bind 127.0.0.2 --port '$other' >sixth.log 2>&1 && grep -q '$other.token: a server that runs has its token there' sixth.log"
+check SoIsATraceThatCannotBeWritten bash -c "! '$galaxy' serve --port 0 --trace nowhere/t >seventh.log 2>&1 && grep -q 'nowhere/t: ' seventh.log"
 port=$other
 check AndTheTokenOfTheOneThatRunsStays test -s "$XDG_RUNTIME_DIR/galaxy/$port.token"
 echo 'quit;' | msdata
@@ -227,6 +230,18 @@ for program in msdata msclient; do
   "$bin/$program" --nosuch 2>error.txt
   check "WrongUsageOf${program}IsStatus2" test $? = 2
 done
+wrong() {  # wrong NAME WORDS OPTIONS...: gxyserver refuses its options with status 2 and a message with these words
+  local name=$1 words=$2
+  shift 2
+  "$bin/gxyserver" "$@" >/dev/null 2>error.txt
+  check "$name" test $? = 2
+  check AndSaysWhatIsExpected grep -q -- "$words" error.txt
+}
+wrong NoMemoryIsWrongUsage '--memory: expected bytes from 1 up, as 500M, found 0$' --memory 0
+wrong SoIsLess 'expected bytes from 1 up\|found -5' --memory -5
+wrong SoIsATenantTwice "--tenant: expected each tenant once, found 'bob' again" --tenant bob --tenant ann --tenant bob
+wrong SoIsOneOfTheLedgersNames 'expected another name than server' --tenant server
+wrong SoIsAPath 'expected a name without /' --tenant a/b
 "$bin/msdata" -H 192.0.2.1 -c list 2>error.txt
 check NoTokenGoesElsewhereByItself test $? = 2
 check AndThatIsSaid grep -q 'another machine.*--token-file' error.txt

@@ -110,7 +110,7 @@ TEST(Sessions, OnlyServersOfThisMachineAreSentTheTokenThatIsHere) {
   EXPECT_NE(refusal("127.0.0.1").find("the token is wrong"), std::string::npos);
   EXPECT_NE(refusal("127.0.0.1").find("none was sent: " + file), std::string::npos);
   protocol::makeRunDirectory();
-  protocol::writeToken(file, "good");
+  const protocol::TokenFile written(file, "good");
   for (const char* host : {"127.0.0.1", "localhost"}) EXPECT_EQ(refusal(host), "let in") << host;
   for (const char* host : {"127.0.0.3", "::1"})  // nobody listens there
     EXPECT_NE(refusal(host).find("is a server running there?"), std::string::npos) << refusal(host);

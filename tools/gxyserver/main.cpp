@@ -89,9 +89,6 @@ class TokenFiles {
       tenants.admitAll();
       return;
     }
-    for (const std::string& name : options.tenants)
-      if (name.empty() || name.find('/') != std::string::npos || name[0] == '.')
-        throw Error("--tenant " + name + ": expected a name without / that does not begin with a dot");
     tokens_.push_back(newToken());
     tenants.add(tokens_.back(), {userName(), true});
     for (const std::string& name : options.tenants) {
@@ -99,7 +96,6 @@ class TokenFiles {
       tenants.add(tokens_.back(), {name, false});
     }
   }
-  ~TokenFiles() { remove(); }
   void write(uint16_t port) {
     if (tokens_.empty()) return;
     if (options_.tokenFile.empty() || !options_.tenants.empty()) protocol::makeRunDirectory();
@@ -107,19 +103,16 @@ class TokenFiles {
       const std::string file = i > 0 ? protocol::tokenFile(port, options_.tenants[i - 1])
                                : options_.tokenFile.empty() ? protocol::tokenFile(port)
                                                             : options_.tokenFile;
-      protocol::writeToken(file, tokens_[i]);
-      files_.push_back(file);
+      files_.emplace_back(file, tokens_[i]);
     }
   }
-  void remove() {
-    for (const std::string& file : files_) unlink(file.c_str());
-    files_.clear();
-  }
-  const std::vector<std::string>& files() const { return files_; }
+  void remove() { files_.clear(); }
+  const std::vector<protocol::TokenFile>& files() const { return files_; }
 
  private:
   const ServeOptions& options_;
-  std::vector<std::string> tokens_, files_;
+  std::vector<std::string> tokens_;
+  std::vector<protocol::TokenFile> files_;
 };
 
 void announce(const ServeOptions& options, uint16_t port, int ranks, const TokenFiles& tokens) {
@@ -137,17 +130,21 @@ void announce(const ServeOptions& options, uint16_t port, int ranks, const Token
   if (tokens.files().empty())
     here += where.is_loopback() ? "" : " --token-file -";
   else if (!where.is_loopback() || !options.tokenFile.empty())
-    here += " --token-file " + tokens.files().front();
+    here += " --token-file " + tokens.files().front().path();
   if (!tokens.files().empty()) there += " --token-file COPY";
   std::cout << "gxyserver: listening on " << options.server.bind << " port " << p << ", " << ranks << " rank"
             << (ranks > 1 ? "s" : "") << "\n"
             << "gxyserver: on this machine:  " << here << "\n"
             << "gxyserver: from elsewhere:   ssh -N -L " << p << ":" << target << ":" << p << " "
             << hostName() << "   then, there: " << there << "\n";
-  for (const std::string& file : tokens.files()) std::cout << "gxyserver: token in " << file << "\n";
+  for (const auto& file : tokens.files()) std::cout << "gxyserver: token in " << file.path() << "\n";
   if (options.noToken)
     std::cout << "gxyserver: no token is asked for: everybody who can connect may do all\n";
   std::cout << std::flush;
+}
+
+void writeDocument(const std::string& file, const std::string& text) {
+  replaceFile(file, std::as_bytes(std::span(text)));
 }
 
 // What all ranks have; a failure is told and changes nothing.
@@ -156,8 +153,7 @@ void writeTrace(Node& node, const std::string& file) {
     std::vector<std::string> events;
     for (nlohmann::json& rank : node.callAll("server.trace", nlohmann::json::object()))
       events.push_back(rank.get<std::string>());
-    const std::string document = Trace::document(events);
-    replaceFile(file, std::as_bytes(std::span(document)));
+    writeDocument(file, Trace::document(events));
   } catch (const Error& e) {
     std::cerr << "gxyserver: error: " << e.what() << '\n';
   }
@@ -212,14 +208,12 @@ int serve(const ServeOptions& options) {
   std::unique_ptr<TokenFiles> tokens;
   if (good && root) {
     try {
+      if (trace) writeDocument(options.traceFile, Trace::document({}));  // tells now if it cannot be written
       tokens = std::make_unique<TokenFiles>(node->tenants, options);
       server = std::make_unique<Server>(*node, options.server, [&] { stopped.open(); });
       tokens->write(server->port());
       announce(options, server->port(), transport.size(), *tokens);
-      if (!options.portFile.empty()) {
-        const std::string line = std::to_string(server->port()) + "\n";
-        replaceFile(options.portFile, std::as_bytes(std::span(line)));
-      }
+      if (!options.portFile.empty()) writeDocument(options.portFile, std::to_string(server->port()) + "\n");
     } catch (const std::exception& e) {
       failure = e.what();
     }
