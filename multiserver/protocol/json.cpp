@@ -2,6 +2,7 @@
 #include "gxy/protocol/json.h"
 
 #include <algorithm>
+#include <cstdio>
 
 #include "gxy/comm/error.h"
 #include "gxy/scene/json_text.h"
@@ -111,10 +112,28 @@ std::string printable(std::string_view text) {
     const Character c = firstOf(text);
     const bool blank = c.point == '\n' || c.point == '\t';
     if (c.bytes == 0 || (isControl(c.point) && !blank))
-      shown += '?';
+      shown += "\uFFFD";
     else
       shown += text.substr(0, c.bytes);
     text.remove_prefix(std::max(c.bytes, size_t(1)));
+  }
+  return shown;
+}
+
+std::string printableJson(std::string_view json) {
+  std::string shown;
+  shown.reserve(json.size());
+  while (!json.empty()) {
+    const Character c = firstOf(json);
+    const size_t bytes = std::max(c.bytes, size_t(1));
+    if (c.point >= 0x7F && isControl(c.point)) {
+      char escape[8];
+      std::snprintf(escape, sizeof escape, "\\u%04x", unsigned(c.point));
+      shown += escape;
+    } else {
+      shown += json.substr(0, bytes);
+    }
+    json.remove_prefix(bytes);
   }
   return shown;
 }

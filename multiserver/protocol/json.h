@@ -22,7 +22,11 @@ bool isUtf8(std::string_view text);
 /// Whether text has control characters: C0, DEL or C1.
 bool hasControls(std::string_view text);
 
-/// Text for people: what is no UTF-8, and control characters but line ends and tabs, are `?`.
+/// Text for people: what is no UTF-8, and control characters but line ends and tabs, which a terminal could obey, is U+FFFD.
 std::string printable(std::string_view text);
+
+/// JSON on one line, with the control characters that RFC 8259 allows in strings (DEL, U+0080 to U+009F) as escapes: the
+/// same value.
+std::string printableJson(std::string_view json);
 
 }  // namespace gxy::protocol

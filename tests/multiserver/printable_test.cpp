@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/protocol/printable.h"
+#include "gxy/protocol/json.h"
 
 #include <gtest/gtest.h>
 
@@ -15,6 +15,7 @@ TEST(Printable, TextKeepsWhatIsSeenAndNothingThatATerminalObeys) {
   EXPECT_EQ(printable("\u0080\u009b31m\u009f"), "\uFFFD\uFFFD31m\uFFFD");
   EXPECT_EQ(printable(std::string_view("\0", 1)), "\uFFFD");
   EXPECT_EQ(printable("\xA0 \xFF\xC3"), "\uFFFD \uFFFD\uFFFD") << "what is no UTF-8, byte by byte";
+  EXPECT_EQ(printable("\xED\xA0\x80 \xE2\x82"), "\uFFFD\uFFFD\uFFFD \uFFFD\uFFFD");
   EXPECT_EQ(printable(""), "");
 }
 

@@ -4,7 +4,7 @@
 #include <iostream>
 
 #include "gxy/comm/error.h"
-#include "gxy/protocol/printable.h"
+#include "gxy/protocol/json.h"
 #include "gxy/scene/state_file.h"
 #include "options.h"
 #include "png.h"

@@ -9,7 +9,7 @@
 #include <sstream>
 
 #include "gxy/comm/error.h"
-#include "gxy/protocol/printable.h"
+#include "gxy/protocol/json.h"
 #include "options.h"
 #include "output.h"
 #include "report.h"

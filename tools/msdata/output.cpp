@@ -5,7 +5,7 @@
 
 #include <iostream>
 
-#include "gxy/protocol/printable.h"
+#include "gxy/protocol/json.h"
 
 namespace gxy {
 

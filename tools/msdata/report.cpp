@@ -6,7 +6,6 @@
 #include "gxy/comm/error.h"
 #include "gxy/io/replace_file.h"
 #include "gxy/protocol/json.h"
-#include "gxy/protocol/printable.h"
 
 namespace gxy {
 
