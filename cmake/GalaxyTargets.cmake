@@ -36,10 +36,9 @@ if(GALAXY_SANITIZE)
 endif()
 if(GALAXY_FUZZ)
   if(NOT CMAKE_CXX_COMPILER_ID MATCHES Clang)
-    message(FATAL_ERROR "GALAXY_FUZZ needs clang (libFuzzer): cmake --preset fuzz")
+    message(FATAL_ERROR "GALAXY_FUZZ needs clang (libFuzzer): cmake --preset asan")
   endif()
-  add_compile_options(-fsanitize=fuzzer-no-link,address,undefined -fno-omit-frame-pointer -fno-sanitize-recover=all)
-  add_link_options(-fsanitize=address,undefined)
+  add_compile_options(-fsanitize=fuzzer-no-link)
 endif()
 if(GALAXY_COVERAGE)
   add_compile_options(--coverage -fprofile-update=atomic)  # counters that threads lose go negative, which gcovr refuses
@@ -105,7 +104,7 @@ endfunction()
 
 # galaxy_fuzzer(NAME SOURCES... DEPENDS targets... [CORPUS folder])
 # declares one libFuzzer program, and with it test fuzz_NAME: a run of ten seconds that starts from the files of
-# CORPUS. Nothing is declared unless GALAXY_FUZZ is on (preset fuzz).
+# CORPUS. Nothing is declared unless GALAXY_FUZZ is on (preset asan).
 function(galaxy_fuzzer NAME)
   if(NOT GALAXY_FUZZ)
     return()

@@ -257,9 +257,9 @@ inline RaySpec randomRay(Random& random, const Field& f) {
   const glm::dvec3 half = -f.grid.origin;
   auto inside = [&] { return half * random.point(-1, 1); };
   auto lattice = [&] {
-    return f.grid.origin + f.grid.spacing * glm::dvec3(random.below(int(f.grid.points[0])),
-                                                       random.below(int(f.grid.points[1])),
-                                                       random.below(int(f.grid.points[2])));
+    glm::dvec3 p;
+    for (int a = 0; a < 3; a++) p[a] = random.below(int(f.grid.points[size_t(a)]));
+    return f.grid.origin + f.grid.spacing * p;
   };
   RaySpec r;
   const int kind = random.below(10);
@@ -267,7 +267,8 @@ inline RaySpec randomRay(Random& random, const Field& f) {
   if (kind == 2 || kind == 3) {
     r.d = glm::dvec3(0);
     r.d[random.below(3)] = random.below(2) ? 1 : -1;
-    r.o = (kind == 2 ? lattice() : target) - r.d * (random.below(3) ? 1.5 : 0.1);
+    const glm::dvec3 through = kind == 2 ? lattice() : target;
+    r.o = through - r.d * (random.below(3) ? 1.5 : 0.1);
   } else if (kind == 4) {
     r.o = lattice();
     r.d = random.direction();

@@ -29,8 +29,8 @@ TEST(Gradient, OfALinearFieldIsExactUpToItsBorder) {
     const View<double> view(f, {});
     Random random(72);
     for (int i = 0; i < 2000; i++) {
-      const glm::dvec3 p = random.below(2) ? glm::dvec3(random.below(9), random.below(10), random.below(11))
-                                           : glm::dvec3(random.in(0, 8), random.in(0, 9), random.in(0, 10));
+      const glm::dvec3 p = random.below(2) ? glm::dvec3{random.below(9), random.below(10), random.below(11)}
+                                           : glm::dvec3{random.in(0, 8), random.in(0, 9), random.in(0, 10)};
       const glm::dvec3 g = gradientAt(*view, p);
       for (int k = 0; k < 3; k++)
         EXPECT_NEAR(g[k], slope[k], 3e-7 / f.grid.spacing[k]) << p.x << " " << p.y << " " << p.z;

@@ -17,7 +17,7 @@ double marchError(const Field& f, const CompiledMap& map, double rate, Integrato
   const View<double> view(f, shown);
   Random random(61);
   std::vector<double> errors;
-  constexpr int kRays = 301;
+  constexpr int kRays = 1001;
   for (int i = 0; i < kRays; i++) {
     const auto ray = rayIn(view, randomRay(random, f));
     errors.push_back(
