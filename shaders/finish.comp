@@ -33,7 +33,10 @@ void main() {
     if (GOES_ON && !(1.0 - A < s.tMin)) next = END_ACTIVE;
   } else if (!(1.0 - A < s.tMin || GIVEN(tOut) >= GIVEN(tEnd))) {
     float t = GIVEN(tOut);
-    if (LEAVES) next = nextPartition(s, rayOrigin(), rayDirection(), t, GIVEN(tEnd));
+    if (LEAVES) {
+      next = nextPartition(s, rayOrigin(), rayDirection(), t, GIVEN(tEnd));
+      endStage();
+    }
   }
   if (next == END_DONE) {
     settle(s, A);

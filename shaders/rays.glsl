@@ -125,6 +125,11 @@ bool wasCut() {
   return rounds < push[PUSH_ROUNDS];
 }
 
+// Called where a stage that has no parts has done its work, which is lost if it was cut.
+void endStage() {
+  if (LIMITED && wasCut()) atomicAdd(counts[COUNT_STUCK], 1u);
+}
+
 // Called last, in all invocations alike: whether the part was done. `over`: nothing is to be done behind it. `middle` is between
 // its ends, or one of them where it cannot be halved.
 bool endPart(Part p, float middle, float next, bool over) {

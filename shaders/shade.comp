@@ -87,4 +87,5 @@ void main() {
       addSecondary(s, share, q < f.lights ? RAY_SHADOW : RAY_OCCLUSION, from, surface.start, start);
   }
   deposit(GIVEN(pixel), sum);
+  endStage();
 }

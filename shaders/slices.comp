@@ -22,4 +22,5 @@ void main() {
       if (t < NO_HIT) takeHit(nearest, t, HIT_SLICE, op, uint(k));
     }
   }
+  endStage();
 }

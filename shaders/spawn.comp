@@ -42,6 +42,7 @@ void main() {
   double tEnter;
   if (!cameraRay(f, x, y, sampleIndex, o, d, tEnter)) return;
   int next = firstPartition(s, o, d, domainExit(s, o, d));
+  endStage();
   if (next < 0) return;
   if (next == push[PUSH_PARTITION]) {
     uint i = atomicAdd(counts[COUNT_SPAWNED], 1u);

@@ -181,7 +181,7 @@ class EmbreeScene::Packet {
     uint64_t leaving = 0;
     for (const LeavingRays& l : result_.leaving)
       if (l.primary == primary_) leaving += uint64_t(l.rays.size());
-    result_.retired = uint64_t(start) - leaving;
+    result_.retired = result_.counters.raysRetired = uint64_t(start) - leaving;
     for (RayList& made : secondaries_) distribute(std::move(made), false, result_.leaving);
     return std::move(result_);
   }

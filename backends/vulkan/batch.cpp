@@ -25,9 +25,7 @@ std::optional<Kernel> kernelOf(Stage stage) {
       return Kernel::Integrate;
     case Stage::IntegrateMany:
       return Kernel::IntegrateMany;
-    case Stage::Shade:
-      return Kernel::Shade;
-    default:
+    default:  // Shade is counted where there is something to shade
       return {};
   }
 }
@@ -98,7 +96,7 @@ bool Batch::advance(LastWork& last) {
   if (lane_->count(COUNT_STUCK) > 0)
     throw Error("device \"" + scene_.deviceName() + "\" gave up on " +
                 std::to_string(lane_->count(COUNT_STUCK)) +
-                " rays, which take it more than 65535 steps between two neighbouring numbers");
+                " rays, of which it takes more than 65535 steps to do what cannot be done in parts");
   if (const uint32_t cut = lane_->count(COUNT_CUT)) {
     submit(~cut, true);
     return true;
@@ -125,6 +123,7 @@ void Batch::take() {
   TraceResult& all = results_[0];
   TraceCounters& c = all.counters;
   c.raysShaded += lane.count(COUNT_SHADED);
+  c.runs(Kernel::Shade) += lane.count(COUNT_SHADED) > 0;
   c.samples += lane.count(COUNT_SAMPLES);
   c.macrocells += lane.count(COUNT_MACROCELLS);
   c.macrocellsSkipped += lane.count(COUNT_SKIPPED);
@@ -170,6 +169,10 @@ void Batch::distribute() {
 }
 
 void Batch::answer() {
+  TraceCounters& c = results_[0].counters;
+  c.raysRetired = (kind_ == Request::Kind::Spawn ? c.raysSpawned : rays()) + c.secondariesSpawned;
+  for (const TraceResult& result : results_)
+    for (const LeavingRays& l : result.leaving) c.raysRetired -= uint64_t(l.rays.size());
   for (size_t i = 0; i < requests_.size(); i++) {
     TraceResult& result = results_[i];
     uint64_t left = 0;
@@ -184,8 +187,8 @@ void Batch::answer() {
   }
 }
 
-void Batch::fail(const std::string& error) {
-  for (Request& r : requests_) {
+void endUndone(std::vector<Request>& requests, const std::string& error) {
+  for (Request& r : requests) {
     TraceResult result;
     result.error = error;
     result.retired = uint64_t(r.rays.size());

@@ -10,6 +10,8 @@
 
 namespace gxy::vulkan {
 
+inline size_t pixelsOf(const Tile& t) { return size_t(t.x1 - t.x0) * size_t(t.y1 - t.y0); }
+
 /// What a scene is asked for: a packet to trace or a tile to spawn.
 struct Request {
   enum class Kind { Spawn, Primaries, Secondaries };
@@ -20,9 +22,9 @@ struct Request {
   RayList rays;
   Tile tile{};
   DeviceScene::Done done;
-  bool urgent = false;  ///< as its frame was when this was asked for
+  bool urgent = false;  ///< as its frame was when its turn came
 
-  size_t size() const { return kind == Kind::Spawn ? size_t(kTile) * kTile : size_t(rays.size()); }
+  size_t size() const { return kind == Kind::Spawn ? pixelsOf(tile) : size_t(rays.size()); }
   /// Secondaries that each of its rays may make at a time, on the device.
   size_t perHit() const {
     return kind == Kind::Secondaries || part->partition < 0 ? 0 : scene->secondariesPerHit(*frame);
@@ -32,6 +34,9 @@ struct Request {
     return scene == o.scene && part == o.part && frame == o.frame && kind == o.kind;
   }
 };
+
+/// Tells those who asked that all their rays have ended; `error`: why, if something went wrong.
+void endUndone(std::vector<Request>& requests, const std::string& error);
 
 /// What the device did last: of which frame, and until when by its clock.
 struct LastWork {
@@ -55,7 +60,7 @@ class Batch {
   /// Tells those who asked what has become of their rays.
   void answer();
   /// Tells them what went wrong instead.
-  void fail(const std::string& error);
+  void fail(const std::string& error) { endUndone(requests_, error); }
 
  private:
   size_t rays() const;

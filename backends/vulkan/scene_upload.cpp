@@ -8,6 +8,7 @@
 #include <limits>
 #include <span>
 
+#include "gxy/data/bricks.h"
 #include "gxy/rays/fill_views.h"
 #include "gxy/vulkan/hierarchy.h"
 #include "gxy/vulkan/shader_views.h"
@@ -255,11 +256,12 @@ class Uploading {
 }  // namespace
 
 void checkNumbering(const Index3& points, int components) {
-  const int64_t n = points[0] * points[1] * points[2];
+  const auto n = int64_t(Bricks(points).count());
   if (n > int64_t(1) << 31 || n * components > int64_t(1) << 32)
     throw Error("a volume has " + std::to_string(n) + " points of " + std::to_string(components) +
-                " components in one partition, expected up to 2^31 points and 2^32 numbers; cut it into more "
-                "partitions");
+                " components in the bricks of one partition, expected up to 2^31 points and 2^32 numbers; "
+                "cut it into "
+                "more partitions");
 }
 
 PartOnDevice uploadPart(const Device& device, const Pipelines& pipelines, SharedData& shared,

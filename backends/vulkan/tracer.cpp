@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <condition_variable>
 #include <deque>
+#include <iterator>
 #include <mutex>
 #include <thread>
 
@@ -27,6 +28,7 @@ struct Tracer::State {
 
   // Hands out what waits, while there are lanes for it.
   void feed() {
+    endCancelled();
     std::unique_lock lock(mutex);
     while (!waiting.empty() && (!idle.empty() || lanes < kBatchesAtOnce)) {
       auto batch = std::make_unique<Batch>(nextLot());
@@ -54,22 +56,48 @@ struct Tracer::State {
     }
   }
 
-  // The first that waits, with those like it up to a batch. (Locked.)
+  // Answers what waits for frames that nobody wants any more.
+  void endCancelled() {
+    std::vector<Request> ended;
+    {
+      std::lock_guard lock(mutex);
+      const auto first = std::stable_partition(waiting.begin(), waiting.end(),
+                                               [](const Request& r) { return !r.frame->cancelled(); });
+      std::move(first, waiting.end(), std::back_inserter(ended));
+      waiting.erase(first, waiting.end());
+    }
+    endUndone(ended, {});
+  }
+
+  // The first of the urgent frame whose turn was longest ago, else the first of all. (Locked.)
+  std::deque<Request>::iterator nextInTurn() {
+    auto next = waiting.end();
+    for (auto r = waiting.begin(); r != waiting.end(); ++r)
+      if (r->frame->urgent() && (next == waiting.end() || r->frame->lastTurn < next->frame->lastTurn))
+        next = r;
+    return next == waiting.end() ? waiting.begin() : next;
+  }
+
+  // What is next, with what is like it up to a batch. (Locked.)
   std::vector<Request> nextLot() {
     std::vector<Request> lot;
-    size_t rays = 0, each = 1, most = batchRays;
-    const auto fits = [&](size_t n) { return n <= most && n * each <= allRays; };
-    for (auto r = waiting.begin(); r != waiting.end();) {
-      if (lot.empty() || (r->isLike(lot[0]) && fits(rays + r->size()))) {
-        if (lot.empty()) {
-          each = 1 + r->perHit();
-          if (!r->urgent && sinceUrgent < kWatchedFor) {
-            most = std::min(batchRays, size_t(r->scene->batchSize().rays()));
-            sinceUrgent++;
-          }
-        }
-        rays += r->size();
-        urgent -= r->urgent;
+    auto r = nextInTurn();
+    r->urgent = r->frame->urgent();
+    r->frame->lastTurn = ++turns;
+    const size_t each = 1 + r->perHit();
+    size_t rays = r->size(), most = batchRays;
+    if (r->urgent) {
+      sinceUrgent = 0;
+    } else if (sinceUrgent < kWatchedFor) {
+      most = std::min(batchRays, size_t(r->scene->batchSize().rays()));
+      sinceUrgent++;
+    }
+    lot.push_back(std::move(*r));
+    waiting.erase(r);
+    for (r = waiting.begin(); r != waiting.end();) {
+      const size_t n = rays + r->size();
+      if (r->isLike(lot[0]) && n <= most && n * each <= allRays) {
+        rays = n;
         lot.push_back(std::move(*r));
         r = waiting.erase(r);
       } else {
@@ -102,8 +130,8 @@ struct Tracer::State {
   const size_t batchRays, allRays;
   std::mutex mutex;  ///< guards what is below
   std::condition_variable changed;
-  std::deque<Request> waiting;       ///< urgent ones first
-  size_t urgent = 0;                 ///< how many
+  std::deque<Request> waiting;       ///< as they came
+  uint64_t turns = 0;                ///< lots that were handed out
   size_t sinceUrgent = kWatchedFor;  ///< batches of other frames, up to that many
   std::deque<std::unique_ptr<Batch>> underWay;
   std::vector<std::unique_ptr<Lane>> idle;
@@ -131,15 +159,10 @@ Tracer::~Tracer() {
 }
 
 void Tracer::add(Request request) {
-  request.urgent = request.frame->urgent();
   {
     std::lock_guard lock(state_->mutex);
-    if (request.urgent) {
-      state_->waiting.insert(state_->waiting.begin() + std::ptrdiff_t(state_->urgent++), std::move(request));
-      state_->sinceUrgent = 0;
-    } else {
-      state_->waiting.push_back(std::move(request));
-    }
+    if (request.frame->urgent()) state_->sinceUrgent = 0;
+    state_->waiting.push_back(std::move(request));
   }
   state_->feed();
 }

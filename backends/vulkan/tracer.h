@@ -25,7 +25,8 @@ class Tracer {
   Tracer(const Tracer&) = delete;
   Tracer& operator=(const Tracer&) = delete;
 
-  /// Before what waits and is not urgent, if its frame is.
+  /// Done before what waits and is not urgent, if its frame is when its turn comes; urgent frames take turns. Answered without
+  /// being done if its frame is cancelled before.
   void add(Request request);
 
  private:

@@ -210,7 +210,7 @@ size_t pick(const std::vector<VulkanDeviceInfo>& infos, const VulkanOptions& opt
   const std::string& wanted = options.device;
   size_t index = 0;
   const auto [rest, error] = std::from_chars(wanted.data(), wanted.data() + wanted.size(), index);
-  const bool isNumber = error == std::errc() && rest == wanted.data() + wanted.size() && index < infos.size();
+  const bool isNumber = error == std::errc() && rest == wanted.data() + wanted.size();
   const auto isMeant = [&](size_t i) {
     return isNumber ? i == index : lower(infos[i].name).find(lower(wanted)) != std::string::npos;
   };

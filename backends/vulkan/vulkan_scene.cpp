@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cstring>
+#include <iterator>
+#include <mutex>
 
 #include "gxy/comm/error.h"
 #include "gxy/rays/fill_views.h"
@@ -19,6 +21,44 @@ bool isSoftware(const Device& device) { return device.info().kind == VulkanDevic
 // Rays of a batch: many, so that a device's cores are busy, and so few that the lists of three batches, with their
 // secondaries, are small against its memory.
 size_t batchRaysOf(const Device& device) { return isSoftware(device) ? size_t(1) << 15 : size_t(1) << 17; }
+
+// The answers to the parts of what was asked for, as one. Thread safe.
+class Joined {
+ public:
+  Joined(size_t parts, uint64_t rays, DeviceScene::Done done)
+      : left_(parts), rays_(rays), done_(std::move(done)) {}
+
+  void take(TraceResult part) {
+    {
+      std::lock_guard lock(mutex_);
+      if (!part.error.empty()) all_.error = part.error;
+      append(all_.leaving, part.leaving);
+      append(all_.contributions, part.contributions);
+      append(all_.depths, part.depths);
+      all_.retired += part.retired;
+      all_.secondaries += part.secondaries;
+      all_.counters += part.counters;
+      if (--left_ > 0) return;
+    }
+    if (all_.error.empty()) return done_(std::move(all_));
+    TraceResult failed;
+    failed.error = all_.error;
+    failed.retired = rays_;
+    done_(std::move(failed));
+  }
+
+ private:
+  template <class T>
+  static void append(std::vector<T>& to, std::vector<T>& from) {
+    to.insert(to.end(), std::make_move_iterator(from.begin()), std::make_move_iterator(from.end()));
+  }
+
+  std::mutex mutex_;
+  size_t left_;
+  const uint64_t rays_;
+  TraceResult all_;
+  const DeviceScene::Done done_;
+};
 
 }  // namespace
 
@@ -90,7 +130,22 @@ std::shared_ptr<const DeviceFrame> VulkanScene::makeFrame(const CompiledFrame& f
 void VulkanScene::spawn(const DeviceFrame& deviceFrame, const Tile& tile, Done done) const {
   const auto& frame = static_cast<const VulkanFrame&>(deviceFrame);
   const PartOnDevice& part = parts_.size() == 1 ? parts_.begin()->second : anywhere_;
-  context_->tracer.add({this, &part, &frame, Request::Kind::Spawn, {}, tile, std::move(done)});
+  std::vector<Request> parts;
+  std::vector<Tile> tiles{tile};
+  while (!tiles.empty()) {
+    const Tile t = tiles.back();
+    tiles.pop_back();
+    Request request{this, &part, &frame, Request::Kind::Spawn, {}, t, {}};
+    if (pixelsOf(t) <= mostAtOnce(request)) {
+      parts.push_back(std::move(request));
+      continue;
+    }
+    const bool inRows = t.y1 - t.y0 > 1;
+    const int x = (t.x0 + t.x1) / 2, y = (t.y0 + t.y1) / 2;
+    tiles.push_back(inRows ? Tile{t.x0, t.y0, t.x1, y, t.sample} : Tile{t.x0, t.y0, x, t.y1, t.sample});
+    tiles.push_back(inRows ? Tile{t.x0, y, t.x1, t.y1, t.sample} : Tile{x, t.y0, t.x1, t.y1, t.sample});
+  }
+  ask(std::move(parts), 0, std::move(done));
 }
 
 void VulkanScene::trace(const DeviceFrame& deviceFrame, int partition, bool primary, RayList rays,
@@ -101,7 +156,30 @@ void VulkanScene::trace(const DeviceFrame& deviceFrame, int partition, bool prim
     throw Error("rays came for partition " + std::to_string(partition) +
                 ", which has nothing to see on this rank");
   const auto kind = primary ? Request::Kind::Primaries : Request::Kind::Secondaries;
-  context_->tracer.add({this, &part->second, &frame, kind, std::move(rays), {}, std::move(done)});
+  const auto size = uint64_t(rays.size());
+  std::vector<Request> parts;
+  Request whole{this, &part->second, &frame, kind, std::move(rays), {}, {}};
+  if (const size_t most = mostAtOnce(whole); size > most)
+    for (RayList& some : whole.rays.split(int(most)))
+      parts.push_back({this, &part->second, &frame, kind, std::move(some), {}, {}});
+  else
+    parts.push_back(std::move(whole));
+  ask(std::move(parts), size, std::move(done));
+}
+
+// With all secondaries that they may make; at least one, of which the device will say that it is too much.
+size_t VulkanScene::mostAtOnce(const Request& request) const {
+  return std::max<size_t>(1, mostRays(context_->device) / (1 + request.perHit()));
+}
+
+void VulkanScene::ask(std::vector<Request> parts, uint64_t rays, Done done) const {
+  if (parts.size() == 1) {
+    parts[0].done = std::move(done);
+  } else {
+    const auto joined = std::make_shared<Joined>(parts.size(), rays, std::move(done));
+    for (Request& part : parts) part.done = [joined](TraceResult result) { joined->take(std::move(result)); };
+  }
+  for (Request& part : parts) context_->tracer.add(std::move(part));
 }
 
 size_t VulkanScene::secondariesPerHit(const VulkanFrame& frame) const {

@@ -31,6 +31,7 @@ struct VulkanFrame final : DeviceFrame {
   int lights = 0;
   bool depth = false;
   double worldPerRender = 1;
+  mutable uint64_t lastTurn = 0;  ///< the Tracer's, under its lock
 };
 
 class VulkanScene final : public DeviceScene {
@@ -56,6 +57,9 @@ class VulkanScene final : public DeviceScene {
   const std::string& deviceName() const { return context_->device.info().name; }
 
  private:
+  size_t mostAtOnce(const Request& request) const;
+  void ask(std::vector<Request> parts, uint64_t rays, Done done) const;
+
   std::shared_ptr<Context> context_;
   std::shared_ptr<const CompiledScene> scene_;
   int rank_;

@@ -4,14 +4,28 @@
 // The lattice cell of one axis, of `cells`, at t. A ray that crosses a face exactly at t is behind it; one that runs in a
 // face is in the upper cell.
 FN int latticeCell(SCENE s, UNIFORM int axis, UNIFORM int cells, real t, real o, real d) {
-  int i = 0;
-  if (parallelTo(d)) {
-    while (i < cells - 1 && o >= latticeFace(s, axis, i + 1)) i += 1;
-  } else if (d > R(0.0)) {
-    while (i < cells - 1 && faceCrossing(o, d, latticeFace(s, axis, i + 1)) <= t) i += 1;
-  } else {
-    i = cells - 1;
-    while (i > 0 && faceCrossing(o, d, latticeFace(s, axis, i)) <= t) i -= 1;
+  bool runsAlong = parallelTo(d);
+  bool up = runsAlong || d > R(0.0);
+  int low = 0, high = cells - 1;
+  while (low < high) {  // crossings are in the order of faces (box.h)
+    int middle = (low + high + 1) / 2;
+    real face = latticeFace(s, axis, middle);
+    bool crossed = runsAlong ? o >= face : faceCrossing(o, d, face) <= t;
+    if (crossed == up)
+      low = middle;
+    else
+      high = middle - 1;
+  }
+  return low;
+}
+
+// The same from the cell at an earlier t on.
+FN int latticeCellAfter(SCENE s, UNIFORM int axis, UNIFORM int cells, int cell, real t, real o, real d) {
+  int i = cell;
+  if (!parallelTo(d)) {
+    bool up = d > R(0.0);
+    while ((up ? i < cells - 1 : i > 0) && faceCrossing(o, d, latticeFace(s, axis, up ? i + 1 : i)) <= t)
+      i += up ? 1 : -1;
   }
   return i;
 }
@@ -20,11 +34,11 @@ FN int latticeCell(SCENE s, UNIFORM int axis, UNIFORM int cells, real t, real o,
 // before tEnd.
 FN int nextPartition(SCENE s, vec3 o, vec3 d, INOUT(real) t, real tEnd) {
   int next = END_DONE;
+  int x = latticeCell(s, 0, s.cellsX, t, o.x, d.x);
+  int y = latticeCell(s, 1, s.cellsY, t, o.y, d.y);
+  int z = latticeCell(s, 2, s.cellsZ, t, o.z, d.z);
   bool go = t < tEnd;
   while (go) {
-    int x = latticeCell(s, 0, s.cellsX, t, o.x, d.x);
-    int y = latticeCell(s, 1, s.cellsY, t, o.y, d.y);
-    int z = latticeCell(s, 2, s.cellsZ, t, o.z, d.z);
     int p = partitionOf(s, (z * s.cellsY + y) * s.cellsX + x);
     if (isVisible(s, p)) {
       next = p;
@@ -34,6 +48,9 @@ FN int nextPartition(SCENE s, vec3 o, vec3 d, INOUT(real) t, real tEnd) {
       real fy = faceAfter(o.y, d.y, latticeFace(s, 1, d.y > R(0.0) ? y + 1 : y));
       real fz = faceAfter(o.z, d.z, latticeFace(s, 2, d.z > R(0.0) ? z + 1 : z));
       t = min(min(fx, fy), fz);
+      x = latticeCellAfter(s, 0, s.cellsX, x, t, o.x, d.x);
+      y = latticeCellAfter(s, 1, s.cellsY, y, t, o.y, d.y);
+      z = latticeCellAfter(s, 2, s.cellsZ, z, t, o.z, d.z);
       go = t < tEnd;
     }
   }

@@ -13,6 +13,7 @@ TraceCounters& TraceCounters::operator+=(const TraceCounters& o) {
   raysSpawned += o.raysSpawned;
   raysTraced += o.raysTraced;
   raysShaded += o.raysShaded;
+  raysRetired += o.raysRetired;
   secondariesSpawned += o.secondariesSpawned;
   secondariesSkipped += o.secondariesSkipped;
   raysEndedEarly += o.raysEndedEarly;

@@ -28,6 +28,7 @@ struct TraceCounters {
   uint64_t raysSpawned = 0;  ///< primaries
   uint64_t raysTraced = 0;   ///< ray visits to a partition
   uint64_t raysShaded = 0;   ///< surface hits of primaries
+  uint64_t raysRetired = 0;  ///< primaries and secondaries that have ended
   uint64_t secondariesSpawned = 0;
   /// Rays of lights and ambient occlusion that hits did not make: they would have nothing to take away (a
   /// light behind the surface, say), or nothing that may block them is on their way.
@@ -73,16 +74,19 @@ struct Tile {
 };
 inline constexpr int kTile = 32;
 
-/// A frame as a device holds it. Immutable but for its urgency.
+/// A frame as a device holds it. Immutable but for whether it is urgent and whether it is wanted any more. Thread safe.
 class DeviceFrame {
  public:
   virtual ~DeviceFrame() = default;
-  /// A device with a queue takes what it is asked for from now on first.
+  /// A device with a queue takes it first, the urgent ones in turn.
   void setUrgent(bool urgent) const { urgent_ = urgent; }
   bool urgent() const { return urgent_; }
+  /// A device with a queue answers what waits in it for this frame without doing it: all rays are `retired`.
+  void cancel() const { cancelled_ = true; }
+  bool cancelled() const { return cancelled_; }
 
  private:
-  mutable std::atomic<bool> urgent_ = false;
+  mutable std::atomic<bool> urgent_ = false, cancelled_ = false;
 };
 
 /// A compiled scene on a device, for the partitions of one rank; shared by all frames that show it. Calls may come from

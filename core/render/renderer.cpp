@@ -220,7 +220,7 @@ void Renderer::cancelEverywhere(FrameId id) {
 
 // On a rank whose device could not do its part. What it tells rank 0 is work of the frame, which does not end before.
 void Renderer::fail(const FramePtr& frame, const std::string& error) {
-  frame->cancelled = true;
+  frame->cancel();
   if (frame->failed.exchange(true)) return;
   completion_.created(frame->id, 1);
   Writer w;
@@ -402,7 +402,7 @@ void Renderer::cancel(FrameId id) {
     if (isOver(id)) return;
     const FramePtr frame = find(id);
     if (!frame) return parked_[id].push_back({Channel::Frame, {}, nullptr, {}});
-    frame->cancelled = true;
+    frame->cancel();
   }
   pump();
 }

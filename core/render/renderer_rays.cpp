@@ -181,7 +181,6 @@ void Renderer::take(const FramePtr& frame, int origin, TraceResult& result, std:
   {
     std::lock_guard lock(mutex_);
     counters_.trace += result.counters;
-    counters_.raysRetired += result.retired;
     counters_.messagesSkipped += !frame->framebuffer && result.contributions.empty() && result.depths.empty();
   }
   for (LeavingRays& l : result.leaving) {
@@ -206,7 +205,7 @@ void Renderer::traced(const FramePtr& frame, int origin, bool primary, TraceResu
 // Ends rays that are not traced.
 void Renderer::retire(const FramePtr& frame, int origin, bool primary, uint64_t rays) {
   TraceResult ended;
-  ended.retired = rays;
+  ended.retired = ended.counters.raysRetired = rays;
   std::vector<Held> nothing;
   traced(frame, origin, primary, ended, nothing);
 }

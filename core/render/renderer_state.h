@@ -41,11 +41,16 @@ struct Renderer::Frame {
   uint64_t turn = 0;                  ///< when a tile of it was spawned last
   PacketSize packet;
   const uint64_t mostUrgentWork;
-  std::atomic<uint64_t> work = 0;  ///< nanoseconds of this rank's processors, or of its device
-  std::atomic<bool> cancelled = false;
-  std::atomic<bool> failed = false;  ///< rank 0 has been told, by this rank
+  std::atomic<uint64_t> work = 0;       ///< nanoseconds of this rank's processors, or of its device
+  std::atomic<bool> cancelled = false;  ///< by cancel()
+  std::atomic<bool> failed = false;     ///< rank 0 has been told, by this rank
   const Trace::Clock::time_point begin = Trace::Clock::now();
 
+  /// What waits of it is not done any more.
+  void cancel() {
+    cancelled = true;
+    if (device) device->cancel();
+  }
   const Account& account() const { return own ? *own : *shared; }
   /// A frame that takes long is no longer before all others.
   Share share() const { return {request.share.tenant, request.share.interactive && work <= mostUrgentWork}; }

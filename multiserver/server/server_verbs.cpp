@@ -105,7 +105,7 @@ json statisticsOfRank(const Node& node) {
           {"rays",
            {{"traced", c.trace.raysTraced},
             {"forwarded", c.raysForwarded},
-            {"retired", c.raysRetired},
+            {"retired", c.trace.raysRetired},
             {"in flight", kept.credits},
             {"by tenant", byTenant}}},
           {"frames", kept.frames},

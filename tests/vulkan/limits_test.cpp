@@ -226,14 +226,43 @@ TEST(Batches, LargerThanOthersLeaveNoLaneOfTheirSize) {
   EXPECT_EQ(ledger.total(), 0);
 }
 
-TEST(Batches, OfATileThatIsTooLargeAreAnError) {
-  try {
-    agreement::draw(testedVulkan(), occluded(32, 4000));
-    FAIL();
-  } catch (const Error& e) {
-    EXPECT_NE(std::string(e.what()).find("1024 with up to 4000 secondary rays each"), std::string::npos)
-        << e.what();
+// A needle of cells of which the last alone shows something: the software device ends loops of 65535 rounds.
+TEST(Partitions, ByHundredsBeforeTheFirstThatIsSeen) {
+  test::TestScene s = test::emptyScene("needle");
+  s.domain = {{0, 0, 0}, {100, 1, 1}};
+  const Grid grid{{0, 0, 0}, {0.25, 1, 1}, {401, 2, 2}};
+  s.data.emplace_back(
+      std::make_shared<const test::WholeVolume>(test::sampled(grid, [](glm::dvec3 p) { return p.x; })));
+  Vis& vis = s.visualization.operators.emplace_back();
+  vis.type = VisType::Volume;
+  vis.dataset = "field";
+  vis.colormap = {{{0, {1, 0, 0}}, {100, {0, 0, 1}}}};
+  vis.isovalues = {99.9};
+  s.visualization.lighting.aoCount = 2;
+  s.camera.viewpoint = {-4, 0.4, 0.45};
+  s.camera.viewdirection = {1, 0, 0};
+  s.camera.viewup = {0, 1, 0};
+  s.camera.aov = 0;
+  s.camera.height = 1;
+  s.camera.dimensions = {16, 16};
+  const Picture expected = test::wholeOnEmbree(s);
+  EXPECT_GT(seen(expected), 100);
+  for (const int cells : {2, 400}) {
+    const test::Cut cut = test::lattice(s.domain, {cells, 1, 1}, 1);
+    EXPECT_EQ(
+        difference(expected, test::render(s, cut.ranks,
+                                          test::compiledOn(
+                                              cut, s, [](int) -> const Backend& { return testedVulkan(); }))),
+        "")
+        << cells;
   }
+}
+
+// 1024 rays with as many secondaries each are more than a list holds.
+TEST(Batches, OfATileThatIsTooLargeAreSeveral) {
+  const agreement::TestScene scene = occluded(32, 1100);
+  EXPECT_EQ(difference(agreement::draw(*makeEmbreeBackend(), scene), agreement::draw(testedVulkan(), scene)),
+            "");
 }
 
 // Embree ends the program where a ray starts as far away as these secondaries.
@@ -254,6 +283,9 @@ TEST(Volumes, AreNumberedInThirtyTwoBits) {
   EXPECT_THROW(vulkan::checkNumbering({1 << 11, 1 << 10, (1 << 10) + 1}, 1), Error);
   EXPECT_NO_THROW(vulkan::checkNumbering({1 << 10, 1 << 10, 1 << 10}, 4));
   EXPECT_THROW(vulkan::checkNumbering({1 << 10, 1 << 10, 1 << 10}, 5), Error);
+  // bricks are filled up
+  EXPECT_THROW(vulkan::checkNumbering({1025, 1025, 1017}, 4), Error);
+  EXPECT_THROW(vulkan::checkNumbering({2, 2, int64_t(1) << 27}, 1), Error);
 }
 
 }  // namespace

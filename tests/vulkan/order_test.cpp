@@ -77,6 +77,37 @@ TEST(UrgentFrames, WaitForThreeBatchesAtMost) {
   EXPECT_LE(whenAnswered - whenAsked, 4u) << "three that the device has, and one that is being answered";
 }
 
+// Those of the frame whose turn was longer ago first, and none of one that has been cancelled.
+TEST(UrgentFrames, TakeTurnsAndEndWhenTheyAreCancelled) {
+  constexpr int kTiles = 200;
+  const agreement::TestScene scene = oneTile();
+  const auto compiled = scene.compile();
+  const auto device = testedVulkan().makeScene(compiled, 0);
+  const CompiledFrame frame = compileFrame(*compiled, scene.camera, 0, false);
+  const auto first = device->makeFrame(frame), second = device->makeFrame(frame);
+  first->setUrgent(true);
+  second->setUrgent(true);
+  uint64_t batches = 0, whenAsked = 0, whenAnswered = 0, whenCancelled = 0;  // of the first
+  Answers answers;
+  for (int i = 0; i < kTiles; i++) {
+    if (i == kTiles / 2) {
+      const auto done = answers.next([&](uint64_t) { whenAnswered = batches; });
+      answers.hold([&] {
+        whenAsked = batches;
+        device->spawn(*second, kWhole, done);
+      });
+    }
+    device->spawn(*first, kWhole, answers.next([&](uint64_t submissions) { batches += submissions; }));
+  }
+  answers.hold([&] {
+    first->cancel();
+    whenCancelled = batches;
+  });
+  answers.wait();
+  EXPECT_LE(whenAnswered - whenAsked, 4u) << "three that the device has, and one that is being answered";
+  EXPECT_LE(batches - whenCancelled, 4u);
+}
+
 // While somebody waits for another frame, so much goes to the device at once as takes it 5 ms, or one request.
 TEST(OtherFrames, GoInSmallBatchesWhereTheDeviceTakesLong) {
   constexpr uint64_t kTiles = 7;  // sizes at most double from one batch to the next: 16 to 1024 rays

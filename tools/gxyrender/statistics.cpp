@@ -53,7 +53,7 @@ nlohmann::json statisticsOf(const Renderer::Counters& c, const Transport::Counte
             {"traced", k.raysTraced},
             {"shaded", k.raysShaded},
             {"forwarded", c.raysForwarded},
-            {"retired", c.raysRetired},
+            {"retired", k.raysRetired},
             {"most in flight", c.mostRaysInFlight}}},
           {"volumes", {{"samples", k.samples}, {"macrocells", k.macrocells}, {"isosurface cells", k.cells}}},
           {"skipped", skipped(c, before)},
