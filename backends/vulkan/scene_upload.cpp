@@ -260,8 +260,7 @@ void checkNumbering(const Index3& points, int components) {
   if (n > int64_t(1) << 31 || n * components > int64_t(1) << 32)
     throw Error("a volume has " + std::to_string(n) + " points of " + std::to_string(components) +
                 " components in the bricks of one partition, expected up to 2^31 points and 2^32 numbers; "
-                "cut it into "
-                "more partitions");
+                "cut it into more partitions");
 }
 
 PartOnDevice uploadPart(const Device& device, const Pipelines& pipelines, SharedData& shared,
