@@ -85,8 +85,12 @@ TEST(PickedDevices, OfANameAreAllThatHaveItAndLackNothing) {
       info("GeForce RTX 4090", Kind::Discrete, {"shaderFloat64"}), info("GeForce RTX 4090", Kind::Discrete),
       info("llvmpipe", Kind::Software), info("GeForce RTX 4090", Kind::Discrete)};
   EXPECT_EQ(picks(infos, "geforce"), (std::vector<size_t>{1, 3, 1, 3}));
-  EXPECT_EQ(picks(infos, "4090"), (std::vector<size_t>{1, 3, 1, 3})) << "no device has this number";
+  EXPECT_EQ(picks(infos, "RTX 4090"), (std::vector<size_t>{1, 3, 1, 3}));
   EXPECT_EQ(picks(infos, "2"), (std::vector<size_t>{2, 2, 2, 2}));
+  EXPECT_NE(
+      errorOf([&] { picks(infos, "4090"); }).find("there is no Vulkan device \"4090\"; expected one of: 0"),
+      std::string::npos)
+      << "digits are a number, also where they stand in a name";
 }
 
 TEST(PickedDevices, ThatLackSomethingAreAnErrorThatSaysWhat) {
