@@ -21,16 +21,16 @@ agreement::TestScene oneTile() {
   return scene;
 }
 
-/// What was asked for and has not been answered, and in how many submissions what has been was done.
+/// What was asked for and has not been answered.
 class Answers {
  public:
-  DeviceScene::Done next(std::function<void(uint64_t submissions)> then) {
+  DeviceScene::Done next(std::function<void(const TraceCounters&)> then) {
     std::lock_guard lock(mutex_);
     left_++;
     return [this, then = std::move(then)](TraceResult result) {
       EXPECT_EQ(result.error, "");
       std::lock_guard lock(mutex_);
-      then(result.counters.submissions);
+      then(result.counters);
       left_--;
       changed_.notify_one();
     };
@@ -51,61 +51,73 @@ class Answers {
   int left_ = 0;
 };
 
-TEST(UrgentFrames, WaitForThreeBatchesAtMost) {
-  constexpr int kTiles = 200;
-  const agreement::TestScene scene = oneTile();
-  const auto compiled = scene.compile();
-  const auto device = testedVulkan().makeScene(compiled, 0);
-  const CompiledFrame frame = compileFrame(*compiled, scene.camera, 0, false);
-  const auto other = device->makeFrame(frame);
-  const auto urgent = device->makeFrame(frame);
-  urgent->setUrgent(true);
-  uint64_t batches = 0, whenAsked = 0, whenAnswered = 0;  // of the other frame
-  Answers answers;
-  for (int i = 0; i < kTiles; i++) {
-    if (i == kTiles / 2) {
-      const auto done = answers.next([&](uint64_t) { whenAnswered = batches; });
-      answers.hold([&] {
-        whenAsked = batches;
-        device->spawn(*urgent, kWhole, done);
-      });
-    }
-    device->spawn(*other, kWhole, answers.next([&](uint64_t submissions) { batches += submissions; }));
+class UrgentFrames : public ::testing::Test {
+ protected:
+  static constexpr int kTiles = 200;  // some eight batches
+  static constexpr uint64_t kAll = uint64_t(kTiles) * kTile * kTile;
+
+  std::shared_ptr<const DeviceFrame> makeFrame(bool urgent) {
+    auto made = device_->makeFrame(frame_);
+    made->setUrgent(urgent);
+    return made;
   }
-  answers.wait();
-  EXPECT_GT(batches, 4u);
-  EXPECT_LE(whenAnswered - whenAsked, 4u) << "three that the device has, and one that is being answered";
+
+  /// Of `other` kTiles are asked for, and halfway one of `urgent`: the batches of `other` until it is answered. Then nobody
+  /// wants the others any more.
+  uint64_t batchesMeanwhile(const DeviceFrame& other, const DeviceFrame& urgent) {
+    uint64_t whenAsked = 0, whenAnswered = 0;
+    TraceCounters all;  // of the other frame
+    Answers answers;
+    for (int i = 0; i < kTiles; i++) {
+      if (i == kTiles / 2) {
+        const auto done = answers.next([&](const TraceCounters&) {
+          whenAnswered = all.submissions;
+          other.cancel();
+        });
+        answers.hold([&] {
+          whenAsked = all.submissions;
+          device_->spawn(urgent, kWhole, done);
+        });
+      }
+      device_->spawn(other, kWhole, answers.next([&](const TraceCounters& c) { all += c; }));
+    }
+    answers.wait();
+    EXPECT_LT(all.raysSpawned, kAll) << "or it waited for nothing";
+    return whenAnswered - whenAsked;
+  }
+
+  const agreement::TestScene scene_ = oneTile();
+  const std::shared_ptr<const CompiledScene> compiled_ = scene_.compile();
+  const std::shared_ptr<const DeviceScene> device_ = testedVulkan().makeScene(compiled_, 0);
+  const CompiledFrame frame_ = compileFrame(*compiled_, scene_.camera, 0, false);
+};
+
+TEST_F(UrgentFrames, WaitForThreeBatchesAtMost) {
+  const auto other = makeFrame(false), urgent = makeFrame(true);
+  EXPECT_LE(batchesMeanwhile(*other, *urgent), 4u)
+      << "three that the device has, and one that is being answered";
 }
 
-// Those of the frame whose turn was longer ago first, and none of one that has been cancelled.
-TEST(UrgentFrames, TakeTurnsAndEndWhenTheyAreCancelled) {
-  constexpr int kTiles = 200;
-  const agreement::TestScene scene = oneTile();
-  const auto compiled = scene.compile();
-  const auto device = testedVulkan().makeScene(compiled, 0);
-  const CompiledFrame frame = compileFrame(*compiled, scene.camera, 0, false);
-  const auto first = device->makeFrame(frame), second = device->makeFrame(frame);
-  first->setUrgent(true);
-  second->setUrgent(true);
-  uint64_t batches = 0, whenAsked = 0, whenAnswered = 0, whenCancelled = 0;  // of the first
+// Those of the frame whose turn was longer ago first.
+TEST_F(UrgentFrames, TakeTurns) {
+  const auto first = makeFrame(true), second = makeFrame(true);
+  EXPECT_LE(batchesMeanwhile(*first, *second), 4u)
+      << "three that the device has, and one that is being answered";
+}
+
+TEST_F(UrgentFrames, EndWithWhatTheDeviceHasWhenTheyAreCancelled) {
+  const auto frame = makeFrame(true);
+  std::vector<DeviceScene::Done> dones;
+  TraceCounters all;
   Answers answers;
-  for (int i = 0; i < kTiles; i++) {
-    if (i == kTiles / 2) {
-      const auto done = answers.next([&](uint64_t) { whenAnswered = batches; });
-      answers.hold([&] {
-        whenAsked = batches;
-        device->spawn(*second, kWhole, done);
-      });
-    }
-    device->spawn(*first, kWhole, answers.next([&](uint64_t submissions) { batches += submissions; }));
-  }
+  for (int i = 0; i < kTiles; i++) dones.push_back(answers.next([&](const TraceCounters& c) { all += c; }));
   answers.hold([&] {
-    first->cancel();
-    whenCancelled = batches;
+    for (const DeviceScene::Done& done : dones) device_->spawn(*frame, kWhole, done);
+    frame->cancel();
   });
   answers.wait();
-  EXPECT_LE(whenAnswered - whenAsked, 4u) << "three that the device has, and one that is being answered";
-  EXPECT_LE(batches - whenCancelled, 4u);
+  EXPECT_LE(all.submissions, 4u) << "three that the device has, and one that is being answered";
+  EXPECT_LT(all.raysSpawned, kAll / 2);
 }
 
 // While somebody waits for another frame, so much goes to the device at once as takes it 5 ms, or one request.
@@ -121,9 +133,9 @@ TEST(OtherFrames, GoInSmallBatchesWhereTheDeviceTakesLong) {
   device.batchSize().took(device.batchSize().rays(), std::chrono::seconds(1));
   uint64_t batches = 0;
   Answers answers;
-  device.spawn(*urgent, kWhole, answers.next([](uint64_t) {}));
+  device.spawn(*urgent, kWhole, answers.next([](const TraceCounters&) {}));
   for (uint64_t i = 0; i < kTiles; i++)
-    device.spawn(*frame, kWhole, answers.next([&](uint64_t submissions) { batches += submissions; }));
+    device.spawn(*frame, kWhole, answers.next([&](const TraceCounters& c) { batches += c.submissions; }));
   answers.wait();
   EXPECT_EQ(batches, kTiles);
 }
