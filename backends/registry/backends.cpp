@@ -21,8 +21,13 @@ BackendRegistry allBackends(const BackendOptions& options) {
   BackendRegistry registry;
 #ifdef GALAXY_VULKAN
   const auto fits = [options] {
-    // no driver is loaded where there is nothing to find
-    return !options.device.empty() || (showsGpu() && hasDiscreteGpu(vulkanDevices()));
+    if (!options.device.empty()) return true;
+    if (!showsGpu()) return false;  // no driver is loaded where there is nothing to find
+    const std::vector<VulkanDeviceInfo> devices = vulkanDevices();
+    if (hasDiscreteGpu(devices)) return true;
+    if (const std::string lacking = lackingOf(devices); !lacking.empty() && options.rankOnMachine == 0)
+      spdlog::warn("backend auto: {}; the embree backend is used", lacking);
+    return false;
   };
   const auto make = [options](Ledger* ledger) {
     VulkanOptions vulkan;

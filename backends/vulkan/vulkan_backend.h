@@ -23,8 +23,11 @@ struct VulkanDeviceInfo {
 /// software device takes 67 MB of it.
 std::vector<VulkanDeviceInfo> vulkanDevices();
 
-/// Whether there is one among them that this backend can use.
+/// Whether there is a discrete GPU among them that this backend can use.
 bool hasDiscreteGpu(const std::vector<VulkanDeviceInfo>& devices);
+
+/// What those discrete GPUs lack that it cannot use: `"NAME" lacks FEATURE, FEATURE; ...`; empty where there are none.
+std::string lackingOf(const std::vector<VulkanDeviceInfo>& devices);
 
 /// Whether a driver shows a GPU's device node in that folder (dri/renderD*, nvidia<number>, dxg): without one there is no GPU,
 /// which this tells without loading any driver.

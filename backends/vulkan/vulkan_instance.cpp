@@ -46,9 +46,9 @@ std::string listOf(const std::vector<VulkanDeviceInfo>& infos) {
   return text.empty() ? "none" : text;
 }
 
-std::string missingOf(const VulkanDeviceInfo& info) {
-  std::string text;
-  for (const std::string& m : info.missing) text += (text.empty() ? "" : ", ") + m;
+std::string lacking(const VulkanDeviceInfo& info) {
+  std::string text = "\"" + info.name + "\" lacks ";
+  for (size_t i = 0; i < info.missing.size(); i++) text += (i ? ", " : "") + info.missing[i];
   return text;
 }
 
@@ -220,7 +220,7 @@ size_t pick(const std::vector<VulkanDeviceInfo>& infos, const VulkanOptions& opt
   for (size_t i = 0; i < infos.size(); i++) {
     if (!isMeant(i)) continue;
     if (!infos[i].missing.empty()) {
-      unfit += "; \"" + infos[i].name + "\" lacks " + missingOf(infos[i]);
+      unfit += "; " + lacking(infos[i]);
     } else if (!wanted.empty()) {
       fit.push_back(i);
     } else if (infos[i].kind <= best) {
@@ -251,6 +251,14 @@ bool hasDiscreteGpu(const std::vector<VulkanDeviceInfo>& devices) {
   return std::any_of(devices.begin(), devices.end(), [](const VulkanDeviceInfo& d) {
     return d.kind == VulkanDeviceInfo::Kind::Discrete && d.missing.empty();
   });
+}
+
+std::string lackingOf(const std::vector<VulkanDeviceInfo>& devices) {
+  std::string text;
+  for (const VulkanDeviceInfo& d : devices)
+    if (d.kind == VulkanDeviceInfo::Kind::Discrete && !d.missing.empty())
+      text += (text.empty() ? "" : "; ") + vulkan::lacking(d);
+  return text;
 }
 
 bool showsGpu(const std::string& folder) {

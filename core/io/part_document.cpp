@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "gxy/comm/error.h"
+#include "gxy/comm/error_text.h"
 
 namespace gxy {
 namespace {
@@ -41,7 +42,8 @@ GeometryPart parseEntry(const json& entry, const std::string& where) {
   if (part.file.empty() || part.file.find('\0') != std::string::npos)
     throw Error(where + ": \"filename\" is empty or not a name");
   for (const auto& [key, value] : entry.items())
-    if (key != "extent" && key != "filename") spdlog::warn("{}: unknown key \"{}\" is ignored", where, key);
+    if (key != "extent" && key != "filename")
+      spdlog::warn("{}: unknown key {} is ignored", where, inQuotes(key));
   return part;
 }
 

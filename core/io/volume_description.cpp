@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "gxy/comm/error.h"
+#include "gxy/comm/error_text.h"
 
 namespace gxy {
 namespace {
@@ -54,14 +55,6 @@ const char* wordOfType(ScalarType type) {
       break;
   }
   return "double";
-}
-
-std::string inQuotes(std::string_view text) {
-  constexpr size_t kLongest = 60;
-  std::string shown(text.substr(0, kLongest));
-  for (char& c : shown)
-    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7F) c = '?';
-  return "'" + shown + (text.size() > kLongest ? "...'" : "'");
 }
 
 /// The words of a text with the line each stands on; the raw file's name is the rest of its line, blanks

@@ -243,15 +243,4 @@ std::string numberText(double x) {
   return nlohmann::json(x).dump();
 }
 
-std::string inQuotes(std::string_view text, char quote) {
-  constexpr size_t kLongest = 60;
-  const bool cut = text.size() > kLongest;
-  size_t length = std::min(text.size(), kLongest);
-  while (cut && length > 0 && (static_cast<unsigned char>(text[length]) & 0xC0) == 0x80) --length;
-  std::string out(1, quote);
-  for (const char c : text.substr(0, length))
-    out += static_cast<unsigned char>(c) < 0x20 || c == 0x7F ? '?' : c;
-  return out + (cut ? "..." : "") + quote;
-}
-
 }  // namespace gxy

@@ -8,6 +8,8 @@
 #include <variant>
 #include <vector>
 
+#include "gxy/comm/error_text.h"
+
 namespace gxy {
 
 /// Where a token starts in a text. Columns count characters (UTF-8 code points), both from 1.
@@ -66,8 +68,5 @@ std::string locationPrefix(const std::string& sourceName, TextPosition at);
 
 /// A number for a message: whole numbers without a point.
 std::string numberText(double x);
-
-/// User text for a message: in the given quotes, control characters replaced, cut when long.
-std::string inQuotes(std::string_view text, char quote = '"');
 
 }  // namespace gxy

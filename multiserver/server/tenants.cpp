@@ -8,6 +8,7 @@
 #include <chrono>
 
 #include "gxy/comm/error.h"
+#include "gxy/comm/error_text.h"
 
 namespace gxy {
 
@@ -30,11 +31,22 @@ bool sameToken(const std::string& given, const std::string& expected) {
   return difference == 0;
 }
 
+std::string Tenants::wrongName(const std::string& name) {
+  if (name.empty() || name.find('/') != std::string::npos || name[0] == '.')
+    return "expected a name without / that does not begin with a dot, found " + inQuotes(name);
+  if (name == "server" || name == "device")
+    return "expected another name than " + name + ", under which memory of no tenant is counted";
+  return {};
+}
+
 void Tenants::add(const std::string& token, Identity identity) { identities_[token] = std::move(identity); }
 
 std::optional<Tenants::Identity> Tenants::identify(const std::string& token,
                                                    const std::string& tenant) const {
-  if (admitsAll_) return Identity{tenant, true};
+  if (admitsAll_) {
+    if (const std::string wrong = wrongName(tenant); !wrong.empty()) throw Error("hello: `tenant`: " + wrong);
+    return Identity{tenant, true};
+  }
   std::optional<Identity> found;
   for (const auto& [expected, identity] : identities_)  // all of them, whichever it is
     if (sameToken(token, expected)) found = identity;

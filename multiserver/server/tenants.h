@@ -31,11 +31,14 @@ class Tenants {
   /// `frames`: renderings that each tenant may have in flight.
   explicit Tenants(int frames) : frames_(frames) {}
 
+  /// Empty where a tenant may be called so, else what is wrong.
+  static std::string wrongName(const std::string& name);
+
   /// These two before clients come.
   void add(const std::string& token, Identity identity);
   /// Every client is welcome, as an administrator and whatever tenant it names.
   void admitAll() { admitsAll_ = true; }
-  /// Nothing for a wrong token.
+  /// Nothing for a wrong token. Throws Error where a client that is welcome as any tenant names none that may be.
   std::optional<Identity> identify(const std::string& token, const std::string& tenant) const;
 
   /// A rendering in flight, until destroyed. May outlive the Tenants.

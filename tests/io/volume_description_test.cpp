@@ -33,12 +33,12 @@ TEST(Vol, IsReadAsDocumented) {
 }
 
 TEST(Vol, UnknownTypeIsAnErrorWithItsLine) {
-  EXPECT_EQ(errorOf("\n\nfloaty\n" + kVol.substr(6), true).find("f:3: unknown type 'floaty'"), 0u);
+  EXPECT_EQ(errorOf("\n\nfloaty\n" + kVol.substr(6), true).find("f:3: unknown type \"floaty\""), 0u);
 }
 
 TEST(Vol, WrongNumberIsAnErrorWithItsLine) {
   EXPECT_EQ(errorOf("float\n0 0 0\n4 4.5 4\n1 1 1\nx\n", true),
-            "f:3: expected a number of points, found '4.5'");
+            "f:3: expected a number of points, found \"4.5\"");
 }
 
 TEST(Vol, GridsThatCannotBeAreErrors) {

@@ -361,7 +361,7 @@ TEST(Data, KeysOfAVolumeThatMeanNothingAreToldOnceToWhoImportsIt) {
   };
   const json one = warnings();
   ASSERT_EQ(one.size(), 1u);
-  EXPECT_NE(one.at(0).get<std::string>().find("odd.json: unknown key 'conts?[31m' is ignored"),
+  EXPECT_NE(one.at(0).get<std::string>().find("odd.json: unknown key \"conts?[31m\" is ignored"),
             std::string::npos)
       << one;
   for (int i = 0; i < 30; i++) volume["more" + std::to_string(i)] = i;

@@ -38,6 +38,14 @@ TEST(Tenants, AreWhoTheirTokensSay) {
   EXPECT_FALSE(Tenants(1).identify("", "ann").has_value()) << "nobody, before there are tokens";
 }
 
+TEST(Tenants, OfAServerThatAdmitsAllAreWhomTheyNameButForWhatIsNoTenant) {
+  Tenants tenants(1);
+  tenants.admitAll();
+  EXPECT_EQ(tenants.identify("", "ann")->tenant, "ann");
+  for (const char* name : {"server", "device", "", ".hidden", "a/b"})
+    EXPECT_THROW(tenants.identify("", name), Error) << name;
+}
+
 const Tenants::Cost free{0, [] { return int64_t(0); }};
 
 TEST(Tenants, HaveSoManyBytesOfPicturesInFlightAndNoMore) {

@@ -102,6 +102,7 @@ TEST(JsonText, DescriptionsAreShortAndPrintable) {
   const std::string text = parseJson("\"" + std::string(1000, 'x') + "\"", "t").describe();
   EXPECT_LT(text.size(), 80u);
   EXPECT_EQ(inQuotes("a\nb\x1b"), "\"a?b?\"");
+  EXPECT_EQ(inQuotes("\u009b2J \u00a0\u00e4", '\''), "'?2J \u00a0\u00e4'");
 }
 
 }  // namespace

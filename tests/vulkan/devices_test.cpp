@@ -78,6 +78,8 @@ TEST(PickedDevices, AreTakenByAutoWhereOneIsADiscreteGpuThatLacksNothing) {
   EXPECT_FALSE(hasDiscreteGpu({}));
   EXPECT_FALSE(hasDiscreteGpu({software, integrated, old}));
   EXPECT_TRUE(hasDiscreteGpu({software, old, gpu}));
+  EXPECT_EQ(lackingOf({software, integrated, gpu}), "");
+  EXPECT_EQ(lackingOf({software, old, gpu}), "\"old\" lacks Vulkan 1.2");
 }
 
 TEST(PickedDevices, OfANameAreAllThatHaveItAndLackNothing) {

@@ -20,9 +20,9 @@ struct Outcome {
   std::string output;
 };
 
-Outcome report(const std::string& arguments) {
-  const std::string command = std::string(GPU_REPORT) + " --output /dev/null " + arguments + " --device '" +
-                              testDevice().device + "'";
+Outcome report(const std::string& arguments, const std::string& device = testDevice().device) {
+  const std::string command =
+      std::string(GPU_REPORT) + " --output /dev/null " + arguments + " --device '" + device + "'";
   FILE* pipe = popen((command + " 2>&1").c_str(), "r");
   if (!pipe) return {-1, "popen failed"};
   Outcome outcome{};
@@ -38,6 +38,13 @@ TEST(GpuReport, WithoutTimeHasComparedNothingAndFails) {
   EXPECT_EQ(o.status, 1);
   EXPECT_NE(o.output.find("\n0 of 19 scenes compared, 0 do not agree; 0 of 4 benchmarks run, 0 failed"),
             std::string::npos)
+      << o.output;
+}
+
+TEST(GpuReport, SaysInTheReportWhyItEndedEarly) {
+  const Outcome o = report("", "no such thing");
+  EXPECT_EQ(o.status, 1);
+  EXPECT_NE(o.output.find("\nIt ended here: there is no Vulkan device \"no such thing\""), std::string::npos)
       << o.output;
 }
 

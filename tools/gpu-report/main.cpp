@@ -59,16 +59,24 @@ int main(int argc, char** argv) {
     std::ofstream file(output);
     if (!file) throw Error(output + ": cannot be written");
     gpu_report::Report report(file, std::cout, minutes);
-    const std::unique_ptr<Backend> device = makeVulkanBackend(options);
-    describe(report, *device);
-    const gpu_report::Tally compared = gpu_report::agreement(*device, scenes, pictures, report);
-    const double each = 60 * minutes / 48;  // frames of the four: about ten seconds each
-    const gpu_report::Tally timed = gpu_report::benchmarks(*device, options, scale, each, report);
-    report.line("\n" + std::to_string(compared.tried) + " of " + std::to_string(compared.all) +
-                " scenes compared, " + std::to_string(compared.failed) + " do not agree; " +
-                std::to_string(timed.tried) + " of " + std::to_string(timed.all) + " benchmarks run, " +
-                std::to_string(timed.failed) + " failed; " +
-                std::to_string(int(60 * minutes - report.left())) + " s in all");
+    std::unique_ptr<Backend> device;  // until after the last line
+    gpu_report::Tally compared, timed;
+    try {
+      device = makeVulkanBackend(options);
+      describe(report, *device);
+      compared = gpu_report::agreement(*device, scenes, pictures, report);
+      const double each = 60 * minutes / 48;  // frames of the four: about ten seconds each
+      timed = gpu_report::benchmarks(*device, options, scale, each, report);
+      report.line("\n" + std::to_string(compared.tried) + " of " + std::to_string(compared.all) +
+                  " scenes compared, " + std::to_string(compared.failed) + " do not agree; " +
+                  std::to_string(timed.tried) + " of " + std::to_string(timed.all) + " benchmarks run, " +
+                  std::to_string(timed.failed) + " failed; " +
+                  std::to_string(int(60 * minutes - report.left())) + " s in all");
+    } catch (const std::exception& e) {
+      report.line(std::string("\nIt ended here: ") + e.what());
+      report.finish();
+      throw;
+    }
     report.finish();
     return compared.tried == 0 || compared.failed > 0 || timed.failed > 0;
   } catch (const std::exception& e) {

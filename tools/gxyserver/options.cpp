@@ -7,6 +7,7 @@
 #include <iostream>
 
 #include "gxy/backends/backends.h"
+#include "gxy/server/tenants.h"
 
 namespace gxy {
 
@@ -31,15 +32,6 @@ std::string wrongBytes(const std::string& text) {
              : "expected bytes from 1 up, as 500M, found " + text;
 }
 
-// "" where a tenant may have this name.
-std::string wrongTenant(const std::string& name) {
-  if (name.empty() || name.find('/') != std::string::npos || name[0] == '.')
-    return "expected a name without / that does not begin with a dot, found '" + name + "'";
-  if (name == "server" || name == "device")
-    return "expected another name than " + name + ", under which memory of no tenant is counted";
-  return {};
-}
-
 }  // namespace
 
 std::optional<int> parseOptions(int argc, char** argv, bool speaks, ServeOptions& o) {
@@ -53,7 +45,7 @@ std::optional<int> parseOptions(int argc, char** argv, bool speaks, ServeOptions
   app.add_flag("--no-token", o.noToken, "let everybody in who can connect: for tests only");
   app.add_option("--tenant", o.tenants, "a further tenant, with a token file of its own; may be repeated")
       ->allow_extra_args(false)
-      ->check(CLI::Validator(wrongTenant, ""));
+      ->check(CLI::Validator(Tenants::wrongName, ""));
   app.add_option("--modules", o.node.moduleFolders,
                  "folder in which modules are looked for before Galaxy's own; may be repeated")
       ->allow_extra_args(false);
