@@ -168,6 +168,8 @@ class Client::Impl {
           break;
         }
       }
+    } catch (const boost::system::system_error& e) {
+      reason = e.code() == asio::error::eof ? "the server has ended without a word" : e.code().message();
     } catch (const std::exception& e) {
       reason = e.what();
     }

@@ -10,6 +10,7 @@
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
+#include <string_view>
 
 #include "gxy/comm/error.h"
 
@@ -54,6 +55,22 @@ namespace {
 // Locked by who wrote it, and so for as long as that runs. File systems without locks lock nothing.
 bool inUse(int file) { return flock(file, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK; }
 
+// A regular file with nothing in it, or with what newToken() makes.
+bool looksLikeToken(int file) {
+  struct stat info = {};
+  std::array<char, 66> text{};
+  if (fstat(file, &info) != 0 || !S_ISREG(info.st_mode)) return false;
+  const ssize_t size = read(file, text.data(), text.size());
+  if (size < 0 || size > 65) return false;
+  const std::string_view line(text.data(), size_t(size));
+  return line.find_first_not_of("0123456789abcdef\n") == line.npos;
+}
+
+[[noreturn]] void failNoToken(const std::string& path) {
+  throw Error(path +
+              ": there is something that is no token, expected a new file or one that a server has left");
+}
+
 [[noreturn]] void failInUse(const std::string& path) {
   throw Error(path + ": a server that runs has its token there, expected another port or --token-file");
 }
@@ -62,9 +79,12 @@ bool inUse(int file) { return flock(file, LOCK_EX | LOCK_NB) != 0 && errno == EW
 
 TokenFile::TokenFile(std::string path, const std::string& token) : path_(std::move(path)) {
   if (const int old = open(path_.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK); old >= 0) {
-    const bool taken = inUse(old);
+    const bool taken = inUse(old), isToken = looksLikeToken(old);
     close(old);
     if (taken) failInUse(path_);
+    if (!isToken) failNoToken(path_);
+  } else if (errno != ENOENT) {
+    failNoToken(path_);
   }
   unlink(path_.c_str());  // of a server that was killed
   file_ = open(path_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0600);

@@ -322,11 +322,10 @@ void Datasets::move(const std::string& tenant, const std::string& name, Scope to
     names_[d.key].second = to;
   }
   node_.directory.remove(tenant, name, from);
+  tell({DatasetEvent::Kind::Dropped, d, {}});
   d.scope = to;
   d.readOnly = readOnly;
-  if (to == Scope::Shared) return tell({DatasetEvent::Kind::Added, d, {}});
-  d.scope = from;
-  tell({DatasetEvent::Kind::Dropped, d, {}});
+  tell({DatasetEvent::Kind::Added, d, {}});
 }
 
 Generation Datasets::wait(Request& request, const std::string& name, std::optional<Generation> generation,
@@ -342,7 +341,8 @@ Generation Datasets::wait(Request& request, const std::string& name, std::option
   });
   for (;;) {
     const auto found = find(tenant, name);
-    if (found && found->generation >= wanted) return found->generation;
+    const bool isAnother = found && now && !generation && found->key != now->key;
+    if (isAnother || (found && found->generation >= wanted)) return found->generation;
     request.check();
     if (steady_clock::now() >= until)
       throw Error("wait: " + inQuotes(name) + " has no generation " + std::to_string(wanted) + " after " +

@@ -257,6 +257,13 @@ class Pixels(unittest.TestCase):
         self.client.request("cancel_frame 1")
         self.assertEqual(self.window.wait(frame).end["status"], "cancelled")
 
+    def test_tiles_of_another_encoding_fail_their_frame_only(self):
+        frame = self.client.request(f"viewer.render {self.window.number}")["frame"]  # zstd
+        end = self.window.wait(frame).end
+        self.assertEqual(end["status"], "failed")
+        self.assertIn("expected zlib", end["error"])
+        self.assertIsNotNone(self.window.render().rgba)
+
     def test_wrong_options_are_errors_that_name_them(self):
         for options, expected in (({"passes": 0}, "passes"), ({"levels": [1, 4]}, "levels"), ({"level": [1]}, "render")):
             with self.assertRaisesRegex(galaxy.GalaxyError, expected):

@@ -148,8 +148,8 @@ TEST(Data, ObserversAreToldInOrder) {
   options.onEvent = [&](const json& event) {
     if (event.at("event") == "progress") return;
     const std::lock_guard lock(mutex);
-    events.push_back(event.at("event").get<std::string>() + " " + event.at("name").get<std::string>() + " " +
-                     event.at("generation").dump());
+    events.push_back(event.at("event").get<std::string>() + " " + event.at("scope").get<std::string>() + " " +
+                     event.at("name").get<std::string>() + " " + event.at("generation").dump());
     changed.notify_all();
   };
   Client watcher(options);
@@ -159,10 +159,12 @@ TEST(Data, ObserversAreToldInOrder) {
   client->expect(importBall("other"));
   client->expect(importBall("ball"));
   client->expect(importBall("ball"));
-  client->expect("drop ball");
+  for (const char* statement : {"publish ball", "unpublish ball", "drop ball"}) client->expect(statement);
   std::unique_lock lock(mutex);
-  EXPECT_TRUE(changed.wait_for(lock, std::chrono::minutes(1), [&] { return events.size() == 3; }));
-  EXPECT_EQ(events, (Names{"added ball 1", "updated ball 2", "dropped ball 2"}));
+  EXPECT_TRUE(changed.wait_for(lock, std::chrono::minutes(1), [&] { return events.size() == 7; }));
+  EXPECT_EQ(events, (Names{"added private ball 1", "updated private ball 2", "dropped private ball 2",
+                           "added shared ball 2", "dropped shared ball 2", "added private ball 2",
+                           "dropped private ball 2"}));
 }
 
 TEST(Data, WaitEndsWithTheNextGenerationAndCanBeCancelled) {
@@ -179,6 +181,21 @@ TEST(Data, WaitEndsWithTheNextGenerationAndCanBeCancelled) {
   client->expect("cancel " + std::to_string(id));
   EXPECT_EQ(cancelled.get_future().get().error, "cancelled");
   EXPECT_FALSE(client->request("wait ball 9 0.01").ok);
+}
+
+TEST(Data, WaitEndsWithAnotherObjectOfTheName) {
+  const auto server = serve();
+  const auto client = dataClient(*server), other = dataClient(*server);
+  other->expect(importBall("ball"));
+  other->expect(importBall("ball"));
+  other->expect(importBall("new"));
+  std::promise<Reply> waited;
+  client->send("wait ball", [&](const Reply& reply) { waited.set_value(reply); });
+  client->expect("list");  // answered after the wait has begun
+  other->expect("drop ball");
+  other->expect("rename new ball");
+  const Reply reply = waited.get_future().get();
+  EXPECT_EQ(reply.value.at("generation"), 1) << reply.error;
 }
 
 TEST(Data, WhatIsNoNameIsNeitherObservedNorWaitedFor) {

@@ -67,6 +67,12 @@ rm stat
 echo 'drop nothing; list;' | msdata >out.txt 2>error.txt
 check AFailedStatementIsSeenInTheExitCode test $? = 1
 check AndTheNextOneRunsNevertheless grep -q eightBalls out.txt
+msdata . 2>error.txt
+check AFolderIsNoScript test $? = 2
+msdata -c help >/dev/full 2>error.txt
+check WhatCannotBePrintedIsAnError test $? = 2
+printf '  # list;\nlist;' >commented.txt
+check LinesOfCommentsMayBeIndented test "$(msdata commented.txt)" = $'  datasets:\n  eightBalls'
 check AWrongTokenIsTold bash -c "echo wrong >wrong; ! '$bin/msdata' -P $port --token-file wrong import.txt 2>error.txt && grep -q 'token is wrong' error.txt"
 
 # Events: told apart from replies, in the order in which they came, also to who waits for more input or has none.

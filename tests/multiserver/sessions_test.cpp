@@ -11,11 +11,13 @@
 #include <fstream>
 #include <future>
 #include <optional>
+#include <sstream>
 #include <thread>
 
 #include "gxy/comm/error.h"
 #include "gxy/protocol/run_files.h"
 #include "gxy/server/module.h"
+#include "gxy/server/tenants.h"
 #include "multiserver/test_server.h"
 
 namespace gxy::test {
@@ -116,6 +118,29 @@ TEST(Sessions, OnlyServersOfThisMachineAreSentTheTokenThatIsHere) {
     EXPECT_NE(refusal(host).find("is a server running there?"), std::string::npos) << refusal(host);
   for (const char* host : {"192.0.2.1", "2001:db8::1", "0.0.0.0"})
     EXPECT_NE(refusal(host).find("is another machine"), std::string::npos) << refusal(host);
+}
+
+TEST(Sessions, TokensTakeThePlaceOfTokensAndOfNothingElse) {
+  const RunDirectory here;
+  protocol::makeRunDirectory();
+  const std::string file = protocol::runDirectory() + "/file", link = protocol::runDirectory() + "/link";
+  for (const std::string before : {"thesis\n", "abc\n12\nwords",
+                                   "0123456789abcdef0123456789abcdef0123456789abcdef0123456789abcdef\n\n"}) {
+    std::ofstream(file) << before;
+    EXPECT_THROW(protocol::TokenFile(file, "new"), Error) << before;
+    std::ostringstream after;
+    after << std::ifstream(file).rdbuf();
+    EXPECT_EQ(after.str(), before);
+  }
+  for (const std::string& before : {newToken() + "\n", std::string()}) {  // of a server that was killed
+    std::ofstream(file) << before;
+    std::filesystem::remove(link);
+    std::filesystem::create_symlink("file", link);
+    EXPECT_THROW(protocol::TokenFile(link, "new"), Error);
+    const protocol::TokenFile written(file, "new");
+    EXPECT_EQ(protocol::readToken(file), "new");
+  }
+  EXPECT_THROW(protocol::TokenFile(protocol::runDirectory(), "new"), Error);
 }
 
 TEST(Sessions, AServerThatAsksForNoTokenTakesWhoeverHasNone) {

@@ -1,13 +1,15 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
 """terminal.py COMMAND...: a client at a terminal (pseudo-terminal) of a server that has a dataset eightBalls: Tab
-completes a verb wherever one may be, the arrow up brings the last line back, a statement may go over lines, events come
-above the line that is being typed, long work shows how far it is, Ctrl-D ends it with status 0."""
+completes a verb wherever one may be, and names of data and of modules after one, the arrow up brings the last line back,
+also that of the session before, a statement may go over lines, # begins a comment, Ctrl-C forgets what was typed or cancels
+what runs, events come above the line that is being typed, long work shows how far it is, Ctrl-D ends it."""
 import os
 import pty
 import select
 import subprocess
 import sys
+import tempfile
 import time
 
 said = ""  # by the program, and not waited for yet
@@ -27,11 +29,25 @@ def until(text, seconds=30):
     said = said.split(text, 1)[1]
 
 
-process, terminal = pty.fork()
-if process == 0:
-    os.environ["TERM"] = "dumb"
-    os.execv(sys.argv[1], sys.argv[1:])
-until("? ")
+def start():
+    global process, terminal
+    process, terminal = pty.fork()
+    if process == 0:
+        os.environ["TERM"] = "dumb"
+        os.execv(sys.argv[1], sys.argv[1:])
+    until("? ")
+
+
+def end(expected=0):
+    os.write(terminal, b"\x04")
+    status = os.waitstatus_to_exitcode(os.waitpid(process, 0)[1])
+    if status != expected:
+        sys.exit(f"exit status {status}, expected {expected}")
+
+
+folder = tempfile.TemporaryDirectory()
+os.environ["XDG_STATE_HOME"] = folder.name
+start()
 for typed, answers in [(b"lis\t", ["list "]), (b";\n", ["eightBalls", "? "]), (b"\x1b[A", ["list ;"]),
                        (b"\n", ["eightBalls", "? "]), (b"info\n", ["> "]), (b"eightBalls;\n", ["24", "? "])]:
     os.write(terminal, typed)
@@ -40,7 +56,8 @@ for typed, answers in [(b"lis\t", ["list "]), (b";\n", ["eightBalls", "? "]), (b
 # Verbs of a module that was loaded meanwhile, with its name, and after another statement. Ctrl-U forgets the line.
 os.write(terminal, b"load viewer;\n")
 until("? ")
-for typed, answer in [(b"cancel_f\t", "cancel_frame "), (b"viewer.sta\t", "viewer.state "), (b"list; unp\t", "unpublish ")]:
+for typed, answer in [(b"cancel_f\t", "cancel_frame "), (b"viewer.sta\t", "viewer.state "), (b"list; unp\t", "unpublish "),
+                      (b"info eightB\t", "info eightBalls "), (b"load vie\t", "load viewer ")]:
     os.write(terminal, typed)
     until(answer)
     os.write(terminal, b"\x15")
@@ -61,7 +78,15 @@ for answer in ["event: updated seen, private Volume, generation 2", "done: 2 of 
 os.write(terminal, b"drop seen;\n")
 for answer in ["event: dropped seen", "? "]:
     until(answer)
-os.write(terminal, b"\x04")
-status = os.waitstatus_to_exitcode(os.waitpid(process, 0)[1])
-if status != 0:
-    sys.exit(f"exit status {status}, expected 0")
+# A second session. Ctrl-C is pressed in a line, in a statement of two, and while one runs.
+end()
+start()
+for typed, answers in [(b"\x1b[A", ["drop seen;"]), (b"\x03", ["? "]), (b"no such\n", ["> "]), (b"thing", ["thing"]), (b"\x03", ["? "]),
+                       (b"  # no; such; thing;\n", ["? "]), (b"wait never;\n", ["wait never;"]), (b"\x03", ["error: cancelled", "? "]),
+                       (b"list;\n", ["eightBalls", "? "])]:
+    os.write(terminal, typed)
+    for answer in answers:
+        until(answer)
+    if "no such" in said:
+        sys.exit(f"what was to be forgotten was sent: {said!r}")
+end(1)  # one has failed

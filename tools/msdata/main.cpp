@@ -16,30 +16,62 @@
 #include "statements.h"
 
 using namespace gxy;
+using nlohmann::json;
 
 namespace {
 
-// What a statement may begin with, with and without its module.
-std::vector<std::string> verbsOf(Client& client) {
-  std::set<std::string> words{"exit"};
-  const nlohmann::json help = client.expect("help"), modules = client.expect("modules");
-  for (const auto& verb : help.at("verbs")) words.insert(verb.at("verb").get<std::string>());
-  for (const auto& loaded : modules.at("loaded")) {
-    const std::string module = loaded;
-    const nlohmann::json again = client.expect("load " + module);  // it changes nothing and lists
-    for (const auto& verb : again.at("verbs")) words.insert(module + "." + verb.get<std::string>());
+/// What may be typed next.
+class Words {
+ public:
+  explicit Words(Client& client) : client_(client) { update(); }
+
+  /// After modules were loaded.
+  void update() {
+    std::set<std::string> words{"exit"};
+    const json help = client_.expect("help"), modules = client_.expect("modules");
+    for (const auto& verb : help.at("verbs")) words.insert(verb.at("verb").get<std::string>());
+    for (const auto& loaded : modules.at("loaded")) {
+      const std::string module = loaded;
+      const json again = client_.expect("load " + module);  // it changes nothing and lists
+      for (const auto& verb : again.at("verbs")) words.insert(module + "." + verb.get<std::string>());
+    }
+    verbs_ = {words.begin(), words.end()};
   }
-  return {words.begin(), words.end()};
-}
+
+  std::vector<std::string> after(const std::string& before) const {
+    std::string verb;
+    std::istringstream(before) >> verb;
+    if (verb.empty() || verb == "help") return verbs_;
+    return verb == "load" ? names("modules", "available") : names("list", "datasets");
+  }
+
+ private:
+  // Of a reply's list of names, or of what has names; none where the statement fails.
+  std::vector<std::string> names(const std::string& statement, const char* list) const {
+    std::vector<std::string> found;
+    const Reply reply = client_.request(statement);
+    if (!reply.ok || !reply.value.is_object()) return found;
+    const json entries = reply.value.value(list, json::array());
+    for (const json& entry : entries) {
+      if (entry.is_string()) found.push_back(entry);
+      if (entry.is_object()) found.push_back(entry.value("name", std::string()));
+    }
+    return found;
+  }
+
+  Client& client_;
+  std::vector<std::string> verbs_;
+};
 
 // False: `exit`, or the connection has ended, which a user who types sees.
 bool readAtTerminal(Client& client, Runner& runner, Output& output) {
-  std::vector<std::string> words = verbsOf(client);
-  return readTerminal(words, output, [&](const std::string& statement) {
-    if (!runner.run(statement) || !client.connected()) return false;
-    if (statement.starts_with("load")) words = verbsOf(client);
-    return true;
-  });
+  Words words(client);
+  return readTerminal([&](const std::string& before) { return words.after(before); }, output,
+                      [&](const std::string& statement) {
+                        if (!runner.run(statement) || !client.connected()) return false;
+                        if (statement.starts_with("load")) words.update();
+                        return true;
+                      });
 }
 
 int run(SayOptions options) {
@@ -52,7 +84,7 @@ int run(SayOptions options) {
   bool on = true;
   const auto runText = [&](const std::string& text) {
     std::istringstream script(text);
-    on = runner.runAll(script);
+    on = runner.runAll(script, "statements");
   };
   for (const std::string& statement : options.statements)
     if (on) runText(statement);
@@ -65,20 +97,22 @@ int run(SayOptions options) {
       continue;
     }
     if (script == "-") {
-      on = runner.runAll(std::cin);
+      on = runner.runAll(std::cin, "standard input");
     } else {
       std::ifstream file(script);
       if (!file) throw Error(script + ": cannot read the script");
-      on = runner.runAll(file);
+      on = runner.runAll(file, script);
     }
   }
   if (options.scripts.empty() && options.statements.empty()) {
     if (isatty(STDIN_FILENO))
       on = readAtTerminal(client, runner, output);
     else
-      on = runner.runAll(std::cin);
+      on = runner.runAll(std::cin, "standard input");
   }
   if (on && options.follow) throw Error("the connection has ended: " + report.waitForEnd());
+  output.flush();
+  if (!std::cout) throw Error("standard output: cannot be written");
   return report.failed() ? 1 : 0;
 }
 

@@ -1,36 +1,57 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "statements.h"
 
+#include <chrono>
 #include <future>
 #include <memory>
+#include <utility>
 
+#include "gxy/comm/error.h"
 #include "gxy/protocol/statement.h"
 
 namespace gxy {
+
+namespace {
+
+constexpr const char* kBlanks = " \t\r\n";
+
+}  // namespace
 
 bool Runner::run(const std::string& statement) {
   if (statement == "exit") return false;
   // Shown by the thread that reads, so that replies and events are in the order in which they came.
   const auto shown = std::make_shared<std::promise<void>>();
-  client_.send(statement, [this, statement, shown](const Reply& reply) {
-    report_.reply(statement, reply);
+  const uint32_t id = client_.send(statement, [&report = report_, statement, shown](const Reply& reply) {
+    report.reply(statement, reply);
     shown->set_value();
   });
-  shown->get_future().wait();
+  const std::future<void> answered = shown->get_future();
+  for (bool cancelled = false;
+       answered.wait_for(std::chrono::milliseconds(50)) == std::future_status::timeout;) {
+    if (!takeInterrupt()) continue;
+    if (std::exchange(cancelled, true)) throw Error("interrupted, before the server has answered");
+    client_.send("cancel " + std::to_string(id), [](const Reply&) {});
+  }
   output_.flush();
   return true;
 }
 
-bool Runner::runAll(std::istream& script) {
+bool Runner::runAll(std::istream& script, const std::string& name) {
   std::string rest, line;
   while (std::getline(script, line)) {
-    if (line.starts_with("#")) continue;
+    if (isComment(line)) continue;
     std::string text = rest + line + "\n";
     for (const std::string& statement : protocol::cutStatements(text, rest))
       if (!run(statement)) return false;
   }
-  const auto blank = rest.find_first_not_of(" \t\r\n");
-  return blank == std::string::npos || run(rest.substr(blank, rest.find_last_not_of(" \t\r\n") - blank + 1));
+  if (script.bad()) throw Error(name + ": cannot be read to its end");
+  const auto blank = rest.find_first_not_of(kBlanks);
+  return blank == std::string::npos || run(rest.substr(blank, rest.find_last_not_of(kBlanks) - blank + 1));
+}
+
+bool isComment(const std::string& line) {
+  const auto first = line.find_first_not_of(kBlanks);
+  return first != std::string::npos && line[first] == '#';
 }
 
 }  // namespace gxy

@@ -18,10 +18,12 @@ class Runner {
   Runner(Client& client, Report& report, Output& output)
       : client_(client), report_(report), output_(output) {}
 
-  /// False when the session is to end: `exit`. Throws Error where the connection has ended before.
+  /// False when the session is to end: `exit`. Ctrl-C at a terminal (takeInterrupt()) cancels the statement. Throws Error
+  /// where the connection has ended before, or at a second Ctrl-C.
   bool run(const std::string& statement);
-  /// Runs a script; statements end with `;`, a line that begins with # is a comment. A last one without `;` runs too.
-  bool runAll(std::istream& script);
+  /// Runs a script, of which messages speak as `name`; statements end with `;`, what isComment() is left out. A last one
+  /// without `;` runs too. Throws Error where it cannot be read.
+  bool runAll(std::istream& script, const std::string& name);
 
  private:
   Client& client_;
@@ -29,9 +31,17 @@ class Runner {
   Output& output_;
 };
 
-/// Reads statements from a terminal with editing, history and completion of verbs, which are `words` (`run` may change
-/// them); `run` returns false to end, as this does then. What is to be printed while a line is edited is printed above it.
-bool readTerminal(const std::vector<std::string>& words, Output& output,
-                  const std::function<bool(const std::string&)>& run);
+/// Whether the first of a line that is no blank is #.
+bool isComment(const std::string& line);
+
+/// Reads statements from a terminal with editing, history (kept from session to session in galaxy/history of the user's
+/// state folder) and completion: `words` gives those that may follow what of the statement stands before; where it has none,
+/// names of files are offered. Ctrl-C forgets what was typed. `run` returns false to end, as this does then. What is to be
+/// printed while a line is edited is printed above it.
+bool readTerminal(const std::function<std::vector<std::string>(const std::string& before)>& words,
+                  Output& output, const std::function<bool(const std::string&)>& run);
+
+/// Whether Ctrl-C has been pressed since this was asked last; for programs in which readTerminal() runs.
+bool takeInterrupt();
 
 }  // namespace gxy

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <csignal>
 #include <cstdio>  // readline.h needs FILE
 #include <cstdlib>
 #include <cstring>
+#include <filesystem>
 #include <memory>
 
 #include <readline/history.h>
@@ -14,47 +16,97 @@ namespace gxy {
 
 namespace {
 
-// Readline's callbacks carry nothing with them.
-const std::vector<std::string>* completions = nullptr;
+using Words = std::function<std::vector<std::string>(const std::string&)>;
+
+// Readline's callbacks carry nothing with them, nor do handlers of signals.
+const Words* wordsAfter = nullptr;
+std::vector<std::string> completions;
 const std::string* begunBefore = nullptr;  // of the statement, in earlier lines
 Output* printed = nullptr;
+volatile std::sig_atomic_t interrupted = 0;
+
+void interrupt(int) { interrupted = 1; }
 
 char* nextCompletion(const char* begun, int state) {
   static size_t next = 0;
   if (state == 0) next = 0;
-  while (next < completions->size()) {
-    const std::string& word = (*completions)[next++];
+  while (next < completions.size()) {
+    const std::string& word = completions[next++];
     if (word.compare(0, std::strlen(begun), begun) == 0) return strdup(word.c_str());
   }
   return nullptr;
 }
 
-// Verbs where a statement begins, file names elsewhere.
 char** complete(const char* begun, int start, int) {
   std::string statement;
   protocol::cutStatements(*begunBefore + std::string(rl_line_buffer, size_t(start)), statement);
-  const bool verb = statement.find_first_not_of(" \t\r\n") == std::string::npos;
-  return verb ? rl_completion_matches(begun, nextCompletion) : nullptr;
+  completions = (*wordsAfter)(statement);
+  return rl_completion_matches(begun, nextCompletion);
 }
 
 // Ten times a second while a line is edited: what has come meanwhile goes above it.
 int showArrivals() {
-  if (printed->printHeld([] { rl_clear_visible_line(); })) {
+  if (interrupted) {
+    rl_crlf();
+    rl_replace_line("", 0);
+    rl_done = 1;
+  } else if (printed->printHeld([] { rl_clear_visible_line(); })) {
     rl_on_new_line();
     rl_redisplay();
   }
   return 0;
 }
 
+/// What was typed, in this session and, where the user has a folder for it, in earlier ones.
+class History {
+ public:
+  History() {
+    using_history();
+    const char *state = std::getenv("XDG_STATE_HOME"), *home = std::getenv("HOME");
+    if (!(state && *state) && !(home && *home)) return;
+    const std::filesystem::path folder =
+        (state && *state ? std::filesystem::path(state) : std::filesystem::path(home) / ".local/state") /
+        "galaxy";
+    std::error_code failed;  // then nothing is kept
+    std::filesystem::create_directories(folder, failed);
+    file_ = folder / "history";
+    read_history(file_.c_str());
+  }
+  ~History() {
+    if (file_.empty() || added_ == 0) return;
+    if (append_history(added_, file_.c_str()) != 0) write_history(file_.c_str());  // it makes the file
+    history_truncate_file(file_.c_str(), kLines);
+  }
+  History(const History&) = delete;
+  History& operator=(const History&) = delete;
+
+  void add(const char* line) {
+    add_history(line);
+    added_++;
+  }
+
+ private:
+  static constexpr int kLines = 1000;
+  std::string file_;
+  int added_ = 0;
+};
+
 }  // namespace
 
-bool readTerminal(const std::vector<std::string>& words, Output& output,
-                  const std::function<bool(const std::string&)>& run) {
-  completions = &words;
+bool takeInterrupt() {
+  const bool was = interrupted;
+  interrupted = 0;
+  return was;
+}
+
+bool readTerminal(const Words& words, Output& output, const std::function<bool(const std::string&)>& run) {
+  wordsAfter = &words;
   printed = &output;
   rl_attempted_completion_function = complete;
   rl_event_hook = showArrivals;
-  using_history();
+  rl_catch_signals = 0;
+  std::signal(SIGINT, interrupt);
+  History history;
   std::string rest;
   begunBefore = &rest;
   for (;;) {
@@ -62,7 +114,12 @@ bool readTerminal(const std::vector<std::string>& words, Output& output,
     const std::unique_ptr<char, decltype(&std::free)> line(readline(rest.empty() ? "? " : "> "), &std::free);
     output.release();
     if (!line) break;
-    if (*line) add_history(line.get());
+    if (takeInterrupt()) {
+      rest.clear();
+      continue;
+    }
+    if (*line) history.add(line.get());
+    if (isComment(line.get())) continue;
     const std::string text = rest + line.get() + "\n";
     for (const std::string& statement : protocol::cutStatements(text, rest))
       if (!run(statement)) return false;

@@ -94,12 +94,14 @@ class Picture:
     levels   the same for each level that came, by its scale; rgba is levels[1]
     frame    its number
     end      the object of its last record: status, generations, seconds, passes, or error
+    foreign  the encoding of tiles that were left out, as they came in another one than zlib; then it has failed
     """
 
     def __init__(self, frame):
         self.frame = frame
         self.levels = {}
         self.end = {}
+        self.foreign = None
 
     @property
     def rgba(self):
@@ -159,9 +161,11 @@ class Window:
                 self._picture = Picture(frame)
             picture = self._picture
             if kind == _TILE and frame == picture.frame:
-                if encoding != _ZLIB or x + w > width or y + h > height:
-                    raise GalaxyError(f"pixels: a tile of {w} x {h} in encoding {encoding}, expected one of zlib inside "
-                                      f"{width} x {height}")
+                if encoding != _ZLIB:  # asked for by a request that was not start()'s
+                    picture.foreign = encoding
+                    return
+                if x + w > width or y + h > height:
+                    raise GalaxyError(f"pixels: a tile of {w} x {h}, expected one inside {width} x {height}")
                 data = zlib.decompressobj().decompress(data, w * h * 4)
                 if len(data) != w * h * 4:
                     raise GalaxyError(f"pixels: a tile of {len(data)} bytes, expected {w} x {h} x 4")
@@ -172,6 +176,9 @@ class Window:
             elif kind == _END_OF_FRAME:
                 ended = picture if picture and frame == picture.frame else Picture(frame)
                 ended.end = json.loads(bytes(data))
+                if ended.foreign is not None:
+                    ended.end = {"status": "failed", "error": f"its tiles came in encoding {ended.foreign}, expected zlib, "
+                                                              'which a request "render" has to ask for'}
                 self._ends[frame] = ended
                 while len(self._ends) > 64:
                     del self._ends[min(self._ends)]
