@@ -15,7 +15,7 @@
 namespace gxy {
 
 /// Collectives over a Transport. Each call blocks its thread until its part is done: call from the main
-/// thread or a postWaiting() task, never from a handler or a post() task, nor in a seeded in-process world.
+/// thread or a postWaiting() or postLong() task, never from a handler or a post() task, nor in a seeded in-process world.
 ///
 /// A key names a request in all ranks. Within a key all ranks make the same calls in the same order; calls of
 /// different keys neither wait for each other nor mix, whatever their order on each rank. A rank that fails

@@ -269,6 +269,7 @@ class ThreadedWorld final : public InProcessWorld::World {
     }
     void post(Task task) override { runOn(world_.workers_, std::move(task)); }
     void postWaiting(Task task) override { runOn(world_.waiting_, std::move(task)); }
+    void postLong(Task task) override { runOn(world_.long_, std::move(task)); }
     std::shared_ptr<void> expectPost() override {
       world_.outstanding_.add();
       return {this, [](Rank* rank) { rank->world_.outstanding_.remove(); }};
@@ -323,7 +324,7 @@ class ThreadedWorld final : public InProcessWorld::World {
   Outstanding outstanding_;
   std::vector<std::unique_ptr<Rank>> ranks_;
   ThreadPool workers_;
-  ThreadPool waiting_;
+  ThreadPool waiting_, long_{ThreadPool::unlimited, ThreadPool::Priority::Low};
 };
 
 }  // namespace

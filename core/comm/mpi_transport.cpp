@@ -132,6 +132,14 @@ class MpiTransport::Progress {
 
   void postWaiting(Task task) { waitingTasks_.run(counted(std::move(task))); }
 
+  void postLong(Task task) {
+    longTasks_.run([task = counted(std::move(task))]() mutable {
+      // A worker of oneTBB's that it started would be of its low priority for good.
+      tbb::task_arena alone(1);
+      alone.execute([&task] { std::exchange(task, nullptr)(); });
+    });
+  }
+
   Counters counters() const {
     std::lock_guard lock(mutex_);
     return {bytesSent_, packetsSent_, messagesSent_, queuedBytes_ + heldBySender_, mostWaiting_};
@@ -277,7 +285,7 @@ class MpiTransport::Progress {
 
   std::optional<tbb::global_control> allowed_;
   tbb::task_arena arena_;
-  ThreadPool waitingTasks_;
+  ThreadPool waitingTasks_, longTasks_{ThreadPool::unlimited, ThreadPool::Priority::Low};
   std::thread thread_;
 };
 
@@ -296,6 +304,7 @@ void MpiTransport::onMessage(Channel channel, Handler handler) {
 }
 void MpiTransport::post(Task task) { progress_->post(std::move(task)); }
 void MpiTransport::postWaiting(Task task) { progress_->postWaiting(std::move(task)); }
+void MpiTransport::postLong(Task task) { progress_->postLong(std::move(task)); }
 Transport::Counters MpiTransport::counters() const { return progress_->counters(); }
 
 }  // namespace gxy

@@ -45,6 +45,7 @@ class MpiTransport final : public Transport {
   void onMessage(Channel channel, Handler handler) override;
   void post(Task task) override;
   void postWaiting(Task task) override;
+  void postLong(Task task) override;
   Counters counters() const override;
 
   /// Threads that run tasks.

@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "thread_pool.h"
 
+#include <sys/resource.h>
+
 #include <algorithm>
 #include <system_error>
 #include <utility>
 
 namespace gxy {
 
-ThreadPool::ThreadPool(size_t limit) : limit_(limit) {
+ThreadPool::ThreadPool(size_t limit, Priority priority)
+    : limit_(limit), priority_(priority), nice_(std::min(getpriority(PRIO_PROCESS, 0) + kLower, 19)) {
   std::lock_guard lock(mutex_);
   threads_.emplace_back([this] { serve(); });
 }
@@ -42,6 +45,7 @@ void ThreadPool::run(std::function<void()> task) {
 }
 
 void ThreadPool::serve() {
+  if (priority_ == Priority::Low) setpriority(PRIO_PROCESS, 0, nice_);  // on Linux of this thread
   std::thread before;
   {
     std::unique_lock lock(mutex_);

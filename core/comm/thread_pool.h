@@ -19,9 +19,14 @@ class ThreadPool {
  public:
   static constexpr size_t unlimited = std::numeric_limits<size_t>::max();
   static constexpr size_t kKept = 16;
+  /// Added to the nice value of threads of low priority: beside one that is not, one of them gets a tenth of a processor.
+  static constexpr int kLower = 10;
 
-  /// Starts a first thread, so that there always is one. Throws std::system_error where the system gives none.
-  explicit ThreadPool(size_t limit = unlimited);
+  enum class Priority { Normal, Low };
+
+  /// Starts a first thread, so that there always is one. Throws std::system_error where the system gives none. Low: its
+  /// threads, and those that tasks start, leave the processors to those of whoever makes the pool.
+  explicit ThreadPool(size_t limit = unlimited, Priority priority = Priority::Normal);
 
   /// Runs what is queued to its end, and joins.
   ~ThreadPool();
@@ -36,6 +41,8 @@ class ThreadPool {
   void serve();
 
   const size_t limit_;
+  const Priority priority_;
+  const int nice_;  ///< of threads of low priority
   std::mutex mutex_;
   std::condition_variable changed_;
   std::deque<std::function<void()>> queue_;

@@ -6,6 +6,7 @@
 #include <functional>
 #include <memory>
 #include <span>
+#include <utility>
 #include <vector>
 
 namespace gxy {
@@ -48,13 +49,17 @@ class Transport {
   /// what it refers to may go. (From a thread that holds a lock which a handler takes, this would deadlock.)
   virtual void onMessage(Channel channel, Handler handler) = 0;
 
-  /// Runs a task soon on one of the rank's worker threads (oneTBB), in any order.
-  /// It must not wait for other tasks or for messages.
+  /// Runs a task soon on one of the rank's worker threads (oneTBB), in any order. It must not wait for other tasks or for
+  /// messages, and takes a millisecond or so: all that is rendered waits for a worker, and no task is interrupted.
   virtual void post(Task task) = 0;
 
   /// Runs a task on a thread that it does not share, so that it may wait for tasks and messages of any rank
   /// (collective.h). For requests, which are few; the threads are kept and used again.
   virtual void postWaiting(Task task) = 0;
+
+  /// The same for what computes long: its threads are of lower priority than the others, so that these get the processors
+  /// that they want. Its loops (parallel_for.h) run on its own thread. Where nothing has a priority, postWaiting().
+  virtual void postLong(Task task) { postWaiting(std::move(task)); }
 
   /// Says that something which is no task, as a device at work, will post one from a thread of its own: until what this
   /// returns is gone InProcessWorld::run() waits for it. Others need not know, and return null.

@@ -91,6 +91,13 @@ bool Work::contains(const std::string& name) const {
   return actions_.count(name) > 0;
 }
 
+Work::Runs Work::runsOf(const std::string& name) const {
+  const std::lock_guard lock(mutex_);
+  const auto found = actions_.find(name);
+  if (found == actions_.end()) throw Error("no work named '" + name + "' is registered");
+  return found->second.runs;
+}
+
 // -----------------------------------------------------------------------------------------------------------
 // sending
 
@@ -247,10 +254,14 @@ void Work::startTask(Runs runs, Transport::Task task) {
     });
     task();
   };
-  if (runs == Runs::Waiting)
-    transport_.postWaiting(std::move(gated));
-  else
-    transport_.post(std::move(gated));
+  switch (runs) {
+    case Runs::Short:
+      return transport_.post(std::move(gated));
+    case Runs::Waiting:
+      return transport_.postWaiting(std::move(gated));
+    case Runs::Long:
+      return transport_.postLong(std::move(gated));
+  }
 }
 
 }  // namespace gxy

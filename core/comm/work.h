@@ -21,7 +21,7 @@ namespace gxy {
 /// told to the sender; nothing of this ends a process.
 ///
 /// Threads: all calls but the constructor and destructor may come from any thread, handlers included, but for
-/// the calls that wait, which may come from the main thread and postWaiting() tasks only.
+/// the calls that wait, which may come from the main thread and from postWaiting() and postLong() tasks only.
 class Work {
  public:
   /// What an action is called with; valid during the call.
@@ -34,8 +34,10 @@ class Work {
   /// Returns the result; throws (gxy::Error: a message for the user) when it fails.
   using Action = std::function<nlohmann::json(const Call&)>;
 
-  /// Where an action runs: as a task on a worker; or as a task that may wait for other ranks (Collective).
-  enum class Runs { Short, Waiting };
+  /// Where an action runs: as a task on a worker, which all that is rendered waits for, so for a millisecond at most
+  /// (Transport::post); as a task that may wait for other ranks, as in a Collective (postWaiting); or as one that may wait and
+  /// computes long, with what the others leave of the processors (postLong).
+  enum class Runs { Short, Waiting, Long };
 
   struct Reply {
     int rank;
@@ -62,6 +64,9 @@ class Work {
 
   /// Whether an action has this name.
   bool contains(const std::string& name) const;
+
+  /// Where the action of this name runs. Throws Error where there is none.
+  Runs runsOf(const std::string& name) const;
 
   void send(int rank, const std::string& name, const nlohmann::json& parameters, OnDone onDone,
             std::span<const std::byte> attachment = {});

@@ -24,6 +24,8 @@ struct Collectives {
   /// Throws Error if this rank's part is to end before it is done; called between files and between blocks of them, where
   /// agree() makes all ranks end.
   virtual void check() const {}
+  /// This rank has done so much of the call that it is in, from 0 to 1; called where check() is, beside it.
+  virtual void done(double) const {}
 };
 
 /// One rank by itself.
@@ -37,8 +39,14 @@ struct SingleRank final : Collectives {
 /// The ranks of a Transport, over a Collective and one of its keys.
 class RankCollectives final : public Collectives {
  public:
-  RankCollectives(Collective& collective, int rank, int size, uint64_t key, std::function<void()> check = {})
-      : collective_(collective), rank_(rank), size_(size), key_(key), check_(std::move(check)) {}
+  RankCollectives(Collective& collective, int rank, int size, uint64_t key, std::function<void()> check = {},
+                  std::function<void(double)> done = {})
+      : collective_(collective),
+        rank_(rank),
+        size_(size),
+        key_(key),
+        check_(std::move(check)),
+        done_(std::move(done)) {}
   int rank() const override { return rank_; }
   int size() const override { return size_; }
   std::vector<Bytes> allGather(Bytes mine) override { return collective_.allGather(key_, std::move(mine)); }
@@ -48,12 +56,16 @@ class RankCollectives final : public Collectives {
   void check() const override {
     if (check_) check_();
   }
+  void done(double share) const override {
+    if (done_) done_(share);
+  }
 
  private:
   Collective& collective_;
   int rank_, size_;
   uint64_t key_;
   std::function<void()> check_;
+  std::function<void(double)> done_;
 };
 
 /// Runs `work`, which must not communicate, on every rank. If it throws on any rank, throws Error on every

@@ -60,13 +60,7 @@ Datasets::~Datasets() = default;
 void Datasets::addWorks() {
   node_.work.add(
       "datasets.import", [this](const Work::Call& call) { return importHere(call.parameters); },
-      Work::Runs::Waiting);
-  node_.work.add("datasets.cancel", [this](const Work::Call& call) -> json {
-    const std::lock_guard lock(mutex_);
-    const auto import = underWay_.find(call.parameters.at("exchange").get<uint64_t>());
-    if (import != underWay_.end()) import->second = true;
-    return nullptr;
-  });
+      Work::Runs::Long);
   node_.work.add("datasets.info", [this](const Work::Call& call) { return infoHere(call.parameters); });
   node_.work.add("datasets.drop", [this](const Work::Call& call) -> json {
     const Key key{call.parameters.at("key").get<uint64_t>()};

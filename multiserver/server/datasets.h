@@ -146,15 +146,10 @@ class Datasets {
   mutable std::mutex mutex_;
   std::condition_variable changed_;
   std::mutex naming_;  ///< held while names change and that is told: one change at a time; before mutex_
-  struct Asked {
-    Request* request;
-    std::shared_ptr<const Partitioning> like;  ///< to be used, or null
-  };
-  std::map<uint64_t, Asked> imports_;  ///< rank 0: by exchange
-  std::map<uint64_t, bool> underWay_;  ///< by exchange: an import here, and whether it is to end
-  std::set<std::string> importing_;    ///< rank 0: names with their scopes
-  std::map<Key, std::pair<std::string, Scope>> names_;  ///< rank 0: of each object
-  std::map<std::string, std::vector<Key>> newest_;      ///< rank 0: by owner, newest last
+  std::map<uint64_t, std::shared_ptr<const Partitioning>> like_;  ///< rank 0: to be used, by exchange
+  std::set<std::string> importing_;                               ///< rank 0: names with their scopes
+  std::map<Key, std::pair<std::string, Scope>> names_;            ///< rank 0: of each object
+  std::map<std::string, std::vector<Key>> newest_;                ///< rank 0: by owner, newest last
   std::map<uint64_t, std::shared_ptr<Observer>> observers_;
   uint64_t nextObserver_ = 0;
 };

@@ -77,7 +77,8 @@ std::shared_ptr<const Partitioning> Datasets::partitioningFor(const json& p, con
   std::vector<Key> candidates;
   {
     const std::lock_guard lock(mutex_);
-    like = imports_.at(p.at("exchange").get<uint64_t>()).like;
+    if (const auto asked = like_.find(p.at("exchange").get<uint64_t>()); asked != like_.end())
+      like = asked->second;
     if (const auto own = newest_.find(p.at("tenant").get<std::string>()); own != newest_.end())
       candidates = own->second;
   }
@@ -105,28 +106,8 @@ json Datasets::importHere(const json& p) {
   const auto tenant = p.at("tenant").get<std::string>();
   const json& specs = p.at("datasets");
   const ReadScope inside = node_.folders.reading();
-  {
-    const std::lock_guard lock(mutex_);
-    underWay_.emplace(exchange, false);
-  }
-  RankCollectives ranks = node_.collectives(exchange, [&] {
-    const std::lock_guard lock(mutex_);
-    if (underWay_.at(exchange)) throw Error("cancelled");
-  });
-  const std::shared_ptr<void> finish(nullptr, [&](void*) {
-    node_.collective.finish(exchange);
-    const std::lock_guard lock(mutex_);
-    underWay_.erase(exchange);
-  });
-  const auto report = [&](size_t done, const std::string& what) {
-    agree(ranks, [&] {
-      const std::lock_guard lock(mutex_);
-      const auto import = imports_.find(exchange);
-      if (import == imports_.end()) return;
-      import->second.request->check();
-      import->second.request->progress(int64_t(done), int64_t(2 * specs.size()), what);
-    });
-  };
+  Exchanges::Part part = node_.exchanges.join(exchange);
+  RankCollectives& ranks = part.ranks;
 
   std::vector<std::shared_ptr<Dataset>> made;
   agree(ranks, [&] {
@@ -142,9 +123,14 @@ json Datasets::importHere(const json& p) {
   Box box;
   std::optional<Grid> first;
   std::vector<std::string> warnings;  // on rank 0
+  const auto all = int64_t(made.size());
+  int64_t finished = 0;
+  const auto begin = [&](const char* what, size_t i, bool phase = false) {
+    part.begin(finished, all, what + specs[i].at("name").get<std::string>(), phase);
+  };
   for (size_t i = 0; i < made.size(); i++) {
     Dataset& d = *made[i];
-    report(i, "reading " + specs[i].at("name").get<std::string>());
+    begin(d.type == DatasetType::Volume ? "opening " : "reading ", i);
     if (d.type == DatasetType::Volume) {
       const Grid grid = gridOf(d.file, d.array, ranks, &warnings);
       box.extend(grid.box());
@@ -161,6 +147,7 @@ json Datasets::importHere(const json& p) {
       });
       box.extend(geometry->box);
       d.geometry = std::move(geometry);
+      finished++;
     }
   }
 
@@ -177,11 +164,12 @@ json Datasets::importHere(const json& p) {
     if (!partitioning) partitioning = std::make_shared<const Partitioning>(readPartitioning(told));
   });
 
+  bool samples = false;
   for (size_t i = 0; i < made.size(); i++) {
     Dataset& d = *made[i];
     d.partitioning = partitioning;
-    report(specs.size() + i, "importing " + specs[i].at("name").get<std::string>());
     if (d.type != DatasetType::Volume) continue;
+    begin("importing ", i, !std::exchange(samples, true));
     agree(ranks, [&] {
       d.bytes = bytesToCome(openVolume(d.file, d.array), *partitioning, node_.rank());
       d.memory = node_.takeMemory(tenant, "volume", d.bytes);
@@ -189,6 +177,7 @@ json Datasets::importHere(const json& p) {
     d.volume = importVolume(d.file, d.array, *partitioning, kGhostLayers, ranks);
     d.bytes = gxy::bytesOf(*d.volume);
     d.memory.resize(d.bytes);
+    finished++;
   }
 
   // Objects that exist get a second buffer, which is committed when all ranks have theirs; the others are made. Rank 0 goes
@@ -266,10 +255,10 @@ std::vector<std::string> Datasets::import(Request& request, const Import& what) 
   std::vector<DatasetSpec> specs = what.specs;
   if (what.onlyMissing) std::erase_if(specs, [&](const DatasetSpec& d) { return find(tenant, d.name); });
   if (specs.empty()) return {};
-  const uint64_t exchange = node_.nextExchange();
-  json parameters{{"exchange", exchange}, {"tenant", tenant}, {"new", what.newPartitioning}};
-  Asked asked{&request, nullptr};
-  if (!what.like.empty()) asked.like = getPinned(tenant, what.like).second.get<Dataset>()->partitioning;
+  const auto exchange = node_.exchanges.begin(request);
+  json parameters{{"exchange", *exchange}, {"tenant", tenant}, {"new", what.newPartitioning}};
+  std::shared_ptr<const Partitioning> like;
+  if (!what.like.empty()) like = getPinned(tenant, what.like).second.get<Dataset>()->partitioning;
   json updates = json::array();
   std::vector<Unnamed> added;
   for (const DatasetSpec& d : specs) {
@@ -285,16 +274,13 @@ std::vector<std::string> Datasets::import(Request& request, const Import& what) 
       added.push_back({d.name, key, d.type});
     parameters["datasets"].push_back(std::move(spec));
   }
-  {
+  if (like) {
     const std::lock_guard lock(mutex_);
-    imports_[exchange] = std::move(asked);
+    like_[*exchange] = std::move(like);
   }
   const std::shared_ptr<void> forget(nullptr, [&](void*) {
     const std::lock_guard lock(mutex_);
-    imports_.erase(exchange);
-  });
-  request.onCancel([this, exchange] {
-    node_.work.broadcast("datasets.cancel", {{"exchange", exchange}}, [](std::vector<Work::Reply>) {});
+    like_.erase(*exchange);
   });
   std::vector<std::string> warnings;
   try {
@@ -304,7 +290,8 @@ std::vector<std::string> Datasets::import(Request& request, const Import& what) 
     throw;
   }
   nameAll(tenant, what.scope, added, updates);
-  request.progress(int64_t(2 * specs.size()), int64_t(2 * specs.size()), "done");
+  const auto all = int64_t(specs.size()) * Exchanges::kUnits;
+  request.progress(all, all, "done");
   return warnings;
 }
 

@@ -46,10 +46,12 @@ Node::Node(Transport& t, NodeOptions o, const BackendRegistry& backends)
       tenants(options.tenantFrames),
       backend(backends.make(options.backend, &ledger)),
       collective(t),
+      exchanges(*this),
       renderer(t, rendererOptions(options, ledger)),
       datasets(std::make_unique<Datasets>(*this)),
       modules(std::make_unique<Modules>(*this)),
       work(t, options.trace) {
+  exchanges.addWorks();
   datasets->addWorks();
   modules->addWorks();
   addServerWorks(*this);

@@ -16,6 +16,7 @@
 #include "gxy/render/renderer.h"
 #include "gxy/server/data_folders.h"
 #include "gxy/server/document_reader.h"
+#include "gxy/server/exchanges.h"
 #include "gxy/server/tenants.h"
 #include "gxy/space/directory.h"
 #include "gxy/space/ledger.h"
@@ -52,9 +53,10 @@ struct Node {
   int ranks() const { return transport.size(); }
 
   /// A number that names one exchange of all ranks (Collective); rank 0 draws it and tells the others.
-  uint64_t nextExchange() { return ++exchanges_; }
-  RankCollectives collectives(uint64_t exchange, std::function<void()> check = {}) {
-    return {collective, rank(), ranks(), exchange, std::move(check)};
+  uint64_t nextExchange() { return ++lastExchange_; }
+  RankCollectives collectives(uint64_t exchange, std::function<void()> check = {},
+                              std::function<void(double)> done = {}) {
+    return {collective, rank(), ranks(), exchange, std::move(check), std::move(done)};
   }
 
   /// Work::callAll, with an error that all ranks have alike told once.
@@ -79,6 +81,7 @@ struct Node {
   ReadingTurns reading;  ///< rank 0
   const std::unique_ptr<Backend> backend;
   Collective collective;
+  Exchanges exchanges;
   Renderer renderer;
   const std::unique_ptr<Datasets> datasets;
   const std::unique_ptr<Modules> modules;
@@ -91,7 +94,7 @@ struct Node {
   const std::chrono::steady_clock::time_point begin = std::chrono::steady_clock::now();
 
  private:
-  std::atomic<uint64_t> exchanges_ = 1;
+  std::atomic<uint64_t> lastExchange_ = 1;
   std::mutex memory_;
 };
 

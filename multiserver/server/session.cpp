@@ -50,11 +50,11 @@ void Request::onAnswered(std::function<void()> action) {
   answeredActions_.push_back(std::move(action));
 }
 
-void Request::progress(int64_t done, int64_t of, const std::string& text) {
+void Request::progress(int64_t done, int64_t of, const std::string& text, bool phase) {
   {
     const std::lock_guard lock(mutex_);
     const auto now = std::chrono::steady_clock::now();
-    if (done < of && now < lastProgress_ + std::chrono::milliseconds(100)) return;
+    if (done < of && !phase && now < lastProgress_ + std::chrono::milliseconds(100)) return;
     lastProgress_ = now;
   }
   session_.outbox().event(

@@ -41,8 +41,8 @@ class Request {
   /// Calls `action` (short) once the reply has been given to the outbox.
   void onAnswered(std::function<void()> action);
 
-  /// A progress event, at most ten a second, the last one always.
-  void progress(int64_t done, int64_t of, const std::string& text);
+  /// A progress event, at most ten a second, the last one and those with which a phase begins always.
+  void progress(int64_t done, int64_t of, const std::string& text, bool phase = false);
 
  private:
   /// Takes verb and arguments out of the text, if that has not been done. Before anyone else has the request. Throws Error.

@@ -121,6 +121,23 @@ std::shared_ptr<void> Tenants::beginAside(const std::string& tenant) {
           }};
 }
 
+std::shared_ptr<void> Tenants::beginLong(const std::string& tenant, const std::function<void()>& check) {
+  std::unique_lock lock(state_->mutex);
+  while (account(tenant).longWorks >= kLong) {
+    lock.unlock();
+    check();
+    lock.lock();
+    state_->ended.wait_for(lock, std::chrono::milliseconds(100),
+                           [&] { return account(tenant).longWorks < kLong; });
+  }
+  account(tenant).longWorks++;
+  return {nullptr, [state = state_, tenant](void*) {
+            const std::lock_guard lock(state->mutex);
+            state->accounts.at(tenant).longWorks--;
+            state->ended.notify_all();
+          }};
+}
+
 nlohmann::json Tenants::statistics() const {
   const std::lock_guard lock(state_->mutex);
   auto list = nlohmann::json::array();

@@ -75,6 +75,12 @@ class Tenants {
   /// One of these, until let go. Throws Error when the tenant has as many as it may have. The same lifetime.
   [[nodiscard]] std::shared_ptr<void> beginAside(const std::string& tenant);
 
+  static constexpr int kLong = 4;  ///< long works (Exchanges) that run at once for a tenant
+  /// One of these, until let go. Waits where the tenant has as many as it may have; throws what `check` throws, which is called
+  /// now and then. The same lifetime.
+  [[nodiscard]] std::shared_ptr<void> beginLong(const std::string& tenant,
+                                                const std::function<void()>& check);
+
   /// By name: frames in flight and done, bytes of their pictures, seconds they took.
   nlohmann::json statistics() const;
   /// A number for a tenant that stays the same.
@@ -84,7 +90,7 @@ class Tenants {
  private:
   struct Account {
     uint32_t number = 0;
-    int frames = 0, aside = 0;
+    int frames = 0, aside = 0, longWorks = 0;
     int64_t bytes = 0;
     uint64_t done = 0;
     double seconds = 0;

@@ -6,11 +6,14 @@
 #include <future>
 #include <memory>
 #include <mutex>
+#include <set>
+#include <thread>
 #include <vector>
 
 #include "collective_checks.h"
 #include "gxy/comm/completion.h"
 #include "gxy/comm/mpi_transport.h"
+#include "gxy/comm/parallel_for.h"
 #include "work_checks.h"
 
 using namespace gxy;
@@ -240,6 +243,28 @@ TEST(MpiCollective, RequestsInAnyOrderOnEachRankNeitherMixNorDeadlock) {
     });
   done.get_future().wait();
   collective.barrier(50);
+}
+
+// Threads that they started would have their low priority.
+TEST(MpiTransport, LoopsOfLongTasksRunOnTheirOwnThread) {
+  MpiTransport transport;
+  std::promise<std::set<std::thread::id>> threads;
+  transport.postLong([&] {
+    std::mutex mutex;
+    std::set<std::thread::id> used;
+    parallelFor(0, 10000, [&](int) {
+      const std::lock_guard lock(mutex);
+      used.insert(std::this_thread::get_id());
+    });
+    used.insert(std::this_thread::get_id());
+    threads.set_value(used);
+  });
+  const size_t used = threads.get_future().get().size();
+#ifdef __SANITIZE_THREAD__  // where loops have threads of their own
+  EXPECT_GE(used, 1u);
+#else
+  EXPECT_EQ(used, 1u);
+#endif
 }
 
 TEST(MpiWork, CallsBringResultsAndErrorsOfAllRanks) {

@@ -3,7 +3,9 @@
 
 #include <gtest/gtest.h>
 #include <pthread.h>
+#include <sys/resource.h>
 
+#include <algorithm>
 #include <atomic>
 #include <filesystem>
 #include <latch>
@@ -35,6 +37,26 @@ TEST(ThreadPool, KeepsFewThreadsAfterManyTasksAtOnce) {
     all.arrive_and_wait();
     while (threadsOfThisProcess() > before + ThreadPool::kKept) std::this_thread::yield();
   }
+}
+
+TEST(ThreadPool, OfLowPriorityLeavesTheProcessorsToOthers) {
+  const auto niceValue = [] { return getpriority(PRIO_PROCESS, 0); };  // of the thread that asks
+  const int own = niceValue();
+  std::latch all(9);
+  std::atomic<int> ordinary = 0, low = 0;
+  const auto count = [&](std::atomic<int>& pool, int expected) {
+    if (niceValue() == expected) pool++;
+    all.arrive_and_wait();
+  };
+  ThreadPool first, second(ThreadPool::unlimited, ThreadPool::Priority::Low);
+  for (int i = 0; i < 4; i++) {
+    first.run([&] { count(ordinary, own); });
+    second.run([&] { count(low, std::min(own + ThreadPool::kLower, 19)); });
+  }
+  all.arrive_and_wait();
+  EXPECT_EQ(ordinary, 4);
+  EXPECT_EQ(low, 4);
+  EXPECT_EQ(niceValue(), own);
 }
 
 TEST(ThreadPool, RunsWhatIsQueuedBeforeItEnds) {

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <future>
 
 #include "gxy/server/datasets.h"
 #include "multiserver/test_server.h"
@@ -45,6 +46,75 @@ TEST(Example, FindsTheRangeAndMakesADatasetWhereTheSourceIs) {
   client->expect("drop shell");
   client->expect("drop ball");
   for (int rank = 0; rank < 3; rank++) EXPECT_EQ(server.node(rank).ledger.total("user"), 0);
+}
+
+TEST(Example, ItsWorksLookAtAllSamplesAndLeaveTheWorkersToFrames) {
+  ServerSetup setup;
+  setup.modules = GALAXY_MODULES;
+  TestServer server(std::move(setup));
+  server.client()->expect("load example");
+  for (int rank = 0; rank < 2; rank++)
+    for (const char* name : {"example.range", "example.threshold", "datasets.import"})
+      EXPECT_EQ(server.node(rank).work.runsOf(name), Work::Runs::Long) << name;
+}
+
+/// A server on whose rank 1 nothing arrives until told; messages to rank 0 go on.
+struct Held {
+  Held() {
+    ServerSetup setup;
+    setup.modules = GALAXY_MODULES;
+    server = std::make_unique<TestServer>(std::move(setup));
+  }
+  ~Held() {
+    if (holds) goOn.set_value();
+  }
+  void hold() {
+    holds = true;
+    std::promise<void> begun;
+    server->node(1).transport.onMessage(Channel::Test,
+                                        [&begun, released = goOn.get_future().share()](int, const Bytes&) {
+                                          begun.set_value();
+                                          released.wait();
+                                        });
+    server->node(1).transport.send(1, Channel::Test, {});
+    begun.get_future().wait();
+  }
+  void release() {
+    holds = false;
+    goOn.set_value();
+  }
+  bool holds = false;
+  std::promise<void> goOn;
+  std::unique_ptr<TestServer> server;
+};
+
+TEST(Example, AFilterThatIsCancelledMakesNothing) {
+  Held held;
+  std::promise<json> begun;
+  std::once_flag once;
+  auto options = held.server->options();
+  options.onEvent = [&](const json& event) {
+    if (event.at("event") == "progress" && event.at("text") == "threshold")
+      std::call_once(once, [&] { begun.set_value(event); });
+  };
+  Client client(options);
+  client.expect("load data");
+  client.expect("load example");
+  client.expect(importBall("ball"));
+  held.hold();
+  std::promise<Reply> made;
+  const uint32_t id =
+      client.send("threshold ball shell 0.5 1", [&](const Reply& reply) { made.set_value(reply); });
+  const json progress = begun.get_future().get();
+  EXPECT_EQ(progress.at("request"), id);
+  EXPECT_EQ(progress.at("done"), 0);
+  EXPECT_EQ(progress.at("of"), 2 * Exchanges::kUnits);
+  client.expect("cancel " + std::to_string(id));  // rank 0 is at it, rank 1 has not heard of it
+  held.release();
+  EXPECT_EQ(made.get_future().get().error, "cancelled");
+  EXPECT_EQ(client.expect("list").at("datasets").size(), 1u);
+  client.expect("drop ball");
+  for (int rank = 0; rank < 2; rank++) EXPECT_EQ(held.server->node(rank).ledger.total("user"), 0);
 }
 
 }  // namespace

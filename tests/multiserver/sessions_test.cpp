@@ -387,6 +387,70 @@ TEST(Sessions, LongWorkOfOthersHoldsUpNobody) {
   EXPECT_EQ(ended, kWorks);
 }
 
+TEST(Sessions, LongWorkOfATenantWaitsForItsTurnAndHoldsUpNobodyElse) {
+  TestServer server(setup());
+  const auto ann = server.client("ann"), bob = server.client("bob");
+  for (const auto* client : {&ann, &bob}) {
+    (*client)->expect("load data");
+    (*client)->expect("load example");
+    (*client)->expect(importBall("ball"));
+  }
+  std::vector<std::shared_ptr<void>> turns;
+  for (int i = 0; i < Tenants::kLong; i++)
+    turns.push_back(server.node().tenants.beginLong("ann", [] { FAIL() << "there is room"; }));
+  std::promise<Reply> imported, found;
+  const uint32_t id =
+      ann->send(importBall("late"), [&](const Reply& reply) { imported.set_value(reply); });  // aside
+  ann->send("example.range ball", [&](const Reply& reply) { found.set_value(reply); });
+  bob->expect(importBall("late"));
+  bob->expect("example.range ball");
+  ann->expect("cancel " + std::to_string(id));
+  EXPECT_EQ(imported.get_future().get().error, "cancelled") << "though it has not begun";
+  turns.pop_back();
+  EXPECT_TRUE(found.get_future().get().ok);
+  EXPECT_EQ(ann->expect("list").at("datasets").size(), 1u);
+}
+
+// As those of modules do, which cannot know how long the data are.
+TEST(Sessions, LongWorkEndsOnAllRanksWhenItsRequestIsCancelled) {
+  TestServer server(setup());
+  Node& node = server.node();
+  std::promise<void> begun;
+  std::atomic<int> ended = 0;
+  for (int rank = 0; rank < 2; rank++)
+    server.node(rank).work.add(
+        "test.long",
+        [&, rank](const Work::Call& call) -> json {
+          Exchanges::Part part = server.node(rank).exchanges.join(call.parameters.at("exchange"));
+          part.begin(0, 1, "at it");
+          if (rank == 0) begun.set_value();
+          try {
+            for (;; std::this_thread::yield()) part.ranks.check();
+          } catch (const Error&) {
+            ended++;
+            throw;
+          }
+        },
+        Work::Runs::Long);
+  const auto outbox = std::make_shared<Outbox>(
+      Outbox::Limits{}, [] {}, node.ledger.enter("ann", "to be sent", 0));
+  Session ann(node, outbox, {1, "test", "ann", false}, {});
+  Request request(ann, 1, protocol::bytesOf("echo"));
+  const auto exchange = node.exchanges.begin(request);
+  auto called = std::async(std::launch::async, [&] {
+    try {
+      node.callAll("test.long", {{"exchange", *exchange}});
+      return std::string();
+    } catch (const Error& e) {
+      return std::string(e.what());
+    }
+  });
+  begun.get_future().wait();
+  request.cancel();
+  EXPECT_EQ(called.get(), "cancelled");
+  EXPECT_EQ(ended, 2);
+}
+
 /// A reply that is to come.
 std::future<Reply> sent(Client& client, const std::string& statement, uint32_t* id = nullptr) {
   const auto promise = std::make_shared<std::promise<Reply>>();

@@ -73,7 +73,7 @@ os.write(terminal, b"st;\n")
 for answer in ["datasets:", "seen", "? "]:
     until(answer)
 os.write(terminal, load.encode() + b";\n")
-for answer in ["event: updated seen, private Volume, generation 2", "done: 2 of 2", "? "]:
+for answer in ["event: updated seen, private Volume, generation 2", "done: 100 of 100", "? "]:
     until(answer)
 os.write(terminal, b"drop seen;\n")
 for answer in ["event: dropped seen", "? "]:

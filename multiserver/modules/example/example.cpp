@@ -19,33 +19,38 @@ using nlohmann::json;
 /// On each rank: the range of what it owns of a dataset.
 struct RangeWork {
   static constexpr const char* name = "example.range";
-  static constexpr Work::Runs runs = Work::Runs::Short;
-  uint64_t key = 0, generation = 0;
+  static constexpr Work::Runs runs = Work::Runs::Long;  // it looks at all samples
+  uint64_t exchange = 0, key = 0, generation = 0;
 
   json action(Node& node, const Work::Call&) const {
+    Exchanges::Part part = node.exchanges.join(exchange);
     const Pin pin = node.objects.pin(Key{key}, generation);
     const auto dataset = pin.get<Dataset>();
     Range range;
     if (dataset->geometry) range = rangeOf(dataset->geometry->block);
     if (const Volume* volume = dataset->volume.get())
-      for (const auto& [partition, block] : volume->blocks)
+      for (const auto& [partition, block] : volume->blocks) {
+        part.ranks.check();  // throws when the request has been cancelled
         for (const Range& r : statisticsOf(block, volume->stored, volume->components).ranges)
           if (!r.empty())
             range.extend({volume->shift + volume->scale * r.min, volume->shift + volume->scale * r.max});
+      }
     return range.empty() ? json(nullptr) : json{range.min, range.max};
   }
 };
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(RangeWork, key, generation)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(RangeWork, exchange, key, generation)
 
 /// The driver: broadcasts the work, waits until the results of all ranks have come, and merges them.
 json range(Request& request) {
   Node& node = request.session().node();
   protocol::Arguments arguments(request.arguments(), "range NAME");
-  // pinned on this rank, the generation stays on all of them
-  const auto [dataset, pin] = node.datasets->getPinned(request.session().tenant(), arguments.expectWord());
+  const std::string name = arguments.expectWord();
   arguments.expectEnd();
+  const auto exchange = node.exchanges.begin(request);  // waits for its turn among the tenant's
+  // pinned on this rank, the generation stays on all of them
+  const auto [dataset, pin] = node.datasets->getPinned(request.session().tenant(), name);
   Range all;
-  for (const json& part : callAll(node, RangeWork{dataset.key.value, dataset.generation}))
+  for (const json& part : callAll(node, RangeWork{*exchange, dataset.key.value, dataset.generation}))
     if (!part.is_null()) all.extend({part[0].get<double>(), part[1].get<double>()});
   if (all.empty()) return {{"range", nullptr}, {"text", "no values"}};
   return {{"range", {all.min, all.max}}, {"text", json(all.min).dump() + " " + json(all.max).dump()}};
@@ -56,14 +61,15 @@ json range(Request& request) {
 /// On each rank: a volume of the same grid, 1 where the source lies in [least, largest], else 0.
 struct ThresholdWork {
   static constexpr const char* name = "example.threshold";
-  static constexpr Work::Runs runs = Work::Runs::Waiting;  // it exchanges with the other ranks
+  static constexpr Work::Runs runs = Work::Runs::Long;
   uint64_t exchange = 0, source = 0, generation = 0, destination = 0;
   double least = 0, largest = 0;
   std::string tenant;
 
   json action(Node& node, const Work::Call&) const {
-    RankCollectives ranks = node.collectives(exchange);
-    const std::shared_ptr<void> finish(nullptr, [&](void*) { node.collective.finish(exchange); });
+    Exchanges::Part part = node.exchanges.join(exchange);
+    RankCollectives& ranks = part.ranks;
+    part.begin(0, 2, "threshold");
     const auto made = std::make_shared<Dataset>();
     const auto volume = std::make_shared<Volume>();
     agree(ranks, [&] {  // what may fail on one rank fails on all
@@ -80,15 +86,20 @@ struct ThresholdWork {
         made->bytes += int64_t(Bricks(block.extent.points).count());
       made->memory = node.takeMemory(tenant, "volume", made->bytes);
       for (const auto& [partition, block] : from->volume->blocks)
-        volume->blocks[partition] = thresholded(*from->volume, block);
+        volume->blocks[partition] = thresholded(*from->volume, block, [&](double share) {
+          ranks.check();
+          ranks.done((double(volume->blocks.size()) + share) / double(from->volume->blocks.size()));
+        });
     });
+    part.begin(1, 2, "summaries", true);
     completeVolume(*volume, *made->partitioning, ranks);
     made->volume = volume;
     agree(ranks, [&] { node.objects.add(Key{destination}, Payload(std::shared_ptr<const Dataset>(made))); });
     return nullptr;
   }
 
-  VolumeBlock thresholded(const Volume& from, const VolumeBlock& block) const {
+  VolumeBlock thresholded(const Volume& from, const VolumeBlock& block,
+                          const std::function<void(double)>& done) const {
     VolumeBlock out;
     out.extent = block.extent;
     out.samples.resize(size_t(block.extent.count()));
@@ -96,13 +107,15 @@ struct ThresholdWork {
     const Bricks bricks(n);  // where the points of a complete block lie
     size_t i = 0;            // those of a new one come x fastest
     withType(from.stored, [&](auto stored) {
-      for (int64_t z = 0; z < n[2]; z++)
+      for (int64_t z = 0; z < n[2]; z++) {
+        done(double(z) / double(n[2]));
         for (int64_t y = 0; y < n[1]; y++)
           for (int64_t x = 0; x < n[0]; x++) {
             std::memcpy(&stored, &block.samples[bricks(x, y, z) * sizeof stored], sizeof stored);
             const double value = from.shift + from.scale * double(stored);
             out.samples[i++] = std::byte(value >= least && value <= largest);
           }
+      }
     });
     return out;
   }
@@ -115,15 +128,16 @@ json threshold(Request& request) {
   Node& node = request.session().node();
   const std::string& tenant = request.session().tenant();
   protocol::Arguments arguments(request.arguments(), "threshold NAME NEW LEAST LARGEST");
-  const auto [source, pin] = node.datasets->getPinned(tenant, arguments.expectWord());
-  const std::string name = arguments.expectWord();
+  const std::string from = arguments.expectWord(), name = arguments.expectWord();
   const auto least = arguments.number(), largest = arguments.number();
   if (!least || !largest) arguments.fail("LEAST and LARGEST are numbers");
   arguments.expectEnd();
   checkDatasetName(name);
+  const auto exchange = node.exchanges.begin(request);
+  const auto [source, pin] = node.datasets->getPinned(tenant, from);
   const Key destination = node.keys.next();
-  callAll(node, ThresholdWork{node.nextExchange(), source.key.value, source.generation, destination.value,
-                              *least, *largest, tenant});
+  callAll(node, ThresholdWork{*exchange, source.key.value, source.generation, destination.value, *least,
+                              *largest, tenant});
   node.datasets->add(tenant, name, Scope::Private, destination, DatasetType::Volume);
   return nullptr;
 }

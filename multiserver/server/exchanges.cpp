@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gxy/server/exchanges.h"
+
+#include <algorithm>
+
+#include "gxy/comm/error.h"
+#include "gxy/server/node.h"
+#include "gxy/server/session.h"
+
+namespace gxy {
+
+void Exchanges::addWorks() {
+  node_.work.add("exchanges.cancel", [this](const Work::Call& call) -> nlohmann::json {
+    const std::lock_guard lock(mutex_);
+    const auto part = underWay_.find(call.parameters.at("exchange").get<uint64_t>());
+    if (part != underWay_.end()) part->second = true;
+    return nullptr;
+  });
+}
+
+std::shared_ptr<const uint64_t> Exchanges::begin(Request& request) {
+  const auto turn = node_.tenants.beginLong(request.session().tenant(), [&] { request.check(); });
+  const uint64_t number = node_.nextExchange();
+  {
+    const std::lock_guard lock(mutex_);
+    led_[number] = &request;
+  }
+  const std::shared_ptr<const uint64_t> begun(new uint64_t(number), [this, turn](const uint64_t* led) {
+    const std::lock_guard lock(mutex_);
+    led_.erase(*led);
+    delete led;
+  });
+  request.onCancel([&node = node_, number] {
+    node.work.broadcast("exchanges.cancel", {{"exchange", number}}, [](std::vector<Work::Reply>) {});
+  });
+  return begun;
+}
+
+// Rank 0 asks the request itself: the message may come before the part has begun.
+void Exchanges::check(uint64_t number) const {
+  const std::lock_guard lock(mutex_);
+  if (underWay_.at(number)) throw Error("cancelled");
+  if (const auto led = led_.find(number); led != led_.end()) led->second->check();
+}
+
+Exchanges::Part::Part(Exchanges& exchanges, uint64_t number)
+    : ranks(exchanges.node_.collectives(
+          number, [this] { exchanges_.check(number_); }, [this](double share) { tell(share, false); })),
+      exchanges_(exchanges),
+      number_(number) {
+  const std::lock_guard lock(exchanges_.mutex_);
+  exchanges_.underWay_.emplace(number, false);
+}
+
+Exchanges::Part::~Part() {
+  exchanges_.node_.collective.finish(number_);
+  const std::lock_guard lock(exchanges_.mutex_);
+  exchanges_.underWay_.erase(number_);
+}
+
+void Exchanges::Part::begin(int64_t item, int64_t of, const std::string& text, bool phase) {
+  item_ = item;
+  of_ = of;
+  text_ = text;
+  agree(ranks, [&] {
+    ranks.check();
+    tell(0, phase);
+  });
+}
+
+void Exchanges::Part::tell(double share, bool phase) {
+  const std::lock_guard lock(exchanges_.mutex_);
+  const auto led = exchanges_.led_.find(number_);
+  if (led == exchanges_.led_.end()) return;
+  // The end is told when all ranks have got there, and all has a name.
+  const auto done = std::min(kUnits * item_ + int64_t(share * kUnits), kUnits * of_ - 1);
+  led->second->progress(done, kUnits * of_, text_, phase);
+}
+
+}  // namespace gxy

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+// Long work that all ranks do together for a request: its turn among the tenant's, its end and its progress.
+#pragma once
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+
+#include "gxy/io/collectives.h"
+
+namespace gxy {
+
+struct Node;
+class Request;
+
+/// One on each rank. Rank 0 begins an exchange for a request and tells its number to a work (of Runs::Long, as a rule), which
+/// join()s it on all ranks. When the request is cancelled, its parts end soon. Thread safe.
+class Exchanges {
+ public:
+  static constexpr int64_t kUnits = 100;  ///< of progress that an item counts
+
+  explicit Exchanges(Node& node) : node_(node) {}
+  void addWorks();
+
+  /// Rank 0: its number, until let go; the request outlives it. Waits until the tenant has fewer than Tenants::kLong of them
+  /// under way. Throws Error when the request is cancelled.
+  [[nodiscard]] std::shared_ptr<const uint64_t> begin(Request& request);
+
+  /// A rank's part of an exchange; used by one thread. What it has to say to the other ranks has been said when it goes.
+  class Part {
+   public:
+    ~Part();
+    Part(const Part&) = delete;
+    Part& operator=(const Part&) = delete;
+
+    /// Its check() throws Error "cancelled" when it is time; its done() is told to the client, by rank 0 for all.
+    RankCollectives ranks;
+
+    /// What ranks.done() is a share of from now on: item number `item` of `of`. Throws as check() does, on all ranks: they
+    /// all call it. With `phase`, the client hears of it whatever came just before.
+    void begin(int64_t item, int64_t of, const std::string& text, bool phase = false);
+
+   private:
+    friend class Exchanges;
+    Part(Exchanges& exchanges, uint64_t number);
+    void tell(double share, bool phase);
+
+    Exchanges& exchanges_;
+    const uint64_t number_;
+    int64_t item_ = 0, of_ = 1;
+    std::string text_;
+  };
+  /// In a work, on every rank.
+  Part join(uint64_t number) { return Part(*this, number); }
+
+ private:
+  void check(uint64_t number) const;
+
+  Node& node_;
+  mutable std::mutex mutex_;
+  std::map<uint64_t, Request*> led_;   ///< rank 0: by number
+  std::map<uint64_t, bool> underWay_;  ///< parts of this rank, and whether they are to end
+};
+
+}  // namespace gxy
