@@ -130,12 +130,22 @@ void Renderer::post(const FramePtr& frame, std::function<void()> task, bool firs
   post(share, std::move(task), first);
 }
 
+namespace {
+
+// One more, unless there are as many as there may be; 0: any number.
+bool begin(std::atomic<int>& running, int most) {
+  int now = running;
+  do {
+    if (most > 0 && now >= most) return false;
+  } while (!running.compare_exchange_weak(now, now + 1));
+  return true;
+}
+
+}  // namespace
+
 // A runner takes whichever task is next. Where their number is bounded, one that ends makes way for another.
 void Renderer::startRunner() {
-  int running = runners_;
-  do {
-    if (options_.runners > 0 && running >= options_.runners) return;
-  } while (!runners_.compare_exchange_weak(running, running + 1));
+  if (!begin(runners_, options_.runners)) return;
   post([this] {
     const std::shared_ptr<void> ended(nullptr, [this](void*) {
       runners_--;
@@ -143,6 +153,18 @@ void Renderer::startRunner() {
     });
     if (const auto next = ready_.pop()) next();
   });
+}
+
+void Renderer::startHandOut() {
+  if (!begin(handOuts_, options_.handOuts)) return;
+  std::function<void()> task = [this] {
+    const std::shared_ptr<void> ended(nullptr, [this](void*) {
+      handOuts_--;
+      if (options_.handOuts > 0 && !pictures_.empty()) startHandOut();
+    });
+    if (const auto next = pictures_.pop()) next();
+  };
+  transport_.postLong([tasks = tasks_, task = std::move(task)]() mutable { tasks->run(task); });
 }
 
 void Renderer::addScene(SceneId id, std::shared_ptr<const CompiledScene> scene,
@@ -171,7 +193,7 @@ Renderer::Counters Renderer::counters() const {
 Renderer::Kept Renderer::kept() const {
   Kept kept;
   kept.completionSets = completion_.setsKept();
-  kept.tasks = ready_.size();
+  kept.tasks = ready_.size() + pictures_.size();
   std::lock_guard lock(mutex_);
   kept.frames = frames_.size();
   for (const auto& [id, messages] : parked_) kept.parkedMessages += messages.size();
@@ -421,7 +443,8 @@ void Renderer::finish(FrameId id, bool hasPicture) {
   if (frame->owner != transport_.rank()) return;
   std::function<void()> task = [this, frame, hasPicture] { deliver(frame, hasPicture); };
   if (frame->request.share.interactive) return post(frame->request.share, std::move(task));
-  transport_.postWaiting([tasks = tasks_, task = std::move(task)]() mutable { tasks->run(task); });
+  pictures_.push(frame->request.share, std::move(task));
+  startHandOut();
 }
 
 void Renderer::deliver(const FramePtr& frame, bool hasPicture) {

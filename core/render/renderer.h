@@ -57,7 +57,8 @@ struct FrameRequest {
 /// Whose turn it is: on each rank, tasks run in the order of ReadyQueue, and rays are spawned for interactive frames first,
 /// else for each tenant in turn. A task that is under way is not interrupted, but it traces one packet and puts the rest off,
 /// so that an interactive frame waits, on each rank that it passes, for the packets that are being traced and for no others.
-/// Pictures of frames that nobody watches are handed out beside the tasks (Transport::postWaiting), however long that takes.
+/// Pictures of frames that nobody watches are handed out beside the tasks (Transport::postLong), however long that takes, at
+/// most Options::handOuts of them at once and those of each tenant in turn.
 ///
 /// A superseded frame ends like any other, its rays retired where they are met, but hands out no picture. So does a frame
 /// that a rank or its device could not do its part of: rank 0 hears what was wrong, and other frames go on. Messages that
@@ -79,6 +80,7 @@ class Renderer {
     int64_t tenantRays = 0;  ///< credits that the frames of one tenant may have; 0: all
     Trace* trace = nullptr;  ///< of packets, tiles, pictures and frames; outlives the Renderer
     int runners = 0;         ///< tasks that it gives the Transport at once; 0: all there are
+    int handOuts = 0;  ///< pictures that nobody waits for and that are handed out at once; 0: all there are
   };
   /// How a frame has ended: with a picture, or superseded, or with what went wrong on a rank or in its handler.
   struct Ending {
@@ -201,6 +203,7 @@ class Renderer {
   void post(const Share& share, std::function<void()> task, bool first = false);
   void post(const FramePtr& frame, std::function<void()> task, bool first = false);
   void startRunner();
+  void startHandOut();
 
   Transport& transport_;
   const Options options_;
@@ -210,7 +213,9 @@ class Renderer {
   const LedgerEntry parkedMemory_;
   const std::shared_ptr<Tasks> tasks_;
   ReadyQueue ready_;
-  std::atomic<int> runners_ = 0;  ///< posted to the Transport; each runs one task of ready_
+  std::atomic<int> runners_ = 0;   ///< posted to the Transport; each runs one task of ready_
+  ReadyQueue pictures_;            ///< to be handed out
+  std::atomic<int> handOuts_ = 0;  ///< as runners_, each for one task of pictures_
 
   mutable std::mutex mutex_;  ///< guards all below but the atomics
   std::map<SceneId, Scene> scenes_;

@@ -30,6 +30,7 @@ Renderer::Options rendererOptions(const NodeOptions& options, Ledger& ledger) {
   r.interactiveRays = options.raysInFlight / 4;
   r.tenantRays = options.tenantRays;
   r.runners = options.threads;
+  r.handOuts = options.threads;  // which is what a batch alone needs: encoding its pictures may take longest
   r.ledger = &ledger;
   r.trace = options.trace;
   r.tenant = "frames";

@@ -1,6 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // Whose packets are traced while a frame that somebody watches waits: counted, in worlds whose schedule a seed decides.
 #include <gtest/gtest.h>
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <future>
+#include <mutex>
+#include <string>
+#include <thread>
 
 #include "gxy/comm/random.h"
 #include "gxy/embree/embree_backend.h"
@@ -206,6 +213,62 @@ TEST(Fairness, ATenantHasSoManyRaysInFlightAndNoMore) {
   EXPECT_LE(most.at(1), kMost);
   EXPECT_GT(most.at(1), kMost / 2) << "it comes near";
   EXPECT_LE(most.at(2), kMost);
+}
+
+// Encoding takes long, and anybody may have many pictures to be encoded.
+TEST(Fairness, PicturesThatNobodyWatchesAreHandedOutOneByOneInTurnByThreadsOfLowPriority) {
+  const TestScene scene = balls(kWatchedSize);
+  const Cut cut = whole(scene.domain);
+  FrameRun run;
+  run.threaded = true;
+  run.options.handOuts = 1;
+  Frames frames(1, run);
+  frames.add(1, compiledOn(cut, scene));
+  std::mutex mutex;
+  std::string order;
+  int atOnce = 0, mostAtOnce = 0, least = 19;
+  std::promise<void> begun, goOn, watchedDone;
+  frames.renderer(0).onPicture(
+      [&, released = goOn.get_future().share()](FrameId, const FrameRequest& request, Picture) {
+        if (request.share.interactive) return watchedDone.set_value();
+        bool first;
+        {
+          const std::lock_guard lock(mutex);
+          first = order.empty();
+          order += char('a' + request.share.tenant);
+          mostAtOnce = std::max(mostAtOnce, ++atOnce);
+          least = std::min(least, getpriority(PRIO_PROCESS, 0));
+        }
+        if (first) begun.set_value();
+        released.wait();
+        const std::lock_guard lock(mutex);
+        atOnce--;
+      });
+  FrameRequest request = requestOf(scene);
+  const auto start = [&](uint32_t tenant) {
+    request.share = {tenant, false};
+    frames.start(request);
+  };
+  start(0);
+  begun.get_future().wait();
+  for (const uint32_t tenant : {0, 0, 0, 1, 2}) start(tenant);
+  const auto allAreRendered = [&] {
+    const Renderer::Kept kept = frames.renderer(0).kept();
+    return kept.frames == 0 && kept.tasks == 5;
+  };
+  while (!allAreRendered()) std::this_thread::yield();
+  request.share = {3, true};
+  frames.start(request);
+  watchedDone.get_future().wait();  // it waits for none of them
+  goOn.set_value();
+  frames.run();
+  EXPECT_EQ(order.substr(0, 1), "a");
+  std::string turn = order.substr(1, 2);
+  std::sort(turn.begin(), turn.end());
+  EXPECT_EQ(turn, "bc") << "of each other tenant one, before the next of this one";
+  EXPECT_EQ(order.substr(3), "aaa");
+  EXPECT_EQ(mostAtOnce, 1);
+  if (const int own = getpriority(PRIO_PROCESS, 0); own < 19) EXPECT_GT(least, own);
 }
 
 }  // namespace
