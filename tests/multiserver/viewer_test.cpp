@@ -460,6 +460,30 @@ TEST(ViewerModule, TheProgressOfABatchIsToldToItsClient) {
   }
 }
 
+TEST(ViewerModule, ABatchSaysWhatOfItsDocumentIsNotUsedAsSetDoes) {
+  const auto server = serve();
+  const auto client = server->client();
+  client->expect("load data");
+  client->expect("load viewer");
+  client->expect(importBall("ball"));
+  json state = json::parse(stateOf("ball"));
+  state["nonsense"] = 1;
+  state["Datasets"] = {{{"name", "other"}, {"type", "Volume"}, {"filename", "ball.vol"}}};
+  client->expect("window 1 {\"size\": [20, 20]}");
+  const json set = client->expect("set 1 " + state.dump()).at("warnings");
+  const json batch = client->expect("batch " + json{{"state", state}}.dump());
+  ASSERT_EQ(set.size(), 2u);
+  ASSERT_EQ(batch.at("warnings").size(), 2u);
+  for (const json* warnings : {&set, &batch.at("warnings")}) {
+    std::string all;
+    for (const json& w : *warnings) all += w.get<std::string>() + "\n";
+    EXPECT_NE(all.find("`nonsense`"), std::string::npos) << all;
+    EXPECT_NE(all.find("no dataset \"ball\" in this file"), std::string::npos) << all;
+  }
+  const std::string text = batch.at("text");
+  EXPECT_EQ(text.substr(0, 20), "1 pictures\nwarning: ");
+}
+
 TEST(ViewerModule, ABatchThatIsCancelledCompilesNoMoreScenes) {
   Trace trace;
   ServerSetup setup;

@@ -180,6 +180,13 @@ std::vector<std::string> importMissing(Request& request, const std::vector<Datas
   return request.session().node().datasets->import(request, what);
 }
 
+// For people, a line for each.
+std::string textOf(const std::vector<std::string>& warnings) {
+  std::string text;
+  for (const std::string& w : warnings) text += (text.empty() ? "warning: " : "\nwarning: ") + w;
+  return text;
+}
+
 // What is kept of a long document while its data are imported and rendered.
 LedgerEntry roomFor(const State& state, Session& session) {
   constexpr int64_t kShort = 64 << 10;
@@ -205,9 +212,7 @@ json set(Request& request, Arguments arguments) {
   if (file.hasRenderer) window->setRenderer(file.state.settings);
   if (!visualizations.empty()) window->setVisualization(visualizations[0], std::move(memory));
   if (!file.state.cameras.empty()) window->setCamera(file.state.cameras[0]);
-  std::string warnings;
-  for (const std::string& w : file.warnings) warnings += (warnings.empty() ? "warning: " : "\nwarning: ") + w;
-  return {{"warnings", file.warnings}, {"text", warnings}};
+  return {{"warnings", file.warnings}, {"text", textOf(file.warnings)}};
 }
 
 struct RenderRequest {
@@ -304,7 +309,8 @@ json state(Request& request, Arguments arguments) {
   return {{"state", json::parse(writeState(state))}};
 }
 
-Batch readBatch(Request& request, std::string_view text) {
+// Adds to `warnings` what of the document is not used.
+Batch readBatch(Request& request, std::string_view text, std::vector<std::string>& warnings) {
   DocumentReader reader(request);
   Members members(reader, text, "batch");
   Batch batch;
@@ -316,18 +322,22 @@ Batch readBatch(Request& request, std::string_view text) {
   batch.format = members.oneOf("format", {"png", "exr", "raw"});
   batch.concurrent = int(members.integer("concurrent", 4, 1, 64));
   members.expectNoMore();
-  batch.state = reader.state(protocol::dump(*document), "batch").state;
+  StateFile file = reader.state(protocol::dump(*document), "batch");
+  batch.state = std::move(file.state);
+  warnings = std::move(file.warnings);
   if (batch.state.visualizations.empty() || batch.state.cameras.empty())
     throw Error("batch: `state` has no visualization or no camera, expected one or more of each");
   return batch;
 }
 
 json batch(Services& services, Request& request, Arguments arguments) {
-  const Batch batch = readBatch(request, arguments.expectJson());
+  std::vector<std::string> warnings;
+  const Batch batch = readBatch(request, arguments.expectJson(), warnings);
   const LedgerEntry room = roomFor(batch.state, request.session());
-  const std::vector<std::string> warnings = importMissing(request, batch.state.datasets);
+  for (std::string& w : importMissing(request, batch.state.datasets)) warnings.push_back(std::move(w));
   json result = renderBatch(services, request, batch);
   result["warnings"] = warnings;
+  if (!warnings.empty()) result["text"] = result["text"].get<std::string>() + "\n" + textOf(warnings);
   return result;
 }
 
