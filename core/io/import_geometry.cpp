@@ -80,6 +80,7 @@ LoadedGeometry loadGeometry(const std::string& path, GeometryKind kind, const st
     for (size_t i = first; i < last; ++i) {
       ranks.check();
       reading.add(readGeometry(pieces[i], kind, array, toTake));
+      ranks.done(double(i + 1 - first) / double(last - first));
     }
   });
 

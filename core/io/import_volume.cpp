@@ -34,8 +34,9 @@ void mergeMacrocells(Volume& volume, Collectives& ranks) {
 
 /// Stores the samples of all blocks as values of `type` in `ranges`, those of all ranks, want it, and completes the blocks.
 /// `components` are those of the array that the volume's are of.
-void storeSamples(Volume& volume, ScalarType type, int components, const std::vector<Range>& ranges,
-                  Collectives& ranks) {
+void storeSamples(
+    Volume& volume, ScalarType type, int components, const std::vector<Range>& ranges, Collectives& ranks,
+    const std::function<void(int64_t)>& count = [](int64_t) {}) {
   Range values;
   for (int c = 0; c < volume.components; ++c) values.extend(ranges[size_t(c)]);
   const Encoding encoding = encodingOf(type, components, values);
@@ -47,9 +48,31 @@ void storeSamples(Volume& volume, ScalarType type, int components, const std::ve
       ranks.check();
       if (encoding != Encoding{type}) block.samples = convert(block.samples, type, encoding);
       completeBlock(block, encoding.stored, volume.components);
+      count(block.extent.count());
     }
   });
   mergeMacrocells(volume, ranks);
+}
+
+/// Reads a block, whole slices of it at a time where that costs no more, and counts the points.
+void readBlock(const VolumeFile& file, VolumeBlock& block, Collectives& ranks,
+               const std::function<void(int64_t)>& count) {
+  constexpr int64_t kSlabBytes = 8 << 20;
+  const Extent& extent = block.extent;
+  const int64_t slice = extent.points[0] * extent.points[1] * int64_t(file.bytesPerPoint());
+  const int64_t depth =
+      file.source->readsPartsAlone() ? std::max<int64_t>(1, kSlabBytes / slice) : extent.points[2];
+  std::span<std::byte> rest = block.samples;
+  for (int64_t z = 0; z < extent.points[2]; z += depth) {
+    ranks.check();
+    Extent slab = extent;
+    slab.first[2] += z;
+    slab.points[2] = std::min(depth, extent.points[2] - z);
+    const auto bytes = size_t(slab.points[2] * slice);
+    readVolume(file, slab, rest.first(bytes));
+    rest = rest.subspan(bytes);
+    count(slab.count());
+  }
 }
 
 /// What a rank with these blocks has not kept of a file whose array has `components`.
@@ -93,6 +116,11 @@ std::shared_ptr<Volume> importVolume(const std::string& path, const std::string&
   ScalarType type{};
   int componentsOfFile = 0;
   FieldStatistics statistics;
+  int64_t points = 0, done = 0;  // of this rank's; each is read and stored
+  const auto count = [&](int64_t more) {
+    done += more;
+    ranks.done(double(done) / double(2 * points));
+  };
   agree(ranks, [&] {
     VolumeFile file = openVolume(path, array);
     componentsOfFile = file.array.components;
@@ -103,14 +131,15 @@ std::shared_ptr<Volume> importVolume(const std::string& path, const std::string&
     volume->grid = file.grid;
     volume->components = file.array.components;
     statistics.ranges.resize(size_t(volume->components) + (volume->components > 1));
+    for (int partition : partitioning.owned(ranks.rank()))
+      points += extentOf(file.grid, partitioning.box(partition), ghosts).count();
     for (int partition : partitioning.owned(ranks.rank())) {
       VolumeBlock block;
       block.extent = extentOf(file.grid, partitioning.box(partition), ghosts);
       if (block.extent.count() == 0) continue;
-      ranks.check();
       block.samples.reserve(Bricks(block.extent.points).count() * file.bytesPerPoint());
       block.samples.resize(size_t(block.extent.count()) * file.bytesPerPoint());
-      readVolume(file, block.extent, block.samples);
+      readBlock(file, block, ranks, count);
       statistics.merge(statisticsOf(block.samples, type, volume->components, block.extent,
                                     ownedPoints(file.grid, partitioning, partition)));
       volume->blocks.emplace(partition, std::move(block));
@@ -121,7 +150,7 @@ std::shared_ptr<Volume> importVolume(const std::string& path, const std::string&
   mergeRanges(ranks, statistics.ranges);
   volume->ranges = statistics.ranges;
   volume->noDataSamples = int64_t(sum(ranks, uint64_t(statistics.noDataSamples)));
-  storeSamples(*volume, type, componentsOfFile, volume->ranges, ranks);
+  storeSamples(*volume, type, componentsOfFile, volume->ranges, ranks, count);
   return volume;
 }
 

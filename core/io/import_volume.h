@@ -19,8 +19,8 @@ Grid gridOf(const std::string& path, const std::string& array, Collectives& rank
 
 /// Collective over `ranks`. Reads, for each partition that this rank owns, the samples it needs and `ghosts`
 /// layers more; stores them as encodingOf() says (scalar.h); fills ranges, the number of samples without data, and
-/// macrocell summaries merged over all ranks. The volume is named after the file and the array. If any rank
-/// fails, all throw the same Error. Memory: the blocks, and for types that change once more the block that is being
+/// macrocell summaries merged over all ranks. The volume is named after the file and the array. Tells ranks.done() what of this rank's
+/// points has been read and stored. If any rank fails, all throw the same Error. Memory: the blocks, and for types that change once more the block that is being
 /// converted. Of the components of the array only `components`, which ascend, are kept if there are
 /// any; their values are stored as they are beside the others. What is left out is added to `leftOut`.
 std::shared_ptr<Volume> importVolume(const std::string& path, const std::string& array,

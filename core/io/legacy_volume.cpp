@@ -22,6 +22,7 @@ class ArraySamples final : public SampleSource {
  public:
   ArraySamples(vtkDataArray* array, const Extent& whole, size_t bytesPerPoint)
       : array_(array), whole_(whole), bytesPerPoint_(bytesPerPoint) {}
+  bool readsPartsAlone() const override { return true; }
   void read(const Extent& extent, std::span<std::byte> out) const override {
     const auto* data = static_cast<const std::byte*>(array_->GetVoidPointer(0));
     copyExtent({data, size_t(whole_.count()) * bytesPerPoint_}, whole_, out, extent, bytesPerPoint_);

@@ -13,6 +13,7 @@ class RawSamples final : public SampleSource {
   RawSamples(const std::string& path, int64_t offset, const Extent& stored, ScalarType type, int components,
              bool swapBytes, bool exact);
   void read(const Extent& extent, std::span<std::byte> out) const override;
+  bool readsPartsAlone() const override { return true; }
 
  private:
   void readSlab(const Extent& slab, std::span<std::byte> out) const;

@@ -22,6 +22,7 @@ class SomeComponents final : public SampleSource {
         components_(std::move(components)) {}
 
   uint64_t piecesNotRead() const override { return source_->piecesNotRead(); }
+  bool readsPartsAlone() const override { return source_->readsPartsAlone(); }
 
   void read(const Extent& extent, std::span<std::byte> out) const override {
     Extent slab = extent;

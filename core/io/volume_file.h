@@ -25,6 +25,8 @@ class SampleSource {
   /// Fills `out`, x fastest, components interleaved, in this machine's byte order. `extent` lies inside the
   /// grid and `out` has its exact size.
   virtual void read(const Extent& extent, std::span<std::byte> out) const = 0;
+  /// Whether two reads of half an extent cost about what one of all of it does.
+  virtual bool readsPartsAlone() const { return false; }
   /// Of samples in several pieces (parts of a file, or files), those that no read has needed.
   virtual uint64_t piecesNotRead() const { return 0; }
 };

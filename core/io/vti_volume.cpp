@@ -140,6 +140,11 @@ class PieceSamples final : public SampleSource {
 
   uint64_t piecesNotRead() const override { return uint64_t(std::count(read_.begin(), read_.end(), false)); }
 
+  bool readsPartsAlone() const override {
+    return std::all_of(pieces_.begin(), pieces_.end(),
+                       [](const Piece& piece) { return piece.source->readsPartsAlone(); });
+  }
+
   void read(const Extent& extent, std::span<std::byte> out) const override {
     std::vector<Extent> missing{extent};
     std::vector<std::byte> part;

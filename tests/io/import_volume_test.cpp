@@ -20,8 +20,9 @@ using testing::ThreadRanks;
 const Grid kGrid{{0, 0, 0}, {1, 1, 1}, {21, 18, 15}};
 
 template <class T>
-void write(const std::string& path, ScalarType type, const std::vector<T>& samples) {
-  VolumeWriter(path, kGrid, {{"field", type, 1, {}}}).write(0, 0, std::as_bytes(std::span(samples)));
+void write(const std::string& path, ScalarType type, const std::vector<T>& samples,
+           const Grid& grid = kGrid) {
+  VolumeWriter(path, grid, {{"field", type, 1, {}}}).write(0, 0, std::as_bytes(std::span(samples)));
 }
 
 TEST(ImportVolume, EveryRankSeesTheSameRangesAndSummariesAsOne) {
@@ -79,6 +80,27 @@ TEST(ImportVolume, EndsBetweenTwoBlocksWhenItIsToldTo) {
   EndsAt third(3);
   EXPECT_THROW(importVolume(folder / "v.json", "", decomposed(kGrid, 7, 1), kGhostLayers, third), Error);
   EXPECT_EQ(third.asked, 3);
+}
+
+/// One rank that keeps what it is told of.
+struct Told : EndsAt {
+  Told() : EndsAt(1 << 30) {}
+  void done(double share) const override { shares.push_back(share); }
+  mutable std::vector<double> shares;
+};
+
+// 3 blocks of 24 MB in all: each is read in slabs, then stored.
+TEST(ImportVolume, TellsWhatHasBeenReadAndStored) {
+  const TemporaryFolder folder;
+  const Grid grid{{0, 0, 0}, {1, 1, 1}, {256, 256, 384}};
+  write(folder / "v.json", ScalarType::UInt8, std::vector<uint8_t>(size_t(wholeOf(grid).count())), grid);
+  Told told;
+  importVolume(folder / "v.json", "", decomposed(grid, 3, 1), 0, told);
+  EXPECT_TRUE(std::is_sorted(told.shares.begin(), told.shares.end()));
+  EXPECT_GT(told.shares.size(), 6u) << "more than its blocks, of which each is read and stored";
+  EXPECT_GT(told.shares.front(), 0);
+  EXPECT_DOUBLE_EQ(told.shares.back(), 1);
+  EXPECT_GE(told.asked, int(told.shares.size())) << "and could be ended there";
 }
 
 TEST(ImportVolume, WideTypesKeepASmallSignalOnALargeOffset) {
