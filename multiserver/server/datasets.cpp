@@ -121,8 +121,10 @@ json Datasets::infoHere(const json& parameters) const {
   result["range"] = range.empty() ? json(nullptr) : json::array({range.min, range.max});
   result["components"] = d->components();
   result["partitions"] = d->partitioning->partitions();
-  result["array"] = d->array;
-  result["file"] = d->file;
+  if (!d->file.empty()) {
+    result["array"] = d->array;
+    result["file"] = d->file;
+  }
   if (d->volume) result["points"] = d->volume->grid.points;
   if (d->geometry) result["primitives"] = d->geometry->primitives;
   return result;

@@ -48,6 +48,40 @@ TEST(Example, FindsTheRangeAndMakesADatasetWhereTheSourceIs) {
   for (int rank = 0; rank < 3; rank++) EXPECT_EQ(server.node(rank).ledger.total("user"), 0);
 }
 
+// A state document that named the source's file for them would bring back the source.
+TEST(Example, WhatAFilterMadeIsOfNoFile) {
+  ServerSetup setup;
+  setup.modules = GALAXY_MODULES;
+  TestServer server(std::move(setup));
+  const auto client = server.client();
+  for (const char* module : {"data", "viewer", "example"}) client->expect(std::string("load ") + module);
+  client->expect(importBall("ball"));
+  client->expect("threshold ball shell 0.5 1");
+  EXPECT_FALSE(client->expect("info shell").at("datasets").at(0).contains("file"));
+  EXPECT_TRUE(client->expect("info ball").at("datasets").at(0).contains("file"));
+  client->expect("window 1");
+  json document = json::parse(stateOf("shell"));
+  json& operators = document["Visualization"]["operators"];
+  EXPECT_EQ(client->expect("set 1 " + document.dump()).at("warnings"), json::array());
+  EXPECT_EQ(client->expect("state 1").at("state").value("Datasets", json::array()), json::array());
+  operators.push_back(operators[0]);
+  operators[1]["dataset"] = "ball";
+  client->expect("set 1 " + document.dump());
+  const json state = client->expect("state 1").at("state");
+  ASSERT_EQ(state.at("Datasets").size(), 1u);
+  EXPECT_EQ(state.at("Datasets").at(0).at("name"), "ball");
+
+  const auto other = server.client("other");
+  for (const char* module : {"data", "viewer"}) other->expect(std::string("load ") + module);
+  other->expect("window 1");
+  const std::string warnings = other->expect("set 1 " + state.dump()).at("text");
+  EXPECT_NE(
+      warnings.find("dataset \"shell\": there is none that you see and the document has no file for it"),
+      std::string::npos)
+      << warnings;
+  EXPECT_NE(other->request("render 1").error.find("dataset \"shell\""), std::string::npos);
+}
+
 TEST(Example, ItsWorksLookAtAllSamplesAndLeaveTheWorkersToFrames) {
   ServerSetup setup;
   setup.modules = GALAXY_MODULES;

@@ -77,7 +77,6 @@ struct ThresholdWork {
       const auto from = pin.get<Dataset>();
       if (!from->volume || from->volume->components != 1)
         throw Error("threshold: expected a volume with one component");
-      made->file = from->file;
       made->partitioning = from->partitioning;
       volume->name = "threshold";
       volume->grid = from->volume->grid;

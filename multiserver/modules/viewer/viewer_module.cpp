@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Module `viewer`: windows of clients, and batches of pictures.
 #include <map>
+#include <set>
 
 #include "batch.h"
 #include "gxy/comm/error.h"
@@ -180,6 +181,17 @@ std::vector<std::string> importMissing(Request& request, const std::vector<Datas
   return request.session().node().datasets->import(request, what);
 }
 
+// Of data that no document can import, as those of filters, or whose document has no file for them.
+void warnOfMissing(Request& request, const Visualization& visualization, std::vector<std::string>& warnings) {
+  const Datasets& datasets = *request.session().node().datasets;
+  std::set<std::string> told;
+  for (const Vis& vis : visualization.operators)
+    if (!datasets.find(request.session().tenant(), vis.dataset) && told.insert(vis.dataset).second)
+      warnings.push_back("dataset " + inQuotes(vis.dataset) +
+                         ": there is none that you see and the document has no file for it, expected one of "
+                         "this name before a frame is rendered");
+}
+
 // For people, a line for each.
 std::string textOf(const std::vector<std::string>& warnings) {
   std::string text;
@@ -209,6 +221,7 @@ json set(Request& request, Arguments arguments) {
   }
   if (!file.state.cameras.empty()) validate(file.state.cameras[0]);
   for (std::string& w : importMissing(request, file.state.datasets)) file.warnings.push_back(std::move(w));
+  if (!visualizations.empty()) warnOfMissing(request, visualizations[0], file.warnings);
   if (file.hasRenderer) window->setRenderer(file.state.settings);
   if (!visualizations.empty()) window->setVisualization(visualizations[0], std::move(memory));
   if (!file.state.cameras.empty()) window->setCamera(file.state.cameras[0]);
@@ -302,6 +315,7 @@ json state(Request& request, Arguments arguments) {
     for (const Vis& vis : v.operators) {
       if (!datasets.find(request.session().tenant(), vis.dataset)) continue;
       const auto d = datasets.getPinned(request.session().tenant(), vis.dataset).second.get<Dataset>();
+      if (d->file.empty()) continue;  // made of others: nobody can import it
       DatasetSpec spec{vis.dataset, d->type, d->file, d->array, d->color};
       if (std::find(state.datasets.begin(), state.datasets.end(), spec) == state.datasets.end())
         state.datasets.push_back(std::move(spec));
