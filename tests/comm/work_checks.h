@@ -56,8 +56,11 @@ inline void checkWaitingCalls(Work& work, int ranks) {
   for (const auto& sum : work.callAll("gather long", {{"key", 8}})) EXPECT_EQ(sum, 8 * ranks);
   const auto ordinary = work.callAll("nice short", {}), lower = work.callAll("nice long", {});
   EXPECT_EQ(work.callAll("nice waiting", {}), ordinary);
-  for (size_t r = 0; r < size_t(ranks); r++)
-    if (ordinary[r] < 19) EXPECT_GT(lower[r], ordinary[r]) << "works of rank " << r << " that compute long";
+  for (size_t r = 0; r < size_t(ranks); r++) {
+    if (ordinary[r] < 19) {
+      EXPECT_GT(lower[r], ordinary[r]) << "works of rank " << r << " that compute long";
+    }
+  }
   std::string message;
   try {
     work.callAll("fail on odd ranks", {});
