@@ -137,6 +137,12 @@ bool Objects::reserve(Key key) {
   {
     std::unique_lock lock(state_->mutex);
     const auto deadline = std::chrono::steady_clock::now() + state_->at(key).whenTaken.wait;
+    if (const auto& previous = state_->at(key).previous; previous && previous->pins > 0) {
+      const Generation wanted = previous->generation;
+      lock.unlock();
+      observers_.notify({ObjectEvent::Kind::Wanted, key, wanted});
+      lock.lock();
+    }
     // Looked up anew each time: the object may be dropped while this waits.
     const auto isFree = [&] {
       const Pin::State::Object& object = state_->at(key);

@@ -47,7 +47,7 @@ class Pin {
 };
 
 /// What a publisher chose for the case that both buffers are taken: skip the step (wait 0), or wait this long
-/// first.
+/// first, for those who pin the previous generation to let go of it.
 struct WhenTaken {
   std::chrono::milliseconds wait{0};
 };
@@ -69,8 +69,9 @@ class Objects {
   Pin pin(Key key) const;
   Pin pin(Key key, Generation generation) const;
 
-  /// Makes room for the next generation. False, and a Skipped event, if both buffers are still taken after
-  /// the wait that was chosen: by a pinned previous generation or by another update.
+  /// Makes room for the next generation. Where the previous one is pinned, a Wanted event first. False, and a Skipped
+  /// event, if both buffers are still taken after the wait that was chosen: by a pinned previous generation or by another
+  /// update.
   bool reserve(Key key);
   /// Puts data in the reserved buffer. Throws Error unless it is reserved and still empty.
   void stage(Key key, Payload payload);

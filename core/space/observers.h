@@ -17,7 +17,8 @@ struct ObjectEvent {
     Updated,  ///< `generation` is the new one
     Skipped,  ///< a new step was left out, because both buffers were taken; `generation` is the one that
               ///< stays
-    Dropped
+    Dropped,
+    Wanted  ///< an update waits for the buffer of `generation`, which is pinned: who can let go of it early does
   };
   Kind kind;
   Key key;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Files become datasets on all ranks, together.
 #include <algorithm>
+#include <chrono>
 #include <cstring>
 
 #include "gxy/comm/error.h"
@@ -180,6 +181,8 @@ json Datasets::importHere(const json& p) {
     finished++;
   }
 
+  // Whoever shows the generation before the current one lets go of it soon (docs/protocol.md section 9).
+  constexpr WhenTaken whenTaken{std::chrono::seconds(1)};
   // Objects that exist get a second buffer, which is committed when all ranks have theirs; the others are made. Rank 0 goes
   // before the others: what is pinned there keeps them all from giving that generation up.
   size_t done = 0;
@@ -187,7 +190,7 @@ json Datasets::importHere(const json& p) {
     for (; done < made.size(); done++) {
       const Key key{specs[done].at("key").get<uint64_t>()};
       if (!specs[done].at("update").get<bool>()) {
-        node_.objects.add(key, Payload(std::shared_ptr<const Dataset>(made[done])));
+        node_.objects.add(key, Payload(std::shared_ptr<const Dataset>(made[done])), whenTaken);
       } else {
         if (!node_.objects.reserve(key))
           throw Error("dataset " + inQuotes(specs[done].at("name").get<std::string>()) +

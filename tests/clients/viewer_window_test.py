@@ -63,10 +63,10 @@ def over_black(rgba):
 
 
 class ViewerCase(unittest.TestCase):
-    PASSES = 1
+    PASSES, SCENE = 1, SCENE
 
     def setUp(self):
-        (server.folder / "scene.json").write_text(json.dumps(SCENE))
+        (server.folder / "scene.json").write_text(json.dumps(self.SCENE))
         self.saved = server.folder / "view.json"
         self.viewer = subprocess.Popen(
             [PROGRAMS / "gxyviewer", "-P", str(server.port), "--token-file", server.token, "--output", "view",
@@ -222,12 +222,13 @@ class Keys(ViewerCase):
         self.assertEqual(self.viewer.stderr.read(), "")
 
 
+def load(array):
+    client.request('import {"Datasets": [{"name": "balls", "type": "Volume", "filename": "balls.vti", '
+                   f'"array": "{array}"}}]}}')
+
+
 class Around(ViewerCase):
     def test_new_data_are_shown_by_themselves(self):
-        def load(array):
-            client.request('import {"Datasets": [{"name": "balls", "type": "Volume", "filename": "balls.vti", '
-                           f'"array": "{array}"}}]}}')
-
         before = display.screen(WIDTH, HEIGHT)[:-STATUS_ROWS]
         load("eightBalls")
         self.addCleanup(load, "oneBall")
@@ -245,6 +246,24 @@ class Refined(ViewerCase):
     def test_a_picture_at_rest_becomes_that_of_all_its_rays_to_the_bit(self):
         display.drag(1, CENTER, (30, 10))
         self.wait_for_picture(self.camera())
+
+
+class Refining(ViewerCase):
+    # Minutes of them, of occlusion, too: what is compared comes before.
+    PASSES, SCENE = 4096, STATE
+
+    def wait_for_picture(self, camera, size=(WIDTH, HEIGHT)):
+        window = client.window(1, size=size)
+        window.set({key: value for key, value in STATE.items() if key != "Camera"})
+        expected = over_black(window.render(Camera=camera, rays=16).rgba)[:-STATUS_ROWS].astype(float)
+        # However often it is refined, by less than a level; the other array's is tens of levels away.
+        until(lambda: np.abs(display.screen(*size)[:-STATUS_ROWS] - expected).mean() < 3, "the data are shown")
+
+    def test_new_data_are_shown_while_the_picture_is_refined(self):
+        self.addCleanup(load, "oneBall")
+        for array in ("eightBalls", "oneBall", "eightBalls"):
+            load(array)
+            self.wait_for_picture(STATE["Camera"])
 
 
 class Lost(unittest.TestCase):

@@ -324,6 +324,39 @@ TEST(Hostile, AWindowThatFollowsMakesFewFramesForWhoReadsNoneAndThenTheNewest) {
   EXPECT_EQ(end.at("status"), "complete");
 }
 
+// Its first picture waits to be read, and its second for that.
+TEST(Hostile, AFrameThatWaitsForAWindowThatIsNotReadHoldsNoDataBackAndShowsTheNewest) {
+  TestServer server(setup());
+  const auto other = server.client("slow");
+  other->expect("load data");
+  other->expect(importBall("ball"));
+  RawClient slow(server.port(), 4096);
+  slow.greet("slow");
+  uint32_t id = 1;
+  for (const std::string& statement :
+       {std::string("load viewer"), std::string("window 1 {\"size\": [1024, 1024]}"),
+        "set 1 " + stateOf("ball"), std::string("render 1 {\"encoding\": \"raw\", \"levels\": [1]}"),
+        std::string("render 1 {\"wait\": true, \"levels\": [4]}")})
+    ASSERT_TRUE(slow.request(id++, statement));
+  const auto waits = [&] {
+    const json stat = other->expect("stat");
+    for (const json& t : stat.at("tenants"))
+      if (t.at("tenant") == "slow") return t.at("frames") == 1 && t.at("frames in flight") == 1;
+    return false;
+  };
+  while (!waits()) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  for (int update = 0; update < 3; update++) other->expect(importBall("ball"));
+  json end;
+  EXPECT_TRUE(slow.readUntil([&](const Frame& frame) {
+    if (!RawClient::isEnd(frame) || protocol::pixelHeader(frame.payload).frame != 2) return false;
+    const auto data = protocol::pixelData(frame.payload);
+    end = json::parse(std::string_view(reinterpret_cast<const char*>(data.data()), data.size()));
+    return true;
+  }));
+  EXPECT_EQ(end.at("status"), "complete") << end;
+  EXPECT_EQ(end.at("generations"), (json{{"ball", 4}}));
+}
+
 TEST(Hostile, WhoReadsNoRepliesIsReadNoMore) {
   ServerSetup s = setup();
   s.server.connection.outbox.text = 100000;

@@ -5,6 +5,7 @@
 #include <atomic>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <future>
 #include <set>
 #include <thread>
@@ -49,6 +50,15 @@ struct Viewer {
   Screen screen;
   std::unique_ptr<Client> client;  // after the screen, so that it goes first
 };
+
+// Waits for what others do; only a failure takes the whole minute.
+void until(const std::function<bool()>& condition, const char* what) {
+  const auto end = std::chrono::steady_clock::now() + std::chrono::minutes(1);
+  while (!condition()) {
+    ASSERT_LT(std::chrono::steady_clock::now(), end) << "after a minute, not yet: " << what;
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+}
 
 std::vector<uint8_t> flippedRows(const std::vector<uint8_t>& rgba, size_t width) {
   std::vector<uint8_t> out;
@@ -359,7 +369,7 @@ TEST(ViewerModule, AWindowThatFollowsRendersWhatCameBeforeItsFrameWasCancelled) 
   const auto server = serve();
   Viewer viewer(*server);
   viewer.client->expect("window 1 {\"follow\": true}");
-  const uint64_t frame = viewer.render(R"({"passes": 4096, "levels": [1]})");
+  const uint64_t frame = viewer.render(R"({"rays": 65536, "levels": [1]})");
   viewer.client->expect(importBall("ball"));
   viewer.client->expect("cancel_frame 1");
   EXPECT_EQ(viewer.screen.waitFor(1, frame).status, "cancelled");
@@ -369,6 +379,101 @@ TEST(ViewerModule, AWindowThatFollowsRendersWhatCameBeforeItsFrameWasCancelled) 
   ASSERT_EQ(newest(), frame + 1);
   viewer.client->expect("cancel_frame 1");
   EXPECT_EQ(viewer.screen.waitFor(1, frame + 1).json.at("generations"), (json{{"ball", 2}}));
+}
+
+// Minutes of refining, of which nobody waits for more than the first pass.
+constexpr const char* kLong = R"({"passes": 4096, "rays": 16, "levels": [1]})";
+
+const std::string kShared = "import shared " + importBall("ball").substr(7);
+
+// What lets go of a generation may take more than the second for which an import waits.
+void importAgain(Client& client, const std::string& statement) {
+  until(
+      [&] {
+        const Reply reply = client.request(statement);
+        EXPECT_TRUE(reply.ok || reply.error.find("both its generations are in use") != std::string::npos)
+            << reply.error;
+        return reply.ok;
+      },
+      "the import has room");
+}
+
+TEST(ViewerModule, APictureThatRefinesGivesWayToNewerData) {
+  const auto server = serve();
+  Viewer viewer(*server);
+  viewer.client->expect("window 1 {\"follow\": true}");
+  const uint64_t frame = viewer.render(kLong);
+  for (uint64_t newer = 1; newer < 4; newer++) {
+    until([&] { return viewer.screen.picture(1).frame == frame + newer - 1; }, "something is shown");
+    importAgain(*viewer.client, importBall("ball"));
+    const auto end = viewer.screen.waitFor(1, frame + newer - 1);
+    EXPECT_EQ(end.status, "superseded");
+    EXPECT_GE(end.json.at("passes"), 1);
+    EXPECT_EQ(end.json.at("generations"), (json{{"ball", newer}}));
+  }
+  until([&] { return viewer.screen.picture(1).frame == frame + 3; }, "the newest is shown");
+  viewer.client->expect("cancel_frame 1");
+  EXPECT_EQ(viewer.screen.waitFor(1, frame + 3).status, "cancelled");
+}
+
+TEST(ViewerModule, WhoMayOnlyReadDataKeepsNobodyFromUpdatingThem) {
+  const auto server = serve();
+  const auto ann = server->client("ann");
+  ann->expect("load data");
+  const auto update = [&] { importAgain(*ann, kShared); };
+  update();
+  Viewer viewer(*server, "bob");
+  const uint64_t frame = viewer.render(kLong);
+  until([&] { return viewer.screen.picture(1).frame == frame; }, "something is shown");
+  update();
+  viewer.client->expect("windows");
+  EXPECT_EQ(viewer.screen.ends(1, frame), 0) << "the generation before stays";
+  update();
+  const auto end = viewer.screen.waitFor(1, frame);
+  EXPECT_EQ(end.status, "failed");
+  EXPECT_TRUE(end.json.at("error").get<std::string>().starts_with("dataset \"ball\": another update needs"))
+      << end.json;
+  EXPECT_GE(end.json.at("passes"), 1);
+  for (int i = 0; i < 5; i++) update();
+  EXPECT_EQ(viewer.client->expect("windows").at("windows").at(0).at("frame"), frame) << "it does not follow";
+  EXPECT_EQ(viewer.screen.waitFor(1, viewer.render()).json.at("generations"), (json{{"ball", 8}}));
+}
+
+TEST(ViewerModule, ADatasetThatIsDroppedIsRefinedNoFurther) {
+  const auto server = serve();
+  Viewer viewer(*server);
+  const uint64_t frame = viewer.render(kLong);
+  until([&] { return viewer.screen.picture(1).frame == frame; }, "something is shown");
+  viewer.client->expect("publish ball");
+  viewer.client->expect("rename ball new");
+  EXPECT_EQ(viewer.screen.ends(1, frame), 0);
+  viewer.client->expect("drop new");
+  const auto end = viewer.screen.waitFor(1, frame);
+  EXPECT_EQ(end.status, "failed");
+  EXPECT_TRUE(end.json.at("error").get<std::string>().starts_with("dataset \"new\" was dropped")) << end.json;
+}
+
+TEST(ViewerModule, ABatchOfDataOfOthersGoesOnWithNewerOnesOnceTheirRoomIsNeeded) {
+  const auto server = serve();
+  const auto ann = server->client("ann"), bob = server->client("bob");
+  ann->expect("load data");
+  importAgain(*ann, kShared);
+  bob->expect("load viewer");
+  json state = json::parse(stateOf("ball"));
+  state["Cameras"] = json(10000, state["Camera"]);
+  state.erase("Camera");
+  std::promise<Reply> promise;
+  auto ended = promise.get_future();
+  const uint32_t batch =
+      bob->send("batch " + json{{"state", state}}.dump(), [&](const Reply& r) { promise.set_value(r); });
+  const auto begun = [&] { return std::filesystem::exists(server->folder() / "picture_00000.png"); };
+  until(begun, "the first picture is there");
+  for (int updates = 0; updates < 5; updates++) {
+    importAgain(*ann, kShared);
+    ASSERT_NE(ended.wait_for(std::chrono::seconds(0)), std::future_status::ready) << "the batch is at it";
+  }
+  bob->expect("cancel " + std::to_string(batch));
+  EXPECT_EQ(ended.get().error, "cancelled");
 }
 
 TEST(ViewerModule, ScenesAreSharedAndGoWithTheirWindows) {

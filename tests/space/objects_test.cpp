@@ -69,8 +69,21 @@ TEST(Objects, AStepIsSkippedAndReportedWhileBothBuffersAreTaken) {
   EXPECT_TRUE(s.update(kKey, 4));
   EXPECT_EQ(s.events, (std::vector<ObjectEvent>{{Kind::Added, kKey, 1},
                                                 {Kind::Updated, kKey, 2},
+                                                {Kind::Wanted, kKey, 1},
                                                 {Kind::Skipped, kKey, 2},
                                                 {Kind::Updated, kKey, 4}}));
+}
+
+TEST(Objects, WhoeverLetsGoWhenAskedMakesRoom) {
+  Space s;
+  s.objects.add(kKey, makePayload<int>(1));
+  Pin pin = s.objects.pin(kKey);
+  const auto asked = s.observers.subscribe(kKey, [&](const ObjectEvent& event) {
+    if (event.kind == Kind::Wanted && event.generation == pin.generation()) pin.release();
+  });
+  ASSERT_TRUE(s.update(kKey, 2));
+  EXPECT_TRUE(s.update(kKey, 3));
+  EXPECT_EQ(*s.objects.pin(kKey).get<int>(), 3);
 }
 
 TEST(Objects, AWaitingPublisherGoesOnWhenThePinGoes) {

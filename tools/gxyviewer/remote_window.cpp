@@ -298,9 +298,10 @@ void RemoteWindow::waitUntilLoaded() {
 void RemoteWindow::renderWhole() {
   render(false, Clock::now());
   std::unique_lock lock(mutex_);
-  changed_.wait(lock, [this] {
+  changed_.wait(lock, [this] {  // one of newer data supersedes it by itself
     return !failure_.empty() || !renderError_.empty() ||
-           (asked_.empty() && newest_ > 0 && frame_.number == newest_ && frame_.ended);
+           (asked_.empty() && newest_ > 0 && frame_.number == newest_ && frame_.ended &&
+            frame_.status != "superseded");
   });
   if (!failure_.empty()) throw Error(failure_);
   if (!renderError_.empty()) throw Error(renderError_);

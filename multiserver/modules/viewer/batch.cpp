@@ -19,6 +19,7 @@ namespace {
 /// What frames of a batch have in common; they hold it.
 struct Job {
   std::mutex mutex;
+  std::vector<ScenePtr> scenes;  ///< by visualization; null where the next picture is to show newer data
   std::condition_variable changed;
   std::map<size_t, FrameId> inFlight;  ///< by picture
   /// Has come and is to be sent; counts as the tenant's until then.
@@ -79,8 +80,12 @@ class Run {
     }
     for (const Visualization& v : batch_.state.visualizations) {
       request_.check();
-      scenes_.push_back(services_.scenes.get(request_.session().tenant(), v, batch_.state.settings).scene);
+      job_->scenes.push_back(
+          services_.scenes.get(request_.session().tenant(), v, batch_.state.settings).scene);
     }
+    const auto wanted = services_.node.observers.subscribe({}, [job = job_](const ObjectEvent& event) {
+      if (event.kind == ObjectEvent::Kind::Wanted) letGo(*job, event.key, event.generation);
+    });
     const std::shared_ptr<void> end(nullptr, [this](void*) { giveUp(); });
     for (size_t i = 0; i < total_; i++) {
       waitFor([&] { return job_->inFlight.size() < size_t(batch_.concurrent); });
@@ -95,6 +100,14 @@ class Run {
   }
 
  private:
+  // An update needs the room of a generation: pictures under way show it, further ones do not.
+  static void letGo(Job& job, Key key, Generation generation) {
+    std::vector<ScenePtr> gone;  // outside the lock
+    const std::lock_guard lock(job.mutex);
+    for (ScenePtr& scene : job.scenes)
+      if (scene && scene->find(key, generation)) gone.push_back(std::exchange(scene, nullptr));
+  }
+
   void check() {
     request_.check();
     std::string error;
@@ -143,16 +156,25 @@ class Run {
   void start(size_t index) {
     Node& node = services_.node;
     const std::string& tenant = request_.session().tenant();
-    const Camera& camera = batch_.state.cameras[index / scenes_.size()];
+    const size_t of = batch_.state.visualizations.size();
+    const Camera& camera = batch_.state.cameras[index / of];
     const auto slot = std::make_shared<Tenants::Frame>(
         node.tenants.beginWhenFree(tenant, node.costOf(tenant, camera.dimensions), [this] {
           check();
           sendWhatHasCome();  // it takes room as long as it is here
         }));
-    ScenePtr& kept = scenes_[index % scenes_.size()];
-    Scenes::Pinned pinned = services_.scenes.get(tenant, batch_.state.visualizations[index % scenes_.size()],
-                                                 batch_.state.settings, kept);
-    ScenePtr scene = kept = std::move(pinned.scene);
+    ScenePtr kept, before;  // let go outside the lock
+    {
+      const std::lock_guard lock(job_->mutex);
+      kept = job_->scenes[index % of];
+    }
+    Scenes::Pinned pinned =
+        services_.scenes.get(tenant, batch_.state.visualizations[index % of], batch_.state.settings, kept);
+    ScenePtr scene = std::move(pinned.scene);
+    if (scene != kept) {
+      const std::lock_guard lock(job_->mutex);
+      before = std::exchange(job_->scenes[index % of], scene);
+    }
     const auto pins = std::make_shared<std::vector<Pin>>(std::move(pinned.pins));
     FrameRequest frame;
     frame.scene = scene->id;
@@ -209,7 +231,6 @@ class Run {
   const Batch& batch_;
   const size_t total_;
   std::vector<std::string> paths_;
-  std::vector<ScenePtr> scenes_;
   const std::shared_ptr<Job> job_ = std::make_shared<Job>();
 };
 

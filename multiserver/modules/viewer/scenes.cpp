@@ -73,6 +73,12 @@ SceneHandle::~SceneHandle() {
   node.work.broadcast("viewer.forget", {{"scene", id}}, [](std::vector<Work::Reply>) {});
 }
 
+const NamedDataset* SceneHandle::find(Key key, std::optional<Generation> generation) const {
+  for (const NamedDataset& d : data)
+    if (d.key == key && d.generation == generation.value_or(d.generation)) return &d;
+  return nullptr;
+}
+
 Scenes::Scenes(Registration& registration) : node_(registration.node()) {
   registration.work(
       "viewer.make", [this](const Work::Call& call) { return make(call.parameters); }, Work::Runs::Waiting);

@@ -6,6 +6,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <tuple>
 #include <vector>
@@ -28,6 +29,9 @@ struct SceneHandle {
   Node& node;
   const SceneId id;
   std::vector<NamedDataset> data;  ///< with the generations that it shows
+
+  /// What it calls that dataset, if it shows it; of that generation, if one is given.
+  const NamedDataset* find(Key key, std::optional<Generation> generation = {}) const;
 };
 using ScenePtr = std::shared_ptr<const SceneHandle>;
 

@@ -29,6 +29,12 @@ class Windows {
           if (!list || !event.visibleTo(tenant)) return;
           for (const auto& [id, window] : list->all()) window->onData(event);
         });
+    // Whatever it can see now.
+    wanted_ = session.node().observers.subscribe({}, [weak = std::weak_ptr(list_)](const ObjectEvent& event) {
+      if (event.kind != ObjectEvent::Kind::Wanted) return;
+      if (const auto list = weak.lock())
+        for (const auto& [id, window] : list->all()) window->onWanted(event.key, event.generation);
+    });
     // The session ends after all its requests, which may take a while.
     session.outbox().onClose([weak = std::weak_ptr(list_), &transport = session.node().transport] {
       transport.post([weak] {
@@ -38,6 +44,7 @@ class Windows {
   }
   ~Windows() {
     subscription_ = nullptr;
+    wanted_.end();
     list_->endFrames();
     for (const auto& [id, window] : list_->all()) window->close();
   }
@@ -81,6 +88,7 @@ class Windows {
   Session& session_;
   const std::shared_ptr<List> list_ = std::make_shared<List>();
   std::shared_ptr<void> subscription_;
+  Observers::Subscription wanted_;
 };
 
 std::shared_ptr<Windows> windowsOf(Session& session) {

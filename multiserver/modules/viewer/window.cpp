@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "gxy/comm/error.h"
+#include "gxy/comm/error_text.h"
 #include "window_frame.h"
 
 namespace gxy::viewer {
@@ -105,9 +106,18 @@ void Window::onData(const DatasetEvent& event) {
   using Kind = DatasetEvent::Kind;
   if (event.kind == Kind::Skipped) return;
   Datasets& datasets = *services_.node.datasets;
-  ScenePtr released, edited;  // outside the lock
-  {
+  ScenePtr released, edited, waitings;  // outside the lock
+  std::vector<Pin> pins;
+  FrameId refined = 0;
+  bool again = false;
+  const auto update = [&] {
     const std::lock_guard lock(mutex_);
+    if (event.kind == Kind::Dropped && current_ && current_->scene &&
+        current_->scene->find(event.dataset.key) &&
+        !services_.scenes.namesMean(tenant_, current_->scene->data)) {
+      current_->why = "dataset " + inQuotes(event.dataset.name) + " was dropped: it is refined no further";
+      refined = endRefinement();
+    }
     const auto& operators = state_.visualizations[0].operators;
     const auto shows = [&](const std::string& name) {
       return std::any_of(operators.begin(), operators.end(),
@@ -115,6 +125,8 @@ void Window::onData(const DatasetEvent& event) {
     };
     if (!shows(event.dataset.name) && !(event.kind == Kind::Renamed && shows(event.newName))) return;
     // Names of others, or hidden by its own, or the same object in another directory.
+    const auto means = datasets.find(tenant_, event.dataset.name);
+    if (event.kind == Kind::Updated && !(means && means->key == event.dataset.key)) return;
     if (event.kind != Kind::Updated && scene_ && services_.scenes.namesMean(tenant_, scene_->data)) return;
     released = std::exchange(scene_, nullptr);
     edited = std::exchange(edited_, nullptr);
@@ -126,13 +138,52 @@ void Window::onData(const DatasetEvent& event) {
     });
     if (!there) return;
     updates_++;
-    if (!settings_.follow || frames_ == 0 || closed_) return;
-    if (current_ || waiting_) {
-      stale_ = true;
+    if (waiting_) {
+      waitings = std::exchange(waiting_->scene, nullptr);
+      pins.swap(waiting_->pins);
       return;
     }
+    if (!settings_.follow || frames_ == 0 || closed_) return;
+    stale_ = current_ != nullptr;
+    refined = endRefinement();
+    again = !stale_;
+  };
+  update();
+  if (refined) services_.node.renderer.supersede(refined);
+  if (again) renderAgain();
+}
+
+void Window::onWanted(Key key, Generation generation) {
+  ScenePtr scene;  // outside the lock
+  std::vector<Pin> pins;
+  FrameId refined = 0;
+  {
+    const std::lock_guard lock(mutex_);
+    if (waiting_ && waiting_->scene && waiting_->scene->find(key, generation)) {
+      scene = std::exchange(waiting_->scene, nullptr);
+      pins.swap(waiting_->pins);
+    }
+    const NamedDataset* const shown =
+        current_ && current_->scene ? current_->scene->find(key, generation) : nullptr;
+    if (!shown) return;
+    current_->why = "dataset " + inQuotes(shown->name) + ": another update needs the room of generation " +
+                    std::to_string(generation) + ", which is shown: it is refined no further";
+    refined = endRefinement();
   }
-  renderAgain();
+  if (refined) services_.node.renderer.supersede(refined);
+}
+
+// Of the frame under way, if it is whole and there is a reason: what it is over with. With the lock held. The rendering that
+// is to be superseded then; 0: none.
+FrameId Window::endRefinement() {
+  if (!current_ || current_->over || !current_->whole()) return 0;
+  if (stale_ && settings_.follow)
+    current_->over = "superseded";
+  else if (!current_->why.empty())
+    current_->over = "failed";
+  else
+    return 0;
+  return current_->rendering;
 }
 
 void Window::onDrained() {
@@ -169,7 +220,7 @@ void Window::renderAgain() {
     {
       const std::lock_guard lock(self->mutex_);
       options = self->lastOptions_;
-      options.wait = false;
+      options.wait = true;  // a picture that is on its way to the client gets there
     }
     try {
       const uint64_t frame = self->render(options);

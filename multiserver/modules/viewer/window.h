@@ -65,17 +65,24 @@ class Window : public std::enable_shared_from_this<Window> {
   void close();
   uint64_t lastFrame() const;
 
-  /// A name that it shows means something else, or newer data: scenes of the old ones are let go, and, if it follows and
-  /// there is something to see, a frame begins once the one under way has ended and the client has read enough. Short.
+  /// A name that it shows means something else, or newer data: scenes of the old ones are let go, a frame that waits will
+  /// show the new ones, and, if it follows and there is something to see, a frame begins once the client has read enough and
+  /// the one under way is whole, which is then refined no further. Short.
   void onData(const DatasetEvent& event);
+  /// An update needs the room of a generation. Where a frame of it waits, it gets newer data; where one is whole, it is
+  /// refined no further; another ends with its first whole picture. Short.
+  void onWanted(Key key, Generation generation);
 
  private:
   struct Frame;
   using FramePtr = std::shared_ptr<Frame>;
   void forgetScene();
-  void begin(const FramePtr& frame, const FramePtr& older);
+  void begin(const FramePtr& frame);
   void onFirstPassSent(uint64_t number);
   void beginWaiting();
+  void beginWithNewData(const FramePtr& frame);
+  void supersede(const FramePtr& older);
+  FrameId endRefinement();
   void startStage(const FramePtr& frame);
   void onTile(const FramePtr& frame, Bytes record);
   void onSums(const FramePtr& frame, Picture picture);

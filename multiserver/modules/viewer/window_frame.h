@@ -9,8 +9,9 @@ namespace gxy::viewer {
 struct Window::Frame {
   uint64_t number = 0;
   FrameOptions options;
-  ScenePtr scene;
-  Camera camera;  ///< of the window's size
+  State state;     ///< of one that waits, until it begins
+  ScenePtr scene;  ///< none: its data were updated while it waited, so it gets one when it begins
+  Camera camera;   ///< of the window's size
   std::vector<Pin> pins;
   Tenants::Frame slot;
   std::chrono::steady_clock::time_point begin = std::chrono::steady_clock::now();
@@ -24,9 +25,11 @@ struct Window::Frame {
   int samples = 1;  ///< of each pass
   glm::dvec4 background{0};
   bool firstPassMade = false;
-  const char* over = nullptr;  ///< "superseded" or "cancelled"
+  const char* over = nullptr;  ///< "superseded", "cancelled", or "failed" because of `why`
+  std::string why;             ///< it is to be refined no further: it ends with its first whole picture
   bool dropped = false;        ///< a tile found no room
 
+  bool whole() const { return passesSent > 0; }  ///< there is a picture of all pixels, and it is only refined
   bool last() const { return level + 1 == options.levels.size(); }
   protocol::PixelHeader header(uint32_t window) const {
     protocol::PixelHeader h;

@@ -82,6 +82,7 @@ uint64_t Window::render(const FrameOptions& options) {
     skipped = std::exchange(waiting_, nullptr);
     waits = options.wait && ((current_ && !current_->firstPassMade) || inOutbox_);
     if (waits) {
+      frame->state = std::move(state);
       waiting_ = frame;
     } else {
       older = std::exchange(current_, frame);
@@ -91,17 +92,22 @@ uint64_t Window::render(const FrameOptions& options) {
     }
   }
   if (skipped) finish(skipped, "superseded", {});
-  if (!waits) begin(frame, older);
+  if (!waits) {
+    supersede(older);
+    begin(frame);
+  }
   return frame->number;
 }
 
-void Window::begin(const FramePtr& frame, const FramePtr& older) {
-  if (older) {
-    std::unique_lock lock(mutex_);
-    const FrameId rendering = older->rendering;
-    lock.unlock();
-    services_.node.renderer.supersede(rendering);
-  }
+void Window::supersede(const FramePtr& older) {
+  if (!older) return;
+  std::unique_lock lock(mutex_);
+  const FrameId rendering = older->rendering;
+  lock.unlock();
+  services_.node.renderer.supersede(rendering);
+}
+
+void Window::begin(const FramePtr& frame) {
   frame->begin = std::chrono::steady_clock::now();
   startStage(frame);
 }
@@ -118,6 +124,7 @@ void Window::onFirstPassSent(uint64_t number) {
 // If its time has come.
 void Window::beginWaiting() {
   FramePtr frame, older;
+  bool newData = false;
   {
     const std::lock_guard lock(mutex_);
     if (!waiting_ || (current_ && !current_->firstPassMade) || inOutbox_) return;
@@ -125,8 +132,36 @@ void Window::beginWaiting() {
     older = std::exchange(current_, frame);
     if (older) older->over = "superseded";
     outbox_->dropTiles(id_);
+    newData = frame->scene == nullptr;
+    if (!newData) frame->state = {};
   }
-  begin(frame, older);
+  supersede(older);
+  if (!newData) return begin(frame);
+  services_.node.transport.postWaiting([self = shared_from_this(), frame] { self->beginWithNewData(frame); });
+}
+
+// Its data were updated while it waited. Compiles, so on a thread that may wait.
+void Window::beginWithNewData(const FramePtr& frame) {
+  uint64_t updates = 0;
+  {
+    const std::lock_guard lock(mutex_);
+    updates = updates_;
+  }
+  try {
+    Scenes::Pinned pinned =
+        services_.scenes.get(tenant_, frame->state.visualizations[0], frame->state.settings);
+    const std::lock_guard lock(mutex_);
+    frame->scene = std::move(pinned.scene);
+    frame->pins = std::move(pinned.pins);
+    if (updates_ == updates && state_.visualizations == frame->state.visualizations &&
+        state_.settings == frame->state.settings)
+      scene_ = frame->scene;
+    stale_ = updates_ != updates;
+    frame->state = {};
+  } catch (const Error& e) {
+    return finish(frame, "failed", e.what());
+  }
+  begin(frame);
 }
 
 void Window::startStage(const FramePtr& frame) {
@@ -190,8 +225,9 @@ void Window::onStage(const FramePtr& frame, bool superseded, const std::string& 
   std::unique_lock lock(mutex_);
   if (frame->over || superseded) {
     const char* status = frame->over ? frame->over : "superseded";
+    const std::string why = frame->why;
     lock.unlock();
-    return finish(frame, status, {});
+    return finish(frame, status, why);
   }
   if (!error.empty()) {
     lock.unlock();
@@ -212,9 +248,10 @@ void Window::onStage(const FramePtr& frame, bool superseded, const std::string& 
       onTile(frame, std::move(tile));
     lock.lock();
   }
-  if (frame->over) {
+  if (const char* const status = frame->over) {
+    const std::string why = frame->why;
     lock.unlock();
-    return finish(frame, frame->over, {});
+    return finish(frame, status, why);
   }
   std::function<void()> sent;
   if (!std::exchange(frame->firstPassMade, true)) {
@@ -232,10 +269,14 @@ void Window::onStage(const FramePtr& frame, bool superseded, const std::string& 
   } else {
     frame->passesSent++;
     more = ++frame->pass < frame->options.passes;
+    if (more) endRefinement();
   }
+  const char* const over = frame->over;
+  const std::string why = frame->why;
   const bool dropped = frame->dropped;
   lock.unlock();
   if (dropped) return finish(frame, "failed", "too many pixels wait to be read: tiles were left out");
+  if (over) return finish(frame, over, why);
   if (more) return startStage(frame);
   finish(frame, "complete", {});
 }
@@ -247,21 +288,23 @@ void Window::finish(const FramePtr& frame, const char* status, const std::string
   header.width = uint32_t(frame->camera.dimensions.x);
   header.height = uint32_t(frame->camera.dimensions.y);
   json generations = json::object();
-  for (const NamedDataset& d : frame->scene->data) generations[d.name] = d.generation;
+  if (frame->scene)  // else it has not begun
+    for (const NamedDataset& d : frame->scene->data) generations[d.name] = d.generation;
   json end{{"status", status},
            {"generations", generations},
            {"passes", frame->passesSent},
            {"seconds", secondsSince(frame->begin)}};
-  if (!error.empty()) end["error"] = error;
+  if (std::string_view(status) == "failed") end["error"] = error;
   outbox_->pixels(endRecord(header, PixelKind::EndOfFrame, protocol::dump(end)));
   frame->pins.clear();
   frame->slot = {};
   frame->sum = {};
   frame->sumMemory = {};
-  frame->scene = nullptr;
+  ScenePtr scene;  // outside the lock
   bool again = false;
   {
     const std::lock_guard lock(mutex_);
+    scene = std::exchange(frame->scene, nullptr);
     if (current_ == frame) {
       current_ = nullptr;
       if (!frame->firstPassMade) inOutbox_ = 0;
