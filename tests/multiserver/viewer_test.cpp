@@ -31,6 +31,11 @@ struct Viewer {
   explicit Viewer(const TestServer& server, const std::string& tenant = "user") {
     auto options = server.options(tenant);
     options.onPixels = [this](const auto& header, auto data) { screen.take(header, data); };
+    options.onEvent = [this](const json& event) {
+      if (event.at("event") != "error") return;
+      const std::lock_guard lock(mutex);
+      errors.push_back(event);
+    };
     client = std::make_unique<Client>(options);
     client->expect("load data");
     client->expect("load viewer");
@@ -47,8 +52,23 @@ struct Viewer {
     return screen.picture(1);
   }
 
+  void makeWindow(const std::string& id, const std::string& settings, const std::string& dataset) {
+    client->expect("window " + id + " " + settings);
+    client->expect("set " + id + " " + stateOf(dataset));
+  }
+  json newestFrame(size_t window) {
+    return client->expect("windows").at("windows").at(window - 1).at("frame");
+  }
+  // Of frames that the server would have started by itself, since the last call.
+  std::vector<json> takeErrors() {
+    const std::lock_guard lock(mutex);
+    return std::exchange(errors, {});
+  }
+
   Screen screen;
-  std::unique_ptr<Client> client;  // after the screen, so that it goes first
+  std::mutex mutex;
+  std::vector<json> errors;
+  std::unique_ptr<Client> client;  // after what it uses, so that it goes first
 };
 
 // Waits for what others do; only a failure takes the whole minute.
@@ -414,6 +434,60 @@ TEST(ViewerModule, APictureThatRefinesGivesWayToNewerData) {
   until([&] { return viewer.screen.picture(1).frame == frame + 3; }, "the newest is shown");
   viewer.client->expect("cancel_frame 1");
   EXPECT_EQ(viewer.screen.waitFor(1, frame + 3).status, "cancelled");
+}
+
+// Windows 1 to 3 follow; window 4, with the small window 5, takes all that the tenant may have.
+void expectFollowersToTryAgain(NodeOptions limits, int size, int large, const std::string& refusal) {
+  ServerSetup setup;
+  setup.modules = GALAXY_MODULES;
+  setup.node = std::move(limits);
+  const TestServer server(std::move(setup));
+  Viewer viewer(server);
+  viewer.client->expect(importBall("still"));
+  for (const std::string id : {"1", "2", "3"}) {
+    viewer.makeWindow(id, json{{"size", {size, size}}, {"follow", true}}.dump(), "ball");
+    viewer.client->expect("render " + id + R"( {"levels": [1]})");
+    EXPECT_EQ(viewer.screen.waitFor(uint32_t(std::stoi(id)), 1).status, "complete");
+  }
+  for (const std::string id : {"4", "5"}) {
+    viewer.makeWindow(id, json{{"size", {id == "4" ? large : 16, id == "4" ? large : 16}}}.dump(), "still");
+    viewer.client->expect("render " + id + " " + kLong);
+  }
+  viewer.client->expect(importBall("ball"));
+  std::map<int, int> told;
+  until(
+      [&] {
+        for (const json& event : viewer.takeErrors()) {
+          told[event.at("window")]++;
+          EXPECT_NE(event.at("text").get<std::string>().find(refusal), std::string::npos) << event;
+        }
+        return told.size() == 3;
+      },
+      "they are refused");
+  const Reply asked = viewer.client->request(R"(render 1 {"levels": [1]})");
+  EXPECT_NE(asked.error.find(refusal), std::string::npos) << asked.error;
+  for (size_t window = 1; window <= 3; window++) EXPECT_EQ(viewer.newestFrame(window), 1);
+  viewer.client->expect("cancel_frame 4");
+  for (uint32_t window = 1; window <= 3; window++) {
+    const auto end = viewer.screen.waitFor(window, 2);
+    EXPECT_EQ(end.status, "complete");
+    EXPECT_EQ(end.json.at("generations"), (json{{"ball", 2}}));
+  }
+  EXPECT_EQ(viewer.frame().frame, 3u) << "and what is asked for is made again";
+  viewer.client->expect("cancel_frame 5");
+}
+
+TEST(ViewerModule, FollowersThatHadNoRenderingLeftTryAgainWhenThereIsOne) {
+  NodeOptions limits;
+  limits.tenantFrames = 2;
+  expectFollowersToTryAgain(limits, 96, 96, "tenant user: 2 renderings are in flight");
+}
+
+TEST(ViewerModule, FollowersThatHadNoMemoryTryAgainWhenThereIsSome) {
+  NodeOptions limits;
+  limits.tenantMemory =
+      32 << 20;  // 24 of them for the refined picture, of 128 bytes a pixel; 10 for a follower's, of 64
+  expectFollowersToTryAgain(limits, 400, 433, "memory: ");
 }
 
 TEST(ViewerModule, WhoMayOnlyReadDataKeepsNobodyFromUpdatingThem) {

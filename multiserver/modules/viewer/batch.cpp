@@ -190,8 +190,10 @@ class Run {
       const std::lock_guard lock(job->mutex);
       job->contents[index] = {std::move(content), std::move(*slot)};
     };
-    receiver.done = [job = job_, index, slot, pins, scene](bool, const std::string& error) mutable {
+    receiver.done = [&services = services_, tenant, job = job_, index, slot, pins, scene](
+                        bool, const std::string& error) mutable {
       *slot = {};
+      services.retries.onEnd(tenant);
       pins->clear();
       scene = nullptr;
       const std::lock_guard lock(job->mutex);

@@ -61,11 +61,6 @@ State Window::state() const {
   return state;
 }
 
-bool Window::closed() const {
-  const std::lock_guard lock(mutex_);
-  return closed_;
-}
-
 uint64_t Window::lastFrame() const {
   const std::lock_guard lock(mutex_);
   return frames_;
@@ -190,6 +185,14 @@ void Window::onDrained() {
   {
     const std::lock_guard lock(mutex_);
     drains_ = false;
+  }
+  tryAgain();
+}
+
+void Window::tryAgain() {
+  {
+    const std::lock_guard lock(mutex_);
+    tries_ = false;
     if (!stale_ || !settings_.follow || current_ || waiting_) return;
   }
   renderAgain();
@@ -217,8 +220,10 @@ void Window::renderAgain() {
       self->ended_.notify_all();
     });
     FrameOptions options;
+    uint64_t last = 0;
     {
       const std::lock_guard lock(self->mutex_);
+      last = self->frames_;
       options = self->lastOptions_;
       options.wait = true;  // a picture that is on its way to the client gets there
     }
@@ -226,10 +231,22 @@ void Window::renderAgain() {
       const uint64_t frame = self->render(options);
       self->outbox_->event({{"event", "frame"}, {"window", self->id_}, {"frame", frame}, {"reason", "data"}});
     } catch (const Error& e) {
-      if (self->closed()) return;  // meanwhile: nobody waits for it
-      self->outbox_->event({{"event", "error"}, {"window", self->id_}, {"text", e.what()}});
+      self->onRefused(last, e.what());
     }
   });
+}
+
+// Newer data could not be rendered, for now.
+void Window::onRefused(uint64_t lastFrame, const std::string& error) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (closed_ || frames_ != lastFrame) return;  // nobody waits for it
+    stale_ = true;
+    if (!std::exchange(tries_, true)) services_.retries.add(tenant_, weak_from_this());
+    if (told_ == error) return;
+    told_ = error;
+  }
+  outbox_->event({{"event", "error"}, {"window", id_}, {"text", error}});
 }
 
 }  // namespace gxy::viewer

@@ -12,6 +12,7 @@
 #include "gxy/server/outbox.h"
 #include "gxy/server/tenants.h"
 #include "pictures.h"
+#include "retries.h"
 #include "scenes.h"
 
 namespace gxy::viewer {
@@ -24,6 +25,7 @@ struct Services {
   Scenes scenes;
   Pictures pictures;
   std::atomic<uint64_t> windows = 1;  ///< for keys of windows in the Renderer
+  Retries retries;                    ///< of windows; last: it uses them
 };
 
 /// How a frame is wanted.
@@ -72,6 +74,8 @@ class Window : public std::enable_shared_from_this<Window> {
   /// An update needs the room of a generation. Where a frame of it waits, it gets newer data; where one is whole, it is
   /// refined no further; another ends with its first whole picture. Short.
   void onWanted(Key key, Generation generation);
+  /// Renders newer data, if that is still due. Short.
+  void tryAgain();
 
  private:
   struct Frame;
@@ -89,7 +93,7 @@ class Window : public std::enable_shared_from_this<Window> {
   void onStage(const FramePtr& frame, bool superseded, const std::string& error);
   void finish(const FramePtr& frame, const char* status, const std::string& error);
   void renderAgain();
-  bool closed() const;
+  void onRefused(uint64_t lastFrame, const std::string& error);
   void onDrained();
 
   Services& services_;
@@ -106,6 +110,8 @@ class Window : public std::enable_shared_from_this<Window> {
   bool hasVisualization_ = false, closed_ = false;
   bool stale_ = false;   ///< the newest frame shows older data than there are
   bool drains_ = false;  ///< onDrained() is to come
+  bool tries_ = false;   ///< it is in Services::retries
+  std::string told_;     ///< why there is no frame of the newest data, as the client was told
   FrameOptions lastOptions_;
   ScenePtr scene_;
   ScenePtr edited_;        ///< shown before an edit: the next scene takes over what it may

@@ -62,6 +62,11 @@ uint64_t Window::render(const FrameOptions& options) {
   edited = nullptr;
   frame->scene = std::move(pinned.scene);
   frame->pins = std::move(pinned.pins);
+  {
+    // Kept for the next frame, also where this one is refused, unless the state or the data have changed since.
+    const std::lock_guard lock(mutex_);
+    if (state_ == state && updates_ == updates) scene_ = frame->scene;
+  }
   Node& node = services_.node;
   const int64_t pixels = int64_t(frame->camera.dimensions.x) * frame->camera.dimensions.y;
   if (options.passes > 1) frame->sumMemory = node.takeMemory(tenant_, "passes", pixels * 64);
@@ -73,9 +78,8 @@ uint64_t Window::render(const FrameOptions& options) {
   {
     const std::lock_guard lock(mutex_);
     if (closed_) throw Error("window " + std::to_string(id_) + ": it is closed");
-    // Kept for the next frame, unless the state or the data have changed since.
-    if (state_ == state && updates_ == updates) scene_ = frame->scene;
     lastOptions_ = options;
+    told_.clear();
     frame->number = ++frames_;
     underWay_++;
     stale_ = updates_ != updates;
@@ -159,6 +163,10 @@ void Window::beginWithNewData(const FramePtr& frame) {
     stale_ = updates_ != updates;
     frame->state = {};
   } catch (const Error& e) {
+    {
+      const std::lock_guard lock(mutex_);
+      stale_ = true;
+    }
     return finish(frame, "failed", e.what());
   }
   begin(frame);
@@ -295,11 +303,12 @@ void Window::finish(const FramePtr& frame, const char* status, const std::string
            {"passes", frame->passesSent},
            {"seconds", secondsSince(frame->begin)}};
   if (std::string_view(status) == "failed") end["error"] = error;
-  outbox_->pixels(endRecord(header, PixelKind::EndOfFrame, protocol::dump(end)));
+  // Whoever is told that it has ended finds its room free.
   frame->pins.clear();
-  frame->slot = {};
   frame->sum = {};
   frame->sumMemory = {};
+  frame->slot = {};
+  outbox_->pixels(endRecord(header, PixelKind::EndOfFrame, protocol::dump(end)));
   ScenePtr scene;  // outside the lock
   bool again = false;
   {
@@ -316,6 +325,8 @@ void Window::finish(const FramePtr& frame, const char* status, const std::string
   }
   if (again) renderAgain();
   beginWaiting();
+  scene = nullptr;
+  services_.retries.onEnd(tenant_);
 }
 
 }  // namespace gxy::viewer
