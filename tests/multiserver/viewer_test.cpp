@@ -436,6 +436,23 @@ TEST(ViewerModule, APictureThatRefinesGivesWayToNewerData) {
   EXPECT_EQ(viewer.screen.waitFor(1, frame + 3).status, "cancelled");
 }
 
+TEST(ViewerModule, AWindowThatFollowsRendersAsItWasAskedToAlsoBeforeThereWereData) {
+  const auto server = serve();
+  Viewer viewer(*server);
+  viewer.client->expect("window 1 {\"follow\": true}");
+  viewer.client->expect("set 1 " + stateOf("later"));
+  EXPECT_FALSE(viewer.client->request(R"(render 1 {"levels": [2], "encoding": "jpeg"})").ok);
+  viewer.client->expect(importBall("later"));
+  EXPECT_EQ(viewer.screen.waitFor(1, 1).status, "complete");
+  EXPECT_EQ(viewer.screen.picture(1, 2).covered, 48u * 40u);
+  EXPECT_EQ(viewer.screen.picture(1).covered, 0u);
+  viewer.client->expect("drop later");
+  EXPECT_FALSE(viewer.client->request(R"(render 1 {"levels": [1], "passes": 2})").ok);
+  viewer.client->expect(importBall("later"));
+  EXPECT_EQ(viewer.screen.waitFor(1, 2).json.at("passes"), 2);
+  EXPECT_EQ(viewer.screen.picture(1).covered, 96u * 80u) << "as it was asked to last";
+}
+
 // Windows 1 to 3 follow; window 4, with the small window 5, takes all that the tenant may have.
 void expectFollowersToTryAgain(NodeOptions limits, int size, int large, const std::string& refusal) {
   ServerSetup setup;

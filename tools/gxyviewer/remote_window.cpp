@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <utility>
 
 #include "gxy/comm/error.h"
 #include "gxy/protocol/json.h"
@@ -18,8 +19,10 @@ using protocol::PixelKind;
 namespace {
 
 constexpr std::chrono::milliseconds kRest{250};  // without a new camera: it rests
-constexpr size_t kUnderWay = 2;                  // frames of a moving camera
-constexpr uint64_t kMeasurable = 8 << 10;        // bytes that say how fast the link is
+constexpr std::chrono::seconds kAgain{1};  // until what was refused is asked for again, first and at most
+constexpr std::chrono::seconds kAgainAtMost{16};
+constexpr size_t kUnderWay = 2;            // frames of a moving camera
+constexpr uint64_t kMeasurable = 8 << 10;  // bytes that say how fast the link is
 constexpr const char* kWindow = "1";
 
 json cameraJson(const Camera& camera) {
@@ -63,9 +66,10 @@ RemoteWindow::RemoteWindow(Client::Options options, const State& state, uint32_t
   client_->send(statement("viewer.set", json::parse(writeState(state))), [this](const Reply& reply) {
     if (!reply.ok) fail(reply.error);
   });
-  // Requests are answered in turn: after `set`, and the last of these last.
   for (const std::string& name : names_)
-    client_->send("data.info " + protocol::asWord(name), [this](const Reply& reply) { takeInfo(reply); });
+    client_->send("data.observe " + protocol::asWord(name), [](const Reply&) {});
+  // Requests are answered in turn: after `set`, and the last of these last.
+  askForBoxes();
   client_->send("server.echo", [this](const Reply& reply) {
     if (!reply.ok) return fail(reply.error);
     const std::lock_guard lock(mutex_);
@@ -80,19 +84,19 @@ void RemoteWindow::fail(const std::string& why) {
   changed_.notify_all();
 }
 
-// Of one dataset. What is not there has no box; what it means for the picture, its frames say.
-void RemoteWindow::takeInfo(const Reply& reply) {
-  if (!reply.ok) return;
+void RemoteWindow::askForBoxes() {
+  for (const std::string& name : names_)
+    client_->send("data.info " + protocol::asWord(name),
+                  [this, name](const Reply& reply) { takeInfo(name, reply); });
+}
+
+// What is not there has no box; what it means for the picture, its frames say.
+void RemoteWindow::takeInfo(const std::string& name, const Reply& reply) {
   const std::lock_guard lock(mutex_);
-  for (const json& dataset : reply.value.at("datasets")) {
-    if (dataset.at("box").is_null()) continue;  // it has no data
-    const auto box = dataset.at("box").get<Box>();
-    if (!box_) box_ = box;
-    for (size_t axis = 0; axis < 3; axis++) {
-      (*box_)[0][axis] = std::min((*box_)[0][axis], box[0][axis]);
-      (*box_)[1][axis] = std::max((*box_)[1][axis], box[1][axis]);
-    }
-  }
+  boxes_.erase(name);
+  if (!reply.ok) return;
+  for (const json& dataset : reply.value.at("datasets"))
+    if (!dataset.at("box").is_null()) boxes_[name] = dataset.at("box").get<Box>();  // else it has no data
 }
 
 void RemoteWindow::takePixels(const PixelHeader& header, std::span<const std::byte> data) {
@@ -103,6 +107,12 @@ void RemoteWindow::takePixels(const PixelHeader& header, std::span<const std::by
   if (header.frame > frame_.number) {
     frame_ = {};
     frame_.number = header.frame;
+  }
+  if (header.kind == PixelKind::Tile && frame_.bytes == 0 && !frame_.shown) {
+    // Of whatever was wrong before it.
+    renderError_.clear();
+    refusals_ = 0;
+    again_.reset();
   }
   const auto text = [&] {
     return protocol::parseObject({reinterpret_cast<const char*>(data.data()), data.size()}, "frame");
@@ -160,7 +170,8 @@ void RemoteWindow::takeEvent(const json& event) {
   const std::lock_guard lock(mutex_);
   const std::string kind = event.value("event", "");
   if (kind == "progress") progress_ = event.value("text", "");
-  if (kind == "error") renderError_ = event.value("text", "");
+  if (kind == "error") renderError_ = event.value("text", "");  // the server will try again
+  for (const char* change : {"added", "updated", "dropped", "renamed", "lost"}) boxesDue_ |= kind == change;
 }
 
 void RemoteWindow::setCamera(const Camera& camera) {
@@ -189,14 +200,18 @@ void RemoteWindow::resize(glm::ivec2 size) {
 
 void RemoteWindow::update(Clock::time_point now) {
   size_t underWay;
+  bool again, boxesDue;
   {
     const std::lock_guard lock(mutex_);
     if (!loaded_ || !failure_.empty()) return;
     underWay = asked_.size();
+    again = again_ && now >= *again_;
+    boxesDue = std::exchange(boxesDue_, false);
   }
+  if (boxesDue) askForBoxes();
   if (!cameraSent_ && underWay < kUnderWay)
     render(true, now);
-  else if (cameraSent_ && movingSent_ && underWay == 0 && now - moved_ >= kRest)
+  else if (cameraSent_ && underWay == 0 && (movingSent_ ? now - moved_ >= kRest : again))
     render(false, now);
 }
 
@@ -216,7 +231,7 @@ void RemoteWindow::render(bool moving, Clock::time_point now) {
       options["levels"] = statistics_.frames > 0 && scale > 1 ? json{scale, 1} : json{1};
       options["passes"] = passes_;
     }
-    renderError_.clear();
+    again_.reset();
   }
   cameraSent_ = true;
   movingSent_ = moving;
@@ -235,6 +250,7 @@ void RemoteWindow::takeNumber(const Reply& reply) {
   } else {
     asked_.erase(asked);
     renderError_ = reply.error;
+    again_ = Clock::now() + std::min(kAgain * (1 << std::min(refusals_++, 10)), kAgainAtMost);
   }
   changed_.notify_all();
 }
@@ -246,7 +262,15 @@ bool RemoteWindow::loaded() const {
 
 std::optional<RemoteWindow::Box> RemoteWindow::box() const {
   const std::lock_guard lock(mutex_);
-  return box_;
+  std::optional<Box> all;
+  for (const auto& [name, box] : boxes_) {
+    if (!all) all = box;
+    for (size_t axis = 0; axis < 3; axis++) {
+      (*all)[0][axis] = std::min((*all)[0][axis], box[0][axis]);
+      (*all)[1][axis] = std::max((*all)[1][axis], box[1][axis]);
+    }
+  }
+  return all;
 }
 
 void RemoteWindow::ifChanged(const std::function<void(const Canvas&)>& use) {
@@ -296,6 +320,10 @@ void RemoteWindow::waitUntilLoaded() {
 }
 
 void RemoteWindow::renderWhole() {
+  {
+    const std::lock_guard lock(mutex_);
+    renderError_.clear();
+  }
   render(false, Clock::now());
   std::unique_lock lock(mutex_);
   changed_.wait(lock, [this] {  // one of newer data supersedes it by itself

@@ -23,7 +23,7 @@ namespace gxy {
 /// While the camera moves, frames are JPEG of one level, whose detail follows the server and the link (pace.h). Two are under
 /// way at a time: one is rendered while another travels, and no more than those two ever wait anywhere. When the camera
 /// rests, one lossless frame is made, in passes that each add a ray to every pixel. Frames that the server makes by itself,
-/// because data changed, are shown like any other.
+/// because data changed, are shown like any other. A frame that the server refuses is asked for again, less and less often.
 ///
 /// Calls come from one thread, the user's; what the connection brings is taken by its own.
 class RemoteWindow {
@@ -42,7 +42,7 @@ class RemoteWindow {
   /// Asks for what is due; called often.
   void update(Clock::time_point now);
 
-  /// Whether the data are there. The state's data as a whole, world, if anything of it has a box.
+  /// Whether the server has said what there is of the data. They as a whole, world, as of now, if anything of them has a box.
   bool loaded() const;
   std::optional<Box> box() const;
 
@@ -93,7 +93,8 @@ class RemoteWindow {
 
   void takePixels(const protocol::PixelHeader& header, std::span<const std::byte> data);
   void takeEvent(const nlohmann::json& event);
-  void takeInfo(const Reply& reply);
+  void askForBoxes();
+  void takeInfo(const std::string& name, const Reply& reply);
   void takeNumber(const Reply& reply);
   void showFirst(const nlohmann::json& pass);
   void forgetUntil(uint64_t frame);
@@ -107,11 +108,14 @@ class RemoteWindow {
   std::condition_variable changed_;
   Canvas canvas_;
   bool canvasChanged_ = false, loaded_ = false;
-  std::optional<Box> box_;
+  std::map<std::string, Box> boxes_;  ///< of the datasets that have one
+  bool boxesDue_ = false;             ///< data have changed since they were asked for
   std::string failure_, progress_, renderError_;
-  Frame frame_;              ///< the newest of which something came
-  std::deque<Asked> asked_;  ///< in order
-  uint64_t newest_ = 0;      ///< frame that the server has numbered for this window
+  Frame frame_;                             ///< the newest of which something came
+  std::deque<Asked> asked_;                 ///< in order
+  uint64_t newest_ = 0;                     ///< frame that the server has numbered for this window
+  int refusals_ = 0;                        ///< since something was shown
+  std::optional<Clock::time_point> again_;  ///< when what was refused last is asked for again
   Pace pace_;
   Statistics statistics_;
 

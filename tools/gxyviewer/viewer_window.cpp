@@ -130,7 +130,7 @@ class ViewerWindow {
       view().SetUseHorizontalViewAngle(size().x < size().y);
       layOut();
     }
-    if (!centered_ && remote_.loaded()) {
+    if (!centered_ && remote_.box()) {
       centered_ = true;
       turnAboutData();
     }

@@ -138,7 +138,7 @@ void Window::onData(const DatasetEvent& event) {
       pins.swap(waiting_->pins);
       return;
     }
-    if (!settings_.follow || frames_ == 0 || closed_) return;
+    if (!settings_.follow || !asked_ || closed_) return;
     stale_ = current_ != nullptr;
     refined = endRefinement();
     again = !stale_;

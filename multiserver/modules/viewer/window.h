@@ -108,11 +108,12 @@ class Window : public std::enable_shared_from_this<Window> {
   State state_;
   LedgerEntry stateMemory_;
   bool hasVisualization_ = false, closed_ = false;
-  bool stale_ = false;   ///< the newest frame shows older data than there are
-  bool drains_ = false;  ///< onDrained() is to come
-  bool tries_ = false;   ///< it is in Services::retries
-  std::string told_;     ///< why there is no frame of the newest data, as the client was told
-  FrameOptions lastOptions_;
+  bool stale_ = false;        ///< the newest frame shows older data than there are
+  bool drains_ = false;       ///< onDrained() is to come
+  bool tries_ = false;        ///< it is in Services::retries
+  std::string told_;          ///< why there is no frame of the newest data, as the client was told
+  bool asked_ = false;        ///< for a frame, which may have been refused
+  FrameOptions lastOptions_;  ///< with which it was asked for last
   ScenePtr scene_;
   ScenePtr edited_;        ///< shown before an edit: the next scene takes over what it may
   FramePtr current_;       ///< under way and not superseded

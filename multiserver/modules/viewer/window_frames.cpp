@@ -57,6 +57,12 @@ uint64_t Window::render(const FrameOptions& options) {
   if (int64_t(options.passes) * frame->samples > kSamples)
     throw Error("render: " + std::to_string(options.passes) + " passes of " + std::to_string(frame->samples) +
                 " rays per pixel, expected at most " + std::to_string(kSamples) + " rays");
+  {
+    // What follows is refused for what may change: the data, and how much room there is.
+    const std::lock_guard lock(mutex_);
+    asked_ = true;
+    lastOptions_ = options;
+  }
   Scenes::Pinned pinned =
       services_.scenes.get(tenant_, state.visualizations[0], state.settings, frame->scene);
   edited = nullptr;
@@ -78,7 +84,6 @@ uint64_t Window::render(const FrameOptions& options) {
   {
     const std::lock_guard lock(mutex_);
     if (closed_) throw Error("window " + std::to_string(id_) + ": it is closed");
-    lastOptions_ = options;
     told_.clear();
     frame->number = ++frames_;
     underWay_++;

@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: Apache-2.0
+// What gxyviewer shows of a server's window when data come, change and go, and when it is refused.
+#include "gxyviewer/remote_window.h"
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <fstream>
+#include <functional>
+#include <string>
+#include <thread>
+
+#include "gxy/scene/state_file.h"
+#include "multiserver/test_server.h"
+
+namespace gxy::test {
+namespace {
+
+using nlohmann::json;
+
+constexpr uint32_t kPasses = 3;
+
+struct Shown {
+  explicit Shown(NodeOptions limits = {}) : server(setup(std::move(limits))), user(server.client()) {
+    user->expect("load data");
+    user->expect("load viewer");
+  }
+  static ServerSetup setup(NodeOptions limits) {
+    ServerSetup setup;
+    setup.modules = GALAXY_MODULES;
+    setup.node = std::move(limits);
+    return setup;
+  }
+  static State state() { return readState(stateOf("ball"), "the test's state").state; }
+  // As the user's thread does; only a failure takes the whole minute.
+  void until(const std::function<bool()>& condition, const char* what) {
+    const auto end = std::chrono::steady_clock::now() + std::chrono::minutes(1);
+    while (!condition()) {
+      ASSERT_LT(std::chrono::steady_clock::now(), end)
+          << "after a minute, not yet: " << what << "; status: " << window.status();
+      window.update(RemoteWindow::Clock::now());
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    }
+  }
+  void untilAllIsShown(uint64_t generation) {
+    const std::string said = generation == 1 ? "s" : "ball: generation " + std::to_string(generation);
+    until(
+        [&] {
+          const auto now = window.statistics();
+          return now.ended && now.passes == kPasses && window.status().ends_with(said);
+        },
+        "all passes are shown, without an error");
+  }
+  void untilRefused(const std::string& why) {
+    until([&] { return window.status().find("error: " + why) == 0; }, "it is refused");
+  }
+  void turn() {
+    Camera camera = state().cameras[0];
+    camera.viewpoint[0] -= turned += 0.5;
+    window.setCamera(camera);
+  }
+
+  TestServer server;
+  std::unique_ptr<Client> user;
+  RemoteWindow window{server.options(), state(), kPasses};
+  double turned = 0;
+};
+
+TEST(RemoteWindow, ShowsDataThatComeAfterItWasOpened) {
+  Shown shown;
+  shown.untilRefused("dataset \"ball\": there is none");
+  EXPECT_FALSE(shown.window.box());
+  shown.user->expect(importBall("ball"));
+  shown.untilAllIsShown(1);
+  shown.until([&] { return shown.window.box().has_value(); }, "where they are");
+}
+
+TEST(RemoteWindow, ForgetsAnErrorWhenDataAreBack) {
+  Shown shown;
+  shown.user->expect(importBall("ball"));
+  shown.untilAllIsShown(1);
+  shown.user->expect("drop ball");
+  shown.turn();
+  shown.untilRefused("dataset \"ball\": there is none");
+  shown.until([&] { return !shown.window.box(); }, "there are none");
+  shown.user->expect(importBall("ball"));
+  shown.untilAllIsShown(1);
+}
+
+TEST(RemoteWindow, KnowsWhereNewerDataAre) {
+  Shown shown;
+  shown.user->expect(importBall("ball"));
+  shown.untilAllIsShown(1);
+  std::ofstream(shown.server.folder() / "moved.vol") << "float\n4 4 4\n16 16 16\n0.5 0.5 0.5\nball.raw\n";
+  shown.user->expect(importBall("ball", "moved.vol"));
+  shown.until([&] { return shown.window.box() && (*shown.window.box())[1][0] == 11.5; }, "the new box");
+  EXPECT_EQ(shown.window.box()->at(0), (std::array<double, 3>{4, 4, 4}));
+  shown.untilAllIsShown(2);
+}
+
+TEST(RemoteWindow, AsksAgainForWhatWasRefused) {
+  NodeOptions limits;
+  limits.tenantFrames = 1;
+  Shown shown(limits);
+  shown.user->expect(importBall("ball"));
+  shown.untilAllIsShown(1);
+  shown.user->expect("window 1");
+  shown.user->expect("set 1 " + stateOf("ball"));
+  shown.user->expect(R"(render 1 {"passes": 4096, "rays": 16})");
+  shown.turn();
+  shown.untilRefused("tenant user: 1 renderings are in flight");
+  // Long enough, as a rule, for the frame of the camera at rest to be refused, too.
+  const auto later = std::chrono::steady_clock::now() + std::chrono::milliseconds(600);
+  shown.until([&] { return std::chrono::steady_clock::now() > later; }, "time passes");
+  shown.untilRefused("tenant user: 1 renderings are in flight");
+  shown.user->expect("cancel_frame 1");
+  shown.untilAllIsShown(1);
+}
+
+}  // namespace
+}  // namespace gxy::test
