@@ -268,7 +268,9 @@ TEST(Fairness, PicturesThatNobodyWatchesAreHandedOutOneByOneInTurnByThreadsOfLow
   EXPECT_EQ(turn, "bc") << "of each other tenant one, before the next of this one";
   EXPECT_EQ(order.substr(3), "aaa");
   EXPECT_EQ(mostAtOnce, 1);
-  if (const int own = getpriority(PRIO_PROCESS, 0); own < 19) EXPECT_GT(least, own);
+  if (const int own = getpriority(PRIO_PROCESS, 0); own < 19) {
+    EXPECT_GT(least, own);
+  }
 }
 
 }  // namespace
