@@ -34,10 +34,12 @@ struct NodeOptions {
   int64_t memory = int64_t(8) << 30;        ///< bytes of all tenants, on each rank
   int64_t tenantMemory = int64_t(8) << 30;  ///< of one
   int tenantFrames = 64;                    ///< renderings in flight of one tenant
-  int threads = 2;                          ///< of each rank, that run its tasks
-  int64_t raysInFlight = 1 << 20;           ///< of each rank
-  int64_t tenantRays = 0;                   ///< of one tenant, of each rank; 0: as many as there may be
-  Trace* trace = nullptr;  ///< of requests, works and rendering, if not null; outlives the node
+  /// For which a picture that is not yet there may keep data of another tenant from being updated.
+  std::chrono::milliseconds longestHold{10000};
+  int threads = 2;                 ///< of each rank, that run its tasks
+  int64_t raysInFlight = 1 << 20;  ///< of each rank
+  int64_t tenantRays = 0;          ///< of one tenant, of each rank; 0: as many as there may be
+  Trace* trace = nullptr;          ///< of requests, works and rendering, if not null; outlives the node
 };
 
 /// Made on every rank at the same time, over its Transport, and destroyed on all ranks together. Threads: its parts are

@@ -530,6 +530,43 @@ TEST(ViewerModule, WhoMayOnlyReadDataKeepsNobodyFromUpdatingThem) {
   EXPECT_EQ(viewer.screen.waitFor(1, viewer.render()).json.at("generations"), (json{{"ball", 8}}));
 }
 
+// Pictures of minutes.
+TEST(ViewerModule, WhoMayOnlyReadDataKeepsNobodyWaitingForAPictureThatTakesLong) {
+  ServerSetup setup;
+  setup.modules = GALAXY_MODULES;
+  setup.node.longestHold = std::chrono::milliseconds(1);
+  TestServer server(std::move(setup));
+  const auto ann = server.client("ann");
+  ann->expect("load data");
+  importAgain(*ann, kShared);
+  Viewer viewer(server, "bob");
+  const uint64_t frame = viewer.render(R"({"rays": 65536, "levels": [1]})");
+  for (int updates = 0; updates < 2; updates++) importAgain(*ann, kShared);
+  const auto end = viewer.screen.waitFor(1, frame);
+  EXPECT_EQ(end.status, "failed");
+  EXPECT_EQ(end.json.at("passes"), 0);
+  EXPECT_TRUE(end.json.at("error").get<std::string>().starts_with("dataset \"ball\": another update needs"))
+      << end.json;
+
+  json state = json::parse(stateOf("ball"));
+  state["Renderer"]["rays per pixel"] = 65536;
+  std::promise<Reply> promise;
+  auto ended = promise.get_future();
+  viewer.client->send("batch " + json{{"state", state}}.dump(),
+                      [&](const Reply& r) { promise.set_value(r); });
+  until(
+      [&] {
+        for (const json& tenant : server.node().tenants.statistics())
+          if (tenant.at("tenant") == "bob") return tenant.at("frames in flight") == 1;
+        return false;
+      },
+      "the picture is rendered");
+  for (int updates = 0; updates < 2; updates++) importAgain(*ann, kShared);
+  const std::string error = ended.get().error;
+  EXPECT_TRUE(error.starts_with("batch: dataset \"ball\": an update needs the room of generation 3"))
+      << error;
+}
+
 TEST(ViewerModule, ADatasetThatIsDroppedIsRefinedNoFurther) {
   const auto server = serve();
   Viewer viewer(*server);

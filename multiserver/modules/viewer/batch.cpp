@@ -8,6 +8,7 @@
 #include <map>
 
 #include "gxy/comm/error.h"
+#include "gxy/comm/error_text.h"
 #include "gxy/protocol/json.h"
 
 namespace gxy::viewer {
@@ -21,7 +22,12 @@ struct Job {
   std::mutex mutex;
   std::vector<ScenePtr> scenes;  ///< by visualization; null where the next picture is to show newer data
   std::condition_variable changed;
-  std::map<size_t, FrameId> inFlight;  ///< by picture
+  struct Flight {
+    std::weak_ptr<const SceneHandle> scene;
+    FrameId id = 0;  ///< once it is known
+    std::chrono::steady_clock::time_point begin = std::chrono::steady_clock::now();
+  };
+  std::map<size_t, Flight> inFlight;  ///< by picture
   /// Has come and is to be sent; counts as the tenant's until then.
   struct Content {
     Bytes picture;
@@ -83,8 +89,8 @@ class Run {
       job_->scenes.push_back(
           services_.scenes.get(request_.session().tenant(), v, batch_.state.settings).scene);
     }
-    const auto wanted = services_.node.observers.subscribe({}, [job = job_](const ObjectEvent& event) {
-      if (event.kind == ObjectEvent::Kind::Wanted) letGo(*job, event.key, event.generation);
+    const auto wanted = services_.node.observers.subscribe({}, [this](const ObjectEvent& event) {
+      if (event.kind == ObjectEvent::Kind::Wanted) letGo(event.key, event.generation);
     });
     const std::shared_ptr<void> end(nullptr, [this](void*) { giveUp(); });
     for (size_t i = 0; i < total_; i++) {
@@ -100,12 +106,24 @@ class Run {
   }
 
  private:
-  // An update needs the room of a generation: pictures under way show it, further ones do not.
-  static void letGo(Job& job, Key key, Generation generation) {
+  // An update needs the room of a generation: pictures under way show it, further ones do not, and where one has long kept
+  // another tenant waiting the batch fails.
+  void letGo(Key key, Generation generation) {
     std::vector<ScenePtr> gone;  // outside the lock
-    const std::lock_guard lock(job.mutex);
-    for (ScenePtr& scene : job.scenes)
+    const auto late = std::chrono::steady_clock::now() - services_.node.options.longestHold;
+    const std::lock_guard lock(job_->mutex);
+    for (ScenePtr& scene : job_->scenes)
       if (scene && scene->find(key, generation)) gone.push_back(std::exchange(scene, nullptr));
+    for (const auto& [index, flight] : job_->inFlight) {
+      const ScenePtr& scene = gone.emplace_back(flight.scene.lock());
+      const NamedDataset* const shown = scene ? scene->find(key, generation) : nullptr;
+      if (!shown || shown->owner == request_.session().tenant() || flight.begin > late) continue;
+      if (job_->error.empty())
+        job_->error = "batch: dataset " + inQuotes(shown->name) +
+                      ": an update needs the room of generation " + std::to_string(generation) +
+                      ", of which picture " + std::to_string(index) + " takes too long";
+      job_->changed.notify_all();
+    }
   }
 
   void check() {
@@ -204,7 +222,7 @@ class Run {
     };
     {
       const std::lock_guard lock(job_->mutex);
-      job_->inFlight[index] = 0;
+      job_->inFlight[index].scene = scene;
     }
     FrameId id;
     try {
@@ -215,7 +233,7 @@ class Run {
       throw;
     }
     const std::lock_guard lock(job_->mutex);
-    if (const auto at = job_->inFlight.find(index); at != job_->inFlight.end()) at->second = id;
+    if (const auto at = job_->inFlight.find(index); at != job_->inFlight.end()) at->second.id = id;
   }
 
   // Whatever is still under way ends before the request does.
@@ -223,7 +241,7 @@ class Run {
     std::unique_lock lock(job_->mutex);
     const auto inFlight = job_->inFlight;
     lock.unlock();
-    for (const auto& [index, id] : inFlight) services_.node.renderer.supersede(id);
+    for (const auto& [index, flight] : inFlight) services_.node.renderer.supersede(flight.id);
     lock.lock();
     job_->changed.wait(lock, [this] { return job_->inFlight.empty(); });
   }

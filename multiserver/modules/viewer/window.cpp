@@ -164,6 +164,11 @@ void Window::onWanted(Key key, Generation generation) {
     current_->why = "dataset " + inQuotes(shown->name) + ": another update needs the room of generation " +
                     std::to_string(generation) + ", which is shown: it is refined no further";
     refined = endRefinement();
+    if (!current_->over && shown->owner != tenant_ &&
+        std::chrono::steady_clock::now() - current_->begin > services_.node.options.longestHold) {
+      current_->over = "failed";
+      refined = current_->rendering;
+    }
   }
   if (refined) services_.node.renderer.supersede(refined);
 }

@@ -72,7 +72,7 @@ class Window : public std::enable_shared_from_this<Window> {
   /// the one under way is whole, which is then refined no further. Short.
   void onData(const DatasetEvent& event);
   /// An update needs the room of a generation. Where a frame of it waits, it gets newer data; where one is whole, it is
-  /// refined no further; another ends with its first whole picture. Short.
+  /// refined no further; another ends with its first whole picture, or now if it has long kept another tenant waiting. Short.
   void onWanted(Key key, Generation generation);
   /// Renders newer data, if that is still due. Short.
   void tryAgain();

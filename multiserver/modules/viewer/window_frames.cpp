@@ -117,7 +117,10 @@ void Window::supersede(const FramePtr& older) {
 }
 
 void Window::begin(const FramePtr& frame) {
-  frame->begin = std::chrono::steady_clock::now();
+  {
+    const std::lock_guard lock(mutex_);
+    frame->begin = std::chrono::steady_clock::now();
+  }
   startStage(frame);
 }
 
