@@ -385,6 +385,20 @@ TEST(ViewerModule, AWindowThatFollowsRendersNewGenerations) {
   EXPECT_NE(viewer.screen.picture(1).rgba, before);
 }
 
+TEST(ViewerModule, AWindowThatBeginsToFollowRendersWhatHasComeBefore) {
+  const auto server = serve();
+  Viewer viewer(*server);
+  viewer.frame();
+  viewer.client->expect(importBall("ball"));
+  const auto newest = [&] { return viewer.client->expect("windows").at("windows").at(0).at("frame"); };
+  EXPECT_EQ(newest(), 1);
+  viewer.client->expect("window 1 {\"follow\": true}");
+  EXPECT_EQ(viewer.screen.waitFor(1, 2).json.at("generations"), (json{{"ball", 2}}));
+  viewer.client->expect("window 1 {\"follow\": false}");
+  viewer.client->expect("window 1 {\"follow\": true}");
+  EXPECT_EQ(newest(), 2) << "it shows what there is";
+}
+
 TEST(ViewerModule, AWindowThatFollowsRendersWhatCameBeforeItsFrameWasCancelled) {
   const auto server = serve();
   Viewer viewer(*server);

@@ -26,8 +26,16 @@ Window::Settings Window::settings() const {
 }
 
 void Window::setSettings(const Settings& settings) {
-  const std::lock_guard lock(mutex_);
-  settings_ = settings;
+  FrameId refined = 0;
+  bool again = false;
+  {
+    const std::lock_guard lock(mutex_);
+    settings_ = settings;
+    refined = endRefinement();
+    again = stale_ && settings_.follow && !current_ && !waiting_;
+  }
+  if (refined) services_.node.renderer.supersede(refined);
+  if (again) renderAgain();
 }
 
 void Window::setVisualization(const Visualization& visualization, LedgerEntry memory) {
@@ -138,8 +146,8 @@ void Window::onData(const DatasetEvent& event) {
       pins.swap(waiting_->pins);
       return;
     }
-    if (!settings_.follow || !asked_ || closed_) return;
-    stale_ = current_ != nullptr;
+    if (!asked_ || closed_) return;
+    stale_ = current_ || !settings_.follow;
     refined = endRefinement();
     again = !stale_;
   };

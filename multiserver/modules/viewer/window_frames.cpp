@@ -327,7 +327,7 @@ void Window::finish(const FramePtr& frame, const char* status, const std::string
       if (!frame->firstPassMade) inOutbox_ = 0;
     }
     if (!current_ && !waiting_)  // after a frame that was cancelled too
-      again = std::exchange(stale_, false) && settings_.follow && !closed_;
+      again = stale_ && settings_.follow && !closed_;
     underWay_--;
     ended_.notify_all();
   }
