@@ -146,7 +146,7 @@ void Window::onData(const DatasetEvent& event) {
       pins.swap(waiting_->pins);
       return;
     }
-    if (!asked_ || closed_) return;
+    if (asked_ == 0 || closed_) return;
     stale_ = current_ || !settings_.follow;
     refined = endRefinement();
     again = !stale_;
@@ -233,20 +233,31 @@ void Window::renderAgain() {
       self->ended_.notify_all();
     });
     FrameOptions options;
-    uint64_t last = 0;
+    Since since{};
     {
       const std::lock_guard lock(self->mutex_);
-      last = self->frames_;
+      since = {self->asked_, self->frames_};
       options = self->lastOptions_;
       options.wait = true;  // a picture that is on its way to the client gets there
     }
     try {
-      const uint64_t frame = self->render(options);
+      const uint64_t frame = self->render(options, since);
+      if (frame == 0) return self->tryAgainUnlessMade(since.frames);
       self->outbox_->event({{"event", "frame"}, {"window", self->id_}, {"frame", frame}, {"reason", "data"}});
     } catch (const Error& e) {
-      self->onRefused(last, e.what());
+      self->onRefused(since.frames, e.what());
     }
   });
+}
+
+// Somebody asked for a frame meanwhile, and may have been refused.
+void Window::tryAgainUnlessMade(uint64_t lastFrame) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (frames_ != lastFrame) return;
+    stale_ = true;
+  }
+  tryAgain();
 }
 
 // Newer data could not be rendered, for now.

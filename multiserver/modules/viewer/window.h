@@ -5,6 +5,7 @@
 #include <condition_variable>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -92,7 +93,13 @@ class Window : public std::enable_shared_from_this<Window> {
   void onSums(const FramePtr& frame, Picture picture);
   void onStage(const FramePtr& frame, bool superseded, const std::string& error);
   void finish(const FramePtr& frame, const char* status, const std::string& error);
+  /// What the window had been asked for when it decided to render by itself.
+  struct Since {
+    uint64_t asked, frames;
+  };
+  uint64_t render(const FrameOptions& options, std::optional<Since> byItself);
   void renderAgain();
+  void tryAgainUnlessMade(uint64_t lastFrame);
   void onRefused(uint64_t lastFrame, const std::string& error);
   void onDrained();
 
@@ -112,7 +119,7 @@ class Window : public std::enable_shared_from_this<Window> {
   bool drains_ = false;       ///< onDrained() is to come
   bool tries_ = false;        ///< it is in Services::retries
   std::string told_;          ///< why there is no frame of the newest data, as the client was told
-  bool asked_ = false;        ///< for a frame, which may have been refused
+  uint64_t asked_ = 0;        ///< for so many frames, which may have been refused
   FrameOptions lastOptions_;  ///< with which it was asked for last
   ScenePtr scene_;
   ScenePtr edited_;        ///< shown before an edit: the next scene takes over what it may

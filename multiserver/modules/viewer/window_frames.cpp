@@ -31,7 +31,10 @@ Bytes endRecord(PixelHeader header, PixelKind kind, const std::string& data = {}
 
 }  // namespace
 
-uint64_t Window::render(const FrameOptions& options) {
+uint64_t Window::render(const FrameOptions& options) { return render(options, {}); }
+
+// 0 where the window would do it by itself and somebody has asked meanwhile: what they want counts.
+uint64_t Window::render(const FrameOptions& options, std::optional<Since> byItself) {
   auto frame = std::make_shared<Frame>();
   State state;
   ScenePtr edited;
@@ -57,10 +60,10 @@ uint64_t Window::render(const FrameOptions& options) {
   if (int64_t(options.passes) * frame->samples > kSamples)
     throw Error("render: " + std::to_string(options.passes) + " passes of " + std::to_string(frame->samples) +
                 " rays per pixel, expected at most " + std::to_string(kSamples) + " rays");
-  {
+  if (!byItself) {
     // What follows is refused for what may change: the data, and how much room there is.
     const std::lock_guard lock(mutex_);
-    asked_ = true;
+    asked_++;
     lastOptions_ = options;
   }
   Scenes::Pinned pinned =
@@ -84,6 +87,7 @@ uint64_t Window::render(const FrameOptions& options) {
   {
     const std::lock_guard lock(mutex_);
     if (closed_) throw Error("window " + std::to_string(id_) + ": it is closed");
+    if (byItself && (byItself->asked != asked_ || byItself->frames != frames_)) return 0;
     told_.clear();
     frame->number = ++frames_;
     underWay_++;
