@@ -8,6 +8,8 @@ import socket
 import struct
 import subprocess
 import sys
+import threading
+import time
 import unittest
 
 import numpy as np
@@ -251,6 +253,16 @@ class Pixels(unittest.TestCase):
         self.assertGreater(after.end["generations"]["balls"], before.end["generations"]["balls"])
         self.assertGreater(np.abs(after.rgba.astype(int) - before.rgba).max(), 50)
         self.client.request("drop balls")
+
+    def test_a_picture_that_is_superseded_is_that_of_the_newer_frame(self):
+        pictures = []
+        thread = threading.Thread(target=lambda: pictures.append(self.window.render(passes=4096)))
+        thread.start()
+        while not self.client.request("viewer.windows")["windows"][0]["frame"]:
+            time.sleep(0.01)
+        newest = self.window.start()
+        thread.join()
+        self.assertEqual(pictures[0].frame, newest)
 
     def test_a_frame_is_cancelled(self):
         frame = self.window.start(passes=4096)

@@ -26,6 +26,7 @@ import socket
 import struct
 import sys
 import threading
+import time
 import zlib
 from concurrent.futures import Future
 
@@ -139,8 +140,12 @@ class Window:
             return self._ends[max(self._ends)]
 
     def render(self, timeout=60, **options):
-        """Begins a frame and waits for it. Raises GalaxyError unless it is completed."""
+        """Begins a frame and waits for it, or for the newer one that has superseded it, as one of newer data in a window that
+        follows. Raises GalaxyError unless it is completed."""
+        end = None if timeout is None else time.monotonic() + timeout
         picture = self.wait(self.start(**options), timeout)
+        while picture.end["status"] == "superseded":
+            picture = self.wait(picture.frame + 1, end and end - time.monotonic())
         if picture.end["status"] != "complete":
             raise GalaxyError(f"window {self.number}, frame {picture.frame}: " +
                               picture.end.get("error", picture.end["status"]))
