@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gxy/io/volume_description.h"
 
+#include <algorithm>
 #include <bit>
 #include <charconv>
 #include <cmath>
+#include <iterator>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <set>
+#include <utility>
 #include <vector>
 
 #include "gxy/comm/error.h"
@@ -20,41 +23,23 @@ using nlohmann::json;
 constexpr const char* kTypeWords =
     "float, uchar, int8, uint8, int16, uint16, int32, uint32, int64, uint64 or double";
 
+// The first of a type is written.
+constexpr std::pair<const char*, ScalarType> kTypes[] = {
+    {"float", ScalarType::Float32}, {"uchar", ScalarType::UInt8},   {"int8", ScalarType::Int8},
+    {"uint8", ScalarType::UInt8},   {"int16", ScalarType::Int16},   {"uint16", ScalarType::UInt16},
+    {"int32", ScalarType::Int32},   {"uint32", ScalarType::UInt32}, {"int64", ScalarType::Int64},
+    {"uint64", ScalarType::UInt64}, {"double", ScalarType::Float64}};
+
 std::optional<ScalarType> typeOfWord(std::string_view word) {
-  static const std::pair<std::string_view, ScalarType> words[] = {
-      {"float", ScalarType::Float32}, {"uchar", ScalarType::UInt8},   {"int8", ScalarType::Int8},
-      {"uint8", ScalarType::UInt8},   {"int16", ScalarType::Int16},   {"uint16", ScalarType::UInt16},
-      {"int32", ScalarType::Int32},   {"uint32", ScalarType::UInt32}, {"int64", ScalarType::Int64},
-      {"uint64", ScalarType::UInt64}, {"double", ScalarType::Float64}};
-  for (const auto& [name, type] : words)
-    if (name == word) return type;
-  return {};
+  const auto found =
+      std::find_if(std::begin(kTypes), std::end(kTypes), [&](const auto& t) { return t.first == word; });
+  if (found == std::end(kTypes)) return {};
+  return found->second;
 }
 
 const char* wordOfType(ScalarType type) {
-  switch (type) {
-    case ScalarType::Int8:
-      return "int8";
-    case ScalarType::UInt8:
-      return "uchar";
-    case ScalarType::Int16:
-      return "int16";
-    case ScalarType::UInt16:
-      return "uint16";
-    case ScalarType::Int32:
-      return "int32";
-    case ScalarType::UInt32:
-      return "uint32";
-    case ScalarType::Int64:
-      return "int64";
-    case ScalarType::UInt64:
-      return "uint64";
-    case ScalarType::Float32:
-      return "float";
-    case ScalarType::Float64:
-      break;
-  }
-  return "double";
+  return std::find_if(std::begin(kTypes), std::end(kTypes), [&](const auto& t) { return t.second == type; })
+      ->first;
 }
 
 /// The words of a text with the line each stands on; the raw file's name is the rest of its line, blanks
