@@ -60,7 +60,7 @@ Datasets::~Datasets() = default;
 void Datasets::addWorks() {
   node_.work.add(
       "datasets.import", [this](const Work::Call& call) { return importHere(call.parameters); },
-      Work::Runs::Long);
+      Work::Runs::Waiting);
   node_.work.add("datasets.info", [this](const Work::Call& call) { return infoHere(call.parameters); });
   node_.work.add("datasets.drop", [this](const Work::Call& call) -> json {
     const Key key{call.parameters.at("key").get<uint64_t>()};

@@ -2,6 +2,7 @@
 #include "gxy/server/exchanges.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "gxy/comm/error.h"
 #include "gxy/server/node.h"
@@ -18,18 +19,24 @@ void Exchanges::addWorks() {
   });
 }
 
-std::shared_ptr<const uint64_t> Exchanges::begin(Request& request) {
-  const auto turn = node_.tenants.beginLong(request.session().tenant(), [&] { request.check(); });
+std::shared_ptr<const uint64_t> Exchanges::begin(Request& request) { return begin(request, nullptr); }
+
+std::shared_ptr<const uint64_t> Exchanges::beginLong(Request& request) {
+  return begin(request, node_.tenants.beginLong(request.session().tenant(), [&] { request.check(); }));
+}
+
+std::shared_ptr<const uint64_t> Exchanges::begin(Request& request, std::shared_ptr<void> turn) {
   const uint64_t number = node_.nextExchange();
   {
     const std::lock_guard lock(mutex_);
     led_[number] = &request;
   }
-  const std::shared_ptr<const uint64_t> begun(new uint64_t(number), [this, turn](const uint64_t* led) {
-    const std::lock_guard lock(mutex_);
-    led_.erase(*led);
-    delete led;
-  });
+  const std::shared_ptr<const uint64_t> begun(new uint64_t(number),
+                                              [this, turn = std::move(turn)](const uint64_t* led) {
+                                                const std::lock_guard lock(mutex_);
+                                                led_.erase(*led);
+                                                delete led;
+                                              });
   request.onCancel([&node = node_, number] {
     node.work.broadcast("exchanges.cancel", {{"exchange", number}}, [](std::vector<Work::Reply>) {});
   });

@@ -14,7 +14,7 @@ namespace gxy {
 struct Node;
 class Request;
 
-/// One on each rank. Rank 0 begins an exchange for a request and tells its number to a work (of Runs::Long, as a rule), which
+/// One on each rank. Rank 0 begins an exchange for a request and tells its number to a work (not of Runs::Short), which
 /// join()s it on all ranks. When the request is cancelled, its parts end soon. Thread safe.
 class Exchanges {
  public:
@@ -23,9 +23,11 @@ class Exchanges {
   explicit Exchanges(Node& node) : node_(node) {}
   void addWorks();
 
-  /// Rank 0: its number, until let go; the request outlives it. Waits until the tenant has fewer than Tenants::kLong of them
-  /// under way. Throws Error when the request is cancelled.
+  /// Rank 0: its number, until let go; the request outlives it.
   [[nodiscard]] std::shared_ptr<const uint64_t> begin(Request& request);
+  /// The same for what computes long: waits until the tenant has fewer than Tenants::kLong of these under way. Throws Error
+  /// when the request is cancelled.
+  [[nodiscard]] std::shared_ptr<const uint64_t> beginLong(Request& request);
 
   /// A rank's part of an exchange; used by one thread. What it has to say to the other ranks has been said when it goes.
   class Part {
@@ -55,6 +57,7 @@ class Exchanges {
   Part join(uint64_t number) { return Part(*this, number); }
 
  private:
+  std::shared_ptr<const uint64_t> begin(Request& request, std::shared_ptr<void> turn);
   void check(uint64_t number) const;
 
   Node& node_;

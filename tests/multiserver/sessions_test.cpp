@@ -436,7 +436,7 @@ TEST(Sessions, LongWorkEndsOnAllRanksWhenItsRequestIsCancelled) {
       Outbox::Limits{}, [] {}, node.ledger.enter("ann", "to be sent", 0));
   Session ann(node, outbox, {1, "test", "ann", false}, {});
   Request request(ann, 1, protocol::bytesOf("echo"));
-  const auto exchange = node.exchanges.begin(request);
+  const auto exchange = node.exchanges.beginLong(request);
   auto called = std::async(std::launch::async, [&] {
     try {
       node.callAll("test.long", {{"exchange", *exchange}});

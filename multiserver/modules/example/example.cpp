@@ -46,7 +46,7 @@ json range(Request& request) {
   protocol::Arguments arguments(request.arguments(), "range NAME");
   const std::string name = arguments.expectWord();
   arguments.expectEnd();
-  const auto exchange = node.exchanges.begin(request);  // waits for its turn among the tenant's
+  const auto exchange = node.exchanges.beginLong(request);  // waits for its turn among the tenant's
   // pinned on this rank, the generation stays on all of them
   const auto [dataset, pin] = node.datasets->getPinned(request.session().tenant(), name);
   Range all;
@@ -132,7 +132,7 @@ json threshold(Request& request) {
   if (!least || !largest) arguments.fail("LEAST and LARGEST are numbers");
   arguments.expectEnd();
   checkDatasetName(name);
-  const auto exchange = node.exchanges.begin(request);
+  const auto exchange = node.exchanges.beginLong(request);
   const auto [source, pin] = node.datasets->getPinned(tenant, from);
   const Key destination = node.keys.next();
   callAll(node, ThresholdWork{*exchange, source.key.value, source.generation, destination.value, *least,
