@@ -88,7 +88,7 @@ TEST(Example, ItsWorksLookAtAllSamplesAndLeaveTheWorkersToFrames) {
   TestServer server(std::move(setup));
   server.client()->expect("load example");
   for (int rank = 0; rank < 2; rank++)
-    for (const char* name : {"example.range", "example.threshold", "datasets.import"})
+    for (const char* name : {"example.range", "example.threshold"})
       EXPECT_EQ(server.node(rank).work.runsOf(name), Work::Runs::Long) << name;
 }
 

@@ -398,14 +398,14 @@ TEST(Sessions, LongWorkOfATenantWaitsForItsTurnAndHoldsUpNobodyElse) {
   std::vector<std::shared_ptr<void>> turns;
   for (int i = 0; i < Tenants::kLong; i++)
     turns.push_back(server.node().tenants.beginLong("ann", [] { FAIL() << "there is room"; }));
-  std::promise<Reply> imported, found;
-  const uint32_t id =
-      ann->send(importBall("late"), [&](const Reply& reply) { imported.set_value(reply); });  // aside
+  std::promise<Reply> filtered, found;
+  const uint32_t id = ann->send("example.threshold ball late 0 1",
+                                [&](const Reply& reply) { filtered.set_value(reply); });  // aside
   ann->send("example.range ball", [&](const Reply& reply) { found.set_value(reply); });
-  bob->expect(importBall("late"));
+  bob->expect("example.threshold ball late 0 1");
   bob->expect("example.range ball");
   ann->expect("cancel " + std::to_string(id));
-  EXPECT_EQ(imported.get_future().get().error, "cancelled") << "though it has not begun";
+  EXPECT_EQ(filtered.get_future().get().error, "cancelled") << "though it has not begun";
   turns.pop_back();
   EXPECT_TRUE(found.get_future().get().ok);
   EXPECT_EQ(ann->expect("list").at("datasets").size(), 1u);
