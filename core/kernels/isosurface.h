@@ -346,50 +346,58 @@ FN real centralDifference(real before, real here, real after, bool hasBefore, bo
   return R(0.0);
 }
 
-// The gradient at a grid point, per cell: central differences, one-sided on the domain's boundary or beside no data, and 0
-// where there are none.
-FN vec3 pointGradient(VOLUME v, ivec3 p) {
-  real s = pointValue(v, p);
-  bool x0 = p.x > 0, x1 = p.x<v.cellsX, y0 = p.y> 0, y1 = p.y<v.cellsY, z0 = p.z> 0, z1 = p.z < v.cellsZ;
-  real ax = s, bx = s, ay = s, by = s, az = s, bz = s;
-  if (x0) ax = pointValue(v, make_i3(p.x - 1, p.y, p.z));
-  if (x1) bx = pointValue(v, make_i3(p.x + 1, p.y, p.z));
-  if (y0) ay = pointValue(v, make_i3(p.x, p.y - 1, p.z));
-  if (y1) by = pointValue(v, make_i3(p.x, p.y + 1, p.z));
-  if (z0) az = pointValue(v, make_i3(p.x, p.y, p.z - 1));
-  if (z1) bz = pointValue(v, make_i3(p.x, p.y, p.z + 1));
-  return make_v3(centralDifference(ax, s, bx, x0, x1), centralDifference(ay, s, by, y0, y1),
-                 centralDifference(az, s, bz, z0, z1));
-}
-
-// The gradient at point (x, y, z), each 0 or 1, of the cell with corners k and neighbours on its six sides.
+// The cells on the six sides of one, which a block has but on the domain's boundary: those that are not there count for nothing.
 struct CellNeighbours {
   Corners lowX, highX, lowY, highY, lowZ, highZ;
+  bool hasLowX, hasHighX, hasLowY, hasHighY, hasLowZ, hasHighZ;
 };
-FN real differenceAlong(real before, real low, real high, real after, bool atHigh) {
+FN CellNeighbours neighboursOf(VOLUME v, ivec3 c) {
+  CellNeighbours n;
+  n.hasLowX = c.x > v.firstX;
+  n.hasHighX = c.x + 1 < v.lastX;
+  n.hasLowY = c.y > v.firstY;
+  n.hasHighY = c.y + 1 < v.lastY;
+  n.hasLowZ = c.z > v.firstZ;
+  n.hasHighZ = c.z + 1 < v.lastZ;
+  n.lowX = cellCorners(v, make_i3(n.hasLowX ? c.x - 1 : c.x, c.y, c.z));
+  n.highX = cellCorners(v, make_i3(n.hasHighX ? c.x + 1 : c.x, c.y, c.z));
+  n.lowY = cellCorners(v, make_i3(c.x, n.hasLowY ? c.y - 1 : c.y, c.z));
+  n.highY = cellCorners(v, make_i3(c.x, n.hasHighY ? c.y + 1 : c.y, c.z));
+  n.lowZ = cellCorners(v, make_i3(c.x, c.y, n.hasLowZ ? c.z - 1 : c.z));
+  n.highZ = cellCorners(v, make_i3(c.x, c.y, n.hasHighZ ? c.z + 1 : c.z));
+  return n;
+}
+
+FN real differenceAlong(bool hasBefore, real before, real low, real high, real after, bool hasAfter,
+                        bool atHigh) {
   real b = before, h = low, a = high;
   if (atHigh) {
     b = low;
     h = high;
     a = after;
   }
-  return centralDifference(b, h, a, true, true);
+  return centralDifference(b, h, a, hasBefore || atHigh, hasAfter || !atHigh);
 }
+// The gradient at point (x, y, z), each 0 or 1, of the cell with corners k and those neighbours, per cell: central
+// differences, one-sided on the domain's boundary or beside no data, and 0 where there are none.
 FN vec3 cornerGradient(Corners k, CellNeighbours n, UNIFORM int x, UNIFORM int y, UNIFORM int z) {
   vec3 g;
+#define ALONG(axis, atHigh, a, b) \
+  differenceAlong(n.hasLow##axis, n.low##axis.a, k.a, k.b, n.high##axis.b, n.hasHigh##axis, atHigh)
   bool x1 = x == 1, y1 = y == 1, z1 = z == 1;
-  if (y == 0 && z == 0) g.x = differenceAlong(n.lowX.v000, k.v000, k.v100, n.highX.v100, x1);
-  if (y == 1 && z == 0) g.x = differenceAlong(n.lowX.v010, k.v010, k.v110, n.highX.v110, x1);
-  if (y == 0 && z == 1) g.x = differenceAlong(n.lowX.v001, k.v001, k.v101, n.highX.v101, x1);
-  if (y == 1 && z == 1) g.x = differenceAlong(n.lowX.v011, k.v011, k.v111, n.highX.v111, x1);
-  if (x == 0 && z == 0) g.y = differenceAlong(n.lowY.v000, k.v000, k.v010, n.highY.v010, y1);
-  if (x == 1 && z == 0) g.y = differenceAlong(n.lowY.v100, k.v100, k.v110, n.highY.v110, y1);
-  if (x == 0 && z == 1) g.y = differenceAlong(n.lowY.v001, k.v001, k.v011, n.highY.v011, y1);
-  if (x == 1 && z == 1) g.y = differenceAlong(n.lowY.v101, k.v101, k.v111, n.highY.v111, y1);
-  if (x == 0 && y == 0) g.z = differenceAlong(n.lowZ.v000, k.v000, k.v001, n.highZ.v001, z1);
-  if (x == 1 && y == 0) g.z = differenceAlong(n.lowZ.v100, k.v100, k.v101, n.highZ.v101, z1);
-  if (x == 0 && y == 1) g.z = differenceAlong(n.lowZ.v010, k.v010, k.v011, n.highZ.v011, z1);
-  if (x == 1 && y == 1) g.z = differenceAlong(n.lowZ.v110, k.v110, k.v111, n.highZ.v111, z1);
+  if (y == 0 && z == 0) g.x = ALONG(X, x1, v000, v100);
+  if (y == 1 && z == 0) g.x = ALONG(X, x1, v010, v110);
+  if (y == 0 && z == 1) g.x = ALONG(X, x1, v001, v101);
+  if (y == 1 && z == 1) g.x = ALONG(X, x1, v011, v111);
+  if (x == 0 && z == 0) g.y = ALONG(Y, y1, v000, v010);
+  if (x == 1 && z == 0) g.y = ALONG(Y, y1, v100, v110);
+  if (x == 0 && z == 1) g.y = ALONG(Y, y1, v001, v011);
+  if (x == 1 && z == 1) g.y = ALONG(Y, y1, v101, v111);
+  if (x == 0 && y == 0) g.z = ALONG(Z, z1, v000, v001);
+  if (x == 1 && y == 0) g.z = ALONG(Z, z1, v100, v101);
+  if (x == 0 && y == 1) g.z = ALONG(Z, z1, v010, v011);
+  if (x == 1 && y == 1) g.z = ALONG(Z, z1, v110, v111);
+#undef ALONG
   return g;
 }
 
@@ -440,27 +448,12 @@ FN void addGradient(vec3 d, vec3 f, UNIFORM int x, UNIFORM int y, UNIFORM int z,
 // left over is rounding, of any direction.
 FN vec3 gradientIn(VOLUME v, ivec3 c, vec3 p) {
   vec3 f = fractionIn(c, p);
-  bool inner = c.x > v.firstX && c.y > v.firstY && c.z > v.firstZ && c.x + 1 < v.lastX && c.y + 1 < v.lastY &&
-               c.z + 1 < v.lastZ;
   vec3 g = make_v3(R(0.0), R(0.0), R(0.0)), most = make_v3(R(0.0), R(0.0), R(0.0));
-  if (inner) {
-    Corners k = cellCorners(v, c);
-    CellNeighbours n;
-    n.lowX = cellCorners(v, make_i3(c.x - 1, c.y, c.z));
-    n.highX = cellCorners(v, make_i3(c.x + 1, c.y, c.z));
-    n.lowY = cellCorners(v, make_i3(c.x, c.y - 1, c.z));
-    n.highY = cellCorners(v, make_i3(c.x, c.y + 1, c.z));
-    n.lowZ = cellCorners(v, make_i3(c.x, c.y, c.z - 1));
-    n.highZ = cellCorners(v, make_i3(c.x, c.y, c.z + 1));
-    for (UNIFORM int i = 0; i < 8; i++) {
-      UNIFORM int x = i & 1, y = (i >> 1) & 1, z = i >> 2;
-      addGradient(cornerGradient(k, n, x, y, z), f, x, y, z, g, most);
-    }
-  } else {
-    for (UNIFORM int i = 0; i < 8; i++) {
-      UNIFORM int x = i & 1, y = (i >> 1) & 1, z = i >> 2;
-      addGradient(pointGradient(v, make_i3(c.x + x, c.y + y, c.z + z)), f, x, y, z, g, most);
-    }
+  Corners k = cellCorners(v, c);
+  CellNeighbours n = neighboursOf(v, c);
+  for (UNIFORM int i = 0; i < 8; i++) {
+    UNIFORM int x = i & 1, y = (i >> 1) & 1, z = i >> 2;
+    addGradient(cornerGradient(k, n, x, y, z), f, x, y, z, g, most);
   }
   vec3 gradient = make_v3(g.x * v.inverseX, g.y * v.inverseY, g.z * v.inverseZ);
   real least = FLAT_GRADIENT * max(max(most.x * v.inverseX, most.y * v.inverseY), most.z * v.inverseZ);

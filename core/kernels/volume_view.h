@@ -241,9 +241,6 @@ FN OFFSET pointPlace(VOLUME v, ivec3 p) {
          BRICK_PLACE((OFFSET)z, v.brickLayer, 64);
 }
 
-// The value at a grid point that the block holds.
-FN real pointValue(VOLUME v, ivec3 p) { return scalarAt(v, pointPlace(v, p)); }
-
 // Any stored type, several components, blocks over 2^31 bytes. Out of line: the common case stays small.
 FN_OUTLINE Corners cellCornersOfAny(VOLUME v, ivec3 c) {
   Corners k;
