@@ -23,27 +23,82 @@ real isovalueAt(VOLUME v, int i) { return tableReal(v.isovalue + uint(i)); }
 real clipValue(VOLUME v, int i) { return tableReal(v.clip + uint(i)); }
 bool holdsSamples(VOLUME v) { return v.samples != 0u; }
 
-bool mapIsSmall(VOLUME v) { return MAP_KIND >= 0 ? MAP_KIND == MAP_KIND_SMALL : v.mapIntervals <= MAP_SMALL; }
+// The rows (VolumeView) of the one map that a stage looks at, read ahead if it has few intervals (MAP_AHEAD): a device that
+// fetches lane by lane picks nodes from eight registers sooner than it fetches them, and pieces from four.
+struct MapRow {
+  vec4 low, high;
+};
+MapRow mapRows[10];
+float fromRow(int row, int k) {
+  vec4 low = mapRows[row].low, high = mapRows[row].high;
+  bool odd = (k & 1) != 0, second = (k & 2) != 0;
+  float value = second ? (odd ? low.w : low.z) : (odd ? low.y : low.x);
+  if (MAP_AHEAD > 4) {
+    float upper = second ? (odd ? high.w : high.z) : (odd ? high.y : high.x);
+    value = k < 4 ? value : upper;
+  }
+  return value;
+}
+#define PIECES_AHEAD (MAP_AHEAD == 4)
+#define READ_MAP_ROW(i) \
+  mapRows[i] = MapRow(tablesAhead[v.rows / 4u + 4u * uint(i)], tablesAhead[v.rows / 4u + 4u * uint(i) + 1u]);
+void readMapAhead(VOLUME v) {
+  if (MAP_AHEAD > 0) {
+    READ_MAP_ROW(0)
+    READ_MAP_ROW(1)
+  }
+  if (PIECES_AHEAD) {
+    READ_MAP_ROW(2)
+    READ_MAP_ROW(3)
+    READ_MAP_ROW(4)
+    READ_MAP_ROW(5)
+    READ_MAP_ROW(6)
+    READ_MAP_ROW(7)
+    READ_MAP_ROW(8)
+    READ_MAP_ROW(9)
+  }
+}
+
+bool mapIsSmall(VOLUME v) {
+  return MAP_AHEAD > 0 || (MAP_KIND >= 0 ? MAP_KIND == MAP_KIND_SMALL : v.mapIntervals <= MAP_SMALL);
+}
 bool mapIsUniform(VOLUME v) { return MAP_KIND >= 0 ? MAP_KIND == MAP_KIND_UNIFORM : v.mapUniform > 0; }
 int mapBucket(VOLUME v, int i) { return int(tableWord(v.buckets + uint(i))); }
-real mapNode(VOLUME v, int k) { return tableReal(v.nodes + uint(k)); }
-real mapInverseLength(VOLUME v, int k) { return tableReal(v.lengths + uint(k)); }
+real mapNode(VOLUME v, int k) { return MAP_AHEAD > 0 ? fromRow(0, k) : tableReal(v.nodes + uint(k)); }
+real mapInverseLength(VOLUME v, int k) {
+  return MAP_AHEAD > 0 ? fromRow(1, k) : tableReal(v.lengths + uint(k));
+}
 MapPiece mapPiece(VOLUME v, int k) {
-  uint p = v.pieces + 8u * uint(k);
-  vec4 a = uintBitsToFloat(tableQuad(p)), b = uintBitsToFloat(tableQuad(p + 4u));
   MapPiece m;
-  m.sigma = a.x;
-  m.sigmaStep = a.y;
-  m.color = vec3(a.z, b.x, b.z);
-  m.colorStep = vec3(a.w, b.y, b.w);
+  if (PIECES_AHEAD) {
+    m.sigma = fromRow(2, k);
+    m.sigmaStep = fromRow(3, k);
+    m.color = vec3(fromRow(4, k), fromRow(6, k), fromRow(8, k));
+    m.colorStep = vec3(fromRow(5, k), fromRow(7, k), fromRow(9, k));
+  } else {
+    uint p = v.pieces + 8u * uint(k);
+    vec4 a = uintBitsToFloat(tableQuad(p)), b = uintBitsToFloat(tableQuad(p + 4u));
+    m.sigma = a.x;
+    m.sigmaStep = a.y;
+    m.color = vec3(a.z, b.x, b.z);
+    m.colorStep = vec3(a.w, b.y, b.w);
+  }
   return m;
 }
 // Without a loop, of which Mesa's software device allows few (countIfCut).
 int mapNodesUpTo(VOLUME v, real s) {
-  int k = s >= mapNode(v, 8) ? 8 : 0;
-  k += s >= mapNode(v, k + 4) ? 4 : 0;
-  k += s >= mapNode(v, k + 2) ? 2 : 0;
-  return k + (s >= mapNode(v, k + 1) ? 1 : 0);
+  int k;
+  if (MAP_AHEAD > 0) {
+    vec4 low = mapRows[0].low, high = mapRows[0].high;  // filled up with infinities
+    k = int(s >= low.y) + int(s >= low.z) + int(s >= low.w);
+    if (MAP_AHEAD > 4) k += int(s >= high.x) + int(s >= high.y) + int(s >= high.z) + int(s >= high.w);
+  } else {
+    k = s >= mapNode(v, 8) ? 8 : 0;
+    k += s >= mapNode(v, k + 4) ? 4 : 0;
+    k += s >= mapNode(v, k + 2) ? 2 : 0;
+    k += s >= mapNode(v, k + 1) ? 1 : 0;
+  }
+  return k;
 }
 int mapOpaque(VOLUME v, int k) { return int(tableWord(v.opaque + uint(k))); }
 MapSum mapSum(VOLUME v, int k) {
@@ -100,9 +155,6 @@ uint pointPlace(VOLUME v, ivec3 p) {
   uint x = uint(p.x - v.firstX), y = uint(p.y - v.firstY), z = uint(p.z - v.firstZ);
   return BRICK_PLACE(x, 512u, 1u) + BRICK_PLACE(y, uint(v.brickRow), 8u) + BRICK_PLACE(z, uint(v.brickLayer), 64u);
 }
-
-// The value at a grid point that the block holds.
-real pointValue(VOLUME v, ivec3 p) { return scalarAt(v, pointPlace(v, p)); }
 
 // The eight corner values of a cell that the block holds.
 Corners cellCorners(VOLUME v, ivec3 c) {

@@ -6,8 +6,9 @@
 #include "rays.glsl"
 
 void main() {
-  if (!hasRay()) return;
   VolumeView v = fieldOf(push[PUSH_OPERATOR]);
+  readMapAhead(v);
+  if (!hasRay()) return;
   SceneView s = theScene;
   vec3 o = rayOrigin(), d = rayDirection();
   Part part = marchPart();

@@ -12,7 +12,7 @@ void main() {
   IsoStart start;
   start.index = -1;
   start.from = 0;
-  if (RAY_START(GIVEN(info)) == START_ISOSURFACE && int(GIVEN(start) >> 16) == op) {
+  if ((SURFACES & SURFACE_STARTS) != 0 && RAY_START(GIVEN(info)) == START_ISOSURFACE && int(GIVEN(start) >> 16) == op) {
     start.index = int(GIVEN(start) & 0xffffu);
     start.from = RAY_SIDE(GIVEN(info)) != 0 ? 1 : -1;
   }

@@ -13,7 +13,7 @@ layout(local_size_x = BLOCK_RAYS) in;
 layout(constant_id = SPEC_ADDRESSED) const int ADDRESSED = 0;
 layout(constant_id = SPEC_SAMPLE_KIND) const int SAMPLE_KIND = -1;
 layout(constant_id = SPEC_SCALARS) const bool SCALARS = false;
-layout(constant_id = SPEC_SURFACES) const int SURFACES = 15;
+layout(constant_id = SPEC_SURFACES) const int SURFACES = 127;
 layout(constant_id = SPEC_ANY_HIT) const bool ANY_HIT = false;
 
 layout(constant_id = SPEC_BY_CELLS) const bool BY_CELLS = true;
@@ -21,6 +21,7 @@ layout(constant_id = SPEC_LIMITED) const bool LIMITED = false;
 layout(constant_id = SPEC_MAP_KIND) const int MAP_KIND = -1;
 layout(constant_id = SPEC_OPERATORS) const int OPERATORS = 0;
 layout(constant_id = SPEC_ROUTES) const int ROUTES = ROUTE_ON | ROUTE_LEAVES;
+layout(constant_id = SPEC_MAP_AHEAD) const int MAP_AHEAD = 0;
 #define GOES_ON ((ROUTES & ROUTE_ON) != 0)
 #define LEAVES ((ROUTES & ROUTE_LEAVES) != 0)
 
@@ -32,6 +33,7 @@ layout(set = SCENE_SET, binding = SAMPLES_BINDING) uniform usamplerBuffer sample
 layout(set = SCENE_SET, binding = GEOMETRY_BINDING) uniform usamplerBuffer geometry;
 layout(set = SCENE_SET, binding = TABLE_QUADS_BINDING) uniform usamplerBuffer tableQuads;
 layout(set = SCENE_SET, binding = GEOMETRY_QUADS_BINDING) uniform usamplerBuffer geometryQuads;
+layout(std430, set = SCENE_SET, binding = TABLES_AHEAD_BINDING) readonly buffer TablesAhead { vec4 tablesAhead[]; };
 layout(std430, set = SCENE_SET, binding = ADDRESSES_BINDING) readonly buffer Addresses {
   uint64_t tablesAddress, samplesAddress, geometryAddress;
 };

@@ -12,13 +12,14 @@
   0  // bits ADDRESSED_*: which buffers are read by address, being larger than a binding may be
 #define SPEC_SAMPLE_KIND 1  // SAMPLE_* of all volumes, -1: of each its own
 #define SPEC_SCALARS 2      // all volumes have one component
-#define SPEC_SURFACES 3     // bits SURFACE_*: what there is to shade, or of what geometry there is
+#define SPEC_SURFACES 3     // bits SURFACE_*: what there is to shade, or to meet
 #define SPEC_ANY_HIT 4      // rays only ask whether geometry is in their way
 #define SPEC_BY_CELLS 5     // some plans go cell by cell
 #define SPEC_LIMITED 6      // the device ends an invocation's loops after some rounds (rays.glsl)
 #define SPEC_MAP_KIND 7     // MAP_KIND_* of all maps, -1: of each its own
 #define SPEC_OPERATORS 8    // how many there are: 1, up to FEW_OPERATORS, or (0) any number
 #define SPEC_ROUTES 9       // bits ROUTE_*: where rays may go besides into their pixels
+#define SPEC_MAP_AHEAD 10   // 4 or 8: the one map has at most so many intervals, and is read ahead; else 0
 
 #define FEW_OPERATORS 4
 
@@ -38,6 +39,8 @@
 #define SURFACE_TRIANGLES 4
 #define SURFACE_FIELDS 8    // slices and isosurfaces
 #define SURFACE_CLIPPED 16  // some are clipped by planes
+#define SURFACE_CASTS 32    // they make secondary rays
+#define SURFACE_STARTS 64   // rays may start on one
 
 #define SCENE_SET 0
 #define SCENE_BINDING 0
@@ -49,7 +52,8 @@
 #define ADDRESSES_BINDING 6    // of tables, samples and geometry
 #define TABLE_QUADS_BINDING 7  // the same four words at once
 #define GEOMETRY_QUADS_BINDING 8
-#define SCENE_BINDINGS 9
+#define TABLES_AHEAD_BINDING 9  // the tables again, for what all invocations read alike (fetch_scene.glsl)
+#define SCENE_BINDINGS 10
 
 #define FRAME_SET 1
 #define FRAME_BINDING 0

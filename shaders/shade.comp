@@ -83,7 +83,7 @@ void main() {
     Share share = shareOf(s, f, q, surface, from, toEye, color, weight, GIVEN(pixel), RAY_SAMPLE(GIVEN(info)));
     limitShare(share, sum.x, sum.y, sum.z);
     sum += ivec4(share.r, share.g, share.b, 0);
-    if (share.wanted)
+    if ((SURFACES & SURFACE_CASTS) != 0 && share.wanted)
       addSecondary(s, share, q < f.lights ? RAY_SHADOW : RAY_OCCLUSION, from, surface.start, start);
   }
   deposit(GIVEN(pixel), sum);

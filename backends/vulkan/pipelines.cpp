@@ -68,7 +68,9 @@ Special specialFor(Stage stage, const Special& special) {
     s.routes = special.routes | ROUTE_ON;
   if (stage == Stage::Finish) s.routes = special.routes;
   if (stage == Stage::Shade || stage == Stage::Geometry) s.surfaces = special.surfaces;
+  if (stage == Stage::Isosurfaces) s.surfaces = special.surfaces & SURFACE_STARTS;
   if (stage == Stage::Geometry) s.anyHit = special.anyHit;
+  if (stage == Stage::Integrate) s.mapAhead = special.mapAhead;
   if (stage == Stage::Integrate || stage == Stage::IntegrateMany) s.byCells = special.byCells;
   return s;
 }

@@ -37,7 +37,7 @@ struct Special {
   int32_t surfaces = 0;
   uint32_t anyHit = 0;
   uint32_t byCells = 0, limited = 0;
-  int32_t mapKind = -1, operators = 0, routes = ROUTE_ON | ROUTE_LEAVES;
+  int32_t mapKind = -1, operators = 0, routes = ROUTE_ON | ROUTE_LEAVES, mapAhead = 0;
   auto operator<=>(const Special&) const = default;
 };
 

@@ -88,7 +88,6 @@ class Uploading {
     if (partition < 0 ||
         scene.visible.size() - size_t(std::count(scene.visible.begin(), scene.visible.end(), 0)) > 1)
       out_.special.routes |= ROUTE_LEAVES;
-    std::vector<int32_t> rendered;
     for (size_t i = 0; i < scene.operators.size(); i++) {
       const CompiledOperator& op = scene.operators[i];
       const auto found = op.parts.find(partition);
@@ -104,9 +103,9 @@ class Uploading {
       out_.hasBlock.push_back(part && part->block);
       out_.hasIsosurface.push_back(part && !part->isoPlan.empty());
       if (part && part->block) checkNumbering(part->block->extent.points, op.data.volume->components);
-      if (op.vis.type == VisType::Volume && op.vis.volumeRendering) rendered.push_back(int32_t(i));
+      if (op.vis.type == VisType::Volume && op.vis.volumeRendering) rendered_.push_back(int32_t(i));
     }
-    out_.volumeList = tables_.add(rendered);
+    out_.volumeList = tables_.add(rendered_);
     std::vector<uint32_t> mine(scene.visible.size());
     for (size_t p = 0; p < mine.size(); p++)
       mine[p] = scene.visible[p] && scene.partitioning->owner(int(p)) == rank;
@@ -166,7 +165,8 @@ class Uploading {
                                         {nothing, kWords},
                                         {{out_.scene.get(), at[4], sizeof addresses}},
                                         {section(3), kQuads},
-                                        {nothing, kQuads}};
+                                        {nothing, kQuads},
+                                        {section(3)}};
     const auto whole = [](const Buffer& b) { return VkDescriptorBufferInfo{b.get(), 0, b.bytes()}; };
     if (out_.samples) bindings[SAMPLES_BINDING].buffer = whole(out_.samples->buffer);
     if (out_.geometry) bindings[GEOMETRY_BINDING].buffer = whole(out_.geometry->buffer);
@@ -177,7 +177,11 @@ class Uploading {
     for (const auto& [binding, bit] : large)
       if (bindings[binding].buffer.range > device_.largestBinding()) {
         bindings[binding].buffer = nothing;
-        if (binding == TABLES_BINDING) bindings[TABLE_QUADS_BINDING].buffer = nothing;
+        if (binding == TABLES_BINDING) {
+          bindings[TABLE_QUADS_BINDING].buffer = nothing;
+          bindings[TABLES_AHEAD_BINDING].buffer = nothing;
+          out_.special.mapAhead = 0;
+        }
         if (binding == GEOMETRY_BINDING) bindings[GEOMETRY_QUADS_BINDING].buffer = nothing;
         out_.special.addressed |= bit;
       }
@@ -232,6 +236,11 @@ class Uploading {
       map = map == -2 || map == mine ? mine : -1;
     }
     out_.special.mapKind = std::max(map, -1);
+    // to pick from many registers is worth it only where lanes fetch one after the other
+    if (device_.endsLoops() && rendered_.size() == 1) {
+      const int intervals = fields_[size_t(rendered_[0])].mapIntervals;
+      out_.special.mapAhead = intervals <= 4 ? 4 : intervals <= 8 ? 8 : 0;
+    }
     // several are read ahead only where that is cheaper than to read the one
     const size_t readAhead = device_.endsLoops() ? FEW_OPERATORS : 1;
     const size_t n = fields_.size();
@@ -247,6 +256,7 @@ class Uploading {
   PartOnDevice out_;
   Words tables_;
   Places inTables_{tables_};
+  std::vector<int32_t> rendered_;                // operators whose volume is integrated
   std::vector<const GeometryPart*> primitives_;  // by operator; null where there are none
   shader::SceneView view_{};
   std::vector<shader::OperatorView> operators_;

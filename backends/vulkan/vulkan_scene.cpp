@@ -219,8 +219,10 @@ void VulkanScene::addSteps(std::vector<Step>& steps, const PartOnDevice& part, c
   }
   for (int op : slicedOperators_)
     if (isHere(op)) add(Stage::Slices, special, op);
+  Special crosses = special;
+  crosses.surfaces = primary ? 0 : SURFACE_STARTS;
   for (int op : isoOperators_)
-    if (part.hasIsosurface[size_t(op)]) add(Stage::Isosurfaces, special, op);
+    if (part.hasIsosurface[size_t(op)]) add(Stage::Isosurfaces, crosses, op);
   const std::vector<int>& volumes = renderedOperators_;
   if (std::any_of(volumes.begin(), volumes.end(), isHere)) {
     if (volumes.size() == 1)
@@ -232,7 +234,7 @@ void VulkanScene::addSteps(std::vector<Step>& steps, const PartOnDevice& part, c
   shades.surfaces = part.geometryKinds | (surfacesInVolumes_ ? SURFACE_FIELDS : 0);
   add(Stage::Finish, special);
   if (primary && shades.surfaces != 0) {
-    shades.surfaces |= clipped;
+    shades.surfaces |= clipped | (secondariesPerHit(frame) > 0 ? SURFACE_CASTS : 0);
     rays = ~COUNT_SHADED;
     add(Stage::Groups, special);
     if (frame.depth) add(Stage::Depth, special);

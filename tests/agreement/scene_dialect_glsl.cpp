@@ -38,7 +38,9 @@ std::vector<float> sceneProbesInGlsl(const CompiledScene& scene, const CompiledF
   buffers.emplace_back(device, sizeof numbers, Place::Device, "numbers");
   buffers.emplace_back(device, found.size() * sizeof(float), Place::Readback, "probes");
   upload(device, buffers[0], 0, std::as_bytes(std::span(numbers)));
-  vulkan_test::TestShader(device, pipelines, scene_probes_spirv, part.special)
+  Special special = part.special;
+  special.mapAhead = 0;  // probes look at several maps
+  vulkan_test::TestShader(device, pipelines, scene_probes_spirv, special)
       .run(part.set.get(), buffers, inputs, {uint32_t(inputs + BLOCK_RAYS - 1) / BLOCK_RAYS, uint32_t(rows)},
            frameSet.get());
   std::memcpy(found.data(), buffers[1].mapped(), found.size() * sizeof(float));
