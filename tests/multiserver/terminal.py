@@ -4,6 +4,7 @@
 completes a verb wherever one may be, and names of data and of modules after one, the arrow up brings the last line back,
 also that of the session before, a statement may go over lines, # begins a comment, Ctrl-C forgets what was typed or cancels
 what runs, events come above the line that is being typed, long work shows how far it is, Ctrl-D ends it."""
+import json
 import os
 import pty
 import select
@@ -27,6 +28,18 @@ def until(text, seconds=30):
         except OSError:  # it has ended
             sys.exit(f"ended without {text!r}: {said!r}")
     said = said.split(text, 1)[1]
+
+
+def untilItWaits(seconds=30):
+    """Waits until the server has not answered something that another client than the one which asks here has sent."""
+    end = time.monotonic() + seconds
+    while time.monotonic() < end:
+        stat = subprocess.run([*sys.argv[1:], "--json", "-c", "stat;"], check=True, capture_output=True).stdout
+        clients = json.loads(stat)["reply"]["clients"]
+        asking = max(c["session"] for c in clients)
+        if any(c["requests"] > 0 for c in clients if c["session"] != asking):
+            return
+    sys.exit(f"nothing runs within {seconds} s, and there was said {said!r}")
 
 
 def start():
@@ -82,11 +95,15 @@ for answer in ["event: dropped seen", "? "]:
 end()
 start()
 for typed, answers in [(b"\x1b[A", ["drop seen;"]), (b"\x03", ["? "]), (b"no such\n", ["> "]), (b"thing", ["thing"]), (b"\x03", ["? "]),
-                       (b"  # no; such; thing;\n", ["? "]), (b"wait never;\n", ["wait never;"]), (b"\x03", ["error: cancelled", "? "]),
-                       (b"list;\n", ["eightBalls", "? "])]:
+                       (b"  # no; such; thing;\n", ["? "]), (b"wait never;\n", ["wait never;"])]:
     os.write(terminal, typed)
     for answer in answers:
         until(answer)
     if "no such" in said:
         sys.exit(f"what was to be forgotten was sent: {said!r}")
+untilItWaits()  # before, it would be forgotten as a line is
+for typed, answers in [(b"\x03", ["error: cancelled", "? "]), (b"list;\n", ["eightBalls", "? "])]:
+    os.write(terminal, typed)
+    for answer in answers:
+        until(answer)
 end(1)  # one has failed
