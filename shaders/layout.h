@@ -40,7 +40,7 @@
 #define SURFACE_FIELDS 8    // slices and isosurfaces
 #define SURFACE_CLIPPED 16  // some are clipped by planes
 #define SURFACE_CASTS 32    // they make secondary rays
-#define SURFACE_STARTS 64   // rays may start on one
+#define SURFACE_STARTS 64   // of isosurfaces: rays may start on one
 
 #define SCENE_SET 0
 #define SCENE_BINDING 0
