@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <atomic>
 #include <condition_variable>
+#include <functional>
 #include <mutex>
 #include <optional>
 #include <string>
@@ -44,13 +45,15 @@ int sizeOf(MPI_Comm communicator) {
   return size;
 }
 
-// The ranks of this one's node, and which of them it is.
+// The ranks of this one's node, and which it is of those that have its role.
 struct Node {
-  explicit Node(MPI_Comm communicator) {
-    MPI_Comm node;
+  Node(MPI_Comm communicator, const std::string& role) {
+    MPI_Comm node, alike;
     MPI_Comm_split_type(communicator, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &node);
     ranks = sizeOf(node);
-    rank = rankIn(node);
+    MPI_Comm_split(node, int(std::hash<std::string>()(role) % 0x7fffffff), 0, &alike);
+    rank = rankIn(alike);
+    MPI_Comm_free(&alike);
     MPI_Comm_free(&node);
   }
   int ranks, rank;
@@ -78,7 +81,7 @@ class MpiTransport::Progress {
         communicator_(duplicate(options_.communicator)),
         rank_(rankIn(communicator_)),
         size_(sizeOf(communicator_)),
-        node_(communicator_),
+        node_(communicator_, options_.role),
         threads_(options_.threads > 0 ? options_.threads : std::max(1, cores() / node_.ranks)),
         sender_(communicator_, size_, {options_.packetBytes, options_.chunkBytes}),
         receiver_(communicator_, {options_.packetBytes, options_.chunkBytes}),

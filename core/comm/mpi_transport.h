@@ -32,6 +32,7 @@ class MpiTransport final : public Transport {
     size_t chunkBytes = 16 << 20;   ///< of one MPI call when streaming, at most 2^30
     ErrorReport onError = logError;
     Trace* trace = nullptr;  ///< of the messages that are handled; outlives the Transport
+    std::string role;        ///< rankOnNode() counts the ranks that have the same
   };
 
   /// Initialises MPI if need be (mpi_environment.h). Throws Error on options out of range.
@@ -50,7 +51,7 @@ class MpiTransport final : public Transport {
 
   /// Threads that run tasks.
   int threads() const;
-  /// Which this is of the ranks on its node, from 0.
+  /// Which this is of the ranks on its node that have its role, from 0.
   int rankOnNode() const;
 
  private:

@@ -245,6 +245,17 @@ TEST(MpiCollective, RequestsInAnyOrderOnEachRankNeitherMixNorDeadlock) {
   collective.barrier(50);
 }
 
+TEST(MpiTransport, CountsTheRanksOfANodeByTheirRole) {
+  const auto numberOf = [](const std::string& role) {
+    MpiTransport::Options options;
+    options.role = role;
+    return MpiTransport(options).rankOnNode();
+  };
+  const int rank = MpiTransport().rank();
+  EXPECT_EQ(numberOf("embree"), rank);
+  EXPECT_EQ(numberOf(rank == 1 ? "vulkan" : "embree"), rank == 1 ? 0 : rank > 1 ? rank - 1 : rank);
+}
+
 // Threads that they started would have their low priority.
 TEST(MpiTransport, LoopsOfLongTasksRunOnTheirOwnThread) {
   MpiTransport transport;
