@@ -99,7 +99,7 @@ FN void evaluatePart(VOLUME v, INOUT(Cursor) c, real tMin, INOUT(int) samples) {
           max(max(abs(m.front.x - m.back.x), abs(m.front.y - m.back.y)), abs(m.front.z - m.back.z)) *
           min(tau, R(1.0));
       real hidden = min(tau + v.others * length, R(1.0));
-      more = (uneven + shaded) * hidden > R(8.0) * tMin && part > R(0.000244140625);
+      more = (uneven + shaded) * hidden > R(3.0) * tMin && part > R(0.000244140625);
       if (more) part = R(0.5) * part;
       sigma = m.sigma;
       source = make_v3(m.sigma * m.color.x, m.sigma * m.color.y, m.sigma * m.color.z);

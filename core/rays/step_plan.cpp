@@ -15,15 +15,16 @@ static_assert(kLongest < kGhostLayers - 0.09);  // rounding may ask for a little
 constexpr double kLowestRate = 1 / kLongest, kHighestRate = 256;
 
 constexpr double kBendMidpoint = 0.015, kBendPieces = 0.09;
-constexpr double kBendOfMap = 0.02, kKinkOfMap = 0.055;
+constexpr double kBendOfMap = 0.027, kKinkOfMap = 0.055;
 constexpr double kJump = 0.9;
-constexpr double kMostJump = 2;     // of optical depth per cell: what is behind such a step is hidden
-constexpr double kThinnest = 0.2;   // part of a cell, or of a kink, that is seen, at least
+constexpr double kUnforeseen = 0.1;  // of the tolerance, for the worst of very many rays
+constexpr double kMostJump = 2;      // of optical depth per cell: what is behind such a step is hidden
+constexpr double kThinnest = 0.2;    // part of a cell, or of a kink, that is seen, at least
 constexpr double kMostDepth = 1;    // optical depth of a midpoint segment: the front hides the back of others
 constexpr double kCostOfCells = 8;  // time of a cell length cell by cell, in midpoint segments
 
 constexpr double kLongestRay = 1.7;                     // diagonal of a cube whose side is 1 in t
-constexpr double kFew = 16;                             // cells over which errors of random sign even out
+constexpr double kFew = 32;                             // cells over which errors of random sign even out
 constexpr double kWorstKink = 0.125, kWorstPieces = 4;  // where rays are too short for that
 
 // Errors of segments of h cells, over h^2. `within`: of pieces where the map has no step.
@@ -86,7 +87,7 @@ std::vector<int32_t> stepPlan(std::span<const Macrocell> summaries, const Compil
       continue;
     }
     Errors errors = errorsOf(m, over, exactSteps, cellT);
-    const double allowed = (1 - kEarlyEnd) * tolerance;
+    const double allowed = (1 - kEarlyEnd - kUnforeseen) * tolerance;
     if (others) errors.midpoint += cellT * over.slope * m.steep * std::min(1.0, kLongestRay * *others) / 24;
     const double midpoint =
         std::max(std::sqrt(errors.midpoint / allowed), over.extinction * cellT / kMostDepth);

@@ -29,20 +29,20 @@ int32_t planOf(double segmentsPerCell, Integrator integrator,
 /// With h the length of segments in cells, m the macrocell's summary, f the map over its range, N the cells to optical
 /// depth 1 (at most those across the volume), and all extinctions per cell, the error of a ray is estimated as
 ///
-///   midpoint         h^2 (0.015 B + m.steep max(0.02 f.bend sqrt(c), 0.055 f.kink, f.curve c / 24)
+///   midpoint         h^2 (0.015 B + m.steep max(0.027 f.bend sqrt(c), 0.055 f.kink, f.curve c / 24)
 ///                         + m.steep f.shade / 12)
 ///   pre-integrated   h^2 (0.09 B + 0.9 f.jump)
 ///
 /// where B = f.slope m.bend sqrt(N l) is what the field's curvature does, in runs of l = (m.steep / m.bend)^2 cells that
-/// err alike (at least 16 / N, as few cells even out less; at least 1, at most 4 N), and c = N m.steep / (m.max - m.min)
-/// the number of times that the ray crosses the range. h makes this 15/16 of the tolerance (early termination takes the
-/// rest), and the method is the one that costs less; steps of the map are integrated cell by cell, where f.jump counts only
-/// for cells that meet one, and not at all where a map of at most MAP_SMALL intervals is that of the only volume: there
-/// steps are met exactly. 1/24 and 1/12 are the coefficients of the two rules for errors of one sign (Davis & Rabinowitz
-/// 1984, 2.1); the constants here hold for rays through fields from smooth to white noise under five shapes of maps
-/// (tests/accuracy/step_plan.cpp).
+/// err alike (at least 32 / N, as few cells even out less; at least 1, at most 4 N), and c = N m.steep / (m.max - m.min)
+/// the number of times that the ray crosses the range. h makes this 0.84 of the tolerance (early termination takes a
+/// sixteenth, a tenth is for the worst of very many rays), and the method is the one that costs less; steps of the map are
+/// integrated cell by cell, where f.jump counts only for cells that meet one, and not at all where a map of at most
+/// MAP_SMALL intervals is that of the only volume: there steps are met exactly. 1/24 and 1/12 are the coefficients of the
+/// two rules for errors of one sign (Davis & Rabinowitz 1984, 2.1); the constants here hold for rays through fields from
+/// smooth to white noise under five shapes of maps (tests/accuracy/step_plan.cpp).
 ///
-/// On grids of few cells across a ray is too short for its errors to even out. With w = min(1, 16 / cells across)^2, the
+/// On grids of few cells across a ray is too short for its errors to even out. With w = min(1, 32 / cells across)^2, the
 /// kink's coefficient is by the part w that of the worst place of a kink in its segment, 1/8, and the pre-integrated error
 /// counts 1 + 3 w times.
 ///

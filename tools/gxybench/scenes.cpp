@@ -206,6 +206,9 @@ std::vector<Scene> fixedScenes(bool quick) {
     return {maker.volume(ml, sizes.small, kSmooth, "the test signal, coarse, under a ramp"),
             maker.isosurface(ml, sizes.small, 0.5, "the test signal's isosurface"),
             maker.volume(turbulent, n, kSpiky, "six octaves of noise under two peaks"),
+            maker.volume(turbulent, n, kNearlyOpaque, "opaque after a cell"),
+            maker.volume(smooth, n, kStepped, "a field of long waves under a staircase"),
+            maker.volume(sparse, n, kSpiky, "mostly empty, under two narrow peaks"),
             maker.spheres(),
             maker.mesh(),
             maker.mixed()};
