@@ -15,7 +15,7 @@ void main() {
   double tEnter;
   cameraRay(f, int(pixel % uint(f.width)), int(pixel / uint(f.width)), 0, o, d, tEnter);
   uvec2 distance1 = unpackDouble2x32(tEnter + double(GIVEN(tHit)));
-  uint at = DEPTH_WORDS * atomicAdd(counts[COUNT_DEPTHS], 1u);
+  uint at = DEPTH_WORDS * takePlace(COUNT_DEPTHS);
   depths[at] = pixel;
   depths[at + 1u] = distance1.x;
   depths[at + 2u] = distance1.y;

@@ -10,7 +10,7 @@
   if (primary + secondary > 0) RAY_OF(COPY_TO, i, name) = GIVEN(name);
 
 void settle(SceneView s, float opacity) {
-  if (1.0 - opacity < s.tMin) atomicAdd(counts[COUNT_ENDED], 1u);
+  if (1.0 - opacity < s.tMin) countUp(COUNT_ENDED, 1u);
   float A = min(opacity, 1.0);
   if (RAY_KIND(GIVEN(info)) == RAY_PRIMARY)
     deposit(GIVEN(pixel), ivec4(units(GIVEN(r)), units(GIVEN(g)), units(GIVEN(b)), units(A)));
@@ -26,7 +26,7 @@ void main() {
   int next = END_DONE;
   if (GIVEN(hitKind) != HIT_NONE) {
     if (primary) {
-      uint i = atomicAdd(counts[COUNT_SHADED], 1u);
+      uint i = takePlace(COUNT_SHADED);
       RAY_OF(rays, i, shaded) = rayBlock * BLOCK_RAYS + gl_LocalInvocationIndex;
     }
     A = opacityBehind(A, operatorOf(GIVEN(hitOperator)).opacity);
@@ -41,7 +41,7 @@ void main() {
   if (next == END_DONE) {
     settle(s, A);
   } else if (GOES_ON && next == END_ACTIVE) {
-    uint i = atomicAdd(counts[primary ? COUNT_ACTIVE_PRIMARIES : COUNT_ACTIVE_SECONDARIES], 1u);
+    uint i = primary ? takePlace(COUNT_ACTIVE_PRIMARIES) : takePlace(COUNT_ACTIVE_SECONDARIES);
 #define COPY_TO activeRays
     GXY_RAY_FIELDS(COPY_FIELD)
     RAY_OF(activeRays, i, A) = A;
@@ -51,7 +51,7 @@ void main() {
     RAY_OF(activeRays, i, step) = 0;
 #undef COPY_TO
   } else if (LEAVES) {
-    uint i = atomicAdd(counts[COUNT_LEAVING], 1u);
+    uint i = takePlace(COUNT_LEAVING);
 #define COPY_TO leavingRays
     GXY_RAY_FIELDS(COPY_FIELD)
 #undef COPY_TO

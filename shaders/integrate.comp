@@ -14,17 +14,15 @@ void main() {
   Part part = marchPart();
   MarchRange m = marchRange(part);
   if (!(part.to < part.end)) m.tOwn = LEAVES ? nextBegin(s, o, d, m.tOut, GIVEN(tEnd)) : NO_HIT;
-  MarchCount count;
-  count.samples = 0;
-  count.macrocells = 0;
-  count.skipped = 0;
+  MarchCount count = nothingMarched();
   Radiance L = rayRadiance();
   float begun = GIVEN(tBegun);
   integrateVolume(v, clippedRay(v, o, d), m, begun, L, count);
   if (!endPart(part, false)) return;
   RAY(tBegun) = begun;
   setRadiance(L);
-  atomicAdd(counts[COUNT_SAMPLES], uint(count.samples));
-  atomicAdd(counts[COUNT_MACROCELLS], uint(count.macrocells));
-  atomicAdd(counts[COUNT_SKIPPED], uint(count.skipped));
+  countUp(COUNT_SAMPLES, uint(count.samples));
+  countUp(COUNT_MACROCELLS, uint(count.macrocells));
+  countUp(COUNT_SKIPPED, uint(count.skipped));
+  if (BY_CELLS) countUp(COUNT_SEGMENTS_SKIPPED, uint(count.segmentsSkipped));
 }

@@ -9,16 +9,13 @@ void main() {
   if (!hasRay()) return;
   SceneView s = theScene;
   Part part = marchPart();
-  MarchCount count;
-  count.samples = 0;
-  count.macrocells = 0;
-  count.skipped = 0;
+  MarchCount count = nothingMarched();
   Radiance L = rayRadiance();
   integrateMany(s, uint(push[PUSH_OPERATOR]), push[PUSH_COUNT], rayOrigin(), rayDirection(), marchRange(part),
                 L, count);
   if (!endPart(part, false)) return;
   setRadiance(L);
-  atomicAdd(counts[COUNT_SAMPLES], uint(count.samples));
-  atomicAdd(counts[COUNT_MACROCELLS], uint(count.macrocells));
-  atomicAdd(counts[COUNT_SKIPPED], uint(count.skipped));
+  countUp(COUNT_SAMPLES, uint(count.samples));
+  countUp(COUNT_MACROCELLS, uint(count.macrocells));
+  countUp(COUNT_SKIPPED, uint(count.skipped));
 }

@@ -24,6 +24,6 @@ void main() {
                              start, cells, skipped);
   if (!endPart(part, blocked || hit.t < NO_HIT)) return;
   if (hit.t < NO_HIT) takeHit(nearest, hit.t, HIT_ISOSURFACE, op, uint(hit.index));
-  atomicAdd(counts[COUNT_CELLS], uint(cells));
-  atomicAdd(counts[COUNT_ISO_SKIPPED], uint(skipped));
+  countUp(COUNT_CELLS, uint(cells));
+  countUp(COUNT_ISO_SKIPPED, uint(skipped));
 }

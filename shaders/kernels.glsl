@@ -2,6 +2,8 @@
 // What every stage starts with: core/kernels, and the buffers that it reads.
 #extension GL_EXT_buffer_reference2 : require
 #extension GL_EXT_shader_explicit_arithmetic_types_int64 : require
+#extension GL_KHR_shader_subgroup_arithmetic : require
+#extension GL_KHR_shader_subgroup_ballot : require
 #define GXY_GLSL
 #include "layout.h"
 #include "dialect.h"

@@ -101,7 +101,8 @@
 #define COUNT_CUT 15     // ~step of the first that some rays have not ended; 0: none
 #define COUNT_GROUPS 16  // x, y, z: workgroups of an indirect dispatch
 #define COUNT_ENDED 19   // rays that ended early, nothing behind being seen
-#define COUNT_WORDS 20
+#define COUNT_SEGMENTS_SKIPPED 20
+#define COUNT_WORDS 21
 
 // Push constants: word i is called so in the stages that read it.
 #define PUSH_RAYS 0       // number of rays of the list; ~k: it is counts[k]

@@ -35,6 +35,18 @@ layout(std430, set = LANE_SET, binding = RECORDS_BINDING) buffer Records { int r
 layout(std430, set = LANE_SET, binding = DEPTHS_BINDING) buffer Depths { uint depths[]; };
 layout(std430, set = LANE_SET, binding = COUNTS_BINDING) buffer Counts { uint counts[COUNT_WORDS]; };
 
+// Adds n to a count, and takes a place in the list of which it is the length: one atomic operation for a whole subgroup.
+void countUp(int count, uint n) {
+  uint sum = subgroupAdd(n);
+  if (subgroupElect()) atomicAdd(counts[count], sum);
+}
+uint takePlace(int count) {
+  uvec4 taking = subgroupBallot(true);
+  uint first = 0u;
+  if (subgroupElect()) first = atomicAdd(counts[count], subgroupBallotBitCount(taking));
+  return subgroupBroadcastFirst(first) + subgroupBallotExclusiveBitCount(taking);
+}
+
 // The block of this workgroup. Mesa's software device gives each core a run of workgroups, and waits for the last: there,
 // neighbouring blocks, whose rays take alike, go to different cores (GROUP_ROWS divides the number of workgroups).
 uint rayBlock = LIMITED ? gl_WorkGroupID.x % (gl_NumWorkGroups.x / GROUP_ROWS) * GROUP_ROWS +
@@ -182,7 +194,7 @@ void setRadiance(Radiance L) {
 // What a ray gives to its pixel.
 void deposit(uint pixel, ivec4 sum) {
   if ((sum.x | sum.y | sum.z | sum.w) != 0) {
-    uint at = RECORD_WORDS * atomicAdd(counts[COUNT_RECORDS], 1u);
+    uint at = RECORD_WORDS * takePlace(COUNT_RECORDS);
     records[at] = int(pixel);
     records[at + 1u] = sum.x;
     records[at + 2u] = sum.y;

@@ -51,13 +51,13 @@ Surface surfaceHit(int op, VolumeView v, vec3 o, vec3 d) {
 void addSecondary(SceneView s, Share share, int kind, vec3 from, uint startBits, uint start) {
   int next = firstPartition(s, from, share.toward, min(domainExit(s, from, share.toward), share.reach));
   if (next < 0) return;  // it leaves the visible domain at once
-  atomicAdd(counts[COUNT_MADE], 1u);
+  countUp(COUNT_MADE, 1u);
   if (next == push[PUSH_PARTITION]) {
-    uint i = atomicAdd(counts[COUNT_HERE], 1u);
+    uint i = takePlace(COUNT_HERE);
     SET_SECONDARY(hereRays)
     RAY_OF(hereRays, i, step) = 0;
   } else if (LEAVES) {
-    uint i = atomicAdd(counts[COUNT_LEAVING], 1u);
+    uint i = takePlace(COUNT_LEAVING);
     SET_SECONDARY(leavingRays)
   }
 }

@@ -45,11 +45,11 @@ void main() {
   endStage();
   if (next < 0) return;
   if (next == push[PUSH_PARTITION]) {
-    uint i = atomicAdd(counts[COUNT_SPAWNED], 1u);
+    uint i = takePlace(COUNT_SPAWNED);
     SET_PRIMARY(rays)
     RAY_OF(rays, i, step) = 0;
   } else if (LEAVES && tableWord(uint(push[PUSH_MINE] + next)) != 0u) {
-    uint i = atomicAdd(counts[COUNT_LEAVING], 1u);
+    uint i = takePlace(COUNT_LEAVING);
     SET_PRIMARY(leavingRays)
   }
 }

@@ -218,7 +218,7 @@ class EmbreeScene::Packet {
     if (std::any_of(volumes.begin(), volumes.end(), [&](int op) { return part_.fields[op].samples; })) {
       Stopwatch time(c.nsIntegrate);
       c.runs(volumes.size() == 1 ? Kernel::Integrate : Kernel::IntegrateMany)++;
-      int64_t counts[3] = {0, 0, 0};
+      int64_t counts[4] = {};
       if (volumes.size() == 1)
         ispc::integrateRays(&part_.view, &view, n, volumes[0], counts);
       else
@@ -226,6 +226,7 @@ class EmbreeScene::Packet {
       c.samples += uint64_t(counts[0]);
       c.macrocells += uint64_t(counts[1]);
       c.macrocellsSkipped += uint64_t(counts[2]);
+      c.segmentsSkipped += uint64_t(counts[3]);
     }
     ispc::routeRays(&part_.view, &view, n, false);
   }

@@ -6,10 +6,7 @@ export void integrateRays(const void* uniform scene, void* uniform rays, uniform
   USE_SCENE(s, scene);
   USE_RAYS(r, rays);
   VOLUME v = s.field[op];
-  MarchCount count;
-  count.samples = 0;
-  count.macrocells = 0;
-  count.skipped = 0;
+  MarchCount count = nothingMarched();
   foreach (i = 0 ... n) {
     vec3 o = originOf(r, i), d = directionOf(r, i);
     MarchRange m = marchRange(s, r, i);
@@ -23,4 +20,5 @@ export void integrateRays(const void* uniform scene, void* uniform rays, uniform
   counts[0] += reduce_add((int64)count.samples);
   counts[1] += reduce_add((int64)count.macrocells);
   counts[2] += reduce_add((int64)count.skipped);
+  counts[3] += reduce_add((int64)count.segmentsSkipped);
 }

@@ -7,10 +7,7 @@ export void integrateRaysOfMany(const void* uniform scene, void* uniform rays, u
                                 const uniform int volumes[], uniform int count, uniform int64 counts[]) {
   USE_SCENE(s, scene);
   USE_RAYS(r, rays);
-  MarchCount counted;
-  counted.samples = 0;
-  counted.macrocells = 0;
-  counted.skipped = 0;
+  MarchCount counted = nothingMarched();
   foreach (i = 0 ... n) {
     Radiance L = radianceOf(r, i);
     integrateMany(s, volumes, count, originOf(r, i), directionOf(r, i), marchRange(s, r, i), L, counted);

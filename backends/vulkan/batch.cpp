@@ -127,6 +127,7 @@ void Batch::take() {
   c.samples += lane.count(COUNT_SAMPLES);
   c.macrocells += lane.count(COUNT_MACROCELLS);
   c.macrocellsSkipped += lane.count(COUNT_SKIPPED);
+  c.segmentsSkipped += lane.count(COUNT_SEGMENTS_SKIPPED);
   c.cells += lane.count(COUNT_CELLS);
   c.isoMacrocellsSkipped += lane.count(COUNT_ISO_SKIPPED);
   c.secondariesSpawned += lane.count(COUNT_MADE);

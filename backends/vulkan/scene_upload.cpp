@@ -177,14 +177,14 @@ class Uploading {
     for (const auto& [binding, bit] : large)
       if (bindings[binding].buffer.range > device_.largestBinding()) {
         bindings[binding].buffer = nothing;
-        if (binding == TABLES_BINDING) {
-          bindings[TABLE_QUADS_BINDING].buffer = nothing;
-          bindings[TABLES_AHEAD_BINDING].buffer = nothing;
-          out_.special.mapAhead = 0;
-        }
+        if (binding == TABLES_BINDING) bindings[TABLE_QUADS_BINDING].buffer = nothing;
         if (binding == GEOMETRY_BINDING) bindings[GEOMETRY_QUADS_BINDING].buffer = nothing;
         out_.special.addressed |= bit;
       }
+    if (bindings[TABLES_AHEAD_BINDING].buffer.range > device_.largestStorage()) {
+      bindings[TABLES_AHEAD_BINDING].buffer = nothing;
+      out_.special.mapAhead = 0;
+    }
     out_.set = DescriptorSet(device_, pipelines.setLayout(SCENE_SET), bindings);
     return std::move(out_);
   }

@@ -24,7 +24,11 @@ constexpr size_t kWithSecondaries = 8;  // so many times the rays of a batch it 
 
 struct Tracer::State {
   State(const Device& d, Pipelines& p, size_t rays)
-      : device(d), pipelines(p), batchRays(rays), allRays(std::min(kWithSecondaries * rays, mostRays(d))) {}
+      : device(d),
+        pipelines(p),
+        batchRays(rays),
+        allRays(std::min(kWithSecondaries * rays, mostRays(d))),
+        mostTiles(mostRays(d) / TILE_RAYS) {}
 
   // Hands out what waits, while there are lanes for it.
   void feed() {
@@ -85,6 +89,8 @@ struct Tracer::State {
     r->urgent = r->frame->urgent();
     r->frame->lastTurn = ++turns;
     const size_t each = 1 + r->perHit();
+    // a tile is spawned by as many invocations as the largest has pixels
+    const size_t requests = r->kind == Request::Kind::Spawn ? mostTiles : waiting.size();
     size_t rays = r->size(), most = batchRays;
     if (r->urgent) {
       sinceUrgent = 0;
@@ -94,7 +100,7 @@ struct Tracer::State {
     }
     lot.push_back(std::move(*r));
     waiting.erase(r);
-    for (r = waiting.begin(); r != waiting.end();) {
+    for (r = waiting.begin(); r != waiting.end() && lot.size() < requests;) {
       const size_t n = rays + r->size();
       if (r->isLike(lot[0]) && n <= most && n * each <= allRays) {
         rays = n;
@@ -127,7 +133,7 @@ struct Tracer::State {
 
   const Device& device;
   Pipelines& pipelines;
-  const size_t batchRays, allRays;
+  const size_t batchRays, allRays, mostTiles;
   std::mutex mutex;  ///< guards what is below
   std::condition_variable changed;
   std::deque<Request> waiting;       ///< as they came

@@ -39,8 +39,10 @@ struct VulkanOptions {
   std::string device;
   /// The ranks of a machine share round robin equally good devices, or all that have the name.
   int rankOnMachine = 0;
-  /// The largest buffer to bind; what is larger is read by address. 0: what the device binds.
+  /// The largest buffer to bind as texels; what is larger is read by address. 0: what the device binds.
   uint64_t bindingBytes = 0;
+  /// For tests: as if the device bound no larger storage buffer for what is read ahead. 0: what it binds.
+  uint64_t storageBytes = 0;
   /// Where its memory is entered for tenant "device", but what scenes tell by bytes() and sharedBytes(); needed by
   /// the maker only.
   Ledger* ledger = nullptr;

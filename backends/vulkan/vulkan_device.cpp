@@ -10,6 +10,8 @@ namespace gxy::vulkan {
 
 namespace {
 
+constexpr VkMemoryPropertyFlags kSeen =
+    VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
 constexpr size_t kStagingBytes = size_t(16) << 20, kBlockBytes = size_t(64) << 20;
 
 std::string mebibytes(size_t bytes) { return std::to_string((bytes + (1 << 20) - 1) >> 20) + " MiB"; }
@@ -40,6 +42,8 @@ Device::Device(const VulkanOptions& options)
   // texels are found by an int
   largestBinding_ = std::min<size_t>(limits_.maxTexelBufferElements, INT32_MAX) * sizeof(uint32_t);
   if (options.bindingBytes > 0) largestBinding_ = std::min<size_t>(largestBinding_, options.bindingBytes);
+  largestStorage_ = limits_.maxStorageBufferRange;
+  if (options.storageBytes > 0) largestStorage_ = std::min<size_t>(largestStorage_, options.storageBytes);
   vkGetPhysicalDeviceMemoryProperties(physical_, &memory_);
   family_ = uint32_t(computeFamily(physical_));
   const float priority = 1;
@@ -58,24 +62,20 @@ Device::Device(const VulkanOptions& options)
   info.pNext = &features.v10;
   info.queueCreateInfoCount = 1;
   info.pQueueCreateInfos = &queue;
-  check(vkCreateDevice(physical_, &info, nullptr, &device_), "opening device \"" + info_.name + "\"");
+  VkDevice device = VK_NULL_HANDLE;
+  check(vkCreateDevice(physical_, &info, nullptr, &device), "opening device \"" + info_.name + "\"");
+  device_.reset(device);
   const VkDeviceSize block = std::min<VkDeviceSize>({kBlockBytes, info_.memory / 16, largestAllocation_});
   LedgerEntry account;
   if (options.ledger) account = options.ledger->enter("device", "vulkan", 0);
-  blocks_ = std::make_unique<Memory>(device_, block, std::move(account));
-  vkGetDeviceQueue(device_, family_, 0, &queue_);
+  blocks_ = std::make_unique<Memory>(device, block, std::move(account));
+  vkGetDeviceQueue(device, family_, 0, &queue_);
   const VkSemaphoreTypeCreateInfo type{VK_STRUCTURE_TYPE_SEMAPHORE_TYPE_CREATE_INFO, nullptr,
                                        VK_SEMAPHORE_TYPE_TIMELINE, 0};
   const VkSemaphoreCreateInfo semaphore{VK_STRUCTURE_TYPE_SEMAPHORE_CREATE_INFO, &type, 0};
   VkSemaphore done = VK_NULL_HANDLE;
-  check(vkCreateSemaphore(device_, &semaphore, nullptr, &done), "making a semaphore");
-  done_ = SemaphoreHandle(device_, done);
-}
-
-Device::~Device() {
-  done_ = {};
-  blocks_.reset();
-  if (device_) vkDestroyDevice(device_, nullptr);
+  check(vkCreateSemaphore(device, &semaphore, nullptr, &done), "making a semaphore");
+  done_ = SemaphoreHandle(device, done);
 }
 
 uint64_t Device::submit(VkCommandBuffer commands) const {
@@ -107,13 +107,11 @@ void Device::wait(uint64_t submission) const {
   info.semaphoreCount = 1;
   info.pSemaphores = &done;
   info.pValues = &submission;
-  const VkResult waited = vkWaitSemaphores(device_, &info, UINT64_MAX);
+  const VkResult waited = vkWaitSemaphores(device_.get(), &info, UINT64_MAX);
   check(isLost(submission) ? VK_ERROR_DEVICE_LOST : waited, "waiting for device \"" + info_.name + "\"");
 }
 
 uint32_t Device::memoryType(uint32_t allowed, Place place) const {
-  constexpr VkMemoryPropertyFlags kSeen =
-      VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
   constexpr VkMemoryPropertyFlags kLocal = VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT;
   constexpr VkMemoryPropertyFlags kCached = VK_MEMORY_PROPERTY_HOST_CACHED_BIT;
   const VkMemoryPropertyFlags needed = place == Place::Device ? kLocal : kSeen;
@@ -157,8 +155,8 @@ Buffer::Buffer(const Device& device, size_t bytes, Place place, const char* what
   const uint32_t index = device.memoryType(needs.memoryTypeBits, place);
   const VkMemoryType& type = device.memory_.memoryTypes[index];
   const VkDeviceSize heap = device.memory_.memoryHeaps[type.heapIndex].size;
-  const bool visible = (type.propertyFlags & VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT) != 0 &&
-                       !(place == Place::Device && device.hidesMemory_);
+  const bool visible =
+      (type.propertyFlags & kSeen) == kSeen && !(place == Place::Device && device.hidesMemory_);
   if (needs.size > heap) throw noRoom(heap);
   if (needs.size > device.largestAllocation_)
     throw Error("Vulkan: device \"" + device.info().name + "\" gives no " + mebibytes(needs.size) + " for " +

@@ -23,15 +23,15 @@ class Buffer;
 class Device {
  public:
   explicit Device(const VulkanOptions& options);
-  ~Device();
   Device(const Device&) = delete;
   Device& operator=(const Device&) = delete;
 
-  VkDevice get() const { return device_; }
+  VkDevice get() const { return device_.get(); }
   uint32_t queueFamily() const { return family_; }
   const VulkanDeviceInfo& info() const { return info_; }
   const VkPhysicalDeviceLimits& limits() const { return limits_; }
   size_t largestBinding() const { return largestBinding_; }  ///< bytes of scene data; the rest by address
+  size_t largestStorage() const { return largestStorage_; }  ///< bytes of them that are read ahead
   size_t bytes() const { return bytes_; }                    ///< of all buffers
   const Memory& blocks() const { return *blocks_; }
   /// So many bytes more of its blocks are others' to account for.
@@ -51,10 +51,10 @@ class Device {
   VkPhysicalDevice physical_;
   VulkanDeviceInfo info_;
   VkPhysicalDeviceLimits limits_{};
-  size_t largestBinding_ = 0, largestAllocation_ = 0;
+  size_t largestBinding_ = 0, largestStorage_ = 0, largestAllocation_ = 0;
   VkPhysicalDeviceMemoryProperties memory_{};
   uint32_t family_ = 0;
-  VkDevice device_ = VK_NULL_HANDLE;
+  DeviceHandle device_;
   VkQueue queue_ = VK_NULL_HANDLE;
   bool endsLoops_ = false;
   SemaphoreHandle done_;  ///< the number of the last submission that is done

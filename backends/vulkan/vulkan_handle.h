@@ -3,6 +3,7 @@
 #pragma once
 #include <vulkan/vulkan.h>
 
+#include <memory>
 #include <string>
 #include <utility>
 
@@ -12,6 +13,13 @@ namespace gxy::vulkan {
 
 /// Throws Error saying what failed.
 void check(VkResult result, const std::string& what);
+
+struct Destroy {
+  void operator()(VkInstance instance) const { vkDestroyInstance(instance, nullptr); }
+  void operator()(VkDevice device) const { vkDestroyDevice(device, nullptr); }
+};
+using InstanceHandle = std::unique_ptr<VkInstance_T, Destroy>;
+using DeviceHandle = std::unique_ptr<VkDevice_T, Destroy>;
 
 /// Owns an object of a device, which must outlive it.
 template <class Object, void (*destroy)(VkDevice, Object, const VkAllocationCallbacks*)>

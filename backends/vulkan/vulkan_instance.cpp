@@ -18,6 +18,9 @@ constexpr const char* kValidationLayer = "VK_LAYER_KHRONOS_validation";
 // Of the three sets together; tables, samples and geometry, two of them as quads, a list of rays and one of tiles are texels.
 constexpr uint32_t kStorageBuffers = SCENE_BINDINGS + FRAME_BINDINGS + LANE_BINDINGS - 7;
 
+constexpr VkSubgroupFeatureFlags kSubgroupOperations =
+    VK_SUBGROUP_FEATURE_BASIC_BIT | VK_SUBGROUP_FEATURE_ARITHMETIC_BIT | VK_SUBGROUP_FEATURE_BALLOT_BIT;
+
 std::string lower(std::string s) {
   for (char& c : s) c = char(std::tolower(static_cast<unsigned char>(c)));
   return s;
@@ -99,22 +102,23 @@ Instance::Instance(const VulkanOptions& options) : heard_(options.heard) {
     info.enabledExtensionCount = 1;
     info.ppEnabledExtensionNames = &extension;
   }
-  check(vkCreateInstance(&info, nullptr, &instance_),
+  VkInstance instance = VK_NULL_HANDLE;
+  check(vkCreateInstance(&info, nullptr, &instance),
         validation ? "starting with the validation layer" : "starting");
+  instance_.reset(instance);
   if (validation) {
     const auto create = reinterpret_cast<PFN_vkCreateDebugUtilsMessengerEXT>(
-        vkGetInstanceProcAddr(instance_, "vkCreateDebugUtilsMessengerEXT"));
-    check(create(instance_, &listen, nullptr, &messenger_), "listening to the validation layer");
+        vkGetInstanceProcAddr(instance, "vkCreateDebugUtilsMessengerEXT"));
+    check(create(instance, &listen, nullptr, &messenger_), "listening to the validation layer");
   }
 }
 
 Instance::~Instance() {
   if (messenger_) {
     const auto destroy = reinterpret_cast<PFN_vkDestroyDebugUtilsMessengerEXT>(
-        vkGetInstanceProcAddr(instance_, "vkDestroyDebugUtilsMessengerEXT"));
-    destroy(instance_, messenger_, nullptr);
+        vkGetInstanceProcAddr(get(), "vkDestroyDebugUtilsMessengerEXT"));
+    destroy(get(), messenger_, nullptr);
   }
-  if (instance_) vkDestroyInstance(instance_, nullptr);
 }
 
 VkBool32 VKAPI_PTR Instance::hear(VkDebugUtilsMessageSeverityFlagBitsEXT, VkDebugUtilsMessageTypeFlagsEXT,
@@ -126,9 +130,9 @@ VkBool32 VKAPI_PTR Instance::hear(VkDebugUtilsMessageSeverityFlagBitsEXT, VkDebu
 
 std::vector<VkPhysicalDevice> Instance::devices() const {
   uint32_t n = 0;
-  check(vkEnumeratePhysicalDevices(instance_, &n, nullptr), "listing devices");
+  check(vkEnumeratePhysicalDevices(get(), &n, nullptr), "listing devices");
   std::vector<VkPhysicalDevice> devices(n);
-  if (n > 0) check(vkEnumeratePhysicalDevices(instance_, &n, devices.data()), "listing devices");
+  if (n > 0) check(vkEnumeratePhysicalDevices(get(), &n, devices.data()), "listing devices");
   return devices;
 }
 
@@ -189,7 +193,10 @@ VulkanDeviceInfo infoOf(VkPhysicalDevice device) {
   VkPhysicalDeviceFloatControlsProperties floats{};
   floats.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FLOAT_CONTROLS_PROPERTIES;
   floats.pNext = &driver;
-  properties.pNext = &floats;
+  VkPhysicalDeviceSubgroupProperties subgroups{};
+  subgroups.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_PROPERTIES;
+  subgroups.pNext = &floats;
+  properties.pNext = &subgroups;
   vkGetPhysicalDeviceProperties2(device, &properties);
   info.driver = std::string(driver.driverName) + " " + driver.driverInfo;
   Features has;
@@ -200,6 +207,9 @@ VulkanDeviceInfo infoOf(VkPhysicalDevice device) {
   if (!has.v10.features.shaderInt64) info.missing.push_back("shaderInt64");
   if (!floats.shaderSignedZeroInfNanPreserveFloat32)
     info.missing.push_back("shaderSignedZeroInfNanPreserveFloat32");
+  if (!(subgroups.supportedStages & VK_SHADER_STAGE_COMPUTE_BIT) ||
+      (subgroups.supportedOperations & kSubgroupOperations) != kSubgroupOperations)
+    info.missing.push_back("subgroup arithmetic and ballots in compute shaders");
   if (p.limits.maxPerStageDescriptorStorageBuffers < kStorageBuffers)
     info.missing.push_back(std::to_string(kStorageBuffers) + " storage buffers in a shader");
   if (computeFamily(device) < 0) info.missing.push_back("a compute queue");

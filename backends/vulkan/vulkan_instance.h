@@ -18,7 +18,7 @@ class Instance {
   Instance(const Instance&) = delete;
   Instance& operator=(const Instance&) = delete;
 
-  VkInstance get() const { return instance_; }
+  VkInstance get() const { return instance_.get(); }
   std::vector<VkPhysicalDevice> devices() const;
 
  private:
@@ -27,7 +27,7 @@ class Instance {
                                  const VkDebugUtilsMessengerCallbackDataEXT* data, void* instance);
 
   const std::function<void(const char*)> heard_;
-  VkInstance instance_ = VK_NULL_HANDLE;
+  InstanceHandle instance_;
   VkDebugUtilsMessengerEXT messenger_ = VK_NULL_HANDLE;
 };
 

@@ -216,8 +216,8 @@ FN real segmentBehind(real t, real begin, real dt, real count) {
 // One loop for all macrocells: the rays of a gang, which stay in each for different numbers of cells, do not wait for each
 // other. What is before t is somebody else's. Clears `go` where the march ends.
 FN_OUTLINE void integrateCells(VOLUME v, VolumeRay r, MarchRange m, real t, real tEnter, int plan, real end,
-                               INOUT(Radiance) L, INOUT(int) samples, INOUT(int) macrocells, OUT(real) leaves,
-                               INOUT(bool) go) {
+                               INOUT(Radiance) L, INOUT(int) samples, INOUT(int) macrocells,
+                               INOUT(int) segmentsSkipped, OUT(real) leaves, INOUT(bool) go) {
   real from = max(tEnter, t);
   ivec3 cells = gridCells(v);
   ivec3 c = make_i3(locateCell(from, r.g.po.x, r.g.pd.x, r.g.rpd.x, cells.x),
@@ -230,7 +230,7 @@ FN_OUTLINE void integrateCells(VOLUME v, VolumeRay r, MarchRange m, real t, real
   real step = planStep(plan), within = planStepWithin(plan);
   vec3 rgb = L.rgb;
   real A = L.A;
-  int evaluated = 0, entered = 1;
+  int evaluated = 0, entered = 1, passed = 0;
   bool inside = true;
   while (go && inside) {
     vec3 far = make_v3(planeCrossing(farPlane(c.x, r.g.rpd.x), r.g.po.x, r.g.rpd.x),
@@ -254,6 +254,7 @@ FN_OUTLINE void integrateCells(VOLUME v, VolumeRay r, MarchRange m, real t, real
       real span = tc - ta;
       real count = max(ceil(span * r.cells / (even ? within : step)), R(1.0));
       real dt = span / count;
+      if (!seen && tc <= m.tOut) passed += toInt(count);
       real i = R(0.0);
       if (ta < t) i = segmentBehind(t, ta, dt, count);
       real a = max(i > R(0.0) ? ta + i * dt : ta, m.tStart);
@@ -296,6 +297,7 @@ FN_OUTLINE void integrateCells(VOLUME v, VolumeRay r, MarchRange m, real t, real
   L.A = A;
   samples += evaluated;
   macrocells += entered;
+  segmentsSkipped += passed;
   leaves = ta;
 }
 
@@ -380,7 +382,7 @@ FN void integrateVolume(VOLUME v, VolumeRay r, MarchRange m, INOUT(real) begun, 
   // what the loop changes: no structures (decision 0012)
   vec3 rgb = L.rgb;
   real A = L.A;
-  int samples = 0, macrocells = 0, skipped = 0;
+  int samples = 0, macrocells = 0, skipped = 0, segmentsSkipped = 0;
   real s = R(0.0),
        length = R(0.0);  // the value in the middle of the segment before, and its length, yet to be added
   // the walk through macrocells, which goes ahead of midpoint segments to where they end: one that goes cell by cell
@@ -425,14 +427,16 @@ FN void integrateVolume(VOLUME v, VolumeRay r, MarchRange m, INOUT(real) begun, 
           Radiance sum;
           sum.rgb = rgb;
           sum.A = A;
-          int counted = samples, entered = macrocells;
+          int counted = samples, entered = macrocells, passed = segmentsSkipped;
           real leaves = tHere;
           bool on = R(1.0) - A >= m.tMin;
-          if (on) integrateCells(v, ray, m, from, tHere, planHere, end, sum, counted, entered, leaves, on);
+          if (on)
+            integrateCells(v, ray, m, from, tHere, planHere, end, sum, counted, entered, passed, leaves, on);
           rgb = sum.rgb;
           A = sum.A;
           samples = counted;
           macrocells = entered;
+          segmentsSkipped = passed;
           go = on;
           while (go && min3(far) <= leaves) stepMacroWalk(v, r, index, plane, far, tHere);
           planHere = planAt(v, index);
@@ -507,4 +511,5 @@ FN void integrateVolume(VOLUME v, VolumeRay r, MarchRange m, INOUT(real) begun, 
   n.samples += samples;
   n.macrocells += macrocells;
   n.skipped += skipped;
+  n.segmentsSkipped += segmentsSkipped;
 }

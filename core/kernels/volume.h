@@ -162,6 +162,17 @@ struct MarchRange {
   real tIn, tOut, tOwn, tStart, tStop, tMin;
 };
 
+// Samples; macrocells in which something was sampled, and those that were skipped; segments of cells of the others, gone through
+// cell by cell, in which the map shows nothing.
 struct MarchCount {
-  int samples, macrocells, skipped;
+  int samples, macrocells, skipped, segmentsSkipped;
 };
+
+FN MarchCount nothingMarched() {
+  MarchCount n;
+  n.samples = 0;
+  n.macrocells = 0;
+  n.skipped = 0;
+  n.segmentsSkipped = 0;
+  return n;
+}

@@ -20,6 +20,7 @@ TraceCounters& TraceCounters::operator+=(const TraceCounters& o) {
   samples += o.samples;
   macrocells += o.macrocells;
   macrocellsSkipped += o.macrocellsSkipped;
+  segmentsSkipped += o.segmentsSkipped;
   cells += o.cells;
   isoMacrocellsSkipped += o.isoMacrocellsSkipped;
   nsSpawn += o.nsSpawn;

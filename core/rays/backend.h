@@ -36,7 +36,8 @@ struct TraceCounters {
   uint64_t raysEndedEarly = 0;                     ///< as nothing behind could be seen any more
   uint64_t samples = 0;                            ///< of volumes
   uint64_t macrocells = 0, macrocellsSkipped = 0;  ///< of the march
-  uint64_t cells = 0, isoMacrocellsSkipped = 0;    ///< of the isosurface walk
+  uint64_t segmentsSkipped = 0;  ///< of the march, in macrocells that it goes through cell by cell
+  uint64_t cells = 0, isoMacrocellsSkipped = 0;  ///< of the isosurface walk
   uint64_t nsSpawn = 0, nsGeometry = 0, nsSurfaces = 0, nsIntegrate = 0, nsShade = 0,
            nsRoute = 0;  ///< nanoseconds
   /// Of a device with a queue: how often it was handed work, how long it worked, and how long it had nothing to do between

@@ -7,6 +7,7 @@
 #include <numbers>
 #include <vector>
 
+#include "../support/every_cell.h"
 #include "gxy/data/bricks.h"
 #include "gxy/data/macrocells.h"
 #include "gxy/kernels/single.h"
@@ -140,14 +141,6 @@ struct Shown {
   bool isoEverywhere = false;  ///< the isosurface walk skips nothing
 };
 
-/// The isoPlan of a walk that looks into every cell.
-inline std::vector<int32_t> everyCell(size_t macrocells) {
-  const size_t first = std::max(macrocells, kIsoWords);  // small numbers mean other things
-  std::vector<int32_t> plan(first + kIsoWords, int32_t(first));
-  std::fill(plan.end() - kIsoWords, plan.end(), -1);
-  return plan;
-}
-
 /// A VolumeView and what it points to. Keep the Field alive.
 template <class Real>
 class View {
@@ -234,7 +227,7 @@ typename Kernels<Real>::Ray rayIn(const View<Real>& view, const RaySpec& r) {
 template <class Real>
 struct March {
   typename Kernels<Real>::Radiance L{{0, 0, 0}, 0};
-  typename Kernels<Real>::Count count{0, 0, 0};
+  typename Kernels<Real>::Count count{};
 };
 
 /// The march through consecutive intervals that end at `cuts` and at infinity.

@@ -9,6 +9,7 @@ layout(std430, set = LANE_SET, binding = 0) readonly buffer Rays { float rays[];
 layout(std430, set = LANE_SET, binding = 1) writeonly buffer Found { float found[]; };
 
 void main() {
+  readMapAhead(fields[0]);
   int i = int(gl_GlobalInvocationID.x), f = int(gl_WorkGroupID.y), count = push[0];
   if (i >= count) return;
   ProbeRay r;

@@ -78,6 +78,7 @@ std::vector<float> fieldProbesInGlsl(const Field& f, const Shown& shown, std::sp
   wanted.sampleKind = part.special.sampleKind;
   wanted.scalars = part.special.scalars;
   wanted.byCells = 1;
+  if (wanted.sampleKind == SAMPLE_F32 && wanted.scalars) wanted.mapAhead = part.special.mapAhead;
   gpu.shader(wanted).run(part.set.get(), buffers, int32_t(count),
                          {uint32_t(count + BLOCK_RAYS - 1) / BLOCK_RAYS, uint32_t(probes)});
   std::memcpy(found.data(), buffers[1].mapped(), found.size() * sizeof(float));

@@ -73,10 +73,7 @@ FN real probeMarch(VOLUME v, int f, VolumeRay r) {
   Radiance L;
   L.rgb = make_v3(R(0.0), R(0.0), R(0.0));
   L.A = R(0.0);
-  MarchCount n;
-  n.samples = 0;
-  n.macrocells = 0;
-  n.skipped = 0;
+  MarchCount n = nothingMarched();
   real begun = R(-1.0);
   integrateVolume(v, r, m, begun, L, n);
   if (f == 19) return L.rgb.x;

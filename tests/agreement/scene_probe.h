@@ -61,10 +61,7 @@ FN real probeCuts(SCENE s, OPERATOR op, VOLUME v, VOLUMES list, UNIFORM int coun
     Radiance L;
     L.rgb = make_v3(R(0.0), R(0.0), R(0.0));
     L.A = R(0.0);
-    MarchCount n;
-    n.samples = 0;
-    n.macrocells = 0;
-    n.skipped = 0;
+    MarchCount n = nothingMarched();
     integrateMany(s, list, count, o, d, m, L, n);
     if (p == 17) return L.rgb.x;
     if (p == 18) return L.rgb.y;

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cstring>
+#include <iostream>
 
 #include "backend.h"
 #include "draw.h"
@@ -34,6 +35,10 @@ std::vector<TestScene> scenes() {
   std::vector<TestScene> all{everything(56)};
   TestScene& spiky = all.emplace_back(sceneFrom("spiky", {2.1, 1.4, 3.3}, 64, 64));
   spiky.add(rendered({{-1, 0}, {-0.3, 0.1}, {-0.3, 0.8}, {-0.2, 0}, {0.21, 0.5}, {0.22, 0}}, -1, 1), wavy());
+  TestScene& ramps = all.emplace_back(sceneFrom("ramps", {2.1, 1.4, 3.3}, 64, 64));  // more than 16 intervals
+  std::vector<OpacityPoint> sawtooth;
+  for (int i = 0; i < 24; i++) sawtooth.push_back({-0.9 + 0.075 * i, i % 2 ? 0.2 : 0.02});
+  ramps.add(rendered(sawtooth, -1, 1), wavy());
   TestScene& iso = all.emplace_back(sceneFrom("iso", {0.5, 1, 4}, 96, 96));
   Vis vis = surfaces(VisType::Volume);
   vis.isovalues = {0.3, 0.5};
@@ -54,7 +59,10 @@ TEST(Targets, PicturesHaveIdenticalBits) {
                              makeBackend_avx512skx}};
   std::vector<std::unique_ptr<Backend>> backends;
   for (const Target& t : targets) {
-    if (!t.supported) continue;
+    if (!t.supported) {
+      std::cout << "not on this machine: " << t.name << '\n';
+      continue;
+    }
     backends.push_back(t.make());
     EXPECT_NE(backends.back()->device().find(t.gang), std::string::npos)
         << t.name << " is " << backends.back()->device();

@@ -8,10 +8,14 @@
 #include <atomic>
 #include <deque>
 #include <functional>
+#include <glm/geometric.hpp>
 #include <set>
 
 #include "gxy/embree/embree_backend.h"
 #include "gxy/rays/scene_memory.h"
+#include "gxy/rays/step_plan.h"
+#include "support/backends.h"
+#include "support/every_cell.h"
 #include "support/frames.h"
 
 // The linker puts this in the place of Embree's.
@@ -415,19 +419,81 @@ TEST(Skipped, RanksBehindAnOpaqueFront) {
   }
 }
 
+/// The same scene, compiled, but for what `edit` makes of it.
+std::vector<RankScene> editedOn(const std::vector<RankScene>& compiled,
+                                const std::function<void(CompiledScene&)>& edit) {
+  std::vector<RankScene> edited;
+  for (size_t rank = 0; rank < compiled.size(); rank++) {
+    const auto scene = std::make_shared<CompiledScene>(*compiled[rank].compiled);
+    edit(*scene);
+    edited.push_back({scene, testedBackend().makeScene(scene, int(rank))});
+  }
+  return edited;
+}
+
+// Where macrocells are skipped, segments begin anew at their faces; here they begin there anyway, eight in each.
+TEST(SkippingOnAndOff, OfMacrocellsOfVolumesIsTheSamePicture) {
+  for (const auto& [method, volumes] :
+       {std::pair{Integrator::Midpoint, 1}, {Integrator::ByCells, 1}, {Integrator::Midpoint, 2}}) {
+    TestScene s = alongX();
+    addRendered(s, volumes, {{-0.9, 0.1}, {-0.6, 0.05}, {-0.55, 0}, {0.05, 0}, {0.6, 0.1}});
+    const int32_t eighth = planOf(1, method);
+    const auto planned = [&](bool skips) {
+      return editedOn(compiledOn(whole(kCube), s), [&](CompiledScene& scene) {
+        for (CompiledOperator& op : scene.operators)
+          for (int32_t& plan : op.parts.at(0).plan)
+            if (!skips || plan != 0) plan = eighth;
+      });
+    };
+    const auto on = planned(true), off = planned(false);
+    const auto skipped = [&](const std::vector<RankScene>& compiled) {
+      return Counted(s, whole(kCube), compiled).all.macrocellsSkipped;
+    };
+    EXPECT_EQ(skipped(on), uint64_t(volumes * kPixels * kPixels));
+    EXPECT_EQ(skipped(off), 0u);
+    EXPECT_EQ(difference(render(s, 1, on), render(s, 1, off)), "") << volumes;
+  }
+}
+
+TEST(SkippingOnAndOff, OfCellsOfIsosurfacesIsTheSamePicture) {
+  TestScene s = alongX();
+  addField(s, 4, [](glm::dvec3 p) { return glm::length(p); }).isovalues = {0.4, 0.7};
+  s.visualization.lighting.aoCount = 2;
+  const auto on = compiledOn(halves(), s);
+  const auto off = editedOn(on, [](CompiledScene& scene) {
+    for (auto& [p, part] : scene.operators[0].parts) {
+      const Index3& n = part.block->macrocells;
+      part.isoPlan = everyCell(size_t(n[0] * n[1] * n[2]));
+    }
+  });
+  const TraceCounters some = Counted(s, halves(), on).all, all = Counted(s, halves(), off).all;
+  EXPECT_GT(some.isoMacrocellsSkipped, 0u);
+  EXPECT_EQ(all.isoMacrocellsSkipped, 0u);
+  EXPECT_LT(2 * some.cells, all.cells);
+  EXPECT_EQ(difference(render(s, 2, on), render(s, 2, off)), "");
+}
+
+// The step is met in one of eight cells along each ray; in those before it there is nothing, behind it all is seen.
+TEST(Skipped, SegmentsOfCellsInWhichTheMapShowsNothing) {
+  TestScene s = alongX();
+  addRendered(s, 1, {{-1, 0}, {0.27, 0}, {0.27, 0.1}, {1, 0.1}});
+  const TraceCounters c = Counted(s, whole(kCube)).all;
+  const auto rays = uint64_t(kPixels * kPixels);
+  EXPECT_EQ(c.macrocellsSkipped, 2 * rays);
+  EXPECT_GE(c.segmentsSkipped, 4 * rays);
+  EXPECT_LT(c.segmentsSkipped, 8 * rays);
+}
+
 // Partitions count as seen though nothing is in them.
-TEST(Skipped, PartitionsChangeNoBit) {
-  const auto embree = makeEmbreeBackend();
+TEST(SkippingOnAndOff, OfPartitionsIsTheSamePicture) {
   for (const TestScene& s : scenesOfEachKind()) {
     const Cut cut = lattice(s.domain, {5, 4, 3}, 3);
-    auto on = compiledOn(cut, s), off = on;
     size_t skipped = 0;
-    for (int rank = 0; rank < cut.ranks; rank++) {
-      const auto all = std::make_shared<CompiledScene>(*on[size_t(rank)].compiled);
-      skipped += size_t(std::count(all->visible.begin(), all->visible.end(), 0));
-      std::fill(all->visible.begin(), all->visible.end(), 1);
-      off[size_t(rank)] = {all, embree->makeScene(all, rank)};
-    }
+    const auto on = compiledOn(cut, s);
+    const auto off = editedOn(on, [&](CompiledScene& scene) {
+      skipped += size_t(std::count(scene.visible.begin(), scene.visible.end(), 0));
+      std::fill(scene.visible.begin(), scene.visible.end(), 1);
+    });
     EXPECT_EQ(difference(render(s, cut.ranks, on), render(s, cut.ranks, off)), "") << s.name;
     if (s.name == "particles") {
       EXPECT_GT(skipped, 0u);

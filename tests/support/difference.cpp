@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <cstring>
@@ -28,9 +29,18 @@ std::string written(const Picture& expected, const Picture& found) {
   for (char& c : name)
     if (c == '/') c = '_';
   const std::string prefix = testing::TempDir() + name + "-" + std::to_string(number);
+  // over the largest, as it may be of one bit; blue where the depth alone differs
   std::vector<float> difference(expected.rgba.size());
-  for (size_t i = 0; i < difference.size(); i++)
-    difference[i] = i % 4 == 3 ? 1 : 8 * std::abs(expected.rgba[i] - found.rgba[i]);
+  float largest = 0;
+  for (size_t i = 0; i < difference.size(); i++) {
+    difference[i] = i % 4 == 3 ? 0 : std::abs(expected.rgba[i] - found.rgba[i]);
+    largest = std::max(largest, difference[i]);
+  }
+  for (size_t i = 0; i < difference.size(); i++) {
+    difference[i] = i % 4 == 3 ? 1 : largest > 0 ? difference[i] / largest : 0;
+    if (i % 4 == 2 && !expected.depth.empty() && expected.depth[i / 4] != found.depth[i / 4])
+      difference[i] = 1;
+  }
   try {
     writeImage(prefix + "_expected.png", {expected.width, expected.height, expected.rgba});
     writeImage(prefix + "_found.png", {found.width, found.height, found.rgba});

@@ -47,9 +47,10 @@ TEST(VulkanCounters, AreThoseOfEmbree) {
     EXPECT_EQ(c.partitionsSkipped, expected.partitionsSkipped);
     EXPECT_EQ(c.tilesSkipped, expected.tilesSkipped);
     using T = TraceCounters;
-    for (const auto counter : {&T::raysSpawned, &T::raysTraced, &T::raysShaded, &T::secondariesSpawned,
-                               &T::secondariesSkipped, &T::raysEndedEarly, &T::samples, &T::macrocells,
-                               &T::macrocellsSkipped, &T::cells, &T::isoMacrocellsSkipped})
+    for (const auto counter :
+         {&T::raysSpawned, &T::raysTraced, &T::raysShaded, &T::secondariesSpawned, &T::secondariesSkipped,
+          &T::raysEndedEarly, &T::samples, &T::macrocells, &T::macrocellsSkipped, &T::segmentsSkipped,
+          &T::cells, &T::isoMacrocellsSkipped})
       EXPECT_EQ(c.trace.*counter, expected.trace.*counter);
     for (size_t k = 0; k < kKernels; k++)
       EXPECT_EQ(c.trace.kernelRuns[k] > 0, expected.trace.kernelRuns[k] > 0) << kKernelNames[k];

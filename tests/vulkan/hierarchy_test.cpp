@@ -62,9 +62,14 @@ TEST(Hierarchy, HoldsEveryPrimitiveOnceWithinItsBoxes) {
   EXPECT_EQ(walk.seen.size(), primitives);
 }
 
+// As many as several threads of the builder share.
 TEST(Hierarchy, OfTheSameDataHasTheSameBytes) {
-  const auto scene = agreement::solids("solids", 16).compile();
+  agreement::TestScene test = agreement::solids("solids", 16);
+  test.add(agreement::surfaces(VisType::Triangles),
+           agreement::makeGeometry(GeometryKind::Triangles, agreement::sphereMesh(230, false, false)));
+  const auto scene = test.compile();
   const Hierarchy first = hierarchyOf(*scene, 0);
+  EXPECT_GT(first.primitives.size(), 100'000u);
   for (int i = 0; i < 5; i++) {
     const Hierarchy again = hierarchyOf(*scene, 0);
     EXPECT_EQ(again.nodes, first.nodes);

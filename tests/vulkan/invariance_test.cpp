@@ -28,12 +28,15 @@ TEST_P(VulkanInvariance, OfBackendsThatRanksUseTogether) {
 }
 
 TEST_P(VulkanInvariance, OfDataThatNoBindingHolds) {
-  static const std::unique_ptr<Backend> addressed = [] {
+  const auto backendOf = [](uint64_t bindingBytes, uint64_t storageBytes) {
     VulkanOptions options = vulkan_test::testDevice();
-    options.bindingBytes = 64;
+    options.bindingBytes = bindingBytes;
+    options.storageBytes = storageBytes;
     return makeVulkanBackend(options);
-  }();
-  EXPECT_EQ(differenceOn(whole(scene_.domain), [&](int) -> const Backend& { return *addressed; }), "");
+  };
+  static const std::unique_ptr<Backend> addressed[] = {backendOf(64, 64), backendOf(0, 64)};
+  for (const auto& backend : addressed)
+    EXPECT_EQ(differenceOn(whole(scene_.domain), [&](int) -> const Backend& { return *backend; }), "");
 }
 
 std::string nameOf(const testing::TestParamInfo<TestScene>& info) {

@@ -216,6 +216,16 @@ TEST(Batches, AreWithinWhatTheDeviceBinds) {
   EXPECT_EQ(difference(expected, agreement::draw(testedVulkan(), scene)), "");
 }
 
+// A tile of one pixel takes the workgroups of a large one: these would be more than the device dispatches.
+TEST(Batches, OfTilesAreWithinWhatTheDeviceDispatches) {
+  const vulkan::Device device(testDevice());
+  agreement::TestScene scene = occluded(1, 0);
+  scene.settings.raysPerPixel = 5000;
+  ASSERT_GT(size_t(scene.settings.raysPerPixel) * TILE_RAYS, vulkan::mostRays(device));
+  EXPECT_EQ(difference(agreement::draw(*makeEmbreeBackend(), scene), agreement::draw(testedVulkan(), scene)),
+            "");
+}
+
 TEST(Batches, LargerThanOthersLeaveNoLaneOfTheirSize) {
   Ledger ledger;
   VulkanOptions options = testDevice();

@@ -30,10 +30,10 @@ nlohmann::json skipped(const Renderer::Counters& c, const LeftBefore& before) {
   return {{"arrays", before.data.arrays},        {"components", before.data.components},
           {"pieces", before.data.pieces},        {"sample bytes", before.data.bytes},
           {"partitions", c.partitionsSkipped},   {"tiles", c.tilesSkipped},
-          {"macrocells", k.macrocellsSkipped},   {"isosurface macrocells", k.isoMacrocellsSkipped},
-          {"isosurface cells", before.isoCells}, {"rays ended early", k.raysEndedEarly},
-          {"secondaries", k.secondariesSkipped}, {"kernels", kernels},
-          {"messages", c.messagesSkipped}};
+          {"macrocells", k.macrocellsSkipped},   {"segments", k.segmentsSkipped},
+          {"isosurface cells", before.isoCells}, {"isosurface macrocells", k.isoMacrocellsSkipped},
+          {"secondaries", k.secondariesSkipped}, {"rays ended early", k.raysEndedEarly},
+          {"messages", c.messagesSkipped},       {"kernels", kernels}};
 }
 
 }  // namespace

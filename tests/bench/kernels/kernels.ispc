@@ -135,10 +135,7 @@ export void marchRays(const void* uniform volume, const uniform float rays[], un
   m.tStart = 0.0f;
   m.tStop = 1e30f;
   m.tMin = 0.0f;
-  MarchCount count;
-  count.samples = 0;
-  count.macrocells = 0;
-  count.skipped = 0;
+  MarchCount count = nothingMarched();
   foreach (i = 0 ... n) {
     Radiance L;
     L.rgb = make_v3(0.0f, 0.0f, 0.0f);
