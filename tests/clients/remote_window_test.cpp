@@ -62,7 +62,9 @@ struct Shown {
 
   TestServer server;
   std::unique_ptr<Client> user;
-  RemoteWindow window{server.options(), state(), kPasses};
+  std::string warned;  // read once the window is loaded: it is told before
+  RemoteWindow window{server.options(), state(), kPasses,
+                      [this](const std::string& text) { warned += text; }};
   double turned = 0;
 };
 
@@ -70,6 +72,7 @@ TEST(RemoteWindow, ShowsDataThatComeAfterItWasOpened) {
   Shown shown;
   shown.untilRefused("dataset \"ball\": there is none");
   EXPECT_FALSE(shown.window.box());
+  EXPECT_EQ(shown.warned.find("dataset \"ball\": "), 0u) << shown.warned;
   shown.user->expect(importBall("ball"));
   shown.untilAllIsShown(1);
   shown.until([&] { return shown.window.box().has_value(); }, "where they are");

@@ -14,10 +14,14 @@ using namespace gxy;
 
 namespace {
 
+void warn(const std::string& text) {
+  std::cerr << "gxyviewer: warning: " << protocol::printable(text) << '\n';
+}
+
 /// What of a state file is shown: its first visualization, its first camera.
 State shownState(const ViewOptions& options) {
   StateFile file = readStateFile(options.stateFile);
-  for (const std::string& warning : file.warnings) std::cerr << "gxyviewer: warning: " << warning << '\n';
+  for (const std::string& warning : file.warnings) warn(warning);
   if (file.state.visualizations.empty())
     throw Error(options.stateFile + ": it has no `Visualization`, expected one, with operators");
   file.state.visualizations.resize(1);
@@ -33,7 +37,8 @@ int run(const ViewOptions& options) {
   RemoteWindow remote(options.client, state,
                       options.passes             ? options.passes
                       : options.snapshot.empty() ? std::max(rays, 16u)
-                                                 : rays);
+                                                 : rays,
+                      warn);
   if (options.snapshot.empty()) {
     runViewer(remote, state, options.output);
     return 0;

@@ -46,7 +46,7 @@ std::string statement(const std::string& verb, const json& argument) {
 
 }  // namespace
 
-RemoteWindow::RemoteWindow(Client::Options options, const State& state, uint32_t passes)
+RemoteWindow::RemoteWindow(Client::Options options, const State& state, uint32_t passes, OnWarning onWarning)
     : passes_(passes), names_(namesOf(state)), canvas_({1, 1}), camera_(state.cameras.at(0)) {
   options.onPixels = [this](const PixelHeader& header, auto data) { takePixels(header, data); };
   options.onEvent = [this](const json& event) { takeEvent(event); };
@@ -63,9 +63,13 @@ RemoteWindow::RemoteWindow(Client::Options options, const State& state, uint32_t
   client_->expect("load data");
   client_->expect("load viewer");
   client_->expect(statement("viewer.window", {{"size", {size.x, size.y}}, {"follow", true}}));
-  client_->send(statement("viewer.set", json::parse(writeState(state))), [this](const Reply& reply) {
-    if (!reply.ok) fail(reply.error);
-  });
+  client_->send(statement("viewer.set", json::parse(writeState(state))),
+                [this, onWarning](const Reply& reply) {
+                  if (!reply.ok) return fail(reply.error);
+                  if (onWarning && reply.value.contains("warnings"))
+                    for (const json& warning : reply.value["warnings"])
+                      if (warning.is_string()) onWarning(warning);
+                });
   for (const std::string& name : names_)
     client_->send("data.observe " + protocol::asWord(name), [](const Reply&) {});
   // Requests are answered in turn: after `set`, and the last of these last.

@@ -30,11 +30,13 @@ class RemoteWindow {
  public:
   using Clock = std::chrono::steady_clock;
   using Box = std::array<std::array<double, 3>, 2>;
+  using OnWarning = std::function<void(const std::string& text)>;
 
   /// Connects; the server begins to import those of the state's datasets whose names it does not have. Throws Error.
   /// `state` has one visualization and one camera, whose dimensions are the window's.
-  /// `passes`: of a frame at rest, each of one ray per pixel.
-  RemoteWindow(Client::Options options, const State& state, uint32_t passes);
+  /// `passes`: of a frame at rest, each of one ray per pixel. `onWarning` is told what the server says of the state, on the
+  /// connection's thread.
+  RemoteWindow(Client::Options options, const State& state, uint32_t passes, OnWarning onWarning = {});
 
   /// What the next frames show.
   void setCamera(const Camera& camera);
