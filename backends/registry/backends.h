@@ -14,7 +14,7 @@ extern const char* const kDeviceHelp;
 
 struct BackendOptions {
   std::string device;     ///< of the vulkan backend: a number or a part of a name (see listDevices), or empty
-  int rankOnMachine = 0;  ///< those of a machine that ask for the same share its devices round robin
+  int rankOnMachine = 0;  ///< among those for which hasDevices(): they share its devices round robin
 };
 
 /// "embree" and, where the build has it, "vulkan"; `auto` is vulkan where there is a discrete GPU, or a device

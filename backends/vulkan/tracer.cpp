@@ -90,7 +90,7 @@ struct Tracer::State {
     r->frame->lastTurn = ++turns;
     const size_t each = 1 + r->perHit();
     // a tile is spawned by as many invocations as the largest has pixels
-    const size_t requests = r->kind == Request::Kind::Spawn ? mostTiles : waiting.size();
+    const size_t requests = r->kind == Request::Kind::Spawn ? mostTiles : SIZE_MAX;
     size_t rays = r->size(), most = batchRays;
     if (r->urgent) {
       sinceUrgent = 0;

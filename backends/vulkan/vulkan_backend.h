@@ -37,7 +37,7 @@ struct VulkanOptions {
   /// A number in that order, or a part of a device's name (as is a number that no device has); empty: the best
   /// kind that there is. Software devices are taken only if nothing else is there, or if asked for.
   std::string device;
-  /// The ranks of a machine share round robin equally good devices, or all that have the name.
+  /// Of those that may take a device: they share round robin equally good ones, or all that have the name.
   int rankOnMachine = 0;
   /// The largest buffer to bind as texels; what is larger is read by address. 0: what the device binds.
   uint64_t bindingBytes = 0;

@@ -47,11 +47,11 @@ int sizeOf(MPI_Comm communicator) {
 
 // The ranks of this one's node, and which it is of those that have its role.
 struct Node {
-  Node(MPI_Comm communicator, const std::string& role) {
+  Node(MPI_Comm communicator, int role) {
     MPI_Comm node, alike;
     MPI_Comm_split_type(communicator, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &node);
     ranks = sizeOf(node);
-    MPI_Comm_split(node, int(std::hash<std::string>()(role) % 0x7fffffff), 0, &alike);
+    MPI_Comm_split(node, role, 0, &alike);
     rank = rankIn(alike);
     MPI_Comm_free(&alike);
     MPI_Comm_free(&node);
@@ -69,6 +69,8 @@ MpiTransport::Options checked(MpiTransport::Options options) {
     throw Error("MpiTransport: chunkBytes is " + std::to_string(options.chunkBytes) + ", expected 1 to 2^30");
   if (options.threads < 0)
     throw Error("MpiTransport: threads is " + std::to_string(options.threads) + ", expected 0 or more");
+  if (options.role < 0)
+    throw Error("MpiTransport: role is " + std::to_string(options.role) + ", expected 0 or more");
   return options;
 }
 

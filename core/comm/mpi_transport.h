@@ -32,7 +32,7 @@ class MpiTransport final : public Transport {
     size_t chunkBytes = 16 << 20;   ///< of one MPI call when streaming, at most 2^30
     ErrorReport onError = logError;
     Trace* trace = nullptr;  ///< of the messages that are handled; outlives the Transport
-    std::string role;        ///< rankOnNode() counts the ranks that have the same
+    int role = 0;            ///< rankOnNode() counts the ranks that have the same; not negative
   };
 
   /// Initialises MPI if need be (mpi_environment.h). Throws Error on options out of range.

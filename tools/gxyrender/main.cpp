@@ -131,7 +131,7 @@ void renderAll(const State& state, const RenderOptions& options, Renderer& rende
 int run(const RenderOptions& options) {
   MpiTransport::Options transportOptions;
   transportOptions.threads = options.threads;
-  transportOptions.role = options.backend;  // that share devices
+  transportOptions.role = hasDevices(options.backend);  // those that do share them
   MpiTransport transport(transportOptions);
   const bool root = transport.rank() == 0;
   const bool showProgress = root && !options.quiet && isatty(STDERR_FILENO);

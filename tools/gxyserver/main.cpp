@@ -164,7 +164,7 @@ int serve(const ServeOptions& options) {
   MpiTransport::Options transportOptions;
   transportOptions.trace = trace.get();
   transportOptions.threads = options.threads;
-  transportOptions.role = options.node.backend;  // that share devices
+  transportOptions.role = hasDevices(options.node.backend);  // those that do share them
   MpiTransport transport(transportOptions);
   const bool root = transport.rank() == 0;
   constexpr uint64_t kStart = 1;  // the exchange in which ranks agree on the start
