@@ -7,7 +7,6 @@
 #include <numbers>
 #include <vector>
 
-#include "../support/every_cell.h"
 #include "gxy/data/bricks.h"
 #include "gxy/data/macrocells.h"
 #include "gxy/kernels/single.h"
@@ -16,6 +15,7 @@
 #include "gxy/rays/iso_plan.h"
 #include "gxy/rays/step_plan.h"
 #include "random.h"
+#include "support/every_cell.h"
 
 namespace gxy::test {
 

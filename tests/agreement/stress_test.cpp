@@ -14,6 +14,7 @@
 #include "gxy/data/bricks.h"
 #include "gxy/kernels/single_views.h"
 #include "gxy/scene/state_file.h"
+#include "support/every_cell.h"
 
 namespace gxy::agreement {
 namespace {
@@ -372,9 +373,7 @@ TEST(Stress, MoreSamplesThanAnInt32Counts) {
         std::memset(static_cast<char*>(memory) + place, 100, size_t(points));
       });
   const int64_t m = (n - 1 + 7) / 8;
-  std::vector<int32_t> everywhere(size_t(m * m * m + 16),
-                                  int32_t(m * m * m));  // all share 16 words of set bits
-  std::fill(everywhere.end() - 16, everywhere.end(), -1);
+  const std::vector<int32_t> everywhere = test::everyCell(size_t(m * m * m));
   const float isovalue = 50;
 
   single::VolumeView field{};

@@ -57,7 +57,7 @@ TEST(RandomScenes, AgreeWithTheReference) {
   for (uint64_t seed = asked.first; seed < asked.first + asked.scenes; seed++) {
     // a software device takes a second for a scene, and once seven, since it compiles shaders for it
     const double tolerance = seed % 4 == 1 ? 1.0 / 64 : seed % 4 == 3 ? 1.0 / 4096 : 1.0 / 512;
-    const agreement::Comparison c = compared(seed, seed % 40 == 0, tolerance);
+    const agreement::Comparison c = compared(seed, seed % 39 == 0, tolerance);
     pixels += c.pixels;
     flips += c.flips;
   }
@@ -117,6 +117,7 @@ TEST(RandomScenes, LampsNearASingleSphereAgreeWithTheReference) { comparedAll({1
 // Segments of several volumes that end at a surface, and several volumes that hide each other's colours.
 TEST(RandomScenes, SeveralVolumesBeforeSurfacesAgreeWithTheReference) {
   comparedAll({1002281, 1004977, 1005019, 1006572, 1008057, 1008606});
+  compared(1006572, false, 1.0 / 1024);
 }
 
 // Few cells across, so that errors of segments do not even out.
@@ -137,7 +138,7 @@ TEST(RandomScenes, AreInRangeAndTheSameOnEveryPartitioning) {
     run.options.raysInFlight = seed % 5 ? 1 << 20 : 1;
     const std::string different = difference(expected, render(scene, cut, run));
     EXPECT_EQ(different, "") << cut.name << ", " << whatFailed(scene, seed);
-    if (seed % 10 != 0) continue;
+    if (seed % 11 != 0) continue;
     for (const int ranks : {2, 4, 8})
       EXPECT_EQ(difference(expected, render(scene, kdCut(scene.domain, 9, ranks, seed), run)), "")
           << ranks << " ranks, " << whatFailed(scene, seed);

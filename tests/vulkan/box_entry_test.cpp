@@ -17,27 +17,33 @@ namespace {
 
 using namespace vulkan;
 
-std::vector<float> entriesOf(const std::vector<Case>& cases) {
-  static_assert(sizeof(Case) == 14 * sizeof(float));
-  std::vector<float> numbers;
-  for (const Case& c : cases) {
-    for (const glm::vec3& v : {c.lo, c.hi, c.origin, c.direction})
-      for (int axis = 0; axis < 3; axis++) numbers.push_back(v[axis]);
-    numbers.push_back(c.tMax);
+/// The test as the device does it.
+class BoxEntryOnDevice {
+ public:
+  std::vector<float> entriesOf(const std::vector<Case>& cases) const {
+    static_assert(sizeof(Case) == 14 * sizeof(float));
+    std::vector<float> numbers;
+    for (const Case& c : cases) {
+      for (const glm::vec3& v : {c.lo, c.hi, c.origin, c.direction})
+        for (int axis = 0; axis < 3; axis++) numbers.push_back(v[axis]);
+      numbers.push_back(c.tMax);
+    }
+    std::vector<Buffer> buffers;
+    buffers.emplace_back(device_, numbers.size() * sizeof(float), Place::Device, "cases");
+    buffers.emplace_back(device_, cases.size() * sizeof(float), Place::Readback, "entries");
+    upload(device_, buffers[0], 0, std::as_bytes(std::span(numbers)));
+    shader_.run(VK_NULL_HANDLE, buffers, int32_t(cases.size()),
+                {uint32_t(cases.size() + BLOCK_RAYS - 1) / BLOCK_RAYS, 1});
+    std::vector<float> found(cases.size());
+    std::memcpy(found.data(), buffers[1].mapped(), found.size() * sizeof(float));
+    return found;
   }
-  const Device device(vulkan_test::testDevice());
-  const Pipelines pipelines(device);
-  std::vector<Buffer> buffers;
-  buffers.emplace_back(device, numbers.size() * sizeof(float), Place::Device, "cases");
-  buffers.emplace_back(device, cases.size() * sizeof(float), Place::Readback, "entries");
-  upload(device, buffers[0], 0, std::as_bytes(std::span(numbers)));
-  vulkan_test::TestShader(device, pipelines, box_entry_spirv)
-      .run(VK_NULL_HANDLE, buffers, int32_t(cases.size()),
-           {uint32_t(cases.size() + BLOCK_RAYS - 1) / BLOCK_RAYS, 1});
-  std::vector<float> found(cases.size());
-  std::memcpy(found.data(), buffers[1].mapped(), found.size() * sizeof(float));
-  return found;
-}
+
+ private:
+  const Device device_{vulkan_test::testDevice()};
+  const Pipelines pipelines_{device_};
+  const vulkan_test::TestShader shader_{device_, pipelines_, box_entry_spirv};
+};
 
 /// As primitive_bounds.h does.
 Case movedOut(Case c) {
@@ -51,6 +57,7 @@ Case movedOut(Case c) {
 
 // Of 10^7.
 TEST(BoxEntry, NoHitOfExactArithmeticIsMissed) {
+  const BoxEntryOnDevice device;
   Random random(15);
   Case c{};
   int hits = 0, missed = 0;
@@ -65,7 +72,7 @@ TEST(BoxEntry, NoHitOfExactArithmeticIsMissed) {
       cases.push_back(c);
       given.push_back(movedOut(c));
     }
-    const std::vector<float> entries = entriesOf(given);
+    const std::vector<float> entries = device.entriesOf(given);
     for (size_t i = 0; i < cases.size(); i++) {
       const bool truth = meetsExactly(cases[i]);
       hits += truth;
@@ -82,7 +89,7 @@ TEST(BoxEntry, WideningAddsFewHits) {
   for (int i = 0; i < 200'000; i++)
     cases.push_back({glm::vec3(-1), glm::vec3(1), glm::vec3(random.point(-4, 4)),
                      glm::vec3(random.direction()), 0, 1e30f});
-  const std::vector<float> entries = entriesOf(cases);
+  const std::vector<float> entries = BoxEntryOnDevice().entriesOf(cases);
   int hits = 0, extra = 0, early = 0;
   for (size_t i = 0; i < cases.size(); i++) {
     const bool met = entries[i] < INFINITY;
