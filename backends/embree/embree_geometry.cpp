@@ -17,8 +17,7 @@ void boundPrimitive(const RTCBoundsFunctionArguments* args) {
   const auto& op = *static_cast<const OperatorView*>(args->geometryUserPtr);
   const ThreadOrder order(&op);
   order.begin();
-  const int corners = op.kind == KIND_PARTICLES ? 1 : op.kind == KIND_PATHLINES ? 2 : 3;
-  const PrimitiveBounds box = primitiveBounds(corners, op.points, op.indices, args->primID);
+  const PrimitiveBounds box = primitiveBounds(cornersOfKind(op.kind), op.points, op.indices, args->primID);
   RTCBounds& b = *args->bounds_o;
   b.lower_x = box.lo[0], b.lower_y = box.lo[1], b.lower_z = box.lo[2];
   b.upper_x = box.hi[0], b.upper_y = box.hi[1], b.upper_z = box.hi[2];

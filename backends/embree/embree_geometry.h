@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "gxy/embree/embree.h"
+#include "gxy/embree/occlusion_tree.h"
 #include "gxy/kernels/single_views.h"
 #include "gxy/rays/compiled_scene.h"
 #include "gxy/space/shared_by.h"
@@ -21,10 +22,11 @@ struct GeometryHierarchy {
 GeometryHierarchy buildGeometry(const embree::Device& device,
                                 std::span<const single::OperatorView> operators);
 
-/// What scenes share of a backend: Embree at work, and hierarchies by their primitives, of each operator in turn.
+/// What scenes share of a backend: Embree at work, hierarchies by their primitives, of each operator in turn, and trees.
 struct EmbreeShared {
   embree::Device device;
   SharedBy<std::vector<const GeometryPart*>, GeometryHierarchy> hierarchies;
+  SharedBy<const GeometryPart*, OcclusionTree> trees;
 };
 
 }  // namespace gxy

@@ -13,6 +13,7 @@
 #include "gxy/rays/fill_views.h"
 #include "integrate_ispc.h"
 #include "integrate_many_ispc.h"
+#include "occlusion_ispc.h"
 #include "shade_ispc.h"
 #include "spawn_ispc.h"
 
@@ -125,10 +126,24 @@ EmbreeScene::EmbreeScene(std::shared_ptr<EmbreeShared> shared, std::shared_ptr<c
     if (std::any_of(primitives.begin(), primitives.end(), std::identity()))
       part.geometry = shared_->hierarchies.get(
           primitives, [&] { return buildGeometry(shared_->device, part.operators); });
+    if (scene_->opaqueSurfaces && scene_->visualization.lighting.aoCount > 0 && part.geometry)
+      plantTrees(part, primitives);
     part.view.operators = int(operators.size());
     part.view.operator_ = part.operators.data();
     part.view.field = part.fields.data();
     part.view.hierarchy = part.geometry ? part.geometry->scene.get() : nullptr;
+  }
+}
+
+void EmbreeScene::plantTrees(Part& part, const std::vector<const GeometryPart*>& primitives) const {
+  part.trees.resize(primitives.size());
+  part.treeViews.resize(primitives.size());
+  for (size_t i = 0; i < primitives.size(); i++) {
+    if (!primitives[i]) continue;
+    part.trees[i] = shared_->trees.get(primitives[i], [&] {
+      return buildOcclusionTree(part.operators[i].kind, *primitives[i], ispc::gangWidth());
+    });
+    part.treeViews[i] = {part.trees[i]->nodes.data(), part.trees[i]->leaves.data()};
   }
 }
 
@@ -196,7 +211,9 @@ class EmbreeScene::Packet {
     if (part_.geometry) {
       Stopwatch time(c.nsGeometry);
       c.runs(Kernel::Geometry)++;
-      ispc::hitGeometry(&part_.view, &view, n, !primary_ && scene_.scene_->opaqueSurfaces);
+      const bool anyHit = !primary_ && scene_.scene_->opaqueSurfaces;
+      ispc::hitGeometry(&part_.view, &view, n, anyHit);
+      if (anyHit && !part_.trees.empty()) ispc::occludeRays(&part_.view, part_.treeViews.data(), &view, n);
     }
     if (!scene_.slicedOperators_.empty() || !scene_.isoOperators_.empty()) {
       Stopwatch time(c.nsSurfaces);
@@ -331,8 +348,11 @@ size_t EmbreeScene::bytes() const {
 
 std::vector<SharedBytes> EmbreeScene::sharedBytes() const {
   std::vector<SharedBytes> shared;
-  for (const auto& [p, part] : parts_)
+  for (const auto& [p, part] : parts_) {
     if (part.geometry) shared.push_back({part.geometry.get(), part.geometry->bytes});
+    for (const auto& tree : part.trees)
+      if (tree) shared.push_back({tree.get(), tree->bytes()});
+  }
   return shared;
 }
 

@@ -25,9 +25,12 @@ class EmbreeScene final : public DeviceScene {
     single::SceneView view{};
     std::vector<single::OperatorView> operators;
     std::vector<single::VolumeView> fields;
-    std::shared_ptr<const GeometryHierarchy> geometry;  ///< null if there is none
+    std::shared_ptr<const GeometryHierarchy> geometry;        ///< null if there is none
+    std::vector<std::shared_ptr<const OcclusionTree>> trees;  ///< of operators; empty without occlusion rays
+    std::vector<OcclusionTreeView> treeViews;
   };
   class Packet;
+  void plantTrees(Part& part, const std::vector<const GeometryPart*>& primitives) const;
 
   std::shared_ptr<EmbreeShared> shared_;
   std::shared_ptr<const CompiledScene> scene_;

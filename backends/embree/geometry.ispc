@@ -76,12 +76,8 @@ unmasked void occludePrimitive(const AnyArguments* uniform args) {
 export void* uniform intersectCallback() { return (void* uniform) & intersectPrimitive; }
 export void* uniform occludeCallback() { return (void* uniform) & occludePrimitive; }
 
-static inline uniform vec3 at(vec3 v, uniform int lane) {
-  uniform vec3 one = {extract(v.x, lane), extract(v.y, lane), extract(v.z, lane)};
-  return one;
-}
-
-// The nearest surface of geometry; with anyHit, rays that meet one just become opaque (A = 1).
+// The nearest surface of geometry; with anyHit, rays that meet one just become opaque (A = 1), but for those of ambient occlusion,
+// which are left to occlusion.ispc.
 export void hitGeometry(const void* uniform scene, void* uniform rays, uniform int n, uniform bool anyHit) {
   USE_SCENE(s, scene);
   USE_RAYS(r, rays);
@@ -99,18 +95,9 @@ export void hitGeometry(const void* uniform scene, void* uniform rays, uniform i
     vec3 d = directionOf(r, i);
     float tNear = max(bound, 0.0f);
     if (anyHit) {
-      bool blocked = false;
-      if (RAY_KIND(r.info[i]) == RAY_OCCLUSION) {  // each goes its own way
-        foreach_active (lane) {
-          query.tAfter = after + lane;
-          if (findAny(s.hierarchy, query.context, at(o, lane), at(d, lane), extract(tNear, lane), extract(tOut, lane)))
-            blocked = true;
-        }
-        query.tAfter = after;
-      } else {
-        blocked = findAny(s.hierarchy, query.context, o, d, tNear, tOut);
+      if (RAY_KIND(r.info[i]) != RAY_OCCLUSION) {
+        if (findAny(s.hierarchy, query.context, o, d, tNear, tOut)) r.A[i] = 1.0f;
       }
-      if (blocked) r.A[i] = 1.0f;
     } else {
       float t = tOut;
       unsigned int geometry, primitive;

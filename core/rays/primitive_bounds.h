@@ -7,7 +7,12 @@
 #include <cstdint>
 #include <limits>
 
+#include "gxy/kernels/single_views.h"
+
 namespace gxy {
+
+/// Points of a primitive of KIND_PARTICLES, _PATHLINES or _TRIANGLES.
+inline int cornersOfKind(int kind) { return kind == KIND_PARTICLES ? 1 : kind == KIND_PATHLINES ? 2 : 3; }
 
 struct PrimitiveBounds {
   float lo[3], hi[3];

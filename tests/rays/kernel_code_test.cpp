@@ -20,7 +20,8 @@ Names kernelsWith(const std::string& bytes) {
   std::vector<Names> found;  // by instruction set
   for (const char* isa : {"sse4", "avx2", "avx512skx"}) {
     Names& here = found.emplace_back();
-    for (const char* name : {"spawn", "geometry", "fields", "integrate", "integrate_many", "shade"}) {
+    for (const char* name :
+         {"spawn", "geometry", "occlusion", "fields", "integrate", "integrate_many", "shade"}) {
       const std::string object = readText(std::string(KERNELS) + "/" + name + "_" + isa + ".o");
       if (object.find(bytes) != std::string::npos) here.insert(name);
     }

@@ -12,19 +12,26 @@
 #include <set>
 
 #include "gxy/embree/embree_backend.h"
+#include "gxy/embree/occlusion_tree.h"
+#include "gxy/kernels/single_views.h"
 #include "gxy/rays/scene_memory.h"
 #include "gxy/rays/step_plan.h"
 #include "support/backends.h"
 #include "support/every_cell.h"
 #include "support/frames.h"
 
-// The linker puts this in the place of Embree's.
+// The linker puts these in the place of Embree's.
 extern "C" {
 void* __real_rtcNewScene(void* device);
-static std::atomic<int> scenesMade = 0;
+void* __real_rtcNewBVH(void* device);
+static std::atomic<int> scenesMade = 0, treesMade = 0;
 void* __wrap_rtcNewScene(void* device) {
   scenesMade++;
   return __real_rtcNewScene(device);
+}
+void* __wrap_rtcNewBVH(void* device) {
+  treesMade++;
+  return __real_rtcNewBVH(device);
 }
 }
 
@@ -335,9 +342,26 @@ TEST(Skipped, EmbreeScenesWithoutGeometry) {
   EXPECT_EQ(scenesMade, 2) << "one in each half";
 }
 
+TEST(Skipped, OcclusionTreesWithoutOcclusionRaysThatEndAtAnyHit) {
+  TestScene s = alongX();
+  addBall(s, {0, 0, 0}, 0.3);
+  const auto made = [&] {
+    treesMade = 0;
+    compiledOn(halves(), s);
+    return treesMade.load();
+  };
+  s.visualization.lighting.shadows = true;
+  EXPECT_EQ(made(), 0) << "coherent, to Embree";
+  s.visualization.lighting.aoCount = 1;
+  EXPECT_EQ(made(), 2) << "one in each half";
+  s.visualization.operators[0].opacity = 0.5;
+  EXPECT_EQ(made(), 0) << "rays go on behind what they meet";
+}
+
 TEST(Skipped, PrimitivesAndHierarchiesThatAnotherSceneHas) {
   TestScene s = alongX();
   addBall(s, {0, 0, 0}, 0.3);
+  s.visualization.lighting.aoCount = 1;
   const std::shared_ptr<const CompiledScene> first = compiledOn(whole(kCube), s)[0].compiled;
   const auto edited = [&](const std::function<void(Visualization&)>& edit) {
     const std::shared_ptr<const CompiledScene> others[] = {first};
@@ -361,16 +385,20 @@ TEST(Skipped, PrimitivesAndHierarchiesThatAnotherSceneHas) {
         memory.enter(*scene, *device, [&](int64_t bytes) { return ledger.enter("ann", "scene", bytes); });
     return std::pair(device, std::move(entries));  // entries go first
   };
-  scenesMade = 0;
+  scenesMade = treesMade = 0;
   auto one = hold(first);
   const int64_t ofOne = ledger.total(), shared = int64_t(ballOf(*first)->bytes());
+  EXPECT_GT(ofOne, shared + int64_t(buildOcclusionTree(KIND_PARTICLES, *ballOf(*first), 4).bytes()));
+  treesMade = 1;
   EXPECT_GT(ofOne, shared);
   {
     const auto two = hold(lit);
     EXPECT_EQ(scenesMade, 1);
+    EXPECT_EQ(treesMade, 1);
     EXPECT_LT(ledger.total(), 2 * ofOne - shared) << "what they share is entered once";
     const auto other = hold(thick);
     EXPECT_EQ(scenesMade, 2);
+    EXPECT_EQ(treesMade, 2);
     one = {};
     EXPECT_GT(ledger.total(), ofOne) << "of two with hierarchies";
   }
@@ -433,8 +461,10 @@ std::vector<RankScene> editedOn(const std::vector<RankScene>& compiled,
 
 // Where macrocells are skipped, segments begin anew at their faces; here they begin there anyway, eight in each.
 TEST(SkippingOnAndOff, OfMacrocellsOfVolumesIsTheSamePicture) {
-  for (const auto& [method, volumes] :
-       {std::pair{Integrator::Midpoint, 1}, {Integrator::ByCells, 1}, {Integrator::Midpoint, 2}}) {
+  for (const auto& [method, volumes] : {std::pair{Integrator::Midpoint, 1},
+                                        {Integrator::ByCells, 1},
+                                        {Integrator::Midpoint, 2},
+                                        {Integrator::ByCells, 2}}) {
     TestScene s = alongX();
     addRendered(s, volumes, {{-0.9, 0.1}, {-0.6, 0.05}, {-0.55, 0}, {0.05, 0}, {0.6, 0.1}});
     const int32_t eighth = planOf(1, method);
@@ -482,6 +512,22 @@ TEST(Skipped, SegmentsOfCellsInWhichTheMapShowsNothing) {
   EXPECT_EQ(c.macrocellsSkipped, 2 * rays);
   EXPECT_GE(c.segmentsSkipped, 4 * rays);
   EXPECT_LT(c.segmentsSkipped, 8 * rays);
+}
+
+// Which surface it is that keeps light away does not matter, where all are opaque.
+TEST(SkippingOnAndOff, OfTheNearestHitsOfSecondariesIsTheSamePicture) {
+  for (const bool clipped : {false, true}) {
+    TestScene s = emptyScene("solids", {96, 80});
+    addParticles(s, 1);
+    addTubes(s, 1);
+    addMesh(s, 1);
+    if (clipped) addClipPlane(s);
+    s.visualization.lighting.shadows = true;
+    s.visualization.lighting.aoCount = 16;
+    const auto any = compiledOn(whole(s.domain), s);
+    const auto nearest = editedOn(any, [](CompiledScene& scene) { scene.opaqueSurfaces = false; });
+    EXPECT_EQ(difference(render(s, 1, any), render(s, 1, nearest)), "") << clipped;
+  }
 }
 
 // Partitions count as seen though nothing is in them.

@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
+// How occlusion trees lie in memory, for C++ and ISPC. `lanes` is the width of a gang.
+//
+// A node is 7 rows of `lanes` words, one for each child: lower x, y, z and upper x, y, z of its box, and its word. The word is the
+// number of a node, or TREE_LEAF and that of a leaf. A missing child has a box that nothing meets; node 0 is the root.
+//
+// A leaf is rows of `lanes` numbers, one for each primitive. Where there are fewer, the last is repeated.
+#pragma once
+
+#define TREE_NODE_ROWS 7
+#define TREE_LEAF 0x80000000u
+#define TREE_DEEPEST 32  // nodes on the way to a leaf
+
+#define TREE_SPHERE_ROWS 4  // centre, radius
+#define TREE_TUBE_ROWS 18   // two points, those before and after (x y z radius each); whether there are these
+#define TREE_TRIANGLE_ROWS 9  // three corners

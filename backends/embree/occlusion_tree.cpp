@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gxy/embree/occlusion_tree.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <limits>
+#include <string>
+
+#include "gxy/embree/occlusion_layout.h"
+#include "gxy/embree/tree.h"
+#include "gxy/kernels/single_views.h"
+
+namespace gxy {
+
+namespace {
+
+int rowsOf(int kind) {
+  return kind == KIND_PARTICLES   ? TREE_SPHERE_ROWS
+         : kind == KIND_PATHLINES ? TREE_TUBE_ROWS
+                                  : TREE_TRIANGLE_ROWS;
+}
+
+// The rows of one primitive.
+std::array<float, TREE_TUBE_ROWS> rowsOf(int kind, const GeometryPart& part, uint32_t primitive) {
+  std::array<float, TREE_TUBE_ROWS> rows{};
+  const auto copy = [&](uint32_t point, size_t numbers, size_t row) {
+    std::copy_n(part.points.data() + 4 * size_t(point), numbers, rows.data() + row);
+  };
+  if (kind == KIND_PARTICLES) {
+    copy(primitive, 4, 0);
+  } else if (kind == KIND_PATHLINES) {
+    const uint32_t* ends = part.indices.data() + 2 * size_t(primitive);
+    const uint32_t* near = part.neighbours.empty() ? ends : part.neighbours.data() + 2 * size_t(primitive);
+    for (size_t k = 0; k < 2; k++) {
+      copy(ends[k], 4, 4 * k);
+      copy(near[k], 4, 8 + 4 * k);
+      rows[16 + k] = near[k] != ends[k];
+    }
+  } else {
+    for (size_t k = 0; k < 3; k++) copy(part.indices[3 * size_t(primitive) + k], 3, 3 * k);
+  }
+  return rows;
+}
+
+// Depth first, as it is walked.
+template <size_t Lanes>
+class Flatten {
+ public:
+  using Tree = embree::Tree<unsigned(Lanes), unsigned(Lanes)>;
+
+  Flatten(OcclusionTree& out, int kind, const GeometryPart& part) : out_(out), kind_(kind), part_(part) {}
+
+  void all(const typename Tree::Inner& root) {
+    size_t nodes = 0, leaves = 0;
+    count(root, nodes, leaves);
+    out_.nodes.reserve(nodes * TREE_NODE_ROWS * Lanes);
+    leaves_.reserve(leaves);
+    node(root);
+    out_.leaves.resize(leaves * size_t(rowsOf(kind_)) * Lanes);
+    parallelFor(size_t(0), leaves, [&](size_t number) { fill(number, *leaves_[number]); });
+  }
+
+ private:
+  static void count(const typename Tree::Inner& n, size_t& nodes, size_t& leaves) {
+    nodes++;
+    for (size_t k = 0; k < n.count; k++) {
+      if (n.child[k]->leaf)
+        leaves++;
+      else
+        count(static_cast<const typename Tree::Inner&>(*n.child[k]), nodes, leaves);
+    }
+  }
+
+  uint32_t node(const typename Tree::Inner& n) {
+    constexpr float kInfinity = std::numeric_limits<float>::infinity();
+    const size_t at = out_.nodes.size();
+    out_.nodes.resize(at + TREE_NODE_ROWS * Lanes);
+    for (size_t k = 0; k < Lanes; k++) {
+      std::array<float, 6> sides{kInfinity, kInfinity, kInfinity, -kInfinity, -kInfinity, -kInfinity};
+      uint32_t word = 0;
+      if (k < n.count) {
+        const RTCBounds& b = n.bounds[k];
+        sides = {b.lower_x, b.lower_y, b.lower_z, b.upper_x, b.upper_y, b.upper_z};
+        word = n.child[k]->leaf ? TREE_LEAF | leaf(static_cast<const typename Tree::Leaf&>(*n.child[k]))
+                                : node(static_cast<const typename Tree::Inner&>(*n.child[k]));
+      }
+      for (size_t side = 0; side < 6; side++)
+        out_.nodes[at + side * Lanes + k] = std::bit_cast<uint32_t>(sides[side]);
+      out_.nodes[at + 6 * Lanes + k] = word;
+    }
+    return uint32_t(at / (TREE_NODE_ROWS * Lanes));
+  }
+
+  uint32_t leaf(const typename Tree::Leaf& n) {
+    leaves_.push_back(&n);
+    return uint32_t(leaves_.size() - 1);
+  }
+
+  void fill(size_t number, const typename Tree::Leaf& n) {
+    const size_t rows = size_t(rowsOf(kind_));
+    float* leaf = out_.leaves.data() + number * rows * Lanes;
+    for (size_t i = 0; i < Lanes; i++) {
+      const auto numbers = rowsOf(kind_, part_, n.primitives[std::min<size_t>(i, n.count - 1)][1]);
+      for (size_t row = 0; row < rows; row++) leaf[row * Lanes + i] = numbers[row];
+    }
+  }
+
+  OcclusionTree& out_;
+  const int kind_;
+  const GeometryPart& part_;
+  std::vector<const typename Tree::Leaf*> leaves_;
+};
+
+template <size_t Lanes>
+OcclusionTree built(int kind, const GeometryPart& part) {
+  std::vector<RTCBuildPrimitive> primitives;
+  embree::addPrimitives(primitives, 0, cornersOfKind(kind), part);
+  // of its own: what others of it have is measured (embree_geometry.cpp)
+  const embree::Device device;
+  // leaves as full as may be: a step takes as long for one primitive as for all lanes
+  const typename Flatten<Lanes>::Tree tree(device, std::move(primitives), TREE_DEEPEST, Lanes);
+  OcclusionTree out;
+  Flatten<Lanes>(out, kind, part).all(tree.root());
+  return out;
+}
+
+}  // namespace
+
+OcclusionTree buildOcclusionTree(int kind, const GeometryPart& part, int lanes) {
+  switch (lanes) {
+    case 4:
+      return built<4>(kind, part);
+    case 8:
+      return built<8>(kind, part);
+    case 16:
+      return built<16>(kind, part);
+    default:
+      throw Error("occlusion tree: gangs of " + std::to_string(lanes) + ", expected 4, 8 or 16");
+  }
+}
+
+}  // namespace gxy

@@ -1,0 +1,231 @@
+// SPDX-License-Identifier: Apache-2.0
+// The trees that rays of ambient occlusion walk on CPUs: complete, bounded, and as good as testing everything.
+#include "gxy/embree/occlusion_tree.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <random>
+#include <set>
+#include <vector>
+
+#include "gxy/embree/occlusion_layout.h"
+#include "gxy/kernels/single_views.h"
+#include "gxy/rays/ray_list.h"
+#include "occlusion_ispc.h"
+#include "spawn_ispc.h"
+
+namespace gxy::test {
+namespace {
+
+struct Case {
+  int kind;
+  size_t rows, corners, cornerRows;
+};
+const Case kCases[] = {{KIND_PARTICLES, TREE_SPHERE_ROWS, 1, 4},
+                       {KIND_PATHLINES, TREE_TUBE_ROWS, 2, 4},
+                       {KIND_TRIANGLES, TREE_TRIANGLE_ROWS, 3, 3}};
+
+// Primitives of points anywhere, each of the next ones.
+GeometryPart scattered(const Case& c, uint32_t primitives) {
+  std::mt19937 random(7);
+  std::uniform_real_distribution<float> anywhere(-1, 1);
+  GeometryPart part;
+  part.primitives = primitives;
+  const auto points = uint32_t(primitives + c.corners - 1);
+  for (uint32_t p = 0; p < points; p++) {
+    for (int k = 0; k < 3; k++) part.points.push_back(anywhere(random));
+    part.points.push_back(c.kind == KIND_TRIANGLES ? 0 : 0.01f);
+  }
+  for (uint32_t p = 0; p < primitives && c.corners > 1; p++)
+    for (uint32_t k = 0; k < c.corners; k++) part.indices.push_back(p + k);
+  for (uint32_t p = 0; p < primitives && c.kind == KIND_PATHLINES; p++) {
+    part.neighbours.push_back(p == 0 ? p : p - 1);
+    part.neighbours.push_back(p + 2 == points ? p + 1 : p + 2);
+  }
+  return part;
+}
+
+class Walk {
+ public:
+  Walk(const OcclusionTree& tree, const Case& c, size_t lanes) : tree_(tree), case_(c), lanes_(lanes) {}
+
+  void node(uint32_t index, int depth) {
+    deepest = std::max(deepest, depth);
+    const uint32_t* n = tree_.nodes.data() + index * TREE_NODE_ROWS * lanes_;
+    const auto side = [&](size_t row, size_t k) { return std::bit_cast<float>(n[row * lanes_ + k]); };
+    for (size_t k = 0; k < lanes_; k++) {
+      if (side(0, k) > side(3, k)) continue;  // a missing child
+      const uint32_t word = n[6 * lanes_ + k];
+      if (!(word & TREE_LEAF)) {
+        ASSERT_GT(word, index);
+        node(word, depth + 1);
+        continue;
+      }
+      for (const std::vector<float>& primitive : leaf(word & ~TREE_LEAF)) {
+        EXPECT_TRUE(seen.insert(primitive).second);
+        for (size_t corner = 0; corner < case_.corners; corner++)
+          for (size_t axis = 0; axis < 3; axis++) {
+            const float* p = primitive.data() + corner * case_.cornerRows;
+            const float r = case_.cornerRows == 4 ? p[3] : 0;
+            EXPECT_LT(side(axis, k), p[axis] - r);
+            EXPECT_GT(side(3 + axis, k), p[axis] + r);
+          }
+      }
+    }
+  }
+
+  std::set<std::vector<float>> seen;
+  int deepest = 0;
+
+ private:
+  // What is in a leaf, each once.
+  std::set<std::vector<float>> leaf(size_t number) const {
+    std::set<std::vector<float>> found;
+    for (size_t i = 0; i < lanes_; i++) {
+      std::vector<float> rows;
+      for (size_t row = 0; row < case_.rows; row++)
+        rows.push_back(tree_.leaves.at((number * case_.rows + row) * lanes_ + i));
+      found.insert(rows);
+    }
+    return found;
+  }
+
+  const OcclusionTree& tree_;
+  const Case& case_;
+  const size_t lanes_;
+};
+
+TEST(OcclusionTree, HoldsEveryPrimitiveOnceWithinItsBoxes) {
+  for (const Case& c : kCases)
+    for (const int lanes : {4, 8, 16})
+      for (const uint32_t primitives : {1u, 3u, 5000u}) {
+        const GeometryPart part = scattered(c, primitives);
+        const OcclusionTree tree = buildOcclusionTree(c.kind, part, lanes);
+        Walk walk(tree, c, size_t(lanes));
+        walk.node(0, 1);
+        EXPECT_EQ(walk.seen.size(), primitives) << c.kind << ", " << lanes;
+        EXPECT_LE(walk.deepest, TREE_DEEPEST);
+        if (c.kind != KIND_PATHLINES) continue;
+        for (const size_t side : {16, 17})  // the first has nothing before it, the last nothing behind
+          EXPECT_EQ(
+              std::count_if(walk.seen.begin(), walk.seen.end(), [&](const auto& p) { return p[side] == 0; }),
+              1);
+      }
+}
+
+// All in one place, so that no box parts them; and in a series of places, each half as far as the last.
+TEST(OcclusionTree, IsNoDeeperThanTheStackHolds) {
+  for (const bool series : {false, true}) {
+    GeometryPart part;
+    part.primitives = 100'000;
+    for (uint32_t p = 0; p < part.primitives; p++)
+      part.points.insert(part.points.end(),
+                         {series ? std::ldexp(1.f, -int(p % 120)) : 0.5f, 0.5f, 0.5f, 1e-3f * float(p + 1)});
+    for (const int lanes : {4, 16}) {
+      const OcclusionTree tree = buildOcclusionTree(KIND_PARTICLES, part, lanes);
+      Walk walk(tree, kCases[0], size_t(lanes));
+      walk.node(0, 1);
+      EXPECT_EQ(walk.seen.size(), part.primitives);
+      EXPECT_LE(walk.deepest, TREE_DEEPEST);
+    }
+  }
+}
+
+// What is tested one by one.
+bool meets(const Case& c, const GeometryPart& part, const RayView& r, size_t i) {
+  using namespace single;
+  const vec3 o = make_v3(r.ox[i], r.oy[i], r.oz[i]), d = make_v3(r.dx[i], r.dy[i], r.dz[i]);
+  const float after = std::max(r.tIn[i] > 0 ? std::nextafter(r.tIn[i], 0.f) : 0.f, r.tLast[i]);
+  const auto number = [&](uint32_t point, size_t k) { return part.points[4 * size_t(point) + k]; };
+  const auto at = [&](uint32_t point) {
+    return make_v3(number(point, 0), number(point, 1), number(point, 2));
+  };
+  for (uint32_t p = 0; p < part.primitives; p++) {
+    float t = 0;
+    bool hit = false;
+    if (c.kind == KIND_PARTICLES) {
+      vec3 normal;
+      hit = hitSphere(o, d, at(p), number(p, 3), after, t, normal);
+    } else if (c.kind == KIND_TRIANGLES) {
+      const uint32_t* corner = &part.indices[3 * size_t(p)];
+      float b, w;
+      hit = hitTriangle(o, d, at(corner[0]), at(corner[1]), at(corner[2]), after, t, b, w);
+    } else {
+      const uint32_t *ends = &part.indices[2 * size_t(p)], *near = &part.neighbours[2 * size_t(p)];
+      const Tube tube{at(ends[0]),        at(ends[1]),        at(near[0]),        at(near[1]),
+                      number(ends[0], 3), number(ends[1], 3), number(near[0], 3), number(near[1], 3),
+                      near[0] != ends[0], near[1] != ends[1]};
+      TubeHit h;
+      hit = hitTube(tube, o, d, after, h);
+      t = h.t;
+    }
+    if (hit && t < std::min(r.tOut[i], r.tEnd[i])) return true;
+  }
+  return false;
+}
+
+// Rays from anywhere, from points and from within spheres, along axes too, of lengths other than 1, in parts of their ways.
+TEST(OcclusionRays, MeetWhatOnePrimitiveAfterTheOtherMeets) {
+  std::mt19937 random(11);
+  std::uniform_real_distribution<float> anywhere(-2, 2), unit(0, 1);
+  const auto oneOf = [&](uint32_t n) { return random() % n == 0; };
+  for (const Case& c : kCases)
+    for (const float scale : {1.f, 1e-6f, 1e6f})
+      for (const float offset : {0.f, 1000.f}) {
+        GeometryPart part = scattered(c, 500);
+        for (size_t k = 0; k < part.points.size(); k++)
+          part.points[k] =
+              scale * (k % 4 == 3 ? part.points[k] * 10 * unit(random) : part.points[k] + offset);
+        const OcclusionTree tree = buildOcclusionTree(c.kind, part, ispc::gangWidth());
+        const OcclusionTreeView trees{tree.nodes.data(), tree.leaves.data()};
+        single::OperatorView op{};
+        op.kind = c.kind;
+        const single::VolumeView field{};
+        single::SceneView scene{};
+        scene.operators = 1;
+        scene.operator_ = &op;
+        scene.field = &field;
+        constexpr int kRays = 4000;
+        RayList rays(kRays);
+        rays.resize(kRays);
+        RayView r = rays.view();
+        for (size_t i = 0; i < kRays; i++) {
+          const size_t point = 4 * (random() % (part.points.size() / 4));
+          const bool from = oneOf(4), through = oneOf(2);
+          float o[3], d[3];
+          for (size_t k = 0; k < 3; k++) {
+            o[k] = from ? part.points[point + k] : scale * (anywhere(random) + offset);
+            d[k] = oneOf(6)           ? 0
+                   : through && !from ? (part.points[point + k] - o[k]) / scale
+                                      : anywhere(random);
+          }
+          const float length = std::hypot(d[0], d[1], d[2]);
+          const float by = length > 0 ? (oneOf(4) ? 0.7f : 1.f) / length : 0;
+          r.info[i] = RAY_OCCLUSION << 16;
+          r.start[i] = 0;
+          r.ox[i] = o[0], r.oy[i] = o[1], r.oz[i] = o[2];
+          r.dx[i] = d[0] * by, r.dy[i] = d[1] * by, r.dz[i] = length > 0 ? d[2] * by : 1;
+          r.tIn[i] = oneOf(3) ? scale * unit(random) : 0;
+          r.tLast[i] = oneOf(3) ? scale * unit(random) : -1;
+          r.tOut[i] = scale * (oneOf(2) ? 10 : 2 * unit(random));
+          r.tEnd[i] = oneOf(3) ? scale * unit(random) : 1e30f;
+          r.A[i] = 0;
+        }
+        ispc::occludeRays(&scene, &trees, &r, kRays);
+        int met = 0;
+        for (size_t i = 0; i < kRays; i++) {
+          const bool expected = meets(c, part, r, i);
+          met += expected;
+          EXPECT_EQ(r.A[i], expected ? 1.f : 0.f)
+              << c.kind << ", " << scale << ", " << offset << ", ray " << i;
+        }
+        EXPECT_GT(met, kRays / 50) << c.kind << ", " << scale << ", " << offset;
+        EXPECT_LT(met, kRays * 19 / 20) << c.kind << ", " << scale << ", " << offset;
+      }
+}
+
+}  // namespace
+}  // namespace gxy::test
