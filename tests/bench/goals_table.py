@@ -7,8 +7,8 @@ aster512.vti), particles (part1m.vtp), triangles (mesh.vtp), and of volumes thei
 RGBA, and NAME.iso.f64, the distances to isovalue 0.5. A scene whose files are not there is left out. With --kernels FOLDER, trial_march and
 trial_iso of it are run in turn with gxyrender, on DATA/NAME.raw: plain kernels of one thread, the floor that peers were measured against.
 
-Times are CPU-ms of a warm frame on one thread: a fifth of what six frames take longer than one, the least of the repeats, as everything is
-measured in turn, and what is least is least disturbed. "tracing": of the stages that the plain kernels have, too. For an error that is
+Times are CPU-ms of a warm frame on one thread: a fifth of what six frames take longer than one, each the least of the repeats, as everything
+is measured in turn, and what is least is least disturbed. "tracing": of the stages that the plain kernels have, too. For an error that is
 asked for, the setting of the ladder that takes least. Half an hour; needs numpy.
 """
 import argparse
@@ -27,14 +27,15 @@ LADDER = [0.4, 0.3, 0.2, 0.14, 0.1, 0.05, 0.03, 0.015, 0.008, 0.004, 0.002]
 SCALES = {"A": 8, "B": 20, "C": 60}  # of a map's entries to extinction: a ramp, linear, two spikes
 MAPS = {"A": lambda v: max(0, (v - 0.3) / 0.7), "B": lambda v: v,
         "C": lambda v: max(0, 1 - abs(v - 0.45) / 0.02) + max(0, 1 - abs(v - 0.62) / 0.02)}
-# RMS errors asked for, and OSPRay 3.2's CPU-ms and error there, timed once on an AVX-512 Xeon (the second where it reaches none less)
+# RMS errors asked for: the plain kernel's step in cells that a goal names, and OSPRay 3.2's CPU-ms and error there (the best where it
+# reaches none less), timed once on an AVX-512 Xeon
 VOLUMES = {
-    ("turb256", "A"): {1.7e-3: (1262, 1.7e-3), 2e-4: (3888, 4.4e-4)},
-    ("turb256", "C"): {6.8e-3: (1027, 9.7e-3), 9e-4: (6132, 8.0e-4), 2e-4: (6132, 8.0e-4)},
-    ("ml256", "A"): {2.4e-3: (1145, 2.4e-3), 2e-4: (3060, 6.2e-4)},
-    ("ml256", "C"): {5.3e-3: (640, 5.3e-3), 1.1e-3: (1582, 1.1e-3)},
-    ("turb512", "A"): {8.7e-4: (3096, 8.7e-4), 2e-4: (5273, 4.4e-4)},
-    ("aster512", "B"): {8.7e-4: (3167, 8.7e-4), 2e-4: (9839, 2.2e-4)},
+    ("turb256", "A"): {1.7e-3: (2, 1262, 1.7e-3), 2e-4: (1, 3888, 4.4e-4)},
+    ("turb256", "C"): {6.8e-3: (1, 1727, 3.2e-3), 9e-4: (0.5, 6132, 8.0e-4), 2e-4: (0.25, 6132, 8.0e-4)},
+    ("ml256", "A"): {2.4e-3: (2, 1145, 2.4e-3), 3.2e-4: (1, 3060, 6.2e-4)},
+    ("ml256", "C"): {5.3e-3: (1, 640, 5.3e-3), 1.1e-3: (0.5, 1582, 1.1e-3)},
+    ("turb512", "A"): {8.7e-4: (2, 3096, 8.7e-4), 2e-4: (1, 5273, 4.4e-4)},
+    ("aster512", "B"): {8.7e-4: (2, 3167, 8.7e-4), 2e-4: (1, 9839, 2.2e-4)},
 }
 ISOSURFACES = {"turb256": 284, "ml256": 187, "aster512": 262, "turb512": 442}
 LIGHTS = ["no secondaries", "shadow", "shadow, 1 AO ray", "shadow, 4 AO rays"]
@@ -56,7 +57,7 @@ class Bench:
     def has(self, *names):
         return all((self._data / name).exists() for name in names)
 
-    def _run(self, state, frames, depth):
+    def _run(self, state, frames, depth=False):
         """Milliseconds of all frames: CPU, and by stage."""
         (self._folder / "scene.json").write_text(json.dumps({**state, "Cameras": [camera()] * frames}))
         command = [self._programs / "gxyrender", "scene.json", "-o", "picture", "--format", "raw", "--quiet", "--concurrent", "1",
@@ -66,10 +67,12 @@ class Bench:
         stages = {name: 1000 * seconds for name, seconds in rank["thread seconds"].items()}
         return 1000 * rank["seconds"]["cpu render"], stages
 
-    def _warm(self, state, stage, depth=False):
-        """CPU-ms of a frame: of a stage, and of all."""
-        one, six = self._run(state, 1, depth), self._run(state, 1 + FRAMES, depth)
-        return (six[1][stage] - one[1][stage]) / FRAMES, (six[0] - one[0]) / FRAMES
+    def _warm(self, state, stage, least):
+        """CPU-ms of a frame, of a stage and of all: from what one frame and six took at least so far, which `least` keeps."""
+        for frames in (1, 1 + FRAMES):
+            cpu, stages = self._run(state, frames)
+            least[frames] = tuple(map(min, least.get(frames, (math.inf, math.inf)), (stages[stage], cpu)))
+        return tuple((six - one) / FRAMES for one, six in zip(least[1], least[1 + FRAMES]))
 
     def _kernel(self, program, *options):
         if not self._kernels:
@@ -77,47 +80,49 @@ class Bench:
         return subprocess.run([self._kernels / program, *options], cwd=self._folder, check=True, capture_output=True, text=True).stdout
 
     def volume(self, name, which):
-        """{tolerance: (RMSE, tracing, frame)}, and {RMSE: ms} of the plain kernel."""
+        """{tolerance: (RMSE, tracing, frame)}, and {step: (ms, RMSE)} of the plain kernel."""
         entries = [MAPS[which](i / 255) * SCALES[which] for i in range(256)]
         operator = {"type": "Volume", "dataset": "d", "volume rendering": True,
                     "colormap": [[v, v, 0.2 + 0.5 * (1 - abs(2 * v - 1)), 1 - v] for v in (i / 255 for i in range(256))],
                     "extinctionmap": [[i / 255, e] for i, e in enumerate(entries)]}
         reference = self._data / f"{name}.{which}.f32"
         truth = np.fromfile(reference, np.float32).reshape(-1, 4)[:, :3].astype(float)
-        ours, plain = {}, {}
+        ours, plain, least = {}, {}, {tolerance: {} for tolerance in LADDER}
         for _ in range(self._repeats):
             out = self._kernel("trial_march", f"file={self._data / name}.raw", f"n={name[-3:]}", f"tf={which}", f"ref={reference}")
-            for ms, rmse in re.findall(r"h=\S+.*?([0-9.]+) ms.*?rmse[ =]*([0-9.e+-]+)", out, re.IGNORECASE):
-                plain[float(rmse)] = min(plain.get(float(rmse), math.inf), float(ms))
+            for step, ms, rmse in re.findall(r"h=([0-9.]+) cpu ([0-9.]+) ms RMSE ([0-9.e+-]+)", out):
+                plain[float(step)] = min(plain.get(float(step), (math.inf,)), (float(ms), float(rmse)))
             for tolerance in LADDER:
                 state = self._state("Volume", f"{name}.vti", operator, {"tolerance": tolerance})
-                times = self._warm(state, "integrate")
-                picture = np.fromfile(next(self._folder.glob("picture*.raw")), np.float32).reshape(-1, 4)[:, :3].astype(float)
+                times = self._warm(state, "integrate", least[tolerance])
+                picture = np.fromfile(self._folder / "picture_00000.raw", np.float32).reshape(-1, 4)[:, :3].astype(float)
                 rmse = float(np.sqrt(((picture - truth) ** 2).mean()))
-                ours[tolerance] = min(ours.get(tolerance, (rmse, math.inf, math.inf)), (rmse, *times))
+                ours[tolerance] = (rmse, *times)
         return ours, plain
 
     def isosurface(self, name):
         """Tracing and frame, what is wrong of the hits, and ms of the plain kernel."""
         state = self._state("Volume", f"{name}.vti", {"type": "Volume", "dataset": "d", "isovalues": [0.5]})
-        times, plain = [], []
+        plain, least = [], {}
         for _ in range(self._repeats):
             out = self._kernel("trial_iso", f"file={self._data / name}.raw", f"n={name[-3:]}", "iso=.5", "out=trial.f64")
-            plain += [float(ms) for ms in re.findall(r"([0-9.]+) ms", out)]
-            times.append(self._warm(state, "slices and isosurfaces", depth=True))
+            plain += [float(ms) for ms in re.findall(r"cpu ([0-9.]+) ms", out)]
+            times = self._warm(state, "slices and isosurfaces", least)
+        self._run(state, 1, depth=True)
         truth = np.fromfile(self._data / f"{name}.iso.f64")
-        depth = np.fromfile(next(self._folder.glob("picture*.depth")))
+        depth = np.fromfile(self._folder / "picture_00000.depth")
         hit, ours = truth < 1e29, depth < 1e29
         off = np.abs(truth - depth)[hit & ours] / (2 / (int(name[-3:]) - 1))
         wrong = f"{hit.sum()} hits, {(hit & ~ours).sum()} missed, {(ours & ~hit).sum()} extra, {(off > 0.5).sum()} more than half a cell off"
-        return min(times), wrong, min(plain, default=None)
+        return times, wrong, min(plain, default=None)
 
     def geometry(self, name, lights):
         kind = "Particles" if name == "part1m" else "Triangles"
         operator = {"type": kind, "dataset": "d"} | ({"radius": 0.002} if name == "part1m" else {})
         lighting = [{}, {"shadows": True}] + [{"shadows": True, "ao count": n, "ao radius": 0.5} for n in (1, 4)]
         state = self._state(kind, f"{name}.vtp", operator, lighting=lighting[lights])
-        return min(self._warm(state, "geometry")[1] for _ in range(self._repeats))
+        least = {}
+        return [self._warm(state, "geometry", least) for _ in range(self._repeats)][-1][1]
 
     def _state(self, kind, file, operator, renderer=None, lighting=None):
         return {"Renderer": {"background": [0, 0, 0, 0], **(renderer or {})},
@@ -133,11 +138,11 @@ def volumes(bench):
         if not bench.has(f"{name}.vti", f"{name}.{which}.f32"):
             continue
         ours, plain = bench.volume(name, which)
-        for asked, (ospray, ospray_rmse) in errors.items():
+        for asked, (step, ospray, ospray_rmse) in errors.items():
             tracing, frame, rmse, tolerance = min(
                 ((t, f, e, setting) for setting, (e, t, f) in ours.items() if e <= asked), default=(math.nan,) * 4)
-            floor = min(((ms, e) for e, ms in plain.items() if e <= asked * 1.01), default=None)
-            against = f"{floor[0]:.0f} at {floor[1]:.1e} | {floor[0] / tracing:.1f}, {floor[0] / frame:.1f}" if floor else "| "
+            floor = plain.get(step)
+            against = f"step {step}: {floor[0]:.0f} at {floor[1]:.1e} | {floor[0] / tracing:.1f}, {floor[0] / frame:.1f}" if floor else "| "
             print(f"| {name}, {which} | {asked:.1e} | {tracing:.0f} | {frame:.0f} | {rmse:.1e} ({tolerance}) | {against} | "
                   f"{ospray} at {ospray_rmse:.1e} | {ospray / tracing:.1f}, {ospray / frame:.1f} |", flush=True)
 
