@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Arrays of many megabytes: samples of volumes, framebuffers, pictures.
 #pragma once
-#include <sys/mman.h>
-
 #include <cstddef>
 #include <new>
 #include <type_traits>
@@ -11,32 +9,36 @@
 
 namespace gxy {
 
+inline constexpr size_t kHugePage = size_t{2} << 20, kMostKept = size_t{256} << 20;
+
+/// Whole huge pages: of the last block of so many bytes that was given back, else of the system. Thread safe. Throws std::bad_alloc.
+void* takeHugePages(size_t bytes);
+/// Blocks are kept for the next of their size, up to kMostKept bytes of them: frames take the same ones again and again, and the
+/// system clears what it gives out. It may take the memory of those that are kept when it has need of it (MADV_FREE).
+void giveBackHugePages(void* block, size_t bytes) noexcept;
+
 /// Allocates in whole huge pages what is larger than one, where the system grants them: 512 times fewer page faults when
 /// an array is first written, and fewer misses of address translation when rays read samples in no order. Elements that
 /// are made without a value keep what memory holds: resize() writes nothing.
 template <class T>
 struct LargeAllocator {
   using value_type = T;
-  static constexpr size_t kPage = size_t{2} << 20;
 
   LargeAllocator() = default;
   template <class U>
   LargeAllocator(const LargeAllocator<U>&) noexcept {}
 
   T* allocate(size_t n) {
-    if (n > (size_t(-1) - kPage) / sizeof(T)) throw std::bad_array_new_length();
+    if (n > (size_t(-1) - kHugePage) / sizeof(T)) throw std::bad_array_new_length();
     const size_t bytes = n * sizeof(T);
-    if (bytes < kPage) return static_cast<T*>(::operator new(bytes));
-    const size_t whole = (bytes + kPage - 1) / kPage * kPage;
-    void* memory = ::operator new(whole, std::align_val_t(kPage));
-    madvise(memory, whole, MADV_HUGEPAGE);  // a wish: memory is as good without
-    return static_cast<T*>(memory);
+    return static_cast<T*>(bytes < kHugePage ? ::operator new(bytes) : takeHugePages(whole(bytes)));
   }
   void deallocate(T* memory, size_t n) noexcept {
-    if (n * sizeof(T) < kPage)
+    const size_t bytes = n * sizeof(T);
+    if (bytes < kHugePage)
       ::operator delete(memory);
     else
-      ::operator delete(memory, std::align_val_t(kPage));
+      giveBackHugePages(memory, whole(bytes));
   }
 
   template <class U>
@@ -49,6 +51,9 @@ struct LargeAllocator {
   }
 
   friend bool operator==(const LargeAllocator&, const LargeAllocator&) noexcept { return true; }
+
+ private:
+  static constexpr size_t whole(size_t bytes) { return (bytes + kHugePage - 1) / kHugePage * kHugePage; }
 };
 
 template <class T>

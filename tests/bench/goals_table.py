@@ -8,7 +8,8 @@ RGBA, and NAME.iso.f64, the distances to isovalue 0.5. A scene whose files are n
 trial_iso of it are run in turn with gxyrender, on DATA/NAME.raw: plain kernels of one thread, the floor that peers were measured against.
 
 Times are CPU-ms of a warm frame on one thread: a fifth of what six frames take longer than one, each the least of the repeats, as everything
-is measured in turn, and what is least is least disturbed. "tracing": of the stages that the plain kernels have, too. For an error that is
+is measured in turn, and what is least is least disturbed. "frame": all but the writing of its file; "tracing": of the stages that the plain
+kernels have, too. For an error that is
 asked for, the setting of the ladder that takes least. Half an hour; needs numpy.
 """
 import argparse
@@ -58,14 +59,14 @@ class Bench:
         return all((self._data / name).exists() for name in names)
 
     def _run(self, state, frames, depth=False):
-        """Milliseconds of all frames: CPU, and by stage."""
+        """Milliseconds of all frames, but of writing them: CPU, and by stage."""
         (self._folder / "scene.json").write_text(json.dumps({**state, "Cameras": [camera()] * frames}))
         command = [self._programs / "gxyrender", "scene.json", "-o", "picture", "--format", "raw", "--quiet", "--concurrent", "1",
                    "--threads", "1", "--backend", "embree", "--stats", "stats.json"] + (["--depth"] if depth else [])
         subprocess.run(command, cwd=self._folder, check=True, stdout=subprocess.DEVNULL)
         rank = json.loads((self._folder / "stats.json").read_text())["ranks"][0]
         stages = {name: 1000 * seconds for name, seconds in rank["thread seconds"].items()}
-        return 1000 * rank["seconds"]["cpu render"], stages
+        return 1000 * (rank["seconds"]["cpu render"] - rank["seconds"].get("cpu pictures", 0)), stages
 
     def _warm(self, state, stage, least):
         """CPU-ms of a frame, of a stage and of all: from what one frame and six took at least so far, which `least` keeps."""

@@ -29,12 +29,13 @@ namespace {
 
 constexpr uint64_t kRunKey = 1;  // of this run's collectives
 
-// The first error of each rank's pictures; on rank 0 that of the frames, and how many are under way and done.
+// The first error of each rank's pictures, and what writing them took; on rank 0 that of the frames, and how many are under way and done.
 struct Progress {
   std::mutex mutex;
   std::condition_variable changed;
   int inFlight = 0, done = 0;
   std::optional<std::string> error;
+  double cpuPictures = 0;
   std::string ending;
 };
 
@@ -71,20 +72,25 @@ State readOnAll(const RenderOptions& options, Collective& collective, bool root)
   return state;
 }
 
-void renderAll(const State& state, const RenderOptions& options, Renderer& renderer, Collective& collective,
-               bool root, bool showProgress) {
+// Returns the processor time of writing pictures.
+double renderAll(const State& state, const RenderOptions& options, Renderer& renderer, Collective& collective,
+                 bool root, bool showProgress) {
   Progress progress;
   auto nameOf = [&](FrameId id) {  // frames are started in camera-major order, numbered from 1
     const size_t index = size_t(id - 1), n = state.visualizations.size();
     return pictureName(state, options, index % n, index / n);
   };
   renderer.onPicture([&](FrameId id, const FrameRequest&, Picture picture) {
+    const double cpu = threadCpuSeconds();
+    std::optional<std::string> error;
     try {
       writePicture(nameOf(id), options, std::move(picture));
     } catch (const std::exception& e) {
-      std::lock_guard lock(progress.mutex);
-      if (!progress.error) progress.error = textOf(e);
+      error = textOf(e);
     }
+    std::lock_guard lock(progress.mutex);
+    progress.cpuPictures += threadCpuSeconds() - cpu;
+    if (!progress.error) progress.error = error;
   });
   if (root) {
     const int total = int(state.cameras.size() * state.visualizations.size());
@@ -126,6 +132,7 @@ void renderAll(const State& state, const RenderOptions& options, Renderer& rende
   // names the rank where a frame failed, so told as it is
   const Bytes ending = collective.broadcast(kRunKey, 0, toBytes(progress.ending));
   if (!ending.empty()) throw Error(toString(ending));
+  return progress.cpuPictures;
 }
 
 int run(const RenderOptions& options) {
@@ -179,7 +186,7 @@ int run(const RenderOptions& options) {
         phases.compile = wallSeconds() - begin - phases.load;
 
         const double start = wallSeconds(), cpu = cpuSeconds();
-        renderAll(state, options, renderer, collective, root, showProgress);
+        phases.cpuPictures = renderAll(state, options, renderer, collective, root, showProgress);
         phases.render = wallSeconds() - start;
         phases.cpuRender = cpuSeconds() - cpu;
         phases.total = wallSeconds() - begin;

@@ -4,6 +4,7 @@
 #include <sys/resource.h>
 
 #include <chrono>
+#include <ctime>
 
 #include "gxy/io/replace_file.h"
 
@@ -18,6 +19,12 @@ double cpuSeconds() {
   getrusage(RUSAGE_SELF, &u);
   return double(u.ru_utime.tv_sec + u.ru_stime.tv_sec) +
          1e-6 * double(u.ru_utime.tv_usec + u.ru_stime.tv_usec);
+}
+
+double threadCpuSeconds() {
+  timespec t{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+  return double(t.tv_sec) + 1e-9 * double(t.tv_nsec);
 }
 
 namespace {
@@ -82,7 +89,8 @@ nlohmann::json statisticsOf(const Renderer::Counters& c, const Transport::Counte
             {"compile each", p.compileEach},
             {"render", p.render},
             {"total", p.total},
-            {"cpu render", p.cpuRender}}},
+            {"cpu render", p.cpuRender},
+            {"cpu pictures", p.cpuPictures}}},
           {"memory",
            {{"ledger", byPurpose(ledger.snapshot())},
             {"ledger peaks", byPurpose(ledger.peaks())},

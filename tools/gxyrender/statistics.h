@@ -15,13 +15,15 @@ namespace gxy {
 /// Seconds of the phases of a run, on one rank.
 struct Phases {
   double load = 0, compile = 0, render = 0, total = 0;
-  double cpuRender = 0;  ///< processor time of all threads
+  double cpuRender = 0;    ///< processor time of all threads
+  double cpuPictures = 0;  ///< of that, of writing pictures' files
   std::vector<double>
       compileEach;  ///< of `compile`, by visualization: those behind the first find the data there
 };
 
 double wallSeconds();
 double cpuSeconds();
+double threadCpuSeconds();
 
 /// What was left out before anything was traced.
 struct LeftBefore {
