@@ -120,8 +120,7 @@ const Schema<RenderSettings>& rendererSchema() {
           numberKey("tolerance", &R::tolerance, {0, 1, true},
                     "Error that every channel of every pixel stays below."),
           numberKey("step", &R::step, kNonNegative,
-                    "If not 0: march with equal steps of about this many cells (1/256 to 5.2) in each 8^3 "
-                    "block, instead."),
+                    "If not 0: march with equal steps of about this many cells (1/256 to 3.9), instead."),
           integerKey("rays per pixel", &R::raysPerPixel, {1, 65536}, "Primary rays through each pixel."),
           colorKey("background", &R::background, "Colour behind everything."),
           customKey<R>("Lighting", "lighting", "Deprecated: used for visualizations without their own.",

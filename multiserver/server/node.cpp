@@ -66,16 +66,20 @@ std::vector<nlohmann::json> Node::callAll(const std::string& name, const nlohman
                  [promise](std::vector<Work::Reply> replies) { promise->set_value(std::move(replies)); });
   std::vector<nlohmann::json> results;
   std::string all;
+  int failed = 0;
   std::set<std::string> reasons;
   for (Work::Reply& reply : promise->get_future().get()) {
     if (!reply.ok()) {
       const std::string prefix = "rank " + std::to_string(reply.rank) + ": ";
-      reasons.insert(reply.error.starts_with(prefix) ? reply.error.substr(prefix.size()) : reply.error);
-      all += (all.empty() ? "" : "; ") + reply.error;
+      const std::string reason =
+          reply.error.starts_with(prefix) ? reply.error.substr(prefix.size()) : reply.error;
+      failed++;
+      reasons.insert(reason);
+      all += (all.empty() ? "" : "; ") + prefix + reason;
     }
     results.push_back(std::move(reply.result));
   }
-  if (reasons.size() == 1) throw Error(*reasons.begin());
+  if (reasons.size() == 1 && failed == ranks()) throw Error(*reasons.begin());
   if (!reasons.empty()) throw Error(all);
   return results;
 }
