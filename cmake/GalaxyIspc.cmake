@@ -20,7 +20,7 @@ function(galaxy_ispc TARGET)
   file(GLOB headers CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/core/kernels/*.h ${PROJECT_SOURCE_DIR}/core/rays/ray_fields.h
        ${CMAKE_CURRENT_SOURCE_DIR}/*.isph ${CMAKE_CURRENT_SOURCE_DIR}/*_view.h ${CMAKE_CURRENT_SOURCE_DIR}/*_layout.h)
   set(flags -O3 --pic --opt=disable-fma --target=${targets} --woff --math-lib=default -I${PROJECT_SOURCE_DIR}/core/kernels
-            -I${PROJECT_SOURCE_DIR}/core/rays -I${CMAKE_CURRENT_SOURCE_DIR} -I${EMBREE_INCLUDE_DIRS})
+            -I${PROJECT_SOURCE_DIR}/core/rays -I${CMAKE_CURRENT_SOURCE_DIR})
   set(script ${PROJECT_SOURCE_DIR}/cmake/CompileIspc.cmake)
   set(made)
   foreach(file ${ARGN})

@@ -1,29 +1,24 @@
 // SPDX-License-Identifier: Apache-2.0
-// Embree, for C++: the one file that says which version this is (3.13 is what is tested), and what owns its
-// handles. Another major version is a change here, in its half for ISPC, embree.isph, and of GALAXY_EMBREE in
-// CMakeLists.txt; calls that versions 3 and 4 share (scenes of user geometry, the builder) are made by those
-// who include this.
+// Embree: the one file that says which version this is (3.13 is what is tested), and what owns its handles.
+// Another major version is a change here and of GALAXY_EMBREE in CMakeLists.txt; calls of the builder, which
+// versions 3 and 4 share, are made by those who include this.
 #pragma once
 #include <embree3/rtcore.h>
 
-#include <atomic>
 #include <cstdint>
 #include <memory>
 #include <string>
 
 #include "gxy/comm/error.h"
-#include "gxy/comm/thread_order.h"
 
 namespace gxy::embree {
 
 struct Release {
   void operator()(RTCDevice d) const { rtcReleaseDevice(d); }
-  void operator()(RTCScene s) const { rtcReleaseScene(s); }
   void operator()(RTCBVH b) const { rtcReleaseBVH(b); }
 };
 template <class Handle>
 using Owned = std::unique_ptr<std::remove_pointer_t<Handle>, Release>;
-using Scene = Owned<RTCScene>;
 using Bvh = Owned<RTCBVH>;
 
 inline std::string version() {
@@ -31,21 +26,16 @@ inline std::string version() {
          std::to_string(RTC_VERSION_PATCH);
 }
 
-/// Embree at work, which counts what it allocates. Scenes and builders of a device must not outlive it.
+/// Embree at work. Builders of a device must not outlive it.
 class Device {
  public:
   /// Throws Error if Embree does not start.
   Device() : handle_(rtcNewDevice(nullptr)) {
     if (!handle_)
       throw Error("Embree: no device (error " + std::to_string(int(rtcGetDeviceError(nullptr))) + ")");
-    ThreadOrder(&bytes_).handOver();
-    rtcSetDeviceMemoryMonitorFunction(handle_.get(), count, &bytes_);
   }
 
   RTCDevice get() const { return handle_.get(); }
-
-  /// Memory of Embree's own for the device and all that was made with it.
-  int64_t bytes() const { return bytes_; }
 
   /// Throws Error if a call on this thread has failed; `what` says what was done ("building the geometry").
   void expectDone(const std::string& what) const {
@@ -56,13 +46,6 @@ class Device {
   }
 
  private:
-  static bool count(void* sum, ssize_t bytes, bool) {
-    ThreadOrder(sum).begin();
-    *static_cast<std::atomic<int64_t>*>(sum) += bytes;
-    return true;
-  }
-
-  std::atomic<int64_t> bytes_ = 0;
   Owned<RTCDevice> handle_;
 };
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gxy/embree/embree_backend.h"
 
+#include "gxy/embree/embree.h"
 #include "gxy/embree/embree_scene.h"
 #include "spawn_ispc.h"
 

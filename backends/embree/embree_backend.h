@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The CPU backend: Embree and ISPC. The reference for all others.
+// The CPU backend: ISPC, and Embree for what builds trees. The reference for all others.
 #pragma once
 #include <memory>
 

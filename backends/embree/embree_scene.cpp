@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cstring>
-#include <functional>
 #include <limits>
 
 #include "fields_ispc.h"
@@ -13,7 +12,6 @@
 #include "gxy/rays/fill_views.h"
 #include "integrate_ispc.h"
 #include "integrate_many_ispc.h"
-#include "occlusion_ispc.h"
 #include "shade_ispc.h"
 #include "spawn_ispc.h"
 
@@ -112,7 +110,6 @@ EmbreeScene::EmbreeScene(std::shared_ptr<EmbreeShared> shared, std::shared_ptr<c
     fillSceneView(part.view, *scene_, p, pointers);
     part.operators.resize(operators.size());
     part.fields.resize(operators.size());
-    std::vector<const GeometryPart*> primitives(operators.size());
     for (size_t i = 0; i < operators.size(); i++) {
       const CompiledOperator& op = operators[i];
       const auto found = op.parts.find(p);
@@ -121,29 +118,17 @@ EmbreeScene::EmbreeScene(std::shared_ptr<EmbreeShared> shared, std::shared_ptr<c
       fillOperatorView(part.operators[i], op, pointers);
       if (!mine || !mine->geometry) continue;
       fillPrimitives(part.operators[i], *mine->geometry, pointers);
-      primitives[i] = mine->geometry.get();
+      part.trees.resize(operators.size());
+      part.treeViews.resize(operators.size());
+      part.trees[i] = shared_->trees.get(mine->geometry.get(), [&] {
+        return buildGeometryTree(part.operators[i].kind, *mine->geometry, ispc::gangWidth());
+      });
+      part.treeViews[i] = {part.trees[i]->nodes.data(), part.trees[i]->leaves.data()};
     }
-    if (std::any_of(primitives.begin(), primitives.end(), std::identity()))
-      part.geometry = shared_->hierarchies.get(
-          primitives, [&] { return buildGeometry(shared_->device, part.operators); });
-    if (scene_->opaqueSurfaces && scene_->visualization.lighting.aoCount > 0 && part.geometry)
-      plantTrees(part, primitives);
     part.view.operators = int(operators.size());
     part.view.operator_ = part.operators.data();
     part.view.field = part.fields.data();
-    part.view.hierarchy = part.geometry ? part.geometry->scene.get() : nullptr;
-  }
-}
-
-void EmbreeScene::plantTrees(Part& part, const std::vector<const GeometryPart*>& primitives) const {
-  part.trees.resize(primitives.size());
-  part.treeViews.resize(primitives.size());
-  for (size_t i = 0; i < primitives.size(); i++) {
-    if (!primitives[i]) continue;
-    part.trees[i] = shared_->trees.get(primitives[i], [&] {
-      return buildOcclusionTree(part.operators[i].kind, *primitives[i], ispc::gangWidth());
-    });
-    part.treeViews[i] = {part.trees[i]->nodes.data(), part.trees[i]->leaves.data()};
+    part.view.hierarchy = part.treeViews.empty() ? nullptr : part.treeViews.data();
   }
 }
 
@@ -208,12 +193,10 @@ class EmbreeScene::Packet {
     const int n = rays.size();
     TraceCounters& c = result_.counters;
     ispc::boundRays(&part_.view, &view, n);
-    if (part_.geometry) {
+    if (!part_.trees.empty()) {
       Stopwatch time(c.nsGeometry);
       c.runs(Kernel::Geometry)++;
-      const bool anyHit = !primary_ && scene_.scene_->opaqueSurfaces;
-      ispc::hitGeometry(&part_.view, &view, n, anyHit);
-      if (anyHit && !part_.trees.empty()) ispc::occludeRays(&part_.view, part_.treeViews.data(), &view, n);
+      ispc::hitGeometry(&part_.view, &view, n, !primary_ && scene_.scene_->opaqueSurfaces);
     }
     if (!scene_.slicedOperators_.empty() || !scene_.isoOperators_.empty()) {
       Stopwatch time(c.nsSurfaces);
@@ -348,11 +331,9 @@ size_t EmbreeScene::bytes() const {
 
 std::vector<SharedBytes> EmbreeScene::sharedBytes() const {
   std::vector<SharedBytes> shared;
-  for (const auto& [p, part] : parts_) {
-    if (part.geometry) shared.push_back({part.geometry.get(), part.geometry->bytes});
+  for (const auto& [p, part] : parts_)
     for (const auto& tree : part.trees)
       if (tree) shared.push_back({tree.get(), tree->bytes()});
-  }
   return shared;
 }
 

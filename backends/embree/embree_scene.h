@@ -5,10 +5,17 @@
 #include <memory>
 #include <vector>
 
-#include "gxy/embree/embree_geometry.h"
+#include "gxy/embree/geometry_tree.h"
+#include "gxy/kernels/single_views.h"
 #include "gxy/rays/backend.h"
+#include "gxy/space/shared_by.h"
 
 namespace gxy {
+
+/// What scenes of a backend share: trees, by their primitives.
+struct EmbreeShared {
+  SharedBy<const GeometryPart*, GeometryTree> trees;
+};
 
 class EmbreeScene final : public DeviceScene {
  public:
@@ -25,12 +32,10 @@ class EmbreeScene final : public DeviceScene {
     single::SceneView view{};
     std::vector<single::OperatorView> operators;
     std::vector<single::VolumeView> fields;
-    std::shared_ptr<const GeometryHierarchy> geometry;        ///< null if there is none
-    std::vector<std::shared_ptr<const OcclusionTree>> trees;  ///< of operators; empty without occlusion rays
-    std::vector<OcclusionTreeView> treeViews;
+    std::vector<std::shared_ptr<const GeometryTree>> trees;  ///< of operators; empty if there is no geometry
+    std::vector<GeometryTreeView> treeViews;
   };
   class Packet;
-  void plantTrees(Part& part, const std::vector<const GeometryPart*>& primitives) const;
 
   std::shared_ptr<EmbreeShared> shared_;
   std::shared_ptr<const CompiledScene> scene_;

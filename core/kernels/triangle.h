@@ -33,25 +33,34 @@ FN real sheared(real along, real shear, real depth) {
   return abs(s) < R(1e-12) ? R(0.0) : s;
 }
 
-// The hit with t > tMin. weightB, weightC: barycentric coordinates of b and c, so the point is
-// (1 - weightB - weightC) a + weightB b + weightC c.
-FN bool hitTriangle(vec3 origin, vec3 direction, vec3 a, vec3 b, vec3 c, real tMin, OUT(real) t,
-                    OUT(real) weightB, OUT(real) weightC) {
+// The frame in which a ray is the z axis, which `last` becomes.
+struct RayFrame {
+  int last;
+  real perDepth;
+  real shearX;
+  real shearY;
+};
+
+FN RayFrame frameOf(vec3 direction) {
   vec3 size = make_v3(abs(direction.x), abs(direction.y), abs(direction.z));
-  int last = size.x >= size.y && size.x >= size.z ? 0 : (size.y >= size.z ? 1 : 2);
-  vec3 d = turned(direction, last);
-  real perDepth = R(1.0) / d.z;
-  real shearX = flushSmall(flushSmall(d.x) * perDepth);
-  real shearY = flushSmall(flushSmall(d.y) * perDepth);
-  vec3 pa = turned(make_v3(a.x - origin.x, a.y - origin.y, a.z - origin.z), last);
-  vec3 pb = turned(make_v3(b.x - origin.x, b.y - origin.y, b.z - origin.z), last);
-  vec3 pc = turned(make_v3(c.x - origin.x, c.y - origin.y, c.z - origin.z), last);
-  real ax = sheared(pa.x, shearX, pa.z);
-  real ay = sheared(pa.y, shearY, pa.z);
-  real bx = sheared(pb.x, shearX, pb.z);
-  real by = sheared(pb.y, shearY, pb.z);
-  real cx = sheared(pc.x, shearX, pc.z);
-  real cy = sheared(pc.y, shearY, pc.z);
+  RayFrame f;
+  f.last = size.x >= size.y && size.x >= size.z ? 0 : (size.y >= size.z ? 1 : 2);
+  vec3 d = turned(direction, f.last);
+  f.perDepth = R(1.0) / d.z;
+  f.shearX = flushSmall(flushSmall(d.x) * f.perDepth);
+  f.shearY = flushSmall(flushSmall(d.y) * f.perDepth);
+  return f;
+}
+
+// hitTriangle of corners less the origin, turned.
+FN bool hitTurned(RayFrame f, vec3 pa, vec3 pb, vec3 pc, real tMin, OUT(real) t, OUT(real) weightB,
+                  OUT(real) weightC) {
+  real ax = sheared(pa.x, f.shearX, pa.z);
+  real ay = sheared(pa.y, f.shearY, pa.z);
+  real bx = sheared(pb.x, f.shearX, pb.z);
+  real by = sheared(pb.y, f.shearY, pb.z);
+  real cx = sheared(pc.x, f.shearX, pc.z);
+  real cy = sheared(pc.y, f.shearY, pc.z);
   real sideA = edgeSide(bx, by, cx, cy);
   real sideB = edgeSide(cx, cy, ax, ay);
   real sideC = edgeSide(ax, ay, bx, by);
@@ -63,8 +72,19 @@ FN bool hitTriangle(vec3 origin, vec3 direction, vec3 a, vec3 b, vec3 c, real tM
   weightB = sideB * share;
   weightC = sideC * share;
   real depth = ((sideA * share) * pa.z + weightB * pb.z) + weightC * pc.z;
-  t = depth * perDepth;
+  t = depth * f.perDepth;
   return crossed && t > tMin;
+}
+
+// The hit with t > tMin. weightB, weightC: barycentric coordinates of b and c, so the point is
+// (1 - weightB - weightC) a + weightB b + weightC c.
+FN bool hitTriangle(vec3 origin, vec3 direction, vec3 a, vec3 b, vec3 c, real tMin, OUT(real) t,
+                    OUT(real) weightB, OUT(real) weightC) {
+  RayFrame f = frameOf(direction);
+  vec3 pa = turned(make_v3(a.x - origin.x, a.y - origin.y, a.z - origin.z), f.last);
+  vec3 pb = turned(make_v3(b.x - origin.x, b.y - origin.y, b.z - origin.z), f.last);
+  vec3 pc = turned(make_v3(c.x - origin.x, c.y - origin.y, c.z - origin.z), f.last);
+  return hitTurned(f, pa, pb, pc, tMin, t, weightB, weightC);
 }
 
 // Unit normal of the plane, on the side from which a, b, c turn counter-clockwise; (0, 0, 0) for no area.

@@ -12,7 +12,7 @@
 #include <set>
 
 #include "gxy/embree/embree_backend.h"
-#include "gxy/embree/occlusion_tree.h"
+#include "gxy/embree/geometry_tree.h"
 #include "gxy/kernels/single_views.h"
 #include "gxy/rays/scene_memory.h"
 #include "gxy/rays/step_plan.h"
@@ -20,15 +20,10 @@
 #include "support/every_cell.h"
 #include "support/frames.h"
 
-// The linker puts these in the place of Embree's.
+// The linker puts this in the place of Embree's.
 extern "C" {
-void* __real_rtcNewScene(void* device);
 void* __real_rtcNewBVH(void* device);
-static std::atomic<int> scenesMade = 0, treesMade = 0;
-void* __wrap_rtcNewScene(void* device) {
-  scenesMade++;
-  return __real_rtcNewScene(device);
-}
+static std::atomic<int> treesMade = 0;
 void* __wrap_rtcNewBVH(void* device) {
   treesMade++;
   return __real_rtcNewBVH(device);
@@ -331,37 +326,20 @@ TEST(Skipped, PlansOfIsosurfacesThatAnotherSceneHas) {
   EXPECT_NE(planOf(edited), plan);
 }
 
-TEST(Skipped, EmbreeScenesWithoutGeometry) {
+TEST(Skipped, HierarchiesWithoutGeometry) {
   TestScene s = alongX();
   addPlane(s, 0).volumeRendering = true;
-  scenesMade = 0;
+  treesMade = 0;
   compiledOn(halves(), s);
-  EXPECT_EQ(scenesMade, 0);
+  EXPECT_EQ(treesMade, 0);
   addBall(s, {0, 0, 0}, 0.3);
   compiledOn(halves(), s);
-  EXPECT_EQ(scenesMade, 2) << "one in each half";
-}
-
-TEST(Skipped, OcclusionTreesWithoutOcclusionRaysThatEndAtAnyHit) {
-  TestScene s = alongX();
-  addBall(s, {0, 0, 0}, 0.3);
-  const auto made = [&] {
-    treesMade = 0;
-    compiledOn(halves(), s);
-    return treesMade.load();
-  };
-  s.visualization.lighting.shadows = true;
-  EXPECT_EQ(made(), 0) << "coherent, to Embree";
-  s.visualization.lighting.aoCount = 1;
-  EXPECT_EQ(made(), 2) << "one in each half";
-  s.visualization.operators[0].opacity = 0.5;
-  EXPECT_EQ(made(), 0) << "rays go on behind what they meet";
+  EXPECT_EQ(treesMade, 2) << "one in each half";
 }
 
 TEST(Skipped, PrimitivesAndHierarchiesThatAnotherSceneHas) {
   TestScene s = alongX();
   addBall(s, {0, 0, 0}, 0.3);
-  s.visualization.lighting.aoCount = 1;
   const std::shared_ptr<const CompiledScene> first = compiledOn(whole(kCube), s)[0].compiled;
   const auto edited = [&](const std::function<void(Visualization&)>& edit) {
     const std::shared_ptr<const CompiledScene> others[] = {first};
@@ -385,26 +363,22 @@ TEST(Skipped, PrimitivesAndHierarchiesThatAnotherSceneHas) {
         memory.enter(*scene, *device, [&](int64_t bytes) { return ledger.enter("ann", "scene", bytes); });
     return std::pair(device, std::move(entries));  // entries go first
   };
-  scenesMade = treesMade = 0;
+  treesMade = 0;
   auto one = hold(first);
   const int64_t ofOne = ledger.total(), shared = int64_t(ballOf(*first)->bytes());
-  EXPECT_GT(ofOne, shared + int64_t(buildOcclusionTree(KIND_PARTICLES, *ballOf(*first), 4).bytes()));
-  treesMade = 1;
   EXPECT_GT(ofOne, shared);
   {
     const auto two = hold(lit);
-    EXPECT_EQ(scenesMade, 1);
     EXPECT_EQ(treesMade, 1);
     EXPECT_LT(ledger.total(), 2 * ofOne - shared) << "what they share is entered once";
     const auto other = hold(thick);
-    EXPECT_EQ(scenesMade, 2);
     EXPECT_EQ(treesMade, 2);
     one = {};
     EXPECT_GT(ledger.total(), ofOne) << "of two with hierarchies";
   }
   EXPECT_EQ(ledger.total(), 0);
   hold(lit);
-  EXPECT_EQ(scenesMade, 3) << "nobody had it any more";
+  EXPECT_EQ(treesMade, 3) << "nobody had it any more";
 }
 
 // The surface is 0.51 away from the other half, in which there is a ball, outside of the picture.

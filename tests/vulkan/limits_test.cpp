@@ -294,7 +294,7 @@ TEST(Batches, OfATileThatIsTooLargeAreSeveral) {
             "");
 }
 
-// Embree ends the program where a ray starts as far away as these secondaries.
+// From as far away as these secondaries start no geometry is met (clip.h).
 TEST(HugeSpheres, OfWhichRaysStartAreTheSameOnBothBackends) {
   agreement::TestScene scene = occluded(24, 2);
   scene.visualization.lighting = agreement::lit({agreement::kSun, agreement::kLamp}, true);

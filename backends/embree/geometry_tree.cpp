@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/embree/occlusion_tree.h"
+#include "gxy/embree/geometry_tree.h"
 
 #include <algorithm>
 #include <array>
@@ -7,8 +7,8 @@
 #include <limits>
 #include <string>
 
-#include "gxy/embree/occlusion_layout.h"
 #include "gxy/embree/tree.h"
+#include "gxy/embree/tree_layout.h"
 #include "gxy/kernels/single_views.h"
 
 namespace gxy {
@@ -49,15 +49,18 @@ class Flatten {
  public:
   using Tree = embree::Tree<unsigned(Lanes), unsigned(Lanes)>;
 
-  Flatten(OcclusionTree& out, int kind, const GeometryPart& part) : out_(out), kind_(kind), part_(part) {}
+  Flatten(GeometryTree& out, int kind, const GeometryPart& part) : out_(out), kind_(kind), part_(part) {}
 
   void all(const typename Tree::Inner& root) {
     size_t nodes = 0, leaves = 0;
     count(root, nodes, leaves);
+    if (leaves > TREE_LEAF_NUMBER || nodes > UINT32_MAX / Lanes)
+      throw Error("a partition has too many primitives for its tree of " + std::to_string(leaves) +
+                  " leaves; cut the data into more partitions");
     out_.nodes.reserve(nodes * TREE_NODE_ROWS * Lanes);
     leaves_.reserve(leaves);
     node(root);
-    out_.leaves.resize(leaves * size_t(rowsOf(kind_)) * Lanes);
+    out_.leaves.resize(leaves * size_t(rowsOf(kind_) + 1) * Lanes);
     parallelFor(size_t(0), leaves, [&](size_t number) { fill(number, *leaves_[number]); });
   }
 
@@ -82,7 +85,7 @@ class Flatten {
       if (k < n.count) {
         const RTCBounds& b = n.bounds[k];
         sides = {b.lower_x, b.lower_y, b.lower_z, b.upper_x, b.upper_y, b.upper_z};
-        word = n.child[k]->leaf ? TREE_LEAF | leaf(static_cast<const typename Tree::Leaf&>(*n.child[k]))
+        word = n.child[k]->leaf ? leaf(static_cast<const typename Tree::Leaf&>(*n.child[k]))
                                 : node(static_cast<const typename Tree::Inner&>(*n.child[k]));
       }
       for (size_t side = 0; side < 6; side++)
@@ -93,41 +96,43 @@ class Flatten {
   }
 
   uint32_t leaf(const typename Tree::Leaf& n) {
+    const auto number = uint32_t(leaves_.size());
     leaves_.push_back(&n);
-    return uint32_t(leaves_.size() - 1);
+    return TREE_LEAF | (n.count - 1) << TREE_COUNT_SHIFT | number;
   }
 
   void fill(size_t number, const typename Tree::Leaf& n) {
     const size_t rows = size_t(rowsOf(kind_));
-    float* leaf = out_.leaves.data() + number * rows * Lanes;
+    float* leaf = out_.leaves.data() + number * (rows + 1) * Lanes;
     for (size_t i = 0; i < Lanes; i++) {
-      const auto numbers = rowsOf(kind_, part_, n.primitives[std::min<size_t>(i, n.count - 1)][1]);
+      const unsigned primitive = n.primitives[std::min<size_t>(i, n.count - 1)][1];
+      const auto numbers = rowsOf(kind_, part_, primitive);
       for (size_t row = 0; row < rows; row++) leaf[row * Lanes + i] = numbers[row];
+      leaf[rows * Lanes + i] = std::bit_cast<float>(primitive);
     }
   }
 
-  OcclusionTree& out_;
+  GeometryTree& out_;
   const int kind_;
   const GeometryPart& part_;
   std::vector<const typename Tree::Leaf*> leaves_;
 };
 
 template <size_t Lanes>
-OcclusionTree built(int kind, const GeometryPart& part) {
+GeometryTree built(int kind, const GeometryPart& part) {
   std::vector<RTCBuildPrimitive> primitives;
   embree::addPrimitives(primitives, 0, cornersOfKind(kind), part);
-  // of its own: what others of it have is measured (embree_geometry.cpp)
   const embree::Device device;
   // leaves as full as may be: a step takes as long for one primitive as for all lanes
   const typename Flatten<Lanes>::Tree tree(device, std::move(primitives), TREE_DEEPEST, Lanes);
-  OcclusionTree out;
+  GeometryTree out;
   Flatten<Lanes>(out, kind, part).all(tree.root());
   return out;
 }
 
 }  // namespace
 
-OcclusionTree buildOcclusionTree(int kind, const GeometryPart& part, int lanes) {
+GeometryTree buildGeometryTree(int kind, const GeometryPart& part, int lanes) {
   switch (lanes) {
     case 4:
       return built<4>(kind, part);
@@ -136,7 +141,7 @@ OcclusionTree buildOcclusionTree(int kind, const GeometryPart& part, int lanes) 
     case 16:
       return built<16>(kind, part);
     default:
-      throw Error("occlusion tree: gangs of " + std::to_string(lanes) + ", expected 4, 8 or 16");
+      throw Error("geometry tree: gangs of " + std::to_string(lanes) + ", expected 4, 8 or 16");
   }
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The trees that rays of ambient occlusion walk on CPUs: complete, bounded, and as good as testing everything.
-#include "gxy/embree/occlusion_tree.h"
+// The trees that rays walk on CPUs: complete, bounded, and as good as testing everything.
+#include "gxy/embree/geometry_tree.h"
 
 #include <gtest/gtest.h>
 
@@ -11,10 +11,10 @@
 #include <set>
 #include <vector>
 
-#include "gxy/embree/occlusion_layout.h"
+#include "geometry_ispc.h"
+#include "gxy/embree/tree_layout.h"
 #include "gxy/kernels/single_views.h"
 #include "gxy/rays/ray_list.h"
-#include "occlusion_ispc.h"
 #include "spawn_ispc.h"
 
 namespace gxy::test {
@@ -50,7 +50,7 @@ GeometryPart scattered(const Case& c, uint32_t primitives) {
 
 class Walk {
  public:
-  Walk(const OcclusionTree& tree, const Case& c, size_t lanes) : tree_(tree), case_(c), lanes_(lanes) {}
+  Walk(const GeometryTree& tree, const Case& c, size_t lanes) : tree_(tree), case_(c), lanes_(lanes) {}
 
   void node(uint32_t index, int depth) {
     deepest = std::max(deepest, depth);
@@ -64,7 +64,7 @@ class Walk {
         node(word, depth + 1);
         continue;
       }
-      for (const std::vector<float>& primitive : leaf(word & ~TREE_LEAF)) {
+      for (const std::vector<float>& primitive : leaf(word)) {
         EXPECT_TRUE(seen.insert(primitive).second);
         for (size_t corner = 0; corner < case_.corners; corner++)
           for (size_t axis = 0; axis < 3; axis++) {
@@ -81,29 +81,32 @@ class Walk {
   int deepest = 0;
 
  private:
-  // What is in a leaf, each once.
-  std::set<std::vector<float>> leaf(size_t number) const {
+  // What is in a leaf, each once, and which it is at the end.
+  std::set<std::vector<float>> leaf(uint32_t word) const {
+    const size_t number = word & TREE_LEAF_NUMBER;
     std::set<std::vector<float>> found;
     for (size_t i = 0; i < lanes_; i++) {
       std::vector<float> rows;
-      for (size_t row = 0; row < case_.rows; row++)
-        rows.push_back(tree_.leaves.at((number * case_.rows + row) * lanes_ + i));
+      for (size_t row = 0; row <= case_.rows; row++)
+        rows.push_back(tree_.leaves.at((number * (case_.rows + 1) + row) * lanes_ + i));
+      rows.back() = float(std::bit_cast<uint32_t>(rows.back()));
       found.insert(rows);
     }
+    EXPECT_EQ(found.size(), ((word & ~TREE_LEAF) >> TREE_COUNT_SHIFT) + 1);
     return found;
   }
 
-  const OcclusionTree& tree_;
+  const GeometryTree& tree_;
   const Case& case_;
   const size_t lanes_;
 };
 
-TEST(OcclusionTree, HoldsEveryPrimitiveOnceWithinItsBoxes) {
+TEST(GeometryTree, HoldsEveryPrimitiveOnceWithinItsBoxes) {
   for (const Case& c : kCases)
     for (const int lanes : {4, 8, 16})
       for (const uint32_t primitives : {1u, 3u, 5000u}) {
         const GeometryPart part = scattered(c, primitives);
-        const OcclusionTree tree = buildOcclusionTree(c.kind, part, lanes);
+        const GeometryTree tree = buildGeometryTree(c.kind, part, lanes);
         Walk walk(tree, c, size_t(lanes));
         walk.node(0, 1);
         EXPECT_EQ(walk.seen.size(), primitives) << c.kind << ", " << lanes;
@@ -117,7 +120,7 @@ TEST(OcclusionTree, HoldsEveryPrimitiveOnceWithinItsBoxes) {
 }
 
 // All in one place, so that no box parts them; and in a series of places, each half as far as the last.
-TEST(OcclusionTree, IsNoDeeperThanTheStackHolds) {
+TEST(GeometryTree, IsNoDeeperThanTheStackHolds) {
   for (const bool series : {false, true}) {
     GeometryPart part;
     part.primitives = 100'000;
@@ -125,7 +128,7 @@ TEST(OcclusionTree, IsNoDeeperThanTheStackHolds) {
       part.points.insert(part.points.end(),
                          {series ? std::ldexp(1.f, -int(p % 120)) : 0.5f, 0.5f, 0.5f, 1e-3f * float(p + 1)});
     for (const int lanes : {4, 16}) {
-      const OcclusionTree tree = buildOcclusionTree(KIND_PARTICLES, part, lanes);
+      const GeometryTree tree = buildGeometryTree(KIND_PARTICLES, part, lanes);
       Walk walk(tree, kCases[0], size_t(lanes));
       walk.node(0, 1);
       EXPECT_EQ(walk.seen.size(), part.primitives);
@@ -134,8 +137,14 @@ TEST(OcclusionTree, IsNoDeeperThanTheStackHolds) {
   }
 }
 
+struct Nearest {
+  bool met = false;
+  float t = 0;
+  uint32_t primitive = 0;
+};
+
 // What is tested one by one.
-bool meets(const Case& c, const GeometryPart& part, const RayView& r, size_t i) {
+Nearest nearestOf(const Case& c, const GeometryPart& part, const RayView& r, size_t i) {
   using namespace single;
   const vec3 o = make_v3(r.ox[i], r.oy[i], r.oz[i]), d = make_v3(r.dx[i], r.dy[i], r.dz[i]);
   const float after = std::max(r.tIn[i] > 0 ? std::nextafter(r.tIn[i], 0.f) : 0.f, r.tLast[i]);
@@ -143,6 +152,8 @@ bool meets(const Case& c, const GeometryPart& part, const RayView& r, size_t i) 
   const auto at = [&](uint32_t point) {
     return make_v3(number(point, 0), number(point, 1), number(point, 2));
   };
+  Nearest nearest;
+  nearest.t = std::min(r.tOut[i], r.tEnd[i]);
   for (uint32_t p = 0; p < part.primitives; p++) {
     float t = 0;
     bool hit = false;
@@ -162,13 +173,14 @@ bool meets(const Case& c, const GeometryPart& part, const RayView& r, size_t i) 
       hit = hitTube(tube, o, d, after, h);
       t = h.t;
     }
-    if (hit && t < std::min(r.tOut[i], r.tEnd[i])) return true;
+    if (hit && t < nearest.t) nearest = {true, t, p};
   }
-  return false;
+  return nearest;
 }
 
-// Rays from anywhere, from points and from within spheres, along axes too, of lengths other than 1, in parts of their ways.
-TEST(OcclusionRays, MeetWhatOnePrimitiveAfterTheOtherMeets) {
+// Rays from anywhere, from points and from within spheres, along axes too, of lengths other than 1, in parts of their ways; some in
+// bundles of up to 48 that go much the same way.
+TEST(GeometryRays, MeetWhatOnePrimitiveAfterTheOtherMeets) {
   std::mt19937 random(11);
   std::uniform_real_distribution<float> anywhere(-2, 2), unit(0, 1);
   const auto oneOf = [&](uint32_t n) { return random() % n == 0; };
@@ -179,8 +191,8 @@ TEST(OcclusionRays, MeetWhatOnePrimitiveAfterTheOtherMeets) {
         for (size_t k = 0; k < part.points.size(); k++)
           part.points[k] =
               scale * (k % 4 == 3 ? part.points[k] * 10 * unit(random) : part.points[k] + offset);
-        const OcclusionTree tree = buildOcclusionTree(c.kind, part, ispc::gangWidth());
-        const OcclusionTreeView trees{tree.nodes.data(), tree.leaves.data()};
+        const GeometryTree tree = buildGeometryTree(c.kind, part, ispc::gangWidth());
+        const GeometryTreeView trees{tree.nodes.data(), tree.leaves.data()};
         single::OperatorView op{};
         op.kind = c.kind;
         const single::VolumeView field{};
@@ -188,13 +200,16 @@ TEST(OcclusionRays, MeetWhatOnePrimitiveAfterTheOtherMeets) {
         scene.operators = 1;
         scene.operator_ = &op;
         scene.field = &field;
+        scene.hierarchy = &trees;
         constexpr int kRays = 4000;
         RayList rays(kRays);
         rays.resize(kRays);
         RayView r = rays.view();
+        size_t alike = 0;
         for (size_t i = 0; i < kRays; i++) {
           const size_t point = 4 * (random() % (part.points.size() / 4));
-          const bool from = oneOf(4), through = oneOf(2);
+          const bool from = oneOf(4), through = oneOf(2), again = alike > 0;
+          alike = again ? alike - 1 : oneOf(30) ? random() % 48 : 0;
           float o[3], d[3];
           for (size_t k = 0; k < 3; k++) {
             o[k] = from ? part.points[point + k] : scale * (anywhere(random) + offset);
@@ -202,9 +217,17 @@ TEST(OcclusionRays, MeetWhatOnePrimitiveAfterTheOtherMeets) {
                    : through && !from ? (part.points[point + k] - o[k]) / scale
                                       : anywhere(random);
           }
+          if (again) {  // as the one before, nearly
+            const float before[2][3] = {{r.ox[i - 1], r.oy[i - 1], r.oz[i - 1]},
+                                        {r.dx[i - 1], r.dy[i - 1], r.dz[i - 1]}};
+            for (size_t k = 0; k < 3; k++) {
+              o[k] = before[0][k] + (from ? 0.01f * scale * anywhere(random) : 0);
+              d[k] = before[1][k] + 0.01f * anywhere(random);
+            }
+          }
           const float length = std::hypot(d[0], d[1], d[2]);
           const float by = length > 0 ? (oneOf(4) ? 0.7f : 1.f) / length : 0;
-          r.info[i] = RAY_OCCLUSION << 16;
+          r.info[i] = oneOf(20) ? RAY_OCCLUSION << 16 : RAY_SHADOW << 16;
           r.start[i] = 0;
           r.ox[i] = o[0], r.oy[i] = o[1], r.oz[i] = o[2];
           r.dx[i] = d[0] * by, r.dy[i] = d[1] * by, r.dz[i] = length > 0 ? d[2] * by : 1;
@@ -213,14 +236,23 @@ TEST(OcclusionRays, MeetWhatOnePrimitiveAfterTheOtherMeets) {
           r.tOut[i] = scale * (oneOf(2) ? 10 : 2 * unit(random));
           r.tEnd[i] = oneOf(3) ? scale * unit(random) : 1e30f;
           r.A[i] = 0;
+          r.hitKind[i] = HIT_NONE;
         }
-        ispc::occludeRays(&scene, &trees, &r, kRays);
+        ispc::hitGeometry(&scene, &r, kRays, true);
+        ispc::hitGeometry(&scene, &r, kRays, false);
         int met = 0;
         for (size_t i = 0; i < kRays; i++) {
-          const bool expected = meets(c, part, r, i);
-          met += expected;
-          EXPECT_EQ(r.A[i], expected ? 1.f : 0.f)
-              << c.kind << ", " << scale << ", " << offset << ", ray " << i;
+          const Nearest expected = nearestOf(c, part, r, i);
+          met += expected.met;
+          const auto where = [&] {
+            return std::to_string(c.kind) + ", " + std::to_string(scale) + ", " + std::to_string(offset) +
+                   ", ray " + std::to_string(i);
+          };
+          ASSERT_EQ(r.A[i], expected.met ? 1.f : 0.f) << where();
+          ASSERT_EQ(r.hitKind[i], expected.met ? HIT_GEOMETRY : HIT_NONE) << where();
+          if (!expected.met) continue;
+          ASSERT_EQ(r.tHit[i], expected.t) << where();
+          ASSERT_EQ(r.hitPrimitive[i], expected.primitive) << where();
         }
         EXPECT_GT(met, kRays / 50) << c.kind << ", " << scale << ", " << offset;
         EXPECT_LT(met, kRays * 19 / 20) << c.kind << ", " << scale << ", " << offset;
