@@ -52,9 +52,16 @@ void main() {
 #undef COPY_TO
   } else if (LEAVES) {
     uint i = takePlace(COUNT_LEAVING);
-#define COPY_TO leavingRays
-    GXY_RAY_FIELDS(COPY_FIELD)
+    if (staysHere(next)) {
+#define COPY_TO stayingRays
+      GXY_RAY_FIELDS(COPY_FIELD)
 #undef COPY_TO
+      RAY_OF(leavingRays, i, info) = GIVEN(info);
+    } else {
+#define COPY_TO leavingRays
+      GXY_RAY_FIELDS(COPY_FIELD)
+#undef COPY_TO
+    }
     RAY_OF(leavingRays, i, packet) = GIVEN(packet);
     RAY_OF(leavingRays, i, next) = next;
   }

@@ -63,7 +63,7 @@
 #define RAYS_BINDING 0
 #define ACTIVE_BINDING 1   // rays that go on behind a translucent surface
 #define HERE_BINDING 2     // secondary rays that start in this partition
-#define LEAVING_BINDING 3  // rays for other partitions
+#define LEAVING_BINDING 3  // rays for other partitions; of those that stay on the device, only where they go
 #define RECORDS_BINDING 4  // contributions: pixel, r, g, b, a
 #define DEPTHS_BINDING 5   // pixel, and a double in two words, low first
 #define COUNTS_BINDING 6
@@ -114,7 +114,12 @@
 #define PUSH_MINE 6       // where the tables say which partitions are of this rank
 #define PUSH_ONE 7        // the number 1, which no compiler knows
 #define PUSH_ROUNDS 8     // another number
-#define PUSH_WORDS 9
+#define PUSH_STAYING 9    // two words, low first: the address of the list of rays that stay on the device; 0: none do
+#define PUSH_TAKEN 11     // two words: the address of such a list, of which rays are taken
+#define PUSH_PLACES 13    // two words: that of their numbers in it
+#define PUSH_FIRST 15     // where they go in the list that is traced
+#define PUSH_PACKET 16    // of the batch that they come with
+#define PUSH_WORDS 17
 
 // A hierarchy over geometry begins with two words: where its list of primitives is, and the number of its nodes as a float,
 // rounded up; at word 4 begin the nodes. A node has four children: 6 x 4 bounds (low x of all, low y, ..., high z), and a word for

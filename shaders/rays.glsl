@@ -35,6 +35,15 @@ layout(std430, set = LANE_SET, binding = RECORDS_BINDING) buffer Records { int r
 layout(std430, set = LANE_SET, binding = DEPTHS_BINDING) buffer Depths { uint depths[]; };
 layout(std430, set = LANE_SET, binding = COUNTS_BINDING) buffer Counts { uint counts[COUNT_WORDS]; };
 
+layout(buffer_reference, std430, buffer_reference_align = 16) buffer RaysAt { RayBlock block[]; };
+uint64_t pushedAddress(int word) { return uint64_t(uint(push[word])) | (uint64_t(uint(push[word + 1])) << 32); }
+
+// Rays for partition `next`, of this rank, stay on the device; the host reads no more of them than where they go.
+#define stayingRays RaysAt(pushedAddress(PUSH_STAYING)).block
+bool staysHere(int next) {
+  return (push[PUSH_STAYING] | push[PUSH_STAYING + 1]) != 0 && tableWord(uint(push[PUSH_MINE] + next)) != 0u;
+}
+
 // Adds n to a count, and takes a place in the list of which it is the length: one atomic operation for a whole subgroup.
 void countUp(int count, uint n) {
   uint sum = subgroupAdd(n);

@@ -44,7 +44,6 @@ Surface surfaceHit(int op, VolumeView v, vec3 o, vec3 d) {
   RAY_OF(list, i, sr) = share.r;                                                         \
   RAY_OF(list, i, sg) = share.g;                                                         \
   RAY_OF(list, i, sb) = share.b;                                                         \
-  RAY_OF(list, i, next) = next;                                                          \
   RAY_OF(list, i, packet) = GIVEN(packet);
 
 // To the list of those that start here, which is traced next without going through the host, or of those that leave.
@@ -58,7 +57,14 @@ void addSecondary(SceneView s, Share share, int kind, vec3 from, uint startBits,
     RAY_OF(hereRays, i, step) = 0;
   } else if (LEAVES) {
     uint i = takePlace(COUNT_LEAVING);
-    SET_SECONDARY(leavingRays)
+    if (staysHere(next)) {
+      SET_SECONDARY(stayingRays)
+      RAY_OF(leavingRays, i, info) = uint(kind) << 16;
+      RAY_OF(leavingRays, i, packet) = GIVEN(packet);
+    } else {
+      SET_SECONDARY(leavingRays)
+    }
+    RAY_OF(leavingRays, i, next) = next;
   }
 }
 

@@ -24,8 +24,7 @@
   RAY_OF(list, i, r) = 0.0;                        \
   RAY_OF(list, i, g) = 0.0;                        \
   RAY_OF(list, i, b) = 0.0;                        \
-  RAY_OF(list, i, packet) = tile;                  \
-  RAY_OF(list, i, next) = next;
+  RAY_OF(list, i, packet) = tile;
 
 int tileWord(uint i) { return int(texelFetch(tiles, int(i)).x); }
 
@@ -50,6 +49,13 @@ void main() {
     RAY_OF(rays, i, step) = 0;
   } else if (LEAVES && tableWord(uint(push[PUSH_MINE] + next)) != 0u) {
     uint i = takePlace(COUNT_LEAVING);
-    SET_PRIMARY(leavingRays)
+    if (staysHere(next)) {
+      SET_PRIMARY(stayingRays)
+      RAY_OF(leavingRays, i, info) = uint(sampleIndex);
+      RAY_OF(leavingRays, i, packet) = tile;
+    } else {
+      SET_PRIMARY(leavingRays)
+    }
+    RAY_OF(leavingRays, i, next) = next;
   }
 }

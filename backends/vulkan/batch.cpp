@@ -59,7 +59,12 @@ void Batch::start(std::unique_ptr<Lane> lane) {
   } else {
     size_t at = 0;
     for (size_t i = 0; i < requests_.size(); i++) {
-      lane_->load(requests_[i].rays, at, uint32_t(i));
+      const RayList& rays = requests_[i].rays;
+      if (rays.kept())
+        steps_.push_back(lane_->take(static_cast<const KeptRays*>(rays.kept())->address(), rays.places(), at,
+                                     uint32_t(i)));
+      else
+        lane_->load(rays, at, uint32_t(i));
       at += requests_[i].size();
       complete_ = complete_ && requests_[i].rays.complete();
     }
@@ -77,9 +82,11 @@ void Batch::trace(List list, int32_t rays, bool primary) {
 }
 
 void Batch::submit(size_t firstStep, bool resumed) {
-  if (!resumed)
+  if (!resumed) {
     for (const Step& step : steps_)
       if (const auto kernel = kernelOf(step.stage)) results_[0].counters.runs(*kernel)++;
+    scene_.keepRays(lane_->staying, rays() * (1 + perHit_));
+  }
   lane_->submit(part_.set.get(), frame_.set.get(), steps_, firstStep, resumed);
 }
 
@@ -149,7 +156,7 @@ void Batch::take() {
   if (steps_[0].list == given_) activePrimaries_ = lane.count(COUNT_ACTIVE_PRIMARIES);
 }
 
-// Rays that leave, to the packets that they came with, by kind and partition.
+// Rays that leave, to the packets that they came with, by kind and partition: those that stay on the rank by their places only.
 void Batch::distribute() {
   const RayBlock* blocks = lane_->leaving();
   std::map<std::tuple<uint32_t, bool, int>, std::vector<int>> places;
@@ -163,10 +170,17 @@ void Batch::distribute() {
     last = key;
     list->push_back(i);
   }
+  bool kept = false;
   for (const auto& [key, which] : places) {
     const auto& [packet, primary, partition] = key;
-    results_[packet].leaving.push_back({partition, primary, gather(blocks, which)});
+    const bool stays = lane_->staying && scene_.isHere(partition);
+    kept = kept || stays;
+    if (!stays) results_[0].counters.raysRead += which.size();
+    results_[packet].leaving.push_back(
+        {partition, primary,
+         stays ? RayList(lane_->staying, {which.begin(), which.end()}) : gather(blocks, which)});
   }
+  if (kept) scene_.release(std::move(lane_->staying));
 }
 
 void Batch::answer() {

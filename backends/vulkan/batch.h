@@ -44,8 +44,9 @@ struct LastWork {
 };
 
 /// On the device, primaries make secondaries, and those that start in the same partition are traced in the same submission,
-/// without the host. Another submission follows where rays go on behind translucent surfaces, and where the device has not
-/// ended what a stage had to do (shaders/rays.glsl). One thread at a time.
+/// without the host. What goes on in another partition of the rank waits on the device, and the host knows which they are
+/// (KeptRays); what leaves the rank comes back. Another submission follows where rays go on behind translucent surfaces, and
+/// where the device has not ended what a stage had to do (shaders/rays.glsl). One thread at a time.
 class Batch {
  public:
   /// All requests like the first.

@@ -17,7 +17,6 @@ size_t blocksOf(size_t rays) { return (rays + BLOCK_RAYS - 1) / BLOCK_RAYS; }
 uint32_t groupsOf(size_t rays) {
   return uint32_t((blocksOf(rays) + GROUP_ROWS - 1) / GROUP_ROWS * GROUP_ROWS);
 }
-size_t listBytes(size_t rays) { return blocksOf(std::max<size_t>(rays, 1)) * sizeof(RayBlock); }
 
 // A list is bound as a storage buffer and as texels.
 size_t largestList(const Device& device) {
@@ -27,7 +26,14 @@ size_t largestList(const Device& device) {
 
 Binding whole(const Buffer& buffer) { return {{buffer.get(), 0, VK_WHOLE_SIZE}}; }
 
+void putAddress(std::array<int32_t, PUSH_WORDS>& push, int word, VkDeviceAddress address) {
+  push[size_t(word)] = int32_t(uint32_t(address));
+  push[size_t(word) + 1] = int32_t(uint32_t(address >> 32));
+}
+
 }  // namespace
+
+size_t listBytes(size_t rays) { return blocksOf(std::max<size_t>(rays, 1)) * sizeof(RayBlock); }
 
 size_t mostRays(const Device& device) {
   const size_t blocks = largestList(device) / sizeof(RayBlock);
@@ -134,6 +140,21 @@ void Lane::load(const RayList& rays, size_t at, uint32_t packet) {
   if (staging_.get()) loaded_ = at + size_t(rays.size());
 }
 
+Step Lane::take(VkDeviceAddress list, std::span<const uint32_t> places, size_t at, uint32_t packet) {
+  if (!places_.get() || places_.bytes() < lists_[0].bytes() / kRayBytes * sizeof(uint32_t))
+    places_ =
+        Buffer(device_, lists_[0].bytes() / kRayBytes * sizeof(uint32_t), Place::Written, "numbers of rays");
+  std::memcpy(places_.mapped() + at * sizeof(uint32_t), places.data(), places.size_bytes());
+  Step step{Stage::Take, {}};
+  step.special.limited = device_.endsLoops();
+  step.push[PUSH_RAYS] = int32_t(places.size());
+  putAddress(step.push, PUSH_TAKEN, list);
+  putAddress(step.push, PUSH_PLACES, places_.address() + at * sizeof(uint32_t));
+  step.push[PUSH_FIRST] = int32_t(at);
+  step.push[PUSH_PACKET] = int32_t(packet);
+  return step;
+}
+
 void Lane::load(std::span<const Tile> tiles) {
   static_assert(sizeof(Tile) == RECORD_WORDS * sizeof(int32_t) && TILE_RAYS == kTile * kTile);
   std::memcpy(records_.mapped(), tiles.data(), tiles.size_bytes());
@@ -141,6 +162,7 @@ void Lane::load(std::span<const Tile> tiles) {
 
 void Lane::record(const Step& step, size_t number) {
   std::array<int32_t, PUSH_WORDS> push = step.push;
+  putAddress(push, PUSH_STAYING, staying ? staying->address() : 0);
   push[PUSH_STEP] = int32_t(number);
   push[PUSH_ONE] = 1;
   push[PUSH_ROUNDS] = 8;

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "gxy/rays/backend.h"
+#include "gxy/vulkan/kept_rays.h"
 #include "gxy/vulkan/pipelines.h"
 #include "gxy/vulkan/shader_views.h"
 
@@ -41,6 +42,9 @@ struct Step {
 /// The most rays that a list holds on this device: a binding and the workgroups of a dispatch have their limits.
 size_t mostRays(const Device& device);
 
+/// Bytes of a list of so many rays.
+size_t listBytes(size_t rays);
+
 /// Used by one thread at a time.
 class Lane {
  public:
@@ -53,6 +57,8 @@ class Lane {
   bool isLargerThan(size_t rays) const;
   /// Makes rays at `at`, ... of the list that is given of a packet.
   void load(const RayList& rays, size_t at, uint32_t packet);
+  /// The same of rays at `places` of a list that begins at `list`, as a step that is to be done first.
+  Step take(VkDeviceAddress list, std::span<const uint32_t> places, size_t at, uint32_t packet);
 
   /// Makes them the tiles that are spawned.
   void load(std::span<const Tile> tiles);
@@ -63,6 +69,9 @@ class Lane {
   /// Waits until they are done.
   void wait();
 
+  /// Where rays go that stay on the device; null: none do. Kept for the next batch where none has.
+  std::shared_ptr<KeptRays> staying;
+
   /// Of what has been waited for. Nanoseconds of the device for a stage; its clock when the first began and when the last
   /// ended; 0 where it has none.
   uint64_t nanoseconds(Stage stage) const { return nanoseconds_[size_t(stage)]; }
@@ -70,6 +79,7 @@ class Lane {
   uint64_t ended() const { return ended_; }
   /// A COUNT_* of shaders/layout.h.
   uint32_t count(int which) const { return counted_[which]; }
+  /// Of those that stay, only `packet`, `info` and `next`.
   const RayBlock* leaving() const { return reinterpret_cast<const RayBlock*>(leaving_.mapped()); }
   const int32_t* records() const { return reinterpret_cast<const int32_t*>(records_.mapped()); }
   const uint32_t* depths() const { return reinterpret_cast<const uint32_t*>(depths_.mapped()); }
@@ -82,7 +92,7 @@ class Lane {
   Pipelines& pipelines_;
   Commands commands_;
   VkCommandBuffer recording_ = VK_NULL_HANDLE;
-  Buffer lists_[4], leaving_, records_, depths_, counts_, countsRead_, staging_;
+  Buffer lists_[4], leaving_, records_, depths_, counts_, countsRead_, staging_, places_;
   DescriptorSet sets_[4];  ///< by list
   size_t loaded_ = 0;      ///< rays that wait in staging_ to be copied
   uint32_t counted_[COUNT_WORDS] = {};

@@ -17,6 +17,7 @@
 #include "shade.h"
 #include "slices.h"
 #include "spawn.h"
+#include "take.h"
 
 namespace gxy::vulkan {
 
@@ -46,6 +47,8 @@ std::span<const uint32_t> codeOf(Stage stage) {
       return depth_spirv;
     case Stage::Finish:
       return finish_spirv;
+    case Stage::Take:
+      return take_spirv;
     default:
       return groups_spirv;
   }

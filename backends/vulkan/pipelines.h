@@ -27,7 +27,8 @@ enum class Stage {
   Depth,
   Finish,
   Groups,
-  Last = Groups
+  Take,
+  Last = Take
 };
 
 /// What a stage is compiled for: the specialization constants of shaders/layout.h, in their order.

@@ -48,6 +48,8 @@ struct VulkanOptions {
   Ledger* ledger = nullptr;
   /// For tests: as if the device gave no more memory at once. 0: what it gives.
   uint64_t allocationBytes = 0;
+  /// For tests: rays that wait on the device take no more. 0: an eighth of its memory.
+  uint64_t keptBytes = 0;
   bool hidesMemory = false;  ///< for tests: as if the host did not see the device's memory
   uint64_t lostAfter = 0;    ///< for tests: the device is lost after so many submissions; 0: it is not
   bool lostInWaits = false;  ///< for tests: who waits for a later one is told, not who hands it over

@@ -15,6 +15,8 @@ namespace gxy::vulkan {
 namespace {
 
 constexpr size_t kMostVolumes = 8;  // MANY_VOLUMES of kernels/many.h
+constexpr size_t kMostSpare = 4;    // times what a batch needs that its room for rays may have
+constexpr size_t kPartForKept = 8;  // of a device's memory, the part that rays may take which wait there
 
 bool isSoftware(const Device& device) { return device.info().kind == VulkanDeviceInfo::Kind::Software; }
 
@@ -63,7 +65,10 @@ class Joined {
 }  // namespace
 
 Context::Context(const VulkanOptions& options)
-    : device(options), pipelines(device), tracer(device, pipelines, batchRaysOf(device)) {}
+    : device(options),
+      pipelines(device),
+      mostKept(options.keptBytes > 0 ? options.keptBytes : device.info().memory / kPartForKept),
+      tracer(device, pipelines, batchRaysOf(device)) {}
 
 VulkanScene::VulkanScene(std::shared_ptr<Context> context, std::shared_ptr<const CompiledScene> scene,
                          int rank)
@@ -187,6 +192,17 @@ size_t VulkanScene::secondariesPerHit(const VulkanFrame& frame) const {
   return size_t((lighting.shadows ? frame.lights : 0) + lighting.aoCount);
 }
 
+void VulkanScene::keepRays(std::shared_ptr<KeptRays>& room, size_t rays) const {
+  const size_t bytes = listBytes(rays);
+  if (parts_.size() > 1 && room && room->bytes() >= bytes && room->bytes() / kMostSpare <= bytes) return;
+  room.reset();
+  if (parts_.size() < 2 || context_->bytesKept + bytes > context_->mostKept) return;
+  try {
+    room = std::make_shared<KeptRays>(context_->device, context_->bytesKept, bytes);
+  } catch (const Error&) {  // the device is full
+  }
+}
+
 Step VulkanScene::spawnStep(const PartOnDevice& part, int tiles) {
   Step step{Stage::Spawn, part.special};
   step.push[PUSH_RAYS] = tiles * kTile * kTile;
@@ -204,6 +220,7 @@ void VulkanScene::addSteps(std::vector<Step>& steps, const PartOnDevice& part, c
     step.push[PUSH_PARTITION] = part.partition;
     step.push[PUSH_OPERATOR] = op;
     step.push[PUSH_COUNT] = count;
+    step.push[PUSH_MINE] = int32_t(part.mine);
   };
   const auto isHere = [&](int op) { return part.hasBlock[size_t(op)]; };
   const Special& special = part.special;
@@ -249,7 +266,7 @@ void VulkanScene::addTimes(TraceCounters& c, const Lane& lane) {
   c.nsSurfaces += spent(Stage::Slices) + spent(Stage::Isosurfaces);
   c.nsIntegrate += spent(Stage::Integrate) + spent(Stage::IntegrateMany);
   c.nsShade += spent(Stage::Shade) + spent(Stage::Depth) + spent(Stage::Finish);
-  c.nsRoute += spent(Stage::Regenerate) + spent(Stage::Bound) + spent(Stage::Groups);
+  c.nsRoute += spent(Stage::Regenerate) + spent(Stage::Bound) + spent(Stage::Groups) + spent(Stage::Take);
 }
 
 }  // namespace gxy::vulkan

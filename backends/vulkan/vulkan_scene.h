@@ -20,6 +20,8 @@ struct Context {
   Device device;
   Pipelines pipelines;
   SharedData shared;
+  const size_t mostKept;              ///< bytes, for rays that wait on the device (KeptRays)
+  std::atomic<size_t> bytesKept = 0;  ///< by these
   Tracer tracer;
   std::atomic<uint64_t> frames = 0;  ///< that were made
 };
@@ -52,6 +54,12 @@ class VulkanScene final : public DeviceScene {
   /// Adds what a lane's stages took.
   static void addTimes(TraceCounters& counters, const Lane& lane);
   size_t secondariesPerHit(const VulkanFrame& frame) const;
+  /// Whether the partition is one of this rank's in which anything is seen.
+  bool isHere(int partition) const { return parts_.count(partition) > 0; }
+  /// Makes room for so many rays that go on in another partition of the rank, but where there is no other, or too much of the
+  /// device's memory is taken so: what leaves then comes back to the host.
+  void keepRays(std::shared_ptr<KeptRays>& room, size_t rays) const;
+  void release(std::shared_ptr<KeptRays> kept) const { kept->release(context_); }
   /// Of frames that are not urgent, while others are (tracer.h).
   PacketSize& batchSize() const { return batchSize_; }
   const std::string& deviceName() const { return context_->device.info().name; }

@@ -32,6 +32,7 @@ TraceCounters& TraceCounters::operator+=(const TraceCounters& o) {
   submissions += o.submissions;
   nsDevice += o.nsDevice;
   nsDeviceIdle += o.nsDeviceIdle;
+  raysRead += o.raysRead;
   for (size_t k = 0; k < kKernels; k++) kernelRuns[k] += o.kernelRuns[k];
   return *this;
 }

@@ -43,6 +43,8 @@ struct TraceCounters {
   /// Of a device with a queue: how often it was handed work, how long it worked, and how long it had nothing to do between
   /// one handful and the next.
   uint64_t submissions = 0, nsDevice = 0, nsDeviceIdle = 0;
+  /// Rays that such a device gave to the host, to be sent away: those that go on in other partitions of the rank it keeps.
+  uint64_t raysRead = 0;
   std::array<uint64_t, kKernels> kernelRuns{};  ///< how often each was started, by Kernel
 
   uint64_t& runs(Kernel kernel) { return kernelRuns[size_t(kernel)]; }
@@ -50,7 +52,7 @@ struct TraceCounters {
   TraceCounters& operator+=(const TraceCounters& o);
 };
 
-/// Rays that leave a packet for a partition; all primaries or all secondaries.
+/// Rays that leave a packet for a partition; all primaries or all secondaries. Those for other ranks are here (RayList::kept() is null).
 struct LeavingRays {
   int partition = 0;
   bool primary = true;

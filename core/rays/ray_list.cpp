@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstring>
 #include <new>
+#include <utility>
 
 namespace gxy {
 
@@ -31,7 +32,11 @@ RayList::RayList(int capacity) : capacity_(capacity) {
 #undef GXY_POINT
 }
 
+RayList::RayList(std::shared_ptr<const DeviceRays> kept, std::vector<uint32_t> places)
+    : size_(int(places.size())), capacity_(size_), kept_(std::move(kept)), places_(std::move(places)) {}
+
 int64_t RayList::bytes() const {
+  if (kept_) return int64_t(places_.size() * sizeof(uint32_t));
   return storage_ ? int64_t(padded(capacity_) * kFields * sizeof(uint32_t)) : 0;
 }
 
@@ -50,6 +55,11 @@ RayList RayList::gather(std::span<const int> which) const {
 std::vector<RayList> RayList::split(int size) const {
   std::vector<RayList> parts;
   for (int i = 0; i < size_; i += size) {
+    if (kept_) {
+      const auto some = places().subspan(size_t(i), size_t(std::min(size, size_ - i)));
+      parts.push_back({kept_, {some.begin(), some.end()}});
+      continue;
+    }
     RayList& part = parts.emplace_back(std::min(size, size_ - i));
     part.resize(std::min(size, size_ - i));
     part.complete_ = complete_;

@@ -22,18 +22,31 @@ struct RayView {
 #undef GXY_FIELD
 };
 
+/// Rays that a backend keeps in its device's memory. Only it knows what they are.
+class DeviceRays {
+ public:
+  virtual ~DeviceRays() = default;
+};
+
 /// Owns the arrays of up to `capacity` rays; each array is 64-byte aligned and padded to a multiple of 16 rays, so that
-/// a full gang may load past the end. Not initialised. Movable, not copyable. Not thread safe.
+/// a full gang may load past the end. Not initialised. Or says which rays it has of some that a device keeps: these have no
+/// arrays here, and go nowhere but through size(), bytes() and split() back to the backend that they came from. Movable, not copyable.
+/// Not thread safe.
 class RayList {
  public:
   RayList() = default;
   explicit RayList(int capacity);
+  /// Those at `places` of what a device keeps.
+  RayList(std::shared_ptr<const DeviceRays> kept, std::vector<uint32_t> places);
 
   int size() const { return size_; }
   int capacity() const { return capacity_; }
   void resize(int n) { size_ = n; }
   const RayView& view() const { return view_; }
-  /// Of memory: that of `capacity` rays, padded.
+  /// What a device keeps them in; null: they are here.
+  const DeviceRays* kept() const { return kept_.get(); }
+  std::span<const uint32_t> places() const { return places_; }
+  /// Of memory here: that of `capacity` rays, padded; or of their places.
   int64_t bytes() const;
 
   /// False for primaries off the wire, whose origins and directions have to be regenerated from the camera.
@@ -62,6 +75,8 @@ class RayList {
   bool complete_ = true;
   std::unique_ptr<uint32_t[], Free> storage_;
   RayView view_{};
+  std::shared_ptr<const DeviceRays> kept_;
+  std::vector<uint32_t> places_;
 };
 
 /// What one ray adds to one pixel, in units of 2^-26 (CONTRIBUTION_ONE).

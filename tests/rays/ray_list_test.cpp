@@ -87,6 +87,28 @@ TEST(RayList, SplitsInOrderAndLosesNothingThatTravels) {
   }
 }
 
+TEST(RayList, OfRaysThatADeviceKeepsSplitsTheirPlaces) {
+  const auto kept = std::make_shared<DeviceRays>();
+  const std::weak_ptr<DeviceRays> watched = kept;
+  std::vector<RayList> parts;
+  {
+    const RayList rays(kept, {5, 3, 9, 0, 7});
+    EXPECT_EQ(rays.size(), 5);
+    EXPECT_EQ(rays.bytes(), 20);
+    parts = rays.split(2);
+  }
+  ASSERT_EQ(parts.size(), 3u);
+  std::vector<uint32_t> places;
+  for (const RayList& part : parts) {
+    EXPECT_EQ(part.kept(), kept.get());
+    places.insert(places.end(), part.places().begin(), part.places().end());
+  }
+  EXPECT_EQ(places, (std::vector<uint32_t>{5, 3, 9, 0, 7}));
+  EXPECT_EQ(watched.use_count(), 4);  // each part holds them
+  parts.clear();
+  EXPECT_EQ(watched.use_count(), 1);
+}
+
 TEST(RayList, ArraysAreAlignedForTheWidestGang) {
   const RayList rays(5);
 #define GXY_ALIGNED(type, name, primary, secondary) \

@@ -58,6 +58,46 @@ TEST(VulkanCounters, AreThoseOfEmbree) {
   EXPECT_EQ(found, names.size());
 }
 
+// Rays that go on in another partition of the rank wait on the device, as far as there is room for them; the picture is the same.
+TEST(VulkanCounters, OnlyRaysThatLeaveTheRankComeBack) {
+  VulkanOptions full = vulkan_test::testDevice();
+  full.keptBytes = 1;
+  const auto withoutRoom = makeVulkanBackend(full);
+  const std::vector<std::string> names{"several volumes", "translucent surfaces", "shadows and occlusion"};
+  size_t found = 0;
+  for (TestScene& s : scenesOfEachKind()) {
+    if (std::find(names.begin(), names.end(), s.name) == names.end()) continue;
+    SCOPED_TRACE(s.name);
+    found++;
+    s.camera.dimensions /= 2;
+    const Picture expected = wholeOnEmbree(s);
+    for (const int ranks : {1, 2})
+      for (const bool room : {true, false}) {
+        SCOPED_TRACE(std::to_string(ranks) + " ranks, " + (room ? "room" : "no room"));
+        const Cut cut = lattice(s.domain, {2, 3, 1}, ranks);
+        Frames frames(cut.ranks, {});
+        frames.add(1, compiledOn(cut, s, [&](int) -> const Backend& {
+                     return room ? vulkan_test::testedVulkan() : *withoutRoom;
+                   }));
+        const FrameId frame = frames.start(requestOf(s));
+        frames.run();
+        EXPECT_EQ(frames.errors(), std::vector<std::string>());
+        EXPECT_EQ(difference(expected, frames.outcome(frame).picture), "");
+        uint64_t read = 0, forwarded = 0;
+        for (int rank = 0; rank < ranks; rank++) {
+          read += frames.renderer(rank).counters().trace.raysRead;
+          forwarded += frames.renderer(rank).counters().raysForwarded;
+        }
+        EXPECT_EQ(forwarded > 0, ranks > 1);
+        if (room)
+          EXPECT_EQ(read, forwarded);
+        else
+          EXPECT_GT(read, forwarded);
+      }
+  }
+  EXPECT_EQ(found, names.size());
+}
+
 // The shader of each stage is compiled for what the scene has, and only where it is needed.
 TEST(VulkanCounters, NothingIsCompiledThatASceneDoesNotNeed) {
   using vulkan::Stage;

@@ -81,6 +81,7 @@ nlohmann::json statisticsOf(const Renderer::Counters& c, const Transport::Counte
             {"shade and route", 1e-9 * double(k.nsShade)}}},
           {"device",
            {{"submissions", k.submissions},
+            {"rays read", k.raysRead},
             {"busy seconds", 1e-9 * double(k.nsDevice)},
             {"idle seconds between", 1e-9 * double(k.nsDeviceIdle)}}},
           {"seconds",
