@@ -25,12 +25,12 @@ class Watching final : public Backend {
   explicit Watching(std::shared_ptr<Seen> seen) : seen_(std::move(seen)) {}
   std::string name() const override { return embree_->name(); }
   std::string device() const override { return embree_->device(); }
-  std::unique_ptr<DeviceScene> makeScene(std::shared_ptr<const CompiledScene> scene,
-                                         int rank) const override {
+  std::unique_ptr<DeviceScene> makeScene(std::shared_ptr<const CompiledScene> scene, int rank,
+                                         const Advance& advance) const override {
     seen_->hadLast.push_back(!seen_->last.expired());
     seen_->last = scene;
     seen_->primitives.push_back(scene->operators.at(0).parts.at(0).geometry.get());
-    return embree_->makeScene(std::move(scene), rank);
+    return embree_->makeScene(std::move(scene), rank, advance);
   }
 
  private:
