@@ -22,7 +22,7 @@ struct Collectives {
   virtual std::vector<Bytes> allGather(Bytes mine) = 0;
   /// `perRank[r]` goes to rank r; returns what each rank had for this one, by rank.
   virtual std::vector<Bytes> allToAll(std::vector<Bytes> perRank) = 0;
-  /// Throws Error if this rank's part is to end before it is done; called between files and between blocks of them, where
+  /// Throws Error if this rank's part is to end before it is done; called between files, blocks and layers of them, where
   /// agree() makes all ranks end, from any thread.
   virtual void check() const {}
   /// This rank has done so much of the call that it is in, from 0 to 1; called where check() is, beside it.

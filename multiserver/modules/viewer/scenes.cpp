@@ -2,6 +2,7 @@
 #include "scenes.h"
 
 #include <algorithm>
+#include <exception>
 #include <utility>
 
 #include "gxy/comm/error.h"
