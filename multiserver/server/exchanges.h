@@ -36,14 +36,15 @@ class Exchanges {
 
   /// Rank 0: its number, until let go; the request outlives it.
   [[nodiscard]] std::shared_ptr<const uint64_t> begin(Request& request);
-  /// The same for another asker; when it wants the work no more, cancel() tells the other ranks.
-  [[nodiscard]] std::shared_ptr<const uint64_t> begin(Asker asker);
-  void cancel(uint64_t number);
   /// The same for what computes long: waits until the tenant has fewer than Tenants::kLong of these under way. Throws Error
   /// when the request is cancelled.
   [[nodiscard]] std::shared_ptr<const uint64_t> beginLong(Request& request);
+  /// begin() for another asker. Where it wants the work no more, cancel() tells the other ranks.
+  [[nodiscard]] std::shared_ptr<const uint64_t> begin(Asker asker);
+  void cancel(uint64_t number);
 
-  /// A rank's part of an exchange; used by one thread, but for the check() and done() of its ranks. What it has to say to the other ranks has been said when it goes.
+  /// A rank's part of an exchange; used by one thread, but for check() and done() of its ranks. What it has to say to the
+  /// other ranks has been said when it goes.
   class Part {
    public:
     ~Part();
