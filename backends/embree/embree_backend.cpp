@@ -15,9 +15,9 @@ class EmbreeBackend final : public Backend {
   std::string device() const override {
     return "CPU, Embree " + embree::version() + ", " + std::to_string(ispc::gangWidth()) + " rays at a time";
   }
-  std::unique_ptr<DeviceScene> makeScene(std::shared_ptr<const CompiledScene> scene,
-                                         int rank) const override {
-    return std::make_unique<EmbreeScene>(shared_, std::move(scene), rank);
+  std::unique_ptr<DeviceScene> makeScene(std::shared_ptr<const CompiledScene> scene, int rank,
+                                         const Advance& advance) const override {
+    return std::make_unique<EmbreeScene>(shared_, std::move(scene), rank, advance);
   }
 
  private:

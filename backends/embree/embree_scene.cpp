@@ -90,7 +90,7 @@ void distribute(RayList rays, bool primary, std::vector<LeavingRays>& out) {
 }  // namespace
 
 EmbreeScene::EmbreeScene(std::shared_ptr<EmbreeShared> shared, std::shared_ptr<const CompiledScene> scene,
-                         int rank)
+                         int rank, const Advance& advance)
     : shared_(std::move(shared)), scene_(std::move(scene)), rank_(rank) {
   const auto& operators = scene_->operators;
   for (size_t i = 0; i < operators.size(); i++) {
@@ -104,7 +104,9 @@ EmbreeScene::EmbreeScene(std::shared_ptr<EmbreeShared> shared, std::shared_ptr<c
                 " volumes at once; this backend takes at most " + std::to_string(kMostVolumes));
   Pointers pointers;
   fillSceneView(anywhere_, *scene_, -1, pointers);
-  for (int p : scene_->partitioning->owned(rank_)) {
+  const std::vector<int> owned = scene_->partitioning->owned(rank_);
+  for (size_t k = 0; k < owned.size(); k++) {
+    const int p = owned[k];
     if (!scene_->visible[p]) continue;  // nothing is built where nothing can be seen
     Part& part = parts_[p];
     fillSceneView(part.view, *scene_, p, pointers);
@@ -120,9 +122,13 @@ EmbreeScene::EmbreeScene(std::shared_ptr<EmbreeShared> shared, std::shared_ptr<c
       fillPrimitives(part.operators[i], *mine->geometry, pointers);
       part.trees.resize(operators.size());
       part.treeViews.resize(operators.size());
-      part.trees[i] = shared_->trees.get(mine->geometry.get(), [&] {
-        return buildGeometryTree(part.operators[i].kind, *mine->geometry, ispc::gangWidth());
-      });
+      const Advance building = partOf(advance, k * operators.size() + i, owned.size() * operators.size());
+      part.trees[i] = shared_->trees.get(
+          mine->geometry.get(),
+          [&] {
+            return buildGeometryTree(part.operators[i].kind, *mine->geometry, ispc::gangWidth(), building);
+          },
+          [&] { building(0); });
       part.treeViews[i] = {part.trees[i]->nodes.data(), part.trees[i]->leaves.data()};
     }
     part.view.operators = int(operators.size());

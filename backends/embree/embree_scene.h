@@ -19,7 +19,8 @@ struct EmbreeShared {
 
 class EmbreeScene final : public DeviceScene {
  public:
-  EmbreeScene(std::shared_ptr<EmbreeShared> shared, std::shared_ptr<const CompiledScene> scene, int rank);
+  EmbreeScene(std::shared_ptr<EmbreeShared> shared, std::shared_ptr<const CompiledScene> scene, int rank,
+              const Advance& advance);
 
   std::shared_ptr<const DeviceFrame> makeFrame(const CompiledFrame& frame) const override;
   void spawn(const DeviceFrame& frame, const Tile& tile, Done done) const override;

@@ -51,7 +51,7 @@ class Flatten {
 
   Flatten(GeometryTree& out, int kind, const GeometryPart& part) : out_(out), kind_(kind), part_(part) {}
 
-  void all(const typename Tree::Inner& root) {
+  void all(const typename Tree::Inner& root, const Advance& advance) {
     size_t nodes = 0, leaves = 0;
     count(root, nodes, leaves);
     if (leaves > TREE_LEAF_NUMBER || nodes > UINT32_MAX / Lanes)
@@ -61,7 +61,8 @@ class Flatten {
     leaves_.reserve(leaves);
     node(root);
     out_.leaves.resize(leaves * size_t(rowsOf(kind_) + 1) * Lanes);
-    parallelFor(size_t(0), leaves, [&](size_t number) { fill(number, *leaves_[number]); });
+    parallelFor(
+        size_t(0), leaves, [&](size_t number) { fill(number, *leaves_[number]); }, advance);
   }
 
  private:
@@ -119,27 +120,28 @@ class Flatten {
 };
 
 template <size_t Lanes>
-GeometryTree built(int kind, const GeometryPart& part) {
+GeometryTree built(int kind, const GeometryPart& part, const Advance& advance) {
+  const Advance building = partOf(advance, 0, 2), filling = partOf(advance, 1, 2);
   std::vector<RTCBuildPrimitive> primitives;
   embree::addPrimitives(primitives, 0, cornersOfKind(kind), part);
   const embree::Device device;
   // leaves as full as may be: a step takes as long for one primitive as for all lanes
-  const typename Flatten<Lanes>::Tree tree(device, std::move(primitives), TREE_DEEPEST, Lanes);
+  const typename Flatten<Lanes>::Tree tree(device, std::move(primitives), TREE_DEEPEST, Lanes, building);
   GeometryTree out;
-  Flatten<Lanes>(out, kind, part).all(tree.root());
+  Flatten<Lanes>(out, kind, part).all(tree.root(), filling);
   return out;
 }
 
 }  // namespace
 
-GeometryTree buildGeometryTree(int kind, const GeometryPart& part, int lanes) {
+GeometryTree buildGeometryTree(int kind, const GeometryPart& part, int lanes, const Advance& advance) {
   switch (lanes) {
     case 4:
-      return built<4>(kind, part);
+      return built<4>(kind, part, advance);
     case 8:
-      return built<8>(kind, part);
+      return built<8>(kind, part, advance);
     case 16:
-      return built<16>(kind, part);
+      return built<16>(kind, part, advance);
     default:
       throw Error("geometry tree: gangs of " + std::to_string(lanes) + ", expected 4, 8 or 16");
   }

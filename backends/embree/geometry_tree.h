@@ -26,6 +26,7 @@ struct GeometryTreeView {
 
 /// Over the primitives of a part, of KIND_PARTICLES, _PATHLINES or _TRIANGLES, for gangs of 4, 8 or 16. Built by Embree's builder,
 /// on all cores. Throws Error if that fails.
-GeometryTree buildGeometryTree(int kind, const GeometryPart& part, int lanes);
+GeometryTree buildGeometryTree(
+    int kind, const GeometryPart& part, int lanes, const Advance& advance = [](double) {});
 
 }  // namespace gxy

@@ -3,7 +3,9 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <exception>
 #include <limits>
+#include <mutex>
 #include <new>
 #include <string>
 #include <vector>
@@ -46,9 +48,13 @@ class Tree {
     std::array<std::array<unsigned, 2>, Largest> primitives;  ///< geometry, number
   };
 
-  /// Of one primitive or more, which the builder reorders; leaves of up to `smallest` are not split. Throws Error if it fails.
-  Tree(const Device& device, std::vector<RTCBuildPrimitive> primitives, unsigned deepest, unsigned smallest)
+  /// Of one primitive or more, which the builder reorders; leaves of up to `smallest` are not split. Throws Error if it fails,
+  /// and what `advance` throws.
+  Tree(const Device& device, std::vector<RTCBuildPrimitive> primitives, unsigned deepest, unsigned smallest,
+       const Advance& advance)
       : bvh_(rtcNewBVH(device.get())) {
+    Progress progress{advance};
+    progress_ = &progress;
     RTCBuildArguments build = rtcDefaultBuildArguments();
     build.buildQuality = RTC_BUILD_QUALITY_MEDIUM;
     build.maxBranchingFactor = Children;
@@ -84,9 +90,16 @@ class Tree {
         return static_cast<Node*>(n);
       });
     };
+    build.buildProgress = [](void* tree, double share) {
+      const bool goesOn = inOrder(tree, [&] { return static_cast<Tree*>(tree)->progress_->tell(share); });
+      // Embree 3.13 ignores what this returns, and takes an exception as one of its own: the build fails, and is undone.
+      if (!goesOn) throw Error("ended");
+      return true;
+    };
     ThreadOrder(this).handOver();
     auto* root = static_cast<Node*>(rtcBuildBVH(&build));
     ThreadOrder(this).takeBack();
+    if (progress.end) std::rethrow_exception(progress.end);
     const std::string what =
         "building the hierarchy over " + std::to_string(primitives.size()) + " primitives";
     device.expectDone(what);
@@ -106,6 +119,24 @@ class Tree {
   const Inner& root() const { return *root_; }
 
  private:
+  struct Progress {
+    const Advance& advance;
+    std::mutex mutex{};
+    std::exception_ptr end{};  ///< what it threw first
+
+    /// Whether the build is to go on.
+    bool tell(double share) {
+      try {
+        advance(share);
+        return true;
+      } catch (...) {
+        const std::lock_guard lock(mutex);
+        if (!end) end = std::current_exception();
+        return false;
+      }
+    }
+  };
+
   template <class T>
   static T* made(RTCThreadLocalAllocator allocator) {
     return new (rtcThreadLocalAlloc(allocator, sizeof(T), alignof(T))) T;
@@ -121,7 +152,8 @@ class Tree {
   }
   static Inner& inner(void* node) { return *static_cast<Inner*>(static_cast<Node*>(node)); }
 
-  Bvh bvh_;  ///< owns the nodes
+  Progress* progress_ = nullptr;  ///< while it is built
+  Bvh bvh_;                       ///< owns the nodes
   Inner above_;
   const Inner* root_ = &above_;
 };

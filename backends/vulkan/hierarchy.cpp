@@ -83,12 +83,12 @@ int cornersOf(VisType type) {
   }
 }
 
-Hierarchy hierarchyOf(const CompiledScene& scene, int partition) {
+Hierarchy hierarchyOf(const CompiledScene& scene, int partition, const Advance& advance) {
   Hierarchy hierarchy;
   std::vector<RTCBuildPrimitive> primitives = primitivesOf(scene, partition);
   if (primitives.empty()) return hierarchy;
   const embree::Device device;
-  const Tree tree(device, std::move(primitives), kDeepest, 1);
+  const Tree tree(device, std::move(primitives), kDeepest, 1, advance);
   Flatten(hierarchy).node(tree.root());
   return hierarchy;
 }

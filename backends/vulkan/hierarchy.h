@@ -14,8 +14,9 @@ struct Hierarchy {
 };
 
 /// Built by Embree's builder (surface area heuristic, 4 children), on all cores, and laid out in depth-first order: the
-/// same data give the same bytes. Throws Error if the builder fails.
-Hierarchy hierarchyOf(const CompiledScene& scene, int partition);
+/// same data give the same bytes. Throws Error if the builder fails, and what `advance` throws.
+Hierarchy hierarchyOf(
+    const CompiledScene& scene, int partition, const Advance& advance = [](double) {});
 
 /// Points per primitive.
 int cornersOf(VisType type);

@@ -79,8 +79,8 @@ class Places {
 // Builds what the stages read, then copies it to the device.
 class Uploading {
  public:
-  Uploading(const Device& device, const CompiledScene& scene, int partition, int rank)
-      : device_(device), scene_(scene), partition_(partition) {
+  Uploading(const Device& device, const CompiledScene& scene, int partition, int rank, const Advance& advance)
+      : device_(device), scene_(scene), partition_(partition), advance_(advance) {
     out_.partition = partition;
     out_.special.limited = device.endsLoops();
     out_.special.routes = 0;
@@ -117,7 +117,8 @@ class Uploading {
 
   PartOnDevice finish(const Pipelines& pipelines, SharedData& shared) {
     if (out_.geometryKinds != 0) {
-      out_.geometry = shared.geometry.get(primitives_, [&] { return makeGeometry(); });
+      out_.geometry = shared.geometry.get(
+          primitives_, [&] { return makeGeometry(); }, [&] { advance_(0); });
       view_.hierarchy = out_.geometry->hierarchy;
       for (size_t i = 0; i < primitives_.size(); i++) {
         const shader::OperatorView& at = out_.geometry->places[i];
@@ -146,7 +147,8 @@ class Uploading {
     if (!inTables_.blocks().empty()) {
       std::vector<const VolumeBlock*> blocks;
       for (const auto& [block, place] : inTables_.blocks()) blocks.push_back(block);
-      out_.samples = shared.samples.get(blocks, [&] { return makeSamples(); });
+      out_.samples = shared.samples.get(
+          blocks, [&] { return makeSamples(); }, [&] { advance_(0.5); });
     }
     const VkDeviceAddress addresses[3] = {out_.scene.address() + at[3],
                                           out_.samples ? out_.samples->buffer.address() : 0,
@@ -192,8 +194,11 @@ class Uploading {
  private:
   SamplesOnDevice makeSamples() const {
     SamplesOnDevice made{Buffer(device_, inTables_.sampleBytes(), Place::Device, "volumes"), {}};
-    for (const auto& [block, place] : inTables_.blocks())
-      upload(device_, made.buffer, size_t(place) * 16, block->samples);
+    const Advance uploading = partOf(advance_, 1, 2);
+    const auto& blocks = inTables_.blocks();
+    for (size_t i = 0; i < blocks.size(); i++)
+      upload(device_, made.buffer, size_t(blocks[i].second) * 16, blocks[i].first->samples,
+             partOf(uploading, i, blocks.size()));
     made.charge = Charge(device_, made.buffer.bytes());
     return made;
   }
@@ -206,13 +211,13 @@ class Uploading {
       shader::OperatorView& at = made.places.emplace_back();
       if (part) fillPrimitives(at, *part, places);
     }
-    const Hierarchy hierarchy = hierarchyOf(scene_, partition_);
+    const Hierarchy hierarchy = hierarchyOf(scene_, partition_, partOf(advance_, 0, 4));
     const uint32_t list = words.add(hierarchy.primitives);
     const float nodes = std::nextafter(float(hierarchy.nodes.size() / NODE_WORDS), 1e30f);
     made.hierarchy = words.add(std::vector<uint32_t>{list, std::bit_cast<uint32_t>(nodes)});
     words.add(hierarchy.nodes);
     made.buffer = Buffer(device_, words.bytes().size(), Place::Device, "geometry");
-    upload(device_, made.buffer, 0, words.bytes());
+    upload(device_, made.buffer, 0, words.bytes(), partOf(advance_, 1, 4));
     made.charge = Charge(device_, made.buffer.bytes());
     return made;
   }
@@ -253,6 +258,7 @@ class Uploading {
   const Device& device_;
   const CompiledScene& scene_;
   const int partition_;
+  const Advance& advance_;
   PartOnDevice out_;
   Words tables_;
   Places inTables_{tables_};
@@ -274,8 +280,8 @@ void checkNumbering(const Index3& points, int components) {
 }
 
 PartOnDevice uploadPart(const Device& device, const Pipelines& pipelines, SharedData& shared,
-                        const CompiledScene& scene, int partition, int rank) {
-  return Uploading(device, scene, partition, rank).finish(pipelines, shared);
+                        const CompiledScene& scene, int partition, int rank, const Advance& advance) {
+  return Uploading(device, scene, partition, rank, advance).finish(pipelines, shared);
 }
 
 }  // namespace gxy::vulkan

@@ -74,8 +74,8 @@ struct SharedData {
 /// Throws Error where a block has more points, or numbers of all components, than the shaders tell apart in 32 bits.
 void checkNumbering(const Index3& points, int components);
 
-/// partition < 0: none. Throws Error where the device has no room for it.
+/// partition < 0: none. Throws Error where the device has no room for it, and what `advance` throws.
 PartOnDevice uploadPart(const Device& device, const Pipelines& pipelines, SharedData& shared,
-                        const CompiledScene& scene, int partition, int rank);
+                        const CompiledScene& scene, int partition, int rank, const Advance& advance);
 
 }  // namespace gxy::vulkan

@@ -14,9 +14,9 @@ class VulkanBackend final : public Backend {
       : context_(std::make_shared<vulkan::Context>(options)) {}
   std::string name() const override { return "vulkan"; }
   std::string device() const override { return info().name + ", " + info().driver; }
-  std::unique_ptr<DeviceScene> makeScene(std::shared_ptr<const CompiledScene> scene,
-                                         int rank) const override {
-    return std::make_unique<vulkan::VulkanScene>(context_, std::move(scene), rank);
+  std::unique_ptr<DeviceScene> makeScene(std::shared_ptr<const CompiledScene> scene, int rank,
+                                         const Advance& advance) const override {
+    return std::make_unique<vulkan::VulkanScene>(context_, std::move(scene), rank, advance);
   }
   const VulkanDeviceInfo& info() const { return context_->device.info(); }
 

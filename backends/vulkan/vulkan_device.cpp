@@ -221,9 +221,14 @@ void Commands::submit() {
   submission_ = device_.submit(commands_);
 }
 
-void upload(const Device& device, const Buffer& buffer, size_t offset, std::span<const std::byte> bytes) {
+void upload(const Device& device, const Buffer& buffer, size_t offset, std::span<const std::byte> bytes,
+            const Advance& advance) {
   if (buffer.mapped()) {
-    std::memcpy(buffer.mapped() + offset, bytes.data(), bytes.size());
+    for (size_t at = 0; at < bytes.size(); at += kStagingBytes) {
+      advance(double(at) / double(bytes.size()));
+      std::memcpy(buffer.mapped() + offset + at, bytes.data() + at,
+                  std::min(bytes.size() - at, kStagingBytes));
+    }
     return;
   }
   // Two pieces in turn: one is filled while the device copies the other.
@@ -243,6 +248,7 @@ void upload(const Device& device, const Buffer& buffer, size_t offset, std::span
   const size_t size = std::min(bytes.size(), kStagingBytes);
   std::array<std::optional<Piece>, 2> pieces;
   for (size_t at = 0, turn = 0; at < bytes.size(); at += size, turn ^= 1) {
+    advance(double(at) / double(bytes.size()));
     std::optional<Piece>& piece = pieces[turn];
     if (piece) piece->commands.wait();
     if (!piece) piece.emplace(device, size);

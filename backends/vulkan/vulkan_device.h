@@ -7,6 +7,7 @@
 #include <mutex>
 #include <span>
 
+#include "gxy/comm/advance.h"
 #include "gxy/vulkan/memory.h"
 #include "gxy/vulkan/vulkan_instance.h"
 
@@ -114,7 +115,9 @@ class Commands {
   uint64_t submission_ = 0;
 };
 
-/// Copies to the beginning of a part of a buffer, whether the host sees it or not.
-void upload(const Device& device, const Buffer& buffer, size_t offset, std::span<const std::byte> bytes);
+/// Copies to the beginning of a part of a buffer, whether the host sees it or not. Throws what `advance` throws.
+void upload(
+    const Device& device, const Buffer& buffer, size_t offset, std::span<const std::byte> bytes,
+    const Advance& advance = [](double) {});
 
 }  // namespace gxy::vulkan

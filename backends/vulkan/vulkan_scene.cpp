@@ -71,7 +71,7 @@ Context::Context(const VulkanOptions& options)
       tracer(device, pipelines, batchRaysOf(device)) {}
 
 VulkanScene::VulkanScene(std::shared_ptr<Context> context, std::shared_ptr<const CompiledScene> scene,
-                         int rank)
+                         int rank, const Advance& advance)
     : context_(std::move(context)),
       scene_(std::move(scene)),
       rank_(rank),
@@ -89,12 +89,15 @@ VulkanScene::VulkanScene(std::shared_ptr<Context> context, std::shared_ptr<const
   if (renderedOperators_.size() > kMostVolumes)
     throw Error("a visualization renders " + std::to_string(renderedOperators_.size()) +
                 " volumes at once; this backend takes at most " + std::to_string(kMostVolumes));
-  for (int p : scene_->partitioning->owned(rank_))
-    if (scene_->visible[size_t(p)])  // nothing is there where nothing can be seen
-      parts_.emplace(p,
-                     uploadPart(context_->device, context_->pipelines, context_->shared, *scene_, p, rank_));
-  if (parts_.size() != 1)
-    anywhere_ = uploadPart(context_->device, context_->pipelines, context_->shared, *scene_, -1, rank_);
+  const auto upload = [&](int partition, const Advance& uploading) {
+    return uploadPart(context_->device, context_->pipelines, context_->shared, *scene_, partition, rank_,
+                      uploading);
+  };
+  const std::vector<int> owned = scene_->partitioning->owned(rank_);
+  for (size_t i = 0; i < owned.size(); i++)
+    if (scene_->visible[size_t(owned[i])])  // nothing is there where nothing can be seen
+      parts_.emplace(owned[i], upload(owned[i], partOf(advance, i, owned.size())));
+  if (parts_.size() != 1) anywhere_ = upload(-1, [](double) {});
   size_t bytes = anywhere_.scene.bytes();
   for (const auto& [p, part] : parts_) bytes += part.scene.bytes();
   charge_ = Charge(context_->device, bytes);

@@ -2,8 +2,10 @@
 // Loops and sorting over oneTBB threads.
 #pragma once
 #include <algorithm>
-#ifdef __SANITIZE_THREAD__
 #include <atomic>
+
+#include "advance.h"
+#ifdef __SANITIZE_THREAD__
 #include <exception>
 #include <mutex>
 #include <thread>
@@ -41,6 +43,19 @@ void parallelFor(Index first, Index last, const Body& body) {
 #else
   tbb::parallel_for(first, last, body);
 #endif
+}
+
+/// The same for short bodies, in blocks of which `advance` is told.
+template <class Index, class Body>
+void parallelFor(Index first, Index last, const Body& body, const Advance& advance) {
+  constexpr Index kBlock = 8192;
+  const Index blocks = (last - first + kBlock - 1) / kBlock;
+  std::atomic<Index> done = 0;
+  parallelFor(Index(0), blocks, [&](Index block) {
+    const Index begin = first + block * kBlock;
+    for (Index i = begin, end = std::min<Index>(last, begin + kBlock); i < end; i++) body(i);
+    advance(double(++done) / double(blocks));
+  });
 }
 
 /// std::sort, on the threads of the calling thread's task arena; under the thread sanitizer on its own.

@@ -224,13 +224,15 @@ void validate(const GeometryBlock& block, GeometryKind kind) {
   checkIndices(block.neighbours);
 }
 
-GeometryBlock subset(const GeometryBlock& block, GeometryKind kind, std::span<const uint32_t> primitives) {
+GeometryBlock subset(const GeometryBlock& block, GeometryKind kind, std::span<const uint32_t> primitives,
+                     const Advance& advance) {
   GeometryBlock chosen;
   chosen.ids.reserve(primitives.size());
   if (kind == GeometryKind::Particles) chosen.points.reserve(primitives.size());
   const auto append = [&](auto&& numberOf) {
-    for (uint32_t p : primitives) {
-      appendPrimitive(chosen, block, kind, p, [&](uint32_t point) {
+    for (size_t i = 0; i < primitives.size(); ++i) {
+      tell(advance, i, primitives.size());
+      appendPrimitive(chosen, block, kind, primitives[i], [&](uint32_t point) {
         uint32_t& number = numberOf(point);
         if (number == kNone) {
           number = uint32_t(chosen.points.size());
@@ -250,7 +252,7 @@ GeometryBlock subset(const GeometryBlock& block, GeometryKind kind, std::span<co
   return chosen;
 }
 
-GeometryBlock merged(GeometryKind kind, std::span<const GeometryBlock> parts) {
+GeometryBlock merged(GeometryKind kind, std::span<const GeometryBlock> parts, const Advance& advance) {
   GeometryBlock joined;
   if (parts.size() != 1) joined = concatenated(kind, parts);
   const GeometryBlock& all = parts.size() == 1 ? parts[0] : joined;
@@ -268,8 +270,9 @@ GeometryBlock merged(GeometryKind kind, std::span<const GeometryBlock> parts) {
   block.points.reserve(all.points.size());
   PointsByContent byContent(block, kind == GeometryKind::Particles ? 1 : all.points.size());
   std::vector<uint32_t> indices(all.points.size(), kNone);  // looked up once per point, not once per use
-  for (uint32_t p : order) {
-    appendPrimitive(block, all, kind, p, [&](uint32_t point) {
+  for (size_t i = 0; i < order.size(); ++i) {
+    tell(advance, i, order.size());
+    appendPrimitive(block, all, kind, order[i], [&](uint32_t point) {
       if (indices[point] == kNone) {
         uint32_t& index = byContent[PointKey(all, point)];
         if (index == kNone) {

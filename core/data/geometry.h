@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "gxy/comm/advance.h"
 #include "gxy/data/box.h"
 
 namespace gxy {
@@ -56,13 +57,16 @@ void validate(const GeometryBlock& block, GeometryKind kind);
 
 /// The chosen primitives (indices, in the order wanted) and the points that they refer to, in order of first
 /// use.
-GeometryBlock subset(const GeometryBlock& block, GeometryKind kind, std::span<const uint32_t> primitives);
+GeometryBlock subset(
+    const GeometryBlock& block, GeometryKind kind, std::span<const uint32_t> primitives,
+    const Advance& advance = [](double) {});
 
 /// All primitives of several valid blocks, ids ascending. Points equal in position, normal and value become
 /// one (never for Particles, where each point is a primitive) and are numbered in order of first use, so that
 /// the result depends neither on the order of the parts nor on how primitives were spread over them. Throws
 /// Error if an id comes twice, if only some parts have normals or values, or for 2^32 - 1 points or more.
-GeometryBlock merged(GeometryKind kind, std::span<const GeometryBlock> parts);
+GeometryBlock merged(
+    GeometryKind kind, std::span<const GeometryBlock> parts, const Advance& advance = [](double) {});
 
 /// Removes primitives that cannot be drawn: with a non-finite coordinate (neighbours' included), triangles without area,
 /// and segments between points of a line that are equal in position, normal and value (merged() makes these one, which

@@ -185,7 +185,7 @@ bool isPrivate(const VolumeBlock& block, const Index3& macrocell) {
 
 }  // namespace
 
-void completeBlock(VolumeBlock& block, ScalarType stored, int components) {
+void completeBlock(VolumeBlock& block, ScalarType stored, int components, const Advance& advance) {
   const Extent& e = block.extent;
   if (bytesOf(stored) > 4 || stored == ScalarType::Int32 || stored == ScalarType::UInt32) {
     throw Error(std::string("macrocells: samples stored as ") + nameOf(stored) +
@@ -212,7 +212,9 @@ void completeBlock(VolumeBlock& block, ScalarType stored, int components) {
   for (size_t s = 0; s < block.summaries.size(); ++s) {
     std::vector<Macrocell>& cells = block.summaries[s];
     cells.reserve(size_t(n[0] * n[1] * n[2]));
+    const Advance summing = partOf(advance, s, block.summaries.size());
     for (int64_t k = 0; k < n[2]; ++k) {
+      summing(double(k) / double(n[2]));
       for (int64_t j = 0; j < n[1]; ++j) {
         const PointSpan zs = pointsOf(e, 2, f[2] + k), ys = pointsOf(e, 1, f[1] + j);
         rows.read(ys.first, ys.last, zs.first, zs.last, int(s));

@@ -10,6 +10,7 @@
 #include <span>
 #include <vector>
 
+#include "gxy/comm/advance.h"
 #include "gxy/data/volume.h"
 
 namespace gxy {
@@ -17,8 +18,9 @@ namespace gxy {
 /// Fills firstMacrocell, macrocells and summaries of a block from its own samples (x fastest; stored type: int8 to uint16,
 /// or float), and puts these into bricks. The magnitude of a point is sqrt of the sum of squares of the stored components, in
 /// float, left to right; a point is "no data" for the magnitude if one component is. Throws Error if the
-/// samples do not fit the extent, or the block is complete.
-void completeBlock(VolumeBlock& block, ScalarType stored, int components);
+/// samples do not fit the extent, or the block is complete. Nothing can be done with a block whose `advance` has thrown.
+void completeBlock(
+    VolumeBlock& block, ScalarType stored, int components, const Advance& advance = [](double) {});
 
 /// What one block knows of one macrocell that other blocks may hold too; plain data, sent between ranks as it
 /// is.

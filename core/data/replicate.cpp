@@ -75,10 +75,13 @@ std::vector<int> partitionsTouched(const Partitioning& partitioning, const Box& 
 }
 
 std::vector<Bytes> packForOwners(const GeometryBlock& read, GeometryKind kind,
-                                 const Partitioning& partitioning, const RadiusOf& radius, int ranks) {
+                                 const Partitioning& partitioning, const RadiusOf& radius, int ranks,
+                                 const Advance& advance) {
   validate(read, kind);
   std::vector<std::vector<uint32_t>> touching(static_cast<size_t>(partitioning.partitions()));
+  const Advance finding = partOf(advance, 0, 2), packing = partOf(advance, 1, 2);
   for (size_t p = 0; p < read.ids.size(); ++p) {
+    tell(finding, p, read.ids.size());
     const Bounds bounds = boundsOf(read, kind, p, radius);
     for (int part : partitionsTouched(partitioning, bounds.box, bounds.radius)) {
       touching[size_t(part)].push_back(uint32_t(p));
@@ -94,7 +97,8 @@ std::vector<Bytes> packForOwners(const GeometryBlock& read, GeometryKind kind,
     if (touching[size_t(part)].empty()) continue;
     Writer& writer = writers[size_t(owner)];
     writer.write(int32_t(part));
-    write(writer, subset(read, kind, touching[size_t(part)]));
+    write(writer, subset(read, kind, touching[size_t(part)],
+                         partOf(packing, size_t(part), size_t(partitioning.partitions()))));
   }
   std::vector<Bytes> messages;
   for (Writer& writer : writers) messages.push_back(writer.take());
@@ -102,12 +106,13 @@ std::vector<Bytes> packForOwners(const GeometryBlock& read, GeometryKind kind,
 }
 
 std::map<int, GeometryBlock> unpackReceived(GeometryKind kind, const Partitioning& partitioning, int rank,
-                                            std::span<const Bytes> received) {
+                                            std::span<const Bytes> received, const Advance& advance) {
   std::map<int, std::vector<GeometryBlock>> parts;
   for (int part : partitioning.owned(rank)) parts[part];
   for (const Bytes& message : received) {
     Reader reader(message, "replicated primitives");
     while (!reader.rest().empty()) {
+      advance(0);
       const auto part = reader.read<int32_t>();
       const auto at = parts.find(part);
       if (at == parts.end()) {
@@ -120,21 +125,23 @@ std::map<int, GeometryBlock> unpackReceived(GeometryKind kind, const Partitionin
   }
   std::map<int, GeometryBlock> blocks;
   for (auto& [part, list] : parts) {
-    blocks.emplace(part, merged(kind, list));
+    blocks.emplace(part, merged(kind, list, partOf(advance, blocks.size(), parts.size())));
     list = {};
   }
   return blocks;
 }
 
 GeometryBlock keepHome(const GeometryBlock& read, GeometryKind kind, const Partitioning& partitioning,
-                       int rank) {
+                       int rank, const Advance& advance) {
   validate(read, kind);
   std::vector<uint32_t> home;
+  const Advance finding = partOf(advance, 0, 2);
   for (size_t p = 0; p < read.ids.size(); ++p) {
+    tell(finding, p, read.ids.size());
     const glm::dvec3 first = read.points[*cornersOf(read, kind, p).begin()];
     if (partitioning.owner(partitioning.nearest(first)) == rank) home.push_back(uint32_t(p));
   }
-  return subset(read, kind, home);
+  return subset(read, kind, home, partOf(advance, 1, 2));
 }
 
 }  // namespace gxy

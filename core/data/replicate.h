@@ -32,17 +32,20 @@ std::vector<int> partitionsTouched(const Partitioning& partitioning, const Box& 
 /// segment together with its neighbours' points. Segments and particles are as thick as the largest radius at
 /// their points, triangles have none. Coordinates must be finite (dropUnusable). Throws Error for an invalid
 /// block, or if a partition's owner is not below `ranks`.
-std::vector<Bytes> packForOwners(const GeometryBlock& read, GeometryKind kind,
-                                 const Partitioning& partitioning, const RadiusOf& radius, int ranks);
+std::vector<Bytes> packForOwners(
+    const GeometryBlock& read, GeometryKind kind, const Partitioning& partitioning, const RadiusOf& radius,
+    int ranks, const Advance& advance = [](double) {});
 
 /// The blocks of all partitions of `rank` (empty ones included), from the messages of all ranks in any order;
 /// see merged() for what they look like. Throws Error for a malformed message.
-std::map<int, GeometryBlock> unpackReceived(GeometryKind kind, const Partitioning& partitioning, int rank,
-                                            std::span<const Bytes> received);
+std::map<int, GeometryBlock> unpackReceived(
+    GeometryKind kind, const Partitioning& partitioning, int rank, std::span<const Bytes> received,
+    const Advance& advance = [](double) {});
 
 /// Of a block that every rank has read in full, the primitives at home on this rank: those whose first point
 /// lies in (or, outside the domain, nearest to) one of its partitions. Each primitive has one home.
-GeometryBlock keepHome(const GeometryBlock& read, GeometryKind kind, const Partitioning& partitioning,
-                       int rank);
+GeometryBlock keepHome(
+    const GeometryBlock& read, GeometryKind kind, const Partitioning& partitioning, int rank,
+    const Advance& advance = [](double) {});
 
 }  // namespace gxy

@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "gxy/comm/advance.h"
 #include "gxy/comm/collective.h"
 #include "gxy/comm/transport.h"
 #include "gxy/data/box.h"
@@ -21,8 +22,8 @@ struct Collectives {
   virtual std::vector<Bytes> allGather(Bytes mine) = 0;
   /// `perRank[r]` goes to rank r; returns what each rank had for this one, by rank.
   virtual std::vector<Bytes> allToAll(std::vector<Bytes> perRank) = 0;
-  /// Throws Error if this rank's part is to end before it is done; called between files and between blocks of them, where
-  /// agree() makes all ranks end.
+  /// Throws Error if this rank's part is to end before it is done; called between files, blocks and layers of them, where
+  /// agree() makes all ranks end, from any thread.
   virtual void check() const {}
   /// This rank has done so much of the call that it is in, from 0 to 1; called where check() is, beside it.
   virtual void done(double) const {}
@@ -67,6 +68,14 @@ class RankCollectives final : public Collectives {
   std::function<void()> check_;
   std::function<void(double)> done_;
 };
+
+/// check(), then done(): of a call, or of a part of it that goes from `first` to `last`.
+inline Advance advanceOf(const Collectives& ranks, double first = 0, double last = 1) {
+  return [&ranks, first, last](double share) {
+    ranks.check();
+    ranks.done(first + share * (last - first));
+  };
+}
 
 /// Runs `work`, which must not communicate, on every rank. If it throws on any rank, throws Error on every
 /// rank, with the message of the lowest rank that failed (and that rank, where there are several).

@@ -130,11 +130,16 @@ std::shared_ptr<Geometry> distribute(const LoadedGeometry& loaded, const Partiti
   agree(ranks, [&] {
     GeometryBlock home;
     const bool some = loaded.everywhere && ranks.size() > 1;
-    if (some) home = keepHome(loaded.block, loaded.kind, partitioning, ranks.rank());
-    messages = packForOwners(some ? home : loaded.block, loaded.kind, partitioning, radius, ranks.size());
+    if (some)
+      home = keepHome(loaded.block, loaded.kind, partitioning, ranks.rank(), advanceOf(ranks, 0, 0.25));
+    messages = packForOwners(some ? home : loaded.block, loaded.kind, partitioning, radius, ranks.size(),
+                             advanceOf(ranks, 0.25, 0.5));
   });
   const std::vector<Bytes> received = ranks.allToAll(std::move(messages));
-  agree(ranks, [&] { geometry->blocks = unpackReceived(loaded.kind, partitioning, ranks.rank(), received); });
+  agree(ranks, [&] {
+    geometry->blocks =
+        unpackReceived(loaded.kind, partitioning, ranks.rank(), received, advanceOf(ranks, 0.5));
+  });
   return geometry;
 }
 

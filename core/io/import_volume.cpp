@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cstring>
 #include <filesystem>
+#include <utility>
 
 #include "gxy/comm/error.h"
 #include "gxy/data/bricks.h"
@@ -47,8 +48,14 @@ void storeSamples(
     for (auto& [partition, block] : volume.blocks) {
       ranks.check();
       if (encoding != Encoding{type}) block.samples = convert(block.samples, type, encoding);
-      completeBlock(block, encoding.stored, volume.components);
-      count(block.extent.count());
+      const int64_t points = block.extent.count();
+      int64_t counted = 0;
+      const auto countTo = [&](int64_t point) { count(point - std::exchange(counted, point)); };
+      completeBlock(block, encoding.stored, volume.components, [&](double share) {
+        ranks.check();
+        countTo(int64_t(share * double(points)));
+      });
+      countTo(points);
     }
   });
   mergeMacrocells(volume, ranks);

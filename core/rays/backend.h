@@ -122,8 +122,10 @@ class Backend {
   virtual ~Backend() = default;
   virtual std::string name() const = 0;
   virtual std::string device() const = 0;  ///< for people: device and instruction set
-  virtual std::unique_ptr<DeviceScene> makeScene(std::shared_ptr<const CompiledScene> scene,
-                                                 int rank) const = 0;
+  /// Long for much geometry, of which `advance` is told. Throws Error for what the device has no room for, and what `advance`
+  /// throws, and leaves nothing then.
+  virtual std::unique_ptr<DeviceScene> makeScene(
+      std::shared_ptr<const CompiledScene> scene, int rank, const Advance& advance = [](double) {}) const = 0;
 };
 
 /// Backends by name; a program registers those that it links. Not thread safe.

@@ -104,7 +104,7 @@ const std::vector<int32_t>* isoPlanAmong(OtherScenes scenes, const CompiledOpera
 
 // What each macrocell asks for. A partition is seen if something is in the cells that it touches or, as rays round, in
 // those next to them: ghost layers reach further.
-void planVolume(CompiledOperator& op, CompiledScene& scene, OtherScenes known) {
+void planVolume(CompiledOperator& op, CompiledScene& scene, OtherScenes known, const Advance& advance) {
   const Volume& volume = *op.data.volume;
   const RenderSpace& space = scene.space;
   const glm::dvec3 s = volume.grid.spacing;
@@ -128,7 +128,8 @@ void planVolume(CompiledOperator& op, CompiledScene& scene, OtherScenes known) {
       part.isoPlan =
           same ? *same
                : isoPlan(block, volume.stored, volume.components,
-                         volume.components == 1 ? 0 : op.vis.component.value_or(-1), summaries, op.isovalues);
+                         volume.components == 1 ? 0 : op.vis.component.value_or(-1), summaries, op.isovalues,
+                         kMostIsoWords, partOf(advance, op.parts.size() - 1, volume.blocks.size()));
       scene.isoCellsSkipped += cellsWithoutIsovalue(part.isoPlan, summaries.size());
     }
     const Extent near = extentOf(volume.grid, scene.partitioning->box(partition), 1);
@@ -165,25 +166,30 @@ uint32_t spread(uint32_t x) {
 
 // Primitives along a curve through space (Morton's), so that neighbours are close in memory. Which of two comes first depends on
 // their first corners and ids alone, and so is the same in all partitions: ties between hits go by it.
-std::vector<uint32_t> alongCurve(const GeometryBlock& block, GeometryKind kind, const RenderSpace& space) {
+std::vector<uint32_t> alongCurve(const GeometryBlock& block, GeometryKind kind, const RenderSpace& space,
+                                 const Advance& advance) {
   std::vector<uint64_t> places(block.ids.size());  // on the curve, and the index
-  parallelFor(size_t(0), places.size(), [&](size_t i) {
+  const auto find = [&](size_t i) {
     const glm::dvec3 p = space.toRender(block.points[*cornersOf(block, kind, i).begin()]);
     uint32_t place = 0;
     for (int a = 0; a < 3; a++) place |= spread(uint32_t(std::clamp((p[a] + 0.5) * 1024, 0.0, 1023.0))) << a;
     places[i] = uint64_t(place) << 32 | i;
-  });
+  };
+  parallelFor(size_t(0), places.size(), find, advance);
   parallelSort(places.begin(), places.end());
   return {places.begin(), places.end()};  // the indices
 }
 
 GeometryPart compilePart(const GeometryBlock& all, GeometryKind kind, const Vis& vis,
-                         const RenderSpace& space) {
-  const GeometryBlock block = subset(all, kind, alongCurve(all, kind, space));
+                         const RenderSpace& space, const Advance& advance) {
+  const Advance sorting = partOf(advance, 0, 3), gathering = partOf(advance, 1, 3),
+                converting = partOf(advance, 2, 3);
+  const GeometryBlock block = subset(all, kind, alongCurve(all, kind, space, sorting), gathering);
   GeometryPart part;
   part.values = block.values;
   part.points.reserve(block.points.size() * 4);
   for (size_t i = 0; i < block.points.size(); i++) {
+    tell(converting, i, block.points.size());
     const glm::dvec3 p = space.toRender(block.points[i]);
     const double radius = kind == GeometryKind::Triangles
                               ? 0
@@ -201,7 +207,7 @@ GeometryPart compilePart(const GeometryBlock& all, GeometryKind kind, const Vis&
   return part;
 }
 
-void compileGeometry(CompiledOperator& op, CompiledScene& scene, OtherScenes known) {
+void compileGeometry(CompiledOperator& op, CompiledScene& scene, OtherScenes known, const Advance& advance) {
   const Geometry& geometry = *op.data.geometry;
   ColorMap color = effectiveColorMap(op.vis);
   op.map = CompiledMap(color, nullptr, MapUnits{});
@@ -212,7 +218,9 @@ void compileGeometry(CompiledOperator& op, CompiledScene& scene, OtherScenes kno
     auto& part = op.parts[partition].geometry;
     part = partAmong(known, op, scene.space, partition);
     if (!part)
-      part = std::make_shared<const GeometryPart>(compilePart(block, geometry.kind, op.vis, scene.space));
+      part = std::make_shared<const GeometryPart>(
+          compilePart(block, geometry.kind, op.vis, scene.space,
+                      partOf(advance, op.parts.size() - 1, geometry.blocks.size())));
     scene.visible[partition] = 1;
   }
   if (geometry.range.empty() && !hasValues)
@@ -276,7 +284,8 @@ std::shared_ptr<CompiledScene> compileScene(const Visualization& visualization,
                                             std::vector<OperatorData> data,
                                             std::shared_ptr<const Partitioning> partitioning,
                                             const RenderSettings& settings,
-                                            std::span<const std::shared_ptr<const CompiledScene>> others) {
+                                            std::span<const std::shared_ptr<const CompiledScene>> others,
+                                            const Advance& advance) {
   auto scene = std::make_shared<CompiledScene>();
   scene->visualization = visualization;
   scene->settings = settings;
@@ -293,7 +302,8 @@ std::shared_ptr<CompiledScene> compileScene(const Visualization& visualization,
 
   Box seen;
   double largestColor = 0;
-  for (size_t i = 0; i < visualization.operators.size(); i++) {
+  const size_t count = visualization.operators.size();
+  for (size_t i = 0; i < count; i++) {
     CompiledOperator& op = scene->operators.emplace_back();
     op.vis = visualization.operators[i];
     op.data = data.at(i);
@@ -307,7 +317,7 @@ std::shared_ptr<CompiledScene> compileScene(const Visualization& visualization,
       seen.extend(op.data.volume->grid.box());
       scene->volumesRendered += op.vis.volumeRendering;
     } else {
-      compileGeometry(op, *scene, others);
+      compileGeometry(op, *scene, others, partOf(advance, i, 2 * count));
       Box b = op.data.geometry->box;
       const double r = largestRadius(op.vis, op.data.geometry->range);
       if (!b.empty()) seen.extend(Box{b.lo - r, b.hi + r});
@@ -316,8 +326,9 @@ std::shared_ptr<CompiledScene> compileScene(const Visualization& visualization,
     if (surfaces && op.vis.opacity < 1) scene->opaqueSurfaces = false;
     largestColor = std::max(largestColor, op.map.largestColor);
   }
-  for (CompiledOperator& op : scene->operators)
-    if (op.vis.type == VisType::Volume) planVolume(op, *scene, others);
+  for (size_t i = 0; i < count; i++)
+    if (CompiledOperator& op = scene->operators[i]; op.vis.type == VisType::Volume)
+      planVolume(op, *scene, others, partOf(advance, count + i, 2 * count));
   if (seen.empty()) seen = partitioning->domain();
   const glm::dvec3 lo = scene->space.toRender(seen.lo), hi = scene->space.toRender(seen.hi), size = hi - lo;
   const double margin = kDomainMargin * std::max({size.x, size.y, size.z, 1e-3});

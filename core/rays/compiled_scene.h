@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "gxy/comm/advance.h"
 #include "gxy/data/geometry.h"
 #include "gxy/data/partitioning.h"
 #include "gxy/data/volume.h"
@@ -110,7 +111,8 @@ struct CompiledScene {
 std::shared_ptr<CompiledScene> compileScene(
     const Visualization& visualization, std::vector<OperatorData> data,
     std::shared_ptr<const Partitioning> partitioning, const RenderSettings& settings,
-    std::span<const std::shared_ptr<const CompiledScene>> others = {});
+    std::span<const std::shared_ptr<const CompiledScene>> others = {},
+    const Advance& advance = [](double) {});
 
 /// What the radii of a Vis depend on, besides values; the same for all Triangles, which have none.
 std::array<double, 4> radiiOf(const Vis& vis);

@@ -2,6 +2,7 @@
 #include "gxy/rays/iso_plan.h"
 
 #include <algorithm>
+#include <atomic>
 #include <bit>
 #include <cmath>
 #include <cstring>
@@ -186,7 +187,7 @@ void markCubes(std::vector<int32_t>& plan, const VolumeBlock& block, int level) 
 
 std::vector<int32_t> isoPlan(const VolumeBlock& block, ScalarType stored, int components, int component,
                              std::span<const Macrocell> summaries, std::span<const float> isovalues,
-                             size_t mostWords) {
+                             size_t mostWords, const Advance& advance) {
   if (block.samples.size() != Bricks(block.extent.points).count() * size_t(components) * bytesOf(stored))
     throw Error("isosurface plan: a block of " + std::to_string(block.samples.size()) + " bytes, expected " +
                 std::to_string(block.extent.count()) + " points of " + std::to_string(components) + " x " +
@@ -210,6 +211,7 @@ std::vector<int32_t> isoPlan(const VolumeBlock& block, ScalarType stored, int co
     plan[i] = int32_t(fits ? next : full);
     if (fits) next += kIsoWords;
   }
+  std::atomic<int64_t> rows = 0;  // that are done
   parallelFor(int64_t(0), n[2], [&](int64_t slice) {
     CellBits bits(block, Points(block, stored, components, component), isovalues);
     for (int64_t row = 0; row < n[1]; row++) {
@@ -220,6 +222,7 @@ std::vector<int32_t> isoPlan(const VolumeBlock& block, ScalarType stored, int co
         if (end > x) bits.add(x, end, row, slice, plan.data() + words[x]);
         end = std::max(end, x + 1);
       }
+      advance(double(++rows) / double(n[1] * n[2]));
     }
   });
   for (int level = 1; level <= kLevels; level++) markCubes(plan, block, level);

@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "gxy/comm/advance.h"
 #include "gxy/data/volume.h"
 
 namespace gxy {
@@ -23,9 +24,10 @@ inline constexpr size_t kMostIsoWords = size_t(1) << 29;
 ///   -k   no isovalue lies in the range of any macrocell that the block has of the aligned cube of 2^k of them, k <= 3
 /// `component` < 0: the magnitude, in float. Macrocells beyond `mostWords` share 16 words of set bits. Takes the time
 /// of one pass over the macrocells that have bits. Throws Error where the samples do not fit the extent.
-std::vector<int32_t> isoPlan(const VolumeBlock& block, ScalarType stored, int components, int component,
-                             std::span<const Macrocell> summaries, std::span<const float> isovalues,
-                             size_t mostWords = kMostIsoWords);
+std::vector<int32_t> isoPlan(
+    const VolumeBlock& block, ScalarType stored, int components, int component,
+    std::span<const Macrocell> summaries, std::span<const float> isovalues, size_t mostWords = kMostIsoWords,
+    const Advance& advance = [](double) {});
 
 /// Whether a cell of macrocell `index`, whose first cell on the grid is `firstCell`, lies between the points of an extent and
 /// has its bit set.

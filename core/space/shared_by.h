@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // Things that several owners hold together, found by what they were made of.
 #pragma once
+#include <chrono>
+#include <condition_variable>
+#include <functional>
 #include <map>
 #include <memory>
 #include <mutex>
+#include <set>
 
 namespace gxy {
 
@@ -12,15 +16,30 @@ namespace gxy {
 template <class Key, class Value>
 class SharedBy {
  public:
-  /// The value that there is, else what `make()` makes, or throws. Others who want one wait meanwhile.
+  /// The value that there is, else what `make()` makes, or throws. Others who want this one wait meanwhile, and throw what
+  /// `check()` throws, which each of them calls now and then.
   template <class Make>
-  std::shared_ptr<const Value> get(const Key& key, Make&& make) {
-    const std::lock_guard lock(mutex_);
-    std::erase_if(known_, [](const auto& entry) { return entry.second.expired(); });
-    if (const auto known = known_.find(key); known != known_.end())
-      if (auto value = known->second.lock()) return value;
+  std::shared_ptr<const Value> get(
+      const Key& key, Make&& make, const std::function<void()>& check = [] {}) {
+    std::unique_lock lock(mutex_);
+    for (;; check(), lock.lock()) {
+      std::erase_if(known_, [](const auto& entry) { return entry.second.expired(); });
+      if (const auto known = known_.find(key); known != known_.end())
+        if (auto value = known->second.lock()) return value;
+      if (making_.insert(key).second) break;
+      made_.wait_for(lock, std::chrono::milliseconds(20));
+      lock.unlock();
+    }
+    lock.unlock();
+    const std::shared_ptr<void> end(nullptr, [&](void*) {
+      const std::lock_guard again(mutex_);
+      making_.erase(key);
+      made_.notify_all();
+    });
     auto made = std::make_shared<const Value>(make());
+    lock.lock();
     known_[key] = made;
+    lock.unlock();
     return made;
   }
 
@@ -33,6 +52,8 @@ class SharedBy {
 
  private:
   mutable std::mutex mutex_;
+  std::condition_variable made_;
+  std::set<Key> making_;
   std::map<Key, std::weak_ptr<const Value>> known_;
 };
 

@@ -10,6 +10,13 @@
 
 namespace gxy {
 
+Asker askerOf(Request& request) {
+  return {[&request] { request.check(); },
+          [&request](int64_t done, int64_t of, const std::string& text, bool phase) {
+            request.progress(done, of, text, phase);
+          }};
+}
+
 void Exchanges::addWorks() {
   node_.work.add("exchanges.cancel", [this](const Work::Call& call) -> nlohmann::json {
     const std::lock_guard lock(mutex_);
@@ -25,29 +32,36 @@ std::shared_ptr<const uint64_t> Exchanges::beginLong(Request& request) {
   return begin(request, node_.tenants.beginLong(request.session().tenant(), [&] { request.check(); }));
 }
 
+std::shared_ptr<const uint64_t> Exchanges::begin(Asker asker) { return begin(std::move(asker), nullptr); }
+
 std::shared_ptr<const uint64_t> Exchanges::begin(Request& request, std::shared_ptr<void> turn) {
-  const uint64_t number = node_.nextExchange();
-  {
-    const std::lock_guard lock(mutex_);
-    led_[number] = &request;
-  }
-  const std::shared_ptr<const uint64_t> begun(new uint64_t(number),
-                                              [this, turn = std::move(turn)](const uint64_t* led) {
-                                                const std::lock_guard lock(mutex_);
-                                                led_.erase(*led);
-                                                delete led;
-                                              });
-  request.onCancel([&node = node_, number] {
-    node.work.broadcast("exchanges.cancel", {{"exchange", number}}, [](std::vector<Work::Reply>) {});
-  });
+  auto begun = begin(askerOf(request), std::move(turn));
+  request.onCancel([this, number = *begun] { cancel(number); });
   return begun;
 }
 
-// Rank 0 asks the request itself: the message may come before the part has begun.
+std::shared_ptr<const uint64_t> Exchanges::begin(Asker asker, std::shared_ptr<void> turn) {
+  const uint64_t number = node_.nextExchange();
+  {
+    const std::lock_guard lock(mutex_);
+    led_.emplace(number, std::move(asker));
+  }
+  return {new uint64_t(number), [this, turn = std::move(turn)](const uint64_t* led) {
+            const std::lock_guard lock(mutex_);
+            led_.erase(*led);
+            delete led;
+          }};
+}
+
+void Exchanges::cancel(uint64_t number) {
+  node_.work.broadcast("exchanges.cancel", {{"exchange", number}}, [](std::vector<Work::Reply>) {});
+}
+
+// Rank 0 asks the asker itself: the message may come before the part has begun.
 void Exchanges::check(uint64_t number) const {
   const std::lock_guard lock(mutex_);
   if (underWay_.at(number)) throw Error("cancelled");
-  if (const auto led = led_.find(number); led != led_.end()) led->second->check();
+  if (const auto led = led_.find(number); led != led_.end()) led->second.check();
 }
 
 Exchanges::Part::Part(Exchanges& exchanges, uint64_t number)
@@ -81,7 +95,7 @@ void Exchanges::Part::tell(double share, bool phase) {
   if (led == exchanges_.led_.end()) return;
   // The end is told when all ranks have got there, and all has a name.
   const auto done = std::min(kUnits * item_ + int64_t(share * kUnits), kUnits * of_ - 1);
-  led->second->progress(done, kUnits * of_, text_, phase);
+  led->second.progress(done, kUnits * of_, text_, phase);
 }
 
 }  // namespace gxy

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Long work that all ranks do together for a request: its turn among the tenant's, its end and its progress.
+// Long work that all ranks do together for a request, or for several: its turn among the tenant's, its end and its progress.
 #pragma once
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -13,6 +14,16 @@ namespace gxy {
 
 struct Node;
 class Request;
+
+/// Who wants long work done. Both are called from any thread, are short, and are not empty.
+struct Asker {
+  std::function<void()> check = [] {};  ///< throws Error "cancelled" once it is wanted no more
+  /// As Request::progress.
+  std::function<void(int64_t done, int64_t of, const std::string& text, bool phase)> progress =
+      [](int64_t, int64_t, const std::string&, bool) {};
+};
+/// For as long as the request lives.
+Asker askerOf(Request& request);
 
 /// One on each rank. Rank 0 begins an exchange for a request and tells its number to a work (not of Runs::Short), which
 /// join()s it on all ranks. When the request is cancelled, its parts end soon. Thread safe.
@@ -28,8 +39,12 @@ class Exchanges {
   /// The same for what computes long: waits until the tenant has fewer than Tenants::kLong of these under way. Throws Error
   /// when the request is cancelled.
   [[nodiscard]] std::shared_ptr<const uint64_t> beginLong(Request& request);
+  /// begin() for another asker. Where it wants the work no more, cancel() tells the other ranks.
+  [[nodiscard]] std::shared_ptr<const uint64_t> begin(Asker asker);
+  void cancel(uint64_t number);
 
-  /// A rank's part of an exchange; used by one thread. What it has to say to the other ranks has been said when it goes.
+  /// A rank's part of an exchange; used by one thread, but for check() and done() of its ranks. What it has to say to the
+  /// other ranks has been said when it goes.
   class Part {
    public:
     ~Part();
@@ -58,12 +73,13 @@ class Exchanges {
 
  private:
   std::shared_ptr<const uint64_t> begin(Request& request, std::shared_ptr<void> turn);
+  std::shared_ptr<const uint64_t> begin(Asker asker, std::shared_ptr<void> turn);
   void check(uint64_t number) const;
 
   Node& node_;
   mutable std::mutex mutex_;
-  std::map<uint64_t, Request*> led_;   ///< rank 0: by number
-  std::map<uint64_t, bool> underWay_;  ///< parts of this rank, and whether they are to end
+  std::map<uint64_t, const Asker> led_;  ///< rank 0: by number
+  std::map<uint64_t, bool> underWay_;    ///< parts of this rank, and whether they are to end
 };
 
 }  // namespace gxy

@@ -21,7 +21,7 @@
 namespace gxy {
 
 /// Changes with every change of what modules see. A module built for another is refused.
-inline constexpr uint32_t kModuleAbi = 4;
+inline constexpr uint32_t kModuleAbi = 5;
 
 /// When a request runs: after the earlier ones of its session and before the later ones; in its turn, but the later ones
 /// do not wait for its end (long work); at once, on the thread that serves all sockets (the server's own short ones only).

@@ -64,11 +64,15 @@ std::vector<nlohmann::json> Node::callAll(const std::string& name, const nlohman
   const auto promise = std::make_shared<std::promise<std::vector<Work::Reply>>>();
   work.broadcast(name, parameters,
                  [promise](std::vector<Work::Reply> replies) { promise->set_value(std::move(replies)); });
+  return resultsOf(promise->get_future().get());
+}
+
+std::vector<nlohmann::json> Node::resultsOf(std::vector<Work::Reply> replies) const {
   std::vector<nlohmann::json> results;
   std::string all;
   int failed = 0;
   std::set<std::string> reasons;
-  for (Work::Reply& reply : promise->get_future().get()) {
+  for (Work::Reply& reply : replies) {
     if (!reply.ok()) {
       const std::string prefix = "rank " + std::to_string(reply.rank) + ": ";
       const std::string reason =

@@ -63,6 +63,8 @@ struct Node {
 
   /// Work::callAll, with an error that all ranks have alike told once.
   std::vector<nlohmann::json> callAll(const std::string& name, const nlohmann::json& parameters);
+  /// What it returns of the replies of all ranks, or throws.
+  std::vector<nlohmann::json> resultsOf(std::vector<Work::Reply> replies) const;
 
   /// Enters so many bytes of a tenant in the ledger. Throws Error if it may not have them on this rank.
   [[nodiscard]] LedgerEntry takeMemory(const std::string& tenant, const std::string& purpose, int64_t bytes);

@@ -11,6 +11,7 @@
 #include <thread>
 
 #include "gxy/scene/state_file.h"
+#include "multiserver/holding.h"
 #include "multiserver/test_server.h"
 
 namespace gxy::test {
@@ -21,14 +22,16 @@ using nlohmann::json;
 constexpr uint32_t kPasses = 3;
 
 struct Shown {
-  explicit Shown(NodeOptions limits = {}) : server(setup(std::move(limits))), user(server.client()) {
+  explicit Shown(NodeOptions limits = {}, BackendRegistry::Maker backend = {})
+      : server(setup(std::move(limits), std::move(backend))), user(server.client()) {
     user->expect("load data");
     user->expect("load viewer");
   }
-  static ServerSetup setup(NodeOptions limits) {
+  static ServerSetup setup(NodeOptions limits, BackendRegistry::Maker backend) {
     ServerSetup setup;
     setup.modules = GALAXY_MODULES;
     setup.node = std::move(limits);
+    setup.backend = std::move(backend);
     return setup;
   }
   static State state() { return readState(stateOf("ball"), "the test's state").state; }
@@ -76,6 +79,16 @@ TEST(RemoteWindow, ShowsDataThatComeAfterItWasOpened) {
   shown.user->expect(importBall("ball"));
   shown.untilAllIsShown(1);
   shown.until([&] { return shown.window.box().has_value(); }, "where they are");
+}
+
+TEST(RemoteWindow, SaysThatItsSceneIsBeingMadeAsLongAsItIs) {
+  const auto scenes = std::make_shared<Holding::Scenes>();
+  scenes->held = true;
+  Shown shown({}, holding(scenes));
+  shown.user->expect(importBall("ball"));
+  shown.until([&] { return shown.window.status() == "building the scene"; }, "it is told");
+  scenes->held = false;
+  shown.untilAllIsShown(1);
 }
 
 TEST(RemoteWindow, ForgetsAnErrorWhenDataAreBack) {

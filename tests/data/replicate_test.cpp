@@ -10,6 +10,7 @@
 
 #include "gxy/comm/error.h"
 #include "random_partitioning.h"
+#include "support/ended.h"
 
 namespace gxy {
 namespace {
@@ -169,6 +170,22 @@ TEST_P(Replicate, EachPrimitiveHasOneHome) {
   }
   std::sort(ids.begin(), ids.end());
   EXPECT_EQ(ids, all.ids);
+}
+
+TEST_P(Replicate, IsEndedWhereverItsProgressThrows) {
+  std::mt19937 random(47);
+  const Partitioning p = test::randomPartitioning(random, domainBox(), 5, 1);
+  const GeometryBlock all = randomGeometry(random, GetParam(), p, 30'000);
+  GeometryBlock home;
+  EXPECT_GE(test::timesEnded([&](const Advance& a) { home = keepHome(all, GetParam(), p, 0, a); }), 3);
+  std::vector<Bytes> messages;
+  EXPECT_GE(test::timesEnded(
+                [&](const Advance& a) { messages = packForOwners(home, GetParam(), p, radiusOf, 1, a); }),
+            4);
+  std::map<int, GeometryBlock> blocks;
+  EXPECT_GE(
+      test::timesEnded([&](const Advance& a) { blocks = unpackReceived(GetParam(), p, 0, messages, a); }), 3);
+  EXPECT_EQ(blocks, unpackReceived(GetParam(), p, 0, packForOwners(home, GetParam(), p, radiusOf, 1)));
 }
 
 TEST_P(Replicate, TruncatedMessagesAreRefused) {

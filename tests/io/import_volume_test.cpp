@@ -74,6 +74,21 @@ struct EndsAt : Collectives {
   mutable int asked = 0;
 };
 
+// Of 20 x 80 x 200 points: read at once, stored in 25 layers of macrocells.
+TEST(ImportVolume, EndsWithinABlockWhenItIsToldTo) {
+  const TemporaryFolder folder;
+  Grid grid = kGrid;
+  grid.points = {20, 80, 200};
+  write(folder / "v.json", ScalarType::Float32, std::vector<float>(size_t(wholeOf(grid).count())), grid);
+  const Partitioning single = Partitioning::single(grid.box());
+  EndsAt never(-1);
+  importVolume(folder / "v.json", "", single, kGhostLayers, never);
+  EXPECT_GE(never.asked, 25);
+  EndsAt before(never.asked - 10);
+  EXPECT_THROW(importVolume(folder / "v.json", "", single, kGhostLayers, before), Error);
+  EXPECT_EQ(before.asked, never.asked - 10);
+}
+
 TEST(ImportVolume, EndsBetweenTwoBlocksWhenItIsToldTo) {
   const TemporaryFolder folder;
   write(folder / "v.json", ScalarType::Float32, std::vector<float>(size_t(wholeOf(kGrid).count())));

@@ -16,7 +16,8 @@ class Named final : public Backend {
   explicit Named(std::string name) : name_(std::move(name)) {}
   std::string name() const override { return name_; }
   std::string device() const override { return "none"; }
-  std::unique_ptr<DeviceScene> makeScene(std::shared_ptr<const CompiledScene>, int) const override {
+  std::unique_ptr<DeviceScene> makeScene(std::shared_ptr<const CompiledScene>, int,
+                                         const Advance&) const override {
     return nullptr;
   }
 

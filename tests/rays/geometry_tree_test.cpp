@@ -16,6 +16,7 @@
 #include "gxy/kernels/single_views.h"
 #include "gxy/rays/ray_list.h"
 #include "spawn_ispc.h"
+#include "support/ended.h"
 
 namespace gxy::test {
 namespace {
@@ -134,6 +135,19 @@ TEST(GeometryTree, IsNoDeeperThanTheStackHolds) {
       EXPECT_EQ(walk.seen.size(), part.primitives);
       EXPECT_LE(walk.deepest, TREE_DEEPEST);
     }
+  }
+}
+
+// And is then the same as if it had never been begun before.
+TEST(GeometryTree, IsEndedWhereverItsProgressThrows) {
+  for (const Case& c : kCases) {
+    const GeometryPart part = scattered(c, 30'000);
+    GeometryTree tree;
+    EXPECT_GE(timesEnded([&](const Advance& advance) { tree = buildGeometryTree(c.kind, part, 8, advance); }),
+              4);
+    const GeometryTree whole = buildGeometryTree(c.kind, part, 8);
+    EXPECT_TRUE(std::ranges::equal(tree.nodes, whole.nodes));
+    EXPECT_EQ(tree.leaves.size(), whole.leaves.size());
   }
 }
 

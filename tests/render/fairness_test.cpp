@@ -80,9 +80,9 @@ class CountedBackend : public Backend {
   explicit CountedBackend(Counts& counts) : counts_(counts) {}
   std::string name() const override { return "counted"; }
   std::string device() const override { return embree_->device(); }
-  std::unique_ptr<DeviceScene> makeScene(std::shared_ptr<const CompiledScene> scene,
-                                         int rank) const override {
-    return std::make_unique<CountedScene>(embree_->makeScene(std::move(scene), rank), counts_);
+  std::unique_ptr<DeviceScene> makeScene(std::shared_ptr<const CompiledScene> scene, int rank,
+                                         const Advance& advance) const override {
+    return std::make_unique<CountedScene>(embree_->makeScene(std::move(scene), rank, advance), counts_);
   }
 
  private:

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <future>
 #include <stdexcept>
 #include <string>
 
@@ -31,6 +32,31 @@ TEST(SharedBy, MakesAgainWhatCouldNotBeMade) {
                std::runtime_error);
   EXPECT_EQ(words.find(1), nullptr);
   EXPECT_EQ(*words.get(1, [] { return std::string("there"); }), "there");
+}
+
+TEST(SharedBy, OnlyWhoWantsTheSameWaitsAndMayGiveUp) {
+  SharedBy<int, std::string> words;
+  std::promise<void> begun, release;
+  auto first = std::async(std::launch::async, [&] {
+    return words.get(1, [&] {
+      begun.set_value();
+      release.get_future().wait();
+      return std::string("first");
+    });
+  });
+  begun.get_future().wait();
+  EXPECT_EQ(*words.get(2, [] { return std::string("other"); }), "other");
+  const auto never = []() -> std::string { throw std::logic_error("made twice"); };
+  EXPECT_THROW(words.get(1, never, [] { throw std::runtime_error("given up"); }), std::runtime_error);
+  std::promise<void> waits;
+  auto second = std::async(std::launch::async, [&] {
+    return words.get(1, never, [&, told = false]() mutable {
+      if (!std::exchange(told, true)) waits.set_value();
+    });
+  });
+  waits.get_future().wait();
+  release.set_value();
+  EXPECT_EQ(second.get(), first.get());
 }
 
 }  // namespace

@@ -78,6 +78,7 @@ RemoteWindow::RemoteWindow(Client::Options options, const State& state, uint32_t
     if (!reply.ok) return fail(reply.error);
     const std::lock_guard lock(mutex_);
     loaded_ = true;
+    progress_.clear();
     changed_.notify_all();
   });
 }
@@ -246,6 +247,7 @@ void RemoteWindow::render(bool moving, Clock::time_point now) {
 void RemoteWindow::takeNumber(const Reply& reply) {
   const std::lock_guard lock(mutex_);
   const auto asked = std::find_if(asked_.begin(), asked_.end(), [](const Asked& a) { return !a.number; });
+  progress_.clear();
   if (reply.ok) {
     asked->number = reply.value.at("frame").get<uint64_t>();
     // Pixels may overtake replies.
@@ -296,6 +298,7 @@ std::string RemoteWindow::status() const {
   const std::lock_guard lock(mutex_);
   if (!failure_.empty()) return "error: " + failure_;
   if (!loaded_) return progress_.empty() ? "loading data ..." : progress_;
+  if (!progress_.empty()) return progress_;
   if (!renderError_.empty()) return "error: " + renderError_;
   if (frame_.number == 0) return "waiting for the first picture ...";
   if (frame_.ended && frame_.status == "failed") return "error: " + frame_.error;

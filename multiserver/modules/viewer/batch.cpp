@@ -62,7 +62,9 @@ class Run {
       : services_(services),
         request_(request),
         batch_(batch),
-        total_(batch.state.cameras.size() * batch.state.visualizations.size()) {}
+        total_(batch.state.cameras.size() * batch.state.visualizations.size()) {
+    asker_.check = [this] { check(); };
+  }
 
   json run() {
     const auto begin = std::chrono::steady_clock::now();
@@ -85,9 +87,8 @@ class Run {
       if (!batch_.toClient) paths_.push_back(services_.node.folders.toWrite(nameOf(batch_, i)));
     }
     for (const Visualization& v : batch_.state.visualizations) {
-      request_.check();
       job_->scenes.push_back(
-          services_.scenes.get(request_.session().tenant(), v, batch_.state.settings).scene);
+          services_.scenes.get(request_.session().tenant(), v, batch_.state.settings, asker_).scene);
     }
     const auto wanted = services_.node.observers.subscribe({}, [this](const ObjectEvent& event) {
       if (event.kind == ObjectEvent::Kind::Wanted) letGo(event.key, event.generation);
@@ -186,8 +187,8 @@ class Run {
       const std::lock_guard lock(job_->mutex);
       kept = job_->scenes[index % of];
     }
-    Scenes::Pinned pinned =
-        services_.scenes.get(tenant, batch_.state.visualizations[index % of], batch_.state.settings, kept);
+    Scenes::Pinned pinned = services_.scenes.get(tenant, batch_.state.visualizations[index % of],
+                                                 batch_.state.settings, asker_, kept);
     ScenePtr scene = std::move(pinned.scene);
     if (scene != kept) {
       const std::lock_guard lock(job_->mutex);
@@ -249,6 +250,7 @@ class Run {
   Services& services_;
   Request& request_;
   const Batch& batch_;
+  Asker asker_ = askerOf(request_);  ///< for its scenes
   const size_t total_;
   std::vector<std::string> paths_;
   const std::shared_ptr<Job> job_ = std::make_shared<Job>();

@@ -2,6 +2,7 @@
 #include "scenes.h"
 
 #include <algorithm>
+#include <exception>
 #include <utility>
 
 #include "gxy/comm/error.h"
@@ -38,7 +39,7 @@ void checkCost(const Visualization& visualization) {
   constexpr int64_t kOperators = 64, kSurfaces = 256, kClips = 64, kMapPoints = 65536;
   check("ambient-occlusion rays per hit", visualization.lighting.aoCount, kOcclusion);
   check("lights", int64_t(visualization.lighting.sources.size()), kLights);
-  // Compiling looks at all data for each isovalue and slice, and cannot be cancelled.
+  // Compiling looks at all data for each isovalue and slice.
   check("operators", int64_t(visualization.operators.size()), kOperators);
   size_t surfaces = 0, clips = 0, points = 0;
   for (const Vis& vis : visualization.operators) {
@@ -87,12 +88,11 @@ Scenes::Scenes(Registration& registration) : node_(registration.node()) {
 
 // Every rank: all make the same exchanges, whatever fails.
 json Scenes::make(const json& p) {
-  const auto exchange = p.at("exchange").get<uint64_t>();
   const auto id = p.at("scene").get<SceneId>();
   const auto tenant = p.at("tenant").get<std::string>();
   const json& keys = p.at("data");
-  RankCollectives ranks = node_.collectives(exchange);
-  const std::shared_ptr<void> finish(nullptr, [&](void*) { node_.collective.finish(exchange); });
+  Exchanges::Part part = node_.exchanges.join(p.at("exchange").get<uint64_t>());
+  RankCollectives& ranks = part.ranks;
 
   Visualization visualization;
   RenderSettings settings;
@@ -117,6 +117,10 @@ json Scenes::make(const json& p) {
   std::shared_ptr<CompiledScene> scene;
   std::shared_ptr<const DeviceScene> device;
   Made made;  // goes before what it accounts for
+  // What is told of: each geometry, and the scene twice.
+  const int64_t of = 2 + std::count_if(datasets.begin(), datasets.end(),
+                                       [](const auto& d) { return d->geometry != nullptr; });
+  int64_t item = 0;
   for (size_t i = 0; i < datasets.size(); i++) {
     const Vis& vis = visualization.operators[i];
     const Dataset& dataset = *datasets[i];
@@ -124,6 +128,7 @@ json Scenes::make(const json& p) {
     operand.color = glm::dvec3(dataset.color);
     operand.volume = dataset.volume;
     if (!dataset.geometry) continue;
+    part.begin(item++, of, "distributing " + vis.dataset);
     const Distribution distribution{tenant, keys[i].at("key"), keys[i].at("generation"), radiiOf(vis)};
     std::shared_ptr<const Distributed> known = distributed_.find(distribution);
     // One rank may have forgotten it already.
@@ -141,6 +146,7 @@ json Scenes::make(const json& p) {
     made.geometry.push_back(known);
   }
   Bytes visible;
+  part.begin(item++, of, "compiling the scene");
   agree(ranks, [&] {
     std::vector<std::shared_ptr<const CompiledScene>> others;
     {
@@ -148,13 +154,14 @@ json Scenes::make(const json& p) {
       for (const auto& [known, made] : made_)
         if (auto other = made.scene.lock()) others.push_back(std::move(other));
     }
-    scene = compileScene(visualization, data, partitioning, settings, others);
+    scene = compileScene(visualization, data, partitioning, settings, others, advanceOf(ranks));
     for (const uint8_t v : scene->visible) visible.push_back(std::byte(v));
   });
   for (const Bytes& theirs : ranks.allGather(std::move(visible)))
     for (size_t i = 0; i < theirs.size(); i++) scene->visible[i] |= uint8_t(theirs[i]);
+  part.begin(item++, of, "building the scene");
   agree(ranks, [&] {
-    device = node_.backend->makeScene(scene, node_.rank());
+    device = node_.backend->makeScene(scene, node_.rank(), advanceOf(ranks));
     made.memory = memory_.enter(*scene, *device,
                                 [&](int64_t bytes) { return node_.takeMemory(tenant, "scene", bytes); });
     made.scene = scene;
@@ -175,24 +182,6 @@ json Scenes::forget(const json& p) {
   return nullptr;
 }
 
-ScenePtr Scenes::build(const std::string& tenant, const std::string& text, std::vector<NamedDataset> data) {
-  SceneId id;
-  {
-    const std::lock_guard lock(mutex_);
-    id = next_++;
-  }
-  const auto scene = std::make_shared<SceneHandle>(node_, id);
-  json keys = json::array();
-  for (const NamedDataset& d : data) keys.push_back({{"key", d.key.value}, {"generation", d.generation}});
-  scene->data = std::move(data);
-  node_.callAll("viewer.make", {{"exchange", node_.nextExchange()},
-                                {"scene", id},
-                                {"tenant", tenant},
-                                {"state", text},
-                                {"data", keys}});
-  return scene;
-}
-
 namespace {
 
 std::vector<Pin> pinned(Node& node, const std::vector<NamedDataset>& data) {
@@ -211,7 +200,7 @@ bool Scenes::namesMean(const std::string& tenant, const std::vector<NamedDataset
 }
 
 Scenes::Pinned Scenes::get(const std::string& tenant, const Visualization& visualization,
-                           const RenderSettings& settings, const ScenePtr& known) {
+                           const RenderSettings& settings, const Asker& asker, const ScenePtr& known) {
   if (known && namesMean(tenant, known->data)) try {
       return {known, pinned(node_, known->data)};
     } catch (const Error&) {
@@ -241,7 +230,7 @@ Scenes::Pinned Scenes::get(const std::string& tenant, const Visualization& visua
       pins.push_back(std::move(pin));
     }
     try {
-      return {getOf(tenant, state, data), std::move(pins)};
+      return {getOf(tenant, state, data, asker), std::move(pins)};
     } catch (const Error&) {
       // Dropped meanwhile, and perhaps replaced by others of the same names.
       if (namesMean(tenant, data) || looks == kLooks) throw;
@@ -249,39 +238,116 @@ Scenes::Pinned Scenes::get(const std::string& tenant, const Visualization& visua
   }
 }
 
-ScenePtr Scenes::getOf(const std::string& tenant, const State& state, const std::vector<NamedDataset>& data) {
+ScenePtr Scenes::getOf(const std::string& tenant, const State& state, const std::vector<NamedDataset>& data,
+                       const Asker& asker) {
+  asker.check();
   const std::string text = writeState(state);
   std::string content = tenant + "\n" + text;  // whose memory it takes
   for (const NamedDataset& d : data)
     content += " " + std::to_string(d.key.value) + ":" + std::to_string(d.generation);
 
-  std::promise<ScenePtr> promise;
-  std::shared_future<ScenePtr> other;
+  MakingPtr making;
+  bool begins = false;
   {
     const std::lock_guard lock(mutex_);
     std::erase_if(known_, [](const auto& k) { return k.second.expired(); });
     if (const auto at = known_.find(content); at != known_.end())
       if (ScenePtr scene = at->second.lock()) return scene;
-    if (const auto at = underWay_.find(content); at != underWay_.end())
-      other = at->second;
-    else
-      underWay_[content] = promise.get_future().share();
+    MakingPtr& underWay = underWay_[content];
+    begins = !underWay;
+    if (begins) underWay = std::make_shared<Making>();
+    making = underWay;
+    making->askers.push_back(&asker);
   }
-  if (other.valid()) return other.get();
-  ScenePtr scene;
-  std::exception_ptr error;
-  try {
-    scene = build(tenant, text, data);
-    promise.set_value(scene);
-  } catch (...) {
-    error = std::current_exception();
-    promise.set_exception(error);
+  if (begins) try {
+      start(making, content, tenant, text, data);
+    } catch (const std::exception& e) {
+      end(making, content, nullptr, e.what());
+    }
+  return waitFor(making, content, asker);
+}
+
+void Scenes::start(const MakingPtr& making, const std::string& content, const std::string& tenant,
+                   const std::string& text, std::vector<NamedDataset> data) {
+  SceneId id;
+  {
+    const std::lock_guard lock(mutex_);
+    id = next_++;
   }
+  auto scene = std::make_shared<SceneHandle>(node_, id);
+  json keys = json::array();
+  for (const NamedDataset& d : data) keys.push_back({{"key", d.key.value}, {"generation", d.generation}});
+  scene->data = std::move(data);
+  auto exchange =
+      node_.exchanges.begin(Asker{[making] {
+                                    if (!making->wanted) throw Error("cancelled");
+                                  },
+                                  [this, making](int64_t done, int64_t of, const std::string& what,
+                                                 bool phase) { tell(*making, done, of, what, phase); }});
+  making->exchange = *exchange;
+  const json parameters{
+      {"exchange", *exchange}, {"scene", id}, {"tenant", tenant}, {"state", text}, {"data", keys}};
+  node_.work.broadcast("viewer.make", parameters,
+                       [this, making, content, scene = ScenePtr(std::move(scene)),
+                        exchange = std::move(exchange)](std::vector<Work::Reply> replies) mutable {
+                         std::string error;
+                         try {
+                           node_.resultsOf(std::move(replies));
+                         } catch (const std::exception& e) {
+                           error = e.what();
+                           scene = nullptr;
+                         }
+                         end(making, content, std::move(scene), error);
+                       });
+}
+
+void Scenes::end(const MakingPtr& making, const std::string& content, ScenePtr scene,
+                 const std::string& error) {
+  if (scene && making->told) tell(*making, making->told, making->told, "done", true);
   const std::lock_guard lock(mutex_);
-  underWay_.erase(content);
-  if (error) std::rethrow_exception(error);
-  known_[content] = scene;
-  return scene;
+  if (making->wanted) {  // else there may be another by now
+    underWay_.erase(content);
+    if (scene) known_[content] = scene;
+  }
+  making->scene = std::move(scene);
+  making->error = error;
+  making->ended = true;
+  ended_.notify_all();
+}
+
+void Scenes::tell(Making& making, int64_t done, int64_t of, const std::string& text, bool phase) {
+  constexpr std::chrono::milliseconds kMoment{200};  // of which nobody wants to be told
+  if (std::chrono::steady_clock::now() < making.begin + kMoment) return;
+  const std::lock_guard lock(mutex_);
+  making.told = of;
+  for (const Asker* asker : making.askers) asker->progress(done, of, text, phase);
+}
+
+ScenePtr Scenes::waitFor(const MakingPtr& making, const std::string& content, const Asker& asker) {
+  std::unique_lock lock(mutex_);
+  const auto hasEnded = [&] { return making->ended; };
+  std::exception_ptr givesUp;
+  while (!givesUp && !ended_.wait_for(lock, std::chrono::milliseconds(20), hasEnded)) {
+    lock.unlock();
+    try {
+      asker.check();
+    } catch (...) {
+      givesUp = std::current_exception();
+    }
+    lock.lock();
+  }
+  std::erase(making->askers, &asker);
+  if (givesUp && making->askers.empty() && !making->ended) {
+    making->wanted = false;
+    underWay_.erase(content);
+    lock.unlock();
+    node_.exchanges.cancel(making->exchange);
+    lock.lock();
+    ended_.wait(lock, hasEnded);
+  }
+  if (givesUp) std::rethrow_exception(givesUp);
+  if (!making->scene) throw Error(making->error);
+  return making->scene;
 }
 
 }  // namespace gxy::viewer

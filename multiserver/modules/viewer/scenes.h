@@ -2,7 +2,9 @@
 // Visualizations with their data, compiled on all ranks and shared by all frames of a tenant that show them.
 #pragma once
 #include <array>
-#include <future>
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -53,23 +55,43 @@ class Scenes {
     std::vector<Pin> pins;  ///< of its data
   };
   /// Rank 0: the scene of a visualization with the current generations of its data, as the tenant sees them; compiled
-  /// unless that tenant has one of the same content. `known`, if not null, is taken while its names mean its data. Waits.
-  /// Throws Error for data that are not there or do not fit.
+  /// unless that tenant has one of the same content, or one that is being made: then all who want it wait for that one, and
+  /// are told its progress, and it is given up on all ranks when none of them wants it any more. `known`, if not null, is
+  /// taken while its names mean its data. Waits; the asker lives as long. Throws Error for data that are not there or do not
+  /// fit, and soon what `asker.check` throws, the last who waits once nothing of the scene is left.
   Pinned get(const std::string& tenant, const Visualization& visualization, const RenderSettings& settings,
-             const ScenePtr& known = nullptr);
+             const Asker& asker, const ScenePtr& known = nullptr);
   /// Whether that is what these names mean to the tenant now.
   bool namesMean(const std::string& tenant, const std::vector<NamedDataset>& data) const;
 
  private:
   nlohmann::json make(const nlohmann::json& parameters);
   nlohmann::json forget(const nlohmann::json& parameters);
-  ScenePtr build(const std::string& tenant, const std::string& text, std::vector<NamedDataset> data);
-  ScenePtr getOf(const std::string& tenant, const State& state, const std::vector<NamedDataset>& data);
+  /// A scene that is being made, and who waits for it. Rank 0; under mutex_ but for `wanted`.
+  struct Making {
+    std::vector<const Asker*> askers;
+    std::atomic<bool> wanted = true;  ///< by any of them; no more ask for it once nobody does
+    uint64_t exchange = 0;
+    bool ended = false;
+    ScenePtr scene;     ///< then; null: failed
+    std::string error;  ///< of that
+    const std::chrono::steady_clock::time_point begin = std::chrono::steady_clock::now();
+    int64_t told = 0;  ///< of how many units of progress
+  };
+  using MakingPtr = std::shared_ptr<Making>;
+  void start(const MakingPtr& making, const std::string& content, const std::string& tenant,
+             const std::string& text, std::vector<NamedDataset> data);
+  void end(const MakingPtr& making, const std::string& content, ScenePtr scene, const std::string& error);
+  void tell(Making& making, int64_t done, int64_t of, const std::string& text, bool phase);
+  ScenePtr waitFor(const MakingPtr& making, const std::string& content, const Asker& asker);
+  ScenePtr getOf(const std::string& tenant, const State& state, const std::vector<NamedDataset>& data,
+                 const Asker& asker);
 
   Node& node_;
   std::mutex mutex_;
   std::map<std::string, std::weak_ptr<const SceneHandle>> known_;  ///< rank 0: by content
-  std::map<std::string, std::shared_future<ScenePtr>> underWay_;   ///< rank 0
+  std::map<std::string, MakingPtr> underWay_;                      ///< rank 0: by content
+  std::condition_variable ended_;                                  ///< of one of these
   SceneId next_ = 1;                                               ///< rank 0
   /// Geometry in every partition that it touches, of a tenant's scenes.
   struct Distributed {

@@ -282,7 +282,7 @@ json render(Request& request, Arguments arguments) {
   const WindowPtr window = windowsOf(request.session())->get(id);
   const RenderRequest read = readRender(request, arguments.json());
   if (read.camera) window->setCamera(*read.camera);
-  return {{"frame", window->render(read.options)}};
+  return {{"frame", window->render(read.options, askerOf(request))}};
 }
 
 json cancelFrame(Request& request, Arguments arguments) {

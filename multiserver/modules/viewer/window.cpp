@@ -240,8 +240,13 @@ void Window::renderAgain() {
       options = self->lastOptions_;
       options.wait = true;  // a picture that is on its way to the client gets there
     }
+    Asker asker;
+    asker.check = [&] {
+      const std::lock_guard lock(self->mutex_);
+      if (self->closed_) throw Error("window " + std::to_string(self->id_) + ": it is closed");
+    };
     try {
-      const uint64_t frame = self->render(options, since);
+      const uint64_t frame = self->render(options, asker, since);
       if (frame == 0) return self->tryAgainUnlessMade(since.frames);
       self->outbox_->event({{"event", "frame"}, {"window", self->id_}, {"frame", frame}, {"reason", "data"}});
     } catch (const Error& e) {

@@ -58,8 +58,8 @@ class Window : public std::enable_shared_from_this<Window> {
   State state() const;
 
   /// Begins a frame; older ones are superseded. One that waits begins later, and is superseded by any newer one, so that at
-  /// most one does. Compiles the scene if need be, so it takes its time. Throws Error.
-  uint64_t render(const FrameOptions& options);
+  /// most one does. Compiles the scene if need be, so it takes its time, of which `asker` is told (Scenes::get). Throws Error.
+  uint64_t render(const FrameOptions& options, const Asker& asker);
   /// Ends the frame under way and the one that waits, if any.
   void cancel();
   /// Cancels, and begins no frame any more.
@@ -97,7 +97,7 @@ class Window : public std::enable_shared_from_this<Window> {
   struct Since {
     uint64_t asked, frames;
   };
-  uint64_t render(const FrameOptions& options, std::optional<Since> byItself);
+  uint64_t render(const FrameOptions& options, const Asker& asker, std::optional<Since> byItself);
   void renderAgain();
   void tryAgainUnlessMade(uint64_t lastFrame);
   void onRefused(uint64_t lastFrame, const std::string& error);

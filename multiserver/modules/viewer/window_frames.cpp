@@ -20,6 +20,15 @@ double secondsSince(std::chrono::steady_clock::time_point begin) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
 }
 
+bool isWanted(const Asker& asker) {
+  try {
+    asker.check();
+    return true;
+  } catch (const Error&) {
+    return false;
+  }
+}
+
 // The end of a pass or a frame.
 Bytes endRecord(PixelHeader header, PixelKind kind, const std::string& data = {}) {
   header.kind = kind;
@@ -31,10 +40,12 @@ Bytes endRecord(PixelHeader header, PixelKind kind, const std::string& data = {}
 
 }  // namespace
 
-uint64_t Window::render(const FrameOptions& options) { return render(options, {}); }
+uint64_t Window::render(const FrameOptions& options, const Asker& asker) {
+  return render(options, asker, {});
+}
 
 // 0 where the window would do it by itself and somebody has asked meanwhile: what they want counts.
-uint64_t Window::render(const FrameOptions& options, std::optional<Since> byItself) {
+uint64_t Window::render(const FrameOptions& options, const Asker& asker, std::optional<Since> byItself) {
   auto frame = std::make_shared<Frame>();
   State state;
   ScenePtr edited;
@@ -66,8 +77,16 @@ uint64_t Window::render(const FrameOptions& options, std::optional<Since> byItse
     asked_++;
     lastOptions_ = options;
   }
-  Scenes::Pinned pinned =
-      services_.scenes.get(tenant_, state.visualizations[0], state.settings, frame->scene);
+  Scenes::Pinned pinned;
+  try {
+    pinned = services_.scenes.get(tenant_, state.visualizations[0], state.settings, asker, frame->scene);
+  } catch (const Error&) {
+    // Who has cancelled an edit makes the next, which takes over as much; where there was no room, its room is needed.
+    const bool wanted = isWanted(asker);
+    const std::lock_guard lock(mutex_);
+    if (!wanted && !scene_ && !edited_ && updates_ == updates) edited_ = std::move(edited);
+    throw;
+  }
   edited = nullptr;
   frame->scene = std::move(pinned.scene);
   frame->pins = std::move(pinned.pins);
@@ -163,9 +182,14 @@ void Window::beginWithNewData(const FramePtr& frame) {
     const std::lock_guard lock(mutex_);
     updates = updates_;
   }
+  Asker asker;
+  asker.check = [&] {
+    const std::lock_guard lock(mutex_);
+    if (frame->over) throw Error(frame->over);
+  };
   try {
     Scenes::Pinned pinned =
-        services_.scenes.get(tenant_, frame->state.visualizations[0], frame->state.settings);
+        services_.scenes.get(tenant_, frame->state.visualizations[0], frame->state.settings, asker);
     const std::lock_guard lock(mutex_);
     frame->scene = std::move(pinned.scene);
     frame->pins = std::move(pinned.pins);
@@ -175,11 +199,13 @@ void Window::beginWithNewData(const FramePtr& frame) {
     stale_ = updates_ != updates;
     frame->state = {};
   } catch (const Error& e) {
+    const char* over = nullptr;
     {
       const std::lock_guard lock(mutex_);
-      stale_ = true;
+      over = frame->over;
+      stale_ = stale_ || !over;
     }
-    return finish(frame, "failed", e.what());
+    return finish(frame, over ? over : "failed", e.what());
   }
   begin(frame);
 }
