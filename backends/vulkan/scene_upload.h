@@ -75,7 +75,8 @@ struct SharedData {
 void checkNumbering(const Index3& points, int components);
 
 /// partition < 0: none. Throws Error where the device has no room for it, and what `advance` throws.
-PartOnDevice uploadPart(const Device& device, const Pipelines& pipelines, SharedData& shared,
-                        const CompiledScene& scene, int partition, int rank, const Advance& advance);
+PartOnDevice uploadPart(
+    const Device& device, const Pipelines& pipelines, SharedData& shared, const CompiledScene& scene,
+    int partition, int rank, const Advance& advance = [](double) {});
 
 }  // namespace gxy::vulkan
