@@ -38,8 +38,9 @@ struct VulkanFrame final : DeviceFrame {
 
 class VulkanScene final : public DeviceScene {
  public:
-  VulkanScene(std::shared_ptr<Context> context, std::shared_ptr<const CompiledScene> scene, int rank,
-              const Advance& advance);
+  VulkanScene(
+      std::shared_ptr<Context> context, std::shared_ptr<const CompiledScene> scene, int rank,
+      const Advance& advance = [](double) {});
 
   std::shared_ptr<const DeviceFrame> makeFrame(const CompiledFrame& frame) const override;
   void spawn(const DeviceFrame& frame, const Tile& tile, Done done) const override;
