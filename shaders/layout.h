@@ -114,7 +114,7 @@
 #define PUSH_MINE 6       // where the tables say which partitions are of this rank
 #define PUSH_ONE 7        // the number 1, which no compiler knows
 #define PUSH_ROUNDS 8     // another number
-#define PUSH_STAYING 9    // two words, low first: the address of the list of rays that stay on the device; 0: none do
+#define PUSH_STAYING 9    // two words, low first: the address of the list of rays that stay here; 0: none do
 #define PUSH_TAKEN 11     // two words: the address of such a list, of which rays are taken
 #define PUSH_PLACES 13    // two words: that of their numbers in it
 #define PUSH_FIRST 15     // where they go in the list that is traced
