@@ -43,7 +43,8 @@ struct TraceCounters {
   /// Of a device with a queue: how often it was handed work, how long it worked, and how long it had nothing to do between
   /// one handful and the next.
   uint64_t submissions = 0, nsDevice = 0, nsDeviceIdle = 0;
-  /// Rays that such a device gave to the host, to be sent away: those that go on in other partitions of the rank it keeps.
+  /// Rays that such a device gave to the host, to be sent away: those that go on in other partitions of the rank it keeps as
+  /// long as it has room for them.
   uint64_t raysRead = 0;
   std::array<uint64_t, kKernels> kernelRuns{};  ///< how often each was started, by Kernel
 
