@@ -89,6 +89,12 @@ TEST(RandomScenes, IsosurfacesOfValuesWithAnOffsetAgreeWithTheReference) {
   comparedAll({1003052, 1005719, 290, 10157});
 }
 
+// Samples of -6e8 within 1, where doubles are 1e-7 apart: shadow rays of a reference that mixes the samples as they are
+// meet the surface that they leave.
+TEST(RandomScenes, IsosurfacesAsFarFromZeroAsDoublesAllowAgreeWithTheReference) {
+  EXPECT_LE(compared(1002614, false, 1.0 / 512).flips, 2);
+}
+
 // Secondary rays that meet a bump of their own surface no higher than the 32 ulps by which they start off it.
 TEST(RandomScenes, BumpsLowerThanTheOffsetOfSecondaryRaysAgreeWithTheReference) {
   comparedAll({1001727, 1004753, 1006628, 11310});

@@ -172,8 +172,10 @@ glm::dvec3 Field::smoothGradient(glm::dvec3 world) const {
 }
 
 glm::dvec3 Field::cellGradient(const Index3& cell, glm::dvec3 world) const {
-  const auto c = corners(cell);
+  auto c = corners(cell);
   if (!c) return glm::dvec3(0);
+  const double offset = (*c)[0];
+  for (double& value : *c) value -= offset;
   glm::dvec3 inside, gradient;
   for (int a = 0; a < 3; a++)
     inside[a] = std::clamp((world[a] - grid().origin[a]) / grid().spacing[a] - double(cell[a]), 0.0, 1.0);
