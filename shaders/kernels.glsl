@@ -29,12 +29,13 @@ layout(constant_id = SPEC_MAP_AHEAD) const int MAP_AHEAD = 0;
 
 layout(push_constant) uniform Push { int push[PUSH_WORDS]; };
 
-// Words of the scene, from a binding or by address.
+// Words of the scene, from a binding of words or of quads, or by address.
 layout(set = SCENE_SET, binding = TABLES_BINDING) uniform usamplerBuffer tables;
 layout(set = SCENE_SET, binding = SAMPLES_BINDING) uniform usamplerBuffer samples;
 layout(set = SCENE_SET, binding = GEOMETRY_BINDING) uniform usamplerBuffer geometry;
 layout(set = SCENE_SET, binding = TABLE_QUADS_BINDING) uniform usamplerBuffer tableQuads;
 layout(set = SCENE_SET, binding = GEOMETRY_QUADS_BINDING) uniform usamplerBuffer geometryQuads;
+layout(set = SCENE_SET, binding = SAMPLE_QUADS_BINDING) uniform usamplerBuffer sampleQuads;
 layout(std430, set = SCENE_SET, binding = TABLES_AHEAD_BINDING) readonly buffer TablesAhead { vec4 tablesAhead[]; };
 layout(std430, set = SCENE_SET, binding = ADDRESSES_BINDING) readonly buffer Addresses {
   uint64_t tablesAddress, samplesAddress, geometryAddress;
@@ -42,10 +43,18 @@ layout(std430, set = SCENE_SET, binding = ADDRESSES_BINDING) readonly buffer Add
 layout(buffer_reference, std430, buffer_reference_align = 4) readonly buffer Words { uint word[]; };
 layout(buffer_reference, std430, buffer_reference_align = 16) readonly buffer Quads { uvec4 quad[]; };
 
+// Word i of quads, of which `quad` is the one that has it.
+uint wordOf(uvec4 quad, uint i) {
+  bool odd = (i & 1u) != 0u;
+  return (i & 2u) != 0u ? (odd ? quad.w : quad.z) : (odd ? quad.y : quad.x);
+}
+
 uint tableWord(uint i) {
   uint value;
   if ((ADDRESSED & ADDRESSED_TABLES) != 0)
     value = Words(tablesAddress).word[i];
+  else if ((ADDRESSED & QUADS_TABLES) != 0)
+    value = wordOf(texelFetch(tableQuads, int(i >> 2)), i);
   else
     value = texelFetch(tables, int(i)).x;
   return value;
@@ -65,6 +74,8 @@ uint sampleWord(uint place, uint i) {
   uint value;
   if ((ADDRESSED & ADDRESSED_SAMPLES) != 0)
     value = Words(samplesAddress + 16ul * uint64_t(place) + 4ul * uint64_t(i)).word[0];
+  else if ((ADDRESSED & QUADS_SAMPLES) != 0)
+    value = wordOf(texelFetch(sampleQuads, int(place + (i >> 2))), i);
   else
     value = texelFetch(samples, int(4u * place + i)).x;
   return value;
@@ -73,6 +84,8 @@ uint geometryWord(uint i) {
   uint value;
   if ((ADDRESSED & ADDRESSED_GEOMETRY) != 0)
     value = Words(geometryAddress).word[i];
+  else if ((ADDRESSED & QUADS_GEOMETRY) != 0)
+    value = wordOf(texelFetch(geometryQuads, int(i >> 2)), i);
   else
     value = texelFetch(geometry, int(i)).x;
   return value;

@@ -9,7 +9,7 @@
 
 // Specialization constants.
 #define SPEC_ADDRESSED \
-  0  // bits ADDRESSED_*: which buffers are read by address, being larger than a binding may be
+  0  // bits ADDRESSED_*, QUADS_*: which buffers no binding of words holds, and how they are read instead
 #define SPEC_SAMPLE_KIND 1  // SAMPLE_* of all volumes, -1: of each its own
 #define SPEC_SCALARS 2      // all volumes have one component
 #define SPEC_SURFACES 3     // bits SURFACE_*: what there is to shade, or to meet
@@ -33,6 +33,9 @@
 #define ADDRESSED_TABLES 1
 #define ADDRESSED_SAMPLES 2
 #define ADDRESSED_GEOMETRY 4
+#define QUADS_TABLES 8  // words of them are picked from their quads
+#define QUADS_SAMPLES 16
+#define QUADS_GEOMETRY 32
 
 #define SURFACE_PARTICLES 1
 #define SURFACE_PATHLINES 2
@@ -53,7 +56,8 @@
 #define TABLE_QUADS_BINDING 7  // the same four words at once
 #define GEOMETRY_QUADS_BINDING 8
 #define TABLES_AHEAD_BINDING 9  // the tables again, for what all invocations read alike (fetch_scene.glsl)
-#define SCENE_BINDINGS 10
+#define SAMPLE_QUADS_BINDING 10
+#define SCENE_BINDINGS 11
 
 #define FRAME_SET 1
 #define FRAME_BINDING 0

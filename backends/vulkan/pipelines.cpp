@@ -85,9 +85,10 @@ VkDescriptorType typeOf(bool texels) {
 SetLayoutHandle makeSetLayout(const Device& device, uint32_t set, uint32_t bindings) {
   std::vector<VkDescriptorSetLayoutBinding> all(bindings);
   for (uint32_t i = 0; i < bindings; i++) {
-    const bool texels = (set == SCENE_SET && ((i >= TABLES_BINDING && i <= GEOMETRY_BINDING) ||
-                                              i == TABLE_QUADS_BINDING || i == GEOMETRY_QUADS_BINDING)) ||
-                        (set == LANE_SET && (i == RAY_WORDS_BINDING || i == TILES_BINDING));
+    const bool texels =
+        (set == SCENE_SET && ((i >= TABLES_BINDING && i <= GEOMETRY_BINDING) || i == TABLE_QUADS_BINDING ||
+                              i == GEOMETRY_QUADS_BINDING || i == SAMPLE_QUADS_BINDING)) ||
+        (set == LANE_SET && (i == RAY_WORDS_BINDING || i == TILES_BINDING));
     all[i] = {i, typeOf(texels), 1, VK_SHADER_STAGE_COMPUTE_BIT, nullptr};
   }
   VkDescriptorSetLayoutCreateInfo info{};

@@ -168,21 +168,28 @@ class Uploading {
                                         {{out_.scene.get(), at[4], sizeof addresses}},
                                         {section(3), kQuads},
                                         {nothing, kQuads},
-                                        {section(3)}};
+                                        {section(3)},
+                                        {nothing, kQuads}};
     const auto whole = [](const Buffer& b) { return VkDescriptorBufferInfo{b.get(), 0, b.bytes()}; };
     if (out_.samples) bindings[SAMPLES_BINDING].buffer = whole(out_.samples->buffer);
     if (out_.geometry) bindings[GEOMETRY_BINDING].buffer = whole(out_.geometry->buffer);
     bindings[GEOMETRY_QUADS_BINDING].buffer = bindings[GEOMETRY_BINDING].buffer;
-    const std::pair<int, int> large[] = {{TABLES_BINDING, ADDRESSED_TABLES},
-                                         {SAMPLES_BINDING, ADDRESSED_SAMPLES},
-                                         {GEOMETRY_BINDING, ADDRESSED_GEOMETRY}};
-    for (const auto& [binding, bit] : large)
-      if (bindings[binding].buffer.range > device_.largestBinding()) {
-        bindings[binding].buffer = nothing;
-        if (binding == TABLES_BINDING) bindings[TABLE_QUADS_BINDING].buffer = nothing;
-        if (binding == GEOMETRY_BINDING) bindings[GEOMETRY_QUADS_BINDING].buffer = nothing;
-        out_.special.addressed |= bit;
-      }
+    bindings[SAMPLE_QUADS_BINDING].buffer = bindings[SAMPLES_BINDING].buffer;
+    struct Large {
+      int words, quads, inQuads, addressed;
+    };
+    constexpr Large kLarge[] = {
+        {TABLES_BINDING, TABLE_QUADS_BINDING, QUADS_TABLES, ADDRESSED_TABLES},
+        {SAMPLES_BINDING, SAMPLE_QUADS_BINDING, QUADS_SAMPLES, ADDRESSED_SAMPLES},
+        {GEOMETRY_BINDING, GEOMETRY_QUADS_BINDING, QUADS_GEOMETRY, ADDRESSED_GEOMETRY}};
+    for (const Large& large : kLarge) {
+      const VkDeviceSize bytes = bindings[large.words].buffer.range;
+      if (bytes <= device_.largestBinding()) continue;
+      bindings[large.words].buffer = nothing;
+      const bool inQuads = bytes <= device_.largestQuads();
+      if (!inQuads) bindings[large.quads].buffer = nothing;
+      out_.special.addressed |= inQuads ? large.inQuads : large.addressed;
+    }
     if (bindings[TABLES_AHEAD_BINDING].buffer.range > device_.largestStorage()) {
       bindings[TABLES_AHEAD_BINDING].buffer = nothing;
       out_.special.mapAhead = 0;

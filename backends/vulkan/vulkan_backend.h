@@ -39,8 +39,12 @@ struct VulkanOptions {
   std::string device;
   /// Of those that may take a device: they share round robin equally good ones, or all that have the name.
   int rankOnMachine = 0;
-  /// The largest buffer to bind as texels; what is larger is read by address. 0: what the device binds.
+  /// The largest buffer to bind as texels of a word; what is larger is read as texels of four words, or by address. 0: what
+  /// the device binds.
   uint64_t bindingBytes = 0;
+  /// For tests: the largest buffer to bind as texels of four words instead. 0: what Mesa's software device binds; others
+  /// bind none.
+  uint64_t quadBytes = 0;
   /// For tests: as if the device bound no larger storage buffer for what is read ahead. 0: what it binds.
   uint64_t storageBytes = 0;
   /// Where its memory is entered for tenant "device", but what scenes tell by bytes() and sharedBytes(); needed by

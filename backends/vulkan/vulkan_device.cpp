@@ -42,6 +42,11 @@ Device::Device(const VulkanOptions& options)
   // texels are found by an int
   largestBinding_ = std::min<size_t>(limits_.maxTexelBufferElements, INT32_MAX) * sizeof(uint32_t);
   if (options.bindingBytes > 0) largestBinding_ = std::min<size_t>(largestBinding_, options.bindingBytes);
+  // where lanes fetch one after the other, a word of a quad is as cheap as one by itself; Mesa finds bytes by an int
+  if (endsLoops_)
+    largestQuads_ =
+        std::min<size_t>(size_t(limits_.maxTexelBufferElements) * 4 * sizeof(uint32_t), INT32_MAX);
+  if (options.quadBytes > 0) largestQuads_ = std::min<size_t>(largestQuads_, options.quadBytes);
   largestStorage_ = limits_.maxStorageBufferRange;
   if (options.storageBytes > 0) largestStorage_ = std::min<size_t>(largestStorage_, options.storageBytes);
   vkGetPhysicalDeviceMemoryProperties(physical_, &memory_);

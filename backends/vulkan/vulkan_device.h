@@ -31,7 +31,8 @@ class Device {
   uint32_t queueFamily() const { return family_; }
   const VulkanDeviceInfo& info() const { return info_; }
   const VkPhysicalDeviceLimits& limits() const { return limits_; }
-  size_t largestBinding() const { return largestBinding_; }  ///< bytes of scene data; the rest by address
+  size_t largestBinding() const { return largestBinding_; }  ///< bytes of scene data as texels of a word
+  size_t largestQuads() const { return largestQuads_; }      ///< of four words, if more; the rest by address
   size_t largestStorage() const { return largestStorage_; }  ///< bytes of them that are read ahead
   size_t bytes() const { return bytes_; }                    ///< of all buffers
   const Memory& blocks() const { return *blocks_; }
@@ -52,7 +53,7 @@ class Device {
   VkPhysicalDevice physical_;
   VulkanDeviceInfo info_;
   VkPhysicalDeviceLimits limits_{};
-  size_t largestBinding_ = 0, largestStorage_ = 0, largestAllocation_ = 0;
+  size_t largestBinding_ = 0, largestQuads_ = 0, largestStorage_ = 0, largestAllocation_ = 0;
   VkPhysicalDeviceMemoryProperties memory_{};
   uint32_t family_ = 0;
   DeviceHandle device_;

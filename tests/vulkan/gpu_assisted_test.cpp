@@ -17,9 +17,10 @@ VulkanOptions checked() {
   return options;
 }
 
-std::unique_ptr<Backend> checkedBackend(uint64_t bindingBytes = 0) {
+std::unique_ptr<Backend> checkedBackend(uint64_t bindingBytes = 0, uint64_t quadBytes = 0) {
   VulkanOptions options = checked();
   options.bindingBytes = bindingBytes;
+  options.quadBytes = quadBytes;
   return makeVulkanBackend(options);
 }
 
@@ -74,6 +75,13 @@ TEST(GpuAssistedValidation, FindsNothingInGeometry) {
 
 TEST(GpuAssistedValidation, FindsNothingInDataReadByAddress) {
   test::TestScene scene = test::emptyScene("addressed", {12, 10});
+  test::addSmoothVolume(scene);
+  test::addParticles(scene, 1);
+  expectNoMessages(*checkedBackend(64, 64), scene);
+}
+
+TEST(GpuAssistedValidation, FindsNothingInDataReadInQuads) {
+  test::TestScene scene = test::emptyScene("quads", {12, 10});
   test::addSmoothVolume(scene);
   test::addParticles(scene, 1);
   expectNoMessages(*checkedBackend(64), scene);

@@ -28,14 +28,16 @@ TEST_P(VulkanInvariance, OfBackendsThatRanksUseTogether) {
 }
 
 TEST_P(VulkanInvariance, OfDataThatNoBindingHolds) {
-  const auto backendOf = [](uint64_t bindingBytes, uint64_t storageBytes) {
+  const auto backendOf = [](uint64_t bindingBytes, uint64_t quadBytes, uint64_t storageBytes) {
     VulkanOptions options = vulkan_test::testDevice();
     options.bindingBytes = bindingBytes;
+    options.quadBytes = quadBytes;
     options.storageBytes = storageBytes;
     return makeVulkanBackend(options);
   };
-  static const std::unique_ptr<Backend> addressed[] = {backendOf(64, 64), backendOf(0, 64)};
-  for (const auto& backend : addressed)
+  static const std::unique_ptr<Backend> backends[] = {backendOf(64, 64, 64), backendOf(64, 0, 0),
+                                                      backendOf(0, 0, 64)};
+  for (const auto& backend : backends)
     EXPECT_EQ(differenceOn(whole(scene_.domain), [&](int) -> const Backend& { return *backend; }), "");
 }
 
