@@ -30,7 +30,7 @@ int32_t planOf(double segmentsPerCell, Integrator integrator,
 /// depth 1 (at most those across the volume), and all extinctions per cell, the error of a ray is estimated as
 ///
 ///   midpoint         h^2 (0.015 B + m.steep max(0.027 f.bend sqrt(c), 0.055 f.kink, f.curve c / 24)
-///                         + m.steep f.shade / 12)
+///                         + m.steep f.shade / 10)
 ///   pre-integrated   h^2 (0.09 B + 0.9 f.jump)
 ///
 /// where B = f.slope m.bend sqrt(N l) is what the field's curvature does, in runs of l = (m.steep / m.bend)^2 cells that
@@ -38,9 +38,12 @@ int32_t planOf(double segmentsPerCell, Integrator integrator,
 /// the number of times that the ray crosses the range. h makes this 0.84 of the tolerance (early termination takes a
 /// sixteenth, a tenth is for the worst of very many rays), and the method is the one that costs less; steps of the map are
 /// integrated cell by cell, where f.jump counts only for cells that meet one, and not at all where a map of at most
-/// MAP_SMALL intervals is that of the only volume: there steps are met exactly. 1/24 and 1/12 are the coefficients of the
-/// two rules for errors of one sign (Davis & Rabinowitz 1984, 2.1); the constants here hold for rays through fields from
-/// smooth to white noise under five shapes of maps (tests/accuracy/step_plan.cpp).
+/// MAP_SMALL intervals is that of the only volume: there steps are met exactly. 1/24 is the coefficient of the rule for
+/// errors of one sign (Davis & Rabinowitz 1984, 2.1), 1/10 takes its 1/12 for rays that run along no axis; the constants
+/// here hold for rays through fields from smooth to white noise under five shapes of maps (tests/accuracy/step_plan.cpp).
+///
+/// Of a kink of the map where a cell has the optical depth s > 1, f.bend and f.kink hold max(1/s^3, 0.05): what it changes
+/// is hidden by what is before it, and like what is behind it.
 ///
 /// On grids of few cells across a ray is too short for its errors to even out. With w = min(1, 32 / cells across)^2, the
 /// kink's coefficient is by the part w that of the worst place of a kink in its segment, 1/8, and the pre-integrated error
