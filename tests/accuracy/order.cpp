@@ -27,6 +27,7 @@ double marchError(const Field& f, const CompiledMap& map, double rate, Integrato
   return errors[kRays / 2];
 }
 
+/// From the first to the last, each half the step or spacing of the one before.
 double fittedOrder(const std::vector<double>& errors) {
   return std::log2(errors.front() / errors.back()) / double(errors.size() - 1);
 }
@@ -44,6 +45,25 @@ TEST(Convergence, MidpointSegmentsAreOfSecondOrderOnSmoothMaps) {
 const Maps kStepped{{{{0, {1, 0, 0}}, {1, {0, 1, 0.5}}}},
                     {true, {{0, 0.1}, {0.45, 0.1}, {0.45, 0.6}, {0.6, 0.2}, {0.6, 0}, {1, 0}}}};
 const Maps kSmooth{{{{-1, {1, 0, 0}}, {2, {0, 1, 0.5}}}}, {true, {{-1, 0}, {2, 3}}}};
+
+/// The same with as many intervals as are integrated by antiderivatives: more than MAP_SMALL.
+Maps withManyIntervals(const Maps& few) {
+  Maps many = few;
+  auto& points = many.opacity.points;
+  for (int i = 0; i <= 40; i++) {
+    const double v = i / 40.0, bump = 0.3 * v * (1 - v);
+    const auto next = std::upper_bound(few.opacity.points.begin(), few.opacity.points.end(), v,
+                                       [](double x, const OpacityPoint& p) { return x < p.value; });
+    if (next == few.opacity.points.begin() || next == few.opacity.points.end()) continue;
+    const OpacityPoint &a = *(next - 1), &b = *next;
+    if (v == a.value) continue;
+    points.push_back({v, a.opacity + (b.opacity - a.opacity) * (v - a.value) / (b.value - a.value) + bump});
+  }
+  std::stable_sort(points.begin(), points.end(),
+                   [](const OpacityPoint& a, const OpacityPoint& b) { return a.value < b.value; });
+  return many;
+}
+const Maps kManySmooth = withManyIntervals(kSmooth), kManyStepped = withManyIntervals(kStepped);
 
 double waving(glm::dvec3 p) { return 0.5 + 0.4 * std::sin(2 * p.x + p.y) * std::cos(2 * p.z); }
 /// One trilinear function: no kink between cells.
@@ -70,6 +90,15 @@ TEST(Convergence, PiecesAreOfSecondOrderOnSteppedMapsInOneMacrocell) {
   EXPECT_GE(orderOfPieces(cube(9, trilinearEverywhere), kStepped, 4), 1.9);
 }
 
+// Antiderivatives in place of the cubic's roots.
+TEST(Convergence, PiecesUnderMapsOfManyIntervalsAreOfSecondOrder) {
+  for (const Maps* maps : {&kManySmooth, &kManyStepped}) {
+    const Field f = cube(9, trilinearEverywhere);
+    EXPECT_GT(compiled(*maps, f).intervals(), MAP_SMALL);
+    EXPECT_GE(orderOfPieces(f, *maps, 4), 1.9);
+  }
+}
+
 TEST(Convergence, PiecesKeepTheirOrderWhereTheFieldKinksBetweenCells) {
   EXPECT_GE(orderOfPieces(cube(12, waving), kStepped, 8), 1.9);
 }
@@ -86,15 +115,16 @@ Picture fine(const View<double>& view, const RaySpec& spec) {
   return {L.rgb, L.A};
 }
 
-constexpr Integrator kIntegrators[] = {Integrator::Midpoint, Integrator::ByCells};
+const std::pair<const Maps*, Integrator> kMethods[] = {
+    {&kSmooth, Integrator::Midpoint}, {&kSmooth, Integrator::ByCells}, {&kManySmooth, Integrator::ByCells}};
 
 TEST(Convergence, ThePictureIsOfSecondOrderInTheSpacing) {
   const auto function = [](glm::dvec3 p) {
     return 0.5 + 0.4 * std::sin(3 * p.x + p.y) * std::cos(2 * p.z - p.y);
   };
-  // one map for all spacings: opacity of one length
-  const CompiledMap map(kSmooth.color, &kSmooth.opacity, MapUnits{0, 1, 1, 1});
-  for (const Integrator integrator : kIntegrators) {
+  for (const auto& [maps, integrator] : kMethods) {
+    // one map for all spacings: opacity of one length
+    const CompiledMap map(maps->color, &maps->opacity, MapUnits{0, 1, 1, 1});
     std::vector<double> errors;
     for (int n : {9, 17, 33, 65}) {
       const Field f = cube(n, function);
@@ -128,9 +158,9 @@ TEST(Convergence, ThePictureIsOfSecondOrderInTheSpacing) {
 TEST(Convergence, ThePictureIsOfSecondOrderInThePixels) {
   // A pixel between two others is their mean, up to the square of their distance (Etiene et al., section 5.3).
   const Field f = cube(9, trilinearEverywhere);
-  for (const Integrator integrator : kIntegrators) {
+  for (const auto& [maps, integrator] : kMethods) {
     Shown shown;
-    shown.map = compiled(kSmooth, f);
+    shown.map = compiled(*maps, f);
     shown.plan = evenPlan(f, planOf(256, integrator));
     const View<double> view(f, shown);
     std::vector<double> errors;

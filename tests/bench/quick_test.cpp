@@ -148,6 +148,23 @@ TEST_F(Gxybench, AReferenceIsFoundByContent) {
   EXPECT_EQ(references(), 2u);
 }
 
+TEST_F(Gxybench, AReferenceOfOtherDataIsNotTaken) {
+  const std::string scene = stepped(R"("isovalues": [0.3])") + " --methods adaptive --tolerances 1/64";
+  ASSERT_EQ(gxybench(scene + places()), 0);
+  EXPECT_EQ(references(), 1u);
+  const Row first = readTable(out("results.csv"))[0];
+  const float other = 0.9f;  // of the first layer, in place of 0
+  {
+    std::fstream raw(folder_ / "v.raw", std::ios::binary | std::ios::in | std::ios::out);
+    for (int i = 0; i < 11 * 11; i++) raw.write(reinterpret_cast<const char*>(&other), sizeof other);
+  }
+  ASSERT_EQ(gxybench(scene + places()), 0);
+  EXPECT_EQ(references(), 2u);
+  const Row second = readTable(out("results.csv"))[0];
+  EXPECT_NE(second.hits, first.hits);
+  EXPECT_EQ(second.missed + second.extra + second.wrongSheet, 0);
+}
+
 // 0.4 is no float: it meets samples that stand for it, a plateau of them too.
 TEST_F(Gxybench, ReferencesCompareIsovaluesAsSamplesAreStored) {
   const std::string scene = stepped(R"("isovalues": [0.4])");

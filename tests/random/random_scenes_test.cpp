@@ -58,6 +58,7 @@ TEST(RandomScenes, AgreeWithTheReference) {
     // a software device takes a second for a scene, and once seven, since it compiles shaders for it
     const double tolerance = seed % 4 == 1 ? 1.0 / 64 : seed % 4 == 3 ? 1.0 / 4096 : 1.0 / 512;
     const agreement::Comparison c = compared(seed, seed % 39 == 0, tolerance);
+    EXPECT_LE(c.flips, c.pixels / 20) << whatFailed(randomScene(seed), seed) << c.report;
     pixels += c.pixels;
     flips += c.flips;
   }

@@ -48,6 +48,10 @@ TEST(KernelCode, OcclusionDirectionsAreInShadingOnly) {  // hash1 in light.h
   EXPECT_EQ(kernelsWithNumber(747796405u), (Names{"shade"}));
 }
 
+TEST(KernelCode, IsosurfaceWalksAreInFieldsOnly) {  // where one begins, in isosurface.h
+  EXPECT_EQ(kernelsWithNumber(0.9999998f), (Names{"fields"}));
+}
+
 TEST(KernelCode, TreesAreInGeometryOnly) {  // 1e37 in geometry.ispc
   EXPECT_EQ(kernelsWithNumber(1e37f), (Names{"geometry"}));
 }

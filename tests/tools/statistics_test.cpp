@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+// What --stats says was skipped is what the counters of that name hold.
+#include "gxyrender/statistics.h"
+
+#include <gtest/gtest.h>
+
+namespace gxy {
+namespace {
+
+TEST(Statistics, EachSkippedEntryHoldsItsCounter) {
+  Renderer::Counters c;
+  LeftBefore before;
+  before.data.arrays = 1;
+  before.data.components = 2;
+  before.data.pieces = 3;
+  before.data.bytes = 4;
+  before.isoCells = 5;
+  c.partitionsSkipped = 6;
+  c.tilesSkipped = 7;
+  c.messagesSkipped = 8;
+  c.trace.macrocellsSkipped = 9;
+  c.trace.segmentsSkipped = 10;
+  c.trace.isoMacrocellsSkipped = 11;
+  c.trace.secondariesSkipped = 12;
+  c.trace.raysEndedEarly = 13;
+  c.trace.kernelRuns.fill(1);
+  c.trace.runs(Kernel::Isosurfaces) = 0;
+  const nlohmann::json all = statisticsOf(c, {}, {}, before, Ledger(), 0);
+  EXPECT_EQ(all.at("skipped"), (nlohmann::json{{"arrays", 1},
+                                               {"components", 2},
+                                               {"pieces", 3},
+                                               {"sample bytes", 4},
+                                               {"isosurface cells", 5},
+                                               {"partitions", 6},
+                                               {"tiles", 7},
+                                               {"messages", 8},
+                                               {"macrocells", 9},
+                                               {"segments", 10},
+                                               {"isosurface macrocells", 11},
+                                               {"secondaries", 12},
+                                               {"rays ended early", 13},
+                                               {"kernels", {"isosurfaces"}}}));
+}
+
+}  // namespace
+}  // namespace gxy
