@@ -488,6 +488,30 @@ TEST(Skipped, SegmentsOfCellsInWhichTheMapShowsNothing) {
   EXPECT_LT(c.segmentsSkipped, 8 * rays);
 }
 
+// A map that shows so little there that no picture changes skips none of them: 1e-30 of a float that is added to is nothing.
+TEST(SkippingOnAndOff, OfSegmentsOfCellsIsTheSamePicture) {
+  std::vector<int32_t> plan;
+  const auto shownAs = [&](double nothing) {
+    TestScene s = alongX();
+    addRendered(s, 1, {{-1, nothing}, {0.27, nothing}, {0.27, 0.1}, {1, 0.1}});
+    const auto scenes = editedOn(compiledOn(whole(kCube), s), [&](CompiledScene& scene) {
+      std::vector<int32_t>& here = scene.operators[0].parts.at(0).plan;
+      if (nothing == 0) {
+        plan = here;
+        for (int32_t& p : plan) p = p == 0 ? 0 : planOf(4, Integrator::ByCells);
+      }
+      here = plan;
+    });
+    return std::pair(render(s, 1, scenes), Counted(s, whole(kCube), scenes).all);
+  };
+  const auto [on, some] = shownAs(0);
+  const auto [off, all] = shownAs(1e-30);
+  EXPECT_GT(some.segmentsSkipped, 0u);
+  EXPECT_EQ(all.segmentsSkipped, 0u);
+  EXPECT_EQ(some.samples + some.segmentsSkipped, all.samples);
+  EXPECT_EQ(difference(on, off), "");
+}
+
 // Which surface it is that keeps light away does not matter, where all are opaque.
 TEST(SkippingOnAndOff, OfTheNearestHitsOfSecondariesIsTheSamePicture) {
   for (const bool clipped : {false, true}) {
