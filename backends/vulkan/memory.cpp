@@ -35,10 +35,15 @@ std::byte* Memory::Range::mapped() const {
   return block_ && block_->mapped ? block_->mapped + offset_ : nullptr;
 }
 
-Memory::Memory(VkDevice device, VkDeviceSize blockBytes, LedgerEntry account)
-    : device_(device), blockBytes_(blockBytes), account_(std::move(account)) {}
+Memory::Memory(VkDevice device, VkDeviceSize blockBytes, LedgerEntry account, VkDeviceSize most)
+    : device_(device), blockBytes_(blockBytes), most_(most), account_(std::move(account)) {}
 
 Memory::~Memory() = default;
+
+VkResult Memory::allocate(const VkMemoryAllocateInfo& info, VkDeviceMemory& memory) const {
+  if (most_ > 0 && bytes_ + info.allocationSize > most_) return VK_ERROR_OUT_OF_DEVICE_MEMORY;
+  return vkAllocateMemory(device_, &info, nullptr, &memory);
+}
 
 Memory::Range Memory::take(uint32_t type, bool visible, VkDeviceSize bytes, VkDeviceSize alignment) {
   std::lock_guard lock(mutex_);
@@ -69,10 +74,10 @@ Memory::Range Memory::take(uint32_t type, bool visible, VkDeviceSize bytes, VkDe
   VkMemoryAllocateInfo info{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO, &flags, alone ? bytes : blockBytes_,
                             type};
   VkDeviceMemory memory = VK_NULL_HANDLE;
-  VkResult result = vkAllocateMemory(device_, &info, nullptr, &memory);
+  VkResult result = allocate(info, memory);
   if (result != VK_SUCCESS && !alone) {  // perhaps for less
     info.allocationSize = bytes;
-    result = vkAllocateMemory(device_, &info, nullptr, &memory);
+    result = allocate(info, memory);
   }
   if (result == VK_ERROR_OUT_OF_DEVICE_MEMORY || result == VK_ERROR_OUT_OF_HOST_MEMORY) return {};
   check(result, "allocating memory");

@@ -35,8 +35,9 @@ class Memory {
     VkDeviceSize offset_ = 0, bytes_ = 0;
   };
 
-  /// `account`: of the blocks' sizes, less what is charged elsewhere; in a ledger or not.
-  Memory(VkDevice device, VkDeviceSize blockBytes, LedgerEntry account);
+  /// `account`: of the blocks' sizes, less what is charged elsewhere; in a ledger or not. `most`: the device gives no more; 0:
+  /// as much as it does.
+  Memory(VkDevice device, VkDeviceSize blockBytes, LedgerEntry account, VkDeviceSize most);
   ~Memory();
   Memory(const Memory&) = delete;
   Memory& operator=(const Memory&) = delete;
@@ -50,11 +51,12 @@ class Memory {
   size_t blocks() const;
 
  private:
+  VkResult allocate(const VkMemoryAllocateInfo& info, VkDeviceMemory& memory) const;
   void giveBack(Range& range);
   void account() { account_.resize(int64_t(bytes_) - elsewhere_); }
 
   const VkDevice device_;
-  const VkDeviceSize blockBytes_;
+  const VkDeviceSize blockBytes_, most_;
   mutable std::mutex mutex_;
   std::list<Block> blocks_;
   VkDeviceSize bytes_ = 0;

@@ -52,6 +52,8 @@ struct VulkanOptions {
   Ledger* ledger = nullptr;
   /// For tests: as if the device gave no more memory at once. 0: what it gives.
   uint64_t allocationBytes = 0;
+  /// For tests: as if the device gave no more memory in all. 0: what it gives.
+  uint64_t memoryBytes = 0;
   /// For tests: rays that wait on the device take no more. 0: an eighth of its memory.
   uint64_t keptBytes = 0;
   bool hidesMemory = false;  ///< for tests: as if the host did not see the device's memory

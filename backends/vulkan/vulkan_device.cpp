@@ -73,7 +73,7 @@ Device::Device(const VulkanOptions& options)
   const VkDeviceSize block = std::min<VkDeviceSize>({kBlockBytes, info_.memory / 16, largestAllocation_});
   LedgerEntry account;
   if (options.ledger) account = options.ledger->enter("device", "vulkan", 0);
-  blocks_ = std::make_unique<Memory>(device, block, std::move(account));
+  blocks_ = std::make_unique<Memory>(device, block, std::move(account), options.memoryBytes);
   vkGetDeviceQueue(device, family_, 0, &queue_);
   const VkSemaphoreTypeCreateInfo type{VK_STRUCTURE_TYPE_SEMAPHORE_TYPE_CREATE_INFO, nullptr,
                                        VK_SEMAPHORE_TYPE_TIMELINE, 0};

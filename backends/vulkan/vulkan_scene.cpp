@@ -101,6 +101,24 @@ VulkanScene::VulkanScene(std::shared_ptr<Context> context, std::shared_ptr<const
   size_t bytes = anywhere_.scene.bytes();
   for (const auto& [p, part] : parts_) bytes += part.scene.bytes();
   charge_ = Charge(context_->device, bytes);
+  compile();
+}
+
+// What batches of the scene are made of (batch.cpp), but for what depends on a frame (depths) or on where rays come from.
+void VulkanScene::compile() const {
+  VulkanFrame usual;
+  usual.lights = int(scene_->visualization.lighting.sources.size());
+  std::vector<Step> steps;
+  if (!parts_.empty()) steps.push_back(spawnStep(spawningPart(), 1));
+  for (const auto& [p, part] : parts_) {
+    addSteps(steps, part, usual, List::Given, ~COUNT_SPAWNED, true, true);
+    if (secondariesPerHit(usual) > 0) addSteps(steps, part, usual, List::Here, ~COUNT_HERE, false, true);
+  }
+  for (const Step& step : steps) context_->pipelines.get(step.stage, step.special);
+}
+
+const PartOnDevice& VulkanScene::spawningPart() const {
+  return parts_.size() == 1 ? parts_.begin()->second : anywhere_;
 }
 
 std::vector<SharedBytes> VulkanScene::sharedBytes() const {
@@ -137,7 +155,7 @@ std::shared_ptr<const DeviceFrame> VulkanScene::makeFrame(const CompiledFrame& f
 
 void VulkanScene::spawn(const DeviceFrame& deviceFrame, const Tile& tile, Done done) const {
   const auto& frame = static_cast<const VulkanFrame&>(deviceFrame);
-  const PartOnDevice& part = parts_.size() == 1 ? parts_.begin()->second : anywhere_;
+  const PartOnDevice& part = spawningPart();
   std::vector<Request> parts;
   std::vector<Tile> tiles{tile};
   while (!tiles.empty()) {

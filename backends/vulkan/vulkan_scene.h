@@ -67,6 +67,11 @@ class VulkanScene final : public DeviceScene {
   const std::string& deviceName() const { return context_->device.info().name; }
 
  private:
+  /// Has the stages compiled that the scene will need, as the first rays of a frame would wait for it, and all that wait behind
+  /// them.
+  void compile() const;
+  /// Where primaries begin.
+  const PartOnDevice& spawningPart() const;
   size_t mostAtOnce(const Request& request) const;
   void ask(std::vector<Request> parts, uint64_t rays, Done done) const;
 

@@ -18,8 +18,8 @@ namespace {
 constexpr double kOpaque = 1e20;        // extinction of opacity 1: opaque at once
 constexpr double kNearlyOpaque = 1e-7;  // 1 - a below which a is taken as a limit of finite extinction
 constexpr double kDense = 4;            // optical depth of a reference length beyond which errors are hidden
+constexpr double kThin = 1e-3;          // the same up to which nothing is
 constexpr double kHidden = 1e4;         // the same from which an interval hides what is behind it
-constexpr double kLeastShown = 0.05;    // of a kink of the map, however dense it is there
 constexpr double kStraight = 1e-4;      // of extinction, and absolute in colour
 constexpr double kFarStored = 1e29;     // stored values that a map speaks of
 constexpr int kDeepestCut = 14;
@@ -207,20 +207,19 @@ CompiledMap::CompiledMap(const ColorMap& color, const OpacityMap* opacity, const
   auto size = [](glm::dvec4 v) {
     return std::abs(v.w) + std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
   };
-  // what a kink in a dense part changes is hidden by what is before it, and like what is behind it
-  auto shown = [&](const Node& n) {
-    const double depth = std::min(n.below.w, n.above.w) * units.cellT;
-    return depth > 1 ? std::max(1 / (depth * depth * depth), kLeastShown) : 1.0;
-  };
-  std::vector<double> kink{0};  // [k]: at the start of interval k
-  double variation = 0, curve = 0;
+  std::vector<double> kink{0}, denseKink{0};  // [k]: at the start of interval k
+  double variation = 0, dense = 0, curve = 0;
   for (size_t k = 0; k < slopes.size(); k++) {
     if (k > 0) {
-      kink.push_back(shown(kept[k - 1]) * size(slopes[k][0] - slopes[k - 1][1]));
+      kink.push_back(size(slopes[k][0] - slopes[k - 1][1]));
       variation += kink.back();
+      const double sigma = std::max(std::min(kept[k - 1].below.w, kept[k - 1].above.w), kThin * perLength);
+      denseKink.push_back(kink.back() / (sigma * sigma));
+      dense += denseKink.back();
     }
     const double within = size(slopes[k][1] - slopes[k][0]);
     bend_.push_back(variation);
+    denseBend_.push_back(dense);
     curve_.push_back(curve);
     variation += within;
     curve += within;
@@ -262,6 +261,7 @@ CompiledMap::CompiledMap(const ColorMap& color, const OpacityMap* opacity, const
   slope_.build(std::move(slope));
   shade_.build(std::move(shade));
   kink_.build(std::move(kink));
+  denseKink_.build(std::move(denseKink));
   jump_.build(std::move(jump));
 }
 
@@ -283,7 +283,7 @@ CompiledMap::Over CompiledMap::over(float lo, float hi) const {
   if (!(hi > lo)) return over;
   over.slope = slope_.query(a, last);
   over.shade = shade_.query(a, last);
-  if (last > a) over.kink = kink_.query(a + 1, last);
+  if (last > a) over.kink = kink_.query(a + 1, last), over.denseKink = denseKink_.query(a + 1, last);
   if (b > a) over.jump = jump_.query(a + 1, b);
   // the variation up to a value in interval k: that at nodes, and that in intervals
   auto atNodes = [&](int k) { return bend_[size_t(k)] - curve_[size_t(k)]; };
@@ -294,6 +294,7 @@ CompiledMap::Over CompiledMap::over(float lo, float hi) const {
   };
   over.curve = inside(last, hi) - inside(a, lo);
   over.bend = atNodes(last) - atNodes(a) + over.curve;
+  over.denseBend = denseBend_[size_t(last)] - denseBend_[size_t(a)];
   return over;
 }
 

@@ -13,7 +13,6 @@ struct MapUnits {
   double shift = 0, scale = 1;  ///< true value = shift + scale * stored
   double worldPerT = 1;         ///< world length of one unit of a ray's t
   double referenceLength = 1;   ///< world length of the slab that an opacity map speaks of
-  double cellT = 1;             ///< of a cell of the volume: its longest side, in t
 };
 
 /// Intervals over the stored value, each linear in extinction (per unit of t) and colour; the first and last are
@@ -37,8 +36,10 @@ class CompiledMap {
     double extinction = 0;  ///< largest, per unit of t
     double slope = 0;       ///< largest change of extinction and extinction times colour, per value and t
     double shade = 0;       ///< the part of it that colour has
-    double kink = 0;        ///< largest change of the slope at a node inside, as far as it is seen
-    double bend = 0;        ///< total variation of the slope inside, as far as it is seen
+    double kink = 0;        ///< largest change of the slope at a node inside
+    double bend = 0;        ///< total variation of the slope inside
+    double denseKink = 0;   ///< largest change of the slope at a node over the square of the extinction there
+    double denseBend = 0;   ///< sum of these
     double curve = 0;       ///< the part of it that is not at nodes
     double jump = 0;  ///< largest step of extinction and extinction times colour at a discontinuity inside
   };
@@ -55,9 +56,9 @@ class CompiledMap {
   };
   int intervalOf(float value) const;
   double extinctionAt(int interval, float value) const;
-  RangeMax extinction_, slope_, shade_, kink_, jump_;
-  std::vector<double> bend_;   ///< variation of the slope up to intervals' starts
-  std::vector<double> curve_;  ///< that in intervals
+  RangeMax extinction_, slope_, shade_, kink_, denseKink_, jump_;
+  std::vector<double> bend_, denseBend_;  ///< variation of the slope up to intervals' starts
+  std::vector<double> curve_;             ///< that in intervals
 };
 
 }  // namespace gxy

@@ -44,12 +44,6 @@ double largestExtinction(const CompiledOperator& op) {
   return op.map.over(stored(range.min), stored(range.max)).extinction;
 }
 
-// A cell's longest side, in t.
-double cellLength(const Volume& volume, const RenderSpace& space) {
-  const glm::dvec3 s = volume.grid.spacing;
-  return std::max({s.x, s.y, s.z}) * space.scale;
-}
-
 void compileVolume(CompiledOperator& op, CompiledScene& scene) {
   const Volume& volume = *op.data.volume;
   const RenderSpace& space = scene.space;
@@ -65,7 +59,7 @@ void compileVolume(CompiledOperator& op, CompiledScene& scene) {
 
   const glm::dvec3 s = volume.grid.spacing;
   MapUnits units{volume.shift, volume.scale, 1 / space.scale,
-                 op.vis.referenceLength.value_or(std::min({s.x, s.y, s.z})), cellLength(volume, space)};
+                 op.vis.referenceLength.value_or(std::min({s.x, s.y, s.z}))};
   const OpacityMap opacity = effectiveOpacityMap(op.vis);
   op.map = CompiledMap(effectiveColorMap(op.vis), op.vis.volumeRendering ? &opacity : nullptr, units);
   if (largestExtinction(op) == 0) op.vis.volumeRendering = false;  // nothing of it would be seen
@@ -113,6 +107,7 @@ const std::vector<int32_t>* isoPlanAmong(OtherScenes scenes, const CompiledOpera
 void planVolume(CompiledOperator& op, CompiledScene& scene, OtherScenes known, const Advance& advance) {
   const Volume& volume = *op.data.volume;
   const RenderSpace& space = scene.space;
+  const glm::dvec3 s = volume.grid.spacing;
   std::optional<double> others;
   if (scene.volumesRendered > 1) {
     others = 0;
@@ -120,14 +115,14 @@ void planVolume(CompiledOperator& op, CompiledScene& scene, OtherScenes known, c
       if (&o != &op && o.vis.type == VisType::Volume) *others += largestExtinction(o);
   }
   op.others = float(others.value_or(0));
+  const double cellT = std::max({s.x, s.y, s.z}) * space.scale;
   for (const auto& [partition, block] : volume.blocks) {
     if (block.extent.count() == 0) continue;
     OperatorPart& part = op.parts[partition];
     part.block = &block;
     const auto& summaries = block.summaries.at(op.summary);
     if (op.vis.volumeRendering)
-      part.plan = stepPlan(summaries, op.map, cellLength(volume, space), scene.settings.tolerance,
-                           scene.settings.step, others);
+      part.plan = stepPlan(summaries, op.map, cellT, scene.settings.tolerance, scene.settings.step, others);
     if (anyIsosurface(summaries, op.isovalues)) {
       const std::vector<int32_t>* same = isoPlanAmong(known, op, partition);
       part.isoPlan =

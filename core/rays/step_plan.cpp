@@ -20,7 +20,7 @@ constexpr double kShade = 0.1;  // 1/12 along an axis; a ray's slope may be larg
 constexpr double kJump = 0.9;
 constexpr double kUnforeseen = 0.1;  // of the tolerance, for the worst of very many rays
 constexpr double kMostJump = 2;      // of optical depth per cell: what is behind such a step is hidden
-constexpr double kThinnest = 0.2;    // part of a cell that is seen, at least
+constexpr double kThinnest = 0.2;    // part of a cell, or of a kink, that is seen, at least
 constexpr double kMostDepth = 1;    // optical depth of a midpoint segment: the front hides the back of others
 constexpr double kCostOfCells = 8;  // time of a cell length cell by cell, in midpoint segments
 
@@ -46,8 +46,14 @@ Errors errorsOf(const Macrocell& m, const CompiledMap::Over& map, bool exactStep
   const double across = std::max(1.0, kLongestRay / cellT),
                few = std::min(1.0, kFew * kFew / (across * across));
   const double kink = kKinkOfMap + few * (kWorstKink - kKinkOfMap);
+  // what a kink changes in a dense part is hidden by what is before it, and like what is behind it
+  auto visible = [&](double all, double dense) {
+    return std::min(all, std::max(dense / (cellT * cellT), kThinnest * all));
+  };
+  const double bendOfMap = visible(map.bend - map.curve, map.denseBend) + map.curve;
+  const double kinkOfMap = visible(map.kink, map.denseKink);
   const double kinks =
-      m.steep * std::max({kBendOfMap * map.bend * std::sqrt(crossings), kink * map.kink, smooth});
+      m.steep * std::max({kBendOfMap * bendOfMap * std::sqrt(crossings), kink * kinkOfMap, smooth});
   // a front hides its back: the colour of a segment is seen from nearer than its middle
   const double shade = m.steep * map.shade * std::min(1.0, seen / depth) * kShade;
   const double uneven = 1 + few * (kWorstPieces - 1);

@@ -42,9 +42,6 @@ int32_t planOf(double segmentsPerCell, Integrator integrator,
 /// errors of one sign (Davis & Rabinowitz 1984, 2.1), 1/10 takes its 1/12 for rays that run along no axis; the constants
 /// here hold for rays through fields from smooth to white noise under five shapes of maps (tests/accuracy/step_plan.cpp).
 ///
-/// Of a kink of the map where a cell has the optical depth s > 1, f.bend and f.kink hold max(1/s^3, 0.05): what it changes
-/// is hidden by what is before it, and like what is behind it.
-///
 /// On grids of few cells across a ray is too short for its errors to even out. With w = min(1, 32 / cells across)^2, the
 /// kink's coefficient is by the part w that of the worst place of a kink in its segment, 1/8, and the pre-integrated error
 /// counts 1 + 3 w times.

@@ -61,7 +61,7 @@ inline Maps randomMaps(Random& random, MapShape shape) {
 
 /// Maps compiled for a field whose stored values are true values; opacity speaks of the shortest cell.
 inline CompiledMap compiled(const Maps& m, const Field& f) {
-  return CompiledMap(m.color, &m.opacity, MapUnits{0, 1, 1, f.shortestCell(), f.longestCell()});
+  return CompiledMap(m.color, &m.opacity, MapUnits{0, 1, 1, f.shortestCell()});
 }
 
 inline constexpr Integrator kIntegrators[] = {Integrator::Midpoint, Integrator::ByCells};

@@ -180,7 +180,7 @@ TEST(StepPlan, KinksInDensePartsTakeFewerSegments) {
   const double L = 1 / 32.0;
   auto lengthOver = [&](double first, double last) {
     const OpacityMap extinction{true, {{0, first / L}, {0.6, first / L}, {1, last / L}}};
-    const CompiledMap map({{{0, {1, 1, 1}}}}, &extinction, MapUnits{0, 1, 1, L, L});
+    const CompiledMap map({{{0, {1, 1, 1}}}}, &extinction, MapUnits{0, 1, 1, L});
     const std::vector<Macrocell> range{{0.5f, 0.7f, 0.15f, 0, false}};
     return double(single::planStep(stepPlan(range, map, L, 1 / 512.0, 0)[0]));
   };

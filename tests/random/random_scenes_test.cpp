@@ -118,6 +118,9 @@ TEST(RandomScenes, IsosurfacesInFlatCellsAgreeWithTheReference) { comparedAll({1
 // The same for what is seen through: a value in a cell, looked up where rounding puts a point, is none beyond its corners'.
 TEST(RandomScenes, VolumesOfFlatCellsAgreeWithTheReference) { comparedAll({1003434, 1009037}); }
 
+// A spike so dense that a cell of it is opaque, and so narrow that nothing of that hides its kinks.
+TEST(RandomScenes, NarrowDenseSpikesAgreeWithTheReference) { compared(1001263, false, 1.0 / 4096); }
+
 // A single sphere, whose centre is all of the domain, and lamps at no great distance.
 TEST(RandomScenes, LampsNearASingleSphereAgreeWithTheReference) { comparedAll({1001792, 1008006}); }
 

@@ -98,22 +98,31 @@ TEST(VulkanCounters, OnlyRaysThatLeaveTheRankComeBack) {
   EXPECT_EQ(found, names.size());
 }
 
-// The shader of each stage is compiled for what the scene has, and only where it is needed.
+// The shader of each stage is compiled for what the scene has, and only where it is needed; and before any frame.
 TEST(VulkanCounters, NothingIsCompiledThatASceneDoesNotNeed) {
   using vulkan::Stage;
-  const auto stagesOf = [](const char* name) {
-    const std::vector<TestScene> scenes = scenesOfEachKind();
-    const auto scene =
-        std::find_if(scenes.begin(), scenes.end(), [&](const TestScene& s) { return s.name == name; });
+  const auto stagesOf = [](const TestScene& scene) {
     const auto context = std::make_shared<vulkan::Context>(vulkan_test::testDevice());
-    const auto compiled = compiledOn(whole(scene->domain), *scene)[0].compiled;
-    render(*scene, 1, {{compiled, std::make_shared<vulkan::VulkanScene>(context, compiled, 0)}});
-    return context->pipelines.stages();
+    const auto compiled = compiledOn(whole(scene.domain), scene)[0].compiled;
+    const auto device = std::make_shared<vulkan::VulkanScene>(context, compiled, 0);
+    const std::vector<Stage> before = context->pipelines.stages();
+    render(scene, 1, {{compiled, device}});
+    const std::vector<Stage> all = context->pipelines.stages();
+    std::vector<Stage> withoutDepths;
+    std::remove_copy(all.begin(), all.end(), std::back_inserter(withoutDepths), Stage::Depth);
+    EXPECT_EQ(before, withoutDepths) << scene.name;
+    return all;
   };
-  EXPECT_EQ(stagesOf("isosurfaces"), (std::vector{Stage::Spawn, Stage::Bound, Stage::Isosurfaces,
-                                                  Stage::Shade, Stage::Depth, Stage::Finish, Stage::Groups}));
-  EXPECT_EQ(stagesOf("smooth volume"),
+  const std::vector<TestScene> scenes = scenesOfEachKind();
+  const auto named = [&](const char* name) {
+    return *std::find_if(scenes.begin(), scenes.end(), [&](const TestScene& s) { return s.name == name; });
+  };
+  EXPECT_EQ(stagesOf(named("isosurfaces")),
+            (std::vector{Stage::Spawn, Stage::Bound, Stage::Isosurfaces, Stage::Shade, Stage::Depth,
+                         Stage::Finish, Stage::Groups}));
+  EXPECT_EQ(stagesOf(named("smooth volume")),
             (std::vector{Stage::Spawn, Stage::Bound, Stage::Integrate, Stage::Finish, Stage::Groups}));
+  EXPECT_GT(stagesOf(everything({24, 20})).size(), 10u);
 }
 
 }  // namespace

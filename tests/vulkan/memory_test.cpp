@@ -11,6 +11,7 @@
 #include "gxy/embree/embree_backend.h"
 #include "gxy/rays/scene_memory.h"
 #include "gxy/vulkan/lane.h"
+#include "gxy/vulkan/vulkan_scene.h"
 #include "support/frames.h"
 #include "vulkan/test_device.h"
 
@@ -46,6 +47,36 @@ TEST(DeviceMemory, LargeBuffersHaveBlocksOfTheirOwn) {
   const Buffer small(device, 1000, Place::Device, "a test");
   EXPECT_EQ(device.blocks().blocks(), 2u);
   EXPECT_LT(device.blocks().bytes(), size_t(48 + 65) << 20);
+}
+
+TEST(DeviceMemory, ThatTheDeviceDoesNotGiveIsOneErrorAndWhatFitsIsGiven) {
+  VulkanOptions options = testDevice();
+  options.memoryBytes = size_t(100) << 20;
+  const vulkan::Device device(options);
+  Buffer first(device, size_t(80) << 20, Place::Device, "volumes");
+  try {
+    const Buffer second(device, size_t(40) << 20, Place::Device, "geometry");
+    FAIL() << "expected an error";
+  } catch (const Error& e) {
+    const std::string error = e.what();
+    EXPECT_NE(error.find("has no 40 MiB left for geometry"), std::string::npos) << error;
+    EXPECT_NE(error.find("of which this rank holds 80 MiB"), std::string::npos) << error;
+  }
+  EXPECT_EQ(device.bytes(), size_t(80) << 20);
+  const Buffer small(device, size_t(1) << 20, Place::Device, "a test");  // no block of the usual size is left
+  first = {};
+  const Buffer second(device, size_t(40) << 20, Place::Device, "geometry");
+}
+
+TEST(DeviceMemory, OfASceneThatDoesNotFitIsFreed) {
+  VulkanOptions options = testDevice();
+  options.memoryBytes = size_t(64) << 10;
+  const auto context = std::make_shared<vulkan::Context>(options);
+  const test::TestScene scene = test::everything({24, 20});
+  const auto compiled = test::compiledOn(test::whole(scene.domain), scene)[0].compiled;
+  EXPECT_THROW(vulkan::VulkanScene(context, compiled, 0), Error);
+  EXPECT_EQ(context->device.bytes(), 0u);
+  EXPECT_EQ(context->device.blocks().bytes(), 0u);
 }
 
 TEST(DeviceMemory, IsInTheLedgerWhileItIsHeld) {
