@@ -52,7 +52,7 @@ uint wordOf(uvec4 quad, uint i) {
 uint tableWord(uint i) {
   uint value;
   if ((ADDRESSED & ADDRESSED_TABLES) != 0)
-    value = Words(tablesAddress + 4ul * uint64_t(i)).word[0];
+    value = Words(tablesAddress).word[i];
   else if ((ADDRESSED & QUADS_TABLES) != 0)
     value = wordOf(texelFetch(tableQuads, int(i >> 2)), i);
   else
@@ -83,7 +83,7 @@ uint sampleWord(uint place, uint i) {
 uint geometryWord(uint i) {
   uint value;
   if ((ADDRESSED & ADDRESSED_GEOMETRY) != 0)
-    value = Words(geometryAddress + 4ul * uint64_t(i)).word[0];
+    value = Words(geometryAddress).word[i];
   else if ((ADDRESSED & QUADS_GEOMETRY) != 0)
     value = wordOf(texelFetch(geometryQuads, int(i >> 2)), i);
   else

@@ -28,9 +28,8 @@ class Words {
     static_assert(sizeof(T) % 4 == 0);
     if (values.empty()) return 0;
     const size_t at = words_.size();  // a multiple of 4, so that quads can be read
-    if (at + values.size_bytes() / 4 > std::numeric_limits<uint32_t>::max())
-      throw Error(
-          "a partition has more than 16 GiB of geometry or tables; cut the data into more partitions");
+    if (at + values.size_bytes() / 4 > kMost)
+      throw Error("a partition has more than 8 GiB of geometry or tables; cut the data into more partitions");
     words_.resize((at + values.size_bytes() / 4 + 3) / 4 * 4);
     std::memcpy(words_.data() + at, values.data(), values.size_bytes());
     return uint32_t(at);
@@ -42,6 +41,8 @@ class Words {
   std::span<const std::byte> bytes() const { return std::as_bytes(std::span(words_)); }
 
  private:
+  // SPIR-V takes what finds an element of an array for a signed number.
+  static constexpr size_t kMost = std::numeric_limits<int32_t>::max();
   std::vector<uint32_t> words_ = std::vector<uint32_t>(4, 0);
 };
 
