@@ -101,11 +101,11 @@ VulkanScene::VulkanScene(std::shared_ptr<Context> context, std::shared_ptr<const
   size_t bytes = anywhere_.scene.bytes();
   for (const auto& [p, part] : parts_) bytes += part.scene.bytes();
   charge_ = Charge(context_->device, bytes);
-  compile();
+  compile(advance);
 }
 
 // What batches of the scene are made of (batch.cpp), but for what depends on a frame (depths) or on where rays come from.
-void VulkanScene::compile() const {
+void VulkanScene::compile(const Advance& advance) const {
   VulkanFrame usual;
   usual.lights = int(scene_->visualization.lighting.sources.size());
   std::vector<Step> steps;
@@ -114,7 +114,10 @@ void VulkanScene::compile() const {
     addSteps(steps, part, usual, List::Given, ~COUNT_SPAWNED, true, true);
     if (secondariesPerHit(usual) > 0) addSteps(steps, part, usual, List::Here, ~COUNT_HERE, false, true);
   }
-  for (const Step& step : steps) context_->pipelines.get(step.stage, step.special);
+  for (const Step& step : steps) {
+    advance(1);  // which may end it
+    context_->pipelines.get(step.stage, step.special);
+  }
 }
 
 const PartOnDevice& VulkanScene::spawningPart() const {

@@ -69,7 +69,7 @@ class VulkanScene final : public DeviceScene {
  private:
   /// Has the stages compiled that the scene will need, as the first rays of a frame would wait for it, and all that wait behind
   /// them.
-  void compile() const;
+  void compile(const Advance& advance) const;
   /// Where primaries begin.
   const PartOnDevice& spawningPart() const;
   size_t mostAtOnce(const Request& request) const;
