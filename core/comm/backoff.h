@@ -26,7 +26,7 @@ class Backoff {
   /// while MPI is called, so with a transfer under way there is something to do, and sleeps stay short.
   Microseconds next(bool inTransfer) {
     const auto quiet = Clock::now() - lastActive_;
-    if ((inTransfer || spins_) && quiet < (inTransfer ? hotInTransfer : hot)) return {};
+    if (spins_ && quiet < (inTransfer ? hotInTransfer : hot)) return {};
     const auto sleep = sleep_;
     sleep_ = inTransfer ? firstSleep
                         : std::min<Microseconds>(sleep * 5 / 4, quiet < restAfter ? maxSleep : restSleep);
