@@ -18,7 +18,8 @@ struct BackendOptions {
 };
 
 /// "embree" and, where the build has it, "vulkan"; `auto` is vulkan where there is a discrete GPU, or a device
-/// was asked for, else embree. The first rank of a machine logs a warning where its device is software.
+/// was asked for, else embree, which also stands in for a GPU that fails (substitutes.h), but for none that was asked for. The
+/// first rank of a machine logs a warning where its device is software.
 BackendRegistry allBackends(const BackendOptions& options);
 
 /// Whether a backend, or `auto`, takes BackendOptions::device.

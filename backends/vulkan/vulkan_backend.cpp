@@ -18,6 +18,7 @@ class VulkanBackend final : public Backend {
                                          const Advance& advance) const override {
     return std::make_unique<vulkan::VulkanScene>(context_, std::move(scene), rank, advance);
   }
+  bool lost() const override { return context_->device.lost(); }
   const VulkanDeviceInfo& info() const { return context_->device.info(); }
 
  private:

@@ -98,9 +98,9 @@ uint64_t Device::submit(VkCommandBuffer commands) const {
   info.pCommandBuffers = &commands;
   info.signalSemaphoreCount = 1;
   info.pSignalSemaphores = &done;
-  check(isLost(number) && !lostInWaits_ ? VK_ERROR_DEVICE_LOST
-                                        : vkQueueSubmit(queue_, 1, &info, VK_NULL_HANDLE),
-        "handing work to device \"" + info_.name + "\"");
+  heed(isLost(number) && !lostInWaits_ ? VK_ERROR_DEVICE_LOST
+                                       : vkQueueSubmit(queue_, 1, &info, VK_NULL_HANDLE),
+       "handing work to");
   submitted_ = number;
   return number;
 }
@@ -113,7 +113,12 @@ void Device::wait(uint64_t submission) const {
   info.pSemaphores = &done;
   info.pValues = &submission;
   const VkResult waited = vkWaitSemaphores(device_.get(), &info, UINT64_MAX);
-  check(isLost(submission) ? VK_ERROR_DEVICE_LOST : waited, "waiting for device \"" + info_.name + "\"");
+  heed(isLost(submission) ? VK_ERROR_DEVICE_LOST : waited, "waiting for");
+}
+
+void Device::heed(VkResult result, const char* doing) const {
+  if (result == VK_ERROR_DEVICE_LOST) lost_ = true;
+  check(result, std::string(doing) + " device \"" + info_.name + "\"");
 }
 
 uint32_t Device::memoryType(uint32_t allowed, Place place) const {

@@ -42,6 +42,8 @@ class Device {
   /// Hands commands to the queue; returns the number with which to wait for them. They are done in the order of numbers.
   uint64_t submit(VkCommandBuffer commands) const;
   void wait(uint64_t submission) const;
+  /// Whether one of the two has been told that the device was lost.
+  bool lost() const { return lost_; }
   /// Loops of an invocation end when they have gone round 65535 times together (shaders/rays.glsl).
   bool endsLoops() const { return endsLoops_; }
 
@@ -61,12 +63,14 @@ class Device {
   bool endsLoops_ = false;
   SemaphoreHandle done_;  ///< the number of the last submission that is done
   bool isLost(uint64_t submission) const { return lostAfter_ > 0 && submission > lostAfter_; }
+  void heed(VkResult result, const char* doing) const;
   const uint64_t lostAfter_;
   const bool lostInWaits_, hidesMemory_;
   mutable std::unique_ptr<Memory> blocks_;
   mutable std::mutex queueMutex_;
   mutable uint64_t submitted_ = 0;
   mutable std::atomic<size_t> bytes_{0};
+  mutable std::atomic<bool> lost_{false};
 };
 
 /// A buffer in the device's memory. Move-only.

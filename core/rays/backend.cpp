@@ -6,6 +6,7 @@
 #include <exception>
 
 #include "gxy/comm/error.h"
+#include "gxy/rays/substitutes.h"
 
 namespace gxy {
 
@@ -41,14 +42,16 @@ std::unique_ptr<Backend> BackendRegistry::make(const std::string& name, Ledger* 
   std::string known = "auto";
   std::exception_ptr first;
   std::vector<std::string> failures;
-  for (const Entry& e : entries_) {
+  for (size_t i = 0; i < entries_.size(); i++) {
+    const Entry& e = entries_[i];
     known += ", " + e.name;
     if (name == e.name) return e.maker(ledger);
     if (name != "auto" || (e.fits && !e.fits())) continue;
     try {
       std::unique_ptr<Backend> made = e.maker(ledger);
       for (const std::string& failure : failures) spdlog::warn("{}; {} is taken", failure, e.name);
-      return made;
+      return withSubstitutes(std::move(made), {entries_.begin() + std::ptrdiff_t(i) + 1, entries_.end()},
+                             ledger);
     } catch (const std::exception& error) {
       if (!first) first = std::current_exception();
       failures.push_back("backend " + e.name + " cannot be used: " + error.what());

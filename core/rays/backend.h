@@ -83,10 +83,10 @@ class DeviceFrame {
  public:
   virtual ~DeviceFrame() = default;
   /// A device with a queue takes it first, the urgent ones in turn.
-  void setUrgent(bool urgent) const { urgent_ = urgent; }
+  virtual void setUrgent(bool urgent) const { urgent_ = urgent; }
   bool urgent() const { return urgent_; }
   /// A device with a queue answers what waits in it for this frame without doing it: all rays are `retired`.
-  void cancel() const { cancelled_ = true; }
+  virtual void cancel() const { cancelled_ = true; }
   bool cancelled() const { return cancelled_; }
 
  private:
@@ -127,6 +127,8 @@ class Backend {
   /// throws, and leaves nothing then.
   virtual std::unique_ptr<DeviceScene> makeScene(
       std::shared_ptr<const CompiledScene> scene, int rank, const Advance& advance = [](double) {}) const = 0;
+  /// Whether its device has gone: nothing can be done on it any more.
+  virtual bool lost() const { return false; }
 };
 
 /// Backends by name; a program registers those that it links. Not thread safe.
@@ -134,7 +136,13 @@ class BackendRegistry {
  public:
   /// `ledger`: where a device's memory is entered for tenant "device", but what scenes tell of themselves; or null.
   using Maker = std::function<std::unique_ptr<Backend>(Ledger* ledger)>;
-  /// `auto` is the first that is added, `fits` (null: always) and can be made.
+  struct Entry {
+    std::string name;
+    Maker maker;
+    std::function<bool()> fits;
+  };
+  /// `auto` is the first that is added, `fits` (null: always) and can be made; where others were added after it, they stand in
+  /// for it (substitutes.h).
   void add(std::string name, Maker maker, std::function<bool()> fits = {}) {
     entries_.push_back({std::move(name), std::move(maker), std::move(fits)});
   }
@@ -143,11 +151,6 @@ class BackendRegistry {
   std::unique_ptr<Backend> make(const std::string& name, Ledger* ledger = nullptr) const;
 
  private:
-  struct Entry {
-    std::string name;
-    Maker maker;
-    std::function<bool()> fits;
-  };
   std::vector<Entry> entries_;
 };
 

@@ -149,6 +149,59 @@ TEST(LostDevice, EndsItsFramesWithAnErrorAndNoOthers) {
   }
 }
 
+/// What `auto` gives on a machine with such a device.
+std::unique_ptr<Backend> autoOn(const VulkanOptions& options) {
+  BackendRegistry registry;
+  registry.add("vulkan", [&](Ledger*) { return makeVulkanBackend(options); });
+  registry.add("embree", [](Ledger*) { return makeEmbreeBackend(); });
+  return registry.make("auto");
+}
+
+TEST(LostDevice, OfAutoLeavesItsScenesToTheNextBackend) {
+  const test::TestScene scene = test::everything({12, 10});
+  const test::Cut cut = test::kdCut(scene.domain, 4, 2, 5);
+  const auto embree = makeEmbreeBackend();
+  const Picture expected = test::wholeOnEmbree(scene);
+  for (const auto& [submissions, inWaits] : {std::pair{1, false}, {4, true}}) {
+    const auto lost = autoOn(lostAfter(uint64_t(submissions), inWaits));
+    const auto onIt = [&](int rank) -> const Backend& { return rank == 1 ? *lost : *embree; };
+    test::Frames frames(cut.ranks, {});
+    const auto first = test::compiledOn(cut, scene, onIt), second = test::compiledOn(cut, scene, onIt);
+    frames.add(1, first);
+    frames.add(2, second);
+    EXPECT_EQ(lost->name(), "vulkan");
+    FrameRequest request = test::requestOf(scene);
+    const FrameId underWay = frames.start(request);
+    frames.run();
+    EXPECT_NE(frames.outcome(underWay).error.find("the device was lost"), std::string::npos)
+        << frames.outcome(underWay).error;
+    EXPECT_EQ(lost->name(), "embree");
+    const auto third = test::compiledOn(cut, scene, onIt);
+    frames.add(3, third);
+    for (request.scene = 1; request.scene <= 3; request.scene++) {
+      const FrameId next = frames.start(request);
+      frames.run();
+      EXPECT_EQ(frames.outcome(next).error, "") << request.scene;
+      EXPECT_EQ(difference(expected, frames.outcome(next).picture), "") << request.scene;
+    }
+    EXPECT_EQ(frames.errors(), std::vector<std::string>());
+    EXPECT_EQ(frames.renderer(1).kept().credits, 0);
+  }
+}
+
+TEST(FullDevice, OfAutoLeavesASceneToTheNextBackend) {
+  VulkanOptions options = testDevice();
+  options.memoryBytes = size_t(64) << 10;
+  const auto full = autoOn(options);
+  const test::TestScene scene = test::everything({12, 10});
+  const test::Cut cut = test::kdCut(scene.domain, 4, 2, 5);
+  const auto onIt = test::compiledOn(cut, scene, [&](int) -> const Backend& { return *full; });
+  EXPECT_EQ(difference(test::wholeOnEmbree(scene), test::render(scene, cut.ranks, onIt)), "");
+  EXPECT_EQ(full->name(), "vulkan") << "it is there for what fits";
+  const auto named = makeVulkanBackend(options);
+  EXPECT_THROW(test::compiledOn(cut, scene, [&](int) -> const Backend& { return *named; }), Error);
+}
+
 /// Tiles that wait until all are asked for: the first, when it is answered, holds up the thread that waits for the device.
 class HeldUp {
  public:
