@@ -3,13 +3,12 @@
 
 #include <gtest/gtest.h>
 
-#include "support/difference.h"
-#include "vulkan/test_device.h"
+#include "vulkan/difference.h"
 
 namespace gxy::agreement {
 
 void expectVulkanDrawsTheSame(const Picture& first, const TestScene& scene, uint32_t frameNumber) {
-  EXPECT_EQ(test::difference(first, draw(vulkan_test::testedVulkan(), scene, frameNumber)), "")
+  EXPECT_EQ(vulkan_test::difference(first, draw(vulkan_test::testedVulkan(), scene, frameNumber)), "")
       << scene.name << ": Vulkan draws other pixels than Embree";
 }
 

@@ -39,6 +39,13 @@ const Backend& testedBackend() {
 #endif
 }
 
+Sameness testedSameness() {
+#ifdef GALAXY_VULKAN
+  if (onVulkan() && !vulkan_test::isSoftware()) return Sameness::Close;
+#endif
+  return Sameness::Bits;
+}
+
 glm::ivec2 affordable(glm::ivec2 size) { return onVulkan() ? size / 3 : size; }
 
 }  // namespace gxy::test

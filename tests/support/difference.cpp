@@ -10,6 +10,7 @@
 #include <sstream>
 
 #include "gxy/io/image.h"
+#include "support/close_pictures.h"
 
 namespace gxy::test {
 
@@ -54,7 +55,7 @@ std::string written(const Picture& expected, const Picture& found) {
 
 }  // namespace
 
-std::string difference(const Picture& expected, const Picture& found) {
+std::string difference(const Picture& expected, const Picture& found, Sameness asked) {
   if (expected.width != found.width || expected.height != found.height ||
       expected.depth.size() != found.depth.size())
     return "the sizes differ";
@@ -75,7 +76,14 @@ std::string difference(const Picture& expected, const Picture& found) {
     }
   }
   if (pixels == 0) return "";
-  return std::to_string(pixels) + " pixels differ" + written(expected, found) + first.str();
+  std::string far;
+  if (asked == Sameness::Close) {
+    const Closeness c = closenessOf(expected, found);
+    if (c.agrees()) return "";
+    far = " of " + std::to_string(c.pixels) + ", " + std::to_string(c.far) + " by more than 1/255, and " +
+          std::to_string(c.hitsFar) + " of " + std::to_string(c.hits) + " hits by more than 4 ulp";
+  }
+  return std::to_string(pixels) + " pixels differ" + far + written(expected, found) + first.str();
 }
 
 }  // namespace gxy::test

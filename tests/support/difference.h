@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pictures that should have the same bits.
+// Pictures that should be the same.
 #pragma once
 #include <string>
 
 #include "gxy/render/framebuffer.h"
+#include "support/backends.h"
 
 namespace gxy::test {
 
-/// The first pixels in which two pictures differ in any bit, in words; empty if they are the same. Where they
-/// are not, both and their difference (times 8) are written as TEST-NUMBER_{expected,found,difference}.png
-/// into the test's temporary folder.
-std::string difference(const Picture& expected, const Picture& found);
+/// The first pixels in which two pictures differ in any bit, in words; empty if they are the same, or if they agree as far as
+/// is asked (close_pictures.h). Where they do not, both and their difference (over its largest) are written as
+/// TEST-NUMBER_{expected,found,difference}.png into the test's temporary folder.
+std::string difference(const Picture& expected, const Picture& found, Sameness asked = testedSameness());
 
 }  // namespace gxy::test

@@ -6,6 +6,7 @@
 
 #include "gxy/vulkan/vulkan_scene.h"
 #include "support/frames.h"
+#include "vulkan/difference.h"
 #include "vulkan/test_device.h"
 
 namespace gxy::test {
@@ -82,7 +83,7 @@ TEST(VulkanCounters, OnlyRaysThatLeaveTheRankComeBack) {
         const FrameId frame = frames.start(requestOf(s));
         frames.run();
         EXPECT_EQ(frames.errors(), std::vector<std::string>());
-        EXPECT_EQ(difference(expected, frames.outcome(frame).picture), "");
+        EXPECT_EQ(vulkan_test::difference(expected, frames.outcome(frame).picture), "");
         uint64_t read = 0, forwarded = 0;
         for (int rank = 0; rank < ranks; rank++) {
           read += frames.renderer(rank).counters().trace.raysRead;

@@ -5,6 +5,7 @@
 #include "gxy/shaders/layout.h"
 #include "outside.h"
 #include "support/frames.h"
+#include "vulkan/difference.h"
 #include "vulkan/test_device.h"
 #include "vulkan/test_shader.h"
 
@@ -45,7 +46,7 @@ void expectNoMessages(const Backend& backend, const test::TestScene& scene) {
   const test::Cut cut = test::kdCut(scene.domain, 4, 2, 5);
   const auto compiled = test::compiledOn(cut, scene, [&](int) -> const Backend& { return backend; });
   const Picture expected = test::wholeOnEmbree(scene);
-  EXPECT_EQ(test::difference(expected, test::render(scene, cut.ranks, compiled)), "");
+  EXPECT_EQ(difference(expected, test::render(scene, cut.ranks, compiled)), "");
 }
 
 TEST(GpuAssistedValidation, FindsNothingInAVolumeWithSurfacesAndShadows) {

@@ -5,6 +5,7 @@
 
 #include "support/backends.h"
 #include "support/frames.h"
+#include "vulkan/difference.h"
 #include "vulkan/test_device.h"
 
 namespace gxy::test {
@@ -18,7 +19,7 @@ class VulkanInvariance : public testing::TestWithParam<TestScene> {
   const Picture expected_ = wholeOnEmbree(scene_);
 
   std::string differenceOn(const Cut& cut, const BackendOf& backendOf) {
-    return difference(expected_, render(scene_, cut.ranks, compiledOn(cut, scene_, backendOf)));
+    return vulkan_test::difference(expected_, render(scene_, cut.ranks, compiledOn(cut, scene_, backendOf)));
   }
 };
 

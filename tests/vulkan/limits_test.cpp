@@ -13,12 +13,11 @@
 #include "gxy/vulkan/lane.h"
 #include "gxy/vulkan/scene_upload.h"
 #include "support/frames.h"
+#include "vulkan/difference.h"
 #include "vulkan/test_device.h"
 
 namespace gxy::vulkan_test {
 namespace {
-
-using test::difference;
 
 /// The counters of one tile that is spawned, and with one partition traced, too.
 TraceCounters countersOf(const DeviceScene& scene, const CompiledFrame& frame) {
@@ -49,12 +48,14 @@ TEST(IdleTime, IsNotThatBetweenFrames) {
   }
 }
 
-/// The same picture as Embree's, in several submissions, since lavapipe ends loops after 65535 rounds.
+/// The same picture as Embree's; on software in several submissions, as lavapipe ends loops after 65535 rounds.
 void expectTheSameInParts(const agreement::TestScene& scene) {
   const auto compiled = scene.compile();
   const auto device = testedVulkan().makeScene(compiled, 0);
   const TraceCounters c = countersOf(*device, compileFrame(*compiled, scene.camera, 0, true));
-  EXPECT_GT(c.submissions, 2u) << c.samples << " samples";
+  if (isSoftware()) {
+    EXPECT_GT(c.submissions, 2u) << c.samples << " samples";
+  }
   EXPECT_EQ(difference(agreement::draw(*makeEmbreeBackend(), scene), agreement::draw(testedVulkan(), scene)),
             "");
 }
@@ -120,7 +121,17 @@ VulkanOptions lostAfter(uint64_t submissions, bool inWaits) {
   return options;
 }
 
+/// Whether scenes are made without submissions, of which tests of lost devices count those of frames: copies to memory that
+/// the host does not see are some, too.
+bool uploadsTakeNoSubmission() {
+  const vulkan::Device device(testDevice());
+  const bool mapped = vulkan::Buffer(device, 1000, vulkan::Place::Device, "a test").mapped();
+  EXPECT_TRUE(mapped || !isSoftware());
+  return mapped;
+}
+
 TEST(LostDevice, EndsItsFramesWithAnErrorAndNoOthers) {
+  if (!uploadsTakeNoSubmission()) GTEST_SKIP() << "the device would be lost while the scene is made";
   const test::TestScene scene = test::everything({12, 10});
   const test::Cut cut = test::kdCut(scene.domain, 4, 2, 5);
   const auto embree = makeEmbreeBackend();
@@ -158,6 +169,7 @@ std::unique_ptr<Backend> autoOn(const VulkanOptions& options) {
 }
 
 TEST(LostDevice, OfAutoLeavesItsScenesToTheNextBackend) {
+  if (!uploadsTakeNoSubmission()) GTEST_SKIP() << "the device would be lost while the scene is made";
   const test::TestScene scene = test::everything({12, 10});
   const test::Cut cut = test::kdCut(scene.domain, 4, 2, 5);
   const auto embree = makeEmbreeBackend();
@@ -242,6 +254,7 @@ class HeldUp {
 
 // All that the device has at once fails while more waits.
 TEST(LostDevice, AnswersWhatWaits) {
+  if (!uploadsTakeNoSubmission()) GTEST_SKIP() << "the device would be lost while the scene is made";
   const auto backend = makeVulkanBackend(lostAfter(1, true));
   agreement::TestScene scene = agreement::sceneFrom("lost", {0, 0, 4}, 8, 8);
   scene.add(agreement::rendered({{0, 0}, {1, 1}}), agreement::wavy());
@@ -277,6 +290,8 @@ int seen(const Picture& picture) {
 TEST(Batches, AreWithinWhatTheDeviceBinds) {
   const vulkan::Device device(testDevice());
   const agreement::TestScene scene = occluded(128, 128);
+  if (!isSoftware() && vulkan::mostRays(device) >= 128u * 128 * 129)
+    GTEST_SKIP() << "this GPU binds all of them: " << vulkan::mostRays(device);
   ASSERT_GT(128u * 128 * 129, vulkan::mostRays(device));
   const Picture expected = agreement::draw(*makeEmbreeBackend(), scene);
   EXPECT_GT(seen(expected), 128 * 128 / 2);
@@ -287,7 +302,10 @@ TEST(Batches, AreWithinWhatTheDeviceBinds) {
 // validation layer would tell.
 TEST(Batches, OfTilesAreWithinWhatTheDeviceDispatches) {
   constexpr int kTiles = 5000;
-  ASSERT_GT(size_t(kTiles) * TILE_RAYS, vulkan::mostRays(vulkan::Device(testDevice())));
+  const size_t most = vulkan::mostRays(vulkan::Device(testDevice()));
+  if (!isSoftware() && most >= size_t(kTiles) * TILE_RAYS)
+    GTEST_SKIP() << "this GPU dispatches all of them: " << most;
+  ASSERT_GT(size_t(kTiles) * TILE_RAYS, most);
   agreement::TestScene scene = occluded(1, 0);
   scene.settings.raysPerPixel = kTiles;
   const auto compiled = scene.compile();
@@ -303,12 +321,13 @@ TEST(Batches, LargerThanOthersLeaveNoLaneOfTheirSize) {
   VulkanOptions options = testDevice();
   options.ledger = &ledger;
   const auto backend = makeVulkanBackend(options);
-  agreement::draw(*backend, occluded(32, 600));
-  EXPECT_GT(ledger.peak(), int64_t(1024 * 601 * vulkan::kRayBytes));
+  const int occlusion = isSoftware() ? 600 : 1100;  // a GPU's batches are larger
+  agreement::draw(*backend, occluded(32, occlusion));
+  EXPECT_GT(ledger.peak(), int64_t(1024 * size_t(1 + occlusion) * vulkan::kRayBytes));
   EXPECT_EQ(ledger.total(), 0);
 }
 
-// A needle of cells of which the last alone shows something: the software device ends loops of 65535 rounds.
+// A needle of cells of which the last alone shows something: lavapipe ends loops of 65535 rounds.
 TEST(Partitions, ByHundredsBeforeTheFirstThatIsSeen) {
   test::TestScene s = test::emptyScene("needle");
   s.domain = {{0, 0, 0}, {100, 1, 1}};

@@ -13,6 +13,7 @@
 #include "gxy/vulkan/lane.h"
 #include "gxy/vulkan/vulkan_scene.h"
 #include "support/frames.h"
+#include "vulkan/difference.h"
 #include "vulkan/test_device.h"
 
 namespace gxy::vulkan_test {
@@ -30,10 +31,11 @@ TEST(DeviceMemory, ManySmallBuffersAreInOneBlockAndNothingIsHeldWithoutThem) {
     for (size_t i = 0; i < buffers.size(); i += 2) buffers[i] = {};
     for (size_t i = 0; i < buffers.size(); i += 2) buffers[i] = Buffer(device, 100, Place::Device, "a test");
     EXPECT_EQ(device.blocks().blocks(), 1u);
-    // none overlaps another: each still holds what was written to it
-    for (size_t i = 0; i < buffers.size(); i++)
+    // none overlaps another: each still holds what was written to it, which the host sees of software at least
+    ASSERT_TRUE(buffers[0].mapped() || !isSoftware());
+    for (size_t i = 0; buffers[0].mapped() && i < buffers.size(); i++)
       std::fill_n(buffers[i].mapped(), buffers[i].bytes(), std::byte(i % 251));
-    for (size_t i = 0; i < buffers.size(); i++)
+    for (size_t i = 0; buffers[0].mapped() && i < buffers.size(); i++)
       for (size_t k = 0; k < buffers[i].bytes(); k++)
         ASSERT_EQ(buffers[i].mapped()[k], std::byte(i % 251)) << i;
   }
@@ -147,8 +149,7 @@ TEST(DeviceMemory, OfSharedSamplesGivesTheSamePicture) {
   agreement::TestScene scene = wavyScene();
   const auto first = backend->makeScene(scene.compile(), 0);
   scene.visualization.operators[0].isovalues = {0.1};
-  EXPECT_EQ(test::difference(agreement::draw(*makeEmbreeBackend(), scene), agreement::draw(*backend, scene)),
-            "");
+  EXPECT_EQ(difference(agreement::draw(*makeEmbreeBackend(), scene), agreement::draw(*backend, scene)), "");
 }
 
 TEST(DeviceMemory, OfSharedGeometryGivesTheSamePicture) {
@@ -166,8 +167,7 @@ TEST(DeviceMemory, OfSharedGeometryGivesTheSamePicture) {
   };
   EXPECT_EQ(sharedBy(*first), sharedBy(*second));
   EXPECT_FALSE(sharedBy(*first).empty());
-  EXPECT_EQ(test::difference(agreement::draw(*makeEmbreeBackend(), scene), agreement::draw(*backend, scene)),
-            "");
+  EXPECT_EQ(difference(agreement::draw(*makeEmbreeBackend(), scene), agreement::draw(*backend, scene)), "");
 }
 
 TEST(DeviceMemory, OfALaneIsForTheLargestOfItsBatchesNotForTheProductOfTheirLargestNumbers) {
@@ -231,7 +231,7 @@ TEST(DeviceMemory, MayBeOutOfTheHostsSight) {
   const test::TestScene scene = test::everything({24, 20});
   const test::Cut cut = test::kdCut(scene.domain, 4, 2, 5);
   const auto onIt = test::compiledOn(cut, scene, [&](int) -> const Backend& { return *backend; });
-  EXPECT_EQ(test::difference(test::wholeOnEmbree(scene), test::render(scene, cut.ranks, onIt)), "");
+  EXPECT_EQ(difference(test::wholeOnEmbree(scene), test::render(scene, cut.ranks, onIt)), "");
 }
 
 }  // namespace

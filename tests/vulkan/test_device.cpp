@@ -35,4 +35,8 @@ const Backend& testedVulkan() {
   return *backend;
 }
 
+const VulkanDeviceInfo& testedInfo() { return deviceOf(testedVulkan()); }
+
+bool isSoftware() { return testedInfo().kind == VulkanDeviceInfo::Kind::Software; }
+
 }  // namespace gxy::vulkan_test

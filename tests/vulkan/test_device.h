@@ -13,4 +13,9 @@ VulkanOptions testDevice();
 /// Its backend, made once per program. Throws Error where there is no such device.
 const Backend& testedVulkan();
 
+/// What it is, and whether it is software: then its pictures have Embree's bits, the host sees all of its memory, and what is
+/// known of Mesa's holds.
+const VulkanDeviceInfo& testedInfo();
+bool isSoftware();
+
 }  // namespace gxy::vulkan_test

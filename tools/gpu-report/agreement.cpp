@@ -4,10 +4,10 @@
 #include <iomanip>
 #include <sstream>
 
-#include "difference.h"
 #include "gxy/comm/error.h"
 #include "gxy/embree/embree_backend.h"
 #include "report.h"
+#include "support/close_pictures.h"
 #include "support/frames.h"
 
 namespace gxy::gpu_report {
@@ -58,7 +58,7 @@ Tally agreement(const Backend& device, int most, const std::string& folder, Repo
     const auto onDevice = [&](int) -> const Backend& { return device; };
     const test::Cut one = test::whole(scene.domain), many = test::kdCut(scene.domain, 6, 3, 5);
     std::string verdict = "agrees", pieces = "not tried";
-    Difference d;
+    test::Closeness d;
     try {
       const Picture expected = test::render(scene, one);
       const Picture mine = test::render(scene, 1, test::compiledOn(one, scene, onDevice));
@@ -66,7 +66,7 @@ Tally agreement(const Backend& device, int most, const std::string& folder, Repo
         writeRaw(folder + "/" + scene.name + ".embree.raw", expected);
         writeRaw(folder + "/" + scene.name + ".device.raw", mine);
       }
-      d = differenceOf(expected, mine);
+      d = test::closenessOf(expected, mine);
       const Picture cut = test::render(scene, many.ranks, test::compiledOn(many, scene, onDevice));
       pieces = sameBits(mine, cut) ? "the same" : "DIFFERENT";
       if (!d.agrees() || pieces != "the same") verdict = "FAILS";

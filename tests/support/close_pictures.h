@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// How far a device's picture is from the Embree backend's.
+// How far a device's picture is from the Embree backend's, and what is near enough where the device rounds otherwise: for
+// gpu_report and for tests on a GPU (difference.h).
 #pragma once
 #include <cstddef>
 
 #include "gxy/render/framebuffer.h"
 
-namespace gxy::gpu_report {
+namespace gxy::test {
 
-struct Difference {
+struct Closeness {
   size_t pixels = 0, equal = 0, far = 0;  ///< equal: colour to the bit; far: some channel by more than 1/255
   double largest = 0;                     ///< of any channel; 1e30 where one is not a number
   size_t hits = 0, hitsFar = 0;  ///< of either picture; only of one, or by more than 4 ulp of a float
@@ -17,7 +18,7 @@ struct Difference {
   }
 };
 
-/// Of pictures of one size with depths.
-Difference differenceOf(const Picture& expected, const Picture& found);
+/// Of pictures of one size, both with depths or both without.
+Closeness closenessOf(const Picture& expected, const Picture& found);
 
-}  // namespace gxy::gpu_report
+}  // namespace gxy::test
