@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// Through MPI, one scene gives one picture, bit for bit, on any number of ranks.
+// Through MPI, one scene gives one picture, bit for bit, on any number of ranks; and on any backends (support/backends.h), with
+// --mixed on Embree on every second rank.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <condition_variable>
 
 #include "gxy/comm/collective.h"
 #include "gxy/comm/mpi_transport.h"
+#include "support/backends.h"
 #include "support/frames.h"
 
 namespace gxy::test {
@@ -17,15 +20,24 @@ struct Prepared {
   RankScene mine;
 };
 
-// Every kind, cut into more pieces than there are ranks.
+bool isMixed() {
+  const std::vector<std::string> args = testing::internal::GetArgvs();
+  return std::count(args.begin(), args.end(), "--mixed") > 0;
+}
+
+// Every kind, on another backend than Embree one of them and everything, cut into more pieces than there are ranks.
 std::vector<Prepared> prepared(int rank, int ranks) {
   std::vector<TestScene> scenes = scenesOfEachKind();
+  if (&testedBackend() != &embree())
+    std::erase_if(scenes, [](const TestScene& s) { return s.name != "smooth volume"; });
   scenes.push_back(everything());
+  const Backend& mine = isMixed() && rank % 2 == 0 ? embree() : testedBackend();
   std::vector<Prepared> all;
   for (TestScene& scene : scenes) {
     scene.camera.dimensions = {24, 20};
-    const auto compiled = compiledOn(kdCut(scene.domain, ranks + 3, ranks, 5), scene);
-    Picture expected = render(scene, whole(scene.domain));
+    const auto compiled = compiledOn(kdCut(scene.domain, ranks + 3, ranks, 5), scene,
+                                     [&](int r) -> const Backend& { return r == rank ? mine : embree(); });
+    Picture expected = wholeOnEmbree(scene);
     all.push_back({std::move(scene), std::move(expected), compiled[size_t(rank)]});
   }
   return all;

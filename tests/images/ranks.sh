@@ -2,7 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 # ranks.sh BACKEND DEVICE FOLDER GXYDATA GXYRENDER MPIEXEC...: pictures and depths of states/kinds.json, whose data come
 # from files of several formats, are the same bytes as Embree's on one rank, on 2, 3, 4 and 8 ranks (vulkan: 2 and 4), with
-# other packets, partitions and threads; and on two ranks of which only one has the backend.
+# other packets, partitions and threads; and on two ranks of which only one has the backend. All of them are left in FOLDER,
+# with NAME_difference.png of those that are not the same.
 set -euo pipefail
 
 # Three path lines, with a value along each.
@@ -52,12 +53,22 @@ all=(kinds.json -o mixed --format raw --depth)
 "${mpiexec[@]}" -n 1 "$gxyrender" "${all[@]}" --backend embree : -n 1 "$gxyrender" "${all[@]}" "${options[@]}"
 render packets 3 --partitions 3,2,3 --packet 16 --threads 2 "${options[@]}"
 
-compared=0
+gxydiff=$(dirname "$gxyrender")/gxydiff
+differ() {  # EXPECTED FOUND: where they are, and in how much they differ
+  local size found=$PWD/$2 difference=$PWD/${2%.*}_difference.png
+  echo "FAILED: $found is not $PWD/$1" >&2
+  [[ $1 == *.raw ]] || return 0
+  case $(stat -c %s "$1") in 122880) size=96x80 ;; *) size=64x64 ;; esac  # of kinds.json
+  "$gxydiff" "$1" "$2" --alpha --size "$size" --output "$difference" >&2 || echo "see $difference" >&2
+}
+compared=0 different=0
 for expected in reference_*; do
   for name in "${counts[@]/#/on}" mixed packets; do
-    cmp "$expected" "${expected/reference/$name}"
+    found=${expected/reference/$name}
+    cmp "$expected" "$found" || { differ "$expected" "$found"; different=$((different + 1)); }
     compared=$((compared + 1))
   done
 done
 files=$((8 * (${#counts[@]} + 2)))
 ((compared == files)) || { echo "compared $compared pairs of files, expected $files" >&2; exit 1; }
+((different == 0))
