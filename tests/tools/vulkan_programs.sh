@@ -25,7 +25,7 @@ same() {  # same NAME PICTURE: it is Embree's
   mkdir -p "$kept"
   cp embree_00000.exr "$picture" "$kept"
   "$bin/gxydiff" embree_00000.exr "$picture" --output "$kept/${picture%.exr}_difference.png" >/dev/null
-  printf 'FAILED: %s: see %s/{embree_00000.exr,%s,%s_difference.png}\n' "$name" "$kept" "$picture" "${picture%.exr}"
+  printf 'FAILED: %s: see %s: %s\n' "$name" "$kept" "$(cd "$kept" && echo ./*)"
 }
 
 "$bin/gxyrender" --backend vulkan --list-devices >devices.log 2>&1
