@@ -140,13 +140,18 @@ void Lane::load(const RayList& rays, size_t at, uint32_t packet) {
   if (staging_.get()) loaded_ = at + size_t(rays.size());
 }
 
+Step Lane::takeStep(const Device& device) {
+  Step step{Stage::Take, {}};
+  step.special.limited = device.endsLoops();
+  return step;
+}
+
 Step Lane::take(VkDeviceAddress list, std::span<const uint32_t> places, size_t at, uint32_t packet) {
   if (!places_.get() || places_.bytes() < lists_[0].bytes() / kRayBytes * sizeof(uint32_t))
     places_ =
         Buffer(device_, lists_[0].bytes() / kRayBytes * sizeof(uint32_t), Place::Written, "numbers of rays");
   std::memcpy(places_.mapped() + at * sizeof(uint32_t), places.data(), places.size_bytes());
-  Step step{Stage::Take, {}};
-  step.special.limited = device_.endsLoops();
+  Step step = takeStep(device_);
   step.push[PUSH_RAYS] = int32_t(places.size());
   putAddress(step.push, PUSH_TAKEN, list);
   putAddress(step.push, PUSH_PLACES, places_.address() + at * sizeof(uint32_t));

@@ -59,6 +59,8 @@ class Lane {
   void load(const RayList& rays, size_t at, uint32_t packet);
   /// The same of rays at `places` of a list that begins at `list`, as a step that is to be done first.
   Step take(VkDeviceAddress list, std::span<const uint32_t> places, size_t at, uint32_t packet);
+  /// Such a step before it has any rays.
+  static Step takeStep(const Device& device);
 
   /// Makes them the tiles that are spawned.
   void load(std::span<const Tile> tiles);

@@ -104,14 +104,17 @@ VulkanScene::VulkanScene(std::shared_ptr<Context> context, std::shared_ptr<const
   compile(advance);
 }
 
-// What batches of the scene are made of (batch.cpp), but for what depends on a frame (depths) or on where rays come from.
+// What batches of the scene are made of (batch.cpp). To one partition rays come as they are spawned there, to several from where
+// they wait on the device.
 void VulkanScene::compile(const Advance& advance) const {
   VulkanFrame usual;
   usual.lights = int(scene_->visualization.lighting.sources.size());
   std::vector<Step> steps;
+  const bool several = parts_.size() > 1;
   if (!parts_.empty()) steps.push_back(spawnStep(spawningPart(), 1));
+  if (several) steps.push_back(Lane::takeStep(context_->device));
   for (const auto& [p, part] : parts_) {
-    addSteps(steps, part, usual, List::Given, ~COUNT_SPAWNED, true, true);
+    addSteps(steps, part, usual, List::Given, several ? 1 : ~COUNT_SPAWNED, true, true);
     if (secondariesPerHit(usual) > 0) addSteps(steps, part, usual, List::Here, ~COUNT_HERE, false, true);
   }
   for (const Step& step : steps) {

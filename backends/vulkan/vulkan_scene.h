@@ -68,7 +68,8 @@ class VulkanScene final : public DeviceScene {
 
  private:
   /// Has the stages compiled that the scene will need, as the first rays of a frame would wait for it, and all that wait behind
-  /// them.
+  /// them. Two are left to the first frame that needs them, as most scenes never do, and both are small: Depth, if the frame wants
+  /// depths; and Regenerate, if primaries come from another rank, which is a matter of the camera.
   void compile(const Advance& advance) const;
   /// Where primaries begin.
   const PartOnDevice& spawningPart() const;

@@ -102,28 +102,38 @@ TEST(VulkanCounters, OnlyRaysThatLeaveTheRankComeBack) {
 // The shader of each stage is compiled for what the scene has, and only where it is needed; and before any frame.
 TEST(VulkanCounters, NothingIsCompiledThatASceneDoesNotNeed) {
   using vulkan::Stage;
-  const auto stagesOf = [](const TestScene& scene) {
+  const auto stagesOf = [](const TestScene& scene, const Cut& cut) {
     const auto context = std::make_shared<vulkan::Context>(vulkan_test::testDevice());
-    const auto compiled = compiledOn(whole(scene.domain), scene)[0].compiled;
+    const auto compiled = compiledOn(cut, scene)[0].compiled;
     const auto device = std::make_shared<vulkan::VulkanScene>(context, compiled, 0);
     const std::vector<Stage> before = context->pipelines.stages();
     render(scene, 1, {{compiled, device}});
     const std::vector<Stage> all = context->pipelines.stages();
     std::vector<Stage> withoutDepths;
     std::remove_copy(all.begin(), all.end(), std::back_inserter(withoutDepths), Stage::Depth);
-    EXPECT_EQ(before, withoutDepths) << scene.name;
+    EXPECT_EQ(before, withoutDepths) << scene.name << " in " << cut.partitioning.partitions();
     return all;
   };
   const std::vector<TestScene> scenes = scenesOfEachKind();
   const auto named = [&](const char* name) {
     return *std::find_if(scenes.begin(), scenes.end(), [&](const TestScene& s) { return s.name == name; });
   };
-  EXPECT_EQ(stagesOf(named("isosurfaces")),
+  const TestScene isosurfaces = named("isosurfaces"), volume = named("smooth volume"),
+                  all = everything({24, 20});
+  EXPECT_EQ(stagesOf(isosurfaces, whole(isosurfaces.domain)),
             (std::vector{Stage::Spawn, Stage::Bound, Stage::Isosurfaces, Stage::Shade, Stage::Depth,
                          Stage::Finish, Stage::Groups}));
-  EXPECT_EQ(stagesOf(named("smooth volume")),
+  EXPECT_EQ(stagesOf(volume, whole(volume.domain)),
             (std::vector{Stage::Spawn, Stage::Bound, Stage::Integrate, Stage::Finish, Stage::Groups}));
-  EXPECT_GT(stagesOf(everything({24, 20})).size(), 10u);
+  EXPECT_GT(stagesOf(all, whole(all.domain)).size(), 10u);
+  // rays wait on the device between several partitions of the rank
+  const auto cut = [](const TestScene& scene) { return lattice(scene.domain, {2, 2, 1}, 1); };
+  EXPECT_EQ(stagesOf(isosurfaces, cut(isosurfaces)),
+            (std::vector{Stage::Spawn, Stage::Bound, Stage::Isosurfaces, Stage::Shade, Stage::Depth,
+                         Stage::Finish, Stage::Groups, Stage::Take}));
+  EXPECT_EQ(stagesOf(volume, cut(volume)),
+            (std::vector{Stage::Spawn, Stage::Bound, Stage::Integrate, Stage::Finish, Stage::Take}));
+  EXPECT_GT(stagesOf(all, cut(all)).size(), 10u);
 }
 
 }  // namespace
