@@ -17,7 +17,7 @@ namespace gxy {
 /// logged, of a lost device one in all. Where none is left, what there was is used as if it were alone.
 ///
 /// A scene's bytes() and sharedBytes() are of where it was made at first, which it holds as long as it lives; what a
-/// substitute takes is entered in `ledger` (or null) for tenant "device".
+/// substitute takes is entered in `ledger` for tenant "device". That is null, or there as long as frames are made.
 std::unique_ptr<Backend> withSubstitutes(std::unique_ptr<Backend> first,
                                          std::vector<BackendRegistry::Entry> others, Ledger* ledger);
 
