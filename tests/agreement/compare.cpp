@@ -42,18 +42,15 @@ class Perturbed {
   Perturbed(const TestScene& scene, const CompareOptions& options, ReferenceOptions how)
       : scene_(scene), reference_(scene.forReference()), options_(options), how_(std::move(how)) {
     how_.perturbation = options.perturbation;
-    how_.size = {1, 1};
-    how_.threads = 1;
   }
 
   PixelRange at(glm::ivec2 pixel) {
     PixelRange range{{1e300, 1e300, 1e300, 1e300}, {-1e300, -1e300, -1e300, -1e300}, kMiss, 0};
     how_.first = pixel;
+    how_.size = {1, 1};
+    how_.threads = 1;
     for (int s = 0; s < options_.seeds; s++) {
-      how_.seed = uint64_t(s);
-      moveIsovalues(how_.seed);
-      ReferencePicture one = reference::renderReference(reference_, scene_.camera, how_);
-      reference::applyBackground(one, scene_.settings.background);
+      const ReferencePicture one = moved(s);
       for (int c = 0; c < 4; c++) {
         range.lo[c] = std::min(range.lo[c], one.rgba[c]);
         range.hi[c] = std::max(range.hi[c], one.rgba[c]);
@@ -62,6 +59,15 @@ class Perturbed {
       range.farthest = std::max(range.farthest, one.depth[0]);
     }
     return range;
+  }
+
+  /// The whole picture, or what `at` was asked for last, by one of the perturbations.
+  ReferencePicture moved(int seed) {
+    how_.seed = uint64_t(seed);
+    moveIsovalues(how_.seed);
+    ReferencePicture picture = reference::renderReference(reference_, scene_.camera, how_);
+    reference::applyBackground(picture, scene_.settings.background);
+    return picture;
   }
 
  private:
@@ -99,6 +105,13 @@ void writePictures(const TestScene& scene, const Picture& mine, const ReferenceP
   writeImage(prefix + "_difference.png", image);
 }
 
+ReferenceOptions howToCompare(const TestScene& scene, const CompareOptions& options) {
+  ReferenceOptions how;
+  how.tolerance = 1e-5;
+  if (scene.visualization.lighting.aoCount > 0) how.aoHook = backendDirections(scene, options.frameNumber);
+  return how;
+}
+
 }  // namespace
 
 reference::AoDirections backendDirections(const TestScene& scene, uint32_t frameNumber) {
@@ -113,13 +126,31 @@ Picture drawnByBoth(const TestScene& scene, uint32_t frameNumber) {
   return picture;
 }
 
+int pixelsThatMove(const TestScene& scene, const CompareOptions& options) {
+  const ReferenceOptions how = howToCompare(scene, options);
+  ReferencePicture truth = reference::renderReference(scene.forReference(), scene.camera, how);
+  reference::applyBackground(truth, scene.settings.background);
+  Perturbed perturbed(scene, options, how);
+  int most = 0;
+  for (int seed = 0; seed < options.seeds; seed++) {
+    const ReferencePicture moved = perturbed.moved(seed);
+    int changed = 0;
+    for (size_t i = 0; i < truth.rgba.size(); i += 4) {
+      bool differs = false;
+      for (size_t c = i; c < i + 4; c++)
+        differs = differs || !(std::abs(moved.rgba[c] - truth.rgba[c]) <= options.tolerance);
+      changed += differs;
+    }
+    most = std::max(most, changed);
+  }
+  return most;
+}
+
 Comparison compare(const Backend& backend, const TestScene& scene, const CompareOptions& options) {
   const bool both = options.vulkan && backend.name() == "embree";
   const Picture mine =
       both ? drawnByBoth(scene, options.frameNumber) : draw(backend, scene, options.frameNumber);
-  ReferenceOptions how;
-  how.tolerance = 1e-5;
-  if (scene.visualization.lighting.aoCount > 0) how.aoHook = backendDirections(scene, options.frameNumber);
+  const ReferenceOptions how = howToCompare(scene, options);
   ReferencePicture truth = reference::renderReference(scene.forReference(), scene.camera, how);
   reference::applyBackground(truth, scene.settings.background);
   Perturbed perturbed(scene, options, how);

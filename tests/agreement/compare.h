@@ -40,6 +40,10 @@ Picture drawnByBoth(const TestScene& scene, uint32_t frameNumber = 0);
 /// NAME_{backend,reference,difference}.png into the test's temporary folder.
 Comparison compare(const Backend& backend, const TestScene& scene, const CompareOptions& options = {});
 
+/// The pixels by which the reference differs from itself by more than the tolerance under one of the perturbations: that which
+/// changes most. As long as the pictures of all of them take.
+int pixelsThatMove(const TestScene& scene, const CompareOptions& options);
+
 /// Expects no wrong pixel, at most 0.1 % flips (or `flips` of them), and something to see in at least `seen` pixels.
 void expectAgreement(const Backend& backend, const TestScene& scene, const CompareOptions& options = {},
                      int flips = -1, int seen = 100);

@@ -41,6 +41,8 @@ std::string outOfRange(const Picture& picture, double brightest) {
   return {};
 }
 
+// Flips are at most a twentieth of the pixels or, in scenes of ties, as many as the reference changes when all its rays are
+// moved once by as much as tells flips, and a quarter of that, as either may fall.
 agreement::Comparison compared(uint64_t seed, bool vulkan, double tolerance = 1.0 / 512) {
   TestScene scene = randomScene(seed);
   scene.settings.tolerance = tolerance;
@@ -49,6 +51,11 @@ agreement::Comparison compared(uint64_t seed, bool vulkan, double tolerance = 1.
   options.vulkan = vulkan;
   agreement::Comparison c = agreement::compare(agreement::embree(), inOnePiece(scene), options);
   EXPECT_TRUE(c.finite && c.wrong.empty()) << whatFailed(scene, seed) << c.report;
+  if (c.flips > c.pixels / 20) {
+    options.seeds = 4;
+    const int moves = agreement::pixelsThatMove(inOnePiece(scene), options);
+    EXPECT_LE(c.flips, moves + moves / 4) << whatFailed(scene, seed) << c.report;
+  }
   return c;
 }
 
@@ -58,7 +65,6 @@ TEST(RandomScenes, AgreeWithTheReference) {
     // a software device takes a second for a scene, and once seven, since it compiles shaders for it
     const double tolerance = seed % 4 == 1 ? 1.0 / 64 : seed % 4 == 3 ? 1.0 / 4096 : 1.0 / 512;
     const agreement::Comparison c = compared(seed, seed % 39 == 0, tolerance);
-    EXPECT_LE(c.flips, c.pixels / 20) << whatFailed(randomScene(seed), seed) << c.report;
     pixels += c.pixels;
     flips += c.flips;
   }
@@ -120,6 +126,14 @@ TEST(RandomScenes, VolumesOfFlatCellsAgreeWithTheReference) { comparedAll({10034
 
 // A spike so dense that a cell of it is opaque, and so narrow that nothing of that hides its kinks.
 TEST(RandomScenes, NarrowDenseSpikesAgreeWithTheReference) { compared(1001263, false, 1.0 / 4096); }
+
+// Ties in a sixth to a third of the pixels: an isovalue that is the largest sample, clip planes and slices along the grid. Those of
+// 1004725 and 1006905 (an eye on the domain's face, radii as small as what rays are off by) take the reference minutes.
+TEST(RandomScenes, TiesOfManyPixelsFlipNoMoreOftenThanTheReference) {
+  compared(1002475, false, 1.0 / 4096);
+  compared(1002629, false, 1.0 / 64);
+  compared(1003666, false);
+}
 
 // A single sphere, whose centre is all of the domain, and lamps at no great distance.
 TEST(RandomScenes, LampsNearASingleSphereAgreeWithTheReference) { comparedAll({1001792, 1008006}); }
