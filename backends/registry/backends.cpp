@@ -13,8 +13,7 @@ namespace gxy {
 
 const char* const kBackendHelp =
     "embree, vulkan, or auto: vulkan where there is a discrete GPU, and embree for what it fails with; "
-    "vulkan "
-    "alone where --device was given; else embree";
+    "vulkan alone where --device was given; else embree";
 const char* const kDeviceHelp = "Device of the vulkan backend: its number, or a part of its name";
 
 bool hasDevices(const std::string& backend) { return backend != "embree"; }
