@@ -14,7 +14,7 @@ class Backoff {
   static constexpr Microseconds hot{80}, hotInTransfer{20'000}, firstSleep{20}, maxSleep{4000},
       restSleep{16'000}, restAfter{2'000'000};
 
-  /// Without `spins` it sleeps at once when there is nothing to do: the core is needed by others.
+  /// Without `spins` it sleeps at once, in a transfer too: the core is needed by others.
   explicit Backoff(bool spins) : spins_(spins) {}
 
   void active() {
