@@ -90,13 +90,13 @@ void Batch::submit(size_t firstStep, bool resumed) {
   lane_->submit(part_.set.get(), frame_.set.get(), steps_, firstStep, resumed);
 }
 
-bool Batch::advance(LastWork& last) {
+bool Batch::advance(DeviceTime& time) {
   lane_->wait();
   TraceCounters& c = results_[0].counters;
   c.submissions++;
-  c.nsDevice += lane_->ended() - lane_->began();
-  if (last.frame == frame_.number && lane_->began() > last.end) c.nsDeviceIdle += lane_->began() - last.end;
-  last = {frame_.number, lane_->ended()};
+  const DeviceTime::Spent spent = time.worked(frame_.number, lane_->began(), lane_->ended());
+  c.nsDevice += uint64_t(spent.busy);
+  c.nsDeviceIdle += spent.idle;
   scene_.addTimes(c, *lane_);
   if (!requests_[0].urgent && c.submissions == 1)
     scene_.batchSize().took(int(rays()), std::chrono::nanoseconds(lane_->ended() - lane_->began()));

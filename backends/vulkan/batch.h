@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "gxy/vulkan/device_time.h"
 #include "gxy/vulkan/lane.h"
 #include "gxy/vulkan/vulkan_scene.h"
 
@@ -38,11 +39,6 @@ struct Request {
 /// Tells those who asked that all their rays have ended; `error`: why, if something went wrong.
 void endUndone(std::vector<Request>& requests, const std::string& error);
 
-/// What the device did last: of which frame, and until when by its clock.
-struct LastWork {
-  uint64_t frame = 0, end = 0;
-};
-
 /// On the device, primaries make secondaries, and those that start in the same partition are traced in the same submission,
 /// without the host. What goes on in another partition of the rank waits on the device, and the host knows which they are
 /// (KeptRays); what leaves the rank comes back. Another submission follows where rays go on behind translucent surfaces, and
@@ -54,8 +50,8 @@ class Batch {
 
   /// Begins. Throws Error where the device fails, as does advance().
   void start(std::unique_ptr<Lane> lane);
-  /// Waits for what was submitted, and goes on; false: all is done. `last`: before this, and then this.
-  bool advance(LastWork& last);
+  /// Waits for what was submitted, and goes on; false: all is done. `time`: the device's, which hears of it.
+  bool advance(DeviceTime& time);
   /// The lane, when the batch is over.
   std::unique_ptr<Lane> takeLane() { return std::move(lane_); }
   /// Tells those who asked what has become of their rays.

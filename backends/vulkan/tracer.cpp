@@ -23,9 +23,10 @@ constexpr size_t kWithSecondaries = 8;  // so many times the rays of a batch it 
 }  // namespace
 
 struct Tracer::State {
-  State(const Device& d, Pipelines& p, size_t rays)
+  State(const Device& d, Pipelines& p, DeviceTime& t, size_t rays)
       : device(d),
         pipelines(p),
+        time(t),
         batchRays(rays),
         allRays(std::min(kWithSecondaries * rays, mostRays(d))),
         mostTiles(mostRays(d) / TILE_RAYS) {}
@@ -133,6 +134,7 @@ struct Tracer::State {
 
   const Device& device;
   Pipelines& pipelines;
+  DeviceTime& time;
   const size_t batchRays, allRays, mostTiles;
   std::mutex mutex;  ///< guards what is below
   std::condition_variable changed;
@@ -146,8 +148,8 @@ struct Tracer::State {
   std::thread thread;
 };
 
-Tracer::Tracer(const Device& device, Pipelines& pipelines, size_t batchRays)
-    : state_(std::make_shared<State>(device, pipelines, batchRays)) {
+Tracer::Tracer(const Device& device, Pipelines& pipelines, DeviceTime& time, size_t batchRays)
+    : state_(std::make_shared<State>(device, pipelines, time, batchRays)) {
   state_->thread = std::thread([state = state_] { collect(state); });
 }
 
@@ -174,7 +176,6 @@ void Tracer::add(Request request) {
 }
 
 void Tracer::collect(const std::shared_ptr<State>& state) {
-  LastWork last;
   for (;;) {
     std::unique_ptr<Batch> batch;
     {
@@ -187,7 +188,7 @@ void Tracer::collect(const std::shared_ptr<State>& state) {
     std::string error;
     bool more = false;
     try {
-      more = batch->advance(last);
+      more = batch->advance(state->time);
     } catch (const std::exception& e) {
       error = e.what();
     }

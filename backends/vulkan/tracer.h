@@ -8,6 +8,7 @@
 
 namespace gxy::vulkan {
 
+class DeviceTime;
 struct Request;
 
 /// Nobody waits for the device but one thread of the Tracer's own. A few batches are handed to the device at once, so that it
@@ -19,8 +20,8 @@ struct Request;
 /// Thread safe. Requests must be answered before it goes.
 class Tracer {
  public:
-  /// Batches of about `batchRays` rays.
-  Tracer(const Device& device, Pipelines& pipelines, size_t batchRays);
+  /// Batches of about `batchRays` rays. `time` hears of what the device does.
+  Tracer(const Device& device, Pipelines& pipelines, DeviceTime& time, size_t batchRays);
   ~Tracer();
   Tracer(const Tracer&) = delete;
   Tracer& operator=(const Tracer&) = delete;

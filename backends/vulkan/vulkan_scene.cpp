@@ -68,7 +68,7 @@ Context::Context(const VulkanOptions& options)
     : device(options),
       pipelines(device),
       mostKept(options.keptBytes > 0 ? options.keptBytes : device.info().memory / kPartForKept),
-      tracer(device, pipelines, batchRaysOf(device)) {}
+      tracer(device, pipelines, time, batchRaysOf(device)) {}
 
 VulkanScene::VulkanScene(std::shared_ptr<Context> context, std::shared_ptr<const CompiledScene> scene,
                          int rank, const Advance& advance)
@@ -142,6 +142,7 @@ std::vector<SharedBytes> VulkanScene::sharedBytes() const {
 std::shared_ptr<const DeviceFrame> VulkanScene::makeFrame(const CompiledFrame& f) const {
   auto frame = std::make_shared<VulkanFrame>();
   frame->number = ++context_->frames;
+  frame->time = &context_->time;
   frame->lights = int(f.lights.size());
   frame->depth = f.depth;
   frame->worldPerRender = f.worldPerRender;

@@ -8,6 +8,7 @@
 
 #include "gxy/rays/backend.h"
 #include "gxy/rays/packet_size.h"
+#include "gxy/vulkan/device_time.h"
 #include "gxy/vulkan/lane.h"
 #include "gxy/vulkan/scene_upload.h"
 #include "gxy/vulkan/tracer.h"
@@ -22,12 +23,17 @@ struct Context {
   SharedData shared;
   const size_t mostKept;              ///< bytes, for rays that wait on the device (KeptRays)
   std::atomic<size_t> bytesKept = 0;  ///< by these
+  DeviceTime time;
   Tracer tracer;
   std::atomic<uint64_t> frames = 0;  ///< that were made
 };
 
 struct VulkanFrame final : DeviceFrame {
-  uint64_t number = 0;  ///< from 1
+  ~VulkanFrame() override {
+    if (time) time->over(number);
+  }
+  uint64_t number = 0;         ///< from 1
+  DeviceTime* time = nullptr;  ///< hears that it is over
   Buffer buffer;
   DescriptorSet set;
   int lights = 0;

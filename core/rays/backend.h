@@ -40,9 +40,10 @@ struct TraceCounters {
   uint64_t cells = 0, isoMacrocellsSkipped = 0;  ///< of the isosurface walk
   uint64_t nsSpawn = 0, nsGeometry = 0, nsSurfaces = 0, nsIntegrate = 0, nsShade = 0,
            nsRoute = 0;  ///< nanoseconds
-  /// Of a device with a queue: how often it was handed work, how long it worked, and how long it had nothing to do between
-  /// one handful and the next.
-  uint64_t submissions = 0, nsDevice = 0, nsDeviceIdle = 0;
+  /// Of a device with a queue: how often it was handed work, how long it worked, and how long it had nothing to do while
+  /// some frame was under way on it. The last may be below 0 in one result, which then corrects another.
+  uint64_t submissions = 0, nsDevice = 0;
+  int64_t nsDeviceIdle = 0;
   /// Rays that such a device gave to the host, to be sent away: those that go on in other partitions of the rank it keeps as
   /// long as it has room for them.
   uint64_t raysRead = 0;

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <chrono>
 
 #include "gxy/vulkan/vulkan_scene.h"
 #include "support/frames.h"
@@ -97,6 +98,29 @@ TEST(VulkanCounters, OnlyRaysThatLeaveTheRankComeBack) {
       }
   }
   EXPECT_EQ(found, names.size());
+}
+
+// Of several frames in several partitions (device_time_test.cpp has the sums).
+TEST(VulkanCounters, WorkingAndIdleTheDeviceIsNoLongerThanTheFramesTake) {
+  const TestScene scene = everything({24, 20});
+  const Cut cut = lattice(scene.domain, {2, 2, 1}, 1);
+  Frames frames(cut.ranks, {});
+  frames.add(1, compiledOn(cut, scene, [](int) -> const Backend& { return vulkan_test::testedVulkan(); }));
+  const auto begin = std::chrono::steady_clock::now();
+  for (int i = 0; i < 3; i++) frames.start(requestOf(scene));
+  frames.run();
+  const auto taken =
+      std::chrono::duration<double, std::nano>(std::chrono::steady_clock::now() - begin).count();
+  EXPECT_EQ(frames.errors(), std::vector<std::string>());
+  const TraceCounters c = frames.renderer(0).counters().trace;
+  if (c.nsDevice == 0 && !vulkan_test::isSoftware()) GTEST_SKIP() << "this GPU has no clock";
+  EXPECT_GT(c.nsDevice, 0u);
+  EXPECT_GE(c.nsDeviceIdle, 0);
+  EXPECT_LE(double(c.nsDevice) + double(c.nsDeviceIdle), 1.001 * taken);  // two clocks
+  EXPECT_GT(c.nsWork(), 0u);
+  if (vulkan_test::isSoftware()) {  // where one batch begins when another has ended
+    EXPECT_LE(c.nsWork(), c.nsDevice);
+  }
 }
 
 // The shader of each stage is compiled for what the scene has, and only where it is needed; and before any frame.

@@ -117,10 +117,10 @@ void measure(const Backend& device, const TestScene& scene, double duration, dou
     times.push_back(frame());
   const TraceCounters after = frames.renderer(0).counters().trace;
   std::sort(times.begin(), times.end());
-  const auto each = [&](uint64_t TraceCounters::*field) {
+  const auto each = [&](auto TraceCounters::*field) {
     return double(after.*field - before.*field) / double(times.size());
   };
-  const auto ms = [&](uint64_t TraceCounters::*field) { return rounded(1e-6 * each(field)); };
+  const auto ms = [&](auto TraceCounters::*field) { return rounded(1e-6 * each(field)); };
   const double busy = 1e-9 * each(&TraceCounters::nsDevice);
   const double asked =  // bytes a second
       32 * (each(&TraceCounters::samples) + each(&TraceCounters::cells)) / busy;
