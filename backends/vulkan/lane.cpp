@@ -12,6 +12,9 @@ namespace gxy::vulkan {
 namespace {
 
 constexpr uint32_t kReadings = 128;  // of the clock; stages beyond are not timed
+// Where they are, behind the counts.
+constexpr size_t kReadingsAt =
+    (COUNT_WORDS * sizeof(uint32_t) + sizeof(uint64_t) - 1) / sizeof(uint64_t) * sizeof(uint64_t);
 
 size_t blocksOf(size_t rays) { return (rays + BLOCK_RAYS - 1) / BLOCK_RAYS; }
 uint32_t groupsOf(size_t rays) {
@@ -59,7 +62,7 @@ Lane::Lane(const Device& device, Pipelines& pipelines)
       pipelines_(pipelines),
       commands_(device),
       counts_(device, COUNT_WORDS * sizeof(uint32_t), Place::Device, "counts"),
-      countsRead_(device, COUNT_WORDS * sizeof(uint32_t), Place::Readback, "counts") {
+      countsRead_(device, kReadingsAt + kReadings * sizeof(uint64_t), Place::Readback, "counts") {
   if (!device.limits().timestampComputeAndGraphics) return;
   VkQueryPoolCreateInfo info{};
   info.sType = VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO;
@@ -184,15 +187,23 @@ void Lane::record(const Step& step, size_t number) {
     vkCmdDispatchIndirect(recording_, counts_.get(), COUNT_GROUPS * sizeof(uint32_t));
   else
     vkCmdDispatch(recording_, groupsOf(size_t(push[PUSH_RAYS])), 1, 1);
-  if (!clock_ || stages_.size() + 1 >= kReadings) return;
+  if (!clock_ || stages_.size() + 2 >= kReadings) return;
   stages_.push_back(step.stage);
-  vkCmdWriteTimestamp(recording_, VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT, clock_.get(),
-                      uint32_t(stages_.size()));
+  readClock();
+}
+
+void Lane::readClock() {
+  if (!clock_) return;
+  vkCmdWriteTimestamp(recording_, VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT, clock_.get(), readings_++);
 }
 
 void Lane::submit(VkDescriptorSet scene, VkDescriptorSet frame, std::span<const Step> steps, size_t firstStep,
                   bool resumed) {
   recording_ = commands_.begin();
+  stages_.clear();
+  readings_ = 0;
+  if (clock_) vkCmdResetQueryPool(recording_, clock_.get(), 0, kReadings);
+  readClock();
   const VkDescriptorSet sets[2] = {scene, frame};
   vkCmdBindDescriptorSets(recording_, VK_PIPELINE_BIND_POINT_COMPUTE, pipelines_.layout(), SCENE_SET, 2, sets,
                           0, nullptr);
@@ -201,11 +212,6 @@ void Lane::submit(VkDescriptorSet scene, VkDescriptorSet frame, std::span<const 
     vkCmdFillBuffer(recording_, counts_.get(), cut, sizeof(uint32_t), 0);
   else
     vkCmdFillBuffer(recording_, counts_.get(), 0, VK_WHOLE_SIZE, 0);
-  stages_.clear();
-  if (clock_) {
-    vkCmdResetQueryPool(recording_, clock_.get(), 0, kReadings);
-    vkCmdWriteTimestamp(recording_, VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT, clock_.get(), 0);
-  }
   if (loaded_ > 0) {
     const VkBufferCopy region{0, 0, listBytes(loaded_)};
     vkCmdCopyBuffer(recording_, staging_.get(), lists_[0].get(), 1, &region);
@@ -215,6 +221,11 @@ void Lane::submit(VkDescriptorSet scene, VkDescriptorSet frame, std::span<const 
   commands_.barrier();
   const VkBufferCopy region{0, 0, COUNT_WORDS * sizeof(uint32_t)};
   vkCmdCopyBuffer(recording_, counts_.get(), countsRead_.get(), 1, &region);
+  readClock();
+  // by the device, as Mesa's vkGetQueryPoolResults waits until a software device has nothing left to do
+  if (clock_)
+    vkCmdCopyQueryPoolResults(recording_, clock_.get(), 0, readings_, countsRead_.get(), kReadingsAt,
+                              sizeof(uint64_t), VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WAIT_BIT);
   commands_.barrier();
   commands_.submit();
 }
@@ -223,19 +234,16 @@ void Lane::wait() {
   commands_.wait();
   std::memcpy(counted_, countsRead_.mapped(), sizeof counted_);
   std::fill(std::begin(nanoseconds_), std::end(nanoseconds_), 0);
-  if (stages_.empty()) return;
+  if (readings_ == 0) return;
   uint64_t readings[kReadings];
-  const size_t n = stages_.size() + 1;
-  check(vkGetQueryPoolResults(device_.get(), clock_.get(), 0, uint32_t(n), n * sizeof(uint64_t), readings,
-                              sizeof(uint64_t), VK_QUERY_RESULT_64_BIT),
-        "reading the clock");
+  std::memcpy(readings, countsRead_.mapped() + kReadingsAt, readings_ * sizeof(uint64_t));
   const auto inNanoseconds = [&](uint64_t ticks) {
     return uint64_t(double(ticks) * double(device_.limits().timestampPeriod));
   };
-  for (size_t i = 0; i + 1 < n; i++)
+  for (size_t i = 0; i < stages_.size(); i++)
     nanoseconds_[size_t(stages_[i])] += inNanoseconds(readings[i + 1] - readings[i]);
   began_ = inNanoseconds(readings[0]);
-  ended_ = inNanoseconds(readings[n - 1]);
+  ended_ = inNanoseconds(readings[readings_ - 1]);
 }
 
 }  // namespace gxy::vulkan

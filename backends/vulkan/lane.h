@@ -89,6 +89,7 @@ class Lane {
  private:
   size_t roomy(size_t bytes) const;
   void record(const Step& step, size_t number);
+  void readClock();
 
   const Device& device_;
   Pipelines& pipelines_;
@@ -98,8 +99,9 @@ class Lane {
   DescriptorSet sets_[4];  ///< by list
   size_t loaded_ = 0;      ///< rays that wait in staging_ to be copied
   uint32_t counted_[COUNT_WORDS] = {};
-  QueryPoolHandle clock_;      ///< read at first and behind each stage
-  std::vector<Stage> stages_;  ///< whose ends it has read
+  QueryPoolHandle clock_;      ///< read at first, behind each stage, and at last
+  uint32_t readings_ = 0;      ///< of it
+  std::vector<Stage> stages_;  ///< behind which it was read
   uint64_t nanoseconds_[size_t(Stage::Last) + 1] = {}, began_ = 0, ended_ = 0;
 };
 
