@@ -28,6 +28,15 @@ check IsBelow60MB test "$(stat -c %s report.tar.gz)" -lt 60000000
 mkdir elsewhere
 tar -C elsewhere -xzf report.tar.gz
 cd elsewhere || exit 1
+check HasAllThatItNeeds "$bundle" --check gpu-report
+for library in gpu-report/lib/* gpu-report/system/*; do  # whichever is missing, it is named
+  name=${library##*/}
+  mv "$library" taken
+  "$bundle" --check gpu-report 2>error.txt
+  check "Without${name}ItIsFoundWanting" test $? = 1
+  check AndItIsNamed grep -q "gpu-report: $name is missing, which .* needs$" error.txt
+  mv taken "$library"
+done
 check HasNoneOfTheLibrariesThatOnlyOthersNeed test -z "$(compgen -G 'gpu-report/*/lib@(mpi|vtk|OpenImageIO)*')"
 env -i gpu-report/run --device llvmpipe --scale 0.01 --minutes 2 --scenes 1 --pictures . >out.txt 2>&1
 check RunsInAnEmptyEnvironment test $? = 0
