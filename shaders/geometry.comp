@@ -59,6 +59,7 @@ void main() {
     hitPrimitiveId = GIVEN(hitPrimitive);
   }
   vec3 rd = vec3(perLength(d.x), perLength(d.y), perLength(d.z));
+  uint nodesMet = 0u, primitivesMet = 0u;
   uint stack[STACK_ENTRIES];
   int depth = 0;
   // a node, a leaf, or NODE_NONE, which looks like a leaf
@@ -66,6 +67,7 @@ void main() {
   while (child != NODE_NONE) {
     while ((child & NODE_LEAF) == 0u) {
       uint at = nodes + NODE_WORDS * child;
+      nodesMet++;
       vec4 loX = geometryReals(at), loY = geometryReals(at + 4u), loZ = geometryReals(at + 8u);
       vec4 hiX = geometryReals(at + 12u), hiY = geometryReals(at + 16u), hiZ = geometryReals(at + 20u);
       uvec4 children = geometryQuad(at + 24u), found;
@@ -103,6 +105,7 @@ void main() {
     }
     if (child != NODE_NONE) {
       uint first = child & NODE_FIRST, count = ((child >> NODE_COUNT_SHIFT) & 7u) + 1u;
+      primitivesMet += count;
       for (uint k = first; k < first + count; k++) {
         int op = int(geometryWord(list + 2u * k));
         uint p = geometryWord(list + 2u * k + 1u);
@@ -125,6 +128,10 @@ void main() {
       child = NODE_NONE;
       if (depth > 0 && !(ANY_HIT && hitOperator >= 0)) child = stack[--depth];
     }
+  }
+  if ((SURFACES & SURFACE_COUNTS) != 0) {
+    countUp(COUNT_NODES, nodesMet);
+    countUp(COUNT_PRIMITIVES, primitivesMet);
   }
   float middle = floor(0.5 * (part.from + part.to)), next = part.to + (part.to - part.from);
   if (!endPart(part, middle, next, ANY_HIT && hitOperator >= 0)) return;

@@ -44,6 +44,7 @@
 #define SURFACE_CLIPPED 16  // some are clipped by planes
 #define SURFACE_CASTS 32    // they make secondary rays
 #define SURFACE_STARTS 64   // of isosurfaces: rays may start on one
+#define SURFACE_COUNTS 128  // of geometry: nodes and primitives are counted
 
 #define SCENE_SET 0
 #define SCENE_BINDING 0
@@ -106,7 +107,10 @@
 #define COUNT_GROUPS 16  // x, y, z: workgroups of an indirect dispatch
 #define COUNT_ENDED 19   // rays that ended early, nothing behind being seen
 #define COUNT_SEGMENTS_SKIPPED 20
-#define COUNT_WORDS 21
+#define COUNT_NODES \
+  21  // of hierarchies over geometry that rays came to, and primitives of their leaves; with SURFACE_COUNTS
+#define COUNT_PRIMITIVES 22
+#define COUNT_WORDS 23
 
 // Push constants: word i is called so in the stages that read it.
 #define PUSH_RAYS 0       // number of rays of the list; ~k: it is counts[k]

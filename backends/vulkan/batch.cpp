@@ -137,6 +137,8 @@ void Batch::take() {
   c.segmentsSkipped += lane.count(COUNT_SEGMENTS_SKIPPED);
   c.cells += lane.count(COUNT_CELLS);
   c.isoMacrocellsSkipped += lane.count(COUNT_ISO_SKIPPED);
+  c.nodes += lane.count(COUNT_NODES);
+  c.primitives += lane.count(COUNT_PRIMITIVES);
   c.secondariesSpawned += lane.count(COUNT_MADE);
   c.secondariesSkipped += uint64_t(lane.count(COUNT_SHADED)) * perHit_ - lane.count(COUNT_MADE);
   c.raysEndedEarly += lane.count(COUNT_ENDED);

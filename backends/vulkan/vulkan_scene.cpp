@@ -67,6 +67,7 @@ class Joined {
 Context::Context(const VulkanOptions& options)
     : device(options),
       pipelines(device),
+      countsNodes(options.countsNodes),
       mostKept(options.keptBytes > 0 ? options.keptBytes : device.info().memory / kPartForKept),
       tracer(device, pipelines, time, batchRaysOf(device)) {}
 
@@ -258,7 +259,7 @@ void VulkanScene::addSteps(std::vector<Step>& steps, const PartOnDevice& part, c
   add(Stage::Bound, special);
   if (part.geometryKinds != 0) {
     Special meets = special;
-    meets.surfaces = part.geometryKinds | clipped;
+    meets.surfaces = part.geometryKinds | clipped | (context_->countsNodes ? SURFACE_COUNTS : 0);
     meets.anyHit = !primary && scene_->opaqueSurfaces;
     add(Stage::Geometry, meets);
   }

@@ -21,6 +21,7 @@ struct Context {
   Device device;
   Pipelines pipelines;
   SharedData shared;
+  const bool countsNodes;             ///< VulkanOptions
   const size_t mostKept;              ///< bytes, for rays that wait on the device (KeptRays)
   std::atomic<size_t> bytesKept = 0;  ///< by these
   DeviceTime time;

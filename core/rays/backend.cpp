@@ -33,6 +33,8 @@ TraceCounters& TraceCounters::operator+=(const TraceCounters& o) {
   submissions += o.submissions;
   nsDevice += o.nsDevice;
   nsDeviceIdle += o.nsDeviceIdle;
+  nodes += o.nodes;
+  primitives += o.primitives;
   raysRead += o.raysRead;
   for (size_t k = 0; k < kKernels; k++) kernelRuns[k] += o.kernelRuns[k];
   return *this;

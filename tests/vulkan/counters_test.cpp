@@ -100,6 +100,29 @@ TEST(VulkanCounters, OnlyRaysThatLeaveTheRankComeBack) {
   EXPECT_EQ(found, names.size());
 }
 
+// A hierarchy over two spheres is one node with two leaves.
+TEST(VulkanCounters, NodesAndPrimitivesAreCountedWhereThatIsAskedFor) {
+  TestScene s = emptyScene("spheres", {24, 20});
+  s.domain = {glm::dvec3(-1), glm::dvec3(1)};
+  s.camera = cameraOutside(s.domain, {24, 20});
+  auto geometry = std::make_shared<WholeGeometry>();
+  geometry->block.points = {{-0.5, -0.7, 0}, {-0.5, 0.7, 0}};
+  geometry->block.ids = {0, 1};
+  Vis& vis = s.visualization.operators.emplace_back();
+  vis.type = VisType::Particles;
+  vis.radius0 = vis.radius1 = 0.2;
+  s.data.emplace_back(std::move(geometry));
+  VulkanOptions options = vulkan_test::testDevice();
+  options.countsNodes = true;
+  const auto counting = makeVulkanBackend(options);
+  const TraceCounters c = countersOf(s, [&](int) -> const Backend& { return *counting; }).trace;
+  EXPECT_GT(c.raysShaded, 0u);
+  EXPECT_EQ(c.nodes, c.raysTraced);
+  EXPECT_GE(c.primitives, c.raysShaded);
+  EXPECT_LT(c.primitives, c.nodes) << "rays pass between them";
+  EXPECT_EQ(countersOf(s, [](int) -> const Backend& { return vulkan_test::testedVulkan(); }).trace.nodes, 0u);
+}
+
 // Of several frames in several partitions (device_time_test.cpp has the sums).
 TEST(VulkanCounters, WorkingAndIdleTheDeviceIsNoLongerThanTheFramesTake) {
   const TestScene scene = everything({24, 20});

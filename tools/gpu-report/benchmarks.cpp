@@ -9,6 +9,7 @@
 
 #include "gxy/comm/error.h"
 #include "gxy/comm/parallel_for.h"
+#include "gxy/shaders/layout.h"
 #include "gxy/vulkan/vulkan_device.h"
 #include "report.h"
 #include "support/frames.h"
@@ -18,6 +19,9 @@ namespace gxy::gpu_report {
 namespace {
 
 using test::TestScene;
+
+constexpr double kNodeBytes = 4 * NODE_WORDS;
+constexpr double kSphereBytes = 4 * (2 + 4);  // an entry of the list of primitives; centre and radius
 
 double seconds() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
@@ -123,7 +127,9 @@ void measure(const Backend& device, const TestScene& scene, double duration, dou
   const auto ms = [&](auto TraceCounters::*field) { return rounded(1e-6 * each(field)); };
   const double busy = 1e-9 * each(&TraceCounters::nsDevice);
   const double asked =  // bytes a second
-      32 * (each(&TraceCounters::samples) + each(&TraceCounters::cells)) / busy;
+      (32 * (each(&TraceCounters::samples) + each(&TraceCounters::cells)) +
+       kNodeBytes * each(&TraceCounters::nodes) + kSphereBytes * each(&TraceCounters::primitives)) /
+      busy;
   std::ostringstream line;
   line << "| " << scene.name << " | " << rounded(making) << " | " << rounded(first) << " | "
        << rounded(1e3 * times[0]) << " | " << rounded(1e3 * times[times.size() / 2]) << " | "
@@ -163,19 +169,21 @@ double copyRate(const VulkanOptions& options, double scale) {
 
 }  // namespace
 
-Tally benchmarks(const Backend& device, const VulkanOptions& options, double scale, double seconds,
-                 Report& report) {
+Tally benchmarks(const VulkanOptions& options, double scale, double seconds, Report& report) {
+  VulkanOptions counting = options;
+  counting.countsNodes = true;
+  const std::unique_ptr<Backend> device = makeVulkanBackend(counting);
   const auto n = std::max<int64_t>(32, std::llround(512 * scale));
   const int size = std::max(128, int(std::lround(1024 * std::sqrt(scale))));
   const auto spheres = size_t(std::llround(1e7 * scale * scale * scale));
   report.line(
       "\n## Times\n\n"
       "One rank; a frame's time is from its request to its picture, the other milliseconds are the device's "
-      "own "
-      "clock, of a frame. Idle: the device had nothing to do between two submissions. GB/s: the 8 samples "
-      "that "
-      "each evaluation and each cell of an isosurface asks for, caches included; and as a part of what the "
-      "device's own copies read and write: near 100 % its memory limits, far below its arithmetic.\n");
+      "own clock, of a frame. Idle: the device had nothing to do before the frame's last work. GB/s: the 8 "
+      "samples that each evaluation and each cell of an isosurface asks for, and the nodes (112 bytes) and "
+      "spheres (24) that rays come to, caches included; and as a part of what the device's own copies read "
+      "and write: near 100 % its memory limits, far below its arithmetic, or how long it waits for what it "
+      "asks for.\n");
   double copied = std::numeric_limits<double>::quiet_NaN();
   try {
     if (report.left() > 0) copied = copyRate(options, scale);
@@ -211,7 +219,7 @@ Tally benchmarks(const Backend& device, const VulkanOptions& options, double sca
     try {
       TestScene scene = sceneOf(name, size);
       fill(scene);
-      measure(device, scene, seconds, copied, report);
+      measure(*device, scene, seconds, copied, report);
     } catch (const std::exception& e) {
       tally.failed++;
       report.line("| " + name + " | " + e.what() + " |");
