@@ -107,8 +107,7 @@
 #define COUNT_GROUPS 16  // x, y, z: workgroups of an indirect dispatch
 #define COUNT_ENDED 19   // rays that ended early, nothing behind being seen
 #define COUNT_SEGMENTS_SKIPPED 20
-#define COUNT_NODES \
-  21  // of hierarchies over geometry that rays came to, and primitives of their leaves; with SURFACE_COUNTS
+#define COUNT_NODES 21  // with SURFACE_COUNTS: that rays came to, and primitives of their leaves
 #define COUNT_PRIMITIVES 22
 #define COUNT_WORDS 23
 

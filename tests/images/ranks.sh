@@ -1,9 +1,9 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# ranks.sh BACKEND DEVICE FOLDER GXYDATA GXYRENDER MPIEXEC...: pictures and depths of states/kinds.json, whose data come
-# from files of several formats, are the same bytes as Embree's on one rank, on 2, 3, 4 and 8 ranks (vulkan: 2 and 4), with
-# other packets, partitions and threads; and on two ranks of which only one has the backend. All of them are left in FOLDER,
-# with NAME_difference.png of those that are not the same.
+# ranks.sh BACKEND DEVICE FOLDER GXYDATA GXYRENDER SAME_PICTURES MPIEXEC...: pictures and depths of states/kinds.json, whose
+# data come from files of several formats, are the same as Embree's on one rank (bit for bit, but of a GPU: same_pictures.cpp), on
+# 2, 3, 4 and 8 ranks (vulkan: 2 and 4), with other packets, partitions and threads; and on two ranks of which only one has the
+# backend. All of them are left in FOLDER, with NAME_difference.png of those that are not the same.
 set -euo pipefail
 
 # Three path lines, with a value along each.
@@ -27,8 +27,8 @@ helices() {
   }'
 }
 here=$(cd "$(dirname "$0")" && pwd)
-backend=$1 device=$2 out=$3 gxydata=$4 gxyrender=$5  # DEVICE: empty where the backend has none to choose from
-shift 5
+backend=$1 device=$2 out=$3 gxydata=$4 gxyrender=$5 same_pictures=$6  # DEVICE: empty where the backend has none to choose from
+shift 6
 options=(--backend "$backend" ${device:+--device "$device"})
 rm -rf "$out"
 mkdir -p "$out"
@@ -54,21 +54,25 @@ all=(kinds.json -o mixed --format raw --depth)
 render packets 3 --partitions 3,2,3 --packet 16 --threads 2 "${options[@]}"
 
 gxydiff=$(dirname "$gxyrender")/gxydiff
-differ() {  # EXPECTED FOUND: where they are, and in how much they differ
-  local size found=$PWD/$2 difference=$PWD/${2%.*}_difference.png
+differ() {  # EXPECTED FOUND SIZE: where they are, and in how much they differ
+  local found=$PWD/$2 difference=$PWD/${2%.*}_difference.png
   echo "FAILED: $found is not $PWD/$1" >&2
-  [[ $1 == *.raw ]] || return 0
-  case $(stat -c %s "$1") in 122880) size=96x80 ;; *) size=64x64 ;; esac  # of kinds.json
-  "$gxydiff" "$1" "$2" --alpha --size "$size" --output "$difference" >&2 || echo "see $difference" >&2
+  "$gxydiff" "$1" "$2" --alpha --size "$3" --output "$difference" >&2 || echo "see $difference" >&2
 }
 compared=0 different=0
-for expected in reference_*; do
+export TEST_TMPDIR=$PWD/
+for expected in reference_*.raw; do
+  case $(stat -c %s "$expected") in 122880) size=96x80 ;; *) size=64x64 ;; esac  # of kinds.json
   for name in "${counts[@]/#/on}" mixed packets; do
     found=${expected/reference/$name}
-    cmp "$expected" "$found" || { differ "$expected" "$found"; different=$((different + 1)); }
+    [[ -e ${expected%.raw}.depth && -e ${found%.raw}.depth ]] || { echo "no depths of $found" >&2; exit 1; }
+    "$same_pictures" --backend="$backend" --size="$size" "$expected" "$found" || {
+      differ "$expected" "$found" "$size"
+      different=$((different + 1))
+    }
     compared=$((compared + 1))
   done
 done
-files=$((8 * (${#counts[@]} + 2)))
-((compared == files)) || { echo "compared $compared pairs of files, expected $files" >&2; exit 1; }
+pictures=$((4 * (${#counts[@]} + 2)))
+((compared == pictures)) || { echo "compared $compared pairs of pictures, expected $pictures" >&2; exit 1; }
 ((different == 0))

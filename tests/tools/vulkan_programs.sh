@@ -1,10 +1,10 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# vulkan_programs.sh GALAXY BIN DEVICE KEPT - gxyrender and gxyserver as programs with the vulkan backend, on two ranks: the
-# pictures are Embree's; where one is not, both and their difference are left in folder KEPT. And where there is no such device,
+# vulkan_programs.sh GALAXY BIN DEVICE KEPT SAME_PICTURES - gxyrender and gxyserver as programs with the vulkan backend, on two ranks: the
+# pictures are Embree's (bit for bit, but where DEVICE is a GPU); where one is not, both and their difference are left in folder KEPT. And where there is no such device,
 # and no driver at all. Ends with all that the programs printed.
 set -uo pipefail
-galaxy=$(realpath "$1") bin=$(realpath "$2") device=$3 kept=$(realpath -m "$4")
+galaxy=$(realpath "$1") bin=$(realpath "$2") device=$3 kept=$(realpath -m "$4") same_pictures=$(realpath "$5")
 rm -rf "$kept"
 folder=$(mktemp -d)
 server=
@@ -18,9 +18,11 @@ check() {  # check NAME COMMAND...: the command succeeds
   shift
   if "$@"; then echo "ok: $name"; else printf 'FAILED: %s\n' "$name"; failures=$((failures + 1)); fi
 }
+export TEST_TMPDIR=$folder/
+made_by=vulkan
 same() {  # same NAME PICTURE: it is Embree's
   local name=$1 picture=$2
-  "$bin/gxydiff" embree_00000.exr "$picture" && { echo "ok: $name"; return; }
+  "$same_pictures" --backend="$made_by" embree_00000.exr "$picture" && { echo "ok: $name"; return; }
   failures=$((failures + 1))
   mkdir -p "$kept"
   cp embree_00000.exr "$picture" "$kept"
@@ -89,6 +91,7 @@ refuses ADeviceThatIsNotThere 'no Vulkan device "nosuch"; expected one of: ' \
 refuses ADeviceThatIsNotThereOfAServer 'no Vulkan device "nosuch"; expected one of: ' \
   "$bin/gxyserver" --no-token --port 0 --backend vulkan --device nosuch
 
+made_by=embree
 export VK_DRIVER_FILES=/dev/null VK_ICD_FILENAMES=/dev/null VK_INSTANCE_LAYERS=
 refuses NoDriver 'no driver is installed' "$bin/gxyrender" scene.json -o wrong --backend vulkan
 refuses NoDriverForAServer 'no driver is installed' "$bin/gxyserver" --no-token --port 0 --backend vulkan
