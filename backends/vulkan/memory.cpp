@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <iterator>
 #include <utility>
+#include <vector>
 
 namespace gxy::vulkan {
 
@@ -40,9 +41,30 @@ Memory::Memory(VkDevice device, VkDeviceSize blockBytes, LedgerEntry account, Vk
 
 Memory::~Memory() = default;
 
-VkResult Memory::allocate(const VkMemoryAllocateInfo& info, VkDeviceMemory& memory) const {
-  if (most_ > 0 && bytes_ + info.allocationSize > most_) return VK_ERROR_OUT_OF_DEVICE_MEMORY;
-  return vkAllocateMemory(device_, &info, nullptr, &memory);
+VkResult Memory::allocate(uint32_t type, VkDeviceSize bytes, VkDeviceMemory& memory,
+                          VkDeviceSize besides) const {
+  if (most_ > 0 && bytes_ + besides + bytes > most_) return VK_ERROR_OUT_OF_DEVICE_MEMORY;
+  const VkMemoryAllocateFlagsInfo flags{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_FLAGS_INFO, nullptr,
+                                        VK_MEMORY_ALLOCATE_DEVICE_ADDRESS_BIT, 0};
+  const VkMemoryAllocateInfo info{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO, &flags, bytes, type};
+  const VkResult result = vkAllocateMemory(device_, &info, nullptr, &memory);
+  return result == VK_ERROR_OUT_OF_HOST_MEMORY ? VK_ERROR_OUT_OF_DEVICE_MEMORY : result;
+}
+
+bool Memory::gives(uint32_t type, std::span<const VkDeviceSize> sizes) const {
+  std::lock_guard lock(mutex_);
+  std::vector<MemoryHandle> taken;
+  VkDeviceSize sum = 0;
+  for (const VkDeviceSize bytes : sizes) {
+    if (bytes < blockBytes_ / 2) continue;
+    VkDeviceMemory memory = VK_NULL_HANDLE;
+    const VkResult result = allocate(type, bytes, memory, sum);
+    if (result == VK_ERROR_OUT_OF_DEVICE_MEMORY) return false;
+    check(result, "allocating memory");
+    taken.emplace_back(device_, memory);
+    sum += bytes;
+  }
+  return true;
 }
 
 Memory::Range Memory::take(uint32_t type, bool visible, VkDeviceSize bytes, VkDeviceSize alignment) {
@@ -69,26 +91,20 @@ Memory::Range Memory::take(uint32_t type, bool visible, VkDeviceSize bytes, VkDe
     for (Block& block : blocks_)
       if (block.type == type && block.bytes == blockBytes_ && (block.mapped != nullptr) == visible)
         if (Range range = cut(block); range.block_) return range;
-  const VkMemoryAllocateFlagsInfo flags{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_FLAGS_INFO, nullptr,
-                                        VK_MEMORY_ALLOCATE_DEVICE_ADDRESS_BIT, 0};
-  VkMemoryAllocateInfo info{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO, &flags, alone ? bytes : blockBytes_,
-                            type};
+  VkDeviceSize size = alone ? bytes : blockBytes_;
   VkDeviceMemory memory = VK_NULL_HANDLE;
-  VkResult result = allocate(info, memory);
+  VkResult result = allocate(type, size, memory);
   if (result != VK_SUCCESS && !alone) {  // perhaps for less
-    info.allocationSize = bytes;
-    result = allocate(info, memory);
+    size = bytes;
+    result = allocate(type, size, memory);
   }
-  if (result == VK_ERROR_OUT_OF_DEVICE_MEMORY || result == VK_ERROR_OUT_OF_HOST_MEMORY) return {};
+  if (result == VK_ERROR_OUT_OF_DEVICE_MEMORY) return {};
   check(result, "allocating memory");
   MemoryHandle owned(device_, memory);
   void* mapped = nullptr;
   if (visible) check(vkMapMemory(device_, memory, 0, VK_WHOLE_SIZE, 0, &mapped), "mapping memory");
-  Block& block = blocks_.emplace_back(Block{type,
-                                            info.allocationSize,
-                                            std::move(owned),
-                                            static_cast<std::byte*>(mapped),
-                                            {{0, info.allocationSize}}});
+  Block& block =
+      blocks_.emplace_back(Block{type, size, std::move(owned), static_cast<std::byte*>(mapped), {{0, size}}});
   bytes_ += block.bytes;
   account();
   return cut(block);

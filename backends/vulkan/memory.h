@@ -5,6 +5,7 @@
 #include <list>
 #include <map>
 #include <mutex>
+#include <span>
 
 #include "gxy/space/ledger.h"
 #include "gxy/vulkan/vulkan_handle.h"
@@ -44,6 +45,9 @@ class Memory {
 
   /// Of a memory type, which the host sees or not. Empty (memory() is null) where the device has no room.
   Range take(uint32_t type, bool visible, VkDeviceSize bytes, VkDeviceSize alignment);
+  /// Whether the device gives blocks for all of these at once, besides what it has given; asked by taking them for a moment. What
+  /// is smaller than half a block is left out, as it may fit into blocks that there are.
+  bool gives(uint32_t type, std::span<const VkDeviceSize> sizes) const;
   /// So many bytes more (or fewer) of what is taken are in others' accounts.
   void chargeElsewhere(int64_t bytes);
   /// Of all blocks.
@@ -51,7 +55,9 @@ class Memory {
   size_t blocks() const;
 
  private:
-  VkResult allocate(const VkMemoryAllocateInfo& info, VkDeviceMemory& memory) const;
+  /// `besides`: bytes that are taken and not in a block.
+  VkResult allocate(uint32_t type, VkDeviceSize bytes, VkDeviceMemory& memory,
+                    VkDeviceSize besides = 0) const;
   void giveBack(Range& range);
   void account() { account_.resize(int64_t(bytes_) - elsewhere_); }
 

@@ -46,6 +46,30 @@ class Words {
   std::vector<uint32_t> words_ = std::vector<uint32_t>(4, 0);
 };
 
+const OperatorPart* shownIn(const CompiledOperator& op, int partition) {
+  const auto found = op.parts.find(partition);
+  return found == op.parts.end() ? nullptr : &found->second;
+}
+
+// What scenes share of a partition: its blocks, each once, ...
+std::vector<const VolumeBlock*> blocksOf(const CompiledScene& scene, int partition) {
+  std::vector<const VolumeBlock*> blocks;
+  for (const CompiledOperator& op : scene.operators)
+    if (const OperatorPart* part = shownIn(op, partition); part && part->block)
+      if (std::find(blocks.begin(), blocks.end(), part->block) == blocks.end()) blocks.push_back(part->block);
+  return blocks;
+}
+
+// ... and the geometry of each operator, or null.
+std::vector<const GeometryPart*> geometryOf(const CompiledScene& scene, int partition) {
+  std::vector<const GeometryPart*> all;
+  for (const CompiledOperator& op : scene.operators) {
+    const OperatorPart* part = shownIn(op, partition);
+    all.push_back(part ? part->geometry.get() : nullptr);
+  }
+  return all;
+}
+
 // Where the arrays of a partition go: samples one behind the other, all else in tables or with the geometry.
 class Places {
  public:
@@ -83,6 +107,7 @@ class Uploading {
   Uploading(const Device& device, const CompiledScene& scene, int partition, int rank, const Advance& advance)
       : device_(device), scene_(scene), partition_(partition), advance_(advance) {
     out_.partition = partition;
+    primitives_ = geometryOf(scene, partition);
     out_.special.limited = device.endsLoops();
     out_.special.routes = 0;
     if (!scene.opaqueSurfaces) out_.special.routes |= ROUTE_ON;
@@ -91,13 +116,11 @@ class Uploading {
       out_.special.routes |= ROUTE_LEAVES;
     for (size_t i = 0; i < scene.operators.size(); i++) {
       const CompiledOperator& op = scene.operators[i];
-      const auto found = op.parts.find(partition);
-      const OperatorPart* part = found == op.parts.end() ? nullptr : &found->second;
+      const OperatorPart* part = shownIn(op, partition);
       fillVolumeView(fields_.emplace_back(), op, part, inTables_);
       shader::OperatorView& view = operators_.emplace_back();
       fillOperatorView(view, op, inTables_);
-      primitives_.push_back(part ? part->geometry.get() : nullptr);
-      if (primitives_.back()) {
+      if (primitives_[i]) {
         constexpr int kBits[] = {0, SURFACE_PARTICLES, SURFACE_PATHLINES, SURFACE_TRIANGLES};
         out_.geometryKinds |= kBits[view.kind];
       }
@@ -146,10 +169,8 @@ class Uploading {
     for (int i = 0; i < 4; i++)
       if (!sections[i].empty()) upload(device_, out_.scene, at[i], sections[i]);
     if (!inTables_.blocks().empty()) {
-      std::vector<const VolumeBlock*> blocks;
-      for (const auto& [block, place] : inTables_.blocks()) blocks.push_back(block);
       out_.samples = shared.samples.get(
-          blocks, [&] { return makeSamples(); }, [&] { advance_(0.5); });
+          blocksOf(scene_, partition_), [&] { return makeSamples(); }, [&] { advance_(0.5); });
     }
     const VkDeviceAddress addresses[3] = {out_.scene.address() + at[3],
                                           out_.samples ? out_.samples->buffer.address() : 0,
@@ -285,6 +306,21 @@ void checkNumbering(const Index3& points, int components) {
     throw Error("a volume has " + std::to_string(n) + " points of " + std::to_string(components) +
                 " components in the bricks of one partition, expected up to 2^31 points and 2^32 numbers; "
                 "cut it into more partitions");
+}
+
+void expectRoom(const Device& device, const SharedData& shared, const CompiledScene& scene,
+                std::span<const int> partitions) {
+  std::vector<size_t> sizes;
+  const auto add = [&](const auto& all, const auto& sharedBy, const auto& bytesOf) {
+    size_t bytes = 0;
+    for (const auto* one : all) bytes += one ? bytesOf(*one) : 0;
+    if (bytes > 0 && !sharedBy.has(all)) sizes.push_back(bytes);
+  };
+  for (const int p : partitions) {
+    add(blocksOf(scene, p), shared.samples, [](const VolumeBlock& block) { return block.samples.size(); });
+    add(geometryOf(scene, p), shared.geometry, [](const GeometryPart& part) { return part.bytes(); });
+  }
+  if (sizes.size() > 1) device.expectRoom(sizes, "the scene's volumes and geometry");
 }
 
 PartOnDevice uploadPart(const Device& device, const Pipelines& pipelines, SharedData& shared,

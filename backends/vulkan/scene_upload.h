@@ -2,6 +2,7 @@
 // A partition of a compiled scene in device memory.
 #pragma once
 #include <memory>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -73,6 +74,11 @@ struct SharedData {
 
 /// Throws Error where a block has more points, or numbers of all components, than the shaders tell apart in 32 bits.
 void checkNumbering(const Index3& points, int components);
+
+/// Throws Error where the device has no room for the volumes and the geometry (without its hierarchies) of these partitions
+/// together, but what others have there already; so before any of it is there. Small arrays are left out.
+void expectRoom(const Device& device, const SharedData& shared, const CompiledScene& scene,
+                std::span<const int> partitions);
 
 /// partition < 0: none. Throws Error where the device has no room for it, and what `advance` throws.
 PartOnDevice uploadPart(

@@ -142,38 +142,67 @@ uint32_t Device::memoryType(uint32_t allowed, Place place) const {
   return uint32_t(found);
 }
 
-Buffer::Buffer(const Device& device, size_t bytes, Place place, const char* what)
-    : device_(&device), bytes_(std::max<size_t>(bytes, 16)) {
-  const auto noRoom = [&](size_t heap) {
-    return Error("Vulkan: device \"" + device.info().name + "\" has no " + mebibytes(bytes_) + " left for " +
-                 what + ": it has " + mebibytes(heap) + ", of which this rank holds " +
-                 mebibytes(device.bytes()) +
-                 "; more ranks with devices of their own, or the embree backend, would do");
-  };
-  if (place == Place::Device && bytes_ > device.info().memory) throw noRoom(device.info().memory);
+Error Device::noRoom(size_t bytes, size_t heap, const std::string& what) const {
+  return Error("Vulkan: device \"" + info_.name + "\" has no " + mebibytes(bytes) + " left for " + what +
+               ": it has " + mebibytes(heap) + ", of which this rank holds " + mebibytes(bytes_) +
+               "; more ranks with devices of their own, or the embree backend, would do");
+}
+
+VkDeviceSize Device::heapOf(uint32_t type) const {
+  return memory_.memoryHeaps[memory_.memoryTypes[type].heapIndex].size;
+}
+
+BufferHandle Device::makeBuffer(size_t bytes, const std::string& what) const {
   VkBufferCreateInfo info{};
   info.sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO;
-  info.size = bytes_;
+  info.size = bytes;
   info.usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_SRC_BIT |
                VK_BUFFER_USAGE_TRANSFER_DST_BIT | VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT |
                VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT | VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT;
   VkBuffer buffer = VK_NULL_HANDLE;
-  check(vkCreateBuffer(device.get(), &info, nullptr, &buffer), std::string("making a buffer for ") + what);
-  buffer_ = BufferHandle(device.get(), buffer);
+  check(vkCreateBuffer(device_.get(), &info, nullptr, &buffer), "making a buffer for " + what);
+  return {device_.get(), buffer};
+}
+
+void Device::expectPossible(const VkMemoryRequirements& needs, uint32_t type, const std::string& what) const {
+  if (needs.size > heapOf(type)) throw noRoom(needs.size, heapOf(type), what);
+  if (needs.size > largestAllocation_)
+    throw Error("Vulkan: device \"" + info_.name + "\" gives no " + mebibytes(needs.size) + " for " + what +
+                " at once, expected up to " + mebibytes(largestAllocation_) +
+                " (maxMemoryAllocationSize); cut the data into more partitions");
+}
+
+void Device::expectRoom(std::span<const size_t> sizes, const std::string& what) const {
+  std::vector<VkDeviceSize> needed;
+  uint32_t type = 0;
+  size_t sum = 0;
+  for (const size_t bytes : sizes) {
+    if (bytes > info_.memory) throw noRoom(bytes, info_.memory, what);
+    const BufferHandle buffer = makeBuffer(std::max<size_t>(bytes, 16), what);
+    VkMemoryRequirements needs;
+    vkGetBufferMemoryRequirements(device_.get(), buffer.get(), &needs);
+    type = memoryType(needs.memoryTypeBits, Place::Device);  // the same for all, as they differ in size only
+    expectPossible(needs, type, what);
+    needed.push_back(needs.size);
+    sum += bytes;
+  }
+  if (!blocks_->gives(type, needed)) throw noRoom(sum, heapOf(type), what + " in all");
+}
+
+Buffer::Buffer(const Device& device, size_t bytes, Place place, const char* what)
+    : device_(&device), bytes_(std::max<size_t>(bytes, 16)) {
+  if (place == Place::Device && bytes_ > device.info().memory)
+    throw device.noRoom(bytes_, device.info().memory, what);
+  buffer_ = device.makeBuffer(bytes_, what);
+  const VkBuffer buffer = buffer_.get();
   VkMemoryRequirements needs;
   vkGetBufferMemoryRequirements(device.get(), buffer, &needs);
-  const uint32_t index = device.memoryType(needs.memoryTypeBits, place);
-  const VkMemoryType& type = device.memory_.memoryTypes[index];
-  const VkDeviceSize heap = device.memory_.memoryHeaps[type.heapIndex].size;
-  const bool visible =
-      (type.propertyFlags & kSeen) == kSeen && !(place == Place::Device && device.hidesMemory_);
-  if (needs.size > heap) throw noRoom(heap);
-  if (needs.size > device.largestAllocation_)
-    throw Error("Vulkan: device \"" + device.info().name + "\" gives no " + mebibytes(needs.size) + " for " +
-                what + " at once, expected up to " + mebibytes(device.largestAllocation_) +
-                " (maxMemoryAllocationSize); cut the data into more partitions");
-  memory_ = device.blocks_->take(index, visible, needs.size, needs.alignment);
-  if (!memory_.memory()) throw noRoom(heap);
+  const uint32_t type = device.memoryType(needs.memoryTypeBits, place);
+  const bool visible = (device.memory_.memoryTypes[type].propertyFlags & kSeen) == kSeen &&
+                       !(place == Place::Device && device.hidesMemory_);
+  device.expectPossible(needs, type, what);
+  memory_ = device.blocks_->take(type, visible, needs.size, needs.alignment);
+  if (!memory_.memory()) throw device.noRoom(bytes_, device.heapOf(type), what);
   check(vkBindBufferMemory(device.get(), buffer, memory_.memory(), memory_.offset()), "binding memory");
   if (visible) mapped_ = memory_.mapped();
   device.bytes_ += bytes_;

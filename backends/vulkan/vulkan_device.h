@@ -39,6 +39,10 @@ class Device {
   /// So many bytes more of its blocks are others' to account for.
   void chargeElsewhere(int64_t bytes) const { blocks_->chargeElsewhere(bytes); }
 
+  /// Throws Error where the device does not give buffers of these sizes all at once, in Place::Device; `what` they are for. Small
+  /// ones are left out.
+  void expectRoom(std::span<const size_t> sizes, const std::string& what) const;
+
   /// Hands commands to the queue; returns the number with which to wait for them. They are done in the order of numbers.
   uint64_t submit(VkCommandBuffer commands) const;
   void wait(uint64_t submission) const;
@@ -50,6 +54,11 @@ class Device {
  private:
   friend class Buffer;
   uint32_t memoryType(uint32_t allowed, Place place) const;
+  BufferHandle makeBuffer(size_t bytes, const std::string& what) const;
+  VkDeviceSize heapOf(uint32_t type) const;
+  Error noRoom(size_t bytes, size_t heap, const std::string& what) const;
+  /// Throws Error where no such buffer can be.
+  void expectPossible(const VkMemoryRequirements& needs, uint32_t type, const std::string& what) const;
 
   Instance instance_;
   VkPhysicalDevice physical_;

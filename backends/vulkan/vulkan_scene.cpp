@@ -94,10 +94,11 @@ VulkanScene::VulkanScene(std::shared_ptr<Context> context, std::shared_ptr<const
     return uploadPart(context_->device, context_->pipelines, context_->shared, *scene_, partition, rank_,
                       uploading);
   };
-  const std::vector<int> owned = scene_->partitioning->owned(rank_);
-  for (size_t i = 0; i < owned.size(); i++)
-    if (scene_->visible[size_t(owned[i])])  // nothing is there where nothing can be seen
-      parts_.emplace(owned[i], upload(owned[i], partOf(advance, i, owned.size())));
+  std::vector<int> seen = scene_->partitioning->owned(rank_);  // nothing is there where nothing can be seen
+  std::erase_if(seen, [&](int p) { return !scene_->visible[size_t(p)]; });
+  expectRoom(context_->device, context_->shared, *scene_, seen);
+  for (size_t i = 0; i < seen.size(); i++)
+    parts_.emplace(seen[i], upload(seen[i], partOf(advance, i, seen.size())));
   if (parts_.size() != 1) anywhere_ = upload(-1, [](double) {});
   size_t bytes = anywhere_.scene.bytes();
   for (const auto& [p, part] : parts_) bytes += part.scene.bytes();

@@ -43,6 +43,13 @@ class SharedBy {
     return made;
   }
 
+  /// Whether there is one, or somebody is making it.
+  bool has(const Key& key) const {
+    const std::lock_guard lock(mutex_);
+    const auto known = known_.find(key);
+    return (known != known_.end() && !known->second.expired()) || making_.count(key) > 0;
+  }
+
   /// The value that there is, or null.
   std::shared_ptr<const Value> find(const Key& key) const {
     const std::lock_guard lock(mutex_);

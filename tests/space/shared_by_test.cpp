@@ -34,6 +34,19 @@ TEST(SharedBy, MakesAgainWhatCouldNotBeMade) {
   EXPECT_EQ(*words.get(1, [] { return std::string("there"); }), "there");
 }
 
+TEST(SharedBy, HasWhatIsThereOrBeingMade) {
+  SharedBy<int, std::string> words;
+  EXPECT_FALSE(words.has(1));
+  auto there = words.get(1, [&] {
+    EXPECT_TRUE(words.has(1));
+    EXPECT_FALSE(words.has(2));
+    return std::string("there");
+  });
+  EXPECT_TRUE(words.has(1));
+  there.reset();
+  EXPECT_FALSE(words.has(1));
+}
+
 TEST(SharedBy, OnlyWhoWantsTheSameWaitsAndMayGiveUp) {
   SharedBy<int, std::string> words;
   std::promise<void> begun, release;

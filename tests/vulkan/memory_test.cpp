@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cstring>
+#include <regex>
 #include <span>
 #include <vector>
 
@@ -79,6 +80,48 @@ TEST(DeviceMemory, OfASceneThatDoesNotFitIsFreed) {
   EXPECT_THROW(vulkan::VulkanScene(context, compiled, 0), Error);
   EXPECT_EQ(context->device.bytes(), 0u);
   EXPECT_EQ(context->device.blocks().bytes(), 0u);
+}
+
+// Two partitions of 33 MiB: each fits, and nothing is taken where both do not.
+TEST(DeviceMemory, ThatASceneLacksInAllIsOneErrorBeforeAnythingIsThere) {
+  test::TestScene scene = test::emptyScene("large");
+  scene.domain = {glm::dvec3(0), {256, 255, 255}};
+  const Grid grid{glm::dvec3(0), glm::dvec3(1), {257, 256, 256}};
+  scene.data.emplace_back(
+      std::make_shared<const test::WholeVolume>(test::sampled(grid, [](glm::dvec3 p) { return p.x; })));
+  Vis& vis = scene.visualization.operators.emplace_back();
+  vis.type = VisType::Volume;
+  vis.volumeRendering = true;
+  scene.camera = test::cameraOutside(scene.domain, {8, 8});
+  const test::Cut cut = test::lattice(scene.domain, {2, 1, 1}, 1);
+  const auto compiled = test::compiledOn(cut, scene)[0].compiled;
+  Ledger ledger;
+  VulkanOptions options = testDevice();
+  options.ledger = &ledger;
+  options.memoryBytes = size_t(50) << 20;
+  {
+    const auto backend = makeVulkanBackend(options);
+    try {
+      backend->makeScene(compiled, 0);
+      FAIL() << "expected an error";
+    } catch (const Error& e) {
+      const std::string error = e.what();
+      EXPECT_TRUE(std::regex_search(error, std::regex("has no 6[5-9] MiB left for the scene's volumes and "
+                                                      "geometry in all: it has [0-9]+ MiB, of which this "
+                                                      "rank holds 0 MiB;")))
+          << error;
+    }
+    EXPECT_EQ(ledger.peak(), 0);
+  }
+  options.memoryBytes = size_t(160) << 20;  // small buffers take a block of 64
+  const auto backend = makeVulkanBackend(options);
+  const auto first = backend->makeScene(compiled, 0);
+  const auto second = backend->makeScene(compiled, 0);  // with the same samples, which need no room again
+  for (const DeviceScene* made : {first.get(), second.get()}) {
+    size_t shared = 0;
+    for (const SharedBytes& s : made->sharedBytes()) shared += s.bytes;
+    EXPECT_GT(shared, size_t(64) << 20);
+  }
 }
 
 TEST(DeviceMemory, IsInTheLedgerWhileItIsHeld) {
