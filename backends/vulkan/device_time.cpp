@@ -32,9 +32,21 @@ void Intervals::forget(uint64_t time) {
   while (ends_.size() > kLatest && ends_.begin()->second < time) ends_.erase(ends_.begin());
 }
 
+uint64_t DeviceTime::unwound(uint64_t time) {
+  if (round_ > 0) {
+    time += (latest_ - latest_ % round_);
+    if (time + round_ / 2 < latest_) time += round_;
+    if (time > latest_ + round_ / 2 && time >= round_ && latest_ > 0) time -= round_;
+  }
+  latest_ = std::max(latest_, time);
+  return time;
+}
+
 DeviceTime::Spent DeviceTime::worked(uint64_t frame, uint64_t began, uint64_t ended) {
-  if (ended <= began) return {};
   std::lock_guard lock(mutex_);
+  began = unwound(began);
+  ended = unwound(ended);
+  if (ended <= began) return {};
   Span& span = underWay_.try_emplace(frame, Span{began, ended}).first->second;
   span = {std::min(span.began, began), std::max(span.ended, ended)};
   Spent spent;

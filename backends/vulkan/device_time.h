@@ -26,13 +26,15 @@ class Intervals {
 /// those frames shows that it went on. Nanoseconds of the device's clock. Thread safe.
 class DeviceTime {
  public:
+  /// `round`: after so long its clock begins anew; 0: never.
+  explicit DeviceTime(uint64_t round = 0) : round_(round) {}
   struct Spent {
     int64_t busy = 0;
     int64_t idle =
         0;  ///< below 0 where work is told after later work, and the time of it was counted as idle
   };
-  /// The device has worked for a frame from `began` to `ended` (nothing is counted if not later, as without a clock): what that
-  /// adds to the sums.
+  /// The device has worked for a frame from `began` to `ended` (nothing is counted if they are the same, as without a clock): what
+  /// that adds to the sums. Work is told within half a round.
   Spent worked(uint64_t frame, uint64_t began, uint64_t ended);
   /// The device does nothing more for this frame; it may never have done anything.
   void over(uint64_t frame);
@@ -40,10 +42,15 @@ class DeviceTime {
   size_t remembered() const;
 
  private:
+  /// The moment nearest to the latest that is known at which the clock says so.
+  uint64_t unwound(uint64_t time);
+
   struct Span {
     uint64_t began, ended;
   };
+  const uint64_t round_;
   mutable std::mutex mutex_;
+  uint64_t latest_ = 0;
   std::map<uint64_t, Span> underWay_;  ///< frames that are not over
   Intervals frames_, work_;
 };

@@ -63,7 +63,7 @@ Lane::Lane(const Device& device, Pipelines& pipelines)
       commands_(device),
       counts_(device, COUNT_WORDS * sizeof(uint32_t), Place::Device, "counts"),
       countsRead_(device, kReadingsAt + kReadings * sizeof(uint64_t), Place::Readback, "counts") {
-  if (!device.limits().timestampComputeAndGraphics) return;
+  if (device.clockBits() == 0) return;
   VkQueryPoolCreateInfo info{};
   info.sType = VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO;
   info.queryType = VK_QUERY_TYPE_TIMESTAMP;
@@ -236,12 +236,13 @@ void Lane::wait() {
   std::fill(std::begin(nanoseconds_), std::end(nanoseconds_), 0);
   if (readings_ == 0) return;
   uint64_t readings[kReadings];
+  const uint64_t mask = ~uint64_t(0) >> (64 - device_.clockBits());  // it may begin anew in between
   std::memcpy(readings, countsRead_.mapped() + kReadingsAt, readings_ * sizeof(uint64_t));
   const auto inNanoseconds = [&](uint64_t ticks) {
     return uint64_t(double(ticks) * double(device_.limits().timestampPeriod));
   };
   for (size_t i = 0; i < stages_.size(); i++)
-    nanoseconds_[size_t(stages_[i])] += inNanoseconds(readings[i + 1] - readings[i]);
+    nanoseconds_[size_t(stages_[i])] += inNanoseconds((readings[i + 1] - readings[i]) & mask);
   began_ = inNanoseconds(readings[0]);
   ended_ = inNanoseconds(readings[readings_ - 1]);
 }

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstring>
 #include <optional>
 
@@ -12,6 +13,14 @@ namespace {
 
 constexpr VkMemoryPropertyFlags kSeen =
     VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
+uint32_t clockBitsOf(VkPhysicalDevice device, uint32_t family) {
+  uint32_t n = 0;
+  vkGetPhysicalDeviceQueueFamilyProperties(device, &n, nullptr);
+  std::vector<VkQueueFamilyProperties> families(n);
+  vkGetPhysicalDeviceQueueFamilyProperties(device, &n, families.data());
+  return families[family].timestampValidBits;
+}
+
 constexpr size_t kStagingBytes = size_t(16) << 20, kBlockBytes = size_t(64) << 20;
 
 std::string mebibytes(size_t bytes) { return std::to_string((bytes + (1 << 20) - 1) >> 20) + " MiB"; }
@@ -51,6 +60,7 @@ Device::Device(const VulkanOptions& options)
   if (options.storageBytes > 0) largestStorage_ = std::min<size_t>(largestStorage_, options.storageBytes);
   vkGetPhysicalDeviceMemoryProperties(physical_, &memory_);
   family_ = uint32_t(computeFamily(physical_));
+  clockBits_ = clockBitsOf(physical_, family_);
   const float priority = 1;
   VkDeviceQueueCreateInfo queue{};
   queue.sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO;
@@ -81,6 +91,11 @@ Device::Device(const VulkanOptions& options)
   VkSemaphore done = VK_NULL_HANDLE;
   check(vkCreateSemaphore(device, &semaphore, nullptr, &done), "making a semaphore");
   done_ = SemaphoreHandle(device, done);
+}
+
+uint64_t Device::clockRound() const {
+  const double round = std::ldexp(double(limits_.timestampPeriod), int(clockBits_));
+  return clockBits_ > 0 && round < 0x1p62 ? uint64_t(round) : 0;
 }
 
 uint64_t Device::submit(VkCommandBuffer commands) const {

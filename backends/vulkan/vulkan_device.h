@@ -48,6 +48,10 @@ class Device {
   void wait(uint64_t submission) const;
   /// Whether one of the two has been told that the device was lost.
   bool lost() const { return lost_; }
+  /// Bits that its clock has (timestamps); 0: it has none.
+  uint32_t clockBits() const { return clockBits_; }
+  /// Nanoseconds after which that begins anew; 0: never, as far as 64 bits reach.
+  uint64_t clockRound() const;
   /// Loops of an invocation end when they have gone round 65535 times together (shaders/rays.glsl).
   bool endsLoops() const { return endsLoops_; }
 
@@ -66,7 +70,7 @@ class Device {
   VkPhysicalDeviceLimits limits_{};
   size_t largestBinding_ = 0, largestQuads_ = 0, largestStorage_ = 0, largestAllocation_ = 0;
   VkPhysicalDeviceMemoryProperties memory_{};
-  uint32_t family_ = 0;
+  uint32_t family_ = 0, clockBits_ = 0;
   DeviceHandle device_;
   VkQueue queue_ = VK_NULL_HANDLE;
   bool endsLoops_ = false;

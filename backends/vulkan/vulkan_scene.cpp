@@ -67,6 +67,7 @@ class Joined {
 Context::Context(const VulkanOptions& options)
     : device(options),
       pipelines(device),
+      time(device.clockRound()),
       countsNodes(options.countsNodes),
       mostKept(options.keptBytes > 0 ? options.keptBytes : device.info().memory / kPartForKept),
       tracer(device, pipelines, time, batchRaysOf(device)) {}

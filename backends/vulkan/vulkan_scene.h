@@ -21,10 +21,10 @@ struct Context {
   Device device;
   Pipelines pipelines;
   SharedData shared;
+  DeviceTime time;
   const bool countsNodes;             ///< VulkanOptions
   const size_t mostKept;              ///< bytes, for rays that wait on the device (KeptRays)
   std::atomic<size_t> bytesKept = 0;  ///< by these
-  DeviceTime time;
   Tracer tracer;
   std::atomic<uint64_t> frames = 0;  ///< that were made
 };

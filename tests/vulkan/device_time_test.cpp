@@ -81,6 +81,20 @@ TEST(IdleTime, OfWorkThatIsToldLateIsTakenBack) {
   expectSpent(time.worked(2, 45, 50), 5, -5);
 }
 
+TEST(IdleTime, GoesOnWhereTheClockBeginsAnew) {
+  DeviceTime time(1000);
+  expectSpent(sumOf(time, {{1, 900, 950}, {1, 960, 990}, {1, 995, 5}, {1, 20, 30}}), 100, 30);
+  expectSpent(time.worked(2, 985, 1000 - 8), 2, -2);  // told late
+  time.over(1);
+  time.over(2);
+  // frames of half a round, round after round
+  uint64_t now = 1100;
+  int64_t idle = 0;
+  for (uint64_t frame = 3; frame < 50; frame++)
+    for (int i = 0; i < 4; i++, now += 140) idle += time.worked(frame, now % 1000, (now + 100) % 1000).idle;
+  EXPECT_EQ(idle, 47 * 3 * 40);
+}
+
 TEST(IdleTime, WithoutAClockIsNone) { expectSpent(sumOf({{1, 0, 0}, {1, 0, 0}}), 0, 0); }
 
 TEST(IdleTime, DoesNotDependOnTheOrderInWhichWorkIsTold) {
