@@ -13,6 +13,8 @@ namespace {
 
 constexpr VkMemoryPropertyFlags kSeen =
     VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
+constexpr size_t kStagingBytes = size_t(16) << 20, kBlockBytes = size_t(64) << 20;
+
 uint32_t clockBitsOf(VkPhysicalDevice device, uint32_t family) {
   uint32_t n = 0;
   vkGetPhysicalDeviceQueueFamilyProperties(device, &n, nullptr);
@@ -20,8 +22,6 @@ uint32_t clockBitsOf(VkPhysicalDevice device, uint32_t family) {
   vkGetPhysicalDeviceQueueFamilyProperties(device, &n, families.data());
   return families[family].timestampValidBits;
 }
-
-constexpr size_t kStagingBytes = size_t(16) << 20, kBlockBytes = size_t(64) << 20;
 
 std::string mebibytes(size_t bytes) { return std::to_string((bytes + (1 << 20) - 1) >> 20) + " MiB"; }
 

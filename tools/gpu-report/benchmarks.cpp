@@ -5,6 +5,7 @@
 #include <functional>
 #include <iomanip>
 #include <limits>
+#include <optional>
 #include <sstream>
 
 #include "gxy/comm/error.h"
@@ -90,45 +91,73 @@ std::string rounded(double x) {
   return out.str();
 }
 
-/// Frames one after another, at least one, for so long.
-void measure(const Backend& device, const TestScene& scene, double duration, double copyRate,
-             Report& report) {
-  const double begin = seconds();
-  const auto compiled =
-      test::compiledOn(test::whole(scene.domain), scene, [&](int) -> const Backend& { return device; });
-  const double making = seconds() - begin;
-  test::FrameRun run;
-  run.threaded = true;
-  run.options.raysInFlight = int64_t(1) << 24;
-  test::Frames frames(1, run);
-  frames.add(1, compiled);
-  FrameRequest request;
-  request.scene = 1;
-  request.camera = scene.camera;
-  const auto frame = [&] {
+/// A scene on a device, and frames of it one after another.
+class Frames {
+ public:
+  Frames(const Backend& device, const TestScene& scene) : frames_(1, run()) {
+    frames_.add(
+        1, test::compiledOn(test::whole(scene.domain), scene, [&](int) -> const Backend& { return device; }));
+    request_.scene = 1;
+    request_.camera = scene.camera;
+  }
+
+  /// Seconds that one takes.
+  double frame() {
     const double start = seconds();
-    const FrameId id = frames.start(request);
-    frames.run();
-    if (const std::string& error = frames.outcome(id).error; !error.empty()) throw Error(error);
+    const FrameId id = frames_.start(request_);
+    frames_.run();
+    if (const std::string& error = frames_.outcome(id).error; !error.empty()) throw Error(error);
     return seconds() - start;
-  };
-  const double first = frame();  // compiles shaders
-  frame();
-  const TraceCounters before = frames.renderer(0).counters().trace;
+  }
+  TraceCounters counters() { return frames_.renderer(0).counters().trace; }
+
+ private:
+  static test::FrameRun run() {
+    test::FrameRun run;
+    run.threaded = true;
+    run.options.raysInFlight = int64_t(1) << 24;
+    return run;
+  }
+  test::Frames frames_;
+  FrameRequest request_;
+};
+
+/// Bytes of the nodes and spheres that the rays of a frame come to; not of a frame that is timed, as counting them takes time.
+double hierarchyBytes(const VulkanOptions& options, const TestScene& scene) {
+  VulkanOptions counting = options;
+  counting.countsNodes = true;
+  const std::unique_ptr<Backend> device = makeVulkanBackend(counting);
+  Frames frames(*device, scene);
+  frames.frame();
+  const TraceCounters c = frames.counters();
+  return kNodeBytes * double(c.nodes) + kSphereBytes * double(c.primitives);
+}
+
+/// Times frames one after another, at least one, for so long.
+void measure(const VulkanOptions& options, const Backend& device, const TestScene& scene, double duration,
+             double copyRate, Report& report) {
+  const double begin = seconds();
+  std::optional<Frames> frames(std::in_place, device, scene);
+  const double making = seconds() - begin;
+  const double first = frames->frame();  // compiles shaders
+  frames->frame();
+  const TraceCounters before = frames->counters();
   std::vector<double> times;
   for (const double until = seconds() + std::min(duration, report.left());
        times.empty() || (seconds() < until && times.size() < 50);)
-    times.push_back(frame());
-  const TraceCounters after = frames.renderer(0).counters().trace;
+    times.push_back(frames->frame());
+  const TraceCounters after = frames->counters();
+  frames.reset();  // the device has room for it again
   std::sort(times.begin(), times.end());
   const auto each = [&](auto TraceCounters::*field) {
     return double(after.*field - before.*field) / double(times.size());
   };
   const auto ms = [&](auto TraceCounters::*field) { return rounded(1e-6 * each(field)); };
+  const bool spheres = scene.visualization.operators[0].type == VisType::Particles;
   const double busy = 1e-9 * each(&TraceCounters::nsDevice);
   const double asked =  // bytes a second
       (32 * (each(&TraceCounters::samples) + each(&TraceCounters::cells)) +
-       kNodeBytes * each(&TraceCounters::nodes) + kSphereBytes * each(&TraceCounters::primitives)) /
+       (spheres ? hierarchyBytes(options, scene) : 0)) /
       busy;
   std::ostringstream line;
   line << "| " << scene.name << " | " << rounded(making) << " | " << rounded(first) << " | "
@@ -169,10 +198,8 @@ double copyRate(const VulkanOptions& options, double scale) {
 
 }  // namespace
 
-Tally benchmarks(const VulkanOptions& options, double scale, double seconds, Report& report) {
-  VulkanOptions counting = options;
-  counting.countsNodes = true;
-  const std::unique_ptr<Backend> device = makeVulkanBackend(counting);
+Tally benchmarks(const Backend& device, const VulkanOptions& options, double scale, double seconds,
+                 Report& report) {
   const auto n = std::max<int64_t>(32, std::llround(512 * scale));
   const int size = std::max(128, int(std::lround(1024 * std::sqrt(scale))));
   const auto spheres = size_t(std::llround(1e7 * scale * scale * scale));
@@ -219,7 +246,7 @@ Tally benchmarks(const VulkanOptions& options, double scale, double seconds, Rep
     try {
       TestScene scene = sceneOf(name, size);
       fill(scene);
-      measure(*device, scene, seconds, copied, report);
+      measure(options, device, scene, seconds, copied, report);
     } catch (const std::exception& e) {
       tally.failed++;
       report.line("| " + name + " | " + e.what() + " |");

@@ -66,7 +66,7 @@ int main(int argc, char** argv) {
       describe(report, *device);
       compared = gpu_report::agreement(*device, scenes, pictures, report);
       const double each = 60 * minutes / 48;  // frames of the four: about ten seconds each
-      timed = gpu_report::benchmarks(options, scale, each, report);
+      timed = gpu_report::benchmarks(*device, options, scale, each, report);
       report.line("\n" + std::to_string(compared.tried) + " of " + std::to_string(compared.all) +
                   " scenes compared, " + std::to_string(compared.failed) + " do not agree; " +
                   std::to_string(timed.tried) + " of " + std::to_string(timed.all) + " benchmarks run, " +

@@ -65,8 +65,9 @@ struct Tally {
 /// `most`: of these scenes, so many at most. `folder`, if not empty: where the pictures of each scene are left, SCENE.embree.raw and SCENE.device.raw.
 Tally agreement(const Backend& device, int most, const std::string& folder, Report& report);
 
-/// Times of frames, and what they say of the device that `options` choose, on a backend of their own, which counts what rays come to. `scale`: of the data's size, 1 for a
+/// Times of frames, and what they say of the device, which is the one that `options` choose. `scale`: of the data's size, 1 for a
 /// large GPU; `seconds`: of frames, for each benchmark.
-Tally benchmarks(const VulkanOptions& options, double scale, double seconds, Report& report);
+Tally benchmarks(const Backend& device, const VulkanOptions& options, double scale, double seconds,
+                 Report& report);
 
 }  // namespace gxy::gpu_report
