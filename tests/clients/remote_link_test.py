@@ -96,9 +96,10 @@ class SlowLink(unittest.TestCase):
                     ends = {number: picture.end["status"] for number, picture in window._ends.items()}
                     self.assertEqual(sorted(ends), frames, "each frame ends once")
                     self.assertEqual(ends[frames[-1]], "complete")
-                    self.assertGreater(sum(status == "superseded" for status in ends.values()), len(frames) // 2)
                     self.assertLess(seen["most queued bytes"], 2 * PICTURE)
-                    self.assertLess(slow.bytes, len(frames) * PICTURE // 8, "most pixels were never sent")
+                    if not wait:  # else each comes when the machine has answered the one before, and may be whole by then
+                        self.assertGreater(sum(status == "superseded" for status in ends.values()), len(frames) // 2)
+                        self.assertLess(slow.bytes, len(frames) * PICTURE // 8, "most pixels were never sent")
                 with galaxy.Client(port=server.port, token_file=server.token) as client:
                     window = client.window(1, size=(WIDTH, HEIGHT))
                     window.set({name: value for name, value in STATE.items() if name != "Camera"})
