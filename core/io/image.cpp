@@ -19,9 +19,9 @@ namespace {
 std::string extension(const std::string& path) { return std::filesystem::path(path).extension().string(); }
 
 /// Files hold rows top to bottom, pictures in memory bottom to top.
-template <class T>
-std::vector<T> flipped(const std::vector<T>& pixels, int height) {
-  std::vector<T> rows;
+template <class Pixels>
+Pixels flipped(const Pixels& pixels, int height) {
+  Pixels rows;
   rows.reserve(pixels.size());
   const ptrdiff_t row = ptrdiff_t(pixels.size()) / height;
   for (int y = height - 1; y >= 0; --y)
@@ -53,7 +53,7 @@ std::vector<std::byte> encoded(const char* format, const Image& image, OIIO::Typ
 Image readRaw(const std::string& path, int width, int height) {
   if (width < 1 || height < 1)
     throw Error(path + ": a raw picture does not state its size; expected width and height");
-  Image image{width, height, std::vector<float>(size_t(width) * size_t(height) * 4)};
+  Image image{width, height, LargeVector<float>(size_t(width) * size_t(height) * 4)};
   const auto bytes = std::streamsize(image.rgba.size() * sizeof(float));
   std::ifstream in(path, std::ios::binary | std::ios::ate);
   if (!in) throw Error(path + ": cannot open the picture");
@@ -64,6 +64,13 @@ Image readRaw(const std::string& path, int width, int height) {
   if (!in.read(reinterpret_cast<char*>(image.rgba.data()), bytes))
     throw Error(path + ": cannot read the picture");
   return image;
+}
+
+void checkSize(const Image& image) {
+  if (image.width < 1 || image.height < 1 ||
+      image.rgba.size() != size_t(image.width) * size_t(image.height) * 4)
+    throw Error("a picture of " + std::to_string(image.width) + " x " + std::to_string(image.height) +
+                " pixels cannot have " + std::to_string(image.rgba.size()) + " values");
 }
 
 }  // namespace
@@ -79,10 +86,7 @@ std::vector<uint8_t> eightBits(std::span<const float> rgba) {
 }
 
 std::vector<std::byte> encodeImage(const std::string& format, const Image& image) {
-  if (image.width < 1 || image.height < 1 ||
-      image.rgba.size() != size_t(image.width) * size_t(image.height) * 4)
-    throw Error("a picture of " + std::to_string(image.width) + " x " + std::to_string(image.height) +
-                " pixels cannot have " + std::to_string(image.rgba.size()) + " values");
+  checkSize(image);
   if (format == "raw") {
     const auto bytes = std::as_bytes(std::span(image.rgba));
     return {bytes.begin(), bytes.end()};
@@ -94,14 +98,15 @@ std::vector<std::byte> encodeImage(const std::string& format, const Image& image
 }
 
 void writeImage(const std::string& path, const Image& image) {
+  const std::string kind = extension(path);
   std::vector<std::byte> bytes;
   try {
-    const std::string kind = extension(path);
-    bytes = encodeImage(kind.empty() ? kind : kind.substr(1), image);
+    checkSize(image);
+    if (kind != ".raw") bytes = encodeImage(kind.empty() ? kind : kind.substr(1), image);
   } catch (const Error& error) {
     throw Error(path + ": " + error.what());
   }
-  replaceFile(path, bytes);
+  replaceFile(path, kind == ".raw" ? std::as_bytes(std::span(image.rgba)) : bytes);
 }
 
 Image readImage(const std::string& path, int width, int height) {
@@ -121,7 +126,7 @@ Image readImage(const std::string& path, int width, int height) {
       !in->read_image(0, 0, 0, channels, OIIO::TypeDesc::FLOAT, values.data()))
     throw Error(path + ": cannot read the picture: " + in->geterror());
 
-  std::vector<float> rgba(pixels * 4);
+  LargeVector<float> rgba(pixels * 4);
   const bool colour = channels >= 3, hasAlpha = channels == 2 || channels >= 4;
   for (size_t i = 0; i < pixels; ++i) {
     const float* from = &values[i * size_t(channels)];

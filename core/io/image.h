@@ -8,12 +8,14 @@
 #include <string>
 #include <vector>
 
+#include "gxy/space/large_vector.h"
+
 namespace gxy {
 
 /// A picture: RGBA in float, premultiplied, rows bottom to top.
 struct Image {
   int width = 0, height = 0;
-  std::vector<float> rgba;  ///< 4 * width * height
+  LargeVector<float> rgba;  ///< 4 * width * height
 };
 
 /// Writes by extension. .png: 8 bits, alpha un-premultiplied, clamped to [0, 1] and rounded. .exr: float,

@@ -2,11 +2,54 @@
 #include "gxy/render/framebuffer.h"
 
 #include <algorithm>
+#include <array>
+#include <utility>
+
+#include "gxy/comm/parallel_for.h"
 
 namespace gxy {
 
+namespace {
+
+constexpr size_t kBlock = 512;  // pixels: 16 KB of sums
+
+size_t blocksOf(size_t pixels) { return (pixels + kBlock - 1) / kBlock; }
+
+// The part of block b in an array of four numbers a pixel.
+template <class T>
+std::span<T> partOf(std::span<T> all, size_t b) {
+  return all.subspan(4 * kBlock * b, std::min(4 * kBlock, all.size() - 4 * kBlock * b));
+}
+
+// What sums become.
+class Mean {
+ public:
+  Mean(int samples, const glm::dvec4& background)
+      : unit_(1.0 / (double(CONTRIBUTION_ONE) * samples)), background_(background) {}
+
+  void operator()(std::span<const int64_t> sums, std::span<float> rgba) const {
+    for (size_t i = 0; i < sums.size(); i += 4) {
+      const double alpha = std::clamp(double(sums[i + 3]) * unit_, 0.0, 1.0);
+      const double behind = (1 - alpha) * background_.a;
+      for (size_t k = 0; k < 3; k++)
+        rgba[i + k] = float(std::max(double(sums[i + k]) * unit_, 0.0) + behind * background_[int(k)]);
+      rgba[i + 3] = float(alpha + behind);
+    }
+  }
+
+ private:
+  double unit_;
+  glm::dvec4 background_;
+};
+
+}  // namespace
+
 Framebuffer::Framebuffer(int width, int height, int samples, bool depth)
-    : width_(width), height_(height), samples_(samples), sums_(size_t(4) * width * height, 0) {
+    : width_(width),
+      height_(height),
+      samples_(samples),
+      sums_(size_t(4) * width * height),
+      begun_(blocksOf(sums_.size() / 4)) {
   if (depth) depth_.assign(size_t(width) * height, 1e30);
 }
 
@@ -16,6 +59,9 @@ bool Framebuffer::add(std::span<const Contribution> contributions) {
     if (c.pixel >= pixels) return false;
   std::lock_guard lock(mutex_);
   for (const Contribution& c : contributions) {
+    uint8_t& begun = begun_[c.pixel / kBlock];
+    if (!begun) std::ranges::fill(partOf(std::span(sums_), c.pixel / kBlock), 0);
+    begun = 1;
     int64_t* p = &sums_[size_t(4) * c.pixel];
     p[0] += c.r;
     p[1] += c.g;
@@ -33,26 +79,38 @@ bool Framebuffer::addDepths(std::span<const DepthContribution> depths) {
   return true;
 }
 
-Picture Framebuffer::picture(const glm::dvec4& background) const {
+Picture Framebuffer::picture(const glm::dvec4& background, bool together) const {
   std::lock_guard lock(mutex_);
-  return {width_, height_, pixelsOf(sums_, samples_, background), depth_, {}, samples_};
+  const Mean mean(samples_, background);
+  const std::array<int64_t, 4> nothing{};
+  std::array<float, 4> empty{};
+  mean(nothing, empty);
+  LargeVector<float> rgba(sums_.size());
+  const auto convert = [&](size_t b) {
+    const std::span<float> part = partOf(std::span(rgba), b);
+    if (begun_[b]) return mean(partOf(std::span(sums_), b), part);
+    for (size_t i = 0; i < part.size(); i++) part[i] = empty[i % 4];
+  };
+  if (together)
+    parallelFor(size_t(0), begun_.size(), convert);
+  else
+    for (size_t b = 0; b < begun_.size(); b++) convert(b);
+  return {width_, height_, std::move(rgba), depth_, {}, samples_};
 }
 
-Picture Framebuffer::sums() const {
+Picture Framebuffer::takeSums() {
   std::lock_guard lock(mutex_);
-  return {width_, height_, {}, depth_, sums_, samples_};
+  for (size_t b = 0; b < begun_.size(); b++)
+    if (!begun_[b]) std::ranges::fill(partOf(std::span(sums_), b), 0);
+  begun_.clear();
+  return {width_, height_, {}, std::move(depth_), std::exchange(sums_, {}), samples_};
 }
 
-std::vector<float> pixelsOf(std::span<const int64_t> sums, int samples, const glm::dvec4& background) {
-  std::vector<float> rgba(sums.size());
-  const double unit = 1.0 / (double(CONTRIBUTION_ONE) * samples);
-  for (size_t i = 0; i < sums.size(); i += 4) {
-    const double alpha = std::clamp(double(sums[i + 3]) * unit, 0.0, 1.0);
-    const double behind = (1 - alpha) * background.a;
-    for (size_t k = 0; k < 3; k++)
-      rgba[i + k] = float(std::max(double(sums[i + k]) * unit, 0.0) + behind * background[int(k)]);
-    rgba[i + 3] = float(alpha + behind);
-  }
+LargeVector<float> pixelsOf(std::span<const int64_t> sums, int samples, const glm::dvec4& background) {
+  const Mean mean(samples, background);
+  LargeVector<float> rgba(sums.size());
+  parallelFor(size_t(0), blocksOf(sums.size() / 4),
+              [&](size_t b) { mean(partOf(sums, b), partOf(std::span(rgba), b)); });
   return rgba;
 }
 

@@ -15,7 +15,7 @@ namespace gxy {
 /// from the eye in world units, 1e30 for a miss.
 struct Picture {
   int width = 0, height = 0;
-  std::vector<float> rgba;
+  LargeVector<float> rgba;
   std::vector<double> depth{};
   LargeVector<int64_t>
       sums{};       ///< where asked for, instead of `rgba`: 4 per pixel, unit 1 / CONTRIBUTION_ONE
@@ -27,11 +27,12 @@ struct Picture {
 };
 
 /// The picture that sums make: their mean over samples, in front of `background` (premultiplied by its alpha here), clamped
-/// to [0, inf): a frame that is not complete may lack what a subtraction takes from.
-std::vector<float> pixelsOf(std::span<const int64_t> sums, int samples, const glm::dvec4& background);
+/// to [0, inf): a frame that is not complete may lack what a subtraction takes from. On the threads of the calling thread's
+/// task arena.
+LargeVector<float> pixelsOf(std::span<const int64_t> sums, int samples, const glm::dvec4& background);
 
 /// Integer accumulators of all pixels: sums do not depend on the order of arrival. Thread safe. 32 bytes a pixel, 8 more
-/// with depth.
+/// with depth; of what nothing is added to none is written or read.
 class Framebuffer {
  public:
   Framebuffer(int width, int height, int samples, bool depth);
@@ -40,16 +41,18 @@ class Framebuffer {
   bool add(std::span<const Contribution> contributions);
   bool addDepths(std::span<const DepthContribution> depths);
 
-  /// What has arrived so far: pixelsOf its sums, or the sums themselves.
-  Picture picture(const glm::dvec4& background) const;
-  Picture sums() const;
+  /// What has arrived so far, as pixelsOf its sums would be; `together`: on the threads of the calling thread's task arena.
+  Picture picture(const glm::dvec4& background, bool together = false) const;
+  /// The sums themselves, which are then no longer here.
+  Picture takeSums();
 
   size_t bytes() const { return sums_.size() * sizeof(sums_[0]) + depth_.size() * sizeof(double); }
 
  private:
   int width_, height_, samples_;
   mutable std::mutex mutex_;
-  LargeVector<int64_t> sums_;  ///< 4 per pixel, unit 2^-26
+  LargeVector<int64_t> sums_;   ///< 4 per pixel, unit 2^-26
+  std::vector<uint8_t> begun_;  ///< of each block of pixels: whether its sums are there; else they are 0
   std::vector<double> depth_;
 };
 

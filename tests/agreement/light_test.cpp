@@ -33,7 +33,7 @@ TEST(LightAgreement, WhatIsTooBrightForAPixelIsAsBrightAsItHolds) {
     scene.visualization.lighting.Ks = 0;
     return drawnByBoth(scene).rgba;
   };
-  const std::vector<float> dim = drawn(0.5, false), bright = drawn(25, false), shadowed = drawn(25, true);
+  const LargeVector<float> dim = drawn(0.5, false), bright = drawn(25, false), shadowed = drawn(25, true);
   int full = 0;
   for (size_t i = 0; i < dim.size(); i++) {
     if (i % 4 == 3) continue;

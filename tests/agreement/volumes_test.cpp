@@ -143,8 +143,8 @@ void expectSecondOrder(const std::vector<double>& errors) {
   EXPECT_GE(order, 1.9) << errors.front() << " to " << errors.back();
 }
 
-template <class Real>
-double rms(const std::vector<float>& a, const std::vector<Real>& b) {
+template <class Mine, class Theirs>
+double rms(const Mine& a, const Theirs& b) {
   double sum = 0;
   for (size_t i = 0; i < a.size(); i++) sum += std::pow(double(a[i]) - double(b[i]), 2);
   return std::sqrt(sum / double(a.size()));
@@ -173,7 +173,7 @@ TEST(VolumeAgreement, SeveralVolumesAreOfSecondOrderInTheSpacing) {
         scene.settings.step = 0.25;
       return draw(embree(), scene).rgba;
     };
-    const std::vector<float> fine = picture(byCells ? 81 : 161);
+    const LargeVector<float> fine = picture(byCells ? 81 : 161);
     std::vector<double> errors;
     for (int n : {6, 11, 21}) errors.push_back(rms(picture(n), fine));
     expectSecondOrder(errors);
@@ -190,7 +190,7 @@ void pixelsAreOfSecondOrder(TestScene scene) {
   std::vector<double> errors;
   for (int size : {16, 32, 64}) {
     scene.camera.dimensions = {size, size};
-    const std::vector<float> all = draw(embree(), scene).rgba;
+    const LargeVector<float> all = draw(embree(), scene).rgba;
     std::vector<float> means, pixels;
     for (size_t i = 4; i + 4 < all.size(); i++) {
       if (i / 4 % size_t(size) == 0 || i / 4 % size_t(size) == size_t(size) - 1) continue;

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <memory>
 
 #include "gxy/comm/random.h"
 
@@ -38,7 +39,7 @@ TEST(Framebuffer, IsTheMeanOfSamplesBeforeTheBackground) {
   const Contribution half{0, kOne, kOne / 2, 0, 2 * kOne};  // of four samples: half covered
   f.add({&half, 1});
   const Picture p = f.picture({0.5, 0.25, 1, 1});
-  EXPECT_EQ(p.rgba, (std::vector<float>{0.25f + 0.25f, 0.125f + 0.125f, 0.5f, 1.f}));
+  EXPECT_EQ(p.rgba, (LargeVector<float>{0.25f + 0.25f, 0.125f + 0.125f, 0.5f, 1.f}));
   EXPECT_EQ(p.depth, std::vector<double>{1e30});
 }
 
@@ -46,7 +47,7 @@ TEST(Framebuffer, AnIncompletePixelIsNotNegative) {
   Framebuffer f(1, 1, 1, false);
   const Contribution taken{0, -kOne, -1, -kOne, 0};
   f.add({&taken, 1});
-  EXPECT_EQ(f.picture({0, 0, 0, 0}).rgba, (std::vector<float>{0, 0, 0, 0}));
+  EXPECT_EQ(f.picture({0, 0, 0, 0}).rgba, (LargeVector<float>{0, 0, 0, 0}));
 }
 
 TEST(Framebuffer, SumsReachFarBeyondOneContribution) {
@@ -63,7 +64,7 @@ TEST(Framebuffer, RefusesPixelsOutsideAndThenAddsNothing) {
   const std::vector<DepthContribution> depths{{1, 2.0}, {UINT32_MAX, 1.0}};
   EXPECT_FALSE(f.addDepths(depths));
   const Picture p = f.picture({0, 0, 0, 0});
-  EXPECT_EQ(p.rgba, std::vector<float>(16, 0.f));
+  EXPECT_EQ(p.rgba, LargeVector<float>(16, 0.f));
   EXPECT_EQ(p.depth, std::vector<double>(4, 1e30));
 }
 
@@ -75,9 +76,37 @@ TEST(Framebuffer, SumsOfPartsOfTheSamplesMakeThePictureOfAllOfThem) {
   whole.add(each);
   first.add(std::span(each).first(1));
   rest.add(std::span(each).last(2));
-  Picture sum = first.sums();
-  for (size_t i = 0; i < 4; i++) sum.sums[i] += rest.sums().sums[i];
+  Picture sum = first.takeSums();
+  const Picture others = rest.takeSums();
+  for (size_t i = 0; i < 4; i++) sum.sums[i] += others.sums[i];
   EXPECT_EQ(pixelsOf(sum.sums, 3, background), whole.picture(background).rgba);
+}
+
+// Of what nothing is added to no sums are written; memory that was used before does not show.
+TEST(Framebuffer, WhereNothingIsAddedThereIsTheBackground) {
+  constexpr int kWidth = 500, kHeight = 300;
+  constexpr uint32_t kPixels = kWidth * kHeight;
+  const std::vector<Contribution> few{{3, kOne, 0, kOne / 2, kOne / 4}, {kPixels - 1, 0, kOne, 0, kOne}};
+  const auto fresh = [&] {
+    {
+      Framebuffer before(kWidth, kHeight, 1, false);
+      for (uint32_t i = 0; i < kPixels; i++)
+        before.add(std::vector<Contribution>{{i, kOne, kOne, kOne, kOne}});
+    }
+    auto f = std::make_unique<Framebuffer>(kWidth, kHeight, 1, false);
+    f->add(few);
+    return f;
+  };
+  const glm::dvec4 background{0.3, 0.6, 0.1, 0.7};
+  const LargeVector<float> rgba = fresh()->picture(background).rgba;
+  LargeVector<int64_t> sums(4 * size_t(kPixels), 0);
+  for (const Contribution& c : few) {
+    const int64_t all[] = {c.r, c.g, c.b, c.a};
+    std::copy(std::begin(all), std::end(all), &sums[4 * size_t(c.pixel)]);
+  }
+  EXPECT_EQ(fresh()->takeSums().sums, sums);
+  EXPECT_EQ(rgba, pixelsOf(sums, 1, background));
+  EXPECT_EQ(rgba, fresh()->picture(background, true).rgba);
 }
 
 TEST(Framebuffer, TakesNoDepthsUnlessAsked) {

@@ -31,7 +31,7 @@ std::string written(const Picture& expected, const Picture& found) {
     if (c == '/') c = '_';
   const std::string prefix = testing::TempDir() + name + "-" + std::to_string(number);
   // over the largest, as it may be of one bit; blue where the depth alone differs
-  std::vector<float> difference(expected.rgba.size());
+  LargeVector<float> difference(expected.rgba.size());
   float largest = 0;
   for (size_t i = 0; i < difference.size(); i++) {
     difference[i] = i % 4 == 3 ? 0 : std::abs(expected.rgba[i] - found.rgba[i]);

@@ -13,7 +13,7 @@ namespace {
 
 constexpr size_t kPixels = 1000;  // of which one may differ
 
-Picture plain() { return {40, 25, std::vector<float>(4 * kPixels, 0.5f), std::vector<double>(kPixels, 3.0)}; }
+Picture plain() { return {40, 25, LargeVector<float>(4 * kPixels, 0.5f), std::vector<double>(kPixels, 3.0)}; }
 
 Picture changed(size_t pixels, double by, double depthTo = 3.0) {
   Picture found = plain();

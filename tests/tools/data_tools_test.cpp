@@ -201,7 +201,7 @@ TEST_F(DataTools, ExitStatusTellsUsageFromFailure) {
 }
 
 TEST_F(DataTools, DiffAppliesItsLimits) {
-  Image a{10, 10, std::vector<float>(400, 0.5f)}, b = a;
+  Image a{10, 10, LargeVector<float>(400, 0.5f)}, b = a;
   b.rgba[4 * 37] += 0.25f;
   writeImage(at("a.exr"), a);
   writeImage(at("b.exr"), b);

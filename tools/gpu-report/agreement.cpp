@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <cstring>
+#include <algorithm>
 #include <fstream>
 #include <iomanip>
+#include <span>
 #include <sstream>
 
 #include "gxy/comm/error.h"
@@ -27,12 +28,11 @@ void writeRaw(const std::string& file, const Picture& picture) {
   if (!out.flush()) throw Error(file + ": cannot be written");
 }
 
-template <class T>
-bool sameBits(const std::vector<T>& a, const std::vector<T>& b) {
-  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0;
-}
 bool sameBits(const Picture& a, const Picture& b) {
-  return sameBits(a.rgba, b.rgba) && sameBits(a.depth, b.depth);
+  const auto same = [](const auto& x, const auto& y) {
+    return std::ranges::equal(std::as_bytes(std::span(x)), std::as_bytes(std::span(y)));
+  };
+  return same(a.rgba, b.rgba) && same(a.depth, b.depth);
 }
 
 }  // namespace

@@ -60,9 +60,10 @@ int run(const std::vector<std::string>& command, const std::function<void(const 
   return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
 }
 
-template <class T>
-std::vector<T> take(const std::string& path, size_t count) {
-  std::vector<T> values(count);
+template <class Values>
+Values take(const std::string& path, size_t count) {
+  using T = typename Values::value_type;
+  Values values(count);
   {
     std::ifstream in(path, std::ios::binary);
     in.read(reinterpret_cast<char*>(values.data()), std::streamsize(count * sizeof(T)));
@@ -95,8 +96,8 @@ void measure(const Job& job, int ranks, const std::string& launcher, const Measu
     Row row = rowOf(json.at("row"));
     const size_t pixels = size_t(row.width * row.height);
     const std::string name = pictureFile(job, i);
-    Picture picture{int(row.width), int(row.height), take<float>(name + ".raw", 4 * pixels),
-                    take<double>(name + ".depth", pixels)};
+    Picture picture{int(row.width), int(row.height), take<LargeVector<float>>(name + ".raw", 4 * pixels),
+                    take<std::vector<double>>(name + ".depth", pixels)};
     measured(i, std::move(row), std::move(picture));
   };
   const int status = run(command, takeLine);

@@ -8,6 +8,7 @@
 #include <iostream>
 #include <mutex>
 #include <optional>
+#include <span>
 
 #include "gxy/backends/backends.h"
 #include "gxy/comm/error.h"
@@ -26,9 +27,9 @@ constexpr uint64_t kRunKey = 1;  // of this run's collectives
 constexpr int kMostRepeats = 25;
 
 template <class T>
-void writeTo(const std::string& path, const std::vector<T>& values) {
+void writeTo(const std::string& path, std::span<const T> values) {
   std::ofstream out(path, std::ios::binary);
-  out.write(reinterpret_cast<const char*>(values.data()), std::streamsize(values.size() * sizeof(T)));
+  out.write(reinterpret_cast<const char*>(values.data()), std::streamsize(values.size_bytes()));
   if (!out.flush()) throw Error(path + ": cannot be written");
 }
 
@@ -98,8 +99,8 @@ class Worker {
     std::optional<std::string> error;
     renderer_.onPicture([&](FrameId, const FrameRequest&, Picture picture) {
       try {
-        writeTo(pictureFile(job_, i) + ".raw", picture.rgba);
-        writeTo(pictureFile(job_, i) + ".depth", picture.depth);
+        writeTo(pictureFile(job_, i) + ".raw", std::span<const float>(picture.rgba));
+        writeTo(pictureFile(job_, i) + ".depth", std::span<const double>(picture.depth));
       } catch (const Error& e) {
         error = e.what();
       }

@@ -31,7 +31,7 @@ void renderWithReference(const State& state, const std::string& directory, const
       if (progress) std::cerr << '\n';
       reference::applyBackground(picture, state.settings.background);
       Picture out{
-          picture.width, picture.height, std::vector<float>(picture.rgba.begin(), picture.rgba.end()), {}};
+          picture.width, picture.height, LargeVector<float>(picture.rgba.begin(), picture.rgba.end()), {}};
       if (options.depth) out.depth = std::move(picture.depth);
       writePicture(name, options, std::move(out));
     }
