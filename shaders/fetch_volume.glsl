@@ -133,42 +133,40 @@ real storedAt(VOLUME v, uint i) {
   return value;
 }
 
-// The scalar of point i of the block.
-real scalarAt(VOLUME v, uint i) {
-  real value;
-  if (SCALARS) {
-    value = storedAt(v, i);
-  } else if (v.component >= 0) {
-    value = storedAt(v, i * uint(v.stride) + uint(v.component));
-  } else {
-    real s = 0.0;
-    for (int c = 0; c < v.stride; c++) {
-      real x = storedAt(v, i * uint(v.stride) + uint(c));
-      s += x * x;
-    }
-    value = sqrt(s);
-  }
-  return value;
-}
-
 uint pointPlace(VOLUME v, ivec3 p) {
   uint x = uint(p.x - v.firstX), y = uint(p.y - v.firstY), z = uint(p.z - v.firstZ);
   return BRICK_PLACE(x, 512u, 1u) + BRICK_PLACE(y, uint(v.brickRow), 8u) + BRICK_PLACE(z, uint(v.brickLayer), 64u);
 }
 
-// The eight corner values of a cell that the block holds.
+// The eight corner values of a cell that the block holds: numbers of their own, or of several components one or the magnitude of
+// all. Components are read in one loop, as devices compile what is in it as often as it is there.
 Corners cellCorners(VOLUME v, ivec3 c) {
   uint x = uint(BRICK_STEP(c.x - v.firstX, 512, 1)), y = uint(BRICK_STEP(c.y - v.firstY, v.brickRow, 8));
   uint b = pointPlace(v, c);
   uint h = b + uint(BRICK_STEP(c.z - v.firstZ, v.brickLayer, 64));
   Corners k;
-  k.v000 = scalarAt(v, b);
-  k.v100 = scalarAt(v, b + x);
-  k.v010 = scalarAt(v, b + y);
-  k.v110 = scalarAt(v, b + y + x);
-  k.v001 = scalarAt(v, h);
-  k.v101 = scalarAt(v, h + x);
-  k.v011 = scalarAt(v, h + y);
-  k.v111 = scalarAt(v, h + y + x);
+#define EACH_CORNER(DO) DO(v000, b) DO(v100, b + x) DO(v010, b + y) DO(v110, b + y + x) \
+  DO(v001, h) DO(v101, h + x) DO(v011, h + y) DO(v111, h + y + x)
+#define READ(corner, i) k.corner = storedAt(v, i);
+  if (SCALARS) {
+    EACH_CORNER(READ)
+  } else {
+#define CLEAR(corner, i) k.corner = 0.0;
+#define ADD_SQUARE(corner, i)                                \
+  {                                                          \
+    real value = storedAt(v, (i) * uint(v.stride) + uint(n)); \
+    k.corner = all ? k.corner + value * value : value;       \
+  }
+#define ROOT(corner, i) k.corner = sqrt(k.corner);
+    bool all = v.component < 0;
+    int last = all ? v.stride : v.component + 1;
+    EACH_CORNER(CLEAR)
+    for (int n = all ? 0 : v.component; n < last; n++) {
+      EACH_CORNER(ADD_SQUARE)
+    }
+    if (all) {
+      EACH_CORNER(ROOT)
+    }
+  }
   return k;
 }

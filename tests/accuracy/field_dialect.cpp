@@ -77,10 +77,8 @@ int differences(const Field& f, const Shown& shown, double lo, double hi, uint64
     compare(target.name);
   }
 #ifdef GALAXY_VULKAN
-  if (f.components == 1 || f.stored == ScalarType::UInt8) {  // a software device compiles those for a minute
-    got = fieldProbesInGlsl(f, shown, rays, FIELD_PROBES);
-    compare("GLSL");
-  }
+  got = fieldProbesInGlsl(f, shown, rays, FIELD_PROBES);
+  compare("GLSL");
 #endif
   return different;
 }
