@@ -3,6 +3,9 @@
 // however its data are read. How it is cut, spread and packed is tests/images' on this backend, too.
 #include <gtest/gtest.h>
 
+#include <set>
+#include <string>
+
 #include "support/backends.h"
 #include "support/frames.h"
 #include "vulkan/difference.h"
@@ -28,7 +31,9 @@ TEST_P(VulkanInvariance, OfBackendsThatRanksUseTogether) {
   EXPECT_EQ(differenceOn(lattice(scene_.domain, {2, 2, 1}, 4), mixed), "");
 }
 
-TEST_P(VulkanInvariance, OfDataThatNoBindingHolds) {
+class VulkanData : public VulkanInvariance {};
+
+TEST_P(VulkanData, MayBeMoreThanABindingHolds) {
   const auto backendOf = [](uint64_t bindingBytes, uint64_t quadBytes, uint64_t storageBytes) {
     VulkanOptions options = vulkan_test::testDevice();
     options.bindingBytes = bindingBytes;
@@ -56,7 +61,18 @@ std::vector<TestScene> allScenes() {
   return scenes;
 }
 
+// Each kind of data by itself, and all together: the other scenes read none in another way.
+std::vector<TestScene> scenesByData() {
+  const std::set<std::string> kinds{"smooth volume", "spiky volume",    "isosurfaces",
+                                    "slices",        "particles",       "tubes",
+                                    "mesh",          "several volumes", "everything"};
+  std::vector<TestScene> scenes = allScenes();
+  std::erase_if(scenes, [&](const TestScene& scene) { return !kinds.count(scene.name); });
+  return scenes;
+}
+
 INSTANTIATE_TEST_SUITE_P(Scenes, VulkanInvariance, testing::ValuesIn(allScenes()), nameOf);
+INSTANTIATE_TEST_SUITE_P(Scenes, VulkanData, testing::ValuesIn(scenesByData()), nameOf);
 
 }  // namespace
 
