@@ -180,16 +180,12 @@ FN MapSum mapSum(VOLUME v, int k) {
   return s;
 }
 
-// The scalar of point i of the block, whatever the stored type.
+// Number i of the block, whatever the stored type.
 #if defined(ISPC)
 #define OFFSET int64
-#else
-#define OFFSET std::int64_t
-#endif
-#if defined(ISPC)
-// The same for a block over 2^31 bytes. A gather of ISPC's takes 32-bit offsets, whatever the type of its index: those
-// from a base per 2^28 samples fit.
-static noinline float farStoredAt(VOLUME v, int64 i) {
+// Of one over 2^31 bytes: a gather of ISPC's takes 32-bit offsets, whatever the type of its index. Those from a base per 2^28
+// samples fit.
+static noinline float storedAt(VOLUME v, int64 i) {
   float value = 0;
   int page = (int)(i >> 28);
   int at = (int)(i & 0xfffffff);
@@ -208,23 +204,18 @@ static noinline float farStoredAt(VOLUME v, int64 i) {
   }
   return value;
 }
-#endif
-FN_OUTLINE real storedAt(VOLUME v, OFFSET i) {
-#if defined(ISPC)
-  if (v.wide != 0) return farStoredAt(v, i);
-  if (v.kind == SAMPLE_F32) return ((const uniform float* uniform)v.samples)[i];
-  if (v.kind == SAMPLE_U8) return (float)((const uniform unsigned int8* uniform)v.samples)[i];
-  if (v.kind == SAMPLE_I8) return (float)((const uniform int8* uniform)v.samples)[i];
-  if (v.kind == SAMPLE_U16) return (float)((const uniform unsigned int16* uniform)v.samples)[i];
-  return (float)((const uniform int16* uniform)v.samples)[i];
 #else
+#define OFFSET std::int64_t
+FN real storedAt(VOLUME v, OFFSET i) {
   if (v.kind == SAMPLE_F32) return real(static_cast<const float*>(v.samples)[i]);
   if (v.kind == SAMPLE_U8) return real(static_cast<const std::uint8_t*>(v.samples)[i]);
   if (v.kind == SAMPLE_I8) return real(static_cast<const std::int8_t*>(v.samples)[i]);
   if (v.kind == SAMPLE_U16) return real(static_cast<const std::uint16_t*>(v.samples)[i]);
   return real(static_cast<const std::int16_t*>(v.samples)[i]);
-#endif
 }
+#endif
+
+// The scalar of point i.
 FN_OUTLINE real scalarAt(VOLUME v, OFFSET i) {
   if (v.component >= 0) return storedAt(v, i * v.stride + v.component);
   real s = R(0.0);
@@ -241,7 +232,7 @@ FN OFFSET pointPlace(VOLUME v, ivec3 p) {
          BRICK_PLACE((OFFSET)z, v.brickLayer, 64);
 }
 
-// Any stored type, several components, blocks over 2^31 bytes. Out of line: the common case stays small.
+// Of any block; in ISPC of one over 2^31 bytes, as this is slow. Out of line: the common case stays small.
 FN_OUTLINE Corners cellCornersOfAny(VOLUME v, ivec3 c) {
   Corners k;
   int x = BRICK_STEP(c.x - v.firstX, 512, 1), y = BRICK_STEP(c.y - v.firstY, v.brickRow, 8);
@@ -258,20 +249,76 @@ FN_OUTLINE Corners cellCornersOfAny(VOLUME v, ivec3 c) {
   return k;
 }
 
+#if defined(ISPC)
+// Of a block within 2^31 bytes, whose numbers are `x` and `y` apart from `b` and `h` on.
+static inline Corners floatCorners(const uniform float* uniform s, int b, int h, int x, int y) {
+  Corners k = {s[b], s[b + x], s[b + y], s[b + y + x], s[h], s[h + x], s[h + y], s[h + y + x]};
+  return k;
+}
+// Integers come with the words that they lie in, 2^log2 in each, as there is no gather of less than a word.
+// Blocks end with whole words.
+static inline float integerAt(const uniform unsigned int32* uniform words, int i, uniform int log2,
+                              uniform bool isSigned) {
+  uniform int others = 32 - (32 >> log2);  // bits of the word's other numbers
+  int top = (int)(words[i >> log2] << (others - ((i & ((1 << log2) - 1)) << (5 - log2))));
+  return (float)(isSigned ? top >> others : (int)((unsigned int)top >> others));
+}
+static inline Corners integerCorners(VOLUME v, int b, int h, int x, int y, uniform int log2,
+                                     uniform bool isSigned) {
+  const uniform unsigned int32* uniform w = (const uniform unsigned int32* uniform)v.samples;
+  Corners k = {integerAt(w, b, log2, isSigned),     integerAt(w, b + x, log2, isSigned),
+               integerAt(w, b + y, log2, isSigned), integerAt(w, b + y + x, log2, isSigned),
+               integerAt(w, h, log2, isSigned),     integerAt(w, h + x, log2, isSigned),
+               integerAt(w, h + y, log2, isSigned), integerAt(w, h + y + x, log2, isSigned)};
+  return k;
+}
+static noinline Corners storedCorners(VOLUME v, int b, int h, int x, int y) {
+  if (v.kind == SAMPLE_U8) return integerCorners(v, b, h, x, y, 2, false);
+  if (v.kind == SAMPLE_I8) return integerCorners(v, b, h, x, y, 2, true);
+  if (v.kind == SAMPLE_U16) return integerCorners(v, b, h, x, y, 1, false);
+  if (v.kind == SAMPLE_I16) return integerCorners(v, b, h, x, y, 1, true);
+  return floatCorners((const uniform float* uniform)v.samples, b, h, x, y);
+}
+static noinline Corners componentCorners(VOLUME v, int b, int h, int x, int y) {
+  uniform int n = v.stride, c = v.component;
+  if (c >= 0) return storedCorners(v, b * n + c, h * n + c, x * n, y * n);
+  Corners sum = {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f};
+  for (c = 0; c < n; c++) {
+    Corners k = storedCorners(v, b * n + c, h * n + c, x * n, y * n);
+    sum.v000 += k.v000 * k.v000;
+    sum.v100 += k.v100 * k.v100;
+    sum.v010 += k.v010 * k.v010;
+    sum.v110 += k.v110 * k.v110;
+    sum.v001 += k.v001 * k.v001;
+    sum.v101 += k.v101 * k.v101;
+    sum.v011 += k.v011 * k.v011;
+    sum.v111 += k.v111 * k.v111;
+  }
+  Corners root = {sqrt(sum.v000), sqrt(sum.v100), sqrt(sum.v010), sqrt(sum.v110),
+                  sqrt(sum.v001), sqrt(sum.v101), sqrt(sum.v011), sqrt(sum.v111)};
+  return root;
+}
+#endif
+
 // The eight corner values of a cell that the block holds.
 FN Corners cellCorners(VOLUME v, ivec3 c) {
-  if (v.kind != SAMPLE_F32 || v.stride != 1 || v.wide != 0) return cellCornersOfAny(v, c);
 #if defined(ISPC)
-  const uniform float* uniform s = (const uniform float* uniform)v.samples;
+  if (v.wide != 0) return cellCornersOfAny(v, c);
 #else
-  const float* s = static_cast<const float*>(v.samples);
+  if (v.kind != SAMPLE_F32 || v.stride != 1 || v.wide != 0) return cellCornersOfAny(v, c);
 #endif
   int cx = c.x - v.firstX, cy = c.y - v.firstY, cz = c.z - v.firstZ;
   int x = BRICK_STEP(cx, 512, 1), y = BRICK_STEP(cy, v.brickRow, 8);
   int b = BRICK_PLACE(cx, 512, 1) + BRICK_PLACE(cy, v.brickRow, 8) + BRICK_PLACE(cz, v.brickLayer, 64);
   int h = b + BRICK_STEP(cz, v.brickLayer, 64);
-  Corners k = {s[b], s[b + x], s[b + y], s[b + y + x], s[h], s[h + x], s[h + y], s[h + y + x]};
-  return k;
+#if defined(ISPC)
+  if (v.stride != 1) return componentCorners(v, b, h, x, y);
+  if (v.kind != SAMPLE_F32) return storedCorners(v, b, h, x, y);
+  return floatCorners((const uniform float* uniform)v.samples, b, h, x, y);
+#else
+  const float* s = static_cast<const float*>(v.samples);
+  return {s[b], s[b + x], s[b + y], s[b + y + x], s[h], s[h + x], s[h + y], s[h + y + x]};
+#endif
 }
 #endif
 #endif
