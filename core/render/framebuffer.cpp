@@ -11,7 +11,7 @@ namespace gxy {
 
 namespace {
 
-constexpr size_t kBlock = 512;  // pixels: 16 KB of sums
+constexpr size_t kBlock = 64;  // pixels: 2 KB of sums
 
 size_t blocksOf(size_t pixels) { return (pixels + kBlock - 1) / kBlock; }
 
