@@ -79,6 +79,14 @@ bool Framebuffer::addDepths(std::span<const DepthContribution> depths) {
   return true;
 }
 
+size_t Framebuffer::pixelsLeft() const {
+  std::lock_guard lock(mutex_);
+  size_t pixels = 0;
+  for (size_t b = 0; b < begun_.size(); b++)
+    if (!begun_[b]) pixels += partOf(std::span(sums_), b).size() / 4;
+  return pixels;
+}
+
 Picture Framebuffer::picture(const glm::dvec4& background, bool together) const {
   std::lock_guard lock(mutex_);
   const Mean mean(samples_, background);

@@ -46,6 +46,9 @@ class Framebuffer {
   /// The sums themselves, which are then no longer here.
   Picture takeSums();
 
+  /// Pixels in whole blocks that nothing was added to.
+  size_t pixelsLeft() const;
+
   size_t bytes() const { return sums_.size() * sizeof(sums_[0]) + depth_.size() * sizeof(double); }
 
  private:

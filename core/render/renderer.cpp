@@ -458,8 +458,9 @@ void Renderer::deliver(const FramePtr& frame, bool hasPicture) {
   {
     std::lock_guard lock(mutex_);
     handler = pictureHandler_;
+    if (!handler || !hasPicture) return;
+    counters_.pixelsSkipped += frame->framebuffer->pixelsLeft();
   }
-  if (!handler || !hasPicture) return;
   const Trace::Span span(options_.trace, "picture", frame->id);
   try {
     Picture picture = frame->request.sums

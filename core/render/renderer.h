@@ -118,6 +118,7 @@ class Renderer {
     uint64_t rayBytes = 0, contributionBytes = 0;  ///< handed to the transport for other ranks
     uint64_t rayMessages = 0, contributionMessages = 0;
     uint64_t tilesSkipped = 0;       ///< outside the projections of all partitions of this rank
+    uint64_t pixelsSkipped = 0;      ///< of pictures of this rank, to which nothing was added
     uint64_t partitionsSkipped = 0;  ///< of this rank, with nothing in them that is seen; once for each frame
     /// To owners of pictures, and to ranks whose rays were traced: no pixel to change, no credit to give back.
     uint64_t messagesSkipped = 0;

@@ -270,6 +270,23 @@ TEST(Skipped, RaysAndMessagesOfPartitionsWithNothingToSee) {
   EXPECT_EQ(counted.of(1).rayMessages, 0u) << "behind it there is nothing";
 }
 
+// A row of this picture is a block of the framebuffer.
+TEST(Skipped, PixelsThatNothingIsAddedTo) {
+  TestScene s = alongX();
+  addBall(s, {0, 0, 0}, 0.3);
+  const Picture picture = render(s, whole(kCube));
+  uint64_t empty = 0;
+  for (size_t row = 0; row < kPixels; row++) {
+    bool seen = false;
+    for (size_t i = kPixels * row; i < kPixels * (row + 1); i++)
+      seen = seen || !std::equal(&picture.rgba[4 * i], &picture.rgba[4 * i + 4], picture.rgba.begin());
+    empty += seen ? 0 : kPixels;
+  }
+  EXPECT_GT(empty, 0u);
+  EXPECT_LT(empty, uint64_t(kPixels * kPixels));
+  EXPECT_EQ(Counted(s, whole(kCube)).of(0).pixelsSkipped, empty);
+}
+
 // Ghost layers hold cells of the other half, and its macrocell, in which there is something.
 TEST(Skipped, PartitionsThatHaveSomethingInTheirGhostsOnly) {
   const auto seen = [](double isovalue) {

@@ -23,6 +23,7 @@ TEST(Statistics, EachSkippedEntryHoldsItsCounter) {
   c.trace.isoMacrocellsSkipped = 11;
   c.trace.secondariesSkipped = 12;
   c.trace.raysEndedEarly = 13;
+  c.pixelsSkipped = 14;
   c.trace.kernelRuns.fill(1);
   c.trace.runs(Kernel::Isosurfaces) = 0;
   const nlohmann::json all = statisticsOf(c, {}, {}, before, Ledger(), 0);
@@ -33,6 +34,7 @@ TEST(Statistics, EachSkippedEntryHoldsItsCounter) {
                                                {"isosurface cells", 5},
                                                {"partitions", 6},
                                                {"tiles", 7},
+                                               {"pixels", 14},
                                                {"messages", 8},
                                                {"macrocells", 9},
                                                {"segments", 10},

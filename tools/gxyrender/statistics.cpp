@@ -34,13 +34,21 @@ nlohmann::json skipped(const Renderer::Counters& c, const LeftBefore& before) {
   auto kernels = nlohmann::json::array();
   for (size_t i = 0; i < kKernels; i++)
     if (k.kernelRuns[i] == 0) kernels.push_back(kKernelNames[i]);
-  return {{"arrays", before.data.arrays},        {"components", before.data.components},
-          {"pieces", before.data.pieces},        {"sample bytes", before.data.bytes},
-          {"partitions", c.partitionsSkipped},   {"tiles", c.tilesSkipped},
-          {"macrocells", k.macrocellsSkipped},   {"segments", k.segmentsSkipped},
-          {"isosurface cells", before.isoCells}, {"isosurface macrocells", k.isoMacrocellsSkipped},
-          {"secondaries", k.secondariesSkipped}, {"rays ended early", k.raysEndedEarly},
-          {"messages", c.messagesSkipped},       {"kernels", kernels}};
+  return {{"arrays", before.data.arrays},
+          {"components", before.data.components},
+          {"pieces", before.data.pieces},
+          {"sample bytes", before.data.bytes},
+          {"partitions", c.partitionsSkipped},
+          {"tiles", c.tilesSkipped},
+          {"pixels", c.pixelsSkipped},
+          {"macrocells", k.macrocellsSkipped},
+          {"segments", k.segmentsSkipped},
+          {"isosurface cells", before.isoCells},
+          {"isosurface macrocells", k.isoMacrocellsSkipped},
+          {"secondaries", k.secondariesSkipped},
+          {"rays ended early", k.raysEndedEarly},
+          {"messages", c.messagesSkipped},
+          {"kernels", kernels}};
 }
 
 }  // namespace
