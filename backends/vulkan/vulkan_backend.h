@@ -58,6 +58,7 @@ struct VulkanOptions {
   uint64_t keptBytes = 0;
   bool countsNodes =
       false;  ///< for gpu_report and tests: TraceCounters::nodes and ::primitives, in scenes with geometry
+  bool asGpu = false;  ///< for tests: a software device does what a GPU does, but for loops that it ends
   bool hidesMemory = false;  ///< for tests: as if the host did not see the device's memory
   uint64_t lostAfter = 0;    ///< for tests: the device is lost after so many submissions; 0: it is not
   bool lostInWaits = false;  ///< for tests: who waits for a later one is told, not who hands it over

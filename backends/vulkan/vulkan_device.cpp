@@ -31,6 +31,7 @@ Device::Device(const VulkanOptions& options)
     : instance_(options),
       physical_(chooseDevice(instance_, options)),
       info_(infoOf(physical_)),
+      software_(info_.kind == VulkanDeviceInfo::Kind::Software && !options.asGpu),
       lostAfter_(options.lostAfter),
       lostInWaits_(options.lostInWaits),
       hidesMemory_(options.hidesMemory) {
@@ -44,7 +45,7 @@ Device::Device(const VulkanOptions& options)
   properties.pNext = &allocations;
   vkGetPhysicalDeviceProperties2(physical_, &properties);
   limits_ = properties.properties.limits;
-  endsLoops_ = driver.driverID == VK_DRIVER_ID_MESA_LLVMPIPE;
+  endsLoops_ = software_ && driver.driverID == VK_DRIVER_ID_MESA_LLVMPIPE;
   largestAllocation_ = size_t(allocations.maxMemoryAllocationSize);
   if (options.allocationBytes > 0)
     largestAllocation_ = std::min<size_t>(largestAllocation_, options.allocationBytes);

@@ -54,6 +54,8 @@ class Device {
   uint64_t clockRound() const;
   /// Loops of an invocation end when they have gone round 65535 times together (shaders/rays.glsl).
   bool endsLoops() const { return endsLoops_; }
+  /// Lanes fetch one after the other, and small batches keep it busy.
+  bool isSoftware() const { return software_; }
 
  private:
   friend class Buffer;
@@ -77,6 +79,7 @@ class Device {
   SemaphoreHandle done_;  ///< the number of the last submission that is done
   bool isLost(uint64_t submission) const { return lostAfter_ > 0 && submission > lostAfter_; }
   void heed(VkResult result, const char* doing) const;
+  const bool software_;
   const uint64_t lostAfter_;
   const bool lostInWaits_, hidesMemory_;
   mutable std::unique_ptr<Memory> blocks_;

@@ -18,11 +18,9 @@ constexpr size_t kMostVolumes = 8;  // MANY_VOLUMES of kernels/many.h
 constexpr size_t kMostSpare = 4;    // times what a batch needs that its room for rays may have
 constexpr size_t kPartForKept = 8;  // of a device's memory, the part that rays may take which wait there
 
-bool isSoftware(const Device& device) { return device.info().kind == VulkanDeviceInfo::Kind::Software; }
-
 // Rays of a batch: many, so that a device's cores are busy, and so few that the lists of three batches, with their
 // secondaries, are small against its memory.
-size_t batchRaysOf(const Device& device) { return isSoftware(device) ? size_t(1) << 15 : size_t(1) << 17; }
+size_t batchRaysOf(const Device& device) { return device.isSoftware() ? size_t(1) << 15 : size_t(1) << 17; }
 
 // The answers to the parts of what was asked for, as one. Thread safe.
 class Joined {
@@ -78,7 +76,7 @@ VulkanScene::VulkanScene(std::shared_ptr<Context> context, std::shared_ptr<const
       scene_(std::move(scene)),
       rank_(rank),
       batchSize_(int(batchRaysOf(context_->device)),
-                 isSoftware(context_->device) ? kTile * kTile : int(batchRaysOf(context_->device))) {
+                 context_->device.isSoftware() ? kTile * kTile : int(batchRaysOf(context_->device))) {
   const auto& operators = scene_->operators;
   for (size_t i = 0; i < operators.size(); i++) {
     if (!operators[i].slices.empty()) slicedOperators_.push_back(int(i));
