@@ -170,3 +170,8 @@ Corners cellCorners(VOLUME v, ivec3 c) {
   }
   return k;
 }
+#undef EACH_CORNER
+#undef READ
+#undef CLEAR
+#undef ADD_SQUARE
+#undef ROOT
