@@ -182,6 +182,11 @@ bool isUsable(const GeometryBlock& block, GeometryKind kind, size_t p) {
 
 }  // namespace
 
+bool hasValues(const Geometry& geometry) {
+  return std::any_of(geometry.blocks.begin(), geometry.blocks.end(),
+                     [](const auto& each) { return !each.second.values.empty(); });
+}
+
 Corners cornersOf(const GeometryBlock& block, GeometryKind kind, size_t p) {
   switch (kind) {
     case GeometryKind::Particles:

@@ -42,6 +42,9 @@ struct Geometry {
   std::map<int, GeometryBlock> blocks;  ///< by local partition
 };
 
+/// Whether a block of this rank has values to map, be all of them NaN.
+bool hasValues(const Geometry& geometry);
+
 /// The points that define primitive p of a block: 1 (Particles), 2 (PathLines; neighbours are not among them)
 /// or 3.
 struct Corners {

@@ -76,13 +76,13 @@ FN real curvature(real mean, real front, real back) { return abs(mean - R(0.5) *
 
 // Adds a piece of optical depth tau whose mean colour, that of its front and that of its back are given, as if colours were
 // linear in optical depth: the front of a dense one hides its back. Where they are not, and it matters against tMin, nothing is
-// added, and true is returned: to be halved, unless it is the `smallest`.
-FN bool addPiece(real tau, vec3 mean, vec3 front, vec3 back, bool smallest, real tMin, INOUT(vec3) rgb,
-                 INOUT(real) A) {
+// added, and true is returned: to be halved, unless it is the `smallest`. `bent`: as far as colours are from that at least.
+FN bool addPiece(real tau, vec3 mean, vec3 front, vec3 back, real bent, bool smallest, real tMin,
+                 INOUT(vec3) rgb, INOUT(real) A) {
   real T = R(1.0) - A;
   real w = oneMinusExp(tau);
   real curved = max(max(curvature(mean.x, front.x, back.x), curvature(mean.y, front.y, back.y)),
-                    curvature(mean.z, front.z, back.z));
+                    max(curvature(mean.z, front.z, back.z), bent));
   bool halve = T * (w * min(tau, R(1.0))) * curved > tMin + R(1e-5) && !smallest;
   if (!halve && tau > R(0.0)) {
     // mean of 1/2 - y / tau over what is seen, y the optical depth to it
@@ -96,13 +96,23 @@ FN bool addPiece(real tau, vec3 mean, vec3 front, vec3 back, bool smallest, real
   return halve;
 }
 
+// What curvature is where extinction goes linearly from front to mean to back. About as much where it goes up and down,
+// though as much on both sides, so that means do not tell.
+FN real bentBy(MapMean m) {
+  real change =
+      max(max(abs(m.front.x - m.back.x), abs(m.front.y - m.back.y)), abs(m.front.z - m.back.z));
+  real uneven = max(abs(m.sigma - m.sigmaFront), abs(m.sigma - m.sigmaBack));
+  return m.sigma > R(0.0) ? change * R(0.16666666666666667) * min(uneven / m.sigma, R(2.0)) : R(0.0);
+}
+
 // A segment along which the value goes linearly from s0 to s1.
 FN void addPieces(VOLUME v, real s0, real s1, real length, real tMin, INOUT(vec3) rgb, INOUT(real) A) {
   real from = R(0.0), part = R(1.0), d = s1 - s0;
   bool more = true;
   while (more) {
     MapMean m = meanAlong(v, s0 + from * d, s0 + (from + part) * d);
-    more = addPiece(m.sigma * (part * length), m.color, m.front, m.back, part <= R(0.0005), tMin, rgb, A);
+    more = addPiece(m.sigma * (part * length), m.color, m.front, m.back, bentBy(m), part <= R(0.0005), tMin,
+                    rgb, A);
     if (more) {
       part = R(0.5) * part;
     } else {
@@ -184,7 +194,7 @@ FN void addPiecesOfFew(VOLUME v, CellCurve c, real turns0, real turns1, real uFr
     addMean(sigmaAt(m, f0), sigmaAt(m, f1), front, back, R(1.0), sigma, source);
     real perSigma = sigma > R(0.0) ? R(1.0) / sigma : R(0.0);
     vec3 color = make_v3(source.x * perSigma, source.y * perSigma, source.z * perSigma);
-    more = addPiece(sigma * (part * span), color, front, back, part <= smallest, tMin, rgb, A);
+    more = addPiece(sigma * (part * span), color, front, back, R(0.0), part <= smallest, tMin, rgb, A);
     if (more) {
       most = R(0.5) * part;
     } else {

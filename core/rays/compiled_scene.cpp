@@ -211,9 +211,7 @@ void compileGeometry(CompiledOperator& op, CompiledScene& scene, OtherScenes kno
   const Geometry& geometry = *op.data.geometry;
   ColorMap color = effectiveColorMap(op.vis);
   op.map = CompiledMap(color, nullptr, MapUnits{});
-  bool hasValues = false;
   for (const auto& [partition, block] : geometry.blocks) {
-    hasValues = hasValues || !block.values.empty();
     if (block.ids.empty()) continue;
     auto& part = op.parts[partition].geometry;
     part = partAmong(known, op, scene.space, partition);
@@ -223,7 +221,7 @@ void compileGeometry(CompiledOperator& op, CompiledScene& scene, OtherScenes kno
                       partOf(advance, op.parts.size() - 1, geometry.blocks.size())));
     scene.visible[partition] = 1;
   }
-  if (geometry.range.empty() && !hasValues)
+  if (geometry.range.empty() && !hasValues(geometry))
     op.map = CompiledMap(ColorMap{{ColorPoint{0, op.data.color}}}, nullptr, MapUnits{});
 }
 

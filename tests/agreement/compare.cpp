@@ -105,6 +105,17 @@ void writePictures(const TestScene& scene, const Picture& mine, const ReferenceP
   writeImage(prefix + "_difference.png", image);
 }
 
+/// What depths are compared against: the longest side of the domain, or of a sphere that is larger than that.
+double sizeOf(const TestScene& scene, const CompiledScene& compiled) {
+  double longest = 1 / compiled.space.scale;
+  for (size_t i = 0; i < scene.data.size(); i++) {
+    if (!scene.data[i].geometry) continue;
+    const Range& values = scene.data[i].geometry->range;
+    longest = std::max(longest, 2 * largestRadius(scene.visualization.operators[i], values));
+  }
+  return longest;
+}
+
 ReferenceOptions howToCompare(const TestScene& scene, const CompareOptions& options) {
   ReferenceOptions how;
   how.tolerance = 1e-5;
@@ -158,7 +169,7 @@ Comparison compare(const Backend& backend, const TestScene& scene, const Compare
   Comparison result;
   result.pixels = mine.width * mine.height;
   const auto compiled = scene.compile();
-  const double depthSlack = 4e-6 / compiled->space.scale;
+  const double depthSlack = 4e-6 * sizeOf(scene, *compiled);
   std::ostringstream worst;
   worst << std::setprecision(7);
   int flipsShown = 0;

@@ -135,6 +135,17 @@ TEST(RandomScenes, TiesOfManyPixelsFlipNoMoreOftenThanTheReference) {
 // A single sphere, whose centre is all of the domain, and lamps at no great distance.
 TEST(RandomScenes, LampsNearASingleSphereAgreeWithTheReference) { comparedAll({1001792, 1008006}); }
 
+// The same with an eye so near that float moves the sphere, though not that domain's size.
+TEST(RandomScenes, DepthsOfASphereLargerThanTheDomainAgreeWithTheReference) {
+  EXPECT_EQ(compared(7000249, true, 1.0 / 64).flips, 0);
+}
+
+// A triangle all of whose values are NaN, with a colour that is for triangles without values.
+TEST(RandomScenes, GeometryOfNaNsAgreesWithTheReference) { comparedAll({7000952}); }
+
+// A segment through both sides of an opaque spike: the mean of its colours is that of its ends, and what is seen is its front's.
+TEST(RandomScenes, SegmentsThroughSpikesAgreeWithTheReference) { compared(7001795, true, 1.0 / 4096); }
+
 // Segments of several volumes that end at a surface, and several volumes that hide each other's colours.
 TEST(RandomScenes, SeveralVolumesBeforeSurfacesAgreeWithTheReference) {
   comparedAll({1002281, 1004977, 1005019, 1006572, 1008057, 1008606});

@@ -43,7 +43,7 @@ reference::ReferenceScene referenceScene(const Visualization& visualization,
     } else {
       scene.data.emplace_back(data[i].geometry);
       // the reference takes the map's first colour for geometry without values
-      if (data[i].geometry->range.empty()) vis.colormap = {{ColorPoint{0, data[i].color}}};
+      if (!hasValues(*data[i].geometry)) vis.colormap = {{ColorPoint{0, data[i].color}}};
     }
   }
   return scene;
