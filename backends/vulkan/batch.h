@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Packets of a frame that go through a partition together, on one lane.
 #pragma once
+#include <chrono>
 #include <memory>
 #include <string>
 #include <vector>
@@ -52,6 +53,10 @@ class Batch {
   void start(std::unique_ptr<Lane> lane);
   /// Waits for what was submitted, and goes on; false: all is done. `time`: the device's, which hears of it.
   bool advance(DeviceTime& time);
+  /// The host's time in which something was asked of the device, and no batch has counted yet.
+  void addAsked(std::chrono::nanoseconds time) {
+    results_[0].counters.nsDeviceAsked += uint64_t(time.count());
+  }
   /// The lane, when the batch is over.
   std::unique_ptr<Lane> takeLane() { return std::move(lane_); }
   /// Tells those who asked what has become of their rays.

@@ -178,7 +178,8 @@ void Lane::record(const Step& step, size_t number) {
   const VkDescriptorSet set = sets_[int(step.list)].get();
   vkCmdBindDescriptorSets(recording_, VK_PIPELINE_BIND_POINT_COMPUTE, pipelines_.layout(), LANE_SET, 1, &set,
                           0, nullptr);
-  vkCmdBindPipeline(recording_, VK_PIPELINE_BIND_POINT_COMPUTE, pipelines_.get(step.stage, step.special));
+  bound_.push_back(pipelines_.get(step.stage, step.special));
+  vkCmdBindPipeline(recording_, VK_PIPELINE_BIND_POINT_COMPUTE, bound_.back()->get());
   vkCmdPushConstants(recording_, pipelines_.layout(), VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof push,
                      push.data());
   if (step.stage == Stage::Groups)
@@ -201,6 +202,7 @@ void Lane::submit(VkDescriptorSet scene, VkDescriptorSet frame, std::span<const 
                   bool resumed) {
   recording_ = commands_.begin();
   stages_.clear();
+  bound_.clear();
   readings_ = 0;
   if (clock_) vkCmdResetQueryPool(recording_, clock_.get(), 0, kReadings);
   readClock();

@@ -102,6 +102,7 @@ class Lane {
   QueryPoolHandle clock_;      ///< read at first, behind each stage, and at last
   uint32_t readings_ = 0;      ///< of it
   std::vector<Stage> stages_;  ///< behind which it was read
+  std::vector<Pipeline> bound_;
   uint64_t nanoseconds_[size_t(Stage::Last) + 1] = {}, began_ = 0, ended_ = 0;
 };
 

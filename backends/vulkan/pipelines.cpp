@@ -150,8 +150,9 @@ DescriptorSet::DescriptorSet(const Device& device, VkDescriptorSetLayout layout,
   vkUpdateDescriptorSets(device.get(), uint32_t(writes.size()), writes.data(), 0, nullptr);
 }
 
-Pipelines::Pipelines(const Device& device)
+Pipelines::Pipelines(const Device& device, size_t most)
     : device_(device),
+      most_(most),
       sets_{makeSetLayout(device, SCENE_SET, SCENE_BINDINGS),
             makeSetLayout(device, FRAME_SET, FRAME_BINDINGS),
             makeSetLayout(device, LANE_SET, LANE_BINDINGS)} {
@@ -175,13 +176,30 @@ std::vector<Stage> Pipelines::stages() const {
   return stages;
 }
 
-VkPipeline Pipelines::get(Stage stage, const Special& wanted) {
+// What was wanted longest ago of what nobody holds. (Locked.)
+void Pipelines::forget() {
+  std::vector<decltype(made_)::iterator> unused;
+  for (auto it = made_.begin(); it != made_.end(); ++it)
+    if (it->second.use_count() == 1) unused.push_back(it);
+  std::sort(unused.begin(), unused.end(),
+            [](auto a, auto b) { return a->second->wanted > b->second->wanted; });
+  for (size_t i = most_; i < unused.size(); i++) made_.erase(unused[i]);
+}
+
+Pipeline Pipelines::get(Stage stage, const Special& wanted) {
   const Special special = specialFor(stage, wanted);
-  std::unique_lock all(mutex_);
-  Compiled& compiled = made_[{stage, special}];
-  all.unlock();
-  std::lock_guard lock(compiled.mutex);
-  if (compiled.pipeline) return compiled.pipeline.get();
+  std::shared_ptr<Compiled> compiled;
+  {
+    std::lock_guard lock(mutex_);
+    auto& entry = made_[{stage, special}];
+    if (!entry) entry = std::make_shared<Compiled>();
+    entry->wanted = ++calls_;
+    if (made_.size() > most_) forget();
+    compiled = entry;
+  }
+  const Pipeline pipeline(compiled, &compiled->pipeline);
+  std::lock_guard lock(compiled->mutex);
+  if (compiled->pipeline) return pipeline;
   const std::span<const uint32_t> code = codeOf(stage);
   VkShaderModuleCreateInfo module{};
   module.sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO;
@@ -204,8 +222,8 @@ VkPipeline Pipelines::get(Stage stage, const Special& wanted) {
   VkPipeline made = VK_NULL_HANDLE;
   check(vkCreateComputePipelines(device_.get(), VK_NULL_HANDLE, 1, &info, nullptr, &made),
         "compiling a shader");
-  compiled.pipeline = PipelineHandle(device_.get(), made);
-  return made;
+  compiled->pipeline = PipelineHandle(device_.get(), made);
+  return pipeline;
 }
 
 }  // namespace gxy::vulkan

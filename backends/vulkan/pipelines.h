@@ -5,6 +5,7 @@
 #include <compare>
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <mutex>
 #include <span>
 #include <vector>
@@ -61,27 +62,36 @@ class DescriptorSet {
   VkDescriptorSet set_ = VK_NULL_HANDLE;
 };
 
+/// Holds a pipeline while a scene needs it, or the device works with it.
+using Pipeline = std::shared_ptr<const PipelineHandle>;
+
 /// Thread safe.
 class Pipelines {
  public:
-  explicit Pipelines(const Device& device);
-  VkPipeline get(Stage stage, const Special& special);
+  /// Of those that nobody holds, the `most` that were wanted last stay compiled.
+  explicit Pipelines(const Device& device, size_t most = 24);
+  Pipeline get(Stage stage, const Special& special);
   /// The stage of each that was made.
   std::vector<Stage> stages() const;
   VkPipelineLayout layout() const { return layout_.get(); }
   VkDescriptorSetLayout setLayout(int set) const { return sets_[size_t(set)].get(); }
 
  private:
+  void forget();
+
   const Device& device_;
+  const size_t most_;
   std::array<SetLayoutHandle, 3> sets_;
   PipelineLayoutHandle layout_;
   /// Whoever wants one that another thread compiles waits for it, and for no other.
   struct Compiled {
     std::mutex mutex;
     PipelineHandle pipeline;
+    uint64_t wanted = 0;  ///< the number of the last call that asked for it
   };
-  mutable std::mutex mutex_;  ///< of the map; its values stay where they are
-  std::map<std::pair<Stage, Special>, Compiled> made_;
+  mutable std::mutex mutex_;  ///< of what is below, but for what is in a Compiled
+  std::map<std::pair<Stage, Special>, std::shared_ptr<Compiled>> made_;
+  uint64_t calls_ = 0;
 };
 
 }  // namespace gxy::vulkan

@@ -2,11 +2,13 @@
 #include "gxy/vulkan/tracer.h"
 
 #include <algorithm>
+#include <chrono>
 #include <condition_variable>
 #include <deque>
 #include <iterator>
 #include <mutex>
 #include <thread>
+#include <utility>
 
 #include "gxy/vulkan/batch.h"
 
@@ -30,6 +32,12 @@ struct Tracer::State {
         batchRays(rays),
         allRays(std::min(kWithSecondaries * rays, mostRays(d))),
         mostTiles(mostRays(d) / TILE_RAYS) {}
+
+  // What was asked and has no answer yet: counted up to now. (Locked.)
+  std::chrono::nanoseconds countAsked() {
+    const auto now = std::chrono::steady_clock::now();
+    return now - std::exchange(askedFrom, now);
+  }
 
   // Hands out what waits, while there are lanes for it.
   void feed() {
@@ -138,9 +146,10 @@ struct Tracer::State {
   const size_t batchRays, allRays, mostTiles;
   std::mutex mutex;  ///< guards what is below
   std::condition_variable changed;
-  std::deque<Request> waiting;       ///< as they came
-  uint64_t turns = 0;                ///< lots that were handed out
-  size_t sinceUrgent = kWatchedFor;  ///< batches of other frames, up to that many
+  std::deque<Request> waiting;                      ///< as they came
+  uint64_t turns = 0;                               ///< lots that were handed out
+  std::chrono::steady_clock::time_point askedFrom;  ///< what was asked, counted up to here
+  size_t sinceUrgent = kWatchedFor;                 ///< batches of other frames, up to that many
   std::deque<std::unique_ptr<Batch>> underWay;
   std::vector<std::unique_ptr<Lane>> idle;
   size_t lanes = 0;  ///< idle or not
@@ -170,6 +179,7 @@ void Tracer::add(Request request) {
   {
     std::lock_guard lock(state_->mutex);
     if (request.frame->urgent()) state_->sinceUrgent = 0;
+    if (state_->waiting.empty() && state_->lanes == state_->idle.size()) state_->countAsked();
     state_->waiting.push_back(std::move(request));
   }
   state_->feed();
@@ -192,10 +202,12 @@ void Tracer::collect(const std::shared_ptr<State>& state) {
     } catch (const std::exception& e) {
       error = e.what();
     }
-    if (more) {
+    if (error.empty()) {
       std::lock_guard lock(state->mutex);
-      state->underWay.push_back(std::move(batch));
-    } else {
+      batch->addAsked(state->countAsked());
+      if (more) state->underWay.push_back(std::move(batch));
+    }
+    if (!more) {
       state->end(*batch, error);
       if (!error.empty()) state->feed();  // its lane is gone: what waits must not wait for it
     }

@@ -107,7 +107,7 @@ VulkanScene::VulkanScene(std::shared_ptr<Context> context, std::shared_ptr<const
 
 // What batches of the scene are made of (batch.cpp). To one partition rays come as they are spawned there, to several from where
 // they wait on the device.
-void VulkanScene::compile(const Advance& advance) const {
+void VulkanScene::compile(const Advance& advance) {
   VulkanFrame usual;
   usual.lights = int(scene_->visualization.lighting.sources.size());
   std::vector<Step> steps;
@@ -120,7 +120,7 @@ void VulkanScene::compile(const Advance& advance) const {
   }
   for (const Step& step : steps) {
     advance(1);  // which may end it
-    context_->pipelines.get(step.stage, step.special);
+    pipelines_.push_back(context_->pipelines.get(step.stage, step.special));
   }
 }
 

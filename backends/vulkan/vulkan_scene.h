@@ -77,7 +77,7 @@ class VulkanScene final : public DeviceScene {
   /// Has the stages compiled that the scene will need, as the first rays of a frame would wait for it, and all that wait behind
   /// them. Two are left to the first frame that needs them, as most scenes never do, and both are small: Depth, if the frame wants
   /// depths; and Regenerate, if primaries come from another rank, which is a matter of the camera.
-  void compile(const Advance& advance) const;
+  void compile(const Advance& advance);
   /// Where primaries begin.
   const PartOnDevice& spawningPart() const;
   size_t mostAtOnce(const Request& request) const;
@@ -89,6 +89,7 @@ class VulkanScene final : public DeviceScene {
   PartOnDevice anywhere_;              ///< without a partition: for spawning, where there are several
   std::map<int, PartOnDevice> parts_;  ///< by local partition
   Charge charge_;                      ///< of both, but for what they share
+  std::vector<Pipeline> pipelines_;
   mutable PacketSize batchSize_;
   std::vector<int> slicedOperators_, isoOperators_, renderedOperators_;
   bool surfacesInVolumes_ = false, isClipped_ = false;

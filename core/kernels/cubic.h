@@ -107,8 +107,10 @@ FN Bracket firstBracket(vec4 b, real ta, real done, RootQuery q) {
       first = q.from > 0 ? size : -size;
     }
   }
-  bool none = min(min(first, b.y), min(b.z, b.w)) > R(0.0) || max(max(first, b.y), max(b.z, b.w)) < R(0.0);
-  if (!none) {
+  real least = min(min(first, b.y), min(b.z, b.w)), most = max(max(first, b.y), max(b.z, b.w));
+  if (!(least > R(0.0) || most < R(0.0))) {
+    // a surface that the field only touches has the same sign on both sides
+    int from = (q.from > 0 && most <= R(0.0)) || (q.from < 0 && least >= R(0.0)) ? 0 : q.from;
     // whatever side it left, a ray that starts inside a plateau meets it at once
     bool plateau = max(max(abs(b.x), abs(b.y)), max(abs(b.z), abs(b.w))) == R(0.0);
     if (q.entry && b.x == R(0.0) && (q.from == 0 || plateau) && done == R(0.0) &&
@@ -121,8 +123,8 @@ FN Bracket firstBracket(vec4 b, real ta, real done, RootQuery q) {
       for (UNIFORM int k = 0; k < 3; k++) {
         real z = k == 0 ? e0 : (k == 1 ? e1 : R(1.0));
         real fz = z < R(1.0) ? bernsteinValue(b, z) : b.w;
-        bool crosses = q.from <= 0 && fa < R(0.0) && fz >= R(0.0);
-        crosses = crosses || (q.from >= 0 && fa > R(0.0) && fz <= R(0.0));
+        bool crosses = from <= 0 && fa < R(0.0) && fz >= R(0.0);
+        crosses = crosses || (from >= 0 && fa > R(0.0) && fz <= R(0.0));
         if (begin > end && crosses && z > a && a >= done) {
           begin = a;
           end = z;

@@ -80,8 +80,8 @@ FN void evaluateAt(VOLUME v, GridRay g, real t, INOUT(real) sigma, INOUT(vec3) s
 }
 
 // Evaluates the part that begins at c.begin; one of a cell's segment is halved until it does not matter against tMin that
-// extinction and colour are called constant along it: they go up or down by `uneven` and `shaded`, which its front and the
-// other volumes hide.
+// extinction and colour are called constant along it: they go up or down by `uneven` and `shaded`, which its front, the
+// other volumes and surfaces hide.
 FN void evaluatePart(VOLUME v, INOUT(Cursor) c, real tMin, INOUT(int) samples) {
   real start = segmentStart(c), end = segmentEnd(c);
   real part = c.part, sigma = R(0.0);
@@ -98,7 +98,7 @@ FN void evaluatePart(VOLUME v, INOUT(Cursor) c, real tMin, INOUT(int) samples) {
       real shaded =
           max(max(abs(m.front.x - m.back.x), abs(m.front.y - m.back.y)), abs(m.front.z - m.back.z)) *
           min(tau, R(1.0));
-      real hidden = min(tau + v.others * length, R(1.0));
+      real hidden = min(tau + v.hidden * length, R(1.0));
       more = (uneven + shaded) * hidden > R(3.0) * tMin && part > R(0.000244140625);
       if (more) part = R(0.5) * part;
       sigma = m.sigma;

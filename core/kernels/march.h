@@ -99,8 +99,7 @@ FN bool addPiece(real tau, vec3 mean, vec3 front, vec3 back, real bent, bool sma
 // What curvature is where extinction goes linearly from front to mean to back. About as much where it goes up and down,
 // though as much on both sides, so that means do not tell.
 FN real bentBy(MapMean m) {
-  real change =
-      max(max(abs(m.front.x - m.back.x), abs(m.front.y - m.back.y)), abs(m.front.z - m.back.z));
+  real change = max(max(abs(m.front.x - m.back.x), abs(m.front.y - m.back.y)), abs(m.front.z - m.back.z));
   real uneven = max(abs(m.sigma - m.sigmaFront), abs(m.sigma - m.sigmaBack));
   return m.sigma > R(0.0) ? change * R(0.16666666666666667) * min(uneven / m.sigma, R(2.0)) : R(0.0);
 }

@@ -40,19 +40,24 @@ FN vec3 tubePoint(Tube s, TubeHit h) {
                  h.axial * ab.z + radius * h.normal.z);
 }
 
-// The ball at a joint is on both segments: it is a surface of the first of them, up to where the second's cone begins.
+// The ball at a joint is on both segments: it is a surface of the first of them, up to where the second's cone begins; within
+// rounding of there, of both, as a ray may meet the cone of the second as its ball.
 FN bool insideNeighbour(Tube s, TubeHit h) {
   bool inside = false;
-  real slack = R(1e-5) * max(s.radiusA, s.radiusB), x;
-  vec3 p = tubePoint(s, h);
+  vec3 p = tubePoint(s, h), ab = difference(s.b, s.a);
+  // what rounding may be off by: if more were let through, rays would cross both surfaces beside a joint
+  real slack = R(1e-6) * (max(s.radiusA, s.radiusB) + sqrt(dot3(ab, ab))), x;
   if (s.hasBefore) {
     real depth = depthInCone(p, difference(s.before, s.a), s.radiusA, s.radiusBefore, x);
-    inside = h.axial <= R(0.0) || depth > slack;
+    inside = depth > slack;
+    if (h.axial <= R(0.0)) {  // x along this segment
+      depthInCone(p, ab, s.radiusA, s.radiusB, x);
+      inside = inside || x < -slack;
+    }
   }
   if (s.hasAfter) {
-    real depth = depthInCone(difference(p, difference(s.b, s.a)), difference(s.after, s.b), s.radiusB,
-                             s.radiusAfter, x);
-    inside = inside || (h.axial >= R(1.0) ? x > R(0.0) : depth > slack);
+    real depth = depthInCone(difference(p, ab), difference(s.after, s.b), s.radiusB, s.radiusAfter, x);
+    inside = inside || (h.axial >= R(1.0) ? x > slack : depth > slack);
   }
   return inside;
 }

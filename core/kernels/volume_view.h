@@ -45,7 +45,7 @@ struct VolumeView {
 
   int mapUniform, mapBuckets, mapIntervals;  // see map.h
   real mapOrigin, mapInverse;
-  real others;  // largest extinction of the volumes rendered with it, together
+  real hidden;  // CompiledOperator::hidden
   PTR(int) buckets;
   PTR(real) nodes;    // start of each interval
   PTR(real) lengths;  // inverse length of each interval

@@ -33,6 +33,7 @@ TraceCounters& TraceCounters::operator+=(const TraceCounters& o) {
   submissions += o.submissions;
   nsDevice += o.nsDevice;
   nsDeviceIdle += o.nsDeviceIdle;
+  nsDeviceAsked += o.nsDeviceAsked;
   nodes += o.nodes;
   primitives += o.primitives;
   raysRead += o.raysRead;

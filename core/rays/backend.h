@@ -44,6 +44,8 @@ struct TraceCounters {
   /// some frame was under way on it. The last may be below 0 in one result, which then corrects another.
   uint64_t submissions = 0, nsDevice = 0;
   int64_t nsDeviceIdle = 0;
+  /// How long something was asked of it that it had not done yet, or that nobody had looked at yet, by the host's clock.
+  uint64_t nsDeviceAsked = 0;
   /// Of hierarchies over geometry, what rays came to; 0 but of a backend that was told to count it.
   uint64_t nodes = 0, primitives = 0;
   /// Rays that such a device gave to the host, to be sent away: those that go on in other partitions of the rank it keeps as

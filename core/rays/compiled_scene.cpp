@@ -89,6 +89,10 @@ bool anyMacrocell(const VolumeBlock& block, const Extent& extent, Visit&& visit)
   return false;
 }
 
+bool showsSurfaces(const CompiledOperator& op) {
+  return op.vis.type != VisType::Volume || !op.isovalues.empty() || !op.slices.empty();
+}
+
 using OtherScenes = std::span<const std::shared_ptr<const CompiledScene>>;
 
 // The plan that another scene has of the same isosurfaces; null if none has.
@@ -114,7 +118,8 @@ void planVolume(CompiledOperator& op, CompiledScene& scene, OtherScenes known, c
     for (const CompiledOperator& o : scene.operators)
       if (&o != &op && o.vis.type == VisType::Volume) *others += largestExtinction(o);
   }
-  op.others = float(others.value_or(0));
+  const bool cut = std::any_of(scene.operators.begin(), scene.operators.end(), showsSurfaces);
+  op.hidden = cut ? kAllHidden : float(others.value_or(0));
   const double cellT = std::max({s.x, s.y, s.z}) * space.scale;
   for (const auto& [partition, block] : volume.blocks) {
     if (block.extent.count() == 0) continue;
@@ -320,8 +325,7 @@ std::shared_ptr<CompiledScene> compileScene(const Visualization& visualization,
       const double r = largestRadius(op.vis, op.data.geometry->range);
       if (!b.empty()) seen.extend(Box{b.lo - r, b.hi + r});
     }
-    const bool surfaces = !isVolume || !op.isovalues.empty() || !op.slices.empty();
-    if (surfaces && op.vis.opacity < 1) scene->opaqueSurfaces = false;
+    if (showsSurfaces(op) && op.vis.opacity < 1) scene->opaqueSurfaces = false;
     largestColor = std::max(largestColor, op.map.largestColor);
   }
   for (size_t i = 0; i < count; i++)

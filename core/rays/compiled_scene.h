@@ -66,6 +66,8 @@ struct SharedBytes {
   size_t bytes;
 };
 
+inline constexpr float kAllHidden = 1e30f;
+
 struct CompiledOperator {
   Vis vis;  ///< volumeRendering: only where the map is not transparent over all data
   OperatorData data;
@@ -74,8 +76,10 @@ struct CompiledOperator {
   std::vector<float> isovalues;                      ///< stored units
   std::vector<CompiledPlane> slices, clips;
   std::map<int, OperatorPart> parts;  ///< by local partition
-  float others = 0;  ///< largest extinction of the volumes rendered with it, together, per unit of t
-  int summary = 0;   ///< which of the block's summaries: component, or the magnitude
+  /// What may hide the back of a segment from its front, per unit of t: the largest extinction of the volumes rendered with it,
+  /// together, or kAllHidden where surfaces may cut segments off.
+  float hidden = 0;
+  int summary = 0;  ///< which of the block's summaries: component, or the magnitude
 };
 
 struct CompiledScene {

@@ -51,7 +51,7 @@ void fillVolumeView(View& v, const CompiledOperator& op, const OperatorPart* par
   v.mapIntervals = map.intervals();
   v.mapOrigin = map.origin;
   v.mapInverse = map.inverse;
-  v.others = op.others;
+  v.hidden = op.hidden;
   v.buckets = put(map.buckets);
   v.nodes = put(map.nodes);
   v.lengths = put(map.lengths);

@@ -21,7 +21,7 @@ struct Comparison {
 struct CompareOptions {
   double tolerance = 1.0 / 512;
   double perturbation = 8;  ///< float ulps by which the rays of the reference move to tell flips
-  int seeds = 24;
+  int seeds = 24;           ///< moves of each pixel; ten times as many where it seems wrong
   uint32_t frameNumber = 0;
   bool vulkan = true;  ///< whether the second backend draws it, too
 };
@@ -34,9 +34,10 @@ Picture drawnByBoth(const TestScene& scene, uint32_t frameNumber = 0);
 /// the second, too, if options ask for it (drawnByBoth).
 ///
 /// A pixel that differs by more than the tolerance is a flip where the reference itself changes under perturbation (of
-/// its rays, and of isovalues by as many ulps of the largest sample, which the value along a ray may be off by), and the
-/// backend's value lies among the perturbed reference's, extended by their spread and the tolerance. When a pixel is
-/// wrong, or flips are more than 0.1 %, the pictures and their difference (times 8) are written as
+/// its rays, of volumes that are rendered together against each other, and of isovalues by as many ulps of the largest
+/// sample, which the value along a ray may be off by), and the backend's value lies among the perturbed reference's,
+/// extended by the tolerance, and by their spread for each further ray of the pixel (depths: by a hundredth of it). When a
+/// pixel is wrong, or flips are more than 0.1 %, the pictures and their difference (times 8) are written as
 /// NAME_{backend,reference,difference}.png into the test's temporary folder.
 Comparison compare(const Backend& backend, const TestScene& scene, const CompareOptions& options = {});
 

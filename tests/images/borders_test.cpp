@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <initializer_list>
+#include <tuple>
 
 #include "support/frames.h"
 
@@ -150,6 +152,33 @@ TEST(Border, CoarseSteps) {
     s.visualization.operators[0].opacitymap = {false, {{-1, 0.01}, {0.2, 0.01}, {0.2, 0.012}, {1, 0.02}}};
     s.settings.tolerance = tolerance;
     expectNoBorderSeen(s, {octants(kCube, {0.01, -0.013, 0.7}, 2), lattice(kCube, {5, 4, 3}, 4)});
+  }
+}
+
+// By Beer and Lambert's law: through one volume, and through two that lie in each other.
+TEST(Border, UniformSlabInAnyNumberOfPieces) {
+  for (const auto& [sigma, step, volumes] : std::initializer_list<std::tuple<double, double, int>>{
+           {0.1, 0, 1}, {3, 0, 1}, {3, 0.25, 1}, {2, 3, 1}, {20, 0, 1}, {1.5, 0, 2}, {0.05, 2, 2}}) {
+    TestScene s = cubeScene("uniform slab");
+    s.camera = alongAxis(2, false, 8);
+    s.camera.height = 1.9;
+    s.settings.background = glm::dvec4(0);
+    s.settings.step = step;
+    s.settings.tolerance = 1e-5;  // so that no ray ends early
+    for (int v = 0; v < volumes; v++) {
+      const Grid grid{{-1, -1, -1}, {0.5, 0.25, 2.0 / (16 + v)}, {5, 9, 17 + v}};
+      addField(s, grid, [](glm::dvec3) { return 0.5; });
+      s.visualization.operators.back().volumeRendering = true;
+      s.visualization.operators.back().opacitymap = {true, {{0, sigma}, {1, sigma}}};
+    }
+    const Picture expected = wholeOnEmbree(s);
+    const double alpha = -std::expm1(-2 * sigma * volumes), bound = std::max(1e-6, 1e-4 * alpha);
+    for (int pieces : {1, 2, 7, 64}) {
+      const Picture picture = render(s, lattice(kCube, {1, 1, pieces}, 2));
+      EXPECT_EQ(difference(expected, picture), "") << sigma << ", " << pieces << " pieces";
+      for (size_t i = 3; i < picture.rgba.size(); i += 4)
+        ASSERT_NEAR(picture.rgba[i], alpha, bound) << sigma << ", " << pieces << " pieces";
+    }
   }
 }
 

@@ -140,10 +140,25 @@ TEST(VulkanCounters, WorkingAndIdleTheDeviceIsNoLongerThanTheFramesTake) {
   EXPECT_GT(c.nsDevice, 0u);
   EXPECT_GE(c.nsDeviceIdle, 0);
   EXPECT_LE(double(c.nsDevice) + double(c.nsDeviceIdle), 1.001 * taken);  // two clocks
+  EXPECT_GE(1.001 * double(c.nsDeviceAsked), double(c.nsDevice)) << "it does what it was asked to";
+  EXPECT_LE(double(c.nsDeviceAsked), taken);
   EXPECT_GT(c.nsWork(), 0u);
   if (vulkan_test::isSoftware()) {  // where one batch begins when another has ended
     EXPECT_LE(c.nsWork(), c.nsDevice);
   }
+}
+
+// Or a server would keep what every scene that it has ever had was drawn with.
+TEST(VulkanCounters, PipelinesThatNobodyNeedsAreForgotten) {
+  using vulkan::Stage;
+  const vulkan::Device device(vulkan_test::testDevice());
+  vulkan::Pipelines pipelines(device, 2);
+  const vulkan::Pipeline held = pipelines.get(Stage::Take, {});
+  for (Stage stage : {Stage::Bound, Stage::Finish, Stage::Groups, Stage::Finish, Stage::Depth})
+    pipelines.get(stage, {});
+  EXPECT_EQ(pipelines.stages(), (std::vector{Stage::Depth, Stage::Finish, Stage::Take}));
+  EXPECT_NE(held->get(), VK_NULL_HANDLE);
+  EXPECT_EQ(pipelines.get(Stage::Take, {}), held);
 }
 
 // The shader of each stage is compiled for what the scene has, and only where it is needed; and before any frame.

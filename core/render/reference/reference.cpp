@@ -92,7 +92,7 @@ class Renderer {
         Random random(seed);
         ray = perturbed(ray, world_.box(), options_.perturbation, random);
         const double unit = options_.perturbation * 0x1p-24 * longestSide(world_.box());
-        off.slack = 6 * unit * std::abs(random.next());
+        off.slack = 6 * unit * std::abs(Random(options_.seed + 1).next());  // renderers have one for all rays
         off.shaded = unit * random.next3();
       }
       const PixelValue one = trace(ray, {at, k, 0, {}, {}}, off);

@@ -65,7 +65,7 @@ struct ReferencePicture {
 
 /// Renders a scene. A perturbation of p adds the size of rounding errors in float, u = 2^-24 of the longest side of the
 /// data's box: every ray's direction moves by up to p * 2^-24 per component, and the point where it enters the box by up to
-/// p u. Secondary rays start up to 6 p u further off their surface: with p = 8, the 32 u by which backends start them off
+/// p u. Secondary rays start up to 6 p u further off their surface, all by as much: with p = 8, the 32 u by which backends start them off
 /// it, and half as much for what their hits are off by. Hits are shaded up to p u aside, since a point in float is as far
 /// from its surface. Pixels that such a move changes are flips. Throws Error when scene, data or camera do not fit together.
 ReferencePicture renderReference(const ReferenceScene& scene, const Camera& camera,
