@@ -30,7 +30,7 @@ std::vector<TestScene> allScenes() {
 }
 
 TEST_P(Invariance, PictureHasSomethingInIt) {
-  const Picture p = wholeOnEmbree(GetParam());
+  const Picture p = wholeOnTested(GetParam());
   size_t seen = 0;
   for (size_t i = 0; i < p.rgba.size(); i += 4) seen += p.rgba[i] != 0.1f;
   EXPECT_GT(seen, p.rgba.size() / 4 / 20);
@@ -38,27 +38,27 @@ TEST_P(Invariance, PictureHasSomethingInIt) {
 
 TEST_P(Invariance, OfPartitions) {
   const TestScene& scene = GetParam();
-  const Picture expected = wholeOnEmbree(scene);
+  const Picture expected = wholeOnTested(scene);
   for (const Cut& cut : manyCuts(scene.domain, 11))
-    EXPECT_EQ(difference(expected, render(scene, cut)), "") << cut.name;
+    EXPECT_EQ(difference(expected, render(scene, cut), Sameness::Bits), "") << cut.name;
 }
 
 TEST_P(Invariance, OfPacketsAndBudget) {
   const TestScene& scene = GetParam();
-  const Picture expected = wholeOnEmbree(scene);
+  const Picture expected = wholeOnTested(scene);
   const Cut cut = kdCut(scene.domain, 6, 3, 5);
   const auto compiled = compiledOn(cut, scene);
   for (const Renderer::Options& options : {Renderer::Options{16, 1 << 20}, {64, 1}, {1024, 1}, {100, 5000}}) {
     FrameRun run;
     run.options = options;
-    EXPECT_EQ(difference(expected, render(scene, cut.ranks, compiled, run)), "")
+    EXPECT_EQ(difference(expected, render(scene, cut.ranks, compiled, run), Sameness::Bits), "")
         << "packets of " << options.packetRays << ", " << options.raysInFlight << " in flight";
   }
 }
 
 TEST_P(Invariance, OfThreads) {
   const TestScene& scene = GetParam();
-  const Picture expected = wholeOnEmbree(scene);
+  const Picture expected = wholeOnTested(scene);
   const Cut cut = lattice(scene.domain, {2, 2, 1}, 2);
   const auto compiled = compiledOn(cut, scene);
   for (int workers : {1, 2}) {
@@ -66,7 +66,8 @@ TEST_P(Invariance, OfThreads) {
     run.threaded = true;
     run.workers = workers;
     run.options.packetRays = 64;
-    EXPECT_EQ(difference(expected, render(scene, cut.ranks, compiled, run)), "") << workers << " threads";
+    EXPECT_EQ(difference(expected, render(scene, cut.ranks, compiled, run), Sameness::Bits), "")
+        << workers << " threads";
   }
 }
 
@@ -74,7 +75,7 @@ TEST_P(Invariance, OfSchedules) {
   TestScene scene = GetParam();
   const bool many = scene.name == "everything" && &testedBackend() == &embree();
   scene.camera.dimensions = affordable({12, 10});
-  const Picture expected = wholeOnEmbree(scene);
+  const Picture expected = wholeOnTested(scene);
   for (const Cut& cut : {kdCut(scene.domain, 7, 4, 3), lattice(scene.domain, {2, 2, 2}, 8)}) {
     const auto compiled = compiledOn(cut, scene);
     for (uint64_t seed = 1; seed <= (many ? 60u : 10u); seed++) {
@@ -82,7 +83,7 @@ TEST_P(Invariance, OfSchedules) {
       run.seed = seed;
       run.options.packetRays = 16;
       run.options.raysInFlight = seed % 2 ? 1 : 1 << 20;
-      ASSERT_EQ(difference(expected, render(scene, cut.ranks, compiled, run)), "")
+      ASSERT_EQ(difference(expected, render(scene, cut.ranks, compiled, run), Sameness::Bits), "")
           << cut.name << ", schedule " << seed;
     }
   }

@@ -41,22 +41,24 @@ TestScene coarse(std::array<int, 3> n, glm::ivec2 size = affordable({40, 36})) {
 
 TEST(SmallPartitions, OneCellEach) {
   const TestScene scene = coarse({4, 3, 5});
-  const Picture expected = wholeOnEmbree(scene);
+  const Picture expected = wholeOnTested(scene);
   for (int ranks : {1, 5, 8})
-    EXPECT_EQ(difference(expected, render(scene, lattice(scene.domain, {4, 3, 5}, ranks))), "") << ranks;
+    EXPECT_EQ(difference(expected, render(scene, lattice(scene.domain, {4, 3, 5}, ranks)), Sameness::Bits),
+              "")
+        << ranks;
 }
 
 TEST(SmallPartitions, LessThanACellEach) {
   const TestScene scene = coarse({1, 2, 1});
-  const Picture expected = wholeOnEmbree(scene);
-  EXPECT_EQ(difference(expected, render(scene, lattice(scene.domain, {3, 3, 3}, 4))), "");
-  EXPECT_EQ(difference(expected, render(scene, kdCut(scene.domain, 20, 6, 3))), "");
+  const Picture expected = wholeOnTested(scene);
+  EXPECT_EQ(difference(expected, render(scene, lattice(scene.domain, {3, 3, 3}, 4)), Sameness::Bits), "");
+  EXPECT_EQ(difference(expected, render(scene, kdCut(scene.domain, 20, 6, 3)), Sameness::Bits), "");
 }
 
 TEST(SmallPartitions, OneCellEachOfALargerGridAlongOneAxis) {
   const TestScene scene = coarse({24, 2, 2});
-  const Picture expected = wholeOnEmbree(scene);
-  EXPECT_EQ(difference(expected, render(scene, lattice(scene.domain, {24, 1, 1}, 6))), "");
+  const Picture expected = wholeOnTested(scene);
+  EXPECT_EQ(difference(expected, render(scene, lattice(scene.domain, {24, 1, 1}, 6)), Sameness::Bits), "");
 }
 
 }  // namespace

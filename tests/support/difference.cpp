@@ -11,6 +11,7 @@
 
 #include "gxy/io/image.h"
 #include "support/close_pictures.h"
+#include "support/frames.h"
 
 namespace gxy::test {
 
@@ -84,6 +85,14 @@ std::string difference(const Picture& expected, const Picture& found, Sameness a
           std::to_string(c.hitsFar) + " of " + std::to_string(c.hits) + " hits by more than 4 ulp";
   }
   return std::to_string(pixels) + " pixels differ" + far + written(expected, found) + first.str();
+}
+
+Picture wholeOnTested(const TestScene& scene) {
+  const Picture expected = wholeOnEmbree(scene);
+  if (testedSameness() == Sameness::Bits) return expected;
+  const Picture own = render(scene, whole(scene.domain));
+  EXPECT_EQ(difference(expected, own), "") << scene.name << " in one piece";
+  return own;
 }
 
 }  // namespace gxy::test

@@ -13,4 +13,9 @@ namespace gxy::test {
 /// TEST-NUMBER_{expected,found,difference}.png into the test's temporary folder.
 std::string difference(const Picture& expected, const Picture& found, Sameness asked = testedSameness());
 
+struct TestScene;
+/// What pieces are compared with, to the bit: the tested backend's own picture of the scene in one piece, which is expected to be
+/// Embree's (testedSameness).
+Picture wholeOnTested(const TestScene& scene);
+
 }  // namespace gxy::test

@@ -59,6 +59,13 @@ TEST(GpuAssistedValidation, FindsNothingInAVolumeWithSurfacesAndShadows) {
   expectNoMessages(*checkedBackend(), scene);
 }
 
+TEST(GpuAssistedValidation, FindsNothingInSeveralVolumes) {
+  test::TestScene scene = test::emptyScene("volumes", {12, 10});
+  test::addSmoothVolume(scene);
+  test::addSecondVolume(scene);
+  expectNoMessages(*checkedBackend(), scene);
+}
+
 TEST(GpuAssistedValidation, FindsNothingInSlices) {
   test::TestScene scene = test::emptyScene("slices", {12, 10});
   test::addSlices(scene, 1);

@@ -242,7 +242,9 @@ TEST(DeviceMemory, OutOfTheHostsSightIsFilledWhole) {
     const Buffer read(device, bytes.size(), Place::Readback, "a test");
     vulkan::Commands commands(device);
     const VkBufferCopy region{kOffset, 0, bytes.size()};
-    vkCmdCopyBuffer(commands.begin(), hidden.get(), read.get(), 1, &region);
+    const VkCommandBuffer c = commands.begin();
+    commands.barrier();  // an upload's copies are over, but not in sight of others
+    vkCmdCopyBuffer(c, hidden.get(), read.get(), 1, &region);
     commands.barrier();
     commands.submit();
     commands.wait();

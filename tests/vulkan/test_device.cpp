@@ -23,6 +23,8 @@ void failTest(const char* message) {
 }  // namespace
 
 VulkanOptions testDevice() {
+  // between submissions, too, for which Vulkan has no feature to ask for
+  setenv("VK_LAYER_ENABLES", "VALIDATION_CHECK_ENABLE_SYNCHRONIZATION_VALIDATION_QUEUE_SUBMIT", 1);
   VulkanOptions options;
   options.device = GALAXY_TEST_DEVICE;
   options.validation = VulkanOptions::Validation::CoreAndSynchronization;

@@ -7,7 +7,8 @@
 
 namespace gxy::vulkan_test {
 
-/// Options for it, under the validation layers (core and synchronization): whatever they say fails the test that runs.
+/// Options for it, under the validation layers (core and synchronization, between submissions, too): whatever they say fails the
+/// test that runs.
 VulkanOptions testDevice();
 
 /// Its backend, made once per program. Throws Error where there is no such device.
