@@ -106,7 +106,9 @@ const Schema<DatasetSpec>& datasetSchema() {
               .require(),
           textKey("array", &D::array, "Which array of the file to map.")
               .byDefault("its active scalars, else its first array"),
-          colorKey("color", &D::color, "Colour of geometry whose file has no values to map. Values that are NaN have the map's first colour.")
+          colorKey("color", &D::color,
+                   "Colour of geometry whose file has no values to map. Values that are NaN have the map's "
+                   "first colour.")
               .alias({"default color"}),
       }};
   return schema;
