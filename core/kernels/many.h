@@ -80,8 +80,8 @@ FN void evaluateAt(VOLUME v, GridRay g, real t, INOUT(real) sigma, INOUT(vec3) s
 }
 
 // Evaluates the part that begins at c.begin; one of a cell's segment is halved until it does not matter against tMin that
-// extinction and colour are called constant along it: they go up or down by `uneven` and `shaded`, which its front, the
-// other volumes and surfaces hide.
+// extinction and colour are called constant along it: they go up or down by `uneven` and `shaded`, which its front and the
+// other volumes hide; nothing does where a surface may cut it off.
 FN void evaluatePart(VOLUME v, INOUT(Cursor) c, real tMin, INOUT(int) samples) {
   real start = segmentStart(c), end = segmentEnd(c);
   real part = c.part, sigma = R(0.0);

@@ -66,7 +66,7 @@ struct SharedBytes {
   size_t bytes;
 };
 
-inline constexpr float kAllHidden = 1e30f;
+inline constexpr float kAllHidden = 1e30f;  ///< CompiledOperator::hidden: what counts is all that varies
 
 struct CompiledOperator {
   Vis vis;  ///< volumeRendering: only where the map is not transparent over all data
@@ -76,8 +76,8 @@ struct CompiledOperator {
   std::vector<float> isovalues;                      ///< stored units
   std::vector<CompiledPlane> slices, clips;
   std::map<int, OperatorPart> parts;  ///< by local partition
-  /// What may hide the back of a segment from its front, per unit of t: the largest extinction of the volumes rendered with it,
-  /// together, or kAllHidden where surfaces may cut segments off.
+  /// What may hide the back of a segment but not its front, so that how it varies matters, per unit of t: the largest extinction
+  /// of the volumes rendered with it, together, or kAllHidden where surfaces may cut segments off.
   float hidden = 0;
   int summary = 0;  ///< which of the block's summaries: component, or the magnitude
 };

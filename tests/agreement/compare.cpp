@@ -111,6 +111,7 @@ class Perturbed {
 
   /// By what volumes may be off against each other in float: which of two that begin together is seen first.
   void moveVolumes(uint64_t seed) {
+    if (apart_.empty()) return;
     Uniform random(seed + 1);
     const double unit = options_.perturbation * 0x1p-24 * sizeOf(scene_, *scene_.compile());
     for (auto& [volume, origin] : apart_) volume->grid.origin = origin + random.inCube(unit);
