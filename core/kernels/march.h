@@ -77,13 +77,14 @@ FN real curvature(real mean, real front, real back) { return abs(mean - R(0.5) *
 // Adds a piece of optical depth tau whose mean colour, that of its front and that of its back are given, as if colours were
 // linear in optical depth: the front of a dense one hides its back. Where they are not, and it matters against tMin, nothing is
 // added, and true is returned: to be halved, unless it is the `smallest`. `bent`: as far as colours are from that at least.
-FN bool addPiece(real tau, vec3 mean, vec3 front, vec3 back, real bent, bool smallest, real tMin,
-                 INOUT(vec3) rgb, INOUT(real) A) {
+// `misplaced`: the part of its opacity that shows what is elsewhere in it.
+FN bool addPiece(real tau, vec3 mean, vec3 front, vec3 back, real bent, real misplaced, bool smallest,
+                 real tMin, INOUT(vec3) rgb, INOUT(real) A) {
   real T = R(1.0) - A;
   real w = oneMinusExp(tau);
   real curved = max(max(curvature(mean.x, front.x, back.x), curvature(mean.y, front.y, back.y)),
                     max(curvature(mean.z, front.z, back.z), bent));
-  bool halve = T * (w * min(tau, R(1.0))) * curved > tMin + R(1e-5) && !smallest;
+  bool halve = T * (w * max(min(tau, R(1.0)) * curved, misplaced)) > tMin + R(1e-5) && !smallest;
   if (!halve && tau > R(0.0)) {
     // mean of 1/2 - y / tau over what is seen, y the optical depth to it
     real lead = tau < R(0.3) ? tau * R(0.083333333333333333) : (R(0.5) - R(1.0) / tau) + (R(1.0) - w) / w;
@@ -102,24 +103,6 @@ FN real bentBy(MapMean m) {
   real change = max(max(abs(m.front.x - m.back.x), abs(m.front.y - m.back.y)), abs(m.front.z - m.back.z));
   real uneven = max(abs(m.sigma - m.sigmaFront), abs(m.sigma - m.sigmaBack));
   return m.sigma > R(0.0) ? change * R(0.16666666666666667) * min(uneven / m.sigma, R(2.0)) : R(0.0);
-}
-
-// A segment along which the value goes linearly from s0 to s1.
-FN void addPieces(VOLUME v, real s0, real s1, real length, real tMin, INOUT(vec3) rgb, INOUT(real) A) {
-  real from = R(0.0), part = R(1.0), d = s1 - s0;
-  bool more = true;
-  while (more) {
-    MapMean m = meanAlong(v, s0 + from * d, s0 + (from + part) * d);
-    more = addPiece(m.sigma * (part * length), m.color, m.front, m.back, bentBy(m), part <= R(0.0005), tMin,
-                    rgb, A);
-    if (more) {
-      part = R(0.5) * part;
-    } else {
-      from += part;
-      more = from < R(1.0) && R(1.0) - A >= tMin;
-      part = min(R(2.0) * part, R(1.0) - from);
-    }
-  }
 }
 
 // The value along a ray through a cell: a cubic over [0, 1], the part of the ray that is in it; and what it stays within.
@@ -151,6 +134,41 @@ FN CellCurve curveIn(Corners k, vec3 p, vec3 q) {
 
 FN real valueOn(CellCurve c, real u) { return clamp1(bernsteinValue(c.cubic, u), c.low, c.high); }
 
+// How far, at most, what a piece shows is from where it is, as a part of the piece's own opacity: its value is taken to go
+// linearly from s0 to s1, and is `middle` in its middle. Only what its two ends differ in can be in a wrong place.
+FN real misplaced(MapMean m, real s0, real middle, real s1) {
+  real rise = abs(s1 - s0), bow = abs(middle - R(0.5) * (s0 + s1));
+  real change = max(max(abs(m.front.x - m.back.x), abs(m.front.y - m.back.y)), abs(m.front.z - m.back.z));
+  if (m.sigma > R(0.0)) change = max(change, min(abs(m.sigmaFront - m.sigmaBack) / m.sigma, R(1.0)));
+  return bow < rise ? change * (bow / rise) : change;
+}
+
+// The part of a cell that is not halved: where u is 1, so much still moves it.
+FN real smallestPiece(real uFrom, real uTo) { return max(R(0.0005) * (uTo - uFrom), R(1e-6)); }
+
+// From uFrom to uTo of a cell, `span` long, whose value turns at turns0 and turns1 (1: nowhere): pieces along which the value
+// is taken as linear.
+FN void addPieces(VOLUME v, CellCurve c, real turns0, real turns1, real uFrom, real uTo, real span, real tMin,
+                  INOUT(vec3) rgb, INOUT(real) A) {
+  real from = uFrom, s = valueOn(c, uFrom), most = R(1.0), smallest = smallestPiece(uFrom, uTo);
+  bool more = true;
+  while (more) {
+    real to = min(min(from < turns0 ? turns0 : (from < turns1 ? turns1 : R(1.0)), uTo), from + most);
+    real part = to - from, s1 = valueOn(c, to);
+    MapMean m = meanAlong(v, s, s1);
+    more = addPiece(m.sigma * (part * span), m.color, m.front, m.back, bentBy(m),
+                    misplaced(m, s, valueOn(c, from + R(0.5) * part), s1), part <= smallest, tMin, rgb, A);
+    if (more) {
+      most = R(0.5) * part;
+    } else {
+      from = to;
+      s = s1;
+      most = R(2.0) * part;
+      more = from < uTo && R(1.0) - A >= tMin;
+    }
+  }
+}
+
 // The same from uFrom to uTo of a cell, `span` long, whose value turns at turns0 and turns1 (1: nowhere), through a map of few
 // intervals, without sums: a piece ends where the value leaves its interval, too, at a root of the cubic. So steps of the
 // map are where they are, however long segments are.
@@ -160,7 +178,7 @@ FN void addPiecesOfFew(VOLUME v, CellCurve c, real turns0, real turns1, real uFr
   MapPlace place = mapPlace(v, s);
   int k = place.k;
   real f0 = place.f;
-  real most = R(1.0), smallest = R(0.0005) * (uTo - uFrom);
+  real most = R(1.0), smallest = smallestPiece(uFrom, uTo);
   bool more = true;
   while (more) {
     real to = min(from < turns0 ? turns0 : (from < turns1 ? turns1 : R(1.0)), uTo);
@@ -193,7 +211,8 @@ FN void addPiecesOfFew(VOLUME v, CellCurve c, real turns0, real turns1, real uFr
     addMean(sigmaAt(m, f0), sigmaAt(m, f1), front, back, R(1.0), sigma, source);
     real perSigma = sigma > R(0.0) ? R(1.0) / sigma : R(0.0);
     vec3 color = make_v3(source.x * perSigma, source.y * perSigma, source.z * perSigma);
-    more = addPiece(sigma * (part * span), color, front, back, R(0.0), part <= smallest, tMin, rgb, A);
+    more =
+        addPiece(sigma * (part * span), color, front, back, R(0.0), R(0.0), part <= smallest, tMin, rgb, A);
     if (more) {
       most = R(0.5) * part;
     } else {
@@ -258,8 +277,8 @@ FN_OUTLINE void integrateCells(VOLUME v, VolumeRay r, MarchRange m, real t, real
         MapPiece piece = mapPiece(v, p.k);
         even = p.k == q.k;
         seen = !even || piece.sigma != R(0.0) || piece.sigmaStep != R(0.0);
-        if (!even) extremaOf(curve.cubic, turns0, turns1);
       }
+      if (!even) extremaOf(curve.cubic, turns0, turns1);
       real span = tc - ta;
       real count = max(ceil(span * r.cells / (even ? within : step)), R(1.0));
       real dt = span / count;
@@ -279,7 +298,7 @@ FN_OUTLINE void integrateCells(VOLUME v, VolumeRay r, MarchRange m, real t, real
           if (mapIsSmall(v))
             addPiecesOfFew(v, curve, turns0, turns1, u, uTo, span, m.tMin, rgb, A);
           else
-            addPieces(v, valueOn(curve, u), valueOn(curve, uTo), b - a, m.tMin, rgb, A);
+            addPieces(v, curve, turns0, turns1, u, uTo, span, m.tMin, rgb, A);
           u = uTo;
           a = b;
           if (b >= end || R(1.0) - A < m.tMin) go = false;

@@ -164,6 +164,10 @@ TEST(RandomScenes, GeometryOfNaNsAgreesWithTheReference) { comparedAll({7000952}
 // A segment through both sides of an opaque spike: the mean of its colours is that of its ends, and what is seen is its front's.
 TEST(RandomScenes, SegmentsThroughSpikesAgreeWithTheReference) { compared(7001795, true, 1.0 / 4096); }
 
+// A value that turns at a cell's face, just below a step of colour, in a map of many intervals: taken as linear, it passes the step
+// a quarter of the segment early.
+TEST(RandomScenes, ValuesThatTurnBelowAStepAgreeWithTheReference) { compared(11003331, true, 1.0 / 4096); }
+
 // Segments of several volumes that end at a surface, and several volumes that hide each other's colours.
 TEST(RandomScenes, SeveralVolumesBeforeSurfacesAgreeWithTheReference) {
   comparedAll({1002281, 1004977, 1005019, 1006572, 1008057, 1008606, 8003640});
