@@ -17,7 +17,7 @@ constexpr double kLowestRate = 1 / kLongest, kHighestRate = 256;
 constexpr double kBendMidpoint = 0.015, kBendPieces = 0.09;
 constexpr double kBendOfMap = 0.027, kKinkOfMap = 0.055;
 constexpr double kShade = 0.1;  // 1/12 along an axis; a ray's slope may be larger than that along each
-constexpr double kJump = 0.9;
+constexpr double kJump = 0.9, kHalvedJump = 0.2;
 constexpr double kUnforeseen = 0.1;  // of the tolerance, for the worst of very many rays
 constexpr double kMostJump = 2;      // of optical depth per cell: what is behind such a step is hidden
 constexpr double kThinnest = 0.2;    // part of a cell, or of a kink, that is seen, at least
@@ -28,11 +28,12 @@ constexpr double kLongestRay = 1.7;                     // diagonal of a cube wh
 constexpr double kFew = 32;                             // cells over which errors of random sign even out
 constexpr double kWorstKink = 0.125, kWorstPieces = 4;  // where rays are too short for that
 
-// Errors of segments of h cells, over h^2. `within`: of pieces where the map has no step.
+// Errors of segments of h cells, over h^2. `within`: of pieces where the map has no step. `jumpError`: what a piece's error is
+// of a step in it.
 struct Errors {
   double midpoint = 0, pieces = 0, within = 0;
 };
-Errors errorsOf(const Macrocell& m, const CompiledMap::Over& map, bool exactSteps, double cellT) {
+Errors errorsOf(const Macrocell& m, const CompiledMap::Over& map, double jumpError, double cellT) {
   const double range = double(m.max) - m.min;
   const double depth = 1 / (map.extinction * cellT);  // cells to optical depth 1
   const double seen =
@@ -58,7 +59,7 @@ Errors errorsOf(const Macrocell& m, const CompiledMap::Over& map, bool exactStep
   const double shade = m.steep * map.shade * std::min(1.0, seen / depth) * kShade;
   const double uneven = 1 + few * (kWorstPieces - 1);
   const double within = uneven * cellT * kBendPieces * bend;
-  const double jumps = exactSteps ? 0 : uneven * kJump * std::min(map.jump * cellT, kMostJump);
+  const double jumps = uneven * jumpError * std::min(map.jump * cellT, kMostJump);
   return {cellT * (kBendMidpoint * bend + kinks + shade), within + jumps, within};
 }
 
@@ -77,7 +78,8 @@ int32_t planOf(double segmentsPerCell, Integrator integrator, double within) {
 std::vector<int32_t> stepPlan(std::span<const Macrocell> summaries, const CompiledMap& map, double cellT,
                               double tolerance, double step, std::optional<double> others) {
   std::vector<int32_t> plan(summaries.size(), 0);
-  const bool exactSteps = map.intervals() <= MAP_SMALL && !others;  // addPiecesOfFew of kernels/march.h
+  // of the only volume: addPiecesOfFew and addPieces of kernels/march.h
+  const double jumpError = others ? kJump : map.intervals() <= MAP_SMALL ? 0 : kHalvedJump;
   for (size_t i = 0; i < plan.size(); i++) {
     const Macrocell& m = summaries[i];
     if (!(m.min <= m.max)) continue;
@@ -87,7 +89,7 @@ std::vector<int32_t> stepPlan(std::span<const Macrocell> summaries, const Compil
       plan[i] = planOf(1 / step, Integrator::Midpoint);
       continue;
     }
-    Errors errors = errorsOf(m, over, exactSteps, cellT);
+    Errors errors = errorsOf(m, over, jumpError, cellT);
     const double allowed = (1 - kEarlyEnd - kUnforeseen) * tolerance;
     if (others) errors.midpoint += cellT * over.slope * m.steep * std::min(1.0, kLongestRay * *others) / 24;
     const double midpoint =

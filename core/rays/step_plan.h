@@ -37,8 +37,9 @@ int32_t planOf(double segmentsPerCell, Integrator integrator,
 /// err alike (at least 32 / N, as few cells even out less; at least 1, at most 4 N), and c = N m.steep / (m.max - m.min)
 /// the number of times that the ray crosses the range. h makes this 0.84 of the tolerance (early termination takes a
 /// sixteenth, a tenth is for the worst of very many rays), and the method is the one that costs less; steps of the map are
-/// integrated cell by cell, where f.jump counts only for cells that meet one, and not at all where a map of at most
-/// MAP_SMALL intervals is that of the only volume: there steps are met exactly. 1/24 is the coefficient of the rule for
+/// integrated cell by cell, where f.jump counts only for cells that meet one. Of the only volume 0.2 f.jump is enough, as
+/// segments with a step are halved by what it matters, and nothing where its map has at most MAP_SMALL intervals: there
+/// steps are met exactly. 1/24 is the coefficient of the rule for
 /// errors of one sign (Davis & Rabinowitz 1984, 2.1), 1/10 takes its 1/12 for rays that run along no axis; the constants
 /// here hold for rays through fields from smooth to white noise under five shapes of maps (tests/accuracy/step_plan.cpp).
 ///

@@ -90,12 +90,13 @@ TEST(Convergence, PiecesAreOfSecondOrderOnSteppedMapsInOneMacrocell) {
   EXPECT_GE(orderOfPieces(cube(9, trilinearEverywhere), kStepped, 4), 1.9);
 }
 
-// Antiderivatives in place of the cubic's roots.
+// Antiderivatives in place of the cubic's roots. Longer segments that bow at a step are halved, so that errors of
+// the longest are less than the order says.
 TEST(Convergence, PiecesUnderMapsOfManyIntervalsAreOfSecondOrder) {
-  for (const Maps* maps : {&kManySmooth, &kManyStepped}) {
-    const Field f = cube(9, trilinearEverywhere);
+  const Field f = cube(9, trilinearEverywhere);
+  for (const auto& [maps, first] : {std::pair(&kManySmooth, 4), std::pair(&kManyStepped, 8)}) {
     EXPECT_GT(compiled(*maps, f).intervals(), MAP_SMALL);
-    EXPECT_GE(orderOfPieces(f, *maps, 4), 1.9);
+    EXPECT_GE(orderOfPieces(f, *maps, first), 1.9);
   }
 }
 
