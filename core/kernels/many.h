@@ -173,10 +173,14 @@ FN void countMacrocell(VOLUME v, INOUT(Cursor) c) {
   if (planAt(v, c.walk.index) == 0) put(c.skipped, c.skipped + 1);
 }
 
-// The part that ends after t; before the volume, nothing up to it, with index -1.
-FN void seekPart(VOLUME v, INOUT(Cursor) c, real t, real tMin, INOUT(int) samples) {
+// The part that ends after t; before the volume, nothing up to it, with index -1. If the ray enters the volume from tOut
+// on only, this partition may not have the macrocell there.
+FN void seekPart(VOLUME v, INOUT(Cursor) c, real t, real tOut, real tMin, INOUT(int) samples) {
+  put(c.index, R(-1.0));
   if (t >= c.ray.t1 || c.ray.t0 >= c.ray.t1) {
     evaluateNothing(c, NO_HIT);
+  } else if (t < c.ray.t0 && c.ray.t0 >= tOut) {
+    evaluateNothing(c, c.ray.t0);
   } else {
     real from = max(t, c.ray.t0);
     c.walk = startMacroWalk(v, c.ray, from);
@@ -253,7 +257,7 @@ FN void integrateMany(SCENE s, VOLUMES list, UNIFORM int count, vec3 o, vec3 d, 
         evaluateNothing(cursor[k], NO_HIT);
         cursor[k].index = R(-1.0);
       } else {
-        seekPart(v, cursor[k], t, m.tMin, samples);
+        seekPart(v, cursor[k], t, m.tOut, m.tMin, samples);
       }
       real from = R(0.0);
       if (cursor[k].b == NO_HIT)
