@@ -153,7 +153,9 @@ FN void addPieces(VOLUME v, CellCurve c, real turns0, real turns1, real uFrom, r
   real from = uFrom, s = valueOn(c, uFrom), most = R(1.0), smallest = smallestPiece(uFrom, uTo);
   bool more = true;
   while (more) {
-    real to = min(min(from < turns0 ? turns0 : (from < turns1 ? turns1 : R(1.0)), uTo), from + most);
+    real upTo = min(from < turns0 ? turns0 : (from < turns1 ? turns1 : R(1.0)), uTo);
+    bool whole = upTo - from <= most;
+    real to = whole ? upTo : from + most;
     real part = to - from, s1 = valueOn(c, to);
     MapMean m = meanAlong(v, s, s1);
     more = addPiece(m.sigma * (part * span), m.color, m.front, m.back, bentBy(m),
@@ -163,7 +165,7 @@ FN void addPieces(VOLUME v, CellCurve c, real turns0, real turns1, real uFrom, r
     } else {
       from = to;
       s = s1;
-      most = R(2.0) * part;
+      most = whole ? R(1.0) : R(2.0) * part;
       more = from < uTo && R(1.0) - A >= tMin;
     }
   }

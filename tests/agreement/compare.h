@@ -21,7 +21,7 @@ struct Comparison {
 struct CompareOptions {
   double tolerance = 1.0 / 512;
   double perturbation = 8;  ///< float ulps by which the rays of the reference move to tell flips
-  int seeds = 24;           ///< moves of each pixel; ten times as many where it seems wrong
+  int seeds = 24;           ///< moves of each pixel; 10 and 1000 times as many where it seems wrong
   uint32_t frameNumber = 0;
   bool vulkan = true;  ///< whether the second backend draws it, too
 };

@@ -164,6 +164,11 @@ TEST(RandomScenes, GeometryOfNaNsAgreesWithTheReference) { comparedAll({7000952}
 // A segment through both sides of an opaque spike: the mean of its colours is that of its ends, and what is seen is its front's.
 TEST(RandomScenes, SegmentsThroughSpikesAgreeWithTheReference) { compared(7001795, true, 1.0 / 4096); }
 
+// Rays in a plane of a grid 1e-4 as thick as wide, along cells that hold the isovalue to a fifth of what float resolves.
+TEST(RandomScenes, IsosurfacesAlongRaysInGridPlanesAgreeWithTheReference) {
+  compared(11001811, true, 1.0 / 4096);
+}
+
 // A value that turns at a cell's face, just below a step of colour, in a map of many intervals: taken as linear, it passes the step
 // a quarter of the segment early.
 TEST(RandomScenes, ValuesThatTurnBelowAStepAgreeWithTheReference) { compared(11003331, true, 1.0 / 4096); }

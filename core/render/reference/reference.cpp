@@ -30,6 +30,11 @@ class Random {
     const double x = next(), y = next(), z = next();
     return {x, y, z};
   }
+  /// 0 in a quarter of the cases, else 1, each for itself.
+  glm::dvec3 axes() {
+    const glm::dvec3 at = next3();
+    return {at.x > -0.5, at.y > -0.5, at.z > -0.5};
+  }
 
  private:
   uint64_t state_;
@@ -52,9 +57,12 @@ double longestSide(const Box& box) {
   return box.empty() ? 0 : std::max({size.x, size.y, size.z});
 }
 
+/// Moves a ray where it enters the box, and its direction: often not along an axis, as a ray in a plane of a grid stays there
+/// in float, too.
 Ray perturbed(const Ray& ray, const Box& box, double ulps, Random& random) {
   if (box.empty()) return ray;
-  const double entry = entryOf(box, ray), unit = ulps * 0x1p-24;
+  const double entry = entryOf(box, ray);
+  const glm::dvec3 unit = ulps * 0x1p-24 * random.axes();
   const glm::dvec3 entered = ray.at(entry) + unit * longestSide(box) * random.next3();
   const glm::dvec3 direction = glm::normalize(ray.direction + unit * random.next3());
   return {entered - entry * direction, direction};
