@@ -30,6 +30,13 @@ std::optional<Kernel> kernelOf(Stage stage) {
   }
 }
 
+// The rays go first: who is told may let go of all else that is of the device, which would go with them, on a thread that nobody
+// waits for.
+void tell(Request& request, TraceResult result) {
+  request.rays = {};
+  request.done(std::move(result));
+}
+
 }  // namespace
 
 Batch::Batch(std::vector<Request> requests)
@@ -200,7 +207,7 @@ void Batch::answer() {
       result.secondaries = 0;
     else
       result.retired = uint64_t(requests_[i].rays.size()) - left;
-    requests_[i].done(std::move(result));
+    tell(requests_[i], std::move(result));
   }
 }
 
@@ -209,7 +216,7 @@ void endUndone(std::vector<Request>& requests, const std::string& error) {
     TraceResult result;
     result.error = error;
     result.retired = uint64_t(r.rays.size());
-    r.done(std::move(result));
+    tell(r, std::move(result));
   }
 }
 

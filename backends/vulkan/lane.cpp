@@ -110,7 +110,10 @@ void Lane::reserve(size_t rays, size_t perHit) {
     if (lacks(n)) n.buffer = {};
   for (const Need& n : needs)
     if (!n.buffer.get()) n.buffer = Buffer(device_, roomy(n.bytes), n.place, n.what);
-  if (!lists_[0].mapped()) staging_ = Buffer(device_, lists_[0].bytes(), Place::Readback, "rays");
+  if (!lists_[0].mapped()) {
+    staging_ = Buffer(device_, lists_[0].bytes(), Place::Readback, "rays");
+    if (!copies_) copies_.emplace(device_, Work::Copies);
+  }
   for (int list = 0; list < 4; list++) {
     const Binding buffers[LANE_BINDINGS] = {
         whole(lists_[list]),
@@ -200,6 +203,13 @@ void Lane::readClock() {
 
 void Lane::submit(VkDescriptorSet scene, VkDescriptorSet frame, std::span<const Step> steps, size_t firstStep,
                   bool resumed) {
+  uint64_t copied = 0;
+  if (loaded_ > 0) {
+    const VkBufferCopy region{0, 0, listBytes(loaded_)};
+    vkCmdCopyBuffer(copies_->begin(), staging_.get(), lists_[0].get(), 1, &region);
+    copied = copies_->submit();
+    loaded_ = 0;
+  }
   recording_ = commands_.begin();
   stages_.clear();
   bound_.clear();
@@ -214,11 +224,6 @@ void Lane::submit(VkDescriptorSet scene, VkDescriptorSet frame, std::span<const 
     vkCmdFillBuffer(recording_, counts_.get(), cut, sizeof(uint32_t), 0);
   else
     vkCmdFillBuffer(recording_, counts_.get(), 0, VK_WHOLE_SIZE, 0);
-  if (loaded_ > 0) {
-    const VkBufferCopy region{0, 0, listBytes(loaded_)};
-    vkCmdCopyBuffer(recording_, staging_.get(), lists_[0].get(), 1, &region);
-    loaded_ = 0;
-  }
   for (size_t i = firstStep; i < steps.size(); i++) record(steps[i], i);
   commands_.barrier();
   const VkBufferCopy region{0, 0, COUNT_WORDS * sizeof(uint32_t)};
@@ -229,7 +234,7 @@ void Lane::submit(VkDescriptorSet scene, VkDescriptorSet frame, std::span<const 
     vkCmdCopyQueryPoolResults(recording_, clock_.get(), 0, readings_, countsRead_.get(), kReadingsAt,
                               sizeof(uint64_t), VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WAIT_BIT);
   commands_.barrier();
-  commands_.submit();
+  commands_.submit(copied);
 }
 
 void Lane::wait() {

@@ -2,6 +2,7 @@
 // Device buffers for one batch of rays, and the commands that work on them.
 #pragma once
 #include <array>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -94,6 +95,7 @@ class Lane {
   const Device& device_;
   Pipelines& pipelines_;
   Commands commands_;
+  std::optional<Commands> copies_;  ///< of what waits in staging_
   VkCommandBuffer recording_ = VK_NULL_HANDLE;
   Buffer lists_[4], leaving_, records_, depths_, counts_, countsRead_, staging_, places_;
   DescriptorSet sets_[4];  ///< by list

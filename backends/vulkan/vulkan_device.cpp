@@ -15,14 +15,6 @@ constexpr VkMemoryPropertyFlags kSeen =
     VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
 constexpr size_t kStagingBytes = size_t(16) << 20, kBlockBytes = size_t(64) << 20;
 
-uint32_t clockBitsOf(VkPhysicalDevice device, uint32_t family) {
-  uint32_t n = 0;
-  vkGetPhysicalDeviceQueueFamilyProperties(device, &n, nullptr);
-  std::vector<VkQueueFamilyProperties> families(n);
-  vkGetPhysicalDeviceQueueFamilyProperties(device, &n, families.data());
-  return families[family].timestampValidBits;
-}
-
 std::string mebibytes(size_t bytes) { return std::to_string((bytes + (1 << 20) - 1) >> 20) + " MiB"; }
 
 }  // namespace
@@ -60,14 +52,19 @@ Device::Device(const VulkanOptions& options)
   largestStorage_ = limits_.maxStorageBufferRange;
   if (options.storageBytes > 0) largestStorage_ = std::min<size_t>(largestStorage_, options.storageBytes);
   vkGetPhysicalDeviceMemoryProperties(physical_, &memory_);
-  family_ = uint32_t(computeFamily(physical_));
-  clockBits_ = clockBitsOf(physical_, family_);
+  const uint32_t family = uint32_t(computeFamily(physical_));
+  const int copies = copyFamily(physical_);
+  queues_[size_t(Work::Stages)].family = family;
+  queues_[size_t(Work::Copies)].family = copies < 0 ? family : uint32_t(copies);
+  clockBits_ = familiesOf(physical_)[family].timestampValidBits;
   const float priority = 1;
-  VkDeviceQueueCreateInfo queue{};
-  queue.sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO;
-  queue.queueFamilyIndex = family_;
-  queue.queueCount = 1;
-  queue.pQueuePriorities = &priority;
+  VkDeviceQueueCreateInfo queues[2]{};
+  for (size_t i = 0; i < 2; i++) {
+    queues[i].sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO;
+    queues[i].queueFamilyIndex = queues_[i].family;
+    queues[i].queueCount = 1;
+    queues[i].pQueuePriorities = &priority;
+  }
   Features features;
   features.v12.bufferDeviceAddress = VK_TRUE;
   features.v12.timelineSemaphore = VK_TRUE;
@@ -76,8 +73,8 @@ Device::Device(const VulkanOptions& options)
   VkDeviceCreateInfo info{};
   info.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO;
   info.pNext = &features.v10;
-  info.queueCreateInfoCount = 1;
-  info.pQueueCreateInfos = &queue;
+  info.queueCreateInfoCount = copiesBeside() ? 2 : 1;
+  info.pQueueCreateInfos = queues;
   VkDevice device = VK_NULL_HANDLE;
   check(vkCreateDevice(physical_, &info, nullptr, &device), "opening device \"" + info_.name + "\"");
   device_.reset(device);
@@ -85,13 +82,15 @@ Device::Device(const VulkanOptions& options)
   LedgerEntry account;
   if (options.ledger) account = options.ledger->enter("device", "vulkan", 0);
   blocks_ = std::make_unique<Memory>(device, block, std::move(account), options.memoryBytes);
-  vkGetDeviceQueue(device, family_, 0, &queue_);
   const VkSemaphoreTypeCreateInfo type{VK_STRUCTURE_TYPE_SEMAPHORE_TYPE_CREATE_INFO, nullptr,
                                        VK_SEMAPHORE_TYPE_TIMELINE, 0};
   const VkSemaphoreCreateInfo semaphore{VK_STRUCTURE_TYPE_SEMAPHORE_CREATE_INFO, &type, 0};
-  VkSemaphore done = VK_NULL_HANDLE;
-  check(vkCreateSemaphore(device, &semaphore, nullptr, &done), "making a semaphore");
-  done_ = SemaphoreHandle(device, done);
+  for (Queue& queue : queues_) {
+    vkGetDeviceQueue(device, queue.family, 0, &queue.queue);
+    VkSemaphore done = VK_NULL_HANDLE;
+    check(vkCreateSemaphore(device, &semaphore, nullptr, &done), "making a semaphore");
+    queue.done = SemaphoreHandle(device, done);
+  }
 }
 
 uint64_t Device::clockRound() const {
@@ -99,30 +98,39 @@ uint64_t Device::clockRound() const {
   return clockBits_ > 0 && round < 0x1p62 ? uint64_t(round) : 0;
 }
 
-uint64_t Device::submit(VkCommandBuffer commands) const {
+uint64_t Device::submit(Work work, VkCommandBuffer commands, uint64_t after) const {
   std::lock_guard lock(queueMutex_);
-  const uint64_t number = submitted_ + 1;
-  const VkSemaphore done = done_.get();
+  const Queue &queue = queues_[size_t(work)], &other = queues_[size_t(work) ^ 1];
+  const uint64_t number = submitted_ + 1, first = std::max(after, other.waitedFor);
+  const VkSemaphore done = queue.done.get(), otherDone = other.done.get();
+  const VkPipelineStageFlags all = VK_PIPELINE_STAGE_ALL_COMMANDS_BIT;
+  const uint32_t waits = first > 0 ? 1 : 0;
   VkTimelineSemaphoreSubmitInfo timeline{};
   timeline.sType = VK_STRUCTURE_TYPE_TIMELINE_SEMAPHORE_SUBMIT_INFO;
+  timeline.waitSemaphoreValueCount = waits;
+  timeline.pWaitSemaphoreValues = &first;
   timeline.signalSemaphoreValueCount = 1;
   timeline.pSignalSemaphoreValues = &number;
   VkSubmitInfo info{};
   info.sType = VK_STRUCTURE_TYPE_SUBMIT_INFO;
   info.pNext = &timeline;
+  info.waitSemaphoreCount = waits;
+  info.pWaitSemaphores = &otherDone;
+  info.pWaitDstStageMask = &all;
   info.commandBufferCount = 1;
   info.pCommandBuffers = &commands;
   info.signalSemaphoreCount = 1;
   info.pSignalSemaphores = &done;
   heed(isLost(number) && !lostInWaits_ ? VK_ERROR_DEVICE_LOST
-                                       : vkQueueSubmit(queue_, 1, &info, VK_NULL_HANDLE),
+                                       : vkQueueSubmit(queue.queue, 1, &info, VK_NULL_HANDLE),
        "handing work to");
   submitted_ = number;
   return number;
 }
 
-void Device::wait(uint64_t submission) const {
-  const VkSemaphore done = done_.get();
+void Device::wait(Work work, uint64_t submission) const {
+  const Queue& queue = queues_[size_t(work)];
+  const VkSemaphore done = queue.done.get();
   VkSemaphoreWaitInfo info{};
   info.sType = VK_STRUCTURE_TYPE_SEMAPHORE_WAIT_INFO;
   info.semaphoreCount = 1;
@@ -130,6 +138,8 @@ void Device::wait(uint64_t submission) const {
   info.pValues = &submission;
   const VkResult waited = vkWaitSemaphores(device_.get(), &info, UINT64_MAX);
   heed(isLost(submission) ? VK_ERROR_DEVICE_LOST : waited, "waiting for");
+  std::lock_guard lock(queueMutex_);
+  queue.waitedFor = std::max(queue.waitedFor, submission);
 }
 
 void Device::heed(VkResult result, const char* doing) const {
@@ -175,6 +185,12 @@ BufferHandle Device::makeBuffer(size_t bytes, const std::string& what) const {
   info.usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_SRC_BIT |
                VK_BUFFER_USAGE_TRANSFER_DST_BIT | VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT |
                VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT | VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT;
+  const uint32_t families[2] = {queueFamily(Work::Stages), queueFamily(Work::Copies)};
+  if (copiesBeside()) {
+    info.sharingMode = VK_SHARING_MODE_CONCURRENT;
+    info.queueFamilyIndexCount = 2;
+    info.pQueueFamilyIndices = families;
+  }
   VkBuffer buffer = VK_NULL_HANDLE;
   check(vkCreateBuffer(device_.get(), &info, nullptr, &buffer), "making a buffer for " + what);
   return {device_.get(), buffer};
@@ -232,11 +248,11 @@ VkDeviceAddress Buffer::address() const {
   return vkGetBufferDeviceAddress(device_->get(), &info);
 }
 
-Commands::Commands(const Device& device) : device_(device) {
+Commands::Commands(const Device& device, Work work) : device_(device), work_(work) {
   VkCommandPoolCreateInfo pool{};
   pool.sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO;
   pool.flags = VK_COMMAND_POOL_CREATE_TRANSIENT_BIT;
-  pool.queueFamilyIndex = device.queueFamily();
+  pool.queueFamilyIndex = device.queueFamily(work);
   VkCommandPool made = VK_NULL_HANDLE;
   check(vkCreateCommandPool(device.get(), &pool, nullptr, &made), "making a command pool");
   pool_ = CommandPoolHandle(device.get(), made);
@@ -271,9 +287,10 @@ void Commands::barrier() {
                        &barrier, 0, nullptr, 0, nullptr);
 }
 
-void Commands::submit() {
+uint64_t Commands::submit(uint64_t after) {
   check(vkEndCommandBuffer(commands_), "recording commands");
-  submission_ = device_.submit(commands_);
+  submission_ = device_.submit(work_, commands_, after);
+  return submission_;
 }
 
 void upload(const Device& device, const Buffer& buffer, size_t offset, std::span<const std::byte> bytes,
@@ -291,7 +308,7 @@ void upload(const Device& device, const Buffer& buffer, size_t offset, std::span
     Buffer staging;
     Commands commands;
     Piece(const Device& device, size_t size)
-        : staging(device, size, Place::Readback, "copies to the device"), commands(device) {}
+        : staging(device, size, Place::Readback, "copies to the device"), commands(device, Work::Copies) {}
     ~Piece() {
       try {
         commands.wait();

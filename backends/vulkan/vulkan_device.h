@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A device with its queue, and buffers in its memory.
+// A device with its queues, and buffers in its memory.
 #pragma once
 #include <atomic>
 #include <cstddef>
@@ -18,6 +18,10 @@ namespace gxy::vulkan {
 /// the device writes and the host reads.
 enum class Place { Device, Written, Readback };
 
+/// Who does commands: stages, or copies to memory that the host does not see, which where the device has a queue family for
+/// nothing else go on beside stages; elsewhere both take turns in one queue.
+enum class Work { Stages, Copies };
+
 class Buffer;
 
 /// Thread safe. Buffers, pipelines and whatever else is made of it must not outlive it.
@@ -28,7 +32,9 @@ class Device {
   Device& operator=(const Device&) = delete;
 
   VkDevice get() const { return device_.get(); }
-  uint32_t queueFamily() const { return family_; }
+  uint32_t queueFamily(Work work) const { return queues_[size_t(work)].family; }
+  /// Whether copies have a queue of their own.
+  bool copiesBeside() const { return queueFamily(Work::Copies) != queueFamily(Work::Stages); }
   const VulkanDeviceInfo& info() const { return info_; }
   const VkPhysicalDeviceLimits& limits() const { return limits_; }
   size_t largestBinding() const { return largestBinding_; }  ///< bytes of scene data as texels of a word
@@ -43,9 +49,11 @@ class Device {
   /// ones are left out.
   void expectRoom(std::span<const size_t> sizes, const std::string& what) const;
 
-  /// Hands commands to the queue; returns the number with which to wait for them. They are done in the order of numbers.
-  uint64_t submit(VkCommandBuffer commands) const;
-  void wait(uint64_t submission) const;
+  /// Hands commands to the queue; returns the number with which to wait for them. Those of one kind are done in the order of
+  /// numbers; they begin when of the other kind submission `after`, and those that were waited for, are done, and see what these
+  /// wrote.
+  uint64_t submit(Work work, VkCommandBuffer commands, uint64_t after = 0) const;
+  void wait(Work work, uint64_t submission) const;
   /// Whether one of the two has been told that the device was lost.
   bool lost() const { return lost_; }
   /// Bits that its clock has (timestamps); 0: it has none.
@@ -72,11 +80,16 @@ class Device {
   VkPhysicalDeviceLimits limits_{};
   size_t largestBinding_ = 0, largestQuads_ = 0, largestStorage_ = 0, largestAllocation_ = 0;
   VkPhysicalDeviceMemoryProperties memory_{};
-  uint32_t family_ = 0, clockBits_ = 0;
+  uint32_t clockBits_ = 0;
   DeviceHandle device_;
-  VkQueue queue_ = VK_NULL_HANDLE;
   bool endsLoops_ = false;
-  SemaphoreHandle done_;  ///< the number of the last submission that is done
+  struct Queue {
+    uint32_t family = 0;
+    VkQueue queue = VK_NULL_HANDLE;
+    SemaphoreHandle done;            ///< the number of the last submission that is done
+    mutable uint64_t waitedFor = 0;  ///< the last that was waited for; under queueMutex_
+  };
+  Queue queues_[2];  ///< by Work
   bool isLost(uint64_t submission) const { return lostAfter_ > 0 && submission > lostAfter_; }
   void heed(VkResult result, const char* doing) const;
   const bool software_;
@@ -120,17 +133,19 @@ class Buffer {
 /// A command buffer with its pool. One thread at a time.
 class Commands {
  public:
-  explicit Commands(const Device& device);
+  explicit Commands(const Device& device, Work work = Work::Stages);
   /// Forgets what was recorded, and begins anew.
   VkCommandBuffer begin();
-  /// All that is recorded from here on sees what was written before, by shaders, copies and, when done, the host.
+  /// All that is recorded from here on sees what was written before, by shaders, copies and, when done, the host. Of stages.
   void barrier();
-  void submit();
+  /// Returns the number of the submission. They begin when submission `after` of the other kind is done.
+  uint64_t submit(uint64_t after = 0);
   /// For what was submitted.
-  void wait() const { device_.wait(submission_); }
+  void wait() const { device_.wait(work_, submission_); }
 
  private:
   const Device& device_;
+  const Work work_;
   CommandPoolHandle pool_;
   VkCommandBuffer commands_ = VK_NULL_HANDLE;
   uint64_t submission_ = 0;

@@ -142,18 +142,31 @@ Features::Features() {
   v10.pNext = &v12;
 }
 
-int computeFamily(VkPhysicalDevice device) {
+std::vector<VkQueueFamilyProperties> familiesOf(VkPhysicalDevice device) {
   uint32_t n = 0;
   vkGetPhysicalDeviceQueueFamilyProperties(device, &n, nullptr);
   std::vector<VkQueueFamilyProperties> families(n);
   vkGetPhysicalDeviceQueueFamilyProperties(device, &n, families.data());
+  return families;
+}
+
+int computeFamily(VkPhysicalDevice device) {
+  const std::vector<VkQueueFamilyProperties> families = familiesOf(device);
   int any = -1;
-  for (uint32_t i = 0; i < n; i++) {
+  for (size_t i = 0; i < families.size(); i++) {
     if (!(families[i].queueFlags & VK_QUEUE_COMPUTE_BIT)) continue;
     if (!(families[i].queueFlags & VK_QUEUE_GRAPHICS_BIT)) return int(i);
     if (any < 0) any = int(i);
   }
   return any;
+}
+
+int copyFamily(VkPhysicalDevice device) {
+  const std::vector<VkQueueFamilyProperties> families = familiesOf(device);
+  constexpr VkQueueFlags kAlso = VK_QUEUE_SPARSE_BINDING_BIT | VK_QUEUE_PROTECTED_BIT;
+  for (size_t i = 0; i < families.size(); i++)
+    if ((families[i].queueFlags & ~kAlso) == VK_QUEUE_TRANSFER_BIT) return int(i);
+  return -1;
 }
 
 VulkanDeviceInfo infoOf(VkPhysicalDevice device) {

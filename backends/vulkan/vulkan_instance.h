@@ -33,8 +33,11 @@ class Instance {
 
 VulkanDeviceInfo infoOf(VkPhysicalDevice device);
 
-/// The queue family that this backend uses: compute, if possible without graphics; -1 if there is none.
+std::vector<VkQueueFamilyProperties> familiesOf(VkPhysicalDevice device);
+/// The queue family of stages: compute, if possible without graphics; -1 if there is none.
 int computeFamily(VkPhysicalDevice device);
+/// One that copies and does nothing else; -1 if there is none.
+int copyFamily(VkPhysicalDevice device);
 
 /// The place of the device that the options ask for. Throws Error naming those there are, or what they lack.
 size_t pick(const std::vector<VulkanDeviceInfo>& infos, const VulkanOptions& options);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <future>
 
 #include "gxy/vulkan/vulkan_scene.h"
 #include "support/frames.h"
@@ -98,6 +99,49 @@ TEST(VulkanCounters, OnlyRaysThatLeaveTheRankComeBack) {
       }
   }
   EXPECT_EQ(found, names.size());
+}
+
+// Or the last of a device would go behind its last answer, on a thread of its own, perhaps when the process has ended.
+TEST(VulkanCounters, RaysThatWaitedAreGoneWhenTheirEndIsTold) {
+  TestScene s = emptyScene("two partitions", {kTile, kTile});
+  addSmoothVolume(s);
+  const auto embreeScenes =
+      compiledOn(lattice(s.domain, {2, 1, 1}, 1), s, [](int) -> const Backend& { return embree(); });
+  const auto context = std::make_shared<vulkan::Context>(vulkan_test::testDevice());
+  const vulkan::VulkanScene device(context, embreeScenes[0].compiled, 0);
+  const auto frame = device.makeFrame(compileFrame(*embreeScenes[0].compiled, s.camera, 0, false));
+  // What leaves, and how many owned the context when that was told.
+  struct Told {
+    std::vector<LeavingRays> leaving;
+    long owners;
+  };
+  const auto told = [&](const std::function<void(DeviceScene::Done)>& ask) {
+    std::promise<Told> promise;
+    ask([&](TraceResult result) {
+      EXPECT_EQ(result.error, "");
+      promise.set_value({std::move(result.leaving), context.use_count()});
+    });
+    return promise.get_future().get();
+  };
+  std::vector<LeavingRays> waiting = told([&](DeviceScene::Done done) {
+                                       device.spawn(*frame, {0, 0, kTile, kTile, 0}, std::move(done));
+                                     }).leaving;
+  int traced = 0;
+  while (!waiting.empty()) {
+    LeavingRays next = std::move(waiting.back());
+    waiting.pop_back();
+    EXPECT_NE(next.rays.kept(), nullptr);
+    const bool last = waiting.empty();
+    Told end = told([&](DeviceScene::Done done) {
+      device.trace(*frame, next.partition, next.primary, std::move(next.rays), std::move(done));
+    });
+    traced++;
+    if (last && end.leaving.empty()) {
+      EXPECT_EQ(end.owners, 2) << "the test and the scene";
+    }
+    for (LeavingRays& more : end.leaving) waiting.push_back(std::move(more));
+  }
+  EXPECT_GT(traced, 1);
 }
 
 // A hierarchy over two spheres is one node with two leaves.

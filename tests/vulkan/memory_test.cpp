@@ -243,7 +243,7 @@ TEST(DeviceMemory, OutOfTheHostsSightIsFilledWhole) {
     vulkan::Commands commands(device);
     const VkBufferCopy region{kOffset, 0, bytes.size()};
     const VkCommandBuffer c = commands.begin();
-    commands.barrier();  // an upload's copies are over, but not in sight of others
+    commands.barrier();  // the layers do not know what is in sight by timeline semaphores
     vkCmdCopyBuffer(c, hidden.get(), read.get(), 1, &region);
     commands.barrier();
     commands.submit();
