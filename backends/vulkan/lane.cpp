@@ -203,13 +203,6 @@ void Lane::readClock() {
 
 void Lane::submit(VkDescriptorSet scene, VkDescriptorSet frame, std::span<const Step> steps, size_t firstStep,
                   bool resumed) {
-  uint64_t copied = 0;
-  if (loaded_ > 0) {
-    const VkBufferCopy region{0, 0, listBytes(loaded_)};
-    vkCmdCopyBuffer(copies_->begin(), staging_.get(), lists_[0].get(), 1, &region);
-    copied = copies_->submit();
-    loaded_ = 0;
-  }
   recording_ = commands_.begin();
   stages_.clear();
   bound_.clear();
@@ -234,6 +227,13 @@ void Lane::submit(VkDescriptorSet scene, VkDescriptorSet frame, std::span<const 
     vkCmdCopyQueryPoolResults(recording_, clock_.get(), 0, readings_, countsRead_.get(), kReadingsAt,
                               sizeof(uint64_t), VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WAIT_BIT);
   commands_.barrier();
+  uint64_t copied = 0;
+  if (loaded_ > 0) {
+    const VkBufferCopy rays{0, 0, listBytes(loaded_)};
+    vkCmdCopyBuffer(copies_->begin(), staging_.get(), lists_[0].get(), 1, &rays);
+    copied = copies_->submit();
+    loaded_ = 0;
+  }
   commands_.submit(copied);
 }
 
