@@ -235,6 +235,15 @@ class Walk {
 
 }  // namespace
 
+std::string legacyDatasetType(std::string_view head) {
+  const std::string path;
+  TextScanner scanner(head, path);
+  if (!scanner.line().starts_with("# vtk DataFile Version")) return {};
+  scanner.line();  // the title, which may hold any words
+  scanner.word();  // ASCII or BINARY
+  return upper(scanner.word()) == "DATASET" ? upper(scanner.word()) : std::string();
+}
+
 void checkLegacyVtk(std::string& bytes, const std::string& path) { Walk(bytes, path).run(); }
 
 }  // namespace gxy

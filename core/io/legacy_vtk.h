@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// What must hold in a legacy .vtk file before VTK's reader, which trusts it, may see it. Used inside core/io
-// only.
+// What legacy .vtk files hold, and what must hold in them before VTK's reader, which trusts them, may see them. Used inside
+// core/io only. Keywords of the format have no case.
 #pragma once
 #include <string>
+#include <string_view>
 
 namespace gxy {
+
+/// The type that the DATASET line of a file names, in upper case; empty if these are not the first bytes of a legacy VTK file.
+std::string legacyDatasetType(std::string_view head);
 
 /// Walks through a file with DATASET POLYDATA or UNSTRUCTURED_GRID up to its first POINT_DATA or CELL_DATA,
 /// and blanks out each METADATA block in `bytes`, as no use is made of them. Throws Error, which begins with

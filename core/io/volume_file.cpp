@@ -6,6 +6,7 @@
 
 #include "gxy/comm/error.h"
 #include "gxy/io/file.h"
+#include "gxy/io/legacy_vtk.h"
 #include "gxy/io/volume_formats.h"
 
 namespace gxy {
@@ -57,7 +58,7 @@ bool isVolumeFile(const std::string& path) {
     const File file = File::open(path);
     std::string head(size_t(std::min(file.size(), int64_t(1024))), '\0');
     file.readAt(0, std::as_writable_bytes(std::span(head)));
-    return head.find("STRUCTURED_POINTS") != std::string::npos;
+    return legacyDatasetType(head) == "STRUCTURED_POINTS";
   }
   return extension == ".vti" || extension == ".pvti" || extension == ".vol" || extension == ".json";
 }

@@ -163,6 +163,30 @@ TEST(VolumeFile, LegacyStructuredPointsAreReadInEveryType) {
     }
 }
 
+TEST(VolumeFile, LegacyKeywordsHaveNoCase) {
+  const TemporaryFolder folder;
+  writeText(folder / "v.vtk",
+            "# vtk DataFile Version 3.0\nx\nascii\ndataset structured_points\ndimensions 2 2 2\n"
+            "spacing 1 1 1\norigin 0 0 0\npoint_data 8\nscalars v float\nlookup_table default\n"
+            "0 1 2 3 4 5 6 7\n");
+  EXPECT_TRUE(isVolumeFile(folder / "v.vtk"));
+  const VolumeFile file = openVolume(folder / "v.vtk");
+  EXPECT_EQ(file.array.name, "v");
+  std::vector<float> samples(8);
+  readVolume(file, wholeOf(file.grid), std::as_writable_bytes(std::span(samples)));
+  EXPECT_EQ(samples, (std::vector<float>{0, 1, 2, 3, 4, 5, 6, 7}));
+}
+
+TEST(VolumeFile, WordsInALegacyTitleDoNotTellTheType) {
+  const TemporaryFolder folder;
+  for (const auto& [title, type] : {std::pair("DATASET STRUCTURED_POINTS", "POLYDATA"),
+                                    std::pair("DATASET POLYDATA", "STRUCTURED_POINTS")}) {
+    writeText(folder / "v.vtk",
+              std::string("# vtk DataFile Version 3.0\n") + title + "\nASCII\nDATASET " + type + "\n");
+    EXPECT_EQ(isVolumeFile(folder / "v.vtk"), std::string(type) == "STRUCTURED_POINTS") << title;
+  }
+}
+
 TEST(VolumeFile, BigEndianRawIsSwapped) {
   const TemporaryFolder folder;
   for (ScalarType type : {ScalarType::UInt8, ScalarType::Int16, ScalarType::Float32, ScalarType::Float64}) {
