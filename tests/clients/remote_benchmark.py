@@ -18,7 +18,7 @@ from server import Server
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 LINKS = {"this machine": None, "100 Mbit/s, 10 ms": (100e6, 0.005), "20 Mbit/s, 40 ms": (20e6, 0.02),
          "2 Mbit/s, 40 ms": (2e6, 0.02)}
-SCENES = {"demo.json": ["radial", "-r", "128", "radial.vti"], "particles.json": ["particles", "-r", "100000", "particles.vtp"]}
+SCENES = {"performance/window.json": ["radial", "-r", "128", "radial.vti"], "particles.json": ["particles", "-r", "100000", "particles.vtp"]}
 
 
 def main():
@@ -39,7 +39,7 @@ def main():
             for name in arguments.links or LINKS:
                 link = Link(server.port, *LINKS[name]) if LINKS[name] else None
                 done = subprocess.run(
-                    [server.programs / "viewer_benchmark", scene, "-P", str(link.port if link else server.port),
+                    [server.programs / "viewer_benchmark", pathlib.Path(scene).name, "-P", str(link.port if link else server.port),
                      "--token-file", server.token, "--seconds", str(arguments.seconds)],
                     cwd=server.folder, check=True, stdout=subprocess.PIPE, text=True)
                 if link:
