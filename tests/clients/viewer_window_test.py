@@ -132,6 +132,26 @@ class Mouse(ViewerCase):
         self.viewer.send_signal(signal.SIGCONT)
         self.assertAlmostEqual(self.turned(before, self.camera()), 200 * 30 / WIDTH, places=6)
 
+    def test_pictures_come_and_keys_work_while_a_button_is_held(self):
+        for button in (1, 2, 3):
+            with self.subTest(button=button):
+                self.key("b")
+                self.wait_for_picture(SCENE["Camera"])
+                pictures = [display.screen(WIDTH, HEIGHT)[:-STATUS_ROWS]]
+                display.do("mousemove", *CENTER, "mousedown", button)
+                try:
+                    while len(pictures) < 6:
+                        display.do("mousemove_relative", 4, 4)
+                        until(lambda: not np.array_equal(display.screen(WIDTH, HEIGHT)[:-STATUS_ROWS], pictures[-1]),
+                              f"{len(pictures)} new pictures during the drag")
+                        pictures.append(display.screen(WIDTH, HEIGHT)[:-STATUS_ROWS])
+                    held = self.camera()
+                finally:
+                    display.do("mouseup", button)
+                self.assertEqual(len({picture.tobytes() for picture in pictures}), len(pictures), "each is another")
+                self.assertEqual(held, self.camera(), "what was saved during the drag is where it ended")
+                self.wait_for_picture(held)
+
     def test_middle_drag_moves_what_is_shown_with_the_mouse(self):
         before = self.camera()
         display.drag(2, CENTER, (40, 0))

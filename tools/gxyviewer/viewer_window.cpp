@@ -90,8 +90,10 @@ class ViewerWindow {
   vtkCamera& view() { return *renderer_->GetActiveCamera(); }
   glm::ivec2 size() const { return {window_->GetSize()[0], window_->GetSize()[1]}; }
 
+  // While a button is held the style has the focus, and of the others only passive observers are told of events.
   void observe(unsigned long event, void (*action)(ViewerWindow&)) {
     vtkNew<vtkCallbackCommand> command;
+    command->SetPassiveObserver(1);
     command->SetClientData(new Call{*this, action});
     command->SetClientDataDeleteCallback([](void* call) { delete static_cast<Call*>(call); });
     command->SetCallback([](vtkObject*, unsigned long, void* data, void*) {
