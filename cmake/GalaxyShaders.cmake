@@ -6,6 +6,7 @@ foreach(tool dis as opt val)
   string(TOUPPER ${tool} name)
   find_program(SPIRV_${name} spirv-${tool} REQUIRED)
 endforeach()
+set(GALAXY_SHADERS_KEPT ${PROJECT_BINARY_DIR}/spirv CACHE PATH "Where compiled shaders are kept; builds may share it")
 set(GALAXY_SHADER_FLAGS -DGLSLANG=${GLSLANG_VALIDATOR} -DSPIRV_DIS=${SPIRV_DIS} -DSPIRV_AS=${SPIRV_AS}
                         -DSPIRV_OPT=${SPIRV_OPT} -DSPIRV_VAL=${SPIRV_VAL})
 set(GALAXY_SHADER_INCLUDES ${PROJECT_SOURCE_DIR}/shaders ${PROJECT_SOURCE_DIR}/core/kernels ${PROJECT_SOURCE_DIR}/core/rays)
@@ -22,7 +23,7 @@ function(galaxy_shader TARGET FILE)
   add_custom_command(
     OUTPUT ${out}/${name}.h ${out}/${name}.spv
     COMMAND ${CMAKE_COMMAND} ${GALAXY_SHADER_FLAGS} -DSOURCE=${source} "-DINCLUDES=${GALAXY_SHADER_INCLUDES}"
-            -DMODULE=${out}/${name}.spv -DHEADER=${out}/${name}.h -P ${script}
+            -DMODULE=${out}/${name}.spv -DHEADER=${out}/${name}.h -DKEPT=${GALAXY_SHADERS_KEPT} -P ${script}
     DEPENDS ${source} ${headers} ${script}
     COMMENT "shader ${name}" VERBATIM)
   target_sources(${TARGET} PRIVATE ${out}/${name}.h)
