@@ -25,8 +25,12 @@
 namespace gxy {
 namespace {
 
-/// Bit of VTK's ghost arrays: the cell or point belongs to another piece.
-constexpr unsigned char kDuplicate = 1;
+/// Cells that VTK does not draw either: another piece's, those that finer ones stand for, hidden ones.
+constexpr unsigned char kCellsNotDrawn = vtkDataSetAttributes::DUPLICATECELL |
+                                         vtkDataSetAttributes::REFINEDCELL | vtkDataSetAttributes::HIDDENCELL;
+/// Points that are no particles: another piece's and hidden ones. Cells of hidden points are not drawn.
+constexpr unsigned char kPointsNotDrawn =
+    vtkDataSetAttributes::DUPLICATEPOINT | vtkDataSetAttributes::HIDDENPOINT;
 
 double magnitude(vtkDataArray* array, vtkIdType i) {
   if (array->GetNumberOfComponents() == 1) return array->GetComponent(i, 0);
@@ -106,19 +110,26 @@ bool isSurface(int type) {
 
 bool isLine(int type) { return type == VTK_LINE || type == VTK_POLY_LINE; }
 
+bool hasHiddenPoint(vtkUnsignedCharArray* ghosts, vtkIdList* ids) {
+  return ghosts && std::any_of(ids->begin(), ids->end(), [&](vtkIdType id) {
+           return ghosts->GetValue(id) & vtkDataSetAttributes::HIDDENPOINT;
+         });
+}
+
 void addCells(vtkPointSet* set, GeometryKind kind, GeometryContent& content) {
   GeometryBlock& block = content.block;
-  vtkUnsignedCharArray* ghosts = set->GetCellGhostArray();
+  vtkUnsignedCharArray *ghosts = set->GetCellGhostArray(), *ghostPoints = set->GetPointGhostArray();
   const auto ids = vtkSmartPointer<vtkIdList>::New();
   for (vtkIdType cell = 0; cell < set->GetNumberOfCells(); ++cell) {
     const int type = set->GetCellType(cell);
-    if (ghosts && (ghosts->GetValue(cell) & kDuplicate)) continue;
+    if (ghosts && (ghosts->GetValue(cell) & kCellsNotDrawn)) continue;
     const bool wanted = kind == GeometryKind::PathLines ? isLine(type) : isSurface(type);
     if (!wanted) {
       ++content.unusedCells;
       continue;
     }
     set->GetCellPoints(cell, ids);
+    if (hasHiddenPoint(ghostPoints, ids)) continue;
     if (kind == GeometryKind::PathLines) {
       addPolyline(block, ids);
       continue;
@@ -154,13 +165,13 @@ int64_t bytesOf(size_t points, size_t primitives, GeometryKind kind) {
                  primitives * (cell + sizeof(uint64_t)));
 }
 
-/// Points that another piece owns are left out of a set of particles.
+/// Points that are not drawn are left out of a set of particles.
 void dropGhostPoints(vtkPointSet* set, GeometryBlock& block) {
   vtkUnsignedCharArray* ghosts = set->GetPointGhostArray();
   if (!ghosts) return;
   size_t kept = 0;
   for (size_t i = 0; i < block.points.size(); ++i) {
-    if (ghosts->GetValue(vtkIdType(i)) & kDuplicate) continue;
+    if (ghosts->GetValue(vtkIdType(i)) & kPointsNotDrawn) continue;
     block.points[kept] = block.points[i];
     if (!block.values.empty()) block.values[kept] = block.values[i];
     ++kept;

@@ -7,8 +7,9 @@
 // .pvtu .pvtp .part  lists of such files (part_document.h)
 //
 // Particles are all points of a file; path lines its lines and polylines, one segment for each pair of
-// points; triangles its triangles, strips, and quads and polygons cut into fans. Other cells, ghost cells and
-// cell data are not used.
+// points; triangles its triangles, strips, and quads and polygons cut into fans. Other cells and cell data are not used, nor are
+// cells and points that an array vtkGhostType marks: duplicate, refined and hidden cells, cells of hidden points; duplicate and
+// hidden points as particles.
 #pragma once
 #include <cstdint>
 #include <functional>

@@ -106,6 +106,46 @@ TEST(GeometryFile, LegacyStripsAndPolygonsBecomeTriangles) {
   EXPECT_EQ(block.values[0], 5.f);  // a vector's magnitude
 }
 
+/// A legacy file of three unit squares in a row, with these arrays.
+std::string threeSquares(const std::string& arrays) {
+  return "# vtk DataFile Version 3.0\nt\nASCII\nDATASET POLYDATA\nPOINTS 8 float\n"
+         "0 0 0 1 0 0 1 1 0 0 1 0 2 0 0 2 1 0 3 0 0 3 1 0\n"
+         "POLYGONS 3 15\n4 0 1 2 3\n4 1 4 5 2\n4 4 6 7 5\n" +
+         arrays;
+}
+
+std::vector<uint32_t> firstCorners(const GeometryBlock& block) {
+  std::vector<uint32_t> corners;
+  for (const auto& t : block.triangles) corners.push_back(t[0]);
+  return corners;
+}
+
+TEST(GeometryFile, CellsThatVtkDoesNotDrawAreLeftOut) {
+  const TemporaryFolder folder;
+  // duplicate, high and low connectivity, refined, exterior, hidden
+  for (const auto& [bit, drawn] :
+       {std::pair(1, false), {2, true}, {4, true}, {8, false}, {16, true}, {32, false}}) {
+    writeText(folder / "g.vtk", threeSquares("CELL_DATA 3\nFIELD f 1\nvtkGhostType 1 3 unsigned_char\n0 " +
+                                             std::to_string(bit) + " 0\n"));
+    const std::vector<uint32_t> all{0, 0, 1, 1, 4, 4}, some{0, 0, 4, 4};
+    EXPECT_EQ(firstCorners(readGeometry(folder / "g.vtk", GeometryKind::Triangles).block), drawn ? all : some)
+        << bit;
+  }
+}
+
+TEST(GeometryFile, HiddenPointsAreNoParticlesAndHideTheirCells) {
+  const TemporaryFolder folder;
+  writeText(folder / "g.vtk",
+            threeSquares("POINT_DATA 8\nFIELD f 1\nvtkGhostType 1 8 unsigned_char\n1 0 0 0 0 0 2 0\n"));
+  EXPECT_EQ(firstCorners(readGeometry(folder / "g.vtk", GeometryKind::Triangles).block),
+            (std::vector<uint32_t>{0, 0, 1, 1}));
+  const GeometryBlock points = readGeometry(folder / "g.vtk", GeometryKind::Particles).block;
+  ASSERT_EQ(points.points.size(), 6u);
+  EXPECT_EQ(points.points[0], glm::dvec3(1, 0, 0));
+  EXPECT_EQ(points.points[5], glm::dvec3(3, 1, 0));
+  EXPECT_TRUE(points.values.empty());  // vtkGhostType is no array of the data
+}
+
 TEST(GeometryFile, ObjIsRead) {
   const TemporaryFolder folder;
   writeText(folder / "g.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n");
