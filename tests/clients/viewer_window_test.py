@@ -73,7 +73,7 @@ class ViewerCase(unittest.TestCase):
              "--passes", str(self.PASSES), "scene.json"], cwd=server.folder, env=display.environment, stderr=subprocess.PIPE, text=True)
         self.addCleanup(self.end)
         display.do("mousemove", *CENTER)
-        self.wait_for_picture(SCENE["Camera"])
+        self.wait_for_picture()
 
     def end(self):
         if self.viewer.poll() is None:
@@ -85,19 +85,19 @@ class ViewerCase(unittest.TestCase):
     def key(self, key):
         display.do("key", key)
 
-    def camera(self):
-        """Where it looks from now, as the state file says that it writes."""
+    def camera(self, index=0):
+        """Where it looks from now, as the state file says that it writes; it shows the camera of that index."""
         self.saved.unlink(missing_ok=True)
         self.key("w")
         until(self.saved.exists, "the state is saved")
-        return json.loads(self.saved.read_text())["Cameras"][0]
+        return json.loads(self.saved.read_text())["Cameras"][index]
 
-    def wait_for_picture(self, camera, size=(WIDTH, HEIGHT)):
+    def wait_for_picture(self, camera=SCENE["Camera"], size=(WIDTH, HEIGHT), scene=SCENE):
         """Waits until the window shows, to the bit, what another client gets of the camera."""
         window = client.window(1, size=size)
-        window.set({key: value for key, value in SCENE.items() if key != "Camera"})
+        window.set({key: scene[key] for key in ("Datasets", "Renderer", "Visualization")})
         expected = over_black(window.render(Camera=camera, rays=self.PASSES).rgba)[:-STATUS_ROWS]
-        self.assertGreater(len(np.unique(expected)), 50, "there is something to see")
+        self.assertGreater(len(np.unique(expected)), 40, "there is something to see")
         until(lambda: self.viewer.poll() is not None or
               np.array_equal(display.screen(*size)[:-STATUS_ROWS], expected), "the window shows the camera's picture")
         self.assertIsNone(self.viewer.poll(), "the viewer has ended")
@@ -242,6 +242,38 @@ class Keys(ViewerCase):
         self.assertEqual(self.viewer.stderr.read(), "")
 
 
+# The isosurface alone, in another colour; the same, from the other side.
+OTHER = copy.deepcopy(SCENE)
+OTHER["Visualization"]["operators"][0].update({"volume rendering": False, "colormap": "Inferno"})
+OTHER["Camera"]["viewpoint"] = [-3, 2, -4]
+
+
+class Several(ViewerCase):
+    SCENE = {"Datasets": SCENE["Datasets"], "Renderer": SCENE["Renderer"],
+             "Visualizations": [SCENE["Visualization"], OTHER["Visualization"]], "Cameras": [SCENE["Camera"], OTHER["Camera"]]}
+
+    def test_keys_show_the_other_visualizations_and_cameras_of_the_file(self):
+        self.key("v")
+        self.wait_for_picture(scene=OTHER)
+        self.key("c")
+        self.wait_for_picture(OTHER["Camera"], scene=OTHER)
+        self.key("V")
+        self.wait_for_picture(OTHER["Camera"])
+        self.key("C")
+        self.wait_for_picture()
+
+    def test_what_is_saved_has_all_of_them_and_the_camera_of_now(self):
+        self.key("v")
+        self.key("c")
+        display.do("click", 4)
+        self.wait_for_picture(self.camera(1), scene=OTHER)
+        saved = json.loads(self.saved.read_text())
+        self.assertEqual([v["operators"][0].get("volume rendering", False) for v in saved["Visualizations"]], [True, False])
+        self.assertEqual([c["viewpoint"][2] > 0 for c in saved["Cameras"]], [True, False])
+        np.testing.assert_allclose(saved["Cameras"][0]["viewpoint"], SCENE["Camera"]["viewpoint"])
+        self.assertAlmostEqual(self.distance(saved["Cameras"][1]), math.dist((0, 0, 0), (3, 2, 4)) / 1.1 ** 2, places=6)
+
+
 def load(array):
     client.request('import {"Datasets": [{"name": "balls", "type": "Volume", "filename": "balls.vti", '
                    f'"array": "{array}"}}]}}')
@@ -272,7 +304,7 @@ class Refining(ViewerCase):
     # Minutes of them, of occlusion, too: what is compared comes before.
     PASSES, SCENE = 4096, STATE
 
-    def wait_for_picture(self, camera, size=(WIDTH, HEIGHT)):
+    def wait_for_picture(self, camera=STATE["Camera"], size=(WIDTH, HEIGHT)):
         window = client.window(1, size=size)
         window.set({key: value for key, value in STATE.items() if key != "Camera"})
         expected = over_black(window.render(Camera=camera, rays=16).rgba)[:-STATUS_ROWS].astype(float)

@@ -18,20 +18,20 @@ void warn(const std::string& text) {
   std::cerr << "gxyviewer: warning: " << protocol::printable(text) << '\n';
 }
 
-/// What of a state file is shown: its first visualization, its first camera.
-State shownState(const ViewOptions& options) {
+/// What the state file says, with a visualization and a camera at least.
+State stateOf(const ViewOptions& options) {
   StateFile file = readStateFile(options.stateFile);
   for (const std::string& warning : file.warnings) warn(warning);
   if (file.state.visualizations.empty())
     throw Error(options.stateFile + ": it has no `Visualization`, expected one, with operators");
-  file.state.visualizations.resize(1);
-  file.state.cameras.resize(1);
+  if (file.state.cameras.empty()) file.state.cameras.resize(1);
   if (options.size) file.state.cameras[0].dimensions = *options.size;
   return std::move(file.state);
 }
 
 int run(const ViewOptions& options) {
-  const State state = shownState(options);
+  const Selection selection(stateOf(options));
+  const State state = selection.shown();
   if (options.snapshot.empty()) checkDisplay();
   const auto rays = uint32_t(state.settings.raysPerPixel);
   RemoteWindow remote(options.client, state,
@@ -40,7 +40,7 @@ int run(const ViewOptions& options) {
                                                  : rays,
                       warn);
   if (options.snapshot.empty()) {
-    runViewer(remote, state, options.output);
+    runViewer(remote, selection, options.output);
     return 0;
   }
   remote.waitUntilLoaded();

@@ -13,9 +13,7 @@ std::optional<int> parseOptions(int argc, char** argv, ViewOptions& o) {
                "gxyviewer");
   std::string size;
   o.client.name = "gxyviewer";
-  app.add_option(
-         "state", o.stateFile,
-         "STATE.json: its first visualization and camera; names of data files are as the server has them")
+  app.add_option("state", o.stateFile, "STATE.json; names of data files in it are as the server has them")
       ->required();
   app.add_option("-H,--host", o.client.host, "the server's machine")->capture_default_str();
   app.add_option("-P,--port", o.client.port, "the server's port")->capture_default_str();

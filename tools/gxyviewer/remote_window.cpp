@@ -47,7 +47,7 @@ std::string statement(const std::string& verb, const json& argument) {
 }  // namespace
 
 RemoteWindow::RemoteWindow(Client::Options options, const State& state, uint32_t passes, OnWarning onWarning)
-    : passes_(passes), names_(namesOf(state)), canvas_({1, 1}), camera_(state.cameras.at(0)) {
+    : passes_(passes), onWarning_(std::move(onWarning)), canvas_({1, 1}), camera_(state.cameras.at(0)) {
   options.onPixels = [this](const PixelHeader& header, auto data) { takePixels(header, data); };
   options.onEvent = [this](const json& event) { takeEvent(event); };
   options.onEnd = [this](const std::string& why) { fail("the connection has ended: " + why); };
@@ -63,17 +63,8 @@ RemoteWindow::RemoteWindow(Client::Options options, const State& state, uint32_t
   client_->expect("load data");
   client_->expect("load viewer");
   client_->expect(statement("viewer.window", {{"size", {size.x, size.y}}, {"follow", true}}));
-  client_->send(statement("viewer.set", json::parse(writeState(state))),
-                [this, onWarning](const Reply& reply) {
-                  if (!reply.ok) return fail(reply.error);
-                  if (onWarning && reply.value.contains("warnings"))
-                    for (const json& warning : reply.value["warnings"])
-                      if (warning.is_string()) onWarning(warning);
-                });
-  for (const std::string& name : names_)
-    client_->send("data.observe " + protocol::asWord(name), [](const Reply&) {});
   // Requests are answered in turn: after `set`, and the last of these last.
-  askForBoxes();
+  set(state, [this](const std::string& error) { fail(error); });
   client_->send("server.echo", [this](const Reply& reply) {
     if (!reply.ok) return fail(reply.error);
     const std::lock_guard lock(mutex_);
@@ -81,6 +72,39 @@ RemoteWindow::RemoteWindow(Client::Options options, const State& state, uint32_t
     progress_.clear();
     changed_.notify_all();
   });
+}
+
+void RemoteWindow::set(const State& state, std::function<void(const std::string& error)> refused) {
+  client_->send(statement("viewer.set", json::parse(writeState(state))),
+                [this, refused = std::move(refused)](const Reply& reply) {
+                  if (!reply.ok) return refused(reply.error);
+                  {
+                    const std::lock_guard lock(mutex_);
+                    setError_.clear();
+                  }
+                  if (onWarning_ && reply.value.contains("warnings"))
+                    for (const json& warning : reply.value["warnings"])
+                      if (warning.is_string()) onWarning_(warning);
+                });
+  {
+    const std::lock_guard lock(mutex_);
+    names_ = namesOf(state);
+    boxes_.clear();
+  }
+  for (const std::string& name : names_)
+    client_->send("data.observe " + protocol::asWord(name), [](const Reply&) {});
+  askForBoxes();
+}
+
+void RemoteWindow::show(const State& state) {
+  State without = state;
+  without.cameras.clear();
+  set(without, [this](const std::string& error) {
+    const std::lock_guard lock(mutex_);
+    setError_ = error;
+  });
+  cameraSent_ = false;
+  moved_ = Clock::now();
 }
 
 void RemoteWindow::fail(const std::string& why) {
@@ -99,7 +123,7 @@ void RemoteWindow::askForBoxes() {
 void RemoteWindow::takeInfo(const std::string& name, const Reply& reply) {
   const std::lock_guard lock(mutex_);
   boxes_.erase(name);
-  if (!reply.ok) return;
+  if (!reply.ok || std::find(names_.begin(), names_.end(), name) == names_.end()) return;
   for (const json& dataset : reply.value.at("datasets"))
     if (!dataset.at("box").is_null()) boxes_[name] = dataset.at("box").get<Box>();  // else it has no data
 }
@@ -299,6 +323,7 @@ std::string RemoteWindow::status() const {
   if (!failure_.empty()) return "error: " + failure_;
   if (!loaded_) return progress_.empty() ? "loading data ..." : progress_;
   if (!progress_.empty()) return progress_;
+  if (!setError_.empty()) return "error: " + setError_;
   if (!renderError_.empty()) return "error: " + renderError_;
   if (frame_.number == 0) return "waiting for the first picture ...";
   if (frame_.ended && frame_.status == "failed") return "error: " + frame_.error;

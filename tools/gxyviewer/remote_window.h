@@ -38,7 +38,9 @@ class RemoteWindow {
   /// connection's thread.
   RemoteWindow(Client::Options options, const State& state, uint32_t passes, OnWarning onWarning = {});
 
-  /// What the next frames show.
+  /// What the next frames show instead; the camera stays. Its datasets are imported as the first state's; where the server
+  /// refuses it, status() says so, and what was shown before stays.
+  void show(const State& state);
   void setCamera(const Camera& camera);
   void resize(glm::ivec2 size);
   /// Asks for what is due; called often.
@@ -98,21 +100,23 @@ class RemoteWindow {
   void askForBoxes();
   void takeInfo(const std::string& name, const Reply& reply);
   void takeNumber(const Reply& reply);
+  void set(const State& state, std::function<void(const std::string& error)> refused);
   void showFirst(const nlohmann::json& pass);
   void forgetUntil(uint64_t frame);
   void fail(const std::string& why);
   void render(bool moving, Clock::time_point now);
 
   const uint32_t passes_;
-  const std::vector<std::string> names_;  ///< of the datasets that are shown
+  const OnWarning onWarning_;
 
   mutable std::mutex mutex_;
   std::condition_variable changed_;
+  std::vector<std::string> names_;  ///< of the datasets that are shown
   Canvas canvas_;
   bool canvasChanged_ = false, loaded_ = false;
   std::map<std::string, Box> boxes_;  ///< of the datasets that have one
   bool boxesDue_ = false;             ///< data have changed since they were asked for
-  std::string failure_, progress_, renderError_;
+  std::string failure_, progress_, setError_, renderError_;
   Frame frame_;                             ///< the newest of which something came
   std::deque<Asked> asked_;                 ///< in order
   uint64_t newest_ = 0;                     ///< frame that the server has numbered for this window

@@ -2,30 +2,24 @@
 #include "viewer_window.h"
 
 #include <X11/Xlib.h>
-#include <vtkActor2D.h>
 #include <vtkCallbackCommand.h>
 #include <vtkCamera.h>
-#include <vtkImageData.h>
-#include <vtkImageMapper.h>
 #include <vtkInteractorStyleTrackballCamera.h>
-#include <vtkNew.h>
 #include <vtkObjectFactory.h>
-#include <vtkProperty2D.h>
-#include <vtkRenderWindow.h>
 #include <vtkRenderWindowInteractor.h>
-#include <vtkRenderer.h>
-#include <vtkTextActor.h>
-#include <vtkTextProperty.h>
 
 #include <algorithm>
+#include <cctype>
 #include <filesystem>
+#include <functional>
 #include <glm/geometric.hpp>
+#include <map>
 
 #include "camera_view.h"
 #include "gxy/comm/error.h"
 #include "gxy/io/replace_file.h"
 #include "gxy/scene/state_file.h"
-#include "keys.h"
+#include "picture_view.h"
 #include "png.h"
 
 namespace gxy {
@@ -49,46 +43,30 @@ vtkStandardNewMacro(Style);
 
 class ViewerWindow {
  public:
-  ViewerWindow(RemoteWindow& remote, const State& state, std::string output)
-      : remote_(remote), state_(state), output_(std::move(output)) {
-    const glm::ivec2 size = camera().dimensions;
-    renderer_->SetBackground(0, 0, 0);
-    mapper_->SetColorWindow(255);
-    mapper_->SetColorLevel(127.5);
-    mapper_->SetInputData(image_);
-    picture_->SetMapper(mapper_);
-    picture_->GetProperty()->SetDisplayLocationToBackground();
-    place(*statusText_, 14, 10, false);
-    place(*helpText_, 15, 0, true);
-    helpText_->SetInput(kKeyHelp);
-    helpText_->VisibilityOff();
-    renderer_->AddActor2D(picture_);
-    renderer_->AddActor2D(statusText_);
-    renderer_->AddActor2D(helpText_);
-    window_->AddRenderer(renderer_);
-    window_->SetMultiSamples(0);
-    window_->SetSize(size.x, size.y);
-    window_->SetWindowName("gxyviewer");
-    interactor_->SetRenderWindow(window_);
+  ViewerWindow(RemoteWindow& remote, Selection selection, std::string output)
+      : remote_(remote),
+        selection_(std::move(selection)),
+        output_(std::move(output)),
+        shown_(selection_.camera().dimensions) {
+    interactor_->SetRenderWindow(&shown_.window());
     interactor_->SetInteractorStyle(style_);
     observe(vtkCommand::TimerEvent, [](ViewerWindow& self) { self.tick(); });
     observe(vtkCommand::KeyPressEvent, [](ViewerWindow& self) { self.key(); });
-    show(camera(), view());
+    show(selection_.camera(), view());
   }
 
   void run() {
     interactor_->Initialize();
-    layOut();
-    window_->Render();
+    shown_.layOut();
+    shown_.draw();
     interactor_->CreateRepeatingTimer(kTickMilliseconds);
     interactor_->Start();
     if (const std::string failure = remote_.failure(); !failure.empty()) throw Error(failure);
   }
 
  private:
-  const Camera& camera() const { return state_.cameras[0]; }
-  vtkCamera& view() { return *renderer_->GetActiveCamera(); }
-  glm::ivec2 size() const { return {window_->GetSize()[0], window_->GetSize()[1]}; }
+  vtkCamera& view() { return *shown_.renderer().GetActiveCamera(); }
+  Camera cameraNow() { return cameraOf(view(), size_, selection_.camera().annotation); }
 
   // While a button is held the style has the focus, and of the others only passive observers are told of events.
   void observe(unsigned long event, void (*action)(ViewerWindow&)) {
@@ -107,30 +85,13 @@ class ViewerWindow {
     interactor_->AddObserver(event, command);
   }
 
-  static void place(vtkTextActor& text, int fontSize, int left, bool fixedWidth) {
-    vtkTextProperty& p = *text.GetTextProperty();
-    p.SetFontSize(fontSize);
-    p.SetColor(1, 1, 1);
-    p.SetBackgroundColor(0, 0, 0);
-    p.SetBackgroundOpacity(0.6);
-    if (fixedWidth) p.SetFontFamilyToCourier();
-    text.SetPosition(left, 8);
-  }
-
-  // Help hangs from the upper left corner, as large as the window lets it be.
-  void layOut() {
-    helpText_->GetTextProperty()->SetVerticalJustificationToTop();
-    helpText_->GetTextProperty()->SetFontSize(std::clamp(size().x / 40, 7, 15));
-    helpText_->SetPosition(10, size().y - 10);
-  }
-
   void tick() {
     const Clock::time_point now = Clock::now();
-    if (size() != shownSize_) {
-      shownSize_ = size();
-      remote_.resize(size());
-      view().SetUseHorizontalViewAngle(size().x < size().y);
-      layOut();
+    if (const glm::ivec2 size = shown_.size(); size != size_) {
+      size_ = size;
+      remote_.resize(size);
+      view().SetUseHorizontalViewAngle(size.x < size.y);
+      shown_.layOut();
     }
     if (!centered_ && remote_.box()) {
       centered_ = true;
@@ -141,36 +102,23 @@ class ViewerWindow {
       view().OrthogonalizeViewUp();
     }
     lastTick_ = now;
-    remote_.setCamera(cameraOf(view(), size(), camera().annotation));
+    remote_.setCamera(cameraNow());
     remote_.update(now);
     bool changed = false;
     remote_.ifChanged([&](const Canvas& canvas) {
-      upload(canvas);
+      shown_.setPicture(canvas);
       changed = true;
     });
-    const std::string status =
-        now < noticeEnd_ ? notice_ : remote_.status() + (spinning_ ? "   spinning" : "") + "   h: keys";
-    if (status != status_) {
-      status_ = status;
-      statusText_->SetInput(status.c_str());
-      changed = true;
-    }
-    if (changed) window_->Render();
+    changed |= shown_.setStatus(now < noticeEnd_ ? notice_ : status());
+    if (changed) shown_.draw();
   }
 
-  // Over black, as JPEG has it.
-  void upload(const Canvas& canvas) {
-    const int width = canvas.size().x, height = canvas.size().y;
-    if (image_->GetDimensions()[0] != width || image_->GetDimensions()[1] != height ||
-        !image_->GetScalarPointer()) {
-      image_->SetDimensions(width, height, 1);
-      image_->AllocateScalars(VTK_UNSIGNED_CHAR, 3);
-    }
-    auto* to = static_cast<uint8_t*>(image_->GetScalarPointer());
-    const std::span<const uint8_t> from = canvas.rgba();
-    for (size_t i = 0; i < from.size(); i += 4)
-      for (size_t c = 0; c < 3; c++) *to++ = uint8_t((from[i + c] * from[i + 3] + 127) / 255);
-    image_->Modified();
+  std::string status() const {
+    std::string text = remote_.status();
+    for (const std::string& more :
+         {selection_.text(), std::string(spinning_ ? "spinning" : ""), std::string("h: keys")})
+      if (!more.empty()) text += "   " + more;
+    return text;
   }
 
   // A direction without a length that means anything leads to the middle of the data.
@@ -193,7 +141,7 @@ class ViewerWindow {
     const auto box = remote_.box();
     if (!box) return say("there are no data to reset to yet");
     const auto& [low, high] = *box;
-    renderer_->ResetCamera(low[0], high[0], low[1], high[1], low[2], high[2]);
+    shown_.renderer().ResetCamera(low[0], high[0], low[1], high[1], low[2], high[2]);
   }
 
   void lookAlong(int axis, double sign) {
@@ -207,32 +155,57 @@ class ViewerWindow {
     view().SetViewUp(0, axis == 1 ? 0 : 1, axis == 1 ? 1 : 0);
   }
 
-  void key() {
-    const char* const symbol = interactor_->GetKeySym();
-    const std::string key = symbol ? symbol : "";
-    if (key == "q" || key == "Q") interactor_->TerminateApp();
-    if (key == "r" || key == "R") reset();
-    if (key == "b" || key == "B") show(withSize(camera()), view());
-    if (key == "s" || key == "S") spinning_ = !spinning_;
-    if (key == "h" || key == "H" || key == "question") {
-      helpText_->SetVisibility(!helpText_->GetVisibility());
-      window_->Render();
-    }
-    if (key.size() == 1 && key[0] >= 'x' && key[0] <= 'z') lookAlong(key[0] - 'x', 1);
-    if (key.size() == 1 && key[0] >= 'X' && key[0] <= 'Z') lookAlong(key[0] - 'X', -1);
-    if (key == "w" || key == "W") saveState();
-    if (key == "p" || key == "P") savePicture();
+  void nextVisualization(int by) {
+    selection_.nextVisualization(by);
+    remote_.show(selection_.shown());
   }
 
-  Camera withSize(Camera camera) const {
-    camera.dimensions = size();
-    return camera;
+  void nextCamera(int by) {
+    selection_.nextCamera(by);
+    backToCamera();
+  }
+
+  void backToCamera() {
+    Camera camera = selection_.camera();
+    camera.dimensions = size_;
+    show(camera, view());
+  }
+
+  // What a key does; capitals that are not here do what their small letters do.
+  using Action = std::function<void(ViewerWindow&)>;
+  static const std::map<std::string, Action>& actions() {
+    using Self = ViewerWindow;
+    static const std::map<std::string, Action> all{
+        {"q", [](Self& self) { self.interactor_->TerminateApp(); }},
+        {"r", &Self::reset},
+        {"b", &Self::backToCamera},
+        {"s", [](Self& self) { self.spinning_ = !self.spinning_; }},
+        {"h", [](Self& self) { self.shown_.turnHelp(); }},
+        {"question", [](Self& self) { self.shown_.turnHelp(); }},
+        {"x", [](Self& self) { self.lookAlong(0, 1); }},
+        {"y", [](Self& self) { self.lookAlong(1, 1); }},
+        {"z", [](Self& self) { self.lookAlong(2, 1); }},
+        {"X", [](Self& self) { self.lookAlong(0, -1); }},
+        {"Y", [](Self& self) { self.lookAlong(1, -1); }},
+        {"Z", [](Self& self) { self.lookAlong(2, -1); }},
+        {"v", [](Self& self) { self.nextVisualization(1); }},
+        {"V", [](Self& self) { self.nextVisualization(-1); }},
+        {"c", [](Self& self) { self.nextCamera(1); }},
+        {"C", [](Self& self) { self.nextCamera(-1); }},
+        {"w", &Self::saveState},
+        {"p", &Self::savePicture}};
+    return all;
+  }
+
+  void key() {
+    const char* const symbol = interactor_->GetKeySym();
+    std::string key = symbol ? symbol : "";
+    if (key.size() == 1 && !actions().contains(key)) key[0] = char(std::tolower(key[0]));
+    if (const auto at = actions().find(key); at != actions().end()) at->second(*this);
   }
 
   void saveState() {
-    State state = state_;
-    state.cameras = {cameraOf(view(), size(), camera().annotation)};
-    const std::string text = writeState(state);
+    const std::string text = writeState(selection_.with(cameraNow()));
     replaceFile(output_ + ".json", std::as_bytes(std::span(text)));
     say("saved " + output_ + ".json");
   }
@@ -259,20 +232,15 @@ class ViewerWindow {
   };
 
   RemoteWindow& remote_;
-  const State& state_;
+  Selection selection_;
   const std::string output_;
-  vtkNew<vtkImageData> image_;
-  vtkNew<vtkImageMapper> mapper_;
-  vtkNew<vtkActor2D> picture_;
-  vtkNew<vtkTextActor> statusText_, helpText_;
-  vtkNew<vtkRenderer> renderer_;
-  vtkNew<vtkRenderWindow> window_;
+  PictureView shown_;
   vtkNew<vtkRenderWindowInteractor> interactor_;
   vtkNew<Style> style_;
-  glm::ivec2 shownSize_{0};
+  glm::ivec2 size_{0};
   bool centered_ = false, spinning_ = false;
   Clock::time_point lastTick_{}, noticeEnd_{};
-  std::string status_, notice_;
+  std::string notice_;
   int pictures_ = 0;
 };
 
@@ -293,8 +261,8 @@ void checkDisplay() {
         " has no OpenGL (GLX): expected it for the window; --snapshot F.png makes a picture without one");
 }
 
-void runViewer(RemoteWindow& remote, const State& state, const std::string& output) {
-  ViewerWindow(remote, state, output).run();
+void runViewer(RemoteWindow& remote, Selection selection, const std::string& output) {
+  ViewerWindow(remote, std::move(selection), output).run();
 }
 
 }  // namespace gxy

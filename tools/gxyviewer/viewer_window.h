@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // The window on the user's display: VTK's interaction moves the camera, the server's pictures fill it.
 #pragma once
-#include "gxy/scene/scene.h"
 #include "remote_window.h"
+#include "selection.h"
 
 namespace gxy {
 
-/// Shows `remote` until the user quits. `state` is what it shows, saved with the camera as it is then; `output` is the
-/// prefix of the files. Throws Error where there is no display that can show it, and when the server has gone or
+/// Shows `remote` until the user quits. It shows `selection`, of which the user may choose another part and which is saved with
+/// the camera as it is then; `output` is the prefix of the files. Throws Error where there is no display that can show it, and when the server has gone or
 /// could not show the state.
-void runViewer(RemoteWindow& remote, const State& state, const std::string& output);
+void runViewer(RemoteWindow& remote, Selection selection, const std::string& output);
 
 /// Throws Error, with what to do, unless a window can be opened. VTK itself would end the process.
 void checkDisplay();

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gxyviewer/selection.h"
+
+#include <gtest/gtest.h>
+
+namespace gxy::test {
+namespace {
+
+State stateOf(std::vector<std::string> visualizations, std::vector<std::string> cameras) {
+  State state;
+  state.datasets.resize(2);
+  state.settings.raysPerPixel = 3;
+  for (std::string& name : visualizations) state.visualizations.emplace_back().annotation = std::move(name);
+  for (std::string& name : cameras) state.cameras.emplace_back().annotation = std::move(name);
+  return state;
+}
+
+TEST(Selection, ShowsOneVisualizationFromOneCameraAndGoesRound) {
+  Selection selection(stateOf({"a", "b", "c"}, {"d", "e"}));
+  const auto names = [&] {
+    const State shown = selection.shown();
+    EXPECT_EQ(shown.visualizations.size(), 1u);
+    EXPECT_EQ(shown.cameras.size(), 1u);
+    EXPECT_EQ(shown.datasets.size(), 2u);
+    EXPECT_EQ(shown.settings.raysPerPixel, 3);
+    return shown.visualizations.at(0).annotation + shown.cameras.at(0).annotation;
+  };
+  EXPECT_EQ(names(), "ad");
+  selection.nextVisualization(1);
+  EXPECT_EQ(names(), "bd");
+  selection.nextCamera(1);
+  EXPECT_EQ(names(), "be");
+  selection.nextVisualization(-1);
+  selection.nextVisualization(-1);
+  EXPECT_EQ(names(), "ce");
+  selection.nextVisualization(1);
+  selection.nextCamera(-1);
+  EXPECT_EQ(names(), "ad");
+}
+
+TEST(Selection, KeepsTheWholeStateWithTheCameraInTheShownOnesPlace) {
+  State state = stateOf({"a", "b"}, {"c", "d", "e"});
+  Selection selection(state);
+  selection.nextVisualization(1);
+  selection.nextCamera(1);
+  Camera now = selection.camera();
+  now.viewpoint = {1, 2, 3};
+  state.cameras[1] = now;
+  EXPECT_EQ(selection.with(now), state);
+}
+
+TEST(Selection, SaysWhichOfSeveralIsShown) {
+  EXPECT_EQ(Selection(stateOf({""}, {"only"})).text(), "");
+  EXPECT_EQ(Selection(stateOf({"", ""}, {""})).text(), "visualization 1 of 2");
+  Selection selection(stateOf({"", "streams"}, {"", "", ""}));
+  selection.nextVisualization(1);
+  selection.nextCamera(-1);
+  EXPECT_EQ(selection.text(), "visualization 2 of 2, streams, camera 3 of 3");
+}
+
+}  // namespace
+}  // namespace gxy::test

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+// Which of a state's visualizations and cameras is shown.
+#pragma once
+#include <string>
+
+#include "gxy/scene/scene.h"
+
+namespace gxy {
+
+/// A state, and the one visualization and the one camera of it that are shown: the first at first.
+class Selection {
+ public:
+  /// `state` has a visualization and a camera.
+  explicit Selection(State state) : state_(std::move(state)) {}
+
+  /// The next, before the first the last.
+  void nextVisualization(int by) { visualization_ = next(visualization_, state_.visualizations.size(), by); }
+  void nextCamera(int by) { camera_ = next(camera_, state_.cameras.size(), by); }
+
+  const Camera& camera() const { return state_.cameras[camera_]; }
+  /// What is shown as a state of its own, with one visualization and one camera.
+  State shown() const;
+  /// The whole state, with `camera` in the place of the one that is shown.
+  State with(const Camera& camera) const;
+  /// "visualization 2 of 3, NAME, camera 1 of 2", for people; of what there is one of, nothing.
+  std::string text() const;
+
+ private:
+  static size_t next(size_t at, size_t of, int by) { return (at + of + size_t(by)) % of; }
+
+  State state_;
+  size_t visualization_ = 0, camera_ = 0;
+};
+
+}  // namespace gxy
