@@ -1,11 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
 # cmake -DISPC=program -DFLAGS=list -DSOURCE=x.ispc -DHEADERS=list -DOUT=folder -DKEPT=folder -P CompileIspc.cmake
 # makes x.o, x_TARGET.o for each target, and x_ispc.h in OUT. What was compiled is kept, and copied where the same
-# texts are to be compiled with the same flags again: the presets share it (minutes, which ccache cannot save).
+# texts are to be compiled with the same flags again, wherever they lie: the presets share it, and clones may (minutes, which
+# ccache cannot save).
 cmake_minimum_required(VERSION 3.25)
 get_filename_component(name ${SOURCE} NAME_WE)
 execute_process(COMMAND ${ISPC} --version OUTPUT_VARIABLE key COMMAND_ERROR_IS_FATAL ANY)
-string(APPEND key "${FLAGS}")
+cmake_path(GET CMAKE_CURRENT_LIST_DIR PARENT_PATH root)
+string(REPLACE "${root}/" "" flags "${FLAGS}")
+string(APPEND key "${flags}")
 foreach(file ${SOURCE} ${HEADERS})
   file(SHA256 ${file} hash)
   string(APPEND key ${hash})
