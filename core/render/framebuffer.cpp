@@ -11,7 +11,8 @@ namespace gxy {
 
 namespace {
 
-constexpr size_t kBlock = 64;  // pixels: 2 KB of sums
+constexpr size_t kBlock = 64;   // pixels: 2 KB of sums
+constexpr double kMiss = 1e30;  // depth of a pixel that shows no surface
 
 size_t blocksOf(size_t pixels) { return (pixels + kBlock - 1) / kBlock; }
 
@@ -44,20 +45,29 @@ class Mean {
 
 }  // namespace
 
-Framebuffer::Framebuffer(int width, int height, int samples, bool depth)
+Framebuffer::Framebuffer(int width, int height, int samples, bool depth, Hold hold)
     : width_(width),
       height_(height),
       samples_(samples),
-      sums_(size_t(4) * width * height),
-      begun_(blocksOf(sums_.size() / 4)) {
-  if (depth) depth_.assign(size_t(width) * height, 1e30);
+      hasDepth_(depth),
+      hold_(std::move(hold)),
+      begun_(blocksOf(size_t(width) * size_t(height))) {}
+
+void Framebuffer::take() {
+  if (!sums_.empty()) return;
+  if (hold_) held_ = hold_(bytesOf(width_, height_, hasDepth_));
+  const size_t pixels = size_t(width_) * size_t(height_);
+  if (hasDepth_) depth_.assign(pixels, kMiss);
+  sums_.resize(4 * pixels);
 }
 
 bool Framebuffer::add(std::span<const Contribution> contributions) {
-  const size_t pixels = sums_.size() / 4;
+  const size_t pixels = size_t(width_) * size_t(height_);
   for (const Contribution& c : contributions)
     if (c.pixel >= pixels) return false;
+  if (contributions.empty()) return true;
   std::lock_guard lock(mutex_);
+  take();
   for (const Contribution& c : contributions) {
     uint8_t& begun = begun_[c.pixel / kBlock];
     if (!begun) std::ranges::fill(partOf(std::span(sums_), c.pixel / kBlock), 0);
@@ -72,19 +82,23 @@ bool Framebuffer::add(std::span<const Contribution> contributions) {
 }
 
 bool Framebuffer::addDepths(std::span<const DepthContribution> depths) {
+  const size_t pixels = hasDepth_ ? size_t(width_) * size_t(height_) : 0;
   for (const DepthContribution& d : depths)
-    if (d.pixel >= depth_.size()) return false;
+    if (d.pixel >= pixels) return false;
+  if (depths.empty()) return true;
   std::lock_guard lock(mutex_);
+  take();
   for (const DepthContribution& d : depths) depth_[d.pixel] = std::min(depth_[d.pixel], d.depth);
   return true;
 }
 
 size_t Framebuffer::pixelsLeft() const {
   std::lock_guard lock(mutex_);
-  size_t pixels = 0;
+  const size_t pixels = size_t(width_) * size_t(height_);
+  size_t left = 0;
   for (size_t b = 0; b < begun_.size(); b++)
-    if (!begun_[b]) pixels += partOf(std::span(sums_), b).size() / 4;
-  return pixels;
+    if (!begun_[b]) left += std::min(kBlock, pixels - kBlock * b);
+  return left;
 }
 
 Picture Framebuffer::picture(const glm::dvec4& background, bool together) const {
@@ -93,7 +107,8 @@ Picture Framebuffer::picture(const glm::dvec4& background, bool together) const 
   const std::array<int64_t, 4> nothing{};
   std::array<float, 4> empty{};
   mean(nothing, empty);
-  LargeVector<float> rgba(sums_.size());
+  const size_t pixels = size_t(width_) * size_t(height_);
+  LargeVector<float> rgba(4 * pixels);
   const auto convert = [&](size_t b) {
     const std::span<float> part = partOf(std::span(rgba), b);
     if (begun_[b]) return mean(partOf(std::span(sums_), b), part);
@@ -103,15 +118,25 @@ Picture Framebuffer::picture(const glm::dvec4& background, bool together) const 
     parallelFor(size_t(0), begun_.size(), convert);
   else
     for (size_t b = 0; b < begun_.size(); b++) convert(b);
-  return {width_, height_, std::move(rgba), depth_, {}, samples_};
+  std::vector<double> depth = depth_;
+  if (hasDepth_ && depth.empty()) depth.assign(pixels, kMiss);
+  return {width_, height_, std::move(rgba), std::move(depth), {}, samples_};
 }
 
 Picture Framebuffer::takeSums() {
   std::lock_guard lock(mutex_);
+  take();
   for (size_t b = 0; b < begun_.size(); b++)
     if (!begun_[b]) std::ranges::fill(partOf(std::span(sums_), b), 0);
   begun_.clear();
   return {width_, height_, {}, std::move(depth_), std::exchange(sums_, {}), samples_};
+}
+
+void Framebuffer::release() {
+  std::lock_guard lock(mutex_);
+  sums_ = LargeVector<int64_t>();
+  depth_ = std::vector<double>();
+  held_ = nullptr;
 }
 
 LargeVector<float> pixelsOf(std::span<const int64_t> sums, int samples, const glm::dvec4& background) {

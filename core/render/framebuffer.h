@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Where the contributions of a frame add up.
 #pragma once
+#include <functional>
 #include <glm/vec4.hpp>
+#include <memory>
 #include <mutex>
 #include <span>
 #include <vector>
@@ -32,12 +34,15 @@ struct Picture {
 LargeVector<float> pixelsOf(std::span<const int64_t> sums, int samples, const glm::dvec4& background);
 
 /// Integer accumulators of all pixels: sums do not depend on the order of arrival. Thread safe. 32 bytes a pixel, 8 more
-/// with depth; of what nothing is added to none is written or read.
+/// with depth, from the first contribution to release(); sums to which nothing is added are neither written nor read.
 class Framebuffer {
  public:
-  Framebuffer(int width, int height, int samples, bool depth);
+  /// Is told how many bytes the sums take when the first contribution comes. What it returns is kept as long as they are.
+  using Hold = std::function<std::shared_ptr<void>(int64_t bytes)>;
 
-  /// Contributions to pixels outside the picture are refused: false, and nothing was added.
+  Framebuffer(int width, int height, int samples, bool depth, Hold hold = {});
+
+  /// Contributions to pixels outside the picture are refused: false, and nothing was added. Throws std::bad_alloc.
   bool add(std::span<const Contribution> contributions);
   bool addDepths(std::span<const DepthContribution> depths);
 
@@ -46,17 +51,28 @@ class Framebuffer {
   /// The sums themselves, which are then no longer here.
   Picture takeSums();
 
+  /// Gives the memory back. Nothing is added any more.
+  void release();
+
   /// Pixels in whole blocks that nothing was added to.
   size_t pixelsLeft() const;
 
-  size_t bytes() const { return sums_.size() * sizeof(sums_[0]) + depth_.size() * sizeof(double); }
+  /// That a framebuffer takes from its first contribution on.
+  static int64_t bytesOf(int width, int height, bool depth) {
+    return int64_t(width) * height * int64_t(4 * sizeof(int64_t) + (depth ? sizeof(double) : 0));
+  }
 
  private:
-  int width_, height_, samples_;
+  void take();  ///< the memory, with the lock held
+
+  const int width_, height_, samples_;
+  const bool hasDepth_;
+  const Hold hold_;
   mutable std::mutex mutex_;
-  LargeVector<int64_t> sums_;   ///< 4 per pixel, unit 2^-26
+  std::shared_ptr<void> held_;
+  LargeVector<int64_t> sums_;   ///< 4 per pixel, unit 2^-26; empty before the first contribution
   std::vector<uint8_t> begun_;  ///< of each block of pixels: whether its sums are there; else they are 0
-  std::vector<double> depth_;
+  std::vector<double> depth_;   ///< as sums_
 };
 
 }  // namespace gxy

@@ -13,6 +13,7 @@ namespace gxy {
 struct Share {
   uint32_t tenant = 0;
   bool interactive = false;  ///< somebody looks at it: goes before all that is not
+  uint64_t stream = 0;       ///< of the tenant: one window or batch, whose frames are wanted in their order
 };
 
 /// Tasks of interactive frames first, then the others; within each, tenants in turn (the one that was served longest ago),

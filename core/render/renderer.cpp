@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The life of frames: started, made known, cancelled, finished, delivered. That of their rays is in renderer_rays.cpp.
+// The life of frames: started, made known, cancelled, finished, delivered. That of their rays is in renderer_rays.cpp, when
+// tasks run in renderer_tasks.cpp.
 #include "gxy/render/renderer.h"
 
 #include <algorithm>
@@ -25,7 +26,7 @@ void writeRequest(Writer& w, const FrameRequest& r) {
       .write(r.sums)
       .write(r.window)
       .write(r.share.tenant);
-  w.write(r.share.interactive).write(r.account).write(r.note);
+  w.write(r.share.interactive).write(r.share.stream).write(r.account).write(r.note);
   w.write(c.viewpoint)
       .write(c.viewdirection)
       .write(c.viewup)
@@ -45,6 +46,7 @@ FrameRequest readRequest(Reader& in) {
   r.window = in.read<uint64_t>();
   r.share.tenant = in.read<uint32_t>();
   r.share.interactive = in.read<bool>();
+  r.share.stream = in.read<uint64_t>();
   r.account = in.readString();
   r.note = in.readString();
   c.viewpoint = in.read<glm::dvec3>();
@@ -72,6 +74,13 @@ Renderer::Account::Account(const Options& options, const std::string& tenant)
       picture(entry(options, tenant, "picture")),
       tiles(entry(options, tenant, "tiles")) {}
 
+void Renderer::Framebuffers::more() {
+  const int held = ++now;
+  int before = most;
+  while (before < held && !most.compare_exchange_weak(before, held)) {
+  }
+}
+
 Renderer::Renderer(Transport& transport, Options options)
     : transport_(transport),
       options_(options),
@@ -79,7 +88,8 @@ Renderer::Renderer(Transport& transport, Options options)
       account_(options, options.tenant),
       parkedMemory_(entry(options, options.tenant, "parked messages")),
       tasks_(std::make_shared<Tasks>()),
-      credits_(options.raysInFlight) {
+      credits_(options.raysInFlight),
+      admission_(options.framebufferBytes * transport.size(), 1 + size_t(transport.size())) {
   if (options_.packetRays < 16)
     throw Error("packets of " + std::to_string(options_.packetRays) + " rays, expected >= 16");
   if (options_.interactiveRays < 0 || options_.interactiveRays >= options_.raysInFlight)
@@ -107,66 +117,6 @@ Renderer::~Renderer() {
   tasks_->close();
 }
 
-void Renderer::post(std::function<void()> task) {
-  transport_.post([tasks = tasks_, task = std::move(task)]() mutable { tasks->run(task); });
-}
-
-// Runs the task when its turn has come.
-void Renderer::post(const Share& share, std::function<void()> task, bool first) {
-  ready_.push(share, std::move(task), first);
-  startRunner();
-}
-
-// Among those of others, if its frame has become one of these meanwhile.
-void Renderer::post(const FramePtr& frame, std::function<void()> task, bool first) {
-  const Share share = frame->share();
-  if (share.interactive)
-    task = [this, frame, task = std::move(task)] {
-      if (const Share now = frame->share(); now.interactive)
-        task();
-      else
-        post(now, task);
-    };
-  post(share, std::move(task), first);
-}
-
-namespace {
-
-// One more, unless there are as many as there may be; 0: any number.
-bool begin(std::atomic<int>& running, int most) {
-  int now = running;
-  do {
-    if (most > 0 && now >= most) return false;
-  } while (!running.compare_exchange_weak(now, now + 1));
-  return true;
-}
-
-}  // namespace
-
-// A runner takes whichever task is next. Where their number is bounded, one that ends makes way for another.
-void Renderer::startRunner() {
-  if (!begin(runners_, options_.runners)) return;
-  post([this] {
-    const std::shared_ptr<void> ended(nullptr, [this](void*) {
-      runners_--;
-      if (options_.runners > 0 && !ready_.empty()) startRunner();
-    });
-    if (const auto next = ready_.pop()) next();
-  });
-}
-
-void Renderer::startHandOut() {
-  if (!begin(handOuts_, options_.handOuts)) return;
-  std::function<void()> task = [this] {
-    const std::shared_ptr<void> ended(nullptr, [this](void*) {
-      handOuts_--;
-      if (options_.handOuts > 0 && !pictures_.empty()) startHandOut();
-    });
-    if (const auto next = pictures_.pop()) next();
-  };
-  transport_.postLong([tasks = tasks_, task = std::move(task)]() mutable { tasks->run(task); });
-}
-
 void Renderer::addScene(SceneId id, std::shared_ptr<const CompiledScene> scene,
                         std::shared_ptr<const DeviceScene> device) {
   std::lock_guard lock(mutex_);
@@ -187,6 +137,7 @@ Renderer::Counters Renderer::counters() const {
   std::lock_guard lock(mutex_);
   Counters c = counters_;
   c.mostRaysInFlight = mostOut_;
+  c.mostFramebuffers = framebuffers_->most;
   return c;
 }
 
@@ -207,30 +158,59 @@ Renderer::Kept Renderer::kept() const {
 FrameId Renderer::render(const FrameRequest& request, Finished finished) {
   validate(request.camera);
   FrameId id, older = 0;
+  bool waits = false;
   {
     std::lock_guard lock(mutex_);
     if (!scenes_.count(request.scene))
       throw Error("there is no scene " + std::to_string(request.scene) + " to render");
     id = nextFrame_++;
-    pending_[id] = {std::move(finished), request.window, request.share, {}};
+    Pending& pending = pending_[id];
+    pending.finished = std::move(finished);
+    pending.window = request.window;
+    pending.share = request.share;
     if (request.window) older = std::exchange(windows_[request.window], id);
+    const glm::ivec2 size = request.camera.dimensions;
+    waits = !request.share.interactive &&
+            !admission_.enter(request.share, id, Framebuffer::bytesOf(size.x, size.y, request.depth));
+    if (waits) pending.waiting = request;
   }
   if (older) supersede(older);
+  if (!waits) beginFrame(id, request);
+  return id;
+}
+
+// Rank 0.
+void Renderer::beginFrame(FrameId id, const FrameRequest& request) {
   completion_.begin(id, [this, id] { complete(id); });
   Writer w;
   w.write(FrameMessage::Start).write(id);
   writeRequest(w, request);
   start(id, request, w.take());
-  return id;
 }
 
+void Renderer::beginWaiting(const std::vector<FrameId>& ids) {
+  for (const FrameId id : ids) {
+    std::optional<FrameRequest> request;
+    {
+      std::lock_guard lock(mutex_);
+      request.swap(pending_.at(id).waiting);
+    }
+    if (request) beginFrame(id, *request);
+  }
+}
+
+// All ranks hear of a frame that has not begun, too, as each keeps track of those that are over.
 void Renderer::supersede(FrameId id) {
+  std::optional<FrameRequest> request;
   {
     std::lock_guard lock(mutex_);
     const auto it = pending_.find(id);
     if (it == pending_.end() || it->second.complete || it->second.ending.superseded) return;
     it->second.ending.superseded = true;
+    request.swap(it->second.waiting);
+    if (request) admission_.beginAnyway(id);
   }
+  if (request) beginFrame(id, *request);
   cancelEverywhere(id);
 }
 
@@ -324,6 +304,7 @@ void Renderer::receiveFrame(const Bytes& message) {
 
 void Renderer::delivered(FrameId id, const std::string& error) {
   Pending pending;
+  std::vector<FrameId> next;
   {
     std::lock_guard lock(mutex_);
     const auto it = pending_.find(id);
@@ -334,6 +315,7 @@ void Renderer::delivered(FrameId id, const std::string& error) {
     if (pending.ending.error.empty()) pending.ending.error = error;
     const auto window = windows_.find(pending.window);
     if (window != windows_.end() && window->second == id) windows_.erase(window);
+    next = admission_.over(id);
   }
   if (pending.finished)
     post(
@@ -342,6 +324,7 @@ void Renderer::delivered(FrameId id, const std::string& error) {
           finished(id, ending);
         },
         true);
+  beginWaiting(next);
 }
 
 // What this rank needs for a frame, but for what came with its request.
@@ -363,9 +346,15 @@ void Renderer::prepare(Frame& frame) {
   frame.samples = compiled.samples;
   frame.limits = limitsOf(scene, compiled);
   if (frame.owner == transport_.rank()) {
-    frame.framebuffer =
-        std::make_unique<Framebuffer>(compiled.width, compiled.height, compiled.samples, compiled.depth);
-    frame.framebufferMemory = frame.account().framebuffer.another(int64_t(frame.framebuffer->bytes()));
+    auto hold = [entry = &frame.account().framebuffer, all = framebuffers_](int64_t bytes) {
+      all->more();
+      return std::shared_ptr<void>(new LedgerEntry(entry->another(bytes)), [all](LedgerEntry* held) {
+        delete held;
+        all->now--;
+      });
+    };
+    frame.framebuffer = std::make_unique<Framebuffer>(compiled.width, compiled.height, compiled.samples,
+                                                      compiled.depth, std::move(hold));
   }
   TileList list = tilesOf(scene, compiled, transport_.rank());
   frame.tiles = std::move(list.tiles);
@@ -467,6 +456,7 @@ void Renderer::deliver(const FramePtr& frame, bool hasPicture) {
                           ? frame->framebuffer->takeSums()
                           : frame->framebuffer->picture(frame->scene.compiled->settings.background,
                                                         frame->request.share.interactive);
+    frame->framebuffer->release();
     const LedgerEntry memory = frame->account().picture.another(int64_t(picture.bytes()));
     handler(frame->id, frame->request, std::move(picture));
   } catch (const std::exception& e) {

@@ -8,6 +8,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
@@ -16,6 +17,7 @@
 #include "gxy/comm/trace.h"
 #include "gxy/comm/transport.h"
 #include "gxy/rays/backend.h"
+#include "gxy/render/admission.h"
 #include "gxy/render/framebuffer.h"
 #include "gxy/render/ready_queue.h"
 #include "gxy/space/ledger.h"
@@ -51,11 +53,13 @@ struct FrameRequest {
 /// them back, wherever it and they end; a rank spawns only while it has credits, so the rays of a rank that are in
 /// flight anywhere never exceed Options::raysInFlight (or one tile, if that is more). What is forwarded is always
 /// accepted. Behind translucent surfaces a primary may make more secondaries than it reserved; those put its rank into
-/// debt. What frames hold is in the ledger, and 0 when none is under way: "rays" (lists that wait or are traced),
-/// "framebuffer", "picture" (while its handler runs), "parked messages" and "tiles".
+/// debt. A framebuffer takes its memory when its first contribution comes, and gives it back before the picture's handler runs.
+/// Of the frames of a stream that nobody watches, rank 0 begins as many as Options::framebufferBytes allow (Admission), and
+/// keeps the requests of the others. What frames hold is in the ledger, and 0 when none is under way: "rays" (lists that wait
+/// or are traced), "framebuffer", "picture" (while its handler runs), "parked messages" and "tiles".
 ///
 /// Whose turn it is: on each rank, tasks run in the order of ReadyQueue, and rays are spawned for interactive frames first,
-/// else for each tenant in turn. A task that is under way is not interrupted, but it traces one packet and puts the rest off,
+/// else for each tenant in turn, of its frames for the oldest. A task that is under way is not interrupted, but it traces one packet and puts the rest off,
 /// so that an interactive frame waits, on each rank that it passes, for the packets that are being traced and for no others.
 /// Pictures of frames that nobody watches are handed out beside the tasks (Transport::postLong), however long that takes, at
 /// most Options::handOuts of them at once and those of each tenant in turn.
@@ -77,9 +81,11 @@ class Renderer {
     int64_t interactiveRays = 0;   ///< credits that are kept for interactive frames
     /// Of a rank's processors or device: after that a frame is like those that nobody watches.
     std::chrono::nanoseconds urgentWork = std::chrono::seconds(1);
-    int64_t tenantRays = 0;  ///< credits that the frames of one tenant may have; 0: all
-    Trace* trace = nullptr;  ///< of packets, tiles, pictures and frames; outlives the Renderer
-    int runners = 0;         ///< tasks that it gives the Transport at once; 0: all there are
+    int64_t framebufferBytes = int64_t(512)
+                               << 20;  ///< of a stream's frames that nobody watches, on each rank
+    int64_t tenantRays = 0;            ///< credits that the frames of one tenant may have; 0: all
+    Trace* trace = nullptr;            ///< of packets, tiles, pictures and frames; outlives the Renderer
+    int runners = 0;                   ///< tasks that it gives the Transport at once; 0: all there are
     int handOuts = 0;  ///< pictures that nobody waits for and that are handed out at once; 0: all there are
   };
   /// How a frame has ended: with a picture, or superseded, or with what went wrong on a rank or in its handler.
@@ -123,6 +129,7 @@ class Renderer {
     /// To owners of pictures, and to ranks whose rays were traced: no pixel to change, no credit to give back.
     uint64_t messagesSkipped = 0;
     int64_t mostRaysInFlight = 0;  ///< credits out at once
+    int mostFramebuffers = 0;      ///< of this rank, with memory at once
   };
   Counters counters() const;
 
@@ -158,12 +165,20 @@ class Renderer {
     uint64_t window = 0;
     Share share;
     Ending ending;  ///< superseded by a frame that came before all its work was done, or the first error
-    bool complete = false;  ///< all its work is done: too late to be superseded
+    bool complete = false;                ///< all its work is done: too late to be superseded
+    std::optional<FrameRequest> waiting;  ///< of one that has not begun (Admission)
+  };
+  /// How many framebuffers of this rank have memory; they hold it.
+  struct Framebuffers {
+    std::atomic<int> now = 0, most = 0;
+    void more();
   };
 
   void receiveFrame(const Bytes& message);
   void receiveRays(Bytes message);
   void receiveContributions(Bytes message);
+  void beginFrame(FrameId id, const FrameRequest& request);
+  void beginWaiting(const std::vector<FrameId>& ids);
   void start(FrameId id, FrameRequest request, const Bytes& message);
   void prepare(Frame& frame);
   void cancel(FrameId id);
@@ -213,6 +228,7 @@ class Renderer {
   const Account account_;
   const LedgerEntry parkedMemory_;
   const std::shared_ptr<Tasks> tasks_;
+  const std::shared_ptr<Framebuffers> framebuffers_ = std::make_shared<Framebuffers>();
   ReadyQueue ready_;
   std::atomic<int> runners_ = 0;   ///< posted to the Transport; each runs one task of ready_
   ReadyQueue pictures_;            ///< to be handed out
@@ -232,6 +248,7 @@ class Renderer {
   FrameId firstNotOver_ = 1;             ///< all frames below are over here
   std::set<FrameId> over_;               ///< those above that are
   std::map<FrameId, Pending> pending_;   ///< rank 0
+  Admission admission_;                  ///< rank 0
   std::map<uint64_t, FrameId> windows_;  ///< rank 0: newest frame of each window, while it is pending
   FrameId nextFrame_ = 1;
   Counters counters_;

@@ -43,11 +43,11 @@ bool Renderer::tenantMayTake(const Frame& frame) const {
          out->second + frame.nextCost() <= options_.tenantRays;
 }
 
-// An interactive frame if there is one, else one of the tenant that was served longest ago; of several the one that was.
+// An interactive frame if there is one, else one of the tenant that was served longest ago; of several the oldest.
 // Those whose tenants have all they may have are passed over; the end, if there are no others.
 std::vector<Renderer::FramePtr>::iterator Renderer::nextToSpawn() {
   const auto rank = [this](const FramePtr& f) {
-    return std::tuple(!f->share().interactive, tenantTurns_[f->request.share.tenant], f->turn);
+    return std::tuple(!f->share().interactive, tenantTurns_[f->request.share.tenant], f->id);
   };
   auto next = spawning_.end();
   for (auto f = spawning_.begin(); f != spawning_.end(); ++f)
@@ -89,7 +89,7 @@ void Renderer::pump() {
       credits_ -= cost;
       tenantOut_[frame->request.share.tenant] += cost;
       mostOut_ = std::max(mostOut_, options_.raysInFlight - credits_);
-      frame->turn = tenantTurns_[frame->request.share.tenant] = ++turn_;
+      tenantTurns_[frame->request.share.tenant] = ++turn_;
       if (++frame->next == frame->allTiles()) spawning_.erase(next);
     }
     auto active = std::make_shared<Completion::Active>(completion_, frame->id);
@@ -273,11 +273,13 @@ void Renderer::forward(const FramePtr& frame, int rank, int partition, bool prim
 
 void Renderer::contribute(const FramePtr& frame, TraceResult& result) {
   if (result.contributions.empty() && result.depths.empty()) return;
-  if (frame->framebuffer) {
-    frame->framebuffer->add(result.contributions);
-    frame->framebuffer->addDepths(result.depths);
-    return;
-  }
+  if (frame->framebuffer) try {
+      frame->framebuffer->add(result.contributions);
+      frame->framebuffer->addDepths(result.depths);
+      return;
+    } catch (const std::exception& e) {  // no memory
+      return fail(frame, textOf(e));
+    }
   Writer w;
   w.write(ContributionsHeader{frame->id, result.contributions.size(), result.depths.size()});
   for (const Contribution& c : result.contributions) w.write(c);

@@ -34,11 +34,10 @@ struct Renderer::Frame {
   std::unique_ptr<Framebuffer> framebuffer;  ///< on the owner, unless it could not begin
   const Account* shared = nullptr;           ///< of frames that name no account
   std::optional<Account> own;
-  LedgerEntry framebufferMemory, tileMemory;
+  LedgerEntry tileMemory;
   std::vector<Tile> tiles;            ///< of the first sample
   size_t next = 0;                    ///< to be spawned: all tiles of a sample, then those of the next
   std::atomic<size_t> tilesLeft = 0;  ///< not yet spawned completely
-  uint64_t turn = 0;                  ///< when a tile of it was spawned last
   PacketSize packet;
   const uint64_t mostUrgentWork;
   std::atomic<uint64_t> work = 0;       ///< nanoseconds of this rank's processors, or of its device

@@ -109,6 +109,36 @@ TEST(Framebuffer, WhereNothingIsAddedThereIsTheBackground) {
   EXPECT_EQ(rgba, fresh()->picture(background, true).rgba);
 }
 
+// Many frames wait at once; memory is that of those which something has been added to.
+TEST(Framebuffer, HasMemoryFromItsFirstContributionToItsRelease) {
+  std::vector<int64_t> held;
+  int64_t now = 0;
+  const auto hold = [&](int64_t bytes) {
+    held.push_back(bytes);
+    now += bytes;
+    return std::shared_ptr<void>(nullptr, [&now, bytes](void*) { now -= bytes; });
+  };
+  const glm::dvec4 background{0.25, 0.5, 0.75, 1};
+  Framebuffer f(3, 2, 1, true, hold);
+  f.add({});
+  f.addDepths({});
+  const Picture empty = f.picture(background);
+  EXPECT_EQ(held, std::vector<int64_t>{}) << "nothing was added";
+  for (size_t i = 0; i < 6; i++) EXPECT_EQ(empty.rgba[4 * i + 2], 0.75f);
+  EXPECT_EQ(empty.depth, std::vector<double>(6, 1e30));
+  const Contribution full{5, kOne, 0, 0, kOne};
+  f.add({&full, 1});
+  f.add({&full, 1});
+  EXPECT_EQ(held, std::vector<int64_t>{3 * 2 * (32 + 8)});
+  EXPECT_EQ(now, held[0]);
+  const Picture picture = f.picture(background);
+  f.release();
+  EXPECT_EQ(now, 0);
+  EXPECT_EQ(picture.rgba[4 * 5], 2.f);
+  EXPECT_EQ(picture.rgba[4 * 4 + 2], 0.75f);
+  EXPECT_EQ(Framebuffer(3, 2, 1, false).takeSums().sums, LargeVector<int64_t>(24, 0));
+}
+
 TEST(Framebuffer, TakesNoDepthsUnlessAsked) {
   Framebuffer f(2, 2, 1, false);
   const DepthContribution depth{0, 1.0};

@@ -165,7 +165,9 @@ int run(const RenderOptions& options) {
         const LoadedState loaded = loadData(state, directory, options, ranks, ledger);
         phases.load = wallSeconds() - begin;
 
-        Renderer renderer(transport, {options.packet, options.raysInFlight, &ledger, kTenant});
+        Renderer::Options rendering{options.packet, options.raysInFlight, &ledger, kTenant};
+        rendering.handOuts = transport.threads();
+        Renderer renderer(transport, rendering);
         SceneMemory memory;
         std::vector<SceneMemory::Entries> held;
         std::vector<std::shared_ptr<const CompiledScene>> scenes;
