@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <chrono>
 #include <fstream>
 #include <functional>
@@ -131,6 +132,48 @@ TEST(RemoteWindow, AsksAgainForWhatWasRefused) {
   shown.untilRefused("tenant user: 1 renderings are in flight");
   shown.user->expect("cancel_frame 1");
   shown.untilAllIsShown(1);
+}
+
+TEST(RemoteWindow, MakesAWholePictureBesideACameraThatMoves) {
+  Shown shown;
+  shown.user->expect(importBall("ball"));
+  shown.untilAllIsShown(1);
+  EXPECT_TRUE(shown.window.whole());
+  const Canvas expected = shown.window.picture();
+  const auto still = shown.window.still(shown.state());
+  const uint64_t before = shown.window.statistics().frames;
+  uint32_t passes = 0;
+  shown.until(
+      [&] {
+        shown.turn();
+        EXPECT_FALSE(shown.window.whole());
+        EXPECT_GE(still->progress().passes, passes);
+        passes = still->progress().passes;
+        return still->progress().ended && shown.window.statistics().frames > before;
+      },
+      "it is made, and others meanwhile");
+  EXPECT_EQ(still->progress().error, "");
+  EXPECT_EQ(still->progress().passes, kPasses);
+  EXPECT_TRUE(std::ranges::equal(still->canvas().rgba(), expected.rgba()));
+  EXPECT_FALSE(std::ranges::equal(shown.window.picture().rgba(), expected.rgba()));
+  shown.until([&] { return shown.user->expect("stat").at("ranks").at(0).at("frames") == 0; },
+              "all has ended");
+}
+
+TEST(RemoteWindow, SaysWhyThereIsNoWholePicture) {
+  NodeOptions limits;
+  limits.tenantFrames = 1;
+  Shown shown(limits);
+  shown.user->expect(importBall("ball"));
+  shown.untilAllIsShown(1);
+  shown.user->expect("window 1");
+  shown.user->expect("set 1 " + stateOf("ball"));
+  shown.user->expect(R"(render 1 {"passes": 4096, "rays": 16})");
+  const auto still = shown.window.still(shown.state());
+  shown.until([&] { return still->progress().ended; }, "it ends");
+  EXPECT_EQ(still->progress().error.find("tenant user: 1 renderings are in flight"), 0u)
+      << still->progress().error;
+  shown.user->expect("cancel_frame 1");
 }
 
 }  // namespace

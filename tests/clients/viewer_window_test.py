@@ -300,6 +300,35 @@ class Refined(ViewerCase):
         self.wait_for_picture(self.camera())
 
 
+    def test_p_saves_all_passes_of_its_moment_while_the_camera_goes_on(self):
+        self.viewer.send_signal(signal.SIGSTOP)  # so that no picture is made between these
+        display.drag(1, CENTER, (30, 10))
+        self.key("w")
+        self.key("p")
+        display.drag(1, CENTER, (-50, 20))
+        self.viewer.send_signal(signal.SIGCONT)
+        picture = server.folder / "view_00000.png"
+        until(picture.exists, "the picture is saved")
+        state = json.loads(self.saved.read_text())
+        state["Renderer"]["rays per pixel"] = self.PASSES
+        (server.folder / "view-at-p.json").write_text(json.dumps(state))
+        subprocess.run([PROGRAMS / "gxyrender", "view-at-p.json", "-o", "viewed"], cwd=server.folder, check=True,
+                       stdout=subprocess.DEVNULL)
+        subprocess.run([PROGRAMS / "gxydiff", "--alpha", picture, "viewed_00000.png"], cwd=server.folder, check=True)
+        now = self.camera()
+        self.assertGreater(self.turned(state["Cameras"][0], now), 10)
+        self.wait_for_picture(now)
+
+    def test_q_ends_it_when_the_picture_is_saved(self):
+        self.viewer.send_signal(signal.SIGSTOP)
+        display.drag(1, CENTER, (30, 10))
+        self.key("p")
+        self.key("q")
+        self.viewer.send_signal(signal.SIGCONT)
+        self.assertEqual(self.viewer.wait(60), 0)
+        self.assertTrue((server.folder / "view_00000.png").exists())
+
+
 class Refining(ViewerCase):
     # Minutes of them, of occlusion, too: what is compared comes before.
     PASSES, SCENE = 4096, STATE

@@ -16,7 +16,7 @@ inline constexpr const char* kKeyHelp =
     "  c (C)                next (previous) camera of the file\n"
     "  s                    spin, on and off\n"
     "  w                    write camera and state to PREFIX.json\n"
-    "  p                    save the picture as PREFIX_00000.png, ...\n"
+    "  p                    save a whole picture: PREFIX_00000.png\n"
     "  h                    this help, on and off\n"
     "  q                    quit";
 

@@ -24,6 +24,7 @@ constexpr std::chrono::seconds kAgainAtMost{16};
 constexpr size_t kUnderWay = 2;            // frames of a moving camera
 constexpr uint64_t kMeasurable = 8 << 10;  // bytes that say how fast the link is
 constexpr const char* kWindow = "1";
+constexpr uint32_t kStillWindow = 2;
 
 json cameraJson(const Camera& camera) {
   State state;
@@ -132,6 +133,10 @@ void RemoteWindow::takePixels(const PixelHeader& header, std::span<const std::by
   const auto now = Clock::now();
   const std::lock_guard lock(mutex_);
   statistics_.bytes += data.size();
+  if (header.window == kStillWindow) {
+    if (still_) still_->take(header, data);
+    return;
+  }
   if (header.frame < frame_.number) return;
   if (header.frame > frame_.number) {
     frame_ = {};
@@ -238,10 +243,32 @@ void RemoteWindow::update(Clock::time_point now) {
     boxesDue = std::exchange(boxesDue_, false);
   }
   if (boxesDue) askForBoxes();
+  closeStill();
   if (!cameraSent_ && underWay < kUnderWay)
     render(true, now);
   else if (cameraSent_ && underWay == 0 && (movingSent_ ? now - moved_ >= kRest : again))
     render(false, now);
+}
+
+bool RemoteWindow::whole() const {
+  const std::lock_guard lock(mutex_);
+  return cameraSent_ && !movingSent_ && asked_.empty() && frame_.number == newest_ && frame_.ended &&
+         frame_.status == "complete" && canvas_.frame() == newest_;
+}
+
+std::shared_ptr<const Still> RemoteWindow::still(const State& state) {
+  const std::lock_guard lock(mutex_);
+  return still_ = Still::begin(*client_, kStillWindow, state, passes_);
+}
+
+// Its window holds what it has shown.
+void RemoteWindow::closeStill() {
+  {
+    const std::lock_guard lock(mutex_);
+    if (!still_ || !still_->progress().ended) return;
+    still_ = nullptr;
+  }
+  client_->send("viewer.close " + std::to_string(kStillWindow), [](const Reply&) {});
 }
 
 void RemoteWindow::render(bool moving, Clock::time_point now) {

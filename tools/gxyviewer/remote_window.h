@@ -17,6 +17,7 @@
 #include "gxy/client/client.h"
 #include "gxy/scene/scene.h"
 #include "pace.h"
+#include "still.h"
 
 namespace gxy {
 
@@ -54,6 +55,14 @@ class RemoteWindow {
   void ifChanged(const std::function<void(const Canvas&)>& use);
   /// What is shown now.
   Canvas picture() const;
+
+  /// Of a frame at rest.
+  uint32_t passes() const { return passes_; }
+  /// Whether the picture is that of the newest camera with all its passes.
+  bool whole() const;
+  /// Begins a picture of `state`, as of one at rest, beside what goes on here; one at a time. The state is as the
+  /// constructor's.
+  std::shared_ptr<const Still> still(const State& state);
 
   /// What goes on, for people: loading, refining, how long a frame took, what failed.
   std::string status() const;
@@ -104,6 +113,7 @@ class RemoteWindow {
   void showFirst(const nlohmann::json& pass);
   void forgetUntil(uint64_t frame);
   void fail(const std::string& why);
+  void closeStill();
   void render(bool moving, Clock::time_point now);
 
   const uint32_t passes_;
@@ -123,6 +133,7 @@ class RemoteWindow {
   int refusals_ = 0;                        ///< since something was shown
   std::optional<Clock::time_point> again_;  ///< when what was refused last is asked for again
   Pace pace_;
+  std::shared_ptr<Still> still_;  ///< whose window the server has
   Statistics statistics_;
 
   // Of the user's thread.

@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <deque>
 #include <filesystem>
 #include <functional>
 #include <glm/geometric.hpp>
@@ -104,6 +105,8 @@ class ViewerWindow {
     lastTick_ = now;
     remote_.setCamera(cameraNow());
     remote_.update(now);
+    savePictures();
+    if (leaves_ && savings_.empty()) interactor_->TerminateApp();
     bool changed = false;
     remote_.ifChanged([&](const Canvas& canvas) {
       shown_.setPicture(canvas);
@@ -116,7 +119,7 @@ class ViewerWindow {
   std::string status() const {
     std::string text = remote_.status();
     for (const std::string& more :
-         {selection_.text(), std::string(spinning_ ? "spinning" : ""), std::string("h: keys")})
+         {selection_.text(), std::string(spinning_ ? "spinning" : ""), saving(), std::string("h: keys")})
       if (!more.empty()) text += "   " + more;
     return text;
   }
@@ -176,7 +179,7 @@ class ViewerWindow {
   static const std::map<std::string, Action>& actions() {
     using Self = ViewerWindow;
     static const std::map<std::string, Action> all{
-        {"q", [](Self& self) { self.interactor_->TerminateApp(); }},
+        {"q", &Self::leave},
         {"r", &Self::reset},
         {"b", &Self::backToCamera},
         {"s", [](Self& self) { self.spinning_ = !self.spinning_; }},
@@ -193,7 +196,7 @@ class ViewerWindow {
         {"c", [](Self& self) { self.nextCamera(1); }},
         {"C", [](Self& self) { self.nextCamera(-1); }},
         {"w", &Self::saveState},
-        {"p", &Self::savePicture}};
+        {"p", [](Self& self) { self.savePicture(); }}};
     return all;
   }
 
@@ -210,6 +213,7 @@ class ViewerWindow {
     say("saved " + output_ + ".json");
   }
 
+  // What is on the screen, if it is whole; else it is made beside, of the camera of now.
   void savePicture() {
     std::string path;
     do {
@@ -217,8 +221,44 @@ class ViewerWindow {
       std::snprintf(number, sizeof number, "_%05d.png", pictures_++);
       path = output_ + number;
     } while (std::filesystem::exists(path));
-    writePng(path, remote_.picture());
+    remote_.setCamera(cameraNow());
+    if (remote_.whole()) return savePicture(path, remote_.picture());
+    State state = selection_.shown();
+    state.cameras = {cameraNow()};
+    savings_.push_back({path, std::move(state), nullptr});
+  }
+
+  void savePicture(const std::string& path, const Canvas& canvas) {
+    writePng(path, canvas);
     say("saved " + path);
+  }
+
+  void savePictures() {
+    if (savings_.empty()) return;
+    if (!savings_.front().still) savings_.front().still = remote_.still(savings_.front().state);
+    const Still::Progress progress = savings_.front().still->progress();
+    if (!progress.ended) return;
+    const Saving saving = std::move(savings_.front());
+    savings_.pop_front();
+    const bool leaves =
+        std::exchange(leaves_, false);  // it stays where this fails, so that somebody sees why
+    if (!progress.error.empty()) throw Error(saving.path + ": " + progress.error);
+    savePicture(saving.path, saving.still->canvas());
+    leaves_ = leaves;
+  }
+
+  std::string saving() const {
+    if (savings_.empty()) return {};
+    const Saving& first = savings_.front();
+    const uint32_t passes = first.still ? first.still->progress().passes : 0;
+    return "saving " + first.path + ": " + std::to_string(passes) + " of " +
+           std::to_string(remote_.passes()) + " passes" +
+           (savings_.size() == 1 ? "" : ", and " + std::to_string(savings_.size() - 1) + " more");
+  }
+
+  // Once what is being saved is; at once if it is asked for again.
+  void leave() {
+    if (std::exchange(leaves_, true) || savings_.empty()) return interactor_->TerminateApp();
   }
 
   void say(const std::string& notice) {
@@ -226,6 +266,11 @@ class ViewerWindow {
     noticeEnd_ = Clock::now() + kNoticeTime;
   }
 
+  struct Saving {
+    std::string path;
+    State state;
+    std::shared_ptr<const Still> still;  ///< once it has begun
+  };
   struct Call {
     ViewerWindow& self;
     void (*action)(ViewerWindow&);
@@ -238,9 +283,10 @@ class ViewerWindow {
   vtkNew<vtkRenderWindowInteractor> interactor_;
   vtkNew<Style> style_;
   glm::ivec2 size_{0};
-  bool centered_ = false, spinning_ = false;
+  bool centered_ = false, spinning_ = false, leaves_ = false;
   Clock::time_point lastTick_{}, noticeEnd_{};
   std::string notice_;
+  std::deque<Saving> savings_;
   int pictures_ = 0;
 };
 
