@@ -49,6 +49,18 @@ TEST(Selection, KeepsTheWholeStateWithTheCameraInTheShownOnesPlace) {
   EXPECT_EQ(selection.with(now), state);
 }
 
+TEST(Selection, AnotherStateIsShownAtTheSamePlaceAsFarAsItHasIt) {
+  Selection selection(stateOf({"a", "b", "c"}, {"d", "e"}));
+  selection.nextVisualization(1);
+  selection.nextCamera(1);
+  selection.replace(stateOf({"A", "B", "C"}, {"D", "E"}));
+  EXPECT_EQ(selection.shown().visualizations[0].annotation, "B");
+  EXPECT_EQ(selection.camera().annotation, "E");
+  selection.replace(stateOf({"1"}, {"2"}));
+  EXPECT_EQ(selection.shown().visualizations[0].annotation, "1");
+  EXPECT_EQ(selection.camera().annotation, "2");
+}
+
 TEST(Selection, SaysWhichOfSeveralIsShown) {
   EXPECT_EQ(Selection(stateOf({""}, {"only"})).text(), "");
   EXPECT_EQ(Selection(stateOf({"", ""}, {""})).text(), "visualization 1 of 2");

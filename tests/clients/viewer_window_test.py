@@ -92,11 +92,15 @@ class ViewerCase(unittest.TestCase):
         until(self.saved.exists, "the state is saved")
         return json.loads(self.saved.read_text())["Cameras"][index]
 
-    def wait_for_picture(self, camera=SCENE["Camera"], size=(WIDTH, HEIGHT), scene=SCENE):
-        """Waits until the window shows, to the bit, what another client gets of the camera."""
+    def picture(self, camera, size=(WIDTH, HEIGHT), scene=SCENE):
+        """What another client gets, as a window shows it."""
         window = client.window(1, size=size)
         window.set({key: scene[key] for key in ("Datasets", "Renderer", "Visualization")})
-        expected = over_black(window.render(Camera=camera, rays=self.PASSES).rgba)[:-STATUS_ROWS]
+        return over_black(window.render(Camera=camera, rays=self.PASSES).rgba)
+
+    def wait_for_picture(self, camera=SCENE["Camera"], size=(WIDTH, HEIGHT), scene=SCENE):
+        """Waits until the window shows, to the bit, what another client gets of the camera."""
+        expected = self.picture(camera, size, scene)[:-STATUS_ROWS]
         self.assertGreater(len(np.unique(expected)), 40, "there is something to see")
         until(lambda: self.viewer.poll() is not None or
               np.array_equal(display.screen(*size)[:-STATUS_ROWS], expected), "the window shows the camera's picture")
@@ -272,6 +276,32 @@ class Several(ViewerCase):
         self.assertEqual([c["viewpoint"][2] > 0 for c in saved["Cameras"]], [True, False])
         np.testing.assert_allclose(saved["Cameras"][0]["viewpoint"], SCENE["Camera"]["viewpoint"])
         self.assertAlmostEqual(self.distance(saved["Cameras"][1]), math.dist((0, 0, 0), (3, 2, 4)) / 1.1 ** 2, places=6)
+
+
+class Edited(ViewerCase):
+    def write(self, text):
+        temporary = server.folder / "scene.json.new"  # as editors do
+        temporary.write_text(text)
+        temporary.rename(server.folder / "scene.json")
+
+    def test_the_file_is_shown_anew_when_it_changes_and_a_broken_one_is_told_of(self):
+        display.drag(1, CENTER, (30, 10))
+        here = self.camera()
+        self.wait_for_picture(here)
+        self.write(json.dumps({**OTHER, "Camera": SCENE["Camera"]}))
+        self.wait_for_picture(here, scene=OTHER)
+        picture = self.picture(here, scene=OTHER)
+        # A short line leaves the right end of its rows free, a message does not.
+        end = np.s_[-STATUS_ROWS:, -40:]
+        free = lambda: np.array_equal(display.screen(WIDTH, HEIGHT)[end], picture[end])  # noqa: E731
+        until(free, "the line is short")
+        self.write("{")
+        until(lambda: not free(), "the line says what is wrong")
+        self.wait_for_picture(here, scene=OTHER)
+        self.write(json.dumps(SCENE | {"Camera": OTHER["Camera"]}))
+        self.wait_for_picture(OTHER["Camera"])
+        picture = self.picture(OTHER["Camera"])
+        until(free, "nothing is wrong any more")
 
 
 def load(array):

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <iostream>
 
+#include "file_watch.h"
 #include "gxy/comm/error.h"
 #include "gxy/protocol/json.h"
 #include "gxy/scene/state_file.h"
@@ -30,6 +31,7 @@ State stateOf(const ViewOptions& options) {
 }
 
 int run(const ViewOptions& options) {
+  FileWatch file(options.stateFile);
   const Selection selection(stateOf(options));
   const State state = selection.shown();
   if (options.snapshot.empty()) checkDisplay();
@@ -40,7 +42,10 @@ int run(const ViewOptions& options) {
                                                  : rays,
                       warn);
   if (options.snapshot.empty()) {
-    runViewer(remote, selection, options.output);
+    runViewer(remote, selection, options.output, [&]() -> std::optional<State> {
+      if (!file.changed(FileWatch::Clock::now())) return std::nullopt;
+      return stateOf(options);
+    });
     return 0;
   }
   remote.waitUntilLoaded();

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "selection.h"
 
+#include <algorithm>
+
 namespace gxy {
 
 namespace {
@@ -12,6 +14,12 @@ std::string place(const char* what, size_t index, size_t of, const std::string& 
 }
 
 }  // namespace
+
+void Selection::replace(State state) {
+  state_ = std::move(state);
+  visualization_ = std::min(visualization_, state_.visualizations.size() - 1);
+  camera_ = std::min(camera_, state_.cameras.size() - 1);
+}
 
 State Selection::shown() const {
   return {state_.datasets, state_.settings, {state_.visualizations[visualization_]}, {camera()}};

@@ -13,6 +13,9 @@ class Selection {
   /// `state` has a visualization and a camera.
   explicit Selection(State state) : state_(std::move(state)) {}
 
+  /// Another state, as far as it has as many of both shown at the same places.
+  void replace(State state);
+
   /// The next, before the first the last.
   void nextVisualization(int by) { visualization_ = next(visualization_, state_.visualizations.size(), by); }
   void nextCamera(int by) { camera_ = next(camera_, state_.cameras.size(), by); }

@@ -44,10 +44,11 @@ vtkStandardNewMacro(Style);
 
 class ViewerWindow {
  public:
-  ViewerWindow(RemoteWindow& remote, Selection selection, std::string output)
+  ViewerWindow(RemoteWindow& remote, Selection selection, std::string output, NewerState newer)
       : remote_(remote),
         selection_(std::move(selection)),
         output_(std::move(output)),
+        newer_(std::move(newer)),
         shown_(selection_.camera().dimensions) {
     interactor_->SetRenderWindow(&shown_.window());
     interactor_->SetInteractorStyle(style_);
@@ -103,6 +104,7 @@ class ViewerWindow {
       view().OrthogonalizeViewUp();
     }
     lastTick_ = now;
+    takeNewer();
     remote_.setCamera(cameraNow());
     remote_.update(now);
     savePictures();
@@ -117,7 +119,7 @@ class ViewerWindow {
   }
 
   std::string status() const {
-    std::string text = remote_.status();
+    std::string text = newerError_.empty() ? remote_.status() : newerError_;
     for (const std::string& more :
          {selection_.text(), std::string(spinning_ ? "spinning" : ""), saving(), std::string("h: keys")})
       if (!more.empty()) text += "   " + more;
@@ -156,6 +158,20 @@ class ViewerWindow {
     view().SetPosition(focus[0] - distance * direction[0], focus[1] - distance * direction[1],
                        focus[2] - distance * direction[2]);
     view().SetViewUp(0, axis == 1 ? 0 : 1, axis == 1 ? 1 : 0);
+  }
+
+  // Where the file's camera has changed, it is what is to be looked at.
+  void takeNewer() try {
+    std::optional<State> newer = newer_();
+    if (!newer) return;
+    newerError_.clear();
+    const Camera before = selection_.camera();
+    selection_.replace(std::move(*newer));
+    remote_.show(selection_.shown());
+    if (!(selection_.camera() == before)) backToCamera();
+    say("read the changed file");
+  } catch (const Error& e) {
+    newerError_ = std::string("error: ") + e.what();
   }
 
   void nextVisualization(int by) {
@@ -279,13 +295,14 @@ class ViewerWindow {
   RemoteWindow& remote_;
   Selection selection_;
   const std::string output_;
+  const NewerState newer_;
   PictureView shown_;
   vtkNew<vtkRenderWindowInteractor> interactor_;
   vtkNew<Style> style_;
   glm::ivec2 size_{0};
   bool centered_ = false, spinning_ = false, leaves_ = false;
   Clock::time_point lastTick_{}, noticeEnd_{};
-  std::string notice_;
+  std::string notice_, newerError_;
   std::deque<Saving> savings_;
   int pictures_ = 0;
 };
@@ -307,8 +324,8 @@ void checkDisplay() {
         " has no OpenGL (GLX): expected it for the window; --snapshot F.png makes a picture without one");
 }
 
-void runViewer(RemoteWindow& remote, Selection selection, const std::string& output) {
-  ViewerWindow(remote, std::move(selection), output).run();
+void runViewer(RemoteWindow& remote, Selection selection, const std::string& output, NewerState newer) {
+  ViewerWindow(remote, std::move(selection), output, std::move(newer)).run();
 }
 
 }  // namespace gxy
