@@ -233,6 +233,27 @@ class Keys(ViewerCase):
         self.key("p")
         until((server.folder / "view_00001.png").exists, "a second picture gets a name of its own")
 
+    def test_the_data_range_is_narrowed_moved_and_reset(self):
+        def ranged(low, high):
+            scene = copy.deepcopy(SCENE)
+            scene["Visualization"]["operators"][0]["data range"] = [low, high]
+            return scene
+
+        self.key("minus")  # of 0 to 1.7
+        self.camera()
+        low, high = json.loads(self.saved.read_text())["Visualizations"][0]["operators"][0]["data range"]
+        self.assertAlmostEqual(low, 0.17)
+        self.assertAlmostEqual(high, 1.53)
+        self.wait_for_picture(scene=ranged(low, high))
+        self.key("bracketright")
+        self.camera()
+        low, high = json.loads(self.saved.read_text())["Visualizations"][0]["operators"][0]["data range"]
+        self.assertAlmostEqual(low, 0.17 + 0.136)
+        self.assertAlmostEqual(high, 1.53 + 0.136)
+        self.wait_for_picture(scene=ranged(low, high))
+        self.key("0")
+        self.wait_for_picture()
+
     def test_help_is_shown_and_taken_away(self):
         plain = display.screen(WIDTH, HEIGHT)[:-STATUS_ROWS]
         self.key("h")

@@ -14,6 +14,8 @@ inline constexpr const char* kKeyHelp =
     "  x y z (X Y Z)        look along an axis (against it)\n"
     "  v (V)                next (previous) visualization\n"
     "  c (C)                next (previous) camera of the file\n"
+    "  o (O)                next (previous) operator, for these:\n"
+    "  - +  [ ]  0          its data range: narrow, widen; move; reset\n"
     "  s                    spin, on and off\n"
     "  w                    write camera and state to PREFIX.json\n"
     "  p                    save a whole picture: PREFIX_00000.png\n"

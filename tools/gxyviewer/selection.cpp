@@ -2,6 +2,9 @@
 #include "selection.h"
 
 #include <algorithm>
+#include <cstdio>
+
+#include "data_range.h"
 
 namespace gxy {
 
@@ -17,8 +20,47 @@ std::string place(const char* what, size_t index, size_t of, const std::string& 
 
 void Selection::replace(State state) {
   state_ = std::move(state);
+  original_ = state_;
   visualization_ = std::min(visualization_, state_.visualizations.size() - 1);
   camera_ = std::min(camera_, state_.cameras.size() - 1);
+  if (operator_ >= operators().size()) operator_ = 0;
+}
+
+void Selection::nextVisualization(int by) {
+  visualization_ = next(visualization_, state_.visualizations.size(), by);
+  operator_ = 0;
+}
+
+void Selection::nextOperator(int by) {
+  if (!operators().empty()) operator_ = next(operator_, operators().size(), by);
+}
+
+void Selection::changeRange(double factor, double shift) {
+  if (!operators().empty()) changeDataRange(operators()[operator_], factor, shift);
+}
+
+void Selection::resetRange() {
+  if (operators().empty()) return;
+  const Vis& before = original_.visualizations[visualization_].operators[operator_];
+  Vis& vis = operators()[operator_];
+  vis.dataRange = before.dataRange;
+  vis.colormap = before.colormap;
+  vis.opacitymap = before.opacitymap;
+}
+
+std::string Selection::operatorText() const {
+  const std::vector<Vis>& all = state_.visualizations[visualization_].operators;
+  if (all.empty()) return "there is no operator";
+  const Vis& vis = all[operator_];
+  constexpr const char* kTypes[] = {"Volume", "Particles", "PathLines", "Triangles"};
+  std::string range = ": its maps are constant";
+  if (const auto r = dataRangeOf(vis)) {
+    char text[64];
+    std::snprintf(text, sizeof text, ": data range %.4g to %.4g", (*r)[0], (*r)[1]);
+    range = text;
+  }
+  return "operator " + std::to_string(operator_ + 1) + " of " + std::to_string(all.size()) + ", " +
+         kTypes[size_t(vis.type)] + " " + vis.dataset + range;
 }
 
 State Selection::shown() const {

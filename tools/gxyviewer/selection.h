@@ -2,23 +2,32 @@
 // Which of a state's visualizations and cameras is shown.
 #pragma once
 #include <string>
+#include <vector>
 
 #include "gxy/scene/scene.h"
 
 namespace gxy {
 
-/// A state, and the one visualization and the one camera of it that are shown: the first at first.
+/// A state, the one visualization and the one camera of it that are shown, and the operator whose maps are changed: the first
+/// of each at first.
 class Selection {
  public:
   /// `state` has a visualization and a camera.
-  explicit Selection(State state) : state_(std::move(state)) {}
+  explicit Selection(State state) : state_(std::move(state)), original_(state_) {}
 
   /// Another state, as far as it has as many of both shown at the same places.
   void replace(State state);
 
   /// The next, before the first the last.
-  void nextVisualization(int by) { visualization_ = next(visualization_, state_.visualizations.size(), by); }
+  void nextVisualization(int by);
+  void nextOperator(int by);
   void nextCamera(int by) { camera_ = next(camera_, state_.cameras.size(), by); }
+
+  /// Of the operator's maps; as in the state file again.
+  void changeRange(double factor, double shift);
+  void resetRange();
+  /// "operator 1 of 2, Volume balls: data range 0 to 1.7", for people.
+  std::string operatorText() const;
 
   const Camera& camera() const { return state_.cameras[camera_]; }
   /// What is shown as a state of its own, with one visualization and one camera.
@@ -31,8 +40,10 @@ class Selection {
  private:
   static size_t next(size_t at, size_t of, int by) { return (at + of + size_t(by)) % of; }
 
-  State state_;
-  size_t visualization_ = 0, camera_ = 0;
+  std::vector<Vis>& operators() { return state_.visualizations[visualization_].operators; }
+
+  State state_, original_;
+  size_t visualization_ = 0, camera_ = 0, operator_ = 0;
 };
 
 }  // namespace gxy

@@ -31,6 +31,7 @@ using Clock = RemoteWindow::Clock;
 constexpr unsigned long kTickMilliseconds = 10;
 constexpr double kSpinDegreesPerSecond = 30;
 constexpr std::chrono::seconds kNoticeTime{4};
+constexpr double kNarrower = 0.8, kShift = 0.1;  // of a data range, at each key
 
 /// VTK's trackball, without the keys that VTK binds to other things.
 class Style : public vtkInteractorStyleTrackballCamera {
@@ -179,6 +180,26 @@ class ViewerWindow {
     remote_.show(selection_.shown());
   }
 
+  void nextOperator(int by) {
+    selection_.nextOperator(by);
+    say(selection_.operatorText());
+  }
+
+  void changeRange(double factor, double shift) {
+    selection_.changeRange(factor, shift);
+    showRange();
+  }
+
+  void resetRange() {
+    selection_.resetRange();
+    showRange();
+  }
+
+  void showRange() {
+    remote_.show(selection_.shown());
+    say(selection_.operatorText());
+  }
+
   void nextCamera(int by) {
     selection_.nextCamera(by);
     backToCamera();
@@ -211,6 +232,14 @@ class ViewerWindow {
         {"V", [](Self& self) { self.nextVisualization(-1); }},
         {"c", [](Self& self) { self.nextCamera(1); }},
         {"C", [](Self& self) { self.nextCamera(-1); }},
+        {"o", [](Self& self) { self.nextOperator(1); }},
+        {"O", [](Self& self) { self.nextOperator(-1); }},
+        {"minus", [](Self& self) { self.changeRange(kNarrower, 0); }},
+        {"plus", [](Self& self) { self.changeRange(1 / kNarrower, 0); }},
+        {"equal", [](Self& self) { self.changeRange(1 / kNarrower, 0); }},
+        {"bracketleft", [](Self& self) { self.changeRange(1, -kShift); }},
+        {"bracketright", [](Self& self) { self.changeRange(1, kShift); }},
+        {"0", &Self::resetRange},
         {"w", &Self::saveState},
         {"p", [](Self& self) { self.savePicture(); }}};
     return all;

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "data_range.h"
+
+#include <algorithm>
+
+namespace gxy {
+
+namespace {
+
+using Range = std::array<double, 2>;
+
+template <class Points>
+void include(std::optional<Range>& range, const Points& points) {
+  const double first = points.front().value, last = points.back().value;
+  if (!(first < last)) return;
+  range = range ? Range{std::min((*range)[0], first), std::max((*range)[1], last)} : Range{first, last};
+}
+
+// A map is constant outside its ends, so that these change nothing.
+template <class Points>
+void extend(Points& points, const Range& range) {
+  if (!(points.front().value < points.back().value)) return;
+  if (range[0] < points.front().value) {
+    points.insert(points.begin(), points.front());
+    points.front().value = range[0];
+  }
+  if (range[1] > points.back().value) {
+    points.push_back(points.back());
+    points.back().value = range[1];
+  }
+}
+
+}  // namespace
+
+std::optional<Range> dataRangeOf(const Vis& vis) {
+  std::optional<Range> ends;
+  include(ends, vis.colormap.points);
+  include(ends, vis.opacitymap.points);
+  return ends && vis.dataRange ? vis.dataRange : ends;
+}
+
+bool changeDataRange(Vis& vis, double factor, double shift) {
+  const std::optional<Range> range = dataRangeOf(vis);
+  if (!range) return false;
+  if (!vis.dataRange) {
+    extend(vis.colormap.points, *range);
+    extend(vis.opacitymap.points, *range);
+  }
+  const auto [low, high] = *range;
+  const double half = 0.5 * (high - low) * factor, middle = 0.5 * (low + high) + 2 * half * shift;
+  vis.dataRange = {middle - half, middle + half};
+  return true;
+}
+
+}  // namespace gxy
