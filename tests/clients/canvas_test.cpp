@@ -5,6 +5,7 @@
 
 #include "gxy/comm/error.h"
 #include "gxy/protocol/tile_codec.h"
+#include "gxyviewer/upsample.h"
 
 namespace gxy::test {
 namespace {
@@ -55,13 +56,38 @@ TEST(Canvas, AFirstPassIsShownWhenItIsWholeAndLaterTilesAtOnce) {
   EXPECT_EQ(canvas.frame(), 1u);
 }
 
-TEST(Canvas, CoarsePixelsAreSquaresCutOffAtTheEdges) {
+// The level's pixels have their middles at 1 and 3 of the window's 0 to 4, whose own are at 0.5, 1.5, 2.5 and 3.5.
+TEST(Canvas, ACoarseLevelIsInterpolatedBetweenTheMiddlesOfItsPixels) {
+  Canvas canvas({4, 4});
+  tile(canvas, 1, 2, {0, 0}, {1, 1}, 0);
+  tile(canvas, 1, 2, {1, 0}, {1, 1}, 40);
+  tile(canvas, 1, 2, {0, 1}, {1, 1}, 80);
+  EXPECT_FALSE(tile(canvas, 1, 2, {1, 1}, {1, 1}, 200));
+  EXPECT_EQ(greys(canvas), std::vector<int>(16, 0));
+  EXPECT_TRUE(endPass(canvas, 1, 2));
+  EXPECT_EQ(greys(canvas), (std::vector<int>{0, 10, 30, 40,     //
+                                             20, 35, 65, 80,    // 0.75 of the lower, 0.25 of the upper
+                                             60, 85, 135, 160,  //
+                                             80, 110, 170, 200}));
+}
+
+// Both cameras show the same along the smaller side: 2 pixels of the level are 3 of the window.
+TEST(Canvas, ALevelThatDoesNotDivideTheWindowLiesWhereItsCameraShowsIt) {
   Canvas canvas({3, 3});
   tile(canvas, 1, 2, {0, 0}, {2, 1}, 10);
   tile(canvas, 1, 2, {0, 1}, {1, 1}, 20);
   tile(canvas, 1, 2, {1, 1}, {1, 1}, 30);
   endPass(canvas, 1, 2);
-  EXPECT_EQ(greys(canvas), (std::vector<int>{10, 10, 10, 10, 10, 10, 20, 20, 30}));
+  EXPECT_EQ(greys(canvas), (std::vector<int>{10, 10, 10, 15, 18, 20, 20, 25, 30}));
+}
+
+TEST(Canvas, WhatIsTransparentGivesNoColourToWhatIsBesideIt) {
+  const std::vector<uint8_t> orange{255, 128, 0, 255, 0, 0, 0, 0};
+  std::vector<uint8_t> coarse = orange, rgba(64);
+  coarse.insert(coarse.end(), orange.begin(), orange.end());
+  upsample(coarse, {2, 2}, rgba, {4, 4});
+  const std::vector<uint8_t> row{255, 128, 0, 255, 255, 128, 0, 191, 255, 128, 0, 64, 0, 0, 0, 0};
+  for (size_t i = 0; i < rgba.size(); i++) EXPECT_EQ(rgba[i], row[i % 16]) << i;
 }
 
 TEST(Canvas, TilesOfOlderFramesAndOfOtherSizesAreNotTaken) {

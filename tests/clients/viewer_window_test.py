@@ -64,16 +64,19 @@ def over_black(rgba):
 
 class ViewerCase(unittest.TestCase):
     PASSES, SCENE = 1, SCENE
+    OPTIONS = None  # of the number of passes; None: PASSES
+    LEVELS = 40  # that a picture has at least, so that there is something to see
 
     def setUp(self):
         (server.folder / "scene.json").write_text(json.dumps(self.SCENE))
         self.saved = server.folder / "view.json"
         self.viewer = subprocess.Popen(
             [PROGRAMS / "gxyviewer", "-P", str(server.port), "--token-file", server.token, "--output", "view",
-             "--passes", str(self.PASSES), "scene.json"], cwd=server.folder, env=display.environment, stderr=subprocess.PIPE, text=True)
+             *(["--passes", str(self.PASSES)] if self.OPTIONS is None else self.OPTIONS), "scene.json"],
+            cwd=server.folder, env=display.environment, stderr=subprocess.PIPE, text=True)
         self.addCleanup(self.end)
         display.do("mousemove", *CENTER)
-        self.wait_for_picture()
+        self.wait_for_picture(scene=self.SCENE if "Visualization" in self.SCENE else SCENE)
 
     def end(self):
         if self.viewer.poll() is None:
@@ -101,7 +104,7 @@ class ViewerCase(unittest.TestCase):
     def wait_for_picture(self, camera=SCENE["Camera"], size=(WIDTH, HEIGHT), scene=SCENE):
         """Waits until the window shows, to the bit, what another client gets of the camera."""
         expected = self.picture(camera, size, scene)[:-STATUS_ROWS]
-        self.assertGreater(len(np.unique(expected)), 40, "there is something to see")
+        self.assertGreater(len(np.unique(expected)), self.LEVELS, "there is something to see")
         until(lambda: self.viewer.poll() is not None or
               np.array_equal(display.screen(*size)[:-STATUS_ROWS], expected), "the window shows the camera's picture")
         self.assertIsNone(self.viewer.poll(), "the viewer has ended")
@@ -380,13 +383,34 @@ class Refined(ViewerCase):
         self.assertTrue((server.folder / "view_00000.png").exists())
 
 
+class AtRest(ViewerCase):
+    PASSES, OPTIONS, LEVELS = 16, [], 13  # as many passes as there are by default
+    # A flat white disc on black: a pixel is as bright as the part of its rays that meet it.
+    SCENE = copy.deepcopy(SCENE)
+    SCENE["Renderer"]["background"] = [0, 0, 0, 1]
+    SCENE["Visualization"]["Lighting"] = {"Ka": 1, "Kd": 0, "shadows": False, "ao count": 0}
+    SCENE["Visualization"]["operators"] = [{"type": "Volume", "dataset": "balls", "isovalues": [0.5], "data range": [0, 1],
+                                            "colormap": [[0, 1, 1, 1], [1, 1, 1, 1]]}]
+
+    def test_edges_are_antialiased_by_sixteen_rays_unless_it_is_told_otherwise(self):
+        picture = display.screen(WIDTH, HEIGHT)[:-STATUS_ROWS]
+        sixteenths = {round(255 * n / 16) for n in range(17)}
+        levels, counts = np.unique(picture, return_counts=True)
+        self.assertLessEqual(set(levels.tolist()), sixteenths)
+        self.assertGreaterEqual(len(levels), 14, "of 17, nearly all occur along an edge")
+        # The disc's area: a sphere of radius r at distance d is seen under the angle asin(r / d).
+        pixel = 2 * math.tan(math.radians(15)) / min(WIDTH, HEIGHT)
+        radius = math.tan(math.asin(0.5 / math.dist((0, 0, 0), (3, 2, 4)))) / pixel
+        self.assertAlmostEqual(picture[..., 0].sum() / 255 / (math.pi * radius ** 2), 1, delta=0.01)
+
+
 class Refining(ViewerCase):
     # Minutes of them, of occlusion, too: what is compared comes before.
     PASSES, SCENE = 4096, STATE
 
-    def wait_for_picture(self, camera=STATE["Camera"], size=(WIDTH, HEIGHT)):
+    def wait_for_picture(self, camera=STATE["Camera"], size=(WIDTH, HEIGHT), scene=STATE):
         window = client.window(1, size=size)
-        window.set({key: value for key, value in STATE.items() if key != "Camera"})
+        window.set({key: value for key, value in scene.items() if key != "Camera"})
         expected = over_black(window.render(Camera=camera, rays=16).rgba)[:-STATUS_ROWS].astype(float)
         # However often it is refined, by less than a level; the other array's is tens of levels away.
         until(lambda: np.abs(display.screen(*size)[:-STATUS_ROWS] - expected).mean() < 3, "the data are shown")

@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include "gxy/protocol/tile_codec.h"
+#include "upsample.h"
 
 namespace gxy {
 
@@ -35,12 +36,17 @@ bool Canvas::take(const PixelHeader& header, std::span<const std::byte> data) {
   if (header.frame < newestFrame_ || !fits(size_.x, header.width) || !fits(size_.y, header.height))
     return false;
   newestFrame_ = header.frame;
+  const bool coarse = header.scale > 1, shown = shownFrame_ == header.frame;
+  if (coarse) coarse_.resize(size_t(header.width) * header.height * 4);
   if (header.kind == PixelKind::Tile) {
-    draw(header, data, shownFrame_ == header.frame ? shown_ : gathered_);
-    return shownFrame_ == header.frame;
+    draw(header, data, coarse ? coarse_ : shown ? shown_ : gathered_);
+    return shown && !coarse;
   }
-  if (header.kind != PixelKind::EndOfPass || shownFrame_ == header.frame) return false;
-  shown_.swap(gathered_);
+  if (header.kind != PixelKind::EndOfPass || (shown && !coarse)) return false;
+  if (coarse)
+    upsample(coarse_, {header.width, header.height}, shown_, size_);
+  else
+    shown_.swap(gathered_);
   shownFrame_ = header.frame;
   return true;
 }
@@ -48,19 +54,13 @@ bool Canvas::take(const PixelHeader& header, std::span<const std::byte> data) {
 void Canvas::draw(const PixelHeader& header, std::span<const std::byte> data, std::vector<uint8_t>& rgba) {
   const protocol::TilePixels tile = protocol::decodeTile(header, data);
   const size_t channels = tile.format == protocol::PixelFormat::Rgba8 ? 4 : 3;
-  const size_t width = size_t(size_.x), height = size_t(size_.y), scale = header.scale;
-  const size_t left = header.x * scale, right = std::min(width, (size_t(header.x) + header.w) * scale);
   for (size_t row = 0; row < header.h; row++) {
-    const size_t bottom = (header.y + row) * scale, top = std::min(height, bottom + scale);
-    uint8_t* const first = &rgba[(bottom * width + left) * 4];
-    const uint8_t* const source = &tile.bytes[row * header.w * channels];
-    for (size_t x = 0; x < right - left; x++) {
-      const uint8_t* const pixel = source + x / scale * channels;
-      const uint8_t value[4] = {pixel[0], pixel[1], pixel[2], channels == 4 ? pixel[3] : uint8_t(255)};
-      std::memcpy(first + x * 4, value, 4);
+    const uint8_t* from = &tile.bytes[row * header.w * channels];
+    uint8_t* to = &rgba[((header.y + row) * header.width + header.x) * 4];
+    for (size_t x = 0; x < header.w; x++, from += channels, to += 4) {
+      std::memcpy(to, from, 3);
+      to[3] = channels == 4 ? from[3] : uint8_t(255);
     }
-    for (size_t y = bottom + 1; y < top; y++)
-      std::memcpy(&rgba[(y * width + left) * 4], first, (right - left) * 4);
   }
 }
 

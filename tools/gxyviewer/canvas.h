@@ -10,8 +10,9 @@
 
 namespace gxy {
 
-/// Shows one whole picture at any time: a frame's first pass is gathered out of sight and shown when it is complete;
-/// from then on its finer tiles take their places one by one. Coarse pixels are squares. Not thread safe.
+/// Shows one whole picture at any time: a frame's first pass is gathered out of sight and shown when it is complete; from then
+/// on tiles of full resolution take their places one by one. A coarse level is shown as a whole, interpolated linearly between
+/// the middles of its pixels. Not thread safe.
 class Canvas {
  public:
   explicit Canvas(glm::ivec2 size) { resize(size); }
@@ -30,10 +31,12 @@ class Canvas {
   uint64_t frame() const { return shownFrame_; }
 
  private:
-  void draw(const protocol::PixelHeader& header, std::span<const std::byte> data, std::vector<uint8_t>& rgba);
+  static void draw(const protocol::PixelHeader& header, std::span<const std::byte> data,
+                   std::vector<uint8_t>& rgba);
 
   glm::ivec2 size_{0};
   std::vector<uint8_t> shown_, gathered_;
+  std::vector<uint8_t> coarse_;  ///< of the level that comes
   uint64_t shownFrame_ = 0, newestFrame_ = 0;
 };
 
