@@ -38,7 +38,7 @@ void readPreset(const Found& found, Vis& vis) {
       throw Error(inQuotes(name) + ": with it presets give " + std::to_string(context.presetPoints) +
                   " points of maps, expected at most " + std::to_string(kMaxJsonValues));
     vis.colormap = preset.colors;
-    if (preset.opacities) vis.opacitymap = *preset.opacities;
+    if (preset.opacities && vis.volumeRendering) vis.opacitymap = *preset.opacities;
   } catch (const Error& e) {
     context.fail(found.value.at, inQuotes(found.key, '`') + ": expected the name of a shipped map (" +
                                      shippedNames() + ") or of a ParaView preset file; " + e.what());

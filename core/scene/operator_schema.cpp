@@ -113,6 +113,9 @@ std::vector<Key<Vis>> whatKeys() {
                      readComponent, [](V v) { return orAbsent(v.component); })
           .only(kVolume)
           .byDefault("magnitude"),
+      flagKey("volume rendering", &Vis::volumeRendering,
+              "March through the volume; combines with `isovalues` and `slices`.")
+          .only(kVolume),
   };
 }
 
@@ -126,13 +129,16 @@ std::vector<Key<Vis>> mapKeys() {
           .alias({"transfer function"}),
       customKey<Vis>(
           "opacitymap", "list of [value, opacity 0 to 1]",
-          "Opacity by value, of a slab one `reference length` thick.",
+          "Opacity by value, of a slab one `reference length` thick. Surfaces have `opacity`.",
           [](F f, Vis& v) { v.opacitymap = readOpacityMap(f, false); },
-          [](V v) { return v.opacitymap.extinction ? OrderedJson() : toJson(v.opacitymap); }),
+          [](V v) { return v.opacitymap.extinction ? OrderedJson() : toJson(v.opacitymap); })
+          .only(kVolume)
+          .with("volume rendering", &Vis::volumeRendering),
       customKey<Vis>("extinctionmap", "list of [value, extinction >= 0]",
                      "Instead of `opacitymap`: extinction by value, per world unit.", readExtinctionMap,
                      [](V v) { return v.opacitymap.extinction ? toJson(v.opacitymap) : OrderedJson(); })
           .only(kVolume)
+          .with("volume rendering", &Vis::volumeRendering)
           .byDefault("-"),
       customKey<Vis>("data range", "[min, max]", "Values onto which the ends of each map are stretched.",
                      readDataRange, [](V v) { return orAbsent(v.dataRange); })
@@ -142,6 +148,7 @@ std::vector<Key<Vis>> mapKeys() {
           [](F f, Vis& v) { v.referenceLength = f.number(kPositive); },
           [](V v) { return orAbsent(v.referenceLength); })
           .only(kVolume)
+          .with("volume rendering", &Vis::volumeRendering)
           .byDefault("smallest cell spacing"),
   };
 }
@@ -157,9 +164,6 @@ std::vector<Key<Vis>> surfaceKeys() {
           "clip planes", "list of [a, b, c, d]", "Only what has a\\*x + b\\*y + c\\*z >= d for all is shown.",
           [](F f, Vis& v) { v.clipPlanes = planes(f); }, [](V v) { return toJson(v.clipPlanes); })
           .byDefault("none"),
-      flagKey("volume rendering", &Vis::volumeRendering,
-              "March through the volume; combines with the two below.")
-          .only(kVolume),
       customKey<Vis>(
           "isovalues", "list of numbers", "Values of isosurfaces; with slices, at most 65535.",
           [](F f, Vis& v) { v.isovalues = f.numbers(0, kMaxJsonValues, "a list of numbers"); },

@@ -24,6 +24,7 @@ struct KeyInfo {
   std::string defaultText;  ///< empty: the saved form of a default T
   bool required = false;
   unsigned appliesTo = ~0u;  ///< bits 1 << VisType, for keys of operators
+  std::string needs;         ///< another key, a flag read before, without which this one has no effect
 };
 
 /// One row: a key of the objects that describe a T.
@@ -32,6 +33,7 @@ struct Key {
   KeyInfo info;
   std::function<void(const Found&, T&)> read;
   std::function<OrderedJson(const T&)> write;  ///< null where the key is not saved
+  bool T::*flag = nullptr;                     ///< the member of info.needs
 
   Key alias(std::vector<std::string> names) && {
     info.aliases = std::move(names);
@@ -43,6 +45,11 @@ struct Key {
   }
   Key only(unsigned types) && {
     info.appliesTo = types;
+    return std::move(*this);
+  }
+  Key with(std::string other, bool T::*member) && {
+    info.needs = std::move(other);
+    flag = member;
     return std::move(*this);
   }
   Key byDefault(std::string text) && {
@@ -64,6 +71,12 @@ unsigned typeBit(const T&) {
 }
 inline unsigned typeBit(const Vis& vis) { return 1u << unsigned(vis.type); }
 
+/// Whether the key matters to an object of which the keys before it have been read.
+template <class T>
+bool hasEffect(const Key<T>& key, const T& t) {
+  return (key.info.appliesTo & typeBit(t)) && (!key.flag || t.*key.flag);
+}
+
 inline std::string withRange(const std::string& noun, const Limits& limits) {
   const std::string range = limits.text();
   return range.empty() ? noun : noun + " " + range;
@@ -80,39 +93,40 @@ inline OrderedJson toJson(const std::vector<Plane>& planes) {
 // Rows for the plain kinds of members.
 template <class T>
 Key<T> numberKey(std::string name, double T::*member, Limits limits, std::string meaning) {
-  return {{std::move(name), {}, withRange("number", limits), std::move(meaning), "", false, ~0u},
+  return {{std::move(name), {}, withRange("number", limits), std::move(meaning), "", false, ~0u, ""},
           [=](const Found& found, T& t) { t.*member = found.number(limits); },
           [=](const T& t) { return OrderedJson(t.*member); }};
 }
 template <class T>
 Key<T> integerKey(std::string name, int T::*member, Limits limits, std::string meaning) {
-  return {{std::move(name), {}, withRange("integer", limits), std::move(meaning), "", false, ~0u},
+  return {{std::move(name), {}, withRange("integer", limits), std::move(meaning), "", false, ~0u, ""},
           [=](const Found& found, T& t) { t.*member = found.integer(limits); },
           [=](const T& t) { return OrderedJson(t.*member); }};
 }
 template <class T>
 Key<T> flagKey(std::string name, bool T::*member, std::string meaning) {
-  return {{std::move(name), {}, "true or false", std::move(meaning), "", false, ~0u},
+  return {{std::move(name), {}, "true or false", std::move(meaning), "", false, ~0u, ""},
           [=](const Found& found, T& t) { t.*member = found.boolean(); },
           [=](const T& t) { return OrderedJson(t.*member); }};
 }
 template <class T>
 Key<T> textKey(std::string name, std::string T::*member, std::string meaning) {
-  return {{std::move(name), {}, "text", std::move(meaning), "empty", false, ~0u},
+  return {{std::move(name), {}, "text", std::move(meaning), "empty", false, ~0u, ""},
           [=](const Found& found, T& t) { t.*member = found.text(); },
           [=](const T& t) { return (t.*member).empty() ? OrderedJson() : OrderedJson(t.*member); }};
 }
 template <class T>
 Key<T> vectorKey(std::string name, glm::dvec3 T::*member, std::string meaning) {
-  return {{std::move(name), {}, "[x, y, z]", std::move(meaning), "", false, ~0u},
+  return {{std::move(name), {}, "[x, y, z]", std::move(meaning), "", false, ~0u, ""},
           [=](const Found& found, T& t) { t.*member = found.vec3(); },
           [=](const T& t) { return toJson(t.*member); }};
 }
 template <class T>
 Key<T> colorKey(std::string name, glm::dvec4 T::*member, std::string meaning) {
-  return {{std::move(name), {}, "[r, g, b] or [r, g, b, a] of 0 to 1", std::move(meaning), "", false, ~0u},
-          [=](const Found& found, T& t) { t.*member = found.color(); },
-          [=](const T& t) { return toJson(t.*member); }};
+  return {
+      {std::move(name), {}, "[r, g, b] or [r, g, b, a] of 0 to 1", std::move(meaning), "", false, ~0u, ""},
+      [=](const Found& found, T& t) { t.*member = found.color(); },
+      [=](const T& t) { return toJson(t.*member); }};
 }
 
 /// A row with its own reader and (where it is saved) writer.
@@ -120,7 +134,7 @@ template <class T, class Read>
 Key<T> customKey(
     std::string name, std::string type, std::string meaning, Read read,
     std::function<OrderedJson(const T&)> write = [](const T&) { return OrderedJson(); }) {
-  return {{std::move(name), {}, std::move(type), std::move(meaning), "", false, ~0u},
+  return {{std::move(name), {}, std::move(type), std::move(meaning), "", false, ~0u, ""},
           std::move(read),
           std::move(write)};
 }
@@ -177,8 +191,11 @@ void readObject(ReadContext& context, const JsonValue& value, const Schema<T>& s
       continue;
     }
     key.read(Found{context, member->key, member->value, value}, out);
-    if (!(key.info.appliesTo & typeBit(out))) {
-      context.warn(member->at, inQuotes(member->key, '`') + " has no effect on this type of " + schema.title);
+    if (!hasEffect(key, out)) {
+      const bool otherType = !(key.info.appliesTo & typeBit(out));
+      context.warn(member->at, inQuotes(member->key, '`') + " has no effect " +
+                                   (otherType ? "on this type of " + schema.title
+                                              : "without " + inQuotes(key.info.needs, '`')));
     }
   }
 }
@@ -196,7 +213,7 @@ OrderedJson writeObject(const T& t, const Schema<T>& schema) {
   OrderedJson out = OrderedJson::object();
   for (const Key<T>& key : schema.keys) {
     OrderedJson value = key.write(t);
-    const bool idle = !(key.info.appliesTo & typeBit(t)) && value == key.write(T{});
+    const bool idle = !hasEffect(key, t) && value == key.write(T{});
     if (!value.is_null() && !idle) out[key.info.name] = std::move(value);
   }
   return out;
@@ -214,7 +231,8 @@ const Schema<State>& stateSchema();
 Camera readCamera(const Found& found);
 
 // The map keys of an operator.
-void readColorMap(const Found& found, Vis& vis);  ///< a preset file's opacities become the opacity map
+/// A preset file's opacities become the opacity map of a volume that is rendered.
+void readColorMap(const Found& found, Vis& vis);
 OpacityMap readOpacityMap(const Found& found, bool extinction);
 OrderedJson toJson(const ColorMap& map);
 OrderedJson toJson(const OpacityMap& map);

@@ -62,7 +62,7 @@ std::string applicability(const KeyInfo& info) {
   for (unsigned i = 0; i < 4; ++i) {
     if (info.appliesTo & (1u << i)) out += (out.empty() ? "" : ", ") + std::string(kNames[i]);
   }
-  return " (" + out + ")";
+  return " (" + out + (info.needs.empty() ? "" : " with " + code(info.needs)) + ")";
 }
 
 template <class T>

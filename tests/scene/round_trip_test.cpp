@@ -35,6 +35,9 @@ TEST(RoundTrip, SavedFilesLoadWithoutWarnings) {
   vis.volumeRendering = true;
   state.visualizations.emplace_back();
   state.visualizations.back().operators.push_back(vis);
+  vis.volumeRendering = false;
+  vis.isovalues = {0.5};
+  state.visualizations.back().operators.push_back(vis);
   state.cameras.emplace_back();
   const StateFile back = readState(writeState(state), "saved");
   EXPECT_TRUE(back.warnings.empty()) << back.warnings.front();

@@ -156,6 +156,25 @@ TEST(StateMessages, KeysWithoutEffectWarn) {
             std::string::npos);
 }
 
+TEST(StateMessages, OpacityMapsOfSurfacesWarn) {
+  const auto warnings = [](const std::string& keys) {
+    return readState(R"({"Visualization": {"operators": [{"dataset": "d", )" + keys + "}]}}", "s").warnings;
+  };
+  using Warnings = std::vector<std::string>;
+  EXPECT_EQ(warnings(R"("type": "Triangles", "opacitymap": [[0, 0.25], [1, 1]])"),
+            Warnings{"s:1:72: `opacitymap` has no effect on this type of operator"});
+  for (const char* surfaces : {R"("isovalues": [1])", R"("slices": [[0, 0, 1, 0]])"}) {
+    const std::string volume = R"("type": "Volume", )" + std::string(surfaces);
+    EXPECT_EQ(warnings(volume), Warnings{});
+    EXPECT_EQ(warnings(R"("type": "Volume", "opacitymap": [[0, 0.25]], )" + std::string(surfaces)),
+              Warnings{"s:1:69: `opacitymap` has no effect without `volume rendering`"});
+    EXPECT_EQ(warnings(R"("extinctionmap": [[0, 2]], "reference length": 3, )" + volume),
+              (Warnings{"s:1:51: `extinctionmap` has no effect without `volume rendering`",
+                        "s:1:78: `reference length` has no effect without `volume rendering`"}));
+    EXPECT_EQ(warnings(R"("opacitymap": [[0, 0.25]], "volume rendering": true, )" + volume), Warnings{});
+  }
+}
+
 TEST(StateMessages, WarningsAreBounded) {
   std::string text = "{";
   for (int i = 0; i < 5000; ++i) text += (i ? ",\"" : "\"") + std::to_string(i) + "\":0";
