@@ -10,23 +10,26 @@ import sys
 import tempfile
 import threading
 import unittest
+import zlib
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "tools" / "python"))
 import galaxy  # noqa: E402
 
 PROGRAMS = pathlib.Path(sys.argv[1]).resolve()
-CONTROL, REPLY, EVENT = 0, 2, 3
+CONTROL, REPLY, EVENT, PIXELS, FILE = 0, 2, 3, 4, 5
 STATE = {"Datasets": [{"name": "a b", "type": "Volume", "filename": "x.vol"}],
          "Visualization": {"operators": [{"type": "Volume", "dataset": "a b", "volume rendering": True}]},
          "Camera": {"viewpoint": [0, 0, 3], "viewcenter": [0, 0, 0], "dimensions": [16, 16]}}
 
 
 class StandIn:
-    """Serves one client. `answers`: replies by statement, bytes; others are answered by `ok`. After the reply of a statement in
-    `last` it says bye. What was asked is in `asked`."""
+    """Serves one client. `answers`: replies by statement, bytes; others are answered by `ok`. `frames`: by statement, what is
+    sent before its reply, pairs of channel and payload. After the reply of a statement in `last` it says bye. What was asked is
+    in `asked`, and pongs."""
 
-    def __init__(self, answers=None, events=(), last=None, limits=None):
-        self._answers, self._events, self._last = answers or {}, events, last
+    def __init__(self, answers=None, events=(), last=None, limits=None, frames=None):
+        self._answers, self._frames = {} if answers is None else answers, frames or {}
+        self._events, self._last = events, last
         self._welcome = {"server": "stand-in", "session": 1, "tenant": "t", "administrator": True, "ranks": 1,
                          "limits": limits or {}}
         self.asked = []
@@ -56,18 +59,37 @@ class StandIn:
                 while header := stream.read(16):
                     size, channel, _, number = struct.unpack("<QHHI", header)
                     text = stream.read(size).decode()
-                    if channel == CONTROL:
+                    if text.startswith("pong "):
+                        self.asked.append(text)
+                    elif channel == CONTROL:
                         send(CONTROL, 0, b"welcome " + json.dumps(self._welcome).encode())
                         for event in self._events:
                             send(EVENT, 0, event)
+                    if channel == CONTROL:
                         continue
                     self.asked.append(text)
+                    for frame in self._frames.get(text, ()):
+                        send(frame[0], number if frame[0] == FILE else 0, frame[1])
                     send(REPLY, number, self._answers.get(text, b"ok"))
                     if text == self._last:
                         send(CONTROL, 0, b"bye the server stops")
                         return
             except OSError:
                 pass  # the client has gone
+
+    def ended(self):
+        """Waits until the client has gone; what it had asked."""
+        self._thread.join(60)
+        return self.asked
+
+
+def pixels(kind, frame, data, tile=(0, 0, 4, 4), size=None):
+    """A record of window 1, of a picture of 8 x 8 pixels; `size`: as its header says it."""
+    return struct.pack("<IIQ8IHHIQ", kind, 1, frame, 8, 8, 1, 0, *tile, 3, 0, 0, len(data) if size is None else size) + data
+
+
+def end(frame, status="complete"):
+    return PIXELS, pixels(3, frame, json.dumps({"status": status}).encode(), (0, 0, 0, 0))
 
 
 class Python(unittest.TestCase):
@@ -116,6 +138,51 @@ class Python(unittest.TestCase):
             self.assertEqual(client.request("second", timeout=60), {})
 
 
+    def test_pings_are_answered_before_what_comes_after_them(self):
+        with StandIn(frames={"echo": [(CONTROL, b"ping 17")]}) as server:
+            client = self.client(server)
+            client.request("echo", timeout=60)
+            client.request("list", timeout=60)
+        self.assertEqual(server.asked, ["echo", "pong 17", "list"])
+
+    def test_ids_begin_anew_after_the_largest(self):
+        with StandIn() as server:
+            client = self.client(server)
+            client._next_id = 0xFFFFFFFF
+            self.assertEqual([client.send("echo")[0] for _ in range(3)], [0xFFFFFFFF, 1, 2])
+
+    def window(self, frames, last=None):
+        """A window of a server that answers `echo` after these frames."""
+        server = StandIn(frames={"echo": frames}, last=last)
+        self.addCleanup(server.__exit__)
+        client = self.client(server)
+        window = client.window(1)
+        client.request("echo", timeout=60)
+        return window
+
+    def test_who_waits_for_a_frame_gets_the_newest_that_has_ended(self):
+        window = self.window([end(1, "superseded"), end(2), end(3)])
+        self.assertEqual((window.wait(1, 60).frame, window.wait(3, 60).frame), (3, 3))
+
+    def test_of_ends_of_frames_the_newest_64_are_kept(self):
+        self.assertEqual(sorted(self.window([end(frame) for frame in range(1, 101)])._ends), list(range(37, 101)))
+
+    def test_pixels_that_mean_nothing_end_the_connection_with_the_reason(self):
+        data = zlib.compress(bytes(64))
+        for record, reason in ((pixels(1, 1, data, (5, 0, 4, 4)), "a tile of 4 x 4, expected one inside 8 x 8"),
+                               (pixels(1, 1, data, (0, 5, 4, 4)), "a tile of 4 x 4, expected one inside 8 x 8"),
+                               (pixels(1, 1, data, size=len(data) + 1), "their header says"),
+                               (pixels(1, 1, zlib.compress(bytes(63))), "a tile of 63 bytes, expected 4 x 4 x 4"),
+                               (pixels(3, 1, b"{}", (0, 0, 0, 0), 3), "their header says 3")):
+            with self.assertRaisesRegex(galaxy.GalaxyError, reason):
+                self.window([(PIXELS, record)])
+
+    def test_who_waits_for_a_frame_hears_that_the_connection_has_ended(self):
+        window = self.window([], last="echo")
+        with self.assertRaisesRegex(galaxy.GalaxyError, "the connection has ended: the server stops"):
+            window.wait(1, 20)
+
+
 class Programs(unittest.TestCase):
     def setUp(self):
         folder = tempfile.TemporaryDirectory(prefix="galaxy-answers-")
@@ -149,6 +216,38 @@ class Programs(unittest.TestCase):
             self.assertEqual(server.asked, ["load data", "import a", "import b"])
             self.assertIn(done.returncode, (1, 2), "it was sent into a connection that had ended, or not sent at all")
             self.assertIn(b"the connection has ended: ", done.stderr)
+
+    def test_a_statement_that_failed_is_seen_in_the_exit_status_also_of_json(self):
+        for options in ([], ["--json"]):
+            with StandIn({"bad": b"error: no"}) as server:
+                self.assertEqual(self.say(server, *options, "-c", "bad; good").returncode, 1)
+            with StandIn() as server:
+                self.assertEqual(self.say(server, *options, "-c", "good").returncode, 0)
+
+    def test_exit_leaves_all_that_follows(self):
+        (self.folder / "script").write_text("three;")
+        with StandIn() as server:
+            done = self.say(server, "-c", "one; exit; two", "-c", "two", "script")
+        self.assertEqual((server.ended(), done.returncode), (["load data", "one"], 0))
+
+    def test_msdata_answers_pings(self):
+        with StandIn(frames={"one": [(CONTROL, b"ping 17")]}) as server:
+            self.say(server, "-c", "one; two")
+        self.assertEqual(server.ended(), ["load data", "one", "pong 17", "two"])
+
+    def test_a_picture_whose_header_does_not_fit_ends_the_connection(self):
+        for record in (b"", struct.pack("<I", 5) + b"{}", struct.pack("<I", 0xFFFFFFFF) + b"{}"):
+            with StandIn(frames={"one": [(FILE, record)]}) as server:
+                done = self.say(server, "-c", "one; two")
+            self.assertIn(b"its header does not fit", done.stderr)
+            self.assertNotEqual(done.returncode, 0)
+
+    def test_galaxy_py_tells_warnings(self):
+        (self.folder / "scene.json").write_text(json.dumps(STATE))
+        with StandIn(Warns()) as server:
+            done = self.run_it([sys.executable, galaxy.__file__], server, "scene.json")
+        self.assertEqual(done.stderr, b"galaxy.py: warning: key x means nothing\ngalaxy.py: error: nothing to render\n")
+        self.assertEqual(done.returncode, 1)
 
     def test_the_last_one_may_end_the_connection(self):
         with StandIn(last="quit") as server:
@@ -201,6 +300,15 @@ class RenderFails(dict):
 
     def get(self, statement, default=None):
         return b"error: nothing to render" if statement.startswith("viewer.render") else super().get(statement, default)
+
+
+class Warns(RenderFails):
+    """The same, with a warning for what a window is to show."""
+
+    def get(self, statement, default=None):
+        if statement.startswith("viewer.set"):
+            return b'ok {"warnings": ["key x means nothing"]}'
+        return super().get(statement, default)
 
 
 if __name__ == "__main__":

@@ -48,6 +48,13 @@ TEST(Outbox, SendsControlThenTextThenPixelsThenFiles) {
   EXPECT_EQ(outbox.counters().queuedBytes, 0u);
 }
 
+TEST(Outbox, SendsWindowsInTurn) {
+  Outbox outbox({}, [] {}, {});
+  for (uint32_t window = 1; window <= 3; window++)
+    for (int tile = 0; tile < 2; tile++) outbox.pixels(record(window, window, PixelKind::Tile));
+  EXPECT_EQ(kindsLeft(outbox), "t1t2t3t1t2t3");
+}
+
 TEST(Outbox, SaysOnceThatItHasClosed) {
   Outbox outbox({}, [] {}, {});
   int closed = 0;
@@ -156,6 +163,12 @@ TEST(Outbox, FilesWaitForRoomUntilCancelledOrClosed) {
   other.join();
 }
 
+TEST(Outbox, AFileMayBeLongerThanWhatMayWaitIfItIsAlone) {
+  Outbox outbox({.text = 1000, .files = 100, .pixels = 1000}, [] {}, {});
+  EXPECT_TRUE(outbox.file(1, Bytes(1000), [] { return true; }));
+  EXPECT_FALSE(outbox.file(1, Bytes(1), [] { return true; }));
+}
+
 TEST(Outbox, AFarewellFollowsRepliesAndNothingFollowsIt) {
   Outbox outbox({}, [] {}, {});
   outbox.pixels(record(1, 1, PixelKind::Tile));
@@ -169,6 +182,9 @@ TEST(Outbox, EntersWhatWaitsInTheLedger) {
   Outbox outbox(
       {}, [] {}, ledger.enter("server", "to be sent", 0));
   outbox.reply(1, std::string(500, 'x'));
+  EXPECT_EQ(ledger.total("server"), 500);
+  outbox.chargeTo(ledger.enter("ann", "to be sent", 0));
+  EXPECT_EQ(ledger.total("ann"), 500);
   EXPECT_EQ(ledger.total(), 500);
   outbox.close();
   EXPECT_EQ(ledger.total(), 0);

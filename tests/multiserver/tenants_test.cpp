@@ -84,6 +84,29 @@ TEST(Tenants, HaveSoManyFramesInFlightAndNoMore) {
   for (const auto& t : tenants.statistics()) EXPECT_EQ(t["frames in flight"], t["tenant"] == "ann" ? 1 : 0);
 }
 
+TEST(Tenants, AreCountedWithTheFramesThatTheyMade) {
+  Tenants tenants(4);
+  const auto statisticsOf = [&](const std::string& tenant) {
+    for (const auto& t : tenants.statistics())
+      if (t["tenant"] == tenant) return t;
+    return nlohmann::json();
+  };
+  auto first = tenants.begin("ann", free), second = tenants.begin("ann", free),
+       other = tenants.begin("bob", free);
+  const auto begin = std::chrono::steady_clock::now();
+  std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  EXPECT_EQ(statisticsOf("ann")["frames"], 0);
+  first = {};
+  EXPECT_EQ(statisticsOf("ann")["frames"], 1);
+  EXPECT_EQ(statisticsOf("ann")["frames in flight"], 1);
+  second = {};
+  EXPECT_EQ(statisticsOf("ann")["frames"], 2);
+  EXPECT_GE(statisticsOf("ann")["frame seconds"], 2 * seconds);
+  EXPECT_EQ(statisticsOf("bob")["frames"], 0);
+  for (const char* tenant : {"ann", "bob"}) EXPECT_EQ(tenants.name(tenants.number(tenant)), tenant);
+}
+
 TEST(Tenants, HaveSoManyLongRequestsAtOnceAndNoMore) {
   Tenants tenants(1);
   std::vector<std::shared_ptr<void>> running;
