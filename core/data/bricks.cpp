@@ -21,7 +21,8 @@ Bricks::Bricks(const Index3& points) {
   count_ = size_t(far_[2] * bricks(2));
 }
 
-void putIntoBricks(Samples& samples, const Index3& points, size_t bytesPerPoint) {
+void putIntoBricks(Samples& samples, const Index3& points, size_t bytesPerPoint,
+                   const std::function<void()>& check) {
   const Bricks bricks(points);
   const size_t layer = size_t(bricks.layer()) * bytesPerPoint;
   const size_t row = size_t(points[0]) * bytesPerPoint, plane = size_t(points[1]) * row;
@@ -29,6 +30,7 @@ void putIntoBricks(Samples& samples, const Index3& points, size_t bytesPerPoint)
   std::vector<std::byte> planes(plane * size_t(Bricks::kSide));
   // from the last layer on: none begins in bricks before it does in rows
   for (int64_t z0 = (points[2] - 1) / Bricks::kSide * Bricks::kSide; z0 >= 0; z0 -= Bricks::kSide) {
+    check();
     const int64_t n = std::min(Bricks::kSide, points[2] - z0);
     std::memcpy(planes.data(), samples.data() + size_t(z0) * plane, size_t(n) * plane);
     std::memset(samples.data() + size_t(z0 / Bricks::kSide) * layer, 0, layer);

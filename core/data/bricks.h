@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 
 #include "gxy/data/scalar.h"
 #include "gxy/data/volume.h"
@@ -50,7 +51,9 @@ class Bricks {
 };
 
 /// Puts points that lie x fastest into bricks, filled up with zeros. Needs memory for one layer of bricks more, and for all
-/// where `samples` has no capacity for what fills up.
-void putIntoBricks(Samples& samples, const Index3& points, size_t bytesPerPoint);
+/// where `samples` has no capacity for what fills up. `check` is called before each layer; what it throws leaves the samples in no
+/// order.
+void putIntoBricks(
+    Samples& samples, const Index3& points, size_t bytesPerPoint, const std::function<void()>& check = [] {});
 
 }  // namespace gxy

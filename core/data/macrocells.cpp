@@ -207,6 +207,8 @@ void completeBlock(VolumeBlock& block, ScalarType stored, int components, const 
     block.macrocells[a] = lastCell / kSize - block.firstMacrocell[a] + 1;
   }
   const Index3 &n = block.macrocells, &f = block.firstMacrocell;
+  // rows of macrocells, after which it is told how far this is
+  const int64_t told = std::max<int64_t>(1, (int64_t(1) << 20) / (e.points[0] * kSize * kSize));
   Rows rows(block, stored, components);
   RowSummary row(size_t(e.points[0]));
   for (size_t s = 0; s < block.summaries.size(); ++s) {
@@ -214,8 +216,9 @@ void completeBlock(VolumeBlock& block, ScalarType stored, int components, const 
     cells.reserve(size_t(n[0] * n[1] * n[2]));
     const Advance summing = partOf(advance, s, block.summaries.size());
     for (int64_t k = 0; k < n[2]; ++k) {
-      summing(double(k) / double(n[2]));
       for (int64_t j = 0; j < n[1]; ++j) {
+        if (const int64_t row = k * n[1] + j; j == 0 || row % told == 0)
+          summing(double(row) / double(n[1] * n[2]));
         const PointSpan zs = pointsOf(e, 2, f[2] + k), ys = pointsOf(e, 1, f[1] + j);
         rows.read(ys.first, ys.last, zs.first, zs.last, int(s));
         row.reset();
@@ -236,7 +239,7 @@ void completeBlock(VolumeBlock& block, ScalarType stored, int components, const 
       }
     }
   }
-  putIntoBricks(block.samples, e.points, size_t(components) * bytesOf(stored));
+  putIntoBricks(block.samples, e.points, size_t(components) * bytesOf(stored), [&] { advance(1); });
 }
 
 std::vector<BorderSummary> borderSummaries(const Volume& volume) {

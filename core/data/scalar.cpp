@@ -99,7 +99,9 @@ Encoding encodingOf(ScalarType type, int components, const Range& range) {
   return encoding;
 }
 
-Samples convert(std::span<const std::byte> values, ScalarType type, const Encoding& encoding) {
+Samples convert(std::span<const std::byte> values, ScalarType type, const Encoding& encoding,
+                const Advance& advance) {
+  constexpr size_t kTold = size_t(1) << 20;  ///< values
   if (values.size() % bytesOf(type) != 0) {
     throw Error("samples: " + std::to_string(values.size()) + " bytes of " + nameOf(type) +
                 ", expected a multiple of " + std::to_string(bytesOf(type)));
@@ -115,11 +117,14 @@ Samples convert(std::span<const std::byte> values, ScalarType type, const Encodi
     const size_t count = values.size() / sizeof(T);
     Samples stored(count * sizeof(float));
     const Wide shift = encoding.shift, scale = encoding.scale;
-    for (size_t i = 0; i < count; ++i) {
-      T value;
-      std::memcpy(&value, &values[i * sizeof(T)], sizeof(T));
-      const float f = float((Wide(value) - shift) / scale);
-      std::memcpy(&stored[i * sizeof(float)], &f, sizeof(float));
+    for (size_t first = 0; first < count; first += kTold) {
+      advance(double(first) / double(count));
+      for (size_t i = first; i < std::min(count, first + kTold); ++i) {
+        T value;
+        std::memcpy(&value, &values[i * sizeof(T)], sizeof(T));
+        const float f = float((Wide(value) - shift) / scale);
+        std::memcpy(&stored[i * sizeof(float)], &f, sizeof(float));
+      }
     }
     return stored;
   });

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <span>
 
+#include "gxy/comm/advance.h"
 #include "gxy/data/box.h"
 #include "gxy/space/large_vector.h"
 
@@ -78,6 +79,8 @@ using Samples = LargeVector<std::byte>;
 /// Values of `type` as `encoding` stores them: (value - shift) / scale, computed in double (long double for
 /// 64-bit integers) and rounded once more. NaN and infinities stay what they are. Throws Error if the size of
 /// `values` is no multiple of the type's, or a narrow type would change.
-Samples convert(std::span<const std::byte> values, ScalarType type, const Encoding& encoding);
+Samples convert(
+    std::span<const std::byte> values, ScalarType type, const Encoding& encoding,
+    const Advance& advance = [](double) {});
 
 }  // namespace gxy

@@ -22,12 +22,23 @@ namespace {
 }
 
 thread_local const ReadScope* scope = nullptr;  ///< innermost on this thread
+thread_local const ReadWatch* watch = nullptr;  ///< the same
+constexpr size_t kReadAtOnce = size_t(8) << 20;
 
 }  // namespace
 
 ReadScope::ReadScope(Check check) : check_(std::move(check)), outer_(std::exchange(scope, this)) {}
 
 ReadScope::~ReadScope() { scope = outer_; }
+
+ReadWatch::ReadWatch(std::function<void()> check)
+    : check_(std::move(check)), outer_(std::exchange(watch, this)) {}
+
+ReadWatch::~ReadWatch() { watch = outer_; }
+
+void ReadWatch::check() {
+  if (watch) watch->check_();
+}
 
 File File::open(const std::string& path) {
   // without waiting for whoever writes, should it be a pipe; regular files do not know the difference
@@ -69,7 +80,8 @@ int64_t File::size() const {
 
 void File::readAt(int64_t offset, std::span<std::byte> out) const {
   while (!out.empty()) {
-    const ssize_t got = ::pread(descriptor_, out.data(), std::min(out.size(), size_t(1) << 30), offset);
+    ReadWatch::check();
+    const ssize_t got = ::pread(descriptor_, out.data(), std::min(out.size(), kReadAtOnce), offset);
     if (got < 0 && errno == EINTR) continue;
     if (got < 0) fail(path_, "cannot read at byte " + std::to_string(offset));
     if (got == 0)

@@ -51,6 +51,23 @@ class ReadScope {
   const ReadScope* const outer_;
 };
 
+/// While one exists, `check` is called on this thread for each 8 MiB that File reads, by all readers of this part; what
+/// it throws ends them. The inner one of two counts.
+class ReadWatch {
+ public:
+  explicit ReadWatch(std::function<void()> check);
+  ~ReadWatch();
+  ReadWatch(const ReadWatch&) = delete;
+  ReadWatch& operator=(const ReadWatch&) = delete;
+
+  /// Calls the check of the innermost one on this thread, if there is any: for readers that get bytes by themselves.
+  static void check();
+
+ private:
+  const std::function<void()> check_;
+  const ReadWatch* const outer_;
+};
+
 /// The whole of a text file of at most `limit` bytes.
 std::string readText(const std::string& path, int64_t limit = int64_t(64) << 20);
 void writeText(const std::string& path, const std::string& text);

@@ -107,11 +107,16 @@ LoadedGeometry loadGeometry(const std::string& path, GeometryKind kind, const st
                  plural(kind));
 
   // Points that no primitive uses do not count.
-  for (size_t p = 0; p < loaded.block.ids.size(); ++p)
-    for (uint32_t point : cornersOf(loaded.block, kind, p)) {
-      loaded.box.extend(loaded.block.points[point]);
-      if (!loaded.block.values.empty()) loaded.range.extend(double(loaded.block.values[point]));
+  agree(ranks, [&] {
+    const Advance go = [&](double) { ranks.check(); };
+    for (size_t p = 0; p < loaded.block.ids.size(); ++p) {
+      tell(go, p, loaded.block.ids.size());
+      for (uint32_t point : cornersOf(loaded.block, kind, p)) {
+        loaded.box.extend(loaded.block.points[point]);
+        if (!loaded.block.values.empty()) loaded.range.extend(double(loaded.block.values[point]));
+      }
     }
+  });
   mergeBox(ranks, loaded.box);
   mergeRanges(ranks, std::span(&loaded.range, 1));
   return loaded;

@@ -11,6 +11,7 @@
 #include "gxy/comm/error.h"
 #include "gxy/data/bricks.h"
 #include "gxy/data/macrocells.h"
+#include "gxy/io/volume_formats.h"
 
 namespace gxy {
 namespace {
@@ -47,7 +48,8 @@ void storeSamples(
   agree(ranks, [&] {
     for (auto& [partition, block] : volume.blocks) {
       ranks.check();
-      if (encoding != Encoding{type}) block.samples = convert(block.samples, type, encoding);
+      if (encoding != Encoding{type})
+        block.samples = convert(block.samples, type, encoding, [&](double) { ranks.check(); });
       const int64_t points = block.extent.count();
       int64_t counted = 0;
       const auto countTo = [&](int64_t point) { count(point - std::exchange(counted, point)); };
@@ -61,25 +63,16 @@ void storeSamples(
   mergeMacrocells(volume, ranks);
 }
 
-/// Reads a block, whole slices of it at a time where that costs no more, and counts the points.
-void readBlock(const VolumeFile& file, VolumeBlock& block, Collectives& ranks,
-               const std::function<void(int64_t)>& count) {
-  constexpr int64_t kSlabBytes = 8 << 20;
-  const Extent& extent = block.extent;
-  const int64_t slice = extent.points[0] * extent.points[1] * int64_t(file.bytesPerPoint());
-  const int64_t depth =
-      file.source->readsPartsAlone() ? std::max<int64_t>(1, kSlabBytes / slice) : extent.points[2];
-  std::span<std::byte> rest = block.samples;
-  for (int64_t z = 0; z < extent.points[2]; z += depth) {
+/// As the call of the same name, in pieces between which it may end.
+FieldStatistics statisticsOf(const VolumeBlock& block, ScalarType type, int components, const Extent& part,
+                             const Collectives& ranks) {
+  constexpr int64_t kPoints = 1 << 22;
+  FieldStatistics statistics;
+  forPieces(part, kPoints, [&](const Extent& piece) {
     ranks.check();
-    Extent slab = extent;
-    slab.first[2] += z;
-    slab.points[2] = std::min(depth, extent.points[2] - z);
-    const auto bytes = size_t(slab.points[2] * slice);
-    readVolume(file, slab, rest.first(bytes));
-    rest = rest.subspan(bytes);
-    count(slab.count());
-  }
+    statistics.merge(statisticsOf(block.samples, type, components, block.extent, piece));
+  });
+  return statistics;
 }
 
 /// What a rank with these blocks has not kept of a file whose array has `components`.
@@ -119,6 +112,13 @@ Grid gridOf(const std::string& path, const std::string& array, Collectives& rank
 std::shared_ptr<Volume> importVolume(const std::string& path, const std::string& array,
                                      const Partitioning& partitioning, int ghosts, Collectives& ranks,
                                      std::vector<int> components, LeftOut* leftOut) {
+  VolumeFile file;
+  agree(ranks, [&] { file = openVolume(path, array); });
+  return importVolume(std::move(file), partitioning, ghosts, ranks, std::move(components), leftOut);
+}
+
+std::shared_ptr<Volume> importVolume(VolumeFile file, const Partitioning& partitioning, int ghosts,
+                                     Collectives& ranks, std::vector<int> components, LeftOut* leftOut) {
   auto volume = std::make_shared<Volume>();
   ScalarType type{};
   int componentsOfFile = 0;
@@ -129,11 +129,10 @@ std::shared_ptr<Volume> importVolume(const std::string& path, const std::string&
     ranks.done(double(done) / double(2 * points));
   };
   agree(ranks, [&] {
-    VolumeFile file = openVolume(path, array);
     componentsOfFile = file.array.components;
     if (!components.empty()) file = withComponents(std::move(file), std::move(components));
     type = file.array.type;
-    volume->name = std::filesystem::path(path).stem().string();
+    volume->name = std::filesystem::path(file.path).stem().string();
     if (!file.array.name.empty()) volume->name += ":" + file.array.name;
     volume->grid = file.grid;
     volume->components = file.array.components;
@@ -146,11 +145,17 @@ std::shared_ptr<Volume> importVolume(const std::string& path, const std::string&
       if (block.extent.count() == 0) continue;
       block.samples.reserve(Bricks(block.extent.points).count() * file.bytesPerPoint());
       block.samples.resize(size_t(block.extent.count()) * file.bytesPerPoint());
-      readBlock(file, block, ranks, count);
-      statistics.merge(statisticsOf(block.samples, type, volume->components, block.extent,
-                                    ownedPoints(file.grid, partitioning, partition)));
       volume->blocks.emplace(partition, std::move(block));
     }
+    std::vector<ReadTarget> targets;
+    for (auto& [partition, block] : volume->blocks) targets.push_back({block.extent, block.samples});
+    readVolume(file, targets, [&](int64_t some) {
+      ranks.check();
+      if (some > 0) count(some);
+    });
+    for (const auto& [partition, block] : volume->blocks)
+      statistics.merge(statisticsOf(block, type, volume->components,
+                                    ownedPoints(file.grid, partitioning, partition), ranks));
     if (leftOut) *leftOut += leftOutOf(file, componentsOfFile, *volume);
   });
 
@@ -166,8 +171,8 @@ void completeVolume(Volume& volume, const Partitioning& partitioning, Collective
   statistics.ranges.resize(size_t(volume.components) + (volume.components > 1));
   agree(ranks, [&] {
     for (const auto& [partition, block] : volume.blocks)
-      statistics.merge(statisticsOf(block.samples, volume.stored, volume.components, block.extent,
-                                    ownedPoints(volume.grid, partitioning, partition)));
+      statistics.merge(statisticsOf(block, volume.stored, volume.components,
+                                    ownedPoints(volume.grid, partitioning, partition), ranks));
   });
   mergeRanges(ranks, statistics.ranges);
   volume.ranges = statistics.ranges;

@@ -26,6 +26,10 @@ Grid gridOf(const std::string& path, const std::string& array, Collectives& rank
 std::shared_ptr<Volume> importVolume(const std::string& path, const std::string& array,
                                      const Partitioning& partitioning, int ghosts, Collectives& ranks,
                                      std::vector<int> components = {}, LeftOut* leftOut = nullptr);
+/// The same of a file that every rank has opened. All blocks are read in one pass (SampleSource::read).
+std::shared_ptr<Volume> importVolume(VolumeFile file, const Partitioning& partitioning, int ghosts,
+                                     Collectives& ranks, std::vector<int> components = {},
+                                     LeftOut* leftOut = nullptr);
 
 /// Collective. Completes a volume whose blocks (of the partitions of this rank that touch its grid, extents as extentOf()
 /// gives them with kGhostLayers) hold samples that were computed, x fastest: fills ranges, noDataSamples, and summaries

@@ -22,10 +22,13 @@ class ArraySamples final : public SampleSource {
  public:
   ArraySamples(vtkDataArray* array, const Extent& whole, size_t bytesPerPoint)
       : array_(array), whole_(whole), bytesPerPoint_(bytesPerPoint) {}
-  bool readsPartsAlone() const override { return true; }
-  void read(const Extent& extent, std::span<std::byte> out) const override {
-    const auto* data = static_cast<const std::byte*>(array_->GetVoidPointer(0));
-    copyExtent({data, size_t(whole_.count()) * bytesPerPoint_}, whole_, out, extent, bytesPerPoint_);
+  void read(std::span<const Extent> wanted, const TakeSamples& take) const override {
+    const std::span data(static_cast<const std::byte*>(array_->GetVoidPointer(0)),
+                         size_t(whole_.count()) * bytesPerPoint_);
+    for (size_t w = 0; w < wanted.size(); ++w)
+      forPieces(wanted[w], kReadBytes / int64_t(bytesPerPoint_), [&](const Extent& piece) {
+        take({w, piece, whole_, data});
+      });
   }
 
  private:

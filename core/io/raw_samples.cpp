@@ -16,26 +16,35 @@ constexpr int64_t kWaste = 4;           ///< ... unless more than 3/4 of what is
 
 }  // namespace
 
-RawSamples::RawSamples(const std::string& path, int64_t offset, const Extent& stored, ScalarType type,
-                       int components, bool swapBytes, bool exact)
-    : file_(File::open(path)),
+RawSamples::RawSamples(std::shared_ptr<const File> file, int64_t offset, const Extent& stored,
+                       ScalarType type, int components, bool swapBytes, bool exact)
+    : file_(std::move(file)),
       offset_(offset),
       stored_(stored),
       bytesPerSample_(bytesOf(type)),
       bytesPerPoint_(bytesOf(type) * size_t(components)),
       swapBytes_(swapBytes) {
-  const int64_t needed = stored.count() * int64_t(bytesPerPoint_), has = file_.size() - offset;
+  const int64_t needed = stored.count() * int64_t(bytesPerPoint_), has = file_->size() - offset;
   if (has < needed || (exact && has > needed))
-    throw Error(path + ": " + (has < needed ? "truncated: " : "too long: ") +
+    throw Error(file_->path() + ": " + (has < needed ? "truncated: " : "too long: ") +
                 std::to_string(std::max(has, int64_t(0))) + " bytes, expected " + std::to_string(needed) +
                 " (" + std::to_string(stored.points[0]) + " x " + std::to_string(stored.points[1]) + " x " +
                 std::to_string(stored.points[2]) + " points of " + std::to_string(bytesPerPoint_) +
                 " bytes)");
 }
 
-void RawSamples::read(const Extent& extent, std::span<std::byte> out) const {
-  // Whole slices that follow each other in the file as they do in memory are one read, else one slice at a
-  // time.
+void RawSamples::read(std::span<const Extent> wanted, const TakeSamples& take) const {
+  std::vector<std::byte> buffer;
+  for (size_t w = 0; w < wanted.size(); ++w)
+    forPieces(wanted[w], kReadBytes / int64_t(bytesPerPoint_), [&](const Extent& piece) {
+      buffer.resize(size_t(piece.count()) * bytesPerPoint_);
+      readBox(piece, buffer);
+      take({w, piece, piece, buffer});
+    });
+}
+
+void RawSamples::readBox(const Extent& extent, std::span<std::byte> out) const {
+  // Whole slices that follow each other in the file as they do in memory are one read, else one slice at a time.
   const bool wholeSlices = extent.points[0] == stored_.points[0] && extent.points[1] == stored_.points[1];
   const int64_t depth = wholeSlices ? extent.points[2] : 1;
   Extent slab = extent;
@@ -55,19 +64,19 @@ void RawSamples::readSlab(const Extent& slab, std::span<std::byte> out) const {
        (slab.first[0] - stored_.first[0])) *
           point;
   if (row == stride) {
-    file_.readAt(place, out);
+    file_->readAt(place, out);
   } else if (row * kWaste >= stride && stride <= kRunBytes) {
     std::vector<std::byte> run;
     for (int64_t j = 0; j < rows;) {
       const int64_t some = std::min(rows - j, std::max(int64_t(1), kRunBytes / stride));
       run.resize(size_t((some - 1) * stride + row));
-      file_.readAt(place + j * stride, run);
+      file_->readAt(place + j * stride, run);
       for (int64_t k = 0; k < some; ++k, ++j)
         std::memcpy(out.data() + j * row, run.data() + k * stride, size_t(row));
     }
   } else {
     for (int64_t j = 0; j < rows; ++j)
-      file_.readAt(place + j * stride, out.subspan(size_t(j * row), size_t(row)));
+      file_->readAt(place + j * stride, out.subspan(size_t(j * row), size_t(row)));
   }
   if (swapBytes_) swapBytes(out, bytesPerSample_);
 }
@@ -82,8 +91,9 @@ VolumeFile openRawVolume(const std::string& path) {
   file.array = {{}, d.type, d.components, {}};
   file.arrays = {file.array};
   file.warnings = d.warnings;
-  file.source = std::make_shared<RawSamples>(beside(path, d.rawFile), 0, wholeOf(d.grid), d.type,
-                                             d.components, d.swapBytes, true);
+  file.source =
+      std::make_shared<RawSamples>(std::make_shared<const File>(File::open(beside(path, d.rawFile))), 0,
+                                   wholeOf(d.grid), d.type, d.components, d.swapBytes, true);
   return file;
 }
 

@@ -10,15 +10,15 @@ namespace gxy {
 /// the file is shorter than that; with `exact`, also when it is longer.
 class RawSamples final : public SampleSource {
  public:
-  RawSamples(const std::string& path, int64_t offset, const Extent& stored, ScalarType type, int components,
-             bool swapBytes, bool exact);
-  void read(const Extent& extent, std::span<std::byte> out) const override;
-  bool readsPartsAlone() const override { return true; }
+  RawSamples(std::shared_ptr<const File> file, int64_t offset, const Extent& stored, ScalarType type,
+             int components, bool swapBytes, bool exact);
+  void read(std::span<const Extent> wanted, const TakeSamples& take) const override;
 
  private:
+  void readBox(const Extent& extent, std::span<std::byte> out) const;
   void readSlab(const Extent& slab, std::span<std::byte> out) const;
 
-  File file_;
+  std::shared_ptr<const File> file_;
   int64_t offset_;
   Extent stored_;
   size_t bytesPerSample_, bytesPerPoint_;

@@ -23,28 +23,23 @@ class SomeComponents final : public SampleSource {
         components_(std::move(components)) {}
 
   uint64_t piecesNotRead() const override { return source_->piecesNotRead(); }
-  bool readsPartsAlone() const override { return source_->readsPartsAlone(); }
 
-  void read(const Extent& extent, std::span<std::byte> out) const override {
-    Extent slab = extent;
-    const int64_t end = extent.first[2] + extent.points[2];
-    const int64_t each = extent.points[0] * extent.points[1] * int64_t(bytesPerPoint_);
-    const int64_t depth = std::max<int64_t>(1, kSlabBytes / each);
-    std::vector<std::byte> all;
-    for (; slab.first[2] < end; slab.first[2] += depth) {
-      slab.points[2] = std::min(depth, end - slab.first[2]);
-      all.resize(size_t(slab.count()) * bytesPerPoint_);
-      source_->read(slab, all);
-      for (size_t at = 0; at < all.size(); at += bytesPerPoint_)
+  void read(std::span<const Extent> wanted, const TakeSamples& take) const override {
+    std::vector<std::byte> whole, some;
+    source_->read(wanted, [&](const SamplesRead& all) {
+      whole.resize(size_t(all.points.count()) * bytesPerPoint_);
+      copyExtent(all.samples, all.layout, whole, all.points, bytesPerPoint_);
+      some.clear();
+      for (size_t at = 0; at < whole.size(); at += bytesPerPoint_)
         for (const int c : components_) {
-          std::memcpy(out.data(), all.data() + at + size_t(c) * bytesPerSample_, bytesPerSample_);
-          out = out.subspan(bytesPerSample_);
+          const auto sample = whole.begin() + std::ptrdiff_t(at + size_t(c) * bytesPerSample_);
+          some.insert(some.end(), sample, sample + std::ptrdiff_t(bytesPerSample_));
         }
-    }
+      take({all.wanted, all.points, all.points, some});
+    });
   }
 
  private:
-  static constexpr int64_t kSlabBytes = 16 << 20;  ///< that are read at once
   std::shared_ptr<const SampleSource> source_;
   size_t bytesPerPoint_, bytesPerSample_;
   std::vector<int> components_;
@@ -84,16 +79,28 @@ VolumeFile withComponents(VolumeFile file, std::vector<int> components) {
   return file;
 }
 
-void readVolume(const VolumeFile& file, const Extent& extent, std::span<std::byte> out) {
-  for (int a = 0; a < 3; ++a) {
-    const size_t i = size_t(a);
-    if (extent.first[i] < 0 || extent.points[i] < 0 ||
-        extent.first[i] > file.grid.points[i] - extent.points[i])
-      throw Error(file.path + ": the points asked for lie outside the grid");
+void readVolume(const VolumeFile& file, std::span<const ReadTarget> targets,
+                const std::function<void(int64_t)>& advance) {
+  std::vector<Extent> wanted;
+  for (const auto& [extent, out] : targets) {
+    for (size_t a = 0; a < 3; ++a)
+      if (extent.first[a] < 0 || extent.points[a] < 0 ||
+          extent.first[a] > file.grid.points[a] - extent.points[a])
+        throw Error(file.path + ": the points asked for lie outside the grid");
+    if (out.size() != size_t(extent.count()) * file.bytesPerPoint())
+      throw Error(file.path + ": the buffer's size is not that of the points asked for");
+    wanted.push_back(extent);
   }
-  if (out.size() != size_t(extent.count()) * file.bytesPerPoint())
-    throw Error(file.path + ": the buffer's size is not that of the points asked for");
-  if (extent.count() > 0) file.source->read(extent, out);
+  file.source->read(wanted, [&](const SamplesRead& some) {
+    const auto& [extent, out] = targets[some.wanted];
+    copyBox(some.points, some.samples, some.layout, out, extent, file.bytesPerPoint());
+    advance(some.points.count());
+  });
+}
+
+void readVolume(const VolumeFile& file, const Extent& extent, std::span<std::byte> out) {
+  const ReadTarget target{extent, out};
+  readVolume(file, std::span(&target, 1), [](int64_t) {});
 }
 
 const ArrayInfo& chooseArray(const std::vector<ArrayInfo>& arrays, const std::string& name,
@@ -124,17 +131,25 @@ Extent intersection(const Extent& a, const Extent& b) {
   return both;
 }
 
-void copyExtent(std::span<const std::byte> source, const Extent& from, std::span<std::byte> target,
-                const Extent& to, size_t bytesPerPoint) {
-  const Extent both = intersection(from, to);
+void copyBox(const Extent& box, std::span<const std::byte> source, const Extent& from,
+             std::span<std::byte> target, const Extent& to, size_t bytesPerPoint) {
   const auto offset = [&](const Extent& e, int64_t j, int64_t k) {
     const int64_t row = (k - e.first[2]) * e.points[1] + (j - e.first[1]);
-    return size_t(row * e.points[0] + both.first[0] - e.first[0]) * bytesPerPoint;
+    return size_t(row * e.points[0] + box.first[0] - e.first[0]) * bytesPerPoint;
   };
-  for (int64_t k = both.first[2]; k < both.first[2] + both.points[2]; ++k)
-    for (int64_t j = both.first[1]; j < both.first[1] + both.points[1]; ++j)
+  if (box.count() == 0) return;
+  // rows that follow each other in both are one
+  const bool rows = box.points[0] == from.points[0] && box.points[0] == to.points[0];
+  const int64_t together = rows ? box.points[1] : 1;
+  for (int64_t k = box.first[2]; k < box.first[2] + box.points[2]; ++k)
+    for (int64_t j = box.first[1]; j < box.first[1] + box.points[1]; j += together)
       std::memcpy(target.data() + offset(to, j, k), source.data() + offset(from, j, k),
-                  size_t(both.points[0]) * bytesPerPoint);
+                  size_t(box.points[0] * together) * bytesPerPoint);
+}
+
+void copyExtent(std::span<const std::byte> source, const Extent& from, std::span<std::byte> target,
+                const Extent& to, size_t bytesPerPoint) {
+  copyBox(intersection(from, to), source, from, target, to, bytesPerPoint);
 }
 
 }  // namespace gxy

@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 // Volume files, read in two steps: open() reads what is in the file, read() the samples of any box of points.
 //
-// .vti .pvti   VTK XML image data, any encoding; uncompressed appended data are read by block straight from
-// the file .vtk         legacy structured points, binary or text (held in memory as a whole while open) .vol
-// .json   raw samples with a description (volume_description.h), read by block
+// .vti .pvti   VTK XML image data, any encoding
+// .vtk         legacy structured points, binary or text (held in memory as a whole while open)
+// .vol .json   raw samples with a description (volume_description.h)
 //
 // All points of a grid are drawn: none is reserved as a ghost. Cell data are not volumes and are not listed.
 #pragma once
+#include <atomic>
 #include <cstddef>
+#include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -18,17 +21,33 @@
 
 namespace gxy {
 
-/// Where the samples of one point array come from. Reads are safe from any thread.
+/// Some of the samples that are read: those of `points`, out of `samples`, which are laid out as `layout` (x fastest, components
+/// interleaved, this machine's byte order). No points: reading has gone on for a while without any.
+struct SamplesRead {
+  size_t wanted;  ///< which of the boxes that were asked for they are of
+  Extent points, layout;
+  std::span<const std::byte> samples;
+};
+/// What it throws ends the reading.
+using TakeSamples = std::function<void(const SamplesRead&)>;
+
+/// Where the samples of one array come from. Reads are safe from any thread.
 class SampleSource {
  public:
+  static constexpr int64_t kReadBytes = 8 << 20;  ///< of samples that are held at once
+
   virtual ~SampleSource() = default;
-  /// Fills `out`, x fastest, components interleaved, in this machine's byte order. `extent` lies inside the
-  /// grid and `out` has its exact size.
-  virtual void read(const Extent& extent, std::span<std::byte> out) const = 0;
-  /// Whether two reads of half an extent cost about what one of all of it does.
-  virtual bool readsPartsAlone() const { return false; }
+  /// Gives each point of each box of `wanted`, all inside the grid, to `take` once, in any order, some megabytes at a time. What
+  /// is compressed is decompressed once for all boxes, and `take` is called about once for each megabyte of it.
+  virtual void read(std::span<const Extent> wanted, const TakeSamples& take) const = 0;
   /// Of samples in several pieces (parts of a file, or files), those that no read has needed.
   virtual uint64_t piecesNotRead() const { return 0; }
+};
+
+/// What reading has decoded (text, base64, compressed bytes) so far. Blocks are those that the file is compressed in; each
+/// decoding of one counts, also of a part of it.
+struct Decoded {
+  std::atomic<uint64_t> blocks = 0, bytes = 0;
 };
 
 /// One point array, as its file declares it.
@@ -47,6 +66,7 @@ struct VolumeFile {
   ArrayInfo array;                    ///< the chosen one
   std::vector<std::string> warnings;  ///< what of the file is not used, for its user
   std::shared_ptr<const SampleSource> source;
+  std::shared_ptr<Decoded> decoded = std::make_shared<Decoded>();  ///< by all copies of this
 
   size_t bytesPerPoint() const { return bytesOf(array.type) * size_t(array.components); }
 };
@@ -61,8 +81,22 @@ VolumeFile openVolume(const std::string& path, const std::string& array = {});
 /// The file as if its array had these components only, which ascend. Throws Error for one that it has not.
 VolumeFile withComponents(VolumeFile file, std::vector<int> components);
 
-/// Reads the samples of `extent` into `out`, whose size must be extent.count() * bytesPerPoint().
+/// A box of points, and where its samples go: extent.count() * bytesPerPoint() bytes, x fastest, components interleaved.
+struct ReadTarget {
+  Extent extent;
+  std::span<std::byte> out;
+};
+
+/// Reads several boxes in one pass. `advance` is called with the number of points that have come since it was called last, perhaps
+/// none; what it throws ends the reading.
+void readVolume(const VolumeFile& file, std::span<const ReadTarget> targets,
+                const std::function<void(int64_t points)>& advance);
+/// Reads one box.
 void readVolume(const VolumeFile& file, const Extent& extent, std::span<std::byte> out);
+
+/// Copies the points of `box`, which both extents hold, from samples laid out as `from` to samples laid out as `to`.
+void copyBox(const Extent& box, std::span<const std::byte> source, const Extent& from,
+             std::span<std::byte> target, const Extent& to, size_t bytesPerPoint);
 
 /// The extent of a whole grid.
 inline Extent wholeOf(const Grid& grid) { return {{0, 0, 0}, grid.points}; }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The readers behind openVolume(), one per format. Used inside core/io only.
 #pragma once
+#include <algorithm>
+
 #include "gxy/io/volume_file.h"
 
 namespace gxy {
@@ -14,8 +16,42 @@ VolumeFile openLegacyVolume(const std::string& path, const std::string& array); 
 const ArrayInfo& chooseArray(const std::vector<ArrayInfo>& arrays, const std::string& name,
                              const std::string& active, const std::string& path);
 
+/// Calls use(box, n) for boxes that make up `count` points of `extent` from number `first` on, counted x fastest, in that order:
+/// with parts of rows, rows, slices; n is the number of the box's first point.
+template <class Use>
+void forBoxes(const Extent& extent, int64_t first, int64_t count, Use use) {
+  const int64_t row = extent.points[0], slice = row * extent.points[1];
+  while (count > 0) {
+    const int64_t x = first % row, y = first % slice / row, z = first / slice;
+    Extent box{{extent.first[0] + x, extent.first[1] + y, extent.first[2] + z}, {row, 1, 1}};
+    if (x > 0 || count < row)
+      box.points[0] = std::min(row - x, count);
+    else if (y > 0 || count < slice)
+      box.points[1] = std::min(extent.points[1] - y, count / row);
+    else
+      box.points = {row, extent.points[1], count / slice};
+    use(box, first);
+    first += box.count();
+    count -= box.count();
+  }
+}
+
 /// The points that two extents share; count 0 when there are none.
 Extent intersection(const Extent& a, const Extent& b);
+
+/// Calls use(box) for boxes of at most `most` points (or a row) that make up an extent.
+template <class Use>
+void forPieces(const Extent& extent, int64_t most, Use use) {
+  const int64_t row = std::max<int64_t>(1, extent.points[0]),
+                slice = row * std::max<int64_t>(1, extent.points[1]);
+  const int64_t depth = std::max<int64_t>(1, most / slice),
+                rows = depth > 1 ? extent.points[1] : std::max<int64_t>(1, most / row);
+  for (int64_t z = 0; z < extent.points[2]; z += depth)
+    for (int64_t y = 0; y < extent.points[1]; y += rows)
+      use(Extent{
+          {extent.first[0], extent.first[1] + y, extent.first[2] + z},
+          {extent.points[0], std::min(rows, extent.points[1] - y), std::min(depth, extent.points[2] - z)}});
+}
 
 /// Copies the points that both extents hold from samples laid out as `from` to samples laid out as `to`.
 void copyExtent(std::span<const std::byte> source, const Extent& from, std::span<std::byte> target,

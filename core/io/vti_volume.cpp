@@ -1,28 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
-// VTK XML image data (.vti) and its parallel form (.pvti). The XML is read here, so that uncompressed
-// appended arrays are read by block from their place in the file; other encodings go through VTK's reader, by
-// extent.
-#include <vtkDataArray.h>
-#include <vtkDataArraySelection.h>
-#include <vtkImageData.h>
-#include <vtkPointData.h>
-#include <vtkSmartPointer.h>
-#include <vtkXMLImageDataReader.h>
-
+// VTK XML image data (.vti) and its parallel form (.pvti). VTK parses the XML; the arrays are read from the file itself.
 #include <algorithm>
 #include <atomic>
-#include <bit>
-#include <charconv>
 #include <cmath>
 #include <cstring>
 
 #include "gxy/comm/error.h"
 #include "gxy/io/raw_samples.h"
+#include "gxy/io/streamed_samples.h"
 #include "gxy/io/volume_description.h"
 #include "gxy/io/volume_formats.h"
-#include "gxy/io/vtk_messages.h"
 #include "gxy/io/vtk_scalars.h"
 #include "gxy/io/vtk_xml.h"
+#include "gxy/io/vtk_xml_array.h"
 
 namespace gxy {
 namespace {
@@ -34,7 +24,6 @@ struct Header {
   vtkXMLDataElement* image = xml.data();  ///< <ImageData> or <PImageData>
   Index3 start{0, 0, 0};                  ///< index of the grid's first point in the file's own numbers
   Grid grid = {};
-  bool swap = false, wideSizes = false;
 };
 
 /// The extent "i0 i1 j0 j1 k0 k1" relative to `base`.
@@ -54,10 +43,6 @@ Extent extentAttribute(const Header& header, vtkXMLDataElement* element, const c
 
 Header readHeader(const std::string& path, const char* type) {
   Header header{path, VtkXml(path, type)};
-  vtkXMLDataElement* root = header.xml.root();
-  header.swap = (attribute(root, "byte_order") == "BigEndian") != (std::endian::native == std::endian::big);
-  header.wideSizes = attribute(root, "header_type") == "UInt64";
-
   const Extent whole = extentAttribute(header, header.image, "WholeExtent", {0, 0, 0});
   double origin[3] = {0, 0, 0}, spacing[3] = {1, 1, 1}, direction[9];
   const auto vector = [&](const char* name, double* value) {
@@ -132,127 +117,58 @@ class PieceSamples final : public SampleSource {
     Extent extent;
     std::shared_ptr<const SampleSource> source;
   };
-  PieceSamples(std::string path, std::vector<Piece> pieces, size_t bytesPerPoint)
-      : path_(std::move(path)),
-        pieces_(std::move(pieces)),
-        bytesPerPoint_(bytesPerPoint),
-        read_(pieces_.size()) {}
+  PieceSamples(std::string path, std::vector<Piece> pieces)
+      : path_(std::move(path)), pieces_(std::move(pieces)), read_(pieces_.size()) {}
 
   uint64_t piecesNotRead() const override { return uint64_t(std::count(read_.begin(), read_.end(), false)); }
 
-  bool readsPartsAlone() const override {
-    return std::all_of(pieces_.begin(), pieces_.end(),
-                       [](const Piece& piece) { return piece.source->readsPartsAlone(); });
-  }
-
-  void read(const Extent& extent, std::span<std::byte> out) const override {
-    std::vector<Extent> missing{extent};
-    std::vector<std::byte> part;
+  void read(std::span<const Extent> wanted, const TakeSamples& take) const override {
+    std::vector<std::vector<Extent>> missing;  // of each box that is wanted
+    for (const Extent& w : wanted) missing.push_back({w});
     for (size_t i = 0; i < pieces_.size(); ++i) {
-      const Piece& piece = pieces_[i];
-      const Extent shared = intersection(extent, piece.extent);
       // Neighbours share a layer of points: a piece that adds none is not opened.
-      const bool adds = std::any_of(missing.begin(), missing.end(),
-                                    [&](const Extent& box) { return intersection(box, shared).count() > 0; });
-      if (!adds) continue;
-      read_[i] = true;
-      subtract(missing, shared);
-      if (shared == extent) {
-        piece.source->read(extent, out);
-        continue;
+      std::vector<Extent> here;
+      std::vector<size_t> of;
+      for (size_t w = 0; w < missing.size(); ++w) {
+        for (const Extent& box : missing[w])
+          if (const Extent both = intersection(box, pieces_[i].extent); both.count() > 0) {
+            here.push_back(both);
+            of.push_back(w);
+          }
+        subtract(missing[w], pieces_[i].extent);
       }
-      part.resize(size_t(shared.count()) * bytesPerPoint_);
-      piece.source->read(shared, part);
-      copyExtent(part, shared, out, extent, bytesPerPoint_);
+      if (here.empty()) continue;
+      read_[i] = true;
+      pieces_[i].source->read(here, [&](const SamplesRead& some) {
+        take({of[some.wanted], some.points, some.layout, some.samples});
+      });
     }
-    if (missing.empty()) return;
-    const Index3& p = missing.front().first;
-    throw Error(path_ + ": no piece holds point (" + std::to_string(p[0]) + ", " + std::to_string(p[1]) +
-                ", " + std::to_string(p[2]) + ")");
+    for (const auto& boxes : missing)
+      for (const Extent& box : boxes)
+        if (box.count() > 0)
+          throw Error(path_ + ": no piece holds point (" + std::to_string(box.first[0]) + ", " +
+                      std::to_string(box.first[1]) + ", " + std::to_string(box.first[2]) + ")");
   }
 
  private:
   std::string path_;
   std::vector<Piece> pieces_;
-  size_t bytesPerPoint_;
   mutable std::vector<std::atomic<bool>> read_;  ///< by piece
 };
 
-/// One array of a .vti in any encoding, through VTK. Indices are relative to `base`, in the file's own
-/// numbers.
-class VtkSamples final : public SampleSource {
- public:
-  VtkSamples(std::shared_ptr<const File> file, ArrayInfo array, Index3 base)
-      : file_(std::move(file)), path_(file_->path()), array_(std::move(array)), base_(base) {}
-
-  void read(const Extent& extent, std::span<std::byte> out) const override {
-    VtkMessages messages;
-    const auto reader = vtkSmartPointer<WithoutFieldData<vtkXMLImageDataReader>>::New();
-    reader->SetFileName(file_->opened().c_str());
-    reader->UpdateInformation();
-    reader->GetPointDataArraySelection()->DisableAllArrays();
-    reader->GetPointDataArraySelection()->EnableArray(array_.name.c_str());
-    reader->GetCellDataArraySelection()->DisableAllArrays();
-    int wanted[6];
-    for (size_t a = 0; a < 3; ++a) {
-      wanted[2 * a] = int(extent.first[a] + base_[a]);
-      wanted[2 * a + 1] = wanted[2 * a] + int(extent.points[a]) - 1;
-    }
-    reader->vtkAlgorithm::UpdateExtent(wanted);
-    messages.check(path_);
-    vtkImageData* image = reader->GetOutput();
-    vtkDataArray* data = image->GetPointData()->GetArray(array_.name.c_str());
-    Extent got;
-    for (size_t a = 0; a < 3; ++a) {
-      got.first[a] = image->GetExtent()[2 * a] - base_[a];
-      got.points[a] = image->GetExtent()[2 * a + 1] - image->GetExtent()[2 * a] + 1;
-    }
-    if (!data || data->GetNumberOfTuples() != got.count() || !(intersection(got, extent) == extent) ||
-        data->GetNumberOfComponents() != array_.components || scalarOfVtk(data->GetDataType()) != array_.type)
-      throw Error(path_ + ": array '" + array_.name + "' is not what the header says");
-    const size_t point = bytesOf(array_.type) * size_t(array_.components);
-    copyExtent({static_cast<const std::byte*>(data->GetVoidPointer(0)), size_t(got.count()) * point}, got,
-               out, extent, point);
-  }
-
- private:
-  std::shared_ptr<const File> file_;  ///< whose headers were checked
-  std::string path_;
-  ArrayInfo array_;
-  Index3 base_;
-};
-
-/// Where the samples of an uncompressed appended array begin; -1 for other encodings.
-int64_t appendedPlace(const Header& header, vtkXMLDataElement* entry, int64_t expectedBytes) {
-  if (attribute(entry, "format") != "appended" || header.xml.compressed()) return -1;
-  vtkXMLDataElement* root = header.xml.root();
-  vtkXMLDataElement* appended = root->FindNestedElementWithName("AppendedData");
-  if (!appended || attribute(appended, "encoding") != "raw") return -1;
-  int64_t place = 0;
-  const std::string offset = attribute(entry, "offset");
-  if (std::from_chars(offset.data(), offset.data() + offset.size(), place).ec != std::errc() || place < 0 ||
-      place > (int64_t(1) << 61))
-    throw Error(header.path + ": array '" + attribute(entry, "Name") + "': the offset is not a position");
-  place += header.xml.parser()->GetAppendedDataPosition();
-
-  std::byte size[8] = {};
-  const size_t width = header.wideSizes ? 8 : 4;
-  const std::span<std::byte> bytes(size, width);
-  File::open(header.path).readAt(place, bytes);
-  if (header.swap) swapBytes(bytes, width);
-  uint64_t stated = 0;
-  if (header.wideSizes) {
-    std::memcpy(&stated, size, 8);
-  } else {
-    uint32_t narrow = 0;
-    std::memcpy(&narrow, size, 4);
-    // Writers let the 32-bit size wrap above 4 GiB.
-    stated = narrow == uint32_t(expectedBytes) ? uint64_t(expectedBytes) : narrow;
-  }
-  if (stated != uint64_t(expectedBytes))
-    throw Error(header.path + ": array '" + attribute(entry, "Name") + "' has " + std::to_string(stated) +
-                " bytes, expected " + std::to_string(expectedBytes));
-  return place + int64_t(width);
+/// The samples of one array of a piece, which takes `bytes` bytes. What is not encoded is read from its place.
+std::shared_ptr<const SampleSource> samplesOf(const Header& header, vtkXMLDataElement* entry,
+                                              const ArrayInfo& array, const Extent& extent, int64_t bytes,
+                                              const std::shared_ptr<Decoded>& decoded) {
+  auto data = xmlArrayBytes(header.xml, entry, array.type, bytes);
+  const XmlPlace place = header.xml.placeOf(entry);
+  const bool swap = header.xml.swapsBytes();
+  if (place.form == XmlPlace::Form::Raw && !header.xml.compressed())
+    return std::make_shared<RawSamples>(header.xml.file(), place.position + header.xml.headerWordBytes(),
+                                        extent, array.type, array.components, swap, false);
+  return std::make_shared<StreamedSamples>(std::move(data), extent, array.type, array.components,
+                                           swap && place.form != XmlPlace::Form::Text,
+                                           header.path + ": array '" + array.name + "'", decoded);
 }
 
 /// Every array of that name in a piece: of two lists of arrays VTK's reader may take the other.
@@ -267,11 +183,13 @@ void checkCompressed(const Header& header, vtkXMLDataElement* piece, const std::
 }
 
 /// Opens a .vti; the indices that its source takes are relative to `base`, in the file's own numbers.
-VolumeFile openVtiRelative(const std::string& path, const std::string& wanted, const Index3* base) {
+VolumeFile openVtiRelative(const std::string& path, const std::string& wanted, const Index3* base,
+                           const std::shared_ptr<Decoded>& decoded) {
   const Header header = readHeader(path, "ImageData");
   const Index3 origin = base ? *base : header.start;
   VolumeFile file;
   file.path = path;
+  file.decoded = decoded;
   file.grid = header.grid;
   std::vector<PieceSamples::Piece> pieces;
   for (int i = 0; i < header.image->GetNumberOfNestedElements(); ++i) {
@@ -294,46 +212,40 @@ VolumeFile openVtiRelative(const std::string& path, const std::string& wanted, c
     for (size_t a = 0; a < 3; ++a)
       if (__builtin_mul_overflow(bytes, extent.points[a], &bytes))
         throw Error(path + ": a piece is too large");
-    int64_t place = -1;
-    for (int k = 0; k < data->GetNumberOfNestedElements(); ++k)
-      if (attribute(data->GetNestedElement(k), "Name") == array.name)
-        place = appendedPlace(header, data->GetNestedElement(k), bytes);
     checkCompressed(header, piece, array.name, bytes);
-    std::shared_ptr<const SampleSource> source;
-    if (place >= 0)
-      source =
-          std::make_shared<RawSamples>(path, place, extent, array.type, array.components, header.swap, false);
-    else
-      source = std::make_shared<VtkSamples>(header.xml.file(), array, origin);
-    pieces.push_back({extent, std::move(source)});
+    pieces.push_back({extent, nullptr});
+    for (int k = 0; bytes > 0 && !pieces.back().source && k < data->GetNumberOfNestedElements(); ++k)
+      if (attribute(data->GetNestedElement(k), "Name") == array.name)
+        pieces.back().source = samplesOf(header, data->GetNestedElement(k), array, extent, bytes, decoded);
   }
   if (pieces.empty()) throw Error(path + ": the image has no <Piece>");
-  file.source = std::make_shared<PieceSamples>(path, std::move(pieces), file.bytesPerPoint());
+  file.source = std::make_shared<PieceSamples>(path, std::move(pieces));
   return file;
 }
 
 /// A piece of a .pvti, opened when it is first needed: a rank touches the files of its own points only.
 class PieceFile final : public SampleSource {
  public:
-  PieceFile(std::string path, ArrayInfo array, Index3 base)
-      : path_(std::move(path)), array_(std::move(array)), base_(base) {}
-  void read(const Extent& extent, std::span<std::byte> out) const override {
-    const VolumeFile piece = openVtiRelative(path_, array_.name, &base_);
+  PieceFile(std::string path, ArrayInfo array, Index3 base, std::shared_ptr<Decoded> decoded)
+      : path_(std::move(path)), array_(std::move(array)), base_(base), decoded_(std::move(decoded)) {}
+  void read(std::span<const Extent> wanted, const TakeSamples& take) const override {
+    const VolumeFile piece = openVtiRelative(path_, array_.name, &base_, decoded_);
     if (piece.array.type != array_.type || piece.array.components != array_.components)
       throw Error(path_ + ": array '" + array_.name + "' is not of the type that the .pvti states");
-    piece.source->read(extent, out);
+    piece.source->read(wanted, take);
   }
 
  private:
   std::string path_;
   ArrayInfo array_;
   Index3 base_;
+  std::shared_ptr<Decoded> decoded_;
 };
 
 }  // namespace
 
 VolumeFile openVti(const std::string& path, const std::string& array) {
-  return openVtiRelative(path, array, nullptr);
+  return openVtiRelative(path, array, nullptr, std::make_shared<Decoded>());
 }
 
 VolumeFile openPvti(const std::string& path, const std::string& wanted) {
@@ -349,11 +261,12 @@ VolumeFile openPvti(const std::string& path, const std::string& wanted) {
     if (std::strcmp(piece->GetName(), "Piece") != 0) continue;
     const std::string source = attribute(piece, "Source");
     if (source.empty()) throw Error(path + ": a <Piece> has no attribute Source");
-    pieces.push_back({extentAttribute(header, piece, "Extent", header.start),
-                      std::make_shared<PieceFile>(beside(path, source), file.array, header.start)});
+    pieces.push_back(
+        {extentAttribute(header, piece, "Extent", header.start),
+         std::make_shared<PieceFile>(beside(path, source), file.array, header.start, file.decoded)});
   }
   if (pieces.empty()) throw Error(path + ": the image has no <Piece>");
-  file.source = std::make_shared<PieceSamples>(path, std::move(pieces), file.bytesPerPoint());
+  file.source = std::make_shared<PieceSamples>(path, std::move(pieces));
   return file;
 }
 

@@ -6,10 +6,13 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <charconv>
 #include <cstring>
+#include <exception>
 #include <fstream>
 #include <limits>
 #include <optional>
+#include <utility>
 
 #include "gxy/comm/error.h"
 #include "gxy/io/vtk_messages.h"
@@ -31,6 +34,10 @@ class Parser final : public vtkXMLDataParser {
  public:
   static Parser* New() { VTK_STANDARD_NEW_BODY(Parser); }
 
+  /// What ended the parsing.
+  void rethrow() const {
+    if (thrown_) std::rethrow_exception(thrown_);
+  }
   bool endedEarly() const { return elements_ > kMostElements || deepest_ > kDeepest; }
 
   size_t headerWordBytes() const { return HeaderType == 64 ? 8 : 4; }
@@ -48,6 +55,13 @@ class Parser final : public vtkXMLDataParser {
     }
     DataStream->SetStream(Stream);
     DataStream->StartReading();
+  }
+
+  /// Where text or base64 begins that stands in the element.
+  int64_t placeOfInline(vtkXMLDataElement* array) {
+    Stream->clear();
+    SeekInlineDataPosition(array);
+    return TellG();
   }
 
   /// The next word of the header; none if the file, or what is base64, ends before.
@@ -68,11 +82,23 @@ class Parser final : public vtkXMLDataParser {
     deepest_ = std::max(deepest_, size_t(NumberOfOpenElements));
   }
   int ParseBuffer(const char* buffer, unsigned int count) override {
+    constexpr uint64_t kWatched = uint64_t(1) << 20;
+    const uint64_t before = std::exchange(parsed_, parsed_ + count);
+    if (before / kWatched != parsed_ / kWatched) {
+      try {
+        ReadWatch::check();
+      } catch (...) {  // not through the parser
+        thrown_ = std::current_exception();
+        return 0;
+      }
+    }
     return vtkXMLDataParser::ParseBuffer(buffer, count) && !endedEarly();
   }
 
  private:
   size_t elements_ = 0, deepest_ = 0;
+  uint64_t parsed_ = 0;
+  std::exception_ptr thrown_;
 };
 
 /// Where the next element of the same parent begins, if there is one; what is text in between may be the array's.
@@ -102,6 +128,7 @@ VtkXml::VtkXml(const std::string& path, const char* type)
   const VtkMessages messages;
   parser_->SetStream(stream_.get());
   const bool parsed = parser_->Parse();
+  of(parser_).rethrow();
   if (of(parser_).endedEarly())
     throw Error(path + ": too many XML elements, expected at most " + std::to_string(kMostElements) +
                 " and at most " + std::to_string(kDeepest) + " in one another");
@@ -115,6 +142,27 @@ VtkXml::VtkXml(const std::string& path, const char* type)
 }
 
 bool VtkXml::compressed() const { return !attribute(root(), "compressor").empty(); }
+
+int64_t VtkXml::headerWordBytes() const { return int64_t(of(parser_).headerWordBytes()); }
+
+bool VtkXml::swapsBytes() const {
+  return (attribute(root(), "byte_order") == "BigEndian") != (std::endian::native == std::endian::big);
+}
+
+XmlPlace VtkXml::placeOf(vtkXMLDataElement* array) const {
+  using Form = XmlPlace::Form;
+  if (!isAppended(array))
+    return {isText(array) ? Form::Text : Form::Base64, of(parser_).placeOfInline(array)};
+  int64_t place = 0;
+  const std::string offset = attribute(array, "offset");
+  if (std::from_chars(offset.data(), offset.data() + offset.size(), place).ec != std::errc() || place < 0 ||
+      place > file_->size())
+    fail(array, "begins at offset " + offset + ", which is no position in the file");
+  vtkXMLDataElement* appended = root()->FindNestedElementWithName("AppendedData");
+  if (!appended) fail(array, "has no data: there is no <AppendedData>");
+  return {attribute(appended, "encoding") == "raw" ? Form::Raw : Form::Base64,
+          parser_->GetAppendedDataPosition() + place};
+}
 
 void VtkXml::fail(vtkXMLDataElement* array, const std::string& what) const {
   throw Error(path() + ": array '" + attribute(array, "Name") + "' " + what);

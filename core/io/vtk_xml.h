@@ -19,6 +19,13 @@ namespace gxy {
 /// Empty if the element has none of that name.
 std::string attribute(vtkXMLDataElement* element, const char* name);
 
+/// Where an array's data stand, and how: as text, as base64, or as bytes, from `position` on; the last two with a header.
+struct XmlPlace {
+  enum class Form { Text, Base64, Raw };
+  Form form;
+  int64_t position;
+};
+
 /// An open file, its XML parsed and none of its arrays read. For one thread at a time.
 class VtkXml {
  public:
@@ -33,7 +40,11 @@ class VtkXml {
   vtkXMLDataElement* root() const { return parser_->GetRootElement(); }
   vtkXMLDataElement* data() const { return data_; }  ///< the element called like the type
   bool compressed() const;
+  int64_t headerWordBytes() const;
+  bool swapsBytes() const;  ///< the file's byte order is not this machine's
 
+  /// Throws Error for an offset that is no position.
+  XmlPlace placeOf(vtkXMLDataElement* array) const;
   /// Bytes of an array's data when they are decompressed, by the header before them; of text, the most that it can come
   /// to. Throws Error if there is no header, or one that VTK's reader could not follow: blocks of a few bytes or none,
   /// more of them or larger ones than the file can hold, a last one that is larger than the others.

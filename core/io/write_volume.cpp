@@ -8,6 +8,7 @@
 
 #include "gxy/comm/error.h"
 #include "gxy/io/volume_description.h"
+#include "gxy/io/volume_formats.h"
 #include "gxy/io/vtk_scalars.h"
 
 namespace gxy {
@@ -112,6 +113,21 @@ void VolumeWriter::write(size_t index, int64_t slice, std::span<const std::byte>
       slice + int64_t(samples.size()) / bytes > grid_.points[2])
     throw Error(file_->path() + ": whole slices inside the grid must be written");
   file_->writeAt(places_[index] + slice * bytes, samples);
+}
+
+void VolumeWriter::write(size_t index, const Extent& box, std::span<const std::byte> samples) const {
+  const ArrayInfo& array = arrays_.at(index);
+  const int64_t point = int64_t(bytesOf(array.type)) * array.components;
+  if (!(intersection(box, wholeOf(grid_)) == box) || int64_t(samples.size()) != box.count() * point)
+    throw Error(file_->path() + ": the samples of a box inside the grid must be written");
+  const bool rows = box.points[0] == grid_.points[0], slices = rows && box.points[1] == grid_.points[1];
+  const Index3& n = box.points;
+  const int64_t together = slices ? box.count() : rows ? n[0] * n[1] : n[0];  // points that lie together
+  for (int64_t at = 0; at < box.count(); at += together) {
+    const int64_t y = box.first[1] + at % (n[0] * n[1]) / n[0], z = box.first[2] + at / (n[0] * n[1]);
+    file_->writeAt(places_[index] + ((z * grid_.points[1] + y) * grid_.points[0] + box.first[0]) * point,
+                   samples.subspan(size_t(at * point), size_t(together * point)));
+  }
 }
 
 void writePvti(const std::string& path, const Grid& grid, const std::vector<ArrayInfo>& arrays,

@@ -23,6 +23,8 @@ class VolumeWriter {
 
   /// Samples of slices [slice, slice + n) of array `index`, x fastest, components interleaved.
   void write(size_t index, int64_t slice, std::span<const std::byte> samples) const;
+  /// Of a box of points of the grid.
+  void write(size_t index, const Extent& box, std::span<const std::byte> samples) const;
 
  private:
   Grid grid_;

@@ -230,10 +230,11 @@ void Datasets::add(const std::string& tenant, const std::string& name, Scope sco
 }
 
 void Datasets::nameAll(const std::string& tenant, Scope scope, const std::vector<Unnamed>& added,
-                       const json& updates) {
+                       const json& updates, const std::function<void()>& check) {
   std::vector<NamedDataset> replaced, all;
   try {
     const std::lock_guard naming(naming_);
+    check();
     for (const Unnamed& a : added) {
       NamedDataset& d = all.emplace_back(
           NamedDataset{a.key, a.name, scope, nameOf(a.type), tenant, scope == Scope::Shared});
@@ -275,6 +276,7 @@ void Datasets::drop(const std::string& tenant, const std::string& name) {
   Key key;
   {
     const std::lock_guard naming(naming_);
+    if (endImportsOf(tenant, name) && !find(tenant, name)) return;
     const NamedDataset dataset = get(tenant, name);
     node_.directory.remove(tenant, name, dataset.scope);
     key = dataset.key;

@@ -98,7 +98,8 @@ class Datasets {
   /// The same of what the name means. Throws as get() does.
   std::pair<NamedDataset, nlohmann::json> info(const std::string& tenant, const std::string& name);
 
-  /// These wait for all ranks.
+  /// These wait for all ranks. With a drop, imports of the tenant under way that are to give it the name end, too; where there are
+  /// such, there need be no dataset.
   void drop(const std::string& tenant, const std::string& name);
   void rename(const std::string& tenant, const std::string& name, const std::string& newName);
   void move(const std::string& tenant, const std::string& name, Scope to, bool readOnly);
@@ -116,7 +117,11 @@ class Datasets {
   /// Rank 0: what an import's data are cut by.
   std::shared_ptr<const Partitioning> partitioningFor(const nlohmann::json& parameters, const Box& data,
                                                       const Grid* grid) const;
-  std::shared_ptr<void> takeNames(Request& request, const Import& what);
+  struct Importing;
+  std::shared_ptr<void> takeNames(Request& request, const Import& what,
+                                  const std::shared_ptr<Importing>& importing);
+  /// Ends the imports under way that the tenant has begun and that are to give it this name. False if there are none.
+  bool endImportsOf(const std::string& tenant, const std::string& name);
   /// New generations, on rank 0 last: what it tells of is everywhere, and the generation before is still held.
   void commit(const nlohmann::json& updates);
   void commitHere(const nlohmann::json& updates);
@@ -128,9 +133,11 @@ class Datasets {
   };
   /// Throws Error unless the names of all updates still mean what is to be updated.
   void checkUpdates(const std::string& tenant, Scope scope, const nlohmann::json& updates) const;
-  /// Names all and commits the updates, or none of either, and then tells. What has failed is on no rank any more.
-  void nameAll(const std::string& tenant, Scope scope, const std::vector<Unnamed>& added,
-               const nlohmann::json& updates);
+  /// Names all and commits the updates, or none of either, and then tells. What has failed, or for
+  /// what `check` has thrown at the last moment, is on no rank any more.
+  void nameAll(
+      const std::string& tenant, Scope scope, const std::vector<Unnamed>& added,
+      const nlohmann::json& updates, const std::function<void()>& check = [] {});
   /// What a name means there. Throws Error if the tenant may not give it to something else.
   std::optional<NamedDataset> mayName(const std::string& tenant, const std::string& name, Scope scope) const;
   void abandonHere(Key key);
@@ -147,7 +154,7 @@ class Datasets {
   std::condition_variable changed_;
   std::mutex naming_;  ///< held while names change and that is told: one change at a time; before mutex_
   std::map<uint64_t, std::shared_ptr<const Partitioning>> like_;  ///< rank 0: to be used, by exchange
-  std::set<std::string> importing_;                               ///< rank 0: names with their scopes
+  std::map<std::string, std::shared_ptr<Importing>> importing_;   ///< rank 0: by name with its scope
   std::map<Key, std::pair<std::string, Scope>> names_;            ///< rank 0: of each object
   std::map<std::string, std::vector<Key>> newest_;                ///< rank 0: by owner, newest last
   std::map<uint64_t, std::shared_ptr<Observer>> observers_;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Files become datasets on all ranks, together.
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <cstring>
 
@@ -24,13 +25,18 @@ GeometryKind kindOf(DatasetType type) {
   return type == DatasetType::PathLines ? GeometryKind::PathLines : GeometryKind::Triangles;
 }
 
-// Bytes that this rank will hold of a volume.
+// Bytes that this rank holds of a volume while it is read.
 int64_t bytesToCome(const VolumeFile& file, const Partitioning& partitioning, int rank) {
-  const size_t each = std::min<size_t>(bytesOf(file.array.type), 4) * size_t(file.array.components);
-  size_t bytes = 0;
-  for (const int p : partitioning.owned(rank))
-    bytes += Bricks(extentOf(file.grid, partitioning.box(p), kGhostLayers).points).count() * each;
-  return int64_t(bytes);
+  const size_t each = file.bytesPerPoint();
+  size_t points = 0, largest = 0;
+  for (const int p : partitioning.owned(rank)) {
+    const size_t block = Bricks(extentOf(file.grid, partitioning.box(p), kGhostLayers).points).count();
+    points += block;
+    largest = std::max(largest, block);
+  }
+  const bool becomesFloat = bytesOf(file.array.type) > sizeof(float);  // block by block
+  return int64_t(points * each +
+                 (becomesFloat ? largest * sizeof(float) * size_t(file.array.components) : 0));
 }
 
 int64_t bytesOf(const GeometryBlock& b) {
@@ -109,6 +115,7 @@ json Datasets::importHere(const json& p) {
   const ReadScope inside = node_.folders.reading();
   Exchanges::Part part = node_.exchanges.join(exchange);
   RankCollectives& ranks = part.ranks;
+  const ReadWatch watch([&] { ranks.check(); });
 
   std::vector<std::shared_ptr<Dataset>> made;
   agree(ranks, [&] {
@@ -171,11 +178,13 @@ json Datasets::importHere(const json& p) {
     d.partitioning = partitioning;
     if (d.type != DatasetType::Volume) continue;
     begin("importing ", i, !std::exchange(samples, true));
+    VolumeFile file;
     agree(ranks, [&] {
-      d.bytes = bytesToCome(openVolume(d.file, d.array), *partitioning, node_.rank());
+      file = openVolume(d.file, d.array);
+      d.bytes = bytesToCome(file, *partitioning, node_.rank());
       d.memory = node_.takeMemory(tenant, "volume", d.bytes);
     });
-    d.volume = importVolume(d.file, d.array, *partitioning, kGhostLayers, ranks);
+    d.volume = importVolume(std::move(file), *partitioning, kGhostLayers, ranks);
     d.bytes = gxy::bytesOf(*d.volume);
     d.memory.resize(d.bytes);
     finished++;
@@ -219,8 +228,37 @@ json Datasets::importHere(const json& p) {
 
 constexpr size_t kAtOnce = 10000;  // datasets: all ranks are told of all of them
 
+/// An import under way, which ends when one of its names is dropped.
+struct Datasets::Importing {
+  explicit Importing(std::string whose) : tenant(std::move(whose)) {}
+
+  const std::string tenant;
+  std::atomic<uint64_t> exchange = 0;  ///< 0: it has not begun
+  std::atomic<bool> dropped = false;
+
+  void check() const {
+    if (dropped) throw Error("cancelled: a dataset of this import was dropped");
+  }
+};
+
+bool Datasets::endImportsOf(const std::string& tenant, const std::string& name) {
+  std::vector<uint64_t> ended;
+  {
+    const std::lock_guard lock(mutex_);
+    for (const std::string& whose : {tenant, std::string()})
+      if (const auto at = importing_.find(whose + "\n" + name);
+          at != importing_.end() && at->second->tenant == tenant) {
+        at->second->dropped = true;
+        ended.push_back(at->second->exchange);
+      }
+  }
+  for (const uint64_t exchange : ended) node_.exchanges.cancel(exchange);
+  return !ended.empty();
+}
+
 // The names are the caller's until it lets go.
-std::shared_ptr<void> Datasets::takeNames(Request& request, const Import& what) {
+std::shared_ptr<void> Datasets::takeNames(Request& request, const Import& what,
+                                          const std::shared_ptr<Importing>& importing) {
   std::set<std::string> names;
   for (const DatasetSpec& d : what.specs) {
     checkDatasetName(d.name);
@@ -240,7 +278,7 @@ std::shared_ptr<void> Datasets::takeNames(Request& request, const Import& what) 
            });
   });
   request.check();
-  importing_.insert(names.begin(), names.end());
+  for (const std::string& name : names) importing_.emplace(name, importing);
   return {nullptr, [this, names](void*) {
             const std::lock_guard again(mutex_);
             for (const std::string& name : names) importing_.erase(name);
@@ -254,11 +292,19 @@ std::vector<std::string> Datasets::import(Request& request, const Import& what) 
   if (what.specs.size() > kAtOnce)
     throw Error("import: there are " + std::to_string(what.specs.size()) + " datasets, expected at most " +
                 std::to_string(kAtOnce) + " in one request");
-  const std::shared_ptr<void> names = takeNames(request, what);
+  const auto importing = std::make_shared<Importing>(tenant);
+  const std::shared_ptr<void> names = takeNames(request, what, importing);
   std::vector<DatasetSpec> specs = what.specs;
   if (what.onlyMissing) std::erase_if(specs, [&](const DatasetSpec& d) { return find(tenant, d.name); });
   if (specs.empty()) return {};
-  const auto exchange = node_.exchanges.begin(request);
+  Asker asker = askerOf(request);
+  asker.check = [&request, importing] {
+    importing->check();
+    request.check();
+  };
+  const auto exchange = node_.exchanges.begin(std::move(asker));
+  importing->exchange = *exchange;
+  request.onCancel([this, number = *exchange] { node_.exchanges.cancel(number); });
   json parameters{{"exchange", *exchange}, {"tenant", tenant}, {"new", what.newPartitioning}};
   std::shared_ptr<const Partitioning> like;
   if (!what.like.empty()) like = getPinned(tenant, what.like).second.get<Dataset>()->partitioning;
@@ -292,7 +338,7 @@ std::vector<std::string> Datasets::import(Request& request, const Import& what) 
     checkUpdates(tenant, what.scope, updates);  // where that is why, it says more
     throw;
   }
-  nameAll(tenant, what.scope, added, updates);
+  nameAll(tenant, what.scope, added, updates, [&] { importing->check(); });
   const auto all = int64_t(specs.size()) * Exchanges::kUnits;
   request.progress(all, all, "done");
   return warnings;

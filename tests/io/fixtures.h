@@ -14,6 +14,7 @@
 #include <thread>
 #include <vector>
 
+#include "gxy/comm/error.h"
 #include "gxy/io/collectives.h"
 #include "gxy/io/volume_file.h"
 #include "support/temporary_folder.h"
@@ -78,6 +79,20 @@ class ThreadRanks {
   };
   std::barrier<> barrier_;
   std::vector<std::vector<Bytes>> boxes_;
+};
+
+/// One rank whose part is to end when it has been asked so often.
+struct EndsAt : Collectives {
+  explicit EndsAt(int most) : most(most) {}
+  int rank() const override { return 0; }
+  int size() const override { return 1; }
+  std::vector<Bytes> allGather(Bytes mine) override { return {std::move(mine)}; }
+  std::vector<Bytes> allToAll(std::vector<Bytes> perRank) override { return perRank; }
+  void check() const override {
+    if (++asked == most) throw Error("cancelled");
+  }
+  const int most;
+  mutable int asked = 0;
 };
 
 /// Keeps the warnings about thousands of damaged texts off the terminal while it lives.

@@ -14,6 +14,7 @@
 namespace gxy {
 namespace {
 
+using testing::EndsAt;
 using testing::TemporaryFolder;
 using testing::ThreadRanks;
 
@@ -59,20 +60,6 @@ TEST(ImportVolume, EveryRankSeesTheSameRangesAndSummariesAsOne) {
   });
   EXPECT_EQ(errors, std::vector<std::string>(3));
 }
-
-/// One rank whose part is to end when it has been asked so often.
-struct EndsAt : Collectives {
-  explicit EndsAt(int most) : most(most) {}
-  int rank() const override { return 0; }
-  int size() const override { return 1; }
-  std::vector<Bytes> allGather(Bytes mine) override { return {std::move(mine)}; }
-  std::vector<Bytes> allToAll(std::vector<Bytes> perRank) override { return perRank; }
-  void check() const override {
-    if (++asked == most) throw Error("cancelled");
-  }
-  const int most;
-  mutable int asked = 0;
-};
 
 // Of 20 x 80 x 200 points: read at once, stored in 25 layers of macrocells.
 TEST(ImportVolume, EndsWithinABlockWhenItIsToldTo) {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <condition_variable>
+#include <filesystem>
 #include <fstream>
 #include <future>
 #include <thread>
@@ -495,6 +496,57 @@ TEST(Data, AnImportThatIsCancelledEndsBetweenItsFilesAndLeavesNothing) {
   EXPECT_EQ(names(*client), Names{});
   for (int rank = 0; rank < 2; rank++) EXPECT_EQ(server->node(rank).ledger.total("user"), 0) << rank;
   client->expect(importBall("ball"));
+}
+
+/// A server with a volume that takes seconds to import, 4 GiB of zeros, none of which the disk holds.
+std::unique_ptr<TestServer> serveLarge() {
+  auto server = serve();
+  std::ofstream(server->folder() / "large.vol") << "uchar\n0 0 0\n1024 1024 4096\n1 1 1\nlarge.raw\n";
+  std::ofstream(server->folder() / "large.raw").put('\0');
+  std::filesystem::resize_file(server->folder() / "large.raw", uint64_t(1) << 32);
+  return server;
+}
+constexpr const char* kImportLarge =
+    R"(import {"Datasets": [{"name": "large", "filename": "large.vol", "type": "Volume"}]})";
+
+int64_t memoryOf(TestServer& server) {
+  return server.node(0).ledger.total("user") + server.node(1).ledger.total("user");
+}
+
+// The import would be done some seconds later, and keep its memory.
+TEST(Data, AnImportWithinOneFileEndsByCancelAndByDropAndWithItsClient) {
+  const auto server = serveLarge();
+  const auto other = dataClient(*server);
+  for (const std::string way : {"cancel", "drop", "leave"}) {
+    auto client = dataClient(*server);
+    std::promise<Reply> ended;
+    const uint32_t id = client->send(kImportLarge, [&](const Reply& r) { ended.set_value(r); });
+    while (memoryOf(*server) < int64_t(1) << 32) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    if (way == "cancel") {
+      client->expect("cancel " + std::to_string(id));
+      EXPECT_EQ(ended.get_future().get().error, "cancelled");
+    } else if (way == "drop") {
+      other->expect("drop large");
+      EXPECT_EQ(ended.get_future().get().error, "cancelled: a dataset of this import was dropped");
+      EXPECT_FALSE(other->request("drop large").ok) << "neither a dataset nor an import";
+    }
+    client.reset();
+    while (memoryOf(*server) > 0) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    EXPECT_EQ(names(*other), Names{});
+  }
+}
+
+TEST(Data, AnUpdateEndsWhenItsDatasetIsDropped) {
+  const auto server = serveLarge();
+  const auto client = dataClient(*server), other = dataClient(*server);
+  client->expect(importBall("large"));
+  std::promise<Reply> ended;
+  client->send(kImportLarge, [&](const Reply& r) { ended.set_value(r); });
+  while (memoryOf(*server) < int64_t(1) << 32) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  other->expect("drop large");
+  EXPECT_FALSE(ended.get_future().get().ok);
+  EXPECT_EQ(names(*other), Names{});
+  while (memoryOf(*server) > 0) std::this_thread::sleep_for(std::chrono::milliseconds(1));
 }
 
 TEST(Data, QuotasOfMemoryHoldBeforeAnythingIsRead) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// convert, partition and info of volumes. All work in slabs: a volume need not fit into memory.
+// convert, partition and info of volumes. All work box by box: a volume need not fit into memory.
 #include <algorithm>
 #include <cinttypes>
 #include <cstdio>
@@ -12,24 +12,6 @@
 
 namespace gxy::data_tool {
 namespace {
-
-constexpr int64_t kSlabBytes = 64 << 20;
-
-/// Calls use(first slice, samples) for slabs of `extent` in order.
-template <class Use>
-void forSlabs(const VolumeFile& file, const Extent& extent, Use use) {
-  const int64_t slice = extent.points[0] * extent.points[1] * int64_t(file.bytesPerPoint());
-  const int64_t depth = std::max(kSlabBytes / std::max(slice, int64_t(1)), int64_t(1));
-  std::vector<std::byte> samples;
-  for (int64_t k = 0; k < extent.points[2]; k += depth) {
-    Extent slab = extent;
-    slab.first[2] += k;
-    slab.points[2] = std::min(depth, extent.points[2] - k);
-    samples.resize(size_t(slab.points[2] * slice));
-    readVolume(file, slab, samples);
-    use(slab, std::span<const std::byte>(samples));
-  }
-}
 
 /// Every array of the file as a volume of its own, or the one that is asked for. A raw format takes one array
 /// only.
@@ -53,10 +35,15 @@ std::vector<ArrayInfo> infos(const std::vector<VolumeFile>& files) {
 
 void copy(const std::vector<VolumeFile>& files, const Extent& extent, const VolumeWriter& writer,
           Progress& progress) {
+  std::vector<std::byte> box;
   for (size_t i = 0; i < files.size(); ++i)
-    forSlabs(files[i], extent, [&](const Extent& slab, std::span<const std::byte> samples) {
-      writer.write(i, slab.first[2] - extent.first[2], samples);
-      progress.advance(int64_t(samples.size()));
+    files[i].source->read(std::span(&extent, 1), [&](const SamplesRead& some) {
+      box.resize(size_t(some.points.count()) * files[i].bytesPerPoint());
+      copyBox(some.points, some.samples, some.layout, box, some.points, files[i].bytesPerPoint());
+      Extent there = some.points;
+      for (size_t a = 0; a < 3; ++a) there.first[a] -= extent.first[a];
+      if (!box.empty()) writer.write(i, there, box);
+      progress.advance(int64_t(box.size()));
     });
 }
 
@@ -72,8 +59,9 @@ int64_t cut(int64_t cells, int n, int i) { return cells / n * i + std::min(int64
 void printArray(const VolumeFile& file) {
   FieldStatistics all;
   all.ranges.resize(size_t(file.array.components) + (file.array.components > 1));
-  forSlabs(file, wholeOf(file.grid), [&](const Extent&, std::span<const std::byte> samples) {
-    all.merge(statisticsOf(samples, file.array.type, file.array.components));
+  const Extent whole = wholeOf(file.grid);
+  file.source->read(std::span(&whole, 1), [&](const SamplesRead& some) {
+    all.merge(statisticsOf(some.samples, file.array.type, file.array.components, some.layout, some.points));
   });
   std::printf("array       '%s': %s, %d component%s\n", file.array.name.c_str(), nameOf(file.array.type),
               file.array.components, file.array.components > 1 ? "s" : "");

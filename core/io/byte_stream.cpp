@@ -1,0 +1,245 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gxy/io/byte_stream.h"
+
+#include <lzma.h>
+#include <zlib.h>
+
+#include <algorithm>
+#include <vector>
+
+#include "gxy/comm/error.h"
+#include "gxy/io/lz4_block.h"
+
+namespace gxy {
+namespace {
+
+constexpr size_t kInput = size_t(64) << 10;  ///< bytes that decoders take at once
+
+class FileBytes final : public ByteStream {
+ public:
+  FileBytes(std::shared_ptr<const File> file, int64_t offset, int64_t bytes)
+      : file_(std::move(file)), at_(offset), end_(offset + std::min(bytes, file_->size() - offset)) {}
+  size_t read(std::span<std::byte> out) override {
+    const auto n = size_t(std::clamp<int64_t>(end_ - at_, 0, int64_t(out.size())));
+    file_->readAt(at_, out.first(n));
+    at_ += int64_t(n);
+    return n;
+  }
+
+ private:
+  std::shared_ptr<const File> file_;
+  int64_t at_, end_;
+};
+
+/// What a decoder has taken of a stream and not used yet.
+class Input {
+ public:
+  explicit Input(ByteStreamPtr from) : from_(std::move(from)), buffer_(kInput) {}
+  /// At least one byte, or none at the end.
+  std::span<const std::byte> peek() {
+    if (at_ == filled_) {
+      at_ = 0;
+      filled_ = from_->read(buffer_);
+    }
+    return {buffer_.data() + at_, filled_ - at_};
+  }
+  void take(size_t n) { at_ += n; }
+
+ private:
+  ByteStreamPtr from_;
+  std::vector<std::byte> buffer_;
+  size_t at_ = 0, filled_ = 0;
+};
+
+class Base64Bytes final : public ByteStream {
+ public:
+  explicit Base64Bytes(ByteStreamPtr text) : text_(std::move(text)) {}
+
+  size_t read(std::span<std::byte> out) override {
+    size_t n = 0;
+    while (n < out.size() && !ended_) {
+      const auto text = text_.peek();
+      size_t used = 0;
+      for (; used < text.size() && n < out.size() && !ended_; ++used) {
+        const auto c = static_cast<unsigned char>(text[used]);
+        if (c == ' ' || (c >= '\t' && c <= '\r')) continue;
+        const int digit = valueOf(c);
+        ended_ = digit < 0;
+        if (ended_) break;
+        bits_ = bits_ << 6 | uint32_t(digit);
+        held_ += 6;
+        if (held_ < 8) continue;
+        held_ -= 8;
+        out[n++] = std::byte(bits_ >> held_ & 0xff);
+      }
+      ended_ = ended_ || text.empty();
+      text_.take(used);
+    }
+    return n;
+  }
+
+ private:
+  static int valueOf(unsigned char c) {
+    if (c >= 'A' && c <= 'Z') return c - 'A';
+    if (c >= 'a' && c <= 'z') return c - 'a' + 26;
+    if (c >= '0' && c <= '9') return c - '0' + 52;
+    return c == '+' ? 62 : c == '/' ? 63 : -1;
+  }
+
+  Input text_;
+  uint32_t bits_ = 0;
+  int held_ = 0;  ///< bits of the lowest of bits_ that no byte has had
+  bool ended_ = false;
+};
+
+/// A decoder's step: consumes some input, makes some output, and says whether the end has been reached.
+class Decoding : public ByteStream {
+ public:
+  Decoding(ByteStreamPtr from, std::string where) : from_(std::move(from)), where_(std::move(where)) {}
+
+  size_t read(std::span<std::byte> out) final {
+    size_t made = 0;
+    while (made < out.size() && !ended_) {
+      const auto in = from_.peek();
+      const Step step = decode(in, out.subspan(made));
+      from_.take(step.used);
+      made += step.made;
+      ended_ = step.ended;
+      if (!ended_ && step.used + step.made == 0) fail(in.empty() ? "they end too early" : "they are damaged");
+    }
+    return made;
+  }
+
+ protected:
+  struct Step {
+    size_t used, made;
+    bool ended;
+  };
+  virtual Step decode(std::span<const std::byte> in, std::span<std::byte> out) = 0;
+  [[noreturn]] void fail(const std::string& what) const {
+    throw Error(where_ + ": its compressed data cannot be read: " + what);
+  }
+
+ private:
+  Input from_;
+  const std::string where_;
+  bool ended_ = false;
+};
+
+class ZlibBytes final : public Decoding {
+ public:
+  ZlibBytes(ByteStreamPtr from, const std::string& where) : Decoding(std::move(from), where) {
+    constexpr int kEitherForm = 32;
+    if (inflateInit2(&state_, MAX_WBITS + kEitherForm) != Z_OK) fail("there is no memory for it");
+  }
+  ~ZlibBytes() override { inflateEnd(&state_); }
+
+ private:
+  Step decode(std::span<const std::byte> in, std::span<std::byte> out) override {
+    constexpr size_t kMost = size_t(1) << 30;
+    constexpr std::byte kGzip{0x1f};
+    if (between_) {  // gzip's form allows several such streams one after the other
+      if (in.empty() || in.front() != kGzip) return {0, 0, true};
+      between_ = false;
+      inflateReset(&state_);
+    }
+    state_.next_in = reinterpret_cast<Bytef*>(const_cast<std::byte*>(in.data()));
+    state_.avail_in = uInt(in.size());
+    state_.next_out = reinterpret_cast<Bytef*>(out.data());
+    const size_t room = std::min(out.size(), kMost);
+    state_.avail_out = uInt(room);
+    const int result = inflate(&state_, Z_NO_FLUSH);
+    if (result != Z_OK && result != Z_STREAM_END && result != Z_BUF_ERROR)
+      fail(state_.msg ? state_.msg : "they are damaged");
+    between_ = result == Z_STREAM_END;
+    return {in.size() - state_.avail_in, room - state_.avail_out, false};
+  }
+  z_stream state_{};
+  bool between_ = false;
+};
+
+class LzmaBytes final : public Decoding {
+ public:
+  LzmaBytes(ByteStreamPtr from, const std::string& where) : Decoding(std::move(from), where) {
+    constexpr uint64_t kMostMemory = uint64_t(128) << 20;  // the strongest preset takes 65 MiB
+    if (lzma_stream_decoder(&state_, kMostMemory, 0) != LZMA_OK) fail("there is no memory for it");
+  }
+  ~LzmaBytes() override { lzma_end(&state_); }
+
+ private:
+  Step decode(std::span<const std::byte> in, std::span<std::byte> out) override {
+    state_.next_in = reinterpret_cast<const uint8_t*>(in.data());
+    state_.avail_in = in.size();
+    state_.next_out = reinterpret_cast<uint8_t*>(out.data());
+    state_.avail_out = out.size();
+    const lzma_ret result = lzma_code(&state_, LZMA_RUN);
+    if (result == LZMA_MEMLIMIT_ERROR) fail("they need more than 128 MiB of memory");
+    if (result != LZMA_OK && result != LZMA_STREAM_END && result != LZMA_BUF_ERROR) fail("they are damaged");
+    return {in.size() - state_.avail_in, out.size() - state_.avail_out, result == LZMA_STREAM_END};
+  }
+  lzma_stream state_ = LZMA_STREAM_INIT;
+};
+
+class Lz4Bytes final : public Decoding {
+ public:
+  using Decoding::Decoding;
+
+ private:
+  Step decode(std::span<const std::byte> in, std::span<std::byte> out) override {
+    const Lz4Block::Step step = block_.decode(in, out);
+    if (step.damaged) fail("they are damaged");
+    return {step.used, step.made, in.empty() && step.made == 0 && block_.mayEnd()};
+  }
+  Lz4Block block_;
+};
+
+class OneBlock final : public BlockedBytes {
+ public:
+  OneBlock(std::shared_ptr<const File> file, int64_t offset, int64_t bytes, Compression compression,
+           int64_t decoded)
+      : file_(std::move(file)),
+        offset_(offset),
+        stored_(bytes),
+        compression_(compression),
+        decoded_(decoded) {}
+  int64_t bytes() const override { return decoded_; }
+  int64_t blockBytes() const override { return decoded_; }
+  ByteStreamPtr open(int64_t) const override {
+    return decompressed(fileBytes(file_, offset_, stored_), compression_, file_->path());
+  }
+
+ private:
+  std::shared_ptr<const File> file_;
+  int64_t offset_, stored_;
+  Compression compression_;
+  int64_t decoded_;
+};
+
+}  // namespace
+
+ByteStreamPtr fileBytes(std::shared_ptr<const File> file, int64_t offset, int64_t bytes) {
+  return std::make_unique<FileBytes>(std::move(file), offset, bytes);
+}
+
+ByteStreamPtr decodedBase64(ByteStreamPtr text) { return std::make_unique<Base64Bytes>(std::move(text)); }
+
+ByteStreamPtr decompressed(ByteStreamPtr bytes, Compression compression, const std::string& where) {
+  switch (compression) {
+    case Compression::Zlib:
+      return std::make_unique<ZlibBytes>(std::move(bytes), where);
+    case Compression::Lz4:
+      return std::make_unique<Lz4Bytes>(std::move(bytes), where);
+    case Compression::Lzma:
+      return std::make_unique<LzmaBytes>(std::move(bytes), where);
+    case Compression::None:
+      break;
+  }
+  return bytes;
+}
+
+std::unique_ptr<BlockedBytes> oneBlock(std::shared_ptr<const File> file, int64_t offset, int64_t bytes,
+                                       Compression compression, int64_t decoded) {
+  return std::make_unique<OneBlock>(std::move(file), offset, bytes, compression, decoded);
+}
+
+}  // namespace gxy

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+// One LZ4 block, decoded piece by piece (github.com/lz4/lz4, doc/lz4_Block_format.md). liblz4 decodes a block all at once,
+// into memory of the size that the file states. Used inside core/io only.
+#pragma once
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+namespace gxy {
+
+/// Sequences of literals and of copies of what came before, each begun by a token with their lengths.
+class Lz4Block {
+ public:
+  struct Step {
+    size_t used, made;
+    bool damaged;
+  };
+  /// Takes from `in`, which continues what was taken before, and puts into `out`, until one of them is used up.
+  Step decode(std::span<const std::byte> in, std::span<std::byte> out);
+  /// Whether a block may end here: after literals.
+  bool mayEnd() const { return expects_ == Expects::Offset && offsetBytes_ == 0; }
+
+ private:
+  enum class Expects { Token, LiteralLength, Literals, Offset, MatchLength, Match };
+  static constexpr size_t kWindow = size_t(64) << 10;  ///< the farthest that a copy reaches back
+
+  void put(std::byte b, std::span<std::byte> out, Step& step) {
+    out[step.made++] = b;
+    window_[put_++ % kWindow] = b;
+  }
+
+  Expects expects_ = Expects::Token;
+  uint64_t literals_ = 0, match_ = 0;  ///< that are still to come
+  unsigned matchCode_ = 0, offsetBytes_ = 0;
+  size_t offset_ = 0;
+  uint64_t put_ = 0;
+  std::array<std::byte, kWindow> window_{};
+};
+
+}  // namespace gxy

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+// Samples that are to be decoded: from compressed bytes, base64 or text. Used inside core/io only.
+#pragma once
+#include "gxy/io/byte_stream.h"
+#include "gxy/io/volume_file.h"
+
+namespace gxy {
+
+/// One array, x fastest, components interleaved, out of blocks of bytes. Of all boxes that are asked for together each block that
+/// they need is decoded once, and not beyond the last point that they need; memory: 1 MiB, whatever the blocks' size.
+class StreamedSamples final : public SampleSource {
+ public:
+  /// `bytes` holds the points of `stored` and nothing else. Errors begin with `where`.
+  StreamedSamples(std::shared_ptr<const BlockedBytes> bytes, const Extent& stored, ScalarType type,
+                  int components, bool swapBytes, std::string where, std::shared_ptr<Decoded> decoded);
+  void read(std::span<const Extent> wanted, const TakeSamples& take) const override;
+
+ private:
+  struct Reading;
+  bool isWanted(std::span<const Extent> wanted, int64_t first, int64_t end) const;
+  void give(std::span<const Extent> wanted, int64_t first, std::span<std::byte> samples,
+            const TakeSamples& take) const;
+  void readBlock(Reading& reading, int64_t block) const;
+
+  std::shared_ptr<const BlockedBytes> bytes_;
+  Extent stored_;
+  int64_t bytesPerPoint_;
+  size_t bytesPerSample_;
+  bool swapBytes_;
+  std::string where_;
+  std::shared_ptr<Decoded> decoded_;
+};
+
+}  // namespace gxy

@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gxy/io/vtk_xml_array.h"
+
+#include <algorithm>
+#include <bit>
+#include <cstring>
+#include <limits>
+#include <vector>
+
+#include "gxy/comm/error.h"
+#include "gxy/io/number_text.h"
+
+namespace gxy {
+namespace {
+
+using Form = XmlPlace::Form;
+
+/// The bytes from decoded byte number `from` on of what stands at `position`.
+ByteStreamPtr bytesFrom(const std::shared_ptr<const File>& file, Form form, int64_t position, int64_t from,
+                        int64_t bytes) {
+  if (form == Form::Raw) return fileBytes(file, position + from, bytes);
+  constexpr int64_t kBytes = 3, kCharacters = 4;
+  const int64_t group = from / kBytes;
+  ByteStreamPtr stream =
+      decodedBase64(fileBytes(file, position + group * kCharacters, std::numeric_limits<int64_t>::max() / 2));
+  std::byte before[kBytes];
+  stream->read(std::span(before).first(size_t(from % kBytes)));
+  return stream;
+}
+
+/// Some bytes of another stream.
+class FirstBytes final : public ByteStream {
+ public:
+  FirstBytes(ByteStreamPtr from, int64_t bytes) : from_(std::move(from)), left_(bytes) {}
+  size_t read(std::span<std::byte> out) override {
+    const size_t n = from_->read(out.first(size_t(std::min<int64_t>(left_, int64_t(out.size())))));
+    left_ -= int64_t(n);
+    return n;
+  }
+
+ private:
+  ByteStreamPtr from_;
+  int64_t left_;
+};
+
+/// The words of the header of an array.
+class Header {
+ public:
+  Header(const VtkXml& xml, const XmlPlace& place)
+      : stream_(
+            bytesFrom(xml.file(), place.form, place.position, 0, std::numeric_limits<int64_t>::max() / 2)),
+        width_(size_t(xml.headerWordBytes())),
+        swap_(xml.swapsBytes()) {}
+  uint64_t word() {
+    std::byte bytes[8] = {};
+    const std::span used(bytes, width_);
+    stream_->read(used);
+    if (swap_) swapBytes(used, width_);
+    ++words_;
+    if (width_ == 8) return std::bit_cast<uint64_t>(bytes);
+    uint32_t narrow;
+    std::memcpy(&narrow, bytes, 4);
+    return narrow;
+  }
+  bool isNarrow() const { return width_ == 4; }
+  int64_t bytes() const { return int64_t(words_ * width_); }
+
+ private:
+  ByteStreamPtr stream_;
+  size_t width_, words_ = 0;
+  bool swap_;
+};
+
+class Uncompressed final : public BlockedBytes {
+ public:
+  Uncompressed(std::shared_ptr<const File> file, XmlPlace place, int64_t header, int64_t bytes)
+      : file_(std::move(file)), place_(place), header_(header), bytes_(bytes) {}
+  int64_t bytes() const override { return bytes_; }
+  int64_t blockBytes() const override { return int64_t(1) << 20; }
+  ByteStreamPtr open(int64_t block) const override {
+    return bytesFrom(file_, place_.form, place_.position, header_ + block * blockBytes(), blockBytes());
+  }
+
+ private:
+  std::shared_ptr<const File> file_;
+  XmlPlace place_;
+  int64_t header_, bytes_;
+};
+
+class Compressed final : public BlockedBytes {
+ public:
+  Compressed(const VtkXml& xml, const XmlPlace& place, Compression compression, int64_t bytes,
+             std::string where)
+      : file_(xml.file()), place_(place), compression_(compression), bytes_(bytes), where_(std::move(where)) {
+    Header header(xml, place);
+    const uint64_t blocks = header.word(), size = header.word();
+    header.word();  // of the last block: what is left
+    blockBytes_ = int64_t(std::min<uint64_t>(size, uint64_t(std::max<int64_t>(bytes, 1))));
+    starts_.push_back(0);
+    for (uint64_t i = 0; i < blocks; ++i) starts_.push_back(starts_.back() + int64_t(header.word()));
+    // The header is encoded by itself.
+    place_.position += place.form == Form::Raw ? header.bytes() : (header.bytes() + 2) / 3 * 4;
+  }
+  int64_t bytes() const override { return bytes_; }
+  int64_t blockBytes() const override { return blockBytes_; }
+  ByteStreamPtr open(int64_t block) const override {
+    const int64_t start = starts_[size_t(block)], stored = starts_[size_t(block) + 1] - start;
+    return decompressed(
+        std::make_unique<FirstBytes>(bytesFrom(file_, place_.form, place_.position, start, stored), stored),
+        compression_, where_);
+  }
+
+ private:
+  std::shared_ptr<const File> file_;
+  XmlPlace place_;
+  Compression compression_;
+  int64_t bytes_, blockBytes_ = 1;
+  std::vector<int64_t> starts_;  ///< of each block, and the end of the last
+  std::string where_;
+};
+
+class Text final : public BlockedBytes {
+ public:
+  Text(std::shared_ptr<const File> file, int64_t position, ScalarType type, int64_t bytes, std::string where)
+      : file_(std::move(file)), position_(position), type_(type), bytes_(bytes), where_(std::move(where)) {}
+  int64_t bytes() const override { return bytes_; }
+  int64_t blockBytes() const override { return std::max<int64_t>(bytes_, 1); }
+  ByteStreamPtr open(int64_t) const override {
+    return numbersOfText(fileBytes(file_, position_, std::numeric_limits<int64_t>::max() / 2), type_, where_);
+  }
+
+ private:
+  std::shared_ptr<const File> file_;
+  int64_t position_;
+  ScalarType type_;
+  int64_t bytes_;
+  std::string where_;
+};
+
+Compression compressionOf(const VtkXml& xml) {
+  const std::string name = attribute(xml.root(), "compressor");
+  if (name == "vtkZLibDataCompressor") return Compression::Zlib;
+  if (name == "vtkLZ4DataCompressor") return Compression::Lz4;
+  if (name == "vtkLZMADataCompressor") return Compression::Lzma;
+  throw Error(xml.path() + ": compressed by '" + name +
+              "', expected vtkZLibDataCompressor, vtkLZ4DataCompressor or vtkLZMADataCompressor");
+}
+
+}  // namespace
+
+std::shared_ptr<const BlockedBytes> xmlArrayBytes(const VtkXml& xml, vtkXMLDataElement* array,
+                                                  ScalarType type, int64_t bytes) {
+  const XmlPlace place = xml.placeOf(array);
+  const std::string where = xml.path() + ": array '" + attribute(array, "Name") + "'";
+  if (place.form == Form::Text) return std::make_shared<Text>(xml.file(), place.position, type, bytes, where);
+  if (xml.compressed()) return std::make_shared<Compressed>(xml, place, compressionOf(xml), bytes, where);
+  Header header(xml, place);
+  const uint64_t stated = header.word();
+  // Writers let the 32-bit size wrap above 4 GiB.
+  if (stated != (header.isNarrow() ? uint64_t(uint32_t(bytes)) : uint64_t(bytes)))
+    throw Error(where + " has " + std::to_string(stated) + " bytes, expected " + std::to_string(bytes));
+  return std::make_shared<Uncompressed>(xml.file(), place, header.bytes(), bytes);
+}
+
+}  // namespace gxy
