@@ -92,9 +92,12 @@ class RowStatistics {
 }  // namespace
 
 Box Grid::box() const {
+  const double inside = rim ? 0.5 : 0;
   Box b;
-  b.lo = origin;
-  for (int a = 0; a < 3; ++a) b.hi[a] = origin[a] + spacing[a] * double(points[a] - 1);
+  for (int a = 0; a < 3; ++a) {
+    b.lo[a] = origin[a] + spacing[a] * inside;
+    b.hi[a] = origin[a] + spacing[a] * (double(points[a] - 1) - inside);
+  }
   return b;
 }
 
@@ -131,9 +134,12 @@ Extent ownedPoints(const Grid& grid, const Partitioning& partitioning, int parti
 
 Partitioning decomposed(const Grid& grid, int parts, int ranks) {
   const Box box = grid.box();
-  const std::array<int, 3> blocks = decompose(parts, grid.cells());
+  Index3 cells = grid.cells();
+  if (grid.rim)
+    for (int64_t& n : cells) --n;
+  const std::array<int, 3> blocks = decompose(parts, cells);
   std::array<std::vector<double>, 3> faces;
-  for (int a = 0; a < 3; ++a) faces[a] = evenFaces(box.lo[a], box.hi[a], blocks[a], grid.cells()[a]);
+  for (int a = 0; a < 3; ++a) faces[a] = evenFaces(box.lo[a], box.hi[a], blocks[a], cells[a]);
   return Partitioning::lattice(std::move(faces), ranks);
 }
 

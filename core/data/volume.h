@@ -18,13 +18,16 @@ namespace gxy {
 using Index3 = std::array<int64_t, 3>;
 
 /// A regular grid: point (i, j, k) lies at origin + spacing * (i, j, k); spacing is positive; points >= 2 per
-/// axis.
+/// axis, or 3 with a rim.
 struct Grid {
   glm::dvec3 origin{0};
   glm::dvec3 spacing{1};
   Index3 points{2, 2, 2};
+  /// The points are centres of cells, and one layer more outside: what there is ends with the cells, half a spacing inside the
+  /// outermost points.
+  bool rim = false;
 
-  Box box() const;
+  Box box() const;  ///< what there is
   Index3 cells() const { return {points[0] - 1, points[1] - 1, points[2] - 1}; }
   bool operator==(const Grid&) const = default;
 };

@@ -196,23 +196,31 @@ class Lz4Bytes final : public Decoding {
 class OneBlock final : public BlockedBytes {
  public:
   OneBlock(std::shared_ptr<const File> file, int64_t offset, int64_t bytes, Compression compression,
-           int64_t decoded)
+           int64_t passed, int64_t decoded)
       : file_(std::move(file)),
         offset_(offset),
         stored_(bytes),
         compression_(compression),
+        passed_(passed),
         decoded_(decoded) {}
   int64_t bytes() const override { return decoded_; }
-  int64_t blockBytes() const override { return decoded_; }
+  int64_t blockBytes() const override { return std::max<int64_t>(decoded_, 1); }
   ByteStreamPtr open(int64_t) const override {
-    return decompressed(fileBytes(file_, offset_, stored_), compression_, file_->path());
+    ByteStreamPtr stream = decompressed(fileBytes(file_, offset_, stored_), compression_, file_->path());
+    std::vector<std::byte> buffer(kInput);
+    for (int64_t left = passed_; left > 0;) {
+      const size_t n = stream->read(std::span(buffer).first(size_t(std::min(left, int64_t(kInput)))));
+      if (n == 0) break;
+      left -= int64_t(n);
+    }
+    return stream;
   }
 
  private:
   std::shared_ptr<const File> file_;
   int64_t offset_, stored_;
   Compression compression_;
-  int64_t decoded_;
+  int64_t passed_, decoded_;
 };
 
 }  // namespace
@@ -237,9 +245,9 @@ ByteStreamPtr decompressed(ByteStreamPtr bytes, Compression compression, const s
   return bytes;
 }
 
-std::unique_ptr<BlockedBytes> oneBlock(std::shared_ptr<const File> file, int64_t offset, int64_t bytes,
-                                       Compression compression, int64_t decoded) {
-  return std::make_unique<OneBlock>(std::move(file), offset, bytes, compression, decoded);
+std::shared_ptr<const BlockedBytes> oneBlock(std::shared_ptr<const File> file, int64_t offset, int64_t bytes,
+                                             Compression compression, int64_t passed, int64_t decoded) {
+  return std::make_shared<OneBlock>(std::move(file), offset, bytes, compression, passed, decoded);
 }
 
 }  // namespace gxy

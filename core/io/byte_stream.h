@@ -43,8 +43,8 @@ class BlockedBytes {
   virtual ByteStreamPtr open(int64_t block) const = 0;
 };
 
-/// The `bytes` bytes of a whole file from `offset` on, compressed as one block; `decoded` bytes when they are not.
-std::unique_ptr<BlockedBytes> oneBlock(std::shared_ptr<const File> file, int64_t offset, int64_t bytes,
-                                       Compression compression, int64_t decoded);
+/// `bytes` bytes of a file from `offset` on, compressed as one block: of what they become, `decoded` bytes behind the first `passed`.
+std::shared_ptr<const BlockedBytes> oneBlock(std::shared_ptr<const File> file, int64_t offset, int64_t bytes,
+                                             Compression compression, int64_t passed, int64_t decoded);
 
 }  // namespace gxy

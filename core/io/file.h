@@ -51,7 +51,7 @@ class ReadScope {
   const ReadScope* const outer_;
 };
 
-/// While one exists, `check` is called on this thread for each 8 MiB that File reads, by all readers of this part; what
+/// While one exists, `check` is called on this thread before File reads some megabytes or less, by all readers of this part; what
 /// it throws ends them. The inner one of two counts.
 class ReadWatch {
  public:

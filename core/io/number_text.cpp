@@ -19,9 +19,9 @@ namespace {
 bool isBlank(char c) { return c == ' ' || (c >= '\t' && c <= '\r'); }
 
 /// The words of a stream, none longer than kLongest.
-class Words {
+class StreamWords {
  public:
-  explicit Words(ByteStreamPtr text) : text_(std::move(text)), buffer_(size_t(64) << 10) {}
+  explicit StreamWords(ByteStreamPtr text) : text_(std::move(text)), buffer_(size_t(64) << 10) {}
 
   /// Valid until the next call; empty at the end.
   std::string_view next() {
@@ -97,12 +97,38 @@ class NumbersOfText final : public ByteStream {
     return made;
   }
 
-  Words words_;
+  StreamWords words_;
   const ScalarType type_;
   const std::string where_;
 };
 
+class TextBlock final : public BlockedBytes {
+ public:
+  TextBlock(std::shared_ptr<const File> file, int64_t position, ScalarType type, int64_t bytes,
+            std::string where)
+      : file_(std::move(file)), position_(position), type_(type), bytes_(bytes), where_(std::move(where)) {}
+  int64_t bytes() const override { return bytes_; }
+  int64_t blockBytes() const override { return std::max<int64_t>(bytes_, 1); }
+  ByteStreamPtr open(int64_t) const override {
+    return numbersOfText(fileBytes(file_, position_, file_->size()), type_, where_);
+  }
+
+ private:
+  std::shared_ptr<const File> file_;
+  int64_t position_;
+  ScalarType type_;
+  int64_t bytes_;
+  std::string where_;
+};
+
 }  // namespace
+
+std::shared_ptr<const BlockedBytes> textBlock(std::shared_ptr<const File> file, int64_t position,
+                                              ScalarType type, int64_t bytes, const std::string& where) {
+  return std::make_shared<TextBlock>(std::move(file), position, type, bytes, where);
+}
+
+std::optional<double> valueOfText(std::string_view text) { return valueOf<double>(text); }
 
 ByteStreamPtr numbersOfText(ByteStreamPtr text, ScalarType type, const std::string& where) {
   return std::make_unique<NumbersOfText>(std::move(text), type, where);

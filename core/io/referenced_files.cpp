@@ -4,6 +4,7 @@
 #include "gxy/comm/error.h"
 #include "gxy/io/file.h"
 #include "gxy/io/geometry_file.h"
+#include "gxy/io/image_header.h"
 #include "gxy/io/volume_description.h"
 #include "gxy/io/vtk_geometry.h"
 
@@ -16,7 +17,10 @@ std::vector<std::string> filesOpenedFor(const std::string& path) {
     files = {beside(path, parseVol(readText(path), path).rawFile)};
   else if (extension == ".json")
     files = {beside(path, parseVolumeJson(readText(path), path).rawFile)};
-  else if (extension == ".pvti")
+  else if (extension == ".mhd" || extension == ".mha" || extension == ".nhdr" || extension == ".nrrd") {
+    if (const auto header = imageHeaderOf(path); header && !header->dataFile.empty())
+      files = {beside(path, header->dataFile)};
+  } else if (extension == ".pvti")
     files = xmlPieces(path, "PImageData");
   else if (extension == ".pvtu" || extension == ".pvtp" || extension == ".part")
     files = geometryPieces(path);

@@ -152,6 +152,8 @@ std::vector<std::string> warningsOfUnknownKeys(const json& object, const std::st
 
 }  // namespace
 
+std::optional<ScalarType> scalarTypeOfWord(std::string_view word) { return typeOfWord(word); }
+
 VolumeDescription parseVol(std::string_view text, const std::string& where) {
   Words words(text, where);
   VolumeDescription volume;

@@ -9,6 +9,7 @@
 // point samples, x fastest, components interleaved, in the byte order of this machine unless stated, and
 // nothing else.
 #pragma once
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -25,6 +26,9 @@ struct VolumeDescription {
   bool swapBytes = false;               ///< the file's byte order is not this machine's
   std::vector<std::string> warnings{};  ///< keys that mean nothing, each with `where`; at most eleven lines
 };
+
+/// By the words above.
+std::optional<ScalarType> scalarTypeOfWord(std::string_view word);
 
 /// Both parse text only, open nothing, and throw Error naming `where` (the file) and the line or key.
 VolumeDescription parseVol(std::string_view text, const std::string& where);

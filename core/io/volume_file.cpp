@@ -55,16 +55,37 @@ bool isVolumeFile(const std::string& path) {
     file.readAt(0, std::as_writable_bytes(std::span(head)));
     return legacyDatasetType(head) == "STRUCTURED_POINTS";
   }
-  return extension == ".vti" || extension == ".pvti" || extension == ".vol" || extension == ".json";
+  return extension == ".vti" || extension == ".pvti" || extension == ".vol" || extension == ".json" ||
+         isImageFile(path);
+}
+
+std::string readableFormats() {
+  return "volumes as .vti .pvti .vtk .vol .json .mha .mhd .nrrd .nhdr .nii .nii.gz .npy, geometry as .vtu "
+         ".pvtu .vtp "
+         ".pvtp .vtk .ply .stl .obj .part";
 }
 
 VolumeFile openVolume(const std::string& path, const std::string& array) {
+  return openVolume(path, array, {});
+}
+
+VolumeFile openVolume(const std::string& path, const std::string& array, const RawOptions& options) {
   const std::string extension = extensionOf(path);
+  if (options.dimensions || options.type) {
+    if (!options.dimensions || !options.type)
+      throw Error(path + ": expected both the dimensions and the type of raw samples");
+    return openRaw(path, options);
+  }
+  if ((options.spacing || options.origin) && !isImageFile(path))
+    throw Error(
+        path +
+        ": spacing and origin may be given for .mha .mhd .nrrd .nhdr .nii .nii.gz .npy and raw samples");
   if (extension == ".vol" || extension == ".json") return openRawVolume(path);
   if (extension == ".vti") return openVti(path, array);
   if (extension == ".pvti") return openPvti(path, array);
   if (extension == ".vtk") return openLegacyVolume(path, array);
-  throw Error(path + ": not a volume file: expected .vti, .pvti, .vtk, .vol or .json");
+  if (isImageFile(path)) return openImageFile(path, options);
+  throw Error(path + ": this kind of file cannot be read: expected " + readableFormats());
 }
 
 VolumeFile withComponents(VolumeFile file, std::vector<int> components) {
@@ -105,7 +126,7 @@ void readVolume(const VolumeFile& file, const Extent& extent, std::span<std::byt
 
 const ArrayInfo& chooseArray(const std::vector<ArrayInfo>& arrays, const std::string& name,
                              const std::string& active, const std::string& path) {
-  if (arrays.empty()) throw Error(path + ": no point data with a numeric array (cell data are not used)");
+  if (arrays.empty()) throw Error(path + ": there is no numeric array of points or cells");
   const auto named = [&](const std::string& wanted) {
     return std::find_if(arrays.begin(), arrays.end(), [&](const ArrayInfo& a) { return a.name == wanted; });
   };
@@ -114,7 +135,7 @@ const ArrayInfo& chooseArray(const std::vector<ArrayInfo>& arrays, const std::st
     if (found != arrays.end()) return *found;
     std::string list;
     for (const ArrayInfo& a : arrays) list += (list.empty() ? "'" : ", '") + a.name + "'";
-    throw Error(path + ": no point array '" + name + "'; the file has " + list);
+    throw Error(path + ": no array '" + name + "'; the file has " + list);
   }
   const auto found = active.empty() ? arrays.end() : named(active);
   return found != arrays.end() ? *found : arrays.front();

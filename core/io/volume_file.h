@@ -2,10 +2,11 @@
 // Volume files, read in two steps: open() reads what is in the file, read() the samples of any box of points.
 //
 // .vti .pvti   VTK XML image data, any encoding
-// .vtk         legacy structured points, binary or text (held in memory as a whole while open)
+// .vtk         legacy structured points, binary or text
 // .vol .json   raw samples with a description (volume_description.h)
+// .mha .mhd .nrrd .nhdr .nii .nii.gz .npy   a header and raw or gzipped samples (image_header.h)
 //
-// All points of a grid are drawn: none is reserved as a ghost. Cell data are not volumes and are not listed.
+// Images with samples of cells, with axes that are turned, or with one layer become volumes as image_volume.h says.
 #pragma once
 #include <atomic>
 #include <cstddef>
@@ -50,15 +51,16 @@ struct Decoded {
   std::atomic<uint64_t> blocks = 0, bytes = 0;
 };
 
-/// One point array, as its file declares it.
+/// One array of points or cells, as its file declares it.
 struct ArrayInfo {
   std::string name;  ///< empty for raw files
   ScalarType type = ScalarType::Float32;
   int components = 1;
   std::optional<Range> range;  ///< if the file states it; not verified
+  bool ofCells = false;
 };
 
-/// An opened volume: its grid, all its point arrays, and the one that was chosen. Cheap to copy.
+/// An opened volume: its grid, all its arrays, and the one that was chosen. Cheap to copy.
 struct VolumeFile {
   std::string path;
   Grid grid;
@@ -66,9 +68,21 @@ struct VolumeFile {
   ArrayInfo array;                    ///< the chosen one
   std::vector<std::string> warnings;  ///< what of the file is not used, for its user
   std::shared_ptr<const SampleSource> source;
+  int64_t heldPerPoint =
+      0;  ///< bytes that a read holds for each point that it is to read, beside the samples
   std::shared_ptr<Decoded> decoded = std::make_shared<Decoded>();  ///< by all copies of this
 
   size_t bytesPerPoint() const { return bytesOf(array.type) * size_t(array.components); }
+};
+
+/// What a file does not say of its samples, or is to be taken as instead.
+struct RawOptions {
+  std::optional<Index3> dimensions;  ///< with `type`, of a file of samples and nothing else, x fastest
+  std::optional<ScalarType> type;
+  int components = 1;
+  bool bigEndian = false;
+  int64_t skip = 0;                           ///< bytes before the samples
+  std::optional<glm::dvec3> spacing, origin;  ///< these two also of files with a header of their own
 };
 
 /// True for the extensions listed above; a .vtk file is opened to see what it holds.
@@ -77,6 +91,11 @@ bool isVolumeFile(const std::string& path);
 /// Opens a volume. `array` is a name; empty: the active scalars, else the first array. Throws Error for a
 /// file that is missing, malformed, truncated or too long, or that has no such array.
 VolumeFile openVolume(const std::string& path, const std::string& array = {});
+/// The same with what the options say. Throws Error where they do not suit the file.
+VolumeFile openVolume(const std::string& path, const std::string& array, const RawOptions& options);
+
+/// The endings that openVolume() and readGeometry() know, for messages.
+std::string readableFormats();
 
 /// The file as if its array had these components only, which ascend. Throws Error for one that it has not.
 VolumeFile withComponents(VolumeFile file, std::vector<int> components);

@@ -8,6 +8,9 @@
 namespace gxy {
 
 VolumeFile openRawVolume(const std::string& path);                               ///< .vol .json
+VolumeFile openImageFile(const std::string& path, const RawOptions& options);    ///< as image_header.h lists
+VolumeFile openRaw(const std::string& path, const RawOptions& options);          ///< with dimensions and type
+bool isImageFile(const std::string& path);                                       ///< by its ending
 VolumeFile openVti(const std::string& path, const std::string& array);           ///< .vti
 VolumeFile openPvti(const std::string& path, const std::string& array);          ///< .pvti
 VolumeFile openLegacyVolume(const std::string& path, const std::string& array);  ///< .vtk

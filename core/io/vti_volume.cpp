@@ -2,13 +2,12 @@
 // VTK XML image data (.vti) and its parallel form (.pvti). VTK parses the XML; the arrays are read from the file itself.
 #include <algorithm>
 #include <atomic>
-#include <cmath>
 #include <cstring>
 
 #include "gxy/comm/error.h"
+#include "gxy/io/image_volume.h"
 #include "gxy/io/raw_samples.h"
 #include "gxy/io/streamed_samples.h"
-#include "gxy/io/volume_description.h"
 #include "gxy/io/volume_formats.h"
 #include "gxy/io/vtk_scalars.h"
 #include "gxy/io/vtk_xml.h"
@@ -17,13 +16,13 @@
 namespace gxy {
 namespace {
 
-/// The header of a .vti or .pvti: the parsed XML, and what it says about the grid.
+/// The header of a .vti or .pvti: the parsed XML, and what it says about the image.
 struct Header {
   std::string path;
   VtkXml xml;
-  vtkXMLDataElement* image = xml.data();  ///< <ImageData> or <PImageData>
-  Index3 start{0, 0, 0};                  ///< index of the grid's first point in the file's own numbers
-  Grid grid = {};
+  vtkXMLDataElement* element = xml.data();  ///< <ImageData> or <PImageData>
+  Index3 start{0, 0, 0};                    ///< index of the image's first point in the file's own numbers
+  ImageData image{};
 };
 
 /// The extent "i0 i1 j0 j1 k0 k1" relative to `base`.
@@ -43,48 +42,61 @@ Extent extentAttribute(const Header& header, vtkXMLDataElement* element, const c
 
 Header readHeader(const std::string& path, const char* type) {
   Header header{path, VtkXml(path, type)};
-  const Extent whole = extentAttribute(header, header.image, "WholeExtent", {0, 0, 0});
-  double origin[3] = {0, 0, 0}, spacing[3] = {1, 1, 1}, direction[9];
-  const auto vector = [&](const char* name, double* value) {
-    if (header.image->GetAttribute(name) && header.image->GetVectorAttribute(name, 3, value) != 3)
-      throw Error(path + ": attribute " + name + ": expected three numbers");
+  ImageData& image = header.image;
+  image.path = path;
+  const auto numbers = [&](const char* name, int count, double* value) {
+    if (header.element->GetAttribute(name) && header.element->GetVectorAttribute(name, count, value) != count)
+      throw Error(path + ": attribute " + name + ": expected " + std::to_string(count) + " numbers");
   };
-  vector("Origin", origin);
-  vector("Spacing", spacing);
-  if (header.image->GetVectorAttribute("Direction", 9, direction) == 9)
-    for (int i = 0; i < 9; ++i)
-      if (direction[i] != (i % 4 == 0))
-        throw Error(path +
-                    ": the image is rotated (attribute Direction); only axis-parallel grids are supported");
+  numbers("Origin", 3, &image.origin[0]);
+  numbers("Spacing", 3, &image.spacing[0]);
+  numbers("Direction", 9, image.direction.data());
+  const Extent whole = extentAttribute(header, header.element, "WholeExtent", {0, 0, 0});
   header.start = whole.first;
-  header.grid.points = whole.points;
-  for (int a = 0; a < 3; ++a) {
-    header.grid.spacing[a] = spacing[a];
-    header.grid.origin[a] = origin[a] + spacing[a] * double(whole.first[size_t(a)]);
-  }
+  image.points = whole.points;
+  image.origin = image.placeOf(glm::dvec3(whole.first[0], whole.first[1], whole.first[2]));
   return header;
 }
 
-/// The numeric arrays listed under a <PointData> or <PPointData>, the chosen one among them.
-ArrayInfo chooseListed(const Header& header, vtkXMLDataElement* list, const std::string& wanted,
-                       std::vector<ArrayInfo>& arrays) {
-  for (int i = 0; list && i < list->GetNumberOfNestedElements(); ++i) {
-    vtkXMLDataElement* entry = list->GetNestedElement(i);
-    const auto type = scalarOfXmlWord(attribute(entry, "type"));
-    if (!type || attribute(entry, "Name").empty()) continue;
-    ArrayInfo info{attribute(entry, "Name"), *type, 1, {}};
-    if (entry->GetAttribute("NumberOfComponents") &&
-        (!entry->GetScalarAttribute("NumberOfComponents", info.components) || info.components < 1))
-      throw Error(header.path + ": array '" + info.name + "': NumberOfComponents must be a positive integer");
-    Range range;
-    if (info.components == 1 && entry->GetScalarAttribute("RangeMin", range.min) &&
-        entry->GetScalarAttribute("RangeMax", range.max))
-      info.range = range;
-    arrays.push_back(info);
+const char* listOf(bool ofCells) { return ofCells ? "CellData" : "PointData"; }
+
+/// The numeric arrays that an element lists under <PointData> and <CellData>, or the same with a P before.
+std::vector<ArrayInfo> arraysOf(const Header& header, vtkXMLDataElement* element, const std::string& prefix) {
+  std::vector<ArrayInfo> arrays;
+  for (const bool ofCells : {false, true}) {
+    vtkXMLDataElement* list = element->FindNestedElementWithName((prefix + listOf(ofCells)).c_str());
+    for (int i = 0; list && i < list->GetNumberOfNestedElements(); ++i) {
+      vtkXMLDataElement* entry = list->GetNestedElement(i);
+      const auto type = scalarOfXmlWord(attribute(entry, "type"));
+      if (!type || attribute(entry, "Name").empty()) continue;
+      ArrayInfo info{attribute(entry, "Name"), *type, 1, {}, ofCells};
+      if (entry->GetAttribute("NumberOfComponents") &&
+          (!entry->GetScalarAttribute("NumberOfComponents", info.components) || info.components < 1))
+        throw Error(header.path + ": array '" + info.name +
+                    "': NumberOfComponents must be a positive integer");
+      Range range;
+      if (info.components == 1 && entry->GetScalarAttribute("RangeMin", range.min) &&
+          entry->GetScalarAttribute("RangeMax", range.max))
+        info.range = range;
+      arrays.push_back(info);
+    }
   }
-  const ArrayInfo chosen = chooseArray(arrays, wanted, list ? attribute(list, "Scalars") : "", header.path);
-  checkGrid(header.grid, chosen.type, chosen.components, header.path);
-  return chosen;
+  return arrays;
+}
+
+void setArrays(Header& header, vtkXMLDataElement* element, const std::string& prefix) {
+  header.image.arrays = arraysOf(header, element, prefix);
+  for (const bool ofCells : {false, true})
+    if (vtkXMLDataElement* list = element->FindNestedElementWithName((prefix + listOf(ofCells)).c_str()))
+      (ofCells ? header.image.activeOfCells : header.image.active) = attribute(list, "Scalars");
+}
+
+/// The samples of an array in a piece with these points; the cells that they are corners of.
+Extent extentOf(const Extent& points, bool ofCells) {
+  Extent extent = points;
+  if (ofCells)
+    for (int64_t& n : extent.points) n = n > 1 ? n - 1 : n;  // an axis with one point has one cell
+  return extent;
 }
 
 /// Removes `hole` from a set of disjoint boxes.
@@ -171,56 +183,52 @@ std::shared_ptr<const SampleSource> samplesOf(const Header& header, vtkXMLDataEl
                                            header.path + ": array '" + array.name + "'", decoded);
 }
 
-/// Every array of that name in a piece: of two lists of arrays VTK's reader may take the other.
-void checkCompressed(const Header& header, vtkXMLDataElement* piece, const std::string& name, int64_t bytes) {
+/// Every array of that name in a piece: there may be two lists.
+std::vector<vtkXMLDataElement*> entriesOf(vtkXMLDataElement* piece, const ArrayInfo& array) {
+  std::vector<vtkXMLDataElement*> entries;
   for (int i = 0; i < piece->GetNumberOfNestedElements(); ++i) {
     vtkXMLDataElement* list = piece->GetNestedElement(i);
-    if (std::strcmp(list->GetName(), "PointData") != 0) continue;
+    if (std::strcmp(list->GetName(), listOf(array.ofCells)) != 0) continue;
     for (int k = 0; k < list->GetNumberOfNestedElements(); ++k)
-      if (attribute(list->GetNestedElement(k), "Name") == name)
-        header.xml.checkCompressed(list->GetNestedElement(k), bytes);
+      if (attribute(list->GetNestedElement(k), "Name") == array.name)
+        entries.push_back(list->GetNestedElement(k));
   }
+  return entries;
 }
 
-/// Opens a .vti; the indices that its source takes are relative to `base`, in the file's own numbers.
-VolumeFile openVtiRelative(const std::string& path, const std::string& wanted, const Index3* base,
-                           const std::shared_ptr<Decoded>& decoded) {
-  const Header header = readHeader(path, "ImageData");
-  const Index3 origin = base ? *base : header.start;
-  VolumeFile file;
-  file.path = path;
-  file.decoded = decoded;
-  file.grid = header.grid;
+std::vector<vtkXMLDataElement*> piecesOf(const Header& header) {
+  std::vector<vtkXMLDataElement*> pieces;
+  for (int i = 0; i < header.element->GetNumberOfNestedElements(); ++i)
+    if (std::strcmp(header.element->GetNestedElement(i)->GetName(), "Piece") == 0)
+      pieces.push_back(header.element->GetNestedElement(i));
+  if (pieces.empty()) throw Error(header.path + ": the image has no <Piece>");
+  return pieces;
+}
+
+/// An array of a .vti, out of its pieces, which all have it; indices are relative to `base`, in the file's own numbers.
+std::shared_ptr<const SampleSource> samplesOfVti(const Header& header, const ArrayInfo& array,
+                                                 const Index3& base,
+                                                 const std::shared_ptr<Decoded>& decoded) {
   std::vector<PieceSamples::Piece> pieces;
-  for (int i = 0; i < header.image->GetNumberOfNestedElements(); ++i) {
-    vtkXMLDataElement* piece = header.image->GetNestedElement(i);
-    if (std::strcmp(piece->GetName(), "Piece") != 0) continue;
-    vtkXMLDataElement* data = piece->FindNestedElementWithName("PointData");
-    std::vector<ArrayInfo> arrays;
-    const ArrayInfo array = chooseListed(header, data, wanted.empty() ? file.array.name : wanted, arrays);
-    if (pieces.empty()) {
-      file.arrays = arrays;
-      file.array = array;
-    } else if (array.type != file.array.type || array.components != file.array.components) {
-      throw Error(path + ": array '" + array.name + "' differs in type between pieces");
-    } else if (file.array.range && array.range) {
-      file.array.range->extend(*array.range);
-    }
-    const Extent extent = extentAttribute(header, piece, "Extent", origin);
-    checkGrid({header.grid.origin, header.grid.spacing, {2, 2, 2}}, array.type, array.components, path);
-    int64_t bytes = int64_t(file.bytesPerPoint());
+  for (vtkXMLDataElement* element : piecesOf(header)) {
+    const Extent extent = extentOf(extentAttribute(header, element, "Extent", base), array.ofCells);
+    const std::vector<ArrayInfo> arrays = arraysOf(header, element, "");
+    const auto same = std::find_if(arrays.begin(), arrays.end(), [&](const ArrayInfo& a) {
+      return a.name == array.name && a.ofCells == array.ofCells;
+    });
+    if (same == arrays.end()) throw Error(header.path + ": a piece has no array '" + array.name + "'");
+    if (same->type != array.type || same->components != array.components)
+      throw Error(header.path + ": array '" + array.name + "' differs in type between pieces");
+    int64_t bytes = int64_t(bytesOf(array.type)) * array.components;
     for (size_t a = 0; a < 3; ++a)
       if (__builtin_mul_overflow(bytes, extent.points[a], &bytes))
-        throw Error(path + ": a piece is too large");
-    checkCompressed(header, piece, array.name, bytes);
-    pieces.push_back({extent, nullptr});
-    for (int k = 0; bytes > 0 && !pieces.back().source && k < data->GetNumberOfNestedElements(); ++k)
-      if (attribute(data->GetNestedElement(k), "Name") == array.name)
-        pieces.back().source = samplesOf(header, data->GetNestedElement(k), array, extent, bytes, decoded);
+        throw Error(header.path + ": a piece is too large");
+    const auto entries = entriesOf(element, array);
+    for (vtkXMLDataElement* entry : entries) header.xml.checkCompressed(entry, bytes);
+    pieces.push_back(
+        {extent, bytes > 0 ? samplesOf(header, entries.front(), array, extent, bytes, decoded) : nullptr});
   }
-  if (pieces.empty()) throw Error(path + ": the image has no <Piece>");
-  file.source = std::make_shared<PieceSamples>(path, std::move(pieces));
-  return file;
+  return std::make_shared<PieceSamples>(header.path, std::move(pieces));
 }
 
 /// A piece of a .pvti, opened when it is first needed: a rank touches the files of its own points only.
@@ -229,10 +237,7 @@ class PieceFile final : public SampleSource {
   PieceFile(std::string path, ArrayInfo array, Index3 base, std::shared_ptr<Decoded> decoded)
       : path_(std::move(path)), array_(std::move(array)), base_(base), decoded_(std::move(decoded)) {}
   void read(std::span<const Extent> wanted, const TakeSamples& take) const override {
-    const VolumeFile piece = openVtiRelative(path_, array_.name, &base_, decoded_);
-    if (piece.array.type != array_.type || piece.array.components != array_.components)
-      throw Error(path_ + ": array '" + array_.name + "' is not of the type that the .pvti states");
-    piece.source->read(wanted, take);
+    samplesOfVti(readHeader(path_, "ImageData"), array_, base_, decoded_)->read(wanted, take);
   }
 
  private:
@@ -244,30 +249,29 @@ class PieceFile final : public SampleSource {
 
 }  // namespace
 
-VolumeFile openVti(const std::string& path, const std::string& array) {
-  return openVtiRelative(path, array, nullptr, std::make_shared<Decoded>());
+VolumeFile openVti(const std::string& path, const std::string& wanted) {
+  Header header = readHeader(path, "ImageData");
+  setArrays(header, piecesOf(header).front(), "");
+  return volumeOf(header.image, wanted, [&](const ArrayInfo& array) {
+    return samplesOfVti(header, array, header.start, header.image.decoded);
+  });
 }
 
 VolumeFile openPvti(const std::string& path, const std::string& wanted) {
-  const Header header = readHeader(path, "PImageData");
-  VolumeFile file;
-  file.path = path;
-  file.grid = header.grid;
-  file.array =
-      chooseListed(header, header.image->FindNestedElementWithName("PPointData"), wanted, file.arrays);
-  std::vector<PieceSamples::Piece> pieces;
-  for (int i = 0; i < header.image->GetNumberOfNestedElements(); ++i) {
-    vtkXMLDataElement* piece = header.image->GetNestedElement(i);
-    if (std::strcmp(piece->GetName(), "Piece") != 0) continue;
-    const std::string source = attribute(piece, "Source");
-    if (source.empty()) throw Error(path + ": a <Piece> has no attribute Source");
-    pieces.push_back(
-        {extentAttribute(header, piece, "Extent", header.start),
-         std::make_shared<PieceFile>(beside(path, source), file.array, header.start, file.decoded)});
-  }
-  if (pieces.empty()) throw Error(path + ": the image has no <Piece>");
-  file.source = std::make_shared<PieceSamples>(path, std::move(pieces));
-  return file;
+  Header header = readHeader(path, "PImageData");
+  setArrays(header, header.element, "P");
+  return volumeOf(header.image, wanted, [&](const ArrayInfo& array) {
+    std::vector<PieceSamples::Piece> pieces;
+    for (vtkXMLDataElement* piece : piecesOf(header)) {
+      const std::string source = attribute(piece, "Source");
+      if (source.empty()) throw Error(path + ": a <Piece> has no attribute Source");
+      const Extent extent = extentAttribute(header, piece, "Extent", header.start);
+      pieces.push_back(
+          {extentOf(extent, array.ofCells),
+           std::make_shared<PieceFile>(beside(path, source), array, header.start, header.image.decoded)});
+    }
+    return std::make_shared<PieceSamples>(path, std::move(pieces));
+  });
 }
 
 }  // namespace gxy

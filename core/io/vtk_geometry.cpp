@@ -26,6 +26,7 @@
 #include "gxy/io/obj_reader.h"
 #include "gxy/io/ply_reader.h"
 #include "gxy/io/stl_reader.h"
+#include "gxy/io/volume_file.h"
 #include "gxy/io/vtk_messages.h"
 #include "gxy/io/vtk_xml.h"
 
@@ -308,8 +309,7 @@ vtkSmartPointer<vtkPointSet> readByExtension(const std::string& path, const Take
   if (extension == ".ply") return readPly(bytesOf(path, toTake), path);
   if (extension == ".stl") return readStl(bytesOf(path, toTake), path);
   if (extension == ".obj") return readObj(bytesOf(path, toTake), path);
-  throw Error(path +
-              ": not a geometry file: expected .vtu, .vtp, .vtk, .ply, .stl, .obj, .pvtu, .pvtp or .part");
+  throw Error(path + ": this kind of file cannot be read: expected " + readableFormats());
 }
 
 }  // namespace

@@ -44,9 +44,9 @@ class FirstBytes final : public ByteStream {
 };
 
 /// The words of the header of an array.
-class Header {
+class ArrayHeader {
  public:
-  Header(const VtkXml& xml, const XmlPlace& place)
+  ArrayHeader(const VtkXml& xml, const XmlPlace& place)
       : stream_(
             bytesFrom(xml.file(), place.form, place.position, 0, std::numeric_limits<int64_t>::max() / 2)),
         width_(size_t(xml.headerWordBytes())),
@@ -92,7 +92,7 @@ class Compressed final : public BlockedBytes {
   Compressed(const VtkXml& xml, const XmlPlace& place, Compression compression, int64_t bytes,
              std::string where)
       : file_(xml.file()), place_(place), compression_(compression), bytes_(bytes), where_(std::move(where)) {
-    Header header(xml, place);
+    ArrayHeader header(xml, place);
     const uint64_t blocks = header.word(), size = header.word();
     header.word();  // of the last block: what is left
     blockBytes_ = int64_t(std::min<uint64_t>(size, uint64_t(std::max<int64_t>(bytes, 1))));
@@ -119,24 +119,6 @@ class Compressed final : public BlockedBytes {
   std::string where_;
 };
 
-class Text final : public BlockedBytes {
- public:
-  Text(std::shared_ptr<const File> file, int64_t position, ScalarType type, int64_t bytes, std::string where)
-      : file_(std::move(file)), position_(position), type_(type), bytes_(bytes), where_(std::move(where)) {}
-  int64_t bytes() const override { return bytes_; }
-  int64_t blockBytes() const override { return std::max<int64_t>(bytes_, 1); }
-  ByteStreamPtr open(int64_t) const override {
-    return numbersOfText(fileBytes(file_, position_, std::numeric_limits<int64_t>::max() / 2), type_, where_);
-  }
-
- private:
-  std::shared_ptr<const File> file_;
-  int64_t position_;
-  ScalarType type_;
-  int64_t bytes_;
-  std::string where_;
-};
-
 Compression compressionOf(const VtkXml& xml) {
   const std::string name = attribute(xml.root(), "compressor");
   if (name == "vtkZLibDataCompressor") return Compression::Zlib;
@@ -152,9 +134,9 @@ std::shared_ptr<const BlockedBytes> xmlArrayBytes(const VtkXml& xml, vtkXMLDataE
                                                   ScalarType type, int64_t bytes) {
   const XmlPlace place = xml.placeOf(array);
   const std::string where = xml.path() + ": array '" + attribute(array, "Name") + "'";
-  if (place.form == Form::Text) return std::make_shared<Text>(xml.file(), place.position, type, bytes, where);
+  if (place.form == Form::Text) return textBlock(xml.file(), place.position, type, bytes, where);
   if (xml.compressed()) return std::make_shared<Compressed>(xml, place, compressionOf(xml), bytes, where);
-  Header header(xml, place);
+  ArrayHeader header(xml, place);
   const uint64_t stated = header.word();
   // Writers let the 32-bit size wrap above 4 GiB.
   if (stated != (header.isNarrow() ? uint64_t(uint32_t(bytes)) : uint64_t(bytes)))

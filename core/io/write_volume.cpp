@@ -67,7 +67,16 @@ VolumeWriter::VolumeWriter(const std::string& path, const Grid& grid, std::vecto
   if (arrays_.empty()) throw Error(path + ": a volume needs at least one array");
   for (const ArrayInfo& array : arrays_) checkGrid(grid, array.type, array.components, path);
   const std::string extension = extensionOf(path);
-  const int64_t points = wholeOf(grid).count();
+  Grid stated = grid;
+  if (grid.rim) {
+    if (extension != ".vti") throw Error(path + ": samples of cells are written to a .vti only");
+    stated = {grid.box().lo, grid.spacing, {}};
+    for (size_t a = 0; a < 3; ++a) {
+      grid_.points[a] -= 2;
+      stated.points[a] = grid_.points[a] + 1;
+    }
+  }
+  const int64_t points = wholeOf(grid_).count();
   if (const std::string raw = rawFileOf(path); !raw.empty()) {
     if (arrays_.size() != 1)
       throw Error(path + ": a " + extension + " file holds one array, not " + std::to_string(arrays_.size()));
@@ -81,9 +90,10 @@ VolumeWriter::VolumeWriter(const std::string& path, const Grid& grid, std::vecto
   if (extension != ".vti")
     throw Error(path + ": cannot write this kind of volume: expected .vti, .vol or .json");
 
-  const Extent whole{first, grid.points};
-  std::string header = fileElement("ImageData") + "  <ImageData " + gridAttributes(grid, whole) +
-                       ">\n    <Piece Extent=\"" + extentText(whole) + "\">\n      <PointData Scalars=\"" +
+  const Extent whole{first, stated.points};
+  const std::string list = grid.rim ? "CellData" : "PointData";
+  std::string header = fileElement("ImageData") + "  <ImageData " + gridAttributes(stated, whole) +
+                       ">\n    <Piece Extent=\"" + extentText(whole) + "\">\n      <" + list + " Scalars=\"" +
                        escaped(arrays_[0].name) + "\">\n";
   int64_t offset = 0;
   std::vector<int64_t> sizes;
@@ -94,7 +104,7 @@ VolumeWriter::VolumeWriter(const std::string& path, const Grid& grid, std::vecto
     places_.push_back(offset + int64_t(sizeof(uint64_t)));
     offset += int64_t(sizeof(uint64_t)) + sizes.back();
   }
-  header += "      </PointData>\n    </Piece>\n  </ImageData>\n  <AppendedData encoding=\"raw\">\n    _";
+  header += "      </" + list + ">\n    </Piece>\n  </ImageData>\n  <AppendedData encoding=\"raw\">\n    _";
   file_ = std::make_unique<File>(File::create(path));
   file_->writeAt(0, std::as_bytes(std::span(header)));
   for (size_t i = 0; i < arrays_.size(); ++i) {

@@ -16,7 +16,8 @@ namespace gxy {
 /// any order.
 class VolumeWriter {
  public:
-  /// Ranges of arrays, where present, are stated in a .vti. `first` is the index of the grid's first point in
+  /// Of a grid with a rim the samples of the cells are written, to a .vti only: extents and slices count cells then, and begin
+  /// inside the rim. Ranges of arrays, where present, are stated in a .vti. `first` is the index of the grid's first point in
   /// a .vti (a piece of a larger image keeps its place). The first array becomes the active scalars.
   VolumeWriter(const std::string& path, const Grid& grid, std::vector<ArrayInfo> arrays,
                Index3 first = {0, 0, 0});

@@ -316,6 +316,10 @@ std::shared_ptr<CompiledScene> compileScene(const Visualization& visualization,
                   "\" is not of the kind that this operator shows");
     for (const Plane& p : op.vis.clipPlanes) op.clips.push_back(compilePlane(p, scene->space));
     if (isVolume) {
+      const Grid& grid = op.data.volume->grid;
+      if (grid.rim)
+        for (const Plane& p : planesAround(grid.box().lo, grid.box().hi))
+          op.clips.push_back(compilePlane(p, scene->space));
       compileVolume(op, *scene);
       seen.extend(op.data.volume->grid.box());
       scene->volumesRendered += op.vis.volumeRendering;

@@ -81,6 +81,16 @@ struct Plane {
   bool operator==(const Plane&) const = default;
 };
 
+/// Planes that keep what is inside a box.
+inline std::array<Plane, 6> planesAround(const glm::dvec3& lo, const glm::dvec3& hi) {
+  return {{{{1, 0, 0}, lo.x},
+           {{-1, 0, 0}, -hi.x},
+           {{0, 1, 0}, lo.y},
+           {{0, -1, 0}, -hi.y},
+           {{0, 0, 1}, lo.z},
+           {{0, 0, -1}, -hi.z}}};
+}
+
 /// One operator of a visualization: a dataset and every parameter of how to look at it.
 struct Vis {
   VisType type = VisType::Volume;

@@ -27,7 +27,7 @@ GeometryKind kindOf(DatasetType type) {
 
 // Bytes that this rank holds of a volume while it is read.
 int64_t bytesToCome(const VolumeFile& file, const Partitioning& partitioning, int rank) {
-  const size_t each = file.bytesPerPoint();
+  const size_t each = file.bytesPerPoint() + size_t(file.heldPerPoint);
   size_t points = 0, largest = 0;
   for (const int p : partitioning.owned(rank)) {
     const size_t block = Bricks(extentOf(file.grid, partitioning.box(p), kGhostLayers).points).count();

@@ -252,6 +252,18 @@ TEST(VolumeAgreement, ClipPlanes) {
   expectAgreement(embree(), volumeScene("clipped", vis));
 }
 
+TEST(VolumeAgreement, SamplesOfCellsEndWithTheCells) {
+  Vis vis = rendered({{-1, 0}, {1, 0.6}}, -1, 1);
+  vis.isovalues = {0.3};
+  vis.slices = {{{0, 0, 1}, 0.1}};
+  vis.opacity = 0.5;
+  TestScene scene = sceneFrom("cells", kEye, 64, 64);
+  Grid grid = cube(12, 0.7);
+  grid.rim = true;
+  scene.add(vis, makeVolume(grid, [](glm::dvec3 p) { return std::sin(3 * p.x + 2 * p.y - p.z); }));
+  expectAgreement(embree(), scene);
+}
+
 TEST(VolumeAgreement, Isosurfaces) {
   Vis vis = surfaces(VisType::Volume, -1, 1);
   vis.isovalues = {0.5, -0.2, 0.1};

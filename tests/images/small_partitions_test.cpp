@@ -10,15 +10,17 @@
 namespace gxy::test {
 namespace {
 
-/// All kinds of Vis on a volume of n cells over the domain.
-TestScene coarse(std::array<int, 3> n, glm::ivec2 size = affordable({40, 36})) {
-  TestScene scene = emptyScene("coarse", size);
+/// All kinds of Vis on a volume of n cells over the domain; with samples of cells, over the upper three quarters of it.
+TestScene coarse(std::array<int, 3> n, bool ofCells = false) {
+  TestScene scene = emptyScene("coarse", affordable({40, 36}));
   const Box d = scene.domain;
   Grid grid;
-  grid.origin = d.lo;
+  grid.rim = ofCells;
   for (int a = 0; a < 3; a++) {
-    grid.points[size_t(a)] = n[size_t(a)] + 1;
-    grid.spacing[a] = (d.hi[a] - d.lo[a]) / n[size_t(a)];
+    const double lo = ofCells ? 0.75 * d.lo[a] + 0.25 * d.hi[a] : d.lo[a];
+    grid.points[size_t(a)] = n[size_t(a)] + (ofCells ? 2 : 1);
+    grid.spacing[a] = (d.hi[a] - lo) / n[size_t(a)];
+    grid.origin[a] = ofCells ? lo - 0.5 * grid.spacing[a] : lo;
   }
   auto volume = std::make_shared<const WholeVolume>(
       sampled(grid, [](glm::dvec3 p) { return 0.5 + 0.4 * std::sin(2.3 * p.x + 1.7 * p.y - 3.1 * p.z); }));
@@ -59,6 +61,13 @@ TEST(SmallPartitions, OneCellEachOfALargerGridAlongOneAxis) {
   const TestScene scene = coarse({24, 2, 2});
   const Picture expected = wholeOnTested(scene);
   EXPECT_EQ(difference(expected, render(scene, lattice(scene.domain, {24, 1, 1}, 6)), Sameness::Bits), "");
+}
+
+TEST(SmallPartitions, SamplesOfCells) {
+  const TestScene scene = coarse({4, 3, 5}, true);
+  const Picture expected = wholeOnTested(scene);
+  EXPECT_EQ(difference(expected, render(scene, lattice(scene.domain, {4, 3, 5}, 3)), Sameness::Bits), "");
+  EXPECT_EQ(difference(expected, render(scene, kdCut(scene.domain, 20, 6, 3)), Sameness::Bits), "");
 }
 
 }  // namespace

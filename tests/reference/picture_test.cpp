@@ -97,6 +97,22 @@ TEST(Picture, SliceShowsTheFieldOnlyInsideItsVolumeAndWhereThereAreData) {
   EXPECT_NEAR(red(1.0), 1, 1e-12) << "a volume is closed";
 }
 
+// Two cells with the values 0.2 and 0.8 from x = -1 to 1: constant in the outer halves, and nothing beyond.
+TEST(Picture, SamplesOfCellsAreLinearBetweenCentresAndEndWithTheCells) {
+  ReferenceScene scene = sliced({{{0, 0, 1}, 0}}, 1);
+  Grid grid{{-1.5, -1.5, -1.5}, {1, 1, 1}, {4, 4, 4}, true};
+  scene.data = {makeVolume(grid, [](glm::dvec3 p) { return p.x < 0 ? 0.2 : 0.8; })};
+  scene.visualization.operators[0].colormap.points = {{0, glm::dvec3(0)}, {1, glm::dvec3(1)}};
+  const auto red = [&](double x) { return renderReference(scene, along({x, 0.3, 4}, {0, 0, -1})).rgba[0]; };
+  EXPECT_NEAR(red(-0.9), 0.2, 1e-6);
+  EXPECT_NEAR(red(-0.5), 0.2, 1e-6);
+  EXPECT_NEAR(red(0), 0.5, 1e-6);
+  EXPECT_NEAR(red(0.25), 0.65, 1e-6);
+  EXPECT_NEAR(red(0.9), 0.8, 1e-6);
+  EXPECT_EQ(red(-1.01), 0);
+  EXPECT_EQ(red(1.01), 0);
+}
+
 TEST(Picture, SphereDepthsMatchTheClosedForm) {
   ReferenceScene scene;
   Vis vis = plain(VisType::Particles, glm::dvec3(1));

@@ -9,6 +9,7 @@
 
 #include "fields.h"
 #include "gxy/data/geometry.h"
+#include "gxy/io/volume_file.h"
 
 namespace gxy::data_tool {
 
@@ -20,6 +21,7 @@ struct Options {
   int64_t count = 0;  ///< of particles or path lines
   double displacement = 0;
   std::string in, out;
+  RawOptions raw;  ///< of `in`
 };
 
 /// Samples fields on [-1, 1]^3: all of them into a .vti, one into a .vol or .json.

@@ -7,6 +7,7 @@
 
 #include "commands.h"
 #include "gxy/comm/error_text.h"
+#include "gxy/io/volume_description.h"
 #include "gxy/io/volume_file.h"
 
 namespace {
@@ -23,6 +24,7 @@ constexpr const char* kExamples = R"(Examples:
   gxydata convert carotid.vtk carotid.vti
   gxydata partition noise.vol -g 2,2,1 pieces.pvti
   gxydata info bunny.ply
+  gxydata convert head.raw head.vti --dimensions 256,256,109 --type uint16 --spacing 1,1,1.5
 Exit status: 0 done, 1 failed, 2 wrong usage.)";
 
 /// "64" or "64,32,16": one or three numbers from 1 to `most`.
@@ -53,6 +55,42 @@ std::array<T, 3> threeNumbers(const std::string& text, const char* option, bool 
   if (numbers.size() != 3)
     throw CLI::ValidationError(option, "expected three integers, found '" + text + "'");
   return {T(numbers[0]), T(numbers[1]), T(numbers[2])};
+}
+
+glm::dvec3 threeReals(const std::string& text, const char* option) {
+  glm::dvec3 values;
+  char end = 0;
+  if (std::sscanf(text.c_str(), "%lf,%lf,%lf%c", &values.x, &values.y, &values.z, &end) != 3)
+    throw CLI::ValidationError(option, "expected three numbers such as 1,1,2.5, found '" + text + "'");
+  return values;
+}
+
+/// Of files that are nothing but samples, or whose headers lack something.
+void addRawOptions(CLI::App* command, RawOptions& raw) {
+  command->add_option_function<std::string>(
+      "--dimensions",
+      [&raw](const std::string& v) { raw.dimensions = threeNumbers<int64_t>(v, "--dimensions", false); },
+      "of raw samples: points per axis, X,Y,Z, x fastest");
+  command->add_option_function<std::string>(
+      "--type",
+      [&raw](const std::string& v) {
+        raw.type = scalarTypeOfWord(v);
+        if (!raw.type)
+          throw CLI::ValidationError(
+              "--type", "expected float, double, uint8, int8, uint16 and the like, found '" + v + "'");
+      },
+      "of raw samples: float, double, int8, uint8, int16, uint16, int32, uint32, int64 or uint64");
+  command->add_option("--components", raw.components, "of raw samples, of a point")
+      ->check(CLI::Range(1, 1024));
+  command->add_flag("--big-endian", raw.bigEndian, "of raw samples: the byte order");
+  command->add_option("--skip", raw.skip, "of raw samples: bytes before the first")
+      ->check(CLI::NonNegativeNumber);
+  command->add_option_function<std::string>(
+      "--spacing", [&raw](const std::string& v) { raw.spacing = threeReals(v, "--spacing"); },
+      "of raw samples, and of files with a header of theirs and raw samples: X,Y,Z");
+  command->add_option_function<std::string>(
+      "--origin", [&raw](const std::string& v) { raw.origin = threeReals(v, "--origin"); },
+      "the same: of the first point");
 }
 
 /// As many as a lattice has points, or just as many.
@@ -123,7 +161,7 @@ void run(const CLI::App& app, const Options& options, int parts, std::array<int,
   if (command == "particles") return makeParticles(options);
   if (command == "sphere-mesh") return makeSphereMesh(options);
   if (command == "helix") return makeHelix(options);
-  const bool volume = isVolumeFile(options.in);
+  const bool volume = options.raw.dimensions || options.raw.type || isVolumeFile(options.in);
   if (command == "convert") return volume ? convertVolume(options) : convertGeometry(options);
   if (command == "info") return volume ? infoVolume(options) : infoGeometry(options);
   if (volume) return partitionVolume(options, parts, lattice);
@@ -151,6 +189,7 @@ int main(int argc, char** argv) {
   for (CLI::App* command : {convert, partition, info}) {
     command->add_option("in", options.in, "file to read")->required();
     command->add_option("--array", options.array, "use this array only");
+    addRawOptions(command, options.raw);
   }
   for (CLI::App* command : {convert, partition})
     command->add_option("out", options.out, "file to write")->required();

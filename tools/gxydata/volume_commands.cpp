@@ -16,12 +16,35 @@ namespace {
 /// Every array of the file as a volume of its own, or the one that is asked for. A raw format takes one array
 /// only.
 std::vector<VolumeFile> chosenArrays(const Options& options, bool several) {
-  const VolumeFile first = openVolume(options.in, options.array);
+  const VolumeFile first = openVolume(options.in, options.array, options.raw);
   if (!options.array.empty() || !several) return {first};
   std::vector<VolumeFile> files{first};
   for (const ArrayInfo& array : first.arrays)
-    if (array.name != first.array.name) files.push_back(openVolume(options.in, array.name));
+    if (array.name != first.array.name) files.push_back(openVolume(options.in, array.name, options.raw));
   return files;
+}
+
+/// Without those whose samples are elsewhere than those of the first: a file is written of points or of cells.
+std::vector<VolumeFile> onOneGrid(const Options& options, std::vector<VolumeFile> files) {
+  const Grid grid = files[0].grid;
+  std::erase_if(files, [&](const VolumeFile& file) {
+    if (file.grid == grid) return false;
+    tellLoss(options, "array '" + file.array.name + "' is left out: it is " +
+                          (file.array.ofCells ? "of cells" : "of points"));
+    return true;
+  });
+  return files;
+}
+
+/// What of a volume's samples is the file's own: all but a rim.
+Extent samplesOf(const VolumeFile& file) {
+  Extent own = wholeOf(file.grid);
+  if (file.grid.rim)
+    for (size_t a = 0; a < 3; ++a) {
+      own.first[a] = 1;
+      own.points[a] -= 2;
+    }
+  return own;
 }
 
 std::vector<ArrayInfo> infos(const std::vector<VolumeFile>& files) {
@@ -49,7 +72,7 @@ void copy(const std::vector<VolumeFile>& files, const Extent& extent, const Volu
 
 int64_t bytesOfAll(const std::vector<VolumeFile>& files) {
   int64_t bytes = 0;
-  for (const VolumeFile& file : files) bytes += wholeOf(file.grid).count() * int64_t(file.bytesPerPoint());
+  for (const VolumeFile& file : files) bytes += samplesOf(file).count() * int64_t(file.bytesPerPoint());
   return bytes;
 }
 
@@ -59,12 +82,13 @@ int64_t cut(int64_t cells, int n, int i) { return cells / n * i + std::min(int64
 void printArray(const VolumeFile& file) {
   FieldStatistics all;
   all.ranges.resize(size_t(file.array.components) + (file.array.components > 1));
-  const Extent whole = wholeOf(file.grid);
-  file.source->read(std::span(&whole, 1), [&](const SamplesRead& some) {
+  const Extent own = samplesOf(file);
+  file.source->read(std::span(&own, 1), [&](const SamplesRead& some) {
     all.merge(statisticsOf(some.samples, file.array.type, file.array.components, some.layout, some.points));
   });
-  std::printf("array       '%s': %s, %d component%s\n", file.array.name.c_str(), nameOf(file.array.type),
-              file.array.components, file.array.components > 1 ? "s" : "");
+  std::printf("array       '%s': %s, %d component%s%s\n", file.array.name.c_str(), nameOf(file.array.type),
+              file.array.components, file.array.components > 1 ? "s" : "",
+              file.array.ofCells ? ", of cells" : "");
   for (size_t i = 0; i < all.ranges.size(); ++i) {
     const bool magnitude = i == size_t(file.array.components);
     const std::string label = magnitude ? "magnitude" : "component " + std::to_string(i);
@@ -79,20 +103,22 @@ void printArray(const VolumeFile& file) {
 }  // namespace
 
 void convertVolume(const Options& options) {
-  const std::vector<VolumeFile> files = chosenArrays(options, extensionOf(options.out) == ".vti");
+  const std::vector<VolumeFile> files =
+      onOneGrid(options, chosenArrays(options, extensionOf(options.out) == ".vti"));
   keepInput(options.in, {options.out, rawFileOf(options.out)});
   if (options.array.empty() && files.size() == 1)
     for (const ArrayInfo& array : files[0].arrays)
       if (array.name != files[0].array.name) tellLoss(options, "array '" + array.name + "' is left out");
   const VolumeWriter writer(options.out, files[0].grid, infos(files));
   Progress progress("converting", bytesOfAll(files));
-  copy(files, wholeOf(files[0].grid), writer, progress);
+  copy(files, samplesOf(files[0]), writer, progress);
 }
 
 void partitionVolume(const Options& options, int parts, std::array<int, 3> lattice) {
   if (extensionOf(options.out) != ".pvti") throw Error(options.out + ": the pieces of a volume need a .pvti");
-  const std::vector<VolumeFile> files = chosenArrays(options, true);
+  const std::vector<VolumeFile> files = onOneGrid(options, chosenArrays(options, true));
   const Grid& grid = files[0].grid;
+  if (grid.rim) throw Error(options.in + ": samples of cells are not cut into pieces");
   const Index3 cells = grid.cells();
   if (lattice[0] == 0) lattice = decompose(parts, cells);
   for (size_t a = 0; a < 3; ++a)
@@ -125,8 +151,11 @@ void infoVolume(const Options& options) {
   const std::vector<VolumeFile> files = chosenArrays(options, true);
   const Grid& g = files[0].grid;
   std::printf("file        %s: structured volume\n", options.in.c_str());
-  std::printf("points      %" PRId64 " x %" PRId64 " x %" PRId64 "\n", g.points[0], g.points[1], g.points[2]);
-  std::printf("origin      %.17g %.17g %.17g\n", g.origin.x, g.origin.y, g.origin.z);
+  const Index3 n = samplesOf(files[0]).points;
+  const glm::dvec3 origin = g.box().lo;
+  std::printf("%-11s %" PRId64 " x %" PRId64 " x %" PRId64 "\n", g.rim ? "cells" : "points", n[0], n[1],
+              n[2]);
+  std::printf("origin      %.17g %.17g %.17g\n", origin.x, origin.y, origin.z);
   std::printf("spacing     %.17g %.17g %.17g\n", g.spacing.x, g.spacing.y, g.spacing.z);
   for (const VolumeFile& file : files) printArray(file);
 }

@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <span>
 
 #include "gxy/comm/error.h"
 #include "gxy/reference/isosurface.h"
@@ -12,7 +13,7 @@ namespace gxy::reference {
 namespace {
 
 /// The part of a ray that the clip planes keep.
-Interval keptBy(const std::vector<Plane>& planes, const Ray& ray) {
+Interval keptBy(std::span<const Plane> planes, const Ray& ray) {
   Interval kept{-kInfinity, kInfinity};
   for (const Plane& plane : planes) {
     const double towards = glm::dot(plane.normal, ray.direction);
@@ -26,6 +27,14 @@ Interval keptBy(const std::vector<Plane>& planes, const Ray& ray) {
     }
   }
   return kept;
+}
+
+/// The same of an operator's planes, and what there is of its field.
+Interval keptOf(const Vis& vis, const std::optional<Field>& field, const Ray& ray) {
+  const Interval kept = keptBy(vis.clipPlanes, ray);
+  if (!field || !field->grid().rim) return kept;
+  const Box box = field->grid().box();
+  return kept.intersected(keptBy(planesAround(box.lo, box.hi), ray));
 }
 
 /// Never negative: a radius that the map takes below zero is none.
@@ -114,8 +123,7 @@ World::Part World::makeVolume(const ReferenceScene& scene, size_t index) {
     if (grid.points[a] < 2)
       throw Error("reference: volume '" + (*volume)->name + "' needs 2 points on every axis");
   }
-  box_.extend(grid.origin);
-  box_.extend(grid.origin + grid.spacing * glm::dvec3(grid.cells()[0], grid.cells()[1], grid.cells()[2]));
+  box_.extend(grid.box());
   const double length = vis.referenceLength.value_or(field.smallestSpacing());
   return {&vis, Transfer(vis, length), std::move(field), nullptr, std::nullopt};
 }
@@ -253,7 +261,7 @@ std::optional<SurfaceHit> World::firstHit(const Ray& ray, double after, double l
   best.t = limit;
   for (size_t i = 0; i < parts_.size(); i++) {
     const Part& part = parts_[i];
-    const Interval range = Interval{}.intersected(keptBy(part.vis->clipPlanes, ray));
+    const Interval range = Interval{}.intersected(keptOf(*part.vis, part.field, ray));
     const double before = best.t;
     if (part.field) {
       nearestVolumeSurface(part, ray, range, after, best);
@@ -281,7 +289,7 @@ VolumeRay World::volumes(const Ray& ray, Interval range) const {
   std::vector<VolumeTerm> terms;
   for (const Part& part : parts_) {
     if (part.field && part.vis->volumeRendering) {
-      terms.push_back({&*part.field, &part.transfer, keptBy(part.vis->clipPlanes, ray)});
+      terms.push_back({&*part.field, &part.transfer, keptOf(*part.vis, part.field, ray)});
     }
   }
   return VolumeRay(terms, ray, range);

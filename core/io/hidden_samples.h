@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+// Samples of which some are hidden by VTK's ghost arrays: they become NaN, which is "no data". Used inside core/io only.
+#pragma once
+#include "gxy/io/volume_file.h"
+
+namespace gxy {
+
+/// Memory: a byte for each point that is read.
+class HiddenSamples final : public SampleSource {
+ public:
+  struct Ghosts {
+    std::shared_ptr<const SampleSource> ofPoints, ofCells;  ///< one byte each; null: there are none
+    Index3 points, cells;                                   ///< of the image
+    bool samplesOfCells;                                    ///< whether the samples are the cells'
+  };
+  /// Of samples that were `type`.
+  static ScalarType typeFor(ScalarType type);
+
+  HiddenSamples(std::shared_ptr<const SampleSource> source, ScalarType type, int components, Ghosts ghosts)
+      : source_(std::move(source)), type_(type), components_(components), ghosts_(std::move(ghosts)) {}
+  void read(std::span<const Extent> wanted, const TakeSamples& take) const override;
+  uint64_t piecesNotRead() const override { return source_->piecesNotRead(); }
+
+ private:
+  using Flags = std::vector<std::byte>;  ///< 1: hidden
+  std::vector<Flags> hiddenOf(std::span<const Extent> wanted, const TakeSamples& take) const;
+
+  std::shared_ptr<const SampleSource> source_;
+  ScalarType type_;
+  int components_;
+  Ghosts ghosts_;
+};
+
+}  // namespace gxy

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+// Samples whose axes are turned round, change their places, or are continued at their ends. Used inside core/io only.
+#pragma once
+#include <array>
+
+#include "gxy/io/volume_file.h"
+
+namespace gxy {
+
+/// Index i on an axis is sample i - before of the source's axis, or the nearest that there is.
+class LatticeSamples final : public SampleSource {
+ public:
+  struct Axis {
+    size_t source;   ///< axis
+    int64_t points;  ///< that the source has on it
+    int64_t before;  ///< layers that are repeated at the beginning
+    bool backwards;  ///< the source's last sample comes first
+    int64_t operator()(int64_t i) const;
+  };
+  using Axes = std::array<Axis, 3>;
+  static bool isIdentity(const Axes& axes, const Index3& points);
+
+  LatticeSamples(std::shared_ptr<const SampleSource> source, const Axes& axes, size_t bytesPerPoint)
+      : source_(std::move(source)), axes_(axes), bytesPerPoint_(bytesPerPoint) {}
+  void read(std::span<const Extent> wanted, const TakeSamples& take) const override;
+  uint64_t piecesNotRead() const override { return source_->piecesNotRead(); }
+
+ private:
+  std::shared_ptr<const SampleSource> source_;
+  Axes axes_;
+  size_t bytesPerPoint_;
+};
+
+}  // namespace gxy
