@@ -137,6 +137,14 @@ TEST(Outbox, LeavesEventsOutAndSaysHowMany) {
   EXPECT_EQ(nlohmann::json::parse(outbox.next()->text())["event"], "dropped");
 }
 
+TEST(Outbox, EndsOfFramesMakeItCongestedUntilTheyAreTaken) {
+  Outbox outbox({.text = 1000, .files = 1000, .pixels = 1000}, [] {}, {});
+  for (uint64_t frame = 1; frame <= 100; frame++) outbox.pixels(record(1, frame, PixelKind::EndOfFrame));
+  EXPECT_TRUE(outbox.congested());
+  while (outbox.next()) continue;
+  EXPECT_FALSE(outbox.congested());
+}
+
 TEST(Outbox, SaysOnceWhenItIsNoLongerCongested) {
   Outbox outbox({40, 1000, 1000}, [] {}, {});
   int drained = 0;

@@ -129,7 +129,8 @@ void Window::onData(const DatasetEvent& event) {
     if (!shows(event.dataset.name) && !(event.kind == Kind::Renamed && shows(event.newName))) return;
     // Names of others, or hidden by its own, or the same object in another directory.
     const auto means = datasets.find(tenant_, event.dataset.name);
-    if (event.kind == Kind::Updated && !(means && means->key == event.dataset.key)) return;
+    const bool came = event.kind == Kind::Added || event.kind == Kind::Updated;
+    if (came && !(means && means->key == event.dataset.key)) return;
     if (event.kind != Kind::Updated && scene_ && services_.scenes.namesMean(tenant_, scene_->data)) return;
     released = std::exchange(scene_, nullptr);
     edited = std::exchange(edited_, nullptr);
