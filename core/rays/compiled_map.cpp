@@ -10,6 +10,7 @@
 #include <set>
 
 #include "gxy/kernels/single.h"
+#include "gxy/scene/colormaps.h"
 
 namespace gxy {
 
@@ -44,7 +45,16 @@ Value limit(const std::vector<Point>& points, double at, bool above,
 struct Node {
   double value;
   glm::dvec4 below, above;
+  bool behind = false;  // a step that begins just behind the value below it
 };
+
+// The next float that kernels tell from x, whatever they do to denormal numbers.
+float nextFloat(float x) {
+  constexpr float kLeast = std::numeric_limits<float>::min();
+  const float next = std::max(std::nextafter(x, INFINITY), x + kLeast);
+  if (next == 0 || std::abs(next) >= kLeast) return next;
+  return next < 0 ? 0.f : kLeast;
+}
 
 // Drops nodes on straight runs, up to kStraight: from each node kept on, the next one is as far away as every node
 // passed over is within kStraight of the line (a swing filter; Elmeleegy et al. 2009). Steps are kept.
@@ -138,15 +148,20 @@ CompiledMap::CompiledMap(const ColorMap& color, const OpacityMap* opacity, const
         cut(0, 1, 0);
       }
     }
-    list.push_back(colored(v, below, above));
+    Node node = colored(v, below, above);
+    node.behind = !list.empty() && node.below != node.above && v == justAbove(list.back().value);
+    list.push_back(node);
   }
 
   // Nodes that coincide in float, or are no normal number apart, become one step.
-  auto stored = [&](double v) { return float((v - units.shift) / units.scale); };
+  auto storedValue = [&](double v) { return float((v - units.shift) / units.scale); };
+  auto stored = [&](const Node& n) {
+    return n.behind ? nextFloat(storedValue(std::nextafter(n.value, -INFINITY))) : storedValue(n.value);
+  };
   std::vector<Node> kept;
   const double farthest = kFarStored * units.scale;
   for (const Node& n : straightened(within(list, units.shift - farthest, units.shift + farthest))) {
-    if (!kept.empty() && stored(n.value) - stored(kept.back().value) < std::numeric_limits<float>::min())
+    if (!kept.empty() && stored(n) - stored(kept.back()) < std::numeric_limits<float>::min())
       kept.back().above = n.above;
     else
       kept.push_back(n);
@@ -194,9 +209,9 @@ CompiledMap::CompiledMap(const ColorMap& color, const OpacityMap* opacity, const
   addInterval(-1e30, 0, kept.front().below, kept.front().below);
   for (int i = 0; i < inner; i++) {
     const Node &a = kept[i], &b = kept[i + 1];
-    addInterval(stored(a.value), double(stored(b.value)) - stored(a.value), a.above, b.below);
+    addInterval(stored(a), double(stored(b)) - stored(a), a.above, b.below);
   }
-  addInterval(stored(kept.back().value), 0, kept.back().above, kept.back().above);
+  addInterval(stored(kept.back()), 0, kept.back().above, kept.back().above);
   jump.push_back(0);  // jump[k]: at the start of interval k
   for (const Node& n : kept) {
     const double below = seen(n.below.w), above = seen(n.above.w);

@@ -17,7 +17,8 @@ struct MapUnits {
 
 /// Intervals over the stored value, each linear in extinction (per unit of t) and colour; the first and last are
 /// constant and reach to infinity. An opacity map's extinction, -ln(1 - a) / L, is curved: it is cut until linear pieces
-/// are within 2e-4 of it. Control points are nodes, so no spike is lost; two points at one value are a step.
+/// are within 2e-4 of it. Control points are nodes, so no spike is lost; two points at one value are a step. A step
+/// justAbove another point (colormaps.h) is one float above it, so that the point's value is before it.
 class CompiledMap {
  public:
   CompiledMap() = default;

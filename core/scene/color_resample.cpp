@@ -51,6 +51,7 @@ class Refiner {
 
 ColorMap resampled(const std::vector<ColorPoint>& points, ColorSpace space, bool wrapHue) {
   if (space == ColorSpace::RGB) return {points};
+  if (space == ColorSpace::Step) return steppedAbove(points);
   ColorMap map{{points.front()}};
   for (size_t i = 1; i < points.size(); ++i) {
     if (points[i - 1].value < points[i].value) {

@@ -125,6 +125,8 @@ glm::dvec3 interpolate(const glm::dvec3& from, const glm::dvec3& to, double frac
       return labToRgb(rgbToLab(from) * (1 - fraction) + rgbToLab(to) * fraction);
     case ColorSpace::Diverging:
       return interpolateDiverging(from, to, fraction);
+    case ColorSpace::Step:
+      return fraction > 0 ? to : from;
   }
   return from;
 }

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <limits>
 
 #include "gxy/scene/colormap_tables.h"
 
@@ -27,12 +28,19 @@ auto piecewiseLinear(const std::vector<Point>& points, double value) {
   return Result(property(a) * (1 - fraction) + property(b) * fraction);
 }
 
+/// Steps just above a point stay there.
 template <class Map>
 Map stretched(Map map, const std::array<double, 2>& range) {
   const double first = map.points.front().value, last = map.points.back().value;
-  for (auto& point : map.points) {
-    const double fraction = last > first ? (point.value / 2 - first / 2) / (last / 2 - first / 2) : 0;
-    point.value = range[0] * (1 - fraction) + range[1] * fraction;
+  double old = first;
+  for (size_t i = 0; i < map.points.size(); ++i) {
+    double& value = map.points[i].value;
+    const bool above = i > 0 && value == justAbove(old);
+    old = value;
+    const double fraction = last > first ? (value / 2 - first / 2) / (last / 2 - first / 2) : 0;
+    value = range[0] * (1 - fraction) + range[1] * fraction;
+    if (above && range[1] > range[0]) value = justAbove(map.points[i - 1].value);
+    if (i > 0) value = std::max(value, map.points[i - 1].value);
   }
   return map;
 }
@@ -87,6 +95,40 @@ ColorMap effectiveColorMap(const Vis& vis) {
 }
 OpacityMap effectiveOpacityMap(const Vis& vis) {
   return vis.dataRange ? rescaled(vis.opacitymap, *vis.dataRange) : vis.opacitymap;
+}
+
+double justAbove(double value) {
+  constexpr double kLeast = std::numeric_limits<double>::min();
+  const double next = std::nextafter(value, std::numeric_limits<double>::infinity());
+  return next > -kLeast && next < kLeast ? (value < 0 ? 0 : kLeast) : next;
+}
+
+ColorMap steppedAbove(const std::vector<ColorPoint>& points) {
+  ColorMap map;
+  for (const ColorPoint& p : points) {
+    if (!map.points.empty() && p.value > map.points.back().value) {
+      const ColorPoint before = map.points.back();
+      const double step = std::min(justAbove(before.value), p.value);
+      map.points.push_back({step, before.rgb});
+      map.points.push_back({step, p.rgb});
+    }
+    map.points.push_back(p);
+  }
+  return map;
+}
+
+ColorMap nearestOf(const std::vector<ColorPoint>& points) {
+  ColorMap map;
+  for (const ColorPoint& p : points) {
+    if (!map.points.empty() && p.value > map.points.back().value) {
+      const ColorPoint before = map.points.back();
+      const double middle = before.value / 2 + p.value / 2;
+      map.points.push_back({middle, before.rgb});
+      map.points.push_back({middle, p.rgb});
+    }
+    map.points.push_back(p);
+  }
+  return map;
 }
 
 std::span<const std::string_view> shippedColorMaps() { return kShipped; }

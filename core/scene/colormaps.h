@@ -34,22 +34,33 @@ std::span<const std::string_view> shippedColorMaps();
 /// names.
 std::optional<ColorMap> shippedColorMap(std::string_view name);
 
-enum class ColorSpace { RGB, HSV, Lab, Diverging };
+/// The next double above a value that is no denormal number: where a step begins that leaves the value itself below it.
+double justAbove(double value);
 
-/// The colour a fraction of the way from one to another, interpolated in a colour space as VTK does: HSV
-/// without or with the short way round the hue circle, CIE L*a*b* (D65, sRGB companding), or Moreland's
+/// Of two neighbouring points the upper one's colour, from justAbove the lower one's value on: a map of constant pieces.
+/// Points ascend.
+ColorMap steppedAbove(const std::vector<ColorPoint>& points);
+
+/// Categories without mixing: each point's colour holds for the values that are nearest to its own, from half way on.
+/// Points ascend.
+ColorMap nearestOf(const std::vector<ColorPoint>& points);
+
+enum class ColorSpace { RGB, HSV, Lab, Diverging, Step };
+
+/// The colour a fraction of the way from one to another, interpolated in a colour space as VTK does: Step (at once the
+/// other's), HSV without or with the short way round the hue circle, CIE L*a*b* (D65, sRGB companding), or Moreland's
 /// diverging Msh ("Diverging Color Maps for Scientific Visualization", ISVC 2009).
 glm::dvec3 interpolate(const glm::dvec3& from, const glm::dvec3& to, double fraction, ColorSpace space,
                        bool wrapHue);
 
 /// The map that follows points joined in a colour space, as one that is linear in RGB: within 1/1024, at the
-/// price of up to 2047 more points between each two. Points ascend, at least one.
+/// price of up to 2047 more points between each two (Step: exactly, steppedAbove). Points ascend, at least one.
 ColorMap resampled(const std::vector<ColorPoint>& points, ColorSpace space, bool wrapHue);
 
 /// What a ParaView JSON preset (an array whose first element is used, or the object itself) says: `RGBPoints`
-/// in its `ColorSpace`, resampled to linear RGB, and `Points` (value, opacity, midpoint,
-/// sharpness; the last two are not used) where present. Throws Error with the position in `sourceName` where
-/// the preset has no usable points.
+/// in its `ColorSpace`, resampled to linear RGB, or `IndexedColors` for the values of its `Annotations` (without these: 0, 1,
+/// 2, ...), and `Points` (value, opacity, midpoint, sharpness; the last two are not used) where
+/// present. Throws Error with the position in `sourceName` where the preset has no usable points.
 struct ColorPreset {
   ColorMap colors;
   std::optional<OpacityMap> opacities;

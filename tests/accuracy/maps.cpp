@@ -200,5 +200,32 @@ TEST(Maps, MeanAlongIsTheIntegralOverTheValues) {
   }
 }
 
+// Whatever units values are stored in.
+TEST(Maps, StepsJustAboveAValueLeaveItBefore) {
+  Random random(57);
+  const Field f = anyField();
+  const glm::dvec3 red(1, 0, 0), green(0, 1, 0), blue(0, 0, 1);
+  for (int i = 0; i < 400; i++) {
+    const MapUnits units{random.in(-9, 9), std::exp(random.in(-5, 5)), 1, 1};
+    const double a = i % 4 ? random.in(-9, 9) : units.shift, b = a + units.scale * std::exp(random.in(-9, 3));
+    Shown shown;
+    const ColorMap map = steppedAbove({{a, red}, {b, green}, {b + units.scale, blue}});
+    shown.map = CompiledMap(map, nullptr, units);
+    shown.plan = evenPlan(f, 0);
+    const View<float> view(f, shown);
+    const auto at = [&](double v, int floatsAbove) {
+      auto stored = float((v - units.shift) / units.scale);
+      if (floatsAbove > 0)
+        stored = stored == 0 ? std::numeric_limits<float>::min() : std::nextafter(stored, INFINITY);
+      const auto c = colorOf(*view, stored);
+      return glm::dvec3(c.x, c.y, c.z);
+    };
+    ASSERT_EQ(at(a, 0), red) << i;
+    ASSERT_EQ(at(a, 1), green) << i;
+    ASSERT_EQ(at(b, 0), green) << i;
+    ASSERT_EQ(at(b, 1), blue) << i;
+  }
+}
+
 }  // namespace
 }  // namespace gxy::test

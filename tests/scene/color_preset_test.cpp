@@ -65,15 +65,73 @@ TEST(ColorPreset, ResamplingStaysWithinAQuarterLevelEverywhere) {
   }
 }
 
+const glm::dvec3 kRed{1, 0, 0}, kGreen{0, 1, 0}, kBlue{0, 0, 1};
+
+void expectColors(const ColorMap& map, const std::vector<std::pair<double, glm::dvec3>>& colors) {
+  for (const auto& [value, color] : colors) EXPECT_EQ(evaluate(map, value), color) << value;
+}
+
+TEST(ColorPreset, LabHasSeveralNames) {
+  for (const char* name : {"LAB", "CIELAB", "CIELab"})
+    EXPECT_EQ(parse(twoColors(std::string(R"(, "ColorSpace": ")") + name + "\"")).colors,
+              parse(twoColors(R"(, "ColorSpace": "Lab")")).colors);
+}
+
+// As VTK's vtkColorTransferFunction.
+TEST(ColorPreset, StepHasTheUpperPointsColourFromJustAboveTheLowerOnesValueOn) {
+  const ColorMap map =
+      parse(R"([{"ColorSpace": "Step", "RGBPoints": [0, 1, 0, 0, 0.5, 0, 1, 0, 1, 0, 0, 1]}])").colors;
+  expectColors(map, {{-1, kRed},
+                     {0, kRed},
+                     {1e-300, kGreen},
+                     {0.25, kGreen},
+                     {0.5, kGreen},
+                     {justAbove(0.5), kBlue},
+                     {1, kBlue},
+                     {9, kBlue}});
+  const ColorMap wide = rescaled(map, {10, 20});
+  expectColors(
+      wide,
+      {{9, kRed}, {10, kRed}, {justAbove(10), kGreen}, {15, kGreen}, {justAbove(15), kBlue}, {20, kBlue}});
+  for (const ColorMap& any : {wide, rescaled(map, {3, 3}), rescaled(map, {-1e300, 1e300})})
+    EXPECT_TRUE(std::is_sorted(any.points.begin(), any.points.end(),
+                               [](auto& a, auto& b) { return a.value < b.value; }));
+}
+
+TEST(ColorPreset, IndexedColorsAreCategoriesWithoutMixing) {
+  const std::string colors = R"("IndexedColors": [1, 0, 0, 0, 1, 0, 0, 0, 1])";
+  const std::vector<std::pair<double, glm::dvec3>> expected{{-1, kRed},     {0, kRed},   {0.25, kRed},
+                                                            {0.75, kGreen}, {1, kGreen}, {1.4, kGreen},
+                                                            {1.6, kBlue},   {2, kBlue},  {7, kBlue}};
+  expectColors(parse("[{" + colors + R"(, "Annotations": ["0", "a", "1", "b", "2", "c"]}])").colors,
+               expected);
+  expectColors(parse("[{" + colors + "}]").colors, expected);
+  // values in any order, more of them than colours, one of them twice
+  expectColors(
+      parse("[{" + colors + R"(, "Annotations": ["5", "", "-3", "", 10, "", "2e1", "", "10", ""]}])").colors,
+      {{5, kRed}, {-3, kGreen}, {10, kBlue}, {20, kRed}, {12, kBlue}});
+  // they are used where there is nothing else, or where the preset says so
+  const std::string both = R"("RGBPoints": [0, 0, 0, 0, 2, 1, 1, 1], )" + colors;
+  EXPECT_EQ(evaluate(parse("{" + both + "}").colors, 1), glm::dvec3(0.5));
+  for (const char* key : {"IndexedLookup", "InterpretValuesAsCategories"})
+    expectColors(parse("{" + both + ", \"" + key + "\": true}").colors, expected);
+}
+
 TEST(ColorPreset, ErrorsNameThePlaceAndWhatWasExpected) {
   EXPECT_EQ(errorFor("[\n {\"RGBPoints\": [0, 1, 1]}]"),
             "p.json:2:16: `RGBPoints`: expected numbers in groups of 4, found an array of 3 values");
   EXPECT_EQ(errorFor("{\"RGBPoints\": [0, 1, \"x\", 1]}"),
             "p.json:1:22: `RGBPoints`: expected a number, found \"x\"");
   EXPECT_NE(errorFor("{\"RGBPoints\": []}").find("groups of 4"), std::string::npos);
-  EXPECT_NE(errorFor("{\"IndexedColors\": [1, 0, 0]}").find("RGBPoints"), std::string::npos);
+  EXPECT_NE(errorFor("{\"Name\": \"x\"}").find("`RGBPoints`"), std::string::npos);
+  EXPECT_EQ(errorFor("{\"IndexedColors\": [1, 0]}"),
+            "p.json:1:19: `IndexedColors`: expected numbers in groups of 3, found an array of 2 values");
+  EXPECT_EQ(errorFor("{\"IndexedColors\": [1, 0, 0], \"Annotations\": [\"1\", \"a\", \"b\", \"b\"]}"),
+            "p.json:1:56: `Annotations`: expected the number of a category, found \"b\"");
+  EXPECT_NE(errorFor("{\"IndexedColors\": [1, 0, 0], \"Annotations\": [\"1\"]}").find("pairs of a value"),
+            std::string::npos);
   EXPECT_NE(errorFor("[]").find("colour preset"), std::string::npos);
-  EXPECT_NE(errorFor(twoColors(R"(, "ColorSpace": "CMYK")")).find("expected RGB, HSV, Lab or Diverging"),
+  EXPECT_NE(errorFor(twoColors(R"(, "ColorSpace": "CMYK")")).find("expected RGB, HSV, Lab (CIELAB)"),
             std::string::npos);
 }
 

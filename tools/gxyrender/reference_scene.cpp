@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "reference_scene.h"
 
+#include <cmath>
 #include <glm/geometric.hpp>
+#include <limits>
 
 #include "gxy/kernels/single.h"
 #include "gxy/scene/colormaps.h"
@@ -11,17 +13,24 @@ namespace gxy {
 namespace {
 
 /// As backends compare it: with samples as these are stored, so that one equal to a sample meets it.
-double asStored(double value, const Volume& volume) {
-  return volume.shift + volume.scale * double(float((value - volume.shift) / volume.scale));
+double asStored(double value, double shift, double scale) {
+  return shift + scale * double(float((value - shift) / scale));
 }
 
-/// The same for steps of a map, which are points at one value.
+/// The same for steps of a map, which are points at one value, or justAbove another.
 template <class Point>
-void storeSteps(std::vector<Point>& points, const Volume& volume) {
+void storeSteps(std::vector<Point>& points, double shift, double scale) {
+  double before = std::numeric_limits<double>::quiet_NaN();  // as given
   for (size_t i = 0, next; i < points.size(); i = next) {
-    for (next = i + 1; next < points.size() && points[next].value == points[i].value;) next++;
-    const double value = next > i + 1 ? asStored(points[i].value, volume) : points[i].value;
+    const double given = points[i].value;
+    for (next = i + 1; next < points.size() && points[next].value == given;) next++;
+    const bool step = next > i + 1, above = step && given == justAbove(before);
+    if (above) points[i - 1].value = asStored(before, shift, scale);
+    const double value = above  ? justAbove(points[i - 1].value)
+                         : step ? asStored(given, shift, scale)
+                                : given;
     for (size_t k = i; k < next; k++) points[k].value = value;
+    before = given;
   }
 }
 
@@ -34,14 +43,18 @@ reference::ReferenceScene referenceScene(const Visualization& visualization,
     Vis& vis = scene.visualization.operators[i];
     if (data[i].volume) {
       scene.data.emplace_back(data[i].volume);
-      for (double& v : vis.isovalues) v = asStored(v, *data[i].volume);
+      const Volume& volume = *data[i].volume;
+      for (double& v : vis.isovalues) v = asStored(v, volume.shift, volume.scale);
       vis.colormap = effectiveColorMap(vis);
       vis.opacitymap = effectiveOpacityMap(vis);
       vis.dataRange.reset();
-      storeSteps(vis.colormap.points, *data[i].volume);
-      storeSteps(vis.opacitymap.points, *data[i].volume);
+      storeSteps(vis.colormap.points, volume.shift, volume.scale);
+      storeSteps(vis.opacitymap.points, volume.shift, volume.scale);
     } else {
       scene.data.emplace_back(data[i].geometry);
+      vis.colormap = effectiveColorMap(vis);
+      vis.dataRange.reset();
+      storeSteps(vis.colormap.points, 0, 1);
       // the reference takes the map's first colour for geometry without values
       if (!hasValues(*data[i].geometry)) vis.colormap = {{ColorPoint{0, data[i].color}}};
     }
