@@ -23,6 +23,8 @@ void renderWithReference(const State& state, const std::string& directory, const
       const std::string name = pictureName(state, options, v, c);
       reference::ReferenceOptions how;
       how.threads = options.threads;
+      const int aoCount = scene.visualization.lighting.aoCount;
+      how.aoHook = occlusionDirections(aoCount, state.cameras[c].dimensions.x, 0);
       if (progress)
         how.progress = [&](double f) {
           std::cerr << '\r' << name << ' ' << int(100 * f) << " %" << std::flush;
