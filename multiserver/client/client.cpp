@@ -121,7 +121,7 @@ class Client::Impl {
                     "), and everything goes there as clear text, the token, too: expected an ssh tunnel, or "
                     "--token-file with a copy of the server's token");
     try {
-      return protocol::readToken(protocol::tokenFile(options_.port));
+      return protocol::readServerToken(options_.port);
     } catch (const Error& e) {
       whyNone = e.what();
       return {};

@@ -8,9 +8,13 @@
 
 #include <array>
 #include <cerrno>
+#include <chrono>
 #include <cstdlib>
 #include <cstring>
+#include <filesystem>
 #include <string_view>
+#include <system_error>
+#include <thread>
 
 #include "gxy/comm/error.h"
 
@@ -36,24 +40,52 @@ std::string tokenFile(uint16_t port, const std::string& tenant) {
   return runDirectory() + "/" + std::to_string(port) + (tenant.empty() ? "" : "." + tenant) + ".token";
 }
 
-std::string readToken(const std::string& path) {
-  const int file = open(path.c_str(), O_RDONLY | O_CLOEXEC);
-  if (file < 0)
-    throw Error(path + ": cannot read the server's token: " + std::strerror(errno) +
-                "; is a server running here? else copy its token file and name it with --token-file");
-  std::array<char, 256> text{};
-  const ssize_t size = read(file, text.data(), text.size());
-  close(file);
-  std::string token(text.data(), size_t(size > 0 ? size : 0));
-  token.erase(token.find_last_not_of(" \r\n\t") + 1);
-  if (token.empty()) throw Error(path + ": there is no token in it, expected one line of text");
-  return token;
-}
-
 namespace {
 
-// Locked by who wrote it, and so for as long as that runs. File systems without locks lock nothing.
-bool inUse(int file) { return flock(file, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK; }
+/// An open file, or none: then errno says why.
+class File {
+ public:
+  explicit File(const std::string& path, int flags = 0)
+      : file_(open(path.c_str(), O_RDONLY | O_CLOEXEC | flags)) {}
+  ~File() {
+    if (file_ >= 0) close(file_);
+  }
+  File(const File&) = delete;
+  File& operator=(const File&) = delete;
+  operator int() const { return file_; }
+
+ private:
+  const int file_;
+};
+
+// Locks a file as long as it is open, or finds it locked by another. File systems without locks lock nothing.
+enum class Lock { Taken, Refused, Impossible };
+Lock lock(int file, int mode) {
+  if (flock(file, mode | LOCK_NB) == 0) return Lock::Taken;
+  return errno == EWOULDBLOCK ? Lock::Refused : Lock::Impossible;
+}
+
+// Whether a server that runs has locked the file. Locks it otherwise. Clients that look whether a file is locked lock it
+// for a moment, which is waited for.
+bool inUse(int file) {
+  for (int attempt = 0; attempt < 10; attempt++) {
+    if (lock(file, LOCK_EX) != Lock::Refused) return false;
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  return true;
+}
+
+bool isAt(const std::string& path, int file) {
+  struct stat open = {}, there = {};
+  return fstat(file, &open) == 0 && lstat(path.c_str(), &there) == 0 && open.st_ino == there.st_ino &&
+         open.st_dev == there.st_dev;
+}
+
+std::string contentOf(int file) {
+  std::array<char, 256> text{};
+  const ssize_t size = read(file, text.data(), text.size());
+  return {text.data(), size_t(size > 0 ? size : 0)};
+}
 
 // A regular file with nothing in it, or with what newToken() makes.
 bool looksLikeToken(int file) {
@@ -64,6 +96,16 @@ bool looksLikeToken(int file) {
   if (size < 0 || size > 65) return false;
   const std::string_view line(text.data(), size_t(size));
   return line.find_first_not_of("0123456789abcdef\n") == line.npos;
+}
+
+std::string tokenIn(const File& file, const std::string& path) {
+  if (file < 0)
+    throw Error(path + ": cannot read the server's token: " + std::strerror(errno) +
+                "; is a server running here? else copy its token file and name it with --token-file");
+  std::string token = contentOf(file);
+  token.erase(token.find_last_not_of(" \r\n\t") + 1);
+  if (token.empty()) throw Error(path + ": there is no token in it, expected one line of text");
+  return token;
 }
 
 [[noreturn]] void failNoToken(const std::string& path) {
@@ -77,15 +119,37 @@ bool looksLikeToken(int file) {
 
 }  // namespace
 
+std::string readToken(const std::string& path) { return tokenIn(File(path), path); }
+
+std::string readServerToken(uint16_t port) {
+  const std::string path = tokenFile(port);
+  const File file(path);
+  std::string token = tokenIn(file, path);
+  if (lock(file, LOCK_SH) == Lock::Taken)
+    throw Error(path + ": a server that was killed has left this token, and none runs on port " +
+                std::to_string(port) + " now");
+  return token;
+}
+
+void removeStaleToken(const std::string& path) {
+  const File file(path, O_NOFOLLOW | O_NONBLOCK);
+  struct stat info = {};
+  // One that is empty may be about to be locked.
+  if (file < 0 || !looksLikeToken(file) || fstat(file, &info) != 0 || info.st_size == 0) return;
+  if (lock(file, LOCK_EX) == Lock::Taken && isAt(path, file)) unlink(path.c_str());
+}
+
+void removeStaleTokens() {
+  std::error_code failed;
+  for (const auto& entry : std::filesystem::directory_iterator(runDirectory(), failed))
+    if (entry.path().extension() == ".token") removeStaleToken(entry.path());
+}
+
 TokenFile::TokenFile(std::string path, const std::string& token) : path_(std::move(path)) {
-  if (const int old = open(path_.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK); old >= 0) {
-    const bool taken = inUse(old), isToken = looksLikeToken(old);
-    close(old);
-    if (taken) failInUse(path_);
-    if (!isToken) failNoToken(path_);
-  } else if (errno != ENOENT) {
-    failNoToken(path_);
-  }
+  const File old(path_, O_NOFOLLOW | O_NONBLOCK);  // its lock keeps others from removing what takes its place
+  if (old < 0 && errno != ENOENT) failNoToken(path_);
+  if (old >= 0 && inUse(old)) failInUse(path_);
+  if (old >= 0 && !looksLikeToken(old)) failNoToken(path_);
   unlink(path_.c_str());  // of a server that was killed
   file_ = open(path_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0600);
   if (file_ >= 0 && inUse(file_)) {
@@ -101,10 +165,8 @@ TokenFile::TokenFile(std::string path, const std::string& token) : path_(std::mo
 
 TokenFile::~TokenFile() {
   if (file_ < 0) return;
-  struct stat mine = {}, there = {};  // another's by now, where nothing could be locked
-  if (fstat(file_, &mine) == 0 && lstat(path_.c_str(), &there) == 0 && mine.st_ino == there.st_ino &&
-      mine.st_dev == there.st_dev)
-    unlink(path_.c_str());
+  if (isAt(path_, file_))
+    unlink(path_.c_str());  // else it is another's by now, where nothing could be locked
   close(file_);
 }
 

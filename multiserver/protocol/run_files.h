@@ -19,6 +19,15 @@ std::string tokenFile(uint16_t port, const std::string& tenant = {});
 /// The token in a file. Throws Error, with what to do, where there is none.
 std::string readToken(const std::string& path);
 
+/// The token that a server on this port has left here. Throws Error where there is none, or where the server that left it was
+/// killed: a server keeps its token's file locked while it runs. Where files cannot be locked, any token is taken as valid.
+std::string readServerToken(uint16_t port);
+
+/// Removes a token's file if the server that left it was killed. Does nothing where it is in use, or is no token.
+void removeStaleToken(const std::string& path);
+/// The same for all token files of the run directory, which need not exist.
+void removeStaleTokens();
+
 /// A file with a token, mode 0600 from the start, while it lives. Another process that would write one there is refused.
 class TokenFile {
  public:

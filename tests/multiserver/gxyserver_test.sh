@@ -213,7 +213,16 @@ for which in 'tail -n 1' 'head -n 1'; do  # the last and the first of them to be
   check WithinFiveSeconds test $((SECONDS - began)) -le 5
 done
 
+# A server of which nobody is left, as after kill -9 of all, or of the machine's out-of-memory killer.
+start 1
+launcher=$(pgrep -P "$server") rank=$(ranks_of)
+kill -KILL "$server" "$launcher" "$rank"
+server=
+check ATokenIsLeft test -s "$XDG_RUNTIME_DIR/galaxy/$port.token"
+python="import sys; sys.path.insert(0, '$(dirname "$galaxy")/python'); import galaxy; print(galaxy._token_for('localhost', $port))"
+check ButNotFound grep -q "^('', .*a server that was killed has left this token" <(python3 -B -c "$python")
 start 2
+check AndTheNextServerRemovesIt test "$(ls "$XDG_RUNTIME_DIR/galaxy")" = "$port.token"
 other=$port
 rm -f port
 "$galaxy" serve -n 2 --port "$other" >second.log 2>&1

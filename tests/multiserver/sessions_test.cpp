@@ -2,7 +2,9 @@
 // Connections, requests and modules: what a client can rely on whatever it asks.
 #include <gtest/gtest.h>
 
+#include <fcntl.h>
 #include <netinet/in.h>
+#include <sys/file.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -141,6 +143,44 @@ TEST(Sessions, TokensTakeThePlaceOfTokensAndOfNothingElse) {
     EXPECT_EQ(protocol::readToken(file), "new");
   }
   EXPECT_THROW(protocol::TokenFile(protocol::runDirectory(), "new"), Error);
+}
+
+TEST(Sessions, TokensOfServersThatWereKilledAreNeitherUsedNorKept) {
+  const RunDirectory here;
+  protocol::removeStaleTokens();  // where there is nothing
+  protocol::makeRunDirectory();
+  const std::string stale = protocol::tokenFile(1), other = protocol::tokenFile(2, "ann"),
+                    empty = protocol::tokenFile(3), words = protocol::tokenFile(4);
+  for (const std::string& file : {stale, other}) std::ofstream(file) << newToken() << "\n";
+  std::ofstream{empty};  // of a server that begins: it is about to lock it
+  std::ofstream(words) << "no token\n";
+  const protocol::TokenFile live(protocol::tokenFile(5), "good");
+  EXPECT_EQ(protocol::readServerToken(5), "good");
+  EXPECT_EQ(protocol::readToken(stale).size(), 64u) << "a copy is locked by nobody";
+  try {
+    protocol::readServerToken(1);
+    ADD_FAILURE() << "a stale token was read";
+  } catch (const Error& e) {
+    EXPECT_NE(std::string(e.what()).find("a server that was killed has left this token"), std::string::npos);
+  }
+  protocol::removeStaleTokens();
+  for (const std::string& file : {stale, other}) EXPECT_FALSE(std::filesystem::exists(file)) << file;
+  for (const std::string& file : {empty, words, live.path()})
+    EXPECT_TRUE(std::filesystem::exists(file)) << file;
+}
+
+TEST(Sessions, ATokensFileMayBeLookedAtWhileAServerBegins) {
+  const RunDirectory here;
+  protocol::makeRunDirectory();
+  const std::string file = protocol::tokenFile(1);
+  std::ofstream(file) << newToken() << "\n";
+  const int looks = open(file.c_str(), O_RDONLY | O_CLOEXEC);
+  ASSERT_EQ(flock(looks, LOCK_SH), 0);
+  EXPECT_THROW(protocol::TokenFile(file, "new"), Error) << "it waits for a moment only";
+  auto begins = std::async(std::launch::async, [&] { return protocol::TokenFile(file, "new"); });
+  close(looks);
+  const protocol::TokenFile written = begins.get();
+  EXPECT_EQ(protocol::readServerToken(1), "new");
 }
 
 TEST(Sessions, AServerThatAsksForNoTokenTakesWhoeverHasNone) {

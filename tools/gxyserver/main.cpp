@@ -98,6 +98,7 @@ class TokenFiles {
   }
   void write(uint16_t port) {
     if (tokens_.empty()) return;
+    protocol::removeStaleTokens();
     if (options_.tokenFile.empty() || !options_.tenants.empty()) protocol::makeRunDirectory();
     for (size_t i = 0; i < tokens_.size(); i++) {
       const std::string file = i > 0 ? protocol::tokenFile(port, options_.tenants[i - 1])

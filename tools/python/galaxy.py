@@ -18,6 +18,7 @@ As a program, it leaves one picture of a state file: galaxy.py [-H HOST] [-P POR
 Pixels travel as zlib: Python's standard library has neither zstd nor JPEG.
 """
 import argparse
+import fcntl
 import ipaddress
 import json
 import logging
@@ -60,13 +61,24 @@ def token_file(port, tenant=None):
     return os.path.join(folder, f"{port}.{tenant}.token" if tenant else f"{port}.token")
 
 
-def read_token(path):
+def read_token(path, of_server=False):
+    """The token in a file. With of_server, GalaxyError where the server that left it was killed: it keeps its file locked."""
     try:
         with open(path, encoding="ascii") as file:
+            if of_server and _unlocked(file):
+                raise GalaxyError(f"{path}: a server that was killed has left this token, and none runs on that port now")
             return file.readline().strip()
     except OSError as e:
         raise GalaxyError(f"{path}: {e.strerror}; is a server running on that port, started by you? For one "
                           "elsewhere, copy its token file and name it") from e
+
+
+def _unlocked(file):
+    try:
+        fcntl.flock(file, fcntl.LOCK_SH | fcntl.LOCK_NB)
+    except OSError:  # locked, or on a file system without locks
+        return False
+    return True
 
 
 def _token_for(host, port):
@@ -83,7 +95,7 @@ def _token_for(host, port):
             raise GalaxyError(f"host {host} is another machine ({address}), and everything goes there as clear text, the "
                               "token, too: expected an ssh tunnel, or the file of a copy of the server's token")
     try:
-        return read_token(token_file(port)), None
+        return read_token(token_file(port), of_server=True), None
     except GalaxyError as e:
         return "", str(e)
 
