@@ -145,6 +145,8 @@ class MpiTransport::Progress {
     });
   }
 
+  void abort() { aborting_ = true; }
+
   Counters counters() const {
     std::lock_guard lock(mutex_);
     return {bytesSent_, packetsSent_, messagesSent_, queuedBytes_ + heldBySender_, mostWaiting_};
@@ -184,6 +186,7 @@ class MpiTransport::Progress {
   void run() {
     try {
       while (!ended()) {
+        if (aborting_) MPI_Abort(communicator_, 1);
         // each, whatever the others found
         const bool handed = handOver(), reaped = sender_.reap(), received = receive();
         const bool active = handed || reaped || received;
@@ -283,6 +286,7 @@ class MpiTransport::Progress {
 
   std::atomic<uint64_t> created_ = 0, retired_ = 0;  ///< messages and tasks of this rank
   std::atomic<uint64_t> bytesSent_ = 0, packetsSent_ = 0, messagesSent_ = 0;
+  std::atomic<bool> aborting_ = false;
   std::atomic<uint64_t> heldBySender_ = 0, mostWaiting_ = 0;
   Sums mine_, sums_;
   uint64_t retiredLastWave_ = 0;
@@ -310,6 +314,7 @@ void MpiTransport::onMessage(Channel channel, Handler handler) {
 void MpiTransport::post(Task task) { progress_->post(std::move(task)); }
 void MpiTransport::postWaiting(Task task) { progress_->postWaiting(std::move(task)); }
 void MpiTransport::postLong(Task task) { progress_->postLong(std::move(task)); }
+void MpiTransport::abort() { progress_->abort(); }
 Transport::Counters MpiTransport::counters() const { return progress_->counters(); }
 
 }  // namespace gxy

@@ -49,6 +49,10 @@ class MpiTransport final : public Transport {
   void postLong(Task task) override;
   Counters counters() const override;
 
+  /// Ends all ranks of the run, those that hang included, by MPI_Abort: for when a rank never will answer again. Returns before
+  /// that has happened.
+  void abort();
+
   /// Threads that run tasks.
   int threads() const;
   /// Which this is of the ranks on its node that have its role, from 0.

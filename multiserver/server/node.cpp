@@ -2,8 +2,10 @@
 #include "gxy/server/node.h"
 
 #include <algorithm>
+#include <condition_variable>
 #include <filesystem>
 #include <future>
+#include <map>
 #include <set>
 
 #include "gxy/comm/error.h"
@@ -51,6 +53,7 @@ Node::Node(Transport& t, NodeOptions o, const BackendRegistry& backends)
       renderer(t, rendererOptions(options, ledger)),
       datasets(std::make_unique<Datasets>(*this)),
       modules(std::make_unique<Modules>(*this)),
+      presence(t),
       work(t, options.trace) {
   exchanges.addWorks();
   datasets->addWorks();
@@ -65,6 +68,38 @@ std::vector<nlohmann::json> Node::callAll(const std::string& name, const nlohman
   work.broadcast(name, parameters,
                  [promise](std::vector<Work::Reply> replies) { promise->set_value(std::move(replies)); });
   return resultsOf(promise->get_future().get());
+}
+
+Node::RollCall Node::callThoseThere(const std::string& name, const nlohmann::json& parameters) {
+  struct Replies {
+    std::mutex mutex;
+    std::condition_variable changed;
+    std::map<int, Work::Reply> there;
+  };
+  RollCall call{{}, presence.missing(options.rankPatience)};
+  const auto replies = std::make_shared<Replies>();  // they may come later
+  const auto isMissing = [&](int rank) {
+    return std::any_of(call.missing.begin(), call.missing.end(),
+                       [&](const auto& m) { return m.rank == rank; });
+  };
+  for (int r = 0; r < ranks(); r++)
+    if (!isMissing(r))
+      work.send(r, name, parameters, [replies](std::vector<Work::Reply> reply) {
+        const std::lock_guard lock(replies->mutex);
+        replies->there.emplace(reply.front().rank, std::move(reply.front()));
+        replies->changed.notify_all();
+      });
+  const size_t sent = size_t(ranks()) - call.missing.size();
+  std::unique_lock lock(replies->mutex);
+  replies->changed.wait_for(lock, options.rankPatience, [&] { return replies->there.size() == sent; });
+  for (int r = 0; r < ranks(); r++)
+    if (!isMissing(r) && replies->there.count(r) == 0)
+      call.missing.push_back(
+          {r, false, std::chrono::duration_cast<std::chrono::seconds>(options.rankPatience)});
+  std::vector<Work::Reply> came;
+  for (auto& [rank, reply] : replies->there) came.push_back(std::move(reply));
+  call.results = resultsOf(std::move(came));
+  return call;
 }
 
 std::vector<nlohmann::json> Node::resultsOf(std::vector<Work::Reply> replies) const {

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "gxy/comm/collective.h"
+#include "gxy/comm/presence.h"
 #include "gxy/comm/work.h"
 #include "gxy/io/collectives.h"
 #include "gxy/rays/backend.h"
@@ -36,6 +37,8 @@ struct NodeOptions {
   int tenantFrames = 64;                    ///< renderings in flight of one tenant
   /// For which a picture that is not yet there may keep data of another tenant from being updated.
   std::chrono::milliseconds longestHold{10000};
+  std::chrono::milliseconds rankPatience{
+      10000};                      ///< a rank that has not answered for so long is said to be missing
   int threads = 2;                 ///< of each rank, that run its tasks
   int64_t raysInFlight = 1 << 20;  ///< of each rank
   int64_t tenantRays = 0;          ///< of one tenant, of each rank; 0: as many as there may be
@@ -66,6 +69,14 @@ struct Node {
   /// What it returns of the replies of all ranks, or throws.
   std::vector<nlohmann::json> resultsOf(std::vector<Work::Reply> replies) const;
 
+  /// What the work returns on each rank that replies, by rank, and the others: those that were missing before, which are
+  /// not sent it, and those whose replies have not come within options.rankPatience. Throws what resultsOf() does.
+  struct RollCall {
+    std::vector<nlohmann::json> results;
+    std::vector<Presence::Missing> missing;
+  };
+  RollCall callThoseThere(const std::string& name, const nlohmann::json& parameters);
+
   /// Enters so many bytes of a tenant in the ledger. Throws Error if it may not have them on this rank.
   [[nodiscard]] LedgerEntry takeMemory(const std::string& tenant, const std::string& purpose, int64_t bytes);
 
@@ -89,7 +100,8 @@ struct Node {
   Renderer renderer;
   const std::unique_ptr<Datasets> datasets;
   const std::unique_ptr<Modules> modules;
-  Work work;  ///< last: its actions use all others
+  Presence presence;  ///< rank 0's server asks
+  Work work;          ///< last: its actions use all others
 
   /// What the listening server on rank 0 answers for; set before clients come.
   std::function<nlohmann::json()> clients = [] { return nlohmann::json::array(); };

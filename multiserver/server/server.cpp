@@ -39,7 +39,8 @@ class Server::Impl {
         onStop_(std::move(onStop)),
         acceptor_(*context_),
         signals_(*context_),
-        timer_(*context_) {
+        timer_(*context_),
+        questions_(*context_) {
     listen();
     if (options_.signals) {
       signals_.add(SIGINT);
@@ -53,17 +54,20 @@ class Server::Impl {
     node_.stop = [this] { stop(); };
     accept();
     watchIdleness();
+    watchRanks();
     thread_ = std::thread([this] { context_->run(); });
   }
 
   ~Impl() {
-    asio::post(*context_, [this] {
+    const std::string reason = farewell();
+    asio::post(*context_, [this, reason] {
       boost::system::error_code ignored;
       acceptor_.close(ignored);
       signals_.cancel(ignored);
       retry_ = false;
       timer_.cancel(ignored);
-      for (const auto& connection : std::set(connections_)) connection->bye("the server stops");
+      questions_.cancel(ignored);
+      for (const auto& connection : std::set(connections_)) connection->bye(reason);
       const std::lock_guard lock(mutex_);
       ending_ = true;
       changed_.notify_all();
@@ -230,6 +234,33 @@ class Server::Impl {
     });
   }
 
+  // Ranks are asked all the time; clients are told of those that do not answer. A dead one is the end of the run, also where
+  // whatever started it does not end it.
+  void watchRanks() {
+    node_.presence.ask();
+    const auto patience = node_.options.rankPatience;
+    questions_.expires_after(
+        std::max<std::chrono::milliseconds>(patience / 4, std::chrono::milliseconds(10)));
+    questions_.async_wait([this, patience](auto failed) {
+      if (failed || ending_) return;
+      const auto missing = node_.presence.missing(patience);
+      for (const ConnectionPtr& c : connections_)
+        if (c->session()) c->session()->tellMissing(missing);
+      if (std::any_of(missing.begin(), missing.end(), [](const auto& m) { return m.died; })) stop();
+      watchRanks();
+    });
+  }
+
+  // Why the server ends: quit, a signal, or that a rank has died, after which whatever started it ends the others by
+  // signals. Where it does that on another machine, the dead rank is the one that does not answer.
+  std::string farewell() const {
+    constexpr std::chrono::milliseconds kMoment(400);  // of the second that is left by then
+    node_.presence.ask();
+    node_.presence.answered(kMoment);
+    const std::string missing = textOf(node_.presence.missing(kMoment));
+    return missing.empty() ? "the server stops" : "the server stops: " + missing;
+  }
+
   void stop() {
     if (!stopped_.exchange(true)) onStop_();
   }
@@ -241,7 +272,7 @@ class Server::Impl {
   const std::shared_ptr<asio::io_context> context_ = std::make_shared<asio::io_context>(1);
   tcp::acceptor acceptor_;
   asio::signal_set signals_;
-  asio::steady_timer timer_;
+  asio::steady_timer timer_, questions_;
   uint16_t port_ = 0;
   std::set<ConnectionPtr> connections_;  ///< the sockets' thread only, as the next four
   uint64_t sessions_ = 0;

@@ -131,7 +131,12 @@ std::string sizeText(const json& bytes) {
 json stat(Request& request) {
   Node& node = request.session().node();
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - node.begin).count();
-  json result{{"ranks", node.callAll("server.stat", json::object())},
+  Node::RollCall call = node.callThoseThere("server.stat", json::object());
+  json missing = json::array();
+  for (const Presence::Missing& m : call.missing)
+    missing.push_back({{"rank", m.rank}, {"died", m.died}, {"seconds", m.since.count()}});
+  json result{{"ranks", std::move(call.results)},
+              {"missing", std::move(missing)},
               {"clients", node.clients()},
               {"tenants", node.tenants.statistics()},
               {"seconds", seconds}};
@@ -140,6 +145,7 @@ json stat(Request& request) {
       line["tenant"] = node.tenants.name(line["tenant"].get<uint32_t>());
   std::string text = "up " + std::to_string(int64_t(seconds)) + " s, " + std::to_string(node.ranks()) +
                      " ranks, " + std::to_string(result["clients"].size()) + " clients";
+  for (const Presence::Missing& m : call.missing) text += "\n" + textOf({m});
   for (const json& rank : result["ranks"]) {
     text += "\nrank " + rank["rank"].dump() + ": " + sizeText(rank["memory"]["ledger"]) +
             " in the ledger (of " + sizeText(rank["memory"]["limit"]) + "), " +

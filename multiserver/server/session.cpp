@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gxy/server/session.h"
 
+#include <algorithm>
 #include <optional>
 
 #include "gxy/comm/error.h"
@@ -238,6 +239,26 @@ void Session::cancel(uint32_t id) {
   if (waits) return answerError(request, "cancelled");
   const std::lock_guard lock(mutex_);  // it may wait to be run beside others
   answered_.notify_all();
+}
+
+void Session::tellMissing(const std::vector<Presence::Missing>& missing) {
+  std::vector<int> ranks;
+  for (const auto& m : missing) ranks.push_back(m.rank);
+  std::set<uint32_t> requests;
+  {
+    const std::lock_guard lock(mutex_);
+    if (!ranks.empty())
+      for (const auto& [id, request] : requests_) requests.insert(id);
+    const bool more =
+        !std::includes(toldRequests_.begin(), toldRequests_.end(), requests.begin(), requests.end());
+    if (ranks == toldRanks_ && !more) return;
+    toldRanks_ = ranks;
+    toldRequests_ = requests;
+  }
+  outbox_->event({{"event", "waiting"},
+                  {"ranks", ranks},
+                  {"requests", requests},
+                  {"text", ranks.empty() ? "all ranks answer again" : textOf(missing)}});
 }
 
 void Session::end() {

@@ -8,6 +8,7 @@
 #include <memory>
 #include <mutex>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <string>
 #include <typeindex>
 #include <vector>
@@ -101,6 +102,10 @@ class Session : public std::enable_shared_from_this<Session> {
   /// Cancels a request, if there is one with this id; one that has not begun is answered at once.
   void cancel(uint32_t id);
 
+  /// Tells the client, by an event, which ranks do not answer and which of its requests wait meanwhile: again when either has
+  /// changed, and once when all ranks answer again.
+  void tellMissing(const std::vector<Presence::Missing>& missing);
+
   /// Cancels all and drops what modules keep; requests that run end soon, their replies going nowhere. Later statements are
   /// not taken. May be called more than once; waits for requests, so not from a handler.
   void end();
@@ -147,6 +152,8 @@ class Session : public std::enable_shared_from_this<Session> {
   std::deque<RequestPtr> queue_;             ///< not begun
   std::map<std::type_index, std::shared_ptr<void>> states_;
   std::vector<std::shared_ptr<const LoadedModule>> modules_;
+  std::vector<int> toldRanks_;  ///< by tellMissing()
+  std::set<uint32_t> toldRequests_;
   LedgerEntry incoming_;  ///< for the statement that comes
   std::string noRoom_;    ///< why there is none for it
 };

@@ -202,16 +202,48 @@ gone() { for _ in $(seq 300); do kill -0 "$launcher" 2>/dev/null || return 0; sl
 check ItStopsWhenGalaxyServeIsKilled gone
 check AndTakesItsTokenAlong test ! -e "$XDG_RUNTIME_DIR/galaxy/$port.token"
 
-for which in 'tail -n 1' 'head -n 1'; do  # the last and the first of them to begin
+process_of() {  # process_of RANK
+  local process
+  for process in $(ranks_of); do
+    ! tr '\0' '\n' <"/proc/$process/environ" | grep -qx "OMPI_COMM_WORLD_RANK=$1" || echo "$process"
+  done
+}
+for rank in 0 1; do
   start 3
-  victim=$(ranks_of | $which)
+  "$bin/msdata" -P "$port" -c 'echo ready' --follow >followed.txt 2>error.txt &
+  follows=$!
+  for _ in $(seq 300); do grep -q ready followed.txt && break; sleep 0.1; done
   began=$SECONDS
-  kill -KILL "$victim"
+  kill -KILL "$(process_of $rank)"
   check ADeadRankTakesTheRunDown ended 5
   check WithAnError test "$status" != 0
   check AndSaysWhichAndWhy grep -Eq 'rank [0-9]+ .*signal 9' server.log
   check WithinFiveSeconds test $((SECONDS - began)) -le 5
+  wait "$follows"
+  check ItsClientsAreToldOfTheEnd grep -q 'the connection has ended: ' error.txt
+  [[ $rank = 0 ]] || check AndWhichRankHasDied grep -q 'the server stops: rank 1 has died' error.txt
+  check TheTokenHasGone test ! -e "$XDG_RUNTIME_DIR/galaxy/$port.token"
 done
+
+# A rank that is stopped: others answer, work waits for it and goes on with it, or the administrator ends the run.
+start 3 --rank-patience 1
+msdata -c list >/dev/null  # module data is there
+kill -STOP "$(process_of 1)"
+msdata stat >out.txt
+check ARankThatDoesNotAnswerIsNamed grep -q '^  rank 1 \(has not answered for\|does not answer\)' out.txt
+check AndTheOthersAnswer test "$(grep -c '^  rank [02]: .* resident' out.txt)" = 2
+"$bin/msdata" -P "$port" -c "$seen" 2>error.txt &
+importing=$!
+said() { for _ in $(seq 300); do grep -q "$1" error.txt && return; sleep 0.1; done; return 1; }
+check WhoWaitsIsTold said 'waiting: rank 1 has not answered for'
+kill -CONT "$(process_of 1)"
+check AndAllGoesOn wait "$importing"
+kill -STOP "$(process_of 1)"
+check AnAdministratorCanEndTheRun "$bin/msclient" -P "$port" -c quit
+check ByForce ended 20
+check WithAnError test "$status" != 0
+check AndItsReason grep -q 'rank 1 has not answered for .*, so the run is ended by force' server.log
+check TheTokenHasGone test ! -e "$XDG_RUNTIME_DIR/galaxy/$port.token"
 
 # A server of which nobody is left, as after kill -9 of all, or of the machine's out-of-memory killer.
 start 1
@@ -219,8 +251,6 @@ launcher=$(pgrep -P "$server") rank=$(ranks_of)
 kill -KILL "$server" "$launcher" "$rank"
 server=
 check ATokenIsLeft test -s "$XDG_RUNTIME_DIR/galaxy/$port.token"
-python="import sys; sys.path.insert(0, '$(dirname "$galaxy")/python'); import galaxy; print(galaxy._token_for('localhost', $port))"
-check ButNotFound grep -q "^('', .*a server that was killed has left this token" <(python3 -B -c "$python")
 start 2
 check AndTheNextServerRemovesIt test "$(ls "$XDG_RUNTIME_DIR/galaxy")" = "$port.token"
 other=$port

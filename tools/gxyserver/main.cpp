@@ -109,11 +109,68 @@ class TokenFiles {
   }
   void remove() { files_.clear(); }
   const std::vector<protocol::TokenFile>& files() const { return files_; }
+  nlohmann::json paths() const {
+    nlohmann::json paths = nlohmann::json::array();
+    for (const protocol::TokenFile& file : files_) paths.push_back(file.path());
+    return paths;
+  }
 
  private:
   const ServeOptions& options_;
   std::vector<std::string> tokens_;
   std::vector<protocol::TokenFile> files_;
+};
+
+/// On the other ranks: where rank 0's tokens are, for the case that it dies. Thread safe.
+class TokensOfRoot {
+ public:
+  void set(const nlohmann::json& paths) {
+    const std::lock_guard lock(mutex_);
+    paths_ = paths.get<std::vector<std::string>>();
+  }
+  void removeStale() {
+    const std::lock_guard lock(mutex_);
+    for (const std::string& path : paths_) protocol::removeStaleToken(path);
+  }
+
+ private:
+  std::mutex mutex_;
+  std::vector<std::string> paths_;
+};
+
+/// While it lives the run is ending: it is ended by force once a rank is missing, without which it would not come to its
+/// end. Clients hear of that first, and whatever started the ranks has the time to end them by itself.
+class Ending {
+ public:
+  Ending(MpiTransport& transport, Presence& presence, std::chrono::milliseconds patience)
+      : thread_([=, this, &transport, &presence] { watch(transport, presence, patience); }) {}
+  ~Ending() {
+    {
+      const std::lock_guard lock(mutex_);
+      over_ = true;
+    }
+    changed_.notify_all();
+    thread_.join();
+  }
+
+ private:
+  void watch(MpiTransport& transport, Presence& presence, std::chrono::milliseconds patience) {
+    constexpr std::chrono::milliseconds kGrace(3000), kPause(200);
+    std::unique_lock lock(mutex_);
+    if (changed_.wait_for(lock, kGrace, [this] { return over_; })) return;
+    do {
+      presence.ask();
+      const std::string missing = textOf(presence.missing(patience));
+      if (missing.empty()) continue;
+      std::cerr << "gxyserver: error: " + missing + ", so the run is ended by force\n";
+      return transport.abort();
+    } while (!changed_.wait_for(lock, kPause, [this] { return over_; }));
+  }
+
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  bool over_ = false;
+  std::thread thread_;
 };
 
 void announce(const ServeOptions& options, uint16_t port, int ranks, const TokenFiles& tokens) {
@@ -172,6 +229,7 @@ int serve(const ServeOptions& options) {
   std::string failure;
   std::unique_ptr<Node> node;
   Gate stopped;
+  TokensOfRoot tokensOfRoot;
   std::signal(SIGPIPE, SIG_IGN);
   std::signal(SIGXFSZ, SIG_IGN);  // a file that may not grow is an error of who writes it
   try {
@@ -183,6 +241,10 @@ int serve(const ServeOptions& options) {
     spdlog::info("rank {}: backend {}, {}", transport.rank(), node->backend->name(), node->backend->device());
     node->work.add("gxyserver.stop", [&](const Work::Call&) {
       stopped.open();
+      return nlohmann::json();
+    });
+    node->work.add("gxyserver.tokens", [&](const Work::Call& call) {
+      tokensOfRoot.set(call.parameters);
       return nlohmann::json();
     });
   } catch (const std::exception& e) {
@@ -205,7 +267,10 @@ int serve(const ServeOptions& options) {
   // Whichever rank a signal comes to, rank 0 stops, and tells the others. It listens to its own by itself.
   std::optional<Signals> signals;
   if (good && !root)
-    signals.emplace([&] { node->work.send(0, "gxyserver.stop", nlohmann::json::object(), {}); });
+    signals.emplace([&] {
+      if (node->presence.died(0)) tokensOfRoot.removeStale();
+      node->work.send(0, "gxyserver.stop", nlohmann::json::object(), {});
+    });
   std::unique_ptr<Server> server;
   std::unique_ptr<TokenFiles> tokens;
   if (good && root) {
@@ -214,6 +279,7 @@ int serve(const ServeOptions& options) {
       tokens = std::make_unique<TokenFiles>(node->tenants, options);
       server = std::make_unique<Server>(*node, options.server, [&] { stopped.open(); });
       tokens->write(server->port());
+      node->work.broadcast("gxyserver.tokens", tokens->paths(), [](std::vector<Work::Reply>) {});
       announce(options, server->port(), transport.size(), *tokens);
       if (!options.portFile.empty()) writeDocument(options.portFile, std::to_string(server->port()) + "\n");
     } catch (const std::exception& e) {
@@ -221,9 +287,11 @@ int serve(const ServeOptions& options) {
     }
   }
   good = good && agreed(kStart);
+  std::optional<Ending> ending;
   if (good) {
     stopped.wait();
     if (root) {
+      ending.emplace(transport, node->presence, options.node.rankPatience);
       tokens->remove();  // first, should there be little time
       server.reset();
       if (trace) writeTrace(*node, options.traceFile);

@@ -38,6 +38,7 @@ std::optional<int> parseOptions(int argc, char** argv, bool speaks, ServeOptions
   CLI::App app("A server that many clients share: data, rendering and analysis on all ranks of an MPI job.",
                "gxyserver");
   int64_t idle = 0;
+  double patience = std::chrono::duration<double>(o.node.rankPatience).count();
   app.add_option("--port", o.server.port, "TCP port; 0: any that is free")->capture_default_str();
   app.add_option("--port-file", o.portFile, "a file to write the port to, once it listens");
   app.add_option("--bind", o.server.bind, "the address to listen on")->capture_default_str();
@@ -77,6 +78,10 @@ std::optional<int> parseOptions(int argc, char** argv, bool speaks, ServeOptions
       ->check(CLI::Range(1, 100000));
   app.add_option("--idle-exit", idle, "stop after so many minutes without clients; 0: never")
       ->check(CLI::Range(int64_t(0), int64_t(1) << 30));
+  app.add_option("--rank-patience", patience,
+                 "seconds without an answer after which clients are told that a rank is missing")
+      ->capture_default_str()
+      ->check(CLI::Range(0.1, 86400.0));
   app.add_option("--threads", o.threads, "threads of each rank; 0: the node's cores shared by its ranks")
       ->check(CLI::Range(0, 4096));
   app.add_option(
@@ -97,6 +102,7 @@ std::optional<int> parseOptions(int argc, char** argv, bool speaks, ServeOptions
     return code == 0 ? 0 : 2;
   }
   o.server.idleExit = std::chrono::minutes(idle);
+  o.node.rankPatience = std::chrono::milliseconds(int64_t(patience * 1000));
   if (std::string own = ownModules(); !own.empty()) o.node.moduleFolders.push_back(std::move(own));
   if (app.count("--tenant-memory") == 0) o.node.tenantMemory = o.node.memory;
   return std::nullopt;

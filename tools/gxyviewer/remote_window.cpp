@@ -204,6 +204,7 @@ void RemoteWindow::takeEvent(const json& event) {
   const std::lock_guard lock(mutex_);
   const std::string kind = event.value("event", "");
   if (kind == "progress") progress_ = event.value("text", "");
+  if (kind == "waiting") progress_ = event.value("ranks", json()).empty() ? "" : event.value("text", "");
   if (kind == "error") renderError_ = event.value("text", "");  // the server will try again
   for (const char* change : {"added", "updated", "dropped", "renamed", "lost"}) boxesDue_ |= kind == change;
 }

@@ -87,6 +87,8 @@ void Report::event(const json& event) {
   else if (member(event, "event") == "progress")
     output_.progress("  " + member(event, "text") + ": " + member(event, "done") + " of " +
                      member(event, "of"));
+  else if (member(event, "event") == "waiting")
+    output_.error("waiting: " + member(event, "text"));
   else
     output_.line(eventText(event));
 }
