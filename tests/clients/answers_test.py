@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """answers_test.py PROGRAMS: what clients make of answers that no good server gives, and of ends that come early. The server
 is a stand-in that answers as each test says."""
+import fcntl
 import json
+import os
 import pathlib
 import socket
 import struct
@@ -10,6 +12,7 @@ import sys
 import tempfile
 import threading
 import unittest
+import unittest.mock
 import zlib
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "tools" / "python"))
@@ -150,6 +153,19 @@ class Python(unittest.TestCase):
             client = self.client(server)
             client._next_id = 0xFFFFFFFF
             self.assertEqual([client.send("echo")[0] for _ in range(3)], [0xFFFFFFFF, 1, 2])
+
+    def test_the_token_of_a_server_that_was_killed_is_not_used(self):
+        with tempfile.TemporaryDirectory(prefix="galaxy-answers-") as folder, \
+                unittest.mock.patch.dict(os.environ, {"XDG_RUNTIME_DIR": folder}):
+            path = pathlib.Path(galaxy.token_file(1))
+            path.parent.mkdir()
+            path.write_text("0" * 64 + "\n")
+            token, reason = galaxy._token_for("127.0.0.1", 1)
+            self.assertEqual(token, "")
+            self.assertIn("a server that was killed has left this token", reason)
+            with open(path, encoding="ascii") as server:
+                fcntl.flock(server, fcntl.LOCK_EX)
+                self.assertEqual(galaxy._token_for("127.0.0.1", 1), ("0" * 64, None))
 
     def window(self, frames, last=None):
         """A window of a server that answers `echo` after these frames."""

@@ -36,6 +36,11 @@ class DataTools : public ::testing::Test {
     run(GXYDATA, arguments, "said");
     return readText(at("said"));
   }
+  /// What gxydiff says on standard output.
+  std::string saidByDiff(const std::string& arguments) const {
+    std::system(("cd " + folder_.string() + " && " + GXYDIFF + " " + arguments + " >said").c_str());
+    return readText(at("said"));
+  }
   int diff(const std::string& arguments) const { return run(GXYDIFF, arguments); }
 
   static std::vector<float> samples(const VolumeFile& file) {
@@ -213,12 +218,25 @@ TEST_F(DataTools, DiffAppliesItsLimits) {
   EXPECT_EQ(diff("a.exr b.exr --max 0.26"), 0);
   EXPECT_EQ(diff("a.exr b.exr --max 0.24"), 1);
   EXPECT_EQ(diff("a.exr b.exr --fraction 0.01 --output d.png"), 0);
-  EXPECT_EQ(diff("a.exr b.exr --fraction 0.009"), 1);
+  EXPECT_EQ(diff("a.exr b.exr --max 0.25"), 0);  // which is what they differ by
+  EXPECT_EQ(diff("a.exr b.exr --fraction 0.00999"), 1);
   EXPECT_EQ(diff("a.exr c.exr"), 1);
   EXPECT_EQ(diff("a.exr missing.exr"), 2);
   EXPECT_EQ(diff("a.exr"), 2);
   EXPECT_EQ(diff("a.raw a.raw"), 2);
   EXPECT_EQ(diff("a.raw a.raw --size 10"), 2);
+  EXPECT_EQ(saidByDiff("a.exr b.exr --max 0.001"),
+            "different: max 0.25 (63.75/255), rms 0.0144338, pixels over 0.001: 1 %\n");
+  Image opaque = a;
+  for (size_t i = 3; i < opaque.rgba.size(); i += 4) opaque.rgba[i] = 1;
+  writeImage(at("opaque.exr"), opaque);
+  EXPECT_EQ(diff("a.exr opaque.exr"), 0);
+  EXPECT_EQ(diff("a.exr opaque.exr --alpha"), 1);
+  Image nothing = a;
+  nothing.rgba[4 * 37] = NAN;
+  writeImage(at("nan.raw"), nothing);
+  EXPECT_EQ(diff("nan.raw nan.raw --size 10x10"), 0);
+  EXPECT_EQ(diff("a.raw nan.raw --size 10x10 --max 1e30"), 1) << "as far as can be";
   const Image d = readImage(at("d.png"));
   EXPECT_EQ(d.rgba[4 * 37], 1.f);
   EXPECT_EQ(d.rgba[0], 0.f);
