@@ -226,7 +226,7 @@ for rank in 0 1; do
 done
 
 # A rank that is stopped: others answer, work waits for it and goes on with it, or the administrator ends the run.
-start 3 --rank-patience 1
+start 3 --rank-patience 3
 msdata -c list >/dev/null  # module data is there
 kill -STOP "$(process_of 1)"
 msdata stat >out.txt
