@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // How many frames of a batch are rendered at once.
 #pragma once
+#include <cstddef>
 #include <cstdint>
 #include <deque>
 #include <map>
 #include <utility>
 #include <vector>
 
-#include "gxy/render/ready_queue.h"
+#include "gxy/render/share.h"
 
 namespace gxy {
 

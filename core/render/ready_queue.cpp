@@ -1,31 +1,215 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gxy/render/ready_queue.h"
 
+#include <algorithm>
 #include <utility>
+#include <vector>
 
 namespace gxy {
 
-void ReadyQueue::push(const Share& share, Task task, bool first) {
+/// Tenants and streams that wait for credits: who has as many out or more does not take any.
+struct ReadyQueue::Blocked {
+  int64_t tenant = INT64_MAX, stream = INT64_MAX;  ///< credits out, of the first of them
+  uint32_t whose = 0;
+  void add(const Credits& credits, const Share& share) {
+    if (tenant == INT64_MAX) whose = share.tenant;
+    tenant = std::min(tenant, credits.outOfTenant(share));
+    if (share.tenant == whose) stream = std::min(stream, credits.outOfStream(share));
+  }
+  bool hinders(const Credits& credits, const Share& share) const {
+    if (tenant == INT64_MAX) return false;
+    return share.tenant == whose ? credits.outOfStream(share) >= stream
+                                 : credits.outOfTenant(share) >= tenant;
+  }
+};
+
+ReadyQueue::Entry& ReadyQueue::entry(const Share& share, uint64_t frame) {
+  Entry& entry = tenants_[share.tenant].streams[share.stream].frames[frame];
+  entry.interactive = share.interactive;
+  return entry;
+}
+
+void ReadyQueue::push(const Share& share, uint64_t frame, Task task, bool first) {
   const std::lock_guard lock(mutex_);
-  std::deque<Task>& tasks = (share.interactive ? interactive_ : others_)[share.tenant].tasks;
-  tasks.insert(first ? tasks.begin() : tasks.end(), std::move(task));
+  Entry& frames = entry(share, frame);
+  if (first)
+    frames.rests.push_front(std::move(task));
+  else
+    frames.others.push_back(std::move(task));
   tasks_++;
 }
 
-ReadyQueue::Task ReadyQueue::pop() {
+void ReadyQueue::addTiles(const Share& share, uint64_t frame, std::shared_ptr<TileSource> tiles) {
   const std::lock_guard lock(mutex_);
-  for (Tenants* tenants : {&interactive_, &others_}) {
-    Tenant* next = nullptr;
-    for (auto& [number, tenant] : *tenants)
-      if (!tenant.tasks.empty() && (!next || tenant.served < next->served)) next = &tenant;
-    if (!next) continue;
-    next->served = ++turn_;
-    Task task = std::move(next->tasks.front());
-    next->tasks.pop_front();
-    tasks_--;
-    return task;
+  if (!tiles->empty()) entry(share, frame).tiles = std::move(tiles);
+}
+
+bool ReadyQueue::dropTiles(const Share& share, uint64_t frame) {
+  std::shared_ptr<TileSource> dropped;  // outside the lock
+  const std::lock_guard lock(mutex_);
+  const auto tenant = tenants_.find(share.tenant);
+  if (tenant == tenants_.end()) return false;
+  const auto stream = tenant->second.streams.find(share.stream);
+  if (stream == tenant->second.streams.end()) return false;
+  const auto found = stream->second.frames.find(frame);
+  if (found == stream->second.frames.end()) return false;
+  dropped.swap(found->second.tiles);
+  if (found->second.empty()) stream->second.frames.erase(found);
+  return dropped != nullptr;
+}
+
+// Whether something of a stream may be done now, if nobody before it waits for credits.
+bool ReadyQueue::mayDo(const Share& share, const Stream& stream) const {
+  return std::ranges::any_of(stream.frames, [&](const auto& frame) {
+    const Entry& entry = frame.second;
+    return !entry.rests.empty() || !entry.others.empty() ||
+           (entry.tiles && credits_.mayTake(share, entry.tiles->cost()));
+  });
+}
+
+// Who takes part again begins where the others are. `least`: of those that take part, and never less than before.
+template <class Children>
+void ReadyQueue::letTakePart(Children& children, Time& least) {
+  const auto leastOf = [&](auto&& counts, Time otherwise) {
+    Time found = Time::max();
+    for (const auto& [key, child] : children)
+      if (child.turn.takesPart && counts(child.turn)) found = std::min(found, child.turn.used);
+    return found == Time::max() ? otherwise : found;
+  };
+  for (auto& [key, child] : children)
+    if (!child.turn.wants && child.turn.running == 0) child.turn.takesPart = false;
+  const Time ofWatched = leastOf([](const Turn& turn) { return turn.watched; }, least);
+  for (auto& [key, child] : children) {
+    Turn& turn = child.turn;
+    if (turn.takesPart || (!turn.wants && turn.running == 0)) continue;
+    turn.used = std::max({turn.used, least, turn.watched ? ofWatched : least});
+    turn.takesPart = true;
   }
+  least = std::max(least, leastOf([](const Turn&) { return true; }, least));
+}
+
+// Looks who wants something and takes part, and forgets who has nothing to say any more.
+void ReadyQueue::refresh() {
+  for (auto& [number, tenant] : tenants_) {
+    Turn& all = tenant.turn;
+    all.wants = all.watched = false;
+    for (auto& [key, stream] : tenant.streams) {
+      Turn& turn = stream.turn;
+      turn.wants = mayDo({number, false, key}, stream);
+      turn.watched =
+          std::ranges::any_of(stream.frames, [](const auto& frame) { return frame.second.interactive; });
+      all.wants = all.wants || turn.wants;
+      all.watched = all.watched || turn.watched;
+    }
+    letTakePart(tenant.streams, tenant.least);
+    std::erase_if(tenant.streams, [least = tenant.least](const auto& stream) {
+      const Turn& turn = stream.second.turn;
+      return stream.second.frames.empty() && turn.running == 0 && turn.used <= least;
+    });
+  }
+  letTakePart(tenants_, least_);
+  std::erase_if(tenants_, [&](const auto& tenant) {
+    const Turn& turn = tenant.second.turn;
+    return tenant.second.streams.empty() && turn.running == 0 && turn.used <= least_;
+  });
+}
+
+// Tenants or streams in the order of their turns.
+template <class Children>
+auto ReadyQueue::inTurn(Children& children) const {
+  using Child = std::pair<std::pair<Time, uint64_t>, typename Children::value_type*>;
+  std::vector<Child> order;
+  for (auto& child : children) {
+    const Turn& turn = child.second.turn;
+    order.push_back({{turn.used - (turn.watched ? options_.ahead : Time(0)), turn.served}, &child});
+  }
+  std::ranges::sort(order, {}, &Child::first);
+  return order;
+}
+
+ReadyQueue::Pick ReadyQueue::pick(const Share& share, Stream& stream, Blocked& blocked) const {
+  bool spawns = true;
+  for (const bool interactive : {true, false})
+    for (auto& [frame, entry] : stream.frames) {
+      if (entry.interactive != interactive) continue;
+      const Pick found{&stream, frame, Kind::Rest, {share.tenant, interactive, share.stream}};
+      if (!entry.rests.empty()) return found;
+      if (entry.tiles && spawns && !blocked.hinders(credits_, share)) {
+        if (credits_.mayTake(share, entry.tiles->cost())) return {&stream, frame, Kind::Tile, found.share};
+        blocked.add(credits_, share);
+      }
+      spawns = spawns && !entry.tiles;  // those of newer frames wait for its
+      if (!entry.others.empty()) return {&stream, frame, Kind::Other, found.share};
+    }
   return {};
+}
+
+ReadyQueue::Pick ReadyQueue::choose() {
+  refresh();
+  Blocked blocked;
+  for (const auto& [order, tenant] : inTurn(tenants_))
+    for (const auto& [inTenant, stream] : inTurn(tenant->second.streams))
+      if (const Pick found = pick({tenant->first, false, stream->first}, stream->second, blocked);
+          found.stream)
+        return found;
+  return {};
+}
+
+ReadyQueue::Task ReadyQueue::take(const Pick& pick) {
+  const auto at = pick.stream->frames.find(pick.frame);
+  Entry& entry = at->second;
+  Task task;
+  if (pick.kind == Kind::Tile) {
+    credits_.take(pick.share, entry.tiles->cost());
+    task = entry.tiles->take();
+    if (entry.tiles->empty()) entry.tiles = nullptr;
+  } else {
+    std::deque<Task>& tasks = pick.kind == Kind::Rest ? entry.rests : entry.others;
+    task = std::move(tasks.front());
+    tasks.pop_front();
+    tasks_--;
+  }
+  if (entry.empty()) pick.stream->frames.erase(at);
+  return task;
+}
+
+ReadyQueue::Next ReadyQueue::pop() {
+  const std::lock_guard lock(mutex_);
+  const Pick found = choose();
+  if (!found.stream) return {};
+  const Time expected = found.stream->turn.last;
+  turn_++;
+  for (Turn* turn : {&tenants_.at(found.share.tenant).turn, &found.stream->turn}) {
+    turn->served = turn_;
+    turn->running++;
+    turn->used += expected;
+  }
+  return {take(found), found.share, expected};
+}
+
+void ReadyQueue::ran(const Next& done, Time took) {
+  const std::lock_guard lock(mutex_);
+  Tenant& tenant = tenants_.at(done.share.tenant);
+  for (Turn* turn : {&tenant.turn, &tenant.streams.at(done.share.stream).turn}) {
+    turn->running--;
+    turn->used += took - done.expected;
+    turn->last = took;
+  }
+}
+
+bool ReadyQueue::ready() {
+  const std::lock_guard lock(mutex_);
+  return choose().stream != nullptr;
+}
+
+void ReadyQueue::giveBack(const Share& share, int64_t credits) {
+  const std::lock_guard lock(mutex_);
+  credits_.giveBack(share, credits);
+}
+
+Credits ReadyQueue::credits() const {
+  const std::lock_guard lock(mutex_);
+  return credits_;
 }
 
 size_t ReadyQueue::size() const {

@@ -88,26 +88,25 @@ Renderer::Renderer(Transport& transport, Options options)
       account_(options, options.tenant),
       parkedMemory_(entry(options, options.tenant, "parked messages")),
       tasks_(std::make_shared<Tasks>()),
-      credits_(options.raysInFlight),
+      ready_({options.raysInFlight, options.urgentWork}),
       admission_(options.framebufferBytes * transport.size(), 1 + size_t(transport.size())) {
   if (options_.packetRays < 16)
     throw Error("packets of " + std::to_string(options_.packetRays) + " rays, expected >= 16");
-  if (options_.interactiveRays < 0 || options_.interactiveRays >= options_.raysInFlight)
-    throw Error("the number of rays kept for interactive frames must be >= 0 and less than that of all");
-  if (options_.tenantRays < 0) throw Error("the number of rays of a tenant must be >= 0");
   if (options_.raysInFlight < 1) throw Error("the number of rays in flight must be >= 1");
   transport_.onMessage(Channel::Frame, [this](int, const Bytes& m) { receiveFrame(m); });
   transport_.onMessage(Channel::Rays, [this](int, Bytes m) { receiveRays(std::move(m)); });
   transport_.onMessage(Channel::Contributions, [this](int, Bytes m) { receiveContributions(std::move(m)); });
   transport_.onMessage(Channel::Credits, [this](int, const Bytes& m) {
     Reader in(m, "ray credits");
-    const auto tenant = in.read<uint32_t>();
+    Share share;
+    share.tenant = in.read<uint32_t>();
+    share.stream = in.read<uint64_t>();
     const auto credits = in.read<int64_t>();  // less than 0: secondaries beyond what their primaries took
     in.expectEnd();
     constexpr int64_t kMost = int64_t(1) << 40;  // far beyond those of a packet's rays
     if (credits < -kMost || credits > kMost)
       in.fail(std::to_string(credits) + " credits come back, expected at most " + std::to_string(kMost));
-    giveBack(transport_.rank(), tenant, credits);
+    giveBack(transport_.rank(), share, credits);
   });
 }
 
@@ -136,7 +135,7 @@ void Renderer::onPicture(PictureHandler handler) {
 Renderer::Counters Renderer::counters() const {
   std::lock_guard lock(mutex_);
   Counters c = counters_;
-  c.mostRaysInFlight = mostOut_;
+  c.mostRaysInFlight = ready_.credits().mostOut();
   c.mostFramebuffers = framebuffers_->most;
   return c;
 }
@@ -145,13 +144,14 @@ Renderer::Kept Renderer::kept() const {
   Kept kept;
   kept.completionSets = completion_.setsKept();
   kept.tasks = ready_.size() + pictures_.size();
+  const Credits credits = ready_.credits();
+  kept.credits = credits.out();
+  kept.tenantCredits = credits.byTenant();
   std::lock_guard lock(mutex_);
   kept.frames = frames_.size();
   for (const auto& [id, messages] : parked_) kept.parkedMessages += messages.size();
   kept.callbacks = pending_.size();
   kept.windows = windows_.size();
-  kept.credits = options_.raysInFlight - credits_;
-  kept.tenantCredits = tenantOut_;
   return kept;
 }
 
@@ -223,6 +223,7 @@ void Renderer::cancelEverywhere(FrameId id) {
 // On a rank whose device could not do its part. What it tells rank 0 is work of the frame, which does not end before.
 void Renderer::fail(const FramePtr& frame, const std::string& error) {
   frame->cancel();
+  dropTiles(frame);
   if (frame->failed.exchange(true)) return;
   completion_.created(frame->id, 1);
   Writer w;
@@ -319,7 +320,7 @@ void Renderer::delivered(FrameId id, const std::string& error) {
   }
   if (pending.finished)
     post(
-        pending.share,
+        pending.share, id,
         [finished = std::move(pending.finished), id, ending = std::move(pending.ending)] {
           finished(id, ending);
         },
@@ -356,7 +357,8 @@ void Renderer::prepare(Frame& frame) {
     frame.framebuffer = std::make_unique<Framebuffer>(compiled.width, compiled.height, compiled.samples,
                                                       compiled.depth, std::move(hold));
   }
-  TileList list = tilesOf(scene, compiled, transport_.rank());
+  TileList list =
+      tilesOf(scene, compiled, transport_.rank(), tileSide(options_.raysInFlight, frame.perPrimary));
   frame.tiles = std::move(list.tiles);
   frame.tileMemory = frame.account().tiles.another(int64_t(frame.tiles.capacity() * sizeof(Tile)));
   frame.device = frame.scene.device->makeFrame(compiled);
@@ -392,7 +394,6 @@ void Renderer::start(FrameId id, FrameRequest request, const Bytes& message) {
       parked = std::move(waiting->second);
       parked_.erase(waiting);
     }
-    if (!spawnsNothing) spawning_.push_back(frame);
   }
   for (Parked& p : parked)  // each by itself: one that is refused keeps no other back
     post([this, id, p = std::make_shared<Parked>(std::move(p))] {
@@ -403,19 +404,22 @@ void Renderer::start(FrameId id, FrameRequest request, const Bytes& message) {
       else
         cancel(id);
     });
-  if (spawnsNothing) completion_.spawned(id);
-  pump();
+  if (spawnsNothing) return completion_.spawned(id);
+  ready_.addTiles(frame->request.share, id, std::make_shared<Tiles>(*this, frame));
+  if (frame->cancelled) dropTiles(frame);
+  startRunner();
 }
 
 void Renderer::cancel(FrameId id) {
+  FramePtr frame;
   {
     std::lock_guard lock(mutex_);
     if (isOver(id)) return;
-    const FramePtr frame = find(id);
+    frame = find(id);
     if (!frame) return parked_[id].push_back({Channel::Frame, {}, nullptr, {}});
     frame->cancel();
   }
-  pump();
+  dropTiles(frame);
 }
 
 void Renderer::finish(FrameId id, bool hasPicture) {
@@ -431,8 +435,8 @@ void Renderer::finish(FrameId id, bool hasPicture) {
   if (options_.trace) options_.trace->addLong("frame", id, frame->begin);
   if (frame->owner != transport_.rank()) return;
   std::function<void()> task = [this, frame, hasPicture] { deliver(frame, hasPicture); };
-  if (frame->request.share.interactive) return post(frame->request.share, std::move(task));
-  pictures_.push(frame->request.share, std::move(task));
+  if (frame->request.share.interactive) return post(frame->request.share, id, std::move(task));
+  pictures_.push(frame->request.share, id, std::move(task));
   startHandOut();
 }
 

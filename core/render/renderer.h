@@ -17,6 +17,7 @@
 #include "gxy/comm/trace.h"
 #include "gxy/comm/transport.h"
 #include "gxy/rays/backend.h"
+#include "gxy/rays/packet_size.h"
 #include "gxy/render/admission.h"
 #include "gxy/render/framebuffer.h"
 #include "gxy/render/ready_queue.h"
@@ -58,9 +59,10 @@ struct FrameRequest {
 /// keeps the requests of the others. What frames hold is in the ledger, and 0 when none is under way: "rays" (lists that wait
 /// or are traced), "framebuffer", "picture" (while its handler runs), "parked messages" and "tiles".
 ///
-/// Whose turn it is: on each rank, tasks run in the order of ReadyQueue, and rays are spawned for interactive frames first,
-/// else for each tenant in turn, of its frames for the oldest. A task that is under way is not interrupted, but it traces one packet and puts the rest off,
-/// so that an interactive frame waits, on each rank that it passes, for the packets that are being traced and for no others.
+/// Whose turn it is: on each rank, tasks run and tiles are spawned in the order of ReadyQueue, which shares the processors
+/// among tenants and the streams of each. A task that is under way is not interrupted, but it traces one packet and puts the
+/// rest off, so that who comes anew waits, on each rank, for the packets that are being traced, and an interactive frame for no
+/// others. Tiles are smaller where a pixel makes many rays, so that there are credits for all.
 /// Pictures of frames that nobody watches are handed out beside the tasks (Transport::postLong), however long that takes, at
 /// most Options::handOuts of them at once and those of each tenant in turn.
 ///
@@ -78,14 +80,15 @@ class Renderer {
     /// Where memory is accounted, if anywhere; outlives frames that name an account.
     Ledger* ledger = nullptr;
     std::string tenant = "batch";  ///< whose memory it is
-    int64_t interactiveRays = 0;   ///< credits that are kept for interactive frames
-    /// Of a rank's processors or device: after that a frame is like those that nobody watches.
+    /// Of a rank's processors or device: after that a frame is like those that nobody watches. So far the watched frames of a
+    /// tenant may get ahead of what nobody watches, too (ReadyQueue).
     std::chrono::nanoseconds urgentWork = std::chrono::seconds(1);
+    /// Of the calling thread: the clock by which tenants share the processors.
+    std::function<std::chrono::nanoseconds()> processorTime = PacketSize::processorTime;
     int64_t framebufferBytes = int64_t(512)
                                << 20;  ///< of a stream's frames that nobody watches, on each rank
-    int64_t tenantRays = 0;            ///< credits that the frames of one tenant may have; 0: all
     Trace* trace = nullptr;            ///< of packets, tiles, pictures and frames; outlives the Renderer
-    int runners = 0;                   ///< tasks that it gives the Transport at once; 0: all there are
+    int runners = 1024;                ///< tasks that it gives the Transport at once
     int handOuts = 0;  ///< pictures that nobody waits for and that are handed out at once; 0: all there are
   };
   /// How a frame has ended: with a picture, or superseded, or with what went wrong on a rank or in its handler.
@@ -191,7 +194,8 @@ class Renderer {
   void delivered(FrameId id, const std::string& error);
   void sendDown(const Bytes& message);
 
-  void pump();
+  class Tiles;
+  void dropTiles(const FramePtr& frame);
   void spawnTile(const FramePtr& frame, const Tile& tile, int64_t reserved);
   void spawned(const FramePtr& frame, TraceResult& result, int64_t reserved, std::vector<Held>& stack);
   void take(const FramePtr& frame, int origin, TraceResult& result, std::vector<Held>& stack);
@@ -207,17 +211,14 @@ class Renderer {
   static Held hold(const Frame& frame, LeavingRays rays);
   void forward(const FramePtr& frame, int rank, int partition, bool primary, int origin, const RayList& rays);
   void contribute(const FramePtr& frame, TraceResult& result);
-  void giveBack(int origin, uint32_t tenant, int64_t credits);
+  void giveBack(int origin, const Share& share, int64_t credits);
   FramePtr find(FrameId id) const;
   FramePtr findOrPark(FrameId id, Channel channel, Bytes& message);
   bool isOver(FrameId id) const { return id < firstNotOver_ || over_.count(id) > 0; }
-  bool mayTake(int64_t cost, bool interactive) const;
-  bool tenantMayTake(const Frame& frame) const;
-  std::vector<FramePtr>::iterator nextToSpawn();
-  FramePtr takeCancelled();
   void post(std::function<void()> task);
-  void post(const Share& share, std::function<void()> task, bool first = false);
+  void post(const Share& share, FrameId frame, std::function<void()> task, bool first = false);
   void post(const FramePtr& frame, std::function<void()> task, bool first = false);
+  void runNext(ReadyQueue& queue);
   void startRunner();
   void startHandOut();
 
@@ -238,12 +239,6 @@ class Renderer {
   std::map<SceneId, Scene> scenes_;
   std::map<FrameId, FramePtr> frames_;
   std::map<FrameId, std::vector<Parked>> parked_;  ///< messages that overtook their frame's start
-  std::vector<FramePtr> spawning_;                 ///< frames with tiles left
-  std::map<uint32_t, uint64_t> tenantTurns_;       ///< when each tenant with such frames was served last
-  uint64_t turn_ = 0;
-  int64_t credits_;
-  std::map<uint32_t, int64_t> tenantOut_;  ///< credits out, by tenant, where not 0
-  int64_t mostOut_ = 0;
   PictureHandler pictureHandler_;
   FrameId firstNotOver_ = 1;             ///< all frames below are over here
   std::set<FrameId> over_;               ///< those above that are

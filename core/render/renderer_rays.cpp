@@ -1,8 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 // The life of a frame's rays on a rank: spawned against credits, traced, forwarded, and what they add to pixels.
-#include <algorithm>
-#include <tuple>
-
 #include "gxy/comm/error.h"
 #include "gxy/comm/error_text.h"
 #include "gxy/comm/wire.h"
@@ -25,76 +22,20 @@ struct ContributionsHeader {
 
 }  // namespace
 
-// With no rays out at all, one tile goes whatever it may cost.
-bool Renderer::mayTake(int64_t cost, bool interactive) const {
-  const int64_t kept = interactive ? 0 : options_.interactiveRays;
-  return cost <= credits_ - kept || credits_ >= options_.raysInFlight;
+std::function<void()> Renderer::Tiles::take() {
+  const Tile tile = frame_->nextTile();
+  const int64_t cost = frame_->nextCost();
+  frame_->next++;
+  auto active = std::make_shared<Completion::Active>(renderer_.completion_, frame_->id);
+  return
+      [&renderer = renderer_, frame = frame_, tile, cost, active] { renderer.spawnTile(frame, tile, cost); };
 }
 
-int64_t Renderer::Frame::nextCost() const {
-  const Tile tile = nextTile();
-  return int64_t(tile.x1 - tile.x0) * (tile.y1 - tile.y0) * perPrimary;
-}
-
-// As above, of the credits of a tenant.
-bool Renderer::tenantMayTake(const Frame& frame) const {
-  const auto out = tenantOut_.find(frame.request.share.tenant);
-  return options_.tenantRays == 0 || out == tenantOut_.end() ||
-         out->second + frame.nextCost() <= options_.tenantRays;
-}
-
-// An interactive frame if there is one, else one of the tenant that was served longest ago; of several the oldest.
-// Those whose tenants have all they may have are passed over; the end, if there are no others.
-std::vector<Renderer::FramePtr>::iterator Renderer::nextToSpawn() {
-  const auto rank = [this](const FramePtr& f) {
-    return std::tuple(!f->share().interactive, tenantTurns_[f->request.share.tenant], f->id);
-  };
-  auto next = spawning_.end();
-  for (auto f = spawning_.begin(); f != spawning_.end(); ++f)
-    if (tenantMayTake(**f) && (next == spawning_.end() || rank(*f) < rank(*next))) next = f;
-  return next;
-}
-
-// A frame that needs no more tiles, as it has been cancelled; null if there is none.
-Renderer::FramePtr Renderer::takeCancelled() {
-  std::lock_guard lock(mutex_);
-  const auto found = std::find_if(spawning_.begin(), spawning_.end(),
-                                  [](const FramePtr& frame) { return frame->cancelled.load(); });
-  if (found == spawning_.end()) return nullptr;
-  FramePtr frame = *found;
-  spawning_.erase(found);
-  return frame;
-}
-
-// Posts tiles while there are credits.
-void Renderer::pump() {
-  for (;;) {
-    FramePtr frame;
-    Tile tile{};
-    int64_t cost = 0;
-    if (const auto ended = takeCancelled()) {
-      const size_t left = ended->allTiles() - ended->next;
-      if ((ended->tilesLeft -= left) == 0) completion_.spawned(ended->id);
-      continue;
-    }
-    {
-      std::lock_guard lock(mutex_);
-      if (spawning_.empty()) return tenantTurns_.clear();
-      const auto next = nextToSpawn();
-      if (next == spawning_.end()) return;
-      frame = *next;
-      tile = frame->nextTile();
-      cost = frame->nextCost();
-      if (!mayTake(cost, frame->share().interactive)) return;
-      credits_ -= cost;
-      tenantOut_[frame->request.share.tenant] += cost;
-      mostOut_ = std::max(mostOut_, options_.raysInFlight - credits_);
-      tenantTurns_[frame->request.share.tenant] = ++turn_;
-      if (++frame->next == frame->allTiles()) spawning_.erase(next);
-    }
-    auto active = std::make_shared<Completion::Active>(completion_, frame->id);
-    post(frame, [this, frame, tile, cost, active] { spawnTile(frame, tile, cost); });
-  }
+// Of a frame that has been cancelled.
+void Renderer::dropTiles(const FramePtr& frame) {
+  if (!ready_.dropTiles(frame->request.share, frame->id)) return;
+  const size_t left = frame->allTiles() - frame->next;
+  if ((frame->tilesLeft -= left) == 0) completion_.spawned(frame->id);
 }
 
 // Calls the device. Its answer goes to `then` with the caller's stack if it is there when the call returns, else with a new
@@ -164,7 +105,7 @@ void Renderer::spawned(const FramePtr& frame, TraceResult& result, int64_t reser
   }
   take(frame, transport_.rank(), result, stack);
   if (--frame->tilesLeft == 0) completion_.spawned(frame->id);
-  giveBack(transport_.rank(), frame->request.share.tenant, reserved);
+  giveBack(transport_.rank(), frame->request.share, reserved);
 }
 
 Renderer::Held Renderer::hold(const Frame& frame, LeavingRays rays) {
@@ -199,7 +140,7 @@ void Renderer::traced(const FramePtr& frame, int origin, bool primary, TraceResu
   completion_.retired(frame->id, result.retired);
   const int64_t credits =
       int64_t(result.retired) * (primary ? frame->perPrimary : 1) - int64_t(result.secondaries);
-  giveBack(origin, frame->request.share.tenant, credits);
+  giveBack(origin, frame->request.share, credits);
 }
 
 // Ends rays that are not traced.
@@ -230,7 +171,7 @@ void Renderer::process(const FramePtr& frame, int origin, std::vector<Held> stac
     }
     const Trace::Span span(options_.trace, "packet", rays);
     const auto memory = std::make_shared<LedgerEntry>(std::move(next.memory));  // until it is answered
-    const auto begin = PacketSize::processorTime();
+    const auto begin = options_.processorTime();
     ask(
         frame, origin, rays,
         [&](DeviceScene::Done done) {
@@ -241,7 +182,7 @@ void Renderer::process(const FramePtr& frame, int origin, std::vector<Held> stac
           traced(frame, origin, primary, result, rest);
         },
         stack);
-    frame->packet.took(int(rays), PacketSize::processorTime() - begin);
+    frame->packet.took(int(rays), options_.processorTime() - begin);
     if (!stack.empty()) putOff(frame, origin, std::move(stack));
     return;
   }
@@ -356,7 +297,7 @@ void Renderer::receiveContributions(Bytes message) {
   completion_.retired(header.frame, 1);
 }
 
-void Renderer::giveBack(int origin, uint32_t tenant, int64_t credits) {
+void Renderer::giveBack(int origin, const Share& share, int64_t credits) {
   if (credits == 0) {
     if (origin == transport_.rank()) return;
     std::lock_guard lock(mutex_);
@@ -365,16 +306,12 @@ void Renderer::giveBack(int origin, uint32_t tenant, int64_t credits) {
   }
   if (origin != transport_.rank()) {
     Writer w;
-    transport_.send(origin, Channel::Credits, w.write(tenant).write(credits).take());
+    w.write(share.tenant).write(share.stream).write(credits);
+    transport_.send(origin, Channel::Credits, w.take());
     return;
   }
-  {
-    std::lock_guard lock(mutex_);
-    credits_ += credits;
-    if ((tenantOut_[tenant] -= credits) == 0) tenantOut_.erase(tenant);
-    mostOut_ = std::max(mostOut_, options_.raysInFlight - credits_);
-  }
-  pump();
+  ready_.giveBack(share, credits);
+  startRunner();  // there may be room for a tile
 }
 
 }  // namespace gxy

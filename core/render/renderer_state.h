@@ -35,8 +35,8 @@ struct Renderer::Frame {
   const Account* shared = nullptr;           ///< of frames that name no account
   std::optional<Account> own;
   LedgerEntry tileMemory;
-  std::vector<Tile> tiles;            ///< of the first sample
-  size_t next = 0;                    ///< to be spawned: all tiles of a sample, then those of the next
+  std::vector<Tile> tiles;  ///< of the first sample
+  size_t next = 0;  ///< to be spawned: all tiles of a sample, then those of the next; ReadyQueue's lock
   std::atomic<size_t> tilesLeft = 0;  ///< not yet spawned completely
   PacketSize packet;
   const uint64_t mostUrgentWork;
@@ -52,14 +52,33 @@ struct Renderer::Frame {
   }
   const Account& account() const { return own ? *own : *shared; }
   /// A frame that takes long is no longer before all others.
-  Share share() const { return {request.share.tenant, request.share.interactive && work <= mostUrgentWork}; }
+  Share share() const {
+    return {request.share.tenant, request.share.interactive && work <= mostUrgentWork, request.share.stream};
+  }
   size_t allTiles() const { return tiles.size() * size_t(samples); }
   Tile nextTile() const {
     Tile tile = tiles[next % tiles.size()];
     tile.sample += int(next / tiles.size());
     return tile;
   }
-  int64_t nextCost() const;  ///< credits of nextTile()
+  /// Credits of nextTile().
+  int64_t nextCost() const {
+    const Tile tile = nextTile();
+    return int64_t(tile.x1 - tile.x0) * (tile.y1 - tile.y0) * perPrimary;
+  }
+};
+
+/// Those of a frame, for the ReadyQueue.
+class Renderer::Tiles : public TileSource {
+ public:
+  Tiles(Renderer& renderer, FramePtr frame) : renderer_(renderer), frame_(std::move(frame)) {}
+  bool empty() const override { return frame_->next == frame_->allTiles(); }
+  int64_t cost() const override { return frame_->nextCost(); }
+  std::function<void()> take() override;
+
+ private:
+  Renderer& renderer_;
+  const FramePtr frame_;
 };
 
 struct Renderer::Parked {

@@ -4,29 +4,6 @@
 
 namespace gxy {
 
-void Renderer::post(std::function<void()> task) {
-  transport_.post([tasks = tasks_, task = std::move(task)]() mutable { tasks->run(task); });
-}
-
-// Runs the task when its turn has come.
-void Renderer::post(const Share& share, std::function<void()> task, bool first) {
-  ready_.push(share, std::move(task), first);
-  startRunner();
-}
-
-// Among those of others, if its frame has become one of these meanwhile.
-void Renderer::post(const FramePtr& frame, std::function<void()> task, bool first) {
-  const Share share = frame->share();
-  if (share.interactive)
-    task = [this, frame, task = std::move(task)] {
-      if (const Share now = frame->share(); now.interactive)
-        task();
-      else
-        post(now, task);
-    };
-  post(share, std::move(task), first);
-}
-
 namespace {
 
 // One more, unless there are as many as there may be; 0: any number.
@@ -40,15 +17,37 @@ bool begin(std::atomic<int>& running, int most) {
 
 }  // namespace
 
-// A runner takes whichever task is next. Where their number is bounded, one that ends makes way for another.
+void Renderer::post(std::function<void()> task) {
+  transport_.post([tasks = tasks_, task = std::move(task)]() mutable { tasks->run(task); });
+}
+
+// Runs the task when its turn has come.
+void Renderer::post(const Share& share, FrameId frame, std::function<void()> task, bool first) {
+  ready_.push(share, frame, std::move(task), first);
+  startRunner();
+}
+
+void Renderer::post(const FramePtr& frame, std::function<void()> task, bool first) {
+  post(frame->share(), frame->id, std::move(task), first);
+}
+
+void Renderer::runNext(ReadyQueue& queue) {
+  const ReadyQueue::Next next = queue.pop();
+  if (!next) return;
+  const auto begin = options_.processorTime();
+  const std::shared_ptr<void> ran(nullptr, [&](void*) { queue.ran(next, options_.processorTime() - begin); });
+  next.task();
+}
+
+// A runner takes whichever task or tile is next. One that ends makes way for another.
 void Renderer::startRunner() {
   if (!begin(runners_, options_.runners)) return;
   post([this] {
     const std::shared_ptr<void> ended(nullptr, [this](void*) {
       runners_--;
-      if (options_.runners > 0 && !ready_.empty()) startRunner();
+      if (ready_.ready()) startRunner();
     });
-    if (const auto next = ready_.pop()) next();
+    runNext(ready_);
   });
 }
 
@@ -57,9 +56,9 @@ void Renderer::startHandOut() {
   std::function<void()> task = [this] {
     const std::shared_ptr<void> ended(nullptr, [this](void*) {
       handOuts_--;
-      if (options_.handOuts > 0 && !pictures_.empty()) startHandOut();
+      if (options_.handOuts > 0 && pictures_.ready()) startHandOut();
     });
-    if (const auto next = pictures_.pop()) next();
+    runNext(pictures_);
   };
   transport_.postLong([tasks = tasks_, task = std::move(task)]() mutable { tasks->run(task); });
 }

@@ -58,7 +58,14 @@ PixelBox project(const CompiledFrame& f, glm::dvec3 lo, glm::dvec3 hi) {
 
 }  // namespace
 
-TileList tilesOf(const CompiledScene& scene, const CompiledFrame& frame, int rank) {
+int tileSide(int64_t credits, int64_t perPrimary) {
+  constexpr int kLeast = 8;  // a packet still fills gangs, and work a tile is mostly that of its rays
+  int side = kTile;
+  while (side > kLeast && int64_t(side) * side * perPrimary > credits / 32) side /= 2;
+  return side;
+}
+
+TileList tilesOf(const CompiledScene& scene, const CompiledFrame& frame, int rank, int side) {
   std::vector<PixelBox> seen;
   for (int p : scene.partitioning->owned(rank)) {
     if (!scene.visible[p]) continue;
@@ -67,9 +74,9 @@ TileList tilesOf(const CompiledScene& scene, const CompiledFrame& frame, int ran
     seen.push_back(project(frame, lo, hi));
   }
   TileList list;
-  for (int y = 0; y < frame.height; y += kTile)
-    for (int x = 0; x < frame.width; x += kTile) {
-      const Tile tile{x, y, std::min(x + kTile, frame.width), std::min(y + kTile, frame.height),
+  for (int y = 0; y < frame.height; y += side)
+    for (int x = 0; x < frame.width; x += side) {
+      const Tile tile{x, y, std::min(x + side, frame.width), std::min(y + side, frame.height),
                       frame.firstSample};
       const bool meets = std::any_of(seen.begin(), seen.end(), [&](const PixelBox& b) {
         return b.x0 < tile.x1 && tile.x0 < b.x1 && b.y0 < tile.y1 && tile.y0 < b.y1;

@@ -29,8 +29,6 @@ NodeOptions checked(NodeOptions options) {
 Renderer::Options rendererOptions(const NodeOptions& options, Ledger& ledger) {
   Renderer::Options r;
   r.raysInFlight = options.raysInFlight;
-  r.interactiveRays = options.raysInFlight / 4;
-  r.tenantRays = options.tenantRays;
   r.runners = options.threads;
   r.handOuts = options.threads;  // which is what a batch alone needs: encoding its pictures may take longest
   r.ledger = &ledger;

@@ -41,7 +41,6 @@ struct NodeOptions {
       10000};                      ///< a rank that has not answered for so long is said to be missing
   int threads = 2;                 ///< of each rank, that run its tasks
   int64_t raysInFlight = 1 << 20;  ///< of each rank
-  int64_t tenantRays = 0;          ///< of one tenant, of each rank; 0: as many as there may be
   Trace* trace = nullptr;          ///< of requests, works and rendering, if not null; outlives the node
 };
 

@@ -10,8 +10,8 @@
 #include <thread>
 
 #include "gxy/comm/random.h"
-#include "gxy/embree/embree_backend.h"
 #include "support/frames.h"
+#include "support/observed_backend.h"
 
 namespace gxy::test {
 namespace {
@@ -34,61 +34,22 @@ struct Counts {
   }
 };
 
-struct CountedFrame : DeviceFrame {
-  std::shared_ptr<const DeviceFrame> frame;
-  bool watched = false;
-};
-
-/// Counts, and has another scene do the work. Frames are told apart by their size.
-class CountedScene : public DeviceScene {
- public:
-  CountedScene(std::unique_ptr<DeviceScene> scene, Counts& counts)
-      : scene_(std::move(scene)), counts_(counts) {}
-
-  std::shared_ptr<const DeviceFrame> makeFrame(const CompiledFrame& frame) const override {
-    auto counted = std::make_shared<CountedFrame>();
-    counted->frame = scene_->makeFrame(frame);
-    counted->watched = frame.width == kWatchedSize.x;
-    if (counted->watched) {
-      counts_.waits = true;
-      counts_.whenKnown = counts_.packets;
-    }
-    return counted;
-  }
-  void spawn(const DeviceFrame& frame, const Tile& tile, Done done) const override {
-    const auto& counted = static_cast<const CountedFrame&>(frame);
-    if (counted.watched) counts_.watchedBegins();
-    scene_->spawn(*counted.frame, tile, std::move(done));
-  }
-  void trace(const DeviceFrame& frame, int partition, bool primary, RayList rays, Done done) const override {
-    const auto& counted = static_cast<const CountedFrame&>(frame);
-    if (counted.watched)
-      counts_.watchedBegins();
+// Frames are told apart by their size.
+Observer countingInto(Counts& counts) {
+  Observer observer;
+  observer.known = [&counts](glm::ivec2 size) {
+    if (size != kWatchedSize) return;
+    counts.waits = true;
+    counts.whenKnown = counts.packets;
+  };
+  observer.begins = [&counts](glm::ivec2 size, int rays) {
+    if (size == kWatchedSize)
+      counts.watchedBegins();
     else
-      counts_.packets++;
-    scene_->trace(*counted.frame, partition, primary, std::move(rays), std::move(done));
-  }
-  size_t bytes() const override { return scene_->bytes(); }
-
- private:
-  std::unique_ptr<DeviceScene> scene_;
-  Counts& counts_;
-};
-
-class CountedBackend : public Backend {
- public:
-  explicit CountedBackend(Counts& counts) : counts_(counts) {}
-  std::string name() const override { return "counted"; }
-  std::string device() const override { return embree_->device(); }
-  std::unique_ptr<DeviceScene> makeScene(std::shared_ptr<const CompiledScene> scene, int rank,
-                                         const Advance& advance) const override {
-    return std::make_unique<CountedScene>(embree_->makeScene(std::move(scene), rank, advance), counts_);
-  }
-
- private:
-  const std::unique_ptr<Backend> embree_ = makeEmbreeBackend();
-  Counts& counts_;
-};
+      counts.packets += rays > 0;
+  };
+  return observer;
+}
 
 TestScene balls(glm::ivec2 size) {
   TestScene scene = emptyScene("balls", size);
@@ -107,14 +68,15 @@ FrameRun inSmallPackets(uint64_t seed) {
 // Two tenants: one has a batch of 500 frames, 8 in flight, the other looks at a frame now and then.
 TEST(Fairness, AWatchedFrameWaitsForAtMostTwoPacketsOfABatchOnEachRank) {
   std::array<Counts, kSlabs> counts;
-  std::vector<std::unique_ptr<CountedBackend>> backends;
-  for (Counts& c : counts) backends.push_back(std::make_unique<CountedBackend>(c));
+  std::vector<Observer> observers;
+  for (Counts& c : counts) observers.push_back(countingInto(c));
+  std::vector<std::unique_ptr<ObservedBackend>> backends;
+  for (const Observer& o : observers) backends.push_back(std::make_unique<ObservedBackend>(o));
   TestScene scene = balls(kBatchSize);
   addMesh(scene, 1);
   const Cut cut = lattice(sceneDomain(), {3, 1, 1}, kSlabs);
   FrameRun run = inSmallPackets(7);
   run.options.raysInFlight = 40000;
-  run.options.interactiveRays = 10000;
   run.options.runners = 1;
   Frames frames(kSlabs, run);
   frames.add(1, compiledOn(cut, scene, [&](int rank) -> const Backend& { return *backends[size_t(rank)]; }));
@@ -171,7 +133,6 @@ TEST(Fairness, AFrameThatTakesLongIsNoLongerBeforeAllOthers) {
     FrameRun run = inSmallPackets(5);
     run.options.runners = 1;
     run.options.raysInFlight = 40000;
-    run.options.interactiveRays = 10000;
     run.options.urgentWork = urgentWork;
     Frames frames(1, run);
     frames.add(1, compiledOn(cut, scene));
@@ -187,13 +148,13 @@ TEST(Fairness, AFrameThatTakesLongIsNoLongerBeforeAllOthers) {
   EXPECT_FALSE(largeIsFirst(std::chrono::nanoseconds(1)));
 }
 
-// However many frames one has, its rays in flight are bounded on each rank, and the other goes on.
-TEST(Fairness, ATenantHasSoManyRaysInFlightAndNoMore) {
-  constexpr int64_t kMost = 20000;
+// However many frames one has, on each rank there is room for others, and they go on.
+TEST(Fairness, ATenantsRaysLeaveRoomForOthers) {
+  constexpr int64_t kAll = 200000;
   const TestScene scene = balls({64, 64});
   const Cut cut = lattice(sceneDomain(), {3, 1, 1}, kSlabs);
   FrameRun run = inSmallPackets(11);
-  run.options.tenantRays = kMost;
+  run.options.raysInFlight = kAll;
   Frames frames(kSlabs, run);
   frames.add(1, compiledOn(cut, scene));
   FrameRequest request;
@@ -210,9 +171,8 @@ TEST(Fairness, ATenantHasSoManyRaysInFlightAndNoMore) {
       for (const auto& [tenant, credits] : frames.renderer(rank).kept().tenantCredits)
         most[tenant] = std::max(most[tenant], credits);
   for (const FrameId id : ids) EXPECT_EQ(frames.outcome(id).finished, 1);
-  EXPECT_LE(most.at(1), kMost);
-  EXPECT_GT(most.at(1), kMost / 2) << "it comes near";
-  EXPECT_LE(most.at(2), kMost);
+  EXPECT_LE(most.at(1), kAll * 7 / 8);
+  EXPECT_GT(most.at(2), 0);
 }
 
 // Encoding takes long, and anybody may have many pictures to be encoded.

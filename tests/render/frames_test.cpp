@@ -4,6 +4,7 @@
 
 #include "gxy/comm/error.h"
 #include "gxy/comm/random.h"
+#include "gxy/render/tiles.h"
 #include "support/frames.h"
 
 namespace gxy::test {
@@ -146,8 +147,8 @@ TEST(Frames, OfSeveralScenesShareTheRanks) {
   }
 }
 
-// Tenants and those who watch in any mix, each tenant with fewer credits than a tile costs: all frames are right, none waits
-// for ever.
+// Tenants, their streams and those who watch in any mix, with fewer credits than a tile costs each: all frames are right, none
+// waits for ever.
 TEST(Frames, OfTenantsWithLittleAllEnd) {
   const Prepared balls(litBalls({40, 36}), lattice(sceneDomain(), {2, 2, 1}, 3));
   for (uint64_t seed = 1; seed <= 60; seed++) {
@@ -155,15 +156,13 @@ TEST(Frames, OfTenantsWithLittleAllEnd) {
     run.seed = seed;
     run.options.packetRays = 16;
     run.options.raysInFlight = 2000;
-    run.options.interactiveRays = 500;
-    run.options.tenantRays = 700;
-    run.options.runners = int(seed % 3);
+    run.options.runners = 1 + int(seed % 3);
     Frames frames(3, run);
     frames.add(1, balls.compiled);
     std::vector<FrameId> ids;
     for (int i = 0; i < 6; i++) {
       FrameRequest request = balls.request(1);
-      request.share = {uint32_t(i % 3), i % 2 == 0};
+      request.share = {uint32_t(i % 3), i % 2 == 0, uint64_t(i / 3)};
       request.note = "for " + std::to_string(i);
       ids.push_back(frames.start(request));
     }
@@ -243,8 +242,10 @@ TEST(Frames, OfARingOnEightRanksFinishWithABudgetOfOne) {
 // Opaque surfaces: no primary makes more secondaries than it reserved.
 TEST(Frames, KeepToTheBudgetOfRaysInFlight) {
   const Prepared balls(litBalls({70, 64}), lattice(sceneDomain(), {2, 2, 1}, 4));
-  const int64_t perPrimary = 1 + 3, tile = kTile * kTile * perPrimary;
-  for (int64_t budget : {int64_t(1), tile, 3 * tile}) {
+  const int64_t perPrimary = 1 + 3;
+  for (int64_t budget : {int64_t(1), int64_t(4096), int64_t(12288)}) {
+    const int side = tileSide(budget, perPrimary);
+    const int64_t tile = side * side * perPrimary;
     FrameRun run;
     run.options = {64, budget};
     Frames frames(4, run);

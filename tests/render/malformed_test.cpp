@@ -184,7 +184,8 @@ TEST(Malformed, CreditsThatNoRaysHaveTakenAreRefused) {
   for (int64_t credits : {std::numeric_limits<int64_t>::min(), std::numeric_limits<int64_t>::max()}) {
     Frames frames(2, {});
     frames.add(1, compiledOn(cut, s));
-    frames.world().rank(1).send(0, Channel::Credits, Writer().write(uint32_t(0)).write(credits).take());
+    frames.world().rank(1).send(0, Channel::Credits,
+                                Writer().write(uint32_t(0)).write(uint64_t(0)).write(credits).take());
     frames.run();
     ASSERT_EQ(frames.errors().size(), 1u);
     EXPECT_NE(frames.errors()[0].find("credits come back"), std::string::npos) << frames.errors()[0];

@@ -2,6 +2,7 @@
 // What a Renderer enters into the ledger, by arithmetic.
 #include <gtest/gtest.h>
 
+#include "gxy/render/tiles.h"
 #include "support/frames.h"
 
 namespace gxy::test {
@@ -67,7 +68,8 @@ TEST(RendererMemory, OfRaysIsBoundedByTheBudget) {
   addLights(scene);
   const Cut cut = lattice(sceneDomain(), {2, 1, 1}, 2);
   const auto compiled = compiledOn(cut, scene);
-  const int64_t tile = RayList(kTile * kTile).bytes();
+  const int side = tileSide(1, 1);
+  const int64_t tile = RayList(side * side).bytes();
   for (uint64_t seed = 1; seed <= 5; seed++) {
     Ledger ledger;
     FrameRun run;

@@ -166,7 +166,7 @@ int run(const RenderOptions& options) {
         phases.load = wallSeconds() - begin;
 
         Renderer::Options rendering{options.packet, options.raysInFlight, &ledger, kTenant};
-        rendering.handOuts = transport.threads();
+        rendering.runners = rendering.handOuts = transport.threads();
         Renderer renderer(transport, rendering);
         SceneMemory memory;
         std::vector<SceneMemory::Entries> held;

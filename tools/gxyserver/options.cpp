@@ -70,9 +70,6 @@ std::optional<int> parseOptions(int argc, char** argv, bool speaks, ServeOptions
   app.add_option("--rays-in-flight", o.node.raysInFlight, "of each rank")
       ->capture_default_str()
       ->check(CLI::Range(int64_t(1), int64_t(1) << 40));
-  app.add_option("--tenant-rays", o.node.tenantRays,
-                 "rays that a tenant may have in flight, of each rank; 0: all of them")
-      ->check(CLI::Range(int64_t(0), int64_t(1) << 40));
   app.add_option("--max-clients", o.server.connection.limits.clients, "clients connected at once")
       ->capture_default_str()
       ->check(CLI::Range(1, 100000));

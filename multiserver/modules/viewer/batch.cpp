@@ -62,7 +62,8 @@ class Run {
       : services_(services),
         request_(request),
         batch_(batch),
-        total_(batch.state.cameras.size() * batch.state.visualizations.size()) {
+        total_(batch.state.cameras.size() * batch.state.visualizations.size()),
+        stream_(services.streams++) {
     asker_.check = [this] { check(); };
   }
 
@@ -198,7 +199,7 @@ class Run {
     FrameRequest frame;
     frame.scene = scene->id;
     frame.camera = camera;
-    frame.share.tenant = node.tenants.number(tenant);
+    frame.share = {node.tenants.number(tenant), false, stream_};
     frame.account = tenant;
     Wanted wanted;
     wanted.as = batch_.toClient ? Wanted::As::Bytes : Wanted::As::File;
@@ -252,6 +253,7 @@ class Run {
   const Batch& batch_;
   Asker asker_ = askerOf(request_);  ///< for its scenes
   const size_t total_;
+  const uint64_t stream_;  ///< of its frames
   std::vector<std::string> paths_;
   const std::shared_ptr<Job> job_ = std::make_shared<Job>();
 };

@@ -15,7 +15,7 @@ Window::Window(Services& services, std::shared_ptr<Outbox> outbox, std::string t
       outbox_(std::move(outbox)),
       tenant_(std::move(tenant)),
       id_(id),
-      key_(services.windows++) {
+      stream_(services.streams++) {
   state_.cameras.resize(1);
   state_.visualizations.resize(1);
 }

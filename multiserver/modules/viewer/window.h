@@ -25,7 +25,7 @@ struct Services {
   Node& node;
   Scenes scenes;
   Pictures pictures;
-  std::atomic<uint64_t> windows = 1;  ///< for keys of windows in the Renderer
+  std::atomic<uint64_t> streams = 1;  ///< for keys of windows and batches (Share::stream)
   Retries retries;                    ///< of windows; last: it uses them
 };
 
@@ -107,7 +107,7 @@ class Window : public std::enable_shared_from_this<Window> {
   const std::shared_ptr<Outbox> outbox_;
   const std::string tenant_;
   const uint32_t id_;
-  const uint64_t key_;
+  const uint64_t stream_;
 
   mutable std::mutex mutex_;
   std::condition_variable ended_;

@@ -222,7 +222,7 @@ void Window::startStage(const FramePtr& frame) {
     request.samples = frame->samples;
     request.firstSample = int32_t(frame->pass) * frame->samples;
     // Somebody waits for a level's first pass. Further ones, of which there may be thousands, are like a batch's pictures.
-    request.share = {services_.node.tenants.number(tenant_), frame->pass == 0};
+    request.share = {services_.node.tenants.number(tenant_), frame->pass == 0, stream_};
     request.account = tenant_;
     wanted.encoding = frame->options.encoding;
     wanted.quality = frame->options.quality;

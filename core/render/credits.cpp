@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gxy/render/credits.h"
+
+#include <algorithm>
+
+namespace gxy {
+
+namespace {
+
+constexpr int64_t kOfFree = 7;  // so many times the free room may be out
+
+// Of a room with `free` left, by one who has `out` of it.
+bool fits(int64_t out, int64_t cost, int64_t free) {
+  return cost <= free && (out <= 0 || out + cost <= kOfFree * (free - cost));
+}
+
+template <class Map, class Key>
+int64_t at(const Map& map, const Key& key) {
+  const auto found = map.find(key);
+  return found == map.end() ? 0 : found->second;
+}
+
+template <class Map, class Key>
+void add(Map& map, const Key& key, int64_t by) {
+  const auto entry = map.try_emplace(key, 0).first;
+  if ((entry->second += by) == 0) map.erase(entry);
+}
+
+}  // namespace
+
+int64_t Credits::outOfTenant(const Share& share) const { return at(tenants_, share.tenant); }
+
+int64_t Credits::outOfStream(const Share& share) const {
+  return at(streams_, std::pair(share.tenant, share.stream));
+}
+
+bool Credits::mayTake(const Share& share, int64_t cost) const {
+  if (out_ <= 0) return true;
+  const int64_t free = all_ - out_, ofTenant = outOfTenant(share);
+  if (!fits(ofTenant, cost, free)) return false;
+  const int64_t room = ofTenant > 0 ? (kOfFree * free - ofTenant) / (1 + kOfFree) : free;
+  return fits(outOfStream(share), cost, room);
+}
+
+void Credits::change(const Share& share, int64_t by) {
+  out_ += by;
+  mostOut_ = std::max(mostOut_, out_);
+  add(tenants_, share.tenant, by);
+  add(streams_, std::pair(share.tenant, share.stream), by);
+}
+
+void Credits::take(const Share& share, int64_t cost) { change(share, cost); }
+
+void Credits::giveBack(const Share& share, int64_t credits) { change(share, -credits); }
+
+}  // namespace gxy

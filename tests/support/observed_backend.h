@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+// A backend that tells a test what is asked of it. Frames are told apart by their size.
+#pragma once
+#include <functional>
+#include <memory>
+#include <string>
+#include <utility>
+
+#include "gxy/embree/embree_backend.h"
+
+namespace gxy::test {
+
+/// Called on the thread that asks, before what is asked is done.
+struct Observer {
+  std::function<void(glm::ivec2 size)> known = [](glm::ivec2) {};
+  /// Work on a frame begins: rays of a packet, 0 for a tile that is spawned.
+  std::function<void(glm::ivec2 size, int rays)> begins = [](glm::ivec2, int) {};
+};
+
+/// Has Embree do the work. The observer must outlive its scenes.
+class ObservedBackend : public Backend {
+ public:
+  explicit ObservedBackend(const Observer& observer) : observer_(observer) {}
+  std::string name() const override { return "observed"; }
+  std::string device() const override { return embree_->device(); }
+  std::unique_ptr<DeviceScene> makeScene(std::shared_ptr<const CompiledScene> scene, int rank,
+                                         const Advance& advance) const override {
+    return std::make_unique<Scene>(embree_->makeScene(std::move(scene), rank, advance), observer_);
+  }
+
+ private:
+  struct Frame : DeviceFrame {
+    std::shared_ptr<const DeviceFrame> frame;
+    glm::ivec2 size{0};
+  };
+  class Scene : public DeviceScene {
+   public:
+    Scene(std::unique_ptr<DeviceScene> scene, const Observer& observer)
+        : scene_(std::move(scene)), observer_(observer) {}
+    std::shared_ptr<const DeviceFrame> makeFrame(const CompiledFrame& frame) const override {
+      auto made = std::make_shared<Frame>();
+      made->frame = scene_->makeFrame(frame);
+      made->size = {frame.width, frame.height};
+      observer_.known(made->size);
+      return made;
+    }
+    void spawn(const DeviceFrame& frame, const Tile& tile, Done done) const override {
+      const auto& ours = static_cast<const Frame&>(frame);
+      observer_.begins(ours.size, 0);
+      scene_->spawn(*ours.frame, tile, std::move(done));
+    }
+    void trace(const DeviceFrame& frame, int partition, bool primary, RayList rays,
+               Done done) const override {
+      const auto& ours = static_cast<const Frame&>(frame);
+      observer_.begins(ours.size, rays.size());
+      scene_->trace(*ours.frame, partition, primary, std::move(rays), std::move(done));
+    }
+    size_t bytes() const override { return scene_->bytes(); }
+
+   private:
+    std::unique_ptr<DeviceScene> scene_;
+    const Observer& observer_;
+  };
+
+  const std::unique_ptr<Backend> embree_ = makeEmbreeBackend();
+  const Observer& observer_;
+};
+
+}  // namespace gxy::test
