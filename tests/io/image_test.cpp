@@ -37,6 +37,11 @@ TEST(Image, PngClampsRoundsAndKeepsRowOrder) {
   for (size_t i = 0; i < expected.size(); ++i) EXPECT_NEAR(got.rgba[i], expected[i], 1e-6) << i;
 }
 
+TEST(Image, EveryChannelIsClampedAlphaToo) {
+  const std::vector<float> rgba{3, 0.5f, -1, 2, 0.25f, 0.25f, 0.25f, -1, 0, NAN, 0, NAN};
+  EXPECT_EQ(eightBits(rgba), (std::vector<uint8_t>{255, 64, 0, 255, 64, 64, 64, 0, 0, 0, 0, 0}));
+}
+
 TEST(Image, WrongSizesAndUnknownKindsAreErrors) {
   const TemporaryFolder folder;
   writeImage(folder / "a.raw", sample());
