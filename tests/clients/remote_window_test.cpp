@@ -160,6 +160,23 @@ TEST(RemoteWindow, MakesAWholePictureBesideACameraThatMoves) {
               "all has ended");
 }
 
+TEST(RemoteWindow, TellsWhatIsAtAPixel) {
+  Shown shown;
+  shown.user->expect(importBall("ball"));
+  shown.untilAllIsShown(1);
+  const glm::ivec2 size = shown.state().cameras[0].dimensions;
+  std::optional<std::string> text;
+  const auto picked = [&](glm::ivec2 pixel) {
+    shown.window.pick(pixel);
+    shown.until([&] { return (text = shown.window.picked()).has_value(); }, "the answer");
+    return *text;
+  };
+  EXPECT_EQ(picked(size / 2).find("operator 1, Volume ball, at "), 0u) << *text;
+  EXPECT_TRUE(text->ends_with(": 0.6")) << *text;
+  EXPECT_EQ(picked({0, 0}), "there is no surface");
+  EXPECT_EQ(picked({-1, 0}).find("error: pick: pixel -1 0: expected"), 0u) << *text;
+}
+
 TEST(RemoteWindow, SaysWhyThereIsNoWholePicture) {
   NodeOptions limits;
   limits.tenantFrames = 1;

@@ -110,6 +110,12 @@ class ViewerCase(unittest.TestCase):
         self.assertIsNone(self.viewer.poll(), "the viewer has ended")
 
     @staticmethod
+    def line_is_short(picture):
+        """A message covers the right end of its rows of the picture, what is said at rest does not."""
+        end = np.s_[-STATUS_ROWS:, -40:]
+        return np.array_equal(display.screen(WIDTH, HEIGHT)[end], picture[end])
+
+    @staticmethod
     def distance(camera):
         return math.dist((0, 0, 0), camera["viewdirection"])
 
@@ -257,6 +263,12 @@ class Keys(ViewerCase):
         self.key("0")
         self.wait_for_picture()
 
+    def test_i_tells_what_is_under_the_mouse(self):
+        picture = self.picture(SCENE["Camera"])
+        until(lambda: self.line_is_short(picture), "it rests")
+        self.key("i")
+        until(lambda: not self.line_is_short(picture), "the line says what there is")
+
     def test_help_is_shown_and_taken_away(self):
         plain = display.screen(WIDTH, HEIGHT)[:-STATUS_ROWS]
         self.key("h")
@@ -315,17 +327,14 @@ class Edited(ViewerCase):
         self.write(json.dumps({**OTHER, "Camera": SCENE["Camera"]}))
         self.wait_for_picture(here, scene=OTHER)
         picture = self.picture(here, scene=OTHER)
-        # A short line leaves the right end of its rows free, a message does not.
-        end = np.s_[-STATUS_ROWS:, -40:]
-        free = lambda: np.array_equal(display.screen(WIDTH, HEIGHT)[end], picture[end])  # noqa: E731
-        until(free, "the line is short")
+        until(lambda: self.line_is_short(picture), "the line is short")
         self.write("{")
-        until(lambda: not free(), "the line says what is wrong")
+        until(lambda: not self.line_is_short(picture), "the line says what is wrong")
         self.wait_for_picture(here, scene=OTHER)
         self.write(json.dumps(SCENE | {"Camera": OTHER["Camera"]}))
         self.wait_for_picture(OTHER["Camera"])
         picture = self.picture(OTHER["Camera"])
-        until(free, "nothing is wrong any more")
+        until(lambda: self.line_is_short(picture), "nothing is wrong any more")
 
 
 def load(array):

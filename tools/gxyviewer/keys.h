@@ -16,6 +16,7 @@ inline constexpr const char* kKeyHelp =
     "  c (C)                next (previous) camera of the file\n"
     "  o (O)                next (previous) operator, for these:\n"
     "  - +  [ ]  0          its data range: narrow, widen; move; reset\n"
+    "  i                    what is under the mouse, its value\n"
     "  s                    spin, on and off\n"
     "  w                    write camera and state to PREFIX.json\n"
     "  p                    save a whole picture: PREFIX_00000.png\n"

@@ -251,6 +251,20 @@ void RemoteWindow::update(Clock::time_point now) {
     render(false, now);
 }
 
+void RemoteWindow::pick(glm::ivec2 pixel) {
+  client_->send(
+      std::string("viewer.pick ") + kWindow + " " + std::to_string(pixel.x) + " " + std::to_string(pixel.y),
+      [this](const Reply& reply) {
+        const std::lock_guard lock(mutex_);
+        picked_ = reply.ok ? reply.value.value("text", "") : "error: " + reply.error;
+      });
+}
+
+std::optional<std::string> RemoteWindow::picked() {
+  const std::lock_guard lock(mutex_);
+  return std::exchange(picked_, std::nullopt);
+}
+
 bool RemoteWindow::whole() const {
   const std::lock_guard lock(mutex_);
   return cameraSent_ && !movingSent_ && asked_.empty() && frame_.number == newest_ && frame_.ended &&

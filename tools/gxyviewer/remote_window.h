@@ -56,6 +56,11 @@ class RemoteWindow {
   /// What is shown now.
   Canvas picture() const;
 
+  /// Asks what the last picture's camera shows at a pixel, row 0 at the bottom; picked() has the answer once it is there, for
+  /// people.
+  void pick(glm::ivec2 pixel);
+  std::optional<std::string> picked();
+
   /// Of a frame at rest.
   uint32_t passes() const { return passes_; }
   /// Whether the picture is that of the newest camera with all its passes.
@@ -127,6 +132,7 @@ class RemoteWindow {
   std::map<std::string, Box> boxes_;  ///< of the datasets that have one
   bool boxesDue_ = false;             ///< data have changed since they were asked for
   std::string failure_, progress_, setError_, renderError_;
+  std::optional<std::string> picked_;
   Frame frame_;                             ///< the newest of which something came
   std::deque<Asked> asked_;                 ///< in order
   uint64_t newest_ = 0;                     ///< frame that the server has numbered for this window

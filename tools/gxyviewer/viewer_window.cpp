@@ -108,6 +108,7 @@ class ViewerWindow {
     takeNewer();
     remote_.setCamera(cameraNow());
     remote_.update(now);
+    if (const auto picked = remote_.picked()) say(*picked);
     savePictures();
     if (leaves_ && savings_.empty()) interactor_->TerminateApp();
     bool changed = false;
@@ -175,6 +176,12 @@ class ViewerWindow {
     newerError_ = std::string("error: ") + e.what();
   }
 
+  // What is under the mouse.
+  void pick() {
+    const int* const at = interactor_->GetEventPosition();
+    remote_.pick({at[0], at[1]});
+  }
+
   void nextVisualization(int by) {
     selection_.nextVisualization(by);
     remote_.show(selection_.shown());
@@ -240,6 +247,7 @@ class ViewerWindow {
         {"bracketleft", [](Self& self) { self.changeRange(1, -kShift); }},
         {"bracketright", [](Self& self) { self.changeRange(1, kShift); }},
         {"0", &Self::resetRange},
+        {"i", &Self::pick},
         {"w", &Self::saveState},
         {"p", [](Self& self) { self.savePicture(); }}};
     return all;

@@ -14,7 +14,7 @@ namespace gxy::viewer {
 
 namespace {
 
-enum class Piece : uint8_t { Tile, Sums, Bytes, All };
+enum class Piece : uint8_t { Tile, Sums, Depth, Bytes, All };
 
 std::string noteOf(uint64_t ticket, const Wanted& wanted) {
   Writer w;
@@ -77,6 +77,7 @@ FrameId Pictures::start(FrameRequest request, const Wanted& wanted, Receiver rec
   }
   request.note = noteOf(ticket, wanted);
   request.sums = wanted.as == Wanted::As::Sums;
+  request.depth = wanted.as == Wanted::As::Depth;
   try {
     return node_.renderer.render(
         request, [this, ticket](FrameId, const Renderer::Ending& ending) { onFinished(ticket, ending); });
@@ -125,6 +126,10 @@ uint64_t Pictures::sendPieces(uint64_t ticket, const Wanted& wanted, Picture pic
     send(Piece::Sums, std::as_bytes(std::span(picture.sums)));
     return 1;
   }
+  if (wanted.as == Wanted::As::Depth) {
+    send(Piece::Depth, std::as_bytes(std::span(picture.depth)));
+    return 1;
+  }
   const Bytes content = encodeImage(wanted.format, {picture.width, picture.height, std::move(picture.rgba)});
   if (wanted.as == Wanted::As::Bytes) {
     send(Piece::Bytes, content);
@@ -171,6 +176,11 @@ void Pictures::receivePiece(uint64_t ticket, Expected& expected, const Bytes& me
   const Receiver& receiver = expected.receiver;
   if (piece == Piece::Tile && receiver.tile) receiver.tile({content.begin(), content.end()});
   if (piece == Piece::Bytes && receiver.bytes) receiver.bytes({content.begin(), content.end()});
+  if (piece == Piece::Depth && receiver.depth) {
+    std::vector<double> depth(content.size() / sizeof(double));
+    std::memcpy(depth.data(), content.data(), depth.size() * sizeof(double));
+    receiver.depth(depth);
+  }
   if (piece == Piece::Sums && receiver.sums) {
     Picture picture{width, height, {}, {}, LargeVector<int64_t>(size / sizeof(int64_t))};
     std::memcpy(picture.sums.data(), content.data(), picture.sums.size() * sizeof(int64_t));

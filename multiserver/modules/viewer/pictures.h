@@ -15,7 +15,7 @@ namespace gxy::viewer {
 
 /// What the owner of a frame's picture does with it.
 struct Wanted {
-  enum class As : uint8_t { Tiles, Sums, Bytes, File };
+  enum class As : uint8_t { Tiles, Sums, Depth, Bytes, File };
   As as = As::Tiles;
   protocol::PixelEncoding encoding = protocol::PixelEncoding::Zstd;
   int quality = 75;
@@ -23,11 +23,12 @@ struct Wanted {
   std::string path;            ///< File: where, checked already
 };
 
-/// Who gets what comes, on rank 0, in any order. `tile` is called on a progress thread and must be short, `sums` and `bytes`
+/// Who gets what comes, on rank 0, in any order. `tile` is called on a progress thread and must be short, `sums`, `depth` and `bytes`
 /// as tasks; `done` is called once, after them, as a task: with what went wrong, if anything did.
 struct Receiver {
   std::function<void(Bytes tile)> tile;  ///< a record whose window, frame, scale and pass are to be filled in
   std::function<void(Picture picture)> sums;
+  std::function<void(const std::vector<double>& depth)> depth;  ///< of each pixel, as Picture::depth
   std::function<void(Bytes content)> bytes;
   std::function<void(bool superseded, const std::string& error)> done;
 };

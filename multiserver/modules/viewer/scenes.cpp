@@ -172,6 +172,14 @@ json Scenes::make(const json& p) {
   return nullptr;
 }
 
+std::shared_ptr<const CompiledScene> Scenes::compiled(SceneId id) {
+  const std::lock_guard lock(mutex_);
+  const auto at = made_.find(id);
+  auto scene = at == made_.end() ? nullptr : at->second.scene.lock();
+  if (!scene) throw Error("the scene has been let go");
+  return scene;
+}
+
 json Scenes::forget(const json& p) {
   const auto id = p.at("scene").get<SceneId>();
   {

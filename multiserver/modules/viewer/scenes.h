@@ -61,6 +61,8 @@ class Scenes {
   /// fit, and soon what `asker.check` throws, the last who waits once nothing of the scene is left.
   Pinned get(const std::string& tenant, const Visualization& visualization, const RenderSettings& settings,
              const Asker& asker, const ScenePtr& known = nullptr);
+  /// Every rank: a scene that rank 0 has got. Throws Error once it has been let go.
+  std::shared_ptr<const CompiledScene> compiled(SceneId id);
   /// Whether that is what these names mean to the tenant now.
   bool namesMean(const std::string& tenant, const std::vector<NamedDataset>& data) const;
 

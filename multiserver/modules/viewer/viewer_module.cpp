@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Module `viewer`: windows of clients, and batches of pictures.
+#include <cmath>
 #include <map>
 #include <set>
 
@@ -9,6 +10,7 @@
 #include "gxy/scene/camera.h"
 #include "gxy/scene/json_text.h"
 #include "gxy/scene/state_file.h"
+#include "pick.h"
 #include "window.h"
 
 namespace gxy::viewer {
@@ -285,6 +287,20 @@ json render(Request& request, Arguments arguments) {
   return {{"frame", window->render(read.options, askerOf(request))}};
 }
 
+json pickVerb(Services& services, Request& request, Arguments arguments) {
+  const uint32_t id = windowId(arguments);
+  glm::ivec2 pixel;
+  for (int axis = 0; axis < 2; axis++) {
+    const auto number = arguments.number();
+    if (!number || std::abs(*number) > 65536 || *number != std::floor(*number))
+      arguments.fail("X and Y are integers, a pixel of the window");
+    pixel[axis] = int(*number);
+  }
+  arguments.expectEnd();
+  const WindowPtr window = windowsOf(request.session())->get(id);
+  return pick(services, request, *window, pixel);
+}
+
 json cancelFrame(Request& request, Arguments arguments) {
   const uint32_t id = windowId(arguments);
   arguments.expectEnd();
@@ -385,6 +401,9 @@ GALAXY_MODULE(registration) {
   registration.verb(
       verb("set", "ID JSON", "What the window shows: parts of a state document.", Order::InTurn, set));
   registration.verb(verb("render", "ID [JSON]", "Begins a frame.", Order::InTurn, render));
+  registration.verb(verb("pick", "ID X Y", "What the window shows at a pixel.", Order::InTurn,
+                         [&s](Request& r, Arguments a) { return pickVerb(s, r, std::move(a)); }));
+  registerPick(registration, s);
   registration.verb(verb("cancel_frame", "ID", "Ends the frame under way.", Order::InTurn, cancelFrame));
   registration.verb(verb("close", "ID", "Forgets a window.", Order::InTurn, closeWindow));
   registration.verb(verb("windows", "", "Lists the windows.", Order::InTurn, list));

@@ -6,6 +6,7 @@
 
 #include "gxy/comm/error.h"
 #include "gxy/comm/error_text.h"
+#include "gxy/scene/camera.h"
 #include "window_frame.h"
 
 namespace gxy::viewer {
@@ -67,6 +68,21 @@ State Window::state() const {
   state.cameras[0].dimensions = settings_.size;
   if (!hasVisualization_) state.visualizations.clear();
   return state;
+}
+
+Window::View Window::view(const Asker& asker) const {
+  ScenePtr known;
+  {
+    const std::lock_guard lock(mutex_);
+    known = scene_;
+  }
+  const State shows = state();
+  if (shows.visualizations.empty())
+    throw Error("window " + std::to_string(id_) +
+                ": it shows nothing yet, expected a `set` with a Visualization");
+  validate(shows.cameras[0]);
+  return {services_.scenes.get(tenant_, shows.visualizations[0], shows.settings, asker, known),
+          shows.visualizations[0], shows.cameras[0]};
 }
 
 uint64_t Window::lastFrame() const {

@@ -57,6 +57,14 @@ class Window : public std::enable_shared_from_this<Window> {
   void setCamera(const Camera& camera);
   State state() const;
 
+  /// What a frame that began now would show; its camera has the window's size. Compiles the scene if need be, as render does.
+  struct View {
+    Scenes::Pinned pinned;
+    Visualization visualization;
+    Camera camera;
+  };
+  View view(const Asker& asker) const;
+
   /// Begins a frame; older ones are superseded. One that waits begins later, and is superseded by any newer one, so that at
   /// most one does. Compiles the scene if need be, so it takes its time, of which `asker` is told (Scenes::get). Throws Error.
   uint64_t render(const FrameOptions& options, const Asker& asker);

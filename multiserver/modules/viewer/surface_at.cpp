@@ -1,0 +1,210 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "surface_at.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <glm/geometric.hpp>
+#include <limits>
+
+#include "gxy/data/bricks.h"
+
+namespace gxy::viewer {
+
+namespace {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+glm::dvec3 unit(const glm::dvec3& v) {
+  const double length = glm::length(v);
+  return length > 0 ? v / length : glm::dvec3(0);
+}
+
+/// One scalar of a block's samples, in true values.
+class Field {
+ public:
+  Field(const Volume& volume, const VolumeBlock& block, std::optional<int> component)
+      : volume_(volume), block_(block), bricks_(block.extent.points), component_(component) {}
+
+  struct Sample {
+    double value;
+    glm::dvec3 gradient;
+  };
+  /// None outside the grid, where there is no data, and where this block lacks a point next to the cell's.
+  std::optional<Sample> at(glm::dvec3 point) const {
+    Index3 cell;
+    glm::dvec3 w;
+    for (int a = 0; a < 3; a++) {
+      const double x = (point[a] - volume_.grid.origin[a]) / volume_.grid.spacing[a];
+      const int64_t points = volume_.grid.points[size_t(a)];
+      constexpr double kSlack = 1e-4;  // cells: what float leaves of a point on the border
+      if (!(x >= -kSlack && x <= double(points - 1) + kSlack)) return std::nullopt;
+      const int64_t i = std::clamp<int64_t>(int64_t(std::floor(x)), 0, points - 2);
+      w[a] = std::clamp(x - double(i), 0.0, 1.0);
+      cell[size_t(a)] = i;
+      const int64_t first = block_.extent.first[size_t(a)], n = block_.extent.points[size_t(a)];
+      if (std::max<int64_t>(i - 1, 0) < first || std::min(i + 2, points - 1) >= first + n)
+        return std::nullopt;
+    }
+    Sample sample{0, glm::dvec3(0)};
+    for (int n = 0; n < 8; n++) {
+      const Index3 corner{cell[0] + (n & 1), cell[1] + (n >> 1 & 1), cell[2] + (n >> 2)};
+      const double weight = (n & 1 ? w.x : 1 - w.x) * (n & 2 ? w.y : 1 - w.y) * (n & 4 ? w.z : 1 - w.z);
+      const double value = valueOf(corner);
+      if (!std::isfinite(value)) return std::nullopt;
+      sample.value += weight * value;
+      for (int a = 0; a < 3; a++) sample.gradient[a] += weight * difference(corner, a, value);
+    }
+    return sample;
+  }
+
+ private:
+  // Central, one-sided on the grid's border and next to no data.
+  double difference(const Index3& point, int axis, double here) const {
+    Index3 before = point, after = point;
+    before[size_t(axis)]--;
+    after[size_t(axis)]++;
+    const double lower = valueOf(before), upper = valueOf(after), h = volume_.grid.spacing[axis];
+    if (!std::isfinite(lower)) return std::isfinite(upper) ? (upper - here) / h : 0;
+    return std::isfinite(upper) ? (upper - lower) / (2 * h) : (here - lower) / h;
+  }
+
+  double valueOf(const Index3& point) const {
+    Index3 local;
+    for (size_t a = 0; a < 3; a++) {
+      local[a] = point[a] - block_.extent.first[a];
+      if (local[a] < 0 || local[a] >= block_.extent.points[a]) return kNaN;
+    }
+    const size_t first = bricks_(local[0], local[1], local[2]) * size_t(volume_.components);
+    if (component_) return stored(first + size_t(*component_));
+    if (volume_.components == 1) return stored(first);
+    double squares = 0;
+    for (size_t c = 0; c < size_t(volume_.components); c++) squares += stored(first + c) * stored(first + c);
+    return std::sqrt(squares);
+  }
+
+  double stored(size_t index) const {
+    return volume_.shift + volume_.scale * withType(volume_.stored, [&](auto value) {
+                             std::memcpy(&value, &block_.samples[index * sizeof value], sizeof value);
+                             return double(value);
+                           });
+  }
+
+  const Volume& volume_;
+  const VolumeBlock& block_;
+  const Bricks bricks_;
+  const std::optional<int> component_;
+};
+
+/// Calls found(surface) for the isosurfaces and slices of a volume near the point.
+template <class Found>
+void ofVolume(const Vis& vis, const Volume& volume, glm::dvec3 point, const Found& found) {
+  for (const auto& [partition, block] : volume.blocks) {
+    const auto here = Field(volume, block, vis.component).at(point);
+    if (!here) continue;
+    const double slope = glm::length(here->gradient);
+    for (size_t i = 0; i < vis.isovalues.size(); i++)
+      if (slope > 0)
+        found({std::abs(here->value - vis.isovalues[i]) / slope, 0, i, vis.isovalues[i],
+               here->gradient / slope});
+    for (size_t i = 0; i < vis.slices.size(); i++) {
+      const Plane& slice = vis.slices[i];
+      const double length = glm::length(slice.normal);
+      found({std::abs(glm::dot(slice.normal, point) - slice.offset) / length, 0, vis.isovalues.size() + i,
+             here->value, slice.normal / length});
+    }
+  }
+}
+
+double valueOf(const GeometryBlock& block, size_t point) {
+  return block.values.empty() ? kNaN : double(block.values[point]);
+}
+
+SurfaceAt ofParticle(const Vis& vis, const GeometryBlock& block, size_t p, glm::dvec3 point) {
+  const glm::dvec3 out = point - block.points[p];
+  const double value = valueOf(block, p), radius = radiusOf(vis, value);
+  if (!(radius > 0)) return {std::numeric_limits<double>::infinity()};
+  return {std::abs(glm::length(out) - radius), 0, 0, value, unit(out)};
+}
+
+// The ball between its ends that touches the point (core/kernels/roundcone.h).
+SurfaceAt ofSegment(const Vis& vis, const GeometryBlock& block, size_t s, glm::dvec3 point) {
+  const auto [a, b] = block.segments[s];
+  const double va = valueOf(block, a), vb = valueOf(block, b);
+  const double ra = radiusOf(vis, va), rb = radiusOf(vis, vb);
+  const glm::dvec3 axis = block.points[b] - block.points[a];
+  const double length = glm::length(axis);
+  double along = ra >= rb ? 0 : 1;  // where one end holds the other
+  if (length > std::abs(ra - rb)) {
+    const double slope = (ra - rb) / length;
+    const double x = (glm::dot(point - block.points[a], axis) / length - ra * slope) / (1 - slope * slope);
+    along = std::clamp(x / length, 0.0, 1.0);
+  }
+  const double radius = ra + along * (rb - ra);
+  if (!(radius > 0)) return {std::numeric_limits<double>::infinity()};
+  const glm::dvec3 out = point - (block.points[a] + along * axis);
+  return {std::abs(glm::length(out) - radius), 0, 0, va + along * (vb - va), unit(out)};
+}
+
+SurfaceAt ofTriangle(const Vis&, const GeometryBlock& block, size_t t, glm::dvec3 point) {
+  const auto& [a, b, c] = block.triangles[t];
+  const glm::dvec3 origin = block.points[a], ab = block.points[b] - origin, ac = block.points[c] - origin;
+  const glm::dvec3 cross = glm::cross(ab, ac);
+  const double square = glm::dot(cross, cross);
+  if (!(square > 0)) return {std::numeric_limits<double>::infinity()};
+  const glm::dvec3 to = point - origin;
+  glm::dvec3 w{0, glm::dot(glm::cross(to, ac), cross) / square, glm::dot(glm::cross(ab, to), cross) / square};
+  w.x = 1 - w.y - w.z;
+  // Beside the triangle the nearest of its points is taken roughly: it is found, but after those that hold the point.
+  w = glm::max(w, glm::dvec3(0));
+  w /= w.x + w.y + w.z;
+  SurfaceAt at{glm::length(to - (w.y * ab + w.z * ac)), 0, 0, kNaN, cross / std::sqrt(square)};
+  if (!block.values.empty())
+    at.value = w.x * valueOf(block, a) + w.y * valueOf(block, b) + w.z * valueOf(block, c);
+  if (!block.normals.empty())
+    at.normal = unit(w.x * glm::dvec3(block.normals[a]) + w.y * glm::dvec3(block.normals[b]) +
+                     w.z * glm::dvec3(block.normals[c]));
+  return at;
+}
+
+template <class Found>
+void ofGeometry(const Vis& vis, const Geometry& geometry, glm::dvec3 point, const Found& found) {
+  const auto of = geometry.kind == GeometryKind::Particles   ? ofParticle
+                  : geometry.kind == GeometryKind::PathLines ? ofSegment
+                                                             : ofTriangle;
+  for (const auto& [partition, block] : geometry.blocks)
+    for (size_t p = 0; p < block.ids.size(); p++) {
+      SurfaceAt at = of(vis, block, p, point);
+      at.id = block.ids[p];
+      found(at);
+    }
+}
+
+// Within what float leaves of a point on a plane.
+bool clipped(const Vis& vis, glm::dvec3 point, double slack) {
+  return std::any_of(vis.clipPlanes.begin(), vis.clipPlanes.end(), [&](const Plane& plane) {
+    return glm::dot(plane.normal, point) - plane.offset < -slack * glm::length(plane.normal);
+  });
+}
+
+}  // namespace
+
+std::optional<SurfaceAt> surfaceAt(const CompiledScene& scene, glm::dvec3 point) {
+  std::optional<SurfaceAt> nearest;
+  const double slack = 1e-6 / scene.space.scale;
+  for (size_t i = 0; i < scene.operators.size(); i++) {
+    const Vis& vis = scene.operators[i].vis;
+    if (vis.opacity == 0 || clipped(vis, point, slack)) continue;
+    const auto found = [&](SurfaceAt at) {
+      at.vis = int32_t(i);
+      if (std::isfinite(at.distance) && (!nearest || at < *nearest)) nearest = at;
+    };
+    const OperatorData& data = scene.operators[i].data;
+    if (data.volume) ofVolume(vis, *data.volume, point, found);
+    if (data.geometry) ofGeometry(vis, *data.geometry, point, found);
+  }
+  return nearest;
+}
+
+}  // namespace gxy::viewer
