@@ -2,12 +2,61 @@
 #include "mpi_environment.h"
 
 #include <mpi.h>
+#include <unistd.h>
 
+#include <cstdlib>
+#include <initializer_list>
 #include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
 
 #include "error.h"
 
 namespace gxy {
+namespace {
+
+/// Whether mpirun, srun or the like started this process, by the variables they leave for MPI.
+bool launched() {
+  for (char** entry = environ; *entry; entry++)
+    for (const std::string_view prefix :
+         {"OMPI_COMM_", "PMIX_", "PMI_", "PMI2_", "SLURM_", "HYDRA_", "FLUX_", "JSM_", "ALPS_"})
+      if (std::string_view(*entry).starts_with(prefix)) return true;
+  return false;
+}
+
+/// Settings of Open MPI and hwloc while MPI is initialised in a process that nobody launched, and that so is a job of one
+/// rank. Open MPI would start a daemon for it and load what moves data between processes; hwloc would look for displays and
+/// GPUs. What the user has set stays, and the programs that this one starts see none of it.
+class SettingsOfOneRank {
+ public:
+  SettingsOfOneRank() {
+    if (launched()) return;
+    for (const auto& [name, value] : std::initializer_list<std::pair<const char*, const char*>>{
+             {"OMPI_MCA_ess_singleton_isolated", "1"},
+             {"OMPI_MCA_pml", "ob1"},
+             {"OMPI_MCA_btl", "self"},
+             {"OMPI_MCA_mtl", "^ofi,psm,psm2"},
+             {"OMPI_MCA_coll", "basic,inter,libnbc,self"},
+             {"OMPI_MCA_osc", "^monitoring,pt2pt,rdma,sm,ucx"},
+             {"OMPI_MCA_schizo", "ompi,orte"},
+             {"HWLOC_PLUGINS_PATH", "/dev/null"}}) {
+      if (std::getenv(name)) continue;
+      setenv(name, value, 1);
+      set_.push_back(name);
+    }
+  }
+  ~SettingsOfOneRank() {
+    for (const char* name : set_) unsetenv(name);
+  }
+  SettingsOfOneRank(const SettingsOfOneRank&) = delete;
+  SettingsOfOneRank& operator=(const SettingsOfOneRank&) = delete;
+
+ private:
+  std::vector<const char*> set_;
+};
+
+}  // namespace
 
 MpiEnvironment::MpiEnvironment() {
   int initialised = 0, level = 0;
@@ -15,6 +64,7 @@ MpiEnvironment::MpiEnvironment() {
   if (initialised) {
     MPI_Query_thread(&level);
   } else {
+    const SettingsOfOneRank settings;
     MPI_Init_thread(nullptr, nullptr, MPI_THREAD_SERIALIZED, &level);
     finalises_ = true;
   }

@@ -37,6 +37,9 @@ struct GeometryContent {
 /// for a list that is missing or malformed, or an extension that is not listed above.
 std::vector<std::string> geometryPieces(const std::string& path);
 
+/// The files that the <Piece> elements of a VTK XML file of this type ("PUnstructuredGrid") name, as they will be opened.
+std::vector<std::string> xmlPieces(const std::string& path, const char* type);
+
 /// Reads one file that is not a list. `array` names the point array that becomes the values (several
 /// components: their magnitude); empty: the active scalars, else "data", else the first. Normals are the
 /// point array "Normals" or "Normals_", or the active normals. Throws Error for a file that is missing or

@@ -6,7 +6,6 @@
 #include "gxy/io/geometry_file.h"
 #include "gxy/io/image_header.h"
 #include "gxy/io/volume_description.h"
-#include "gxy/io/vtk_geometry.h"
 
 namespace gxy {
 

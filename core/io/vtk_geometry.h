@@ -31,7 +31,4 @@ vtkSmartPointer<vtkPointSet> readPointSet(const std::string& path, const TakeMem
                                           const std::optional<ArraysNeeded>& needed = {},
                                           LeftOut* leftOut = nullptr);
 
-/// The files that the <Piece> elements of a VTK XML file of this type ("PUnstructuredGrid") name, as they will be opened.
-std::vector<std::string> xmlPieces(const std::string& path, const char* type);
-
 }  // namespace gxy

@@ -8,6 +8,9 @@
 #include <filesystem>
 
 #include "gxy/comm/error.h"
+#include "gxy/comm/plugin.h"
+#include "gxy/io/image_plugin.h"
+#include "gxy/io/replace_file.h"
 #include "support/temporary_folder.h"
 
 namespace gxy {
@@ -40,6 +43,38 @@ TEST(Image, PngClampsRoundsAndKeepsRowOrder) {
 TEST(Image, EveryChannelIsClampedAlphaToo) {
   const std::vector<float> rgba{3, 0.5f, -1, 2, 0.25f, 0.25f, 0.25f, -1, 0, NAN, 0, NAN};
   EXPECT_EQ(eightBits(rgba), (std::vector<uint8_t>{255, 64, 0, 255, 64, 64, 64, 0, 0, 0, 0, 0}));
+}
+
+/// All levels of colour and opacity, and values between, beside and beyond them.
+Image gradients() {
+  Image image{67, 59, {}};
+  for (int y = 0; y < image.height; y++)
+    for (int x = 0; x < image.width; x++) {
+      const float alpha = float(y) / 50, red = (float(x) / 60 - 0.02f) * alpha;
+      for (const float value : {red, alpha / 3, x % 5 ? 0.7f * alpha : NAN, alpha})
+        image.rgba.push_back(value);
+    }
+  return image;
+}
+
+// libpng, which writes them, and OpenImageIO, which wrote them before and reads them.
+TEST(Image, BothWritersOfPngsGiveTheSamePixels) {
+  const TemporaryFolder folder;
+  for (const Image& image : {sample(), gradients()}) {
+    const std::vector<std::byte> own = encodeImage("png", image);
+    const std::vector<std::byte> other = plugin<ImagePlugin>("image", "a test").encode("png", image);
+    replaceFile(folder / "own.png", own);
+    replaceFile(folder / "other.png", other);
+    const Image a = readImage(folder / "own.png"), b = readImage(folder / "other.png");
+    EXPECT_EQ(a.width, image.width);
+    EXPECT_EQ(a.height, image.height);
+    EXPECT_EQ(a.rgba, b.rgba);
+    const std::vector<uint8_t> levels = eightBits(image.rgba);
+    for (size_t i = 0; i < levels.size(); i++) {
+      const float scale = i % 4 == 3 ? 1.f : float(levels[i | 3]) / 255;
+      ASSERT_NEAR(a.rgba[i], float(levels[i]) / 255 * scale, 1e-6) << i;
+    }
+  }
 }
 
 TEST(Image, WrongSizesAndUnknownKindsAreErrors) {

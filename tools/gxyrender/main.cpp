@@ -231,10 +231,10 @@ int main(int argc, char** argv) {
   RenderOptions options;
   spdlog::set_default_logger(spdlog::stderr_color_mt("gxyrender"));
   try {
-    MpiEnvironment mpi;
     const char* rank = std::getenv("OMPI_COMM_WORLD_RANK");  // who speaks, before there is a transport
     if (!rank) rank = std::getenv("PMI_RANK");
     if (const auto code = parseOptions(argc, argv, !rank || std::string(rank) == "0", options)) return *code;
+    MpiEnvironment mpi;
     return run(options);
   } catch (const std::exception& e) {
     std::cerr << "gxyrender: error: " << textOf(e) << '\n';

@@ -310,10 +310,10 @@ int serve(const ServeOptions& options) {
 int main(int argc, char** argv) {
   ServeOptions options;
   try {
-    MpiEnvironment mpi;
     const char* rank = std::getenv("OMPI_COMM_WORLD_RANK");  // who speaks, before there is a transport
     if (!rank) rank = std::getenv("PMI_RANK");
     if (const auto code = parseOptions(argc, argv, !rank || std::string(rank) == "0", options)) return *code;
+    MpiEnvironment mpi;
     spdlog::set_default_logger(spdlog::stderr_color_mt("gxyserver"));
     spdlog::set_level(spdlog::level::from_str(options.logLevel));
     return serve(options);

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gxy/comm/plugin.h"
+
+#include <dlfcn.h>
+
+#include <filesystem>
+
+#include "gxy/comm/error.h"
+#include "gxy/comm/version.h"
+
+namespace gxy {
+namespace {
+
+// Built: build/PRESET/{bin,tests}/program and build/PRESET/lib/galaxy; installed: by the folders that CMake was given.
+std::string besideProgram(const std::string& file) {
+  namespace fs = std::filesystem;
+  std::error_code failed;
+  const fs::path program = fs::read_symlink("/proc/self/exe", failed);
+  for (const char* folder : {"../lib/galaxy", GALAXY_PLUGIN_FOLDER}) {
+    const fs::path found = program.parent_path() / folder / file;
+    if (fs::is_regular_file(found, failed)) return found.string();
+  }
+  return file;
+}
+
+}  // namespace
+
+const void* openPlugin(const std::string& name, const std::string& purpose) {
+  const std::string path = besideProgram("libgalaxy_" + name + ".so");
+  const std::string begin = purpose + " needs Galaxy's library ";
+  void* library = dlopen(path.c_str(), RTLD_LAZY | RTLD_LOCAL);
+  if (!library)
+    throw Error(begin + "libgalaxy_" + name +
+                ".so, expected in lib/galaxy beside the program's folder: " + dlerror());
+  const auto version = reinterpret_cast<const char* (*)()>(dlsym(library, "galaxy_plugin_version"));
+  const auto table = reinterpret_cast<const void* (*)()>(dlsym(library, "galaxy_plugin_table"));
+  if (!version || !table) throw Error(begin + path + ", which is none of Galaxy's plugins");
+  if (std::string(version()) != kVersion)
+    throw Error(begin + path + " of version " + kVersion + ", found version " + version());
+  return table();
+}
+
+}  // namespace gxy

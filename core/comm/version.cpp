@@ -1,0 +1,8 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gxy/comm/version.h"
+
+namespace gxy {
+
+const char* const kVersion = GALAXY_VERSION;
+
+}  // namespace gxy

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+// Functions of plugin "vtk", which is opened when one is called first.
+#include "gxy/comm/plugin.h"
+#include "gxy/io/vtk_plugin.h"
+
+namespace gxy {
+namespace {
+
+const VtkPlugin& vtk(const std::string& path) {
+  return plugin<VtkPlugin>("vtk", path + ": reading or writing it");
+}
+
+}  // namespace
+
+VolumeFile openVti(const std::string& path, const std::string& array) {
+  return vtk(path).openVti(path, array);
+}
+
+VolumeFile openPvti(const std::string& path, const std::string& array) {
+  return vtk(path).openPvti(path, array);
+}
+
+std::vector<std::string> xmlPieces(const std::string& path, const char* type) {
+  return vtk(path).xmlPieces(path, type);
+}
+
+std::vector<std::string> geometryPieces(const std::string& path) { return vtk(path).geometryPieces(path); }
+
+GeometryContent readGeometry(const std::string& path, GeometryKind kind, const std::string& array,
+                             const TakeMemory& toTake) {
+  return vtk(path).readGeometry(path, kind, array, toTake);
+}
+
+GeometrySummary summariseGeometry(const std::string& path) { return vtk(path).summariseGeometry(path); }
+
+GeometryKind likelyKind(const GeometrySummary& summary) { return vtk("geometry").likelyKind(summary); }
+
+void writeGeometry(const std::string& path, const GeometryBlock& block, GeometryKind kind,
+                   const std::string& array) {
+  vtk(path).writeGeometry(path, block, kind, array);
+}
+
+void writeGeometryPieces(const std::string& path, const std::vector<GeometryPiece>& pieces,
+                         const GeometryBlock& like, const std::string& array) {
+  vtk(path).writeGeometryPieces(path, pieces, like, array);
+}
+
+}  // namespace gxy

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gxy/io/vtk_plugin.h"
+
+#include "gxy/comm/plugin.h"
+
+namespace {
+
+const gxy::VtkPlugin table = {.openVti = gxy::openVti,
+                              .openPvti = gxy::openPvti,
+                              .xmlPieces = gxy::xmlPieces,
+                              .geometryPieces = gxy::geometryPieces,
+                              .readGeometry = gxy::readGeometry,
+                              .summariseGeometry = gxy::summariseGeometry,
+                              .likelyKind = gxy::likelyKind,
+                              .writeGeometry = gxy::writeGeometry,
+                              .writeGeometryPieces = gxy::writeGeometryPieces};
+
+}  // namespace
+
+GALAXY_PLUGIN(table)
