@@ -110,6 +110,33 @@ TEST_F(DataTools, ConvertAndPartitionMoveNothing) {
   EXPECT_EQ(samples(original), samples(pieces));
 }
 
+TEST_F(DataTools, RawSamplesAndSamplesOfCellsAreConverted) {
+  ASSERT_EQ(data("radial -r 3,2,2 --array x r.vol"), 0);
+  ASSERT_EQ(data("convert r.raw raw.vti --dimensions 3,2,2 --type float --spacing 1,2,3 --origin 5,6,7"), 0);
+  EXPECT_EQ(openVolume(at("raw.vti")).grid, (Grid{{5, 6, 7}, {1, 2, 3}, {3, 2, 2}}));
+  EXPECT_EQ(samples(openVolume(at("raw.vti"))), samples(openVolume(at("r.vol"))));
+  EXPECT_EQ(data("convert r.raw raw.vti --dimensions 3,2,2 --type number"), 2);
+  EXPECT_EQ(data("convert r.raw raw.vti --dimensions 3,2,3 --type float"), 1);
+
+  writeText(at("c.vti"), R"(<VTKFile type="ImageData" version="1.0" byte_order="LittleEndian">
+<ImageData WholeExtent="0 2 0 1 0 1" Origin="0 0 0" Spacing="1 1 1"><Piece Extent="0 2 0 1 0 1"><CellData>
+<DataArray type="UInt8" Name="vtkGhostType" format="ascii">0 0</DataArray>
+<DataArray type="Float32" Name="p" format="ascii">1 3</DataArray></CellData></Piece></ImageData></VTKFile>)");
+  ASSERT_EQ(data("convert c.vti d.vti"), 0);
+  const VolumeFile file = openVolume(at("d.vti"));
+  EXPECT_EQ(file.arrays.size(), 1u) << "what says which are hidden is no array of its own";
+  EXPECT_EQ(file.grid, openVolume(at("c.vti")).grid);
+  EXPECT_EQ(samples(file), samples(openVolume(at("c.vti"))));
+  EXPECT_EQ(data("convert c.vti d.vol"), 1) << "it has no place for samples of cells";
+}
+
+TEST_F(DataTools, AnUnknownEndingIsAnsweredByWhatCanBeRead) {
+  writeText(at("x.foo"), "");
+  const std::string said = saidBy("info x.foo");
+  EXPECT_NE(said.find("expected volumes as .vti"), said.npos) << said;
+  EXPECT_NE(said.find("geometry as .vtu"), said.npos) << said;
+}
+
 TEST_F(DataTools, NothingThatIsReadIsOverwritten) {
   ASSERT_EQ(data("radial -r 8 --array x noise.vol"), 0);
   const auto before = samples(openVolume(at("noise.vol")));

@@ -139,10 +139,12 @@ void partitionGeometry(const Options& options, int parts, std::array<int, 3> lat
 
 void infoGeometry(const Options& options) {
   const std::vector<std::string> pieces = geometryPieces(options.in);
-  std::printf("file        %s: geometry", options.in.c_str());
-  std::printf(pieces.size() > 1 ? ", %zu pieces\n" : "\n", pieces.size());
   for (const std::string& piece : pieces) {
     const GeometrySummary s = summariseGeometry(piece);
+    if (&piece == &pieces.front()) {  // what cannot be read is not called geometry
+      std::printf("file        %s: geometry", options.in.c_str());
+      std::printf(pieces.size() > 1 ? ", %zu pieces\n" : "\n", pieces.size());
+    }
     if (pieces.size() > 1) std::printf("piece       %s\n", piece.c_str());
     std::printf("points      %" PRIu64 " (%" PRIu64 " in vertex cells)\n", s.points, s.vertices);
     std::printf("segments    %" PRIu64 "\ntriangles   %" PRIu64 "\nother cells %" PRIu64 "\n", s.segments,
