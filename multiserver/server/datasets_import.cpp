@@ -335,7 +335,8 @@ std::vector<std::string> Datasets::import(Request& request, const Import& what) 
   try {
     warnings = node_.callAll("datasets.import", parameters).at(0).get<std::vector<std::string>>();
   } catch (const Error&) {
-    checkUpdates(tenant, what.scope, updates);  // where that is why, it says more
+    importing->check();  // where one of these is why, it says more
+    checkUpdates(tenant, what.scope, updates);
     throw;
   }
   nameAll(tenant, what.scope, added, updates, [&] { importing->check(); });
