@@ -55,7 +55,8 @@ const Schema<Camera>& cameraSchema() {
                             [](const Camera& c) {
                               return OrderedJson{c.dimensions.x, c.dimensions.y};
                             }),
-          textKey("annotation", &Camera::annotation, "Becomes part of the picture's name."),
+          textKey("annotation", &Camera::annotation,
+                  "Becomes part of the picture's name, as PREFIX_00000_annotation.png."),
       }};
   return schema;
 }

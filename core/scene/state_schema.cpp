@@ -140,7 +140,8 @@ const Schema<Visualization>& visualizationSchema() {
   static const Schema<V> schema{
       "visualization",
       {
-          textKey("annotation", &V::annotation, "Becomes part of the picture's name."),
+          textKey("annotation", &V::annotation,
+                  "Becomes part of the picture's name, as PREFIX_00000_annotation.png."),
           customKey<V>(
               "Lighting", "lighting", "How surfaces are lit.",
               [](const Found& f, V& v) { readObject(f.context, f.value, lightingSchema(), v.lighting); },

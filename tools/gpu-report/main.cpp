@@ -7,6 +7,7 @@
 #include <sstream>
 #include <thread>
 
+#include "../version_option.h"
 #include "gxy/comm/error.h"
 #include "gxy/vulkan/vulkan_backend.h"
 #include "report.h"
@@ -49,6 +50,7 @@ int main(int argc, char** argv) {
   app.add_option("--scale", scale,
                  "Of the benchmarks' data and pictures; 0.01 to 2; 1 suits a large GPU, 0.1 software")
       ->capture_default_str();
+  addVersion(app, "gpu_report");
   try {
     app.parse(argc, argv);
     if (!(minutes >= 0 && minutes <= 1440)) throw CLI::ValidationError("--minutes", "expected 0 to 1440");

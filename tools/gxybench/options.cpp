@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <filesystem>
 
+#include "../version_option.h"
 #include "gxy/backends/backends.h"
 
 namespace gxy::bench {
@@ -134,6 +135,7 @@ std::optional<int> parseOptions(int argc, char** argv, Options& o) {
   std::string size;
   addMeasuring(app, o, size);
   addOthers(app, o);
+  addVersion(app, "gxybench");
   try {
     app.parse(argc, argv);
     if (!size.empty()) {

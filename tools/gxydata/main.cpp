@@ -1,14 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 // gxydata: makes, converts, partitions and describes datasets.
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdio>
 #include <limits>
+#include <optional>
 #include <sstream>
 
+#include "../version_option.h"
 #include "commands.h"
 #include "gxy/comm/error_text.h"
 #include "gxy/io/volume_description.h"
 #include "gxy/io/volume_file.h"
+#include "gxy/scene/read_context.h"
 
 namespace {
 
@@ -152,6 +156,16 @@ void addGeometryKinds(CLI::App& app, Options& options, std::string& points) {
       ->check(CLI::PositiveNumber);
 }
 
+/// What stands where a command is expected and is none.
+std::optional<std::string> unknownCommand(const CLI::App& app, int argc, char** argv) {
+  if (argc < 2 || *argv[1] == '-') return std::nullopt;
+  std::vector<std::string> names;
+  for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; }))
+    names.push_back(command->get_name());
+  if (std::find(names.begin(), names.end(), argv[1]) != names.end()) return std::nullopt;
+  return "unknown command " + inQuotes(argv[1]) + suggestion(argv[1], names) + "; gxydata --help lists them";
+}
+
 void run(const CLI::App& app, const Options& options, int parts, std::array<int, 3> lattice) {
   const std::string command = app.get_subcommands().front()->get_name();
   if (command == "radial") return makeVolume(radialFields(), options);
@@ -198,7 +212,12 @@ int main(int argc, char** argv) {
   CLI::Option* lattice =
       partition->add_option("-g,--lattice", latticeText, "pieces per axis: I,J,K")->excludes(number);
 
+  if (const auto unknown = unknownCommand(app, argc, argv)) {
+    std::fprintf(stderr, "gxydata: %s\n", unknown->c_str());
+    return 2;
+  }
   std::array<int, 3> cuts{0, 0, 0};
+  addVersion(app, "gxydata");
   try {
     app.parse(argc, argv);
     if (lattice->count()) cuts = threeNumbers<int>(latticeText, "-g", false);

@@ -6,6 +6,7 @@
 #include <cstdio>
 
 #include "../number_option.h"
+#include "../version_option.h"
 #include "gxy/io/image.h"
 
 namespace {
@@ -100,6 +101,7 @@ Exit status: 0 equal within the limits, 1 different, 2 wrong usage or a picture 
         return right ? std::string() : "expected WIDTHxHEIGHT, found '" + text + "'";
       });
   app.add_flag("--alpha", options.alpha, "compare alpha too");
+  gxy::addVersion(app, "gxydiff");
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {

@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "../number_option.h"
+#include "../version_option.h"
 #include "gxy/backends/backends.h"
 
 namespace gxy {
@@ -94,6 +95,7 @@ std::optional<int> parseOptions(int argc, char** argv, bool speaks, RenderOption
     if (speaks) std::cerr << "gxyrender: " << why << "\nRun with --help for more information.\n";
     return 2;
   };
+  addVersion(app, "gxyrender");
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {

@@ -1,19 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pictures.h"
 
-#include <cstdio>
-
 #include "gxy/io/image.h"
 #include "gxy/io/replace_file.h"
+#include "gxy/scene/picture_name.h"
 
 namespace gxy {
 
 std::string pictureName(const State& state, const RenderOptions& options, size_t visualization,
                         size_t camera) {
-  char number[16];
-  std::snprintf(number, sizeof number, "_%05zu", camera * state.visualizations.size() + visualization);
-  return options.prefix + number + state.visualizations[visualization].annotation +
-         state.cameras[camera].annotation;
+  return pictureName(options.prefix, state, camera * state.visualizations.size() + visualization);
 }
 
 void writePicture(const std::string& name, const RenderOptions& options, Picture picture) {

@@ -9,7 +9,7 @@
 
 namespace gxy {
 
-/// PREFIX_%05d and the annotations of visualization and camera; camera-major order.
+/// Of the picture of a visualization from a camera (gxy/scene/picture_name.h), with the prefix of the options.
 std::string pictureName(const State& state, const RenderOptions& options, size_t visualization,
                         size_t camera);
 

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <iostream>
 
+#include "../version_option.h"
 #include "gxy/backends/backends.h"
 #include "gxy/server/tenants.h"
 
@@ -88,6 +89,7 @@ std::optional<int> parseOptions(int argc, char** argv, bool speaks, ServeOptions
   app.add_option("--log-level", o.logLevel, "debug, info, warn, error or off")
       ->capture_default_str()
       ->check(CLI::IsMember({"debug", "info", "warn", "error", "off"}));
+  addVersion(app, "gxyserver");
   try {
     app.parse(argc, argv);
     for (const std::string& name : o.tenants)

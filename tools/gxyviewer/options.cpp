@@ -4,6 +4,7 @@
 #include <CLI/CLI.hpp>
 #include <filesystem>
 
+#include "../version_option.h"
 #include "keys.h"
 
 namespace gxy {
@@ -36,6 +37,7 @@ std::optional<int> parseOptions(int argc, char** argv, ViewOptions& o) {
                  "PREFIX of what is saved: PREFIX.json, PREFIX_00000.png, ... (default: STATE-view)");
   app.footer("In the window:\n" + std::string(kKeyHelp) +
              "\nExit status: 0 done, 1 no server, no display, or it failed; 2 wrong usage.");
+  addVersion(app, "gxyviewer");
   try {
     app.parse(argc, argv);
     if (!size.empty()) {

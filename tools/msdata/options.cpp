@@ -3,6 +3,8 @@
 
 #include <CLI/CLI.hpp>
 
+#include "../version_option.h"
+
 namespace gxy {
 
 std::optional<int> parseOptions(int argc, char** argv, SayOptions& o) {
@@ -39,6 +41,7 @@ std::optional<int> parseOptions(int argc, char** argv, SayOptions& o) {
   app.footer(
       "Exit status: 0 done, 1 a statement failed or a picture could not be written, 2 wrong usage, no "
       "server, or its connection ended before all statements were sent.");
+  addVersion(app, o.client.name);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {

@@ -3,13 +3,13 @@
 
 #include <chrono>
 #include <condition_variable>
-#include <cstdio>
 #include <cstring>
 #include <map>
 
 #include "gxy/comm/error.h"
 #include "gxy/comm/error_text.h"
 #include "gxy/protocol/json.h"
+#include "gxy/scene/picture_name.h"
 
 namespace gxy::viewer {
 
@@ -39,11 +39,7 @@ struct Job {
 };
 
 std::string nameOf(const Batch& batch, size_t index) {
-  const size_t n = batch.state.visualizations.size();
-  char number[24];
-  std::snprintf(number, sizeof number, "_%05zu", index);
-  return batch.prefix + number + batch.state.visualizations[index % n].annotation +
-         batch.state.cameras[index / n].annotation + "." + batch.format;
+  return pictureName(batch.prefix, batch.state, index) + "." + batch.format;
 }
 
 Bytes fileRecord(const json& header, std::span<const std::byte> content) {
