@@ -23,6 +23,7 @@ import ipaddress
 import json
 import logging
 import os
+import re
 import socket
 import struct
 import sys
@@ -48,6 +49,21 @@ _TILE, _END_OF_PASS, _END_OF_FRAME = 1, 2, 3
 _ZLIB = 3
 _LONGEST = 1 << 30  # bytes of a payload from the server
 _log = logging.getLogger("galaxy")
+
+
+def version():
+    """Galaxy's version, "0.1.0": of the installation or the sources that this file belongs to; else "unknown"."""
+    here = os.path.dirname(os.path.realpath(__file__))
+    try:
+        with open(os.path.join(here, "../../../share/galaxy/version")) as file:
+            return file.read().strip()
+    except OSError:
+        pass
+    try:
+        with open(os.path.join(here, "../../CMakeLists.txt")) as file:
+            return re.search(r"^project\(Galaxy VERSION ([0-9.]+)", file.read(), re.M).group(1)
+    except (OSError, AttributeError):
+        return "unknown"
 
 
 class GalaxyError(Exception):
@@ -415,6 +431,7 @@ def write_png(path, rgba):
 
 def main():
     parser = argparse.ArgumentParser(description="One picture of a state file, rendered by a Galaxy server.")
+    parser.add_argument("--version", action="version", version="galaxy.py " + version())
     parser.add_argument("state", metavar="STATE.json", help="its first visualization and camera; names of data files "
                         "are relative to the server's --data folders")
     parser.add_argument("-o", metavar="PICTURE.png", default="picture.png")

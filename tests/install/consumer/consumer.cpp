@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // A program outside Galaxy's tree, with the installed headers and libraries only: two ranks in one process, with half
-// of the space each, render a ball that the border cuts.
+// of the space each, render a ball that the border cuts. Files come and go by the plugins of the installed Galaxy.
 #include <cmath>
 #include <cstdio>
 #include <numbers>
@@ -8,6 +8,9 @@
 
 #include "gxy/comm/in_process.h"
 #include "gxy/embree/embree_backend.h"
+#include "gxy/io/geometry_file.h"
+#include "gxy/io/image.h"
+#include "gxy/io/write_geometry.h"
 #include "gxy/render/renderer.h"
 
 namespace {
@@ -59,9 +62,21 @@ gxy::Picture render() {
   return picture;
 }
 
+bool filesComeBack() {
+  const gxy::Image image{1, 2, {0.25f, 0.5f, 1, 1, 0, 0, 0, 0.5f}};
+  gxy::writeImage("consumer.exr", image);
+  if (gxy::readImage("consumer.exr").rgba != image.rgba) return false;
+  gxy::writeGeometry("consumer.vtp", ball(0)->blocks.at(0), gxy::GeometryKind::Particles);
+  return gxy::summariseGeometry("consumer.vtp").points == 1;
+}
+
 }  // namespace
 
 int main() {
+  if (!filesComeBack()) {
+    std::printf("a picture or points are not what was written\n");
+    return 1;
+  }
   const gxy::Picture picture = render();
   int covered = 0;
   for (size_t i = 0; i + 3 < picture.rgba.size(); i += 4) {
