@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gxy/io/geometry_file.h"
 
-#include <spdlog/spdlog.h>
 #include <vtkCellData.h>
 #include <vtkCellType.h>
 #include <vtkDataArray.h>
@@ -17,20 +16,15 @@
 #include <numeric>
 
 #include "gxy/comm/error.h"
+#include "gxy/io/drawn_cells.h"
 #include "gxy/io/file.h"
 #include "gxy/io/part_document.h"
+#include "gxy/io/values_choice.h"
 #include "gxy/io/vtk_geometry.h"
-#include "gxy/io/vtk_xml.h"
+#include "gxy/io/xml_arrays.h"
 
 namespace gxy {
 namespace {
-
-/// Cells that VTK does not draw either: another piece's, those that finer ones stand for, hidden ones.
-constexpr unsigned char kCellsNotDrawn = vtkDataSetAttributes::DUPLICATECELL |
-                                         vtkDataSetAttributes::REFINEDCELL | vtkDataSetAttributes::HIDDENCELL;
-/// Points that are no particles: another piece's and hidden ones. Cells of hidden points are not drawn.
-constexpr unsigned char kPointsNotDrawn =
-    vtkDataSetAttributes::DUPLICATEPOINT | vtkDataSetAttributes::HIDDENPOINT;
 
 double magnitude(vtkDataArray* array, vtkIdType i) {
   if (array->GetNumberOfComponents() == 1) return array->GetComponent(i, 0);
@@ -40,32 +34,43 @@ double magnitude(vtkDataArray* array, vtkIdType i) {
   return std::sqrt(sum);
 }
 
+ListedArrays listOf(vtkDataSetAttributes* data) {
+  const auto nameOf = [](vtkDataArray* array) {
+    return std::string(array && array->GetName() ? array->GetName() : "");
+  };
+  ListedArrays list{{}, nameOf(data->GetScalars()), nameOf(data->GetNormals()), nameOf(data->GetTCoords())};
+  for (int i = 0; i < data->GetNumberOfArrays(); ++i)
+    if (vtkDataArray* array = data->GetArray(i); array && array->GetName())
+      list.arrays.push_back({array->GetName(), array->GetNumberOfComponents()});
+  return list;
+}
+
+std::string namesOf(const ListedArrays& list) {
+  std::string names;
+  for (const auto& array : list.arrays) names += (names.empty() ? "'" : ", '") + array.name + "'";
+  return names.empty() ? "none" : names;
+}
+
+/// Of what has been read; null: the file has no values.
+vtkDataArray* valuesOf(vtkPointSet* set, const ValuesWanted& wanted, bool& ofCells, const std::string& path) {
+  const ListedArrays points = listOf(set->GetPointData()), cells = listOf(set->GetCellData());
+  const std::optional<ChosenArray> chosen = chooseValues(points, cells, wanted);
+  if (!chosen && !wanted.array.empty() && !wanted.orNone)
+    throw Error(path + ": no array '" + wanted.array + "' of points or cells; of points the file has " +
+                namesOf(points) + ", of cells " + namesOf(cells));
+  if (!chosen) return nullptr;
+  ofCells = chosen->ofCells;
+  vtkDataSetAttributes* data = set->GetPointData();
+  if (ofCells) data = set->GetCellData();
+  return data->GetArray(chosen->name.c_str());
+}
+
 bool isNormals(vtkDataArray* array) {
   return array->GetName() && array->GetNumberOfComponents() == 3 && isNameOfNormals(array->GetName());
 }
 
-vtkDataArray* chooseValues(vtkPointData* data, const std::string& wanted, const std::string& path) {
-  std::string names;
-  vtkDataArray *first = nullptr, *standard = nullptr;
-  for (int i = 0; i < data->GetNumberOfArrays(); ++i) {
-    vtkDataArray* array = data->GetArray(i);
-    if (!array || !array->GetName()) continue;
-    if (wanted == array->GetName()) return array;
-    names += std::string(names.empty() ? "'" : ", '") + array->GetName() + "'";
-    if (isNormals(array) || array == data->GetNormals() || array == data->GetTCoords() ||
-        std::strcmp(array->GetName(), vtkDataSetAttributes::GhostArrayName()) == 0)
-      continue;
-    if (std::strcmp(array->GetName(), "data") == 0) standard = array;
-    if (!first) first = array;
-  }
-  if (!wanted.empty())
-    throw Error(path + ": no point array '" + wanted + "'; the file has " + (names.empty() ? "none" : names));
-  if (data->GetScalars()) return data->GetScalars();
-  return standard ? standard : first;
-}
-
 /// Unit normals, or none if the file has none or one of them has no direction.
-std::vector<glm::vec3> unitNormals(vtkPointData* data, const std::string& path) {
+std::vector<glm::vec3> unitNormals(vtkPointData* data, Flaws& flaws) {
   vtkDataArray* array = data->GetNormals();
   for (int i = 0; !array && i < data->GetNumberOfArrays(); ++i)
     if (data->GetArray(i) && isNormals(data->GetArray(i))) array = data->GetArray(i);
@@ -74,86 +79,13 @@ std::vector<glm::vec3> unitNormals(vtkPointData* data, const std::string& path) 
     const glm::dvec3 n(array->GetComponent(i, 0), array->GetComponent(i, 1), array->GetComponent(i, 2));
     const double length = glm::length(n);
     if (!(length > 0) || !std::isfinite(length)) {
-      spdlog::warn("{}: the normals are not used: that of point {} has no direction", path, i);
+      flaws.add("the normals are not used, since this one has no direction",
+                [&] { return "point " + std::to_string(i); });
       return {};
     }
     normals.push_back(glm::vec3(n / length));
   }
   return normals;
-}
-
-void addPolyline(GeometryBlock& block, vtkIdList* ids) {
-  const vtkIdType n = ids->GetNumberOfIds();
-  const auto point = [&](vtkIdType i) { return uint32_t(ids->GetId(std::clamp(i, vtkIdType(0), n - 1))); };
-  for (vtkIdType i = 0; i + 1 < n; ++i) {
-    block.segments.push_back({point(i), point(i + 1)});
-    block.neighbours.push_back({point(i - 1), point(i + 2)});
-  }
-}
-
-/// The corners of triangle i of a cell with n points; false when there are no more.
-bool triangleOf(int type, vtkIdType n, vtkIdType i, std::array<vtkIdType, 3>& corner) {
-  if (i + 2 >= n) return false;
-  if (type == VTK_TRIANGLE_STRIP)
-    corner = i % 2 ? std::array{i + 1, i, i + 2} : std::array{i, i + 1, i + 2};
-  else if (type == VTK_PIXEL)
-    corner = i ? std::array<vtkIdType, 3>{0, 3, 2} : std::array<vtkIdType, 3>{0, 1, 3};
-  else
-    corner = {0, i + 1, i + 2};
-  return true;
-}
-
-bool isSurface(int type) {
-  return type == VTK_TRIANGLE || type == VTK_QUAD || type == VTK_POLYGON || type == VTK_TRIANGLE_STRIP ||
-         type == VTK_PIXEL;
-}
-
-bool isLine(int type) { return type == VTK_LINE || type == VTK_POLY_LINE; }
-
-bool hasHiddenPoint(vtkUnsignedCharArray* ghosts, vtkIdList* ids) {
-  return ghosts && std::any_of(ids->begin(), ids->end(), [&](vtkIdType id) {
-           return ghosts->GetValue(id) & vtkDataSetAttributes::HIDDENPOINT;
-         });
-}
-
-void addCells(vtkPointSet* set, GeometryKind kind, GeometryContent& content) {
-  GeometryBlock& block = content.block;
-  vtkUnsignedCharArray *ghosts = set->GetCellGhostArray(), *ghostPoints = set->GetPointGhostArray();
-  const auto ids = vtkSmartPointer<vtkIdList>::New();
-  for (vtkIdType cell = 0; cell < set->GetNumberOfCells(); ++cell) {
-    const int type = set->GetCellType(cell);
-    if (ghosts && (ghosts->GetValue(cell) & kCellsNotDrawn)) continue;
-    const bool wanted = kind == GeometryKind::PathLines ? isLine(type) : isSurface(type);
-    if (!wanted) {
-      ++content.unusedCells;
-      continue;
-    }
-    set->GetCellPoints(cell, ids);
-    if (hasHiddenPoint(ghostPoints, ids)) continue;
-    if (kind == GeometryKind::PathLines) {
-      addPolyline(block, ids);
-      continue;
-    }
-    std::array<vtkIdType, 3> c;
-    for (vtkIdType i = 0; triangleOf(type, ids->GetNumberOfIds(), i, c); ++i)
-      block.triangles.push_back(
-          {uint32_t(ids->GetId(c[0])), uint32_t(ids->GetId(c[1])), uint32_t(ids->GetId(c[2]))});
-  }
-}
-
-/// How many primitives the cells become, ghosts among them.
-size_t primitivesOf(vtkPointSet* set, GeometryKind kind) {
-  if (kind == GeometryKind::Particles) return size_t(set->GetNumberOfPoints());
-  const vtkIdType fewer = kind == GeometryKind::PathLines ? 1 : 2;
-  vtkIdType primitives = 0;
-  const auto ids = vtkSmartPointer<vtkIdList>::New();
-  for (vtkIdType cell = 0; cell < set->GetNumberOfCells(); ++cell) {
-    const int type = set->GetCellType(cell);
-    if (kind == GeometryKind::PathLines ? !isLine(type) : !isSurface(type)) continue;
-    set->GetCellPoints(cell, ids);
-    primitives += std::max(vtkIdType(0), ids->GetNumberOfIds() - fewer);
-  }
-  return size_t(primitives);
 }
 
 /// The most that a block with so many points and primitives takes.
@@ -165,19 +97,45 @@ int64_t bytesOf(size_t points, size_t primitives, GeometryKind kind) {
                  primitives * (cell + sizeof(uint64_t)));
 }
 
+bool isVertex(int type) { return type == VTK_VERTEX || type == VTK_POLY_VERTEX; }
+
+/// Of each point the value of the first vertex cell that it is in; NaN where there is none.
+std::vector<float> valuesOfVertices(vtkPointSet* set, vtkDataArray* array) {
+  std::vector<float> values(size_t(set->GetNumberOfPoints()), std::numeric_limits<float>::quiet_NaN());
+  std::vector<bool> known(values.size(), false);
+  const CellList list(set);
+  const auto ids = vtkSmartPointer<vtkIdList>::New();
+  for (vtkIdType cell = 0; cell < list.count(); ++cell) {
+    if (!isVertex(list.type(cell))) continue;
+    list.points(cell, ids);
+    for (vtkIdType id : *ids)
+      if (!known[size_t(id)]) {
+        known[size_t(id)] = true;
+        values[size_t(id)] = float(magnitude(array, cell));
+      }
+  }
+  return values;
+}
+
 /// Points that are not drawn are left out of a set of particles.
 void dropGhostPoints(vtkPointSet* set, GeometryBlock& block) {
   vtkUnsignedCharArray* ghosts = set->GetPointGhostArray();
   if (!ghosts) return;
   size_t kept = 0;
   for (size_t i = 0; i < block.points.size(); ++i) {
-    if (ghosts->GetValue(vtkIdType(i)) & kPointsNotDrawn) continue;
+    if (!isDrawn(ghosts, vtkIdType(i))) continue;
     block.points[kept] = block.points[i];
     if (!block.values.empty()) block.values[kept] = block.values[i];
     ++kept;
   }
   block.points.resize(kept);
   if (!block.values.empty()) block.values.resize(kept);
+}
+
+/// Of a flat cell with so many points.
+uint64_t trianglesOf(int type, uint64_t points) {
+  if (const CellShape* shape = shapeOf(type)) return trianglesOf(shape->faces[0]);
+  return points < 3 ? 0 : points - 2;
 }
 
 GeometrySummary::Array summariseArray(vtkDataArray* array, bool ofCells) {
@@ -196,18 +154,6 @@ GeometrySummary::Array summariseArray(vtkDataArray* array, bool ofCells) {
 
 }  // namespace
 
-std::vector<std::string> xmlPieces(const std::string& path, const char* type) {
-  const VtkXml xml(path, type);
-  std::vector<std::string> files;
-  for (int i = 0; i < xml.data()->GetNumberOfNestedElements(); ++i) {
-    vtkXMLDataElement* piece = xml.data()->GetNestedElement(i);
-    if (std::strcmp(piece->GetName(), "Piece") != 0) continue;
-    if (!piece->GetAttribute("Source")) throw Error(path + ": a <Piece> has no attribute Source");
-    files.push_back(beside(path, piece->GetAttribute("Source")));
-  }
-  return files;
-}
-
 std::vector<std::string> geometryPieces(const std::string& path) {
   const std::string extension = extensionOf(path);
   if (extension == ".pvtu") return xmlPieces(path, "PUnstructuredGrid");
@@ -218,44 +164,65 @@ std::vector<std::string> geometryPieces(const std::string& path) {
   return files;
 }
 
-GeometryContent readGeometry(const std::string& path, GeometryKind kind, const std::string& wanted,
+std::optional<ValuesWanted> valuesOfList(const std::string& path) {
+  const std::string extension = extensionOf(path);
+  if (extension != ".pvtu" && extension != ".pvtp") return {};
+  const auto [points, cells] =
+      arraysOfXmlList(path, extension == ".pvtu" ? "PUnstructuredGrid" : "PPolyData");
+  const std::optional<ChosenArray> chosen = chooseValues(points, cells, ValuesWanted());
+  if (!chosen) return {};
+  return ValuesWanted{chosen->name, chosen->ofCells, true};
+}
+
+GeometryContent readGeometry(const std::string& path, GeometryKind kind, const ValuesWanted& wanted,
                              const TakeMemory& toTake) {
   GeometryContent content;
+  Flaws flaws;
   const bool normals = kind != GeometryKind::Particles;
   const vtkSmartPointer<vtkPointSet> set =
-      readPointSet(path, toTake, ArraysNeeded{wanted, normals}, &content.leftOut);
+      readPointSet(path, toTake, ArraysNeeded{wanted, normals}, &content.leftOut, &flaws);
   const vtkIdType count = set->GetNumberOfPoints();
-  if (uint64_t(count) >= std::numeric_limits<uint32_t>::max())
-    throw Error(path + ": " + std::to_string(count) + " points; one file may have at most 2^32 - 2");
-  const size_t primitives = primitivesOf(set, kind);
-  if (toTake) toTake(bytesOf(size_t(count), primitives, kind));
+  std::optional<DrawnCells> cells;
+  if (kind != GeometryKind::Particles) cells.emplace(set, kind, toTake, flaws);
+  vtkDataArray* values = count ? valuesOf(set, wanted, content.ofCells, path) : nullptr;
+  const bool split = values && content.ofCells && cells;
+  const size_t primitives = cells ? cells->primitives() : size_t(count);
+  const size_t most = size_t(count) + (split ? primitives * (kind == GeometryKind::PathLines ? 4 : 3) : 0);
+  if (most >= std::numeric_limits<uint32_t>::max())
+    throw Error(path + ": " + std::to_string(most) + " points; one file may have at most 2^32 - 2");
+  if (toTake) toTake(bytesOf(most, primitives, kind));
   GeometryBlock& block = content.block;
   block.points.reserve(size_t(count));
   for (vtkIdType i = 0; i < count; ++i) {
     const double* p = set->GetPoint(i);
     block.points.push_back({p[0], p[1], p[2]});
   }
-  vtkPointData* data = set->GetPointData();
-  if (vtkDataArray* values = count ? chooseValues(data, wanted, path) : nullptr) {
-    content.array = values->GetName() ? values->GetName() : "";
+  if (values) content.array = values->GetName();
+  if (values && !content.ofCells) {
     block.values.reserve(size_t(count));
     for (vtkIdType i = 0; i < values->GetNumberOfTuples(); ++i)
       block.values.push_back(float(magnitude(values, i)));
   }
-  if (normals) block.normals = unitNormals(data, path);
+  if (normals) block.normals = unitNormals(set->GetPointData(), flaws);
 
-  if (kind == GeometryKind::Particles) {
+  if (!cells) {
+    if (values && content.ofCells) block.values = valuesOfVertices(set, values);
     dropGhostPoints(set, block);
   } else {
     block.triangles.reserve(kind == GeometryKind::Triangles ? primitives : 0);
     block.segments.reserve(kind == GeometryKind::PathLines ? primitives : 0);
     block.neighbours.reserve(block.segments.capacity());
-    addCells(set, kind, content);
+    std::vector<vtkIdType> cellOf;
+    cells->addTo(block, split ? &cellOf : nullptr);
+    if (split)
+      splitByCell(block, kind, cellOf, [&](vtkIdType cell) { return float(magnitude(values, cell)); });
+    content.unusedCells = cells->unused();
   }
   block.ids.resize(kind == GeometryKind::Particles   ? block.points.size()
                    : kind == GeometryKind::PathLines ? block.segments.size()
                                                      : block.triangles.size());
   std::iota(block.ids.begin(), block.ids.end(), uint64_t(0));
+  content.warnings = flaws.warnings(path);
   return content;
 }
 
@@ -269,15 +236,18 @@ GeometrySummary summariseGeometry(const std::string& path) {
       summary.box.extend({p[0], p[1], p[2]});
   }
   const auto ids = vtkSmartPointer<vtkIdList>::New();
-  for (vtkIdType cell = 0; cell < set->GetNumberOfCells(); ++cell) {
-    const int type = set->GetCellType(cell);
-    set->GetCellPoints(cell, ids);
+  const CellList list(set);
+  for (vtkIdType cell = 0; cell < list.count(); ++cell) {
+    const int type = list.type(cell);
+    list.points(cell, ids);
     const uint64_t points = uint64_t(ids->GetNumberOfIds());
-    if (isSurface(type))
-      summary.triangles += points < 3 ? 0 : points - 2;
+    if (isSolid(type))
+      ++summary.solids;
+    else if (isFlat(type))
+      summary.triangles += trianglesOf(type, points);
     else if (isLine(type))
       summary.segments += points < 2 ? 0 : points - 1;
-    else if (type == VTK_VERTEX || type == VTK_POLY_VERTEX)
+    else if (isVertex(type))
       summary.vertices += points;
     else
       ++summary.others;
@@ -292,7 +262,7 @@ GeometrySummary summariseGeometry(const std::string& path) {
 }
 
 GeometryKind likelyKind(const GeometrySummary& summary) {
-  if (summary.triangles) return GeometryKind::Triangles;
+  if (summary.triangles || summary.solids) return GeometryKind::Triangles;
   return summary.segments ? GeometryKind::PathLines : GeometryKind::Particles;
 }
 

@@ -4,9 +4,13 @@
 #include <spdlog/spdlog.h>
 
 #include <filesystem>
+#include <limits>
 #include <numeric>
+#include <optional>
 
 #include "gxy/comm/error.h"
+#include "gxy/comm/error_text.h"
+#include "gxy/comm/wire.h"
 
 namespace gxy {
 namespace {
@@ -30,8 +34,19 @@ struct Reading {
   bool values = true, normals = true;
   uint64_t unusedCells = 0;
   LeftOut leftOut;
+  std::vector<std::string> warnings;
+
+  /// Of thousands of pieces with the same flaw some are told.
+  void warn(const std::string& text) {
+    constexpr size_t kMost = 20;
+    if (warnings.size() < kMost)
+      warnings.push_back(text);
+    else if (warnings.size() == kMost)
+      warnings.push_back("of more pieces the warnings are not shown");
+  }
 
   void add(GeometryContent piece) {
+    for (const std::string& text : piece.warnings) warn(text);
     GeometryBlock& from = piece.block;
     unusedCells += piece.unusedCells;
     leftOut += piece.leftOut;
@@ -63,26 +78,119 @@ const char* plural(GeometryKind kind) {
   return kind == GeometryKind::Particles ? "points" : kind == GeometryKind::PathLines ? "lines" : "triangles";
 }
 
+/// Reads this rank's share of the pieces.
+class PieceReader {
+ public:
+  PieceReader(const std::string& path, GeometryKind kind, const std::string& array, Collectives& ranks,
+              const TakeMemory& toTake)
+      : kind_(kind), ranks_(ranks), toTake_(toTake), wanted_(array) {
+    agree(ranks, [&] {
+      pieces_ = geometryPieces(path);
+      if (pieces_.size() > 1) {
+        next_ = pieces_.size() * size_t(ranks.rank()) / size_t(ranks.size());
+        end_ = pieces_.size() * (size_t(ranks.rank()) + 1) / size_t(ranks.size());
+        if (array.empty())
+          if (const auto listed = valuesOfList(path)) wanted_ = *listed;
+      } else {
+        end_ = pieces_.size();
+      }
+      first_ = next_;
+    });
+  }
+
+  bool isOneFile() const { return pieces_.size() == 1; }
+
+  Reading run() {
+    if (!isOneFile() && wanted_.array.empty()) chooseTogether();
+    agree(ranks_, [&] {
+      while (next_ < end_) add(read());
+    });
+    return std::move(reading_);
+  }
+
+ private:
+  GeometryContent read() {
+    ranks_.check();
+    GeometryContent content = readGeometry(pieces_[next_++], kind_, wanted_, toTake_);
+    ranks_.done(double(next_ - first_) / double(end_ - first_));
+    return content;
+  }
+
+  void add(GeometryContent content) {
+    if (wanted_.orNone && content.array.empty() && !content.block.points.empty())
+      reading_.warn(pieces_[next_ - 1] + ": no array " + inQuotes(wanted_.array) +
+                    ", so values are not used");
+    reading_.add(std::move(content));
+  }
+
+  /// All pieces have the array that is chosen of the first one with points, on whichever rank that is.
+  void chooseTogether() {
+    std::optional<GeometryContent> first;  // of this rank
+    agree(ranks_, [&] {
+      while (next_ < end_ && !first) {
+        GeometryContent content = read();
+        if (content.block.points.empty())
+          reading_.add(std::move(content));
+        else
+          first = std::move(content);
+      }
+    });
+    Writer writer;
+    if (first) writer.write(uint8_t(first->ofCells)).write(first->array);
+    std::optional<ValuesWanted> chosen;
+    for (const Bytes& told : ranks_.allGather(writer.take())) {
+      if (told.empty() || chosen) continue;
+      Reader reader(told, "the choice of an array");
+      const bool ofCells = reader.read<uint8_t>() != 0;
+      chosen = ValuesWanted(reader.readString(), ofCells, true);
+    }
+    if (!first) {
+      if (chosen) wanted_ = *chosen;
+      return;
+    }
+    const bool same =
+        first->array == chosen->array && (first->array.empty() || first->ofCells == chosen->ofCells);
+    wanted_ = *chosen;
+    if (same)
+      add(std::move(*first));
+    else
+      --next_;  // to be read again
+  }
+
+  const GeometryKind kind_;
+  Collectives& ranks_;
+  const TakeMemory& toTake_;
+  ValuesWanted wanted_;
+  std::vector<std::string> pieces_;
+  size_t next_ = 0, first_ = 0, end_ = 0;
+  Reading reading_;
+};
+
+/// What all ranks have to say, on rank 0.
+std::vector<std::string> gathered(Collectives& ranks, const std::vector<std::string>& mine) {
+  Writer writer;
+  for (const std::string& text : mine) writer.write(text);
+  std::vector<std::string> all;
+  for (const Bytes& told : ranks.allGather(writer.take())) {
+    if (ranks.rank() != 0) continue;
+    Reader reader(told, "warnings");
+    while (!reader.rest().empty()) all.push_back(reader.readString());
+  }
+  return all;
+}
+
 }  // namespace
 
 LoadedGeometry loadGeometry(const std::string& path, GeometryKind kind, const std::string& array,
-                            Collectives& ranks, const TakeMemory& toTake) {
+                            Collectives& ranks, const TakeMemory& toTake,
+                            std::vector<std::string>* warnings) {
   LoadedGeometry loaded;
   loaded.name = std::filesystem::path(path).stem().string();
   loaded.kind = kind;
-  Reading reading;
-  const size_t rank = size_t(ranks.rank()), size = size_t(ranks.size());
-  agree(ranks, [&] {
-    const std::vector<std::string> pieces = geometryPieces(path);
-    loaded.everywhere = pieces.size() == 1;
-    const size_t first = loaded.everywhere ? 0 : pieces.size() * rank / size;
-    const size_t last = loaded.everywhere ? 1 : pieces.size() * (rank + 1) / size;
-    for (size_t i = first; i < last; ++i) {
-      ranks.check();
-      reading.add(readGeometry(pieces[i], kind, array, toTake));
-      ranks.done(double(i + 1 - first) / double(last - first));
-    }
-  });
+  PieceReader reader(path, kind, array, ranks, toTake);
+  loaded.everywhere = reader.isOneFile();
+  const size_t rank = size_t(ranks.rank());
+  Reading reading = reader.run();
 
   const bool values = sumOf(gatherCounts(ranks, !reading.values)) == 0;
   const bool normals = sumOf(gatherCounts(ranks, !reading.normals)) == 0;
@@ -102,9 +210,17 @@ LoadedGeometry loadGeometry(const std::string& path, GeometryKind kind, const st
   const uint64_t unused = sumOf(gatherCounts(ranks, reading.unusedCells));
   if (loaded.primitives + loaded.dropped == 0 && unused > 0)
     throw Error(path + ": the file has no " + plural(kind) + ", only other kinds of cells");
+  std::vector<std::string> told =
+      loaded.everywhere && rank != 0 ? std::vector<std::string>() : reading.warnings;
   if (loaded.dropped > 0 && rank == 0)
-    spdlog::warn("{}: {} {} dropped: not finite, without area, or repeated", path, loaded.dropped,
-                 plural(kind));
+    told.push_back(path + ": " + std::to_string(loaded.dropped) + " " + plural(kind) +
+                   " dropped: not finite, without area, or repeated");
+  for (std::string& warning : gathered(ranks, told)) {
+    if (warnings)
+      warnings->push_back(std::move(warning));
+    else
+      spdlog::warn("{}", warning);
+  }
 
   // Points that no primitive uses do not count.
   agree(ranks, [&] {

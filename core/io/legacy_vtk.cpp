@@ -3,6 +3,7 @@
 
 #include <vtkCellType.h>
 
+#include <array>
 #include <cctype>
 #include <cstring>
 #include <limits>
@@ -36,9 +37,13 @@ class Walk {
     readHeader();
     for (std::string word = keyword(); !word.empty(); word = keyword()) {
       if (word == "POINT_DATA" || word == "CELL_DATA") break;
-      if (word == "POINTS") {
+      if (word == "POINTS" && type_ != "RECTILINEAR_GRID") {
         const uint64_t points = count("a number of points", std::numeric_limits<uint32_t>::max());
         array(keyword(), points * 3);
+      } else if (lattice_ && word == "DIMENSIONS") {
+        dimensions();
+      } else if (type_ == "RECTILINEAR_GRID" && word.size() == 13 && word.ends_with("_COORDINATES")) {
+        coordinates(word[0]);
       } else if (word == "FIELD") {
         field();
       } else if (word == "METADATA") {
@@ -47,13 +52,12 @@ class Walk {
         if (types_) scanner_.fail("a second CELL_TYPES");
         cellTypes();
       } else if (grid_ ? word == "CELLS"
-                       : word == "VERTICES" || word == "LINES" || word == "POLYGONS" ||
-                             word == "TRIANGLE_STRIPS") {
+                       : type_ == "POLYDATA" && (word == "VERTICES" || word == "LINES" ||
+                                                 word == "POLYGONS" || word == "TRIANGLE_STRIPS")) {
         if (grid_ && cells_) scanner_.fail("a second CELLS");
         cells(word);
       } else {
-        scanner_.fail("found '" + word + "', expected a keyword of " +
-                      (grid_ ? "an UNSTRUCTURED_GRID" : "POLYDATA"));
+        scanner_.fail("found '" + word + "', expected a keyword of " + type_);
       }
     }
     if (grid_ && cells_.value_or(0) != types_.value_or(0))
@@ -100,10 +104,29 @@ class Walk {
       scanner_.fail("found '" + encoding + "', expected ASCII or BINARY");
     binary_ = encoding == "BINARY";
     if (keyword() != "DATASET") scanner_.fail("expected DATASET");
-    const std::string type = keyword();
-    grid_ = type == "UNSTRUCTURED_GRID";
-    if (!grid_ && type != "POLYDATA")
-      scanner_.fail("found '" + type + "', expected POLYDATA or UNSTRUCTURED_GRID");
+    type_ = keyword();
+    grid_ = type_ == "UNSTRUCTURED_GRID";
+    lattice_ = type_ == "STRUCTURED_GRID" || type_ == "RECTILINEAR_GRID";
+    if (!grid_ && !lattice_ && type_ != "POLYDATA")
+      scanner_.fail("found '" + type_ +
+                    "', expected POLYDATA, UNSTRUCTURED_GRID, STRUCTURED_GRID or RECTILINEAR_GRID");
+  }
+
+  /// What VTK allocates by these has been seen in the file: points, or coordinates whose product is taken here.
+  void dimensions() {
+    uint64_t points = 1;
+    for (uint64_t& n : dimensions_) {
+      n = count("a number of points");
+      if (__builtin_mul_overflow(points, n, &points) || points > std::numeric_limits<int32_t>::max())
+        scanner_.fail("the grid has more than 2^31 - 1 points");
+    }
+  }
+
+  void coordinates(char axis) {
+    const uint64_t values = count("a number of coordinates");
+    if (axis < 'X' || axis > 'Z' || values != dimensions_[size_t(axis - 'X')])
+      scanner_.fail(std::to_string(values) + " coordinates, expected as many as DIMENSIONS says before");
+    array(keyword(), values);
   }
 
   void needs(uint64_t values, uint64_t bytesEach) {
@@ -228,7 +251,9 @@ class Walk {
 
   std::string& bytes_;
   TextScanner scanner_;
-  bool binary_ = false, grid_ = false;
+  std::string type_;
+  bool binary_ = false, grid_ = false, lattice_ = false;
+  std::array<uint64_t, 3> dimensions_{};
   int major_ = 0;
   std::optional<uint64_t> cells_, types_;
 };

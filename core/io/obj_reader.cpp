@@ -20,6 +20,7 @@ using Corner = std::array<int64_t, 3>;
 
 struct Cells {
   size_t leastCorners;
+  const char* tooFew;  ///< what becomes of one with fewer
   std::vector<Corner> corners = {};
   std::vector<size_t> ends = {};  ///< of each cell among the corners
 };
@@ -28,13 +29,17 @@ struct Mesh {
   std::vector<std::array<double, 3>> vertices;
   std::vector<std::array<float, 2>> coordinates;
   std::vector<std::array<float, 3>> normals;
-  Cells points{1}, lines{2}, polygons{3};
+  Cells points{1, "a list of points without any is left out"},
+      lines{2, "a line of fewer than 2 points is left out"},
+      polygons{3, "a face of fewer than 3 corners is left out"};
 
   std::array<int64_t, 3> counts() const {
     return {int64_t(vertices.size()), int64_t(coordinates.size()), int64_t(normals.size())};
   }
 };
 constexpr const char* kKinds[] = {"vertex", "texture coordinates", "normal"};
+constexpr const char* kMissing[] = {"", "texture coordinates that are not there are not used",
+                                    "a normal that is not there is not used"};
 
 template <size_t N, class T>
 std::array<T, N> readNumbers(TextScanner& line, const TextScanner& file, size_t least = N) {
@@ -50,7 +55,7 @@ std::array<T, N> readNumbers(TextScanner& line, const TextScanner& file, size_t 
   return numbers;
 }
 
-Corner readCorner(std::string_view word, const Mesh& mesh, const TextScanner& file) {
+Corner readCorner(std::string_view word, const Mesh& mesh, const TextScanner& file, Flaws& flaws) {
   const auto malformed = [&] {
     file.fail("found the corner '" + std::string(word.substr(0, 40)) +
               "', expected v, v/t, v//n or v/t/n with numbers that are not 0");
@@ -61,14 +66,20 @@ Corner readCorner(std::string_view word, const Mesh& mesh, const TextScanner& fi
     const size_t slash = std::min(rest.find('/'), rest.size());
     const std::string_view text = rest.substr(0, slash);
     const bool last = slash == rest.size();
-    if (!(text.empty() && i == 1 && !last)) {
+    if (text.empty() && i > 0) {
+      if (last)
+        flaws.add("a corner ends with '/', so that it has no more than is before",
+                  [&] { return file.place(); });
+    } else {
       int64_t index = 0;
       if (!TextScanner::parse(text, index) || index == 0) malformed();
       const int64_t count = mesh.counts()[i];
-      if (index < -count)
+      if (index < -count && i > 0)
+        flaws.add(kMissing[i], [&] { return file.place(); });
+      else if (index < -count)
         file.fail("refers to " + std::string(kKinds[i]) + " " + std::to_string(index) + " of " +
                   std::to_string(count));
-      corner[i] = index > 0 ? index - 1 : count + index;
+      corner[i] = index > 0 ? index - 1 : std::max<int64_t>(count + index, -1);
     }
     if (last) return corner;
     rest.remove_prefix(slash + 1);
@@ -77,20 +88,21 @@ Corner readCorner(std::string_view word, const Mesh& mesh, const TextScanner& fi
   return corner;
 }
 
-void readCell(TextScanner& line, const TextScanner& file, const Mesh& mesh, Cells& cells) {
+void readCell(TextScanner& line, const TextScanner& file, const Mesh& mesh, Cells& cells, Flaws& flaws) {
   const size_t begin = cells.corners.size();
   for (std::string_view word = line.word(); !word.empty(); word = line.word())
-    cells.corners.push_back(readCorner(word, mesh, file));
-  if (cells.corners.size() - begin < cells.leastCorners)
-    file.fail(std::to_string(cells.corners.size() - begin) + " corners, expected at least " +
-              std::to_string(cells.leastCorners));
+    cells.corners.push_back(readCorner(word, mesh, file, flaws));
+  if (cells.corners.size() - begin < cells.leastCorners) {
+    flaws.add(cells.tooFew, [&] { return file.place(); });
+    return cells.corners.resize(begin);
+  }
   cells.ends.push_back(cells.corners.size());
 }
 
 /// The next line without its comment, and those that continue it after a backslash, put together in `joined`.
 std::string_view statement(TextScanner& file, std::string& joined) {
   const auto next = [&] {
-    const std::string_view text = file.line();
+    const std::string_view text = file.lineOfAnyEnd();
     return text.substr(0, text.find('#'));
   };
   std::string_view text = next();
@@ -103,8 +115,9 @@ std::string_view statement(TextScanner& file, std::string& joined) {
   return joined.append(text);
 }
 
-Mesh parse(std::string_view bytes, const std::string& path) {
+Mesh parse(std::string_view bytes, const std::string& path, Flaws& flaws) {
   TextScanner file(bytes, path);
+  file.passByteOrderMark();
   Mesh mesh;
   std::string joined;
   while (file.left()) {
@@ -117,24 +130,30 @@ Mesh parse(std::string_view bytes, const std::string& path) {
     else if (word == "vn")
       mesh.normals.push_back(readNumbers<3, float>(line, file));
     else if (word == "f")
-      readCell(line, file, mesh, mesh.polygons);
+      readCell(line, file, mesh, mesh.polygons, flaws);
     else if (word == "l")
-      readCell(line, file, mesh, mesh.lines);
+      readCell(line, file, mesh, mesh.lines, flaws);
     else if (word == "p")
-      readCell(line, file, mesh, mesh.points);
+      readCell(line, file, mesh, mesh.points, flaws);
   }
   return mesh;
 }
 
 /// Statements may refer to later ones, so this waits for the end of the file.
-void checkCorners(const Mesh& mesh, const Cells& cells, const char* kind, const std::string& path) {
+void checkCorners(const Mesh& mesh, Cells& cells, const char* kind, const std::string& path, Flaws& flaws) {
   const auto counts = mesh.counts();
   for (size_t cell = 0, c = 0; cell < cells.ends.size(); ++cell)
     for (; c < cells.ends[cell]; ++c)
-      for (size_t i = 0; i < 3; ++i)
-        if (cells.corners[c][i] >= counts[i])
-          throw Error(path + ": " + kind + " " + std::to_string(cell + 1) + " refers to " + kKinds[i] + " " +
-                      std::to_string(cells.corners[c][i] + 1) + " of " + std::to_string(counts[i]));
+      for (size_t i = 0; i < 3; ++i) {
+        int64_t& index = cells.corners[c][i];
+        if (index < counts[i]) continue;
+        const std::string place = kind + (" " + std::to_string(cell + 1));
+        if (i == 0)
+          throw Error(path + ": " + place + " refers to " + kKinds[i] + " " + std::to_string(index + 1) +
+                      " of " + std::to_string(counts[i]));
+        flaws.add(kMissing[i], [&] { return place; });
+        index = -1;
+      }
 }
 
 /// Points for all corners that occur: first each vertex as it is used first, then the copies.
@@ -196,11 +215,11 @@ vtkSmartPointer<vtkFloatArray> pointArray(const char* name, const std::vector<Co
 
 }  // namespace
 
-vtkSmartPointer<vtkPolyData> readObj(std::string_view bytes, const std::string& path) {
-  const Mesh mesh = parse(bytes, path);
-  checkCorners(mesh, mesh.points, "point", path);
-  checkCorners(mesh, mesh.lines, "line", path);
-  checkCorners(mesh, mesh.polygons, "face", path);
+vtkSmartPointer<vtkPolyData> readObj(std::string_view bytes, const std::string& path, Flaws& flaws) {
+  Mesh mesh = parse(bytes, path, flaws);
+  checkCorners(mesh, mesh.points, "point", path, flaws);
+  checkCorners(mesh, mesh.lines, "line", path, flaws);
+  checkCorners(mesh, mesh.polygons, "face", path, flaws);
   const auto data = vtkSmartPointer<vtkPolyData>::New();
   Points points(mesh.vertices.size());
   data->SetPolys(cellArray(mesh.polygons, [&](const Corner& corner) { return points.idOf(corner); }));

@@ -7,6 +7,8 @@
 #include <string>
 #include <string_view>
 
+#include "gxy/io/flaws.h"
+
 namespace gxy {
 
 /// The vertices `v`, polygons `f`, lines `l` and points `p` of a file's bytes; groups, materials and other
@@ -15,7 +17,9 @@ namespace gxy {
 /// becomes as many points, the copies after all vertices. If every corner of a polygon has a normal, the
 /// points have normals "Normals" (that of a vertex no polygon uses is arbitrary); if every one has texture
 /// coordinates, "TCoords".
-/// Throws Error, which begins with `path`, for malformed statements and corners that do not exist.
-vtkSmartPointer<vtkPolyData> readObj(std::string_view bytes, const std::string& path);
+/// Lines may end with "\n", "\r\n" or "\r", and a byte-order mark may come first. `flaws` is told of normals and texture
+/// coordinates that do not exist, corners that end with '/', and cells of too few corners, which are left out. Throws Error, which
+/// begins with `path`, for malformed statements and vertices that do not exist.
+vtkSmartPointer<vtkPolyData> readObj(std::string_view bytes, const std::string& path, Flaws& flaws);
 
 }  // namespace gxy

@@ -274,25 +274,45 @@ void readVertices(Values& values, const Element& vertex, vtkPolyData* mesh) {
   mesh->SetPoints(points);
 }
 
-void readFaces(Values& values, const Element& face, const Property* corners, uint64_t points,
-               vtkPolyData* mesh) {
-  const auto polygons = vtkSmartPointer<vtkCellArray>::New();
+/// Cells by lists of vertices; where these are strips, -1 ends one.
+vtkSmartPointer<vtkCellArray> readCells(Values& values, const Element& element, const Property* corners,
+                                        uint64_t points, bool strips) {
+  const auto cells = vtkSmartPointer<vtkCellArray>::New();
   std::vector<vtkIdType> ids;
-  for (uint64_t i = 0; i < face.count; ++i)
-    for (const Property& property : face.properties) {
+  const auto end = [&] {
+    if (!strips || ids.size() > 2) cells->InsertNextCell(vtkIdType(ids.size()), ids.data());
+    ids.clear();
+  };
+  for (uint64_t i = 0; i < element.count; ++i)
+    for (const Property& property : element.properties) {
       if (&property != corners) {
-        values.skip(property, face, i);
+        values.skip(property, element, i);
         continue;
       }
-      ids.resize(values.listLength(property, face, i));
-      for (vtkIdType& id : ids) {
-        id = vtkIdType(values.next(*property.type));
+      for (uint64_t left = values.listLength(property, element, i); left > 0; --left) {
+        const auto id = vtkIdType(values.next(*property.type));
+        if (strips && id == -1) {
+          end();
+          continue;
+        }
         if (id < 0 || uint64_t(id) >= points)
-          values.fail(face, i, "refers to vertex " + std::to_string(id) + " of " + std::to_string(points));
+          values.fail(element, i, "refers to vertex " + std::to_string(id) + " of " + std::to_string(points));
+        ids.push_back(id);
       }
-      polygons->InsertNextCell(vtkIdType(ids.size()), ids.data());
+      end();
     }
-  mesh->SetPolys(polygons);
+  return cells;
+}
+
+/// The property of an element that lists vertices; null if there is no such element.
+const Property* cornersOf(const Element* element, const std::string& path) {
+  if (!element) return nullptr;
+  const Property* corners = element->find("vertex_indices");
+  if (!corners) corners = element->find("vertex_index");
+  if (!corners || !corners->count || !corners->type->integer)
+    throw Error(path + ": element '" + element->name +
+                "': expected a property list of integers 'vertex_indices'");
+  return corners;
 }
 
 }  // namespace
@@ -306,14 +326,8 @@ vtkSmartPointer<vtkPolyData> readPly(std::string_view bytes, const std::string& 
     if (!vertex->hasScalar(axis))
       throw Error(path + ": element 'vertex': expected a property '" + axis + "' that is a number" +
                   (vertex->find(axis) ? ", found a list" : ", found none"));
-  const Element* face = header.find("face");
-  const Property* corners = nullptr;
-  if (face) {
-    corners = face->find("vertex_indices");
-    if (!corners) corners = face->find("vertex_index");
-    if (!corners || !corners->count || !corners->type->integer)
-      throw Error(path + ": element 'face': expected a property list of integers 'vertex_indices'");
-  }
+  const Element *face = header.find("face"), *strip = header.find("tristrips");
+  const Property *corners = cornersOf(face, path), *stripCorners = cornersOf(strip, path);
   const auto mesh = vtkSmartPointer<vtkPolyData>::New();
   Values values(scanner, header.encoding);
   for (const Element& element : header.elements) {
@@ -323,7 +337,9 @@ vtkSmartPointer<vtkPolyData> readPly(std::string_view bytes, const std::string& 
     if (&element == vertex)
       readVertices(values, element, mesh);
     else if (&element == face)
-      readFaces(values, element, corners, vertex->count, mesh);
+      mesh->SetPolys(readCells(values, element, corners, vertex->count, false));
+    else if (&element == strip)
+      mesh->SetStrips(readCells(values, element, stripCorners, vertex->count, true));
     else
       for (uint64_t i = 0; i < element.count; ++i)
         for (const Property& property : element.properties) values.skip(property, element, i);

@@ -9,8 +9,8 @@
 
 namespace gxy {
 
-/// The points of element `vertex` and the polygons of element `face`, if there is one, from the bytes of a
-/// file; every other element is passed over. x, y and z become the points; nx, ny, nz the normals "Normals";
+/// The points of element `vertex`, the polygons of element `face` and the strips of triangles of element `tristrips` (-1 ends one),
+/// if there are any, from the bytes of a file; every other element is passed over. x, y and z become the points; nx, ny, nz the normals "Normals";
 /// u, v (or texture_u, texture_v, or s, t) the texture coordinates "TCoords"; red, green, blue the active
 /// scalars "RGB"; each other scalar property an array of its own name. Throws Error, which begins with
 /// `path`, for bytes that are not such a file, that end too early, or whose faces refer to points that do not

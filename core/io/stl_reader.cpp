@@ -7,6 +7,7 @@
 #include <bit>
 #include <cctype>
 #include <cstring>
+#include <optional>
 
 #include "gxy/io/text_scanner.h"
 
@@ -30,9 +31,24 @@ std::string lower(std::string_view word) {
   return text;
 }
 
+/// The number of facets of a binary file, as it states it or, if that is 0, as it has room for; none if it is not one.
+std::optional<size_t> facetsOfBinary(std::string_view bytes, Flaws& flaws) {
+  if (bytes.size() < kHeader) return {};
+  const size_t room = (bytes.size() - kHeader) / kFacet, rest = (bytes.size() - kHeader) % kFacet;
+  const uint32_t stated = valueAt<uint32_t>(bytes, kHeader - 4);
+  if (stated == room && rest == 0) return room;
+  // In ascii files there is text where others have a number below 2^24.
+  if (stated > room || bytes[kHeader - 1] != 0) return {};
+  const size_t facets = stated == 0 ? room : stated;
+  const auto place = [&] { return "byte " + std::to_string(kHeader + kFacet * facets); };
+  if (stated == 0 && room > 0)
+    flaws.add("it states no facets, and is read to its end", [] { return "header"; });
+  if (facets < room || rest > 0) flaws.add("what is after the last facet is passed over", place);
+  return facets;
+}
+
 /// Of a facet: its normal, three corners, two bytes of attributes.
-void readBinary(std::string_view bytes, vtkPoints* points) {
-  const size_t facets = (bytes.size() - kHeader) / kFacet;
+void readBinary(std::string_view bytes, size_t facets, vtkPoints* points) {
   points->SetNumberOfPoints(vtkIdType(3 * facets));
   for (size_t i = 0; i < 3 * facets; ++i) {
     const size_t at = kHeader + i / 3 * kFacet + 12 * (1 + i % 3);
@@ -43,8 +59,9 @@ void readBinary(std::string_view bytes, vtkPoints* points) {
 
 /// One or several solids: solid NAME, facets, endsolid NAME. A facet: facet normal X Y Z, outer loop, 3 times
 /// vertex X Y Z, endloop, endfacet.
-void readAscii(std::string_view bytes, const std::string& path, vtkPoints* points) {
+void readAscii(std::string_view bytes, const std::string& path, vtkPoints* points, Flaws& flaws) {
   TextScanner scanner(bytes, path);
+  scanner.passByteOrderMark();
   const auto keyword = [&] { return lower(scanner.word()); };
   const auto expect = [&](std::initializer_list<std::string_view> words) {
     for (std::string_view word : words)
@@ -52,10 +69,14 @@ void readAscii(std::string_view bytes, const std::string& path, vtkPoints* point
   };
   for (std::string word = keyword(); !word.empty(); word = keyword()) {
     if (word != "solid") scanner.fail("expected 'solid'");
-    scanner.line();
+    scanner.lineOfAnyEnd();
     for (word = keyword(); word == "facet"; word = keyword()) {
       expect({"normal"});
-      for (int axis = 0; axis < 3; ++axis) scanner.number<double>("a number");
+      for (int axis = 0; axis < 3; ++axis) {
+        double unused = 0;
+        if (!TextScanner::parse(scanner.word(), unused))
+          flaws.add("a normal that is no number is not used", [&] { return scanner.place(); });
+      }
       expect({"outer", "loop"});
       for (int corner = 0; corner < 3; ++corner) {
         expect({"vertex"});
@@ -65,24 +86,30 @@ void readAscii(std::string_view bytes, const std::string& path, vtkPoints* point
       }
       expect({"endloop", "endfacet"});
     }
-    if (word != "endsolid") scanner.fail("expected 'facet' or 'endsolid'");
-    scanner.line();
+    if (word.empty())
+      flaws.add("the file ends without 'endsolid'", [&] { return scanner.place(); });
+    else if (word != "endsolid")
+      scanner.fail("expected 'facet' or 'endsolid'");
+    scanner.lineOfAnyEnd();
   }
 }
 
 }  // namespace
 
-vtkSmartPointer<vtkPolyData> readStl(std::string_view bytes, const std::string& path) {
+vtkSmartPointer<vtkPolyData> readStl(std::string_view bytes, const std::string& path, Flaws& flaws) {
   const auto points = vtkSmartPointer<vtkPoints>::New();
-  const uint64_t facets = bytes.size() < kHeader ? 0 : valueAt<uint32_t>(bytes, kHeader - 4);
-  if (bytes.size() == kHeader + kFacet * facets)
-    readBinary(bytes, points);
-  else if (lower(TextScanner(bytes, path).word()) == "solid")
-    readAscii(bytes, path, points);
-  else
-    throw Error(path + ": " + std::to_string(bytes.size()) + " bytes for " + std::to_string(facets) +
-                " facets: expected a binary STL file of " + std::to_string(kHeader + kFacet * facets) +
+  TextScanner text(bytes, path);
+  text.passByteOrderMark();
+  if (const auto facets = facetsOfBinary(bytes, flaws)) {
+    readBinary(bytes, *facets, points);
+  } else if (lower(text.word()) == "solid") {
+    readAscii(bytes, path, points, flaws);
+  } else {
+    const uint64_t stated = bytes.size() < kHeader ? 0 : valueAt<uint32_t>(bytes, kHeader - 4);
+    throw Error(path + ": " + std::to_string(bytes.size()) + " bytes for " + std::to_string(stated) +
+                " facets: expected a binary STL file of " + std::to_string(kHeader + kFacet * stated) +
                 " bytes, or an ascii one that begins with 'solid'");
+  }
   const auto triangles = vtkSmartPointer<vtkCellArray>::New();
   for (vtkIdType i = 0; i < points->GetNumberOfPoints(); i += 3) triangles->InsertNextCell({i, i + 1, i + 2});
   const auto mesh = vtkSmartPointer<vtkPolyData>::New();

@@ -7,11 +7,14 @@
 #include <string>
 #include <string_view>
 
+#include "gxy/io/flaws.h"
+
 namespace gxy {
 
-/// The facets of a file's bytes in file order, each with three points of its own; stored normals and
-/// attributes are not used. The file is binary if its size is that of the number of facets it states, else
-/// ascii if it begins with "solid". Throws Error, which begins with `path`, when it is neither.
-vtkSmartPointer<vtkPolyData> readStl(std::string_view bytes, const std::string& path);
+/// The facets of a file's bytes in file order, each with three points of its own; stored normals and attributes are not used. The
+/// file is binary if it has the number of facets that it states (or states none), else ascii if it begins with "solid". `flaws` is
+/// told of bytes after the last facet, a number of 0 with facets after it, normals that are no numbers, and an end without
+/// "endsolid". Throws Error, which begins with `path`, when it is neither.
+vtkSmartPointer<vtkPolyData> readStl(std::string_view bytes, const std::string& path, Flaws& flaws);
 
 }  // namespace gxy

@@ -35,6 +35,20 @@ class TextScanner {
     return text;
   }
 
+  /// The same where a line may also end with "\r" alone.
+  std::string_view lineOfAnyEnd() {
+    last_ = at_;
+    const size_t end = std::min(bytes_.find_first_of("\r\n", at_), bytes_.size());
+    const std::string_view text = bytes_.substr(at_, end - at_);
+    at_ = std::min(end + (bytes_.substr(end).starts_with("\r\n") ? 2 : 1), bytes_.size());
+    return text;
+  }
+
+  /// Passes over the mark that some programs begin texts in UTF-8 with.
+  void passByteOrderMark() {
+    if (at_ == 0 && bytes_.starts_with("\xef\xbb\xbf")) at_ = 3;
+  }
+
   /// The next word as a number: the whole of it, an optional sign first. `what` says in errors what it is.
   template <class T>
   T number(std::string_view what) {
@@ -57,11 +71,16 @@ class TextScanner {
   const std::string& path() const { return path_; }
   size_t left() const { return bytes_.size() - at_; }
 
-  /// Throws Error "path: line n: what", with the line on which what was read last began.
-  [[noreturn]] void fail(const std::string& what) const {
-    const auto lines = 1 + std::count(bytes_.begin(), bytes_.begin() + std::ptrdiff_t(last_), '\n');
-    throw Error(path_ + ": line " + std::to_string(lines) + ": " + what);
+  /// "line n": where what was read last began.
+  std::string place() const {
+    size_t lines = 1;
+    for (size_t i = 0; i < last_; ++i)
+      lines += bytes_[i] == '\n' || (bytes_[i] == '\r' && bytes_.substr(i + 1, 1) != "\n");
+    return "line " + std::to_string(lines);
   }
+
+  /// Throws Error "path: line n: what".
+  [[noreturn]] void fail(const std::string& what) const { throw Error(path_ + ": " + place() + ": " + what); }
 
   template <class T>
   static bool parse(std::string_view text, T& value) {

@@ -62,7 +62,7 @@ bool isVolumeFile(const std::string& path) {
 std::string readableFormats() {
   return "volumes as .vti .pvti .vtk .vol .json .mha .mhd .nrrd .nhdr .nii .nii.gz .npy, geometry as .vtu "
          ".pvtu .vtp "
-         ".pvtp .vtk .ply .stl .obj .part";
+         ".pvtp .vts .vtr .vtk .ply .stl .obj .part";
 }
 
 VolumeFile openVolume(const std::string& path, const std::string& array) {

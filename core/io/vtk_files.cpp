@@ -26,9 +26,11 @@ std::vector<std::string> xmlPieces(const std::string& path, const char* type) {
 
 std::vector<std::string> geometryPieces(const std::string& path) { return vtk(path).geometryPieces(path); }
 
-GeometryContent readGeometry(const std::string& path, GeometryKind kind, const std::string& array,
+std::optional<ValuesWanted> valuesOfList(const std::string& path) { return vtk(path).valuesOfList(path); }
+
+GeometryContent readGeometry(const std::string& path, GeometryKind kind, const ValuesWanted& values,
                              const TakeMemory& toTake) {
-  return vtk(path).readGeometry(path, kind, array, toTake);
+  return vtk(path).readGeometry(path, kind, values, toTake);
 }
 
 GeometrySummary summariseGeometry(const std::string& path) { return vtk(path).summariseGeometry(path); }

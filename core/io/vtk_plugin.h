@@ -14,6 +14,7 @@ struct VtkPlugin {
   decltype(&gxy::openPvti) openPvti;
   decltype(&gxy::xmlPieces) xmlPieces;
   decltype(&gxy::geometryPieces) geometryPieces;
+  decltype(&gxy::valuesOfList) valuesOfList;
   decltype(&gxy::readGeometry) readGeometry;
   decltype(&gxy::summariseGeometry) summariseGeometry;
   decltype(&gxy::likelyKind) likelyKind;

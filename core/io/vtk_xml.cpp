@@ -7,12 +7,15 @@
 #include <array>
 #include <bit>
 #include <charconv>
+#include <cmath>
 #include <cstring>
 #include <exception>
 #include <fstream>
 #include <limits>
 #include <optional>
+#include <span>
 #include <utility>
+#include <vector>
 
 #include "gxy/comm/error.h"
 #include "gxy/io/vtk_messages.h"
@@ -38,6 +41,11 @@ class Parser final : public vtkXMLDataParser {
   void rethrow() const {
     if (thrown_) std::rethrow_exception(thrown_);
   }
+
+  /// The <Piece> elements of a list of files become what they name, without an element each.
+  void listPieces() { listsPieces_ = true; }
+  const std::vector<std::string>& pieces() const { return pieces_; }
+
   bool endedEarly() const { return elements_ > kMostElements || deepest_ > kDeepest; }
 
   size_t headerWordBytes() const { return HeaderType == 64 ? 8 : 4; }
@@ -77,9 +85,19 @@ class Parser final : public vtkXMLDataParser {
 
  protected:
   void StartElement(const char* name, const char** attributes) override {
+    if (inPiece_ > 0 || (listsPieces_ && std::strcmp(name, "Piece") == 0)) {
+      if (inPiece_++ == 0) addPiece(attributes);
+      return;
+    }
     vtkXMLDataParser::StartElement(name, attributes);
     ++elements_;
     deepest_ = std::max(deepest_, size_t(NumberOfOpenElements));
+  }
+  void EndElement(const char* name) override {
+    if (inPiece_ > 0)
+      --inPiece_;
+    else
+      vtkXMLDataParser::EndElement(name);
   }
   int ParseBuffer(const char* buffer, unsigned int count) override {
     constexpr uint64_t kWatched = uint64_t(1) << 20;
@@ -96,7 +114,16 @@ class Parser final : public vtkXMLDataParser {
   }
 
  private:
-  size_t elements_ = 0, deepest_ = 0;
+  void addPiece(const char** attributes) {
+    std::string source;
+    for (; attributes[0] && attributes[1]; attributes += 2)
+      if (std::strcmp(attributes[0], "Source") == 0) source = attributes[1];
+    pieces_.push_back(std::move(source));
+  }
+
+  size_t elements_ = 0, deepest_ = 0, inPiece_ = 0;
+  bool listsPieces_ = false;
+  std::vector<std::string> pieces_;
   uint64_t parsed_ = 0;
   std::exception_ptr thrown_;
 };
@@ -111,6 +138,54 @@ int64_t endOfText(vtkXMLDataElement* array, int64_t fileBytes) {
 
 /// VTK's parser takes 24 bytes for each block. All writers make them of some kilobytes.
 constexpr uint64_t kSmallestBlock = 64;
+
+/// The text of an element, piece by piece.
+class ElementText {
+ public:
+  ElementText(const File& file, int64_t begin) : file_(file), next_(begin) {
+    char quote = 0;  // in attributes
+    for (int c = get(); c >= 0 && (quote || c != '>'); c = get()) {
+      if (c == quote)
+        quote = 0;
+      else if (!quote && (c == '"' || c == '\''))
+        quote = char(c);
+    }
+  }
+
+  /// Up to the next tag; the word is empty at the end.
+  std::string_view word() {
+    word_.clear();
+    if (tag_) return word_;
+    int c = get();
+    while (isSpace(c)) c = get();
+    for (; c >= 0 && c != '<' && !isSpace(c); c = get())
+      if (word_.size() < kLongest) word_ += char(c);
+    tag_ = c < 0 || c == '<';
+    return word_;
+  }
+  bool atTag() const { return tag_; }
+
+ private:
+  static constexpr size_t kLongest = 400;
+  static bool isSpace(int c) { return c == ' ' || (c >= '\t' && c <= '\r'); }
+
+  int get() {
+    if (at_ == bytes_.size()) {
+      bytes_.resize(size_t(std::min(file_.size() - next_, int64_t(1) << 16)));
+      if (bytes_.empty()) return -1;
+      file_.readAt(next_, std::as_writable_bytes(std::span(bytes_)));
+      next_ += int64_t(bytes_.size());
+      at_ = 0;
+    }
+    return static_cast<unsigned char>(bytes_[at_++]);
+  }
+
+  const File& file_;
+  int64_t next_;
+  std::string bytes_, word_;
+  size_t at_ = 0;
+  bool tag_ = false;
+};
 
 Parser& of(vtkXMLDataParser* parser) { return static_cast<Parser&>(*parser); }
 
@@ -127,6 +202,8 @@ VtkXml::VtkXml(const std::string& path, const char* type)
       parser_(vtkSmartPointer<Parser>::New()) {
   const VtkMessages messages;
   parser_->SetStream(stream_.get());
+  if (type == std::string_view("PUnstructuredGrid") || type == std::string_view("PPolyData"))
+    of(parser_).listPieces();
   const bool parsed = parser_->Parse();
   of(parser_).rethrow();
   if (of(parser_).endedEarly())
@@ -140,6 +217,8 @@ VtkXml::VtkXml(const std::string& path, const char* type)
   data_ = root()->FindNestedElementWithName(type);
   if (!data_) throw Error(path + ": element <" + type + "> is missing");
 }
+
+const std::vector<std::string>& VtkXml::listedPieces() const { return of(parser_).pieces(); }
 
 bool VtkXml::compressed() const { return !attribute(root(), "compressor").empty(); }
 
@@ -214,6 +293,23 @@ int64_t VtkXml::statedBytes(vtkXMLDataElement* array, int64_t tuples) const {
     fail(array, "has too many values: " + std::to_string(tuples) + " entries of " +
                     std::to_string(components) + " components");
   return type ? bytes : bytes / 8 + (bytes % 8 > 0);
+}
+
+bool VtkXml::checkText(vtkXMLDataElement* array) const {
+  if (!isText(array)) return false;
+  ElementText text(*file_, array->GetXMLByteIndex());
+  bool finite = true, cut = false;
+  for (std::string_view word = text.word(); !word.empty(); word = text.word()) {
+    std::string_view digits = word;
+    if (digits.starts_with('+')) digits.remove_prefix(1);
+    double value = 0;
+    const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
+    if (error == std::errc::invalid_argument || end != digits.data() + digits.size())
+      fail(array, "holds '" + std::string(word.substr(0, 40)) + "', expected a number");
+    finite = error != std::errc() || std::isfinite(value);
+    cut = text.atTag();
+  }
+  return cut && !finite;
 }
 
 void VtkXml::checkCompressed(vtkXMLDataElement* array, int64_t bytes) const {

@@ -11,6 +11,7 @@
 #include <istream>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "gxy/io/file.h"
 
@@ -42,6 +43,9 @@ class VtkXml {
   bool compressed() const;
   int64_t headerWordBytes() const;
   bool swapsBytes() const;  ///< the file's byte order is not this machine's
+  /// Of a list of geometry (PUnstructuredGrid, PPolyData) what its <Piece> elements, of which there may be any number, have as
+  /// attribute Source; they are no elements of data(). Empty where there is none.
+  const std::vector<std::string>& listedPieces() const;
 
   /// Throws Error for an offset that is no position.
   XmlPlace placeOf(vtkXMLDataElement* array) const;
@@ -53,6 +57,9 @@ class VtkXml {
   int64_t statedBytes(vtkXMLDataElement* array, int64_t tuples) const;
   /// Throws Error if the array is compressed and its data do not become `bytes` bytes.
   void checkCompressed(vtkXMLDataElement* array, int64_t bytes) const;
+  /// Throws Error if a word of an array in text is no number: VTK's reader takes 1.0-101 for two. Returns whether the text ends at
+  /// its end tag with NaN or infinity, which that reader does not read there.
+  bool checkText(vtkXMLDataElement* array) const;
 
  private:
   [[noreturn]] void fail(vtkXMLDataElement* array, const std::string& what) const;

@@ -147,7 +147,7 @@ json Datasets::importHere(const json& p) {
       std::vector<LedgerEntry> reading;  // until it is known what is kept
       auto geometry = std::make_shared<LoadedGeometry>(loadGeometry(
           d.file, kindOf(d.type), d.array, ranks,
-          [&](int64_t bytes) { reading.push_back(node_.takeMemory(tenant, "geometry", bytes)); }));
+          [&](int64_t bytes) { reading.push_back(node_.takeMemory(tenant, "geometry", bytes)); }, &warnings));
       agree(ranks, [&] {
         reading.clear();
         d.bytes = bytesOf(geometry->block);

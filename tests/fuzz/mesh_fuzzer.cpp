@@ -17,9 +17,10 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
     } catch (const gxy::Error&) {
     }
   };
+  gxy::Flaws flaws;
   attempt([&] { gxy::readPly(bytes, "input"); });
-  attempt([&] { gxy::readObj(bytes, "input"); });
-  attempt([&] { gxy::readStl(bytes, "input"); });
+  attempt([&] { gxy::readObj(bytes, "input", flaws); });
+  attempt([&] { gxy::readStl(bytes, "input", flaws); });
   attempt([&] { gxy::checkLegacyVtk(bytes, "input"); });
   return 0;
 }

@@ -144,6 +144,7 @@ TEST(GeometryFile, HiddenPointsAreNoParticlesAndHideTheirCells) {
   EXPECT_EQ(points.points[0], glm::dvec3(1, 0, 0));
   EXPECT_EQ(points.points[5], glm::dvec3(3, 1, 0));
   EXPECT_TRUE(points.values.empty());  // vtkGhostType is no array of the data
+  EXPECT_EQ(readGeometry(folder / "g.vtk", GeometryKind::Particles, "vtkGhostType").block.values.size(), 6u);
 }
 
 TEST(GeometryFile, ObjIsRead) {

@@ -7,6 +7,7 @@
 #include <clocale>
 #include <cstring>
 #include <functional>
+#include <glm/geometric.hpp>
 
 #include "fixtures.h"
 #include "gxy/comm/error.h"
@@ -55,6 +56,18 @@ class MeshReader : public ::testing::Test {
     }
     ADD_FAILURE() << "no error";
     return {};
+  }
+
+  /// What is told of a file's flaws, each text without the path, which it must begin with.
+  std::vector<std::string> warningsOf(const std::string& name, const std::string& bytes,
+                                      GeometryKind kind = GeometryKind::Triangles) const {
+    writeText(folder_ / name, bytes);
+    std::vector<std::string> warnings = readGeometry(folder_ / name, kind).warnings;
+    for (std::string& text : warnings) {
+      EXPECT_TRUE(text.starts_with((folder_ / name) + ": ")) << text;
+      text.erase(0, std::min(text.size(), (folder_ / name).size() + 2));
+    }
+    return warnings;
   }
 
   std::string written(const std::string& name) const {
@@ -218,31 +231,99 @@ TEST_F(MeshReader, ObjLinesArePathLines) {
   EXPECT_EQ(readGeometry(folder_ / "g.obj", GeometryKind::PathLines).block.segments.size(), 2u);
 }
 
+TEST_F(MeshReader, ObjNormalsAndCoordinatesThatDoNotExistAreNotUsed) {
+  using Warnings = std::vector<std::string>;
+  const std::string vertices = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\n";
+  EXPECT_EQ(warningsOf("g.obj", vertices + "f 1 2 3\nf 1//7 2//8 3//9\n"),
+            Warnings{"face 2: a normal that is not there is not used (3 of these)"});
+  EXPECT_EQ(warningsOf("g.obj", vertices + "f 1/1 2/5 3/-4\n"),
+            Warnings{"line 5: texture coordinates that are not there are not used (2 of these)"});
+  for (const char* face : {"f 1//7 2//8 3//9\n", "f 1/1/-1 2/5/-1 3/1/-1\n"}) {
+    const GeometryBlock block = read("g.obj", vertices + face).block;
+    EXPECT_EQ(block.triangles, (Triangles{{0, 1, 2}}));
+    EXPECT_TRUE(block.normals.empty());
+  }
+}
+
+TEST_F(MeshReader, ObjCornersMayEndWithSlashes) {
+  for (const char* face : {"f 1/ 2/ 3/", "f 1// 2// 3//", "f 1/1/ 2/1/ 3/1/"}) {
+    const std::string text = std::string("v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\n") + face;
+    EXPECT_EQ(read("g.obj", text).block.triangles, (Triangles{{0, 1, 2}})) << face;
+    EXPECT_EQ(warningsOf("g.obj", text),
+              std::vector<std::string>{
+                  "line 5: a corner ends with '/', so that it has no more than is before (3 of these)"});
+  }
+}
+
+TEST_F(MeshReader, ObjMayBeginWithAByteOrderMark) {
+  const GeometryBlock block =
+      read("g.obj", "\xef\xbb\xbfv 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nf 1 2 3\n").block;
+  EXPECT_EQ(block.points, (std::vector<glm::dvec3>{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}}));
+  EXPECT_EQ(block.triangles, (Triangles{{0, 1, 2}}));
+}
+
+TEST_F(MeshReader, LinesOfObjAndStlMayEndWithCarriageReturnsAlone) {
+  const std::string obj = "v 0 0 0\rv 1 0 0\rv 0 1 0\rv 1 1 0\r# end\rf 1 2 3\r";
+  EXPECT_EQ(read("g.obj", obj).block.triangles, (Triangles{{0, 1, 2}}));
+  EXPECT_EQ(read("g.obj", obj).block.points.size(), 4u);
+  EXPECT_EQ(errorOf("g.obj", obj + "f 1 2 x"),
+            "line 7: found the corner 'x', expected v, v/t, v//n or v/t/n with numbers that are not 0");
+  EXPECT_EQ(read("g.stl",
+                 "solid a\rfacet normal 0 0 1\router loop\rvertex 0 0 0\rvertex 1 0 0\rvertex 0 1 0\r"
+                 "endloop\rendfacet\rendsolid a\r")
+                .block.triangles.size(),
+            1u);
+}
+
 TEST_F(MeshReader, ObjCornersThatDoNotExistAreAnError) {
   const std::string vertices = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\n";
-  EXPECT_EQ(errorOf("g.obj", vertices + "f 1//7 2//8 3//9\n"), "face 1 refers to normal 7 of 0");
-  EXPECT_EQ(errorOf("g.obj", vertices + "f 1/1 2/5 3/1\n"), "face 1 refers to texture coordinates 5 of 1");
   EXPECT_EQ(errorOf("g.obj", vertices + "f 1 2 3\nf 1 2 99999\n"), "face 2 refers to vertex 99999 of 3");
   EXPECT_EQ(errorOf("g.obj", vertices + "f -1 -2 -9\n"), "line 5: refers to vertex -9 of 3");
 }
 
 TEST_F(MeshReader, ObjMalformedStatementsAreAnError) {
   const std::string vertices = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
-  for (const char* corner : {"0", "1/", "1//", "/1", "1/2/3/4", "1.5", "x", "9223372036854775808"})
+  for (const char* corner : {"0", "/1", "//1", "1/2/3/4", "1.5", "x", "9223372036854775808"})
     EXPECT_EQ(errorOf("g.obj", vertices + "f 1 2 " + corner),
               "line 4: found the corner '" + std::string(corner) +
                   "', expected v, v/t, v//n or v/t/n with numbers that are not 0");
-  EXPECT_EQ(errorOf("g.obj", vertices + "f 1 2\n"), "line 4: 2 corners, expected at least 3");
   EXPECT_EQ(errorOf("g.obj", "v 0 0\n"), "line 1: found '', expected a number");
 }
 
 TEST_F(MeshReader, BinaryStlMustHaveTheSizeItStates) {
   const std::string whole = written("g.stl");
   EXPECT_NE(errorOf("g.stl", whole.substr(0, 84 + 2 * 50)).find("184 bytes for 4 facets"), std::string::npos);
-  EXPECT_NE(errorOf("g.stl", whole + "x").find("of 284 bytes"), std::string::npos);
+  EXPECT_NE(errorOf("g.stl", whole.substr(0, 84 + 3 * 50 + 49)).find("of 284 bytes"), std::string::npos);
   std::string header = whole;
   header.replace(0, 5, "solid");  // as some programs begin binary files
   EXPECT_EQ(read("g.stl", header).block, read("g.stl", whole).block);
+}
+
+TEST_F(MeshReader, BinaryStlMayGoOnAfterItsFacetsOrStateNone) {
+  using Warnings = std::vector<std::string>;
+  const std::string whole = written("g.stl");
+  const GeometryBlock block = read("g.stl", whole).block;
+  ASSERT_EQ(block.triangles.size(), 4u);
+  for (const std::string& rest : {std::string("x"), std::string(70, 'y')}) {
+    EXPECT_EQ(read("g.stl", whole + rest).block, block);
+    EXPECT_EQ(warningsOf("g.stl", whole + rest),
+              Warnings{"byte 284: what is after the last facet is passed over"});
+  }
+  std::string none = whole;
+  none.replace(80, 4, 4, '\0');
+  EXPECT_EQ(read("g.stl", none).block, block);
+  EXPECT_EQ(warningsOf("g.stl", none), Warnings{"header: it states no facets, and is read to its end"});
+  EXPECT_TRUE(warningsOf("g.stl", whole).empty());
+}
+
+TEST_F(MeshReader, AsciiStlNeedsNoNormalsAndNoEnd) {
+  const std::string facet = "outer loop vertex 0 0 0 vertex 1 0 0 vertex 0 1 0 endloop endfacet\n";
+  const std::string text = "solid a\nfacet normal 0 0 1 " + facet + "facet normal -1.#IND nan 0 " + facet;
+  EXPECT_EQ(read("g.stl", text).block.triangles, (Triangles{{0, 1, 2}, {3, 4, 5}}));
+  EXPECT_EQ(warningsOf("g.stl", text),
+            (std::vector<std::string>{"line 3: a normal that is no number is not used",
+                                      "line 4: the file ends without 'endsolid'"}));
+  EXPECT_EQ(errorOf("g.stl", text + "facets"), "line 4: expected 'facet' or 'endsolid'");
 }
 
 TEST_F(MeshReader, AsciiStlIsReadInAnyCaseAndWithSeveralSolids) {
@@ -291,18 +372,45 @@ TEST_F(MeshReader, LegacyVersionsThatVtkCannotParseAreAnError) {
   }
 }
 
-TEST_F(MeshReader, CellsWithTooFewPointsForTheirKindAreAnError) {
-  EXPECT_EQ(errorOf("g.vtk", legacy("POLYGONS 1 3\n2 0 1\n")), "cell 0 has 2 points, expected at least 3");
-  EXPECT_EQ(errorOf("g.vtk", legacy("LINES 1 2\n1 0\n")), "cell 0 has 1 points, expected at least 2");
-  EXPECT_EQ(errorOf("g.ply", asciiPly(kXyz, kCorner + "2 0 1\n")),
-            "cell 0 has 2 points, expected at least 3");
-  EXPECT_EQ(errorOf("g.vtk", legacy("POLYGONS 2 5\n3 0 1 2\n0\n")),
-            "cell 1 has 0 points, expected at least 3");
+TEST_F(MeshReader, CellsWithTooFewPointsForTheirKindAreLeftOut) {
+  using Warnings = std::vector<std::string>;
+  const std::string face = "a face of fewer than 3 corners is left out",
+                    line = "a line of fewer than 2 points is left out";
+  EXPECT_EQ(warningsOf("g.vtk", legacy("POLYGONS 4 10\n3 0 1 2\n2 0 1\n1 0\n0\n")),
+            Warnings{"cell 1: " + face + " (3 of these)"});
+  EXPECT_EQ(warningsOf("g.vtk", legacy("LINES 2 5\n2 0 1\n1 0\n"), GeometryKind::PathLines),
+            Warnings{"cell 1: " + line});
+  EXPECT_EQ(warningsOf("g.ply", asciiPly(kXyz, kCorner + "2 0 1\n")), Warnings{"cell 0: " + face});
+  EXPECT_EQ(warningsOf("g.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 1 2\nl 1\nl 2\n"),
+            (Warnings{"line 5: " + face, "line 6: " + line + " (2 of these)"}));
+  EXPECT_EQ(read("g.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2\nf 1 2 3\n").block.triangles,
+            (Triangles{{0, 1, 2}}));
+}
+
+TEST_F(MeshReader, PlyStripsTurnAtEachTriangleAndEndAtMinusOne) {
+  const std::string text = "ply\nformat ascii 1.0\nelement vertex 5\n" + kXyz +
+                           "element tristrips 1\nproperty list int int vertex_indices\nend_header\n"
+                           "0 0 0\n1 0 0\n0 1 0\n1 1 0\n2 0 0\n9 0 1 2 3 -1 4 3 1 -1\n";
+  EXPECT_EQ(read("g.ply", text).block.triangles, (Triangles{{0, 1, 2}, {2, 1, 3}, {4, 3, 1}}));
+  std::string bad = text;
+  bad.replace(bad.find("-1"), 2, "-2");
+  EXPECT_EQ(errorOf("g.ply", bad), "line 15: tristrips 0: refers to vertex -2 of 5");
 }
 
 TEST_F(MeshReader, PixelsWithoutFourPointsAreAnError) {
   EXPECT_EQ(errorOf("g.vtk", legacy("CELLS 1 4\n3 0 1 2\nCELL_TYPES 1\n8\n", "UNSTRUCTURED_GRID")),
             "cell 0 is a pixel, but has not 4 points");
+}
+
+TEST_F(MeshReader, ConcavePolygonsAreCutInside) {
+  // an L of area 3, whose notch a fan from its first corner would cover
+  const std::string text = "v 0 2 0\nv 0 0 0\nv 2 0 0\nv 2 1 0\nv 1 1 0\nv 1 2 0\nf 4 5 6 1 2 3\n";
+  const GeometryBlock block = read("g.obj", text).block;
+  ASSERT_EQ(block.triangles.size(), 4u);
+  double area = 0;
+  for (const auto& [a, b, c] : block.triangles)
+    area += glm::length(glm::cross(block.points[b] - block.points[a], block.points[c] - block.points[a])) / 2;
+  EXPECT_NEAR(area, 3, 1e-12);
 }
 
 TEST_F(MeshReader, LegacyOffsetsThatDoNotRiseAreAnError) {

@@ -388,6 +388,20 @@ TEST(Data, KeysOfAVolumeThatMeanNothingAreToldOnceToWhoImportsIt) {
   EXPECT_NE(many.at(10).get<std::string>().find("and 21 more unknown keys"), std::string::npos) << many;
 }
 
+TEST(Data, FlawsOfAMeshAreToldToWhoImportsIt) {
+  const auto server = serve();
+  const auto client = dataClient(*server);
+  std::ofstream(server->folder() / "flawed.obj") << "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 1 2\nf 3\n";
+  const json warnings =
+      client->expect(R"(import {"Datasets": {"name": "m", "filename": "flawed.obj", "type": "Triangles"}})")
+          .at("warnings");
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_NE(warnings.at(0).get<std::string>().find(
+                "flawed.obj: line 5: a face of fewer than 3 corners is left out (2 of these)"),
+            std::string::npos)
+      << warnings;
+}
+
 TEST(Data, AnImportHasAtMostTenThousandDatasets) {
   const auto server = serve(1);
   const auto client = dataClient(*server);

@@ -22,6 +22,7 @@ namespace {
 struct Input {
   LoadedGeometry geometry;
   std::string array;        ///< name of the values
+  bool ofCells = false;     ///< these
   GeometrySummary summary;  ///< of one of the pieces, which tells what all of them hold
 };
 
@@ -32,7 +33,7 @@ std::pair<std::string, GeometrySummary> tellingPiece(const std::string& in) {
   std::optional<std::pair<std::string, GeometrySummary>> best;
   for (const std::string& piece : pieces) {
     const GeometrySummary summary = summariseGeometry(piece);
-    if (summary.triangles || summary.segments || summary.vertices) return {piece, summary};
+    if (summary.triangles || summary.solids || summary.segments || summary.vertices) return {piece, summary};
     if (!best || (best->second.points == 0 && summary.points > 0)) best = {piece, summary};
   }
   return *best;
@@ -42,8 +43,11 @@ Input load(const Options& options) {
   const auto [piece, summary] = tellingPiece(options.in);
   const GeometryKind kind = likelyKind(summary);
   SingleRank rank;
-  Input input{loadGeometry(options.in, kind, options.array, rank),
-              readGeometry(piece, kind, options.array).array, summary};
+  LoadedGeometry geometry = loadGeometry(options.in, kind, options.array, rank);
+  const auto listed = valuesOfList(options.in);
+  const GeometryContent content =
+      readGeometry(piece, kind, options.array.empty() && listed ? *listed : ValuesWanted(options.array));
+  Input input{std::move(geometry), content.array, content.ofCells, summary};
   if (input.array.empty()) input.array = "data";
   return input;
 }
@@ -59,10 +63,11 @@ void tellLosses(const Options& options, const Input& input, const std::string& e
     const std::string name = (array.ofCells ? "cell array '" : "array '") + array.name + "'";
     const bool normals = array.components == 3 && (array.name == "Normals" || array.name == "Normals_");
     if (!array.ofCells && normals && !block.normals.empty() && !bare) continue;
-    if (array.ofCells || array.name != input.array || block.values.empty() || bare) {
+    if (array.ofCells != input.ofCells || array.name != input.array || block.values.empty() || bare) {
       if (options.array.empty() || array.name == options.array) tell(name + " is left out");
       continue;
     }
+    if (array.ofCells) tell(name + " becomes an array of points, of which each cell gets its own");
     if (array.components > 1)
       tell(name + " becomes the magnitude of its " + std::to_string(array.components) + " components");
     if (array.type != "float") tell(name + " is rounded from " + array.type + " to float");
@@ -70,7 +75,10 @@ void tellLosses(const Options& options, const Input& input, const std::string& e
   uint64_t used = s.vertices;
   const char* kept = "points";
   if (input.geometry.kind == GeometryKind::PathLines) used = s.segments, kept = "lines";
-  if (input.geometry.kind == GeometryKind::Triangles) used = s.triangles, kept = "triangles";
+  if (input.geometry.kind == GeometryKind::Triangles) {
+    used = s.triangles, kept = "triangles";
+    if (s.solids) tell("of solid cells only the outer surface is kept");
+  }
   if (s.vertices + s.segments + s.triangles + s.others > used)
     tell("cells other than " + std::string(kept) + " are left out");
 }
@@ -149,6 +157,7 @@ void infoGeometry(const Options& options) {
     std::printf("points      %" PRIu64 " (%" PRIu64 " in vertex cells)\n", s.points, s.vertices);
     std::printf("segments    %" PRIu64 "\ntriangles   %" PRIu64 "\nother cells %" PRIu64 "\n", s.segments,
                 s.triangles, s.others);
+    if (s.solids) std::printf("solid cells %" PRIu64 " (their outer surface is shown)\n", s.solids);
     if (!s.box.empty())
       std::printf("box         %.9g %.9g %.9g to %.9g %.9g %.9g\n", s.box.lo.x, s.box.lo.y, s.box.lo.z,
                   s.box.hi.x, s.box.hi.y, s.box.hi.z);

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+// The cells of a set by number, with cells of polygonal data that VTK refuses to number: those of too few points. Used inside
+// core/io only, by files that see VTK.
+#pragma once
+#include <vtkCellArray.h>
+#include <vtkCellType.h>
+#include <vtkIdList.h>
+#include <vtkPointSet.h>
+#include <vtkPolyData.h>
+
+#include <array>
+
+namespace gxy {
+
+/// The set is kept by its owner. For one thread at a time.
+class CellList {
+ public:
+  explicit CellList(vtkPointSet* set) : set_(set) {
+    if (const auto mesh = vtkPolyData::SafeDownCast(set))
+      kinds_ = {mesh->GetVerts(), mesh->GetLines(), mesh->GetPolys(), mesh->GetStrips()};
+  }
+
+  vtkIdType count() const { return set_->GetNumberOfCells(); }
+
+  int type(vtkIdType cell) const {
+    if (!kinds_[0]) return set_->GetCellType(cell);
+    const size_t kind = kindOf(cell);
+    const vtkIdType points = kinds_[kind]->GetCellSize(cell);
+    constexpr int kMany[] = {VTK_POLY_VERTEX, VTK_POLY_LINE, VTK_POLYGON, VTK_TRIANGLE_STRIP};
+    if (kind == 0 && points == 1) return VTK_VERTEX;
+    if (kind == 1 && points == 2) return VTK_LINE;
+    if (kind == 2 && points == 3) return VTK_TRIANGLE;
+    return kind == 2 && points == 4 ? VTK_QUAD : kMany[kind];
+  }
+
+  void points(vtkIdType cell, vtkIdList* ids) const {
+    if (!kinds_[0]) return set_->GetCellPoints(cell, ids);
+    const size_t kind = kindOf(cell);
+    kinds_[kind]->GetCellAtId(cell, ids);
+  }
+
+ private:
+  /// The array that holds a cell; `cell` becomes its number there.
+  size_t kindOf(vtkIdType& cell) const {
+    size_t kind = 0;
+    for (; kind < 3 && cell >= kinds_[kind]->GetNumberOfCells(); ++kind)
+      cell -= kinds_[kind]->GetNumberOfCells();
+    return kind;
+  }
+
+  vtkPointSet* set_;
+  std::array<vtkCellArray*, 4> kinds_{};  ///< of polygonal data, in the order of numbers
+};
+
+}  // namespace gxy

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gxy/io/values_choice.h"
+
+#include <algorithm>
+
+namespace gxy {
+namespace {
+
+constexpr std::string_view kGhosts = "vtkGhostType";
+
+std::optional<std::string> usual(const ListedArrays& list) {
+  std::optional<std::string> first;
+  for (const auto& [name, components] : list.arrays) {
+    if (name == kGhosts || name == list.normals || name == list.textures) continue;
+    if (components == 3 && isNameOfNormals(name)) continue;
+    if (name == "data") return name;
+    if (!first) first = name;
+  }
+  return first;
+}
+
+bool hasScalars(const ListedArrays& list) {
+  return !list.scalars.empty() && list.scalars != kGhosts && list.has(list.scalars);
+}
+
+}  // namespace
+
+bool isNameOfNormals(std::string_view name) { return name == "Normals" || name == "Normals_"; }
+
+bool ListedArrays::has(std::string_view name) const {
+  return std::any_of(arrays.begin(), arrays.end(), [&](const Array& array) { return array.name == name; });
+}
+
+std::optional<ChosenArray> chooseValues(const ListedArrays& points, const ListedArrays& cells,
+                                        const ValuesWanted& wanted) {
+  if (!wanted.array.empty()) {
+    if (points.has(wanted.array) && !wanted.ofCells.value_or(false)) return ChosenArray{wanted.array, false};
+    if (cells.has(wanted.array) && wanted.ofCells.value_or(true)) return ChosenArray{wanted.array, true};
+    return {};
+  }
+  if (hasScalars(points)) return ChosenArray{points.scalars, false};
+  if (hasScalars(cells)) return ChosenArray{cells.scalars, true};
+  if (const auto name = usual(points)) return ChosenArray{*name, false};
+  if (const auto name = usual(cells)) return ChosenArray{*name, true};
+  return {};
+}
+
+}  // namespace gxy

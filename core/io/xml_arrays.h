@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+// What stands in VTK's XML files of geometry, before any array is read. Used inside core/io only, by files that see VTK.
+#pragma once
+#include <optional>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "gxy/io/left_out.h"
+#include "gxy/io/vtk_geometry.h"
+#include "gxy/io/vtk_xml.h"
+
+namespace gxy {
+
+/// What VTK's readers of .vtp, .vtu, .vts and .vtr would allocate for a file, array by array, and which arrays they are not to
+/// read. Looks at all that stands in the pieces, as of two elements of one name a reader may take either.
+class XmlArrays {
+ public:
+  /// Throws Error for a file that states sizes that cannot be.
+  XmlArrays(const VtkXml& xml, const std::optional<ArraysNeeded>& needed);
+
+  int64_t bytes() const { return bytes_; }
+  /// Names of arrays that are not needed, and of those of strings, which take what no attribute states, and of unknown
+  /// types, of which no use is made.
+  const std::set<std::string>& pointArraysToPassOver() const { return points_; }
+  const std::set<std::string>& cellArraysToPassOver() const { return cells_; }
+  const LeftOut& leftOut() const { return leftOut_; }
+  /// Whether VTK's reader is to be given the text with a space before end tags: see VtkXml::checkText().
+  bool needsSpaces() const { return needsSpaces_; }
+
+ private:
+  bool isPassedOver(vtkXMLDataElement* array, bool ofCells) const;
+  void choose(const std::vector<vtkXMLDataElement*>& pieces, const ArraysNeeded& needed);
+  int64_t count(vtkXMLDataElement* piece, const char* attribute) const;
+  void addPiece(vtkXMLDataElement* piece);
+  void addLattice(vtkXMLDataElement* piece);
+  void addArrays(vtkXMLDataElement* group, int64_t tuples);
+  void addCells(vtkXMLDataElement* group, int64_t cells);
+  int64_t sum(int64_t a, int64_t b) const;
+  void add(int64_t n, int64_t each);
+  [[noreturn]] void tooLarge() const;
+
+  const VtkXml& xml_;
+  int64_t bytes_ = 0;
+  bool several_ = false, all_, needsSpaces_ = false;
+  std::set<std::string> chosen_, chosenOfCells_;
+  std::set<std::string> points_, cells_;
+  LeftOut leftOut_;
+};
+
+/// The arrays of points and of cells that such a list declares.
+std::pair<ListedArrays, ListedArrays> arraysOfXmlList(const std::string& path, const char* type);
+
+}  // namespace gxy
