@@ -6,12 +6,12 @@
 namespace gxy {
 namespace {
 
-constexpr std::string_view kGhosts = "vtkGhostType";
+constexpr std::string_view kGhostArray = "vtkGhostType";
 
 std::optional<std::string> usual(const ListedArrays& list) {
   std::optional<std::string> first;
   for (const auto& [name, components] : list.arrays) {
-    if (name == kGhosts || name == list.normals || name == list.textures) continue;
+    if (name == kGhostArray || name == list.normals || name == list.textures) continue;
     if (components == 3 && isNameOfNormals(name)) continue;
     if (name == "data") return name;
     if (!first) first = name;
@@ -20,7 +20,7 @@ std::optional<std::string> usual(const ListedArrays& list) {
 }
 
 bool hasScalars(const ListedArrays& list) {
-  return !list.scalars.empty() && list.scalars != kGhosts && list.has(list.scalars);
+  return !list.scalars.empty() && list.scalars != kGhostArray && list.has(list.scalars);
 }
 
 }  // namespace

@@ -12,7 +12,7 @@
 namespace gxy {
 namespace {
 
-constexpr const char* kKinds[] = {"Verts", "Lines", "Strips", "Polys"};
+constexpr const char* kCellGroups[] = {"Verts", "Lines", "Strips", "Polys"};
 
 bool isNamed(vtkXMLDataElement* element, std::string_view name) { return element->GetName() == name; }
 
@@ -108,7 +108,7 @@ int64_t XmlArrays::count(vtkXMLDataElement* piece, const char* attribute) const 
 void XmlArrays::addPiece(vtkXMLDataElement* piece) {
   const int64_t points = count(piece, "NumberOfPoints"), gridCells = count(piece, "NumberOfCells");
   int64_t cells = gridCells;
-  for (const char* kind : kKinds) {
+  for (const char* kind : kCellGroups) {
     const int64_t some = count(piece, (std::string("NumberOf") + kind).c_str());
     cells = sum(cells, some);
     add(some, sizeof(int64_t));  // where vtkPolyData finds its cells
