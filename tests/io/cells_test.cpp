@@ -67,7 +67,8 @@ Points withMiddles(Points points, const std::vector<std::array<size_t, 2>>& edge
   return points;
 }
 
-const Points kCube{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {0, 0, 1}, {1, 0, 1}, {1, 1, 1}, {0, 1, 1}};
+const Points kCubeCorners{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0},
+                          {0, 0, 1}, {1, 0, 1}, {1, 1, 1}, {0, 1, 1}};
 const Points kTetra{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
 const Points kWedge{{0, 0, 0}, {0, 1, 0}, {1, 0, 0}, {0, 0, 1}, {0, 1, 1}, {1, 0, 1}};
 const Points kPyramid{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {0.5, 0.5, 1}};
@@ -85,9 +86,9 @@ class Cells : public ::testing::Test {
 };
 
 TEST_F(Cells, SolidOnesShowTheirOuterSurfaceFacingOutwards) {
-  Points voxel = kCube;
+  Points voxel = kCubeCorners;
   std::swap(voxel[2], voxel[3]), std::swap(voxel[6], voxel[7]);
-  Points triquadratic = withMiddles(kCube, kCubeEdges);
+  Points triquadratic = withMiddles(kCubeCorners, kCubeEdges);
   for (const glm::dvec3& c :
        Points{{0, .5, .5}, {1, .5, .5}, {.5, 0, .5}, {.5, 1, .5}, {.5, .5, 0}, {.5, .5, 1}})
     triquadratic.push_back(c);
@@ -104,12 +105,12 @@ TEST_F(Cells, SolidOnesShowTheirOuterSurfaceFacingOutwards) {
   };
   for (const Case& c :
        {Case{10, kTetra, 1. / 6, 1.5 + std::sqrt(3.) / 2, 4}, Case{11, voxel, 1, 6, 12},
-        Case{12, kCube, 1, 6, 12}, Case{13, kWedge, 0.5, 3 + std::sqrt(2.), 8},
+        Case{12, kCubeCorners, 1, 6, 12}, Case{13, kWedge, 0.5, 3 + std::sqrt(2.), 8},
         Case{14, kPyramid, 1. / 3, 1 + 4 * slant, 6},
         Case{16, hexagon, 1.5 * std::sqrt(3.), 3 * std::sqrt(3.) + 6, 20},
         Case{24, withMiddles(kTetra, {{0, 1}, {1, 2}, {2, 0}, {0, 3}, {1, 3}, {2, 3}}), 1. / 6,
              1.5 + std::sqrt(3.) / 2, 16},
-        Case{25, withMiddles(kCube, kCubeEdges), 1, 6, 36},
+        Case{25, withMiddles(kCubeCorners, kCubeEdges), 1, 6, 36},
         Case{26,
              withMiddles(kWedge, {{0, 1}, {1, 2}, {2, 0}, {3, 4}, {4, 5}, {5, 3}, {0, 3}, {1, 4}, {2, 5}}),
              0.5, 3 + std::sqrt(2.), 26},
@@ -126,7 +127,7 @@ TEST_F(Cells, SolidOnesShowTheirOuterSurfaceFacingOutwards) {
 }
 
 TEST_F(Cells, MiddlesOfEdgesBendTheSurface) {
-  Points points = withMiddles(kCube, kCubeEdges);
+  Points points = withMiddles(kCubeCorners, kCubeEdges);
   points[12].z = 1.5;  // of the upper edge in front: two triangles of the upper face rise, one in front grows
   const GeometryBlock block = read(grid(25, points, 20)).block;
   double highest = 0;
