@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cctype>
 #include <cerrno>
 #include <cstring>
@@ -21,23 +22,30 @@ namespace {
   throw Error(path + ": " + what + ": " + std::strerror(errno));
 }
 
-thread_local const ReadScope* scope = nullptr;  ///< innermost on this thread
-thread_local const ReadWatch* watch = nullptr;  ///< the same
 constexpr size_t kReadAtOnce = size_t(8) << 20;
+
+thread_local ReadRules ownRules;
+ReadRules& ownRulesOfThread() { return ownRules; }
+std::atomic<RulesOfThread> rulesOfThread = ownRulesOfThread;
+
+ReadRules& rules() { return rulesOfThread.load(std::memory_order_acquire)(); }
 
 }  // namespace
 
-ReadScope::ReadScope(Check check) : check_(std::move(check)), outer_(std::exchange(scope, this)) {}
+RulesOfThread readRules() { return rulesOfThread; }
+void shareReadRules(RulesOfThread ofProgram) { rulesOfThread = ofProgram; }
 
-ReadScope::~ReadScope() { scope = outer_; }
+ReadScope::ReadScope(Check check) : check_(std::move(check)), outer_(std::exchange(rules().scope, this)) {}
+
+ReadScope::~ReadScope() { rules().scope = outer_; }
 
 ReadWatch::ReadWatch(std::function<void()> check)
-    : check_(std::move(check)), outer_(std::exchange(watch, this)) {}
+    : check_(std::move(check)), outer_(std::exchange(rules().watch, this)) {}
 
-ReadWatch::~ReadWatch() { watch = outer_; }
+ReadWatch::~ReadWatch() { rules().watch = outer_; }
 
 void ReadWatch::check() {
-  if (watch) watch->check_();
+  if (const ReadWatch* const watch = rules().watch) watch->check_();
 }
 
 File File::open(const std::string& path) {
@@ -45,7 +53,7 @@ File File::open(const std::string& path) {
   const int descriptor = ::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
   if (descriptor < 0) fail(path, "cannot open the file");
   File file(path, descriptor);
-  if (scope) {
+  if (const ReadScope* const scope = rules().scope) {
     std::error_code failed;
     const std::filesystem::path place = std::filesystem::read_symlink(file.opened(), failed);
     if (failed) throw Error(path + ": cannot find out where the file lies: " + failed.message());

@@ -68,6 +68,19 @@ class ReadWatch {
   const ReadWatch* const outer_;
 };
 
+/// The innermost scope and watch of a thread.
+struct ReadRules {
+  const ReadScope* scope = nullptr;
+  const ReadWatch* watch = nullptr;
+};
+using RulesOfThread = ReadRules& (*)();
+
+/// Gives the calling thread's rules. A plugin (gxy/comm/plugin.h) has a copy of these functions: the program that opens it
+/// hands its own readRules() to the plugin's shareReadRules() before it calls anything else there, so that the same rules hold
+/// in both.
+RulesOfThread readRules();
+void shareReadRules(RulesOfThread ofProgram);
+
 /// The whole of a text file of at most `limit` bytes.
 std::string readText(const std::string& path, int64_t limit = int64_t(64) << 20);
 void writeText(const std::string& path, const std::string& text);

@@ -7,7 +7,12 @@ namespace gxy {
 namespace {
 
 const VtkPlugin& vtk(const std::string& path) {
-  return plugin<VtkPlugin>("vtk", path + ": reading or writing it");
+  static const VtkPlugin& table = [&]() -> const VtkPlugin& {
+    const VtkPlugin& opened = plugin<VtkPlugin>("vtk", path + ": reading or writing it");
+    opened.shareReadRules(readRules());
+    return opened;
+  }();
+  return table;
 }
 
 }  // namespace

@@ -5,7 +5,8 @@
 
 namespace {
 
-const gxy::VtkPlugin table = {.openVti = gxy::openVti,
+const gxy::VtkPlugin table = {.shareReadRules = gxy::shareReadRules,
+                              .openVti = gxy::openVti,
                               .openPvti = gxy::openPvti,
                               .xmlPieces = gxy::xmlPieces,
                               .geometryPieces = gxy::geometryPieces,

@@ -3,6 +3,7 @@
 // functions below are declared in the headers given and called by their names. In galaxy_io they are those of
 // vtk_files.cpp, which open the plugin and call the function behind the pointer; in galaxy_vtk_files they are themselves.
 #pragma once
+#include "gxy/io/file.h"
 #include "gxy/io/geometry_file.h"
 #include "gxy/io/volume_formats.h"
 #include "gxy/io/write_geometry.h"
@@ -10,6 +11,7 @@
 namespace gxy {
 
 struct VtkPlugin {
+  decltype(&gxy::shareReadRules) shareReadRules;  ///< called once, before the others
   decltype(&gxy::openVti) openVti;
   decltype(&gxy::openPvti) openPvti;
   decltype(&gxy::xmlPieces) xmlPieces;
