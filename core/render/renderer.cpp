@@ -193,7 +193,8 @@ void Renderer::beginWaiting(const std::vector<FrameId>& ids) {
     std::optional<FrameRequest> request;
     {
       std::lock_guard lock(mutex_);
-      const auto it = pending_.find(id);  // none where it was superseded meanwhile, which begins it, and is over
+      const auto it =
+          pending_.find(id);  // none where it was superseded meanwhile, which begins it, and is over
       if (it != pending_.end()) request.swap(it->second.waiting);
     }
     if (request) beginFrame(id, *request);

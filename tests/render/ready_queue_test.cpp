@@ -48,7 +48,7 @@ struct NamedTiles : TileSource {
   int64_t cost() const override { return each; }
   std::function<void()> take() override {
     left--;
-    return [this] { written += frame; };
+    return [&written = written, frame = frame] { written += frame; };  // the source may be gone by then
   }
   std::string& written;
   char frame;
