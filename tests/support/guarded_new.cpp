@@ -7,6 +7,8 @@
 #include <atomic>
 #include <cstdint>
 #include <cstdlib>
+#include <cstring>
+#include <mutex>
 #include <new>
 
 namespace {
@@ -14,6 +16,7 @@ namespace {
 constexpr size_t kPage = 4096, kSlot = size_t(1) << 20, kSlots = size_t(1) << 25;
 constexpr size_t kSmallest = 32,
                  kLargest = kSlot / 2;  // smaller ones are many and of the tests; larger ones have no slot
+constexpr int kPoison = 0xFF;           // -1 as an index, NaN as a number
 constexpr int kMostGuarded = 24000;     // of the 65530 mappings that Linux allows, at two each
 
 char* reserve(void* at, size_t bytes) {
@@ -23,33 +26,55 @@ char* reserve(void* at, size_t bytes) {
   return static_cast<char*>(p);
 }
 
+constexpr size_t kMostPages = kLargest / kPage;
 std::atomic<size_t> nextSlot = 0;
-std::atomic<int> guarded = 0;
+std::atomic<int> guarded = 0;  // slots that may be touched: in use, or free
 // Null until this library begins, the last one: what others allocate when they begin would fill the slots.
 char* const slots = reserve(nullptr, kSlot* kSlots);
+
+std::atomic<uint8_t> pagesOf[kSlots];  // of each slot, less one
+// Slots whose memory may be touched and is free, by their pages; taking one back takes no system call.
+struct FreeSlot {
+  FreeSlot* next;
+};
+std::mutex freeMutex;
+FreeSlot* freeSlots[kMostPages];
 
 bool inSlots(const void* p) {
   const uintptr_t begin = reinterpret_cast<uintptr_t>(slots), at = reinterpret_cast<uintptr_t>(p);
   return begin != 0 && at >= begin && at < begin + kSlot * kSlots;
 }
 
-void* guardedNew(size_t size, size_t alignment) {
-  if (size < kSmallest || size > kLargest || alignment > kPage || slots == nullptr) return nullptr;
+char* firstByte(size_t slot) { return slots + slot * kSlot + kSlot / 4; }
+
+/// The first byte of that many pages of a slot, between memory that may not be touched; null where there is none left.
+char* takePages(size_t pages) {
+  {
+    std::lock_guard lock(freeMutex);
+    if (FreeSlot* const taken = freeSlots[pages - 1]; taken != nullptr) {
+      freeSlots[pages - 1] = taken->next;
+      return static_cast<char*>(std::memset(static_cast<void*>(taken), kPoison, sizeof(FreeSlot)));
+    }
+  }
   if (guarded.fetch_add(1) < kMostGuarded) {
-    const size_t slot = nextSlot.fetch_add(1), length = (size + kPage - 1) / kPage * kPage;
-    if (slot < kSlots) {
-      char* const first = slots + slot * kSlot + kSlot / 4;
-      if (mprotect(first, length, PROT_READ | PROT_WRITE) == 0) {
-#if defined(GXY_GUARD_BEHIND)
-        return first + (length - size) / alignment * alignment;
-#else
-        return first;
-#endif
-      }
+    const size_t slot = nextSlot.fetch_add(1);
+    if (slot < kSlots && mprotect(firstByte(slot), pages * kPage, PROT_READ | PROT_WRITE) == 0) {
+      pagesOf[slot] = uint8_t(pages - 1);
+      return firstByte(slot);
     }
   }
   guarded.fetch_sub(1);
   return nullptr;
+}
+
+void* guardedNew(size_t size, size_t alignment) {
+  if (size < kSmallest || size > kLargest || alignment > kPage || slots == nullptr) return nullptr;
+  const size_t pages = (size + kPage - 1) / kPage;
+  char* const first = takePages(pages);
+#if defined(GXY_GUARD_BEHIND)
+  if (first != nullptr) return first + (pages * kPage - size) / alignment * alignment;
+#endif
+  return first;
 }
 
 void* anyNew(size_t size, size_t alignment) {
@@ -61,9 +86,11 @@ void* anyNew(size_t size, size_t alignment) {
 
 void anyDelete(void* p) {
   if (!inSlots(p)) return std::free(p);
-  // nothing of it is kept, and it is not given again
-  reserve(slots + (static_cast<char*>(p) - slots) / kSlot * kSlot, kSlot);
-  guarded.fetch_sub(1);
+  const size_t slot = size_t(static_cast<char*>(p) - slots) / kSlot, pages = size_t(pagesOf[slot]) + 1;
+  std::memset(firstByte(slot), kPoison,
+              pages * kPage);  // whoever still reads it has no sound index or pointer
+  std::lock_guard lock(freeMutex);
+  freeSlots[pages - 1] = new (firstByte(slot)) FreeSlot{freeSlots[pages - 1]};
 }
 
 }  // namespace
