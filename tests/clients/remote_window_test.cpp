@@ -64,6 +64,13 @@ struct Shown {
     window.setCamera(camera);
   }
 
+  // Of a tenant that may have one rendering, so that the window's are refused until it ends.
+  void renderLong() {
+    user->expect("window 1");
+    user->expect("set 1 " + stateOf("ball"));
+    user->expect(R"(render 1 {"passes": 4096, "rays": 16})");
+  }
+
   TestServer server;
   std::unique_ptr<Client> user;
   std::string warned;  // read once the window is loaded: it is told before
@@ -121,9 +128,7 @@ TEST(RemoteWindow, AsksAgainForWhatWasRefused) {
   Shown shown(limits);
   shown.user->expect(importBall("ball"));
   shown.untilAllIsShown(1);
-  shown.user->expect("window 1");
-  shown.user->expect("set 1 " + stateOf("ball"));
-  shown.user->expect(R"(render 1 {"passes": 4096, "rays": 16})");
+  shown.renderLong();
   shown.turn();
   shown.untilRefused("tenant user: 1 renderings are in flight");
   // Long enough, as a rule, for the frame of the camera at rest to be refused, too.
@@ -183,9 +188,7 @@ TEST(RemoteWindow, SaysWhyThereIsNoWholePicture) {
   Shown shown(limits);
   shown.user->expect(importBall("ball"));
   shown.untilAllIsShown(1);
-  shown.user->expect("window 1");
-  shown.user->expect("set 1 " + stateOf("ball"));
-  shown.user->expect(R"(render 1 {"passes": 4096, "rays": 16})");
+  shown.renderLong();
   const auto still = shown.window.still(shown.state());
   shown.until([&] { return still->progress().ended; }, "it ends");
   EXPECT_EQ(still->progress().error.find("tenant user: 1 renderings are in flight"), 0u)

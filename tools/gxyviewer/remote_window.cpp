@@ -138,7 +138,14 @@ void RemoteWindow::takePixels(const PixelHeader& header, std::span<const std::by
     return;
   }
   if (header.frame < frame_.number) return;
+  const auto text = [&] {
+    return protocol::parseObject({reinterpret_cast<const char*>(data.data()), data.size()}, "frame");
+  };
   if (header.frame > frame_.number) {
+    if (header.kind == PixelKind::EndOfFrame && text().at("status") == "superseded") {
+      asked_.skip(header.frame);  // it never began: what is shown goes on
+      return changed_.notify_all();
+    }
     frame_ = {};
     frame_.number = header.frame;
   }
@@ -148,9 +155,6 @@ void RemoteWindow::takePixels(const PixelHeader& header, std::span<const std::by
     refusals_ = 0;
     again_.reset();
   }
-  const auto text = [&] {
-    return protocol::parseObject({reinterpret_cast<const char*>(data.data()), data.size()}, "frame");
-  };
   if (header.kind == PixelKind::EndOfFrame) {
     const json end = text();
     frame_.ended = true;
@@ -158,7 +162,7 @@ void RemoteWindow::takePixels(const PixelHeader& header, std::span<const std::by
     frame_.error = end.value("error", "");
     frame_.seconds = end.at("seconds");
     frame_.generations = end.at("generations").get<std::map<std::string, uint64_t>>();
-    forgetUntil(header.frame);
+    asked_.done(header.frame);
   } else {
     if (header.kind == PixelKind::Tile && !frame_.shown) {
       if (frame_.bytes == 0) frame_.begin = now, frame_.firstBytes = data.size();
@@ -180,9 +184,7 @@ void RemoteWindow::showFirst(const json& pass) {
   frame_.shown = true;
   statistics_.frames++;
   statistics_.passBytes = frame_.bytes;
-  const auto asked = std::find_if(asked_.begin(), asked_.end(),
-                                  [this](const Asked& a) { return a.number == frame_.number; });
-  if (asked != asked_.end()) {
+  if (const FramesAsked::Asked* asked = asked_.find(frame_.number)) {
     statistics_.firstPixels = std::chrono::duration<double>(now - asked->at).count();
     if (asked->moving) {
       Pace::Pass took{*asked->moving, pass.at("seconds"), frame_.bytes, {}};
@@ -192,12 +194,7 @@ void RemoteWindow::showFirst(const json& pass) {
       pace_.take(took);
     }
   }
-  forgetUntil(frame_.number);
-}
-
-void RemoteWindow::forgetUntil(uint64_t frame) {
-  newest_ = std::max(newest_, frame);
-  std::erase_if(asked_, [&](const Asked& a) { return a.number && *a.number <= frame; });
+  asked_.done(frame_.number);
 }
 
 void RemoteWindow::takeEvent(const json& event) {
@@ -239,7 +236,7 @@ void RemoteWindow::update(Clock::time_point now) {
   {
     const std::lock_guard lock(mutex_);
     if (!loaded_ || !failure_.empty()) return;
-    underWay = asked_.size();
+    underWay = asked_.underWay();
     again = again_ && now >= *again_;
     boxesDue = std::exchange(boxesDue_, false);
   }
@@ -267,8 +264,8 @@ std::optional<std::string> RemoteWindow::picked() {
 
 bool RemoteWindow::whole() const {
   const std::lock_guard lock(mutex_);
-  return cameraSent_ && !movingSent_ && asked_.empty() && frame_.number == newest_ && frame_.ended &&
-         frame_.status == "complete" && canvas_.frame() == newest_;
+  return cameraSent_ && !movingSent_ && asked_.underWay() == 0 && frame_.number == asked_.newest() &&
+         frame_.ended && frame_.status == "complete" && canvas_.frame() == asked_.newest();
 }
 
 std::shared_ptr<const Still> RemoteWindow::still(const State& state) {
@@ -290,7 +287,7 @@ void RemoteWindow::render(bool moving, Clock::time_point now) {
   json options{{"Camera", cameraJson(camera_)}, {"rays", 1}};
   {
     const std::lock_guard lock(mutex_);
-    Asked& asked = asked_.emplace_back(Asked{now, {}, {}});
+    FramesAsked::Asked& asked = asked_.ask(now);
     if (moving) {
       asked.moving = statistics_.detail = pace_.choose();
       options["levels"] = {asked.moving->scale};
@@ -312,15 +309,11 @@ void RemoteWindow::render(bool moving, Clock::time_point now) {
 // Replies come in the order of the requests.
 void RemoteWindow::takeNumber(const Reply& reply) {
   const std::lock_guard lock(mutex_);
-  const auto asked = std::find_if(asked_.begin(), asked_.end(), [](const Asked& a) { return !a.number; });
   progress_.clear();
   if (reply.ok) {
-    asked->number = reply.value.at("frame").get<uint64_t>();
-    // Pixels may overtake replies.
-    if (frame_.shown || frame_.ended) forgetUntil(frame_.number);
-    newest_ = std::max(newest_, *asked->number);
+    asked_.number(reply.value.at("frame").get<uint64_t>());
   } else {
-    asked_.erase(asked);
+    asked_.refuse();
     renderError_ = reply.error;
     again_ = Clock::now() + std::min(kAgain * (1 << std::min(refusals_++, 10)), kAgainAtMost);
   }
@@ -383,7 +376,7 @@ RemoteWindow::Statistics RemoteWindow::statistics() const {
   const std::lock_guard lock(mutex_);
   Statistics statistics = statistics_;
   statistics.passes = frame_.scale == 1 ? frame_.pass + 1 : 0;
-  statistics.ended = frame_.ended && frame_.number == newest_ && asked_.empty();
+  statistics.ended = frame_.ended && frame_.number == asked_.newest() && asked_.underWay() == 0;
   return statistics;
 }
 
@@ -402,8 +395,8 @@ void RemoteWindow::renderWhole() {
   std::unique_lock lock(mutex_);
   changed_.wait(lock, [this] {  // one of newer data supersedes it by itself
     return !failure_.empty() || !renderError_.empty() ||
-           (asked_.empty() && newest_ > 0 && frame_.number == newest_ && frame_.ended &&
-            frame_.status != "superseded");
+           (asked_.underWay() == 0 && asked_.newest() > 0 && frame_.number == asked_.newest() &&
+            frame_.ended && frame_.status != "superseded");
   });
   if (!failure_.empty()) throw Error(failure_);
   if (!renderError_.empty()) throw Error(renderError_);

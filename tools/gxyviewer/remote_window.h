@@ -4,7 +4,6 @@
 #include <array>
 #include <chrono>
 #include <condition_variable>
-#include <deque>
 #include <functional>
 #include <map>
 #include <memory>
@@ -14,6 +13,7 @@
 #include <vector>
 
 #include "canvas.h"
+#include "frames_asked.h"
 #include "gxy/client/client.h"
 #include "gxy/scene/scene.h"
 #include "pace.h"
@@ -102,12 +102,6 @@ class RemoteWindow {
     uint64_t bytes = 0, firstBytes = 0;  ///< so far; of its first tile
     bool shown = false;
   };
-  /// A frame that was asked for and of which nothing is shown yet.
-  struct Asked {
-    Clock::time_point at;
-    std::optional<Detail> moving;      ///< of a camera that moves
-    std::optional<uint64_t> number{};  ///< once the server has said it
-  };
 
   void takePixels(const protocol::PixelHeader& header, std::span<const std::byte> data);
   void takeEvent(const nlohmann::json& event);
@@ -116,7 +110,6 @@ class RemoteWindow {
   void takeNumber(const Reply& reply);
   void set(const State& state, std::function<void(const std::string& error)> refused);
   void showFirst(const nlohmann::json& pass);
-  void forgetUntil(uint64_t frame);
   void fail(const std::string& why);
   void closeStill();
   void render(bool moving, Clock::time_point now);
@@ -133,9 +126,8 @@ class RemoteWindow {
   bool boxesDue_ = false;             ///< data have changed since they were asked for
   std::string failure_, progress_, setError_, renderError_;
   std::optional<std::string> picked_;
-  Frame frame_;                             ///< the newest of which something came
-  std::deque<Asked> asked_;                 ///< in order
-  uint64_t newest_ = 0;                     ///< frame that the server has numbered for this window
+  Frame frame_;  ///< the newest of which something came
+  FramesAsked asked_;
   int refusals_ = 0;                        ///< since something was shown
   std::optional<Clock::time_point> again_;  ///< when what was refused last is asked for again
   Pace pace_;
