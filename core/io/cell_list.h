@@ -10,6 +10,8 @@
 
 #include <array>
 
+#include "gxy/io/file.h"
+
 namespace gxy {
 
 /// The set is kept by its owner. For one thread at a time.
@@ -33,7 +35,9 @@ class CellList {
     return kind == 2 && points == 4 ? VTK_QUAD : kMany[kind];
   }
 
+  /// Calls ReadWatch's check now and then.
   void points(vtkIdType cell, vtkIdList* ids) const {
+    if (cell % 65536 == 0) ReadWatch::check();
     if (!kinds_[0]) return set_->GetCellPoints(cell, ids);
     const size_t kind = kindOf(cell);
     kinds_[kind]->GetCellAtId(cell, ids);

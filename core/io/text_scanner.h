@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Reads a file's bytes, held in memory, as words, lines, numbers and binary blocks, and never beyond their
-// end. Numbers are parsed the same under every locale. Used inside core/io only.
+// end. Numbers are parsed the same under every locale. Every megabyte, ReadWatch's check is called. Used inside core/io only.
 #pragma once
 #include <algorithm>
 #include <charconv>
@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "gxy/comm/error.h"
+#include "gxy/io/file.h"
 
 namespace gxy {
 
@@ -20,14 +21,14 @@ class TextScanner {
   /// The next word between white space; empty at the end.
   std::string_view word() {
     while (at_ < bytes_.size() && isSpace(bytes_[at_])) ++at_;
-    last_ = at_;
+    begin();
     while (at_ < bytes_.size() && !isSpace(bytes_[at_])) ++at_;
     return bytes_.substr(last_, at_ - last_);
   }
 
   /// What is left of the current line, without its end ("\n" or "\r\n"), which is passed over.
   std::string_view line() {
-    last_ = at_;
+    begin();
     const size_t end = std::min(bytes_.find('\n', at_), bytes_.size());
     std::string_view text = bytes_.substr(at_, end - at_);
     at_ = std::min(end + 1, bytes_.size());
@@ -37,7 +38,7 @@ class TextScanner {
 
   /// The same where a line may also end with "\r" alone.
   std::string_view lineOfAnyEnd() {
-    last_ = at_;
+    begin();
     const size_t end = std::min(bytes_.find_first_of("\r\n", at_), bytes_.size());
     const std::string_view text = bytes_.substr(at_, end - at_);
     at_ = std::min(end + (bytes_.substr(end).starts_with("\r\n") ? 2 : 1), bytes_.size());
@@ -63,7 +64,7 @@ class TextScanner {
   /// The next `count` bytes as they are.
   std::string_view take(size_t count, std::string_view what) {
     if (count > left()) fail("the file ends before " + std::string(what));
-    last_ = at_;
+    begin();
     at_ += count;
     return bytes_.substr(last_, count);
   }
@@ -90,11 +91,20 @@ class TextScanner {
   }
 
  private:
+  static constexpr size_t kWatched = size_t(1) << 20;
+
+  // Something is read from here on.
+  void begin() {
+    last_ = at_;
+    if (at_ < watched_) return;
+    watched_ = at_ + kWatched;
+    ReadWatch::check();
+  }
   static bool isSpace(char c) { return c == ' ' || (c >= '\t' && c <= '\r'); }
 
   std::string_view bytes_;
   const std::string& path_;
-  size_t at_ = 0, last_ = 0;
+  size_t at_ = 0, last_ = 0, watched_ = kWatched;
 };
 
 }  // namespace gxy

@@ -4,6 +4,7 @@
 #include <vtkCellArray.h>
 #include <vtkCellData.h>
 #include <vtkCellType.h>
+#include <vtkCommand.h>
 #include <vtkDataArraySelection.h>
 #include <vtkDataSetAttributes.h>
 #include <vtkDataSetReader.h>
@@ -20,6 +21,7 @@
 #include <vtkXMLUnstructuredGridReader.h>
 
 #include <algorithm>
+#include <exception>
 #include <limits>
 #include <new>
 #include <span>
@@ -69,10 +71,34 @@ vtkSmartPointer<vtkPointSet> withPoints(vtkRectilinearGrid* grid, const std::str
   return set;
 }
 
+/// Calls ReadWatch's check whenever a reader tells its progress, and ends the reader by what that throws.
+class WatchedProgress : public vtkCommand {
+ public:
+  static WatchedProgress* New() { return new WatchedProgress; }
+  void Execute(vtkObject* reader, unsigned long, void*) override {
+    if (thrown_) return;
+    try {
+      ReadWatch::check();
+    } catch (...) {  // not through VTK
+      thrown_ = std::current_exception();
+      static_cast<vtkAlgorithm*>(reader)->AbortExecuteOn();
+    }
+  }
+  void rethrow() const {
+    if (thrown_) std::rethrow_exception(thrown_);
+  }
+
+ private:
+  std::exception_ptr thrown_;
+};
+
 template <class Reader>
 vtkSmartPointer<vtkPointSet> outputOf(Reader* reader, const std::string& path, const VtkMessages& messages,
                                       const TakeMemory& toTake) {
+  const auto progress = vtkSmartPointer<WatchedProgress>::New();
+  reader->AddObserver(vtkCommand::ProgressEvent, progress);
   reader->Update();
+  progress->rethrow();
   messages.check(path);
   const auto output = reader->GetOutputDataObject(0);
   if (const auto grid = vtkRectilinearGrid::SafeDownCast(output)) return withPoints(grid, path, toTake);

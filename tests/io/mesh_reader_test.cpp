@@ -454,6 +454,35 @@ TEST_F(MeshReader, LegacyFieldsAndMetadataBeforeTheCellsArePassedOver) {
   EXPECT_EQ(read("g.vtk", text).block.triangles, (Triangles{{0, 1, 2}}));
 }
 
+// While bytes are read, while they are parsed, and while cells are looked through.
+TEST_F(MeshReader, ReadingEndsWhereverItsWatchSaysSo) {
+  GeometryBlock many = tetrahedron();
+  many.triangles.resize(150000, many.triangles[0]);
+  for (size_t i = many.ids.size(); i < many.triangles.size(); ++i) many.ids.push_back(i);
+  for (const char* const name : {"many.obj", "many.vtp"}) {
+    const std::string path = folder_ / name;
+    if (extensionOf(path) == ".obj") {
+      std::string text = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
+      for (int i = 0; i < 150000; ++i) text += "f 1 2 3  # and words\n";
+      writeText(path, text);
+    } else {
+      writeGeometry(path, many, GeometryKind::Triangles);
+    }
+    int asked = 0, endsAt = -1;
+    const ReadWatch watch([&] {
+      if (++asked == endsAt) throw Error("enough");
+    });
+    readGeometry(path, GeometryKind::Triangles);
+    const int all = asked;
+    EXPECT_GE(all, 7) << name;
+    for (endsAt = 1; endsAt <= all; ++endsAt) {
+      asked = 0;
+      EXPECT_THROW(readGeometry(path, GeometryKind::Triangles), Error) << name << ": " << endsAt;
+      EXPECT_EQ(asked, endsAt) << name;
+    }
+  }
+}
+
 TEST_F(MeshReader, DamagedFilesGiveAResultOrAnError) {
   const std::string obj =
       "v 0 0 0\nv 1 0 0\nv 1 1 0\nvt 0 0\nvt 1 1\nvn 0 0 1\nf 1/1/1 2/2/1 3/1/1\nf 1//1 2//1 -1//1\nl 1 2 "
