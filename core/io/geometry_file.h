@@ -3,7 +3,8 @@
 //
 // .vtu .vtp          VTK XML unstructured grids and polygonal data, any encoding
 // .vtk               the same in VTK's legacy form
-// .ply .stl .obj     triangle meshes
+// .ply .stl .obj .off   triangle meshes
+// .csv .xyz          points as lines of text, and atoms
 // .pvtu .pvtp .part  lists of such files (part_document.h)
 //
 // Particles are all points of a file; path lines its lines and polylines, one segment for each pair of points; triangles its

@@ -61,8 +61,7 @@ bool isVolumeFile(const std::string& path) {
 
 std::string readableFormats() {
   return "volumes as .vti .pvti .vtk .vol .json .mha .mhd .nrrd .nhdr .nii .nii.gz .npy, geometry as .vtu "
-         ".pvtu .vtp "
-         ".pvtp .vts .vtr .vtk .ply .stl .obj .part";
+         ".pvtu .vtp .pvtp .vts .vtr .vtk .ply .stl .obj .off .csv .xyz .part";
 }
 
 VolumeFile openVolume(const std::string& path, const std::string& array) {

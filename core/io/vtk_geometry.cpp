@@ -31,7 +31,9 @@
 #include "gxy/io/file.h"
 #include "gxy/io/legacy_vtk.h"
 #include "gxy/io/obj_reader.h"
+#include "gxy/io/off_reader.h"
 #include "gxy/io/ply_reader.h"
+#include "gxy/io/point_table.h"
 #include "gxy/io/stl_reader.h"
 #include "gxy/io/volume_file.h"
 #include "gxy/io/vtk_messages.h"
@@ -253,6 +255,9 @@ vtkSmartPointer<vtkPointSet> readByExtension(const std::string& path, const Take
   if (extension == ".ply") return readPly(bytesOf(path, toTake), path);
   if (extension == ".stl") return readStl(bytesOf(path, toTake), path, flaws);
   if (extension == ".obj") return readObj(bytesOf(path, toTake), path, flaws);
+  if (extension == ".off") return readOff(bytesOf(path, toTake), path, flaws);
+  if (extension == ".csv") return readCsv(bytesOf(path, toTake), path, flaws);
+  if (extension == ".xyz") return readXyz(bytesOf(path, toTake), path, flaws);
   throw Error(path + ": this kind of file cannot be read: expected " + readableFormats());
 }
 

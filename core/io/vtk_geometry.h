@@ -20,7 +20,7 @@ struct ArraysNeeded {
   bool normals = true;
 };
 
-/// Reads a .vtu .vtp .vts .vtr .vtk .ply .stl or .obj file as polygonal data, an unstructured grid or a structured one (also where
+/// Reads a .vtu .vtp .vts .vtr .vtk .ply .stl .obj .off .csv or .xyz file as polygonal data, an unstructured grid or a structured one (also where
 /// it is rectilinear) whose cells refer to its points and whose arrays have one entry per point or cell; Error, with VTK's own words if it has
 /// some, when it cannot. `toTake`, if any, is told once, before anything is allocated, how many bytes this takes: in the
 /// XML forms those of the arrays that are read as the file states them, else those of the file. It may refuse them by an

@@ -6,7 +6,9 @@
 #include "gxy/comm/error.h"
 #include "gxy/io/legacy_vtk.h"
 #include "gxy/io/obj_reader.h"
+#include "gxy/io/off_reader.h"
 #include "gxy/io/ply_reader.h"
+#include "gxy/io/point_table.h"
 #include "gxy/io/stl_reader.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
@@ -20,6 +22,9 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   gxy::Flaws flaws;
   attempt([&] { gxy::readPly(bytes, "input"); });
   attempt([&] { gxy::readObj(bytes, "input", flaws); });
+  attempt([&] { gxy::readOff(bytes, "input", flaws); });
+  attempt([&] { gxy::readCsv(bytes, "input", flaws); });
+  attempt([&] { gxy::readXyz(bytes, "input", flaws); });
   attempt([&] { gxy::readStl(bytes, "input", flaws); });
   attempt([&] { gxy::checkLegacyVtk(bytes, "input"); });
   return 0;
