@@ -11,6 +11,7 @@
 #include "gxy/comm/error.h"
 #include "gxy/comm/error_text.h"
 #include "gxy/comm/wire.h"
+#include "gxy/io/point_spread.h"
 
 namespace gxy {
 namespace {
@@ -235,6 +236,9 @@ LoadedGeometry loadGeometry(const std::string& path, GeometryKind kind, const st
   });
   mergeBox(ranks, loaded.box);
   mergeRanges(ranks, std::span(&loaded.range, 1));
+  const PointSpread spread = spreadOf(loaded, ranks);
+  loaded.middle = kind == GeometryKind::Particles ? spread.middle : loaded.box;
+  loaded.spacing = spread.spacing;
   return loaded;
 }
 

@@ -22,6 +22,8 @@ struct LoadedGeometry {
   GeometryBlock block;      ///< usable primitives only; ids are global, in file order
   bool everywhere = false;  ///< the format has no pieces, so every rank has read all
   Box box;
+  Box middle;          ///< of points: the box without outliers (point_spread.h); else the box
+  double spacing = 0;  ///< mean distance between neighbouring points; 0: there are too few
   Range range;
   uint64_t primitives = 0, dropped = 0;
   LeftOut leftOut;  ///< of the files that this rank has read

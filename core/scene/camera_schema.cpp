@@ -55,6 +55,14 @@ const Schema<Camera>& cameraSchema() {
                             [](const Camera& c) {
                               return OrderedJson{c.dimensions.x, c.dimensions.y};
                             }),
+          customKey<Camera>(
+              "fit", "true or false",
+              "The viewpoint (orthographic: `height`, too) is chosen so that the data fill the picture, seen "
+              "along "
+              "`viewdirection`; `viewpoint` is not used.",
+              [](const Found& found, Camera& camera) { camera.fit = found.boolean(); },
+              [](const Camera& c) { return c.fit ? OrderedJson(true) : OrderedJson(); })
+              .byDefault("`false`"),
           textKey("annotation", &Camera::annotation,
                   "Becomes part of the picture's name, as PREFIX_00000_annotation.png."),
       }};

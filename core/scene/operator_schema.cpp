@@ -73,10 +73,20 @@ void readExtinctionMap(const Found& found, Vis& vis) {
 }
 
 void readDataRange(const Found& found, Vis& vis) {
-  const std::string expected = "[min, max] with min <= max";
+  const std::string expected = "[min, max] with min <= max, or \"data\"";
+  vis.rangeOfData = found.value.string() && *found.value.string() == "data";
+  if (vis.rangeOfData) return;
   const std::vector<double> v = found.numbers(2, 2, expected);
   if (v[0] > v[1]) found.fail(expected);
   vis.dataRange = {v[0], v[1]};
+}
+
+void readRadius(const Found& found, Vis& vis) {
+  vis.radiusOfData = found.value.string() && *found.value.string() == "auto";
+  if (vis.radiusOfData) return;
+  if (!found.value.number()) found.fail("a number or \"auto\"");
+  vis.radius0 = vis.radius1 = found.number();
+  vis.value0 = vis.value1 = 0;
 }
 
 std::vector<Plane> planes(const Found& found) {
@@ -140,8 +150,11 @@ std::vector<Key<Vis>> mapKeys() {
           .only(kVolume)
           .with("volume rendering", &Vis::volumeRendering)
           .byDefault("-"),
-      customKey<Vis>("data range", "[min, max]", "Values onto which the ends of each map are stretched.",
-                     readDataRange, [](V v) { return orAbsent(v.dataRange); })
+      customKey<Vis>(
+          "data range", "[min, max] or \"data\"",
+          "Values onto which the ends of each map are stretched. \"data\": those of the data, of the first "
+          "step shown; later steps widen the range.",
+          readDataRange, [](V v) { return v.rangeOfData ? OrderedJson("data") : orAbsent(v.dataRange); })
           .byDefault("the maps' own values"),
       customKey<Vis>(
           "reference length", "number > 0", "Thickness that `opacitymap` speaks of, world units.",
@@ -184,11 +197,11 @@ std::vector<Key<Vis>> surfaceKeys() {
 
 std::vector<Key<Vis>> radiusKeys() {
   return {
-      customKey<Vis>("radius", "number", "Constant radius, world units; short for the four below.",
-                     [](F f, Vis& v) {
-                       v.radius0 = v.radius1 = f.number();
-                       v.value0 = v.value1 = 0;
-                     })
+      customKey<Vis>(
+          "radius", "number or \"auto\"",
+          "Constant radius, world units; short for the four below. \"auto\": three tenths of the mean "
+          "spacing of the data's points.",
+          readRadius, [](V v) { return v.radiusOfData ? OrderedJson("auto") : OrderedJson(); })
           .only(kRound)
           .byDefault("-"),
       numberKey("radius0", &Vis::radius0, kAny, "Radius at `value0`; <= 0 draws nothing.")

@@ -19,7 +19,7 @@ std::string pictureName(const std::string& prefix, const State& state, size_t in
   char number[24];
   std::snprintf(number, sizeof number, "_%05zu", index);
   return prefix + number + joined(state.visualizations[index % n].annotation) +
-         joined(state.cameras[index / n].annotation);
+         joined(state.cameras[index / n % state.cameras.size()].annotation);
 }
 
 }  // namespace gxy

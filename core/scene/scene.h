@@ -23,6 +23,8 @@ struct Camera {
   double height = 2;
   glm::ivec2 dimensions{512, 512};
   std::string annotation;
+  bool fit =
+      false;  ///< the viewpoint (orthographic: height, too) is such that the data fill the picture; fitted()
   bool operator==(const Camera&) const = default;
 };
 
@@ -110,6 +112,9 @@ struct Vis {
   // draws nothing. PathLines in a state file start from -1, 1, 0, 1, as the earlier Galaxy's do.
   double radius0 = 0.025, radius1 = 0, value0 = 0, value1 = 0;
   bool twoSided = true;  ///< normals face the viewer
+  // What is asked of the data instead of said; resolved() makes numbers of it.
+  bool rangeOfData = false;   ///< dataRange is that of the data
+  bool radiusOfData = false;  ///< the radii are a part of the mean spacing of points
   bool operator==(const Vis&) const = default;
 };
 

@@ -52,7 +52,7 @@ class RandomState {
     Camera out{vector(),   vector(),
                vector(),   coin() ? 0 : unit() * 179,
                positive(), {integer(1, 4096), integer(1, 4096)},
-               text()};
+               text(),     coin()};
     return out;
   }
 
@@ -86,7 +86,11 @@ class RandomState {
     out.opacitymap = {coin(), {}};
     for (const double v : ascending())
       out.opacitymap.points.push_back({v, out.opacitymap.extinction ? positive() : unit()});
-    if (coin()) out.dataRange = {-positive(), positive()};
+    if (coin())
+      out.dataRange = {-positive(), positive()};
+    else
+      out.rangeOfData = coin();
+    out.radiusOfData = coin();
     if (coin()) out.referenceLength = positive();
     out.opacity = unit();
     out.clipPlanes = planes();

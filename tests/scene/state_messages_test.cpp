@@ -46,7 +46,8 @@ TEST(StateMessages, AWrongValueNamesPlaceKeyExpectationAndFinding) {
             "all 0, found "
             "an array of 4 values");
   EXPECT_EQ(operatorError(R"("type": "Volume", "data range": [2, 1])"),
-            "state.json:2:50: `data range`: expected [min, max] with min <= max, found an array of 2 values");
+            "state.json:2:50: `data range`: expected [min, max] with min <= max, or \"data\", found an array "
+            "of 2 values");
   EXPECT_EQ(operatorError(R"("type": "Volume", "colormap": [])"),
             "state.json:2:48: `colormap`: expected a list of [value, r, g, b], or the name of a map (at "
             "least one), found "

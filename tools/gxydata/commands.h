@@ -10,6 +10,7 @@
 #include "fields.h"
 #include "gxy/data/geometry.h"
 #include "gxy/io/volume_file.h"
+#include "gxy/scene/first_look.h"
 
 namespace gxy::data_tool {
 
@@ -21,7 +22,9 @@ struct Options {
   int64_t count = 0;  ///< of particles or path lines
   double displacement = 0;
   std::string in, out;
-  RawOptions raw;  ///< of `in`
+  RawOptions raw;                  ///< of `in`
+  std::vector<std::string> files;  ///< of a scene
+  LookOptions look;                ///< at them
 };
 
 /// Samples fields on [-1, 1]^3: all of them into a .vti, one into a .vol or .json.
@@ -45,6 +48,9 @@ void convertGeometry(const Options& options);
 /// where its middle is.
 void partitionVolume(const Options& options, int parts, std::array<int, 3> lattice);
 void partitionGeometry(const Options& options, int parts, std::array<int, 3> lattice);
+
+/// Prints the state file that shows data files as gxyrender shows them without one (core/look/first_look.h).
+void printScene(const Options& options);
 
 /// Prints what is in a file to standard output.
 void infoVolume(const Options& options);

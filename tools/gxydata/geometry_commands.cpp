@@ -6,7 +6,6 @@
 #include <cstdio>
 #include <filesystem>
 #include <limits>
-#include <optional>
 
 #include "commands.h"
 #include "gxy/comm/error.h"
@@ -15,6 +14,7 @@
 #include "gxy/io/geometry_file.h"
 #include "gxy/io/import_geometry.h"
 #include "gxy/io/write_geometry.h"
+#include "gxy/look/file_facts.h"
 
 namespace gxy::data_tool {
 namespace {
@@ -25,19 +25,6 @@ struct Input {
   bool ofCells = false;     ///< these
   GeometrySummary summary;  ///< of one of the pieces, which tells what all of them hold
 };
-
-/// The first piece with cells, else the first with points, else the first: others say nothing about the kind.
-std::pair<std::string, GeometrySummary> tellingPiece(const std::string& in) {
-  const std::vector<std::string> pieces = geometryPieces(in);
-  if (pieces.empty()) throw Error(in + ": it lists no pieces, expected one or more");
-  std::optional<std::pair<std::string, GeometrySummary>> best;
-  for (const std::string& piece : pieces) {
-    const GeometrySummary summary = summariseGeometry(piece);
-    if (summary.triangles || summary.solids || summary.segments || summary.vertices) return {piece, summary};
-    if (!best || (best->second.points == 0 && summary.points > 0)) best = {piece, summary};
-  }
-  return *best;
-}
 
 Input load(const Options& options) {
   const auto [piece, summary] = tellingPiece(options.in);

@@ -7,6 +7,7 @@
 #include <optional>
 #include <sstream>
 
+#include "../look_options.h"
 #include "../version_option.h"
 #include "commands.h"
 #include "gxy/comm/error_text.h"
@@ -29,6 +30,7 @@ constexpr const char* kExamples = R"(Examples:
   gxydata partition noise.vol -g 2,2,1 pieces.pvti
   gxydata info bunny.ply
   gxydata convert head.raw head.vti --dimensions 256,256,109 --type uint16 --spacing 1,1,1.5
+  gxydata scene noise.vti halos.vtp > scene.json     as gxyrender shows them without a state file
 Exit status: 0 done, 1 failed, 2 wrong usage.)";
 
 /// "64" or "64,32,16": one or three numbers from 1 to `most`.
@@ -175,6 +177,7 @@ void run(const CLI::App& app, const Options& options, int parts, std::array<int,
   if (command == "particles") return makeParticles(options);
   if (command == "sphere-mesh") return makeSphereMesh(options);
   if (command == "helix") return makeHelix(options);
+  if (command == "scene") return printScene(options);
   const bool volume = options.raw.dimensions || options.raw.type || isVolumeFile(options.in);
   if (command == "convert") return volume ? convertVolume(options) : convertGeometry(options);
   if (command == "info") return volume ? infoVolume(options) : infoGeometry(options);
@@ -207,6 +210,11 @@ int main(int argc, char** argv) {
   }
   for (CLI::App* command : {convert, partition})
     command->add_option("out", options.out, "file to write")->required();
+  CLI::App* scene = app.add_subcommand("scene", "print a state file that shows data files");
+  scene->add_option("in", options.files, "files to show together; of a series as 'step_*.vti' the first")
+      ->required();
+  std::vector<std::string> isovalues;
+  addLookOptions(*scene, isovalues, options.look, options.array);
   CLI::Option* number =
       partition->add_option("-n,--parts", parts, "number of pieces")->check(CLI::Range(1, 1000000));
   CLI::Option* lattice =
@@ -220,6 +228,7 @@ int main(int argc, char** argv) {
   addVersion(app, "gxydata");
   try {
     app.parse(argc, argv);
+    readIsovalues(isovalues, options.look);
     if (lattice->count()) cuts = threeNumbers<int>(latticeText, "-g", false);
     if (partition->parsed() && !lattice->count() && !number->count())
       throw CLI::RequiredError("partition: -n or -g");

@@ -43,7 +43,18 @@ std::map<std::string, std::vector<int>> componentsShown(const State& state) {
 }  // namespace
 
 Visualization LoadedState::visualization(const State& state, size_t v) const {
-  Visualization out = state.visualizations[v];
+  const Visualization out = withKeptComponents(state.visualizations[v]);
+  ShownSoFar known = shown[v];  // which these data do not widen any more
+  return resolved(out, factsFor(out), known);
+}
+
+std::vector<DataFacts> LoadedState::factsFor(const Visualization& visualization) const {
+  std::vector<DataFacts> found;
+  for (const Vis& op : visualization.operators) found.push_back(facts.at(op.dataset));
+  return found;
+}
+
+Visualization LoadedState::withKeptComponents(Visualization out) const {
   for (Vis& op : out.operators) {
     const auto kept = components.find(op.dataset);
     if (kept == components.end()) continue;
@@ -56,7 +67,7 @@ Visualization LoadedState::visualization(const State& state, size_t v) const {
 }
 
 LoadedState loadData(const State& state, const std::string& directory, const RenderOptions& options,
-                     Collectives& ranks, Ledger& ledger) {
+                     Collectives& ranks, Ledger& ledger, std::vector<ShownSoFar> shownSoFar) {
   std::map<std::string, const DatasetSpec*> specs;
   for (const DatasetSpec& d : state.datasets) specs[d.name] = &d;
   std::set<std::string> shown;
@@ -103,14 +114,20 @@ LoadedState loadData(const State& state, const std::string& directory, const Ren
           importVolume(pathOf(d), d.array, *loaded.partitioning, kGhostLayers, ranks,
                        kept == loaded.components.end() ? std::vector<int>() : kept->second, &loaded.leftOut);
       loaded.memory.push_back(ledger.enter(kTenant, "volume", bytesOf(*volume)));
+      loaded.facts[d.name] = factsOf(*volume);
       volumes[d.name] = std::move(volume);
     }
 
+  for (const auto& [name, g] : geometry) loaded.facts[name] = factsOf(g);
+  loaded.shown = std::move(shownSoFar);
+  loaded.shown.resize(state.visualizations.size());
+
   // Geometry goes to every partition that it touches with the radii that its Vis gives it, once for each.
   std::map<std::pair<std::string, std::array<double, 4>>, std::shared_ptr<const Geometry>> distributed;
-  for (const Visualization& v : state.visualizations) {
+  for (size_t v = 0; v < state.visualizations.size(); v++) {
+    const Visualization kept = loaded.withKeptComponents(state.visualizations[v]);
     auto& list = loaded.data.emplace_back();
-    for (const Vis& op : v.operators) {
+    for (const Vis& op : resolved(kept, loaded.factsFor(kept), loaded.shown[v]).operators) {
       const DatasetSpec& d = *specs[op.dataset];
       OperatorData& data = list.emplace_back();
       data.color = glm::dvec3(d.color);

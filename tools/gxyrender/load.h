@@ -9,6 +9,7 @@
 
 #include "gxy/io/collectives.h"
 #include "gxy/io/import_volume.h"
+#include "gxy/look/loaded_facts.h"
 #include "gxy/rays/backend.h"
 #include "gxy/rays/compiled_scene.h"
 #include "gxy/space/ledger.h"
@@ -24,19 +25,31 @@ struct LoadedState {
   std::vector<std::vector<OperatorData>> data;  ///< by visualization, then operator
   /// By volume: those of its file's components that it has, where these are not all.
   std::map<std::string, std::vector<int>> components;
+  std::map<std::string, DataFacts> facts;  ///< by dataset
+  std::vector<ShownSoFar> shown;           ///< by visualization
   std::vector<LedgerEntry> memory;
   LeftOut leftOut;
 
   /// Visualization v of a state that shows no more than the one that was loaded, its components counted among
-  /// those that there are.
+  /// those that there are, with numbers for what it asks of the data.
   Visualization visualization(const State& state, size_t v) const;
+  /// Camera c of such a state, as it sees visualization v.
+  Camera camera(const State& state, size_t v, size_t c) const {
+    return fitted(state.cameras[c], shown[v].box);
+  }
+
+ private:
+  Visualization withKeptComponents(Visualization visualization) const;
+  std::vector<DataFacts> factsFor(const Visualization& visualization) const;
+  friend LoadedState loadData(const State&, const std::string&, const RenderOptions&, Collectives&, Ledger&,
+                              std::vector<ShownSoFar>);
 };
 
 /// Collective. File names are relative to `directory`. Only what some operator shows is read, and of
-/// volumes only the components that are shown are kept. Throws the same Error on
-/// all ranks.
+/// volumes only the components that are shown are kept. `shown`: what earlier steps of the same visualizations have shown.
+/// Throws the same Error on all ranks.
 LoadedState loadData(const State& state, const std::string& directory, const RenderOptions& options,
-                     Collectives& ranks, Ledger& ledger);
+                     Collectives& ranks, Ledger& ledger, std::vector<ShownSoFar> shown = {});
 
 /// Collective: compiles visualization v, taking plans from `others` (compileScene), and agrees on which partitions
 /// can be seen.

@@ -14,8 +14,10 @@
 #include "gxy/comm/error_text.h"
 #include "gxy/comm/mpi_environment.h"
 #include "gxy/comm/mpi_transport.h"
+#include "gxy/look/file_facts.h"
 #include "gxy/rays/scene_memory.h"
 #include "gxy/render/renderer.h"
+#include "gxy/scene/data_files.h"
 #include "gxy/scene/state_file.h"
 #include "load.h"
 #include "options.h"
@@ -47,18 +49,53 @@ std::string toString(const Bytes& b) {
   return std::string(reinterpret_cast<const char*>(b.data()), b.size());
 }
 
+// What is rendered: the state of each step, alike but for the files.
+struct Steps {
+  State state;
+  std::vector<std::vector<std::string>> files;  ///< of the datasets, by step; none: those of the state, once
+  std::string directory;                        ///< that names of files are relative to
+
+  size_t count() const { return files.empty() ? 1 : files.size(); }
+  State at(size_t step) const {
+    State out = state;
+    for (size_t i = 0; step < files.size() && i < files[step].size(); i++)
+      out.datasets[i].filename = files[step][i];
+    return out;
+  }
+};
+
+State readStateAlone(const std::string& path) {
+  StateFile file = readStateFile(path);
+  for (const std::string& w : file.warnings) std::cerr << "warning: " << w << '\n';
+  if (file.state.visualizations.empty()) throw Error(path + ": there is no visualization to render");
+  if (file.state.cameras.empty()) file.state.cameras = {defaultCamera()};
+  return std::move(file.state);
+}
+
+nlohmann::json readAlone(const RenderOptions& options) {
+  const std::string& first = options.files.at(0);
+  if (options.files.size() == 1 && filesOf(first).size() == 1 && isStateFile(first)) {
+    if (options.looks)
+      throw Error(first + ": this is a state file, and --iso, --slice and --array are for data files");
+    return {{"state", writeState(readStateAlone(first))},
+            {"directory", std::filesystem::absolute(first).parent_path().string()}};
+  }
+  const auto steps = stepsOf(options.files);
+  for (const std::string& file : steps[0])
+    if (isStateFile(file))
+      throw Error(file + ": this is a state file, expected it alone, or data files only");
+  return {{"state", writeState(firstLook(factsOfFiles(steps[0], options.array), options.look))},
+          {"steps", steps},
+          {"directory", std::filesystem::current_path().string()}};
+}
+
 // Read by rank 0, with its map and camera files; the same on all ranks.
-State readOnAll(const RenderOptions& options, Collective& collective, bool root) {
+Steps readOnAll(const RenderOptions& options, Collective& collective, bool root) {
   std::string text;
   std::optional<std::string> error;
   if (root) {
     try {
-      const StateFile file = readStateFile(options.stateFile);
-      for (const std::string& w : file.warnings) std::cerr << "warning: " << w << '\n';
-      if (file.state.visualizations.empty())
-        throw Error(options.stateFile + ": there is no visualization to render");
-      if (file.state.cameras.empty()) throw Error(options.stateFile + ": there is no camera to render from");
-      text = writeState(file.state);
+      text = readAlone(options).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
     } catch (const std::exception& e) {
       error = textOf(e);
     }
@@ -67,14 +104,17 @@ State readOnAll(const RenderOptions& options, Collective& collective, bool root)
   const Bytes said = collective.broadcast(kRunKey, 0, toBytes(error ? "!" + *error : " " + text));
   const std::string heard = toString(said);
   if (heard.at(0) == '!') throw Error(heard.substr(1));
-  State state = readState(heard.substr(1), options.stateFile).state;
-  options.apply(state);
-  return state;
+  const auto read = nlohmann::json::parse(heard.substr(1));
+  Steps steps{
+      readState(read.at("state").get<std::string>(), options.files.at(0)).state, {}, read.at("directory")};
+  if (read.contains("steps")) read.at("steps").get_to(steps.files);
+  options.apply(steps.state);
+  return steps;
 }
 
 // Returns the processor time of writing pictures.
-double renderAll(const State& state, const RenderOptions& options, Renderer& renderer, Collective& collective,
-                 bool root, bool showProgress) {
+double renderAll(const State& state, const LoadedState& loaded, const RenderOptions& options,
+                 Renderer& renderer, Collective& collective, bool root, bool showProgress) {
   Progress progress;
   auto nameOf = [&](FrameId id) {  // frames are started in camera-major order, numbered from 1
     const size_t index = size_t(id - 1), n = state.visualizations.size();
@@ -107,7 +147,7 @@ double renderAll(const State& state, const RenderOptions& options, Renderer& ren
         }
         FrameRequest request;
         request.scene = v;
-        request.camera = state.cameras[c];
+        request.camera = loaded.camera(state, v, c);
         request.depth = options.depth;
         const auto ended = [&](const std::string& error) {
           std::lock_guard lock(progress.mutex);
@@ -135,6 +175,76 @@ double renderAll(const State& state, const RenderOptions& options, Renderer& ren
   return progress.cpuPictures;
 }
 
+// Where a run takes place; the same for all its steps.
+struct Place {
+  MpiTransport& transport;
+  Collective& collective;
+  Collectives& ranks;
+  Ledger& ledger;
+  Backend& backend;
+  bool root, showProgress;
+};
+
+// Renders all pictures of one step. Returns what its visualizations have shown.
+std::vector<ShownSoFar> renderStep(const State& state, const std::string& directory,
+                                   const RenderOptions& options, const Place& at,
+                                   std::vector<ShownSoFar> shown) {
+  Phases phases;
+  const double begin = wallSeconds();
+  const int64_t residentBefore = processBytes().resident;
+  const LoadedState loaded = loadData(state, directory, options, at.ranks, at.ledger, std::move(shown));
+  phases.load = wallSeconds() - begin;
+
+  Renderer::Options rendering{options.packet, options.raysInFlight, &at.ledger, kTenant};
+  rendering.runners = rendering.handOuts = at.transport.threads();
+  Renderer renderer(at.transport, rendering);
+  SceneMemory memory;
+  std::vector<SceneMemory::Entries> held;
+  std::vector<std::shared_ptr<const CompiledScene>> scenes;
+  LeftBefore before{loaded.leftOut};
+  for (size_t v = 0; v < state.visualizations.size(); v++) {
+    const double since = wallSeconds();
+    const auto scene = makeScene(state, loaded, v, at.ranks, scenes);
+    scenes.push_back(scene);
+    std::shared_ptr<const DeviceScene> device;
+    agree(at.ranks, [&] { device = at.backend.makeScene(scene, at.transport.rank()); });
+    held.push_back(memory.enter(*scene, *device,
+                                [&](int64_t bytes) { return at.ledger.enter(kTenant, "scene", bytes); }));
+    before.isoCells += scene->isoCellsSkipped;
+    renderer.addScene(v, scene, device);
+    phases.compileEach.push_back(wallSeconds() - since);
+  }
+  at.collective.barrier(kRunKey);
+  phases.compile = wallSeconds() - begin - phases.load;
+
+  const double start = wallSeconds(), cpu = cpuSeconds();
+  phases.cpuPictures = renderAll(state, loaded, options, renderer, at.collective, at.root, at.showProgress);
+  phases.render = wallSeconds() - start;
+  phases.cpuRender = cpuSeconds() - cpu;
+  phases.total = wallSeconds() - begin;
+  if (!options.statsFile.empty()) {
+    const auto mine =
+        statisticsOf(renderer.counters(), at.transport.counters(), phases, before, at.ledger, residentBefore);
+    std::vector<nlohmann::json> all;
+    for (const Bytes& b : at.ranks.allGather(toBytes(mine.dump())))
+      all.push_back(nlohmann::json::parse(toString(b)));
+    agree(at.ranks, [&] {
+      if (at.root)
+        writeStatistics(options.statsFile,
+                        {{"backend", at.backend.name()},
+                         {"device", at.backend.device()},
+                         {"ranks", at.transport.size()},
+                         {"threads per rank", at.transport.threads()},
+                         {"partitions", loaded.partitioning->partitions()},
+                         {"pictures", state.cameras.size() * state.visualizations.size()},
+                         {"tolerance", state.settings.tolerance},
+                         {"step", state.settings.step}},
+                        all);
+    });
+  }
+  return loaded.shown;
+}
+
 int run(const RenderOptions& options) {
   MpiTransport::Options transportOptions;
   transportOptions.threads = options.threads;
@@ -147,76 +257,31 @@ int run(const RenderOptions& options) {
     Collective collective(transport);
     RankCollectives ranks(collective, transport.rank(), transport.size(), kRunKey);
     try {
-      Phases phases;
       const double begin = wallSeconds();
-      const State state = readOnAll(options, collective, root);
-      const std::string directory = std::filesystem::absolute(options.stateFile).parent_path().string();
+      const Steps steps = readOnAll(options, collective, root);
+      const State& state = steps.state;
       for (const Camera& camera : state.cameras) validate(camera);
-      if (options.reference) {
-        agree(ranks, [&] {
-          if (root) renderWithReference(state, directory, options, showProgress);
-        });
-      } else {
-        Ledger ledger;
-        const BackendRegistry registry = allBackends({options.device, transport.rankOnNode()});
-        std::unique_ptr<Backend> backend;
-        agree(ranks, [&] { backend = registry.make(options.backend, &ledger); });
-        const int64_t residentBefore = processBytes().resident;
-        const LoadedState loaded = loadData(state, directory, options, ranks, ledger);
-        phases.load = wallSeconds() - begin;
-
-        Renderer::Options rendering{options.packet, options.raysInFlight, &ledger, kTenant};
-        rendering.runners = rendering.handOuts = transport.threads();
-        Renderer renderer(transport, rendering);
-        SceneMemory memory;
-        std::vector<SceneMemory::Entries> held;
-        std::vector<std::shared_ptr<const CompiledScene>> scenes;
-        LeftBefore before{loaded.leftOut};
-        for (size_t v = 0; v < state.visualizations.size(); v++) {
-          const double since = wallSeconds();
-          const auto scene = makeScene(state, loaded, v, ranks, scenes);
-          scenes.push_back(scene);
-          std::shared_ptr<const DeviceScene> device;
-          agree(ranks, [&] { device = backend->makeScene(scene, transport.rank()); });
-          held.push_back(memory.enter(*scene, *device,
-                                      [&](int64_t bytes) { return ledger.enter(kTenant, "scene", bytes); }));
-          before.isoCells += scene->isoCellsSkipped;
-          renderer.addScene(v, scene, device);
-          phases.compileEach.push_back(wallSeconds() - since);
-        }
-        collective.barrier(kRunKey);
-        phases.compile = wallSeconds() - begin - phases.load;
-
-        const double start = wallSeconds(), cpu = cpuSeconds();
-        phases.cpuPictures = renderAll(state, options, renderer, collective, root, showProgress);
-        phases.render = wallSeconds() - start;
-        phases.cpuRender = cpuSeconds() - cpu;
-        phases.total = wallSeconds() - begin;
-        if (!options.statsFile.empty()) {
-          const auto mine =
-              statisticsOf(renderer.counters(), transport.counters(), phases, before, ledger, residentBefore);
-          std::vector<nlohmann::json> all;
-          for (const Bytes& b : ranks.allGather(toBytes(mine.dump())))
-            all.push_back(nlohmann::json::parse(toString(b)));
+      Ledger ledger;
+      const BackendRegistry registry = allBackends({options.device, transport.rankOnNode()});
+      std::unique_ptr<Backend> backend;
+      if (!options.reference) agree(ranks, [&] { backend = registry.make(options.backend, &ledger); });
+      std::vector<ShownSoFar> shown;
+      RenderOptions numbered = options;
+      for (size_t step = 0; step < steps.count(); step++) {
+        if (options.reference)
           agree(ranks, [&] {
             if (root)
-              writeStatistics(options.statsFile,
-                              {{"backend", backend->name()},
-                               {"device", backend->device()},
-                               {"ranks", transport.size()},
-                               {"threads per rank", transport.threads()},
-                               {"partitions", loaded.partitioning->partitions()},
-                               {"pictures", state.cameras.size() * state.visualizations.size()},
-                               {"tolerance", state.settings.tolerance},
-                               {"step", state.settings.step}},
-                              all);
+              shown = renderWithReference(steps.at(step), steps.directory, numbered, showProgress, shown);
           });
-        }
+        else
+          shown = renderStep(steps.at(step), steps.directory, numbered,
+                             {transport, collective, ranks, ledger, *backend, root, showProgress},
+                             std::move(shown));
+        numbered.firstPicture += state.cameras.size() * state.visualizations.size();
       }
       if (root && !options.quiet)
-        std::cerr << state.cameras.size() * state.visualizations.size() << " picture(s) "
-                  << pictureName(state, options, 0, 0) << "." << options.format << " ... in "
-                  << wallSeconds() - begin << " s\n";
+        std::cerr << numbered.firstPicture << " picture(s) " << pictureName(state, options, 0, 0) << "."
+                  << options.format << " ... in " << wallSeconds() - begin << " s\n";
     } catch (const std::exception& e) {
       if (root) std::cerr << "gxyrender: error: " << textOf(e) << '\n';
       code = 1;

@@ -5,6 +5,7 @@
 #include <iostream>
 #include <sstream>
 
+#include "../look_options.h"
 #include "../number_option.h"
 #include "../version_option.h"
 #include "gxy/backends/backends.h"
@@ -44,12 +45,23 @@ void RenderOptions::apply(State& state) const {
 
 std::optional<int> parseOptions(int argc, char** argv, bool speaks, RenderOptions& o) {
   CLI::App app(
-      "Renders every visualization of a state file with every camera, on all ranks it is started on.\n"
+      "Renders every visualization of a state file with every camera, or data files as they are, on all "
+      "ranks it is "
+      "started on.\n"
       "  gxyrender scene.json -o picture\n"
       "  galaxy run -n 4 gxyrender scene.json -o picture --size 1920x1080\n"
+      "  gxyrender density.vti                      volume rendering, of values as their content suggests\n"
+      "  gxyrender density.vti halos.vtp --iso 0.3  a surface in it, and points\n"
+      "  gxyrender 'step_*.vti'                     a picture for each file (also step_%04d.vti)\n"
       "Pictures are PREFIX_00000.png, ...: all visualizations of the first camera, then of the next.");
   std::string size, partitions;
-  app.add_option("STATE", o.stateFile, "State file (docs/state-file.md)")->required();
+  app.add_option("FILE", o.files,
+                 "State file (docs/state-file.md), or data files, together in one picture; gxydata scene "
+                 "writes the state "
+                 "file that shows data files so")
+      ->required();
+  std::vector<std::string> isovalues;
+  addLookOptions(app, isovalues, o.look, o.array);
   app.add_option("-o,--output", o.prefix, "Prefix of the pictures' names")->capture_default_str();
   app.add_option("--size", size, "Picture size WxH, instead of the cameras'");
   app.add_option("--backend", o.backend, kBackendHelp)->capture_default_str();
@@ -98,6 +110,7 @@ std::optional<int> parseOptions(int argc, char** argv, bool speaks, RenderOption
   addVersion(app, "gxyrender");
   try {
     app.parse(argc, argv);
+    readIsovalues(isovalues, o.look);
   } catch (const CLI::ParseError& e) {
     if (speaks) app.exit(e);
     return e.get_exit_code() == 0 ? 0 : 2;
@@ -107,6 +120,7 @@ std::optional<int> parseOptions(int argc, char** argv, bool speaks, RenderOption
          {"--backend", "--device", "--partitions", "--stats", "--concurrent", "--packet", "--rays-in-flight"})
       if (app.count(other) > 0)
         return usage(std::string(other) + " does not go with --reference, which renders by itself");
+  o.looks = !isovalues.empty() || o.look.slice || !o.array.empty();
   if (!size.empty()) {
     o.size.emplace();
     if (!parseNumbers(size, 'x', *o.size, 2))

@@ -4,14 +4,20 @@
 #include <array>
 #include <optional>
 #include <string>
+#include <vector>
 
+#include "gxy/scene/first_look.h"
 #include "gxy/scene/scene.h"
 
 namespace gxy {
 
 struct RenderOptions {
-  std::string stateFile;
+  std::vector<std::string> files;  ///< a state file, or data
+  std::string array;               ///< of data files
+  LookOptions look;                ///< at data files
+  bool looks = false;              ///< whether one of the two above was given
   std::string prefix = "image";
+  size_t firstPicture = 0;  ///< number of a step's first
   std::optional<std::array<int, 2>> size;
   std::string backend = "auto";
   std::string device;  ///< of the backend; empty: the best

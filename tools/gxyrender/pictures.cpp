@@ -9,7 +9,8 @@ namespace gxy {
 
 std::string pictureName(const State& state, const RenderOptions& options, size_t visualization,
                         size_t camera) {
-  return pictureName(options.prefix, state, camera * state.visualizations.size() + visualization);
+  return pictureName(options.prefix, state,
+                     options.firstPicture + camera * state.visualizations.size() + visualization);
 }
 
 void writePicture(const std::string& name, const RenderOptions& options, Picture picture) {

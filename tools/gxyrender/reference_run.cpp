@@ -10,13 +10,14 @@
 
 namespace gxy {
 
-void renderWithReference(const State& state, const std::string& directory, const RenderOptions& options,
-                         bool progress) {
+std::vector<ShownSoFar> renderWithReference(const State& state, const std::string& directory,
+                                            const RenderOptions& options, bool progress,
+                                            std::vector<ShownSoFar> shown) {
   SingleRank alone;
   Ledger ledger;
   RenderOptions whole = options;
   whole.partitions = {1, 1, 1};
-  const LoadedState loaded = loadData(state, directory, whole, alone, ledger);
+  const LoadedState loaded = loadData(state, directory, whole, alone, ledger, std::move(shown));
   for (size_t c = 0; c < state.cameras.size(); c++)
     for (size_t v = 0; v < state.visualizations.size(); v++) {
       const reference::ReferenceScene scene = referenceScene(state, loaded, v);
@@ -29,7 +30,8 @@ void renderWithReference(const State& state, const std::string& directory, const
         how.progress = [&](double f) {
           std::cerr << '\r' << name << ' ' << int(100 * f) << " %" << std::flush;
         };
-      reference::ReferencePicture picture = reference::renderReference(scene, state.cameras[c], how);
+      reference::ReferencePicture picture =
+          reference::renderReference(scene, loaded.camera(state, v, c), how);
       if (progress) std::cerr << '\n';
       reference::applyBackground(picture, state.settings.background);
       Picture out{
@@ -37,6 +39,7 @@ void renderWithReference(const State& state, const std::string& directory, const
       if (options.depth) out.depth = std::move(picture.depth);
       writePicture(name, options, std::move(out));
     }
+  return loaded.shown;
 }
 
 }  // namespace gxy

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gxy/io/point_spread.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+
+namespace gxy {
+namespace {
+
+constexpr size_t kBins = 1024;
+constexpr int kRounds = 3;  // each looks closer at what lies between the hundredths
+
+/// Of one axis: how many points lie below, in and above the bins of an interval.
+struct Counts {
+  double lo = 0, hi = 0;
+  std::array<uint64_t, kBins + 2> bins{};
+
+  void add(double x) {
+    if (x < lo) return void(bins.front()++);
+    if (x > hi) return void(bins.back()++);
+    const double place = hi > lo ? (x - lo) / (hi - lo) * double(kBins) : 0;
+    bins[1 + std::min(size_t(place), kBins - 1)]++;
+  }
+  /// The interval of the bins from that of the first to that of the last hundredth.
+  std::array<double, 2> hundredths() const {
+    uint64_t all = 0;
+    for (const uint64_t n : bins) all += n;
+    const uint64_t skipped = all / 100;
+    size_t first = 1, last = kBins;
+    for (uint64_t below = bins.front(); first < kBins && below + bins[first] <= skipped; first++)
+      below += bins[first];
+    for (uint64_t above = bins.back(); last > first && above + bins[last] <= skipped; last--)
+      above += bins[last];
+    const double width = (hi - lo) / double(kBins);
+    return {lo + width * double(first - 1), last == kBins ? hi : lo + width * double(last)};
+  }
+};
+using Axes = std::array<Counts, 3>;
+
+void count(const LoadedGeometry& geometry, Collectives& ranks, Axes& axes) {
+  const GeometryBlock& block = geometry.block;
+  for (size_t p = 0; p < block.ids.size(); p++)
+    for (const uint32_t point : cornersOf(block, geometry.kind, p))
+      for (size_t a = 0; a < 3; a++) axes[a].add(block.points[point][int(a)]);
+  if (geometry.everywhere) return;
+  constexpr size_t kEach = sizeof(Counts::bins);
+  Bytes mine(3 * kEach);
+  for (size_t a = 0; a < 3; a++) std::memcpy(mine.data() + a * kEach, axes[a].bins.data(), kEach);
+  for (Counts& c : axes) c.bins.fill(0);
+  for (const Bytes& theirs : ranks.allGather(std::move(mine)))
+    for (size_t a = 0; a < 3; a++)
+      for (size_t b = 0; b < kBins + 2; b++) {
+        uint64_t n = 0;
+        std::memcpy(&n, theirs.data() + a * kEach + b * sizeof n, sizeof n);
+        axes[a].bins[b] += n;
+      }
+}
+
+}  // namespace
+
+PointSpread spreadOf(const LoadedGeometry& geometry, Collectives& ranks) {
+  PointSpread spread{geometry.box, 0};
+  const Box& box = geometry.box;
+  if (box.empty()) return spread;
+  Box inner = box;
+  for (int round = 0; round < kRounds; round++) {
+    Axes axes;
+    for (int a = 0; a < 3; a++) axes[size_t(a)].lo = inner.lo[a], axes[size_t(a)].hi = inner.hi[a];
+    count(geometry, ranks, axes);
+    for (int a = 0; a < 3; a++) {
+      const auto [lo, hi] = axes[size_t(a)].hundredths();
+      inner.lo[a] = lo, inner.hi[a] = hi;
+    }
+  }
+  double longest = 0, size = 1;
+  for (int a = 0; a < 3; a++) {
+    const double all = box.hi[a] - box.lo[a], most = inner.hi[a] - inner.lo[a];
+    longest = std::max(longest, most);
+    if (all <= 2 * most) continue;
+    spread.middle.lo[a] = std::max(box.lo[a], inner.lo[a] - most / 4);
+    spread.middle.hi[a] = std::min(box.hi[a], inner.hi[a] + most / 4);
+  }
+  int dimensions = 0;
+  for (int a = 0; a < 3; a++) {
+    constexpr double kFlat = 1e-3;  // of the longest side
+    const double side = inner.hi[a] - inner.lo[a];
+    if (side > kFlat * longest) size *= side, dimensions++;
+  }
+  if (dimensions > 0 && geometry.primitives > 1)
+    spread.spacing = std::pow(size / double(geometry.primitives), 1.0 / dimensions);
+  return spread;
+}
+
+}  // namespace gxy

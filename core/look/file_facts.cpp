@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gxy/look/file_facts.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <optional>
+#include <set>
+
+#include "gxy/comm/error.h"
+#include "gxy/io/file.h"
+#include "gxy/io/import_geometry.h"
+#include "gxy/io/volume_file.h"
+#include "gxy/look/loaded_facts.h"
+
+namespace gxy {
+namespace {
+
+constexpr int64_t kWhole = 256 << 20;  // bytes of samples that are all read
+constexpr int64_t kAtOnce = 16 << 20;
+
+struct VolumeSampler {
+  const VolumeFile& file;
+  const Index3 stride = samplingStride(file.grid);
+  FieldStatistics statistics;
+  std::vector<float> values;
+
+  explicit VolumeSampler(const VolumeFile& f) : file(f) {
+    statistics.ranges.resize(size_t(file.array.components > 1 ? file.array.components + 1 : 1));
+  }
+  void take(const Extent& slab, std::span<const std::byte> samples) {
+    statistics.merge(statisticsOf(samples, file.array.type, file.array.components));
+    const size_t each = file.bytesPerPoint();
+    for (int64_t k = 0; k < slab.points[2]; k++) {
+      if ((slab.first[2] + k) % stride[2] != 0) continue;
+      for (int64_t j = 0; j < slab.points[1]; j += stride[1])
+        for (int64_t i = 0; i < slab.points[0]; i += stride[0]) {
+          const size_t point = size_t((k * slab.points[1] + j) * slab.points[0] + i);
+          const double value =
+              shownValue(samples.data() + point * each, file.array.type, file.array.components);
+          if (std::isfinite(value)) values.push_back(float(value));
+        }
+    }
+  }
+  void readSlabs() {
+    const Index3& points = file.grid.points;
+    const int64_t layer = points[0] * points[1] * int64_t(file.bytesPerPoint());
+    const bool whole = layer * points[2] <= kWhole;
+    const int64_t depth = whole ? std::max<int64_t>(1, kAtOnce / layer) : 1;
+    std::vector<std::byte> samples;
+    for (int64_t k = 0; k < points[2]; k += whole ? depth : stride[2]) {
+      const Extent slab{{0, 0, k}, {points[0], points[1], std::min(depth, points[2] - k)}};
+      samples.resize(size_t(slab.count()) * file.bytesPerPoint());
+      readVolume(file, slab, samples);
+      take(slab, samples);
+    }
+  }
+};
+
+LookFacts factsOfVolume(const std::string& path, const std::string& array) {
+  const VolumeFile file = openVolume(path, array);
+  VolumeSampler sampler(file);
+  sampler.readSlabs();
+  LookFacts facts;
+  facts.dataset.type = DatasetType::Volume;
+  const Box box = file.grid.box();
+  facts.data = {box, box, sampler.statistics.ranges, 0};
+  facts.values = std::move(sampler.values);
+  facts.thin = thinAxis(file.grid);
+  return facts;
+}
+
+LookFacts factsOfGeometry(const std::string& path, const std::string& array) {
+  const GeometryKind kind = likelyKind(tellingPiece(path).second);
+  SingleRank alone;
+  std::vector<std::string> warnings;  // told when it is loaded
+  const LoadedGeometry geometry = loadGeometry(path, kind, array, alone, {}, &warnings);
+  LookFacts facts;
+  facts.dataset.type = kind == GeometryKind::Particles   ? DatasetType::Particles
+                       : kind == GeometryKind::PathLines ? DatasetType::PathLines
+                                                         : DatasetType::Triangles;
+  facts.data = factsOf(geometry);
+  if (valuesCount(path, array)) facts.values = sampleOf(geometry, 0);
+  return facts;
+}
+
+}  // namespace
+
+bool valuesCount(const std::string& path, const std::string& array) {
+  return extensionOf(path) != ".ply" || !array.empty();
+}
+
+std::pair<std::string, GeometrySummary> tellingPiece(const std::string& path) {
+  const std::vector<std::string> pieces = geometryPieces(path);
+  if (pieces.empty()) throw Error(path + ": it lists no pieces, expected one or more");
+  std::optional<std::pair<std::string, GeometrySummary>> best;
+  for (const std::string& piece : pieces) {
+    GeometrySummary summary = summariseGeometry(piece);
+    if (summary.triangles || summary.solids || summary.segments || summary.vertices)
+      return {piece, std::move(summary)};
+    if (!best || (best->second.points == 0 && summary.points > 0)) best = {piece, std::move(summary)};
+  }
+  return *best;
+}
+
+LookFacts factsOfFile(const std::string& path, const std::string& array) {
+  LookFacts facts = isVolumeFile(path) ? factsOfVolume(path, array) : factsOfGeometry(path, array);
+  facts.dataset.name = std::filesystem::path(path).stem().string();
+  facts.dataset.filename = path;
+  facts.dataset.array = array;
+  completeSample(facts);
+  return facts;
+}
+
+std::vector<LookFacts> factsOfFiles(std::span<const std::string> paths, const std::string& array) {
+  std::vector<LookFacts> all;
+  std::set<std::string> names;
+  for (const std::string& path : paths) {
+    LookFacts facts = factsOfFile(path, array);
+    const std::string name = facts.dataset.name;
+    for (int n = 2; !names.insert(facts.dataset.name).second; n++)
+      facts.dataset.name = name + "-" + std::to_string(n);
+    all.push_back(std::move(facts));
+  }
+  return all;
+}
+
+}  // namespace gxy

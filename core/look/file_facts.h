@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+// Facts of data files for a first look, read by one rank alone.
+#pragma once
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "gxy/io/geometry_file.h"
+#include "gxy/scene/first_look.h"
+
+namespace gxy {
+
+/// Reads what a first look at a file needs: of a volume all samples while they are at most 256 MiB, else some layers; of
+/// geometry all of the file. `array` as in a state file. The dataset is named after the file. Throws Error for what is not a
+/// data file.
+LookFacts factsOfFile(const std::string& path, const std::string& array = {});
+
+/// The same of several files, with different names.
+std::vector<LookFacts> factsOfFiles(std::span<const std::string> paths, const std::string& array = {});
+
+/// Whether a geometry file is looked at for its values; `array` as in a state file. What scanners leave beside the points of a
+/// .ply, as their confidence, is shown where it is named.
+bool valuesCount(const std::string& path, const std::string& array);
+
+/// The piece of a geometry file that tells what all of them hold: the first with cells, else with points, else the first.
+std::pair<std::string, GeometrySummary> tellingPiece(const std::string& path);
+
+}  // namespace gxy

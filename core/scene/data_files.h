@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the names on a command line mean: a state file, or data, each a file or a series.
+#pragma once
+#include <string>
+#include <vector>
+
+namespace gxy {
+
+/// Whether a file is a state file: one that ends with .json and holds at least one of a state file's keys. Throws Error for
+/// what is there neither to be read nor a state file nor a volume's description.
+bool isStateFile(const std::string& path);
+
+/// The files that a name means, in order: itself, if there is such a file or the name holds no pattern; else, of a pattern
+/// with * or ? in the name of the file, or a number as %d or %04d, those that match, numbers in the names by their value.
+/// Throws Error for a pattern that nothing matches, and for a directory.
+std::vector<std::string> filesOf(const std::string& name);
+
+/// The files of each step. Of several names those that mean several files mean equally many; the others are in each step.
+/// Throws Error.
+std::vector<std::vector<std::string>> stepsOf(const std::vector<std::string>& names);
+
+}  // namespace gxy
