@@ -89,7 +89,7 @@ class Snapshot(unittest.TestCase):
         self.fails(self.view("scene.json", DISPLAY="127.0.0.1:9999"), "no display at 127.0.0.1:9999", "--snapshot")
 
     def test_wrong_usage_has_status_2_and_help_0(self):
-        self.fails(self.view(), "state", status=2)
+        self.fails(self.view(), "file is required", status=2)
         self.fails(self.view("--size", "3", "scene.json"), "WIDTHxHEIGHT", status=2)
         self.fails(self.view("--snapshot", "x.jpg", "scene.json"), "ends with .png", "x.jpg", status=2)
         done = self.view("--help")

@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // gxyviewer: a window on what a multiserver renders.
 #include <algorithm>
+#include <filesystem>
 #include <iostream>
 
 #include "file_watch.h"
 #include "gxy/comm/error.h"
 #include "gxy/protocol/json.h"
+#include "gxy/protocol/statement.h"
+#include "gxy/scene/data_files.h"
 #include "gxy/scene/state_file.h"
 #include "options.h"
 #include "png.h"
@@ -19,21 +22,60 @@ void warn(const std::string& text) {
   std::cerr << "gxyviewer: warning: " << protocol::printable(text) << '\n';
 }
 
-/// What the state file says, with a visualization and a camera at least.
+/// Files of this machine by their whole names, as the server must be told them.
+std::string asServerHasIt(const std::string& name) {
+  namespace fs = std::filesystem;
+  std::error_code failed;
+  const bool pattern = name.find_first_of("*?%") != std::string::npos;
+  return fs::exists(name, failed) || pattern ? fs::absolute(name).string() : name;
+}
+
+/// What the server makes of data that no state file describes.
+StateFile firstLookOf(const ViewOptions& options) {
+  std::string statement = "viewer.scene";
+  for (const std::string& name : options.files) statement += " " + protocol::asWord(asServerHasIt(name));
+  nlohmann::json how{{"slice", options.look.slice}, {"array", options.array}};
+  if (options.look.autoIsovalue) how["isovalues"] = "auto";
+  if (!options.look.isovalues.empty()) how["isovalues"] = options.look.isovalues;
+  Client client(options.client);
+  client.expect("load data");
+  client.expect("load viewer");
+  return readState(protocol::dump(client.expect(statement + " " + protocol::dump(how)).at("state")), "scene");
+}
+
+/// Else it is data.
+bool isStateFile(const ViewOptions& options) {
+  const std::string& first = options.files[0];
+  return options.files.size() == 1 && first.ends_with(".json") && gxy::isStateFile(first);
+}
+
+/// What is to be shown, with a visualization and a camera at least.
 State stateOf(const ViewOptions& options) {
-  StateFile file = readStateFile(options.stateFile);
+  const std::string& first = options.files[0];
+  StateFile file = isStateFile(options) ? readStateFile(first) : firstLookOf(options);
   for (const std::string& warning : file.warnings) warn(warning);
   if (file.state.visualizations.empty())
-    throw Error(options.stateFile + ": it has no `Visualization`, expected one, with operators");
-  if (file.state.cameras.empty()) file.state.cameras.resize(1);
+    throw Error(first + ": it has no `Visualization`, expected one, with operators");
+  if (file.state.cameras.empty()) file.state.cameras = {defaultCamera()};
   if (options.size) file.state.cameras[0].dimensions = *options.size;
   return std::move(file.state);
 }
 
+/// The same with every camera where its `fit` puts it; waits for the data where one has that.
+State withFittedCameras(State state, RemoteWindow& remote) {
+  const auto fits = [](const Camera& camera) { return camera.fit; };
+  if (std::none_of(state.cameras.begin(), state.cameras.end(), fits)) return state;
+  remote.waitUntilLoaded();
+  for (Camera& camera : state.cameras)
+    if (camera.fit) camera = remote.fittedCamera(camera);
+  return state;
+}
+
 int run(const ViewOptions& options) {
-  FileWatch file(options.stateFile);
-  const Selection selection(stateOf(options));
-  const State state = selection.shown();
+  std::optional<FileWatch> stateFile;  // data are the server's to watch
+  if (isStateFile(options)) stateFile.emplace(options.files[0]);
+  const State whole = stateOf(options);
+  const State state = Selection(whole).shown();
   if (options.snapshot.empty()) checkDisplay();
   const auto rays = uint32_t(state.settings.raysPerPixel);
   RemoteWindow remote(options.client, state,
@@ -42,9 +84,11 @@ int run(const ViewOptions& options) {
                                                  : rays,
                       warn);
   if (options.snapshot.empty()) {
-    runViewer(remote, selection, options.output, [&]() -> std::optional<State> {
-      if (!file.changed(FileWatch::Clock::now())) return std::nullopt;
-      return stateOf(options);
+    const State seen = withFittedCameras(whole, remote);
+    remote.setCamera(seen.cameras[0]);
+    runViewer(remote, Selection(seen), options.output, [&]() -> std::optional<State> {
+      if (!stateFile || !stateFile->changed(FileWatch::Clock::now())) return std::nullopt;
+      return withFittedCameras(stateOf(options), remote);
     });
     return 0;
   }

@@ -4,18 +4,26 @@
 #include <CLI/CLI.hpp>
 #include <filesystem>
 
+#include "../look_options.h"
 #include "../version_option.h"
 #include "keys.h"
 
 namespace gxy {
 
 std::optional<int> parseOptions(int argc, char** argv, ViewOptions& o) {
-  CLI::App app("Shows what a state file says, rendered by a Galaxy server, in a window to turn it in.",
-               "gxyviewer");
+  CLI::App app(
+      "Shows what a state file says, or data files as they are, rendered by a Galaxy server, in a window to "
+      "turn it in.",
+      "gxyviewer");
   std::string size;
   o.client.name = "gxyviewer";
-  app.add_option("state", o.stateFile, "STATE.json; names of data files in it are as the server has them")
+  app.add_option("file", o.files,
+                 "STATE.json, whose names of data files are as the server has them; or data files, or "
+                 "datasets of the "
+                 "server, shown together as their content suggests")
       ->required();
+  std::vector<std::string> isovalues;
+  addLookOptions(app, isovalues, o.look, o.array);
   app.add_option("-H,--host", o.client.host, "the server's machine")->capture_default_str();
   app.add_option("-P,--port", o.client.port, "the server's port")->capture_default_str();
   app.add_option("--token-file", o.client.tokenFile, kTokenFileHelp);
@@ -40,6 +48,7 @@ std::optional<int> parseOptions(int argc, char** argv, ViewOptions& o) {
   addVersion(app, "gxyviewer");
   try {
     app.parse(argc, argv);
+    readIsovalues(isovalues, o.look);
     if (!size.empty()) {
       int width = 0, height = 0, used = 0;
       if (std::sscanf(size.c_str(), "%5dx%5d%n", &width, &height, &used) != 2 ||
@@ -51,8 +60,9 @@ std::optional<int> parseOptions(int argc, char** argv, ViewOptions& o) {
     return app.exit(e) == 0 ? 0 : 2;
   }
   if (o.output.empty()) {
-    const std::filesystem::path state(o.stateFile);
-    o.output = (state.parent_path() / (state.stem().string() + "-view")).string();
+    const std::filesystem::path first(o.files[0]);
+    const bool state = first.extension() == ".json";  // data may lie where nothing can be written
+    o.output = ((state ? first.parent_path() : "") / (first.stem().string() + "-view")).string();
   }
   return std::nullopt;
 }

@@ -4,14 +4,18 @@
 #include <glm/vec2.hpp>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "gxy/client/client.h"
+#include "gxy/scene/first_look.h"
 
 namespace gxy {
 
 struct ViewOptions {
   Client::Options client;
-  std::string stateFile;
+  std::vector<std::string> files;  ///< a state file; or data files, or names of datasets of the server
+  LookOptions look;                ///< at the latter
+  std::string array;
   std::string snapshot;            ///< a picture to write; empty: open a window
   std::string output;              ///< what the window saves: OUTPUT.json, OUTPUT_00000.png, ...
   std::optional<glm::ivec2> size;  ///< instead of the camera's dimensions

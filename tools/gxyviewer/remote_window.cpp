@@ -206,6 +206,13 @@ void RemoteWindow::takeEvent(const json& event) {
   for (const char* change : {"added", "updated", "dropped", "renamed", "lost"}) boxesDue_ |= kind == change;
 }
 
+Camera RemoteWindow::fittedCamera(const Camera& camera) {
+  const json reply = client_->expect(statement("viewer.camera", {{"Camera", cameraJson(camera)}}));
+  Camera fitted = readState(protocol::dump({{"Camera", reply.at("Camera")}}), "camera").state.cameras.at(0);
+  fitted.dimensions = camera.dimensions;
+  return fitted;
+}
+
 void RemoteWindow::setCamera(const Camera& camera) {
   if (camera == camera_) return;
   camera_ = camera;

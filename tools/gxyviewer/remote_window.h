@@ -43,6 +43,8 @@ class RemoteWindow {
   /// refuses it, status() says so, and what was shown before stays.
   void show(const State& state);
   void setCamera(const Camera& camera);
+  /// A camera where its `fit` puts it, in a window of this size. Waits for the server. Throws Error.
+  Camera fittedCamera(const Camera& camera);
   void resize(glm::ivec2 size);
   /// Asks for what is due; called often.
   void update(Clock::time_point now);

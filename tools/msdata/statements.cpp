@@ -4,6 +4,7 @@
 #include <chrono>
 #include <future>
 #include <memory>
+#include <sstream>
 #include <utility>
 
 #include "gxy/comm/error.h"
@@ -15,10 +16,20 @@ namespace {
 
 constexpr const char* kBlanks = " \t\r\n";
 
+/// `show ...`, or `help show`.
+bool isAboutShow(const std::string& statement) {
+  std::istringstream words(statement);
+  std::string first, second;
+  words >> first >> second;
+  return first == "show" || (first == "help" && second == "show");
+}
+
 }  // namespace
 
 bool Runner::run(const std::string& statement) {
   if (statement == "exit") return false;
+  if (isAboutShow(statement))
+    client_.request("load viewer");  // which has this verb; where it fails, `show` says so
   // Shown by the thread that reads, so that replies and events are in the order in which they came.
   const auto shown = std::make_shared<std::promise<void>>();
   const uint32_t id = client_.send(statement, [&report = report_, statement, shown](const Reply& reply) {

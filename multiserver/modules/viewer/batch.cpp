@@ -83,10 +83,11 @@ class Run {
       names.push_back(nameOf(batch_, i));
       if (!batch_.toClient) paths_.push_back(services_.node.folders.toWrite(nameOf(batch_, i)));
     }
-    for (const Visualization& v : batch_.state.visualizations) {
-      job_->scenes.push_back(
-          services_.scenes.get(request_.session().tenant(), v, batch_.state.settings, asker_).scene);
-    }
+    for (size_t i = 0; i < shown_.size(); i++)
+      job_->scenes.push_back(services_.scenes
+                                 .get(request_.session().tenant(), batch_.state.visualizations[i],
+                                      batch_.state.settings, asker_, shown_[i])
+                                 .scene);
     const auto wanted = services_.node.observers.subscribe({}, [this](const ObjectEvent& event) {
       if (event.kind == ObjectEvent::Kind::Wanted) letGo(event.key, event.generation);
     });
@@ -185,7 +186,7 @@ class Run {
       kept = job_->scenes[index % of];
     }
     Scenes::Pinned pinned = services_.scenes.get(tenant, batch_.state.visualizations[index % of],
-                                                 batch_.state.settings, asker_, kept);
+                                                 batch_.state.settings, asker_, shown_[index % of], kept);
     ScenePtr scene = std::move(pinned.scene);
     if (scene != kept) {
       const std::lock_guard lock(job_->mutex);
@@ -194,7 +195,7 @@ class Run {
     const auto pins = std::make_shared<std::vector<Pin>>(std::move(pinned.pins));
     FrameRequest frame;
     frame.scene = scene->id;
-    frame.camera = camera;
+    frame.camera = fitted(camera, shown_[index % of].box);
     frame.share = {node.tenants.number(tenant), false, stream_};
     frame.account = tenant;
     Wanted wanted;
@@ -251,6 +252,8 @@ class Run {
   const size_t total_;
   const uint64_t stream_;  ///< of its frames
   std::vector<std::string> paths_;
+  std::vector<ShownSoFar> shown_ =
+      std::vector<ShownSoFar>(batch_.state.visualizations.size());  ///< by visualization
   const std::shared_ptr<Job> job_ = std::make_shared<Job>();
 };
 

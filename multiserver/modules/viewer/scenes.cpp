@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "gxy/comm/error.h"
+#include "gxy/look/loaded_facts.h"
 #include "gxy/scene/json_text.h"
 #include "gxy/scene/state_file.h"
 
@@ -207,8 +208,28 @@ bool Scenes::namesMean(const std::string& tenant, const std::vector<NamedDataset
   });
 }
 
+Scenes::Held Scenes::hold(const std::string& tenant, const Visualization& visualization,
+                          ShownSoFar& shown) const {
+  Held held;
+  std::vector<DataFacts> facts;
+  for (const Vis& vis : visualization.operators) {
+    auto [dataset, pin] = node_.datasets->getPinned(tenant, vis.dataset);
+    const auto content = pin.get<Dataset>();
+    facts.push_back(content->volume ? factsOf(*content->volume) : factsOf(*content->geometry));
+    held.data.push_back(std::move(dataset));
+    held.pins.push_back(std::move(pin));
+  }
+  held.resolved = resolved(visualization, facts, shown);
+  return held;
+}
+
+void Scenes::widen(const std::string& tenant, const Visualization& visualization, ShownSoFar& shown) const {
+  hold(tenant, visualization, shown);
+}
+
 Scenes::Pinned Scenes::get(const std::string& tenant, const Visualization& visualization,
-                           const RenderSettings& settings, const Asker& asker, const ScenePtr& known) {
+                           const RenderSettings& settings, const Asker& asker, ShownSoFar& shown,
+                           const ScenePtr& known) {
   if (known && namesMean(tenant, known->data)) try {
       return {known, pinned(node_, known->data)};
     } catch (const Error&) {
@@ -217,7 +238,6 @@ Scenes::Pinned Scenes::get(const std::string& tenant, const Visualization& visua
   if (visualization.operators.empty())
     throw Error("visualization: it has no operators, expected one or more");
   State state;
-  state.visualizations = {visualization};
   state.settings = settings;
   for (const Vis& vis : visualization.operators) {
     // Names belong to tenants, contents do not; the reader wants every name to be a dataset's.
@@ -230,18 +250,13 @@ Scenes::Pinned Scenes::get(const std::string& tenant, const Visualization& visua
       state.datasets.push_back(spec);
   }
   for (int looks = 1;; looks++) {
-    std::vector<NamedDataset> data;
-    std::vector<Pin> pins;
-    for (const Vis& vis : visualization.operators) {
-      auto [dataset, pin] = node_.datasets->getPinned(tenant, vis.dataset);
-      data.push_back(std::move(dataset));
-      pins.push_back(std::move(pin));
-    }
+    Held held = hold(tenant, visualization, shown);
+    state.visualizations = {std::move(held.resolved)};
     try {
-      return {getOf(tenant, state, data, asker), std::move(pins)};
+      return {getOf(tenant, state, held.data, asker), std::move(held.pins)};
     } catch (const Error&) {
       // Dropped meanwhile, and perhaps replaced by others of the same names.
-      if (namesMean(tenant, data) || looks == kLooks) throw;
+      if (namesMean(tenant, held.data) || looks == kLooks) throw;
     }
   }
 }

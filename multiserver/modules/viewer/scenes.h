@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "gxy/rays/scene_memory.h"
-#include "gxy/scene/scene.h"
+#include "gxy/scene/resolve.h"
 #include "gxy/server/datasets.h"
 #include "gxy/server/module.h"
 #include "gxy/space/shared_by.h"
@@ -57,16 +57,27 @@ class Scenes {
   /// Rank 0: the scene of a visualization with the current generations of its data, as the tenant sees them; compiled
   /// unless that tenant has one of the same content, or one that is being made: then all who want it wait for that one, and
   /// are told its progress, and it is given up on all ranks when none of them wants it any more. `known`, if not null, is
-  /// taken while its names mean its data. Waits; the asker lives as long. Throws Error for data that are not there or do not
-  /// fit, and soon what `asker.check` throws, the last who waits once nothing of the scene is left.
+  /// taken while its names mean its data. What the visualization asks of the data is said by these and by what it has shown
+  /// so far, `shown`, which they widen; a scene that is `known` has widened it before. Waits; the asker lives as long. Throws
+  /// Error for data that are not there or do not fit, and soon what `asker.check` throws, the last who waits once nothing of
+  /// the scene is left.
   Pinned get(const std::string& tenant, const Visualization& visualization, const RenderSettings& settings,
-             const Asker& asker, const ScenePtr& known = nullptr);
+             const Asker& asker, ShownSoFar& shown, const ScenePtr& known = nullptr);
+  /// Rank 0: what get() would do to `shown`. Throws Error for data that are not there.
+  void widen(const std::string& tenant, const Visualization& visualization, ShownSoFar& shown) const;
   /// Every rank: a scene that rank 0 has got. Throws Error once it has been let go.
   std::shared_ptr<const CompiledScene> compiled(SceneId id);
   /// Whether that is what these names mean to the tenant now.
   bool namesMean(const std::string& tenant, const std::vector<NamedDataset>& data) const;
 
  private:
+  /// A visualization with its data, as the tenant sees them, and numbers for what it asks of them.
+  struct Held {
+    std::vector<NamedDataset> data;
+    std::vector<Pin> pins;
+    Visualization resolved;
+  };
+  Held hold(const std::string& tenant, const Visualization& visualization, ShownSoFar& shown) const;
   nlohmann::json make(const nlohmann::json& parameters);
   nlohmann::json forget(const nlohmann::json& parameters);
   /// A scene that is being made, and who waits for it. Rank 0; under mutex_ but for `wanted`.

@@ -243,6 +243,13 @@ struct RenderRequest {
   std::optional<Camera> camera;
 };
 
+Camera cameraOf(DocumentReader& reader, Members& members, const json& given, const char* verb) {
+  const State state = reader.state(protocol::dump({{"Camera", given}}), verb).state;
+  if (state.cameras.size() != 1) members.fail("Camera", "one camera", given);
+  validate(state.cameras[0]);
+  return state.cameras[0];
+}
+
 RenderRequest readRender(Request& request, const std::optional<std::string_view>& text) {
   DocumentReader reader(request);
   Members members(reader, text, "render");
@@ -269,12 +276,7 @@ RenderRequest readRender(Request& request, const std::optional<std::string_view>
                      : encoding == "jpeg" ? protocol::PixelEncoding::Jpeg
                      : encoding == "zlib" ? protocol::PixelEncoding::Zlib
                                           : protocol::PixelEncoding::Zstd;
-  if (const json* camera = members.find("Camera")) {
-    const State state = reader.state(protocol::dump({{"Camera", *camera}}), "render").state;
-    if (state.cameras.size() != 1) members.fail("Camera", "one camera", *camera);
-    validate(state.cameras[0]);
-    read.camera = state.cameras[0];
-  }
+  if (const json* camera = members.find("Camera")) read.camera = cameraOf(reader, members, *camera, "render");
   members.expectNoMore();
   return read;
 }
@@ -363,8 +365,9 @@ Batch readBatch(Request& request, std::string_view text, std::vector<std::string
   StateFile file = reader.state(protocol::dump(*document), "batch");
   batch.state = std::move(file.state);
   warnings = std::move(file.warnings);
-  if (batch.state.visualizations.empty() || batch.state.cameras.empty())
-    throw Error("batch: `state` has no visualization or no camera, expected one or more of each");
+  if (batch.state.visualizations.empty())
+    throw Error("batch: `state` has no visualization, expected one or more");
+  if (batch.state.cameras.empty()) batch.state.cameras = {defaultCamera()};
   return batch;
 }
 
@@ -376,6 +379,76 @@ json batch(Services& services, Request& request, Arguments arguments) {
   json result = renderBatch(services, request, batch);
   result["warnings"] = warnings;
   if (!warnings.empty()) result["text"] = result["text"].get<std::string>() + "\n" + textOf(warnings);
+  return result;
+}
+
+json camera(Request& request, Arguments arguments) {
+  const uint32_t id = windowId(arguments);
+  const WindowPtr window = windowsOf(request.session())->get(id);
+  std::optional<Camera> camera;
+  if (const auto text = arguments.json()) {
+    DocumentReader reader(request);
+    Members members(reader, text, "camera");
+    if (const json* given = members.find("Camera")) camera = cameraOf(reader, members, *given, "camera");
+    members.expectNoMore();
+  }
+  State state;
+  state.cameras = {window->fittedCamera(camera)};
+  return {{"Camera", json::parse(writeState(state)).at("Cameras").at(0)}};
+}
+
+// What is asked for by NAME... [JSON]; `size`, if not null, is taken, too.
+State lookOf(Services& services, Request& request, Arguments& arguments, const char* verb,
+             std::vector<std::string>& names, glm::ivec2* size) {
+  names = {arguments.expectWord()};
+  while (const auto name = arguments.word()) names.push_back(*name);
+  DocumentReader reader(request);
+  Members members(reader, arguments.json(), verb);
+  LookOptions options;
+  if (const json* values = members.find("isovalues")) {
+    options.autoIsovalue = *values == "auto";
+    if (!options.autoIsovalue && !values->is_array())
+      members.fail("isovalues", "a list of numbers, or \"auto\"", *values);
+    if (!options.autoIsovalue)
+      for (const json& value : *values) {
+        if (!value.is_number()) members.fail("isovalues", "a list of numbers, or \"auto\"", *values);
+        options.isovalues.push_back(value.get<double>());
+      }
+  }
+  options.slice = members.flag("slice", false);
+  const std::string array = members.text("array", "");
+  if (const json* sides = size ? members.find("size") : nullptr) {
+    if (!sides->is_array() || sides->size() != 2) members.fail("size", "[width, height]", *sides);
+    for (int i = 0; i < 2; i++) (*size)[i] = int(members.integerIn(sides->at(size_t(i)), "size", 1, 65536));
+  }
+  members.expectNoMore();
+  return services.looks.state(request, names, array, options);
+}
+
+json scene(Services& services, Request& request, Arguments arguments) {
+  std::vector<std::string> names;
+  const State state = lookOf(services, request, arguments, "scene", names, nullptr);
+  return {{"state", json::parse(writeState(state))}, {"text", writeState(state)}};
+}
+
+json show(Services& services, Request& request, Arguments arguments) {
+  std::vector<std::string> names;
+  glm::ivec2 size = Camera().dimensions;
+  Batch batch;
+  batch.state = lookOf(services, request, arguments, "show", names, &size);
+  batch.state.cameras[0].dimensions = size;
+  batch.toClient = true;
+  batch.prefix = batch.state.visualizations[0].operators[0].dataset;
+  std::replace(batch.prefix.begin(), batch.prefix.end(), '/', '_');
+  const std::vector<std::string> warnings = importMissing(request, batch.state.datasets);
+  json result = renderBatch(services, request, batch);
+  result["state"] = json::parse(writeState(batch.state));
+  result["warnings"] = warnings;
+  std::string command = "gxyviewer";
+  for (const std::string& name : names) command += " " + name;
+  std::string text = result["pictures"].at(0).get<std::string>() + "; to turn it: " + command;
+  if (!warnings.empty()) text += "\n" + textOf(warnings);
+  result["text"] = text;
   return result;
 }
 
@@ -408,6 +481,13 @@ GALAXY_MODULE(registration) {
   registration.verb(verb("close", "ID", "Forgets a window.", Order::InTurn, closeWindow));
   registration.verb(verb("windows", "", "Lists the windows.", Order::InTurn, list));
   registration.verb(verb("state", "ID", "The window's state document.", Order::InTurn, state));
+  registration.verb(verb("camera", "ID [JSON]",
+                         "The window's camera, or the one given, where its `fit` puts it.", Order::InTurn,
+                         camera));
+  registration.verb(verb("scene", "NAME... [JSON]", "A state document that shows datasets or data files.",
+                         Order::Aside, [&s](Request& r, Arguments a) { return scene(s, r, std::move(a)); }));
+  registration.verb(verb("show", "NAME... [JSON]", "Sends a picture of datasets or data files.", Order::Aside,
+                         [&s](Request& r, Arguments a) { return show(s, r, std::move(a)); }));
   registration.verb(verb("batch", "JSON", "Renders every visualization with every camera of a state.",
                          Order::Aside, [&s](Request& r, Arguments a) { return batch(s, r, std::move(a)); }));
 }

@@ -17,7 +17,7 @@ Window::Window(Services& services, std::shared_ptr<Outbox> outbox, std::string t
       tenant_(std::move(tenant)),
       id_(id),
       stream_(services.streams++) {
-  state_.cameras.resize(1);
+  state_.cameras = {defaultCamera()};
   state_.visualizations.resize(1);
 }
 
@@ -42,6 +42,7 @@ void Window::setSettings(const Settings& settings) {
 void Window::setVisualization(const Visualization& visualization, LedgerEntry memory) {
   const std::lock_guard lock(mutex_);
   state_.visualizations[0] = visualization;
+  shown_ = {};
   stateMemory_ = std::move(memory);
   hasVisualization_ = true;
   forgetScene();
@@ -62,6 +63,20 @@ void Window::setCamera(const Camera& camera) {
   state_.cameras[0] = camera;
 }
 
+Camera Window::fittedCamera(const std::optional<Camera>& camera) const {
+  State now;
+  ShownSoFar shown;
+  {
+    const std::lock_guard lock(mutex_);
+    now.visualizations = state_.visualizations;
+    now.cameras = {camera.value_or(state_.cameras[0])};
+    now.cameras[0].dimensions = settings_.size;
+    shown = shown_;
+  }
+  services_.scenes.widen(tenant_, now.visualizations[0], shown);
+  return fitted(now.cameras[0], shown.box);
+}
+
 State Window::state() const {
   const std::lock_guard lock(mutex_);
   State state = state_;
@@ -72,17 +87,20 @@ State Window::state() const {
 
 Window::View Window::view(const Asker& asker) const {
   ScenePtr known;
+  ShownSoFar shown;
   {
     const std::lock_guard lock(mutex_);
     known = scene_;
+    shown = shown_;
   }
   const State shows = state();
   if (shows.visualizations.empty())
     throw Error("window " + std::to_string(id_) +
                 ": it shows nothing yet, expected a `set` with a Visualization");
   validate(shows.cameras[0]);
-  return {services_.scenes.get(tenant_, shows.visualizations[0], shows.settings, asker, known),
-          shows.visualizations[0], shows.cameras[0]};
+  Scenes::Pinned pinned =
+      services_.scenes.get(tenant_, shows.visualizations[0], shows.settings, asker, shown, known);
+  return {std::move(pinned), shows.visualizations[0], fitted(shows.cameras[0], shown.box)};
 }
 
 uint64_t Window::lastFrame() const {

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "first_looks.h"
 #include "gxy/protocol/pixel_record.h"
 #include "gxy/server/outbox.h"
 #include "gxy/server/tenants.h"
@@ -21,8 +22,9 @@ namespace gxy::viewer {
 /// What the viewer module has on a rank.
 struct Services {
   explicit Services(Registration& registration)
-      : node(registration.node()), scenes(registration), pictures(registration.node()) {}
+      : node(registration.node()), looks(registration), scenes(registration), pictures(registration.node()) {}
   Node& node;
+  FirstLooks looks;
   Scenes scenes;
   Pictures pictures;
   std::atomic<uint64_t> streams = 1;  ///< for keys of windows and batches (Share::stream)
@@ -56,6 +58,8 @@ class Window : public std::enable_shared_from_this<Window> {
   void setRenderer(const RenderSettings& settings);
   void setCamera(const Camera& camera);
   State state() const;
+  /// The camera, or the window's, where the data that are shown now put it.
+  Camera fittedCamera(const std::optional<Camera>& camera) const;
 
   /// What a frame that began now would show; its camera has the window's size. Compiles the scene if need be, as render does.
   struct View {
@@ -127,6 +131,7 @@ class Window : public std::enable_shared_from_this<Window> {
   bool drains_ = false;       ///< onDrained() is to come
   bool tries_ = false;        ///< it is in Services::retries
   std::string told_;          ///< why there is no frame of the newest data, as the client was told
+  ShownSoFar shown_;          ///< since the visualization was set
   uint64_t asked_ = 0;        ///< for so many frames, which may have been refused
   FrameOptions lastOptions_;  ///< with which it was asked for last
   ScenePtr scene_;

@@ -48,6 +48,7 @@ uint64_t Window::render(const FrameOptions& options, const Asker& asker) {
 uint64_t Window::render(const FrameOptions& options, const Asker& asker, std::optional<Since> byItself) {
   auto frame = std::make_shared<Frame>();
   State state;
+  ShownSoFar shown;
   ScenePtr edited;
   uint64_t updates = 0;
   {
@@ -58,6 +59,7 @@ uint64_t Window::render(const FrameOptions& options, const Asker& asker, std::op
     state = state_;
     updates = updates_;
     frame->scene = scene_;
+    shown = shown_;
     edited = std::exchange(edited_, nullptr);
     frame->camera = state_.cameras[0];
     frame->camera.dimensions = settings_.size;
@@ -79,7 +81,8 @@ uint64_t Window::render(const FrameOptions& options, const Asker& asker, std::op
   }
   Scenes::Pinned pinned;
   try {
-    pinned = services_.scenes.get(tenant_, state.visualizations[0], state.settings, asker, frame->scene);
+    pinned =
+        services_.scenes.get(tenant_, state.visualizations[0], state.settings, asker, shown, frame->scene);
   } catch (const Error&) {
     // Who has cancelled an edit makes the next, which takes over as much; where there was no room, its room is needed.
     const bool wanted = isWanted(asker);
@@ -94,7 +97,9 @@ uint64_t Window::render(const FrameOptions& options, const Asker& asker, std::op
     // Kept for the next frame, also where this one is refused, unless the state or the data have changed since.
     const std::lock_guard lock(mutex_);
     if (state_ == state && updates_ == updates) scene_ = frame->scene;
+    if (state_.visualizations == state.visualizations) shown_ = shown;
   }
+  frame->camera = fitted(frame->camera, shown.box);
   Node& node = services_.node;
   const int64_t pixels = int64_t(frame->camera.dimensions.x) * frame->camera.dimensions.y;
   if (options.passes > 1) frame->sumMemory = node.takeMemory(tenant_, "passes", pixels * 64);
@@ -178,9 +183,11 @@ void Window::beginWaiting() {
 // Its data were updated while it waited. Compiles, so on a thread that may wait.
 void Window::beginWithNewData(const FramePtr& frame) {
   uint64_t updates = 0;
+  ShownSoFar shown;
   {
     const std::lock_guard lock(mutex_);
     updates = updates_;
+    shown = shown_;
   }
   Asker asker;
   asker.check = [&] {
@@ -189,8 +196,13 @@ void Window::beginWithNewData(const FramePtr& frame) {
   };
   try {
     Scenes::Pinned pinned =
-        services_.scenes.get(tenant_, frame->state.visualizations[0], frame->state.settings, asker);
+        services_.scenes.get(tenant_, frame->state.visualizations[0], frame->state.settings, asker, shown);
     const std::lock_guard lock(mutex_);
+    if (state_.visualizations == frame->state.visualizations) shown_ = shown;
+    if (Camera camera = frame->state.cameras[0]; camera.fit) {
+      camera.dimensions = frame->camera.dimensions;
+      frame->camera = fitted(camera, shown.box);
+    }
     frame->scene = std::move(pinned.scene);
     frame->pins = std::move(pinned.pins);
     if (updates_ == updates && state_.visualizations == frame->state.visualizations &&

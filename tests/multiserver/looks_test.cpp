@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: Apache-2.0
+// Module viewer: data that no state describes, and what states ask of the data.
+#include <fstream>
+#include <map>
+#include <set>
+
+#include "gxy/scene/resolve.h"
+#include "gxy/scene/state_file.h"
+#include "multiserver/viewer_client.h"
+
+namespace gxy::test {
+namespace {
+
+using nlohmann::json;
+
+TEST(ViewerLooks, AScenesPictureIsTheSameToTheBitForAnyNumberOfRanks) {
+  std::vector<uint8_t> expected;
+  json scene;
+  for (const int ranks : {1, 3}) {
+    const auto server = serve(ranks);
+    Viewer viewer(*server);
+    json state = viewer.client->expect("scene ball").at("state");
+    state.erase("Datasets");  // the server's folder
+    if (scene.is_null()) scene = state;
+    EXPECT_EQ(state, scene) << ranks;
+    viewer.client->expect("set 1 " + state.dump());
+    const Screen::Picture picture = viewer.frame();
+    if (expected.empty()) expected = picture.rgba;
+    EXPECT_EQ(picture.rgba, expected) << ranks;
+  }
+  EXPECT_GT(std::set<uint8_t>(expected.begin(), expected.end()).size(), 50u) << "there is something to see";
+  EXPECT_EQ(scene["Visualizations"][0]["operators"][0]["data range"], "data");
+  EXPECT_EQ(scene["Cameras"][0]["fit"], true);
+}
+
+TEST(ViewerLooks, AFileIsShownAsTheDatasetOfItIs) {
+  const auto server = serve();
+  Viewer viewer(*server);
+  const json of_dataset = viewer.client->expect("scene ball").at("state");
+  EXPECT_EQ(viewer.client->expect("scene ball.vol").at("state"), of_dataset) << "it is not read again";
+  viewer.client->expect("drop ball");
+  writeBall(server->folder().path().string(), "other", 4);
+  viewer.client->expect(importBall("ball", "other.vol"));
+  json of_file = viewer.client->expect("scene ball.vol").at("state");
+  EXPECT_EQ(of_file["Datasets"][0]["name"], "ball-2") << "the name ball means something else now";
+  of_file["Datasets"][0]["name"] = of_file["Visualizations"][0]["operators"][0]["dataset"] = "ball";
+  EXPECT_EQ(of_file, of_dataset);
+  EXPECT_EQ(viewer.client->expect("scene *.vol").at("state")["Datasets"][0]["filename"],
+            of_dataset["Datasets"][0]["filename"]);
+  for (const char* name : {"nothing", "/etc/passwd", "/etc/*", "../*"}) {
+    const Reply reply = viewer.client->request("scene " + std::string(name));
+    EXPECT_FALSE(reply.ok) << name;
+    EXPECT_NE(reply.error.find(name), std::string::npos) << reply.error;
+  }
+}
+
+TEST(ViewerLooks, WhatAScannerLeavesInAPlyIsNotShownUnlessItIsNamed) {
+  const auto server = serve();
+  Viewer viewer(*server);
+  std::ofstream(server->folder().path() / "m.ply")
+      << "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+         "property float confidence\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n"
+         "0 0 0 0.1\n1 0 0 0.5\n0 1 0 0.9\n3 0 1 2\n";
+  const auto colors = [](const json& state) {
+    return state.at("Visualizations").at(0).at("operators").at(0).at("colormap").size();
+  };
+  const json of_file = viewer.client->expect("scene m.ply").at("state");
+  EXPECT_EQ(colors(of_file), 1u);
+  EXPECT_GT(colors(viewer.client->expect(R"(scene m.ply {"array": "confidence"})").at("state")), 1u);
+  viewer.client->expect(R"(import {"Datasets": {"name": "m", "filename": "m.ply", "type": "Triangles"}})");
+  EXPECT_EQ(viewer.client->expect("scene m").at("state"), of_file);
+}
+
+TEST(ViewerLooks, ShowSendsAPictureAndSaysHowToTurnIt) {
+  const auto server = serve();
+  auto options = server->options();
+  std::map<std::string, size_t> files;
+  options.onFile = [&](uint32_t, const json& header, std::span<const std::byte> content) {
+    files[header.at("name")] = content.size();
+  };
+  Client client(options);
+  client.expect("load viewer");
+  const json shown = client.expect(R"(show ball.vol {"isovalues": "auto", "size": [40, 30]})");
+  EXPECT_EQ(shown.at("pictures"), json({"ball_00000.png"}));
+  EXPECT_NE(shown.at("text").get<std::string>().find("gxyviewer ball.vol"), std::string::npos);
+  EXPECT_GT(files["ball_00000.png"], 100u);
+  EXPECT_EQ(shown.at("state").at("Visualizations").at(0).at("operators").at(0).at("isovalues").size(), 1u);
+}
+
+TEST(ViewerLooks, CamerasAreFittedToTheDataAndKeptAsTheyWereWritten) {
+  const auto server = serve();
+  Viewer viewer(*server);
+  viewer.client->expect(R"(set 1 {"Camera": {"fit": true, "viewdirection": [0, 0, -1], "aov": 40}})");
+  const json state = viewer.client->expect("state 1").at("state");
+  EXPECT_EQ(state.at("Cameras").at(0).at("fit"), true);
+  const json camera = viewer.client->expect("camera 1").at("Camera");
+  Camera asked;
+  asked.fit = true;
+  asked.aov = 40;
+  asked.dimensions = {96, 80};
+  const Camera expected = fitted(asked, Box{{-1, -1, -1}, {1, 1, 1}});
+  EXPECT_FALSE(camera.contains("fit"));
+  for (int a = 0; a < 3; a++)
+    EXPECT_NEAR(camera.at("viewpoint").at(size_t(a)).get<double>(), expected.viewpoint[a], 1e-3);
+  // A frame of it is one of that camera.
+  const Screen::Picture fit = viewer.frame(), given = viewer.frame(json{{"Camera", camera}}.dump());
+  EXPECT_EQ(fit.rgba, given.rgba);
+  EXPECT_EQ(viewer.client->expect("camera 1").at("Camera"), camera);
+}
+
+TEST(ViewerLooks, ABatchNeedsNoCamera) {
+  const auto server = serve();
+  Viewer viewer(*server);
+  json state = json::parse(stateOf("ball"));
+  state.erase("Camera");
+  EXPECT_EQ(viewer.client->expect(json{{"state", state}}.dump().insert(0, "batch ")).at("pictures").size(),
+            1u);
+}
+
+}  // namespace
+}  // namespace gxy::test
