@@ -42,11 +42,12 @@ struct VolumeSampler {
         }
     }
   }
-  void readSlabs() {
+  void readSlabs(const TakeMemory& toTake) {
     const Index3& points = file.grid.points;
     const int64_t layer = points[0] * points[1] * int64_t(file.bytesPerPoint());
     const bool whole = layer * points[2] <= kWhole;
     const int64_t depth = whole ? std::max<int64_t>(1, kAtOnce / layer) : 1;
+    if (toTake) toTake(layer * std::min(depth, points[2]));
     std::vector<std::byte> samples;
     for (int64_t k = 0; k < points[2]; k += whole ? depth : stride[2]) {
       const Extent slab{{0, 0, k}, {points[0], points[1], std::min(depth, points[2] - k)}};
@@ -57,10 +58,10 @@ struct VolumeSampler {
   }
 };
 
-LookFacts factsOfVolume(const std::string& path, const std::string& array) {
+LookFacts factsOfVolume(const std::string& path, const std::string& array, const TakeMemory& toTake) {
   const VolumeFile file = openVolume(path, array);
   VolumeSampler sampler(file);
-  sampler.readSlabs();
+  sampler.readSlabs(toTake);
   LookFacts facts;
   facts.dataset.type = DatasetType::Volume;
   const Box box = file.grid.box();
@@ -70,11 +71,11 @@ LookFacts factsOfVolume(const std::string& path, const std::string& array) {
   return facts;
 }
 
-LookFacts factsOfGeometry(const std::string& path, const std::string& array) {
-  const GeometryKind kind = likelyKind(tellingPiece(path).second);
+LookFacts factsOfGeometry(const std::string& path, const std::string& array, const TakeMemory& toTake) {
+  const GeometryKind kind = likelyKind(tellingPiece(path, toTake).second);
   SingleRank alone;
   std::vector<std::string> warnings;  // told when it is loaded
-  const LoadedGeometry geometry = loadGeometry(path, kind, array, alone, {}, &warnings);
+  const LoadedGeometry geometry = loadGeometry(path, kind, array, alone, toTake, &warnings);
   LookFacts facts;
   facts.dataset.type = kind == GeometryKind::Particles   ? DatasetType::Particles
                        : kind == GeometryKind::PathLines ? DatasetType::PathLines
@@ -90,11 +91,12 @@ bool valuesCount(const std::string& path, const std::string& array) {
   return extensionOf(path) != ".ply" || !array.empty();
 }
 
-std::pair<std::string, GeometrySummary> tellingPiece(const std::string& path) {
+std::pair<std::string, GeometrySummary> tellingPiece(const std::string& path, const TakeMemory& toTake) {
   const std::vector<std::string> pieces = geometryPieces(path);
   if (pieces.empty()) throw Error(path + ": it lists no pieces, expected one or more");
   std::optional<std::pair<std::string, GeometrySummary>> best;
   for (const std::string& piece : pieces) {
+    if (toTake) toTake(File::open(piece).size());
     GeometrySummary summary = summariseGeometry(piece);
     if (summary.triangles || summary.solids || summary.segments || summary.vertices)
       return {piece, std::move(summary)};
@@ -103,8 +105,9 @@ std::pair<std::string, GeometrySummary> tellingPiece(const std::string& path) {
   return *best;
 }
 
-LookFacts factsOfFile(const std::string& path, const std::string& array) {
-  LookFacts facts = isVolumeFile(path) ? factsOfVolume(path, array) : factsOfGeometry(path, array);
+LookFacts factsOfFile(const std::string& path, const std::string& array, const TakeMemory& toTake) {
+  LookFacts facts =
+      isVolumeFile(path) ? factsOfVolume(path, array, toTake) : factsOfGeometry(path, array, toTake);
   facts.dataset.name = std::filesystem::path(path).stem().string();
   facts.dataset.filename = path;
   facts.dataset.array = array;

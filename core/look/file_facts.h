@@ -13,8 +13,8 @@ namespace gxy {
 
 /// Reads what a first look at a file needs: of a volume all samples while they are at most 256 MiB, else some layers; of
 /// geometry all of the file. `array` as in a state file. The dataset is named after the file. Throws Error for what is not a
-/// data file.
-LookFacts factsOfFile(const std::string& path, const std::string& array = {});
+/// data file. `toTake`, if any, is told what is read at a time before it is.
+LookFacts factsOfFile(const std::string& path, const std::string& array = {}, const TakeMemory& toTake = {});
 
 /// The same of several files, with different names.
 std::vector<LookFacts> factsOfFiles(std::span<const std::string> paths, const std::string& array = {});
@@ -24,6 +24,6 @@ std::vector<LookFacts> factsOfFiles(std::span<const std::string> paths, const st
 bool valuesCount(const std::string& path, const std::string& array);
 
 /// The piece of a geometry file that tells what all of them hold: the first with cells, else with points, else the first.
-std::pair<std::string, GeometrySummary> tellingPiece(const std::string& path);
+std::pair<std::string, GeometrySummary> tellingPiece(const std::string& path, const TakeMemory& toTake = {});
 
 }  // namespace gxy

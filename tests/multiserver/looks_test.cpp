@@ -71,6 +71,19 @@ TEST(ViewerLooks, WhatAScannerLeavesInAPlyIsNotShownUnlessItIsNamed) {
   EXPECT_EQ(viewer.client->expect("scene m").at("state"), of_file);
 }
 
+TEST(ViewerLooks, FilesAreReadWithinTheMemoryOfTheTenant) {
+  ServerSetup setup;
+  setup.modules = GALAXY_MODULES;
+  setup.node.tenantMemory = 1000;  // the ball's samples are more
+  TestServer server(std::move(setup));
+  const auto client = server.client();
+  client->expect("load viewer");
+  const Reply reply = client->request("scene ball.vol");
+  EXPECT_FALSE(reply.ok);
+  EXPECT_EQ(reply.error.find("memory: 16384 bytes are needed, but of tenant user's 1000 bytes"), 0u)
+      << reply.error;
+}
+
 TEST(ViewerLooks, ShowSendsAPictureAndSaysHowToTurnIt) {
   const auto server = serve();
   auto options = server->options();

@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "gxy/comm/error.h"
+#include "gxy/io/file.h"
 #include "gxy/look/file_facts.h"
 #include "gxy/look/loaded_facts.h"
 #include "gxy/scene/data_files.h"
@@ -91,7 +92,11 @@ State FirstLooks::state(Request& request, const std::vector<std::string>& names,
       all.push_back(factsOf(tenant, called));
       continue;
     }
-    LookFacts facts = factsOfFile(file, array);
+    const ReadWatch watch([&] { request.check(); });
+    std::vector<LedgerEntry> reading;
+    LookFacts facts = factsOfFile(file, array, [&](int64_t bytes) {
+      reading.push_back(node_.takeMemory(tenant, "first look", bytes));
+    });
     facts.dataset.name = called;
     all.push_back(std::move(facts));
   }
