@@ -71,15 +71,15 @@ vtkSmartPointer<vtkPolyData> pointsOf(const Columns& table, const std::array<int
   for (size_t c = 0; c < table.names.size(); ++c) {
     if (std::ranges::find(axes, int(c)) != axes.end()) continue;
     const auto component = componentOf(table.names[c]);
-    if (!component) {
+    if (!component || component->second != 0) {
       addArray(data, table.names[c], {&table.values[c]});
       continue;
     }
-    if (component->second != 0) continue;  // with the first
     std::vector<const std::vector<double>*> columns{&table.values[c]};
-    for (size_t next = c + 1; next < table.names.size(); ++next)
-      if (componentOf(table.names[next]) == std::pair(component->first, columns.size()))
-        columns.push_back(&table.values[next]);
+    for (; c + 1 < table.names.size() &&
+           componentOf(table.names[c + 1]) == std::pair(component->first, columns.size());
+         ++c)
+      columns.push_back(&table.values[c + 1]);
     addArray(data, component->first, columns);
   }
   return data;
@@ -218,8 +218,8 @@ vtkSmartPointer<vtkPolyData> readCsv(std::string_view bytes, const std::string& 
         file.fail("found '" + fields[c].substr(0, 40) + "', expected a coordinate");
       if (!value && numbers[c]) {
         numbers[c] = false;
-        flaws.add("column '" + table->names[c] + "' holds text and is passed over",
-                  [&] { return file.place(); });
+        flaws.add("a column of text is passed over",
+                  [&] { return file.place() + ": '" + table->names[c] + "'"; });
       }
       table->values[c].push_back(value.value_or(kNoNumber));
     }

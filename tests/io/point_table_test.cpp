@@ -62,9 +62,9 @@ TEST_F(PointTable, CsvMayBeFlatHaveTextAndHoles) {
   ASSERT_EQ(content.block.values.size(), 2u);
   EXPECT_TRUE(std::isnan(content.block.values[0]));
   EXPECT_EQ(content.block.values[1], 5);
-  EXPECT_EQ(content.warnings,
-            (std::vector<std::string>{(folder_ / "t.csv") +
-                                      ": line 2: column 'name' holds text and is passed over"}));
+  EXPECT_EQ(
+      content.warnings,
+      (std::vector<std::string>{(folder_ / "t.csv") + ": line 2: 'name': a column of text is passed over"}));
 }
 
 TEST_F(PointTable, CsvErrorsSayWhereAndWhatWasExpected) {
