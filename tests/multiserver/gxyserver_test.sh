@@ -248,7 +248,8 @@ check TheTokenHasGone test ! -e "$XDG_RUNTIME_DIR/galaxy/$port.token"
 # A server of which nobody is left, as after kill -9 of all, or of the machine's out-of-memory killer.
 start 1
 launcher=$(pgrep -P "$server") rank=$(ranks_of)
-kill -KILL "$server" "$launcher" "$rank"
+kill -STOP "$server" "$launcher"  # so that none of them tells the rank to stop before it is dead
+kill -KILL "$rank" "$launcher" "$server"
 server=
 check ATokenIsLeft test -s "$XDG_RUNTIME_DIR/galaxy/$port.token"
 start 2
