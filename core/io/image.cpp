@@ -11,6 +11,7 @@
 #include "gxy/comm/plugin.h"
 #include "gxy/io/image_plugin.h"
 #include "gxy/io/png_writer.h"
+#include "gxy/io/text_mask.h"
 #include "replace_file.h"
 
 namespace gxy {
@@ -81,6 +82,11 @@ void writeImage(const std::string& path, const Image& image) {
     throw Error(path + ": " + error.what());
   }
   replaceFile(path, kind == ".raw" ? std::as_bytes(std::span(image.rgba)) : bytes);
+}
+
+TextMask textMask(const std::string& text, int pixels) {
+  if (text.empty()) return {};
+  return images("drawing text").text(text, pixels);
 }
 
 Image readImage(const std::string& path, int width, int height) {

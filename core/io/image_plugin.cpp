@@ -3,7 +3,11 @@
 #include "gxy/io/image_plugin.h"
 
 #include <OpenImageIO/filesystem.h>
+#include <OpenImageIO/imagebufalgo.h>
 #include <OpenImageIO/imageio.h>
+
+#include <algorithm>
+#include <mutex>
 
 #include "gxy/comm/error.h"
 #include "gxy/comm/plugin.h"
@@ -60,7 +64,29 @@ Image read(const std::string& path) {
   return {spec.width, spec.height, flipped(rgba, spec.height)};
 }
 
-const ImagePlugin imageTable = {.encode = encode, .read = read};
+TextMask text(const std::string& text, int pixels) {
+  static std::mutex one;  // OpenImageIO's faces are not of several threads
+  const std::lock_guard lock(one);
+  const char* const kFont = "DejaVuSans";
+  const OIIO::ROI used = OIIO::ImageBufAlgo::text_size(text, pixels, kFont);
+  if (!used.defined())
+    throw Error(std::string("drawing text: the font ") + kFont +
+                " is not there, install it (Debian: fonts-dejavu-core)");
+  const int above = (pixels * 19 + 19) / 20,
+            below = (pixels + 3) / 4;  // of the font's ascenders and descenders
+  TextMask mask{std::max(used.xend, 1), above + below, {}};
+  OIIO::ImageBuf buffer(OIIO::ImageSpec(mask.width, mask.height, 1, OIIO::TypeDesc::FLOAT));
+  OIIO::ImageBufAlgo::zero(buffer);
+  const float white[] = {1};
+  if (!OIIO::ImageBufAlgo::render_text(buffer, 0, above, text, pixels, kFont, white))
+    throw Error("drawing text: " + buffer.geterror());
+  mask.coverage.resize(size_t(mask.width) * size_t(mask.height));
+  buffer.get_pixels(buffer.roi(), OIIO::TypeDesc::FLOAT, mask.coverage.data());
+  mask.coverage = flipped(mask.coverage, mask.height);
+  return mask;
+}
+
+const ImagePlugin imageTable = {.encode = encode, .read = read, .text = text};
 
 }  // namespace
 }  // namespace gxy

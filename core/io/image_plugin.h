@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "gxy/io/image.h"
+#include "gxy/io/text_mask.h"
 
 namespace gxy {
 
@@ -14,6 +15,8 @@ struct ImagePlugin {
   std::vector<std::byte> (*encode)(const std::string& format, const Image& image);
   /// Reads a .png or .exr.
   Image (*read)(const std::string& path);
+  /// textMask() of a text that is not empty.
+  TextMask (*text)(const std::string& text, int pixels);
 };
 
 }  // namespace gxy

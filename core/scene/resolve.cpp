@@ -57,9 +57,9 @@ Visualization resolved(Visualization visualization, std::span<const DataFacts> f
   for (size_t i = 0; i < visualization.operators.size(); i++) {
     Vis& vis = visualization.operators[i];
     const bool round = vis.type == VisType::Particles || vis.type == VisType::PathLines;
+    Range& range = shown.ranges[i];
+    range.extend(rangeOf(vis, facts[i]));
     if (vis.rangeOfData) {
-      Range& range = shown.ranges[i];
-      range.extend(rangeOf(vis, facts[i]));
       if (!range.empty()) vis.dataRange = {range.min, range.max};
       vis.rangeOfData = false;
     }

@@ -144,12 +144,22 @@ struct RenderSettings {
   bool operator==(const RenderSettings&) const = default;
 };
 
+/// What is drawn over pictures for people; nothing, unless it is asked for.
+struct Annotations {
+  bool legend = false;   ///< colours of values, with titles and numbers
+  bool axes = false;     ///< directions of the world's axes, in the lower left corner
+  bool outline = false;  ///< the box of the data that are shown, with its extents
+  std::string text;      ///< in the upper left corner; {step} becomes the number of the time step
+  bool operator==(const Annotations&) const = default;
+};
+
 /// A whole state file.
 struct State {
   std::vector<DatasetSpec> datasets;
   RenderSettings settings;
   std::vector<Visualization> visualizations;
   std::vector<Camera> cameras;
+  Annotations annotations;
   bool operator==(const State&) const = default;
 };
 

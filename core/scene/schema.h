@@ -225,6 +225,7 @@ const Schema<Vis>& operatorSchema();
 const Schema<Visualization>& visualizationSchema();
 const Schema<DatasetSpec>& datasetSchema();
 const Schema<RenderSettings>& rendererSchema();
+const Schema<Annotations>& annotationsSchema();
 const Schema<State>& stateSchema();
 
 /// A camera as a state file gives it: an object, or the name of a ParaView camera file.

@@ -155,6 +155,20 @@ const Schema<Visualization>& visualizationSchema() {
   return schema;
 }
 
+const Schema<Annotations>& annotationsSchema() {
+  using A = Annotations;
+  static const Schema<A> schema{
+      "annotations",
+      {
+          flagKey("legend", &A::legend, "Colour legends of what is coloured by value."),
+          flagKey("axes", &A::axes, "The directions of the axes, in the lower left corner."),
+          flagKey("outline", &A::outline, "The box of the data that are shown, with its extents."),
+          textKey("text", &A::text,
+                  "A line in the upper left corner; {step} becomes the number of the time step."),
+      }};
+  return schema;
+}
+
 const Schema<State>& stateSchema() {
   static const Schema<State> schema{
       "state file",
@@ -181,6 +195,16 @@ const Schema<State>& stateSchema() {
               },
               [](const State& s) { return writeAll(s.cameras, cameraSchema()); })
               .alias({"Camera"})
+              .byDefault("none"),
+          customKey<State>(
+              "Annotations", "annotations", "What is drawn over pictures.",
+              [](const Found& f, State& s) {
+                readObject(f.context, f.value, annotationsSchema(), s.annotations);
+              },
+              [](const State& s) {
+                return s.annotations == Annotations() ? OrderedJson()
+                                                      : writeObject(s.annotations, annotationsSchema());
+              })
               .byDefault("none"),
       }};
   return schema;

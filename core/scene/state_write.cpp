@@ -96,7 +96,7 @@ std::string writeState(const State& state) {
 std::string stateReference() {
   return table(stateSchema()) + "\n" + table(datasetSchema()) + "\n" + table(rendererSchema()) + "\n" +
          table(visualizationSchema()) + "\n" + table(lightingSchema()) + "\n" + table(operatorSchema()) +
-         "\n" + table(cameraSchema());
+         "\n" + table(cameraSchema()) + "\n" + table(annotationsSchema());
 }
 
 }  // namespace gxy

@@ -46,6 +46,20 @@ class Snapshot(unittest.TestCase):
                        stdout=subprocess.DEVNULL)
         subprocess.run([PROGRAMS / "gxydiff", "--alpha", "snapshot.png", "batch_00000.png"], cwd=server.folder, check=True)
 
+    def test_it_has_the_annotations_that_the_state_asks_for(self):
+        state = copy.deepcopy(STATE)
+        state["Annotations"] = {"legend": True, "axes": True, "outline": True, "text": "as gxyrender draws it"}
+        (server.folder / "annotated.json").write_text(json.dumps(state))
+        self.assertEqual(self.view("--snapshot", "annotated.png", "annotated.json").returncode, 0)
+        subprocess.run([PROGRAMS / "gxyrender", "annotated.json", "-o", "annotated"], cwd=server.folder, check=True,
+                       stdout=subprocess.DEVNULL)
+        equal = [PROGRAMS / "gxydiff", "annotated.png", "annotated_00000.png", "--max", "0.012"]
+        subprocess.run(equal, cwd=server.folder, check=True)  # blended in 8 bits, so three levels
+        equal[2] = "batch_00000.png"
+        subprocess.run([PROGRAMS / "gxyrender", "scene.json", "-o", "batch"], cwd=server.folder, check=True,
+                       stdout=subprocess.DEVNULL)
+        self.assertEqual(subprocess.run(equal, cwd=server.folder, stdout=subprocess.DEVNULL).returncode, 1)
+
     def test_size_and_passes_are_options(self):
         done = self.view("--snapshot", "small.png", "--size", "64x48", "--passes", "3", "scene.json")
         self.assertEqual((done.returncode, done.stderr), (0, ""))

@@ -104,6 +104,12 @@ END
 echo "batch {\"prefix\": \"served\", \"state\": $(cat scene.json)}" | "$bin/msclient" -P "$port" -m viewer >/dev/null
 "$bin/gxyrender" scene.json -o alone >/dev/null 2>&1
 check PicturesAreThoseOfGxyrender cmp served_00000.png alone_00000.png
+sed 's/^{/{"Annotations": {"legend": true, "axes": true, "outline": true, "text": "balls"}, /;q' scene.json >annotated.json
+sed 1d scene.json >>annotated.json
+echo "batch {\"prefix\": \"annotated\", \"state\": $(cat annotated.json)}" | "$bin/msclient" -P "$port" -m viewer >/dev/null
+"$bin/gxyrender" annotated.json -o annotated-alone >/dev/null 2>&1
+check AlsoAnnotated cmp annotated_00000.png annotated-alone_00000.png
+check WhichIsSeen bash -c '! cmp -s annotated_00000.png served_00000.png'
 
 mkdir -p there/pictures/blocked_00000.png
 batch() {  # batch PREFIX: a picture to the client, in folder there/pictures

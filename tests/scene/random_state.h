@@ -22,6 +22,7 @@ class RandomState {
     out.settings = {unit(), unit() * 4, integer(1, 64), {unit(), unit(), unit(), unit()}};
     for (int i = 0, n = integer(0, 3); i < n; ++i) out.visualizations.push_back(visualization());
     for (int i = 0, n = integer(0, 3); i < n; ++i) out.cameras.push_back(camera());
+    if (coin()) out.annotations = {coin(), coin(), coin(), text()};
     return out;
   }
 

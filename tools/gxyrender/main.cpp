@@ -109,6 +109,8 @@ Steps readOnAll(const RenderOptions& options, Collective& collective, bool root)
       readState(read.at("state").get<std::string>(), options.files.at(0)).state, {}, read.at("directory")};
   if (read.contains("steps")) read.at("steps").get_to(steps.files);
   options.apply(steps.state);
+  if (options.annotate && steps.count() > 1 && steps.state.annotations.text.empty())
+    steps.state.annotations.text = "step {step}";
   return steps;
 }
 
@@ -116,15 +118,14 @@ Steps readOnAll(const RenderOptions& options, Collective& collective, bool root)
 double renderAll(const State& state, const LoadedState& loaded, const RenderOptions& options,
                  Renderer& renderer, Collective& collective, bool root, bool showProgress) {
   Progress progress;
-  auto nameOf = [&](FrameId id) {  // frames are started in camera-major order, numbered from 1
-    const size_t index = size_t(id - 1), n = state.visualizations.size();
-    return pictureName(state, options, index % n, index / n);
-  };
+  const size_t n = state.visualizations.size();
   renderer.onPicture([&](FrameId id, const FrameRequest&, Picture picture) {
     const double cpu = threadCpuSeconds();
     std::optional<std::string> error;
     try {
-      writePicture(nameOf(id), options, std::move(picture));
+      const size_t index = size_t(id - 1);  // frames are started in camera-major order, numbered from 1
+      annotate(picture, state, loaded, options, index % n, index / n);
+      writePicture(pictureName(state, options, index % n, index / n), options, std::move(picture));
     } catch (const std::exception& e) {
       error = textOf(e);
     }

@@ -39,6 +39,7 @@ bool parseNumbers(const std::string& text, char separator, std::array<int, N>& o
 void RenderOptions::apply(State& state) const {
   if (tolerance) state.settings.tolerance = *tolerance;
   if (step) state.settings.step = *step;
+  if (annotate) state.annotations.legend = state.annotations.axes = state.annotations.outline = true;
   if (size)
     for (Camera& c : state.cameras) c.dimensions = {(*size)[0], (*size)[1]};
 }
@@ -93,6 +94,9 @@ std::optional<int> parseOptions(int argc, char** argv, bool speaks, RenderOption
       ->capture_default_str();
   app.add_flag("--depth", o.depth,
                "Also write the hit distance, PREFIX_00000.depth: float64, world units, 1e30 for a miss");
+  app.add_flag("--annotate", o.annotate,
+               "Draw colour legends, the axes' directions, the data's box and, of several steps, their number "
+               "over the pictures");
   app.add_option("--stats", o.statsFile, "Write counters per rank and stage to this JSON file");
   app.add_option("--threads", o.threads, "Threads per rank (default: the cores shared by the ranks)")
       ->check(CLI::Range(0, 4096));

@@ -31,6 +31,7 @@ struct RenderOptions {
   int threads = 0;
   int packet = 1024;
   int64_t raysInFlight = 1 << 20;
+  bool annotate = false;
   bool quiet = false;
 
   /// What the command line says goes over what the state file says.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pictures.h"
 
+#include "gxy/annotate/annotations.h"
 #include "gxy/io/image.h"
 #include "gxy/io/replace_file.h"
 #include "gxy/scene/picture_name.h"
@@ -11,6 +12,18 @@ std::string pictureName(const State& state, const RenderOptions& options, size_t
                         size_t camera) {
   return pictureName(options.prefix, state,
                      options.firstPicture + camera * state.visualizations.size() + visualization);
+}
+
+void annotate(Picture& picture, const State& state, const LoadedState& loaded, const RenderOptions& options,
+              size_t visualization, size_t camera) {
+  if (state.annotations == Annotations()) return;
+  const Camera seenFrom = loaded.camera(state, visualization, camera);
+  const size_t step = options.firstPicture / (state.cameras.size() * state.visualizations.size());
+  Image image{picture.width, picture.height, std::move(picture.rgba)};
+  draw(overlayOf(state.annotations,
+                 {state.visualizations[visualization], loaded.shown[visualization], seenFrom, step}),
+       image);
+  picture.rgba = std::move(image.rgba);
 }
 
 void writePicture(const std::string& name, const RenderOptions& options, Picture picture) {

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "gxy/render/framebuffer.h"
+#include "load.h"
 #include "options.h"
 
 namespace gxy {
@@ -12,6 +13,10 @@ namespace gxy {
 /// Of the picture of a visualization from a camera (gxy/scene/picture_name.h), with the prefix of the options.
 std::string pictureName(const State& state, const RenderOptions& options, size_t visualization,
                         size_t camera);
+
+/// Draws what the state asks for over the picture of visualization v from camera c. Throws Error.
+void annotate(Picture& picture, const State& state, const LoadedState& loaded, const RenderOptions& options,
+              size_t visualization, size_t camera);
 
 /// Writes name.FORMAT and, if there are depths, name.depth. Throws Error when a file cannot be written.
 void writePicture(const std::string& name, const RenderOptions& options, Picture picture);

@@ -37,6 +37,7 @@ std::vector<ShownSoFar> renderWithReference(const State& state, const std::strin
       Picture out{
           picture.width, picture.height, LargeVector<float>(picture.rgba.begin(), picture.rgba.end()), {}};
       if (options.depth) out.depth = std::move(picture.depth);
+      annotate(out, state, loaded, options, v, c);
       writePicture(name, options, std::move(out));
     }
   return loaded.shown;

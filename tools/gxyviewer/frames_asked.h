@@ -7,6 +7,7 @@
 #include <deque>
 #include <optional>
 
+#include "gxy/scene/scene.h"
 #include "pace.h"
 
 namespace gxy {
@@ -20,6 +21,7 @@ class FramesAsked {
     Clock::time_point at;
     std::optional<Detail> moving;      ///< of a camera that moves
     std::optional<uint64_t> number{};  ///< once the server has said it
+    Camera camera{};
   };
 
   Asked& ask(Clock::time_point now) { return asked_.emplace_back(Asked{now, {}, {}}); }
@@ -35,6 +37,15 @@ class FramesAsked {
   const Asked* find(uint64_t frame) const {
     const auto asked = std::ranges::find(asked_, std::optional(frame), &Asked::number);
     return asked == asked_.end() ? nullptr : &*asked;
+  }
+  /// The camera of a frame of which something has come: it may be that of the oldest request without a number.
+  std::optional<Camera> cameraOf(uint64_t frame) const {
+    const Asked* asked = find(frame);
+    if (!asked) {
+      const auto oldest = std::ranges::find(asked_, std::optional<uint64_t>(), &Asked::number);
+      if (oldest != asked_.end()) asked = &*oldest;
+    }
+    return asked ? std::optional(asked->camera) : std::nullopt;
   }
   /// Something of `frame` is shown, or it has ended: nothing of older ones will be shown any more.
   void done(uint64_t frame) {

@@ -17,6 +17,7 @@ inline constexpr const char* kKeyHelp =
     "  o (O)                next (previous) operator, for these:\n"
     "  - +  [ ]  0          its data range: narrow, widen; move; reset\n"
     "  i                    what is under the mouse, its value\n"
+    "  a                    legend, axes and the data's box, on and off\n"
     "  s                    spin, on and off\n"
     "  w                    write camera and state to PREFIX.json\n"
     "  p                    save a whole picture: PREFIX_00000.png\n"

@@ -5,6 +5,7 @@
 #include <iostream>
 
 #include "file_watch.h"
+#include "gxy/annotate/annotations.h"
 #include "gxy/comm/error.h"
 #include "gxy/protocol/json.h"
 #include "gxy/protocol/statement.h"
@@ -94,7 +95,9 @@ int run(const ViewOptions& options) {
   }
   remote.waitUntilLoaded();
   remote.renderWhole();
-  writePng(options.snapshot, remote.picture());
+  const Camera seenFrom = state.cameras[0].fit ? remote.fittedCamera(state.cameras[0]) : state.cameras[0];
+  writePng(options.snapshot, remote.picture(),
+           overlayOf(state.annotations, {state.visualizations[0], remote.shown(), seenFrom}));
   return 0;
 }
 

@@ -5,6 +5,7 @@
 #include <vtkTextProperty.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "keys.h"
 
@@ -58,7 +59,7 @@ void PictureView::layOut() {
 }
 
 // Over black, as JPEG has it.
-void PictureView::setPicture(const Canvas& canvas) {
+void PictureView::setPicture(const Canvas& canvas, const Overlay& overlay) {
   const int width = canvas.size().x, height = canvas.size().y;
   if (image_->GetDimensions()[0] != width || image_->GetDimensions()[1] != height ||
       !image_->GetScalarPointer()) {
@@ -69,6 +70,12 @@ void PictureView::setPicture(const Canvas& canvas) {
   const std::span<const uint8_t> from = canvas.rgba();
   for (size_t i = 0; i < from.size(); i += 4)
     for (size_t c = 0; c < 3; c++) *to++ = uint8_t((from[i + c] * from[i + 3] + 127) / 255);
+  auto* const rgb = static_cast<uint8_t*>(image_->GetScalarPointer());
+  gxy::draw(overlay, canvas.size(), [&](int x, int y, const glm::dvec3& color, double coverage) {
+    uint8_t* const pixel = rgb + 3 * (size_t(y) * size_t(width) + size_t(x));
+    for (int c = 0; c < 3; c++)
+      pixel[c] = uint8_t(std::lround(255 * coverage * color[c] + (1 - coverage) * pixel[c]));
+  });
   image_->Modified();
 }
 

@@ -12,6 +12,7 @@
 #include <string>
 
 #include "canvas.h"
+#include "gxy/annotate/overlay.h"
 
 namespace gxy {
 
@@ -26,7 +27,8 @@ class PictureView {
 
   /// Puts texts where they belong in a window of the size that it has now.
   void layOut();
-  void setPicture(const Canvas& canvas);
+  /// With the overlay over it.
+  void setPicture(const Canvas& canvas, const Overlay& overlay);
   /// True if it is another than before.
   bool setStatus(const std::string& text);
   void turnHelp();

@@ -3,10 +3,11 @@
 #include <string>
 
 #include "canvas.h"
+#include "gxy/annotate/overlay.h"
 
 namespace gxy {
 
-/// Writes a picture as it is, bit by bit. Throws Error when the file cannot be written; it is whole or not there.
-void writePng(const std::string& path, const Canvas& canvas);
+/// Writes a picture as it is, bit by bit, where the overlay leaves it so. Throws Error when the file cannot be written; it is whole or not there.
+void writePng(const std::string& path, const Canvas& canvas, const Overlay& overlay = {});
 
 }  // namespace gxy

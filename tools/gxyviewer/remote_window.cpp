@@ -48,7 +48,11 @@ std::string statement(const std::string& verb, const json& argument) {
 }  // namespace
 
 RemoteWindow::RemoteWindow(Client::Options options, const State& state, uint32_t passes, OnWarning onWarning)
-    : passes_(passes), onWarning_(std::move(onWarning)), canvas_({1, 1}), camera_(state.cameras.at(0)) {
+    : passes_(passes),
+      onWarning_(std::move(onWarning)),
+      canvas_({1, 1}),
+      shownCamera_(state.cameras.at(0)),
+      camera_(state.cameras.at(0)) {
   options.onPixels = [this](const PixelHeader& header, auto data) { takePixels(header, data); };
   options.onEvent = [this](const json& event) { takeEvent(event); };
   options.onEnd = [this](const std::string& why) { fail("the connection has ended: " + why); };
@@ -118,6 +122,22 @@ void RemoteWindow::askForBoxes() {
   for (const std::string& name : names_)
     client_->send("data.info " + protocol::asWord(name),
                   [this, name](const Reply& reply) { takeInfo(name, reply); });
+  client_->send(std::string("viewer.camera ") + kWindow, [this](const Reply& reply) { takeShown(reply); });
+}
+
+void RemoteWindow::takeShown(const Reply& reply) {
+  ShownSoFar shown;
+  if (reply.ok) {
+    for (const json& range : reply.value.at("ranges")) {
+      gxy::Range& to = shown.ranges.emplace_back();
+      if (!range.is_null()) to = {range.at(0), range.at(1)};
+    }
+    if (const json& box = reply.value.at("box"); !box.is_null())
+      for (const json& corner : box) shown.box.extend(glm::dvec3(corner.at(0), corner.at(1), corner.at(2)));
+  }
+  const std::lock_guard lock(mutex_);
+  shown_ = std::move(shown);
+  canvasChanged_ = true;
 }
 
 // What is not there has no box; what it means for the picture, its frames say.
@@ -184,6 +204,7 @@ void RemoteWindow::showFirst(const json& pass) {
   frame_.shown = true;
   statistics_.frames++;
   statistics_.passBytes = frame_.bytes;
+  if (const auto camera = asked_.cameraOf(frame_.number)) shownCamera_ = *camera;
   if (const FramesAsked::Asked* asked = asked_.find(frame_.number)) {
     statistics_.firstPixels = std::chrono::duration<double>(now - asked->at).count();
     if (asked->moving) {
@@ -295,6 +316,7 @@ void RemoteWindow::render(bool moving, Clock::time_point now) {
   {
     const std::lock_guard lock(mutex_);
     FramesAsked::Asked& asked = asked_.ask(now);
+    asked.camera = camera_;
     if (moving) {
       asked.moving = statistics_.detail = pace_.choose();
       options["levels"] = {asked.moving->scale};
@@ -345,9 +367,19 @@ std::optional<RemoteWindow::Box> RemoteWindow::box() const {
   return all;
 }
 
-void RemoteWindow::ifChanged(const std::function<void(const Canvas&)>& use) {
+ShownSoFar RemoteWindow::shown() const {
   const std::lock_guard lock(mutex_);
-  if (std::exchange(canvasChanged_, false)) use(canvas_);
+  return shown_;
+}
+
+void RemoteWindow::ifChanged(const std::function<void(const Canvas&, const Camera&)>& use) {
+  const std::lock_guard lock(mutex_);
+  if (std::exchange(canvasChanged_, false)) use(canvas_, shownCamera_);
+}
+
+void RemoteWindow::showAgain() {
+  const std::lock_guard lock(mutex_);
+  canvasChanged_ = true;
 }
 
 Canvas RemoteWindow::picture() const {

@@ -15,6 +15,7 @@
 #include "canvas.h"
 #include "frames_asked.h"
 #include "gxy/client/client.h"
+#include "gxy/scene/resolve.h"
 #include "gxy/scene/scene.h"
 #include "pace.h"
 #include "still.h"
@@ -53,8 +54,13 @@ class RemoteWindow {
   bool loaded() const;
   std::optional<Box> box() const;
 
-  /// Calls `use` with the picture if it has changed since the last call.
-  void ifChanged(const std::function<void(const Canvas&)>& use);
+  /// What the server says of the data that are shown; nothing before.
+  ShownSoFar shown() const;
+
+  /// Calls `use` with the picture, and the camera that sees it, if it has changed since the last call, or one of these has.
+  void ifChanged(const std::function<void(const Canvas&, const Camera&)>& use);
+  /// The picture counts as changed.
+  void showAgain();
   /// What is shown now.
   Canvas picture() const;
 
@@ -108,6 +114,7 @@ class RemoteWindow {
   void takePixels(const protocol::PixelHeader& header, std::span<const std::byte> data);
   void takeEvent(const nlohmann::json& event);
   void askForBoxes();
+  void takeShown(const Reply& reply);
   void takeInfo(const std::string& name, const Reply& reply);
   void takeNumber(const Reply& reply);
   void set(const State& state, std::function<void(const std::string& error)> refused);
@@ -125,7 +132,9 @@ class RemoteWindow {
   Canvas canvas_;
   bool canvasChanged_ = false, loaded_ = false;
   std::map<std::string, Box> boxes_;  ///< of the datasets that have one
-  bool boxesDue_ = false;             ///< data have changed since they were asked for
+  ShownSoFar shown_;
+  Camera shownCamera_;     ///< of the picture
+  bool boxesDue_ = false;  ///< data have changed since they were asked for
   std::string failure_, progress_, setError_, renderError_;
   std::optional<std::string> picked_;
   Frame frame_;  ///< the newest of which something came

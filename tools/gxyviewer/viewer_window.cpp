@@ -17,6 +17,7 @@
 #include <map>
 
 #include "camera_view.h"
+#include "gxy/annotate/annotations.h"
 #include "gxy/comm/error.h"
 #include "gxy/io/replace_file.h"
 #include "gxy/scene/state_file.h"
@@ -112,12 +113,30 @@ class ViewerWindow {
     savePictures();
     if (leaves_ && savings_.empty()) interactor_->TerminateApp();
     bool changed = false;
-    remote_.ifChanged([&](const Canvas& canvas) {
-      shown_.setPicture(canvas);
+    const ShownSoFar data = remote_.shown();
+    remote_.ifChanged([&](const Canvas& canvas, const Camera& camera) {
+      shown_.setPicture(canvas, overlay(data, camera, canvas.size()));
       changed = true;
     });
     changed |= shown_.setStatus(now < noticeEnd_ ? notice_ : status());
     if (changed) shown_.draw();
+  }
+
+  // For the picture that a camera sees. Without a font it says so, once.
+  Overlay overlay(const ShownSoFar& data, Camera camera, glm::ivec2 size) {
+    if (!annotates_) return {};
+    camera.dimensions = size;
+    camera.fit = false;
+    const State state = selection_.shown();
+    Annotations what = state.annotations;
+    if (what == Annotations()) what.legend = what.axes = what.outline = true;
+    try {
+      return overlayOf(what, {state.visualizations[0], data, camera});
+    } catch (const Error& e) {
+      annotates_ = false;
+      say(std::string("error: ") + e.what());
+      return {};
+    }
   }
 
   std::string status() const {
@@ -247,6 +266,7 @@ class ViewerWindow {
         {"bracketleft", [](Self& self) { self.changeRange(1, -kShift); }},
         {"bracketright", [](Self& self) { self.changeRange(1, kShift); }},
         {"0", &Self::resetRange},
+        {"a", &Self::turnAnnotations},
         {"i", &Self::pick},
         {"w", &Self::saveState},
         {"p", [](Self& self) { self.savePicture(); }}};
@@ -258,6 +278,11 @@ class ViewerWindow {
     std::string key = symbol ? symbol : "";
     if (key.size() == 1 && !actions().contains(key)) key[0] = char(std::tolower(key[0]));
     if (const auto at = actions().find(key); at != actions().end()) at->second(*this);
+  }
+
+  void turnAnnotations() {
+    annotates_ = !annotates_;
+    remote_.showAgain();
   }
 
   void saveState() {
@@ -275,14 +300,14 @@ class ViewerWindow {
       path = output_ + number;
     } while (std::filesystem::exists(path));
     remote_.setCamera(cameraNow());
-    if (remote_.whole()) return savePicture(path, remote_.picture());
+    if (remote_.whole()) return savePicture(path, remote_.picture(), cameraNow());
     State state = selection_.shown();
     state.cameras = {cameraNow()};
     savings_.push_back({path, std::move(state), nullptr});
   }
 
-  void savePicture(const std::string& path, const Canvas& canvas) {
-    writePng(path, canvas);
+  void savePicture(const std::string& path, const Canvas& canvas, const Camera& camera) {
+    writePng(path, canvas, overlay(remote_.shown(), camera, canvas.size()));
     say("saved " + path);
   }
 
@@ -296,7 +321,7 @@ class ViewerWindow {
     const bool leaves =
         std::exchange(leaves_, false);  // it stays where this fails, so that somebody sees why
     if (!progress.error.empty()) throw Error(saving.path + ": " + progress.error);
-    savePicture(saving.path, saving.still->canvas());
+    savePicture(saving.path, saving.still->canvas(), saving.state.cameras[0]);
     leaves_ = leaves;
   }
 
@@ -337,7 +362,7 @@ class ViewerWindow {
   vtkNew<vtkRenderWindowInteractor> interactor_;
   vtkNew<Style> style_;
   glm::ivec2 size_{0};
-  bool centered_ = false, spinning_ = false, leaves_ = false;
+  bool centered_ = false, spinning_ = false, leaves_ = false, annotates_ = true;
   Clock::time_point lastTick_{}, noticeEnd_{};
   std::string notice_, newerError_;
   std::deque<Saving> savings_;

@@ -6,6 +6,7 @@
 #include <cstring>
 #include <map>
 
+#include "gxy/annotate/annotations.h"
 #include "gxy/comm/error.h"
 #include "gxy/comm/error_text.h"
 #include "gxy/protocol/json.h"
@@ -202,6 +203,13 @@ class Run {
     wanted.as = batch_.toClient ? Wanted::As::Bytes : Wanted::As::File;
     wanted.format = batch_.format;
     if (!batch_.toClient) wanted.path = paths_[index];
+    if (!(batch_.state.annotations == Annotations())) {
+      Generation newest = 0;
+      for (const NamedDataset& d : scene->data) newest = std::max(newest, d.generation);
+      const ShownSoFar& shown = shown_[index % of];
+      wanted.overlay = overlayOf(batch_.state.annotations, {batch_.state.visualizations[index % of], shown,
+                                                            frame.camera, size_t(newest)});
+    }
     Receiver receiver;
     receiver.bytes = [job = job_, index, slot](Bytes content) {
       const std::lock_guard lock(job->mutex);

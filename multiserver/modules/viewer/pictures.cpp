@@ -16,10 +16,39 @@ namespace {
 
 enum class Piece : uint8_t { Tile, Sums, Depth, Bytes, All };
 
+void write(Writer& w, const Overlay& overlay) {
+  w.write(overlay.lines);
+  w.write(uint64_t(overlay.bars.size()));
+  for (const Overlay::Bar& bar : overlay.bars) w.write(bar.lo).write(bar.hi).write(bar.colors);
+  w.write(uint64_t(overlay.texts.size()));
+  for (const Overlay::Text& t : overlay.texts)
+    w.write(t.at).write(t.anchor).write(int32_t(t.height)).write(t.text);
+}
+
+Overlay readOverlay(Reader& in) {
+  Overlay overlay;
+  overlay.lines = in.readVector<Overlay::Line>();
+  for (auto n = in.read<uint64_t>(); n > 0; n--) {
+    Overlay::Bar& bar = overlay.bars.emplace_back();
+    bar.lo = in.read<glm::dvec2>();
+    bar.hi = in.read<glm::dvec2>();
+    bar.colors = in.readVector<glm::dvec3>();
+  }
+  for (auto n = in.read<uint64_t>(); n > 0; n--) {
+    Overlay::Text& t = overlay.texts.emplace_back();
+    t.at = in.read<glm::dvec2>();
+    t.anchor = in.read<glm::dvec2>();
+    t.height = in.read<int32_t>();
+    t.text = in.readString();
+  }
+  return overlay;
+}
+
 std::string noteOf(uint64_t ticket, const Wanted& wanted) {
   Writer w;
   w.write(ticket).write(wanted.as).write(wanted.encoding).write(int32_t(wanted.quality));
   w.write(wanted.format).write(wanted.path);
+  write(w, wanted.overlay);
   const Bytes bytes = w.take();
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
@@ -102,6 +131,7 @@ void Pictures::onPicture(const FrameRequest& request, Picture picture) {
   uint64_t pieces = 0;
   std::string error;
   try {
+    wanted.overlay = readOverlay(in);
     pieces = sendPieces(ticket, wanted, std::move(picture));
   } catch (const std::exception& e) {
     error = "rank " + std::to_string(node_.rank()) + ": " + e.what();
@@ -130,7 +160,9 @@ uint64_t Pictures::sendPieces(uint64_t ticket, const Wanted& wanted, Picture pic
     send(Piece::Depth, std::as_bytes(std::span(picture.depth)));
     return 1;
   }
-  const Bytes content = encodeImage(wanted.format, {picture.width, picture.height, std::move(picture.rgba)});
+  Image image{picture.width, picture.height, std::move(picture.rgba)};
+  draw(wanted.overlay, image);
+  const Bytes content = encodeImage(wanted.format, image);
   if (wanted.as == Wanted::As::Bytes) {
     send(Piece::Bytes, content);
     return 1;

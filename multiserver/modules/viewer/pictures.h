@@ -8,6 +8,7 @@
 #include <mutex>
 #include <string>
 
+#include "gxy/annotate/overlay.h"
 #include "gxy/protocol/pixel_record.h"
 #include "gxy/server/node.h"
 
@@ -21,6 +22,7 @@ struct Wanted {
   int quality = 75;
   std::string format = "png";  ///< Bytes and File
   std::string path;            ///< File: where, checked already
+  Overlay overlay;             ///< Bytes and File: drawn over it
 };
 
 /// Who gets what comes, on rank 0, in any order. `tile` is called on a progress thread and must be short, `sums`, `depth` and `bytes`

@@ -392,9 +392,17 @@ json camera(Request& request, Arguments arguments) {
     if (const json* given = members.find("Camera")) camera = cameraOf(reader, members, *given, "camera");
     members.expectNoMore();
   }
+  const Window::Seen seen = window->seen(camera);
   State state;
-  state.cameras = {window->fittedCamera(camera)};
-  return {{"Camera", json::parse(writeState(state)).at("Cameras").at(0)}};
+  state.cameras = {seen.camera};
+  json ranges = json::array();
+  for (const Range& range : seen.shown.ranges)
+    ranges.push_back(range.empty() ? json() : json{range.min, range.max});
+  const Box& box = seen.shown.box;
+  return {
+      {"Camera", json::parse(writeState(state)).at("Cameras").at(0)},
+      {"box", box.empty() ? json() : json{{box.lo.x, box.lo.y, box.lo.z}, {box.hi.x, box.hi.y, box.hi.z}}},
+      {"ranges", ranges}};
 }
 
 // What is asked for by NAME... [JSON]; `size`, if not null, is taken, too.
@@ -481,9 +489,11 @@ GALAXY_MODULE(registration) {
   registration.verb(verb("close", "ID", "Forgets a window.", Order::InTurn, closeWindow));
   registration.verb(verb("windows", "", "Lists the windows.", Order::InTurn, list));
   registration.verb(verb("state", "ID", "The window's state document.", Order::InTurn, state));
-  registration.verb(verb("camera", "ID [JSON]",
-                         "The window's camera, or the one given, where its `fit` puts it.", Order::InTurn,
-                         camera));
+  registration.verb(
+      verb("camera", "ID [JSON]",
+           "The window's camera, or the one given, where its `fit` puts it, and the box and the "
+           "ranges of the data shown.",
+           Order::InTurn, camera));
   registration.verb(verb("scene", "NAME... [JSON]", "A state document that shows datasets or data files.",
                          Order::Aside, [&s](Request& r, Arguments a) { return scene(s, r, std::move(a)); }));
   registration.verb(verb("show", "NAME... [JSON]", "Sends a picture of datasets or data files.", Order::Aside,

@@ -63,7 +63,7 @@ void Window::setCamera(const Camera& camera) {
   state_.cameras[0] = camera;
 }
 
-Camera Window::fittedCamera(const std::optional<Camera>& camera) const {
+Window::Seen Window::seen(const std::optional<Camera>& camera) const {
   State now;
   ShownSoFar shown;
   {
@@ -74,7 +74,7 @@ Camera Window::fittedCamera(const std::optional<Camera>& camera) const {
     shown = shown_;
   }
   services_.scenes.widen(tenant_, now.visualizations[0], shown);
-  return fitted(now.cameras[0], shown.box);
+  return {fitted(now.cameras[0], shown.box), std::move(shown)};
 }
 
 State Window::state() const {

@@ -58,8 +58,12 @@ class Window : public std::enable_shared_from_this<Window> {
   void setRenderer(const RenderSettings& settings);
   void setCamera(const Camera& camera);
   State state() const;
-  /// The camera, or the window's, where the data that are shown now put it.
-  Camera fittedCamera(const std::optional<Camera>& camera) const;
+  /// The camera, or the window's, where the data that are shown now put it, and what these data are.
+  struct Seen {
+    Camera camera;
+    ShownSoFar shown;
+  };
+  Seen seen(const std::optional<Camera>& camera) const;
 
   /// What a frame that began now would show; its camera has the window's size. Compiles the scene if need be, as render does.
   struct View {

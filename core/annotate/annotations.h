@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+// What people expect to see over a picture: a legend of its colours, the axes' directions, the data's box and a text.
+#pragma once
+#include "gxy/annotate/overlay.h"
+#include "gxy/scene/resolve.h"
+#include "gxy/scene/scene.h"
+
+namespace gxy {
+
+/// What annotations tell of.
+struct Annotated {
+  const Visualization& visualization;  ///< as the state has it
+  const ShownSoFar& shown;             ///< ranges without values have no legend
+  const Camera& camera;                ///< fitted
+  size_t step = 0;                     ///< number of the time step, from 0
+};
+
+/// The overlay of a picture of the camera's dimensions. Text sizes follow the picture's size; a legend that does not fit is
+/// left out. Edges of the box behind the data are left out, so that nothing hides what is in front of it. In the text {step}
+/// becomes the number of the step.
+Overlay overlayOf(const Annotations& annotations, const Annotated& what);
+
+/// From three to about six round numbers (1, 2, 2.5 or 5 times a power of ten) in [lo, hi], ascending; none for an interval that
+/// is empty or not finite.
+std::vector<double> roundNumbers(double lo, double hi);
+
+/// Numbers for people: of as few digits, three to nine, as leave none of them off by more than half a hundredth of `span`.
+std::vector<std::string> numberTexts(const std::vector<double>& numbers, double span);
+
+}  // namespace gxy
