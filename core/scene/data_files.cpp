@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "gxy/comm/error.h"
+#include "gxy/scene/collection_file.h"
 #include "gxy/scene/read_context.h"
 
 namespace gxy {
@@ -115,21 +116,32 @@ std::vector<std::string> filesOf(const std::string& name) {
 }
 
 std::vector<std::vector<std::string>> stepsOf(const std::vector<std::string>& names) {
-  std::vector<std::vector<std::string>> series;
+  std::vector<std::vector<std::vector<std::string>>> series;  // by name, then step
   size_t steps = 1;
   std::string longest;
   for (const std::string& name : names) {
-    const auto& files = series.emplace_back(filesOf(name));
-    if (files.size() == 1) continue;
-    if (steps > 1 && files.size() != steps)
-      throw Error(name + ": " + std::to_string(files.size()) + " files match, but " + std::to_string(steps) +
-                  " match " + longest + "; expected equally many");
-    steps = files.size();
+    auto& mine = series.emplace_back();
+    for (const std::string& file : filesOf(name)) {
+      if (!isCollection(file)) {
+        mine.push_back({file});
+        continue;
+      }
+      for (TimeStep& step : readCollection(file)) {
+        for (const std::string& part : step.files) expectFile(part);
+        mine.push_back(std::move(step.files));
+      }
+    }
+    if (mine.size() == 1) continue;
+    if (steps > 1 && mine.size() != steps)
+      throw Error(name + ": it has " + std::to_string(mine.size()) + " steps, but " + longest + " has " +
+                  std::to_string(steps) + "; expected equally many");
+    steps = mine.size();
     longest = name;
   }
   std::vector<std::vector<std::string>> out(steps);
   for (size_t step = 0; step < steps; step++)
-    for (const auto& files : series) out[step].push_back(files[files.size() == 1 ? 0 : step]);
+    for (const auto& mine : series)
+      for (const std::string& file : mine[mine.size() == 1 ? 0 : step]) out[step].push_back(file);
   return out;
 }
 

@@ -15,8 +15,8 @@ bool isStateFile(const std::string& path);
 /// Throws Error for a pattern that nothing matches, and for a directory.
 std::vector<std::string> filesOf(const std::string& name);
 
-/// The files of each step. Of several names those that mean several files mean equally many; the others are in each step.
-/// Throws Error.
+/// The files of each step. A pattern's files are a step each; a collection (collection_file.h) says its steps. Of several names
+/// those with several steps have equally many; the others are in each step. Throws Error.
 std::vector<std::vector<std::string>> stepsOf(const std::vector<std::string>& names);
 
 }  // namespace gxy

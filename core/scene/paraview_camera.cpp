@@ -9,6 +9,7 @@
 
 #include "gxy/comm/error.h"
 #include "gxy/scene/json_text.h"
+#include "gxy/scene/xml_tags.h"
 
 namespace gxy {
 namespace {
@@ -25,18 +26,6 @@ double parseNumber(std::string_view text, const std::string& where) {
   return x;
 }
 
-/// The value of an attribute inside an XML start tag.
-std::optional<std::string_view> attribute(std::string_view tag, std::string_view name) {
-  std::string wanted(1, ' ');
-  wanted.append(name).append("=\"");
-  const size_t at = tag.find(wanted);
-  if (at == std::string_view::npos) return std::nullopt;
-  const std::string_view rest = tag.substr(at + wanted.size());
-  const size_t quote = rest.find('"');
-  if (quote == std::string_view::npos) return std::nullopt;
-  return rest.substr(0, quote);
-}
-
 /// The files are machine-written: start tags with quoted attributes, so a walk from tag to tag reads them.
 Properties fromXml(std::string_view text, const std::string& sourceName) {
   if (text.find("<PVCameraConfiguration") == std::string_view::npos) {
@@ -44,20 +33,16 @@ Properties fromXml(std::string_view text, const std::string& sourceName) {
   }
   Properties out;
   std::string current;
-  for (size_t open = text.find('<'); open != std::string_view::npos; open = text.find('<', open + 1)) {
-    const size_t close = text.find('>', open);
-    if (close == std::string_view::npos) throw Error(sourceName + ": ends inside a tag");
-    const std::string_view tag = text.substr(open, close - open);
+  forEachTag(text, sourceName, [&](std::string_view tag) {
     if (tag.starts_with("<Property ")) {
-      current = std::string(attribute(tag, "name").value_or(""));
+      current = attributeOf(tag, "name").value_or("");
     } else if (tag.starts_with("</Property")) {
       current.clear();
     } else if (tag.starts_with("<Element ") && !current.empty()) {
-      const auto value = attribute(tag, "value");
-      if (value)
+      if (const auto value = attributeOf(tag, "value"))
         out[current].push_back(parseNumber(*value, sourceName + ": " + inQuotes(current, '`') + ": "));
     }
-  }
+  });
   return out;
 }
 

@@ -71,6 +71,22 @@ TEST(ViewerLooks, WhatAScannerLeavesInAPlyIsNotShownUnlessItIsNamed) {
   EXPECT_EQ(viewer.client->expect("scene m").at("state"), of_file);
 }
 
+TEST(ViewerLooks, ACollectionShowsItsFirstTimeOfFilesThatMayBeRead) {
+  const auto server = serve();
+  Viewer viewer(*server);
+  const auto write = [&](const std::string& name, const std::string& dataSets) {
+    std::ofstream(server->folder().path() / name)
+        << "<VTKFile type=\"Collection\"><Collection>" << dataSets << "</Collection></VTKFile>";
+  };
+  write("run.pvd", R"(<DataSet timestep="2" file="later.vol"/><DataSet timestep="1" file="ball.vol"/>)");
+  EXPECT_EQ(viewer.client->expect("scene run.pvd").at("state"),
+            viewer.client->expect("scene ball.vol").at("state"));
+  write("out.pvd", R"(<DataSet file="../../secret.vol"/>)");
+  const Reply reply = viewer.client->request("scene out.pvd");
+  EXPECT_FALSE(reply.ok);
+  EXPECT_NE(reply.error.find("secret.vol"), std::string::npos) << reply.error;
+}
+
 TEST(ViewerLooks, FilesAreReadWithinTheMemoryOfTheTenant) {
   ServerSetup setup;
   setup.modules = GALAXY_MODULES;
@@ -118,7 +134,11 @@ TEST(ViewerLooks, CamerasAreFittedToTheDataAndKeptAsTheyWereWritten) {
   // A frame of it is one of that camera.
   const Screen::Picture fit = viewer.frame(), given = viewer.frame(json{{"Camera", camera}}.dump());
   EXPECT_EQ(fit.rgba, given.rgba);
-  EXPECT_EQ(viewer.client->expect("camera 1").at("Camera"), camera);
+  const json again = viewer.client->expect("camera 1");
+  EXPECT_EQ(again.at("Camera"), camera);
+  EXPECT_EQ(again.at("box"), json::parse("[[-1, -1, -1], [1, 1, 1]]"));
+  ASSERT_EQ(again.at("ranges").size(), 1u);
+  EXPECT_LT(again.at("ranges").at(0).at(0).get<double>(), again.at("ranges").at(0).at(1).get<double>());
 }
 
 TEST(ViewerLooks, ABatchNeedsNoCamera) {

@@ -2,6 +2,7 @@
 // What names on a command line mean.
 #include "gxy/scene/data_files.h"
 
+#include "gxy/scene/collection_file.h"
 #include "scene_test_support.h"
 
 namespace gxy {
@@ -43,8 +44,59 @@ TEST(DataFiles, EveryStepOfASeriesHasTheOtherFiles) {
   EXPECT_EQ(steps[1], (std::vector<std::string>{at + "g.vtp", at + "s_2.vti"}));
   EXPECT_NE(errorOf([&] {
               stepsOf({at + "s_*.vti", at + "u_*.vti"});
-            }).find("3 files match"),
+            }).find("it has 3 steps"),
             std::string::npos);
+}
+
+std::string collectionOf(const std::string& dataSets) {
+  return "<?xml version=\"1.0\"?>\n<!-- <DataSet file=\"not this one\"/> -->\n<VTKFile type=\"Collection\" "
+         "version=\"0.1\">\n<Collection>\n" +
+         dataSets + "</Collection></VTKFile>\n";
+}
+
+TEST(DataFiles, ACollectionSaysItsSteps) {
+  const ScratchDirectory folder;
+  for (const char* name : {"a.vti", "b & c.vti", "p0.vtp", "p1.vtp", "q0.vtp", "q1.vtp", "g.ply"})
+    folder.write(name, "");
+  const std::string at = folder.path().string() + "/";
+  const std::string two =
+      folder.write("two.pvd", collectionOf("<DataSet timestep=\"2.5\" part='0' file='b &amp; c.vti'/>\n"
+                                           "<DataSet timestep=\"1e-1\" file=\"a.vti\"/>\n"));
+  EXPECT_EQ(readCollection(two)[0].time, 0.1);
+  EXPECT_EQ(readCollection(two)[1].time, 2.5);
+  using Steps = std::vector<std::vector<std::string>>;
+  EXPECT_EQ(stepsOf({two, at + "g.ply"}),
+            (Steps{{at + "a.vti", at + "g.ply"}, {at + "b & c.vti", at + "g.ply"}}));
+  const std::string parts =
+      folder.write("parts.PVD", collectionOf("<DataSet timestep=\"0\" part=\"0\" file=\"p0.vtp\"/>"
+                                             "<DataSet timestep=\"1\" part=\"0\" file=\"q0.vtp\"/>"
+                                             "<DataSet timestep=\"0\" part=\"1\" file=\"p1.vtp\"/>"
+                                             "<DataSet timestep=\"1\" part=\"1\" file=\"" +
+                                             at + "q1.vtp\"/>"));
+  EXPECT_EQ(stepsOf({parts}), (Steps{{at + "p0.vtp", at + "p1.vtp"}, {at + "q0.vtp", at + "q1.vtp"}}));
+}
+
+TEST(DataFiles, WhatIsWrongWithACollectionIsSaid) {
+  const ScratchDirectory folder;
+  folder.write("a.vti", "");
+  const auto errorOfText = [&](const std::string& text) {
+    const std::string path = folder.write("c.pvd", text);
+    return errorOf([&] { stepsOf({path}); });
+  };
+  const auto says = [&](const std::string& text, const std::string& words) {
+    EXPECT_NE(errorOfText(text).find(words), std::string::npos) << errorOfText(text);
+  };
+  says("", "expected a collection");
+  says("<VTKFile type=\"ImageData\"><DataSet file=\"a.vti\"/>", "expected a collection");
+  says(collectionOf(""), "it names no file");
+  says(collectionOf("<DataSet timestep=\"0\"/>"), "a DataSet has no `file`");
+  says(collectionOf("<DataSet timestep=\"soon\" file=\"a.vti\"/>"),
+       "`timestep`: expected a number, found \"soon\"");
+  says(collectionOf("<DataSet file=\"b.vti\"/>"), "b.vti: there is no such file");
+  says(collectionOf("<DataSet file=\"a.vti\"/><DataSet timestep=\"1\" file=\"a.vti\"/><DataSet "
+                    "timestep=\"1\" file=\"a.vti\"/>"),
+       "2 files at time 1, but 1 at 0");
+  says("<VTKFile type=\"Collection\"><DataSet file=\"a.vti\"", "ends inside a tag");
 }
 
 TEST(DataFiles, WhatIsNotThereIsOneClearError) {

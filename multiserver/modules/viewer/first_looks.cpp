@@ -8,6 +8,7 @@
 #include "gxy/io/file.h"
 #include "gxy/look/file_facts.h"
 #include "gxy/look/loaded_facts.h"
+#include "gxy/scene/collection_file.h"
 #include "gxy/scene/data_files.h"
 #include "gxy/server/datasets.h"
 #include "gxy/server/session.h"
@@ -68,6 +69,15 @@ std::string FirstLooks::fileOf(const std::string& name) const {
   return node_.folders.dataToRead(name);  // or why not
 }
 
+std::vector<std::string> FirstLooks::filesToRead(const std::string& name) const {
+  const std::string file = fileOf(name);
+  if (!isCollection(file)) return {file};
+  std::vector<std::string> files;
+  for (const std::string& part : readCollection(file).front().files)
+    files.push_back(node_.folders.dataToRead(part));
+  return files;
+}
+
 State FirstLooks::state(Request& request, const std::vector<std::string>& names, const std::string& array,
                         const LookOptions& options) const {
   const std::string& tenant = request.session().tenant();
@@ -76,22 +86,14 @@ State FirstLooks::state(Request& request, const std::vector<std::string>& names,
   const auto taken = [&](const std::string& name) {
     return std::any_of(all.begin(), all.end(), [&](const LookFacts& f) { return f.dataset.name == name; });
   };
-  for (const std::string& name : names) {
-    request.check();
-    if (node_.datasets->find(tenant, name)) {
-      all.push_back(factsOf(tenant, name));
-      continue;
-    }
-    const std::string file = fileOf(name), stem = std::filesystem::path(file).stem().string();
+  const auto addFile = [&](const std::string& file) {
+    const std::string stem = std::filesystem::path(file).stem().string();
     std::string called = stem;
     const auto meansAnother = [&] {
       return taken(called) || (node_.datasets->find(tenant, called) && !isOf(tenant, called, file, array));
     };
     for (int n = 2; meansAnother(); n++) called = stem + "-" + std::to_string(n);
-    if (node_.datasets->find(tenant, called)) {
-      all.push_back(factsOf(tenant, called));
-      continue;
-    }
+    if (node_.datasets->find(tenant, called)) return all.push_back(factsOf(tenant, called));
     const ReadWatch watch([&] { request.check(); });
     std::vector<LedgerEntry> reading;
     LookFacts facts = factsOfFile(file, array, [&](int64_t bytes) {
@@ -99,6 +101,17 @@ State FirstLooks::state(Request& request, const std::vector<std::string>& names,
     });
     facts.dataset.name = called;
     all.push_back(std::move(facts));
+  };
+  for (const std::string& name : names) {
+    request.check();
+    if (node_.datasets->find(tenant, name)) {
+      all.push_back(factsOf(tenant, name));
+      continue;
+    }
+    for (const std::string& file : filesToRead(name)) {
+      request.check();
+      addFile(file);
+    }
   }
   State state = firstLook(all, options);
   std::erase_if(state.datasets, [](const DatasetSpec& d) { return d.filename.empty(); });

@@ -26,6 +26,8 @@ class FirstLooks {
   bool isOf(const std::string& tenant, const std::string& name, const std::string& file,
             const std::string& array) const;
   std::string fileOf(const std::string& name) const;
+  /// Those of the first step, checked already.
+  std::vector<std::string> filesToRead(const std::string& name) const;
 
   Node& node_;
 };
