@@ -6,6 +6,7 @@
 #include "gxy/comm/random.h"
 #include "gxy/render/tiles.h"
 #include "support/frames.h"
+#include "support/seeds.h"
 
 namespace gxy::test {
 namespace {
@@ -14,7 +15,7 @@ namespace {
 int schedules() {
   for (const std::string& arg : testing::internal::GetArgvs())
     if (arg.rfind("--schedules=", 0) == 0) return std::stoi(arg.substr(12));
-  return 2000;
+  return seeds(2000);
 }
 
 struct Prepared {
@@ -90,7 +91,7 @@ TEST(Frames, TinyOnesAreRightUnderManySchedules) {
 TEST(Frames, ANewerFrameOfAWindowSupersedesTheOlder) {
   const Prepared balls(litBalls({20, 16}), lattice(sceneDomain(), {2, 2, 1}, 4));
   int superseded = 0;
-  for (uint64_t seed = 1; seed <= 150; seed++) {
+  for (uint64_t seed = 1; seed <= uint64_t(seeds(150)); seed++) {
     Random random(seed);
     FrameRun run;
     run.seed = seed;
@@ -151,7 +152,7 @@ TEST(Frames, OfSeveralScenesShareTheRanks) {
 // waits for ever.
 TEST(Frames, OfTenantsWithLittleAllEnd) {
   const Prepared balls(litBalls({40, 36}), lattice(sceneDomain(), {2, 2, 1}, 3));
-  for (uint64_t seed = 1; seed <= 60; seed++) {
+  for (uint64_t seed = 1; seed <= uint64_t(seeds(60)); seed++) {
     FrameRun run;
     run.seed = seed;
     run.options.packetRays = 16;

@@ -7,18 +7,18 @@ namespace gxy {
 
 namespace {
 
-using Range = std::array<double, 2>;
+using Ends = std::array<double, 2>;
 
 template <class Points>
-void include(std::optional<Range>& range, const Points& points) {
+void include(std::optional<Ends>& range, const Points& points) {
   const double first = points.front().value, last = points.back().value;
   if (!(first < last)) return;
-  range = range ? Range{std::min((*range)[0], first), std::max((*range)[1], last)} : Range{first, last};
+  range = range ? Ends{std::min((*range)[0], first), std::max((*range)[1], last)} : Ends{first, last};
 }
 
 // A map is constant outside its ends, so that these change nothing.
 template <class Points>
-void extend(Points& points, const Range& range) {
+void extend(Points& points, const Ends& range) {
   if (!(points.front().value < points.back().value)) return;
   if (range[0] < points.front().value) {
     points.insert(points.begin(), points.front());
@@ -32,15 +32,15 @@ void extend(Points& points, const Range& range) {
 
 }  // namespace
 
-std::optional<Range> dataRangeOf(const Vis& vis) {
-  std::optional<Range> ends;
+std::optional<Ends> dataRangeOf(const Vis& vis) {
+  std::optional<Ends> ends;
   include(ends, vis.colormap.points);
   include(ends, vis.opacitymap.points);
   return ends && vis.dataRange ? vis.dataRange : ends;
 }
 
 bool changeDataRange(Vis& vis, double factor, double shift) {
-  const std::optional<Range> range = dataRangeOf(vis);
+  const std::optional<Ends> range = dataRangeOf(vis);
   if (!range) return false;
   if (!vis.dataRange) {
     extend(vis.colormap.points, *range);

@@ -129,7 +129,7 @@ void RemoteWindow::takeShown(const Reply& reply) {
   ShownSoFar shown;
   if (reply.ok) {
     for (const json& range : reply.value.at("ranges")) {
-      gxy::Range& to = shown.ranges.emplace_back();
+      Range& to = shown.ranges.emplace_back();
       if (!range.is_null()) to = {range.at(0), range.at(1)};
     }
     if (const json& box = reply.value.at("box"); !box.is_null())
