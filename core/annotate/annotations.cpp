@@ -121,14 +121,15 @@ void addLegends(const Annotated& what, const Measures& m, Overlay& overlay) {
 void addAxes(const CameraBasis& basis, const Measures& m, Overlay& overlay) {
   const double length = 2.2 * m.font, reach = length + 1.5 * m.font;
   if (std::min(m.size.x, m.size.y) < 3 * reach) return;
+  const glm::dvec2 at(reach, reach + m.font);  // above what a viewer says at the bottom
   const glm::dvec3 right = glm::normalize(basis.du), up = glm::normalize(basis.dv);
   const std::array<glm::dvec3, 3> colors{{{1, 0.35, 0.3}, {0.4, 0.9, 0.35}, {0.45, 0.6, 1}}};
   std::array<int, 3> order{0, 1, 2};  // the farthest tip first
   std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return basis.view[a] > basis.view[b]; });
   for (const int axis : order) {
     const glm::dvec2 way(right[axis], up[axis]);
-    overlay.lines.push_back({glm::dvec2(reach), reach + length * way, 2 * m.line, colors[size_t(axis)]});
-    overlay.texts.push_back({reach + length * way + 0.8 * m.font * way, {0.5, 0.5}, m.font, {"xyz"[axis]}});
+    overlay.lines.push_back({at, at + length * way, 2 * m.line, colors[size_t(axis)]});
+    overlay.texts.push_back({at + length * way + 0.8 * m.font * way, {0.5, 0.5}, m.font, {"xyz"[axis]}});
   }
 }
 
@@ -257,7 +258,7 @@ Overlay overlayOf(const Annotations& annotations, const Annotated& what) {
   if (annotations.axes) addAxes(basis, m, overlay);
   if (annotations.legend) addLegends(what, m, overlay);
   if (!annotations.text.empty()) {
-    std::string text = annotations.text;
+    std::string text = annotations.text.substr(0, 1000);  // of which 200 characters are drawn
     for (size_t at; (at = text.find("{step}")) != std::string::npos;)
       text.replace(at, 6, std::to_string(what.step));
     overlay.texts.push_back({{m.font, m.size.y - m.font}, {0, 1}, m.font, text});

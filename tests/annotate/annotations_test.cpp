@@ -56,6 +56,12 @@ TEST(Annotations, TextNamesTheStep) {
   EXPECT_TRUE(overlay.lines.empty() && overlay.bars.empty());
 }
 
+TEST(Annotations, TextOfAnyLengthIsTaken) {
+  Annotations what;
+  for (int i = 0; i < 1 << 20; i++) what.text += "{step}";
+  EXPECT_LT(Seen().overlay(what).texts.at(0).text.size(), 2000u);
+}
+
 TEST(Annotations, RoundNumbersLieInTheInterval) {
   EXPECT_EQ(roundNumbers(0, 1), (Numbers{0, 0.25, 0.5, 0.75, 1}));
   EXPECT_EQ(roundNumbers(-30, 70), (Numbers{-25, 0, 25, 50}));

@@ -73,8 +73,8 @@ std::vector<std::string> FirstLooks::filesToRead(const std::string& name) const 
   const std::string file = fileOf(name);
   if (!isCollection(file)) return {file};
   std::vector<std::string> files;
-  for (const std::string& part : readCollection(file).front().files)
-    files.push_back(node_.folders.dataToRead(part));
+  const TimeStep first = readCollection(file).front();
+  for (const std::string& part : first.files) files.push_back(node_.folders.dataToRead(part));
   return files;
 }
 
