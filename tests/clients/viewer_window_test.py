@@ -64,6 +64,7 @@ def over_black(rgba):
 
 class ViewerCase(unittest.TestCase):
     PASSES, SCENE = 1, SCENE
+    PLAIN = True
     OPTIONS = None  # of the number of passes; None: PASSES
     LEVELS = 40  # that a picture has at least, so that there is something to see
 
@@ -72,6 +73,7 @@ class ViewerCase(unittest.TestCase):
         self.saved = server.folder / "view.json"
         self.viewer = subprocess.Popen(
             [PROGRAMS / "gxyviewer", "-P", str(server.port), "--token-file", server.token, "--output", "view",
+             *(["--plain"] if self.PLAIN else []),
              *(["--passes", str(self.PASSES)] if self.OPTIONS is None else self.OPTIONS), "scene.json"],
             cwd=server.folder, env=display.environment, stderr=subprocess.PIPE, text=True)
         self.addCleanup(self.end)
@@ -312,6 +314,35 @@ class Several(ViewerCase):
         self.assertEqual([c["viewpoint"][2] > 0 for c in saved["Cameras"]], [True, False])
         np.testing.assert_allclose(saved["Cameras"][0]["viewpoint"], SCENE["Camera"]["viewpoint"])
         self.assertAlmostEqual(self.distance(saved["Cameras"][1]), math.dist((0, 0, 0), (3, 2, 4)) / 1.1 ** 2, places=6)
+
+
+class Annotated(ViewerCase):
+    PLAIN = False
+
+    def wait_for_picture(self, camera=SCENE["Camera"], size=(WIDTH, HEIGHT), scene=SCENE):
+        """A white legend stands over the picture, which is dark there."""
+        until(lambda: self.viewer.poll() is not None or self.legend().any(), "the window shows a legend")
+
+    @staticmethod
+    def legend():
+        return (display.screen(WIDTH, HEIGHT)[:, -WIDTH // 4:].min(axis=2) > 200).sum(axis=1) > 0
+
+    def test_a_takes_what_is_drawn_over_the_picture_away_and_brings_it_back(self):
+        self.key("a")
+        ViewerCase.wait_for_picture(self)
+        self.assertFalse(self.legend().any())
+        self.key("a")
+        self.wait_for_picture()
+
+    def test_a_saved_picture_has_it(self):
+        self.key("p")
+        picture = server.folder / "view_00000.png"
+        until(picture.exists, "the picture is saved")
+        scene = {**SCENE, "Annotations": {"legend": True, "axes": True, "outline": True}}
+        (server.folder / "annotated.json").write_text(json.dumps(scene))
+        subprocess.run([PROGRAMS / "gxyrender", "annotated.json", "-o", "annotated"], cwd=server.folder, check=True,
+                       stdout=subprocess.DEVNULL)
+        subprocess.run([PROGRAMS / "gxydiff", picture, "annotated_00000.png", "--max", "0.012"], cwd=server.folder, check=True)
 
 
 class Edited(ViewerCase):

@@ -211,7 +211,7 @@ int main(int argc, char** argv) {
   for (CLI::App* command : {convert, partition})
     command->add_option("out", options.out, "file to write")->required();
   CLI::App* scene = app.add_subcommand("scene", "print a state file that shows data files");
-  scene->add_option("in", options.files, "files to show together; of a series as 'step_*.vti' the first")
+  scene->add_option("FILE", options.files, "files to show together; of a series as 'step_*.vti' the first")
       ->required();
   std::vector<std::string> isovalues;
   addLookOptions(*scene, isovalues, options.look, options.array);

@@ -87,7 +87,7 @@ int run(const ViewOptions& options) {
   if (options.snapshot.empty()) {
     const State seen = withFittedCameras(whole, remote);
     remote.setCamera(seen.cameras[0]);
-    runViewer(remote, Selection(seen), options.output, [&]() -> std::optional<State> {
+    runViewer(remote, Selection(seen), options.output, options.annotated, [&]() -> std::optional<State> {
       if (!stateFile || !stateFile->changed(FileWatch::Clock::now())) return std::nullopt;
       return withFittedCameras(stateOf(options), remote);
     });

@@ -41,6 +41,8 @@ std::optional<int> parseOptions(int argc, char** argv, ViewOptions& o) {
                  "pixel`, but at least 16 in "
                  "the window)")
       ->check(CLI::Range(1, 4096));
+  app.add_flag_callback(
+      "--plain", [&] { o.annotated = false; }, "begin without legend, axes and the data's box (key a)");
   app.add_option("--output", o.output,
                  "PREFIX of what is saved: PREFIX.json, PREFIX_00000.png, ... (default: STATE-view)");
   app.footer("In the window:\n" + std::string(kKeyHelp) +

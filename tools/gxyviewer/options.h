@@ -19,6 +19,7 @@ struct ViewOptions {
   std::string snapshot;            ///< a picture to write; empty: open a window
   std::string output;              ///< what the window saves: OUTPUT.json, OUTPUT_00000.png, ...
   std::optional<glm::ivec2> size;  ///< instead of the camera's dimensions
+  bool annotated = true;           ///< a window begins with legend, axes and box
   uint32_t passes = 0;  ///< of a frame at rest; 0: as the state file says, and in a window 16 or more
 };
 

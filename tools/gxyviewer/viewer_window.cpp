@@ -46,11 +46,13 @@ vtkStandardNewMacro(Style);
 
 class ViewerWindow {
  public:
-  ViewerWindow(RemoteWindow& remote, Selection selection, std::string output, NewerState newer)
+  ViewerWindow(RemoteWindow& remote, Selection selection, std::string output, bool annotated,
+               NewerState newer)
       : remote_(remote),
         selection_(std::move(selection)),
         output_(std::move(output)),
         newer_(std::move(newer)),
+        annotates_(annotated),
         shown_(selection_.camera().dimensions) {
     interactor_->SetRenderWindow(&shown_.window());
     interactor_->SetInteractorStyle(style_);
@@ -358,11 +360,12 @@ class ViewerWindow {
   Selection selection_;
   const std::string output_;
   const NewerState newer_;
+  bool annotates_;
   PictureView shown_;
   vtkNew<vtkRenderWindowInteractor> interactor_;
   vtkNew<Style> style_;
   glm::ivec2 size_{0};
-  bool centered_ = false, spinning_ = false, leaves_ = false, annotates_ = true;
+  bool centered_ = false, spinning_ = false, leaves_ = false;
   Clock::time_point lastTick_{}, noticeEnd_{};
   std::string notice_, newerError_;
   std::deque<Saving> savings_;
@@ -386,8 +389,9 @@ void checkDisplay() {
         " has no OpenGL (GLX): expected it for the window; --snapshot F.png makes a picture without one");
 }
 
-void runViewer(RemoteWindow& remote, Selection selection, const std::string& output, NewerState newer) {
-  ViewerWindow(remote, std::move(selection), output, std::move(newer)).run();
+void runViewer(RemoteWindow& remote, Selection selection, const std::string& output, bool annotated,
+               NewerState newer) {
+  ViewerWindow(remote, std::move(selection), output, annotated, std::move(newer)).run();
 }
 
 }  // namespace gxy
