@@ -17,18 +17,22 @@ namespace {
 using Line = Overlay::Line;
 using Text = Overlay::Text;
 
-constexpr glm::dvec3 kOutline(0.75);
 constexpr size_t kLegends = 4;
 
 /// Sizes in pixels that follow the picture's.
 struct Measures {
-  explicit Measures(const Camera& camera) : size(camera.dimensions) {
+  Measures(const Camera& camera, const glm::dvec4& background) : size(camera.dimensions) {
+    onBright = background.a * glm::dot(glm::dvec3(background), {0.2126, 0.7152, 0.0722}) > 0.5;
+    outline = glm::dvec3(onBright ? 0.35 : 0.75);
+    ticks = glm::dvec3(onBright ? 0 : 1);
     font = std::clamp(int(std::lround(std::min(size.x, size.y) / 32)), 10, 40);
     line = std::max(1.0, font / 12.0);
   }
   glm::dvec2 size;
   int font;
   double line;
+  bool onBright;
+  glm::dvec3 outline, ticks;  ///< colours
 };
 
 std::string formatted(double x, int digits) {
@@ -88,6 +92,8 @@ void addLegend(const Legend& legend, glm::dvec2 lo, glm::dvec2 hi, const Measure
   std::vector<double> numbers{first};
   if (last > first) {
     numbers = roundNumbers(first, last);
+    while (double(numbers.size()) * 1.3 * m.font > top - bottom)  // every second one
+      for (size_t i = 0; i < numbers.size(); i++) numbers.erase(numbers.begin() + ptrdiff_t(i));
     // the ends themselves, where no round number is beside them
     const double room = (last - first) * 1.2 * m.font / (top - bottom);
     if (numbers.empty() || numbers.front() - first > room) numbers.insert(numbers.begin(), first);
@@ -97,7 +103,7 @@ void addLegend(const Legend& legend, glm::dvec2 lo, glm::dvec2 hi, const Measure
   for (size_t i = 0; i < numbers.size(); i++) {
     const double fraction = last > first ? (numbers[i] - first) / (last - first) : 0.5;
     const double y = bottom + fraction * (top - bottom), x = hi.x - 1.2 * m.font;
-    overlay.lines.push_back({{x, y}, {x + 0.2 * m.font, y}, m.line, glm::dvec3(1)});
+    overlay.lines.push_back({{x, y}, {x + 0.2 * m.font, y}, m.line, m.ticks});
     overlay.texts.push_back({{x - 0.3 * m.font, y}, {1, 0.5}, m.font, texts[i]});
   }
 }
@@ -180,7 +186,7 @@ std::optional<Line> lineOf(Edge edge, const CameraBasis& basis, const Measures& 
     if (a < nearest) edge.from += (edge.to - edge.from) * ((nearest - a) / (b - a));
     if (b < nearest) edge.to += (edge.from - edge.to) * ((nearest - b) / (a - b));
   }
-  return Line{placeOf(basis, edge.from), placeOf(basis, edge.to), m.line, kOutline};
+  return Line{placeOf(basis, edge.from), placeOf(basis, edge.to), m.line, m.outline};
 }
 
 void addOutline(const Box& box, const CameraBasis& basis, const Measures& m, Overlay& overlay) {
@@ -252,7 +258,8 @@ std::vector<std::string> numberTexts(const std::vector<double>& numbers, double 
 
 Overlay overlayOf(const Annotations& annotations, const Annotated& what) {
   Overlay overlay;
-  const Measures m(what.camera);
+  const Measures m(what.camera, what.settings.background);
+  overlay.onBright = m.onBright;
   const CameraBasis basis = cameraBasis(what.camera);
   if (annotations.outline) addOutline(what.shown.box, basis, m, overlay);
   if (annotations.axes) addAxes(basis, m, overlay);

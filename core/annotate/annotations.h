@@ -12,6 +12,7 @@ struct Annotated {
   const Visualization& visualization;  ///< as the state has it
   const ShownSoFar& shown;             ///< ranges without values have no legend
   const Camera& camera;                ///< fitted
+  const RenderSettings& settings;      ///< of the picture; its background decides between black and white
   size_t step = 0;                     ///< number of the time step, from 0
 };
 

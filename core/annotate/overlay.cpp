@@ -93,7 +93,7 @@ std::string cut(const std::string& text) {
   return text.substr(0, end);
 }
 
-void drawText(const Overlay::Text& text, const Target& target) {
+void drawText(const Overlay::Text& text, bool onBright, const Target& target) {
   const TextMask mask = textMask(cut(text.text), text.height);
   if (mask.width == 0) return;
   const int x = int(std::lround(text.at.x - text.anchor.x * mask.width));
@@ -104,8 +104,8 @@ void drawText(const Overlay::Text& text, const Target& target) {
       float near = 0;
       for (int v = -kRim; v <= kRim; v++)
         for (int u = -kRim; u <= kRim; u++) near = std::max(near, mask.at(i + u, j + v));
-      target.cover(x + i, y + j, glm::dvec3(0), 0.6 * double(near));
-      target.cover(x + i, y + j, glm::dvec3(1), double(mask.at(i, j)));
+      target.cover(x + i, y + j, glm::dvec3(onBright ? 1 : 0), 0.6 * double(near));
+      target.cover(x + i, y + j, glm::dvec3(onBright ? 0 : 1), double(mask.at(i, j)));
     }
 }
 
@@ -115,7 +115,7 @@ void draw(const Overlay& overlay, glm::ivec2 size, const Blend& blend) {
   const Target target{size, blend};
   for (const Overlay::Line& line : overlay.lines) drawLine(line, target);
   for (const Overlay::Bar& bar : overlay.bars) drawBar(bar, target);
-  for (const Overlay::Text& text : overlay.texts) drawText(text, target);
+  for (const Overlay::Text& text : overlay.texts) drawText(text, overlay.onBright, target);
 }
 
 void draw(const Overlay& overlay, Image& picture) {

@@ -24,7 +24,7 @@ struct Overlay {
     glm::dvec2 lo{0}, hi{0};
     std::vector<glm::dvec3> colors;  ///< bottom to top, each as high as the others
   };
-  /// White with a dark rim, so that it is read on any background.
+  /// White with a dark rim, or black with a bright one, so that it is read on any background.
   struct Text {
     glm::dvec2 at{0};      ///< the point of the text that `anchor` names
     glm::dvec2 anchor{0};  ///< 0, 0: its lower left corner; 1, 1: its upper right one
@@ -34,6 +34,7 @@ struct Overlay {
   std::vector<Line> lines = {};
   std::vector<Bar> bars = {};
   std::vector<Text> texts = {};
+  bool onBright = false;  ///< the background is: texts are black
 
   bool empty() const { return lines.empty() && bars.empty() && texts.empty(); }
 };

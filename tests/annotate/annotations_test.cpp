@@ -19,6 +19,7 @@ struct Seen {
   Visualization visualization;
   ShownSoFar shown{{Range{0, 1}}, Box{glm::dvec3(-1), glm::dvec3(1)}};
   Camera camera;
+  RenderSettings settings;
 
   Seen() {
     camera.viewpoint = {0, 0, 10};
@@ -29,7 +30,7 @@ struct Seen {
     visualization.operators[0].volumeRendering = true;
   }
   Overlay overlay(const Annotations& what) const {
-    return overlayOf(what, {visualization, shown, camera, 7});
+    return overlayOf(what, {visualization, shown, camera, settings, 7});
   }
 };
 
@@ -60,6 +61,30 @@ TEST(Annotations, TextOfAnyLengthIsTaken) {
   Annotations what;
   for (int i = 0; i < 1 << 20; i++) what.text += "{step}";
   EXPECT_LT(Seen().overlay(what).texts.at(0).text.size(), 2000u);
+}
+
+TEST(Annotations, AreDarkOnABrightBackground) {
+  Seen seen;
+  Annotations what = only(&Annotations::outline);
+  EXPECT_FALSE(seen.overlay(what).onBright);
+  seen.settings.background = {0.9, 0.9, 1, 1};
+  EXPECT_TRUE(seen.overlay(what).onBright);
+  EXPECT_LT(seen.overlay(what).lines.at(0).color.r, 0.5);
+  seen.settings.background.a = 0.3;  // mostly black
+  EXPECT_FALSE(seen.overlay(what).onBright);
+}
+
+TEST(Annotations, NumbersOfALegendHaveRoom) {
+  Seen seen;
+  for (int i = 0; i < 3; i++) {
+    seen.visualization.operators.push_back(seen.visualization.operators[0]);
+    seen.visualization.operators.back().dataset += std::to_string(i);
+    seen.shown.ranges.push_back({0, 1});
+  }
+  const Overlay overlay = seen.overlay(only(&Annotations::legend));
+  ASSERT_EQ(overlay.bars.size(), 4u);
+  for (size_t i = 1; i < overlay.texts.size(); i++)
+    EXPECT_GE(std::abs(overlay.texts[i].at.y - overlay.texts[i - 1].at.y), overlay.texts[i].height) << i;
 }
 
 TEST(Annotations, RoundNumbersLieInTheInterval) {

@@ -93,6 +93,13 @@ TEST(Overlay, TextStandsWhereItsAnchorIs) {
   EXPECT_GE(right.w - right.y, 6);
 }
 
+TEST(Overlay, TextIsBlackOnABrightBackground) {
+  const Image image = drawnOver({.texts = {{{20, 15}, {0.5, 0.5}, 20, "H"}}, .onBright = true});
+  const auto [least, most] = std::ranges::minmax(image.rgba);
+  EXPECT_LT(least, 0.1f);
+  EXPECT_GT(most, 0.7f);
+}
+
 TEST(Overlay, TextOfAnyLengthIsDrawn) {
   const Image image = drawnOver({.texts = {{{2, 10}, {0, 0}, 10, std::string(1 << 20, 'H')}}});
   EXPECT_NE(image.rgba, grey().rgba);

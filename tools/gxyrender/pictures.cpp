@@ -20,8 +20,8 @@ void annotate(Picture& picture, const State& state, const LoadedState& loaded, c
   const Camera seenFrom = loaded.camera(state, visualization, camera);
   const size_t step = options.firstPicture / (state.cameras.size() * state.visualizations.size());
   Image image{picture.width, picture.height, std::move(picture.rgba)};
-  draw(overlayOf(state.annotations,
-                 {state.visualizations[visualization], loaded.shown[visualization], seenFrom, step}),
+  draw(overlayOf(state.annotations, {state.visualizations[visualization], loaded.shown[visualization],
+                                     seenFrom, state.settings, step}),
        image);
   picture.rgba = std::move(image.rgba);
 }

@@ -97,7 +97,7 @@ int run(const ViewOptions& options) {
   remote.renderWhole();
   const Camera seenFrom = state.cameras[0].fit ? remote.fittedCamera(state.cameras[0]) : state.cameras[0];
   writePng(options.snapshot, remote.picture(),
-           overlayOf(state.annotations, {state.visualizations[0], remote.shown(), seenFrom}));
+           overlayOf(state.annotations, {state.visualizations[0], remote.shown(), seenFrom, state.settings}));
   return 0;
 }
 

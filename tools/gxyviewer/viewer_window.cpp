@@ -133,7 +133,7 @@ class ViewerWindow {
     Annotations what = state.annotations;
     if (what == Annotations()) what.legend = what.axes = what.outline = true;
     try {
-      return overlayOf(what, {state.visualizations[0], data, camera});
+      return overlayOf(what, {state.visualizations[0], data, camera, state.settings});
     } catch (const Error& e) {
       annotates_ = false;
       say(std::string("error: ") + e.what());

@@ -207,8 +207,9 @@ class Run {
       Generation newest = 0;
       for (const NamedDataset& d : scene->data) newest = std::max(newest, d.generation);
       const ShownSoFar& shown = shown_[index % of];
-      wanted.overlay = overlayOf(batch_.state.annotations, {batch_.state.visualizations[index % of], shown,
-                                                            frame.camera, size_t(newest)});
+      wanted.overlay =
+          overlayOf(batch_.state.annotations, {batch_.state.visualizations[index % of], shown, frame.camera,
+                                               batch_.state.settings, size_t(newest)});
     }
     Receiver receiver;
     receiver.bytes = [job = job_, index, slot](Bytes content) {
