@@ -54,6 +54,7 @@ bool isVisible(SCENE s, int number) { return tableWord(s.visible + uint(number))
 
 bool hasNormals(OPERATOR op) { return op.normals != 0u; }
 bool hasValues(OPERATOR op) { return op.values != 0u; }
+bool hasColors(OPERATOR op) { return op.colors != 0u; }
 bool hasNeighbours(OPERATOR op) { return op.neighbours != 0u; }
 vec3 pointOf(OPERATOR op, uint i) {
   return uintBitsToFloat(geometryQuad(op.points + 4u * i).xyz);
@@ -64,6 +65,10 @@ vec3 normalOf(OPERATOR op, uint i) {
   return vec3(geometryReal(k), geometryReal(k + 1u), geometryReal(k + 2u));
 }
 real valueOf(OPERATOR op, uint i) { return geometryReal(op.values + i); }
+vec3 ownColorOf(OPERATOR op, uint i) {
+  uint k = op.colors + 3u * i;
+  return vec3(geometryReal(k), geometryReal(k + 1u), geometryReal(k + 2u));
+}
 uint cornerOf(OPERATOR op, uint i) { return geometryWord(op.indices + i); }
 uint neighbourOf(OPERATOR op, uint i) { return geometryWord(op.neighbours + i); }
 vec3 sliceNormal(OPERATOR op, uint i) {

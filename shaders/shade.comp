@@ -77,8 +77,9 @@ void main() {
   VolumeView v = fieldOf(op);
   vec3 o = rayOrigin(), d = rayDirection();
   Surface surface = surfaceHit(op, v, o, d);
-  vec3 color = colorOf(v, surface.value);
-  float opacity = operatorOf(op).opacity;
+  OperatorView view = operatorOf(op);
+  vec3 color = surfaceColor(view, v, surface);
+  float opacity = view.opacity;
   float weight = (1.0 - GIVEN(A)) * opacity;
   vec3 toEye = vec3(-d.x, -d.y, -d.z);
   vec3 from = offsetOrigin(surface.point, surface.geometric, surface.size);

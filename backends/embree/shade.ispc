@@ -27,7 +27,7 @@ static inline void surfaceHit(SCENE s, RAYS r, uniform int op, int i, vec3 o, ve
     hit = geometrySurface(view, r.hitPrimitive[i], o, d, after);
   }
   surface = surfaceSeen(hit, d, view.twoSided != 0);
-  color = colorOf(v, surface.value);
+  color = surfaceColor(view, v, surface);
   opacity = view.opacity;
 }
 

@@ -151,6 +151,7 @@ class Uploading {
         view.points = at.points;
         view.normals = at.normals;
         view.values = at.values;
+        view.colors = at.colors;
         view.indices = at.indices;
         view.neighbours = at.neighbours;
       }

@@ -37,6 +37,7 @@ void appendPoint(GeometryBlock& to, const GeometryBlock& from, uint32_t point) {
   to.points.push_back(from.points[point]);
   if (!from.normals.empty()) to.normals.push_back(from.normals[point]);
   if (!from.values.empty()) to.values.push_back(from.values[point]);
+  if (!from.colors.empty()) to.colors.push_back(from.colors[point]);
 }
 
 /// Appends primitive p of `from`; pointOf(index in `from`) gives a point's index in `to`, adding it where it
@@ -64,18 +65,19 @@ void appendPrimitive(GeometryBlock& to, const GeometryBlock& from, GeometryKind 
 struct PointKey {
   glm::dvec3 position{0};
   glm::vec3 normal{0};
-  float value = 0;
+  glm::vec3 look{0};  ///< the colour, or the value and zeros
 
   PointKey(const GeometryBlock& block, uint32_t point) : position(block.points[point]) {
     if (!block.normals.empty()) normal = block.normals[point];
-    if (!block.values.empty()) value = block.values[point];
+    if (!block.values.empty()) look.x = block.values[point];
+    if (!block.colors.empty()) look = block.colors[point];
   }
   bool operator==(const PointKey& other) const { return std::memcmp(this, &other, sizeof *this) == 0; }
 };
-static_assert(sizeof(PointKey) == 40, "compared and hashed as bytes: no padding");
+static_assert(sizeof(PointKey) == 48, "compared and hashed as bytes: no padding");
 
 uint64_t hashOf(const PointKey& key) {
-  std::array<uint64_t, 5> words;
+  std::array<uint64_t, 6> words;
   std::memcpy(words.data(), &key, sizeof key);
   uint64_t hash = 0;
   for (uint64_t w : words) {
@@ -105,14 +107,16 @@ class PointsByContent {
 
 GeometryBlock concatenated(GeometryKind kind, std::span<const GeometryBlock> parts) {
   GeometryBlock all;
-  bool normals = false, values = false;
+  bool normals = false, values = false, colors = false;
   for (const GeometryBlock& part : parts) {
     if (part.points.empty()) continue;
     if (all.points.empty()) {
       normals = !part.normals.empty();
       values = !part.values.empty();
-    } else if (normals == part.normals.empty() || values == part.values.empty()) {
-      fail(kind, "some parts have normals or values and others have none, expected all alike");
+      colors = !part.colors.empty();
+    } else if (normals == part.normals.empty() || values == part.values.empty() ||
+               colors == part.colors.empty()) {
+      fail(kind, "some parts have normals, values or colours and others have none, expected all alike");
     }
     const size_t offset = all.points.size();
     if (offset + part.points.size() >= kNone)
@@ -127,6 +131,7 @@ GeometryBlock concatenated(GeometryKind kind, std::span<const GeometryBlock> par
     append(all.points, part.points);
     append(all.normals, part.normals);
     append(all.values, part.values);
+    append(all.colors, part.colors);
     append(all.ids, part.ids);
     appendIndices(all.triangles, part.triangles);
     appendIndices(all.segments, part.segments);
@@ -212,6 +217,8 @@ void validate(const GeometryBlock& block, GeometryKind kind) {
   if (kind == GeometryKind::Particles) check("ids", primitives, points);
   if (!block.normals.empty()) check("normals", block.normals.size(), points);
   if (!block.values.empty()) check("values", block.values.size(), points);
+  if (!block.colors.empty()) check("colours", block.colors.size(), points);
+  if (!block.values.empty() && !block.colors.empty()) fail(kind, "values and colours, expected one of them");
   if (points >= kNone)
     fail(kind, std::to_string(points) + " points in one block, expected fewer than 2^32 - 1");
   const auto checkIndices = [&](const auto& list) {
@@ -325,8 +332,8 @@ int64_t bytesOf(const Geometry& geometry) {
   const auto bytes = [](const auto& array) { return array.size() * sizeof(array[0]); };
   size_t sum = 0;
   for (const auto& [partition, b] : geometry.blocks)
-    sum += bytes(b.points) + bytes(b.normals) + bytes(b.values) + bytes(b.triangles) + bytes(b.segments) +
-           bytes(b.neighbours) + bytes(b.ids);
+    sum += bytes(b.points) + bytes(b.normals) + bytes(b.values) + bytes(b.colors) + bytes(b.triangles) +
+           bytes(b.segments) + bytes(b.neighbours) + bytes(b.ids);
   return int64_t(sum);
 }
 

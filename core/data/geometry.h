@@ -21,6 +21,7 @@ struct GeometryBlock {
   std::vector<glm::dvec3> points;
   std::vector<glm::vec3> normals;  ///< per point, unit length; empty when the file has none
   std::vector<float> values;       ///< per point, the mapped scalar; empty when the file has none
+  std::vector<glm::vec3> colors;   ///< per point, instead of values: red, green and blue, each 0 to 1
   std::vector<std::array<uint32_t, 3>> triangles;  ///< Triangles: point indices
   std::vector<std::array<uint32_t, 2>> segments;   ///< PathLines: point indices
   std::vector<std::array<uint32_t, 2>>
@@ -37,6 +38,7 @@ struct Geometry {
   GeometryKind kind = GeometryKind::Particles;
   Box box;                              ///< of all points, world
   Range range;                          ///< of all values
+  bool colored = false;                 ///< points have colours instead of values; the same on every rank
   uint64_t primitives = 0;              ///< over all partitions, each counted once
   uint64_t droppedPrimitives = 0;       ///< with non-finite coordinates, or degenerate
   std::map<int, GeometryBlock> blocks;  ///< by local partition
@@ -64,16 +66,16 @@ GeometryBlock subset(
     const GeometryBlock& block, GeometryKind kind, std::span<const uint32_t> primitives,
     const Advance& advance = [](double) {});
 
-/// All primitives of several valid blocks, ids ascending. Points equal in position, normal and value become
-/// one (never for Particles, where each point is a primitive) and are numbered in order of first use, so that
+/// All primitives of several valid blocks, ids ascending. Points equal in position, normal and value or colour
+/// become one (never for Particles, where each point is a primitive) and are numbered in order of first use, so that
 /// the result depends neither on the order of the parts nor on how primitives were spread over them. Throws
-/// Error if an id comes twice, if only some parts have normals or values, or for 2^32 - 1 points or more.
+/// Error if an id comes twice, if only some parts have normals, values or colours, or for 2^32 - 1 points or more.
 GeometryBlock merged(
     GeometryKind kind, std::span<const GeometryBlock> parts, const Advance& advance = [](double) {});
 
 /// Removes primitives that cannot be drawn: with a non-finite coordinate (neighbours' included), triangles without area,
-/// and segments between points of a line that are equal in position, normal and value (merged() makes these one, which
-/// would be its own neighbour); the segments around them become neighbours. Returns how many. Other segments of no length
+/// and segments between points of a line that are equal in position, normal and value or colour (merged() makes these one,
+/// which would be its own neighbour); the segments around them become neighbours. Returns how many. Other segments of no length
 /// stay: they are round.
 int64_t dropUnusable(GeometryBlock& block, GeometryKind kind);
 

@@ -11,7 +11,7 @@ namespace gxy {
 namespace {
 
 void write(Writer& writer, const GeometryBlock& block) {
-  writer.write(block.points).write(block.normals).write(block.values);
+  writer.write(block.points).write(block.normals).write(block.values).write(block.colors);
   writer.write(block.triangles).write(block.segments).write(block.neighbours).write(block.ids);
 }
 
@@ -20,6 +20,7 @@ GeometryBlock readBlock(Reader& reader) {
   block.points = reader.readVector<glm::dvec3>();
   block.normals = reader.readVector<glm::vec3>();
   block.values = reader.readVector<float>();
+  block.colors = reader.readVector<glm::vec3>();
   block.triangles = reader.readVector<std::array<uint32_t, 3>>();
   block.segments = reader.readVector<std::array<uint32_t, 2>>();
   block.neighbours = reader.readVector<std::array<uint32_t, 2>>();

@@ -33,6 +33,7 @@ FN UNIFORM real lightValue(FRAME f, UNIFORM int i) { return f.light[i]; }
 
 FN UNIFORM bool hasNormals(OPERATOR op) { return op.normals != NULL; }
 FN UNIFORM bool hasValues(OPERATOR op) { return op.values != NULL; }
+FN UNIFORM bool hasColors(OPERATOR op) { return op.colors != NULL; }
 FN UNIFORM bool hasNeighbours(OPERATOR op) { return op.neighbours != NULL; }
 FN vec3 pointOf(OPERATOR op, uint i) {
   return make_v3(op.points[4 * PLACE(i)], op.points[4 * PLACE(i) + 1], op.points[4 * PLACE(i) + 2]);
@@ -42,6 +43,9 @@ FN vec3 normalOf(OPERATOR op, uint i) {
   return make_v3(op.normals[3 * PLACE(i)], op.normals[3 * PLACE(i) + 1], op.normals[3 * PLACE(i) + 2]);
 }
 FN real valueOf(OPERATOR op, uint i) { return op.values[i]; }
+FN vec3 ownColorOf(OPERATOR op, uint i) {
+  return make_v3(op.colors[3 * PLACE(i)], op.colors[3 * PLACE(i) + 1], op.colors[3 * PLACE(i) + 2]);
+}
 FN uint cornerOf(OPERATOR op, uint i) { return op.indices[i]; }
 FN uint neighbourOf(OPERATOR op, uint i) { return op.neighbours[i]; }
 FN vec3 sliceNormal(OPERATOR op, uint i) {

@@ -18,6 +18,7 @@ struct OperatorView {
   PTR(real) points;      // x y z radius
   PTR(real) normals;     // x y z per point, or null
   PTR(real) values;      // per point, or null
+  PTR(real) colors;      // r g b per point, or null
   PTR(uint) indices;     // 2 or 3 per primitive
   PTR(uint) neighbours;  // of segments: the points before and after, own ends where there is none
 };

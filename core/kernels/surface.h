@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// The surface that a ray has hit: where, which way it faces, and the value that colours it.
+// The surface that a ray has hit: where, which way it faces, and the value or the colour of its own that colours it.
 
 struct Surface {
   vec3 point, normal;  // normal: for shading, unit, towards the viewer where two-sided
   vec3 geometric;      // of the surface itself: unit; secondary rays leave along it, on the side of `normal`
   real value;
+  vec3 own;    // its colour, where the operator has colours
   real size;   // of the numbers it was computed from, for the offset of secondary rays
   uint start;  // RAY_START and RAY_SIDE bits of the rays that leave it
 };
@@ -17,8 +18,10 @@ FN Surface sphereSurface(OPERATOR op, uint p, vec3 o, vec3 d, real after) {
   f.geometric = f.normal;
   f.point = make_v3(c.x + radius * f.normal.x, c.y + radius * f.normal.y, c.z + radius * f.normal.z);
   f.size = max(largest3(c), radius);
+  f.own = make_v3(R(0.0), R(0.0), R(0.0));
   f.value = R(0.0);
   if (hasValues(op)) f.value = valueOf(op, p);
+  if (hasColors(op)) f.own = ownColorOf(op, p);
   f.start = 0u;
   return f;
 }
@@ -33,12 +36,18 @@ FN Surface tubeSurface(OPERATOR op, uint p, vec3 o, vec3 d, real after) {
   f.geometric = f.normal;
   f.point = make_v3(tube.a.x + local.x, tube.a.y + local.y, tube.a.z + local.z);
   f.size = max(max(largest3(tube.a), tube.radiusA), max(largest3(tube.b), tube.radiusB));
+  f.own = make_v3(R(0.0), R(0.0), R(0.0));
   f.value = R(0.0);
   if (hasValues(op)) {
     // on the ball of one end that end's alone, also where the other has no data
     real va = valueOf(op, cornerOf(op, 2u * p)), vb = valueOf(op, cornerOf(op, 2u * p + 1u));
     real between = lerp1(va, vb, h.axial);
     f.value = h.axial <= R(0.0) ? va : (h.axial >= R(1.0) ? vb : between);
+  }
+  if (hasColors(op)) {
+    vec3 a = ownColorOf(op, cornerOf(op, 2u * p)), b = ownColorOf(op, cornerOf(op, 2u * p + 1u));
+    real u = clamp1(h.axial, R(0.0), R(1.0));
+    f.own = make_v3(lerp1(a.x, b.x, u), lerp1(a.y, b.y, u), lerp1(a.z, b.z, u));
   }
   f.start = 0u;
   return f;
@@ -62,8 +71,16 @@ FN Surface triangleSurface(OPERATOR op, uint p, vec3 o, vec3 d, real after) {
                      (wa * x.z + wb * y.z) + wc * z.z);
     if (dot3(m, m) > R(1e-12)) f.normal = normalize3(m);
   }
+  f.own = make_v3(R(0.0), R(0.0), R(0.0));
   f.value = R(0.0);
   if (hasValues(op)) f.value = (wa * valueOf(op, i) + wb * valueOf(op, j)) + wc * valueOf(op, k);
+  if (hasColors(op)) {
+    vec3 x = ownColorOf(op, i), y = ownColorOf(op, j), z = ownColorOf(op, k);
+    // the weights are those of a point beside the triangle by as much as float leaves
+    f.own = make_v3(clamp1((wa * x.x + wb * y.x) + wc * z.x, R(0.0), R(1.0)),
+                    clamp1((wa * x.y + wb * y.y) + wc * z.y, R(0.0), R(1.0)),
+                    clamp1((wa * x.z + wb * y.z) + wc * z.z, R(0.0), R(1.0)));
+  }
   f.start = 0u;
   return f;
 }
@@ -86,6 +103,7 @@ FN Surface fieldSurface(OPERATOR op, VOLUME v, int hitKind, uint index, vec3 o, 
   Surface f;
   f.point = make_v3(o.x + t * d.x, o.y + t * d.y, o.z + t * d.z);
   f.size = R(0.5);
+  f.own = make_v3(R(0.0), R(0.0), R(0.0));
   VolumeRay ray = volumeRay(v, o, d, R(0.0), R(1e30));
   vec3 p = pointAt(ray.g, t);
   if (hitKind == HIT_SLICE) {
@@ -109,6 +127,13 @@ FN Surface fieldSurface(OPERATOR op, VOLUME v, int hitKind, uint index, vec3 o, 
     if (!(dot3(f.normal, f.normal) >= R(0.5))) f.normal = f.geometric;
   }
   return f;
+}
+
+// What an operator's surface looks like, unlit.
+FN vec3 surfaceColor(OPERATOR op, VOLUME v, Surface f) {
+  vec3 color = f.own;
+  if (!hasColors(op)) color = colorOf(v, f.value);
+  return color;
 }
 
 // The surface as seen along d: both sides lit, or the one that its normal is on.

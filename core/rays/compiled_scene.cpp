@@ -205,6 +205,7 @@ GeometryPart compilePart(const GeometryBlock& all, GeometryKind kind, const Vis&
     for (const auto& numbers : from) to.insert(to.end(), std::begin(numbers), std::end(numbers));
   };
   for (const glm::vec3& n : block.normals) part.normals.insert(part.normals.end(), {n.x, n.y, n.z});
+  for (const glm::vec3& c : block.colors) part.colors.insert(part.colors.end(), {c.x, c.y, c.z});
   append(part.indices, block.segments);
   append(part.indices, block.triangles);
   append(part.neighbours, block.neighbours);
@@ -263,7 +264,8 @@ double largestRadius(const Vis& vis, const Range& range) {
 }
 
 size_t GeometryPart::bytes() const {
-  return 4 * (points.size() + normals.size() + values.size() + indices.size() + neighbours.size());
+  return 4 * (points.size() + normals.size() + values.size() + colors.size() + indices.size() +
+              neighbours.size());
 }
 
 size_t CompiledScene::bytes() const {
@@ -330,7 +332,8 @@ std::shared_ptr<CompiledScene> compileScene(const Visualization& visualization,
       if (!b.empty()) seen.extend(Box{b.lo - r, b.hi + r});
     }
     if (showsSurfaces(op) && op.vis.opacity < 1) scene->opaqueSurfaces = false;
-    largestColor = std::max(largestColor, op.map.largestColor);
+    const bool colored = !isVolume && op.data.geometry->colored;
+    largestColor = std::max(largestColor, colored ? 1 : op.map.largestColor);
   }
   for (size_t i = 0; i < count; i++)
     if (CompiledOperator& op = scene->operators[i]; op.vis.type == VisType::Volume)

@@ -45,6 +45,7 @@ struct GeometryPart {
   std::vector<float> points;         ///< x y z radius, render space
   std::vector<float> normals;        ///< x y z per point, or empty
   std::vector<float> values;         ///< per point, or empty
+  std::vector<float> colors;         ///< r g b per point, or empty
   std::vector<uint32_t> indices;     ///< 2 (segments) or 3 (triangles) per primitive; particles none
   std::vector<uint32_t> neighbours;  ///< of segments: the points before and after, own ends where none
   uint32_t primitives = 0;           ///< 1 or more

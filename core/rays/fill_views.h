@@ -99,6 +99,7 @@ void fillPrimitives(View& v, const GeometryPart& part, Put& put) {
   v.points = put(part.points);
   v.normals = put(part.normals);
   v.values = put(part.values);
+  v.colors = put(part.colors);
   v.indices = put(part.indices);
   v.neighbours = put(part.neighbours);
 }

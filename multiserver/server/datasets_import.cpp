@@ -41,9 +41,9 @@ int64_t bytesToCome(const VolumeFile& file, const Partitioning& partitioning, in
 
 int64_t bytesOf(const GeometryBlock& b) {
   return int64_t(b.points.size() * sizeof b.points[0] + b.normals.size() * sizeof b.normals[0] +
-                 b.values.size() * sizeof b.values[0] + b.triangles.size() * sizeof b.triangles[0] +
-                 b.segments.size() * sizeof b.segments[0] + b.neighbours.size() * sizeof b.neighbours[0] +
-                 b.ids.size() * sizeof b.ids[0]);
+                 b.values.size() * sizeof b.values[0] + b.colors.size() * sizeof b.colors[0] +
+                 b.triangles.size() * sizeof b.triangles[0] + b.segments.size() * sizeof b.segments[0] +
+                 b.neighbours.size() * sizeof b.neighbours[0] + b.ids.size() * sizeof b.ids[0]);
 }
 
 bool holds(const Box& outer, const Box& inner) {

@@ -141,6 +141,69 @@ TEST(GeometryAgreement, WithoutDataValuesAreNoCrash) {
   }
 }
 
+TEST(GeometryAgreement, ColoursOfPoints) {
+  for (VisType type : {VisType::Particles, VisType::PathLines, VisType::Triangles}) {
+    const GeometryBlock block = type == VisType::Particles   ? cloud(40, false)
+                                : type == VisType::PathLines ? lines()
+                                                             : sphereMesh(16, true, false);
+    Vis vis = particles(0.12, 0.12);
+    vis.type = type;
+    TestScene scene = geometryScene("colours_" + std::to_string(int(type)), vis, coloured(block), 40);
+    expectAgreement(embree(), scene);
+    vis.opacity = 0.5;
+    scene = geometryScene(scene.name + "_translucent", vis, coloured(block), 40);
+    scene.visualization.lighting = lit({kSun, kLamp}, true);
+    expectAgreement(embree(), scene);
+  }
+}
+
+// With ambient light alone a pixel is the colour itself.
+TEST(GeometryAgreement, ColoursAreWhatThePointsSay) {
+  const auto expectColours = [](VisType type, const GeometryBlock& block,
+                                const std::function<glm::dvec3(double x, double y)>& expected) {
+    Vis vis = particles(0.25, 0.25);
+    vis.type = type;
+    TestScene scene = geometryScene("colours", vis, block, 20);
+    scene.camera.viewpoint = {0, 0, 3};
+    scene.camera.viewdirection = {0, 0, -1};
+    scene.camera.aov = 0;
+    scene.camera.height = 2;
+    scene.visualization.lighting = Lighting();
+    scene.visualization.lighting.Ka = 1, scene.visualization.lighting.Kd = 0;
+    scene.settings.background = glm::dvec4(0);
+    const Picture picture = drawnByBoth(scene);
+    int seen = 0;
+    for (int y = 0; y < 20; y++)
+      for (int x = 0; x < 20; x++) {
+        const float* pixel = &picture.rgba[4 * size_t(20 * y + x)];
+        if (pixel[3] == 0) continue;
+        seen++;
+        const glm::dvec3 colour = expected((x + 0.5) / 10 - 1, (y + 0.5) / 10 - 1);
+        for (int c = 0; c < 3; c++)
+          EXPECT_NEAR(pixel[c], colour[c], 1e-5) << int(type) << " " << x << " " << y;
+      }
+    EXPECT_GT(seen, 15) << int(type);
+  };
+  GeometryBlock triangle, balls, tube;
+  triangle.points = {{-1, -1, 0}, {1, -1, 0}, {-1, 1, 0}};
+  triangle.triangles = {{0, 1, 2}};
+  triangle.colors = {{1, 0, 0}, {0, 1, 0}, {0, 0, 0.5f}};
+  expectColours(VisType::Triangles, triangle, [](double x, double y) {
+    const double b = (x + 1) / 2, c = (y + 1) / 2;
+    return glm::dvec3(1 - b - c, b, 0.5 * c);
+  });
+  balls.points = {{-0.6, 0, 0}, {0.6, 0, 0}};
+  balls.colors = {{1, 0, 0.25f}, {0, 0.5f, 1}};
+  expectColours(VisType::Particles, balls,
+                [](double x, double) { return x < 0 ? glm::dvec3(1, 0, 0.25) : glm::dvec3(0, 0.5, 1); });
+  tube.points = balls.points;
+  tube.colors = balls.colors;
+  tube.segments = tube.neighbours = {{0, 1}};
+  expectColours(VisType::PathLines, tube, [](double x, double) {
+    return glm::mix(glm::dvec3(1, 0, 0.25), glm::dvec3(0, 0.5, 1), std::clamp((x + 0.6) / 1.2, 0.0, 1.0));
+  });
+}
+
 // Found by random scenes: a cap has the value of its own end, also where that of the other is NaN.
 TEST(GeometryAgreement, CapsOfTubesBesideValuesWithoutData) {
   GeometryBlock block = lines();

@@ -45,6 +45,12 @@ CompiledScene sceneOfAllKinds() {
   Vis slices = surfaces(VisType::Volume, -1, 1);
   slices.slices = {{{0.1, 1, 0.2}, 0.1}};
   test.add(slices, wavy());
+  for (size_t i = 0, count = test.data.size(); i < count; i++) {  // all geometry again, in colours of its own
+    if (!test.data[i].geometry) continue;
+    const Geometry& geometry = *test.data[i].geometry;
+    const Vis vis = test.visualization.operators[i];
+    test.add(vis, makeGeometry(geometry.kind, coloured(geometry.blocks.at(0))));
+  }
   CompiledScene scene = *test.compile();
   std::array<std::vector<double>, 3> faces;
   for (int a = 0; a < 3; a++) {

@@ -92,6 +92,7 @@ FN bool surfaceAt(OPERATOR op, VOLUME v, uint k, vec3 o, vec3 way, uint i, OUT(v
   f.point = o;
   f.normal = way;
   f.geometric = way;
+  f.own = make_v3(R(0.0), R(0.0), R(0.0));
   f.value = R(0.0);
   f.size = R(1.0);
   f.start = 0u;
@@ -140,7 +141,7 @@ FN real probeSurface(SCENE s, FRAME f, OPERATOR op, VOLUME v, int p, vec3 o, vec
   uint k = op.primitives > 0u ? hash2(i, 21u) % op.primitives : 0u;
   if (!surfaceAt(op, v, k, o, way, i, d, found)) return R(-3.0);
   Surface seen = surfaceSeen(found, d, op.twoSided != 0);
-  vec3 color = colorOf(v, seen.value);
+  vec3 color = surfaceColor(op, v, seen);
   if (p == 25) return seen.normal.x;
   if (p == 26) return seen.normal.z;
   if (p == 27) return seen.geometric.y;

@@ -144,6 +144,7 @@ std::shared_ptr<Geometry> makeGeometry(GeometryKind kind, GeometryBlock block) {
   made->primitives = block.ids.size();
   made->box = boxOf(block);
   made->range = rangeOf(block);
+  made->colored = !block.colors.empty();
   made->blocks[0] = std::move(block);
   return made;
 }
@@ -156,6 +157,15 @@ void addLine(GeometryBlock& block, const std::vector<glm::dvec3>& points, const 
     block.segments.push_back({i, i + 1});
     block.neighbours.push_back({i > first ? i - 1 : i, i + 1 < last ? i + 2 : i + 1});
   }
+}
+
+GeometryBlock coloured(GeometryBlock block) {
+  block.values.clear();
+  for (const glm::dvec3& p : block.points) {
+    const glm::dvec3 waves(std::sin(3 * p.x + p.y), std::sin(4 * p.y + 1), std::sin(5 * p.z + p.x + 2));
+    block.colors.push_back(glm::vec3(0.5 + 0.5 * waves));
+  }
+  return block;
 }
 
 GeometryBlock sphereMesh(int n, bool normals, bool values) {

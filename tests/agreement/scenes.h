@@ -52,6 +52,9 @@ std::shared_ptr<Geometry> makeGeometry(GeometryKind kind, GeometryBlock block);
 /// Points joined to one line each, with neighbours.
 void addLine(GeometryBlock& block, const std::vector<glm::dvec3>& points, const std::vector<float>& values);
 
+/// Gives each point a colour of its own, from its place, instead of a value.
+GeometryBlock coloured(GeometryBlock block);
+
 /// A sphere of radius 1 as 2 n^2 triangles, with normals and values (the height) where asked for.
 GeometryBlock sphereMesh(int n, bool normals, bool values);
 

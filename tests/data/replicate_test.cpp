@@ -25,7 +25,7 @@ Box domainBox() {
 double radiusOf(double value) { return 0.002 * value; }
 
 /// Random primitives, some outside the domain, some with a coordinate on a face; lines and meshes share
-/// points.
+/// points. Meshes have colours, the others values.
 GeometryBlock randomGeometry(std::mt19937& random, GeometryKind kind, const Partitioning& p,
                              uint32_t points) {
   GeometryBlock block;
@@ -49,7 +49,10 @@ GeometryBlock randomGeometry(std::mt19937& random, GeometryKind kind, const Part
     }
     block.points.push_back(x);
     block.normals.push_back({0, 0, float(i % 7)});
-    block.values.push_back(float(random() % 30));
+    if (kind == GeometryKind::Triangles)
+      block.colors.push_back({float(random() % 30) / 29, float(random() % 2), 0.5f});
+    else
+      block.values.push_back(float(random() % 30));
   }
   for (uint32_t i = 0; i < points; ++i) {
     if (kind == GeometryKind::Particles) block.ids.push_back(i * 3 + 1);
@@ -144,7 +147,10 @@ TEST_P(Replicate, PrimitivesArriveAsTheyWereRead) {
   const auto expectSame = [&](const GeometryBlock& block, uint32_t got, uint32_t original) {
     EXPECT_EQ(block.points[got], all.points[original]);
     EXPECT_EQ(block.normals[got], all.normals[original]);
-    EXPECT_EQ(block.values[got], all.values[original]);
+    if (kind == GeometryKind::Triangles)
+      EXPECT_EQ(block.colors[got], all.colors[original]);
+    else
+      EXPECT_EQ(block.values[got], all.values[original]);
   };
   for (const auto& [part, block] : replicateOver(random, all, kind, p, 3)) {
     for (size_t i = 0; i < block.ids.size(); ++i) {
@@ -275,6 +281,29 @@ TEST(Geometry, RepeatedPointsOfALineAreDroppedAndTheirNeighboursJoined) {
   }
 }
 
+TEST(Geometry, PointsOfDifferentColoursStayTwo) {
+  GeometryBlock block;
+  block.points = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 0}, {1, 0, 0}, {0, 1, 1}};
+  block.colors = {{1, 0, 0}, {1, 0, 0}, {1, 0, 0}, {1, 0, 0}, {1, 0, 0.5f}, {1, 0, 0}};
+  block.triangles = {{0, 1, 2}, {3, 4, 5}};
+  block.ids = {0, 1};
+  const GeometryBlock one = merged(GeometryKind::Triangles, std::span(&block, 1));
+  EXPECT_EQ(one.triangles, (std::vector<std::array<uint32_t, 3>>{{0, 1, 2}, {0, 3, 4}}));
+  EXPECT_EQ(one.colors[3], glm::vec3(1, 0, 0.5f));
+  GeometryBlock line;
+  line.points = {{0, 0, 0}, {0, 0, 0}, {1, 0, 0}};
+  line.colors = {{1, 0, 0}, {0, 1, 0}, {0, 1, 0}};
+  line.segments = {{0, 1}, {1, 2}};
+  line.neighbours = {{0, 2}, {0, 2}};
+  line.ids = {0, 1};
+  EXPECT_EQ(dropUnusable(line, GeometryKind::PathLines), 0) << "a ball of each colour";
+  line.colors[1] = line.colors[0];
+  EXPECT_EQ(dropUnusable(line, GeometryKind::PathLines), 1);
+  Geometry geometry;
+  geometry.blocks[0] = block;
+  EXPECT_EQ(bytesOf(geometry), 6 * 24 + 6 * 12 + 2 * 12 + 2 * 8);
+}
+
 TEST(Geometry, InconsistentBlocksAreRefused) {
   GeometryBlock block;
   block.points = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
@@ -285,6 +314,17 @@ TEST(Geometry, InconsistentBlocksAreRefused) {
   EXPECT_THROW(validate(block, GeometryKind::PathLines), Error);
   block.values = {1};
   EXPECT_THROW(validate(block, GeometryKind::Triangles), Error);
+  block.values.clear();
+  block.colors.assign(2, glm::vec3(1));
+  EXPECT_THROW(validate(block, GeometryKind::Triangles), Error);
+  block.colors.assign(3, glm::vec3(1));
+  EXPECT_NO_THROW(validate(block, GeometryKind::Triangles));
+  GeometryBlock plain = block;
+  plain.colors.clear();
+  plain.ids = {1};
+  EXPECT_THROW(merged(GeometryKind::Triangles, std::vector{block, plain}), Error);
+  block.values.assign(3, 1);
+  EXPECT_THROW(validate(block, GeometryKind::Triangles), Error) << "values and colours";
   block.values.clear();
   block.triangles[0][1] = 3;
   EXPECT_THROW(validate(block, GeometryKind::Triangles), Error);

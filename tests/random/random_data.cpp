@@ -137,8 +137,14 @@ WholeGeometry finished(GeometryKind kind, GeometryBlock block) {
   return g;
 }
 
+/// Values, or in a quarter neither these nor, in half of that, colours.
 void addValues(Choices& choose, GeometryBlock& block) {
-  if (choose.oneIn(4)) return;
+  if (choose.oneIn(4)) {
+    Choices colors = choose;  // what is chosen next does not depend on these
+    if (colors.oneIn(2)) return;
+    for (size_t i = 0; i < block.points.size(); i++) block.colors.push_back(glm::vec3(colors.point(0, 1)));
+    return;
+  }
   const bool holes = choose.oneIn(5);
   for (size_t i = 0; i < block.points.size(); i++)
     block.values.push_back(holes && choose.oneIn(8) ? float(kNaN) : float(choose.unit()));

@@ -13,7 +13,7 @@ struct RandomVolume {
 };
 RandomVolume randomVolume(Choices& choose);
 
-/// Values in [0, 1], some NaN, or none.
+/// Values in [0, 1], some NaN, or colours, or neither.
 WholeGeometry randomParticles(Choices& choose);
 WholeGeometry randomLines(Choices& choose, bool repeats);  ///< some points twice in a row
 WholeGeometry randomMesh(Choices& choose);

@@ -302,6 +302,33 @@ TEST(Picture, TrianglesInterpolateValuesAndNormals) {
   EXPECT_NEAR(renderReference(scene, along({-0.2, -0.5, -4}, {0, 0, 1})).rgba[0], 0.4 * normal.z, 1e-7);
 }
 
+TEST(Picture, ColoursOfPointsAreMixedAsValuesAre) {
+  GeometryBlock triangle, balls, tube;
+  triangle.points = {{-1, -1, 0}, {1, -1, 0}, {-1, 1, 0}};
+  triangle.triangles = {{0, 1, 2}};
+  balls.points = {{-1, 0, 0}, {1, 0, 0}};
+  tube.points = {{-1, 0, 0}, {1, 0, 0}};
+  tube.segments = tube.neighbours = {{0, 1}};
+  triangle.colors = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  balls.colors = tube.colors = {{1, 0, 0.25f}, {0, 1, 0.75f}};
+  ReferenceScene scene;
+  scene.visualization.lighting = ambientOnly();
+  const auto expectColour = [&](VisType type, GeometryKind kind, const GeometryBlock& block, glm::dvec3 from,
+                                glm::dvec3 expected) {
+    Vis vis = plain(type, {0.3, 0.3, 0.3});  // this map has no effect
+    vis.radius0 = 0.25;
+    scene.visualization.operators = {vis};
+    scene.data = {geometry(kind, block)};
+    const ReferencePicture picture = renderReference(scene, along(from, {0, 0, -1}));
+    for (int c = 0; c < 3; c++) EXPECT_NEAR(picture.rgba[c], expected[c], 1e-12) << int(type) << " " << c;
+  };
+  expectColour(VisType::Triangles, GeometryKind::Triangles, triangle, {-0.2, -0.5, 4}, {0.35, 0.4, 0.25});
+  expectColour(VisType::Particles, GeometryKind::Particles, balls, {-1.1, 0, 4}, {1, 0, 0.25});
+  expectColour(VisType::Particles, GeometryKind::Particles, balls, {1.1, 0.1, 4}, {0, 1, 0.75});
+  expectColour(VisType::PathLines, GeometryKind::PathLines, tube, {0.2, 0.1, 4}, {0.4, 0.6, 0.55});
+  expectColour(VisType::PathLines, GeometryKind::PathLines, tube, {1.1, 0.1, 4}, {0, 1, 0.75});
+}
+
 TEST(Picture, IsosurfaceShowsTheColourOfItsIsovalueNearestFirst) {
   ReferenceScene scene = sliced({}, 1);
   scene.data = {makeVolume(cube(9), [](glm::dvec3 p) { return p.z; })};

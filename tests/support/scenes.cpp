@@ -177,6 +177,19 @@ void addMesh(TestScene& scene, double opacity) {
   addGeometry(scene, std::move(g), VisType::Triangles, opacity);
 }
 
+void addColors(TestScene& scene) {
+  for (auto& data : scene.data) {
+    const auto* whole = std::get_if<std::shared_ptr<const WholeGeometry>>(&data);
+    if (!whole) continue;
+    WholeGeometry colored = **whole;
+    colored.block.values.clear();
+    Random random(11);
+    for (size_t i = 0; i < colored.block.points.size(); i++)
+      colored.block.colors.push_back(glm::vec3{uniform(random), uniform(random), uniform(random)});
+    data = std::make_shared<const WholeGeometry>(std::move(colored));
+  }
+}
+
 void addClipPlane(TestScene& scene) {
   for (Vis& vis : scene.visualization.operators) vis.clipPlanes.push_back({{-0.2, 0.1, -1}, -0.75});
 }
@@ -229,6 +242,15 @@ std::vector<TestScene> scenesOfEachKind() {
   {
     TestScene& s = add("mesh");
     addMesh(s, 1);
+  }
+  {
+    TestScene& s = add("colours");
+    addParticles(s, 1);
+    addTubes(s, 0.6);
+    addMesh(s, 0.7);
+    for (Vis& vis : s.visualization.operators) vis.radius0 = vis.radius1 = 0.06;
+    addColors(s);
+    addLights(s);
   }
   {
     TestScene& s = add("several volumes");

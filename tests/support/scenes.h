@@ -36,6 +36,7 @@ void addSlices(TestScene& scene, double opacity);
 void addParticles(TestScene& scene, double opacity);  ///< radius from data
 void addTubes(TestScene& scene, double opacity);
 void addMesh(TestScene& scene, double opacity);  ///< a triangulated sphere with values and normals
+void addColors(TestScene& scene);                ///< to all geometry there is, instead of values
 void addClipPlane(TestScene& scene);             ///< on all operators there are
 void addLights(TestScene& scene);                ///< directional, point and camera lights with shadows
 void addOcclusion(TestScene& scene);             ///< four ambient-occlusion rays

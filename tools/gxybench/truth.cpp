@@ -72,6 +72,7 @@ void addGeometry(Hash& hash, const Geometry& geometry) {
   for (const auto& [p, block] : geometry.blocks) {
     hash.add(block.points), hash.add(block.normals), hash.add(block.values);
     hash.add(block.triangles), hash.add(block.segments), hash.add(block.neighbours);
+    if (!block.colors.empty()) hash.add(block.colors);
   }
 }
 

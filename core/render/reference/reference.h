@@ -9,7 +9,8 @@
 //  - a one-sided isosurface faces lower values;
 //  - an opacity that reaches 1 at single points of a ray leaves its optical depth finite (the logarithm can
 //    be integrated); on a stretch of the ray it is opaque at once;
-//  - geometry without values takes its map's first colour, as does a value that is NaN, whose radius is
+//  - colours of points are mixed as values are;
+//  - geometry without values or colours takes its map's first colour, as does a value that is NaN, whose radius is
 //    radius0; without values the radius is that of value 0;
 //  - a tube's value at a hit is that of the ball between its ends that touches the surface there;
 //  - both sides of a translucent sphere or tube are surfaces, those inside the next segment of a line are

@@ -245,7 +245,9 @@ void World::describePrimitive(const Part& part, const Ray& ray, SurfaceHit& hit)
       hit.normal = unitOr(smooth, hit.geometric);
     }
   }
-  if (block.values.empty()) {
+  if (!block.colors.empty()) {
+    for (int i = 0; i < 3; i++) hit.colour += weights[i] * glm::dvec3(block.colors[points[i]]);
+  } else if (block.values.empty()) {
     hit.colour = part.transfer.firstColour();
   } else {
     double value = 0;
