@@ -163,7 +163,7 @@ void DrawnCells::addTo(GeometryBlock& block, std::vector<vtkIdType>* cells) cons
 }
 
 void splitByCell(GeometryBlock& block, GeometryKind kind, const std::vector<vtkIdType>& cells,
-                 const std::function<float(vtkIdType)>& valueOf) {
+                 const std::function<void(GeometryBlock&, vtkIdType)>& give) {
   constexpr auto kNone = std::numeric_limits<vtkIdType>::min();
   GeometryBlock split;
   std::vector<vtkIdType> cellOf(block.points.size(), kNone);  // that a point was last used in
@@ -175,7 +175,7 @@ void splitByCell(GeometryBlock& block, GeometryKind kind, const std::vector<vtkI
         number[point] = uint32_t(split.points.size());
         split.points.push_back(block.points[point]);
         if (!block.normals.empty()) split.normals.push_back(block.normals[point]);
-        split.values.push_back(valueOf(cells[p]));
+        give(split, cells[p]);
       }
       point = number[point];
     };
@@ -189,6 +189,7 @@ void splitByCell(GeometryBlock& block, GeometryKind kind, const std::vector<vtkI
   block.points = std::move(split.points);
   block.normals = std::move(split.normals);
   block.values = std::move(split.values);
+  block.colors = std::move(split.colors);
 }
 
 }  // namespace gxy

@@ -51,9 +51,9 @@ class DrawnCells {
   uint64_t unused_ = 0;
 };
 
-/// Gives each primitive of a block points of its cell's own (those of one cell share them), with the value of that cell: one colour
-/// a cell. `cells`: of each primitive, in runs.
+/// Gives each primitive of a block points of its cell's own (those of one cell share them), one colour a cell: for each point added,
+/// give(split, cell) adds the value or colour of its cell. `cells`: of each primitive, in runs.
 void splitByCell(GeometryBlock& block, GeometryKind kind, const std::vector<vtkIdType>& cells,
-                 const std::function<float(vtkIdType cell)>& valueOf);
+                 const std::function<void(GeometryBlock& split, vtkIdType cell)>& give);
 
 }  // namespace gxy

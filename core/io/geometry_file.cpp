@@ -16,6 +16,7 @@
 #include <numeric>
 
 #include "gxy/comm/error.h"
+#include "gxy/io/color_arrays.h"
 #include "gxy/io/drawn_cells.h"
 #include "gxy/io/file.h"
 #include "gxy/io/part_document.h"
@@ -41,7 +42,7 @@ ListedArrays listOf(vtkDataSetAttributes* data) {
   ListedArrays list{{}, nameOf(data->GetScalars()), nameOf(data->GetNormals()), nameOf(data->GetTCoords())};
   for (int i = 0; i < data->GetNumberOfArrays(); ++i)
     if (vtkDataArray* array = data->GetArray(i); array && array->GetName())
-      list.arrays.push_back({array->GetName(), array->GetNumberOfComponents()});
+      list.arrays.push_back({array->GetName(), array->GetNumberOfComponents(), isColors(array)});
   return list;
 }
 
@@ -89,32 +90,29 @@ std::vector<glm::vec3> unitNormals(vtkPointData* data, Flaws& flaws) {
 }
 
 /// The most that a block with so many points and primitives takes.
-int64_t bytesOf(size_t points, size_t primitives, GeometryKind kind) {
+int64_t bytesOf(size_t points, size_t primitives, GeometryKind kind, bool colors) {
   const size_t cell = kind == GeometryKind::Triangles   ? sizeof(std::array<uint32_t, 3>)
                       : kind == GeometryKind::PathLines ? 2 * sizeof(std::array<uint32_t, 2>)
                                                         : 0;
-  return int64_t(points * (sizeof(glm::dvec3) + sizeof(glm::vec3) + sizeof(float)) +
+  const size_t look = colors ? sizeof(glm::vec3) : sizeof(float);
+  return int64_t(points * (sizeof(glm::dvec3) + sizeof(glm::vec3) + look) +
                  primitives * (cell + sizeof(uint64_t)));
 }
 
 bool isVertex(int type) { return type == VTK_VERTEX || type == VTK_POLY_VERTEX; }
 
-/// Of each point the value of the first vertex cell that it is in; NaN where there is none.
-std::vector<float> valuesOfVertices(vtkPointSet* set, vtkDataArray* array) {
-  std::vector<float> values(size_t(set->GetNumberOfPoints()), std::numeric_limits<float>::quiet_NaN());
-  std::vector<bool> known(values.size(), false);
+/// Of each point the first vertex cell that it is in; -1 where there is none.
+std::vector<vtkIdType> vertexCells(vtkPointSet* set) {
+  std::vector<vtkIdType> cells(size_t(set->GetNumberOfPoints()), -1);
   const CellList list(set);
   const auto ids = vtkSmartPointer<vtkIdList>::New();
   for (vtkIdType cell = 0; cell < list.count(); ++cell) {
     if (!isVertex(list.type(cell))) continue;
     list.points(cell, ids);
     for (vtkIdType id : *ids)
-      if (!known[size_t(id)]) {
-        known[size_t(id)] = true;
-        values[size_t(id)] = float(magnitude(array, cell));
-      }
+      if (cells[size_t(id)] < 0) cells[size_t(id)] = cell;
   }
-  return values;
+  return cells;
 }
 
 /// Points that are not drawn are left out of a set of particles.
@@ -126,10 +124,12 @@ void dropGhostPoints(vtkPointSet* set, GeometryBlock& block) {
     if (!isDrawn(ghosts, vtkIdType(i))) continue;
     block.points[kept] = block.points[i];
     if (!block.values.empty()) block.values[kept] = block.values[i];
+    if (!block.colors.empty()) block.colors[kept] = block.colors[i];
     ++kept;
   }
   block.points.resize(kept);
   if (!block.values.empty()) block.values.resize(kept);
+  if (!block.colors.empty()) block.colors.resize(kept);
 }
 
 /// Of a flat cell with so many points.
@@ -144,7 +144,17 @@ GeometrySummary::Array summariseArray(vtkDataArray* array, bool ofCells) {
   summary.type = array->GetDataTypeAsString();
   summary.components = array->GetNumberOfComponents();
   summary.ofCells = ofCells;
+  summary.colors = isColors(array);
   for (vtkIdType i = 0; i < array->GetNumberOfTuples(); ++i) {
+    if (summary.colors) {
+      bool finite = true;
+      for (int c = 0; c < 3; ++c) {
+        summary.range.extend(array->GetComponent(i, c));
+        finite = finite && std::isfinite(array->GetComponent(i, c));
+      }
+      summary.notFinite += !finite;
+      continue;
+    }
     const double value = magnitude(array, i);
     summary.range.extend(value);
     summary.notFinite += !std::isfinite(value);
@@ -190,7 +200,8 @@ GeometryContent readGeometry(const std::string& path, GeometryKind kind, const V
   const size_t most = size_t(count) + (split ? primitives * (kind == GeometryKind::PathLines ? 4 : 3) : 0);
   if (most >= std::numeric_limits<uint32_t>::max())
     throw Error(path + ": " + std::to_string(most) + " points; one file may have at most 2^32 - 2");
-  if (toTake) toTake(bytesOf(most, primitives, kind));
+  const bool colored = values && isColors(values);
+  if (toTake) toTake(bytesOf(most, primitives, kind, colored));
   GeometryBlock& block = content.block;
   block.points.reserve(size_t(count));
   for (vtkIdType i = 0; i < count; ++i) {
@@ -198,15 +209,23 @@ GeometryContent readGeometry(const std::string& path, GeometryKind kind, const V
     block.points.push_back({p[0], p[1], p[2]});
   }
   if (values) content.array = values->GetName();
-  if (values && !content.ofCells) {
-    block.values.reserve(size_t(count));
-    for (vtkIdType i = 0; i < values->GetNumberOfTuples(); ++i)
-      block.values.push_back(float(magnitude(values, i)));
+  std::optional<ColorsOf> colorOf;
+  if (colored) colorOf.emplace(values, flaws);
+  // a point or cell of the array, -1: what has none
+  const auto give = [&](GeometryBlock& to, vtkIdType i) {
+    if (colorOf)
+      to.colors.push_back((*colorOf)(i));
+    else
+      to.values.push_back(i < 0 ? std::numeric_limits<float>::quiet_NaN() : float(magnitude(values, i)));
+  };
+  if (values && !split) {
+    colored ? block.colors.reserve(size_t(count)) : block.values.reserve(size_t(count));
+    const std::vector<vtkIdType> cellOf = content.ofCells ? vertexCells(set) : std::vector<vtkIdType>();
+    for (vtkIdType i = 0; i < count; ++i) give(block, content.ofCells ? cellOf[size_t(i)] : i);
   }
   if (normals) block.normals = unitNormals(set->GetPointData(), flaws);
 
   if (!cells) {
-    if (values && content.ofCells) block.values = valuesOfVertices(set, values);
     dropGhostPoints(set, block);
   } else {
     block.triangles.reserve(kind == GeometryKind::Triangles ? primitives : 0);
@@ -214,8 +233,7 @@ GeometryContent readGeometry(const std::string& path, GeometryKind kind, const V
     block.neighbours.reserve(block.segments.capacity());
     std::vector<vtkIdType> cellOf;
     cells->addTo(block, split ? &cellOf : nullptr);
-    if (split)
-      splitByCell(block, kind, cellOf, [&](vtkIdType cell) { return float(magnitude(values, cell)); });
+    if (split) splitByCell(block, kind, cellOf, give);
     content.unusedCells = cells->unused();
   }
   block.ids.resize(kind == GeometryKind::Particles   ? block.points.size()

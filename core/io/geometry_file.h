@@ -14,7 +14,7 @@
 // of hidden points; duplicate and hidden points as particles.
 //
 // Values of cells: each cell gets points of its own that all have its value, so that it is of one colour. A particle has the value
-// of the first vertex cell that it is in, or NaN.
+// of the first vertex cell that it is in, or NaN. An array of colours (values_choice.h) becomes colours, in the same way.
 #pragma once
 #include <cstdint>
 #include <functional>
@@ -35,7 +35,7 @@ using TakeMemory = std::function<void(int64_t bytes)>;
 /// on.
 struct GeometryContent {
   GeometryBlock block;
-  std::string array;         ///< of the file, that became the values; empty if it has none
+  std::string array;         ///< of the file, that became the values or colours; empty if it has none
   bool ofCells = false;      ///< that array
   uint64_t unusedCells = 0;  ///< of other kinds
   LeftOut leftOut;           ///< arrays that .vtp and .vtu files hold and this is not made of: not read
@@ -53,7 +53,7 @@ std::vector<std::string> xmlPieces(const std::string& path, const char* type);
 /// The values that all pieces of a list are to have, as the list declares their arrays; none where it does not.
 std::optional<ValuesWanted> valuesOfList(const std::string& path);
 
-/// Reads one file that is not a list. Several components of `values` become their magnitude. Normals are the
+/// Reads one file that is not a list. Several components of `values` become their magnitude, unless they are colours. Normals are the
 /// point array "Normals" or "Normals_", or the active normals. Throws Error for a file that is missing or
 /// malformed or has no such array. `toTake`, if any, is told what the file's arrays take, then what the result takes.
 GeometryContent readGeometry(const std::string& path, GeometryKind kind, const ValuesWanted& values = {},
@@ -68,7 +68,8 @@ struct GeometrySummary {
     std::string name;
     std::string type;
     int components = 1;
-    Range range;  ///< of the magnitude for several components
+    bool colors = false;  ///< isColors()
+    Range range;          ///< of the magnitude for several components; of colours, of these
     uint64_t notFinite = 0;
     bool ofCells = false;
   };

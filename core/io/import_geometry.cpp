@@ -32,7 +32,7 @@ void append(std::vector<std::array<uint32_t, N>>& to, std::vector<std::array<uin
 /// What has been read so far on this rank. An attribute that one non-empty piece lacks is lost for all.
 struct Reading {
   GeometryBlock block;
-  bool values = true, normals = true;
+  bool values = true, colors = true, normals = true;
   uint64_t unusedCells = 0;
   LeftOut leftOut;
   std::vector<std::string> warnings;
@@ -56,6 +56,7 @@ struct Reading {
       throw Error("one rank would hold more than 2^32 - 2 points; use more ranks");
     const uint32_t shift = uint32_t(block.points.size());
     values = values && !from.values.empty();
+    colors = colors && !from.colors.empty();
     normals = normals && !from.normals.empty();
     if (block.points.empty()) {  // one file is not held twice
       block = std::move(from);
@@ -63,6 +64,7 @@ struct Reading {
     }
     append(block.points, from.points);
     append(block.values, from.values);
+    append(block.colors, from.colors);
     append(block.normals, from.normals);
     append(block.segments, from.segments, shift);
     append(block.neighbours, from.neighbours, shift);
@@ -195,7 +197,14 @@ LoadedGeometry loadGeometry(const std::string& path, GeometryKind kind, const st
 
   const bool values = sumOf(gatherCounts(ranks, !reading.values)) == 0;
   const bool normals = sumOf(gatherCounts(ranks, !reading.normals)) == 0;
+  const bool colors = sumOf(gatherCounts(ranks, !reading.colors)) == 0;
+  const uint64_t pointsOfColors = sumOf(gatherCounts(ranks, reading.block.colors.size()));
+  const uint64_t pointsOfValues = sumOf(gatherCounts(ranks, reading.block.values.size()));
   if (!values) reading.block.values.clear();
+  if (!colors) reading.block.colors.clear();
+  loaded.colored = colors && pointsOfColors > 0;
+  if (rank == 0 && pointsOfColors > 0 && pointsOfValues > 0)
+    reading.warn(path + ": some pieces have colours where others have values, so neither are used");
   if (!normals) reading.block.normals.clear();
 
   // Pieces are numbered one after the other, those of lower ranks first.
@@ -249,6 +258,7 @@ std::shared_ptr<Geometry> distribute(const LoadedGeometry& loaded, const Partiti
   geometry->kind = loaded.kind;
   geometry->box = loaded.box;
   geometry->range = loaded.range;
+  geometry->colored = loaded.colored;
   geometry->primitives = loaded.primitives;
   geometry->droppedPrimitives = loaded.dropped;
   std::vector<Bytes> messages;

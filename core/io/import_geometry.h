@@ -20,6 +20,7 @@ struct LoadedGeometry {
   std::string name;
   GeometryKind kind = GeometryKind::Particles;
   GeometryBlock block;      ///< usable primitives only; ids are global, in file order
+  bool colored = false;     ///< points have colours instead of values
   bool everywhere = false;  ///< the format has no pieces, so every rank has read all
   Box box;
   Box middle;          ///< of points: the box without outliers (point_spread.h); else the box
@@ -32,8 +33,8 @@ struct LoadedGeometry {
 /// Collective over `ranks`. Each rank reads its share of the pieces of a .pvtu, .pvtp or .part, else all of
 /// the file. Unusable primitives (a coordinate that is not finite, triangles without area, repeated points of
 /// lines) are dropped and counted. Values are of the same array in all pieces: `array`, which each must have, else the one that a
-/// .pvtu or .pvtp declares, or that is chosen of the first piece with points. Normals and values that are not named are used only
-/// if all pieces have them. On rank 0 `warnings` receives what of all files was flawed or is not used; null: they are logged. `toTake`, if any, is told what this rank takes for each file before it does, until the end all in all: what
+/// .pvtu or .pvtp declares, or that is chosen of the first piece with points. Normals, and values or colours that are not named,
+/// are used only if all pieces have them. On rank 0 `warnings` receives what of all files was flawed or is not used; null: they are logged. `toTake`, if any, is told what this rank takes for each file before it does, until the end all in all: what
 /// the file's arrays take, then what they become. If any rank fails, all throw the same Error.
 LoadedGeometry loadGeometry(const std::string& path, GeometryKind kind, const std::string& array,
                             Collectives& ranks, const TakeMemory& toTake = {},

@@ -10,6 +10,7 @@
 #include <map>
 #include <vector>
 
+#include "gxy/io/color_arrays.h"
 #include "gxy/io/text_scanner.h"
 
 namespace gxy {
@@ -29,6 +30,7 @@ struct Mesh {
   std::vector<std::array<double, 3>> vertices;
   std::vector<std::array<float, 2>> coordinates;
   std::vector<std::array<float, 3>> normals;
+  FoundColors colors;  ///< of vertices
   Cells points{1, "a list of points without any is left out"},
       lines{2, "a line of fewer than 2 points is left out"},
       polygons{3, "a face of fewer than 3 corners is left out"};
@@ -123,9 +125,10 @@ Mesh parse(std::string_view bytes, const std::string& path, Flaws& flaws) {
   while (file.left()) {
     TextScanner line(statement(file, joined), path);
     const std::string_view word = line.word();
-    if (word == "v")
+    if (word == "v") {
       mesh.vertices.push_back(readNumbers<3, double>(line, file));
-    else if (word == "vt")
+      mesh.colors.set(mesh.vertices.size() - 1, numbersLeft(line));
+    } else if (word == "vt")
       mesh.coordinates.push_back(readNumbers<2, float>(line, file, 1));
     else if (word == "vn")
       mesh.normals.push_back(readNumbers<3, float>(line, file));
@@ -232,6 +235,8 @@ vtkSmartPointer<vtkPolyData> readObj(std::string_view bytes, const std::string& 
   for (size_t p = 0; p < points.corners().size(); ++p)
     positions->SetPoint(vtkIdType(p), mesh.vertices[size_t(points.corners()[p][0])].data());
   data->SetPoints(positions);
+  data->GetPointData()->SetScalars(mesh.colors.array(
+      positions->GetNumberOfPoints(), [&](vtkIdType p) { return size_t(points.corners()[size_t(p)][0]); }));
   if (allHave(mesh, 1))
     data->GetPointData()->SetTCoords(pointArray("TCoords", points.corners(), 1, mesh.coordinates));
   if (allHave(mesh, 2))

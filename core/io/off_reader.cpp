@@ -2,6 +2,7 @@
 #include "gxy/io/off_reader.h"
 
 #include <vtkCellArray.h>
+#include <vtkCellData.h>
 #include <vtkFloatArray.h>
 #include <vtkPointData.h>
 #include <vtkPoints.h>
@@ -9,6 +10,7 @@
 #include <array>
 #include <vector>
 
+#include "gxy/io/color_arrays.h"
 #include "gxy/io/text_scanner.h"
 
 namespace gxy {
@@ -47,7 +49,7 @@ class OffLines {
 };
 
 struct OffHeader {
-  bool colours = false, normals = false;
+  bool textures = false, colors = false, normals = false;
   size_t vertices = 0, faces = 0;
 };
 
@@ -76,8 +78,8 @@ OffHeader readHeader(OffLines& lines, size_t bytes) {
     if (there) marks.remove_prefix(mark.size());
     return there;
   };
-  has("ST");  // texture coordinates come last
-  header.colours = has("C");
+  header.textures = has("ST");  // they come last
+  header.colors = has("C");
   header.normals = has("N");
   TextScanner rest = afterKeyword;
   const std::string_view next = rest.word();
@@ -97,6 +99,7 @@ void readVertices(OffLines& lines, const OffHeader& header, vtkPolyData* mesh, F
   normals->SetName("Normals");
   normals->SetNumberOfComponents(3);
   if (header.normals) normals->SetNumberOfTuples(vtkIdType(header.vertices));
+  FoundColors colors;
   for (vtkIdType v = 0; v < vtkIdType(header.vertices); ++v) {
     TextScanner line =
         lines.next("vertex " + std::to_string(v + 1) + " of " + std::to_string(header.vertices));
@@ -105,16 +108,23 @@ void readVertices(OffLines& lines, const OffHeader& header, vtkPolyData* mesh, F
     points->SetPoint(v, p);
     for (int axis = 0; header.normals && axis < 3; ++axis)
       normals->SetComponent(v, axis, lines.number<double>(line, "a normal's component"));
-    if (header.colours)
-      flaws.add("colours of vertices are passed over", [&] { return lines.file().place(); });
+    std::vector<float> more = numbersLeft(line);
+    if (header.textures) more.resize(std::max<size_t>(more.size(), 2) - 2);
+    if (header.colors ? !colors.set(size_t(v), more) : !more.empty())
+      flaws.add(header.colors ? "a vertex whose colour is not three or four numbers has none"
+                              : "what follows a vertex is passed over",
+                [&] { return lines.file().place(); });
   }
   mesh->SetPoints(points);
+  mesh->GetPointData()->SetScalars(
+      colors.array(vtkIdType(header.vertices), [](vtkIdType p) { return size_t(p); }));
   if (header.normals) mesh->GetPointData()->SetNormals(normals);
 }
 
 void readFaces(OffLines& lines, const OffHeader& header, vtkPolyData* mesh, Flaws& flaws) {
   const auto faces = vtkSmartPointer<vtkCellArray>::New();
   std::vector<vtkIdType> corners;
+  FoundColors colors;
   for (size_t f = 0; f < header.faces; ++f) {
     TextScanner line = lines.next("face " + std::to_string(f + 1) + " of " + std::to_string(header.faces));
     const size_t count = lines.number<size_t>(line, "the number of corners");
@@ -128,14 +138,19 @@ void readFaces(OffLines& lines, const OffHeader& header, vtkPolyData* mesh, Flaw
                           " of " + std::to_string(header.vertices));
       corners.push_back(vtkIdType(vertex));
     }
-    if (!line.word().empty())
-      flaws.add("colours of faces are passed over", [&] { return lines.file().place(); });
-    if (count < 3)
+    if (count < 3) {
       flaws.add("a face of fewer than 3 corners is left out", [&] { return lines.file().place(); });
-    else
-      faces->InsertNextCell(vtkIdType(count), corners.data());
+      continue;
+    }
+    faces->InsertNextCell(vtkIdType(count), corners.data());
+    const std::vector<float> color = numbersLeft(line);
+    if (!colors.set(size_t(faces->GetNumberOfCells() - 1), color) && !color.empty())
+      flaws.add("what follows a face, no colour of three or four numbers, is passed over",
+                [&] { return lines.file().place(); });
   }
   mesh->SetPolys(faces);
+  mesh->GetCellData()->SetScalars(
+      colors.array(faces->GetNumberOfCells(), [](vtkIdType f) { return size_t(f); }));
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 #include "gxy/io/ply_reader.h"
 
 #include <vtkCellArray.h>
+#include <vtkCellData.h>
 #include <vtkFloatArray.h>
 #include <vtkPointData.h>
 #include <vtkPoints.h>
@@ -14,6 +15,7 @@
 #include <optional>
 #include <vector>
 
+#include "gxy/io/color_arrays.h"
 #include "gxy/io/text_scanner.h"
 
 namespace gxy {
@@ -208,13 +210,38 @@ Header readHeader(TextScanner& scanner, const std::string& path) {
   return header;
 }
 
+/// The properties of an element that are the components of its colours; none if it has none.
+std::vector<const Property*> colorsOf(const Element& element) {
+  constexpr std::array<const char*, 4> kNames[] = {
+      {"red", "green", "blue", "alpha"},
+      {"diffuse_red", "diffuse_green", "diffuse_blue", "diffuse_alpha"},
+      {"r", "g", "b", "a"}};
+  for (const auto& names : kNames) {
+    std::vector<const Property*> found;
+    for (const char* name : names)
+      if (const Property* p = element.find(name);
+          p && !p->count && (found.empty() || p->type == found[0]->type))
+        found.push_back(p);
+    if (found.size() >= 3 && found[2]->name == names[2]) return found;
+  }
+  return {};
+}
+
+/// The largest value of a component, as scaleColors() takes it.
+double fullOf(const PlyType& type) {
+  if (!type.integer) return 0;
+  return type.bytes == 2 && !type.isSigned ? 65535 : 255;
+}
+
 /// Where the properties of a vertex go.
 struct PointArrays {
   struct Target {
     vtkFloatArray* array = nullptr;  ///< none: a coordinate of the point if `component` >= 0, else unused
     int component = -1;
   };
-  std::vector<Target> targets;  ///< one for each property
+  std::vector<Target> targets;            ///< one for each property
+  vtkSmartPointer<vtkFloatArray> colors;  ///< null: there are none
+  double full = 0;                        ///< of their components
 
   PointArrays(const Element& vertex, vtkPointData* data)
       : targets(vertex.properties.size()), vertex_(vertex) {
@@ -225,9 +252,16 @@ struct PointArrays {
         data->SetTCoords(coordinates);
         break;
       }
-    if (vtkFloatArray* colors = add(data, "RGB", {"red", "green", "blue"})) data->SetScalars(colors);
+    const std::vector<const Property*> components = colorsOf(vertex);
+    if (!components.empty()) {
+      colors = makeColors(int(components.size()), vtkIdType(vertex.count));
+      data->SetScalars(colors);
+      for (size_t c = 0; c < components.size(); ++c) target(components[c]->name) = {colors, int(c)};
+      full = fullOf(*components[0]->type);
+    }
     for (size_t p = 0; p < targets.size(); ++p)
-      if (targets[p].component < 0 && !vertex.properties[p].count)
+      if (targets[p].component < 0 && !vertex.properties[p].count &&
+          !data->HasArray(vertex.properties[p].name.c_str()))
         add(data, vertex.properties[p].name, {vertex.properties[p].name});
   }
 
@@ -271,12 +305,15 @@ void readVertices(Values& values, const Element& vertex, vtkPolyData* mesh) {
     }
     points->SetPoint(vtkIdType(i), point);
   }
+  if (arrays.colors) scaleColors(arrays.colors, arrays.full);
   mesh->SetPoints(points);
 }
 
-/// Cells by lists of vertices; where these are strips, -1 ends one.
+/// Cells by lists of vertices; where these are strips, -1 ends one. `components` become the components of `colors`.
 vtkSmartPointer<vtkCellArray> readCells(Values& values, const Element& element, const Property* corners,
-                                        uint64_t points, bool strips) {
+                                        uint64_t points, bool strips,
+                                        const std::vector<const Property*>& components = {},
+                                        vtkFloatArray* colors = nullptr) {
   const auto cells = vtkSmartPointer<vtkCellArray>::New();
   std::vector<vtkIdType> ids;
   const auto end = [&] {
@@ -286,7 +323,12 @@ vtkSmartPointer<vtkCellArray> readCells(Values& values, const Element& element, 
   for (uint64_t i = 0; i < element.count; ++i)
     for (const Property& property : element.properties) {
       if (&property != corners) {
-        values.skip(property, element, i);
+        const auto component = std::find(components.begin(), components.end(), &property);
+        if (component == components.end())
+          values.skip(property, element, i);
+        else
+          colors->SetTypedComponent(vtkIdType(i), int(component - components.begin()),
+                                    float(values.next(*property.type)));
         continue;
       }
       for (uint64_t left = values.listLength(property, element, i); left > 0; --left) {
@@ -304,6 +346,20 @@ vtkSmartPointer<vtkCellArray> readCells(Values& values, const Element& element, 
   return cells;
 }
 
+void readPolygons(Values& values, const Element& face, const Property* corners, uint64_t points, bool strips,
+                  vtkPolyData* mesh, Flaws& flaws) {
+  std::vector<const Property*> components = colorsOf(face);
+  if (strips && !components.empty()) {
+    flaws.add("colours of faces are passed over beside strips, which have none", [] { return "header"; });
+    components.clear();
+  }
+  if (components.empty()) return mesh->SetPolys(readCells(values, face, corners, points, false));
+  const auto colors = makeColors(int(components.size()), vtkIdType(face.count));
+  mesh->SetPolys(readCells(values, face, corners, points, false, components, colors));
+  scaleColors(colors, fullOf(*components[0]->type));
+  mesh->GetCellData()->SetScalars(colors);
+}
+
 /// The property of an element that lists vertices; null if there is no such element.
 const Property* cornersOf(const Element* element, const std::string& path) {
   if (!element) return nullptr;
@@ -317,7 +373,7 @@ const Property* cornersOf(const Element* element, const std::string& path) {
 
 }  // namespace
 
-vtkSmartPointer<vtkPolyData> readPly(std::string_view bytes, const std::string& path) {
+vtkSmartPointer<vtkPolyData> readPly(std::string_view bytes, const std::string& path, Flaws& flaws) {
   TextScanner scanner(bytes, path);
   const Header header = readHeader(scanner, path);
   const Element* vertex = header.find("vertex");
@@ -337,7 +393,7 @@ vtkSmartPointer<vtkPolyData> readPly(std::string_view bytes, const std::string& 
     if (&element == vertex)
       readVertices(values, element, mesh);
     else if (&element == face)
-      mesh->SetPolys(readCells(values, element, corners, vertex->count, false));
+      readPolygons(values, element, corners, vertex->count, strip != nullptr, mesh, flaws);
     else if (&element == strip)
       mesh->SetStrips(readCells(values, element, stripCorners, vertex->count, true));
     else

@@ -12,6 +12,7 @@
 #include <optional>
 #include <vector>
 
+#include "gxy/io/color_arrays.h"
 #include "gxy/io/text_scanner.h"
 
 namespace gxy {
@@ -55,6 +56,28 @@ void addArray(vtkPolyData* data, const std::string& name,
   data->GetPointData()->AddArray(array);
 }
 
+/// The column of this name in any case; -1: none.
+int columnNamed(const std::vector<std::string>& names, std::string_view wanted) {
+  const auto same = [&](const std::string& name) {
+    return std::ranges::equal(
+        name, wanted, [](unsigned char a, unsigned char b) { return std::tolower(a) == std::tolower(b); });
+  };
+  const auto found = std::ranges::find_if(names, same);
+  return found == names.end() ? -1 : int(found - names.begin());
+}
+
+/// The columns of red, green, blue and, if it is there, opacity; none unless the first three are.
+std::vector<int> colorColumns(const std::vector<std::string>& names) {
+  constexpr std::array<const char*, 4> kNames[] = {{"red", "green", "blue", "alpha"}, {"r", "g", "b", "a"}};
+  for (const auto& wanted : kNames) {
+    std::vector<int> found;
+    for (const char* name : wanted)
+      if (const int column = columnNamed(names, name); column >= 0) found.push_back(column);
+    if (found.size() == 4 || (found.size() == 3 && columnNamed(names, wanted[3]) < 0)) return found;
+  }
+  return {};
+}
+
 /// Points at columns `axes` (-1: 0); the others become arrays.
 vtkSmartPointer<vtkPolyData> pointsOf(const Columns& table, const std::array<int, 3>& axes) {
   const auto data = vtkSmartPointer<vtkPolyData>::New();
@@ -68,8 +91,10 @@ vtkSmartPointer<vtkPolyData> pointsOf(const Columns& table, const std::array<int
     points->SetPoint(vtkIdType(i), p);
   }
   data->SetPoints(points);
+  const std::vector<int> colorsAt = colorColumns(table.names);
   for (size_t c = 0; c < table.names.size(); ++c) {
     if (std::ranges::find(axes, int(c)) != axes.end()) continue;
+    if (std::ranges::find(colorsAt, int(c)) != colorsAt.end()) continue;
     const auto component = componentOf(table.names[c]);
     if (!component || component->second != 0) {
       addArray(data, table.names[c], {&table.values[c]});
@@ -82,6 +107,13 @@ vtkSmartPointer<vtkPolyData> pointsOf(const Columns& table, const std::array<int
       columns.push_back(&table.values[c + 1]);
     addArray(data, component->first, columns);
   }
+  if (colorsAt.empty()) return data;
+  const auto colors = makeColors(int(colorsAt.size()), vtkIdType(count));
+  for (size_t c = 0; c < colorsAt.size(); ++c)
+    for (size_t i = 0; i < count; ++i)
+      colors->SetTypedComponent(vtkIdType(i), int(c), float(table.values[size_t(colorsAt[c])][i]));
+  scaleColors(colors);
+  data->GetPointData()->AddArray(colors);
   return data;
 }
 
@@ -117,14 +149,7 @@ std::optional<double> numberOf(const std::string& field) {
 }
 
 std::array<int, 3> axesOf(const std::vector<std::string>& names, const std::string& path) {
-  const auto find = [&](const std::string& wanted) {
-    const auto same = [&](const std::string& name) {
-      return std::ranges::equal(
-          name, wanted, [](unsigned char a, unsigned char b) { return std::tolower(a) == std::tolower(b); });
-    };
-    const auto found = std::ranges::find_if(names, same);
-    return found == names.end() ? -1 : int(found - names.begin());
-  };
+  const auto find = [&](const char* wanted) { return columnNamed(names, wanted); };
   std::array<int, 3> axes{find("x"), find("y"), find("z")};
   if (axes[0] < 0 || axes[1] < 0) axes = {find("Points:0"), find("Points:1"), find("Points:2")};
   if (axes[0] >= 0 && axes[1] >= 0) return axes;

@@ -2,16 +2,18 @@
 #include "gxy/io/values_choice.h"
 
 #include <algorithm>
+#include <cctype>
 
 namespace gxy {
 namespace {
 
 constexpr std::string_view kGhostArray = "vtkGhostType";
 
-std::optional<std::string> usual(const ListedArrays& list) {
+/// Of the arrays that hold colours, or of those that do not.
+std::optional<std::string> usual(const ListedArrays& list, bool ofColors) {
   std::optional<std::string> first;
-  for (const auto& [name, components] : list.arrays) {
-    if (name == kGhostArray || name == list.normals || name == list.textures) continue;
+  for (const auto& [name, components, colors] : list.arrays) {
+    if (colors != ofColors || name == kGhostArray || name == list.normals || name == list.textures) continue;
     if (components == 3 && isNameOfNormals(name)) continue;
     if (name == "data") return name;
     if (!first) first = name;
@@ -27,6 +29,15 @@ bool hasScalars(const ListedArrays& list) {
 
 bool isNameOfNormals(std::string_view name) { return name == "Normals" || name == "Normals_"; }
 
+bool isColors(std::string_view name, ScalarType type, int components) {
+  if (components != 3 && components != 4) return false;
+  if (type == ScalarType::UInt8) return true;
+  std::string lower(name);
+  for (char& c : lower) c = char(std::tolower(static_cast<unsigned char>(c)));
+  constexpr std::string_view kNames[] = {"rgb", "rgba", "color", "colors", "colour", "colours"};
+  return std::find(std::begin(kNames), std::end(kNames), lower) != std::end(kNames);
+}
+
 bool ListedArrays::has(std::string_view name) const {
   return std::any_of(arrays.begin(), arrays.end(), [&](const Array& array) { return array.name == name; });
 }
@@ -40,8 +51,10 @@ std::optional<ChosenArray> chooseValues(const ListedArrays& points, const Listed
   }
   if (hasScalars(points)) return ChosenArray{points.scalars, false};
   if (hasScalars(cells)) return ChosenArray{cells.scalars, true};
-  if (const auto name = usual(points)) return ChosenArray{*name, false};
-  if (const auto name = usual(cells)) return ChosenArray{*name, true};
+  for (const bool colors : {false, true}) {
+    if (const auto name = usual(points, colors)) return ChosenArray{*name, false};
+    if (const auto name = usual(cells, colors)) return ChosenArray{*name, true};
+  }
   return {};
 }
 

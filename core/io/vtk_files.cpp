@@ -43,8 +43,8 @@ GeometrySummary summariseGeometry(const std::string& path) { return vtk(path).su
 GeometryKind likelyKind(const GeometrySummary& summary) { return vtk("geometry").likelyKind(summary); }
 
 void writeGeometry(const std::string& path, const GeometryBlock& block, GeometryKind kind,
-                   const std::string& array) {
-  vtk(path).writeGeometry(path, block, kind, array);
+                   const std::string& array, const GeometryBlock* whole) {
+  vtk(path).writeGeometry(path, block, kind, array, whole);
 }
 
 void writeGeometryPieces(const std::string& path, const std::vector<GeometryPiece>& pieces,

@@ -252,7 +252,7 @@ vtkSmartPointer<vtkPointSet> readByExtension(const std::string& path, const Take
   if (extension == ".vtr")
     return readXml<vtkXMLRectilinearGridReader>(path, "RectilinearGrid", toTake, messages, needed, leftOut);
   if (extension == ".vtk") return readLegacy(path, toTake, messages);
-  if (extension == ".ply") return readPly(bytesOf(path, toTake), path);
+  if (extension == ".ply") return readPly(bytesOf(path, toTake), path, flaws);
   if (extension == ".stl") return readStl(bytesOf(path, toTake), path, flaws);
   if (extension == ".obj") return readObj(bytesOf(path, toTake), path, flaws);
   if (extension == ".off") return readOff(bytesOf(path, toTake), path, flaws);

@@ -9,6 +9,7 @@
 #include <vtkPoints.h>
 #include <vtkPolyData.h>
 #include <vtkSmartPointer.h>
+#include <vtkUnsignedCharArray.h>
 #include <vtkUnstructuredGrid.h>
 #include <vtkXMLPolyDataWriter.h>
 #include <vtkXMLUnstructuredGridWriter.h>
@@ -52,7 +53,18 @@ vtkSmartPointer<vtkCellArray> cellsOf(const GeometryBlock& block, GeometryKind k
   return cells;
 }
 
-void setPoints(vtkPointSet* set, const GeometryBlock& block, const std::string& array) {
+template <class Array, class ComponentOf>
+vtkSmartPointer<Array> colorArray(const std::vector<glm::vec3>& colors, ComponentOf componentOf) {
+  const auto array = vtkSmartPointer<Array>::New();
+  array->SetName("RGB");
+  array->SetNumberOfComponents(3);
+  array->SetNumberOfTuples(vtkIdType(colors.size()));
+  for (size_t i = 0; i < colors.size(); ++i)
+    for (int c = 0; c < 3; ++c) array->SetTypedComponent(vtkIdType(i), c, componentOf(colors[i][c]));
+  return array;
+}
+
+void setPoints(vtkPointSet* set, const GeometryBlock& block, const std::string& array, bool bytes) {
   const auto points = vtkSmartPointer<vtkPoints>::New();
   points->SetDataTypeToDouble();
   points->SetNumberOfPoints(vtkIdType(block.points.size()));
@@ -66,6 +78,10 @@ void setPoints(vtkPointSet* set, const GeometryBlock& block, const std::string& 
     for (size_t i = 0; i < block.values.size(); ++i) values->SetValue(vtkIdType(i), block.values[i]);
     set->GetPointData()->SetScalars(values);
   }
+  if (!block.colors.empty() && bytes)
+    set->GetPointData()->SetScalars(colorArray<vtkUnsignedCharArray>(block.colors, byteOf));
+  if (!block.colors.empty() && !bytes)
+    set->GetPointData()->SetScalars(colorArray<vtkFloatArray>(block.colors, [](float c) { return c; }));
   if (!block.normals.empty()) {
     const auto normals = vtkSmartPointer<vtkFloatArray>::New();
     normals->SetName("Normals");
@@ -96,7 +112,7 @@ void writeXml(const std::string& path, vtkDataObject* data) {
 }  // namespace
 
 void writeGeometry(const std::string& path, const GeometryBlock& block, GeometryKind kind,
-                   const std::string& array) {
+                   const std::string& array, const GeometryBlock* whole) {
   validate(block, kind);
   const std::string extension = extensionOf(path);
   if (extension == ".ply" || extension == ".stl") {
@@ -105,16 +121,17 @@ void writeGeometry(const std::string& path, const GeometryBlock& block, Geometry
     return extension == ".ply" ? writePly(path, block) : writeStl(path, block);
   }
   const auto cells = cellsOf(block, kind);
+  const bool bytes = haveBytes(whole ? whole->colors : block.colors);
   if (extension == ".vtp") {
     const auto data = vtkSmartPointer<vtkPolyData>::New();
-    setPoints(data, block, array);
+    setPoints(data, block, array, bytes);
     if (kind == GeometryKind::Particles) data->SetVerts(cells);
     if (kind == GeometryKind::PathLines) data->SetLines(cells);
     if (kind == GeometryKind::Triangles) data->SetPolys(cells);
     writeXml<vtkXMLPolyDataWriter>(path, data);
   } else if (extension == ".vtu") {
     const auto data = vtkSmartPointer<vtkUnstructuredGrid>::New();
-    setPoints(data, block, array);
+    setPoints(data, block, array, bytes);
     data->SetCells(kind == GeometryKind::Particles   ? VTK_VERTEX
                    : kind == GeometryKind::PathLines ? VTK_POLY_LINE
                                                      : VTK_TRIANGLE,
@@ -141,6 +158,9 @@ void writeGeometryPieces(const std::string& path, const std::vector<GeometryPiec
                      " GhostLevel=\"0\">\n    <PPoints>\n      <PDataArray type=\"Float64\" Name=\"Points\" "
                      "NumberOfComponents=\"3\"/>\n    </PPoints>\n    <PPointData>\n";
   if (!like.values.empty()) text += "      <PDataArray type=\"Float32\" Name=\"" + escaped(array) + "\"/>\n";
+  if (!like.colors.empty())
+    text += "      <PDataArray type=\"" + std::string(haveBytes(like.colors) ? "UInt8" : "Float32") +
+            "\" Name=\"RGB\" NumberOfComponents=\"3\"/>\n";
   if (!like.normals.empty())
     text += "      <PDataArray type=\"Float32\" Name=\"Normals\" NumberOfComponents=\"3\"/>\n";
   text += "    </PPointData>\n";

@@ -10,10 +10,15 @@ namespace gxy {
 
 /// Writes the primitives of a block by extension: .vtp and .vtu (all kinds, double coordinates, nothing is
 /// lost), .ply (triangles; double coordinates, values as the property "value"), .stl (triangles; float
-/// coordinates only). Values become the point array `array`. Segments that continue each other become one
-/// polyline.
+/// coordinates only). Values become the point array `array`, colours "RGB" (of .ply red, green and blue): of unsigned char
+/// if all of the block, or of the whole that it is a piece of, are such numbers, else of float. Segments that continue each
+/// other become one polyline.
 void writeGeometry(const std::string& path, const GeometryBlock& block, GeometryKind kind,
-                   const std::string& array = "data");
+                   const std::string& array = "data", const GeometryBlock* whole = nullptr);
+
+/// Whether all colours are 255ths as files have them in bytes, and a component as such a byte.
+bool haveBytes(const std::vector<glm::vec3>& colors);
+uint8_t byteOf(float component);
 
 /// A piece of a .part, .pvtu or .pvtp, written by writeGeometry(); its name is relative to the list.
 struct GeometryPiece {

@@ -2,6 +2,7 @@
 // Binary PLY and STL. Both are little-endian; the bytes are put in order here for any machine.
 #include <algorithm>
 #include <bit>
+#include <cmath>
 #include <cstring>
 #include <glm/geometric.hpp>
 #include <limits>
@@ -23,12 +24,26 @@ void put(std::string& bytes, T value) {
 
 }  // namespace
 
+uint8_t byteOf(float component) { return uint8_t(std::lround(component * 255)); }
+
+bool haveBytes(const std::vector<glm::vec3>& colors) {
+  return std::all_of(colors.begin(), colors.end(), [](const glm::vec3& color) {
+    for (int c = 0; c < 3; ++c)
+      if (color[c] != float(byteOf(color[c]) / 255.)) return false;
+    return true;
+  });
+}
+
 void writePly(const std::string& path, const GeometryBlock& block) {
   std::string bytes = "ply\nformat binary_little_endian 1.0\nelement vertex " +
                       std::to_string(block.points.size()) +
                       "\nproperty double x\nproperty double y\nproperty double z\n";
   if (!block.normals.empty()) bytes += "property float nx\nproperty float ny\nproperty float nz\n";
   if (!block.values.empty()) bytes += "property float value\n";
+  const bool inBytes = haveBytes(block.colors);
+  for (const char* component : {"red", "green", "blue"})
+    if (!block.colors.empty())
+      bytes += std::string("property ") + (inBytes ? "uchar " : "float ") + component + "\n";
   bytes += "element face " + std::to_string(block.triangles.size()) +
            "\nproperty list uchar int vertex_indices\nend_header\n";
   for (size_t i = 0; i < block.points.size(); ++i) {
@@ -36,6 +51,8 @@ void writePly(const std::string& path, const GeometryBlock& block) {
     if (!block.normals.empty())
       for (int a = 0; a < 3; ++a) put(bytes, block.normals[i][a]);
     if (!block.values.empty()) put(bytes, block.values[i]);
+    for (int c = 0; c < 3 && !block.colors.empty(); ++c)
+      inBytes ? put(bytes, byteOf(block.colors[i][c])) : put(bytes, block.colors[i][c]);
   }
   for (const auto& triangle : block.triangles) {
     put(bytes, uint8_t(3));

@@ -8,6 +8,7 @@
 #include <sstream>
 
 #include "gxy/comm/error.h"
+#include "gxy/io/vtk_scalars.h"
 
 namespace gxy {
 namespace {
@@ -40,7 +41,8 @@ void addListed(const VtkXml& xml, vtkXMLDataElement* parent, const char* name, L
       if (arrayName.empty() || !holdsNumbers(xml, array) || list.has(arrayName)) continue;
       int components = 1;
       array->GetScalarAttribute("NumberOfComponents", components);
-      list.arrays.push_back({arrayName, components});
+      const auto type = scalarOfXmlWord(attribute(array, "type"));
+      list.arrays.push_back({arrayName, components, type && isColors(arrayName, *type, components)});
     }
   }
 }

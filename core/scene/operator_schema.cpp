@@ -134,7 +134,7 @@ std::vector<Key<Vis>> mapKeys() {
       customKey<Vis>(
           "colormap", "list of [value, r, g, b], or text",
           "Colour by value. Text: a shipped map (Viridis, Inferno, Cool to Warm, Turbo, Gray), a ParaView "
-          "JSON preset file, or \"default\".",
+          "JSON preset file, or \"default\". Without effect on geometry that has colours of its own.",
           [](F f, Vis& v) { readColorMap(f, v); }, [](V v) { return toJson(v.colormap); })
           .alias({"transfer function"}),
       customKey<Vis>(

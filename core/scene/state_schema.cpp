@@ -104,11 +104,11 @@ const Schema<DatasetSpec>& datasetSchema() {
               [](const Found& f, D& d) { d.filename = f.text(); },
               [](const D& d) { return OrderedJson(d.filename); })
               .require(),
-          textKey("array", &D::array, "Which array of the file to map.")
+          textKey("array", &D::array, "Which array of the file to map or, if it holds colours, to show.")
               .byDefault("its active scalars, else its first array"),
           colorKey("color", &D::color,
-                   "Colour of geometry whose file has no values to map. Values that are NaN have the map's "
-                   "first colour.")
+                   "Colour of geometry whose file has neither values to map nor colours. Values that are NaN "
+                   "have the map's first colour.")
               .alias({"default color"}),
       }};
   return schema;

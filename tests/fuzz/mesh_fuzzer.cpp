@@ -20,7 +20,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
     }
   };
   gxy::Flaws flaws;
-  attempt([&] { gxy::readPly(bytes, "input"); });
+  attempt([&] { gxy::readPly(bytes, "input", flaws); });
   attempt([&] { gxy::readObj(bytes, "input", flaws); });
   attempt([&] { gxy::readOff(bytes, "input", flaws); });
   attempt([&] { gxy::readCsv(bytes, "input", flaws); });

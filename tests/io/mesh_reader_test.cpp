@@ -131,8 +131,10 @@ TEST_F(MeshReader, PlyIsTheSameInAllThreeEncodings) {
 TEST_F(MeshReader, PlyColorsComeBeforeOtherValues) {
   const std::string text =
       asciiPly(kXyz + "property float heat\nproperty uchar red\nproperty uchar green\nproperty uchar blue\n",
-               "0 0 0 9 3 4 0\n1 0 0 9 0 0 0\n0 1 0 9 0 0 1\n3 0 1 2\n");
-  EXPECT_EQ(read("g.ply", text).block.values, (std::vector<float>{5, 0, 1}));
+               "0 0 0 9 255 51 0\n1 0 0 9 0 0 0\n0 1 0 9 0 0 255\n3 0 1 2\n");
+  const GeometryBlock block = read("g.ply", text).block;
+  EXPECT_TRUE(block.values.empty());
+  EXPECT_EQ(block.colors, (std::vector<glm::vec3>{{1, 0.2f, 0}, {0, 0, 0}, {0, 0, 1}}));
   EXPECT_EQ(read("g.ply", text, "heat").block.values, (std::vector<float>{9, 9, 9}));
 }
 

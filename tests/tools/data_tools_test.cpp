@@ -201,6 +201,48 @@ VECTORS v float
   EXPECT_EQ(saidBy("convert v.vtp v2.vtu"), "");
 }
 
+TEST_F(DataTools, ColoursAreKept) {
+  writeText(at("c.ply"), R"(ply
+format ascii 1.0
+element vertex 4
+property float x
+property float y
+property float z
+property uchar red
+property uchar green
+property uchar blue
+property uchar alpha
+element face 2
+property list uchar int vertex_indices
+end_header
+0 0 0 255 0 0 255
+1 0 0 0 255 0 255
+0 1 0 0 0 51 255
+1 1 0 0 0 0 255
+3 0 1 2
+3 1 3 2
+)");
+  const std::vector<glm::vec3> colors{{1, 0, 0}, {0, 1, 0}, {0, 0, 0.2f}, {0, 0, 0}};
+  EXPECT_EQ(saidBy("convert c.ply c.vtp"), "gxydata: c.ply: the opacity in array 'RGB' is left out\n");
+  EXPECT_EQ(saidBy("convert c.vtp c.vtu"), "");
+  EXPECT_EQ(saidBy("convert c.vtu back.ply"), "");
+  ASSERT_EQ(data("partition back.ply -g 2,1,1 c.pvtp"), 0);
+  ASSERT_EQ(data("convert c.pvtp joined.vtp"), 0);
+  for (const char* name : {"c.ply", "c.vtp", "c.vtu", "back.ply", "joined.vtp"}) {
+    const GeometryBlock block = readGeometry(at(name), GeometryKind::Triangles).block;
+    ASSERT_EQ(block.triangles.size(), 2u) << name;
+    ASSERT_EQ(block.colors.size(), block.points.size()) << name;
+    for (size_t i = 0; i < block.points.size(); i++)
+      EXPECT_EQ(block.colors[i], colors[size_t(block.points[i].x + 2 * block.points[i].y)]) << name;
+  }
+  EXPECT_NE(readText(at("c_0.vtp")).find("type=\"UInt8\" Name=\"RGB\""), std::string::npos);
+  EXPECT_EQ(saidBy("convert c.ply c.stl"),
+            "gxydata: c.ply: coordinates are rounded to float\ngxydata: c.ply: array 'RGB' is left out\n");
+  ASSERT_EQ(data("info c.vtp | tee said"), 0);
+  EXPECT_NE(readText(at("said")).find("point array 'RGB': unsigned char, 3 components, colours 0 to 255"),
+            std::string::npos);
+}
+
 TEST_F(DataTools, GeometryKindsHoldWhatTheyClaim) {
   ASSERT_EQ(data("particles -r 500 p.vtp"), 0);
   ASSERT_EQ(data("sphere-mesh -r 16 m.vtp"), 0);

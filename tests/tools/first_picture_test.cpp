@@ -203,6 +203,23 @@ TEST_F(FirstPicture, MeshWithAndWithoutValues) {
   expectGood(render("bare.stl"));
 }
 
+// A flat square that is green and, above the middle, red.
+TEST_F(FirstPicture, MeshInColoursOfItsOwn) {
+  std::ofstream file(folder_.path() / "g.off");
+  file << "OFF\n6 2 0\n-1 -1 0\n1 -1 0\n1 0 0\n-1 0 0\n1 1 0\n-1 1 0\n4 0 1 2 3 0 255 0\n4 3 2 4 5 255 0 0\n";
+  file.close();
+  const Pixels pixels = render("g.off");
+  ASSERT_FALSE(pixels.rgba.empty());
+  EXPECT_NEAR(pixels.extent(), 0.88, 0.03);
+  for (const int y : {kSide / 4, 3 * kSide / 4}) {
+    const float* p = pixels.at(kSide / 2, y);
+    const bool red = y > kSide / 2;
+    EXPECT_GT(p[red ? 0 : 1], 0.5f);
+    EXPECT_EQ(p[red ? 1 : 0], 0);
+    EXPECT_EQ(p[2], 0);
+  }
+}
+
 TEST_F(FirstPicture, LinesAreTubes) {
   ASSERT_EQ(call(GXYDATA " helix -r 3 g.vtp"), 0);
   expectGood(render("g.vtp"));

@@ -50,11 +50,19 @@ void tellLosses(const Options& options, const Input& input, const std::string& e
     const std::string name = (array.ofCells ? "cell array '" : "array '") + array.name + "'";
     const bool normals = array.components == 3 && (array.name == "Normals" || array.name == "Normals_");
     if (!array.ofCells && normals && !block.normals.empty() && !bare) continue;
-    if (array.ofCells != input.ofCells || array.name != input.array || block.values.empty() || bare) {
+    const bool isShown = array.ofCells == input.ofCells && array.name == input.array &&
+                         !(block.values.empty() && block.colors.empty());
+    if (!isShown || bare) {
       if (options.array.empty() || array.name == options.array) tell(name + " is left out");
       continue;
     }
     if (array.ofCells) tell(name + " becomes an array of points, of which each cell gets its own");
+    if (array.colors) {
+      if (array.components == 4) tell("the opacity in " + name + " is left out");
+      if (array.name != "RGB" && extension != ".ply") tell(name + " becomes the array 'RGB'");
+      if (array.type == "double") tell(name + " is rounded from double to float");
+      continue;
+    }
     if (array.components > 1)
       tell(name + " becomes the magnitude of its " + std::to_string(array.components) + " components");
     if (array.type != "float") tell(name + " is rounded from " + array.type + " to float");
@@ -124,7 +132,7 @@ void partitionGeometry(const Options& options, int parts, std::array<int, 3> lat
       for (int i = 0; i < lattice[0]; ++i, progress.advance()) {
         const std::string name = pieceName(options.out, int(pieces.size()), extension);
         writeGeometry(name, subset(block, input.geometry.kind, members[pieces.size()]), input.geometry.kind,
-                      input.array);
+                      input.array, &block);
         const glm::dvec3 cells(lattice[0], lattice[1], lattice[2]), at(i, j, k);
         pieces.push_back({{box.lo + side * (at / cells), box.lo + side * ((at + 1.0) / cells)},
                           std::filesystem::path(name).filename().string()});
@@ -150,8 +158,9 @@ void infoGeometry(const Options& options) {
                   s.box.hi.x, s.box.hi.y, s.box.hi.z);
     for (const GeometrySummary::Array& array : s.arrays) {
       if (!options.array.empty() && array.name != options.array) continue;
+      const char* what = array.colors ? "s, colours" : array.components > 1 ? "s, magnitude" : ",";
       std::printf("%s array '%s': %s, %d component%s", array.ofCells ? "cell " : "point", array.name.c_str(),
-                  array.type.c_str(), array.components, array.components > 1 ? "s, magnitude" : ",");
+                  array.type.c_str(), array.components, what);
       if (array.range.empty())
         std::printf(" no finite value");
       else
