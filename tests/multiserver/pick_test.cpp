@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "gxy/comm/error.h"
+#include "gxy/io/file.h"
 #include "gxy/io/write_geometry.h"
 #include "multiserver/viewer_client.h"
 
@@ -150,6 +151,20 @@ TEST(Pick, GeometryIsFoundWithItsValueThere) {
   expectNear(triangle.at("normal"), {0, 0, 1}, 1e-12);
 
   EXPECT_EQ(picked.at(10, 20).at("dataset"), "ball");
+}
+
+TEST(Pick, GeometryInColoursOfItsOwnIsFoundWithoutAValue) {
+  Picked picked;
+  const std::string text =
+      "v -0.5 -0.5 0 1 0 0\nv 0.5 -0.5 0 0 1 0\nv -0.5 0.5 0 0 0 1\nv 0.5 0.5 0 1 1 1\nf 1 2 3\nf 2 4 3\n";
+  writeText(picked.server->folder() / "square.obj", text);
+  picked.viewer.client->expect(
+      R"(import like ball {"Datasets": {"name": "square", "type": "Triangles", "filename": "square.obj"}})");
+  picked.show(R"({"type": "Triangles", "dataset": "square", "data range": "data"})");
+  const json hit = picked.at(33, 31);
+  EXPECT_EQ(hit.at("dataset"), "square");
+  EXPECT_TRUE(hit.at("value").is_null()) << hit;
+  expectNear(hit.at("normal"), {0, 0, 1}, 1e-12);
 }
 
 TEST(Pick, TwoRanksAnswerAsOneDoes) {

@@ -121,9 +121,14 @@ double valueOf(const GeometryBlock& block, size_t point) {
   return block.values.empty() ? kNaN : double(block.values[point]);
 }
 
+/// As pictures have it: without values that of value 0.
+double radiusAt(const Vis& vis, const GeometryBlock& block, size_t point) {
+  return radiusOf(vis, block.values.empty() ? 0 : double(block.values[point]));
+}
+
 SurfaceAt ofParticle(const Vis& vis, const GeometryBlock& block, size_t p, glm::dvec3 point) {
   const glm::dvec3 out = point - block.points[p];
-  const double value = valueOf(block, p), radius = radiusOf(vis, value);
+  const double value = valueOf(block, p), radius = radiusAt(vis, block, p);
   if (!(radius > 0)) return {std::numeric_limits<double>::infinity()};
   return {std::abs(glm::length(out) - radius), 0, 0, value, unit(out)};
 }
@@ -132,7 +137,7 @@ SurfaceAt ofParticle(const Vis& vis, const GeometryBlock& block, size_t p, glm::
 SurfaceAt ofSegment(const Vis& vis, const GeometryBlock& block, size_t s, glm::dvec3 point) {
   const auto [a, b] = block.segments[s];
   const double va = valueOf(block, a), vb = valueOf(block, b);
-  const double ra = radiusOf(vis, va), rb = radiusOf(vis, vb);
+  const double ra = radiusAt(vis, block, a), rb = radiusAt(vis, block, b);
   const glm::dvec3 axis = block.points[b] - block.points[a];
   const double length = glm::length(axis);
   double along = ra >= rb ? 0 : 1;  // where one end holds the other
