@@ -31,7 +31,8 @@ vtkSmartPointer<vtkFloatArray> makeColors(int components, vtkIdType count) {
 void scaleColors(vtkFloatArray* colors, double full) {
   float* const values = colors->GetPointer(0);
   float* const end = values + colors->GetNumberOfValues();
-  if (full == 0) full = std::any_of(values, end, [](float v) { return std::isfinite(v) && v >= 2; }) ? 255 : 1;
+  if (full == 0)
+    full = std::any_of(values, end, [](float v) { return std::isfinite(v) && v >= 2; }) ? 255 : 1;
   for (float* v = values; v != end; ++v) *v = float(*v / full);
 }
 

@@ -500,7 +500,14 @@ TEST_F(MeshReader, DamagedFilesGiveAResultOrAnError) {
       {"a.obj", obj},
       {"a.vtk", legacy("POLYGONS 2 8\n3 0 1 2\n3 0 2 1\nLINES 1 3\n2 0 1\nPOINT_DATA 3\nFIELD f 1\n"
                        "vtkGhostType 1 3 unsigned_char\n0 1 0\n")},
-      {"b.vtk", legacy("CELLS 2 8\n3 0 1 2\n3 0 2 1\nCELL_TYPES 2\n5 5\n", "UNSTRUCTURED_GRID")}};
+      {"b.vtk", legacy("CELLS 2 8\n3 0 1 2\n3 0 2 1\nCELL_TYPES 2\n5 5\n", "UNSTRUCTURED_GRID")},
+      {"c.ply", asciiPly(kXyz + "property uchar red\nproperty uchar green\nproperty uchar blue\n",
+                         "0 0 0 9 8 7\n1 0 0 1 2 3\n0 1 0 4 5 6\n3 0 1 2 0.1 0.2 0.3 1\n", "3",
+                         "property list uchar int vertex_indices\nproperty float r\nproperty float "
+                         "g\nproperty float b\nproperty float a\n")},
+      {"c.obj", "v 0 0 0 1 0 0\nv 1 0 0 0 1 0 0.5\nv 0 1 0\nf 1 2 3\n"},
+      {"c.off", "COFF\n3 2 0\n0 0 0 255 0 0\n1 0 0 0 255 0 255\n0 1 0 0 0 85\n3 0 1 2 0.5 1 0\n3 2 1 0 7\n"},
+      {"c.vtk", legacy("POLYGONS 1 4\n3 0 1 2\nPOINT_DATA 3\nCOLOR_SCALARS c 3\n1 0 0 0 1 0 0 0 0.3\n")}};
   const QuietLog quiet;
   std::mt19937 random(3);
   size_t sound = 0, damaged = 0;
@@ -513,6 +520,9 @@ TEST_F(MeshReader, DamagedFilesGiveAResultOrAnError) {
         const GeometryBlock block = readGeometry(path, kind).block;
         for (const auto& triangle : block.triangles)
           for (uint32_t point : triangle) ASSERT_LT(point, block.points.size()) << path;
+        for (const glm::vec3& color : block.colors)
+          for (int c = 0; c < 3; ++c) ASSERT_TRUE(color[c] >= 0 && color[c] <= 1) << path;
+        EXPECT_NO_THROW(validate(block, kind));
         ++sound;
       } catch (const Error& e) {
         EXPECT_TRUE(std::string(e.what()).starts_with(path + ": ")) << e.what();
