@@ -8,7 +8,7 @@
 #include "rays.glsl"
 #include "box_entry.glsl"
 
-bool hitPrimitive(OperatorView op, uint p, vec3 o, vec3 d, float after, out float t) {
+bool hitPrimitive(OperatorView op, uint p, vec3 o, vec3 d, float after, LastHit last, out float t) {
   bool hit = false;
   t = NO_HIT;
   if ((SURFACES & SURFACE_PARTICLES) != 0 && op.kind == KIND_PARTICLES) {
@@ -17,7 +17,9 @@ bool hitPrimitive(OperatorView op, uint p, vec3 o, vec3 d, float after, out floa
   }
   if ((SURFACES & SURFACE_PATHLINES) != 0 && op.kind == KIND_PATHLINES) {
     TubeHit h;
-    hit = hitTube(tubeOf(op, p), o, d, after, h);
+    MetSegment met = noSegment();
+    if (last.t >= 0.0) met = metSegment(op, last.number, last.t);
+    hit = hitTube(tubeOf(op, p), o, d, after, met, h);
     t = h.t;
   }
   if ((SURFACES & SURFACE_TRIANGLES) != 0 && op.kind == KIND_TRIANGLES) {
@@ -45,7 +47,12 @@ void main() {
   if (!hasRay()) return;
   vec3 o = rayOrigin(), d = rayDirection();
   float tOut = min(min(GIVEN(tOut), GIVEN(tEnd)), NO_HIT);
-  float bound = strictBound(GIVEN(tIn), GIVEN(tLast));
+  float bound = strictBound(GIVEN(tIn), GIVEN(tLast)), again = bound;
+  LastHit lastMet = LastHit(-1.0, -1, 0u);
+  if (GOES_ON && !ANY_HIT) {
+    lastMet = lastHit();
+    again = strictBound(GIVEN(tIn), justBefore(lastMet.t));
+  }
   float nearest = tOut;
   int hitOperator = -1;
   uint hitPrimitiveId = 0u;
@@ -110,13 +117,18 @@ void main() {
         int op = int(geometryWord(list + 2u * k));
         uint p = geometryWord(list + 2u * k + 1u);
         float t, after = bound, last = NO_HIT;
+        LastHit met = LastHit(-1.0, op, 0u);  // of the operator
+        if (GOES_ON && !ANY_HIT) {
+          after = p >= firstBehind(lastMet, op) ? again : bound;
+          if (again < bound && op == lastMet.op) met = lastMet;
+        }
         if ((SURFACES & SURFACE_CLIPPED) != 0) {
           VolumeView field = fieldOf(op);
           float clip0;
           clipInterval(field, o, d, clip0, last);
-          after = boundBehind(field, bound, clip0);
+          after = boundBehind(field, after, clip0);
         }
-        if (hitPrimitive(operatorOf(op), p, o, d, after, t) && t <= nearest && t <= last) {
+        if (hitPrimitive(operatorOf(op), p, o, d, after, met, t) && t <= nearest && t <= last) {
           bool before = hitOperator >= 0 && (op < hitOperator || (op == hitOperator && p < hitPrimitiveId));
           if (t < nearest || before) {
             nearest = t;

@@ -20,8 +20,9 @@ void main() {
   Part part = partOf(GIVEN(tIn), min(GIVEN(tOut), GIVEN(tEnd)));
   NearestHit nearest = givenHit();
   bool blocked = GIVEN(A) >= 1.0;  // nothing to find
-  IsoHit hit = hitIsosurface(v, rayOrigin(), rayDirection(), part.from, blocked ? -1.0 : part.to, GIVEN(tLast), nearest.t,
-                             start, cells, skipped);
+  float tLast = behindLast(lastHit(), op, ISOSURFACES);
+  IsoHit hit = hitIsosurface(v, rayOrigin(), rayDirection(), part.from, blocked ? -1.0 : part.to, tLast, nearest.t, start, cells,
+                             skipped);
   if (!endPart(part, blocked || hit.t < NO_HIT)) return;
   if (hit.t < NO_HIT) takeHit(nearest, hit.t, HIT_ISOSURFACE, op, uint(hit.index));
   countUp(COUNT_CELLS, uint(cells));

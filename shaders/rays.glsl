@@ -22,7 +22,7 @@ struct FieldNumbers {
 #undef GXY_NUMBER
 #undef GXY_DEVICE_NUMBER
 const FieldNumbers FIELD = FieldNumbers(0u, 1u, 2u, 3u, 4u, 5u, 6u, 7u, 8u, 9u, 10u, 11u, 12u, 13u, 14u, 15u, 16u, 17u, 18u, 19u,
-                                        20u, 21u, 22u, 23u, 24u, 25u, 26u, 27u, 28u, 29u, 30u, 31u);
+                                        20u, 21u, 22u, 23u, 24u, 25u, 26u, 27u, 28u, 29u, 30u, 31u, 32u, 33u);
 #define BLOCK_WORDS ((FIELD.shaded + 1u) * BLOCK_RAYS)
 
 layout(set = LANE_SET, binding = RAY_WORDS_BINDING) uniform usamplerBuffer rayWords;  // of `rays`
@@ -102,6 +102,9 @@ bool hasRay() {
 
 vec3 rayOrigin() { return vec3(GIVEN(ox), GIVEN(oy), GIVEN(oz)); }
 vec3 rayDirection() { return vec3(GIVEN(dx), GIVEN(dy), GIVEN(dz)); }
+
+// What it has met last.
+LastHit lastHit() { return LastHit(GIVEN(tLast), GIVEN(lastOperator), GIVEN(lastPrimitive)); }
 
 // The nearest hit so far.
 struct NearestHit {

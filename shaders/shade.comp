@@ -9,12 +9,7 @@
 Surface surfaceHit(int op, VolumeView v, vec3 o, vec3 d) {
   OperatorView view = operatorOf(op);
   uint p = GIVEN(hitPrimitive);
-  float after = strictBound(GIVEN(tIn), GIVEN(tLast));
-  if ((SURFACES & SURFACE_CLIPPED) != 0) {
-    float clip0, clip1;
-    clipInterval(v, o, d, clip0, clip1);
-    after = boundBehind(v, after, clip0);
-  }
+  float after = justBefore(GIVEN(tHit));
   Surface surface;
   if ((SURFACES & SURFACE_FIELDS) != 0 && view.kind == KIND_VOLUME)
     surface = fieldSurface(view, v, GIVEN(hitKind), p, o, d, GIVEN(tHit));

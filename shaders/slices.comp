@@ -14,11 +14,13 @@ void main() {
   VolumeRay ray = clippedRay(v, o, d);
   float tOut = min(GIVEN(tOut), GIVEN(tEnd));
   NearestHit nearest = givenHit();
+  LastHit last = lastHit();
   for (int k = 0; k < view.slices; k++) {
     bool mine = RAY_START(GIVEN(info)) == START_SLICE && GIVEN(start) == uint((op << 16) | k);  // a line meets a plane once
     if (!mine && GIVEN(A) < 1.0) {  // not blocked yet
       float offset = tableReal(view.slice + 4u * uint(k) + 3u);
-      float t = hitSlice(v, ray, o, d, sliceNormal(view, uint(k)), offset, GIVEN(tIn), tOut, GIVEN(tLast));
+      float tLast = behindLast(last, op, uint(k));
+      float t = hitSlice(v, ray, o, d, sliceNormal(view, uint(k)), offset, GIVEN(tIn), tOut, tLast);
       if (t < NO_HIT) takeHit(nearest, t, HIT_SLICE, op, uint(k));
     }
   }

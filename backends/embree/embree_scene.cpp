@@ -265,6 +265,10 @@ class EmbreeScene::Packet {
       addContributions(view, which, sums_, result_.contributions);
     }
     RayList rest = rays.gather(active);
+    for (size_t k = 0; k < active.size(); k++) {
+      rest.view().lastOperator[k] = view.lastOperator[active[k]];
+      rest.view().lastPrimitive[k] = view.lastPrimitive[active[k]];
+    }
     if (which.size() + active.size() < size_t(n)) distribute(std::move(rays), primary_, result_.leaving);
     return rest;
   }

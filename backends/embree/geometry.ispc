@@ -29,6 +29,12 @@ struct GangRays {
   uniform float tNear[programCount];  // no hit is nearer
   uniform float tFar[programCount];   // of the nearest hit, or the end
   uniform float tAfter[programCount], tClip[programCount];  // hits of the operator lie behind the first, and no farther than the second
+  uniform bool goesOn;  // behind a surface, some of them
+  uniform float tAgain[programCount];            // what primitives from firstAgain on lie behind instead of tAfter
+  uniform unsigned int firstAgain[programCount];
+  uniform float tMet[programCount];  // where a segment of the operator's path lines was met last; -1: none
+  uniform float metAX[programCount], metAY[programCount], metAZ[programCount];
+  uniform float metBX[programCount], metBY[programCount], metBZ[programCount];
   uniform unsigned int primitive[programCount];  // of the operator, or NO_PRIMITIVE
 };
 
@@ -68,9 +74,11 @@ static inline bool comesNear(vec3 o, vec3 d, float perSquare, float perLength, f
 }
 
 // One ray against all primitives of a leaf, a lane each.
-static inline bool hitLanes(const uniform GangRays& g, uniform int lane, uniform int kind, const uniform float* uniform q, float& t) {
+static inline bool hitLanes(const uniform GangRays& g, uniform int lane, uniform int kind, const uniform float* uniform q,
+                            unsigned int id, float& t) {
   vec3 o = make_v3(g.ox[lane], g.oy[lane], g.oz[lane]), d = make_v3(g.dx[lane], g.dy[lane], g.dz[lane]);
-  uniform float tAfter = g.tAfter[lane];
+  float tAfter = g.tAfter[lane];
+  if (g.goesOn) tAfter = id >= g.firstAgain[lane] ? g.tAgain[lane] : tAfter;
   bool hit = false;
   t = NO_HIT;
   if (kind == KIND_PARTICLES) {
@@ -81,7 +89,9 @@ static inline bool hitLanes(const uniform GangRays& g, uniform int lane, uniform
     Tube tube = {ROWS_POINT(0), ROWS_POINT(4), ROWS_POINT(8), ROWS_POINT(12), ROW(3), ROW(7), ROW(11), ROW(15),
                  ROW(16) != 0.0f, ROW(17) != 0.0f};
     TubeHit h;
-    hit = hitTube(tube, o, d, tAfter, h);
+    MetSegment met = {g.tMet[lane], make_v3(g.metAX[lane], g.metAY[lane], g.metAZ[lane]),
+                      make_v3(g.metBX[lane], g.metBY[lane], g.metBZ[lane])};
+    hit = hitTube(tube, o, d, tAfter, met, h);
     t = h.t;
   } else {
     uniform int z = g.last[lane];
@@ -95,24 +105,29 @@ static inline bool hitLanes(const uniform GangRays& g, uniform int lane, uniform
 }
 
 // All rays of the gang against primitive p of a leaf.
-static inline bool hitOne(const uniform GangRays& g, uniform int p, uniform int kind, const uniform float* uniform q, float& t) {
+static inline bool hitOne(const uniform GangRays& g, uniform int p, uniform int kind, const uniform float* uniform q,
+                          uniform unsigned int id, float& t) {
   vec3 o = make_v3(LANE(g, ox), LANE(g, oy), LANE(g, oz)), d = make_v3(LANE(g, dx), LANE(g, dy), LANE(g, dz));
+  float tAfter = LANE(g, tAfter);
+  if (g.goesOn) tAfter = id >= LANE(g, firstAgain) ? LANE(g, tAgain) : tAfter;
   bool hit = false;
   t = NO_HIT;
   if (kind == KIND_PARTICLES) {
     vec3 centre = ONES_POINT(0), normal;
     if (comesNear(o, d, LANE(g, perSquare), LANE(g, perLength), LANE(g, tNear), LANE(g, tFar), centre, ONE(3)))
-      hit = hitSphere(o, d, centre, ONE(3), LANE(g, tAfter), t, normal);
+      hit = hitSphere(o, d, centre, ONE(3), tAfter, t, normal);
   } else if (kind == KIND_PATHLINES) {
     Tube tube = {ONES_POINT(0), ONES_POINT(4), ONES_POINT(8), ONES_POINT(12), ONE(3), ONE(7), ONE(11), ONE(15),
                  ONE(16) != 0.0f, ONE(17) != 0.0f};
     TubeHit h;
-    hit = hitTube(tube, o, d, LANE(g, tAfter), h);
+    MetSegment met = {LANE(g, tMet), make_v3(LANE(g, metAX), LANE(g, metAY), LANE(g, metAZ)),
+                      make_v3(LANE(g, metBX), LANE(g, metBY), LANE(g, metBZ))};
+    hit = hitTube(tube, o, d, tAfter, met, h);
     t = h.t;
   } else {
     RayFrame f = {LANE(g, last), LANE(g, perDepth), LANE(g, shearX), LANE(g, shearY)};
     float wb, wc;
-    hit = hitTurned(f, ONES_CORNER(0), ONES_CORNER(3), ONES_CORNER(6), LANE(g, tAfter), t, wb, wc);
+    hit = hitTurned(f, ONES_CORNER(0), ONES_CORNER(3), ONES_CORNER(6), tAfter, t, wb, wc);
   }
   return hit && t <= LANE(g, tClip);
 }
@@ -177,7 +192,7 @@ static inline void meetLeaf(uniform GangRays& g, uniform Bundle& b, uniform int6
     for (; lanes != 0; lanes &= lanes - 1) {
       uniform int lane = count_trailing_zeros(lanes);
       float t;
-      bool hit = hitLanes(g, lane, kind, q, t);
+      bool hit = hitLanes(g, lane, kind, q, id, t);
       if (anyHit) {
         if (any(hit && t < g.tFar[lane])) b.lanes &= ~((uniform int64)1 << lane);
       } else {
@@ -197,7 +212,7 @@ static inline void meetLeaf(uniform GangRays& g, uniform Bundle& b, uniform int6
     for (; met != 0; met &= met - 1) {
       uniform int p = count_trailing_zeros(met);
       float t;
-      bool hit = hitOne(g, p, kind, q, t) && mine;
+      bool hit = hitOne(g, p, kind, q, ids[p], t) && mine;
       if (anyHit) {
         hit = hit && t < LANE(g, tFar);
         b.lanes &= ~(uniform int64)packmask(hit);
@@ -370,18 +385,22 @@ export void hitGeometry(const void* uniform scene, void* uniform rays, uniform i
   for (uniform int first = 0; first < n; first += programCount) {
     int i = first + programIndex;
     bool there = i < n;
-    float bound = 0.0f;
+    float bound = 0.0f, again = 0.0f;
+    LastHit last = {-1.0f, 0x7fffffff, 0xffffffffu};
     if (there) {
       LANE(g, ox) = r.ox[i], LANE(g, oy) = r.oy[i], LANE(g, oz) = r.oz[i];
       LANE(g, dx) = r.dx[i], LANE(g, dy) = r.dy[i], LANE(g, dz) = r.dz[i];
       LANE(g, tFar) = min(min(r.tOut[i], r.tEnd[i]), NO_HIT);
-      bound = strictBound(r.tIn[i], r.tLast[i]);
+      last = lastHit(s, r, i);
+      bound = strictBound(r.tIn[i], last.t);
+      again = strictBound(r.tIn[i], justBefore(last.t));
     }
     vec3 o = make_v3(LANE(g, ox), LANE(g, oy), LANE(g, oz)), d = make_v3(LANE(g, dx), LANE(g, dy), LANE(g, dz));
     LANE(g, rx) = reciprocal(d.x), LANE(g, ry) = reciprocal(d.y), LANE(g, rz) = reciprocal(d.z);
     LANE(g, perSquare) = 1.0f / (d.x * d.x + d.y * d.y + d.z * d.z);
     LANE(g, perLength) = sqrt(LANE(g, perSquare));
-    LANE(g, tNear) = max(bound, 0.0f);
+    g.goesOn = any(again < bound);
+    LANE(g, tNear) = max(again, 0.0f);
     bool going = there && meetsGeometry(o) && LANE(g, tNear) <= LANE(g, tFar);
     bool alone = false;
     if (there) alone = RAY_KIND(r.info[i]) == RAY_OCCLUSION;
@@ -394,8 +413,19 @@ export void hitGeometry(const void* uniform scene, void* uniform rays, uniform i
       clipInterval(field, o, d, clip0, clip1);
       LANE(g, tClip) = clip1;
       LANE(g, tAfter) = boundBehind(field, bound, clip0);
+      LANE(g, tMet) = -1.0f;
       LANE(g, primitive) = NO_PRIMITIVE;
       uniform int kind = s.operator_[k].kind;
+      if (g.goesOn) {
+        LANE(g, tAgain) = boundBehind(field, again, clip0);
+        LANE(g, firstAgain) = firstBehind(last, k);
+        if (kind == KIND_PATHLINES && again < bound && last.op == k) {
+          MetSegment met = metSegment(s.operator_[k], last.number, last.t);
+          LANE(g, tMet) = met.t;
+          LANE(g, metAX) = met.a.x, LANE(g, metAY) = met.a.y, LANE(g, metAZ) = met.a.z;
+          LANE(g, metBX) = met.b.x, LANE(g, metBY) = met.b.y, LANE(g, metBZ) = met.b.z;
+        }
+      }
       if (kind == KIND_TRIANGLES) {
         RayFrame f = frameOf(d);
         LANE(g, last) = f.last, LANE(g, perDepth) = f.perDepth, LANE(g, shearX) = f.shearX, LANE(g, shearY) = f.shearY;

@@ -21,10 +21,7 @@ static inline void surfaceHit(SCENE s, RAYS r, uniform int op, int i, vec3 o, ve
   if (view.kind == KIND_VOLUME) {
     hit = fieldSurface(view, v, r.hitKind[i], r.hitPrimitive[i], o, d, r.tHit[i]);
   } else {
-    float clip0, clip1;
-    clipInterval(v, o, d, clip0, clip1);
-    float after = boundBehind(v, strictBound(r.tIn[i], r.tLast[i]), clip0);
-    hit = geometrySurface(view, r.hitPrimitive[i], o, d, after);
+    hit = geometrySurface(view, r.hitPrimitive[i], o, d, justBefore(r.tHit[i]));
   }
   surface = surfaceSeen(hit, d, view.twoSided != 0);
   color = surfaceColor(view, v, surface);
@@ -130,6 +127,8 @@ export void passSurfaces(const void* uniform scene, void* uniform rays, uniform 
           }
       }
       r.tLast[i] = r.tHit[i];
+      r.lastOperator[i] = r.hitOperator[i];
+      r.lastPrimitive[i] = numberOf(r.hitKind[i], r.hitPrimitive[i]);
       r.tBegun[i] = -1.0f;
       r.next[i] = 1.0f - r.A[i] < s.tMin ? END_DONE : END_ACTIVE;
     }

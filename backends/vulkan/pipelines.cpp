@@ -70,6 +70,7 @@ Special specialFor(Stage stage, const Special& special) {
   if (stage == Stage::Spawn || stage == Stage::Integrate || stage == Stage::Shade)
     s.routes = special.routes | ROUTE_ON;
   if (stage == Stage::Finish) s.routes = special.routes;
+  if (stage == Stage::Geometry) s.routes = special.routes & ROUTE_ON;
   if (stage == Stage::Shade || stage == Stage::Geometry) s.surfaces = special.surfaces;
   if (stage == Stage::Isosurfaces) s.surfaces = special.surfaces & SURFACE_STARTS;
   if (stage == Stage::Geometry) s.anyHit = special.anyHit;

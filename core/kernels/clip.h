@@ -22,15 +22,39 @@ FN void clipInterval(VOLUME v, vec3 o, vec3 d, OUT(real) t0, OUT(real) t1) {
 // than 1.844e18.
 FN bool meetsGeometry(vec3 o) { return abs(o.x) < R(1.8e18) && abs(o.y) < R(1.8e18) && abs(o.z) < R(1.8e18); }
 
-// A lower bound that t must exceed: rays see surfaces from tIn on, and strictly behind the last one they met.
-FN real strictBound(real tIn, real tLast) {
-  real before = tIn > R(0.0) ? asReal(asUint(tIn) - 1u) : R(0.0);
-  return max(before, tLast);
+// The number before t; -1 before 0, where no ray begins.
+FN real justBefore(real t) { return t > R(0.0) ? asReal(asUint(t) - 1u) : R(-1.0); }
+
+// A lower bound that t must exceed: rays see surfaces from tIn on, and behind tLast.
+FN real strictBound(real tIn, real tLast) { return max(max(justBefore(tIn), R(0.0)), tLast); }
+
+// The surface that a ray has met last, at t (-1: none): of operator `op`, its number (numberOf) there. What lies behind it is farther
+// along the ray, or as far and of a higher (operator, number): surfaces that coincide are met one after the other, in this order.
+struct LastHit {
+  real t;
+  int op;
+  uint number;
+};
+
+#define ISOSURFACES 0x80000000u  // the number of all isosurfaces of an operator, behind its slices
+
+// The number of a surface among those of its operator: of a primitive, of a slice, or ISOSURFACES.
+FN uint numberOf(int hitKind, uint primitive) { return hitKind == HIT_ISOSURFACE ? ISOSURFACES : primitive; }
+
+// The least number that a surface of an operator has which lies behind the last one at the same t.
+FN uint firstBehind(LastHit last, int op) {
+  uint first = op > last.op ? 0u : 0xffffffffu;
+  return op == last.op ? last.number + 1u : first;
+}
+
+// What the t of a surface must exceed to be behind the last one.
+FN real behindLast(LastHit last, int op, uint number) {
+  return number >= firstBehind(last, op) ? justBefore(last.t) : last.t;
 }
 
 // The same for an operator whose clip planes leave what is behind clip0.
 FN real boundBehind(VOLUME v, real bound, real clip0) {
   real after = bound;
-  if (v.clips > 0) after = max(bound, asReal(asUint(max(clip0, R(1e-30))) - 1u));
+  if (v.clips > 0) after = max(bound, justBefore(max(clip0, R(1e-30))));
   return after;
 }

@@ -9,7 +9,7 @@ FN VolumeRay clippedRay(VOLUME v, vec3 o, vec3 d) {
 }
 
 // The t at which the ray crosses the plane n . p = offset where the volume has data; NO_HIT if not in [tIn, tOut), or not
-// behind tLast.
+// greater than tLast.
 FN real hitSlice(VOLUME v, VolumeRay ray, vec3 o, vec3 d, vec3 n, real offset, real tIn, real tOut,
                  real tLast) {
   real along = dot3(n, d);
@@ -22,7 +22,7 @@ FN real hitSlice(VOLUME v, VolumeRay ray, vec3 o, vec3 d, vec3 n, real offset, r
   return hit;
 }
 
-// The first isosurface at t in [tIn, tOut), behind tLast, and not behind tHit.
+// The first isosurface at t in [tIn, tOut), greater than tLast, and not behind tHit.
 FN IsoHit hitIsosurface(VOLUME v, vec3 o, vec3 d, real tIn, real tOut, real tLast, real tHit, IsoStart start,
                         INOUT(int) cells, INOUT(int) skipped) {
   real clip0, clip1;

@@ -24,5 +24,14 @@ FN Tube tubeOf(OPERATOR op, uint p) {
   return tube;
 }
 
+// Of an operator of path lines, primitive p as one that was met at t.
+FN MetSegment metSegment(OPERATOR op, uint p, real t) {
+  MetSegment met;
+  met.t = t;
+  met.a = pointOf(op, cornerOf(op, 2u * p));
+  met.b = pointOf(op, cornerOf(op, 2u * p + 1u));
+  return met;
+}
+
 // The largest of a point's absolute coordinates.
 FN real largest3(vec3 p) { return max(max(abs(p.x), abs(p.y)), abs(p.z)); }

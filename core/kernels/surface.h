@@ -30,7 +30,7 @@ FN Surface tubeSurface(OPERATOR op, uint p, vec3 o, vec3 d, real after) {
   Surface f;
   Tube tube = tubeOf(op, p);
   TubeHit h;
-  hitTube(tube, o, d, after, h);
+  hitTube(tube, o, d, after, noSegment(), h);
   vec3 local = tubePoint(tube, h);
   f.normal = h.normal;
   f.geometric = f.normal;

@@ -6,8 +6,10 @@
 // edge. Where rounding makes it 0 the paper goes on in double; here the sign comes from the exact rounding
 // errors of the two products (exact.h), so that the answer is that of exact arithmetic in every dialect: a
 // nonzero rounded difference of rounded products already has the exact sign, as rounding is monotone. A ray
-// that meets an edge or a vertex exactly hits all the triangles that share it. Both sides are hit. Vertex
-// distances from the origin within 1e12.
+// that meets an edge or a vertex exactly is taken to pass beside it, always to the same side (Edelsbrunner and
+// Mucke, Simulation of simplicity, 1990): of the triangles that share it, it hits as many as a ray there, one
+// where they continue each other. Both sides of a triangle are hit. Vertex distances from the origin within
+// 1e12.
 
 // ax by - ay bx, rounded, with the exact sign.
 FN real edgeSide(real ax, real ay, real bx, real by) {
@@ -17,6 +19,9 @@ FN real edgeSide(real ax, real ay, real bx, real by) {
   if (d == R(0.0)) d = productError(ax, by, p) - productError(ay, bx, q);
   return d;
 }
+
+// edgeSide where it is 0: that of a ray at (e, e^2), for e as small as need be. 0 for an edge without length.
+FN real sideBeside(real ax, real ay, real bx, real by) { return ay != by ? ay - by : bx - ax; }
 
 // The components in cyclic order, that of index `last` at the end.
 FN vec3 turned(vec3 v, int last) {
@@ -67,7 +72,15 @@ FN bool hitTurned(RayFrame f, vec3 pa, vec3 pb, vec3 pc, real tMin, OUT(real) t,
   real least = min1(min1(sideA, sideB), sideC);
   real most = max1(max1(sideA, sideB), sideC);
   real sum = (sideA + sideB) + sideC;
-  bool crossed = (least >= R(0.0) || most <= R(0.0)) && sum != R(0.0);
+  bool crossed = least > R(0.0) || most < R(0.0);
+  if (least == R(0.0) || most == R(0.0)) {
+    real besideA = sideA != R(0.0) ? sideA : sideBeside(bx, by, cx, cy);
+    real besideB = sideB != R(0.0) ? sideB : sideBeside(cx, cy, ax, ay);
+    real besideC = sideC != R(0.0) ? sideC : sideBeside(ax, ay, bx, by);
+    least = min1(min1(besideA, besideB), besideC);
+    most = max1(max1(besideA, besideB), besideC);
+    crossed = least > R(0.0) || most < R(0.0);
+  }
   real share = R(1.0) / (crossed ? sum : R(1.0));
   weightB = sideB * share;
   weightC = sideC * share;

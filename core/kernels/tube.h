@@ -62,11 +62,35 @@ FN bool insideNeighbour(Tube s, TubeHit h) {
   return inside;
 }
 
-// The first surface of the line with t > after on this segment.
-FN bool hitTube(Tube s, vec3 o, vec3 d, real after, OUT(TubeHit) h) {
+// The segment from a to b that a ray has met last, at t (-1: none).
+struct MetSegment {
+  real t;
+  vec3 a, b;
+};
+
+FN MetSegment noSegment() {
+  MetSegment met;
+  met.t = R(-1.0);
+  met.a = make_v3(R(0.0), R(0.0), R(0.0));
+  met.b = met.a;
+  return met;
+}
+
+FN bool same3(vec3 a, vec3 b) { return a.x == b.x && a.y == b.y && a.z == b.z; }
+
+// Whether the segment is the neighbour of one that was met.
+FN bool neighbourMet(Tube s, MetSegment met) {
+  return (s.hasBefore && same3(met.a, s.before) && same3(met.b, s.a)) ||
+         (s.hasAfter && same3(met.a, s.b) && same3(met.b, s.after));
+}
+
+// The first surface of the line with t > after on this segment. Where its neighbour was met at the same t, that was it.
+FN bool hitTube(Tube s, vec3 o, vec3 d, real after, MetSegment met, OUT(TubeHit) h) {
   bool hit = hitRoundCone(o, d, s.a, s.b, s.radiusA, s.radiusB, after, h.t, h.normal, h.axial);
   if (hit && (s.hasBefore || s.hasAfter)) {
-    if (insideNeighbour(s, h)) {
+    bool none = insideNeighbour(s, h);
+    if (h.t == met.t) none = none || neighbourMet(s, met);
+    if (none) {
       real entry = h.t;
       hit = hitRoundCone(o, d, s.a, s.b, s.radiusA, s.radiusB, entry, h.t, h.normal, h.axial);
       if (hit) hit = !insideNeighbour(s, h);

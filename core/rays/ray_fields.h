@@ -22,35 +22,39 @@
 //   tEnd       where the ray leaves the visible domain or reaches tMax
 //   tHit       nearest surface in this partition, NO_HIT if none
 //   hitKind, hitOperator, hitPrimitive
+//   lastOperator, lastPrimitive
+//              what was met at tLast, where that is in this partition: the operator, and which of its surfaces (clip.h)
 //   next       END_* or the partition that it goes to
 #ifndef GXY_RAY_FIELDS
-#define GXY_RAY_FIELDS(F)       \
-  F(uint32, pixel, 1, 1)        \
-  F(uint32, info, 1, 1)         \
-  F(uint32, start, 0, 1)        \
-  F(float, ox, 0, 1)            \
-  F(float, oy, 0, 1)            \
-  F(float, oz, 0, 1)            \
-  F(float, dx, 0, 1)            \
-  F(float, dy, 0, 1)            \
-  F(float, dz, 0, 1)            \
-  F(float, tLast, 1, 1)         \
-  F(float, tBegun, 1, 1)        \
-  F(float, tMax, 0, 1)          \
-  F(float, A, 1, 1)             \
-  F(float, r, 1, 0)             \
-  F(float, g, 1, 0)             \
-  F(float, b, 1, 0)             \
-  F(int32, sr, 0, 1)            \
-  F(int32, sg, 0, 1)            \
-  F(int32, sb, 0, 1)            \
-  F(float, tIn, 0, 0)           \
-  F(float, tOut, 0, 0)          \
-  F(float, tEnd, 0, 0)          \
-  F(float, tHit, 0, 0)          \
-  F(int32, hitKind, 0, 0)       \
-  F(int32, hitOperator, 0, 0)   \
-  F(uint32, hitPrimitive, 0, 0) \
+#define GXY_RAY_FIELDS(F)        \
+  F(uint32, pixel, 1, 1)         \
+  F(uint32, info, 1, 1)          \
+  F(uint32, start, 0, 1)         \
+  F(float, ox, 0, 1)             \
+  F(float, oy, 0, 1)             \
+  F(float, oz, 0, 1)             \
+  F(float, dx, 0, 1)             \
+  F(float, dy, 0, 1)             \
+  F(float, dz, 0, 1)             \
+  F(float, tLast, 1, 1)          \
+  F(float, tBegun, 1, 1)         \
+  F(float, tMax, 0, 1)           \
+  F(float, A, 1, 1)              \
+  F(float, r, 1, 0)              \
+  F(float, g, 1, 0)              \
+  F(float, b, 1, 0)              \
+  F(int32, sr, 0, 1)             \
+  F(int32, sg, 0, 1)             \
+  F(int32, sb, 0, 1)             \
+  F(float, tIn, 0, 0)            \
+  F(float, tOut, 0, 0)           \
+  F(float, tEnd, 0, 0)           \
+  F(float, tHit, 0, 0)           \
+  F(int32, hitKind, 0, 0)        \
+  F(int32, hitOperator, 0, 0)    \
+  F(uint32, hitPrimitive, 0, 0)  \
+  F(int32, lastOperator, 0, 0)   \
+  F(uint32, lastPrimitive, 0, 0) \
   F(int32, next, 0, 0)
 
 #define RAY_PRIMARY 0

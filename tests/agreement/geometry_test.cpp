@@ -279,6 +279,47 @@ TEST(GeometryAgreement, ParallelRaysThroughVertices) {
   }
 }
 
+// Twice in one operator, and once more in another, among slices, isosurfaces and volumes.
+TEST(GeometryAgreement, CoincidentTranslucentSurfacesCountEach) {
+  const auto twice = [](auto& list) {
+    const auto once = list;
+    list.insert(list.end(), once.begin(), once.end());
+  };
+  GeometryBlock mesh = sphereMesh(16, true, true), balls = cloud(12, true), line = lines();
+  twice(mesh.triangles);
+  twice(balls.points);
+  twice(balls.values);
+  twice(line.segments);
+  twice(line.neighbours);
+  Vis vis = surfaces(VisType::Triangles), red = vis;
+  vis.opacity = red.opacity = 0.3;
+  red.colormap.points = {{0, {1, 0, 0}}};
+  TestScene scene = geometryScene("coincident_geometry", vis, mesh, 64);
+  scene.add(red, scene.data[0].geometry);
+  for (Vis kind : {particles(0.1, 0.4), tubes(0.05, 0.2)}) {
+    kind.opacity = 0.3;
+    const bool round = kind.type == VisType::Particles;
+    scene.add(kind,
+              makeGeometry(round ? GeometryKind::Particles : GeometryKind::PathLines, round ? balls : line));
+    kind.colormap = red.colormap;
+    scene.add(kind, scene.data.back().geometry);
+  }
+  expectAgreement(embree(), scene);
+  for (const bool volume : {false, true}) {
+    TestScene fields = sceneFrom("coincident_fields", kEye, 64, 64);
+    Vis first = volume ? rendered({{-1, 0}, {1, 0.2}}, -1, 1) : surfaces(VisType::Volume, -1, 1);
+    first.isovalues = {0.1, 0.4};
+    first.slices = {{{0.2, 1, 0.3}, 0.1}, {{0.2, 1, 0.3}, 0.1}};
+    first.opacity = 0.4;
+    fields.add(first, wavy());
+    Vis second = first;
+    second.volumeRendering = false;
+    second.colormap = red.colormap;
+    fields.add(second, wavy());
+    expectAgreement(embree(), fields);
+  }
+}
+
 TEST(GeometryAgreement, TiesBetweenOperatorsGoToTheFirst) {
   TestScene scene = geometryScene("ties", surfaces(VisType::Triangles), sphereMesh(16, true, true), 64);
   Vis red = surfaces(VisType::Triangles);

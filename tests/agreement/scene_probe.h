@@ -47,6 +47,11 @@ FN real probeCuts(SCENE s, OPERATOR op, VOLUME v, VOLUMES list, UNIFORM int coun
   clipInterval(v, o, d, clip0, clip1);
   if (p == 13) return clip0;
   if (p == 14) return clip1;
+  LastHit last;
+  last.t = tLast;
+  last.op = asInt(i & 3u);
+  last.number = numberOf((i & 4u) == 0u ? HIT_SLICE : HIT_ISOSURFACE, (i >> 3u) & 7u);
+  tLast = behindLast(last, 1, (i >> 6u) & 7u);
   if (p == 15) return boundBehind(v, strictBound(drawIn(i, 12u, R(-1.0), R(1.0)), tLast), clip0);
   real scale = meetsGeometry(make_v3(o.x * R(3e18), o.y, o.z)) ? R(1.0) : R(2.0);
   if (p == 16) return scale * largest3(o);
@@ -108,7 +113,8 @@ FN bool surfaceAt(OPERATOR op, VOLUME v, uint k, vec3 o, vec3 way, uint i, OUT(v
     real u = drawIn(i, 20u, R(0.0), R(1.0)), r = tube.radiusA;
     d = unit3(make_v3(lerp1(tube.a.x, tube.b.x, u) - o.x + r * way.y,
                       lerp1(tube.a.y, tube.b.y, u) - o.y + r * way.z, lerp1(tube.a.z, tube.b.z, u) - o.z));
-    hit = hitTube(tube, o, d, R(0.0), h);
+    hit = hitTube(tube, o, d, R(0.0),
+                  metSegment(op, (k + 1u) % op.primitives, drawIn(i, 24u, R(0.0), R(1.0))), h);
     if (hit) f = tubeSurface(op, k, o, d, R(0.0));
   } else if (op.kind == KIND_TRIANGLES) {
     vec3 a = pointOf(op, cornerOf(op, 3u * k)), b = pointOf(op, cornerOf(op, 3u * k + 1u)),

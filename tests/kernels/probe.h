@@ -148,7 +148,14 @@ FN real probeTube(int f, uint i) {
   if (f == 32) return depth;
   if (f == 33) return x;
   TubeHit h;
-  if (!hitTube(s, origin, unit3(difference(to, origin)), R(0.0), h)) return R(-2.0);
+  MetSegment met = noSegment();
+  if ((hash2(i, 108u) & 3u) == 0u) {  // the neighbour, where this one is met
+    hitTube(s, origin, unit3(difference(to, origin)), R(0.0), met, h);
+    met.t = h.t;
+    met.a = s.before;
+    met.b = s.a;
+  }
+  if (!hitTube(s, origin, unit3(difference(to, origin)), R(0.0), met, h)) return R(-2.0);
   vec3 p = tubePoint(s, h);
   if (f == 34) return h.t;
   if (f == 35) return h.normal.y;

@@ -43,8 +43,7 @@ std::string outOfRange(const Picture& picture, double brightest) {
 
 // Flips are at most a twentieth of the pixels or, in scenes of ties, as many as the reference changes when all its rays are
 // moved once by as much as tells flips, and a quarter of that, as either may fall.
-agreement::Comparison compared(uint64_t seed, bool vulkan, double tolerance = 1.0 / 512) {
-  TestScene scene = randomScene(seed);
+agreement::Comparison compared(TestScene scene, uint64_t seed, bool vulkan, double tolerance = 1.0 / 512) {
   scene.settings.tolerance = tolerance;
   agreement::CompareOptions options;
   options.tolerance = scene.settings.tolerance;
@@ -57,6 +56,9 @@ agreement::Comparison compared(uint64_t seed, bool vulkan, double tolerance = 1.
     EXPECT_LE(c.flips, moves + moves / 4) << whatFailed(scene, seed) << c.report;
   }
   return c;
+}
+agreement::Comparison compared(uint64_t seed, bool vulkan, double tolerance = 1.0 / 512) {
+  return compared(randomScene(seed), seed, vulkan, tolerance);
 }
 
 TEST(RandomScenes, AgreeWithTheReference) {
@@ -182,6 +184,34 @@ TEST(RandomScenes, SeveralVolumesBeforeSurfacesAgreeWithTheReference) {
 // Few cells across, so that errors of segments do not even out.
 TEST(RandomScenes, CoarseGridsAgreeWithTheReference) {
   comparedAll({1000551, 1001957, 1002254, 1005582, 1006495, 1007290, 1008254, 1008665, 1009126, 1009951});
+}
+
+/// Each operator that shows surfaces once more, all of them translucent.
+TestScene shownTwice(TestScene scene) {
+  std::vector<Vis>& operators = scene.visualization.operators;
+  for (size_t i = 0, n = operators.size(); i < n; i++) {
+    Vis vis = operators[i];
+    if (vis.type == VisType::Volume && vis.isovalues.empty() && vis.slices.empty()) continue;
+    operators[i].opacity = std::min(vis.opacity, 0.6);
+    vis.opacity = 0.4;
+    vis.volumeRendering = false;
+    operators.push_back(vis);
+    scene.data.push_back(scene.data[i]);
+  }
+  // secondary rays know the side of the isosurface that they start on, not that of one in its place
+  scene.visualization.lighting.shadows = false;
+  scene.visualization.lighting.aoCount = 0;
+  return scene;
+}
+
+TEST(RandomScenes, CoincidentSurfacesAgreeWithTheReference) {
+  for (uint64_t seed = asked.first; seed < asked.first + asked.scenes / 4; seed++) {
+    const TestScene scene = shownTwice(randomScene(seed));
+    compared(scene, seed, seed % 13 == 0);
+    const Picture expected = agreement::draw(agreement::embree(), inOnePiece(scene));
+    const Cut cut = randomCut(scene, seed);
+    EXPECT_EQ(difference(expected, render(scene, cut)), "") << cut.name << ", " << whatFailed(scene, seed);
+  }
 }
 
 TEST(RandomScenes, AreInRangeAndTheSameOnEveryPartitioning) {

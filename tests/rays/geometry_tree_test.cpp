@@ -151,6 +151,19 @@ TEST(GeometryTree, IsEndedWhereverItsProgressThrows) {
   }
 }
 
+/// The first n primitives once more.
+void repeat(const Case& c, GeometryPart& part, uint32_t n) {
+  const auto append = [n](auto& all, size_t each) {
+    if (all.empty()) return;
+    const auto first = all;
+    all.insert(all.end(), first.begin(), first.begin() + int64_t(each * n));
+  };
+  if (c.kind == KIND_PARTICLES) append(part.points, 4);
+  append(part.indices, c.corners);
+  append(part.neighbours, 2);
+  part.primitives += n;
+}
+
 struct Nearest {
   bool met = false;
   float t = 0;
@@ -161,7 +174,7 @@ struct Nearest {
 Nearest nearestOf(const Case& c, const GeometryPart& part, const RayView& r, size_t i) {
   using namespace single;
   const vec3 o = make_v3(r.ox[i], r.oy[i], r.oz[i]), d = make_v3(r.dx[i], r.dy[i], r.dz[i]);
-  const float after = std::max(r.tIn[i] > 0 ? std::nextafter(r.tIn[i], 0.f) : 0.f, r.tLast[i]);
+  const float in = r.tIn[i] > 0 ? std::nextafter(r.tIn[i], 0.f) : 0.f;
   const auto number = [&](uint32_t point, size_t k) { return part.points[4 * size_t(point) + k]; };
   const auto at = [&](uint32_t point) {
     return make_v3(number(point, 0), number(point, 1), number(point, 2));
@@ -169,6 +182,9 @@ Nearest nearestOf(const Case& c, const GeometryPart& part, const RayView& r, siz
   Nearest nearest;
   nearest.t = std::min(r.tOut[i], r.tEnd[i]);
   for (uint32_t p = 0; p < part.primitives; p++) {
+    // The last surface was met in this operator: those of higher numbers may be as far.
+    const bool again = r.tLast[i] > 0 && p > r.lastPrimitive[i];
+    const float after = std::max(in, again ? std::nextafter(r.tLast[i], 0.f) : r.tLast[i]);
     float t = 0;
     bool hit = false;
     if (c.kind == KIND_PARTICLES) {
@@ -184,7 +200,8 @@ Nearest nearestOf(const Case& c, const GeometryPart& part, const RayView& r, siz
                       number(ends[0], 3), number(ends[1], 3), number(near[0], 3), number(near[1], 3),
                       near[0] != ends[0], near[1] != ends[1]};
       TubeHit h;
-      hit = hitTube(tube, o, d, after, h);
+      const uint32_t* before = &part.indices[2 * size_t(r.lastPrimitive[i])];
+      hit = hitTube(tube, o, d, after, {r.tLast[i], at(before[0]), at(before[1])}, h);
       t = h.t;
     }
     if (hit && t < nearest.t) nearest = {true, t, p};
@@ -205,10 +222,13 @@ TEST(GeometryRays, MeetWhatOnePrimitiveAfterTheOtherMeets) {
         for (size_t k = 0; k < part.points.size(); k++)
           part.points[k] =
               scale * (k % 4 == 3 ? part.points[k] * 10 * unit(random) : part.points[k] + offset);
+        repeat(c, part, 40);
         const GeometryTree tree = buildGeometryTree(c.kind, part, ispc::gangWidth());
         const GeometryTreeView trees{tree.nodes.data(), tree.leaves.data()};
         single::OperatorView op{};
         op.kind = c.kind;
+        op.points = part.points.data();
+        op.indices = part.indices.data();
         const single::VolumeView field{};
         single::SceneView scene{};
         scene.operators = 1;
@@ -249,6 +269,12 @@ TEST(GeometryRays, MeetWhatOnePrimitiveAfterTheOtherMeets) {
           r.tLast[i] = oneOf(3) ? scale * unit(random) : -1;
           r.tOut[i] = scale * (oneOf(2) ? 10 : 2 * unit(random));
           r.tEnd[i] = oneOf(3) ? scale * unit(random) : 1e30f;
+          r.lastOperator[i] = 0;
+          r.lastPrimitive[i] = random() % 500;
+          if (const Nearest before = nearestOf(c, part, r, i); before.met && oneOf(3)) {  // from there on
+            r.tLast[i] = before.t;
+            r.lastPrimitive[i] = before.primitive;
+          }
           r.A[i] = 0;
           r.hitKind[i] = HIT_NONE;
         }

@@ -88,10 +88,9 @@ glm::dvec3 RoundCone::normal(glm::dvec3 p) const {
 TriangleHit cross(const std::array<glm::dvec3, 3>& triangle, const Ray& ray) {
   // Shear so that the ray runs along the axis on which it is longest.
   const glm::dvec3 d = ray.direction;
-  int z = std::abs(d.x) > std::abs(d.y) ? 0 : 1;
+  int z = std::abs(d.x) >= std::abs(d.y) ? 0 : 1;
   if (std::abs(d.z) > std::abs(d[z])) z = 2;
-  int x = (z + 1) % 3, y = (z + 2) % 3;
-  if (d[z] < 0) std::swap(x, y);
+  const int x = (z + 1) % 3, y = (z + 2) % 3;
   const double sx = d[x] / d[z], sy = d[y] / d[z], sz = 1 / d[z];
   std::array<double, 3> px, py, pz;
   for (int i = 0; i < 3; i++) {
@@ -102,10 +101,13 @@ TriangleHit cross(const std::array<glm::dvec3, 3>& triangle, const Ray& ray) {
   }
   const glm::dvec3 edge(px[2] * py[1] - py[2] * px[1], px[0] * py[2] - py[0] * px[2],
                         px[1] * py[0] - py[1] * px[0]);
-  const bool negative =
-      edge.x < 0 || edge.y < 0 || edge.z<0, positive = edge.x> 0 || edge.y > 0 || edge.z > 0;
+  // Beside an edge that the ray meets: a little to x, and less to y.
+  const auto sign = [&](double e, int from, int to) {
+    return e != 0 ? e : py[from] != py[to] ? py[to] - py[from] : px[from] - px[to];
+  };
+  const double a = sign(edge.x, 1, 2), b = sign(edge.y, 2, 0), c = sign(edge.z, 0, 1);
+  if (!(a < 0 && b < 0 && c < 0) && !(a > 0 && b > 0 && c > 0)) return {};
   const double sum = edge.x + edge.y + edge.z;
-  if ((negative && positive) || sum == 0) return {};
   const glm::dvec3 weights = edge / sum;
   return {true, weights.x * pz[0] + weights.y * pz[1] + weights.z * pz[2], weights};
 }

@@ -43,9 +43,9 @@ struct TriangleHit {
   glm::dvec3 weights{0};  ///< barycentric
 };
 
-/// Watertight: two triangles that share an edge leave no gap, and an edge counts as inside (Woop, Benthin,
-/// Wald, Watertight Ray/Triangle Intersection, JCGT 2013). Negative t included; a degenerate triangle is
-/// never hit.
+/// Watertight: two triangles that share an edge leave no gap (Woop, Benthin, Wald, Watertight Ray/Triangle
+/// Intersection, JCGT 2013), and a ray that meets an edge or a vertex exactly meets what one right beside it
+/// does: one triangle, where they continue each other. Negative t included; a degenerate triangle is never hit.
 TriangleHit cross(const std::array<glm::dvec3, 3>& triangle, const Ray& ray);
 
 }  // namespace gxy::reference

@@ -122,9 +122,10 @@ class Renderer {
   PixelValue trace(const Ray& ray, AoRequest request, const Off& off) const {
     PixelValue value;
     const VolumeRay volumes = world_.volumes(ray);
-    double through = 1, reached = 0, after = -1;
+    double through = 1, reached = 0;
+    Behind last;
     while (through > 0) {
-      auto hit = world_.firstHit(ray, after, kInfinity, off.shaded);
+      auto hit = world_.firstHit(ray, last, kInfinity, off.shaded);
       const RayIntegral part = volumes.integrate({reached, hit ? hit->t : kInfinity}, options_.tolerance);
       value.colour += through * part.colour;
       through *= part.transmittance;
@@ -133,7 +134,8 @@ class Renderer {
       hit->slack += off.slack;
       if (through > 0) value.colour += through * hit->opacity * lights_.shade(world_, ray, *hit, request);
       through *= 1 - hit->opacity;
-      reached = after = hit->t;
+      reached = hit->t;
+      last = *hit;
       request.bounce++;
     }
     value.alpha = 1 - through;

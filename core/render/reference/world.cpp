@@ -4,6 +4,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <span>
+#include <utility>
 
 #include "gxy/comm/error.h"
 #include "gxy/reference/isosurface.h"
@@ -104,9 +105,25 @@ bool insideNeighbour(const Vis& vis, const GeometryBlock& block, size_t item, gl
          (after != b && inside(coneOf(vis, block, b, after)));
 }
 
+/// Whether a segment follows another, or goes before it, in a line that runs there.
+bool adjoins(const GeometryBlock& block, size_t item, size_t other) {
+  if (item >= block.neighbours.size()) return false;
+  const auto same = [&](uint32_t i, uint32_t j) { return block.points[i] == block.points[j]; };
+  const auto [a, b] = block.segments[item];
+  const auto [before, after] = block.neighbours[item];
+  const auto [from, to] = block.segments[other];
+  return (before != a && same(from, before) && same(to, a)) ||
+         (after != b && same(from, b) && same(to, after));
+}
+
 glm::dvec3 unitOr(glm::dvec3 v, glm::dvec3 fallback) {
   const double length = glm::length(v);
   return length > 0 && std::isfinite(length) ? v / length : fallback;
+}
+
+/// Whether a surface at t lies behind what was met last.
+bool isBehind(double t, int vis, uint64_t primitive, const Behind& last) {
+  return t > last.t || (t == last.t && std::pair(vis, primitive) > std::pair(last.vis, last.primitive));
 }
 
 double magnitude(glm::dvec3 v) { return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}); }
@@ -151,9 +168,22 @@ World::World(const ReferenceScene& scene) : scene_(std::make_shared<ReferenceSce
   }
 }
 
-void World::nearestVolumeSurface(const Part& part, const Ray& ray, Interval range, double after,
-                                 SurfaceHit& best) {
+void World::nearestVolumeSurface(int index, const Ray& ray, Interval range, const Behind& last,
+                                 SurfaceHit& best) const {
+  const Part& part = parts_[size_t(index)];
   uint64_t primitive = 0;
+  for (const Plane& plane : part.vis->slices) {
+    const double t =
+        (plane.offset - glm::dot(plane.normal, ray.origin)) / glm::dot(plane.normal, ray.direction);
+    if (range.contains(t) && isBehind(t, index, primitive, last) && t < best.t &&
+        part.field->value(ray.at(t))) {
+      best.t = t;
+      best.primitive = primitive;
+    }
+    primitive++;
+  }
+  const bool again = isBehind(last.t, index, part.vis->slices.size(), last);  // no isosurface was met there
+  const double after = again ? std::nextafter(last.t, -kInfinity) : last.t;
   for (double isovalue : part.vis->isovalues) {
     const auto t = firstRoot(*part.field, ray, isovalue, {range.lo, std::min(range.hi, best.t)}, after);
     if (t && *t < best.t) {
@@ -162,27 +192,23 @@ void World::nearestVolumeSurface(const Part& part, const Ray& ray, Interval rang
     }
     primitive++;
   }
-  for (const Plane& plane : part.vis->slices) {
-    const double t =
-        (plane.offset - glm::dot(plane.normal, ray.origin)) / glm::dot(plane.normal, ray.direction);
-    if (range.contains(t) && t > after && t < best.t && part.field->value(ray.at(t))) {
-      best.t = t;
-      best.primitive = primitive;
-    }
-    primitive++;
-  }
 }
 
-void World::nearestPrimitive(const Part& part, const Ray& ray, Interval range, double after,
-                             SurfaceHit& best) {
+void World::nearestPrimitive(int index, const Ray& ray, Interval range, const Behind& last,
+                             SurfaceHit& best) const {
+  const Part& part = parts_[size_t(index)];
   const GeometryBlock& block = part.geometry->blocks.at(0);
   const bool sphere = part.geometry->kind == GeometryKind::Particles;
   const double other = best.t;  // of an earlier Vis, which keeps ties
   auto consider = [&](double t, uint32_t item) {
-    if (!range.contains(t) || !(t > after) || !(t < other)) return;
     const uint64_t id = item < block.ids.size() ? block.ids[item] : item;
+    if (!range.contains(t) || !isBehind(t, index, id, last) || !(t < other)) return;
+    const bool met = t == last.t && index == last.vis;
     if (t > best.t || (t == best.t && id >= best.primitive)) return;
-    if (!sphere && !block.segments.empty() && insideNeighbour(*part.vis, block, item, ray.at(t))) return;
+    if (!sphere && !block.segments.empty()) {
+      if (met && adjoins(block, item, last.item)) return;
+      if (insideNeighbour(*part.vis, block, item, ray.at(t))) return;
+    }
     best.t = t;
     best.primitive = id;
     best.item = item;
@@ -200,20 +226,20 @@ void World::nearestPrimitive(const Part& part, const Ray& ray, Interval range, d
     consider(c.out, item);
   };
   part.tree->traverse(
-      ray, std::max(range.lo, after), [&] { return std::min(range.hi, best.t); }, visit);
+      ray, std::max(range.lo, last.t), [&] { return std::min(range.hi, best.t); }, visit);
 }
 
 void World::describeVolumeSurface(const Part& part, const Ray& ray, SurfaceHit& hit) {
   const Vis& vis = *part.vis;
   const glm::dvec3 viewer = -ray.direction;
   hit.slack += 1e-9 * part.field->smallestSpacing();
-  if (hit.primitive < vis.isovalues.size()) {
+  if (hit.primitive >= vis.slices.size()) {
     // Out of the surface is where values are lower, as for a contour in VTK.
     hit.geometric = unitOr(-part.field->cellGradient(cellMet(*part.field, ray, hit.t), hit.position), viewer);
     hit.normal = unitOr(-part.field->smoothGradient(hit.position), hit.geometric);
-    hit.colour = part.transfer.colour(vis.isovalues[hit.primitive]);
+    hit.colour = part.transfer.colour(vis.isovalues[hit.primitive - vis.slices.size()]);
   } else {
-    const Plane& plane = vis.slices[hit.primitive - vis.isovalues.size()];
+    const Plane& plane = vis.slices[hit.primitive];
     hit.normal = hit.geometric = glm::normalize(plane.normal);
     hit.colour = part.transfer.colour(part.field->value(hit.position).value_or(0));
   }
@@ -256,7 +282,7 @@ void World::describePrimitive(const Part& part, const Ray& ray, SurfaceHit& hit)
   }
 }
 
-std::optional<SurfaceHit> World::firstHit(const Ray& ray, double after, double limit,
+std::optional<SurfaceHit> World::firstHit(const Ray& ray, const Behind& last, double limit,
                                           glm::dvec3 aside) const {
   SurfaceHit best;
   bool found = false;
@@ -266,9 +292,9 @@ std::optional<SurfaceHit> World::firstHit(const Ray& ray, double after, double l
     const Interval range = Interval{}.intersected(keptOf(*part.vis, part.field, ray));
     const double before = best.t;
     if (part.field) {
-      nearestVolumeSurface(part, ray, range, after, best);
+      nearestVolumeSurface(int(i), ray, range, last, best);
     } else {
-      nearestPrimitive(part, ray, range, after, best);
+      nearestPrimitive(int(i), ray, range, last, best);
     }
     if (!(best.t < before)) continue;
     best.vis = int(i);
@@ -298,12 +324,13 @@ VolumeRay World::volumes(const Ray& ray, Interval range) const {
 }
 
 double World::transmittance(const Ray& ray, double limit, double tolerance) const {
-  double passed = 1, after = -1;
+  double passed = 1;
+  Behind last;
   while (passed > 0) {
-    const auto hit = firstHit(ray, after, limit);
+    const auto hit = firstHit(ray, last, limit);
     if (!hit) break;
     passed *= 1 - hit->opacity;
-    after = hit->t;
+    last = *hit;
   }
   if (passed > 0) passed *= volumes(ray, {0, limit}).integrate({0, limit}, tolerance).transmittance;
   return passed;
