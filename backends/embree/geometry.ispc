@@ -29,8 +29,8 @@ struct GangRays {
   uniform float tNear[programCount];  // no hit is nearer
   uniform float tFar[programCount];   // of the nearest hit, or the end
   uniform float tAfter[programCount], tClip[programCount];  // hits of the operator lie behind the first, and no farther than the second
-  uniform bool goesOn;  // behind a surface, some of them
-  uniform float tAgain[programCount];            // what primitives from firstAgain on lie behind instead of tAfter
+  // of rays that go on behind a surface: what primitives from firstAgain on lie behind instead of tAfter
+  uniform float tAgain[programCount];
   uniform unsigned int firstAgain[programCount];
   uniform float tMet[programCount];  // where a segment of the operator's path lines was met last; -1: none
   uniform float metAX[programCount], metAY[programCount], metAZ[programCount];
@@ -75,10 +75,10 @@ static inline bool comesNear(vec3 o, vec3 d, float perSquare, float perLength, f
 
 // One ray against all primitives of a leaf, a lane each.
 static inline bool hitLanes(const uniform GangRays& g, uniform int lane, uniform int kind, const uniform float* uniform q,
-                            unsigned int id, float& t) {
+                            unsigned int id, uniform bool goesOn, float& t) {
   vec3 o = make_v3(g.ox[lane], g.oy[lane], g.oz[lane]), d = make_v3(g.dx[lane], g.dy[lane], g.dz[lane]);
   float tAfter = g.tAfter[lane];
-  if (g.goesOn) tAfter = id >= g.firstAgain[lane] ? g.tAgain[lane] : tAfter;
+  if (goesOn) tAfter = id >= g.firstAgain[lane] ? g.tAgain[lane] : tAfter;
   bool hit = false;
   t = NO_HIT;
   if (kind == KIND_PARTICLES) {
@@ -89,8 +89,12 @@ static inline bool hitLanes(const uniform GangRays& g, uniform int lane, uniform
     Tube tube = {ROWS_POINT(0), ROWS_POINT(4), ROWS_POINT(8), ROWS_POINT(12), ROW(3), ROW(7), ROW(11), ROW(15),
                  ROW(16) != 0.0f, ROW(17) != 0.0f};
     TubeHit h;
-    MetSegment met = {g.tMet[lane], make_v3(g.metAX[lane], g.metAY[lane], g.metAZ[lane]),
-                      make_v3(g.metBX[lane], g.metBY[lane], g.metBZ[lane])};
+    MetSegment met = noSegment();
+    if (goesOn) {
+      met.t = g.tMet[lane];
+      met.a = make_v3(g.metAX[lane], g.metAY[lane], g.metAZ[lane]);
+      met.b = make_v3(g.metBX[lane], g.metBY[lane], g.metBZ[lane]);
+    }
     hit = hitTube(tube, o, d, tAfter, met, h);
     t = h.t;
   } else {
@@ -106,10 +110,10 @@ static inline bool hitLanes(const uniform GangRays& g, uniform int lane, uniform
 
 // All rays of the gang against primitive p of a leaf.
 static inline bool hitOne(const uniform GangRays& g, uniform int p, uniform int kind, const uniform float* uniform q,
-                          uniform unsigned int id, float& t) {
+                          uniform unsigned int id, uniform bool goesOn, float& t) {
   vec3 o = make_v3(LANE(g, ox), LANE(g, oy), LANE(g, oz)), d = make_v3(LANE(g, dx), LANE(g, dy), LANE(g, dz));
   float tAfter = LANE(g, tAfter);
-  if (g.goesOn) tAfter = id >= LANE(g, firstAgain) ? LANE(g, tAgain) : tAfter;
+  if (goesOn) tAfter = id >= LANE(g, firstAgain) ? LANE(g, tAgain) : tAfter;
   bool hit = false;
   t = NO_HIT;
   if (kind == KIND_PARTICLES) {
@@ -120,8 +124,12 @@ static inline bool hitOne(const uniform GangRays& g, uniform int p, uniform int 
     Tube tube = {ONES_POINT(0), ONES_POINT(4), ONES_POINT(8), ONES_POINT(12), ONE(3), ONE(7), ONE(11), ONE(15),
                  ONE(16) != 0.0f, ONE(17) != 0.0f};
     TubeHit h;
-    MetSegment met = {LANE(g, tMet), make_v3(LANE(g, metAX), LANE(g, metAY), LANE(g, metAZ)),
-                      make_v3(LANE(g, metBX), LANE(g, metBY), LANE(g, metBZ))};
+    MetSegment met = noSegment();
+    if (goesOn) {
+      met.t = LANE(g, tMet);
+      met.a = make_v3(LANE(g, metAX), LANE(g, metAY), LANE(g, metAZ));
+      met.b = make_v3(LANE(g, metBX), LANE(g, metBY), LANE(g, metBZ));
+    }
     hit = hitTube(tube, o, d, tAfter, met, h);
     t = h.t;
   } else {
@@ -173,9 +181,11 @@ static inline uniform int64 primitivesMet(const uniform Bundle& b, uniform int k
   return packmask(met && programIndex < count);
 }
 
-// The bundle's rays against a leaf. With anyHit, those that meet something leave the bundle; else what is nearest is kept.
+// The bundle's rays against a leaf. With anyHit, those that meet something leave the bundle; else what is nearest is kept. goesOn:
+// some of them go on behind a surface.
 static inline void meetLeaf(uniform GangRays& g, uniform Bundle& b, uniform int64 lanes, uniform int kind,
-                            const uniform GeometryTreeView& tree, uniform unsigned int word, uniform bool anyHit) {
+                            const uniform GeometryTreeView& tree, uniform unsigned int word, uniform bool anyHit,
+                            uniform bool goesOn) {
   uniform int rows = kind == KIND_PARTICLES ? TREE_SPHERE_ROWS : kind == KIND_PATHLINES ? TREE_TUBE_ROWS : TREE_TRIANGLE_ROWS;
   uniform int64 number = word & TREE_LEAF_NUMBER;
   uniform int count = ((word & ~TREE_LEAF) >> TREE_COUNT_SHIFT) + 1;
@@ -192,7 +202,7 @@ static inline void meetLeaf(uniform GangRays& g, uniform Bundle& b, uniform int6
     for (; lanes != 0; lanes &= lanes - 1) {
       uniform int lane = count_trailing_zeros(lanes);
       float t;
-      bool hit = hitLanes(g, lane, kind, q, id, t);
+      bool hit = hitLanes(g, lane, kind, q, id, goesOn, t);
       if (anyHit) {
         if (any(hit && t < g.tFar[lane])) b.lanes &= ~((uniform int64)1 << lane);
       } else {
@@ -212,7 +222,7 @@ static inline void meetLeaf(uniform GangRays& g, uniform Bundle& b, uniform int6
     for (; met != 0; met &= met - 1) {
       uniform int p = count_trailing_zeros(met);
       float t;
-      bool hit = hitOne(g, p, kind, q, ids[p], t) && mine;
+      bool hit = hitOne(g, p, kind, q, ids[p], goesOn, t) && mine;
       if (anyHit) {
         hit = hit && t < LANE(g, tFar);
         b.lanes &= ~(uniform int64)packmask(hit);
@@ -241,7 +251,7 @@ static inline uniform int64 lanesThrough(const uniform GangRays& g, const unifor
 // The bundle's rays through a tree. Boxes are met by reciprocals, and so tested wider, by 16 roundings; no ray runs in a face, as those of
 // primitives are moved out (primitive_bounds.h).
 static inline void walk(uniform GangRays& g, uniform Bundle& b, uniform int kind, const uniform GeometryTreeView& tree,
-                        uniform bool anyHit) {
+                        uniform bool anyHit, uniform bool goesOn) {
   uniform unsigned int stack[programCount * TREE_DEEPEST];  // number of a node * programCount + child
   uniform float from[programCount * TREE_DEEPEST];
   uniform int waiting = 0;
@@ -275,7 +285,7 @@ static inline void walk(uniform GangRays& g, uniform Bundle& b, uniform int kind
         next = word;
         break;
       }
-      meetLeaf(g, b, lanes, kind, tree, word, anyHit);
+      meetLeaf(g, b, lanes, kind, tree, word, anyHit, goesOn);
       if (anyHit && b.lanes == 0) return;
     }
   }
@@ -283,14 +293,14 @@ static inline void walk(uniform GangRays& g, uniform Bundle& b, uniform int kind
 
 // The same for a bundle of one.
 static inline void walkAlone(uniform GangRays& g, uniform Bundle& b, uniform int kind, const uniform GeometryTreeView& tree,
-                             uniform bool anyHit) {
+                             uniform bool anyHit, uniform bool goesOn) {
   uniform unsigned int stack[programCount * TREE_DEEPEST];  // words of children
   uniform float from[programCount * TREE_DEEPEST];
   uniform int waiting = 0;
   uniform unsigned int next = 0;
   while (true) {
     if (next & TREE_LEAF) {
-      meetLeaf(g, b, b.lanes, kind, tree, next, anyHit);
+      meetLeaf(g, b, b.lanes, kind, tree, next, anyHit, goesOn);
       if (anyHit && b.lanes == 0) return;
     } else {
       const uniform float* uniform q = nodeOf(tree, next);
@@ -324,11 +334,11 @@ static inline void walkAlone(uniform GangRays& g, uniform Bundle& b, uniform int
 }
 
 static inline void meetTree(uniform GangRays& g, uniform Bundle& b, uniform int kind, const uniform GeometryTreeView& tree,
-                            uniform bool anyHit) {
+                            uniform bool anyHit, uniform bool goesOn) {
   if ((b.lanes & (b.lanes - 1)) == 0)
-    walkAlone(g, b, kind, tree, anyHit);
+    walkAlone(g, b, kind, tree, anyHit, goesOn);
   else
-    walk(g, b, kind, tree, anyHit);
+    walk(g, b, kind, tree, anyHit, goesOn);
 }
 
 #define SPAN(field, least, most)                       \
@@ -376,7 +386,7 @@ static inline uniform int64 alike(const uniform GangRays& g, uniform int64 lanes
   return lanes & packmask(octant && (cone || programIndex == i));
 }
 
-// The nearest surface of geometry; with anyHit, rays that meet one just become opaque (A = 1).
+// The nearest surface of geometry; with anyHit, rays that meet one just become opaque (A = 1), and none goes on behind one.
 export void hitGeometry(const void* uniform scene, void* uniform rays, uniform int n, uniform bool anyHit) {
   USE_SCENE(s, scene);
   USE_RAYS(r, rays);
@@ -386,20 +396,23 @@ export void hitGeometry(const void* uniform scene, void* uniform rays, uniform i
     int i = first + programIndex;
     bool there = i < n;
     float bound = 0.0f, again = 0.0f;
-    LastHit last = {-1.0f, 0x7fffffff, 0xffffffffu};
+    LastHit last;
     if (there) {
       LANE(g, ox) = r.ox[i], LANE(g, oy) = r.oy[i], LANE(g, oz) = r.oz[i];
       LANE(g, dx) = r.dx[i], LANE(g, dy) = r.dy[i], LANE(g, dz) = r.dz[i];
       LANE(g, tFar) = min(min(r.tOut[i], r.tEnd[i]), NO_HIT);
-      last = lastHit(s, r, i);
-      bound = strictBound(r.tIn[i], last.t);
-      again = strictBound(r.tIn[i], justBefore(last.t));
+      bound = strictBound(r.tIn[i], r.tLast[i]);
+      again = bound;
+      if (!anyHit && !s.opaqueSurfaces) {
+        last = lastHit(s, r, i);
+        again = strictBound(r.tIn[i], justBefore(last.t));
+      }
     }
     vec3 o = make_v3(LANE(g, ox), LANE(g, oy), LANE(g, oz)), d = make_v3(LANE(g, dx), LANE(g, dy), LANE(g, dz));
     LANE(g, rx) = reciprocal(d.x), LANE(g, ry) = reciprocal(d.y), LANE(g, rz) = reciprocal(d.z);
     LANE(g, perSquare) = 1.0f / (d.x * d.x + d.y * d.y + d.z * d.z);
     LANE(g, perLength) = sqrt(LANE(g, perSquare));
-    g.goesOn = any(again < bound);
+    uniform bool goesOn = !anyHit && any(again < bound);
     LANE(g, tNear) = max(again, 0.0f);
     bool going = there && meetsGeometry(o) && LANE(g, tNear) <= LANE(g, tFar);
     bool alone = false;
@@ -416,7 +429,7 @@ export void hitGeometry(const void* uniform scene, void* uniform rays, uniform i
       LANE(g, tMet) = -1.0f;
       LANE(g, primitive) = NO_PRIMITIVE;
       uniform int kind = s.operator_[k].kind;
-      if (g.goesOn) {
+      if (goesOn) {
         LANE(g, tAgain) = boundBehind(field, again, clip0);
         LANE(g, firstAgain) = firstBehind(last, k);
         if (kind == KIND_PATHLINES && again < bound && last.op == k) {
@@ -440,9 +453,11 @@ export void hitGeometry(const void* uniform scene, void* uniform rays, uniform i
         else
           bundleOf(g, these, b);
         if (anyHit)
-          meetTree(g, b, kind, tree[k], true);
+          meetTree(g, b, kind, tree[k], true, false);
+        else if (goesOn)
+          meetTree(g, b, kind, tree[k], false, true);
         else
-          meetTree(g, b, kind, tree[k], false);
+          meetTree(g, b, kind, tree[k], false, false);
         if (anyHit) {
           lanes &= ~these | b.lanes;
           bool met = isIn(these & ~b.lanes);

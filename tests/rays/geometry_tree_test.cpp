@@ -170,8 +170,8 @@ struct Nearest {
   uint32_t primitive = 0;
 };
 
-// What is tested one by one.
-Nearest nearestOf(const Case& c, const GeometryPart& part, const RayView& r, size_t i) {
+// What is tested one by one. goesOn: also what is as far as the last surface, behind it in order.
+Nearest nearestOf(const Case& c, const GeometryPart& part, const RayView& r, size_t i, bool goesOn) {
   using namespace single;
   const vec3 o = make_v3(r.ox[i], r.oy[i], r.oz[i]), d = make_v3(r.dx[i], r.dy[i], r.dz[i]);
   const float in = r.tIn[i] > 0 ? std::nextafter(r.tIn[i], 0.f) : 0.f;
@@ -183,7 +183,7 @@ Nearest nearestOf(const Case& c, const GeometryPart& part, const RayView& r, siz
   nearest.t = std::min(r.tOut[i], r.tEnd[i]);
   for (uint32_t p = 0; p < part.primitives; p++) {
     // The last surface was met in this operator: those of higher numbers may be as far.
-    const bool again = r.tLast[i] > 0 && p > r.lastPrimitive[i];
+    const bool again = goesOn && r.tLast[i] > 0 && p > r.lastPrimitive[i];
     const float after = std::max(in, again ? std::nextafter(r.tLast[i], 0.f) : r.tLast[i]);
     float t = 0;
     bool hit = false;
@@ -271,7 +271,8 @@ TEST(GeometryRays, MeetWhatOnePrimitiveAfterTheOtherMeets) {
           r.tEnd[i] = oneOf(3) ? scale * unit(random) : 1e30f;
           r.lastOperator[i] = 0;
           r.lastPrimitive[i] = random() % 500;
-          if (const Nearest before = nearestOf(c, part, r, i); before.met && oneOf(3)) {  // from there on
+          if (const Nearest before = nearestOf(c, part, r, i, true);
+              before.met && oneOf(3)) {  // from there on
             r.tLast[i] = before.t;
             r.lastPrimitive[i] = before.primitive;
           }
@@ -282,13 +283,13 @@ TEST(GeometryRays, MeetWhatOnePrimitiveAfterTheOtherMeets) {
         ispc::hitGeometry(&scene, &r, kRays, false);
         int met = 0;
         for (size_t i = 0; i < kRays; i++) {
-          const Nearest expected = nearestOf(c, part, r, i);
+          const Nearest expected = nearestOf(c, part, r, i, true);
           met += expected.met;
           const auto where = [&] {
             return std::to_string(c.kind) + ", " + std::to_string(scale) + ", " + std::to_string(offset) +
                    ", ray " + std::to_string(i);
           };
-          ASSERT_EQ(r.A[i], expected.met ? 1.f : 0.f) << where();
+          ASSERT_EQ(r.A[i], nearestOf(c, part, r, i, false).met ? 1.f : 0.f) << where();
           ASSERT_EQ(r.hitKind[i], expected.met ? HIT_GEOMETRY : HIT_NONE) << where();
           if (!expected.met) continue;
           ASSERT_EQ(r.tHit[i], expected.t) << where();
