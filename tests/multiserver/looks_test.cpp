@@ -136,7 +136,10 @@ TEST(ViewerLooks, CamerasAreFittedToTheDataAndKeptAsTheyWereWritten) {
   EXPECT_EQ(fit.rgba, given.rgba);
   const json again = viewer.client->expect("camera 1");
   EXPECT_EQ(again.at("Camera"), camera);
-  EXPECT_EQ(again.at("box"), json::parse("[[-1, -1, -1], [1, 1, 1]]"));
+  for (size_t a = 0; a < 3; a++) {
+    EXPECT_EQ(again.at("box").at(0).at(a), -1);
+    EXPECT_NEAR(again.at("box").at(1).at(a).get<double>(), 1, 1e-5);
+  }
   ASSERT_EQ(again.at("ranges").size(), 1u);
   EXPECT_LT(again.at("ranges").at(0).at(0).get<double>(), again.at("ranges").at(0).at(1).get<double>());
 }
