@@ -244,8 +244,8 @@ GeometryContent readGeometry(const std::string& path, GeometryKind kind, const V
   return content;
 }
 
-GeometrySummary summariseGeometry(const std::string& path) {
-  const vtkSmartPointer<vtkPointSet> set = readPointSet(path);
+GeometrySummary summariseGeometry(const std::string& path, const TakeMemory& toTake) {
+  const vtkSmartPointer<vtkPointSet> set = readPointSet(path, toTake);
   GeometrySummary summary;
   summary.points = uint64_t(set->GetNumberOfPoints());
   for (vtkIdType i = 0; i < set->GetNumberOfPoints(); ++i) {

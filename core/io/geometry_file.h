@@ -75,7 +75,8 @@ struct GeometrySummary {
   };
   std::vector<Array> arrays;
 };
-GeometrySummary summariseGeometry(const std::string& path);
+/// `toTake`, if any, is told what the file's arrays take.
+GeometrySummary summariseGeometry(const std::string& path, const TakeMemory& toTake = {});
 
 /// Triangles if the file has any, or solid cells, else path lines, else particles.
 GeometryKind likelyKind(const GeometrySummary& summary);

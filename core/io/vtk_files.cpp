@@ -38,7 +38,9 @@ GeometryContent readGeometry(const std::string& path, GeometryKind kind, const V
   return vtk(path).readGeometry(path, kind, values, toTake);
 }
 
-GeometrySummary summariseGeometry(const std::string& path) { return vtk(path).summariseGeometry(path); }
+GeometrySummary summariseGeometry(const std::string& path, const TakeMemory& toTake) {
+  return vtk(path).summariseGeometry(path, toTake);
+}
 
 GeometryKind likelyKind(const GeometrySummary& summary) { return vtk("geometry").likelyKind(summary); }
 

@@ -8,7 +8,6 @@
 #include <set>
 
 #include "gxy/comm/error.h"
-#include "gxy/io/file.h"
 #include "gxy/io/import_geometry.h"
 #include "gxy/io/volume_file.h"
 #include "gxy/look/loaded_facts.h"
@@ -96,8 +95,7 @@ std::pair<std::string, GeometrySummary> tellingPiece(const std::string& path, co
   if (pieces.empty()) throw Error(path + ": it lists no pieces, expected one or more");
   std::optional<std::pair<std::string, GeometrySummary>> best;
   for (const std::string& piece : pieces) {
-    if (toTake) toTake(File::open(piece).size());
-    GeometrySummary summary = summariseGeometry(piece);
+    GeometrySummary summary = summariseGeometry(piece, toTake);
     if (summary.triangles || summary.solids || summary.segments || summary.vertices)
       return {piece, std::move(summary)};
     if (!best || (best->second.points == 0 && summary.points > 0)) best = {piece, std::move(summary)};

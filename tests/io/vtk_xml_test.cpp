@@ -217,6 +217,11 @@ TEST_F(VtkXmlFile, ArraysAreToldBeforeTheyAreReadThenTheirBlock) {
     ASSERT_EQ(told.size(), 2u);
     EXPECT_EQ(told[0], std::max<int64_t>(arrays + more, int64_t(std::filesystem::file_size(path)))) << path;
     EXPECT_EQ(told[1], block) << path;
+    Told summary;  // for which all arrays are read
+    summariseGeometry(path, [&](int64_t bytes) { summary.push_back(bytes); });
+    ASSERT_EQ(summary.size(), 1u) << path;
+    EXPECT_GE(summary[0], arrays) << path;
+    EXPECT_THROW(summariseGeometry(path, [](int64_t) { throw Error("no memory"); }), Error);
   }
 }
 
