@@ -8,6 +8,7 @@
 #include <set>
 
 #include "gxy/comm/error.h"
+#include "gxy/io/file.h"
 #include "gxy/io/import_geometry.h"
 #include "gxy/io/volume_file.h"
 #include "gxy/look/loaded_facts.h"
