@@ -6,6 +6,7 @@
 
 #include "support/frames.h"
 #include "support/observed_backend.h"
+#include "support/seeds.h"
 
 namespace gxy::test {
 namespace {
@@ -72,7 +73,7 @@ TEST(Batches, TheOldestFrameIsRenderedFirst) {
   const ObservedBackend backend(observer);
   const auto compiled =
       compiledOn(whole(sceneDomain()), scene, [&](int) -> const Backend& { return backend; });
-  for (uint64_t seed = 1; seed <= 5; seed++) {
+  for (uint64_t seed = 1; seed <= uint64_t(seeds(5)); seed++) {
     FrameRun run;
     run.seed = seed;
     run.options.packetRays = 256;
@@ -94,7 +95,7 @@ TEST(Batches, TheOldestFrameIsRenderedFirst) {
 
 // Ranks that have less to do run ahead, and whoever hands out pictures may be slow: rank 0 begins so many and no more.
 TEST(Batches, OnSeveralRanksFramesBeginAsOthersEnd) {
-  for (uint64_t seed = 1; seed <= 5; seed++) {
+  for (uint64_t seed = 1; seed <= uint64_t(seeds(5)); seed++) {
     FrameRun run;
     run.seed = seed;
     run.options.packetRays = 256;
@@ -112,7 +113,7 @@ TEST(Batches, FramesThatWaitToBeginCanBeSuperseded) {
   addParticles(scene, 1);
   const auto compiled = compiledOn(lattice(sceneDomain(), {2, 1, 1}, 2), scene);
   const Picture expected = wholeOnEmbree(scene);
-  for (uint64_t seed = 1; seed <= 40; seed++) {
+  for (uint64_t seed = 1; seed <= uint64_t(seeds(40)); seed++) {
     FrameRun run;
     run.seed = seed;
     run.options.framebufferBytes = 1;

@@ -125,14 +125,15 @@ void RemoteWindow::askForBoxes() {
   client_->send(std::string("viewer.camera ") + kWindow, [this](const Reply& reply) { takeShown(reply); });
 }
 
+// Without an answer nothing is drawn over the picture.
 void RemoteWindow::takeShown(const Reply& reply) {
   ShownSoFar shown;
-  if (reply.ok) {
-    for (const json& range : reply.value.at("ranges")) {
+  if (reply.ok && reply.value.is_object()) {
+    for (const json& range : reply.value.value("ranges", json::array())) {
       Range& to = shown.ranges.emplace_back();
       if (!range.is_null()) to = {range.at(0), range.at(1)};
     }
-    if (const json& box = reply.value.at("box"); !box.is_null())
+    if (const json box = reply.value.value("box", json()); !box.is_null())
       for (const json& corner : box) shown.box.extend(glm::dvec3(corner.at(0), corner.at(1), corner.at(2)));
   }
   const std::lock_guard lock(mutex_);
