@@ -93,11 +93,18 @@ std::string cut(const std::string& text) {
   return text.substr(0, end);
 }
 
+/// Where an interval of a length begins so that it lies in [0, size], if it is partly there and fits; else where it did.
+int movedIn(int begin, int length, int size) {
+  const bool outside = begin >= size || begin + length <= 0;
+  return outside || length > size ? begin : std::clamp(begin, 0, size - length);
+}
+
 void drawText(const Overlay::Text& text, bool onBright, const Target& target) {
   const TextMask mask = textMask(cut(text.text), text.height);
   if (mask.width == 0) return;
-  const int x = int(std::lround(text.at.x - text.anchor.x * mask.width));
-  const int y = int(std::lround(text.at.y - text.anchor.y * mask.height));
+  const int x = movedIn(int(std::lround(text.at.x - text.anchor.x * mask.width)), mask.width, target.size.x);
+  const int y =
+      movedIn(int(std::lround(text.at.y - text.anchor.y * mask.height)), mask.height, target.size.y);
   constexpr int kRim = 1;
   for (int j = -kRim; j < mask.height + kRim; j++)
     for (int i = -kRim; i < mask.width + kRim; i++) {

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <glm/vec4.hpp>
 
 #include "gxy/io/text_mask.h"
 
@@ -18,7 +19,7 @@ Image grey() {
   return image;
 }
 
-glm::vec4 at(const Image& image, int x, int y) {
+glm::vec4 pixelAt(const Image& image, int x, int y) {
   const float* p = &image.rgba[4 * size_t(y * image.width + x)];
   return {p[0], p[1], p[2], p[3]};
 }
@@ -33,24 +34,24 @@ TEST(Overlay, ALineCoversItsWidth) {
   const Image image = drawnOver({.lines = {{{5, 10.5}, {20, 10.5}, 1, {1, 0, 0}}}});
   const glm::vec4 red(1, 0, 0, 1), before(0.5f);
   for (int x = 6; x < 19; x++) {
-    EXPECT_EQ(at(image, x, 10), red) << x;
-    EXPECT_EQ(at(image, x, 11), before) << x;
-    EXPECT_EQ(at(image, x, 9), before) << x;
+    EXPECT_EQ(pixelAt(image, x, 10), red) << x;
+    EXPECT_EQ(pixelAt(image, x, 11), before) << x;
+    EXPECT_EQ(pixelAt(image, x, 9), before) << x;
   }
-  EXPECT_EQ(at(image, 3, 10), before);
-  EXPECT_EQ(at(image, 22, 10), before);
+  EXPECT_EQ(pixelAt(image, 3, 10), before);
+  EXPECT_EQ(pixelAt(image, 22, 10), before);
 }
 
 TEST(Overlay, ALineBetweenRowsCoversHalfOfBoth) {
   const Image image = drawnOver({.lines = {{{5, 10}, {20, 10}, 1, {1, 0, 0}}}});
-  for (int y : {9, 10}) EXPECT_EQ(at(image, 12, y), glm::vec4(0.75f, 0.25f, 0.25f, 0.75f));
+  for (int y : {9, 10}) EXPECT_EQ(pixelAt(image, 12, y), glm::vec4(0.75f, 0.25f, 0.25f, 0.75f));
 }
 
 TEST(Overlay, SteepAndFlatLinesAreAlike) {
   const Image flat = drawnOver({.lines = {{{3, 4}, {25, 11}, 2, glm::dvec3(1)}}});
   const Image steep = drawnOver({.lines = {{{4, 3}, {11, 25}, 2, glm::dvec3(1)}}});
   for (int y = 0; y < kHeight; y++)
-    for (int x = 0; x < kHeight; x++) EXPECT_EQ(at(flat, x, y), at(steep, y, x)) << x << ' ' << y;
+    for (int x = 0; x < kHeight; x++) EXPECT_EQ(pixelAt(flat, x, y), pixelAt(steep, y, x)) << x << ' ' << y;
 }
 
 TEST(Overlay, WhatLiesOutsideIsLeftOut) {
@@ -61,17 +62,17 @@ TEST(Overlay, WhatLiesOutsideIsLeftOut) {
   EXPECT_EQ(drawnOver(far).rgba, grey().rgba);
   // through all of it, from far outside
   const Image image = drawnOver({.lines = {{{-1e6, 15.5}, {1e6, 15.5}, 1, glm::dvec3(1)}}});
-  for (int x = 0; x < kWidth; x++) EXPECT_EQ(at(image, x, 15), glm::vec4(1)) << x;
+  for (int x = 0; x < kWidth; x++) EXPECT_EQ(pixelAt(image, x, 15), glm::vec4(1)) << x;
 }
 
 TEST(Overlay, ABarHasItsColoursInAFrame) {
   const Image image = drawnOver({.bars = {{{10, 5}, {14, 9}, {{1, 0, 0}, {0, 1, 0}}}}});
   for (int x = 10; x < 14; x++) {
-    for (int y : {5, 6}) EXPECT_EQ(at(image, x, y), glm::vec4(1, 0, 0, 1));
-    for (int y : {7, 8}) EXPECT_EQ(at(image, x, y), glm::vec4(0, 1, 0, 1));
-    for (int y : {4, 9}) EXPECT_EQ(at(image, x, y), glm::vec4(0.5, 0.5, 0.5, 1));
+    for (int y : {5, 6}) EXPECT_EQ(pixelAt(image, x, y), glm::vec4(1, 0, 0, 1));
+    for (int y : {7, 8}) EXPECT_EQ(pixelAt(image, x, y), glm::vec4(0, 1, 0, 1));
+    for (int y : {4, 9}) EXPECT_EQ(pixelAt(image, x, y), glm::vec4(0.5, 0.5, 0.5, 1));
   }
-  EXPECT_EQ(at(image, 15, 7), glm::vec4(0.5f));
+  EXPECT_EQ(pixelAt(image, 15, 7), glm::vec4(0.5f));
 }
 
 TEST(Overlay, TextStandsWhereItsAnchorIs) {
@@ -80,7 +81,7 @@ TEST(Overlay, TextStandsWhereItsAnchorIs) {
     glm::ivec4 used(kWidth, kHeight, 0, 0);
     for (int y = 0; y < kHeight; y++)
       for (int x = 0; x < kWidth; x++)
-        if (at(image, x, y).r > 0.7f)
+        if (pixelAt(image, x, y).r > 0.7f)
           used = {std::min(used.x, x), std::min(used.y, y), std::max(used.z, x), std::max(used.w, y)};
     return used;
   };
@@ -91,6 +92,21 @@ TEST(Overlay, TextStandsWhereItsAnchorIs) {
   EXPECT_LE(left.w, 15);
   EXPECT_EQ(right.w - right.y, left.w - left.y);
   EXPECT_GE(right.w - right.y, 6);
+}
+
+TEST(Overlay, TextAtTheBorderIsMovedIn) {
+  const auto brightPixels = [](glm::dvec2 at) {
+    const Image image = drawnOver({.texts = {{at, {0.5, 0.5}, 12, "88"}}});
+    int n = 0;
+    for (int y = 0; y < kHeight; y++)
+      for (int x = 0; x < kWidth; x++) n += pixelAt(image, x, y).r > 0.7f;
+    return n;
+  };
+  const int whole = brightPixels({20, 15});
+  EXPECT_GT(whole, 10);
+  for (const glm::dvec2 at : {glm::dvec2(1, 15), {39, 15}, {20, 2}, {20, 28}, {1, 29}})
+    EXPECT_EQ(brightPixels(at), whole) << at.x << ' ' << at.y;
+  EXPECT_EQ(brightPixels({-30, 15}), 0);
 }
 
 TEST(Overlay, TextIsBlackOnABrightBackground) {
