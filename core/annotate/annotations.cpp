@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <glm/geometric.hpp>
 #include <optional>
 
@@ -43,7 +44,7 @@ std::string formatted(double x, int digits) {
 
 // --- what values are shown in colours -------------------------------------------------------------------------------
 
-bool coloursByValue(const Vis& vis) {
+bool colorsByValue(const Vis& vis) {
   return vis.type != VisType::Volume || vis.volumeRendering || !vis.slices.empty() || !vis.isovalues.empty();
 }
 
@@ -64,7 +65,7 @@ std::vector<Legend> legendsOf(const Annotated& what) {
   for (size_t i = 0; i < operators.size() && i < what.shown.ranges.size(); i++) {
     Vis vis = operators[i];
     const Range& range = what.shown.ranges[i];
-    if (range.empty() || !coloursByValue(vis)) continue;
+    if (range.empty() || !colorsByValue(vis)) continue;
     if (vis.rangeOfData) vis.dataRange = {range.min, range.max};
     Legend legend{vis.dataset + (vis.component ? " [" + std::to_string(*vis.component) + "]" : ""),
                   effectiveColorMap(vis)};
@@ -151,7 +152,7 @@ glm::dvec2 placeOf(const CameraBasis& basis, const glm::dvec3& p) {
 
 struct Edge {
   int axis;
-  bool outer;           ///< it is where the box ends in the picture
+  bool outer;           ///< it is on the outline of the box in the picture
   glm::dvec3 from, to;  ///< ascending along the axis
 };
 
@@ -250,7 +251,7 @@ std::vector<std::string> numberTexts(const std::vector<double>& numbers, double 
     close = true;
     for (const double x : numbers) {
       texts.push_back(formatted(x, digits));
-      close &= std::abs(std::stod(texts.back()) - x) <= span / 200;
+      close &= std::abs(std::strtod(texts.back().c_str(), nullptr) - x) <= span / 200;
     }
   }
   return texts;

@@ -25,7 +25,8 @@ Overlay overlayOf(const Annotations& annotations, const Annotated& what);
 /// is empty or not finite.
 std::vector<double> roundNumbers(double lo, double hi);
 
-/// Numbers for people: of as few digits, three to nine, as leave none of them off by more than half a hundredth of `span`.
+/// Numbers as people read them: with three to nine digits, and no more of them than leave every number right to half a hundredth of
+/// `span`.
 std::vector<std::string> numberTexts(const std::vector<double>& numbers, double span);
 
 }  // namespace gxy

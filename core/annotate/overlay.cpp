@@ -42,6 +42,11 @@ bool clipLine(glm::dvec2& from, glm::dvec2& to, const Target& target, double mar
   return true;
 }
 
+bool isFinite(const glm::dvec2& p) { return std::isfinite(p.x) && std::isfinite(p.y); }
+
+/// The nearest integer; far outside any picture for what is farther.
+int rounded(double x) { return int(std::lround(std::clamp(x, -1e6, 1e6))); }
+
 /// Each pixel is covered as far as its centre is from the line's rim.
 void drawLine(const Overlay::Line& line, const Target& target) {
   const double reach = line.width / 2 + 0.5;
@@ -68,8 +73,8 @@ void drawLine(const Overlay::Line& line, const Target& target) {
 }
 
 void drawBar(const Overlay::Bar& bar, const Target& target) {
-  const glm::ivec2 lo(int(std::lround(bar.lo.x)), int(std::lround(bar.lo.y)));
-  const glm::ivec2 hi(int(std::lround(bar.hi.x)), int(std::lround(bar.hi.y)));
+  const glm::ivec2 lo(rounded(bar.lo.x), rounded(bar.lo.y));
+  const glm::ivec2 hi(rounded(bar.hi.x), rounded(bar.hi.y));
   for (int y = lo.y - 1; y <= hi.y; y++)
     for (int x = lo.x - 1; x <= hi.x; x++) {
       const bool frame = x < lo.x || y < lo.y || x == hi.x || y == hi.y;
@@ -102,9 +107,8 @@ int movedIn(int begin, int length, int size) {
 void drawText(const Overlay::Text& text, bool onBright, const Target& target) {
   const TextMask mask = textMask(cut(text.text), text.height);
   if (mask.width == 0) return;
-  const int x = movedIn(int(std::lround(text.at.x - text.anchor.x * mask.width)), mask.width, target.size.x);
-  const int y =
-      movedIn(int(std::lround(text.at.y - text.anchor.y * mask.height)), mask.height, target.size.y);
+  const int x = movedIn(rounded(text.at.x - text.anchor.x * mask.width), mask.width, target.size.x);
+  const int y = movedIn(rounded(text.at.y - text.anchor.y * mask.height), mask.height, target.size.y);
   constexpr int kRim = 1;
   for (int j = -kRim; j < mask.height + kRim; j++)
     for (int i = -kRim; i < mask.width + kRim; i++) {
@@ -120,9 +124,11 @@ void drawText(const Overlay::Text& text, bool onBright, const Target& target) {
 
 void draw(const Overlay& overlay, glm::ivec2 size, const Blend& blend) {
   const Target target{size, blend};
-  for (const Overlay::Line& line : overlay.lines) drawLine(line, target);
+  for (const Overlay::Line& line : overlay.lines)
+    if (isFinite(line.from) && isFinite(line.to)) drawLine(line, target);
   for (const Overlay::Bar& bar : overlay.bars) drawBar(bar, target);
-  for (const Overlay::Text& text : overlay.texts) drawText(text, overlay.onBright, target);
+  for (const Overlay::Text& text : overlay.texts)
+    if (isFinite(text.at)) drawText(text, overlay.onBright, target);
 }
 
 void draw(const Overlay& overlay, Image& picture) {

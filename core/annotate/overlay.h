@@ -12,7 +12,7 @@
 namespace gxy {
 
 /// What is drawn over a picture, in this order: lines, bars, texts. Positions are in pixels from the picture's lower left
-/// corner, colours in [0, 1]. What lies outside the picture is left out; a text that lies partly outside is moved in.
+/// corner, colours in [0, 1]. What lies outside the picture, or has no finite place, is left out; a text that lies partly outside is moved in.
 struct Overlay {
   struct Line {
     glm::dvec2 from{0}, to{0};

@@ -102,6 +102,8 @@ TEST(Annotations, NumbersHaveTheDigitsThatASpanNeeds) {
   EXPECT_EQ(numberTexts({1000.25, 1000.5}, 0.25), (Words{"1000.25", "1000.5"}));
   EXPECT_EQ(numberTexts({-0.999998, 0.999998}, 2), (Words{"-1", "1"}));
   EXPECT_EQ(numberTexts({289.13, 476.979}, 188), (Words{"289", "477"}));
+  EXPECT_EQ(numberTexts({5e-324, 1e-310}, 1e-310).size(), 2u);  // denormal
+  EXPECT_EQ(numberTexts({-1.797e308, 1.797e308}, 1.7e308).size(), 2u);
 }
 
 TEST(Annotations, OfTheBoxEdgesInFrontAreDrawn) {
@@ -134,6 +136,17 @@ TEST(Annotations, EdgesEndBeforeTheViewer) {
       EXPECT_TRUE(std::isfinite(end.x) && std::isfinite(end.y));
       EXPECT_LT(end.x, 200);  // all of it is to the left
     }
+}
+
+TEST(Annotations, ABoxAtTheEndsOfTheNumbersIsDrawnInTime) {
+  Seen seen;
+  seen.shown.box = {glm::dvec3(-1.7e308), glm::dvec3(1.7e308)};
+  for (const glm::dvec3& from : {glm::dvec3(1.75e308, 1e308, 0), glm::dvec3(0, 0, 10)}) {
+    seen.camera.viewpoint = from;
+    seen.camera.viewdirection = {-1, -0.5, -0.2};
+    Image picture{400, 300, LargeVector<float>(400 * 300 * 4)};
+    draw(seen.overlay(only(&Annotations::outline)), picture);
+  }
 }
 
 TEST(Annotations, TheBoxHasItsExtents) {

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <glm/vec4.hpp>
+#include <limits>
 
 #include "gxy/io/text_mask.h"
 
@@ -60,6 +61,12 @@ TEST(Overlay, WhatLiesOutsideIsLeftOut) {
       .bars = {{{100, 100}, {110, 120}, {glm::dvec3(1)}}},
       .texts = {{{-500, 10}, {0, 0}, 14, "far"}}};
   EXPECT_EQ(drawnOver(far).rgba, grey().rgba);
+  constexpr double kInfinity = std::numeric_limits<double>::infinity(),
+                   kNan = std::numeric_limits<double>::quiet_NaN();
+  const Overlay nowhere{
+      .lines = {{{kNan, 3}, {5, 5}, 2, glm::dvec3(1)}, {{3, 3}, {kInfinity, 5}, 2, glm::dvec3(1)}},
+      .texts = {{{kNan, 10}, {0, 0}, 14, "a"}, {{1e300, 10}, {0, 0}, 14, "b"}}};
+  EXPECT_EQ(drawnOver(nowhere).rgba, grey().rgba);
   // through all of it, from far outside
   const Image image = drawnOver({.lines = {{{-1e6, 15.5}, {1e6, 15.5}, 1, glm::dvec3(1)}}});
   for (int x = 0; x < kWidth; x++) EXPECT_EQ(pixelAt(image, x, 15), glm::vec4(1)) << x;

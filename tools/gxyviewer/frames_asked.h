@@ -38,7 +38,8 @@ class FramesAsked {
     const auto asked = std::ranges::find(asked_, std::optional(frame), &Asked::number);
     return asked == asked_.end() ? nullptr : &*asked;
   }
-  /// The camera of a frame of which something has come: it may be that of the oldest request without a number.
+  /// The camera of a frame of which something has come. Before the server has said its number, it is that of the oldest request
+  /// without one.
   std::optional<Camera> cameraOf(uint64_t frame) const {
     const Asked* asked = find(frame);
     if (!asked) {

@@ -117,28 +117,31 @@ class ViewerWindow {
     bool changed = false;
     const ShownSoFar data = remote_.shown();
     remote_.ifChanged([&](const Canvas& canvas, const Camera& camera) {
-      shown_.setPicture(canvas, overlay(data, camera, canvas.size()));
+      withOverlay(data, camera, canvas.size(),
+                  [&](const Overlay& overlay) { shown_.setPicture(canvas, overlay); });
       changed = true;
     });
     changed |= shown_.setStatus(now < noticeEnd_ ? notice_ : status());
     if (changed) shown_.draw();
   }
 
-  // For the picture that a camera sees. Without a font it says so, once.
-  Overlay overlay(const ShownSoFar& data, Camera camera, glm::ivec2 size) {
-    if (!annotates_) return {};
+  // Calls use(overlay) for the picture that a camera sees. Where the overlay cannot be drawn, as without a font, it says so, and
+  // goes on without.
+  template <class Use>
+  void withOverlay(const ShownSoFar& data, Camera camera, glm::ivec2 size, const Use& use) {
+    if (!annotates_) return use(Overlay());
     camera.dimensions = size;
     camera.fit = false;
     const State state = selection_.shown();
     Annotations what = state.annotations;
     if (what == Annotations()) what.legend = what.axes = what.outline = true;
     try {
-      return overlayOf(what, {state.visualizations[0], data, camera, state.settings});
+      return use(overlayOf(what, {state.visualizations[0], data, camera, state.settings}));
     } catch (const Error& e) {
       annotates_ = false;
       say(std::string("error: ") + e.what());
-      return {};
     }
+    use(Overlay());
   }
 
   std::string status() const {
@@ -309,7 +312,8 @@ class ViewerWindow {
   }
 
   void savePicture(const std::string& path, const Canvas& canvas, const Camera& camera) {
-    writePng(path, canvas, overlay(remote_.shown(), camera, canvas.size()));
+    withOverlay(remote_.shown(), camera, canvas.size(),
+                [&](const Overlay& overlay) { writePng(path, canvas, overlay); });
     say("saved " + path);
   }
 
