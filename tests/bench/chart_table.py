@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""chart_table.py RESULTS.csv...: the table "Charts" of docs/performance.md, in Markdown.
+"""chart_table.py RESULTS.csv...: the table "Charts" of docs/benchmarks.md, in Markdown.
 
 Of the rows that gxybench wrote: one backend, one rank, scenes of volumes. A scene's method in a later file takes the place of the same in
 an earlier one, such as when a noisy one was run again. For each scene: the ratio of processor times of `adaptive` and `fixed` at equal

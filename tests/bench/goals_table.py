@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""goals_table.py PROGRAMS DATA: the tables "Goals" of docs/performance.md, in Markdown.
+"""goals_table.py PROGRAMS DATA: the tables of docs/experiments/0001-comparison-with-peers.md, in Markdown.
 
 PROGRAMS holds gxyrender (such as build/release/bin). DATA holds volumes in [-1,1]^3 (turb256.vti, ml256.vti, turb512.vti,
 aster512.vti), particles (part1m.vtp), triangles (mesh.vtp), and of volumes their references in double: NAME.MAP.f32, 1024 x 1024 float

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""scene_table.py PROGRAMS: the table "One scene of each kind" of docs/performance.md, in Markdown.
+"""scene_table.py PROGRAMS: the table of docs/experiments/0011-scenes-on-several-ranks.md, in Markdown.
 
 Makes the data, renders the states of docs/examples/performance on 1, 2, 4 and 8 ranks by gxyrender of the folder PROGRAMS
 (such as build/release/bin), and prints a row for each. The time of a frame is a fifth of what a run of six frames, one after
