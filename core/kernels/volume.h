@@ -13,7 +13,6 @@
 //   Corners cellCorners(v, cell)                              samples of a cell of the local block
 //   int  planAt(v, index)        0: skip; else the step and the method of a macrocell of the block, see below
 //   bool someByCells(v)          whether any of them goes cell by cell
-//   real clipIn(v, ray index...) see integrateVolume's t0, t1
 
 #define MACRO_BITS 3
 // A plan: the length of a segment in units of 1 / PLAN_UNIT cells, above these bits. 0: nothing is seen there.

@@ -10,7 +10,7 @@ namespace gxy::bench {
 
 /// What the reference renderer shows of a state's first visualization and camera, in front of the background.
 /// Scenes with surfaces also have the range that each pixel takes while the rays are moved by some ulp of
-/// float: pixels where that range is wide are flips (architecture.md, promise 3). In scenes without surfaces
+/// float: pixels where that range is wide are flips (docs/architecture.md, promise 3). In scenes without surfaces
 /// no pixel is a flip.
 struct Truth {
   int width = 0, height = 0;
