@@ -41,11 +41,12 @@ FN real sigmaAt(MapPiece m, real f) { return m.sigma + f * m.sigmaStep; }
 FN vec3 colorAt(MapPiece m, real f) {
   return make_v3(m.color.x + f * m.colorStep.x, m.color.y + f * m.colorStep.y, m.color.z + f * m.colorStep.z);
 }
-// The colour of a value; of the first interval where there is none.
+// The colour of a value, NaN included.
 FN vec3 colorOf(VOLUME v, real s) {
-  MapPlace p;
-  p.k = 0;
-  p.f = R(0.0);
-  if (s == s) p = mapPlace(v, s);
-  return colorAt(mapPiece(v, p.k), p.f);
+  vec3 color = make_v3(v.nanRed, v.nanGreen, v.nanBlue);
+  if (s == s) {
+    MapPlace p = mapPlace(v, s);
+    color = colorAt(mapPiece(v, p.k), p.f);
+  }
+  return color;
 }

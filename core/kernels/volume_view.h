@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // One volume of one partition as the kernels see it, and how C++ and ISPC fetch from it. Filled by the host in
 // gxy::single (ISPC reads the same bytes) or gxy::twin. In GLSL, and in C++ that writes for it (GXY_LAYOUT: the structures
-// alone), what is a pointer here is a place in a buffer; GLSL fetches in shaders/fetch.glsl.
+// alone), what is a pointer here is a place in a buffer; GLSL fetches in shaders/fetch_volume.glsl.
 
 #if defined(GXY_GLSL) || defined(GXY_LAYOUT)
 #define PTR(T) uint
@@ -45,7 +45,8 @@ struct VolumeView {
 
   int mapUniform, mapBuckets, mapIntervals;  // see map.h
   real mapOrigin, mapInverse;
-  real hidden;  // CompiledOperator::hidden
+  real nanRed, nanGreen, nanBlue;  // colour where there is no value
+  real hidden;                     // CompiledOperator::hidden
   PTR(int) buckets;
   PTR(real) nodes;    // start of each interval
   PTR(real) lengths;  // inverse length of each interval

@@ -167,6 +167,8 @@ CompiledMap::CompiledMap(const ColorMap& color, const OpacityMap* opacity, const
       kept.push_back(n);
   }
   const int inner = int(kept.size()) - 1;
+  nan = glm::vec3(color.nan.value_or(glm::dvec3(kept.front().below)));
+  largestColor = std::max({double(nan.r), double(nan.g), double(nan.b)});
 
   // what a denser part does more is hidden behind its front
   auto seen = [&](double sigma) { return std::min(sigma, kDense * perLength); };

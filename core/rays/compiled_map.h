@@ -30,6 +30,7 @@ class CompiledMap {
   std::vector<int32_t> buckets;   ///< first interval of each bucket
   std::vector<float> nodes, lengths, rows, pieces, sums;  ///< see kernels/volume_view.h
   std::vector<int32_t> opaque;                            ///< the same
+  glm::vec3 nan{0};                                       ///< colour where there is no value
   double largestColor = 0;                                ///< over all components
 
   /// What the map does over stored values [lo, hi].

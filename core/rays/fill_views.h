@@ -51,6 +51,7 @@ void fillVolumeView(View& v, const CompiledOperator& op, const OperatorPart* par
   v.mapIntervals = map.intervals();
   v.mapOrigin = map.origin;
   v.mapInverse = map.inverse;
+  v.nanRed = map.nan.r, v.nanGreen = map.nan.g, v.nanBlue = map.nan.b;
   v.hidden = op.hidden;
   v.buckets = put(map.buckets);
   v.nodes = put(map.nodes);

@@ -132,6 +132,13 @@ ColorPreset parseColorPreset(const JsonValue& json, const std::string& sourceNam
     fail(sourceName, preset.at, "expected a ParaView colour preset (an object), found " + preset.describe());
   }
   ColorPreset out{colors(preset, sourceName), std::nullopt};
+  if (const JsonMember* member = preset.find("NanColor")) {
+    const std::vector<double> flat = numbers(*member, 3, sourceName);
+    if (flat.size() != 3)
+      fail(sourceName, member->value.at,
+           "`NanColor`: expected three numbers, found " + std::to_string(flat.size()));
+    out.colors.nan = colorAt(flat, 0);
+  }
   if (const JsonMember* member = preset.find("Points")) {
     const std::vector<double> flat = numbers(*member, 4, sourceName);
     out.opacities.emplace();

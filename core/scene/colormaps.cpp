@@ -82,7 +82,9 @@ constexpr std::array<std::string_view, 5> kShipped{"Viridis", "Inferno", "Cool t
 
 }  // namespace
 
-glm::dvec3 evaluate(const ColorMap& map, double value) { return piecewiseLinear(map.points, value); }
+glm::dvec3 evaluate(const ColorMap& map, double value) {
+  return std::isnan(value) && map.nan ? *map.nan : piecewiseLinear(map.points, value);
+}
 double evaluate(const OpacityMap& map, double value) { return piecewiseLinear(map.points, value); }
 
 ColorMap rescaled(const ColorMap& map, const std::array<double, 2>& range) { return stretched(map, range); }

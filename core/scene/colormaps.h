@@ -13,7 +13,7 @@
 namespace gxy {
 
 /// The colour at a value: linear between the neighbouring points, the end points' outside. Where points share
-/// a value the last of them holds from that value on. NaN gives the first point's.
+/// a value the last of them holds from that value on. NaN gives the map's colour for it, else the first point's.
 glm::dvec3 evaluate(const ColorMap& map, double value);
 /// The opacity (or extinction) at a value, by the same rules.
 double evaluate(const OpacityMap& map, double value);
@@ -60,7 +60,7 @@ ColorMap resampled(const std::vector<ColorPoint>& points, ColorSpace space, bool
 /// What a ParaView JSON preset (an array whose first element is used, or the object itself) says: `RGBPoints`
 /// in its `ColorSpace`, resampled to linear RGB, or `IndexedColors` for the values of its `Annotations` (without these: 0, 1,
 /// 2, ...), and `Points` (value, opacity, midpoint, sharpness; the last two are not used) where
-/// present. Throws Error with the position in `sourceName` where the preset has no usable points.
+/// present, and `NanColor`. Throws Error with the position in `sourceName` where the preset has no usable points.
 struct ColorPreset {
   ColorMap colors;
   std::optional<OpacityMap> opacities;

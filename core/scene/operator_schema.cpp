@@ -8,6 +8,7 @@ namespace {
 
 constexpr unsigned bit(VisType type) { return 1u << unsigned(type); }
 constexpr unsigned kVolume = bit(VisType::Volume);
+constexpr unsigned kGeometry = ~kVolume;
 constexpr unsigned kRound = bit(VisType::Particles) | bit(VisType::PathLines);
 
 const char* typeName(VisType type) {
@@ -137,6 +138,13 @@ std::vector<Key<Vis>> mapKeys() {
           "JSON preset file, or \"default\". Without effect on geometry that has colours of its own.",
           [](F f, Vis& v) { readColorMap(f, v); }, [](V v) { return toJson(v.colormap); })
           .alias({"transfer function"}),
+      customKey<Vis>(
+          "nan color", "[r, g, b] of 0 to 1",
+          "Colour of geometry where its values are NaN. Volumes, their slices and isosurfaces end there.",
+          [](F f, Vis& v) { v.colormap.nan = glm::dvec3(f.color()); },
+          [](V v) { return v.colormap.nan ? toJson(*v.colormap.nan) : OrderedJson(); })
+          .only(kGeometry)
+          .byDefault("`NanColor` of a preset file, else the map's first colour"),
       customKey<Vis>(
           "opacitymap", "list of [value, opacity 0 to 1]",
           "Opacity by value, of a slab one `reference length` thick. Surfaces have `opacity`.",

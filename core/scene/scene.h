@@ -62,6 +62,7 @@ struct OpacityPoint {
 /// (the later point holds from that value on). Never empty. rgb in [0, 1].
 struct ColorMap {
   std::vector<ColorPoint> points;
+  std::optional<glm::dvec3> nan{};  ///< the colour of geometry whose value is NaN; absent: the first point's
   bool operator==(const ColorMap&) const = default;
 };
 

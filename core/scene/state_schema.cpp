@@ -108,7 +108,7 @@ const Schema<DatasetSpec>& datasetSchema() {
               .byDefault("its active scalars, else its first array"),
           colorKey("color", &D::color,
                    "Colour of geometry whose file has neither values to map nor colours. Values that are NaN "
-                   "have the map's first colour.")
+                   "have the operator's `nan color`.")
               .alias({"default color"}),
       }};
   return schema;

@@ -193,6 +193,7 @@ class View {
     view_.mapUniform = s.map.uniform;
     view_.mapBuckets = int(s.map.buckets.size());
     view_.mapIntervals = s.map.intervals();
+    view_.nanRed = Real(s.map.nan.r), view_.nanGreen = Real(s.map.nan.g), view_.nanBlue = Real(s.map.nan.b);
     view_.mapOrigin = Real(s.map.origin), view_.mapInverse = Real(s.map.inverse);
     view_.buckets = buckets_.data(), view_.nodes = nodes_.data(), view_.lengths = lengths_.data();
     view_.rows = rows_.empty() ? nullptr : rows_.data();

@@ -132,6 +132,8 @@ void addGeometry(Choices& choose, TestScene& scene) {
                        : kind == GeometryKind::PathLines ? randomLines(choose, repeats)
                                                          : randomMesh(choose);
   vis.colormap = randomColors(choose, 0, 1);
+  Choices apart = choose;  // what is chosen next does not depend on these
+  if (apart.oneIn(2)) vis.colormap.nan = apart.point(0, 1);
   vis.radius0 = choose.oneIn(5) ? 0 : choose.scale(0.02, 0.3);
   vis.radius1 = choose.oneIn(8) ? -0.1 : choose.scale(0.02, 0.3);
   vis.value1 = choose.oneIn(4) ? 0 : 1;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "color_distance.h"
 #include "gxy/scene/colormaps.h"
@@ -23,6 +24,19 @@ TEST(ColorPreset, RgbPointsAreTakenAsTheyAre) {
       parse(R"({"ColorSpace": "RGB", "RGBPoints": [-1, 0, 0, 1, 0.5, 1, 1, 1, 2, 1, 0, 0]})");
   EXPECT_EQ(preset.colors, (ColorMap{{{-1, {0, 0, 1}}, {0.5, {1, 1, 1}}, {2, {1, 0, 0}}}}));
   EXPECT_FALSE(preset.opacities);
+}
+
+TEST(ColorPreset, NanColorIsTheColourOfNaN) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const ColorMap map = parse(twoColors(R"(, "NanColor": [0, 0.5, 2])")).colors;
+  EXPECT_EQ(evaluate(map, nan), glm::dvec3(0, 0.5, 1));
+  EXPECT_EQ(evaluate(rescaled(map, {0, 1}), nan), glm::dvec3(0, 0.5, 1));
+  EXPECT_EQ(evaluate(parse(twoColors("")).colors, nan), glm::dvec3(0.9, 0.2, 0.1));
+  EXPECT_NE(
+      errorFor(twoColors(R"(, "NanColor": [0, 1])")).find("`NanColor`: expected numbers in groups of 3"),
+      std::string::npos);
+  EXPECT_NE(errorFor(twoColors(R"(, "NanColor": [0, 1, 0, 1, 0, 1])")).find("`NanColor`: expected three"),
+            std::string::npos);
 }
 
 TEST(ColorPreset, PointsGiveOpacityInGroupsOfFour) {

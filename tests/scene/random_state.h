@@ -84,6 +84,7 @@ class RandomState {
     if (coin()) out.component = integer(0, 9);
     out.colormap.points.clear();
     for (const double v : ascending()) out.colormap.points.push_back({v, {unit(), unit(), unit()}});
+    if (out.type != VisType::Volume && coin()) out.colormap.nan = glm::dvec3{unit(), unit(), unit()};
     out.opacitymap = {coin(), {}};
     for (const double v : ascending())
       out.opacitymap.points.push_back({v, out.opacitymap.extinction ? positive() : unit()});

@@ -55,6 +55,7 @@ Transfer::Transfer(const Vis& vis, double referenceLength)
     moveTo(colours_, *vis.dataRange);
     moveTo(opacities_, *vis.dataRange);
   }
+  colourOfNan_ = vis.colormap.nan.value_or(colours_.front().rgb);
   for (const ColorPoint& p : colours_) breaks_.push_back(p.value);
   for (const OpacityPoint& p : opacities_) breaks_.push_back(p.value);
   std::sort(breaks_.begin(), breaks_.end());

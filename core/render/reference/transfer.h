@@ -33,6 +33,8 @@ class Transfer {
 
   glm::dvec3 colour(double value) const;
   glm::dvec3 firstColour() const { return colours_.front().rgb; }
+  /// Of geometry whose value is NaN.
+  glm::dvec3 colourOfNan() const { return colourOfNan_; }
 
   /// Per world unit; infinite where the opacity is 1.
   double extinction(double value) const;
@@ -48,6 +50,7 @@ class Transfer {
 
  private:
   std::vector<ColorPoint> colours_;
+  glm::dvec3 colourOfNan_;
   std::vector<OpacityPoint> opacities_;
   bool perLength_;
   double referenceLength_;

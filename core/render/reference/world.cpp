@@ -278,7 +278,7 @@ void World::describePrimitive(const Part& part, const Ray& ray, SurfaceHit& hit)
   } else {
     double value = 0;
     for (int i = 0; i < 3; i++) value += weights[i] != 0 ? weights[i] * block.values[points[i]] : 0;
-    hit.colour = std::isnan(value) ? part.transfer.firstColour() : part.transfer.colour(value);
+    hit.colour = std::isnan(value) ? part.transfer.colourOfNan() : part.transfer.colour(value);
   }
 }
 
