@@ -38,6 +38,7 @@ void appendPoint(GeometryBlock& to, const GeometryBlock& from, uint32_t point) {
   if (!from.normals.empty()) to.normals.push_back(from.normals[point]);
   if (!from.values.empty()) to.values.push_back(from.values[point]);
   if (!from.colors.empty()) to.colors.push_back(from.colors[point]);
+  if (!from.radiusValues.empty()) to.radiusValues.push_back(from.radiusValues[point]);
 }
 
 /// Appends primitive p of `from`; pointOf(index in `from`) gives a point's index in `to`, adding it where it
@@ -66,18 +67,20 @@ struct PointKey {
   glm::dvec3 position{0};
   glm::vec3 normal{0};
   glm::vec3 look{0};  ///< the colour, or the value and zeros
+  float radius = 0, unused = 0;
 
   PointKey(const GeometryBlock& block, uint32_t point) : position(block.points[point]) {
     if (!block.normals.empty()) normal = block.normals[point];
     if (!block.values.empty()) look.x = block.values[point];
     if (!block.colors.empty()) look = block.colors[point];
+    if (!block.radiusValues.empty()) radius = block.radiusValues[point];
   }
   bool operator==(const PointKey& other) const { return std::memcmp(this, &other, sizeof *this) == 0; }
 };
-static_assert(sizeof(PointKey) == 48, "compared and hashed as bytes: no padding");
+static_assert(sizeof(PointKey) == 56, "compared and hashed as bytes: no padding");
 
 uint64_t hashOf(const PointKey& key) {
-  std::array<uint64_t, 6> words;
+  std::array<uint64_t, 7> words;
   std::memcpy(words.data(), &key, sizeof key);
   uint64_t hash = 0;
   for (uint64_t w : words) {
@@ -107,16 +110,18 @@ class PointsByContent {
 
 GeometryBlock concatenated(GeometryKind kind, std::span<const GeometryBlock> parts) {
   GeometryBlock all;
-  bool normals = false, values = false, colors = false;
+  bool normals = false, values = false, colors = false, radii = false;
   for (const GeometryBlock& part : parts) {
     if (part.points.empty()) continue;
     if (all.points.empty()) {
       normals = !part.normals.empty();
       values = !part.values.empty();
       colors = !part.colors.empty();
+      radii = !part.radiusValues.empty();
     } else if (normals == part.normals.empty() || values == part.values.empty() ||
-               colors == part.colors.empty()) {
-      fail(kind, "some parts have normals, values or colours and others have none, expected all alike");
+               colors == part.colors.empty() || radii == part.radiusValues.empty()) {
+      fail(kind,
+           "some parts have normals, values, colours or radii and others have none, expected all alike");
     }
     const size_t offset = all.points.size();
     if (offset + part.points.size() >= kNone)
@@ -132,6 +137,7 @@ GeometryBlock concatenated(GeometryKind kind, std::span<const GeometryBlock> par
     append(all.normals, part.normals);
     append(all.values, part.values);
     append(all.colors, part.colors);
+    append(all.radiusValues, part.radiusValues);
     append(all.ids, part.ids);
     appendIndices(all.triangles, part.triangles);
     appendIndices(all.segments, part.segments);
@@ -187,6 +193,11 @@ bool isUsable(const GeometryBlock& block, GeometryKind kind, size_t p) {
 
 }  // namespace
 
+double radiusValue(const GeometryBlock& block, size_t point) {
+  const std::vector<float>& values = block.radiusValues.empty() ? block.values : block.radiusValues;
+  return values.empty() ? 0 : double(values[point]);
+}
+
 bool hasValues(const Geometry& geometry) {
   return std::any_of(geometry.blocks.begin(), geometry.blocks.end(),
                      [](const auto& each) { return !each.second.values.empty(); });
@@ -218,6 +229,7 @@ void validate(const GeometryBlock& block, GeometryKind kind) {
   if (!block.normals.empty()) check("normals", block.normals.size(), points);
   if (!block.values.empty()) check("values", block.values.size(), points);
   if (!block.colors.empty()) check("colours", block.colors.size(), points);
+  if (!block.radiusValues.empty()) check("values of radii", block.radiusValues.size(), points);
   if (!block.values.empty() && !block.colors.empty()) fail(kind, "values and colours, expected one of them");
   if (points >= kNone)
     fail(kind, std::to_string(points) + " points in one block, expected fewer than 2^32 - 1");
@@ -328,12 +340,19 @@ Range rangeOf(const GeometryBlock& block) {
   return range;
 }
 
+std::optional<Range> radiusRangeOf(const GeometryBlock& block) {
+  if (block.radiusValues.empty()) return {};
+  Range range;
+  for (float v : block.radiusValues) range.extend(v);
+  return range;
+}
+
 int64_t bytesOf(const Geometry& geometry) {
   const auto bytes = [](const auto& array) { return array.size() * sizeof(array[0]); };
   size_t sum = 0;
   for (const auto& [partition, b] : geometry.blocks)
-    sum += bytes(b.points) + bytes(b.normals) + bytes(b.values) + bytes(b.colors) + bytes(b.triangles) +
-           bytes(b.segments) + bytes(b.neighbours) + bytes(b.ids);
+    sum += bytes(b.points) + bytes(b.normals) + bytes(b.values) + bytes(b.colors) + bytes(b.radiusValues) +
+           bytes(b.triangles) + bytes(b.segments) + bytes(b.neighbours) + bytes(b.ids);
   return int64_t(sum);
 }
 

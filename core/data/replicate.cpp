@@ -12,6 +12,7 @@ namespace {
 
 void write(Writer& writer, const GeometryBlock& block) {
   writer.write(block.points).write(block.normals).write(block.values).write(block.colors);
+  writer.write(block.radiusValues);
   writer.write(block.triangles).write(block.segments).write(block.neighbours).write(block.ids);
 }
 
@@ -21,6 +22,7 @@ GeometryBlock readBlock(Reader& reader) {
   block.normals = reader.readVector<glm::vec3>();
   block.values = reader.readVector<float>();
   block.colors = reader.readVector<glm::vec3>();
+  block.radiusValues = reader.readVector<float>();
   block.triangles = reader.readVector<std::array<uint32_t, 3>>();
   block.segments = reader.readVector<std::array<uint32_t, 2>>();
   block.neighbours = reader.readVector<std::array<uint32_t, 2>>();
@@ -38,7 +40,7 @@ Bounds boundsOf(const GeometryBlock& block, GeometryKind kind, size_t p, const R
   for (uint32_t i : cornersOf(block, kind, p)) {
     bounds.box.extend(block.points[i]);
     if (kind == GeometryKind::Triangles) continue;
-    const double r = radius(block.values.empty() ? 0.0 : double(block.values[i]));
+    const double r = radius(radiusValue(block, i));
     if (r > bounds.radius) bounds.radius = r;
   }
   return bounds;

@@ -15,8 +15,7 @@
 
 namespace gxy {
 
-/// The radius (world units) at a point with this value; of points without values, that of 0. What is not > 0
-/// counts as 0.
+/// The radius (world units) at a point with this radiusValue(). What is not > 0 counts as 0.
 using RadiusOf = std::function<double(double value)>;
 
 /// By how much a primitive's box is inflated, besides its radius: 16 ulp of float in render space, where the

@@ -175,6 +175,7 @@ void splitByCell(GeometryBlock& block, GeometryKind kind, const std::vector<vtkI
         number[point] = uint32_t(split.points.size());
         split.points.push_back(block.points[point]);
         if (!block.normals.empty()) split.normals.push_back(block.normals[point]);
+        if (!block.radiusValues.empty()) split.radiusValues.push_back(block.radiusValues[point]);
         give(split, cells[p]);
       }
       point = number[point];
@@ -190,6 +191,7 @@ void splitByCell(GeometryBlock& block, GeometryKind kind, const std::vector<vtkI
   block.normals = std::move(split.normals);
   block.values = std::move(split.values);
   block.colors = std::move(split.colors);
+  block.radiusValues = std::move(split.radiusValues);
 }
 
 }  // namespace gxy

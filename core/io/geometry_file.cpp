@@ -66,6 +66,16 @@ vtkDataArray* valuesOf(vtkPointSet* set, const ValuesWanted& wanted, bool& ofCel
   return data->GetArray(chosen->name.c_str());
 }
 
+/// Of what has been read; null: none is wanted.
+vtkDataArray* radiusValuesOf(vtkPointSet* set, const std::string& name, const std::string& path) {
+  if (name.empty()) return nullptr;
+  vtkDataArray* array = set->GetPointData()->GetArray(name.c_str());
+  if (!array || isColors(array))
+    throw Error(path + ": no array '" + name + "' of points with values for radii; the file has " +
+                namesOf(listOf(set->GetPointData())));
+  return array;
+}
+
 bool isNormals(vtkDataArray* array) {
   return array->GetName() && array->GetNumberOfComponents() == 3 && isNameOfNormals(array->GetName());
 }
@@ -90,11 +100,11 @@ std::vector<glm::vec3> unitNormals(vtkPointData* data, Flaws& flaws) {
 }
 
 /// The most that a block with so many points and primitives takes.
-int64_t bytesOf(size_t points, size_t primitives, GeometryKind kind, bool colors) {
+int64_t bytesOf(size_t points, size_t primitives, GeometryKind kind, bool colors, bool radii) {
   const size_t cell = kind == GeometryKind::Triangles   ? sizeof(std::array<uint32_t, 3>)
                       : kind == GeometryKind::PathLines ? 2 * sizeof(std::array<uint32_t, 2>)
                                                         : 0;
-  const size_t look = colors ? sizeof(glm::vec3) : sizeof(float);
+  const size_t look = (colors ? sizeof(glm::vec3) : sizeof(float)) + (radii ? sizeof(float) : 0);
   return int64_t(points * (sizeof(glm::dvec3) + sizeof(glm::vec3) + look) +
                  primitives * (cell + sizeof(uint64_t)));
 }
@@ -125,11 +135,13 @@ void dropGhostPoints(vtkPointSet* set, GeometryBlock& block) {
     block.points[kept] = block.points[i];
     if (!block.values.empty()) block.values[kept] = block.values[i];
     if (!block.colors.empty()) block.colors[kept] = block.colors[i];
+    if (!block.radiusValues.empty()) block.radiusValues[kept] = block.radiusValues[i];
     ++kept;
   }
   block.points.resize(kept);
   if (!block.values.empty()) block.values.resize(kept);
   if (!block.colors.empty()) block.colors.resize(kept);
+  if (!block.radiusValues.empty()) block.radiusValues.resize(kept);
 }
 
 /// Of a flat cell with so many points.
@@ -195,13 +207,14 @@ GeometryContent readGeometry(const std::string& path, GeometryKind kind, const V
   std::optional<DrawnCells> cells;
   if (kind != GeometryKind::Particles) cells.emplace(set, kind, toTake, flaws);
   vtkDataArray* values = count ? valuesOf(set, wanted, content.ofCells, path) : nullptr;
+  vtkDataArray* radii = count ? radiusValuesOf(set, wanted.radii, path) : nullptr;
   const bool split = values && content.ofCells && cells;
   const size_t primitives = cells ? cells->primitives() : size_t(count);
   const size_t most = size_t(count) + (split ? primitives * (kind == GeometryKind::PathLines ? 4 : 3) : 0);
   if (most >= std::numeric_limits<uint32_t>::max())
     throw Error(path + ": " + std::to_string(most) + " points; one file may have at most 2^32 - 2");
   const bool colored = values && isColors(values);
-  if (toTake) toTake(bytesOf(most, primitives, kind, colored));
+  if (toTake) toTake(bytesOf(most, primitives, kind, colored, radii));
   GeometryBlock& block = content.block;
   block.points.reserve(size_t(count));
   for (vtkIdType i = 0; i < count; ++i) {
@@ -223,6 +236,8 @@ GeometryContent readGeometry(const std::string& path, GeometryKind kind, const V
     const std::vector<vtkIdType> cellOf = content.ofCells ? vertexCells(set) : std::vector<vtkIdType>();
     for (vtkIdType i = 0; i < count; ++i) give(block, content.ofCells ? cellOf[size_t(i)] : i);
   }
+  block.radiusValues.reserve(radii ? size_t(count) : 0);
+  for (vtkIdType i = 0; radii && i < count; ++i) block.radiusValues.push_back(float(magnitude(radii, i)));
   if (normals) block.normals = unitNormals(set->GetPointData(), flaws);
 
   if (!cells) {

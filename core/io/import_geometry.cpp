@@ -65,6 +65,7 @@ struct Reading {
     append(block.points, from.points);
     append(block.values, from.values);
     append(block.colors, from.colors);
+    append(block.radiusValues, from.radiusValues);
     append(block.normals, from.normals);
     append(block.segments, from.segments, shift);
     append(block.neighbours, from.neighbours, shift);
@@ -84,16 +85,16 @@ const char* plural(GeometryKind kind) {
 /// Reads this rank's share of the pieces.
 class PieceReader {
  public:
-  PieceReader(const std::string& path, GeometryKind kind, const std::string& array, Collectives& ranks,
+  PieceReader(const std::string& path, GeometryKind kind, const ValuesWanted& wanted, Collectives& ranks,
               const TakeMemory& toTake)
-      : kind_(kind), ranks_(ranks), toTake_(toTake), wanted_(array) {
+      : kind_(kind), ranks_(ranks), toTake_(toTake), wanted_(wanted) {
     agree(ranks, [&] {
       pieces_ = geometryPieces(path);
       if (pieces_.size() > 1) {
         next_ = pieces_.size() * size_t(ranks.rank()) / size_t(ranks.size());
         end_ = pieces_.size() * (size_t(ranks.rank()) + 1) / size_t(ranks.size());
-        if (array.empty())
-          if (const auto listed = valuesOfList(path)) wanted_ = *listed;
+        if (wanted.array.empty())
+          if (const auto listed = valuesOfList(path)) choose(*listed);
       } else {
         end_ = pieces_.size();
       }
@@ -112,6 +113,12 @@ class PieceReader {
   }
 
  private:
+  void choose(const ValuesWanted& values) {
+    const std::string radii = wanted_.radii;
+    wanted_ = values;
+    wanted_.radii = radii;
+  }
+
   GeometryContent read() {
     ranks_.check();
     GeometryContent content = readGeometry(pieces_[next_++], kind_, wanted_, toTake_);
@@ -148,12 +155,12 @@ class PieceReader {
       chosen = ValuesWanted(reader.readString(), ofCells, true);
     }
     if (!first) {
-      if (chosen) wanted_ = *chosen;
+      if (chosen) choose(*chosen);
       return;
     }
     const bool same =
         first->array == chosen->array && (first->array.empty() || first->ofCells == chosen->ofCells);
-    wanted_ = *chosen;
+    choose(*chosen);
     if (same)
       add(std::move(*first));
     else
@@ -184,13 +191,13 @@ std::vector<std::string> gathered(Collectives& ranks, const std::vector<std::str
 
 }  // namespace
 
-LoadedGeometry loadGeometry(const std::string& path, GeometryKind kind, const std::string& array,
+LoadedGeometry loadGeometry(const std::string& path, GeometryKind kind, const ValuesWanted& wanted,
                             Collectives& ranks, const TakeMemory& toTake,
                             std::vector<std::string>* warnings) {
   LoadedGeometry loaded;
   loaded.name = std::filesystem::path(path).stem().string();
   loaded.kind = kind;
-  PieceReader reader(path, kind, array, ranks, toTake);
+  PieceReader reader(path, kind, wanted, ranks, toTake);
   loaded.everywhere = reader.isOneFile();
   const size_t rank = size_t(ranks.rank());
   Reading reading = reader.run();
@@ -233,6 +240,7 @@ LoadedGeometry loadGeometry(const std::string& path, GeometryKind kind, const st
   }
 
   // Points that no primitive uses do not count.
+  Range radii;
   agree(ranks, [&] {
     const Advance go = [&](double) { ranks.check(); };
     for (size_t p = 0; p < loaded.block.ids.size(); ++p) {
@@ -240,11 +248,14 @@ LoadedGeometry loadGeometry(const std::string& path, GeometryKind kind, const st
       for (uint32_t point : cornersOf(loaded.block, kind, p)) {
         loaded.box.extend(loaded.block.points[point]);
         if (!loaded.block.values.empty()) loaded.range.extend(double(loaded.block.values[point]));
+        if (!loaded.block.radiusValues.empty()) radii.extend(double(loaded.block.radiusValues[point]));
       }
     }
   });
   mergeBox(ranks, loaded.box);
   mergeRanges(ranks, std::span(&loaded.range, 1));
+  mergeRanges(ranks, std::span(&radii, 1));
+  if (!wanted.radii.empty()) loaded.radiusRange = radii;
   const PointSpread spread = spreadOf(loaded, ranks);
   loaded.middle = kind == GeometryKind::Particles ? spread.middle : loaded.box;
   loaded.spacing = spread.spacing;
@@ -258,6 +269,7 @@ std::shared_ptr<Geometry> distribute(const LoadedGeometry& loaded, const Partiti
   geometry->kind = loaded.kind;
   geometry->box = loaded.box;
   geometry->range = loaded.range;
+  geometry->radiusRange = loaded.radiusRange;
   geometry->colored = loaded.colored;
   geometry->primitives = loaded.primitives;
   geometry->droppedPrimitives = loaded.dropped;

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "gxy/data/geometry.h"
@@ -26,17 +27,18 @@ struct LoadedGeometry {
   Box middle;          ///< of points: the box without outliers (point_spread.h); else the box
   double spacing = 0;  ///< mean distance between neighbouring points; 0: there are too few
   Range range;
+  std::optional<Range> radiusRange;  ///< of the scalars that give radii, if these are not the values
   uint64_t primitives = 0, dropped = 0;
   LeftOut leftOut;  ///< of the files that this rank has read
 };
 
 /// Collective over `ranks`. Each rank reads its share of the pieces of a .pvtu, .pvtp or .part, else all of
 /// the file. Unusable primitives (a coordinate that is not finite, triangles without area, repeated points of
-/// lines) are dropped and counted. Values are of the same array in all pieces: `array`, which each must have, else the one that a
+/// lines) are dropped and counted. Values are of the same array in all pieces: that of `wanted`, which each must have, as the array of radii, else the one that a
 /// .pvtu or .pvtp declares, or that is chosen of the first piece with points. Normals, and values or colours that are not named,
 /// are used only if all pieces have them. On rank 0 `warnings` receives what of all files was flawed or is not used; null: they are logged. `toTake`, if any, is told what this rank takes for each file before it does, until the end all in all: what
 /// the file's arrays take, then what they become. If any rank fails, all throw the same Error.
-LoadedGeometry loadGeometry(const std::string& path, GeometryKind kind, const std::string& array,
+LoadedGeometry loadGeometry(const std::string& path, GeometryKind kind, const ValuesWanted& wanted,
                             Collectives& ranks, const TakeMemory& toTake = {},
                             std::vector<std::string>* warnings = nullptr);
 

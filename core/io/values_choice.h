@@ -28,6 +28,7 @@ struct ValuesWanted {
   std::string array;            ///< of points, else of cells; empty: the usual one (chooseValues())
   std::optional<bool> ofCells;  ///< an array of cells only, or of points only
   bool orNone = false;          ///< no values, instead of an Error, if the file has no array of that name
+  std::string radii;            ///< the array of points that gives radii; empty: the values do
 
   ValuesWanted() = default;
   ValuesWanted(std::string name, std::optional<bool> cells = {}, bool none = false)

@@ -87,6 +87,7 @@ void XmlArrays::choose(const std::vector<vtkXMLDataElement*>& pieces, const Arra
   for (const auto& array : points.arrays)
     if (needed.normals && (isNameOfNormals(array.name) || array.name == points.normals))
       chosen_.insert(array.name);
+  if (!needed.values.radii.empty()) chosen_.insert(needed.values.radii);
   if (const auto values = chooseValues(points, cells, needed.values))
     (values->ofCells ? chosenOfCells_ : chosen_).insert(values->name);
   else

@@ -196,9 +196,8 @@ GeometryPart compilePart(const GeometryBlock& all, GeometryKind kind, const Vis&
   for (size_t i = 0; i < block.points.size(); i++) {
     tell(converting, i, block.points.size());
     const glm::dvec3 p = space.toRender(block.points[i]);
-    const double radius = kind == GeometryKind::Triangles
-                              ? 0
-                              : radiusOf(vis, block.values.empty() ? 0 : block.values[i]) * space.scale;
+    const double radius =
+        kind == GeometryKind::Triangles ? 0 : radiusOf(vis, radiusValue(block, i)) * space.scale;
     for (double x : {p.x, p.y, p.z, radius}) part.points.push_back(float(x));
   }
   const auto append = [](auto& to, const auto& from) {
@@ -328,7 +327,7 @@ std::shared_ptr<CompiledScene> compileScene(const Visualization& visualization,
     } else {
       compileGeometry(op, *scene, others, partOf(advance, i, 2 * count));
       Box b = op.data.geometry->box;
-      const double r = largestRadius(op.vis, op.data.geometry->range);
+      const double r = largestRadius(op.vis, op.data.geometry->radiusRange.value_or(op.data.geometry->range));
       if (!b.empty()) seen.extend(Box{b.lo - r, b.hi + r});
     }
     if (showsSurfaces(op) && op.vis.opacity < 1) scene->opaqueSurfaces = false;

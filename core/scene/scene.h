@@ -133,6 +133,7 @@ struct DatasetSpec {
   std::string filename;                ///< absolute, or relative to the state file
   std::string array;                   ///< of the file; empty: its active scalars, else its first array
   glm::dvec4 color{0.8, 0.8, 0.8, 1};  ///< of geometry whose file has no values to map
+  std::string radiusArray{};           ///< of the file, gives radii; empty: the values do
   bool operator==(const DatasetSpec&) const = default;
 };
 

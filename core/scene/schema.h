@@ -70,6 +70,7 @@ unsigned typeBit(const T&) {
   return ~0u;
 }
 inline unsigned typeBit(const Vis& vis) { return 1u << unsigned(vis.type); }
+inline unsigned typeBit(const DatasetSpec& dataset) { return 1u << unsigned(dataset.type); }
 
 /// Whether the key matters to an object of which the keys before it have been read.
 template <class T>

@@ -106,6 +106,13 @@ const Schema<DatasetSpec>& datasetSchema() {
               .require(),
           textKey("array", &D::array, "Which array of the file to map or, if it holds colours, to show.")
               .byDefault("its active scalars, else its first array"),
+          customKey<D>(
+              "radius array", "text",
+              "Which array of the file's points gives the radii, as `radius0` and the keys beside it say.",
+              [](const Found& f, D& d) { d.radiusArray = f.text(); },
+              [](const D& d) { return d.radiusArray.empty() ? OrderedJson() : OrderedJson(d.radiusArray); })
+              .only(1u << unsigned(DatasetType::Particles) | 1u << unsigned(DatasetType::PathLines))
+              .byDefault("`array`"),
           colorKey("color", &D::color,
                    "Colour of geometry whose file has neither values to map nor colours. Values that are NaN "
                    "have the operator's `nan color`.")

@@ -123,6 +123,7 @@ json Datasets::infoHere(const json& parameters) const {
   result["partitions"] = d->partitioning->partitions();
   if (!d->file.empty()) {
     result["array"] = d->array;
+    if (!d->radiusArray.empty()) result["radius array"] = d->radiusArray;
     result["file"] = d->file;
   }
   if (d->volume) result["points"] = d->volume->grid.points;

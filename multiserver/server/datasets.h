@@ -25,7 +25,7 @@ class Request;
 /// What an object of the data space holds on a rank: one generation of a dataset. Immutable.
 struct Dataset {
   DatasetType type = DatasetType::Volume;
-  std::string file, array;  ///< where it was read; empty: it was not, as what a filter has made
+  std::string file, array, radiusArray;  ///< where it was read; empty: it was not, as what a filter has made
   glm::dvec4 color{0.8, 0.8, 0.8, 1};
   std::shared_ptr<const Partitioning> partitioning;
   std::shared_ptr<const Volume> volume;  ///< of a volume

@@ -42,6 +42,7 @@ int64_t bytesToCome(const VolumeFile& file, const Partitioning& partitioning, in
 int64_t bytesOf(const GeometryBlock& b) {
   return int64_t(b.points.size() * sizeof b.points[0] + b.normals.size() * sizeof b.normals[0] +
                  b.values.size() * sizeof b.values[0] + b.colors.size() * sizeof b.colors[0] +
+                 b.radiusValues.size() * sizeof b.radiusValues[0] +
                  b.triangles.size() * sizeof b.triangles[0] + b.segments.size() * sizeof b.segments[0] +
                  b.neighbours.size() * sizeof b.neighbours[0] + b.ids.size() * sizeof b.ids[0]);
 }
@@ -57,6 +58,7 @@ json specToJson(const DatasetSpec& d) {
           {"type", int(d.type)},
           {"file", d.filename},
           {"array", d.array},
+          {"radius array", d.radiusArray},
           {"color", {d.color.r, d.color.g, d.color.b, d.color.a}}};
 }
 
@@ -124,6 +126,7 @@ json Datasets::importHere(const json& p) {
       d->type = DatasetType(s.at("type").get<int>());
       d->file = node_.folders.dataToRead(s.at("file").get<std::string>());
       d->array = s.at("array").get<std::string>();
+      d->radiusArray = s.at("radius array").get<std::string>();
       for (int c = 0; c < 4; c++) d->color[c] = s.at("color").at(size_t(c)).get<double>();
       made.push_back(std::move(d));
     }
@@ -145,8 +148,10 @@ json Datasets::importHere(const json& p) {
       if (!first) first = grid;
     } else {
       std::vector<LedgerEntry> reading;  // until it is known what is kept
+      ValuesWanted wanted(d.array);
+      wanted.radii = d.radiusArray;
       auto geometry = std::make_shared<LoadedGeometry>(loadGeometry(
-          d.file, kindOf(d.type), d.array, ranks,
+          d.file, kindOf(d.type), wanted, ranks,
           [&](int64_t bytes) { reading.push_back(node_.takeMemory(tenant, "geometry", bytes)); }, &warnings));
       agree(ranks, [&] {
         reading.clear();

@@ -141,6 +141,39 @@ TEST(GeometryAgreement, WithoutDataValuesAreNoCrash) {
   }
 }
 
+TEST(GeometryAgreement, ValuesThatAreNaNHaveTheirColour) {
+  GeometryBlock block = sphereMesh(8, false, true);
+  for (size_t i = 0; i < block.values.size(); i += 3)
+    block.values[i] = std::numeric_limits<float>::quiet_NaN();
+  Vis vis = particles(0, 0);
+  vis.type = VisType::Triangles;
+  vis.colormap = {{{0, {0.2, 0.1, 0.1}}, {1, {0.3, 0.1, 0.1}}}, glm::dvec3(0, 0.9, 0)};
+  TestScene scene = geometryScene("nan_colour", vis, block, 48);
+  expectAgreement(embree(), scene);
+  int green = 0, red = 0;
+  const auto picture = drawnByBoth(scene).rgba;
+  for (size_t i = 0; i < picture.size(); i += 4) {
+    green += picture[i + 1] > 3 * picture[i] && picture[i + 1] > 0;
+    red += picture[i] > 1.5f * picture[i + 1];
+  }
+  EXPECT_GT(green, 100);
+  EXPECT_GT(red, 100);
+}
+
+TEST(GeometryAgreement, RadiiOfAnotherArray) {
+  for (const VisType type : {VisType::Particles, VisType::PathLines})
+    for (const bool beside : {false, true}) {
+      GeometryBlock block = type == VisType::Particles ? cloud(40, true) : lines();
+      for (const glm::dvec3& p : block.points)
+        block.radiusValues.push_back(float(0.5 + 0.5 * std::sin(9 * p.x)));
+      block.radiusValues[1] = std::numeric_limits<float>::quiet_NaN();
+      if (beside) block = coloured(block);
+      Vis vis = particles(0.02, 0.2);
+      vis.type = type;
+      expectAgreement(embree(), geometryScene("radii_" + std::to_string(int(type)), vis, block, 48));
+    }
+}
+
 TEST(GeometryAgreement, ColoursOfPoints) {
   for (VisType type : {VisType::Particles, VisType::PathLines, VisType::Triangles}) {
     const GeometryBlock block = type == VisType::Particles   ? cloud(40, false)

@@ -144,6 +144,7 @@ std::shared_ptr<Geometry> makeGeometry(GeometryKind kind, GeometryBlock block) {
   made->primitives = block.ids.size();
   made->box = boxOf(block);
   made->range = rangeOf(block);
+  made->radiusRange = radiusRangeOf(block);
   made->colored = !block.colors.empty();
   made->blocks[0] = std::move(block);
   return made;

@@ -53,6 +53,7 @@ GeometryBlock randomGeometry(std::mt19937& random, GeometryKind kind, const Part
       block.colors.push_back({float(random() % 30) / 29, float(random() % 2), 0.5f});
     else
       block.values.push_back(float(random() % 30));
+    if (kind == GeometryKind::PathLines) block.radiusValues.push_back(float(random() % 20));
   }
   for (uint32_t i = 0; i < points; ++i) {
     if (kind == GeometryKind::Particles) block.ids.push_back(i * 3 + 1);
@@ -77,7 +78,9 @@ std::set<uint64_t> idsTouching(const GeometryBlock& all, GeometryKind kind, cons
     double reach = 0;
     for (uint32_t c : cornersOf(all, kind, i)) {
       box.extend(all.points[c]);
-      if (kind != GeometryKind::Triangles) reach = std::max(reach, radiusOf(double(all.values[c])));
+      if (kind != GeometryKind::Triangles)
+        reach = std::max(reach, radiusOf(kind == GeometryKind::PathLines ? double(all.radiusValues[c])
+                                                                         : double(all.values[c])));
     }
     reach += borderSlack(p);
     bool touches = true;
@@ -151,6 +154,10 @@ TEST_P(Replicate, PrimitivesArriveAsTheyWereRead) {
       EXPECT_EQ(block.colors[got], all.colors[original]);
     else
       EXPECT_EQ(block.values[got], all.values[original]);
+    EXPECT_EQ(block.radiusValues.empty(), all.radiusValues.empty());
+    if (!all.radiusValues.empty()) {
+      EXPECT_EQ(block.radiusValues[got], all.radiusValues[original]);
+    }
   };
   for (const auto& [part, block] : replicateOver(random, all, kind, p, 3)) {
     for (size_t i = 0; i < block.ids.size(); ++i) {
@@ -298,7 +305,10 @@ TEST(Geometry, PointsOfDifferentColoursStayTwo) {
   line.ids = {0, 1};
   EXPECT_EQ(dropUnusable(line, GeometryKind::PathLines), 0) << "a ball of each colour";
   line.colors[1] = line.colors[0];
-  EXPECT_EQ(dropUnusable(line, GeometryKind::PathLines), 1);
+  GeometryBlock same = line;
+  EXPECT_EQ(dropUnusable(same, GeometryKind::PathLines), 1);
+  line.radiusValues = {1, 2, 2};
+  EXPECT_EQ(dropUnusable(line, GeometryKind::PathLines), 0) << "a ball of each radius";
   Geometry geometry;
   geometry.blocks[0] = block;
   EXPECT_EQ(bytesOf(geometry), 6 * 24 + 6 * 12 + 2 * 12 + 2 * 8);
@@ -323,6 +333,9 @@ TEST(Geometry, InconsistentBlocksAreRefused) {
   plain.colors.clear();
   plain.ids = {1};
   EXPECT_THROW(merged(GeometryKind::Triangles, std::vector{block, plain}), Error);
+  block.radiusValues.assign(2, 1);
+  EXPECT_THROW(validate(block, GeometryKind::Triangles), Error);
+  block.radiusValues.clear();
   block.values.assign(3, 1);
   EXPECT_THROW(validate(block, GeometryKind::Triangles), Error) << "values and colours";
   block.values.clear();

@@ -334,6 +334,36 @@ std::vector<float> valuesOfPieces(const std::string& list, int count) {
   return values;
 }
 
+TEST_F(Cells, AllPiecesOfAListHaveTheArrayOfRadii) {
+  writeText(folder_ / "0.vtp", triangle(array("a", "1 1 1") + array("b", "2 3 4")));
+  writeText(folder_ / "1.vtp", triangle(array("b", "5 6 7") + array("a", "1 1 1")));
+  writeText(
+      folder_ / "g.pvtp",
+      xml("PPolyData",
+          " GhostLevel=\"0\"><PPointData><PDataArray type=\"Float32\" Name=\"a\"/><PDataArray "
+          "type=\"Float32\" Name=\"b\"/></PPointData><Piece Source=\"0.vtp\"/><Piece Source=\"1.vtp\"/>"));
+  const auto radii = [&](const std::string& array, Collectives& mine) {
+    ValuesWanted wanted;
+    wanted.radii = array;
+    return loadGeometry(folder_ / "g.pvtp", GeometryKind::Triangles, wanted, mine);
+  };
+  for (const int count : {1, 2}) {
+    ThreadRanks ranks(count);
+    const auto errors = ranks.run([&](Collectives& mine) {
+      const LoadedGeometry loaded = radii("b", mine);
+      EXPECT_EQ(loaded.radiusRange, (Range{2, 7}));
+      EXPECT_EQ(loaded.range, (Range{1, 1}));
+      EXPECT_EQ(loaded.block.radiusValues.size(), loaded.block.points.size());
+      EXPECT_EQ(loaded.block.radiusValues.at(0), mine.rank() == 0 ? 2 : 5);
+    });
+    EXPECT_EQ(errors, std::vector<std::string>(size_t(count)));
+    for (const std::string& error : ranks.run([&](Collectives& mine) { radii("c", mine); }))
+      EXPECT_NE(error.find(".vtp: no array 'c' of points with values for radii; the file has 'a'"),
+                std::string::npos)
+          << error;
+  }
+}
+
 TEST_F(Cells, AllPiecesOfAListHaveTheSameArray) {
   writeText(folder_ / "0.vtp", triangle(array("a", "1 1 1") + array("b", "2 2 2")));
   writeText(folder_ / "1.vtp", triangle(array("b", "2 2 2") + array("a", "1 1 1")));

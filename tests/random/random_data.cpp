@@ -137,8 +137,12 @@ WholeGeometry finished(GeometryKind kind, GeometryBlock block) {
   return g;
 }
 
-/// Values, or in a quarter neither these nor, in half of that, colours.
+/// Values, or in a quarter neither these nor, in half of that, colours; beside them, in a quarter, those of radii.
 void addValues(Choices& choose, GeometryBlock& block) {
+  Choices radii = choose;  // what is chosen next does not depend on these
+  if (radii.oneIn(4))
+    for (size_t i = 0; i < block.points.size(); i++)
+      block.radiusValues.push_back(radii.oneIn(16) ? float(kNaN) : float(radii.unit()));
   if (choose.oneIn(4)) {
     Choices colors = choose;  // what is chosen next does not depend on these
     if (colors.oneIn(2)) return;

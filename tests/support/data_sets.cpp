@@ -96,6 +96,7 @@ std::vector<std::shared_ptr<const Geometry>> distributed(const WholeGeometry& wh
     geometry->kind = whole.kind;
     geometry->box = boxOf(whole.block);
     geometry->range = rangeOf(whole.block);
+    geometry->radiusRange = radiusRangeOf(whole.block);
     geometry->colored = !whole.block.colors.empty();
     geometry->primitives = whole.block.ids.size();
     geometry->blocks = unpackReceived(whole.kind, partitioning, rank, received);

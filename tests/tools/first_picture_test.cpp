@@ -270,6 +270,33 @@ TEST_F(FirstPicture, SceneFileGivesTheSamePicture) {
   EXPECT_EQ(state.at("Visualizations").at(0).at("operators").at(1).at("radius"), "auto");
 }
 
+TEST_F(FirstPicture, RadiiMayComeFromAnotherArrayThanColours) {
+  std::ofstream table(folder_.path() / "p.csv");
+  table << "x,y,z,size,heat\n";
+  for (int i = 0; i < 30; i++) table << i % 6 << ',' << i / 6 << ",0," << i / 30.0 << ",0.5\n";
+  table.close();
+  const auto scene = [&](const char* name, const std::string& arrays) {
+    std::ofstream(folder_.path() / name)
+        << R"({"Datasets": [{"name": "p", "type": "Particles", "filename": "p.csv", )" + arrays + R"(}],
+  "Visualization": {"operators": [{"type": "Particles", "dataset": "p", "colormap": [[0.5, 0.9, 0.5, 0.1]],
+  "radius0": 0.05, "radius1": 0.6, "value0": 0, "value1": 1}]}})";
+  };
+  scene("two.json", R"("array": "heat", "radius array": "size")");
+  scene("one.json", R"("array": "size")");  // as its map has one colour
+  scene("same.json", R"("array": "heat")");
+  const Pixels two = render("two.json"), one = render("one.json"), same = render("same.json");
+  ASSERT_FALSE(two.rgba.empty());
+  EXPECT_EQ(two.rgba, one.rgba);
+  EXPECT_NE(two.rgba, same.rgba);
+  scene("none.json", R"("array": "heat", "radius array": "sise")");
+  EXPECT_EQ(WEXITSTATUS(call(GXYRENDER " none.json -q -o n 2>error.txt")), 1);
+  std::ifstream in(folder_.path() / "error.txt");
+  const std::string text{std::istreambuf_iterator<char>(in), {}};
+  EXPECT_NE(text.find("no array 'sise' of points with values for radii; the file has 'size', 'heat'"),
+            std::string::npos)
+      << text;
+}
+
 TEST_F(FirstPicture, SeriesIsAPictureForEachFileInColoursOfTheFirst) {
   ASSERT_EQ(call(GXYDATA " radial -r 8 -t 3 --array x s.vti && " GXYRENDER
                          " 's_*.vti' -q -o p --backend embree --size 16x16"),

@@ -82,6 +82,12 @@ LoadedState loadData(const State& state, const std::string& directory, const Ren
     return p.is_absolute() ? p.string() : (std::filesystem::path(directory) / p).string();
   };
 
+  const auto valuesWanted = [](const DatasetSpec& d) {
+    ValuesWanted wanted(d.array);
+    wanted.radii = d.radiusArray;
+    return wanted;
+  };
+
   // What is where, before anything is cut: grids, and geometry as each rank has read it.
   Box domain;
   std::optional<Grid> first;
@@ -95,7 +101,8 @@ LoadedState loadData(const State& state, const std::string& directory, const Ren
       if (!first) first = grid;
     } else {
       const LoadedGeometry& g =
-          geometry.emplace(d.name, loadGeometry(pathOf(d), kindOf(d.type), d.array, ranks)).first->second;
+          geometry.emplace(d.name, loadGeometry(pathOf(d), kindOf(d.type), valuesWanted(d), ranks))
+              .first->second;
       leftOut += g.leftOut;
       domain.extend(g.box);
     }

@@ -41,7 +41,7 @@ Interval keptOf(const Vis& vis, const std::optional<Field>& field, const Ray& ra
 /// Never negative: a radius that the map takes below zero is none.
 double radiusAt(const Vis& vis, const GeometryBlock& block, size_t point) {
   double radius = vis.radius0;
-  const double value = block.values.empty() ? 0 : block.values[point];
+  const double value = radiusValue(block, point);
   if (vis.value0 != vis.value1 && !std::isnan(value)) {
     const double w = (value - vis.value0) / (vis.value1 - vis.value0);
     radius = mix(vis.radius0, vis.radius1, std::clamp(w, 0.0, 1.0));

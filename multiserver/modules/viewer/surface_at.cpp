@@ -121,9 +121,8 @@ double valueOf(const GeometryBlock& block, size_t point) {
   return block.values.empty() ? kNaN : double(block.values[point]);
 }
 
-/// As pictures have it: without values that of value 0.
 double radiusAt(const Vis& vis, const GeometryBlock& block, size_t point) {
-  return radiusOf(vis, block.values.empty() ? 0 : double(block.values[point]));
+  return radiusOf(vis, radiusValue(block, point));
 }
 
 SurfaceAt ofParticle(const Vis& vis, const GeometryBlock& block, size_t p, glm::dvec3 point) {
