@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <limits>
+#include <numbers>
 
 #include "gxy/comm/error.h"
 #include "gxy/io/hidden_samples.h"
@@ -16,6 +18,71 @@ namespace {
 
 constexpr const char* kGhosts = "vtkGhostType";
 
+constexpr double kRounding = 1e-6;
+
+bool isAlongAxes(const std::array<double, 9>& direction) {
+  return std::all_of(direction.begin(), direction.end(), [](double d) {
+    return std::abs(d) <= kRounding || std::abs(std::abs(d) - 1) <= kRounding;
+  });
+}
+
+/// Throws Error unless the axes of the image are at right angles, as the float numbers of headers have them.
+void checkPerpendicular(const ImageData& image) {
+  constexpr double kFloats = 1e-4;
+  const auto& d = image.direction;
+  for (size_t a = 0; a < 3; ++a)
+    for (size_t b = a; b < 3; ++b) {
+      const double product = d[a] * d[b] + d[3 + a] * d[3 + b] + d[6 + a] * d[6 + b];
+      if (!(std::abs(product - (a == b)) <= kFloats))
+        throw Error(image.path + ": the axes of the image, expected to be at right angles, are not");
+    }
+}
+
+double determinant(const std::array<double, 9>& d) {
+  return d[0] * (d[4] * d[8] - d[5] * d[7]) - d[1] * (d[3] * d[8] - d[5] * d[6]) +
+         d[2] * (d[3] * d[7] - d[4] * d[6]);
+}
+
+/// Of the directions along axes that mirror as this one does, the nearest: that of the smallest angle to it, in degrees.
+std::pair<std::array<double, 9>, double> nearestAlongAxes(const std::array<double, 9>& direction) {
+  std::array<double, 9> nearest{};
+  double best = -std::numeric_limits<double>::infinity();
+  std::array<size_t, 3> order{0, 1, 2};  // of the world's axes along which those of the image run
+  do {
+    for (int signs = 0; signs < 8; ++signs) {
+      std::array<double, 9> candidate{};
+      double trace = 0;
+      for (size_t a = 0; a < 3; ++a) {
+        const double sign = signs >> a & 1 ? -1 : 1;
+        candidate[3 * order[a] + a] = sign;
+        trace += sign * direction[3 * order[a] + a];
+      }
+      if (trace <= best || determinant(candidate) * determinant(direction) < 0) continue;
+      best = trace;
+      nearest = candidate;
+    }
+  } while (std::next_permutation(order.begin(), order.end()));
+  return {nearest, std::acos(std::clamp((best - 1) / 2, -1.0, 1.0)) * 180 / std::numbers::pi};
+}
+
+/// An image that is rotated, turned about its centre to the nearest axes of the world, with a warning.
+ImageData turnedToAxes(ImageData image) {
+  if (isAlongAxes(image.direction)) return image;
+  checkPerpendicular(image);
+  const glm::dvec3 middle = 0.5 * glm::dvec3(image.points[0] - 1, image.points[1] - 1, image.points[2] - 1);
+  const glm::dvec3 centre = image.placeOf(middle);
+  const auto [nearest, degrees] = nearestAlongAxes(image.direction);
+  image.direction = nearest;
+  image.origin += centre - image.placeOf(middle);
+  char text[32];
+  std::snprintf(text, sizeof text, "%.3g", degrees);
+  image.warnings.push_back(
+      image.path + ": the image is rotated by " + text +
+      " degrees against the nearest axes of the world and is shown along these, about its "
+      "centre: its place beside other data is not right");
+  return image;
+}
+
 /// Which axis of the image runs along each axis of the world, and whether backwards.
 struct Turn {
   std::array<size_t, 3> axis;
@@ -23,23 +90,18 @@ struct Turn {
 };
 
 Turn turnOf(const ImageData& image) {
-  constexpr double kRounding = 1e-6;
   Turn turn{{3, 3, 3}, {}};
-  bool parallel = true;
   for (size_t w = 0; w < 3; ++w)
     for (size_t a = 0; a < 3; ++a) {
       const double d = image.direction[3 * w + a];
       if (std::abs(d) <= kRounding) continue;
-      parallel = parallel && std::abs(std::abs(d) - 1) <= kRounding;
       turn.axis[w] = a;
       turn.backwards[w] = (d < 0) != (image.spacing[int(a)] < 0);
     }
   std::array<size_t, 3> sorted = turn.axis;
   std::sort(sorted.begin(), sorted.end());
-  if (!parallel || sorted != std::array<size_t, 3>{0, 1, 2})
-    throw Error(image.path +
-                ": the image is rotated; read are images whose axes are parallel to those of the "
-                "world, also backwards or in another order");
+  if (sorted != std::array<size_t, 3>{0, 1, 2})
+    throw Error(image.path + ": two axes of the image run along the same axis of the world");
   return turn;
 }
 
@@ -90,7 +152,8 @@ Extent ImageData::extentOf(const ArrayInfo& array) const {
   return {{0, 0, 0}, array.ofCells ? cells() : points};
 }
 
-VolumeFile volumeOf(const ImageData& image, const std::string& wanted, const OpenArray& open) {
+VolumeFile volumeOf(const ImageData& stated, const std::string& wanted, const OpenArray& open) {
+  const ImageData image = turnedToAxes(stated);
   VolumeFile file;
   file.path = image.path;
   file.warnings = image.warnings;

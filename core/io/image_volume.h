@@ -35,7 +35,8 @@ using OpenArray = std::function<std::shared_ptr<const SampleSource>(const ArrayI
 /// for arrays that say what is hidden.
 ///
 /// - Axes that are flipped or change their places (negative spacing, or a direction that is such a matrix to 1e-6) are put
-///   right by reordering samples. Throws Error for any other direction.
+///   right by reordering samples. An image that is rotated otherwise is turned about its centre to the nearest axes, with a
+///   warning. Throws Error where its axes are not at right angles to 1e-4.
 /// - Samples of cells stand at the cells' centres, with a layer repeated outside (Grid::rim).
 /// - An axis with one point becomes one of two equal layers (of cells: one cell), one spacing apart, around where the image is.
 /// - Samples that the arrays "vtkGhostType" hide are NaN: points with bit 2, points of which all cells have bit 32, cells with bit

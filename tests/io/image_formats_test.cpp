@@ -175,7 +175,7 @@ TEST_F(ImageFormats, NrrdsInEveryEncoding) {
               "encoding \"bzip2\", expected raw, gzip or ascii");
   expectError(file("v.nrrd", head + "encoding: raw\n\n" + raw.substr(1)), "truncated: 47 bytes, expected 48");
   expectError(file("v.nrrd", head + "space directions: (1,1,0) (0,1,0) (0,0,1)\nencoding: raw\n\n" + raw),
-              "rotated");
+              "at right angles");
 }
 
 /// A NIfTI-1 header of 3 x 2 x 2 samples of 2 bytes: each field at its place.

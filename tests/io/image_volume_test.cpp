@@ -204,11 +204,41 @@ TEST_F(ImageVolume, AxesThatAreTurnedArePutRight) {
         }
   }
   EXPECT_EQ(open("1 0 0 0 1 0 0 0 1").grid.origin, glm::dvec3(6, 6, 7));
+}
+
+TEST_F(ImageVolume, RotatedAxesAreTurnedToTheNearestAboutTheCentre) {
+  const auto open = [&](const std::string& direction) {
+    return openVolume(vti("0 1 0 2 0 1", "Origin=\"5 6 7\" Spacing=\"1 2 3\" Direction=\"" + direction + "\"",
+                          points(array("p", "Int16", numbered()))));
+  };
+  // by 36.87 degrees about z; the same of an image that is mirrored; and of one whose axes are in another order
+  for (const auto& [rotated, nearest] : {std::pair("0.8 -0.6 0 0.6 0.8 0 0 0 1", "1 0 0 0 1 0 0 0 1"),
+                                         {"-0.8 -0.6 0 -0.6 0.8 0 0 0 1", "-1 0 0 0 1 0 0 0 1"},
+                                         {"0.6 -0.8 0 0.8 0.6 0 0 0 1", "0 -1 0 1 0 0 0 0 1"},
+                                         {"0 0.8 -0.6 0 0.6 0.8 1 0 0", "0 1 0 0 0 1 1 0 0"}}) {
+    const VolumeFile file = open(rotated);
+    const Values values = valuesOf(file);
+    const VolumeFile straight = open(nearest);  // in the same place
+    EXPECT_EQ(values, valuesOf(straight)) << rotated;
+    EXPECT_EQ(file.grid.points, straight.grid.points);
+    EXPECT_EQ(file.grid.spacing, straight.grid.spacing);
+    double d[9];
+    std::stringstream text(rotated);
+    for (double& x : d) text >> x;
+    const glm::dvec3 half(0.5, 2, 1.5);  // spacing times half the image, along its axes
+    const glm::dvec3 middle = 0.5 * (file.grid.box().lo + file.grid.box().hi);
+    for (int w = 0; w < 3; ++w)
+      EXPECT_NEAR(middle[w], 5 + w + d[3 * w] * half[0] + d[3 * w + 1] * half[1] + d[3 * w + 2] * half[2],
+                  1e-12);
+    ASSERT_EQ(file.warnings.size(), 1u);
+    EXPECT_NE(file.warnings[0].find(": the image is rotated by 36.9 degrees against the nearest axes"),
+              std::string::npos)
+        << file.warnings[0];
+    EXPECT_TRUE(straight.warnings.empty());
+  }
   const std::string path =
-      vti("0 1 0 2 0 1", "Direction=\"0.8 -0.6 0 0.6 0.8 0 0 0 1\"", points(array("p", "Int16", numbered())));
-  EXPECT_EQ(errorOf(path),
-            ": the image is rotated; read are images whose axes are parallel to those of the world, also "
-            "backwards or in another order");
+      vti("0 1 0 2 0 1", "Direction=\"1 0.3 0 0 1 0 0 0 1\"", points(array("p", "Int16", numbered())));
+  EXPECT_EQ(errorOf(path), ": the axes of the image, expected to be at right angles, are not");
 }
 
 TEST_F(ImageVolume, OneLayerIsTwoEqualOnesAroundIt) {
