@@ -49,6 +49,8 @@ void writeGeometry(const std::string& path, const GeometryBlock& block, Geometry
   vtk(path).writeGeometry(path, block, kind, array, whole);
 }
 
+bool copyGeometry(const std::string& from, const std::string& to) { return vtk(to).copyGeometry(from, to); }
+
 void writeGeometryPieces(const std::string& path, const std::vector<GeometryPiece>& pieces,
                          const GeometryBlock& like, const std::string& array) {
   vtk(path).writeGeometryPieces(path, pieces, like, array);

@@ -15,6 +15,7 @@ const gxy::VtkPlugin table = {.shareReadRules = gxy::shareReadRules,
                               .summariseGeometry = gxy::summariseGeometry,
                               .likelyKind = gxy::likelyKind,
                               .writeGeometry = gxy::writeGeometry,
+                              .copyGeometry = gxy::copyGeometry,
                               .writeGeometryPieces = gxy::writeGeometryPieces};
 
 }  // namespace

@@ -21,6 +21,7 @@ struct VtkPlugin {
   decltype(&gxy::summariseGeometry) summariseGeometry;
   decltype(&gxy::likelyKind) likelyKind;
   decltype(&gxy::writeGeometry) writeGeometry;
+  decltype(&gxy::copyGeometry) copyGeometry;
   decltype(&gxy::writeGeometryPieces) writeGeometryPieces;
 };
 

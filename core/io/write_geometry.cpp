@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gxy/io/write_geometry.h"
 
+#include <spdlog/spdlog.h>
 #include <vtkCellArray.h>
+#include <vtkCellData.h>
 #include <vtkDoubleArray.h>
 #include <vtkFloatArray.h>
 #include <vtkIdList.h>
@@ -15,8 +17,13 @@
 #include <vtkXMLUnstructuredGridWriter.h>
 
 #include "gxy/comm/error.h"
+#include "gxy/io/cell_list.h"
+#include "gxy/io/color_arrays.h"
 #include "gxy/io/file.h"
+#include "gxy/io/flaws.h"
+#include "gxy/io/geometry_file.h"
 #include "gxy/io/part_document.h"
+#include "gxy/io/vtk_geometry.h"
 #include "gxy/io/vtk_messages.h"
 #include "gxy/io/vtk_scalars.h"
 
@@ -140,6 +147,69 @@ void writeGeometry(const std::string& path, const GeometryBlock& block, Geometry
   } else {
     throw Error(path + ": cannot write this kind of geometry: expected .vtp, .vtu, .ply or .stl");
   }
+}
+
+namespace {
+
+/// All cells of a set that is none, with its points and arrays, which are shared.
+vtkSmartPointer<vtkUnstructuredGrid> unstructured(vtkPointSet* set) {
+  if (const auto grid = vtkUnstructuredGrid::SafeDownCast(set)) return grid;
+  const auto grid = vtkSmartPointer<vtkUnstructuredGrid>::New();
+  const CellList cells(set);
+  grid->SetPoints(set->GetPoints());
+  grid->Allocate(cells.count());
+  const auto ids = vtkSmartPointer<vtkIdList>::New();
+  for (vtkIdType cell = 0; cell < cells.count(); ++cell) {
+    cells.points(cell, ids);
+    grid->InsertNextCell(cells.type(cell), ids);
+  }
+  grid->GetPointData()->ShallowCopy(set->GetPointData());
+  grid->GetCellData()->ShallowCopy(set->GetCellData());
+  return grid;
+}
+
+/// Colours that our readers have made floating-point numbers of become bytes again, if they all came as such.
+void putColorsInBytes(vtkDataSetAttributes* data) {
+  for (int i = 0; i < data->GetNumberOfArrays(); ++i) {
+    vtkDataArray* array = data->GetArray(i);
+    if (!array || !isColors(array) || array->GetDataType() == VTK_UNSIGNED_CHAR) continue;
+    const auto bytes = vtkSmartPointer<vtkUnsignedCharArray>::New();
+    bytes->SetName(array->GetName());
+    bytes->SetNumberOfComponents(array->GetNumberOfComponents());
+    bytes->SetNumberOfTuples(array->GetNumberOfTuples());
+    bool all = true;
+    for (vtkIdType k = 0; all && k < array->GetNumberOfTuples(); ++k)
+      for (int c = 0; c < array->GetNumberOfComponents(); ++c) {
+        const double color = array->GetComponent(k, c);
+        all = all && color >= 0 && color <= 1 && float(byteOf(float(color)) / 255.0) == float(color);
+        if (all) bytes->SetTypedComponent(k, c, byteOf(float(color)));
+      }
+    if (!all) continue;
+    const bool active = array == data->GetScalars();
+    data->AddArray(bytes);  // in the place of the other one
+    if (active) data->SetActiveScalars(bytes->GetName());
+  }
+}
+
+}  // namespace
+
+bool copyGeometry(const std::string& from, const std::string& to) {
+  const std::string extension = extensionOf(to);
+  if ((extension != ".vtp" && extension != ".vtu") || geometryPieces(from) != std::vector{from}) return false;
+  Flaws flaws;
+  const vtkSmartPointer<vtkPointSet> set = readPointSet(from, {}, {}, nullptr, &flaws);
+  if (const std::string kind = extensionOf(from); !kind.starts_with(".vt")) {
+    putColorsInBytes(set->GetPointData());
+    putColorsInBytes(set->GetCellData());
+  }
+  const bool surface = vtkPolyData::SafeDownCast(set);
+  if (extension == ".vtp" && !surface) return false;
+  if (extension == ".vtp")
+    writeXml<vtkXMLPolyDataWriter>(to, set);
+  else
+    writeXml<vtkXMLUnstructuredGridWriter>(to, unstructured(set));
+  for (const std::string& warning : flaws.warnings(from)) spdlog::warn("{}", warning);
+  return true;
 }
 
 void writeGeometryPieces(const std::string& path, const std::vector<GeometryPiece>& pieces,

@@ -16,6 +16,12 @@ namespace gxy {
 void writeGeometry(const std::string& path, const GeometryBlock& block, GeometryKind kind,
                    const std::string& array = "data", const GeometryBlock* whole = nullptr);
 
+/// Writes all points, cells and arrays of one file that readGeometry() can read, in their own types, to a .vtp or .vtu. Flaws that
+/// do not keep it from being read are logged. Returns false, with nothing written, if `to` cannot hold them: for other
+/// extensions, for lists of pieces, and for a .vtp of cells other than vertices, lines, polygons and strips. Throws Error
+/// for what cannot be read or written.
+bool copyGeometry(const std::string& from, const std::string& to);
+
 /// Whether all colours are 255ths as files have them in bytes, and a component as such a byte.
 bool haveBytes(const std::vector<glm::vec3>& colors);
 uint8_t byteOf(float component);

@@ -137,6 +137,12 @@ TEST_F(DataTools, AnUnknownEndingIsAnsweredByWhatCanBeRead) {
   EXPECT_NE(said.find("geometry as .vtu"), said.npos) << said;
 }
 
+TEST_F(DataTools, AnUnknownCommandIsAnsweredByTheNearest) {
+  EXPECT_EQ(data("convrt a.vti b.vti"), 2);
+  const std::string said = saidBy("convrt a.vti b.vti");
+  EXPECT_NE(said.find("unknown command \"convrt\"; did you mean `convert`?"), said.npos) << said;
+}
+
 TEST_F(DataTools, NothingThatIsReadIsOverwritten) {
   ASSERT_EQ(data("radial -r 8 --array x noise.vol"), 0);
   const auto before = samples(openVolume(at("noise.vol")));
@@ -193,12 +199,73 @@ LOOKUP_TABLE default
 VECTORS v float
 1 0 0 0 1 0 0 0 1
 )");
-  EXPECT_EQ(saidBy("convert g.vtk g.vtp"),
+  for (const char* out : {"g.vtp", "g.vtu"}) {
+    EXPECT_EQ(saidBy(std::string("convert g.vtk ") + out), "");
+    const GeometrySummary summary = summariseGeometry(at(out));
+    ASSERT_EQ(summary.arrays.size(), 2u) << out;
+    EXPECT_EQ(summary.arrays[0].name + " " + summary.arrays[0].type, "s double");
+    EXPECT_EQ(summary.arrays[1].name + " " + summary.arrays[1].type, "v float");
+    EXPECT_EQ(summary.arrays[1].components, 3);
+    EXPECT_EQ(summary.triangles, 1u);
+    EXPECT_EQ(readGeometry(at(out), GeometryKind::Triangles).block.values, (std::vector<float>{1, 2, 3}));
+  }
+  EXPECT_EQ(saidBy("convert g.vtk g.ply"),
             "gxydata: g.vtk: array 's' is rounded from double to float\n"
             "gxydata: g.vtk: array 'v' is left out\n");
   EXPECT_EQ(saidBy("convert g.vtk --array v v.vtp"),
             "gxydata: g.vtk: array 'v' becomes the magnitude of its 3 components\n");
   EXPECT_EQ(saidBy("convert v.vtp v2.vtu"), "");
+}
+
+TEST_F(DataTools, ConvertKeepsAllCells) {
+  writeText(at("mixed.vtk"), R"(# vtk DataFile Version 3.0
+a point, a line, two triangles and a strip
+ASCII
+DATASET POLYDATA
+POINTS 5 float
+0 0 0 1 0 0 0 1 0 1 1 0 2 2 1
+VERTICES 1 2
+1 4
+LINES 1 4
+3 0 1 4
+POLYGONS 2 8
+3 0 1 2
+3 1 3 2
+TRIANGLE_STRIPS 1 5
+4 0 1 2 3
+CELL_DATA 5
+SCALARS number int 1
+LOOKUP_TABLE default
+10 11 12 13 14
+)");
+  for (const char* out : {"mixed.vtp", "mixed.vtu"}) {
+    EXPECT_EQ(saidBy(std::string("convert mixed.vtk ") + out), "");
+    const GeometrySummary summary = summariseGeometry(at(out));
+    EXPECT_EQ(summary.vertices, 1u) << out;
+    EXPECT_EQ(summary.segments, 2u) << out;
+    EXPECT_EQ(summary.triangles, 4u) << out;
+    ASSERT_EQ(summary.arrays.size(), 1u);
+    EXPECT_EQ(summary.arrays[0].type, "int");
+    for (const auto& [kind, values] : {std::pair(GeometryKind::PathLines, std::vector<float>{11, 11, 11}),
+                                       {GeometryKind::Triangles, {12, 12, 12, 13, 13, 13, 14, 14, 14, 14}}})
+      EXPECT_EQ(readGeometry(at(out), kind).block.values, values) << out;
+  }
+  writeText(at("cube.vtk"), R"(# vtk DataFile Version 3.0
+a hexahedron
+ASCII
+DATASET UNSTRUCTURED_GRID
+POINTS 8 float
+0 0 0 1 0 0 1 1 0 0 1 0 0 0 1 1 0 1 1 1 1 0 1 1
+CELLS 1 9
+8 0 1 2 3 4 5 6 7
+CELL_TYPES 1
+12
+)");
+  EXPECT_EQ(saidBy("convert cube.vtk cube.vtu"), "");
+  EXPECT_EQ(summariseGeometry(at("cube.vtu")).solids, 1u);
+  EXPECT_EQ(saidBy("convert cube.vtk cube.vtp"),
+            "gxydata: cube.vtk: of solid cells only the outer surface is kept\n");
+  EXPECT_EQ(summariseGeometry(at("cube.vtp")).triangles, 12u);
 }
 
 TEST_F(DataTools, ColoursAreKept) {
@@ -223,9 +290,9 @@ end_header
 3 1 3 2
 )");
   const std::vector<glm::vec3> colors{{1, 0, 0}, {0, 1, 0}, {0, 0, 0.2f}, {0, 0, 0}};
-  EXPECT_EQ(saidBy("convert c.ply c.vtp"), "gxydata: c.ply: the opacity in array 'RGB' is left out\n");
+  EXPECT_EQ(saidBy("convert c.ply c.vtp"), "");
   EXPECT_EQ(saidBy("convert c.vtp c.vtu"), "");
-  EXPECT_EQ(saidBy("convert c.vtu back.ply"), "");
+  EXPECT_EQ(saidBy("convert c.vtu back.ply"), "gxydata: c.vtu: the opacity in array 'RGB' is left out\n");
   ASSERT_EQ(data("partition back.ply -g 2,1,1 c.pvtp"), 0);
   ASSERT_EQ(data("convert c.pvtp joined.vtp"), 0);
   for (const char* name : {"c.ply", "c.vtp", "c.vtu", "back.ply", "joined.vtp"}) {
@@ -239,7 +306,7 @@ end_header
   EXPECT_EQ(saidBy("convert c.ply c.stl"),
             "gxydata: c.ply: coordinates are rounded to float\ngxydata: c.ply: array 'RGB' is left out\n");
   ASSERT_EQ(data("info c.vtp | tee said"), 0);
-  EXPECT_NE(readText(at("said")).find("point array 'RGB': unsigned char, 3 components, colours 0 to 255"),
+  EXPECT_NE(readText(at("said")).find("point array 'RGB': unsigned char, 4 components, colours 0 to 255"),
             std::string::npos);
 }
 

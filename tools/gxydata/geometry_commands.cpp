@@ -103,6 +103,7 @@ std::array<int64_t, 3> proportions(const Box& box) {
 
 void convertGeometry(const Options& options) {
   keepInput(options.in, {options.out});
+  if (options.array.empty() && copyGeometry(options.in, options.out)) return;
   const Input input = load(options);
   tellLosses(options, input, extensionOf(options.out));
   writeGeometry(options.out, input.geometry.block, input.geometry.kind, input.array);

@@ -199,8 +199,8 @@ int main(int argc, char** argv) {
 
   CLI::App* convert = app.add_subcommand(
       "convert",
-      "from one format to another: a volume as it is, of a geometry one array, in float; says what is "
-      "left out or rounded");
+      "from one format to another: all arrays as they are, where the other one has a place for them; says "
+      "what is left out or rounded");
   CLI::App* partition = app.add_subcommand("partition", "cut into pieces: .pvti, .pvtu, .pvtp or .part");
   CLI::App* info = app.add_subcommand("info", "print what is in a file");
   for (CLI::App* command : {convert, partition, info}) {
