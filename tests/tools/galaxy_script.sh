@@ -30,8 +30,10 @@ expect() {
 
 expect HelpNamesTheTwoCommands 0 'demo.*test' "$galaxy" --help
 expect UnknownCommandIsAnsweredByTheNearest 2 'unknown command dmo; did you mean demo\?' "$galaxy" dmo
+expect AlsoWhereThatIsTwoLettersAway 2 'did you mean test\?' "$galaxy" tset
 expect UnknownCommandFarFromAllIsWrongUsage 2 'unknown command rendering$' "$galaxy" rendering
 expect VersionIsPrinted 0 '^galaxy [0-9]+\.[0-9]+\.[0-9]+$' "$galaxy" --version
+expect UnknownOptionOfRunIsWrongUsage 2 'run: unknown option --fast' "$galaxy" run --fast true
 expect UnknownOptionIsWrongUsage 2 'unknown option --fast' "$galaxy" test --fast
 expect MissingValueIsWrongUsage 2 'a value is missing' "$galaxy" test -R
 expect JobsMustBeANumber 2 'expected a number' "$galaxy" build --jobs many
