@@ -12,12 +12,14 @@ using protocol::FrameChannel;
 using protocol::PixelHeader;
 using protocol::PixelKind;
 
-Bytes record(uint32_t window, uint64_t frame, PixelKind kind, uint32_t pass = 0, size_t bytes = 100) {
+Bytes record(uint32_t window, uint64_t frame, PixelKind kind, uint32_t pass = 0, size_t bytes = 100,
+             uint32_t scale = 1) {
   PixelHeader h;
   h.kind = kind;
   h.window = window;
   h.frame = frame;
   h.pass = pass;
+  h.scale = scale;
   h.width = h.height = 16;
   if (kind == PixelKind::Tile) h.w = h.h = 16;
   return protocol::pixelRecord(h, Bytes(bytes));
@@ -48,6 +50,23 @@ TEST(Outbox, SendsControlThenTextThenPixelsThenFiles) {
   EXPECT_EQ(outbox.counters().queuedBytes, 0u);
 }
 
+TEST(Outbox, WakesWhoSendsForAllThatComes) {
+  int woken = 0;
+  Outbox outbox({}, [&] { woken++; }, {});
+  outbox.control("pong 1");
+  EXPECT_EQ(woken, 1);
+  outbox.reply(1, "ok");
+  EXPECT_EQ(woken, 2);
+  outbox.event({{"event", "added"}});
+  EXPECT_EQ(woken, 3);
+  outbox.pixels(record(1, 1, PixelKind::Tile));
+  EXPECT_EQ(woken, 4);
+  outbox.file(9, Bytes(10), [] { return false; });
+  EXPECT_EQ(woken, 5);
+  outbox.farewell("bye");
+  EXPECT_EQ(woken, 6);
+}
+
 TEST(Outbox, SendsWindowsInTurn) {
   Outbox outbox({}, [] {}, {});
   for (uint32_t window = 1; window <= 3; window++)
@@ -76,6 +95,14 @@ TEST(Outbox, AReplyFollowsTheFilesOfItsRequest) {
   EXPECT_EQ(kindsLeft(outbox), "FR");
 }
 
+TEST(Outbox, AReplyFollowsTheFilesOfItsRequestAlsoBehindThoseOfOthers) {
+  Outbox outbox({}, [] {}, {});
+  outbox.file(8, Bytes(10), [] { return false; });
+  outbox.file(9, Bytes(10), [] { return false; });
+  outbox.reply(9, "ok");
+  EXPECT_EQ(kindsLeft(outbox), "FFR");
+}
+
 TEST(Outbox, ANewerFrameDropsTheTilesOfAnOlderOneButNotItsEnd) {
   Outbox outbox({}, [] {}, {});
   outbox.pixels(record(1, 1, PixelKind::Tile));
@@ -86,6 +113,15 @@ TEST(Outbox, ANewerFrameDropsTheTilesOfAnOlderOneButNotItsEnd) {
   outbox.pixels(record(1, 2, PixelKind::Tile));
   EXPECT_EQ(outbox.counters().tilesDropped, 1u);
   EXPECT_EQ(kindsLeft(outbox), "f1t1t2t2");
+}
+
+TEST(Outbox, ACoarserLevelStaysWhenAFinerOneOfItsFrameComes) {
+  Outbox outbox({}, [] {}, {});
+  outbox.pixels(record(1, 1, PixelKind::Tile, 0, 100, 4));
+  outbox.pixels(record(1, 1, PixelKind::EndOfPass, 0, 100, 4));
+  outbox.pixels(record(1, 1, PixelKind::Tile));
+  EXPECT_EQ(outbox.counters().tilesDropped, 0u);
+  EXPECT_EQ(kindsLeft(outbox), "t1p1t1");
 }
 
 TEST(Outbox, HoldsOnePassOfAWindowForASlowReader) {
@@ -116,12 +152,35 @@ TEST(Outbox, SaysWhenAPassHasBeenTakenUnlessItWasDropped) {
   EXPECT_EQ(sent, 1);
 }
 
+TEST(Outbox, SaysWhenAPassHasBeenTakenAlsoOnceAFurtherOneHasDroppedItsTiles) {
+  Outbox outbox({}, [] {}, {});
+  int sent = 0;
+  outbox.pixels(record(1, 1, PixelKind::Tile));
+  outbox.pixels(record(1, 1, PixelKind::EndOfPass), [&] { sent++; });
+  outbox.pixels(record(1, 1, PixelKind::Tile, 1));
+  EXPECT_EQ(kindsLeft(outbox), "p1t1");
+  EXPECT_EQ(sent, 1);
+}
+
 TEST(Outbox, RefusesTilesBeyondItsLimit) {
   Outbox outbox({.text = 1000, .files = 1000, .pixels = 5000}, [] {}, {});
   int taken = 0;
   for (uint32_t window = 1; window <= 100; window++)
     taken += outbox.pixels(record(window, 1, PixelKind::Tile, 0, 936));
   EXPECT_EQ(taken, 5);
+}
+
+TEST(Outbox, TilesThatAreDroppedLeaveTheirRoom) {
+  Outbox outbox({.text = 1000, .files = 1000, .pixels = 5000}, [] {}, {});
+  for (uint64_t frame = 1; frame <= 100; frame++)
+    ASSERT_TRUE(outbox.pixels(record(1, frame, PixelKind::Tile, 0, 936))) << frame;
+  for (uint32_t pass = 1; pass <= 100; pass++)
+    ASSERT_TRUE(outbox.pixels(record(1, 100, PixelKind::Tile, pass, 936))) << pass;
+  outbox.dropTiles(1);
+  int taken = 0;
+  for (uint32_t window = 2; window <= 100; window++)
+    taken += outbox.pixels(record(window, 1, PixelKind::Tile, 0, 936));
+  EXPECT_EQ(taken, 5) << "all of it";
 }
 
 TEST(Outbox, LeavesEventsOutAndSaysHowMany) {
@@ -135,6 +194,8 @@ TEST(Outbox, LeavesEventsOutAndSaysHowMany) {
   EXPECT_TRUE(outbox.event({{"event", "dropped"}}));
   EXPECT_EQ(nlohmann::json::parse(outbox.next()->text()), (nlohmann::json{{"event", "lost"}, {"count", 2}}));
   EXPECT_EQ(nlohmann::json::parse(outbox.next()->text())["event"], "dropped");
+  EXPECT_TRUE(outbox.event({{"event", "renamed"}}));
+  EXPECT_EQ(nlohmann::json::parse(outbox.next()->text())["event"], "renamed") << "it is told once";
 }
 
 TEST(Outbox, EndsOfFramesMakeItCongestedUntilTheyAreTaken) {
