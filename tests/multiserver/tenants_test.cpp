@@ -42,6 +42,7 @@ TEST(Tenants, OfAServerThatAdmitsAllAreWhomTheyNameButForWhatIsNoTenant) {
   Tenants tenants(1);
   tenants.admitAll();
   EXPECT_EQ(tenants.identify("", "ann")->tenant, "ann");
+  EXPECT_TRUE(tenants.identify("", "ann")->administrator);
   for (const char* name : {"server", "device", "", ".hidden", "a/b"})
     EXPECT_THROW(tenants.identify("", name), Error) << name;
 }
