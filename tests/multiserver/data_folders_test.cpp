@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 
@@ -235,6 +236,20 @@ TEST(DataFolders, AreLeftByNoLinkThatIsPutInPlaceBeforeAFileIsWritten) {
   fs::create_directory_symlink(place.folder / "data-more", place.folder / "data/sub");
   EXPECT_THROW(folders.write(path, bytes), Error);
   EXPECT_FALSE(fs::exists(place.folder / "data-more/new.png"));
+}
+
+TEST(DataFolders, KeepNothingOfAFileThatCannotTakeItsName) {
+  Place place;
+  const DataFolders folders({place.folder / "data"});
+  const std::string text = "new";
+  const std::string path = folders.toWrite("sub/new.png");
+  fs::create_directory(path);  // since it was checked
+  EXPECT_THROW(folders.write(path, std::as_bytes(std::span(text))), Error);
+  std::vector<std::string> names;
+  for (const auto& entry : fs::directory_iterator(place.folder / "data/sub"))
+    names.push_back(entry.path().filename());
+  std::sort(names.begin(), names.end());
+  EXPECT_EQ(names, (std::vector<std::string>{"b.raw", "new.png"}));
 }
 
 }  // namespace
