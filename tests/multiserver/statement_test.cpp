@@ -75,5 +75,20 @@ TEST(Handshake, NamesThatAreShownToOthersHaveNoControlCharacters) {
   }
 }
 
+TEST(Handshake, NamesHaveAtMost255Bytes) {
+  const std::string longest(255, 'n');
+  const Hello hello = parseHello(helloText({"", longest, longest}));
+  EXPECT_EQ(hello.client, longest);
+  EXPECT_EQ(hello.tenant, longest);
+  EXPECT_THROW(parseHello(helloText({"", longest + "n", "ann"})), Error);
+  EXPECT_THROW(parseHello(helloText({"", "client", longest + "n"})), Error);
+}
+
+TEST(Statements, HaveVerbsOfAtMost128Characters) {
+  const std::string longest(128, 'v');
+  EXPECT_EQ(parseStatement(longest + " word").verb, longest);
+  EXPECT_THROW(parseStatement(longest + "v word"), Error);
+}
+
 }  // namespace
 }  // namespace gxy::protocol
