@@ -99,6 +99,35 @@ TEST(Data, TenantsSeeOnlyWhatIsShared) {
   EXPECT_EQ(names(*ann), Names{"ball"});
 }
 
+TEST(Data, ARenameToANameInUseChangesNothing) {
+  const auto server = serve();
+  const auto ann = dataClient(*server, "ann"), bob = dataClient(*server, "bob");
+  bob->expect(importBall("shared"));
+  bob->expect("publish shared");
+  ann->expect(importBall("first"));
+  ann->expect(importBall("second"));
+  for (const char* name : {"second", "shared", "first"})
+    EXPECT_EQ(ann->request(std::string("rename first ") + name).error,
+              "rename: the name \"" + std::string(name) + "\" is in use, expected a free one");
+  EXPECT_EQ(names(*ann), (Names{"first", "second", "shared"}));
+}
+
+TEST(Data, ListSaysWhatOnlyItsOwnerMayWrite) {
+  const auto server = serve();
+  const auto ann = dataClient(*server, "ann"), bob = dataClient(*server, "bob");
+  const auto readOnly = [](Client& client) {
+    return client.expect("list").at("datasets").at(0).at("read only");
+  };
+  ann->expect(importBall("ball"));
+  EXPECT_EQ(readOnly(*ann), false);
+  ann->expect("publish ball");
+  EXPECT_EQ(readOnly(*bob), true);
+  EXPECT_EQ(bob->expect("info ball").at("datasets").at(0).at("scope"), "shared");
+  ann->expect("unpublish ball");
+  ann->expect("publish ball writable");
+  EXPECT_EQ(readOnly(*bob), false);
+}
+
 TEST(Data, WhatIsPublishedForAllToWriteStaysItsOwners) {
   const auto server = serve();
   writeBall(server->folder().path().string(), "twice", 16, 2);
@@ -334,6 +363,40 @@ Reply importWhile(TestServer& server, Client& client, const std::string& second,
   meanwhile();
   goOn.set_value();
   return imported.get_future().get();
+}
+
+TEST(Data, AnImportThatIsToBeSharedGoesOnWhateverOthersDrop) {
+  const auto server = serve();
+  const auto ann = dataClient(*server, "ann"), bob = dataClient(*server, "bob");
+  const Reply reply =
+      importWhile(*server, *ann, "second", [&] { EXPECT_FALSE(bob->request("drop second").ok); });
+  EXPECT_TRUE(reply.ok) << reply.error;
+  EXPECT_EQ(names(*bob), (Names{"first", "second"}));
+}
+
+TEST(Data, AnImportWhoseDatasetIsDroppedAtTheLastMomentNamesNothing) {
+  const auto server = serve();
+  const auto ann = dataClient(*server, "ann"), other = dataClient(*server, "ann");
+  const Reply reply = importWhile(*server, *ann, "second", [&] { other->expect("drop second"); });
+  EXPECT_EQ(reply.error, "cancelled: a dataset of this import was dropped");
+  EXPECT_EQ(names(*ann), Names{});
+  for (int rank = 0; rank < 2; rank++) EXPECT_EQ(server->node(rank).ledger.total("ann"), 0) << rank;
+}
+
+TEST(Data, AnImportThatWaitsForItsNameIsCancelledAtOnce) {
+  const auto server = serve();
+  const auto ann = dataClient(*server, "ann"), other = dataClient(*server, "ann");
+  std::promise<Reply> second;
+  auto ended = second.get_future();
+  const Reply first = importWhile(*server, *ann, "second", [&] {
+    const uint32_t id =
+        other->send(importShared({"second"}), [&](const Reply& reply) { second.set_value(reply); });
+    EXPECT_EQ(ended.wait_for(std::chrono::milliseconds(100)), std::future_status::timeout) << "it waits";
+    other->expect("cancel " + std::to_string(id));
+    EXPECT_EQ(ended.wait_for(std::chrono::minutes(1)), std::future_status::ready);
+  });
+  EXPECT_TRUE(first.ok) << first.error;
+  EXPECT_EQ(ended.get().error, "cancelled");
 }
 
 TEST(Data, AnImportChangesNothingThatItMayNoLongerChange) {
@@ -591,6 +654,18 @@ TEST(Data, QuotasOfMemoryHoldBeforeAnythingIsRead) {
   EXPECT_NE(points.error.find("12000000 bytes are needed"), std::string::npos) << points.error;
   const auto other = dataClient(server, "other");
   other->expect(importBall("ball"));
+}
+
+TEST(Data, OfAllTenantsTakeNoMoreThanTheRankMayHave) {
+  ServerSetup setup;
+  setup.modules = GALAXY_MODULES;
+  setup.node.memory = 20000;  // a half of 16^3 floats with its ghosts is 9216 bytes or more
+  TestServer server(std::move(setup));
+  const auto ann = dataClient(server, "ann"), bob = dataClient(server, "bob");
+  ann->expect(importBall("ball"));
+  EXPECT_NE(bob->request(importBall("ball")).error.find("of this rank's 20000 bytes"), std::string::npos);
+  ann->expect("drop ball");
+  bob->expect(importBall("ball"));
 }
 
 }  // namespace
