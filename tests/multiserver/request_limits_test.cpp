@@ -93,6 +93,53 @@ TEST(Requests, ThatWaitAreAsManyAsMayBe) {
   EXPECT_FALSE(alone.session->full());
 }
 
+TEST(Requests, ThatAreAnsweredNoLongerCountByTheirBytes) {
+  const auto server = withModules();
+  protocol::Limits limits;
+  limits.requestBytes = 100;
+  Alone alone(server->node(), limits);
+  for (uint32_t id = 1; id <= 10; id++) {
+    alone.session->submit(id, protocol::bytesOf("echo " + std::string(55, 'x')));
+    EXPECT_EQ(alone.next().text().substr(0, 2), "ok");
+    EXPECT_FALSE(alone.session->full()) << id;
+  }
+}
+
+TEST(Requests, OfMoreThan4096BytesNeedRoomAndShorterOnesDoNot) {
+  NodeOptions options;
+  options.tenantMemory = 1000;
+  const auto server = withModules(options);
+  Alone alone(server->node());
+  EXPECT_TRUE(alone.session->makeRoom(4096));
+  EXPECT_FALSE(alone.session->makeRoom(4097));
+}
+
+TEST(Requests, BesideOthersHoldASlotOfTheirTenantUntilTheyEnd) {
+  const auto server = withModules();
+  Alone alone(server->node());
+  alone.session->submit(1, protocol::bytesOf("load data"));
+  EXPECT_EQ(alone.next().text().substr(0, 2), "ok");
+  alone.session->submit(2, protocol::bytesOf("wait nothing 1 1e6"));
+  alone.session->submit(3, protocol::bytesOf("echo"));  // in its turn, after the one before has begun
+  EXPECT_EQ(alone.next().id, 3u);
+  Tenants& tenants = server->node().tenants;
+  std::vector<std::shared_ptr<void>> others;
+  for (int i = 1; i < Tenants::kAside; i++) others.push_back(tenants.beginAside("ann"));
+  EXPECT_THROW((void)tenants.beginAside("ann"), Error);
+  alone.session->cancel(2);
+  EXPECT_EQ(alone.next().text(), "error: cancelled");
+  until(
+      [&] {
+        try {
+          others.push_back(tenants.beginAside("ann"));
+          return true;
+        } catch (const Error&) {
+          return false;
+        }
+      },
+      "its slot is free");
+}
+
 TEST(Requests, BesideOthersAreEightAtOnceAndTheNextWaitsWithWhatFollows) {
   const auto server = withModules();
   const auto client = server->client();

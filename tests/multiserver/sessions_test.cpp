@@ -451,6 +451,21 @@ TEST(Sessions, LongWorkOfATenantWaitsForItsTurnAndHoldsUpNobodyElse) {
   EXPECT_EQ(ann->expect("list").at("datasets").size(), 1u);
 }
 
+TEST(Sessions, LongWorkHasItsTurnUntilItEnds) {
+  TestServer server(setup());
+  Node& node = server.node();
+  const auto outbox = std::make_shared<Outbox>(
+      Outbox::Limits{}, [] {}, node.ledger.enter("ann", "to be sent", 0));
+  Session ann(node, outbox, {1, "test", "ann", false}, {});
+  Request request(ann, 1, protocol::bytesOf("echo"));
+  std::vector<std::shared_ptr<const uint64_t>> begun;
+  for (int i = 0; i < Tenants::kLong; i++) begun.push_back(node.exchanges.beginLong(request));
+  const auto another = [&] { return node.tenants.beginLong("ann", [] { throw Error("it waits"); }); };
+  EXPECT_THROW((void)another(), Error);
+  begun.pop_back();
+  EXPECT_NO_THROW((void)another());
+}
+
 // As those of modules do, which cannot know how long the data are.
 TEST(Sessions, LongWorkEndsOnAllRanksWhenItsRequestIsCancelled) {
   TestServer server(setup());
@@ -572,6 +587,12 @@ TEST(Sessions, DocumentsTakeMemoryOfTheirTenantWhileTheyAreRead) {
             }() +
             "]}"})
     EXPECT_EQ(error(statement).find("memory: "), 0u) << error(statement);
+  std::string points = "0";
+  for (int i = 0; i < 200000; i++) points += ",0";
+  std::ofstream(server.folder() / "map.json") << R"([{"RGBPoints": [)" << points << "]}]";
+  const std::string named = error(
+      R"(set 1 {"Visualization": {"operators": [{"type": "Volume", "dataset": "x", "colormap": "map.json"}]}})");
+  EXPECT_NE(named.find("memory: "), std::string::npos) << "of a file that one names: " << named;
   EXPECT_NE(error("set 1 " + isovalues(20000)).find("20000 isovalues"), std::string::npos);
   for (int i = 0; i < 20; i++) client->expect("set 1 " + isovalues(200));
   client->expect("close 1");
