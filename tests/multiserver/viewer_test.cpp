@@ -276,6 +276,105 @@ TEST(ViewerModule, ScenesAreSharedAndGoWithTheirWindows) {
   server->stop();
 }
 
+TEST(ViewerModule, FramesOfAClientThatHasGoneEndAlsoBeforeItsRequestsDo) {
+  const auto server = serve();
+  auto viewer = std::make_unique<Viewer>(*server, "ann");
+  const auto other = server->client("bob");
+  std::promise<void> stored, goOn;
+  const auto subscription = server->node(1).observers.subscribe({}, [&](const ObjectEvent& event) {
+    if (event.kind != ObjectEvent::Kind::Added) return;
+    stored.set_value();
+    goOn.get_future().wait();
+  });
+  viewer->render(R"({"passes": 4096, "rays": 4, "levels": [1]})");
+  viewer->client->send(importBall("late"), [](const Reply&) {});
+  stored.get_future().wait();
+  viewer = nullptr;
+  until([&] { return other->expect("stat").at("ranks").at(0).at("frames") == 0; }, "its frame ends");
+  EXPECT_EQ(server->server().clients(), 2u) << "its session goes on";
+  goOn.set_value();
+  until([&] { return server->server().clients() == 1; }, "its session ends");
+}
+
+/// What the ledgers of all ranks have had of a tenant for a purpose, at most.
+int64_t peakOf(TestServer& server, const std::string& tenant, const std::string& purpose) {
+  int64_t bytes = 0;
+  for (int rank = 0; rank < 2; rank++)
+    for (const Ledger::Line& line : server.node(rank).ledger.peaks())
+      if (line.tenant == tenant && line.purpose == purpose) bytes += line.bytes;
+  return bytes;
+}
+
+TEST(ViewerModule, ASceneOfSharedDataTakesMemoryOfEachTenantThatShowsIt) {
+  const auto server = serve();
+  Viewer ann(*server, "ann");
+  const std::vector<uint8_t> picture = ann.frame().rgba;
+  ann.client->expect("publish ball");
+  Viewer bob(*server, "bob");
+  EXPECT_EQ(bob.frame().rgba, picture);
+  EXPECT_GT(peakOf(*server, "ann", "scene"), 0);
+  EXPECT_EQ(peakOf(*server, "bob", "scene"), peakOf(*server, "ann", "scene"));
+}
+
+TEST(ViewerModule, RaysOfAFrameAreCountedAsThoseOfItsTenant) {
+  const auto server = serve();
+  Viewer ann(*server, "ann"), bob(*server, "bob");
+  ann.render(R"({"passes": 4096, "rays": 4, "levels": [1]})");
+  std::set<std::string> tenants;
+  until(
+      [&] {
+        const json stat = bob.client->expect("stat");
+        for (const json& rank : stat.at("ranks"))
+          for (const json& line : rank.at("rays").at("by tenant"))
+            if (line.at("in flight") > 0) tenants.insert(line.at("tenant"));
+        return !tenants.empty();
+      },
+      "rays in flight");
+  EXPECT_EQ(tenants, std::set<std::string>{"ann"});
+  ann.client->expect("cancel_frame 1");
+}
+
+TEST(ViewerModule, ABatchTakesMemoryOfItsTenant) {
+  const auto server = serve();
+  const auto client = server->client("ann");
+  client->expect("load data");
+  client->expect("load viewer");
+  client->expect(importBall("ball"));
+  client->expect("batch {\"state\": " + stateOf("ball") + "}");
+  EXPECT_EQ(peakOf(*server, "ann", "framebuffer"), 96 * 80 * 32);
+}
+
+TEST(ViewerModule, AFrameHasAtMost65536RaysOfAllItsPassesAndAPictureOfABatchAsManyPixelsAsAWindow) {
+  const auto server = serve();
+  Viewer viewer(*server);
+  viewer.client->expect("window 1 {\"size\": [2, 2]}");
+  const auto end = viewer.screen.waitFor(1, viewer.render(R"({"rays": 4096, "passes": 16, "levels": [1]})"));
+  EXPECT_EQ(end.status, "complete") << end.json;
+  EXPECT_NE(viewer.client->request(R"(render 1 {"rays": 4096, "passes": 17})").error.find("65536 rays"),
+            std::string::npos);
+  json state = json::parse(stateOf("ball"));
+  state["Camera"]["dimensions"] = {7681, 4320};
+  EXPECT_EQ(viewer.client->request("batch " + json{{"state", state}}.dump()).error,
+            "batch: a picture of 33181920 pixels, expected at most 33177600");
+}
+
+TEST(ViewerModule, ABatchThatIsCancelledEndsThePictureUnderWay) {
+  const auto server = serve();
+  Viewer viewer(*server);
+  json state = json::parse(stateOf("ball"));
+  state["Renderer"] = {{"rays per pixel", 65536}};  // it would take minutes
+  std::promise<Reply> ended;
+  auto reply = ended.get_future();
+  const uint32_t id = viewer.client->send("batch " + json{{"state", state}}.dump(),
+                                          [&](const Reply& r) { ended.set_value(r); });
+  const auto frames = [&] { return viewer.client->expect("stat").at("ranks").at(0).at("frames"); };
+  until([&] { return frames() == 1; }, "it is rendered");
+  viewer.client->expect("cancel " + std::to_string(id));
+  ASSERT_EQ(reply.wait_for(std::chrono::minutes(1)), std::future_status::ready);
+  EXPECT_EQ(reply.get().error, "cancelled");
+  until([&] { return frames() == 0; }, "nothing is rendered");
+}
+
 TEST(ViewerModule, ABatchSendsItsPicturesBackOrIsCancelled) {
   const auto server = serve();
   auto options = server->options();
