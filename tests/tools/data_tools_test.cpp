@@ -116,6 +116,10 @@ TEST_F(DataTools, RawSamplesAndSamplesOfCellsAreConverted) {
   EXPECT_EQ(openVolume(at("raw.vti")).grid, (Grid{{5, 6, 7}, {1, 2, 3}, {3, 2, 2}}));
   EXPECT_EQ(samples(openVolume(at("raw.vti"))), samples(openVolume(at("r.vol"))));
   EXPECT_EQ(data("convert r.raw raw.vti --dimensions 3,2,2 --type number"), 2);
+  for (const char* wrong : {"1,2", "1,2,3x", "1,2,3,4", "x,2,3"})
+    EXPECT_EQ(data(std::string("convert r.raw raw.vti --dimensions 3,2,2 --type float --spacing ") + wrong),
+              2)
+        << wrong;
   EXPECT_EQ(data("convert r.raw raw.vti --dimensions 3,2,3 --type float"), 1);
 
   writeText(at("c.vti"), R"(<VTKFile type="ImageData" version="1.0" byte_order="LittleEndian">
@@ -357,6 +361,11 @@ TEST_F(DataTools, DiffAppliesItsLimits) {
   EXPECT_EQ(diff("a.exr b.exr --max 0.25"), 0);  // which is what they differ by
   EXPECT_EQ(diff("a.exr b.exr --fraction 0.00999"), 1);
   EXPECT_EQ(diff("a.exr c.exr"), 1);
+  writeImage(at("tall.exr"), {10, 20, LargeVector<float>(800, 0.5f)});
+  writeImage(at("wide.exr"), {20, 10, LargeVector<float>(800, 0.5f)});
+  EXPECT_EQ(saidByDiff("a.exr tall.exr"), "different: 10 x 10 and 10 x 20 pixels\n");
+  EXPECT_EQ(saidByDiff("wide.exr a.exr"), "different: 20 x 10 and 10 x 10 pixels\n");
+  EXPECT_EQ(diff("a.exr tall.exr"), 1);
   EXPECT_EQ(diff("a.exr missing.exr"), 2);
   EXPECT_EQ(diff("a.exr"), 2);
   EXPECT_EQ(diff("a.raw a.raw"), 2);
