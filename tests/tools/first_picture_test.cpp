@@ -314,14 +314,17 @@ TEST_F(FirstPicture, WhatCannotBeShownIsOneErrorAndStatus1) {
                                     {".", "directory"},
                                     {"n.json", "neither a state file"},
                                     {"s.json s.json", "expected it alone"},
-                                    {"s.json --slice", "for data files"}}) {
+                                    {"s.json --slice", "for data files"},
+                                    {"s.json --array density", "for data files"}}) {
     EXPECT_EQ(WEXITSTATUS(call(std::string(GXYRENDER " ") + files + " 2>error.txt")), 1) << files;
     std::ifstream in(folder_.path() / "error.txt");
     const std::string text{std::istreambuf_iterator<char>(in), {}};
     EXPECT_NE(text.find(said), std::string::npos) << text;
     EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 1) << text;
   }
-  EXPECT_EQ(WEXITSTATUS(call(GXYRENDER " v.vti --iso much 2>error.txt")), 2);
+  for (const char* wrong : {"--iso much", "--size 3", "--size 0x5", "--partitions 2,2", "--partitions none",
+                            "--reference --stats x", "--format gif", "--nosuch"})
+    EXPECT_EQ(WEXITSTATUS(call(std::string(GXYRENDER " v.vti ") + wrong + " 2>error.txt")), 2) << wrong;
 }
 
 }  // namespace
