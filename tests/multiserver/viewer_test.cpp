@@ -286,11 +286,13 @@ TEST(ViewerModule, FramesOfAClientThatHasGoneEndAlsoBeforeItsRequestsDo) {
     stored.set_value();
     goOn.get_future().wait();
   });
-  viewer->render(R"({"passes": 4096, "rays": 4, "levels": [1]})");
+  viewer->client->expect("window 1 {\"size\": [1024, 1024]}");
+  viewer->render(R"({"passes": 4096, "rays": 16, "levels": [1]})");  // it would take hours
   viewer->client->send(importBall("late"), [](const Reply&) {});
   stored.get_future().wait();
   viewer = nullptr;
-  until([&] { return other->expect("stat").at("ranks").at(0).at("frames") == 0; }, "its frame ends");
+  until([&] { return other->expect("stat").at("tenants").at(0).at("frames in flight") == 0; },
+        "its frame ends");
   EXPECT_EQ(server->server().clients(), 2u) << "its session goes on";
   goOn.set_value();
   until([&] { return server->server().clients() == 1; }, "its session ends");
@@ -360,10 +362,10 @@ TEST(ViewerModule, AFrameHasAtMost65536RaysOfAllItsPassesAndAPictureOfABatchAsMa
 
 TEST(ViewerModule, ABatchThatIsCancelledEndsThePictureUnderWay) {
   const auto server = serve();
+  std::promise<Reply> ended;
   Viewer viewer(*server);
   json state = json::parse(stateOf("ball"));
   state["Renderer"] = {{"rays per pixel", 65536}};  // it would take minutes
-  std::promise<Reply> ended;
   auto reply = ended.get_future();
   const uint32_t id = viewer.client->send("batch " + json{{"state", state}}.dump(),
                                           [&](const Reply& r) { ended.set_value(r); });
