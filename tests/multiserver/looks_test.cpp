@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Module viewer: data that no state describes, and what states ask of the data.
+#include <filesystem>
 #include <fstream>
+#include <future>
 #include <map>
 #include <set>
 
@@ -98,6 +100,20 @@ TEST(ViewerLooks, FilesAreReadWithinTheMemoryOfTheTenant) {
   EXPECT_FALSE(reply.ok);
   EXPECT_EQ(reply.error.find("memory: 16384 bytes are needed, but of tenant user's 1000 bytes"), 0u)
       << reply.error;
+}
+
+TEST(ViewerLooks, ASceneIsCancelledWithinAFile) {
+  const auto server = serve();
+  std::ofstream(server->folder() / "large.vol") << "uchar\n0 0 0\n4096 4096 256\n1 1 1\nlarge.raw\n";
+  std::ofstream(server->folder() / "large.raw").put('\0');
+  std::filesystem::resize_file(server->folder() / "large.raw", uint64_t(1) << 32);  // zeros
+  const auto client = server->client();
+  client->expect("load viewer");
+  std::promise<Reply> ended;
+  const uint32_t id = client->send("scene large.vol", [&](const Reply& r) { ended.set_value(r); });
+  until([&] { return server->node().ledger.total("user") > 0; }, "it is read");
+  client->expect("cancel " + std::to_string(id));
+  EXPECT_EQ(ended.get_future().get().error, "cancelled");
 }
 
 TEST(ViewerLooks, ShowSendsAPictureAndSaysHowToTurnIt) {

@@ -52,6 +52,15 @@ TEST(DataOfOthers, ArePrivateToThemInEventsToo) {
   EXPECT_EQ(bob.told(), (Told{"added shared secret", "dropped shared secret"}));
 }
 
+TEST(DataOfOthers, AreToldOfWithEachGenerationOnceTheyArePublished) {
+  const auto server = serve();
+  Observer ann(*server, "ann"), bob(*server, "bob");
+  ann.say(importBall("ball"));
+  ann.say("publish ball");
+  ann.say("import shared " + importBall("ball").substr(7));
+  EXPECT_EQ(bob.told(), (Told{"added shared ball", "updated shared ball"}));
+}
+
 TEST(Observers, AreToldOfTheNamesThatTheyObserveUntilTheyNoLongerDo) {
   const auto server = serve();
   Observer user(*server, "user");
