@@ -183,6 +183,10 @@ TEST(Hostile, ViolationsOfTheProtocolCloseTheConnection) {
     r.greet();
     r.send(protocol::textFrame(FrameChannel::Control, 0, "ping me"));
   })) << "a wrong ping";
+  EXPECT_TRUE(closes([](RawClient& r) {
+    r.greet();
+    r.send(protocol::textFrame(FrameChannel::Control, 0, "ping 123456789012345678901"));
+  })) << "a ping of 21 digits";
   waitForClients(server, 0);
 }
 
@@ -355,6 +359,110 @@ TEST(Hostile, AFrameThatWaitsForAWindowThatIsNotReadHoldsNoDataBackAndShowsTheNe
   }));
   EXPECT_EQ(end.at("status"), "complete") << end;
   EXPECT_EQ(end.at("generations"), (json{{"ball", 4}}));
+}
+
+TEST(Hostile, AFrameThatWaitsBeginsAtOnceWhereTheOneBeforeWasCancelledUnread) {
+  ServerSetup s = setup();
+  s.server.connection.patience.ping = std::chrono::minutes(1);
+  s.server.connection.patience.silence = std::chrono::minutes(5);
+  TestServer server(std::move(s));
+  const auto other = server.client("slow");
+  other->expect("load data");
+  other->expect(importBall("ball"));
+  RawClient slow(server.port(), 4096);
+  slow.greet("slow");
+  uint32_t id = 1;
+  for (const std::string& statement :
+       {std::string("load viewer"), std::string("window 1 {\"size\": [1024, 1024]}"),
+        "set 1 " + stateOf("ball"), std::string("render 1 {\"encoding\": \"raw\", \"levels\": [1]}")})
+    ASSERT_TRUE(slow.request(id++, statement));
+  const auto isMade = [&] {
+    const json stat = other->expect("stat");
+    for (const json& t : stat.at("tenants"))
+      if (t.at("tenant") == "slow") return t.at("frames") == 1;
+    return false;
+  };
+  while (!isMade()) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  ASSERT_TRUE(slow.request(id++, "cancel_frame 1"));
+  ASSERT_TRUE(slow.request(id++, "render 1 {\"wait\": true, \"levels\": [4]}"));
+  json end;
+  EXPECT_TRUE(slow.readUntil([&](const Frame& frame) {
+    if (frame.channel == FrameChannel::Control && frame.text().starts_with("ping")) return true;  // in vain
+    if (!RawClient::isEnd(frame) || protocol::pixelHeader(frame.payload).frame != 2) return false;
+    const auto data = protocol::pixelData(frame.payload);
+    end = json::parse(std::string_view(reinterpret_cast<const char*>(data.data()), data.size()));
+    return true;
+  }));
+  EXPECT_EQ((end.is_null() ? "" : end.at("status").get<std::string>()), "complete");
+}
+
+TEST(Hostile, ABatchThatWaitsForWhoReadsNoPicturesIsCancelledNevertheless) {
+  ServerSetup s = setup();
+  s.server.connection.outbox.files = 1000;
+  TestServer server(std::move(s));
+  const auto other = server.client("slow");
+  other->expect("load data");
+  other->expect(importBall("ball"));
+  json state = json::parse(stateOf("ball"));
+  const json camera = state["Camera"];
+  state.erase("Camera");
+  for (int i = 0; i < 200; i++) state["Cameras"].push_back(camera);  // of 120 kB each
+  RawClient slow(server.port(), 4096);
+  slow.greet("slow");
+  ASSERT_TRUE(slow.request(1, "load viewer"));
+  ASSERT_TRUE(slow.request(2, "batch " + json{{"state", state}, {"to", "client"}, {"format", "raw"}}.dump()));
+  json mine;
+  const auto look = [&] {
+    const json stat = other->expect("stat");
+    for (const json& c : stat.at("clients"))
+      if (c.at("client") == "raw") mine = c;
+    return stat.at("ranks").at(0).at("frames");
+  };
+  // A picture waits, and no other is rendered: the batch waits, too.
+  int still = 0;
+  for (int i = 0; i < 6000 && still < 3; i++) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    const bool none = look() == 0;
+    still = none && mine.value("queued bytes", 0) > 100000 ? still + 1 : 0;
+  }
+  ASSERT_EQ(still, 3) << mine;
+  EXPECT_EQ(mine.at("requests"), 1);
+  ASSERT_TRUE(slow.request(3, "cancel 2"));
+  for (int i = 0; i < 6000 && mine.at("requests") > 0; i++) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    look();
+  }
+  EXPECT_EQ(mine.at("requests"), 0) << "its client still reads nothing";
+}
+
+TEST(Hostile, WhoReadsRepliesAgainIsReadAgain) {
+  ServerSetup s = setup();
+  s.server.connection.outbox.text = 100000;
+  TestServer server(std::move(s));
+  const auto deaf = server.client("deaf"), other = server.client();
+  constexpr int kRequests = 4000;  // more than all that lies between can hold
+  std::promise<void> reads, all;
+  const std::shared_future<void> readsAgain = reads.get_future().share();
+  std::atomic<int> replies = 0;
+  const auto sending = std::async(std::launch::async, [&] {
+    const std::string text = "echo " + std::string(10000, 'x');
+    for (int i = 0; i < kRequests; i++)
+      deaf->send(text, [&](const Reply&) {
+        readsAgain.wait();  // its thread, which reads
+        if (++replies == kRequests) all.set_value();
+      });
+  });
+  const auto waiting = [&] {
+    const json stat = other->expect("stat");
+    for (const json& c : stat.at("clients"))
+      if (c.at("tenant") == "deaf") return c.at("queued bytes").get<uint64_t>();
+    return uint64_t(0);
+  };
+  while (waiting() <= 100000) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  reads.set_value();
+  EXPECT_EQ(all.get_future().wait_for(std::chrono::minutes(1)), std::future_status::ready)
+      << replies << " replies";
+  server.stop();  // so that whoever still sends ends
 }
 
 TEST(Hostile, WhoReadsNoRepliesIsReadNoMore) {
