@@ -26,7 +26,8 @@ STATE = {"Datasets": [{"name": "a b", "type": "Volume", "filename": "x.vol"}],
 
 
 class StandIn:
-    """Serves one client. `answers`: replies by statement, bytes; others are answered by `ok`. `frames`: by statement, what is
+    """Serves one client. `answers`: replies by statement, bytes; others are answered by `ok`, and
+    those of which it is None by nothing. `frames`: by statement, what is
     sent before its reply, pairs of channel and payload. After the reply of a statement in `last` it says bye. What was asked is
     in `asked`, and pongs."""
 
@@ -73,7 +74,9 @@ class StandIn:
                     self.asked.append(text)
                     for frame in self._frames.get(text, ()):
                         send(frame[0], number if frame[0] == FILE else 0, frame[1])
-                    send(REPLY, number, self._answers.get(text, b"ok"))
+                    answer = self._answers.get(text, b"ok")
+                    if answer is not None:
+                        send(REPLY, number, answer)
                     if text == self._last:
                         send(CONTROL, 0, b"bye the server stops")
                         return
@@ -134,6 +137,12 @@ class Python(unittest.TestCase):
                 with self.assertRaisesRegex(galaxy.GalaxyError, "the connection has ended"):
                     client.request("list", timeout=60)
 
+    def test_requests_that_are_out_when_the_connection_ends_are_errors(self):
+        with StandIn({"never": None}, last="never") as server:
+            client = self.client(server)
+            with self.assertRaisesRegex(galaxy.GalaxyError, "the connection has ended: the server stops"):
+                client.request("never", timeout=60)
+
     def test_a_request_that_nobody_waits_for_any_more_ends_nothing(self):
         with StandIn({"first": b'ok {"text": "late"}'}) as server:
             client = self.client(server)
@@ -179,6 +188,13 @@ class Python(unittest.TestCase):
     def test_who_waits_for_a_frame_gets_the_newest_that_has_ended(self):
         window = self.window([end(1, "superseded"), end(2), end(3)])
         self.assertEqual((window.wait(1, 60).frame, window.wait(3, 60).frame), (3, 3))
+
+    def test_a_window_that_was_closed_leaves_nothing_to_the_next_of_its_number(self):
+        window = self.window([end(1)])
+        self.assertEqual(window.wait(1, 60).frame, 1)
+        window.close()
+        with self.assertRaisesRegex(galaxy.GalaxyError, "frame 1 has not ended after 0 s"):
+            window._client.window(1).wait(1, 0)
 
     def test_of_ends_of_frames_the_newest_64_are_kept(self):
         self.assertEqual(sorted(self.window([end(frame) for frame in range(1, 101)])._ends), list(range(37, 101)))
@@ -246,6 +262,21 @@ class Programs(unittest.TestCase):
             done = self.say(server, "-c", "one; exit; two", "-c", "two", "script")
         self.assertEqual((server.ended(), done.returncode), (["load data", "one"], 0))
 
+    def test_a_picture_that_cannot_be_written_is_seen_in_the_exit_status_also_of_json(self):
+        (self.folder / "taken").mkdir()
+        for options in ([], ["--json"]):
+            for name, status in ((b"taken", 1), (b"free", 0)):
+                header = b'{"name": "' + name + b'"}'
+                with StandIn(frames={"one": [(FILE, struct.pack("<I", len(header)) + header + b"picture")]}) as server:
+                    self.assertEqual(self.say(server, *options, "-c", "one").returncode, status, (options, name))
+        self.assertEqual((self.folder / "free").read_bytes(), b"picture")
+
+    def test_statements_of_the_command_line_are_all_there_are(self):
+        with StandIn() as server:
+            done = subprocess.run([PROGRAMS / "msdata", "-P", str(server.port), "--token-file", "-", "-c", "one"],
+                                  cwd=self.folder, input=b"two;", capture_output=True, timeout=120)
+        self.assertEqual((server.ended(), done.returncode), (["load data", "one"], 0))
+
     def test_msdata_answers_pings(self):
         with StandIn(frames={"one": [(CONTROL, b"ping 17")]}) as server:
             self.say(server, "-c", "one; two")
@@ -257,6 +288,14 @@ class Programs(unittest.TestCase):
                 done = self.say(server, "-c", "one; two")
             self.assertIn(b"its header does not fit", done.stderr)
             self.assertNotEqual(done.returncode, 0)
+
+    def test_galaxy_py_asks_for_the_cameras_size_and_for_the_passes_that_were_said(self):
+        (self.folder / "scene.json").write_text(json.dumps(STATE))
+        with StandIn(RenderFails()) as server:
+            self.run_it([sys.executable, galaxy.__file__], server, "--passes", "3", "scene.json")
+        asked = {text.split("{")[0]: json.loads(text[text.index("{"):]) for text in server.ended() if "{" in text}
+        self.assertEqual(asked["viewer.window 1 "], {"size": [16, 16]})
+        self.assertEqual(asked["viewer.render 1 "]["passes"], 3)
 
     def test_galaxy_py_tells_warnings(self):
         (self.folder / "scene.json").write_text(json.dumps(STATE))
