@@ -104,7 +104,8 @@ class Snapshot(unittest.TestCase):
 
     def test_wrong_usage_has_status_2_and_help_0(self):
         self.fails(self.view(), "file is required", status=2)
-        self.fails(self.view("--size", "3", "scene.json"), "WIDTHxHEIGHT", status=2)
+        for size in ("3", "0x100", "100x0", "100x-5", "64x48x", "wide"):
+            self.fails(self.view("--size", size, "scene.json"), "WIDTHxHEIGHT", status=2)
         self.fails(self.view("--snapshot", "x.jpg", "scene.json"), "ends with .png", "x.jpg", status=2)
         done = self.view("--help")
         self.assertEqual(done.returncode, 0)
