@@ -274,6 +274,11 @@ port=$other
 check AndTheTokenOfTheOneThatRunsStays test -s "$XDG_RUNTIME_DIR/galaxy/$port.token"
 echo 'quit;' | msdata
 ended 10
+start 1 --tenant-memory 20000
+check ATenantHasTheMemoryThatIsSaid bash -c "! '$bin/msdata' -P $port -c '$seen' 2>error.txt"
+check AndIsToldHowMuch grep -q "of tenant .*'s 20000 bytes" error.txt
+echo 'quit;' | msdata
+ended 10
 mkdir modules
 start 1 --modules modules
 check ModulesOfOnesOwnComeBesideGalaxys test "$(echo 'list;' | msdata)" = "  datasets:"
