@@ -12,6 +12,7 @@
 #include <thread>
 
 #include "gxy/scene/state_file.h"
+#include "multiserver/hang.h"
 #include "multiserver/holding.h"
 #include "multiserver/test_server.h"
 
@@ -97,6 +98,34 @@ TEST(RemoteWindow, SaysThatItsSceneIsBeingMadeAsLongAsItIs) {
   shown.until([&] { return shown.window.status() == "building the scene"; }, "it is told");
   scenes->held = false;
   shown.untilAllIsShown(1);
+}
+
+TEST(RemoteWindow, SaysThatARankIsMissingAsLongAsItIs) {
+  NodeOptions impatient;
+  impatient.rankPatience = std::chrono::milliseconds(100);
+  Shown shown(impatient);
+  shown.user->expect(importBall("ball"));
+  shown.untilAllIsShown(1);
+  {
+    const Hang hang(shown.server, 1);
+    shown.until([&] { return shown.window.status().find("rank 1 ") == 0; }, "it is told");
+  }
+  shown.untilAllIsShown(1);
+}
+
+TEST(RemoteWindow, HasNoWholePictureWhereOneIsRefinedNoFurther) {
+  Shown shown;
+  shown.user->expect(importBall("ball"));
+  RemoteWindow window(shown.server.options(), shown.state(), 4096);
+  const auto passes = [&] {
+    window.update(RemoteWindow::Clock::now());
+    return window.statistics().passes;
+  };
+  shown.until([&] { return passes() > 0 && !window.statistics().ended; }, "it is refined");
+  shown.user->expect("drop ball");
+  shown.until([&] { return window.statistics().ended; }, "it ends");
+  EXPECT_EQ(window.status().find("error: dataset \"ball\" was dropped"), 0u) << window.status();
+  EXPECT_FALSE(window.whole());
 }
 
 TEST(RemoteWindow, ForgetsAnErrorWhenDataAreBack) {

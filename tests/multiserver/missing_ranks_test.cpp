@@ -3,9 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <future>
-#include <latch>
 
 #include "gxy/comm/presence.h"
+#include "multiserver/hang.h"
 #include "multiserver/test_server.h"
 #include "multiserver/viewer_client.h"
 
@@ -21,27 +21,6 @@ std::unique_ptr<TestServer> impatient() {
   setup.node.rankPatience = std::chrono::milliseconds(100);
   return std::make_unique<TestServer>(std::move(setup));
 }
-
-/// A rank that takes no messages while this lives.
-class Hang {
- public:
-  Hang(TestServer& server, int rank) : transport_(server.node(rank).transport) {
-    transport_.onMessage(Channel::Test, [this](int, Bytes) {
-      begun_.count_down();
-      over_.wait();
-    });
-    server.node(0).transport.send(rank, Channel::Test, {});
-    begun_.wait();
-  }
-  ~Hang() {
-    over_.count_down();
-    transport_.onMessage(Channel::Test, nullptr);
-  }
-
- private:
-  Transport& transport_;
-  std::latch begun_{1}, over_{1};
-};
 
 json ranksOf(const json& list) {
   json ranks = json::array();
