@@ -5,12 +5,14 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <fstream>
 #include <functional>
 #include <string>
 #include <thread>
 
+#include "clients/stand_in.h"
 #include "gxy/scene/state_file.h"
 #include "multiserver/hang.h"
 #include "multiserver/holding.h"
@@ -149,6 +151,36 @@ TEST(RemoteWindow, KnowsWhereNewerDataAre) {
   shown.until([&] { return shown.window.box() && (*shown.window.box())[1][0] == 11.5; }, "the new box");
   EXPECT_EQ(shown.window.box()->at(0), (std::array<double, 3>{4, 4, 4}));
   shown.untilAllIsShown(2);
+}
+
+TEST(RemoteWindow, AsksForItsDataAnewAfterEachEventOfThemOrWhereSomeWereLost) {
+  std::atomic<int> asked = 0;
+  StandIn server([&](std::string_view statement) -> std::string {
+    if (statement.starts_with("viewer.render")) return R"(ok {"frame": 1})";
+    if (!statement.starts_with("data.info")) return "ok";
+    asked++;
+    return R"(ok {"datasets": []})";
+  });
+  Client::Options options;
+  options.port = server.port();
+  options.tokenFile = "-";
+  RemoteWindow window(options, Shown::state(), kPasses);
+  window.waitUntilLoaded();
+  EXPECT_EQ(asked, 1);
+  const auto untilAsked = [&](int times, const std::string& why) {
+    const auto end = std::chrono::steady_clock::now() + std::chrono::minutes(1);
+    while (asked < times && std::chrono::steady_clock::now() < end) {
+      window.update(RemoteWindow::Clock::now());
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    EXPECT_EQ(asked, times) << why;
+  };
+  int times = 1;
+  for (const char* kind : {"added", "updated", "dropped", "renamed", "lost"}) {
+    server.tell(json{{"event", "skipped"}}.dump());  // which changes nothing
+    server.tell(json{{"event", kind}}.dump());
+    untilAsked(++times, kind);
+  }
 }
 
 TEST(RemoteWindow, AsksAgainForWhatWasRefused) {
