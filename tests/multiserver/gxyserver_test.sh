@@ -216,9 +216,10 @@ process_of() {  # process_of RANK
 }
 for rank in 0 1; do
   start 3
+  rm -f followed.txt  # of the client before: it is ready, too
   "$bin/msdata" -P "$port" -c 'echo ready' --follow >followed.txt 2>error.txt &
   follows=$!
-  for _ in $(seq 300); do grep -q ready followed.txt && break; sleep 0.1; done
+  for _ in $(seq 300); do grep -qs ready followed.txt && break; sleep 0.1; done
   began=$SECONDS
   kill -KILL "$(process_of $rank)"
   check ADeadRankTakesTheRunDown ended 5
