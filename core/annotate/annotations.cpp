@@ -9,6 +9,7 @@
 #include <glm/geometric.hpp>
 #include <optional>
 
+#include "gxy/scene/background.h"
 #include "gxy/scene/camera.h"
 #include "gxy/scene/colormaps.h"
 
@@ -20,10 +21,14 @@ using Text = Overlay::Text;
 
 constexpr size_t kLegends = 4;
 
+double luminance(const glm::dvec4& background) {
+  return background.a * glm::dot(glm::dvec3(background), {0.2126, 0.7152, 0.0722});
+}
+
 /// Sizes in pixels that follow the picture's.
 struct Measures {
-  Measures(const Camera& camera, const glm::dvec4& background) : size(camera.dimensions) {
-    onBright = background.a * glm::dot(glm::dvec3(background), {0.2126, 0.7152, 0.0722}) > 0.5;
+  Measures(const Camera& camera, const Background& background) : size(camera.dimensions) {
+    onBright = (luminance(background.bottom()) + luminance(background.top())) / 2 > 0.5;
     outline = glm::dvec3(onBright ? 0.35 : 0.75);
     ticks = glm::dvec3(onBright ? 0 : 1);
     font = std::clamp(int(std::lround(std::min(size.x, size.y) / 32)), 10, 40);
@@ -259,7 +264,7 @@ std::vector<std::string> numberTexts(const std::vector<double>& numbers, double 
 
 Overlay overlayOf(const Annotations& annotations, const Annotated& what) {
   Overlay overlay;
-  const Measures m(what.camera, what.settings.background);
+  const Measures m(what.camera, what.settings);
   overlay.onBright = m.onBright;
   const CameraBasis basis = cameraBasis(what.camera);
   if (annotations.outline) addOutline(what.shown.box, basis, m, overlay);

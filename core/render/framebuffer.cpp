@@ -25,22 +25,27 @@ std::span<T> partOf(std::span<T> all, size_t b) {
 // What sums become.
 class Mean {
  public:
-  Mean(int samples, const glm::dvec4& background)
-      : unit_(1.0 / (double(CONTRIBUTION_ONE) * samples)), background_(background) {}
+  Mean(int samples, const Background& background, glm::ivec2 size)
+      : unit_(1.0 / (double(CONTRIBUTION_ONE) * samples)), background_(background), size_(size) {}
 
-  void operator()(std::span<const int64_t> sums, std::span<float> rgba) const {
+  // Of the pixels from `first` on.
+  void operator()(size_t first, std::span<const int64_t> sums, std::span<float> rgba) const {
+    glm::dvec4 background = background_.at(0, size_.y);
     for (size_t i = 0; i < sums.size(); i += 4) {
+      if (background_.isGradient())
+        background = background_.at(int((first + i / 4) / size_t(size_.x)), size_.y);
       const double alpha = std::clamp(double(sums[i + 3]) * unit_, 0.0, 1.0);
-      const double behind = (1 - alpha) * background_.a;
+      const double behind = (1 - alpha) * background.a;
       for (size_t k = 0; k < 3; k++)
-        rgba[i + k] = float(std::max(double(sums[i + k]) * unit_, 0.0) + behind * background_[int(k)]);
+        rgba[i + k] = float(std::max(double(sums[i + k]) * unit_, 0.0) + behind * background[int(k)]);
       rgba[i + 3] = float(alpha + behind);
     }
   }
 
  private:
   double unit_;
-  glm::dvec4 background_;
+  Background background_;
+  glm::ivec2 size_;
 };
 
 }  // namespace
@@ -101,17 +106,18 @@ size_t Framebuffer::pixelsLeft() const {
   return left;
 }
 
-Picture Framebuffer::picture(const glm::dvec4& background, bool together) const {
+Picture Framebuffer::picture(const Background& background, bool together) const {
   std::lock_guard lock(mutex_);
-  const Mean mean(samples_, background);
-  const std::array<int64_t, 4> nothing{};
+  const Mean mean(samples_, background, {width_, height_});
+  static constexpr std::array<int64_t, 4 * kBlock> kNothing{};
   std::array<float, 4> empty{};
-  mean(nothing, empty);
+  mean(0, std::span(kNothing).first(4), empty);
   const size_t pixels = size_t(width_) * size_t(height_);
   LargeVector<float> rgba(4 * pixels);
   const auto convert = [&](size_t b) {
     const std::span<float> part = partOf(std::span(rgba), b);
-    if (begun_[b]) return mean(partOf(std::span(sums_), b), part);
+    if (begun_[b]) return mean(kBlock * b, partOf(std::span(sums_), b), part);
+    if (background.isGradient()) return mean(kBlock * b, std::span(kNothing).first(part.size()), part);
     for (size_t i = 0; i < part.size(); i++) part[i] = empty[i % 4];
   };
   if (together)
@@ -139,11 +145,12 @@ void Framebuffer::release() {
   held_ = nullptr;
 }
 
-LargeVector<float> pixelsOf(std::span<const int64_t> sums, int samples, const glm::dvec4& background) {
-  const Mean mean(samples, background);
+LargeVector<float> pixelsOf(std::span<const int64_t> sums, int samples, const Background& background,
+                            glm::ivec2 size) {
+  const Mean mean(samples, background, size);
   LargeVector<float> rgba(sums.size());
   parallelFor(size_t(0), blocksOf(sums.size() / 4),
-              [&](size_t b) { mean(partOf(sums, b), partOf(std::span(rgba), b)); });
+              [&](size_t b) { mean(kBlock * b, partOf(sums, b), partOf(std::span(rgba), b)); });
   return rgba;
 }
 

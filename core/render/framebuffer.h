@@ -2,13 +2,14 @@
 // Where the contributions of a frame add up.
 #pragma once
 #include <functional>
-#include <glm/vec4.hpp>
+#include <glm/vec2.hpp>
 #include <memory>
 #include <mutex>
 #include <span>
 #include <vector>
 
 #include "gxy/rays/ray_list.h"
+#include "gxy/scene/background.h"
 #include "gxy/space/large_vector.h"
 
 namespace gxy {
@@ -28,10 +29,11 @@ struct Picture {
   }
 };
 
-/// The picture that sums make: their mean over samples, in front of `background` (premultiplied by its alpha here), clamped
+/// The picture of a size that sums make: their mean over samples, in front of `background` (premultiplied by its alpha here), clamped
 /// to [0, inf): a frame that is not complete may lack what a subtraction takes from. On the threads of the calling thread's
 /// task arena.
-LargeVector<float> pixelsOf(std::span<const int64_t> sums, int samples, const glm::dvec4& background);
+LargeVector<float> pixelsOf(std::span<const int64_t> sums, int samples, const Background& background,
+                            glm::ivec2 size);
 
 /// Integer accumulators of all pixels: sums do not depend on the order of arrival. Thread safe. 32 bytes a pixel, 8 more
 /// with depth, from the first contribution to release(); sums to which nothing is added are neither written nor read.
@@ -47,7 +49,7 @@ class Framebuffer {
   bool addDepths(std::span<const DepthContribution> depths);
 
   /// What has arrived so far, as pixelsOf its sums would be; `together`: on the threads of the calling thread's task arena.
-  Picture picture(const glm::dvec4& background, bool together = false) const;
+  Picture picture(const Background& background, bool together = false) const;
   /// The sums themselves, which are then no longer here.
   Picture takeSums();
 

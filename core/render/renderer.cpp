@@ -458,10 +458,9 @@ void Renderer::deliver(const FramePtr& frame, bool hasPicture) {
   }
   const Trace::Span span(options_.trace, "picture", frame->id);
   try {
-    Picture picture = frame->request.sums
-                          ? frame->framebuffer->takeSums()
-                          : frame->framebuffer->picture(frame->scene.compiled->settings.background,
-                                                        frame->request.share.interactive);
+    Picture picture = frame->request.sums ? frame->framebuffer->takeSums()
+                                          : frame->framebuffer->picture(frame->scene.compiled->settings,
+                                                                        frame->request.share.interactive);
     frame->framebuffer->release();
     const LedgerEntry memory = frame->account().picture.another(int64_t(picture.bytes()));
     handler(frame->id, frame->request, std::move(picture));

@@ -143,6 +143,7 @@ struct RenderSettings {
   double step = 0;               ///< > 0: fixed step in cells instead, for comparison
   int raysPerPixel = 1;
   glm::dvec4 background{0, 0, 0, 1};
+  std::optional<glm::dvec4> backgroundTop = {};  ///< makes a gradient, of which `background` is the bottom
   bool operator==(const RenderSettings&) const = default;
 };
 

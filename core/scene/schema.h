@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <functional>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -128,6 +129,15 @@ Key<T> colorKey(std::string name, glm::dvec4 T::*member, std::string meaning) {
       {std::move(name), {}, "[r, g, b] or [r, g, b, a] of 0 to 1", std::move(meaning), "", false, ~0u, ""},
       [=](const Found& found, T& t) { t.*member = found.color(); },
       [=](const T& t) { return toJson(t.*member); }};
+}
+
+/// The same for a colour that may be absent.
+template <class T>
+Key<T> colorKey(std::string name, std::optional<glm::dvec4> T::*member, std::string meaning) {
+  return {
+      {std::move(name), {}, "[r, g, b] or [r, g, b, a] of 0 to 1", std::move(meaning), "", false, ~0u, ""},
+      [=](const Found& found, T& t) { t.*member = found.color(); },
+      [=](const T& t) { return t.*member ? toJson(*(t.*member)) : OrderedJson(); }};
 }
 
 /// A row with its own reader and (where it is saved) writer.

@@ -132,6 +132,10 @@ const Schema<RenderSettings>& rendererSchema() {
                     "If not 0: march with equal steps of about this many cells (1/256 to 3.9), instead."),
           integerKey("rays per pixel", &R::raysPerPixel, {1, 65536}, "Primary rays through each pixel."),
           colorKey("background", &R::background, "Colour behind everything."),
+          colorKey("background top", &R::backgroundTop,
+                   "Makes a gradient: linear from `background` at the picture's lower edge to this colour at "
+                   "its upper edge.")
+              .byDefault("none"),
           customKey<R>("Lighting", "lighting", "Deprecated: used for visualizations without their own.",
                        readOldLighting)
               .alias({"lighting"})

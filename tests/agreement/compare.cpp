@@ -96,7 +96,7 @@ class Perturbed {
     moveIsovalues(how_.seed);
     moveVolumes(how_.seed);
     ReferencePicture picture = reference::renderReference(reference_, scene_.camera, how_);
-    reference::applyBackground(picture, scene_.settings.background);
+    reference::applyBackground(picture, scene_.settings);
     return picture;
   }
 
@@ -171,7 +171,7 @@ Picture drawnByBoth(const TestScene& scene, uint32_t frameNumber) {
 int pixelsThatMove(const TestScene& scene, const CompareOptions& options) {
   const ReferenceOptions how = howToCompare(scene, options);
   ReferencePicture truth = reference::renderReference(scene.forReference(), scene.camera, how);
-  reference::applyBackground(truth, scene.settings.background);
+  reference::applyBackground(truth, scene.settings);
   Perturbed perturbed(scene, options, how);
   int most = 0;
   for (int seed = 0; seed < options.seeds; seed++) {
@@ -194,7 +194,7 @@ Comparison compare(const Backend& backend, const TestScene& scene, const Compare
       both ? drawnByBoth(scene, options.frameNumber) : draw(backend, scene, options.frameNumber);
   const ReferenceOptions how = howToCompare(scene, options);
   ReferencePicture truth = reference::renderReference(scene.forReference(), scene.camera, how);
-  reference::applyBackground(truth, scene.settings.background);
+  reference::applyBackground(truth, scene.settings);
   Perturbed perturbed(scene, options, how);
 
   Comparison result;

@@ -67,7 +67,7 @@ Picture draw(const Backend& backend, const TestScene& scene, uint32_t frameNumbe
         device->trace(*deviceFrame, l.partition, l.primary, std::move(packet), answers.ask());
   }
   if (!error.empty()) throw Error(error);
-  return framebuffer.picture(scene.settings.background);
+  return framebuffer.picture(scene.settings);
 }
 
 }  // namespace gxy::agreement

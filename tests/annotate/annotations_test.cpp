@@ -70,6 +70,11 @@ TEST(Annotations, AreDarkOnABrightBackground) {
   seen.settings.background = {0.9, 0.9, 1, 1};
   EXPECT_TRUE(seen.overlay(what).onBright);
   EXPECT_LT(seen.overlay(what).lines.at(0).color.r, 0.5);
+  seen.settings.backgroundTop = glm::dvec4{0, 0, 0, 1};
+  EXPECT_FALSE(seen.overlay(what).onBright) << "half of the gradient is dark";
+  seen.settings.backgroundTop = glm::dvec4{0.3, 0.3, 0.3, 1};
+  EXPECT_TRUE(seen.overlay(what).onBright);
+  seen.settings.backgroundTop.reset();
   seen.settings.background.a = 0.3;  // mostly black
   EXPECT_FALSE(seen.overlay(what).onBright);
 }

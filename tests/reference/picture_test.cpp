@@ -63,9 +63,21 @@ TEST(Picture, VolumeBehindAnOpaqueSurfaceIsHidden) {
 
 TEST(Picture, BackgroundFillsWhatIsLeft) {
   ReferencePicture picture = renderReference(sliced({{{0, 0, 1}, 0}}, 0.25), kFromFront);
-  applyBackground(picture, {1, 1, 1, 0.5});
+  applyBackground(picture, glm::dvec4{1, 1, 1, 0.5});
   EXPECT_NEAR(picture.rgba[0], 0.25 * 0.2 + 0.75 * 0.5, 1e-14);
   EXPECT_NEAR(picture.rgba[3], 0.25 + 0.75 * 0.5, 1e-14);
+}
+
+TEST(Picture, AGradientFillsWhatIsLeftAsTheFramebufferHasIt) {
+  ReferencePicture picture = renderReference(sliced({{{0, 0, 1}, 0}}, 0.25), kFromFront);
+  const ReferencePicture before = picture;
+  RenderSettings settings;
+  settings.background = {0, 0, 0, 1};
+  settings.backgroundTop = glm::dvec4{1, 1, 1, 1};
+  applyBackground(picture, settings);
+  for (int y = 0; y < picture.height; y++)
+    EXPECT_NEAR(picture.pixel(0, y)[0],
+                before.pixel(0, y)[0] + (1 - before.pixel(0, y)[3]) * (y + 0.5) / picture.height, 1e-14);
 }
 
 TEST(Picture, TiesGoToTheLowestVis) {

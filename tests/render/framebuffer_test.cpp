@@ -38,7 +38,7 @@ TEST(Framebuffer, IsTheMeanOfSamplesBeforeTheBackground) {
   Framebuffer f(1, 1, 4, true);
   const Contribution half{0, kOne, kOne / 2, 0, 2 * kOne};  // of four samples: half covered
   f.add({&half, 1});
-  const Picture p = f.picture({0.5, 0.25, 1, 1});
+  const Picture p = f.picture(glm::dvec4{0.5, 0.25, 1, 1});
   EXPECT_EQ(p.rgba, (LargeVector<float>{0.25f + 0.25f, 0.125f + 0.125f, 0.5f, 1.f}));
   EXPECT_EQ(p.depth, std::vector<double>{1e30});
 }
@@ -47,14 +47,14 @@ TEST(Framebuffer, AnIncompletePixelIsNotNegative) {
   Framebuffer f(1, 1, 1, false);
   const Contribution taken{0, -kOne, -1, -kOne, 0};
   f.add({&taken, 1});
-  EXPECT_EQ(f.picture({0, 0, 0, 0}).rgba, (LargeVector<float>{0, 0, 0, 0}));
+  EXPECT_EQ(f.picture(glm::dvec4{0, 0, 0, 0}).rgba, (LargeVector<float>{0, 0, 0, 0}));
 }
 
 TEST(Framebuffer, SumsReachFarBeyondOneContribution) {
   Framebuffer f(1, 1, 1, false);
   const std::vector<Contribution> many(100000, Contribution{0, INT32_MAX, INT32_MIN, 0, 0});
   f.add(many);
-  EXPECT_FLOAT_EQ(f.picture({0, 0, 0, 0}).rgba[0], float(100000 * (double(INT32_MAX) / kOne)));
+  EXPECT_FLOAT_EQ(f.picture(glm::dvec4{0, 0, 0, 0}).rgba[0], float(100000 * (double(INT32_MAX) / kOne)));
 }
 
 TEST(Framebuffer, RefusesPixelsOutsideAndThenAddsNothing) {
@@ -63,7 +63,7 @@ TEST(Framebuffer, RefusesPixelsOutsideAndThenAddsNothing) {
   EXPECT_FALSE(f.add(list));
   const std::vector<DepthContribution> depths{{1, 2.0}, {UINT32_MAX, 1.0}};
   EXPECT_FALSE(f.addDepths(depths));
-  const Picture p = f.picture({0, 0, 0, 0});
+  const Picture p = f.picture(glm::dvec4{0, 0, 0, 0});
   EXPECT_EQ(p.rgba, LargeVector<float>(16, 0.f));
   EXPECT_EQ(p.depth, std::vector<double>(4, 1e30));
 }
@@ -79,7 +79,7 @@ TEST(Framebuffer, SumsOfPartsOfTheSamplesMakeThePictureOfAllOfThem) {
   Picture sum = first.takeSums();
   const Picture others = rest.takeSums();
   for (size_t i = 0; i < 4; i++) sum.sums[i] += others.sums[i];
-  EXPECT_EQ(pixelsOf(sum.sums, 3, background), whole.picture(background).rgba);
+  EXPECT_EQ(pixelsOf(sum.sums, 3, background, {1, 1}), whole.picture(background).rgba);
 }
 
 // Of what nothing is added to no sums are written; memory that was used before does not show.
@@ -105,8 +105,43 @@ TEST(Framebuffer, WhereNothingIsAddedThereIsTheBackground) {
     std::copy(std::begin(all), std::end(all), &sums[4 * size_t(c.pixel)]);
   }
   EXPECT_EQ(fresh()->takeSums().sums, sums);
-  EXPECT_EQ(rgba, pixelsOf(sums, 1, background));
+  EXPECT_EQ(rgba, pixelsOf(sums, 1, background, {kWidth, kHeight}));
   EXPECT_EQ(rgba, fresh()->picture(background, true).rgba);
+}
+
+TEST(Framebuffer, AGradientIsLinearFromTheLowerEdgeToTheUpperOne) {
+  constexpr int kWidth = 37, kHeight = 8;  // rows do not end where blocks of pixels do
+  RenderSettings settings;
+  settings.background = {1, 0, 0.5, 1};
+  settings.backgroundTop = glm::dvec4{0, 0.5, 0.5, 1};
+  const Contribution half{3 * kWidth, 0, 0, 0, kOne / 2};
+  Framebuffer whole(kWidth, kHeight, 1, false), part(kWidth, kHeight, 1, false);
+  whole.add({&half, 1});
+  for (uint32_t i = 0; i < uint32_t(kWidth * kHeight); i++)  // so that all blocks have sums
+    part.add(std::vector<Contribution>{{i, 0, 0, 0, i == half.pixel ? half.a : 0}});
+  const LargeVector<float> rgba = whole.picture(settings).rgba;
+  for (int y = 0; y < kHeight; y++)
+    for (int x = 0; x < kWidth; x++) {
+      const float* const pixel = &rgba[4 * size_t(y * kWidth + x)];
+      const double up = (y + 0.5) / kHeight, rest = x == 0 && y == 3 ? 0.5 : 1;
+      EXPECT_FLOAT_EQ(pixel[0], float(rest * (1 - up))) << x << " " << y;
+      EXPECT_FLOAT_EQ(pixel[1], float(rest * 0.5 * up));
+      EXPECT_FLOAT_EQ(pixel[2], float(rest * 0.5));
+      EXPECT_EQ(pixel[3], 1.f);
+    }
+  EXPECT_EQ(rgba, part.picture(settings).rgba);
+  EXPECT_EQ(rgba, part.picture(settings, true).rgba);
+  EXPECT_EQ(rgba, pixelsOf(part.takeSums().sums, 1, settings, {kWidth, kHeight}));
+}
+
+TEST(Framebuffer, AGradientOfOneColourIsThatColourToTheBit) {
+  RenderSettings flat, gradient;
+  flat.background = gradient.background = {0.1, 0.2, 0.3, 0.7};
+  gradient.backgroundTop = gradient.background;
+  Framebuffer f(3, 5, 3, false);
+  const Contribution some{7, 12345678, 5, 99, kOne / 3};
+  f.add({&some, 1});
+  EXPECT_EQ(f.picture(flat).rgba, f.picture(gradient).rgba);
 }
 
 // Many frames wait at once; memory is that of those which something has been added to.

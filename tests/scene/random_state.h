@@ -20,6 +20,7 @@ class RandomState {
     State out;
     for (int i = 0, n = integer(0, 3); i < n; ++i) out.datasets.push_back(dataset(i));
     out.settings = {unit(), unit() * 4, integer(1, 64), {unit(), unit(), unit(), unit()}};
+    if (coin()) out.settings.backgroundTop = glm::dvec4(unit(), unit(), unit(), unit());
     for (int i = 0, n = integer(0, 3); i < n; ++i) out.visualizations.push_back(visualization());
     for (int i = 0, n = integer(0, 3); i < n; ++i) out.cameras.push_back(camera());
     if (coin()) out.annotations = {coin(), coin(), coin(), text()};

@@ -160,7 +160,7 @@ Truth render(const State& state, const LoadedState& loaded, const Progress& prog
   how.progress = [&](double f) { progress((done + f) / pictures); };
   const auto one = [&] {
     reference::ReferencePicture picture = reference::renderReference(scene, camera, how);
-    reference::applyBackground(picture, state.settings.background);
+    reference::applyBackground(picture, state.settings);
     done++;
     return picture;
   };

@@ -33,7 +33,7 @@ std::vector<ShownSoFar> renderWithReference(const State& state, const std::strin
       reference::ReferencePicture picture =
           reference::renderReference(scene, loaded.camera(state, v, c), how);
       if (progress) std::cerr << '\n';
-      reference::applyBackground(picture, state.settings.background);
+      reference::applyBackground(picture, state.settings);
       Picture out{
           picture.width, picture.height, LargeVector<float>(picture.rgba.begin(), picture.rgba.end()), {}};
       if (options.depth) out.depth = std::move(picture.depth);

@@ -177,8 +177,9 @@ ReferencePicture renderReference(const ReferenceScene& scene, const Camera& came
   return picture;
 }
 
-void applyBackground(ReferencePicture& picture, glm::dvec4 background) {
+void applyBackground(ReferencePicture& picture, const Background& behind) {
   for (size_t i = 0; i < picture.rgba.size(); i += 4) {
+    const glm::dvec4 background = behind.at(int(i / 4) / picture.width, picture.height);
     const double rest = (1 - picture.rgba[i + 3]) * background.a;
     for (int c = 0; c < 3; c++) picture.rgba[i + c] += rest * background[c];
     picture.rgba[i + 3] += rest;

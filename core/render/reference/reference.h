@@ -29,6 +29,7 @@
 #include "gxy/data/geometry.h"
 #include "gxy/data/volume.h"
 #include "gxy/reference/shade.h"
+#include "gxy/scene/background.h"
 #include "gxy/scene/scene.h"
 
 namespace gxy::reference {
@@ -73,6 +74,6 @@ ReferencePicture renderReference(const ReferenceScene& scene, const Camera& came
                                  const ReferenceOptions& options = {});
 
 /// Puts the picture over a background (not premultiplied); its alpha becomes that of both.
-void applyBackground(ReferencePicture& picture, glm::dvec4 background);
+void applyBackground(ReferencePicture& picture, const Background& background);
 
 }  // namespace gxy::reference

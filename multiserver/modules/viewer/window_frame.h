@@ -23,7 +23,7 @@ struct Window::Frame {
   Picture sum;      ///< of all passes; of the stages only
   LedgerEntry sumMemory;
   int samples = 1;  ///< of each pass
-  glm::dvec4 background{0};
+  Background background{glm::dvec4(0)};
   bool firstPassMade = false;
   const char* over = nullptr;  ///< "superseded", "cancelled", or "failed" because of `why`
   std::string why;             ///< it is to be refined no further: it ends with its first whole picture

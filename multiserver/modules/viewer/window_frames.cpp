@@ -103,7 +103,7 @@ uint64_t Window::render(const FrameOptions& options, const Asker& asker, std::op
   Node& node = services_.node;
   const int64_t pixels = int64_t(frame->camera.dimensions.x) * frame->camera.dimensions.y;
   if (options.passes > 1) frame->sumMemory = node.takeMemory(tenant_, "passes", pixels * 64);
-  frame->background = state.settings.background;
+  frame->background = state.settings;
   frame->slot = node.tenants.begin(tenant_, node.costOf(tenant_, frame->camera.dimensions));
   frame->options = options;
   FramePtr older, skipped;
@@ -301,7 +301,8 @@ void Window::onStage(const FramePtr& frame, bool superseded, const std::string& 
         for (size_t k = 4 * i; k < 4 * i + 4; k++) sum.sums[k] += pass.sums[k];
       });
     const Picture mean{sum.width, sum.height,
-                       pixelsOf(sum.sums, frame->samples * int(frame->pass + 1), frame->background)};
+                       pixelsOf(sum.sums, frame->samples * int(frame->pass + 1), frame->background,
+                                {sum.width, sum.height})};
     for (Bytes& tile : tilesOfPicture(mean, frame->options.encoding, frame->options.quality))
       onTile(frame, std::move(tile));
     lock.lock();

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+// What is behind everything in a picture.
+#pragma once
+#include <glm/vec4.hpp>
+
+#include "gxy/scene/scene.h"
+
+namespace gxy {
+
+/// One colour, or a vertical gradient: linear from the colour at the picture's lower edge to that at its upper edge. Colours
+/// are not premultiplied.
+class Background {
+ public:
+  Background(const glm::dvec4& color) : bottom_(color), top_(color) {}
+  Background(const RenderSettings& settings)
+      : bottom_(settings.background),
+        top_(settings.backgroundTop.value_or(settings.background)),
+        gradient_(settings.backgroundTop) {}
+
+  bool isGradient() const { return gradient_; }
+  const glm::dvec4& bottom() const { return bottom_; }
+  const glm::dvec4& top() const { return top_; }
+
+  /// The colour behind the middle of a row of pixels; of `rows` rows, 0 is the lowest.
+  glm::dvec4 at(int row, int rows) const {
+    return gradient_ ? bottom_ + (top_ - bottom_) * ((row + 0.5) / rows) : bottom_;
+  }
+
+ private:
+  glm::dvec4 bottom_, top_;
+  bool gradient_ = false;
+};
+
+}  // namespace gxy
