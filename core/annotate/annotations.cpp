@@ -3,11 +3,13 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <glm/geometric.hpp>
 #include <optional>
+#include <string_view>
 
 #include "gxy/scene/background.h"
 #include "gxy/scene/camera.h"
@@ -45,6 +47,17 @@ std::string formatted(double x, int digits) {
   char text[32];
   std::snprintf(text, sizeof text, "%.*g", digits, x == 0 ? 0 : x);  // and not -0
   return text;
+}
+
+/// As few digits as tell the number from all others.
+std::string shortest(double x) {
+  char text[32];
+  return {text, std::to_chars(text, text + sizeof text, x).ptr};
+}
+
+void replaceAll(std::string& text, std::string_view what, const std::string& by) {
+  for (size_t at = 0; (at = text.find(what, at)) != std::string::npos; at += by.size())
+    text.replace(at, what.size(), by);
 }
 
 // --- what values are shown in colours -------------------------------------------------------------------------------
@@ -272,8 +285,9 @@ Overlay overlayOf(const Annotations& annotations, const Annotated& what) {
   if (annotations.legend) addLegends(what, m, overlay);
   if (!annotations.text.empty()) {
     std::string text = annotations.text.substr(0, 1000);  // of which 200 characters are drawn
-    for (size_t at; (at = text.find("{step}")) != std::string::npos;)
-      text.replace(at, 6, std::to_string(what.step));
+    const std::string step = std::to_string(what.step);
+    replaceAll(text, "{step}", step);
+    replaceAll(text, "{time}", what.time ? shortest(*what.time) : step);
     overlay.texts.push_back({{m.font, m.size.y - m.font}, {0, 1}, m.font, text});
   }
   return overlay;

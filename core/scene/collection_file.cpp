@@ -52,7 +52,7 @@ std::vector<TimeStep> readCollection(const std::string& path) {
     step.time = time;
     if (!out.empty() && step.files.size() != out[0].files.size())
       throw Error(path + ": " + std::to_string(step.files.size()) + " files at time " + numberText(time) +
-                  ", but " + std::to_string(out[0].files.size()) + " at " + numberText(out[0].time) +
+                  ", but " + std::to_string(out[0].files.size()) + " at " + numberText(*out[0].time) +
                   "; expected equally many");
     out.push_back(std::move(step));
   }

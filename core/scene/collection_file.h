@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 // ParaView's collections (.pvd): which files are there at which time.
 #pragma once
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 namespace gxy {
 
-/// The files of one time, in the collection's order.
+/// The files of one time step, in the collection's order, and its time, where that is known.
 struct TimeStep {
-  double time = 0;
+  std::optional<double> time;
   std::vector<std::string> files;
 };
 

@@ -115,33 +115,45 @@ std::vector<std::string> filesOf(const std::string& name) {
   return found;
 }
 
-std::vector<std::vector<std::string>> stepsOf(const std::vector<std::string>& names) {
-  std::vector<std::vector<std::vector<std::string>>> series;  // by name, then step
-  size_t steps = 1;
-  std::string longest;
-  for (const std::string& name : names) {
-    auto& mine = series.emplace_back();
-    for (const std::string& file : filesOf(name)) {
-      if (!isCollection(file)) {
-        mine.push_back({file});
-        continue;
-      }
-      for (TimeStep& step : readCollection(file)) {
-        for (const std::string& part : step.files) expectFile(part);
-        mine.push_back(std::move(step.files));
-      }
+std::vector<TimeStep> stepsOfFiles(const std::vector<std::string>& files) {
+  std::vector<TimeStep> steps;
+  for (const std::string& file : files) {
+    if (!isCollection(file)) {
+      steps.push_back({{}, {file}});
+      continue;
     }
-    if (mine.size() == 1) continue;
-    if (steps > 1 && mine.size() != steps)
-      throw Error(name + ": it has " + std::to_string(mine.size()) + " steps, but " + longest + " has " +
-                  std::to_string(steps) + "; expected equally many");
-    steps = mine.size();
-    longest = name;
+    for (TimeStep& step : readCollection(file)) steps.push_back(std::move(step));
   }
-  std::vector<std::vector<std::string>> out(steps);
-  for (size_t step = 0; step < steps; step++)
-    for (const auto& mine : series)
-      for (const std::string& file : mine[mine.size() == 1 ? 0 : step]) out[step].push_back(file);
+  return steps;
+}
+
+size_t commonSteps(const std::vector<std::string>& names, const std::vector<size_t>& steps) {
+  size_t longest = 0;
+  for (size_t i = 0; i < steps.size(); i++) {
+    if (steps[i] == 1) continue;
+    if (steps[longest] > 1 && steps[i] != steps[longest])
+      throw Error(names[i] + ": it has " + std::to_string(steps[i]) + " steps, but " + names[longest] +
+                  " has " + std::to_string(steps[longest]) + "; expected equally many");
+    longest = i;
+  }
+  return steps.empty() ? 1 : steps[longest];
+}
+
+std::vector<TimeStep> stepsOf(const std::vector<std::string>& names) {
+  std::vector<std::vector<TimeStep>> series;
+  std::vector<size_t> counts;
+  for (const std::string& name : names) {
+    for (const TimeStep& step : series.emplace_back(stepsOfFiles(filesOf(name))))
+      for (const std::string& file : step.files) expectFile(file);
+    counts.push_back(series.back().size());
+  }
+  std::vector<TimeStep> out(commonSteps(names, counts));
+  for (size_t n = 0; n < out.size(); n++)
+    for (const std::vector<TimeStep>& mine : series) {
+      const TimeStep& step = mine[mine.size() == 1 ? 0 : n];
+      out[n].files.insert(out[n].files.end(), step.files.begin(), step.files.end());
+      if (!out[n].time && mine.size() == out.size()) out[n].time = step.time;
+    }
   return out;
 }
 

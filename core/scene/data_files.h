@@ -4,6 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "gxy/scene/collection_file.h"
+
 namespace gxy {
 
 /// Whether a file is a state file: one that ends with .json and holds at least one of a state file's keys. Throws Error for
@@ -15,8 +17,16 @@ bool isStateFile(const std::string& path);
 /// Throws Error for a pattern that nothing matches, and for a directory.
 std::vector<std::string> filesOf(const std::string& name);
 
-/// The files of each step. A pattern's files are a step each; a collection (collection_file.h) says its steps. Of several names
-/// those with several steps have equally many; the others are in each step. Throws Error.
-std::vector<std::vector<std::string>> stepsOf(const std::vector<std::string>& names);
+/// The steps of files that a name means (filesOf): a step each, but a collection (collection_file.h) says its steps itself.
+/// Throws Error for a collection that is wrong; what it names need not be there.
+std::vector<TimeStep> stepsOfFiles(const std::vector<std::string>& files);
+
+/// How many steps names have together of which each has so many: those with several have equally many, the others are in each
+/// step. Throws Error.
+size_t commonSteps(const std::vector<std::string>& names, const std::vector<size_t>& steps);
+
+/// The steps of several names together. A step's time is that of the first name that knows it. Throws Error also for a file
+/// that is not there.
+std::vector<TimeStep> stepsOf(const std::vector<std::string>& names);
 
 }  // namespace gxy

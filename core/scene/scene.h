@@ -152,7 +152,7 @@ struct Annotations {
   bool legend = false;   ///< colours of values, with titles and numbers
   bool axes = false;     ///< directions of the world's axes, in the lower left corner
   bool outline = false;  ///< the box of the data that are shown, with its extents
-  std::string text;      ///< in the upper left corner; {step} becomes the number of the time step
+  std::string text;      ///< in the upper left corner; {step} and {time} become those of the time step
   bool operator==(const Annotations&) const = default;
 };
 

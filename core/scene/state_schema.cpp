@@ -175,7 +175,8 @@ const Schema<Annotations>& annotationsSchema() {
           flagKey("axes", &A::axes, "The directions of the axes, in the lower left corner."),
           flagKey("outline", &A::outline, "The box of the data that are shown, with its extents."),
           textKey("text", &A::text,
-                  "A line in the upper left corner; {step} becomes the number of the time step."),
+                  "A line in the upper left corner; {step} becomes the number of the time step, {time} its "
+                  "time."),
       }};
   return schema;
 }

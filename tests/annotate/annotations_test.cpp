@@ -57,6 +57,19 @@ TEST(Annotations, TextNamesTheStep) {
   EXPECT_TRUE(overlay.lines.empty() && overlay.bars.empty());
 }
 
+TEST(Annotations, TextNamesTheTimeOrWhereItIsNotKnownTheStep) {
+  const Seen seen;
+  Annotations what;
+  what.text = "t = {time}, {time}";
+  EXPECT_EQ(wordsOf(seen.overlay(what)), Words{"t = 7, 7"});
+  const auto at = [&](double time) {
+    return wordsOf(overlayOf(what, {seen.visualization, seen.shown, seen.camera, seen.settings, 7, time}));
+  };
+  EXPECT_EQ(at(0.25), Words{"t = 0.25, 0.25"});
+  EXPECT_EQ(at(12345678.5), Words{"t = 12345678.5, 12345678.5"});
+  EXPECT_EQ(at(-1e-7), Words{"t = -1e-07, -1e-07"});
+}
+
 TEST(Annotations, TextOfAnyLengthIsTaken) {
   Annotations what;
   for (int i = 0; i < 1 << 20; i++) what.text += "{step}";

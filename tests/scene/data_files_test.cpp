@@ -41,7 +41,8 @@ TEST(DataFiles, EveryStepOfASeriesHasTheOtherFiles) {
   const std::string at = folder.path().string() + "/";
   const auto steps = stepsOf({at + "g.vtp", at + "s_*.vti"});
   ASSERT_EQ(steps.size(), 2u);
-  EXPECT_EQ(steps[1], (std::vector<std::string>{at + "g.vtp", at + "s_2.vti"}));
+  EXPECT_EQ(steps[1].files, (std::vector<std::string>{at + "g.vtp", at + "s_2.vti"}));
+  EXPECT_FALSE(steps[1].time) << "a pattern says no times";
   EXPECT_NE(errorOf([&] {
               stepsOf({at + "s_*.vti", at + "u_*.vti"});
             }).find("it has 3 steps"),
@@ -56,7 +57,7 @@ std::string collectionOf(const std::string& dataSets) {
 
 TEST(DataFiles, ACollectionSaysItsSteps) {
   const ScratchDirectory folder;
-  for (const char* name : {"a.vti", "b & c.vti", "p0.vtp", "p1.vtp", "q0.vtp", "q1.vtp", "g.ply"})
+  for (const char* name : {"a.vti", "b & c.vti", "p0.vtp", "p1.vtp", "q0.vtp", "q1.vtp", "g.ply", "z.vti"})
     folder.write(name, "");
   const std::string at = folder.path().string() + "/";
   const std::string two =
@@ -65,7 +66,13 @@ TEST(DataFiles, ACollectionSaysItsSteps) {
   EXPECT_EQ(readCollection(two)[0].time, 0.1);
   EXPECT_EQ(readCollection(two)[1].time, 2.5);
   using Steps = std::vector<std::vector<std::string>>;
-  EXPECT_EQ(stepsOf({two, at + "g.ply"}),
+  const auto filesOfSteps = [](const std::vector<std::string>& names) {
+    Steps files;
+    for (const TimeStep& step : stepsOf(names)) files.push_back(step.files);
+    return files;
+  };
+  EXPECT_EQ(stepsOf({at + "?.vti", two})[1].time, 2.5) << "of the name that says it";
+  EXPECT_EQ(filesOfSteps({two, at + "g.ply"}),
             (Steps{{at + "a.vti", at + "g.ply"}, {at + "b & c.vti", at + "g.ply"}}));
   const std::string parts =
       folder.write("parts.PVD", collectionOf("<DataSet timestep=\"0\" part=\"0\" file=\"p0.vtp\"/>"
@@ -73,7 +80,7 @@ TEST(DataFiles, ACollectionSaysItsSteps) {
                                              "<DataSet timestep=\"0\" part=\"1\" file=\"p1.vtp\"/>"
                                              "<DataSet timestep=\"1\" part=\"1\" file=\"" +
                                              at + "q1.vtp\"/>"));
-  EXPECT_EQ(stepsOf({parts}), (Steps{{at + "p0.vtp", at + "p1.vtp"}, {at + "q0.vtp", at + "q1.vtp"}}));
+  EXPECT_EQ(filesOfSteps({parts}), (Steps{{at + "p0.vtp", at + "p1.vtp"}, {at + "q0.vtp", at + "q1.vtp"}}));
 }
 
 TEST(DataFiles, WhatIsWrongWithACollectionIsSaid) {

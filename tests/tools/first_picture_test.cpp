@@ -306,6 +306,27 @@ TEST_F(FirstPicture, SeriesIsAPictureForEachFileInColoursOfTheFirst) {
   EXPECT_FALSE(std::filesystem::exists(folder_.path() / "p_00003.png"));
 }
 
+TEST_F(FirstPicture, AnnotatedPicturesOfACollectionHaveTheirStepsAndTimes) {
+  ASSERT_EQ(call(GXYDATA " radial -r 16 --array oneBall v.vti && " GXYDATA " scene v.vti >scene.json"), 0);
+  std::ofstream(folder_.path() / "run.pvd")
+      << "<VTKFile type=\"Collection\"><Collection><DataSet timestep=\"0.5\" file=\"v.vti\"/>"
+         "<DataSet timestep=\"2.25\" file=\"v.vti\"/></Collection></VTKFile>";
+  const auto annotated = [&](const std::string& files, const std::string& prefix) {
+    return call(GXYRENDER " " + files + " -q --annotate --format raw --backend embree --size 128x128 -o " +
+                prefix);
+  };
+  ASSERT_EQ(annotated("run.pvd", "p"), 0);
+  nlohmann::json state;
+  std::ifstream(folder_.path() / "scene.json") >> state;
+  for (const auto& [number, text] : {std::pair("0", "step 0, time 0.5"), {"1", "step 1, time 2.25"}}) {
+    state["Annotations"]["text"] = text;
+    std::ofstream(folder_.path() / "said.json") << state;
+    ASSERT_EQ(annotated("said.json", "said"), 0);
+    EXPECT_EQ(call(std::string("cmp said_00000.raw p_0000") + number + ".raw"), 0) << text;
+  }
+  EXPECT_NE(call("cmp -s p_00000.raw p_00001.raw"), 0);
+}
+
 TEST_F(FirstPicture, WhatCannotBeShownIsOneErrorAndStatus1) {
   std::ofstream(folder_.path() / "n.json") << R"({"a": 1})";
   std::ofstream(folder_.path() / "s.json") << R"({"Visualization": {"operators": []}})";

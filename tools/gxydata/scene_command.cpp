@@ -11,12 +11,12 @@ namespace gxy::data_tool {
 
 void printScene(const Options& options) {
   const auto steps = stepsOf(options.files);
-  for (const std::string& file : steps[0])
+  for (const std::string& file : steps[0].files)
     if (isStateFile(file)) throw Error(file + ": this is a state file, expected data files");
   if (steps.size() > 1)
     std::fprintf(stderr, "gxydata: of %zu steps the first is used, since a state file shows one\n",
                  steps.size());
-  const std::string text = writeState(firstLook(factsOfFiles(steps[0], options.array), options.look));
+  const std::string text = writeState(firstLook(factsOfFiles(steps[0].files, options.array), options.look));
   std::fputs(text.c_str(), stdout);
   if (std::fflush(stdout) != 0) throw Error("standard output: cannot be written");
 }

@@ -52,14 +52,17 @@ std::string toString(const Bytes& b) {
 // What is rendered: the state of each step, alike but for the files.
 struct Steps {
   State state;
-  std::vector<std::vector<std::string>> files;  ///< of the datasets, by step; none: those of the state, once
-  std::string directory;                        ///< that names of files are relative to
+  std::vector<TimeStep> series;  ///< whose files are those of the datasets; none: those of the state, once
+  std::string directory;         ///< that names of files are relative to
 
-  size_t count() const { return files.empty() ? 1 : files.size(); }
+  size_t count() const { return series.empty() ? 1 : series.size(); }
+  std::optional<double> time(size_t step) const {
+    return series.empty() ? std::optional<double>() : series[step].time;
+  }
   State at(size_t step) const {
     State out = state;
-    for (size_t i = 0; step < files.size() && i < files[step].size(); i++)
-      out.datasets[i].filename = files[step][i];
+    for (size_t i = 0; step < series.size() && i < series[step].files.size(); i++)
+      out.datasets[i].filename = series[step].files[i];
     return out;
   }
 };
@@ -80,11 +83,14 @@ nlohmann::json readAlone(const RenderOptions& options) {
     return {{"state", writeState(readStateAlone(first))},
             {"directory", std::filesystem::absolute(first).parent_path().string()}};
   }
-  const auto steps = stepsOf(options.files);
-  for (const std::string& file : steps[0])
+  const std::vector<TimeStep> series = stepsOf(options.files);
+  for (const std::string& file : series[0].files)
     if (isStateFile(file))
       throw Error(file + ": this is a state file, expected it alone, or data files only");
-  return {{"state", writeState(firstLook(factsOfFiles(steps[0], options.array), options.look))},
+  nlohmann::json steps;
+  for (const TimeStep& step : series)
+    steps.push_back({{"files", step.files}, {"time", step.time ? nlohmann::json(*step.time) : nullptr}});
+  return {{"state", writeState(firstLook(factsOfFiles(series[0].files, options.array), options.look))},
           {"steps", steps},
           {"directory", std::filesystem::current_path().string()}};
 }
@@ -107,10 +113,14 @@ Steps readOnAll(const RenderOptions& options, Collective& collective, bool root)
   const auto read = nlohmann::json::parse(heard.substr(1));
   Steps steps{
       readState(read.at("state").get<std::string>(), options.files.at(0)).state, {}, read.at("directory")};
-  if (read.contains("steps")) read.at("steps").get_to(steps.files);
+  for (const auto& step : read.value("steps", nlohmann::json::array())) {
+    TimeStep& to = steps.series.emplace_back();
+    step.at("files").get_to(to.files);
+    if (!step.at("time").is_null()) to.time = step.at("time").get<double>();
+  }
   options.apply(steps.state);
   if (options.annotate && steps.count() > 1 && steps.state.annotations.text.empty())
-    steps.state.annotations.text = "step {step}";
+    steps.state.annotations.text = steps.time(0) ? "step {step}, time {time}" : "step {step}";
   return steps;
 }
 
@@ -269,6 +279,7 @@ int run(const RenderOptions& options) {
       std::vector<ShownSoFar> shown;
       RenderOptions numbered = options;
       for (size_t step = 0; step < steps.count(); step++) {
+        numbered.time = steps.time(step);
         if (options.reference)
           agree(ranks, [&] {
             if (root)

@@ -97,7 +97,7 @@ std::optional<int> parseOptions(int argc, char** argv, bool speaks, RenderOption
   app.add_flag(
       "--annotate", o.annotate,
       "Draw colour legends, the axes' directions, the data's box and, of several steps, their number "
-      "over the pictures");
+      "and time over the pictures");
   app.add_option("--stats", o.statsFile, "Write counters per rank and stage to this JSON file");
   app.add_option("--threads", o.threads, "Threads per rank (default: the cores shared by the ranks)")
       ->check(CLI::Range(0, 4096));

@@ -17,7 +17,8 @@ struct RenderOptions {
   LookOptions look;                ///< at data files
   bool looks = false;              ///< whether one of the two above was given
   std::string prefix = "image";
-  size_t firstPicture = 0;  ///< number of a step's first
+  size_t firstPicture = 0;     ///< number of a step's first
+  std::optional<double> time;  ///< of that step, where it is known
   std::optional<std::array<int, 2>> size;
   std::string backend = "auto";
   std::string device;  ///< of the backend; empty: the best

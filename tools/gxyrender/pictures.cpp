@@ -21,7 +21,7 @@ void annotate(Picture& picture, const State& state, const LoadedState& loaded, c
   const size_t step = options.firstPicture / (state.cameras.size() * state.visualizations.size());
   Image image{picture.width, picture.height, std::move(picture.rgba)};
   draw(overlayOf(state.annotations, {state.visualizations[visualization], loaded.shown[visualization],
-                                     seenFrom, state.settings, step}),
+                                     seenFrom, state.settings, step, options.time}),
        image);
   picture.rgba = std::move(image.rgba);
 }
