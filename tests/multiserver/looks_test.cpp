@@ -80,13 +80,41 @@ TEST(ViewerLooks, ACollectionShowsItsFirstTimeOfFilesThatMayBeRead) {
     std::ofstream(server->folder().path() / name)
         << "<VTKFile type=\"Collection\"><Collection>" << dataSets << "</Collection></VTKFile>";
   };
+  const auto path = [&](const char* name) {
+    return (std::filesystem::canonical(server->folder().path()) / name).string();
+  };
   write("run.pvd", R"(<DataSet timestep="2" file="later.vol"/><DataSet timestep="1" file="ball.vol"/>)");
   EXPECT_EQ(viewer.client->expect("scene run.pvd").at("state"),
             viewer.client->expect("scene ball.vol").at("state"));
+  EXPECT_EQ(viewer.client->expect("scene run.pvd").at("steps"),
+            json::parse(R"([{"time": 1, "files": {"ball": ")" + path("ball.vol") + R"("}},
+                            {"time": 2, "files": {"ball": ")" +
+                        path("later.vol") + R"("}}])"));
   write("out.pvd", R"(<DataSet file="../../secret.vol"/>)");
   const Reply reply = viewer.client->request("scene out.pvd");
   EXPECT_FALSE(reply.ok);
   EXPECT_NE(reply.error.find("secret.vol"), std::string::npos) << reply.error;
+}
+
+TEST(ViewerLooks, ASeriesIsNamedWithTheFilesOfEachStep) {
+  const auto server = serve();
+  Viewer viewer(*server);
+  const std::filesystem::path folder = std::filesystem::canonical(server->folder().path());
+  for (const char* name : {"s_1", "s_2", "s_10", "t_1", "t_2"}) writeBall(folder, name, 4);
+  const json look = viewer.client->expect("scene s_*.vol ball");
+  const json& steps = look.at("steps");
+  ASSERT_EQ(steps.size(), 3u);
+  EXPECT_EQ(steps[0].at("files"), json({{"s_1", (folder / "s_1.vol").string()}}));
+  EXPECT_EQ(steps[2].at("files"), json({{"s_1", (folder / "s_10.vol").string()}}));
+  EXPECT_TRUE(steps[2].at("time").is_null());
+  EXPECT_EQ(look.at("state").at("Datasets").size(), 2u);
+  EXPECT_FALSE(viewer.client->expect("scene ball").contains("steps"));
+  const Reply reply = viewer.client->request("scene s_*.vol t_*.vol");
+  EXPECT_EQ(reply.error, "t_*.vol: it has 2 steps, but s_*.vol has 3; expected equally many");
+  // What comes of a later step that may not be read is seen when it is imported.
+  std::filesystem::create_symlink("/etc/passwd", folder / "s_3.vol");
+  EXPECT_EQ(viewer.client->expect("scene s_*.vol").at("steps").size(), 4u);
+  EXPECT_FALSE(viewer.client->request(importBall("s_1", (folder / "s_3.vol").string())).ok);
 }
 
 TEST(ViewerLooks, FilesAreReadWithinTheMemoryOfTheTenant) {

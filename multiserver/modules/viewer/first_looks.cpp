@@ -8,7 +8,6 @@
 #include "gxy/io/file.h"
 #include "gxy/look/file_facts.h"
 #include "gxy/look/loaded_facts.h"
-#include "gxy/scene/collection_file.h"
 #include "gxy/scene/data_files.h"
 #include "gxy/server/datasets.h"
 #include "gxy/server/session.h"
@@ -16,6 +15,35 @@
 namespace gxy::viewer {
 
 using nlohmann::json;
+
+namespace {
+
+/// What one name means: a series, and the datasets that have its files.
+struct Series {
+  std::string name;
+  std::vector<std::string> datasets;
+  std::vector<TimeStep> steps;
+};
+
+std::vector<Look::Step> together(const std::vector<Series>& all) {
+  if (all.empty()) return {};
+  std::vector<std::string> names;
+  std::vector<size_t> counts;
+  for (const Series& series : all) {
+    names.push_back(series.name);
+    counts.push_back(series.steps.size());
+  }
+  std::vector<Look::Step> steps(commonSteps(names, counts));
+  for (size_t n = 0; n < steps.size(); n++)
+    for (const Series& series : all) {
+      const TimeStep& step = series.steps[n];
+      if (!steps[n].time) steps[n].time = step.time;
+      for (size_t i = 0; i < step.files.size(); i++) steps[n].files[series.datasets[i]] = step.files[i];
+    }
+  return steps;
+}
+
+}  // namespace
 
 FirstLooks::FirstLooks(Registration& registration) : node_(registration.node()) {
   registration.work("viewer.sample", [this](const Work::Call& call) { return sample(call.parameters); });
@@ -50,8 +78,8 @@ bool FirstLooks::isOf(const std::string& tenant, const std::string& name, const 
   return dataset->file == file && dataset->array == array;
 }
 
-// The file, or the first of those that match; patterns are looked for in the folders of clients only.
-std::string FirstLooks::fileOf(const std::string& name) const {
+// The file, or those that match; patterns are looked for in the folders of clients only. The first may be read.
+std::vector<std::string> FirstLooks::filesOfName(const std::string& name) const {
   namespace fs = std::filesystem;
   const fs::path path(name);
   for (const fs::path& folder : node_.folders.folders()) {
@@ -61,25 +89,27 @@ std::string FirstLooks::fileOf(const std::string& name) const {
         std::mismatch(folder.begin(), folder.end(), place.begin(), place.end()).first != folder.end())
       continue;
     try {
-      return node_.folders.dataToRead(filesOf((place / path.filename()).string()).front());
+      std::vector<std::string> files = filesOf((place / path.filename()).string());
+      files.front() = node_.folders.dataToRead(files.front());
+      return files;
     } catch (const Error&) {
       if (path.is_absolute()) break;
     }
   }
-  return node_.folders.dataToRead(name);  // or why not
+  return {node_.folders.dataToRead(name)};  // or why not
 }
 
-std::vector<std::string> FirstLooks::filesToRead(const std::string& name) const {
-  const std::string file = fileOf(name);
-  if (!isCollection(file)) return {file};
-  std::vector<std::string> files;
-  const TimeStep first = readCollection(file).front();
-  for (const std::string& part : first.files) files.push_back(node_.folders.dataToRead(part));
-  return files;
+std::vector<TimeStep> FirstLooks::stepsToRead(const std::string& name) const {
+  std::vector<std::string> files = filesOfName(name);
+  for (std::string& file : files)
+    if (isCollection(file)) file = node_.folders.dataToRead(file);
+  std::vector<TimeStep> steps = stepsOfFiles(files);
+  for (std::string& file : steps.front().files) file = node_.folders.dataToRead(file);
+  return steps;
 }
 
-State FirstLooks::state(Request& request, const std::vector<std::string>& names, const std::string& array,
-                        const LookOptions& options) const {
+Look FirstLooks::look(Request& request, const std::vector<std::string>& names, const std::string& array,
+                      const LookOptions& options) const {
   const std::string& tenant = request.session().tenant();
   const ReadScope inside = node_.folders.reading();
   std::vector<LookFacts> all;
@@ -102,20 +132,24 @@ State FirstLooks::state(Request& request, const std::vector<std::string>& names,
     facts.dataset.name = called;
     all.push_back(std::move(facts));
   };
+  std::vector<Series> found;
   for (const std::string& name : names) {
     request.check();
     if (node_.datasets->find(tenant, name)) {
       all.push_back(factsOf(tenant, name));
       continue;
     }
-    for (const std::string& file : filesToRead(name)) {
+    Series series{name, {}, stepsToRead(name)};
+    for (const std::string& file : series.steps.front().files) {
       request.check();
       addFile(file);
+      series.datasets.push_back(all.back().dataset.name);
     }
+    if (series.steps.size() > 1) found.push_back(std::move(series));
   }
-  State state = firstLook(all, options);
-  std::erase_if(state.datasets, [](const DatasetSpec& d) { return d.filename.empty(); });
-  return state;
+  Look look{firstLook(all, options), together(found)};
+  std::erase_if(look.state.datasets, [](const DatasetSpec& d) { return d.filename.empty(); });
+  return look;
 }
 
 }  // namespace gxy::viewer

@@ -406,8 +406,8 @@ json camera(Request& request, Arguments arguments) {
 }
 
 // What is asked for by NAME... [JSON]; `size`, if not null, is taken, too.
-State lookOf(Services& services, Request& request, Arguments& arguments, const char* verb,
-             std::vector<std::string>& names, glm::ivec2* size) {
+Look lookOf(Services& services, Request& request, Arguments& arguments, const char* verb,
+            std::vector<std::string>& names, glm::ivec2* size) {
   names = {arguments.expectWord()};
   while (const auto name = arguments.word()) names.push_back(*name);
   DocumentReader reader(request);
@@ -430,20 +430,23 @@ State lookOf(Services& services, Request& request, Arguments& arguments, const c
     for (int i = 0; i < 2; i++) (*size)[i] = int(members.integerIn(sides->at(size_t(i)), "size", 1, 65536));
   }
   members.expectNoMore();
-  return services.looks.state(request, names, array, options);
+  return services.looks.look(request, names, array, options);
 }
 
 json scene(Services& services, Request& request, Arguments arguments) {
   std::vector<std::string> names;
-  const State state = lookOf(services, request, arguments, "scene", names, nullptr);
-  return {{"state", json::parse(writeState(state))}, {"text", writeState(state)}};
+  const Look look = lookOf(services, request, arguments, "scene", names, nullptr);
+  json result{{"state", json::parse(writeState(look.state))}, {"text", writeState(look.state)}};
+  for (const Look::Step& step : look.steps)
+    result["steps"].push_back({{"time", step.time ? json(*step.time) : json()}, {"files", step.files}});
+  return result;
 }
 
 json show(Services& services, Request& request, Arguments arguments) {
   std::vector<std::string> names;
   glm::ivec2 size = Camera().dimensions;
   Batch batch;
-  batch.state = lookOf(services, request, arguments, "show", names, &size);
+  batch.state = lookOf(services, request, arguments, "show", names, &size).state;
   batch.state.cameras[0].dimensions = size;
   batch.toClient = true;
   batch.prefix = batch.state.visualizations[0].operators[0].dataset;

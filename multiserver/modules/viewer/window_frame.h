@@ -31,6 +31,13 @@ struct Window::Frame {
 
   bool whole() const { return passesSent > 0; }  ///< there is a picture of all pixels, and it is only refined
   bool last() const { return level + 1 == options.levels.size(); }
+  /// That it shows, by name; of one that has not begun, none.
+  nlohmann::json generations() const {
+    nlohmann::json shown = nlohmann::json::object();
+    if (scene)
+      for (const NamedDataset& d : scene->data) shown[d.name] = d.generation;
+    return shown;
+  }
   protocol::PixelHeader header(uint32_t window) const {
     protocol::PixelHeader h;
     h.window = window;

@@ -320,7 +320,8 @@ void Window::onStage(const FramePtr& frame, bool superseded, const std::string& 
     };
   }
   outbox_->pixels(endRecord(frame->header(id_), PixelKind::EndOfPass,
-                            protocol::dump({{"seconds", secondsSince(frame->begin)}})),
+                            protocol::dump({{"seconds", secondsSince(frame->begin)},
+                                            {"generations", frame->generations()}})),
                   std::move(sent));
   bool more = true;
   if (!frame->last()) {
@@ -346,11 +347,8 @@ void Window::finish(const FramePtr& frame, const char* status, const std::string
   header.frame = frame->number;
   header.width = uint32_t(frame->camera.dimensions.x);
   header.height = uint32_t(frame->camera.dimensions.y);
-  json generations = json::object();
-  if (frame->scene)  // else it has not begun
-    for (const NamedDataset& d : frame->scene->data) generations[d.name] = d.generation;
   json end{{"status", status},
-           {"generations", generations},
+           {"generations", frame->generations()},
            {"passes", frame->passesSent},
            {"seconds", secondsSince(frame->begin)}};
   if (std::string_view(status) == "failed") end["error"] = error;
