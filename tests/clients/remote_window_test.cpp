@@ -183,6 +183,29 @@ TEST(RemoteWindow, AsksForItsDataAnewAfterEachEventOfThemOrWhereSomeWereLost) {
   }
 }
 
+TEST(RemoteWindow, ImportsDataOfOtherFilesAndSaysWhenTheyAreSeen) {
+  Shown shown;
+  shown.user->expect(importBall("ball"));
+  shown.untilAllIsShown(1);
+  EXPECT_EQ(shown.window.generations(), (std::map<std::string, uint64_t>{{"ball", 1}}));
+  EXPECT_FALSE(shown.window.imported());
+  writeBall(shown.server.folder().path().string(), "next", 8, 0.5f);
+  std::optional<std::string> outcome;
+  const auto import = [&](const char* file) {
+    shown.window.import({{"ball", DatasetType::Volume, file, "", {}}});
+    shown.until([&] { return (outcome = shown.window.imported()).has_value(); }, "it has ended");
+    return *outcome;
+  };
+  EXPECT_EQ(import("next.vol"), "");
+  shown.until([&] { return shown.window.generations().at("ball") == 2; }, "they are seen");
+  shown.untilAllIsShown(1);  // of what it has imported itself, generations are not told
+  EXPECT_NE(import("none.vol").find("none.vol"), std::string::npos) << *outcome;
+  EXPECT_EQ(shown.window.generations().at("ball"), 2u) << "what was shown stays";
+  EXPECT_FALSE(shown.window.refused());
+  shown.window.drop({{"ball", DatasetType::Volume, "next.vol", "", {}}});
+  EXPECT_TRUE(shown.user->expect("list").at("datasets").empty());
+}
+
 TEST(RemoteWindow, AsksAgainForWhatWasRefused) {
   NodeOptions limits;
   limits.tenantFrames = 1;

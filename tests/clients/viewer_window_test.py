@@ -386,6 +386,160 @@ class Around(ViewerCase):
         self.wait_for_picture(SCENE["Camera"], (420, 330))
 
 
+def write_ball(name, middle, most=1.0):
+    """A volume of 16^3 points on [-1, 1]^3, from 0 far from its middle, along x, to `most` there; as NAME.vol."""
+    axis = np.linspace(-1, 1, 16)
+    z, y, x = np.meshgrid(axis, axis, axis, indexing="ij")
+    far = np.sqrt((x - middle) ** 2 + y ** 2 + z ** 2)
+    values = np.clip(1 - far / 0.9, 0, None)
+    (values * most / values.max()).astype("<f4").tofile(server.folder / f"{name}.raw")
+    (server.folder / f"{name}.vol").write_text(f"float\n-1 -1 -1\n16 16 16\n{2 / 15} {2 / 15} {2 / 15}\n{name}.raw\n")
+
+
+def drop_all_but_balls():
+    for dataset in client.request("list")["datasets"]:
+        if dataset["name"] != "balls":
+            client.request("drop " + json.dumps(dataset["name"]))
+
+
+class SeriesCase(ViewerCase):
+    """Steps of which one cannot be read, and the last has greater values than the others."""
+    FILES = "s_*.vol"
+
+    def setUp(self):
+        self.addCleanup(drop_all_but_balls)  # of a viewer that is killed
+        write_ball("s_0", -0.4)
+        write_ball("s_1", 0.4)
+        (server.folder / "s_2.vol").write_text("half of a fi")
+        write_ball("s_3", 0.2, most=2.0)
+        (server.folder / "run.pvd").write_text(
+            '<VTKFile type="Collection"><Collection><DataSet timestep="0" file="s_0.vol"/>'
+            '<DataSet timestep="0.25" file="s_1.vol"/><DataSet timestep="0.75" file="s_3.vol"/></Collection></VTKFile>')
+        self.saved = server.folder / "view.json"
+        self.viewer = subprocess.Popen(
+            [PROGRAMS / "gxyviewer", "-P", str(server.port), "--token-file", server.token, "--output", "view", "--passes", "1",
+             "--size", f"{WIDTH}x{HEIGHT}", "--plain", self.FILES],
+            cwd=server.folder, env=display.environment, stderr=subprocess.PIPE, text=True)
+        self.addCleanup(self.end)
+        display.do("mousemove", *CENTER)
+        opened = lambda: self.viewer.poll() is not None or self.saved.exists() or self.key("w")  # noqa: E731
+        until(opened, "the window is open")
+        self.assertIsNone(self.viewer.poll(), "the viewer has ended")
+        self.wait_for_step(0)
+
+    def state(self):
+        self.camera()
+        return json.loads(self.saved.read_text())
+
+    def alone(self, step, values=(0, 1)):
+        """What another client is shown of the step's file alone, its colours over these values."""
+        state = self.state()
+        visualization = state["Visualizations"][0]
+        visualization["operators"][0].update({"dataset": "alone", "data range": list(values)})
+        dataset = state["Datasets"][0] | {"name": "alone", "filename": str(server.folder / f"s_{step}.vol")}
+        client.request("import " + json.dumps({"Datasets": dataset}))
+        return self.picture(state["Cameras"][0], scene={
+            "Datasets": [], "Renderer": state["Renderer"], "Visualization": visualization})
+
+    def shows(self, picture):
+        return np.array_equal(display.screen(WIDTH, HEIGHT)[:-STATUS_ROWS], picture[:-STATUS_ROWS])
+
+    def wait_for_step(self, step, values=(0, 1)):
+        expected = self.alone(step, values)
+        self.assertGreater(len(np.unique(expected)), self.LEVELS, "there is something to see")
+        until(lambda: self.shows(expected), f"step {step} is shown")
+
+    def file(self):
+        return pathlib.Path(self.state()["Datasets"][0]["filename"]).name
+
+
+class InTime(SeriesCase):
+    def test_keys_go_through_the_steps_and_the_camera_stays(self):
+        display.drag(1, CENTER, (30, 10))
+        camera = self.camera()
+        self.wait_for_step(0)
+        first = display.screen(WIDTH, HEIGHT)[:-STATUS_ROWS]
+        self.assertEqual(self.file(), "s_0.vol")
+        self.key("period")
+        self.wait_for_step(1)
+        self.assertFalse(np.array_equal(display.screen(WIDTH, HEIGHT)[:-STATUS_ROWS], first))
+        self.assertEqual(self.camera(), camera)
+        self.assertEqual(self.file(), "s_1.vol", "a saved state has the step that is shown")
+        self.key("comma")
+        self.wait_for_step(0)
+
+    def test_a_step_that_cannot_be_read_is_told_of_and_passed_by(self):
+        self.key("period")
+        self.wait_for_step(1)
+        second = self.alone(1)
+        until(lambda: self.line_is_short(second), "the line is short")
+        self.key("period")
+        until(lambda: not self.line_is_short(second), "the line says what is wrong")
+        self.assertTrue(self.shows(second))
+        self.assertEqual(self.file(), "s_1.vol")
+        self.key("period")
+        self.wait_for_step(3, values=(0, 2))
+
+    def test_the_range_of_colours_is_widened_by_later_steps_and_never_narrowed(self):
+        self.key("End")
+        self.wait_for_step(3, values=(0, 2))
+        self.key("Home")
+        self.wait_for_step(0, values=(0, 2))
+        self.key("greater")
+        self.wait_for_step(3, values=(0, 2))
+        self.key("less")
+        self.wait_for_step(0, values=(0, 2))
+
+    def test_of_keys_that_come_while_a_step_is_on_its_way_the_last_counts(self):
+        self.viewer.send_signal(signal.SIGSTOP)
+        for key in ("period", "period", "End", "comma", "comma"):
+            self.key(key)
+        self.viewer.send_signal(signal.SIGCONT)
+        self.wait_for_step(1)
+        self.assertEqual(self.file(), "s_1.vol")
+
+    def test_the_steps_are_this_windows_own_and_go_with_it(self):
+        names = lambda: {dataset["name"] for dataset in client.request("list")["datasets"]}  # noqa: E731
+        self.assertIn("s_*", names())
+        before = client.request("info s_*")["datasets"][0]["file"]
+        other = subprocess.Popen(
+            [PROGRAMS / "gxyviewer", "-P", str(server.port), "--token-file", server.token, "--output", "view-other",
+             "--size", f"{WIDTH}x{HEIGHT}", self.FILES], cwd=server.folder, env=display.environment)
+        self.addCleanup(other.kill)
+        until(lambda: "s_*-2" in names(), "another viewer has them, too")
+        self.assertEqual(client.request("info s_*")["datasets"][0]["file"], before)
+        self.key("q")
+        until(lambda: self.viewer.poll() is not None or other.poll() is not None, "one of them ends")
+        self.assertEqual(len({"s_*", "s_*-2"} & names()), 1, "its data are gone")
+
+
+class InTimeOfACollection(SeriesCase):
+    FILES = "run.pvd"
+
+    def test_play_goes_to_the_last_step_and_pictures_have_the_time(self):
+        self.key("space")
+        self.wait_for_step(3, values=(0, 2))
+        self.key("a")
+        state = self.state()
+        state["Visualizations"][0]["operators"][0]["data range"] = [0, 2]
+        state["Renderer"]["rays per pixel"] = 1
+        state["Cameras"][0]["dimensions"] = [WIDTH, HEIGHT]
+        state["Annotations"] = {"legend": True, "axes": True, "outline": True, "text": "time 0.75"}
+        (server.folder / "view-annotated.json").write_text(json.dumps(state))
+        subprocess.run([PROGRAMS / "gxyrender", "view-annotated.json", "-o", "view-annotated"], cwd=server.folder, check=True,
+                       stdout=subprocess.DEVNULL)
+        saved = [server.folder / f"view_{number:05}.png" for number in range(1000)]
+
+        def as_gxyrender_has_it():  # once the legend knows the range
+            picture = saved.pop(0)
+            self.key("p")
+            until(picture.exists, "the picture is saved")
+            return subprocess.run([PROGRAMS / "gxydiff", picture, "view-annotated_00000.png", "--max", "0.012"],
+                                  cwd=server.folder, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL).returncode == 0
+
+        until(as_gxyrender_has_it, "a saved picture is gxyrender's, with the time of its step")
+
+
 class Refined(ViewerCase):
     PASSES = 5  # each wait is for the picture of five rays per pixel rendered at once
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <iostream>
+#include <set>
 
 #include "file_watch.h"
 #include "gxy/annotate/annotations.h"
@@ -13,6 +14,7 @@
 #include "gxy/scene/state_file.h"
 #include "options.h"
 #include "png.h"
+#include "series.h"
 #include "viewer_window.h"
 
 using namespace gxy;
@@ -31,8 +33,27 @@ std::string asServerHasIt(const std::string& name) {
   return fs::exists(name, failed) || pattern ? fs::absolute(name).string() : name;
 }
 
-/// What the server makes of data that no state file describes.
-StateFile firstLookOf(const ViewOptions& options) {
+State withWarnings(StateFile file) {
+  for (const std::string& warning : file.warnings) warn(warning);
+  return std::move(file.state);
+}
+
+/// What is to be shown, and of data their steps in time.
+struct Whole {
+  State state;
+  Series series;
+};
+
+/// Names of the datasets that the server has.
+std::set<std::string> datasetsOf(Client& client) {
+  std::set<std::string> names;
+  const nlohmann::json list = client.expect("data.list");
+  for (const auto& dataset : list.at("datasets")) names.insert(dataset.at("name").get<std::string>());
+  return names;
+}
+
+/// What the server makes of data that no state file describes; of their series, if `inTime`.
+Whole firstLookOf(const ViewOptions& options, bool inTime) {
   std::string statement = "viewer.scene";
   for (const std::string& name : options.files) statement += " " + protocol::asWord(asServerHasIt(name));
   nlohmann::json how{{"slice", options.look.slice}, {"array", options.array}};
@@ -41,7 +62,11 @@ StateFile firstLookOf(const ViewOptions& options) {
   Client client(options.client);
   client.expect("load data");
   client.expect("load viewer");
-  return readState(protocol::dump(client.expect(statement + " " + protocol::dump(how)).at("state")), "scene");
+  const nlohmann::json look = client.expect(statement + " " + protocol::dump(how));
+  Whole whole{withWarnings(readState(protocol::dump(look.at("state")), "scene")), {}};
+  if (inTime && look.contains("steps"))
+    whole.series = makeSeries(whole.state, stepsFrom(look.at("steps")), datasetsOf(client));
+  return whole;
 }
 
 /// Else it is data.
@@ -51,15 +76,16 @@ bool isStateFile(const ViewOptions& options) {
 }
 
 /// What is to be shown, with a visualization and a camera at least.
-State stateOf(const ViewOptions& options) {
+Whole wholeOf(const ViewOptions& options) {
   const std::string& first = options.files[0];
-  StateFile file = isStateFile(options) ? readStateFile(first) : firstLookOf(options);
-  for (const std::string& warning : file.warnings) warn(warning);
-  if (file.state.visualizations.empty())
+  Whole whole = isStateFile(options) ? Whole{withWarnings(readStateFile(first)), {}}
+                                     : firstLookOf(options, options.snapshot.empty());
+  State& state = whole.state;
+  if (state.visualizations.empty())
     throw Error(first + ": it has no `Visualization`, expected one, with operators");
-  if (file.state.cameras.empty()) file.state.cameras = {defaultCamera()};
-  if (options.size) file.state.cameras[0].dimensions = *options.size;
-  return std::move(file.state);
+  if (state.cameras.empty()) state.cameras = {defaultCamera()};
+  if (options.size) state.cameras[0].dimensions = *options.size;
+  return whole;
 }
 
 /// The same with every camera where its `fit` puts it; waits for the data where one has that.
@@ -75,8 +101,8 @@ State withFittedCameras(State state, RemoteWindow& remote) {
 int run(const ViewOptions& options) {
   std::optional<FileWatch> stateFile;  // data are the server's to watch
   if (isStateFile(options)) stateFile.emplace(options.files[0]);
-  const State whole = stateOf(options);
-  const State state = Selection(whole).shown();
+  const Whole whole = wholeOf(options);
+  const State state = Selection(whole.state).shown();
   if (options.snapshot.empty()) checkDisplay();
   const auto rays = uint32_t(state.settings.raysPerPixel);
   RemoteWindow remote(options.client, state,
@@ -85,12 +111,14 @@ int run(const ViewOptions& options) {
                                                  : rays,
                       warn);
   if (options.snapshot.empty()) {
-    const State seen = withFittedCameras(whole, remote);
+    const State seen = withFittedCameras(whole.state, remote);
     remote.setCamera(seen.cameras[0]);
-    runViewer(remote, Selection(seen), options.output, options.annotated, [&]() -> std::optional<State> {
+    const auto newer = [&]() -> std::optional<State> {
       if (!stateFile || !stateFile->changed(FileWatch::Clock::now())) return std::nullopt;
-      return withFittedCameras(stateOf(options), remote);
-    });
+      return withFittedCameras(wholeOf(options).state, remote);
+    };
+    runViewer(remote, Selection(seen), whole.series, options.output, options.annotated, newer);
+    if (whole.series.count() > 1) remote.drop(whole.state.datasets);  // nobody else knows their names
     return 0;
   }
   remote.waitUntilLoaded();

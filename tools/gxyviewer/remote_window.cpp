@@ -112,6 +112,33 @@ void RemoteWindow::show(const State& state) {
   moved_ = Clock::now();
 }
 
+void RemoteWindow::import(const std::vector<DatasetSpec>& datasets) {
+  State state;
+  state.datasets = datasets;
+  const json document = json::parse(writeState(state));
+  {
+    const std::lock_guard lock(mutex_);
+    for (const DatasetSpec& dataset : datasets) own_.insert(dataset.name);
+  }
+  client_->send("data.import " + protocol::dump({{"Datasets", document.at("Datasets")}}),
+                [this](const Reply& reply) {
+                  const std::lock_guard lock(mutex_);
+                  progress_.clear();
+                  imported_ = reply.ok ? std::string() : reply.error;
+                });
+}
+
+std::optional<std::string> RemoteWindow::imported() {
+  const std::lock_guard lock(mutex_);
+  return std::exchange(imported_, std::nullopt);
+}
+
+void RemoteWindow::drop(const std::vector<DatasetSpec>& datasets) {
+  client_->send(std::string("viewer.close ") + kWindow, [](const Reply&) {});
+  for (const DatasetSpec& dataset : datasets)
+    if (client_->connected()) client_->request("data.drop " + protocol::asWord(dataset.name));
+}
+
 void RemoteWindow::fail(const std::string& why) {
   const std::lock_guard lock(mutex_);
   if (failure_.empty()) failure_ = why;
@@ -203,6 +230,9 @@ void RemoteWindow::takePixels(const PixelHeader& header, std::span<const std::by
 void RemoteWindow::showFirst(const json& pass) {
   const auto now = Clock::now();
   frame_.shown = true;
+  Generations shown = pass.value("generations", Generations());
+  canvasChanged_ |= shown != generations_;  // what is drawn over it may tell of them
+  generations_ = std::move(shown);
   statistics_.frames++;
   statistics_.passBytes = frame_.bytes;
   if (const auto camera = asked_.cameraOf(frame_.number)) shownCamera_ = *camera;
@@ -373,9 +403,10 @@ ShownSoFar RemoteWindow::shown() const {
   return shown_;
 }
 
-void RemoteWindow::ifChanged(const std::function<void(const Canvas&, const Camera&)>& use) {
+void RemoteWindow::ifChanged(
+    const std::function<void(const Canvas&, const Camera&, const Generations&)>& use) {
   const std::lock_guard lock(mutex_);
-  if (std::exchange(canvasChanged_, false)) use(canvas_, shownCamera_);
+  if (std::exchange(canvasChanged_, false)) use(canvas_, shownCamera_, generations_);
 }
 
 void RemoteWindow::showAgain() {
@@ -388,6 +419,23 @@ Canvas RemoteWindow::picture() const {
   return canvas_;
 }
 
+RemoteWindow::Generations RemoteWindow::generations() const {
+  const std::lock_guard lock(mutex_);
+  return generations_;
+}
+
+bool RemoteWindow::refused() const {
+  const std::lock_guard lock(mutex_);
+  return !whyRefused().empty();
+}
+
+std::string RemoteWindow::whyRefused() const {
+  if (!setError_.empty()) return setError_;
+  if (!renderError_.empty()) return renderError_;
+  if (!frame_.ended || frame_.status != "failed") return {};
+  return frame_.error.empty() ? "the frame failed" : frame_.error;
+}
+
 std::string RemoteWindow::failure() const {
   const std::lock_guard lock(mutex_);
   return failure_;
@@ -398,17 +446,16 @@ std::string RemoteWindow::status() const {
   if (!failure_.empty()) return "error: " + failure_;
   if (!loaded_) return progress_.empty() ? "loading data ..." : progress_;
   if (!progress_.empty()) return progress_;
-  if (!setError_.empty()) return "error: " + setError_;
-  if (!renderError_.empty()) return "error: " + renderError_;
+  if (const std::string why = whyRefused(); !why.empty()) return "error: " + why;
   if (frame_.number == 0) return "waiting for the first picture ...";
-  if (frame_.ended && frame_.status == "failed") return "error: " + frame_.error;
   if (frame_.scale != 1) return "rendering ...";
   if (!frame_.ended)
     return "refining: " + std::to_string(frame_.pass + 1) + " of " + std::to_string(passes_) + " passes";
   std::string text(32, '\0');
   text.resize(size_t(std::snprintf(text.data(), text.size(), "%.2f s", frame_.seconds)));
   for (const auto& [name, generation] : frame_.generations)
-    if (generation > 1) text += ", " + name + ": generation " + std::to_string(generation);
+    if (generation > 1 && !own_.contains(name))
+      text += ", " + name + ": generation " + std::to_string(generation);
   return text;
 }
 

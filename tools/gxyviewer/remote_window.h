@@ -9,6 +9,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -32,6 +33,7 @@ class RemoteWindow {
  public:
   using Clock = std::chrono::steady_clock;
   using Box = std::array<std::array<double, 3>, 2>;
+  using Generations = std::map<std::string, uint64_t>;  ///< by dataset
   using OnWarning = std::function<void(const std::string& text)>;
 
   /// Connects; the server begins to import those of the state's datasets whose names it does not have. Throws Error.
@@ -50,6 +52,12 @@ class RemoteWindow {
   /// Asks for what is due; called often.
   void update(Clock::time_point now);
 
+  /// Gives datasets the data of other files; imported() has the outcome once: why not, empty if all is well. One at a time.
+  void import(const std::vector<DatasetSpec>& datasets);
+  std::optional<std::string> imported();
+  /// Ends the window on the server and drops datasets there, as far as it lets itself be told. Nothing is shown any more.
+  void drop(const std::vector<DatasetSpec>& datasets);
+
   /// Whether the server has said what there is of the data. They as a whole, world, as of now, if anything of them has a box.
   bool loaded() const;
   std::optional<Box> box() const;
@@ -57,8 +65,11 @@ class RemoteWindow {
   /// What the server says of the data that are shown; nothing before.
   ShownSoFar shown() const;
 
-  /// Calls `use` with the picture, and the camera that sees it, if it has changed since the last call, or one of these has.
-  void ifChanged(const std::function<void(const Canvas&, const Camera&)>& use);
+  /// Calls `use` with the picture, the camera that sees it and the data's generations that it shows, if it has changed since the
+  /// last call, or one of these has. `use` does not call this.
+  void ifChanged(const std::function<void(const Canvas&, const Camera&, const Generations&)>& use);
+  /// Of the data that the picture shows, by dataset.
+  Generations generations() const;
   /// The picture counts as changed.
   void showAgain();
   /// What is shown now.
@@ -77,6 +88,8 @@ class RemoteWindow {
   /// constructor's.
   std::shared_ptr<const Still> still(const State& state);
 
+  /// Whether the newest picture cannot be made, for now; status() says why.
+  bool refused() const;
   /// What goes on, for people: loading, refining, how long a frame took, what failed.
   std::string status() const;
   /// Why the data could not be shown, or the connection ended; empty while all is well.
@@ -120,6 +133,7 @@ class RemoteWindow {
   void set(const State& state, std::function<void(const std::string& error)> refused);
   void showFirst(const nlohmann::json& pass);
   void fail(const std::string& why);
+  std::string whyRefused() const;  ///< with the lock held
   void closeStill();
   void render(bool moving, Clock::time_point now);
 
@@ -136,8 +150,10 @@ class RemoteWindow {
   Camera shownCamera_;     ///< of the picture
   bool boxesDue_ = false;  ///< data have changed since they were asked for
   std::string failure_, progress_, setError_, renderError_;
-  std::optional<std::string> picked_;
-  Frame frame_;  ///< the newest of which something came
+  std::optional<std::string> picked_, imported_;
+  Generations generations_;    ///< that the picture shows
+  std::set<std::string> own_;  ///< datasets that import() was given: their generations are no news
+  Frame frame_;                ///< the newest of which something came
   FramesAsked asked_;
   int refusals_ = 0;                        ///< since something was shown
   std::optional<Clock::time_point> again_;  ///< when what was refused last is asked for again

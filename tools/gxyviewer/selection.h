@@ -18,6 +18,11 @@ class Selection {
   /// Another state, as far as it has as many of both shown at the same places.
   void replace(State state);
 
+  /// The same data of other files.
+  void setDatasets(const std::vector<DatasetSpec>& datasets) {
+    state_.datasets = original_.datasets = datasets;
+  }
+
   /// The next, before the first the last.
   void nextVisualization(int by);
   void nextOperator(int by);

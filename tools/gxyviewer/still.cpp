@@ -40,6 +40,7 @@ void Still::take(const protocol::PixelHeader& header, std::span<const std::byte>
   }
   const json end = protocol::parseObject({reinterpret_cast<const char*>(data.data()), data.size()}, "frame");
   const std::string status = end.at("status");
+  progress_.generations = end.at("generations").get<std::map<std::string, uint64_t>>();
   progress_.ended = true;
   if (status != "complete") progress_.error = "the frame was " + status + ": " + end.value("error", "");
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // A picture that is made to be saved, while the user goes on in another window of the server.
 #pragma once
+#include <map>
 #include <memory>
 #include <mutex>
 #include <span>
@@ -26,7 +27,8 @@ class Still {
   struct Progress {
     uint32_t passes = 0;  ///< that have come
     bool ended = false;
-    std::string error;  ///< why there is no whole picture, if it has ended so
+    std::string error;                            ///< why there is no whole picture, if it has ended so
+    std::map<std::string, uint64_t> generations;  ///< that it shows, once it has ended
   };
   Progress progress() const;
   const Canvas& canvas() const { return canvas_; }

@@ -46,10 +46,11 @@ vtkStandardNewMacro(Style);
 
 class ViewerWindow {
  public:
-  ViewerWindow(RemoteWindow& remote, Selection selection, std::string output, bool annotated,
+  ViewerWindow(RemoteWindow& remote, Selection selection, Series series, std::string output, bool annotated,
                NewerState newer)
       : remote_(remote),
         selection_(std::move(selection)),
+        series_(std::move(series)),
         output_(std::move(output)),
         newer_(std::move(newer)),
         annotates_(annotated),
@@ -109,6 +110,7 @@ class ViewerWindow {
     }
     lastTick_ = now;
     takeNewer();
+    goOnInTime();
     remote_.setCamera(cameraNow());
     remote_.update(now);
     if (const auto picked = remote_.picked()) say(*picked);
@@ -116,27 +118,32 @@ class ViewerWindow {
     if (leaves_ && savings_.empty()) interactor_->TerminateApp();
     bool changed = false;
     const ShownSoFar data = remote_.shown();
-    remote_.ifChanged([&](const Canvas& canvas, const Camera& camera) {
-      withOverlay(data, camera, canvas.size(),
-                  [&](const Overlay& overlay) { shown_.setPicture(canvas, overlay); });
-      changed = true;
-    });
+    remote_.ifChanged(
+        [&](const Canvas& canvas, const Camera& camera, const RemoteWindow::Generations& generations) {
+          withOverlay(data, camera, canvas.size(), series_.stepOf(generationSeen(generations)),
+                      [&](const Overlay& overlay) { shown_.setPicture(canvas, overlay); });
+          changed = true;
+        });
     changed |= shown_.setStatus(now < noticeEnd_ ? notice_ : status());
     if (changed) shown_.draw();
   }
 
-  // Calls use(overlay) for the picture that a camera sees. Where the overlay cannot be drawn, as without a font, it says so, and
+  // Calls use(overlay) for the picture that a camera sees of a step. Where the overlay cannot be drawn, as without a font, it says so, and
   // goes on without.
   template <class Use>
-  void withOverlay(const ShownSoFar& data, Camera camera, glm::ivec2 size, const Use& use) {
+  void withOverlay(const ShownSoFar& data, Camera camera, glm::ivec2 size, size_t step, const Use& use) {
     if (!annotates_) return use(Overlay());
     camera.dimensions = size;
     camera.fit = false;
     const State state = selection_.shown();
     Annotations what = state.annotations;
-    if (what == Annotations()) what.legend = what.axes = what.outline = true;
+    if (what == Annotations()) {
+      what.legend = what.axes = what.outline = true;
+      if (series_.timeOf(step)) what.text = "time {time}";
+    }
     try {
-      return use(overlayOf(what, {state.visualizations[0], data, camera, state.settings}));
+      return use(overlayOf(
+          what, {state.visualizations[0], data, camera, state.settings, step, series_.timeOf(step)}));
     } catch (const Error& e) {
       annotates_ = false;
       say(std::string("error: ") + e.what());
@@ -146,8 +153,8 @@ class ViewerWindow {
 
   std::string status() const {
     std::string text = newerError_.empty() ? remote_.status() : newerError_;
-    for (const std::string& more :
-         {selection_.text(), std::string(spinning_ ? "spinning" : ""), saving(), std::string("h: keys")})
+    for (const std::string& more : {selection_.text(), stepText(), std::string(spinning_ ? "spinning" : ""),
+                                    saving(), std::string("h: keys")})
       if (!more.empty()) text += "   " + more;
     return text;
   }
@@ -198,6 +205,54 @@ class ViewerWindow {
     say("read the changed file");
   } catch (const Error& e) {
     newerError_ = std::string("error: ") + e.what();
+  }
+
+  // --- steps in time ---
+
+  // What the picture shows of the series: its generation, 0 before there is one.
+  uint64_t generationSeen(const RemoteWindow::Generations& generations) const {
+    const std::vector<DatasetSpec> datasets = series_.datasetsAt(series_.there());
+    const auto seen = datasets.empty() ? generations.end() : generations.find(datasets[0].name);
+    return seen == generations.end() ? 0 : seen->second;
+  }
+  size_t stepSeen() const { return series_.stepOf(generationSeen(remote_.generations())); }
+
+  // A step is asked for once that before it is seen, or why it cannot be: pictures in the making are not overtaken by data.
+  void goOnInTime() {
+    if (series_.count() == 1) return;
+    if (const auto error = remote_.imported()) takeStep(*error);
+    if (generationSeen(remote_.generations()) < series_.generation() && !remote_.refused()) return;
+    if (playing_ && series_.wanted() == series_.there()) {
+      playing_ = series_.there() + 1 < series_.count();
+      series_.next(playing_ ? 1 : 0);
+    }
+    if (const auto step = series_.begin()) remote_.import(series_.datasetsAt(*step));
+  }
+
+  void takeStep(const std::string& error) {
+    const size_t step = series_.end(error.empty());
+    if (error.empty()) return selection_.setDatasets(series_.datasetsAt(series_.there()));
+    playing_ = false;
+    say("error: " + series_.textOf(step) + ": " + error);
+  }
+
+  void wantStep(void (*choose)(Series&)) {
+    if (series_.count() == 1) return say("there is one time step");
+    playing_ = false;
+    choose(series_);
+  }
+
+  void play() {
+    if (series_.count() == 1) return say("there is one time step");
+    playing_ = !playing_;
+    if (playing_ && series_.there() + 1 == series_.count()) series_.first();
+  }
+
+  std::string stepText() const {
+    if (series_.count() == 1) return {};
+    std::string text = series_.textOf(stepSeen());
+    if (series_.wanted() != series_.there()) text += ", next " + std::to_string(series_.wanted() + 1);
+    return text + (playing_ ? ", playing" : "");
   }
 
   // What is under the mouse.
@@ -271,6 +326,13 @@ class ViewerWindow {
         {"bracketleft", [](Self& self) { self.changeRange(1, -kShift); }},
         {"bracketright", [](Self& self) { self.changeRange(1, kShift); }},
         {"0", &Self::resetRange},
+        {"comma", [](Self& self) { self.wantStep([](Series& s) { s.next(-1); }); }},
+        {"period", [](Self& self) { self.wantStep([](Series& s) { s.next(1); }); }},
+        {"less", [](Self& self) { self.wantStep([](Series& s) { s.first(); }); }},
+        {"greater", [](Self& self) { self.wantStep([](Series& s) { s.last(); }); }},
+        {"Home", [](Self& self) { self.wantStep([](Series& s) { s.first(); }); }},
+        {"End", [](Self& self) { self.wantStep([](Series& s) { s.last(); }); }},
+        {"space", &Self::play},
         {"a", &Self::turnAnnotations},
         {"i", &Self::pick},
         {"w", &Self::saveState},
@@ -279,6 +341,7 @@ class ViewerWindow {
   }
 
   void key() {
+    if (size_ == glm::ivec2(0)) return;  // nothing is there yet that could be changed or saved
     const char* const symbol = interactor_->GetKeySym();
     std::string key = symbol ? symbol : "";
     if (key.size() == 1 && !actions().contains(key)) key[0] = char(std::tolower(key[0]));
@@ -305,14 +368,14 @@ class ViewerWindow {
       path = output_ + number;
     } while (std::filesystem::exists(path));
     remote_.setCamera(cameraNow());
-    if (remote_.whole()) return savePicture(path, remote_.picture(), cameraNow());
+    if (remote_.whole()) return savePicture(path, remote_.picture(), cameraNow(), stepSeen());
     State state = selection_.shown();
     state.cameras = {cameraNow()};
     savings_.push_back({path, std::move(state), nullptr});
   }
 
-  void savePicture(const std::string& path, const Canvas& canvas, const Camera& camera) {
-    withOverlay(remote_.shown(), camera, canvas.size(),
+  void savePicture(const std::string& path, const Canvas& canvas, const Camera& camera, size_t step) {
+    withOverlay(remote_.shown(), camera, canvas.size(), step,
                 [&](const Overlay& overlay) { writePng(path, canvas, overlay); });
     say("saved " + path);
   }
@@ -327,7 +390,8 @@ class ViewerWindow {
     const bool leaves =
         std::exchange(leaves_, false);  // it stays where this fails, so that somebody sees why
     if (!progress.error.empty()) throw Error(saving.path + ": " + progress.error);
-    savePicture(saving.path, saving.still->canvas(), saving.state.cameras[0]);
+    savePicture(saving.path, saving.still->canvas(), saving.state.cameras[0],
+                series_.stepOf(generationSeen(progress.generations)));
     leaves_ = leaves;
   }
 
@@ -362,6 +426,7 @@ class ViewerWindow {
 
   RemoteWindow& remote_;
   Selection selection_;
+  Series series_;
   const std::string output_;
   const NewerState newer_;
   bool annotates_;
@@ -369,7 +434,7 @@ class ViewerWindow {
   vtkNew<vtkRenderWindowInteractor> interactor_;
   vtkNew<Style> style_;
   glm::ivec2 size_{0};
-  bool centered_ = false, spinning_ = false, leaves_ = false;
+  bool centered_ = false, spinning_ = false, playing_ = false, leaves_ = false;
   Clock::time_point lastTick_{}, noticeEnd_{};
   std::string notice_, newerError_;
   std::deque<Saving> savings_;
@@ -393,9 +458,9 @@ void checkDisplay() {
         " has no OpenGL (GLX): expected it for the window; --snapshot F.png makes a picture without one");
 }
 
-void runViewer(RemoteWindow& remote, Selection selection, const std::string& output, bool annotated,
-               NewerState newer) {
-  ViewerWindow(remote, std::move(selection), output, annotated, std::move(newer)).run();
+void runViewer(RemoteWindow& remote, Selection selection, Series series, const std::string& output,
+               bool annotated, NewerState newer) {
+  ViewerWindow(remote, std::move(selection), std::move(series), output, annotated, std::move(newer)).run();
 }
 
 }  // namespace gxy

@@ -6,6 +6,7 @@
 
 #include "remote_window.h"
 #include "selection.h"
+#include "series.h"
 
 namespace gxy {
 
@@ -13,10 +14,11 @@ namespace gxy {
 using NewerState = std::function<std::optional<State>()>;
 
 /// Shows `remote` until the user quits. It shows `selection`, of which the user may choose another part and which is saved with
-/// the camera as it is then; `output` is the prefix of the files; `annotated`: whether annotations are drawn at first. Throws Error where there is no display that can show it, and when the server has gone or
-/// could not show the state.
-void runViewer(RemoteWindow& remote, Selection selection, const std::string& output, bool annotated,
-               NewerState newer);
+/// the camera as it is then, and whose data are those of the first step of `series`; `output` is the prefix of the files;
+/// `annotated`: whether annotations are drawn at first. Throws Error where there is no display that can show it, and when the
+/// server has gone or could not show the state.
+void runViewer(RemoteWindow& remote, Selection selection, Series series, const std::string& output,
+               bool annotated, NewerState newer);
 
 /// Throws Error, with what to do, unless a window can be opened. VTK itself would end the process.
 void checkDisplay();
