@@ -5,7 +5,6 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <optional>
-#include <regex>
 #include <string_view>
 
 #include "gxy/comm/error.h"
@@ -17,29 +16,76 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The pattern as a regular expression of file names; nothing where it is none.
-std::optional<std::regex> patternOf(const std::string& name) {
-  static const std::regex number("^%(0[0-9]+)?d");
-  std::string out;
-  bool pattern = false;
-  for (size_t i = 0; i < name.size(); i++) {
-    std::smatch found;
-    const std::string rest = name.substr(i);
-    if (std::regex_search(rest, found, number)) {
-      out += "[0-9]+";
-      i += size_t(found.length()) - 1;
-    } else if (name[i] == '*' || name[i] == '?') {
-      out += name[i] == '*' ? ".*" : ".";
-    } else {
-      if (!std::isalnum(static_cast<unsigned char>(name[i])) && name[i] != '_') out += '\\';
-      out += name[i];
-      continue;
+/// A pattern of file names: *, ?, and %d or %04d, one digit or more.
+class NamePattern {
+ public:
+  /// Nothing where the name is no pattern. Throws Error for one that is too long.
+  static std::optional<NamePattern> of(const std::string& name) {
+    NamePattern out;
+    bool pattern = false;
+    for (size_t i = 0; i < name.size(); i++) {
+      Part part{Part::Letter, name[i]};
+      if (name[i] == '*') part.kind = Part::Letters;
+      if (name[i] == '?') part.kind = Part::AnyLetter;
+      if (const size_t length = numberAt(name, i)) {
+        part.kind = Part::Digits;
+        i += length - 1;
+      }
+      pattern = pattern || part.kind != Part::Letter;
+      out.parts_.push_back(part);
     }
-    pattern = true;
+    constexpr size_t kLongest = 255;  // bytes of a file's name
+    if (pattern && out.parts_.size() > kLongest)
+      throw Error("a pattern of file names has " + std::to_string(out.parts_.size()) +
+                  " letters, expected at most " + std::to_string(kLongest));
+    return pattern ? std::optional(std::move(out)) : std::nullopt;
   }
-  if (!pattern) return {};
-  return std::regex(out);
-}
+
+  /// In a time that grows with the product of both lengths: after each letter, the places in the pattern up to which it may have
+  /// been met.
+  bool matches(std::string_view name) const {
+    std::vector<bool> met(parts_.size() + 1);
+    met[0] = true;
+    passLetters(met);
+    for (const char c : name) {
+      std::vector<bool> next(met.size());
+      for (size_t i = 0; i < parts_.size(); i++) {
+        if (!met[i] || !parts_[i].takes(c)) continue;
+        next[i + 1] = true;
+        if (parts_[i].kind == Part::Letters || parts_[i].kind == Part::Digits) next[i] = true;
+      }
+      met = std::move(next);
+      passLetters(met);
+    }
+    return met.back();
+  }
+
+ private:
+  struct Part {
+    enum Kind { Letter, AnyLetter, Letters, Digits } kind;
+    char letter;
+    bool takes(char c) const {
+      return kind == Letter ? c == letter : kind != Digits || (c >= '0' && c <= '9');
+    }
+  };
+
+  /// The length of %d, %0d or %012d at a place; 0: there is none.
+  static size_t numberAt(const std::string& name, size_t at) {
+    if (name[at] != '%') return 0;
+    size_t end = at + 1;
+    if (end < name.size() && name[end] == '0')
+      while (end < name.size() && name[end] >= '0' && name[end] <= '9') end++;
+    return end < name.size() && name[end] == 'd' ? end + 1 - at : 0;
+  }
+
+  // Runs of any letters may be empty.
+  void passLetters(std::vector<bool>& met) const {
+    for (size_t i = 0; i < parts_.size(); i++)
+      if (met[i] && parts_[i].kind == Part::Letters) met[i + 1] = true;
+  }
+
+  std::vector<Part> parts_;
+};
 
 /// Numbers by their value, the rest by its bytes.
 bool before(std::string_view a, std::string_view b) {
@@ -98,7 +144,7 @@ bool isStateFile(const std::string& path) {
 std::vector<std::string> filesOf(const std::string& name) {
   const fs::path path(name);
   std::error_code failed;
-  const auto pattern = fs::exists(path, failed) ? std::nullopt : patternOf(path.filename().string());
+  const auto pattern = fs::exists(path, failed) ? std::nullopt : NamePattern::of(path.filename().string());
   if (!pattern) {
     expectFile(name);
     return {name};
@@ -107,7 +153,7 @@ std::vector<std::string> filesOf(const std::string& name) {
   const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
   for (const auto& entry : fs::directory_iterator(folder, failed)) {
     const std::string file = entry.path().filename().string();
-    if (std::regex_match(file, *pattern) && entry.is_regular_file(failed))
+    if (pattern->matches(file) && entry.is_regular_file(failed))
       found.push_back(path.has_parent_path() ? (folder / file).string() : file);
   }
   if (found.empty()) throw Error(name + ": no file matches this pattern");
@@ -123,6 +169,10 @@ std::vector<TimeStep> stepsOfFiles(const std::vector<std::string>& files) {
       continue;
     }
     for (TimeStep& step : readCollection(file)) steps.push_back(std::move(step));
+    if (steps.back().files.size() != steps.front().files.size())
+      throw Error(file + ": " + std::to_string(steps.back().files.size()) + " files in a step, but " +
+                  std::to_string(steps.front().files.size()) + " in one of " + files.front() +
+                  "; expected equally many");
   }
   return steps;
 }

@@ -34,6 +34,32 @@ TEST(DataFiles, PatternsMeanFilesInTheOrderOfTheirNumbers) {
   EXPECT_EQ(filesOf(at + "s_x.vti"), (Names{at + "s_x.vti"}));
 }
 
+TEST(DataFiles, PatternsTakeATimeThatGrowsWithTheirLength) {
+  const ScratchDirectory folder;
+  folder.write("aaaaaaa", "");
+  folder.write("a12b", "");
+  const std::string at = folder.path().string() + "/";
+  const auto matches = [&](const std::string& pattern) {
+    try {
+      return !filesOf(at + pattern).empty();
+    } catch (const Error&) {
+      return false;
+    }
+  };
+  EXPECT_FALSE(matches(std::string(200, '*') + "x"));
+  EXPECT_TRUE(matches(std::string(200, '*') + "a"));
+  EXPECT_FALSE(matches("a%d2%db"));
+  EXPECT_TRUE(matches("a%d2b"));
+  EXPECT_TRUE(matches("a*%db*"));
+  EXPECT_FALSE(matches("a%d"));
+  EXPECT_FALSE(matches("%db"));
+  EXPECT_FALSE(matches("a?b"));
+  EXPECT_NE(errorOf([&] {
+              filesOf(at + std::string(256, '*'));
+            }).find("a pattern of file names has 256 letters, expected at most 255"),
+            std::string::npos);
+}
+
 TEST(DataFiles, EveryStepOfASeriesHasTheOtherFiles) {
   const ScratchDirectory folder;
   for (const char* name : {"s_1.vti", "s_2.vti", "g.vtp", "u_1.vti", "u_2.vti", "u_3.vti"})
@@ -65,6 +91,11 @@ TEST(DataFiles, ACollectionSaysItsSteps) {
                                            "<DataSet timestep=\"1e-1\" file=\"a.vti\"/>\n"));
   EXPECT_EQ(readCollection(two)[0].time, 0.1);
   EXPECT_EQ(readCollection(two)[1].time, 2.5);
+  const std::string pair =
+      folder.write("pair.pvd", collectionOf("<DataSet timestep=\"0\" part=\"0\" file=\"p0.vtp\"/>\n"
+                                            "<DataSet timestep=\"0\" part=\"1\" file=\"p1.vtp\"/>\n"));
+  for (const auto& files : {std::vector{two, pair}, {pair, two}, {at + "a.vti", pair}})
+    EXPECT_NE(errorOf([&] { stepsOfFiles(files); }).find("expected equally many"), std::string::npos);
   using Steps = std::vector<std::vector<std::string>>;
   const auto filesOfSteps = [](const std::vector<std::string>& names) {
     Steps files;
