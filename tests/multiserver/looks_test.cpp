@@ -96,6 +96,34 @@ TEST(ViewerLooks, ACollectionShowsItsFirstTimeOfFilesThatMayBeRead) {
   EXPECT_NE(reply.error.find("secret.vol"), std::string::npos) << reply.error;
 }
 
+TEST(ViewerLooks, StepsHaveEquallyManyFilesAndAnAnswerHasAnEnd) {
+  const auto server = serve();
+  Viewer viewer(*server);
+  const std::filesystem::path folder = server->folder().path();
+  const auto collection = [&](const char* name, int times, int parts) {
+    std::ofstream out(folder / name);
+    out << "<VTKFile type=\"Collection\"><Collection>";
+    for (int time = 0; time < times; time++)
+      for (int part = 0; part < parts; part++)
+        out << "<DataSet timestep=\"" << time << "\" file=\"ball.vol\"/>";
+    out << "</Collection></VTKFile>";
+  };
+  collection("a.pvd", 2, 1);
+  collection("b.pvd", 1, 300);
+  const auto refused = [&](const std::string& statement) { return viewer.client->request(statement).error; };
+  EXPECT_NE(refused("scene *.pvd").find("expected equally many"), std::string::npos);
+  EXPECT_NE(refused("show *.pvd").find("expected equally many"), std::string::npos);
+  std::filesystem::remove(folder / "a.pvd");
+  collection("c.pvd", 2, 1);
+  EXPECT_NE(refused("scene *.pvd").find("expected equally many"), std::string::npos) << "the other order";
+  std::string many = "scene";
+  for (int i = 0; i < 65; i++) many += " ball.vol";
+  EXPECT_EQ(refused(many), "there are 65 names, expected at most 64");
+  collection("long.pvd", 100001, 1);
+  EXPECT_NE(refused("scene long.pvd").find("100001 files in all steps, expected at most 100000"),
+            std::string::npos);
+}
+
 TEST(ViewerLooks, ASeriesIsNamedWithTheFilesOfEachStep) {
   const auto server = serve();
   Viewer viewer(*server);

@@ -25,6 +25,18 @@ struct Series {
   std::vector<TimeStep> steps;
 };
 
+/// How many files steps have, and the bytes that they take until a reply has them as text.
+std::pair<int64_t, int64_t> sizeOf(const std::vector<TimeStep>& steps) {
+  constexpr int64_t kEach = 400;  // nodes of maps and of JSON
+  int64_t count = 0, bytes = 0;
+  for (const TimeStep& step : steps)
+    for (const std::string& file : step.files) {
+      count++;
+      bytes += kEach + 4 * int64_t(file.size());
+    }
+  return {count, bytes};
+}
+
 std::vector<Look::Step> together(const std::vector<Series>& all) {
   if (all.empty()) return {};
   std::vector<std::string> names;
@@ -132,7 +144,13 @@ Look FirstLooks::look(Request& request, const std::vector<std::string>& names, c
     facts.dataset.name = called;
     all.push_back(std::move(facts));
   };
+  constexpr size_t kNames = 64;  // as many operators as a rendering may have
+  if (names.size() > kNames)
+    throw Error("there are " + std::to_string(names.size()) + " names, expected at most " +
+                std::to_string(kNames));
   std::vector<Series> found;
+  std::vector<LedgerEntry> memory;
+  int64_t files = 0;
   for (const std::string& name : names) {
     request.check();
     if (node_.datasets->find(tenant, name)) {
@@ -140,6 +158,13 @@ Look FirstLooks::look(Request& request, const std::vector<std::string>& names, c
       continue;
     }
     Series series{name, {}, stepsToRead(name)};
+    const auto [count, bytes] = sizeOf(series.steps);
+    files += count;
+    constexpr int64_t kFiles = 100'000;
+    if (files > kFiles)
+      throw Error(name + ": with it there are " + std::to_string(files) +
+                  " files in all steps, expected at most " + std::to_string(kFiles));
+    memory.push_back(node_.takeMemory(tenant, "first look", bytes));
     for (const std::string& file : series.steps.front().files) {
       request.check();
       addFile(file);
@@ -147,7 +172,7 @@ Look FirstLooks::look(Request& request, const std::vector<std::string>& names, c
     }
     if (series.steps.size() > 1) found.push_back(std::move(series));
   }
-  Look look{firstLook(all, options), together(found)};
+  Look look{firstLook(all, options), together(found), std::move(memory)};
   std::erase_if(look.state.datasets, [](const DatasetSpec& d) { return d.filename.empty(); });
   return look;
 }

@@ -9,6 +9,7 @@
 #include "gxy/scene/collection_file.h"
 #include "gxy/scene/first_look.h"
 #include "gxy/server/module.h"
+#include "gxy/space/ledger.h"
 
 namespace gxy::viewer {
 
@@ -20,6 +21,7 @@ struct Look {
   };
   State state;
   std::vector<Step> steps;  ///< none: there is one
+  std::vector<LedgerEntry> memory;
 };
 
 /// One on each rank.
