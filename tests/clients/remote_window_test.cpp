@@ -175,12 +175,22 @@ TEST(RemoteWindow, AsksForItsDataAnewAfterEachEventOfThemOrWhereSomeWereLost) {
     }
     EXPECT_EQ(asked, times) << why;
   };
+  const auto untilSaid = [&](const std::string& text) {
+    const auto end = std::chrono::steady_clock::now() + std::chrono::minutes(1);
+    while (window.status() != text && std::chrono::steady_clock::now() < end)
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    EXPECT_EQ(window.status(), text);
+    window.update(RemoteWindow::Clock::now());  // it would ask now
+  };
   int times = 1;
   for (const char* kind : {"added", "updated", "dropped", "renamed", "lost"}) {
-    server.tell(json{{"event", "skipped"}}.dump());  // which changes nothing
     server.tell(json{{"event", kind}}.dump());
     untilAsked(++times, kind);
+    server.tell(json{{"event", "skipped"}}.dump());  // which changes nothing
+    server.tell(json{{"event", "progress"}, {"text", std::string("after ") + kind}}.dump());
+    untilSaid(std::string("after ") + kind);
   }
+  EXPECT_EQ(asked, times);
 }
 
 TEST(RemoteWindow, ImportsDataOfOtherFilesAndSaysWhenTheyAreSeen) {
@@ -190,16 +200,17 @@ TEST(RemoteWindow, ImportsDataOfOtherFilesAndSaysWhenTheyAreSeen) {
   EXPECT_EQ(shown.window.generations(), (std::map<std::string, uint64_t>{{"ball", 1}}));
   EXPECT_FALSE(shown.window.imported());
   writeBall(shown.server.folder().path().string(), "next", 8, 0.5f);
-  std::optional<std::string> outcome;
+  std::optional<RemoteWindow::Imported> outcome;
   const auto import = [&](const char* file) {
     shown.window.import({{"ball", DatasetType::Volume, file, "", {}}});
     shown.until([&] { return (outcome = shown.window.imported()).has_value(); }, "it has ended");
-    return *outcome;
+    return outcome->error;
   };
   EXPECT_EQ(import("next.vol"), "");
+  EXPECT_EQ(outcome->generations, (std::map<std::string, uint64_t>{{"ball", 2}}));
   shown.until([&] { return shown.window.generations().at("ball") == 2; }, "they are seen");
   shown.untilAllIsShown(1);  // of what it has imported itself, generations are not told
-  EXPECT_NE(import("none.vol").find("none.vol"), std::string::npos) << *outcome;
+  EXPECT_NE(import("none.vol").find("none.vol"), std::string::npos) << outcome->error;
   EXPECT_EQ(shown.window.generations().at("ball"), 2u) << "what was shown stays";
   EXPECT_FALSE(shown.window.refused());
   shown.window.drop({{"ball", DatasetType::Volume, "next.vol", "", {}}});

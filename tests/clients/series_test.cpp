@@ -106,6 +106,19 @@ TEST(Series, WhatWasWantedMeanwhileIsAskedForAlsoAfterOneThatCannotBeHad) {
   EXPECT_EQ(begun(series), "2");
 }
 
+TEST(Series, HasTheGenerationThatItsDataHave) {
+  Series series = seriesOf(9);
+  for (const uint64_t generation : {7, 1, 2}) {  // as of data that others dropped or changed
+    series.next(1);
+    ASSERT_TRUE(series.begin());
+    series.end(true, generation);
+    EXPECT_EQ(series.generation(), generation);
+    EXPECT_EQ(series.stepOf(generation), series.there());
+  }
+  EXPECT_EQ(series.there(), 3u);
+  EXPECT_EQ(series.stepOf(1), 2u) << "its picture may still be seen";
+}
+
 TEST(Series, KnowsTheStepOfAGenerationBeforeItIsSaidToBeThere) {
   Series series = seriesOf(9);
   EXPECT_EQ(series.generation(), 1u);

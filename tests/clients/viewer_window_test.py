@@ -492,7 +492,7 @@ class InTime(SeriesCase):
 
     def test_of_keys_that_come_while_a_step_is_on_its_way_the_last_counts(self):
         self.viewer.send_signal(signal.SIGSTOP)
-        for key in ("period", "period", "End", "comma", "comma"):
+        for key in ("period", "End", "less", "period"):
             self.key(key)
         self.viewer.send_signal(signal.SIGCONT)
         self.wait_for_step(1)

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <iostream>
+#include <memory>
 #include <set>
 
 #include "file_watch.h"
@@ -111,6 +112,9 @@ int run(const ViewOptions& options) {
                                                  : rays,
                       warn);
   if (options.snapshot.empty()) {
+    const std::shared_ptr<void> atTheEnd(nullptr, [&](void*) {
+      if (whole.series.count() > 1) remote.drop(whole.state.datasets);  // nobody else knows their names
+    });
     const State seen = withFittedCameras(whole.state, remote);
     remote.setCamera(seen.cameras[0]);
     const auto newer = [&]() -> std::optional<State> {
@@ -118,7 +122,6 @@ int run(const ViewOptions& options) {
       return withFittedCameras(wholeOf(options).state, remote);
     };
     runViewer(remote, Selection(seen), whole.series, options.output, options.annotated, newer);
-    if (whole.series.count() > 1) remote.drop(whole.state.datasets);  // nobody else knows their names
     return 0;
   }
   remote.waitUntilLoaded();

@@ -124,19 +124,24 @@ void RemoteWindow::import(const std::vector<DatasetSpec>& datasets) {
                 [this](const Reply& reply) {
                   const std::lock_guard lock(mutex_);
                   progress_.clear();
-                  imported_ = reply.ok ? std::string() : reply.error;
+                  imported_ = Imported{reply.ok ? std::string() : reply.error, {}};
+                  if (reply.ok) imported_->generations = reply.value.value("generations", Generations());
                 });
 }
 
-std::optional<std::string> RemoteWindow::imported() {
+std::optional<RemoteWindow::Imported> RemoteWindow::imported() {
   const std::lock_guard lock(mutex_);
   return std::exchange(imported_, std::nullopt);
 }
 
 void RemoteWindow::drop(const std::vector<DatasetSpec>& datasets) {
-  client_->send(std::string("viewer.close ") + kWindow, [](const Reply&) {});
-  for (const DatasetSpec& dataset : datasets)
-    if (client_->connected()) client_->request("data.drop " + protocol::asWord(dataset.name));
+  try {
+    client_->send(std::string("viewer.close ") + kWindow, [](const Reply&) {});
+    for (const DatasetSpec& dataset : datasets)
+      client_->request("data.drop " + protocol::asWord(dataset.name));
+  } catch (const Error&) {
+    // the server has gone
+  }
 }
 
 void RemoteWindow::fail(const std::string& why) {

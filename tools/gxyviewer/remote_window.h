@@ -52,9 +52,13 @@ class RemoteWindow {
   /// Asks for what is due; called often.
   void update(Clock::time_point now);
 
-  /// Gives datasets the data of other files; imported() has the outcome once: why not, empty if all is well. One at a time.
+  struct Imported {
+    std::string error;        ///< why the data have not come; empty if they have
+    Generations generations;  ///< that they have
+  };
+  /// Gives datasets the data of other files; imported() has the outcome once. One at a time.
   void import(const std::vector<DatasetSpec>& datasets);
-  std::optional<std::string> imported();
+  std::optional<Imported> imported();
   /// Ends the window on the server and drops datasets there, as far as it lets itself be told. Nothing is shown any more.
   void drop(const std::vector<DatasetSpec>& datasets);
 
@@ -150,7 +154,8 @@ class RemoteWindow {
   Camera shownCamera_;     ///< of the picture
   bool boxesDue_ = false;  ///< data have changed since they were asked for
   std::string failure_, progress_, setError_, renderError_;
-  std::optional<std::string> picked_, imported_;
+  std::optional<std::string> picked_;
+  std::optional<Imported> imported_;
   Generations generations_;    ///< that the picture shows
   std::set<std::string> own_;  ///< datasets that import() was given: their generations are no news
   Frame frame_;                ///< the newest of which something came

@@ -19,6 +19,9 @@ std::string numberOf(double x) {
   return {text, std::to_chars(text, text + sizeof text, x).ptr};
 }
 
+/// Whether a byte of UTF-8 goes on with the character of the one before it.
+bool isInside(char c) { return (static_cast<unsigned char>(c) & 0xc0) == 0x80; }
+
 /// A name for all files: what their names begin and end with, and * for the rest; empty if they have neither.
 std::string commonName(const std::vector<std::string>& stems) {
   std::string begin = stems.front(), end = begin;
@@ -28,9 +31,11 @@ std::string commonName(const std::vector<std::string>& stems) {
     end.erase(end.begin(), differs.base());
   }
   if (begin == stems.front() && end == begin) return begin;  // all are called so
+  while (!begin.empty() && isInside(stems.front()[begin.size()])) begin.pop_back();
   size_t shortest = stems.front().size();
   for (const std::string& stem : stems) shortest = std::min(shortest, stem.size());
   end.erase(0, end.size() - std::min(end.size(), shortest - begin.size()));
+  while (!end.empty() && isInside(end.front())) end.erase(end.begin());
   return begin.empty() && end.empty() ? "" : begin + "*" + end;
 }
 
@@ -84,7 +89,7 @@ std::optional<size_t> Series::begin() {
   return underWay_;
 }
 
-size_t Series::end(bool came) {
+size_t Series::end(bool came, std::optional<uint64_t> generation) {
   const size_t step = *underWay_;
   underWay_.reset();
   if (!came) {
@@ -95,8 +100,11 @@ size_t Series::end(bool came) {
   }
   failed_.reset();
   there_ = step;
-  generation_++;
-  byGeneration_.erase(byGeneration_.begin(), byGeneration_.lower_bound(generation_ - 1));
+  byGeneration_.erase(generation_ + 1);
+  // the one before may still be seen; others are over, or another dataset's that had the name
+  std::erase_if(byGeneration_, [&](const auto& each) { return each.first != generation_; });
+  generation_ = generation.value_or(generation_ + 1);
+  byGeneration_[generation_] = step;
   return step;
 }
 

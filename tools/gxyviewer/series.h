@@ -50,8 +50,9 @@ class Series {
 
   /// The step that is to be asked for, if any: it is under way from now on.
   std::optional<size_t> begin();
-  /// The one under way has come, or has not. Which that was.
-  size_t end(bool came);
+  /// The one under way has come, as a generation of its datasets (the next one, where it is not known), or has not. Which that
+  /// was.
+  size_t end(bool came, std::optional<uint64_t> generation = {});
 
  private:
   std::vector<DatasetSpec> datasets_;

@@ -209,7 +209,7 @@ class ViewerWindow {
 
   // --- steps in time ---
 
-  // What the picture shows of the series: its generation, 0 before there is one.
+  // What these are of the series' data, 0 if none.
   uint64_t generationSeen(const RemoteWindow::Generations& generations) const {
     const std::vector<DatasetSpec> datasets = series_.datasetsAt(series_.there());
     const auto seen = datasets.empty() ? generations.end() : generations.find(datasets[0].name);
@@ -220,7 +220,7 @@ class ViewerWindow {
   // A step is asked for once that before it is seen, or why it cannot be: pictures in the making are not overtaken by data.
   void goOnInTime() {
     if (series_.count() == 1) return;
-    if (const auto error = remote_.imported()) takeStep(*error);
+    if (const auto outcome = remote_.imported()) takeStep(*outcome);
     if (generationSeen(remote_.generations()) < series_.generation() && !remote_.refused()) return;
     if (playing_ && series_.wanted() == series_.there()) {
       playing_ = series_.there() + 1 < series_.count();
@@ -229,11 +229,13 @@ class ViewerWindow {
     if (const auto step = series_.begin()) remote_.import(series_.datasetsAt(*step));
   }
 
-  void takeStep(const std::string& error) {
-    const size_t step = series_.end(error.empty());
-    if (error.empty()) return selection_.setDatasets(series_.datasetsAt(series_.there()));
+  void takeStep(const RemoteWindow::Imported& outcome) {
+    const bool came = outcome.error.empty();
+    const uint64_t generation = generationSeen(outcome.generations);
+    const size_t step = series_.end(came, generation ? std::optional(generation) : std::nullopt);
+    if (came) return selection_.setDatasets(series_.datasetsAt(series_.there()));
     playing_ = false;
-    say("error: " + series_.textOf(step) + ": " + error);
+    say("error: " + series_.textOf(step) + ": " + outcome.error);
   }
 
   void wantStep(void (*choose)(Series&)) {

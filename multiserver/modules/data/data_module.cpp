@@ -78,9 +78,13 @@ json import(Request& request, protocol::Arguments arguments) {
     throw Error("import: expected `Datasets` only; module viewer takes whole state documents");
   what.specs = file.state.datasets;
   for (std::string& w : datasetsOf(request).import(request, what)) file.warnings.push_back(std::move(w));
-  json names = json::array();
-  for (const DatasetSpec& d : what.specs) names.push_back(d.name);
-  json result{{"datasets", names}, {"text", ""}};
+  json names = json::array(), generations = json::object();
+  for (const DatasetSpec& d : what.specs) {
+    names.push_back(d.name);
+    if (const auto now = datasetsOf(request).find(request.session().tenant(), d.name))
+      generations[d.name] = now->generation;
+  }
+  json result{{"datasets", names}, {"generations", generations}, {"text", ""}};
   std::string warnings;
   for (const std::string& w : file.warnings) warnings += (warnings.empty() ? "warning: " : "\nwarning: ") + w;
   result["warnings"] = file.warnings;
