@@ -67,8 +67,8 @@ std::pair<std::array<double, 9>, double> nearestAlongAxes(const std::array<doubl
 
 /// An image that is rotated, turned about its centre to the nearest axes of the world, with a warning.
 ImageData turnedToAxes(ImageData image) {
-  if (isAlongAxes(image.direction)) return image;
   checkPerpendicular(image);
+  if (isAlongAxes(image.direction)) return image;
   const glm::dvec3 middle = 0.5 * glm::dvec3(image.points[0] - 1, image.points[1] - 1, image.points[2] - 1);
   const glm::dvec3 centre = image.placeOf(middle);
   const auto [nearest, degrees] = nearestAlongAxes(image.direction);

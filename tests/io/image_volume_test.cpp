@@ -239,6 +239,9 @@ TEST_F(ImageVolume, RotatedAxesAreTurnedToTheNearestAboutTheCentre) {
   const std::string path =
       vti("0 1 0 2 0 1", "Direction=\"1 0.3 0 0 1 0 0 0 1\"", points(array("p", "Int16", numbered())));
   EXPECT_EQ(errorOf(path), ": the axes of the image, expected to be at right angles, are not");
+  EXPECT_EQ(
+      errorOf(vti("0 1 0 2 0 1", "Direction=\"1 1 0 1 0 0 0 0 1\"", points(array("p", "Int16", numbered())))),
+      ": the axes of the image, expected to be at right angles, are not");
 }
 
 TEST_F(ImageVolume, OneLayerIsTwoEqualOnesAroundIt) {
