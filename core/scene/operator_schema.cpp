@@ -141,7 +141,10 @@ std::vector<Key<Vis>> mapKeys() {
       customKey<Vis>(
           "nan color", "[r, g, b] of 0 to 1",
           "Colour of geometry where its values are NaN. Volumes, their slices and isosurfaces end there.",
-          [](F f, Vis& v) { v.colormap.nan = glm::dvec3(f.color()); },
+          [](F f, Vis& v) {
+            const glm::dvec3 color(f.color());
+            if (v.type != VisType::Volume) v.colormap.nan = color;
+          },
           [](V v) { return v.colormap.nan ? toJson(*v.colormap.nan) : OrderedJson(); })
           .only(kGeometry)
           .byDefault("`NanColor` of a preset file, else the map's first colour"),

@@ -109,7 +109,11 @@ const Schema<DatasetSpec>& datasetSchema() {
           customKey<D>(
               "radius array", "text",
               "Which array of the file's points gives the radii, as `radius0` and the keys beside it say.",
-              [](const Found& f, D& d) { d.radiusArray = f.text(); },
+              [](const Found& f, D& d) {
+                const std::string& name = f.text();
+                if (d.type == DatasetType::Particles || d.type == DatasetType::PathLines)
+                  d.radiusArray = name;
+              },
               [](const D& d) { return d.radiusArray.empty() ? OrderedJson() : OrderedJson(d.radiusArray); })
               .only(1u << unsigned(DatasetType::Particles) | 1u << unsigned(DatasetType::PathLines))
               .byDefault("`array`"),
