@@ -92,6 +92,7 @@ void XmlArrays::choose(const std::vector<vtkXMLDataElement*>& pieces, const Arra
     (values->ofCells ? chosenOfCells_ : chosen_).insert(values->name);
   else
     all_ = !needed.values.array.empty() && !needed.values.orNone;  // and who asked says what there is
+  all_ = all_ || (!needed.values.radii.empty() && !points.has(needed.values.radii));
 }
 
 bool XmlArrays::isPassedOver(vtkXMLDataElement* array, bool ofCells) const {

@@ -358,7 +358,7 @@ TEST_F(Cells, AllPiecesOfAListHaveTheArrayOfRadii) {
     });
     EXPECT_EQ(errors, std::vector<std::string>(size_t(count)));
     for (const std::string& error : ranks.run([&](Collectives& mine) { radii("c", mine); }))
-      EXPECT_NE(error.find(".vtp: no array 'c' of points with values for radii; the file has 'a'"),
+      EXPECT_NE(error.find(".vtp: no array 'c' of points with values for radii; the file has 'a', 'b'"),
                 std::string::npos)
           << error;
   }
