@@ -151,6 +151,12 @@ void writeGeometry(const std::string& path, const GeometryBlock& block, Geometry
 
 namespace {
 
+/// The type of a cell, also where VTK says that it is none, as of hidden cells of grids.
+int shownType(int type, vtkIdType points) {
+  if (type != VTK_EMPTY_CELL) return type;
+  return points == 8 ? VTK_HEXAHEDRON : points == 4 ? VTK_QUAD : points == 2 ? VTK_LINE : type;
+}
+
 /// All cells of a set that is none, with its points and arrays, which are shared.
 vtkSmartPointer<vtkUnstructuredGrid> unstructured(vtkPointSet* set) {
   if (const auto grid = vtkUnstructuredGrid::SafeDownCast(set)) return grid;
@@ -161,7 +167,7 @@ vtkSmartPointer<vtkUnstructuredGrid> unstructured(vtkPointSet* set) {
   const auto ids = vtkSmartPointer<vtkIdList>::New();
   for (vtkIdType cell = 0; cell < cells.count(); ++cell) {
     cells.points(cell, ids);
-    grid->InsertNextCell(cells.type(cell), ids);
+    grid->InsertNextCell(shownType(cells.type(cell), ids->GetNumberOfIds()), ids);
   }
   grid->GetPointData()->ShallowCopy(set->GetPointData());
   grid->GetCellData()->ShallowCopy(set->GetCellData());
