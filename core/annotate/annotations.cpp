@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -14,6 +13,7 @@
 #include "gxy/scene/background.h"
 #include "gxy/scene/camera.h"
 #include "gxy/scene/colormaps.h"
+#include "gxy/scene/json_text.h"
 
 namespace gxy {
 namespace {
@@ -47,12 +47,6 @@ std::string formatted(double x, int digits) {
   char text[32];
   std::snprintf(text, sizeof text, "%.*g", digits, x == 0 ? 0 : x);  // and not -0
   return text;
-}
-
-/// As few digits as tell the number from all others.
-std::string shortest(double x) {
-  char text[32];
-  return {text, std::to_chars(text, text + sizeof text, x).ptr};
 }
 
 void replaceAll(std::string& text, std::string_view what, const std::string& by) {
@@ -287,7 +281,7 @@ Overlay overlayOf(const Annotations& annotations, const Annotated& what) {
     std::string text = annotations.text.substr(0, 1000);  // of which 200 characters are drawn
     const std::string step = std::to_string(what.step);
     replaceAll(text, "{step}", step);
-    replaceAll(text, "{time}", what.time ? shortest(*what.time) : step);
+    replaceAll(text, "{time}", what.time ? numberText(*what.time) : step);
     overlay.texts.push_back({{m.font, m.size.y - m.font}, {0, 1}, m.font, text});
   }
   return overlay;

@@ -34,10 +34,13 @@ struct LoadedGeometry {
 
 /// Collective over `ranks`. Each rank reads its share of the pieces of a .pvtu, .pvtp or .part, else all of
 /// the file. Unusable primitives (a coordinate that is not finite, triangles without area, repeated points of
-/// lines) are dropped and counted. Values are of the same array in all pieces: that of `wanted`, which each must have, as the array of radii, else the one that a
-/// .pvtu or .pvtp declares, or that is chosen of the first piece with points. Normals, and values or colours that are not named,
-/// are used only if all pieces have them. On rank 0 `warnings` receives what of all files was flawed or is not used; null: they are logged. `toTake`, if any, is told what this rank takes for each file before it does, until the end all in all: what
-/// the file's arrays take, then what they become. If any rank fails, all throw the same Error.
+/// lines) are dropped and counted.
+/// Values are of the same array in all pieces. If `wanted` names it, each piece must have it; else it is the one that a .pvtu
+/// or .pvtp declares, or that is chosen of the first piece with points. Each piece must also have the array of radii, if
+/// `wanted` names one. Normals, and values or colours that are not named, are used only if all pieces have them.
+/// On rank 0 `warnings` receives what was flawed or is not used in any file; null: they are logged. `toTake`, if any, is told
+/// what this rank takes for each file before it does: what the file's arrays take, then what they become. If any rank
+/// fails, all throw the same Error.
 LoadedGeometry loadGeometry(const std::string& path, GeometryKind kind, const ValuesWanted& wanted,
                             Collectives& ranks, const TakeMemory& toTake = {},
                             std::vector<std::string>* warnings = nullptr);

@@ -294,6 +294,16 @@ TEST(Hostile, ASlowReaderGetsFewerPixelsAndTakesNoMoreMemory) {
   bystander.expectTheSamePicture();
 }
 
+/// A client of tenant "slow" makes a window and asks for a raw frame of the ball, without reading anything. `id` is its next
+/// request's.
+bool asksForAFrame(RawClient& client, const std::string& window, uint32_t& id) {
+  client.greet("slow");
+  for (const std::string& statement : {std::string("load viewer"), window, "set 1 " + stateOf("ball"),
+                                       std::string(R"(render 1 {"encoding": "raw", "levels": [1]})")})
+    if (!client.request(id++, statement)) return false;
+  return true;
+}
+
 TEST(Hostile, AWindowThatFollowsMakesFewFramesForWhoReadsNoneAndThenTheNewest) {
   ServerSetup s = setup();
   s.server.connection.outbox.text = 2000;
@@ -302,12 +312,8 @@ TEST(Hostile, AWindowThatFollowsMakesFewFramesForWhoReadsNoneAndThenTheNewest) {
   other->expect("load data");
   other->expect(importBall("ball"));
   RawClient slow(server.port(), 4096);
-  slow.greet("slow");
   uint32_t id = 1;
-  for (const std::string& statement :
-       {std::string("load viewer"), std::string("window 1 {\"size\": [256, 256], \"follow\": true}"),
-        "set 1 " + stateOf("ball"), std::string("render 1 {\"encoding\": \"raw\", \"levels\": [1]}")})
-    ASSERT_TRUE(slow.request(id++, statement));
+  ASSERT_TRUE(asksForAFrame(slow, "window 1 {\"size\": [256, 256], \"follow\": true}", id));
   const auto frames = [&] {
     const json stat = other->expect("stat");
     for (const json& t : stat.at("tenants"))
@@ -370,12 +376,8 @@ TEST(Hostile, AFrameThatWaitsBeginsAtOnceWhereTheOneBeforeWasCancelledUnread) {
   other->expect("load data");
   other->expect(importBall("ball"));
   RawClient slow(server.port(), 4096);
-  slow.greet("slow");
   uint32_t id = 1;
-  for (const std::string& statement :
-       {std::string("load viewer"), std::string("window 1 {\"size\": [1024, 1024]}"),
-        "set 1 " + stateOf("ball"), std::string("render 1 {\"encoding\": \"raw\", \"levels\": [1]}")})
-    ASSERT_TRUE(slow.request(id++, statement));
+  ASSERT_TRUE(asksForAFrame(slow, "window 1 {\"size\": [1024, 1024]}", id));
   const auto isMade = [&] {
     const json stat = other->expect("stat");
     for (const json& t : stat.at("tenants"))

@@ -2,22 +2,17 @@
 #include "series.h"
 
 #include <algorithm>
-#include <charconv>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
 #include "gxy/comm/error.h"
+#include "gxy/scene/json_text.h"
 
 namespace gxy {
 
 using nlohmann::json;
 
 namespace {
-
-std::string numberOf(double x) {
-  char text[32];
-  return {text, std::to_chars(text, text + sizeof text, x).ptr};
-}
 
 /// Whether a byte of UTF-8 goes on with the character of the one before it.
 bool isInside(char c) { return (static_cast<unsigned char>(c) & 0xc0) == 0x80; }
@@ -67,7 +62,7 @@ std::vector<DatasetSpec> Series::datasetsAt(size_t step) const {
 std::string Series::textOf(size_t step) const {
   const std::optional<double> time = timeOf(step);
   return "step " + std::to_string(step + 1) + " of " + std::to_string(count()) +
-         (time ? ", time " + numberOf(*time) : "");
+         (time ? ", time " + numberText(*time) : "");
 }
 
 void Series::next(int by) {

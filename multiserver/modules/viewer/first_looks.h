@@ -20,8 +20,8 @@ struct Look {
     std::map<std::string, std::string> files;  ///< by dataset, of those that a series gives other files
   };
   State state;
-  std::vector<Step> steps;  ///< none: there is one
-  std::vector<LedgerEntry> memory;
+  std::vector<Step> steps;          ///< none: there is one
+  std::vector<LedgerEntry> memory;  ///< of the steps
 };
 
 /// One on each rank.
