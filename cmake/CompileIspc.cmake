@@ -5,10 +5,10 @@
 # ccache cannot save).
 cmake_minimum_required(VERSION 3.25)
 get_filename_component(name ${SOURCE} NAME_WE)
+set(arguments ${FLAGS})
 execute_process(COMMAND ${ISPC} --version OUTPUT_VARIABLE key COMMAND_ERROR_IS_FATAL ANY)
-cmake_path(GET CMAKE_CURRENT_LIST_DIR PARENT_PATH root)
-string(REPLACE "${root}/" "" flags "${FLAGS}")
-string(APPEND key "${flags}")
+list(FILTER FLAGS EXCLUDE REGEX "^-I")  # as all headers count
+string(APPEND key "${FLAGS}")
 foreach(file ${SOURCE} ${HEADERS})
   file(SHA256 ${file} hash)
   string(APPEND key ${hash})
@@ -20,7 +20,7 @@ if(NOT EXISTS ${made})
   string(RANDOM LENGTH 12 suffix)
   set(fresh ${made}.${suffix})  # becomes `made` when complete, in one step
   file(MAKE_DIRECTORY ${fresh})
-  execute_process(COMMAND ${ISPC} ${FLAGS} ${SOURCE} -o ${fresh}/${name}.o -h ${fresh}/${name}_ispc.h
+  execute_process(COMMAND ${ISPC} ${arguments} ${SOURCE} -o ${fresh}/${name}.o -h ${fresh}/${name}_ispc.h
                   RESULT_VARIABLE status)
   if(NOT status EQUAL 0)
     file(REMOVE_RECURSE ${fresh})

@@ -12,6 +12,9 @@ endif()
 set(GALAXY_ISPC_TARGETS sse4-i32x4 avx2-i32x8 avx512skx-x16)
 set(GALAXY_ISPC_KEPT ${PROJECT_BINARY_DIR}/ispc CACHE PATH "Where compiled ISPC is kept; builds may share it")
 
+# Where kernels in ISPC find those of core/.
+set(GALAXY_KERNELS_SEEN -I${PROJECT_BINARY_DIR}/include/core_kernels -I${PROJECT_BINARY_DIR}/include/core_rays)
+
 function(galaxy_ispc TARGET)
   set(out ${CMAKE_CURRENT_BINARY_DIR}/ispc)
   file(MAKE_DIRECTORY ${out})
@@ -19,8 +22,8 @@ function(galaxy_ispc TARGET)
   list(TRANSFORM GALAXY_ISPC_TARGETS REPLACE "-.*" "" OUTPUT_VARIABLE suffixes)
   file(GLOB headers CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/core/kernels/*.h ${PROJECT_SOURCE_DIR}/core/rays/ray_fields.h
        ${CMAKE_CURRENT_SOURCE_DIR}/*.isph ${CMAKE_CURRENT_SOURCE_DIR}/*_view.h ${CMAKE_CURRENT_SOURCE_DIR}/*_layout.h)
-  set(flags -O3 --pic --opt=disable-fma --target=${targets} --woff --math-lib=default -I${PROJECT_SOURCE_DIR}/core/kernels
-            -I${PROJECT_SOURCE_DIR}/core/rays -I${CMAKE_CURRENT_SOURCE_DIR})
+  galaxy_view(view ${CMAKE_CURRENT_SOURCE_DIR})
+  set(flags -O3 --pic --opt=disable-fma --target=${targets} --woff --math-lib=default ${GALAXY_KERNELS_SEEN} -I${view})
   set(script ${PROJECT_SOURCE_DIR}/cmake/CompileIspc.cmake)
   set(made)
   foreach(file ${ARGN})
@@ -58,7 +61,7 @@ function(galaxy_ispc_probes TARGET FILE PROBE)
     add_custom_command(
       OUTPUT ${object}
       COMMAND ${ISPC_EXECUTABLE} -O3 --pic --opt=disable-fma --target=${target} --woff -DPROBE=${PROBE}_${isa}
-              -I${PROJECT_SOURCE_DIR}/core/kernels -I${PROJECT_SOURCE_DIR}/core/rays -I${CMAKE_CURRENT_SOURCE_DIR}
+              ${GALAXY_KERNELS_SEEN} -I${GALAXY_TESTS_VIEW}
               ${CMAKE_CURRENT_SOURCE_DIR}/${FILE} -o ${object}
       DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/${FILE} ${headers}
       COMMENT "ISPC ${name} (${target})" VERBATIM)

@@ -3,8 +3,8 @@
 #extension GL_GOOGLE_include_directive : require
 // Where each traced ray goes: into its pixel, on behind a translucent surface, or to the next partition. And which are to be
 // shaded.
-#include "kernels.glsl"
-#include "rays.glsl"
+#include "shaders/kernels.glsl"
+#include "shaders/rays.glsl"
 
 #define COPY_FIELD(type, name, primary, secondary) \
   if (primary + secondary > 0) RAY_OF(COPY_TO, i, name) = GIVEN(name);

@@ -4,9 +4,9 @@
 // The nearest surface of geometry: a hierarchy of boxes finds candidates, nearest first, the leaf tests of core/kernels decide, and ties
 // go to the lowest (operator, primitive), so that the order in which they are found does not show. With ANY_HIT, rays
 // that meet one just become opaque.
-#include "kernels.glsl"
-#include "rays.glsl"
-#include "box_entry.glsl"
+#include "shaders/kernels.glsl"
+#include "shaders/rays.glsl"
+#include "shaders/box_entry.glsl"
 
 bool hitPrimitive(OperatorView op, uint p, vec3 o, vec3 d, float after, LastHit last, out float t) {
   bool hit = false;

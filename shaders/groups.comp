@@ -3,8 +3,8 @@
 #extension GL_GOOGLE_include_directive : require
 // How many workgroups the next stages take for a list whose length only the device knows. Behind a step that was cut
 // (rays.glsl) nothing is done until that has been resumed, for which the number of its own list stays.
-#include "kernels.glsl"
-#include "rays.glsl"
+#include "shaders/kernels.glsl"
+#include "shaders/rays.glsl"
 
 void main() {
   if (gl_GlobalInvocationID.x != 0u || counts[COUNT_CUT] != 0u) return;

@@ -2,8 +2,8 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 // Emission and absorption through the one volume that a scene renders.
-#include "kernels.glsl"
-#include "rays.glsl"
+#include "shaders/kernels.glsl"
+#include "shaders/rays.glsl"
 
 void main() {
   VolumeView v = fieldOf(push[PUSH_OPERATOR]);

@@ -5,10 +5,10 @@
 #extension GL_KHR_shader_subgroup_arithmetic : require
 #extension GL_KHR_shader_subgroup_ballot : require
 #define GXY_GLSL
-#include "layout.h"
-#include "dialect.h"
-#include "all.h"
-#include "ray_fields.h"
+#include "shaders/layout.h"
+#include "core/kernels/dialect.h"
+#include "core/kernels/all.h"
+#include "core/rays/ray_fields.h"
 
 layout(local_size_x = BLOCK_RAYS) in;
 
@@ -101,6 +101,6 @@ uvec4 geometryQuad(uint i) {
 float geometryReal(uint i) { return uintBitsToFloat(geometryWord(i)); }
 
 #define locateCell locateCellByLoops  // grid.h's; fetch_volume.glsl has one that every lane can afford
-#include "fields.h"
-#include "scene_view.h"
-#include "scene.h"
+#include "core/kernels/fields.h"
+#include "core/kernels/scene_view.h"
+#include "core/kernels/scene.h"

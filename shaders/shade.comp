@@ -3,8 +3,8 @@
 #extension GL_GOOGLE_include_directive : require
 // What the hits of primaries (finish.comp's list of them) mean for the picture: what they give to their pixels, and the secondary rays that take away
 // what is blocked, each with the partition that it starts in.
-#include "kernels.glsl"
-#include "rays.glsl"
+#include "shaders/kernels.glsl"
+#include "shaders/rays.glsl"
 
 Surface surfaceHit(int op, VolumeView v, vec3 o, vec3 d) {
   OperatorView view = operatorOf(op);

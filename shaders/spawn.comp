@@ -4,8 +4,8 @@
 // The primary rays of tiles: to the list that is traced next where they start in this partition, else, where they start in
 // another of this rank, to that of rays that leave. Before anything is drawn, the tiles are where contributions will be: x0, y0,
 // x1, y1, sample of each.
-#include "kernels.glsl"
-#include "rays.glsl"
+#include "shaders/kernels.glsl"
+#include "shaders/rays.glsl"
 
 #define SET_PRIMARY(list)                          \
   RAY_OF(list, i, pixel) = uint(y * f.width + x);  \

@@ -2,8 +2,8 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 // Rays that the device has kept: into the list that is traced.
-#include "kernels.glsl"
-#include "rays.glsl"
+#include "shaders/kernels.glsl"
+#include "shaders/rays.glsl"
 
 #define takenRays RaysAt(pushedAddress(PUSH_TAKEN)).block
 #define TAKE_FIELD(type, name, primary, secondary) \

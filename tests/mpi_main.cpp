@@ -4,7 +4,7 @@
 
 #include <memory>
 
-#include "gxy/comm/mpi_environment.h"
+#include "core/comm/mpi_environment.h"
 
 #ifdef __SANITIZE_ADDRESS__
 #include <sanitizer/lsan_interface.h>

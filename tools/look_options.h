@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "gxy/scene/first_look.h"
+#include "core/scene/first_look.h"
 
 namespace gxy {
 

@@ -3,7 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <string>
 
-#include "gxy/comm/version.h"
+#include "core/comm/version.h"
 
 namespace gxy {
 

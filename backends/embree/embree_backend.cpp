@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/embree/embree_backend.h"
+#include "backends/embree/embree_backend.h"
 
-#include "gxy/embree/embree.h"
-#include "gxy/embree/embree_scene.h"
+#include "backends/bvh/embree.h"
+#include "backends/embree/embree_scene.h"
 #include "spawn_ispc.h"
 
 namespace gxy {

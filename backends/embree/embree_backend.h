@@ -3,7 +3,7 @@
 #pragma once
 #include <memory>
 
-#include "gxy/rays/backend.h"
+#include "core/rays/backend.h"
 
 namespace gxy {
 

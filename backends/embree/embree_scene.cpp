@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/embree/embree_scene.h"
+#include "backends/embree/embree_scene.h"
 
 #include <algorithm>
 #include <chrono>
 #include <cstring>
 #include <limits>
 
+#include "core/comm/error.h"
+#include "core/rays/fill_views.h"
 #include "fields_ispc.h"
 #include "geometry_ispc.h"
-#include "gxy/comm/error.h"
-#include "gxy/rays/fill_views.h"
 #include "integrate_ispc.h"
 #include "integrate_many_ispc.h"
 #include "shade_ispc.h"

@@ -5,10 +5,10 @@
 #include <memory>
 #include <vector>
 
-#include "gxy/embree/geometry_tree.h"
-#include "gxy/kernels/single_views.h"
-#include "gxy/rays/backend.h"
-#include "gxy/space/shared_by.h"
+#include "backends/embree/geometry_tree.h"
+#include "core/kernels/single_views.h"
+#include "core/rays/backend.h"
+#include "core/space/shared_by.h"
 
 namespace gxy {
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Surfaces in volumes: slices and isosurfaces.
-#include "kernel.isph"
+#include "backends/embree/kernel.isph"
 
 static inline void takeHit(RAYS r, int i, float t, uniform int kind, uniform int op, int primitive) {
   if (t < r.tHit[i] || (t == r.tHit[i] && op < r.hitOperator[i])) {

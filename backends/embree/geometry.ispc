@@ -5,8 +5,8 @@
 // Rays that go much the same way do so as a bundle: a step tests what all of them can meet, by intervals of their origins and of their
 // reciprocal directions, against all children of a node (Boulos, Wald and Shirley, "Geometric and arithmetic culling methods for entire
 // ray packets", 2006). Others, such as those of ambient occlusion, go one by one, which is a bundle of one.
-#include "kernel.isph"
-#include "tree_layout.h"
+#include "backends/embree/kernel.isph"
+#include "backends/embree/tree_layout.h"
 
 struct GeometryTreeView {
   const uniform unsigned int* uniform nodes;

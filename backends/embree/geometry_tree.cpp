@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/embree/geometry_tree.h"
+#include "backends/embree/geometry_tree.h"
 
 #include <algorithm>
 #include <array>
@@ -7,9 +7,9 @@
 #include <limits>
 #include <string>
 
-#include "gxy/embree/tree.h"
-#include "gxy/embree/tree_layout.h"
-#include "gxy/kernels/single_views.h"
+#include "backends/bvh/tree.h"
+#include "backends/embree/tree_layout.h"
+#include "core/kernels/single_views.h"
 
 namespace gxy {
 

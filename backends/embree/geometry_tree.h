@@ -3,8 +3,8 @@
 #pragma once
 #include <cstdint>
 
-#include "gxy/rays/compiled_scene.h"
-#include "gxy/space/large_vector.h"
+#include "core/rays/compiled_scene.h"
+#include "core/space/large_vector.h"
 
 namespace gxy {
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Emission and absorption through the one volume that a scene renders.
-#include "kernel.isph"
+#include "backends/embree/kernel.isph"
 
 export void integrateRays(const void* uniform scene, void* uniform rays, uniform int n, uniform int op, uniform int64 counts[]) {
   USE_SCENE(s, scene);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Emission and absorption through several volumes at once.
-#include "kernel.isph"
+#include "backends/embree/kernel.isph"
 
 // volumes[0 ... count): the operators that are volume rendered, count <= MANY_VOLUMES.
 export void integrateRaysOfMany(const void* uniform scene, void* uniform rays, uniform int n,

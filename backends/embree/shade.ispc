@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What a hit means for the picture: what it gives to its pixel, and the rays that take away what is blocked (shares.h).
-#include "kernel.isph"
+#include "backends/embree/kernel.isph"
 
 static inline Surface geometrySurface(OPERATOR op, unsigned int p, vec3 o, vec3 d, float after) {
   Surface f;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // From camera to rays (in double, re-based to float where they enter the visible domain), and from partition to
 // partition.
-#include "kernel.isph"
+#include "backends/embree/kernel.isph"
 
 // The rays of pixels [x0, x1) x [y0, y1) (at most 32 x 32) and one sample that meet a visible partition, with the first
 // such partition in `next`; in 4 x 4 blocks for coherence. Returns their number.

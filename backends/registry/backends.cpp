@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/backends/backends.h"
+#include "backends/registry/backends.h"
 
 #include <spdlog/spdlog.h>
 
-#include "gxy/comm/error.h"
-#include "gxy/embree/embree_backend.h"
+#include "backends/embree/embree_backend.h"
+#include "core/comm/error.h"
 #ifdef GALAXY_VULKAN
-#include "gxy/vulkan/vulkan_backend.h"
+#include "backends/vulkan/vulkan_backend.h"
 #endif
 
 namespace gxy {

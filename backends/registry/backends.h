@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "gxy/rays/backend.h"
+#include "core/rays/backend.h"
 
 namespace gxy {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/vulkan/batch.h"
+#include "backends/vulkan/batch.h"
 
 #include <algorithm>
 #include <bit>
@@ -7,7 +7,7 @@
 #include <optional>
 #include <tuple>
 
-#include "gxy/comm/error.h"
+#include "core/comm/error.h"
 
 namespace gxy::vulkan {
 

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "gxy/vulkan/device_time.h"
-#include "gxy/vulkan/lane.h"
-#include "gxy/vulkan/vulkan_scene.h"
+#include "backends/vulkan/device_time.h"
+#include "backends/vulkan/lane.h"
+#include "backends/vulkan/vulkan_scene.h"
 
 namespace gxy::vulkan {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/vulkan/device_time.h"
+#include "backends/vulkan/device_time.h"
 
 #include <algorithm>
 #include <iterator>

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/vulkan/hierarchy.h"
+#include "backends/vulkan/hierarchy.h"
 
 #include <bit>
 #include <string>
 
-#include "gxy/comm/error.h"
-#include "gxy/embree/tree.h"
-#include "gxy/shaders/layout.h"
+#include "backends/bvh/tree.h"
+#include "core/comm/error.h"
+#include "shaders/layout.h"
 
 namespace gxy::vulkan {
 

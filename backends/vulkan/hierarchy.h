@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "gxy/rays/compiled_scene.h"
+#include "core/rays/compiled_scene.h"
 
 namespace gxy::vulkan {
 

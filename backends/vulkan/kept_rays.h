@@ -5,8 +5,8 @@
 #include <memory>
 #include <utility>
 
-#include "gxy/rays/ray_list.h"
-#include "gxy/vulkan/vulkan_device.h"
+#include "backends/vulkan/vulkan_device.h"
+#include "core/rays/ray_list.h"
 
 namespace gxy::vulkan {
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/vulkan/lane.h"
+#include "backends/vulkan/lane.h"
 
 #include <algorithm>
 #include <bit>
 #include <cstring>
 
-#include "gxy/comm/error.h"
+#include "core/comm/error.h"
 
 namespace gxy::vulkan {
 

@@ -6,10 +6,10 @@
 #include <span>
 #include <vector>
 
-#include "gxy/rays/backend.h"
-#include "gxy/vulkan/kept_rays.h"
-#include "gxy/vulkan/pipelines.h"
-#include "gxy/vulkan/shader_views.h"
+#include "backends/vulkan/kept_rays.h"
+#include "backends/vulkan/pipelines.h"
+#include "backends/vulkan/shader_views.h"
+#include "core/rays/backend.h"
 
 namespace gxy::vulkan {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/vulkan/memory.h"
+#include "backends/vulkan/memory.h"
 
 #include <algorithm>
 #include <iterator>

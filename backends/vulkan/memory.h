@@ -7,8 +7,8 @@
 #include <mutex>
 #include <span>
 
-#include "gxy/space/ledger.h"
-#include "gxy/vulkan/vulkan_handle.h"
+#include "backends/vulkan/vulkan_handle.h"
+#include "core/space/ledger.h"
 
 namespace gxy::vulkan {
 

@@ -1,23 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/vulkan/pipelines.h"
+#include "backends/vulkan/pipelines.h"
 
 #include <algorithm>
 #include <vector>
 
-#include "bound.h"
-#include "depth.h"
-#include "finish.h"
-#include "geometry.h"
-#include "groups.h"
-#include "gxy/shaders/layout.h"
-#include "integrate.h"
-#include "integrate_many.h"
-#include "isosurfaces.h"
-#include "regenerate.h"
-#include "shade.h"
-#include "slices.h"
-#include "spawn.h"
-#include "take.h"
+#include "bound_spirv.h"
+#include "depth_spirv.h"
+#include "finish_spirv.h"
+#include "geometry_spirv.h"
+#include "groups_spirv.h"
+#include "integrate_many_spirv.h"
+#include "integrate_spirv.h"
+#include "isosurfaces_spirv.h"
+#include "regenerate_spirv.h"
+#include "shade_spirv.h"
+#include "shaders/layout.h"
+#include "slices_spirv.h"
+#include "spawn_spirv.h"
+#include "take_spirv.h"
 
 namespace gxy::vulkan {
 

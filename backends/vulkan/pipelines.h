@@ -10,8 +10,8 @@
 #include <span>
 #include <vector>
 
-#include "gxy/shaders/layout.h"
-#include "gxy/vulkan/vulkan_device.h"
+#include "backends/vulkan/vulkan_device.h"
+#include "shaders/layout.h"
 
 namespace gxy::vulkan {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/vulkan/scene_upload.h"
+#include "backends/vulkan/scene_upload.h"
 
 #include <algorithm>
 #include <bit>
@@ -8,10 +8,10 @@
 #include <limits>
 #include <span>
 
-#include "gxy/data/bricks.h"
-#include "gxy/rays/fill_views.h"
-#include "gxy/vulkan/hierarchy.h"
-#include "gxy/vulkan/shader_views.h"
+#include "backends/vulkan/hierarchy.h"
+#include "backends/vulkan/shader_views.h"
+#include "core/data/bricks.h"
+#include "core/rays/fill_views.h"
 
 namespace gxy::vulkan {
 

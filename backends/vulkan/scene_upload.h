@@ -6,10 +6,10 @@
 #include <utility>
 #include <vector>
 
-#include "gxy/rays/compiled_scene.h"
-#include "gxy/space/shared_by.h"
-#include "gxy/vulkan/pipelines.h"
-#include "gxy/vulkan/shader_views.h"
+#include "backends/vulkan/pipelines.h"
+#include "backends/vulkan/shader_views.h"
+#include "core/rays/compiled_scene.h"
+#include "core/space/shared_by.h"
 
 namespace gxy::vulkan {
 

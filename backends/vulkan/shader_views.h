@@ -3,15 +3,15 @@
 #pragma once
 #include <cstdint>
 
-#include "gxy/shaders/layout.h"
+#include "shaders/layout.h"
 
 namespace gxy::shader {
 using real = float;
 using uint = std::uint32_t;
 #define GXY_LAYOUT
 // clang-format off
-#include "gxy/kernels/volume_view.h"
-#include "gxy/kernels/scene_view.h"
+#include "core/kernels/volume_view.h"
+#include "core/kernels/scene_view.h"
 // clang-format on
 #undef GXY_LAYOUT
 #undef PTR

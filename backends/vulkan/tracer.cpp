@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/vulkan/tracer.h"
+#include "backends/vulkan/tracer.h"
 
 #include <algorithm>
 #include <chrono>
@@ -10,7 +10,7 @@
 #include <thread>
 #include <utility>
 
-#include "gxy/vulkan/batch.h"
+#include "backends/vulkan/batch.h"
 
 namespace gxy::vulkan {
 

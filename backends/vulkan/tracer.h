@@ -3,8 +3,8 @@
 #pragma once
 #include <memory>
 
-#include "gxy/rays/backend.h"
-#include "gxy/vulkan/pipelines.h"
+#include "backends/vulkan/pipelines.h"
+#include "core/rays/backend.h"
 
 namespace gxy::vulkan {
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/vulkan/vulkan_backend.h"
+#include "backends/vulkan/vulkan_backend.h"
 
-#include "gxy/comm/error.h"
-#include "gxy/vulkan/vulkan_scene.h"
+#include "backends/vulkan/vulkan_scene.h"
+#include "core/comm/error.h"
 
 namespace gxy {
 

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "gxy/rays/backend.h"
-#include "gxy/space/ledger.h"
+#include "core/rays/backend.h"
+#include "core/space/ledger.h"
 
 namespace gxy {
 

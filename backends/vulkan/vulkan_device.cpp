@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/vulkan/vulkan_device.h"
+#include "backends/vulkan/vulkan_device.h"
 
 #include <algorithm>
 #include <array>

@@ -7,9 +7,9 @@
 #include <mutex>
 #include <span>
 
-#include "gxy/comm/advance.h"
-#include "gxy/vulkan/memory.h"
-#include "gxy/vulkan/vulkan_instance.h"
+#include "backends/vulkan/memory.h"
+#include "backends/vulkan/vulkan_instance.h"
+#include "core/comm/advance.h"
 
 namespace gxy::vulkan {
 

@@ -7,7 +7,7 @@
 #include <string>
 #include <utility>
 
-#include "gxy/comm/error.h"
+#include "core/comm/error.h"
 
 namespace gxy::vulkan {
 

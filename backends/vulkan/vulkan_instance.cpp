@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/vulkan/vulkan_instance.h"
+#include "backends/vulkan/vulkan_instance.h"
 
 #include <algorithm>
 #include <array>
@@ -8,7 +8,7 @@
 #include <cstring>
 #include <filesystem>
 
-#include "gxy/shaders/layout.h"
+#include "shaders/layout.h"
 
 namespace gxy::vulkan {
 

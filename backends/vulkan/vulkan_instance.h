@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "gxy/vulkan/vulkan_backend.h"
-#include "gxy/vulkan/vulkan_handle.h"
+#include "backends/vulkan/vulkan_backend.h"
+#include "backends/vulkan/vulkan_handle.h"
 
 namespace gxy::vulkan {
 

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/vulkan/vulkan_scene.h"
+#include "backends/vulkan/vulkan_scene.h"
 
 #include <algorithm>
 #include <cstring>
 #include <iterator>
 #include <mutex>
 
-#include "gxy/comm/error.h"
-#include "gxy/rays/fill_views.h"
-#include "gxy/vulkan/batch.h"
+#include "backends/vulkan/batch.h"
+#include "core/comm/error.h"
+#include "core/rays/fill_views.h"
 
 namespace gxy::vulkan {
 

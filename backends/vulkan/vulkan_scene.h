@@ -6,12 +6,12 @@
 #include <memory>
 #include <vector>
 
-#include "gxy/rays/backend.h"
-#include "gxy/rays/packet_size.h"
-#include "gxy/vulkan/device_time.h"
-#include "gxy/vulkan/lane.h"
-#include "gxy/vulkan/scene_upload.h"
-#include "gxy/vulkan/tracer.h"
+#include "backends/vulkan/device_time.h"
+#include "backends/vulkan/lane.h"
+#include "backends/vulkan/scene_upload.h"
+#include "backends/vulkan/tracer.h"
+#include "core/rays/backend.h"
+#include "core/rays/packet_size.h"
 
 namespace gxy::vulkan {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/annotate/annotations.h"
+#include "core/annotate/annotations.h"
 
 #include <algorithm>
 #include <array>
@@ -10,10 +10,10 @@
 #include <optional>
 #include <string_view>
 
-#include "gxy/scene/background.h"
-#include "gxy/scene/camera.h"
-#include "gxy/scene/colormaps.h"
-#include "gxy/scene/json_text.h"
+#include "core/scene/background.h"
+#include "core/scene/camera.h"
+#include "core/scene/colormaps.h"
+#include "core/scene/json_text.h"
 
 namespace gxy {
 namespace {

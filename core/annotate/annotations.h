@@ -3,9 +3,9 @@
 #pragma once
 #include <optional>
 
-#include "gxy/annotate/overlay.h"
-#include "gxy/scene/resolve.h"
-#include "gxy/scene/scene.h"
+#include "core/annotate/overlay.h"
+#include "core/scene/resolve.h"
+#include "core/scene/scene.h"
 
 namespace gxy {
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/annotate/overlay.h"
+#include "core/annotate/overlay.h"
 
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
 
-#include "gxy/io/text_mask.h"
+#include "core/image/text_mask.h"
 
 namespace gxy {
 namespace {

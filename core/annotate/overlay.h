@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "gxy/io/image.h"
+#include "core/image/image.h"
 
 namespace gxy {
 

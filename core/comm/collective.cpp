@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "collective.h"
+#include "core/comm/collective.h"
 
 #include <utility>
 
-#include "error.h"
-#include "tree.h"
-#include "wire.h"
+#include "core/comm/error.h"
+#include "core/comm/tree.h"
+#include "core/comm/wire.h"
 
 namespace gxy {
 

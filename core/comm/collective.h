@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "transport.h"
+#include "core/comm/transport.h"
 
 namespace gxy {
 

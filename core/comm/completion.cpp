@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "completion.h"
+#include "core/comm/completion.h"
 
 #include <string>
 #include <utility>
 
-#include "error.h"
-#include "wire.h"
+#include "core/comm/error.h"
+#include "core/comm/wire.h"
 
 namespace gxy {
 

@@ -10,7 +10,7 @@
 #include <shared_mutex>
 #include <unordered_map>
 
-#include "transport.h"
+#include "core/comm/transport.h"
 
 namespace gxy {
 

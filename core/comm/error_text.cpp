@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/comm/error_text.h"
+#include "core/comm/error_text.h"
 
 #include <algorithm>
 

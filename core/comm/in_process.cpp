@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "in_process.h"
+#include "core/comm/in_process.h"
 
 #include <atomic>
 #include <condition_variable>
@@ -8,9 +8,9 @@
 #include <utility>
 #include <vector>
 
-#include "error.h"
-#include "random.h"
-#include "thread_pool.h"
+#include "core/comm/error.h"
+#include "core/comm/random.h"
+#include "core/comm/thread_pool.h"
 
 namespace gxy {
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mailbox.h"
+#include "core/comm/mailbox.h"
 
 #include <spdlog/spdlog.h>
 
 #include <exception>
 #include <utility>
 
-#include "error_text.h"
+#include "core/comm/error_text.h"
 
 namespace gxy {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mpi_environment.h"
+#include "core/comm/mpi_environment.h"
 
 #include <mpi.h>
 #include <unistd.h>
@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "error.h"
+#include "core/comm/error.h"
 
 namespace gxy {
 namespace {

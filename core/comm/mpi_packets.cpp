@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mpi_packets.h"
+#include "core/comm/mpi_packets.h"
 
 #include <algorithm>
 #include <cstring>
 #include <utility>
 
-#include "wire.h"
+#include "core/comm/wire.h"
 
 namespace gxy {
 

@@ -8,8 +8,8 @@
 #include <list>
 #include <vector>
 
-#include "mailbox.h"
-#include "transport.h"
+#include "core/comm/mailbox.h"
+#include "core/comm/transport.h"
 
 namespace gxy {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mpi_transport.h"
+#include "core/comm/mpi_transport.h"
 
 #include <mpi.h>
 #include <tbb/global_control.h>
@@ -16,12 +16,12 @@
 #include <utility>
 #include <vector>
 
-#include "backoff.h"
-#include "error.h"
-#include "mpi_environment.h"
-#include "mpi_packets.h"
-#include "thread_order.h"
-#include "thread_pool.h"
+#include "core/comm/backoff.h"
+#include "core/comm/error.h"
+#include "core/comm/mpi_environment.h"
+#include "core/comm/mpi_packets.h"
+#include "core/comm/thread_order.h"
+#include "core/comm/thread_pool.h"
 
 namespace gxy {
 

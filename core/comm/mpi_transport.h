@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <memory>
 
-#include "mailbox.h"
-#include "transport.h"
+#include "core/comm/mailbox.h"
+#include "core/comm/transport.h"
 
 namespace gxy {
 

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <atomic>
 
-#include "advance.h"
+#include "core/comm/advance.h"
 #ifdef __SANITIZE_THREAD__
 #include <exception>
 #include <mutex>

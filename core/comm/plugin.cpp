@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/comm/plugin.h"
+#include "core/comm/plugin.h"
 
 #include <dlfcn.h>
 
 #include <filesystem>
 
-#include "gxy/comm/error.h"
-#include "gxy/comm/version.h"
+#include "core/comm/error.h"
+#include "core/comm/version.h"
 
 namespace gxy {
 namespace {

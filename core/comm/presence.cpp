@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "presence.h"
+#include "core/comm/presence.h"
 
 #include <algorithm>
 #include <utility>
 
-#include "wire.h"
+#include "core/comm/wire.h"
 
 namespace gxy {
 

@@ -8,8 +8,8 @@
 #include <optional>
 #include <vector>
 
-#include "process.h"
-#include "transport.h"
+#include "core/comm/process.h"
+#include "core/comm/transport.h"
 
 namespace gxy {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "process.h"
+#include "core/comm/process.h"
 
 #include <poll.h>
 #include <sys/syscall.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "thread_pool.h"
+#include "core/comm/thread_pool.h"
 
 #include <sys/resource.h>
 

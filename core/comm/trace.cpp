@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "trace.h"
+#include "core/comm/trace.h"
 
 #include <unistd.h>
 

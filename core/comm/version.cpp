@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/comm/version.h"
+#include "core/comm/version.h"
 
 namespace gxy {
 

@@ -11,8 +11,8 @@
 #include <utility>
 #include <vector>
 
-#include "error.h"
-#include "transport.h"
+#include "core/comm/error.h"
+#include "core/comm/transport.h"
 
 namespace gxy {
 

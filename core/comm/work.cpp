@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "work.h"
+#include "core/comm/work.h"
 
 #include <condition_variable>
 #include <future>
 #include <memory>
 #include <utility>
 
-#include "error.h"
-#include "tree.h"
-#include "wire.h"
+#include "core/comm/error.h"
+#include "core/comm/tree.h"
+#include "core/comm/wire.h"
 
 namespace gxy {
 

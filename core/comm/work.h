@@ -11,8 +11,8 @@
 #include <string>
 #include <vector>
 
-#include "trace.h"
-#include "transport.h"
+#include "core/comm/trace.h"
+#include "core/comm/transport.h"
 
 namespace gxy {
 

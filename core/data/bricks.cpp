@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/data/bricks.h"
+#include "core/data/bricks.h"
 
 #include <cstring>
 #include <limits>
 #include <string>
 #include <vector>
 
-#include "gxy/comm/error.h"
+#include "core/comm/error.h"
 
 namespace gxy {
 

@@ -6,8 +6,8 @@
 #include <cstdint>
 #include <functional>
 
-#include "gxy/data/scalar.h"
-#include "gxy/data/volume.h"
+#include "core/data/scalar.h"
+#include "core/data/volume.h"
 
 namespace gxy {
 

@@ -2,8 +2,8 @@
 #include <cmath>
 #include <tuple>
 
-#include "gxy/comm/error.h"
-#include "gxy/data/partitioning.h"
+#include "core/comm/error.h"
+#include "core/data/partitioning.h"
 
 namespace gxy {
 

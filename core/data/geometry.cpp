@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/data/geometry.h"
+#include "core/data/geometry.h"
 
 #include <algorithm>
 #include <bit>
@@ -10,7 +10,7 @@
 #include <numeric>
 #include <unordered_map>
 
-#include "gxy/comm/error.h"
+#include "core/comm/error.h"
 
 namespace gxy {
 namespace {

@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
-#include "gxy/comm/advance.h"
-#include "gxy/data/box.h"
+#include "core/comm/advance.h"
+#include "core/data/box.h"
 
 namespace gxy {
 

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/data/macrocells.h"
+#include "core/data/macrocells.h"
 
 #include <array>
 #include <cmath>
 #include <cstring>
 #include <limits>
 
-#include "gxy/comm/error.h"
-#include "gxy/data/bricks.h"
+#include "core/comm/error.h"
+#include "core/data/bricks.h"
 
 namespace gxy {
 namespace {

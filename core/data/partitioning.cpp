@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/data/partitioning.h"
+#include "core/data/partitioning.h"
 
 #include <cmath>
 
-#include "gxy/comm/error.h"
+#include "core/comm/error.h"
 
 namespace gxy {
 namespace {

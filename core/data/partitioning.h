@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "gxy/data/box.h"
+#include "core/data/box.h"
 
 namespace gxy {
 

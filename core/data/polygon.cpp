@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/data/polygon.h"
+#include "core/data/polygon.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/data/replicate.h"
+#include "core/data/replicate.h"
 
 #include <cmath>
 #include <limits>
 
-#include "gxy/comm/error.h"
-#include "gxy/comm/wire.h"
+#include "core/comm/error.h"
+#include "core/comm/wire.h"
 
 namespace gxy {
 namespace {

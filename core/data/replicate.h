@@ -9,9 +9,9 @@
 #include <span>
 #include <vector>
 
-#include "gxy/comm/transport.h"
-#include "gxy/data/geometry.h"
-#include "gxy/data/partitioning.h"
+#include "core/comm/transport.h"
+#include "core/data/geometry.h"
+#include "core/data/partitioning.h"
 
 namespace gxy {
 

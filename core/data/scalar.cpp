@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/data/scalar.h"
+#include "core/data/scalar.h"
 
 #include <cmath>
 #include <cstring>
 #include <type_traits>
 
-#include "gxy/comm/error.h"
+#include "core/comm/error.h"
 
 namespace gxy {
 namespace {

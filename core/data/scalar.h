@@ -5,9 +5,9 @@
 #include <cstdint>
 #include <span>
 
-#include "gxy/comm/advance.h"
-#include "gxy/data/box.h"
-#include "gxy/space/large_vector.h"
+#include "core/comm/advance.h"
+#include "core/data/box.h"
+#include "core/space/large_vector.h"
 
 namespace gxy {
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/data/volume.h"
+#include "core/data/volume.h"
 
 #include <cmath>
 #include <cstring>
 
-#include "gxy/comm/error.h"
-#include "gxy/data/bricks.h"
+#include "core/comm/error.h"
+#include "core/data/bricks.h"
 
 namespace gxy {
 namespace {

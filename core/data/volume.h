@@ -9,9 +9,9 @@
 #include <string>
 #include <vector>
 
-#include "gxy/data/box.h"
-#include "gxy/data/partitioning.h"
-#include "gxy/data/scalar.h"
+#include "core/data/box.h"
+#include "core/data/partitioning.h"
+#include "core/data/scalar.h"
 
 namespace gxy {
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/io/automatic_partitioning.h"
+#include "core/io/automatic_partitioning.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "gxy/comm/error.h"
+#include "core/comm/error.h"
 
 namespace gxy {
 

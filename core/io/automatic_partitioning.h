@@ -4,8 +4,8 @@
 #include <array>
 #include <memory>
 
-#include "gxy/data/partitioning.h"
-#include "gxy/data/volume.h"
+#include "core/data/partitioning.h"
+#include "core/data/volume.h"
 
 namespace gxy {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/io/byte_stream.h"
+#include "core/io/byte_stream.h"
 
 #include <lzma.h>
 #include <zlib.h>
@@ -7,8 +7,8 @@
 #include <algorithm>
 #include <vector>
 
-#include "gxy/comm/error.h"
-#include "gxy/io/lz4_block.h"
+#include "core/comm/error.h"
+#include "core/io/lz4_block.h"
 
 namespace gxy {
 namespace {

@@ -8,7 +8,7 @@
 #include <span>
 #include <string>
 
-#include "gxy/io/file.h"
+#include "core/io/file.h"
 
 namespace gxy {
 

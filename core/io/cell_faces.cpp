@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/io/cell_faces.h"
+#include "core/io/cell_faces.h"
 
 #include <vtkCellType.h>
 #include <vtkIdList.h>
@@ -9,8 +9,8 @@
 #include <algorithm>
 #include <map>
 
-#include "gxy/data/polygon.h"
-#include "gxy/io/cell_list.h"
+#include "core/data/polygon.h"
+#include "core/io/cell_list.h"
 
 namespace gxy {
 namespace {

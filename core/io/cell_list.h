@@ -10,7 +10,7 @@
 
 #include <array>
 
-#include "gxy/io/file.h"
+#include "core/io/file.h"
 
 namespace gxy {
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/io/collectives.h"
+#include "core/io/collectives.h"
 
 #include <cstring>
 #include <string>
 
-#include "gxy/comm/error.h"
-#include "gxy/comm/error_text.h"
+#include "core/comm/error.h"
+#include "core/comm/error_text.h"
 
 namespace gxy {
 namespace {

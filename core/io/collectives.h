@@ -6,10 +6,10 @@
 #include <span>
 #include <vector>
 
-#include "gxy/comm/advance.h"
-#include "gxy/comm/collective.h"
-#include "gxy/comm/transport.h"
-#include "gxy/data/box.h"
+#include "core/comm/advance.h"
+#include "core/comm/collective.h"
+#include "core/comm/transport.h"
+#include "core/data/box.h"
 
 namespace gxy {
 

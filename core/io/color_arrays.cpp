@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/io/color_arrays.h"
+#include "core/io/color_arrays.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <string>
 
-#include "gxy/io/values_choice.h"
-#include "gxy/io/vtk_scalars.h"
+#include "core/io/values_choice.h"
+#include "core/io/vtk_scalars.h"
 
 namespace gxy {
 namespace {

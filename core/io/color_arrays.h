@@ -10,8 +10,8 @@
 #include <span>
 #include <vector>
 
-#include "gxy/io/flaws.h"
-#include "gxy/io/text_scanner.h"
+#include "core/io/flaws.h"
+#include "core/io/text_scanner.h"
 
 namespace gxy {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/io/drawn_cells.h"
+#include "core/io/drawn_cells.h"
 
 #include <vtkCellType.h>
 #include <vtkDataSetAttributes.h>
@@ -10,7 +10,7 @@
 #include <limits>
 #include <numeric>
 
-#include "gxy/data/polygon.h"
+#include "core/data/polygon.h"
 
 namespace gxy {
 namespace {

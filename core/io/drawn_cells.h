@@ -5,11 +5,11 @@
 
 #include <vector>
 
-#include "gxy/data/geometry.h"
-#include "gxy/io/cell_faces.h"
-#include "gxy/io/cell_list.h"
-#include "gxy/io/flaws.h"
-#include "gxy/io/geometry_file.h"
+#include "core/data/geometry.h"
+#include "core/io/cell_faces.h"
+#include "core/io/cell_list.h"
+#include "core/io/flaws.h"
+#include "core/io/geometry_file.h"
 
 namespace gxy {
 

@@ -75,7 +75,7 @@ struct ReadRules {
 };
 using RulesOfThread = ReadRules& (*)();
 
-/// Gives the calling thread's rules. A plugin (gxy/comm/plugin.h) has a copy of these functions: the program that opens it
+/// Gives the calling thread's rules. A plugin (core/comm/plugin.h) has a copy of these functions: the program that opens it
 /// hands its own readRules() to the plugin's shareReadRules() before it calls anything else there, so that the same rules hold
 /// in both.
 RulesOfThread readRules();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/io/geometry_file.h"
+#include "core/io/geometry_file.h"
 
 #include <vtkCellData.h>
 #include <vtkCellType.h>
@@ -15,14 +15,14 @@
 #include <limits>
 #include <numeric>
 
-#include "gxy/comm/error.h"
-#include "gxy/io/color_arrays.h"
-#include "gxy/io/drawn_cells.h"
-#include "gxy/io/file.h"
-#include "gxy/io/part_document.h"
-#include "gxy/io/values_choice.h"
-#include "gxy/io/vtk_geometry.h"
-#include "gxy/io/xml_arrays.h"
+#include "core/comm/error.h"
+#include "core/io/color_arrays.h"
+#include "core/io/drawn_cells.h"
+#include "core/io/file.h"
+#include "core/io/part_document.h"
+#include "core/io/values_choice.h"
+#include "core/io/vtk_geometry.h"
+#include "core/io/xml_arrays.h"
 
 namespace gxy {
 namespace {

@@ -22,9 +22,9 @@
 #include <string>
 #include <vector>
 
-#include "gxy/data/geometry.h"
-#include "gxy/io/left_out.h"
-#include "gxy/io/values_choice.h"
+#include "core/data/geometry.h"
+#include "core/io/left_out.h"
+#include "core/io/values_choice.h"
 
 namespace gxy {
 

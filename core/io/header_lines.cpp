@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/io/header_lines.h"
+#include "core/io/header_lines.h"
 
 #include <algorithm>
 #include <cctype>
 #include <cmath>
 
-#include "gxy/comm/error.h"
-#include "gxy/comm/error_text.h"
-#include "gxy/io/number_text.h"
+#include "core/comm/error.h"
+#include "core/comm/error_text.h"
+#include "core/io/number_text.h"
 
 namespace gxy {
 

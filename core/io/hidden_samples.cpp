@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/io/hidden_samples.h"
+#include "core/io/hidden_samples.h"
 
 #include <algorithm>
 #include <cstring>
 #include <limits>
 
-#include "gxy/io/volume_formats.h"
+#include "core/io/volume_formats.h"
 
 namespace gxy {
 namespace {

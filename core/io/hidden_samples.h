@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Samples of which some are hidden by VTK's ghost arrays: they become NaN, which is "no data". Used inside core/io only.
 #pragma once
-#include "gxy/io/volume_file.h"
+#include "core/io/volume_file.h"
 
 namespace gxy {
 

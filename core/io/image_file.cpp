@@ -3,13 +3,13 @@
 #include <cmath>
 #include <cstring>
 
-#include "gxy/comm/error.h"
-#include "gxy/io/file.h"
-#include "gxy/io/image_header.h"
-#include "gxy/io/number_text.h"
-#include "gxy/io/raw_samples.h"
-#include "gxy/io/streamed_samples.h"
-#include "gxy/io/volume_formats.h"
+#include "core/comm/error.h"
+#include "core/io/file.h"
+#include "core/io/image_header.h"
+#include "core/io/number_text.h"
+#include "core/io/raw_samples.h"
+#include "core/io/streamed_samples.h"
+#include "core/io/volume_formats.h"
 
 namespace gxy {
 namespace {

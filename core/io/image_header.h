@@ -11,8 +11,8 @@
 #include <string>
 #include <string_view>
 
-#include "gxy/io/byte_stream.h"
-#include "gxy/io/image_volume.h"
+#include "core/io/byte_stream.h"
+#include "core/io/image_volume.h"
 
 namespace gxy {
 

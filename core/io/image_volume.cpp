@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/io/image_volume.h"
+#include "core/io/image_volume.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,11 +7,11 @@
 #include <limits>
 #include <numbers>
 
-#include "gxy/comm/error.h"
-#include "gxy/io/hidden_samples.h"
-#include "gxy/io/lattice_samples.h"
-#include "gxy/io/volume_description.h"
-#include "gxy/io/volume_formats.h"
+#include "core/comm/error.h"
+#include "core/io/hidden_samples.h"
+#include "core/io/lattice_samples.h"
+#include "core/io/volume_description.h"
+#include "core/io/volume_formats.h"
 
 namespace gxy {
 namespace {

@@ -5,7 +5,7 @@
 #include <array>
 #include <functional>
 
-#include "gxy/io/volume_file.h"
+#include "core/io/volume_file.h"
 
 namespace gxy {
 

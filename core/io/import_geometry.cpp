@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/io/import_geometry.h"
+#include "core/io/import_geometry.h"
 
 #include <spdlog/spdlog.h>
 
@@ -8,10 +8,10 @@
 #include <numeric>
 #include <optional>
 
-#include "gxy/comm/error.h"
-#include "gxy/comm/error_text.h"
-#include "gxy/comm/wire.h"
-#include "gxy/io/point_spread.h"
+#include "core/comm/error.h"
+#include "core/comm/error_text.h"
+#include "core/comm/wire.h"
+#include "core/io/point_spread.h"
 
 namespace gxy {
 namespace {

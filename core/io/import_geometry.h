@@ -7,11 +7,11 @@
 #include <optional>
 #include <string>
 
-#include "gxy/data/geometry.h"
-#include "gxy/data/partitioning.h"
-#include "gxy/data/replicate.h"
-#include "gxy/io/collectives.h"
-#include "gxy/io/geometry_file.h"
+#include "core/data/geometry.h"
+#include "core/data/partitioning.h"
+#include "core/data/replicate.h"
+#include "core/io/collectives.h"
+#include "core/io/geometry_file.h"
 
 namespace gxy {
 

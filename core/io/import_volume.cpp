@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/io/import_volume.h"
+#include "core/io/import_volume.h"
 
 #include <spdlog/spdlog.h>
 
@@ -8,10 +8,10 @@
 #include <filesystem>
 #include <utility>
 
-#include "gxy/comm/error.h"
-#include "gxy/data/bricks.h"
-#include "gxy/data/macrocells.h"
-#include "gxy/io/volume_formats.h"
+#include "core/comm/error.h"
+#include "core/data/bricks.h"
+#include "core/data/macrocells.h"
+#include "core/io/volume_formats.h"
 
 namespace gxy {
 namespace {

@@ -4,11 +4,11 @@
 #include <memory>
 #include <string>
 
-#include "gxy/data/partitioning.h"
-#include "gxy/data/volume.h"
-#include "gxy/io/collectives.h"
-#include "gxy/io/left_out.h"
-#include "gxy/io/volume_file.h"
+#include "core/data/partitioning.h"
+#include "core/data/volume.h"
+#include "core/io/collectives.h"
+#include "core/io/left_out.h"
+#include "core/io/volume_file.h"
 
 namespace gxy {
 

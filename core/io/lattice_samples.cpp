@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/io/lattice_samples.h"
+#include "core/io/lattice_samples.h"
 
 #include <algorithm>
 #include <cstring>
 
-#include "gxy/io/volume_formats.h"
+#include "core/io/volume_formats.h"
 
 namespace gxy {
 

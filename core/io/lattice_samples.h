@@ -3,7 +3,7 @@
 #pragma once
 #include <array>
 
-#include "gxy/io/volume_file.h"
+#include "core/io/volume_file.h"
 
 namespace gxy {
 

@@ -9,16 +9,16 @@
 #include <optional>
 #include <set>
 
-#include "gxy/comm/error.h"
-#include "gxy/comm/error_text.h"
-#include "gxy/io/byte_stream.h"
-#include "gxy/io/file.h"
-#include "gxy/io/image_volume.h"
-#include "gxy/io/number_text.h"
-#include "gxy/io/raw_samples.h"
-#include "gxy/io/streamed_samples.h"
-#include "gxy/io/volume_formats.h"
-#include "gxy/io/word_reader.h"
+#include "core/comm/error.h"
+#include "core/comm/error_text.h"
+#include "core/io/byte_stream.h"
+#include "core/io/file.h"
+#include "core/io/image_volume.h"
+#include "core/io/number_text.h"
+#include "core/io/raw_samples.h"
+#include "core/io/streamed_samples.h"
+#include "core/io/volume_formats.h"
+#include "core/io/word_reader.h"
 
 namespace gxy {
 namespace {

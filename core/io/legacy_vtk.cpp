@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/io/legacy_vtk.h"
+#include "core/io/legacy_vtk.h"
 
 #include <vtkCellType.h>
 
@@ -9,7 +9,7 @@
 #include <limits>
 #include <optional>
 
-#include "gxy/io/text_scanner.h"
+#include "core/io/text_scanner.h"
 
 namespace gxy {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/io/lz4_block.h"
+#include "core/io/lz4_block.h"
 
 namespace gxy {
 

@@ -5,8 +5,8 @@
 #include <glm/geometric.hpp>
 #include <glm/mat3x3.hpp>
 
-#include "gxy/comm/error.h"
-#include "gxy/io/image_header.h"
+#include "core/comm/error.h"
+#include "core/io/image_header.h"
 
 namespace gxy {
 namespace {

@@ -4,10 +4,10 @@
 #include <charconv>
 #include <cstring>
 
-#include "gxy/comm/error.h"
-#include "gxy/comm/error_text.h"
-#include "gxy/io/header_lines.h"
-#include "gxy/io/image_header.h"
+#include "core/comm/error.h"
+#include "core/comm/error_text.h"
+#include "core/io/header_lines.h"
+#include "core/io/image_header.h"
 
 namespace gxy {
 namespace {

@@ -5,11 +5,11 @@
 #include <map>
 #include <optional>
 
-#include "gxy/comm/error.h"
-#include "gxy/comm/error_text.h"
-#include "gxy/io/header_lines.h"
-#include "gxy/io/image_header.h"
-#include "gxy/io/number_text.h"
+#include "core/comm/error.h"
+#include "core/comm/error_text.h"
+#include "core/io/header_lines.h"
+#include "core/io/image_header.h"
+#include "core/io/number_text.h"
 
 namespace gxy {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/io/number_text.h"
+#include "core/io/number_text.h"
 
 #include <algorithm>
 #include <charconv>
@@ -10,8 +10,8 @@
 #include <string_view>
 #include <vector>
 
-#include "gxy/comm/error.h"
-#include "gxy/comm/error_text.h"
+#include "core/comm/error.h"
+#include "core/comm/error_text.h"
 
 namespace gxy {
 namespace {

@@ -4,8 +4,8 @@
 #include <optional>
 #include <string_view>
 
-#include "gxy/data/scalar.h"
-#include "gxy/io/byte_stream.h"
+#include "core/data/scalar.h"
+#include "core/io/byte_stream.h"
 
 namespace gxy {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/io/obj_reader.h"
+#include "core/io/obj_reader.h"
 
 #include <vtkCellArray.h>
 #include <vtkFloatArray.h>
@@ -10,8 +10,8 @@
 #include <map>
 #include <vector>
 
-#include "gxy/io/color_arrays.h"
-#include "gxy/io/text_scanner.h"
+#include "core/io/color_arrays.h"
+#include "core/io/text_scanner.h"
 
 namespace gxy {
 namespace {

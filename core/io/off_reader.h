@@ -7,7 +7,7 @@
 #include <string>
 #include <string_view>
 
-#include "gxy/io/flaws.h"
+#include "core/io/flaws.h"
 
 namespace gxy {
 

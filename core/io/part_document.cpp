@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/io/part_document.h"
+#include "core/io/part_document.h"
 
 #include <spdlog/spdlog.h>
 
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "gxy/comm/error.h"
-#include "gxy/comm/error_text.h"
+#include "core/comm/error.h"
+#include "core/comm/error_text.h"
 
 namespace gxy {
 namespace {

@@ -10,7 +10,7 @@
 #include <string_view>
 #include <vector>
 
-#include "gxy/data/box.h"
+#include "core/data/box.h"
 
 namespace gxy {
 

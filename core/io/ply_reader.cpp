@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/io/ply_reader.h"
+#include "core/io/ply_reader.h"
 
 #include <vtkCellArray.h>
 #include <vtkCellData.h>
@@ -15,8 +15,8 @@
 #include <optional>
 #include <vector>
 
-#include "gxy/io/color_arrays.h"
-#include "gxy/io/text_scanner.h"
+#include "core/io/color_arrays.h"
+#include "core/io/text_scanner.h"
 
 namespace gxy {
 namespace {

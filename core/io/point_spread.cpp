@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/io/point_spread.h"
+#include "core/io/point_spread.h"
 
 #include <algorithm>
 #include <array>

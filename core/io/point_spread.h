@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // How points are spread, whatever lies far outside.
 #pragma once
-#include "gxy/io/import_geometry.h"
+#include "core/io/import_geometry.h"
 
 namespace gxy {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/io/point_table.h"
+#include "core/io/point_table.h"
 
 #include <vtkDoubleArray.h>
 #include <vtkPointData.h>
@@ -12,8 +12,8 @@
 #include <optional>
 #include <vector>
 
-#include "gxy/io/color_arrays.h"
-#include "gxy/io/text_scanner.h"
+#include "core/io/color_arrays.h"
+#include "core/io/text_scanner.h"
 
 namespace gxy {
 namespace {

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/io/raw_samples.h"
+#include "core/io/raw_samples.h"
 
 #include <algorithm>
 #include <cstring>
 
-#include "gxy/comm/error.h"
-#include "gxy/io/volume_description.h"
-#include "gxy/io/volume_formats.h"
+#include "core/comm/error.h"
+#include "core/io/volume_description.h"
+#include "core/io/volume_formats.h"
 
 namespace gxy {
 namespace {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Samples that lie uncompressed in a file: the blocks of any box of points are read from their place.
 #pragma once
-#include "gxy/io/file.h"
-#include "gxy/io/volume_file.h"
+#include "core/io/file.h"
+#include "core/io/volume_file.h"
 
 namespace gxy {
 

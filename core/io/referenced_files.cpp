@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/io/referenced_files.h"
+#include "core/io/referenced_files.h"
 
-#include "gxy/comm/error.h"
-#include "gxy/io/file.h"
-#include "gxy/io/geometry_file.h"
-#include "gxy/io/image_header.h"
-#include "gxy/io/volume_description.h"
+#include "core/comm/error.h"
+#include "core/io/file.h"
+#include "core/io/geometry_file.h"
+#include "core/io/image_header.h"
+#include "core/io/volume_description.h"
 
 namespace gxy {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/io/stl_reader.h"
+#include "core/io/stl_reader.h"
 
 #include <vtkCellArray.h>
 #include <vtkPoints.h>
@@ -9,7 +9,7 @@
 #include <cstring>
 #include <optional>
 
-#include "gxy/io/text_scanner.h"
+#include "core/io/text_scanner.h"
 
 namespace gxy {
 namespace {

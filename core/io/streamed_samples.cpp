@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/io/streamed_samples.h"
+#include "core/io/streamed_samples.h"
 
 #include <cstring>
 
-#include "gxy/comm/error.h"
-#include "gxy/io/volume_formats.h"
+#include "core/comm/error.h"
+#include "core/io/volume_formats.h"
 
 namespace gxy {
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Samples that are to be decoded: from compressed bytes, base64 or text. Used inside core/io only.
 #pragma once
-#include "gxy/io/byte_stream.h"
-#include "gxy/io/volume_file.h"
+#include "core/io/byte_stream.h"
+#include "core/io/volume_file.h"
 
 namespace gxy {
 

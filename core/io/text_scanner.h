@@ -8,8 +8,8 @@
 #include <string>
 #include <string_view>
 
-#include "gxy/comm/error.h"
-#include "gxy/io/file.h"
+#include "core/comm/error.h"
+#include "core/io/file.h"
 
 namespace gxy {
 

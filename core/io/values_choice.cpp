@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/io/values_choice.h"
+#include "core/io/values_choice.h"
 
 #include <algorithm>
 #include <cctype>

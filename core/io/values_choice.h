@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "gxy/data/scalar.h"
+#include "core/data/scalar.h"
 
 namespace gxy {
 

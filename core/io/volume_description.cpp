@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/io/volume_description.h"
+#include "core/io/volume_description.h"
 
 #include <algorithm>
 #include <bit>
@@ -12,8 +12,8 @@
 #include <utility>
 #include <vector>
 
-#include "gxy/comm/error.h"
-#include "gxy/comm/error_text.h"
+#include "core/comm/error.h"
+#include "core/comm/error_text.h"
 
 namespace gxy {
 namespace {

@@ -14,7 +14,7 @@
 #include <string_view>
 #include <vector>
 
-#include "gxy/data/volume.h"
+#include "core/data/volume.h"
 
 namespace gxy {
 

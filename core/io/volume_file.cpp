@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/io/volume_file.h"
+#include "core/io/volume_file.h"
 
 #include <algorithm>
 #include <cstring>
 
-#include "gxy/comm/error.h"
-#include "gxy/io/file.h"
-#include "gxy/io/legacy_vtk.h"
-#include "gxy/io/volume_formats.h"
+#include "core/comm/error.h"
+#include "core/io/file.h"
+#include "core/io/legacy_vtk.h"
+#include "core/io/volume_formats.h"
 
 namespace gxy {
 

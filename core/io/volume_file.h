@@ -18,7 +18,7 @@
 #include <string>
 #include <vector>
 
-#include "gxy/data/volume.h"
+#include "core/data/volume.h"
 
 namespace gxy {
 

@@ -3,7 +3,7 @@
 #pragma once
 #include <algorithm>
 
-#include "gxy/io/volume_file.h"
+#include "core/io/volume_file.h"
 
 namespace gxy {
 

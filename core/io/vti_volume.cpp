@@ -4,14 +4,14 @@
 #include <atomic>
 #include <cstring>
 
-#include "gxy/comm/error.h"
-#include "gxy/io/image_volume.h"
-#include "gxy/io/raw_samples.h"
-#include "gxy/io/streamed_samples.h"
-#include "gxy/io/volume_formats.h"
-#include "gxy/io/vtk_scalars.h"
-#include "gxy/io/vtk_xml.h"
-#include "gxy/io/vtk_xml_array.h"
+#include "core/comm/error.h"
+#include "core/io/image_volume.h"
+#include "core/io/raw_samples.h"
+#include "core/io/streamed_samples.h"
+#include "core/io/volume_formats.h"
+#include "core/io/vtk_scalars.h"
+#include "core/io/vtk_xml.h"
+#include "core/io/vtk_xml_array.h"
 
 namespace gxy {
 namespace {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Functions of plugin "vtk", which is opened when one is called first.
-#include "gxy/comm/plugin.h"
-#include "gxy/io/vtk_plugin.h"
+#include "core/comm/plugin.h"
+#include "core/io/vtk_plugin.h"
 
 namespace gxy {
 namespace {

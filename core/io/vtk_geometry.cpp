@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/io/vtk_geometry.h"
+#include "core/io/vtk_geometry.h"
 
 #include <vtkCellArray.h>
 #include <vtkCellData.h>
@@ -27,17 +27,17 @@
 #include <span>
 #include <stdexcept>
 
-#include "gxy/comm/error.h"
-#include "gxy/io/file.h"
-#include "gxy/io/legacy_vtk.h"
-#include "gxy/io/obj_reader.h"
-#include "gxy/io/off_reader.h"
-#include "gxy/io/ply_reader.h"
-#include "gxy/io/point_table.h"
-#include "gxy/io/stl_reader.h"
-#include "gxy/io/volume_file.h"
-#include "gxy/io/vtk_messages.h"
-#include "gxy/io/xml_arrays.h"
+#include "core/comm/error.h"
+#include "core/io/file.h"
+#include "core/io/legacy_vtk.h"
+#include "core/io/obj_reader.h"
+#include "core/io/off_reader.h"
+#include "core/io/ply_reader.h"
+#include "core/io/point_table.h"
+#include "core/io/stl_reader.h"
+#include "core/io/volume_file.h"
+#include "core/io/vtk_messages.h"
+#include "core/io/xml_arrays.h"
 
 namespace gxy {
 namespace {

@@ -9,8 +9,8 @@
 #include <string_view>
 #include <vector>
 
-#include "gxy/io/flaws.h"
-#include "gxy/io/geometry_file.h"
+#include "core/io/flaws.h"
+#include "core/io/geometry_file.h"
 
 namespace gxy {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/io/vtk_messages.h"
+#include "core/io/vtk_messages.h"
 
 #include <vtkLogger.h>
 #include <vtkObjectFactory.h>
@@ -9,7 +9,7 @@
 #include <mutex>
 #include <string_view>
 
-#include "gxy/comm/error.h"
+#include "core/comm/error.h"
 
 namespace gxy {
 namespace {

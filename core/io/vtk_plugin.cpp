@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/io/vtk_plugin.h"
+#include "core/io/vtk_plugin.h"
 
-#include "gxy/comm/plugin.h"
+#include "core/comm/plugin.h"
 
 namespace {
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// The table of plugin "vtk" (gxy/comm/plugin.h), which holds the readers and writers that call VTK. Nobody need know: the
+// The table of plugin "vtk" (core/comm/plugin.h), which holds the readers and writers that call VTK. Nobody need know: the
 // functions below are declared in the headers given and called by their names. In galaxy_io they are those of
 // vtk_files.cpp, which open the plugin and call the function behind the pointer; in galaxy_vtk_files they are themselves.
 #pragma once
-#include "gxy/io/file.h"
-#include "gxy/io/geometry_file.h"
-#include "gxy/io/volume_formats.h"
-#include "gxy/io/write_geometry.h"
+#include "core/io/file.h"
+#include "core/io/geometry_file.h"
+#include "core/io/volume_formats.h"
+#include "core/io/write_geometry.h"
 
 namespace gxy {
 

@@ -7,7 +7,7 @@
 #include <string>
 #include <string_view>
 
-#include "gxy/data/volume.h"
+#include "core/data/volume.h"
 
 namespace gxy {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/io/vtk_xml.h"
+#include "core/io/vtk_xml.h"
 
 #include <vtkInputStream.h>
 
@@ -17,9 +17,9 @@
 #include <utility>
 #include <vector>
 
-#include "gxy/comm/error.h"
-#include "gxy/io/vtk_messages.h"
-#include "gxy/io/vtk_scalars.h"
+#include "core/comm/error.h"
+#include "core/io/vtk_messages.h"
+#include "core/io/vtk_scalars.h"
 
 namespace gxy {
 namespace {

@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-#include "gxy/io/file.h"
+#include "core/io/file.h"
 
 namespace gxy {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/io/vtk_xml_array.h"
+#include "core/io/vtk_xml_array.h"
 
 #include <algorithm>
 #include <bit>
@@ -7,8 +7,8 @@
 #include <limits>
 #include <vector>
 
-#include "gxy/comm/error.h"
-#include "gxy/io/number_text.h"
+#include "core/comm/error.h"
+#include "core/io/number_text.h"
 
 namespace gxy {
 namespace {

@@ -4,9 +4,9 @@
 #pragma once
 #include <memory>
 
-#include "gxy/data/scalar.h"
-#include "gxy/io/byte_stream.h"
-#include "gxy/io/vtk_xml.h"
+#include "core/data/scalar.h"
+#include "core/io/byte_stream.h"
+#include "core/io/vtk_xml.h"
 
 namespace gxy {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/io/write_geometry.h"
+#include "core/io/write_geometry.h"
 
 #include <spdlog/spdlog.h>
 #include <vtkCellArray.h>
@@ -16,16 +16,16 @@
 #include <vtkXMLPolyDataWriter.h>
 #include <vtkXMLUnstructuredGridWriter.h>
 
-#include "gxy/comm/error.h"
-#include "gxy/io/cell_list.h"
-#include "gxy/io/color_arrays.h"
-#include "gxy/io/file.h"
-#include "gxy/io/flaws.h"
-#include "gxy/io/geometry_file.h"
-#include "gxy/io/part_document.h"
-#include "gxy/io/vtk_geometry.h"
-#include "gxy/io/vtk_messages.h"
-#include "gxy/io/vtk_scalars.h"
+#include "core/comm/error.h"
+#include "core/io/cell_list.h"
+#include "core/io/color_arrays.h"
+#include "core/io/file.h"
+#include "core/io/flaws.h"
+#include "core/io/geometry_file.h"
+#include "core/io/part_document.h"
+#include "core/io/vtk_geometry.h"
+#include "core/io/vtk_messages.h"
+#include "core/io/vtk_scalars.h"
 
 namespace gxy {
 namespace {

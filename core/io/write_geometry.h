@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "gxy/data/geometry.h"
+#include "core/data/geometry.h"
 
 namespace gxy {
 

@@ -7,9 +7,9 @@
 #include <glm/geometric.hpp>
 #include <limits>
 
-#include "gxy/comm/error.h"
-#include "gxy/io/file.h"
-#include "gxy/io/write_geometry.h"
+#include "core/comm/error.h"
+#include "core/io/file.h"
+#include "core/io/write_geometry.h"
 
 namespace gxy {
 namespace {

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/io/write_volume.h"
+#include "core/io/write_volume.h"
 
 #include <bit>
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
 
-#include "gxy/comm/error.h"
-#include "gxy/io/volume_description.h"
-#include "gxy/io/volume_formats.h"
-#include "gxy/io/vtk_scalars.h"
+#include "core/comm/error.h"
+#include "core/io/volume_description.h"
+#include "core/io/volume_formats.h"
+#include "core/io/vtk_scalars.h"
 
 namespace gxy {
 namespace {

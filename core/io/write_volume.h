@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "gxy/io/file.h"
-#include "gxy/io/volume_file.h"
+#include "core/io/file.h"
+#include "core/io/volume_file.h"
 
 namespace gxy {
 

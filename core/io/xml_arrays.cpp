@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/io/xml_arrays.h"
+#include "core/io/xml_arrays.h"
 
 #include <vtkDataSetAttributes.h>
 
@@ -7,8 +7,8 @@
 #include <cstring>
 #include <sstream>
 
-#include "gxy/comm/error.h"
-#include "gxy/io/vtk_scalars.h"
+#include "core/comm/error.h"
+#include "core/io/vtk_scalars.h"
 
 namespace gxy {
 namespace {

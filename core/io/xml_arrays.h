@@ -7,9 +7,9 @@
 #include <utility>
 #include <vector>
 
-#include "gxy/io/left_out.h"
-#include "gxy/io/vtk_geometry.h"
-#include "gxy/io/vtk_xml.h"
+#include "core/io/left_out.h"
+#include "core/io/vtk_geometry.h"
+#include "core/io/vtk_xml.h"
 
 namespace gxy {
 

@@ -5,7 +5,7 @@
 #define SCENE SceneView
 #define FRAME FrameView
 #define OPERATOR OperatorView
-#include "fetch_scene.glsl"
+#include "shaders/fetch_scene.glsl"
 #else
 #if defined(ISPC)
 #define SCENE const uniform SceneView&

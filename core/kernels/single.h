@@ -10,10 +10,10 @@
 
 #define GXY_REAL float
 namespace gxy::single {
-#include "gxy/kernels/dialect.h"
+#include "core/kernels/dialect.h"
 
-#include "gxy/kernels/all.h"
-#include "gxy/kernels/fields.h"
+#include "core/kernels/all.h"
+#include "core/kernels/fields.h"
 }  // namespace gxy::single
 #undef GXY_REAL
 #undef R

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // scene_view.h for C++ in float, with pointers: what ISPC reads.
 #pragma once
-#include "gxy/kernels/single.h"
+#include "core/kernels/single.h"
 
 #define PTR(T) const T*
 #define RAW const void*
 #define BYTE std::uint8_t
 namespace gxy::single {
-#include "gxy/kernels/scene_view.h"
+#include "core/kernels/scene_view.h"
 }
 #undef PTR
 #undef RAW

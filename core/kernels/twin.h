@@ -11,10 +11,10 @@
 #define GXY_REAL double
 #define GXY_TWIN
 namespace gxy::twin {
-#include "gxy/kernels/dialect.h"
+#include "core/kernels/dialect.h"
 
-#include "gxy/kernels/all.h"
-#include "gxy/kernels/fields.h"
+#include "core/kernels/all.h"
+#include "core/kernels/fields.h"
 }  // namespace gxy::twin
 #undef GXY_REAL
 #undef GXY_TWIN

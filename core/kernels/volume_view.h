@@ -99,7 +99,7 @@ struct MapSum {
   vec3 source, sourceRest;
 };
 #if defined(GXY_GLSL)
-#include "fetch_volume.glsl"
+#include "shaders/fetch_volume.glsl"
 #else
 FN int planAt(VOLUME v, int index) { return v.plan[index]; }
 FN UNIFORM bool someByCells(VOLUME v) { return v.byCells != 0; }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/look/file_facts.h"
+#include "core/look/file_facts.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,11 +7,11 @@
 #include <optional>
 #include <set>
 
-#include "gxy/comm/error.h"
-#include "gxy/io/file.h"
-#include "gxy/io/import_geometry.h"
-#include "gxy/io/volume_file.h"
-#include "gxy/look/loaded_facts.h"
+#include "core/comm/error.h"
+#include "core/io/file.h"
+#include "core/io/import_geometry.h"
+#include "core/io/volume_file.h"
+#include "core/look/loaded_facts.h"
 
 namespace gxy {
 namespace {

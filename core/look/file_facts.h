@@ -6,8 +6,8 @@
 #include <utility>
 #include <vector>
 
-#include "gxy/io/geometry_file.h"
-#include "gxy/scene/first_look.h"
+#include "core/io/geometry_file.h"
+#include "core/scene/first_look.h"
 
 namespace gxy {
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/look/loaded_facts.h"
+#include "core/look/loaded_facts.h"
 
 #include <cmath>
 #include <cstring>
 
-#include "gxy/data/bricks.h"
+#include "core/data/bricks.h"
 
 namespace gxy {
 

@@ -3,9 +3,9 @@
 #pragma once
 #include <optional>
 
-#include "gxy/data/volume.h"
-#include "gxy/io/import_geometry.h"
-#include "gxy/scene/resolve.h"
+#include "core/data/volume.h"
+#include "core/io/import_geometry.h"
+#include "core/scene/resolve.h"
 
 namespace gxy {
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/rays/backend.h"
+#include "core/rays/backend.h"
 
 #include <spdlog/spdlog.h>
 
 #include <exception>
 
-#include "gxy/comm/error.h"
-#include "gxy/rays/substitutes.h"
+#include "core/comm/error.h"
+#include "core/rays/substitutes.h"
 
 namespace gxy {
 

@@ -9,9 +9,9 @@
 #include <string>
 #include <vector>
 
-#include "gxy/rays/compiled_frame.h"
-#include "gxy/rays/compiled_scene.h"
-#include "gxy/rays/ray_list.h"
+#include "core/rays/compiled_frame.h"
+#include "core/rays/compiled_scene.h"
+#include "core/rays/ray_list.h"
 
 namespace gxy {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/rays/compiled_frame.h"
+#include "core/rays/compiled_frame.h"
 
 #include <algorithm>
 #include <cmath>

@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "gxy/rays/compiled_scene.h"
-#include "gxy/scene/camera.h"
+#include "core/rays/compiled_scene.h"
+#include "core/scene/camera.h"
 
 namespace gxy {
 

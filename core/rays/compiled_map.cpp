@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/rays/compiled_map.h"
+#include "core/rays/compiled_map.h"
 
 #include <algorithm>
 #include <bit>
@@ -9,8 +9,8 @@
 #include <limits>
 #include <set>
 
-#include "gxy/kernels/single.h"
-#include "gxy/scene/colormaps.h"
+#include "core/kernels/single.h"
+#include "core/scene/colormaps.h"
 
 namespace gxy {
 

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "gxy/scene/scene.h"
+#include "core/scene/scene.h"
 
 namespace gxy {
 

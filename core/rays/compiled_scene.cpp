@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/rays/compiled_scene.h"
+#include "core/rays/compiled_scene.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,11 +7,11 @@
 #include <limits>
 #include <optional>
 
-#include "gxy/comm/error.h"
-#include "gxy/comm/parallel_for.h"
-#include "gxy/rays/iso_plan.h"
-#include "gxy/rays/step_plan.h"
-#include "gxy/scene/colormaps.h"
+#include "core/comm/error.h"
+#include "core/comm/parallel_for.h"
+#include "core/rays/iso_plan.h"
+#include "core/rays/step_plan.h"
+#include "core/scene/colormaps.h"
 
 namespace gxy {
 

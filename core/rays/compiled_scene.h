@@ -10,12 +10,12 @@
 #include <string>
 #include <vector>
 
-#include "gxy/comm/advance.h"
-#include "gxy/data/geometry.h"
-#include "gxy/data/partitioning.h"
-#include "gxy/data/volume.h"
-#include "gxy/rays/compiled_map.h"
-#include "gxy/scene/scene.h"
+#include "core/comm/advance.h"
+#include "core/data/geometry.h"
+#include "core/data/partitioning.h"
+#include "core/data/volume.h"
+#include "core/rays/compiled_map.h"
+#include "core/scene/scene.h"
 
 namespace gxy {
 

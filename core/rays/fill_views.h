@@ -7,10 +7,10 @@
 #include <cstddef>
 #include <limits>
 
-#include "gxy/data/bricks.h"
-#include "gxy/kernels/single_views.h"
-#include "gxy/rays/compiled_frame.h"
-#include "gxy/rays/compiled_scene.h"
+#include "core/data/bricks.h"
+#include "core/kernels/single_views.h"
+#include "core/rays/compiled_frame.h"
+#include "core/rays/compiled_scene.h"
 
 namespace gxy {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/rays/iso_plan.h"
+#include "core/rays/iso_plan.h"
 
 #include <algorithm>
 #include <atomic>
@@ -7,9 +7,9 @@
 #include <cmath>
 #include <cstring>
 
-#include "gxy/comm/error.h"
-#include "gxy/comm/parallel_for.h"
-#include "gxy/data/bricks.h"
+#include "core/comm/error.h"
+#include "core/comm/parallel_for.h"
+#include "core/data/bricks.h"
 
 namespace gxy {
 

@@ -6,8 +6,8 @@
 #include <span>
 #include <vector>
 
-#include "gxy/comm/advance.h"
-#include "gxy/data/volume.h"
+#include "core/comm/advance.h"
+#include "core/data/volume.h"
 
 namespace gxy {
 

@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <limits>
 
-#include "gxy/kernels/single_views.h"
+#include "core/kernels/single_views.h"
 
 namespace gxy {
 

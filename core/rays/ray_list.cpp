@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/rays/ray_list.h"
+#include "core/rays/ray_list.h"
 
 #include <algorithm>
 #include <cstring>

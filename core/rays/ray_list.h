@@ -7,8 +7,8 @@
 #include <span>
 #include <vector>
 
-#include "gxy/comm/transport.h"
-#include "gxy/rays/ray_fields.h"
+#include "core/comm/transport.h"
+#include "core/rays/ray_fields.h"
 
 namespace gxy {
 

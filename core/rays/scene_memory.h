@@ -5,9 +5,9 @@
 #include <memory>
 #include <vector>
 
-#include "gxy/rays/backend.h"
-#include "gxy/space/ledger.h"
-#include "gxy/space/shared_by.h"
+#include "core/rays/backend.h"
+#include "core/space/ledger.h"
+#include "core/space/shared_by.h"
 
 namespace gxy {
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/rays/step_plan.h"
+#include "core/rays/step_plan.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "gxy/kernels/single.h"
+#include "core/kernels/single.h"
 
 namespace gxy {
 

@@ -7,8 +7,8 @@
 #include <span>
 #include <vector>
 
-#include "gxy/data/volume.h"
-#include "gxy/rays/compiled_map.h"
+#include "core/data/volume.h"
+#include "core/rays/compiled_map.h"
 
 namespace gxy {
 
@@ -41,7 +41,7 @@ int32_t planOf(double segmentsPerCell, Integrator integrator,
 /// segments with a step are halved by what it matters, and nothing where its map has at most MAP_SMALL intervals: there
 /// steps are met exactly. 1/24 is the coefficient of the rule for
 /// errors of one sign (Davis & Rabinowitz 1984, 2.1), 1/10 takes its 1/12 for rays that run along no axis; the constants
-/// here hold for rays through fields from smooth to white noise under five shapes of maps (tests/accuracy/step_plan.cpp).
+/// here hold for rays through fields from smooth to white noise under five shapes of maps (tests/rays/step_plan_test.cpp).
 ///
 /// On grids of few cells across a ray is too short for its errors to even out. With w = min(1, 32 / cells across)^2, the
 /// kink's coefficient is by the part w that of the worst place of a kink in its segment, 1/8, and the pre-integrated error

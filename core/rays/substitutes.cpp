@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/rays/substitutes.h"
+#include "core/rays/substitutes.h"
 
 #include <spdlog/spdlog.h>
 
 #include <exception>
 #include <mutex>
 
-#include "gxy/comm/error.h"
-#include "gxy/space/ledger.h"
-#include "gxy/space/shared_by.h"
+#include "core/comm/error.h"
+#include "core/space/ledger.h"
+#include "core/space/shared_by.h"
 
 namespace gxy {
 

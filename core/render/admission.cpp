@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/render/admission.h"
+#include "core/render/admission.h"
 
 #include <algorithm>
 

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "gxy/render/share.h"
+#include "core/render/share.h"
 
 namespace gxy {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/render/check_rays.h"
+#include "core/render/check_rays.h"
 
 #include <algorithm>
 #include <cmath>

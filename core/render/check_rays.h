@@ -3,8 +3,8 @@
 #pragma once
 #include <cstdint>
 
-#include "gxy/rays/compiled_frame.h"
-#include "gxy/rays/ray_list.h"
+#include "core/rays/compiled_frame.h"
+#include "core/rays/ray_list.h"
 
 namespace gxy {
 

@@ -5,7 +5,7 @@
 #include <map>
 #include <utility>
 
-#include "gxy/render/share.h"
+#include "core/render/share.h"
 
 namespace gxy {
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/render/framebuffer.h"
+#include "core/render/framebuffer.h"
 
 #include <algorithm>
 #include <array>
 #include <utility>
 
-#include "gxy/comm/parallel_for.h"
+#include "core/comm/parallel_for.h"
 
 namespace gxy {
 

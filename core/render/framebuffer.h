@@ -8,9 +8,9 @@
 #include <span>
 #include <vector>
 
-#include "gxy/rays/ray_list.h"
-#include "gxy/scene/background.h"
-#include "gxy/space/large_vector.h"
+#include "core/rays/ray_list.h"
+#include "core/scene/background.h"
+#include "core/space/large_vector.h"
 
 namespace gxy {
 

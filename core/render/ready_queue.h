@@ -9,8 +9,8 @@
 #include <memory>
 #include <mutex>
 
-#include "gxy/render/credits.h"
-#include "gxy/render/share.h"
+#include "core/render/credits.h"
+#include "core/render/share.h"
 
 namespace gxy {
 

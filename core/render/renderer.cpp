@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // The life of frames: started, made known, cancelled, finished, delivered. That of their rays is in renderer_rays.cpp, when
 // tasks run in renderer_tasks.cpp.
-#include "gxy/render/renderer.h"
+#include "core/render/renderer.h"
 
 #include <algorithm>
 
-#include "gxy/comm/error.h"
-#include "gxy/comm/error_text.h"
-#include "gxy/comm/tree.h"
-#include "gxy/comm/wire.h"
-#include "gxy/render/renderer_state.h"
+#include "core/comm/error.h"
+#include "core/comm/error_text.h"
+#include "core/comm/tree.h"
+#include "core/comm/wire.h"
+#include "core/render/renderer_state.h"
 
 namespace gxy {
 

@@ -13,15 +13,15 @@
 #include <string>
 #include <vector>
 
-#include "gxy/comm/completion.h"
-#include "gxy/comm/trace.h"
-#include "gxy/comm/transport.h"
-#include "gxy/rays/backend.h"
-#include "gxy/rays/packet_size.h"
-#include "gxy/render/admission.h"
-#include "gxy/render/framebuffer.h"
-#include "gxy/render/ready_queue.h"
-#include "gxy/space/ledger.h"
+#include "core/comm/completion.h"
+#include "core/comm/trace.h"
+#include "core/comm/transport.h"
+#include "core/rays/backend.h"
+#include "core/rays/packet_size.h"
+#include "core/render/admission.h"
+#include "core/render/framebuffer.h"
+#include "core/render/ready_queue.h"
+#include "core/space/ledger.h"
 
 namespace gxy {
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // The life of a frame's rays on a rank: spawned against credits, traced, forwarded, and what they add to pixels.
-#include "gxy/comm/error.h"
-#include "gxy/comm/error_text.h"
-#include "gxy/comm/wire.h"
-#include "gxy/render/renderer_state.h"
+#include "core/comm/error.h"
+#include "core/comm/error_text.h"
+#include "core/comm/wire.h"
+#include "core/render/renderer_state.h"
 
 namespace gxy {
 

@@ -7,10 +7,10 @@
 #include <optional>
 #include <vector>
 
-#include "gxy/rays/packet_size.h"
-#include "gxy/render/check_rays.h"
-#include "gxy/render/renderer.h"
-#include "gxy/render/tiles.h"
+#include "core/rays/packet_size.h"
+#include "core/render/check_rays.h"
+#include "core/render/renderer.h"
+#include "core/render/tiles.h"
 
 namespace gxy {
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // When the tasks of a Renderer run.
-#include "gxy/render/renderer_state.h"
+#include "core/render/renderer_state.h"
 
 namespace gxy {
 

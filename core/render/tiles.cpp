@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/render/tiles.h"
+#include "core/render/tiles.h"
 
 #include <algorithm>
 #include <cmath>

@@ -3,7 +3,7 @@
 #pragma once
 #include <vector>
 
-#include "gxy/rays/backend.h"
+#include "core/rays/backend.h"
 
 namespace gxy {
 

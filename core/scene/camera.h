@@ -3,7 +3,7 @@
 #pragma once
 #include <glm/vec3.hpp>
 
-#include "gxy/scene/scene.h"
+#include "core/scene/scene.h"
 
 namespace gxy {
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/comm/error.h"
-#include "gxy/scene/camera.h"
-#include "gxy/scene/paraview_camera.h"
-#include "gxy/scene/schema.h"
+#include "core/comm/error.h"
+#include "core/scene/camera.h"
+#include "core/scene/paraview_camera.h"
+#include "core/scene/schema.h"
 
 namespace gxy {
 namespace {

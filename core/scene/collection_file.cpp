@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/scene/collection_file.h"
+#include "core/scene/collection_file.h"
 
 #include <algorithm>
 #include <charconv>
@@ -7,10 +7,10 @@
 #include <filesystem>
 #include <map>
 
-#include "gxy/comm/error.h"
-#include "gxy/comm/error_text.h"
-#include "gxy/scene/read_context.h"
-#include "gxy/scene/xml_tags.h"
+#include "core/comm/error.h"
+#include "core/comm/error_text.h"
+#include "core/scene/read_context.h"
+#include "core/scene/xml_tags.h"
 
 namespace gxy {
 namespace {

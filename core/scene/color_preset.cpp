@@ -4,8 +4,8 @@
 #include <cmath>
 #include <limits>
 
-#include "gxy/comm/error.h"
-#include "gxy/scene/colormaps.h"
+#include "core/comm/error.h"
+#include "core/scene/colormaps.h"
 
 namespace gxy {
 namespace {

@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "gxy/scene/colormaps.h"
+#include "core/scene/colormaps.h"
 
 namespace gxy {
 namespace {

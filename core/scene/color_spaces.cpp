@@ -4,7 +4,7 @@
 #include <glm/common.hpp>
 #include <numbers>
 
-#include "gxy/scene/colormaps.h"
+#include "core/scene/colormaps.h"
 
 namespace gxy {
 namespace {

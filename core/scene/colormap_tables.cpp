@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The published 256-entry tables behind the shipped colour maps, rrggbb in hexadecimal, rounded to 8 bits.
-#include "gxy/scene/colormap_tables.h"
+#include "core/scene/colormap_tables.h"
 
 namespace gxy {
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/scene/colormaps.h"
+#include "core/scene/colormaps.h"
 
 #include <algorithm>
 #include <cctype>
 #include <cmath>
 #include <limits>
 
-#include "gxy/scene/colormap_tables.h"
+#include "core/scene/colormap_tables.h"
 
 namespace gxy {
 namespace {

@@ -7,8 +7,8 @@
 #include <string>
 #include <string_view>
 
-#include "gxy/scene/json_text.h"
-#include "gxy/scene/scene.h"
+#include "core/scene/json_text.h"
+#include "core/scene/scene.h"
 
 namespace gxy {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/scene/data_files.h"
+#include "core/scene/data_files.h"
 
 #include <algorithm>
 #include <filesystem>
@@ -7,9 +7,9 @@
 #include <optional>
 #include <string_view>
 
-#include "gxy/comm/error.h"
-#include "gxy/scene/collection_file.h"
-#include "gxy/scene/read_context.h"
+#include "core/comm/error.h"
+#include "core/scene/collection_file.h"
+#include "core/scene/read_context.h"
 
 namespace gxy {
 namespace {

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "gxy/scene/collection_file.h"
+#include "core/scene/collection_file.h"
 
 namespace gxy {
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/scene/first_look.h"
+#include "core/scene/first_look.h"
 
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
 
-#include "gxy/scene/colormaps.h"
+#include "core/scene/colormaps.h"
 
 namespace gxy {
 namespace {

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "gxy/scene/resolve.h"
+#include "core/scene/resolve.h"
 
 namespace gxy {
 

@@ -2,8 +2,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "gxy/scene/colormaps.h"
-#include "gxy/scene/first_look.h"
+#include "core/scene/colormaps.h"
+#include "core/scene/first_look.h"
 
 namespace gxy {
 namespace {

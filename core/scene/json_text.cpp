@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/scene/json_text.h"
+#include "core/scene/json_text.h"
 
 #include <algorithm>
 #include <cmath>
 #include <iterator>
 #include <nlohmann/json.hpp>
 
-#include "gxy/comm/error.h"
+#include "core/comm/error.h"
 
 namespace gxy {
 namespace {

@@ -8,7 +8,7 @@
 #include <variant>
 #include <vector>
 
-#include "gxy/comm/error_text.h"
+#include "core/comm/error_text.h"
 
 namespace gxy {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/scene/schema.h"
+#include "core/scene/schema.h"
 
 namespace gxy {
 namespace {

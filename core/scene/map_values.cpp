@@ -2,9 +2,9 @@
 // The map keys of an operator: inline points, shipped maps and preset files.
 #include <algorithm>
 
-#include "gxy/comm/error.h"
-#include "gxy/scene/colormaps.h"
-#include "gxy/scene/schema.h"
+#include "core/comm/error.h"
+#include "core/scene/colormaps.h"
+#include "core/scene/schema.h"
 
 namespace gxy {
 namespace {

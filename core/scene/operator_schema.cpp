@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 
-#include "gxy/scene/schema.h"
+#include "core/scene/schema.h"
 
 namespace gxy {
 namespace {

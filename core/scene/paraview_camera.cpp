@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/scene/paraview_camera.h"
+#include "core/scene/paraview_camera.h"
 
 #include <charconv>
 #include <cmath>
@@ -7,9 +7,9 @@
 #include <optional>
 #include <vector>
 
-#include "gxy/comm/error.h"
-#include "gxy/scene/json_text.h"
-#include "gxy/scene/xml_tags.h"
+#include "core/comm/error.h"
+#include "core/scene/json_text.h"
+#include "core/scene/xml_tags.h"
 
 namespace gxy {
 namespace {

@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-#include "gxy/scene/scene.h"
+#include "core/scene/scene.h"
 
 namespace gxy {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/scene/picture_name.h"
+#include "core/scene/picture_name.h"
 
 #include <cctype>
 #include <cstdio>

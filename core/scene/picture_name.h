@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <string>
 
-#include "gxy/scene/scene.h"
+#include "core/scene/scene.h"
 
 namespace gxy {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/scene/read_context.h"
+#include "core/scene/read_context.h"
 
 #include <algorithm>
 #include <cctype>
@@ -8,7 +8,7 @@
 #include <fstream>
 #include <numeric>
 
-#include "gxy/comm/error.h"
+#include "core/comm/error.h"
 
 namespace gxy {
 namespace {

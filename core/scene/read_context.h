@@ -12,10 +12,10 @@
 #include <string_view>
 #include <vector>
 
-#include "gxy/scene/colormaps.h"
-#include "gxy/scene/json_text.h"
-#include "gxy/scene/scene.h"
-#include "gxy/scene/state_file.h"
+#include "core/scene/colormaps.h"
+#include "core/scene/json_text.h"
+#include "core/scene/scene.h"
+#include "core/scene/state_file.h"
 
 namespace gxy {
 

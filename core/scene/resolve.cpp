@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/scene/resolve.h"
+#include "core/scene/resolve.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 #include <limits>
 #include <numbers>
 
-#include "gxy/scene/camera.h"
+#include "core/scene/camera.h"
 
 namespace gxy {
 namespace {

@@ -4,8 +4,8 @@
 #include <span>
 #include <vector>
 
-#include "gxy/data/box.h"
-#include "gxy/scene/scene.h"
+#include "core/data/box.h"
+#include "core/scene/scene.h"
 
 namespace gxy {
 

@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "gxy/scene/read_context.h"
+#include "core/scene/read_context.h"
 
 namespace gxy {
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/scene/state_file.h"
+#include "core/scene/state_file.h"
 
-#include "gxy/scene/schema.h"
+#include "core/scene/schema.h"
 
 namespace gxy {
 

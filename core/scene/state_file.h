@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "gxy/scene/scene.h"
+#include "core/scene/scene.h"
 
 namespace gxy {
 

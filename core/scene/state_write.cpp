@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "gxy/comm/error.h"
-#include "gxy/scene/schema.h"
-#include "gxy/scene/state_file.h"
+#include "core/comm/error.h"
+#include "core/scene/schema.h"
+#include "core/scene/state_file.h"
 
 namespace gxy {
 namespace {

@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-#include "gxy/comm/error.h"
+#include "core/comm/error.h"
 
 namespace gxy {
 

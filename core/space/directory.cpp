@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/space/directory.h"
+#include "core/space/directory.h"
 
 #include <algorithm>
 #include <utility>
 
-#include "gxy/comm/error.h"
+#include "core/comm/error.h"
 
 namespace gxy {
 

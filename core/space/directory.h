@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "gxy/space/key.h"
+#include "core/space/key.h"
 
 namespace gxy {
 

@@ -13,9 +13,9 @@
 #include <chrono>
 #include <memory>
 
-#include "gxy/space/key.h"
-#include "gxy/space/observers.h"
-#include "gxy/space/payload.h"
+#include "core/space/key.h"
+#include "core/space/observers.h"
+#include "core/space/payload.h"
 
 namespace gxy {
 

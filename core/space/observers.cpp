@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/space/observers.h"
+#include "core/space/observers.h"
 
 #include <mutex>
 #include <vector>

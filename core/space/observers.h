@@ -4,7 +4,7 @@
 #include <functional>
 #include <memory>
 
-#include "gxy/space/key.h"
+#include "core/space/key.h"
 
 namespace gxy {
 

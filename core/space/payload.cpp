@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/space/payload.h"
+#include "core/space/payload.h"
 
 #include <cxxabi.h>
 
 #include <cstdlib>
 #include <string>
 
-#include "gxy/comm/error.h"
+#include "core/comm/error.h"
 
 namespace gxy {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/client/client.h"
+#include "multiserver/client/client.h"
 
 #include <sys/socket.h>
 
@@ -18,10 +18,10 @@
 #include <mutex>
 #include <thread>
 
-#include "gxy/comm/error.h"
-#include "gxy/protocol/frame.h"
-#include "gxy/protocol/json.h"
-#include "gxy/protocol/run_files.h"
+#include "core/comm/error.h"
+#include "multiserver/protocol/frame.h"
+#include "multiserver/protocol/json.h"
+#include "multiserver/protocol/run_files.h"
 
 namespace gxy {
 

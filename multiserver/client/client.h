@@ -9,8 +9,8 @@
 #include <span>
 #include <string>
 
-#include "gxy/protocol/handshake.h"
-#include "gxy/protocol/pixel_record.h"
+#include "multiserver/protocol/handshake.h"
+#include "multiserver/protocol/pixel_record.h"
 
 namespace gxy {
 
@@ -33,7 +33,7 @@ class Client {
   struct Options {
     std::string host = "127.0.0.1";
     uint16_t port = 5001;
-    /// Empty: that of the user's run directory (gxy/protocol/run_files.h), if there is one, for servers on this machine, and
+    /// Empty: that of the user's run directory (multiserver/protocol/run_files.h), if there is one, for servers on this machine, and
     /// an error for others; "-": no token.
     std::string tokenFile;
     std::string name = "client";

@@ -10,7 +10,7 @@
 #include <string_view>
 #include <vector>
 
-#include "gxy/comm/transport.h"
+#include "core/comm/transport.h"
 
 namespace gxy::protocol {
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/protocol/handshake.h"
+#include "multiserver/protocol/handshake.h"
 
-#include "gxy/comm/error.h"
-#include "gxy/protocol/json.h"
-#include "gxy/scene/json_text.h"
+#include "core/comm/error.h"
+#include "core/scene/json_text.h"
+#include "multiserver/protocol/json.h"
 
 namespace gxy::protocol {
 

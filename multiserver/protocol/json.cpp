@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/protocol/json.h"
+#include "multiserver/protocol/json.h"
 
 #include <algorithm>
 #include <cstdio>
 
-#include "gxy/comm/error.h"
-#include "gxy/scene/json_text.h"
+#include "core/comm/error.h"
+#include "core/scene/json_text.h"
 
 namespace gxy::protocol {
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/protocol/pixel_record.h"
+#include "multiserver/protocol/pixel_record.h"
 
 #include <algorithm>
 #include <cstring>
 #include <string>
 
-#include "gxy/comm/error.h"
+#include "core/comm/error.h"
 
 namespace gxy::protocol {
 

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <span>
 
-#include "gxy/comm/transport.h"
+#include "core/comm/transport.h"
 
 namespace gxy::protocol {
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/protocol/statement.h"
+#include "multiserver/protocol/statement.h"
 
 #include <algorithm>
 #include <charconv>
 
-#include "gxy/comm/error.h"
-#include "gxy/protocol/json.h"
-#include "gxy/scene/json_text.h"
+#include "core/comm/error.h"
+#include "core/scene/json_text.h"
+#include "multiserver/protocol/json.h"
 
 namespace gxy::protocol {
 

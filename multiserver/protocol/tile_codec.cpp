@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/protocol/tile_codec.h"
+#include "multiserver/protocol/tile_codec.h"
 
 #include <cstdio>  // jpeglib.h needs FILE
 #include <cstdlib>
@@ -11,7 +11,7 @@
 #include <zlib.h>
 #include <zstd.h>
 
-#include "gxy/comm/error.h"
+#include "core/comm/error.h"
 
 namespace gxy::protocol {
 

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "gxy/protocol/pixel_record.h"
+#include "multiserver/protocol/pixel_record.h"
 
 namespace gxy::protocol {
 

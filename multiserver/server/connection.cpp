@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/server/connection.h"
+#include "multiserver/server/connection.h"
 
 #include <linux/sockios.h>
 #include <netinet/tcp.h>
@@ -11,8 +11,8 @@
 
 #include <algorithm>
 
-#include "gxy/comm/error.h"
-#include "gxy/protocol/json.h"
+#include "core/comm/error.h"
+#include "multiserver/protocol/json.h"
 
 namespace gxy {
 

@@ -13,7 +13,7 @@
 #include <optional>
 #include <string>
 
-#include "gxy/server/dialogue.h"
+#include "multiserver/server/dialogue.h"
 
 namespace gxy {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/server/data_folders.h"
+#include "multiserver/server/data_folders.h"
 
 #include <fcntl.h>
 #include <sys/random.h>
@@ -9,9 +9,9 @@
 #include <cerrno>
 #include <cstring>
 
-#include "gxy/comm/error.h"
-#include "gxy/io/referenced_files.h"
-#include "gxy/scene/json_text.h"
+#include "core/comm/error.h"
+#include "core/io/referenced_files.h"
+#include "core/scene/json_text.h"
 
 namespace gxy {
 

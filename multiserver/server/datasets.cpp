@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // Names and events; imports are in datasets_import.cpp.
-#include "gxy/server/datasets.h"
+#include "multiserver/server/datasets.h"
 
 #include <algorithm>
 #include <chrono>
 
-#include "gxy/comm/error.h"
-#include "gxy/protocol/json.h"
-#include "gxy/scene/json_text.h"
-#include "gxy/server/session.h"
+#include "core/comm/error.h"
+#include "core/scene/json_text.h"
+#include "multiserver/protocol/json.h"
+#include "multiserver/server/session.h"
 
 namespace gxy {
 

@@ -12,11 +12,11 @@
 #include <string>
 #include <vector>
 
-#include "gxy/data/partitioning.h"
-#include "gxy/data/volume.h"
-#include "gxy/io/import_geometry.h"
-#include "gxy/scene/scene.h"
-#include "gxy/server/node.h"
+#include "core/data/partitioning.h"
+#include "core/data/volume.h"
+#include "core/io/import_geometry.h"
+#include "core/scene/scene.h"
+#include "multiserver/server/node.h"
 
 namespace gxy {
 

@@ -5,14 +5,14 @@
 #include <chrono>
 #include <cstring>
 
-#include "gxy/comm/error.h"
-#include "gxy/comm/wire.h"
-#include "gxy/data/bricks.h"
-#include "gxy/io/automatic_partitioning.h"
-#include "gxy/io/import_volume.h"
-#include "gxy/scene/json_text.h"
-#include "gxy/server/datasets.h"
-#include "gxy/server/session.h"
+#include "core/comm/error.h"
+#include "core/comm/wire.h"
+#include "core/data/bricks.h"
+#include "core/io/automatic_partitioning.h"
+#include "core/io/import_volume.h"
+#include "core/scene/json_text.h"
+#include "multiserver/server/datasets.h"
+#include "multiserver/server/session.h"
 
 namespace gxy {
 

@@ -6,10 +6,10 @@
 #include <span>
 #include <string>
 
-#include "gxy/protocol/frame.h"
-#include "gxy/protocol/handshake.h"
-#include "gxy/server/outbox.h"
-#include "gxy/server/session.h"
+#include "multiserver/protocol/frame.h"
+#include "multiserver/protocol/handshake.h"
+#include "multiserver/server/outbox.h"
+#include "multiserver/server/session.h"
 
 namespace gxy {
 

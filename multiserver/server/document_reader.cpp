@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/server/document_reader.h"
+#include "multiserver/server/document_reader.h"
 
 #include <malloc.h>
 
 #include <algorithm>
 
-#include "gxy/protocol/json.h"
-#include "gxy/scene/json_text.h"
-#include "gxy/server/session.h"
+#include "core/scene/json_text.h"
+#include "multiserver/protocol/json.h"
+#include "multiserver/server/session.h"
 
 namespace gxy {
 

@@ -11,8 +11,8 @@
 #include <string_view>
 #include <vector>
 
-#include "gxy/scene/state_file.h"
-#include "gxy/space/ledger.h"
+#include "core/scene/state_file.h"
+#include "core/space/ledger.h"
 
 namespace gxy {
 

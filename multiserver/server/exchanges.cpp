@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/server/exchanges.h"
+#include "multiserver/server/exchanges.h"
 
 #include <algorithm>
 #include <utility>
 
-#include "gxy/comm/error.h"
-#include "gxy/server/node.h"
-#include "gxy/server/session.h"
+#include "core/comm/error.h"
+#include "multiserver/server/node.h"
+#include "multiserver/server/session.h"
 
 namespace gxy {
 

@@ -8,7 +8,7 @@
 #include <mutex>
 #include <string>
 
-#include "gxy/io/collectives.h"
+#include "core/io/collectives.h"
 
 namespace gxy {
 

@@ -13,10 +13,10 @@
 #include <utility>
 #include <vector>
 
-#include "gxy/protocol/statement.h"
-#include "gxy/server/document_reader.h"
-#include "gxy/server/node.h"
-#include "gxy/server/session.h"
+#include "multiserver/protocol/statement.h"
+#include "multiserver/server/document_reader.h"
+#include "multiserver/server/node.h"
+#include "multiserver/server/session.h"
 
 namespace gxy {
 

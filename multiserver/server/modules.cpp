@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/server/modules.h"
+#include "multiserver/server/modules.h"
 
 #include <dlfcn.h>
 
@@ -7,8 +7,8 @@
 #include <filesystem>
 #include <set>
 
-#include "gxy/comm/error.h"
-#include "gxy/scene/json_text.h"
+#include "core/comm/error.h"
+#include "core/scene/json_text.h"
 
 namespace gxy {
 

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "gxy/server/module.h"
+#include "multiserver/server/module.h"
 
 namespace gxy {
 

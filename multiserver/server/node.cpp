@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/server/node.h"
+#include "multiserver/server/node.h"
 
 #include <algorithm>
 #include <condition_variable>
@@ -8,10 +8,10 @@
 #include <map>
 #include <set>
 
-#include "gxy/comm/error.h"
-#include "gxy/server/datasets.h"
-#include "gxy/server/modules.h"
-#include "gxy/server/server_verbs.h"
+#include "core/comm/error.h"
+#include "multiserver/server/datasets.h"
+#include "multiserver/server/modules.h"
+#include "multiserver/server/server_verbs.h"
 
 namespace gxy {
 

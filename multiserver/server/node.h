@@ -9,19 +9,19 @@
 #include <string>
 #include <vector>
 
-#include "gxy/comm/collective.h"
-#include "gxy/comm/presence.h"
-#include "gxy/comm/work.h"
-#include "gxy/io/collectives.h"
-#include "gxy/rays/backend.h"
-#include "gxy/render/renderer.h"
-#include "gxy/server/data_folders.h"
-#include "gxy/server/document_reader.h"
-#include "gxy/server/exchanges.h"
-#include "gxy/server/tenants.h"
-#include "gxy/space/directory.h"
-#include "gxy/space/ledger.h"
-#include "gxy/space/objects.h"
+#include "core/comm/collective.h"
+#include "core/comm/presence.h"
+#include "core/comm/work.h"
+#include "core/io/collectives.h"
+#include "core/rays/backend.h"
+#include "core/render/renderer.h"
+#include "core/space/directory.h"
+#include "core/space/ledger.h"
+#include "core/space/objects.h"
+#include "multiserver/server/data_folders.h"
+#include "multiserver/server/document_reader.h"
+#include "multiserver/server/exchanges.h"
+#include "multiserver/server/tenants.h"
 
 namespace gxy {
 

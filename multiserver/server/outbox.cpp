@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/server/outbox.h"
+#include "multiserver/server/outbox.h"
 
 #include <algorithm>
 #include <chrono>
 
-#include "gxy/protocol/json.h"
+#include "multiserver/protocol/json.h"
 
 namespace gxy {
 

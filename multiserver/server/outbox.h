@@ -12,9 +12,9 @@
 #include <string_view>
 #include <vector>
 
-#include "gxy/protocol/frame.h"
-#include "gxy/protocol/pixel_record.h"
-#include "gxy/space/ledger.h"
+#include "core/space/ledger.h"
+#include "multiserver/protocol/frame.h"
+#include "multiserver/protocol/pixel_record.h"
 
 namespace gxy {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/server/server.h"
+#include "multiserver/server/server.h"
 
 #include <spdlog/spdlog.h>
 
@@ -19,7 +19,7 @@
 #include <thread>
 #include <vector>
 
-#include "gxy/comm/error.h"
+#include "core/comm/error.h"
 
 namespace gxy {
 

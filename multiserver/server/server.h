@@ -6,8 +6,8 @@
 #include <memory>
 #include <string>
 
-#include "gxy/server/connection.h"
-#include "gxy/server/node.h"
+#include "multiserver/server/connection.h"
+#include "multiserver/server/node.h"
 
 namespace gxy {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/server/server_verbs.h"
+#include "multiserver/server/server_verbs.h"
 
 #include <algorithm>
 #include <charconv>
@@ -7,10 +7,10 @@
 #include <cstdio>
 #include <vector>
 
-#include "gxy/comm/error.h"
-#include "gxy/protocol/statement.h"
-#include "gxy/scene/read_context.h"
-#include "gxy/server/modules.h"
+#include "core/comm/error.h"
+#include "core/scene/read_context.h"
+#include "multiserver/protocol/statement.h"
+#include "multiserver/server/modules.h"
 
 namespace gxy {
 

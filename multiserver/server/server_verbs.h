@@ -3,7 +3,7 @@
 #pragma once
 #include <string>
 
-#include "gxy/server/module.h"
+#include "multiserver/server/module.h"
 
 namespace gxy {
 

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/server/session.h"
+#include "multiserver/server/session.h"
 
 #include <algorithm>
 #include <optional>
 
-#include "gxy/comm/error.h"
-#include "gxy/protocol/json.h"
-#include "gxy/protocol/statement.h"
-#include "gxy/server/server_verbs.h"
+#include "core/comm/error.h"
+#include "multiserver/protocol/json.h"
+#include "multiserver/protocol/statement.h"
+#include "multiserver/server/server_verbs.h"
 
 namespace gxy {
 

@@ -13,9 +13,9 @@
 #include <typeindex>
 #include <vector>
 
-#include "gxy/protocol/handshake.h"
-#include "gxy/server/node.h"
-#include "gxy/server/outbox.h"
+#include "multiserver/protocol/handshake.h"
+#include "multiserver/server/node.h"
+#include "multiserver/server/outbox.h"
 
 namespace gxy {
 

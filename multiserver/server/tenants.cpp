@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/server/tenants.h"
+#include "multiserver/server/tenants.h"
 
 #include <sys/random.h>
 
@@ -7,8 +7,8 @@
 #include <array>
 #include <chrono>
 
-#include "gxy/comm/error.h"
-#include "gxy/comm/error_text.h"
+#include "core/comm/error.h"
+#include "core/comm/error_text.h"
 
 namespace gxy {
 

@@ -8,26 +8,26 @@
 #include <glm/glm.hpp>
 #include <limits>
 
-#include "gxy/rays/ray_fields.h"
+#include "core/rays/ray_fields.h"
 
 #define GXY_REAL float
 #define FN static
 #define FN_OUTLINE static
 namespace gxy::all_probed {
 // clang-format off
-#include "gxy/kernels/dialect.h"
-#include "gxy/kernels/all.h"
+#include "core/kernels/dialect.h"
+#include "core/kernels/all.h"
 namespace rays {
-#include "kernels/probe.h"
+#include "tests/kernels/probe.h"
 }
-#include "gxy/kernels/fields.h"
+#include "core/kernels/fields.h"
 namespace fields {
-#include "accuracy/field_probe.h"
+#include "tests/rays/field_probe.h"
 }
-#include "gxy/kernels/scene_view.h"
-#include "gxy/kernels/scene.h"
+#include "core/kernels/scene_view.h"
+#include "core/kernels/scene.h"
 namespace scenes {
-#include "scene_probe.h"
+#include "tests/agreement/scene_probe.h"
 }
 // clang-format on
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The backend under test, made once per program.
 #pragma once
-#include "gxy/embree/embree_backend.h"
+#include "backends/embree/embree_backend.h"
 
 namespace gxy::agreement {
 

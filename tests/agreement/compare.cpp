@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "compare.h"
+#include "tests/agreement/compare.h"
 
 #include <gtest/gtest.h>
 
@@ -8,10 +8,10 @@
 #include <limits>
 #include <sstream>
 
-#include "backend.h"
-#include "gxy/io/image.h"
-#include "gxyrender/reference_scene.h"
-#include "same_bits.h"
+#include "core/image/image.h"
+#include "tests/agreement/backend.h"
+#include "tests/agreement/same_bits.h"
+#include "tools/gxyrender/reference_scene.h"
 
 namespace gxy::agreement {
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "draw.h"
+#include "tests/agreement/draw.h"
 
 namespace gxy::agreement {
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "draw.h"
+#include "tests/agreement/draw.h"
 
 #include <condition_variable>
 #include <deque>
 #include <mutex>
 #include <optional>
 
-#include "gxy/comm/error.h"
+#include "core/comm/error.h"
 
 namespace gxy::agreement {
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // A picture straight from a backend, without ranks or messages.
 #pragma once
-#include "gxy/rays/backend.h"
-#include "gxy/render/framebuffer.h"
-#include "scenes.h"
+#include "core/rays/backend.h"
+#include "core/render/framebuffer.h"
+#include "tests/agreement/scenes.h"
 
 namespace gxy::agreement {
 

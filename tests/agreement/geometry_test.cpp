@@ -4,9 +4,9 @@
 
 #include <cmath>
 
-#include "backend.h"
-#include "compare.h"
-#include "kernels/mesh.h"
+#include "tests/agreement/backend.h"
+#include "tests/agreement/compare.h"
+#include "tests/kernels/mesh.h"
 
 namespace gxy::agreement {
 namespace {

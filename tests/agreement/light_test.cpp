@@ -5,8 +5,8 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
-#include "backend.h"
-#include "compare.h"
+#include "tests/agreement/backend.h"
+#include "tests/agreement/compare.h"
 
 namespace gxy::agreement {
 namespace {

@@ -4,8 +4,8 @@
 
 #include <cmath>
 
-#include "backend.h"
-#include "compare.h"
+#include "tests/agreement/backend.h"
+#include "tests/agreement/compare.h"
 
 namespace gxy::agreement {
 namespace {

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "same_bits.h"
+#include "tests/agreement/same_bits.h"
 
 #include <gtest/gtest.h>
 
-#include "vulkan/difference.h"
+#include "tests/vulkan/difference.h"
 
 namespace gxy::agreement {
 

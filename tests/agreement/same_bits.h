@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The second backend's pictures against the first's, bit for bit. In builds without Vulkan there is none to compare.
 #pragma once
-#include "draw.h"
+#include "tests/agreement/draw.h"
 
 namespace gxy::agreement {
 

@@ -3,8 +3,8 @@
 #pragma once
 #include <vector>
 
-#include "gxy/rays/compiled_frame.h"
-#include "gxy/rays/compiled_scene.h"
+#include "core/rays/compiled_frame.h"
+#include "core/rays/compiled_scene.h"
 
 namespace gxy::agreement {
 

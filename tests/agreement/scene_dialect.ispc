@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // out[p * count + i] = sceneProbe(..., p, i) of operator `op`. Compiled once for each instruction set, PROBE naming the function.
 // clang-format off
-#include "dialect.h"
-#include "all.h"
-#include "fields.h"
-#include "ray_fields.h"
-#include "scene_view.h"
-#include "scene.h"
-#include "scene_probe.h"
+#include "core/kernels/dialect.h"
+#include "core/kernels/all.h"
+#include "core/kernels/fields.h"
+#include "core/rays/ray_fields.h"
+#include "core/kernels/scene_view.h"
+#include "core/kernels/scene.h"
+#include "tests/agreement/scene_probe.h"
 // clang-format on
 
 export void PROBE(const void* uniform scene, const void* uniform frame, uniform int op, const uniform int list[],

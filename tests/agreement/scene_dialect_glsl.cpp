@@ -3,14 +3,14 @@
 
 #include <cstring>
 
-#include "gxy/rays/fill_views.h"
-#include "gxy/shaders/layout.h"
-#include "gxy/vulkan/scene_upload.h"
-#include "gxy/vulkan/shader_views.h"
-#include "scene_dialect.h"
-#include "scene_probes.h"
-#include "vulkan/test_device.h"
-#include "vulkan/test_shader.h"
+#include "backends/vulkan/scene_upload.h"
+#include "backends/vulkan/shader_views.h"
+#include "core/rays/fill_views.h"
+#include "scene_probes_spirv.h"
+#include "shaders/layout.h"
+#include "tests/agreement/scene_dialect.h"
+#include "tests/vulkan/test_device.h"
+#include "tests/vulkan/test_shader.h"
 
 namespace gxy::agreement {
 

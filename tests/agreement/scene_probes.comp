@@ -3,8 +3,8 @@
 // workgroup; `numbers` says where the list of rendered volumes is, and its length.
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "kernels.glsl"
-#include "scene_probe.h"
+#include "shaders/kernels.glsl"
+#include "tests/agreement/scene_probe.h"
 
 layout(std430, set = LANE_SET, binding = 0) readonly buffer Numbers { uint numbers[]; };
 layout(std430, set = LANE_SET, binding = 1) writeonly buffer Found { float found[]; };

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // core/kernels/scene.h in C++ float, which nothing but the test of the dialects needs, and sceneProbe.
 #pragma once
-#include "gxy/kernels/single_views.h"
-#include "gxy/rays/ray_fields.h"
+#include "core/kernels/single_views.h"
+#include "core/rays/ray_fields.h"
 
 #define R(x) real(x)
 #define FN inline
@@ -13,9 +13,9 @@
 #define NO_HIT R(1e30)
 #define VOLUME const VolumeView&
 namespace gxy::single {
-#include "gxy/kernels/scene.h"
+#include "core/kernels/scene.h"
 // clang-format off
-#include "scene_probe.h"
+#include "tests/agreement/scene_probe.h"
 // clang-format on
 }  // namespace gxy::single
 #undef R

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "scenes.h"
+#include "tests/agreement/scenes.h"
 
 #include <cmath>
 #include <cstring>
 #include <glm/geometric.hpp>
 #include <numbers>
 
-#include "gxy/data/macrocells.h"
-#include "gxyrender/reference_scene.h"
+#include "core/data/macrocells.h"
+#include "tools/gxyrender/reference_scene.h"
 
 namespace gxy::agreement {
 

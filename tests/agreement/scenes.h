@@ -6,10 +6,10 @@
 #include <string>
 #include <vector>
 
-#include "gxy/data/geometry.h"
-#include "gxy/data/volume.h"
-#include "gxy/rays/compiled_scene.h"
-#include "gxy/reference/reference.h"
+#include "core/data/geometry.h"
+#include "core/data/volume.h"
+#include "core/rays/compiled_scene.h"
+#include "core/reference/reference.h"
 
 namespace gxy::agreement {
 

@@ -8,13 +8,13 @@
 #include <cstring>
 #include <glm/geometric.hpp>
 
-#include "backend.h"
-#include "compare.h"
+#include "core/data/bricks.h"
+#include "core/kernels/single_views.h"
+#include "core/scene/state_file.h"
 #include "fields_ispc.h"
-#include "gxy/data/bricks.h"
-#include "gxy/kernels/single_views.h"
-#include "gxy/scene/state_file.h"
-#include "support/every_cell.h"
+#include "tests/agreement/backend.h"
+#include "tests/agreement/compare.h"
+#include "tests/support/every_cell.h"
 
 namespace gxy::agreement {
 namespace {

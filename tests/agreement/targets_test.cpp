@@ -5,8 +5,8 @@
 #include <cstring>
 #include <iostream>
 
-#include "backend.h"
-#include "draw.h"
+#include "tests/agreement/backend.h"
+#include "tests/agreement/draw.h"
 
 std::unique_ptr<gxy::Backend> makeBackend_sse4();
 std::unique_ptr<gxy::Backend> makeBackend_avx2();

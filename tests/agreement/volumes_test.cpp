@@ -7,8 +7,8 @@
 #include <glm/geometric.hpp>
 #include <limits>
 
-#include "backend.h"
-#include "compare.h"
+#include "tests/agreement/backend.h"
+#include "tests/agreement/compare.h"
 
 namespace gxy::agreement {
 namespace {

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/annotate/annotations.h"
+#include "core/annotate/annotations.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "gxy/scene/colormaps.h"
+#include "core/scene/colormaps.h"
 
 namespace gxy {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/annotate/overlay.h"
+#include "core/annotate/overlay.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <glm/vec4.hpp>
 #include <limits>
 
-#include "gxy/io/text_mask.h"
+#include "core/image/text_mask.h"
 
 namespace gxy {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxybench/chart.h"
+#include "tools/gxybench/chart.h"
 
 #include <gtest/gtest.h>
 
@@ -10,8 +10,8 @@
 #include <sstream>
 #include <vector>
 
-#include "gxy/comm/error.h"
-#include "rows.h"
+#include "core/comm/error.h"
+#include "tests/bench/rows.h"
 
 namespace gxy::bench::test {
 namespace {

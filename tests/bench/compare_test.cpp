@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxybench/compare.h"
+#include "tools/gxybench/compare.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "rows.h"
+#include "tests/bench/rows.h"
 
 namespace gxy::bench::test {
 namespace {

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxybench/errors.h"
+#include "tools/gxybench/errors.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "gxy/comm/error.h"
+#include "core/comm/error.h"
 
 namespace gxy::bench::test {
 namespace {

@@ -9,7 +9,7 @@
 #include <map>
 #include <set>
 
-#include "rows.h"
+#include "tests/bench/rows.h"
 
 namespace gxy::bench::test {
 namespace {

@@ -3,8 +3,8 @@
 #pragma once
 #include <string>
 
-#include "gxybench/table.h"
-#include "support/temporary_folder.h"
+#include "tests/support/temporary_folder.h"
+#include "tools/gxybench/table.h"
 
 namespace gxy::bench::test {
 

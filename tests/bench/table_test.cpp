@@ -4,8 +4,8 @@
 #include <fstream>
 #include <limits>
 
-#include "gxy/comm/error.h"
-#include "rows.h"
+#include "core/comm/error.h"
+#include "tests/bench/rows.h"
 
 namespace gxy::bench::test {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxyviewer/camera_view.h"
+#include "tools/gxyviewer/camera_view.h"
 
 #include <gtest/gtest.h>
 #include <vtkCamera.h>
@@ -8,7 +8,7 @@
 #include <glm/geometric.hpp>
 #include <random>
 
-#include "gxy/scene/camera.h"
+#include "core/scene/camera.h"
 
 namespace gxy::test {
 namespace {

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxyviewer/canvas.h"
+#include "tools/gxyviewer/canvas.h"
 
 #include <gtest/gtest.h>
 
-#include "gxy/comm/error.h"
-#include "gxy/protocol/tile_codec.h"
-#include "gxyviewer/upsample.h"
+#include "core/comm/error.h"
+#include "multiserver/protocol/tile_codec.h"
+#include "tools/gxyviewer/upsample.h"
 
 namespace gxy::test {
 namespace {

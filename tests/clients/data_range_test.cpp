@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxyviewer/data_range.h"
+#include "tools/gxyviewer/data_range.h"
 
 #include <gtest/gtest.h>
 
-#include "gxy/scene/colormaps.h"
-#include "gxyviewer/selection.h"
+#include "core/scene/colormaps.h"
+#include "tools/gxyviewer/selection.h"
 
 namespace gxy::test {
 namespace {

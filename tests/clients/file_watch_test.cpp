@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxyviewer/file_watch.h"
+#include "tools/gxyviewer/file_watch.h"
 
 #include <gtest/gtest.h>
 
 #include <fstream>
 
-#include "support/temporary_folder.h"
+#include "tests/support/temporary_folder.h"
 
 namespace gxy::test {
 namespace {

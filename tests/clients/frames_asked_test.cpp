@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxyviewer/frames_asked.h"
+#include "tools/gxyviewer/frames_asked.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxyviewer/pace.h"
+#include "tools/gxyviewer/pace.h"
 
 #include <gtest/gtest.h>
 

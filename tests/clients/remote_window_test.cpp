@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What gxyviewer shows of a server's window when data come, change and go, and when it is refused.
-#include "gxyviewer/remote_window.h"
+#include "tools/gxyviewer/remote_window.h"
 
 #include <gtest/gtest.h>
 
@@ -12,11 +12,11 @@
 #include <string>
 #include <thread>
 
-#include "clients/stand_in.h"
-#include "gxy/scene/state_file.h"
-#include "multiserver/hang.h"
-#include "multiserver/holding.h"
-#include "multiserver/test_server.h"
+#include "core/scene/state_file.h"
+#include "tests/clients/stand_in.h"
+#include "tests/multiserver/hang.h"
+#include "tests/multiserver/holding.h"
+#include "tests/multiserver/test_server.h"
 
 namespace gxy::test {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxyviewer/selection.h"
+#include "tools/gxyviewer/selection.h"
 
 #include <gtest/gtest.h>
 

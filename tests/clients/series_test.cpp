@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxyviewer/series.h"
+#include "tools/gxyviewer/series.h"
 
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
 
-#include "gxy/comm/error.h"
+#include "core/comm/error.h"
 
 namespace gxy::test {
 namespace {

@@ -17,8 +17,8 @@
 #include <thread>
 #include <utility>
 
-#include "gxy/protocol/frame.h"
-#include "gxy/protocol/handshake.h"
+#include "multiserver/protocol/frame.h"
+#include "multiserver/protocol/handshake.h"
 
 namespace gxy::test {
 

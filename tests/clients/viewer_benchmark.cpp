@@ -8,10 +8,10 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
-#include "gxy/comm/error.h"
-#include "gxy/scene/state_file.h"
-#include "gxyviewer/png.h"
-#include "gxyviewer/remote_window.h"
+#include "core/comm/error.h"
+#include "core/scene/state_file.h"
+#include "tools/gxyviewer/png.h"
+#include "tools/gxyviewer/remote_window.h"
 
 using namespace gxy;
 using Clock = RemoteWindow::Clock;

@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "gxy/comm/collective.h"
-#include "gxy/comm/error.h"
-#include "gxy/comm/random.h"
+#include "core/comm/collective.h"
+#include "core/comm/error.h"
+#include "core/comm/random.h"
 
 namespace gxy {
 

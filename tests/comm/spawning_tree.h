@@ -7,10 +7,10 @@
 #include <set>
 #include <vector>
 
-#include "gxy/comm/completion.h"
-#include "gxy/comm/in_process.h"
-#include "gxy/comm/random.h"
-#include "gxy/comm/wire.h"
+#include "core/comm/completion.h"
+#include "core/comm/in_process.h"
+#include "core/comm/random.h"
+#include "core/comm/wire.h"
 
 namespace gxy {
 

@@ -7,11 +7,11 @@
 #include <cmath>
 #include <string>
 
-#include "gxy/comm/collective.h"
-#include "gxy/comm/error.h"
-#include "gxy/comm/random.h"
-#include "gxy/comm/wire.h"
-#include "gxy/comm/work.h"
+#include "core/comm/collective.h"
+#include "core/comm/error.h"
+#include "core/comm/random.h"
+#include "core/comm/wire.h"
+#include "core/comm/work.h"
 
 namespace gxy {
 

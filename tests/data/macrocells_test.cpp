@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/data/macrocells.h"
+#include "core/data/macrocells.h"
 
 #include <gtest/gtest.h>
 
@@ -7,8 +7,8 @@
 #include <cmath>
 #include <random>
 
-#include "gxy/comm/error.h"
-#include "random_partitioning.h"
+#include "core/comm/error.h"
+#include "tests/data/random_partitioning.h"
 
 namespace gxy {
 namespace {

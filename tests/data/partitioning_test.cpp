@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/data/partitioning.h"
+#include "core/data/partitioning.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <random>
 
-#include "gxy/comm/error.h"
-#include "random_partitioning.h"
+#include "core/comm/error.h"
+#include "tests/data/random_partitioning.h"
 
 namespace gxy {
 namespace {

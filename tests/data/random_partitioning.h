@@ -4,7 +4,7 @@
 #include <random>
 #include <vector>
 
-#include "gxy/data/partitioning.h"
+#include "core/data/partitioning.h"
 
 namespace gxy::test {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/data/replicate.h"
+#include "core/data/replicate.h"
 
 #include <gtest/gtest.h>
 
@@ -8,9 +8,9 @@
 #include <random>
 #include <set>
 
-#include "gxy/comm/error.h"
-#include "random_partitioning.h"
-#include "support/ended.h"
+#include "core/comm/error.h"
+#include "tests/data/random_partitioning.h"
+#include "tests/support/ended.h"
 
 namespace gxy {
 namespace {

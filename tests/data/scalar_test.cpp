@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/data/scalar.h"
+#include "core/data/scalar.h"
 
 #include <gtest/gtest.h>
 
@@ -8,8 +8,8 @@
 #include <limits>
 #include <random>
 
-#include "bytes.h"
-#include "gxy/comm/error.h"
+#include "core/comm/error.h"
+#include "tests/data/bytes.h"
 
 namespace gxy {
 namespace {

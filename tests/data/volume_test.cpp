@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/data/volume.h"
+#include "core/data/volume.h"
 
 #include <gtest/gtest.h>
 
@@ -7,9 +7,9 @@
 #include <cstring>
 #include <random>
 
-#include "bytes.h"
-#include "gxy/comm/error.h"
-#include "random_partitioning.h"
+#include "core/comm/error.h"
+#include "tests/data/bytes.h"
+#include "tests/data/random_partitioning.h"
 
 namespace gxy {
 namespace {

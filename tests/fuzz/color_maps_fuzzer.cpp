@@ -7,10 +7,10 @@
 #include <limits>
 #include <string>
 
-#include "gxy/comm/error.h"
-#include "gxy/rays/compiled_map.h"
-#include "gxy/scene/colormaps.h"
-#include "gxy/scene/state_file.h"
+#include "core/comm/error.h"
+#include "core/rays/compiled_map.h"
+#include "core/scene/colormaps.h"
+#include "core/scene/state_file.h"
 
 namespace {
 

@@ -5,12 +5,12 @@
 #include <cstdlib>
 #include <span>
 
-#include "gxy/comm/error.h"
-#include "gxy/protocol/frame.h"
-#include "gxy/protocol/handshake.h"
-#include "gxy/protocol/json.h"
-#include "gxy/protocol/statement.h"
-#include "gxy/protocol/tile_codec.h"
+#include "core/comm/error.h"
+#include "multiserver/protocol/frame.h"
+#include "multiserver/protocol/handshake.h"
+#include "multiserver/protocol/json.h"
+#include "multiserver/protocol/statement.h"
+#include "multiserver/protocol/tile_codec.h"
 
 namespace {
 

@@ -3,8 +3,8 @@
 #include <cstdint>
 #include <string_view>
 
-#include "gxy/comm/error.h"
-#include "gxy/io/image_header.h"
+#include "core/comm/error.h"
+#include "core/io/image_header.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   const std::string_view bytes(reinterpret_cast<const char*>(data), size);

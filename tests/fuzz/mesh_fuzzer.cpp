@@ -3,13 +3,13 @@
 #include <cstdint>
 #include <string>
 
-#include "gxy/comm/error.h"
-#include "gxy/io/legacy_vtk.h"
-#include "gxy/io/obj_reader.h"
-#include "gxy/io/off_reader.h"
-#include "gxy/io/ply_reader.h"
-#include "gxy/io/point_table.h"
-#include "gxy/io/stl_reader.h"
+#include "core/comm/error.h"
+#include "core/io/legacy_vtk.h"
+#include "core/io/obj_reader.h"
+#include "core/io/off_reader.h"
+#include "core/io/ply_reader.h"
+#include "core/io/point_table.h"
+#include "core/io/stl_reader.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   std::string bytes(reinterpret_cast<const char*>(data), size);

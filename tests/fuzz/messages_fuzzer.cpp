@@ -6,11 +6,11 @@
 #include <cstring>
 #include <span>
 
-#include "gxy/comm/collective.h"
-#include "gxy/comm/error.h"
-#include "gxy/comm/work.h"
-#include "gxy/data/replicate.h"
-#include "support/frames.h"
+#include "core/comm/collective.h"
+#include "core/comm/error.h"
+#include "core/comm/work.h"
+#include "core/data/replicate.h"
+#include "tests/support/frames.h"
 
 namespace {
 

@@ -11,11 +11,11 @@
 #include <string_view>
 #include <thread>
 
-#include "gxy/comm/error.h"
-#include "gxy/protocol/tile_codec.h"
-#include "gxy/server/datasets.h"
-#include "gxy/server/dialogue.h"
-#include "multiserver/test_server.h"
+#include "core/comm/error.h"
+#include "multiserver/protocol/tile_codec.h"
+#include "multiserver/server/datasets.h"
+#include "multiserver/server/dialogue.h"
+#include "tests/multiserver/test_server.h"
 
 namespace {
 

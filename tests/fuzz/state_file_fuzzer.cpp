@@ -6,10 +6,10 @@
 #include <cstdlib>
 #include <string_view>
 
-#include "gxy/comm/error.h"
-#include "gxy/scene/colormaps.h"
-#include "gxy/scene/paraview_camera.h"
-#include "gxy/scene/state_file.h"
+#include "core/comm/error.h"
+#include "core/scene/colormaps.h"
+#include "core/scene/paraview_camera.h"
+#include "core/scene/state_file.h"
 
 namespace {
 

@@ -3,8 +3,8 @@
 #include <cstdint>
 #include <string_view>
 
-#include "gxy/comm/error.h"
-#include "gxy/io/volume_description.h"
+#include "core/comm/error.h"
+#include "core/io/volume_description.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   try {

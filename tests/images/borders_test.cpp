@@ -6,7 +6,7 @@
 #include <initializer_list>
 #include <tuple>
 
-#include "support/frames.h"
+#include "tests/support/frames.h"
 
 namespace gxy::test {
 namespace {

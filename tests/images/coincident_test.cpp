@@ -5,8 +5,8 @@
 
 #include <cmath>
 
-#include "support/backends.h"
-#include "support/frames.h"
+#include "tests/support/backends.h"
+#include "tests/support/frames.h"
 
 namespace gxy::test {
 namespace {

@@ -4,8 +4,8 @@
 
 #include <algorithm>
 
-#include "support/backends.h"
-#include "support/frames.h"
+#include "tests/support/backends.h"
+#include "tests/support/frames.h"
 
 namespace gxy::test {
 namespace {

@@ -13,7 +13,7 @@
 #include <iterator>
 #include <vector>
 
-#include "gxy/io/image.h"
+#include "core/image/image.h"
 
 namespace gxy {
 namespace {

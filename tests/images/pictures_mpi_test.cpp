@@ -6,10 +6,10 @@
 #include <algorithm>
 #include <condition_variable>
 
-#include "gxy/comm/collective.h"
-#include "gxy/comm/mpi_transport.h"
-#include "support/backends.h"
-#include "support/frames.h"
+#include "core/comm/collective.h"
+#include "core/comm/mpi_transport.h"
+#include "tests/support/backends.h"
+#include "tests/support/frames.h"
 
 namespace gxy::test {
 namespace {

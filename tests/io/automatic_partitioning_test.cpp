@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/io/automatic_partitioning.h"
+#include "core/io/automatic_partitioning.h"
 
 #include <gtest/gtest.h>
 
-#include "gxy/comm/error.h"
+#include "core/comm/error.h"
 
 namespace gxy {
 namespace {

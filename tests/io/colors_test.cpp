@@ -5,11 +5,11 @@
 #include <cmath>
 #include <mutex>
 
-#include "fixtures.h"
-#include "gxy/io/file.h"
-#include "gxy/io/geometry_file.h"
-#include "gxy/io/import_geometry.h"
-#include "gxy/io/write_geometry.h"
+#include "core/io/file.h"
+#include "core/io/geometry_file.h"
+#include "core/io/import_geometry.h"
+#include "core/io/write_geometry.h"
+#include "tests/io/fixtures.h"
 
 namespace gxy {
 namespace {

@@ -11,11 +11,11 @@
 #include <vtkXMLImageDataWriter.h>
 #include <vtkZLibDataCompressor.h>
 
-#include "fixtures.h"
-#include "gxy/io/byte_stream.h"
-#include "gxy/io/file.h"
-#include "gxy/io/import_volume.h"
-#include "gxy/io/write_volume.h"
+#include "core/io/byte_stream.h"
+#include "core/io/file.h"
+#include "core/io/import_volume.h"
+#include "core/io/write_volume.h"
+#include "tests/io/fixtures.h"
 
 namespace gxy {
 namespace {

@@ -14,10 +14,10 @@
 #include <thread>
 #include <vector>
 
-#include "gxy/comm/error.h"
-#include "gxy/io/collectives.h"
-#include "gxy/io/volume_file.h"
-#include "support/temporary_folder.h"
+#include "core/comm/error.h"
+#include "core/io/collectives.h"
+#include "core/io/volume_file.h"
+#include "tests/support/temporary_folder.h"
 
 namespace gxy::testing {
 

@@ -6,10 +6,10 @@
 #include <bit>
 #include <cmath>
 
-#include "fixtures.h"
-#include "gxy/io/file.h"
-#include "gxy/io/import_volume.h"
-#include "gxy/io/referenced_files.h"
+#include "core/io/file.h"
+#include "core/io/import_volume.h"
+#include "core/io/referenced_files.h"
+#include "tests/io/fixtures.h"
 
 namespace gxy {
 namespace {

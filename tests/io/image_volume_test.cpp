@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "fixtures.h"
-#include "gxy/io/file.h"
-#include "gxy/io/import_volume.h"
-#include "gxy/io/write_volume.h"
+#include "core/io/file.h"
+#include "core/io/import_volume.h"
+#include "core/io/write_volume.h"
+#include "tests/io/fixtures.h"
 
 namespace gxy {
 namespace {

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/io/import_volume.h"
-#include "gxy/data/bricks.h"
+#include "core/io/import_volume.h"
+#include "core/data/bricks.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "fixtures.h"
-#include "gxy/comm/error.h"
-#include "gxy/data/bricks.h"
-#include "gxy/io/write_volume.h"
+#include "core/comm/error.h"
+#include "core/data/bricks.h"
+#include "core/io/write_volume.h"
+#include "tests/io/fixtures.h"
 
 namespace gxy {
 namespace {

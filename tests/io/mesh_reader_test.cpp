@@ -9,11 +9,11 @@
 #include <functional>
 #include <glm/geometric.hpp>
 
-#include "fixtures.h"
-#include "gxy/comm/error.h"
-#include "gxy/io/file.h"
-#include "gxy/io/geometry_file.h"
-#include "gxy/io/write_geometry.h"
+#include "core/comm/error.h"
+#include "core/io/file.h"
+#include "core/io/geometry_file.h"
+#include "core/io/write_geometry.h"
+#include "tests/io/fixtures.h"
 
 namespace gxy {
 namespace {

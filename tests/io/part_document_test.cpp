@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/io/part_document.h"
+#include "core/io/part_document.h"
 
 #include <gtest/gtest.h>
 
-#include "fixtures.h"
-#include "gxy/comm/error.h"
+#include "core/comm/error.h"
+#include "tests/io/fixtures.h"
 
 namespace gxy {
 namespace {

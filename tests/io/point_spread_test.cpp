@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // How points are spread, on any number of ranks.
-#include "gxy/io/point_spread.h"
+#include "core/io/point_spread.h"
 
 #include <gtest/gtest.h>
 
 #include <numeric>
 
-#include "fixtures.h"
+#include "tests/io/fixtures.h"
 
 namespace gxy {
 namespace {

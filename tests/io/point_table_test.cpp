@@ -4,10 +4,10 @@
 
 #include <cmath>
 
-#include "fixtures.h"
-#include "gxy/comm/error.h"
-#include "gxy/io/file.h"
-#include "gxy/io/geometry_file.h"
+#include "core/comm/error.h"
+#include "core/io/file.h"
+#include "core/io/geometry_file.h"
+#include "tests/io/fixtures.h"
 
 namespace gxy {
 namespace {

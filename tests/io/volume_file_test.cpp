@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/io/volume_file.h"
+#include "core/io/volume_file.h"
 
 #include <gtest/gtest.h>
 #include <vtkDataArray.h>
@@ -10,10 +10,10 @@
 #include <vtkStructuredPointsWriter.h>
 #include <vtkXMLImageDataWriter.h>
 
-#include "fixtures.h"
-#include "gxy/comm/error.h"
-#include "gxy/io/file.h"
-#include "gxy/io/write_volume.h"
+#include "core/comm/error.h"
+#include "core/io/file.h"
+#include "core/io/write_volume.h"
+#include "tests/io/fixtures.h"
 
 namespace gxy {
 namespace {

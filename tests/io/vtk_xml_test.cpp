@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // VTK's XML files whose arrays are compressed: sound ones are read whatever the compressor and the encoding, and what a
 // file states is told, or refused, before VTK's reader takes memory for it.
-#include "gxy/io/vtk_xml.h"
+#include "core/io/vtk_xml.h"
 
 #include <gtest/gtest.h>
 #include <vtkBitArray.h>
@@ -28,9 +28,9 @@
 #include <map>
 #include <numeric>
 
-#include "fixtures.h"
-#include "gxy/comm/error.h"
-#include "gxy/io/geometry_file.h"
+#include "core/comm/error.h"
+#include "core/io/geometry_file.h"
+#include "tests/io/fixtures.h"
 
 namespace gxy {
 namespace {

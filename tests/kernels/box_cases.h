@@ -3,7 +3,7 @@
 #pragma once
 #include <algorithm>
 
-#include "random.h"
+#include "tests/kernels/random.h"
 
 namespace gxy::test {
 

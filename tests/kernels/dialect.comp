@@ -3,10 +3,10 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #define GXY_GLSL
-#include "layout.h"
-#include "dialect.h"
-#include "all.h"
-#include "probe.h"
+#include "shaders/layout.h"
+#include "core/kernels/dialect.h"
+#include "core/kernels/all.h"
+#include "tests/kernels/probe.h"
 
 layout(local_size_x = BLOCK_RAYS) in;
 layout(std430, set = LANE_SET, binding = 0) buffer Result { float result[]; };

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // out[f * count + i] = probe(f, i). Compiled once for each instruction set, PROBE naming the function.
 // clang-format off
-#include "dialect.h"
-#include "all.h"
-#include "probe.h"
+#include "core/kernels/dialect.h"
+#include "core/kernels/all.h"
+#include "tests/kernels/probe.h"
 // clang-format on
 
 export void PROBE(uniform int count, uniform float out[]) {

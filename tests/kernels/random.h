@@ -6,8 +6,8 @@
 #include <cstdint>
 #include <numbers>
 
-#include "gxy/kernels/single.h"
-#include "gxy/kernels/twin.h"
+#include "core/kernels/single.h"
+#include "core/kernels/twin.h"
 
 namespace gxy::test {
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // A module whose second work is named like one of the server's own.
-#include "gxy/server/module.h"
+#include "multiserver/server/module.h"
 
 GALAXY_MODULE(registration) {
   const auto nothing = [](const gxy::Work::Call&) -> nlohmann::json { return nullptr; };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/server/data_folders.h"
+#include "multiserver/server/data_folders.h"
 
 #include <gtest/gtest.h>
 #include <sys/stat.h>
@@ -8,12 +8,12 @@
 #include <filesystem>
 #include <fstream>
 
-#include "gxy/comm/error.h"
-#include "gxy/io/geometry_file.h"
-#include "gxy/io/volume_file.h"
-#include "gxy/io/write_volume.h"
-#include "support/swapped_link.h"
-#include "support/temporary_folder.h"
+#include "core/comm/error.h"
+#include "core/io/geometry_file.h"
+#include "core/io/volume_file.h"
+#include "core/io/write_volume.h"
+#include "tests/support/swapped_link.h"
+#include "tests/support/temporary_folder.h"
 
 namespace gxy {
 namespace {

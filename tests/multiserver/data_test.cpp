@@ -10,10 +10,10 @@
 #include <future>
 #include <thread>
 
-#include "gxy/comm/error.h"
-#include "gxy/protocol/json.h"
-#include "gxy/server/datasets.h"
-#include "multiserver/test_server.h"
+#include "core/comm/error.h"
+#include "multiserver/protocol/json.h"
+#include "multiserver/server/datasets.h"
+#include "tests/multiserver/test_server.h"
 
 namespace gxy::test {
 namespace {

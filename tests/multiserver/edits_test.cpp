@@ -11,11 +11,11 @@
 #include <thread>
 #include <vector>
 
-#include "gxy/embree/embree_backend.h"
-#include "gxy/io/write_geometry.h"
-#include "multiserver/holding.h"
-#include "multiserver/raw_client.h"
-#include "multiserver/test_server.h"
+#include "backends/embree/embree_backend.h"
+#include "core/io/write_geometry.h"
+#include "tests/multiserver/holding.h"
+#include "tests/multiserver/raw_client.h"
+#include "tests/multiserver/test_server.h"
 
 namespace gxy::test {
 namespace {

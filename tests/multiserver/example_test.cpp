@@ -5,8 +5,8 @@
 #include <cmath>
 #include <future>
 
-#include "gxy/server/datasets.h"
-#include "multiserver/test_server.h"
+#include "multiserver/server/datasets.h"
+#include "tests/multiserver/test_server.h"
 
 namespace gxy::test {
 namespace {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // A module that was built for another interface: what GALAXY_MODULE defines, with another number.
-#include "gxy/server/module.h"
+#include "multiserver/server/module.h"
 
 extern "C" uint32_t galaxy_module_abi() { return gxy::kModuleAbi + 1; }
 

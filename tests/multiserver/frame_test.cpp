@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/protocol/frame.h"
+#include "multiserver/protocol/frame.h"
 
 #include <gtest/gtest.h>
 
 #include <cstring>
 #include <random>
 
-#include "gxy/comm/error.h"
-#include "gxy/protocol/handshake.h"
-#include "gxy/protocol/json.h"
-#include "gxy/protocol/pixel_record.h"
+#include "core/comm/error.h"
+#include "multiserver/protocol/handshake.h"
+#include "multiserver/protocol/json.h"
+#include "multiserver/protocol/pixel_record.h"
 
 namespace gxy::protocol {
 namespace {

@@ -3,7 +3,7 @@
 #pragma once
 #include <latch>
 
-#include "multiserver/test_server.h"
+#include "tests/multiserver/test_server.h"
 
 namespace gxy::test {
 

@@ -6,8 +6,8 @@
 #include <thread>
 #include <utility>
 
-#include "gxy/comm/error.h"
-#include "gxy/embree/embree_backend.h"
+#include "backends/embree/embree_backend.h"
+#include "core/comm/error.h"
 
 namespace gxy::test {
 

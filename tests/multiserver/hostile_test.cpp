@@ -11,11 +11,11 @@
 #include <random>
 #include <thread>
 
-#include "gxy/comm/error.h"
-#include "multiserver/bystander.h"
-#include "multiserver/raw_client.h"
-#include "multiserver/test_server.h"
-#include "support/swapped_link.h"
+#include "core/comm/error.h"
+#include "tests/multiserver/bystander.h"
+#include "tests/multiserver/raw_client.h"
+#include "tests/multiserver/test_server.h"
+#include "tests/support/swapped_link.h"
 
 namespace gxy::test {
 namespace {

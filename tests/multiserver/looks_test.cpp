@@ -6,9 +6,9 @@
 #include <map>
 #include <set>
 
-#include "gxy/scene/resolve.h"
-#include "gxy/scene/state_file.h"
-#include "multiserver/viewer_client.h"
+#include "core/scene/resolve.h"
+#include "core/scene/state_file.h"
+#include "tests/multiserver/viewer_client.h"
 
 namespace gxy::test {
 namespace {

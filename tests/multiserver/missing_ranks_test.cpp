@@ -4,10 +4,10 @@
 
 #include <future>
 
-#include "gxy/comm/presence.h"
-#include "multiserver/hang.h"
-#include "multiserver/test_server.h"
-#include "multiserver/viewer_client.h"
+#include "core/comm/presence.h"
+#include "tests/multiserver/hang.h"
+#include "tests/multiserver/test_server.h"
+#include "tests/multiserver/viewer_client.h"
 
 namespace gxy::test {
 namespace {

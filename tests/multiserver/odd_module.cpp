@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // A module whose verbs return what no reply may hold.
-#include "gxy/server/module.h"
+#include "multiserver/server/module.h"
 
 GALAXY_MODULE(registration) {
   using nlohmann::json;

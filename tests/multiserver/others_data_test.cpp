@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What a tenant hears and sees of the data of others: of what is private to them nothing, whatever its name.
-#include "multiserver/viewer_client.h"
+#include "tests/multiserver/viewer_client.h"
 
 namespace gxy::test {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/server/outbox.h"
+#include "multiserver/server/outbox.h"
 
 #include <gtest/gtest.h>
 

@@ -2,8 +2,8 @@
 // A frame that refines is over as soon as the one that waited begins, whatever it was at.
 #include <array>
 
-#include "multiserver/raw_client.h"
-#include "multiserver/viewer_client.h"
+#include "tests/multiserver/raw_client.h"
+#include "tests/multiserver/viewer_client.h"
 
 namespace gxy::test {
 namespace {

@@ -4,10 +4,10 @@
 
 #include <cmath>
 
-#include "gxy/comm/error.h"
-#include "gxy/io/file.h"
-#include "gxy/io/write_geometry.h"
-#include "multiserver/viewer_client.h"
+#include "core/comm/error.h"
+#include "core/io/file.h"
+#include "core/io/write_geometry.h"
+#include "tests/multiserver/viewer_client.h"
 
 namespace gxy::test {
 namespace {

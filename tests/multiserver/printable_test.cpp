@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/protocol/json.h"
+#include "multiserver/protocol/json.h"
 
 #include <gtest/gtest.h>
 

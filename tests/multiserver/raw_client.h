@@ -12,9 +12,9 @@
 #include <string>
 #include <vector>
 
-#include "gxy/protocol/frame.h"
-#include "gxy/protocol/handshake.h"
-#include "gxy/protocol/pixel_record.h"
+#include "multiserver/protocol/frame.h"
+#include "multiserver/protocol/handshake.h"
+#include "multiserver/protocol/pixel_record.h"
 
 namespace gxy::test {
 

@@ -4,10 +4,10 @@
 
 #include <future>
 
-#include "gxy/comm/error.h"
-#include "gxy/server/session.h"
-#include "multiserver/test_server.h"
-#include "multiserver/viewer_client.h"
+#include "core/comm/error.h"
+#include "multiserver/server/session.h"
+#include "tests/multiserver/test_server.h"
+#include "tests/multiserver/viewer_client.h"
 
 namespace gxy::test {
 namespace {

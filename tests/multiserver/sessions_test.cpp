@@ -16,11 +16,11 @@
 #include <sstream>
 #include <thread>
 
-#include "gxy/comm/error.h"
-#include "gxy/protocol/run_files.h"
-#include "gxy/server/module.h"
-#include "gxy/server/tenants.h"
-#include "multiserver/test_server.h"
+#include "core/comm/error.h"
+#include "multiserver/protocol/run_files.h"
+#include "multiserver/server/module.h"
+#include "multiserver/server/tenants.h"
+#include "tests/multiserver/test_server.h"
 
 namespace gxy::test {
 namespace {

@@ -12,11 +12,11 @@
 #include <random>
 #include <thread>
 
-#include "gxy/comm/thread_pool.h"
-#include "gxy/protocol/statement.h"
-#include "gxy/space/ledger.h"
-#include "multiserver/bystander.h"
-#include "multiserver/raw_client.h"
+#include "core/comm/thread_pool.h"
+#include "core/space/ledger.h"
+#include "multiserver/protocol/statement.h"
+#include "tests/multiserver/bystander.h"
+#include "tests/multiserver/raw_client.h"
 
 namespace gxy::test {
 namespace {

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/protocol/statement.h"
+#include "multiserver/protocol/statement.h"
 
 #include <gtest/gtest.h>
 
-#include "gxy/comm/error.h"
+#include "core/comm/error.h"
 
 namespace gxy::protocol {
 namespace {

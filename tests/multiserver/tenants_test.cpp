@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/server/tenants.h"
+#include "multiserver/server/tenants.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <thread>
 #include <vector>
 
-#include "gxy/comm/error.h"
+#include "core/comm/error.h"
 
 namespace gxy {
 namespace {

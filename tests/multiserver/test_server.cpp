@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "multiserver/test_server.h"
+#include "tests/multiserver/test_server.h"
 
 #include <spdlog/spdlog.h>
 
@@ -9,9 +9,9 @@
 #include <fstream>
 #include <thread>
 
-#include "gxy/comm/error.h"
-#include "gxy/embree/embree_backend.h"
-#include "gxy/protocol/tile_codec.h"
+#include "backends/embree/embree_backend.h"
+#include "core/comm/error.h"
+#include "multiserver/protocol/tile_codec.h"
 
 namespace gxy::test {
 

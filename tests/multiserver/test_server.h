@@ -9,10 +9,10 @@
 #include <string>
 #include <vector>
 
-#include "gxy/client/client.h"
-#include "gxy/comm/in_process.h"
-#include "gxy/server/server.h"
-#include "support/temporary_folder.h"
+#include "core/comm/in_process.h"
+#include "multiserver/client/client.h"
+#include "multiserver/server/server.h"
+#include "tests/support/temporary_folder.h"
 
 namespace gxy::test {
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/protocol/tile_codec.h"
+#include "multiserver/protocol/tile_codec.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <random>
 
-#include "gxy/comm/error.h"
+#include "core/comm/error.h"
 
 namespace gxy::protocol {
 namespace {

@@ -4,7 +4,7 @@
 #include <future>
 #include <map>
 
-#include "multiserver/viewer_client.h"
+#include "tests/multiserver/viewer_client.h"
 
 namespace gxy::test {
 namespace {

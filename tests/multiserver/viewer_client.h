@@ -10,7 +10,7 @@
 #include <thread>
 #include <vector>
 
-#include "multiserver/test_server.h"
+#include "tests/multiserver/test_server.h"
 
 namespace gxy::test {
 

@@ -6,9 +6,9 @@
 #include <future>
 #include <set>
 
-#include "gxy/comm/error.h"
-#include "gxy/io/image.h"
-#include "multiserver/viewer_client.h"
+#include "core/comm/error.h"
+#include "core/image/image.h"
+#include "tests/multiserver/viewer_client.h"
 
 namespace gxy::test {
 namespace {

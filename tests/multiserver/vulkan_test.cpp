@@ -6,11 +6,11 @@
 #include <fstream>
 #include <iterator>
 
-#include "gxy/io/image.h"
-#include "gxy/vulkan/vulkan_backend.h"
-#include "multiserver/test_server.h"
-#include "vulkan/difference.h"
-#include "vulkan/test_device.h"
+#include "backends/vulkan/vulkan_backend.h"
+#include "core/image/image.h"
+#include "tests/multiserver/test_server.h"
+#include "tests/vulkan/difference.h"
+#include "tests/vulkan/test_device.h"
 
 namespace gxy::test {
 namespace {

@@ -5,7 +5,7 @@
 #include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
 
-#include "gxy/comm/random.h"
+#include "core/comm/random.h"
 
 namespace gxy::test {
 

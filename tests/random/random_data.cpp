@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "random_data.h"
+#include "tests/random/random_data.h"
 
-#include "agreement/scenes.h"
+#include "tests/agreement/scenes.h"
 
 #include <cstring>
 #include <functional>

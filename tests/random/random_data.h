@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Data from a seed, in and about [-1, 1]^3.
 #pragma once
-#include "draw_numbers.h"
-#include "support/data_sets.h"
+#include "tests/random/draw_numbers.h"
+#include "tests/support/data_sets.h"
 
 namespace gxy::test {
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "random_scene.h"
+#include "tests/random/random_scene.h"
 
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
 
-#include "gxy/scene/state_file.h"
-#include "random_data.h"
+#include "core/scene/state_file.h"
+#include "tests/random/random_data.h"
 
 namespace gxy::test {
 

@@ -4,9 +4,9 @@
 #include <cstdint>
 #include <string>
 
-#include "agreement/scenes.h"
-#include "support/partitionings.h"
-#include "support/scenes.h"
+#include "tests/agreement/scenes.h"
+#include "tests/support/partitionings.h"
+#include "tests/support/scenes.h"
 
 namespace gxy::test {
 

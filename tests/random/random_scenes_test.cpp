@@ -9,10 +9,10 @@
 #include <cstdlib>
 #include <string_view>
 
-#include "agreement/backend.h"
-#include "agreement/compare.h"
-#include "random_scene.h"
-#include "support/frames.h"
+#include "tests/agreement/backend.h"
+#include "tests/agreement/compare.h"
+#include "tests/random/random_scene.h"
+#include "tests/support/frames.h"
 
 namespace gxy::test {
 namespace {

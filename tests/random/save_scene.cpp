@@ -2,11 +2,11 @@
 #include <cstring>
 #include <filesystem>
 
-#include "gxy/io/file.h"
-#include "gxy/io/write_geometry.h"
-#include "gxy/io/write_volume.h"
-#include "gxy/scene/state_file.h"
-#include "random_scene.h"
+#include "core/io/file.h"
+#include "core/io/write_geometry.h"
+#include "core/io/write_volume.h"
+#include "core/scene/state_file.h"
+#include "tests/random/random_scene.h"
 
 namespace gxy::test {
 

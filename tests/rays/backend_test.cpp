@@ -5,8 +5,8 @@
 #include <memory>
 #include <string>
 
-#include "gxy/comm/error.h"
-#include "gxy/rays/backend.h"
+#include "core/comm/error.h"
+#include "core/rays/backend.h"
 
 namespace gxy {
 namespace {

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/rays/ray_list.h"
+#include "core/rays/ray_list.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cstring>
 
-#include "gxy/comm/random.h"
+#include "core/comm/random.h"
 
 namespace gxy {
 namespace {

@@ -11,9 +11,9 @@
 #include <thread>
 #include <vector>
 
-#include "gxy/comm/error.h"
-#include "gxy/rays/backend.h"
-#include "gxy/space/ledger.h"
+#include "core/comm/error.h"
+#include "core/rays/backend.h"
+#include "core/space/ledger.h"
 
 namespace gxy {
 namespace {

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/reference/integrate.h"
+#include "core/reference/integrate.h"
 
 #include <gtest/gtest.h>
 
-#include "samples.h"
+#include "tests/reference/samples.h"
 
 namespace gxy::reference {
 namespace {

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/reference/isosurface.h"
+#include "core/reference/isosurface.h"
 
 #include <gtest/gtest.h>
 
-#include "gxy/comm/error.h"
-#include "gxy/reference/cells.h"
-#include "samples.h"
+#include "core/comm/error.h"
+#include "core/reference/cells.h"
+#include "tests/reference/samples.h"
 
 namespace gxy::reference {
 namespace {

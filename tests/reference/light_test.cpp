@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
-#include "samples.h"
+#include "tests/reference/samples.h"
 
 namespace gxy::reference {
 namespace {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
-#include "gxy/comm/error.h"
-#include "samples.h"
+#include "core/comm/error.h"
+#include "tests/reference/samples.h"
 
 namespace gxy::reference {
 namespace {

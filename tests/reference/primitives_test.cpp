@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/reference/primitives.h"
+#include "core/reference/primitives.h"
 
 #include <gtest/gtest.h>
 
-#include "gxy/reference/bvh.h"
-#include "samples.h"
+#include "core/reference/bvh.h"
+#include "tests/reference/samples.h"
 
 namespace gxy::reference {
 namespace {

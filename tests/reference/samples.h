@@ -8,8 +8,8 @@
 #include <memory>
 #include <numbers>
 
-#include "gxy/data/bricks.h"
-#include "gxy/reference/reference.h"
+#include "core/data/bricks.h"
+#include "core/reference/reference.h"
 
 namespace gxy::reference {
 

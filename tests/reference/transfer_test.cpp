@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/reference/transfer.h"
+#include "core/reference/transfer.h"
 
 #include <gtest/gtest.h>
 

@@ -4,9 +4,9 @@
 
 #include <algorithm>
 
-#include "support/frames.h"
-#include "support/observed_backend.h"
-#include "support/seeds.h"
+#include "tests/support/frames.h"
+#include "tests/support/observed_backend.h"
+#include "tests/support/seeds.h"
 
 namespace gxy::test {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/render/credits.h"
+#include "core/render/credits.h"
 
 #include <gtest/gtest.h>
 

@@ -6,9 +6,9 @@
 #include <deque>
 #include <thread>
 
-#include "gxy/comm/error.h"
-#include "gxy/embree/embree_backend.h"
-#include "support/frames.h"
+#include "backends/embree/embree_backend.h"
+#include "core/comm/error.h"
+#include "tests/support/frames.h"
 
 namespace gxy::test {
 namespace {

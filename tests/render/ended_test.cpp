@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Scenes that are given up while they are made.
-#include "support/ended.h"
-#include "support/backends.h"
-#include "support/frames.h"
+#include "tests/support/ended.h"
+#include "tests/support/backends.h"
+#include "tests/support/frames.h"
 
 namespace gxy::test {
 namespace {

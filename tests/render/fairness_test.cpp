@@ -9,9 +9,9 @@
 #include <string>
 #include <thread>
 
-#include "gxy/comm/random.h"
-#include "support/frames.h"
-#include "support/observed_backend.h"
+#include "core/comm/random.h"
+#include "tests/support/frames.h"
+#include "tests/support/observed_backend.h"
 
 namespace gxy::test {
 namespace {

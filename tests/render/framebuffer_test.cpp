@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/render/framebuffer.h"
+#include "core/render/framebuffer.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <memory>
 
-#include "gxy/comm/random.h"
+#include "core/comm/random.h"
 
 namespace gxy {
 namespace {

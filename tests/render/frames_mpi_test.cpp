@@ -5,9 +5,9 @@
 #include <atomic>
 #include <condition_variable>
 
-#include "gxy/comm/collective.h"
-#include "gxy/comm/mpi_transport.h"
-#include "support/frames.h"
+#include "core/comm/collective.h"
+#include "core/comm/mpi_transport.h"
+#include "tests/support/frames.h"
 
 namespace gxy::test {
 namespace {

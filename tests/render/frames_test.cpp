@@ -2,11 +2,11 @@
 // The protocol of frames: always reported, never early, nothing left behind, under any schedule.
 #include <gtest/gtest.h>
 
-#include "gxy/comm/error.h"
-#include "gxy/comm/random.h"
-#include "gxy/render/tiles.h"
-#include "support/frames.h"
-#include "support/seeds.h"
+#include "core/comm/error.h"
+#include "core/comm/random.h"
+#include "core/render/tiles.h"
+#include "tests/support/frames.h"
+#include "tests/support/seeds.h"
 
 namespace gxy::test {
 namespace {

@@ -5,9 +5,9 @@
 #include <cstring>
 #include <limits>
 
-#include "gxy/comm/random.h"
-#include "gxy/comm/wire.h"
-#include "support/frames.h"
+#include "core/comm/random.h"
+#include "core/comm/wire.h"
+#include "tests/support/frames.h"
 
 namespace gxy::test {
 namespace {

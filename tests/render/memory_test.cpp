@@ -2,8 +2,8 @@
 // What a Renderer enters into the ledger, by arithmetic.
 #include <gtest/gtest.h>
 
-#include "gxy/render/tiles.h"
-#include "support/frames.h"
+#include "core/render/tiles.h"
+#include "tests/support/frames.h"
 
 namespace gxy::test {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/rays/packet_size.h"
+#include "core/rays/packet_size.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/render/ready_queue.h"
+#include "core/render/ready_queue.h"
 
 #include <gtest/gtest.h>
 

@@ -11,14 +11,14 @@
 #include <glm/geometric.hpp>
 #include <set>
 
-#include "gxy/embree/embree_backend.h"
-#include "gxy/embree/geometry_tree.h"
-#include "gxy/kernels/single_views.h"
-#include "gxy/rays/scene_memory.h"
-#include "gxy/rays/step_plan.h"
-#include "support/backends.h"
-#include "support/every_cell.h"
-#include "support/frames.h"
+#include "backends/embree/embree_backend.h"
+#include "backends/embree/geometry_tree.h"
+#include "core/kernels/single_views.h"
+#include "core/rays/scene_memory.h"
+#include "core/rays/step_plan.h"
+#include "tests/support/backends.h"
+#include "tests/support/every_cell.h"
+#include "tests/support/frames.h"
 
 // The linker puts this in the place of Embree's.
 extern "C" {

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/render/tiles.h"
+#include "core/render/tiles.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "support/frames.h"
+#include "tests/support/frames.h"
 
 namespace gxy::test {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/scene/camera.h"
+#include "core/scene/camera.h"
 
 #include <cmath>
 #include <glm/geometric.hpp>
@@ -7,7 +7,7 @@
 #include <numbers>
 #include <random>
 
-#include "scene_test_support.h"
+#include "tests/scene/scene_test_support.h"
 
 namespace gxy {
 namespace {

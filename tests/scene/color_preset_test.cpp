@@ -3,9 +3,9 @@
 #include <cmath>
 #include <limits>
 
-#include "color_distance.h"
-#include "gxy/scene/colormaps.h"
-#include "scene_test_support.h"
+#include "core/scene/colormaps.h"
+#include "tests/scene/color_distance.h"
+#include "tests/scene/scene_test_support.h"
 
 namespace gxy {
 namespace {

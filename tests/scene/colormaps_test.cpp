@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/scene/colormaps.h"
+#include "core/scene/colormaps.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-#include "color_distance.h"
-#include "scene_test_support.h"
+#include "tests/scene/color_distance.h"
+#include "tests/scene/scene_test_support.h"
 
 namespace gxy {
 namespace {

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // What names on a command line mean.
-#include "gxy/scene/data_files.h"
+#include "core/scene/data_files.h"
 
-#include "gxy/scene/collection_file.h"
-#include "scene_test_support.h"
+#include "core/scene/collection_file.h"
+#include "tests/scene/scene_test_support.h"
 
 namespace gxy {
 namespace {

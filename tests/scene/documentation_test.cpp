@@ -3,8 +3,8 @@
 #include <fstream>
 #include <sstream>
 
-#include "gxy/scene/state_file.h"
-#include "scene_test_support.h"
+#include "core/scene/state_file.h"
+#include "tests/scene/scene_test_support.h"
 
 namespace gxy {
 namespace {

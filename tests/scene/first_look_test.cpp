@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "gxy/scene/colormaps.h"
-#include "gxy/scene/first_look.h"
-#include "gxy/scene/state_file.h"
+#include "core/scene/colormaps.h"
+#include "core/scene/first_look.h"
+#include "core/scene/state_file.h"
 
 namespace gxy {
 namespace {

@@ -2,11 +2,11 @@
 // Any text gives a State or an Error, never anything else.
 #include <random>
 
-#include "gxy/scene/colormaps.h"
-#include "gxy/scene/paraview_camera.h"
-#include "gxy/scene/state_file.h"
-#include "random_state.h"
-#include "scene_test_support.h"
+#include "core/scene/colormaps.h"
+#include "core/scene/paraview_camera.h"
+#include "core/scene/state_file.h"
+#include "tests/scene/random_state.h"
+#include "tests/scene/scene_test_support.h"
 
 namespace gxy {
 namespace {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/scene/json_text.h"
+#include "core/scene/json_text.h"
 
-#include "scene_test_support.h"
+#include "tests/scene/scene_test_support.h"
 
 namespace gxy {
 namespace {

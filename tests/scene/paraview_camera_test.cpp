@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/scene/paraview_camera.h"
+#include "core/scene/paraview_camera.h"
 
-#include "scene_test_support.h"
+#include "tests/scene/scene_test_support.h"
 
 namespace gxy {
 namespace {

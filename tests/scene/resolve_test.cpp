@@ -5,8 +5,8 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
-#include "gxy/scene/camera.h"
-#include "gxy/scene/resolve.h"
+#include "core/scene/camera.h"
+#include "core/scene/resolve.h"
 
 namespace gxy {
 namespace {

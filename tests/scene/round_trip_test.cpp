@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <limits>
 
-#include "gxy/scene/state_file.h"
-#include "random_state.h"
-#include "scene_test_support.h"
+#include "core/scene/state_file.h"
+#include "tests/scene/random_state.h"
+#include "tests/scene/scene_test_support.h"
 
 namespace gxy {
 namespace {

@@ -7,8 +7,8 @@
 #include <fstream>
 #include <string>
 
-#include "gxy/comm/error.h"
-#include "support/temporary_folder.h"
+#include "core/comm/error.h"
+#include "tests/support/temporary_folder.h"
 
 namespace gxy {
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the state file says beyond the earlier Galaxy's.
-#include "gxy/scene/state_file.h"
+#include "core/scene/state_file.h"
 
-#include "scene_test_support.h"
+#include "tests/scene/scene_test_support.h"
 
 namespace gxy {
 namespace {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Every message of the state file: what, where, what was expected.
-#include "gxy/scene/state_file.h"
-#include "scene_test_support.h"
+#include "core/scene/state_file.h"
+#include "tests/scene/scene_test_support.h"
 
 namespace gxy {
 namespace {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // State files as the earlier Galaxy's documentation and examples write them.
-#include "gxy/scene/colormaps.h"
-#include "gxy/scene/state_file.h"
-#include "scene_test_support.h"
+#include "core/scene/colormaps.h"
+#include "core/scene/state_file.h"
+#include "tests/scene/scene_test_support.h"
 
 namespace gxy {
 namespace {

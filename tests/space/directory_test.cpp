@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/space/directory.h"
+#include "core/space/directory.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <thread>
 #include <unordered_set>
 
-#include "gxy/comm/error.h"
+#include "core/comm/error.h"
 
 namespace gxy {
 namespace {

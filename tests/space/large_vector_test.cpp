@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/space/large_vector.h"
+#include "core/space/large_vector.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/space/ledger.h"
+#include "core/space/ledger.h"
 
 #include <gtest/gtest.h>
 

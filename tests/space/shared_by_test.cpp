@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gxy/space/shared_by.h"
+#include "core/space/shared_by.h"
 
 #include <gtest/gtest.h>
 

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "support/backends.h"
+#include "tests/support/backends.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 
-#include "gxy/comm/error.h"
-#include "gxy/embree/embree_backend.h"
+#include "backends/embree/embree_backend.h"
+#include "core/comm/error.h"
 #ifdef GALAXY_VULKAN
-#include "vulkan/test_device.h"
+#include "tests/vulkan/test_device.h"
 #endif
 
 namespace gxy::test {

@@ -4,7 +4,7 @@
 #pragma once
 #include <glm/vec2.hpp>
 
-#include "gxy/rays/backend.h"
+#include "core/rays/backend.h"
 
 namespace gxy::test {
 

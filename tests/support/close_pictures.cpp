@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "support/close_pictures.h"
+#include "tests/support/close_pictures.h"
 
 #include <algorithm>
 #include <cmath>

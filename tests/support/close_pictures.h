@@ -4,7 +4,7 @@
 #pragma once
 #include <cstddef>
 
-#include "gxy/render/framebuffer.h"
+#include "core/render/framebuffer.h"
 
 namespace gxy::test {
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "support/data_sets.h"
+#include "tests/support/data_sets.h"
 
 #include <cmath>
 #include <cstring>
 
-#include "gxy/data/macrocells.h"
+#include "core/data/macrocells.h"
 
 namespace gxy::test {
 

@@ -5,10 +5,10 @@
 #include <memory>
 #include <vector>
 
-#include "gxy/data/geometry.h"
-#include "gxy/data/partitioning.h"
-#include "gxy/data/replicate.h"
-#include "gxy/data/volume.h"
+#include "core/data/geometry.h"
+#include "core/data/partitioning.h"
+#include "core/data/replicate.h"
+#include "core/data/volume.h"
 
 namespace gxy::test {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "support/difference.h"
+#include "tests/support/difference.h"
 
 #include <gtest/gtest.h>
 
@@ -9,9 +9,9 @@
 #include <cstring>
 #include <sstream>
 
-#include "gxy/io/image.h"
-#include "support/close_pictures.h"
-#include "support/frames.h"
+#include "core/image/image.h"
+#include "tests/support/close_pictures.h"
+#include "tests/support/frames.h"
 
 namespace gxy::test {
 

@@ -3,8 +3,8 @@
 #pragma once
 #include <string>
 
-#include "gxy/render/framebuffer.h"
-#include "support/backends.h"
+#include "core/render/framebuffer.h"
+#include "tests/support/backends.h"
 
 namespace gxy::test {
 

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <limits>
 
-#include "support/close_pictures.h"
-#include "support/difference.h"
+#include "tests/support/close_pictures.h"
+#include "tests/support/difference.h"
 
 namespace gxy::test {
 namespace {

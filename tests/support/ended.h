@@ -6,7 +6,7 @@
 #include <atomic>
 #include <functional>
 
-#include "gxy/comm/advance.h"
+#include "core/comm/advance.h"
 
 namespace gxy::test {
 

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "gxy/rays/iso_plan.h"
+#include "core/rays/iso_plan.h"
 
 namespace gxy::test {
 

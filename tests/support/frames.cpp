@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "support/frames.h"
+#include "tests/support/frames.h"
 
-#include "gxy/comm/error.h"
-#include "support/backends.h"
+#include "core/comm/error.h"
+#include "tests/support/backends.h"
 
 namespace gxy::test {
 

@@ -8,11 +8,11 @@
 #include <string>
 #include <vector>
 
-#include "gxy/comm/in_process.h"
-#include "gxy/render/renderer.h"
-#include "support/difference.h"
-#include "support/partitionings.h"
-#include "support/scenes.h"
+#include "core/comm/in_process.h"
+#include "core/render/renderer.h"
+#include "tests/support/difference.h"
+#include "tests/support/partitionings.h"
+#include "tests/support/scenes.h"
 
 namespace gxy::test {
 

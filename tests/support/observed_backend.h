@@ -6,7 +6,7 @@
 #include <string>
 #include <utility>
 
-#include "gxy/embree/embree_backend.h"
+#include "backends/embree/embree_backend.h"
 
 namespace gxy::test {
 

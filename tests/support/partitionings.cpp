@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "support/partitionings.h"
+#include "tests/support/partitionings.h"
 
 #include <algorithm>
 
-#include "gxy/comm/random.h"
+#include "core/comm/random.h"
 
 namespace gxy::test {
 

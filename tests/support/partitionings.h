@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "gxy/data/partitioning.h"
+#include "core/data/partitioning.h"
 
 namespace gxy::test {
 

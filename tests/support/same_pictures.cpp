@@ -11,9 +11,9 @@
 #include <string>
 #include <vector>
 
-#include "gxy/comm/error.h"
-#include "gxy/io/image.h"
-#include "support/difference.h"
+#include "core/comm/error.h"
+#include "core/image/image.h"
+#include "tests/support/difference.h"
 
 namespace gxy::test {
 namespace {

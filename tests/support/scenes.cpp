@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "support/scenes.h"
+#include "tests/support/scenes.h"
 
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <numbers>
 
-#include "gxy/comm/random.h"
+#include "core/comm/random.h"
 
 namespace gxy::test {
 

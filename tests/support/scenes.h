@@ -6,8 +6,8 @@
 #include <variant>
 #include <vector>
 
-#include "gxy/scene/scene.h"
-#include "support/data_sets.h"
+#include "core/scene/scene.h"
+#include "tests/support/data_sets.h"
 
 namespace gxy::test {
 

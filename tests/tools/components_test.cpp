@@ -8,8 +8,8 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "gxy/data/bricks.h"
-#include "support/temporary_folder.h"
+#include "core/data/bricks.h"
+#include "tests/support/temporary_folder.h"
 
 namespace gxy {
 namespace {

@@ -11,12 +11,12 @@
 #include <filesystem>
 #include <glm/geometric.hpp>
 
-#include "gxy/io/file.h"
-#include "gxy/io/geometry_file.h"
-#include "gxy/io/image.h"
-#include "gxy/io/volume_file.h"
-#include "gxy/io/write_geometry.h"
-#include "support/temporary_folder.h"
+#include "core/image/image.h"
+#include "core/io/file.h"
+#include "core/io/geometry_file.h"
+#include "core/io/volume_file.h"
+#include "core/io/write_geometry.h"
+#include "tests/support/temporary_folder.h"
 
 namespace gxy {
 namespace {

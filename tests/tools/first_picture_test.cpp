@@ -13,8 +13,8 @@
 #include <random>
 #include <vector>
 
-#include "gxy/io/write_geometry.h"
-#include "support/temporary_folder.h"
+#include "core/io/write_geometry.h"
+#include "tests/support/temporary_folder.h"
 
 namespace gxy {
 namespace {

@@ -11,7 +11,7 @@
 #include <set>
 #include <sstream>
 
-#include "support/temporary_folder.h"
+#include "tests/support/temporary_folder.h"
 
 namespace gxy {
 namespace {

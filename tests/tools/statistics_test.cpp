@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What --stats says was skipped is what the counters of that name hold.
-#include "gxyrender/statistics.h"
+#include "tools/gxyrender/statistics.h"
 
 #include <gtest/gtest.h>
 

@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "gxy/backends/backends.h"
-#include "gxy/vulkan/vulkan_backend.h"
+#include "backends/registry/backends.h"
+#include "backends/vulkan/vulkan_backend.h"
 
 namespace gxy {
 namespace {

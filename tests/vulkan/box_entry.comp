@@ -3,10 +3,10 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #define GXY_GLSL
-#include "layout.h"
-#include "dialect.h"
-#include "all.h"
-#include "box_entry.glsl"
+#include "shaders/layout.h"
+#include "core/kernels/dialect.h"
+#include "core/kernels/all.h"
+#include "shaders/box_entry.glsl"
 
 layout(local_size_x = BLOCK_RAYS) in;
 layout(std430, set = LANE_SET, binding = 0) readonly buffer Cases { float cases[]; };

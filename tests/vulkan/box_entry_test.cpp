@@ -5,12 +5,12 @@
 #include <cstring>
 #include <vector>
 
-#include "box_entry.h"
-#include "gxy/shaders/layout.h"
-#include "gxy/vulkan/vulkan_device.h"
-#include "kernels/box_cases.h"
-#include "vulkan/test_device.h"
-#include "vulkan/test_shader.h"
+#include "backends/vulkan/vulkan_device.h"
+#include "box_entry_spirv.h"
+#include "shaders/layout.h"
+#include "tests/kernels/box_cases.h"
+#include "tests/vulkan/test_device.h"
+#include "tests/vulkan/test_shader.h"
 
 namespace gxy::test {
 namespace {

@@ -6,10 +6,10 @@
 #include <chrono>
 #include <future>
 
-#include "gxy/vulkan/vulkan_scene.h"
-#include "support/frames.h"
-#include "vulkan/difference.h"
-#include "vulkan/test_device.h"
+#include "backends/vulkan/vulkan_scene.h"
+#include "tests/support/frames.h"
+#include "tests/vulkan/difference.h"
+#include "tests/vulkan/test_device.h"
 
 namespace gxy::test {
 namespace {

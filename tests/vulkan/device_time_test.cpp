@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What counts as a device's idle time (docs/statistics.md), without a device.
-#include "gxy/vulkan/device_time.h"
+#include "backends/vulkan/device_time.h"
 
 #include <gtest/gtest.h>
 

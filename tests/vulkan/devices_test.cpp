@@ -8,10 +8,10 @@
 #include <cctype>
 #include <sstream>
 
-#include "gxy/backends/backends.h"
-#include "gxy/comm/error.h"
-#include "gxy/vulkan/vulkan_device.h"
-#include "vulkan/test_device.h"
+#include "backends/registry/backends.h"
+#include "backends/vulkan/vulkan_device.h"
+#include "core/comm/error.h"
+#include "tests/vulkan/test_device.h"
 
 namespace gxy::vulkan_test {
 namespace {

@@ -3,8 +3,8 @@
 #pragma once
 #include <string>
 
-#include "support/difference.h"
-#include "vulkan/test_device.h"
+#include "tests/support/difference.h"
+#include "tests/vulkan/test_device.h"
 
 namespace gxy::vulkan_test {
 

@@ -2,12 +2,12 @@
 // Shaders read and write inside their buffers only: every access is checked on the device.
 #include <gtest/gtest.h>
 
-#include "gxy/shaders/layout.h"
-#include "outside.h"
-#include "support/frames.h"
-#include "vulkan/difference.h"
-#include "vulkan/test_device.h"
-#include "vulkan/test_shader.h"
+#include "outside_spirv.h"
+#include "shaders/layout.h"
+#include "tests/support/frames.h"
+#include "tests/vulkan/difference.h"
+#include "tests/vulkan/test_device.h"
+#include "tests/vulkan/test_shader.h"
 
 namespace gxy::vulkan_test {
 namespace {

@@ -9,8 +9,8 @@
 #include <string>
 #include <thread>
 
-#include "gpu-report/report.h"
-#include "vulkan/test_device.h"
+#include "tests/vulkan/test_device.h"
+#include "tools/gpu-report/report.h"
 
 namespace gxy::vulkan_test {
 namespace {

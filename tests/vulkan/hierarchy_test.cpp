@@ -5,10 +5,10 @@
 #include <bit>
 #include <set>
 
-#include "agreement/scenes.h"
-#include "gxy/rays/primitive_bounds.h"
-#include "gxy/shaders/layout.h"
-#include "gxy/vulkan/hierarchy.h"
+#include "backends/vulkan/hierarchy.h"
+#include "core/rays/primitive_bounds.h"
+#include "shaders/layout.h"
+#include "tests/agreement/scenes.h"
 
 namespace gxy::vulkan {
 namespace {

@@ -6,10 +6,10 @@
 #include <set>
 #include <string>
 
-#include "support/backends.h"
-#include "support/frames.h"
-#include "vulkan/difference.h"
-#include "vulkan/test_device.h"
+#include "tests/support/backends.h"
+#include "tests/support/frames.h"
+#include "tests/vulkan/difference.h"
+#include "tests/vulkan/test_device.h"
 
 namespace gxy::test {
 namespace {

@@ -7,14 +7,14 @@
 #include <condition_variable>
 #include <mutex>
 
-#include "agreement/draw.h"
-#include "gxy/comm/error.h"
-#include "gxy/embree/embree_backend.h"
-#include "gxy/vulkan/lane.h"
-#include "gxy/vulkan/scene_upload.h"
-#include "support/frames.h"
-#include "vulkan/difference.h"
-#include "vulkan/test_device.h"
+#include "backends/embree/embree_backend.h"
+#include "backends/vulkan/lane.h"
+#include "backends/vulkan/scene_upload.h"
+#include "core/comm/error.h"
+#include "tests/agreement/draw.h"
+#include "tests/support/frames.h"
+#include "tests/vulkan/difference.h"
+#include "tests/vulkan/test_device.h"
 
 namespace gxy::vulkan_test {
 namespace {

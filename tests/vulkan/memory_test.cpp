@@ -7,15 +7,15 @@
 #include <span>
 #include <vector>
 
-#include "agreement/draw.h"
-#include "gxy/comm/error.h"
-#include "gxy/embree/embree_backend.h"
-#include "gxy/rays/scene_memory.h"
-#include "gxy/vulkan/lane.h"
-#include "gxy/vulkan/vulkan_scene.h"
-#include "support/frames.h"
-#include "vulkan/difference.h"
-#include "vulkan/test_device.h"
+#include "backends/embree/embree_backend.h"
+#include "backends/vulkan/lane.h"
+#include "backends/vulkan/vulkan_scene.h"
+#include "core/comm/error.h"
+#include "core/rays/scene_memory.h"
+#include "tests/agreement/draw.h"
+#include "tests/support/frames.h"
+#include "tests/vulkan/difference.h"
+#include "tests/vulkan/test_device.h"
 
 namespace gxy::vulkan_test {
 namespace {

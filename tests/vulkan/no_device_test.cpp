@@ -4,9 +4,9 @@
 
 #include <string>
 
-#include "gxy/backends/backends.h"
-#include "gxy/comm/error.h"
-#include "gxy/vulkan/vulkan_backend.h"
+#include "backends/registry/backends.h"
+#include "backends/vulkan/vulkan_backend.h"
+#include "core/comm/error.h"
 
 namespace gxy {
 namespace {

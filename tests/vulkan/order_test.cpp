@@ -6,9 +6,9 @@
 #include <functional>
 #include <mutex>
 
-#include "agreement/draw.h"
-#include "gxy/vulkan/vulkan_scene.h"
-#include "vulkan/test_device.h"
+#include "backends/vulkan/vulkan_scene.h"
+#include "tests/agreement/draw.h"
+#include "tests/vulkan/test_device.h"
 
 namespace gxy::vulkan_test {
 namespace {

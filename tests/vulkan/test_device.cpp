@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vulkan/test_device.h"
+#include "tests/vulkan/test_device.h"
 
 #include <gtest/gtest.h>
 

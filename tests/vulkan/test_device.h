@@ -3,7 +3,7 @@
 // -DGALAXY_TEST_DEVICE=...), a number or a part of a name as --device takes it. It is Mesa's software device
 // unless told, on which bits are promised; real GPUs may round divisions otherwise.
 #pragma once
-#include "gxy/vulkan/vulkan_backend.h"
+#include "backends/vulkan/vulkan_backend.h"
 
 namespace gxy::vulkan_test {
 

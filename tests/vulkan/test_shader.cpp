@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vulkan/test_shader.h"
+#include "tests/vulkan/test_shader.h"
 
 #include <algorithm>
 
-#include "gxy/shaders/layout.h"
+#include "shaders/layout.h"
 
 namespace gxy::vulkan_test {
 

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <span>
 
-#include "gxy/vulkan/pipelines.h"
+#include "backends/vulkan/pipelines.h"
 
 namespace gxy::vulkan_test {
 

@@ -5,11 +5,11 @@
 #include <span>
 #include <sstream>
 
-#include "gxy/comm/error.h"
-#include "gxy/embree/embree_backend.h"
-#include "report.h"
-#include "support/close_pictures.h"
-#include "support/frames.h"
+#include "backends/embree/embree_backend.h"
+#include "core/comm/error.h"
+#include "tests/support/close_pictures.h"
+#include "tests/support/frames.h"
+#include "tools/gpu-report/report.h"
 
 namespace gxy::gpu_report {
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // What tests/support renders on here where it is not told: Embree, to compare with.
-#include "support/backends.h"
+#include "tests/support/backends.h"
 
-#include "gxy/embree/embree_backend.h"
+#include "backends/embree/embree_backend.h"
 
 namespace gxy::test {
 

@@ -8,12 +8,12 @@
 #include <optional>
 #include <sstream>
 
-#include "gxy/comm/error.h"
-#include "gxy/comm/parallel_for.h"
-#include "gxy/shaders/layout.h"
-#include "gxy/vulkan/vulkan_device.h"
-#include "report.h"
-#include "support/frames.h"
+#include "backends/vulkan/vulkan_device.h"
+#include "core/comm/error.h"
+#include "core/comm/parallel_for.h"
+#include "shaders/layout.h"
+#include "tests/support/frames.h"
+#include "tools/gpu-report/report.h"
 
 namespace gxy::gpu_report {
 

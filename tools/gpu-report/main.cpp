@@ -7,10 +7,10 @@
 #include <sstream>
 #include <thread>
 
-#include "../version_option.h"
-#include "gxy/comm/error.h"
-#include "gxy/vulkan/vulkan_backend.h"
-#include "report.h"
+#include "backends/vulkan/vulkan_backend.h"
+#include "core/comm/error.h"
+#include "tools/gpu-report/report.h"
+#include "tools/version_option.h"
 
 using namespace gxy;
 

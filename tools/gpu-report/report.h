@@ -10,7 +10,7 @@
 #include <string>
 #include <thread>
 
-#include "gxy/vulkan/vulkan_backend.h"
+#include "backends/vulkan/vulkan_backend.h"
 
 namespace gxy::gpu_report {
 

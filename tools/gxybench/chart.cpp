@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "chart.h"
+#include "tools/gxybench/chart.h"
 
 #include <vtkAxis.h>
 #include <vtkChartXY.h>
@@ -23,7 +23,7 @@
 #include <fstream>
 #include <sstream>
 
-#include "gxy/comm/error.h"
+#include "core/comm/error.h"
 
 namespace gxy::bench {
 namespace {

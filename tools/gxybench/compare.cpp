@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "compare.h"
+#include "tools/gxybench/compare.h"
 
 #include <algorithm>
 #include <cmath>

@@ -3,8 +3,8 @@
 #pragma once
 #include <vector>
 
-#include "gxy/render/framebuffer.h"
-#include "table.h"
+#include "core/render/framebuffer.h"
+#include "tools/gxybench/table.h"
 
 namespace gxy::bench {
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "job.h"
+#include "tools/gxybench/job.h"
 
-#include "gxy/scene/state_file.h"
+#include "core/scene/state_file.h"
 
 namespace gxy::bench {
 

@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "worker.h"
+#include "tools/gxybench/worker.h"
 
 namespace gxy::bench {
 

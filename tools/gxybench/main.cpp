@@ -9,13 +9,13 @@
 #include <filesystem>
 #include <iostream>
 
-#include "compare.h"
-#include "gxy/backends/backends.h"
-#include "gxy/comm/error.h"
-#include "options.h"
-#include "page.h"
-#include "truth.h"
-#include "worker.h"
+#include "backends/registry/backends.h"
+#include "core/comm/error.h"
+#include "tools/gxybench/compare.h"
+#include "tools/gxybench/options.h"
+#include "tools/gxybench/page.h"
+#include "tools/gxybench/truth.h"
+#include "tools/gxybench/worker.h"
 
 namespace {
 

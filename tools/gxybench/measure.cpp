@@ -11,8 +11,8 @@
 #include <memory>
 #include <sstream>
 
-#include "gxy/comm/error.h"
-#include "job.h"
+#include "core/comm/error.h"
+#include "tools/gxybench/job.h"
 
 namespace gxy::bench {
 namespace {

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "options.h"
+#include "tools/gxybench/options.h"
 
 #include <CLI/CLI.hpp>
 #include <charconv>
 #include <cstdlib>
 #include <filesystem>
 
-#include "../version_option.h"
-#include "gxy/backends/backends.h"
+#include "backends/registry/backends.h"
+#include "tools/version_option.h"
 
 namespace gxy::bench {
 namespace {

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "scenes.h"
+#include "tools/gxybench/scenes.h"
 
 namespace gxy::bench {
 

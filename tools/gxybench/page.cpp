@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "page.h"
+#include "tools/gxybench/page.h"
 
 #include <algorithm>
 #include <fstream>
 #include <sstream>
 #include <thread>
 
-#include "chart.h"
-#include "gxy/comm/error.h"
-#include "gxy/scene/scene.h"
-#include "scenes.h"
+#include "core/comm/error.h"
+#include "core/scene/scene.h"
+#include "tools/gxybench/chart.h"
+#include "tools/gxybench/scenes.h"
 
 namespace gxy::bench {
 namespace {

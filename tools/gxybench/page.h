@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "table.h"
+#include "tools/gxybench/table.h"
 
 namespace gxy::bench {
 

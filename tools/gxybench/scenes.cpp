@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "scenes.h"
+#include "tools/gxybench/scenes.h"
 
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <numbers>
 
-#include "gxy/comm/error.h"
-#include "gxy/scene/state_file.h"
-#include "gxydata/commands.h"
+#include "core/comm/error.h"
+#include "core/scene/state_file.h"
+#include "tools/gxydata/commands.h"
 
 namespace gxy::bench {
 namespace {

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "scenes.h"
+#include "tools/gxybench/scenes.h"
 
 namespace gxy::bench {
 

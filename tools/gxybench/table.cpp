@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "table.h"
+#include "tools/gxybench/table.h"
 
 #include <charconv>
 #include <map>
 #include <sstream>
 
-#include "gxy/comm/error.h"
+#include "core/comm/error.h"
 
 namespace gxy::bench {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "truth.h"
+#include "tools/gxybench/truth.h"
 
 #include <unistd.h>
 
@@ -9,9 +9,9 @@
 #include <filesystem>
 #include <fstream>
 
-#include "gxy/comm/error.h"
-#include "gxy/scene/state_file.h"
-#include "gxyrender/reference_scene.h"
+#include "core/comm/error.h"
+#include "core/scene/state_file.h"
+#include "tools/gxyrender/reference_scene.h"
 
 namespace gxy::bench {
 namespace {

@@ -4,8 +4,8 @@
 #include <functional>
 #include <string>
 
-#include "errors.h"
-#include "gxy/scene/scene.h"
+#include "core/scene/scene.h"
+#include "tools/gxybench/errors.h"
 
 namespace gxy::bench {
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The workers' side: loads once, then compiles and renders each setting.
-#include "worker.h"
+#include "tools/gxybench/worker.h"
 
 #include <algorithm>
 #include <condition_variable>
@@ -10,15 +10,15 @@
 #include <optional>
 #include <span>
 
-#include "gxy/backends/backends.h"
-#include "gxy/comm/error.h"
-#include "gxy/comm/mpi_environment.h"
-#include "gxy/comm/mpi_transport.h"
-#include "gxy/rays/scene_memory.h"
-#include "gxy/render/renderer.h"
-#include "gxyrender/load.h"
-#include "gxyrender/statistics.h"
-#include "job.h"
+#include "backends/registry/backends.h"
+#include "core/comm/error.h"
+#include "core/comm/mpi_environment.h"
+#include "core/comm/mpi_transport.h"
+#include "core/rays/scene_memory.h"
+#include "core/render/renderer.h"
+#include "tools/gxybench/job.h"
+#include "tools/gxyrender/load.h"
+#include "tools/gxyrender/statistics.h"
 
 namespace gxy::bench {
 namespace {

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "gxy/render/framebuffer.h"
-#include "scenes.h"
-#include "table.h"
+#include "core/render/framebuffer.h"
+#include "tools/gxybench/scenes.h"
+#include "tools/gxybench/table.h"
 
 namespace gxy::bench {
 

@@ -7,10 +7,10 @@
 #include <string>
 #include <vector>
 
-#include "fields.h"
-#include "gxy/data/geometry.h"
-#include "gxy/io/volume_file.h"
-#include "gxy/scene/first_look.h"
+#include "core/data/geometry.h"
+#include "core/io/volume_file.h"
+#include "core/scene/first_look.h"
+#include "tools/gxydata/fields.h"
 
 namespace gxy::data_tool {
 

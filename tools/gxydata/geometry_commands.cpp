@@ -7,14 +7,14 @@
 #include <filesystem>
 #include <limits>
 
-#include "commands.h"
-#include "gxy/comm/error.h"
-#include "gxy/data/partitioning.h"
-#include "gxy/io/file.h"
-#include "gxy/io/geometry_file.h"
-#include "gxy/io/import_geometry.h"
-#include "gxy/io/write_geometry.h"
-#include "gxy/look/file_facts.h"
+#include "core/comm/error.h"
+#include "core/data/partitioning.h"
+#include "core/io/file.h"
+#include "core/io/geometry_file.h"
+#include "core/io/import_geometry.h"
+#include "core/io/write_geometry.h"
+#include "core/look/file_facts.h"
+#include "tools/gxydata/commands.h"
 
 namespace gxy::data_tool {
 namespace {

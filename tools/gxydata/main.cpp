@@ -7,13 +7,13 @@
 #include <optional>
 #include <sstream>
 
-#include "../look_options.h"
-#include "../version_option.h"
-#include "commands.h"
-#include "gxy/comm/error_text.h"
-#include "gxy/io/volume_description.h"
-#include "gxy/io/volume_file.h"
-#include "gxy/scene/read_context.h"
+#include "core/comm/error_text.h"
+#include "core/io/volume_description.h"
+#include "core/io/volume_file.h"
+#include "core/scene/read_context.h"
+#include "tools/gxydata/commands.h"
+#include "tools/look_options.h"
+#include "tools/version_option.h"
 
 namespace {
 

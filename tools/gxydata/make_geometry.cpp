@@ -5,9 +5,9 @@
 #include <numbers>
 #include <numeric>
 
-#include "commands.h"
-#include "gxy/comm/error.h"
-#include "gxy/io/write_geometry.h"
+#include "core/comm/error.h"
+#include "core/io/write_geometry.h"
+#include "tools/gxydata/commands.h"
 
 namespace gxy::data_tool {
 namespace {

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 
-#include "commands.h"
-#include "gxy/comm/error.h"
-#include "gxy/comm/parallel_for.h"
-#include "gxy/io/write_volume.h"
+#include "core/comm/error.h"
+#include "core/comm/parallel_for.h"
+#include "core/io/write_volume.h"
+#include "tools/gxydata/commands.h"
 
 namespace gxy::data_tool {
 namespace {

@@ -6,9 +6,9 @@
 #include <filesystem>
 #include <set>
 
-#include "commands.h"
-#include "gxy/comm/error.h"
-#include "gxy/io/referenced_files.h"
+#include "core/comm/error.h"
+#include "core/io/referenced_files.h"
+#include "tools/gxydata/commands.h"
 
 namespace gxy::data_tool {
 

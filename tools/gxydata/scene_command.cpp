@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cstdio>
 
-#include "commands.h"
-#include "gxy/comm/error.h"
-#include "gxy/look/file_facts.h"
-#include "gxy/scene/data_files.h"
-#include "gxy/scene/state_file.h"
+#include "core/comm/error.h"
+#include "core/look/file_facts.h"
+#include "core/scene/data_files.h"
+#include "core/scene/state_file.h"
+#include "tools/gxydata/commands.h"
 
 namespace gxy::data_tool {
 

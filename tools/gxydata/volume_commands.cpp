@@ -5,10 +5,10 @@
 #include <cstdio>
 #include <filesystem>
 
-#include "commands.h"
-#include "gxy/comm/error.h"
-#include "gxy/data/partitioning.h"
-#include "gxy/io/write_volume.h"
+#include "core/comm/error.h"
+#include "core/data/partitioning.h"
+#include "core/io/write_volume.h"
+#include "tools/gxydata/commands.h"
 
 namespace gxy::data_tool {
 namespace {

@@ -5,9 +5,9 @@
 #include <cmath>
 #include <cstdio>
 
-#include "../number_option.h"
-#include "../version_option.h"
-#include "gxy/io/image.h"
+#include "core/image/image.h"
+#include "tools/number_option.h"
+#include "tools/version_option.h"
 
 namespace {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "load.h"
+#include "tools/gxyrender/load.h"
 
 #include <algorithm>
 #include <array>
@@ -7,11 +7,11 @@
 #include <map>
 #include <set>
 
-#include "gxy/comm/error.h"
-#include "gxy/data/replicate.h"
-#include "gxy/io/automatic_partitioning.h"
-#include "gxy/io/import_geometry.h"
-#include "gxy/io/import_volume.h"
+#include "core/comm/error.h"
+#include "core/data/replicate.h"
+#include "core/io/automatic_partitioning.h"
+#include "core/io/import_geometry.h"
+#include "core/io/import_volume.h"
 
 namespace gxy {
 

@@ -7,13 +7,13 @@
 #include <string>
 #include <vector>
 
-#include "gxy/io/collectives.h"
-#include "gxy/io/import_volume.h"
-#include "gxy/look/loaded_facts.h"
-#include "gxy/rays/backend.h"
-#include "gxy/rays/compiled_scene.h"
-#include "gxy/space/ledger.h"
-#include "options.h"
+#include "core/io/collectives.h"
+#include "core/io/import_volume.h"
+#include "core/look/loaded_facts.h"
+#include "core/rays/backend.h"
+#include "core/rays/compiled_scene.h"
+#include "core/space/ledger.h"
+#include "tools/gxyrender/options.h"
 
 namespace gxy {
 

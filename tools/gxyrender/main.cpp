@@ -9,21 +9,21 @@
 #include <iostream>
 #include <mutex>
 
-#include "gxy/backends/backends.h"
-#include "gxy/comm/error.h"
-#include "gxy/comm/error_text.h"
-#include "gxy/comm/mpi_environment.h"
-#include "gxy/comm/mpi_transport.h"
-#include "gxy/look/file_facts.h"
-#include "gxy/rays/scene_memory.h"
-#include "gxy/render/renderer.h"
-#include "gxy/scene/data_files.h"
-#include "gxy/scene/state_file.h"
-#include "load.h"
-#include "options.h"
-#include "pictures.h"
-#include "reference_run.h"
-#include "statistics.h"
+#include "backends/registry/backends.h"
+#include "core/comm/error.h"
+#include "core/comm/error_text.h"
+#include "core/comm/mpi_environment.h"
+#include "core/comm/mpi_transport.h"
+#include "core/look/file_facts.h"
+#include "core/rays/scene_memory.h"
+#include "core/render/renderer.h"
+#include "core/scene/data_files.h"
+#include "core/scene/state_file.h"
+#include "tools/gxyrender/load.h"
+#include "tools/gxyrender/options.h"
+#include "tools/gxyrender/pictures.h"
+#include "tools/gxyrender/reference_run.h"
+#include "tools/gxyrender/statistics.h"
 
 using namespace gxy;
 

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "options.h"
+#include "tools/gxyrender/options.h"
 
 #include <CLI/CLI.hpp>
 #include <iostream>
 #include <sstream>
 
-#include "../look_options.h"
-#include "../number_option.h"
-#include "../version_option.h"
-#include "gxy/backends/backends.h"
+#include "backends/registry/backends.h"
+#include "tools/look_options.h"
+#include "tools/number_option.h"
+#include "tools/version_option.h"
 
 namespace gxy {
 

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "gxy/scene/first_look.h"
-#include "gxy/scene/scene.h"
+#include "core/scene/first_look.h"
+#include "core/scene/scene.h"
 
 namespace gxy {
 

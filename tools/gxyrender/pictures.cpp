@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "pictures.h"
+#include "tools/gxyrender/pictures.h"
 
-#include "gxy/annotate/annotations.h"
-#include "gxy/io/image.h"
-#include "gxy/io/replace_file.h"
-#include "gxy/scene/picture_name.h"
+#include "core/annotate/annotations.h"
+#include "core/image/image.h"
+#include "core/image/replace_file.h"
+#include "core/scene/picture_name.h"
 
 namespace gxy {
 

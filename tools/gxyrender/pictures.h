@@ -4,13 +4,13 @@
 #include <string>
 #include <vector>
 
-#include "gxy/render/framebuffer.h"
-#include "load.h"
-#include "options.h"
+#include "core/render/framebuffer.h"
+#include "tools/gxyrender/load.h"
+#include "tools/gxyrender/options.h"
 
 namespace gxy {
 
-/// Of the picture of a visualization from a camera (gxy/scene/picture_name.h), with the prefix of the options.
+/// Of the picture of a visualization from a camera (core/scene/picture_name.h), with the prefix of the options.
 std::string pictureName(const State& state, const RenderOptions& options, size_t visualization,
                         size_t camera);
 

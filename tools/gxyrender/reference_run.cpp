@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "reference_run.h"
+#include "tools/gxyrender/reference_run.h"
 
 #include <iostream>
 
-#include "gxy/comm/error.h"
-#include "load.h"
-#include "pictures.h"
-#include "reference_scene.h"
+#include "core/comm/error.h"
+#include "tools/gxyrender/load.h"
+#include "tools/gxyrender/pictures.h"
+#include "tools/gxyrender/reference_scene.h"
 
 namespace gxy {
 

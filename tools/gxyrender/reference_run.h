@@ -3,7 +3,7 @@
 #pragma once
 #include <string>
 
-#include "options.h"
+#include "tools/gxyrender/options.h"
 
 namespace gxy {
 

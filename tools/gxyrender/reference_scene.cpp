@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "reference_scene.h"
+#include "tools/gxyrender/reference_scene.h"
 
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <limits>
 
-#include "gxy/kernels/single.h"
-#include "gxy/scene/colormaps.h"
+#include "core/kernels/single.h"
+#include "core/scene/colormaps.h"
 
 namespace gxy {
 

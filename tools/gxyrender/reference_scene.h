@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <span>
 
-#include "gxy/reference/reference.h"
-#include "load.h"
+#include "core/reference/reference.h"
+#include "tools/gxyrender/load.h"
 
 namespace gxy {
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "statistics.h"
+#include "tools/gxyrender/statistics.h"
 
 #include <sys/resource.h>
 
 #include <chrono>
 #include <ctime>
 
-#include "gxy/io/replace_file.h"
+#include "core/image/replace_file.h"
 
 namespace gxy {
 

@@ -5,10 +5,10 @@
 #include <string>
 #include <vector>
 
-#include "gxy/comm/transport.h"
-#include "gxy/io/import_volume.h"
-#include "gxy/render/renderer.h"
-#include "gxy/space/ledger.h"
+#include "core/comm/transport.h"
+#include "core/io/import_volume.h"
+#include "core/render/renderer.h"
+#include "core/space/ledger.h"
 
 namespace gxy {
 

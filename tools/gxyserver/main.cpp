@@ -19,13 +19,13 @@
 #include <optional>
 #include <thread>
 
-#include "gxy/backends/backends.h"
-#include "gxy/comm/error.h"
-#include "gxy/comm/mpi_environment.h"
-#include "gxy/comm/mpi_transport.h"
-#include "gxy/io/replace_file.h"
-#include "gxy/protocol/run_files.h"
-#include "options.h"
+#include "backends/registry/backends.h"
+#include "core/comm/error.h"
+#include "core/comm/mpi_environment.h"
+#include "core/comm/mpi_transport.h"
+#include "core/image/replace_file.h"
+#include "multiserver/protocol/run_files.h"
+#include "tools/gxyserver/options.h"
 
 using namespace gxy;
 

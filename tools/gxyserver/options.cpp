@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "options.h"
+#include "tools/gxyserver/options.h"
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <filesystem>
 #include <iostream>
 
-#include "../version_option.h"
-#include "gxy/backends/backends.h"
-#include "gxy/server/tenants.h"
+#include "backends/registry/backends.h"
+#include "multiserver/server/tenants.h"
+#include "tools/version_option.h"
 
 namespace gxy {
 

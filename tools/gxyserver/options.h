@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "gxy/server/node.h"
-#include "gxy/server/server.h"
+#include "multiserver/server/node.h"
+#include "multiserver/server/server.h"
 
 namespace gxy {
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "camera_view.h"
+#include "tools/gxyviewer/camera_view.h"
 
 #include <vtkCamera.h>
 
 #include <algorithm>
 #include <glm/geometric.hpp>
 
-#include "gxy/scene/camera.h"
+#include "core/scene/camera.h"
 
 namespace gxy {
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Galaxy's cameras as VTK's and back, so that VTK's interaction moves them.
 #pragma once
-#include "gxy/scene/scene.h"
+#include "core/scene/scene.h"
 
 class vtkCamera;
 

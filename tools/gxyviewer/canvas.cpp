@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "canvas.h"
+#include "tools/gxyviewer/canvas.h"
 
 #include <algorithm>
 #include <cstring>
 
-#include "gxy/protocol/tile_codec.h"
-#include "upsample.h"
+#include "multiserver/protocol/tile_codec.h"
+#include "tools/gxyviewer/upsample.h"
 
 namespace gxy {
 

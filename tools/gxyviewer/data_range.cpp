@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "data_range.h"
+#include "tools/gxyviewer/data_range.h"
 
 #include <algorithm>
 

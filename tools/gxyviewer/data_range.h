@@ -4,7 +4,7 @@
 #include <array>
 #include <optional>
 
-#include "gxy/scene/scene.h"
+#include "core/scene/scene.h"
 
 namespace gxy {
 

@@ -7,8 +7,8 @@
 #include <deque>
 #include <optional>
 
-#include "gxy/scene/scene.h"
-#include "pace.h"
+#include "core/scene/scene.h"
+#include "tools/gxyviewer/pace.h"
 
 namespace gxy {
 

@@ -6,17 +6,17 @@
 #include <memory>
 #include <set>
 
-#include "file_watch.h"
-#include "gxy/annotate/annotations.h"
-#include "gxy/comm/error.h"
-#include "gxy/protocol/json.h"
-#include "gxy/protocol/statement.h"
-#include "gxy/scene/data_files.h"
-#include "gxy/scene/state_file.h"
-#include "options.h"
-#include "png.h"
-#include "series.h"
-#include "viewer_window.h"
+#include "core/annotate/annotations.h"
+#include "core/comm/error.h"
+#include "core/scene/data_files.h"
+#include "core/scene/state_file.h"
+#include "multiserver/protocol/json.h"
+#include "multiserver/protocol/statement.h"
+#include "tools/gxyviewer/file_watch.h"
+#include "tools/gxyviewer/options.h"
+#include "tools/gxyviewer/png.h"
+#include "tools/gxyviewer/series.h"
+#include "tools/gxyviewer/viewer_window.h"
 
 using namespace gxy;
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "options.h"
+#include "tools/gxyviewer/options.h"
 
 #include <CLI/CLI.hpp>
 #include <filesystem>
 
-#include "../look_options.h"
-#include "../version_option.h"
-#include "keys.h"
+#include "tools/gxyviewer/keys.h"
+#include "tools/look_options.h"
+#include "tools/version_option.h"
 
 namespace gxy {
 

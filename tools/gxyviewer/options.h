@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "gxy/client/client.h"
-#include "gxy/scene/first_look.h"
+#include "core/scene/first_look.h"
+#include "multiserver/client/client.h"
 
 namespace gxy {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "picture_view.h"
+#include "tools/gxyviewer/picture_view.h"
 
 #include <vtkProperty2D.h>
 #include <vtkTextProperty.h>
@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "keys.h"
+#include "tools/gxyviewer/keys.h"
 
 namespace gxy {
 

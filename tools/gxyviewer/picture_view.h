@@ -11,8 +11,8 @@
 
 #include <string>
 
-#include "canvas.h"
-#include "gxy/annotate/overlay.h"
+#include "core/annotate/overlay.h"
+#include "tools/gxyviewer/canvas.h"
 
 namespace gxy {
 

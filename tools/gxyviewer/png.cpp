@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "png.h"
+#include "tools/gxyviewer/png.h"
 
 #include <vtkImageData.h>
 #include <vtkNew.h>
@@ -9,8 +9,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "gxy/comm/error.h"
-#include "gxy/io/replace_file.h"
+#include "core/comm/error.h"
+#include "core/image/replace_file.h"
 
 namespace gxy {
 

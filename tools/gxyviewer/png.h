@@ -2,8 +2,8 @@
 #pragma once
 #include <string>
 
-#include "canvas.h"
-#include "gxy/annotate/overlay.h"
+#include "core/annotate/overlay.h"
+#include "tools/gxyviewer/canvas.h"
 
 namespace gxy {
 

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "remote_window.h"
+#include "tools/gxyviewer/remote_window.h"
 
 #include <algorithm>
 #include <cstdio>
 #include <utility>
 
-#include "gxy/comm/error.h"
-#include "gxy/protocol/json.h"
-#include "gxy/protocol/statement.h"
-#include "gxy/scene/state_file.h"
+#include "core/comm/error.h"
+#include "core/scene/state_file.h"
+#include "multiserver/protocol/json.h"
+#include "multiserver/protocol/statement.h"
 
 namespace gxy {
 

@@ -13,13 +13,13 @@
 #include <string>
 #include <vector>
 
-#include "canvas.h"
-#include "frames_asked.h"
-#include "gxy/client/client.h"
-#include "gxy/scene/resolve.h"
-#include "gxy/scene/scene.h"
-#include "pace.h"
-#include "still.h"
+#include "core/scene/resolve.h"
+#include "core/scene/scene.h"
+#include "multiserver/client/client.h"
+#include "tools/gxyviewer/canvas.h"
+#include "tools/gxyviewer/frames_asked.h"
+#include "tools/gxyviewer/pace.h"
+#include "tools/gxyviewer/still.h"
 
 namespace gxy {
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "selection.h"
+#include "tools/gxyviewer/selection.h"
 
 #include <algorithm>
 #include <cstdio>
 
-#include "data_range.h"
+#include "tools/gxyviewer/data_range.h"
 
 namespace gxy {
 

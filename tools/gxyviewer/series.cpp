@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "series.h"
+#include "tools/gxyviewer/series.h"
 
 #include <algorithm>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include "gxy/comm/error.h"
-#include "gxy/scene/json_text.h"
+#include "core/comm/error.h"
+#include "core/scene/json_text.h"
 
 namespace gxy {
 

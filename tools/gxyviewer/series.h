@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "gxy/scene/scene.h"
+#include "core/scene/scene.h"
 
 namespace gxy {
 

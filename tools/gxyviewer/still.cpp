@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "still.h"
+#include "tools/gxyviewer/still.h"
 
-#include "gxy/protocol/json.h"
-#include "gxy/scene/state_file.h"
+#include "core/scene/state_file.h"
+#include "multiserver/protocol/json.h"
 
 namespace gxy {
 

@@ -7,9 +7,9 @@
 #include <span>
 #include <string>
 
-#include "canvas.h"
-#include "gxy/client/client.h"
-#include "gxy/scene/scene.h"
+#include "core/scene/scene.h"
+#include "multiserver/client/client.h"
+#include "tools/gxyviewer/canvas.h"
 
 namespace gxy {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "upsample.h"
+#include "tools/gxyviewer/upsample.h"
 
 #include <algorithm>
 #include <cmath>

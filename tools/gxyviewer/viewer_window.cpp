@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "viewer_window.h"
+#include "tools/gxyviewer/viewer_window.h"
 
 #include <X11/Xlib.h>
 #include <vtkCallbackCommand.h>
@@ -16,13 +16,13 @@
 #include <glm/geometric.hpp>
 #include <map>
 
-#include "camera_view.h"
-#include "gxy/annotate/annotations.h"
-#include "gxy/comm/error.h"
-#include "gxy/io/replace_file.h"
-#include "gxy/scene/state_file.h"
-#include "picture_view.h"
-#include "png.h"
+#include "core/annotate/annotations.h"
+#include "core/comm/error.h"
+#include "core/image/replace_file.h"
+#include "core/scene/state_file.h"
+#include "tools/gxyviewer/camera_view.h"
+#include "tools/gxyviewer/picture_view.h"
+#include "tools/gxyviewer/png.h"
 
 namespace gxy {
 

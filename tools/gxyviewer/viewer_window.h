@@ -4,9 +4,9 @@
 #include <functional>
 #include <optional>
 
-#include "remote_window.h"
-#include "selection.h"
-#include "series.h"
+#include "tools/gxyviewer/remote_window.h"
+#include "tools/gxyviewer/selection.h"
+#include "tools/gxyviewer/series.h"
 
 namespace gxy {
 

@@ -8,12 +8,12 @@
 #include <set>
 #include <sstream>
 
-#include "gxy/comm/error.h"
-#include "gxy/protocol/json.h"
-#include "options.h"
-#include "output.h"
-#include "report.h"
-#include "statements.h"
+#include "core/comm/error.h"
+#include "multiserver/protocol/json.h"
+#include "tools/msdata/options.h"
+#include "tools/msdata/output.h"
+#include "tools/msdata/report.h"
+#include "tools/msdata/statements.h"
 
 using namespace gxy;
 using nlohmann::json;

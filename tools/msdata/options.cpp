@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "options.h"
+#include "tools/msdata/options.h"
 
 #include <CLI/CLI.hpp>
 
-#include "../version_option.h"
+#include "tools/version_option.h"
 
 namespace gxy {
 

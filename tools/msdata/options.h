@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "gxy/client/client.h"
+#include "multiserver/client/client.h"
 
 namespace gxy {
 

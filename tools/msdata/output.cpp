@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "output.h"
+#include "tools/msdata/output.h"
 
 #include <unistd.h>
 
 #include <iostream>
 
-#include "gxy/protocol/json.h"
+#include "multiserver/protocol/json.h"
 
 namespace gxy {
 

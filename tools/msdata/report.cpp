@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "report.h"
+#include "tools/msdata/report.h"
 
 #include <filesystem>
 
-#include "gxy/comm/error.h"
-#include "gxy/io/replace_file.h"
-#include "gxy/protocol/json.h"
+#include "core/comm/error.h"
+#include "core/image/replace_file.h"
+#include "multiserver/protocol/json.h"
 
 namespace gxy {
 

@@ -7,8 +7,8 @@
 #include <span>
 #include <string>
 
-#include "gxy/client/client.h"
-#include "output.h"
+#include "multiserver/client/client.h"
+#include "tools/msdata/output.h"
 
 namespace gxy {
 

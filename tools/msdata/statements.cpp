@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "statements.h"
+#include "tools/msdata/statements.h"
 
 #include <chrono>
 #include <future>
@@ -7,8 +7,8 @@
 #include <sstream>
 #include <utility>
 
-#include "gxy/comm/error.h"
-#include "gxy/protocol/statement.h"
+#include "core/comm/error.h"
+#include "multiserver/protocol/statement.h"
 
 namespace gxy {
 

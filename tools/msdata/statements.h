@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "gxy/client/client.h"
-#include "output.h"
-#include "report.h"
+#include "multiserver/client/client.h"
+#include "tools/msdata/output.h"
+#include "tools/msdata/report.h"
 
 namespace gxy {
 

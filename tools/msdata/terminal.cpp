@@ -9,8 +9,8 @@
 #include <readline/history.h>
 #include <readline/readline.h>
 
-#include "gxy/protocol/statement.h"
-#include "statements.h"
+#include "multiserver/protocol/statement.h"
+#include "tools/msdata/statements.h"
 
 namespace gxy {
 

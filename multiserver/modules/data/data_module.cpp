@@ -2,10 +2,10 @@
 // Module `data`: the data space by name.
 #include <set>
 
-#include "gxy/comm/error.h"
-#include "gxy/scene/state_file.h"
-#include "gxy/server/datasets.h"
-#include "gxy/server/module.h"
+#include "core/comm/error.h"
+#include "core/scene/state_file.h"
+#include "multiserver/server/datasets.h"
+#include "multiserver/server/module.h"
 
 namespace gxy {
 namespace {

@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <cstring>
 
-#include "gxy/comm/error.h"
-#include "gxy/data/bricks.h"
-#include "gxy/io/import_volume.h"
-#include "gxy/server/datasets.h"
-#include "gxy/server/module.h"
+#include "core/comm/error.h"
+#include "core/data/bricks.h"
+#include "core/io/import_volume.h"
+#include "multiserver/server/datasets.h"
+#include "multiserver/server/module.h"
 
 namespace {
 

@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "batch.h"
+#include "multiserver/modules/viewer/batch.h"
 
 #include <chrono>
 #include <condition_variable>
 #include <cstring>
 #include <map>
 
-#include "gxy/annotate/annotations.h"
-#include "gxy/comm/error.h"
-#include "gxy/comm/error_text.h"
-#include "gxy/protocol/json.h"
-#include "gxy/scene/picture_name.h"
+#include "core/annotate/annotations.h"
+#include "core/comm/error.h"
+#include "core/comm/error_text.h"
+#include "core/scene/picture_name.h"
+#include "multiserver/protocol/json.h"
 
 namespace gxy::viewer {
 

@@ -4,9 +4,9 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "gxy/scene/scene.h"
-#include "gxy/server/session.h"
-#include "window.h"
+#include "core/scene/scene.h"
+#include "multiserver/modules/viewer/window.h"
+#include "multiserver/server/session.h"
 
 namespace gxy::viewer {
 

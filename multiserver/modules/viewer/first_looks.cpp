@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "first_looks.h"
+#include "multiserver/modules/viewer/first_looks.h"
 
 #include <algorithm>
 #include <filesystem>
 
-#include "gxy/comm/error.h"
-#include "gxy/io/file.h"
-#include "gxy/look/file_facts.h"
-#include "gxy/look/loaded_facts.h"
-#include "gxy/scene/data_files.h"
-#include "gxy/server/datasets.h"
-#include "gxy/server/session.h"
+#include "core/comm/error.h"
+#include "core/io/file.h"
+#include "core/look/file_facts.h"
+#include "core/look/loaded_facts.h"
+#include "core/scene/data_files.h"
+#include "multiserver/server/datasets.h"
+#include "multiserver/server/session.h"
 
 namespace gxy::viewer {
 

@@ -6,10 +6,10 @@
 #include <string>
 #include <vector>
 
-#include "gxy/scene/collection_file.h"
-#include "gxy/scene/first_look.h"
-#include "gxy/server/module.h"
-#include "gxy/space/ledger.h"
+#include "core/scene/collection_file.h"
+#include "core/scene/first_look.h"
+#include "core/space/ledger.h"
+#include "multiserver/server/module.h"
 
 namespace gxy::viewer {
 

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "pick.h"
+#include "multiserver/modules/viewer/pick.h"
 
 #include <cmath>
 #include <condition_variable>
 #include <cstdio>
 #include <glm/geometric.hpp>
 
-#include "gxy/comm/error.h"
-#include "gxy/scene/camera.h"
-#include "surface_at.h"
+#include "core/comm/error.h"
+#include "core/scene/camera.h"
+#include "multiserver/modules/viewer/surface_at.h"
 
 namespace gxy::viewer {
 

@@ -3,8 +3,8 @@
 #pragma once
 #include <nlohmann/json.hpp>
 
-#include "gxy/server/session.h"
-#include "window.h"
+#include "multiserver/modules/viewer/window.h"
+#include "multiserver/server/session.h"
 
 namespace gxy::viewer {
 

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "pictures.h"
+#include "multiserver/modules/viewer/pictures.h"
 
 #include <algorithm>
 #include <cstring>
 
-#include "gxy/comm/error.h"
-#include "gxy/comm/parallel_for.h"
-#include "gxy/comm/wire.h"
-#include "gxy/io/image.h"
-#include "gxy/protocol/tile_codec.h"
+#include "core/comm/error.h"
+#include "core/comm/parallel_for.h"
+#include "core/comm/wire.h"
+#include "core/image/image.h"
+#include "multiserver/protocol/tile_codec.h"
 
 namespace gxy::viewer {
 

@@ -8,9 +8,9 @@
 #include <mutex>
 #include <string>
 
-#include "gxy/annotate/overlay.h"
-#include "gxy/protocol/pixel_record.h"
-#include "gxy/server/node.h"
+#include "core/annotate/overlay.h"
+#include "multiserver/protocol/pixel_record.h"
+#include "multiserver/server/node.h"
 
 namespace gxy::viewer {
 

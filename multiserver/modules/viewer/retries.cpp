@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "retries.h"
+#include "multiserver/modules/viewer/retries.h"
 
 #include <chrono>
 #include <vector>
 
-#include "window.h"
+#include "multiserver/modules/viewer/window.h"
 
 namespace gxy::viewer {
 

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "scenes.h"
+#include "multiserver/modules/viewer/scenes.h"
 
 #include <algorithm>
 #include <exception>
 #include <utility>
 
-#include "gxy/comm/error.h"
-#include "gxy/look/loaded_facts.h"
-#include "gxy/scene/json_text.h"
-#include "gxy/scene/state_file.h"
+#include "core/comm/error.h"
+#include "core/look/loaded_facts.h"
+#include "core/scene/json_text.h"
+#include "core/scene/state_file.h"
 
 namespace gxy::viewer {
 

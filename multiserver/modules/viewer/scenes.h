@@ -13,11 +13,11 @@
 #include <tuple>
 #include <vector>
 
-#include "gxy/rays/scene_memory.h"
-#include "gxy/scene/resolve.h"
-#include "gxy/server/datasets.h"
-#include "gxy/server/module.h"
-#include "gxy/space/shared_by.h"
+#include "core/rays/scene_memory.h"
+#include "core/scene/resolve.h"
+#include "core/space/shared_by.h"
+#include "multiserver/server/datasets.h"
+#include "multiserver/server/module.h"
 
 namespace gxy::viewer {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "surface_at.h"
+#include "multiserver/modules/viewer/surface_at.h"
 
 #include <algorithm>
 #include <array>
@@ -8,7 +8,7 @@
 #include <glm/geometric.hpp>
 #include <limits>
 
-#include "gxy/data/bricks.h"
+#include "core/data/bricks.h"
 
 namespace gxy::viewer {
 

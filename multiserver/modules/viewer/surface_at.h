@@ -6,7 +6,7 @@
 #include <optional>
 #include <tuple>
 
-#include "gxy/rays/compiled_scene.h"
+#include "core/rays/compiled_scene.h"
 
 namespace gxy::viewer {
 

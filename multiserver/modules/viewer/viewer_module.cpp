@@ -4,14 +4,14 @@
 #include <map>
 #include <set>
 
-#include "batch.h"
-#include "gxy/comm/error.h"
-#include "gxy/protocol/json.h"
-#include "gxy/scene/camera.h"
-#include "gxy/scene/json_text.h"
-#include "gxy/scene/state_file.h"
-#include "pick.h"
-#include "window.h"
+#include "core/comm/error.h"
+#include "core/scene/camera.h"
+#include "core/scene/json_text.h"
+#include "core/scene/state_file.h"
+#include "multiserver/modules/viewer/batch.h"
+#include "multiserver/modules/viewer/pick.h"
+#include "multiserver/modules/viewer/window.h"
+#include "multiserver/protocol/json.h"
 
 namespace gxy::viewer {
 namespace {

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // What a window shows, and what makes it show something else. Its frames are in window_frames.cpp.
-#include "window.h"
+#include "multiserver/modules/viewer/window.h"
 
 #include <algorithm>
 
-#include "gxy/comm/error.h"
-#include "gxy/comm/error_text.h"
-#include "gxy/scene/camera.h"
-#include "window_frame.h"
+#include "core/comm/error.h"
+#include "core/comm/error_text.h"
+#include "core/scene/camera.h"
+#include "multiserver/modules/viewer/window_frame.h"
 
 namespace gxy::viewer {
 

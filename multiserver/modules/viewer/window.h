@@ -9,13 +9,13 @@
 #include <string>
 #include <vector>
 
-#include "first_looks.h"
-#include "gxy/protocol/pixel_record.h"
-#include "gxy/server/outbox.h"
-#include "gxy/server/tenants.h"
-#include "pictures.h"
-#include "retries.h"
-#include "scenes.h"
+#include "multiserver/modules/viewer/first_looks.h"
+#include "multiserver/modules/viewer/pictures.h"
+#include "multiserver/modules/viewer/retries.h"
+#include "multiserver/modules/viewer/scenes.h"
+#include "multiserver/protocol/pixel_record.h"
+#include "multiserver/server/outbox.h"
+#include "multiserver/server/tenants.h"
 
 namespace gxy::viewer {
 

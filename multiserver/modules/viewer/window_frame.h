@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What a Window keeps of a frame; for its own sources only.
 #pragma once
-#include "window.h"
+#include "multiserver/modules/viewer/window.h"
 
 namespace gxy::viewer {
 

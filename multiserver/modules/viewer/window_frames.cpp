@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cstring>
 
-#include "gxy/comm/error.h"
-#include "gxy/comm/parallel_for.h"
-#include "gxy/protocol/json.h"
-#include "window_frame.h"
+#include "core/comm/error.h"
+#include "core/comm/parallel_for.h"
+#include "multiserver/modules/viewer/window_frame.h"
+#include "multiserver/protocol/json.h"
 
 namespace gxy::viewer {
 

@@ -6,11 +6,11 @@
 #include <glm/geometric.hpp>
 #include <numeric>
 
-#include "accuracy/field.h"
-#include "gxy/rays/ray_list.h"
-#include "gxy/render/framebuffer.h"
-#include "gxy/space/large_vector.h"
+#include "core/rays/ray_list.h"
+#include "core/render/framebuffer.h"
+#include "core/space/large_vector.h"
 #include "kernels_ispc.h"
+#include "tests/rays/field.h"
 
 namespace gxy::test {
 namespace {

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Loops over core/kernels as the backend compiles them, one function each. Rays are 6 floats apart: origin,
 // direction.
-#include "dialect.h"
-#include "all.h"
-#include "fields.h"
+#include "core/kernels/dialect.h"
+#include "core/kernels/all.h"
+#include "core/kernels/fields.h"
 
 #define USE_VOLUME(name, p)                                                                \
   const uniform VolumeView* uniform name##Pointer = (const uniform VolumeView* uniform)p; \

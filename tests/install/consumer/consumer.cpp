@@ -6,12 +6,12 @@
 #include <numbers>
 #include <vector>
 
-#include "gxy/comm/in_process.h"
-#include "gxy/embree/embree_backend.h"
-#include "gxy/io/geometry_file.h"
-#include "gxy/io/image.h"
-#include "gxy/io/write_geometry.h"
-#include "gxy/render/renderer.h"
+#include "backends/embree/embree_backend.h"
+#include "core/comm/in_process.h"
+#include "core/image/image.h"
+#include "core/io/geometry_file.h"
+#include "core/io/write_geometry.h"
+#include "core/render/renderer.h"
 
 namespace {
 

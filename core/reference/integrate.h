@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: Apache-2.0
+// Emission and absorption along a ray: the integrals of docs/numerics, by adaptive quadrature.
+#pragma once
+#include <span>
+#include <vector>
+
+#include "core/reference/cubic.h"
+#include "core/reference/field.h"
+#include "core/reference/ray.h"
+#include "core/reference/transfer.h"
+
+namespace gxy::reference {
+
+/// A volume as a ray sees it; what is referred to must outlive the use.
+struct VolumeTerm {
+  const Field* field;
+  const Transfer* transfer;
+  Interval clip{-kInfinity, kInfinity};  ///< of t: the part of the ray where the volume is visible
+};
+
+/// What a stretch of ray adds to the picture, seen from its start: premultiplied colour and the fraction of
+/// light that passes.
+struct RayIntegral {
+  glm::dvec3 colour{0};
+  double transmittance = 1;
+};
+
+/// The volumes along one ray, prepared for integration over any stretches of it. Extinctions and sources of
+/// volumes that overlap add up.
+class VolumeRay {
+ public:
+  VolumeRay(std::span<const VolumeTerm> terms, const Ray& ray, Interval range = {});
+
+  /// colour = integral of T sigma c dt and T(end), within `tolerance` for colours in [0, 1]. The stretch is
+  /// cut at cell faces and where a field crosses a control point of its maps; each smooth piece is integrated
+  /// by five-point Gauss collocation (order 10 in colour, with the optical depth at every node), halved until
+  /// the result stands still. A piece on which an opacity is 1 ends the ray.
+  RayIntegral integrate(Interval stretch, double tolerance = 1e-6) const;
+
+ private:
+  struct Span {
+    double t0, t1;  ///< the cell's, between which the cubic runs
+    Interval seen;  ///< what of it is visible
+    Cubic field;
+    const Transfer* transfer;
+  };
+  struct Piece {
+    double optical;  ///< depth
+    glm::dvec3 colour;
+  };
+  struct Running {
+    RayIntegral total;
+    double tolerance;
+  };
+  /// A span on a smooth piece.
+  struct ActiveSpan {
+    const Span* span;
+    LinearTransfer maps;
+    double value(double t) const { return span->field.value((t - span->t0) / (span->t1 - span->t0)); }
+  };
+  using Active = std::vector<ActiveSpan>;
+
+  static Piece gauss(const Active& active, double a, double b);
+  static void adapt(const Active& active, double a, double b, const Piece& coarse, int depth,
+                    Running& running);
+  static void integratePiece(const Active& active, double a, double b, Running& running);
+
+  std::vector<std::vector<Span>> spans_;  ///< per term, ascending; transparent cells are left out
+  std::vector<double> breaks_;            ///< ascending: where smoothness may end
+};
+
+/// The integral over one stretch of a ray through one or several volumes.
+RayIntegral integrateRay(std::span<const VolumeTerm> terms, const Ray& ray, Interval stretch = {},
+                         double tolerance = 1e-6);
+
+}  // namespace gxy::reference

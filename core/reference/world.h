@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: Apache-2.0
+// A scene prepared for tracing: fields, maps and trees, and what a ray meets in them.
+#pragma once
+#include <limits>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "core/data/geometry.h"
+#include "core/reference/bvh.h"
+#include "core/reference/field.h"
+#include "core/reference/integrate.h"
+#include "core/reference/primitives.h"
+#include "core/reference/transfer.h"
+
+namespace gxy::reference {
+
+struct ReferenceScene;
+
+/// Where a ray meets a surface.
+struct SurfaceHit {
+  double t = kInfinity;
+  int vis = 0;             ///< index of the operator
+  uint64_t primitive = 0;  ///< volumes: slices first, then isovalues; geometry: the global id
+  uint32_t item = 0;       ///< index into the block's points, segments or triangles
+  glm::dvec3 position{0};
+  glm::dvec3 normal{0};     ///< for shading: unit, towards the viewer where the Vis is two-sided
+  glm::dvec3 geometric{0};  ///< of the surface itself: unit, on the side of `normal`
+  glm::dvec3 colour{0};
+  double opacity = 1;
+  double slack = 0;  ///< world length by which a secondary ray must start off the surface along `geometric`
+};
+
+/// What a ray has met last: surfaces at a larger t are behind it, and at the same t those of a higher (vis, primitive), but no
+/// other isosurface of the same field, and not the next segment of the same line.
+struct Behind {
+  double t = -1;
+  int vis = 0;
+  uint64_t primitive = 0;
+  uint32_t item = 0;
+  /// All at a larger t.
+  Behind(double after = -1) : t(after), vis(std::numeric_limits<int>::max()) {}
+  Behind(const SurfaceHit& hit) : t(hit.t), vis(hit.vis), primitive(hit.primitive), item(hit.item) {}
+};
+
+/// Immutable; safe to use from any thread; keeps the data alive.
+class World {
+ public:
+  /// Throws Error when an operator has no data or data of another kind.
+  explicit World(const ReferenceScene& scene);
+
+  /// The first surface behind what was met last, at t >= 0 and t < limit: over isosurfaces, slices and primitives, ties
+  /// by the lowest (vis, primitive).
+  /// Its normals and colour are those at `aside` from it, for what a point is off by that is not computed in double.
+  std::optional<SurfaceHit> firstHit(const Ray& ray, const Behind& last = {}, double limit = kInfinity,
+                                     glm::dvec3 aside = glm::dvec3(0)) const;
+
+  /// The volumes along a ray.
+  VolumeRay volumes(const Ray& ray, Interval range = {}) const;
+
+  /// The fraction of light that passes along the ray up to `limit`: surfaces let 1 - opacity pass, volumes
+  /// exp(-optical depth).
+  double transmittance(const Ray& ray, double limit, double tolerance) const;
+
+  /// Of all data.
+  const Box& box() const { return box_; }
+
+ private:
+  struct Part {
+    const Vis* vis;
+    Transfer transfer;
+    std::optional<Field> field;
+    std::shared_ptr<const Geometry> geometry;
+    std::optional<Bvh> tree;
+  };
+  Part makeVolume(const ReferenceScene& scene, size_t index);
+  Part makeGeometry(const ReferenceScene& scene, size_t index);
+
+  /// Of operator `index`.
+  void nearestVolumeSurface(int index, const Ray& ray, Interval range, const Behind& last,
+                            SurfaceHit& best) const;
+  void nearestPrimitive(int index, const Ray& ray, Interval range, const Behind& last,
+                        SurfaceHit& best) const;
+  static void describeVolumeSurface(const Part& part, const Ray& ray, SurfaceHit& hit);
+  static void describePrimitive(const Part& part, const Ray& ray, SurfaceHit& hit);
+
+  std::shared_ptr<const ReferenceScene> scene_;
+  std::vector<Part> parts_;
+  Box box_;
+};
+
+}  // namespace gxy::reference

@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: Apache-2.0
+// One text, the same bits: the kernels that read scenes, in C++ against the three ISPC targets and GLSL.
+#include "tests/agreement/scene_dialect.h"
+
+#include <gtest/gtest.h>
+
+#include <bit>
+#include <set>
+
+#include "core/rays/fill_views.h"
+#include "tests/agreement/scene_single.h"
+#include "tests/agreement/scenes.h"
+
+extern "C" {
+using SceneProbes = void(const void* scene, const void* frame, int op, const int* list, int volumes,
+                         int count, float* out);
+SceneProbes scene_probe_sse4, scene_probe_avx2, scene_probe_avx512skx;
+}
+
+namespace gxy::agreement {
+namespace {
+
+constexpr int kInputs = 1000;
+constexpr size_t kProbes = SCENE_PROBES;
+
+struct Pointers {
+  struct Any {
+    const void* at;
+    template <class T>
+    operator const T*() const {
+      return static_cast<const T*>(at);
+    }
+    operator const void*() const { return at; }
+  };
+  template <class T>
+  Any operator()(const std::vector<T>& v) const {
+    return {v.empty() ? nullptr : v.data()};
+  }
+  Any samples(const VolumeBlock& block) const { return {block.samples.data()}; }
+};
+
+/// A scene of all kinds whose data are in the first of eight partitions, two of which show nothing.
+CompiledScene sceneOfAllKinds() {
+  TestScene test = everything(40);
+  Vis slices = surfaces(VisType::Volume, -1, 1);
+  slices.slices = {{{0.1, 1, 0.2}, 0.1}};
+  test.add(slices, wavy());
+  for (size_t i = 0, count = test.data.size(); i < count; i++) {  // all geometry again, in colours of its own
+    if (!test.data[i].geometry) continue;
+    const Geometry& geometry = *test.data[i].geometry;
+    const Vis vis = test.visualization.operators[i];
+    test.add(vis, makeGeometry(geometry.kind, coloured(geometry.blocks.at(0))));
+  }
+  CompiledScene scene = *test.compile();
+  std::array<std::vector<double>, 3> faces;
+  for (int a = 0; a < 3; a++) {
+    const auto outer = scene.partitioning->faces(a);
+    faces[size_t(a)] = {outer.front(), 0.3 * outer.front() + 0.7 * outer.back(), outer.back()};
+    std::vector<float>& mine = scene.faces[size_t(a)];  // the outer ones are infinite
+    mine = {mine.front(), 0.15f, mine.back()};
+  }
+  scene.partitioning = std::make_shared<const Partitioning>(Partitioning::lattice(faces, 1));
+  scene.cellPartition = {0, 1, 2, 3, 4, 5, 6, 7};
+  scene.visible = {1, 1, 0, 1, 1, 0, 1, 1};
+  return scene;
+}
+
+TEST(SceneDialect, HasTheBitsOfCpp) {
+  const CompiledScene scene = sceneOfAllKinds();
+  const CompiledFrame frame = compileFrame(scene, everything(40).camera, 3, true);
+  const size_t operators = scene.operators.size();
+  single::SceneView s{};
+  single::FrameView f{};
+  std::vector<single::OperatorView> views(operators);
+  std::vector<single::VolumeView> fields(operators);
+  std::vector<int> rendered;
+  const Pointers pointers;
+  fillSceneView(s, scene, 0, pointers);
+  fillFrameView(f, scene, frame);
+  f.light = frame.lights.data()->data();
+  for (size_t k = 0; k < operators; k++) {
+    const CompiledOperator& op = scene.operators[k];
+    const OperatorPart& part = op.parts.at(0);
+    fillVolumeView(fields[k], op, &part, pointers);
+    fillOperatorView(views[k], op, pointers);
+    if (part.geometry) fillPrimitives(views[k], *part.geometry, pointers);
+    if (op.vis.volumeRendering) rendered.push_back(int(k));
+  }
+  s.operators = int(operators);
+  s.operator_ = views.data();
+  s.field = fields.data();
+  ASSERT_EQ(rendered.size(), 2u);
+
+  std::vector<float> expected(operators * kProbes * kInputs);
+  const auto at = [&](size_t op, size_t p, size_t i) { return (op * kProbes + p) * kInputs + i; };
+  for (size_t p = 0; p < kProbes; p++) {
+    std::set<uint32_t> values;
+    for (size_t op = 0; op < operators; op++)
+      for (size_t i = 0; i < kInputs; i++) {
+        const float x = single::sceneProbe(s, f, views[op], fields[op], rendered.data(), int(rendered.size()),
+                                           int(p), unsigned(i));
+        expected[at(op, p, i)] = x;
+        values.insert(std::bit_cast<uint32_t>(x));
+      }
+    EXPECT_GE(values.size(), p == 10 || p == 11 || p == 36 ? 2u : 20u) << "probe " << p;
+  }
+  const auto compare = [&](const char* target, const std::vector<float>& got) {
+    int different = 0;
+    for (size_t i = 0; i < got.size(); i++) {
+      const bool same = std::bit_cast<uint32_t>(got[i]) == std::bit_cast<uint32_t>(expected[i]) ||
+                        (std::isnan(got[i]) && std::isnan(expected[i]));
+      if (!same && different++ < 5)
+        ADD_FAILURE() << target << ", operator " << i / kInputs / kProbes << " probe "
+                      << i / kInputs % kProbes << " input " << i % kInputs << ": " << got[i] << ", in C++ "
+                      << expected[i];
+    }
+    EXPECT_EQ(different, 0) << target;
+  };
+  std::vector<float> got(expected.size());
+  const auto inIspc = [&](const char* target, SceneProbes* probes) {
+    for (size_t op = 0; op < operators; op++)
+      probes(&s, &f, int(op), rendered.data(), int(rendered.size()), kInputs, &got[at(op, 0, 0)]);
+    compare(target, got);
+  };
+  inIspc("sse4", scene_probe_sse4);
+  if (__builtin_cpu_supports("avx2")) inIspc("avx2", scene_probe_avx2);
+  if (__builtin_cpu_supports("avx512vl")) inIspc("avx512skx", scene_probe_avx512skx);
+#ifdef GALAXY_VULKAN
+  compare("GLSL", sceneProbesInGlsl(scene, frame, SCENE_PROBES, kInputs));
+#endif
+}
+
+}  // namespace
+}  // namespace gxy::agreement
