@@ -30,17 +30,6 @@ bool hitPrimitive(OperatorView op, uint p, vec3 o, vec3 d, float after, LastHit 
   return hit;
 }
 
-// Whether a child may have leaves of the nodes [begin, end). A leaf is of its node; below a child that is a node are the numbers
-// from its own to that of the next such child among `behind`, if there is one.
-bool mayHold(uint child, uvec3 behind, uint node, uint begin, uint end) {
-  bool may = node >= begin && node < end;
-  if ((child & NODE_LEAF) == 0u) {
-    uint next = min(min(behind.x, behind.y), behind.z);  // leaves' words are larger than nodes'
-    may = child < end && next > begin;
-  }
-  return may;
-}
-
 vec4 geometryReals(uint i) { return uintBitsToFloat(geometryQuad(i)); }
 
 void main() {
@@ -57,10 +46,10 @@ void main() {
   int hitOperator = -1;
   uint hitPrimitiveId = 0u;
   uint list = geometryWord(theScene.hierarchy), nodes = theScene.hierarchy + 4u;
-  // here the parts are ranges of nodes, whose leaves are tested
-  Part part = partOf(0.0, geometryReal(theScene.hierarchy + 1u));
-  uint begin = uint(part.from), end = uint(part.to);
-  if (LIMITED && begin > 0u && GIVEN(hitKind) == HIT_GEOMETRY) {
+  // A slice is a range of nodes here: those whose leaves are tested.
+  RaySlice slice = sliceOf(0.0, geometryReal(theScene.hierarchy + 1u));
+  uint begin = uint(slice.from), end = uint(slice.to);
+  if (isResumed(slice) && GIVEN(hitKind) == HIT_GEOMETRY) {
     nearest = GIVEN(tHit);
     hitOperator = GIVEN(hitOperator);
     hitPrimitiveId = GIVEN(hitPrimitive);
@@ -81,7 +70,7 @@ void main() {
       vec4 t;
 #define VISIT(k, behind)                                                                      \
   t.k = entryOf(vec3(loX.k, loY.k, loZ.k), vec3(hiX.k, hiY.k, hiZ.k), o, rd, nearest);        \
-  if (children.k == NODE_NONE || (LIMITED && !mayHold(children.k, behind, child, begin, end))) \
+  if (children.k == NODE_NONE || !mayHoldOfSlice(children.k, behind, child, begin, end)) \
     t.k = infinity();                                                                         \
   found.k = t.k < infinity() ? children.k : NODE_NONE;
       VISIT(x, children.yzw)
@@ -145,8 +134,8 @@ void main() {
     countUp(COUNT_NODES, nodesMet);
     countUp(COUNT_PRIMITIVES, primitivesMet);
   }
-  float middle = floor(0.5 * (part.from + part.to)), next = part.to + (part.to - part.from);
-  if (!endPart(part, middle, next, ANY_HIT && hitOperator >= 0)) return;
+  float middle = floor(0.5 * (slice.from + slice.to)), next = slice.to + (slice.to - slice.from);
+  if (!endSlice(slice, middle, next, ANY_HIT && hitOperator >= 0)) return;
   if (hitOperator >= 0) {
     if (ANY_HIT) {
       RAY(A) = 1.0;

@@ -11,14 +11,14 @@ void main() {
   if (!hasRay()) return;
   SceneView s = theScene;
   vec3 o = rayOrigin(), d = rayDirection();
-  Part part = marchPart();
-  MarchRange m = marchRange(part);
-  if (!(part.to < part.end)) m.tOwn = LEAVES ? nextBegin(s, o, d, m.tOut, GIVEN(tEnd)) : NO_HIT;
+  RaySlice slice = marchSlice();
+  MarchRange m = marchRange(slice);
+  if (!(slice.to < slice.end)) m.tOwn = LEAVES ? nextBegin(s, o, d, m.tOut, GIVEN(tEnd)) : NO_HIT;
   MarchCount count = nothingMarched();
   Radiance L = rayRadiance();
   float begun = GIVEN(tBegun);
   integrateVolume(v, clippedRay(v, o, d), m, begun, L, count);
-  if (!endPart(part, false)) return;
+  if (!endSlice(slice, false)) return;
   RAY(tBegun) = begun;
   setRadiance(L);
   countUp(COUNT_SAMPLES, uint(count.samples));

@@ -8,12 +8,12 @@
 void main() {
   if (!hasRay()) return;
   SceneView s = theScene;
-  Part part = marchPart();
+  RaySlice slice = marchSlice();
   MarchCount count = nothingMarched();
   Radiance L = rayRadiance();
-  integrateMany(s, uint(push[PUSH_OPERATOR]), push[PUSH_COUNT], rayOrigin(), rayDirection(), marchRange(part),
+  integrateMany(s, uint(push[PUSH_OPERATOR]), push[PUSH_COUNT], rayOrigin(), rayDirection(), marchRange(slice),
                 L, count);
-  if (!endPart(part, false)) return;
+  if (!endSlice(slice, false)) return;
   setRadiance(L);
   countUp(COUNT_SAMPLES, uint(count.samples));
   countUp(COUNT_MACROCELLS, uint(count.macrocells));

@@ -17,13 +17,13 @@ void main() {
     start.from = RAY_SIDE(GIVEN(info)) != 0 ? 1 : -1;
   }
   int cells = 0, skipped = 0;
-  Part part = partOf(GIVEN(tIn), min(GIVEN(tOut), GIVEN(tEnd)));
+  RaySlice slice = marchSlice();
   NearestHit nearest = givenHit();
   bool blocked = GIVEN(A) >= 1.0;  // nothing to find
   float tLast = behindLast(lastHit(), op, ISOSURFACES);
-  IsoHit hit = hitIsosurface(v, rayOrigin(), rayDirection(), part.from, blocked ? -1.0 : part.to, tLast, nearest.t, start, cells,
+  IsoHit hit = hitIsosurface(v, rayOrigin(), rayDirection(), slice.from, blocked ? -1.0 : slice.to, tLast, nearest.t, start, cells,
                              skipped);
-  if (!endPart(part, blocked || hit.t < NO_HIT)) return;
+  if (!endSlice(slice, blocked || hit.t < NO_HIT)) return;
   if (hit.t < NO_HIT) takeHit(nearest, hit.t, HIT_ISOSURFACE, op, uint(hit.index));
   countUp(COUNT_CELLS, uint(cells));
   countUp(COUNT_ISO_SKIPPED, uint(skipped));

@@ -88,15 +88,14 @@ GXY_DEVICE_FIELDS(GXY_DEVICE_GIVEN)
 #undef GXY_GIVEN
 #undef GXY_DEVICE_GIVEN
 
-// Whether this invocation has a ray to do. Where a step has not been ended by all rays, those behind it do nothing.
+#include "shaders/resumable.glsl"
+
+// Whether this invocation has a ray to work on.
 bool hasRay() {
   int n = push[PUSH_RAYS];
   if (n < 0) n = int(counts[~n]);
   bool mine = int(rayBlock * BLOCK_RAYS + gl_LocalInvocationIndex) < n;
-  if (LIMITED && mine) {
-    bool cutBefore = counts[COUNT_CUT] > ~uint(push[PUSH_STEP]);
-    mine = !cutBefore && GIVEN(step) <= push[PUSH_STEP];
-  }
+  if (mine) mine = stepIsDue();
   return mine;
 }
 
@@ -123,64 +122,13 @@ void takeHit(inout NearestHit nearest, float t, int kind, int op, uint primitive
   }
 }
 
-// Mesa's software device ends all loops of an invocation, without a word, when they have gone round 65535 times together;
-// the next loop then goes round once. On such a device (LIMITED) a stage that may come to that does a range of its work, asks
-// at its end whether it was cut short, and if so forgets what it has done, and does half of the range when the host
-// dispatches it again; if not, the range behind it. Ranges are of t, cut like partitions, of whose cuts nothing depends.
-struct Part {
-  float from, to, end;  // does [from, to) of what ends at `end`
-};
+// The whole of the ray that a march passes in this partition, or the slice of it that is due.
+RaySlice marchSlice() { return sliceOf(GIVEN(tIn), min(GIVEN(tOut), GIVEN(tEnd))); }
 
-Part partOf(float begin, float end) {
-  Part p;
-  p.from = begin;
-  p.to = end;
-  p.end = end;
-  if (LIMITED && GIVEN(step) == ~push[PUSH_STEP]) {
-    p.from = GIVEN(from);
-    p.to = min(GIVEN(to), end);
-  }
-  return p;
-}
-
-bool wasCut() {
-  int rounds = 0;
-  for (int i = 0; i < push[PUSH_ROUNDS]; i++) rounds += push[PUSH_ONE];
-  return rounds < push[PUSH_ROUNDS];
-}
-
-// Called where a stage that has no parts has done its work, which is lost if it was cut.
-void endStage() {
-  if (LIMITED && wasCut()) atomicAdd(counts[COUNT_STUCK], 1u);
-}
-
-// Called last, in all invocations alike: whether the part was done. `over`: nothing is to be done behind it. `middle` is between
-// its ends, or one of them where it cannot be halved.
-bool endPart(Part p, float middle, float next, bool over) {
-  if (!LIMITED) return true;
-  bool cut = wasCut();
-  bool ended = !cut && (over || !(p.to < p.end));
-  if (cut && !(middle > p.from && middle < p.to)) {
-    atomicAdd(counts[COUNT_STUCK], 1u);
-    ended = true;
-  }
-  RAY(step) = ended ? push[PUSH_STEP] + 1 : ~push[PUSH_STEP];
-  if (!ended) {
-    RAY(from) = cut ? p.from : p.to;
-    RAY(to) = cut ? middle : next;
-    atomicMax(counts[COUNT_CUT], ~uint(push[PUSH_STEP]));
-  }
-  return !cut;
-}
-bool endPart(Part p, bool over) { return endPart(p, 0.5 * (p.from + p.to), p.to + (p.to - p.from), over); }
-
-// All that a march does of the ray's part in this partition.
-Part marchPart() { return partOf(GIVEN(tIn), min(GIVEN(tOut), GIVEN(tEnd))); }
-
-MarchRange marchRange(Part p) {
+MarchRange marchRange(RaySlice slice) {
   MarchRange m;
-  m.tIn = p.from;
-  m.tOut = p.to < p.end ? p.to : GIVEN(tOut);
+  m.tIn = slice.from;
+  m.tOut = slice.to < slice.end ? slice.to : GIVEN(tOut);
   m.tOwn = m.tOut;
   m.tStart = GIVEN(tLast);
   m.tStop = min(GIVEN(tHit), GIVEN(tMax));

@@ -60,7 +60,7 @@ class Device {
   uint32_t clockBits() const { return clockBits_; }
   /// Nanoseconds after which that begins anew; 0: never, as far as 64 bits reach.
   uint64_t clockRound() const;
-  /// Loops of an invocation end when they have gone round 65535 times together (shaders/rays.glsl).
+  /// Loops of an invocation end when they have gone round 65535 times together (shaders/resumable.glsl).
   bool endsLoops() const { return endsLoops_; }
   /// Lanes fetch one after the other, and small batches keep it busy.
   bool isSoftware() const { return software_; }
