@@ -12,8 +12,9 @@ endif()
 set(GALAXY_ISPC_TARGETS sse4-i32x4 avx2-i32x8 avx512skx-x16)
 set(GALAXY_ISPC_KEPT ${PROJECT_BINARY_DIR}/ispc CACHE PATH "Where compiled ISPC is kept; builds may share it")
 
-# Where kernels in ISPC find those of core/.
-set(GALAXY_KERNELS_SEEN -I${PROJECT_BINARY_DIR}/include/core_kernels -I${PROJECT_BINARY_DIR}/include/core_rays)
+# Where kernels in ISPC find those of core/, and how ISPC reads what they read.
+set(GALAXY_KERNELS_SEEN -I${PROJECT_BINARY_DIR}/include/core_kernels -I${PROJECT_BINARY_DIR}/include/core_rays
+                        -I${PROJECT_BINARY_DIR}/include/backends_embree)
 
 function(galaxy_ispc TARGET)
   set(out ${CMAKE_CURRENT_BINARY_DIR}/ispc)
@@ -21,7 +22,7 @@ function(galaxy_ispc TARGET)
   list(JOIN GALAXY_ISPC_TARGETS , targets)
   list(TRANSFORM GALAXY_ISPC_TARGETS REPLACE "-.*" "" OUTPUT_VARIABLE suffixes)
   file(GLOB headers CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/core/kernels/*.h ${PROJECT_SOURCE_DIR}/core/rays/ray_fields.h
-       ${CMAKE_CURRENT_SOURCE_DIR}/*.isph ${CMAKE_CURRENT_SOURCE_DIR}/*_view.h ${CMAKE_CURRENT_SOURCE_DIR}/*_layout.h)
+       ${PROJECT_SOURCE_DIR}/backends/embree/*.isph ${CMAKE_CURRENT_SOURCE_DIR}/*_view.h ${CMAKE_CURRENT_SOURCE_DIR}/*_layout.h)
   galaxy_view(view ${CMAKE_CURRENT_SOURCE_DIR})
   set(flags -O3 --pic --opt=disable-fma --target=${targets} --woff --math-lib=default ${GALAXY_KERNELS_SEEN} -I${view})
   set(script ${PROJECT_SOURCE_DIR}/cmake/CompileIspc.cmake)
@@ -54,7 +55,7 @@ endfunction()
 function(galaxy_ispc_probes TARGET FILE PROBE)
   get_filename_component(name ${FILE} NAME_WE)
   file(GLOB headers CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/core/kernels/*.h ${PROJECT_SOURCE_DIR}/core/rays/ray_fields.h
-       ${CMAKE_CURRENT_SOURCE_DIR}/*probe.h)
+       ${PROJECT_SOURCE_DIR}/backends/embree/volume_fetch.isph ${CMAKE_CURRENT_SOURCE_DIR}/*probe.h)
   foreach(target ${GALAXY_ISPC_TARGETS})
     string(REGEX REPLACE "-.*" "" isa ${target})
     set(object ${CMAKE_CURRENT_BINARY_DIR}/${name}_${isa}.o)

@@ -100,7 +100,10 @@ uvec4 geometryQuad(uint i) {
 }
 float geometryReal(uint i) { return uintBitsToFloat(geometryWord(i)); }
 
-#define locateCell locateCellByLoops  // grid.h's; fetch_volume.glsl has one that every lane can afford
+#define locateCell locateCellByLoops  // grid.h's; volume_fetch.glsl has one that every lane can afford
+#include "core/kernels/cells.h"
+#include "shaders/volume_fetch.glsl"
 #include "core/kernels/fields.h"
 #include "core/kernels/scene_view.h"
+#include "shaders/scene_fetch.glsl"
 #include "core/kernels/scene.h"

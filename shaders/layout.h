@@ -15,7 +15,7 @@
 #define SPEC_SURFACES 3     // bits SURFACE_*: what there is to shade, or to meet
 #define SPEC_ANY_HIT 4      // rays only ask whether geometry is in their way
 #define SPEC_BY_CELLS 5     // some plans go cell by cell
-#define SPEC_LIMITED 6      // the device ends an invocation's loops after some rounds (rays.glsl)
+#define SPEC_LIMITED 6      // the device ends an invocation's loops after some rounds (resumable.glsl)
 #define SPEC_MAP_KIND 7     // MAP_KIND_* of all maps, -1: of each its own
 #define SPEC_OPERATORS 8    // how many there are: 1, up to FEW_OPERATORS, or (0) any number
 #define SPEC_ROUTES 9       // bits ROUTE_*: where rays may go besides into their pixels
@@ -56,7 +56,7 @@
 #define ADDRESSES_BINDING 6    // of tables, samples and geometry
 #define TABLE_QUADS_BINDING 7  // the same four words at once
 #define GEOMETRY_QUADS_BINDING 8
-#define TABLES_AHEAD_BINDING 9  // the tables again, for what all invocations read alike (fetch_scene.glsl)
+#define TABLES_AHEAD_BINDING 9  // the tables again, for what all invocations read alike (scene_fetch.glsl)
 #define SAMPLE_QUADS_BINDING 10
 #define SCENE_BINDINGS 11
 
@@ -83,7 +83,7 @@
 // What a ray on the device has besides the fields of ray_fields.h: F(type, name).
 //   packet    of the batch that it came with
 //   step      of the list of stages: the next that it has to do; where it has begun that and not ended, ~step, and
-//   from, to  what it does of it next (rays.glsl)
+//   from, to  what it does of it next (resumable.glsl)
 //   shaded    not of this ray: ray i of the list has the number of the i-th primary of the list that has hit a surface
 #define GXY_DEVICE_FIELDS(F) F(uint32, packet) F(int32, step) F(float, from) F(float, to) F(uint32, shaded)
 

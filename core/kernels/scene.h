@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The kernels that read scenes, in dependency order; all.h, fields.h, scene_view.h and core/rays/ray_fields.h come before.
+// The kernels that read scenes, in dependency order; fields.h, core/rays/ray_fields.h, scene_view.h and the
+// dialect's scene_fetch come before.
 // clang-format off
-#include "core/kernels/scene_fetch.h"
 #include "core/kernels/clip.h"
 #include "core/kernels/cuts.h"
 #include "core/kernels/many.h"

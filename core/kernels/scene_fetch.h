@@ -1,12 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// How ISPC and C++ fetch from scene_view.h's structures. In GLSL see shaders/fetch_scene.glsl.
+// How C++ and ISPC read the structures of scene_view.h. GLSL reads them in shaders/scene_fetch.glsl.
 
-#if defined(GXY_GLSL)
-#define SCENE SceneView
-#define FRAME FrameView
-#define OPERATOR OperatorView
-#include "shaders/fetch_scene.glsl"
-#else
 #if defined(ISPC)
 #define SCENE const uniform SceneView&
 #define FRAME const uniform FrameView&
@@ -54,4 +48,3 @@ FN vec3 sliceNormal(OPERATOR op, uint i) {
 FN real isovalueOf(VOLUME v, uint i) { return v.isovalue[i]; }
 FN UNIFORM bool holdsSamples(VOLUME v) { return v.samples != NULL; }
 #undef PLACE
-#endif

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What kernels see of a scene and a frame: the structures that a backend's host side fills. PTR is volume_view.h's; how each
-// language fetches from them is in scene_fetch.h.
+// What kernels see of a scene and a frame: the structures that a backend's host side fills. PTR is volume_view.h's. Each
+// dialect reads them in its own scene_fetch.
 
 #define KIND_VOLUME 0
 #define KIND_PARTICLES 1

@@ -10,10 +10,13 @@
 
 #define GXY_REAL float
 namespace gxy::single {
+// clang-format off
 #include "core/kernels/dialect.h"
-
 #include "core/kernels/all.h"
+#include "core/kernels/cells.h"
+#include "core/kernels/volume_fetch.h"
 #include "core/kernels/fields.h"
+// clang-format on
 }  // namespace gxy::single
 #undef GXY_REAL
 #undef R

@@ -11,10 +11,13 @@
 #define GXY_REAL double
 #define GXY_TWIN
 namespace gxy::twin {
+// clang-format off
 #include "core/kernels/dialect.h"
-
 #include "core/kernels/all.h"
+#include "core/kernels/cells.h"
+#include "core/kernels/volume_fetch.h"
 #include "core/kernels/fields.h"
+// clang-format on
 }  // namespace gxy::twin
 #undef GXY_REAL
 #undef GXY_TWIN

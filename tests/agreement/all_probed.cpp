@@ -20,11 +20,14 @@ namespace gxy::all_probed {
 namespace rays {
 #include "tests/kernels/probe.h"
 }
+#include "core/kernels/cells.h"
+#include "core/kernels/volume_fetch.h"
 #include "core/kernels/fields.h"
 namespace fields {
 #include "tests/rays/field_probe.h"
 }
 #include "core/kernels/scene_view.h"
+#include "core/kernels/scene_fetch.h"
 #include "core/kernels/scene.h"
 namespace scenes {
 #include "tests/agreement/scene_probe.h"

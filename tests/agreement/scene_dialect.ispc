@@ -3,9 +3,12 @@
 // clang-format off
 #include "core/kernels/dialect.h"
 #include "core/kernels/all.h"
+#include "core/kernels/cells.h"
+#include "backends/embree/volume_fetch.isph"
 #include "core/kernels/fields.h"
 #include "core/rays/ray_fields.h"
 #include "core/kernels/scene_view.h"
+#include "core/kernels/scene_fetch.h"
 #include "core/kernels/scene.h"
 #include "tests/agreement/scene_probe.h"
 // clang-format on

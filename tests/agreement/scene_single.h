@@ -13,8 +13,9 @@
 #define NO_HIT R(1e30)
 #define VOLUME const VolumeView&
 namespace gxy::single {
-#include "core/kernels/scene.h"
 // clang-format off
+#include "core/kernels/scene_fetch.h"
+#include "core/kernels/scene.h"
 #include "tests/agreement/scene_probe.h"
 // clang-format on
 }  // namespace gxy::single

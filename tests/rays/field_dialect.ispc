@@ -4,6 +4,8 @@
 // clang-format off
 #include "core/kernels/dialect.h"
 #include "core/kernels/all.h"
+#include "core/kernels/cells.h"
+#include "backends/embree/volume_fetch.isph"
 #include "core/kernels/fields.h"
 #include "tests/rays/field_probe.h"
 // clang-format on

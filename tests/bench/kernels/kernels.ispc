@@ -3,6 +3,8 @@
 // direction.
 #include "core/kernels/dialect.h"
 #include "core/kernels/all.h"
+#include "core/kernels/cells.h"
+#include "backends/embree/volume_fetch.isph"
 #include "core/kernels/fields.h"
 
 #define USE_VOLUME(name, p)                                                                \

@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // How GLSL reads a SceneView, a FrameView and an OperatorView (core/kernels/scene_view.h).
 
+#define SCENE SceneView
+#define FRAME FrameView
+#define OPERATOR OperatorView
+
 layout(std430, set = SCENE_SET, binding = SCENE_BINDING) readonly buffer SceneBuffer {
   SceneView sceneBuffer;
 };

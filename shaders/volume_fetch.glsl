@@ -2,7 +2,7 @@
 // How GLSL reads a VolumeView (core/kernels/volume_view.h): its arrays are places in the scene's tables and samples.
 
 // What grid.h's locateCell gives, without loops, which software devices run masked in every round of a march and count
-// (countIfCut): inside the grid its estimate is off by one at most.
+// (resumable.glsl): inside the grid its estimate is off by one at most.
 #undef locateCell
 int locateCell(real t, real po, real pd, real rpd, int n) {
   int i = toInt(clamp1(floor(po + t * pd), 0.0, toReal(n - 1)));
@@ -85,7 +85,7 @@ MapPiece mapPiece(VOLUME v, int k) {
   }
   return m;
 }
-// Without a loop, of which Mesa's software device allows few (countIfCut).
+// Without a loop, of which Mesa's software device allows few (resumable.glsl).
 int mapNodesUpTo(VOLUME v, real s) {
   int k;
   if (MAP_AHEAD > 0) {

@@ -1,0 +1,9 @@
+// SPDX-License-Identifier: Apache-2.0
+// The cells of volumes: how a ray finds them, how a value is interpolated in one, and the structure that volumes are read from. In
+// dependency order; all.h comes before. Behind it a dialect includes its own volume_fetch, and then fields.h.
+// clang-format off
+#include "core/kernels/grid.h"
+#include "core/kernels/trilinear.h"
+#include "core/kernels/cubic.h"
+#include "core/kernels/volume_view.h"
+// clang-format on

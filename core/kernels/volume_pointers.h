@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+// How a dialect with pointers, C++ or ISPC, reads a VolumeView: the part that both write alike. volume_fetch.h and
+// backends/embree/volume_fetch.isph include this file after they have defined OFFSET, storedAt and the reading of maps.
+
+FN int planAt(VOLUME v, int index) { return v.plan[index]; }
+FN UNIFORM bool someByCells(VOLUME v) { return v.byCells != 0; }
+FN int isoWord(VOLUME v, int index) { return v.isoPlan[index]; }
+FN int mapBucket(VOLUME v, int i) { return v.buckets[i]; }
+FN int mapNodesUpTo(VOLUME v, real s) {
+  int k = 0;
+  if (mapIntervals(v) > 8) {
+    k += s >= mapNode(v, 8) ? 8 : 0;
+    k += s >= mapNode(v, k + 4) ? 4 : 0;
+    k += s >= mapNode(v, k + 2) ? 2 : 0;
+    k += s >= mapNode(v, k + 1) ? 1 : 0;
+  } else {
+    for (UNIFORM int i = 1; i < mapIntervals(v); i++) k += s >= mapNode(v, i) ? 1 : 0;
+  }
+  return k;
+}
+FN int mapOpaque(VOLUME v, int k) { return v.opaque[k]; }
+FN MapSum mapSum(VOLUME v, int k) {
+  MapSum s;
+  s.sigma = v.sums[8 * k];
+  s.source = make_v3(v.sums[8 * k + 1], v.sums[8 * k + 2], v.sums[8 * k + 3]);
+  s.sigmaRest = v.sums[8 * k + 4];
+  s.sourceRest = make_v3(v.sums[8 * k + 5], v.sums[8 * k + 6], v.sums[8 * k + 7]);
+  return s;
+}
+
+// The scalar of point i.
+FN_OUTLINE real scalarAt(VOLUME v, OFFSET i) {
+  if (v.component >= 0) return storedAt(v, i * v.stride + v.component);
+  real s = R(0.0);
+  for (UNIFORM int c = 0; c < v.stride; c++) {
+    real x = storedAt(v, i * v.stride + c);
+    s += x * x;
+  }
+  return sqrt(s);
+}
+
+FN OFFSET pointPlace(VOLUME v, ivec3 p) {
+  int x = p.x - v.firstX, y = p.y - v.firstY, z = p.z - v.firstZ;
+  return BRICK_PLACE((OFFSET)x, 512, 1) + BRICK_PLACE((OFFSET)y, v.brickRow, 8) +
+         BRICK_PLACE((OFFSET)z, v.brickLayer, 64);
+}
+
+// Of any block; in ISPC of one over 2^31 bytes, as this is slow. Out of line: the common case stays small.
+FN_OUTLINE Corners cellCornersOfAny(VOLUME v, ivec3 c) {
+  Corners k;
+  int x = BRICK_STEP(c.x - v.firstX, 512, 1), y = BRICK_STEP(c.y - v.firstY, v.brickRow, 8);
+  OFFSET b = pointPlace(v, c);
+  OFFSET h = b + BRICK_STEP(c.z - v.firstZ, v.brickLayer, 64);
+  k.v000 = scalarAt(v, b);
+  k.v100 = scalarAt(v, b + x);
+  k.v010 = scalarAt(v, b + y);
+  k.v110 = scalarAt(v, b + y + x);
+  k.v001 = scalarAt(v, h);
+  k.v101 = scalarAt(v, h + x);
+  k.v011 = scalarAt(v, h + y);
+  k.v111 = scalarAt(v, h + y + x);
+  return k;
+}
