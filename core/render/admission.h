@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How many frames of a batch are rendered at once.
+// Admission: how many frames of a batch are rendered at once.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -12,22 +12,22 @@
 
 namespace gxy {
 
-/// Admits the frames of each stream in their order, as long as the framebuffers of those that it admitted and that are not over
-/// take at most so many bytes, or are few. More at once would make no more frames, and take memory that the system has to clear.
-/// Not thread safe.
+/// Admits the frames of each stream in their order. The next frame of a stream begins while fewer than `few`
+/// are under way, or while its framebuffer and those of the frames under way together take at most `bytes`.
+/// More frames at once would not raise the throughput, and the system would have to clear the memory of their
+/// framebuffers. Not thread safe.
 class Admission {
  public:
   using FrameId = uint64_t;
 
-  /// Admits `few` frames of a stream, however large they are.
   Admission(int64_t bytes, size_t few) : bytes_(bytes), few_(few) {}
 
-  /// A new frame. True if it may begin; otherwise it waits until over() names it.
+  /// Enters a new frame. Returns true if it may begin; otherwise it waits until over() returns it.
   bool enter(const Share& share, FrameId frame, int64_t bytes);
-  /// A frame that began is over. Returns those that may begin now, oldest first. Nothing happens for frames that were never
-  /// entered.
+  /// Says that a frame is over. Returns the waiting frames that may begin now, oldest first. Does nothing for
+  /// frames that were never entered.
   std::vector<FrameId> over(FrameId frame);
-  /// A frame that waits begins now, as it ends at once.
+  /// Counts a waiting frame as begun whatever the limits, because it is superseded and ends at once.
   void beginAnyway(FrameId frame);
   size_t waiting() const;
 
@@ -40,7 +40,7 @@ class Admission {
   struct Stream {
     std::vector<Entry> begun;
     std::deque<Entry> waiting;
-    int64_t bytes = 0;  ///< of those that have begun
+    int64_t bytes = 0;  ///< of the frames in `begun`
   };
   bool mayBegin(const Stream& stream, int64_t bytes) const;
 

@@ -7,7 +7,7 @@
 namespace gxy {
 
 RayLimits limitsOf(const CompiledScene& scene, const CompiledFrame& frame) {
-  double reach = 1;  // origins lie in the visible domain, but for the offset from a surface
+  double reach = 1;  // origins lie in the visible domain, except for their offset from a surface
   for (int k = 0; k < 3; k++) reach = std::max({reach, std::abs(scene.lo[k]), std::abs(scene.hi[k])});
   return {uint64_t(frame.width) * uint64_t(frame.height), uint32_t(frame.firstSample + frame.samples),
           uint32_t(scene.operators.size()), float(2 * reach)};

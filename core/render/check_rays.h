@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Whether rays that came in a message are such as a Renderer sends: kernels use what is in them as indices.
+// Checks rays that arrived in a message. Kernels use the fields as indices, so wrong ones must not reach
+// them.
 #pragma once
 #include <cstdint>
 
@@ -11,11 +12,12 @@ namespace gxy {
 struct RayLimits {
   uint64_t pixels = 0;
   uint32_t samples = 0, operators = 0;
-  float reach = 0;  ///< largest absolute coordinate of an origin, render space
+  float reach = 0;  ///< largest absolute coordinate of a secondary ray's origin, render space
 };
 RayLimits limitsOf(const CompiledScene& scene, const CompiledFrame& frame);
 
-/// Says what is wrong with the fields that came over the wire; null if nothing is.
+/// Checks the fields that came over the wire; `primary` tells which kind of rays the message holds. Returns
+/// what is wrong with the first bad ray (a static text), or null if all are good.
 const char* wrongIn(const RayList& rays, bool primary, const RayLimits& limits);
 
 }  // namespace gxy

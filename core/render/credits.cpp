@@ -7,9 +7,9 @@ namespace gxy {
 
 namespace {
 
-constexpr int64_t kOfFree = 7;  // so many times the free room may be out
+constexpr int64_t kOfFree = 7;  // credits out are at most this multiple of the credits that stay free
 
-// Of a room with `free` left, by one who has `out` of it.
+// Whether somebody with `out` credits of a pool may take `cost` more while `free` are left.
 bool fits(int64_t out, int64_t cost, int64_t free) {
   return cost <= free && (out <= 0 || out + cost <= kOfFree * (free - cost));
 }

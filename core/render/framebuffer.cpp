@@ -16,19 +16,19 @@ constexpr double kMiss = 1e30;  // depth of a pixel that shows no surface
 
 size_t blocksOf(size_t pixels) { return (pixels + kBlock - 1) / kBlock; }
 
-// The part of block b in an array of four numbers a pixel.
+// The part of block `b` in an array of four numbers per pixel.
 template <class T>
 std::span<T> partOf(std::span<T> all, size_t b) {
   return all.subspan(4 * kBlock * b, std::min(4 * kBlock, all.size() - 4 * kBlock * b));
 }
 
-// What sums become.
+// Converts sums into RGBA, as pixelsOf says.
 class Mean {
  public:
   Mean(int samples, const Background& background, glm::ivec2 size)
       : unit_(1.0 / (double(CONTRIBUTION_ONE) * samples)), background_(background), size_(size) {}
 
-  // Of the pixels from `first` on.
+  // Converts the pixels from number `first` on.
   void operator()(size_t first, std::span<const int64_t> sums, std::span<float> rgba) const {
     glm::dvec4 background = background_.at(0, size_.y);
     for (size_t i = 0; i < sums.size(); i += 4) {

@@ -7,10 +7,12 @@
 
 namespace gxy {
 
-/// Tenants and streams that wait for credits: who has as many out or more does not take any.
+/// Tenants and streams whose turn it is but whose tile found too few credits. Others with as many credits
+/// out, or more, may not take any before them.
 struct ReadyQueue::Blocked {
-  int64_t tenant = INT64_MAX, stream = INT64_MAX;  ///< credits out, of the first of them
-  uint32_t whose = 0;
+  /// The least credits out of a tenant that waits, and of a stream of `whose` that waits.
+  int64_t tenant = INT64_MAX, stream = INT64_MAX;
+  uint32_t whose = 0;  ///< the tenant that waits first
   void add(const Credits& credits, const Share& share) {
     if (tenant == INT64_MAX) whose = share.tenant;
     tenant = std::min(tenant, credits.outOfTenant(share));
@@ -45,7 +47,7 @@ void ReadyQueue::addTiles(const Share& share, uint64_t frame, std::shared_ptr<Ti
 }
 
 bool ReadyQueue::dropTiles(const Share& share, uint64_t frame) {
-  std::shared_ptr<TileSource> dropped;  // outside the lock
+  std::shared_ptr<TileSource> dropped;  // destroyed after the lock is released
   const std::lock_guard lock(mutex_);
   const auto tenant = tenants_.find(share.tenant);
   if (tenant == tenants_.end()) return false;
@@ -58,7 +60,7 @@ bool ReadyQueue::dropTiles(const Share& share, uint64_t frame) {
   return dropped != nullptr;
 }
 
-// Whether something of a stream may be done now, if nobody before it waits for credits.
+// Whether something of a stream may be done now, provided that nobody before it waits for credits.
 bool ReadyQueue::mayDo(const Share& share, const Stream& stream) const {
   return std::ranges::any_of(stream.frames, [&](const auto& frame) {
     const Entry& entry = frame.second;
@@ -67,7 +69,8 @@ bool ReadyQueue::mayDo(const Share& share, const Stream& stream) const {
   });
 }
 
-// Who takes part again begins where the others are. `least`: of those that take part, and never less than before.
+// Lets children that want something take part, and makes them begin where the others are. `least` becomes the
+// least time used by a child that takes part, but never decreases.
 template <class Children>
 void ReadyQueue::letTakePart(Children& children, Time& least) {
   const auto leastOf = [&](auto&& counts, Time otherwise) {
@@ -88,7 +91,8 @@ void ReadyQueue::letTakePart(Children& children, Time& least) {
   least = std::max(least, leastOf([](const Turn&) { return true; }, least));
 }
 
-// Looks who wants something and takes part, and forgets who has nothing to say any more.
+// Finds out who wants something and takes part, and forgets tenants and streams that hold nothing worth
+// keeping.
 void ReadyQueue::refresh() {
   for (auto& [number, tenant] : tenants_) {
     Turn& all = tenant.turn;
@@ -114,7 +118,7 @@ void ReadyQueue::refresh() {
   });
 }
 
-// Tenants or streams in the order of their turns.
+// Returns the tenants, or the streams of a tenant, in the order of their turns.
 template <class Children>
 auto ReadyQueue::inTurn(Children& children) const {
   using Child = std::pair<std::pair<Time, uint64_t>, typename Children::value_type*>;
@@ -138,7 +142,7 @@ ReadyQueue::Pick ReadyQueue::pick(const Share& share, Stream& stream, Blocked& b
         if (credits_.mayTake(share, entry.tiles->cost())) return {&stream, frame, Kind::Tile, found.share};
         blocked.add(credits_, share);
       }
-      spawns = spawns && !entry.tiles;  // those of newer frames wait for its
+      spawns = spawns && !entry.tiles;  // tiles of newer frames wait for those of this frame
       if (!entry.others.empty()) return {&stream, frame, Kind::Other, found.share};
     }
   return {};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which of the things that wait on a rank is done next.
+// ReadyQueue: which of the tasks and tiles that wait on a rank comes next.
 #pragma once
 #include <chrono>
 #include <cstdint>
@@ -14,87 +14,100 @@
 
 namespace gxy {
 
-/// Tiles of a frame that are to be spawned. Called by a ReadyQueue, which it must not call.
+/// The tiles of a frame that are still to be spawned. A ReadyQueue calls it with its lock held, so it must
+/// not call the ReadyQueue.
 class TileSource {
  public:
   virtual ~TileSource() = default;
   virtual bool empty() const = 0;
-  virtual int64_t cost() const = 0;  ///< of the next tile, in credits
-  /// The next tile as a task, which gives back those credits in the end.
+  virtual int64_t cost() const = 0;  ///< credits of the next tile
+  /// Removes the next tile and returns a task that spawns it. The task and the tile's rays give its credits
+  /// back in the end.
   virtual std::function<void()> take() = 0;
 };
 
-/// Tasks of frames, and tiles that are spawned only when their turn has come, so that few rays wait for theirs.
+/// Schedules the tasks of frames, and spawns tiles only when it is their turn, so that few rays wait in
+/// memory.
 ///
-/// Tenants share the processors by the time that they take, and so do the streams of a tenant: whoever has been given least is
-/// next. Those that come (again) begin where the one with least is, of those that are watched if they are, so that they neither
-/// wait nor catch up on what they did not want. Where somebody looks at a frame it goes before others, until its tenant or stream is ahead of them by Options::ahead
-/// (Duda and Cheriton, "Borrowed-virtual-time scheduling", 1999): it does not wait, and in the long run each has its share.
-/// Within a stream the oldest frame is first, watched ones before others; of a frame the rest of what has begun, then tiles as
-/// long as there are credits, then other tasks. Where a tile finds no room in the credits, nobody who has as many out or more,
-/// and whose turn is later, spawns meanwhile. Thread safe.
+/// Tenants share the processors by the time that their tasks take, and so do the streams of a tenant: whoever
+/// has used least time is next. A tenant or stream that is new, or comes back after a pause, starts with the
+/// least time that any active one has used (if it is watched, that any watched one has used). It thus neither
+/// waits nor catches up on time that it did not want. A tenant or stream with a frame that somebody watches
+/// goes before others until it is ahead of them by Options::ahead (Duda and Cheriton, "Borrowed-virtual-time
+/// scheduling", 1999): it does not wait, and in the long run each has its share.
+///
+/// Within a stream watched frames go before others, and older frames before newer ones. Within a frame the
+/// rest of tasks that gave way comes first, then tiles as long as there are credits, then other tasks. If a
+/// tile finds too few credits, nobody whose turn is later and who has as many credits out, or more, spawns
+/// meanwhile. Thread safe.
 class ReadyQueue {
  public:
   using Task = std::function<void()>;
   using Time = std::chrono::nanoseconds;
   struct Options {
+    /// Credits of this rank (credits.h).
     int64_t credits = 1;
+    /// Processor time by which watched frames may get ahead of others.
     Time ahead{0};
   };
 
   ReadyQueue() : ReadyQueue(Options{}) {}
   explicit ReadyQueue(const Options& options) : options_(options), credits_(options.credits) {}
 
-  /// `first`: before the other tasks and the tiles of its frame, as the rest of one that gave way. What waits of the frame is
-  /// as interactive as what came last.
+  /// Adds a task of a frame. `first` puts it before the other tasks and the tiles of its frame; this is for
+  /// the rest of a task that gave way. All that waits of a frame counts as interactive if what was added last
+  /// is.
   void push(const Share& share, uint64_t frame, Task task, bool first = false);
+  /// Adds the tiles of a frame, if there are any.
   void addTiles(const Share& share, uint64_t frame, std::shared_ptr<TileSource> tiles);
-  /// Whether there were any left; they are not spawned any more.
+  /// Removes the tiles of a frame that are not spawned yet. Returns whether there were any.
   bool dropTiles(const Share& share, uint64_t frame);
 
   struct Next {
     Task task;
     Share share;
-    Time expected{0};  ///< was charged already
+    Time expected{0};  ///< time that is charged already
     explicit operator bool() const { return bool(task); }
   };
-  /// Takes what is next; empty if there is nothing that may be done now.
+  /// Takes the next task and charges its tenant and stream the time of the stream's last task. Returns an
+  /// empty one if nothing may be done now.
   Next pop();
-  /// What was taken has been done, and took so long.
+  /// Says that what pop() returned has been done, and how much processor time it took. Call it once for each.
   void ran(const Next& done, Time took);
-  /// Whether pop() would find something.
+  /// Whether pop() would return a task.
   bool ready();
 
   void giveBack(const Share& share, int64_t credits);
-  /// A copy, to be looked at.
+  /// A copy of the present state.
   Credits credits() const;
-  /// Tasks that wait.
+  /// The number of tasks that wait, without tiles.
   size_t size() const;
 
  private:
-  /// Of a tenant among tenants, or a stream among those of its tenant.
+  /// The turn of a tenant among tenants, or of a stream among those of its tenant.
   struct Turn {
-    Time used{0};         ///< of the processors, counted as said above
-    Time last{0};         ///< that its last task took
-    uint64_t served = 0;  ///< when it was
-    int running = 0;      ///< its tasks that do
-    bool wants = false;   ///< something may be done now
-    bool watched = false;
-    bool takesPart = false;
+    Time used{0};          ///< processor time charged, from the start value that the class comment describes
+    Time last{0};          ///< processor time of its last task
+    uint64_t served = 0;   ///< the queue's turn_ when it was last served
+    int running = 0;       ///< number of its tasks that run
+    bool wants = false;    ///< something of it may be done now
+    bool watched = false;  ///< a frame of it that waits is interactive
+    bool takesPart = false;  ///< it competes: it wants something or something of it runs
   };
   struct Entry {
     bool interactive = false;
-    std::deque<Task> rests, others;
+    std::deque<Task> rests, others;  ///< tasks pushed with and without `first`
     std::shared_ptr<TileSource> tiles;
     bool empty() const { return rests.empty() && others.empty() && !tiles; }
   };
   struct Stream {
     Turn turn;
-    std::map<uint64_t, Entry> frames;  ///< where something waits
+    std::map<uint64_t, Entry> frames;  ///< key: frame; only frames with something that waits
   };
   struct Tenant {
     Turn turn;
-    Time least{0};  ///< that one of its streams which take part has used, and never less than before
+    /// The least time used by a stream that takes part. It never decreases.
+    Time least{0};
     std::map<uint64_t, Stream> streams;
   };
   enum class Kind { Rest, Tile, Other };
@@ -121,7 +134,7 @@ class ReadyQueue {
   mutable std::mutex mutex_;
   Credits credits_;
   std::map<uint32_t, Tenant> tenants_;
-  Time least_{0};  ///< as Tenant::least
+  Time least_{0};  ///< the same for tenants
   size_t tasks_ = 0;
   uint64_t turn_ = 0;
 };

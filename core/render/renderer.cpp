@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The life of frames: started, made known, cancelled, finished, delivered. That of their rays is in renderer_rays.cpp, when
-// tasks run in renderer_tasks.cpp.
+// The life of frames: started, made known, cancelled, finished, delivered. renderer_rays.cpp has the life of
+// their rays, and renderer_tasks.cpp decides when tasks run.
 #include "core/render/renderer.h"
 
 #include <algorithm>
@@ -55,7 +55,7 @@ FrameRequest readRequest(Reader& in) {
   c.aov = in.read<double>();
   c.height = in.read<double>();
   c.dimensions = in.read<glm::ivec2>();
-  constexpr int32_t kSamples = 1 << 16;  // that a ray can name
+  constexpr int32_t kSamples = 1 << 16;  // as many as a ray can name
   if (r.samples < 0 || r.samples > kSamples || r.firstSample < 0 || r.firstSample > kSamples - r.samples)
     throw Error("a frame of " + std::to_string(r.samples) + " samples from " + std::to_string(r.firstSample) +
                 " on, expected numbers from 0 to " + std::to_string(kSamples));
@@ -101,7 +101,7 @@ Renderer::Renderer(Transport& transport, Options options)
     Share share;
     share.tenant = in.read<uint32_t>();
     share.stream = in.read<uint64_t>();
-    const auto credits = in.read<int64_t>();  // less than 0: secondaries beyond what their primaries took
+    const auto credits = in.read<int64_t>();  // negative for secondaries beyond what their primaries took
     in.expectEnd();
     constexpr int64_t kMost = int64_t(1) << 40;  // far beyond those of a packet's rays
     if (credits < -kMost || credits > kMost)
@@ -179,7 +179,7 @@ FrameId Renderer::render(const FrameRequest& request, Finished finished) {
   return id;
 }
 
-// Rank 0.
+// Rank 0: makes a frame known on all ranks.
 void Renderer::beginFrame(FrameId id, const FrameRequest& request) {
   completion_.begin(id, [this, id] { complete(id); });
   Writer w;
@@ -193,15 +193,15 @@ void Renderer::beginWaiting(const std::vector<FrameId>& ids) {
     std::optional<FrameRequest> request;
     {
       std::lock_guard lock(mutex_);
-      const auto it =
-          pending_.find(id);  // none where it was superseded meanwhile, which begins it, and is over
+      const auto it = pending_.find(id);  // none if it was superseded meanwhile, which begins it, and is over
       if (it != pending_.end()) request.swap(it->second.waiting);
     }
     if (request) beginFrame(id, *request);
   }
 }
 
-// All ranks hear of a frame that has not begun, too, as each keeps track of those that are over.
+// A frame that has not begun is made known on all ranks, too, because each keeps track of the frames that are
+// over.
 void Renderer::supersede(FrameId id) {
   std::optional<FrameRequest> request;
   {
@@ -222,7 +222,8 @@ void Renderer::cancelEverywhere(FrameId id) {
   cancel(id);
 }
 
-// On a rank whose device could not do its part. What it tells rank 0 is work of the frame, which does not end before.
+// Called on a rank whose device could not do its part. The message to rank 0 counts as work of the frame, so
+// the frame does not end before it is received.
 void Renderer::fail(const FramePtr& frame, const std::string& error) {
   frame->cancel();
   dropTiles(frame);
@@ -249,7 +250,7 @@ void Renderer::failed(FrameId id, const std::string& error) {
   completion_.retired(id, 1);
 }
 
-// Rank 0, once all work of a frame is done. Whether its picture counts is decided here, for all ranks.
+// Rank 0: called once, when all work of a frame is done. Decides for all ranks whether the picture counts.
 void Renderer::complete(FrameId id) {
   bool hasPicture;
   {
@@ -263,7 +264,7 @@ void Renderer::complete(FrameId id) {
   finish(id, hasPicture);
 }
 
-// Down a binary tree rooted at rank 0; each rank passes on what it hears.
+// Sends a message down a binary tree rooted at rank 0. Each rank passes on what it receives.
 void Renderer::sendDown(const Bytes& message) {
   forEachTreeChild(transport_.rank(), 0, transport_.size(),
                    [&](int child) { transport_.send(child, Channel::Frame, message); });
@@ -330,7 +331,7 @@ void Renderer::delivered(FrameId id, const std::string& error) {
   beginWaiting(next);
 }
 
-// What this rank needs for a frame, but for what came with its request.
+// Makes what this rank needs for a frame besides the request.
 void Renderer::prepare(Frame& frame) {
   const FrameRequest& request = frame.request;
   if (!request.account.empty()) frame.own.emplace(options_, request.account);
@@ -381,11 +382,12 @@ void Renderer::start(FrameId id, FrameRequest request, const Bytes& message) {
   try {
     prepare(*frame);
   } catch (const std::exception& e) {
-    frame->tiles.clear();    // the frame spawns nothing here, and what comes is retired
-    fail(frame, textOf(e));  // before others can end it
+    frame->tiles.clear();    // the frame spawns nothing here, and rays that arrive are retired
+    fail(frame, textOf(e));  // before other ranks can end the frame
   }
   frame->tilesLeft = frame->allTiles();
-  const bool spawnsNothing = frame->tiles.empty();  // asked here: once it is known, other threads take tiles
+  // Asked here, since other threads take tiles once the frame is known.
+  const bool spawnsNothing = frame->tiles.empty();
 
   std::vector<Parked> parked;
   {
@@ -397,7 +399,7 @@ void Renderer::start(FrameId id, FrameRequest request, const Bytes& message) {
       parked_.erase(waiting);
     }
   }
-  for (Parked& p : parked)  // each by itself: one that is refused keeps no other back
+  for (Parked& p : parked)  // each in a task of its own, so that a refused one does not keep others back
     post([this, id, p = std::make_shared<Parked>(std::move(p))] {
       if (p->channel == Channel::Rays)
         receiveRays(std::move(p->message));
@@ -443,7 +445,8 @@ void Renderer::finish(FrameId id, bool hasPicture) {
 }
 
 void Renderer::deliver(const FramePtr& frame, bool hasPicture) {
-  // told even if there is no memory for the picture or the handler throws: the frame is over
+  // Rank 0 is told even if there is no memory for the picture or the handler throws, because the frame is
+  // over.
   std::string error;
   const std::shared_ptr<void> tell(nullptr, [&](void*) {
     Writer w;
@@ -475,7 +478,8 @@ Renderer::FramePtr Renderer::find(FrameId id) const {
   return it == frames_.end() ? nullptr : it->second;
 }
 
-// The frame of a message; where it has not started the message is taken and kept until then, and null returned.
+// Returns the frame of a message. If it has not started, the message is taken and kept until then, and null
+// is returned.
 Renderer::FramePtr Renderer::findOrPark(FrameId id, Channel channel, Bytes& message) {
   std::lock_guard lock(mutex_);
   if (isOver(id)) throw Error("a message came for frame " + std::to_string(id) + ", which is over");

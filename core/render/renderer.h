@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// From camera to picture on all ranks: spawn, trace, forward, retire.
+// Renderer: from camera to picture on all ranks. It spawns, traces, forwards and retires rays.
 #pragma once
 #include <atomic>
 #include <chrono>
@@ -28,70 +28,78 @@ namespace gxy {
 using SceneId = uint64_t;
 using FrameId = uint64_t;
 
-/// One picture that is wanted.
+/// A request for one picture.
 struct FrameRequest {
   SceneId scene = 0;
   Camera camera;
-  int32_t samples = 0;  ///< rays per pixel; 0: what the scene says
-  /// Index of the first of them: the sums of pictures of different samples add up to those of all.
+  int32_t samples = 0;  ///< rays per pixel; 0: as many as the scene says
+  /// Index of the first sample. The sums of pictures with different samples add up to those of a picture with
+  /// all of them.
   int32_t firstSample = 0;
   bool depth = false;
-  bool sums = false;    ///< the picture is handed out as its sums, without `rgba`
+  bool sums = false;    ///< hand the picture out as its sums, without `rgba`
   uint64_t window = 0;  ///< not 0: a newer frame of the same window supersedes this one
-  Share share;          ///< who goes first
-  std::string account;  ///< the tenant whose memory it is in the ledger; empty: Options::tenant
-  std::string note;     ///< of the one who asks, for the picture handler
+  Share share;          ///< tenant, stream and whether somebody watches
+  std::string account;  ///< the tenant that the ledger charges; empty: Options::tenant
+  std::string note;     ///< text of the caller for the picture handler
 };
 
-/// What all ranks run, one Renderer each over the rank's Transport.
+/// Renders frames together with the Renderers of all other ranks; each rank has one, over its Transport.
 ///
-/// A frame is started on rank 0 and made known down a tree. Each rank spawns the primary rays that first meet something
-/// visible in one of its partitions; rays are traced where they are and forwarded where they go, contributions are sent
-/// to the rank that owns the framebuffer (frames are dealt out round robin). A frame is done when Completion says that
-/// every ray and every message of contributions has been retired; then, and only then, its owner hands out the picture.
+/// Rank 0 starts a frame and makes it known down a tree of ranks. Each rank spawns the primary rays that
+/// first meet something visible in one of its partitions. Rays are traced where they are and forwarded where
+/// they go. Contributions are sent to the rank that owns the frame's framebuffer (owners are dealt out round
+/// robin). A frame is done when Completion says that every ray and every message of contributions has been
+/// retired. Only then does its owner hand out the picture.
 ///
-/// Memory: spawning is throttled by credits. A primary takes 1 + (secondaries per hit) credits of its rank and gives
-/// them back, wherever it and they end; a rank spawns only while it has credits, so the rays of a rank that are in
-/// flight anywhere never exceed Options::raysInFlight (or one tile, if that is more). What is forwarded is always
-/// accepted. Behind translucent surfaces a primary may make more secondaries than it reserved; those put its rank into
-/// debt. A framebuffer takes its memory when its first contribution comes, and gives it back before the picture's handler runs.
-/// Of the frames of a stream that nobody watches, rank 0 begins as many as Options::framebufferBytes allow (Admission), and
-/// keeps the requests of the others. What frames hold is in the ledger, and 0 when none is under way: "rays" (lists that wait
-/// or are traced), "framebuffer", "picture" (while its handler runs), "parked messages" and "tiles".
+/// Memory: credits bound the rays. A primary ray takes 1 + (secondaries per hit) credits of its rank and
+/// gives them back wherever it and its secondaries end. A rank spawns only while it has credits, so the rays
+/// of a rank that are in flight anywhere never exceed Options::raysInFlight (or one tile, if that is more).
+/// Forwarded rays are always accepted. Behind translucent surfaces a primary may make more secondaries than
+/// it took credits for; those put its rank into debt. A framebuffer takes its memory when its first
+/// contribution arrives, and gives it back before the picture's handler runs. Of the frames of a stream that
+/// nobody watches, rank 0 begins as many as Options::framebufferBytes allows (Admission), and keeps the
+/// requests of the others. The ledger shows what frames hold, 0 when none is under way: "rays" (lists that
+/// wait or are traced), "framebuffer", "picture" (while its handler runs), "parked messages" and "tiles".
 ///
-/// Whose turn it is: on each rank, tasks run and tiles are spawned in the order of ReadyQueue, which shares the processors
-/// among tenants and the streams of each. A task that is under way is not interrupted, but it traces one packet and puts the
-/// rest off, so that who comes anew waits, on each rank, for the packets that are being traced, and an interactive frame for no
-/// others. Tiles are smaller where a pixel makes many rays, so that there are credits for all.
-/// Pictures of frames that nobody watches are handed out beside the tasks (Transport::postLong), however long that takes, at
-/// most Options::handOuts of them at once and those of each tenant in turn.
+/// Order: each rank runs tasks and spawns tiles in the order of ReadyQueue, which shares the processors among
+/// tenants and the streams of each. A running task is not interrupted. But a task traces one packet and puts
+/// the rest off, so that a frame that arrives waits, on each rank, for the packets that are being traced, and
+/// an interactive frame waits for nothing else. Tiles are smaller where a pixel makes many rays, so that
+/// there are credits for all. Pictures of frames that nobody watches are handed out on threads of lower
+/// priority (Transport::postLong), however long that takes. At most Options::handOuts of them are handed out
+/// at once, and tenants take turns.
 ///
-/// A superseded frame ends like any other, its rays retired where they are met, but hands out no picture. So does a frame
-/// that a rank or its device could not do its part of: rank 0 hears what was wrong, and other frames go on. Messages that
-/// are not what a Renderer sends (a pixel outside the picture, a frame that is over, ...) are refused with an Error; what
-/// they hold counts as ended, and a frame that is under way fails.
+/// Errors: a superseded frame ends like any other, its rays retired where they are met, but hands out no
+/// picture. So does a frame of which a rank or its device could not do its part: rank 0 is told what went
+/// wrong, and other frames go on. Messages that a Renderer would not send (a pixel outside the picture, a
+/// frame that is over, ...) are refused with an Error. What they hold counts as ended, and their frame fails
+/// if it is under way.
 ///
 /// Threads: all calls may come from any thread. Callbacks run as tasks of the Transport.
 class Renderer {
  public:
   struct Options {
-    int packetRays = 1024;           ///< rays that are traced together, at most; >= 16
+    int packetRays = 1024;           ///< most rays that are traced together; >= 16
     int64_t raysInFlight = 1 << 20;  ///< credits of a rank
-    /// Where memory is accounted, if anywhere; outlives frames that name an account.
+    /// The ledger for the memory of frames; null: none. Must outlive frames that name an account.
     Ledger* ledger = nullptr;
-    std::string tenant = "batch";  ///< whose memory it is
-    /// Of a rank's processors or device: after that a frame is like those that nobody watches. So far the watched frames of a
-    /// tenant may get ahead of what nobody watches, too (ReadyQueue).
+    std::string tenant = "batch";  ///< the ledger's tenant for frames without an account
+    /// Processor or device time that an interactive frame may take on a rank; after that it is treated like a
+    /// frame that nobody watches. The watched frames of a tenant may also get ahead of others by this much
+    /// (ReadyQueue).
     std::chrono::nanoseconds urgentWork = std::chrono::seconds(1);
-    /// Of the calling thread: the clock by which tenants share the processors.
+    /// Processor time of the calling thread, by which tenants share the processors.
     std::function<std::chrono::nanoseconds()> processorTime = PacketSize::processorTime;
-    int64_t framebufferBytes = int64_t(512)
-                               << 20;  ///< of a stream's frames that nobody watches, on each rank
-    Trace* trace = nullptr;            ///< of packets, tiles, pictures and frames; outlives the Renderer
-    int runners = 1024;                ///< tasks that it gives the Transport at once
-    int handOuts = 0;  ///< pictures that nobody waits for and that are handed out at once; 0: all there are
+    /// Framebuffers, on each rank, of a stream's frames that nobody watches.
+    int64_t framebufferBytes = int64_t(512) << 20;
+    /// Records packets, tiles, pictures and frames; may be null; outlives the Renderer.
+    Trace* trace = nullptr;
+    int runners = 1024;  ///< most tasks that it gives the Transport at once
+    /// Most pictures that are handed out at once, of frames that nobody watches; 0: no limit.
+    int handOuts = 0;
   };
-  /// How a frame has ended: with a picture, or superseded, or with what went wrong on a rank or in its handler.
+  /// The end of a frame: with a picture, superseded, or with an error of a rank or of the picture handler.
   struct Ending {
     bool superseded = false;
     std::string error;
@@ -101,7 +109,8 @@ class Renderer {
   using PictureHandler = std::function<void(FrameId, const FrameRequest&, Picture)>;
 
   Renderer(Transport& transport, Options options);
-  /// Waits for the tasks that run and for devices that trace; what is still to come of frames under way is dropped.
+  /// Waits for running tasks and for devices that trace. Drops the rest of the work of frames that are under
+  /// way.
   ~Renderer();
   Renderer(const Renderer&) = delete;
   Renderer& operator=(const Renderer&) = delete;
@@ -109,16 +118,20 @@ class Renderer {
   /// Makes a scene known on this rank; needed on every rank before rank 0 starts a frame of it.
   void addScene(SceneId id, std::shared_ptr<const CompiledScene> scene,
                 std::shared_ptr<const DeviceScene> device);
-  /// Forgets it; frames that are under way keep what they need.
+  /// Forgets a scene on this rank. Frames that are under way keep what they need.
   void removeScene(SceneId id);
 
-  /// What is done with pictures that this rank owns; not called for frames that end without. Set before frames start.
+  /// Sets the handler of pictures that this rank owns. It is not called for frames that end without a
+  /// picture. Call this before frames start.
   void onPicture(PictureHandler handler);
 
-  /// Rank 0 only: starts a frame. `finished` is called on rank 0 when the picture handler has returned on its rank.
+  /// Rank 0 only: starts a frame, or lets it wait (Admission). `finished` is called on rank 0 when the
+  /// picture handler has returned on its rank, or when the frame has ended without a picture. Throws Error
+  /// for an invalid camera or an unknown scene.
   FrameId render(const FrameRequest& request, Finished finished);
 
-  /// Rank 0 only: gives a frame up, as if a newer one of its window had come. Nothing happens if it is over.
+  /// Rank 0 only: gives a frame up, as if a newer one of its window had come. Does nothing if the frame is
+  /// over.
   void supersede(FrameId id);
 
   struct Counters {
@@ -126,25 +139,27 @@ class Renderer {
     uint64_t raysForwarded = 0;                    ///< sent to other ranks
     uint64_t rayBytes = 0, contributionBytes = 0;  ///< handed to the transport for other ranks
     uint64_t rayMessages = 0, contributionMessages = 0;
-    uint64_t tilesSkipped = 0;       ///< outside the projections of all partitions of this rank
-    uint64_t pixelsSkipped = 0;      ///< of pictures of this rank, to which nothing was added
-    uint64_t partitionsSkipped = 0;  ///< of this rank, with nothing in them that is seen; once for each frame
-    /// To owners of pictures, and to ranks whose rays were traced: no pixel to change, no credit to give back.
+    uint64_t tilesSkipped = 0;   ///< outside the projections of all partitions of this rank
+    uint64_t pixelsSkipped = 0;  ///< pixels of this rank's pictures to which nothing was added
+    /// Partitions of this rank in which nothing can be seen; counted once for each frame.
+    uint64_t partitionsSkipped = 0;
+    /// Messages that were not sent, as they would have been empty: to owners of pictures (no pixel to
+    /// change), and to ranks whose rays were traced here (no credit to give back).
     uint64_t messagesSkipped = 0;
-    int64_t mostRaysInFlight = 0;  ///< credits out at once
-    int mostFramebuffers = 0;      ///< of this rank, with memory at once
+    int64_t mostRaysInFlight = 0;  ///< most credits out at once
+    int mostFramebuffers = 0;      ///< most framebuffers of this rank that had memory at once
   };
   Counters counters() const;
 
-  /// What is kept for frames that are not over; all 0 when none is under way.
+  /// State that is kept for frames that are not over; all 0 when none is under way.
   struct Kept {
-    size_t frames = 0;                  ///< started and not finished here
-    size_t parkedMessages = 0;          ///< of frames that have not started here
+    size_t frames = 0;                  ///< started here and not finished
+    size_t parkedMessages = 0;          ///< messages of frames that have not started here
     size_t callbacks = 0, windows = 0;  ///< rank 0
     size_t completionSets = 0;
-    size_t tasks = 0;                           ///< that wait for their turn
-    int64_t credits = 0;                        ///< out
-    std::map<uint32_t, int64_t> tenantCredits;  ///< out, by tenant
+    size_t tasks = 0;                           ///< tasks that wait for their turn
+    int64_t credits = 0;                        ///< credits out
+    std::map<uint32_t, int64_t> tenantCredits;  ///< credits out, by tenant
   };
   Kept kept() const;
 
@@ -155,7 +170,7 @@ class Renderer {
   struct Held;
   struct Asked;
   class Tasks;
-  /// Entries without bytes, for what frames hold.
+  /// Ledger entries of 0 bytes, from which LedgerEntry::another() makes those of a frame's allocations.
   struct Account {
     Account(const Options& options, const std::string& tenant);
     LedgerEntry rays, framebuffer, picture, tiles;
@@ -167,11 +182,11 @@ class Renderer {
     Finished finished;
     uint64_t window = 0;
     Share share;
-    Ending ending;  ///< superseded by a frame that came before all its work was done, or the first error
-    bool complete = false;                ///< all its work is done: too late to be superseded
-    std::optional<FrameRequest> waiting;  ///< of one that has not begun (Admission)
+    Ending ending;                        ///< known so far: superseded, or the first error
+    bool complete = false;                ///< all its work is done, so it is too late to supersede it
+    std::optional<FrameRequest> waiting;  ///< the request of a frame that has not begun (Admission)
   };
-  /// How many framebuffers of this rank have memory; they hold it.
+  /// Counts this rank's framebuffers that have memory. Their memory keeps the counter alive.
   struct Framebuffers {
     std::atomic<int> now = 0, most = 0;
     void more();
@@ -225,23 +240,23 @@ class Renderer {
   Transport& transport_;
   const Options options_;
   Completion completion_;
-  /// Without bytes: those of a purpose are entered by their another().
+  /// These have 0 bytes; allocations are entered by their another().
   const Account account_;
   const LedgerEntry parkedMemory_;
   const std::shared_ptr<Tasks> tasks_;
   const std::shared_ptr<Framebuffers> framebuffers_ = std::make_shared<Framebuffers>();
   ReadyQueue ready_;
-  std::atomic<int> runners_ = 0;   ///< posted to the Transport; each runs one task of ready_
-  ReadyQueue pictures_;            ///< to be handed out
-  std::atomic<int> handOuts_ = 0;  ///< as runners_, each for one task of pictures_
+  std::atomic<int> runners_ = 0;   ///< tasks posted to the Transport, each of which runs one task of ready_
+  ReadyQueue pictures_;            ///< tasks that hand out pictures
+  std::atomic<int> handOuts_ = 0;  ///< the same for pictures_
 
-  mutable std::mutex mutex_;  ///< guards all below but the atomics
+  mutable std::mutex mutex_;  ///< guards all members below
   std::map<SceneId, Scene> scenes_;
   std::map<FrameId, FramePtr> frames_;
   std::map<FrameId, std::vector<Parked>> parked_;  ///< messages that overtook their frame's start
   PictureHandler pictureHandler_;
-  FrameId firstNotOver_ = 1;             ///< all frames below are over here
-  std::set<FrameId> over_;               ///< those above that are
+  FrameId firstNotOver_ = 1;             ///< all frames below this number are over here
+  std::set<FrameId> over_;               ///< frames that are over and above firstNotOver_
   std::map<FrameId, Pending> pending_;   ///< rank 0
   Admission admission_;                  ///< rank 0
   std::map<uint64_t, FrameId> windows_;  ///< rank 0: newest frame of each window, while it is pending

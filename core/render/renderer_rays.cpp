@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The life of a frame's rays on a rank: spawned against credits, traced, forwarded, and what they add to pixels.
+// The life of a frame's rays on a rank: they are spawned against credits, traced and forwarded, and their
+// contributions are added to pixels.
 #include "core/comm/error.h"
 #include "core/comm/error_text.h"
 #include "core/comm/wire.h"
@@ -31,15 +32,15 @@ std::function<void()> Renderer::Tiles::take() {
       [&renderer = renderer_, frame = frame_, tile, cost, active] { renderer.spawnTile(frame, tile, cost); };
 }
 
-// Of a frame that has been cancelled.
+// Removes the tiles of a cancelled frame.
 void Renderer::dropTiles(const FramePtr& frame) {
   if (!ready_.dropTiles(frame->request.share, frame->id)) return;
   const size_t left = frame->allTiles() - frame->next;
   if ((frame->tilesLeft -= left) == 0) completion_.spawned(frame->id);
 }
 
-// Calls the device. Its answer goes to `then` with the caller's stack if it is there when the call returns, else with a new
-// one in a task of its own: no thread waits for a device.
+// Calls the device. If the answer is there when the call returns, it goes to `then` with the caller's stack;
+// otherwise it goes to `then` with a new stack, in a task of its own. No thread waits for a device.
 void Renderer::ask(const FramePtr& frame, int origin, uint64_t rays, const Call& call, Then then,
                    std::vector<Held>& stack) {
   const auto asked = std::make_shared<Asked>();
@@ -70,7 +71,7 @@ void Renderer::answered(Asked& asked, TraceResult result) {
     if (!asked.left) return;
     next = std::move(asked.next);
   }
-  // the task that is posted does not keep the Renderer: it may never run
+  // The posted task does not keep the Renderer waiting, because it may never run.
   const std::shared_ptr<void> inside = std::move(next->inside), expected = std::move(next->expected);
   const FramePtr frame = next->frame;
   post(frame, [this, next = std::move(next)] {
@@ -113,7 +114,7 @@ Renderer::Held Renderer::hold(const Frame& frame, LeavingRays rays) {
   return {std::move(rays), std::move(memory)};
 }
 
-// What a device has said of rays of a frame: to the framebuffer, the counters, other ranks, and this rank's stack.
+// Distributes a device's answer: to the framebuffer, the counters, other ranks, and this rank's stack.
 void Renderer::take(const FramePtr& frame, int origin, TraceResult& result, std::vector<Held>& stack) {
   if (!result.error.empty()) fail(frame, result.error);
   contribute(frame, result);
@@ -143,7 +144,7 @@ void Renderer::traced(const FramePtr& frame, int origin, bool primary, TraceResu
   giveBack(origin, frame->request.share, credits);
 }
 
-// Ends rays that are not traced.
+// Ends rays that will not be traced.
 void Renderer::retire(const FramePtr& frame, int origin, bool primary, uint64_t rays) {
   TraceResult ended;
   ended.retired = ended.counters.raysRetired = rays;
@@ -151,14 +152,14 @@ void Renderer::retire(const FramePtr& frame, int origin, bool primary, uint64_t 
   traced(frame, origin, primary, ended, nothing);
 }
 
-// Traces one packet, and puts off the rest and all that it becomes on this rank.
+// Traces one packet. Puts off the rest, and all rays that it leaves on this rank.
 void Renderer::process(const FramePtr& frame, int origin, std::vector<Held> stack) {
   while (!stack.empty()) {
     Held next = std::move(stack.back());
     stack.pop_back();
     LeavingRays& list = next.list;
     const int most = frame->packet.rays();
-    if (list.rays.size() > most) {  // in packets, first rays first
+    if (list.rays.size() > most) {  // in packets, the last one first
       for (RayList& part : list.rays.split(most))
         stack.push_back(hold(*frame, {list.partition, list.primary, std::move(part)}));
       continue;
@@ -170,7 +171,8 @@ void Renderer::process(const FramePtr& frame, int origin, std::vector<Held> stac
       continue;
     }
     const Trace::Span span(options_.trace, "packet", rays);
-    const auto memory = std::make_shared<LedgerEntry>(std::move(next.memory));  // until it is answered
+    // Kept until the device answers.
+    const auto memory = std::make_shared<LedgerEntry>(std::move(next.memory));
     const auto begin = options_.processorTime();
     ask(
         frame, origin, rays,
@@ -188,7 +190,7 @@ void Renderer::process(const FramePtr& frame, int origin, std::vector<Held> stac
   }
 }
 
-// The rest of a task, for later.
+// Queues the rest of a task for later.
 void Renderer::putOff(const FramePtr& frame, int origin, std::vector<Held> rest) {
   auto active = std::make_shared<Completion::Active>(completion_, frame->id);
   auto held = std::make_shared<std::vector<Held>>(std::move(rest));
@@ -247,7 +249,7 @@ void Renderer::receiveRays(Bytes message) {
   if (!frame) return;
   if (!frame->device) return retire(frame, header.origin, primary, uint64_t(header.count));
   auto active = std::make_shared<Completion::Active>(completion_, header.frame);
-  auto held = std::make_shared<std::vector<Held>>();  // tasks are copied
+  auto held = std::make_shared<std::vector<Held>>();  // shared, because tasks are copied
   try {
     const CompiledScene& scene = *frame->scene.compiled;
     if (header.partition < 0 || header.partition >= scene.partitioning->partitions() ||
@@ -257,7 +259,7 @@ void Renderer::receiveRays(Bytes message) {
     RayList rays = RayList::read(in.rest(), header.count, primary);
     if (const char* wrong = wrongIn(rays, primary, frame->limits)) in.fail(wrong);
     held->push_back(hold(*frame, {header.partition, primary, std::move(rays)}));
-  } catch (const std::exception& e) {  // their frame must end all the same
+  } catch (const std::exception& e) {  // the frame must end all the same
     fail(frame, textOf(e));
     retire(frame, header.origin, primary, uint64_t(header.count));
     throw;
@@ -311,7 +313,7 @@ void Renderer::giveBack(int origin, const Share& share, int64_t credits) {
     return;
   }
   ready_.giveBack(share, credits);
-  startRunner();  // there may be room for a tile
+  startRunner();  // there may be room for a tile now
 }
 
 }  // namespace gxy

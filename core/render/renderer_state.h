@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a Renderer keeps of a frame; for its own sources only.
+// The state that a Renderer keeps of a frame. Only for the Renderer's own sources.
 #pragma once
 #include <atomic>
 #include <condition_variable>
@@ -26,32 +26,35 @@ struct Renderer::Frame {
   FrameId id = 0;
   FrameRequest request;
   Scene scene;
-  std::shared_ptr<const DeviceFrame> device;  ///< null where this rank could not begin the frame
+  std::shared_ptr<const DeviceFrame> device;  ///< null if this rank could not begin the frame
   int owner = 0;
-  int samples = 1;                           ///< of a pixel
-  int64_t perPrimary = 1;                    ///< credits of a primary ray
-  RayLimits limits;                          ///< of rays that may come
-  std::unique_ptr<Framebuffer> framebuffer;  ///< on the owner, unless it could not begin
-  const Account* shared = nullptr;           ///< of frames that name no account
-  std::optional<Account> own;
+  int samples = 1;                           ///< rays per pixel
+  int64_t perPrimary = 1;                    ///< credits that a primary ray takes
+  RayLimits limits;                          ///< what rays that arrive are checked against
+  std::unique_ptr<Framebuffer> framebuffer;  ///< on the owner; null if it could not begin the frame
+  const Account* shared = nullptr;           ///< the Renderer's, for frames that name no account
+  std::optional<Account> own;                ///< of a frame that names an account
   LedgerEntry tileMemory;
-  std::vector<Tile> tiles;  ///< of the first sample
-  size_t next = 0;  ///< to be spawned: all tiles of a sample, then those of the next; ReadyQueue's lock
-  std::atomic<size_t> tilesLeft = 0;  ///< not yet spawned completely
+  std::vector<Tile> tiles;  ///< tiles of the first sample
+  /// Index of the tile that is spawned next: all tiles of a sample, then those of the next sample. Guarded by
+  /// the ReadyQueue's lock.
+  size_t next = 0;
+  std::atomic<size_t> tilesLeft = 0;  ///< tiles that are not yet spawned completely
   PacketSize packet;
   const uint64_t mostUrgentWork;
-  std::atomic<uint64_t> work = 0;       ///< nanoseconds of this rank's processors, or of its device
-  std::atomic<bool> cancelled = false;  ///< by cancel()
-  std::atomic<bool> failed = false;     ///< rank 0 has been told, by this rank
+  std::atomic<uint64_t> work = 0;       ///< nanoseconds of this rank's processors or device
+  std::atomic<bool> cancelled = false;  ///< set by cancel()
+  std::atomic<bool> failed = false;     ///< this rank has told rank 0 of an error
   const Trace::Clock::time_point begin = Trace::Clock::now();
 
-  /// What waits of it is not done any more.
+  /// Makes the frame's waiting rays end untraced, also those that the device queues.
   void cancel() {
     cancelled = true;
     if (device) device->cancel();
   }
   const Account& account() const { return own ? *own : *shared; }
-  /// A frame that takes long is no longer before all others.
+  /// The request's share, but no longer interactive when the frame has taken more than Options::urgentWork on
+  /// this rank.
   Share share() const {
     return {request.share.tenant, request.share.interactive && work <= mostUrgentWork, request.share.stream};
   }
@@ -61,14 +64,14 @@ struct Renderer::Frame {
     tile.sample += int(next / tiles.size());
     return tile;
   }
-  /// Credits of nextTile().
+  /// Credits that the rays of nextTile() take.
   int64_t nextCost() const {
     const Tile tile = nextTile();
     return int64_t(tile.x1 - tile.x0) * (tile.y1 - tile.y0) * perPrimary;
   }
 };
 
-/// Those of a frame, for the ReadyQueue.
+/// The tiles of a frame that a ReadyQueue spawns.
 class Renderer::Tiles : public TileSource {
  public:
   Tiles(Renderer& renderer, FramePtr frame) : renderer_(renderer), frame_(std::move(frame)) {}
@@ -81,6 +84,7 @@ class Renderer::Tiles : public TileSource {
   const FramePtr frame_;
 };
 
+/// A message that arrived before the start of its frame.
 struct Renderer::Parked {
   Channel channel;
   Bytes message;
@@ -88,14 +92,14 @@ struct Renderer::Parked {
   LedgerEntry memory;
 };
 
-/// Rays on this rank.
+/// A list of rays on this rank, and its entry in the ledger.
 struct Renderer::Held {
   LeavingRays list;
   LedgerEntry memory;
 };
 
-/// Lets tasks in until it is closed, and knows how many are inside: a task may still run when the frame that it worked for
-/// has been reported, and a device may still trace.
+/// Lets tasks in until it is closed, and counts those inside. A task may still run when its frame has been
+/// reported, and a device may still trace; close() waits for both.
 class Renderer::Tasks : public std::enable_shared_from_this<Tasks> {
  public:
   void run(std::function<void()>& task) {
@@ -105,12 +109,13 @@ class Renderer::Tasks : public std::enable_shared_from_this<Tasks> {
       inside_++;
     }
     const std::shared_ptr<void> leave(nullptr, [&](void*) {
-      task = nullptr;  // what it holds goes before the Renderer may
+      task = nullptr;  // what the task holds is destroyed while the Renderer still lives
       left();
     });
     task();
   }
-  /// For somebody inside: is inside, too, while what it returns lives.
+  /// Must be called by a task that is inside. The caller counts as inside until the returned pointer is
+  /// destroyed, too.
   std::shared_ptr<void> stay() {
     std::lock_guard lock(mutex_);
     inside_++;
@@ -133,11 +138,11 @@ class Renderer::Tasks : public std::enable_shared_from_this<Tasks> {
   bool closed_ = false;
 };
 
-/// A call to a device. Whoever comes second, the answer or the caller's return, takes what is to be done then: what the
-/// device keeps of the call holds nothing any more.
+/// A call to a device. The answer may come before or after the call returns; whichever is second takes `next`
+/// and goes on. What the device may still keep of the call then holds nothing.
 struct Renderer::Asked {
   struct Next {
-    std::shared_ptr<void> inside, expected;  ///< this Renderer, and the Transport, wait for the answer
+    std::shared_ptr<void> inside, expected;  ///< make this Renderer and the Transport wait for the answer
     FramePtr frame;
     int origin;
     Then then;

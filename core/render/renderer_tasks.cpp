@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// When the tasks of a Renderer run.
+// Scheduling of a Renderer's tasks.
 #include "core/render/renderer_state.h"
 
 namespace gxy {
 
 namespace {
 
-// One more, unless there are as many as there may be; 0: any number.
+// Counts one more, unless `most` are running (0: no limit). Returns whether it did.
 bool begin(std::atomic<int>& running, int most) {
   int now = running;
   do {
@@ -21,7 +21,7 @@ void Renderer::post(std::function<void()> task) {
   transport_.post([tasks = tasks_, task = std::move(task)]() mutable { tasks->run(task); });
 }
 
-// Runs the task when its turn has come.
+// Queues a task, which runs when its turn comes.
 void Renderer::post(const Share& share, FrameId frame, std::function<void()> task, bool first) {
   ready_.push(share, frame, std::move(task), first);
   startRunner();
@@ -39,7 +39,7 @@ void Renderer::runNext(ReadyQueue& queue) {
   next.task();
 }
 
-// A runner takes whichever task or tile is next. One that ends makes way for another.
+// A runner takes whichever task or tile is next. When it ends it starts another one if there is work.
 void Renderer::startRunner() {
   if (!begin(runners_, options_.runners)) return;
   post([this] {

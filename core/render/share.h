@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// For whom a frame is rendered.
+// Share: who a frame is rendered for. ReadyQueue and Credits share processors and rays by it.
 #pragma once
 #include <cstdint>
 
@@ -7,8 +7,10 @@ namespace gxy {
 
 struct Share {
   uint32_t tenant = 0;
-  bool interactive = false;  ///< somebody looks at it: may go before what nobody watches
-  uint64_t stream = 0;       ///< of the tenant: one window or batch, whose frames are wanted in their order
+  bool interactive = false;  ///< somebody watches the frame, so it may go before others
+  /// A window or a batch of the tenant; unique within the tenant. Frames of a stream are wanted in their
+  /// order.
+  uint64_t stream = 0;
 };
 
 }  // namespace gxy

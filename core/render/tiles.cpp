@@ -9,14 +9,16 @@ namespace gxy {
 
 namespace {
 
-// Of the float lattice that decides which partition a ray is in, in render space: matters where a pixel is smaller.
+// Rounding error of the float lattice that decides in which partition a ray is, in render space. It matters
+// where a pixel is smaller than this.
 constexpr double kRounding = 2e-6;
 
 struct PixelBox {
   double x0 = 0, y0 = 0, x1 = 0, y1 = 0;
 };
 
-// Of the part of partition `p` in which something can be seen: outer partitions reach to the end of the visible domain.
+// Computes the box, in render space, of the part of partition `p` in which something can be seen. Outer
+// partitions reach to the end of the visible domain.
 void visibleBox(const CompiledScene& scene, int p, glm::dvec3& lo, glm::dvec3& hi) {
   const Box& box = scene.partitioning->box(p);
   const Box& domain = scene.partitioning->domain();
@@ -30,7 +32,8 @@ void visibleBox(const CompiledScene& scene, int p, glm::dvec3& lo, glm::dvec3& h
   }
 }
 
-// The pixels that a box may cover, with a margin for rounding; everything if part of it is beside or behind the eye.
+// Returns the pixels that a box may cover, with a margin for rounding; all pixels if part of the box is
+// beside or behind the eye.
 PixelBox project(const CompiledFrame& f, glm::dvec3 lo, glm::dvec3 hi) {
   const CameraBasis& b = f.basis;
   const PixelBox all{0, 0, double(f.width), double(f.height)};
@@ -41,7 +44,7 @@ PixelBox project(const CompiledFrame& f, glm::dvec3 lo, glm::dvec3 hi) {
     glm::dvec3 onPlane = corner;
     if (!b.orthographic) {
       const double depth = glm::dot(corner - b.eye, b.view);
-      // Of all directions: du and dv are orthogonal to the view.
+      // The image plane has this depth in all directions, since du and dv are orthogonal to the view.
       const double plane = glm::dot(b.corner, b.view);
       if (depth <= 1e-6 * glm::length(corner - b.eye)) return all;
       onPlane = (corner - b.eye) * (plane / depth);
@@ -59,7 +62,8 @@ PixelBox project(const CompiledFrame& f, glm::dvec3 lo, glm::dvec3 hi) {
 }  // namespace
 
 int tileSide(int64_t credits, int64_t perPrimary) {
-  constexpr int kLeast = 8;  // a packet still fills gangs, and work a tile is mostly that of its rays
+  // A packet of 64 rays still fills the gangs, and most of a tile's work is still in its rays.
+  constexpr int kLeast = 8;
   int side = kTile;
   while (side > kLeast && int64_t(side) * side * perPrimary > credits / 32) side /= 2;
   return side;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which pixels a rank has to look at.
+// The tiles of a picture in which a rank may have to spawn rays.
 #pragma once
 #include <vector>
 
@@ -8,17 +8,18 @@
 namespace gxy {
 
 struct TileList {
-  std::vector<Tile>
-      tiles;  ///< of the frame's first sample, in order of rendering; those of the others are the same
-  uint64_t skipped = 0;  ///< of one sample
+  /// Tiles of the frame's first sample, in order of rendering. The other samples have the same tiles.
+  std::vector<Tile> tiles;
+  uint64_t skipped = 0;  ///< tiles of one sample that are left out
 };
 
-/// The tiles that meet the projection of a visible partition of this rank, of so many pixels a side at most. Conservative;
-/// whose a pixel is, is decided by the ray itself.
+/// Returns the tiles, of at most `side` x `side` pixels, that meet the projection of a visible partition of
+/// `rank`. The list is conservative: the ray of a pixel decides itself which rank spawns it
+/// (DeviceScene::spawn).
 TileList tilesOf(const CompiledScene& scene, const CompiledFrame& frame, int rank, int side = kTile);
 
-/// Pixels a side of tiles so that one takes a small part of all credits: as many as a device may be given, fewer where a primary
-/// ray takes many.
+/// Returns the side of tiles in pixels, from 8 to kTile, so that a tile's rays take at most 1/32 of a rank's
+/// `credits` where possible. A primary ray takes `perPrimary` credits.
 int tileSide(int64_t credits, int64_t perPrimary);
 
 }  // namespace gxy
