@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Backend: answers ray lists on one kind of device. The core never sees a device pointer, a backend never sees MPI.
+// Backend: traces ray lists on one kind of device. The core never sees a device pointer, and a backend never
+// sees MPI.
 #pragma once
 #include <array>
 #include <atomic>
@@ -17,39 +18,43 @@ namespace gxy {
 
 class Ledger;
 
-/// The kernels that scenes may do without; each has code of its own.
+/// Kernels that some scenes do not need; each has code of its own.
 enum class Kernel { Geometry, Slices, Isosurfaces, Integrate, IntegrateMany, Shade };
 inline constexpr const char* kKernelNames[] = {"geometry",  "slices",         "isosurfaces",
                                                "integrate", "integrate many", "shade"};
 inline constexpr size_t kKernels = std::size(kKernelNames);
 
-/// What was done, and what was skipped. Counters of one call, or of several that a device has done as one; they add.
+/// Counters of what was done and what was skipped, in one call, or in several that a device has done as one.
+/// They add up.
 struct TraceCounters {
   uint64_t raysSpawned = 0;  ///< primaries
   uint64_t raysTraced = 0;   ///< ray visits to a partition
   uint64_t raysShaded = 0;   ///< surface hits of primaries
   uint64_t raysRetired = 0;  ///< primaries and secondaries that have ended
   uint64_t secondariesSpawned = 0;
-  /// Rays of lights and ambient occlusion that hits did not make: they would have nothing to take away (a
-  /// light behind the surface, say), or nothing that may block them is on their way.
+  /// Shadow and occlusion rays that hits did not make, because they would take nothing away (from a light
+  /// behind the surface, say), or because nothing that may block them is on their way.
   uint64_t secondariesSkipped = 0;
-  uint64_t raysEndedEarly = 0;                     ///< as nothing behind could be seen any more
-  uint64_t samples = 0;                            ///< of volumes
+  uint64_t raysEndedEarly = 0;                     ///< because nothing behind could be seen
+  uint64_t samples = 0;                            ///< samples of volumes
   uint64_t macrocells = 0, macrocellsSkipped = 0;  ///< of the march
-  uint64_t segmentsSkipped = 0;  ///< of the march, in macrocells that it goes through cell by cell
+  uint64_t segmentsSkipped = 0;  ///< of the march, in macrocells that it integrates cell by cell
   uint64_t cells = 0, isoMacrocellsSkipped = 0;  ///< of the isosurface walk
   uint64_t nsSpawn = 0, nsGeometry = 0, nsSurfaces = 0, nsIntegrate = 0, nsShade = 0,
            nsRoute = 0;  ///< nanoseconds
-  /// Of a device with a queue: how often it was handed work, how long it worked, and how long it had nothing to do while
-  /// some frame was under way on it. The last may be below 0 in one result, which then corrects another.
+  /// For a device with a queue: how often work was submitted to it, how many nanoseconds it worked, and how
+  /// many it had nothing to do while some frame was under way on it. The last may be negative in one result,
+  /// which then corrects another.
   uint64_t submissions = 0, nsDevice = 0;
   int64_t nsDeviceIdle = 0;
-  /// How long something was asked of it that it had not done yet, or that nobody had looked at yet, by the host's clock.
+  /// Nanoseconds, by the host's clock, during which the device had requests that it had not done or whose
+  /// results nobody had looked at.
   uint64_t nsDeviceAsked = 0;
-  /// Of hierarchies over geometry, what rays came to; 0 but of a backend that was told to count it.
+  /// Nodes and primitives of hierarchies over geometry that rays came to; 0 unless the backend was told to
+  /// count them.
   uint64_t nodes = 0, primitives = 0;
-  /// Rays that such a device gave to the host, to be sent away: those that go on in other partitions of the rank it keeps as
-  /// long as it has room for them.
+  /// Rays that a device with a queue copied to the host, to be sent away. Rays that go on in other partitions
+  /// of the rank stay on the device as long as it has room for them.
   uint64_t raysRead = 0;
   std::array<uint64_t, kKernels> kernelRuns{};  ///< how often each was started, by Kernel
 
@@ -58,39 +63,42 @@ struct TraceCounters {
   TraceCounters& operator+=(const TraceCounters& o);
 };
 
-/// Rays that leave a packet for a partition; all primaries or all secondaries. Those for other ranks are here (RayList::kept() is null).
+/// Rays that leave a packet for a partition; all primaries or all secondaries. Those for other ranks are in
+/// host memory (RayList::kept() is null).
 struct LeavingRays {
   int partition = 0;
   bool primary = true;
   RayList rays;
 };
 
-/// What became of a packet.
+/// The result of a traced packet or a spawned tile.
 struct TraceResult {
   std::vector<LeavingRays> leaving;  ///< forwarded rays and new secondaries, which may stay in this partition
   std::vector<Contribution> contributions;
   std::vector<DepthContribution> depths;  ///< only if the frame wants them
   uint64_t retired = 0;                   ///< rays of the packet that have ended
-  /// Rays that were made and are in `leaving`; a backend may have traced others itself.
+  /// New secondary rays in `leaving`. The backend may have made and traced others itself.
   uint64_t secondaries = 0;
   TraceCounters counters;
-  std::string error;  ///< not empty: it could not be done, and nothing is in the result but `retired`
+  std::string error;  ///< not empty: the call failed, and the result has only `retired`
 };
 
-/// Pixels [x0, x1) x [y0, y1), at most kTile on a side, and one sample.
+/// Pixels [x0, x1) x [y0, y1), at most kTile a side, of one sample.
 struct Tile {
   int x0, y0, x1, y1, sample;
 };
 inline constexpr int kTile = 32;
 
-/// A frame as a device holds it. Immutable but for whether it is urgent and whether it is wanted any more. Thread safe.
+/// A frame as a device holds it. Immutable, except for whether it is urgent and whether it is cancelled.
+/// Thread safe.
 class DeviceFrame {
  public:
   virtual ~DeviceFrame() = default;
-  /// A device with a queue takes it first, the urgent ones in turn.
+  /// A device with a queue does urgent frames before others, in turn.
   virtual void setUrgent(bool urgent) const { urgent_ = urgent; }
   bool urgent() const { return urgent_; }
-  /// A device with a queue answers what waits in it for this frame without doing it: all rays are `retired`.
+  /// A device with a queue answers what waits in it for this frame without doing it: all its rays are
+  /// `retired`.
   virtual void cancel() const { cancelled_ = true; }
   bool cancelled() const { return cancelled_; }
 
@@ -98,10 +106,11 @@ class DeviceFrame {
   mutable std::atomic<bool> urgent_ = false, cancelled_ = false;
 };
 
-/// A compiled scene on a device, for the partitions of one rank; shared by all frames that show it. Calls may come from
-/// any number of threads at once. `done` is called once, with the result, on any thread, possibly before the call
-/// returns, else soon and without further calls; until then the scene and the frame must live. It must be short and not
-/// throw. Where the device fails, the result says so; a call that throws does not call `done`.
+/// A compiled scene on a device, for the partitions of one rank; shared by all frames that show it. Calls may
+/// come from any number of threads at once. `done` is called once with the result, on any thread, possibly
+/// before the call returns, otherwise soon and without further calls. Until then the scene and the frame must
+/// live. `done` must be short and must not throw. If the device fails, the result says so. A call that throws
+/// does not call `done`.
 class DeviceScene {
  public:
   using Done = std::function<void(TraceResult)>;
@@ -109,17 +118,20 @@ class DeviceScene {
 
   virtual std::shared_ptr<const DeviceFrame> makeFrame(const CompiledFrame& frame) const = 0;
 
-  /// Primary rays whose first visible partition is one of this rank's, as leaving rays, or traced already, and then what
-  /// has become of them; none is `retired`.
+  /// Spawns the primary rays of a tile whose first visible partition is one of this rank's. The result has
+  /// them as leaving rays; if the backend has already traced some, it has what became of these. It counts no
+  /// rays as `retired`.
   virtual void spawn(const DeviceFrame& frame, const Tile& tile, Done done) const = 0;
 
-  /// Traces rays through a local partition until each has ended or left it: trace, act and route in one go.
+  /// Traces rays through a local partition until each has ended or left it. This includes shading hits and
+  /// finding where rays go on.
   virtual void trace(const DeviceFrame& frame, int partition, bool primary, RayList rays,
                      Done done) const = 0;
 
   /// Bytes that the device holds for this scene alone.
   virtual size_t bytes() const = 0;
-  /// What it may hold for others, too. What else scenes share is in the ledger that the backend was made with, if in any.
+  /// Allocations that it may hold together with other scenes. What else scenes share is in the ledger, if
+  /// any, that the backend was made with.
   virtual std::vector<SharedBytes> sharedBytes() const { return {}; }
 };
 
@@ -127,32 +139,35 @@ class Backend {
  public:
   virtual ~Backend() = default;
   virtual std::string name() const = 0;
-  virtual std::string device() const = 0;  ///< for people: device and instruction set
-  /// Long for much geometry, of which `advance` is told. Throws Error for what the device has no room for, and what `advance`
-  /// throws, and leaves nothing then.
+  virtual std::string device() const = 0;  ///< device and instruction set, to be shown to users
+  /// Makes a scene on the device, for the partitions of `rank`. This takes long for much geometry; `advance`
+  /// is called meanwhile. Throws Error if the device has no room, and what `advance` throws; nothing is left
+  /// behind then.
   virtual std::unique_ptr<DeviceScene> makeScene(
       std::shared_ptr<const CompiledScene> scene, int rank, const Advance& advance = [](double) {}) const = 0;
-  /// Whether its device has gone: nothing can be done on it any more.
+  /// Whether the device is lost. Nothing can be done on it any more.
   virtual bool lost() const { return false; }
 };
 
-/// Backends by name; a program registers those that it links. Not thread safe.
+/// Backends by name. A program registers the backends that it links. Not thread safe.
 class BackendRegistry {
  public:
-  /// `ledger`: where a device's memory is entered for tenant "device", but what scenes tell of themselves; or null.
+  /// Makes a backend. `ledger` (may be null) is where it enters device memory for tenant "device", except
+  /// what scenes report themselves.
   using Maker = std::function<std::unique_ptr<Backend>(Ledger* ledger)>;
   struct Entry {
     std::string name;
     Maker maker;
     std::function<bool()> fits;
   };
-  /// `auto` is the first that is added, `fits` (null: always) and can be made; where others were added after it, they stand in
-  /// for it (substitutes.h).
+  /// `auto` is the first backend added that `fits` (null: always) and can be made. Backends added after it
+  /// are its substitutes (substitutes.h).
   void add(std::string name, Maker maker, std::function<bool()> fits = {}) {
     entries_.push_back({std::move(name), std::move(maker), std::move(fits)});
   }
-  /// Throws Error naming what there is; what the maker throws; with `auto`, where none can be made, what the
-  /// first threw. Logs a warning of each that `auto` had to pass over.
+  /// Makes a backend. Throws Error for an unknown name, with the known ones, and what the maker throws. With
+  /// `auto`, if none can be made, it throws what the first one threw. Logs a warning of each backend that
+  /// `auto` had to pass over.
   std::unique_ptr<Backend> make(const std::string& name, Ledger* ledger = nullptr) const;
 
  private:

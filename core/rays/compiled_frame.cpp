@@ -9,8 +9,9 @@ namespace gxy {
 
 namespace {
 
-// In sizes of what is seen: from there on a float cannot tell the directions of a light at its two ends apart. A single
-// sphere is larger than the domain, which is the box of centres, so that counts as well; but squares must not overflow.
+// In sizes of what is seen: from this distance on a float cannot tell the directions of a light at the two
+// ends apart. A single sphere may be larger than the domain, which is the box of centres, so its size counts
+// as well; but squares must not overflow.
 constexpr double kFarAway = 1e9, kFarthest = 1e18;
 
 }  // namespace
@@ -49,7 +50,7 @@ CompiledFrame compileFrame(const CompiledScene& scene, const Camera& camera, uin
       if (std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)}) < farAway) {
         frame.lights.push_back({1.f, float(p.x), float(p.y), float(p.z)});
       } else {
-        // not of p, which may be infinite
+        // p cannot be used here, as it may be infinite.
         const double farthest = std::max({std::abs(at.x), std::abs(at.y), std::abs(at.z)});
         const glm::dvec3 v = -glm::normalize(at / farthest - space.centre / farthest);
         frame.lights.push_back({0.f, float(v.x), float(v.y), float(v.z)});

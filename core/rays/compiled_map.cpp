@@ -16,17 +16,17 @@ namespace gxy {
 
 namespace {
 
-constexpr double kOpaque = 1e20;        // extinction of opacity 1: opaque at once
-constexpr double kNearlyOpaque = 1e-7;  // 1 - a below which a is taken as a limit of finite extinction
-constexpr double kDense = 4;            // optical depth of a reference length beyond which errors are hidden
-constexpr double kThin = 1e-3;          // the same up to which nothing is
-constexpr double kHidden = 1e4;         // the same from which an interval hides what is behind it
-constexpr double kStraight = 1e-4;      // of extinction, and absolute in colour
-constexpr double kFarStored = 1e29;     // stored values that a map speaks of
+constexpr double kOpaque = 1e20;        // extinction of opacity 1
+constexpr double kNearlyOpaque = 1e-7;  // where extinction must be finite, opacity is at most 1 minus this
+constexpr double kDense = 4;        // optical depth of a reference length; errors in denser parts are hidden
+constexpr double kThin = 1e-3;      // likewise: in thinner parts no error is hidden
+constexpr double kHidden = 1e4;     // likewise: a denser interval hides all that is behind it
+constexpr double kStraight = 1e-4;  // tolerance of straightened(): relative in extinction, absolute in colour
+constexpr double kFarStored = 1e29;  // maps cover stored values up to this one
 constexpr int kDeepestCut = 14;
 constexpr int kMostBuckets = 4096;
 
-// A piecewise linear function with steps: limits from below and above at any value.
+// The limit from below or above, at any value, of a piecewise linear function with steps.
 template <class Point, class Value>
 Value limit(const std::vector<Point>& points, double at, bool above,
             const std::function<Value(const Point&)>& of) {
@@ -41,14 +41,14 @@ Value limit(const std::vector<Point>& points, double at, bool above,
   return of(a) * (1 - f) + of(b) * f;
 }
 
-// A value where the map may change its course, with the limits of colour and extinction (r, g, b, sigma) on both sides.
+// A value at which the map may change its course, with the limits of (r, g, b, sigma) on both sides.
 struct Node {
   double value;
   glm::dvec4 below, above;
-  bool behind = false;  // a step that begins just behind the value below it
+  bool behind = false;  // a step that is justAbove the node before it
 };
 
-// The next float that kernels tell from x, whatever they do to denormal numbers.
+// The next float above x that kernels can tell from x, whether or not they flush denormal numbers.
 float nextFloat(float x) {
   constexpr float kLeast = std::numeric_limits<float>::min();
   const float next = std::max(std::nextafter(x, INFINITY), x + kLeast);
@@ -56,12 +56,13 @@ float nextFloat(float x) {
   return next < 0 ? 0.f : kLeast;
 }
 
-// Drops nodes on straight runs, up to kStraight: from each node kept on, the next one is as far away as every node
-// passed over is within kStraight of the line (a swing filter; Elmeleegy et al. 2009). Steps are kept.
+// Drops nodes on runs that are straight up to kStraight. From each node that is kept, the next one kept is as
+// far away as possible while every node between is within kStraight of the line (a swing filter; Elmeleegy et
+// al. 2009). Steps are kept.
 std::vector<Node> straightened(const std::vector<Node>& nodes) {
   if (nodes.size() < 3) return nodes;
   std::vector<Node> kept{nodes.front()};
-  glm::dvec4 least(-INFINITY), most(INFINITY);  // slopes that all nodes passed over allow
+  glm::dvec4 least(-INFINITY), most(INFINITY);  // the slopes that all nodes passed over allow
   for (size_t i = 1; i < nodes.size(); i++) {
     const Node &from = kept.back(), &here = nodes[i];
     const glm::dvec4 slack(glm::dvec3(kStraight), kStraight * here.below.w);
@@ -84,7 +85,7 @@ Node between(const Node& a, const Node& b, double value) {
   return {value, here, here};
 }
 
-// The part of a map in [lo, hi], beyond which there are no values: its lines end there instead of far away.
+// Cuts a map to [lo, hi], since there are no values beyond: its lines end there instead of far away.
 std::vector<Node> within(const std::vector<Node>& nodes, double lo, double hi) {
   std::vector<Node> part;
   for (size_t i = 0; i < nodes.size(); i++) {
@@ -122,7 +123,7 @@ CompiledMap::CompiledMap(const ColorMap& color, const OpacityMap* opacity, const
   if (opacity)
     for (const auto& p : opacity->points) cuts.insert(p.value);
 
-  std::vector<Node> list;  // of true values
+  std::vector<Node> list;  // over true values
   auto colored = [&](double v, double below, double above) {
     return Node{v, glm::dvec4(colorAt(v, false), below), glm::dvec4(colorAt(v, true), above)};
   };
@@ -153,7 +154,7 @@ CompiledMap::CompiledMap(const ColorMap& color, const OpacityMap* opacity, const
     list.push_back(node);
   }
 
-  // Nodes that coincide in float, or are no normal number apart, become one step.
+  // Nodes that coincide in float, or are closer than the least normal number, become one step.
   auto storedValue = [&](double v) { return float((v - units.shift) / units.scale); };
   auto stored = [&](const Node& n) {
     return n.behind ? nextFloat(storedValue(std::nextafter(n.value, -INFINITY))) : storedValue(n.value);
@@ -170,10 +171,10 @@ CompiledMap::CompiledMap(const ColorMap& color, const OpacityMap* opacity, const
   nan = glm::vec3(color.nan.value_or(glm::dvec3(kept.front().below)));
   largestColor = std::max({double(nan.r), double(nan.g), double(nan.b)});
 
-  // what a denser part does more is hidden behind its front
+  // Beyond kDense a part is hidden behind its own front.
   auto seen = [&](double sigma) { return std::min(sigma, kDense * perLength); };
   std::vector<double> extinction, slope, shade, jump;
-  // slopes of extinction and of its product with colour, at the start and end of each interval
+  // Slopes of extinction times colour (xyz) and of extinction (w), at the start and end of each interval.
   std::vector<std::array<glm::dvec4, 2>> slopes;
   double total[4] = {0, 0, 0, 0};
   int32_t lastOpaque = -1;
@@ -196,7 +197,7 @@ CompiledMap::CompiledMap(const ColorMap& color, const OpacityMap* opacity, const
       largestColor = std::max({largestColor, c0[k], c1[k]});
     }
     if (0.5 * (s0 + s1) > kHidden * perLength) {
-      // sums beyond it would lose their digits
+      // Sums begin anew behind it; otherwise they would lose their digits.
       lastOpaque = int32_t(nodes.size()) - 1;
       std::fill(total, total + 4, 0.0);
     }
@@ -214,7 +215,7 @@ CompiledMap::CompiledMap(const ColorMap& color, const OpacityMap* opacity, const
     addInterval(stored(a), double(stored(b)) - stored(a), a.above, b.below);
   }
   addInterval(stored(kept.back()), 0, kept.back().above, kept.back().above);
-  jump.push_back(0);  // jump[k]: at the start of interval k
+  jump.push_back(0);  // jump[k] is the step at the start of interval k
   for (const Node& n : kept) {
     const double below = seen(n.below.w), above = seen(n.above.w);
     const glm::dvec3 source = glm::abs(above * glm::dvec3(n.above) - below * glm::dvec3(n.below));
@@ -224,7 +225,7 @@ CompiledMap::CompiledMap(const ColorMap& color, const OpacityMap* opacity, const
   auto size = [](glm::dvec4 v) {
     return std::abs(v.w) + std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
   };
-  std::vector<double> kink{0}, denseKink{0};  // [k]: at the start of interval k
+  std::vector<double> kink{0}, denseKink{0};  // element k is at the start of interval k
   double variation = 0, dense = 0, curve = 0;
   for (size_t k = 0; k < slopes.size(); k++) {
     if (k > 0) {
@@ -245,7 +246,7 @@ CompiledMap::CompiledMap(const ColorMap& color, const OpacityMap* opacity, const
 
   origin = nodes.size() > 1 ? nodes[1] : 0.f;
   const double span = inner > 0 ? double(nodes.back()) - origin : 0;
-  // a value exactly at a step belongs above it, which only nodes can tell
+  // A value exactly at a step belongs above it, which only a comparison with nodes can tell.
   bool even =
       inner > 0 && span > 0 && std::none_of(jump.begin() + 1, jump.end(), [](double j) { return j > 0; });
   for (int i = 0; even && i <= inner; i++)
@@ -256,10 +257,10 @@ CompiledMap::CompiledMap(const ColorMap& color, const OpacityMap* opacity, const
   } else {
     const int count = std::clamp(int(std::bit_ceil(unsigned(8 * std::max(inner, 1)))), 64, kMostBuckets);
     const double width = span > 0 ? span / count : 1;
-    inverse = float(std::min(1 / width, 1e38));  // a smaller one finds a bucket before that of the value
+    inverse = float(std::min(1 / width, 1e38));  // limiting it finds an earlier bucket, which is safe
     buckets.resize(count);
     for (int i = 0, k = 0; i < count; i++) {
-      // Before the bucket, whatever the rounding of its index.
+      // The interval found here begins before the bucket, however the bucket's index is rounded.
       const double start = origin + (i - 0.01) * width;
       while (k + 1 < int(nodes.size()) && nodes[k + 1] <= start) k++;
       buckets[i] = k;
@@ -293,7 +294,8 @@ double CompiledMap::extinctionAt(int interval, float value) const {
 
 CompiledMap::Over CompiledMap::over(float lo, float hi) const {
   const int a = intervalOf(lo), b = intervalOf(hi);
-  // The ends decide in their intervals: a range that just touches where something begins is transparent.
+  // In the first and last interval the values at lo and hi decide: a range that just touches where something
+  // begins is transparent.
   const int last = a < b && hi == nodes[size_t(b)] ? b - 1 : b;
   Over over;
   over.extinction = std::max(a == b ? extinctionAt(a, lo) : extinction_.query(a, b - 1), extinctionAt(b, hi));
@@ -302,7 +304,7 @@ CompiledMap::Over CompiledMap::over(float lo, float hi) const {
   over.shade = shade_.query(a, last);
   if (last > a) over.kink = kink_.query(a + 1, last), over.denseKink = denseKink_.query(a + 1, last);
   if (b > a) over.jump = jump_.query(a + 1, b);
-  // the variation up to a value in interval k: that at nodes, and that in intervals
+  // The variation of the slope up to a value in interval k: at nodes, and within intervals.
   auto atNodes = [&](int k) { return bend_[size_t(k)] - curve_[size_t(k)]; };
   auto inside = [&](int k, float value) {
     const double within = curve_[size_t(k) + 1] - curve_[size_t(k)];

@@ -17,7 +17,7 @@ namespace gxy {
 
 namespace {
 
-// Of the longest side: what is seen lies strictly inside the visible domain.
+// In longest sides of what is seen: it lies strictly inside the visible domain, by this margin.
 constexpr double kDomainMargin = 1e-5;
 
 CompiledPlane compilePlane(const Plane& plane, const RenderSpace& space) {
@@ -62,16 +62,16 @@ void compileVolume(CompiledOperator& op, CompiledScene& scene) {
                  op.vis.referenceLength.value_or(std::min({s.x, s.y, s.z}))};
   const OpacityMap opacity = effectiveOpacityMap(op.vis);
   op.map = CompiledMap(effectiveColorMap(op.vis), op.vis.volumeRendering ? &opacity : nullptr, units);
-  if (largestExtinction(op) == 0) op.vis.volumeRendering = false;  // nothing of it would be seen
+  if (largestExtinction(op) == 0) op.vis.volumeRendering = false;  // nothing of the volume would be seen
   for (double v : op.vis.isovalues) op.isovalues.push_back(float((v - volume.shift) / volume.scale));
   for (const Plane& p : op.vis.slices) op.slices.push_back(compilePlane(p, space));
 }
 
-// Calls visit(index, firstCell) for the block's macrocells that have cells between the points of an extent, until one
-// says true; says whether one did.
+// Calls visit(index, firstCell) for the block's macrocells that have cells between the points of an extent,
+// until a call returns true. Returns whether one did.
 template <class Visit>
 bool anyMacrocell(const VolumeBlock& block, const Extent& extent, Visit&& visit) {
-  Index3 from, to;  // in the block's own
+  Index3 from, to;  // indices of macrocells in the block
   for (size_t a = 0; a < 3; a++) {
     from[a] = std::max<int64_t>(extent.first[a] / kMacrocellSize - block.firstMacrocell[a], 0);
     const int64_t lastCell = extent.first[a] + extent.points[a] - 2;
@@ -95,7 +95,7 @@ bool showsSurfaces(const CompiledOperator& op) {
 
 using OtherScenes = std::span<const std::shared_ptr<const CompiledScene>>;
 
-// The plan that another scene has of the same isosurfaces; null if none has.
+// Returns another scene's plan of the same isosurfaces; null if there is none.
 const std::vector<int32_t>* isoPlanAmong(OtherScenes scenes, const CompiledOperator& op, int partition) {
   for (const auto& scene : scenes)
     for (const CompiledOperator& o : scene->operators) {
@@ -106,8 +106,9 @@ const std::vector<int32_t>* isoPlanAmong(OtherScenes scenes, const CompiledOpera
   return nullptr;
 }
 
-// What each macrocell asks for. A partition is seen if something is in the cells that it touches or, as rays round, in
-// those next to them: ghost layers reach further.
+// Plans the macrocells of a volume and decides which partitions are visible. A partition is visible if
+// something is in the cells that it touches or, because rays round, in the cells next to them. Ghost layers
+// reach further.
 void planVolume(CompiledOperator& op, CompiledScene& scene, OtherScenes known, const Advance& advance) {
   const Volume& volume = *op.data.volume;
   const RenderSpace& space = scene.space;
@@ -148,7 +149,7 @@ void planVolume(CompiledOperator& op, CompiledScene& scene, OtherScenes known, c
   }
 }
 
-// The primitives that another scene has of the same geometry; null if none has.
+// Returns another scene's primitives of the same geometry; null if there are none.
 std::shared_ptr<const GeometryPart> partAmong(OtherScenes scenes, const CompiledOperator& op,
                                               const RenderSpace& space, int partition) {
   for (const auto& scene : scenes)
@@ -161,7 +162,7 @@ std::shared_ptr<const GeometryPart> partAmong(OtherScenes scenes, const Compiled
   return nullptr;
 }
 
-// The lowest 10 bits, two 0 behind each.
+// Spreads the lowest 10 bits of x, with two 0 bits between neighbours.
 uint32_t spread(uint32_t x) {
   x = (x | x << 16) & 0x030000ff;
   x = (x | x << 8) & 0x0300f00f;
@@ -169,11 +170,12 @@ uint32_t spread(uint32_t x) {
   return (x | x << 2) & 0x09249249;
 }
 
-// Primitives along a curve through space (Morton's), so that neighbours are close in memory. Which of two comes first depends on
-// their first corners and ids alone, and so is the same in all partitions: ties between hits go by it.
+// Orders primitives along Morton's curve through space, so that neighbours are close in memory. Which of two
+// comes first depends only on their first corners and ids, and so is the same in all partitions. Ties between
+// hits are decided by this order.
 std::vector<uint32_t> alongCurve(const GeometryBlock& block, GeometryKind kind, const RenderSpace& space,
                                  const Advance& advance) {
-  std::vector<uint64_t> places(block.ids.size());  // on the curve, and the index
+  std::vector<uint64_t> places(block.ids.size());  // place on the curve in the upper 32 bits, index below
   const auto find = [&](size_t i) {
     const glm::dvec3 p = space.toRender(block.points[*cornersOf(block, kind, i).begin()]);
     uint32_t place = 0;
@@ -182,7 +184,7 @@ std::vector<uint32_t> alongCurve(const GeometryBlock& block, GeometryKind kind, 
   };
   parallelFor(size_t(0), places.size(), find, advance);
   parallelSort(places.begin(), places.end());
-  return {places.begin(), places.end()};  // the indices
+  return {places.begin(), places.end()};  // keeps the lower 32 bits, the indices
 }
 
 GeometryPart compilePart(const GeometryBlock& all, GeometryKind kind, const Vis& vis,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A visualization and its data in the kernels' units: what a backend turns into a DeviceScene.
+// CompiledScene: a visualization and its data in the kernels' units. A backend makes a DeviceScene of it.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -19,7 +19,8 @@
 
 namespace gxy {
 
-/// The frame's render space: the partitioning's domain centred at 0, its longest side 1 (numerics.md section 1).
+/// The frame's render space: the partitioning's domain centred at 0, its longest side 1
+/// (docs/conventions.md).
 struct RenderSpace {
   glm::dvec3 centre{0};
   double scale = 1;  ///< render length of one world unit
@@ -28,11 +29,12 @@ struct RenderSpace {
 };
 RenderSpace renderSpaceOf(const Partitioning& partitioning);
 
-/// What an operator looks at: a volume, or geometry whose blocks are complete (replicated, data/replicate.h).
+/// The dataset of an operator: a volume, or geometry whose blocks are complete (replicated,
+/// data/replicate.h).
 struct OperatorData {
   std::shared_ptr<const Volume> volume;
   std::shared_ptr<const Geometry> geometry;
-  glm::dvec3 color{0.8};  ///< of geometry without values
+  glm::dvec3 color{0.8};  ///< colour of geometry without values
 };
 
 /// A plane n . p = offset in render space, |n| = 1.
@@ -40,20 +42,22 @@ struct CompiledPlane {
   float x, y, z, offset;
 };
 
-/// Primitives of an operator in one partition. Scenes that show the same geometry with the same radii share them.
+/// The primitives of an operator in one partition. Scenes that show the same geometry with the same radii
+/// share them.
 struct GeometryPart {
-  std::vector<float> points;         ///< x y z radius, render space
-  std::vector<float> normals;        ///< x y z per point, or empty
-  std::vector<float> values;         ///< per point, or empty
-  std::vector<float> colors;         ///< r g b per point, or empty
-  std::vector<uint32_t> indices;     ///< 2 (segments) or 3 (triangles) per primitive; particles none
-  std::vector<uint32_t> neighbours;  ///< of segments: the points before and after, own ends where none
-  uint32_t primitives = 0;           ///< 1 or more
+  std::vector<float> points;      ///< x y z radius, render space
+  std::vector<float> normals;     ///< x y z per point, or empty
+  std::vector<float> values;      ///< per point, or empty
+  std::vector<float> colors;      ///< r g b per point, or empty
+  std::vector<uint32_t> indices;  ///< 2 (segments) or 3 (triangles) per primitive; empty for particles
+  /// For segments: the points before and after; the segment's own end if there is none.
+  std::vector<uint32_t> neighbours;
+  uint32_t primitives = 0;  ///< 1 or more
 
   size_t bytes() const;
 };
 
-/// What one operator has in one local partition.
+/// The data of one operator in one local partition.
 struct OperatorPart {
   const VolumeBlock* block = nullptr;            ///< owned by the operator's volume
   std::vector<int32_t> plan;                     ///< per macrocell of the block, see step_plan.h
@@ -61,26 +65,27 @@ struct OperatorPart {
   std::shared_ptr<const GeometryPart> geometry;  ///< null if there is none
 };
 
-/// An allocation that scenes may hold together: what tells it from others, and its size.
+/// An allocation that scenes may hold together: its identity and its size.
 struct SharedBytes {
   const void* what;
   size_t bytes;
 };
 
-inline constexpr float kAllHidden = 1e30f;  ///< CompiledOperator::hidden: what counts is all that varies
+inline constexpr float kAllHidden = 1e30f;  ///< CompiledOperator::hidden where surfaces may cut segments off
 
 struct CompiledOperator {
-  Vis vis;  ///< volumeRendering: only where the map is not transparent over all data
+  Vis vis;  ///< volumeRendering is off if the map is transparent over all data
   OperatorData data;
-  CompiledMap map;  ///< over stored values; extinction only where it is volume rendered
-  std::array<float, 3> gridOrigin{}, gridInverse{};  ///< render space; cells per unit
+  CompiledMap map;  ///< over stored values; with extinction only if it is volume rendered
+  std::array<float, 3> gridOrigin{}, gridInverse{};  ///< in render space; cells per unit of it
   std::vector<float> isovalues;                      ///< stored units
   std::vector<CompiledPlane> slices, clips;
-  std::map<int, OperatorPart> parts;  ///< by local partition
-  /// What may hide the back of a segment but not its front, so that how it varies matters, per unit of t: the largest extinction
-  /// of the volumes rendered with it, together, or kAllHidden where surfaces may cut segments off.
+  std::map<int, OperatorPart> parts;  ///< key: local partition
+  /// Upper bound on the extinction, per unit of t, of everything else that can hide the back of a segment and
+  /// not its front: the largest extinctions of the other volumes together, or kAllHidden where surfaces may
+  /// cut segments off. kernels/many.h halves segments by it.
   float hidden = 0;
-  int summary = 0;  ///< which of the block's summaries: component, or the magnitude
+  int summary = 0;  ///< index into the block's summaries: the component, or the last for the magnitude
 };
 
 struct CompiledScene {
@@ -89,37 +94,39 @@ struct CompiledScene {
   std::shared_ptr<const Partitioning> partitioning;
   RenderSpace space;
   glm::dvec3 lo, hi;  ///< the visible domain, render space: all that can be seen lies strictly inside
-  std::array<std::vector<float>, 3>
-      faces;                           ///< of the partitioning, render space; the outer ones at -+infinity
-  std::vector<int32_t> cellPartition;  ///< of the lattice, x fastest
-  std::vector<uint8_t> visible;        ///< per partition: may it change a ray? the same on all ranks
+  /// Faces of the partitioning in render space; the outer ones are at -+infinity.
+  std::array<std::vector<float>, 3> faces;
+  std::vector<int32_t> cellPartition;  ///< partition of each cell of the lattice, x fastest
+  std::vector<uint8_t> visible;        ///< per partition: whether it may change a ray; the same on all ranks
   std::vector<CompiledOperator> operators;
   bool opaqueSurfaces = true;  ///< no translucent surface, so shadow and AO rays may stop at any hit
   int volumesRendered = 0;
   float tMin = 0;  ///< transmittance below which a ray ends
-  /// Of local macrocells which an isovalue passes through, the cells that hold none, or that the block lacks:
-  /// rays pass them by.
+  /// Cells of local macrocells that an isovalue passes through, if they hold no isovalue or the block lacks
+  /// them. Rays skip them.
   uint64_t isoCellsSkipped = 0;
-  double largestRadiance = 1;
+  double largestRadiance = 1;  ///< bound on the light of a hit or a segment
 
-  /// Bytes that it holds alone, besides the data.
+  /// Bytes that this scene holds alone, besides the data.
   size_t bytes() const;
-  /// What it may hold together with others.
+  /// Allocations that it may hold together with other scenes.
   std::vector<SharedBytes> sharedBytes() const;
 };
 
-/// Compiles for the partitions that are local (the data's blocks say which). `visible` holds the local partitions'
-/// answers only; merge over ranks (bitwise or), then set it. Where one of `others` shows the same isosurfaces of
-/// the same volume, or the same geometry with the same radii, its plan of them and its primitives are taken: making them
-/// looks at all samples and points, and an edit of a map or of a light need not wait for that. Throws Error for an operator
-/// without fitting data.
+/// Compiles a scene for the partitions that are local, which the data's blocks tell. `visible` then holds
+/// only the answers of local partitions: merge them over ranks (bitwise or), and set it. If one of `others`
+/// shows the same isosurfaces of the same volume, or the same geometry with the same radii, its plan of them
+/// and its primitives are used. Making these looks at all samples and points, and an edit of a map or of a
+/// light need not wait for that. Throws Error for an operator without fitting data, and what `advance`
+/// throws.
 std::shared_ptr<CompiledScene> compileScene(
     const Visualization& visualization, std::vector<OperatorData> data,
     std::shared_ptr<const Partitioning> partitioning, const RenderSettings& settings,
     std::span<const std::shared_ptr<const CompiledScene>> others = {},
     const Advance& advance = [](double) {});
 
-/// What the radii of a Vis depend on, besides values; the same for all Triangles, which have none.
+/// The numbers on which the radii of a Vis depend, besides values; the same for all Triangles, which have no
+/// radii.
 std::array<double, 4> radiiOf(const Vis& vis);
 /// The radius (world units) that a Particles or PathLines Vis gives a value; radius0 for NaN; never negative.
 double radiusOf(const Vis& vis, double value);

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// From compiled scenes to the structures that kernels read (core/kernels/volume_view.h, scene_view.h), the same for all
-// backends: `put(array)` says where an array is for the kernels, as the type that the structure has for it; null or 0 for an
-// empty one. put.samples(block) does so for a volume's samples.
+// Fills the structures that kernels read (core/kernels/volume_view.h, scene_view.h) from compiled scenes, for
+// all backends alike. The backend passes `put`: put(array) says where an array is for the kernels, as the
+// type that the structure has for it, and gives null or 0 for an empty array. put.samples(block) does so for
+// a volume's samples.
 #pragma once
 #include <algorithm>
 #include <cstddef>
@@ -42,7 +43,8 @@ inline int viewKindOf(VisType type) {
   }
 }
 
-/// The map, clip planes and, of a volume, all else; `part` null: it is not in the partition.
+/// Fills in the map and the clip planes and, for a volume, everything else. `part` is null if the operator
+/// has nothing in the partition.
 template <class View, class Put>
 void fillVolumeView(View& v, const CompiledOperator& op, const OperatorPart* part, Put& put) {
   const CompiledMap& map = op.map;
@@ -93,7 +95,7 @@ void fillVolumeView(View& v, const CompiledOperator& op, const OperatorPart* par
   v.macroFirstZ = int(block.firstMacrocell[2]);
 }
 
-/// An operator's primitives in the partition.
+/// Fills in an operator's primitives in the partition.
 template <class View, class Put>
 void fillPrimitives(View& v, const GeometryPart& part, Put& put) {
   v.primitives = part.primitives;
@@ -105,7 +107,7 @@ void fillPrimitives(View& v, const GeometryPart& part, Put& put) {
   v.neighbours = put(part.neighbours);
 }
 
-/// How an operator's surfaces look.
+/// Fills in how an operator's surfaces look.
 template <class View, class Put>
 void fillOperatorView(View& v, const CompiledOperator& op, Put& put) {
   v.kind = viewKindOf(op.vis.type);
@@ -116,13 +118,13 @@ void fillOperatorView(View& v, const CompiledOperator& op, Put& put) {
   v.slice = put(op.slices);
 }
 
-/// All but the operators and the hierarchy. partition < 0: none of its own.
+/// Fills in all but the operators and the hierarchy. `partition` < 0: the view has no partition of its own.
 template <class View, class Put>
 void fillSceneView(View& v, const CompiledScene& s, int partition, Put& put) {
   constexpr auto kInfinity = std::numeric_limits<float>::infinity();
   float lo[3] = {-kInfinity, -kInfinity, -kInfinity}, hi[3] = {kInfinity, kInfinity, kInfinity};
   if (partition >= 0) {
-    // the same floats as in the lattice of faces, so that crossings are the same numbers
+    // These are the same floats as in the lattice of faces, so that crossings are the same numbers.
     const Box& box = s.partitioning->box(partition);
     for (int a = 0; a < 3; a++) {
       const auto faces = s.partitioning->faces(a);
@@ -151,7 +153,7 @@ void fillSceneView(View& v, const CompiledScene& s, int partition, Put& put) {
   v.occlusionRadius = float(std::min(l.aoRadius * s.space.scale, 1e29));
 }
 
-/// All but where the lights are.
+/// Fills in all but the lights' positions.
 template <class View>
 void fillFrameView(View& v, const CompiledScene& scene, const CompiledFrame& f) {
   const CameraBasis& b = f.basis;

@@ -18,7 +18,7 @@ namespace {
 constexpr int64_t kSize = kMacrocellSize;
 static_assert(kSize == 8);
 constexpr int kLevels = 3;
-constexpr uint8_t kBelow = 1, kAbove = 2;  // some corner's value is at most, is at least, the isovalue
+constexpr uint8_t kBelow = 1, kAbove = 2;  // a corner's value is <= or >= the isovalue
 
 /// Reads part of a row of points as float.
 class Points {
@@ -30,7 +30,7 @@ class Points {
         components_(components),
         component_(component) {}
 
-  /// `n` points from (x, y, z) of the block on; valid until the next call.
+  /// Returns `n` points from (x, y, z) of the block on; valid until the next call.
   const float* operator()(int64_t x, int64_t y, int64_t z, size_t n) {
     row_.resize(n);
     withType(stored_, [&](auto t) {
@@ -42,7 +42,7 @@ class Points {
     return row_.data();
   }
 
-  /// Asks for the cache lines of points that will be read soon.
+  /// Prefetches the cache lines of points that will be read soon.
   void prefetch(int64_t x, int64_t y, int64_t z, size_t n) const {
     const size_t each = size_t(components_) * bytesOf(stored_);
     bricks_.alongX(x, y, z, int64_t(n), [&](size_t place, int64_t, int64_t) {
@@ -72,13 +72,13 @@ class Points {
   std::vector<float> row_;
 };
 
-/// The bits of a run of macrocells along x: points are classified once, then joined along x, y and z.
+/// Finds the bits of a run of macrocells along x. Points are classified once, then joined along x, y and z.
 class CellBits {
  public:
   CellBits(const VolumeBlock& block, Points points, std::span<const float> isovalues)
       : block_(block), points_(std::move(points)), isovalues_(isovalues) {}
 
-  /// Sets the bits of macrocells (x0 .. x1 - 1, y, z) of the block at `words`.
+  /// Sets the bits of macrocells (x0 .. x1 - 1, y, z) of the block in `words`, where the run's bits begin.
   void add(int64_t x0, int64_t x1, int64_t y, int64_t z, int32_t* words) {
     const Extent& e = block_.extent;
     const Index3& f = block_.firstMacrocell;
@@ -114,13 +114,14 @@ class CellBits {
   struct Span {
     int64_t first, last;
   };
-  /// The points of macrocells [m0, m1) on an axis that the block has, relative to its first point.
+  /// The points on an axis that belong to macrocells [m0, m1) and that the block has, relative to its first
+  /// point.
   Span pointsOf(int axis, int64_t m0, int64_t m1) const {
     const Extent& e = block_.extent;
     return {std::max<int64_t>(m0 * kSize - e.first[axis], 0),
             std::min<int64_t>(m1 * kSize - e.first[axis], e.points[axis] - 1)};
   }
-  /// Of the block's cell i on an axis, the index in its macrocell.
+  /// The index of the block's cell `i`, on an axis, in its macrocell.
   size_t rowOf(int axis, int64_t i) const { return size_t((block_.extent.first[axis] + i) % kSize); }
 
   void classify(const float* __restrict__ value, float isovalue, uint8_t* __restrict__ cell, size_t cells) {
@@ -140,7 +141,7 @@ class CellBits {
       std::memcpy(&p, a + x, 8);
       std::memcpy(&q, b + x, 8);
       const uint64_t both = (p | q) & ((p | q) >> 1) & 0x0101010101010101u;  // one byte per cell
-      // gathers the bytes' lowest bits, the first byte's lowest
+      // Gathers the lowest bit of each byte; that of the first byte becomes the lowest.
       const auto bits = uint32_t((both * 0x0102040810204080u) >> 56);
       *word |= std::bit_cast<int32_t>(bits << shift);
     }
@@ -157,7 +158,7 @@ bool isIn(const Macrocell& m, std::span<const float> isovalues) {
   return std::any_of(isovalues.begin(), isovalues.end(), [&](float v) { return m.min <= v && v <= m.max; });
 }
 
-/// Marks the macrocells of empty aligned cubes of 2^level of them.
+/// Marks the macrocells of aligned cubes of 2^level a side that hold no isovalue.
 void markCubes(std::vector<int32_t>& plan, const VolumeBlock& block, int level) {
   const Index3 &n = block.macrocells, &f = block.firstMacrocell;
   const int64_t size = int64_t(1) << level;
@@ -199,7 +200,7 @@ std::vector<int32_t> isoPlan(const VolumeBlock& block, ScalarType stored, int co
     plan[i] = isIn(summaries[i], isovalues);
     having += size_t(plan[i]);
   }
-  // blocks of bits begin at cache lines, and never at word 1 (ISO_END)
+  // Blocks of bits begin at cache lines, and never at word 1 (ISO_END).
   const size_t first = (plan.size() + kIsoWords - 1) / kIsoWords * kIsoWords, full = first;
   const size_t most = mostWords > first + kIsoWords ? (mostWords - first) / kIsoWords - 1 : 0;
   plan.resize(first + (1 + std::min(having, most)) * kIsoWords, 0);
@@ -211,7 +212,7 @@ std::vector<int32_t> isoPlan(const VolumeBlock& block, ScalarType stored, int co
     plan[i] = int32_t(fits ? next : full);
     if (fits) next += kIsoWords;
   }
-  std::atomic<int64_t> rows = 0;  // that are done
+  std::atomic<int64_t> rows = 0;  // of macrocells that are done
   parallelFor(int64_t(0), n[2], [&](int64_t slice) {
     CellBits bits(block, Points(block, stored, components, component), isovalues);
     for (int64_t row = 0; row < n[1]; row++) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where isosurfaces may be: per macrocell, and per cell of those that an isovalue passes through.
+// Isosurface plans: which macrocells an isovalue may pass through, and which of their cells.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -11,32 +11,38 @@
 
 namespace gxy {
 
-/// Words that hold the bits of one macrocell's cells.
+/// The number of words that hold the bits of one macrocell's cells.
 inline constexpr size_t kIsoWords = size_t(kMacrocellSize * kMacrocellSize * kMacrocellSize / 32);
-/// Kernels address a table in bytes, in 31 bits.
+/// The most words of a plan: kernels address a table in bytes, in 31 bits.
 inline constexpr size_t kMostIsoWords = size_t(1) << 29;
 
-/// One word per macrocell of the block (x fastest), then the bits of cells, 64 bytes per macrocell that has some:
-///   > 0  an isovalue (stored units) lies in the macrocell's range (`summaries`: merged, so that all partitions agree);
-///        the index of its first word of bits. Bit x + 8 y + 64 z, from the lowest of the first word on, is of
-///        cell (x, y, z): set if an isovalue lies in the range of its corners, clear if it does not or the block
-///        lacks one of them
-///   -k   no isovalue lies in the range of any macrocell that the block has of the aligned cube of 2^k of them, k <= 3
-/// `component` < 0: the magnitude, in float. Macrocells beyond `mostWords` share 16 words of set bits. Takes the time
-/// of one pass over the macrocells that have bits. Throws Error where the samples do not fit the extent.
+/// Returns one word per macrocell of the block (x fastest), and then the bits of cells, 64 bytes for each
+/// macrocell that has some. A word w means:
+/// - w > 0: an isovalue (stored units) lies in the macrocell's range, and w is the index of the first word of
+///   its bits. Bit x + 8 y + 64 z, counted from the lowest of the first word, is of cell (x, y, z). It is set
+///   if an isovalue lies in the range of the cell's corners, and clear if not or if the block lacks a corner.
+/// - w = -k, k <= 3: the macrocell lies in an aligned cube of 2^k macrocells a side. No isovalue lies in the
+///   range of any of those that the block has.
+///
+/// `summaries` are the macrocells' ranges, merged over partitions so that all agree. `component` < 0 asks for
+/// the magnitude, in float. Macrocells whose bits do not fit into `mostWords` share 16 words of set bits.
+/// Takes the time of one pass over the macrocells that have bits; `advance` may be called from several
+/// threads. Throws Error where the samples do not fit the extent.
 std::vector<int32_t> isoPlan(
     const VolumeBlock& block, ScalarType stored, int components, int component,
     std::span<const Macrocell> summaries, std::span<const float> isovalues, size_t mostWords = kMostIsoWords,
     const Advance& advance = [](double) {});
 
-/// Whether a cell of macrocell `index`, whose first cell on the grid is `firstCell`, lies between the points of an extent and
-/// has its bit set.
+/// Whether some cell of macrocell `index` lies between the points of `extent` and has its bit set.
+/// `firstCell` is the macrocell's first cell on the grid.
 bool hasIsoCell(std::span<const int32_t> plan, size_t index, const Index3& firstCell, const Extent& extent);
 
-/// The cells without a bit in the macrocells that have some, of a plan for `macrocells` of them.
+/// The number of cells whose bit is clear, in the macrocells that have bits. The plan is of `macrocells`
+/// macrocells.
 uint64_t cellsWithoutIsovalue(std::span<const int32_t> plan, size_t macrocells);
 
-/// Whether an isovalue lies in the range of a macrocell: where none does there is no isosurface, and no plan is needed.
+/// Whether an isovalue lies in the range of some macrocell. If none does, there is no isosurface and no plan
+/// is needed.
 bool anyIsosurface(std::span<const Macrocell> summaries, std::span<const float> isovalues);
 
 }  // namespace gxy

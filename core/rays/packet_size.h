@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How many rays are traced together.
+// PacketSize: how many rays are traced together.
 #pragma once
 #include <time.h>
 
@@ -9,21 +9,21 @@
 
 namespace gxy {
 
-/// Rays a packet, so that one takes at most kMostWork: whoever is more urgent waits for the packets under way. Begins small,
-/// doubles while packets are cheap, and shrinks in proportion where they are not. Thread safe; one that is told of two
-/// packets at once may forget one of them.
+/// Adapts the number of rays in a packet, so that a packet takes at most kMostWork, because whoever is more
+/// urgent waits for the packets under way. It begins small, doubles while packets are cheap, and shrinks in
+/// proportion when they are not. Thread safe; if two packets report at once, one of them may be forgotten.
 class PacketSize {
  public:
-  /// Of a thread's processor time, or a device's.
+  /// Processor time of a thread, or time of a device.
   static constexpr std::chrono::nanoseconds kMostWork{5'000'000};
   static constexpr int kFewest = 16;  ///< the widest gang
 
-  /// At most `most` rays; `first` while nobody knows what they take.
+  /// A packet has at most `most` rays, and `first` until the time of one is known.
   explicit PacketSize(int most, int first = kFewest) : most_(most), rays_(std::min(most, first)) {}
 
   int rays() const { return rays_; }
 
-  /// A packet of so many rays took so much processor time.
+  /// Reports that a packet of `rays` rays took this much processor or device time.
   void took(int rays, std::chrono::nanoseconds work) {
     const int now = rays_;
     if (2 * work > kMostWork)
@@ -32,7 +32,7 @@ class PacketSize {
       rays_ = std::min(2 * now, most_);
   }
 
-  /// Of the calling thread.
+  /// Processor time of the calling thread so far.
   static std::chrono::nanoseconds processorTime() {
     timespec t{};
     clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);

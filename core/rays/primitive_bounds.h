@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The box of a primitive, for hierarchies that find candidates.
+// Bounding boxes of primitives, from which hierarchies are built.
 #pragma once
 #include <algorithm>
 #include <cmath>
@@ -11,16 +11,17 @@
 
 namespace gxy {
 
-/// Points of a primitive of KIND_PARTICLES, _PATHLINES or _TRIANGLES.
+/// The number of points of a primitive of KIND_PARTICLES, KIND_PATHLINES or KIND_TRIANGLES.
 inline int cornersOfKind(int kind) { return kind == KIND_PARTICLES ? 1 : kind == KIND_PATHLINES ? 2 : 3; }
 
 struct PrimitiveBounds {
   float lo[3], hi[3];
 };
 
-/// Of primitive `i` with 1 (a sphere), 2 (a tube) or 3 (a triangle) corners; `points` are x y z radius, `indices` are not
-/// read for spheres. Wide enough that no candidate is lost to rounding in a traversal in float; finite, and
-/// below 1.844e18, which is as far as builders of hierarchies go and holds all that rays come to (meetsGeometry in clip.h).
+/// The bounds of primitive `i` with 1 (a sphere), 2 (a tube) or 3 (a triangle) corners. `points` are x y z
+/// radius; `indices` are not read for spheres. The box is so wide that a traversal in float loses no
+/// candidate to rounding. It is finite and within 1.8e18: builders of hierarchies accept numbers below
+/// 1.844e18, and rays come no farther (meetsGeometry in clip.h).
 inline PrimitiveBounds primitiveBounds(int corners, const float* points, const uint32_t* indices, size_t i) {
   constexpr float kSlack = 2e-6f, kLargest = 1.8e18f, kInfinity = std::numeric_limits<float>::infinity();
   PrimitiveBounds b{{kInfinity, kInfinity, kInfinity}, {-kInfinity, -kInfinity, -kInfinity}};

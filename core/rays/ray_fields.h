@@ -1,30 +1,33 @@
 // SPDX-License-Identifier: Apache-2.0
-// The ray, described once. GXY_RAY_FIELDS(F) calls F(type, name, primary, secondary) for each four-byte field; the last
-// two say whether the field travels with a primary and with a secondary ray. From it come the structure of arrays of
-// C++ (ray_list.h), the view of ISPC, and the wire form. Read by C++, ISPC and GLSL: only macros here.
+// The fields of a ray, described once. GXY_RAY_FIELDS(F) calls F(type, name, primary, secondary) for each
+// four-byte field; the last two say whether the field travels with a primary and with a secondary ray. The
+// structure of arrays in C++ (ray_list.h), the view in ISPC and the wire form are generated from it. C++,
+// ISPC and GLSL read this file, so it holds only macros.
 //
-// A primary's origin and direction are not sent: every rank regenerates the same bits from camera, pixel and sample.
+// A primary's origin and direction are not sent, because every rank regenerates the same bits from camera,
+// pixel and sample.
 //
 //   pixel      index in the image, row 0 at the bottom
 //   info       bits 0-15 sample, 16-17 kind (RAY_PRIMARY, ...), 18-19 start (START_*), 20 side of the start
 //   start      secondary: surface it starts on, operator << 16 | isovalue or slice index
-//   o*, d*     origin and unit direction in render space; t = 0 where the ray enters the visible domain, or on the
-//              surface that it starts from
-//   tLast      t of the last surface met (translucent), else -1: what lies before is done
-//   tBegun     t at which the first segment begins of the march through the volume, which the partition before left
-//              undone; -1 if none
+//   o*, d*     origin and unit direction in render space; t = 0 where the ray enters the visible domain,
+//              or on the surface that it starts from
+//   tLast      t of the last surface met (translucent), -1 if none; everything before it is done
+//   tBegun     t where the march's first segment begins, if the partition before left that undone; else -1
 //   tMax       secondary: t of the light, or the ambient-occlusion radius
 //   A          opacity so far, 1 - transmittance
 //   r, g, b    primary: radiance accumulated so far
-//   sr, sg, sb secondary: what the pixel loses if it is blocked, in units of 1 / CONTRIBUTION_ONE
-// and while a packet is in one partition
+//   sr, sg, sb secondary: what the pixel loses if the ray is blocked, in units of 1 / CONTRIBUTION_ONE
+//
+// Only while a packet is in one partition:
 //   tIn, tOut  where the ray enters and leaves the partition (t in [tIn, tOut) belongs to it)
 //   tEnd       where the ray leaves the visible domain or reaches tMax
 //   tHit       nearest surface in this partition, NO_HIT if none
 //   hitKind, hitOperator, hitPrimitive
+//              the surface at tHit: HIT_*, its operator, and its number there
 //   lastOperator, lastPrimitive
-//              what was met at tLast, where that is in this partition: the operator, and which of its surfaces (clip.h)
-//   next       END_* or the partition that it goes to
+//              the surface at tLast, if that is in this partition: its operator, and its number (clip.h)
+//   next       END_* or the partition that the ray goes to
 #ifndef GXY_RAY_FIELDS
 #define GXY_RAY_FIELDS(F)        \
   F(uint32, pixel, 1, 1)         \
@@ -74,12 +77,12 @@
 #define HIT_SLICE 2
 #define HIT_ISOSURFACE 3
 
-// How a ray ended in a partition, where it is no partition number.
+// The reason why a ray ended in a partition, in place of a partition number.
 #define END_DONE -1     // left the visible domain, reached its tMax, or became opaque
-#define END_SURFACE -2  // met a surface: to be shaded
-#define END_ACTIVE -3   // goes on in this partition, behind a translucent surface
+#define END_SURFACE -2  // met a surface, which is to be shaded
+#define END_ACTIVE -3   // goes on in this partition behind a translucent surface
 
-// One unit of a contribution to a pixel is 2^-26: 32-bit integers reach +-32, and quantisation (1.5e-8) is finer than
-// float rounding.
+// One unit of a contribution to a pixel is 2^-26: 32-bit integers reach +-32, and quantisation (1.5e-8) is
+// finer than float rounding.
 #define CONTRIBUTION_ONE 67108864.0f
 #endif

@@ -15,46 +15,47 @@ namespace gxy {
 using uint32 = std::uint32_t;
 using int32 = std::int32_t;
 
-/// Pointers to the arrays of a ray list; ISPC sees the same structure.
+/// Pointers to the arrays of a ray list. ISPC sees the same structure.
 struct RayView {
 #define GXY_FIELD(type, name, primary, secondary) type* name;
   GXY_RAY_FIELDS(GXY_FIELD)
 #undef GXY_FIELD
 };
 
-/// Rays that a backend keeps in its device's memory. Only it knows what they are.
+/// Rays that a backend keeps in its device's memory. Only the backend knows what is in it.
 class DeviceRays {
  public:
   virtual ~DeviceRays() = default;
 };
 
-/// Owns the arrays of up to `capacity` rays; each array is 64-byte aligned and padded to a multiple of 16 rays, so that
-/// a full gang may load past the end. Not initialised. Or says which rays it has of some that a device keeps: these have no
-/// arrays here, and go nowhere but through size(), bytes() and split() back to the backend that they came from. Movable, not copyable.
-/// Not thread safe.
+/// Owns the arrays of up to `capacity` rays, not initialised. Each array is 64-byte aligned and padded to a
+/// multiple of 16 rays, so that a full gang may load past the end. Alternatively it names rays that a device
+/// keeps: these have no arrays here, and can only be used through size(), bytes() and split(), and be given
+/// back to the backend that they came from. Movable, not copyable. Not thread safe.
 class RayList {
  public:
   RayList() = default;
   explicit RayList(int capacity);
-  /// Those at `places` of what a device keeps.
+  /// Rays that a device keeps, at `places` in its storage.
   RayList(std::shared_ptr<const DeviceRays> kept, std::vector<uint32_t> places);
 
   int size() const { return size_; }
   int capacity() const { return capacity_; }
   void resize(int n) { size_ = n; }
   const RayView& view() const { return view_; }
-  /// What a device keeps them in; null: they are here.
+  /// The device's storage of the rays; null if they are here.
   const DeviceRays* kept() const { return kept_.get(); }
   std::span<const uint32_t> places() const { return places_; }
-  /// Of memory here: that of `capacity` rays, padded; or of their places.
+  /// Bytes of host memory: the arrays of `capacity` rays, padded, or the places of rays that a device keeps.
   int64_t bytes() const;
 
-  /// False for primaries off the wire, whose origins and directions have to be regenerated from the camera.
+  /// False for primaries that came over the wire: their origins and directions must be regenerated from the
+  /// camera.
   bool complete() const { return complete_; }
   void setComplete() { complete_ = true; }
 
-  /// The rays `which`, in that order: what travels, origins and directions included, and not what belongs to one
-  /// partition.
+  /// Copies the rays `which`, in that order. It copies the fields that travel, with origins and directions,
+  /// but no fields that belong to one partition.
   RayList gather(std::span<const int> which) const;
 
   /// Lists of at most `size` rays each, in order.
@@ -79,13 +80,13 @@ class RayList {
   std::vector<uint32_t> places_;
 };
 
-/// What one ray adds to one pixel, in units of 2^-26 (CONTRIBUTION_ONE).
+/// The contribution of one ray to one pixel, in units of 2^-26 (CONTRIBUTION_ONE).
 struct Contribution {
   uint32_t pixel;
   int32_t r, g, b, a;
 };
 
-/// First hit distance of a pixel's centre ray from the eye, world units.
+/// The distance, in world units, from the eye to the first hit of a pixel's ray.
 struct DepthContribution {
   uint32_t pixel;
   double depth;

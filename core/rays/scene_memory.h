@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What scenes hold, for a ledger.
+// Enters the memory of scenes into a ledger.
 #pragma once
 #include <functional>
 #include <memory>
@@ -11,13 +11,14 @@
 
 namespace gxy {
 
-/// Enters what scenes hold, and once what several of them hold together: with the first, for as long as one of them has its
-/// entries. Thread safe.
+/// Enters what scenes hold. What several scenes hold together is entered once, with the first of them, and
+/// stays for as long as one of them has its entries. Thread safe.
 class SceneMemory {
  public:
   using Entries = std::vector<std::shared_ptr<const LedgerEntry>>;
 
-  /// `enter` makes an entry of so many bytes, or throws. The scenes must live as long as the entries.
+  /// Returns the entries of a scene. `enter` makes an entry of that many bytes, or throws. The scenes must
+  /// live as long as the entries.
   Entries enter(const CompiledScene& scene, const DeviceScene& device,
                 const std::function<LedgerEntry(int64_t bytes)>& enter) {
     Entries entries{std::make_shared<const LedgerEntry>(enter(int64_t(scene.bytes() + device.bytes())))};

@@ -9,45 +9,49 @@
 namespace gxy {
 
 namespace {
-constexpr double kOnePerCell = 0.57;  // segments a cell: its diagonal is sqrt(3) long
+// Segments per cell length that give one per cell, whose diagonal is sqrt(3) long.
+constexpr double kOnePerCell = 0.57;
 constexpr double kLongest = PLAN_REACH;
 static_assert(kLongest < kGhostLayers - 0.09);  // rounding may ask for a little more
 constexpr double kLowestRate = 1 / kLongest, kHighestRate = 256;
 
 constexpr double kBendMidpoint = 0.015, kBendPieces = 0.09;
 constexpr double kBendOfMap = 0.027, kKinkOfMap = 0.055;
-constexpr double kShade = 0.1;  // 1/12 along an axis; a ray's slope may be larger than that along each
+// 1/12 along an axis; along other rays the slope may be larger than along each axis.
+constexpr double kShade = 0.1;
 constexpr double kJump = 0.9, kHalvedJump = 0.2;
-constexpr double kUnforeseen = 0.1;  // of the tolerance, for the worst of very many rays
-constexpr double kMostJump = 2;      // of optical depth per cell: what is behind such a step is hidden
-constexpr double kThinnest = 0.2;    // part of a cell, or of a kink, that is seen, at least
-constexpr double kMostDepth = 1;    // optical depth of a midpoint segment: the front hides the back of others
-constexpr double kCostOfCells = 8;  // time of a cell length cell by cell, in midpoint segments
+constexpr double kUnforeseen = 0.1;  // part of the tolerance kept for the worst of very many rays
+constexpr double kMostJump = 2;      // optical depth per cell; a larger step hides what is behind it
+constexpr double kThinnest = 0.2;    // least part of a cell, or of a kink, that is seen
+constexpr double kMostDepth = 1;    // largest optical depth of a midpoint segment, whose front hides its back
+constexpr double kCostOfCells = 8;  // time of a cell length cell by cell, in times of a midpoint segment
 
-constexpr double kLongestRay = 1.7;                     // diagonal of a cube whose side is 1 in t
-constexpr double kFew = 32;                             // cells over which errors of random sign even out
-constexpr double kWorstKink = 0.125, kWorstPieces = 4;  // where rays are too short for that
+constexpr double kLongestRay = 1.7;  // diagonal of a cube whose side is 1 in t
+constexpr double kFew = 32;          // cells over which errors of random sign even out
+// The same coefficients where rays are too short for that.
+constexpr double kWorstKink = 0.125, kWorstPieces = 4;
 
-// Errors of segments of h cells, over h^2. `within`: of pieces where the map has no step. `jumpError`: what a piece's error is
-// of a step in it.
+// Errors of segments of h cells, divided by h^2. `within` is that of pieces where the map has no step.
+// `jumpError` is the coefficient of a step within a piece.
 struct Errors {
   double midpoint = 0, pieces = 0, within = 0;
 };
 Errors errorsOf(const Macrocell& m, const CompiledMap::Over& map, double jumpError, double cellT) {
   const double range = double(m.max) - m.min;
-  const double depth = 1 / (map.extinction * cellT);  // cells to optical depth 1
-  const double seen =
-      std::clamp(depth, 1.0, std::max(1.0, kLongestRay / cellT));  // ... or through the volume
+  const double depth = 1 / (map.extinction * cellT);                               // cells to optical depth 1
+  const double seen = std::clamp(depth, 1.0, std::max(1.0, kLongestRay / cellT));  // or across the volume
   const double ratio = m.bend > 0 ? double(m.steep) / m.bend : 1;
   const double alike = std::clamp(ratio * ratio, std::max(1.0, std::min(seen, kFew / seen)), 4 * seen);
   const double bend = map.slope * m.bend * std::clamp(depth, kThinnest, 1.0) * std::sqrt(seen * alike);
   const double crossings = range > 0 ? std::max(1.0, seen * m.steep / range) : 1;
-  // errors of one sign, where the field runs along the map and the map is curved rather than bent back and forth
+  // Errors have one sign where the field runs along the map, and the map is curved rather than bent back and
+  // forth.
   const double smooth = map.curve * crossings / 24;
   const double across = std::max(1.0, kLongestRay / cellT),
                few = std::min(1.0, kFew * kFew / (across * across));
   const double kink = kKinkOfMap + few * (kWorstKink - kKinkOfMap);
-  // what a kink changes in a dense part is hidden by what is before it, and like what is behind it
+  // In dense material a slope change of the map is hidden by the material in front of it, which looks like
+  // that behind it.
   auto visible = [&](double all, double dense) {
     return std::min(all, std::max(dense / (cellT * cellT), kThinnest * all));
   };
@@ -55,7 +59,7 @@ Errors errorsOf(const Macrocell& m, const CompiledMap::Over& map, double jumpErr
   const double kinkOfMap = visible(map.kink, map.denseKink);
   const double kinks =
       m.steep * std::max({kBendOfMap * bendOfMap * std::sqrt(crossings), kink * kinkOfMap, smooth});
-  // a front hides its back: the colour of a segment is seen from nearer than its middle
+  // The front of a segment hides its back, so the colour is seen from nearer than its middle.
   const double shade = m.steep * map.shade * std::min(1.0, seen / depth) * kShade;
   const double uneven = 1 + few * (kWorstPieces - 1);
   const double within = uneven * cellT * kBendPieces * bend;
@@ -78,7 +82,7 @@ int32_t planOf(double segmentsPerCell, Integrator integrator, double within) {
 std::vector<int32_t> stepPlan(std::span<const Macrocell> summaries, const CompiledMap& map, double cellT,
                               double tolerance, double step, std::optional<double> others) {
   std::vector<int32_t> plan(summaries.size(), 0);
-  // of the only volume: addPiecesOfFew and addPieces of kernels/march.h
+  // For a single volume see addPiecesOfFew and addPieces in kernels/march.h.
   const double jumpError = others ? kJump : map.intervals() <= MAP_SMALL ? 0 : kHalvedJump;
   for (size_t i = 0; i < plan.size(); i++) {
     const Macrocell& m = summaries[i];

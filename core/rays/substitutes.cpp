@@ -14,7 +14,8 @@ namespace gxy {
 
 namespace {
 
-// The backends in their order, by number. Thread safe; shared by the backend that stands for them and its scenes.
+// The backends in their order, addressed by number. Thread safe; shared by the backend that stands for them
+// and its scenes.
 class Backends {
  public:
   using Memory = std::vector<std::shared_ptr<const LedgerEntry>>;
@@ -25,7 +26,8 @@ class Backends {
     for (BackendRegistry::Entry& other : others) all_.push_back({std::move(other), nullptr});
   }
 
-  // The first from number `i` on that can be used, whose number `i` becomes; null: there is none.
+  // Returns the first backend from number `i` on that can be used, and sets `i` to its number; null if there
+  // is none.
   const Backend* from(size_t& i) {
     std::lock_guard lock(mutex_);
     for (; i < all_.size(); i++)
@@ -36,7 +38,7 @@ class Backends {
   const Backend& first() const { return *all_[0].backend; }
   bool isLast(size_t i) const { return i + 1 == all_.size(); }
 
-  // A scene is not on this one any more.
+  // Logs that a scene no longer uses backend `i`.
   void passOver(size_t i, const std::string& why) {
     std::lock_guard lock(mutex_);
     One& one = all_[i];
@@ -60,7 +62,7 @@ class Backends {
  private:
   struct One {
     BackendRegistry::Entry entry;
-    std::unique_ptr<Backend> backend;  // null: not made yet, or cannot be
+    std::unique_ptr<Backend> backend;  // null: not made yet, or it cannot be made
     bool cannotBeMade = false, toldLost = false;
   };
 
@@ -95,7 +97,7 @@ class Backends {
 
 // A scene on one backend.
 struct Made {
-  size_t number = 0;  // of the backend
+  size_t number = 0;  // the backend's
   std::unique_ptr<const DeviceScene> scene;
   Backends::Memory memory;
   mutable std::atomic<bool> failed = false;
@@ -157,7 +159,7 @@ class Scene final : public DeviceScene {
   std::vector<SharedBytes> sharedBytes() const override { return first_->sharedBytes(); }
 
  private:
-  // The answer, of which an error is the last that this backend does for the scene.
+  // Wraps `done`: after an error this backend does nothing more for the scene.
   Done heeding(const Made& made, Done done) const {
     if (backends_->isLast(made.number)) return done;
     return [this, &made, done = std::move(done)](TraceResult result) {
@@ -170,7 +172,8 @@ class Scene final : public DeviceScene {
     if (!made.failed.exchange(true)) backends_->passOver(made.number, why);
   }
 
-  // On the next backend that can; false: none is left to try. Throws what the first throws where none can.
+  // Makes the scene on the next backend that can. Returns false if none is left to try. If all that are tried
+  // fail, it throws what the first of them threw.
   bool make(const Advance& advance) const {
     std::exception_ptr first;
     for (const Backend* backend; (backend = backends_->from(next_));) {
@@ -205,9 +208,10 @@ class Scene final : public DeviceScene {
   const std::shared_ptr<const CompiledScene> compiled_;
   const int rank_;
   const DeviceScene* first_ = nullptr;
-  mutable std::mutex mutex_;                               // guards what is below
-  mutable size_t next_ = 0;                                // backend that has not been tried
-  mutable std::vector<std::unique_ptr<const Made>> made_;  // the last is used; frames may be on others
+  mutable std::mutex mutex_;  // guards what is below
+  mutable size_t next_ = 0;   // the first backend that has not been tried
+  // The last is used for new frames; older frames may be on others.
+  mutable std::vector<std::unique_ptr<const Made>> made_;
 };
 
 class Substituted final : public Backend {
