@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A tree of boxes in double: finds the primitives that a ray may meet, and never overlooks one.
+// Bvh: a tree of boxes in double. It finds all primitives that a ray may meet.
 #pragma once
 #include <cstdint>
 #include <span>
@@ -10,10 +10,10 @@
 
 namespace gxy::reference {
 
-/// Built by halving at the median of the longest axis. Immutable; safe to use from any thread.
+/// A tree of boxes, halved at the median of the longest axis. Immutable; safe to use from any thread.
 class Bvh {
  public:
-  /// boxes: one a primitive; empty ones are never found.
+  /// `boxes` has one box per primitive; empty ones are never found.
   explicit Bvh(std::span<const Box> boxes);
 
   /// Calls visit(primitive) for all primitives whose box the ray may meet within t in [lo, limit()]; `limit`
@@ -39,9 +39,10 @@ class Bvh {
  private:
   struct Node {
     Box box;
-    uint32_t second;  ///< inner: the second child, the first one follows its parent; leaf: its first entry of
-                      ///< order_
-    uint32_t count;   ///< leaf: primitives; inner: 0
+    /// Inner node: index of the second child; the first child follows its parent. Leaf: its first entry in
+    /// order_.
+    uint32_t second;
+    uint32_t count;  ///< leaf: number of its primitives; inner node: 0
     int axis;
   };
   static bool mayMeet(const Box& box, const Ray& ray, Interval range);

@@ -23,7 +23,7 @@ class View {
  private:
   glm::dvec3 eye_, right_, up_, view_;
   glm::dvec2 centre_;
-  double pixel_;  ///< its side: world units for an orthographic camera, else at distance 1
+  double pixel_;  ///< side of a pixel: in world units for an orthographic camera, else at distance 1
   bool orthographic_;
 };
 

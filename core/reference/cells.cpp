@@ -26,7 +26,7 @@ CellWalk::CellWalk(const Grid& grid, const Ray& ray)
   if (!(exit_ > entry_)) advance();
 }
 
-/// The first cell: an estimate, corrected by the faces.
+/// Finds the first cell: an estimate, corrected by the faces.
 void CellWalk::start() {
   for (int a = 0; a < 3; a++) {
     const double x = origin_[a] + entry_ * direction_[a];

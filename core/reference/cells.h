@@ -32,7 +32,7 @@ class CellWalk {
   void start();
   void findExit();
 
-  Index3 cells_;
+  Index3 cells_;                   ///< number of cells
   glm::dvec3 origin_, direction_;  ///< of the ray, in grid indices
   Index3 cell_{};
   double entry_ = 0, exit_ = 0, end_ = 0;

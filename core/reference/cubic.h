@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Cubic polynomials in Bernstein form: what a trilinear field is along a ray inside one cell.
+// Cubic polynomials in Bernstein form. A trilinear field is one along a ray inside a cell.
 #pragma once
 #include <algorithm>
 #include <array>
@@ -29,12 +29,13 @@ struct Roots {
   const double* end() const { return s.data() + count; }
 };
 
-/// Where the derivative vanishes inside (0, 1).
+/// The parameters inside (0, 1) at which the derivative vanishes.
 Roots extrema(const Cubic& cubic);
 
-/// Where the cubic takes the value v inside (0, 1), to full double precision: it is split at its extrema, and
-/// each monotone piece with a change of sign holds one root, found by Newton's method kept in its bracket by
-/// bisection. An extremum that equals v is a root. A cubic that is v everywhere has none.
+/// The parameters inside (0, 1) at which the cubic takes the value v, to full double precision. The cubic is
+/// split at its extrema, and each monotone piece with a change of sign holds one root, which is found by
+/// Newton's method kept in its bracket by bisection. An extremum that equals v is a root. A cubic that is v
+/// everywhere has none.
 Roots roots(const Cubic& cubic, double v);
 
 }  // namespace gxy::reference

@@ -12,12 +12,12 @@ namespace gxy::reference {
 /// The eight samples of a cell, x fastest.
 using CellCorners = std::array<double, 8>;
 
-/// The trilinear interpolation of eight corners at w in [0,1]^3, exact on faces, edges and corners: two cells
-/// that share a face see the same value on it.
+/// The trilinear interpolation of eight corners at w in [0,1]^3. It is exact on faces, edges and corners, so
+/// two cells that share a face see the same value on it.
 double trilinear(const CellCorners& corners, glm::dvec3 w);
 
-/// A scalar field: one component of a volume, or the magnitude of several, taken at the samples. Immutable;
-/// safe to use from any thread; keeps the volume alive.
+/// A scalar field: one component of a volume, or the magnitude of all its components, taken at the samples.
+/// Immutable; safe to use from any thread; keeps the volume alive.
 class Field {
  public:
   /// Throws Error unless the volume's partition 0 holds the whole grid and `component` exists.
@@ -36,9 +36,10 @@ class Field {
   /// the grid's border counts as inside.
   std::optional<double> value(glm::dvec3 world) const;
 
-  /// Central differences at the grid points, one-sided on the border and next to no-data, zero where neither
-  /// neighbour has data; interpolated trilinearly. Per world unit. Zero where less than 1e-5 of the largest at the
-  /// cell's points is left over: a normal of that would be one of rounding errors.
+  /// The gradient per world unit: central differences at the grid points, interpolated trilinearly.
+  /// Differences are one-sided on the border and next to points without data, and zero where neither
+  /// neighbour has data. Zero if less than 1e-5 of the largest difference at the cell's points is left, since
+  /// a normal of that would be one of rounding errors.
   glm::dvec3 smoothGradient(glm::dvec3 world) const;
 
   /// The gradient of the trilinear interpolant itself in a cell, zero where it holds no data. Per world unit.
@@ -55,7 +56,7 @@ class Field {
   double difference(Index3 point, int axis) const;
 
   std::shared_ptr<const Volume> volume_;
-  Bricks bricks_;  ///< of its one block
+  Bricks bricks_;  ///< layout of the volume's only block
   const std::byte* samples_;
   int component_;  ///< -1: the magnitude
 };

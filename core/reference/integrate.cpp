@@ -88,8 +88,8 @@ VolumeRay::Piece VolumeRay::gauss(const Active& active, double a, double b) {
   Piece piece{0, glm::dvec3(0)};
   for (int i = 0; i < kNodes; i++) piece.optical += kGauss.weight[i] * sigma[i];
   piece.optical *= b - a;
-  // The colour of the middle is taken out and integrated in closed form, so a uniform colour has no error at
-  // all.
+  // The colour of the middle is taken out and integrated in closed form, so that a uniform colour has no
+  // error at all.
   const glm::dvec3 middle = sigma[kNodes / 2] > 0 ? source[kNodes / 2] / sigma[kNodes / 2] : glm::dvec3(0);
   for (int i = 0; i < kNodes; i++) {
     double until = 0;
@@ -132,8 +132,8 @@ void VolumeRay::integratePiece(const Active& active, double a, double b, Running
 }
 
 RayIntegral VolumeRay::integrate(Interval stretch, double tolerance) const {
-  // Thousands of pieces may add their errors; the estimate is that of the coarser of two results, the finer
-  // is used.
+  // Each piece gets a thousandth of the tolerance, since thousands of pieces may add their errors. The
+  // estimate is that of the coarser of two results, and the finer one is used.
   Running running{{}, tolerance * 1e-3};
   std::vector<size_t> next(spans_.size(), 0);
   Active active;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Emission and absorption along a ray: the integrals of docs/numerics, by adaptive quadrature.
+// Emission and absorption along a ray, integrated by adaptive quadrature.
 #pragma once
 #include <span>
 #include <vector>
@@ -11,48 +11,48 @@
 
 namespace gxy::reference {
 
-/// A volume as a ray sees it; what is referred to must outlive the use.
+/// A volume as a ray sees it. What it points to must outlive the use.
 struct VolumeTerm {
   const Field* field;
   const Transfer* transfer;
-  Interval clip{-kInfinity, kInfinity};  ///< of t: the part of the ray where the volume is visible
+  Interval clip{-kInfinity, kInfinity};  ///< interval of t in which the volume is visible
 };
 
-/// What a stretch of ray adds to the picture, seen from its start: premultiplied colour and the fraction of
-/// light that passes.
+/// The contribution of a stretch of a ray to the picture, seen from its start: premultiplied colour, and the
+/// fraction of light that passes.
 struct RayIntegral {
   glm::dvec3 colour{0};
   double transmittance = 1;
 };
 
 /// The volumes along one ray, prepared for integration over any stretches of it. Extinctions and sources of
-/// volumes that overlap add up.
+/// overlapping volumes add up.
 class VolumeRay {
  public:
   VolumeRay(std::span<const VolumeTerm> terms, const Ray& ray, Interval range = {});
 
-  /// colour = integral of T sigma c dt and T(end), within `tolerance` for colours in [0, 1]. The stretch is
-  /// cut at cell faces and where a field crosses a control point of its maps; each smooth piece is integrated
-  /// by five-point Gauss collocation (order 10 in colour, with the optical depth at every node), halved until
-  /// the result stands still. A piece on which an opacity is 1 ends the ray.
+  /// Returns colour = integral of T sigma c dt and T(end), within `tolerance` for colours in [0, 1]. The
+  /// stretch is cut at cell faces and where a field crosses a control point of its maps. Each smooth piece is
+  /// integrated by five-point Gauss collocation (order 10 in colour, with the optical depth at every node)
+  /// and halved until the result stands still. A piece on which an opacity is 1 ends the ray.
   RayIntegral integrate(Interval stretch, double tolerance = 1e-6) const;
 
  private:
   struct Span {
-    double t0, t1;  ///< the cell's, between which the cubic runs
-    Interval seen;  ///< what of it is visible
+    double t0, t1;  ///< where the ray enters and leaves the cell; the cubic runs between
+    Interval seen;  ///< the visible part of it
     Cubic field;
     const Transfer* transfer;
   };
   struct Piece {
-    double optical;  ///< depth
+    double optical;  ///< optical depth
     glm::dvec3 colour;
   };
   struct Running {
     RayIntegral total;
     double tolerance;
   };
-  /// A span on a smooth piece.
+  /// A span, with the linear maps that hold on a smooth piece.
   struct ActiveSpan {
     const Span* span;
     LinearTransfer maps;
@@ -66,7 +66,7 @@ class VolumeRay {
   static void integratePiece(const Active& active, double a, double b, Running& running);
 
   std::vector<std::vector<Span>> spans_;  ///< per term, ascending; transparent cells are left out
-  std::vector<double> breaks_;            ///< ascending: where smoothness may end
+  std::vector<double> breaks_;            ///< t, ascending, at which smoothness may end
 };
 
 /// The integral over one stretch of a ray through one or several volumes.

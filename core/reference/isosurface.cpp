@@ -7,8 +7,7 @@ namespace gxy::reference {
 
 std::optional<double> firstRoot(const Field& field, const Ray& ray, double isovalue, Interval range,
                                 double after) {
-  bool onPlateau =
-      false;  // the field equals the isovalue at the end of the previous cell, and all along in it
+  bool onPlateau = false;  // the field equals the isovalue all along the previous cell, up to its end
   for (CellWalk walk(field.grid(), ray); walk.inside(); walk.advance()) {
     if (walk.entry() > range.hi) return std::nullopt;
     auto corners = field.corners(walk.cell());
@@ -16,8 +15,8 @@ std::optional<double> firstRoot(const Field& field, const Ray& ray, double isova
       onPlateau = false;
       continue;
     }
-    // Differences to the isovalue are exact near it, and mixing them rounds by parts of them, not of the samples: of
-    // samples of 6e8 within 1 the doubles are 1e-7 apart.
+    // Differences to the isovalue are exact near it, and mixing them makes rounding errors in proportion to
+    // them, not to the samples. Around samples of 6e8 doubles are 1e-7 apart.
     for (double& c : *corners) c -= isovalue;
     const double t0 = walk.entry(), t1 = walk.exit();
     const Cubic f = alongRay(*corners, walk.local(t0), walk.local(t1));

@@ -17,7 +17,7 @@ void join(Crossing& whole, double in, double out) {
 void joinLateral(Crossing& whole, const RoundCone& cone, glm::dvec3 axis, double length, const Ray& ray) {
   const double k = (cone.a.radius - cone.b.radius) / length;  // sine of the half angle
   const double lowest = cone.a.radius * k, highest = length + cone.b.radius * k;
-  // Near the cone, so that nothing cancels for far rays.
+  // The ray's origin is moved near the cone, so that nothing cancels for far rays.
   const double rebase = glm::dot(cone.a.centre - ray.origin, ray.direction);
   const glm::dvec3 m = ray.at(rebase) - cone.a.centre;
   const double m0 = glm::dot(m, axis), d0 = glm::dot(ray.direction, axis);
@@ -101,7 +101,7 @@ TriangleHit cross(const std::array<glm::dvec3, 3>& triangle, const Ray& ray) {
   }
   const glm::dvec3 edge(px[2] * py[1] - py[2] * px[1], px[0] * py[2] - py[0] * px[2],
                         px[1] * py[0] - py[1] * px[0]);
-  // Beside an edge that the ray meets: a little to x, and less to y.
+  // A ray that meets an edge counts as one beside it: a little to x, and less to y.
   const auto sign = [&](double e, int from, int to) {
     return e != 0 ? e : py[from] != py[to] ? py[to] - py[from] : px[from] - px[to];
   };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where a ray meets spheres, round cones and triangles.
+// Hits of a ray with spheres, round cones and triangles.
 #pragma once
 #include <array>
 #include <glm/vec3.hpp>
@@ -8,7 +8,7 @@
 
 namespace gxy::reference {
 
-/// The t at which a ray crosses a closed convex body, in and out; negative t included.
+/// The t at which a ray enters and leaves a closed convex body; they may be negative.
 struct Crossing {
   bool hit = false;
   double in = 0, out = 0;
@@ -19,19 +19,19 @@ struct Ball {
   double radius = 0;
 };
 
-/// The convex hull of two balls: a tube whose radius changes linearly, with round ends. Where one ball holds
-/// the other it is that ball.
+/// The convex hull of two balls: a tube whose radius changes linearly, with round ends. If one ball holds the
+/// other, the hull is that ball.
 struct RoundCone {
   Ball a, b;
 
-  /// How deep p lies inside (negative outside): the signed distance to the surface, turned around.
+  /// The depth of p inside the body: the signed distance to the surface, positive inside.
   double depth(glm::dvec3 p) const;
   glm::dvec3 normal(glm::dvec3 p) const;
-  /// 0 at a's centre to 1 at b's: the place of the ball between them that touches the surface at p.
+  /// The place of the ball that touches the surface at p: from 0 at a's centre to 1 at b's.
   double axial(glm::dvec3 p) const;
 };
 
-/// The discriminant is that of the distance between centre and line, which does not cancel for far rays
+/// The discriminant is taken from the distance between centre and line, which does not cancel for far rays
 /// (Haines et al., Precision improvements for ray/sphere intersection, Ray Tracing Gems, chapter 7). A ball
 /// of radius 0 is never hit.
 Crossing cross(const Ball& ball, const Ray& ray);
@@ -44,8 +44,9 @@ struct TriangleHit {
 };
 
 /// Watertight: two triangles that share an edge leave no gap (Woop, Benthin, Wald, Watertight Ray/Triangle
-/// Intersection, JCGT 2013), and a ray that meets an edge or a vertex exactly meets what one right beside it
-/// does: one triangle, where they continue each other. Negative t included; a degenerate triangle is never hit.
+/// Intersection, JCGT 2013). A ray that meets an edge or a vertex exactly counts as one right beside it, and
+/// so meets one triangle where they continue each other. `t` may be negative. A degenerate triangle is never
+/// hit.
 TriangleHit cross(const std::array<glm::dvec3, 3>& triangle, const Ray& ray);
 
 }  // namespace gxy::reference

@@ -30,7 +30,7 @@ class Random {
     const double x = next(), y = next(), z = next();
     return {x, y, z};
   }
-  /// 0 in a quarter of the cases, else 1, each for itself.
+  /// A vector whose components are, independently, 0 in a quarter of the cases and else 1.
   glm::dvec3 axes() {
     const glm::dvec3 at = next3();
     return {at.x > -0.5, at.y > -0.5, at.z > -0.5};
@@ -40,7 +40,7 @@ class Random {
   uint64_t state_;
 };
 
-/// Where a ray enters a box, at least 0; 0 when it misses.
+/// The t at which a ray enters a box, at least 0; 0 when it misses.
 double entryOf(const Box& box, const Ray& ray) {
   Interval inside;
   for (int a = 0; a < 3; a++) {
@@ -57,8 +57,8 @@ double longestSide(const Box& box) {
   return box.empty() ? 0 : std::max({size.x, size.y, size.z});
 }
 
-/// Moves a ray where it enters the box, and its direction: often not along an axis, as a ray in a plane of a grid stays there
-/// in float, too.
+/// Moves the point where a ray enters the box, and its direction. Often it does not move along an axis,
+/// because a ray in a plane of a grid stays there in float, too.
 Ray perturbed(const Ray& ray, const Box& box, double ulps, Random& random) {
   if (box.empty()) return ray;
   const double entry = entryOf(box, ray);
@@ -68,7 +68,8 @@ Ray perturbed(const Ray& ray, const Box& box, double ulps, Random& random) {
   return {entered - entry * direction, direction};
 }
 
-/// What the hits of a perturbed ray are off by: where its secondary rays start, along the normal, and where it is shaded.
+/// The errors of the hits of a perturbed ray: how far along the normal its secondary rays start, and how far
+/// aside it is shaded.
 struct Off {
   double slack = 0;
   glm::dvec3 shaded{0};
@@ -100,7 +101,8 @@ class Renderer {
         Random random(seed);
         ray = perturbed(ray, world_.box(), options_.perturbation, random);
         const double unit = options_.perturbation * 0x1p-24 * longestSide(world_.box());
-        off.slack = 6 * unit * std::abs(Random(options_.seed + 1).next());  // renderers have one for all rays
+        // One for all rays, as in renderers.
+        off.slack = 6 * unit * std::abs(Random(options_.seed + 1).next());
         off.shaded = unit * random.next3();
       }
       const PixelValue one = trace(ray, {at, k, 0, {}, {}}, off);

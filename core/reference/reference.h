@@ -1,24 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
-// The reference renderer: pictures in double, written for truth and not for speed, that the others are
-// measured against (`gxyrender --reference`).
+// The reference renderer: pictures in double, written for truth and not for speed. The others are measured
+// against it (`gxyrender --reference`).
 //
 // It shares no code with core/kernels. Volumes are integrated by adaptive quadrature split at cell faces and
-// at the maps' control points, isosurfaces are exact roots of the trilinear field; there is no termination,
-// no skipping and one partition. Where the definitions leave a choice:
-//  - the magnitude of a volume with several components is taken at the samples, then interpolated;
-//  - a one-sided isosurface faces lower values;
-//  - an opacity that reaches 1 at single points of a ray leaves its optical depth finite (the logarithm can
-//    be integrated); on a stretch of the ray it is opaque at once;
-//  - colours of points are mixed as values are;
-//  - geometry without values or colours takes its map's first colour, as does a value that is NaN, whose radius is
-//    radius0; without values the radius is that of value 0;
-//  - a tube's value at a hit is that of the ball between its ends that touches the surface there;
-//  - both sides of a translucent sphere or tube are surfaces, those inside the next segment of a line are
-//    not;
-//  - a plateau at an isovalue is one hit, where the ray enters it;
-//  - secondary rays start on the side of the surface that the shading normal is on, off it by the rounding
-//    error of the hit; they see every surface, both sides of translucent bodies included;
-//  - depth is that of the first surface on the ray through the pixel's centre.
+// at the maps' control points. Isosurfaces are exact roots of the trilinear field. There is no early
+// termination, no skipping and only one partition. Where the definitions leave a choice:
+// - The magnitude of a volume with several components is taken at the samples, then interpolated.
+// - A one-sided isosurface faces lower values.
+// - An opacity that reaches 1 at single points of a ray leaves its optical depth finite (the logarithm can be
+//   integrated). On a stretch of the ray it is opaque at once.
+// - Colours of points are mixed as values are.
+// - Geometry without values or colours takes its map's first colour. So does a value that is NaN, whose
+//   radius is radius0. Without values the radius is that of value 0.
+// - A tube's value at a hit is that of the ball between its ends that touches the surface there.
+// - Both sides of a translucent sphere or tube are surfaces; those inside the next segment of a line are not.
+// - A plateau at an isovalue is one hit, where the ray enters it.
+// - Secondary rays start on the side of the surface that the shading normal is on, off it by the rounding
+//   error of the hit. They see every surface, both sides of translucent bodies included.
+// - Depth is that of the first surface on the ray through the pixel's centre.
 #pragma once
 #include <cstdint>
 #include <functional>
@@ -36,19 +35,19 @@ namespace gxy::reference {
 
 using ReferenceData = std::variant<std::shared_ptr<const Volume>, std::shared_ptr<const Geometry>>;
 
-/// What is to be drawn: a visualization and, for each of its operators, the data, whole in partition 0.
+/// The scene to draw: a visualization and, for each of its operators, the data, whole in partition 0.
 struct ReferenceScene {
   Visualization visualization;
   std::vector<ReferenceData> data;
-  RenderSettings settings;  ///< raysPerPixel and background are used
+  RenderSettings settings;  ///< only raysPerPixel and background are used
 };
 
 struct ReferenceOptions {
-  double tolerance = 1e-6;       ///< of every volume integral
+  double tolerance = 1e-6;       ///< error of every volume integral
   glm::dvec2 subpixelOffset{0};  ///< added to each ray's position, in pixels
-  double perturbation = 0;       ///< ulps of float by which every ray is moved at random, see below
-  uint64_t seed = 0;             ///< of the perturbation
-  int threads = 0;               ///< 0: all
+  double perturbation = 0;       ///< ulps of float by which every ray is moved at random; see renderReference
+  uint64_t seed = 0;             ///< seed of the perturbation
+  int threads = 0;               ///< number of threads; 0: all
   glm::ivec2 first{0}, size{0};  ///< rectangle of pixels to render; size 0: the whole picture
   int aoDirections = 0;          ///< directions for ambient occlusion; 0: as many as the scene's aoCount
   AoDirections aoHook;           ///< gives the directions instead; called from several threads
@@ -59,17 +58,20 @@ struct ReferenceOptions {
 struct ReferencePicture {
   int width = 0, height = 0;
   std::vector<double> rgba;  ///< premultiplied, without background; 4 a pixel
-  std::vector<double>
-      depth;  ///< of the first surface, from the ray's start in world units; 1e30 where there is none
+  /// World distance from the ray's start to the first surface; 1e30 where there is none.
+  std::vector<double> depth;
 
   const double* pixel(int x, int y) const { return &rgba[4 * (size_t(y) * width + x)]; }
 };
 
-/// Renders a scene. A perturbation of p adds the size of rounding errors in float, u = 2^-24 of the longest side of the
-/// data's box: every ray's direction moves by up to p * 2^-24 per component, and the point where it enters the box by up to
-/// p u. Secondary rays start up to 6 p u further off their surface, all by as much: with p = 8, the 32 u by which backends start them off
-/// it, and half as much for what their hits are off by. Hits are shaded up to p u aside, since a point in float is as far
-/// from its surface. Pixels that such a move changes are flips. Throws Error when scene, data or camera do not fit together.
+/// Renders a scene. Throws Error when scene, data or camera do not fit together.
+///
+/// A perturbation of p adds errors of the size of float rounding, with u = 2^-24 of the longest side of the
+/// data's box. Every ray's direction moves by up to p * 2^-24 per component, and the point where it enters
+/// the box by up to p u. Secondary rays start up to 6 p u further off their surface, all by as much. This
+/// covers, for p = 8, the 32 u by which backends start them off it, and half as much for errors of hits.
+/// Hits are shaded up to p u aside, since a point in float is as far from its surface. Pixels that such a
+/// move changes are flips.
 ReferencePicture renderReference(const ReferenceScene& scene, const Camera& camera,
                                  const ReferenceOptions& options = {});
 

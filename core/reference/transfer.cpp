@@ -8,7 +8,7 @@
 namespace gxy::reference {
 namespace {
 
-/// Moves the ends of a map to the ends of `range`, and what is between with them.
+/// Moves the ends of a map to the ends of `range`, and the points between with them.
 template <class Point>
 void moveTo(std::vector<Point>& points, const std::array<double, 2>& range) {
   const double first = points.front().value, span = points.back().value - first;
@@ -24,7 +24,7 @@ struct Line {
   double start;
 };
 
-/// The piece of a map that holds at `value`: linear between the points, constant outside; of points with
+/// The piece of a map that holds at `value`: linear between the points, constant outside. Of points with
 /// equal values the last holds from that value on.
 template <class T, class Point>
 Line<T> lineAround(const std::vector<Point>& points, double value, T Point::*get) {

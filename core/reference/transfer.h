@@ -7,11 +7,11 @@
 
 namespace gxy::reference {
 
-/// Both maps between two neighbouring control points, where they are linear.
+/// Both maps between two neighbouring control points, where their entries are linear.
 class LinearTransfer {
  public:
   glm::dvec3 colour(double value) const { return colour_ + (value - colourStart_) * colourSlope_; }
-  /// Per world unit. Finite, unless the opacity is 1 all along.
+  /// Extinction per world unit. Finite, unless the opacity is 1 all along.
   double extinction(double value) const;
   bool opaque() const { return opaque_; }
 
@@ -24,7 +24,7 @@ class LinearTransfer {
   bool opaque_ = false;
 };
 
-/// A Vis's colour and opacity maps, moved to its data range. Immutable; safe to use from any thread.
+/// The colour and opacity maps of a Vis, moved to its data range. Immutable; safe to use from any thread.
 class Transfer {
  public:
   /// `referenceLength`, in world units, is the thickness of the slab whose opacity an opacity map gives. An
@@ -33,19 +33,19 @@ class Transfer {
 
   glm::dvec3 colour(double value) const;
   glm::dvec3 firstColour() const { return colours_.front().rgb; }
-  /// Of geometry whose value is NaN.
+  /// The colour of geometry whose value is NaN.
   glm::dvec3 colourOfNan() const { return colourOfNan_; }
 
-  /// Per world unit; infinite where the opacity is 1.
+  /// Extinction per world unit; infinite where the opacity is 1.
   double extinction(double value) const;
 
-  /// The maps in the neighbourhood of a value that is no control point; at one, on its upper side.
+  /// The maps in the neighbourhood of a value. At a control point they are those on its upper side.
   LinearTransfer around(double value) const;
 
   /// True when the extinction is zero on all of [lo, hi].
   bool transparent(double lo, double hi) const;
 
-  /// The values of all control points, ascending, each once: between two of them both maps are linear.
+  /// The values of all control points, ascending, each once. Between two of them both maps are linear.
   const std::vector<double>& breaks() const { return breaks_; }
 
  private:

@@ -30,7 +30,7 @@ Interval keptBy(std::span<const Plane> planes, const Ray& ray) {
   return kept;
 }
 
-/// The same of an operator's planes, and what there is of its field.
+/// The part of a ray that an operator's clip planes and the extent of its field keep.
 Interval keptOf(const Vis& vis, const std::optional<Field>& field, const Ray& ray) {
   const Interval kept = keptBy(vis.clipPlanes, ray);
   if (!field || !field->grid().rim) return kept;
@@ -38,7 +38,7 @@ Interval keptOf(const Vis& vis, const std::optional<Field>& field, const Ray& ra
   return kept.intersected(keptBy(planesAround(box.lo, box.hi), ray));
 }
 
-/// Never negative: a radius that the map takes below zero is none.
+/// The radius at a point. Never negative: a radius that the map takes below zero is 0.
 double radiusAt(const Vis& vis, const GeometryBlock& block, size_t point) {
   double radius = vis.radius0;
   const double value = radiusValue(block, point);
@@ -92,8 +92,8 @@ std::vector<Box> boxesOf(const Vis& vis, const Geometry& geometry, const Geometr
   return boxes;
 }
 
-/// Tubes are one body: a surface inside the segment before or after is none, and the ball at a joint, which is on both
-/// segments, is a surface of the first of them (of no other, also where a segment has no length).
+/// Tubes are one body: a surface inside the segment before or after does not count. The ball at a joint is on
+/// both segments; it is a surface only of the first of them, also where a segment has no length.
 bool insideNeighbour(const Vis& vis, const GeometryBlock& block, size_t item, glm::dvec3 p) {
   if (item >= block.neighbours.size()) return false;
   const auto [a, b] = block.segments[item];
@@ -105,7 +105,7 @@ bool insideNeighbour(const Vis& vis, const GeometryBlock& block, size_t item, gl
          (after != b && inside(coneOf(vis, block, b, after)));
 }
 
-/// Whether a segment follows another, or goes before it, in a line that runs there.
+/// Whether two segments follow each other in one line.
 bool adjoins(const GeometryBlock& block, size_t item, size_t other) {
   if (item >= block.neighbours.size()) return false;
   const auto same = [&](uint32_t i, uint32_t j) { return block.points[i] == block.points[j]; };
@@ -182,7 +182,8 @@ void World::nearestVolumeSurface(int index, const Ray& ray, Interval range, cons
     }
     primitive++;
   }
-  const bool again = isBehind(last.t, index, part.vis->slices.size(), last);  // no isosurface was met there
+  // True if no isosurface was met at last.t.
+  const bool again = isBehind(last.t, index, part.vis->slices.size(), last);
   const double after = again ? std::nextafter(last.t, -kInfinity) : last.t;
   for (double isovalue : part.vis->isovalues) {
     const auto t = firstRoot(*part.field, ray, isovalue, {range.lo, std::min(range.hi, best.t)}, after);
@@ -199,7 +200,7 @@ void World::nearestPrimitive(int index, const Ray& ray, Interval range, const Be
   const Part& part = parts_[size_t(index)];
   const GeometryBlock& block = part.geometry->blocks.at(0);
   const bool sphere = part.geometry->kind == GeometryKind::Particles;
-  const double other = best.t;  // of an earlier Vis, which keeps ties
+  const double other = best.t;  // of an earlier operator, which wins ties
   auto consider = [&](double t, uint32_t item) {
     const uint64_t id = item < block.ids.size() ? block.ids[item] : item;
     if (!range.contains(t) || !isBehind(t, index, id, last) || !(t < other)) return;
@@ -234,7 +235,7 @@ void World::describeVolumeSurface(const Part& part, const Ray& ray, SurfaceHit& 
   const glm::dvec3 viewer = -ray.direction;
   hit.slack += 1e-9 * part.field->smallestSpacing();
   if (hit.primitive >= vis.slices.size()) {
-    // Out of the surface is where values are lower, as for a contour in VTK.
+    // The outside of the surface is where values are lower, as for a contour in VTK.
     hit.geometric = unitOr(-part.field->cellGradient(cellMet(*part.field, ray, hit.t), hit.position), viewer);
     hit.normal = unitOr(-part.field->smoothGradient(hit.position), hit.geometric);
     hit.colour = part.transfer.colour(vis.isovalues[hit.primitive - vis.slices.size()]);

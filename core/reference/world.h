@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A scene prepared for tracing: fields, maps and trees, and what a ray meets in them.
+// World: a scene prepared for tracing. It holds fields, maps and trees, and finds what a ray meets in them.
 #pragma once
 #include <limits>
 #include <memory>
@@ -17,41 +17,42 @@ namespace gxy::reference {
 
 struct ReferenceScene;
 
-/// Where a ray meets a surface.
+/// A hit of a ray on a surface.
 struct SurfaceHit {
   double t = kInfinity;
   int vis = 0;             ///< index of the operator
-  uint64_t primitive = 0;  ///< volumes: slices first, then isovalues; geometry: the global id
+  uint64_t primitive = 0;  ///< volumes: index of slices, then isovalues; geometry: the global id
   uint32_t item = 0;       ///< index into the block's points, segments or triangles
   glm::dvec3 position{0};
   glm::dvec3 normal{0};     ///< for shading: unit, towards the viewer where the Vis is two-sided
-  glm::dvec3 geometric{0};  ///< of the surface itself: unit, on the side of `normal`
+  glm::dvec3 geometric{0};  ///< normal of the surface itself: unit, on the side of `normal`
   glm::dvec3 colour{0};
   double opacity = 1;
   double slack = 0;  ///< world length by which a secondary ray must start off the surface along `geometric`
 };
 
-/// What a ray has met last: surfaces at a larger t are behind it, and at the same t those of a higher (vis, primitive), but no
-/// other isosurface of the same field, and not the next segment of the same line.
+/// The surface that a ray has met last. Surfaces at a larger t are behind it. So are surfaces at the same t
+/// of a higher (vis, primitive), except other isosurfaces of the same field and the next segment of the same
+/// line.
 struct Behind {
   double t = -1;
   int vis = 0;
   uint64_t primitive = 0;
   uint32_t item = 0;
-  /// All at a larger t.
+  /// All surfaces at a larger t are behind it.
   Behind(double after = -1) : t(after), vis(std::numeric_limits<int>::max()) {}
   Behind(const SurfaceHit& hit) : t(hit.t), vis(hit.vis), primitive(hit.primitive), item(hit.item) {}
 };
 
-/// Immutable; safe to use from any thread; keeps the data alive.
+/// A scene prepared for tracing. Immutable; safe to use from any thread; keeps the data alive.
 class World {
  public:
   /// Throws Error when an operator has no data or data of another kind.
   explicit World(const ReferenceScene& scene);
 
-  /// The first surface behind what was met last, at t >= 0 and t < limit: over isosurfaces, slices and primitives, ties
-  /// by the lowest (vis, primitive).
-  /// Its normals and colour are those at `aside` from it, for what a point is off by that is not computed in double.
+  /// Returns the first surface behind `last`, at t >= 0 and t < limit: of isosurfaces, slices and primitives,
+  /// ties by the lowest (vis, primitive). Its normals and colour are those at `aside` from the hit, to
+  /// imitate the error of a point that is not computed in double.
   std::optional<SurfaceHit> firstHit(const Ray& ray, const Behind& last = {}, double limit = kInfinity,
                                      glm::dvec3 aside = glm::dvec3(0)) const;
 
@@ -62,7 +63,7 @@ class World {
   /// exp(-optical depth).
   double transmittance(const Ray& ray, double limit, double tolerance) const;
 
-  /// Of all data.
+  /// The box of all data.
   const Box& box() const { return box_; }
 
  private:
@@ -76,7 +77,7 @@ class World {
   Part makeVolume(const ReferenceScene& scene, size_t index);
   Part makeGeometry(const ReferenceScene& scene, size_t index);
 
-  /// Of operator `index`.
+  /// Finds the nearest surface of operator `index` behind `last`, if it is nearer than `best`.
   void nearestVolumeSurface(int index, const Ray& ray, Interval range, const Behind& last,
                             SurfaceHit& best) const;
   void nearestPrimitive(int index, const Ray& ray, Interval range, const Behind& last,
