@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Embree: the one file that says which version this is (3.13 is what is tested), and what owns its handles.
-// Another major version is a change here and of GALAXY_EMBREE in CMakeLists.txt; calls of the builder, which
-// versions 3 and 4 share, are made by those who include this.
+// The only file that includes Embree (3.13 is tested), and the owners of its handles. Another major version
+// needs a change here and of GALAXY_EMBREE in CMakeLists.txt. Those who include this call the builder
+// themselves; versions 3 and 4 share its calls.
 #pragma once
 #include <embree3/rtcore.h>
 
@@ -17,6 +17,7 @@ struct Release {
   void operator()(RTCDevice d) const { rtcReleaseDevice(d); }
   void operator()(RTCBVH b) const { rtcReleaseBVH(b); }
 };
+/// A handle that is released when it goes out of scope.
 template <class Handle>
 using Owned = std::unique_ptr<std::remove_pointer_t<Handle>, Release>;
 using Bvh = Owned<RTCBVH>;
@@ -26,7 +27,7 @@ inline std::string version() {
          std::to_string(RTC_VERSION_PATCH);
 }
 
-/// Embree at work. Builders of a device must not outlive it.
+/// A device of Embree. Builders of a device must not outlive it.
 class Device {
  public:
   /// Throws Error if Embree does not start.

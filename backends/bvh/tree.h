@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Trees of boxes by Embree's builder, for traversals that are not Embree's.
+// Bounding volume hierarchies that Embree builds and the backends traverse themselves.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -18,7 +18,8 @@
 
 namespace gxy::embree {
 
-/// Adds the boxes of a part's primitives of so many corners (primitiveBounds), as geometry `id`; on all cores.
+/// Appends the boxes (primitiveBounds) of a part's primitives, of `corners` corners each, to `all` as
+/// geometry `id`. Runs on all cores.
 inline void addPrimitives(std::vector<RTCBuildPrimitive>& all, unsigned id, int corners,
                           const GeometryPart& part) {
   const size_t first = all.size();
@@ -29,14 +30,15 @@ inline void addPrimitives(std::vector<RTCBuildPrimitive>& all, unsigned id, int 
   });
 }
 
-/// A tree whose nodes have up to `Children` children, and leaves up to `Largest` primitives. Surface area heuristic, on all
-/// cores: its shape, but not the order of its memory, follows from the primitives.
+/// A tree whose nodes have up to `Children` children, and whose leaves have up to `Largest` primitives. It is
+/// built on all cores by the surface area heuristic. Its shape follows from the primitives, but the order of
+/// its memory does not.
 template <unsigned Children, unsigned Largest>
 class Tree {
  public:
   struct Node {
     bool leaf;
-    unsigned count = 0;  ///< of children or primitives
+    unsigned count = 0;  ///< children or primitives
   };
   struct Inner : Node {
     Inner() : Node{false} {}
@@ -48,8 +50,9 @@ class Tree {
     std::array<std::array<unsigned, 2>, Largest> primitives;  ///< geometry, number
   };
 
-  /// Of one primitive or more, which the builder reorders; leaves of up to `smallest` are not split. Throws Error if it fails,
-  /// and what `advance` throws.
+  /// Builds a tree of one primitive or more, which the builder reorders. It is at most `deepest` levels deep,
+  /// and leaves of up to `smallest` primitives are not split. Throws Error if the build fails, and what
+  /// `advance` throws.
   Tree(const Device& device, std::vector<RTCBuildPrimitive> primitives, unsigned deepest, unsigned smallest,
        const Advance& advance)
       : bvh_(rtcNewBVH(device.get())) {
@@ -92,7 +95,8 @@ class Tree {
     };
     build.buildProgress = [](void* tree, double share) {
       const bool goesOn = inOrder(tree, [&] { return static_cast<Tree*>(tree)->progress_->tell(share); });
-      // Embree 3.13 ignores what this returns, and takes an exception as one of its own: the build fails, and is undone.
+      // Embree 3.13 ignores what this returns. It takes an exception as one of its own: the build fails and
+      // is undone.
       if (!goesOn) throw Error("ended");
       return true;
     };
@@ -122,9 +126,9 @@ class Tree {
   struct Progress {
     const Advance& advance;
     std::mutex mutex{};
-    std::exception_ptr end{};  ///< what it threw first
+    std::exception_ptr end{};  ///< what `advance` threw first
 
-    /// Whether the build is to go on.
+    /// Calls `advance`. Returns whether the build is to go on.
     bool tell(double share) {
       try {
         advance(share);
@@ -141,7 +145,7 @@ class Tree {
   static T* made(RTCThreadLocalAllocator allocator) {
     return new (rtcThreadLocalAlloc(allocator, sizeof(T), alignof(T))) T;
   }
-  // What the builder's threads run of ours.
+  // Runs our code on a thread of the builder, in an order that the thread sanitizer knows.
   template <class F>
   static auto inOrder(const void* tree, F&& f) {
     const ThreadOrder order(tree);
@@ -152,7 +156,7 @@ class Tree {
   }
   static Inner& inner(void* node) { return *static_cast<Inner*>(static_cast<Node*>(node)); }
 
-  Progress* progress_ = nullptr;  ///< while it is built
+  Progress* progress_ = nullptr;  ///< used only while the tree is built
   Bvh bvh_;                       ///< owns the nodes
   Inner above_;
   const Inner* root_ = &above_;
