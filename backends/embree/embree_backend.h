@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The CPU backend: ISPC, and Embree for what builds trees. The reference for all others.
+// The CPU backend: kernels in ISPC, and hierarchies that Embree builds. Other backends are compared with it.
 #pragma once
 #include <memory>
 
@@ -7,7 +7,7 @@
 
 namespace gxy {
 
-/// Device name "embree". Thread safe; scenes build on oneTBB threads.
+/// Makes the backend of name "embree". It is thread safe; scenes build on oneTBB threads.
 std::unique_ptr<Backend> makeEmbreeBackend();
 
 }  // namespace gxy

@@ -28,7 +28,7 @@ struct EmbreeFrame final : DeviceFrame {
   double worldPerRender = 1;
 };
 
-// Kernels read the host's own arrays.
+// The `put` of fill_views.h: kernels read the host's own arrays.
 struct Pointers {
   struct Any {
     const void* at;
@@ -45,7 +45,7 @@ struct Pointers {
   Any samples(const VolumeBlock& block) const { return {block.samples.data()}; }
 };
 
-// Adds the time until its end to a counter.
+// Adds the time that it lives to a counter.
 class Stopwatch {
  public:
   explicit Stopwatch(uint64_t& sum) : sum_(sum) {}
@@ -66,7 +66,8 @@ void addContributions(const RayView& r, std::span<const int> which, const std::v
   }
 }
 
-// Rays to per-destination lists, in order of partition. A list that goes to one place is not copied.
+// Sorts rays into one list per destination, in order of partition. A list that goes to one place is not
+// copied.
 void distribute(RayList rays, bool primary, std::vector<LeavingRays>& out) {
   const int32_t* next = rays.view().next;
   std::map<int, std::vector<int>> places;
@@ -193,7 +194,7 @@ class EmbreeScene::Packet {
   }
 
  private:
-  // What each ray meets in the partition: bounds, nearest surface, volumes in front of it.
+  // Finds what each ray meets in the partition: bounds, nearest surface, and volumes in front of it.
   void meet(RayList& rays) {
     RayView view = rays.view();
     const int n = rays.size();
@@ -237,7 +238,7 @@ class EmbreeScene::Packet {
     ispc::routeRays(&part_.view, &view, n, false);
   }
 
-  // Shades, deposits and forwards; returns the rays that go on behind a translucent surface.
+  // Shades hits, deposits light and forwards rays. Returns the rays that go on behind a translucent surface.
   RayList settle(RayList rays) {
     RayView view = rays.view();
     const int n = rays.size();

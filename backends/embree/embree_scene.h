@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A compiled scene in the form that the ISPC kernels read.
+// EmbreeScene: a compiled scene in the form that the ISPC kernels read.
 #pragma once
 #include <map>
 #include <memory>
@@ -12,7 +12,7 @@
 
 namespace gxy {
 
-/// What scenes of a backend share: trees, by their primitives.
+/// State that the scenes of a backend share: trees, keyed by the primitives that they are built of.
 struct EmbreeShared {
   SharedBy<const GeometryPart*, GeometryTree> trees;
 };
@@ -33,7 +33,7 @@ class EmbreeScene final : public DeviceScene {
     single::SceneView view{};
     std::vector<single::OperatorView> operators;
     std::vector<single::VolumeView> fields;
-    std::vector<std::shared_ptr<const GeometryTree>> trees;  ///< of operators; empty if there is no geometry
+    std::vector<std::shared_ptr<const GeometryTree>> trees;  ///< per operator; empty if there is no geometry
     std::vector<GeometryTreeView> treeViews;
   };
   class Packet;
@@ -41,8 +41,8 @@ class EmbreeScene final : public DeviceScene {
   std::shared_ptr<EmbreeShared> shared_;
   std::shared_ptr<const CompiledScene> scene_;
   int rank_;
-  std::map<int, Part> parts_;     ///< by local partition
-  single::SceneView anywhere_{};  ///< without a partition of its own: for spawning
+  std::map<int, Part> parts_;     ///< key: local partition
+  single::SceneView anywhere_{};  ///< a view without a partition of its own, for spawning
   std::vector<int> slicedOperators_, isoOperators_, renderedOperators_;
 };
 

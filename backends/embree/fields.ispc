@@ -22,8 +22,9 @@ export void hitSlices(const void* uniform scene, void* uniform rays, uniform int
     float tOut = min(r.tOut[i], r.tEnd[i]);
     for (uniform int k = 0; k < view.slices; k++) {
       const uniform float* uniform p = view.slice + 4 * k;
-      bool mine = RAY_START(r.info[i]) == START_SLICE && r.start[i] == ((op << 16) | k);  // a line meets a plane once
-      if (!mine && r.A[i] < 1.0f) {  // not blocked yet
+      // A ray from this slice cannot meet it again.
+      bool mine = RAY_START(r.info[i]) == START_SLICE && r.start[i] == ((op << 16) | k);
+      if (!mine && r.A[i] < 1.0f) {  // the ray is not blocked yet
         float tLast = behindLast(lastHit(s, r, i), op, k);
         float t = hitSlice(v, ray, o, d, make_v3(p[0], p[1], p[2]), p[3], r.tIn[i], tOut, tLast);
         if (t < NO_HIT) takeHit(r, i, t, HIT_SLICE, op, k);
@@ -46,7 +47,8 @@ export void hitIsosurfaces(const void* uniform scene, void* uniform rays, unifor
       start.index = r.start[i] & 0xffff;
       start.from = RAY_SIDE(r.info[i]) != 0 ? 1 : -1;
     }
-    float tOut = r.A[i] < 1.0f ? min(r.tOut[i], r.tEnd[i]) : -1.0f;  // blocked already: nothing to find
+    // Nothing to find for a ray that is blocked.
+    float tOut = r.A[i] < 1.0f ? min(r.tOut[i], r.tEnd[i]) : -1.0f;
     float tLast = behindLast(lastHit(s, r, i), op, ISOSURFACES);
     IsoHit hit = hitIsosurface(v, originOf(r, i), directionOf(r, i), r.tIn[i], tOut, tLast, r.tHit[i], start, cells, skipped);
     if (hit.t < NO_HIT) takeHit(r, i, hit.t, HIT_ISOSURFACE, op, hit.index);

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Surfaces of particles, path lines and triangles: rays walk through trees as wide as the gang (geometry_tree.h), the leaf tests of
-// core/kernels decide, and ties go to the lowest (operator, primitive), so that neither the gang's width nor a tree's shape shows.
+// Hits of particles, path lines and triangles. Rays walk through trees as wide as the gang (geometry_tree.h),
+// and the leaf tests of core/kernels decide. Ties go to the lowest (operator, primitive), so the result
+// depends neither on the gang's width nor on a tree's shape.
 //
-// Rays that go much the same way do so as a bundle: a step tests what all of them can meet, by intervals of their origins and of their
-// reciprocal directions, against all children of a node (Boulos, Wald and Shirley, "Geometric and arithmetic culling methods for entire
-// ray packets", 2006). Others, such as those of ambient occlusion, go one by one, which is a bundle of one.
+// Rays of similar directions go as a bundle. A step tests what all of them can meet against all children of a
+// node, by intervals of their origins and of their reciprocal directions (Boulos, Wald and Shirley,
+// "Geometric and arithmetic culling methods for entire ray packets", 2006). Others, such as ambient-occlusion
+// rays, go one by one, as bundles of one.
 #include "backends/embree/kernel.isph"
 #include "backends/embree/tree_layout.h"
 
@@ -19,32 +21,35 @@ static inline const uniform float* uniform nodeOf(const uniform GeometryTreeView
 
 #define NO_PRIMITIVE 0xffffffffu
 
-// The gang's rays, a lane each.
+// The gang's rays, one per lane.
 struct GangRays {
   uniform float ox[programCount], oy[programCount], oz[programCount], dx[programCount], dy[programCount], dz[programCount];
   uniform float rx[programCount], ry[programCount], rz[programCount];  // reciprocals of d
-  uniform float perSquare[programCount], perLength[programCount];     // 1 / d.d, and its root
-  uniform int last[programCount];  // the frame in which triangles are tested
+  uniform float perSquare[programCount], perLength[programCount];     // 1 / d.d and its square root
+  // The axis that becomes z in the frame (RayFrame) in which triangles are tested.
+  uniform int last[programCount];
   uniform float perDepth[programCount], shearX[programCount], shearY[programCount];
-  uniform float tNear[programCount];  // no hit is nearer
-  uniform float tFar[programCount];   // of the nearest hit, or the end
-  uniform float tAfter[programCount], tClip[programCount];  // hits of the operator lie behind the first, and no farther than the second
-  // of rays that go on behind a surface: what primitives from firstAgain on lie behind instead of tAfter
+  uniform float tNear[programCount];  // lower bound of t for hits
+  uniform float tFar[programCount];   // t of the nearest hit, or the ray's end
+  // Hits of the operator have t > tAfter and <= tClip.
+  uniform float tAfter[programCount], tClip[programCount];
+  // For rays that go on behind a surface: primitives from firstAgain on have t > tAgain instead of tAfter.
   uniform float tAgain[programCount];
   uniform unsigned int firstAgain[programCount];
-  uniform float tMet[programCount];  // where a segment of the operator's path lines was met last; -1: none
+  // Where (t) a segment of the operator's path lines was met last; -1: nowhere.
+  uniform float tMet[programCount];
   uniform float metAX[programCount], metAY[programCount], metAZ[programCount];
   uniform float metBX[programCount], metBY[programCount], metBZ[programCount];
-  uniform unsigned int primitive[programCount];  // of the operator, or NO_PRIMITIVE
+  uniform unsigned int primitive[programCount];  // the operator's primitive that is hit, or NO_PRIMITIVE
 };
 
-// Some of them, all of one octant.
+// Some of the gang's rays, whose directions all lie in one octant.
 struct Bundle {
   uniform int64 lanes;
-  uniform float tNear, tFar;            // of any
-  uniform vec3 oIn, oOut;               // from where boxes are entered first, and left last
+  uniform float tNear, tFar;            // least tNear and largest tFar of its rays
+  uniform vec3 oIn, oOut;               // per axis, the origins that enter boxes first and leave them last
   uniform vec3 rLeast, rMost;
-  uniform int inX, inY, inZ, outX, outY, outZ;  // the rows of the faces
+  uniform int inX, inY, inZ, outX, outY, outZ;  // rows of a node with the faces that rays enter and leave by
 };
 
 #define ROW(k) q[(k) * programCount + programIndex]
@@ -61,8 +66,8 @@ static inline bool isIn(uniform int64 lanes) { return ((uniform int)lanes & (1 <
 
 static inline float reciprocal(float d) { return parallelTo(d) ? (d < 0.0f ? -1e37f : 1e37f) : 1.0f / d; }
 
-// Whether hitSphere may find a hit: a test of a third of its time, wider than rounding makes it wrong. Most that leaves
-// hold is passed by.
+// Whether hitSphere may find a hit. The test takes a third of hitSphere's time, and is wider than its
+// rounding errors. It rejects most spheres of a leaf.
 static inline bool comesNear(vec3 o, vec3 d, float perSquare, float perLength, float tNear, float tFar, vec3 centre,
                              float radius) {
   vec3 c = make_v3(centre.x - o.x, centre.y - o.y, centre.z - o.z);
@@ -73,7 +78,7 @@ static inline bool comesNear(vec3 o, vec3 d, float perSquare, float perLength, f
   return q.x * q.x + q.y * q.y + q.z * q.z <= reach * reach && along + span >= tNear && along - span <= tFar;
 }
 
-// One ray against all primitives of a leaf, a lane each.
+// Tests one ray against all primitives of a leaf, one per lane.
 static inline bool hitLanes(const uniform GangRays& g, uniform int lane, uniform int kind, const uniform float* uniform q,
                             unsigned int id, uniform bool goesOn, float& t) {
   vec3 o = make_v3(g.ox[lane], g.oy[lane], g.oz[lane]), d = make_v3(g.dx[lane], g.dy[lane], g.dz[lane]);
@@ -108,7 +113,7 @@ static inline bool hitLanes(const uniform GangRays& g, uniform int lane, uniform
   return hit && t <= g.tClip[lane];
 }
 
-// All rays of the gang against primitive p of a leaf.
+// Tests all rays of the gang against primitive p of a leaf.
 static inline bool hitOne(const uniform GangRays& g, uniform int p, uniform int kind, const uniform float* uniform q,
                           uniform unsigned int id, uniform bool goesOn, float& t) {
   vec3 o = make_v3(LANE(g, ox), LANE(g, oy), LANE(g, oz)), d = make_v3(LANE(g, dx), LANE(g, dy), LANE(g, dz));
@@ -140,7 +145,7 @@ static inline bool hitOne(const uniform GangRays& g, uniform int p, uniform int 
   return hit && t <= LANE(g, tClip);
 }
 
-// Whether the bundle meets the box: the interval of t in which its rays may be in it.
+// Whether the bundle may meet the box, by the interval of t in which its rays may be inside.
 static inline bool meetsBox(const uniform Bundle& b, vec3 near, vec3 far, float& enter) {
   float x = near.x - b.oIn.x, y = near.y - b.oIn.y, z = near.z - b.oIn.z;
   enter = max(max(min(x * b.rLeast.x, x * b.rMost.x), min(y * b.rLeast.y, y * b.rMost.y)),
@@ -157,7 +162,7 @@ static inline void widen(vec3 p, float radius, vec3& lo, vec3& hi) {
   hi.x = max(hi.x, p.x + r), hi.y = max(hi.y, p.y + r), hi.z = max(hi.z, p.z + r);
 }
 
-// Which primitives of a leaf the bundle may meet, by their boxes as of primitive_bounds.h.
+// Which primitives of a leaf the bundle may meet, by the same boxes as in primitive_bounds.h.
 static inline uniform int64 primitivesMet(const uniform Bundle& b, uniform int kind, const uniform float* uniform q,
                                           uniform int count) {
   vec3 lo = make_v3(infinity(), infinity(), infinity()), hi = make_v3(-infinity(), -infinity(), -infinity());
@@ -181,8 +186,8 @@ static inline uniform int64 primitivesMet(const uniform Bundle& b, uniform int k
   return packmask(met && programIndex < count);
 }
 
-// The bundle's rays against a leaf. With anyHit, those that meet something leave the bundle; else what is nearest is kept. goesOn:
-// some of them go on behind a surface.
+// Tests the bundle's rays against a leaf. With anyHit, rays that hit something leave the bundle; otherwise
+// the nearest hit is kept. goesOn: some of the rays go on behind a surface.
 static inline void meetLeaf(uniform GangRays& g, uniform Bundle& b, uniform int64 lanes, uniform int kind,
                             const uniform GeometryTreeView& tree, uniform unsigned int word, uniform bool anyHit,
                             uniform bool goesOn) {
@@ -237,7 +242,7 @@ static inline void meetLeaf(uniform GangRays& g, uniform Bundle& b, uniform int6
   if (!anyHit) b.tFar = reduce_max(isIn(b.lanes) ? LANE(g, tFar) : 0.0f);
 }
 
-// Of the bundle, the lanes of the rays that meet child k of a node.
+// The lanes of those of the bundle's rays that meet child k of a node.
 static inline uniform int64 lanesThrough(const uniform GangRays& g, const uniform Bundle& b, const uniform float* uniform node,
                                          uniform int k) {
   const uniform float* uniform q = node + k;
@@ -248,11 +253,11 @@ static inline uniform int64 lanesThrough(const uniform GangRays& g, const unifor
   return b.lanes & packmask(enter <= leave * 1.000001f);
 }
 
-// The bundle's rays through a tree. Boxes are met by reciprocals, and so tested wider, by 16 roundings; no ray runs in a face, as those of
-// primitives are moved out (primitive_bounds.h).
+// Takes the bundle's rays through a tree. Boxes are tested by reciprocals of directions, and so enlarged by
+// 16 roundings. No ray runs in a face, because primitive_bounds.h moves the faces of primitives outwards.
 static inline void walk(uniform GangRays& g, uniform Bundle& b, uniform int kind, const uniform GeometryTreeView& tree,
                         uniform bool anyHit, uniform bool goesOn) {
-  uniform unsigned int stack[programCount * TREE_DEEPEST];  // number of a node * programCount + child
+  uniform unsigned int stack[programCount * TREE_DEEPEST];  // node number * programCount + child
   uniform float from[programCount * TREE_DEEPEST];
   uniform int waiting = 0;
   uniform unsigned int next = 0;
@@ -260,7 +265,7 @@ static inline void walk(uniform GangRays& g, uniform Bundle& b, uniform int kind
     const uniform float* uniform q = nodeOf(tree, next);
     float enter;
     uniform int64 met = packmask(meetsBox(b, ENTRY_OF_NODE(b), EXIT_OF_NODE(b), enter));
-    while (met != 0) {  // what is nearest comes last
+    while (met != 0) {  // push the nearest child last
       uniform int k = count_trailing_zeros(met);
       if (!anyHit) {
         from[waiting] = extract(enter, k);
@@ -291,7 +296,7 @@ static inline void walk(uniform GangRays& g, uniform Bundle& b, uniform int kind
   }
 }
 
-// The same for a bundle of one.
+// The same for a bundle of one ray.
 static inline void walkAlone(uniform GangRays& g, uniform Bundle& b, uniform int kind, const uniform GeometryTreeView& tree,
                              uniform bool anyHit, uniform bool goesOn) {
   uniform unsigned int stack[programCount * TREE_DEEPEST];  // words of children
@@ -345,7 +350,7 @@ static inline void meetTree(uniform GangRays& g, uniform Bundle& b, uniform int 
   least = reduce_min(mine ? LANE(g, field) : infinity()); \
   most = reduce_max(mine ? LANE(g, field) : -infinity())
 
-// The bundle of these lanes, all of one octant.
+// Makes the bundle of these lanes, whose rays are all of one octant.
 static inline void bundleOf(const uniform GangRays& g, uniform int64 lanes, uniform Bundle& b) {
   bool mine = isIn(lanes);
   b.lanes = lanes;
@@ -376,7 +381,7 @@ static inline void bundleOfOne(const uniform GangRays& g, uniform int i, uniform
   b.outX = 3 - b.inX, b.outY = 5 - b.inY, b.outZ = 7 - b.inZ;
 }
 
-// Of `lanes`, those that go much the way of the first: within 18 degrees, and in its octant.
+// Returns those of `lanes` whose rays go within 18 degrees of the first one and in its octant.
 static inline uniform int64 alike(const uniform GangRays& g, uniform int64 lanes) {
   uniform int i = count_trailing_zeros(lanes);
   bool octant = (LANE(g, rx) < 0.0f) == (g.rx[i] < 0.0f) && (LANE(g, ry) < 0.0f) == (g.ry[i] < 0.0f) &&
@@ -386,11 +391,13 @@ static inline uniform int64 alike(const uniform GangRays& g, uniform int64 lanes
   return lanes & packmask(octant && (cone || programIndex == i));
 }
 
-// The nearest surface of geometry; with anyHit, rays that meet one just become opaque (A = 1), and none goes on behind one.
+// Finds each ray's nearest hit of geometry. With anyHit, rays that hit something just become opaque (A = 1),
+// and none goes on behind a surface.
 export void hitGeometry(const void* uniform scene, void* uniform rays, uniform int n, uniform bool anyHit) {
   USE_SCENE(s, scene);
   USE_RAYS(r, rays);
-  const uniform GeometryTreeView* uniform tree = (const uniform GeometryTreeView* uniform)s.hierarchy;  // of operators
+  // One per operator.
+  const uniform GeometryTreeView* uniform tree = (const uniform GeometryTreeView* uniform)s.hierarchy;
   uniform GangRays g;
   for (uniform int first = 0; first < n; first += programCount) {
     int i = first + programIndex;

@@ -21,7 +21,7 @@ int rowsOf(int kind) {
                                   : TREE_TRIANGLE_ROWS;
 }
 
-// The rows of one primitive.
+// Returns the numbers of one primitive, one for each row of a leaf.
 std::array<float, TREE_TUBE_ROWS> rowsOf(int kind, const GeometryPart& part, uint32_t primitive) {
   std::array<float, TREE_TUBE_ROWS> rows{};
   const auto copy = [&](uint32_t point, size_t numbers, size_t row) {
@@ -43,7 +43,7 @@ std::array<float, TREE_TUBE_ROWS> rowsOf(int kind, const GeometryPart& part, uin
   return rows;
 }
 
-// Depth first, as it is walked.
+// Writes a tree into arrays, depth first, in the order in which rays walk it.
 template <size_t Lanes>
 class Flatten {
  public:
@@ -125,7 +125,7 @@ GeometryTree built(int kind, const GeometryPart& part, const Advance& advance) {
   std::vector<RTCBuildPrimitive> primitives;
   embree::addPrimitives(primitives, 0, cornersOfKind(kind), part);
   const embree::Device device;
-  // leaves as full as may be: a step takes as long for one primitive as for all lanes
+  // Leaves are as full as possible, because a step takes as long for one primitive as for all lanes.
   const typename Flatten<Lanes>::Tree tree(device, std::move(primitives), TREE_DEEPEST, Lanes, building);
   GeometryTree out;
   Flatten<Lanes>(out, kind, part).all(tree.root(), filling);

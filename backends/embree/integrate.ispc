@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Emission and absorption through the one volume that a scene renders.
+// Emission and absorption through the only volume that a scene renders.
 #include "backends/embree/kernel.isph"
 
 export void integrateRays(const void* uniform scene, void* uniform rays, uniform int n, uniform int op, uniform int64 counts[]) {

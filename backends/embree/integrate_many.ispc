@@ -2,7 +2,7 @@
 // Emission and absorption through several volumes at once.
 #include "backends/embree/kernel.isph"
 
-// volumes[0 ... count): the operators that are volume rendered, count <= MANY_VOLUMES.
+// `volumes` are the `count` operators that are volume rendered, count <= MANY_VOLUMES.
 export void integrateRaysOfMany(const void* uniform scene, void* uniform rays, uniform int n,
                                 const uniform int volumes[], uniform int count, uniform int64 counts[]) {
   USE_SCENE(s, scene);

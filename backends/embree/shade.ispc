@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a hit means for the picture: what it gives to its pixel, and the rays that take away what is blocked (shares.h).
+// Shading of hits: the light that they add to their pixels, and the secondary rays that take away blocked
+// light (shares.h).
 #include "backends/embree/kernel.isph"
 
 static inline Surface geometrySurface(OPERATOR op, unsigned int p, vec3 o, vec3 d, float after) {
@@ -13,7 +14,7 @@ static inline Surface geometrySurface(OPERATOR op, unsigned int p, vec3 o, vec3 
   return f;
 }
 
-// What ray i has hit, of an operator.
+// Computes the surface, colour and opacity that ray i has hit, of operator `op`.
 static inline void surfaceHit(SCENE s, RAYS r, uniform int op, int i, vec3 o, vec3 d, Surface& surface, vec3& color, float& opacity) {
   const uniform OperatorView& view = s.operator_[op];
   VOLUME v = s.field[op];
@@ -34,9 +35,9 @@ static inline void depositShares(uniform int32 sum[], int k, Share share) {
   sum[4 * k + 2] += share.b;
 }
 
-// Shades the hits which[0 ... n) of primaries: `sum` (4 per hit, zeroed by the caller) receives what the pixel gains,
-// `out` the secondary rays, whose number is returned; A gains what the surface hides. `out` has room for
-// n * (lights + occlusion rays).
+// Shades the hits which[0 ... n) of primaries. `sum` (4 per hit, zeroed by the caller) receives what the
+// pixel gains, and the rays' A gains what the surface hides. `out` receives the secondary rays and has room
+// for n * (lights + occlusion rays). Returns the number of secondary rays.
 export uniform int shadeHits(const void* uniform scene, const void* uniform frame, void* uniform rays,
                              const uniform int which[], uniform int n, uniform int32 sum[], void* uniform out) {
   USE_SCENE(s, scene);
@@ -52,7 +53,7 @@ export uniform int shadeHits(const void* uniform scene, const void* uniform fram
     float opacity;
     int hitOperator = r.hitOperator[i];
     uniform int op;
-    if (reduce_equal(hitOperator, &op))  // mostly; no lane is masked then
+    if (reduce_equal(hitOperator, &op))  // the usual case, in which no lane is masked
       surfaceHit(s, r, op, i, o, d, surface, color, opacity);
     else
       foreach_unique (one in hitOperator) surfaceHit(s, r, one, i, o, d, surface, color, opacity);
@@ -92,7 +93,8 @@ export uniform int shadeHits(const void* uniform scene, const void* uniform fram
   return made;
 }
 
-// What the pixel of a ray that is done gains (primaries) or loses (secondaries): 4 per ray.
+// Computes what the pixel of a ray that has ended gains (primaries) or loses (secondaries): 4 numbers per
+// ray.
 export void settleRays(const void* uniform scene, void* uniform rays, const uniform int which[], uniform int n, uniform int32 sum[]) {
   USE_SCENE(s, scene);
   USE_RAYS(r, rays);
@@ -113,8 +115,8 @@ export void settleRays(const void* uniform scene, void* uniform rays, const unif
   }
 }
 
-// Rays that go on behind a translucent surface, or stop there: secondaries lose the surface's share, primaries have been
-// shaded. `opacity` is per operator.
+// Takes rays that hit a surface on behind it, or ends them there. Secondaries lose the surface's share;
+// primaries have been shaded. `opacity` is per operator.
 export void passSurfaces(const void* uniform scene, void* uniform rays, uniform int n) {
   USE_SCENE(s, scene);
   USE_RAYS(r, rays);

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// From camera to rays (in double, re-based to float where they enter the visible domain), and from partition to
-// partition.
+// From camera to rays (in double, then rebased to float where rays enter the visible domain), and from
+// partition to partition.
 #include "backends/embree/kernel.isph"
 
-// The rays of pixels [x0, x1) x [y0, y1) (at most 32 x 32) and one sample that meet a visible partition, with the first
-// such partition in `next`; in 4 x 4 blocks for coherence. Returns their number.
+// Makes the rays of pixels [x0, x1) x [y0, y1) (at most 32 x 32) and one sample that meet a visible
+// partition, with the first such partition in `next`. Rays are made in 4 x 4 blocks of pixels for coherence.
+// Returns their number.
 export uniform int spawnRays(const void* uniform scene, const void* uniform frame, uniform int x0, uniform int y0,
                              uniform int x1, uniform int y1, uniform int sample, void* uniform rays) {
   USE_SCENE(s, scene);
@@ -46,7 +47,7 @@ export uniform int spawnRays(const void* uniform scene, const void* uniform fram
   return n;
 }
 
-// Origin and direction of primaries that came over the wire.
+// Regenerates origin and direction of primaries that came over the wire.
 export void regenerateRays(const void* uniform frame, void* uniform rays, uniform int n) {
   USE_FRAME(f, frame);
   USE_RAYS(r, rays);
@@ -60,7 +61,7 @@ export void regenerateRays(const void* uniform frame, void* uniform rays, unifor
   }
 }
 
-// Distance from the eye (render space) of the hits of primaries.
+// Computes the distance (render space) from the eye to the hits of primaries.
 export void eyeDistances(const void* uniform frame, void* uniform rays, const uniform int which[], uniform int n,
                          uniform double distance[]) {
   USE_FRAME(f, frame);
@@ -74,7 +75,7 @@ export void eyeDistances(const void* uniform frame, void* uniform rays, const un
   }
 }
 
-// Where each ray enters and leaves this partition; no hit yet.
+// Computes where each ray enters and leaves this partition, and sets its hit to none.
 export void boundRays(const void* uniform scene, void* uniform rays, uniform int n) {
   USE_SCENE(s, scene);
   USE_RAYS(r, rays);
@@ -91,7 +92,8 @@ export void boundRays(const void* uniform scene, void* uniform rays, uniform int
   }
 }
 
-// Where each ray that ended in no surface goes next; start: rays that begin (secondaries), at t = 0.
+// Finds where each ray that ended on no surface goes next. `start` is for secondary rays that begin, at t =
+// 0.
 export void routeRays(const void* uniform scene, void* uniform rays, uniform int n, uniform bool start) {
   USE_SCENE(s, scene);
   USE_RAYS(r, rays);
@@ -113,5 +115,5 @@ export void routeRays(const void* uniform scene, void* uniform rays, uniform int
   }
 }
 
-// Rays per gang of the instruction set in use.
+// The number of rays in a gang of the instruction set in use.
 export uniform int gangWidth() { return programCount; }
