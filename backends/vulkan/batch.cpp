@@ -25,13 +25,13 @@ std::optional<Kernel> kernelOf(Stage stage) {
       return Kernel::Integrate;
     case Stage::IntegrateMany:
       return Kernel::IntegrateMany;
-    default:  // Shade is counted where there is something to shade
+    default:  // Shade is counted only if there is something to shade
       return {};
   }
 }
 
-// The rays go first: who is told may let go of all else that is of the device, which would go with them, on a thread that nobody
-// waits for.
+// Destroys the rays first. Whoever is told may let go of everything else of the device; that would then go
+// with the rays, on a thread that nobody waits for.
 void tell(Request& request, TraceResult result) {
   request.rays = {};
   request.done(std::move(result));
@@ -80,7 +80,7 @@ void Batch::start(std::unique_ptr<Lane> lane) {
   submit(0, false);
 }
 
-// Adds what a list goes through; and behind primaries the secondaries that they have made here.
+// Adds the steps of a list, and behind primaries those of the secondaries that they make here.
 void Batch::trace(List list, int32_t rays, bool primary) {
   scene_.addSteps(steps_, part_, frame_, list, rays, primary, complete_);
   complete_ = true;
@@ -131,7 +131,7 @@ bool Batch::advance(DeviceTime& time) {
   return true;
 }
 
-// What the last submission has made of the rays.
+// Takes in what the last submission has made of the rays.
 void Batch::take() {
   const Lane& lane = *lane_;
   TraceResult& all = results_[0];
@@ -161,11 +161,12 @@ void Batch::take() {
   for (uint32_t i = 0; i < lane.count(COUNT_DEPTHS); i++, d += DEPTH_WORDS)
     all.depths.push_back({d[0], std::bit_cast<double>(uint64_t(d[2]) << 32 | d[1]) * frame_.worldPerRender});
   activeSecondaries_ = lane.count(COUNT_ACTIVE_SECONDARIES);
-  // primaries that go on wait until none of their secondaries does
+  // Primaries that go on wait until none of their secondaries goes on.
   if (steps_[0].list == given_) activePrimaries_ = lane.count(COUNT_ACTIVE_PRIMARIES);
 }
 
-// Rays that leave, to the packets that they came with, by kind and partition: those that stay on the rank by their places only.
+// Hands rays that leave to the packets that they came with, by kind and partition. Those that stay on the
+// rank are named by their places only.
 void Batch::distribute() {
   const RayBlock* blocks = lane_->leaving();
   std::map<std::tuple<uint32_t, bool, int>, std::vector<int>> places;

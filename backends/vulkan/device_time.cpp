@@ -8,7 +8,7 @@ namespace gxy::vulkan {
 
 namespace {
 
-constexpr size_t kLatest = 16;  // more than batches are under way at once, so than are told late
+constexpr size_t kLatest = 16;  // more than batches under way at once, and so than can be told late
 
 }  // namespace
 
@@ -51,7 +51,7 @@ DeviceTime::Spent DeviceTime::worked(uint64_t frame, uint64_t began, uint64_t en
   span = {std::min(span.began, began), std::max(span.ended, ended)};
   Spent spent;
   spent.busy = work_.add(began, ended);
-  spent.idle = frames_.add(span.began, span.ended) - spent.busy;  // as all work is some frame's
+  spent.idle = frames_.add(span.began, span.ended) - spent.busy;  // since all work is some frame's
   return spent;
 }
 

@@ -17,7 +17,7 @@ constexpr unsigned kDeepest = (STACK_ENTRIES - 1) / (kChildren - 1);
 
 using Tree = embree::Tree<kChildren, kLargestLeaf>;
 
-// Numbers nodes and lists primitives depth first: the builder's threads called back in any order.
+// Numbers nodes and lists primitives depth first, because the builder's threads call back in any order.
 class Flatten {
  public:
   explicit Flatten(Hierarchy& out) : out_(out) {}

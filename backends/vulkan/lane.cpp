@@ -11,8 +11,8 @@ namespace gxy::vulkan {
 
 namespace {
 
-constexpr uint32_t kReadings = 128;  // of the clock; stages beyond are not timed
-// Where they are, behind the counts.
+constexpr uint32_t kReadings = 128;  // most timestamps; further stages are not timed
+// The place of the timestamps, behind the counts.
 constexpr size_t kReadingsAt =
     (COUNT_WORDS * sizeof(uint32_t) + sizeof(uint64_t) - 1) / sizeof(uint64_t) * sizeof(uint64_t);
 
@@ -73,7 +73,7 @@ Lane::Lane(const Device& device, Pipelines& pipelines)
   clock_ = QueryPoolHandle(device.get(), clock);
 }
 
-// With room for more, so that it is seldom done again.
+// Rounds a size up, so that buffers seldom have to grow.
 size_t Lane::roomy(size_t bytes) const {
   return std::min<size_t>(std::bit_ceil(bytes), device_.limits().maxStorageBufferRange);
 }
@@ -99,7 +99,7 @@ void Lane::reserve(size_t rays, size_t perHit) {
       {lists_[int(List::Here)], listBytes(here), Place::Device, "secondary rays"},
       {lists_[int(List::HereOther)], listBytes(here), Place::Device, "secondary rays"},
       {leaving_, listBytes(all), Place::Readback, "rays"},
-      // a primary that meets a surface and ends there gives twice
+      // A primary that meets a surface and ends there contributes twice.
       {records_, (rays + all) * RECORD_WORDS * sizeof(int32_t), Place::Readback, "contributions"},
       {depths_, rays * DEPTH_WORDS * sizeof(uint32_t), Place::Readback, "depths"}};
   const auto lacks = [](const Need& n) { return n.buffer.bytes() < n.bytes; };
@@ -222,7 +222,8 @@ void Lane::submit(VkDescriptorSet scene, VkDescriptorSet frame, std::span<const 
   const VkBufferCopy region{0, 0, COUNT_WORDS * sizeof(uint32_t)};
   vkCmdCopyBuffer(recording_, counts_.get(), countsRead_.get(), 1, &region);
   readClock();
-  // by the device, as Mesa's vkGetQueryPoolResults waits until a software device has nothing left to do
+  // The device copies the timestamps, because Mesa's vkGetQueryPoolResults waits until a software device has
+  // nothing left to do.
   if (clock_)
     vkCmdCopyQueryPoolResults(recording_, clock_.get(), 0, readings_, countsRead_.get(), kReadingsAt,
                               sizeof(uint64_t), VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WAIT_BIT);
@@ -243,7 +244,8 @@ void Lane::wait() {
   std::fill(std::begin(nanoseconds_), std::end(nanoseconds_), 0);
   if (readings_ == 0) return;
   uint64_t readings[kReadings];
-  const uint64_t mask = ~uint64_t(0) >> (64 - device_.clockBits());  // it may begin anew in between
+  // The clock may start again at 0 in between.
+  const uint64_t mask = ~uint64_t(0) >> (64 - device_.clockBits());
   std::memcpy(readings, countsRead_.mapped() + kReadingsAt, readings_ * sizeof(uint64_t));
   const auto inNanoseconds = [&](uint64_t ticks) {
     return uint64_t(double(ticks) * double(device_.limits().timestampPeriod));

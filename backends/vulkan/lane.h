@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Device buffers for one batch of rays, and the commands that work on them.
+// Lane: device buffers for one batch of rays, and the commands that work on them.
 #pragma once
 #include <array>
 #include <optional>
@@ -13,7 +13,7 @@
 
 namespace gxy::vulkan {
 
-/// BLOCK_RAYS rays as the shaders keep them.
+/// BLOCK_RAYS rays in the form that the shaders use.
 struct RayBlock {
 #define GXY_FIELD(type, name, primary, secondary) type name[BLOCK_RAYS];
   GXY_RAY_FIELDS(GXY_FIELD)
@@ -24,26 +24,26 @@ struct RayBlock {
 };
 inline constexpr size_t kRayBytes = sizeof(RayBlock) / BLOCK_RAYS;
 
-/// Rays `which` of a list of blocks, as gather() of a RayList gives them.
+/// Copies the rays `which` of a list of blocks, as RayList::gather() does.
 RayList gather(const RayBlock* blocks, std::span<const int> which);
 
-/// The lists that are traced. What goes on behind translucent surfaces is put into a second one, which takes turns with the
-/// first.
+/// The lists that are traced. Rays that go on behind translucent surfaces are put into the other list of the
+/// pair; the two take turns.
 enum class List { Given, GivenOther, Here, HereOther };
 inline List otherOf(List list) { return List(int(list) ^ 1); }
 
-/// A stage and what it works on.
+/// A stage, and what it works on.
 struct Step {
   Stage stage;
   Special special;
   List list = List::Given;
-  std::array<int32_t, PUSH_WORDS> push{};  ///< but for PUSH_STEP, PUSH_ONE and PUSH_ROUNDS
+  std::array<int32_t, PUSH_WORDS> push{};  ///< Lane sets PUSH_STEP, PUSH_ONE, PUSH_ROUNDS and PUSH_STAYING
 };
 
-/// The most rays that a list holds on this device: a binding and the workgroups of a dispatch have their limits.
+/// The most rays that a list can hold on this device; bindings and the workgroups of a dispatch have limits.
 size_t mostRays(const Device& device);
 
-/// Bytes of a list of so many rays.
+/// Bytes of a list of `rays` rays.
 size_t listBytes(size_t rays);
 
 /// Used by one thread at a time.
@@ -51,38 +51,42 @@ class Lane {
  public:
   Lane(const Device& device, Pipelines& pipelines);
 
-  /// Makes room for `rays` given rays, each of which makes up to `perHit` secondaries. Throws Error where these are more than
-  /// mostRays() together.
+  /// Makes room for `rays` given rays and up to `perHit` secondaries of each. Throws Error if these are more
+  /// than mostRays() together.
   void reserve(size_t rays, size_t perHit);
-  /// Whether it has room for more than so many rays, given and made.
+  /// Whether it has room for more than `rays` rays, given and made.
   bool isLargerThan(size_t rays) const;
-  /// Makes rays at `at`, ... of the list that is given of a packet.
+  /// Copies the rays of a packet into the given list, from place `at` on.
   void load(const RayList& rays, size_t at, uint32_t packet);
-  /// The same of rays at `places` of a list that begins at `list`, as a step that is to be done first.
+  /// Does the same for the rays at `places` of a list at address `list` on the device. Returns the step that
+  /// does so, which must be the first.
   Step take(VkDeviceAddress list, std::span<const uint32_t> places, size_t at, uint32_t packet);
-  /// Such a step before it has any rays.
+  /// Such a step without rays, for its pipeline.
   static Step takeStep(const Device& device);
 
-  /// Makes them the tiles that are spawned.
+  /// Sets the tiles that are spawned.
   void load(std::span<const Tile> tiles);
 
-  /// Hands these steps to the device; `resumed`: with what was counted in the submission before, else from zero.
+  /// Submits the steps from `firstStep` on. `resumed`: counts go on from the submission before; otherwise
+  /// from zero.
   void submit(VkDescriptorSet scene, VkDescriptorSet frame, std::span<const Step> steps, size_t firstStep,
               bool resumed);
-  /// Waits until they are done.
+  /// Waits until they are done, and reads counts and clock.
   void wait();
 
-  /// Where rays go that stay on the device; null: none do. Kept for the next batch where none has.
+  /// The list that receives rays that stay on the device; null: none stay. It is kept for the next batch if
+  /// no ray has stayed.
   std::shared_ptr<KeptRays> staying;
 
-  /// Of what has been waited for. Nanoseconds of the device for a stage; its clock when the first began and when the last
-  /// ended; 0 where it has none.
+  /// Device nanoseconds of a stage in the last submission that was waited for; 0 without a clock.
   uint64_t nanoseconds(Stage stage) const { return nanoseconds_[size_t(stage)]; }
+  /// The device's clock, in nanoseconds, when the first stage began and when the last ended; 0 without a
+  /// clock.
   uint64_t began() const { return began_; }
   uint64_t ended() const { return ended_; }
-  /// A COUNT_* of shaders/layout.h.
+  /// The count COUNT_* of shaders/layout.h.
   uint32_t count(int which) const { return counted_[which]; }
-  /// Of those that stay, only `packet`, `info` and `next`.
+  /// Rays that leave. A ray that stays on the device has only `packet`, `info` and `next` here.
   const RayBlock* leaving() const { return reinterpret_cast<const RayBlock*>(leaving_.mapped()); }
   const int32_t* records() const { return reinterpret_cast<const int32_t*>(records_.mapped()); }
   const uint32_t* depths() const { return reinterpret_cast<const uint32_t*>(depths_.mapped()); }
@@ -95,15 +99,15 @@ class Lane {
   const Device& device_;
   Pipelines& pipelines_;
   Commands commands_;
-  std::optional<Commands> copies_;  ///< of what waits in staging_
+  std::optional<Commands> copies_;  ///< for copying staging_
   VkCommandBuffer recording_ = VK_NULL_HANDLE;
   Buffer lists_[4], leaving_, records_, depths_, counts_, countsRead_, staging_, places_;
-  DescriptorSet sets_[4];  ///< by list
-  size_t loaded_ = 0;      ///< rays that wait in staging_ to be copied
+  DescriptorSet sets_[4];  ///< index: List
+  size_t loaded_ = 0;      ///< number of rays that wait in staging_ to be copied
   uint32_t counted_[COUNT_WORDS] = {};
-  QueryPoolHandle clock_;      ///< read at first, behind each stage, and at last
-  uint32_t readings_ = 0;      ///< of it
-  std::vector<Stage> stages_;  ///< behind which it was read
+  QueryPoolHandle clock_;      ///< timestamps: at the beginning, behind each stage, and at the end
+  uint32_t readings_ = 0;      ///< timestamps that were written
+  std::vector<Stage> stages_;  ///< the stages with a timestamp behind them
   std::vector<Pipeline> bound_;
   uint64_t nanoseconds_[size_t(Stage::Last) + 1] = {}, began_ = 0, ended_ = 0;
 };

@@ -94,7 +94,7 @@ Memory::Range Memory::take(uint32_t type, bool visible, VkDeviceSize bytes, VkDe
   VkDeviceSize size = alone ? bytes : blockBytes_;
   VkDeviceMemory memory = VK_NULL_HANDLE;
   VkResult result = allocate(type, size, memory);
-  if (result != VK_SUCCESS && !alone) {  // perhaps for less
+  if (result != VK_SUCCESS && !alone) {  // there may be room for less
     size = bytes;
     result = allocate(type, size, memory);
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A device's memory in a few large blocks, out of which buffers are cut.
+// Memory: a device's memory in a few large blocks. Buffers are cut out of these.
 #pragma once
 #include <cstddef>
 #include <list>
@@ -12,8 +12,9 @@
 
 namespace gxy::vulkan {
 
-/// Blocks of one device. What is as large as half a block or larger has one of its own. The lowest place that is large enough
-/// is taken; a block that is empty is given back, so that nothing is held when nothing is used. Thread safe.
+/// The blocks of one device. An allocation of half a block or more has a block of its own. Each allocation
+/// takes the lowest place that is large enough. An empty block is given back, so that nothing is held when
+/// nothing is used. Thread safe.
 class Memory {
  public:
   struct Block;
@@ -26,7 +27,7 @@ class Memory {
     ~Range();
     VkDeviceMemory memory() const;
     VkDeviceSize offset() const { return offset_; }
-    /// As the host sees it; null if it does not.
+    /// The range as the host sees it; null if it does not.
     std::byte* mapped() const;
 
    private:
@@ -36,26 +37,28 @@ class Memory {
     VkDeviceSize offset_ = 0, bytes_ = 0;
   };
 
-  /// `account`: of the blocks' sizes, less what is charged elsewhere; in a ledger or not. `most`: the device gives no more; 0:
-  /// as much as it does.
+  /// `account`: holds the blocks' sizes, less what is charged elsewhere; may be in no ledger. `most`: limits
+  /// the bytes in all; 0: no limit.
   Memory(VkDevice device, VkDeviceSize blockBytes, LedgerEntry account, VkDeviceSize most);
   ~Memory();
   Memory(const Memory&) = delete;
   Memory& operator=(const Memory&) = delete;
 
-  /// Of a memory type, which the host sees or not. Empty (memory() is null) where the device has no room.
+  /// Takes a range of a memory type; `visible`: the host sees it. Returns an empty range (memory() is null)
+  /// if the device has no room.
   Range take(uint32_t type, bool visible, VkDeviceSize bytes, VkDeviceSize alignment);
-  /// Whether the device gives blocks for all of these at once, besides what it has given; asked by taking them for a moment. What
-  /// is smaller than half a block is left out, as it may fit into blocks that there are.
+  /// Whether the device can give blocks for all of these sizes at once, besides those it has given. It finds
+  /// out by taking them for a moment. Sizes below half a block are left out, as they may fit into existing
+  /// blocks.
   bool gives(uint32_t type, std::span<const VkDeviceSize> sizes) const;
-  /// So many bytes more (or fewer) of what is taken are in others' accounts.
+  /// Another `bytes` (negative: fewer) of what is taken are in others' accounts.
   void chargeElsewhere(int64_t bytes);
-  /// Of all blocks.
+  /// The bytes of all blocks.
   VkDeviceSize bytes() const;
   size_t blocks() const;
 
  private:
-  /// `besides`: bytes that are taken and not in a block.
+  /// Allocates a block. `besides`: bytes that are taken and are in no block.
   VkResult allocate(uint32_t type, VkDeviceSize bytes, VkDeviceMemory& memory,
                     VkDeviceSize besides = 0) const;
   void giveBack(Range& range);

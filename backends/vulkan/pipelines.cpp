@@ -54,7 +54,7 @@ std::span<const uint32_t> codeOf(Stage stage) {
   }
 }
 
-// What a stage looks at, so that scenes share what is the same for them.
+// Keeps only the constants that a stage reads, so that scenes share pipelines that are the same for them.
 Special specialFor(Stage stage, const Special& special) {
   Special s;
   s.addressed = special.addressed;
@@ -177,7 +177,7 @@ std::vector<Stage> Pipelines::stages() const {
   return stages;
 }
 
-// What was wanted longest ago of what nobody holds. (Locked.)
+// Forgets the pipelines that nobody holds and that were asked for longest ago, beyond `most_`. (Locked.)
 void Pipelines::forget() {
   std::vector<decltype(made_)::iterator> unused;
   for (auto it = made_.begin(); it != made_.end(); ++it)

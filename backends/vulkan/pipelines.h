@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The stages of shaders/ as compute pipelines, each made when a scene first needs it so.
+// The stages of shaders/ as compute pipelines. Each is compiled when a scene first needs it for its
+// specialization constants.
 #pragma once
 #include <array>
 #include <compare>
@@ -32,7 +33,7 @@ enum class Stage {
   Last = Take
 };
 
-/// What a stage is compiled for: the specialization constants of shaders/layout.h, in their order.
+/// The specialization constants of shaders/layout.h that a stage is compiled for, in their order.
 struct Special {
   int32_t addressed = 0, sampleKind = -1;
   uint32_t scalars = 0;
@@ -43,13 +44,13 @@ struct Special {
   auto operator<=>(const Special&) const = default;
 };
 
-/// A part of a buffer, bound as a storage buffer or as texels of some format.
+/// A part of a buffer, bound as a storage buffer or, if `texels` is set, as texels of that format.
 struct Binding {
   VkDescriptorBufferInfo buffer{};
   VkFormat texels = VK_FORMAT_UNDEFINED;
 };
 
-/// What is bound in order from binding 0; with a pool of its own.
+/// A descriptor set, bound in order from binding 0, with a pool of its own.
 class DescriptorSet {
  public:
   DescriptorSet() = default;
@@ -62,16 +63,18 @@ class DescriptorSet {
   VkDescriptorSet set_ = VK_NULL_HANDLE;
 };
 
-/// Holds a pipeline while a scene needs it, or the device works with it.
+/// Keeps a pipeline compiled while a scene needs it or the device works with it.
 using Pipeline = std::shared_ptr<const PipelineHandle>;
 
-/// Thread safe.
+/// The cache of compiled pipelines. Thread safe.
 class Pipelines {
  public:
-  /// Of those that nobody holds, the `most` that were wanted last stay compiled.
+  /// At most `most` pipelines that nobody holds stay compiled: the ones that were asked for last.
   explicit Pipelines(const Device& device, size_t most = 24);
+  /// Returns the pipeline of a stage, and compiles it if there is none. Constants that the stage does not
+  /// read make no difference. Throws Error if the compilation fails.
   Pipeline get(Stage stage, const Special& special);
-  /// The stage of each that was made.
+  /// The stage of each pipeline that is in the cache.
   std::vector<Stage> stages() const;
   VkPipelineLayout layout() const { return layout_.get(); }
   VkDescriptorSetLayout setLayout(int set) const { return sets_[size_t(set)].get(); }
@@ -83,13 +86,13 @@ class Pipelines {
   const size_t most_;
   std::array<SetLayoutHandle, 3> sets_;
   PipelineLayoutHandle layout_;
-  /// Whoever wants one that another thread compiles waits for it, and for no other.
+  /// A thread that wants a pipeline that another thread compiles waits for that one only.
   struct Compiled {
     std::mutex mutex;
     PipelineHandle pipeline;
     uint64_t wanted = 0;  ///< the number of the last call that asked for it
   };
-  mutable std::mutex mutex_;  ///< of what is below, but for what is in a Compiled
+  mutable std::mutex mutex_;  ///< guards what is below, except what is in a Compiled
   std::map<std::pair<Stage, Special>, std::shared_ptr<Compiled>> made_;
   uint64_t calls_ = 0;
 };

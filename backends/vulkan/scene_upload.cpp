@@ -27,7 +27,7 @@ class Words {
   uint32_t add(std::span<const T> values) {
     static_assert(sizeof(T) % 4 == 0);
     if (values.empty()) return 0;
-    const size_t at = words_.size();  // a multiple of 4, so that quads can be read
+    const size_t at = words_.size();  // a multiple of 4, so that four words can be read at once
     if (at + values.size_bytes() / 4 > kMost)
       throw Error("a partition has more than 8 GiB of geometry or tables; cut the data into more partitions");
     words_.resize((at + values.size_bytes() / 4 + 3) / 4 * 4);
@@ -41,7 +41,7 @@ class Words {
   std::span<const std::byte> bytes() const { return std::as_bytes(std::span(words_)); }
 
  private:
-  // SPIR-V takes what finds an element of an array for a signed number.
+  // SPIR-V takes the index of an array's element for a signed number.
   static constexpr size_t kMost = std::numeric_limits<int32_t>::max();
   std::vector<uint32_t> words_ = std::vector<uint32_t>(4, 0);
 };
@@ -51,7 +51,7 @@ const OperatorPart* shownIn(const CompiledOperator& op, int partition) {
   return found == op.parts.end() ? nullptr : &found->second;
 }
 
-// What scenes share of a partition: its blocks, each once, ...
+// The blocks of a partition, each once; scenes with the same blocks share them.
 std::vector<const VolumeBlock*> blocksOf(const CompiledScene& scene, int partition) {
   std::vector<const VolumeBlock*> blocks;
   for (const CompiledOperator& op : scene.operators)
@@ -60,7 +60,7 @@ std::vector<const VolumeBlock*> blocksOf(const CompiledScene& scene, int partiti
   return blocks;
 }
 
-// ... and the geometry of each operator, or null.
+// The geometry of each operator in a partition, or null; scenes with the same geometry share it.
 std::vector<const GeometryPart*> geometryOf(const CompiledScene& scene, int partition) {
   std::vector<const GeometryPart*> all;
   for (const CompiledOperator& op : scene.operators) {
@@ -70,7 +70,8 @@ std::vector<const GeometryPart*> geometryOf(const CompiledScene& scene, int part
   return all;
 }
 
-// Where the arrays of a partition go: samples one behind the other, all else in tables or with the geometry.
+// The `put` of fill_views.h: samples go one behind the other, all else goes to `words`, which are tables or
+// geometry.
 class Places {
  public:
   explicit Places(Words& words) : words_(words) {}
@@ -81,7 +82,8 @@ class Places {
   uint32_t operator()(const std::vector<uint8_t>& v) {
     return words_.add(std::vector<uint32_t>(v.begin(), v.end()));
   }
-  // Where a block will be, in units of 16 bytes; the same for all operators that look at it. Place 0 stands for none.
+  // The place that a block will have, in units of 16 bytes; the same for all operators that show it. Place 0
+  // stands for none.
   uint32_t samples(const VolumeBlock& block) {
     for (const auto& [known, place] : blocks_)
       if (known == &block) return place;
@@ -165,7 +167,7 @@ class Uploading {
       const size_t end = at[i] + std::max<size_t>(sections[i].size(), 4);
       at[i + 1] = (end + kSectionAlignment - 1) / kSectionAlignment * kSectionAlignment;
     }
-    // behind them, the addresses
+    // The addresses follow the sections.
     out_.scene = Buffer(device_, at[4] + sizeof(VkDeviceAddress[3]), Place::Device, "the scene");
     for (int i = 0; i < 4; i++)
       if (!sections[i].empty()) upload(device_, out_.scene, at[i], sections[i]);
@@ -271,16 +273,16 @@ class Uploading {
       map = map == -2 || map == mine ? mine : -1;
     }
     out_.special.mapKind = std::max(map, -1);
-    // to pick from many registers is worth it only where lanes fetch one after the other
+    // Picking from many registers is worth it only where lanes fetch one after the other.
     if (device_.endsLoops() && rendered_.size() == 1) {
       const int intervals = fields_[size_t(rendered_[0])].mapIntervals;
       out_.special.mapAhead = intervals <= 4 ? 4 : intervals <= 8 ? 8 : 0;
     }
-    // several are read ahead only where that is cheaper than to read the one
+    // Several operators are read ahead only where that is cheaper than reading the one that is needed.
     const size_t readAhead = device_.endsLoops() ? FEW_OPERATORS : 1;
     const size_t n = fields_.size();
     out_.special.operators = n == 1 ? 1 : n <= readAhead ? FEW_OPERATORS : 0;
-    // whether a driver leaves out the reads that nothing uses, or not: there is something
+    // Drivers may or may not leave out reads that nothing uses, so there must be something to read.
     operators_.resize(std::max<size_t>(n, FEW_OPERATORS));
     fields_.resize(operators_.size());
   }
@@ -292,8 +294,8 @@ class Uploading {
   PartOnDevice out_;
   Words tables_;
   Places inTables_{tables_};
-  std::vector<int32_t> rendered_;                // operators whose volume is integrated
-  std::vector<const GeometryPart*> primitives_;  // by operator; null where there are none
+  std::vector<int32_t> rendered_;                // operators whose volume is rendered
+  std::vector<const GeometryPart*> primitives_;  // per operator; null if it has none
   shader::SceneView view_{};
   std::vector<shader::OperatorView> operators_;
   std::vector<shader::VolumeView> fields_;

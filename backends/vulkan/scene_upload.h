@@ -13,7 +13,7 @@
 
 namespace gxy::vulkan {
 
-/// Bytes of a device that scenes account for (DeviceScene), while this lives.
+/// Device memory that a scene accounts for itself (DeviceScene::bytes), while this lives.
 class Charge {
  public:
   Charge() = default;
@@ -47,40 +47,45 @@ struct SamplesOnDevice {
 struct GeometryOnDevice {
   Buffer buffer;
   Charge charge;
-  uint32_t hierarchy = 0;                    ///< its place
-  std::vector<shader::OperatorView> places;  ///< of each operator's primitives; no other member is set
+  uint32_t hierarchy = 0;  ///< place of the hierarchy in the buffer
+  /// Per operator: places of its primitives' arrays; no other member is set.
+  std::vector<shader::OperatorView> places;
 };
 
-/// What the stages read of a partition, or, without one, of the scene as a whole, for spawning.
+/// The data that the stages read of a partition or, without a partition, of the scene as a whole, for
+/// spawning.
 struct PartOnDevice {
   Buffer scene;
   std::shared_ptr<const SamplesOnDevice> samples;    ///< null if there are none
-  std::shared_ptr<const GeometryOnDevice> geometry;  ///< likewise
+  std::shared_ptr<const GeometryOnDevice> geometry;  ///< null if there is none
   DescriptorSet set;
   int partition = -1;
-  Special special;                            ///< for all stages, but `surfaces` and `anyHit`
-  int32_t geometryKinds = 0;                  ///< bits SURFACE_* of its geometry
-  uint32_t volumeList = 0;                    ///< place of the rendered volumes' list in the tables
-  uint32_t mine = 0;                          ///< and of whether each partition is this rank's and seen
-  std::vector<bool> hasBlock, hasIsosurface;  ///< by operator
+  Special special;            ///< for all stages, without `surfaces` and `anyHit`
+  int32_t geometryKinds = 0;  ///< SURFACE_* bits of its geometry
+  uint32_t volumeList = 0;    ///< place of the rendered volumes' list in the tables
+  uint32_t mine = 0;          ///< place in the tables: per partition, whether it is this rank's and visible
+  std::vector<bool> hasBlock, hasIsosurface;  ///< per operator
 };
 
-/// What scenes that look at the same data have in common, by those, in their order. (Scenes of which only some data are the
-/// same share nothing.)
+/// Device data shared between scenes. The key is the list of blocks or of primitives in their order. Scenes
+/// that have only some of the data in common share nothing.
 struct SharedData {
   SharedBy<std::vector<const VolumeBlock*>, SamplesOnDevice> samples;
   SharedBy<std::vector<const GeometryPart*>, GeometryOnDevice> geometry;
 };
 
-/// Throws Error where a block has more points, or numbers of all components, than the shaders tell apart in 32 bits.
+/// Throws Error if a block has more points, or numbers of all components, than the shaders can index in 32
+/// bits.
 void checkNumbering(const Index3& points, int components);
 
-/// Throws Error where the device has no room for the volumes and the geometry (without its hierarchies) of these partitions
-/// together, but what others have there already; so before any of it is there. Small arrays are left out.
+/// Throws Error if the device has no room for the volumes and the geometry (without its hierarchies) of these
+/// partitions together, less what other scenes have there already. It is called before any of them is there.
+/// Small arrays are left out.
 void expectRoom(const Device& device, const SharedData& shared, const CompiledScene& scene,
                 std::span<const int> partitions);
 
-/// partition < 0: none. Throws Error where the device has no room for it, and what `advance` throws.
+/// Copies a partition to the device; partition < 0: none, for spawning. Throws Error if the device has no
+/// room for it, and what `advance` throws.
 PartOnDevice uploadPart(
     const Device& device, const Pipelines& pipelines, SharedData& shared, const CompiledScene& scene,
     int partition, int rank, const Advance& advance = [](double) {});

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The structures of core/kernels as the shaders see them: what is a pointer elsewhere is a place in a buffer.
+// The structures of core/kernels as the shaders see them: pointers are replaced by places in a buffer.
 #pragma once
 #include <cstdint>
 

@@ -16,11 +16,12 @@ namespace gxy::vulkan {
 
 namespace {
 
-// one that the device does, one that it does next, one that the host reads or makes
+// One that the device does, one that it does next, and one that the host reads or prepares.
 constexpr size_t kBatchesAtOnce = 3;
-// batches of other frames that are small after an urgent request: a second of the device's time
+// This many batches of other frames are small after an urgent request, which is about a second of the
+// device's time.
 constexpr size_t kWatchedFor = 200;
-constexpr size_t kWithSecondaries = 8;  // so many times the rays of a batch it may have with secondaries
+constexpr size_t kWithSecondaries = 8;  // a batch with its secondaries may have this many times as many rays
 
 }  // namespace
 
@@ -33,13 +34,13 @@ struct Tracer::State {
         allRays(std::min(kWithSecondaries * rays, mostRays(d))),
         mostTiles(mostRays(d) / TILE_RAYS) {}
 
-  // What was asked and has no answer yet: counted up to now. (Locked.)
+  // The time since the last call, while requests had no answer. (Locked.)
   std::chrono::nanoseconds countAsked() {
     const auto now = std::chrono::steady_clock::now();
     return now - std::exchange(askedFrom, now);
   }
 
-  // Hands out what waits, while there are lanes for it.
+  // Starts batches of what waits, while there are lanes for them.
   void feed() {
     endCancelled();
     std::unique_lock lock(mutex);
@@ -69,7 +70,7 @@ struct Tracer::State {
     }
   }
 
-  // Answers what waits for frames that nobody wants any more.
+  // Answers requests of frames that are cancelled.
   void endCancelled() {
     std::vector<Request> ended;
     {
@@ -82,7 +83,7 @@ struct Tracer::State {
     endUndone(ended, {});
   }
 
-  // The first of the urgent frame whose turn was longest ago, else the first of all. (Locked.)
+  // The first request of the urgent frame whose turn was longest ago; otherwise the first of all. (Locked.)
   std::deque<Request>::iterator nextInTurn() {
     auto next = waiting.end();
     for (auto r = waiting.begin(); r != waiting.end(); ++r)
@@ -91,14 +92,14 @@ struct Tracer::State {
     return next == waiting.end() ? waiting.begin() : next;
   }
 
-  // What is next, with what is like it up to a batch. (Locked.)
+  // Takes the next request, and others that are like it, up to a batch. (Locked.)
   std::vector<Request> nextLot() {
     std::vector<Request> lot;
     auto r = nextInTurn();
     r->urgent = r->frame->urgent();
     r->frame->lastTurn = ++turns;
     const size_t each = 1 + r->perHit();
-    // a tile is spawned by as many invocations as the largest has pixels
+    // A tile is spawned by as many invocations as the largest tile has pixels.
     const size_t requests = r->kind == Request::Kind::Spawn ? mostTiles : SIZE_MAX;
     size_t rays = r->size(), most = batchRays;
     if (r->urgent) {
@@ -122,9 +123,9 @@ struct Tracer::State {
     return lot;
   }
 
-  // The device goes on with the next before the host looks at what this one has given. A lane of which nobody knows what the
-  // device does with it is not used again; nor, where nothing waits, is one that a single request has made larger
-  // than batches are.
+  // Ends a batch. The device goes on with the next one before the host looks at the answers of this one. A
+  // lane is not used again after an error, since nobody knows what the device does with it. Nor is it, if
+  // nothing waits, when a single request has made it larger than batches are.
   void end(Batch& batch, const std::string& error) {
     {
       std::unique_ptr<Lane> lane = batch.takeLane();
@@ -146,13 +147,13 @@ struct Tracer::State {
   const size_t batchRays, allRays, mostTiles;
   std::mutex mutex;  ///< guards what is below
   std::condition_variable changed;
-  std::deque<Request> waiting;                      ///< as they came
-  uint64_t turns = 0;                               ///< lots that were handed out
-  std::chrono::steady_clock::time_point askedFrom;  ///< what was asked, counted up to here
-  size_t sinceUrgent = kWatchedFor;                 ///< batches of other frames, up to that many
+  std::deque<Request> waiting;                      ///< in the order in which they came
+  uint64_t turns = 0;                               ///< number of batches that were started
+  std::chrono::steady_clock::time_point askedFrom;  ///< countAsked() has counted up to here
+  size_t sinceUrgent = kWatchedFor;  ///< batches of other frames since an urgent request, at most kWatchedFor
   std::deque<std::unique_ptr<Batch>> underWay;
   std::vector<std::unique_ptr<Lane>> idle;
-  size_t lanes = 0;  ///< idle or not
+  size_t lanes = 0;  ///< number of lanes, idle or not
   bool stopping = false;
   std::thread thread;
 };
@@ -209,7 +210,7 @@ void Tracer::collect(const std::shared_ptr<State>& state) {
     }
     if (!more) {
       state->end(*batch, error);
-      if (!error.empty()) state->feed();  // its lane is gone: what waits must not wait for it
+      if (!error.empty()) state->feed();  // its lane is gone, so what waits is started without it
     }
   }
 }

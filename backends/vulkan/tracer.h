@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What waits for the device, and what it works on.
+// Tracer: the queue of a device's work. It collects requests into batches and submits them.
 #pragma once
 #include <memory>
 
@@ -11,29 +11,30 @@ namespace gxy::vulkan {
 class DeviceTime;
 struct Request;
 
-/// Nobody waits for the device but one thread of the Tracer's own. A few batches are handed to the device at once, so that it
-/// has the next when it has done one; what is asked for meanwhile waits here, and goes in one batch with what is like it. So
-/// batches are small while there is little to do, and large when there is much. Those of frames that are not urgent are,
-/// for a while after one that is, only so large that the device works on one for at most 5 ms (PacketSize), or a single
-/// request.
+/// Only one thread, which belongs to the Tracer, waits for the device. A few batches are submitted at once,
+/// so that the device has the next one when it has done one. Requests that arrive meanwhile wait here, and
+/// requests that are alike go in one batch. So batches are small while there is little to do, and large when
+/// there is much. For a while after an urgent request, batches of frames that are not urgent are only so
+/// large that the device works on one for at most 5 ms (PacketSize), or have a single request.
 ///
-/// Thread safe. Requests must be answered before it goes.
+/// Thread safe. All requests must be answered before it is destroyed.
 class Tracer {
  public:
-  /// Batches of about `batchRays` rays. `time` hears of what the device does.
+  /// Batches have about `batchRays` rays. `time` is told what the device does.
   Tracer(const Device& device, Pipelines& pipelines, DeviceTime& time, size_t batchRays);
   ~Tracer();
   Tracer(const Tracer&) = delete;
   Tracer& operator=(const Tracer&) = delete;
 
-  /// Done before what waits and is not urgent, if its frame is when its turn comes; urgent frames take turns. Answered without
-  /// being done if its frame is cancelled before.
+  /// Adds a request. If its frame is urgent when its turn comes, it is done before others that wait; urgent
+  /// frames take turns. If its frame is cancelled before that, it is answered without being done.
   void add(Request request);
 
  private:
   struct State;
   static void collect(const std::shared_ptr<State>& state);
-  const std::shared_ptr<State> state_;  ///< the thread's, too: the Tracer may go in what it calls
+  /// Shared with the thread, because a callback of the thread may destroy the Tracer.
+  const std::shared_ptr<State> state_;
 };
 
 }  // namespace gxy::vulkan

@@ -41,10 +41,11 @@ Device::Device(const VulkanOptions& options)
   largestAllocation_ = size_t(allocations.maxMemoryAllocationSize);
   if (options.allocationBytes > 0)
     largestAllocation_ = std::min<size_t>(largestAllocation_, options.allocationBytes);
-  // texels are found by an int
+  // An int is the index of a texel.
   largestBinding_ = std::min<size_t>(limits_.maxTexelBufferElements, INT32_MAX) * sizeof(uint32_t);
   if (options.bindingBytes > 0) largestBinding_ = std::min<size_t>(largestBinding_, options.bindingBytes);
-  // where lanes fetch one after the other, a word of a quad is as cheap as one by itself; Mesa finds bytes by an int
+  // Where lanes fetch one after the other, a word of a quad is as cheap as a word by itself. Mesa finds bytes
+  // by an int.
   if (endsLoops_)
     largestQuads_ =
         std::min<size_t>(size_t(limits_.maxTexelBufferElements) * 4 * sizeof(uint32_t), INT32_MAX);
@@ -154,7 +155,8 @@ uint32_t Device::memoryType(uint32_t allowed, Place place) const {
   const VkMemoryPropertyFlags wanted = place == Place::Device    ? kSeen
                                        : place == Place::Written ? kLocal
                                                                  : kCached;
-  // device memory that the host sees is preferred where it is about all of it, not where it is a small window
+  // Device memory that the host sees is preferred if it is about all of the device's memory, not if it is a
+  // small window.
   int found = -1, score = -1;
   for (uint32_t i = 0; i < memory_.memoryTypeCount; i++) {
     const VkMemoryType& type = memory_.memoryTypes[i];
@@ -213,7 +215,7 @@ void Device::expectRoom(std::span<const size_t> sizes, const std::string& what) 
     const BufferHandle buffer = makeBuffer(std::max<size_t>(bytes, 16), what);
     VkMemoryRequirements needs;
     vkGetBufferMemoryRequirements(device_.get(), buffer.get(), &needs);
-    type = memoryType(needs.memoryTypeBits, Place::Device);  // the same for all, as they differ in size only
+    type = memoryType(needs.memoryTypeBits, Place::Device);  // the same for all, as they differ only in size
     expectPossible(needs, type, what);
     needed.push_back(needs.size);
     sum += bytes;
@@ -313,7 +315,7 @@ void upload(const Device& device, const Buffer& buffer, size_t offset, std::span
       try {
         commands.wait();
       } catch (const Error&) {
-        // the device was lost, which the one who waits in turn is told
+        // The device is lost; whoever waits for it next is told.
       }
     }
   };

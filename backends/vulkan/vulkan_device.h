@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A device with its queues, and buffers in its memory.
+// A Vulkan device with its queues, and buffers in its memory.
 #pragma once
 #include <atomic>
 #include <cstddef>
@@ -13,18 +13,21 @@
 
 namespace gxy::vulkan {
 
-/// Where a buffer lives. Device: the device's own memory, which the host may or may not see; Written: memory that the host sees,
-/// the device's own if possible, for little that the host writes and the device reads; Readback: the host's, cached, for what
-/// the device writes and the host reads.
+/// Where a buffer lives.
+/// - Device: in the device's own memory, which the host may or may not see.
+/// - Written: in memory that the host sees, the device's own if possible; for little data that the host
+///   writes and the device reads.
+/// - Readback: in the host's cached memory; for what the device writes and the host reads.
 enum class Place { Device, Written, Readback };
 
-/// Who does commands: stages, or copies to memory that the host does not see, which where the device has a queue family for
-/// nothing else go on beside stages; elsewhere both take turns in one queue.
+/// The kind of work of commands: stages, or copies to memory that the host does not see. If the device has a
+/// queue family for copies only, copies run beside stages; otherwise both take turns in one queue.
 enum class Work { Stages, Copies };
 
 class Buffer;
 
-/// Thread safe. Buffers, pipelines and whatever else is made of it must not outlive it.
+/// A logical device. Thread safe. Buffers, pipelines and everything else that is made of it must not outlive
+/// it.
 class Device {
  public:
   explicit Device(const VulkanOptions& options);
@@ -37,32 +40,37 @@ class Device {
   bool copiesBeside() const { return queueFamily(Work::Copies) != queueFamily(Work::Stages); }
   const VulkanDeviceInfo& info() const { return info_; }
   const VkPhysicalDeviceLimits& limits() const { return limits_; }
-  size_t largestBinding() const { return largestBinding_; }  ///< bytes of scene data as texels of a word
-  size_t largestQuads() const { return largestQuads_; }      ///< of four words, if more; the rest by address
-  size_t largestStorage() const { return largestStorage_; }  ///< bytes of them that are read ahead
-  size_t bytes() const { return bytes_; }                    ///< of all buffers
+  /// Largest bytes of scene data to bind as texels of one word.
+  size_t largestBinding() const { return largestBinding_; }
+  /// The same as texels of four words; larger data is read by address.
+  size_t largestQuads() const { return largestQuads_; }
+  size_t largestStorage() const { return largestStorage_; }  ///< of tables read ahead from a storage buffer
+  size_t bytes() const { return bytes_; }                    ///< bytes of all buffers
   const Memory& blocks() const { return *blocks_; }
-  /// So many bytes more of its blocks are others' to account for.
+  /// Another `bytes` (negative: fewer) of its blocks are accounted for by others.
   void chargeElsewhere(int64_t bytes) const { blocks_->chargeElsewhere(bytes); }
 
-  /// Throws Error where the device does not give buffers of these sizes all at once, in Place::Device; `what` they are for. Small
-  /// ones are left out.
+  /// Throws Error if the device cannot give buffers of these sizes, all at once, in Place::Device. `what`
+  /// says what they are for. Small ones are left out.
   void expectRoom(std::span<const size_t> sizes, const std::string& what) const;
 
-  /// Hands commands to the queue; returns the number with which to wait for them. Those of one kind are done in the order of
-  /// numbers; they begin when of the other kind submission `after`, and those that were waited for, are done, and see what these
-  /// wrote.
+  /// Submits commands to the queue of `work`. Returns the submission's number, for wait(). Submissions of one
+  /// kind are done in the order of their numbers. These commands begin when submission `after` of the other
+  /// kind, and all of that kind that were waited for, are done, and they see what those wrote. Throws Error
+  /// if the device is lost.
   uint64_t submit(Work work, VkCommandBuffer commands, uint64_t after = 0) const;
+  /// Waits until a submission is done. Throws Error if the device is lost.
   void wait(Work work, uint64_t submission) const;
-  /// Whether one of the two has been told that the device was lost.
+  /// Whether submit() or wait() has found the device lost.
   bool lost() const { return lost_; }
-  /// Bits that its clock has (timestamps); 0: it has none.
+  /// The number of bits of its clock (timestamps); 0: it has none.
   uint32_t clockBits() const { return clockBits_; }
-  /// Nanoseconds after which that begins anew; 0: never, as far as 64 bits reach.
+  /// Nanoseconds after which the clock starts again at 0; 0: never, as far as 64 bits reach.
   uint64_t clockRound() const;
-  /// Loops of an invocation end when they have gone round 65535 times together (shaders/resumable.glsl).
+  /// Whether the device ends the loops of an invocation when they have gone round 65535 times together
+  /// (shaders/resumable.glsl).
   bool endsLoops() const { return endsLoops_; }
-  /// Lanes fetch one after the other, and small batches keep it busy.
+  /// Whether it is a software device: its lanes fetch one after the other, and small batches keep it busy.
   bool isSoftware() const { return software_; }
 
  private:
@@ -71,7 +79,7 @@ class Device {
   BufferHandle makeBuffer(size_t bytes, const std::string& what) const;
   VkDeviceSize heapOf(uint32_t type) const;
   Error noRoom(size_t bytes, size_t heap, const std::string& what) const;
-  /// Throws Error where no such buffer can be.
+  /// Throws Error if no such buffer is possible.
   void expectPossible(const VkMemoryRequirements& needs, uint32_t type, const std::string& what) const;
 
   Instance instance_;
@@ -86,10 +94,10 @@ class Device {
   struct Queue {
     uint32_t family = 0;
     VkQueue queue = VK_NULL_HANDLE;
-    SemaphoreHandle done;            ///< the number of the last submission that is done
-    mutable uint64_t waitedFor = 0;  ///< the last that was waited for; under queueMutex_
+    SemaphoreHandle done;            ///< counts up to the number of the last submission that is done
+    mutable uint64_t waitedFor = 0;  ///< the last submission that was waited for; guarded by queueMutex_
   };
-  Queue queues_[2];  ///< by Work
+  Queue queues_[2];  ///< index: Work
   bool isLost(uint64_t submission) const { return lostAfter_ > 0 && submission > lostAfter_; }
   void heed(VkResult result, const char* doing) const;
   const bool software_;
@@ -106,7 +114,8 @@ class Device {
 class Buffer {
  public:
   Buffer() = default;
-  /// Not initialised. Throws Error naming `what` it is for if there is no room for it.
+  /// Makes a buffer of at least 16 bytes, not initialised. Throws Error naming `what` it is for if there is
+  /// no room.
   Buffer(const Device& device, size_t bytes, Place place, const char* what);
   Buffer(Buffer&&) noexcept = default;
   Buffer& operator=(Buffer&&) noexcept = default;
@@ -134,13 +143,15 @@ class Buffer {
 class Commands {
  public:
   explicit Commands(const Device& device, Work work = Work::Stages);
-  /// Forgets what was recorded, and begins anew.
+  /// Discards what was recorded, and begins anew.
   VkCommandBuffer begin();
-  /// All that is recorded from here on sees what was written before, by shaders, copies and, when done, the host. Of stages.
+  /// Everything recorded after the barrier sees what shaders and copies wrote before it. So does the host,
+  /// when the commands are done. For stages only.
   void barrier();
-  /// Returns the number of the submission. They begin when submission `after` of the other kind is done.
+  /// Submits what was recorded; it begins when submission `after` of the other kind is done. Returns the
+  /// number of the submission.
   uint64_t submit(uint64_t after = 0);
-  /// For what was submitted.
+  /// Waits for the last submission.
   void wait() const { device_.wait(work_, submission_); }
 
  private:
@@ -151,7 +162,8 @@ class Commands {
   uint64_t submission_ = 0;
 };
 
-/// Copies to the beginning of a part of a buffer, whether the host sees it or not. Throws what `advance` throws.
+/// Copies `bytes` into a buffer from `offset` on, whether or not the host sees it. Returns when the copy is
+/// done. Throws what `advance` throws.
 void upload(
     const Device& device, const Buffer& buffer, size_t offset, std::span<const std::byte> bytes,
     const Advance& advance = [](double) {});

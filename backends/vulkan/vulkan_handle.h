@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Vulkan's objects by value, and its results as errors.
+// Vulkan's objects with owners, and its results as errors.
 #pragma once
 #include <vulkan/vulkan.h>
 
@@ -11,7 +11,7 @@
 
 namespace gxy::vulkan {
 
-/// Throws Error saying what failed.
+/// Throws Error saying that `what` failed, unless the result is VK_SUCCESS.
 void check(VkResult result, const std::string& what);
 
 struct Destroy {

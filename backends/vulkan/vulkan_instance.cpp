@@ -15,7 +15,8 @@ namespace gxy::vulkan {
 namespace {
 
 constexpr const char* kValidationLayer = "VK_LAYER_KHRONOS_validation";
-// Of the three sets together; tables, samples and geometry, all of them as quads, too, a list of rays and one of tiles are texels.
+// Storage buffers of the three sets together. The bindings that are texels are not counted: tables, samples
+// and geometry, each also as quads, a list of rays and one of tiles.
 constexpr uint32_t kStorageBuffers = SCENE_BINDINGS + FRAME_BINDINGS + LANE_BINDINGS - 8;
 
 constexpr VkSubgroupFeatureFlags kSubgroupOperations =
@@ -286,7 +287,7 @@ std::string lackingOf(const std::vector<VulkanDeviceInfo>& devices) {
 
 bool showsGpu(const std::string& folder) {
   const std::filesystem::path dev(folder);
-  std::error_code error;  // a folder that is not there has no entries
+  std::error_code error;  // a folder that does not exist has no entries
   const auto hasNumbered = [&](const std::filesystem::path& in, const std::string& prefix) {
     for (const auto& entry : std::filesystem::directory_iterator(in, error)) {
       const std::string name = entry.path().filename().string();
@@ -305,7 +306,7 @@ std::vector<VulkanDeviceInfo> vulkanDevices() {
     const vulkan::Instance instance;
     for (VkPhysicalDevice d : instance.devices()) infos.push_back(vulkan::infoOf(d));
   } catch (const Error&) {
-    // no loader, or no driver: no devices
+    // No loader or no driver means no devices.
   }
   return infos;
 }

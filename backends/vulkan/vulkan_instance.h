@@ -9,10 +9,10 @@
 
 namespace gxy::vulkan {
 
-/// Without a window system.
+/// An instance without a window system.
 class Instance {
  public:
-  /// Throws Error where there is no Vulkan 1.2, or no validation layer though asked for.
+  /// Throws Error if there is no Vulkan 1.2, or no validation layer though it is asked for.
   explicit Instance(const VulkanOptions& options = {});
   ~Instance();
   Instance(const Instance&) = delete;
@@ -34,17 +34,18 @@ class Instance {
 VulkanDeviceInfo infoOf(VkPhysicalDevice device);
 
 std::vector<VkQueueFamilyProperties> familiesOf(VkPhysicalDevice device);
-/// The queue family of stages: compute, if possible without graphics; -1 if there is none.
+/// The queue family of stages: one for compute, without graphics if possible; -1 if there is none.
 int computeFamily(VkPhysicalDevice device);
-/// One that copies and does nothing else; -1 if there is none.
+/// The queue family that copies and does nothing else; -1 if there is none.
 int copyFamily(VkPhysicalDevice device);
 
-/// The place of the device that the options ask for. Throws Error naming those there are, or what they lack.
+/// Returns the index of the device that the options ask for. Throws Error that names the devices there are,
+/// or says what they lack.
 size_t pick(const std::vector<VulkanDeviceInfo>& infos, const VulkanOptions& options);
 /// The same among an instance's devices.
 VkPhysicalDevice chooseDevice(const Instance& instance, const VulkanOptions& options);
 
-/// The Vulkan 1.2 features that the backend uses, as a chain to ask for or to be filled in.
+/// The Vulkan 1.2 features that the backend uses, as a chain to request them or to have them filled in.
 struct Features {
   VkPhysicalDeviceVulkan12Features v12{};
   VkPhysicalDeviceFeatures2 v10{};

@@ -15,14 +15,14 @@ namespace gxy::vulkan {
 namespace {
 
 constexpr size_t kMostVolumes = 8;  // MANY_VOLUMES of kernels/many.h
-constexpr size_t kMostSpare = 4;    // times what a batch needs that its room for rays may have
-constexpr size_t kPartForKept = 8;  // of a device's memory, the part that rays may take which wait there
+constexpr size_t kMostSpare = 4;    // room for rays may be this many times as large as a batch needs
+constexpr size_t kPartForKept = 8;  // waiting rays may take one part in this many of a device's memory
 
-// Rays of a batch: many, so that a device's cores are busy, and so few that the lists of three batches, with their
-// secondaries, are small against its memory.
+// The rays of a batch: so many that a device's cores are busy, and so few that the lists of three batches,
+// with their secondaries, are small against its memory.
 size_t batchRaysOf(const Device& device) { return device.isSoftware() ? size_t(1) << 15 : size_t(1) << 17; }
 
-// The answers to the parts of what was asked for, as one. Thread safe.
+// Joins the answers to the parts of a request into one. Thread safe.
 class Joined {
  public:
   Joined(size_t parts, uint64_t rays, DeviceScene::Done done)
@@ -93,7 +93,8 @@ VulkanScene::VulkanScene(std::shared_ptr<Context> context, std::shared_ptr<const
     return uploadPart(context_->device, context_->pipelines, context_->shared, *scene_, partition, rank_,
                       uploading);
   };
-  std::vector<int> seen = scene_->partitioning->owned(rank_);  // nothing is there where nothing can be seen
+  // Nothing is uploaded where nothing can be seen.
+  std::vector<int> seen = scene_->partitioning->owned(rank_);
   std::erase_if(seen, [&](int p) { return !scene_->visible[size_t(p)]; });
   expectRoom(context_->device, context_->shared, *scene_, seen);
   for (size_t i = 0; i < seen.size(); i++)
@@ -105,8 +106,8 @@ VulkanScene::VulkanScene(std::shared_ptr<Context> context, std::shared_ptr<const
   compile(advance);
 }
 
-// What batches of the scene are made of (batch.cpp). To one partition rays come as they are spawned there, to several from where
-// they wait on the device.
+// The steps are those of batches (batch.cpp). If there is one partition, its rays are spawned in it; if there
+// are several, they come from where they wait on the device.
 void VulkanScene::compile(const Advance& advance) {
   VulkanFrame usual;
   usual.lights = int(scene_->visualization.lighting.sources.size());
@@ -119,7 +120,7 @@ void VulkanScene::compile(const Advance& advance) {
     if (secondariesPerHit(usual) > 0) addSteps(steps, part, usual, List::Here, ~COUNT_HERE, false, true);
   }
   for (const Step& step : steps) {
-    advance(1);  // which may end it
+    advance(1);  // may throw, which ends it
     pipelines_.push_back(context_->pipelines.get(step.stage, step.special));
   }
 }
@@ -150,7 +151,7 @@ std::shared_ptr<const DeviceFrame> VulkanScene::makeFrame(const CompiledFrame& f
   shader::FrameView v{};
   fillFrameView(v, *scene_, f);
   const auto lights = std::as_bytes(std::span(f.lights));
-  // the shaders' array of lights begins right behind the structure
+  // The shaders' array of lights begins right behind the structure.
   frame->buffer =
       Buffer(context_->device, sizeof v + std::max<size_t>(lights.size(), 16), Place::Written, "a frame");
   std::memcpy(frame->buffer.mapped(), &v, sizeof v);
@@ -201,7 +202,8 @@ void VulkanScene::trace(const DeviceFrame& deviceFrame, int partition, bool prim
   ask(std::move(parts), size, std::move(done));
 }
 
-// With all secondaries that they may make; at least one, of which the device will say that it is too much.
+// The most rays of a request that fit a list with all secondaries that they may make. At least one: the
+// device then says that it is too much.
 size_t VulkanScene::mostAtOnce(const Request& request) const {
   return std::max<size_t>(1, mostRays(context_->device) / (1 + request.perHit()));
 }
