@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Every kernel file, in the order in which they depend on each other.
+// All kernels that read neither volumes nor scenes, in the order of their dependencies.
 // clang-format off
 #include "core/kernels/elementary.h"
 #include "core/kernels/exact.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// From pixels to rays: in double, re-based to float where they enter the visible domain.
+// From pixels to rays: in double, then rebased to float where rays enter the visible domain.
 
 #if defined(GXY_GLSL)
 #define R2_X 0.7548776662466927lf
@@ -26,9 +26,10 @@ FN void cutToSlab(double o, double d, double lo, double hi, INOUT(double) t0, IN
   }
 }
 
-// The ray of a pixel and sample: false if it misses the visible domain. tEnter: from the eye, in render space.
+// Computes the ray of a pixel and sample. Returns false if it misses the visible domain. tEnter: the distance
+// from the eye, in render space.
 FN bool cameraRay(FRAME f, int x, int y, int sampleIndex, OUT(vec3) o, OUT(vec3) d, OUT(double) tEnter) {
-  // sub-pixel positions: the centre, then the R2 sequence around it
+  // Sub-pixel positions are the centre, then the R2 sequence around it.
   double half1 = 0.5f;
   double sx = half1, sy = half1;
   if (sampleIndex > 0) {
@@ -64,6 +65,6 @@ FN bool cameraRay(FRAME f, int x, int y, int sampleIndex, OUT(vec3) o, OUT(vec3)
   return t0 < t1;
 }
 
-// Ray i of a tile of 32 x 32 pixels, in 4 x 4 blocks for coherence: its column and row.
+// The column and row of ray i of a tile of 32 x 32 pixels, in 4 x 4 blocks for coherence.
 FN int tileColumn(int i) { return (i & 3) | ((i >> 2) & 28); }
 FN int tileRow(int i) { return ((i >> 2) & 3) | ((i >> 5) & 28); }

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// What bounds a ray's surfaces: the clip planes of an operator, and what it has met before.
+// Bounds on where a ray may meet surfaces: the clip planes of an operator, and the surface that the ray met
+// last.
 
-// The part of the ray that an operator's clip planes leave.
+// The interval of t that an operator's clip planes leave of the ray.
 FN void clipInterval(VOLUME v, vec3 o, vec3 d, OUT(real) t0, OUT(real) t1) {
   t0 = R(0.0);
   t1 = R(1e30);
@@ -18,41 +19,42 @@ FN void clipInterval(VOLUME v, vec3 o, vec3 d, OUT(real) t0, OUT(real) t1) {
   }
 }
 
-// Whether a ray from there can meet geometry: builders of hierarchies take no box, and traversals no ray, that is farther away
-// than 1.844e18.
+// Whether a ray from o can meet geometry. Builders of hierarchies take no box, and traversals no ray, that is
+// farther away than 1.844e18.
 FN bool meetsGeometry(vec3 o) { return abs(o.x) < R(1.8e18) && abs(o.y) < R(1.8e18) && abs(o.z) < R(1.8e18); }
 
-// The number before t; -1 before 0, where no ray begins.
+// The float before t; -1 for t = 0, before which no ray begins.
 FN real justBefore(real t) { return t > R(0.0) ? asReal(asUint(t) - 1u) : R(-1.0); }
 
 // A lower bound that t must exceed: rays see surfaces from tIn on, and behind tLast.
 FN real strictBound(real tIn, real tLast) { return max(max(justBefore(tIn), R(0.0)), tLast); }
 
-// The surface that a ray has met last, at t (-1: none): of operator `op`, its number (numberOf) there. What lies behind it is farther
-// along the ray, or as far and of a higher (operator, number): surfaces that coincide are met one after the other, in this order.
+// The surface that a ray has met last: at t (-1: none), of operator `op`, with its number (numberOf) there. A
+// surface lies behind it if it is farther along the ray, or as far and of a higher (operator, number). So
+// surfaces that coincide are met one after the other, in this order.
 struct LastHit {
   real t;
   int op;
   uint number;
 };
 
-#define ISOSURFACES 0x80000000u  // the number of all isosurfaces of an operator, behind its slices
+#define ISOSURFACES 0x80000000u  // the number of all isosurfaces of an operator, above those of its slices
 
-// The number of a surface among those of its operator: of a primitive, of a slice, or ISOSURFACES.
+// The number of a surface among those of its operator: that of the primitive or slice, or ISOSURFACES.
 FN uint numberOf(int hitKind, uint primitive) { return hitKind == HIT_ISOSURFACE ? ISOSURFACES : primitive; }
 
-// The least number that a surface of an operator has which lies behind the last one at the same t.
+// The least number of a surface of operator `op` that lies behind the last one at the same t.
 FN uint firstBehind(LastHit last, int op) {
   uint first = op > last.op ? 0u : 0xffffffffu;
   return op == last.op ? last.number + 1u : first;
 }
 
-// What the t of a surface must exceed to be behind the last one.
+// The bound that a surface's t must exceed to be behind the last one.
 FN real behindLast(LastHit last, int op, uint number) {
   return number >= firstBehind(last, op) ? justBefore(last.t) : last.t;
 }
 
-// The same for an operator whose clip planes leave what is behind clip0.
+// The same bound for an operator whose clip planes keep what is behind clip0.
 FN real boundBehind(VOLUME v, real bound, real clip0) {
   real after = bound;
   if (v.clips > 0) after = max(bound, justBefore(max(clip0, R(1e-30))));

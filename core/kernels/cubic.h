@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// First root of a cubic on [0, 1], given by its four Bernstein coefficients (Parker 1998; Marmitt 2004; Neubauer 2002):
-// split at its extrema, then a bracketed, safeguarded Newton iteration. End values are taken as given, so that neighbouring
-// cells, which share them to the bit, cannot both see or both miss a crossing.
+// The first root of a cubic on [0, 1], given by its four Bernstein coefficients (Parker 1998; Marmitt 2004;
+// Neubauer 2002). The cubic is split at its extrema, then a bracketed, safeguarded Newton iteration follows.
+// End values are used as given. Neighbouring cells share them to the bit, so they cannot both see or both
+// miss a crossing.
 
 FN real bernsteinValue(vec4 b, real u) {
   real v = R(1.0) - u;
@@ -16,8 +17,8 @@ FN real bernsteinSlope(vec4 b, real u) {
   return R(3.0) * ((d0 * v + d1 * u) * v + (d1 * v + d2 * u) * u);
 }
 
-// The root inside (lo, hi), where the value at lo is fLo and the value at hi, fHi, has another sign. Ends with a step of at most
-// `tolerance`; what is left is about its square.
+// Returns the root inside (lo, hi), where the values fLo at lo and fHi at hi have different signs. Ends with
+// a step of at most `tolerance`; the remaining error is about its square.
 FN real refineRoot(vec4 b, real lo, real hi, real fLo, real fHi, real tolerance) {
   real l = lo, h = hi;
   real u = l + (h - l) * (fLo / (fLo - fHi));
@@ -39,11 +40,11 @@ FN real refineRoot(vec4 b, real lo, real hi, real fLo, real fHi, real tolerance)
   return u;
 }
 
-// Where in (0, 1) the cubic turns, in order; 1 in place of what it does not: roots of the derivative
-// d0 v^2 + 2 d1 u v + d2 u^2 = qa u^2 + 2 qb u + qc.
+// Finds where in (0, 1) the cubic has extrema, in order; 1 stands for an extremum that it does not have. They
+// are the roots of the derivative d0 v^2 + 2 d1 u v + d2 u^2 = qa u^2 + 2 qb u + qc.
 FN void extremaOf(vec4 b, OUT(real) e0, OUT(real) e1) {
   real d0 = b.y - b.x, d1 = b.z - b.y, d2 = b.w - b.z;
-  // where their products would leave float, scaled: that moves no root
+  // Scales the differences if their products would leave the range of float. That moves no root.
   real size = max(max(abs(d0), abs(d1)), abs(d2)), scale = R(1.0);
   if (size > R(1e15)) scale = R(8.271806125530277e-25);   // 2^-80
   if (size < R(1e-15)) scale = R(1.2089258196146292e24);  // 2^80
@@ -64,11 +65,14 @@ FN void extremaOf(vec4 b, OUT(real) e0, OUT(real) e1) {
   }
 }
 
-// What a root has to obey to be a hit: t in [tIn, tOut), t > tAfter. `entry`: the ray comes from no cell with data, so
-// a value of exactly 0 at its start is a hit; elsewhere that was the end of the cell before (a plateau is hit once, where
-// the ray enters it). `from` != 0: the ray starts on the surface, on the side of that sign, and only
-// crossings that leave this side count. `start`: in this cell, or a thousandth of one before, whatever rounding says of
-// the value there: of the other sign, it means a ray into the surface if it grows, else one on its way out.
+// The conditions for a root to be a hit: t in [tIn, tOut) and t > tAfter.
+// - `entry`: the ray comes from no cell with data, so a value of exactly 0 at its start is a hit. Elsewhere
+//   that was the end of the cell before: a plateau is hit once, where the ray enters it.
+// - `from` != 0: the ray starts on the surface, on the side of that sign, and only crossings that leave this
+//   side count.
+// - `start`: the ray starts in this cell, or up to a thousandth of a cell before it. The value there may have
+//   the wrong sign through rounding. If that value grows in size, the ray goes into the surface; otherwise
+//   it is on its way out.
 struct RootQuery {
   real tIn, tOut, tAfter;
   bool entry;
@@ -78,23 +82,26 @@ struct RootQuery {
 
 FN bool acceptsRoot(real t, real tIn, real tOut, real tAfter) { return t >= tIn && t < tOut && t > tAfter; }
 
-// A part [lo, hi] of [0, 1] in which the cubic is monotone, and over which its sign changes from that of fLo.
+// A part [lo, hi] of [0, 1] in which the cubic is monotone and its sign changes from that of fLo.
 struct Bracket {
   real lo, hi, fLo, fHi;
 };
 
+/// The t of parameter u of a cell that the ray enters at ta and leaves at tb.
 FN real rootTime(real u, real ta, real tb) {
   real along = ta + u * (tb - ta);
   return u < R(1.0) ? min(along, tb) : tb;
 }
 
-// The same, behind the cell's entry unless the root is the entry: which cell a hit is in can be told from its t.
+// Moves the t of a root behind the cell's entry unless the root is the entry, so that its t tells which cell
+// a hit is in.
 FN real rootBehind(real t, real u, real ta, real tb) {
   real next = max(ta * R(1.0000002), R(1e-30));
   return u > R(0.0) && t <= ta ? min(next, tb) : t;
 }
 
-// The first crossing at or after `done` of the cubic b over [ta, tb]; lo > hi if there is none.
+// Returns the bracket of the first crossing of the cubic b over [ta, tb] at or after parameter `done`; lo >
+// hi if there is none.
 FN Bracket firstBracket(vec4 b, real ta, real done, RootQuery q) {
   real begin = R(1.0), end = R(0.0), fBegin = R(0.0), fEnd = R(0.0);
   real first = b.x;
@@ -109,9 +116,9 @@ FN Bracket firstBracket(vec4 b, real ta, real done, RootQuery q) {
   }
   real least = min(min(first, b.y), min(b.z, b.w)), most = max(max(first, b.y), max(b.z, b.w));
   if (!(least > R(0.0) || most < R(0.0))) {
-    // a surface that the field only touches has the same sign on both sides
+    // A surface that the field only touches has the same sign on both sides.
     int from = (q.from > 0 && most <= R(0.0)) || (q.from < 0 && least >= R(0.0)) ? 0 : q.from;
-    // whatever side it left, a ray that starts inside a plateau meets it at once
+    // A ray that starts inside a plateau meets it at once, whatever side it left.
     bool plateau = max(max(abs(b.x), abs(b.y)), max(abs(b.z), abs(b.w))) == R(0.0);
     if (q.entry && b.x == R(0.0) && (q.from == 0 || plateau) && done == R(0.0) &&
         acceptsRoot(ta, q.tIn, q.tOut, q.tAfter)) {
@@ -144,7 +151,7 @@ FN Bracket firstBracket(vec4 b, real ta, real done, RootQuery q) {
   return c;
 }
 
-// Where in its bracket the crossing is.
+// The parameter of the crossing in its bracket.
 FN real rootIn(vec4 b, Bracket c) {
   real u = c.hi;
   if (c.fHi != R(0.0)) u = refineRoot(b, c.lo, c.hi, c.fLo, c.fHi, ROOT_TOLERANCE);

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a ray meets in a volume: its slices, its isosurfaces, and what it emits and absorbs, within its clip planes.
+// Slices and isosurfaces of a volume within its clip planes.
 
-// The ray in a volume and its clip planes.
+// The ray inside a volume and its clip planes.
 FN VolumeRay clippedRay(VOLUME v, vec3 o, vec3 d) {
   real clip0, clip1;
   clipInterval(v, o, d, clip0, clip1);
   return volumeRay(v, o, d, clip0, clip1);
 }
 
-// The t at which the ray crosses the plane n . p = offset where the volume has data; NO_HIT if not in [tIn, tOut), or not
-// greater than tLast.
+// The t at which the ray crosses the plane n . p = offset where the volume has data; NO_HIT unless it is in
+// [tIn, tOut) and greater than tLast.
 FN real hitSlice(VOLUME v, VolumeRay ray, vec3 o, vec3 d, vec3 n, real offset, real tIn, real tOut,
                  real tLast) {
   real along = dot3(n, d);
@@ -22,13 +22,14 @@ FN real hitSlice(VOLUME v, VolumeRay ray, vec3 o, vec3 d, vec3 n, real offset, r
   return hit;
 }
 
-// The first isosurface at t in [tIn, tOut), greater than tLast, and not behind tHit.
+// The first isosurface at t in [tIn, tOut) that is greater than tLast and not behind tHit.
 FN IsoHit hitIsosurface(VOLUME v, vec3 o, vec3 d, real tIn, real tOut, real tLast, real tHit, IsoStart start,
                         INOUT(int) cells, INOUT(int) skipped) {
   real clip0, clip1;
   clipInterval(v, o, d, clip0, clip1);
   VolumeRay ray = volumeRay(v, o, d, R(0.0), R(1e30));
-  // a hit on the clip plane itself is kept: the interval is closed there, and empty where the ray begins behind its end
+  // A hit on the clip plane itself is kept: the interval is closed there, and empty if the ray begins behind
+  // its end.
   real kept = clip1 < R(0.0) ? R(-1.0) : asReal(asUint(max(clip1, R(1e-30))) + 1u);
   real to = min(min(tOut, tHit * R(1.0000005)), kept);
   IsoHit hit = firstIsosurface(v, ray, max(tIn, clip0), to, tLast, start, cells, skipped);

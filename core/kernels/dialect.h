@@ -1,34 +1,38 @@
 // SPDX-License-Identifier: Apache-2.0
 // The common subset of C++, ISPC and GLSL in which every other file of this folder is written.
 //
-//   real, vec3, vec4, ivec3  scalar and short vectors; components are .x .y .z .w; + - * / work elementwise, with a real too
+//   real, vec3, vec4, ivec3  scalar and short vectors; components are .x .y .z .w; + - * / work elementwise,
+//                          with a real too
 //   R(0.5)                 a literal of type real
 //   FN, FN_OUTLINE         a function; one that is better not inlined
 //   UNIFORM                a variable that is the same for all rays (a loop counter)
-//   ALL_RAYS { ... }       done with the rays of a gang that take no part here, too (what they get must harm nobody): what a loop
-//                          carries from one turn to the next then does not wait for who goes on
+//   ALL_RAYS { ... }       a block that also runs for the rays of a gang that take no part here; their
+//                          results must do no harm. What a loop carries from one turn to the next then does
+//                          not wait until it is known which rays go on
 //   INOUT(T), OUT(T)       a parameter that is read and written, or written
-//   put(to, x)             to = x, where `to` is a member of a structure that outlives the branch or turn of the loop: assigned, it
-//                          would be a masked store of ISPC's to memory, which a processor without masks does at a tenth of the pace.
-//                          A variable by itself (real, int, vec3) needs none
+//   put(to, x)             to = x, where `to` is a member of a structure that outlives the branch or turn of
+//                          the loop. In ISPC a plain assignment would be a masked store to memory, ten times
+//                          as slow on a processor without masks. A variable by itself (real, int, vec3) needs
+//                          no put
 //   make_v3, make_v4, make_i3   constructors
 //   toReal(i), toInt(x)    conversions: int or uint (slow) to real; real to int, towards zero
 //   asUint, asReal         the bits of a float as an integer and back (not in the twin)
 //   asInt, toUint          the bits of a uint as an int, and of an int as a uint
 //   min1, max1             of two reals, with one meaning everywhere
-//   floatOf(d)             a double, rounded to float; doubles know + - * /, sqrt, floor, min and max only
+//   floatOf(d)             a double, rounded to float; doubles have only + - * /, sqrt, floor, min and max
 //   infinity()             +infinity
 //   GXY_TWIN               defined where real is double
 //
 // C++ reads the kernels through single.h (namespace gxy::single, float) and twin.h (namespace gxy::twin,
-// double), which define GXY_REAL and include the files in order inside the namespace. A file of this folder
-// has therefore no #pragma once; GLSL and ISPC include each file once, in the same order.
+// double), which define GXY_REAL and include the files in order inside the namespace. So a file of this
+// folder has no #pragma once. GLSL and ISPC include each file once, in the same order.
 //
 // In GLSL nothing needs to be `precise`: the build marks every float operation of a module NoContraction
 // (cmake/MakeShader.cmake), so no compiler may contract or reorder.
 //
-// What the subset lacks: pointers and buffers (data access is each dialect's own), recursion, structs with
-// member functions, default arguments, `uniform`, implicit conversion between int and real (write toReal(i)).
+// The subset lacks pointers and buffers (each dialect has its own data access), recursion, structs with
+// member functions, default arguments, `uniform`, and implicit conversion between int and real (write
+// toReal(i)).
 #if defined(GXY_GLSL)
 #define real float
 #define make_v3 vec3
@@ -83,7 +87,8 @@ FN real toReal(uint i) { return (float)i; }
 FN int toInt(real x) { return (int)x; }
 FN uint toUint(int i) { return (uint)i; }
 FN real floatOf(double x) { return (float)x; }
-// Every ray's value is stored, an idle one's own. (Assigned where it is declared, `takesPart` would be true for all.)
+// Stores every ray's value, for an idle ray its old one. (If takesPart were assigned where it is declared, it
+// would be true for all.)
 FN void setTrue(bool& b) { b = true; }
 #define GXY_PUT(T)                        \
   FN void put(T& to, T x) {               \
@@ -147,7 +152,8 @@ FN float asReal(uint x) { return std::bit_cast<float>(x); }
 #define ROOT_TOLERANCE (sizeof(real) == 8 ? real(1e-15) : real(1e-6))
 #endif
 
-// The second argument where they are equal (0 and -0) or one is NaN; the languages' own min and max differ there.
+// They return the second argument if both are equal (0 and -0) or one is NaN. The languages' own min and max
+// differ there.
 FN real min1(real a, real b) { return a < b ? a : b; }
 FN real max1(real a, real b) { return a > b ? a : b; }
 FN real dot3(vec3 a, vec3 b) { return (a.x * b.x + a.y * b.y) + a.z * b.z; }
@@ -160,7 +166,7 @@ FN vec3 normalize3(vec3 a) {
   real s = R(1.0) / sqrt(dot3(a, a));
   return make_v3(a.x * s, a.y * s, a.z * s);
 }
-// Unit vector along a, without underflow or overflow of the squares; 0 stays 0.
+// The unit vector along a, without underflow or overflow of the squares; 0 stays 0.
 FN vec3 unit3(vec3 a) {
   real largest = max1(max1(abs(a.x), abs(a.y)), abs(a.z));
   real scale = R(1.0) / (largest > R(1e-37) ? largest : R(1.0));

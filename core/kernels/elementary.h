@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // exp, log, sin, cos and their relatives, from + - * / and bit operations alone, so that a float result has
-// the same bits in C++, ISPC (every target) and GLSL (`precise`). No table, no fused multiply-add, no branch.
+// the same bits in C++, ISPC (every target) and GLSL (NoContraction). No table, no fused multiply-add, no
+// branch.
 //
 // In float, within 1 ulp (exp1, log1) or 2 ulp:
 // - exp1(x): e^x for x in [-87, 88]; 0 below, e^88 = 1.65e38 above
@@ -18,10 +19,11 @@
 // constant, then a minimax polynomial; the form of the logarithm is Tang's (ACM TOMS 16(4), 1990) with s = f
 // / (2 + f). The double twin calls the standard library instead: the twin isolates float rounding.
 
-// x, or +0 where |x| is below the least normal float: the same on devices that flush and that keep denormals.
+// x, or +0 if |x| is below the least normal float; the same on devices that flush denormals and that keep
+// them.
 FN real flushSmall(real x) { return abs(x) < R(1.2e-38) ? R(0.0) : x; }
 
-// The optical depth that stands for full opacity: exp1 of minus any product of it that matters is 0.
+// The optical depth that stands for full opacity: exp1 of minus any relevant product of it is 0.
 FN real opaqueDepth() { return R(1e20); }
 
 #if defined(GXY_TWIN)
@@ -39,7 +41,7 @@ FN void sincos1(real x, OUT(real) s, OUT(real) c) {
 
 // e^x = scale (1 + q) with scale a power of two and |q| < 0.42, for x within [-87, 88].
 FN void splitExp(real x, OUT(real) scale, OUT(real) q) {
-  // Adding 1.5 * 2^23 rounds to an integer n, which then stands in the low bits.
+  // Adding 1.5 * 2^23 rounds to an integer n, which is then in the low bits.
   real shifted = x * R(1.44269504) + R(12582912.0);
   real n = shifted - R(12582912.0);
   real r = (x - n * R(0.693359375)) + n * R(2.12194440e-4);

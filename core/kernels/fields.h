@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The kernels that read volumes, in dependency order; cells.h and the dialect's volume_fetch come before.
+// The kernels that read volumes, in the order of their dependencies. cells.h and the dialect's volume_fetch must come before.
 // clang-format off
 #include "core/kernels/map.h"
 #include "core/kernels/volume.h"

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Rays in the index space of a regular grid: p(t) = po + t * pd, with the ray's own parameter t.
 //
-// Everything that decides which cell, macrocell or partition a ray is in compares t with planeCrossing(), one function
-// of (ray, axis, plane). It is monotone in the plane (a subtraction and a multiplication by a constant, both rounded
-// monotonically), so intervals never overlap or leave gaps, and every partition computes the same numbers.
+// Everything that decides which cell, macrocell or partition a ray is in compares t with planeCrossing(), one
+// function of (ray, axis, plane). It is monotone in the plane (a subtraction and a multiplication by a
+// constant, both rounded monotonically). So intervals never overlap or leave gaps, and every partition
+// computes the same numbers.
 
 struct GridRay {
   vec3 po, pd;  // position at t = 0 and per unit of t, in cells
@@ -28,7 +29,7 @@ FN GridRay gridRay(vec3 o, vec3 d, vec3 origin, vec3 inverseSpacing) {
 FN real crossingOf(real plane, real po, real rpd) { return (plane - po) * rpd; }
 FN real planeCrossing(int plane, real po, real rpd) { return crossingOf(toReal(plane), po, rpd); }
 
-// The plane through which a ray enters (leaves) cell i of one axis.
+// The plane through which a ray enters or leaves cell i of one axis.
 FN int nearPlane(int i, real rpd) { return rpd < R(0.0) ? i + 1 : i; }
 FN int farPlane(int i, real rpd) { return rpd < R(0.0) ? i : i + 1; }
 
@@ -40,12 +41,13 @@ FN void gridInterval(GridRay g, ivec3 cells, OUT(real) t0, OUT(real) t1) {
   real fx = planeCrossing(g.rpd.x < R(0.0) ? 0 : cells.x, g.po.x, g.rpd.x);
   real fy = planeCrossing(g.rpd.y < R(0.0) ? 0 : cells.y, g.po.y, g.rpd.y);
   real fz = planeCrossing(g.rpd.z < R(0.0) ? 0 : cells.z, g.po.z, g.rpd.z);
-  t0 = max1(max1(max1(nx, ny), nz), R(0.0));  // with 0 and -0 in one order in every dialect
+  t0 = max1(max1(max1(nx, ny), nz), R(0.0));  // max1 orders 0 and -0 alike in every dialect
   t1 = min1(min1(fx, fy), fz);
 }
 
-// The cell of one axis, of n, that the ray is in at t: estimated, then corrected by planeCrossing. A ray that crosses a
-// plane exactly at t is behind it. `po`, `pd`, `rpd` may be scaled (by a power of 2) to speak of macrocells.
+// The cell of one axis, of n, that the ray is in at t: an estimate that planeCrossing corrects. A ray that
+// crosses a plane exactly at t is behind it. `po`, `pd`, `rpd` may be scaled by a power of 2 to locate
+// macrocells.
 FN int locateCell(real t, real po, real pd, real rpd, int n) {
   int i = toInt(clamp1(floor(po + t * pd), R(0.0), toReal(n - 1)));
   if (rpd < R(0.0)) {

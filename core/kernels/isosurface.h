@@ -1,23 +1,24 @@
 // SPDX-License-Identifier: Apache-2.0
-// The first isosurface along a ray: cell by cell, the first root of each cell's cubic (cubic.h), in macrocells and cells
-// whose range holds the isovalue and in no others (Parker 1998). Fractions on a face that a ray crosses are exactly 0 or
-// 1, so the two cells that share the face compute the same value there, and no sign change is lost between them.
+// The first isosurface along a ray: cell by cell, the first root of each cell's cubic (cubic.h). Only
+// macrocells and cells whose range holds the isovalue are looked at (Parker 1998). Fractions on a face that a
+// ray crosses are exactly 0 or 1, so the two cells that share the face compute the same value there, and no
+// sign change is lost between them.
 //
-// isoPlan (core/rays/iso_plan.h) says per macrocell, and per bit per cell, where an isovalue may pass; it is read as words,
-// by isoWord(v, index), which each dialect supplies. Only in such cells are samples read.
+// isoPlan (core/rays/iso_plan.h) says where an isovalue may pass, in one word per macrocell and one bit per
+// cell. Each dialect supplies isoWord(v, index) to read its words. Samples are read only in such cells.
 
 struct IsoHit {
-  real t;     // NO_HIT if none
-  int index;  // of the isovalue
+  real t;     // NO_HIT if there is none
+  int index;  // index of the isovalue
 };
 
-// What the start of a secondary ray knows: it left isosurface `index` (-1: none) on the side of sign `from`.
+// The start of a secondary ray: on isosurface `index` (-1: none), on the side of sign `from`.
 struct IsoStart {
   int index, from;
 };
 
-// Of one axis, the cell (bits 0) or macrocell (bits MACRO_BITS), between first and last, that the ray is in at t, where it
-// is inside these: the estimate is off by one at most.
+// The cell (bits 0) or macrocell (bits MACRO_BITS) of one axis, between first and last, that the ray is in at
+// t, for a ray that is inside these. The estimate is off by one at most.
 FN int cellInside(real t, real po, real pd, real rpd, int first, int last, UNIFORM int bits) {
   real p = po + t * pd;
   UNIFORM real size = bits == 0 ? R(1.0) : R(0.125);
@@ -33,7 +34,8 @@ FN int cellInside(real t, real po, real pd, real rpd, int first, int last, UNIFO
   return i;
 }
 
-// The cell of one axis in which the ray enters macrocell m at t: the outermost if it crosses the near plane there.
+// The cell of one axis in which the ray enters macrocell m at t: the outermost one if the ray crosses the
+// near plane there.
 FN int cellEntered(real t, int m, int up, real po, real pd, real rpd) {
   int first = m << MACRO_BITS;
   real near = planeCrossing(first + 8 - (up << MACRO_BITS), po, rpd);
@@ -42,8 +44,9 @@ FN int cellEntered(real t, int m, int up, real po, real pd, real rpd) {
   return i;
 }
 
-// The macrocell of one axis after an aligned cube of 2^level of them, `cube` counted in cubes, is left at t: across the exit
-// plane if t is its crossing, else still inside.
+// The macrocell of one axis in which the ray is after it has left an aligned cube of 2^level macrocells a
+// side at t (`cube` counts in cubes): across the exit plane if the ray crosses that at t, otherwise still
+// within the range of the cube on this axis.
 FN int macrocellBehind(real t, real far, int cube, int level, int up, real po, real pd, real rpd) {
   int first = cube << level;
   int last = first + (1 << level) - 1;
@@ -55,13 +58,14 @@ FN int macrocellBehind(real t, real far, int cube, int level, int up, real po, r
   return m;
 }
 
-// The fraction of a cell at which a segment begins or ends on one axis: exact on a plane that is crossed there.
+// The fraction of a cell at which a segment begins or ends on one axis. It is exact on a plane that the ray
+// crosses there.
 FN real crossedFraction(bool crossed, int side, real p, int cell) {
   real f = p - toReal(cell);
   return crossed ? toReal(side) : clamp1(f, R(0.0), R(1.0));
 }
 
-// Whether the block holds the cell, and all its corners are finite.
+// Whether the block holds the cell, with finite values at all corners.
 FN bool cellHoldsData(VOLUME v, ivec3 c) {
   bool inside = c.x >= v.firstX && c.y >= v.firstY && c.z >= v.firstZ && c.x < v.lastX && c.y < v.lastY &&
                 c.z < v.lastZ;
@@ -70,20 +74,22 @@ FN bool cellHoldsData(VOLUME v, ivec3 c) {
   return holds;
 }
 
-#define ISO_END 1  // in place of where a macrocell's bits start: the walk is over
+#define ISO_END 1  // instead of the place of a macrocell's bits: the walk is over
 
-// What isoPlan says of macrocell m: > 0: isovalues pass, and the bits of its cells start at this word; else none does, nor
-// in the aligned cube of 2^-isoBlock macrocells of which it is part.
+// The word of isoPlan for macrocell m. > 0: isovalues pass, and the bits of its cells start at this word.
+// Otherwise no isovalue passes, neither in m nor in the aligned cube of 2^-isoBlock macrocells a side around
+// it.
 FN int isoBlock(VOLUME v, ivec3 m) { return isoWord(v, macroIndex(v, m)); }
-// 1 if an isovalue may pass through that cell of a macrocell, by its bit, else 0.
+// 1 if an isovalue may pass through that cell of a macrocell, by its bit, otherwise 0.
 FN int isoCell(VOLUME v, int block, int x, int y, int z) {
   int at = x | (y << 3) | (z << 6);
   int bits = isoWord(v, block + (at >> 5));
   return (bits >> (at & 31)) & 1;
 }
 
-// The isosurfaces in one cell: of the isovalues from `first` on, the first whose cubic, between the ray's ta and tb, has a
-// crossing, of isovalue `first` at or after `done`, and where that is bracketed. None: index = v.isovalues.
+// The first isosurface in one cell, which the ray crosses between ta and tb. Of the isovalues from `first` on
+// it is the first whose cubic has a crossing, for isovalue `first` at or behind `done`. The result has the
+// cubic and the crossing's bracket; index = v.isovalues if there is none.
 struct IsoCrossing {
   vec4 cubic;
   Bracket at;
@@ -109,7 +115,7 @@ FN IsoCrossing cellCrossing(VOLUME v, VolumeRay r, ivec3 c, ivec3 up, real ta, r
               crossedFraction(far.z <= tb, up.z, to.z, c.z));
   bool holds = tb >= ta && holdsData(k);
   real along = (ta - r.t0) * r.cells;
-  // what the loop finds (decision 0012)
+  // The results of the loop are not members of structures (decision 0012).
   vec4 cubic = make_v4(R(0.0), R(0.0), R(0.0), R(0.0));
   vec4 bracket = cubic;
   int index = v.isovalues;
@@ -118,8 +124,9 @@ FN IsoCrossing cellCrossing(VOLUME v, VolumeRay r, ivec3 c, ivec3 up, real ta, r
     if (holds && i >= first && index == v.isovalues && lo <= iso && hi >= iso) {
       cubic = bernsteinAlong(cornersMinus(k, iso), f, g);
       bool starts = along <= R(1e-3), entry = ta <= r.t0;
-      // The side counts until the ray has met a surface, or may have changed sides in a gap without data: that is behind
-      // it, or a quarter of a cell off the start, where rounding has no ray on the wrong side any more.
+      // The side counts until the ray has met a surface, or may have changed sides in a gap without data. The
+      // latter means behind such a gap, or a quarter of a cell off the start, where rounding no longer puts a
+      // ray on the wrong side.
       int side = start.index == i && tAfter < R(0.0) && along <= R(0.25) ? start.from : 0;
       if (!entry && (cubic.x == R(0.0) || (side != 0 && !starts))) {
         entry = !cellHoldsData(
@@ -154,7 +161,7 @@ FN IsoHit firstIsosurface(VOLUME v, VolumeRay r, real tIn, real tOut, real tAfte
   IsoHit hit;
   hit.t = NO_HIT;
   hit.index = -1;
-  // The cell before a partition's face is walked too: its cubic may end in a root exactly on the face.
+  // The cell before a partition's face is walked, too: its cubic may end in a root exactly on the face.
   real t = max(max(tIn * R(0.9999998), tAfter), r.t0);
   real end = min(r.t1, tOut);
   if (!(t <= end)) return hit;
@@ -174,14 +181,14 @@ FN IsoHit firstIsosurface(VOLUME v, VolumeRay r, real tIn, real tOut, real tAfte
   int block = isoBlock(v, make_i3(mx, my, mz));
   real tMet = NO_HIT, tLimit = tOut;
   int met = -1;
-  vec4 cubic = make_v4(R(0.0), R(0.0), R(0.0), R(0.0));  // of the crossing
+  vec4 cubic = make_v4(R(0.0), R(0.0), R(0.0), R(0.0));  // the cubic of the crossing
   vec4 bracket = cubic;
   int index = 0;
   real done = R(0.0);
   bool go = true;
   while (go) {
-    // Rays of a gang wait for each other at cells that an isovalue may pass through, and again where they have bracketed
-    // a crossing.
+    // Rays of a gang wait for each other at cells that an isovalue may pass through, and again when they have
+    // bracketed a crossing.
     bool bracketed = false;
     real tb = ta;
     while (go && !bracketed) {
@@ -213,8 +220,9 @@ FN IsoHit firstIsosurface(VOLUME v, VolumeRay r, real tIn, real tOut, real tAfte
           real planeZ = toReal((mz << MACRO_BITS) + lz + up.z);
           found = isoCell(v, block, lx, ly, lz);
           bool walk = found == 0;
-          // The cell that comes next. Rays that have found theirs go on to it too, so that no step waits for what the one
-          // before it found; they stay where isovalues no longer pass, as do those that never walked.
+          // The cell that comes next. Rays that have found theirs go on to it, too, so that no step waits for
+          // the result of the step before. Rays stay where no isovalue passes any more; so do rays that never
+          // walked.
           int nextX, nextY, nextZ, macroX, macroY, macroZ, nextBlock;
           real nextT, last;
           ALL_RAYS {
@@ -325,7 +333,7 @@ FN IsoHit firstIsosurface(VOLUME v, VolumeRay r, real tIn, real tOut, real tAfte
         met = index;
         tLimit = min(tOut, th);
       }
-      // what is left of this cell
+      // The rest of this cell.
       bool more = !accepted && bracket.y < R(1.0);
       done = more ? bracket.y : R(0.0);
       index += more ? 0 : 1;
@@ -346,7 +354,8 @@ FN real centralDifference(real before, real here, real after, bool hasBefore, bo
   return R(0.0);
 }
 
-// The cells on the six sides of one, which a block has but on the domain's boundary: those that are not there count for nothing.
+// The cells on the six sides of a cell. A block has them except on the domain's boundary; missing ones do not
+// count.
 struct CellNeighbours {
   Corners lowX, highX, lowY, highY, lowZ, highZ;
   bool hasLowX, hasHighX, hasLowY, hasHighY, hasLowZ, hasHighZ;
@@ -378,8 +387,9 @@ FN real differenceAlong(bool hasBefore, real before, real low, real high, real a
   }
   return centralDifference(b, h, a, hasBefore || atHigh, hasAfter || !atHigh);
 }
-// The gradient at point (x, y, z), each 0 or 1, of the cell with corners k and those neighbours, per cell: central
-// differences, one-sided on the domain's boundary or beside no data, and 0 where there are none.
+// The gradient, per cell, at point (x, y, z), each 0 or 1, of the cell with corners k and these neighbours.
+// It has central differences, one-sided on the domain's boundary or beside missing data, and 0 where there
+// are none.
 FN vec3 cornerGradient(Corners k, CellNeighbours n, UNIFORM int x, UNIFORM int y, UNIFORM int z) {
   vec3 g;
 #define ALONG(axis, atHigh, a, b) \
@@ -401,8 +411,8 @@ FN vec3 cornerGradient(Corners k, CellNeighbours n, UNIFORM int x, UNIFORM int y
   return g;
 }
 
-// Of one axis, the cell between first and last in which the ray is just before t, or, `behind`, on from there: `i` is off
-// by one at most.
+// The cell of one axis, between first and last, in which the ray is just before t or, if `behind`, just after
+// it. `i` is off by one at most.
 FN int cellBeside(real t, int i, real po, real rpd, int first, int last, bool behind) {
   int forward = rpd < R(0.0) ? -1 : 1;
   real near = planeCrossing(nearPlane(i, rpd), po, rpd), far = planeCrossing(farPlane(i, rpd), po, rpd);
@@ -414,8 +424,8 @@ FN int cellBeside(real t, int i, real po, real rpd, int first, int last, bool be
   return max(min(c, last), first);
 }
 
-// The cell in which the ray met an isosurface at t, whatever rounding says of the point there: the one that it leaves at
-// t or later (rootBehind), or, where that holds no data, the one behind.
+// The cell in which the ray met an isosurface at t, whatever rounding makes of the point there: the one that
+// the ray leaves at t or later (rootBehind) or, if that holds no data, the one behind.
 FN ivec3 cellMet(VOLUME v, GridRay g, real t) {
   ivec3 i = cellAt(v, pointAt(g, t));
   bool behind = false;
@@ -431,7 +441,7 @@ FN ivec3 cellMet(VOLUME v, GridRay g, real t) {
   return c;
 }
 
-// Adds the gradient d at point (x, y, z) of a cell, by its weight at fractions f, and notes the largest.
+// Adds the gradient d at point (x, y, z) of a cell, by its weight at fractions f, and updates the largest.
 FN void addGradient(vec3 d, vec3 f, UNIFORM int x, UNIFORM int y, UNIFORM int z, INOUT(vec3) g,
                     INOUT(vec3) most) {
   real w = ((x == 1 ? f.x : R(1.0) - f.x) * (y == 1 ? f.y : R(1.0) - f.y)) * (z == 1 ? f.z : R(1.0) - f.z);
@@ -441,11 +451,11 @@ FN void addGradient(vec3 d, vec3 f, UNIFORM int x, UNIFORM int y, UNIFORM int z,
   most = make_v3(max(most.x, abs(d.x)), max(most.y, abs(d.y)), max(most.z, abs(d.z)));
 }
 
-#define FLAT_GRADIENT R(1e-5)  // of the largest gradient at the cell's points: what counts as none at all
+#define FLAT_GRADIENT R(1e-5)  // gradients below this part of the largest at the cell's points count as none
 
-// The shading gradient at p (index space), per unit of render space: trilinear in the gradients of the cell's points, so
-// that it is continuous across cells; p is in cell c. None where they cancel, or end at the border of a plateau: what is
-// left over is rounding, of any direction.
+// The shading gradient at p (index space), which is in cell c, per unit of render space. It is trilinear in
+// the gradients of the cell's points, so that it is continuous across cells. It is 0 where those cancel, or
+// end at the border of a plateau, because what is left is a rounding error in any direction.
 FN vec3 gradientIn(VOLUME v, ivec3 c, vec3 p) {
   vec3 f = fractionIn(c, p);
   vec3 g = make_v3(R(0.0), R(0.0), R(0.0)), most = make_v3(R(0.0), R(0.0), R(0.0));

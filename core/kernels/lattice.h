@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// From partition to partition.
+// The way of a ray from partition to partition, through the lattice of all partitions' faces.
 
-// The lattice cell of one axis, of `cells`, at t. A ray that crosses a face exactly at t is behind it; one that runs in a
-// face is in the upper cell.
+// The lattice cell at t on one axis, of `cells` cells. A ray that crosses a face exactly at t is behind it. A
+// ray that runs in a face is in the upper cell.
 FN int latticeCell(SCENE s, UNIFORM int axis, UNIFORM int cells, real t, real o, real d) {
   bool runsAlong = parallelTo(d);
   bool up = runsAlong || d > R(0.0);
   int low = 0, high = cells - 1;
-  while (low < high) {  // crossings are in the order of faces (box.h)
+  while (low < high) {  // binary search: crossings are in the order of faces (box.h)
     int middle = (low + high + 1) / 2;
     real face = latticeFace(s, axis, middle);
     bool crossed = runsAlong ? o >= face : faceCrossing(o, d, face) <= t;
@@ -19,7 +19,7 @@ FN int latticeCell(SCENE s, UNIFORM int axis, UNIFORM int cells, real t, real o,
   return low;
 }
 
-// The same from the cell at an earlier t on.
+// The same, starting from the cell at an earlier t.
 FN int latticeCellAfter(SCENE s, UNIFORM int axis, UNIFORM int cells, int cell, real t, real o, real d) {
   int i = cell;
   if (!parallelTo(d)) {
@@ -30,8 +30,8 @@ FN int latticeCellAfter(SCENE s, UNIFORM int axis, UNIFORM int cells, int cell, 
   return i;
 }
 
-// The first partition at or after t that may change the ray, and moves t to where it begins; END_DONE if there is none
-// before tEnd.
+// Returns the first partition at or after t that may change the ray, and moves t to where it begins; END_DONE
+// if there is none before tEnd.
 FN int nextPartition(SCENE s, vec3 o, vec3 d, INOUT(real) t, real tEnd) {
   int next = END_DONE;
   int x = latticeCell(s, 0, s.cellsX, t, o.x, d.x);
@@ -57,7 +57,7 @@ FN int nextPartition(SCENE s, vec3 o, vec3 d, INOUT(real) t, real tEnd) {
   return next;
 }
 
-// Where the ray leaves the visible domain.
+// The t at which the ray leaves the visible domain.
 FN real domainExit(SCENE s, vec3 o, vec3 d) {
   real t0, t1;
   boxSpan(make_v3(s.domainLoX, s.domainLoY, s.domainLoZ), make_v3(s.domainHiX, s.domainHiY, s.domainHiZ), o,
@@ -65,7 +65,7 @@ FN real domainExit(SCENE s, vec3 o, vec3 d) {
   return t1;
 }
 
-// Where the ray enters and leaves the partition.
+// The t at which the ray enters and leaves the partition.
 FN void partitionSpan(SCENE s, vec3 o, vec3 d, OUT(real) tIn, OUT(real) tOut) {
   bool right = d.x > R(0.0), up = d.y > R(0.0), on = d.z > R(0.0);
   real ax = faceBefore(o.x, d.x, right ? s.boxLoX : s.boxHiX);
@@ -78,13 +78,14 @@ FN void partitionSpan(SCENE s, vec3 o, vec3 d, OUT(real) tIn, OUT(real) tOut) {
   tOut = min(min(bx, by), bz);
 }
 
-// Where the next partition begins in which anything is seen (volume.h's tOwn); NO_HIT if there is none.
+// The t at which the next partition begins in which anything is seen (MarchRange::tOwn in volume.h); NO_HIT
+// if there is none.
 FN real nextBegin(SCENE s, vec3 o, vec3 d, real tOut, real tEnd) {
   real t = tOut;
   return nextPartition(s, o, d, t, tEnd) == END_DONE ? NO_HIT : t;
 }
 
-// Where a ray that begins at t = 0 begins.
+// The first partition that may change a ray that begins at t = 0; END_DONE if there is none.
 FN int firstPartition(SCENE s, vec3 o, vec3 d, real tEnd) {
   real t = R(0.0);
   return nextPartition(s, o, d, t, tEnd);

@@ -19,8 +19,9 @@ FN void lowDiscrepancyPoint(uint index, uint scramble, OUT(real) x, OUT(real) y)
   y = unitReal(index * 2447445414u + hash1(scramble ^ 0x9e3779b9u));
 }
 
-// Two unit vectors that are orthogonal to unit vector n and to each other (Duff et al., JCGT 6(1), 2017). They jump where
-// n.z = -0.01, not at 0: normals there are common, and rounding would choose between two sets of directions.
+// Two unit vectors that are orthogonal to unit vector n and to each other (Duff et al., JCGT 6(1), 2017).
+// They jump at n.z = -0.01 and not at 0: normals with n.z = 0 are common, and rounding would choose between
+// two sets of directions.
 FN void tangents(vec3 n, OUT(vec3) s, OUT(vec3) t) {
   real side = n.z >= R(-0.01) ? R(1.0) : R(-1.0);
   real a = R(-1.0) / (side + n.z);
@@ -29,8 +30,8 @@ FN void tangents(vec3 n, OUT(vec3) s, OUT(vec3) t) {
   t = make_v3(b, side + n.y * n.y * a, -n.y);
 }
 
-// Unit direction around unit normal n with density cos / pi, from a point of the unit square (Malley's
-// method); its cosine with n is at least 2e-4.
+// A unit direction around unit normal n with density cos / pi, from a point of the unit square (Malley's
+// method). Its cosine with n is at least 2e-4.
 FN vec3 cosineDirection(vec3 n, real x, real y) {
   vec3 s;
   vec3 t;
@@ -47,9 +48,9 @@ FN vec3 cosineDirection(vec3 n, real x, real y) {
                  (p * s.z + q * t.z) + up * n.z);
 }
 
-// Direction of ambient-occlusion ray k of count, around unit normal n. pixel and sample choose the shift;
-// successive frames continue the sequence, so that each is evenly spread by itself and all of them together
-// are, too.
+// The direction of ambient-occlusion ray k of count, around unit normal n. `pixel` and `sampleIndex` choose
+// the shift. Successive frames continue the sequence, so that the directions of each frame, and of all frames
+// together, are evenly spread.
 FN vec3 occlusionDirection(vec3 n, uint pixel, uint sampleIndex, uint frame, uint k, uint count) {
   real x;
   real y;
@@ -57,11 +58,11 @@ FN vec3 occlusionDirection(vec3 n, uint pixel, uint sampleIndex, uint frame, uin
   return cosineDirection(n, x, y);
 }
 
-// Diffuse term of unit vectors: the cosine, 0 from behind.
+// The diffuse term of unit vectors: the cosine, 0 from behind.
 FN real lambert(vec3 n, vec3 toLight) { return max1(dot3(n, toLight), R(0.0)); }
 
-// Specular term of unit vectors: the cosine between the mirrored light and the eye, to a power >= 0; 0 from
-// behind.
+// The specular term of unit vectors: the cosine between the mirrored light and the eye, to a power >= 0; 0
+// from behind.
 FN real phong(vec3 n, vec3 toLight, vec3 toEye, real exponent) {
   real facing = dot3(n, toLight);
   real mirrored = R(2.0) * facing * dot3(n, toEye) - dot3(toLight, toEye);

@@ -1,31 +1,35 @@
 // SPDX-License-Identifier: Apache-2.0
 // Emission and absorption through several volumes at once.
 //
-// In each macrocell each volume has equal segments of its plan (volume.h), and counts as what is seen at their middle; or,
-// in each cell of one that goes cell by cell, equal segments along which the value is linear, halved where the map is not
-// as good as constant over them. Where volumes overlap, extinction and source add over the merged segments (numerics.md
-// section 3). A merged segment belongs to the partition that contains its end. What a volume has in a segment is a
-// function of that segment alone, so the partition behind a border finds the same numbers again.
+// In each macrocell each volume has equal segments of its plan (volume.h), each evaluated at its middle. In
+// each cell of a macrocell that goes cell by cell it has equal segments along which the value is linear;
+// these are halved where the map is not as good as constant over them. Where volumes overlap, extinction and
+// source add up over the merged segments (docs/numerics.md, "Methods"). A merged segment belongs to the
+// partition that contains its end. The extinction and source of a volume in a segment depend only on that
+// segment, so the partition behind a border finds the same numbers again.
 //
-// Each dialect supplies VOLUMES, a list of the operators that are volume rendered, VOLUME_AT(s, list, k), its k-th volume,
-// and holdsSamples(v), whether this partition has it.
+// Each dialect supplies VOLUMES, a list of the operators that are volume rendered, VOLUME_AT(s, list, k), its
+// k-th volume, and holdsSamples(v), whether this partition has samples of it.
 
 #define MANY_VOLUMES 8
 
-// Where a ray is in one volume: part [a, b) of segment `index` of the `count` equal ones of a stretch, with its extinction
-// and source. A stretch is the ray in a macrocell, or in a cell of it.
+// The position of a ray in one volume: part [a, b) of segment `index` of the `count` equal ones of a stretch,
+// with its extinction and source. A stretch is the ray in a macrocell, or in a cell of a macrocell that goes
+// cell by cell.
 struct Cursor {
   VolumeRay ray;
   MacroWalk walk;
-  ivec3 cell;                       // of a macrocell that goes cell by cell
-  real from, to, dt, count, index;  // of the stretch: its ends, segment length, number of segments, segment
-  bool holds;                       // whether there are data in the segment of a cell, and if so
-  real s0, rise;                    // its value at the start, and what that changes by
-  real begin, part;  // where the part begins and its length, in segments: multiples of powers of 2
+  ivec3 cell;  // the present cell, in a macrocell that goes cell by cell
+  // The stretch's ends, segment length, number of segments, and present segment.
+  real from, to, dt, count, index;
+  bool holds;        // whether a cell's segment has data; only then:
+  real s0, rise;     // value at the segment's start, and its change up to the end
+  real begin, part;  // where the part begins, and its length, in segments; multiples of powers of 2
   real a, b;         // ends of the part; b is NO_HIT behind the volume
   real sigma;
   vec3 source;
-  // macrocells entered, and skipped of them: here, since counters that the loop carries cost what registers hold
+  // Macrocells entered, and how many of them were skipped. They are counted here because counters that the
+  // loop carries would take registers.
   int entered, skipped;
 };
 
@@ -36,7 +40,7 @@ FN real segmentEnd(Cursor c) {
   return c.index + R(1.0) < c.count ? c.from + (c.index + R(1.0)) * c.dt : c.to;
 }
 
-// Sets up the stretch that t is in, in the macrocell of the walk.
+// Sets up the stretch that t is in, in the walk's macrocell.
 FN void enterStretch(VOLUME v, INOUT(Cursor) c, real t) {
   int plan = planAt(v, c.walk.index);
   put(c.from, c.walk.t);
@@ -60,13 +64,13 @@ FN void enterStretch(VOLUME v, INOUT(Cursor) c, real t) {
   put(c.count, R(1.0));
   if (plan != 0) {
     real n = (c.to - c.from) * c.ray.cells / planStep(plan);
-    // midpoint segments may be a twentieth longer than planned: a tenth of the error
+    // Midpoint segments may be a twentieth longer than planned, which costs a tenth of the error.
     put(c.count, max(ceil(goesByCells(v, plan) ? n : R(0.95) * n), R(1.0)));
   }
   put(c.dt, (c.to - c.from) / c.count);
 }
 
-// What is seen at t, for a midpoint segment.
+// Evaluates extinction and source at t, for a midpoint segment.
 FN void evaluateAt(VOLUME v, GridRay g, real t, INOUT(real) sigma, INOUT(vec3) source, INOUT(int) samples) {
   samples += 1;
   real s = sampleAt(v, pointAt(g, t));
@@ -79,9 +83,10 @@ FN void evaluateAt(VOLUME v, GridRay g, real t, INOUT(real) sigma, INOUT(vec3) s
   }
 }
 
-// Evaluates the part that begins at c.begin; one of a cell's segment is halved until it does not matter against tMin that
-// extinction and colour are called constant along it: they go up or down by `uneven` and `shaded`, which its front and the
-// other volumes hide; nothing does where a surface may cut it off.
+// Evaluates the part that begins at c.begin. A part of a cell's segment is halved until it does not matter
+// against tMin that extinction and colour are taken as constant along it. They vary by `uneven` and `shaded`.
+// Its front and the other volumes hide some of that variation, but nothing does where a surface may cut the
+// part off.
 FN void evaluatePart(VOLUME v, INOUT(Cursor) c, real tMin, INOUT(int) samples) {
   real start = segmentStart(c), end = segmentEnd(c);
   real part = c.part, sigma = R(0.0);
@@ -114,7 +119,7 @@ FN void evaluatePart(VOLUME v, INOUT(Cursor) c, real tMin, INOUT(int) samples) {
   put(c.b, c.begin + part < R(1.0) ? start + (c.begin + part) * c.dt : end);
 }
 
-// Evaluates the current part over [a, b] alone.
+// Evaluates the current part over [a, b] only.
 FN void evaluateBetween(VOLUME v, INOUT(Cursor) c, real a, real b, INOUT(int) samples) {
   int plan = planAt(v, c.walk.index);
   real sigma = c.sigma;
@@ -150,7 +155,7 @@ FN void evaluateSegment(VOLUME v, INOUT(Cursor) c, real tMin, INOUT(int) samples
   evaluatePart(v, c, tMin, samples);
 }
 
-// The next part of the current segment; false behind the last.
+// Goes on to the next part of the current segment; returns false behind the last.
 FN bool nextPart(VOLUME v, INOUT(Cursor) c, real tMin, INOUT(int) samples) {
   put(c.begin, c.begin + c.part);
   bool more = c.begin < R(1.0);
@@ -161,7 +166,7 @@ FN bool nextPart(VOLUME v, INOUT(Cursor) c, real tMin, INOUT(int) samples) {
   return more;
 }
 
-// No segment: up to `b` there is nothing.
+// Sets the cursor to nothing up to `b`.
 FN void evaluateNothing(INOUT(Cursor) c, real b) {
   put(c.b, b);
   put(c.sigma, R(0.0));
@@ -173,8 +178,8 @@ FN void countMacrocell(VOLUME v, INOUT(Cursor) c) {
   if (planAt(v, c.walk.index) == 0) put(c.skipped, c.skipped + 1);
 }
 
-// The part that ends after t; before the volume, nothing up to it, with index -1. If the ray enters the volume from tOut
-// on only, this partition may not have the macrocell there.
+// Goes to the part that ends after t; before the volume, to nothing up to it, with index -1. If the ray
+// enters the volume only at or behind tOut, this partition may not have the macrocell there.
 FN void seekPart(VOLUME v, INOUT(Cursor) c, real t, real tOut, real tMin, INOUT(int) samples) {
   put(c.index, R(-1.0));
   if (t >= c.ray.t1 || c.ray.t0 >= c.ray.t1) {
@@ -198,7 +203,7 @@ FN void seekPart(VOLUME v, INOUT(Cursor) c, real t, real tOut, real tMin, INOUT(
   }
 }
 
-// The part behind the current one.
+// Goes on to the part behind the current one.
 FN void advance(VOLUME v, INOUT(Cursor) c, real tMin, INOUT(int) samples) {
   if (c.index >= R(0.0) && nextPart(v, c, tMin, samples)) return;
   bool more = true;
@@ -227,8 +232,9 @@ FN void advance(VOLUME v, INOUT(Cursor) c, real tMin, INOUT(int) samples) {
     evaluateNothing(c, NO_HIT);
 }
 
-// Several volumes, count <= MANY_VOLUMES: all that are volume rendered, those that this partition does not hold, too, as a
-// merged segment may begin where one of them has ended. m.tStop is also where a light or a radius ends the ray.
+// Integrates all volumes that are volume rendered, count <= MANY_VOLUMES. Those that this partition does not
+// hold are included, because a merged segment may begin where one of them has ended. m.tStop is also where a
+// light or a radius ends the ray.
 FN void integrateMany(SCENE s, VOLUMES list, UNIFORM int count, vec3 o, vec3 d, MarchRange m,
                       INOUT(Radiance) L, INOUT(MarchCount) n) {
   Cursor cursor[MANY_VOLUMES];
@@ -246,14 +252,14 @@ FN void integrateMany(SCENE s, VOLUMES list, UNIFORM int count, vec3 o, vec3 d, 
   // A hit exactly at tIn may end a segment that began before it.
   bool go = t <= m.tStop && t < min(end, m.tOut) && R(1.0) - A >= m.tMin;
   end = min(end, m.tStop);
-  // The merged segment that contains t may begin before it: at the latest earlier segment end of any volume, which is
+  // The merged segment that contains t may begin before t: at the latest earlier segment end of any volume,
   // where the partition before stopped.
   real a = t;
   if (go) {
     real begin = R(0.0);
     for (UNIFORM int k = 0; k < count; k++) {
       VOLUME v = VOLUME_AT(s, list, k);
-      if (!holdsSamples(v)) {  // not in this partition: all behind it, or all before it
+      if (!holdsSamples(v)) {  // not in this partition, but all behind it or all before it
         evaluateNothing(cursor[k], NO_HIT);
         cursor[k].index = R(-1.0);
       } else {
@@ -280,7 +286,7 @@ FN void integrateMany(SCENE s, VOLUMES list, UNIFORM int count, vec3 o, vec3 d, 
     }
     real b = min(m.tStop, next);
     if (b < next && b <= m.tOut) {
-      // a surface cuts parts off: what counts is what is left of them
+      // A surface cuts parts off: only what is left of them counts.
       sigma = R(0.0);
       source = make_v3(R(0.0), R(0.0), R(0.0));
       for (UNIFORM int k = 0; k < count; k++) {
@@ -293,7 +299,7 @@ FN void integrateMany(SCENE s, VOLUMES list, UNIFORM int count, vec3 o, vec3 d, 
       }
     }
     if (b > m.tOut) {
-      go = false;  // the next partition's
+      go = false;  // it belongs to the next partition
     } else {
       if (sigma > R(0.0) && b > a) {
         real per = R(1.0) / sigma;

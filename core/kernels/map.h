@@ -1,19 +1,25 @@
 // SPDX-License-Identifier: Apache-2.0
-// Colour and extinction of a value. A map is a list of intervals over the value, each linear in extinction and colour;
-// the first and the last are constant and reach to infinity, so nothing clamps. Extinction is per unit of t.
+// The colour and extinction of a value. A map is a list of intervals over the value, each linear in
+// extinction and colour. The first and the last are constant and reach to infinity, so nothing clamps.
+// Extinction is per unit of t.
 //
 // Each dialect supplies, for its VOLUME type,
-//   bool mapIsSmall(v), mapIsUniform(v)  at most MAP_SMALL intervals; else, whether inner ones have equal length
-//   int  mapIntervals(v); real mapNode(v, k), mapInverseLength(v, k)   start of interval k
-//   MapPiece mapPiece(v, k)            what interval k holds
-//   int  mapNodesUpTo(v, s)            of a map of at most MAP_SMALL intervals, how many begin at s or below, but the first
-//   int  mapUniform(v)                 their number
-//   real mapOrigin(v), mapInverse(v)   first inner node, inverse bucket (or interval) length
-//   int  mapBuckets(v), mapBucket(v, i)  an interval at or before the start of bucket i
+//   bool mapIsSmall(v)             whether it has at most MAP_SMALL intervals
+//   bool mapIsUniform(v)           if not: whether its inner intervals have equal length
+//   int  mapIntervals(v)           number of intervals
+//   real mapNode(v, k)             start of interval k
+//   real mapInverseLength(v, k)    1 / length of interval k
+//   MapPiece mapPiece(v, k)        extinction and colour of interval k
+//   int  mapNodesUpTo(v, s)        if it is small: how many intervals begin at s or below, without the first
+//   int  mapUniform(v)             number of inner intervals if they have equal length, else 0
+//   real mapOrigin(v)              first inner node
+//   real mapInverse(v)             1 / length of a bucket (or, if uniform, of an interval)
+//   int  mapBuckets(v)             number of buckets
+//   int  mapBucket(v, i)           an interval at or before the start of bucket i
 
 struct MapPlace {
   int k;   // interval
-  real f;  // fraction of it, 0 in the two that reach to infinity
+  real f;  // fraction of the interval; 0 in the two that reach to infinity
 };
 
 FN MapPlace mapPlace(VOLUME v, real s) {
@@ -22,7 +28,7 @@ FN MapPlace mapPlace(VOLUME v, real s) {
     p.k = mapNodesUpTo(v, s);
     p.f = (s - mapNode(v, p.k)) * mapInverseLength(v, p.k);
   } else if (mapIsUniform(v)) {
-    // interval 0 lies below the first node, interval n + 1 above the last
+    // Interval 0 lies below the first node, interval n + 1 above the last.
     real q = (s - mapOrigin(v)) * mapInverse(v);
     real c = clamp1(floor(q), R(-1.0), toReal(mapUniform(v)));
     p.k = toInt(c) + 1;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The march through one volume: every segment (volume.h) that this partition evaluates.
+// The march through one volume: it integrates the segments (volume.h) that belong to this partition.
 
-// What a map does along a segment on which the value goes linearly from s0 to s1.
+// A map along a segment on which the value goes linearly from s0 to s1.
 struct MapMean {
   real sigma;                  // mean extinction
   vec3 color;                  // mean colour, weighted by extinction
@@ -9,7 +9,8 @@ struct MapMean {
   vec3 front, back;            // colours there
 };
 
-// Adds the part of a mean that an interval contributes, along which extinction and colour are linear.
+// Adds the contribution of an interval, along which extinction and colour are linear, to means over a
+// segment. `part`: the fraction of the segment that the interval takes.
 FN void addMean(real s0, real s1, vec3 c0, vec3 c1, real part, INOUT(real) sigma, INOUT(vec3) source) {
   real h = R(0.5) * (s0 + s1), u = (s1 - s0) * R(0.083333333333333333);
   sigma += h * part;
@@ -18,8 +19,8 @@ FN void addMean(real s0, real s1, vec3 c0, vec3 c1, real part, INOUT(real) sigma
   source.z += (h * (R(0.5) * (c0.z + c1.z)) + u * (c1.z - c0.z)) * part;
 }
 
-// Means over values spread evenly over [s0, s1]: exact for the map, whatever its nodes between them (pre-integration by
-// antiderivatives; Engel 2001, Williams & Max 1992).
+// Means over values spread evenly over [s0, s1]. They are exact for the map, whatever nodes it has between
+// them (pre-integration by antiderivatives; Engel 2001, Williams & Max 1992).
 FN MapMean meanAlong(VOLUME v, real s0, real s1) {
   real lo = min(s0, s1), hi = max(s0, s1);
   MapPlace p = mapPlace(v, lo), q = mapPlace(v, hi);
@@ -35,10 +36,11 @@ FN MapMean meanAlong(VOLUME v, real s0, real s1) {
   real sigma = R(0.0);
   vec3 source = make_v3(R(0.0), R(0.0), R(0.0));
   if (p.k == q.k || !(hi - lo > R(1e-35))) {
-    // one linear piece: the mean of a product of linears
+    // One linear piece: its mean is that of a product of linear functions.
     addMean(a0, b1, c0, d1, R(1.0), sigma, source);
   } else {
-    // from lo to the end of its interval, the whole intervals between, from the start of the last to hi
+    // From lo to the end of its interval, the whole intervals between, and from the start of the last
+    // interval to hi.
     real inverse = R(1.0) / (hi - lo);
     real partP = (mapNode(v, p.k + 1) - lo) * inverse, partQ = (hi - mapNode(v, q.k)) * inverse;
     real a1 = sigmaAt(first, R(1.0)), b0 = last.sigma;
@@ -49,14 +51,14 @@ FN MapMean meanAlong(VOLUME v, real s0, real s1) {
       MapSum y = mapSum(v, q.k);
       int from = p.k + 1;
       int opaque = mapOpaque(v, q.k);
-      if (opaque > p.k) {  // sums begin anew behind it: it counts by itself, and what is before it as well
+      if (opaque > p.k) {  // sums begin anew behind it, so it and what is before it are added by themselves
         MapPiece o = mapPiece(v, opaque);
         addMean(o.sigma, sigmaAt(o, R(1.0)), o.color, colorAt(o, R(1.0)),
                 (mapNode(v, opaque + 1) - mapNode(v, opaque)) * inverse, sigma, source);
         MapSum z = mapSum(v, opaque);
         y.sigma += z.sigma;
         y.source = make_v3(y.source.x + z.source.x, y.source.y + z.source.y, y.source.z + z.source.z);
-        if (mapOpaque(v, opaque) > p.k) from = 0;  // hidden by two: nothing is subtracted
+        if (mapOpaque(v, opaque) > p.k) from = 0;  // hidden by two opaque intervals, so nothing is subtracted
       }
       MapSum x = mapSum(v, from);
       sigma += ((y.sigma - x.sigma) + (y.sigmaRest - x.sigmaRest)) * inverse;
@@ -71,13 +73,14 @@ FN MapMean meanAlong(VOLUME v, real s0, real s1) {
   return m;
 }
 
-// How far the mean colour of a channel is from that of colours which are linear in optical depth.
+// The distance of a channel's mean colour from the mean of colours that are linear in optical depth.
 FN real curvature(real mean, real front, real back) { return abs(mean - R(0.5) * (front + back)); }
 
-// Adds a piece of optical depth tau whose mean colour, that of its front and that of its back are given, as if colours were
-// linear in optical depth: the front of a dense one hides its back. Where they are not, and it matters against tMin, nothing is
-// added, and true is returned: to be halved, unless it is the `smallest`. `bent`: as far as colours are from that at least.
-// `misplaced`: the part of its opacity that shows what is elsewhere in it.
+// Adds a piece of optical depth tau, given its mean colour and the colours of its front and back, as if
+// colours were linear in optical depth; the front of a dense piece hides its back. If colours are not linear,
+// and that matters against tMin, nothing is added and true is returned: the piece must be halved, unless it
+// is the `smallest`. `bent`: lower bound on the colour error from assuming that colour is linear in optical
+// depth. `misplaced`: fraction of the piece's opacity that may be shown at the wrong depth.
 FN bool addPiece(real tau, vec3 mean, vec3 front, vec3 back, real bent, real misplaced, bool smallest,
                  real tMin, INOUT(vec3) rgb, INOUT(real) A) {
   real T = R(1.0) - A;
@@ -86,9 +89,9 @@ FN bool addPiece(real tau, vec3 mean, vec3 front, vec3 back, real bent, real mis
                     max(curvature(mean.z, front.z, back.z), bent));
   bool halve = T * (w * max(min(tau, R(1.0)) * curved, misplaced)) > tMin + R(1e-5) && !smallest;
   if (!halve && tau > R(0.0)) {
-    // mean of 1/2 - y / tau over what is seen, y the optical depth to it
+    // The mean of 1/2 - y / tau over what is seen, where y is the optical depth to it.
     real lead = tau < R(0.3) ? tau * R(0.083333333333333333) : (R(0.5) - R(1.0) / tau) + (R(1.0) - w) / w;
-    if (smallest) lead = R(0.0);  // a step: what is dense is what is seen
+    if (smallest) lead = R(0.0);  // at a step of the map only the dense side is seen
     addSegment(rgb, A, tau,
                make_v3(mean.x + lead * (front.x - back.x), mean.y + lead * (front.y - back.y),
                        mean.z + lead * (front.z - back.z)),
@@ -97,21 +100,23 @@ FN bool addPiece(real tau, vec3 mean, vec3 front, vec3 back, real bent, real mis
   return halve;
 }
 
-// What curvature is where extinction goes linearly from front to mean to back. About as much where it goes up and down,
-// though as much on both sides, so that means do not tell.
+// The curvature of colours where extinction goes linearly from front to mean to back. It is about right, too,
+// for extinction that rises and falls symmetrically, which means do not show.
 FN real bentBy(MapMean m) {
   real change = max(max(abs(m.front.x - m.back.x), abs(m.front.y - m.back.y)), abs(m.front.z - m.back.z));
   real uneven = max(abs(m.sigma - m.sigmaFront), abs(m.sigma - m.sigmaBack));
   return m.sigma > R(0.0) ? change * R(0.16666666666666667) * min(uneven / m.sigma, R(2.0)) : R(0.0);
 }
 
-// The value along a ray through a cell: a cubic over [0, 1], the part of the ray that is in it; and what it stays within.
+// The value along a ray through a cell: a cubic over [0, 1], the part of the ray that is in the cell, and the
+// bounds of the value there.
 struct CellCurve {
   vec4 cubic;
   real low, high;
 };
 
-// From fractions p to q of it: bernsteinAlong (trilinear.h) by half its operations, within the corners all the same.
+// The curve from fractions p to q of the cell. It is bernsteinAlong (trilinear.h) with half of the
+// operations, and still within the corners' values.
 FN CellCurve curveIn(Corners k, vec3 p, vec3 q) {
   real p00 = lerp1(k.v000, k.v100, p.x), p10 = lerp1(k.v010, k.v110, p.x);
   real p01 = lerp1(k.v001, k.v101, p.x), p11 = lerp1(k.v011, k.v111, p.x);
@@ -134,8 +139,9 @@ FN CellCurve curveIn(Corners k, vec3 p, vec3 q) {
 
 FN real valueOn(CellCurve c, real u) { return clamp1(bernsteinValue(c.cubic, u), c.low, c.high); }
 
-// How far, at most, what a piece shows is from where it is, as a part of the piece's own opacity: its value is taken to go
-// linearly from s0 to s1, and is `middle` in its middle. Only what its two ends differ in can be in a wrong place.
+// Upper bound on the fraction of a piece's opacity that is shown at the wrong depth. The value is taken to go
+// linearly from s0 to s1, but is `middle` in the middle. Only the difference between the piece's ends can be
+// at a wrong depth.
 FN real misplaced(MapMean m, real s0, real middle, real s1) {
   real rise = abs(s1 - s0), bow = abs(middle - R(0.5) * (s0 + s1));
   real change = max(max(abs(m.front.x - m.back.x), abs(m.front.y - m.back.y)), abs(m.front.z - m.back.z));
@@ -143,11 +149,11 @@ FN real misplaced(MapMean m, real s0, real middle, real s1) {
   return bow < rise ? change * (bow / rise) : change;
 }
 
-// The part of a cell that is not halved: where u is 1, so much still moves it.
+// The smallest part of a cell, which is not halved. It is large enough to move u where u is 1.
 FN real smallestPiece(real uFrom, real uTo) { return max(R(0.0005) * (uTo - uFrom), R(1e-6)); }
 
-// From uFrom to uTo of a cell, `span` long, whose value turns at turns0 and turns1 (1: nowhere): pieces along which the value
-// is taken as linear.
+// Adds the pieces from uFrom to uTo of a cell, `span` long, whose value has extrema at turns0 and turns1 (1:
+// none). The value is taken as linear along each piece.
 FN void addPieces(VOLUME v, CellCurve c, real turns0, real turns1, real uFrom, real uTo, real span, real tMin,
                   INOUT(vec3) rgb, INOUT(real) A) {
   real from = uFrom, s = valueOn(c, uFrom), most = R(1.0), smallest = smallestPiece(uFrom, uTo);
@@ -171,9 +177,8 @@ FN void addPieces(VOLUME v, CellCurve c, real turns0, real turns1, real uFrom, r
   }
 }
 
-// The same from uFrom to uTo of a cell, `span` long, whose value turns at turns0 and turns1 (1: nowhere), through a map of few
-// intervals, without sums: a piece ends where the value leaves its interval, too, at a root of the cubic. So steps of the
-// map are where they are, however long segments are.
+// The same through a map of few intervals, without sums. A piece also ends where the value leaves its
+// interval, at a root of the cubic. So steps of the map are where they should be, however long segments are.
 FN void addPiecesOfFew(VOLUME v, CellCurve c, real turns0, real turns1, real uFrom, real uTo, real span,
                        real tMin, INOUT(vec3) rgb, INOUT(real) A) {
   real from = uFrom, s = valueOn(c, uFrom);
@@ -231,7 +236,7 @@ FN void addPiecesOfFew(VOLUME v, CellCurve c, real turns0, real turns1, real uFr
   }
 }
 
-// The first of `count` segments of length dt from `begin` on that ends behind t.
+// The index of the first of `count` segments of length dt, from `begin` on, that ends behind t.
 FN real segmentBehind(real t, real begin, real dt, real count) {
   real i = clamp1(floor((t - begin) / dt), R(0.0), count - R(1.0));
   while (i > R(0.0) && begin + i * dt > t) i -= R(1.0);
@@ -239,12 +244,14 @@ FN real segmentBehind(real t, real begin, real dt, real count) {
   return i;
 }
 
-// What goes cell by cell, since some cells hold no data or the map is too steep, from the macrocell on that the ray enters at
-// tEnter, of that plan, to where it enters one that does not, at `leaves`: each cell in equal segments of at most the plan's
-// length (planStepWithin, where the ray's values there lie within one interval of the map; none, where that shows nothing)
-// along which the value is taken as linear, but for where it leaves an interval of a map of few, and the map is integrated exactly.
-// One loop for all macrocells: the rays of a gang, which stay in each for different numbers of cells, do not wait for each
-// other. What is before t is somebody else's. Clears `go` where the march ends.
+// Integrates macrocells that go cell by cell, because some of their cells hold no data or the map is too
+// steep. It begins with the macrocell that the ray enters at tEnter, whose plan is `plan`, and ends at
+// `leaves`, where the ray enters one that does not go cell by cell. Each cell is cut into equal segments of
+// at most the plan's length (planStepWithin if the ray's values in the cell lie within one interval of the
+// map, none if that interval shows nothing). Along a segment the value is taken as linear and the map is
+// integrated exactly; for a map of few intervals it is also cut where the value leaves an interval. One loop
+// does all macrocells, so that the rays of a gang, which stay in each for different numbers of cells, do not
+// wait for each other. What lies before t is done elsewhere. Clears `go` where the march ends.
 FN_OUTLINE void integrateCells(VOLUME v, VolumeRay r, MarchRange m, real t, real tEnter, int plan, real end,
                                INOUT(Radiance) L, INOUT(int) samples, INOUT(int) macrocells,
                                INOUT(int) segmentsSkipped, OUT(real) leaves, INOUT(bool) go) {
@@ -272,7 +279,7 @@ FN_OUTLINE void integrateCells(VOLUME v, VolumeRay r, MarchRange m, real t, real
     if (tc > ta && holdsData(k)) {
       CellCurve curve = curveIn(k, fractionIn(c, pointAt(r.g, ta)), fractionIn(c, pointAt(r.g, tc)));
       bool even = curve.low == curve.high,
-           seen = true;  // within one interval of the map; which shows something
+           seen = true;  // even: within one interval of the map; seen: it shows something
       real turns0 = R(1.0), turns1 = R(1.0);
       if (mapIsSmall(v)) {
         MapPlace p = mapPlace(v, curve.low), q = mapPlace(v, curve.high);
@@ -293,7 +300,7 @@ FN_OUTLINE void integrateCells(VOLUME v, VolumeRay r, MarchRange m, real t, real
         i += R(1.0);
         real b = min(i < count ? ta + i * dt : tc, m.tStop);
         if (b > m.tOut) {
-          go = false;  // the next partition's
+          go = false;  // it belongs to the next partition
         } else {
           evaluated += 1;
           real uTo = b < tc ? (b - ta) / span : R(1.0);
@@ -331,22 +338,22 @@ FN_OUTLINE void integrateCells(VOLUME v, VolumeRay r, MarchRange m, real t, real
   leaves = ta;
 }
 
-// Adds the midpoint segment of `length` at whose middle the value is s; nothing if it holds no data.
+// Adds the midpoint segment of `length` in whose middle the value is s; nothing if there is no data.
 FN void addSample(VOLUME v, real s, real length, real tMin, INOUT(vec3) rgb, INOUT(real) A,
                   INOUT(int) samples) {
   if (length > R(0.0)) {
     samples += 1;
     if (s - s == R(0.0)) {
       MapPlace p = mapPlace(v, s);
-      // colours are fetched only where one of a gang sees something
+      // Colours are fetched only if some ray of the gang sees something.
       real sigma = sigmaAt(mapPiece(v, p.k), p.f);
       if (sigma > R(0.0)) addSegment(rgb, A, sigma * length, colorAt(mapPiece(v, p.k), p.f), tMin);
     }
   }
 }
 
-// A device without branches does all that is in a loop as long as one of its lanes goes round: there, segments have a loop of
-// their own, so that not each of them pays for the walk through macrocells.
+// On a device without branches, all lanes do what is in a loop as long as one lane goes round it. There
+// segments have a loop of their own, so that not each of them pays for the walk through macrocells.
 #if defined(GXY_GLSL)
 #define SEGMENTS     \
   bool over = false; \
@@ -366,15 +373,16 @@ FN void addSample(VOLUME v, real s, real length, real tMin, INOUT(vec3) rgb, INO
 #define END_OF_MARCH break;
 #endif
 
-// What makes strides of plans, of one ray: t per unit of a plan, the shortest segment, the longest that has a second.
+// Factors that turn plans into strides, for one ray: t per unit of a plan, the shortest segment, and the
+// longest segment that goes in a pair.
 struct StrideUnits {
   real perUnit, least, paired;
 };
 
 FN real segmentOf(StrideUnits u, int plan) { return max(toReal(plan) * u.perUnit, u.least); }
 
-// The segments that a plan makes from t on, each `h` long. Where two fit into PLAN_REACH they go together: a plan is looked up
-// for both, that of macrocell `at` at the end of their `reach`.
+// The segments that a plan makes from t on, each `h` long. If two fit into PLAN_REACH they go together: then
+// one plan is looked up for both, that of macrocell `at` at the end of their `reach`.
 FN void strideFrom(VOLUME v, GridRay g, StrideUnits u, real t, int plan, OUT(real) h, OUT(real) reach,
                    OUT(int) at, OUT(int) planBehind) {
   h = segmentOf(u, plan);
@@ -383,39 +391,42 @@ FN void strideFrom(VOLUME v, GridRay g, StrideUnits u, real t, int plan, OUT(rea
   planBehind = planAt(v, at);
 }
 
-// One loop, an iteration a stride. Where a segment's value is fetched, the plan behind it is looked up and the value
-// before it is mapped: three chains that do not wait for each other.
+// Integrates the volume. The loop does one stride per iteration. While the value of a segment is fetched, the
+// plan behind it is looked up and the value before it is mapped: three chains of operations that do not wait
+// for each other.
 //
-// `begun`: where the first segment begins if the partition before left it undone, else -1; on return the same for the
-// partition behind.
+// `begun`: where the first segment begins if the partition before left it undone, else -1; on return the same
+// for the partition behind.
 FN void integrateVolume(VOLUME v, VolumeRay r, MarchRange m, INOUT(real) begun, INOUT(Radiance) L,
                         INOUT(MarchCount) n) {
   real end = min(r.t1, m.tStop);
   real last = min(end, m.tOut);
   bool resumes = begun >= R(0.0);
   real t = resumes ? begun : max(m.tStart, r.t0);
-  real from = resumes ? t : max(t, m.tIn);  // where a walk through macrocells begins
+  real from = resumes ? t : max(t, m.tIn);  // where the walk through macrocells begins
   // A hit exactly at tIn may end a segment that began before it.
   bool meets = from <= m.tStop && max(from, m.tIn) < r.t1;
-  if (meets && !(max(from, m.tIn) < m.tOut)) return;  // nothing of this partition, but perhaps of the next
+  // Nothing belongs to this partition, but perhaps to the next.
+  if (meets && !(max(from, m.tIn) < m.tOut)) return;
   begun = R(-1.0);
   if (!meets) return;
   StrideUnits units;
   units.perUnit = (R(1.0) / r.cells) * (R(1.0) / toReal(PLAN_UNIT << PLAN_BITS));
-  units.least = r.t1 * R(2.4e-7);  // what moves t on: cells may be smaller than float resolves
+  units.least = r.t1 * R(2.4e-7);  // must move t on, although cells may be smaller than float resolves
   units.paired = R(0.5) * PLAN_REACH / r.cells;
   int at = macroAt(v, pointAt(r.g, t));
   int plan = resumes ? planAt(v, at) : 0;
-  real nextLength, nextReach;  // of the stride from t on
+  real nextLength, nextReach;  // the stride from t on
   int nextAt, nextPlan;
   strideFrom(v, r.g, units, t, plan, nextLength, nextReach, nextAt, nextPlan);
-  // what the loop changes: no structures (decision 0012)
+  // The loop's variables are not members of structures (decision 0012).
   vec3 rgb = L.rgb;
   real A = L.A;
   int samples = 0, macrocells = 0, skipped = 0, segmentsSkipped = 0;
   real s = R(0.0),
-       length = R(0.0);  // the value in the middle of the segment before, and its length, yet to be added
-  // the walk through macrocells, which goes ahead of midpoint segments to where they end: one that goes cell by cell
+       length = R(0.0);  // middle value and length of the segment before, which is still to be added
+  // The walk through macrocells, which goes ahead of midpoint segments to where they end: at a macrocell that
+  // goes cell by cell.
   int index = 0;
   vec3 plane = make_v3(R(0.0), R(0.0), R(0.0)), far = make_v3(R(0.0), R(0.0), R(0.0));
   real tHere = R(0.0), limit = end;
@@ -438,7 +449,7 @@ FN void integrateVolume(VOLUME v, VolumeRay r, MarchRange m, INOUT(real) begun, 
       tHere = w.t;
       bool go = true;
       while (go && !byMidpoints(planHere)) {
-        // rays of a gang meet again where something is seen
+        // Rays of a gang meet again where something is seen.
         while (go && planHere == 0) {
           skipped += 1;
           if (min(min3(far), r.t1) >= last) {
@@ -449,8 +460,8 @@ FN void integrateVolume(VOLUME v, VolumeRay r, MarchRange m, INOUT(real) begun, 
           }
         }
         if (go && !byMidpoints(planHere) &&
-            someByCells(v)) {  // where the scene has none, GLSL compiles none of this
-          // copies, so that what the call refers to does not keep the loop's own values in memory
+            someByCells(v)) {  // GLSL compiles none of this for scenes without such macrocells
+          // Copies, so that references in the call do not keep the loop's own variables in memory.
           VolumeRay ray = r;
           addSample(v, s, length, m.tMin, rgb, A, samples);
           length = R(0.0);
@@ -476,7 +487,8 @@ FN void integrateVolume(VOLUME v, VolumeRay r, MarchRange m, INOUT(real) begun, 
       t = max(t, tHere);
       at = macroAt(v, pointAt(r.g, t));
       plan = planAt(v, at);
-      // rounding may put the point on the other side of a face, and must not when the partition behind resumes here
+      // Rounding may put the point on the other side of a face, but must not when the partition behind
+      // resumes here.
       if (!byMidpoints(plan)) plan = planHere;
       macrocells += 1;
       strideFrom(v, r.g, units, t, plan, nextLength, nextReach, nextAt, nextPlan);
@@ -484,7 +496,7 @@ FN void integrateVolume(VOLUME v, VolumeRay r, MarchRange m, INOUT(real) begun, 
     }
     SEGMENTS
     if (someByCells(v)) {
-      // a segment ends where a macrocell goes cell by cell
+      // A segment ends where a macrocell that goes cell by cell begins.
       real reach = min(t + nextReach, last);
       bool free = limit == end;
       while (free && min3(far) < reach) {
@@ -499,7 +511,7 @@ FN void integrateVolume(VOLUME v, VolumeRay r, MarchRange m, INOUT(real) begun, 
     real h = finer ? shorter : nextLength;
     bool two = h + h <= nextReach;
     real b = min(t + (two ? h + h : h), limit);
-    if (b > m.tOwn) {  // the next partition's
+    if (b > m.tOwn) {  // it belongs to the next partition
       if (t < m.tOut || m.tOwn == m.tOut) begun = t;
       END_OF_MARCH
     }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Geometry as it is stored: primitive p of an operator, and whether a ray hits it. Each dialect fetches by itself
-// (scene_view.h): pointOf, radiusOf, normalOf, valueOf of a point; cornerOf, the point that is corner k of a primitive;
-// neighbourOf, the point at the far end of the segment before (k = 0) or after (k = 1).
+// Primitive p of an operator, from the arrays in which geometry is stored. Each dialect supplies
+// (scene_fetch.h) pointOf, radiusOf, normalOf and valueOf of a point; cornerOf, the point that is corner k of
+// a primitive; and neighbourOf, the point at the far end of the segment before (k = 0) or after (k = 1).
 
 FN Tube tubeOf(OPERATOR op, uint p) {
   uint i = cornerOf(op, 2u * p), j = cornerOf(op, 2u * p + 1u);
@@ -24,7 +24,7 @@ FN Tube tubeOf(OPERATOR op, uint p) {
   return tube;
 }
 
-// Of an operator of path lines, primitive p as one that was met at t.
+// Primitive p of an operator of path lines, as the segment that was met at t.
 FN MetSegment metSegment(OPERATOR op, uint p, real t) {
   MetSegment met;
   met.t = t;

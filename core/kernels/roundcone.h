@@ -1,21 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
-// Ray against round cone: the union of all spheres along a segment, whose radius is linear between its ends.
+// Ray against round cone: the union of all spheres along a segment whose radius is linear between its ends.
 // It is the convex hull of the two end spheres: a cone frustum that touches them along circles, and their
-// caps, so that tubes of such segments are continuous at the joints.
+// caps. Tubes of such segments are thus continuous at the joints.
 //
 // The sphere at axial length x has the centre x u and the radius r - x k (u: unit axis, k: slope). A point p
 // is inside if min over x of |p - x u|^2 - (r - x k)^2 <= 0. The minimum, at x = (p.u - r k) / (1 - k^2),
-// gives the cone as a quadratic in t and tells which sphere a surface point belongs to: the data value and
-// the normal follow from it. Because the body is convex and contains each end sphere whole, its entry is the
-// least of the entries of both spheres and of the cone, the latter where its x lies on the segment; no
+// gives the cone as a quadratic in t. It also tells which sphere a surface point belongs to, from which the
+// data value and the normal follow. The body is convex and contains each end sphere whole. So its entry is
+// the least of the entries of both spheres and of the cone, the latter if its x lies on the segment; no
 // clipping decides at a joint.
 //
-// Far rays: all of it is computed from the ray's point nearest to the segment (exact.h). Degenerate: a
-// zero-length segment, or one whose end sphere holds the other, is the bigger sphere; equal radii are a
-// capsule. Sizes and distances within [1e-12, 1e12]; with both radii 0 it is never hit.
+// Far rays: everything is computed from the ray's point nearest to the segment (exact.h). Degenerate cases: a
+// segment of zero length, or one whose end sphere holds the other, is the bigger sphere; equal radii are a
+// capsule. Sizes and distances must be within [1e-12, 1e12]; with both radii 0 it is never hit.
 
 // The t at which the ray enters and leaves the infinite cone around axis u that has `radius` at 0 and loses
-// `slope` per length; xEnter and xExit: the axial lengths of the spheres met there. Crossings that do not
+// `slope` per length. xEnter and xExit are the axial lengths of the spheres met there. Crossings that do not
 // exist have x = -1e30.
 FN void coneSpanNear(vec3 origin, vec3 direction, vec3 u, real radius, real slope, OUT(real) tEnter,
                      OUT(real) tExit, OUT(real) xEnter, OUT(real) xExit) {
@@ -41,8 +41,8 @@ FN void coneSpanNear(vec3 origin, vec3 direction, vec3 u, real radius, real slop
   xExit = (entryByA ? exists : both) ? (k0 + tExit * k1) * perM : R(-1e30);
 }
 
-// First hit with t > tMin: the entry, or the exit where the origin is inside. normal: unit, outwards. axial:
-// 0 at a, 1 at b, linear along the segment: the weight of b's data value.
+// The first hit with t > tMin: the entry, or the exit if the origin is inside. normal: unit, outwards. axial:
+// 0 at a, 1 at b, linear along the segment; it is the weight of b's data value.
 FN bool hitRoundCone(vec3 origin, vec3 direction, vec3 a, vec3 b, real radiusA, real radiusB, real tMin,
                      OUT(real) t, OUT(vec3) normal, OUT(real) axial) {
   vec3 ab = make_v3(b.x - a.x, b.y - a.y, b.z - a.z);
@@ -53,7 +53,8 @@ FN bool hitRoundCone(vec3 origin, vec3 direction, vec3 a, vec3 b, real radiusA, 
   real slope = nested ? R(0.0) : (radiusA - radiusB) * perSize;
   real span = nested ? R(0.0) : size;
 
-  // From the ray's start to its point nearest to one end, then to its point nearest to the axis at xBase.
+  // Moves from the ray's start to its point nearest to one end, then to its point nearest to the axis at
+  // xBase.
   bool fromB = nested && radiusB > radiusA;
   vec3 end = make_v3(fromB ? b.x : a.x, fromB ? b.y : a.y, fromB ? b.z : a.z);
   real tEnd;
@@ -122,7 +123,7 @@ FN bool hitRoundCone(vec3 origin, vec3 direction, vec3 a, vec3 b, real radiusA, 
               (base.z - offAxis * u.z) + local * direction.z);
   bool hit = outside || (left && second > tMin);
   normal = unit3(make_v3(hit ? away.x : R(1.0), hit ? away.y : R(0.0), hit ? away.z : R(0.0)));
-  // exactly 1 on the ball at b, whatever span * perSize rounds to
+  // It is exactly 1 on the ball at b, whatever span * perSize rounds to.
   axial = nested ? (fromB ? R(1.0) : R(0.0)) : (x < span ? min1(x * perSize, R(1.0)) : R(1.0));
   return hit;
 }

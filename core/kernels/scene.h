@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The kernels that read scenes, in dependency order; fields.h, core/rays/ray_fields.h, scene_view.h and the
-// dialect's scene_fetch come before.
+// The kernels that read scenes, in the order of their dependencies. fields.h, core/rays/ray_fields.h, scene_view.h and the dialect's
+// scene_fetch must come before.
 // clang-format off
 #include "core/kernels/clip.h"
 #include "core/kernels/cuts.h"

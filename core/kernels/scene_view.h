@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What kernels see of a scene and a frame: the structures that a backend's host side fills. PTR is volume_view.h's. Each
-// dialect reads them in its own scene_fetch.
+// The structures through which kernels see a scene and a frame. A backend's host side fills them in.
+// volume_view.h defines PTR. Each dialect reads these structures in its own scene_fetch.
 
 #define KIND_VOLUME 0
 #define KIND_PARTICLES 1
@@ -9,7 +9,7 @@
 
 struct OperatorView {
   int kind;
-  int rendered;  // a volume that is volume rendered
+  int rendered;  // whether it is a volume that is volume rendered
   real opacity;  // of its surfaces
   int twoSided;
   int slices;
@@ -20,17 +20,17 @@ struct OperatorView {
   PTR(real) values;      // per point, or null
   PTR(real) colors;      // r g b per point, or null
   PTR(uint) indices;     // 2 or 3 per primitive
-  PTR(uint) neighbours;  // of segments: the points before and after, own ends where there is none
+  PTR(uint) neighbours;  // of segments: the points before and after; the segment's own end if there is none
 };
 
 #define LIGHT_DIRECTIONAL 0
 #define LIGHT_POINT 1
 
 struct SceneView {
-  // the partition: t in [tIn, tOut) between these faces is its own
+  // The partition: t in [tIn, tOut) between these faces belongs to it.
   real boxLoX, boxLoY, boxLoZ, boxHiX, boxHiY, boxHiZ;
   real domainLoX, domainLoY, domainLoZ, domainHiX, domainHiY, domainHiZ;
-  // the lattice of all partitions
+  // The lattice of all partitions.
   int cellsX, cellsY, cellsZ;
   PTR(real) facesX;
   PTR(real) facesY;
@@ -40,8 +40,9 @@ struct SceneView {
 
   int operators;
   PTR(OperatorView) operator_;
-  PTR(VolumeView) field;  // one per operator; geometry uses its map only
-  RAW hierarchy;          // over this partition's geometry, in the backend's own form; null if there is none
+  PTR(VolumeView) field;  // one per operator; geometry uses only the map and clip planes
+  // Hierarchy over this partition's geometry, in the backend's own form; null if there is none.
+  RAW hierarchy;
   int opaqueSurfaces;
   real tMin;
 
@@ -55,7 +56,7 @@ struct FrameView {
   double loX, loY, loZ, hiX, hiY, hiZ;  // the visible domain
   int orthographic;
   int width, height;
-  uint frame;  // continues the ambient-occlusion sequence
+  uint frame;  // number in the sequence of ambient-occlusion directions
   int lights;
-  PTR(real) light;  // 4 per light: type, direction of travel or position
+  PTR(real) light;  // 4 per light: type, then direction of travel or position
 };

@@ -1,16 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
-// What rays give to pixels: light as if nothing blocked it, and secondary rays that take away what is blocked (subtractive
-// lighting; paper, section 4.4). Shares are quantised once, so what a ray takes away is exactly what was given.
+// Contributions of rays to pixels: hits add light as if nothing blocked it, and secondary rays take away the
+// light that is blocked (subtractive lighting; paper, section 4.4). Shares are quantised once, so exactly the
+// given share can be taken away.
 
-#define MOST_LIGHT R(31.0)  // of a hit, in all
+#define MOST_LIGHT R(31.0)  // most light of a hit, in all
 FN int units(real x) { return toInt(floor(min(x, MOST_LIGHT) * CONTRIBUTION_ONE + R(0.5))); }
 
-// What one light (q < f.lights) or one ambient-occlusion ray (the others; one share for all if there are none) gives.
+// The contribution of one light (q < f.lights) or one ambient-occlusion ray (other q; without occlusion rays
+// there is one share for all ambient light).
 struct Share {
   int r, g, b;
-  bool wanted;  // a secondary ray has to look whether it is blocked
-  vec3 toward;  // its direction
-  real reach;
+  bool wanted;  // a secondary ray must find out whether it is blocked
+  vec3 toward;  // direction of the secondary ray
+  real reach;   // where the secondary ray ends (tMax)
 };
 
 FN Share shareOf(SCENE s, FRAME f, UNIFORM int q, Surface surface, vec3 from, vec3 toEye, vec3 color,
@@ -53,8 +55,8 @@ FN Share shareOf(SCENE s, FRAME f, UNIFORM int q, Surface surface, vec3 from, ve
   return share;
 }
 
-// What is left of a share when the ones before have given r, g and b: what a pixel cannot hold is not given, so that nothing
-// can take it away.
+// Limits a share when the ones before have given r, g and b. What a pixel cannot hold is not given, so that
+// nothing can take it away.
 FN void limitShare(INOUT(Share) share, int r, int g, int b) {
   int most = units(MOST_LIGHT);
   share.r = min(share.r, most - r);
@@ -63,8 +65,9 @@ FN void limitShare(INOUT(Share) share, int r, int g, int b) {
   share.wanted = share.wanted && (share.r | share.g | share.b) != 0;
 }
 
-// What a secondary whose opacity is A takes away of a share. Below tMin it takes all, as if it had met an opaque surface:
-// whether one lies behind is known or not, as the partitions fall.
+// The part of a share that a secondary ray with opacity A takes away. If less than tMin passes, it takes all,
+// as if it had met an opaque surface, because whether there is one behind may be known or not, depending on
+// the partitions.
 FN int lossOf(int share, real A, real tMin) {
   int part = toInt(toReal(share) * A);
   int loss = min(part, share);

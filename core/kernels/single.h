@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The kernels in C++ float, in namespace gxy::single.
+// The kernels in C++ with float, in namespace gxy::single.
 #pragma once
 #include <algorithm>
 #include <bit>

@@ -2,10 +2,10 @@
 // Ray against sphere.
 //
 // The discriminant is taken as radius^2 - |point of closest approach|^2 (Hearn & Baker; Haines, Gunther,
-// Akenine-Moller, Ray Tracing Gems ch. 7), with that point computed from nearby (exact.h), so that neither a
+// Akenine-Moller, Ray Tracing Gems ch. 7). That point is computed from nearby (exact.h), so that neither a
 // hit nor the normal loses digits with distance. Only t itself is rounded to its own ulp: take the position
-// from the normal, centre + radius * normal. Radii and distances within [1e-12, 1e12]; a radius of 0 or less
-// is never hit.
+// from the normal, centre + radius * normal. Radii and distances must be within [1e-12, 1e12]; a radius of
+// 0 or less is never hit.
 
 // The t at which origin + t direction enters and leaves a sphere around 0, for an origin no more than a few
 // radii away.
@@ -21,7 +21,7 @@ FN bool sphereSpanNear(vec3 origin, vec3 direction, real radius, OUT(real) tEnte
   return room >= R(0.0) && radius > R(0.0);
 }
 
-// First hit with t > tMin: the entry, or the exit where the origin is inside. normal: unit, outwards.
+// The first hit with t > tMin: the entry, or the exit if the origin is inside. normal: unit, outwards.
 FN bool hitSphere(vec3 origin, vec3 direction, vec3 centre, real radius, real tMin, OUT(real) t,
                   OUT(vec3) normal) {
   real tNear;

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// The surface that a ray has hit: where, which way it faces, and the value or the colour of its own that colours it.
+// The surface that a ray has hit: where it is, which way it faces, and the value or the colour that it shows.
 
 struct Surface {
-  vec3 point, normal;  // normal: for shading, unit, towards the viewer where two-sided
-  vec3 geometric;      // of the surface itself: unit; secondary rays leave along it, on the side of `normal`
+  vec3 point, normal;  // normal: for shading, unit, towards the viewer if two-sided
+  // Normal of the surface itself: unit, on the side of `normal`; secondary rays leave along it.
+  vec3 geometric;
   real value;
-  vec3 own;    // its colour, where the operator has colours
-  real size;   // of the numbers it was computed from, for the offset of secondary rays
+  vec3 own;    // its own colour, if the operator has colours
+  real size;   // largest number that it was computed from, for the offset of secondary rays
   uint start;  // RAY_START and RAY_SIDE bits of the rays that leave it
 };
 
@@ -39,7 +40,7 @@ FN Surface tubeSurface(OPERATOR op, uint p, vec3 o, vec3 d, real after) {
   f.own = make_v3(R(0.0), R(0.0), R(0.0));
   f.value = R(0.0);
   if (hasValues(op)) {
-    // on the ball of one end that end's alone, also where the other has no data
+    // On the ball of one end it has only that end's value, also if the other has no data.
     real va = valueOf(op, cornerOf(op, 2u * p)), vb = valueOf(op, cornerOf(op, 2u * p + 1u));
     real between = lerp1(va, vb, h.axial);
     f.value = h.axial <= R(0.0) ? va : (h.axial >= R(1.0) ? vb : between);
@@ -76,7 +77,7 @@ FN Surface triangleSurface(OPERATOR op, uint p, vec3 o, vec3 d, real after) {
   if (hasValues(op)) f.value = (wa * valueOf(op, i) + wb * valueOf(op, j)) + wc * valueOf(op, k);
   if (hasColors(op)) {
     vec3 x = ownColorOf(op, i), y = ownColorOf(op, j), z = ownColorOf(op, k);
-    // the weights are those of a point beside the triangle by as much as float leaves
+    // The weights are those of a point that may lie beside the triangle by rounding.
     f.own = make_v3(clamp1((wa * x.x + wb * y.x) + wc * z.x, R(0.0), R(1.0)),
                     clamp1((wa * x.y + wb * y.y) + wc * z.y, R(0.0), R(1.0)),
                     clamp1((wa * x.z + wb * y.z) + wc * z.z, R(0.0), R(1.0)));
@@ -85,7 +86,7 @@ FN Surface triangleSurface(OPERATOR op, uint p, vec3 o, vec3 d, real after) {
   return f;
 }
 
-// The gradient of the trilinear interpolation itself at p in cell c, per unit of render space.
+// The gradient of the trilinear interpolant itself at p in cell c, per unit of render space.
 FN vec3 cellGradientIn(VOLUME v, ivec3 c, vec3 p) {
   Corners k = cellCorners(v, c);
   vec3 f = fractionIn(c, p);
@@ -98,7 +99,7 @@ FN vec3 cellGradientIn(VOLUME v, ivec3 c, vec3 p) {
   return make_v3(x * v.inverseX, y * v.inverseY, z * v.inverseZ);
 }
 
-// A slice or an isosurface (by hitKind), number `index` of the operator's, met at t.
+// A slice or an isosurface (by hitKind), number `index` of the operator, met at t.
 FN Surface fieldSurface(OPERATOR op, VOLUME v, int hitKind, uint index, vec3 o, vec3 d, real t) {
   Surface f;
   f.point = make_v3(o.x + t * d.x, o.y + t * d.y, o.z + t * d.z);
@@ -113,7 +114,8 @@ FN Surface fieldSurface(OPERATOR op, VOLUME v, int hitKind, uint index, vec3 o, 
     f.start = START_SLICE << 18;
   } else {
     f.value = isovalueOf(v, index);
-    // Outwards is where values are lower, as for a contour in VTK; towards the viewer where the field is flat.
+    // The outside is where values are lower, as for a contour in VTK; towards the viewer if the field is
+    // flat.
     ivec3 c = cellMet(v, ray.g, t);
     vec3 g = gradientIn(v, c, p);
     vec3 down = cellGradientIn(v, c, p);
@@ -129,21 +131,21 @@ FN Surface fieldSurface(OPERATOR op, VOLUME v, int hitKind, uint index, vec3 o, 
   return f;
 }
 
-// What an operator's surface looks like, unlit.
+// The colour of an operator's surface without lighting.
 FN vec3 surfaceColor(OPERATOR op, VOLUME v, Surface f) {
   vec3 color = f.own;
   if (!hasColors(op)) color = colorOf(v, f.value);
   return color;
 }
 
-// The surface as seen along d: both sides lit, or the one that its normal is on.
+// The surface as seen along d: both sides are lit, or only the one that its normal is on.
 FN Surface surfaceSeen(Surface seen, vec3 d, bool twoSided) {
   Surface f = seen;
   bool away = dot3(f.normal, d) > R(0.0);
   if (twoSided && away) f.normal = make_v3(-f.normal.x, -f.normal.y, -f.normal.z);
   if (dot3(f.normal, f.geometric) < R(0.0)) {
     f.geometric = make_v3(-f.geometric.x, -f.geometric.y, -f.geometric.z);
-    f.start = f.start ^ (1u << 20);  // on the side of higher values
+    f.start = f.start ^ (1u << 20);  // the ray starts on the side of higher values
   }
   return f;
 }

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // Watertight ray against triangle: Woop, Benthin, Wald, JCGT 2(1), 2013.
 //
-// The vertices are sheared into a frame in which the ray is the z axis; which side of an edge the ray passes
+// The vertices are sheared into a frame in which the ray is the z axis. Which side of an edge the ray passes
 // is then the sign of a 2-D cross product of two vertices, the same numbers for both triangles that share the
-// edge. Where rounding makes it 0 the paper goes on in double; here the sign comes from the exact rounding
+// edge. Where rounding makes it 0 the paper goes on in double. Here the sign comes from the exact rounding
 // errors of the two products (exact.h), so that the answer is that of exact arithmetic in every dialect: a
-// nonzero rounded difference of rounded products already has the exact sign, as rounding is monotone. A ray
-// that meets an edge or a vertex exactly is taken to pass beside it, always to the same side (Edelsbrunner and
-// Mucke, Simulation of simplicity, 1990): of the triangles that share it, it hits as many as a ray there, one
-// where they continue each other. Both sides of a triangle are hit. Vertex distances from the origin within
-// 1e12.
+// nonzero rounded difference of rounded products already has the exact sign, because rounding is monotone. A
+// ray that meets an edge or a vertex exactly is taken to pass beside it, always on the same side
+// (Edelsbrunner and Mucke, Simulation of simplicity, 1990). So it hits as many of the triangles that share it
+// as a ray there does: one, where they continue each other. Both sides of a triangle are hit. Vertex
+// distances from the origin are within 1e12.
 
 // ax by - ay bx, rounded, with the exact sign.
 FN real edgeSide(real ax, real ay, real bx, real by) {
@@ -20,10 +20,11 @@ FN real edgeSide(real ax, real ay, real bx, real by) {
   return d;
 }
 
-// edgeSide where it is 0: that of a ray at (e, e^2), for e as small as need be. 0 for an edge without length.
+// Replaces an edgeSide of 0 by that of a ray at (e, e^2), for e as small as need be. 0 for an edge without
+// length.
 FN real sideBeside(real ax, real ay, real bx, real by) { return ay != by ? ay - by : bx - ax; }
 
-// The components in cyclic order, that of index `last` at the end.
+// The components in cyclic order, with that of index `last` at the end.
 FN vec3 turned(vec3 v, int last) {
   real x = last == 0 ? v.y : (last == 1 ? v.z : v.x);
   real y = last == 0 ? v.z : (last == 1 ? v.x : v.y);
@@ -31,14 +32,14 @@ FN vec3 turned(vec3 v, int last) {
   return make_v3(x, y, z);
 }
 
-// A sheared coordinate; so small a one counts as 0 that the products below never underflow. Being a function
-// of the vertex and the ray alone, this opens no edge.
+// A sheared coordinate. Values so small that the products below could underflow count as 0. This depends only
+// on the vertex and the ray, so it opens no edge.
 FN real sheared(real along, real shear, real depth) {
   real s = along - shear * depth;
   return abs(s) < R(1e-12) ? R(0.0) : s;
 }
 
-// The frame in which a ray is the z axis, which `last` becomes.
+// The frame in which a ray is the z axis, which component `last` becomes.
 struct RayFrame {
   int last;
   real perDepth;
@@ -57,7 +58,7 @@ FN RayFrame frameOf(vec3 direction) {
   return f;
 }
 
-// hitTriangle of corners less the origin, turned.
+// hitTriangle with the corners relative to the origin, and turned.
 FN bool hitTurned(RayFrame f, vec3 pa, vec3 pb, vec3 pc, real tMin, OUT(real) t, OUT(real) weightB,
                   OUT(real) weightC) {
   real ax = sheared(pa.x, f.shearX, pa.z);

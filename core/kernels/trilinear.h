@@ -1,19 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
-// The trilinear cell, and the cubic that it is along a ray.
+// The trilinear cell, and the cubic that its value is along a ray.
 
 struct Corners {
   real v000, v100, v010, v110, v001, v101, v011, v111;  // digits: x, y, z
 };
 
-// Between a and b, exact at f = 0, at f = 1 and for a = b: two cells give their shared face the same value, and no value
-// leaves the range of the samples, so that a cell which is passed over by its range has no root through rounding.
+// Interpolates between a and b; exact at f = 0, at f = 1 and for a = b. So two cells give their shared face
+// the same value, and no value leaves the range of the samples. A cell that is skipped by its range thus has
+// no root through rounding.
 FN real mix1(real a, real b, real f) {
   real d = b - a;
   real fromA = a + f * d, fromB = b - (R(1.0) - f) * d;
   return f < R(0.5) ? fromA : fromB;
 }
 
-// Value at fractions f in [0,1]^3; on a face it is the bilinear of that face's corners, to the bit.
+// The value at fractions f in [0,1]^3; on a face it is the bilinear interpolation of that face's corners, to
+// the bit.
 FN real trilinear(Corners c, vec3 f) {
   real x00 = mix1(c.v000, c.v100, f.x);
   real x10 = mix1(c.v010, c.v110, f.x);
@@ -28,18 +30,19 @@ FN real minCorner(Corners c) {
 FN real maxCorner(Corners c) {
   return max(max(max(c.v000, c.v100), max(c.v010, c.v110)), max(max(c.v001, c.v101), max(c.v011, c.v111)));
 }
-// NaN or infinite corners make the cell "no data" (numerics.md section 2).
+// Whether all corners are finite; a cell with NaN or infinite corners has no data.
 FN bool holdsData(Corners c) {
   real s = ((c.v000 - c.v000) + (c.v100 - c.v100)) + ((c.v010 - c.v010) + (c.v110 - c.v110)) +
            (((c.v001 - c.v001) + (c.v101 - c.v101)) + ((c.v011 - c.v011) + (c.v111 - c.v111)));
   return s == R(0.0);
 }
 
-// The mean, exact where all are equal: on a plateau at the isovalue every coefficient is then exactly 0.
+// The mean, exact if all are equal: on a plateau at the isovalue every coefficient is then exactly 0.
 FN real mean3(real a, real b, real c) { return a + ((b - a) + (c - a)) * R(0.33333333333333333); }
 
-// The same cell of the values minus `offset`. Of values near the offset the difference is exact (Sterbenz 1974), and what is
-// made of the differences rounds as they do: samples of 300 K and an isovalue among them keep the digits behind the point.
+// The same cell with `offset` subtracted from the values. For values near the offset the difference is exact
+// (Sterbenz 1974), and what is computed from differences rounds in proportion to them. Samples around 300 K
+// with an isovalue among them keep their digits behind the point.
 FN Corners cornersMinus(Corners c, real offset) {
   Corners d;
   d.v000 = c.v000 - offset;
@@ -53,10 +56,11 @@ FN Corners cornersMinus(Corners c, real offset) {
   return d;
 }
 
-// Bernstein coefficients of the cell's values along the segment from fractions p to q: blossoms of the trilinear form.
-// They bound the cubic; the first and the last are its end values.
+// The Bernstein coefficients of the cell's values along the segment from fractions p to q: blossoms of the
+// trilinear form. They bound the cubic; the first and the last are its end values.
 FN vec4 bernsteinAlong(Corners c, vec3 p, vec3 q) {
-  // at the x of p, then of q: the four values on the edges along x, then at the y of p and of q
+  // Interpolates at the x of p and of q, which gives four values on the edges along x each; then at the y of
+  // p and of q.
   real p00 = mix1(c.v000, c.v100, p.x), p10 = mix1(c.v010, c.v110, p.x);
   real p01 = mix1(c.v001, c.v101, p.x), p11 = mix1(c.v011, c.v111, p.x);
   real q00 = mix1(c.v000, c.v100, q.x), q10 = mix1(c.v010, c.v110, q.x);

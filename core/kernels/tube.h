@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A segment of a path line as part of one body: what lies inside the segment before or after is no surface.
+// A segment of a path line as part of one body: what lies inside the segment before or after is not a
+// surface.
 
 // A round cone and the points at the far ends of its neighbours.
 struct Tube {
@@ -15,8 +16,9 @@ struct TubeHit {
 
 FN vec3 difference(vec3 a, vec3 b) { return make_v3(a.x - b.x, a.y - b.y, a.z - b.z); }
 
-// How deep p lies inside the round cone from a ball of radius `radius` at 0 to one of radius `farRadius` at `far`; x: the
-// place of the ball between them that is nearest, as a length from 0, not clamped (infinite where one holds the other).
+// The depth of p inside the round cone from a ball of radius `radius` at 0 to one of radius `farRadius` at
+// `far`. x: the place of the ball between them that is nearest, as a length from 0, not clamped; infinite
+// (NO_HIT) if one ball holds the other.
 FN real depthInCone(vec3 p, vec3 far, real radius, real farRadius, OUT(real) x) {
   real size = sqrt(dot3(far, far)), change = radius - farRadius;
   bool nested = size <= abs(change);
@@ -40,17 +42,18 @@ FN vec3 tubePoint(Tube s, TubeHit h) {
                  h.axial * ab.z + radius * h.normal.z);
 }
 
-// The ball at a joint is on both segments: it is a surface of the first of them, up to where the second's cone begins; within
-// rounding of there, of both, as a ray may meet the cone of the second as its ball.
+// Whether the hit lies inside a neighbour. The ball at a joint is on both segments. It is a surface of the
+// first of them, up to where the second one's cone begins. Within rounding of that place it is a surface of
+// both, because a ray may meet the cone of the second as its ball.
 FN bool insideNeighbour(Tube s, TubeHit h) {
   bool inside = false;
   vec3 p = tubePoint(s, h), ab = difference(s.b, s.a);
-  // what rounding may be off by: if more were let through, rays would cross both surfaces beside a joint
+  // The size of rounding errors. If more were let through, rays would cross both surfaces beside a joint.
   real slack = R(1e-6) * (max(s.radiusA, s.radiusB) + sqrt(dot3(ab, ab))), x;
   if (s.hasBefore) {
     real depth = depthInCone(p, difference(s.before, s.a), s.radiusA, s.radiusBefore, x);
     inside = depth > slack;
-    if (h.axial <= R(0.0)) {  // x along this segment
+    if (h.axial <= R(0.0)) {  // x is now a length along this segment
       depthInCone(p, ab, s.radiusA, s.radiusB, x);
       inside = inside || x < -slack;
     }
@@ -78,13 +81,14 @@ FN MetSegment noSegment() {
 
 FN bool same3(vec3 a, vec3 b) { return a.x == b.x && a.y == b.y && a.z == b.z; }
 
-// Whether the segment is the neighbour of one that was met.
+// Whether the segment is a neighbour of the one that was met.
 FN bool neighbourMet(Tube s, MetSegment met) {
   return (s.hasBefore && same3(met.a, s.before) && same3(met.b, s.a)) ||
          (s.hasAfter && same3(met.a, s.b) && same3(met.b, s.after));
 }
 
-// The first surface of the line with t > after on this segment. Where its neighbour was met at the same t, that was it.
+// The first surface of the line with t > after on this segment. If a neighbour was met at the same t, the two
+// are one surface, which is not met again.
 FN bool hitTube(Tube s, vec3 o, vec3 d, real after, MetSegment met, OUT(TubeHit) h) {
   bool hit = hitRoundCone(o, d, s.a, s.b, s.radiusA, s.radiusB, after, h.t, h.normal, h.axial);
   if (hit && (s.hasBefore || s.hasAfter)) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The kernels in C++ double, in namespace gxy::twin (the twin: isolates float rounding in tests).
+// The kernels in C++ with double, in namespace gxy::twin. Tests compare with this twin to isolate float
+// rounding.
 #pragma once
 #include <algorithm>
 #include <bit>

@@ -1,35 +1,38 @@
 // SPDX-License-Identifier: Apache-2.0
-// Emission and absorption along a ray through one structured volume (Max 1995; numerics.md section 3).
+// Emission and absorption along a ray through one structured volume (Max 1995; docs/numerics.md, "Methods").
 //
-// Segments follow each other along the ray, from where it enters the volume, comes out of macrocells in which nothing is
-// seen, or left a surface. Each is as long as the plan of the macrocell at its beginning says, or that at its end if
-// that is finer, and counts as what is seen at its middle (midpoint rule): between segments of equal length errors cancel.
-// Short ones go by twos of equal length, as one for all that follows. Where each begins is a function of the ray and the plan
-// alone. A partition evaluates those that *end* in (tIn, tOut], clipped at a hit, and hands the beginning of the one that does
-// not on with the ray: each is evaluated by exactly one partition, in the same order, with the same numbers.
+// Segments follow each other along the ray, from where it enters the volume, comes out of macrocells in which
+// nothing is seen, or has left a surface. Each is as long as the plan of the macrocell at its beginning says,
+// or that at its end if that is finer, and counts as what is seen at its middle (midpoint rule): between
+// segments of equal length errors cancel. Short segments go in pairs of equal length, and a pair counts as
+// one in all that follows. Where each segment begins depends only on the ray and the plan. A partition
+// evaluates the segments that *end* in (tIn, tOut], clipped at a hit. The beginning of a segment that ends
+// later is handed on with the ray. So each segment is evaluated by exactly one partition, in the same order,
+// with the same numbers.
 //
 // Each dialect supplies, for its VOLUME type,
 //   vec3 gridOrigin(v), gridInverse(v); ivec3 gridCells(v)    the global grid in render space
 //   Corners cellCorners(v, cell)                              samples of a cell of the local block
 //   int  planAt(v, index)        0: skip; else the step and the method of a macrocell of the block, see below
-//   bool someByCells(v)          whether any of them goes cell by cell
+//   bool someByCells(v)          whether any macrocell goes cell by cell
 
 #define MACRO_BITS 3
-// A plan: the length of a segment in units of 1 / PLAN_UNIT cells, above these bits. 0: nothing is seen there.
+// A plan has the length of a segment in units of 1 / PLAN_UNIT cells, above these bits. Plan 0: nothing is
+// seen there.
 #define PLAN_BITS 4
 #define PLAN_CELLS \
-  1  // cell by cell and pre-integrated, as some hold no data or the map is too steep; else midpoints
-// Above it, of what goes cell by cell: log2 of how many times as long segments are in cells whose values lie within one interval
-// of the map.
+  1  // cell by cell and pre-integrated, as cells lack data or the map is too steep; else midpoints
+// Above that bit, for what goes cell by cell: log2 of how many times as long segments are in cells whose
+// values lie within one interval of the map.
 #define PLAN_LONGER_BIT 1
 #define PLAN_MOST_LONGER 7
 #define PLAN_UNIT 65536
-// Cells from the beginning of a segment, at most, to where the plan behind it is looked up.
+// The most cells from the beginning of a segment to where the plan behind it is looked up.
 #define PLAN_REACH 3.9f
 
 struct VolumeRay {
   GridRay g;
-  real t0, t1;  // the ray inside the grid's box and the clip planes: a function of the whole ray
+  real t0, t1;  // where the ray is inside the grid's box and the clip planes; depends on the whole ray
   real cells;   // cells per unit of t, along the ray
 };
 
@@ -45,24 +48,25 @@ FN VolumeRay volumeRay(VOLUME v, vec3 o, vec3 d, real clip0, real clip1) {
 }
 
 FN real planStep(int plan) { return toReal(plan >> PLAN_BITS) * (R(1.0) / toReal(PLAN_UNIT)); }
-// The same in cells whose values lie within one interval of the map.
+// The same for cells whose values lie within one interval of the map.
 FN real planStepWithin(int plan) {
   return planStep(plan) * toReal(1 << ((plan >> PLAN_LONGER_BIT) & PLAN_MOST_LONGER));
 }
 FN bool byMidpoints(int plan) { return plan != 0 && (plan & PLAN_CELLS) == 0; }
 
-// The cell of the local block at p. Only rounding can put p outside the block: its ghosts reach as far as segments do.
+// The cell of the local block at p. Only rounding can put p outside the block, because its ghost layers reach
+// as far as segments do.
 FN ivec3 cellAt(VOLUME v, vec3 p) {
   return make_i3(toInt(clamp1(p.x, toReal(v.firstX), toReal(v.lastX - 1))),
                  toInt(clamp1(p.y, toReal(v.firstY), toReal(v.lastY - 1))),
                  toInt(clamp1(p.z, toReal(v.firstZ), toReal(v.lastZ - 1))));
 }
 
-// Where p is in cell c, to which it belongs but for what its own coordinates are rounded by.
+// The position of p in cell c. p lies in the cell up to the rounding of its coordinates.
 FN vec3 fractionOf(ivec3 c, vec3 p) {
   return make_v3(p.x - toReal(c.x), p.y - toReal(c.y), p.z - toReal(c.z));
 }
-// The same, within the cell.
+// The same, clamped to the cell.
 FN vec3 fractionIn(ivec3 c, vec3 p) {
   return make_v3(clamp1(p.x - toReal(c.x), R(0.0), R(1.0)), clamp1(p.y - toReal(c.y), R(0.0), R(1.0)),
                  clamp1(p.z - toReal(c.z), R(0.0), R(1.0)));
@@ -93,10 +97,10 @@ FN int macroAt(VOLUME v, vec3 p) {
 
 // A walk through the macrocells that a ray meets.
 struct MacroWalk {
-  int index;   // of the macrocell in the block
+  int index;   // index of the macrocell in the block
   vec3 plane;  // its exit planes, in cells
   vec3 far;    // t at which the ray crosses them
-  real t;      // where the ray entered it
+  real t;      // where the ray enters it
 };
 
 FN MacroWalk startMacroWalk(VOLUME v, VolumeRay r, real t) {
@@ -119,8 +123,8 @@ FN MacroWalk startMacroWalk(VOLUME v, VolumeRay r, real t) {
   return w;
 }
 
-// Moves to the next macrocell, crossing every plane whose crossing is at the exit. No branch: rays of a gang step at
-// different times.
+// Moves to the next macrocell, crossing every plane whose crossing is at the exit. It has no branches,
+// because rays of a gang step at different times.
 FN void stepMacroWalk(VOLUME v, VolumeRay r, INOUT(int) index, INOUT(vec3) plane, INOUT(vec3) far,
                       INOUT(real) t) {
   t = min3(far);
@@ -139,11 +143,11 @@ FN void stepMacroWalk(VOLUME v, VolumeRay r, INOUT(int) index, INOUT(vec3) plane
 
 struct Radiance {
   vec3 rgb;  // accumulated, premultiplied
-  real A;    // opacity, 1 - transmittance: a float near 1 would lose what thin segments take away
+  real A;    // opacity, 1 - transmittance; a transmittance near 1 would lose what thin segments take away
 };
 
-// A segment of optical depth tau and colour c. If less than tMin would go on behind it, it counts as opaque: what is
-// behind is taken to look the same, not to be black.
+// Adds a segment of optical depth tau and colour c. If less than tMin would be left behind it, it counts as
+// opaque: what is behind is taken to look the same, not to be black.
 FN void addSegment(INOUT(vec3) rgb, INOUT(real) A, real tau, vec3 c, real tMin) {
   real T = R(1.0) - A;
   real w = T * oneMinusExp(tau);
@@ -154,15 +158,16 @@ FN void addSegment(INOUT(vec3) rgb, INOUT(real) A, real tau, vec3 c, real tMin) 
   A += w;
 }
 
-// What bounds the work of one partition on one ray: segments that end in (tIn, tOut], from tStart (the ray's last
-// event) to tStop (a hit before tOut, or NO_HIT); ends early when T < tMin. Segments that begin before tOut and end before
-// tOwn, where the next partition begins in which anything is seen (tOut, if that is the next), are this partition's, too.
+// The bounds of the work of one partition on one ray: segments that end in (tIn, tOut], from tStart (the
+// ray's last event) to tStop (a hit before tOut, or NO_HIT). The march ends early when transmittance is below
+// tMin. Segments that begin before tOut and end before tOwn also belong to this partition; tOwn is where the
+// next partition begins in which anything is seen (tOut, if that is the next one).
 struct MarchRange {
   real tIn, tOut, tOwn, tStart, tStop, tMin;
 };
 
-// Samples; macrocells in which something was sampled, and those that were skipped; segments of cells of the others, gone through
-// cell by cell, in which the map shows nothing.
+// Counts of samples, of macrocells in which something was sampled, of macrocells that were skipped, and of
+// segments in which the map shows nothing, in macrocells that were integrated cell by cell.
 struct MarchCount {
   int samples, macrocells, skipped, segmentsSkipped;
 };
