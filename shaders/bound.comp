@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// Where each ray enters and leaves this partition; no hit yet.
+// Computes where each ray enters and leaves this partition, and sets its hit to none.
 #include "shaders/kernels.glsl"
 #include "shaders/rays.glsl"
 

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where a ray enters the boxes of a hierarchy.
+// The t at which a ray enters the boxes of a hierarchy.
 
-// 1 / d, and a large number where the ray never crosses a face.
+// 1 / d, or a large number if the ray never crosses a face.
 float perLength(float d) { return parallelTo(d) ? (d < 0.0 ? -1e37 : 1e37) : 1.0 / d; }
 
-// Where a ray enters a box, in which all hits of what lies there are; infinity if it does not before `nearest`. With the
-// direction's reciprocals, so wider than boxSpan's, by 16 roundings; leaf tests decide. No ray runs in a face: those of
-// primitives are moved out (primitive_bounds.h).
+// The t at which a ray enters a box that contains all hits of its primitives; infinity if it does not enter
+// it before `nearest`. It uses the direction's reciprocals, and is therefore wider than boxSpan, by 16
+// roundings; leaf tests decide. No ray runs in a face, because primitive_bounds.h moves the faces of
+// primitives outwards.
 float entryOf(vec3 lo, vec3 hi, vec3 o, vec3 rd, float nearest) {
   vec3 a = (lo - o) * rd, b = (hi - o) * rd;
   float enter = max1(max1(min1(a.x, b.x), min1(a.y, b.y)), max1(min1(a.z, b.z), 0.0));

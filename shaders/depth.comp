@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// How far from the eye, in render space, the centre rays of pixels first hit a surface.
+// Computes the distance from the eye, in render space, to the first hit of each pixel's centre ray.
 #include "shaders/kernels.glsl"
 #include "shaders/rays.glsl"
 

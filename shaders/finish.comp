@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// Where each traced ray goes: into its pixel, on behind a translucent surface, or to the next partition. And which are to be
-// shaded.
+// Decides where each traced ray goes: into its pixel, on behind a translucent surface, or to the next
+// partition. It also lists the rays that are to be shaded.
 #include "shaders/kernels.glsl"
 #include "shaders/rays.glsl"
 

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// How many workgroups the next stages take for a list whose length only the device knows. Behind a step that was cut
-// (rays.glsl) nothing is done until that has been resumed, for which the number of its own list stays.
+// Computes how many workgroups the next stages need for a list whose length only the device knows. After a
+// step that was cut (rays.glsl) nothing is done until that step has been resumed; the number of workgroups of
+// its own list must stay until then.
 #include "shaders/kernels.glsl"
 #include "shaders/rays.glsl"
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// Emission and absorption through the one volume that a scene renders.
+// Emission and absorption through the only volume that a scene renders.
 #include "shaders/kernels.glsl"
 #include "shaders/rays.glsl"
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// The nearest isosurface of one operator.
+// Finds each ray's nearest hit with the isosurfaces of one operator.
 #include "shaders/kernels.glsl"
 #include "shaders/rays.glsl"
 
@@ -19,7 +19,7 @@ void main() {
   int cells = 0, skipped = 0;
   RaySlice slice = marchSlice();
   NearestHit nearest = givenHit();
-  bool blocked = GIVEN(A) >= 1.0;  // nothing to find
+  bool blocked = GIVEN(A) >= 1.0;  // a blocked ray has nothing to find
   float tLast = behindLast(lastHit(), op, ISOSURFACES);
   IsoHit hit = hitIsosurface(v, rayOrigin(), rayDirection(), slice.from, blocked ? -1.0 : slice.to, tLast, nearest.t, start, cells,
                              skipped);

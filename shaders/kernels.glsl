@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What every stage starts with: core/kernels, and the buffers that it reads.
+// Included by every stage: core/kernels, and the buffers that a stage reads.
 #extension GL_EXT_buffer_reference2 : require
 #extension GL_EXT_shader_explicit_arithmetic_types_int64 : require
 #extension GL_KHR_shader_subgroup_arithmetic : require
@@ -43,7 +43,7 @@ layout(std430, set = SCENE_SET, binding = ADDRESSES_BINDING) readonly buffer Add
 layout(buffer_reference, std430, buffer_reference_align = 4) readonly buffer Words { uint word[]; };
 layout(buffer_reference, std430, buffer_reference_align = 16) readonly buffer Quads { uvec4 quad[]; };
 
-// Word i of quads, of which `quad` is the one that has it.
+// Word i of an array of quads (four words each), of which `quad` is the one that has it.
 uint wordOf(uvec4 quad, uint i) {
   bool odd = (i & 1u) != 0u;
   return (i & 2u) != 0u ? (odd ? quad.w : quad.z) : (odd ? quad.y : quad.x);
@@ -60,7 +60,7 @@ uint tableWord(uint i) {
   return value;
 }
 float tableReal(uint i) { return uintBitsToFloat(tableWord(i)); }
-// Words i to i + 3, i a multiple of 4.
+// Words i to i + 3, where i is a multiple of 4.
 uvec4 tableQuad(uint i) {
   uvec4 value;
   if ((ADDRESSED & ADDRESSED_TABLES) != 0)
@@ -100,7 +100,7 @@ uvec4 geometryQuad(uint i) {
 }
 float geometryReal(uint i) { return uintBitsToFloat(geometryWord(i)); }
 
-#define locateCell locateCellByLoops  // grid.h's; volume_fetch.glsl has one that every lane can afford
+#define locateCell locateCellByLoops  // renames grid.h's; volume_fetch.glsl has one without loops
 #include "core/kernels/cells.h"
 #include "shaders/volume_fetch.glsl"
 #include "core/kernels/fields.h"

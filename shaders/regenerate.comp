@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// Origin and direction of primaries that came over the wire.
+// Regenerates origin and direction of primaries that came over the wire.
 #include "shaders/kernels.glsl"
 #include "shaders/rays.glsl"
 

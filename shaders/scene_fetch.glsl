@@ -15,8 +15,9 @@ layout(std430, set = FRAME_SET, binding = FRAME_BINDING) readonly buffer FrameBu
   float lightValues[];
 };
 
-// What all invocations read alike, main()s read before any of them returns, and so does this: Mesa's software device then
-// reads each word once, else once for each invocation. What a stage does not use is not read.
+// What all invocations read alike is read here and in main() before any of them returns. Mesa's software
+// device then reads each word once, otherwise once for each invocation. Parts that a stage does not use are
+// not read.
 SceneView theScene = sceneBuffer;
 #define READ_OPERATOR(k)                   \
   OperatorView operator##k = operators[k]; \

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// What the hits of primaries (finish.comp's list of them) mean for the picture: what they give to their pixels, and the secondary rays that take away
-// what is blocked, each with the partition that it starts in.
+// Shades the hits of primaries (the list that finish.comp makes): what they add to their pixels, and the
+// secondary rays that take away what is blocked, each with the partition that it starts in.
 #include "shaders/kernels.glsl"
 #include "shaders/rays.glsl"
 
@@ -41,10 +41,11 @@ Surface surfaceHit(int op, VolumeView v, vec3 o, vec3 d) {
   RAY_OF(list, i, sb) = share.b;                                                         \
   RAY_OF(list, i, packet) = GIVEN(packet);
 
-// To the list of those that start here, which is traced next without going through the host, or of those that leave.
+// Adds a secondary ray to the list of rays that start here, which is traced next without the host, or to the
+// list of rays that leave.
 void addSecondary(SceneView s, Share share, int kind, vec3 from, uint startBits, uint start) {
   int next = firstPartition(s, from, share.toward, min(domainExit(s, from, share.toward), share.reach));
-  if (next < 0) return;  // it leaves the visible domain at once
+  if (next < 0) return;  // the ray leaves the visible domain at once
   countUp(COUNT_MADE, 1u);
   if (next == push[PUSH_PARTITION]) {
     uint i = takePlace(COUNT_HERE);

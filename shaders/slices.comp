@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// The nearest slice of one operator.
+// Finds each ray's nearest hit with the slices of one operator.
 #include "shaders/kernels.glsl"
 #include "shaders/rays.glsl"
 
@@ -16,8 +16,9 @@ void main() {
   NearestHit nearest = givenHit();
   LastHit last = lastHit();
   for (int k = 0; k < view.slices; k++) {
-    bool mine = RAY_START(GIVEN(info)) == START_SLICE && GIVEN(start) == uint((op << 16) | k);  // a line meets a plane once
-    if (!mine && GIVEN(A) < 1.0) {  // not blocked yet
+    // A ray that starts on this slice cannot meet it again.
+    bool mine = RAY_START(GIVEN(info)) == START_SLICE && GIVEN(start) == uint((op << 16) | k);
+    if (!mine && GIVEN(A) < 1.0) {  // the ray is not blocked yet
       float offset = tableReal(view.slice + 4u * uint(k) + 3u);
       float tLast = behindLast(last, op, uint(k));
       float t = hitSlice(v, ray, o, d, sliceNormal(view, uint(k)), offset, GIVEN(tIn), tOut, tLast);

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// The primary rays of tiles: to the list that is traced next where they start in this partition, else, where they start in
-// another of this rank, to that of rays that leave. Before anything is drawn, the tiles are where contributions will be: x0, y0,
-// x1, y1, sample of each.
+// Makes the primary rays of tiles. Rays that start in this partition go to the list that is traced next; rays
+// that start in another partition of this rank go to the list of rays that leave. The tiles (x0, y0, x1, y1,
+// sample of each) lie where contributions are written later.
 #include "shaders/kernels.glsl"
 #include "shaders/rays.glsl"
 

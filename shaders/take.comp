@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// Rays that the device has kept: into the list that is traced.
+// Copies rays that the device has kept into the list that is traced.
 #include "shaders/kernels.glsl"
 #include "shaders/rays.glsl"
 

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// How GLSL reads a VolumeView (core/kernels/volume_view.h): its arrays are places in the scene's tables and samples.
+// How GLSL reads a VolumeView (core/kernels/volume_view.h). Its arrays are places in the scene's tables and
+// samples.
 
-// What grid.h's locateCell gives, without loops, which software devices run masked in every round of a march and count
-// (resumable.glsl): inside the grid its estimate is off by one at most.
+// Gives the result of grid.h's locateCell without loops. Software devices would run those masked in every
+// round of a march, and count them (wasCutShort in resumable.glsl). Inside the grid the estimate is off by one at most.
 #undef locateCell
 int locateCell(real t, real po, real pd, real rpd, int n) {
   int i = toInt(clamp1(floor(po + t * pd), 0.0, toReal(n - 1)));
@@ -23,8 +24,9 @@ real isovalueAt(VOLUME v, int i) { return tableReal(v.isovalue + uint(i)); }
 real clipValue(VOLUME v, int i) { return tableReal(v.clip + uint(i)); }
 bool holdsSamples(VOLUME v) { return v.samples != 0u; }
 
-// The rows (VolumeView) of the one map that a stage looks at, read ahead if it has few intervals (MAP_AHEAD): a device that
-// fetches lane by lane picks nodes from eight registers sooner than it fetches them, and pieces from four.
+// The rows (VolumeView::rows) of the only map that a stage reads, read ahead if it has few intervals
+// (MAP_AHEAD). A device that fetches lane by lane picks a node from eight registers faster than it fetches
+// one, and a piece from four.
 struct MapRow {
   vec4 low, high;
 };
@@ -85,11 +87,11 @@ MapPiece mapPiece(VOLUME v, int k) {
   }
   return m;
 }
-// Without a loop, of which Mesa's software device allows few (resumable.glsl).
+// It has no loop, because Mesa's software device allows few rounds of loops (wasCutShort in resumable.glsl).
 int mapNodesUpTo(VOLUME v, real s) {
   int k;
   if (MAP_AHEAD > 0) {
-    vec4 low = mapRows[0].low, high = mapRows[0].high;  // filled up with infinities
+    vec4 low = mapRows[0].low, high = mapRows[0].high;  // padded with infinities
     k = int(s >= low.y) + int(s >= low.z) + int(s >= low.w);
     if (MAP_AHEAD > 4) k += int(s >= high.x) + int(s >= high.y) + int(s >= high.z) + int(s >= high.w);
   } else {
@@ -114,7 +116,7 @@ MapSum mapSum(VOLUME v, int k) {
 
 int sampleKindOf(VOLUME v) { return SAMPLE_KIND >= 0 ? SAMPLE_KIND : v.kind; }
 
-// Number i of the block, whatever its type.
+// The number i of the block, of any stored type.
 real storedAt(VOLUME v, uint i) {
   real value;
   if (sampleKindOf(v) == SAMPLE_F32) {
@@ -138,8 +140,9 @@ uint pointPlace(VOLUME v, ivec3 p) {
   return BRICK_PLACE(x, 512u, 1u) + BRICK_PLACE(y, uint(v.brickRow), 8u) + BRICK_PLACE(z, uint(v.brickLayer), 64u);
 }
 
-// The eight corner values of a cell that the block holds: numbers of their own, or of several components one or the magnitude of
-// all. Components are read in one loop, as devices compile what is in it as often as it is there.
+// The eight corner values of a cell that the block holds: the only component, one of several, or the
+// magnitude of all. Components are read in one loop, because devices compile code once for each place where
+// it occurs.
 Corners cellCorners(VOLUME v, ivec3 c) {
   uint x = uint(BRICK_STEP(c.x - v.firstX, 512, 1)), y = uint(BRICK_STEP(c.y - v.firstY, v.brickRow, 8));
   uint b = pointPlace(v, c);
