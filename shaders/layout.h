@@ -16,11 +16,11 @@
 #define SPEC_SURFACES 3     // bits SURFACE_*: surfaces to shade, or to hit
 #define SPEC_ANY_HIT 4      // whether rays only ask if geometry is in their way
 #define SPEC_BY_CELLS 5     // whether some plans go cell by cell
-#define SPEC_LIMITED 6      // whether the device ends an invocation's loops after some rounds (resumable.glsl)
-#define SPEC_MAP_KIND 7     // MAP_KIND_* of all maps; -1: they differ
-#define SPEC_OPERATORS 8    // number of operators: 1, FEW_OPERATORS (that or fewer), or 0 (any number)
-#define SPEC_ROUTES 9       // bits ROUTE_*: where rays may go besides ending in their pixels
-#define SPEC_MAP_AHEAD 10   // 4 or 8: the only map has at most this many intervals and is read ahead; else 0
+#define SPEC_LIMITED 6     // whether the device ends an invocation's loops after some rounds (resumable.glsl)
+#define SPEC_MAP_KIND 7    // MAP_KIND_* of all maps; -1: they differ
+#define SPEC_OPERATORS 8   // number of operators: 1, FEW_OPERATORS (that or fewer), or 0 (any number)
+#define SPEC_ROUTES 9      // bits ROUTE_*: where rays may go besides ending in their pixels
+#define SPEC_MAP_AHEAD 10  // 4 or 8: the only map has at most this many intervals and is read ahead; else 0
 
 #define FEW_OPERATORS 4
 

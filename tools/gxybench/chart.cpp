@@ -28,7 +28,7 @@
 namespace gxy::bench {
 namespace {
 
-/// Distinct also for the colour-blind (Okabe and Ito).
+/// Colours that the colour-blind can tell apart, too (Okabe and Ito).
 constexpr std::array<std::array<unsigned char, 3>, 7> kColors{
     {{0, 114, 178}, {213, 94, 0}, {0, 158, 115}, {204, 121, 167}, {86, 180, 233}, {230, 159, 0}, {0, 0, 0}}};
 constexpr std::array kMarkers{vtkPlotPoints::CIRCLE, vtkPlotPoints::SQUARE, vtkPlotPoints::DIAMOND,
@@ -36,14 +36,14 @@ constexpr std::array kMarkers{vtkPlotPoints::CIRCLE, vtkPlotPoints::SQUARE, vtkP
 
 bool drawable(double v) { return v > 0 && std::isfinite(v); }
 
-/// Takes the logarithms itself, and to about pixels: VTK's SVG stretches markers and dashes as it does the
-/// axes.
+/// An axis that takes the logarithms itself and scales them to about pixels, because VTK's SVG stretches
+/// markers and dashes as it does the axes.
 struct Axis {
   double low = INFINITY, high = 0, pixels = 1;
 
   void extend(double v) { low = std::min(low, v), high = std::max(high, v); }
-  /// Leaves a margin around what it was extended by, a decade at least in all, and room for `covered` pixels
-  /// more.
+  /// Leaves a margin around the values that it was extended by, so that it covers a decade at least, and room
+  /// for `covered` pixels more.
   void finish(double length, double covered) {
     if (high == 0) low = 0.1, high = 1;
     const double margin = std::max(1.4, std::sqrt(10 * low / high));
@@ -69,7 +69,7 @@ vtkSmartPointer<vtkTable> tableOf(const Curve& curve, const Axis& xAxis, const A
   return table;
 }
 
-/// Ticks at powers of ten, and at 2 and 5 between them where there are few.
+/// Puts ticks at powers of ten, and at 2 and 5 between them if there are few.
 void setAxis(vtkAxis* axis, const Axis& range, const std::string& title) {
   const bool few = range.high / range.low < 300;
   const vtkNew<vtkDoubleArray> places;
@@ -108,14 +108,14 @@ void addLine(vtkChartXY* chart, vtkTable* table) {
   plot->GetPen()->SetLineType(vtkPen::DASH_LINE);
 }
 
-/// VTK's clip rectangles are meant in coordinates before a group's transform, SVG's are in those behind it.
-/// Nothing reaches beyond the axes here, so they can go.
+/// Removes clip rectangles. VTK means them in coordinates before a group's transform, SVG in those behind it.
+/// Nothing reaches beyond the axes here.
 void removeClips(vtkXMLDataElement* element) {
   element->RemoveAttribute("clip-path");
   for (int i = 0; i < element->GetNumberOfNestedElements(); i++) removeClips(element->GetNestedElement(i));
 }
 
-/// Draws the scene into an SVG document. VTK's own exporter wants a render window, and with it a display.
+/// Draws the scene into an SVG document. VTK's own exporter needs a render window, and with it a display.
 std::string svgOf(vtkContextScene* scene, int width, int height) {
   const vtkNew<vtkXMLDataElement> root, definitions, drawing;
   root->SetName("svg");
@@ -126,14 +126,14 @@ std::string svgOf(vtkContextScene* scene, int width, int height) {
   root->SetIntAttribute("height", height);
   definitions->SetName("defs");
   drawing->SetName("g");
-  drawing->SetAttribute("fill", "none");  // of what VTK draws as lines only
+  drawing->SetAttribute("fill", "none");  // for what VTK draws only as lines
   root->AddNestedElement(definitions);
   root->AddNestedElement(drawing);
 
   const vtkNew<vtkSVGContextDevice2D> device;
   device->SetSVGContext(drawing, definitions);
-  // asked for its size and resolution only; this kind of window opens no display and no OpenGL context by
-  // itself
+  // The window is asked only for its size and resolution. This kind of window opens no display and no OpenGL
+  // context by itself.
   const vtkNew<vtkGenericOpenGLRenderWindow> window;
   const vtkNew<vtkRenderer> renderer;
   window->SetSize(width, height);
@@ -159,7 +159,7 @@ void writeChart(const std::string& path, const Chart& what) {
       if (drawable(curve.x[i]) && drawable(curve.y[i])) x.extend(curve.x[i]), y.extend(curve.y[i]);
   if (what.line > 0) y.extend(what.line);
   const double legend = 12 + 17 * double(what.curves.size() + 1);
-  x.finish(what.width - 80, 0);  // about what titles and labels leave
+  x.finish(what.width - 80, 0);  // about the width that titles and labels leave
   y.finish(what.height - 60, std::min(legend, 0.4 * what.height));
 
   const vtkNew<vtkChartXY> chart;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Charts with logarithmic axes, as SVG, by VTK. Needs no display and no OpenGL.
+// Charts with logarithmic axes, written by VTK as SVG. They need no display and no OpenGL.
 #pragma once
 #include <string>
 #include <vector>
@@ -15,11 +15,12 @@ struct Chart {
   std::string title, xLabel, yLabel;
   std::vector<Curve> curves;
   double line = 0;            ///< a horizontal line there, unless 0
-  std::string lineName = {};  ///< in the legend
+  std::string lineName = {};  ///< name of the line in the legend
   int width = 620, height = 460;
 };
 
-/// Throws Error when the file cannot be written. Points that are not positive and finite are left out.
+/// Writes a chart to a file. Points that are not positive and finite are left out. Throws Error when the file
+/// cannot be written.
 void writeChart(const std::string& path, const Chart& chart);
 
 }  // namespace gxy::bench

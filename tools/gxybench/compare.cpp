@@ -11,8 +11,8 @@ namespace gxy::bench {
 namespace {
 
 constexpr double kScatterOfOne = 0.25;
-constexpr double kMoreFlips = 1e-3;  // of the pixels
-constexpr double kMostOff = 1e-4;    // cells between a hit and the exact root that are not looked at
+constexpr double kMoreFlips = 1e-3;  // part of the pixels; more flips are a remark
+constexpr double kMostOff = 1e-4;    // cells; smaller distances between a hit and the exact root are ignored
 constexpr double kMoreError = 1.5, kLeastError = 1e-6;
 
 struct Point {
@@ -21,7 +21,7 @@ struct Point {
 
 double timeOf(const Row& r, const CurveAxes& axes) { return axes.wall ? r.wall : r.cpu; }
 
-/// Settings that no other is better than in both time and error: error falls as time rises.
+/// The settings that no other is better than in both time and error; error falls as time rises.
 std::vector<Point> front(const std::vector<Row>& rows, const CurveAxes& axes) {
   std::vector<Point> all, best;
   for (const Row& r : rows)
@@ -41,8 +41,8 @@ double timeFor(const std::vector<Point>& curve, double error) {
   return a.time * std::pow(b.time / a.time, f);
 }
 
-/// How far repeats scatter about their median: root mean square over the settings, relative. A single frame
-/// says nothing of that, and is taken to scatter widely.
+/// The relative scatter of repeats about their median: root mean square over the settings. A single frame
+/// says nothing about that, and is taken to scatter widely.
 double scatter(const std::vector<Row>& rows, const CurveAxes& axes) {
   double sum = 0;
   for (const Row& r : rows) {
@@ -84,7 +84,7 @@ Ratios atEqualError(const std::vector<Point>& older, const std::vector<Point>& n
 
 void append(std::string& text, const std::string& more) { text += (text.empty() ? "" : "; ") + more; }
 
-/// What has become worse at one setting besides its time.
+/// Adds what has become worse at one setting besides its time.
 void addRemarks(const Row& older, const Row& newer, std::string& remark) {
   const int64_t before = older.missed + older.extra + older.wrongSheet;
   const int64_t now = newer.missed + newer.extra + newer.wrongSheet;
@@ -117,7 +117,7 @@ Change changeOf(const std::vector<Row>& older, const std::vector<Row>& newer, co
       }
   change.atSettings = times.mean() == 0;
   if (change.atSettings) times = settings;
-  // where there is no curve to trade error for time along, error must not grow by itself
+  // Without a curve along which time could be traded for error, the error must not grow by itself.
   if (change.atSettings && growth > kMoreError)
     append(change.remark, "error " + std::to_string(growth).substr(0, 5) + " times as large");
   change.ratio = times.mean(), change.least = times.least, change.most = times.most;

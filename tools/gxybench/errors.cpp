@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kMiss = 1e30;
 
-/// One picture against the truth, pixel by pixel.
+/// Compares a picture with the truth, pixel by pixel.
 class Comparison {
  public:
   Comparison(const Truth& truth, const Picture& picture, double tolerance)
@@ -49,13 +49,13 @@ class Comparison {
   double tolerance_;
 };
 
-/// Of the hits that are where they should be, in cells.
+/// Distances of hits from the true ones, in cells, where they are on the same sheet.
 struct Distances {
   double squares = 0;
   int64_t count = 0;
 };
 
-/// What the hit of pixel p is; true where the difference is a flip.
+/// Compares the hit of pixel p. Returns true if the difference is a flip.
 bool compareHit(const Truth& truth, const Picture& picture, const Comparison& comparison, size_t p, Row& row,
                 Distances& distances) {
   const bool mine = picture.depth[p] < kMiss, theirs = truth.depth[p] < kMiss;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How far a picture is from the truth.
+// The errors of a picture against the truth.
 #pragma once
 #include <vector>
 
@@ -8,16 +8,16 @@
 
 namespace gxy::bench {
 
-/// What the reference renderer shows of a state's first visualization and camera, in front of the background.
-/// Scenes with surfaces also have the range that each pixel takes while the rays are moved by some ulp of
-/// float: pixels where that range is wide are flips (docs/architecture.md, promise 3). In scenes without surfaces
+/// The reference renderer's picture of a state's first visualization and camera, in front of the background.
+/// For scenes with surfaces it also has the range that each pixel takes while the rays are moved by some ulps
+/// of float. Pixels with a wide range are flips (docs/architecture.md, promise 3). In scenes without surfaces
 /// no pixel is a flip.
 struct Truth {
   int width = 0, height = 0;
   std::vector<float> rgb;        ///< 3 a pixel, rows bottom to top
   std::vector<float> low, high;  ///< of rgb; empty without surfaces
-  std::vector<double> depth, nearest,
-      farthest;     ///< world units, 1e30 for a miss; the last two empty without surfaces
+  /// World units, 1e30 for a miss. `nearest` and `farthest` are the range of `depth`, empty without surfaces.
+  std::vector<double> depth, nearest, farthest;
   double cell = 0;  ///< smallest spacing of the first volume, world units; 0 where there is none
   bool operator==(const Truth&) const = default;
 };

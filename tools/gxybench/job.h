@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the program and its workers say to each other; for their sources only.
+// Messages between the program and its workers. Only for the sources of these.
 #pragma once
 #include <nlohmann/json.hpp>
 #include <string>
@@ -8,10 +8,10 @@
 
 namespace gxy::bench {
 
-/// Before a worker's JSON; other lines are passed on.
+/// Stands before a worker's JSON; other lines of its output are passed on.
 inline constexpr const char* kLineMark = "gxybench-measured ";
 
-/// Pictures of setting i: float RGBA and double depth, as they are in memory.
+/// The prefix of the files with the picture of setting i: float RGBA and double depth, as they are in memory.
 inline std::string pictureFile(const Job& job, size_t i) { return job.pictures + std::to_string(i); }
 
 nlohmann::json toJson(const Job& job);

@@ -59,7 +59,8 @@ std::vector<Scene> chosenScenes(const Options& o) {
   return chosen;
 }
 
-/// Progress on standard error: what lasts in place on a terminal, what is done line by line.
+/// Writes progress to standard error: on a terminal the present step is overwritten in place, and each
+/// finished step gets a line.
 class Speaker {
  public:
   explicit Speaker(bool quiet) : quiet_(quiet), terminal_(!quiet && ::isatty(STDERR_FILENO) == 1) {}
@@ -86,8 +87,8 @@ std::string summary(const Row& r) {
   return out;
 }
 
-/// The folder for pictures on their way from the workers; gone with the object. What an interrupted run has
-/// left in it goes with the next.
+/// The folder for pictures on their way from the workers. It is removed with the object; what an interrupted
+/// run has left in it is removed by the next run.
 class Scratch {
  public:
   explicit Scratch(const std::string& parent) : path_(std::filesystem::absolute(parent) / ".working") {

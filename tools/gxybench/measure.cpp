@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The side of the workers' parent.
+// The process that starts the workers and reads what they measure.
 #include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -17,7 +17,8 @@
 namespace gxy::bench {
 namespace {
 
-/// Runs a program to its end, its standard output read line by line. Ends with this process.
+/// Runs a program to its end, and calls `onLine` for each line of its standard output. The program ends with
+/// this process.
 int run(const std::vector<std::string>& command, const std::function<void(const std::string&)>& onLine) {
   std::vector<char*> arguments;
   for (const std::string& a : command) arguments.push_back(const_cast<char*>(a.c_str()));
@@ -36,7 +37,7 @@ int run(const std::vector<std::string>& command, const std::function<void(const 
     ::_exit(127);
   }
   ::close(ends[1]);
-  // ended with the function, however it ends
+  // The child ends with this function, however that ends.
   const auto reap = [child](const int* input) {
     ::close(*input);
     ::kill(child, SIGTERM);

@@ -19,7 +19,7 @@ constexpr const char* kExamples = R"(Examples:
   gxybench compare before/results.csv after/results.csv
 Exit status: 0 done, 1 failed (compare --fail: something is slower or worse), 2 wrong usage.)";
 
-/// "1/512" or "0.5".
+/// The number in "1/512" or "0.5"; nothing for other texts.
 std::optional<double> numberIn(const std::string& text) {
   const auto plain = [](std::string_view part) -> std::optional<double> {
     double x = 0;
@@ -54,7 +54,7 @@ void addLadder(CLI::App& app, const char* name, std::vector<double>& values, dou
       ->delimiter(',');
 }
 
-/// Where references and data stay between runs.
+/// The folder where references and data stay between runs.
 std::string userCache() {
   const char* xdg = std::getenv("XDG_CACHE_HOME");
   const char* home = std::getenv("HOME");
@@ -62,7 +62,7 @@ std::string userCache() {
   return home && *home ? std::string(home) + "/.cache/galaxy/gxybench" : "gxybench-cache";
 }
 
-/// The script of the source tree that this program was built in, else the one on the PATH.
+/// The script tools/galaxy of the source tree that this program was built in, otherwise the one on the PATH.
 std::string galaxyRun() {
   std::error_code none;
   const auto program = std::filesystem::read_symlink("/proc/self/exe", none);
@@ -115,7 +115,7 @@ void addOthers(CLI::App& app, Options& o) {
       ->capture_default_str();
   compare->add_flag("--fail", o.fail, "Exit with 1 if a curve is slower beyond noise, less exact or missing");
   compare->callback([&] { o.command = Options::Command::Compare; });
-  CLI::App* work = app.add_subcommand("work", "")->group("");  // what gxybench starts
+  CLI::App* work = app.add_subcommand("work", "")->group("");  // for the workers that gxybench starts
   work->add_option("JOB", o.jobFile)->required();
   work->callback([&] { o.command = Options::Command::Work; });
 }

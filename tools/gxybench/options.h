@@ -22,7 +22,7 @@ struct Options {
   std::vector<int> ranks{1};
   std::optional<std::array<int, 2>> size;
   Ladders ladders;
-  int repeats = 0;  ///< never 0 once parsed
+  int repeats = 0;  ///< never 0 after parsing
   int threads = 0;
   std::string out = "bench", cache, launcher;
   bool quiet = false;
@@ -36,7 +36,8 @@ struct Options {
   std::string jobFile;
 };
 
-/// The exit code to end with at once (0 after --help, 2 for wrong usage), or nothing. Prints help and errors.
+/// Parses the command line, and prints help and errors. Returns the exit code if the program is to end at
+/// once (0 after --help, 2 for wrong usage), otherwise nothing.
 std::optional<int> parseOptions(int argc, char** argv, Options& options);
 
 }  // namespace gxy::bench

@@ -27,7 +27,7 @@ std::string escaped(const std::string& text) {
   return out;
 }
 
-/// The processor's name, as the system tells it.
+/// The processor's name as the system reports it.
 std::string processor() {
   std::ifstream in("/proc/cpuinfo");
   for (std::string line; std::getline(in, line);)

@@ -15,7 +15,7 @@ namespace {
 
 using data_tool::Field;
 
-constexpr double kReferenceLength = 1.0 / 128;  // of the maps below: a cell of 256^3 points on [-1, 1]^3
+constexpr double kReferenceLength = 1.0 / 128;  // for the maps below: a cell of 256^3 points on [-1, 1]^3
 
 /// Sizes of the data and the picture.
 struct Sizes {
@@ -48,7 +48,7 @@ Field smoothField() {
           }};
 }
 
-/// From the camera of the peers' scenes (an orbit about the origin, view 0).
+/// The camera of the scenes on which peers are compared: view 0 of an orbit about the origin.
 Camera orbitCamera(int pixels) {
   const double distance = 4.4, elevation = 20 * std::numbers::pi / 180, azimuth = 0.3;
   Camera camera;

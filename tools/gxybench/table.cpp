@@ -17,7 +17,7 @@ std::string quoted(const std::string& text) {
   return out + '"';
 }
 
-/// The shortest digits that read back as the same number.
+/// The shortest text that reads back as the same number.
 template <class Number>
 std::string asText(Number x) {
   char digits[32];

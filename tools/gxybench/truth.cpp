@@ -16,7 +16,7 @@
 namespace gxy::bench {
 namespace {
 
-// Changes with what the reference means or the file holds.
+// Must be changed with the meaning of the reference or the format of the file.
 constexpr const char* kFormat = "gxybench truth 3\n";
 constexpr double kPerturbation = 8;  // ulps of float
 constexpr int kPerturbations = 24;
@@ -96,7 +96,7 @@ void forEachPart(Stream& truth, Do what) {
   what(truth.depth), what(truth.nearest), what(truth.farthest);
 }
 
-/// Written beside its place and moved there, so that an interrupted run leaves no half of a file.
+/// Writes the file beside its place and moves it there, so that an interrupted run leaves no partial file.
 void store(const Truth& truth, const std::string& path) {
   const std::string partial = path + "." + std::to_string(::getpid());
   {
@@ -112,7 +112,7 @@ void store(const Truth& truth, const std::string& path) {
   std::filesystem::rename(partial, path);
 }
 
-/// False where there is none, or none that is whole.
+/// Reads a truth. Returns false if there is no file or it is not complete.
 bool load(const std::string& path, size_t pixels, Truth& truth) {
   std::ifstream in(path, std::ios::binary);
   std::string format;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The reference picture of a scene, kept on disk.
+// The reference picture of a scene, which is kept on disk.
 #pragma once
 #include <functional>
 #include <string>
@@ -11,8 +11,9 @@ namespace gxy::bench {
 
 using Progress = std::function<void(double)>;  ///< the fraction done
 
-/// The truth of a state whose files are relative to `directory`, from the folder `cache` if it was rendered
-/// before. It is found by the content of data, visualization and camera; tolerance and step do not matter.
+/// Returns the truth of a state whose files are relative to `directory`, from the folder `cache` if it was
+/// rendered before. It is found by the content of data, visualization and camera; tolerance and step do not
+/// matter.
 Truth truthOf(const State& state, const std::string& directory, const std::string& cache,
               const Progress& progress);
 

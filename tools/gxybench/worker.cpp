@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The workers' side: loads once, then compiles and renders each setting.
+// The workers: they load once, then compile and render each setting.
 #include "tools/gxybench/worker.h"
 
 #include <algorithm>
@@ -23,7 +23,7 @@
 namespace gxy::bench {
 namespace {
 
-constexpr uint64_t kRunKey = 1;  // of this run's collectives
+constexpr uint64_t kRunKey = 1;  // key of this run's collectives
 constexpr int kMostRepeats = 25;
 
 template <class T>
@@ -33,7 +33,7 @@ void writeTo(const std::string& path, std::span<const T> values) {
   if (!out.flush()) throw Error(path + ": cannot be written");
 }
 
-/// From now on the process's peak is counted anew, where the system allows it.
+/// Resets the process's peak memory, if the system allows it.
 void forgetPeakMemory() { std::ofstream("/proc/self/clear_refs") << "5"; }
 
 double median(std::vector<double> v) {
@@ -53,7 +53,7 @@ nlohmann::json jsonOf(const Bytes& b) {
   return nlohmann::json::parse(std::string(reinterpret_cast<const char*>(b.data()), b.size()));
 }
 
-/// What counts of a rank, since its start.
+/// The counters of a rank that are reported, since its start.
 nlohmann::json countersOf(const Renderer& renderer) {
   const Renderer::Counters c = renderer.counters();
   return {{"samples", c.trace.samples},
@@ -95,7 +95,7 @@ class Worker {
     renderer_.addScene(i, scene, device);
     collective_.barrier(kRunKey);
 
-    // the first frame warms up, and is the one whose picture is looked at
+    // The first frame warms up. Its picture is the one that is compared.
     std::optional<std::string> error;
     renderer_.onPicture([&](FrameId, const FrameRequest&, Picture picture) {
       try {
@@ -121,7 +121,8 @@ class Worker {
     renderer_.removeScene(i);
   }
 
-  /// One frame: rank 0's time, and the processor time of all ranks; the same numbers on all of them.
+  /// Renders one frame. Returns rank 0's time and the processor time of all ranks; the same numbers on all
+  /// ranks.
   Times frame(SceneId scene, const Camera& camera, bool depth) {
     collective_.barrier(kRunKey);
     const double cpu = cpuSeconds(), wall = wallSeconds();
