@@ -48,7 +48,7 @@ void main() {
     RAY_OF(activeRays, i, tLast) = GIVEN(tHit);
     RAY_OF(activeRays, i, lastOperator) = GIVEN(hitOperator);
     RAY_OF(activeRays, i, lastPrimitive) = numberOf(GIVEN(hitKind), GIVEN(hitPrimitive));
-    RAY_OF(activeRays, i, tBegun) = -1.0;
+    RAY_OF(activeRays, i, tResume) = -1.0;
     RAY_OF(activeRays, i, packet) = GIVEN(packet);
     RAY_OF(activeRays, i, step) = 0;
 #undef COPY_TO

@@ -13,13 +13,13 @@ void main() {
   vec3 o = rayOrigin(), d = rayDirection();
   RaySlice slice = marchSlice();
   MarchRange m = marchRange(slice);
-  if (!(slice.to < slice.end)) m.tOwn = LEAVES ? nextBegin(s, o, d, m.tOut, GIVEN(tEnd)) : NO_HIT;
+  if (!(slice.to < slice.end)) m.tOwnershipEnd = LEAVES ? nextBegin(s, o, d, m.tOut, GIVEN(tEnd)) : NO_HIT;
   MarchCount count = nothingMarched();
   Radiance L = rayRadiance();
-  float begun = GIVEN(tBegun);
+  float begun = GIVEN(tResume);
   integrateVolume(v, clippedRay(v, o, d), m, begun, L, count);
   if (!endSlice(slice, false)) return;
-  RAY(tBegun) = begun;
+  RAY(tResume) = begun;
   setRadiance(L);
   countUp(COUNT_SAMPLES, uint(count.samples));
   countUp(COUNT_MACROCELLS, uint(count.macrocells));

@@ -129,7 +129,7 @@ MarchRange marchRange(RaySlice slice) {
   MarchRange m;
   m.tIn = slice.from;
   m.tOut = slice.to < slice.end ? slice.to : GIVEN(tOut);
-  m.tOwn = m.tOut;
+  m.tOwnershipEnd = m.tOut;
   m.tStart = GIVEN(tLast);
   m.tStop = min(GIVEN(tHit), GIVEN(tMax));
   m.tMin = theScene.tMin;

@@ -26,25 +26,25 @@ Surface surfaceHit(int op, VolumeView v, vec3 o, vec3 d) {
   RAY_OF(list, i, ox) = from.x;                                                          \
   RAY_OF(list, i, oy) = from.y;                                                          \
   RAY_OF(list, i, oz) = from.z;                                                          \
-  RAY_OF(list, i, dx) = share.toward.x;                                                  \
-  RAY_OF(list, i, dy) = share.toward.y;                                                  \
-  RAY_OF(list, i, dz) = share.toward.z;                                                  \
+  RAY_OF(list, i, dx) = term.toward.x;                                                  \
+  RAY_OF(list, i, dy) = term.toward.y;                                                  \
+  RAY_OF(list, i, dz) = term.toward.z;                                                  \
   RAY_OF(list, i, tLast) = -1.0;                                                         \
-  RAY_OF(list, i, tBegun) = -1.0;                                                        \
-  RAY_OF(list, i, tMax) = share.reach;                                                   \
+  RAY_OF(list, i, tResume) = -1.0;                                                        \
+  RAY_OF(list, i, tMax) = term.reach;                                                   \
   RAY_OF(list, i, A) = 0.0;                                                              \
   RAY_OF(list, i, r) = 0.0;  /* secondaries gather no radiance */                        \
   RAY_OF(list, i, g) = 0.0;                                                              \
   RAY_OF(list, i, b) = 0.0;                                                              \
-  RAY_OF(list, i, sr) = share.r;                                                         \
-  RAY_OF(list, i, sg) = share.g;                                                         \
-  RAY_OF(list, i, sb) = share.b;                                                         \
+  RAY_OF(list, i, sr) = term.r;                                                         \
+  RAY_OF(list, i, sg) = term.g;                                                         \
+  RAY_OF(list, i, sb) = term.b;                                                         \
   RAY_OF(list, i, packet) = GIVEN(packet);
 
 // Adds a secondary ray to the list of rays that start here, which is traced next without the host, or to the
 // list of rays that leave.
-void addSecondary(SceneView s, Share share, int kind, vec3 from, uint startBits, uint start) {
-  int next = firstPartition(s, from, share.toward, min(domainExit(s, from, share.toward), share.reach));
+void addSecondary(SceneView s, LightTerm term, int kind, vec3 from, uint startBits, uint start) {
+  int next = firstPartition(s, from, term.toward, min(domainExit(s, from, term.toward), term.reach));
   if (next < 0) return;  // the ray leaves the visible domain at once
   countUp(COUNT_MADE, 1u);
   if (next == push[PUSH_PARTITION]) {
@@ -83,11 +83,11 @@ void main() {
   ivec4 sum = ivec4(0);
   int rayCount = f.lights + max(s.occlusionRays, 1);
   for (int q = 0; q < rayCount; q++) {
-    Share share = shareOf(s, f, q, surface, from, toEye, color, weight, GIVEN(pixel), RAY_SAMPLE(GIVEN(info)));
-    limitShare(share, sum.x, sum.y, sum.z);
-    sum += ivec4(share.r, share.g, share.b, 0);
-    if ((SURFACES & SURFACE_CASTS) != 0 && share.wanted)
-      addSecondary(s, share, q < f.lights ? RAY_SHADOW : RAY_OCCLUSION, from, surface.start, start);
+    LightTerm term = lightTermOf(s, f, q, surface, from, toEye, color, weight, GIVEN(pixel), RAY_SAMPLE(GIVEN(info)));
+    limitLightTerm(term, sum.x, sum.y, sum.z);
+    sum += ivec4(term.r, term.g, term.b, 0);
+    if ((SURFACES & SURFACE_CASTS) != 0 && term.wanted)
+      addSecondary(s, term, q < f.lights ? RAY_SHADOW : RAY_OCCLUSION, from, surface.start, start);
   }
   deposit(GIVEN(pixel), sum);
   endStage();

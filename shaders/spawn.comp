@@ -18,7 +18,7 @@
   RAY_OF(list, i, dy) = d.y;                       \
   RAY_OF(list, i, dz) = d.z;                       \
   RAY_OF(list, i, tLast) = -1.0;                   \
-  RAY_OF(list, i, tBegun) = -1.0;                  \
+  RAY_OF(list, i, tResume) = -1.0;                  \
   RAY_OF(list, i, tMax) = NO_HIT;                  \
   RAY_OF(list, i, A) = 0.0;                        \
   RAY_OF(list, i, r) = 0.0;                        \

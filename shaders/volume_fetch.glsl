@@ -18,8 +18,8 @@ int locateCell(real t, real po, real pd, real rpd, int n) {
 }
 
 int planAt(VOLUME v, int index) { return int(tableWord(v.plan + uint(index))); }
-bool someByCells(VOLUME v) { return BY_CELLS && v.byCells != 0; }
-int isoWord(VOLUME v, int index) { return int(tableWord(v.isoPlan + uint(index))); }
+bool anyCellwise(VOLUME v) { return BY_CELLS && v.byCells != 0; }
+int isoWord(VOLUME v, int index) { return int(tableWord(v.isoMask + uint(index))); }
 real isovalueAt(VOLUME v, int i) { return tableReal(v.isovalue + uint(i)); }
 real clipValue(VOLUME v, int i) { return tableReal(v.clip + uint(i)); }
 bool holdsSamples(VOLUME v) { return v.samples != 0u; }
@@ -143,11 +143,11 @@ uint pointPlace(VOLUME v, ivec3 p) {
 // The eight corner values of a cell that the block holds: the only component, one of several, or the
 // magnitude of all. Components are read in one loop, because devices compile code once for each place where
 // it occurs.
-Corners cellCorners(VOLUME v, ivec3 c) {
+CellValues cellValues(VOLUME v, ivec3 c) {
   uint x = uint(BRICK_STEP(c.x - v.firstX, 512, 1)), y = uint(BRICK_STEP(c.y - v.firstY, v.brickRow, 8));
   uint b = pointPlace(v, c);
   uint h = b + uint(BRICK_STEP(c.z - v.firstZ, v.brickLayer, 64));
-  Corners k;
+  CellValues k;
 #define EACH_CORNER(DO) DO(v000, b) DO(v100, b + x) DO(v010, b + y) DO(v110, b + y + x) \
   DO(v001, h) DO(v101, h + x) DO(v011, h + y) DO(v111, h + y + x)
 #define READ(corner, i) k.corner = storedAt(v, i);

@@ -21,7 +21,7 @@ namespace gxy::embree {
 /// Appends the boxes (primitiveBounds) of a part's primitives, of `corners` corners each, to `all` as
 /// geometry `id`. Runs on all cores.
 inline void addPrimitives(std::vector<RTCBuildPrimitive>& all, unsigned id, int corners,
-                          const GeometryPart& part) {
+                          const GeometryInPartition& part) {
   const size_t first = all.size();
   all.resize(first + part.primitives);
   parallelFor(size_t(0), size_t(part.primitives), [&](size_t i) {

@@ -11,15 +11,13 @@
 #include "fields_ispc.h"
 #include "geometry_ispc.h"
 #include "integrate_ispc.h"
-#include "integrate_many_ispc.h"
+#include "integrate_volumes_ispc.h"
 #include "shade_ispc.h"
 #include "spawn_ispc.h"
 
 namespace gxy {
 
 namespace {
-
-constexpr size_t kMostVolumes = 8;  // MANY_VOLUMES of kernels/many.h
 
 struct EmbreeFrame final : DeviceFrame {
   single::FrameView view{};
@@ -109,14 +107,14 @@ EmbreeScene::EmbreeScene(std::shared_ptr<EmbreeShared> shared, std::shared_ptr<c
   for (size_t k = 0; k < owned.size(); k++) {
     const int p = owned[k];
     if (!scene_->visible[p]) continue;  // nothing is built where nothing can be seen
-    Part& part = parts_[p];
+    PartitionViews& part = parts_[p];
     fillSceneView(part.view, *scene_, p, pointers);
     part.operators.resize(operators.size());
     part.fields.resize(operators.size());
     for (size_t i = 0; i < operators.size(); i++) {
       const CompiledOperator& op = operators[i];
       const auto found = op.parts.find(p);
-      const OperatorPart* mine = found == op.parts.end() ? nullptr : &found->second;
+      const OperatorInPartition* mine = found == op.parts.end() ? nullptr : &found->second;
       fillVolumeView(part.fields[i], op, mine, pointers);
       fillOperatorView(part.operators[i], op, pointers);
       if (!mine || !mine->geometry) continue;
@@ -170,7 +168,7 @@ void EmbreeScene::spawn(const DeviceFrame& deviceFrame, const Tile& tile, Done d
 // A list of rays on its way through one partition.
 class EmbreeScene::Packet {
  public:
-  Packet(const EmbreeScene& scene, const Part& part, const EmbreeFrame& frame, bool primary)
+  Packet(const EmbreeScene& scene, const PartitionViews& part, const EmbreeFrame& frame, bool primary)
       : scene_(scene), part_(part), frame_(frame), primary_(primary) {}
 
   TraceResult trace(RayList rays) {
@@ -214,7 +212,7 @@ class EmbreeScene::Packet {
         }
       int64_t counts[2] = {0, 0};
       for (int op : scene_.isoOperators_)
-        if (part_.fields[op].isoPlan) {
+        if (part_.fields[op].isoMask) {
           c.runs(Kernel::Isosurfaces)++;
           ispc::hitIsosurfaces(&part_.view, &view, n, op, counts);
         }
@@ -224,12 +222,12 @@ class EmbreeScene::Packet {
     const std::vector<int>& volumes = scene_.renderedOperators_;
     if (std::any_of(volumes.begin(), volumes.end(), [&](int op) { return part_.fields[op].samples; })) {
       Stopwatch time(c.nsIntegrate);
-      c.runs(volumes.size() == 1 ? Kernel::Integrate : Kernel::IntegrateMany)++;
+      c.runs(volumes.size() == 1 ? Kernel::Integrate : Kernel::IntegrateVolumes)++;
       int64_t counts[4] = {};
       if (volumes.size() == 1)
         ispc::integrateRays(&part_.view, &view, n, volumes[0], counts);
       else
-        ispc::integrateRaysOfMany(&part_.view, &view, n, volumes.data(), int(volumes.size()), counts);
+        ispc::integrateRaysOfVolumes(&part_.view, &view, n, volumes.data(), int(volumes.size()), counts);
       c.samples += uint64_t(counts[0]);
       c.macrocells += uint64_t(counts[1]);
       c.macrocellsSkipped += uint64_t(counts[2]);
@@ -315,7 +313,7 @@ class EmbreeScene::Packet {
   }
 
   const EmbreeScene& scene_;
-  const Part& part_;
+  const PartitionViews& part_;
   const EmbreeFrame& frame_;
   const bool primary_;
   TraceResult result_;

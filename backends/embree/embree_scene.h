@@ -14,7 +14,7 @@ namespace gxy {
 
 /// State that the scenes of a backend share: trees, keyed by the primitives that they are built of.
 struct EmbreeShared {
-  SharedBy<const GeometryPart*, GeometryTree> trees;
+  SharedBy<const GeometryInPartition*, GeometryTree> trees;
 };
 
 class EmbreeScene final : public DeviceScene {
@@ -29,7 +29,7 @@ class EmbreeScene final : public DeviceScene {
   std::vector<SharedBytes> sharedBytes() const override;
 
  private:
-  struct Part {
+  struct PartitionViews {
     single::SceneView view{};
     std::vector<single::OperatorView> operators;
     std::vector<single::VolumeView> fields;
@@ -41,8 +41,8 @@ class EmbreeScene final : public DeviceScene {
   std::shared_ptr<EmbreeShared> shared_;
   std::shared_ptr<const CompiledScene> scene_;
   int rank_;
-  std::map<int, Part> parts_;     ///< key: local partition
-  single::SceneView anywhere_{};  ///< a view without a partition of its own, for spawning
+  std::map<int, PartitionViews> parts_;  ///< key: local partition
+  single::SceneView anywhere_{};         ///< a view without a partition of its own, for spawning
   std::vector<int> slicedOperators_, isoOperators_, renderedOperators_;
 };
 

@@ -22,7 +22,7 @@ int rowsOf(int kind) {
 }
 
 // Returns the numbers of one primitive, one for each row of a leaf.
-std::array<float, TREE_TUBE_ROWS> rowsOf(int kind, const GeometryPart& part, uint32_t primitive) {
+std::array<float, TREE_TUBE_ROWS> rowsOf(int kind, const GeometryInPartition& part, uint32_t primitive) {
   std::array<float, TREE_TUBE_ROWS> rows{};
   const auto copy = [&](uint32_t point, size_t numbers, size_t row) {
     std::copy_n(part.points.data() + 4 * size_t(point), numbers, rows.data() + row);
@@ -49,7 +49,8 @@ class Flatten {
  public:
   using Tree = embree::Tree<unsigned(Lanes), unsigned(Lanes)>;
 
-  Flatten(GeometryTree& out, int kind, const GeometryPart& part) : out_(out), kind_(kind), part_(part) {}
+  Flatten(GeometryTree& out, int kind, const GeometryInPartition& part)
+      : out_(out), kind_(kind), part_(part) {}
 
   void all(const typename Tree::Inner& root, const Advance& advance) {
     size_t nodes = 0, leaves = 0;
@@ -115,12 +116,12 @@ class Flatten {
 
   GeometryTree& out_;
   const int kind_;
-  const GeometryPart& part_;
+  const GeometryInPartition& part_;
   std::vector<const typename Tree::Leaf*> leaves_;
 };
 
 template <size_t Lanes>
-GeometryTree built(int kind, const GeometryPart& part, const Advance& advance) {
+GeometryTree built(int kind, const GeometryInPartition& part, const Advance& advance) {
   const Advance building = partOf(advance, 0, 2), filling = partOf(advance, 1, 2);
   std::vector<RTCBuildPrimitive> primitives;
   embree::addPrimitives(primitives, 0, cornersOfKind(kind), part);
@@ -134,7 +135,7 @@ GeometryTree built(int kind, const GeometryPart& part, const Advance& advance) {
 
 }  // namespace
 
-GeometryTree buildGeometryTree(int kind, const GeometryPart& part, int lanes, const Advance& advance) {
+GeometryTree buildGeometryTree(int kind, const GeometryInPartition& part, int lanes, const Advance& advance) {
   switch (lanes) {
     case 4:
       return built<4>(kind, part, advance);

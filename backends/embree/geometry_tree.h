@@ -27,6 +27,6 @@ struct GeometryTreeView {
 /// Builds a tree over the primitives of a part, of KIND_PARTICLES, KIND_PATHLINES or KIND_TRIANGLES, for
 /// gangs of 4, 8 or 16 lanes. It is built by Embree on all cores. Throws Error if that fails.
 GeometryTree buildGeometryTree(
-    int kind, const GeometryPart& part, int lanes, const Advance& advance = [](double) {});
+    int kind, const GeometryInPartition& part, int lanes, const Advance& advance = [](double) {});
 
 }  // namespace gxy

@@ -10,11 +10,11 @@ export void integrateRays(const void* uniform scene, void* uniform rays, uniform
   foreach (i = 0 ... n) {
     vec3 o = originOf(r, i), d = directionOf(r, i);
     MarchRange m = marchRange(s, r, i);
-    m.tOwn = nextBegin(s, o, d, m.tOut, r.tEnd[i]);
+    m.tOwnershipEnd = nextBegin(s, o, d, m.tOut, r.tEnd[i]);
     Radiance L = radianceOf(r, i);
-    float begun = r.tBegun[i];
+    float begun = r.tResume[i];
     integrateVolume(v, clippedRay(v, o, d), m, begun, L, count);
-    r.tBegun[i] = begun;
+    r.tResume[i] = begun;
     setRadiance(s, r, i, L);
   }
   counts[0] += reduce_add((int64)count.samples);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Shading of hits: the light that they add to their pixels, and the secondary rays that take away blocked
-// light (shares.h).
+// light (light_terms.h).
 #include "backends/embree/kernel.isph"
 
 static inline Surface geometrySurface(OPERATOR op, unsigned int p, vec3 o, vec3 d, float after) {
@@ -29,10 +29,10 @@ static inline void surfaceHit(SCENE s, RAYS r, uniform int op, int i, vec3 o, ve
   opacity = view.opacity;
 }
 
-static inline void depositShares(uniform int32 sum[], int k, Share share) {
-  sum[4 * k] += share.r;
-  sum[4 * k + 1] += share.g;
-  sum[4 * k + 2] += share.b;
+static inline void depositLightTerm(uniform int32 sum[], int k, LightTerm term) {
+  sum[4 * k] += term.r;
+  sum[4 * k + 1] += term.g;
+  sum[4 * k + 2] += term.b;
 }
 
 // Shades the hits which[0 ... n) of primaries. `sum` (4 per hit, zeroed by the caller) receives what the
@@ -66,27 +66,27 @@ export uniform int shadeHits(const void* uniform scene, const void* uniform fram
 
     uniform int rayCount = f.lights + max(s.occlusionRays, 1);
     for (uniform int q = 0; q < rayCount; q++) {
-      Share share = shareOf(s, f, q, surface, from, toEye, color, weight, r.pixel[i], RAY_SAMPLE(r.info[i]));
-      limitShare(share, sum[4 * k], sum[4 * k + 1], sum[4 * k + 2]);
-      depositShares(sum, k, share);
+      LightTerm term = lightTermOf(s, f, q, surface, from, toEye, color, weight, r.pixel[i], RAY_SAMPLE(r.info[i]));
+      limitLightTerm(term, sum[4 * k], sum[4 * k + 1], sum[4 * k + 2]);
+      depositLightTerm(sum, k, term);
       uniform int kind = q < f.lights ? RAY_SHADOW : RAY_OCCLUSION;
-      if (share.wanted) {
+      if (term.wanted) {
         packed_store_active(w.pixel + made, r.pixel[i]);
         packed_store_active(w.info + made, RAY_SAMPLE(r.info[i]) | ((unsigned int)kind << 16) | startBits);
         packed_store_active(w.start + made, start);
         packed_store_active((uniform int* uniform)(w.ox + made), intbits(from.x));
         packed_store_active((uniform int* uniform)(w.oy + made), intbits(from.y));
         packed_store_active((uniform int* uniform)(w.oz + made), intbits(from.z));
-        packed_store_active((uniform int* uniform)(w.dx + made), intbits(share.toward.x));
-        packed_store_active((uniform int* uniform)(w.dy + made), intbits(share.toward.y));
-        packed_store_active((uniform int* uniform)(w.dz + made), intbits(share.toward.z));
+        packed_store_active((uniform int* uniform)(w.dx + made), intbits(term.toward.x));
+        packed_store_active((uniform int* uniform)(w.dy + made), intbits(term.toward.y));
+        packed_store_active((uniform int* uniform)(w.dz + made), intbits(term.toward.z));
         packed_store_active((uniform int* uniform)(w.tLast + made), intbits(-1.0f));
-        packed_store_active((uniform int* uniform)(w.tBegun + made), intbits(-1.0f));
-        packed_store_active((uniform int* uniform)(w.tMax + made), intbits(share.reach));
+        packed_store_active((uniform int* uniform)(w.tResume + made), intbits(-1.0f));
+        packed_store_active((uniform int* uniform)(w.tMax + made), intbits(term.reach));
         packed_store_active((uniform int* uniform)(w.A + made), intbits(0.0f));
-        packed_store_active(w.sr + made, share.r);
-        packed_store_active(w.sg + made, share.g);
-        made += packed_store_active(w.sb + made, share.b);
+        packed_store_active(w.sr + made, term.r);
+        packed_store_active(w.sg + made, term.g);
+        made += packed_store_active(w.sb + made, term.b);
       }
     }
   }
@@ -131,7 +131,7 @@ export void passSurfaces(const void* uniform scene, void* uniform rays, uniform 
       r.tLast[i] = r.tHit[i];
       r.lastOperator[i] = r.hitOperator[i];
       r.lastPrimitive[i] = numberOf(r.hitKind[i], r.hitPrimitive[i]);
-      r.tBegun[i] = -1.0f;
+      r.tResume[i] = -1.0f;
       r.next[i] = 1.0f - r.A[i] < s.tMin ? END_DONE : END_ACTIVE;
     }
   }

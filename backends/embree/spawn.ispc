@@ -37,7 +37,7 @@ export uniform int spawnRays(const void* uniform scene, const void* uniform fram
   }
   foreach (i = 0 ... n) {
     r.tLast[i] = -1.0f;
-    r.tBegun[i] = -1.0f;
+    r.tResume[i] = -1.0f;
     r.tMax[i] = NO_HIT;
     r.A[i] = 0.0f;
     r.r[i] = 0.0f;

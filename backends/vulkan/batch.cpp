@@ -23,8 +23,8 @@ std::optional<Kernel> kernelOf(Stage stage) {
       return Kernel::Isosurfaces;
     case Stage::Integrate:
       return Kernel::Integrate;
-    case Stage::IntegrateMany:
-      return Kernel::IntegrateMany;
+    case Stage::IntegrateVolumes:
+      return Kernel::IntegrateVolumes;
     default:  // Shade is counted only if there is something to shade
       return {};
   }
@@ -32,14 +32,14 @@ std::optional<Kernel> kernelOf(Stage stage) {
 
 // Destroys the rays first. Whoever is told may let go of everything else of the device; that would then go
 // with the rays, on a thread that nobody waits for.
-void tell(Request& request, TraceResult result) {
+void tell(DeviceTask& request, TraceResult result) {
   request.rays = {};
   request.done(std::move(result));
 }
 
 }  // namespace
 
-Batch::Batch(std::vector<Request> requests)
+Batch::Batch(std::vector<DeviceTask> requests)
     : requests_(std::move(requests)),
       results_(requests_.size()),
       scene_(*requests_[0].scene),
@@ -50,16 +50,16 @@ Batch::Batch(std::vector<Request> requests)
 
 size_t Batch::rays() const {
   size_t rays = 0;
-  for (const Request& r : requests_) rays += r.size();
+  for (const DeviceTask& r : requests_) rays += r.size();
   return rays;
 }
 
 void Batch::start(std::unique_ptr<Lane> lane) {
   lane_ = std::move(lane);
   lane_->reserve(rays(), perHit_);
-  if (kind_ == Request::Kind::Spawn) {
+  if (kind_ == DeviceTask::Kind::Spawn) {
     std::vector<Tile> tiles;
-    for (const Request& r : requests_) tiles.push_back(r.tile);
+    for (const DeviceTask& r : requests_) tiles.push_back(r.tile);
     lane_->load(tiles);
     steps_.push_back(scene_.spawnStep(part_, int(tiles.size())));
     if (part_.partition >= 0) trace(List::Given, ~COUNT_SPAWNED, true);
@@ -75,7 +75,7 @@ void Batch::start(std::unique_ptr<Lane> lane) {
       at += requests_[i].size();
       complete_ = complete_ && requests_[i].rays.complete();
     }
-    trace(List::Given, int32_t(at), kind_ == Request::Kind::Primaries);
+    trace(List::Given, int32_t(at), kind_ == DeviceTask::Kind::Primaries);
   }
   submit(0, false);
 }
@@ -117,13 +117,13 @@ bool Batch::advance(DeviceTime& time) {
   }
   take();
   steps_.clear();
-  if (activeSecondaries_ > 0 && kind_ != Request::Kind::Secondaries) {
+  if (activeSecondaries_ > 0 && kind_ != DeviceTask::Kind::Secondaries) {
     here_ = otherOf(here_);
     trace(here_, int32_t(activeSecondaries_), false);
   } else if (activePrimaries_ + activeSecondaries_ > 0) {
     given_ = otherOf(given_);
     here_ = List::Here;
-    trace(given_, int32_t(activePrimaries_ + activeSecondaries_), kind_ != Request::Kind::Secondaries);
+    trace(given_, int32_t(activePrimaries_ + activeSecondaries_), kind_ != DeviceTask::Kind::Secondaries);
   } else {
     return false;
   }
@@ -150,7 +150,7 @@ void Batch::take() {
   c.secondariesSkipped += uint64_t(lane.count(COUNT_SHADED)) * perHit_ - lane.count(COUNT_MADE);
   c.raysEndedEarly += lane.count(COUNT_ENDED);
   c.raysTraced += lane.count(COUNT_SPAWNED) + lane.count(COUNT_HERE);
-  if (kind_ == Request::Kind::Spawn)
+  if (kind_ == DeviceTask::Kind::Spawn)
     c.raysSpawned += lane.count(part_.partition < 0 ? COUNT_LEAVING : COUNT_SPAWNED);
   distribute();
   const int32_t* r = lane.records();
@@ -195,16 +195,16 @@ void Batch::distribute() {
 
 void Batch::answer() {
   TraceCounters& c = results_[0].counters;
-  c.raysRetired = (kind_ == Request::Kind::Spawn ? c.raysSpawned : rays()) + c.secondariesSpawned;
+  c.raysRetired = (kind_ == DeviceTask::Kind::Spawn ? c.raysSpawned : rays()) + c.secondariesSpawned;
   for (const TraceResult& result : results_)
     for (const LeavingRays& l : result.leaving) c.raysRetired -= uint64_t(l.rays.size());
   for (size_t i = 0; i < requests_.size(); i++) {
     TraceResult& result = results_[i];
     uint64_t left = 0;
     for (const LeavingRays& l : result.leaving)
-      (l.primary == (kind_ != Request::Kind::Secondaries) ? left : result.secondaries) +=
+      (l.primary == (kind_ != DeviceTask::Kind::Secondaries) ? left : result.secondaries) +=
           uint64_t(l.rays.size());
-    if (kind_ == Request::Kind::Spawn)
+    if (kind_ == DeviceTask::Kind::Spawn)
       result.secondaries = 0;
     else
       result.retired = uint64_t(requests_[i].rays.size()) - left;
@@ -212,8 +212,8 @@ void Batch::answer() {
   }
 }
 
-void endUndone(std::vector<Request>& requests, const std::string& error) {
-  for (Request& r : requests) {
+void endUndone(std::vector<DeviceTask>& requests, const std::string& error) {
+  for (DeviceTask& r : requests) {
     TraceResult result;
     result.error = error;
     result.retired = uint64_t(r.rays.size());

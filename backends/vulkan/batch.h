@@ -15,11 +15,11 @@ namespace gxy::vulkan {
 inline size_t pixelsOf(const Tile& t) { return size_t(t.x1 - t.x0) * size_t(t.y1 - t.y0); }
 
 /// A request to a scene: a packet to trace, or a tile to spawn.
-struct Request {
+struct DeviceTask {
   enum class Kind { Spawn, Primaries, Secondaries };
   const VulkanScene* scene;
   /// The part that rays are traced in. For spawning: rays that start in it are traced at once.
-  const PartOnDevice* part;
+  const PartitionOnDevice* part;
   const VulkanFrame* frame;
   Kind kind;
   RayList rays;
@@ -33,14 +33,14 @@ struct Request {
     return kind == Kind::Secondaries || part->partition < 0 ? 0 : scene->secondariesPerHit(*frame);
   }
   /// Whether both may go in one batch.
-  bool isLike(const Request& o) const {
+  bool isLike(const DeviceTask& o) const {
     return scene == o.scene && part == o.part && frame == o.frame && kind == o.kind;
   }
 };
 
 /// Answers requests: all their rays have ended without being traced. `error` says why, if something went
 /// wrong.
-void endUndone(std::vector<Request>& requests, const std::string& error);
+void endUndone(std::vector<DeviceTask>& requests, const std::string& error);
 
 /// Requests that the device does together. On the device, primaries make secondaries, and secondaries that
 /// start in the same partition are traced in the same submission, without the host. Rays that go on in
@@ -51,7 +51,7 @@ void endUndone(std::vector<Request>& requests, const std::string& error);
 class Batch {
  public:
   /// All requests must be like the first one.
-  explicit Batch(std::vector<Request> requests);
+  explicit Batch(std::vector<DeviceTask> requests);
 
   /// Submits the first work on `lane`. Throws Error if the device fails; so does advance().
   void start(std::unique_ptr<Lane> lane);
@@ -75,13 +75,13 @@ class Batch {
   void take();
   void distribute();
 
-  std::vector<Request> requests_;
+  std::vector<DeviceTask> requests_;
   std::unique_ptr<Lane> lane_;
   std::vector<TraceResult> results_;
   const VulkanScene& scene_;
-  const PartOnDevice& part_;
+  const PartitionOnDevice& part_;
   const VulkanFrame& frame_;
-  const Request::Kind kind_;
+  const DeviceTask::Kind kind_;
   const size_t perHit_;
   bool complete_ = true;  ///< the rays have their origins and directions
   std::vector<Step> steps_;

@@ -9,8 +9,8 @@
 #include "finish_spirv.h"
 #include "geometry_spirv.h"
 #include "groups_spirv.h"
-#include "integrate_many_spirv.h"
 #include "integrate_spirv.h"
+#include "integrate_volumes_spirv.h"
 #include "isosurfaces_spirv.h"
 #include "regenerate_spirv.h"
 #include "shade_spirv.h"
@@ -39,8 +39,8 @@ std::span<const uint32_t> codeOf(Stage stage) {
       return isosurfaces_spirv;
     case Stage::Integrate:
       return integrate_spirv;
-    case Stage::IntegrateMany:
-      return integrate_many_spirv;
+    case Stage::IntegrateVolumes:
+      return integrate_volumes_spirv;
     case Stage::Shade:
       return shade_spirv;
     case Stage::Depth:
@@ -60,10 +60,10 @@ Special specialFor(Stage stage, const Special& special) {
   s.addressed = special.addressed;
   s.limited = special.limited;
   const bool reads = stage == Stage::Slices || stage == Stage::Isosurfaces || stage == Stage::Integrate ||
-                     stage == Stage::IntegrateMany ||
+                     stage == Stage::IntegrateVolumes ||
                      (stage == Stage::Shade && (special.surfaces & SURFACE_FIELDS) != 0);
   if (reads) s.sampleKind = special.sampleKind, s.scalars = special.scalars;
-  if (stage == Stage::Integrate || stage == Stage::IntegrateMany || stage == Stage::Shade)
+  if (stage == Stage::Integrate || stage == Stage::IntegrateVolumes || stage == Stage::Shade)
     s.mapKind = special.mapKind;
   if (reads || stage == Stage::Geometry || stage == Stage::Shade || stage == Stage::Finish)
     s.operators = special.operators;
@@ -75,7 +75,7 @@ Special specialFor(Stage stage, const Special& special) {
   if (stage == Stage::Isosurfaces) s.surfaces = special.surfaces & SURFACE_STARTS;
   if (stage == Stage::Geometry) s.anyHit = special.anyHit;
   if (stage == Stage::Integrate) s.mapAhead = special.mapAhead;
-  if (stage == Stage::Integrate || stage == Stage::IntegrateMany) s.byCells = special.byCells;
+  if (stage == Stage::Integrate || stage == Stage::IntegrateVolumes) s.byCells = special.byCells;
   return s;
 }
 

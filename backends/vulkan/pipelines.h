@@ -24,7 +24,7 @@ enum class Stage {
   Slices,
   Isosurfaces,
   Integrate,
-  IntegrateMany,
+  IntegrateVolumes,
   Shade,
   Depth,
   Finish,

@@ -46,7 +46,7 @@ class Words {
   std::vector<uint32_t> words_ = std::vector<uint32_t>(4, 0);
 };
 
-const OperatorPart* shownIn(const CompiledOperator& op, int partition) {
+const OperatorInPartition* shownIn(const CompiledOperator& op, int partition) {
   const auto found = op.parts.find(partition);
   return found == op.parts.end() ? nullptr : &found->second;
 }
@@ -55,16 +55,16 @@ const OperatorPart* shownIn(const CompiledOperator& op, int partition) {
 std::vector<const VolumeBlock*> blocksOf(const CompiledScene& scene, int partition) {
   std::vector<const VolumeBlock*> blocks;
   for (const CompiledOperator& op : scene.operators)
-    if (const OperatorPart* part = shownIn(op, partition); part && part->block)
+    if (const OperatorInPartition* part = shownIn(op, partition); part && part->block)
       if (std::find(blocks.begin(), blocks.end(), part->block) == blocks.end()) blocks.push_back(part->block);
   return blocks;
 }
 
 // The geometry of each operator in a partition, or null; scenes with the same geometry share it.
-std::vector<const GeometryPart*> geometryOf(const CompiledScene& scene, int partition) {
-  std::vector<const GeometryPart*> all;
+std::vector<const GeometryInPartition*> geometryOf(const CompiledScene& scene, int partition) {
+  std::vector<const GeometryInPartition*> all;
   for (const CompiledOperator& op : scene.operators) {
-    const OperatorPart* part = shownIn(op, partition);
+    const OperatorInPartition* part = shownIn(op, partition);
     all.push_back(part ? part->geometry.get() : nullptr);
   }
   return all;
@@ -118,7 +118,7 @@ class Uploading {
       out_.special.routes |= ROUTE_LEAVES;
     for (size_t i = 0; i < scene.operators.size(); i++) {
       const CompiledOperator& op = scene.operators[i];
-      const OperatorPart* part = shownIn(op, partition);
+      const OperatorInPartition* part = shownIn(op, partition);
       fillVolumeView(fields_.emplace_back(), op, part, inTables_);
       shader::OperatorView& view = operators_.emplace_back();
       fillOperatorView(view, op, inTables_);
@@ -127,7 +127,7 @@ class Uploading {
         out_.geometryKinds |= kBits[view.kind];
       }
       out_.hasBlock.push_back(part && part->block);
-      out_.hasIsosurface.push_back(part && !part->isoPlan.empty());
+      out_.hasIsosurface.push_back(part && !part->isoMask.empty());
       if (part && part->block) checkNumbering(part->block->extent.points, op.data.volume->components);
       if (op.vis.type == VisType::Volume && op.vis.volumeRendering) rendered_.push_back(int32_t(i));
     }
@@ -141,7 +141,7 @@ class Uploading {
     specialize();
   }
 
-  PartOnDevice finish(const Pipelines& pipelines, SharedData& shared) {
+  PartitionOnDevice finish(const Pipelines& pipelines, SharedData& shared) {
     if (out_.geometryKinds != 0) {
       out_.geometry = shared.geometry.get(
           primitives_, [&] { return makeGeometry(); }, [&] { advance_(0); });
@@ -239,7 +239,7 @@ class Uploading {
     GeometryOnDevice made;
     Words words;
     Places places(words);
-    for (const GeometryPart* part : primitives_) {
+    for (const GeometryInPartition* part : primitives_) {
       shader::OperatorView& at = made.places.emplace_back();
       if (part) fillPrimitives(at, *part, places);
     }
@@ -291,11 +291,11 @@ class Uploading {
   const CompiledScene& scene_;
   const int partition_;
   const Advance& advance_;
-  PartOnDevice out_;
+  PartitionOnDevice out_;
   Words tables_;
   Places inTables_{tables_};
-  std::vector<int32_t> rendered_;                // operators whose volume is rendered
-  std::vector<const GeometryPart*> primitives_;  // per operator; null if it has none
+  std::vector<int32_t> rendered_;                       // operators whose volume is rendered
+  std::vector<const GeometryInPartition*> primitives_;  // per operator; null if it has none
   shader::SceneView view_{};
   std::vector<shader::OperatorView> operators_;
   std::vector<shader::VolumeView> fields_;
@@ -321,13 +321,13 @@ void expectRoom(const Device& device, const SharedData& shared, const CompiledSc
   };
   for (const int p : partitions) {
     add(blocksOf(scene, p), shared.samples, [](const VolumeBlock& block) { return block.samples.size(); });
-    add(geometryOf(scene, p), shared.geometry, [](const GeometryPart& part) { return part.bytes(); });
+    add(geometryOf(scene, p), shared.geometry, [](const GeometryInPartition& part) { return part.bytes(); });
   }
   if (sizes.size() > 1) device.expectRoom(sizes, "the scene's volumes and geometry");
 }
 
-PartOnDevice uploadPart(const Device& device, const Pipelines& pipelines, SharedData& shared,
-                        const CompiledScene& scene, int partition, int rank, const Advance& advance) {
+PartitionOnDevice uploadPart(const Device& device, const Pipelines& pipelines, SharedData& shared,
+                             const CompiledScene& scene, int partition, int rank, const Advance& advance) {
   return Uploading(device, scene, partition, rank, advance).finish(pipelines, shared);
 }
 

@@ -54,7 +54,7 @@ struct GeometryOnDevice {
 
 /// The data that the stages read of a partition or, without a partition, of the scene as a whole, for
 /// spawning.
-struct PartOnDevice {
+struct PartitionOnDevice {
   Buffer scene;
   std::shared_ptr<const SamplesOnDevice> samples;    ///< null if there are none
   std::shared_ptr<const GeometryOnDevice> geometry;  ///< null if there is none
@@ -71,7 +71,7 @@ struct PartOnDevice {
 /// that have only some of the data in common share nothing.
 struct SharedData {
   SharedBy<std::vector<const VolumeBlock*>, SamplesOnDevice> samples;
-  SharedBy<std::vector<const GeometryPart*>, GeometryOnDevice> geometry;
+  SharedBy<std::vector<const GeometryInPartition*>, GeometryOnDevice> geometry;
 };
 
 /// Throws Error if a block has more points, or numbers of all components, than the shaders can index in 32
@@ -86,7 +86,7 @@ void expectRoom(const Device& device, const SharedData& shared, const CompiledSc
 
 /// Copies a partition to the device; partition < 0: none, for spawning. Throws Error if the device has no
 /// room for it, and what `advance` throws.
-PartOnDevice uploadPart(
+PartitionOnDevice uploadPart(
     const Device& device, const Pipelines& pipelines, SharedData& shared, const CompiledScene& scene,
     int partition, int rank, const Advance& advance = [](double) {});
 

@@ -72,11 +72,11 @@ struct Tracer::State {
 
   // Answers requests of frames that are cancelled.
   void endCancelled() {
-    std::vector<Request> ended;
+    std::vector<DeviceTask> ended;
     {
       std::lock_guard lock(mutex);
       const auto first = std::stable_partition(waiting.begin(), waiting.end(),
-                                               [](const Request& r) { return !r.frame->cancelled(); });
+                                               [](const DeviceTask& r) { return !r.frame->cancelled(); });
       std::move(first, waiting.end(), std::back_inserter(ended));
       waiting.erase(first, waiting.end());
     }
@@ -84,7 +84,7 @@ struct Tracer::State {
   }
 
   // The first request of the urgent frame whose turn was longest ago; otherwise the first of all. (Locked.)
-  std::deque<Request>::iterator nextInTurn() {
+  std::deque<DeviceTask>::iterator nextInTurn() {
     auto next = waiting.end();
     for (auto r = waiting.begin(); r != waiting.end(); ++r)
       if (r->frame->urgent() && (next == waiting.end() || r->frame->lastTurn < next->frame->lastTurn))
@@ -93,14 +93,14 @@ struct Tracer::State {
   }
 
   // Takes the next request, and others that are like it, up to a batch. (Locked.)
-  std::vector<Request> nextLot() {
-    std::vector<Request> lot;
+  std::vector<DeviceTask> nextLot() {
+    std::vector<DeviceTask> lot;
     auto r = nextInTurn();
     r->urgent = r->frame->urgent();
     r->frame->lastTurn = ++turns;
     const size_t each = 1 + r->perHit();
     // A tile is spawned by as many invocations as the largest tile has pixels.
-    const size_t requests = r->kind == Request::Kind::Spawn ? mostTiles : SIZE_MAX;
+    const size_t requests = r->kind == DeviceTask::Kind::Spawn ? mostTiles : SIZE_MAX;
     size_t rays = r->size(), most = batchRays;
     if (r->urgent) {
       sinceUrgent = 0;
@@ -147,7 +147,7 @@ struct Tracer::State {
   const size_t batchRays, allRays, mostTiles;
   std::mutex mutex;  ///< guards what is below
   std::condition_variable changed;
-  std::deque<Request> waiting;                      ///< in the order in which they came
+  std::deque<DeviceTask> waiting;                   ///< in the order in which they came
   uint64_t turns = 0;                               ///< number of batches that were started
   std::chrono::steady_clock::time_point askedFrom;  ///< countAsked() has counted up to here
   size_t sinceUrgent = kWatchedFor;  ///< batches of other frames since an urgent request, at most kWatchedFor
@@ -176,7 +176,7 @@ Tracer::~Tracer() {
     state_->thread.join();
 }
 
-void Tracer::add(Request request) {
+void Tracer::add(DeviceTask request) {
   {
     std::lock_guard lock(state_->mutex);
     if (request.frame->urgent()) state_->sinceUrgent = 0;

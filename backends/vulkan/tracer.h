@@ -9,7 +9,7 @@
 namespace gxy::vulkan {
 
 class DeviceTime;
-struct Request;
+struct DeviceTask;
 
 /// Only one thread, which belongs to the Tracer, waits for the device. A few batches are submitted at once,
 /// so that the device has the next one when it has done one. Requests that arrive meanwhile wait here, and
@@ -28,7 +28,7 @@ class Tracer {
 
   /// Adds a request. If its frame is urgent when its turn comes, it is done before others that wait; urgent
   /// frames take turns. If its frame is cancelled before that, it is answered without being done.
-  void add(Request request);
+  void add(DeviceTask request);
 
  private:
   struct State;

@@ -14,7 +14,6 @@ namespace gxy::vulkan {
 
 namespace {
 
-constexpr size_t kMostVolumes = 8;  // MANY_VOLUMES of kernels/many.h
 constexpr size_t kMostSpare = 4;    // room for rays may be this many times as large as a batch needs
 constexpr size_t kPartForKept = 8;  // waiting rays may take one part in this many of a device's memory
 
@@ -125,7 +124,7 @@ void VulkanScene::compile(const Advance& advance) {
   }
 }
 
-const PartOnDevice& VulkanScene::spawningPart() const {
+const PartitionOnDevice& VulkanScene::spawningPart() const {
   return parts_.size() == 1 ? parts_.begin()->second : anywhere_;
 }
 
@@ -164,13 +163,13 @@ std::shared_ptr<const DeviceFrame> VulkanScene::makeFrame(const CompiledFrame& f
 
 void VulkanScene::spawn(const DeviceFrame& deviceFrame, const Tile& tile, Done done) const {
   const auto& frame = static_cast<const VulkanFrame&>(deviceFrame);
-  const PartOnDevice& part = spawningPart();
-  std::vector<Request> parts;
+  const PartitionOnDevice& part = spawningPart();
+  std::vector<DeviceTask> parts;
   std::vector<Tile> tiles{tile};
   while (!tiles.empty()) {
     const Tile t = tiles.back();
     tiles.pop_back();
-    Request request{this, &part, &frame, Request::Kind::Spawn, {}, t, {}};
+    DeviceTask request{this, &part, &frame, DeviceTask::Kind::Spawn, {}, t, {}};
     if (pixelsOf(t) <= mostAtOnce(request)) {
       parts.push_back(std::move(request));
       continue;
@@ -190,10 +189,10 @@ void VulkanScene::trace(const DeviceFrame& deviceFrame, int partition, bool prim
   if (part == parts_.end())
     throw Error("rays came for partition " + std::to_string(partition) +
                 ", which has nothing to see on this rank");
-  const auto kind = primary ? Request::Kind::Primaries : Request::Kind::Secondaries;
+  const auto kind = primary ? DeviceTask::Kind::Primaries : DeviceTask::Kind::Secondaries;
   const auto size = uint64_t(rays.size());
-  std::vector<Request> parts;
-  Request whole{this, &part->second, &frame, kind, std::move(rays), {}, {}};
+  std::vector<DeviceTask> parts;
+  DeviceTask whole{this, &part->second, &frame, kind, std::move(rays), {}, {}};
   if (const size_t most = mostAtOnce(whole); size > most)
     for (RayList& some : whole.rays.split(int(most)))
       parts.push_back({this, &part->second, &frame, kind, std::move(some), {}, {}});
@@ -204,18 +203,19 @@ void VulkanScene::trace(const DeviceFrame& deviceFrame, int partition, bool prim
 
 // The most rays of a request that fit a list with all secondaries that they may make. At least one: the
 // device then says that it is too much.
-size_t VulkanScene::mostAtOnce(const Request& request) const {
+size_t VulkanScene::mostAtOnce(const DeviceTask& request) const {
   return std::max<size_t>(1, mostRays(context_->device) / (1 + request.perHit()));
 }
 
-void VulkanScene::ask(std::vector<Request> parts, uint64_t rays, Done done) const {
+void VulkanScene::ask(std::vector<DeviceTask> parts, uint64_t rays, Done done) const {
   if (parts.size() == 1) {
     parts[0].done = std::move(done);
   } else {
     const auto joined = std::make_shared<Joined>(parts.size(), rays, std::move(done));
-    for (Request& part : parts) part.done = [joined](TraceResult result) { joined->take(std::move(result)); };
+    for (DeviceTask& part : parts)
+      part.done = [joined](TraceResult result) { joined->take(std::move(result)); };
   }
-  for (Request& part : parts) context_->tracer.add(std::move(part));
+  for (DeviceTask& part : parts) context_->tracer.add(std::move(part));
 }
 
 size_t VulkanScene::secondariesPerHit(const VulkanFrame& frame) const {
@@ -234,7 +234,7 @@ void VulkanScene::keepRays(std::shared_ptr<KeptRays>& room, size_t rays) const {
   }
 }
 
-Step VulkanScene::spawnStep(const PartOnDevice& part, int tiles) {
+Step VulkanScene::spawnStep(const PartitionOnDevice& part, int tiles) {
   Step step{Stage::Spawn, part.special};
   step.push[PUSH_RAYS] = tiles * kTile * kTile;
   step.push[PUSH_PARTITION] = part.partition;
@@ -243,7 +243,7 @@ Step VulkanScene::spawnStep(const PartOnDevice& part, int tiles) {
   return step;
 }
 
-void VulkanScene::addSteps(std::vector<Step>& steps, const PartOnDevice& part, const VulkanFrame& frame,
+void VulkanScene::addSteps(std::vector<Step>& steps, const PartitionOnDevice& part, const VulkanFrame& frame,
                            List list, int32_t rays, bool primary, bool complete) const {
   const auto add = [&](Stage stage, const Special& special, int32_t op = 0, int32_t count = 0) {
     Step& step = steps.emplace_back(Step{stage, special, list});
@@ -276,7 +276,7 @@ void VulkanScene::addSteps(std::vector<Step>& steps, const PartOnDevice& part, c
     if (volumes.size() == 1)
       add(Stage::Integrate, special, volumes[0]);
     else
-      add(Stage::IntegrateMany, special, int32_t(part.volumeList), int32_t(volumes.size()));
+      add(Stage::IntegrateVolumes, special, int32_t(part.volumeList), int32_t(volumes.size()));
   }
   Special shades = special;
   shades.surfaces = part.geometryKinds | (surfacesInVolumes_ ? SURFACE_FIELDS : 0);
@@ -295,7 +295,7 @@ void VulkanScene::addTimes(TraceCounters& c, const Lane& lane) {
   c.nsSpawn += spent(Stage::Spawn);
   c.nsGeometry += spent(Stage::Geometry);
   c.nsSurfaces += spent(Stage::Slices) + spent(Stage::Isosurfaces);
-  c.nsIntegrate += spent(Stage::Integrate) + spent(Stage::IntegrateMany);
+  c.nsIntegrate += spent(Stage::Integrate) + spent(Stage::IntegrateVolumes);
   c.nsShade += spent(Stage::Shade) + spent(Stage::Depth) + spent(Stage::Finish);
   c.nsRoute += spent(Stage::Regenerate) + spent(Stage::Bound) + spent(Stage::Groups) + spent(Stage::Take);
 }

@@ -57,9 +57,9 @@ class VulkanScene final : public DeviceScene {
 
   // The functions below are for Batch.
   /// Adds the steps that `rays` rays of a list (~k: as many as counts[k]) go through in a partition.
-  void addSteps(std::vector<Step>& steps, const PartOnDevice& part, const VulkanFrame& frame, List list,
+  void addSteps(std::vector<Step>& steps, const PartitionOnDevice& part, const VulkanFrame& frame, List list,
                 int32_t rays, bool primary, bool complete) const;
-  static Step spawnStep(const PartOnDevice& part, int tiles);
+  static Step spawnStep(const PartitionOnDevice& part, int tiles);
   /// Adds the times of a lane's stages.
   static void addTimes(TraceCounters& counters, const Lane& lane);
   size_t secondariesPerHit(const VulkanFrame& frame) const;
@@ -81,16 +81,16 @@ class VulkanScene final : public DeviceScene {
   /// rank, which depends on the camera.
   void compile(const Advance& advance);
   /// The part in which primaries are spawned.
-  const PartOnDevice& spawningPart() const;
-  size_t mostAtOnce(const Request& request) const;
-  void ask(std::vector<Request> parts, uint64_t rays, Done done) const;
+  const PartitionOnDevice& spawningPart() const;
+  size_t mostAtOnce(const DeviceTask& request) const;
+  void ask(std::vector<DeviceTask> parts, uint64_t rays, Done done) const;
 
   std::shared_ptr<Context> context_;
   std::shared_ptr<const CompiledScene> scene_;
   int rank_;
-  PartOnDevice anywhere_;              ///< without a partition; for spawning, if there are several parts
-  std::map<int, PartOnDevice> parts_;  ///< key: local partition
-  Charge charge_;                      ///< memory of both, without what they share with other scenes
+  PartitionOnDevice anywhere_;              ///< without a partition; for spawning, if there are several parts
+  std::map<int, PartitionOnDevice> parts_;  ///< key: local partition
+  Charge charge_;                           ///< memory of both, without what they share with other scenes
   std::vector<Pipeline> pipelines_;
   mutable PacketSize batchSize_;
   std::vector<int> slicedOperators_, isoOperators_, renderedOperators_;

@@ -14,14 +14,14 @@
 
 namespace gxy {
 
-struct GeometryPart {
+struct GeometryInPartition {
   Box extent;        ///< empty where the document states none
   std::string file;  ///< as written: absolute, or relative to the document
 };
 
 /// Parses text only. Throws Error naming `where` and the part; pieces that come from a socket (host, port)
 /// are an error.
-std::vector<GeometryPart> parsePart(std::string_view text, const std::string& where);
-std::string formatPart(const std::vector<GeometryPart>& parts);
+std::vector<GeometryInPartition> parsePart(std::string_view text, const std::string& where);
+std::string formatPart(const std::vector<GeometryInPartition>& parts);
 
 }  // namespace gxy

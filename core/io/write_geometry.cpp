@@ -222,7 +222,7 @@ void writeGeometryPieces(const std::string& path, const std::vector<GeometryPiec
                          const GeometryBlock& like, const std::string& array) {
   const std::string extension = extensionOf(path);
   if (extension == ".part") {
-    std::vector<GeometryPart> parts;
+    std::vector<GeometryInPartition> parts;
     for (const GeometryPiece& piece : pieces) parts.push_back({piece.extent, piece.file});
     return writeText(path, formatPart(parts));
   }

@@ -6,14 +6,14 @@
 //   R(0.5)                 a literal of type real
 //   FN, FN_OUTLINE         a function; one that is better not inlined
 //   UNIFORM                a variable that is the same for all rays (a loop counter)
-//   ALL_RAYS { ... }       a block that also runs for the rays of a gang that take no part here; their
+//   UNMASKED { ... }       a block that also runs for the rays of a gang that take no part here; their
 //                          results must do no harm. What a loop carries from one turn to the next then does
 //                          not wait until it is known which rays go on
 //   INOUT(T), OUT(T)       a parameter that is read and written, or written
-//   put(to, x)             to = x, where `to` is a member of a structure that outlives the branch or turn of
+//   blendInto(to, x)       to = x, where `to` is a member of a structure that outlives the branch or turn of
 //                          the loop. In ISPC a plain assignment would be a masked store to memory, ten times
 //                          as slow on a processor without masks. A variable by itself (real, int, vec3) needs
-//                          no put
+//                          no blendInto
 //   make_v3, make_v4, make_i3   constructors
 //   toReal(i), toInt(x)    conversions: int or uint (slow) to real; real to int, towards zero
 //   asUint, asReal         the bits of a float as an integer and back (not in the twin)
@@ -44,7 +44,7 @@
 #define OUT(T) out T
 #define make_i3 ivec3
 #define UNIFORM
-#define ALL_RAYS
+#define UNMASKED
 #define asUint floatBitsToUint
 #define asReal uintBitsToFloat
 #define asInt int
@@ -52,7 +52,7 @@
 #define toInt int
 #define toUint uint
 #define floatOf float
-#define put(to, x) to = x
+#define blendInto(to, x) to = x
 FN real infinity() { return asReal(0x7f800000u); }
 #elif defined(ISPC)
 typedef float<3> vec3;
@@ -65,7 +65,7 @@ typedef int<3> ivec3;
 #define INOUT(T) T&
 #define OUT(T) T&
 #define UNIFORM uniform
-#define ALL_RAYS unmasked
+#define UNMASKED unmasked
 FN vec3 make_v3(float x, float y, float z) {
   vec3 v = {x, y, z};
   return v;
@@ -90,18 +90,18 @@ FN real floatOf(double x) { return (float)x; }
 // Stores every ray's value, for an idle ray its old one. (If takesPart were assigned where it is declared, it
 // would be true for all.)
 FN void setTrue(bool& b) { b = true; }
-#define GXY_PUT(T)                        \
-  FN void put(T& to, T x) {               \
+#define GXY_BLEND_INTO(T)                 \
+  FN void blendInto(T& to, T x) {         \
     bool takesPart;                       \
     unmasked { takesPart = false; }       \
     setTrue(takesPart);                   \
     unmasked { to = takesPart ? x : to; } \
   }
-GXY_PUT(float)
-GXY_PUT(int)
-GXY_PUT(bool)
-GXY_PUT(vec3)
-GXY_PUT(ivec3)
+GXY_BLEND_INTO(float)
+GXY_BLEND_INTO(int)
+GXY_BLEND_INTO(bool)
+GXY_BLEND_INTO(vec3)
+GXY_BLEND_INTO(ivec3)
 #else
 using real = GXY_REAL;
 using vec3 = glm::vec<3, GXY_REAL>;
@@ -116,7 +116,7 @@ using uint = unsigned int;
 #define INOUT(T) T&
 #define OUT(T) T&
 #define UNIFORM
-#define ALL_RAYS
+#define UNMASKED
 using std::abs;
 using std::ceil;
 using std::floor;
@@ -133,7 +133,7 @@ FN int toInt(real x) { return int(x); }
 FN uint toUint(int i) { return uint(i); }
 FN real floatOf(double x) { return real(float(x)); }
 template <class T>
-FN void put(T& to, T x) {
+FN void blendInto(T& to, T x) {
   to = x;
 }
 FN int asInt(uint x) { return int(x); }

@@ -4,7 +4,7 @@
 // ray crosses are exactly 0 or 1, so the two cells that share the face compute the same value there, and no
 // sign change is lost between them.
 //
-// isoPlan (core/rays/iso_plan.h) says where an isovalue may pass, in one word per macrocell and one bit per
+// isoMask (core/rays/iso_mask.h) says where an isovalue may pass, in one word per macrocell and one bit per
 // cell. Each dialect supplies isoWord(v, index) to read its words. Samples are read only in such cells.
 
 struct IsoHit {
@@ -70,13 +70,13 @@ FN bool cellHoldsData(VOLUME v, ivec3 c) {
   bool inside = c.x >= v.firstX && c.y >= v.firstY && c.z >= v.firstZ && c.x < v.lastX && c.y < v.lastY &&
                 c.z < v.lastZ;
   bool holds = false;
-  if (inside) holds = holdsData(cellCorners(v, c));
+  if (inside) holds = holdsData(cellValues(v, c));
   return holds;
 }
 
 #define ISO_END 1  // instead of the place of a macrocell's bits: the walk is over
 
-// The word of isoPlan for macrocell m. > 0: isovalues pass, and the bits of its cells start at this word.
+// The word of isoMask for macrocell m. > 0: isovalues pass, and the bits of its cells start at this word.
 // Otherwise no isovalue passes, neither in m nor in the aligned cube of 2^-isoBlock macrocells a side around
 // it.
 FN int isoBlock(VOLUME v, ivec3 m) { return isoWord(v, macroIndex(v, m)); }
@@ -98,7 +98,7 @@ struct IsoCrossing {
 
 FN IsoCrossing cellCrossing(VOLUME v, VolumeRay r, ivec3 c, ivec3 up, real ta, real tb, int first, real done,
                             real tIn, real tOut, real tAfter, IsoStart start) {
-  Corners k = cellCorners(v, c);
+  CellValues k = cellValues(v, c);
   real lo = minCorner(k), hi = maxCorner(k);
   vec3 near = make_v3(planeCrossing(c.x + 1 - up.x, r.g.po.x, r.g.rpd.x),
                       planeCrossing(c.y + 1 - up.y, r.g.po.y, r.g.rpd.y),
@@ -122,7 +122,7 @@ FN IsoCrossing cellCrossing(VOLUME v, VolumeRay r, ivec3 c, ivec3 up, real ta, r
   for (UNIFORM int i = 0; i < v.isovalues; i++) {
     real iso = isovalueAt(v, i);
     if (holds && i >= first && index == v.isovalues && lo <= iso && hi >= iso) {
-      cubic = bernsteinAlong(cornersMinus(k, iso), f, g);
+      cubic = bernsteinAlong(cellValuesMinus(k, iso), f, g);
       bool starts = along <= R(1e-3), entry = ta <= r.t0;
       // The side counts until the ray has met a surface, or may have changed sides in a gap without data. The
       // latter means behind such a gap, or a quarter of a cell off the start, where rounding no longer puts a
@@ -225,7 +225,7 @@ FN IsoHit firstIsosurface(VOLUME v, VolumeRay r, real tIn, real tOut, real tAfte
           // walked.
           int nextX, nextY, nextZ, macroX, macroY, macroZ, nextBlock;
           real nextT, last;
-          ALL_RAYS {
+          UNMASKED {
             nextX = 0;
             nextY = 0;
             nextZ = 0;
@@ -246,7 +246,7 @@ FN IsoHit firstIsosurface(VOLUME v, VolumeRay r, real tIn, real tOut, real tAfte
           last = end;
           while (walk) {
             int holds = 0;
-            ALL_RAYS {
+            UNMASKED {
               real farX = (planeX - r.g.po.x) * r.g.rpd.x;
               real farY = (planeY - r.g.po.y) * r.g.rpd.y;
               real farZ = (planeZ - r.g.po.z) * r.g.rpd.z;
@@ -357,7 +357,7 @@ FN real centralDifference(real before, real here, real after, bool hasBefore, bo
 // The cells on the six sides of a cell. A block has them except on the domain's boundary; missing ones do not
 // count.
 struct CellNeighbours {
-  Corners lowX, highX, lowY, highY, lowZ, highZ;
+  CellValues lowX, highX, lowY, highY, lowZ, highZ;
   bool hasLowX, hasHighX, hasLowY, hasHighY, hasLowZ, hasHighZ;
 };
 FN CellNeighbours neighboursOf(VOLUME v, ivec3 c) {
@@ -368,12 +368,12 @@ FN CellNeighbours neighboursOf(VOLUME v, ivec3 c) {
   n.hasHighY = c.y + 1 < v.lastY;
   n.hasLowZ = c.z > v.firstZ;
   n.hasHighZ = c.z + 1 < v.lastZ;
-  n.lowX = cellCorners(v, make_i3(n.hasLowX ? c.x - 1 : c.x, c.y, c.z));
-  n.highX = cellCorners(v, make_i3(n.hasHighX ? c.x + 1 : c.x, c.y, c.z));
-  n.lowY = cellCorners(v, make_i3(c.x, n.hasLowY ? c.y - 1 : c.y, c.z));
-  n.highY = cellCorners(v, make_i3(c.x, n.hasHighY ? c.y + 1 : c.y, c.z));
-  n.lowZ = cellCorners(v, make_i3(c.x, c.y, n.hasLowZ ? c.z - 1 : c.z));
-  n.highZ = cellCorners(v, make_i3(c.x, c.y, n.hasHighZ ? c.z + 1 : c.z));
+  n.lowX = cellValues(v, make_i3(n.hasLowX ? c.x - 1 : c.x, c.y, c.z));
+  n.highX = cellValues(v, make_i3(n.hasHighX ? c.x + 1 : c.x, c.y, c.z));
+  n.lowY = cellValues(v, make_i3(c.x, n.hasLowY ? c.y - 1 : c.y, c.z));
+  n.highY = cellValues(v, make_i3(c.x, n.hasHighY ? c.y + 1 : c.y, c.z));
+  n.lowZ = cellValues(v, make_i3(c.x, c.y, n.hasLowZ ? c.z - 1 : c.z));
+  n.highZ = cellValues(v, make_i3(c.x, c.y, n.hasHighZ ? c.z + 1 : c.z));
   return n;
 }
 
@@ -390,7 +390,7 @@ FN real differenceAlong(bool hasBefore, real before, real low, real high, real a
 // The gradient, per cell, at point (x, y, z), each 0 or 1, of the cell with corners k and these neighbours.
 // It has central differences, one-sided on the domain's boundary or beside missing data, and 0 where there
 // are none.
-FN vec3 cornerGradient(Corners k, CellNeighbours n, UNIFORM int x, UNIFORM int y, UNIFORM int z) {
+FN vec3 cornerGradient(CellValues k, CellNeighbours n, UNIFORM int x, UNIFORM int y, UNIFORM int z) {
   vec3 g;
 #define ALONG(axis, atHigh, a, b) \
   differenceAlong(n.hasLow##axis, n.low##axis.a, k.a, k.b, n.high##axis.b, n.hasHigh##axis, atHigh)
@@ -432,7 +432,7 @@ FN ivec3 cellMet(VOLUME v, GridRay g, real t) {
   ivec3 c = make_i3(cellBeside(t, i.x, g.po.x, g.rpd.x, v.firstX, v.lastX - 1, behind),
                     cellBeside(t, i.y, g.po.y, g.rpd.y, v.firstY, v.lastY - 1, behind),
                     cellBeside(t, i.z, g.po.z, g.rpd.z, v.firstZ, v.lastZ - 1, behind));
-  if (!holdsData(cellCorners(v, c))) {
+  if (!holdsData(cellValues(v, c))) {
     behind = true;
     c = make_i3(cellBeside(t, i.x, g.po.x, g.rpd.x, v.firstX, v.lastX - 1, behind),
                 cellBeside(t, i.y, g.po.y, g.rpd.y, v.firstY, v.lastY - 1, behind),
@@ -459,7 +459,7 @@ FN void addGradient(vec3 d, vec3 f, UNIFORM int x, UNIFORM int y, UNIFORM int z,
 FN vec3 gradientIn(VOLUME v, ivec3 c, vec3 p) {
   vec3 f = fractionIn(c, p);
   vec3 g = make_v3(R(0.0), R(0.0), R(0.0)), most = make_v3(R(0.0), R(0.0), R(0.0));
-  Corners k = cellCorners(v, c);
+  CellValues k = cellValues(v, c);
   CellNeighbours n = neighboursOf(v, c);
   for (UNIFORM int i = 0; i < 8; i++) {
     UNIFORM int x = i & 1, y = (i >> 1) & 1, z = i >> 2;

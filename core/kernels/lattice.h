@@ -78,7 +78,7 @@ FN void partitionSpan(SCENE s, vec3 o, vec3 d, OUT(real) tIn, OUT(real) tOut) {
   tOut = min(min(bx, by), bz);
 }
 
-// The t at which the next partition begins in which anything is seen (MarchRange::tOwn in volume.h); NO_HIT
+// The t at which the next partition begins in which anything is seen (MarchRange::tOwnershipEnd in volume.h); NO_HIT
 // if there is none.
 FN real nextBegin(SCENE s, vec3 o, vec3 d, real tOut, real tEnd) {
   real t = tOut;

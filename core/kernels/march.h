@@ -79,15 +79,15 @@ FN real curvature(real mean, real front, real back) { return abs(mean - R(0.5) *
 // Adds a piece of optical depth tau, given its mean colour and the colours of its front and back, as if
 // colours were linear in optical depth; the front of a dense piece hides its back. If colours are not linear,
 // and that matters against tMin, nothing is added and true is returned: the piece must be halved, unless it
-// is the `smallest`. `bent`: lower bound on the colour error from assuming that colour is linear in optical
-// depth. `misplaced`: fraction of the piece's opacity that may be shown at the wrong depth.
-FN bool addPiece(real tau, vec3 mean, vec3 front, vec3 back, real bent, real misplaced, bool smallest,
-                 real tMin, INOUT(vec3) rgb, INOUT(real) A) {
+// is the `smallest`. `curvatureError`: lower bound on the colour error from assuming that colour is linear in optical
+// depth. `positionError`: fraction of the piece's opacity that may be shown at the wrong depth.
+FN bool addPiece(real tau, vec3 mean, vec3 front, vec3 back, real curvatureError, real positionError,
+                 bool smallest, real tMin, INOUT(vec3) rgb, INOUT(real) A) {
   real T = R(1.0) - A;
   real w = oneMinusExp(tau);
   real curved = max(max(curvature(mean.x, front.x, back.x), curvature(mean.y, front.y, back.y)),
-                    max(curvature(mean.z, front.z, back.z), bent));
-  bool halve = T * (w * max(min(tau, R(1.0)) * curved, misplaced)) > tMin + R(1e-5) && !smallest;
+                    max(curvature(mean.z, front.z, back.z), curvatureError));
+  bool halve = T * (w * max(min(tau, R(1.0)) * curved, positionError)) > tMin + R(1e-5) && !smallest;
   if (!halve && tau > R(0.0)) {
     // The mean of 1/2 - y / tau over what is seen, where y is the optical depth to it.
     real lead = tau < R(0.3) ? tau * R(0.083333333333333333) : (R(0.5) - R(1.0) / tau) + (R(1.0) - w) / w;
@@ -102,10 +102,11 @@ FN bool addPiece(real tau, vec3 mean, vec3 front, vec3 back, real bent, real mis
 
 // The curvature of colours where extinction goes linearly from front to mean to back. It is about right, too,
 // for extinction that rises and falls symmetrically, which means do not show.
-FN real bentBy(MapMean m) {
+FN real mapCurvatureError(MapMean m) {
   real change = max(max(abs(m.front.x - m.back.x), abs(m.front.y - m.back.y)), abs(m.front.z - m.back.z));
-  real uneven = max(abs(m.sigma - m.sigmaFront), abs(m.sigma - m.sigmaBack));
-  return m.sigma > R(0.0) ? change * R(0.16666666666666667) * min(uneven / m.sigma, R(2.0)) : R(0.0);
+  real extinctionSpread = max(abs(m.sigma - m.sigmaFront), abs(m.sigma - m.sigmaBack));
+  return m.sigma > R(0.0) ? change * R(0.16666666666666667) * min(extinctionSpread / m.sigma, R(2.0))
+                          : R(0.0);
 }
 
 // The value along a ray through a cell: a cubic over [0, 1], the part of the ray that is in the cell, and the
@@ -117,7 +118,7 @@ struct CellCurve {
 
 // The curve from fractions p to q of the cell. It is bernsteinAlong (trilinear.h) with half of the
 // operations, and still within the corners' values.
-FN CellCurve curveIn(Corners k, vec3 p, vec3 q) {
+FN CellCurve curveIn(CellValues k, vec3 p, vec3 q) {
   real p00 = lerp1(k.v000, k.v100, p.x), p10 = lerp1(k.v010, k.v110, p.x);
   real p01 = lerp1(k.v001, k.v101, p.x), p11 = lerp1(k.v011, k.v111, p.x);
   real q00 = lerp1(k.v000, k.v100, q.x), q10 = lerp1(k.v010, k.v110, q.x);
@@ -142,7 +143,7 @@ FN real valueOn(CellCurve c, real u) { return clamp1(bernsteinValue(c.cubic, u),
 // Upper bound on the fraction of a piece's opacity that is shown at the wrong depth. The value is taken to go
 // linearly from s0 to s1, but is `middle` in the middle. Only the difference between the piece's ends can be
 // at a wrong depth.
-FN real misplaced(MapMean m, real s0, real middle, real s1) {
+FN real stepPositionError(MapMean m, real s0, real middle, real s1) {
   real rise = abs(s1 - s0), bow = abs(middle - R(0.5) * (s0 + s1));
   real change = max(max(abs(m.front.x - m.back.x), abs(m.front.y - m.back.y)), abs(m.front.z - m.back.z));
   if (m.sigma > R(0.0)) change = max(change, min(abs(m.sigmaFront - m.sigmaBack) / m.sigma, R(1.0)));
@@ -164,8 +165,9 @@ FN void addPieces(VOLUME v, CellCurve c, real turns0, real turns1, real uFrom, r
     real to = whole ? upTo : from + most;
     real part = to - from, s1 = valueOn(c, to);
     MapMean m = meanAlong(v, s, s1);
-    more = addPiece(m.sigma * (part * span), m.color, m.front, m.back, bentBy(m),
-                    misplaced(m, s, valueOn(c, from + R(0.5) * part), s1), part <= smallest, tMin, rgb, A);
+    more = addPiece(m.sigma * (part * span), m.color, m.front, m.back, mapCurvatureError(m),
+                    stepPositionError(m, s, valueOn(c, from + R(0.5) * part), s1), part <= smallest, tMin,
+                    rgb, A);
     if (more) {
       most = R(0.5) * part;
     } else {
@@ -179,8 +181,8 @@ FN void addPieces(VOLUME v, CellCurve c, real turns0, real turns1, real uFrom, r
 
 // The same through a map of few intervals, without sums. A piece also ends where the value leaves its
 // interval, at a root of the cubic. So steps of the map are where they should be, however long segments are.
-FN void addPiecesOfFew(VOLUME v, CellCurve c, real turns0, real turns1, real uFrom, real uTo, real span,
-                       real tMin, INOUT(vec3) rgb, INOUT(real) A) {
+FN void integrateCellExact(VOLUME v, CellCurve c, real turns0, real turns1, real uFrom, real uTo, real span,
+                           real tMin, INOUT(vec3) rgb, INOUT(real) A) {
   real from = uFrom, s = valueOn(c, uFrom);
   MapPlace place = mapPlace(v, s);
   int k = place.k;
@@ -275,7 +277,7 @@ FN_OUTLINE void integrateCells(VOLUME v, VolumeRay r, MarchRange m, real t, real
                        planeCrossing(farPlane(c.z, r.g.rpd.z), r.g.po.z, r.g.rpd.z));
     real exit = min3(far);
     real tc = min(exit, r.t1);
-    Corners k = cellCorners(v, c);
+    CellValues k = cellValues(v, c);
     if (tc > ta && holdsData(k)) {
       CellCurve curve = curveIn(k, fractionIn(c, pointAt(r.g, ta)), fractionIn(c, pointAt(r.g, tc)));
       bool even = curve.low == curve.high,
@@ -305,7 +307,7 @@ FN_OUTLINE void integrateCells(VOLUME v, VolumeRay r, MarchRange m, real t, real
           evaluated += 1;
           real uTo = b < tc ? (b - ta) / span : R(1.0);
           if (mapIsSmall(v))
-            addPiecesOfFew(v, curve, turns0, turns1, u, uTo, span, m.tMin, rgb, A);
+            integrateCellExact(v, curve, turns0, turns1, u, uTo, span, m.tMin, rgb, A);
           else
             addPieces(v, curve, turns0, turns1, u, uTo, span, m.tMin, rgb, A);
           u = uTo;
@@ -324,7 +326,7 @@ FN_OUTLINE void integrateCells(VOLUME v, VolumeRay r, MarchRange m, real t, real
     ta = exit;
     if (go && crosses) {
       int behind = planAt(v, macroIndex(v, make_i3(c.x >> MACRO_BITS, c.y >> MACRO_BITS, c.z >> MACRO_BITS)));
-      inside = behind != 0 && !byMidpoints(behind);
+      inside = behind != 0 && !isMidpoint(behind);
       step = planStep(behind);
       within = planStepWithin(behind);
       entered += inside ? 1 : 0;
@@ -430,16 +432,16 @@ FN void integrateVolume(VOLUME v, VolumeRay r, MarchRange m, INOUT(real) begun, 
   int index = 0;
   vec3 plane = make_v3(R(0.0), R(0.0), R(0.0)), far = make_v3(R(0.0), R(0.0), R(0.0));
   real tHere = R(0.0), limit = end;
-  if (someByCells(v)) {
+  if (anyCellwise(v)) {
     MacroWalk w = startMacroWalk(v, r, from);
     index = w.index;
     plane = w.plane;
     far = w.far;
     int planHere = planAt(v, index);
-    if (planHere != 0 && !byMidpoints(planHere)) limit = w.t;
+    if (planHere != 0 && !isMidpoint(planHere)) limit = w.t;
   }
   while (R(1.0) - A >= m.tMin) {
-    if (!byMidpoints(plan) || t >= limit) {
+    if (!isMidpoint(plan) || t >= limit) {
       if (t >= last) break;
       MacroWalk w = startMacroWalk(v, r, from);
       index = w.index;
@@ -448,7 +450,7 @@ FN void integrateVolume(VOLUME v, VolumeRay r, MarchRange m, INOUT(real) begun, 
       far = w.far;
       tHere = w.t;
       bool go = true;
-      while (go && !byMidpoints(planHere)) {
+      while (go && !isMidpoint(planHere)) {
         // Rays of a gang meet again where something is seen.
         while (go && planHere == 0) {
           skipped += 1;
@@ -459,8 +461,8 @@ FN void integrateVolume(VOLUME v, VolumeRay r, MarchRange m, INOUT(real) begun, 
             planHere = planAt(v, index);
           }
         }
-        if (go && !byMidpoints(planHere) &&
-            someByCells(v)) {  // GLSL compiles none of this for scenes without such macrocells
+        if (go && !isMidpoint(planHere) &&
+            anyCellwise(v)) {  // GLSL compiles none of this for scenes without such macrocells
           // Copies, so that references in the call do not keep the loop's own variables in memory.
           VolumeRay ray = r;
           addSample(v, s, length, m.tMin, rgb, A, samples);
@@ -489,36 +491,36 @@ FN void integrateVolume(VOLUME v, VolumeRay r, MarchRange m, INOUT(real) begun, 
       plan = planAt(v, at);
       // Rounding may put the point on the other side of a face, but must not when the partition behind
       // resumes here.
-      if (!byMidpoints(plan)) plan = planHere;
+      if (!isMidpoint(plan)) plan = planHere;
       macrocells += 1;
       strideFrom(v, r.g, units, t, plan, nextLength, nextReach, nextAt, nextPlan);
       limit = end;
     }
     SEGMENTS
-    if (someByCells(v)) {
+    if (anyCellwise(v)) {
       // A segment ends where a macrocell that goes cell by cell begins.
       real reach = min(t + nextReach, last);
       bool free = limit == end;
       while (free && min3(far) < reach) {
         stepMacroWalk(v, r, index, plane, far, tHere);
         int planHere = planAt(v, index);
-        free = planHere == 0 || byMidpoints(planHere);
+        free = planHere == 0 || isMidpoint(planHere);
         if (!free) limit = min(limit, tHere);
       }
     }
     real shorter = segmentOf(units, nextPlan);
-    bool finer = byMidpoints(nextPlan) && shorter < nextLength;
+    bool finer = isMidpoint(nextPlan) && shorter < nextLength;
     real h = finer ? shorter : nextLength;
     bool two = h + h <= nextReach;
     real b = min(t + (two ? h + h : h), limit);
-    if (b > m.tOwn) {  // it belongs to the next partition
-      if (t < m.tOut || m.tOwn == m.tOut) begun = t;
+    if (b > m.tOwnershipEnd) {  // it belongs to the next partition
+      if (t < m.tOut || m.tOwnershipEnd == m.tOut) begun = t;
       END_OF_MARCH
     }
     real middle = two ? R(0.5) * (t + b) : b;
     vec3 p = pointAt(r.g, R(0.5) * (t + middle));
     ivec3 c = cellAt(v, p);
-    Corners k = cellCorners(v, c);
+    CellValues k = cellValues(v, c);
     int passed = at;
     at = nextAt;
     plan = nextPlan;
@@ -526,7 +528,7 @@ FN void integrateVolume(VOLUME v, VolumeRay r, MarchRange m, INOUT(real) begun, 
       at = macroAt(v, pointAt(r.g, b));
       plan = planAt(v, at);
     }
-    if (at != passed && byMidpoints(plan)) macrocells += 1;
+    if (at != passed && isMidpoint(plan)) macrocells += 1;
     strideFrom(v, r.g, units, b, plan, nextLength, nextReach, nextAt, nextPlan);
     addSample(v, s, length, m.tMin, rgb, A, samples);
     s = valueIn(k, fractionOf(c, p));
@@ -534,7 +536,7 @@ FN void integrateVolume(VOLUME v, VolumeRay r, MarchRange m, INOUT(real) begun, 
     if (two) {
       vec3 q = pointAt(r.g, R(0.5) * (middle + b));
       ivec3 e = cellAt(v, q);
-      Corners l = cellCorners(v, e);
+      CellValues l = cellValues(v, e);
       addSample(v, s, R(1.0) - A >= m.tMin ? length : R(0.0), m.tMin, rgb, A, samples);
       s = valueIn(l, fractionOf(e, q));
       length = b - middle;
@@ -542,10 +544,10 @@ FN void integrateVolume(VOLUME v, VolumeRay r, MarchRange m, INOUT(real) begun, 
     t = b;
     from = b;
     if (b >= last || b > m.tOut) {
-      if (b < end && m.tOwn == m.tOut) begun = b;
+      if (b < end && m.tOwnershipEnd == m.tOut) begun = b;
       END_OF_MARCH
     }
-    END_OF_SEGMENTS(byMidpoints(plan) && t < limit && R(1.0) - A >= m.tMin)
+    END_OF_SEGMENTS(isMidpoint(plan) && t < limit && R(1.0) - A >= m.tMin)
   }
   if (R(1.0) - A >= m.tMin) addSample(v, s, length, m.tMin, rgb, A, samples);
   L.rgb = rgb;

@@ -4,10 +4,10 @@
 // clang-format off
 #include "core/kernels/clip.h"
 #include "core/kernels/cuts.h"
-#include "core/kernels/many.h"
+#include "core/kernels/multi_volume.h"
 #include "core/kernels/camera.h"
 #include "core/kernels/lattice.h"
 #include "core/kernels/primitives.h"
 #include "core/kernels/surface.h"
-#include "core/kernels/shares.h"
+#include "core/kernels/light_terms.h"
 // clang-format on

@@ -88,7 +88,7 @@ FN Surface triangleSurface(OPERATOR op, uint p, vec3 o, vec3 d, real after) {
 
 // The gradient of the trilinear interpolant itself at p in cell c, per unit of render space.
 FN vec3 cellGradientIn(VOLUME v, ivec3 c, vec3 p) {
-  Corners k = cellCorners(v, c);
+  CellValues k = cellValues(v, c);
   vec3 f = fractionIn(c, p);
   real x =
       lerp1(lerp1(k.v100 - k.v000, k.v110 - k.v010, f.y), lerp1(k.v101 - k.v001, k.v111 - k.v011, f.y), f.z);

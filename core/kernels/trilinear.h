@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The trilinear cell, and the cubic that its value is along a ray.
 
-struct Corners {
+struct CellValues {
   real v000, v100, v010, v110, v001, v101, v011, v111;  // digits: x, y, z
 };
 
@@ -16,7 +16,7 @@ FN real mix1(real a, real b, real f) {
 
 // The value at fractions f in [0,1]^3; on a face it is the bilinear interpolation of that face's corners, to
 // the bit.
-FN real trilinear(Corners c, vec3 f) {
+FN real trilinear(CellValues c, vec3 f) {
   real x00 = mix1(c.v000, c.v100, f.x);
   real x10 = mix1(c.v010, c.v110, f.x);
   real x01 = mix1(c.v001, c.v101, f.x);
@@ -24,14 +24,14 @@ FN real trilinear(Corners c, vec3 f) {
   return mix1(mix1(x00, x10, f.y), mix1(x01, x11, f.y), f.z);
 }
 
-FN real minCorner(Corners c) {
+FN real minCorner(CellValues c) {
   return min(min(min(c.v000, c.v100), min(c.v010, c.v110)), min(min(c.v001, c.v101), min(c.v011, c.v111)));
 }
-FN real maxCorner(Corners c) {
+FN real maxCorner(CellValues c) {
   return max(max(max(c.v000, c.v100), max(c.v010, c.v110)), max(max(c.v001, c.v101), max(c.v011, c.v111)));
 }
 // Whether all corners are finite; a cell with NaN or infinite corners has no data.
-FN bool holdsData(Corners c) {
+FN bool holdsData(CellValues c) {
   real s = ((c.v000 - c.v000) + (c.v100 - c.v100)) + ((c.v010 - c.v010) + (c.v110 - c.v110)) +
            (((c.v001 - c.v001) + (c.v101 - c.v101)) + ((c.v011 - c.v011) + (c.v111 - c.v111)));
   return s == R(0.0);
@@ -43,8 +43,8 @@ FN real mean3(real a, real b, real c) { return a + ((b - a) + (c - a)) * R(0.333
 // The same cell with `offset` subtracted from the values. For values near the offset the difference is exact
 // (Sterbenz 1974), and what is computed from differences rounds in proportion to them. Samples around 300 K
 // with an isovalue among them keep their digits behind the point.
-FN Corners cornersMinus(Corners c, real offset) {
-  Corners d;
+FN CellValues cellValuesMinus(CellValues c, real offset) {
+  CellValues d;
   d.v000 = c.v000 - offset;
   d.v100 = c.v100 - offset;
   d.v010 = c.v010 - offset;
@@ -58,7 +58,7 @@ FN Corners cornersMinus(Corners c, real offset) {
 
 // The Bernstein coefficients of the cell's values along the segment from fractions p to q: blossoms of the
 // trilinear form. They bound the cubic; the first and the last are its end values.
-FN vec4 bernsteinAlong(Corners c, vec3 p, vec3 q) {
+FN vec4 bernsteinAlong(CellValues c, vec3 p, vec3 q) {
   // Interpolates at the x of p and of q, which gives four values on the edges along x each; then at the y of
   // p and of q.
   real p00 = mix1(c.v000, c.v100, p.x), p10 = mix1(c.v010, c.v110, p.x);

@@ -12,9 +12,9 @@
 //
 // Each dialect supplies, for its VOLUME type,
 //   vec3 gridOrigin(v), gridInverse(v); ivec3 gridCells(v)    the global grid in render space
-//   Corners cellCorners(v, cell)                              samples of a cell of the local block
+//   Corners cellValues(v, cell)                              samples of a cell of the local block
 //   int  planAt(v, index)        0: skip; else the step and the method of a macrocell of the block, see below
-//   bool someByCells(v)          whether any macrocell goes cell by cell
+//   bool anyCellwise(v)          whether any macrocell goes cell by cell
 
 #define MACRO_BITS 3
 // A plan has the length of a segment in units of 1 / PLAN_UNIT cells, above these bits. Plan 0: nothing is
@@ -52,7 +52,7 @@ FN real planStep(int plan) { return toReal(plan >> PLAN_BITS) * (R(1.0) / toReal
 FN real planStepWithin(int plan) {
   return planStep(plan) * toReal(1 << ((plan >> PLAN_LONGER_BIT) & PLAN_MOST_LONGER));
 }
-FN bool byMidpoints(int plan) { return plan != 0 && (plan & PLAN_CELLS) == 0; }
+FN bool isMidpoint(int plan) { return plan != 0 && (plan & PLAN_CELLS) == 0; }
 
 // The cell of the local block at p. Only rounding can put p outside the block, because its ghost layers reach
 // as far as segments do.
@@ -77,7 +77,7 @@ FN vec3 pointAt(GridRay g, real t) {
 }
 
 // The value at fractions f of a cell with corners k.
-FN real valueIn(Corners k, vec3 f) {
+FN real valueIn(CellValues k, vec3 f) {
   real a = lerp1(k.v000, k.v100, f.x), b = lerp1(k.v010, k.v110, f.x);
   real e = lerp1(k.v001, k.v101, f.x), g = lerp1(k.v011, k.v111, f.x);
   return lerp1(lerp1(a, b, f.y), lerp1(e, g, f.y), f.z);
@@ -86,7 +86,7 @@ FN real valueIn(Corners k, vec3 f) {
 // The trilinear value at p; NaN in a no-data cell.
 FN real sampleAt(VOLUME v, vec3 p) {
   ivec3 c = cellAt(v, p);
-  return valueIn(cellCorners(v, c), fractionOf(c, p));
+  return valueIn(cellValues(v, c), fractionOf(c, p));
 }
 
 // The macrocell of the block at p.
@@ -160,10 +160,10 @@ FN void addSegment(INOUT(vec3) rgb, INOUT(real) A, real tau, vec3 c, real tMin) 
 
 // The bounds of the work of one partition on one ray: segments that end in (tIn, tOut], from tStart (the
 // ray's last event) to tStop (a hit before tOut, or NO_HIT). The march ends early when transmittance is below
-// tMin. Segments that begin before tOut and end before tOwn also belong to this partition; tOwn is where the
+// tMin. Segments that begin before tOut and end before tOwnershipEnd also belong to this partition; tOwnershipEnd is where the
 // next partition begins in which anything is seen (tOut, if that is the next one).
 struct MarchRange {
-  real tIn, tOut, tOwn, tStart, tStop, tMin;
+  real tIn, tOut, tOwnershipEnd, tStart, tStop, tMin;
 };
 
 // Counts of samples, of macrocells in which something was sampled, of macrocells that were skipped, and of

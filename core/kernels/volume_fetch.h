@@ -23,8 +23,8 @@ FN real storedAt(VOLUME v, OFFSET i) {
 #include "core/kernels/volume_pointers.h"
 
 // The eight corner values of a cell that the block holds.
-FN Corners cellCorners(VOLUME v, ivec3 c) {
-  if (v.kind != SAMPLE_F32 || v.stride != 1 || v.wide != 0) return cellCornersOfAny(v, c);
+FN CellValues cellValues(VOLUME v, ivec3 c) {
+  if (v.kind != SAMPLE_F32 || v.stride != 1 || v.wide != 0) return cellValuesOfAny(v, c);
   int cx = c.x - v.firstX, cy = c.y - v.firstY, cz = c.z - v.firstZ;
   int x = BRICK_STEP(cx, 512, 1), y = BRICK_STEP(cy, v.brickRow, 8);
   int b = BRICK_PLACE(cx, 512, 1) + BRICK_PLACE(cy, v.brickRow, 8) + BRICK_PLACE(cz, v.brickLayer, 64);

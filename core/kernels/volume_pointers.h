@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// How a dialect with pointers, C++ or ISPC, reads a VolumeView: the part that both write alike. volume_fetch.h and
-// backends/embree/volume_fetch.isph include this file after they have defined OFFSET, storedAt and the reading of maps.
+// How a dialect with pointers, C++ or ISPC, reads a VolumeView: the part that both write alike. Each dialect's
+// volume_fetch includes this file after it has defined OFFSET, storedAt and the reading of maps.
 
 FN int planAt(VOLUME v, int index) { return v.plan[index]; }
-FN UNIFORM bool someByCells(VOLUME v) { return v.byCells != 0; }
-FN int isoWord(VOLUME v, int index) { return v.isoPlan[index]; }
+FN UNIFORM bool anyCellwise(VOLUME v) { return v.byCells != 0; }
+FN int isoWord(VOLUME v, int index) { return v.isoMask[index]; }
 FN int mapBucket(VOLUME v, int i) { return v.buckets[i]; }
 FN int mapNodesUpTo(VOLUME v, real s) {
   int k = 0;
@@ -46,8 +46,8 @@ FN OFFSET pointPlace(VOLUME v, ivec3 p) {
 }
 
 // Of any block; in ISPC of one over 2^31 bytes, as this is slow. Out of line: the common case stays small.
-FN_OUTLINE Corners cellCornersOfAny(VOLUME v, ivec3 c) {
-  Corners k;
+FN_OUTLINE CellValues cellValuesOfAny(VOLUME v, ivec3 c) {
+  CellValues k;
   int x = BRICK_STEP(c.x - v.firstX, 512, 1), y = BRICK_STEP(c.y - v.firstY, v.brickRow, 8);
   OFFSET b = pointPlace(v, c);
   OFFSET h = b + BRICK_STEP(c.z - v.firstZ, v.brickLayer, 64);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // One volume of one partition as the kernels see it. The host fills it in namespace gxy::single (ISPC reads the same bytes) or
 // gxy::twin. In GLSL, and in C++ that writes for GLSL (GXY_LAYOUT: the structures alone), the members that are pointers here are
-// places in a buffer. Each dialect fetches in a file of its own: volume_fetch.h (C++), backends/embree/volume_fetch.isph and
-// shaders/volume_fetch.glsl.
+// places in a buffer. Each dialect fetches in a file of its own, named volume_fetch: C++'s stands here, the others with
+// their backends.
 
 #if defined(GXY_GLSL) || defined(GXY_LAYOUT)
 #define PTR(T) uint
@@ -40,14 +40,14 @@ struct VolumeView {
 
   PTR(int) plan;                              // per macrocell of the block, see volume.h
   int byCells;                                // whether any of them goes cell by cell
-  PTR(int) isoPlan;                           // see core/rays/iso_plan.h
+  PTR(int) isoMask;                           // see core/rays/iso_mask.h
   int macroX, macroY;                         // macrocells per row and per column
   int macroFirstX, macroFirstY, macroFirstZ;  // global index of the first
 
   int mapUniform, mapBuckets, mapIntervals;  // see map.h
   real mapOrigin, mapInverse;
   real nanRed, nanGreen, nanBlue;  // colour where there is no value
-  real hidden;                     // CompiledOperator::hidden
+  real occludingExtinction;        // CompiledOperator::occludingExtinction
   PTR(int) buckets;
   PTR(real) nodes;    // start of each interval
   PTR(real) lengths;  // inverse length of each interval

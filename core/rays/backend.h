@@ -19,7 +19,7 @@ namespace gxy {
 class Ledger;
 
 /// Kernels that some scenes do not need; each has code of its own.
-enum class Kernel { Geometry, Slices, Isosurfaces, Integrate, IntegrateMany, Shade };
+enum class Kernel { Geometry, Slices, Isosurfaces, Integrate, IntegrateVolumes, Shade };
 inline constexpr const char* kKernelNames[] = {"geometry",  "slices",         "isosurfaces",
                                                "integrate", "integrate many", "shade"};
 inline constexpr size_t kKernels = std::size(kKernelNames);

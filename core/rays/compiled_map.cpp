@@ -42,7 +42,7 @@ Value limit(const std::vector<Point>& points, double at, bool above,
 }
 
 // A value at which the map may change its course, with the limits of (r, g, b, sigma) on both sides.
-struct Node {
+struct ControlPoint {
   double value;
   glm::dvec4 below, above;
   bool behind = false;  // a step that is justAbove the node before it
@@ -59,12 +59,12 @@ float nextFloat(float x) {
 // Drops nodes on runs that are straight up to kStraight. From each node that is kept, the next one kept is as
 // far away as possible while every node between is within kStraight of the line (a swing filter; Elmeleegy et
 // al. 2009). Steps are kept.
-std::vector<Node> straightened(const std::vector<Node>& nodes) {
+std::vector<ControlPoint> straightened(const std::vector<ControlPoint>& nodes) {
   if (nodes.size() < 3) return nodes;
-  std::vector<Node> kept{nodes.front()};
+  std::vector<ControlPoint> kept{nodes.front()};
   glm::dvec4 least(-INFINITY), most(INFINITY);  // the slopes that all nodes passed over allow
   for (size_t i = 1; i < nodes.size(); i++) {
-    const Node &from = kept.back(), &here = nodes[i];
+    const ControlPoint &from = kept.back(), &here = nodes[i];
     const glm::dvec4 slack(glm::dvec3(kStraight), kStraight * here.below.w);
     const double run = here.value - from.value;
     least = glm::max(least, (here.below - slack - from.above) / run);
@@ -80,22 +80,22 @@ std::vector<Node> straightened(const std::vector<Node>& nodes) {
   return kept;
 }
 
-Node between(const Node& a, const Node& b, double value) {
+ControlPoint between(const ControlPoint& a, const ControlPoint& b, double value) {
   const glm::dvec4 here = glm::mix(a.above, b.below, (value - a.value) / (b.value - a.value));
   return {value, here, here};
 }
 
 // Cuts a map to [lo, hi], since there are no values beyond: its lines end there instead of far away.
-std::vector<Node> within(const std::vector<Node>& nodes, double lo, double hi) {
-  std::vector<Node> part;
+std::vector<ControlPoint> within(const std::vector<ControlPoint>& nodes, double lo, double hi) {
+  std::vector<ControlPoint> part;
   for (size_t i = 0; i < nodes.size(); i++) {
-    const Node& n = nodes[i];
-    const Node* next = i + 1 < nodes.size() ? &nodes[i + 1] : nullptr;
+    const ControlPoint& n = nodes[i];
+    const ControlPoint* next = i + 1 < nodes.size() ? &nodes[i + 1] : nullptr;
     if (n.value >= lo && n.value <= hi) part.push_back(n);
     if (next && n.value < lo && next->value > lo) part.push_back(between(n, *next, lo));
     if (next && n.value < hi && next->value > hi) part.push_back(between(n, *next, hi));
   }
-  const Node &first = nodes.front(), &last = nodes.back();
+  const ControlPoint &first = nodes.front(), &last = nodes.back();
   if (last.value < lo) part.push_back({lo, last.above, last.above});
   if (first.value > hi) part.push_back({hi, first.below, first.below});
   return part;
@@ -123,9 +123,9 @@ CompiledMap::CompiledMap(const ColorMap& color, const OpacityMap* opacity, const
   if (opacity)
     for (const auto& p : opacity->points) cuts.insert(p.value);
 
-  std::vector<Node> list;  // over true values
+  std::vector<ControlPoint> list;  // over true values
   auto colored = [&](double v, double below, double above) {
-    return Node{v, glm::dvec4(colorAt(v, false), below), glm::dvec4(colorAt(v, true), above)};
+    return ControlPoint{v, glm::dvec4(colorAt(v, false), below), glm::dvec4(colorAt(v, true), above)};
   };
   for (double v : cuts) {
     double below = 0, above = 0;
@@ -149,19 +149,19 @@ CompiledMap::CompiledMap(const ColorMap& color, const OpacityMap* opacity, const
         cut(0, 1, 0);
       }
     }
-    Node node = colored(v, below, above);
+    ControlPoint node = colored(v, below, above);
     node.behind = !list.empty() && node.below != node.above && v == justAbove(list.back().value);
     list.push_back(node);
   }
 
   // Nodes that coincide in float, or are closer than the least normal number, become one step.
   auto storedValue = [&](double v) { return float((v - units.shift) / units.scale); };
-  auto stored = [&](const Node& n) {
+  auto stored = [&](const ControlPoint& n) {
     return n.behind ? nextFloat(storedValue(std::nextafter(n.value, -INFINITY))) : storedValue(n.value);
   };
-  std::vector<Node> kept;
+  std::vector<ControlPoint> kept;
   const double farthest = kFarStored * units.scale;
-  for (const Node& n : straightened(within(list, units.shift - farthest, units.shift + farthest))) {
+  for (const ControlPoint& n : straightened(within(list, units.shift - farthest, units.shift + farthest))) {
     if (!kept.empty() && stored(n) - stored(kept.back()) < std::numeric_limits<float>::min())
       kept.back().above = n.above;
     else
@@ -211,12 +211,12 @@ CompiledMap::CompiledMap(const ColorMap& color, const OpacityMap* opacity, const
 
   addInterval(-1e30, 0, kept.front().below, kept.front().below);
   for (int i = 0; i < inner; i++) {
-    const Node &a = kept[i], &b = kept[i + 1];
+    const ControlPoint &a = kept[i], &b = kept[i + 1];
     addInterval(stored(a), double(stored(b)) - stored(a), a.above, b.below);
   }
   addInterval(stored(kept.back()), 0, kept.back().above, kept.back().above);
   jump.push_back(0);  // jump[k] is the step at the start of interval k
-  for (const Node& n : kept) {
+  for (const ControlPoint& n : kept) {
     const double below = seen(n.below.w), above = seen(n.above.w);
     const glm::dvec3 source = glm::abs(above * glm::dvec3(n.above) - below * glm::dvec3(n.below));
     jump.push_back(std::max({std::abs(above - below), source.r, source.g, source.b}));

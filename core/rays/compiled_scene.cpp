@@ -9,7 +9,7 @@
 
 #include "core/comm/error.h"
 #include "core/comm/parallel_for.h"
-#include "core/rays/iso_plan.h"
+#include "core/rays/iso_mask.h"
 #include "core/rays/step_plan.h"
 #include "core/scene/colormaps.h"
 
@@ -96,12 +96,12 @@ bool showsSurfaces(const CompiledOperator& op) {
 using OtherScenes = std::span<const std::shared_ptr<const CompiledScene>>;
 
 // Returns another scene's plan of the same isosurfaces; null if there is none.
-const std::vector<int32_t>* isoPlanAmong(OtherScenes scenes, const CompiledOperator& op, int partition) {
+const std::vector<int32_t>* isoMaskAmong(OtherScenes scenes, const CompiledOperator& op, int partition) {
   for (const auto& scene : scenes)
     for (const CompiledOperator& o : scene->operators) {
       if (o.data.volume != op.data.volume || o.summary != op.summary || o.isovalues != op.isovalues) continue;
       const auto part = o.parts.find(partition);
-      if (part != o.parts.end()) return &part->second.isoPlan;
+      if (part != o.parts.end()) return &part->second.isoMask;
     }
   return nullptr;
 }
@@ -120,28 +120,28 @@ void planVolume(CompiledOperator& op, CompiledScene& scene, OtherScenes known, c
       if (&o != &op && o.vis.type == VisType::Volume) *others += largestExtinction(o);
   }
   const bool cut = std::any_of(scene.operators.begin(), scene.operators.end(), showsSurfaces);
-  op.hidden = cut ? kAllHidden : float(others.value_or(0));
+  op.occludingExtinction = cut ? kAllOccluding : float(others.value_or(0));
   const double cellT = std::max({s.x, s.y, s.z}) * space.scale;
   for (const auto& [partition, block] : volume.blocks) {
     if (block.extent.count() == 0) continue;
-    OperatorPart& part = op.parts[partition];
+    OperatorInPartition& part = op.parts[partition];
     part.block = &block;
     const auto& summaries = block.summaries.at(op.summary);
     if (op.vis.volumeRendering)
       part.plan = stepPlan(summaries, op.map, cellT, scene.settings.tolerance, scene.settings.step, others);
     if (anyIsosurface(summaries, op.isovalues)) {
-      const std::vector<int32_t>* same = isoPlanAmong(known, op, partition);
-      part.isoPlan =
+      const std::vector<int32_t>* same = isoMaskAmong(known, op, partition);
+      part.isoMask =
           same ? *same
-               : isoPlan(block, volume.stored, volume.components,
+               : isoMask(block, volume.stored, volume.components,
                          volume.components == 1 ? 0 : op.vis.component.value_or(-1), summaries, op.isovalues,
                          kMostIsoWords, partOf(advance, op.parts.size() - 1, volume.blocks.size()));
-      scene.isoCellsSkipped += cellsWithoutIsovalue(part.isoPlan, summaries.size());
+      scene.isoCellsSkipped += cellsWithoutIsovalue(part.isoMask, summaries.size());
     }
     const Extent near = extentOf(volume.grid, scene.partitioning->box(partition), 1);
     bool visible = anyMacrocell(block, near, [&](size_t i, const Index3& firstCell) {
       return (!part.plan.empty() && part.plan[i] != 0) ||
-             (!part.isoPlan.empty() && hasIsoCell(part.isoPlan, i, firstCell, near));
+             (!part.isoMask.empty() && hasIsoCell(part.isoMask, i, firstCell, near));
     });
     for (const CompiledPlane& p : op.slices)
       visible = visible || planeMeets(p, scene.partitioning->box(partition), space);
@@ -150,8 +150,8 @@ void planVolume(CompiledOperator& op, CompiledScene& scene, OtherScenes known, c
 }
 
 // Returns another scene's primitives of the same geometry; null if there are none.
-std::shared_ptr<const GeometryPart> partAmong(OtherScenes scenes, const CompiledOperator& op,
-                                              const RenderSpace& space, int partition) {
+std::shared_ptr<const GeometryInPartition> partAmong(OtherScenes scenes, const CompiledOperator& op,
+                                                     const RenderSpace& space, int partition) {
   for (const auto& scene : scenes)
     for (const CompiledOperator& o : scene->operators) {
       if (o.data.geometry != op.data.geometry || scene->space != space || radiiOf(o.vis) != radiiOf(op.vis))
@@ -187,12 +187,12 @@ std::vector<uint32_t> alongCurve(const GeometryBlock& block, GeometryKind kind, 
   return {places.begin(), places.end()};  // keeps the lower 32 bits, the indices
 }
 
-GeometryPart compilePart(const GeometryBlock& all, GeometryKind kind, const Vis& vis,
-                         const RenderSpace& space, const Advance& advance) {
+GeometryInPartition compilePart(const GeometryBlock& all, GeometryKind kind, const Vis& vis,
+                                const RenderSpace& space, const Advance& advance) {
   const Advance sorting = partOf(advance, 0, 3), gathering = partOf(advance, 1, 3),
                 converting = partOf(advance, 2, 3);
   const GeometryBlock block = subset(all, kind, alongCurve(all, kind, space, sorting), gathering);
-  GeometryPart part;
+  GeometryInPartition part;
   part.values = block.values;
   part.points.reserve(block.points.size() * 4);
   for (size_t i = 0; i < block.points.size(); i++) {
@@ -223,7 +223,7 @@ void compileGeometry(CompiledOperator& op, CompiledScene& scene, OtherScenes kno
     auto& part = op.parts[partition].geometry;
     part = partAmong(known, op, scene.space, partition);
     if (!part)
-      part = std::make_shared<const GeometryPart>(
+      part = std::make_shared<const GeometryInPartition>(
           compilePart(block, geometry.kind, op.vis, scene.space,
                       partOf(advance, op.parts.size() - 1, geometry.blocks.size())));
     scene.visible[partition] = 1;
@@ -264,7 +264,7 @@ double largestRadius(const Vis& vis, const Range& range) {
   return std::max({withoutData, radiusOf(vis, range.min), radiusOf(vis, range.max)});
 }
 
-size_t GeometryPart::bytes() const {
+size_t GeometryInPartition::bytes() const {
   return 4 * (points.size() + normals.size() + values.size() + colors.size() + indices.size() +
               neighbours.size());
 }
@@ -273,7 +273,7 @@ size_t CompiledScene::bytes() const {
   size_t n = 0;
   for (const auto& op : operators) {
     n += (op.map.nodes.size() * 15 + op.map.buckets.size()) * 4;
-    for (const auto& [partition, part] : op.parts) n += 4 * (part.plan.size() + part.isoPlan.size());
+    for (const auto& [partition, part] : op.parts) n += 4 * (part.plan.size() + part.isoMask.size());
   }
   return n;
 }

@@ -44,7 +44,7 @@ struct CompiledPlane {
 
 /// The primitives of an operator in one partition. Scenes that show the same geometry with the same radii
 /// share them.
-struct GeometryPart {
+struct GeometryInPartition {
   std::vector<float> points;      ///< x y z radius, render space
   std::vector<float> normals;     ///< x y z per point, or empty
   std::vector<float> values;      ///< per point, or empty
@@ -58,11 +58,11 @@ struct GeometryPart {
 };
 
 /// The data of one operator in one local partition.
-struct OperatorPart {
-  const VolumeBlock* block = nullptr;            ///< owned by the operator's volume
-  std::vector<int32_t> plan;                     ///< per macrocell of the block, see step_plan.h
-  std::vector<int32_t> isoPlan;                  ///< see iso_plan.h; empty where there is no isosurface
-  std::shared_ptr<const GeometryPart> geometry;  ///< null if there is none
+struct OperatorInPartition {
+  const VolumeBlock* block = nullptr;  ///< owned by the operator's volume
+  std::vector<int32_t> plan;           ///< per macrocell of the block, see step_plan.h
+  std::vector<int32_t> isoMask;        ///< see iso_mask.h; empty where there is no isosurface
+  std::shared_ptr<const GeometryInPartition> geometry;  ///< null if there is none
 };
 
 /// An allocation that scenes may hold together: its identity and its size.
@@ -71,7 +71,11 @@ struct SharedBytes {
   size_t bytes;
 };
 
-inline constexpr float kAllHidden = 1e30f;  ///< CompiledOperator::hidden where surfaces may cut segments off
+/// The most volumes that one march integrates together (MANY_VOLUMES of kernels/multi_volume.h).
+inline constexpr size_t kMostVolumes = 8;
+
+inline constexpr float kAllOccluding =
+    1e30f;  ///< CompiledOperator::occludingExtinction where surfaces may cut segments off
 
 struct CompiledOperator {
   Vis vis;  ///< volumeRendering is off if the map is transparent over all data
@@ -80,11 +84,11 @@ struct CompiledOperator {
   std::array<float, 3> gridOrigin{}, gridInverse{};  ///< in render space; cells per unit of it
   std::vector<float> isovalues;                      ///< stored units
   std::vector<CompiledPlane> slices, clips;
-  std::map<int, OperatorPart> parts;  ///< key: local partition
+  std::map<int, OperatorInPartition> parts;  ///< key: local partition
   /// Upper bound on the extinction, per unit of t, of everything else that can hide the back of a segment and
-  /// not its front: the largest extinctions of the other volumes together, or kAllHidden where surfaces may
-  /// cut segments off. kernels/many.h halves segments by it.
-  float hidden = 0;
+  /// not its front: the largest extinctions of the other volumes together, or kAllOccluding where surfaces may
+  /// cut segments off. kernels/multi_volume.h halves segments by it.
+  float occludingExtinction = 0;
   int summary = 0;  ///< index into the block's summaries: the component, or the last for the magnitude
 };
 

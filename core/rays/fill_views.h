@@ -46,7 +46,7 @@ inline int viewKindOf(VisType type) {
 /// Fills in the map and the clip planes and, for a volume, everything else. `part` is null if the operator
 /// has nothing in the partition.
 template <class View, class Put>
-void fillVolumeView(View& v, const CompiledOperator& op, const OperatorPart* part, Put& put) {
+void fillVolumeView(View& v, const CompiledOperator& op, const OperatorInPartition* part, Put& put) {
   const CompiledMap& map = op.map;
   v.mapUniform = map.uniform;
   v.mapBuckets = int(map.buckets.size());
@@ -54,7 +54,7 @@ void fillVolumeView(View& v, const CompiledOperator& op, const OperatorPart* par
   v.mapOrigin = map.origin;
   v.mapInverse = map.inverse;
   v.nanRed = map.nan.r, v.nanGreen = map.nan.g, v.nanBlue = map.nan.b;
-  v.hidden = op.hidden;
+  v.occludingExtinction = op.occludingExtinction;
   v.buckets = put(map.buckets);
   v.nodes = put(map.nodes);
   v.lengths = put(map.lengths);
@@ -89,7 +89,7 @@ void fillVolumeView(View& v, const CompiledOperator& op, const OperatorPart* par
   v.plan = put(part->plan);
   v.byCells =
       std::any_of(part->plan.begin(), part->plan.end(), [](int32_t p) { return (p & PLAN_CELLS) != 0; });
-  v.isoPlan = put(part->isoPlan);
+  v.isoMask = put(part->isoMask);
   v.macroX = int(block.macrocells[0]), v.macroY = int(block.macrocells[1]);
   v.macroFirstX = int(block.firstMacrocell[0]), v.macroFirstY = int(block.firstMacrocell[1]);
   v.macroFirstZ = int(block.firstMacrocell[2]);
@@ -97,7 +97,7 @@ void fillVolumeView(View& v, const CompiledOperator& op, const OperatorPart* par
 
 /// Fills in an operator's primitives in the partition.
 template <class View, class Put>
-void fillPrimitives(View& v, const GeometryPart& part, Put& put) {
+void fillPrimitives(View& v, const GeometryInPartition& part, Put& put) {
   v.primitives = part.primitives;
   v.points = put(part.points);
   v.normals = put(part.normals);

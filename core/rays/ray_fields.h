@@ -13,7 +13,7 @@
 //   o*, d*     origin and unit direction in render space; t = 0 where the ray enters the visible domain,
 //              or on the surface that it starts from
 //   tLast      t of the last surface met (translucent), -1 if none; everything before it is done
-//   tBegun     t where the march's first segment begins, if the partition before left that undone; else -1
+//   tResume     t where the march's first segment begins, if the partition before left that undone; else -1
 //   tMax       secondary: t of the light, or the ambient-occlusion radius
 //   A          opacity so far, 1 - transmittance
 //   r, g, b    primary: radiance accumulated so far
@@ -40,7 +40,7 @@
   F(float, dy, 0, 1)             \
   F(float, dz, 0, 1)             \
   F(float, tLast, 1, 1)          \
-  F(float, tBegun, 1, 1)         \
+  F(float, tResume, 1, 1)        \
   F(float, tMax, 0, 1)           \
   F(float, A, 1, 1)              \
   F(float, r, 1, 0)              \

@@ -41,15 +41,17 @@ Errors errorsOf(const Macrocell& m, const CompiledMap::Over& map, double jumpErr
   const double depth = 1 / (map.extinction * cellT);                               // cells to optical depth 1
   const double seen = std::clamp(depth, 1.0, std::max(1.0, kLongestRay / cellT));  // or across the volume
   const double ratio = m.bend > 0 ? double(m.steep) / m.bend : 1;
-  const double alike = std::clamp(ratio * ratio, std::max(1.0, std::min(seen, kFew / seen)), 4 * seen);
-  const double bend = map.slope * m.bend * std::clamp(depth, kThinnest, 1.0) * std::sqrt(seen * alike);
+  const double correlationLength =
+      std::clamp(ratio * ratio, std::max(1.0, std::min(seen, kFew / seen)), 4 * seen);
+  const double bend =
+      map.slope * m.bend * std::clamp(depth, kThinnest, 1.0) * std::sqrt(seen * correlationLength);
   const double crossings = range > 0 ? std::max(1.0, seen * m.steep / range) : 1;
   // Errors have one sign where the field runs along the map, and the map is curved rather than bent back and
   // forth.
   const double smooth = map.curve * crossings / 24;
   const double across = std::max(1.0, kLongestRay / cellT),
-               few = std::min(1.0, kFew * kFew / (across * across));
-  const double kink = kKinkOfMap + few * (kWorstKink - kKinkOfMap);
+               shortRayWeight = std::min(1.0, kFew * kFew / (across * across));
+  const double kink = kKinkOfMap + shortRayWeight * (kWorstKink - kKinkOfMap);
   // In dense material a slope change of the map is hidden by the material in front of it, which looks like
   // that behind it.
   auto visible = [&](double all, double dense) {
@@ -61,9 +63,9 @@ Errors errorsOf(const Macrocell& m, const CompiledMap::Over& map, double jumpErr
       m.steep * std::max({kBendOfMap * bendOfMap * std::sqrt(crossings), kink * kinkOfMap, smooth});
   // The front of a segment hides its back, so the colour is seen from nearer than its middle.
   const double shade = m.steep * map.shade * std::min(1.0, seen / depth) * kShade;
-  const double uneven = 1 + few * (kWorstPieces - 1);
-  const double within = uneven * cellT * kBendPieces * bend;
-  const double jumps = uneven * jumpError * std::min(map.jump * cellT, kMostJump);
+  const double piecesWeight = 1 + shortRayWeight * (kWorstPieces - 1);
+  const double within = piecesWeight * cellT * kBendPieces * bend;
+  const double jumps = piecesWeight * jumpError * std::min(map.jump * cellT, kMostJump);
   return {cellT * (kBendMidpoint * bend + kinks + shade), within + jumps, within};
 }
 
@@ -82,7 +84,7 @@ int32_t planOf(double segmentsPerCell, Integrator integrator, double within) {
 std::vector<int32_t> stepPlan(std::span<const Macrocell> summaries, const CompiledMap& map, double cellT,
                               double tolerance, double step, std::optional<double> others) {
   std::vector<int32_t> plan(summaries.size(), 0);
-  // For a single volume see addPiecesOfFew and addPieces in kernels/march.h.
+  // For a single volume see integrateCellExact and addPieces in kernels/march.h.
   const double jumpError = others ? kJump : map.intervals() <= MAP_SMALL ? 0 : kHalvedJump;
   for (size_t i = 0; i < plan.size(); i++) {
     const Macrocell& m = summaries[i];

@@ -55,7 +55,7 @@ int32_t planOf(double segmentsPerCell, Integrator integrator,
 /// segment, and the pre-integrated error counts 1 + 3 w times.
 ///
 /// If several volumes are rendered at once, `others` is the largest extinction of the others together, per
-/// unit of t. Midpoint segments then hold extinction constant (kernels/many.h), and the others are seen
+/// unit of t. Midpoint segments then hold extinction constant (kernels/multi_volume.h), and the others are seen
 /// through a segment's front before its back. That adds f.slope m.steep min(1, 1.7 others) / 24.
 ///
 /// `step` > 0 (in cells) asks for midpoint segments of that length wherever something is seen. `cellT` is the

@@ -147,12 +147,13 @@ class Scene final : public DeviceScene {
 
   void spawn(const DeviceFrame& frame, const Tile& tile, Done done) const override {
     const auto& f = static_cast<const Frame&>(frame);
-    f.made.scene->spawn(*f.inner, tile, heeding(f.made, std::move(done)));
+    f.made.scene->spawn(*f.inner, tile, reportingErrors(f.made, std::move(done)));
   }
 
   void trace(const DeviceFrame& frame, int partition, bool primary, RayList rays, Done done) const override {
     const auto& f = static_cast<const Frame&>(frame);
-    f.made.scene->trace(*f.inner, partition, primary, std::move(rays), heeding(f.made, std::move(done)));
+    f.made.scene->trace(*f.inner, partition, primary, std::move(rays),
+                        reportingErrors(f.made, std::move(done)));
   }
 
   size_t bytes() const override { return first_->bytes(); }
@@ -160,7 +161,7 @@ class Scene final : public DeviceScene {
 
  private:
   // Wraps `done`: after an error this backend does nothing more for the scene.
-  Done heeding(const Made& made, Done done) const {
+  Done reportingErrors(const Made& made, Done done) const {
     if (backends_->isLast(made.number)) return done;
     return [this, &made, done = std::move(done)](TraceResult result) {
       if (!result.error.empty()) fail(made, result.error);

@@ -130,7 +130,7 @@ double magnitude(glm::dvec3 v) { return std::max({std::abs(v.x), std::abs(v.y), 
 
 }  // namespace
 
-World::Part World::makeVolume(const ReferenceScene& scene, size_t index) {
+World::ShownOperator World::makeVolume(const ReferenceScene& scene, size_t index) {
   const Vis& vis = scene_->visualization.operators[index];
   const auto* volume = std::get_if<std::shared_ptr<const Volume>>(&scene.data[index]);
   if (!volume || !*volume) throw Error("reference: operator " + std::to_string(index) + " expects a volume");
@@ -145,7 +145,7 @@ World::Part World::makeVolume(const ReferenceScene& scene, size_t index) {
   return {&vis, Transfer(vis, length), std::move(field), nullptr, std::nullopt};
 }
 
-World::Part World::makeGeometry(const ReferenceScene& scene, size_t index) {
+World::ShownOperator World::makeGeometry(const ReferenceScene& scene, size_t index) {
   const Vis& vis = scene_->visualization.operators[index];
   const auto* geometry = std::get_if<std::shared_ptr<const Geometry>>(&scene.data[index]);
   const GeometryKind kind = vis.type == VisType::Particles   ? GeometryKind::Particles
@@ -170,7 +170,7 @@ World::World(const ReferenceScene& scene) : scene_(std::make_shared<ReferenceSce
 
 void World::nearestVolumeSurface(int index, const Ray& ray, Interval range, const Behind& last,
                                  SurfaceHit& best) const {
-  const Part& part = parts_[size_t(index)];
+  const ShownOperator& part = parts_[size_t(index)];
   uint64_t primitive = 0;
   for (const Plane& plane : part.vis->slices) {
     const double t =
@@ -197,7 +197,7 @@ void World::nearestVolumeSurface(int index, const Ray& ray, Interval range, cons
 
 void World::nearestPrimitive(int index, const Ray& ray, Interval range, const Behind& last,
                              SurfaceHit& best) const {
-  const Part& part = parts_[size_t(index)];
+  const ShownOperator& part = parts_[size_t(index)];
   const GeometryBlock& block = part.geometry->blocks.at(0);
   const bool sphere = part.geometry->kind == GeometryKind::Particles;
   const double other = best.t;  // of an earlier operator, which wins ties
@@ -230,7 +230,7 @@ void World::nearestPrimitive(int index, const Ray& ray, Interval range, const Be
       ray, std::max(range.lo, last.t), [&] { return std::min(range.hi, best.t); }, visit);
 }
 
-void World::describeVolumeSurface(const Part& part, const Ray& ray, SurfaceHit& hit) {
+void World::describeVolumeSurface(const ShownOperator& part, const Ray& ray, SurfaceHit& hit) {
   const Vis& vis = *part.vis;
   const glm::dvec3 viewer = -ray.direction;
   hit.slack += 1e-9 * part.field->smallestSpacing();
@@ -246,7 +246,7 @@ void World::describeVolumeSurface(const Part& part, const Ray& ray, SurfaceHit& 
   }
 }
 
-void World::describePrimitive(const Part& part, const Ray& ray, SurfaceHit& hit) {
+void World::describePrimitive(const ShownOperator& part, const Ray& ray, SurfaceHit& hit) {
   const Vis& vis = *part.vis;
   const GeometryBlock& block = part.geometry->blocks.at(0);
   std::array<uint32_t, 3> points{hit.item, 0, 0};
@@ -289,7 +289,7 @@ std::optional<SurfaceHit> World::firstHit(const Ray& ray, const Behind& last, do
   bool found = false;
   best.t = limit;
   for (size_t i = 0; i < parts_.size(); i++) {
-    const Part& part = parts_[i];
+    const ShownOperator& part = parts_[i];
     const Interval range = Interval{}.intersected(keptOf(*part.vis, part.field, ray));
     const double before = best.t;
     if (part.field) {
@@ -302,7 +302,7 @@ std::optional<SurfaceHit> World::firstHit(const Ray& ray, const Behind& last, do
     found = true;
   }
   if (!found) return std::nullopt;
-  const Part& part = parts_[best.vis];
+  const ShownOperator& part = parts_[best.vis];
   best.position = ray.at(best.t) + aside;
   best.opacity = part.vis->opacity;
   best.slack =
@@ -316,7 +316,7 @@ std::optional<SurfaceHit> World::firstHit(const Ray& ray, const Behind& last, do
 
 VolumeRay World::volumes(const Ray& ray, Interval range) const {
   std::vector<VolumeTerm> terms;
-  for (const Part& part : parts_) {
+  for (const ShownOperator& part : parts_) {
     if (part.field && part.vis->volumeRendering) {
       terms.push_back({&*part.field, &part.transfer, keptOf(*part.vis, part.field, ray)});
     }

@@ -67,26 +67,26 @@ class World {
   const Box& box() const { return box_; }
 
  private:
-  struct Part {
+  struct ShownOperator {
     const Vis* vis;
     Transfer transfer;
     std::optional<Field> field;
     std::shared_ptr<const Geometry> geometry;
     std::optional<Bvh> tree;
   };
-  Part makeVolume(const ReferenceScene& scene, size_t index);
-  Part makeGeometry(const ReferenceScene& scene, size_t index);
+  ShownOperator makeVolume(const ReferenceScene& scene, size_t index);
+  ShownOperator makeGeometry(const ReferenceScene& scene, size_t index);
 
   /// Finds the nearest surface of operator `index` behind `last`, if it is nearer than `best`.
   void nearestVolumeSurface(int index, const Ray& ray, Interval range, const Behind& last,
                             SurfaceHit& best) const;
   void nearestPrimitive(int index, const Ray& ray, Interval range, const Behind& last,
                         SurfaceHit& best) const;
-  static void describeVolumeSurface(const Part& part, const Ray& ray, SurfaceHit& hit);
-  static void describePrimitive(const Part& part, const Ray& ray, SurfaceHit& hit);
+  static void describeVolumeSurface(const ShownOperator& part, const Ray& ray, SurfaceHit& hit);
+  static void describePrimitive(const ShownOperator& part, const Ray& ray, SurfaceHit& hit);
 
   std::shared_ptr<const ReferenceScene> scene_;
-  std::vector<Part> parts_;
+  std::vector<ShownOperator> parts_;
   Box box_;
 };
 

@@ -22,7 +22,8 @@ const char* wrongIn(const RayList& rays, bool primary, const RayLimits& limits) 
     if (primary ? kind != RAY_PRIMARY : kind != RAY_SHADOW && kind != RAY_OCCLUSION)
       return "a ray is of another kind than the message";
     if (!(r.tLast[i] >= -1 && std::isfinite(r.tLast[i]))) return "a ray's last surface is not on the ray";
-    if (!(r.tBegun[i] >= -1 && std::isfinite(r.tBegun[i]))) return "a ray's march begins nowhere on the ray";
+    if (!(r.tResume[i] >= -1 && std::isfinite(r.tResume[i])))
+      return "a ray's march begins nowhere on the ray";
     if (primary) {
       if (!std::isfinite(r.r[i]) || !std::isfinite(r.g[i]) || !std::isfinite(r.b[i]))
         return "a ray's radiance is not finite";

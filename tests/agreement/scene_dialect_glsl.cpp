@@ -21,7 +21,7 @@ std::vector<float> sceneProbesInGlsl(const CompiledScene& scene, const CompiledF
   const Device device(vulkan_test::testDevice());
   const Pipelines pipelines(device);
   SharedData shared;
-  const PartOnDevice part = uploadPart(device, pipelines, shared, scene, 0, 0);
+  const PartitionOnDevice part = uploadPart(device, pipelines, shared, scene, 0, 0);
   shader::FrameView view{};
   fillFrameView(view, scene, frame);
   const Buffer frameBuffer(device, sizeof view + frame.lights.size() * 16, Place::Written, "a frame");

@@ -80,7 +80,7 @@ TEST(SceneDialect, HasTheBitsOfCpp) {
   f.light = frame.lights.data()->data();
   for (size_t k = 0; k < operators; k++) {
     const CompiledOperator& op = scene.operators[k];
-    const OperatorPart& part = op.parts.at(0);
+    const OperatorInPartition& part = op.parts.at(0);
     fillVolumeView(fields[k], op, &part, pointers);
     fillOperatorView(views[k], op, pointers);
     if (part.geometry) fillPrimitives(views[k], *part.geometry, pointers);

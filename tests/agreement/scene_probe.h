@@ -59,7 +59,7 @@ FN real probeCuts(SCENE s, OPERATOR op, VOLUME v, VOLUMES list, UNIFORM int coun
     MarchRange m;
     m.tIn = drawIn(i, 13u, R(0.0), R(0.3));
     m.tOut = R(1e30);
-    m.tOwn = R(1e30);
+    m.tOwnershipEnd = R(1e30);
     m.tStart = R(-1.0);
     m.tStop = drawIn(i, 14u, R(0.5), R(5.0));
     m.tMin = s.tMin;
@@ -67,7 +67,7 @@ FN real probeCuts(SCENE s, OPERATOR op, VOLUME v, VOLUMES list, UNIFORM int coun
     L.rgb = make_v3(R(0.0), R(0.0), R(0.0));
     L.A = R(0.0);
     MarchCount n = nothingMarched();
-    integrateMany(s, list, count, o, d, m, L, n);
+    integrateVolumes(s, list, count, o, d, m, L, n);
     if (p == 17) return L.rgb.x;
     if (p == 18) return L.rgb.y;
     if (p == 19) return L.rgb.z;
@@ -160,13 +160,13 @@ FN real probeSurface(SCENE s, FRAME f, OPERATOR op, VOLUME v, int p, vec3 o, vec
   vec3 toward = toEye;
   real reach = R(0.0);
   for (UNIFORM int q = 0; q < f.lights + max(s.occlusionRays, 1); q++) {
-    Share share = shareOf(s, f, q, seen, from, toEye, color, weight, i, i & 7u);
-    limitShare(share, r, g, b);
-    r += share.r;
-    g += share.g;
-    b += share.b;
-    toward = make_v3(toward.x + share.toward.x, toward.y + share.toward.y, toward.z + share.toward.z);
-    reach = share.wanted ? share.reach : reach;
+    LightTerm term = lightTermOf(s, f, q, seen, from, toEye, color, weight, i, i & 7u);
+    limitLightTerm(term, r, g, b);
+    r += term.r;
+    g += term.g;
+    b += term.b;
+    toward = make_v3(toward.x + term.toward.x, toward.y + term.toward.y, toward.z + term.toward.z);
+    reach = term.wanted ? term.reach : reach;
   }
   if (p == 31) return toReal(r);
   if (p == 32) return toReal(g);

@@ -396,7 +396,7 @@ TEST(Stress, MoreSamplesThanAnInt32Counts) {
   field.lastX = field.lastY = field.lastZ = field.cellsX = field.cellsY = field.cellsZ = int(n) - 1;
   field.originX = field.originY = field.originZ = -0.5f;
   field.inverseX = field.inverseY = field.inverseZ = float(n - 1);
-  field.isoPlan = everywhere.data();
+  field.isoMask = everywhere.data();
   field.macroX = field.macroY = int(m);
   field.isovalues = 1;
   field.isovalue = &isovalue;

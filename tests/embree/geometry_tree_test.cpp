@@ -30,10 +30,10 @@ const Case kCases[] = {{KIND_PARTICLES, TREE_SPHERE_ROWS, 1, 4},
                        {KIND_TRIANGLES, TREE_TRIANGLE_ROWS, 3, 3}};
 
 // Primitives of points anywhere, each of the next ones.
-GeometryPart scattered(const Case& c, uint32_t primitives) {
+GeometryInPartition scattered(const Case& c, uint32_t primitives) {
   std::mt19937 random(7);
   std::uniform_real_distribution<float> anywhere(-1, 1);
-  GeometryPart part;
+  GeometryInPartition part;
   part.primitives = primitives;
   const auto points = uint32_t(primitives + c.corners - 1);
   for (uint32_t p = 0; p < points; p++) {
@@ -106,7 +106,7 @@ TEST(GeometryTree, HoldsEveryPrimitiveOnceWithinItsBoxes) {
   for (const Case& c : kCases)
     for (const int lanes : {4, 8, 16})
       for (const uint32_t primitives : {1u, 3u, 5000u}) {
-        const GeometryPart part = scattered(c, primitives);
+        const GeometryInPartition part = scattered(c, primitives);
         const GeometryTree tree = buildGeometryTree(c.kind, part, lanes);
         Walk walk(tree, c, size_t(lanes));
         walk.node(0, 1);
@@ -123,7 +123,7 @@ TEST(GeometryTree, HoldsEveryPrimitiveOnceWithinItsBoxes) {
 // All in one place, so that no box parts them; and in a series of places, each half as far as the last.
 TEST(GeometryTree, IsNoDeeperThanTheStackHolds) {
   for (const bool series : {false, true}) {
-    GeometryPart part;
+    GeometryInPartition part;
     part.primitives = 100'000;
     for (uint32_t p = 0; p < part.primitives; p++)
       part.points.insert(part.points.end(),
@@ -141,7 +141,7 @@ TEST(GeometryTree, IsNoDeeperThanTheStackHolds) {
 // And is then the same as if it had never been begun before.
 TEST(GeometryTree, IsEndedWhereverItsProgressThrows) {
   for (const Case& c : kCases) {
-    const GeometryPart part = scattered(c, 30'000);
+    const GeometryInPartition part = scattered(c, 30'000);
     GeometryTree tree;
     EXPECT_GE(timesEnded([&](const Advance& advance) { tree = buildGeometryTree(c.kind, part, 8, advance); }),
               4);
@@ -152,7 +152,7 @@ TEST(GeometryTree, IsEndedWhereverItsProgressThrows) {
 }
 
 /// The first n primitives once more.
-void repeat(const Case& c, GeometryPart& part, uint32_t n) {
+void repeat(const Case& c, GeometryInPartition& part, uint32_t n) {
   const auto append = [n](auto& all, size_t each) {
     if (all.empty()) return;
     const auto first = all;
@@ -171,7 +171,7 @@ struct Nearest {
 };
 
 // What is tested one by one. goesOn: also what is as far as the last surface, behind it in order.
-Nearest nearestOf(const Case& c, const GeometryPart& part, const RayView& r, size_t i, bool goesOn) {
+Nearest nearestOf(const Case& c, const GeometryInPartition& part, const RayView& r, size_t i, bool goesOn) {
   using namespace single;
   const vec3 o = make_v3(r.ox[i], r.oy[i], r.oz[i]), d = make_v3(r.dx[i], r.dy[i], r.dz[i]);
   const float in = r.tIn[i] > 0 ? std::nextafter(r.tIn[i], 0.f) : 0.f;
@@ -218,7 +218,7 @@ TEST(GeometryRays, MeetWhatOnePrimitiveAfterTheOtherMeets) {
   for (const Case& c : kCases)
     for (const float scale : {1.f, 1e-6f, 1e6f})
       for (const float offset : {0.f, 1000.f}) {
-        GeometryPart part = scattered(c, 500);
+        GeometryInPartition part = scattered(c, 500);
         for (size_t k = 0; k < part.points.size(); k++)
           part.points[k] =
               scale * (k % 4 == 3 ? part.points[k] * 10 * unit(random) : part.points[k] + offset);

@@ -20,7 +20,7 @@ Names kernelsWith(const std::string& bytes) {
   std::vector<Names> found;  // by instruction set
   for (const char* isa : {"sse4", "avx2", "avx512skx"}) {
     Names& here = found.emplace_back();
-    for (const char* name : {"spawn", "geometry", "fields", "integrate", "integrate_many", "shade"}) {
+    for (const char* name : {"spawn", "geometry", "fields", "integrate", "integrate_volumes", "shade"}) {
       const std::string object = readText(std::string(KERNELS) + "/" + name + "_" + isa + ".o");
       if (object.find(bytes) != std::string::npos) here.insert(name);
     }
@@ -37,11 +37,11 @@ Names kernelsWithNumber(T number) {
 }
 
 TEST(KernelCode, MeansOfMapsAreInMarchesOnly) {  // 1/12 in march.h
-  EXPECT_EQ(kernelsWithNumber(1 / 12.f), (Names{"integrate", "integrate_many"}));
+  EXPECT_EQ(kernelsWithNumber(1 / 12.f), (Names{"integrate", "integrate_volumes"}));
 }
 
 TEST(KernelCode, ExponentialsAreInMarchesAndShadingOnly) {  // splitExp in elementary.h
-  EXPECT_EQ(kernelsWithNumber(0.0083688358f), (Names{"integrate", "integrate_many", "shade"}));
+  EXPECT_EQ(kernelsWithNumber(0.0083688358f), (Names{"integrate", "integrate_volumes", "shade"}));
 }
 
 TEST(KernelCode, OcclusionDirectionsAreInShadingOnly) {  // hash1 in light.h

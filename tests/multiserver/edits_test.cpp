@@ -28,7 +28,7 @@ class Watching final : public Backend {
   struct Seen {
     std::weak_ptr<const CompiledScene> last;
     std::vector<bool> hadLast;
-    std::vector<const GeometryPart*> primitives;  // of the first operator; null if a volume
+    std::vector<const GeometryInPartition*> primitives;  // of the first operator; null if a volume
   };
   explicit Watching(std::shared_ptr<Seen> seen) : seen_(std::move(seen)) {}
   std::string name() const override { return embree_->name(); }

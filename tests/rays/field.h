@@ -12,7 +12,7 @@
 #include "core/kernels/single.h"
 #include "core/kernels/twin.h"
 #include "core/rays/compiled_map.h"
-#include "core/rays/iso_plan.h"
+#include "core/rays/iso_mask.h"
 #include "core/rays/step_plan.h"
 #include "tests/kernels/random.h"
 #include "tests/support/every_cell.h"
@@ -156,8 +156,8 @@ class View {
 
         isovalues_(s.isovalues.begin(), s.isovalues.end()),
         plan_(s.plan),
-        isoPlan_(isoPlan(f.block, f.stored, f.components, f.component, f.macrocells(), s.isovalues)) {
-    if (s.isoEverywhere) isoPlan_ = everyCell(f.macrocells().size());
+        isoMask_(isoMask(f.block, f.stored, f.components, f.component, f.macrocells(), s.isovalues)) {
+    if (s.isoEverywhere) isoMask_ = everyCell(f.macrocells().size());
     const Extent& e = f.block.extent;
     const Bricks bricks(e.points);
     const Index3 cells = f.grid.cells();
@@ -185,7 +185,7 @@ class View {
     view_.inverseZ = Real(float(1 / f.grid.spacing.z));
     view_.plan = plan_.data();
     view_.byCells = std::any_of(plan_.begin(), plan_.end(), [](int32_t p) { return (p & PLAN_CELLS) != 0; });
-    view_.isoPlan = isoPlan_.data();
+    view_.isoMask = isoMask_.data();
     view_.macroX = int(f.block.macrocells[0]), view_.macroY = int(f.block.macrocells[1]);
     view_.macroFirstX = int(f.block.firstMacrocell[0]);
     view_.macroFirstY = int(f.block.firstMacrocell[1]);
@@ -210,7 +210,7 @@ class View {
  private:
   std::vector<int> buckets_, opaque_;
   std::vector<Real> nodes_, lengths_, rows_, pieces_, sums_, isovalues_;
-  std::vector<int32_t> plan_, isoPlan_;
+  std::vector<int32_t> plan_, isoMask_;
   typename Kernels<Real>::View view_{};
 };
 

@@ -38,10 +38,10 @@ CompiledScene sceneOf(const Field& f, const Shown& shown) {
     op.gridInverse[size_t(a)] = float(1 / f.grid.spacing[a]);
   }
   op.isovalues = shown.isovalues;
-  OperatorPart& part = op.parts[0];
+  OperatorInPartition& part = op.parts[0];
   part.block = &f.block;
   part.plan = shown.plan;
-  part.isoPlan = isoPlan(f.block, f.stored, f.components, f.component, f.macrocells(), shown.isovalues);
+  part.isoMask = isoMask(f.block, f.stored, f.components, f.component, f.macrocells(), shown.isovalues);
   return scene;
 }
 
@@ -65,7 +65,7 @@ std::vector<float> fieldProbesInGlsl(const Field& f, const Shown& shown, std::sp
                                      int probes) {
   static Gpu gpu;
   vulkan::SharedData shared;
-  const vulkan::PartOnDevice part =
+  const vulkan::PartitionOnDevice part =
       vulkan::uploadPart(gpu.device, gpu.pipelines, shared, sceneOf(f, shown), 0, 0);
   const size_t count = rays.size() / 8;
   std::vector<float> found(size_t(probes) * count);

@@ -23,7 +23,7 @@ FN real probeGrid(VOLUME v, int f, VolumeRay r) {
   vec3 p = pointAt(r.g, middle);
   if (f == 4) return sampleAt(v, p);
   ivec3 c = cellAt(v, p);
-  Corners k = cellCorners(v, c);
+  CellValues k = cellValues(v, c);
   vec3 from = fractionIn(c, p);
   if (f == 5) return trilinear(k, from);
   vec3 g = gradientAt(v, p);
@@ -31,7 +31,7 @@ FN real probeGrid(VOLUME v, int f, VolumeRay r) {
   if (f == 7) return g.y;
   if (f == 8) return g.z;
   vec3 to = make_v3(R(1.0) - from.y, from.z, R(1.0));
-  vec4 b = bernsteinAlong(cornersMinus(k, trilinear(k, make_v3(R(0.5), R(0.25), R(0.75)))), from, to);
+  vec4 b = bernsteinAlong(cellValuesMinus(k, trilinear(k, make_v3(R(0.5), R(0.25), R(0.75)))), from, to);
   if (f == 9) return b.x + b.w;
   if (f == 10) return b.y + b.z;
   RootQuery q;
@@ -66,7 +66,7 @@ FN real probeMarch(VOLUME v, int f, VolumeRay r) {
   MarchRange m;
   m.tIn = part ? R(0.7) * r.t0 + R(0.3) * r.t1 : R(0.0);
   m.tOut = part ? R(0.2) * r.t0 + R(0.8) * r.t1 : R(1e30);
-  m.tOwn = m.tOut;
+  m.tOwnershipEnd = m.tOut;
   m.tStart = R(-1.0);
   m.tStop = part ? R(0.4) * r.t0 + R(0.6) * r.t1 : R(1e30);
   m.tMin = part ? R(0.0) : R(1e-3);

@@ -5,7 +5,7 @@
 #include <cfloat>
 
 #include "core/kernels/single.h"
-#include "core/rays/iso_plan.h"
+#include "core/rays/iso_mask.h"
 #include "tests/rays/maps.h"
 #include "tests/rays/roots.h"
 
@@ -434,7 +434,7 @@ bool straddles(const Field& f, const Index3& cell, const std::vector<float>& iso
   return false;
 }
 
-TEST(IsoPlan, BitsAreOfTheCellsThatAnIsovaluePassesThrough) {
+TEST(IsoMask, BitsAreOfTheCellsThatAnIsovaluePassesThrough) {
   Random random(51);
   for (int scene = 0; scene < 60; scene++) {
     const Index3 n{2 + random.below(40), 2 + random.below(30), 2 + random.below(30)};
@@ -457,7 +457,7 @@ TEST(IsoPlan, BitsAreOfTheCellsThatAnIsovaluePassesThrough) {
         stored, components, component, part);
     const std::vector<float> isovalues =
         scene % 2 ? std::vector<float>{5.5f} : std::vector<float>{25, 0.5f, 7};
-    const auto plan = isoPlan(f.block, stored, components, component, f.macrocells(), isovalues);
+    const auto plan = isoMask(f.block, stored, components, component, f.macrocells(), isovalues);
     for (size_t m = 0; m < f.macrocells().size(); m++) {
       const Index3 at = macrocellOf(f, m);
       for (int c = 0; c < 512; c++) {
@@ -476,9 +476,9 @@ Field mostlyEmpty() {
                  [](glm::dvec3 p) { return std::min(0.2, glm::length(p - glm::dvec3(0.3, -0.1, 0.2))); });
 }
 
-TEST(IsoPlan, LevelsAreOfTheLargestEmptyCubes) {
+TEST(IsoMask, LevelsAreOfTheLargestEmptyCubes) {
   const Field f = mostlyEmpty();
-  const auto plan = isoPlan(f.block, f.stored, 1, 0, f.macrocells(), std::vector<float>{0.15f});
+  const auto plan = isoMask(f.block, f.stored, 1, 0, f.macrocells(), std::vector<float>{0.15f});
   const Index3& n = f.block.macrocells;
   int most = 0;
   for (size_t m = 0; m < f.macrocells().size(); m++) {
@@ -501,7 +501,7 @@ TEST(IsoPlan, LevelsAreOfTheLargestEmptyCubes) {
   EXPECT_GT(most, int(n[0] * n[1] * n[2]) / 3);
 }
 
-TEST(IsoPlan, WhatItSkipsHoldsNoHit) {
+TEST(IsoMask, WhatItSkipsHoldsNoHit) {
   const Field empty = mostlyEmpty(), full = cube(70, turbulence);
   for (const Field* f : {&empty, &full}) {
     Shown shown;
@@ -509,12 +509,12 @@ TEST(IsoPlan, WhatItSkipsHoldsNoHit) {
     const View<float> view(*f, shown);
     auto all = *view;  // every cell of every macrocell may hold a hit
     const std::vector<int32_t> everywhere = everyCell(f->macrocells().size());
-    all.isoPlan = everywhere.data();
+    all.isoMask = everywhere.data();
     auto few = *view;  // room for the bits of two macrocells
     const size_t most = (f->macrocells().size() + 15) / 16 * 16 + 3 * kIsoWords;
-    const auto limited = isoPlan(f->block, f->stored, 1, 0, f->macrocells(), shown.isovalues, most);
+    const auto limited = isoMask(f->block, f->stored, 1, 0, f->macrocells(), shown.isovalues, most);
     EXPECT_EQ(limited.size(), most);
-    few.isoPlan = limited.data();
+    few.isoMask = limited.data();
     Random random(52);
     int hits = 0;
     for (int i = 0; i < 20000; i++) {

@@ -223,7 +223,7 @@ TEST(Skipped, SamplesOfATransparentMap) {
     const TraceCounters c = Counted(s, whole(kCube), compiled).all;
     EXPECT_EQ(c.samples, 0u);
     EXPECT_EQ(c.macrocells + c.macrocellsSkipped, 0u);
-    EXPECT_EQ(c.kernelRuns[size_t(Kernel::Integrate)] + c.kernelRuns[size_t(Kernel::IntegrateMany)], 0u);
+    EXPECT_EQ(c.kernelRuns[size_t(Kernel::Integrate)] + c.kernelRuns[size_t(Kernel::IntegrateVolumes)], 0u);
     EXPECT_GT(c.raysShaded, 0u);
   }
 }
@@ -312,7 +312,7 @@ TEST(Skipped, PlansOfIsovaluesOutsideTheRange) {
   addPlane(s, 7);
   const auto alone = compiledOn(halves(), s);
   for (const RankScene& rank : alone) {
-    for (const auto& [p, part] : rank.compiled->operators[0].parts) EXPECT_TRUE(part.isoPlan.empty());
+    for (const auto& [p, part] : rank.compiled->operators[0].parts) EXPECT_TRUE(part.isoMask.empty());
     EXPECT_EQ(rank.compiled->visible, std::vector<uint8_t>(2, 0));
   }
   EXPECT_EQ(Counted(s, halves(), alone).all.raysSpawned, 0u);
@@ -328,13 +328,13 @@ TEST(Skipped, PlansOfIsosurfacesThatAnotherSceneHas) {
   TestScene s = alongX();
   addPlane(s, 0.3);
   const auto before = std::make_shared<CompiledScene>(*compiledOn(whole(kCube), s)[0].compiled);
-  std::vector<int32_t>& plan = before->operators[0].parts.at(0).isoPlan;
+  std::vector<int32_t>& plan = before->operators[0].parts.at(0).isoMask;
   plan.back() ^= 1;
   const auto planOf = [&](const Visualization& visualization) {
     const std::shared_ptr<const CompiledScene> others[] = {before};
     const auto scene =
         compileScene(visualization, {before->operators[0].data}, before->partitioning, s.settings, others);
-    return scene->operators[0].parts.at(0).isoPlan;
+    return scene->operators[0].parts.at(0).isoMask;
   };
   Visualization edited = s.visualization;
   edited.operators[0].colormap = {{{0, {0, 1, 0}}}};
@@ -484,7 +484,7 @@ TEST(SkippingOnAndOff, OfCellsOfIsosurfacesIsTheSamePicture) {
   const auto off = editedOn(on, [](CompiledScene& scene) {
     for (auto& [p, part] : scene.operators[0].parts) {
       const Index3& n = part.block->macrocells;
-      part.isoPlan = everyCell(size_t(n[0] * n[1] * n[2]));
+      part.isoMask = everyCell(size_t(n[0] * n[1] * n[2]));
     }
   });
   const TraceCounters some = Counted(s, halves(), on).all, all = Counted(s, halves(), off).all;

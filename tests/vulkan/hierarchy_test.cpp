@@ -31,7 +31,7 @@ class Walk {
       for (uint32_t i = child & NODE_FIRST; i < (child & NODE_FIRST) + count; i++) {
         const uint32_t op = h_.primitives.at(2 * i), primitive = h_.primitives.at(2 * i + 1);
         EXPECT_TRUE(seen.insert({op, primitive}).second) << op << " " << primitive;
-        const GeometryPart& part = *scene_.operators.at(op).parts.at(0).geometry;
+        const GeometryInPartition& part = *scene_.operators.at(op).parts.at(0).geometry;
         const PrimitiveBounds b = primitiveBounds(cornersOf(scene_.operators[op].vis.type),
                                                   part.points.data(), part.indices.data(), primitive);
         for (uint32_t a = 0; a < 3; a++) {

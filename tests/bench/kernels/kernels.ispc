@@ -67,7 +67,7 @@ export void sampleArranged(const void* uniform volume, const uniform float point
       int x0 = placeAlong(layout, side, 0, c.x), x1 = placeAlong(layout, side, 0, c.x + 1);
       int y0 = placeAlong(layout, side, 1, c.y), y1 = placeAlong(layout, side, 1, c.y + 1);
       int z0 = placeAlong(layout, side, 2, c.z), z1 = placeAlong(layout, side, 2, c.z + 1);
-      Corners corners = {points[x0 + y0 + z0], points[x1 + y0 + z0], points[x0 + y1 + z0], points[x1 + y1 + z0],
+      CellValues corners = {points[x0 + y0 + z0], points[x1 + y0 + z0], points[x0 + y1 + z0], points[x1 + y1 + z0],
                          points[x0 + y0 + z1], points[x1 + y0 + z1], points[x0 + y1 + z1], points[x1 + y1 + z1]};
       sum += valueIn(corners, fractionOf(c, p));
     }
@@ -133,7 +133,7 @@ export void marchRays(const void* uniform volume, const uniform float rays[], un
   MarchRange m;
   m.tIn = 0.0f;
   m.tOut = 1e30f;
-  m.tOwn = 1e30f;
+  m.tOwnershipEnd = 1e30f;
   m.tStart = 0.0f;
   m.tStop = 1e30f;
   m.tMin = 0.0f;

@@ -3,14 +3,14 @@
 #include "backends/embree/kernel.isph"
 
 // `volumes` are the `count` operators that are volume rendered, count <= MANY_VOLUMES.
-export void integrateRaysOfMany(const void* uniform scene, void* uniform rays, uniform int n,
+export void integrateRaysOfVolumes(const void* uniform scene, void* uniform rays, uniform int n,
                                 const uniform int volumes[], uniform int count, uniform int64 counts[]) {
   USE_SCENE(s, scene);
   USE_RAYS(r, rays);
   MarchCount counted = nothingMarched();
   foreach (i = 0 ... n) {
     Radiance L = radianceOf(r, i);
-    integrateMany(s, volumes, count, originOf(r, i), directionOf(r, i), marchRange(s, r, i), L, counted);
+    integrateVolumes(s, volumes, count, originOf(r, i), directionOf(r, i), marchRange(s, r, i), L, counted);
     setRadiance(s, r, i, L);
   }
   counts[0] += reduce_add((int64)counted.samples);

@@ -33,7 +33,7 @@ struct Cursor {
   int entered, skipped;
 };
 
-FN bool goesByCells(VOLUME v, int plan) { return someByCells(v) && plan != 0 && !byMidpoints(plan); }
+FN bool isCellwise(VOLUME v, int plan) { return anyCellwise(v) && plan != 0 && !isMidpoint(plan); }
 FN real macrocellEnd(Cursor c) { return min(min3(c.walk.far), c.ray.t1); }
 FN real segmentStart(Cursor c) { return c.index > R(0.0) ? c.from + c.index * c.dt : c.from; }
 FN real segmentEnd(Cursor c) {
@@ -43,31 +43,31 @@ FN real segmentEnd(Cursor c) {
 // Sets up the stretch that t is in, in the walk's macrocell.
 FN void enterStretch(VOLUME v, INOUT(Cursor) c, real t) {
   int plan = planAt(v, c.walk.index);
-  put(c.from, c.walk.t);
-  put(c.to, macrocellEnd(c));
-  if (goesByCells(v, plan)) {
+  blendInto(c.from, c.walk.t);
+  blendInto(c.to, macrocellEnd(c));
+  if (isCellwise(v, plan)) {
     GridRay g = c.ray.g;
     ivec3 n = gridCells(v);
-    put(c.cell,
-        make_i3(locateCell(t, g.po.x, g.pd.x, g.rpd.x, n.x), locateCell(t, g.po.y, g.pd.y, g.rpd.y, n.y),
-                locateCell(t, g.po.z, g.pd.z, g.rpd.z, n.z)));
+    blendInto(c.cell, make_i3(locateCell(t, g.po.x, g.pd.x, g.rpd.x, n.x),
+                              locateCell(t, g.po.y, g.pd.y, g.rpd.y, n.y),
+                              locateCell(t, g.po.z, g.pd.z, g.rpd.z, n.z)));
     vec3 near = make_v3(planeCrossing(nearPlane(c.cell.x, g.rpd.x), g.po.x, g.rpd.x),
                         planeCrossing(nearPlane(c.cell.y, g.rpd.y), g.po.y, g.rpd.y),
                         planeCrossing(nearPlane(c.cell.z, g.rpd.z), g.po.z, g.rpd.z));
     vec3 far = make_v3(planeCrossing(farPlane(c.cell.x, g.rpd.x), g.po.x, g.rpd.x),
                        planeCrossing(farPlane(c.cell.y, g.rpd.y), g.po.y, g.rpd.y),
                        planeCrossing(farPlane(c.cell.z, g.rpd.z), g.po.z, g.rpd.z));
-    put(c.from, max(max3(near), c.walk.t));
-    if (min3(far) > t) put(c.to, min(min3(far), c.to));  // rounding may leave no cell behind t
+    blendInto(c.from, max(max3(near), c.walk.t));
+    if (min3(far) > t) blendInto(c.to, min(min3(far), c.to));  // rounding may leave no cell behind t
   }
-  put(c.index, R(0.0));
-  put(c.count, R(1.0));
+  blendInto(c.index, R(0.0));
+  blendInto(c.count, R(1.0));
   if (plan != 0) {
     real n = (c.to - c.from) * c.ray.cells / planStep(plan);
     // Midpoint segments may be a twentieth longer than planned, which costs a tenth of the error.
-    put(c.count, max(ceil(goesByCells(v, plan) ? n : R(0.95) * n), R(1.0)));
+    blendInto(c.count, max(ceil(isCellwise(v, plan) ? n : R(0.95) * n), R(1.0)));
   }
-  put(c.dt, (c.to - c.from) / c.count);
+  blendInto(c.dt, (c.to - c.from) / c.count);
 }
 
 // Evaluates extinction and source at t, for a midpoint segment.
@@ -84,7 +84,7 @@ FN void evaluateAt(VOLUME v, GridRay g, real t, INOUT(real) sigma, INOUT(vec3) s
 }
 
 // Evaluates the part that begins at c.begin. A part of a cell's segment is halved until it does not matter
-// against tMin that extinction and colour are taken as constant along it. They vary by `uneven` and `shaded`.
+// against tMin that extinction and colour are taken as constant along it. They vary by `extinctionSpread` and `colorSpread`.
 // Its front and the other volumes hide some of that variation, but nothing does where a surface may cut the
 // part off.
 FN void evaluatePart(VOLUME v, INOUT(Cursor) c, real tMin, INOUT(int) samples) {
@@ -92,31 +92,31 @@ FN void evaluatePart(VOLUME v, INOUT(Cursor) c, real tMin, INOUT(int) samples) {
   real part = c.part, sigma = R(0.0);
   vec3 source = make_v3(R(0.0), R(0.0), R(0.0));
   int plan = planAt(v, c.walk.index);
-  if (goesByCells(v, plan) && c.holds) {
+  if (isCellwise(v, plan) && c.holds) {
     bool more = true;
     while (more) {
       samples += 1;
       MapMean m = meanAlong(v, c.s0 + c.begin * c.rise, c.s0 + (c.begin + part) * c.rise);
       real length = part * c.dt;
       real tau = m.sigma * length;
-      real uneven = max(abs(m.sigma - m.sigmaFront), abs(m.sigma - m.sigmaBack)) * length;
-      real shaded =
+      real extinctionSpread = max(abs(m.sigma - m.sigmaFront), abs(m.sigma - m.sigmaBack)) * length;
+      real colorSpread =
           max(max(abs(m.front.x - m.back.x), abs(m.front.y - m.back.y)), abs(m.front.z - m.back.z)) *
           min(tau, R(1.0));
-      real hidden = min(tau + v.hidden * length, R(1.0));
-      more = (uneven + shaded) * hidden > R(3.0) * tMin && part > R(0.000244140625);
+      real occluded = min(tau + v.occludingExtinction * length, R(1.0));
+      more = (extinctionSpread + colorSpread) * occluded > R(3.0) * tMin && part > R(0.000244140625);
       if (more) part = R(0.5) * part;
       sigma = m.sigma;
       source = make_v3(m.sigma * m.color.x, m.sigma * m.color.y, m.sigma * m.color.z);
     }
-  } else if (plan != 0 && !goesByCells(v, plan)) {
+  } else if (plan != 0 && !isCellwise(v, plan)) {
     evaluateAt(v, c.ray.g, R(0.5) * (start + end), sigma, source, samples);
   }
-  put(c.part, part);
-  put(c.sigma, sigma);
-  put(c.source, source);
-  put(c.a, c.begin > R(0.0) ? start + c.begin * c.dt : start);
-  put(c.b, c.begin + part < R(1.0) ? start + (c.begin + part) * c.dt : end);
+  blendInto(c.part, part);
+  blendInto(c.sigma, sigma);
+  blendInto(c.source, source);
+  blendInto(c.a, c.begin > R(0.0) ? start + c.begin * c.dt : start);
+  blendInto(c.b, c.begin + part < R(1.0) ? start + (c.begin + part) * c.dt : end);
 }
 
 // Evaluates the current part over [a, b] only.
@@ -124,32 +124,32 @@ FN void evaluateBetween(VOLUME v, INOUT(Cursor) c, real a, real b, INOUT(int) sa
   int plan = planAt(v, c.walk.index);
   real sigma = c.sigma;
   vec3 source = c.source;
-  if (byMidpoints(plan)) {
+  if (isMidpoint(plan)) {
     sigma = R(0.0);
     source = make_v3(R(0.0), R(0.0), R(0.0));
     evaluateAt(v, c.ray.g, R(0.5) * (a + b), sigma, source, samples);
-  } else if (goesByCells(v, plan) && c.holds && c.dt > R(0.0)) {
+  } else if (isCellwise(v, plan) && c.holds && c.dt > R(0.0)) {
     samples += 1;
     real start = segmentStart(c), rate = c.rise / c.dt;
     MapMean m = meanAlong(v, c.s0 + (a - start) * rate, c.s0 + (b - start) * rate);
     sigma = m.sigma;
     source = make_v3(m.sigma * m.color.x, m.sigma * m.color.y, m.sigma * m.color.z);
   }
-  put(c.sigma, sigma);
-  put(c.source, source);
+  blendInto(c.sigma, sigma);
+  blendInto(c.source, source);
 }
 
 // Evaluates the first part of the current segment.
 FN void evaluateSegment(VOLUME v, INOUT(Cursor) c, real tMin, INOUT(int) samples) {
-  put(c.begin, R(0.0));
-  put(c.part, R(1.0));
-  if (goesByCells(v, planAt(v, c.walk.index))) {
-    Corners k = cellCorners(v, c.cell);
+  blendInto(c.begin, R(0.0));
+  blendInto(c.part, R(1.0));
+  if (isCellwise(v, planAt(v, c.walk.index))) {
+    CellValues k = cellValues(v, c.cell);
     real start = segmentStart(c), end = segmentEnd(c);
-    put(c.holds, end > start && holdsData(k));
+    blendInto(c.holds, end > start && holdsData(k));
     if (c.holds) {
-      put(c.s0, valueIn(k, fractionIn(c.cell, pointAt(c.ray.g, start))));
-      put(c.rise, valueIn(k, fractionIn(c.cell, pointAt(c.ray.g, end))) - c.s0);
+      blendInto(c.s0, valueIn(k, fractionIn(c.cell, pointAt(c.ray.g, start))));
+      blendInto(c.rise, valueIn(k, fractionIn(c.cell, pointAt(c.ray.g, end))) - c.s0);
     }
   }
   evaluatePart(v, c, tMin, samples);
@@ -157,10 +157,10 @@ FN void evaluateSegment(VOLUME v, INOUT(Cursor) c, real tMin, INOUT(int) samples
 
 // Goes on to the next part of the current segment; returns false behind the last.
 FN bool nextPart(VOLUME v, INOUT(Cursor) c, real tMin, INOUT(int) samples) {
-  put(c.begin, c.begin + c.part);
+  blendInto(c.begin, c.begin + c.part);
   bool more = c.begin < R(1.0);
   if (more) {
-    put(c.part, min(R(2.0) * c.part, R(1.0) - c.begin));
+    blendInto(c.part, min(R(2.0) * c.part, R(1.0) - c.begin));
     evaluatePart(v, c, tMin, samples);
   }
   return more;
@@ -168,20 +168,20 @@ FN bool nextPart(VOLUME v, INOUT(Cursor) c, real tMin, INOUT(int) samples) {
 
 // Sets the cursor to nothing up to `b`.
 FN void evaluateNothing(INOUT(Cursor) c, real b) {
-  put(c.b, b);
-  put(c.sigma, R(0.0));
-  put(c.source, make_v3(R(0.0), R(0.0), R(0.0)));
+  blendInto(c.b, b);
+  blendInto(c.sigma, R(0.0));
+  blendInto(c.source, make_v3(R(0.0), R(0.0), R(0.0)));
 }
 
 FN void countMacrocell(VOLUME v, INOUT(Cursor) c) {
-  put(c.entered, c.entered + 1);
-  if (planAt(v, c.walk.index) == 0) put(c.skipped, c.skipped + 1);
+  blendInto(c.entered, c.entered + 1);
+  if (planAt(v, c.walk.index) == 0) blendInto(c.skipped, c.skipped + 1);
 }
 
 // Goes to the part that ends after t; before the volume, to nothing up to it, with index -1. If the ray
 // enters the volume only at or behind tOut, this partition may not have the macrocell there.
 FN void seekPart(VOLUME v, INOUT(Cursor) c, real t, real tOut, real tMin, INOUT(int) samples) {
-  put(c.index, R(-1.0));
+  blendInto(c.index, R(-1.0));
   if (t >= c.ray.t1 || c.ray.t0 >= c.ray.t1) {
     evaluateNothing(c, NO_HIT);
   } else if (t < c.ray.t0 && c.ray.t0 >= tOut) {
@@ -190,10 +190,10 @@ FN void seekPart(VOLUME v, INOUT(Cursor) c, real t, real tOut, real tMin, INOUT(
     real from = max(t, c.ray.t0);
     c.walk = startMacroWalk(v, c.ray, from);
     enterStretch(v, c, max(from, c.walk.t));
-    if (c.from < from && c.dt > R(0.0)) put(c.index, segmentBehind(from, c.from, c.dt, c.count));
+    if (c.from < from && c.dt > R(0.0)) blendInto(c.index, segmentBehind(from, c.from, c.dt, c.count));
     if (t < c.ray.t0) {
       evaluateNothing(c, c.ray.t0);
-      put(c.index, R(-1.0));
+      blendInto(c.index, R(-1.0));
     } else {
       countMacrocell(v, c);
       evaluateSegment(v, c, tMin, samples);
@@ -209,7 +209,7 @@ FN void advance(VOLUME v, INOUT(Cursor) c, real tMin, INOUT(int) samples) {
   bool more = true;
   if (c.index + R(1.0) < c.count) {
     if (c.index < R(0.0)) countMacrocell(v, c);
-    put(c.index, c.index + R(1.0));
+    blendInto(c.index, c.index + R(1.0));
   } else if (c.to < macrocellEnd(c)) {
     enterStretch(v, c, c.to);
   } else if (c.b < c.ray.t1) {
@@ -217,10 +217,10 @@ FN void advance(VOLUME v, INOUT(Cursor) c, real tMin, INOUT(int) samples) {
     vec3 plane = c.walk.plane, far = c.walk.far;
     real t = c.walk.t;
     stepMacroWalk(v, c.ray, index, plane, far, t);
-    put(c.walk.index, index);
-    put(c.walk.plane, plane);
-    put(c.walk.far, far);
-    put(c.walk.t, t);
+    blendInto(c.walk.index, index);
+    blendInto(c.walk.plane, plane);
+    blendInto(c.walk.far, far);
+    blendInto(c.walk.t, t);
     enterStretch(v, c, c.walk.t);
     countMacrocell(v, c);
   } else {
@@ -235,8 +235,8 @@ FN void advance(VOLUME v, INOUT(Cursor) c, real tMin, INOUT(int) samples) {
 // Integrates all volumes that are volume rendered, count <= MANY_VOLUMES. Those that this partition does not
 // hold are included, because a merged segment may begin where one of them has ended. m.tStop is also where a
 // light or a radius ends the ray.
-FN void integrateMany(SCENE s, VOLUMES list, UNIFORM int count, vec3 o, vec3 d, MarchRange m,
-                      INOUT(Radiance) L, INOUT(MarchCount) n) {
+FN void integrateVolumes(SCENE s, VOLUMES list, UNIFORM int count, vec3 o, vec3 d, MarchRange m,
+                         INOUT(Radiance) L, INOUT(MarchCount) n) {
   Cursor cursor[MANY_VOLUMES];
   vec3 rgb = L.rgb;
   real A = L.A;

@@ -28,7 +28,7 @@ inline constexpr size_t kMostIsoWords = size_t(1) << 29;
 /// the magnitude, in float. Macrocells whose bits do not fit into `mostWords` share 16 words of set bits.
 /// Takes the time of one pass over the macrocells that have bits; `advance` may be called from several
 /// threads. Throws Error where the samples do not fit the extent.
-std::vector<int32_t> isoPlan(
+std::vector<int32_t> isoMask(
     const VolumeBlock& block, ScalarType stored, int components, int component,
     std::span<const Macrocell> summaries, std::span<const float> isovalues, size_t mostWords = kMostIsoWords,
     const Advance& advance = [](double) {});

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/rays/iso_plan.h"
+#include "core/rays/iso_mask.h"
 
 #include <algorithm>
 #include <atomic>
@@ -186,7 +186,7 @@ void markCubes(std::vector<int32_t>& plan, const VolumeBlock& block, int level) 
 
 }  // namespace
 
-std::vector<int32_t> isoPlan(const VolumeBlock& block, ScalarType stored, int components, int component,
+std::vector<int32_t> isoMask(const VolumeBlock& block, ScalarType stored, int components, int component,
                              std::span<const Macrocell> summaries, std::span<const float> isovalues,
                              size_t mostWords, const Advance& advance) {
   if (block.samples.size() != Bricks(block.extent.points).count() * size_t(components) * bytesOf(stored))

@@ -11,7 +11,7 @@ void main() {
   RaySlice slice = marchSlice();
   MarchCount count = nothingMarched();
   Radiance L = rayRadiance();
-  integrateMany(s, uint(push[PUSH_OPERATOR]), push[PUSH_COUNT], rayOrigin(), rayDirection(), marchRange(slice),
+  integrateVolumes(s, uint(push[PUSH_OPERATOR]), push[PUSH_COUNT], rayOrigin(), rayDirection(), marchRange(slice),
                 L, count);
   if (!endSlice(slice, false)) return;
   setRadiance(L);
