@@ -1,22 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
-// How far a long computation is, and whether it is to go on.
+// Reports the progress of a long computation, and can end it.
 #pragma once
 #include <cstddef>
 #include <functional>
 
 namespace gxy {
 
-/// Called by a long computation with the share that it has done, from 0 to 1, every few milliseconds while the loops are its
-/// own: what it throws ends the computation and arrives at its caller. From any thread, perhaps from several at once. Never
-/// empty.
+/// A long computation calls this with the share that it has done, from 0 to 1, every few milliseconds, as
+/// long as it is in Galaxy's own loops and not in a library's. An exception thrown from here ends the
+/// computation and reaches its caller. Several threads may call it at once. It is never empty.
 using Advance = std::function<void(double share)>;
 
-/// Of part `i` of `n` of what `advance`, which must outlive it, is told of.
+/// Returns the Advance for part `i` of `n` equal parts of a computation that reports to `advance`. `advance`
+/// must outlive the result.
 inline Advance partOf(const Advance& advance, size_t i, size_t n) {
   return [&advance, i, n](double share) { advance((double(i) + share) / double(n)); };
 }
 
-/// For loops that call it at each of `n` turns: tells of one in some thousands.
+/// Loops of `n` iterations call this in each iteration `i`. It reports every 8192nd one.
 inline void tell(const Advance& advance, size_t i, size_t n) {
   constexpr size_t kTurns = 8192;
   if (i % kTurns == 0) advance(double(i) / double(n));

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// How long a thread that polls may sleep.
+// How long a polling thread sleeps between polls.
 #pragma once
 #include <algorithm>
 #include <chrono>
 
 namespace gxy {
 
-/// Zero for a while after activity, then growing; longest after two seconds without any.
+/// The sleep is zero for a while after activity, then grows, and is longest after two seconds without activity.
 class Backoff {
  public:
   using Clock = std::chrono::steady_clock;
@@ -14,7 +14,7 @@ class Backoff {
   static constexpr Microseconds hot{80}, hotInTransfer{20'000}, firstSleep{20}, maxSleep{4000},
       restSleep{16'000}, restAfter{2'000'000};
 
-  /// Without `spins` it sleeps at once, in a transfer too: the core is needed by others.
+  /// Without `spins` the thread never polls without a sleep, not even in a transfer: other threads need the core.
   explicit Backoff(bool spins) : spins_(spins) {}
 
   void active() {
@@ -22,8 +22,9 @@ class Backoff {
     lastActive_ = Clock::now();
   }
 
-  /// The sleep due now; each call in a row returns a longer one, up to maxSleep, and restSleep at rest. Data move only
-  /// while MPI is called, so with a transfer under way there is something to do, and sleeps stay short.
+  /// Returns how long to sleep now. Each call without activity in between returns a longer sleep, up to
+  /// maxSleep; after restAfter it is restSleep. Data move only while MPI is called, so sleeps stay short
+  /// during a transfer.
   Microseconds next(bool inTransfer) {
     const auto quiet = Clock::now() - lastActive_;
     if (spins_ && quiet < (inTransfer ? hotInTransfer : hot)) return {};

@@ -10,9 +10,9 @@
 namespace gxy {
 
 enum class Collective::Kind : uint8_t {
-  Gathered,  ///< a rank's part, to the rank that collects
-  Direct,    ///< a rank's part, to the rank that it is for
-  Whole,     ///< what all ranks get, down a tree
+  Gathered,  ///< a rank's part, sent to the collecting rank
+  Direct,    ///< a rank's part, sent to the rank that it is for
+  Whole,     ///< the bytes for all ranks, sent down the tree
 };
 
 struct Collective::Header {
@@ -129,7 +129,8 @@ void Collective::receivePart(int source, Kind kind, Call call, Bytes body) {
       arrived_.erase(call);
     }
   }
-  // The collector is its tree's root: it sends the whole to itself, and receive() passes it on.
+  // The collector is the root of the tree. It sends the whole to itself, and receive() passes it on to its
+  // children.
   if (kind == Kind::Gathered)
     send(transport_.rank(), Kind::Whole, call, transport_.rank(), whole.take());
   else

@@ -14,12 +14,13 @@
 
 namespace gxy {
 
-/// Collectives over a Transport. Each call blocks its thread until its part is done: call from the main
-/// thread or a postWaiting() or postLong() task, never from a handler or a post() task, nor in a seeded in-process world.
+/// Collectives over a Transport. Each call blocks its thread until its part is done. Call them from the main
+/// thread or from a postWaiting() or postLong() task, never from a handler or a post() task, and not in a
+/// seeded in-process world.
 ///
-/// A key names a request in all ranks. Within a key all ranks make the same calls in the same order; calls of
+/// A key names a request on all ranks. Within a key all ranks make the same calls in the same order. Calls of
 /// different keys neither wait for each other nor mix, whatever their order on each rank. A rank that fails
-/// before a call still has to make it, or others wait for ever: agree() is for that.
+/// before a call must still make it, or others wait for ever: agree() is for that.
 class Collective {
  public:
   explicit Collective(Transport& transport);
@@ -28,38 +29,38 @@ class Collective {
   Collective(const Collective&) = delete;
   Collective& operator=(const Collective&) = delete;
 
-  /// What each rank gave, by rank. One rank collects, and passes the whole on over a binary tree: 2 P
-  /// messages.
+  /// Returns the bytes that each rank gave, by rank. One rank collects them and sends the whole down a binary
+  /// tree: 2 P messages for P ranks.
   std::vector<Bytes> allGather(uint64_t key, Bytes mine);
 
-  /// `perRank[r]` goes to rank r; returns what each rank had for this one, by rank. Throws Error unless there
-  /// is one entry per rank.
+  /// Sends `perRank[r]` to rank r. Returns the bytes that each rank sent to this one, by rank. Throws Error
+  /// unless `perRank` has one entry per rank.
   std::vector<Bytes> allToAll(uint64_t key, std::vector<Bytes> perRank);
 
-  /// What `root` gave, on all ranks, over a binary tree; the others' bytes are ignored. The root does not
-  /// wait.
+  /// Returns the bytes that rank `root` gave, on all ranks, by way of a binary tree. The bytes of other ranks
+  /// are ignored. The root does not wait.
   Bytes broadcast(uint64_t key, int root, Bytes bytes);
 
   /// Returns when all ranks have called it.
   void barrier(uint64_t key);
 
-  /// Turns an error of any rank into one on every rank: each passes its own error or nothing, and if there
-  /// was one, Error "rank 3: <its message>; rank 5: ..." is thrown on all.
+  /// Turns an error on any rank into an error on every rank. Each rank passes its own error or nothing. If
+  /// there was any, all ranks throw Error "rank 3: <its message>; rank 5: ...".
   void agree(uint64_t key, const std::optional<std::string>& error);
 
-  /// This rank makes no more calls with the key, and forgets it (after which it may be used for another
-  /// request only if all ranks have finished it, as after a barrier).
+  /// Forgets the key: this rank makes no more calls with it. The key may be used for another request only
+  /// after all ranks have finished their calls with it, as after a barrier.
   void finish(uint64_t key);
 
  private:
   enum class Kind : uint8_t;
   struct Header;
-  using Call = std::pair<uint64_t, uint64_t>;  ///< key, and how many calls of the key came before
+  using Call = std::pair<uint64_t, uint64_t>;  ///< key, and the number of earlier calls with the key
 
   struct Arrived {
-    std::vector<std::optional<Bytes>> parts;  ///< by source
-    int count = 0;                            ///< of the parts that are there
-    std::optional<Bytes> whole;               ///< what came down a tree
+    std::vector<std::optional<Bytes>> parts;  ///< by source rank
+    int count = 0;                            ///< number of parts that have arrived
+    std::optional<Bytes> whole;               ///< bytes that came down the tree
   };
 
   Call next(uint64_t key);
@@ -73,7 +74,7 @@ class Collective {
   std::mutex mutex_;
   std::condition_variable changed_;
   std::map<Call, Arrived> arrived_;
-  std::map<uint64_t, uint64_t> calls_;  ///< made so far, by key
+  std::map<uint64_t, uint64_t> calls_;  ///< number of calls made so far, by key
 };
 
 }  // namespace gxy

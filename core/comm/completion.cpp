@@ -12,9 +12,9 @@ namespace gxy {
 namespace {
 
 enum class Kind : uint8_t {
-  Wave,    ///< down: answer when idle
-  Answer,  ///< up: the sums of a subtree
-  Done,    ///< down: forget the set
+  Wave,    ///< to the children: answer when idle
+  Answer,  ///< to the parent: the sums of a subtree
+  Done,    ///< to the children: forget the set
 };
 
 struct Message {
@@ -41,27 +41,28 @@ Message decode(const Bytes& bytes) {
 
 }  // namespace
 
-/// What one rank knows of one set.
+/// One rank's state of one set.
 struct Completion::Set {
   explicit Set(SetId id) : id(id) {}
 
   const SetId id;
   std::atomic<uint64_t> created = 0, retired = 0;
 
-  /// What keeps the rank from being idle: its unretired token (1), and each open Active.
+  /// The number of reasons why the rank is not idle: its token while it is not retired, and each open Active.
   std::atomic<int64_t> busy = 1;
 
-  /// A wave is here and has not been answered. Written under the mutex; read without by the rank's last
-  /// worker, in the order busy then waiting, while the wave's arrival takes the order waiting then busy: one
-  /// of them sees both.
+  /// A wave has arrived and has not been answered. It is written under the mutex. The worker that ends last
+  /// reads it without the mutex: it changes `busy`, then reads `waiting`. The wave's arrival sets `waiting`,
+  /// then reads `busy`. So at least one of the two sees that both conditions hold, and answers.
   std::atomic<bool> waiting = false;
 
-  std::mutex mutex;  ///< guards what follows
+  std::mutex mutex;  ///< guards the members below
   int childrenToAnswer = 0;
   uint64_t createdBelow = 0, retiredBelow = 0;  ///< sums of the children's answers to this wave
 
-  std::function<void()> onDone;  ///< rank 0
-  uint64_t retiredLastWave = 0;  ///< rank 0; created is at least 1, so 0 ends no first wave
+  std::function<void()> onDone;  ///< used on rank 0 only
+  /// Used on rank 0 only. The created sum is at least 1, so the initial 0 never ends a set at its first wave.
+  uint64_t retiredLastWave = 0;
 };
 
 Completion::Completion(Transport& transport, Rule rule) : transport_(transport), rule_(rule) {

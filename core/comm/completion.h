@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// When is all work of a set (a frame, an analysis) done, wherever it went? Exact, for any number of sets in
-// flight.
+// Detects exactly when all work of a set (a frame, an analysis) is done on all ranks, for any number of sets
+// at once.
 #pragma once
 #include <atomic>
 #include <cstdint>
@@ -14,51 +14,48 @@
 
 namespace gxy {
 
-/// Names a set in all ranks; never used twice in the life of a Completion.
+/// Names a set on all ranks. It is never used twice in the life of a Completion.
 using SetId = uint64_t;
 
-/// Detects when every item (a ray, a pixel contribution) of a set has been retired: Mattern's four counters
-/// (Mattern, "Algorithms for distributed termination detection", 1987) over a binary tree of ranks rooted at
-/// rank 0.
+/// Detects when every item (a ray, a pixel contribution) of a set has been retired. The method is Mattern's
+/// four counters (Mattern, "Algorithms for distributed termination detection", 1987) over a binary tree of
+/// ranks rooted at rank 0.
 ///
-/// The rules that a user follows:
-/// 1. Rank 0 calls begin(). This creates one token per rank; the rank retires its token by spawned(), once,
-/// after
-///    it has created all items that come from nowhere (primary rays).
-/// 2. Items are counted by created() before they are sent or posted, and children (secondary rays,
-/// contributions)
-///    before their parent is retired. An item is retired once, on whatever rank it ends.
-/// 3. While items of a set are worked on or queued on a rank, it holds an Active of the set, opened before
-/// the last
-///    of them is retired or sent on.
+/// A user follows three rules:
+/// 1. Rank 0 calls begin(). This creates one token per rank. Each rank retires its token by calling spawned() once, after
+///    it has created all items that have no parent (primary rays).
+/// 2. Items are counted by created() before they are sent or posted. Children (secondary rays, contributions) are counted
+///    before their parent is retired. An item is retired once, on the rank where it ends.
+/// 3. While a rank works on items of a set or has them queued, it holds an Active of the set. It opens the Active before
+///    the last of these items is retired or sent on.
 ///
-/// Rank r keeps two counters that only grow. A wave goes down the tree and brings their sums up; a rank lets
-/// it pass when it is idle: its token is retired and no Active is open. So no wave moves while some rank is
-/// busy, and none of this costs anything but the counting. The set is done when the retired sum of one wave
-/// equals the created sum of the next. Exactness does not rest on idleness, on clocks or on the order of
-/// messages: let E be the items whose retirement the first wave saw. Each of them, and by rule 2 each of
-/// their children, was counted as created before that wave ended, thus is in the created sum of the next. If
-/// the sums are equal, that sum counts E and nothing else: the children of E are in E, the tokens are in E,
-/// so all items are.
+/// Each rank keeps two counters that only grow: items created and items retired. A wave goes down the tree
+/// and brings the sums of the counters up. A rank answers a wave when it is idle: its token is retired and no
+/// Active is open. So no wave moves while some rank is busy, and the only cost is counting. The set is done
+/// when the retired sum of one wave equals the created sum of the next. Exactness does not depend on
+/// idleness, clocks or the order of messages. Proof: let E be the items whose retirement the first wave saw.
+/// Each of them, and by rule 2 each of their children, was counted as created before that wave ended, and so
+/// is in the created sum of the next. If the sums are equal, that sum counts E and nothing else. Then the
+/// children of E are in E and the tokens are in E, so all items are in E.
 ///
-/// Any rank may hear of a set first through any call or message. When a set is done each rank forgets it.
+/// A rank may learn of a set from any call or message. When a set is done, each rank forgets it.
 ///
-/// Threads: all calls but the constructor and destructor may come from any thread.
+/// Threads: any thread may call all functions except the constructor and destructor.
 class Completion {
  public:
   explicit Completion(Transport& transport) : Completion(transport, Rule{}) {}
 
-  /// Afterwards no call may come; sets that are not done are forgotten.
+  /// Forgets sets that are not done.
   virtual ~Completion();
 
   Completion(const Completion&) = delete;
   Completion& operator=(const Completion&) = delete;
 
-  /// Rank 0 only. `onDone` is called once, on rank 0's progress thread, when all items are retired; it must
-  /// be short.
+  /// Begins a set; only rank 0 may call it. `onDone` is called once, on rank 0's progress thread, when all
+  /// items are retired. It must be short. Throws Error on other ranks, and if the set has begun before.
   void begin(SetId set, std::function<void()> onDone);
 
-  /// This rank retires its token: what it had to spawn is created.
+  /// Retires this rank's token: it has created all its items that have no parent.
   void spawned(SetId set);
 
   void created(SetId set, uint64_t n);
@@ -67,14 +64,14 @@ class Completion {
   /// The number of sets that this rank keeps counters of.
   size_t setsKept() const;
 
-  /// Waves that rank 0 has started, of all sets.
+  /// The number of waves that rank 0 has started, for all sets together.
   uint64_t wavesStarted() const { return waves_; }
 
  private:
   struct Set;
 
  public:
-  /// Work on items of a set is going on, for as long as this lives. Moves, does not copy.
+  /// While an Active of a set lives, this rank is working on items of the set.
   class Active {
    public:
     Active(Completion& completion, SetId set);
@@ -88,7 +85,7 @@ class Completion {
   };
 
  protected:
-  /// The clauses of the rule, which tests drop one by one to see that each is needed.
+  /// The conditions of the method. Tests drop them one by one to check that each is needed.
   struct Rule {
     bool comparesTwoWaves = true;
     bool tokensAtRoot = true;
@@ -110,7 +107,7 @@ class Completion {
 
   Transport& transport_;
   const Rule rule_;
-  mutable std::shared_mutex mutex_;  ///< guards sets_, not what is in them
+  mutable std::shared_mutex mutex_;  ///< guards the map sets_, not the sets in it
   std::unordered_map<SetId, std::shared_ptr<Set>> sets_;
   std::atomic<uint64_t> waves_ = 0;
 };

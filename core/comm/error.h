@@ -6,8 +6,9 @@
 
 namespace gxy {
 
-/// An error whose message is meant for the user: what is wrong, where (file, line and column, key, rank), and what was
-/// expected. Caught at the boundary of a request and sent to the one who made it.
+/// An error whose message is meant for the user: what is wrong, where (file, line and column, key, rank), and
+/// what was expected. The code that handles a request catches it and sends the message to the client that
+/// made the request.
 class Error : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;

@@ -14,7 +14,7 @@
 
 namespace gxy {
 
-/// What the two kinds of world have in common.
+/// The interface of both kinds of world.
 class InProcessWorld::World {
  public:
   virtual ~World() = default;
@@ -48,7 +48,8 @@ class Count {
 // ----------------------------------------------------------------------------------------------------------
 // seeded
 
-/// What a seed starves: an event that it calls slow is passed over, but for one draw in `patience`.
+/// Decides from the seed which events are slow. When the scheduler draws a slow event, it takes it once in
+/// patience() draws and passes it over otherwise.
 class Bias {
  public:
   explicit Bias(Random& random) {
@@ -73,11 +74,11 @@ class Bias {
   static bool bit(uint64_t mask, int i) { return mask >> (i % 64) & 1; }
   bool slowEvent(Random& random) const { return slowEvents_ && random.oneIn(slowEvents_); }
 
-  uint64_t patience_ = 1;      ///< a slow event that is drawn is taken once in so many times
-  uint64_t slowRanks_ = 0;     ///< bit r mod 64: what rank r sends, receives and runs
-  uint64_t slowChannels_ = 0;  ///< bit c mod 64: the messages of channel c
-  uint64_t slowEvents_ = 0;    ///< one event in so many, 0: none
-  bool slowTasks_ = false;     ///< all tasks
+  uint64_t patience_ = 1;
+  uint64_t slowRanks_ = 0;     ///< bit r mod 64: messages from and to rank r, and its tasks, are slow
+  uint64_t slowChannels_ = 0;  ///< bit c mod 64: the messages of channel c are slow
+  uint64_t slowEvents_ = 0;    ///< one event in this many is slow; 0: none
+  bool slowTasks_ = false;     ///< all tasks are slow
 };
 
 class SeededWorld final : public InProcessWorld::World {
@@ -161,7 +162,7 @@ class SeededWorld final : public InProcessWorld::World {
               world->changed_.notify_all();
             }};
   }
-  // Where posts are expected: waits for one. False: there is nothing to wait for.
+  // Waits for an event while posts are expected. Returns whether there is one.
   bool waitForPost() {
     std::unique_lock lock(mutex_);
     changed_.wait(lock, [this] { return !events_.empty() || expected_ == 0; });
@@ -193,7 +194,7 @@ class SeededWorld final : public InProcessWorld::World {
   Bias bias_;
   ErrorReport report_;
   std::vector<std::unique_ptr<Rank>> ranks_;
-  std::mutex mutex_;  ///< guards what is below, and random_: what is expected is posted by other threads
+  std::mutex mutex_;  ///< guards random_ and the members below: expected tasks are posted by other threads
   std::condition_variable changed_;
   std::vector<Event> events_;
   size_t expected_ = 0;
@@ -202,7 +203,7 @@ class SeededWorld final : public InProcessWorld::World {
 // --------------------------------------------------------------------------------------------------------
 // threaded
 
-/// Counts what is under way, posted or running, and waits until that is nothing.
+/// Counts the messages under way and the tasks posted or running, and waits until there are none.
 class Outstanding {
  public:
   void add(size_t n = 1) { count_ += n; }
@@ -288,7 +289,7 @@ class ThreadedWorld final : public InProcessWorld::World {
       world_.outstanding_.add();
       pool.run([this, task = std::move(task)]() mutable {
         guarded(world_.report_, rank_, "a task", task);
-        task = nullptr;  // what it holds goes before the world may
+        task = nullptr;  // its captures are destroyed before the world can be
         world_.outstanding_.remove();
       });
     }

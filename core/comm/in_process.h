@@ -12,40 +12,42 @@ namespace gxy {
 
 /// N connected Transports in one process.
 ///
-/// *Seeded* (the default): nothing happens but in step() and run(), on the caller's thread. Each step picks,
-/// from the seed alone, any message that is under way or any task that is posted. Seeds differ in what they
-/// starve: some hold single messages, all messages of a channel, all tasks, or all that concerns some ranks
-/// for very long, though never for ever. The same seed and the same program give the same schedule
+/// *Seeded* (the default): everything happens in step() and run(), on the caller's thread. Each step picks
+/// one of the messages under way and tasks posted, and only the seed decides which. Seeds differ in what
+/// they delay: some delay single messages, all messages of a channel, all tasks, or everything of some
+/// ranks for very long, but never for ever. The same seed and the same program give the same schedule
 /// everywhere. Tasks must not wait.
 ///
-/// *Threaded*: each rank has a progress thread that takes its waiting messages in random order; tasks run on
-/// threads shared by all ranks. For code that waits (collective.h), and for the thread sanitizer (no oneTBB
-/// inside, which the sanitizer cannot follow).
+/// *Threaded*: each rank has a progress thread, which takes its waiting messages in random order. Tasks run
+/// on threads shared by all ranks. Use it for code that waits (collective.h), and with the thread sanitizer:
+/// it uses no oneTBB, which the sanitizer cannot follow.
 class InProcessWorld {
  public:
   struct Options {
     bool threaded = false;
     int workers = 2;  ///< threads for tasks of all ranks, when threaded
-    /// When empty: step() and run() throw what a handler or task throws (seeded), or it is logged (threaded).
+    /// Gets the exceptions of handlers and tasks. When empty, step() and run() throw them (seeded), or they
+    /// are logged (threaded).
     ErrorReport onError;
   };
 
+  /// Throws Error for fewer than one rank.
   InProcessWorld(int ranks, uint64_t seed, Options options);
   InProcessWorld(int ranks, uint64_t seed) : InProcessWorld(ranks, seed, Options{}) {}
 
-  /// When threaded, first delivers all messages and runs all tasks. Handlers must be valid until then, or
-  /// removed.
+  /// When threaded, first delivers all messages and runs all tasks: handlers that are still set must be
+  /// valid until then.
   ~InProcessWorld();
 
-  /// The rank's connection; lives as long as the world.
+  /// The connection of rank `rank`. It lives as long as the world.
   Transport& rank(int rank);
   int size() const;
 
-  /// One event, seeded worlds only; false when there is none.
+  /// Delivers one message or runs one task; returns false when there is none. Throws Error in a threaded world.
   bool step();
 
-  /// Until nothing is under way, posted, running or expected (Transport::expectPost): every event (seeded), or waits
-  /// (threaded).
+  /// Returns when no message is under way, and no task is posted, running or expected
+  /// (Transport::expectPost). A seeded world runs them here; a threaded world waits for them.
   void run();
 
   class World;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What both transports share: the table of handlers of a rank, and what becomes of an exception that nobody
-// catches.
+// Parts that both transports share: the table of a rank's message handlers, and the reporting of exceptions
+// that leave a handler or task.
 #pragma once
 #include <functional>
 #include <map>
@@ -14,13 +14,13 @@
 
 namespace gxy {
 
-/// Told of every exception that leaves a handler or a task: the rank, and what was running and why it failed.
+/// Called for every exception that leaves a handler or a task. `message` says what was running and why it failed.
 using ErrorReport = std::function<void(int rank, const std::string& message)>;
 
-/// The report that is made when none is given: an spdlog error with the rank.
+/// The default report: logs an error with the rank (spdlog).
 void logError(int rank, const std::string& message);
 
-/// Runs `action`; an exception is reported, not passed on.
+/// Runs `action`. An exception is reported and not passed on. `what` names the action in the report ("a task").
 void guarded(const ErrorReport& report, int rank, const char* what, const std::function<void()>& action);
 
 /// A message on its way to a handler.
@@ -33,19 +33,20 @@ struct Delivery {
 /// The handlers of one rank, run one at a time.
 class Mailbox {
  public:
-  /// Messages handled are stages of `trace`, if not null.
+  /// Each handled message becomes a stage of `trace`, unless it is null. `trace` must outlive the mailbox.
   explicit Mailbox(Trace* trace = nullptr) : trace_(trace) {}
 
-  /// Runs the handler of the message's channel. Without one the message is kept, and false returned.
+  /// Runs the handler of the message's channel. If there is none, keeps the message and returns false.
   bool deliver(Delivery delivery);
 
-  /// Sets or, with an empty one, removes a handler, after a running handler has ended (unless this is a call
-  /// from inside it). Returns the messages that were kept for it, to be delivered again.
+  /// Sets a handler; an empty one removes the present handler. Waits for a running handler to end, unless
+  /// the call comes from inside it. Returns the messages that were kept for the channel: the caller
+  /// delivers them again.
   std::vector<Delivery> setHandler(Channel channel, Transport::Handler handler);
 
  private:
   Trace* const trace_;
-  std::recursive_mutex running_;  ///< held while a handler runs; recursive, as a handler may set handlers
+  std::recursive_mutex running_;  ///< held while a handler runs; recursive because a handler may set handlers
   std::map<Channel, std::shared_ptr<const Transport::Handler>> handlers_;
   std::map<Channel, std::vector<Delivery>> kept_;
 };

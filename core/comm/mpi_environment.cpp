@@ -16,7 +16,8 @@
 namespace gxy {
 namespace {
 
-/// Whether mpirun, srun or the like started this process, by the variables they leave for MPI.
+/// Whether mpirun, srun or another launcher started this process. The environment variables that they set for
+/// MPI tell.
 bool launched() {
   for (char** entry = environ; *entry; entry++)
     for (const std::string_view prefix :
@@ -25,9 +26,10 @@ bool launched() {
   return false;
 }
 
-/// Settings of Open MPI and hwloc while MPI is initialised in a process that nobody launched, and that so is a job of one
-/// rank. Open MPI would start a daemon for it and load what moves data between processes; hwloc would look for displays and
-/// GPUs. What the user has set stays, and the programs that this one starts see none of it.
+/// Sets variables of Open MPI and hwloc while MPI is initialised in a process that no launcher started, which
+/// therefore is a job of one rank. Without them Open MPI would start a daemon and load modules that move data
+/// between processes, and hwloc would look for displays and GPUs. Variables that the user has set stay as
+/// they are. The destructor removes the others, so that programs that this one starts do not see them.
 class SettingsOfOneRank {
  public:
   SettingsOfOneRank() {

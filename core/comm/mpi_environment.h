@@ -1,16 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-// MPI of this process, initialised by Galaxy or by the program it is part of.
+// Initialises MPI for this process, unless the host program has done so.
 #pragma once
 
 namespace gxy {
 
-/// Initialises MPI unless that has been done, and then also finalises it. Make one in main() before all else
-/// that needs MPI; destroy it on the same thread.
+/// Initialises MPI if nobody has done so yet, and then also finalises it. Make one in main() before anything
+/// else that needs MPI, and destroy it on the same thread.
 ///
-/// Initialised here, MPI is asked for MPI_THREAD_SERIALIZED: during the life of an MpiTransport only its
-/// progress thread calls MPI, before and after it the thread that makes and destroys it. A host program that
-/// initialises MPI by itself and goes on calling it has to ask for MPI_THREAD_MULTIPLE; one that leaves MPI
-/// alone meanwhile, for MPI_THREAD_SERIALIZED. Throws Error when the level is lower.
+/// It asks MPI for MPI_THREAD_SERIALIZED. While an MpiTransport lives, only its progress thread calls MPI;
+/// before and after that, the thread that makes and destroys the MpiTransport does. A host program that
+/// initialises MPI itself needs MPI_THREAD_MULTIPLE if it calls MPI while an MpiTransport lives, and
+/// MPI_THREAD_SERIALIZED otherwise. The constructor throws Error if the level is lower than
+/// MPI_THREAD_SERIALIZED.
 class MpiEnvironment {
  public:
   MpiEnvironment();

@@ -11,7 +11,7 @@ namespace gxy {
 
 namespace {
 
-constexpr int matchesPerPoll = 64;  // then what is there to send has its turn
+constexpr int matchesPerPoll = 64;  // limited, so that sending gets its turn
 
 enum Tag : int { packetTag = 0, chunkTag = 1 };
 
@@ -47,7 +47,7 @@ void PacketSender::add(int destination, Channel channel, Bytes message) {
   const std::byte* data = message.data();
   for (size_t at = 0; at < message.size(); at += sizes_.chunk)
     this->start(data + at, std::min(sizes_.chunk, message.size() - at), destination, chunkTag);
-  owners_.back() = std::move(message);  // chunks are freed from the front: the last one owns
+  owners_.back() = std::move(message);  // The last chunk's request owns the message: see reap().
 }
 
 void PacketSender::flush() {
@@ -76,7 +76,8 @@ bool PacketSender::reap() {
   std::vector<int> indices(requests_.size());
   MPI_Testsome(int(requests_.size()), requests_.data(), &done, indices.data(), MPI_STATUSES_IGNORE);
   if (done <= 0) return false;
-  // A chunk without an owner reads memory that a later one owns: it keeps that one alive.
+  // A chunk without an owner reads memory that a later entry owns. While the chunk is under way, that entry
+  // is kept.
   size_t kept = 0;
   bool chunkUnderWay = false;
   for (size_t i = 0; i < requests_.size(); ++i) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Messages to MPI calls and back. Private to core/comm: it shows mpi.h. One thread only.
+// Turns messages into MPI calls and back. Private to core/comm, because it includes mpi.h. Only one
+// thread may use it.
 #pragma once
 #include <mpi.h>
 
@@ -13,36 +14,36 @@
 
 namespace gxy {
 
-/// Sizes on the wire, equal on all ranks. A packet is a sequence of records: a RecordHeader, then the message
-/// if it is small. A large message follows its header on a tag of its own, in chunks straight from and into
-/// its own memory. MPI keeps the order of messages with one tag between two ranks, which pairs headers with
-/// chunks.
+/// Sizes on the wire, equal on all ranks. A packet is a sequence of records. A record is a RecordHeader,
+/// followed by the message if it is small. A large message follows its header in chunks with an MPI tag of
+/// their own, which MPI copies directly from and to the message's memory. MPI keeps the order of messages
+/// with one tag between two ranks, and that order pairs headers with chunks.
 struct PacketSizes {
-  size_t packet;         ///< bytes, at most
-  size_t chunk;          ///< bytes, at most 2^30: MPI counts are int
+  size_t packet;         ///< maximal size of a packet in bytes
+  size_t chunk;          ///< size of a chunk in bytes, at most 2^30 because MPI counts are int
   size_t small() const;  ///< larger messages are streamed
 };
 
-/// Coalesces messages per destination.
+/// Coalesces messages per destination into packets, and sends these.
 class PacketSender {
  public:
   PacketSender(MPI_Comm communicator, int ranks, PacketSizes sizes);
 
-  /// Takes a message; packets that are full leave.
+  /// Takes a message. Sends the destination's packet when it is full.
   void add(int destination, Channel channel, Bytes message);
 
-  /// All packets leave.
+  /// Sends all packets that have been begun.
   void flush();
 
-  /// Frees what MPI has sent; true when that was something.
+  /// Frees the memory that MPI has sent; returns whether there was any.
   bool reap();
 
-  /// Waits until MPI has sent all.
+  /// Waits until MPI has sent everything.
   void finish();
 
   bool idle() const { return requests_.empty(); }
 
-  /// Memory of what has been added and not yet been sent.
+  /// Bytes of messages that have been added and not yet been sent.
   uint64_t bytesHeld() const { return held_; }
   uint64_t bytesSent() const { return bytes_; }
   uint64_t packetsSent() const { return packets_; }  ///< chunks included
@@ -56,22 +57,23 @@ class PacketSender {
   std::vector<Bytes> open_;  ///< by destination: the packet that is being filled
   std::vector<int> filled_;  ///< destinations with an open packet
   std::vector<MPI_Request> requests_;
-  std::vector<Bytes>
-      owners_;  ///< of the memory that the request of the same index reads; empty: the one before
+  /// By request: the memory that it reads. Empty for a chunk that is not the last of its message: the
+  /// last one owns it.
+  std::vector<Bytes> owners_;
   uint64_t bytes_ = 0, packets_ = 0, held_ = 0;
 };
 
-/// Takes packets apart.
+/// Receives packets and chunks, and takes them apart into messages.
 class PacketReceiver {
  public:
   using Deliver = std::function<void(Delivery)>;
 
   PacketReceiver(MPI_Comm communicator, PacketSizes sizes) : communicator_(communicator), sizes_(sizes) {}
 
-  /// Receives what is there; true when something came.
+  /// Receives what has arrived and passes complete messages to `deliver`. Returns whether anything came.
   bool poll(const Deliver& deliver);
 
-  /// Nothing has arrived in part.
+  /// True if no message has arrived in part.
   bool idle() const { return packets_.empty() && large_.empty(); }
 
  private:
@@ -92,7 +94,7 @@ class PacketReceiver {
 
   const MPI_Comm communicator_;
   const PacketSizes sizes_;
-  std::deque<Packet> packets_;  ///< in the order in which they were matched, and are taken apart
+  std::deque<Packet> packets_;  ///< in the order in which they were matched and will be taken apart
   std::list<Large> large_;
 };
 

@@ -45,7 +45,7 @@ int sizeOf(MPI_Comm communicator) {
   return size;
 }
 
-// The ranks of this one's node, and which it is of those that have its role.
+// The number of ranks on this rank's node, and the rank's index among those with its role.
 struct Node {
   Node(MPI_Comm communicator, int role) {
     MPI_Comm node, alike;
@@ -88,7 +88,8 @@ class MpiTransport::Progress {
         sender_(communicator_, size_, {options_.packetBytes, options_.chunkBytes}),
         receiver_(communicator_, {options_.packetBytes, options_.chunkBytes}),
         backoff_(node_.ranks * (threads_ + 1) <= cores()) {
-    // oneTBB makes one thread fewer than it is allowed, for the caller; no caller joins here.
+    // oneTBB makes one thread fewer than it is allowed, because it expects the caller to join. No caller
+    // joins here.
     if (threads_ >= cores())
       allowed_.emplace(tbb::global_control::max_allowed_parallelism, size_t(threads_) + 1);
     arena_.initialize(threads_, 0);
@@ -97,7 +98,7 @@ class MpiTransport::Progress {
 
   ~Progress() { MPI_Comm_free(&communicator_); }
 
-  /// Returns when all ranks have called it and nothing is left to do. The object works until then.
+  /// Returns when all ranks have called it and no message or task is left. Until then everything else still works.
   void end() {
     {
       std::lock_guard lock(mutex_);
@@ -139,7 +140,7 @@ class MpiTransport::Progress {
 
   void postLong(Task task) {
     longTasks_.run([task = counted(std::move(task))]() mutable {
-      // A worker of oneTBB's that it started would be of its low priority for good.
+      // A oneTBB worker that this thread started would inherit its low priority and keep it for good.
       tbb::task_arena alone(1);
       alone.execute([&task] { std::exchange(task, nullptr)(); });
     });
@@ -170,7 +171,7 @@ class MpiTransport::Progress {
     if (wake) changed_.notify_one();
   }
 
-  /// The task, reported when it fails and counted when it ends.
+  /// Wraps a task so that its exception is reported and its end is counted.
   Task counted(Task task) {
     ++created_;
     return [this, task = std::move(task)]() mutable {
@@ -187,7 +188,7 @@ class MpiTransport::Progress {
     try {
       while (!ended()) {
         if (aborting_) MPI_Abort(communicator_, 1);
-        // each, whatever the others found
+        // Each step runs, whether or not the ones before it found anything to do.
         const bool handed = handOver(), reaped = sender_.reap(), received = receive();
         const bool active = handed || reaped || received;
         heldBySender_ = sender_.bytesHeld();
@@ -242,8 +243,8 @@ class MpiTransport::Progress {
     sleeping_ = false;
   }
 
-  /// True when all ranks are ending and nothing is left to do on any: messages and tasks are counted as in
-  /// completion.h, with one sum over all ranks for a wave.
+  /// True when all ranks are ending and no message or task is left on any of them. Messages and tasks are
+  /// counted as in completion.h; one MPI sum over all ranks takes the place of a wave.
   bool ended() {
     if (sum_ != MPI_REQUEST_NULL) {
       int done = 0;
@@ -257,7 +258,7 @@ class MpiTransport::Progress {
       if (!ending_ || !outgoing_.empty()) return false;
     }
     if (!receiver_.idle()) return false;
-    // Each rank's life is an item too, created by its constructor and retired here.
+    // Each rank's existence counts as an item, created by the constructor and retired here.
     mine_ = {created_ + 1, retired_ + 1};
     MPI_Iallreduce(&mine_, &sums_, 2, MPI_UINT64_T, MPI_SUM, communicator_, &sum_);
     return false;
@@ -278,7 +279,7 @@ class MpiTransport::Progress {
   PacketReceiver receiver_;
   Backoff backoff_;
 
-  mutable std::mutex mutex_;  ///< guards the next five
+  mutable std::mutex mutex_;  ///< guards the next five members
   std::condition_variable changed_;
   std::vector<Outgoing> outgoing_;
   uint64_t queuedBytes_ = 0;  ///< of outgoing_ messages to other ranks

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Transport between processes, over MPI.
+// The Transport between processes, over MPI.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -10,32 +10,32 @@
 
 namespace gxy {
 
-/// The rank's progress thread is the only caller of MPI on a communicator of Galaxy's own. Messages that are
-/// handed over while it works are coalesced, per destination, into packets; larger ones stream from the
-/// sender's memory into the receiver's. Without traffic the thread sleeps, up to 4 ms at a time, 16 ms after two
-/// quiet seconds, but wakes at once when something is sent here; after traffic it stays hot for a moment, unless the
-/// node has fewer cores than threads.
+/// Only the rank's progress thread calls MPI, on a communicator of Galaxy's own. Messages that are sent while
+/// it works are coalesced, per destination, into packets; larger ones stream from the sender's memory into
+/// the receiver's. Without traffic the thread sleeps up to 4 ms at a time, and 16 ms after two quiet seconds,
+/// but wakes at once when this rank sends something. After traffic it polls without sleeping for a moment,
+/// unless the node has fewer cores than threads.
 ///
-/// Constructing and destroying are collective. The destructor returns when all ranks are in their destructors
-/// and all messages have been delivered and all tasks run, those included that were sent or posted meanwhile:
-/// it uses the rule of completion.h. Messages that nobody has a handler for are dropped then.
+/// Construction and destruction are collective. The destructor returns when all ranks are in their
+/// destructors, all messages have been delivered and all tasks have run, including those sent or posted
+/// meanwhile. It uses the rule of completion.h. Messages that still have no handler then are dropped.
 ///
-/// An exception out of a handler or task goes to `onError`. A failure of MPI itself or no memory for a
-/// message that has been announced ends the job by MPI_Abort, after it has been reported.
+/// An exception that leaves a handler or task goes to `onError`. If MPI itself fails, or there is no memory
+/// for an announced message, this is reported and the job ends by MPI_Abort.
 class MpiTransport final : public Transport {
  public:
   struct Options {
-    /// Points to the MPI_Comm to duplicate, its ranks become Galaxy's; null: MPI_COMM_WORLD.
+    /// Points to the MPI_Comm to duplicate, whose ranks become Galaxy's; null: MPI_COMM_WORLD.
     const void* communicator = nullptr;
-    int threads = 0;                ///< oneTBB threads for tasks; 0: the node's cores shared by its ranks
-    size_t packetBytes = 64 << 10;  ///< of a packet; a message over about half of it is streamed
-    size_t chunkBytes = 16 << 20;   ///< of one MPI call when streaming, at most 2^30
+    int threads = 0;                ///< oneTBB threads for tasks; 0: the node's cores / its ranks
+    size_t packetBytes = 64 << 10;  ///< packet size, 256 to 2^30; messages over about half are streamed
+    size_t chunkBytes = 16 << 20;   ///< bytes of one MPI call when streaming, at most 2^30
     ErrorReport onError = logError;
-    Trace* trace = nullptr;  ///< of the messages that are handled; outlives the Transport
-    int role = 0;            ///< rankOnNode() counts the ranks that have the same; not negative
+    Trace* trace = nullptr;  ///< gets a stage for each handled message; outlives the Transport
+    int role = 0;            ///< rankOnNode() counts the ranks with the same role; not negative
   };
 
-  /// Initialises MPI if need be (mpi_environment.h). Throws Error on options out of range.
+  /// Initialises MPI if nobody has (mpi_environment.h). Throws Error if an option is out of range.
   explicit MpiTransport(Options options);
   MpiTransport() : MpiTransport(Options{}) {}
   ~MpiTransport() override;
@@ -49,13 +49,13 @@ class MpiTransport final : public Transport {
   void postLong(Task task) override;
   Counters counters() const override;
 
-  /// Ends all ranks of the run, those that hang included, by MPI_Abort: for when a rank never will answer again. Returns before
-  /// that has happened.
+  /// Ends all ranks of the run, including those that hang, by MPI_Abort. Use it when a rank will never answer
+  /// again. The progress thread calls MPI_Abort, after this function has returned.
   void abort();
 
-  /// Threads that run tasks.
+  /// The number of threads that run tasks.
   int threads() const;
-  /// Which this is of the ranks on its node that have its role, from 0.
+  /// The index of this rank among the ranks on its node with the same role, from 0.
   int rankOnNode() const;
 
  private:

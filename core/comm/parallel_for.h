@@ -16,9 +16,10 @@
 
 namespace gxy {
 
-/// body(i) for i in [first, last), on the threads of the calling thread's task arena; returns when all have ended. An
-/// exception out of one ends the loop and arrives here. Under the thread sanitizer, which cannot see how oneTBB's
-/// threads hand each other their work, two plain threads do it, so that races of bodies are found and none of oneTBB's.
+/// Calls body(i) for all i in [first, last), on the threads of the calling thread's task arena. Returns when
+/// all calls have ended. An exception in one ends the loop and is thrown here. The thread sanitizer cannot
+/// see how oneTBB's threads hand work to each other, so with it two plain threads run the loop: it then
+/// reports races between bodies only.
 template <class Index, class Body>
 void parallelFor(Index first, Index last, const Body& body) {
 #ifdef __SANITIZE_THREAD__
@@ -45,7 +46,7 @@ void parallelFor(Index first, Index last, const Body& body) {
 #endif
 }
 
-/// The same for short bodies, in blocks of which `advance` is told.
+/// The same for short bodies. It runs them in blocks of 8192 and reports each finished block to `advance`.
 template <class Index, class Body>
 void parallelFor(Index first, Index last, const Body& body, const Advance& advance) {
   constexpr Index kBlock = 8192;
@@ -58,7 +59,8 @@ void parallelFor(Index first, Index last, const Body& body, const Advance& advan
   });
 }
 
-/// std::sort, on the threads of the calling thread's task arena; under the thread sanitizer on its own.
+/// std::sort on the threads of the calling thread's task arena; with the thread sanitizer, on the calling
+/// thread alone.
 template <class Iterator>
 void parallelSort(Iterator begin, Iterator end) {
 #ifdef __SANITIZE_THREAD__

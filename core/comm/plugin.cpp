@@ -11,7 +11,8 @@
 namespace gxy {
 namespace {
 
-// Built: build/PRESET/{bin,tests}/program and build/PRESET/lib/galaxy; installed: by the folders that CMake was given.
+// In a build tree programs are build/PRESET/{bin,tests}/program and plugins are in build/PRESET/lib/galaxy.
+// In an installation their relative place follows from the folders that CMake was given.
 std::string besideProgram(const std::string& file) {
   namespace fs = std::filesystem;
   std::error_code failed;

@@ -67,7 +67,7 @@ std::vector<Presence::Missing> Presence::missing(std::chrono::milliseconds patie
 }
 
 void Presence::answered(std::chrono::milliseconds atMost) const {
-  constexpr std::chrono::milliseconds kLook(20);  // for processes that have ended, of which nobody is told
+  constexpr std::chrono::milliseconds kLook(20);  // The end of a process is not signalled: look for it.
   const auto over = [this] {
     return std::any_of(others_.begin(), others_.end(), [](const Other& o) { return o.process.ended(); }) ||
            std::none_of(others_.begin(), others_.end(), [](const Other& o) { return o.asked.has_value(); });

@@ -1,20 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
-// Processes of this machine, and whether they have ended.
+// Watches processes of this machine for their end.
 #pragma once
 #include <cstdint>
 #include <string>
 
 namespace gxy {
 
-/// Names a process to others: they can watch it if they are on the same machine.
+/// Names a process, so that other processes on the same machine can watch it.
 struct ProcessId {
-  std::string machine;  ///< its boot and its space of process numbers; empty: nobody can watch it
+  std::string machine;  ///< boot id and process-id namespace; empty: nobody can watch the process
   int32_t number = 0;
 
   static ProcessId ofThis();
 };
 
-/// Watches another process (Linux's pidfd). Knows nothing of one on another machine, and of this process itself.
+/// Watches another process on this machine (Linux's pidfd). It cannot watch a process on another machine, nor
+/// its own process: ended() is false for these.
 class WatchedProcess {
  public:
   WatchedProcess() = default;
@@ -23,7 +24,7 @@ class WatchedProcess {
   WatchedProcess(WatchedProcess&& other) noexcept;
   WatchedProcess& operator=(WatchedProcess&& other) noexcept;
 
-  /// It has certainly ended. True as soon as the kernel has ended it, before its parent is told.
+  /// True if the process has certainly ended: as soon as the kernel has ended it, before its parent is told.
   bool ended() const;
 
  private:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the thread sanitizer has to be told of threads that it cannot see into.
+// Tells the thread sanitizer about synchronisation inside libraries that are built without it.
 #pragma once
 #ifdef __SANITIZE_THREAD__
 #include <sanitizer/tsan_interface.h>
@@ -7,11 +7,12 @@
 
 namespace gxy {
 
-/// Work that a thread hands to threads of a library built without the thread sanitizer (oneTBB, say), whose own
-/// synchronisation the sanitizer therefore misses: handOver() before the call into the library, begin() and end() around
-/// what each of its threads runs of ours, takeBack() once the library has said that all is done. Both sides know the
-/// work by the address of an object of two bytes or more, which is not accessed. It declares an order that the library
-/// keeps, and makes none; without the sanitizer it is nothing.
+/// Describes work that a thread hands to the threads of a library, such as oneTBB, whose own synchronisation
+/// the thread sanitizer does not see. Call handOver() before the call into the library, begin() and end()
+/// around the code of ours that each of its threads runs, and takeBack() once the library has said that all
+/// is done. Both sides identify the work by the address of an object of two bytes or more; the object is not
+/// accessed. The class only declares an order that the library keeps, and synchronises nothing itself.
+/// Without the sanitizer it does nothing.
 class ThreadOrder {
  public:
 #ifdef __SANITIZE_THREAD__

@@ -38,14 +38,14 @@ void ThreadPool::run(std::function<void()> task) {
   if (idle_ < queue_.size() && threads_.size() < limit_) {
     try {
       threads_.emplace_back([this] { serve(); });
-    } catch (const std::system_error&) {  // no more threads: one of those there are will come to it
+    } catch (const std::system_error&) {  // No more threads: an existing one will run the task.
     }
   }
   changed_.notify_one();
 }
 
 void ThreadPool::serve() {
-  if (priority_ == Priority::Low) setpriority(PRIO_PROCESS, 0, nice_);  // on Linux of this thread
+  if (priority_ == Priority::Low) setpriority(PRIO_PROCESS, 0, nice_);  // on Linux: of this thread only
   std::thread before;
   {
     std::unique_lock lock(mutex_);

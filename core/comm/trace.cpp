@@ -22,7 +22,7 @@ void Trace::addLong(std::string_view name, uint64_t id, Clock::time_point begin)
 
 void Trace::add(std::string_view name, uint64_t value, Clock::time_point begin, bool isLong) {
   Event event{{}, begin, Clock::now(), value, gettid(), isLong};
-  // Quotes and control characters would have to be escaped.
+  // Characters that JSON would need escaped become '_'.
   std::transform(name.begin(), name.begin() + std::min(name.size(), event.name.size() - 1),
                  event.name.begin(),
                  [](char c) { return c < 0x20 || c == '"' || c == '\\' || c > 0x7e ? '_' : c; });

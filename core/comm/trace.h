@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a rank did when, for chrome://tracing and ui.perfetto.dev.
+// Records what a rank did at which time, in the format of chrome://tracing and ui.perfetto.dev.
 #pragma once
 #include <array>
 #include <chrono>
@@ -12,18 +12,19 @@
 
 namespace gxy {
 
-/// Stages of a rank, kept in memory: the newest `most`, 64 bytes each. Thread safe. Whoever may be traced has a pointer to
-/// one, null when nobody asked for a trace; then a stage costs a comparison.
+/// Keeps the newest `most` stages of a rank in memory, 56 bytes each. Thread safe. Code that can be traced holds
+/// a pointer to a Trace. The pointer is null when nobody asked for a trace; then a stage costs one comparison.
 class Trace {
  public:
   using Clock = std::chrono::steady_clock;
 
   explicit Trace(size_t most = size_t(1) << 18) : most_(most) {}
 
-  /// A stage, from construction to destruction, on the thread that it is on.
+  /// A stage that lasts from construction to destruction, on the thread that destroys it.
   class Span {
    public:
-    /// `value`: bytes, rays, ... of the stage; the name is copied, up to 23 bytes of it.
+    /// `value` is a number to show with the stage, such as its bytes or rays. `name` must outlive the Span;
+    /// its first 23 bytes are kept.
     Span(Trace* trace, std::string_view name, uint64_t value = 0) : trace_(trace) {
       if (trace_) start(name, value);
     }
@@ -42,14 +43,14 @@ class Trace {
     Clock::time_point begin_;
   };
 
-  /// A stage that began on any thread and ends now; those of one name may overlap, told apart by `id`.
+  /// Adds a stage that began on any thread and ends now. Stages of one name may overlap; `id` tells them apart.
   void addLong(std::string_view name, uint64_t id, Clock::time_point begin);
 
-  /// The events as a list of JSON objects, without its brackets, with the rank as their process. Times of ranks are
-  /// comparable as far as the clocks of their machines agree.
+  /// Returns the stages as a list of JSON objects without the list's brackets, with the rank as their
+  /// process. Times of different ranks are comparable as far as the clocks of their machines agree.
   std::string events(int rank) const;
 
-  /// A whole document of the events of all ranks.
+  /// Returns a JSON document with the events of all ranks; `eventsOfRanks` has the result of events() of each.
   static std::string document(const std::vector<std::string>& eventsOfRanks);
 
  private:
@@ -63,12 +64,12 @@ class Trace {
   void add(std::string_view name, uint64_t value, Clock::time_point begin, bool isLong);
 
   const size_t most_;
-  /// What the system's time is ahead of the steady clock.
+  /// Difference of the system clock from the steady clock.
   const std::chrono::nanoseconds ahead_ =
       std::chrono::system_clock::now().time_since_epoch() - Clock::now().time_since_epoch();
   mutable std::mutex mutex_;
   std::vector<Event> events_;
-  size_t oldest_ = 0;  ///< where the next goes, once all places are taken
+  size_t oldest_ = 0;  ///< index that the next event overwrites once events_ is full
 };
 
 }  // namespace gxy

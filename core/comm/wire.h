@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Messages as bytes: values are laid one after the other in the machine's own representation (all ranks of a
-// job run the same program), lengths are 64-bit. Reading is bounds-checked: no message, however broken, reads
-// out of bounds or makes the reader allocate more than the message's own size.
+// Messages as bytes. Values stand one after the other in the machine's own representation, since all ranks of
+// a job run the same program. Lengths are 64-bit. Reading is bounds-checked: no message, however malformed,
+// makes the reader read out of bounds or allocate more than the message's own size.
 #pragma once
 #include <cstring>
 #include <span>
@@ -16,7 +16,8 @@
 
 namespace gxy {
 
-/// What can be written as its bytes: no pointers may hide in it (the compiler cannot see that).
+/// A type whose values can be written as their bytes. It must not contain pointers, which the compiler cannot
+/// check.
 template <class T>
 concept Plain = std::is_trivially_copyable_v<T> && !std::is_pointer_v<T>;
 
@@ -29,7 +30,7 @@ class Writer {
     return *this;
   }
 
-  /// The number of elements, then the elements.
+  /// Writes the number of elements, then the elements.
   template <Plain T>
   Writer& write(std::span<const T> values) {
     write(uint64_t(values.size()));
@@ -44,7 +45,7 @@ class Writer {
   Writer& write(const std::string& text) { return write(std::string_view(text)); }
   Writer& write(const char* text) { return write(std::string_view(text)); }
 
-  /// The message so far, moved out; the writer is empty afterwards.
+  /// Moves the message out. The writer is empty afterwards.
   Bytes take() { return std::exchange(bytes_, {}); }
 
  private:
@@ -53,13 +54,13 @@ class Writer {
   Bytes bytes_;
 };
 
-/// Takes values off a message, which must outlive it. `what` names the message in errors ("frame start").
+/// Reads values from a message. The message and `what` must outlive the reader. `what` names the message in
+/// errors ("frame start").
 class Reader {
  public:
   Reader(std::span<const std::byte> message, std::string_view what) : rest_(message), what_(what) {}
 
-  /// Throws Error when fewer bytes are left, and for a bool that is neither 0 nor 1. Enumerations are the
-  /// caller's to check.
+  /// Throws Error if too few bytes are left, or if a bool is neither 0 nor 1. The caller checks enumerations.
   template <Plain T>
   T read() {
     if constexpr (std::is_same_v<T, bool>) {
@@ -73,7 +74,7 @@ class Reader {
     }
   }
 
-  /// A list as Writer wrote it. Throws Error when its length exceeds what is left of the message.
+  /// Reads a list that Writer wrote. Throws Error if the list is longer than the rest of the message.
   template <Plain T>
   std::vector<T> readVector() {
     const auto count = read<uint64_t>();
@@ -91,7 +92,7 @@ class Reader {
     return {text.begin(), text.end()};
   }
 
-  /// What has not been read.
+  /// The bytes that have not been read.
   std::span<const std::byte> rest() const { return rest_; }
 
   /// Throws Error unless everything has been read.

@@ -16,7 +16,7 @@ namespace {
 
 enum class Part : uint8_t { Request, Reply };
 
-/// Deeper documents are refused: taking them apart is recursive.
+/// Deeper documents are refused, because parsing them is recursive.
 constexpr int maxDepth = 200;
 
 nlohmann::json parseJson(const std::string& text) {
@@ -35,7 +35,7 @@ std::string dumpJson(const nlohmann::json& document) {
 
 }  // namespace
 
-/// Lets tasks in until it is closed, and knows how many are inside.
+/// Lets tasks enter until it is closed, and counts those inside. close() waits until none is inside.
 class Work::Gate {
  public:
   bool enter() {
@@ -175,7 +175,7 @@ void Work::receiveRequest(Bytes message) {
   if (request.toAll)
     forEachTreeChild(transport_.rank(), request.sender, transport_.size(),
                      [&](int child) { transport_.send(child, Channel::Work, message); });
-  // From here on somebody can be told.
+  // From here on the sender is known, so errors become replies.
   try {
     request.name = reader.readString();
     request.parameters = reader.readString();

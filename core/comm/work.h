@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Remote action: a registered name, parameters, and an action on the objects of the rank that gets it.
+// Remote calls: a rank sends the name of a registered action and parameters; the receiving rank runs the action.
 #pragma once
 #include <cstdint>
 #include <functional>
@@ -16,64 +16,67 @@
 
 namespace gxy {
 
-/// Sends named actions to one rank or to all (down a binary tree rooted at the sender), and brings the
-/// results back. An unknown name, a malformed message, and an action that throws are errors of that rank,
-/// told to the sender; nothing of this ends a process.
+/// Calls named actions on one rank or on all (down a binary tree rooted at the sender), and brings the
+/// results back. If a name is unknown, a message is malformed or an action throws, the sender gets an error
+/// with that rank; none of these ends a process.
 ///
-/// Threads: all calls but the constructor and destructor may come from any thread, handlers included, but for
-/// the calls that wait, which may come from the main thread and from postWaiting() and postLong() tasks only.
+/// Threads: any thread may call all functions except the constructor and destructor, handlers included. Only
+/// call() and callAll() wait: call them from the main thread or from postWaiting() and postLong() tasks.
 class Work {
  public:
-  /// What an action is called with; valid during the call.
+  /// The arguments of an action. They are valid during the call only.
   struct Call {
     int sender;
-    const nlohmann::json& parameters;  ///< as sent; a NaN or infinity in them arrives as null (JSON has none)
+    const nlohmann::json& parameters;  ///< as sent; NaN and infinity arrive as null, as JSON has neither
     std::span<const std::byte> attachment;
   };
 
-  /// Returns the result; throws (gxy::Error: a message for the user) when it fails.
+  /// Returns the result. Throws when it fails; an Error has a message for the user.
   using Action = std::function<nlohmann::json(const Call&)>;
 
-  /// Where an action runs: as a task on a worker, which all that is rendered waits for, so for a millisecond at most
-  /// (Transport::post); as a task that may wait for other ranks, as in a Collective (postWaiting); or as one that may wait and
-  /// computes long, with what the others leave of the processors (postLong).
+  /// How an action runs. Short: as a task on a worker, for a millisecond at most, since rendering waits for
+  /// workers (Transport::post). Waiting: as a task that may wait for other ranks, as in a Collective
+  /// (postWaiting). Long: as a task that may wait and computes for long, at low priority (postLong).
   enum class Runs { Short, Waiting, Long };
 
   struct Reply {
     int rank;
-    nlohmann::json result;  ///< null when it failed
-    std::string error;      ///< empty: success; else "rank 3: <reason>"
+    nlohmann::json result;  ///< null if the action failed
+    std::string error;      ///< empty on success, else "rank 3: <reason>"
     bool ok() const { return error.empty(); }
   };
 
-  /// Called once, as a task on the sender, with the replies by rank (of one rank, or of all).
+  /// Called once, as a post() task on the sender, with the replies of one rank or of all ranks in order.
   using OnDone = std::function<void(std::vector<Reply>)>;
 
-  /// Actions are stages of `trace`, if not null.
+  /// Each action becomes a stage of `trace`, unless it is null. Both arguments must outlive the object.
   explicit Work(Transport& transport, Trace* trace = nullptr);
 
-  /// Waits for the actions that run here, drops those that have not begun. Replies that are still out are not
-  /// awaited, and their OnDone never called.
+  /// Waits for the actions that are running here and drops those that have not begun. It does not wait for
+  /// outstanding replies; their OnDone is never called.
   ~Work();
 
   Work(const Work&) = delete;
   Work& operator=(const Work&) = delete;
 
-  /// Before anyone sends it. Throws Error when the name is taken.
+  /// Registers an action. Do so on each rank before any rank sends it. Throws Error if the name is taken.
   void add(const std::string& name, Action action, Runs runs = Runs::Short);
 
-  /// Whether an action has this name.
+  /// Whether an action with this name is registered.
   bool contains(const std::string& name) const;
 
-  /// Where the action of this name runs. Throws Error where there is none.
+  /// How the action with this name runs. Throws Error if there is none.
   Runs runsOf(const std::string& name) const;
 
+  /// Calls the action on rank `rank`, or on all ranks, and returns at once. The attachment is copied. send()
+  /// throws Error if there is no such rank.
   void send(int rank, const std::string& name, const nlohmann::json& parameters, OnDone onDone,
             std::span<const std::byte> attachment = {});
   void broadcast(const std::string& name, const nlohmann::json& parameters, OnDone onDone,
                  std::span<const std::byte> attachment = {});
 
-  /// These wait for the results, and throw Error with the errors of all ranks when there are any.
+  /// These wait for the results and return them, callAll() by rank. They throw Error with the errors of all
+  /// ranks if there are any.
   nlohmann::json call(int rank, const std::string& name, const nlohmann::json& parameters,
                       std::span<const std::byte> attachment = {});
   std::vector<nlohmann::json> callAll(const std::string& name, const nlohmann::json& parameters,
@@ -104,7 +107,7 @@ class Work {
 
   Transport& transport_;
   Trace* const trace_;
-  const std::shared_ptr<Gate> gate_;  ///< tasks share it: one that comes too late finds it closed
+  const std::shared_ptr<Gate> gate_;  ///< shared with tasks: those that start too late find it closed
   mutable std::mutex mutex_;
   std::map<std::string, Registered> actions_;
   std::map<uint64_t, Pending> pending_;
