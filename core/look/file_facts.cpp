@@ -16,8 +16,8 @@
 namespace gxy {
 namespace {
 
-constexpr int64_t kWhole = 256 << 20;  // bytes of samples that are all read
-constexpr int64_t kAtOnce = 16 << 20;
+constexpr int64_t kWhole = 256 << 20;  // Volumes with at most this many bytes are read completely.
+constexpr int64_t kAtOnce = 16 << 20;  // bytes read at a time
 
 struct VolumeSampler {
   const VolumeFile& file;
@@ -74,7 +74,7 @@ LookFacts factsOfVolume(const std::string& path, const std::string& array, const
 LookFacts factsOfGeometry(const std::string& path, const std::string& array, const TakeMemory& toTake) {
   const GeometryKind kind = likelyKind(tellingPiece(path, toTake).second);
   SingleRank alone;
-  std::vector<std::string> warnings;  // told when it is loaded
+  std::vector<std::string> warnings;  // They are not shown here, but again when the file is loaded.
   const LoadedGeometry geometry = loadGeometry(path, kind, array, alone, toTake, &warnings);
   LookFacts facts;
   facts.dataset.type = kind == GeometryKind::Particles   ? DatasetType::Particles

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Facts of data files for a first look, read by one rank alone.
+// Reads the facts of data files that a first look needs. One rank reads them alone.
 #pragma once
 #include <span>
 #include <string>
@@ -11,19 +11,21 @@
 
 namespace gxy {
 
-/// Reads what a first look at a file needs: of a volume all samples while they are at most 256 MiB, else some layers; of
-/// geometry all of the file. `array` as in a state file. The dataset is named after the file. Throws Error for what is not a
-/// data file. `toTake`, if any, is told what is read at a time before it is.
+/// Reads the facts of a file. Of a volume it reads all samples if they have at most 256 MiB, and otherwise
+/// some layers; of geometry it reads the whole file. `array` is as in a state file. The dataset is named
+/// after the file. `toTake`, if not empty, is called with the number of bytes before memory for them is
+/// taken. Throws Error if this is not a data file.
 LookFacts factsOfFile(const std::string& path, const std::string& array = {}, const TakeMemory& toTake = {});
 
-/// The same of several files, with different names.
+/// The same for several files; each dataset gets a different name.
 std::vector<LookFacts> factsOfFiles(std::span<const std::string> paths, const std::string& array = {});
 
-/// Whether a geometry file is looked at for its values; `array` as in a state file. What scanners leave beside the points of a
-/// .ply, as their confidence, is shown where it is named.
+/// Whether a first look colours a geometry file by its values. `array` is as in a state file. The values of a
+/// .ply file, such as the confidence that scanners write, are shown only if `array` names them.
 bool valuesCount(const std::string& path, const std::string& array);
 
-/// The piece of a geometry file that tells what all of them hold: the first with cells, else with points, else the first.
+/// Returns the path and summary of the piece that represents all pieces of a geometry file: the first with
+/// cells, else the first with points, else the first. Throws Error if there are no pieces.
 std::pair<std::string, GeometrySummary> tellingPiece(const std::string& path, const TakeMemory& toTake = {});
 
 }  // namespace gxy

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Facts of data that have been loaded.
+// Collects the facts of loaded data that a first look needs.
 #pragma once
 #include <optional>
 
@@ -12,20 +12,23 @@ namespace gxy {
 DataFacts factsOf(const Volume& volume);
 DataFacts factsOf(const LoadedGeometry& geometry);
 
-/// What this rank has of a sample of the values that operators show by default (a value, or the magnitude of components), for
-/// LookFacts: of a volume points of a lattice of at most kSampledPerAxis along each axis, of geometry at most kSampledValues
-/// in all. The samples of all ranks together do not depend on their number.
+/// Returns this rank's part of a sample for LookFacts of the values that operators show by default: the
+/// value, or the magnitude of several components. A volume is sampled on a lattice of at most kSampledPerAxis
+/// points along each axis, geometry at kSampledValues primitives at most on all ranks. The samples of all
+/// ranks together do not depend on the number of ranks.
 std::vector<float> sampleOf(const Volume& volume, const Partitioning& partitioning);
 std::vector<float> sampleOf(const LoadedGeometry& geometry, int rank);
 
 inline constexpr int64_t kSampledPerAxis = 48;
 inline constexpr uint64_t kSampledValues = 1 << 17;
 
-/// The value that operators show of a point by default, where its stored components are at `sample`.
+/// Returns the value that operators show by default for the point whose `components` components are stored at
+/// `sample`: the value, or the magnitude.
 double shownValue(const std::byte* sample, ScalarType type, int components);
-/// The only axis along which a grid is one cell thick, as the image that is read from a file with one layer.
+/// Returns the axis along which a grid is one cell thick, as for a file with one layer. Returns nothing if no
+/// axis or more than one is.
 std::optional<int> thinAxis(const Grid& grid);
-/// Every how many points of a grid one is sampled.
+/// Returns the distance of sampled points along each axis, in points of the grid.
 Index3 samplingStride(const Grid& grid);
 
 }  // namespace gxy

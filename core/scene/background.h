@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is behind everything in a picture.
+// The background of a picture.
 #pragma once
 #include <glm/vec4.hpp>
 
@@ -7,8 +7,8 @@
 
 namespace gxy {
 
-/// One colour, or a vertical gradient: linear from the colour at the picture's lower edge to that at its upper edge. Colours
-/// are not premultiplied.
+/// One colour, or a vertical gradient that is linear from the picture's lower edge to its upper edge. Colours
+/// are rgba and not premultiplied.
 class Background {
  public:
   Background(const glm::dvec4& color) : bottom_(color), top_(color) {}
@@ -21,7 +21,7 @@ class Background {
   const glm::dvec4& bottom() const { return bottom_; }
   const glm::dvec4& top() const { return top_; }
 
-  /// The colour behind the middle of a row of pixels; of `rows` rows, 0 is the lowest.
+  /// Returns the colour at the middle of row `row` of `rows` rows of pixels; row 0 is the lowest.
   glm::dvec4 at(int row, int rows) const {
     return gradient_ ? bottom_ + (top_ - bottom_) * ((row + 0.5) / rows) : bottom_;
   }

@@ -17,7 +17,8 @@ double largestComponent(const glm::dvec3& v) {
   return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
 }
 
-/// Scaled first, so that vectors as short as 1e-300 or as long as 1e300 keep their direction. Not for zero.
+/// Scales the vector first, so that vectors as short as 1e-300 or as long as 1e300 keep their direction.
+/// `v` is not zero.
 glm::dvec3 normalized(const glm::dvec3& v) {
   const glm::dvec3 scaled = v / largestComponent(v);
   return scaled / std::sqrt(glm::dot(scaled, scaled));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// ParaView's collections (.pvd): which files are there at which time.
+// Reads ParaView's collections (.pvd), which list files by time.
 #pragma once
 #include <optional>
 #include <string>
@@ -8,18 +8,18 @@
 
 namespace gxy {
 
-/// The files of one time step, in the collection's order, and its time, where that is known.
+/// The files of one time step, in the collection's order, and its time if that is known.
 struct TimeStep {
   std::optional<double> time;
   std::vector<std::string> files;
 };
 
-/// Whether a name ends as a collection's does.
+/// Whether the name ends with .pvd, in any letter case.
 bool isCollection(std::string_view path);
 
-/// The steps that the DataSet elements of a collection name, by ascending time; without a `timestep` they are at 0. Files that are
-/// named relatively lie relative to the collection. Throws Error for what is no collection or has no file, and where not all
-/// times have equally many.
+/// Returns the time steps that the DataSet elements of a collection list, by ascending time. An element
+/// without `timestep` is at time 0. Relative file names are relative to the collection's directory. Throws
+/// Error if the file is no collection or lists no file, or if the time steps do not have equally many files.
 std::vector<TimeStep> readCollection(const std::string& path);
 
 }  // namespace gxy

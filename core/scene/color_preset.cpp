@@ -14,7 +14,7 @@ namespace {
   throw Error(locationPrefix(sourceName, at) + message);
 }
 
-/// A flat list of numbers in groups.
+/// Reads a flat list of numbers, which come in groups of `group`.
 std::vector<double> numbers(const JsonMember& member, size_t group, const std::string& sourceName) {
   const JsonValue::Array* items = member.value.array();
   if (!items || items->empty() || items->size() % group != 0) {
@@ -33,7 +33,7 @@ std::vector<double> numbers(const JsonMember& member, size_t group, const std::s
   return out;
 }
 
-/// True where the preset says true, or a number that is not 0.
+/// Whether the preset has the key with the value true or a number other than 0.
 bool flag(const JsonValue& preset, const char* key) {
   const JsonMember* member = preset.find(key);
   return member && ((member->value.boolean() && *member->value.boolean()) ||
@@ -61,7 +61,7 @@ glm::dvec3 colorAt(const std::vector<double>& flat, size_t at) {
   return {channel(0), channel(1), channel(2)};
 }
 
-/// The values of `Annotations`, a flat list of values and their names; they may be written as text.
+/// Returns the values of `Annotations`, a flat list of values and their names. A value may be written as text.
 std::vector<double> annotatedValues(const JsonMember& member, const std::string& sourceName) {
   const JsonValue::Array* items = member.value.array();
   if (!items || items->size() % 2 != 0) {
@@ -84,7 +84,8 @@ std::vector<double> annotatedValues(const JsonMember& member, const std::string&
   return values;
 }
 
-/// Categories: of `Annotations`, whose colours begin anew where there are fewer, or one for each colour.
+/// Returns the map of categories. With `Annotations` there is one category for each of their values, and the
+/// colours repeat if there are fewer. Without them there is one category for each colour.
 ColorMap categories(const JsonValue& preset, const JsonMember& colors, const std::string& sourceName) {
   const std::vector<double> flat = numbers(colors, 3, sourceName);
   const size_t count = flat.size() / 3;
@@ -116,7 +117,7 @@ ColorMap colors(const JsonValue& preset, const std::string& sourceName) {
   std::vector<ColorPoint> points;
   for (size_t i = 0; i < flat.size(); i += 4) points.push_back({flat[i], colorAt(flat, i + 1)});
   std::stable_sort(points.begin(), points.end(), [](auto& a, auto& b) { return a.value < b.value; });
-  constexpr size_t kMostCurved = 1024;  // far beyond any real preset; each may become 2048 points
+  constexpr size_t kMostCurved = 1024;  // Far beyond any real preset. Each may become 2048 points.
   if (space != ColorSpace::RGB && points.size() > kMostCurved) {
     fail(sourceName, member->value.at,
          "`RGBPoints`: expected at most 1024 colours in a `ColorSpace` other than RGB");

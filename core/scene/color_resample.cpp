@@ -7,8 +7,8 @@
 namespace gxy {
 namespace {
 
-/// Appends points between a and b (both excluded) until straight lines in RGB follow the colour space's
-/// curve.
+/// Appends points between a and b (both excluded) until straight lines in RGB follow the curve of the colour
+/// space within the tolerance.
 class Refiner {
  public:
   Refiner(const ColorPoint& a, const ColorPoint& b, ColorSpace space, bool wrapHue,

@@ -33,7 +33,7 @@ glm::dvec3 labToRgb(const glm::dvec3& lab) {
   const glm::dvec3 rgb{companded(x * 3.2406 + y * -1.5372 + z * -0.4986),
                        companded(x * -0.9689 + y * 1.8758 + z * 0.0415),
                        companded(x * 0.0557 + y * -0.2040 + z * 1.0570)};
-  const double largest = std::max({rgb.r, rgb.g, rgb.b, 1.0});  // too bright: keep the hue
+  const double largest = std::max({rgb.r, rgb.g, rgb.b, 1.0});  // A colour that is too bright keeps its hue.
   return glm::max(rgb / largest, glm::dvec3(0));
 }
 
@@ -59,7 +59,7 @@ double hueDistance(double a, double b) {
   return d > std::numbers::pi ? 2 * std::numbers::pi - d : d;
 }
 
-/// The hue to give an unsaturated end so that the way to `saturated` does not spin through other hues.
+/// Returns the hue for an unsaturated end colour, so that the way to `saturated` does not pass through other hues.
 double adjustedHue(const Msh& saturated, double unsaturatedM) {
   if (saturated.m >= unsaturatedM - 0.1) return saturated.h;
   const double spin = saturated.s * std::sqrt(unsaturatedM * unsaturatedM - saturated.m * saturated.m) /
@@ -71,7 +71,7 @@ glm::dvec3 interpolateDiverging(const glm::dvec3& from, const glm::dvec3& to, do
   constexpr double kSaturated = 0.05;
   Msh a = rgbToMsh(from), b = rgbToMsh(to);
   if (a.s > kSaturated && b.s > kSaturated && hueDistance(a.h, b.h) > 0.33 * std::numbers::pi) {
-    const double whiteM = std::max({a.m, b.m, 88.0});  // the hues differ: pass through white
+    const double whiteM = std::max({a.m, b.m, 88.0});  // Hues that differ this much meet in white.
     if (fraction < 0.5) {
       b = {whiteM, 0, 0};
       fraction = 2 * fraction;

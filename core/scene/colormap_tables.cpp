@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The published 256-entry tables behind the shipped colour maps, rrggbb in hexadecimal, rounded to 8 bits.
+// The published 256-entry tables of the shipped colour maps, rrggbb in hexadecimal, rounded to 8 bits.
 #include "core/scene/colormap_tables.h"
 
 namespace gxy {

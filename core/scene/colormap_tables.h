@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The published tables behind the shipped colour maps: 256 colours each, six hexadecimal digits (rrggbb) a
-// colour.
+// The published tables of the shipped colour maps. Each has 256 colours of six hexadecimal digits (rrggbb).
 #pragma once
 #include <string_view>
 

@@ -23,12 +23,13 @@ auto piecewiseLinear(const std::vector<Point>& points, double value) {
   if (upper == points.end()) return Result(property(points.back()));
   const Point& a = upper[-1];
   const Point& b = *upper;
-  // Halved so that the distance between points near the ends of double's range stays finite.
+  // Values are halved so that their difference stays finite even near the ends of double's range.
   const double fraction = (value / 2 - a.value / 2) / (b.value / 2 - a.value / 2);
   return Result(property(a) * (1 - fraction) + property(b) * fraction);
 }
 
-/// Steps just above a point stay there.
+/// Maps the first point to range[0] and the last to range[1]. A point that was justAbove() its
+/// predecessor stays so.
 template <class Map>
 Map stretched(Map map, const std::array<double, 2>& range) {
   const double first = map.points.front().value, last = map.points.back().value;
@@ -62,7 +63,8 @@ ColorMap fromTable(std::string_view table) {
   return map;
 }
 
-/// Moreland's cool to warm, from its end colours; his article tabulates it, and VTK computes it the same way.
+/// Moreland's cool to warm, computed from its end colours as VTK does. His article ("Diverging Color Maps for
+/// Scientific Visualization", ISVC 2009) tabulates it.
 ColorMap coolToWarm() {
   const glm::dvec3 cool{59.0 / 255, 76.0 / 255, 192.0 / 255};
   const glm::dvec3 warm{180.0 / 255, 4.0 / 255, 38.0 / 255};

@@ -16,10 +16,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A pattern of file names: *, ?, and %d or %04d, one digit or more.
+/// A pattern of file names. * and ? match any letters; %d and %04d match one digit or more.
 class NamePattern {
  public:
-  /// Nothing where the name is no pattern. Throws Error for one that is too long.
+  /// Returns nothing if the name has no pattern. Throws Error for a pattern that is too long.
   static std::optional<NamePattern> of(const std::string& name) {
     NamePattern out;
     bool pattern = false;
@@ -41,8 +41,8 @@ class NamePattern {
     return pattern ? std::optional(std::move(out)) : std::nullopt;
   }
 
-  /// In a time that grows with the product of both lengths: after each letter, the places in the pattern up to which it may have
-  /// been met.
+  /// Takes time proportional to the product of both lengths: after each letter, `met` marks the places in the
+  /// pattern up to which the letters so far can match.
   bool matches(std::string_view name) const {
     std::vector<bool> met(parts_.size() + 1);
     met[0] = true;
@@ -69,7 +69,7 @@ class NamePattern {
     }
   };
 
-  /// The length of %d, %0d or %012d at a place; 0: there is none.
+  /// Returns the length of %d, %0d or %012d at position `at`, or 0 if there is none.
   static size_t numberAt(const std::string& name, size_t at) {
     if (name[at] != '%') return 0;
     size_t end = at + 1;
@@ -78,7 +78,7 @@ class NamePattern {
     return end < name.size() && name[end] == 'd' ? end + 1 - at : 0;
   }
 
-  // Runs of any letters may be empty.
+  // A * may match no letter.
   void passLetters(std::vector<bool>& met) const {
     for (size_t i = 0; i < parts_.size(); i++)
       if (met[i] && parts_[i].kind == Part::Letters) met[i + 1] = true;
@@ -87,7 +87,7 @@ class NamePattern {
   std::vector<Part> parts_;
 };
 
-/// Numbers by their value, the rest by its bytes.
+/// Orders names: numbers in them by value, the rest by bytes.
 bool before(std::string_view a, std::string_view b) {
   const auto isDigit = [](char c) { return c >= '0' && c <= '9'; };
   const auto digits = [&](std::string_view s) {
@@ -129,7 +129,7 @@ bool isStateFile(const std::string& path) {
   if (ending != ".json") return false;
   using nlohmann::json;
   const json text = json::parse(readTextFile(path), nullptr, false);
-  if (text.is_discarded() || !text.is_object()) return true;  // whose reader says where it is wrong
+  if (text.is_discarded() || !text.is_object()) return true;  // Its reader says where it is wrong.
   const auto hasAny = [&](std::initializer_list<const char*> keys) {
     return std::any_of(keys.begin(), keys.end(), [&](const char* key) { return text.contains(key); });
   };

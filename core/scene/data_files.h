@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the names on a command line mean: a state file, or data, each a file or a series.
+// Interprets file names of a command line: a state file, or data, where a name means a file or a series of files.
 #pragma once
 #include <string>
 #include <vector>
@@ -8,25 +8,29 @@
 
 namespace gxy {
 
-/// Whether a file is a state file: one that ends with .json and holds at least one of a state file's keys. Throws Error for
-/// what is there neither to be read nor a state file nor a volume's description.
+/// Whether a file is a state file: its name ends with .json, and it has at least one of a state file's keys
+/// or is not a JSON object (the reader of state files then says what is wrong). Throws Error if the file does
+/// not exist, or if it is a JSON object that is neither a state file nor the description of a volume.
 bool isStateFile(const std::string& path);
 
-/// The files that a name means, in order: itself, if there is such a file or the name holds no pattern; else, of a pattern
-/// with * or ? in the name of the file, or a number as %d or %04d, those that match, numbers in the names by their value.
-/// Throws Error for a pattern that nothing matches, and for a directory.
+/// Returns the files that a name means. The name of an existing file, or a name without a pattern, means that
+/// file. In the last part of the path, * and ? are patterns, and %d or %04d stands for a number: such a name
+/// means all files that match, in order, with numbers compared by value. Throws Error if nothing matches, or
+/// for a directory.
 std::vector<std::string> filesOf(const std::string& name);
 
-/// The steps of files that a name means (filesOf): a step each, but a collection (collection_file.h) says its steps itself.
-/// Throws Error for a collection that is wrong; what it names need not be there.
+/// Returns the time steps of the files that one name means (filesOf). Each file is a step, but a collection
+/// (collection_file.h) lists its own steps. Throws Error for a malformed collection; the files that it
+/// lists need not exist.
 std::vector<TimeStep> stepsOfFiles(const std::vector<std::string>& files);
 
-/// How many steps names have together of which each has so many: those with several have equally many, the others are in each
-/// step. Throws Error.
+/// Returns the number of time steps of several names together, where names[i] has steps[i] steps. Names
+/// with several steps must have equally many; a name with one step belongs to every step. Throws Error if
+/// the numbers differ.
 size_t commonSteps(const std::vector<std::string>& names, const std::vector<size_t>& steps);
 
-/// The steps of several names together. A step's time is that of the first name that knows it. Throws Error also for a file
-/// that is not there.
+/// Returns the time steps of several names together. A step's time comes from the first name that has one for
+/// it. Throws Error as the functions above do, and for a file that does not exist.
 std::vector<TimeStep> stepsOf(const std::vector<std::string>& names);
 
 }  // namespace gxy

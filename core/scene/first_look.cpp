@@ -10,11 +10,11 @@
 namespace gxy {
 namespace {
 
-constexpr double kFlat = 0.02;  // of the longest side
+constexpr double kFlat = 0.02;  // A side up to this fraction of the longest one is flat.
 
 double diagonal(const Box& box) { return box.empty() ? 1 : std::max(glm::length(box.hi - box.lo), 1e-300); }
 
-/// Through the middle: all three, or of an image itself.
+/// Adds the three slices through the middle, or for an image the one slice that shows it.
 void showSlices(Vis& vis, const LookFacts& facts) {
   const glm::dvec3 centre = (facts.data.box.lo + facts.data.box.hi) / 2.0;
   for (int a = 0; a < 3; a++) {
@@ -38,7 +38,7 @@ void showVolume(Vis& vis, const LookFacts& facts, const LookOptions& options) {
     vis.referenceLength = maps.referenceLength;
   } else if (vis.isovalues.size() == 1 && vis.slices.empty()) {
     vis.colormap.points = {
-        {vis.isovalues[0], glm::dvec3(0.95, 0.87, 0.73)}};  // the map's dark end shows no shape
+        {vis.isovalues[0], glm::dvec3(0.95, 0.87, 0.73)}};  // The dark end of the map would hide the shape.
     vis.rangeOfData = false;
   } else if (vis.slices.empty()) {
     vis.colormap = *shippedColorMap("Viridis");
@@ -51,7 +51,7 @@ void showGeometry(Vis& vis, const LookFacts& facts) {
   vis.rangeOfData = vis.colormap.points.size() > 1;
 }
 
-/// Surfaces are shaded by the light at the camera; a little of it comes from everywhere.
+/// Surfaces are lit by a light at the camera and by a little ambient light.
 Lighting firstLighting(const Box& box) {
   Lighting lighting;
   const double far = diagonal(box);
@@ -63,7 +63,7 @@ Lighting firstLighting(const Box& box) {
   return lighting;
 }
 
-/// Along the thin side of what is flat; `image`: of an image alone.
+/// Flat data are seen along their flat side. If the only dataset is an image, `image` is its thin axis.
 Camera firstCamera(const Box& box, std::optional<int> image) {
   Camera camera = defaultCamera();
   if (box.empty()) return camera;

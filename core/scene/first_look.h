@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// A state that shows data of which nobody has said how, so that a first picture of them is a good one.
+// Makes a state for data without a state file, so that the first picture is a good one.
 //
-// Volumes are shown by volume rendering: colour and opacity follow the value where the values are spread over their range,
-// else their quantiles, rare values being the more opaque ones, so that a field that is nearly empty shows what it has.
-// Geometry is shown as it is, points as spheres and lines as tubes of a part of the points' spacing. One light goes with the
-// camera, which sees all data from somewhat above.
+// Volumes are shown by volume rendering. If the values are spread over their range, colour and opacity follow
+// the value. Otherwise they follow the quantiles of the values, and rare values are more opaque, so that a
+// nearly empty field shows its content. Geometry is shown as it is: points as spheres and lines as tubes,
+// with a radius that is a fraction of the points' spacing. One light moves with the camera, which sees all
+// data from somewhat above.
 #pragma once
 #include <optional>
 #include <span>
@@ -15,31 +16,32 @@
 
 namespace gxy {
 
-/// What a first look needs to know of a dataset.
+/// The facts about a dataset that a first look needs.
 struct LookFacts {
   DatasetSpec dataset;
   DataFacts data;
-  std::vector<float>
-      values;  ///< a sample of what is mapped, ascending, finite; empty: there is nothing to map
-  std::optional<int> thin = {};  ///< the only axis along which a volume is one cell thick: it is an image
+  /// A sample of the values that colours show, ascending and finite. Empty: there are no such values.
+  std::vector<float> values;
+  /// The only axis along which a volume is one cell thick; such a volume is an image.
+  std::optional<int> thin = {};
 };
 
 struct LookOptions {
-  std::vector<double> isovalues;  ///< show these surfaces of volumes instead
-  bool autoIsovalue = false;      ///< or one where the values divide best
-  bool slice = false;             ///< or the three slices through the middle
+  std::vector<double> isovalues;  ///< show isosurfaces of volumes at these values instead
+  bool autoIsovalue = false;      ///< show the isosurface at firstIsovalue() instead
+  bool slice = false;             ///< show the three slices through the middle instead
 };
 
-/// The state: its datasets, one visualization, one camera. Pure: equal facts give equal states.
+/// Returns a state with the datasets, one visualization and one camera. Equal facts give equal states.
 State firstLook(std::span<const LookFacts> data, const LookOptions& options = {});
 
-/// Sorts the sample and gives it the ends of the whole range, which it may have missed.
+/// Adds the ends of the whole range, which the sample may have missed, and sorts the sample.
 void completeSample(LookFacts& facts);
 
-/// The value at a fraction of a sample that ascends.
+/// Returns the value at `fraction`, 0 to 1, of an ascending sample that is not empty.
 double quantile(std::span<const float> ascending, double fraction);
 
-/// The maps of a first look at values; `extent`: how far a ray goes through the volume, world units.
+/// The maps of a first look at `values`. `extent` is the length of a ray through the volume in world units.
 struct FirstMaps {
   ColorMap colors;
   OpacityMap opacities;
@@ -47,10 +49,12 @@ struct FirstMaps {
 };
 FirstMaps firstMaps(std::span<const float> values, double extent);
 
-/// The colours of surfaces, points and lines: none is as dark as the background. Of equal values, or none: nearly white.
+/// Returns the colours for surfaces, points and lines. None is as dark as the background. If all values are
+/// equal, or there are none, the colour is nearly white.
 ColorMap firstSurfaceColors(std::span<const float> values);
 
-/// Where a surface divides the sample: in the middle of a spread one, else where one in twenty values lies above.
+/// Returns an isovalue that divides the sample: the middle of values that are spread over their range, and
+/// otherwise the value that one in twenty exceeds.
 double firstIsovalue(std::span<const float> values);
 
 }  // namespace gxy

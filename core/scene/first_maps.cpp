@@ -9,26 +9,27 @@ namespace gxy {
 namespace {
 
 constexpr const char* kColors = "Inferno";
-constexpr int kSlabs = 50;  // reference lengths along the extent
+constexpr int kSlabs = 50;  // number of reference lengths along the extent
 
 struct MapPoint {
   double value;
-  double part;        ///< of the colours
-  double extinction;  ///< per extent
+  double part;        ///< position in the colour map, 0 to 1
+  double extinction;  ///< per extent, not per world unit
 };
 
 double opacityOf(double extinction) { return 1 - std::exp(-extinction / kSlabs); }
 
-/// Whether the middle nine tenths fill half of the range: then values stand for themselves.
+/// Whether the middle nine tenths of the values fill at least half of the range. Then the maps follow the
+/// values themselves.
 bool isSpread(std::span<const float> values) {
   const double range = double(values.back()) - double(values.front());
   return quantile(values, 0.95) - quantile(values, 0.05) >= range / 2;
 }
 
-/// Few rays meet the rarest values alone, so the bright half of the colours begins below the middle.
+/// Few rays meet only the rarest values, so the bright half of the colours begins below the middle.
 double brightened(double part) { return 1 - std::pow(1 - part, 2.4); }
 
-/// Colour and opacity rise with the value, so that a ray through average values meets kDepth of optical depth.
+/// Colour and opacity rise with the value. A ray through average values has an optical depth of kDepth.
 std::vector<MapPoint> ramp(std::span<const float> values) {
   constexpr double kDepth = 1.5;
   const double lo = values.front(), hi = values.back();
@@ -41,10 +42,11 @@ std::vector<MapPoint> ramp(std::span<const float> values) {
   return points;
 }
 
-/// The part of the values that is left out: below the median; of a hump with a tail that is something else, as vessels in
-/// noise, the hump. It is a hump where values lie about as close above the median as below it, and the tail is something else
-/// where the last hundredth begins more than kApart times as far from the median as the last quarter does: 3.4 times as far in
-/// a normal distribution, 5.6 in an exponential one.
+/// Returns the fraction of the values, counted from the lowest, that stays transparent: half of them, or more
+/// if the values are a hump with a tail of other origin, such as vessels in noise. Then it is the hump. The
+/// values are a hump if they lie about as close above the median as below it. The tail is of other origin if
+/// the last hundredth begins more than kApart times as far from the median as the last quarter does; that
+/// factor is 3.4 for a normal distribution and 5.6 for an exponential one.
 double bulkOf(std::span<const float> values) {
   constexpr double kApart = 8, kHump = 4, kEven = 0.7;
   const double median = quantile(values, 0.5), quarter = quantile(values, 0.75) - median;
@@ -54,11 +56,11 @@ double bulkOf(std::span<const float> values) {
   return std::max(0.5, double(end - values.begin()) / double(values.size()));
 }
 
-/// Values of the bulk are left out; a band of values above is the more opaque the rarer it is, so that rays meet about as
-/// much of each.
+/// The bulk of the values stays transparent. Above it, rarer bands of values are more opaque, so that rays
+/// meet about the same optical depth in each band.
 std::vector<MapPoint> quantileBands(std::span<const float> values, double bulk) {
   constexpr double kDepth = 0.6;
-  constexpr double kParts[] = {1, 0.5, 0.2, 0.06, 0.02, 0.004};  // of what is above the bulk
+  constexpr double kParts[] = {1, 0.5, 0.2, 0.06, 0.02, 0.004};  // fractions of the values above the bulk
   std::vector<MapPoint> points{{values.front(), 0, 0}};
   for (const double part : kParts) {
     const double above = (1 - bulk) * part;
@@ -72,7 +74,8 @@ std::vector<MapPoint> quantileBands(std::span<const float> values, double bulk) 
   return points;
 }
 
-/// Colours at the points, and between them, where they curve; those of the map from `from` on.
+/// Returns the colours at the points and, because the shipped map curves, at places between them. Only the
+/// colours of the shipped map from `from` (0 to 1) on are used.
 ColorMap colorsOf(const std::vector<MapPoint>& points, double from) {
   constexpr int kBetween = 4;
   const ColorMap shipped = *shippedColorMap(kColors);
@@ -118,7 +121,7 @@ FirstMaps firstMaps(std::span<const float> values, double extent) {
   const bool spread = isSpread(values);
   const double bulk = spread ? 0 : bulkOf(values);
   const auto points = spread ? ramp(values) : quantileBands(values, bulk);
-  maps.colors = colorsOf(points, bulk > 0.5 ? 0.45 : 0);  // what stands out of a hump is all bright
+  maps.colors = colorsOf(points, bulk > 0.5 ? 0.45 : 0);  // All values above a hump are bright.
   maps.opacities.points.clear();
   for (const MapPoint& point : points)
     maps.opacities.points.push_back({point.value, opacityOf(point.extinction)});

@@ -11,7 +11,7 @@
 namespace gxy {
 namespace {
 
-/// Feeds the parser while counting the bytes it has taken. Copies share the count.
+/// Feeds the parser and counts the bytes that it has taken. Copies share the count.
 struct CountingIterator {
   using iterator_category = std::input_iterator_tag;
   using value_type = char;
@@ -66,9 +66,9 @@ class PositionTracker {
   TextPosition at_;
 };
 
-/// Builds the tree from SAX events. The parser reports a token as soon as it has read it, so the bytes taken
-/// so far are the token's end (after a number: one more), and its start is found from the previous token's
-/// end, as only blanks, commas and colons stand between. Positions of values and keys are therefore exact.
+/// Builds the tree from SAX events, with exact positions of values and keys. The parser reports a token as
+/// soon as it has read it, so the count of bytes taken is the token's end (one more after a number). The
+/// token's start follows from the previous token's end, because only blanks, commas and colons stand between.
 class TreeBuilder final : public nlohmann::json_sax<nlohmann::json> {
  public:
   TreeBuilder(std::string_view text, const std::string& sourceName)
@@ -85,7 +85,7 @@ class TreeBuilder final : public nlohmann::json_sax<nlohmann::json> {
     return leaf(JsonNumber{x, x == std::floor(x)});
   }
   bool string(string_t& s) override { return leaf(std::move(s)); }
-  bool binary(binary_t&) override { return false; }  // text has none
+  bool binary(binary_t&) override { return false; }  // Text contains no binary values.
 
   bool start_object(size_t) override { return open(JsonValue::Object{}); }
   bool start_array(size_t) override { return open(JsonValue::Array{}); }
@@ -107,12 +107,12 @@ class TreeBuilder final : public nlohmann::json_sax<nlohmann::json> {
     const bool badCharacter = start < text_.size() && text_[start] == '"' &&
                               what.find("missing closing quote") == std::string_view::npos;
     start = badCharacter || start > last ? last : start;
-    if (taken >= text_.size() && tokenStart() >= text_.size()) start = text_.size();  // ends too early
+    if (taken >= text_.size() && tokenStart() >= text_.size()) start = text_.size();  // It ends too early.
     throw Error(locationPrefix(sourceName_, tracker_.advanceTo(start)) + syntaxMessage(what));
   }
 
  private:
-  /// The parser's words without its own position and code: "syntax error while parsing value - ...".
+  /// Returns the parser's message without its own position and code: "syntax error while parsing value - ...".
   static std::string syntaxMessage(std::string_view what) {
     if (what.find("number overflow") != std::string_view::npos) {
       return "number too large; expected a finite double";

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// JSON that remembers where everything stood, so that messages about a file's content can name line and
-// column.
+// Parses JSON and keeps the position of every value, so that messages about a file's content can name
+// line and column.
 #pragma once
 #include <cstddef>
 #include <string>
@@ -12,7 +12,8 @@
 
 namespace gxy {
 
-/// Where a token starts in a text. Columns count characters (UTF-8 code points), both from 1.
+/// The position where a token starts in a text. Both numbers start at 1; columns count characters (UTF-8 code
+/// points).
 struct TextPosition {
   int line = 1, column = 1;
   bool operator==(const TextPosition&) const = default;
@@ -20,13 +21,13 @@ struct TextPosition {
 
 struct JsonNumber {
   double value;
-  bool integral;  ///< without fraction: 4, 4.0 and 4e0 alike
+  bool integral;  ///< the number has no fraction, however it is written: 4, 4.0, 4e0
 };
 
 class JsonValue;
 struct JsonMember;
 
-/// One value of a JSON text. A plain value type: owns what is below it.
+/// One value of a JSON text. It owns the values inside it.
 class JsonValue {
  public:
   using Array = std::vector<JsonValue>;
@@ -41,32 +42,33 @@ class JsonValue {
   const Array* array() const { return std::get_if<Array>(&value); }
   const Object* object() const { return std::get_if<Object>(&value); }
 
-  /// The member of this name, or nullptr where there is none or this is no object.
+  /// Returns the member with this key, or nullptr if there is none or this is no object.
   const JsonMember* find(std::string_view key) const;
-  /// What this is, for a message: `"many"`, `3.5`, `an array of 4 values`; short whatever the value.
+  /// Describes the value in a message: `"many"`, `3.5`, `an array of 4 values`. The text is short for any value.
   std::string describe() const;
 };
 
 struct JsonMember {
   std::string key;
-  TextPosition at;  ///< of the key
+  TextPosition at;  ///< position of the key
   JsonValue value;
 };
 
-// Bounds on what a hostile text can make us allocate or recurse into.
+// Bounds on the memory and the recursion depth that a malicious text can cause.
 inline constexpr size_t kMaxJsonBytes = size_t{16} << 20;
 inline constexpr size_t kMaxJsonValues = 1'000'000;
 inline constexpr size_t kMaxJsonDepth = 64;
 
-/// Parses RFC 8259 JSON (UTF-8, an optional byte order mark). Throws Error "SOURCE:LINE:COLUMN: ..." on a
-/// syntax error, a key given twice in one object, a number beyond double, or a bound above. The position of a
-/// syntax error is where the offending token starts; inside a string, the offending character.
+/// Parses RFC 8259 JSON in UTF-8 with an optional byte order mark. Throws Error "SOURCE:LINE:COLUMN: ..." for
+/// a syntax error, a key given twice in one object, a number beyond the range of double, or a text beyond the
+/// bounds above. The position of a syntax error is the start of the offending token, or the offending
+/// character inside a string.
 JsonValue parseJson(std::string_view text, const std::string& sourceName);
 
-/// "SOURCE:LINE:COLUMN: ", the start of every message about a text.
+/// Returns "SOURCE:LINE:COLUMN: ", the start of every message about a text.
 std::string locationPrefix(const std::string& sourceName, TextPosition at);
 
-/// A number for a message: whole numbers without a point.
+/// Returns a number as text for messages, whole numbers without a decimal point.
 std::string numberText(double x);
 
 }  // namespace gxy

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The map keys of an operator: inline points, shipped maps and preset files.
+// Reads and writes the map keys of an operator: inline points, shipped maps and preset files.
 #include <algorithm>
 
 #include "core/comm/error.h"
@@ -38,7 +38,7 @@ void readPreset(const Found& found, Vis& vis) {
       throw Error(inQuotes(name) + ": with it presets give " + std::to_string(context.presetPoints) +
                   " points of maps, expected at most " + std::to_string(kMaxJsonValues));
     vis.colormap = preset.colors;
-    if (vis.type == VisType::Volume) vis.colormap.nan.reset();  // without effect
+    if (vis.type == VisType::Volume) vis.colormap.nan.reset();  // NaN colours have no effect on volumes.
     if (preset.opacities && vis.volumeRendering) vis.opacitymap = *preset.opacities;
   } catch (const Error& e) {
     context.fail(found.value.at, inQuotes(found.key, '`') + ": expected the name of a shipped map (" +

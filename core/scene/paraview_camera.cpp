@@ -26,7 +26,7 @@ double parseNumber(std::string_view text, const std::string& where) {
   return x;
 }
 
-/// The files are machine-written: start tags with quoted attributes, so a walk from tag to tag reads them.
+/// ParaView writes start tags with quoted attributes only, so going from tag to tag is enough to read the file.
 Properties fromXml(std::string_view text, const std::string& sourceName) {
   if (text.find("<PVCameraConfiguration") == std::string_view::npos) {
     throw Error(sourceName + ": expected a ParaView camera, with a PVCameraConfiguration element");
@@ -55,7 +55,7 @@ const JsonValue& descend(const JsonValue& value, std::string_view key, const std
   return member->value;
 }
 
-/// XML converters write a repeated element as a list, a single one as the object itself.
+/// Converters from XML to JSON write a repeated element as a list, and a single one as the object itself.
 std::vector<const JsonValue*> oneOrMany(const JsonValue& value) {
   if (!value.array()) return {&value};
   std::vector<const JsonValue*> out;
@@ -114,7 +114,7 @@ Camera parseParaViewCamera(std::string_view text, const std::string& sourceName)
   camera.aov = scalar(properties, "CameraViewAngle").value_or(camera.aov);
   if (scalar(properties, "CameraParallelProjection").value_or(0) != 0) {
     camera.aov = 0;
-    // The scale is half the window.
+    // The scale is half the window's height.
     camera.height = 2 * scalar(properties, "CameraParallelScale").value_or(1);
   }
   return camera;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// ParaView camera files: the .pvcc XML that ParaView's "Configure camera" dialog saves, and its conversion to
-// JSON.
+// Reads ParaView camera files: the .pvcc XML that ParaView's "Configure camera" dialog saves, and its
+// conversion to JSON.
 #pragma once
 #include <string>
 #include <string_view>
@@ -9,10 +9,10 @@
 
 namespace gxy {
 
-/// Reads either form (JSON starts with `{`): PVCameraConfiguration / Proxy / Property elements with
-/// CameraPosition, CameraFocalPoint, CameraViewUp (all required), CameraViewAngle, CameraParallelProjection
-/// and CameraParallelScale; a parallel projection becomes aov 0 with its height. Throws Error naming
-/// `sourceName` and what is missing.
+/// Reads either form; JSON starts with `{`. The text has PVCameraConfiguration / Proxy / Property elements.
+/// CameraPosition, CameraFocalPoint and CameraViewUp are required; CameraViewAngle, CameraParallelProjection
+/// and CameraParallelScale are optional. A parallel projection becomes aov 0 with its height. Throws Error
+/// with `sourceName` and what is missing.
 Camera parseParaViewCamera(std::string_view text, const std::string& sourceName);
 
 }  // namespace gxy

@@ -7,9 +7,10 @@
 
 namespace gxy {
 
-/// The name, without its ending, of picture `index` of all visualizations of a state from the first camera, then from the
-/// next, and so on, and then of the next time step: PREFIX_00000, and the annotations of its visualization and camera, as PREFIX_00000_volume_front. An
-/// annotation that begins with punctuation, as "-volume", stands as it is.
+/// Returns the file name, without its extension, of picture `index`. Pictures are numbered in this order: all
+/// visualizations from the first camera, all from the next camera, and so on, then the next time step. The name
+/// is PREFIX_00000 followed by the annotations of the visualization and the camera: PREFIX_00000_volume_front.
+/// An annotation that begins with punctuation ("-volume") is appended without an underscore.
 std::string pictureName(const std::string& prefix, const State& state, size_t index);
 
 }  // namespace gxy

@@ -19,7 +19,7 @@ std::string lower(std::string_view s) {
   return out;
 }
 
-/// Levenshtein's distance.
+/// The Levenshtein distance.
 size_t editDistance(const std::string& a, const std::string& b) {
   std::vector<size_t> row(b.size() + 1);
   std::iota(row.begin(), row.end(), size_t{0});

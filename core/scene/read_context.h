@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reading values out of a parsed state file with messages that say what, where and what was expected.
+// Reads values from a parsed state file. Its error messages say what is wrong, where, and what was expected.
 #pragma once
 #include <array>
 #include <filesystem>
@@ -19,29 +19,29 @@
 
 namespace gxy {
 
-/// What the reader of one state file knows. One per file, used by one thread.
+/// The state of reading one state file. One thread uses it.
 struct ReadContext {
-  std::string sourceName;  ///< for messages
+  std::string sourceName;  ///< name of the text in messages
   NamedFileReader readFile;
   std::vector<std::string> warnings;
   size_t suppressedWarnings = 0;
 
-  std::vector<DatasetSpec> datasets;    ///< of this file, once they have been read
+  std::vector<DatasetSpec> datasets;    ///< datasets of this file, once they have been read
   std::optional<Lighting> oldLighting;  ///< Renderer.Lighting, for visualizations without their own
 
-  // What the text's files hold, by name: a short text may name a long file many times.
+  // Contents of preset and camera files by name, since a short text may name a long file many times.
   std::map<std::string, ColorPreset> presets;
   std::map<std::string, Camera> cameras;
-  size_t fileBytes = 0;     ///< of all files that have been read
-  size_t presetPoints = 0;  ///< of all maps that presets have given
+  size_t fileBytes = 0;     ///< size of all files that have been read
+  size_t presetPoints = 0;  ///< number of points of all maps that presets have given
 
   void warn(TextPosition at, const std::string& message);
   [[noreturn]] void fail(TextPosition at, const std::string& message) const;
-  /// The content of a file, while all of them together are within their bounds; else throws Error.
+  /// Returns the content of a file. Throws Error if all files together exceed kMaxJsonBytes.
   std::string contentOf(const std::string& name);
 };
 
-/// The interval a number must lie in.
+/// The interval that a number must lie in.
 struct Limits {
   double min = -std::numeric_limits<double>::infinity();
   double max = std::numeric_limits<double>::infinity();
@@ -56,14 +56,14 @@ inline constexpr Limits kNonNegative{0};
 inline constexpr Limits kPositive{0, std::numeric_limits<double>::infinity(), true};
 inline constexpr Limits kUnit{0, 1};
 
-/// A value found under a key of an object (or, as `key[i]`, at a place of a list).
+/// A value found under a key of an object, or as an element of a list with the key `key[i]`.
 struct Found {
   ReadContext& context;
   std::string key;
   const JsonValue& value;
-  const JsonValue& object;  ///< that holds the key
+  const JsonValue& object;  ///< the object that has the key
 
-  /// "`key`: expected EXPECTED, found VALUE", with the position.
+  /// Throws Error "`key`: expected EXPECTED, found VALUE", with the position.
   [[noreturn]] void fail(const std::string& expected) const;
   void warn(const std::string& message) const;
 
@@ -71,24 +71,25 @@ struct Found {
   double number(const Limits& limits = kAny) const;
   int integer(const Limits& limits) const;
   const std::string& text() const;
-  /// A list, whose places are found one by one; `expected` describes it.
+  /// Returns the elements of a list; `expected` describes the list in messages.
   std::vector<Found> list(const std::string& expected) const;
-  /// A list of smallest to largest numbers.
+  /// Returns a list of at least `smallest` and at most `largest` numbers.
   std::vector<double> numbers(size_t smallest, size_t largest, const std::string& expected) const;
   glm::dvec3 vec3() const;
-  /// rgb or rgba; values outside [0, 1] are clamped with a warning.
+  /// Reads rgb or rgba. Values outside [0, 1] are clamped with a warning.
   glm::dvec4 color() const;
   Plane plane() const;
-  /// Clamped to [0, 1] with a warning.
+  /// Clamps `x` to [0, 1], with a warning if it is outside.
   double clampedToUnit(double x) const;
 };
 
-/// The candidate that a misspelt name most likely means, or nothing. Letter case is forgiven.
+/// Returns the candidate that a misspelt name most likely means, or nothing. Letter case does not matter.
 std::optional<std::string> closestName(std::string_view name, const std::vector<std::string>& candidates);
-/// "; did you mean `X`?" or "".
+/// Returns "; did you mean `X`?" with the closest name, or "".
 std::string suggestion(std::string_view name, const std::vector<std::string>& candidates);
 
-/// The content of a regular file of at most kMaxJsonBytes. Throws Error with the path and the reason.
+/// Returns the content of a regular file. Throws Error with the path and the reason if it cannot be read or
+/// has more than kMaxJsonBytes.
 std::string readTextFile(const std::filesystem::path& path);
 
 }  // namespace gxy

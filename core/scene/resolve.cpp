@@ -26,7 +26,7 @@ double longestSide(const Box& box) {
 void resolveRadius(Vis& vis, const DataFacts& facts) {
   double radius = facts.spacing * kRadiusOfSpacing;
   if (!(radius > 0)) radius = facts.middle.empty() ? 1 : longestSide(facts.middle) / 50;
-  if (!(radius > 0)) radius = 1;  // one point
+  if (!(radius > 0)) radius = 1;  // There is only one point.
   vis.radius0 = vis.radius1 = radius;
   vis.value0 = vis.value1 = 0;
 }
@@ -36,8 +36,9 @@ Box inflated(Box box, double by) {
   return box;
 }
 
-/// The interval of positions across the view, and how far along it at most, from which all of [lo, hi] is seen: where
-/// a + tangent * depth <= across <= b - tangent * depth.
+/// The eye positions from which all points passed to see() are inside the field of view, in one direction across
+/// the view. An eye at (across, depth) sees them all if a + tangent * depth <= across <= b - tangent * depth.
+/// depth() is the largest depth along the view at which that is possible, and across() the position there.
 struct Side {
   double tangent;
   double a = -std::numeric_limits<double>::infinity(), b = std::numeric_limits<double>::infinity();
@@ -99,7 +100,7 @@ Camera fitted(Camera camera, const Box& box) {
   }
   if (basis.orthographic) {
     const double extent = 2 * std::max(half.x / aspect.x, half.y / aspect.y) / kFittedPart;
-    camera.height = extent > 0 ? extent : longestSide(seen);  // a line seen from its end
+    camera.height = extent > 0 ? extent : longestSide(seen);  // The box is a line seen from its end.
     camera.viewpoint = centre + basis.view * (nearest - longestSide(seen));
   } else {
     const double depth = std::min({x.depth(), y.depth(), nearest - longestSide(seen) / 100});

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a state asks of the data instead of saying it: ranges of maps, radii, the viewpoint.
+// Replaces what a state leaves to the data (ranges of maps, radii, the viewpoint) by numbers.
 #pragma once
 #include <span>
 #include <vector>
@@ -9,38 +9,41 @@
 
 namespace gxy {
 
-/// What is known of a dataset before it is looked at. The same on any number of ranks.
+/// Facts about a dataset that visualizations need. They are the same on any number of ranks.
 struct DataFacts {
-  Box box;     ///< of all of it, world
-  Box middle;  ///< the same without outliers (points only); the box where there are none
-  std::vector<Range>
-      ranges;          ///< of a volume: per component, then of the magnitude if there are several; else one
-  double spacing = 0;  ///< mean distance between neighbouring points of geometry, world; 0: unknown
+  Box box;     ///< bounding box of the data, world coordinates
+  Box middle;  ///< bounding box without outlying points; equals `box` if there are none
+  /// Ranges of values. A volume has one for each component, then one for the magnitude if there are several
+  /// components. Geometry has one.
+  std::vector<Range> ranges;
+  double spacing = 0;  ///< mean distance between neighbouring points of geometry, world units; 0: unknown
 };
 
-/// What pictures of a visualization have shown so far: later steps of the data widen it and never narrow it, so that colours
-/// do not flicker and the camera does not jump back.
+/// The ranges and the box that pictures of a visualization have shown so far. Later time steps widen them and
+/// never narrow them, so that colours do not flicker and the camera does not jump back.
 struct ShownSoFar {
   std::vector<Range> ranges;  ///< by operator
-  Box box;                    ///< of all operators, with their radii
+  Box box;                    ///< bounding box of the data of all operators, with their radii
 };
 
-/// The visualization with numbers in place of "data" and "auto"; `facts` are those of each operator's dataset. A range
-/// without finite values leaves the maps as they are.
+/// Returns the visualization with numbers in place of "data" and "auto", and extends `shown`. `facts` has the
+/// facts of each operator's dataset, in the order of the operators. A range without finite values leaves the
+/// maps as they are.
 Visualization resolved(Visualization visualization, std::span<const DataFacts> facts, ShownSoFar& shown);
 
-/// The part of the spacing of points that "auto" makes their radius.
+/// The radius "auto" is this fraction of the spacing of points.
 inline constexpr double kRadiusOfSpacing = 0.3;
 
-/// The part of the picture's width or height that a fitted box spans.
+/// A fitted box spans this fraction of the picture's width or height.
 inline constexpr double kFittedPart = 0.88;
 
-/// The camera that `fit` asks for: moved, its direction kept, to where `box` lies centred in the picture and spans
-/// kFittedPart of its width or its height; an orthographic one also gets that height. Without `fit`: the camera itself. An
-/// empty box counts as the unit box about the origin.
+/// If the camera has `fit`, returns it moved without change of direction, so that `box` is centred in the
+/// picture and spans kFittedPart of its width or height; an orthographic camera also gets the height for
+/// that. Otherwise returns the camera unchanged. An empty box counts as the unit box around the origin.
 Camera fitted(Camera camera, const Box& box);
 
-/// The camera of a state that has none: fitted, looking at the data from the front, somewhat from the right and above.
+/// Returns the camera for a state without cameras. It has `fit` and looks at the data from the front,
+/// somewhat from the right and above.
 Camera defaultCamera();
 
 }  // namespace gxy

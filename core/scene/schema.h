@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The schema of the state file: one table per kind of object, whose rows drive reading, the checks and their
-// messages, saving, and the reference in docs/state-file.md.
+// The schema of the state file: one table per kind of object. Its rows drive reading, the checks and their
+// messages, writing, and the reference in docs/state-file.md.
 #pragma once
 #include <algorithm>
 #include <functional>
@@ -16,16 +16,16 @@ namespace gxy {
 
 using OrderedJson = nlohmann::ordered_json;
 
-/// What is said about a key.
+/// The description of a key.
 struct KeyInfo {
   std::string name;
   std::vector<std::string> aliases;
   std::string type;  ///< in words, range included: "number > 0"
   std::string meaning;
-  std::string defaultText;  ///< empty: the saved form of a default T
+  std::string defaultText;  ///< default value in words; empty: the saved form of a default T
   bool required = false;
   unsigned appliesTo = ~0u;  ///< bits 1 << VisType, for keys of operators
-  std::string needs;         ///< another key, a flag read before, without which this one has no effect
+  std::string needs;         ///< a flag in an earlier row without which this key has no effect; empty: none
 };
 
 /// One row: a key of the objects that describe a T.
@@ -33,8 +33,8 @@ template <class T>
 struct Key {
   KeyInfo info;
   std::function<void(const Found&, T&)> read;
-  std::function<OrderedJson(const T&)> write;  ///< null where the key is not saved
-  bool T::*flag = nullptr;                     ///< the member of info.needs
+  std::function<OrderedJson(const T&)> write;  ///< returns null if the key is not saved
+  bool T::*flag = nullptr;                     ///< the member that the key info.needs sets
 
   Key alias(std::vector<std::string> names) && {
     info.aliases = std::move(names);
@@ -61,11 +61,11 @@ struct Key {
 
 template <class T>
 struct Schema {
-  std::string title;  ///< "operator", as messages and the reference call the object
+  std::string title;  ///< name of the object in messages and the reference, such as "operator"
   std::vector<Key<T>> keys;
 };
 
-/// The bit of appliesTo that an object is; all bits but for operators.
+/// The bit of KeyInfo::appliesTo for an object's type. Objects without types have all bits.
 template <class T>
 unsigned typeBit(const T&) {
   return ~0u;
@@ -73,7 +73,7 @@ unsigned typeBit(const T&) {
 inline unsigned typeBit(const Vis& vis) { return 1u << unsigned(vis.type); }
 inline unsigned typeBit(const DatasetSpec& dataset) { return 1u << unsigned(dataset.type); }
 
-/// Whether the key matters to an object of which the keys before it have been read.
+/// Whether the key has an effect on an object. The rows before it must have been read into the object.
 template <class T>
 bool hasEffect(const Key<T>& key, const T& t) {
   return (key.info.appliesTo & typeBit(t)) && (!key.flag || t.*key.flag);
@@ -92,7 +92,7 @@ inline OrderedJson toJson(const std::vector<Plane>& planes) {
   return out;
 }
 
-// Rows for the plain kinds of members.
+// Rows for members of simple types.
 template <class T>
 Key<T> numberKey(std::string name, double T::*member, Limits limits, std::string meaning) {
   return {{std::move(name), {}, withRange("number", limits), std::move(meaning), "", false, ~0u, ""},
@@ -140,7 +140,7 @@ Key<T> colorKey(std::string name, std::optional<glm::dvec4> T::*member, std::str
       [=](const T& t) { return t.*member ? toJson(*(t.*member)) : OrderedJson(); }};
 }
 
-/// A row with its own reader and (where it is saved) writer.
+/// A row with a reader of its own and, if the key is saved, a writer.
 template <class T, class Read>
 Key<T> customKey(
     std::string name, std::string type, std::string meaning, Read read,
@@ -186,8 +186,9 @@ const JsonMember* findMember(ReadContext& context, const JsonValue& value, const
 
 }  // namespace detail
 
-/// Reads an object by its schema into `out`, in the schema's order (so a row may rely on earlier ones). Keys
-/// that are absent leave `out` as it is; unknown ones, and those without effect on this type, warn.
+/// Reads an object by its schema into `out`, in the order of the rows, so that a row may rely on earlier ones.
+/// Absent keys leave `out` as it is. Unknown keys and keys without effect on this object give a warning. Throws
+/// Error with the position for a missing required key, a key and its alias together, and wrong values.
 template <class T>
 void readObject(ReadContext& context, const JsonValue& value, const Schema<T>& schema, T& out) {
   if (!value.object())
@@ -211,14 +212,15 @@ void readObject(ReadContext& context, const JsonValue& value, const Schema<T>& s
   }
 }
 
-/// Reads one object or a list of them: readOne(found) for each.
+/// Calls readOne(found) for one object, or for each object of a list.
 template <class ReadOne>
 void readOneOrMany(const Found& found, ReadOne readOne) {
   if (!found.value.array()) return readOne(found);
   for (const Found& item : found.list("a list")) readOne(item);
 }
 
-/// The saved form: every key but those that are empty, and those without effect that have their default.
+/// Returns the saved form: all keys, except those that are empty and those that have no effect and their
+/// default value.
 template <class T>
 OrderedJson writeObject(const T& t, const Schema<T>& schema) {
   OrderedJson out = OrderedJson::object();
@@ -239,11 +241,12 @@ const Schema<RenderSettings>& rendererSchema();
 const Schema<Annotations>& annotationsSchema();
 const Schema<State>& stateSchema();
 
-/// A camera as a state file gives it: an object, or the name of a ParaView camera file.
+/// Reads a camera of a state file: an object, or the name of a ParaView camera file.
 Camera readCamera(const Found& found);
 
 // The map keys of an operator.
-/// A preset file's opacities become the opacity map of a volume that is rendered.
+/// Reads the colour map. If a preset file has opacities, they become the opacity map of an operator with
+/// volume rendering.
 void readColorMap(const Found& found, Vis& vis);
 OpacityMap readOpacityMap(const Found& found, bool extinction);
 OrderedJson toJson(const ColorMap& map);

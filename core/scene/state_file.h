@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The state file: a JSON description of data, renderer, visualizations and cameras. docs/state-file.md is its
-// reference.
+// Reads and writes the state file, a JSON description of data, renderer, visualizations and cameras.
+// docs/state-file.md is its reference.
 #pragma once
 #include <filesystem>
 #include <functional>
@@ -12,37 +12,38 @@
 
 namespace gxy {
 
-/// What a state file says, and what is to be told to the user: unknown keys, deprecated ones, values that
-/// were mended, each "SOURCE:LINE:COLUMN: ..." (at most 100, then one line with the count of the others).
+/// The content of a state file.
 struct StateFile {
   State state;
+  /// Warnings for the user about unknown keys, deprecated keys and corrected values, each
+  /// "SOURCE:LINE:COLUMN: ...": at most 100, then one line with the number of the others.
   std::vector<std::string> warnings;
-  bool hasRenderer = false;  ///< whether the text says anything of the renderer
+  bool hasRenderer = false;  ///< whether the text has the key `Renderer`
 };
 
-/// Gives the content of a preset or camera file by its name in a text, at most kMaxJsonBytes (json_text.h). Throws
-/// Error where the file cannot or may not be read.
+/// Returns the content of the preset or camera file that a state file calls `name`, at most kMaxJsonBytes
+/// (json_text.h). Throws Error if the file cannot be read or access to it is not allowed.
 using NamedFileReader = std::function<std::string(const std::string& name)>;
 
-/// Reads a text. Files of the earlier Galaxy load. Every top-level key may be absent. Preset and camera files come
-/// from `readFile`, which is asked once for each name; together they have at most kMaxJsonBytes, and presets give at
-/// most kMaxJsonValues points of maps. Dataset file names stay as written. Throws Error
-/// "SOURCE:LINE:COLUMN: `key`: expected ..., found ..." for whatever is wrong. No other exception, however
-/// hostile the text; stateless, safe from any thread.
+/// Reads the text of a state file. Files of the earlier Galaxy load. Every top-level key may be absent.
+/// `readFile` gives the content of preset and camera files and is called once for each name. Together these
+/// files have at most kMaxJsonBytes, and presets give at most kMaxJsonValues points of maps. Dataset file
+/// names stay as written. Throws Error "SOURCE:LINE:COLUMN: `key`: expected ..., found ..." for any mistake,
+/// and no other exception, however malformed the text. Has no state: any thread may call it.
 StateFile readState(std::string_view text, const std::string& sourceName, const NamedFileReader& readFile);
 
-/// The same with file names that are relative to `directory`; any file of this machine may be named.
+/// The same; preset and camera file names are relative to `directory` and may name any file of this machine.
 StateFile readState(std::string_view text, const std::string& sourceName,
                     const std::filesystem::path& directory = ".");
 
-/// Reads a file, whose directory is the one above. Throws Error also where it cannot be read.
+/// The same for a file; names are relative to its directory. Throws Error also if it cannot be read.
 StateFile readStateFile(const std::filesystem::path& path);
 
-/// The text that readState turns into an equal State, provided the State is one that can be said (maps
-/// ascending, values within their ranges). Throws Error on NaN and infinity.
+/// Returns a text that readState() turns into an equal State, if the State is valid (points of maps ascend,
+/// values lie within their ranges). Throws Error for NaN and infinity.
 std::string writeState(const State& state);
 
-/// The tables of docs/state-file.md, in Markdown, made from the schema.
+/// Returns the tables of docs/state-file.md, in Markdown, made from the schema.
 std::string stateReference();
 
 }  // namespace gxy

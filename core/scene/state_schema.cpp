@@ -50,7 +50,7 @@ Key<RenderSettings> obsoleteKey(std::string name, std::string why) {
       .byDefault("-");
 }
 
-/// Rays name the surface that they start on by its operator and its number there, in 16 bits each.
+/// A ray names the surface that it starts on by its operator and its number in that operator, in 16 bits each.
 constexpr size_t kMostSurfaces = 65535;
 
 void readOperators(const Found& found, Visualization& visualization) {

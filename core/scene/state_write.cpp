@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Saving a State, and the reference tables: both walk the schema.
+// Writes a State, and the reference tables of docs/state-file.md. Both are driven by the schema.
 #include <algorithm>
 #include <cmath>
 
@@ -10,7 +10,7 @@
 namespace gxy {
 namespace {
 
-/// Shortest digits that read back as the same double.
+/// Numbers have the fewest digits that read back as the same double.
 std::string onOneLine(const OrderedJson& value) {
   if (value.is_array()) {
     std::string out;
@@ -23,7 +23,7 @@ std::string onOneLine(const OrderedJson& value) {
   return value.dump(-1, ' ', false, OrderedJson::error_handler_t::replace);
 }
 
-/// Objects a key a line; lists on one line while they are short and hold no objects.
+/// Prints an object with one key a line, and a list on one line if it is short and contains no objects.
 void print(const OrderedJson& value, const std::string& indent, std::string& out) {
   constexpr size_t kLineLength = 100;
   const std::string deeper = indent + "  ";

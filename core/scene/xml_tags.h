@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Start tags and attributes of the small XML files that ParaView writes. Used inside core/scene only.
+// Reads start tags and attributes of the small XML files that ParaView writes. Used inside core/scene only.
 #pragma once
 #include <optional>
 #include <string>
@@ -9,7 +9,8 @@
 
 namespace gxy {
 
-/// Calls use(tag) with each tag in order, from its < on and without its >; comments are left out. Throws Error.
+/// Calls use(tag) for each tag in order. `tag` starts with < and does not include the closing >. Comments are
+/// left out. Throws Error if the text ends inside a tag.
 template <class Use>
 void forEachTag(std::string_view text, const std::string& sourceName, const Use& use) {
   for (size_t open = text.find('<'); open != std::string_view::npos; open = text.find('<', open + 1)) {
@@ -21,7 +22,7 @@ void forEachTag(std::string_view text, const std::string& sourceName, const Use&
   }
 }
 
-/// The value of an attribute inside a tag, with characters for XML's entities.
+/// Returns the value of an attribute of a tag, with XML's entities replaced by characters, or nothing.
 inline std::optional<std::string> attributeOf(std::string_view tag, std::string_view name) {
   for (size_t at = tag.find(name); at != std::string_view::npos; at = tag.find(name, at + 1)) {
     const std::string_view rest = tag.substr(at + name.size());
