@@ -27,7 +27,7 @@ double luminance(const glm::dvec4& background) {
   return background.a * glm::dot(glm::dvec3(background), {0.2126, 0.7152, 0.0722});
 }
 
-/// Sizes in pixels that follow the picture's.
+/// Sizes in pixels, in proportion to the picture, and colours that stand out from its background.
 struct Measures {
   Measures(const Camera& camera, const Background& background) : size(camera.dimensions) {
     onBright = (luminance(background.bottom()) + luminance(background.top())) / 2 > 0.5;
@@ -40,7 +40,7 @@ struct Measures {
   int font;
   double line;
   bool onBright;
-  glm::dvec3 outline, ticks;  ///< colours
+  glm::dvec3 outline, ticks;  ///< their colours
 };
 
 std::string formatted(double x, int digits) {
@@ -54,7 +54,7 @@ void replaceAll(std::string& text, std::string_view what, const std::string& by)
     text.replace(at, what.size(), by);
 }
 
-// --- what values are shown in colours -------------------------------------------------------------------------------
+// --- legends --------------------------------------------------------------------------------------------------------
 
 bool colorsByValue(const Vis& vis) {
   return vis.type != VisType::Volume || vis.volumeRendering || !vis.slices.empty() || !vis.isovalues.empty();
@@ -70,7 +70,7 @@ bool isOneColor(const ColorMap& map) {
                      [&](const ColorPoint& p) { return p.rgb == map.points[0].rgb; });
 }
 
-/// One for each map and data; operators that show the same alike have one together, and maps of one colour none.
+/// Returns one legend for each pair of dataset and map, kLegends at most. Maps of one colour have none.
 std::vector<Legend> legendsOf(const Annotated& what) {
   std::vector<Legend> legends;
   const auto& operators = what.visualization.operators;
@@ -89,7 +89,7 @@ std::vector<Legend> legendsOf(const Annotated& what) {
   return legends;
 }
 
-/// Fills the rectangle, from its title at the top to the bar's lowest number.
+/// Draws a legend that fills the rectangle, with the title at the top and the bar's lowest number at the bottom.
 void addLegend(const Legend& legend, glm::dvec2 lo, glm::dvec2 hi, const Measures& m, Overlay& overlay) {
   overlay.texts.push_back({{hi.x, hi.y}, {1, 1}, m.font, legend.title});
   const double bottom = lo.y + m.font / 2.0, top = hi.y - 2.2 * m.font;
@@ -105,9 +105,9 @@ void addLegend(const Legend& legend, glm::dvec2 lo, glm::dvec2 hi, const Measure
   std::vector<double> numbers{first};
   if (last > first) {
     numbers = roundNumbers(first, last);
-    while (double(numbers.size()) * 1.3 * m.font > top - bottom)  // every second one
+    while (double(numbers.size()) * 1.3 * m.font > top - bottom)  // keep every second number
       for (size_t i = 0; i < numbers.size(); i++) numbers.erase(numbers.begin() + ptrdiff_t(i));
-    // the ends themselves, where no round number is beside them
+    // The ends of the range get numbers if no round number is near them.
     const double room = (last - first) * 1.2 * m.font / (top - bottom);
     if (numbers.empty() || numbers.front() - first > room) numbers.insert(numbers.begin(), first);
     if (last - numbers.back() > room) numbers.push_back(last);
@@ -140,7 +140,7 @@ void addLegends(const Annotated& what, const Measures& m, Overlay& overlay) {
 void addAxes(const CameraBasis& basis, const Measures& m, Overlay& overlay) {
   const double length = 2.2 * m.font, reach = length + 1.5 * m.font;
   if (std::min(m.size.x, m.size.y) < 3 * reach) return;
-  const glm::dvec2 at(reach, reach + m.font);  // above what a viewer says at the bottom
+  const glm::dvec2 at(reach, reach + m.font);  // above the viewer's text at the bottom
   const glm::dvec3 right = glm::normalize(basis.du), up = glm::normalize(basis.dv);
   const std::array<glm::dvec3, 3> colors{{{1, 0.35, 0.3}, {0.4, 0.9, 0.35}, {0.45, 0.6, 1}}};
   std::array<int, 3> order{0, 1, 2};  // the farthest tip first
@@ -154,7 +154,7 @@ void addAxes(const CameraBasis& basis, const Measures& m, Overlay& overlay) {
 
 // --- the box --------------------------------------------------------------------------------------------------------
 
-/// Depth along the view and place in the picture.
+/// A point's depth along the view, and its position in the picture in pixels.
 double depthOf(const CameraBasis& basis, const glm::dvec3& p) { return glm::dot(p - basis.eye, basis.view); }
 glm::dvec2 placeOf(const CameraBasis& basis, const glm::dvec3& p) {
   const glm::dvec3 from = (basis.orthographic ? p : (p - basis.eye) / depthOf(basis, p)) - basis.corner;
@@ -164,13 +164,13 @@ glm::dvec2 placeOf(const CameraBasis& basis, const glm::dvec3& p) {
 
 struct Edge {
   int axis;
-  bool outer;           ///< it is on the outline of the box in the picture
-  glm::dvec3 from, to;  ///< ascending along the axis
+  bool outer;           ///< the edge is on the silhouette of the box
+  glm::dvec3 from, to;  ///< ends, ascending along the axis
 };
 
-/// The edges of the box that nothing inside can hide: those of faces that face the viewer.
+/// Returns the edges of the box that nothing inside it can hide: the edges of the faces that face the viewer.
 std::vector<Edge> edgesInFront(const Box& box, const CameraBasis& basis) {
-  const auto faces = [&](int axis, bool high) {  // whether that face does
+  const auto faces = [&](int axis, bool high) {  // whether this face faces the viewer
     if (basis.orthographic) return high ? basis.view[axis] < 0 : basis.view[axis] > 0;
     return high ? basis.eye[axis] > box.hi[axis] : basis.eye[axis] < box.lo[axis];
   };
@@ -190,7 +190,7 @@ std::vector<Edge> edgesInFront(const Box& box, const CameraBasis& basis) {
   return edges;
 }
 
-/// The edge in the picture, less what is behind the viewer.
+/// Returns the edge as a line in the picture, without the part behind the viewer.
 std::optional<Line> lineOf(Edge edge, const CameraBasis& basis, const Measures& m) {
   if (!basis.orthographic) {
     const double a = depthOf(basis, edge.from), b = depthOf(basis, edge.to);
@@ -208,7 +208,7 @@ void addOutline(const Box& box, const CameraBasis& basis, const Measures& m, Ove
     Edge edge;
     Line line;
   };
-  std::array<std::optional<Labelled>, 3> lowest;  // by axis: where the extents stand
+  std::array<std::optional<Labelled>, 3> lowest;  // by axis: the edge with the numbers
   for (const Edge& edge : edgesInFront(box, basis)) {
     const std::optional<Line> line = lineOf(edge, basis, m);
     if (!line) continue;
@@ -278,7 +278,7 @@ Overlay overlayOf(const Annotations& annotations, const Annotated& what) {
   if (annotations.axes) addAxes(basis, m, overlay);
   if (annotations.legend) addLegends(what, m, overlay);
   if (!annotations.text.empty()) {
-    std::string text = annotations.text.substr(0, 1000);  // of which 200 characters are drawn
+    std::string text = annotations.text.substr(0, 1000);  // draw() shows 200 characters at most
     const std::string step = std::to_string(what.step);
     replaceAll(text, "{step}", step);
     replaceAll(text, "{time}", what.time ? numberText(*what.time) : step);

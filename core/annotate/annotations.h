@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What people expect to see over a picture: a legend of its colours, the axes' directions, the data's box and a text.
+// Annotations over a picture: legends of its colours, the directions of the axes, the box of the data, and a text.
 #pragma once
 #include <optional>
 
@@ -9,27 +9,28 @@
 
 namespace gxy {
 
-/// What annotations tell of.
+/// The picture that is annotated.
 struct Annotated {
-  const Visualization& visualization;  ///< as the state has it
-  const ShownSoFar& shown;             ///< ranges without values have no legend
-  const Camera& camera;                ///< fitted
-  const RenderSettings& settings;      ///< of the picture; its background decides between black and white
+  const Visualization& visualization;  ///< as in the state, not resolved
+  const ShownSoFar& shown;             ///< an operator whose range is empty has no legend
+  const Camera& camera;                ///< after fitted()
+  const RenderSettings& settings;      ///< the background decides between black and white text
   size_t step = 0;                     ///< number of the time step, from 0
-  std::optional<double> time = {};     ///< of that step, where it is known
+  std::optional<double> time = {};     ///< time of that step, if it is known
 };
 
-/// The overlay of a picture of the camera's dimensions. Text sizes follow the picture's size; a legend that does not fit is
-/// left out. Edges of the box behind the data are left out, so that nothing hides what is in front of it. In the text {step}
-/// becomes the number of the step, and {time} its time, or its number where the time is not known.
+/// Makes the overlay for a picture of the camera's dimensions. Text sizes follow the picture's size. Legends
+/// that do not fit are left out. Edges of the box behind the data are left out, because the overlay is drawn
+/// over the data. In the text {step} is replaced by the number of the step, and {time} by its time, or by its
+/// number if the time is not known.
 Overlay overlayOf(const Annotations& annotations, const Annotated& what);
 
-/// From three to about six round numbers (1, 2, 2.5 or 5 times a power of ten) in [lo, hi], ascending; none for an interval that
-/// is empty or not finite.
+/// Returns three to about six round numbers in [lo, hi], ascending, at distances of 1, 2, 2.5 or 5 times a
+/// power of ten. Returns none if the interval is empty or not finite.
 std::vector<double> roundNumbers(double lo, double hi);
 
-/// Numbers as people read them: with three to nine digits, and no more of them than leave every number right to half a hundredth of
-/// `span`.
+/// Returns numbers as text, all with the same number of digits: the fewest, from three to nine, for which
+/// every text is within `span` / 200 of its number.
 std::vector<std::string> numberTexts(const std::vector<double>& numbers, double span);
 
 }  // namespace gxy

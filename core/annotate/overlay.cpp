@@ -10,7 +10,7 @@
 namespace gxy {
 namespace {
 
-/// A picture of some form.
+/// The picture that is drawn on.
 struct Target {
   glm::ivec2 size;
   const Blend& blend;
@@ -21,8 +21,8 @@ struct Target {
   }
 };
 
-/// The part of [from, to] that lies in the picture, or `margin` pixels outside; false if none does (Liang and Barsky, "A new
-/// concept and method for line clipping", 1984).
+/// Clips the line [from, to] to the picture widened by `margin` pixels (Liang and Barsky, "A new concept and
+/// method for line clipping", 1984). Returns false if no part of it is inside.
 bool clipLine(glm::dvec2& from, glm::dvec2& to, const Target& target, double margin) {
   double first = 0, last = 1;
   const glm::dvec2 way = to - from, hi = glm::dvec2(target.size) + margin;
@@ -44,10 +44,11 @@ bool clipLine(glm::dvec2& from, glm::dvec2& to, const Target& target, double mar
 
 bool isFinite(const glm::dvec2& p) { return std::isfinite(p.x) && std::isfinite(p.y); }
 
-/// The nearest integer; far outside any picture for what is farther.
+/// Returns the nearest integer, limited to a million pixels, which is far outside any picture.
 int rounded(double x) { return int(std::lround(std::clamp(x, -1e6, 1e6))); }
 
-/// Each pixel is covered as far as its centre is from the line's rim.
+/// The coverage of a pixel is the distance of its centre from the line's rim, which lies half a pixel
+/// outside the line.
 void drawLine(const Overlay::Line& line, const Target& target) {
   const double reach = line.width / 2 + 0.5;
   glm::dvec2 from = line.from, to = line.to;
@@ -57,7 +58,7 @@ void drawLine(const Overlay::Line& line, const Target& target) {
   const bool steep = std::abs(way.y) > std::abs(way.x);
   const int along = steep ? 1 : 0, across = 1 - along;
   const double length = std::sqrt(square);
-  // how far, across, a line's pixels lie from its middle
+  // the largest distance of a covered pixel from the line's middle, in the direction `across`
   const double span = length > 0 ? reach * length / std::abs(way[along]) : reach;
   for (int i = int(std::floor(std::min(from[along], to[along]) - reach));
        i <= int(std::ceil(std::max(from[along], to[along]) + reach)); i++) {
@@ -87,18 +88,19 @@ void drawBar(const Overlay::Bar& bar, const Target& target) {
     }
 }
 
-/// At most so many characters as a picture can show.
+/// Cuts the text to 200 characters, more than a picture can show.
 std::string cut(const std::string& text) {
   constexpr int kMost = 200;
   size_t end = 0;
   for (int n = 0; end < text.size(); end++) {
-    const bool begins = (uint8_t(text[end]) & 0xC0) != 0x80;  // a character of UTF-8
+    const bool begins = (uint8_t(text[end]) & 0xC0) != 0x80;  // the first byte of a character in UTF-8
     if (begins && n++ == kMost) break;
   }
   return text.substr(0, end);
 }
 
-/// Where an interval of a length begins so that it lies in [0, size], if it is partly there and fits; else where it did.
+/// Moves the interval [begin, begin + length) into [0, size) if a part of it is inside and it fits.
+/// Returns its beginning.
 int movedIn(int begin, int length, int size) {
   const bool outside = begin >= size || begin + length <= 0;
   return outside || length > size ? begin : std::clamp(begin, 0, size - length);

@@ -30,13 +30,13 @@ struct Box {
   bool operator==(const Box&) const = default;
 };
 
-/// The closed interval of the finite values of a field; empty (min > max) when there are none.
+/// The closed interval of the finite values of a field. It is empty (min > max) if there are none.
 struct Range {
   double min = std::numeric_limits<double>::infinity();
   double max = -std::numeric_limits<double>::infinity();
 
   bool empty() const { return !(min <= max); }
-  /// Widens the range to hold x; NaN and infinities are ignored.
+  /// Widens the range to contain x. NaN and infinities are ignored.
   void extend(double x) {
     if (x - x == 0) {
       min = std::min(min, x);

@@ -28,7 +28,8 @@ void putIntoBricks(Samples& samples, const Index3& points, size_t bytesPerPoint,
   const size_t row = size_t(points[0]) * bytesPerPoint, plane = size_t(points[1]) * row;
   samples.resize(bricks.count() * bytesPerPoint);
   std::vector<std::byte> planes(plane * size_t(Bricks::kSide));
-  // from the last layer on: none begins in bricks before it does in rows
+  // The last layer comes first: a layer of bricks begins no earlier than its rows did, so it overwrites no
+  // unread rows.
   for (int64_t z0 = (points[2] - 1) / Bricks::kSide * Bricks::kSide; z0 >= 0; z0 -= Bricks::kSide) {
     check();
     const int64_t n = std::min(Bricks::kSide, points[2] - z0);

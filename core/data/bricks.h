@@ -11,26 +11,29 @@
 
 namespace gxy {
 
-/// Bricks of 8^3 points, x fastest in each and among them; those at the ends of the axes are filled up. What a ray looks up
-/// next is near in memory whichever way it goes (docs/decisions/0011). Kernels find points by the same rule
+/// The layout of a block in bricks of 8^3 points. x is fastest among the points of a brick and among the
+/// bricks; bricks at the upper ends of the axes are padded. So the samples that a ray reads next are near in
+/// memory, whatever its direction (docs/decisions/0011). Kernels find points by the same rule
 /// (core/kernels/volume_view.h).
 class Bricks {
  public:
   static constexpr int64_t kSide = 8;
 
-  /// Of a block with so many points. Throws Error if there are more than 2^28 in a layer of one z.
+  /// The layout of a block with this many points per axis. Throws Error if a layer in x and y has more than
+  /// 2^28 points (padding included).
   explicit Bricks(const Index3& points);
 
-  /// The place of a point, which counts points.
+  /// The place of a point in memory, counted in points.
   size_t operator()(int64_t x, int64_t y, int64_t z) const { return along(0, x) + along(1, y) + along(2, z); }
-  /// How many places there are.
+  /// The number of places, padding included.
   size_t count() const { return count_; }
-  /// Places in a row of bricks along x, and in a layer of such rows.
+  /// The number of places in a row of bricks along x, and in a layer of such rows.
   int64_t row() const { return far_[1]; }
   int64_t layer() const { return far_[2]; }
 
-  /// Calls visit(place, first, n) for the pieces of `points` points from (x, y, z) on along x that lie together: the
-  /// `first`th and n - 1 behind it, from `place` on.
+  /// Splits a row of `points` points, from (x, y, z) on along x, into pieces that are contiguous in memory.
+  /// Calls visit(place, first, n) for each: the n points from number `first` of the row on lie at `place` and
+  /// the places after.
   template <class Visit>
   void alongX(int64_t x, int64_t y, int64_t z, int64_t points, Visit visit) const {
     const size_t row = along(1, y) + along(2, z);
@@ -45,14 +48,14 @@ class Bricks {
     return size_t(i / kSide * far_[size_t(axis)] + i % kSide * kNear[size_t(axis)]);
   }
 
-  static constexpr Index3 kNear{1, kSide, kSide* kSide};  ///< from a point to the next, in a brick
-  Index3 far_;                                            ///< from a brick to the next
+  static constexpr Index3 kNear{1, kSide, kSide* kSide};  ///< by axis: step to the next point in a brick
+  Index3 far_;                                            ///< by axis: step to the next brick
   size_t count_;
 };
 
-/// Puts points that lie x fastest into bricks, filled up with zeros. Needs memory for one layer of bricks more, and for all
-/// where `samples` has no capacity for what fills up. `check` is called before each layer; what it throws leaves the samples in no
-/// order.
+/// Reorders samples from x fastest into bricks, padded with zeros. Needs additional memory for one layer of
+/// bricks, and for a copy of everything if `samples` has no capacity for the padding. Calls `check` before
+/// each layer. If `check` throws, the samples are left in an undefined order.
 void putIntoBricks(
     Samples& samples, const Index3& points, size_t bytesPerPoint, const std::function<void()>& check = [] {});
 

@@ -41,8 +41,8 @@ void appendPoint(GeometryBlock& to, const GeometryBlock& from, uint32_t point) {
   if (!from.radiusValues.empty()) to.radiusValues.push_back(from.radiusValues[point]);
 }
 
-/// Appends primitive p of `from`; pointOf(index in `from`) gives a point's index in `to`, adding it where it
-/// is new.
+/// Appends primitive p of `from`. pointOf(index in `from`) returns the point's index in `to`, and adds the
+/// point if it is new.
 template <typename PointOf>
 void appendPrimitive(GeometryBlock& to, const GeometryBlock& from, GeometryKind kind, uint32_t p,
                      PointOf pointOf) {
@@ -62,11 +62,11 @@ void appendPrimitive(GeometryBlock& to, const GeometryBlock& from, GeometryKind 
   }
 }
 
-/// Everything that makes a point what it is, compared by its bits.
+/// All attributes of a point, compared by their bits.
 struct PointKey {
   glm::dvec3 position{0};
   glm::vec3 normal{0};
-  glm::vec3 look{0};  ///< the colour, or the value and zeros
+  glm::vec3 look{0};  ///< the colour, or the value and two zeros
   float radius = 0, unused = 0;
 
   PointKey(const GeometryBlock& block, uint32_t point) : position(block.points[point]) {
@@ -90,13 +90,15 @@ uint64_t hashOf(const PointKey& key) {
   return hash;
 }
 
-/// Finds points of a block, up to so many, by content: a table of indices with linear probing.
+/// Finds points of a block by content: a hash table of point indices with linear probing, for a limited
+/// number of points.
 class PointsByContent {
  public:
   PointsByContent(const GeometryBlock& block, size_t points)
       : block_(block), slots_(std::bit_ceil(2 * points), kNone) {}
 
-  /// The index of the point with this content; kNone, to be set to what it will get, where there is none.
+  /// Returns the index of the point with this content. If there is none, it is kNone, and the caller sets it
+  /// to the index of the point that it appends.
   uint32_t& operator[](const PointKey& key) {
     size_t i = hashOf(key);
     while (slots_[i &= slots_.size() - 1] != kNone && !(PointKey(block_, slots_[i]) == key)) ++i;
@@ -146,15 +148,16 @@ GeometryBlock concatenated(GeometryKind kind, std::span<const GeometryBlock> par
   return all;
 }
 
-/// Whether segment p of a block goes on where segment p - 1 ends, and both know it.
+/// Whether segment p of a block continues segment p - 1: they share a point and are each other's neighbours.
 bool continuesLine(const GeometryBlock& block, size_t p) {
   return block.segments[p - 1][1] == block.segments[p][0] &&
          block.neighbours[p][0] == block.segments[p - 1][0] &&
          block.neighbours[p - 1][1] == block.segments[p][1];
 }
 
-/// Of segments [begin, end), one line: those that are left without the points that repeat the one before, with the
-/// neighbours that they then have. Of a line of one point only, the first is left: it is a ball.
+/// Removes the segments of a line, segments [begin, end), whose end repeats their beginning. Appends the
+/// others to `left` and updates their neighbours. If all points of the line are equal, its first segment
+/// stays: it is drawn as a ball.
 void withoutRepeatedPoints(GeometryBlock& block, size_t begin, size_t end, std::vector<uint32_t>& left) {
   const size_t first = left.size();
   for (size_t p = begin; p < end; ++p) {
@@ -181,7 +184,7 @@ bool isUsable(const GeometryBlock& block, GeometryKind kind, size_t p) {
     return isFinite(block.points[before]) && isFinite(block.points[after]);
   }
   if (kind == GeometryKind::Triangles) {
-    // Scaled to its longest edge first, so that tiny and huge triangles neither underflow nor overflow.
+    // The triangle is scaled by its longest edge first, so that tiny and huge ones neither underflow nor overflow.
     const auto [a, b, c] = block.triangles[p];
     glm::dvec3 u = block.points[b] - block.points[a], v = block.points[c] - block.points[a];
     double longest = 0;
@@ -269,7 +272,7 @@ GeometryBlock subset(const GeometryBlock& block, GeometryKind kind, std::span<co
   if (primitives.size() > block.points.size() / 16) {
     std::vector<uint32_t> numbers(block.points.size(), kNone);
     append([&](uint32_t point) -> uint32_t& { return numbers[point]; });
-  } else {  // a table of all points for each of many small pieces would take longer than the pieces
+  } else {  // For many small pieces, a table of all points each time would take longer than the pieces themselves.
     std::unordered_map<uint32_t, uint32_t> numbers;
     append([&](uint32_t point) -> uint32_t& { return numbers.try_emplace(point, kNone).first->second; });
   }
@@ -293,7 +296,7 @@ GeometryBlock merged(GeometryKind kind, std::span<const GeometryBlock> parts, co
   block.ids.reserve(order.size());
   block.points.reserve(all.points.size());
   PointsByContent byContent(block, kind == GeometryKind::Particles ? 1 : all.points.size());
-  std::vector<uint32_t> indices(all.points.size(), kNone);  // looked up once per point, not once per use
+  std::vector<uint32_t> indices(all.points.size(), kNone);  // saves a lookup by content at each further use
   for (size_t i = 0; i < order.size(); ++i) {
     tell(advance, i, order.size());
     appendPrimitive(block, all, kind, order[i], [&](uint32_t point) {

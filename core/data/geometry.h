@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Particles, path lines and triangle meshes, kept per local partition.
+// Particles, path lines and triangle meshes, stored per local partition.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -15,46 +15,45 @@
 
 namespace gxy {
 
-/// The primitives of one partition: every one whose (inflated) box touches the partition, so borders cut
-/// nothing. Positions are world coordinates in double. Ids are global: the same primitive has the same id
-/// wherever it is.
+/// The primitives of one partition: all whose (inflated) bounding box touches it, so borders cut no primitive.
+/// Positions are world coordinates in double. Ids are global: a primitive has the same id in every partition.
 struct GeometryBlock {
   std::vector<glm::dvec3> points;
-  std::vector<glm::vec3> normals;   ///< per point, unit length; empty when the file has none
-  std::vector<float> values;        ///< per point, the mapped scalar; empty when the file has none
+  std::vector<glm::vec3> normals;   ///< per point, unit length; empty if the file has none
+  std::vector<float> values;        ///< per point, the mapped scalar; empty if the file has none
   std::vector<glm::vec3> colors;    ///< per point, instead of values: red, green and blue, each 0 to 1
-  std::vector<float> radiusValues;  ///< per point, the scalar that gives the radius; empty: `values` do
+  std::vector<float> radiusValues;  ///< per point, the scalar that gives the radius; empty: `values` give it
   std::vector<std::array<uint32_t, 3>> triangles;  ///< Triangles: point indices
   std::vector<std::array<uint32_t, 2>> segments;   ///< PathLines: point indices
-  std::vector<std::array<uint32_t, 2>>
-      neighbours;             ///< PathLines: per segment, point before and after (own end if none)
+  /// PathLines: per segment, the line's points before and after it; at an end of the line, the segment's own end.
+  std::vector<std::array<uint32_t, 2>> neighbours;
   std::vector<uint64_t> ids;  ///< per primitive (Particles: per point), ascending
   bool operator==(const GeometryBlock&) const = default;
 };
 
 enum class GeometryKind : uint8_t { Particles, PathLines, Triangles };
 
-/// A distributed set of primitives. Immutable once complete; safe to read from any thread.
+/// A distributed set of primitives. It is immutable once complete; any thread may read it.
 struct Geometry {
   std::string name;
   GeometryKind kind = GeometryKind::Particles;
-  Box box;                              ///< of all points, world
-  Range range;                          ///< of all values
-  std::optional<Range> radiusRange;     ///< of the scalars that give radii, if these are not the values
+  Box box;                              ///< bounding box of all points, world coordinates
+  Range range;                          ///< range of all values
+  std::optional<Range> radiusRange;     ///< range of radiusValues; absent: the values give radii
   bool colored = false;                 ///< points have colours instead of values; the same on every rank
-  uint64_t primitives = 0;              ///< over all partitions, each counted once
-  uint64_t droppedPrimitives = 0;       ///< with non-finite coordinates, or degenerate
+  uint64_t primitives = 0;              ///< number in all partitions, each counted once
+  uint64_t droppedPrimitives = 0;       ///< number dropped: degenerate, or with non-finite coordinates
   std::map<int, GeometryBlock> blocks;  ///< by local partition
 };
 
-/// The scalar that gives the radius at a point; 0 where there is none.
+/// Returns the scalar that gives the radius at a point; 0 if there is none.
 double radiusValue(const GeometryBlock& block, size_t point);
 
-/// Whether a block of this rank has values to map, be all of them NaN.
+/// Whether a block of this rank has values to map, even if all of them are NaN.
 bool hasValues(const Geometry& geometry);
 
-/// The points that define primitive p of a block: 1 (Particles), 2 (PathLines; neighbours are not among them)
-/// or 3.
+/// The points that define primitive p of a block: 1 (Particles), 2 (PathLines, without neighbours) or 3
+/// (Triangles).
 struct Corners {
   std::array<uint32_t, 3> points;
   int count;
@@ -66,33 +65,35 @@ Corners cornersOf(const GeometryBlock& block, GeometryKind kind, size_t p);
 /// Throws Error unless the block's arrays fit each other and the kind, and every index names a point.
 void validate(const GeometryBlock& block, GeometryKind kind);
 
-/// The chosen primitives (indices, in the order wanted) and the points that they refer to, in order of first
-/// use.
+/// Returns the primitives with the given indices, in that order, and the points that they refer to, in
+/// order of first use.
 GeometryBlock subset(
     const GeometryBlock& block, GeometryKind kind, std::span<const uint32_t> primitives,
     const Advance& advance = [](double) {});
 
-/// All primitives of several valid blocks, ids ascending. Points equal in position, normal, value or colour, and radius
-/// become one (never for Particles, where each point is a primitive) and are numbered in order of first use, so that
-/// the result depends neither on the order of the parts nor on how primitives were spread over them. Throws
-/// Error if an id comes twice, if only some parts have normals, values, colours or radii, or for 2^32 - 1 points or more.
+/// Returns all primitives of several valid blocks, by ascending id. Points that are equal in position,
+/// normal, value or colour, and radius become one, except for Particles, where each point is a primitive.
+/// Points are numbered in order of first use. So the result depends neither on the order of the parts nor on
+/// how primitives were spread over them. Throws Error if an id comes twice, if only some parts have normals,
+/// values, colours or radii, or for 2^32 - 1 points or more.
 GeometryBlock merged(
     GeometryKind kind, std::span<const GeometryBlock> parts, const Advance& advance = [](double) {});
 
-/// Removes primitives that cannot be drawn: with a non-finite coordinate (neighbours' included), triangles without area,
-/// and segments between points of a line that are equal in position, normal, value or colour, and radius (merged() makes these one,
-/// which would be its own neighbour); the segments around them become neighbours. Returns how many. Other segments of no length
-/// stay: they are round.
+/// Removes primitives that cannot be drawn, and returns their number. These are primitives with a non-finite
+/// coordinate (that of a neighbour included), triangles without area, and segments of a line between points
+/// that are equal in position, normal, value or colour, and radius: merged() would make their points one,
+/// which would be its own neighbour. The segments around a removed one become neighbours. Other segments of
+/// length zero stay and are drawn as balls.
 int64_t dropUnusable(GeometryBlock& block, GeometryKind kind);
 
-/// Memory of the local blocks.
+/// Memory of the local blocks in bytes.
 int64_t bytesOf(const Geometry& geometry);
 
-/// The box of all points of a block, and the range of its values.
+/// The bounding box of all points of a block, and the range of its values.
 Box boxOf(const GeometryBlock& block);
 Range rangeOf(const GeometryBlock& block);
 
-/// The range of the scalars that give a block's radii, if these are not its values.
+/// The range of a block's radiusValues; nothing if the values give the radii.
 std::optional<Range> radiusRangeOf(const GeometryBlock& block);
 
 }  // namespace gxy

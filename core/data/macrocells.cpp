@@ -15,8 +15,8 @@ namespace {
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 constexpr int64_t kSize = kMacrocellSize;
 
-/// What is known of the points of one row of macrocells, by their x: of a point itself, of it and the next in x, and of it
-/// and both its neighbours in x.
+/// Extremes over the rows of points of one row of macrocells, by x: of a point itself (lo_, hi_, steep_, bend_),
+/// of it and the next point in x (steepNext_, bendNext_), and of it and both its neighbours in x (bendBoth_).
 class RowSummary {
  public:
   explicit RowSummary(size_t points)
@@ -37,10 +37,10 @@ class RowSummary {
     std::fill(bad_.begin(), bad_.end(), 0u);
   }
 
-  // Each loop is written so that compilers vectorise it: no branch, one pass, arrays that do not alias. A difference
-  // with NaN or infinity in it is NaN or infinite, and fails the comparison.
+  // Each loop is written so that compilers vectorise it: no branch, one pass, arrays that do not alias. A
+  // difference of a NaN or an infinity is NaN or infinite, and so fails the comparison in widen().
 
-  /// A row, and its differences along x.
+  /// Adds a row and its differences along x.
   void add(const float* __restrict__ row) {
     float* __restrict__ l = lo_.data(), * __restrict__ h = hi_.data();
     float* __restrict__ steep = steepNext_.data(), * __restrict__ bend = bendBoth_.data();
@@ -57,14 +57,15 @@ class RowSummary {
     for (size_t x = 0; x + 1 < n; ++x) widen(steep[x], row[x + 1] - row[x]);
     for (size_t x = 1; x + 1 < n; ++x) widen(bend[x], (row[x + 1] - row[x]) - (row[x] - row[x - 1]));
   }
-  /// Neighbouring rows, along y or z.
+  /// Adds the differences of rows that are neighbours along y or z.
   void addPair(const float* __restrict__ a, const float* __restrict__ b) {
     float* __restrict__ steep = steep_.data(), * __restrict__ twist = bendNext_.data();
     const size_t n = lo_.size();
     for (size_t x = 0; x < n; ++x) widen(steep[x], b[x] - a[x]);
     for (size_t x = 0; x + 1 < n; ++x) widen(twist[x], (b[x + 1] - b[x]) - (a[x + 1] - a[x]));
   }
-  /// (b - a) - (d - c): three rows in a line (b = d there), or four around a face of cells.
+  /// Adds the second differences (b - a) - (d - c) of three rows in a line, a, b = c and d, or of four
+  /// rows around a face.
   void addSecond(const float* __restrict__ a, const float* b, const float* __restrict__ c, const float* d) {
     float* __restrict__ bend = bend_.data();
     const size_t n = lo_.size();
@@ -95,7 +96,7 @@ class RowSummary {
   std::vector<uint32_t> bad_;
 };
 
-/// The rows of one row of macrocells as float, one summary (component or magnitude) at a time.
+/// The rows of points of one row of macrocells as float, for one summary (component or magnitude) at a time.
 class Rows {
  public:
   Rows(const VolumeBlock& block, ScalarType stored, int components)
@@ -104,7 +105,7 @@ class Rows {
       copies_.resize(kRows * kRows, std::vector<float>(size_t(block.extent.points[0])));
   }
 
-  /// Of the points y and z of the block, (kSize + 1)^2 at most.
+  /// Reads the rows [y0, y1] x [z0, z1] of the block, (kSize + 1)^2 at most.
   void read(int64_t y0, int64_t y1, int64_t z0, int64_t z1, int summary) {
     const Extent& e = block_.extent;
     for (int64_t z = z0; z <= z1; ++z)
@@ -127,7 +128,7 @@ class Rows {
         rows_[slot] = copies_[slot].data();
       }
   }
-  /// Counted from the first that was read.
+  /// The row (y, z), counted from the first that was read.
   const float* operator()(int64_t y, int64_t z) const { return rows_[size_t(z * kRows + y)]; }
 
  private:
@@ -156,7 +157,7 @@ class Rows {
   std::vector<std::vector<float>> copies_;
 };
 
-/// The points of macrocell `m` on an axis that lie in the extent, relative to its first point.
+/// The points of macrocell `m` on one axis that lie in the extent, relative to the extent's first point.
 struct PointSpan {
   int64_t first, last;
 };
@@ -170,9 +171,9 @@ size_t indexOf(const VolumeBlock& block, const Index3& macrocell) {
   return size_t(((macrocell[2] - f[2]) * n[1] + macrocell[1] - f[1]) * n[0] + macrocell[0] - f[0]);
 }
 
-/// Whether a macrocell lies so deep inside a block that no other block holds any of its cells. The block's
-/// extent ends at most kGhostLayers and a cell outside its partition, and that of a neighbour reaches as far
-/// into it. Ends of the grid are no exception: the partition may end up to that far before them.
+/// Whether a macrocell lies so deep inside a block that no other block contains any of its cells. The block's
+/// extent ends at most kGhostLayers and one cell outside its partition, and a neighbour's extent reaches as far
+/// into the partition. This holds at the ends of the grid too: a partition may end up to that far before them.
 bool isPrivate(const VolumeBlock& block, const Index3& macrocell) {
   constexpr int64_t kReach = 2 * (kGhostLayers + 1);
   for (int a = 0; a < 3; ++a) {
@@ -201,13 +202,13 @@ void completeBlock(VolumeBlock& block, ScalarType stored, int components, const 
   block.firstMacrocell = block.macrocells = {0, 0, 0};
   if (e.count() == 0) return;
   for (int a = 0; a < 3; ++a) {
-    // By cells: a last point that lies on a macrocell's first plane does not touch that macrocell.
+    // Counted by cells: a block whose last point lies on a macrocell's first plane does not touch that macrocell.
     block.firstMacrocell[a] = e.first[a] / kSize;
     const int64_t lastCell = e.first[a] + std::max<int64_t>(e.points[a] - 2, 0);
     block.macrocells[a] = lastCell / kSize - block.firstMacrocell[a] + 1;
   }
   const Index3 &n = block.macrocells, &f = block.firstMacrocell;
-  // rows of macrocells, after which it is told how far this is
+  // The number of rows of macrocells between two reports of progress.
   const int64_t told = std::max<int64_t>(1, (int64_t(1) << 20) / (e.points[0] * kSize * kSize));
   Rows rows(block, stored, components);
   RowSummary row(size_t(e.points[0]));

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Summaries of macrocells: per block, and merged across the partitions that cut a macrocell.
+// Summaries of macrocells, per block and merged over the partitions that cut a macrocell.
 //
-// After an import or update: completeBlock() every local block, exchange the borderSummaries() of all ranks (an
-// all-gather of plain structs), and mergeSummaries() with all of them, own ones included. The result is the
-// summary of the whole volume, however it is cut, as long as every cell is in some partition and blocks have at least one
-// ghost layer; both sides of a border decide alike.
+// After an import or update, each rank calls completeBlock() for every local block, exchanges its
+// borderSummaries() with all ranks (an all-gather of plain structs), and calls mergeSummaries() with the
+// records of all ranks, its own included. The result then does not depend on how the volume is cut, if every
+// cell is in some partition and blocks have at least one ghost layer. So both sides of a border skip and
+// subdivide alike.
 #pragma once
 #include <cstdint>
 #include <span>
@@ -15,15 +16,16 @@
 
 namespace gxy {
 
-/// Fills firstMacrocell, macrocells and summaries of a block from its own samples (x fastest; stored type: int8 to uint16,
-/// or float), and puts these into bricks. The magnitude of a point is sqrt of the sum of squares of the stored components, in
-/// float, left to right; a point is "no data" for the magnitude if one component is. Throws Error if the
-/// samples do not fit the extent, or the block is complete. Nothing can be done with a block whose `advance` has thrown.
+/// Computes firstMacrocell, macrocells and summaries of a block from its own samples (x fastest; stored type
+/// int8 to uint16, or float), and reorders the samples into bricks. The magnitude of a point is the square
+/// root of the sum of squares of its stored components, in float, from left to right; it has no data if one
+/// component has none. Throws Error for another stored type, if the samples do not fit the extent, or if the
+/// block is complete already. A block is unusable after `advance` has thrown.
 void completeBlock(
     VolumeBlock& block, ScalarType stored, int components, const Advance& advance = [](double) {});
 
-/// What one block knows of one macrocell that other blocks may hold too; plain data, sent between ranks as it
-/// is.
+/// One block's summary of a macrocell that other blocks may contain too. It is plain data, sent between ranks
+/// as it is.
 struct BorderSummary {
   Index3 macrocell;  ///< global index
   int32_t summary;   ///< index into VolumeBlock::summaries
@@ -32,12 +34,12 @@ struct BorderSummary {
   bool operator==(const BorderSummary&) const = default;
 };
 
-/// Of every complete local block, the macrocells of which it lacks samples. Order: block, macrocell,
-/// summary.
+/// Returns, for every complete local block, the summaries of macrocells that another block may contain too,
+/// ordered by block, macrocell and summary.
 std::vector<BorderSummary> borderSummaries(const Volume& volume);
 
-/// Widens the summaries of all local blocks by those records (of all ranks, in any order) that concern them.
-/// Throws Error for a record that no volume of this shape can have made.
+/// Widens the summaries of all local blocks by the records of all ranks, in any order. Throws Error for a
+/// record that no volume of this shape can have made.
 void mergeSummaries(Volume& volume, std::span<const BorderSummary> records);
 
 }  // namespace gxy

@@ -9,7 +9,7 @@ namespace gxy {
 namespace {
 
 constexpr const char* kAxis[3] = {"x", "y", "z"};
-constexpr double kMerge = 1e-9;  ///< of the domain's side: coordinates closer than this are one face
+constexpr double kMerge = 1e-9;  ///< fraction of the domain's side: coordinates closer than this are one face
 constexpr double kMaxCells = 1 << 28;
 
 size_t cellIndex(const std::array<int, 3>& n, int i, int j, int k) {
@@ -30,13 +30,13 @@ void checkFaces(const std::array<std::vector<double>, 3>& faces) {
   }
 }
 
-/// The cells of one partition: the bounds of their indices, and how many there are.
+/// The cells of one partition: the bounds of their indices, and their number.
 struct CellBox {
   std::array<int, 3> first{INT32_MAX, INT32_MAX, INT32_MAX}, last{-1, -1, -1};
   int64_t count = 0;
 };
 
-/// The sorted coordinates of all boxes on one axis, those nearer than `gap` to the last kept one dropped.
+/// Returns the sorted coordinates of all boxes on one axis, without those within kMerge of the last one kept.
 std::vector<double> mergedFaces(std::span<const Box> boxes, int axis) {
   std::vector<double> all;
   for (const Box& b : boxes) {
@@ -49,7 +49,7 @@ std::vector<double> mergedFaces(std::span<const Box> boxes, int axis) {
   for (double x : all) {
     if (x - faces.back() > gap) faces.push_back(x);
   }
-  faces.back() = all.back();  // the domain's end keeps its exact coordinate
+  faces.back() = all.back();  // The domain's end keeps its exact coordinate.
   return faces;
 }
 
@@ -235,7 +235,7 @@ int Partitioning::nearest(glm::dvec3 p) const {
 }
 
 std::array<int, 2> Partitioning::cellsTouched(int axis, double lo, double hi) const {
-  // Inner faces only: what lies beyond the domain's ends belongs to the outermost cells.
+  // Only inner faces count, since points beyond the domain's ends belong to the outermost cells.
   const auto begin = faces_[axis].begin() + 1, end = faces_[axis].end() - 1;
   return {int(std::lower_bound(begin, end, lo) - begin), int(std::upper_bound(begin, end, hi) - begin)};
 }

@@ -11,7 +11,7 @@ namespace {
 
 using Triangles = std::vector<std::array<uint32_t, 3>>;
 
-/// Newell's normal; its length is twice the area.
+/// Returns Newell's normal. Its length is twice the area.
 glm::dvec3 normalOf(std::span<const glm::dvec3> corners) {
   glm::dvec3 normal(0);
   for (size_t i = 1; i + 1 < corners.size(); ++i)
@@ -30,7 +30,8 @@ bool isConvex(std::span<const glm::dvec3> corners, glm::dvec3 normal) {
   return true;
 }
 
-/// Whether a convex quad is cut from corner 1 to 3 instead of from 0 to 2.
+/// Whether a convex quad is cut from corner 1 to 3 instead of from 0 to 2: it is not planar, and that
+/// diagonal is shorter.
 bool isCutFromOne(std::span<const glm::dvec3> q, glm::dvec3 normal) {
   const glm::dvec3 first = q[2] - q[0], second = q[3] - q[1];
   const double volume = std::abs(glm::dot(glm::cross(q[1] - q[0], first), q[3] - q[0]));
@@ -38,7 +39,7 @@ bool isCutFromOne(std::span<const glm::dvec3> q, glm::dvec3 normal) {
   return !planar && glm::dot(second, second) < glm::dot(first, first);
 }
 
-/// Ear clipping of a polygon in its plane.
+/// Ear clipping of a polygon, projected along the largest component of its normal.
 class EarClipping {
  public:
   EarClipping(std::span<const glm::dvec3> corners, glm::dvec3 normal)
@@ -87,8 +88,8 @@ class EarClipping {
     return p.x * q.y - p.y * q.x;
   }
 
-  /// Whether the triangle of a corner and its neighbours lies inside: it turns as the polygon does, and no corner that does not
-  /// is in it. Corners at the place of one of its own are not.
+  /// Whether the triangle of a corner and its neighbours is an ear: it turns as the polygon does, and
+  /// contains no reflex corner. Reflex corners at the position of one of its own corners do not count.
   bool isEar(uint32_t i) {
     const uint32_t a = previous_[i], c = next_[i];
     if (!(area(a, i, c) > 0)) return false;
@@ -101,16 +102,16 @@ class EarClipping {
       --tests_;
       if (next_[*p] == *p || *p == a || *p == i || *p == c) continue;
       if (flat_[*p] == flat_[a] || flat_[*p] == flat_[i] || flat_[*p] == flat_[c]) continue;
-      if (area(previous_[*p], *p, next_[*p]) > 0) continue;  // no longer, since a neighbour went
+      if (area(previous_[*p], *p, next_[*p]) > 0) continue;  // no longer reflex: a neighbour was clipped
       if (area(a, i, *p) >= 0 && area(i, c, *p) >= 0 && area(c, a, *p) >= 0) return false;
     }
     return true;
   }
 
   std::vector<glm::dvec2> flat_;
-  std::vector<uint32_t> next_, previous_,
-      reflex_;          ///< reflex_: by x; corners that were clipped are their own next
-  uint64_t tests_ = 0;  ///< that may still be made
+  /// next_ and previous_ link the corners that are left; a clipped corner links to itself. reflex_ is sorted by x.
+  std::vector<uint32_t> next_, previous_, reflex_;
+  uint64_t tests_ = 0;  ///< number of tests left
 };
 
 }  // namespace

@@ -30,7 +30,7 @@ GeometryBlock readBlock(Reader& reader) {
   return block;
 }
 
-/// Box of a primitive's points, and the largest radius at them.
+/// Bounding box of a primitive's points, and the largest radius at them.
 struct Bounds {
   Box box;
   double radius = 0;

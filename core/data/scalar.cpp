@@ -28,7 +28,7 @@ void swapEach(std::span<std::byte> samples) {
   for (size_t i = 0; i + N <= samples.size(); i += N) std::reverse(&samples[i], &samples[i] + N);
 }
 
-/// The smallest power of two that is >= x, for finite x > 0, within what division can use.
+/// Returns the smallest power of two that is >= x, for finite x > 0, within the range that division can use.
 double powerAbove(double x) {
   int exponent;
   const double fraction = std::frexp(x, &exponent);
@@ -101,7 +101,7 @@ Encoding encodingOf(ScalarType type, int components, const Range& range) {
 
 Samples convert(std::span<const std::byte> values, ScalarType type, const Encoding& encoding,
                 const Advance& advance) {
-  constexpr size_t kTold = size_t(1) << 20;  ///< values
+  constexpr size_t kTold = size_t(1) << 20;  ///< number of values between two reports of progress
   if (values.size() % bytesOf(type) != 0) {
     throw Error("samples: " + std::to_string(values.size()) + " bytes of " + nameOf(type) +
                 ", expected a multiple of " + std::to_string(bytesOf(type)));

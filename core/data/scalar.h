@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Types of sample values, and how wide ones are brought to float without losing their signal.
+// Types of sample values, and the conversion of wide types to float without losing their signal.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -54,31 +54,33 @@ auto withType(ScalarType type, F&& f) {
   return f(double{});
 }
 
-/// Reverses the bytes of each value (big-endian files). The size of `samples` is a multiple of bytesPerValue.
+/// Reverses the bytes of each value (for big-endian files). The size of `samples` is a multiple of
+/// bytesPerValue. Throws Error unless bytesPerValue is 1, 2, 4 or 8.
 void swapBytes(std::span<std::byte> samples, size_t bytesPerValue);
 
-/// How values are stored: value = shift + scale * stored.
+/// The relation of values to stored values: value = shift + scale * stored.
 struct Encoding {
   ScalarType stored = ScalarType::Float32;
   double shift = 0, scale = 1;
   bool operator==(const Encoding&) const = default;
 };
 
-/// The encoding of a field of `type` with values in `range` (over all ranks; of all components together).
-/// Narrow types are stored as they are. Wide ones become float: with shift 0 where the offset of the range
-/// costs at most two bits (and always for several components, so that a magnitude is that of the stored values
-/// times the scale), else shifted to the middle of the range; the scale is 1 where float's exponent has ample
-/// room (denormals are 0 to backends, as are squares that underflow), else a power of two that brings the values
-/// into [-1, 1]. Whole numbers below 2^24 (after the shift) stay exact. Float is never shifted, so that it loses
-/// no bit.
+/// Returns the encoding of a field of `type` with values in `range`, which covers all ranks and all components.
+///
+/// Narrow types are stored as they are. Wide types become float. Their shift is 0 if the offset of the range
+/// costs at most two bits, and otherwise the middle of the range. It is always 0 for several components, so
+/// that the magnitude of values is that of the stored values times the scale. The scale is 1 if float's
+/// exponent has ample room: backends take denormals and squares that underflow as 0. Otherwise it is a power
+/// of two that brings the values into [-1, 1]. Whole numbers below 2^24 after the shift stay exact. Float is
+/// never shifted, so it loses no bit.
 Encoding encodingOf(ScalarType type, int components, const Range& range);
 
 /// Samples of a volume in their stored type, as bytes.
 using Samples = LargeVector<std::byte>;
 
-/// Values of `type` as `encoding` stores them: (value - shift) / scale, computed in double (long double for
-/// 64-bit integers) and rounded once more. NaN and infinities stay what they are. Throws Error if the size of
-/// `values` is no multiple of the type's, or a narrow type would change.
+/// Converts values of `type` to stored values, (value - shift) / scale, computed in double (long double for
+/// 64-bit integers) and rounded once more to float. NaN and infinities stay as they are. Throws Error if the
+/// size of `values` is no multiple of the type's size, or if a narrow type would change.
 Samples convert(
     std::span<const std::byte> values, ScalarType type, const Encoding& encoding,
     const Advance& advance = [](double) {});

@@ -10,7 +10,8 @@
 namespace gxy {
 namespace {
 
-/// World coordinate x in units of the grid's points; on a grid plane exactly where it is so within rounding.
+/// Returns world coordinate x in units of the grid's points. A coordinate on a grid plane within rounding
+/// gives the exact number of the plane.
 double planeOf(const Grid& grid, int axis, double x) {
   const double origin = grid.origin[axis], spacing = grid.spacing[axis];
   const double index = (x - origin) / spacing;
@@ -21,7 +22,7 @@ double planeOf(const Grid& grid, int axis, double x) {
   return std::abs(index - plane) <= std::min(rounding, 0.25) ? plane : index;
 }
 
-/// Statistics of rows of points. Samples may come unaligned from a file, hence memcpy.
+/// Statistics of rows of points. Samples from a file may be unaligned, so they are read by memcpy.
 template <typename T>
 class RowStatistics {
  public:
@@ -50,7 +51,7 @@ class RowStatistics {
   FieldStatistics take() { return std::move(statistics_); }
 
  private:
-  /// One component, in lanes without branches, so that compilers vectorise it.
+  /// Adds points with one component, in lanes without branches, so that compilers vectorise the loop.
   void addScalars(const std::byte* samples, int64_t points) {
     constexpr int64_t kLanes = 16;
     using Limits = std::numeric_limits<T>;

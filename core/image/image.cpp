@@ -19,7 +19,7 @@ namespace {
 
 std::string extension(const std::string& path) { return std::filesystem::path(path).extension().string(); }
 
-/// 8 bits: NaN becomes 0.
+/// Converts to 8 bits. NaN becomes 0.
 uint8_t level(float value) {
   return value > 0 ? uint8_t(std::lround(std::min(value, 1.f) * 255.f)) : uint8_t(0);
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pictures to files and back. A target of its own, galaxy_image. A .png is written by libpng; for the rest the plugin with
-// OpenImageIO is opened (image_plugin.h), whose loading takes a quarter of a second.
+// Writes and reads pictures. libpng writes .png files. Everything else needs OpenImageIO, which is in a
+// plugin (image_plugin.h) that is opened at first use; loading it takes a quarter of a second.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -18,19 +18,22 @@ struct Image {
   LargeVector<float> rgba;  ///< 4 * width * height
 };
 
-/// Writes by extension. .png: 8 bits, alpha un-premultiplied, clamped to [0, 1] and rounded. .exr: float,
-/// premultiplied. .raw: the floats of `rgba` as they are, in this machine's byte order. Throws Error when the
-/// file cannot be written; a file of this name is always whole (replace_file.h).
+/// Writes a picture in the format of the path's extension. .png: 8 bits, not premultiplied, clamped to [0, 1]
+/// and rounded. .exr: float, premultiplied. .raw: the floats of `rgba` as they are, in this machine's byte
+/// order. A file with this name is always complete (replace_file.h). Throws Error if the file cannot be
+/// written, the extension is another one, or `rgba` does not fit the size.
 void writeImage(const std::string& path, const Image& image);
 
-/// The bytes that writeImage would write; `format` is "png", "exr" or "raw".
+/// Returns the bytes that writeImage() would write. `format` is "png", "exr" or "raw". Throws Error as
+/// writeImage() does.
 std::vector<std::byte> encodeImage(const std::string& format, const Image& image);
 
-/// A picture in 8 bits, as a .png has it: RGBA, not premultiplied; rows as in `rgba`.
+/// Converts premultiplied float RGBA to 8 bits, not premultiplied, as in a .png file. Rows stay in their order.
 std::vector<uint8_t> eightBits(std::span<const float> rgba);
 
-/// Reads a .png (8 or 16 bits; grey or RGB become opaque RGBA) or .exr into the form above. A .raw file does
-/// not state its size: width and height must be given, and are ignored for the others.
+/// Reads a .png (8 or 16 bits; grey and RGB become opaque RGBA), .exr or .raw file. A .raw file does not
+/// contain its size, so width and height must be given; they are ignored for the others. Throws Error if the
+/// file cannot be read.
 Image readImage(const std::string& path, int width = 0, int height = 0);
 
 }  // namespace gxy

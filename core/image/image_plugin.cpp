@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pictures through OpenImageIO.
+// Reads and writes pictures, and draws text, with OpenImageIO.
 #include "core/image/image_plugin.h"
 
 #include <OpenImageIO/filesystem.h>
@@ -16,7 +16,7 @@
 namespace gxy {
 namespace {
 
-/// Encoded in memory: OpenImageIO's own files do not notice a full disk.
+/// Encodes in memory, because OpenImageIO does not notice a full disk when it writes files itself.
 std::vector<std::byte> encoded(const char* format, const Image& image, OIIO::TypeDesc type,
                                const void* rows) {
   OIIO::ImageSpec spec(image.width, image.height, 4, type);
@@ -40,7 +40,7 @@ std::vector<std::byte> encode(const std::string& format, const Image& image) {
 
 Image read(const std::string& path) {
   OIIO::ImageSpec request;
-  request.attribute("oiio:UnassociatedAlpha", 1);  // as in the file; a PNG is premultiplied here, in float
+  request.attribute("oiio:UnassociatedAlpha", 1);  // values as in the file; PNG is premultiplied below
   const auto in = OIIO::ImageInput::open(path, &request);
   if (!in) throw Error(path + ": cannot read the picture: " + OIIO::geterror());
   const OIIO::ImageSpec& spec = in->spec();
@@ -65,7 +65,7 @@ Image read(const std::string& path) {
 }
 
 TextMask text(const std::string& text, int pixels) {
-  static std::mutex one;  // OpenImageIO's faces are not of several threads
+  static std::mutex one;  // Several threads must not use OpenImageIO's fonts at once.
   const std::lock_guard lock(one);
   const char* const kFont = "DejaVuSans";
   const OIIO::ROI used = OIIO::ImageBufAlgo::text_size(text, pixels, kFont);
@@ -73,7 +73,7 @@ TextMask text(const std::string& text, int pixels) {
     throw Error(std::string("drawing text: the font ") + kFont +
                 " is not there, install it (Debian: fonts-dejavu-core)");
   const int above = (pixels * 19 + 19) / 20,
-            below = (pixels + 3) / 4;  // of the font's ascenders and descenders
+            below = (pixels + 3) / 4;  // heights of the font's ascenders and descenders
   TextMask mask{std::max(used.xend, 1), above + below, {}};
   OIIO::ImageBuf buffer(OIIO::ImageSpec(mask.width, mask.height, 1, OIIO::TypeDesc::FLOAT));
   OIIO::ImageBufAlgo::zero(buffer);

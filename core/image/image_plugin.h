@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The table of plugin "image" (core/comm/plugin.h), which holds what OpenImageIO does: that library brings some 240 others.
+// The table of plugin "image" (core/comm/plugin.h). The plugin contains all code that calls OpenImageIO,
+// because that library loads some 240 others.
 #pragma once
 #include <cstddef>
 #include <string>
@@ -11,11 +12,11 @@
 namespace gxy {
 
 struct ImagePlugin {
-  /// The bytes of a whole file: "png" in 8 bits, not premultiplied, or "exr".
+  /// Returns the bytes of a file: "png" in 8 bits, not premultiplied, or "exr" in float, premultiplied.
   std::vector<std::byte> (*encode)(const std::string& format, const Image& image);
-  /// Reads a .png or .exr.
+  /// Reads a .png or .exr file.
   Image (*read)(const std::string& path);
-  /// textMask() of a text that is not empty.
+  /// Implements textMask() for a text that is not empty.
   TextMask (*text)(const std::string& text, int pixels);
 };
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Used inside core/io only.
+// The order of a picture's rows. Used inside core/image only.
 #pragma once
 #include <cstddef>
 
 namespace gxy {
 
-/// Files hold rows top to bottom, pictures in memory bottom to top.
+/// Reverses the order of rows: files have them top to bottom, pictures in memory bottom to top.
 template <class Pixels>
 Pixels flipped(const Pixels& pixels, int height) {
   Pixels rows;

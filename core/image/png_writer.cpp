@@ -24,7 +24,7 @@ void append(png_structp png, png_bytep data, size_t size) {
     const auto* from = reinterpret_cast<const std::byte*>(data);
     out.bytes.insert(out.bytes.end(), from, from + size);
   } catch (const std::bad_alloc&) {
-    whole = false;  // no exception may pass through libpng
+    whole = false;  // No exception may pass through libpng.
   }
   if (!whole) png_error(png, "out of memory");
 }
@@ -51,13 +51,14 @@ struct Writer {
   Writer& operator=(const Writer&) = delete;
 };
 
-/// False where libpng failed. It has no objects of its own, which setjmp would leave undestroyed.
+/// Returns false if libpng failed. This function has no local objects with destructors, because longjmp
+/// would not call them.
 bool write(png_structp png, png_infop info, const uint8_t* levels, size_t width, size_t height) {
   if (setjmp(png_jmpbuf(png))) return false;
   png_set_IHDR(png, info, png_uint_32(width), png_uint_32(height), 8, PNG_COLOR_TYPE_RGB_ALPHA,
                PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
   png_write_info(png, info);
-  for (size_t y = height; y-- > 0;) png_write_row(png, levels + 4 * width * y);  // files begin at the top
+  for (size_t y = height; y-- > 0;) png_write_row(png, levels + 4 * width * y);  // top row first
   png_write_end(png, info);
   return true;
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Used inside core/io only.
+// Writes .png files with libpng. Used inside core/image only.
 #pragma once
 #include <cstddef>
 #include <vector>
@@ -8,7 +8,7 @@
 
 namespace gxy {
 
-/// A whole .png file of 8 bits, RGBA as eightBits() makes it, by libpng. Throws Error with libpng's words.
+/// Returns the bytes of a .png file: RGBA of 8 bits from eightBits(). Throws Error with libpng's message.
 std::vector<std::byte> encodePng(const Image& image);
 
 }  // namespace gxy

@@ -11,7 +11,7 @@
 namespace gxy {
 
 void replaceFile(const std::string& path, std::span<const std::byte> bytes) {
-  // what is no file, such as a device or a pipe, cannot be replaced; a link stays a link
+  // A device or a pipe cannot be replaced. Of a symbolic link, the file that it points to is replaced.
   std::error_code none;
   const auto kind = std::filesystem::status(path, none).type();
   const bool special =

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Files that appear whole or not at all.
+// Writes files that are complete or absent at any time.
 #pragma once
 #include <cstddef>
 #include <span>
@@ -7,9 +7,10 @@
 
 namespace gxy {
 
-/// Writes a file beside `path`, as PATH.partial, and gives it its name when all is written: if the process ends
-/// meanwhile, under `path` there is the old file or the whole new one. Devices and pipes are written to as they are.
-/// Throws Error naming `path` and the system's reason (disk full, no such folder, ...), and then leaves no partial file.
+/// Writes the bytes to PATH.partial and renames that file to `path` when it is complete. If the process ends
+/// meanwhile, `path` is the old file or the complete new one. Devices and pipes are written directly; a
+/// symbolic link stays a link. Throws Error with `path` and the system's reason (disk full, no such folder,
+/// ...), and then leaves no partial file.
 void replaceFile(const std::string& path, std::span<const std::byte> bytes);
 
 }  // namespace gxy

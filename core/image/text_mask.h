@@ -1,25 +1,26 @@
 // SPDX-License-Identifier: Apache-2.0
-// Text as a picture. Part of galaxy_image; the plugin with OpenImageIO draws it.
+// Draws text into a mask, with OpenImageIO's plugin.
 #pragma once
 #include <string>
 #include <vector>
 
 namespace gxy {
 
-/// How much of each pixel a text covers, in [0, 1]; rows bottom to top. It is as high as the font's ascenders and descenders
-/// together, whatever the text, and starts where the text does.
+/// The coverage of each pixel by a text, in [0, 1], in rows bottom to top. Its height is that of the font's
+/// ascenders and descenders together, for any text. Its left edge is where the text starts.
 struct TextMask {
   int width = 0, height = 0;
   std::vector<float> coverage;
 
-  /// 0 outside.
+  /// The coverage of pixel (x, y); 0 outside the mask.
   float at(int x, int y) const {
     return x < 0 || y < 0 || x >= width || y >= height ? 0.f
                                                        : coverage[size_t(y) * size_t(width) + size_t(x)];
   }
 };
 
-/// One line of UTF-8 in DejaVu Sans, `pixels` high; an empty text has no width. Throws Error where the font is not there.
+/// Draws one line of UTF-8 in DejaVu Sans, `pixels` high. An empty text gives an empty mask. Throws Error if
+/// the font is missing. Any thread may call it.
 TextMask textMask(const std::string& text, int pixels);
 
 }  // namespace gxy

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Names of objects: a private directory for each tenant, and one that all share.
+// Names of objects: a private directory for each tenant, and one directory that all tenants share.
 #pragma once
 #include <map>
 #include <mutex>
@@ -15,13 +15,13 @@ enum class Scope { Private, Shared };
 
 struct DirectoryEntry {
   Key key;
-  std::string type;       ///< "Volume", "Particles", ...: for listing, and for errors before data are touched
-  std::string owner;      ///< the tenant that made it
-  bool readOnly = false;  ///< only the owner may bind the name anew or remove it
+  std::string type;       ///< "Volume", "Particles", ...; for listings and early error messages
+  std::string owner;      ///< the tenant that made the object
+  bool readOnly = false;  ///< only the owner may bind the name again or remove it
   bool operator==(const DirectoryEntry&) const = default;
 };
 
-/// Thread safe. Rank 0's copy decides; the others hold what it tells them.
+/// Names and their entries. Thread safe. Rank 0's directory decides; other ranks copy its changes.
 class Directory {
  public:
   struct Listed {
@@ -31,23 +31,23 @@ class Directory {
     bool operator==(const Listed&) const = default;
   };
 
-  /// Binds a name in the tenant's own or the shared directory; the tenant is the entry's owner. A name in use
-  /// is bound anew, and what it named before is returned. Throws Error for an empty name, or one that is
-  /// another's and read-only.
+  /// Binds a name in the shared directory, or in the private one of the entry's owner. If the name is in
+  /// use, its old entry is replaced and returned. Throws Error if the name is empty, or read-only and owned
+  /// by another tenant.
   std::optional<DirectoryEntry> bind(const std::string& name, Scope scope, DirectoryEntry entry);
 
-  /// What a name means to a tenant: its own directory first, then the shared one.
+  /// Returns the entry that a name has for a tenant: that of its private directory, or else of the shared one.
   std::optional<DirectoryEntry> find(const std::string& tenant, const std::string& name) const;
-  /// What it means in one of the two.
+  /// Returns the entry in one of the two directories.
   std::optional<DirectoryEntry> find(const std::string& tenant, const std::string& name, Scope scope) const;
-  /// The first of these; throws Error if there is none.
+  /// Like the first find(), but throws Error if there is no entry.
   DirectoryEntry get(const std::string& tenant, const std::string& name) const;
 
-  /// Removes a name, and returns what it named. Throws Error if there is none, or if it is another's and
-  /// read-only.
+  /// Removes a name and returns its entry. Throws Error if there is none, or if it is read-only and owned
+  /// by another tenant.
   DirectoryEntry remove(const std::string& tenant, const std::string& name, Scope scope);
 
-  /// All that a tenant sees, by name; where a private name hides a shared one, both.
+  /// Returns all entries that a tenant sees, by name. If a private name hides a shared one, both are listed.
   std::vector<Listed> list(const std::string& tenant) const;
 
  private:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Names of objects that hold on every rank.
+// Keys: global names of objects, valid on every rank.
 #pragma once
 #include <atomic>
 #include <compare>
@@ -8,7 +8,8 @@
 
 namespace gxy {
 
-/// The global name of an object; the default one names none. Never used twice in the life of a server.
+/// The global name of an object. The default key names no object. A key is never used twice in the life of a
+/// server.
 struct Key {
   uint64_t value = 0;
 
@@ -16,7 +17,7 @@ struct Key {
   auto operator<=>(const Key&) const = default;
 };
 
-/// Makes keys that no other rank makes: the rank (+ 1) in the upper 24 bits, a counter in the lower 40.
+/// Makes keys that no other rank makes: the upper 24 bits are the rank + 1, the lower 40 bits a counter.
 /// Thread safe.
 class KeySource {
  public:

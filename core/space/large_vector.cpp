@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::align_val_t kAlignment{kHugePage};
 
-// What was given back last is at the end.
+// Blocks for reuse; the one that was given back last is at the end.
 struct Kept {
   std::mutex mutex;
   std::deque<std::pair<void*, size_t>> blocks;
@@ -21,7 +21,7 @@ struct Kept {
 };
 
 Kept& kept() {
-  static Kept* const all = new Kept;  // vectors may outlive what is static
+  static Kept* const all = new Kept;  // never destroyed, because vectors may outlive static objects
   return *all;
 }
 
@@ -40,7 +40,7 @@ void* takeHugePages(size_t bytes) {
       }
   }
   void* const block = ::operator new(bytes, kAlignment);
-  madvise(block, bytes, MADV_HUGEPAGE);  // a wish: memory is as good without
+  madvise(block, bytes, MADV_HUGEPAGE);  // If this fails, the memory is usable all the same.
   return block;
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Arrays of many megabytes: samples of volumes, framebuffers, pictures.
+// A vector for arrays of many megabytes: samples of volumes, framebuffers, pictures.
 #pragma once
 #include <cstddef>
 #include <new>
@@ -11,15 +11,17 @@ namespace gxy {
 
 inline constexpr size_t kHugePage = size_t{2} << 20, kMostKept = size_t{256} << 20;
 
-/// Whole huge pages: of the last block of so many bytes that was given back, else of the system. Thread safe. Throws std::bad_alloc.
+/// Allocates `bytes`, a multiple of kHugePage. Takes the block of this size that was given back last, or else
+/// memory of the system. Thread safe. Throws std::bad_alloc.
 void* takeHugePages(size_t bytes);
-/// Blocks are kept for the next of their size, up to kMostKept bytes of them: frames take the same ones again and again, and the
-/// system clears what it gives out. It may take the memory of those that are kept when it has need of it (MADV_FREE).
+/// Gives a block back and keeps it for the next request of its size. At most kMostKept bytes are kept. Frames
+/// take blocks of the same sizes again and again, and keeping them saves the system from clearing new memory.
+/// The system may take the memory of kept blocks when it needs it (MADV_FREE). Thread safe.
 void giveBackHugePages(void* block, size_t bytes) noexcept;
 
-/// Allocates in whole huge pages what is larger than one, where the system grants them: 512 times fewer page faults when
-/// an array is first written, and fewer misses of address translation when rays read samples in no order. Elements that
-/// are made without a value keep what memory holds: resize() writes nothing.
+/// Allocates arrays of at least one huge page in whole huge pages, if the system grants them. Then there are
+/// 512 times fewer page faults when an array is first written, and fewer TLB misses when rays read samples in
+/// no order. Elements that are made without a value are not initialised: resize() writes nothing.
 template <class T>
 struct LargeAllocator {
   using value_type = T;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Who uses how much memory, and for what.
+// Records who uses how much memory, and for what.
 #pragma once
 #include <cstdint>
 #include <memory>
@@ -8,8 +8,8 @@
 
 namespace gxy {
 
-/// One allocation in a ledger: entered when made, taken out when destroyed. Move-only; may outlive the
-/// ledger. One entry is for one thread at a time.
+/// One allocation in a ledger. It is removed from the ledger when the entry is destroyed. Move-only; may
+/// outlive the ledger. Only one thread at a time may use an entry.
 class LedgerEntry {
  public:
   LedgerEntry() = default;
@@ -18,10 +18,11 @@ class LedgerEntry {
   ~LedgerEntry() { resize(0); }
 
   int64_t bytes() const { return bytes_; }
-  /// The allocation has grown or shrunk to this size.
+  /// Records that the allocation now has this size.
   void resize(int64_t bytes);
-  /// Another allocation of the same tenant and purpose, without the search for its account; of an entry that is in no
-  /// ledger, one that is in none either. May be called by several threads at once.
+  /// Enters another allocation of the same tenant and purpose. It is faster than Ledger::enter(), which
+  /// searches the account. If this entry is in no ledger, the new one is in none either. Several threads may
+  /// call it at once.
   [[nodiscard]] LedgerEntry another(int64_t bytes) const;
 
  private:
@@ -33,8 +34,8 @@ class LedgerEntry {
   int64_t bytes_ = 0;
 };
 
-/// Bytes of all large allocations of a rank, by tenant and purpose ("volume", "geometry", "scene", "framebuffer",
-/// "rays"...). Thread safe.
+/// The sizes of all large allocations of a rank, by tenant and purpose ("volume", "geometry", "scene",
+/// "framebuffer", "rays"...), in bytes. Thread safe.
 class Ledger {
  public:
   Ledger();
@@ -43,7 +44,7 @@ class Ledger {
 
   int64_t total() const;
   int64_t total(const std::string& tenant) const;
-  /// The largest that total() has been.
+  /// The largest value that total() has had.
   int64_t peak() const;
 
   struct Line {
@@ -51,17 +52,17 @@ class Ledger {
     int64_t bytes;
     bool operator==(const Line&) const = default;
   };
-  /// Every (tenant, purpose) that uses memory now, in alphabetical order.
+  /// Returns every (tenant, purpose) that uses memory now, in alphabetical order.
   std::vector<Line> snapshot() const;
-  /// Every (tenant, purpose) that has ever used memory, with the most that it has been.
+  /// Returns every (tenant, purpose) that has ever used memory, with its largest size, in alphabetical order.
   std::vector<Line> peaks() const;
 
  private:
   std::shared_ptr<LedgerEntry::State> state_;
 };
 
-/// What the system says that this process uses, to compare a ledger with: VmRSS and VmHWM of
-/// /proc/self/status. Throws Error where that cannot be read.
+/// The memory of this process as the system reports it, for comparison with a ledger: VmRSS and VmHWM of
+/// /proc/self/status, in bytes. processBytes() throws Error if they cannot be read.
 struct ProcessBytes {
   int64_t resident, peakResident;
 };

@@ -9,8 +9,8 @@ namespace gxy {
 struct Observers::Subscriber {
   Key key;
   Callback callback;
-  std::recursive_mutex
-      running;         ///< held while the callback runs; recursive, for callbacks that unsubscribe or notify
+  /// Held while the callback runs. It is recursive because callbacks may unsubscribe or notify.
+  std::recursive_mutex running;
   bool active = true;  ///< guarded by `running`
 };
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Who is told when objects come, change and go.
+// Tells subscribers when objects are added, updated and dropped.
 #pragma once
 #include <functional>
 #include <memory>
@@ -8,17 +8,16 @@
 
 namespace gxy {
 
-/// Counts the data an object has had, from 1; assigned by rank 0.
+/// Counts the versions of an object's data, from 1. Rank 0 assigns it.
 using Generation = uint64_t;
 
 struct ObjectEvent {
   enum class Kind {
     Added,
     Updated,  ///< `generation` is the new one
-    Skipped,  ///< a new step was left out, because both buffers were taken; `generation` is the one that
-              ///< stays
+    Skipped,  ///< an update was left out because both buffers were in use; `generation` stays current
     Dropped,
-    Wanted  ///< an update waits for the buffer of `generation`, which is pinned: who can let go of it early does
+    Wanted  ///< an update waits for the buffer of `generation`, which is pinned; holders should release it early
   };
   Kind kind;
   Key key;
@@ -26,9 +25,9 @@ struct ObjectEvent {
   bool operator==(const ObjectEvent&) const = default;
 };
 
-/// Subscribers to object events. Thread safe. Callbacks run on the notifying thread, no lock of the data
-/// space held; one subscriber's callback never runs twice at once. A callback may subscribe, unsubscribe
-/// (itself too) and notify.
+/// Subscribers to object events. Thread safe. Callbacks run on the notifying thread while no lock of the data
+/// space is held. A subscriber's callback never runs on two threads at once. A callback may subscribe,
+/// unsubscribe (itself too) and notify.
 class Observers {
   struct Subscriber;
   struct State;
@@ -36,8 +35,9 @@ class Observers {
  public:
   using Callback = std::function<void(const ObjectEvent&)>;
 
-  /// Ends a subscription when destroyed, after waiting for a callback that runs on another thread: afterwards
-  /// it runs no more. So hold no lock that the callback takes. May outlive the Observers.
+  /// Ends the subscription when it is destroyed. It first waits for a callback that is running on another
+  /// thread; afterwards the callback does not run any more. So the caller must not hold a lock that the
+  /// callback takes. A Subscription may outlive the Observers.
   class Subscription {
    public:
     Subscription() = default;
@@ -53,9 +53,9 @@ class Observers {
   };
 
   Observers();
-  /// Events of one object, or, with an invalid key, of all.
+  /// Subscribes to the events of one object, or, with an invalid key, of all objects.
   [[nodiscard]] Subscription subscribe(Key key, Callback callback);
-  /// Calls every subscriber that the event concerns, in order of subscription.
+  /// Calls every subscriber to the event's object, in order of subscription.
   void notify(const ObjectEvent& event) const;
 
  private:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What an object of the data space holds: an immutable value of any type, shared.
+// The value of an object in the data space: immutable, shared, and of any type.
 #pragma once
 #include <memory>
 #include <typeinfo>
@@ -15,7 +15,7 @@ class Payload {
 
   bool empty() const { return value_ == nullptr; }
 
-  /// The value; throws Error, naming both types, if it is of another one, or if there is none.
+  /// Returns the value. Throws Error with both types if the value has another type or there is none.
   template <typename T>
   std::shared_ptr<const T> get() const {
     if (empty() || *type_ != typeid(T)) failType(typeid(T));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Things that several owners hold together, found by what they were made of.
+// Shares values between several owners, and finds them by the inputs that they were made from.
 #pragma once
 #include <chrono>
 #include <condition_variable>
@@ -11,13 +11,14 @@
 
 namespace gxy {
 
-/// Values by key, each for as long as somebody holds it. Where a key names objects by their addresses, whoever holds the value
-/// must hold them, too. Thread safe.
+/// Values by key. A value lives as long as somebody holds it. If a key contains addresses of objects,
+/// everyone who holds the value must hold these objects too. Thread safe.
 template <class Key, class Value>
 class SharedBy {
  public:
-  /// The value that there is, else what `make()` makes, or throws. Others who want this one wait meanwhile, and throw what
-  /// `check()` throws, which each of them calls now and then.
+  /// Returns the existing value, or makes it by `make()` and passes on its exception. Meanwhile other callers
+  /// with the same key wait. While they wait, each of them calls its own `check()` about every 20 ms and
+  /// passes on its exception.
   template <class Make>
   std::shared_ptr<const Value> get(
       const Key& key, Make&& make, const std::function<void()>& check = [] {}) {
@@ -43,14 +44,14 @@ class SharedBy {
     return made;
   }
 
-  /// Whether there is one, or somebody is making it.
+  /// Whether the value exists or somebody is making it.
   bool has(const Key& key) const {
     const std::lock_guard lock(mutex_);
     const auto known = known_.find(key);
     return (known != known_.end() && !known->second.expired()) || making_.count(key) > 0;
   }
 
-  /// The value that there is, or null.
+  /// Returns the existing value, or null.
   std::shared_ptr<const Value> find(const Key& key) const {
     const std::lock_guard lock(mutex_);
     const auto known = known_.find(key);
