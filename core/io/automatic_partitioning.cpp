@@ -10,10 +10,11 @@ namespace gxy {
 
 namespace {
 
-// A partition's samples stay below 2^31 bytes up to 7 bytes a point: beyond, kernels need 64-bit offsets and more time.
+// With this limit a partition's samples stay below 2^31 bytes for up to 7 bytes per point. Above 2^31 bytes,
+// kernels need 64-bit offsets and more time.
 constexpr int64_t kMostPoints = int64_t(1) << 28;
 
-// A partitioning needs a volume.
+// A partitioning needs a box with thickness on every axis.
 Box thickened(Box box) {
   if (box.empty()) return {glm::dvec3(-1), glm::dvec3(1)};
   const glm::dvec3 size = box.hi - box.lo;
@@ -24,7 +25,8 @@ Box thickened(Box box) {
   return box;
 }
 
-// Into `parts` blocks or, where the grid has no such division, into the next fewer that it has.
+// Decomposes into `parts` blocks, or, if the grid has no such division, into the largest smaller number that
+// it has.
 std::array<int, 3> decomposeAtMost(int parts, const Index3& cells) {
   for (;; parts--) {
     try {
@@ -40,7 +42,7 @@ std::array<int, 3> decomposeAtMost(int parts, const Index3& cells) {
 std::shared_ptr<const Partitioning> automaticPartitioning(const Box& data, const Grid* grid,
                                                           std::array<int, 3> wanted, int ranks) {
   const Box domain = thickened(data);
-  // Without a grid that fills the domain, cuts lie on a fine lattice.
+  // Without a grid that fills the domain, a fine lattice stands for it.
   const bool onGrid = grid && grid->box() == domain;
   const glm::dvec3 size = domain.hi - domain.lo;
   const double longest = std::max({size.x, size.y, size.z});

@@ -13,7 +13,7 @@
 namespace gxy {
 namespace {
 
-constexpr size_t kInput = size_t(64) << 10;  ///< bytes that decoders take at once
+constexpr size_t kInput = size_t(64) << 10;  ///< bytes that decoders read at a time
 
 class FileBytes final : public ByteStream {
  public:
@@ -31,11 +31,11 @@ class FileBytes final : public ByteStream {
   int64_t at_, end_;
 };
 
-/// What a decoder has taken of a stream and not used yet.
+/// The bytes that a decoder has read from a stream and not used yet.
 class Input {
  public:
   explicit Input(ByteStreamPtr from) : from_(std::move(from)), buffer_(kInput) {}
-  /// At least one byte, or none at the end.
+  /// Returns at least one byte, or none at the end.
   std::span<const std::byte> peek() {
     if (at_ == filled_) {
       at_ = 0;
@@ -88,11 +88,12 @@ class Base64Bytes final : public ByteStream {
 
   Input text_;
   uint32_t bits_ = 0;
-  int held_ = 0;  ///< bits of the lowest of bits_ that no byte has had
+  int held_ = 0;  ///< number of the lowest bits of bits_ that have not become bytes yet
   bool ended_ = false;
 };
 
-/// A decoder's step: consumes some input, makes some output, and says whether the end has been reached.
+/// A decoder that works in steps. A step uses some input, makes some output, and says whether the end has
+/// been reached.
 class Decoding : public ByteStream {
  public:
   Decoding(ByteStreamPtr from, std::string where) : from_(std::move(from)), where_(std::move(where)) {}
@@ -138,7 +139,7 @@ class ZlibBytes final : public Decoding {
   Step decode(std::span<const std::byte> in, std::span<std::byte> out) override {
     constexpr size_t kMost = size_t(1) << 30;
     constexpr std::byte kGzip{0x1f};
-    if (between_) {  // gzip's form allows several such streams one after the other
+    if (between_) {  // gzip's form allows several streams one after the other.
       if (in.empty() || in.front() != kGzip) return {0, 0, true};
       between_ = false;
       inflateReset(&state_);

@@ -24,7 +24,8 @@ const Faces kHexahedron{{0, 4, 7, 3}, {1, 2, 6, 5}, {0, 1, 5, 4}, {3, 7, 6, 2}, 
 const Faces kWedge{{0, 1, 2}, {3, 5, 4}, {0, 3, 4, 1}, {1, 4, 5, 2}, {2, 5, 3, 0}};
 const Faces kPyramid{{0, 3, 2, 1}, {0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {3, 0, 4}};
 
-/// The edges of these that have a point in their middle, in the order of those points, which come after the corners.
+/// The edges of cells with a point in the middle of each edge, in the order of these points, which come
+/// after the corners.
 const Edges kTetraEdges{{0, 1}, {1, 2}, {2, 0}, {0, 3}, {1, 3}, {2, 3}};
 const Edges kHexahedronEdges{{0, 1}, {1, 2}, {2, 3}, {3, 0}, {4, 5}, {5, 6},
                              {6, 7}, {7, 4}, {0, 4}, {1, 5}, {2, 6}, {3, 7}};
@@ -34,7 +35,7 @@ const Edges kPyramidEdges{{0, 1}, {1, 2}, {2, 3}, {3, 0}, {0, 4}, {1, 4}, {2, 4}
 const Faces kTriangle{{0, 1, 2}}, kQuad{{0, 1, 2, 3}};
 const Edges kTriangleEdges{{0, 1}, {1, 2}, {2, 0}}, kQuadEdges{{0, 1}, {1, 2}, {2, 3}, {3, 0}};
 
-/// The two ends and the sides of a prism over a polygon of n corners.
+/// Returns the two ends and the sides of a prism over a polygon of n corners.
 Faces prism(int n) {
   Faces faces(2);
   for (int i = 0; i < n; ++i) {
@@ -45,7 +46,7 @@ Faces prism(int n) {
   return faces;
 }
 
-/// `centres`: of the faces from `firstCentred` on, one after the other, the points at their centres.
+/// Makes a shape. `centres` has the centre points of the faces from `firstCentred` on.
 CellShape shape(int points, bool solid, const Faces& faces, const Edges& edges = {}, size_t firstCentred = 0,
                 const std::vector<int>& centres = {}) {
   CellShape made{points, solid, {}};
@@ -98,7 +99,8 @@ bool hasAllMiddles(const CellFace& face) {
   return std::all_of(face.middles.begin(), face.middles.end(), [](int m) { return m >= 0; });
 }
 
-/// A face by its corners, whichever comes first and whichever way they turn: the three least numbers and the greatest.
+/// Identifies a face by its corners, regardless of their order and orientation: the three smallest numbers
+/// and the largest.
 struct FaceKey {
   std::array<uint32_t, 4> corners;
   OuterFace face;
@@ -126,7 +128,7 @@ std::vector<OuterFace> facesThatAreAlone(std::vector<FaceKey> keys) {
   return alone;
 }
 
-/// Of hexahedra in a lattice: those at its sides.
+/// Returns the outer faces of a lattice of hexahedra.
 std::vector<OuterFace> sidesOf(vtkStructuredGrid* grid) {
   int n[3];
   grid->GetCellDims(n);

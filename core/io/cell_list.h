@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The cells of a set by number, with cells of polygonal data that VTK refuses to number: those of too few points. Used inside
-// core/io only, by files that see VTK.
+// The cells of a point set by number, including cells of polygonal data with too few points, for which
+// vtkPolyData gives no access by number. Used inside core/io only, by files that include VTK.
 #pragma once
 #include <vtkCellArray.h>
 #include <vtkCellType.h>
@@ -14,7 +14,7 @@
 
 namespace gxy {
 
-/// The set is kept by its owner. For one thread at a time.
+/// The set must outlive the list. One thread at a time may use it.
 class CellList {
  public:
   explicit CellList(vtkPointSet* set) : set_(set) {
@@ -35,7 +35,7 @@ class CellList {
     return kind == 2 && points == 4 ? VTK_QUAD : kMany[kind];
   }
 
-  /// Calls ReadWatch's check now and then.
+  /// Gets the points of a cell. Calls ReadWatch's check for every 65536th cell.
   void points(vtkIdType cell, vtkIdList* ids) const {
     if (cell % 65536 == 0) ReadWatch::check();
     if (!kinds_[0]) return set_->GetCellPoints(cell, ids);
@@ -44,7 +44,7 @@ class CellList {
   }
 
  private:
-  /// The array that holds a cell; `cell` becomes its number there.
+  /// Returns the array that contains a cell. `cell` becomes its number in that array.
   size_t kindOf(vtkIdType& cell) const {
     size_t kind = 0;
     for (; kind < 3 && cell >= kinds_[kind]->GetNumberOfCells(); ++kind)
@@ -53,7 +53,7 @@ class CellList {
   }
 
   vtkPointSet* set_;
-  std::array<vtkCellArray*, 4> kinds_{};  ///< of polygonal data, in the order of numbers
+  std::array<vtkCellArray*, 4> kinds_{};  ///< polygonal data's, in the order of cell numbers; else null
 };
 
 }  // namespace gxy

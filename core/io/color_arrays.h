@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Colours as arrays of VTK's. Used inside core/io only, by files that see VTK.
+// Colours in VTK arrays. Used inside core/io only, by files that include VTK.
 #pragma once
 #include <vtkDataArray.h>
 #include <vtkFloatArray.h>
@@ -15,20 +15,22 @@
 
 namespace gxy {
 
-/// The array "RGB" of a reader's own: red, green, blue and, of four components, opacity, all of which are NaN at first.
+/// Makes the array "RGB" of one of our readers: red, green, blue and, with four components, opacity. All
+/// values are NaN.
 vtkSmartPointer<vtkFloatArray> makeColors(int components, vtkIdType count);
 
-/// Scales what has been read to 0 to 1. `full`: the largest value of a component; 0 where the file does not say: 1, or 255 where
-/// one is 2 or more.
+/// Scales colours to 0 to 1. `full` is the largest value that a component can have. 0 means that the file
+/// does not say: then it is 255 if a component is 2 or more, and else 1.
 void scaleColors(vtkFloatArray* colors, double full = 0);
 
-/// Colours of vertices or faces that a text has here and there.
+/// Collects colours in a text where only some vertices or faces have one.
 class FoundColors {
  public:
-  /// Of vertex or face i: `numbers`, three or four. False: they are others, and it has none.
+  /// Sets the colour of vertex or face i. Returns false, and sets none, unless there are three or four numbers.
   bool set(size_t i, std::span<const float> numbers);
 
-  /// Of `count` points or cells, of which p has the colour of vertex or face of(p); null if none was found.
+  /// Returns the colours of `count` points or cells, where p has the colour of vertex or face of(p); null
+  /// if none was set.
   template <class Of>
   vtkSmartPointer<vtkFloatArray> array(vtkIdType count, Of of) const {
     if (colors_.empty()) return nullptr;
@@ -40,24 +42,24 @@ class FoundColors {
   }
 
  private:
-  std::vector<std::array<float, 4>> colors_;  ///< up to the last that was found; NaN where there is none
+  std::vector<std::array<float, 4>> colors_;  ///< up to the last one set; NaN for those without a colour
   int components_ = 3;
 };
 
-/// The numbers from here on; those behind what is none are left.
+/// Returns the numbers that follow, up to the first word that is not a number.
 std::vector<float> numbersLeft(TextScanner& line);
 
-/// Whether an array holds colours (values_choice.h).
+/// Whether an array contains colours (values_choice.h).
 bool isColors(vtkDataArray* array);
 
-/// Reads colours out of an array that holds some: unsigned char and unsigned short by their largest value, other integers by 255,
-/// floating-point numbers as they are.
+/// Reads colours from an array. Unsigned short is scaled by its largest value, other integers by 255, and
+/// floating-point numbers are not scaled.
 class ColorsOf {
  public:
-  /// `flaws` is told of colours outside 0 to 1, which are clamped, of those that are not finite, which are black, and of opacity,
-  /// which is not used. All are kept by their owners.
+  /// Both arguments must outlive the object. `flaws` gets colours outside 0 to 1, which are clamped, colours
+  /// that are missing or not finite, which are black, and opacity, which is not used.
   ColorsOf(vtkDataArray* array, Flaws& flaws);
-  /// Of a point or cell; of a negative index, as of what has none: black.
+  /// Returns the colour of a point or cell; black for a negative index, which means that it has none.
   glm::vec3 operator()(vtkIdType i) const;
 
  private:

@@ -23,7 +23,7 @@ std::span<const vtkIdType> spanOf(vtkIdList* ids) {
   return {ids->GetPointer(0), size_t(ids->GetNumberOfIds())};
 }
 
-/// The points of a line's cell in the order along it.
+/// Returns the points of a line in the order along it.
 std::vector<uint32_t> along(int type, std::span<const vtkIdType> ids) {
   if (type == VTK_QUADRATIC_EDGE && ids.size() == 3)
     return {uint32_t(ids[0]), uint32_t(ids[2]), uint32_t(ids[1])};
@@ -93,7 +93,8 @@ bool DrawnCells::isThere(vtkIdType cell) const {
   });
 }
 
-/// Another piece's: it is not drawn here, but hides the faces of those beside it.
+/// Whether a cell duplicates another piece's. It is not drawn here, but its faces hide those of the cells
+/// beside it.
 bool DrawnCells::isOthers(vtkIdType cell) const {
   return ghosts_ && (ghosts_->GetValue(cell) & vtkDataSetAttributes::DUPLICATECELL);
 }
@@ -103,7 +104,7 @@ size_t DrawnCells::primitivesOf(vtkIdType cell, int type, Flaws& flaws) {
   const size_t points = size_t(ids_->GetNumberOfIds()), fewer = kind_ == GeometryKind::PathLines ? 1 : 2;
   const auto place = [&] { return "cell " + std::to_string(cell); };
   if (const CellShape* shape = shapeOf(type)) {
-    if (points == size_t(shape->points) && shape->solid) return 0;  // its outer faces are counted later
+    if (points == size_t(shape->points) && shape->solid) return 0;  // The constructor counts its outer faces.
     if (points == size_t(shape->points)) return trianglesOf(shape->faces[0]);
     flaws.add("a cell whose number of points is not that of its type is left out", place);
     return 0;
@@ -166,7 +167,7 @@ void splitByCell(GeometryBlock& block, GeometryKind kind, const std::vector<vtkI
                  const std::function<void(GeometryBlock&, vtkIdType)>& give) {
   constexpr auto kNone = std::numeric_limits<vtkIdType>::min();
   GeometryBlock split;
-  std::vector<vtkIdType> cellOf(block.points.size(), kNone);  // that a point was last used in
+  std::vector<vtkIdType> cellOf(block.points.size(), kNone);  // by point: the cell that used it last
   std::vector<uint32_t> number(block.points.size());
   for (size_t p = 0; p < cells.size(); ++p) {
     const auto own = [&](uint32_t& point) {

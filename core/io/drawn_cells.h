@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The cells of a set that are drawn, as the primitives that they become. Used inside core/io only, by files that see VTK.
+// Turns the cells of a point set into primitives. Used inside core/io only, by files that include VTK.
 #pragma once
 #include <vtkPointSet.h>
 
@@ -13,26 +13,29 @@
 
 namespace gxy {
 
-/// Points that are no particles: another piece's and hidden ones. Cells of hidden points are not drawn.
+/// Whether a point is drawn as a particle: it is neither hidden nor a duplicate of another piece's point.
 bool isDrawn(vtkUnsignedCharArray* pointGhosts, vtkIdType point);
 
-/// Whether cells of a type become triangles by themselves, or segments.
+/// Whether each cell of a type becomes triangles, or segments.
 bool isFlat(int vtkType);
 bool isLine(int vtkType);
 /// Whether cells of a type have an outer surface.
 bool isSolid(int vtkType);
 
-/// The cells of a set that become path lines or triangles: all of that kind but those that VTK does not draw either (another
-/// piece's, those that finer ones stand for, hidden ones and those of hidden points). The set is kept by its owner.
+/// The cells of a set that become path lines or triangles. Left out are cells that VTK does not draw either:
+/// duplicates of another piece's cells, refined cells, hidden cells and cells with hidden points. The set
+/// must outlive the object.
 class DrawnCells {
  public:
-  /// `toTake`, if any, is told what comparing the faces of solid cells takes. `flaws` is told of cells of too few points.
+  /// `toTake`, if not empty, is called with the bytes that comparing the faces of solid cells takes. `flaws`
+  /// gets cells with too few points.
   DrawnCells(vtkPointSet* set, GeometryKind kind, const TakeMemory& toTake, Flaws& flaws);
 
-  size_t primitives() const { return primitives_; }  ///< the most that there can be
-  uint64_t unused() const { return unused_; }        ///< cells of other kinds
+  size_t primitives() const { return primitives_; }  ///< an upper bound
+  uint64_t unused() const { return unused_; }        ///< number of cells of other kinds
 
-  /// Adds the primitives, in the order of cells, and to `cells`, if there is one, the cell of each.
+  /// Appends the primitives in the order of cells. If `cells` is not null, appends the cell of each
+  /// primitive to it.
   void addTo(GeometryBlock& block, std::vector<vtkIdType>* cells) const;
 
  private:
@@ -45,14 +48,15 @@ class DrawnCells {
   const CellList list_;
   const GeometryKind kind_;
   vtkUnsignedCharArray *const ghosts_, *const ghostPoints_;
-  vtkSmartPointer<vtkIdList> ids_;  ///< of the cell that is looked at
+  vtkSmartPointer<vtkIdList> ids_;  ///< points of the current cell
   std::vector<OuterFace> outer_;
   size_t primitives_ = 0;
   uint64_t unused_ = 0;
 };
 
-/// Gives each primitive of a block points of its cell's own (those of one cell share them), one colour a cell: for each point added,
-/// give(split, cell) adds the value or colour of its cell. `cells`: of each primitive, in runs.
+/// Copies points so that each cell has points of its own, which its primitives share; so a cell can have one
+/// value or colour. For each point that is added, give(split, cell) appends the value or colour of its cell.
+/// `cells` has the cell of each primitive; primitives of one cell follow each other.
 void splitByCell(GeometryBlock& block, GeometryKind kind, const std::vector<vtkIdType>& cells,
                  const std::function<void(GeometryBlock& split, vtkIdType cell)>& give);
 

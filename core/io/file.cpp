@@ -49,7 +49,7 @@ void ReadWatch::check() {
 }
 
 File File::open(const std::string& path) {
-  // without waiting for whoever writes, should it be a pipe; regular files do not know the difference
+  // O_NONBLOCK: if the file is a pipe, do not wait for a writer. It has no effect on regular files.
   const int descriptor = ::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
   if (descriptor < 0) fail(path, "cannot open the file");
   File file(path, descriptor);

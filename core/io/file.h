@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Files by position, with 64-bit offsets, and small text files as a whole.
+// Reads and writes files at 64-bit positions, and whole small text files. Limits which files may be read.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -9,21 +9,20 @@
 
 namespace gxy {
 
-/// An open file. Reads and writes at a position are safe from any thread. Errors name the file and the
-/// system's reason.
+/// An open file. Any thread may read and write. Errors name the file and the system's reason.
 class File {
  public:
-  static File open(const std::string& path);    ///< an existing regular file, for reading
-  static File create(const std::string& path);  ///< for writing; an older file is emptied
+  static File open(const std::string& path);    ///< opens an existing regular file for reading
+  static File create(const std::string& path);  ///< opens a file for writing; an existing file is emptied
   File(File&& other) noexcept;
   File& operator=(File&&) = delete;
   ~File();
 
   const std::string& path() const { return path_; }
-  /// A name of what is open, whatever is at its path by now, for as long as it is.
+  /// A path that leads to the open file as long as it is open, even if another file has its path by now.
   std::string opened() const;
   int64_t size() const;
-  /// Fills `out` from `offset` on; Error when the file ends before.
+  /// Fills `out` with the bytes from `offset` on. Throws Error if the file ends before.
   void readAt(int64_t offset, std::span<std::byte> out) const;
   void writeAt(int64_t offset, std::span<const std::byte> data) const;
 
@@ -33,12 +32,12 @@ class File {
   int descriptor_;
 };
 
-/// While one exists, the files that File opens for reading on this thread, and with it all readers of this part, are those
-/// that it lets. The inner one of two counts.
+/// While one exists, File::open(), and so every reader in core/io, opens only files that `check` allows, on
+/// this thread. Of several scopes, only the innermost counts.
 class ReadScope {
  public:
-  /// `check` throws Error unless a file may be read: its path as asked for, and the path, without links, of what has been
-  /// opened.
+  /// Throws Error unless the file may be read. `path` is the path that was asked for; `place` is the path,
+  /// without symbolic links, of the file that has been opened.
   using Check = std::function<void(const std::string& path, const std::string& place)>;
   explicit ReadScope(Check check);
   ~ReadScope();
@@ -51,8 +50,8 @@ class ReadScope {
   const ReadScope* const outer_;
 };
 
-/// While one exists, `check` is called on this thread before File reads some megabytes or less, by all readers of this part; what
-/// it throws ends them. The inner one of two counts.
+/// While one exists, every reader in core/io calls `check` on this thread before each read of at most 8 MiB.
+/// An exception from it ends the reading. Of several, only the innermost counts.
 class ReadWatch {
  public:
   explicit ReadWatch(std::function<void()> check);
@@ -60,7 +59,8 @@ class ReadWatch {
   ReadWatch(const ReadWatch&) = delete;
   ReadWatch& operator=(const ReadWatch&) = delete;
 
-  /// Calls the check of the innermost one on this thread, if there is any: for readers that get bytes by themselves.
+  /// Calls the check of the innermost one on this thread, if there is one. Readers that do not read by File
+  /// call it.
   static void check();
 
  private:
@@ -75,20 +75,20 @@ struct ReadRules {
 };
 using RulesOfThread = ReadRules& (*)();
 
-/// Gives the calling thread's rules. A plugin (core/comm/plugin.h) has a copy of these functions: the program that opens it
-/// hands its own readRules() to the plugin's shareReadRules() before it calls anything else there, so that the same rules hold
-/// in both.
+/// readRules() returns the function that gives the calling thread's rules. A plugin (core/comm/plugin.h) has
+/// its own copy of the code in this file. The program that opens it passes its readRules() to the plugin's
+/// shareReadRules() before any other call, so that the same rules apply in both.
 RulesOfThread readRules();
 void shareReadRules(RulesOfThread ofProgram);
 
-/// The whole of a text file of at most `limit` bytes.
+/// Returns the content of a text file. Throws Error if it has more than `limit` bytes.
 std::string readText(const std::string& path, int64_t limit = int64_t(64) << 20);
 void writeText(const std::string& path, const std::string& text);
 
-/// Lower-case extension with its dot, ".vti"; empty if there is none.
+/// Returns the extension in lower case with its dot, such as ".vti"; empty if there is none.
 std::string extensionOf(const std::string& path);
 
-/// `name` as seen from the folder that holds `document`: absolute names stay as they are.
+/// Returns the path of `name`, which is relative to the folder of `document` unless it is absolute.
 std::string beside(const std::string& document, const std::string& name);
 
 }  // namespace gxy

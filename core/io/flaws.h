@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Flaws of a file that do not keep it from being shown: its user is told of each kind once, with the place of the first and how
-// many there are.
+// Collects flaws of a file that do not prevent showing it. The user gets one warning for each kind, with the
+// place of the first flaw and the number of flaws.
 #pragma once
 #include <cstdint>
 #include <string>
@@ -11,8 +11,9 @@ namespace gxy {
 
 class Flaws {
  public:
-  /// `what` tells what is wrong and what becomes of it: "a face of fewer than 3 corners is left out". `place()`, which is called
-  /// for the first of a kind only, tells where: "line 4".
+  /// Adds a flaw. `what` is its kind; it says what is wrong and what is done about it: "a face of fewer
+  /// than 3 corners is left out". `place()` returns where it is: "line 4". It is called only for the
+  /// first flaw of a kind.
   template <class Place>
   void add(std::string_view what, Place place) {
     for (Kind& kind : kinds_)
@@ -23,7 +24,8 @@ class Flaws {
     kinds_.push_back({std::string(what), place(), 1});
   }
 
-  /// "PATH: PLACE: WHAT", and of several "(N of these)", in the order of the first ones.
+  /// Returns "PATH: PLACE: WHAT" for each kind, with "(N of these)" if there are several, in the order of
+  /// first flaws.
   std::vector<std::string> warnings(const std::string& path) const {
     std::vector<std::string> all;
     for (const Kind& kind : kinds_)

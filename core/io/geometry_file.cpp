@@ -52,7 +52,7 @@ std::string namesOf(const ListedArrays& list) {
   return names.empty() ? "none" : names;
 }
 
-/// Of what has been read; null: the file has no values.
+/// Returns the array of values among the arrays that have been read; null if the file has no values.
 vtkDataArray* valuesOf(vtkPointSet* set, const ValuesWanted& wanted, bool& ofCells, const std::string& path) {
   const ListedArrays points = listOf(set->GetPointData()), cells = listOf(set->GetCellData());
   const std::optional<ChosenArray> chosen = chooseValues(points, cells, wanted);
@@ -66,7 +66,7 @@ vtkDataArray* valuesOf(vtkPointSet* set, const ValuesWanted& wanted, bool& ofCel
   return data->GetArray(chosen->name.c_str());
 }
 
-/// Of what has been read; null: none is wanted.
+/// Returns the array of radii among the arrays that have been read; null if none is wanted.
 vtkDataArray* radiusValuesOf(vtkPointSet* set, const std::string& name, const std::string& path) {
   if (name.empty()) return nullptr;
   vtkDataArray* array = set->GetPointData()->GetArray(name.c_str());
@@ -80,7 +80,7 @@ bool isNormals(vtkDataArray* array) {
   return array->GetName() && array->GetNumberOfComponents() == 3 && isNameOfNormals(array->GetName());
 }
 
-/// Unit normals, or none if the file has none or one of them has no direction.
+/// Returns unit normals, or none if the file has none or one of them has no direction.
 std::vector<glm::vec3> unitNormals(vtkPointData* data, Flaws& flaws) {
   vtkDataArray* array = data->GetNormals();
   for (int i = 0; !array && i < data->GetNumberOfArrays(); ++i)
@@ -99,7 +99,7 @@ std::vector<glm::vec3> unitNormals(vtkPointData* data, Flaws& flaws) {
   return normals;
 }
 
-/// The most that a block with so many points and primitives takes.
+/// Returns an upper bound on the memory of a block with this many points and primitives.
 int64_t bytesOf(size_t points, size_t primitives, GeometryKind kind, bool colors, bool radii) {
   const size_t cell = kind == GeometryKind::Triangles   ? sizeof(std::array<uint32_t, 3>)
                       : kind == GeometryKind::PathLines ? 2 * sizeof(std::array<uint32_t, 2>)
@@ -111,7 +111,7 @@ int64_t bytesOf(size_t points, size_t primitives, GeometryKind kind, bool colors
 
 bool isVertex(int type) { return type == VTK_VERTEX || type == VTK_POLY_VERTEX; }
 
-/// Of each point the first vertex cell that it is in; -1 where there is none.
+/// Returns, for each point, the first vertex cell that it is in, or -1.
 std::vector<vtkIdType> vertexCells(vtkPointSet* set) {
   std::vector<vtkIdType> cells(size_t(set->GetNumberOfPoints()), -1);
   const CellList list(set);
@@ -125,7 +125,7 @@ std::vector<vtkIdType> vertexCells(vtkPointSet* set) {
   return cells;
 }
 
-/// Points that are not drawn are left out of a set of particles.
+/// Removes points that are not drawn from a block of particles.
 void dropGhostPoints(vtkPointSet* set, GeometryBlock& block) {
   vtkUnsignedCharArray* ghosts = set->GetPointGhostArray();
   if (!ghosts) return;
@@ -144,7 +144,7 @@ void dropGhostPoints(vtkPointSet* set, GeometryBlock& block) {
   if (!block.radiusValues.empty()) block.radiusValues.resize(kept);
 }
 
-/// Of a flat cell with so many points.
+/// Returns the number of triangles of a flat cell with this many points.
 uint64_t trianglesOf(int type, uint64_t points) {
   if (const CellShape* shape = shapeOf(type)) return trianglesOf(shape->faces[0]);
   return points < 3 ? 0 : points - 2;
@@ -225,7 +225,7 @@ GeometryContent readGeometry(const std::string& path, GeometryKind kind, const V
   if (values) content.array = values->GetName();
   std::optional<ColorsOf> colorOf;
   if (colored) colorOf.emplace(values, flaws);
-  // a point or cell of the array, -1: what has none
+  // Appends the value or colour of point or cell i of the array; -1 means that there is none.
   const auto give = [&](GeometryBlock& to, vtkIdType i) {
     if (colorOf)
       to.colors.push_back((*colorOf)(i));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Headers made of lines with a key and a value. Used inside core/io only.
+// Reads headers made of lines with a key and a value. Used inside core/io only.
 #pragma once
 #include <string>
 #include <string_view>
@@ -9,21 +9,21 @@
 
 namespace gxy {
 
-/// Lines, one after the other, from text whose last bytes may be no text.
+/// Reads the lines of a text one after the other. The bytes after the last line that is read may be binary.
 class HeaderLines {
  public:
   HeaderLines(std::string_view text, const std::string& where) : text_(text), where_(where) {}
 
-  /// False at the end. A line is without its end ("\n" or "\r\n").
+  /// Gets the next line without its end ("\n" or "\r\n"). Returns false at the end of the text.
   bool next(std::string_view& line);
-  /// Of the next line.
+  /// The position of the next line in the text.
   size_t position() const { return at_; }
-  /// Throws Error: where, the line's number, and what.
+  /// Throws Error with `where`, the line's number, and `what`.
   [[noreturn]] void fail(const std::string& what) const;
 
-  /// The numbers that a value consists of, `count` of them.
+  /// Parses a value that consists of `count` numbers.
   std::vector<double> numbers(std::string_view value, size_t count) const;
-  /// A whole number in a range.
+  /// Parses a whole number from `least` to `most`.
   int64_t integer(std::string_view value, int64_t least, int64_t most) const;
 
  private:
@@ -33,10 +33,10 @@ class HeaderLines {
   int line_ = 0;
 };
 
-/// Without white space at its ends.
+/// Removes white space at both ends.
 std::string_view trimmed(std::string_view text);
 std::string lowerCase(std::string_view text);
-/// The words between white space.
+/// Returns the words between white space.
 std::vector<std::string_view> wordsOf(std::string_view text);
 
 }  // namespace gxy

@@ -10,34 +10,36 @@
 namespace gxy {
 namespace {
 
-constexpr std::byte kHiddenPoint{2}, kHiddenCell{32 | 8}, kHidden{1};  // a refined cell (8) is hidden, too
+constexpr std::byte kHiddenPoint{2}, kHiddenCell{32 | 8}, kHidden{1};  // A refined cell (8) counts as hidden.
 
-/// The bytes of several boxes.
+/// Reads the ghost bytes of several boxes.
 std::vector<std::vector<std::byte>> bytesOf(const SampleSource& source, const std::vector<Extent>& boxes,
                                             const TakeSamples& take) {
   std::vector<std::vector<std::byte>> all;
   for (const Extent& box : boxes) all.emplace_back(size_t(box.count()));
   source.read(boxes, [&](const SamplesRead& some) {
     copyBox(some.points, some.samples, some.layout, all[some.wanted], boxes[some.wanted], 1);
-    take({0, {}, {}, {}});  // it may end this, too
+    take({0, {}, {}, {}});  // so that `take` can end this reading by an exception
   });
   return all;
 }
 
-/// What touches the points of a box: cells on both sides; or a box of cells: points on both sides.
+/// Returns the cells that touch a box of points (`cellsOfPoints`), or the points that touch a box of cells.
+/// `n` is the number of all such cells or points.
 Extent touching(const Extent& box, const Index3& n, bool cellsOfPoints) {
   Extent all;
   for (size_t a = 0; a < 3; ++a) {
     const int64_t first = std::max<int64_t>(box.first[a] - (cellsOfPoints ? 1 : 0), 0);
     const int64_t end = std::min(box.first[a] + box.points[a] + (cellsOfPoints ? 0 : 1), n[a]);
-    // an axis with one point has one cell
+    // An axis with one point has one cell.
     all.first[a] = std::min(first, n[a] - 1);
     all.points[a] = std::max<int64_t>(end - all.first[a], 1);
   }
   return all;
 }
 
-/// Calls visit(flag, values of what touches it) for all of a box.
+/// For each point (or cell) of a box and each cell (or point) that touches it, calls visit(flag of the
+/// former, ghost byte of the latter).
 template <class Visit>
 void forTouching(const Extent& box, const Index3& n, bool cellsOfPoints, std::vector<std::byte>& flags,
                  const std::vector<std::byte>& values, Visit visit) {
@@ -86,7 +88,7 @@ std::vector<HiddenSamples::Flags> HiddenSamples::hiddenOf(std::span<const Extent
   for (const Extent& box : boxes) around.push_back(touching(box, n, !cells));
   const auto values = bytesOf(*other, around, take);
   for (size_t w = 0; w < boxes.size(); ++w) {
-    Flags any(hidden[w].size());  // of what touches it: a corner is hidden, or a cell is not
+    Flags any(hidden[w].size());  // for cells: a corner is hidden; for points: a cell is not hidden
     forTouching(boxes[w], n, !cells, any, values[w], [&](std::byte& flag, std::byte value) {
       const bool is = cells ? (value & kHiddenPoint) != std::byte(0) : (value & kHiddenCell) == std::byte(0);
       if (is) flag = kHidden;

@@ -1,19 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
-// Samples of which some are hidden by VTK's ghost arrays: they become NaN, which is "no data". Used inside core/io only.
+// Samples that VTK's ghost arrays hide become NaN, which means "no data". Used inside core/io only.
 #pragma once
 #include "core/io/volume_file.h"
 
 namespace gxy {
 
-/// Memory: a byte for each point that is read.
+/// Reads another source and replaces hidden samples by NaN. It holds one byte for each point that is read.
 class HiddenSamples final : public SampleSource {
  public:
   struct Ghosts {
-    std::shared_ptr<const SampleSource> ofPoints, ofCells;  ///< one byte each; null: there are none
-    Index3 points, cells;                                   ///< of the image
-    bool samplesOfCells;                                    ///< whether the samples are the cells'
+    std::shared_ptr<const SampleSource> ofPoints, ofCells;  ///< one byte per point or cell; null: none
+    Index3 points, cells;                                   ///< numbers of points and cells of the image
+    bool samplesOfCells;                                    ///< the samples belong to cells, not to points
   };
-  /// Of samples that were `type`.
+  /// Returns the type of the samples with NaN, where the source's samples are of `type`.
   static ScalarType typeFor(ScalarType type);
 
   HiddenSamples(std::shared_ptr<const SampleSource> source, ScalarType type, int components, Ghosts ghosts)

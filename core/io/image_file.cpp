@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Files that are a header and raw samples become volumes.
+// Opens files that consist of a header and raw samples as volumes.
 #include <cmath>
 #include <cstring>
 
@@ -14,7 +14,7 @@
 namespace gxy {
 namespace {
 
-/// Of integers whose values a file scales: as float, or as double where float might round them.
+/// Samples of integers whose values a file scales. They become float, or double if float might round them.
 class ScaledSamples final : public SampleSource {
  public:
   ScaledSamples(std::shared_ptr<const SampleSource> source, ScalarType type, int components, double slope,
@@ -78,7 +78,7 @@ std::shared_ptr<const SampleSource> samplesOfHeader(const ImageHeader& h, const 
     return std::make_shared<RawSamples>(
         file, h.offset == ImageHeader::kAtEnd ? std::max<int64_t>(0, file->size() - bytes) : h.offset, extent,
         h.type, h.components, h.swapBytes, h.exact);
-  // a .nii.gz has been compressed as a whole
+  // A .nii.gz is compressed as a whole, header included.
   const bool whole = extensionOf(path) == ".gz" && h.dataFile.empty();
   const int64_t begin = whole ? 0 : std::max<int64_t>(h.offset, 0), passed = whole ? h.offset : 0;
   return std::make_shared<StreamedSamples>(

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Formats of images that are a header and raw samples, each read after its public description:
+// Reads headers of images that consist of a header and raw samples, after the formats' public descriptions:
 //
 //   .mha .mhd       MetaImage (itk.org, Documentation/MetaIO)
 //   .nrrd .nhdr     NRRD (teem.sourceforge.net/nrrd/format.html)
@@ -16,7 +16,7 @@
 
 namespace gxy {
 
-/// What a header says of the image and of where its samples are.
+/// The description of an image, and the place and form of its samples.
 struct ImageHeader {
   ImageData image;  ///< without arrays
   ScalarType type = ScalarType::UInt8;
@@ -25,25 +25,27 @@ struct ImageHeader {
   bool text = false;                            ///< numbers as text, not bytes
   Compression compression = Compression::None;  ///< None or Zlib
   std::string dataFile;                         ///< as written; empty: the file itself
-  int64_t offset =
-      0;  ///< of the samples, in what is compressed after decompression; kAtEnd: they are the last bytes
-  bool exact = false;               ///< the file ends with the samples, where they are not encoded
+  /// Position of the samples. If a whole file is compressed, it counts decompressed bytes. kAtEnd: the
+  /// samples are the last bytes.
+  int64_t offset = 0;
+  bool exact = false;               ///< the file must end with the samples; checked if they are not encoded
   double slope = 1, intercept = 0;  ///< value = intercept + slope * sample
 
   static constexpr int64_t kAtEnd = -1;
 };
 
-/// Bytes from a file's beginning that hold every header.
+/// Every header is within this many bytes from a file's beginning.
 inline constexpr int64_t kHeaderBytes = 1 << 20;
 
-/// These take the first kHeaderBytes of a file, or all of it (of a .nii.gz decompressed), and throw Error, which begins with
-/// `where`, for what is malformed or not supported.
+/// `bytes` are the first kHeaderBytes of a file, or all of them if there are fewer; those of a .nii.gz
+/// are decompressed. These functions throw Error, which begins with `where`, for a header that is
+/// malformed or not supported.
 ImageHeader parseMetaImage(std::string_view bytes, const std::string& where);
 ImageHeader parseNrrd(std::string_view bytes, const std::string& where);
 ImageHeader parseNifti(std::string_view bytes, const std::string& where);
 ImageHeader parseNpy(std::string_view bytes, const std::string& where);
 
-/// The header of a file by its ending; nothing for other endings.
+/// Reads the header of a file in the format of its extension; returns nothing for other extensions.
 std::optional<ImageHeader> imageHeaderOf(const std::string& path);
 
 }  // namespace gxy

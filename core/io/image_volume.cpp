@@ -26,7 +26,8 @@ bool isAlongAxes(const std::array<double, 9>& direction) {
   });
 }
 
-/// Throws Error unless the axes of the image are at right angles, as the float numbers of headers have them.
+/// Throws Error unless the axes of the image are perpendicular unit vectors, within the precision of
+/// float in headers.
 void checkPerpendicular(const ImageData& image) {
   constexpr double kFloats = 1e-4;
   const auto& d = image.direction;
@@ -43,11 +44,12 @@ double determinant(const std::array<double, 9>& d) {
          d[2] * (d[3] * d[7] - d[4] * d[6]);
 }
 
-/// Of the directions along axes that mirror as this one does, the nearest: that of the smallest angle to it, in degrees.
+/// Returns the nearest matrix of directions along axes that has the same handedness, and its angle to
+/// `direction` in degrees.
 std::pair<std::array<double, 9>, double> nearestAlongAxes(const std::array<double, 9>& direction) {
   std::array<double, 9> nearest{};
   double best = -std::numeric_limits<double>::infinity();
-  std::array<size_t, 3> order{0, 1, 2};  // of the world's axes along which those of the image run
+  std::array<size_t, 3> order{0, 1, 2};  // by axis of the image: the axis of the world that it runs along
   do {
     for (int signs = 0; signs < 8; ++signs) {
       std::array<double, 9> candidate{};
@@ -65,7 +67,7 @@ std::pair<std::array<double, 9>, double> nearestAlongAxes(const std::array<doubl
   return {nearest, std::acos(std::clamp((best - 1) / 2, -1.0, 1.0)) * 180 / std::numbers::pi};
 }
 
-/// An image that is rotated, turned about its centre to the nearest axes of the world, with a warning.
+/// Turns a rotated image about its centre to the nearest axes of the world, and adds a warning.
 ImageData turnedToAxes(ImageData image) {
   checkPerpendicular(image);
   if (isAlongAxes(image.direction)) return image;
@@ -83,7 +85,7 @@ ImageData turnedToAxes(ImageData image) {
   return image;
 }
 
-/// Which axis of the image runs along each axis of the world, and whether backwards.
+/// By axis of the world: the axis of the image that runs along it, and whether it runs backwards.
 struct Turn {
   std::array<size_t, 3> axis;
   std::array<bool, 3> backwards;
@@ -112,7 +114,8 @@ const ArrayInfo* ghostsAmong(const ImageData& image, bool ofCells) {
   return nullptr;
 }
 
-/// The spacing of an axis with one point, which may say nothing.
+/// Returns the spacing of an axis with one point. If the file gives none, it is the smallest spacing of the
+/// other axes.
 double thicknessOf(const ImageData& image, size_t axis) {
   const double own = std::abs(image.spacing[int(axis)]);
   if (own > 0 && std::isfinite(own)) return own;
@@ -122,7 +125,7 @@ double thicknessOf(const ImageData& image, size_t axis) {
   return std::isfinite(least) ? least : 1;
 }
 
-/// What may be chosen, as chooseArray() takes it.
+/// Returns the arrays that may be chosen, in the order that chooseArray() expects.
 std::vector<ArrayInfo> choices(const ImageData& image) {
   std::vector<ArrayInfo> arrays;
   for (const bool ofCells : {false, true})
@@ -136,7 +139,7 @@ std::vector<ArrayInfo> choices(const ImageData& image) {
 glm::dvec3 ImageData::placeOf(glm::dvec3 index) const {
   glm::dvec3 place = origin;
   for (size_t w = 0; w < 3; ++w)
-    for (size_t a = 0; a < 3; ++a)  // a direction that is 0 adds no rounding
+    for (size_t a = 0; a < 3; ++a)  // Zeros are skipped, so that they add no rounding.
       if (direction[3 * w + a] != 0 && index[int(a)] != 0)
         place[int(w)] += direction[3 * w + a] * spacing[int(a)] * index[int(a)];
   return place;
@@ -172,7 +175,7 @@ VolumeFile volumeOf(const ImageData& stated, const std::string& wanted, const Op
     const bool flat = image.points[a] == 1;
     const double h = flat ? thicknessOf(image, a) : std::abs(image.spacing[int(a)]);
     const double end = turn.backwards[w] ? -h * double(image.points[a] - 1) : 0;
-    const double first = image.origin[int(w)] + end;  // of the image's points
+    const double first = image.origin[int(w)] + end;  // world coordinate of the image's first point
     const int64_t layers = ofCells ? 2 : flat ? 1 : 0;
     file.grid.points[w] = n + layers;
     file.grid.spacing[int(w)] = h;

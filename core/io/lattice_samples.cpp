@@ -33,7 +33,7 @@ void LatticeSamples::read(std::span<const Extent> wanted, const TakeSamples& tak
   }
   std::vector<std::byte> turned;
   source_->read(needed, [&](const SamplesRead& some) {
-    // the points of the box that is wanted whose samples have come: on each axis some that follow each other
+    // The points of the wanted box whose samples have come. On each axis they are consecutive.
     Extent box;
     std::array<std::vector<size_t>, 3> place;
     for (size_t a = 0; a < 3 && some.points.count() > 0; ++a) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Samples whose axes are turned round, change their places, or are continued at their ends. Used inside core/io only.
+// Samples whose axes are flipped, exchanged, or continued at their ends. Used inside core/io only.
 #pragma once
 #include <array>
 
@@ -7,13 +7,14 @@
 
 namespace gxy {
 
-/// Index i on an axis is sample i - before of the source's axis, or the nearest that there is.
+/// Reads another source with other axes. Index i on an axis is sample i - before of the source's axis, or the
+/// nearest one that exists.
 class LatticeSamples final : public SampleSource {
  public:
   struct Axis {
-    size_t source;   ///< axis
-    int64_t points;  ///< that the source has on it
-    int64_t before;  ///< layers that are repeated at the beginning
+    size_t source;   ///< the source's axis
+    int64_t points;  ///< number of points of the source on that axis
+    int64_t before;  ///< number of repeated layers at the beginning
     bool backwards;  ///< the source's last sample comes first
     int64_t operator()(int64_t i) const;
   };

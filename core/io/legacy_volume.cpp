@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Legacy VTK structured points (VTK user's guide, "Simple Legacy Formats"). The file is walked through once, for the places of
-// its arrays; samples are read from there.
+// Reads legacy VTK structured points (VTK user's guide, "Simple Legacy Formats"). One pass over the file
+// finds the places of its arrays; samples are later read from there.
 #include <algorithm>
 #include <bit>
 #include <cctype>
@@ -48,7 +48,7 @@ std::optional<ScalarType> typeOfLegacyWord(const std::string& word) {
   return {};
 }
 
-/// "%20" and the like, in names.
+/// Decodes "%20" and similar codes in names.
 std::string decodedName(const std::string& name) {
   std::string text;
   for (size_t i = 0; i < name.size(); ++i) {
@@ -65,7 +65,7 @@ std::string decodedName(const std::string& name) {
   return text;
 }
 
-/// Colours that a text has as fractions, and other files as bytes.
+/// Colours of text files, which have fractions where binary files have bytes.
 class ColourFractions final : public SampleSource {
  public:
   explicit ColourFractions(std::shared_ptr<const SampleSource> floats, int components)
@@ -91,7 +91,7 @@ class ColourFractions final : public SampleSource {
   int components_;
 };
 
-/// What is in a file, and where its arrays begin.
+/// The description of a file's image, and the places of its arrays.
 class LegacyImage {
  public:
   explicit LegacyImage(const std::string& path)
@@ -140,7 +140,7 @@ class LegacyImage {
     return int64_t(value);
   }
 
-  /// False at the end of the file.
+  /// Reads one section. Returns false at the end of the file.
   bool readSection() {
     const std::string word = upperCase(words_.word());
     constexpr int64_t kMost = std::numeric_limits<int32_t>::max();
@@ -170,7 +170,7 @@ class LegacyImage {
     return true;
   }
 
-  /// Up to a line that is empty.
+  /// Passes over lines up to an empty one.
   void skipMetadata() {
     words_.line();
     while (!words_.line().empty()) {
@@ -253,7 +253,7 @@ class LegacyImage {
     return true;
   }
 
-  /// False where what follows cannot be found.
+  /// Adds an array. Returns false if the place of the data after it cannot be determined.
   bool addTyped(const std::string& name, const std::string& word, int64_t components, int64_t tuples) {
     if (word == "BIT") {
       if (binary_) words_.dataBegins();
@@ -307,7 +307,7 @@ class LegacyImage {
   ImageData image_;
   glm::dvec3 first_{0};  ///< index of the first point
   std::vector<int64_t> places_;
-  std::set<size_t> colours_;  ///< of the arrays
+  std::set<size_t> colours_;  ///< indices of the arrays that are colours
   bool binary_ = false;
   Of of_ = Of::Nothing;
 };

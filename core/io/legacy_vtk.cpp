@@ -22,7 +22,7 @@ std::string upper(std::string_view word) {
 
 struct Type {
   std::string_view name;
-  uint64_t bytes;  ///< of a value in a binary file
+  uint64_t bytes;  ///< size of a value in a binary file
 };
 constexpr Type kTypes[] = {{"CHAR", 1},         {"UNSIGNED_CHAR", 1}, {"SHORT", 2},     {"UNSIGNED_SHORT", 2},
                            {"INT", 4},          {"UNSIGNED_INT", 4},  {"LONG", 8},      {"UNSIGNED_LONG", 8},
@@ -76,7 +76,7 @@ class Walk {
     return uint64_t(value);
   }
 
-  /// Data begin after the end of this line, and nothing else may be on it.
+  /// Passes over the end of a line that must have no more words: data follow.
   void lineEnd() {
     if (scanner_.line().find_first_not_of(" \t\r") != std::string_view::npos)
       scanner_.fail("expected the end of the line before");
@@ -112,7 +112,8 @@ class Walk {
                     "', expected POLYDATA, UNSTRUCTURED_GRID, STRUCTURED_GRID or RECTILINEAR_GRID");
   }
 
-  /// What VTK allocates by these has been seen in the file: points, or coordinates whose product is taken here.
+  /// Reads the dimensions of a grid. VTK allocates by them only what the file must contain too: its points, or
+  /// the coordinates of its axes. Throws Error for more than 2^31 - 1 points.
   void dimensions() {
     uint64_t points = 1;
     for (uint64_t& n : dimensions_) {
@@ -135,7 +136,7 @@ class Walk {
       scanner_.fail("the file ends too early for an array of " + std::to_string(values) + " values");
   }
 
-  /// The rest of a line that announces an array of this type, and its values.
+  /// Reads the type of an array from the rest of its line, and passes over its values.
   void array(const std::string& name, uint64_t values) {
     const Type* type = nullptr;
     for (const Type& known : kTypes)
@@ -156,7 +157,7 @@ class Walk {
     }
   }
 
-  /// The length of a binary file's string takes 1, 2, 4 or 8 bytes, as its first two bits tell.
+  /// Reads the length of a string in a binary file. It has 1, 2, 4 or 8 bytes; its first two bits say which.
   uint64_t stringLength() {
     const auto first = static_cast<unsigned char>(scanner_.take(1, "a string's length")[0]);
     const size_t more = (size_t(1) << (3 - (first >> 6))) - 1;
@@ -193,7 +194,7 @@ class Walk {
     }
   }
 
-  /// From its keyword, just passed over, to the first empty line.
+  /// Blanks out a METADATA block, from the keyword that was just read to the first empty line.
   void blankMetadata() {
     const size_t begin = bytes_.size() - scanner_.left() - std::strlen("METADATA");
     scanner_.line();
@@ -203,7 +204,7 @@ class Walk {
       if (bytes_[at] != '\n') bytes_[at] = ' ';
   }
 
-  /// A list of cells: n0 id id ... n1 id ..., or since version 5 their offsets and their ids.
+  /// Checks a list of cells: n0 id id ... n1 id ..., or, since version 5, offsets and ids.
   void cells(const std::string& kind) {
     const uint64_t cells = count("a number of cells"), size = count("a number of integers");
     cells_ = cells;
@@ -264,7 +265,7 @@ std::string legacyDatasetType(std::string_view head) {
   const std::string path;
   TextScanner scanner(head, path);
   if (!scanner.line().starts_with("# vtk DataFile Version")) return {};
-  scanner.line();  // the title, which may hold any words
+  scanner.line();  // the title, which may be any text
   scanner.word();  // ASCII or BINARY
   return upper(scanner.word()) == "DATASET" ? upper(scanner.word()) : std::string();
 }

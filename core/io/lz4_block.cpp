@@ -4,8 +4,8 @@
 namespace gxy {
 
 namespace {
-constexpr unsigned kLongLength =
-    15;  ///< of a token: bytes follow that are added, the last of which is not 255
+/// A length in a token with this value is continued by bytes that are added, up to the first that is not 255.
+constexpr unsigned kLongLength = 15;
 constexpr uint64_t kShortestMatch = 4;
 }  // namespace
 

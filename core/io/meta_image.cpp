@@ -25,7 +25,8 @@ ScalarType typeOfMetaWord(std::string_view word, const HeaderLines& lines) {
   return found->second;
 }
 
-/// What is said, as far as it is needed; keys may come in any order but for NDims, the first, and ElementDataFile, the last.
+/// Collects the keys that are needed. Keys may come in any order, except that NDims must be first and
+/// ElementDataFile last.
 class MetaImage {
  public:
   MetaImage(std::string_view bytes, const std::string& where) : lines_(bytes, where) {
@@ -69,7 +70,7 @@ class MetaImage {
       const auto origin = lines_.numbers(value, axes());
       for (size_t a = 0; a < axes_; ++a) image.origin[int(a)] = origin[a];
     } else if (key == "TransformMatrix" || key == "Rotation" || key == "Orientation") {
-      const auto matrix = lines_.numbers(value, axes() * axes_);  // a row for each axis of the image
+      const auto matrix = lines_.numbers(value, axes() * axes_);  // one row for each axis of the image
       for (size_t a = 0; a < axes_; ++a)
         for (size_t w = 0; w < axes_; ++w) image.direction[3 * w + a] = matrix[a * axes_ + w];
     } else if (key == "ElementType") {

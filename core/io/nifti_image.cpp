@@ -13,7 +13,7 @@ namespace {
 
 constexpr size_t kNiftiHeader = 348;
 
-/// Fields of the header by their place.
+/// The fields of the header, by position.
 class NiftiFields {
  public:
   explicit NiftiFields(std::string_view bytes, bool swap) : bytes_(bytes), swap_(swap) {}
@@ -51,7 +51,7 @@ void setType(ImageHeader& header, int code, const std::string& where) {
               ", expected integers, floating-point numbers, RGB or RGBA");
 }
 
-/// The columns of a matrix become directions and spacings.
+/// Sets directions and spacings from the columns of a matrix.
 void setAxes(ImageData& image, const glm::dmat3& columns) {
   for (int a = 0; a < 3; ++a) {
     const double length = glm::length(columns[a]);
@@ -61,7 +61,7 @@ void setAxes(ImageData& image, const glm::dmat3& columns) {
   }
 }
 
-/// Method 2 of the format: a quaternion and the sizes of voxels, the last perhaps negated.
+/// Method 2 of the format: a quaternion and the sizes of voxels, of which the last may be negated.
 glm::dmat3 matrixOfQuaternion(const NiftiFields& f, const glm::dvec3& size) {
   const double b = double(f.at<float>(256)), c = double(f.at<float>(260)), d = double(f.at<float>(264));
   const double a = std::sqrt(std::max(0.0, 1 - (b * b + c * c + d * d)));

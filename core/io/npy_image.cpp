@@ -12,7 +12,7 @@
 namespace gxy {
 namespace {
 
-/// What stands behind a key of the header's dictionary, up to the next ',' or '}' that is in no parentheses.
+/// Returns the value of a key of the header's dictionary: the text up to the next ',' or '}' outside parentheses.
 std::string_view valueOfKey(std::string_view dictionary, const std::string& key, const std::string& where) {
   const size_t at = std::min(dictionary.find("'" + key + "'"), dictionary.find("\"" + key + "\""));
   const size_t colon = at == dictionary.npos ? at : dictionary.find(':', at);
@@ -69,7 +69,7 @@ std::vector<int64_t> shapeOf(std::string_view text, const std::string& where) {
 ImageHeader parseNpy(std::string_view bytes, const std::string& where) {
   if (bytes.size() < 12 || !bytes.starts_with("\x93NUMPY"))
     throw Error(where + ": expected a file of NumPy's form");
-  const bool wide = bytes[6] >= 2;  // version: the length has four bytes
+  const bool wide = bytes[6] >= 2;  // From version 2 on, the length has four bytes.
   size_t length = 0, begin = wide ? 12 : 10;
   for (size_t i = begin; i-- > 8;) length = length << 8 | static_cast<unsigned char>(bytes[i]);
   if (length > bytes.size() - begin) throw Error(where + ": the file ends within its header");
@@ -79,7 +79,7 @@ ImageHeader parseNpy(std::string_view bytes, const std::string& where) {
   header.type = typeOfDescr(valueOfKey(dictionary, "descr", where), header.swapBytes, where);
   std::vector<int64_t> shape = shapeOf(valueOfKey(dictionary, "shape", where), where);
   const bool fortran = valueOfKey(dictionary, "fortran_order", where) == "True";
-  if (!fortran) std::reverse(shape.begin(), shape.end());  // the fastest first
+  if (!fortran) std::reverse(shape.begin(), shape.end());  // The fastest axis comes first.
   if (shape.size() == 4) {
     if (fortran || shape[0] > 1024)
       throw Error(

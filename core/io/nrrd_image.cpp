@@ -61,7 +61,7 @@ ScalarType typeOfNrrdWords(std::string_view value, const HeaderLines& lines) {
   return found->second;
 }
 
-/// Vectors in parentheses, "none" being no vector.
+/// Parses vectors in parentheses; "none" means no vector.
 std::vector<std::optional<glm::dvec3>> vectorsOf(std::string_view value, const HeaderLines& lines) {
   std::vector<std::optional<glm::dvec3>> vectors;
   for (value = trimmed(value); !value.empty(); value = trimmed(value)) {
@@ -147,7 +147,7 @@ class Nrrd {
     }
   }
 
-  /// Whether the first axis counts components.
+  /// Whether the first axis is that of components.
   bool firstIsOfComponents() const {
     if (!directions_.empty() && !directions_[0]) return true;
     static const char* kSpatial[] = {"domain", "space", "time", "???", "none"};

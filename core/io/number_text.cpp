@@ -18,12 +18,12 @@ namespace {
 
 bool isBlank(char c) { return c == ' ' || (c >= '\t' && c <= '\r'); }
 
-/// The words of a stream, none longer than kLongest.
+/// The words of a stream. No word is longer than kLongest.
 class StreamWords {
  public:
   explicit StreamWords(ByteStreamPtr text) : text_(std::move(text)), buffer_(size_t(64) << 10) {}
 
-  /// Valid until the next call; empty at the end.
+  /// Returns the next word, which is valid until the next call; empty at the end.
   std::string_view next() {
     for (;;) {
       while (at_ < filled_ && isBlank(buffer_[at_])) ++at_;
@@ -61,7 +61,7 @@ std::optional<T> valueOf(std::string_view word) {
   if (end != last || error == std::errc::invalid_argument) return {};
   if (error == std::errc()) return value;
   if constexpr (std::is_integral_v<T>) return {};
-  // out of range: too small for the type, or too large
+  // The number is out of range: too small or too large for the type.
   double wide{};
   if (std::from_chars(word.data(), last, wide).ec == std::errc()) return T(wide);
   const size_t exponent = word.find_first_of("eE");

@@ -16,21 +16,21 @@
 namespace gxy {
 namespace {
 
-/// Indices from 0 on of a vertex, texture coordinates and a normal; -1: none.
+/// Indices, from 0 on, of a vertex, its texture coordinates and its normal; -1: none.
 using Corner = std::array<int64_t, 3>;
 
 struct Cells {
   size_t leastCorners;
-  const char* tooFew;  ///< what becomes of one with fewer
+  const char* tooFew;  ///< the flaw of a cell with fewer corners
   std::vector<Corner> corners = {};
-  std::vector<size_t> ends = {};  ///< of each cell among the corners
+  std::vector<size_t> ends = {};  ///< by cell: index after its last corner
 };
 
 struct Mesh {
   std::vector<std::array<double, 3>> vertices;
   std::vector<std::array<float, 2>> coordinates;
   std::vector<std::array<float, 3>> normals;
-  FoundColors colors;  ///< of vertices
+  FoundColors colors;  ///< colours of vertices
   Cells points{1, "a list of points without any is left out"},
       lines{2, "a line of fewer than 2 points is left out"},
       polygons{3, "a face of fewer than 3 corners is left out"};
@@ -101,7 +101,8 @@ void readCell(TextScanner& line, const TextScanner& file, const Mesh& mesh, Cell
   cells.ends.push_back(cells.corners.size());
 }
 
-/// The next line without its comment, and those that continue it after a backslash, put together in `joined`.
+/// Returns the next line without its comment. Lines that continue it after a backslash are appended;
+/// `joined` is the memory.
 std::string_view statement(TextScanner& file, std::string& joined) {
   const auto next = [&] {
     const std::string_view text = file.lineOfAnyEnd();
@@ -142,7 +143,7 @@ Mesh parse(std::string_view bytes, const std::string& path, Flaws& flaws) {
   return mesh;
 }
 
-/// Statements may refer to later ones, so this waits for the end of the file.
+/// Checks the corners at the end of the file, because statements may refer to later ones.
 void checkCorners(const Mesh& mesh, Cells& cells, const char* kind, const std::string& path, Flaws& flaws) {
   const auto counts = mesh.counts();
   for (size_t cell = 0, c = 0; cell < cells.ends.size(); ++cell)
@@ -159,7 +160,7 @@ void checkCorners(const Mesh& mesh, Cells& cells, const char* kind, const std::s
       }
 }
 
-/// Points for all corners that occur: first each vertex as it is used first, then the copies.
+/// The points for all corners: first each vertex as its first use has it, then the copies.
 class Points {
  public:
   explicit Points(size_t vertices) : corners_(vertices), used_(vertices, false) {
@@ -184,7 +185,7 @@ class Points {
   std::map<Corner, vtkIdType> copies_;
 };
 
-/// `idOf` gives the point for a corner.
+/// Makes cells; idOf(corner) returns the point of a corner.
 template <class IdOf>
 vtkSmartPointer<vtkCellArray> cellArray(const Cells& cells, IdOf idOf) {
   const auto array = vtkSmartPointer<vtkCellArray>::New();
@@ -197,7 +198,7 @@ vtkSmartPointer<vtkCellArray> cellArray(const Cells& cells, IdOf idOf) {
   return array;
 }
 
-/// Do all corners of the polygons have the i-th index?
+/// Whether all corners of polygons have the i-th index.
 bool allHave(const Mesh& mesh, size_t i) {
   const auto has = [i](const Corner& corner) { return corner[i] >= 0; };
   return !mesh.polygons.corners.empty() &&

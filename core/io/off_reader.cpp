@@ -16,14 +16,14 @@
 namespace gxy {
 namespace {
 
-/// A file's lines that are not empty, without their comments.
+/// The lines of a file that are not empty, without comments.
 class OffLines {
  public:
   OffLines(std::string_view bytes, const std::string& path) : file_(bytes, path) {
     file_.passByteOrderMark();
   }
 
-  /// `what` says in errors what would be on the next line.
+  /// Returns the next line. `what` says in errors what was expected there.
   TextScanner next(const std::string& what) {
     while (file_.left()) {
       std::string_view text = file_.lineOfAnyEnd();
@@ -32,7 +32,7 @@ class OffLines {
     }
     file_.fail("the file ends, expected " + what);
   }
-  /// The next word of one of its lines as a number.
+  /// Reads the next word of a line as a number.
   template <class T>
   T number(TextScanner& line, const char* what) {
     const std::string_view word = line.word();
@@ -56,7 +56,7 @@ struct OffHeader {
 void readCounts(OffLines& lines, TextScanner line, size_t bytes, OffHeader& header) {
   header.vertices = lines.number<size_t>(line, "the number of vertices");
   header.faces = lines.number<size_t>(line, "the number of faces");
-  // "0 0 0" and "1 0", and the ends of lines
+  // The shortest lines of a vertex and a face are "0 0 0" and "1 0", each with an end of line.
   if (header.vertices > bytes / 6 + 1 || header.faces > bytes / 4 + 1)
     lines.file().fail(std::to_string(header.vertices) + " vertices and " + std::to_string(header.faces) +
                       " faces are more than the file's " + std::to_string(bytes) + " bytes can hold");
@@ -78,7 +78,7 @@ OffHeader readHeader(OffLines& lines, size_t bytes) {
     if (there) marks.remove_prefix(mark.size());
     return there;
   };
-  header.textures = has("ST");  // they come last
+  header.textures = has("ST");
   header.colors = has("C");
   header.normals = has("N");
   TextScanner rest = afterKeyword;

@@ -36,7 +36,7 @@ constexpr PlyType kPlyTypes[] = {{"char", "int8", 1, true, true},      {"uchar",
 struct Property {
   std::string name;
   const PlyType* type = nullptr;
-  const PlyType* count = nullptr;  ///< of a list
+  const PlyType* count = nullptr;  ///< type of a list's length; null: this is no list
 };
 
 struct Element {
@@ -55,7 +55,7 @@ struct Element {
   }
 };
 
-/// The values of the body, one after the other.
+/// Reads the values of the body one after the other.
 class Values {
  public:
   Values(TextScanner& scanner, PlyEncoding encoding) : scanner_(scanner), encoding_(encoding) {}
@@ -72,20 +72,20 @@ class Values {
     return value;
   }
 
-  /// Elements are counted before they are read: so many bytes each one takes at least.
+  /// Throws Error if the rest of the file is too short for the element's count, given the least size of each.
   void checkCount(const Element& element) const {
     uint64_t least = 0;
     for (const Property& p : element.properties)
       least += encoding_ == PlyEncoding::Ascii ? 2 : p.count ? p.count->bytes : p.type->bytes;
     const uint64_t bytes =
-        scanner_.left() + (encoding_ == PlyEncoding::Ascii ? 1 : 0);  // the last line's end
+        scanner_.left() + (encoding_ == PlyEncoding::Ascii ? 1 : 0);  // The last line may have no end.
     if (element.count > bytes / least)
       scanner_.fail("the file ends too early: it has " + std::to_string(scanner_.left()) +
                     " bytes left for " + std::to_string(element.count) + " elements '" + element.name +
                     "' of at least " + std::to_string(least) + " bytes each");
   }
 
-  /// The entries of a list that starts here.
+  /// Reads the length of a list.
   uint64_t listLength(const Property& list, const Element& element, uint64_t i) {
     const double length = next(*list.count);
     if (!(length >= 0))
@@ -210,7 +210,7 @@ Header readHeader(TextScanner& scanner, const std::string& path) {
   return header;
 }
 
-/// The properties of an element that are the components of its colours; none if it has none.
+/// Returns the properties of an element that are the components of its colours; none if it has no colours.
 std::vector<const Property*> colorsOf(const Element& element) {
   constexpr std::array<const char*, 4> kNames[] = {
       {"red", "green", "blue", "alpha"},
@@ -227,21 +227,21 @@ std::vector<const Property*> colorsOf(const Element& element) {
   return {};
 }
 
-/// The largest value of a component, as scaleColors() takes it.
+/// Returns the largest value of a component, for scaleColors().
 double fullOf(const PlyType& type) {
   if (!type.integer) return 0;
   return type.bytes == 2 && !type.isSigned ? 65535 : 255;
 }
 
-/// Where the properties of a vertex go.
+/// The arrays that the properties of a vertex are stored in.
 struct PointArrays {
   struct Target {
-    vtkFloatArray* array = nullptr;  ///< none: a coordinate of the point if `component` >= 0, else unused
+    vtkFloatArray* array = nullptr;  ///< null: a coordinate of the point if `component` >= 0, else unused
     int component = -1;
   };
   std::vector<Target> targets;            ///< one for each property
   vtkSmartPointer<vtkFloatArray> colors;  ///< null: there are none
-  double full = 0;                        ///< of their components
+  double full = 0;                        ///< largest value of their components, for scaleColors()
 
   PointArrays(const Element& vertex, vtkPointData* data)
       : targets(vertex.properties.size()), vertex_(vertex) {
@@ -270,7 +270,7 @@ struct PointArrays {
     return targets[size_t(vertex_.find(name) - vertex_.properties.data())];
   }
 
-  /// An array of these properties; none unless all of them are scalars of the vertex.
+  /// Adds an array of these properties; returns null, and adds none, unless all of them are scalars of the vertex.
   vtkFloatArray* add(vtkPointData* data, const std::string& name,
                      const std::vector<std::string>& properties) {
     for (const std::string& p : properties)
@@ -309,7 +309,8 @@ void readVertices(Values& values, const Element& vertex, vtkPolyData* mesh) {
   mesh->SetPoints(points);
 }
 
-/// Cells by lists of vertices; where these are strips, -1 ends one. `components` become the components of `colors`.
+/// Reads cells from lists of vertices. If these are strips, -1 ends a strip. `components` become the
+/// components of `colors`.
 vtkSmartPointer<vtkCellArray> readCells(Values& values, const Element& element, const Property* corners,
                                         uint64_t points, bool strips,
                                         const std::vector<const Property*>& components = {},
@@ -360,7 +361,7 @@ void readPolygons(Values& values, const Element& face, const Property* corners, 
   mesh->GetCellData()->SetScalars(colors);
 }
 
-/// The property of an element that lists vertices; null if there is no such element.
+/// Returns the property of an element that lists vertices; null if there is no such element.
 const Property* cornersOf(const Element* element, const std::string& path) {
   if (!element) return nullptr;
   const Property* corners = element->find("vertex_indices");

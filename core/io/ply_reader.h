@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// PLY 1.0 meshes: ascii, binary_little_endian and binary_big_endian. Used inside core/io only.
+// Reads PLY 1.0 meshes: ascii, binary_little_endian and binary_big_endian. Used inside core/io only.
 #pragma once
 #include <vtkPolyData.h>
 #include <vtkSmartPointer.h>
@@ -11,13 +11,18 @@
 
 namespace gxy {
 
-/// The points of element `vertex`, the polygons of element `face` and the strips of triangles of element `tristrips` (-1 ends one),
-/// if there are any, from the bytes of a file; every other element is passed over. x, y and z become the points; nx, ny, nz the normals "Normals";
-/// u, v (or texture_u, texture_v, or s, t) the texture coordinates "TCoords"; red, green, blue and alpha, if there is one (also
-/// diffuse_red and so on, or r, g, b and a), all of one type, the active scalars "RGB", from 0 to 1; each other scalar property an
-/// array of its own name. Of faces colours alone are read, and only where there are no strips: `flaws` is told of others. Throws
-/// Error, which begins with `path`, for bytes that are not such a file, that end too early, or whose faces refer to points that do not
-/// exist; what it allocates is in proportion to the number of bytes, whatever they say.
+/// Reads the points of element `vertex`, and, if they exist, the polygons of element `face` and the triangle
+/// strips of element `tristrips` (-1 ends a strip), from the bytes of a file. Other elements are ignored.
+///
+/// Properties of a vertex: x, y and z are the point; nx, ny and nz become the normals "Normals"; u, v (or
+/// texture_u, texture_v, or s, t) become the texture coordinates "TCoords". red, green, blue and optionally
+/// alpha (also diffuse_red and so on, or r, g, b and a), all of one type, become the active scalars "RGB",
+/// from 0 to 1. Each other scalar property becomes an array of its name. Of faces only colours are read, and
+/// only if there are no strips; `flaws` gets the others.
+///
+/// Throws Error, which begins with `path`, for bytes that are not such a file, that end too early, or whose
+/// faces refer to points that do not exist. Memory is in proportion to the number of bytes, whatever sizes
+/// the file states.
 vtkSmartPointer<vtkPolyData> readPly(std::string_view bytes, const std::string& path, Flaws& flaws);
 
 }  // namespace gxy

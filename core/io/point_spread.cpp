@@ -10,9 +10,9 @@ namespace gxy {
 namespace {
 
 constexpr size_t kBins = 1024;
-constexpr int kRounds = 3;  // each looks closer at what lies between the hundredths
+constexpr int kRounds = 3;  // Each round divides the inner interval of the previous one into bins.
 
-/// Of one axis: how many points lie below, in and above the bins of an interval.
+/// The numbers of points below, in and above the bins of an interval, on one axis.
 struct Counts {
   double lo = 0, hi = 0;
   std::array<uint64_t, kBins + 2> bins{};
@@ -23,7 +23,7 @@ struct Counts {
     const double place = hi > lo ? (x - lo) / (hi - lo) * double(kBins) : 0;
     bins[1 + std::min(size_t(place), kBins - 1)]++;
   }
-  /// The interval of the bins from that of the first to that of the last hundredth.
+  /// The interval of the bins that contain the points without the lowest and the highest hundredth.
   std::array<double, 2> hundredths() const {
     uint64_t all = 0;
     for (const uint64_t n : bins) all += n;
@@ -84,7 +84,7 @@ PointSpread spreadOf(const LoadedGeometry& geometry, Collectives& ranks) {
   }
   int dimensions = 0;
   for (int a = 0; a < 3; a++) {
-    constexpr double kFlat = 1e-3;  // of the longest side
+    constexpr double kFlat = 1e-3;  // A side up to this fraction of the longest one is no dimension.
     const double side = inner.hi[a] - inner.lo[a];
     if (side > kFlat * longest) size *= side, dimensions++;
   }

@@ -1,20 +1,24 @@
 // SPDX-License-Identifier: Apache-2.0
-// How points are spread, whatever lies far outside.
+// Measures the spread of points without being misled by points far outside.
 #pragma once
 #include "core/io/import_geometry.h"
 
 namespace gxy {
 
 struct PointSpread {
-  /// Along each axis the box of all points, but where that is more than twice as long as what holds the points between the
-  /// first and the last hundredth: that, a quarter longer at each end.
+  /// The box of the points without outliers, world coordinates. On each axis, the inner interval contains the
+  /// points without the lowest and the highest hundredth. If the interval of all points is more than twice as
+  /// long, `middle` has the inner interval, extended by a quarter of its length at each end; otherwise it has
+  /// the interval of all points.
   Box middle;
-  double spacing =
-      0;  ///< (size of that hundredths' box / number of primitives) ^ (1 / its dimensions); 0: it has none
+  /// Mean distance of points: (size of the box of inner intervals / number of primitives) ^ (1 / its
+  /// dimensions). 0: unknown.
+  double spacing = 0;
 };
 
-/// Collective. Of the corners of primitives, each counted for each primitive that it belongs to; needs `box` and
-/// `primitives`. They are counted in bins that all ranks agree on, so the result does not depend on how many ranks there are.
+/// Measures the corners of primitives; a point counts once for each primitive that it belongs to. Uses `box`
+/// and `primitives` of `geometry`. Collective: all ranks call it. Points are counted in bins that all ranks
+/// agree on, so the result does not depend on the number of ranks.
 PointSpread spreadOf(const LoadedGeometry& geometry, Collectives& ranks);
 
 }  // namespace gxy

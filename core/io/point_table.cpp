@@ -26,7 +26,7 @@ std::string_view withoutSpaces(std::string_view text) {
   return text.substr(begin, text.find_last_not_of(" \t") - begin + 1);
 }
 
-/// Arrays of one value for each point, by name, in the order of the columns.
+/// Columns in their order, each with a name and one value for each point.
 struct Columns {
   std::vector<std::string> names;
   std::vector<std::vector<double>> values;
@@ -34,7 +34,7 @@ struct Columns {
   explicit Columns(std::vector<std::string> of) : names(std::move(of)), values(names.size()) {}
 };
 
-/// "name:2": name, 2; none where there is no such end.
+/// Splits "name:2" into "name" and 2; returns nothing for other names.
 std::optional<std::pair<std::string, size_t>> componentOf(const std::string& name) {
   const size_t colon = name.rfind(':');
   size_t component = 0;
@@ -56,7 +56,7 @@ void addArray(vtkPolyData* data, const std::string& name,
   data->GetPointData()->AddArray(array);
 }
 
-/// The column of this name in any case; -1: none.
+/// Returns the column with this name in any letter case; -1 if there is none.
 int columnNamed(const std::vector<std::string>& names, std::string_view wanted) {
   const auto same = [&](const std::string& name) {
     return std::ranges::equal(
@@ -66,7 +66,7 @@ int columnNamed(const std::vector<std::string>& names, std::string_view wanted) 
   return found == names.end() ? -1 : int(found - names.begin());
 }
 
-/// The columns of red, green, blue and, if it is there, opacity; none unless the first three are.
+/// Returns the columns of red, green, blue and, if it exists, opacity; none unless the first three exist.
 std::vector<int> colorColumns(const std::vector<std::string>& names) {
   constexpr std::array<const char*, 4> kNames[] = {{"red", "green", "blue", "alpha"}, {"r", "g", "b", "a"}};
   for (const auto& wanted : kNames) {
@@ -78,7 +78,7 @@ std::vector<int> colorColumns(const std::vector<std::string>& names) {
   return {};
 }
 
-/// Points at columns `axes` (-1: 0); the others become arrays.
+/// Makes points with coordinates from the columns `axes` (-1: coordinate 0). Other columns become arrays.
 vtkSmartPointer<vtkPolyData> pointsOf(const Columns& table, const std::array<int, 3>& axes) {
   const auto data = vtkSmartPointer<vtkPolyData>::New();
   const auto points = vtkSmartPointer<vtkPoints>::New();
@@ -125,7 +125,7 @@ char separatorOf(std::string_view line) {
                                    [&](char separator) { return std::ranges::count(line, separator); });
 }
 
-/// The fields of a line, without quotes and white space around them.
+/// Returns the fields of a line, without quotes and surrounding white space.
 std::vector<std::string> fieldsOf(std::string_view line, char separator) {
   std::vector<std::string> fields(1);
   bool quoted = false;
@@ -141,7 +141,7 @@ std::vector<std::string> fieldsOf(std::string_view line, char separator) {
   return fields;
 }
 
-/// Empty: NaN; none if it is other text.
+/// Returns the number in a field, NaN for an empty field, and nothing for other text.
 std::optional<double> numberOf(const std::string& field) {
   double value = kNoNumber;
   if (!field.empty() && !TextScanner::parse(field, value)) return std::nullopt;
@@ -169,7 +169,7 @@ constexpr const char* kElements[] = {
     "Rn", "Fr", "Ra", "Ac", "Th", "Pa", "U",  "Np", "Pu", "Am", "Cm", "Bk", "Cf", "Es", "Fm", "Md", "No",
     "Lr", "Rf", "Db", "Sg", "Bh", "Hs", "Mt", "Ds", "Rg", "Cn", "Nh", "Fl", "Mc", "Lv", "Ts", "Og"};
 
-/// Of a symbol, or of itself as a number; NaN of others.
+/// Returns the atomic number of a symbol, or a number itself; NaN for other words.
 double atomicNumber(std::string_view symbol) {
   double number = kNoNumber;
   if (TextScanner::parse(symbol, number)) return number;
@@ -199,7 +199,7 @@ vtkSmartPointer<vtkPolyData> readAtoms(TextScanner& file, size_t count, Flaws& f
   return pointsOf(table, {0, 1, 2});
 }
 
-/// The numbers of a line of a point cloud.
+/// Returns the numbers in a line of a point cloud.
 std::vector<double> numbersOf(std::string_view text, const TextScanner& file) {
   std::vector<double> numbers;
   TextScanner line(text, file.path());
@@ -217,7 +217,7 @@ vtkSmartPointer<vtkPolyData> readCsv(std::string_view bytes, const std::string& 
   file.passByteOrderMark();
   std::optional<Columns> table;
   std::array<int, 3> axes{0, 1, 2};
-  std::vector<bool> numbers;  // of each column
+  std::vector<bool> numbers;  // by column: it has only numbers so far
   char separator = ',';
   while (file.left()) {
     const std::string_view line = file.lineOfAnyEnd();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Points as lines of text: tables (.csv) and point clouds or atoms (.xyz). Used inside core/io only.
+// Reads points from lines of text: tables (.csv), and point clouds or atoms (.xyz). Used inside core/io only.
 #pragma once
 #include <vtkPolyData.h>
 #include <vtkSmartPointer.h>
@@ -11,18 +11,22 @@
 
 namespace gxy {
 
-/// A table whose fields are separated by commas, semicolons or tabs, as its first line shows; a field may stand in quotes. Where
-/// the first line holds names, "x", "y" and "z" in any case or "Points:0" to "Points:2" are the coordinates ("z" may be missing:
-/// 0), else the first three columns. The other columns of numbers are arrays; "name:0", "name:1", ... beside each other become one array "name".
-/// Columns "red", "green" and "blue", or "r", "g" and "b", in any case, and "alpha" or "a", become the array "RGB": 0 to 1, or 0 to 255
-/// if one is 2 or more.
-/// An empty field is NaN. `flaws` is told of columns that hold other text, which are passed over. Throws Error, which begins with
-/// `path`, for tables without coordinates and lines of another number of fields.
+/// Reads a table. The first line shows whether commas, semicolons or tabs separate fields. A field may be in
+/// quotes; an empty field is NaN. If the first line has names, the coordinates are the columns "x", "y" and
+/// "z" in any letter case, or "Points:0" to "Points:2"; "z" may be missing and then is 0. Otherwise they are
+/// the first three columns.
+///
+/// Other columns of numbers become arrays. Neighbouring columns "name:0", "name:1", ... become one array
+/// "name". Columns "red", "green" and "blue", or "r", "g" and "b", in any letter case, with "alpha" or "a" if
+/// it exists, become the array "RGB"; they are from 0 to 1, or from 0 to 255 if one is 2 or more. `flaws`
+/// gets columns with other text, which are ignored. Throws Error, which begins with `path`, for tables
+/// without coordinates and lines with another number of fields.
 vtkSmartPointer<vtkPolyData> readCsv(std::string_view bytes, const std::string& path, Flaws& flaws);
 
-/// Lines "x y z" with further numbers, which become arrays "value 1" and so on; or, if the first line is a number alone, that many
-/// atoms "symbol x y z" after a line of comment, with the atomic number as array "element". '#' begins a comment in the former.
-/// `flaws` is told of what comes after the atoms, which is passed over. Throws Error, which begins with `path`, for other lines.
+/// Reads a point cloud: lines "x y z" with optional further numbers, which become arrays "value 1" and so on;
+/// '#' begins a comment. If the first line is a single number, reads that many atoms "symbol x y z" after a
+/// comment line; the atomic number becomes the array "element". `flaws` gets lines after the atoms, which are
+/// ignored. Throws Error, which begins with `path`, for other lines.
 vtkSmartPointer<vtkPolyData> readXyz(std::string_view bytes, const std::string& path, Flaws& flaws);
 
 }  // namespace gxy

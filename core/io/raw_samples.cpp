@@ -11,8 +11,8 @@
 namespace gxy {
 namespace {
 
-constexpr int64_t kRunBytes = 4 << 20;  ///< rows closer together than this are read in one go
-constexpr int64_t kWaste = 4;           ///< ... unless more than 3/4 of what is read would be thrown away
+constexpr int64_t kRunBytes = 4 << 20;  ///< rows within this many bytes are read together
+constexpr int64_t kWaste = 4;           ///< ... unless more than 3/4 of the bytes read would be discarded
 
 }  // namespace
 
@@ -44,7 +44,8 @@ void RawSamples::read(std::span<const Extent> wanted, const TakeSamples& take) c
 }
 
 void RawSamples::readBox(const Extent& extent, std::span<std::byte> out) const {
-  // Whole slices that follow each other in the file as they do in memory are one read, else one slice at a time.
+  // Whole slices are consecutive both in the file and in memory, so one read takes all. Otherwise it is one
+  // slice at a time.
   const bool wholeSlices = extent.points[0] == stored_.points[0] && extent.points[1] == stored_.points[1];
   const int64_t depth = wholeSlices ? extent.points[2] : 1;
   Extent slab = extent;

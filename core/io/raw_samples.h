@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// Samples that lie uncompressed in a file: the blocks of any box of points are read from their place.
+// Reads uncompressed samples of any box of points directly from their place in a file.
 #pragma once
 #include "core/io/file.h"
 #include "core/io/volume_file.h"
 
 namespace gxy {
 
-/// One array of samples in a file, laid out as `stored` (x fastest) from byte `offset` on. Throws Error when
-/// the file is shorter than that; with `exact`, also when it is longer.
+/// One array of samples in a file, laid out as `stored` (x fastest) from byte `offset` on. The constructor
+/// throws Error if the file is shorter than that, or, with `exact`, longer.
 class RawSamples final : public SampleSource {
  public:
   RawSamples(std::shared_ptr<const File> file, int64_t offset, const Extent& stored, ScalarType type,

@@ -16,7 +16,7 @@ namespace {
 
 constexpr size_t kHeader = 84, kFacet = 50;
 
-/// A little-endian value of 4 bytes.
+/// Returns the little-endian value of 4 bytes at `offset`.
 template <class T>
 T valueAt(std::string_view bytes, size_t offset) {
   char raw[sizeof(T)];
@@ -31,13 +31,15 @@ std::string lower(std::string_view word) {
   return text;
 }
 
-/// The number of facets of a binary file, as it states it or, if that is 0, as it has room for; none if it is not one.
+/// Returns the number of facets of a binary file: the stated one, or, if that is 0, as many as the file has
+/// room for. Returns nothing if it is not a binary file.
 std::optional<size_t> facetsOfBinary(std::string_view bytes, Flaws& flaws) {
   if (bytes.size() < kHeader) return {};
   const size_t room = (bytes.size() - kHeader) / kFacet, rest = (bytes.size() - kHeader) % kFacet;
   const uint32_t stated = valueAt<uint32_t>(bytes, kHeader - 4);
   if (stated == room && rest == 0) return room;
-  // In ascii files there is text where others have a number below 2^24.
+  // In an ascii file there is text at the place of the number, whose last byte is 0 in a binary file with
+  // fewer than 2^24 facets.
   if (stated > room || bytes[kHeader - 1] != 0) return {};
   const size_t facets = stated == 0 ? room : stated;
   const auto place = [&] { return "byte " + std::to_string(kHeader + kFacet * facets); };
@@ -47,7 +49,7 @@ std::optional<size_t> facetsOfBinary(std::string_view bytes, Flaws& flaws) {
   return facets;
 }
 
-/// Of a facet: its normal, three corners, two bytes of attributes.
+/// A facet is its normal, three corners, and two bytes of attributes.
 void readBinary(std::string_view bytes, size_t facets, vtkPoints* points) {
   points->SetNumberOfPoints(vtkIdType(3 * facets));
   for (size_t i = 0; i < 3 * facets; ++i) {
@@ -57,8 +59,8 @@ void readBinary(std::string_view bytes, size_t facets, vtkPoints* points) {
   }
 }
 
-/// One or several solids: solid NAME, facets, endsolid NAME. A facet: facet normal X Y Z, outer loop, 3 times
-/// vertex X Y Z, endloop, endfacet.
+/// The file has one or several solids: solid NAME, facets, endsolid NAME. A facet is: facet normal X Y Z,
+/// outer loop, 3 times vertex X Y Z, endloop, endfacet.
 void readAscii(std::string_view bytes, const std::string& path, vtkPoints* points, Flaws& flaws) {
   TextScanner scanner(bytes, path);
   scanner.passByteOrderMark();

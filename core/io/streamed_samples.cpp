@@ -9,14 +9,15 @@
 namespace gxy {
 
 namespace {
-constexpr int64_t kChunk = 1 << 20;  ///< bytes that are decoded at once
+constexpr int64_t kChunk = 1 << 20;  ///< bytes that are decoded at a time
 }
 
-/// One pass over the blocks. `buffer` begins with `held` bytes of point number `next`, whose others are in the next block.
+/// One pass over the blocks. `buffer` begins with `held` bytes of point number `next`; its other bytes are
+/// in the next block.
 struct StreamedSamples::Reading {
   std::span<const Extent> wanted;
   const TakeSamples& take;
-  int64_t last;  ///< point that is wanted
+  int64_t last;  ///< last point that is wanted
   std::vector<std::byte> buffer;
   int64_t next = 0;
   size_t held = 0;
@@ -84,7 +85,7 @@ void StreamedSamples::readBlock(Reading& r, int64_t block) const {
     decoded_->bytes += out.size();
     at += int64_t(out.size());
   };
-  if (r.held == 0) {  // a point that began in a block that nobody wants is passed over
+  if (r.held == 0) {  // The rest of a point that began in a block that was not read is skipped.
     const int64_t rest = std::min((bytesPerPoint_ - at % bytesPerPoint_) % bytesPerPoint_, end - at);
     std::vector<std::byte> passed(static_cast<size_t>(rest));
     more(passed);

@@ -1,16 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-// Samples that are to be decoded: from compressed bytes, base64 or text. Used inside core/io only.
+// Reads samples that must be decoded: from compressed bytes, base64 or text. Used inside core/io only.
 #pragma once
 #include "core/io/byte_stream.h"
 #include "core/io/volume_file.h"
 
 namespace gxy {
 
-/// One array, x fastest, components interleaved, out of blocks of bytes. Of all boxes that are asked for together each block that
-/// they need is decoded once, and not beyond the last point that they need; memory: 1 MiB, whatever the blocks' size.
+/// One array, x fastest, components interleaved, in blocks of bytes. A read decodes each block that its boxes
+/// need once, up to the last point that they need. It uses 1 MiB of memory, whatever the size of blocks.
 class StreamedSamples final : public SampleSource {
  public:
-  /// `bytes` holds the points of `stored` and nothing else. Errors begin with `where`.
+  /// `bytes` are the samples of the points of `stored` and nothing else. Errors begin with `where`. `decoded`
+  /// counts the bytes and blocks that are decoded.
   StreamedSamples(std::shared_ptr<const BlockedBytes> bytes, const Extent& stored, ScalarType type,
                   int components, bool swapBytes, std::string where, std::shared_ptr<Decoded> decoded);
   void read(std::span<const Extent> wanted, const TakeSamples& take) const override;

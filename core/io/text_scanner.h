@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads a file's bytes, held in memory, as words, lines, numbers and binary blocks, and never beyond their
-// end. Numbers are parsed the same under every locale. Every megabyte, ReadWatch's check is called. Used inside core/io only.
+// Reads bytes in memory as words, lines, numbers and binary blocks, and never beyond their end. Numbers are
+// parsed alike in every locale. ReadWatch's check is called once per megabyte. Used inside core/io only.
 #pragma once
 #include <algorithm>
 #include <charconv>
@@ -13,12 +13,12 @@
 
 namespace gxy {
 
-/// Neither the bytes nor the path are copied; both outlive the scanner.
+/// Neither the bytes nor the path are copied; both must outlive the scanner.
 class TextScanner {
  public:
   TextScanner(std::string_view bytes, const std::string& path) : bytes_(bytes), path_(path) {}
 
-  /// The next word between white space; empty at the end.
+  /// Returns the next word between white space; empty at the end.
   std::string_view word() {
     while (at_ < bytes_.size() && isSpace(bytes_[at_])) ++at_;
     begin();
@@ -26,7 +26,7 @@ class TextScanner {
     return bytes_.substr(last_, at_ - last_);
   }
 
-  /// What is left of the current line, without its end ("\n" or "\r\n"), which is passed over.
+  /// Returns the rest of the current line without its end ("\n" or "\r\n"), and moves to the next line.
   std::string_view line() {
     begin();
     const size_t end = std::min(bytes_.find('\n', at_), bytes_.size());
@@ -36,7 +36,7 @@ class TextScanner {
     return text;
   }
 
-  /// The same where a line may also end with "\r" alone.
+  /// The same for lines that may also end with "\r" alone.
   std::string_view lineOfAnyEnd() {
     begin();
     const size_t end = std::min(bytes_.find_first_of("\r\n", at_), bytes_.size());
@@ -45,12 +45,13 @@ class TextScanner {
     return text;
   }
 
-  /// Passes over the mark that some programs begin texts in UTF-8 with.
+  /// Skips the byte-order mark that some programs write at the beginning of UTF-8 text.
   void passByteOrderMark() {
     if (at_ == 0 && bytes_.starts_with("\xef\xbb\xbf")) at_ = 3;
   }
 
-  /// The next word as a number: the whole of it, an optional sign first. `what` says in errors what it is.
+  /// Returns the next word as a number. The whole word must be a number, with an optional sign. `what` says
+  /// in errors what was expected.
   template <class T>
   T number(std::string_view what) {
     const std::string_view text = word();
@@ -61,7 +62,7 @@ class TextScanner {
     return value;
   }
 
-  /// The next `count` bytes as they are.
+  /// Returns the next `count` bytes as they are. `what` says in errors what they are.
   std::string_view take(size_t count, std::string_view what) {
     if (count > left()) fail("the file ends before " + std::string(what));
     begin();
@@ -72,7 +73,7 @@ class TextScanner {
   const std::string& path() const { return path_; }
   size_t left() const { return bytes_.size() - at_; }
 
-  /// "line n": where what was read last began.
+  /// Returns "line n": the line where the last word, line or block began.
   std::string place() const {
     size_t lines = 1;
     for (size_t i = 0; i < last_; ++i)
@@ -93,7 +94,7 @@ class TextScanner {
  private:
   static constexpr size_t kWatched = size_t(1) << 20;
 
-  // Something is read from here on.
+  // The next word, line or block begins here.
   void begin() {
     last_ = at_;
     if (at_ < watched_) return;

@@ -9,7 +9,7 @@ namespace {
 
 constexpr std::string_view kGhostArray = "vtkGhostType";
 
-/// Of the arrays that hold colours, or of those that do not.
+/// Returns "data", or else the first array, among the arrays that contain colours, or among those that do not.
 std::optional<std::string> usual(const ListedArrays& list, bool ofColors) {
   std::optional<std::string> first;
   for (const auto& [name, components, colors] : list.arrays) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which of a geometry file's arrays becomes the values, or the colours.
+// Chooses the array of a geometry file that becomes the values, or the colours.
 #pragma once
 #include <optional>
 #include <string>
@@ -10,7 +10,7 @@
 
 namespace gxy {
 
-/// The arrays of a file's points, or of its cells: as the file lists them, read or not.
+/// The arrays of a file's points, or of its cells, as the file lists them, whether they have been read or not.
 struct ListedArrays {
   struct Array {
     std::string name;
@@ -18,17 +18,17 @@ struct ListedArrays {
     bool colors = false;  ///< isColors()
   };
   std::vector<Array> arrays;
-  std::string scalars, normals, textures;  ///< the active ones, by name
+  std::string scalars, normals, textures;  ///< names of the active ones; empty: none
 
   bool has(std::string_view name) const;
 };
 
-/// The array that is to become the values, or, if it holds colours, these.
+/// The array that is to become the values, or the colours if it contains colours.
 struct ValuesWanted {
-  std::string array;            ///< of points, else of cells; empty: the usual one (chooseValues())
-  std::optional<bool> ofCells;  ///< an array of cells only, or of points only
-  bool orNone = false;          ///< no values, instead of an Error, if the file has no array of that name
-  std::string radii;            ///< the array of points that gives radii; empty: the values do
+  std::string array;            ///< name of the array; empty: the default of chooseValues()
+  std::optional<bool> ofCells;  ///< true: an array of cells only; false: of points only; absent: either
+  bool orNone = false;          ///< if the file has no array of that name, there are no values and no Error
+  std::string radii;            ///< array of points that gives radii; empty: the values give them
 
   ValuesWanted() = default;
   ValuesWanted(std::string name, std::optional<bool> cells = {}, bool none = false)
@@ -41,17 +41,19 @@ struct ChosenArray {
   bool ofCells = false;
 };
 
-/// Whether an array of three components of this name holds normals.
+/// Whether an array with this name and three components contains normals.
 bool isNameOfNormals(std::string_view name);
 
-/// Whether an array of three or four components holds red, green, blue and opacity: all of unsigned char, as VTK sees it, and
-/// those of the names RGB, RGBA, Color, Colors, Colour and Colours in any case.
+/// Whether an array contains colours. It must have three components, or four with opacity. It then contains
+/// colours if its type is unsigned char, as in VTK, or its name is RGB, RGBA, Color, Colors, Colour or
+/// Colours in any letter case.
 bool isColors(std::string_view name, ScalarType type, int components);
 
-/// The array of points of the name that is wanted, else that of cells. If no name is: the active scalars of points, else of
-/// cells; else of points the array "data", else the first one; else of cells the same; else the first colours of points, else of
-/// cells, which are none of the former. Normals, texture coordinates and vtkGhostType are chosen only by their name. None where
-/// there is no such array.
+/// Returns the array of points with the wanted name, or else that of cells. If no name is wanted, it is the
+/// first of these that exists: the active scalars of points; those of cells; the array of points called
+/// "data"; the first array of points; the same two for cells; the same four among arrays of colours, which
+/// are not considered before. Normals, texture coordinates and vtkGhostType are chosen only by name. Returns
+/// nothing if there is no such array.
 std::optional<ChosenArray> chooseValues(const ListedArrays& points, const ListedArrays& cells,
                                         const ValuesWanted& wanted);
 

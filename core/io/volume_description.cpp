@@ -23,7 +23,7 @@ using nlohmann::json;
 constexpr const char* kTypeWords =
     "float, uchar, int8, uint8, int16, uint16, int32, uint32, int64, uint64 or double";
 
-// The first of a type is written.
+// The first word of a type is the one that is written.
 constexpr std::pair<const char*, ScalarType> kTypes[] = {
     {"float", ScalarType::Float32}, {"uchar", ScalarType::UInt8},   {"int8", ScalarType::Int8},
     {"uint8", ScalarType::UInt8},   {"int16", ScalarType::Int16},   {"uint16", ScalarType::UInt16},
@@ -42,8 +42,7 @@ const char* wordOfType(ScalarType type) {
       ->first;
 }
 
-/// The words of a text with the line each stands on; the raw file's name is the rest of its line, blanks
-/// included.
+/// The words of a text, each with its line. The raw file's name is the rest of its line, including blanks.
 class Words {
  public:
   Words(std::string_view text, const std::string& where) : text_(text), where_(where) {}
@@ -117,7 +116,7 @@ std::array<T, 3> triple(const json& object, const char* key, const std::string& 
   std::array<T, 3> result;
   for (int axis = 0; axis < 3; ++axis) {
     const json& entry = value[size_t(axis)];
-    // An unsigned value above the signed range would wrap; no grid is that large.
+    // An unsigned value above the signed range would wrap around. No grid is that large.
     const bool fits = counts ? entry.is_number_integer() && !(entry.is_number_unsigned() &&
                                                               entry.get<uint64_t>() > uint64_t(INT64_MAX))
                              : entry.is_number();

@@ -13,7 +13,7 @@ namespace gxy {
 
 namespace {
 
-/// Some of the components of samples. They lie between the others, so those are read, too, but not kept.
+/// Some components of samples. All components are read, because they are interleaved; the others are not kept.
 class SomeComponents final : public SampleSource {
  public:
   SomeComponents(const VolumeFile& file, std::vector<int> components)
@@ -158,7 +158,7 @@ void copyBox(const Extent& box, std::span<const std::byte> source, const Extent&
     return size_t(row * e.points[0] + box.first[0] - e.first[0]) * bytesPerPoint;
   };
   if (box.count() == 0) return;
-  // rows that follow each other in both are one
+  // Rows that are consecutive in both are copied as one.
   const bool rows = box.points[0] == from.points[0] && box.points[0] == to.points[0];
   const int64_t together = rows ? box.points[1] : 1;
   for (int64_t k = box.first[2]; k < box.first[2] + box.points[2]; ++k)

@@ -22,31 +22,33 @@
 
 namespace gxy {
 
-/// Some of the samples that are read: those of `points`, out of `samples`, which are laid out as `layout` (x fastest, components
-/// interleaved, this machine's byte order). No points: reading has gone on for a while without any.
+/// A part of the samples that a read gives: those of `points`. `samples` is laid out as `layout` (x fastest,
+/// components interleaved, this machine's byte order). If there are no points, reading has gone on for a
+/// while without giving any.
 struct SamplesRead {
-  size_t wanted;  ///< which of the boxes that were asked for they are of
+  size_t wanted;  ///< index of the wanted box that they belong to
   Extent points, layout;
   std::span<const std::byte> samples;
 };
-/// What it throws ends the reading.
+/// Takes samples. An exception from it ends the reading.
 using TakeSamples = std::function<void(const SamplesRead&)>;
 
-/// Where the samples of one array come from. Reads are safe from any thread.
+/// The source of the samples of one array. Any thread may read.
 class SampleSource {
  public:
-  static constexpr int64_t kReadBytes = 8 << 20;  ///< of samples that are held at once
+  static constexpr int64_t kReadBytes = 8 << 20;  ///< bytes of samples that a read holds at a time
 
   virtual ~SampleSource() = default;
-  /// Gives each point of each box of `wanted`, all inside the grid, to `take` once, in any order, some megabytes at a time. What
-  /// is compressed is decompressed once for all boxes, and `take` is called about once for each megabyte of it.
+  /// Passes each point of each box in `wanted` to `take` once, in any order, some megabytes at a time. All
+  /// boxes must be inside the grid. Compressed data are decompressed once for all boxes, and `take` is called
+  /// about once for each megabyte of them.
   virtual void read(std::span<const Extent> wanted, const TakeSamples& take) const = 0;
-  /// Of samples in several pieces (parts of a file, or files), those that no read has needed.
+  /// The number of pieces (parts of a file, or files) that no read has needed so far.
   virtual uint64_t piecesNotRead() const { return 0; }
 };
 
-/// What reading has decoded (text, base64, compressed bytes) so far. Blocks are those that the file is compressed in; each
-/// decoding of one counts, also of a part of it.
+/// The amount that reading has decoded so far (text, base64, compressed bytes). Blocks are those of the
+/// file's compression; each decoding of a block counts, even of a part of it.
 struct Decoded {
   std::atomic<uint64_t> blocks = 0, bytes = 0;
 };
@@ -60,60 +62,62 @@ struct ArrayInfo {
   bool ofCells = false;
 };
 
-/// An opened volume: its grid, all its arrays, and the one that was chosen. Cheap to copy.
+/// An opened volume: its grid, all its arrays, and the chosen array. It is cheap to copy.
 struct VolumeFile {
   std::string path;
   Grid grid;
   std::vector<ArrayInfo> arrays;
-  ArrayInfo array;                    ///< the chosen one
-  std::vector<std::string> warnings;  ///< what of the file is not used, for its user
+  ArrayInfo array;                    ///< the chosen array
+  std::vector<std::string> warnings;  ///< about content that is not used, for the user
   std::shared_ptr<const SampleSource> source;
-  int64_t heldPerPoint =
-      0;  ///< bytes that a read holds for each point that it is to read, beside the samples
-  std::shared_ptr<Decoded> decoded = std::make_shared<Decoded>();  ///< by all copies of this
+  int64_t heldPerPoint = 0;  ///< bytes that a read holds for each point that it reads, besides the samples
+  std::shared_ptr<Decoded> decoded = std::make_shared<Decoded>();  ///< amount decoded by all copies of this
 
   size_t bytesPerPoint() const { return bytesOf(array.type) * size_t(array.components); }
 };
 
-/// What a file does not say of its samples, or is to be taken as instead.
+/// Facts that a file does not contain, or that replace those that it contains.
 struct RawOptions {
-  std::optional<Index3> dimensions;  ///< with `type`, of a file of samples and nothing else, x fastest
+  std::optional<Index3> dimensions;  ///< with `type`: the file has samples only, x fastest
   std::optional<ScalarType> type;
   int components = 1;
   bool bigEndian = false;
-  int64_t skip = 0;                           ///< bytes before the samples
-  std::optional<glm::dvec3> spacing, origin;  ///< these two also of files with a header of their own
+  int64_t skip = 0;                           ///< number of bytes before the samples
+  std::optional<glm::dvec3> spacing, origin;  ///< allowed for files with a header too
 };
 
-/// True for the extensions listed above; a .vtk file is opened to see what it holds.
+/// Whether the extension is listed above; a .vtk file is opened to see what it contains.
 bool isVolumeFile(const std::string& path);
 
-/// Opens a volume. `array` is a name; empty: the active scalars, else the first array. Throws Error for a
-/// file that is missing, malformed, truncated or too long, or that has no such array.
+/// Opens a volume. `array` is the name of an array; empty means the active scalars, or else the first array.
+/// Throws Error for a file that is missing, malformed, truncated or too long, or has no such array.
 VolumeFile openVolume(const std::string& path, const std::string& array = {});
-/// The same with what the options say. Throws Error where they do not suit the file.
+/// The same with options. Throws Error also if the options do not fit the file.
 VolumeFile openVolume(const std::string& path, const std::string& array, const RawOptions& options);
 
-/// The endings that openVolume() and readGeometry() know, for messages.
+/// Returns the extensions that openVolume() and readGeometry() know, for messages.
 std::string readableFormats();
 
-/// The file as if its array had these components only, which ascend. Throws Error for one that it has not.
+/// Returns the file as if its array had only these components, which ascend. Throws Error for a component
+/// that does not exist.
 VolumeFile withComponents(VolumeFile file, std::vector<int> components);
 
-/// A box of points, and where its samples go: extent.count() * bytesPerPoint() bytes, x fastest, components interleaved.
+/// A box of points, and memory for its samples: extent.count() * bytesPerPoint() bytes, x fastest,
+/// components interleaved.
 struct ReadTarget {
   Extent extent;
   std::span<std::byte> out;
 };
 
-/// Reads several boxes in one pass. `advance` is called with the number of points that have come since it was called last, perhaps
-/// none; what it throws ends the reading.
+/// Reads several boxes in one pass. `advance` is called with the number of points read since its last call,
+/// which may be 0. An exception from it ends the reading.
 void readVolume(const VolumeFile& file, std::span<const ReadTarget> targets,
                 const std::function<void(int64_t points)>& advance);
 /// Reads one box.
 void readVolume(const VolumeFile& file, const Extent& extent, std::span<std::byte> out);
 
-/// Copies the points of `box`, which both extents hold, from samples laid out as `from` to samples laid out as `to`.
+/// Copies the points of `box`, which both extents contain, from samples laid out as `from` to samples
+/// laid out as `to`.
 void copyBox(const Extent& box, std::span<const std::byte> source, const Extent& from,
              std::span<std::byte> target, const Extent& to, size_t bytesPerPoint);
 

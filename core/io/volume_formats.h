@@ -8,19 +8,20 @@
 namespace gxy {
 
 VolumeFile openRawVolume(const std::string& path);                               ///< .vol .json
-VolumeFile openImageFile(const std::string& path, const RawOptions& options);    ///< as image_header.h lists
+VolumeFile openImageFile(const std::string& path, const RawOptions& options);    ///< see image_header.h
 VolumeFile openRaw(const std::string& path, const RawOptions& options);          ///< with dimensions and type
 bool isImageFile(const std::string& path);                                       ///< by its ending
 VolumeFile openVti(const std::string& path, const std::string& array);           ///< .vti
 VolumeFile openPvti(const std::string& path, const std::string& array);          ///< .pvti
 VolumeFile openLegacyVolume(const std::string& path, const std::string& array);  ///< .vtk
 
-/// The array called `name`, or `active`, or the first; Error listing what there is.
+/// Returns the array called `name`; if that is empty, the one called `active`, or else the first. Throws
+/// Error with a list of the arrays if there is none.
 const ArrayInfo& chooseArray(const std::vector<ArrayInfo>& arrays, const std::string& name,
                              const std::string& active, const std::string& path);
 
-/// Calls use(box, n) for boxes that make up `count` points of `extent` from number `first` on, counted x fastest, in that order:
-/// with parts of rows, rows, slices; n is the number of the box's first point.
+/// Splits `count` points of `extent` from number `first` on, counted x fastest, into boxes in that order:
+/// parts of rows, rows and slices. Calls use(box, n) for each; n is the number of the box's first point.
 template <class Use>
 void forBoxes(const Extent& extent, int64_t first, int64_t count, Use use) {
   const int64_t row = extent.points[0], slice = row * extent.points[1];
@@ -39,10 +40,10 @@ void forBoxes(const Extent& extent, int64_t first, int64_t count, Use use) {
   }
 }
 
-/// The points that two extents share; count 0 when there are none.
+/// Returns the points that two extents share; count 0 if there are none.
 Extent intersection(const Extent& a, const Extent& b);
 
-/// Calls use(box) for boxes of at most `most` points (or a row) that make up an extent.
+/// Splits an extent into boxes of at most `most` points, but at least a row. Calls use(box) for each.
 template <class Use>
 void forPieces(const Extent& extent, int64_t most, Use use) {
   const int64_t row = std::max<int64_t>(1, extent.points[0]),
@@ -56,7 +57,7 @@ void forPieces(const Extent& extent, int64_t most, Use use) {
           {extent.points[0], std::min(rows, extent.points[1] - y), std::min(depth, extent.points[2] - z)}});
 }
 
-/// Copies the points that both extents hold from samples laid out as `from` to samples laid out as `to`.
+/// Copies the points that both extents contain from samples laid out as `from` to samples laid out as `to`.
 void copyExtent(std::span<const std::byte> source, const Extent& from, std::span<std::byte> target,
                 const Extent& to, size_t bytesPerPoint);
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// VTK XML image data (.vti) and its parallel form (.pvti). VTK parses the XML; the arrays are read from the file itself.
+// Reads VTK XML image data (.vti) and its parallel form (.pvti). VTK parses the XML; arrays are read
+// directly from the file.
 #include <algorithm>
 #include <atomic>
 #include <cstring>
@@ -16,7 +17,7 @@
 namespace gxy {
 namespace {
 
-/// The header of a .vti or .pvti: the parsed XML, and what it says about the image.
+/// The header of a .vti or .pvti: the parsed XML, and the description of the image.
 struct Header {
   std::string path;
   VtkXml xml;
@@ -25,7 +26,7 @@ struct Header {
   ImageData image{};
 };
 
-/// The extent "i0 i1 j0 j1 k0 k1" relative to `base`.
+/// Returns the extent in an attribute "i0 i1 j0 j1 k0 k1", relative to `base`.
 Extent extentAttribute(const Header& header, vtkXMLDataElement* element, const char* name,
                        const Index3& base) {
   int e[6];
@@ -60,7 +61,8 @@ Header readHeader(const std::string& path, const char* type) {
 
 const char* listOf(bool ofCells) { return ofCells ? "CellData" : "PointData"; }
 
-/// The numeric arrays that an element lists under <PointData> and <CellData>, or the same with a P before.
+/// Returns the numeric arrays that an element lists under <PointData> and <CellData>, or under <PPointData>
+/// and <PCellData>.
 std::vector<ArrayInfo> arraysOf(const Header& header, vtkXMLDataElement* element, const std::string& prefix) {
   std::vector<ArrayInfo> arrays;
   for (const bool ofCells : {false, true}) {
@@ -91,11 +93,12 @@ void setArrays(Header& header, vtkXMLDataElement* element, const std::string& pr
       (ofCells ? header.image.activeOfCells : header.image.active) = attribute(list, "Scalars");
 }
 
-/// The samples of an array in a piece with these points; the cells that they are corners of.
+/// Returns the extent of an array's samples in a piece with these points. For arrays of cells, they are the
+/// cells between the points.
 Extent extentOf(const Extent& points, bool ofCells) {
   Extent extent = points;
   if (ofCells)
-    for (int64_t& n : extent.points) n = n > 1 ? n - 1 : n;  // an axis with one point has one cell
+    for (int64_t& n : extent.points) n = n > 1 ? n - 1 : n;  // An axis with one point has one cell.
   return extent;
 }
 
@@ -122,7 +125,7 @@ void subtract(std::vector<Extent>& boxes, const Extent& hole) {
   boxes = std::move(rest);
 }
 
-/// Samples put together from pieces, which may overlap and must cover what is asked for.
+/// Samples from several pieces, which may overlap and must cover the wanted boxes.
 class PieceSamples final : public SampleSource {
  public:
   struct Piece {
@@ -135,10 +138,10 @@ class PieceSamples final : public SampleSource {
   uint64_t piecesNotRead() const override { return uint64_t(std::count(read_.begin(), read_.end(), false)); }
 
   void read(std::span<const Extent> wanted, const TakeSamples& take) const override {
-    std::vector<std::vector<Extent>> missing;  // of each box that is wanted
+    std::vector<std::vector<Extent>> missing;  // by wanted box: the parts that have not been read
     for (const Extent& w : wanted) missing.push_back({w});
     for (size_t i = 0; i < pieces_.size(); ++i) {
-      // Neighbours share a layer of points: a piece that adds none is not opened.
+      // Neighbouring pieces share a layer of points. A piece that adds no missing point is not opened.
       std::vector<Extent> here;
       std::vector<size_t> of;
       for (size_t w = 0; w < missing.size(); ++w) {
@@ -165,10 +168,11 @@ class PieceSamples final : public SampleSource {
  private:
   std::string path_;
   std::vector<Piece> pieces_;
-  mutable std::vector<std::atomic<bool>> read_;  ///< by piece
+  mutable std::vector<std::atomic<bool>> read_;  ///< by piece: a read has needed it
 };
 
-/// The samples of one array of a piece, which takes `bytes` bytes. What is not encoded is read from its place.
+/// Returns the samples of one array of a piece, which have `bytes` bytes. If they are not encoded, they
+/// are read directly.
 std::shared_ptr<const SampleSource> samplesOf(const Header& header, vtkXMLDataElement* entry,
                                               const ArrayInfo& array, const Extent& extent, int64_t bytes,
                                               const std::shared_ptr<Decoded>& decoded) {
@@ -183,7 +187,7 @@ std::shared_ptr<const SampleSource> samplesOf(const Header& header, vtkXMLDataEl
                                            header.path + ": array '" + array.name + "'", decoded);
 }
 
-/// Every array of that name in a piece: there may be two lists.
+/// Returns all arrays with that name in a piece, which may have several lists of arrays.
 std::vector<vtkXMLDataElement*> entriesOf(vtkXMLDataElement* piece, const ArrayInfo& array) {
   std::vector<vtkXMLDataElement*> entries;
   for (int i = 0; i < piece->GetNumberOfNestedElements(); ++i) {
@@ -205,7 +209,8 @@ std::vector<vtkXMLDataElement*> piecesOf(const Header& header) {
   return pieces;
 }
 
-/// An array of a .vti, out of its pieces, which all have it; indices are relative to `base`, in the file's own numbers.
+/// Returns an array of a .vti from its pieces, which all must have it. Indices are relative to `base`, which
+/// is in the file's own numbers.
 std::shared_ptr<const SampleSource> samplesOfVti(const Header& header, const ArrayInfo& array,
                                                  const Index3& base,
                                                  const std::shared_ptr<Decoded>& decoded) {
@@ -231,7 +236,8 @@ std::shared_ptr<const SampleSource> samplesOfVti(const Header& header, const Arr
   return std::make_shared<PieceSamples>(header.path, std::move(pieces));
 }
 
-/// A piece of a .pvti, opened when it is first needed: a rank touches the files of its own points only.
+/// A piece of a .pvti. It is opened when it is first needed, so that a rank opens only the files with its own
+/// points.
 class PieceFile final : public SampleSource {
  public:
   PieceFile(std::string path, ArrayInfo array, Index3 base, std::shared_ptr<Decoded> decoded)

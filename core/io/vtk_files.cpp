@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Functions of plugin "vtk", which is opened when one is called first.
+// Functions of plugin "vtk". The first call of one opens the plugin.
 #include "core/comm/plugin.h"
 #include "core/io/vtk_plugin.h"
 

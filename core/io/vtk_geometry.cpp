@@ -45,7 +45,7 @@ namespace {
 constexpr const char* kExpected =
     "expected polygonal data or an unstructured, structured or rectilinear grid";
 
-/// The same lattice with its points.
+/// Converts a rectilinear grid to a structured grid, which stores its points.
 vtkSmartPointer<vtkPointSet> withPoints(vtkRectilinearGrid* grid, const std::string& path,
                                         const TakeMemory& toTake) {
   int n[3];
@@ -73,7 +73,7 @@ vtkSmartPointer<vtkPointSet> withPoints(vtkRectilinearGrid* grid, const std::str
   return set;
 }
 
-/// Calls ReadWatch's check whenever a reader tells its progress, and ends the reader by what that throws.
+/// Calls ReadWatch's check whenever a VTK reader reports progress. An exception from it ends the reader.
 class WatchedProgress : public vtkCommand {
  public:
   static WatchedProgress* New() { return new WatchedProgress; }
@@ -81,7 +81,7 @@ class WatchedProgress : public vtkCommand {
     if (thrown_) return;
     try {
       ReadWatch::check();
-    } catch (...) {  // not through VTK
+    } catch (...) {  // No exception may pass through VTK.
       thrown_ = std::current_exception();
       static_cast<vtkAlgorithm*>(reader)->AbortExecuteOn();
     }
@@ -109,7 +109,7 @@ vtkSmartPointer<vtkPointSet> outputOf(Reader* reader, const std::string& path, c
   return points;
 }
 
-/// The text of a file with a space before each end tag of an array.
+/// Returns the text of a file with a space inserted before each end tag of an array (see VtkXml::checkText()).
 std::string withSpacesAtTags(const File& file) {
   std::string text(size_t(file.size()), '\0'), spaced;
   file.readAt(0, std::as_writable_bytes(std::span(text)));
@@ -172,7 +172,7 @@ vtkSmartPointer<vtkPointSet> readLegacy(const std::string& path, const TakeMemor
   return outputOf(reader.Get(), path, messages, toTake);
 }
 
-/// Offsets that rise from 0 to the number of ids, and ids that are those of points.
+/// Throws Error unless the offsets rise from 0 to the number of ids, and the ids are those of existing points.
 void checkCells(vtkCellArray* cells, vtkIdType points, const std::string& path) {
   if (!cells) return;
   const auto check = [&](const auto* offsets, const auto* ids) {
@@ -198,7 +198,7 @@ void checkCells(vtkCellArray* cells, vtkIdType points, const std::string& path) 
     check(cells->GetOffsetsArray32(), cells->GetConnectivityArray32());
 }
 
-/// One entry for each of `count` points or cells in every array, that of ghosts included.
+/// Throws Error unless every array, ghost arrays included, has one entry for each of `count` points or cells.
 void checkArrays(vtkFieldData* data, vtkIdType count, const char* of, const std::string& path) {
   for (int i = 0; i < data->GetNumberOfArrays(); ++i)
     if (vtkAbstractArray* array = data->GetAbstractArray(i); array->GetNumberOfTuples() != count)
@@ -207,7 +207,7 @@ void checkArrays(vtkFieldData* data, vtkIdType count, const char* of, const std:
                   of);
 }
 
-/// What VTK's readers do not check and its data sets, and we, rely on.
+/// Checks the assumptions of VTK's datasets and of this code that VTK's readers do not check.
 void check(vtkPointSet* set, const std::string& path) {
   const vtkIdType points = set->GetNumberOfPoints();
   if (const auto mesh = vtkPolyData::SafeDownCast(set)) {

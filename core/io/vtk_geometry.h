@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Geometry files as VTK datasets. Used inside core/io only, by files that see VTK.
+// Reads geometry files as VTK datasets. Used inside core/io only, by files that include VTK.
 #pragma once
 #include <vtkPointSet.h>
 #include <vtkSmartPointer.h>
@@ -14,18 +14,21 @@
 
 namespace gxy {
 
-/// Point arrays that geometry is made of, as readGeometry() chooses them.
+/// The arrays that geometry is made of, as readGeometry() chooses them.
 struct ArraysNeeded {
-  ValuesWanted values;  ///< if it must be there, but is not, all are read
+  ValuesWanted values;  ///< if a required array is missing, all arrays are read
   bool normals = true;
 };
 
-/// Reads a .vtu .vtp .vts .vtr .vtk .ply .stl .obj .off .csv or .xyz file as polygonal data, an unstructured grid or a structured one (also where
-/// it is rectilinear) whose cells refer to its points and whose arrays have one entry per point or cell; Error, with VTK's own words if it has
-/// some, when it cannot. `toTake`, if any, is told once, before anything is allocated, how many bytes this takes: in the
-/// XML forms those of the arrays that are read as the file states them, else those of the file. It may refuse them by an
-/// Error. Of XML files only `needed`, if given, and ghosts are read, and `leftOut` is told of the others. `flaws`, if any, is told
-/// of what does not keep the file from being read.
+/// Reads a .vtu .vtp .vts .vtr .vtk .ply .stl .obj .off .csv or .xyz file as polygonal data, an unstructured
+/// grid or a structured grid (a rectilinear grid becomes one). It is checked that cells refer to existing
+/// points and that arrays have one entry per point or cell.
+///
+/// `toTake`, if not empty, is called before memory is allocated: for VTK's XML formats with the bytes of the
+/// arrays that are read, as the file states them, otherwise with the size of the file. It may refuse them by
+/// throwing Error. Of XML files only the `needed` arrays, if given, and ghost arrays are read; the others are
+/// added to `leftOut`. `flaws`, if not null, gets flaws that do not prevent reading. Throws Error, with VTK's
+/// message if there is one, if the file cannot be read.
 vtkSmartPointer<vtkPointSet> readPointSet(const std::string& path, const TakeMemory& toTake = {},
                                           const std::optional<ArraysNeeded>& needed = {},
                                           LeftOut* leftOut = nullptr, Flaws* flaws = nullptr);

@@ -16,7 +16,7 @@ namespace {
 
 thread_local VtkMessages* scope = nullptr;  ///< innermost on this thread
 
-/// Hands messages to the scope of the calling thread, or to the window that was there before.
+/// Passes messages to the scope of the calling thread, or else to the window that was set before.
 class CapturingWindow : public vtkOutputWindow {
  public:
   static CapturingWindow* New();
@@ -59,8 +59,8 @@ void installOnce() {
   });
 }
 
-/// VTK's logger prints to standard error besides telling the window. It is quiet, for the whole process,
-/// while any scope lives, and gets its verbosity back after.
+/// VTK's logger prints to standard error in addition to the window. While any scope lives, it is silent in
+/// the whole process; afterwards it gets its verbosity back.
 class QuietLogger {
  public:
   void enter() {
@@ -103,7 +103,7 @@ void VtkMessages::addWarning(const char* text) {
 
 void VtkMessages::check(const std::string& path) const {
   if (error_.empty()) return;
-  // Readers are given open files (File::opened); people know them by their names.
+  // Readers get open files by File::opened(), but users know them by their paths.
   const std::string opened = "/proc/self/fd/";
   std::string text = error_;
   for (size_t at = text.find(opened); at != std::string::npos; at = text.find(opened, at + path.size()))
@@ -113,7 +113,8 @@ void VtkMessages::check(const std::string& path) const {
 
 void VtkMessages::addError(const char* text) {
   if (!error_.empty()) return;
-  // "ERROR: In file.cxx, line 12\nvtkClass (0x1234): what happened\n\n": keep what happened, on one line.
+  // The text is "ERROR: In file.cxx, line 12\nvtkClass (0x1234): what happened\n\n". Only "what happened" is
+  // kept, on one line.
   error_ = text;
   if (const size_t object = error_.find("): "); object != std::string::npos) error_.erase(0, object + 3);
   while (!error_.empty() && (error_.back() == '\n' || error_.back() == ' ')) error_.pop_back();

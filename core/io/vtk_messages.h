@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// What VTK reports while it reads or writes a file, caught instead of printed.
+// Catches the messages that VTK would print while it reads or writes a file.
 #pragma once
 #include <string>
 
 namespace gxy {
 
-/// While one exists, VTK's errors and warnings raised on this thread are kept here. Outside of such scopes,
-/// and on other threads, VTK's messages go where they went before.
+/// While one exists, it collects VTK's errors and warnings of this thread. VTK's messages outside of such a
+/// scope, and on other threads, go where they went before.
 class VtkMessages {
  public:
   VtkMessages();
@@ -14,12 +14,12 @@ class VtkMessages {
   VtkMessages(const VtkMessages&) = delete;
   VtkMessages& operator=(const VtkMessages&) = delete;
 
-  /// Throws Error with the first error's text, if there was any.
+  /// Throws Error with `path` and the first error's text, if there was an error.
   void check(const std::string& path) const;
   const std::string& error() const { return error_; }
 
   void addError(const char* text);
-  /// Kept only if it tells of a failure.
+  /// Keeps the warning as an error if it reports a failure, and ignores it otherwise.
   void addWarning(const char* text);
 
  private:

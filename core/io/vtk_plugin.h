@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// The table of plugin "vtk" (core/comm/plugin.h), which holds the readers and writers that call VTK. Nobody need know: the
-// functions below are declared in the headers given and called by their names. In galaxy_io they are those of
-// vtk_files.cpp, which open the plugin and call the function behind the pointer; in galaxy_vtk_files they are themselves.
+// The table of plugin "vtk" (core/comm/plugin.h), which contains the readers and writers that call VTK.
+// Callers need not know about it: they call the functions below by the names that the included headers
+// declare. In galaxy_io these are the functions of vtk_files.cpp, which open the plugin and call through the
+// table. In galaxy_vtk_files they are the functions themselves.
 #pragma once
 #include "core/io/file.h"
 #include "core/io/geometry_file.h"

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// VTK's scalar types and Galaxy's, and text in its XML files. Used inside core/io only, by files that see VTK.
+// Converts between VTK's scalar types and Galaxy's, and escapes text for XML. Used inside core/io only, by
+// files that include VTK.
 #pragma once
 #include <vtkType.h>
 
@@ -11,7 +12,7 @@
 
 namespace gxy {
 
-/// Absent for types that hold no numbers (bits, strings).
+/// Returns nothing for types that are not numbers (bits, strings).
 inline std::optional<ScalarType> scalarOfVtk(int type) {
   switch (type) {
     case VTK_CHAR:
@@ -43,7 +44,7 @@ inline std::optional<ScalarType> scalarOfVtk(int type) {
   }
 }
 
-/// The word of VTK's XML files for a type.
+/// Returns the name of a type in VTK's XML files.
 inline const char* xmlWord(ScalarType type) {
   switch (type) {
     case ScalarType::Int8:
@@ -70,7 +71,7 @@ inline const char* xmlWord(ScalarType type) {
   return "Float64";
 }
 
-/// Text as it stands in an attribute.
+/// Escapes text for an XML attribute.
 inline std::string escaped(std::string_view text) {
   std::string out;
   for (char c : text) {

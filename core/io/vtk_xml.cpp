@@ -24,25 +24,25 @@
 namespace gxy {
 namespace {
 
-/// As a reader finds it: "offset" counts, not "format".
+/// VTK's readers decide this by "offset", not by "format".
 bool isAppended(vtkXMLDataElement* array) { return array->GetAttribute("offset"); }
 bool isText(vtkXMLDataElement* array) { return !isAppended(array) && attribute(array, "format") != "binary"; }
 
-/// VTK's parser keeps some 2.5 kB for each element, and goes from one to those inside it by recursion.
+/// VTK's parser needs some 2.5 kB for each element, and visits nested elements by recursion.
 constexpr size_t kMostElements = size_t(1) << 16, kDeepest = 64;
 
-/// VTK's parser, which ends at too many elements, and also reads the headers of arrays: from the place, and through the stream,
-/// that it reads the arrays.
+/// VTK's parser with a limit on elements. It also reads the headers of arrays, from the same place and
+/// through the same stream as VTK's parser reads the arrays.
 class Parser final : public vtkXMLDataParser {
  public:
   static Parser* New() { VTK_STANDARD_NEW_BODY(Parser); }
 
-  /// What ended the parsing.
+  /// Throws the exception that ended the parsing, if any.
   void rethrow() const {
     if (thrown_) std::rethrow_exception(thrown_);
   }
 
-  /// The <Piece> elements of a list of files become what they name, without an element each.
+  /// From now on, <Piece> elements are stored as the names of their files only, without an element each.
   void listPieces() { listsPieces_ = true; }
   const std::vector<std::string>& pieces() const { return pieces_; }
 
@@ -50,7 +50,7 @@ class Parser final : public vtkXMLDataParser {
 
   size_t headerWordBytes() const { return HeaderType == 64 ? 8 : 4; }
 
-  /// To the header of an array that is not text.
+  /// Moves to the header of an array that is not text.
   void seekHeader(vtkXMLDataElement* array) {
     Stream->clear();
     DataStream = isAppended(array) ? AppendedDataStream : InlineDataStream;
@@ -65,14 +65,14 @@ class Parser final : public vtkXMLDataParser {
     DataStream->StartReading();
   }
 
-  /// Where text or base64 begins that stands in the element.
+  /// Returns the position of text or base64 inside the element.
   int64_t placeOfInline(vtkXMLDataElement* array) {
     Stream->clear();
     SeekInlineDataPosition(array);
     return TellG();
   }
 
-  /// The next word of the header; none if the file, or what is base64, ends before.
+  /// Returns the next word of the header; nothing if the file or the base64 text ends before.
   std::optional<uint64_t> headerWord() {
     std::array<std::byte, 8> bytes;
     if (DataStream->Read(bytes.data(), headerWordBytes()) < headerWordBytes()) return {};
@@ -105,7 +105,7 @@ class Parser final : public vtkXMLDataParser {
     if (before / kWatched != parsed_ / kWatched) {
       try {
         ReadWatch::check();
-      } catch (...) {  // not through the parser
+      } catch (...) {  // No exception may pass through the parser.
         thrown_ = std::current_exception();
         return 0;
       }
@@ -128,7 +128,8 @@ class Parser final : public vtkXMLDataParser {
   std::exception_ptr thrown_;
 };
 
-/// Where the next element of the same parent begins, if there is one; what is text in between may be the array's.
+/// Returns the position where the array's text ends at the latest: where the next element of its parent
+/// begins, or else the end of the file.
 int64_t endOfText(vtkXMLDataElement* array, int64_t fileBytes) {
   vtkXMLDataElement* parent = array->GetParent();
   for (int i = 0; parent && i + 1 < parent->GetNumberOfNestedElements(); ++i)
@@ -136,14 +137,14 @@ int64_t endOfText(vtkXMLDataElement* array, int64_t fileBytes) {
   return fileBytes;
 }
 
-/// VTK's parser takes 24 bytes for each block. All writers make them of some kilobytes.
+/// VTK's parser needs 24 bytes of memory for each block. Writers make blocks of some kilobytes.
 constexpr uint64_t kSmallestBlock = 64;
 
-/// The text of an element, piece by piece.
+/// Reads the text of an element piece by piece.
 class ElementText {
  public:
   ElementText(const File& file, int64_t begin) : file_(file), next_(begin) {
-    char quote = 0;  // in attributes
+    char quote = 0;  // the quote of the attribute that the position is in
     for (int c = get(); c >= 0 && (quote || c != '>'); c = get()) {
       if (c == quote)
         quote = 0;
@@ -152,7 +153,7 @@ class ElementText {
     }
   }
 
-  /// Up to the next tag; the word is empty at the end.
+  /// Returns the next word before the next tag; empty at the end.
   std::string_view word() {
     word_.clear();
     if (tag_) return word_;
@@ -249,7 +250,7 @@ void VtkXml::fail(vtkXMLDataElement* array, const std::string& what) const {
 
 int64_t VtkXml::dataBytes(vtkXMLDataElement* array) const {
   const auto fileBytes = uint64_t(file_->size());
-  if (isText(array))  // a digit and a space each, or more
+  if (isText(array))  // Each number has at least a digit and a space.
     return statedBytes(array, (endOfText(array, file_->size()) - array->GetXMLByteIndex()) / 2);
   Parser& parser = of(parser_);
   parser.seekHeader(array);
@@ -315,7 +316,7 @@ bool VtkXml::checkText(vtkXMLDataElement* array) const {
 void VtkXml::checkCompressed(vtkXMLDataElement* array, int64_t bytes) const {
   if (!compressed() || isText(array)) return;
   of(parser_).seekHeader(array);
-  if (bytes == 0 && !of(parser_).headerWord()) return;  // some writers leave it out
+  if (bytes == 0 && !of(parser_).headerWord()) return;  // Some writers leave out an empty array's header.
   if (const int64_t found = dataBytes(array); found != bytes)
     fail(array, "has " + std::to_string(found) + " bytes when it is decompressed, expected " +
                     std::to_string(bytes));

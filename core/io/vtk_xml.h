@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Files in VTK's XML form before VTK's readers, which believe the sizes that a file states, read their arrays. Used inside
-// core/io only, by files that see VTK.
+// Parses and checks files in VTK's XML format before VTK's readers read their arrays, because these readers
+// trust the sizes that a file states. Used inside core/io only, by files that include VTK.
 #pragma once
 #include <vtkObjectFactory.h>
 #include <vtkSmartPointer.h>
@@ -17,48 +17,51 @@
 
 namespace gxy {
 
-/// Empty if the element has none of that name.
+/// Returns an attribute of an element; empty if it has none with that name.
 std::string attribute(vtkXMLDataElement* element, const char* name);
 
-/// Where an array's data stand, and how: as text, as base64, or as bytes, from `position` on; the last two with a header.
+/// The place and form of an array's data in the file: text, base64 or raw bytes, from `position` on. Base64
+/// and raw bytes begin with a header.
 struct XmlPlace {
   enum class Form { Text, Base64, Raw };
   Form form;
   int64_t position;
 };
 
-/// An open file, its XML parsed and none of its arrays read. For one thread at a time.
+/// An open file whose XML is parsed and whose arrays are not read. One thread at a time may use it.
 class VtkXml {
  public:
-  /// Throws Error, with VTK's own words if it has some, unless it is a VTK XML file of this type ("PolyData"),
-  /// of at most 2^16 elements and not deeply nested ones.
+  /// Throws Error, with VTK's message if there is one, unless the file is a VTK XML file of this type
+  /// ("PolyData") with at most 2^16 elements, nested at most 64 deep.
   VtkXml(const std::string& path, const char* type);
 
   const std::string& path() const { return file_->path(); }
-  /// What was parsed, for a reader that is to see the same file, whatever is at its path by then.
+  /// The parsed file, for a reader that must read the same file even if another one has its path by then.
   const std::shared_ptr<const File>& file() const { return file_; }
   vtkXMLDataParser* parser() const { return parser_; }
   vtkXMLDataElement* root() const { return parser_->GetRootElement(); }
-  vtkXMLDataElement* data() const { return data_; }  ///< the element called like the type
+  vtkXMLDataElement* data() const { return data_; }  ///< the element with the name of the type
   bool compressed() const;
   int64_t headerWordBytes() const;
   bool swapsBytes() const;  ///< the file's byte order is not this machine's
-  /// Of a list of geometry (PUnstructuredGrid, PPolyData) what its <Piece> elements, of which there may be any number, have as
-  /// attribute Source; they are no elements of data(). Empty where there is none.
+  /// For a list of geometry (PUnstructuredGrid, PPolyData), the attributes Source of its <Piece> elements.
+  /// There may be any number of them, and they are not elements of data(). Empty for other files.
   const std::vector<std::string>& listedPieces() const;
 
-  /// Throws Error for an offset that is no position.
+  /// Throws Error for an offset that is not a position in the file.
   XmlPlace placeOf(vtkXMLDataElement* array) const;
-  /// Bytes of an array's data when they are decompressed, by the header before them; of text, the most that it can come
-  /// to. Throws Error if there is no header, or one that VTK's reader could not follow: blocks of a few bytes or none,
-  /// more of them or larger ones than the file can hold, a last one that is larger than the others.
+  /// Returns the decompressed size of an array's data in bytes, by the header before them; for text, an upper
+  /// bound. Throws Error if there is no header, or one that VTK's reader could not follow: blocks of few bytes
+  /// or none, more or larger blocks than the file can contain, or a last block that is larger than the others.
   int64_t dataBytes(vtkXMLDataElement* array) const;
-  /// Bytes of `tuples` entries of an array, by its attributes; 0 for types that hold no numbers.
+  /// Returns the size of `tuples` entries of an array in bytes, by its attributes; 0 for types that are not
+  /// numbers.
   int64_t statedBytes(vtkXMLDataElement* array, int64_t tuples) const;
-  /// Throws Error if the array is compressed and its data do not become `bytes` bytes.
+  /// Throws Error if the array is compressed and its decompressed size is not `bytes`.
   void checkCompressed(vtkXMLDataElement* array, int64_t bytes) const;
-  /// Throws Error if a word of an array in text is no number: VTK's reader takes 1.0-101 for two. Returns whether the text ends at
-  /// its end tag with NaN or infinity, which that reader does not read there.
+  /// Throws Error if a word of an array in text form is not a number; VTK's reader takes 1.0-101 for two
+  /// numbers. Returns whether the text ends with NaN or infinity directly before its end tag: VTK's reader
+  /// does not read these there, so a space must be inserted.
   bool checkText(vtkXMLDataElement* array) const;
 
  private:
@@ -70,7 +73,7 @@ class VtkXml {
   vtkXMLDataElement* data_ = nullptr;
 };
 
-/// VTK's reader of a kind of dataset, which passes over field data: no use is made of them, and their sizes are unchecked.
+/// VTK's reader of a kind of dataset without field data, which are not used and whose sizes are not checked.
 template <class Reader>
 class WithoutFieldData final : public Reader {
  public:

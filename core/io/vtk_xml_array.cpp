@@ -15,7 +15,7 @@ namespace {
 
 using Form = XmlPlace::Form;
 
-/// The bytes from decoded byte number `from` on of what stands at `position`.
+/// Returns the decoded bytes at `position`, from number `from` on.
 ByteStreamPtr bytesFrom(const std::shared_ptr<const File>& file, Form form, int64_t position, int64_t from,
                         int64_t bytes) {
   if (form == Form::Raw) return fileBytes(file, position + from, bytes);
@@ -28,7 +28,7 @@ ByteStreamPtr bytesFrom(const std::shared_ptr<const File>& file, Form form, int6
   return stream;
 }
 
-/// Some bytes of another stream.
+/// The first bytes of another stream.
 class FirstBytes final : public ByteStream {
  public:
   FirstBytes(ByteStreamPtr from, int64_t bytes) : from_(std::move(from)), left_(bytes) {}
@@ -43,7 +43,7 @@ class FirstBytes final : public ByteStream {
   int64_t left_;
 };
 
-/// The words of the header of an array.
+/// Reads the words of an array's header.
 class ArrayHeader {
  public:
   ArrayHeader(const VtkXml& xml, const XmlPlace& place)
@@ -94,11 +94,11 @@ class Compressed final : public BlockedBytes {
       : file_(xml.file()), place_(place), compression_(compression), bytes_(bytes), where_(std::move(where)) {
     ArrayHeader header(xml, place);
     const uint64_t blocks = header.word(), size = header.word();
-    header.word();  // of the last block: what is left
+    header.word();  // size of the last block, which follows from the total
     blockBytes_ = int64_t(std::min<uint64_t>(size, uint64_t(std::max<int64_t>(bytes, 1))));
     starts_.push_back(0);
     for (uint64_t i = 0; i < blocks; ++i) starts_.push_back(starts_.back() + int64_t(header.word()));
-    // The header is encoded by itself.
+    // The header is encoded separately from the data.
     place_.position += place.form == Form::Raw ? header.bytes() : (header.bytes() + 2) / 3 * 4;
   }
   int64_t bytes() const override { return bytes_; }
@@ -115,7 +115,7 @@ class Compressed final : public BlockedBytes {
   XmlPlace place_;
   Compression compression_;
   int64_t bytes_, blockBytes_ = 1;
-  std::vector<int64_t> starts_;  ///< of each block, and the end of the last
+  std::vector<int64_t> starts_;  ///< start of each block, then the end of the last
   std::string where_;
 };
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Words and lines of a file of any size, of which a few kilobytes are held, and the places where bytes among them begin. Used
-// inside core/io only.
+// Reads words and lines of a file of any size, with a few kilobytes of memory, and finds positions of binary
+// data between them. Used inside core/io only.
 #pragma once
 #include <memory>
 #include <string>
@@ -14,22 +14,22 @@ class WordReader {
  public:
   explicit WordReader(std::shared_ptr<const File> file) : file_(std::move(file)), size_(file_->size()) {}
 
-  /// The next word between white space; empty at the end. Throws Error for one of more than 64 KiB, as do the next two.
+  /// Returns the next word between white space; empty at the end. This and the next two throw Error beyond 64 KiB.
   std::string word();
-  /// The rest of the current line, without its end ("\n" or "\r\n"), which is passed over.
+  /// Returns the rest of the current line without its end ("\n" or "\r\n"), and moves to the next line.
   std::string line();
-  /// The same without white space at its ends; the line's end is not passed over.
+  /// Returns the rest of the current line without surrounding white space, and stays before the line's end.
   std::string restOfLine();
 
-  /// Passes over the rest of a line whose words have all been read, where its end has not been: what follows is data. Throws Error
-  /// if there are more words on the line.
+  /// Moves past the end of the current line, unless that has happened: data follow. Throws Error if there are
+  /// more words on the line.
   void dataBegins();
   void skipBytes(int64_t bytes);
   void skipWords(int64_t words);
-  /// Of the next byte.
+  /// The position of the next byte.
   int64_t position() const { return at_; }
 
-  /// Throws Error: the path, near which byte, and what.
+  /// Throws Error with the path, the position and `what`.
   [[noreturn]] void fail(const std::string& what) const;
 
  private:
@@ -37,7 +37,7 @@ class WordReader {
 
   std::shared_ptr<const File> file_;
   int64_t size_, at_ = 0;
-  bool lineEnded_ = true;  ///< nothing has been read of the line
+  bool lineEnded_ = true;  ///< nothing of the current line has been read
   std::vector<std::byte> buffer_;
   int64_t buffered_ = 0;  ///< position of the buffer's first byte
 };

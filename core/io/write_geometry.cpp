@@ -32,7 +32,7 @@ namespace {
 
 void addPolylines(vtkCellArray* cells, const GeometryBlock& block) {
   const auto& segments = block.segments;
-  const auto continues = [&](size_t i) {  // segment i goes on where i - 1 ends, and both know it
+  const auto continues = [&](size_t i) {  // segment i continues segment i - 1, and they are neighbours
     return i > 0 && i < segments.size() && segments[i - 1][1] == segments[i][0] &&
            block.neighbours[i][0] == segments[i - 1][0] && block.neighbours[i - 1][1] == segments[i][1];
   };
@@ -103,7 +103,7 @@ void setPoints(vtkPointSet* set, const GeometryBlock& block, const std::string& 
 template <class Writer>
 void writeXml(const std::string& path, vtkDataObject* data) {
   VtkMessages messages;
-  File::create(path);  // names the reason if the folder is missing or not writable
+  File::create(path);  // throws Error with the reason if the folder is missing or not writable
   const auto writer = vtkSmartPointer<Writer>::New();
   writer->SetFileName(path.c_str());
   writer->SetInputData(data);
@@ -151,13 +151,13 @@ void writeGeometry(const std::string& path, const GeometryBlock& block, Geometry
 
 namespace {
 
-/// The type of a cell, also where VTK says that it is none, as of hidden cells of grids.
+/// Returns the type of a cell, even if VTK reports it as empty, as it does for hidden cells of grids.
 int shownType(int type, vtkIdType points) {
   if (type != VTK_EMPTY_CELL) return type;
   return points == 8 ? VTK_HEXAHEDRON : points == 4 ? VTK_QUAD : points == 2 ? VTK_LINE : type;
 }
 
-/// All cells of a set that is none, with its points and arrays, which are shared.
+/// Converts a set to an unstructured grid with all its cells. Points and arrays are shared.
 vtkSmartPointer<vtkUnstructuredGrid> unstructured(vtkPointSet* set) {
   if (const auto grid = vtkUnstructuredGrid::SafeDownCast(set)) return grid;
   const auto grid = vtkSmartPointer<vtkUnstructuredGrid>::New();
@@ -174,7 +174,8 @@ vtkSmartPointer<vtkUnstructuredGrid> unstructured(vtkPointSet* set) {
   return grid;
 }
 
-/// Colours that our readers have made floating-point numbers of become bytes again, if they all came as such.
+/// Converts colours that our readers have turned into floating-point numbers back to bytes, if all of
+/// them were bytes.
 void putColorsInBytes(vtkDataSetAttributes* data) {
   for (int i = 0; i < data->GetNumberOfArrays(); ++i) {
     vtkDataArray* array = data->GetArray(i);
@@ -192,7 +193,7 @@ void putColorsInBytes(vtkDataSetAttributes* data) {
       }
     if (!all) continue;
     const bool active = array == data->GetScalars();
-    data->AddArray(bytes);  // in the place of the other one
+    data->AddArray(bytes);  // It replaces the array of that name.
     if (active) data->SetActiveScalars(bytes->GetName());
   }
 }

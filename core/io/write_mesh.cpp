@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Binary PLY and STL. Both are little-endian; the bytes are put in order here for any machine.
+// Writes binary PLY and STL. Both are little-endian, on machines of either byte order.
 #include <algorithm>
 #include <bit>
 #include <cmath>

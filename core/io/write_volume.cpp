@@ -36,7 +36,7 @@ std::string arrayAttributes(const ArrayInfo& array) {
   return text;
 }
 
-/// The file's origin is that of index 0, ours that of the first point.
+/// The origin in the file is that of index 0; ours is that of the first point.
 std::string gridAttributes(const Grid& grid, const Extent& whole) {
   std::string origin, spacing;
   for (int a = 0; a < 3; ++a) {
@@ -132,7 +132,7 @@ void VolumeWriter::write(size_t index, const Extent& box, std::span<const std::b
     throw Error(file_->path() + ": the samples of a box inside the grid must be written");
   const bool rows = box.points[0] == grid_.points[0], slices = rows && box.points[1] == grid_.points[1];
   const Index3& n = box.points;
-  const int64_t together = slices ? box.count() : rows ? n[0] * n[1] : n[0];  // points that lie together
+  const int64_t together = slices ? box.count() : rows ? n[0] * n[1] : n[0];  // number of consecutive points
   for (int64_t at = 0; at < box.count(); at += together) {
     const int64_t y = box.first[1] + at % (n[0] * n[1]) / n[0], z = box.first[2] + at / (n[0] * n[1]);
     file_->writeAt(places_[index] + ((z * grid_.points[1] + y) * grid_.points[0] + box.first[0]) * point,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Volumes to files, by slabs, so that a volume need never be in memory as a whole.
+// Writes volume files by slabs, so that a volume need never be in memory as a whole.
 #pragma once
 #include <memory>
 #include <span>
@@ -11,33 +11,36 @@
 
 namespace gxy {
 
-/// Writes .vti (appended raw, any number of arrays), .vol + .raw and .json + .raw (one array) by extension,
-/// in this machine's byte order. Every sample must be written once; write() may be called from any thread, in
-/// any order.
+/// Writes a .vti (appended raw, any number of arrays), or a .vol or .json with a .raw (one array), by the
+/// path's extension, in this machine's byte order. Every sample must be written once. Any thread may call
+/// write(), in any order.
 class VolumeWriter {
  public:
-  /// Of a grid with a rim the samples of the cells are written, to a .vti only: extents and slices count cells then, and begin
-  /// inside the rim. Ranges of arrays, where present, are stated in a .vti. `first` is the index of the grid's first point in
-  /// a .vti (a piece of a larger image keeps its place). The first array becomes the active scalars.
+  /// For a grid with a rim, the samples of cells are written, to a .vti only; extents and slices then count
+  /// cells and begin inside the rim. Ranges of arrays, if known, are stated in a .vti. `first` is the index
+  /// of the grid's first point in a .vti, so that a piece of a larger image keeps its place. The first
+  /// array becomes the active scalars. Throws Error if the files cannot be created or the format cannot
+  /// represent the volume.
   VolumeWriter(const std::string& path, const Grid& grid, std::vector<ArrayInfo> arrays,
                Index3 first = {0, 0, 0});
 
-  /// Samples of slices [slice, slice + n) of array `index`, x fastest, components interleaved.
+  /// Writes samples of array `index`, x fastest, components interleaved. They are whole slices from `slice`
+  /// on; the size of `samples` gives their number.
   void write(size_t index, int64_t slice, std::span<const std::byte> samples) const;
-  /// Of a box of points of the grid.
+  /// Writes the samples of a box of points of the grid.
   void write(size_t index, const Extent& box, std::span<const std::byte> samples) const;
 
  private:
   Grid grid_;
   std::vector<ArrayInfo> arrays_;
   std::unique_ptr<File> file_;
-  std::vector<int64_t> places_;  ///< of the first sample of each array
+  std::vector<int64_t> places_;  ///< file position of the first sample of each array
 };
 
-/// The file beside a .vol or .json into which a VolumeWriter puts the samples; empty for other extensions.
+/// Returns the file beside a .vol or .json that a VolumeWriter writes the samples to; empty for other extensions.
 std::string rawFileOf(const std::string& path);
 
-/// A piece of a .pvti, written by VolumeWriter; its name is relative to the .pvti.
+/// A piece of a .pvti, written by VolumeWriter. Its name is relative to the .pvti.
 struct ImagePiece {
   Extent extent;
   std::string file;

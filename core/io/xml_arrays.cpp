@@ -26,7 +26,8 @@ std::vector<vtkXMLDataElement*> elementsNamed(vtkXMLDataElement* parent, std::st
 
 bool holdsNumbers(const VtkXml& xml, vtkXMLDataElement* array) { return xml.statedBytes(array, 1) != 0; }
 
-/// Adds what the elements of this name list of their arrays; the active ones of the first that names some.
+/// Adds the arrays that the elements with this name list. The active arrays are those of the first element
+/// that names some.
 void addListed(const VtkXml& xml, vtkXMLDataElement* parent, const char* name, ListedArrays& list) {
   const auto take = [](std::string& active, const std::string& named) {
     if (active.empty()) active = named;
@@ -47,7 +48,7 @@ void addListed(const VtkXml& xml, vtkXMLDataElement* parent, const char* name, L
   }
 }
 
-/// Points of each axis of an "Extent".
+/// Returns the number of points on each axis of an extent attribute.
 std::array<int64_t, 3> pointsOf(vtkXMLDataElement* element, const char* name, const std::string& path) {
   std::istringstream text(attribute(element, name));
   std::array<int64_t, 3> points;
@@ -77,7 +78,7 @@ XmlArrays::XmlArrays(const VtkXml& xml, const std::optional<ArraysNeeded>& neede
   for (vtkXMLDataElement* piece : pieces) lattice ? addLattice(piece) : addPiece(piece);
 }
 
-// What geometry is made of, as it is chosen when all arrays have been read.
+// Chooses the arrays that geometry is made of, as readGeometry() does when all arrays have been read.
 void XmlArrays::choose(const std::vector<vtkXMLDataElement*>& pieces, const ArraysNeeded& needed) {
   ListedArrays points, cells;
   for (vtkXMLDataElement* piece : pieces) {
@@ -91,7 +92,7 @@ void XmlArrays::choose(const std::vector<vtkXMLDataElement*>& pieces, const Arra
   if (const auto values = chooseValues(points, cells, needed.values))
     (values->ofCells ? chosenOfCells_ : chosen_).insert(values->name);
   else
-    all_ = !needed.values.array.empty() && !needed.values.orNone;  // and who asked says what there is
+    all_ = !needed.values.array.empty() && !needed.values.orNone;  // The error lists them.
   all_ = all_ || (!needed.values.radii.empty() && !points.has(needed.values.radii));
 }
 
@@ -115,7 +116,7 @@ void XmlArrays::addPiece(vtkXMLDataElement* piece) {
   for (const char* kind : kCellGroups) {
     const int64_t some = count(piece, (std::string("NumberOf") + kind).c_str());
     cells = sum(cells, some);
-    add(some, sizeof(int64_t));  // where vtkPolyData finds its cells
+    add(some, sizeof(int64_t));  // vtkPolyData's table of cells
     for (int i = 0; i < piece->GetNumberOfNestedElements(); ++i)
       if (isNamed(piece->GetNestedElement(i), kind)) addCells(piece->GetNestedElement(i), some);
   }
@@ -154,7 +155,7 @@ void XmlArrays::addArrays(vtkXMLDataElement* group, int64_t tuples) {
   for (int i = 0; i < group->GetNumberOfNestedElements(); ++i) {
     vtkXMLDataElement* array = group->GetNestedElement(i);
     const std::string name = attribute(array, "Name");
-    // VTK's readers count arrays, but make one of those of one name, and look for the others of cells nowhere.
+    // VTK's readers count all arrays but merge arrays with one name, and then miss others of cells.
     if (isNamed(group, "CellData") && array->GetAttribute("Name") && !names.insert(name).second)
       throw Error(xml_.path() + ": array '" + name + "' is there twice in one list");
     const bool ofCells = isNamed(group, "CellData");
@@ -174,19 +175,19 @@ void XmlArrays::addCells(vtkXMLDataElement* group, int64_t cells) {
   for (int i = 0; i < group->GetNumberOfNestedElements(); ++i) {
     vtkXMLDataElement* array = group->GetNestedElement(i);
     const std::string name = attribute(array, "Name");
-    if (cells == 0 && name != "types") continue;  // VTK's readers pass over them
+    if (cells == 0 && name != "types") continue;  // VTK's readers skip these.
     int64_t bytes = 0;
     needsSpaces_ |= xml_.checkText(array);
     if (name == "offsets" || name == "types" || name == "faceoffsets") {
       bytes = xml_.statedBytes(array, cells);
       xml_.checkCompressed(array, bytes);
     } else if (name == "connectivity" || name == "faces") {
-      bytes = xml_.dataBytes(array);  // as long as the last offset says, which is not known yet
+      bytes = xml_.dataBytes(array);  // Its length is the last offset, which is not known yet.
     }
     add(bytes, 1);
     const int64_t each = xml_.statedBytes(array, 1);
     if (each == 0 || name == "types") continue;
-    // Copied to what vtkCellArray may have instead, and when the cells of further pieces are appended.
+    // It is copied to the type of vtkCellArray, and also when the cells of further pieces are appended.
     if (attribute(array, "type") != "Int64" || several_) add(bytes / each, sizeof(int64_t));
   }
 }
@@ -206,7 +207,7 @@ void XmlArrays::tooLarge() const { throw Error(xml_.path() + ": its arrays have 
 std::vector<std::string> xmlPieces(const std::string& path, const char* type) {
   const VtkXml xml(path, type);
   std::vector<std::string> files;
-  // volumes' lists say more of each piece, and have an element for it
+  // Lists of volumes say more about each piece, and have an element for it.
   for (vtkXMLDataElement* piece : elementsNamed(xml.data(), "Piece"))
     files.push_back(attribute(piece, "Source"));
   files.insert(files.end(), xml.listedPieces().begin(), xml.listedPieces().end());

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What stands in VTK's XML files of geometry, before any array is read. Used inside core/io only, by files that see VTK.
+// Examines the arrays of VTK's XML files of geometry before any of them is read. Used inside core/io only, by
+// files that include VTK.
 #pragma once
 #include <optional>
 #include <set>
@@ -13,20 +14,21 @@
 
 namespace gxy {
 
-/// What VTK's readers of .vtp, .vtu, .vts and .vtr would allocate for a file, array by array, and which arrays they are not to
-/// read. Looks at all that stands in the pieces, as of two elements of one name a reader may take either.
+/// Computes the memory that VTK's readers of .vtp, .vtu, .vts and .vtr would allocate for a file, and chooses
+/// the arrays that they should not read. It considers all elements in the pieces, because of two elements
+/// with one name a reader may use either.
 class XmlArrays {
  public:
-  /// Throws Error for a file that states sizes that cannot be.
+  /// Throws Error for a file that states impossible sizes.
   XmlArrays(const VtkXml& xml, const std::optional<ArraysNeeded>& needed);
 
   int64_t bytes() const { return bytes_; }
-  /// Names of arrays that are not needed, and of those of strings, which take what no attribute states, and of unknown
-  /// types, of which no use is made.
+  /// Names of arrays that are not needed, of arrays of strings, whose size no attribute states, and of arrays
+  /// of unknown types, which are not used.
   const std::set<std::string>& pointArraysToPassOver() const { return points_; }
   const std::set<std::string>& cellArraysToPassOver() const { return cells_; }
   const LeftOut& leftOut() const { return leftOut_; }
-  /// Whether VTK's reader is to be given the text with a space before end tags: see VtkXml::checkText().
+  /// Whether VTK's reader needs a space before end tags: see VtkXml::checkText().
   bool needsSpaces() const { return needsSpaces_; }
 
  private:
@@ -49,7 +51,7 @@ class XmlArrays {
   LeftOut leftOut_;
 };
 
-/// The arrays of points and of cells that such a list declares.
+/// Returns the arrays of points and of cells that a list of pieces of this type declares.
 std::pair<ListedArrays, ListedArrays> arraysOfXmlList(const std::string& path, const char* type);
 
 }  // namespace gxy
