@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-# cmake -DSPIRV_DIS=... -DMODULE=x.spv -P CheckPrecise.cmake: fails unless every + - * / of the module is NoContraction,
-# that is, `precise` in GLSL reaches all of it, and the module keeps signed zeros, infinities and NaN.
+# cmake -DSPIRV_DIS=... -DMODULE=x.spv -P CheckPrecise.cmake: fails unless every + - * / of the module is
+# marked NoContraction, as `precise` in GLSL does, and the module preserves signed zeros, infinities and NaN.
 cmake_minimum_required(VERSION 3.25)
 execute_process(COMMAND ${SPIRV_DIS} --raw-id ${MODULE} OUTPUT_VARIABLE text COMMAND_ERROR_IS_FATAL ANY)
 if(NOT text MATCHES "OpExecutionMode %[0-9]+ SignedZeroInfNanPreserve 32\n")

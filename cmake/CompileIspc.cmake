@@ -1,13 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
-# cmake -DISPC=program -DFLAGS=list -DSOURCE=x.ispc -DHEADERS=list -DOUT=folder -DKEPT=folder -P CompileIspc.cmake
-# makes x.o, x_TARGET.o for each target, and x_ispc.h in OUT. What was compiled is kept, and copied where the same
-# texts are to be compiled with the same flags again, wherever they lie: the presets share it, and clones may (minutes, which
-# ccache cannot save).
+# cmake -DISPC=program -DFLAGS=list -DSOURCE=x.ispc -DHEADERS=list -DOUT=folder -DKEPT=folder -P
+# CompileIspc.cmake makes x.o, x_TARGET.o for each target, and x_ispc.h in OUT. Results are kept in KEPT, and
+# copied when the same texts are compiled with the same flags again, in any folder. Presets share them, and
+# clones may. This saves minutes that ccache cannot save.
 cmake_minimum_required(VERSION 3.25)
 get_filename_component(name ${SOURCE} NAME_WE)
 set(arguments ${FLAGS})
 execute_process(COMMAND ${ISPC} --version OUTPUT_VARIABLE key COMMAND_ERROR_IS_FATAL ANY)
-list(FILTER FLAGS EXCLUDE REGEX "^-I")  # as all headers count
+list(FILTER FLAGS EXCLUDE REGEX "^-I")  # The key has all headers instead.
 string(APPEND key "${FLAGS}")
 foreach(file ${SOURCE} ${HEADERS})
   file(SHA256 ${file} hash)
@@ -26,7 +26,7 @@ if(NOT EXISTS ${made})
     file(REMOVE_RECURSE ${fresh})
     message(FATAL_ERROR "ispc failed: ${status}")
   endif()
-  file(RENAME ${fresh} ${made} RESULT ignored)  # fails where another build was faster, and left the same
+  file(RENAME ${fresh} ${made} RESULT ignored)  # fails if another build was faster: same result
   file(REMOVE_RECURSE ${fresh})
 endif()
 

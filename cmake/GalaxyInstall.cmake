@@ -1,13 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
-# What users get beside programs and libraries, and how it is packed.
+# Installs files besides programs and libraries, and describes packages.
 #
-#   BIN/galaxy                           the script, which finds the programs beside it
+#   BIN/galaxy                           the script, which uses the programs beside it
 #   lib/python3/dist-packages/galaxy.py  the client in Python
-#   share/doc/galaxy/                    docs/, its README and the licence; examples/ in it
-#   share/galaxy/version                 for the two scripts
+#   share/doc/galaxy/                    docs/, README.md, the licence, and examples/
+#   share/galaxy/version                 the version, for the two scripts
 #
-# cpack -G DEB makes a package for the system it runs on, with the packages that its libraries come from as what it depends
-# on; cpack --config CPackSourceConfig.cmake (target package_source) a tarball of the sources.
+# cpack -G DEB makes a package for the system that it runs on. The package depends on the packages that its
+# libraries come from. cpack --config CPackSourceConfig.cmake (target package_source) makes a tarball of the
+# sources.
 set(doc ${CMAKE_INSTALL_DATAROOTDIR}/doc/galaxy)
 file(WRITE ${PROJECT_BINARY_DIR}/version "${PROJECT_VERSION}\n")
 install(PROGRAMS ${PROJECT_SOURCE_DIR}/tools/galaxy DESTINATION ${CMAKE_INSTALL_BINDIR})

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-# galaxy_ispc(TARGET FILES...): compiles ISPC files for every instruction set that is dispatched at run time and adds
-# the objects to TARGET; the generated header NAME_ispc.h is seen by TARGET's sources.
+# galaxy_ispc(TARGET FILES...) compiles ISPC files for every instruction set that is dispatched at run time,
+# and adds the objects to TARGET. TARGET's sources can include the generated header NAME_ispc.h.
 
 if(NOT ISPC_EXECUTABLE)
   find_program(ISPC_FOUND ispc HINTS $ENV{XDG_CACHE_HOME}/ispc-private/bin $ENV{HOME}/.cache/ispc-private/bin)
@@ -12,7 +12,8 @@ endif()
 set(GALAXY_ISPC_TARGETS sse4-i32x4 avx2-i32x8 avx512skx-x16)
 set(GALAXY_ISPC_KEPT ${PROJECT_BINARY_DIR}/ispc CACHE PATH "Where compiled ISPC is kept; builds may share it")
 
-# Where kernels in ISPC find those of core/, and how ISPC reads what they read.
+# Include folders by which ISPC files find the kernels in core/, and the functions of backends/embree by which
+# kernels read memory.
 set(GALAXY_KERNELS_SEEN -I${PROJECT_BINARY_DIR}/include/core_kernels -I${PROJECT_BINARY_DIR}/include/core_rays
                         -I${PROJECT_BINARY_DIR}/include/backends_embree)
 
@@ -44,14 +45,14 @@ function(galaxy_ispc TARGET)
     set_source_files_properties(${objects} PROPERTIES EXTERNAL_OBJECT TRUE GENERATED TRUE)
     list(APPEND made ${objects} ${out}/${name}_ispc.h)
   endforeach()
-  # By itself, so that what takes longest need not wait for the libraries that TARGET links.
+  # A target of its own, so that ISPC, which takes longest, need not wait for the libraries that TARGET links.
   add_custom_target(${TARGET}_ispc DEPENDS ${made})
   add_dependencies(${TARGET} ${TARGET}_ispc)
   target_include_directories(${TARGET} PRIVATE ${out})
 endfunction()
 
-# galaxy_ispc_probes(TARGET FILE PROBE): compiles a test's FILE for each instruction set into TARGET; PROBE_<set> is the function
-# that it exports, which it calls PROBE.
+# galaxy_ispc_probes(TARGET FILE PROBE) compiles a test's FILE for each instruction set into TARGET. The
+# function that FILE calls PROBE is exported as PROBE_<set>.
 function(galaxy_ispc_probes TARGET FILE PROBE)
   get_filename_component(name ${FILE} NAME_WE)
   file(GLOB headers CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/core/kernels/*.h ${PROJECT_SOURCE_DIR}/core/rays/ray_fields.h

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-# galaxy_shaders(TARGET NAMES...): compiles shaders/NAME.comp to SPIR-V and gives TARGET's sources NAME_spirv.h, which holds
-# it as the array NAME_spirv. galaxy_shader(TARGET FILE) does so for a file of the tests.
+# galaxy_shaders(TARGET NAMES...) compiles shaders/NAME.comp to SPIR-V. TARGET's sources can include
+# NAME_spirv.h, which has the module as the array NAME_spirv. galaxy_shader(TARGET FILE) does the same for a
+# file of the tests.
 find_program(GLSLANG_VALIDATOR glslangValidator REQUIRED)
 foreach(tool dis as opt val)
   string(TOUPPER ${tool} name)

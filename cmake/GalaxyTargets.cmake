@@ -14,15 +14,16 @@ if(CCACHE_PROGRAM)
   set(CMAKE_CXX_COMPILER_LAUNCHER ${CCACHE_PROGRAM})
 endif()
 
-# One floating-point mode everywhere: no contraction (numerics.md section 1).
+# One floating-point mode everywhere: no contraction (docs/conventions.md).
 add_compile_options(-Wall -Wextra -ffp-contract=off)
-# g++ 12 folds double -> float -> double to nothing where it vectorizes straight-line code: the rounding is lost.
+# When g++ 12 vectorizes straight-line code, it removes conversions double -> float -> double, and the
+# rounding is lost.
 add_compile_options(-fno-tree-slp-vectorize)
 if(CMAKE_CXX_COMPILER_ID STREQUAL GNU AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
-  add_compile_options(-Wno-restrict)  # false alarms on "text" + std::string, GCC bug 105651
+  add_compile_options(-Wno-restrict)  # GCC bug 105651: false warnings for "text" + std::string
 endif()
 if(CMAKE_UNITY_BUILD AND CMAKE_CXX_COMPILER_ID STREQUAL GNU)
-  add_compile_options(-Wno-subobject-linkage)  # takes a .cpp that is compiled with others for a header
+  add_compile_options(-Wno-subobject-linkage)  # In unity builds, GCC takes a .cpp file for a header.
 endif()
 if(GALAXY_WERROR)
   add_compile_options(-Werror)
@@ -31,7 +32,8 @@ if(GALAXY_SANITIZE)
   add_compile_options(-fsanitize=${GALAXY_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
   add_link_options(-fsanitize=${GALAXY_SANITIZE})
   if(GALAXY_SANITIZE MATCHES undefined)
-    add_compile_options(-fno-sanitize=null,vptr)  # a null pointer faults by itself; a fifth less to compile
+    # A null pointer faults without the check. This saves a fifth of the time to compile.
+    add_compile_options(-fno-sanitize=null,vptr)
   endif()
 endif()
 if(GALAXY_FUZZ)
@@ -41,12 +43,14 @@ if(GALAXY_FUZZ)
   add_compile_options(-fsanitize=fuzzer-no-link)
 endif()
 if(GALAXY_COVERAGE)
-  add_compile_options(--coverage -fprofile-update=atomic)  # counters that threads lose go negative, which gcovr refuses
+  # Without atomic updates, counts that threads lose become negative, which gcovr refuses.
+  add_compile_options(--coverage -fprofile-update=atomic)
   add_link_options(--coverage)
 endif()
 
-# galaxy_view(RESULT FOLDER) sets RESULT to an include folder that shows FOLDER alone, under its path in the repository.
-# A target that has the view of core/comm can include "core/comm/transport.h", and nothing of other folders.
+# galaxy_view(RESULT FOLDER) sets RESULT to an include folder that contains only FOLDER, under its path in
+# the repository. A target with the view of core/comm can include "core/comm/transport.h", and no headers
+# of other folders.
 function(galaxy_view RESULT FOLDER)
   cmake_path(RELATIVE_PATH FOLDER BASE_DIRECTORY ${PROJECT_SOURCE_DIR} OUTPUT_VARIABLE path)
   string(REPLACE / _ name ${path})
@@ -57,14 +61,14 @@ function(galaxy_view RESULT FOLDER)
   set(${RESULT} ${view} PARENT_SCOPE)
 endfunction()
 
-# Tests see each other's headers, and tools those of each other.
+# Tests can include each other's headers, and so can tools.
 galaxy_view(GALAXY_TESTS_VIEW ${PROJECT_SOURCE_DIR}/tests)
 galaxy_view(GALAXY_TOOLS_VIEW ${PROJECT_SOURCE_DIR}/tools)
 
 # galaxy_library(NAME SOURCES... DEPENDS targets... [PRIVATE_DEPENDS targets...])
-# declares static library galaxy_NAME (alias Galaxy::NAME) for the current folder. Its headers are included by their path
-# in the repository, and only by targets that link it: a forbidden include does not compile. Library and headers are
-# installed, and exported as Galaxy::NAME to those who find_package(Galaxy).
+# declares the static library galaxy_NAME (alias Galaxy::NAME) for the current folder. Its headers are
+# included by their path in the repository, and only by targets that link it: a forbidden include does not
+# compile. Library and headers are installed, and exported as Galaxy::NAME for find_package(Galaxy).
 function(galaxy_library NAME)
   cmake_parse_arguments(ARG "" "" "SOURCES;DEPENDS;PRIVATE_DEPENDS" ${ARGN})
   galaxy_view(view ${CMAKE_CURRENT_SOURCE_DIR})
@@ -86,7 +90,8 @@ function(galaxy_library NAME)
   install(FILES ${headers} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/galaxy/${path})
 endfunction()
 
-# galaxy_install_package() installs what find_package(Galaxy) reads; called once, after all libraries are declared.
+# galaxy_install_package() installs the files that find_package(Galaxy) reads. It is called once, after all
+# libraries are declared.
 function(galaxy_install_package)
   include(CMakePackageConfigHelpers)
   set(where ${CMAKE_INSTALL_LIBDIR}/cmake/Galaxy)
@@ -98,9 +103,9 @@ function(galaxy_install_package)
   install(EXPORT GalaxyTargets NAMESPACE Galaxy:: DESTINATION ${where})
 endfunction()
 
-# galaxy_plugin(NAME SOURCES... DEPENDS targets...) declares libgalaxy_NAME.so, which programs open when they need it
-# (core/comm/plugin.h). It has copies of what it uses of Galaxy's libraries, and exports its table only. All programs of the build
-# are built after the plugins.
+# galaxy_plugin(NAME SOURCES... DEPENDS targets...) declares libgalaxy_NAME.so, which programs open when they
+# need it (core/comm/plugin.h). It has its own copies of the code that it uses from Galaxy's libraries, and
+# exports only its table. All programs are built after the plugins.
 add_custom_target(galaxy_plugins)
 function(galaxy_plugin NAME)
   cmake_parse_arguments(ARG "" "" "SOURCES;DEPENDS" ${ARGN})
@@ -116,7 +121,8 @@ function(galaxy_plugin NAME)
   install(TARGETS ${target} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/galaxy)
 endfunction()
 
-# galaxy_glue(TARGET): its own sources (options, files, checks) call what computes; to optimize them takes long and gains little.
+# galaxy_glue(TARGET) compiles a target's own sources with -O1. They handle options, files and checks and call
+# libraries that compute, so that full optimization takes long and gains little.
 function(galaxy_glue TARGET)
   target_compile_options(${TARGET} PRIVATE $<$<CONFIG:Release>:-O1>)
 endfunction()
@@ -133,8 +139,8 @@ function(galaxy_program NAME)
 endfunction()
 
 # galaxy_fuzzer(NAME SOURCES... DEPENDS targets... [CORPUS folder])
-# declares one libFuzzer program, and with it test fuzz_NAME: a run of ten seconds that starts from the files of
-# CORPUS. Nothing is declared unless GALAXY_FUZZ is on (preset asan).
+# declares one libFuzzer program, and the test fuzz_NAME, which runs it for ten seconds, starting from the
+# files in CORPUS. Nothing is declared unless GALAXY_FUZZ is on (preset asan).
 function(galaxy_fuzzer NAME)
   if(NOT GALAXY_FUZZ)
     return()
@@ -158,7 +164,7 @@ function(galaxy_fuzzer NAME)
   set_tests_properties(${program} PROPERTIES LABELS fuzz TIMEOUT 120)
 endfunction()
 
-# What sanitizers are to overlook, in libraries that are not ours.
+# Faults in libraries of others that sanitizers are to ignore.
 set(sanitizer_environment)
 if(GALAXY_SANITIZE MATCHES address)
   set(sanitizer_environment LSAN_OPTIONS=suppressions=${PROJECT_SOURCE_DIR}/tests/lsan.supp:print_suppressions=0)
@@ -169,7 +175,7 @@ endif()
 # galaxy_test(NAME SOURCES... DEPENDS targets... [LABELS labels...] [TIMEOUT seconds])
 # declares one GoogleTest program, run by ctest as one test; target LABEL_tests builds all programs of one label.
 #   unit     fast and in one process; also run under asan and ubsan. The default.
-#   threads  of concurrent code in one process; also run under tsan
+#   threads  tests concurrent code in one process; also run under tsan
 #   images   compares many pictures
 #   nightly  large or long; left out unless asked for
 function(galaxy_test NAME)
@@ -198,8 +204,8 @@ function(galaxy_test NAME)
 endfunction()
 
 # galaxy_mpi_test(NAME RANKS n... SOURCES ... DEPENDS ... [OWN_MAIN] [LABELS labels...] [TIMEOUT seconds])
-# declares one GoogleTest program, run by ctest once for each number of ranks. Its main() is tests/mpi_main.cpp unless
-# OWN_MAIN is given.
+# declares one GoogleTest program, which ctest runs once for each number of ranks. Its main() is in
+# tests/mpi_main.cpp unless OWN_MAIN is given.
 function(galaxy_mpi_test NAME)
   cmake_parse_arguments(ARG "OWN_MAIN" "TIMEOUT" "RANKS;SOURCES;DEPENDS;LABELS" ${ARGN})
   if(NOT ARG_OWN_MAIN)
@@ -222,8 +228,8 @@ function(galaxy_mpi_test NAME)
   endforeach()
 endfunction()
 
-# galaxy_nightly(NAME TIMEOUT seconds COMMAND program args...) declares one more run of a test program, larger or longer
-# than the one that every change has to pass.
+# galaxy_nightly(NAME TIMEOUT seconds COMMAND program args...) declares an additional run of a test program
+# that is larger or longer than the run that every change must pass.
 function(galaxy_nightly NAME)
   cmake_parse_arguments(ARG "" "TIMEOUT" "COMMAND" ${ARGN})
   add_test(NAME ${NAME} COMMAND ${ARG_COMMAND})

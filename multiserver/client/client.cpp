@@ -32,7 +32,7 @@ using protocol::FrameChannel;
 
 namespace {
 
-// What cannot be understood is an error like any other: whoever waits is told.
+// A reply that cannot be understood becomes an error reply, so that the waiting caller gets it.
 Reply replyOf(std::string_view text) {
   try {
     if (const auto value = protocol::afterWord(text, "ok"))
@@ -52,7 +52,7 @@ class Client::Impl {
     protocol::Hello hello;
     hello.client = options_.name;
     hello.tenant = options_.tenant;
-    std::string noToken;  // why there is none to send
+    std::string noToken;  // the reason why there is no token to send
     const std::string where = options_.host + " port " + std::to_string(options_.port);
     try {
       const auto end = std::chrono::steady_clock::now() + options_.patience;
@@ -99,7 +99,7 @@ class Client::Impl {
     try {
       write(protocol::textFrame(FrameChannel::Request, id, statement));
     } catch (const boost::system::system_error&) {
-      ::shutdown(socket_.native_handle(), SHUT_RDWR);  // the reader tells all who wait
+      ::shutdown(socket_.native_handle(), SHUT_RDWR);  // The reading thread then ends all requests.
     }
     return id;
   }
@@ -109,8 +109,9 @@ class Client::Impl {
   std::atomic<bool> connected_ = false;
 
  private:
-  // The token of the user's run directory is for servers of this machine: no other is sent it by itself. An ssh tunnel ends
-  // here, too. Where there is none, the server may still be one that asks for none.
+  // The token in the user's run directory is only for servers on this machine, so it is not sent to
+  // others unasked. (An ssh tunnel begins on this machine, too.) Without a token, the server may still be
+  // one that needs none.
   std::string tokenFor(const tcp::resolver::results_type& found, std::string& whyNone) const {
     if (options_.tokenFile == "-") return {};
     if (!options_.tokenFile.empty()) return protocol::readToken(options_.tokenFile);
@@ -128,7 +129,8 @@ class Client::Impl {
     }
   }
 
-  // Runs what has been started. Throws where that has not come by `end`: nothing else may be done with the socket then.
+  // Waits for an operation that has been started. Throws if it is not complete at time `end`; the socket must
+  // not be used afterwards.
   template <class T>
   T waitFor(std::future<T> result, std::chrono::steady_clock::time_point end) {
     context_.restart();

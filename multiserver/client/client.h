@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A client's connection to a multiserver: what msdata, msclient and viewers are built on. docs/protocol.md.
+// A client's connection to a multiserver (docs/protocol.md). msdata, msclient and viewers use it.
 #pragma once
 #include <chrono>
 #include <cstdint>
@@ -14,56 +14,59 @@
 
 namespace gxy {
 
-/// Help text of programs' option --token-file, which sets Client::Options::tokenFile.
+/// Help text for the option --token-file of programs, which sets Client::Options::tokenFile.
 inline constexpr const char* kTokenFileHelp =
     "file with the server's token, - for none (default: where a server on this machine leaves it, if it "
     "does; servers elsewhere need this option, or an ssh tunnel to here)";
 
-/// What a request was answered.
+/// The reply to a request.
 struct Reply {
   bool ok = false;
-  std::string error;     ///< where not ok: the message, or why the reply means nothing
-  nlohmann::json value;  ///< where ok: the reply's object, or null
+  std::string error;     ///< if not ok: the message, or why the reply cannot be understood
+  nlohmann::json value;  ///< if ok: the reply's object, or null
 };
 
-/// One connection. A thread of its own reads; callbacks run on it, so they must be short and must not wait for replies.
-/// When the connection ends, replies that are out become errors. All calls may come from any thread.
+/// One connection. It has a thread that reads and runs all callbacks, so callbacks must be short and must not
+/// wait for replies. When the connection ends, outstanding requests get an error as their reply. Any thread
+/// may call all functions.
 class Client {
  public:
   struct Options {
     std::string host = "127.0.0.1";
     uint16_t port = 5001;
-    /// Empty: that of the user's run directory (multiserver/protocol/run_files.h), if there is one, for servers on this machine, and
-    /// an error for others; "-": no token.
+    /// Path of a file with the server's token. "-": no token. Empty: for a server on this machine, the
+    /// token in the user's run directory (multiserver/protocol/run_files.h), if there is one; for other
+    /// servers, an error.
     std::string tokenFile;
     std::string name = "client";
-    std::string tenant = "user";        ///< for servers without tokens
-    std::chrono::seconds patience{10};  ///< for connecting and the handshake
+    std::string tenant = "user";        ///< used by servers without tokens
+    std::chrono::seconds patience{10};  ///< time for connecting and the handshake together
 
-    // Set before the connection stands, so that nothing is missed.
+    // Callbacks are options, so that they are set before anything can arrive.
     std::function<void(const nlohmann::json& event)> onEvent;
     std::function<void(const protocol::PixelHeader&, std::span<const std::byte> data)> onPixels;
     std::function<void(uint32_t request, const nlohmann::json& header, std::span<const std::byte> content)>
         onFile;
-    std::function<void(const std::string& reason)> onEnd;  ///< the connection has ended, and why
+    std::function<void(const std::string& reason)> onEnd;  ///< called when the connection has ended
   };
 
-  /// Connects. Throws Error with what to do where that fails.
+  /// Connects. Throws Error, with advice, if that fails.
   explicit Client(Options options);
-  /// Closes; no callback runs afterwards. Not from a callback.
+  /// Closes the connection. No callback runs afterwards. Must not be called from a callback.
   ~Client();
   Client(const Client&) = delete;
   Client& operator=(const Client&) = delete;
 
   const protocol::Welcome& welcome() const;
 
-  /// Sends a statement and waits for its reply. Not from a callback.
+  /// Sends a statement and waits for its reply. Must not be called from a callback. Throws Error if the
+  /// connection has ended.
   Reply request(const std::string& statement);
-  /// The same, with an error reply thrown as Error.
+  /// The same, but throws an error reply as Error, and returns the reply's object.
   nlohmann::json expect(const std::string& statement);
 
   using OnReply = std::function<void(const Reply&)>;
-  /// Sends a statement; returns its id. `onReply` is called once.
+  /// Sends a statement and returns its id. `onReply` is called once. Throws Error if the connection has ended.
   uint32_t send(const std::string& statement, OnReply onReply);
 
   bool connected() const;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Frames: a header of 16 bytes and a payload. docs/protocol.md section 2. No sockets here.
+// Frames of the protocol: a header of 16 bytes and a payload (docs/protocol.md, section 2). This code
+// uses no sockets.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -24,42 +25,43 @@ enum class FrameChannel : uint16_t { Control = 0, Request = 1, Reply = 2, Event 
 
 struct Frame {
   FrameChannel channel = FrameChannel::Control;
-  uint32_t id = 0;  ///< of the request on channels 1, 2 and 5
+  uint32_t id = 0;  ///< id of the request on channels 1, 2 and 5; else 0
   Bytes payload;
-  bool skipped = false;  ///< there was no room for its payload, so it is not here
+  bool skipped = false;  ///< Rules::room refused the payload, so it was discarded
 
   /// The payload as text.
   std::string_view text() const { return {reinterpret_cast<const char*>(payload.data()), payload.size()}; }
 };
 
-/// Bytes of a text.
+/// Returns a text as bytes.
 Bytes bytesOf(std::string_view text);
 Frame textFrame(FrameChannel channel, uint32_t id, std::string_view text);
 
 std::array<std::byte, kPreambleBytes> preamble();
-/// Throws Error where the magic or the version is another.
+/// Throws Error if the magic or the version is another.
 void checkPreamble(std::span<const std::byte, kPreambleBytes> theirs);
 
 std::array<std::byte, kHeaderBytes> headerOf(const Frame& frame);
 
-/// Cuts a stream of bytes into frames. Memory: what has come of the frame under way, never what its header announces.
+/// Cuts a stream of bytes into frames. It allocates memory for the bytes of the current frame that have come,
+/// never for the size that its header announces. One thread at a time may use it.
 class FrameReader {
  public:
-  /// Which frames may come. An id other than 0 may come with channels that have ids only.
+  /// The frames that are accepted. Only frames on channels that have ids may have an id other than 0.
   struct Rules {
-    std::array<uint64_t, 6> most{};        ///< bytes of payload by channel; 0: none may come on it
-    std::function<bool(uint64_t)> room{};  ///< whether a payload of so many bytes may be kept; empty: always
+    std::array<uint64_t, 6> most{};        ///< largest payload in bytes, by channel; 0: no frames
+    std::function<bool(uint64_t)> room{};  ///< whether a payload of this size may be kept; empty: always
   };
   static Rules fromClient(uint64_t requestBytes);
   static Rules fromServer();
 
   explicit FrameReader(Rules rules) : rules_(std::move(rules)) {}
 
-  /// Other rules, from the next frame on.
+  /// Sets other rules from the next frame on.
   void setRules(Rules rules) { rules_ = std::move(rules); }
 
-  /// Takes bytes off the front of `bytes`; a frame when one is complete, nothing when all have been taken. Throws Error
-  /// when a header breaks the rules; the reader is of no use afterwards.
+  /// Takes bytes from the front of `bytes`. Returns a frame as soon as one is complete, or nothing when all
+  /// bytes have been taken. Throws Error if a header breaks the rules; the reader must not be used afterwards.
   std::optional<Frame> take(std::span<const std::byte>& bytes);
 
  private:

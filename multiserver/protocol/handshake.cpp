@@ -9,7 +9,7 @@ namespace gxy::protocol {
 
 namespace {
 
-// The member of an object, of the type of `fallback`; `fallback` where there is none.
+// Returns a member of an object, which must have the type of `fallback`; returns `fallback` if there is none.
 template <class T>
 T member(const nlohmann::json& object, const char* key, T fallback, const char* what) {
   const auto found = object.find(key);
@@ -47,7 +47,7 @@ Hello parseHello(std::string_view text) {
   hello.tenant = member(object, "tenant", hello.tenant, "hello");
   if (hello.client.size() > 255 || hello.tenant.empty() || hello.tenant.size() > 255)
     throw Error("hello: `client` or `tenant` is too long or empty, expected 1 to 255 bytes");
-  if (hasControls(hello.client) || hasControls(hello.tenant))  // they are shown to others
+  if (hasControls(hello.client) || hasControls(hello.tenant))  // Other users see them.
     throw Error("hello: `client` or `tenant` has control characters, expected text without them");
   return hello;
 }

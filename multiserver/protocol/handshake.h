@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What client and server tell each other first. docs/protocol.md sections 1, 3 and 8.
+// The handshake of client and server, and control texts (docs/protocol.md, sections 1, 3 and 8).
 #pragma once
 #include <cstdint>
 #include <nlohmann/json.hpp>
@@ -9,17 +9,18 @@
 
 namespace gxy::protocol {
 
+/// The limits that a server announces to a client.
 struct Limits {
   uint64_t requestBytes = uint64_t(16) << 20;
-  uint64_t requests = 256;           ///< not yet answered, of a connection
-  uint64_t windows = 16;             ///< of a connection
-  uint64_t pixels = 7680ull * 4320;  ///< of a window
-  uint64_t clients = 512;            ///< at once
+  uint64_t requests = 256;           ///< unanswered requests of a connection
+  uint64_t windows = 16;             ///< windows of a connection
+  uint64_t pixels = 7680ull * 4320;  ///< pixels of a window
+  uint64_t clients = 512;            ///< clients at one time
 };
 
 struct Hello {
   std::string token, client;
-  std::string tenant = "user";  ///< only read by a server without tokens
+  std::string tenant = "user";  ///< used only by a server without tokens
 };
 
 struct Welcome {
@@ -30,17 +31,17 @@ struct Welcome {
   Limits limits;
 };
 
-/// Control texts: a word, then what follows it.
+/// Control texts consist of a word and the text after it.
 std::string helloText(const Hello& hello);
 std::string welcomeText(const Welcome& welcome);
 
-/// What follows `word ` in a control text; nothing where it begins otherwise.
+/// Returns the text after `word ` in a control text; nothing if the text begins otherwise.
 std::optional<std::string_view> afterWord(std::string_view text, std::string_view word);
 
-/// Text from a client for a log: one line, cut when long.
+/// Returns text from a client for a log: on one line, and cut if it is long.
 std::string asLogged(std::string_view text);
 
-/// These throw Error where the text is another.
+/// These throw Error if the text is not a valid hello or welcome.
 Hello parseHello(std::string_view text);
 Welcome parseWelcome(std::string_view text);
 

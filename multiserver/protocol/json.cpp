@@ -18,7 +18,7 @@ nlohmann::json parseObject(std::string_view text, const std::string& what) {
 
 namespace {
 
-// Parsing takes any depth, but not what walks the value afterwards.
+// Parsing works for any depth, but functions that visit the value afterwards are recursive.
 bool tooDeep(std::string_view text) {
   size_t depth = 0;
   bool inString = false;
@@ -60,10 +60,10 @@ namespace {
 
 struct Character {
   uint32_t point = 0;
-  size_t bytes = 0;  ///< 0: it is no UTF-8
+  size_t bytes = 0;  ///< 0: not UTF-8
 };
 
-// The one that begins a text.
+// Returns the first character of a text.
 Character firstOf(std::string_view text) {
   const auto first = uint8_t(text[0]);
   const size_t length = first < 0x80             ? 1

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What goes over the pixel channel. docs/protocol.md section 6.
+// Records of the pixel channel (docs/protocol.md, section 6).
 #pragma once
 #include <cstdint>
 #include <span>
@@ -19,20 +19,20 @@ struct PixelHeader {
   PixelKind kind = PixelKind::Tile;
   uint32_t window = 0;
   uint64_t frame = 0;
-  uint32_t width = 0, height = 0;  ///< of the level's whole picture
+  uint32_t width = 0, height = 0;  ///< size of the level's whole picture
   uint32_t scale = 1, pass = 0;
-  uint32_t x = 0, y = 0, w = 0, h = 0;  ///< of the tile
+  uint32_t x = 0, y = 0, w = 0, h = 0;  ///< position and size of the tile
   PixelEncoding encoding = PixelEncoding::Raw;
   PixelFormat format = PixelFormat::Rgba8;
   uint32_t reserved = 0;
-  uint64_t size = 0;  ///< of the data that follow
+  uint64_t size = 0;  ///< bytes of data after the header
 };
 static_assert(sizeof(PixelHeader) == 64);
 
-/// Header and data as one payload; fills in `size`.
+/// Makes a record from header and data. It sets `size`.
 Bytes pixelRecord(PixelHeader header, std::span<const std::byte> data);
 
-/// The header of a record. Throws Error for a record that is not as section 6 says.
+/// Returns the header of a record. Throws Error for a record that does not conform to section 6.
 PixelHeader pixelHeader(std::span<const std::byte> record);
 inline std::span<const std::byte> pixelData(std::span<const std::byte> record) {
   return record.subspan(sizeof(PixelHeader));

@@ -42,7 +42,7 @@ std::string tokenFile(uint16_t port, const std::string& tenant) {
 
 namespace {
 
-/// An open file, or none: then errno says why.
+/// An open file. If it could not be opened, it is negative and errno has the reason.
 class File {
  public:
   explicit File(const std::string& path, int flags = 0)
@@ -58,15 +58,16 @@ class File {
   const int file_;
 };
 
-// Locks a file as long as it is open, or finds it locked by another. File systems without locks lock nothing.
+// Locks a file for as long as it is open. Refused: another process has locked it. Impossible: the file
+// system has no locks.
 enum class Lock { Taken, Refused, Impossible };
 Lock lock(int file, int mode) {
   if (flock(file, mode | LOCK_NB) == 0) return Lock::Taken;
   return errno == EWOULDBLOCK ? Lock::Refused : Lock::Impossible;
 }
 
-// Whether a server that runs has locked the file. Locks it otherwise. Clients that look whether a file is locked lock it
-// for a moment, which is waited for.
+// Returns whether a running server has locked the file, and locks it otherwise. A client that tests whether a
+// file is locked locks it for a moment; the attempts wait for that.
 bool inUse(int file) {
   for (int attempt = 0; attempt < 10; attempt++) {
     if (lock(file, LOCK_EX) != Lock::Refused) return false;
@@ -87,7 +88,7 @@ std::string contentOf(int file) {
   return {text.data(), size_t(size > 0 ? size : 0)};
 }
 
-// A regular file with nothing in it, or with what newToken() makes.
+// Whether a file is a regular file that is empty or has a token as newToken() makes it.
 bool looksLikeToken(int file) {
   struct stat info = {};
   std::array<char, 66> text{};
@@ -134,7 +135,7 @@ std::string readServerToken(uint16_t port) {
 void removeStaleToken(const std::string& path) {
   const File file(path, O_NOFOLLOW | O_NONBLOCK);
   struct stat info = {};
-  // One that is empty may be about to be locked.
+  // A server may be about to lock an empty file.
   if (file < 0 || !looksLikeToken(file) || fstat(file, &info) != 0 || info.st_size == 0) return;
   if (lock(file, LOCK_EX) == Lock::Taken && isAt(path, file)) unlink(path.c_str());
 }
@@ -146,11 +147,11 @@ void removeStaleTokens() {
 }
 
 TokenFile::TokenFile(std::string path, const std::string& token) : path_(std::move(path)) {
-  const File old(path_, O_NOFOLLOW | O_NONBLOCK);  // its lock keeps others from removing what takes its place
+  const File old(path_, O_NOFOLLOW | O_NONBLOCK);  // While it is locked, no one removes its successor.
   if (old < 0 && errno != ENOENT) failNoToken(path_);
   if (old >= 0 && inUse(old)) failInUse(path_);
   if (old >= 0 && !looksLikeToken(old)) failNoToken(path_);
-  unlink(path_.c_str());  // of a server that was killed
+  unlink(path_.c_str());  // left by a server that was killed
   file_ = open(path_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0600);
   if (file_ >= 0 && inUse(file_)) {
     close(file_);
@@ -165,8 +166,7 @@ TokenFile::TokenFile(std::string path, const std::string& token) : path_(std::mo
 
 TokenFile::~TokenFile() {
   if (file_ < 0) return;
-  if (isAt(path_, file_))
-    unlink(path_.c_str());  // else it is another's by now, where nothing could be locked
+  if (isAt(path_, file_)) unlink(path_.c_str());  // Without locks, it may be another server's file by now.
   close(file_);
 }
 

@@ -27,7 +27,7 @@ bool isVerbCharacter(char c) {
          c == '-';
 }
 
-// One past the end of the JSON string that begins the text; npos where it does not end.
+// Returns the position after the JSON string that begins the text; npos if the string does not end.
 size_t endOfString(std::string_view text) {
   for (size_t i = 1; i < text.size(); i++) {
     if (text[i] == '\\')
@@ -56,7 +56,7 @@ Statement parseStatement(std::string_view text) {
 Arguments::Arguments(std::string_view text, std::string usage)
     : text_(trimmed(text)), usage_(std::move(usage)) {}
 
-// What follows the first `size` bytes of the rest, and blanks.
+// Moves past the first `size` bytes of the rest, and the blanks after them.
 void Arguments::advance(size_t size) {
   const std::string_view left = rest().substr(size);
   const size_t blanks = left.find_first_not_of(kBlanks);

@@ -103,7 +103,7 @@ Bytes encodeZlib(std::span<const std::byte> bytes) {
   return out;
 }
 
-// Both: the bytes that came out, at most as many as there is room for.
+// These return the number of decoded bytes, which is at most the size of `pixels`.
 size_t decodeZlib(std::span<const std::byte> data, std::span<uint8_t> pixels) {
   uLongf size = uLongf(pixels.size());
   const int status =

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pixels of a tile, compressed and back. Rows bottom to top, without padding.
+// Compresses and decompresses the pixels of a tile. Rows are bottom to top, without padding.
 #pragma once
 #include <cstdint>
 #include <span>
@@ -15,14 +15,14 @@ struct TilePixels {
   std::vector<uint8_t> bytes;
 };
 
-/// Data of a tile of w x h RGBA pixels. Jpeg alone is not lossless: it drops alpha after putting the pixels over black,
-/// `quality` 1 to 100. Thread safe.
+/// Returns the data of a tile of w x h RGBA pixels. All encodings but Jpeg are lossless. Jpeg blends the
+/// pixels over black and drops alpha; its `quality` is 1 to 100. Thread safe.
 Bytes encodeTile(std::span<const uint8_t> rgba, uint32_t w, uint32_t h, PixelEncoding encoding, int quality);
 
-/// The pixels of a tile from its record's data. Throws Error when they are not what the header says.
+/// Returns the pixels of a tile from its record's data. Throws Error if the data do not fit the header.
 TilePixels decodeTile(const PixelHeader& header, std::span<const std::byte> data);
 
-/// The format that an encoding has.
+/// Returns the pixel format of an encoding.
 inline PixelFormat formatOf(PixelEncoding encoding) {
   return encoding == PixelEncoding::Jpeg ? PixelFormat::Rgb8 : PixelFormat::Rgba8;
 }

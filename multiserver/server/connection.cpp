@@ -21,8 +21,9 @@ using protocol::FrameChannel;
 
 namespace {
 
-constexpr int kSendBuffer = 256 << 10;  // twice what 20 Mbit/s and 40 ms need; more would only be latency
-constexpr int kUnsent = 64 << 10;  // that the system takes before it has sent it: it can no longer be dropped
+constexpr int kSendBuffer = 256 << 10;  // Twice the need of 20 Mbit/s and 40 ms. More would only add latency.
+// Bytes that the system accepts before it sends them. The Outbox can no longer drop these.
+constexpr int kUnsent = 64 << 10;
 
 }  // namespace
 
@@ -44,7 +45,7 @@ void Connection::start() {
   // A machine that acknowledges nothing, not even pings, is gone.
   const auto gone = unsigned(options_.patience.silence.count());
   ::setsockopt(socket_.native_handle(), IPPROTO_TCP, TCP_USER_TIMEOUT, &gone, sizeof gone);
-  // Calls, on the sockets' thread, as long as there is a connection.
+  // Makes a function that calls `action` on the sockets' thread, as long as the connection lives.
   const auto later = [weak = weak_from_this(), context = context_](void (Connection::*action)()) {
     return [weak, context, action] {
       asio::post(*context, [weak, action] {
@@ -90,7 +91,7 @@ void Connection::consume() {
     return bye(e.what());
   }
   if (dialogue_->over()) return close();
-  // On the stack of a long chain otherwise.
+  // A direct call would grow the stack with each read.
   asio::post(socket_.get_executor(), [self = shared_from_this()] { self->read(); });
 }
 
@@ -133,7 +134,7 @@ void Connection::write() {
   });
 }
 
-// Every so often: has the client come through the handshake, is it still there?
+// Checks at intervals whether the client has completed the handshake and is still there.
 void Connection::watch() {
   const auto soon =
       std::min({options_.patience.handshake, options_.patience.ping, options_.patience.silence}) / 4;
@@ -143,14 +144,15 @@ void Connection::watch() {
     const auto now = Clock::now();
     const Patience& patience = self->options_.patience;
     if (!self->session() && now > self->begin_ + patience.handshake) return self->close();
-    // A slow reader may answer a ping late, but its machine acknowledges more and more; a dead one acknowledges nothing.
+    // A slow reader may answer a ping late, but its machine keeps acknowledging bytes. A dead machine
+    // acknowledges nothing.
     int underWay = 0;
     if (ioctl(self->socket_.native_handle(), SIOCOUTQ, &underWay) == 0 &&
         self->written_ - underWay > self->acknowledged_) {
       self->acknowledged_ = self->written_ - underWay;
       self->heard_ = now;
     }
-    // Of whom no more requests are read, the pongs are not read either.
+    // While no more requests are read from a client, its pongs are not read either.
     const bool unread = self->session() && self->session()->full() && !self->outbox_->congested();
     if (unread) self->heard_ = now;
     if (now > self->heard_ + patience.silence) return self->close();
@@ -168,7 +170,7 @@ void Connection::bye(const std::string& reason) {
   leaving_ = true;
   outbox_->farewell("bye " + protocol::printable(reason));
   write();
-  // What does not leave soon will not.
+  // A client that has not read everything after a second will not do so.
   timer_.expires_after(std::chrono::seconds(1));
   timer_.async_wait([self = shared_from_this()](auto failed) {
     if (!failed) self->close();

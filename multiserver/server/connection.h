@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The socket of one client: bytes in, frames out, keep-alive.
+// The socket of one client: reads bytes, writes frames, and finds out whether the client is still there.
 #pragma once
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
@@ -17,13 +17,14 @@
 
 namespace gxy {
 
-/// How patient the server is with its clients.
+/// Time limits of a connection. A client that has not said hello after `handshake` is disconnected. After `ping`
+/// without a sign of life from the client, the server sends a ping; after `silence`, it disconnects the client.
 struct Patience {
   std::chrono::milliseconds handshake{5000}, ping{15000}, silence{45000};
 };
 
-/// Lives as long as one of its operations is under way, or somebody holds it. All but counters() run on the thread of its
-/// executor.
+/// A client's connection. It lives as long as one of its operations is under way or somebody holds it. All
+/// functions are called on the thread of the socket's executor.
 class Connection : public std::enable_shared_from_this<Connection> {
  public:
   using Socket = boost::asio::ip::tcp::socket;
@@ -37,17 +38,17 @@ class Connection : public std::enable_shared_from_this<Connection> {
     Outbox::Limits outbox;
   };
 
-  /// `context`: the socket's. Sessions may have something to say until their last task has ended, so it is shared.
+  /// `context` is the socket's. It is shared because sessions may post to it until their last task has ended.
   Connection(Socket socket, std::shared_ptr<boost::asio::io_context> context, Node& node, Options options,
              Dialogue::Admit admit, Closed closed);
 
   void start();
-  /// Says `bye REASON`, sends what control frames wait, and closes.
+  /// Sends the replies and events that wait, then `bye REASON`, and closes. Closes after a second in any case.
   void bye(const std::string& reason);
-  /// At once.
+  /// Closes at once.
   void close();
 
-  /// Null before the handshake. This and what follows: once it has started.
+  /// Null before the handshake. This and the following functions may be called after start().
   const std::shared_ptr<Session>& session() const { return dialogue_->session(); }
   Outbox& outbox() { return *outbox_; }
   uint64_t receivedBytes() const { return received_; }
@@ -73,14 +74,14 @@ class Connection : public std::enable_shared_from_this<Connection> {
 
   const std::array<std::byte, protocol::kPreambleBytes> greeting_ = protocol::preamble();
   std::array<std::byte, 64 << 10> buffer_;
-  std::span<const std::byte> unread_;  ///< of buffer_
+  std::span<const std::byte> unread_;  ///< part of buffer_
   std::array<std::byte, protocol::kHeaderBytes> header_{};
   protocol::Frame writingFrame_;
   bool reading_ = false, writing_ = false, leaving_ = false, closed_ = false;
   Clock::time_point heard_ = Clock::now(), asked_ = Clock::now();
   const Clock::time_point begin_ = Clock::now();
-  int64_t written_ = 0,
-          acknowledged_ = 0;  ///< bytes, without control frames, which dead peers' systems take too
+  /// Bytes written, and acknowledged by the client's machine. Control frames do not count.
+  int64_t written_ = 0, acknowledged_ = 0;
   std::atomic<uint64_t> received_ = 0;
 };
 

@@ -45,7 +45,7 @@ std::string DataFolders::toRead(const std::string& name) const {
   const fs::path given(name);
   for (const fs::path& folder : folders_) {
     std::error_code failed;
-    const fs::path canonical = fs::canonical(folder / given, failed);  // an absolute name stays as it is
+    const fs::path canonical = fs::canonical(folder / given, failed);  // An absolute name stays as it is.
     if (failed || !holds(canonical)) continue;
     if (!fs::is_regular_file(canonical, failed)) refuse(name, "it is not a regular file");
     return canonical.string();
@@ -91,7 +91,7 @@ std::string DataFolders::toWrite(const std::string& name) const {
 void DataFolders::write(const std::string& path, std::span<const std::byte> bytes) const {
   const fs::path place(path);
   const auto fail = [&](int reason) { throw Error(path + ": cannot be written: " + std::strerror(reason)); };
-  /// Closes with its scope.
+  /// A file descriptor that is closed at the end of its scope.
   struct Descriptor {
     int number;
     ~Descriptor() {
@@ -103,7 +103,7 @@ void DataFolders::write(const std::string& path, std::span<const std::byte> byte
   std::error_code failed;
   if (!holds(fs::read_symlink("/proc/self/fd/" + std::to_string(folder.number), failed)) || failed)
     refuse(path, "it cannot be written");
-  // a name of its own: others may write the same file
+  // A random name for the partial file, because other requests may write the same file.
   uint64_t number = 0;
   if (::getrandom(&number, sizeof number, 0) != sizeof number) fail(errno);
   const std::string name = place.filename(), partial = name + "." + std::to_string(number) + ".partial";

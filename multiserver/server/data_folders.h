@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The folders that clients may read and write files in, and nothing beyond.
+// Restricts the files that clients may read and write to some folders.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -12,30 +12,34 @@
 
 namespace gxy {
 
-/// Names from clients become paths without links or `..` that lie in one of the folders. Immutable.
+/// Resolves names from clients to paths in one of the folders, without symbolic links or `..`. Immutable; any
+/// thread may use it.
 class DataFolders {
  public:
-  /// Throws Error for a folder that does not exist. None given: the current one.
+  /// Without `folders`, the current folder is the only one. Throws Error for a folder that does not exist.
   explicit DataFolders(const std::vector<std::string>& folders);
 
-  /// An existing regular file to read; a relative name is looked for in each folder, in their order. Throws Error where
-  /// there is none, and for what lies outside, without telling whether that exists.
+  /// Returns the path of an existing regular file to read. A relative name is searched for in each folder, in
+  /// their order. Throws Error if there is none, and for a file outside the folders, without revealing
+  /// whether it exists.
   std::string toRead(const std::string& name) const;
 
-  /// A data file to read, and that all files it refers to lie inside (core/io/referenced_files.h).
+  /// The same for a data file. Throws Error also unless all files that it refers to are inside
+  /// (core/io/referenced_files.h).
   std::string dataToRead(const std::string& name) const;
 
-  /// While it lives, nothing that lies outside is read on this thread, though a link to it has taken the place of a file that
-  /// was found here.
+  /// While the result lives, core/io reads no file outside the folders on this thread, even if a symbolic
+  /// link has replaced a file that was found inside.
   [[nodiscard]] ReadScope reading() const;
 
-  /// The content of such a file, of at most `limit` bytes.
+  /// Returns the content of a file that toRead() finds. Throws Error if it has more than `limit` bytes.
   std::string textOf(const std::string& name, int64_t limit) const;
 
-  /// A file to write; a relative name means the first folder. Its own folder must exist.
+  /// Returns the path of a file to write. A relative name is in the first folder. The file's folder must exist.
   std::string toWrite(const std::string& name) const;
-  /// Writes such a file, whole or not at all. What toWrite() found is looked at once more when it is open, and no link is
-  /// followed: whoever puts links in its place meanwhile gains nothing. Throws Error.
+  /// Writes a file at a path from toWrite(), completely or not at all. It checks the place again after
+  /// opening it and follows no symbolic link, so that links that are put there meanwhile have no effect.
+  /// Throws Error if it cannot write.
   void write(const std::string& path, std::span<const std::byte> bytes) const;
 
   const std::vector<std::filesystem::path>& folders() const { return folders_; }
@@ -44,7 +48,7 @@ class DataFolders {
   bool holds(const std::filesystem::path& canonical) const;
   [[noreturn]] void refuse(const std::string& name, const std::string& reason) const;
 
-  std::vector<std::filesystem::path> folders_;  ///< canonical
+  std::vector<std::filesystem::path> folders_;  ///< canonical paths
 };
 
 }  // namespace gxy

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What one client says: preamble, hello, then frames. No sockets here: whoever has one hands over the bytes that come.
+// Interprets the bytes that one client sends: preamble, hello, then frames. It uses no sockets; the
+// Connection passes on the bytes that arrive.
 #pragma once
 #include <functional>
 #include <memory>
@@ -13,22 +14,24 @@
 
 namespace gxy {
 
-/// One thread at a time.
+/// One thread at a time may use it.
 class Dialogue {
  public:
-  /// Makes the session of a client that has said hello, and fills in the welcome. Throws Error, the reason, to refuse it.
+  /// Makes the session of a client that has said hello, and fills in the welcome. Throws Error with the
+  /// reason to refuse it.
   using Admit = std::function<std::shared_ptr<Session>(const protocol::Hello&, const std::shared_ptr<Outbox>&,
                                                        protocol::Welcome&)>;
 
   Dialogue(std::shared_ptr<Outbox> outbox, protocol::Limits limits, Admit admit);
 
-  /// Takes bytes off the front until all are taken, or the client is to be read no further (paused, over). Throws Error for
-  /// what breaks the protocol, and to a client that is refused: it is told, and nothing more is read.
+  /// Takes bytes from the front until all are taken, or until paused() or over(). Throws Error if the client
+  /// breaks the protocol or is refused: then the caller sends it the message and reads nothing more.
   void take(std::span<const std::byte>& bytes);
 
-  /// As much waits to be sent or answered as may: to be asked again when something has been.
+  /// True while too much waits to be sent or answered to read more. The caller asks again when something has
+  /// been sent or answered.
   bool paused() const;
-  /// The client has said bye, or speaks another protocol: nothing more is to be said.
+  /// True if the client has said bye or speaks another protocol. Then nothing more is sent.
   bool over() const { return over_; }
   /// Null before the handshake.
   const std::shared_ptr<Session>& session() const { return session_; }

@@ -13,13 +13,13 @@ namespace gxy {
 
 namespace {
 
-constexpr size_t kShort = 4096;            // needs no room: enough to free memory where there is none
-constexpr size_t kLong = 64 << 10;         // waits for its turn
-constexpr int64_t kGivenBack = 8 << 20;    // the system gets as much back at once
-constexpr int64_t kBytesOfAValue = 128;    // with its place in a list that grows, and in what is made of it
-constexpr int64_t kBytesOfACharacter = 2;  // of texts in it
+constexpr size_t kShort = 4096;          // Shorter texts are always read: they may free memory.
+constexpr size_t kLong = 64 << 10;       // Longer texts wait for their turn.
+constexpr int64_t kGivenBack = 8 << 20;  // From this much on, memory is returned to the system at once.
+constexpr int64_t kBytesOfAValue = 128;  // a value, its place in a growing list, and its object
+constexpr int64_t kBytesOfACharacter = 2;
 
-// What parsing a text takes, or somewhat more: a value follows a comma or what opens a list or an object.
+// Returns an upper bound on the memory of parsing a text. Each value follows a comma or an opening bracket.
 int64_t costOf(std::string_view text) {
   const auto values =
       1 + std::count_if(text.begin(), text.end(), [](char c) { return c == ',' || c == '[' || c == '{'; });
@@ -54,7 +54,7 @@ void DocumentReader::makeRoom(std::string_view text) {
   request_.check();
   if (text.size() <= kShort) return;
   const Session& session = request_.session();
-  const bool hasTurn = turn_.use_count() > 0;  // it points to nothing
+  const bool hasTurn = turn_.use_count() > 0;  // The pointer is null even when it holds a turn.
   if (text.size() > kLong && !hasTurn) turn_ = session.node().reading.take(request_);
   const int64_t bytes = costOf(text);
   memory_.push_back(session.node().takeMemory(session.tenant(), "documents", bytes));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// JSON that requests hold, and the files that it names, read within bounds. Rank 0.
+// Reads the JSON of requests and the files that it names, within bounds on memory. Used on rank 0.
 #pragma once
 #include <condition_variable>
 #include <cstdint>
@@ -18,11 +18,11 @@ namespace gxy {
 
 class Request;
 
-/// Whose long documents are being read. Thread safe.
+/// Lets each tenant read one long document at a time. Thread safe.
 class ReadingTurns {
  public:
-  /// The turn of the request's tenant, until let go; waits for it. Throws Error when the request is cancelled. The turns
-  /// outlive it and the request.
+  /// Waits for the turn of the request's tenant. The turn ends when the result is released. Throws Error if
+  /// the request is cancelled. This object must outlive the result and the request.
   [[nodiscard]] std::shared_ptr<void> take(Request& request);
 
  private:
@@ -31,9 +31,10 @@ class ReadingTurns {
   std::set<std::string> reading_;  ///< tenants
 };
 
-/// Reads what a request says, on one thread. A text takes many times its bytes while it is parsed: that is its tenant's
-/// memory as long as this lives, which therefore should end before the request's work begins; of long texts a tenant
-/// reads one at a time. All throw Error: for what is wrong with a text, where there is no memory for it, when cancelled.
+/// Reads the documents of one request, on one thread. Parsing a text takes many times its size. This memory
+/// is charged to the tenant as long as the reader lives, so the reader should be destroyed before the
+/// request's work begins. A tenant reads one text over 64 KiB at a time. All functions throw Error if a text
+/// is malformed, if there is no memory for it, or if the request is cancelled.
 class DocumentReader {
  public:
   explicit DocumentReader(Request& request) : request_(request) {}
@@ -41,9 +42,9 @@ class DocumentReader {
   DocumentReader(const DocumentReader&) = delete;
   DocumentReader& operator=(const DocumentReader&) = delete;
 
-  /// readState(); preset and camera files are such as clients may read (DataFolders::toRead).
+  /// Calls readState(). Preset and camera files must be files that clients may read (DataFolders::toRead()).
   StateFile state(std::string_view text, const std::string& what);
-  /// protocol::parseObject().
+  /// Calls protocol::parseObject().
   nlohmann::json object(std::string_view text, const std::string& what);
 
  private:
@@ -52,7 +53,7 @@ class DocumentReader {
   Request& request_;
   std::shared_ptr<void> turn_;
   std::vector<LedgerEntry> memory_;
-  int64_t bytes_ = 0;  ///< of memory_
+  int64_t bytes_ = 0;  ///< sum of memory_
 };
 
 }  // namespace gxy

@@ -57,7 +57,7 @@ void Exchanges::cancel(uint64_t number) {
   node_.work.broadcast("exchanges.cancel", {{"exchange", number}}, [](std::vector<Work::Reply>) {});
 }
 
-// Rank 0 asks the asker itself: the message may come before the part has begun.
+// Rank 0 also asks the asker, because the message "exchanges.cancel" may come before the part has begun.
 void Exchanges::check(uint64_t number) const {
   const std::lock_guard lock(mutex_);
   if (underWay_.at(number)) throw Error("cancelled");
@@ -93,7 +93,7 @@ void Exchanges::Part::tell(double share, bool phase) {
   const std::lock_guard lock(exchanges_.mutex_);
   const auto led = exchanges_.led_.find(number_);
   if (led == exchanges_.led_.end()) return;
-  // The end is told when all ranks have got there, and all has a name.
+  // 100 % is reported only by the request itself, when all ranks are done and all data have names.
   const auto done = std::min(kUnits * item_ + int64_t(share * kUnits), kUnits * of_ - 1);
   led->second.progress(done, kUnits * of_, text_, phase);
 }

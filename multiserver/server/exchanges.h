@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Long work that all ranks do together for a request, or for several: its turn among the tenant's, its end and its progress.
+// Long work that all ranks do together for a request, or for several requests: its turn among the tenant's
+// works, its cancelling and its progress.
 #pragma once
 #include <cstdint>
 #include <functional>
@@ -15,47 +16,51 @@ namespace gxy {
 struct Node;
 class Request;
 
-/// Who wants long work done. Both are called from any thread, are short, and are not empty.
+/// The party that wants long work done. Both functions are short and not empty, and any thread may call them.
 struct Asker {
-  std::function<void()> check = [] {};  ///< throws Error "cancelled" once it is wanted no more
-  /// As Request::progress.
+  std::function<void()> check = [] {};  ///< throws Error "cancelled" once the work is no longer wanted
+  /// Reports progress, as Request::progress() does.
   std::function<void(int64_t done, int64_t of, const std::string& text, bool phase)> progress =
       [](int64_t, int64_t, const std::string&, bool) {};
 };
-/// For as long as the request lives.
+/// Returns an Asker that passes everything to the request, which must outlive it.
 Asker askerOf(Request& request);
 
-/// One on each rank. Rank 0 begins an exchange for a request and tells its number to a work (not of Runs::Short), which
-/// join()s it on all ranks. When the request is cancelled, its parts end soon. Thread safe.
+/// There is one on each rank. An exchange is one such work. Rank 0 begins it for a request and sends its
+/// number as a parameter of a Work (not of Runs::Short); the action calls join() on all ranks. When the
+/// request is cancelled, the parts on all ranks end soon. Thread safe.
 class Exchanges {
  public:
-  static constexpr int64_t kUnits = 100;  ///< of progress that an item counts
+  static constexpr int64_t kUnits = 100;  ///< units of progress for each item
 
   explicit Exchanges(Node& node) : node_(node) {}
   void addWorks();
 
-  /// Rank 0: its number, until let go; the request outlives it.
+  /// Begins an exchange on rank 0 and returns its number. It ends when the result is released; the request
+  /// must live until then.
   [[nodiscard]] std::shared_ptr<const uint64_t> begin(Request& request);
-  /// The same for what computes long: waits until the tenant has fewer than Tenants::kLong of these under way. Throws Error
-  /// when the request is cancelled.
+  /// The same for work that computes for long: waits until the tenant has fewer than Tenants::kLong of these
+  /// under way. Throws Error if the request is cancelled.
   [[nodiscard]] std::shared_ptr<const uint64_t> beginLong(Request& request);
-  /// begin() for another asker. Where it wants the work no more, cancel() tells the other ranks.
+  /// The same as begin() for any asker. If it no longer wants the work, it calls cancel() to tell the other ranks.
   [[nodiscard]] std::shared_ptr<const uint64_t> begin(Asker asker);
   void cancel(uint64_t number);
 
-  /// A rank's part of an exchange; used by one thread, but for check() and done() of its ranks. What it has to say to the
-  /// other ranks has been said when it goes.
+  /// A rank's part of an exchange. One thread uses it, except that any thread may call ranks.check() and
+  /// ranks.done(). It must have made all its calls of collectives when it is destroyed.
   class Part {
    public:
     ~Part();
     Part(const Part&) = delete;
     Part& operator=(const Part&) = delete;
 
-    /// Its check() throws Error "cancelled" when it is time; its done() is told to the client, by rank 0 for all.
+    /// Its check() throws Error "cancelled" once the exchange is cancelled. Its done() reports progress to
+    /// the client; only rank 0's counts.
     RankCollectives ranks;
 
-    /// What ranks.done() is a share of from now on: item number `item` of `of`. Throws as check() does, on all ranks: they
-    /// all call it. With `phase`, the client hears of it whatever came just before.
+    /// From now on, ranks.done() reports the share of item number `item` of `of`. With `phase`, the client
+    /// gets this progress event even if it got one just before. Collective: all ranks call it. If check()
+    /// throws on any rank, it throws on all.
     void begin(int64_t item, int64_t of, const std::string& text, bool phase = false);
 
    private:
@@ -68,7 +73,7 @@ class Exchanges {
     int64_t item_ = 0, of_ = 1;
     std::string text_;
   };
-  /// In a work, on every rank.
+  /// Joins an exchange; an action of a Work calls it on every rank.
   Part join(uint64_t number) { return Part(*this, number); }
 
  private:
@@ -78,8 +83,8 @@ class Exchanges {
 
   Node& node_;
   mutable std::mutex mutex_;
-  std::map<uint64_t, const Asker> led_;  ///< rank 0: by number
-  std::map<uint64_t, bool> underWay_;    ///< parts of this rank, and whether they are to end
+  std::map<uint64_t, const Asker> led_;  ///< rank 0: askers of exchanges, by number
+  std::map<uint64_t, bool> underWay_;    ///< by number: whether this rank's part has been cancelled
 };
 
 }  // namespace gxy

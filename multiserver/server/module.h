@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a module is written against; docs/modules.md walks through one.
+// The interface for modules. docs/modules.md explains one step by step.
 //
-// A module is a shared library that defines one GALAXY_MODULE. It is loaded on every rank, its body is run there once, and
-// registers verbs (used on rank 0, where clients are) and works (used on every rank).
+// A module is a shared library that defines one GALAXY_MODULE. It is loaded on every rank. Its body runs once
+// on each, and registers verbs (used on rank 0, which serves clients) and works (used on every rank).
 #pragma once
 #include <concepts>
 #include <cstdint>
@@ -20,29 +20,32 @@
 
 namespace gxy {
 
-/// Changes with every change of what modules see. A module built for another is refused.
+/// This number changes with every change of the headers that modules include. A module built for another
+/// number is refused.
 inline constexpr uint32_t kModuleAbi = 5;
 
-/// When a request runs: after the earlier ones of its session and before the later ones; in its turn, but the later ones
-/// do not wait for its end (long work); at once, on the thread that serves all sockets (the server's own short ones only).
+/// When a request runs. InTurn: after the earlier requests of its session and before the later ones. Aside:
+/// it starts in its turn, but later requests do not wait for its end; for long work. AtOnce: immediately, on
+/// the thread that serves all sockets; only for short verbs of the server itself.
 enum class Order { InTurn, Aside, AtOnce };
 
 struct Verb {
   std::string name;
-  std::string arguments, help;  ///< for people: "NAME [GENERATION]", "Waits for a dataset."
+  std::string arguments, help;  ///< texts for users: "NAME [GENERATION]", "Waits for a dataset."
   Order order = Order::InTurn;
-  /// Returns what the reply holds after `ok`, an object or null (nothing); a member `text` is what people are shown. Throws
-  /// (gxy::Error: a message for the user) to answer `error: ...`. Runs on a thread of its own and may wait.
+  /// Returns the object that the reply has after `ok`, or null for none. If the object has a member `text`,
+  /// programs show that to users. To reply `error: ...`, it throws; an Error has a message for the user. It
+  /// runs on a thread of its own and may wait, unless its order is AtOnce.
   std::function<nlohmann::json(Request&)> action;
 
-  /// The arguments of a request, to be taken one by one.
+  /// Returns the arguments of a request. The request must outlive the result.
   protocol::Arguments argumentsOf(const Request& request) const {
     return {request.arguments(), name + (arguments.empty() ? "" : " " + arguments)};
   }
 };
 
-/// An action on the objects of a rank, as a type: its name, when it runs, its parameters (to and from JSON, for instance by
-/// NLOHMANN_DEFINE_TYPE_INTRUSIVE), and what it does.
+/// A type that defines an action of a Work: its name, how it runs, its parameters as members (converted to
+/// and from JSON, for instance by NLOHMANN_DEFINE_TYPE_INTRUSIVE), and the function action().
 template <class W>
 concept TypedWork = requires(const W& work, Node& node, nlohmann::json& json, const Work::Call& call) {
   { W::name } -> std::convertible_to<std::string>;
@@ -51,7 +54,8 @@ concept TypedWork = requires(const W& work, Node& node, nlohmann::json& json, co
   { work.action(node, call) } -> std::convertible_to<nlohmann::json>;
 };
 
-/// What a module's body registers. Nothing of it counts until it has succeeded on all ranks.
+/// Collects the verbs and works that a module's body registers. They take effect only if the module loads on
+/// all ranks.
 class Registration {
  public:
   explicit Registration(Node& node) : node_(node) {}
@@ -59,7 +63,7 @@ class Registration {
 
   void verb(Verb verb) { verbs_.push_back(std::move(verb)); }
 
-  /// A work by its name, which should begin with the module's: "example.range".
+  /// Registers a work. Its name should begin with the module's name: "example.range".
   void work(std::string name, Work::Action action, Work::Runs runs = Work::Runs::Short) {
     works_.push_back({std::move(name), std::move(action), runs});
   }
@@ -73,7 +77,7 @@ class Registration {
         W::runs);
   }
 
-  /// Keeps what the module needs for as long as the server runs.
+  /// Keeps an object of the module alive as long as the server runs.
   void keep(std::shared_ptr<void> what) { kept_.push_back(std::move(what)); }
 
  private:
@@ -89,7 +93,7 @@ class Registration {
   std::vector<std::shared_ptr<void>> kept_;
 };
 
-/// Sends a typed work to all ranks and waits for its results, by rank. Throws Error when it failed on any.
+/// Sends a typed work to all ranks, waits, and returns the results by rank. Throws Error if it failed on any rank.
 template <TypedWork W>
 std::vector<nlohmann::json> callAll(Node& node, const W& work) {
   nlohmann::json parameters;

@@ -18,7 +18,7 @@ const Verb* LoadedModule::find(const std::string& verb) const {
   return found == verbs_.end() ? nullptr : &*found;
 }
 
-/// An open shared library with a module in it.
+/// An open shared library that contains a module.
 class Modules::Library {
  public:
   Library(const std::string& name, const std::string& file)
@@ -43,7 +43,8 @@ class Modules::Library {
   Library& operator=(const Library&) = delete;
 
   void registerIn(Registration& registration) const { register_(registration); }
-  /// From now on its functions may be anywhere, in tasks for instance, so it stays for the life of the process.
+  /// From now on other code, such as tasks, may refer to its functions, so it is not closed for the life of
+  /// the process.
   void stay() { stays_ = true; }
 
  private:
@@ -56,7 +57,7 @@ Modules::Modules(Node& node) : node_(node) {}
 
 Modules::~Modules() {
   loaded_.clear();
-  for (auto& [name, opened] : opened_) opened.registration.reset();  // its code is in the library
+  for (auto& [name, opened] : opened_) opened.registration.reset();  // Its destructors are in the library.
 }
 
 void Modules::addWorks() {
@@ -78,7 +79,7 @@ bool isModuleName(const std::string& name) {
   });
 }
 
-// The module's file in a folder; empty where there is none that lies in it.
+// Returns the module's file in a folder; empty if the folder does not contain it.
 std::string fileIn(const std::string& folder, const std::string& name) {
   namespace fs = std::filesystem;
   std::error_code failed;
@@ -114,7 +115,7 @@ std::vector<std::string> Modules::available() const {
   return {names.begin(), names.end()};
 }
 
-// On each rank: everything that can fail.
+// Runs on each rank and does everything that can fail.
 nlohmann::json Modules::open(const std::string& name) {
   Opened opened;
   opened.library = std::make_unique<Library>(name, fileOf(name));
@@ -163,7 +164,7 @@ std::shared_ptr<const LoadedModule> Modules::load(const std::string& name) {
   if (auto module = known()) return module;
   const std::lock_guard loading(loading_);
   if (auto module = known()) return module;
-  fileOf(name);  // what is no name at all is told without the other ranks
+  fileOf(name);  // throws for a wrong name before other ranks are asked
   try {
     node_.callAll("modules.open", {{"module", name}});
   } catch (const Error&) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Modules: shared libraries in the server's module folders, loaded on all ranks by bare name.
+// Loads modules, which are shared libraries in the server's module folders, on all ranks by their bare names.
 #pragma once
 #include <map>
 #include <memory>
@@ -11,7 +11,7 @@
 
 namespace gxy {
 
-/// A module that is there on all ranks. Immutable, never unloaded.
+/// A module that is loaded on all ranks. It is immutable and never unloaded.
 class LoadedModule {
  public:
   LoadedModule(std::string name, std::vector<Verb> verbs)
@@ -29,13 +29,14 @@ class Modules {
  public:
   explicit Modules(Node& node);
   ~Modules();
-  void addWorks();  ///< once, when the node has its Work
+  void addWorks();  ///< called once, when the node has its Work
 
-  /// Rank 0: the module of this name, loaded on all ranks if it is not. Throws Error if any rank cannot load it, and then
-  /// nothing has changed on any. One load at a time; waits.
+  /// Returns the module with this name, after loading it on all ranks if it is not loaded yet. Only for rank
+  /// 0; waits for all ranks and for other loads. Throws Error if any rank cannot load it; then nothing has
+  /// changed on any rank.
   std::shared_ptr<const LoadedModule> load(const std::string& name);
 
-  /// Names of what load() may find in the folders, in alphabetical order.
+  /// Returns the names of modules in the folders, in alphabetical order.
   std::vector<std::string> available() const;
 
  private:
@@ -53,7 +54,7 @@ class Modules {
   Node& node_;
   std::mutex loading_;  ///< rank 0: held during a load
   mutable std::mutex mutex_;
-  std::map<std::string, Opened> opened_;  ///< libraries, before and after their commit
+  std::map<std::string, Opened> opened_;  ///< libraries, both before and after commit()
   std::map<std::string, std::shared_ptr<const LoadedModule>> loaded_;
 };
 

@@ -17,7 +17,7 @@ namespace gxy {
 
 namespace {
 
-// Before anything is made of them that other ranks could write to.
+// Checks options before any part is made that other ranks could send messages to.
 NodeOptions checked(NodeOptions options) {
   std::error_code failed;
   for (const std::string& folder : options.moduleFolders)
@@ -30,7 +30,7 @@ Renderer::Options rendererOptions(const NodeOptions& options, Ledger& ledger) {
   Renderer::Options r;
   r.raysInFlight = options.raysInFlight;
   r.runners = options.threads;
-  r.handOuts = options.threads;  // which is what a batch alone needs: encoding its pictures may take longest
+  r.handOuts = options.threads;  // A single batch needs as many, as encoding its pictures may take longest.
   r.ledger = &ledger;
   r.trace = options.trace;
   r.tenant = "frames";
@@ -75,7 +75,7 @@ Node::RollCall Node::callThoseThere(const std::string& name, const nlohmann::jso
     std::map<int, Work::Reply> there;
   };
   RollCall call{{}, presence.missing(options.rankPatience)};
-  const auto replies = std::make_shared<Replies>();  // they may come later
+  const auto replies = std::make_shared<Replies>();  // Replies may come after this has returned.
   const auto isMissing = [&](int rank) {
     return std::any_of(call.missing.begin(), call.missing.end(),
                        [&](const auto& m) { return m.rank == rank; });
@@ -122,7 +122,7 @@ std::vector<nlohmann::json> Node::resultsOf(std::vector<Work::Reply> replies) co
 }
 
 LedgerEntry Node::takeMemory(const std::string& tenant, const std::string& purpose, int64_t bytes) {
-  const std::lock_guard lock(memory_);  // so that two do not take the same room
+  const std::lock_guard lock(memory_);  // Check and entry must be one step.
   const auto check = [&](int64_t used, int64_t limit, const std::string& whose) {
     if (bytes > limit - used)
       throw Error("memory: " + std::to_string(bytes) + " bytes are needed, but of " + whose + "'s " +
@@ -135,7 +135,7 @@ LedgerEntry Node::takeMemory(const std::string& tenant, const std::string& purpo
 }
 
 Tenants::Cost Node::costOf(const std::string& tenant, glm::ivec2 size) const {
-  // Of a pixel: 32 in the framebuffer, 16 in the picture, the rest in tiles and messages.
+  // A pixel takes 32 bytes in the framebuffer, 16 in the picture, and the rest in tiles and messages.
   constexpr int64_t kBytes = 64;
   return {int64_t(size.x) * size.y * kBytes, [this, tenant] {
             return std::min(options.tenantMemory - ledger.total(tenant), options.memory - ledger.total());

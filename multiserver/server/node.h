@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// One rank of the server: all that modules work with.
+// One rank of the server, with all its parts that modules use.
 #pragma once
 #include <atomic>
 #include <chrono>
@@ -29,25 +29,24 @@ class Datasets;
 class Modules;
 
 struct NodeOptions {
-  std::vector<std::string> dataFolders;    ///< none: the current one
-  std::vector<std::string> moduleFolders;  ///< looked into in this order; none: there are no modules
+  std::vector<std::string> dataFolders;    ///< empty: the current folder
+  std::vector<std::string> moduleFolders;  ///< searched in this order; empty: there are no modules
   std::string backend = "auto";
-  int64_t memory = int64_t(8) << 30;        ///< bytes of all tenants, on each rank
-  int64_t tenantMemory = int64_t(8) << 30;  ///< of one
-  int tenantFrames = 64;                    ///< renderings in flight of one tenant
-  /// For which a picture that is not yet there may keep data of another tenant from being updated.
+  int64_t memory = int64_t(8) << 30;        ///< bytes on each rank for all tenants together
+  int64_t tenantMemory = int64_t(8) << 30;  ///< bytes on each rank for one tenant
+  int tenantFrames = 64;                    ///< renderings in flight for one tenant
+  /// The longest time for which an unfinished picture may delay an update of another tenant's data.
   std::chrono::milliseconds longestHold{10000};
-  std::chrono::milliseconds rankPatience{
-      10000};                      ///< a rank that has not answered for so long is said to be missing
-  int threads = 2;                 ///< of each rank, that run its tasks
-  int64_t raysInFlight = 1 << 20;  ///< of each rank
-  Trace* trace = nullptr;          ///< of requests, works and rendering, if not null; outlives the node
+  std::chrono::milliseconds rankPatience{10000};  ///< a rank that is silent for this long is missing
+  int threads = 2;                                ///< threads of each rank that run its tasks
+  int64_t raysInFlight = 1 << 20;                 ///< rays in flight on each rank
+  Trace* trace = nullptr;  ///< gets requests, works and rendering, unless null; outlives the node
 };
 
-/// Made on every rank at the same time, over its Transport, and destroyed on all ranks together. Threads: its parts are
-/// thread safe each. The order of the members is that of their dependencies.
+/// Made on every rank at the same time, over the rank's Transport, and destroyed on all ranks together. Each
+/// of its parts is thread safe. The order of members is that of their dependencies.
 struct Node {
-  /// Throws Error, possibly on this rank only, for options that cannot be met.
+  /// Throws Error, possibly on this rank only, for options that cannot be satisfied.
   Node(Transport& transport, NodeOptions options, const BackendRegistry& backends);
   ~Node();
   Node(const Node&) = delete;
@@ -56,31 +55,32 @@ struct Node {
   int rank() const { return transport.rank(); }
   int ranks() const { return transport.size(); }
 
-  /// A number that names one exchange of all ranks (Collective); rank 0 draws it and tells the others.
+  /// Returns a new key for a Collective. Rank 0 calls it and sends the key to the others.
   uint64_t nextExchange() { return ++lastExchange_; }
   RankCollectives collectives(uint64_t exchange, std::function<void()> check = {},
                               std::function<void(double)> done = {}) {
     return {collective, rank(), ranks(), exchange, std::move(check), std::move(done)};
   }
 
-  /// Work::callAll, with an error that all ranks have alike told once.
+  /// Like Work::callAll(), but an error that is the same on all ranks is stated once.
   std::vector<nlohmann::json> callAll(const std::string& name, const nlohmann::json& parameters);
-  /// What it returns of the replies of all ranks, or throws.
+  /// Returns the results of the replies of all ranks, or throws Error as callAll() does.
   std::vector<nlohmann::json> resultsOf(std::vector<Work::Reply> replies) const;
 
-  /// What the work returns on each rank that replies, by rank, and the others: those that were missing before, which are
-  /// not sent it, and those whose replies have not come within options.rankPatience. Throws what resultsOf() does.
   struct RollCall {
-    std::vector<nlohmann::json> results;
-    std::vector<Presence::Missing> missing;
+    std::vector<nlohmann::json> results;     ///< of the ranks that have replied, in the order of ranks
+    std::vector<Presence::Missing> missing;  ///< the other ranks
   };
+  /// Sends a work to all ranks that are not missing and waits for their replies, but at most
+  /// options.rankPatience. Throws Error as resultsOf() does.
   RollCall callThoseThere(const std::string& name, const nlohmann::json& parameters);
 
-  /// Enters so many bytes of a tenant in the ledger. Throws Error if it may not have them on this rank.
+  /// Enters memory of a tenant in this rank's ledger. Throws Error if the tenant's limit or the rank's
+  /// would be exceeded.
   [[nodiscard]] LedgerEntry takeMemory(const std::string& tenant, const std::string& purpose, int64_t bytes);
 
-  /// What a rendering of so many pixels takes of its tenant. All pictures in flight have to fit beside what the tenant has
-  /// on rank 0, as if that rank owned them all. Rank 0.
+  /// Returns the memory that a picture of this size takes of its tenant. All pictures in flight must fit
+  /// beside the tenant's other memory on rank 0, as if that rank owned them all. Only for rank 0.
   Tenants::Cost costOf(const std::string& tenant, glm::ivec2 size) const;
 
   Transport& transport;
@@ -90,19 +90,20 @@ struct Node {
   Observers observers;
   Objects objects{observers};
   KeySource keys;
-  Directory directory;   ///< rank 0's counts
-  Tenants tenants;       ///< rank 0
-  ReadingTurns reading;  ///< rank 0
+  Directory directory;   ///< used on rank 0
+  Tenants tenants;       ///< used on rank 0
+  ReadingTurns reading;  ///< used on rank 0
   const std::unique_ptr<Backend> backend;
   Collective collective;
   Exchanges exchanges;
   Renderer renderer;
   const std::unique_ptr<Datasets> datasets;
   const std::unique_ptr<Modules> modules;
-  Presence presence;  ///< rank 0's server asks
-  Work work;          ///< last: its actions use all others
+  Presence presence;  ///< rank 0's Server asks
+  Work work;          ///< the last part, because its actions use all others
 
-  /// What the listening server on rank 0 answers for; set before clients come.
+  /// Functions of the Server on rank 0, which sets them before clients come: a list of clients, and
+  /// stopping the server.
   std::function<nlohmann::json()> clients = [] { return nlohmann::json::array(); };
   std::function<void()> stop = [] {};
 

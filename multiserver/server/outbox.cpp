@@ -32,7 +32,7 @@ void Outbox::chargeTo(LedgerEntry memory) {
   memory_.resize(int64_t(counters_.queuedBytes));
 }
 
-// With the lock held.
+// Called with the lock held.
 void Outbox::add(std::deque<Frame>& queue, Frame frame) {
   account(int64_t(frame.payload.size()));
   queue.push_back(std::move(frame));
@@ -87,7 +87,7 @@ bool Outbox::event(const nlohmann::json& event) {
   return true;
 }
 
-// Ends of frames stay: each is promised to come.
+// Ends of frames are not dropped, because the protocol promises that each is sent.
 void Outbox::dropTilesOf(Window& window, bool endsOfPassesToo) {
   std::deque<Frame> kept;
   if (endsOfPassesToo) window.sent = nullptr;
@@ -112,7 +112,7 @@ bool Outbox::pixels(Bytes record, std::function<void()> sent) {
     Window& window = windows_[header.window];
     if (header.kind == PixelKind::Tile) {
       const bool otherFrame = window.frame != header.frame;
-      // Coarser levels stay: they are small, and the first to be seen.
+      // Coarser levels stay, because they are small and are seen first.
       if (otherFrame || (window.scale == header.scale && window.pass != header.pass))
         dropTilesOf(window, otherFrame);
       window.frame = header.frame;
@@ -126,7 +126,7 @@ bool Outbox::pixels(Bytes record, std::function<void()> sent) {
     if (sent) window.sent = std::move(sent);
     pixelBytes_ += record.size();
     if (header.kind == PixelKind::EndOfFrame)
-      textBytes_ += record.size();  // they too make a client congested
+      textBytes_ += record.size();  // counted as text, since they are never dropped
     add(window.records, {FrameChannel::Pixels, 0, std::move(record)});
   }
   wake_();
@@ -174,7 +174,7 @@ std::optional<Outbox::Frame> Outbox::takeNext(std::vector<std::function<void()>>
   if (closed_) return std::nullopt;
   if (textBytes_ <= limits_.text) then.swap(drained_);
   if (!control_.empty()) return taken(control_);
-  // A reply follows the files that were sent for its request.
+  // A reply is sent after the files of its request.
   if (farewell_ && text_.empty()) {
     closed_ = true;
     return std::exchange(farewell_, std::nullopt);

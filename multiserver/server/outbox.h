@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What waits to be sent to one client: bounded, whatever the client reads.
+// The queue of frames to one client. Its size is bounded, however slowly the client reads.
 #pragma once
 #include <atomic>
 #include <condition_variable>
@@ -18,51 +18,55 @@
 
 namespace gxy {
 
-/// Frames by kind, each with its own answer to a slow reader: for text the server stops reading the client's requests
-/// (`congested`), events are left out, files wait (`file` blocks), tiles of a pass are dropped once a newer pass of their
-/// window comes. Sent in this order: control, replies and events, tiles (windows in turn), files.
+/// Queues frames by kind. Each kind has its own answer to a slow reader. While too much text waits
+/// (congested()), the server stops reading the client's requests, and events are left out. Files wait: file()
+/// blocks. Tiles of a pass are dropped when a newer pass of their window comes. Frames are sent in this
+/// order: control, replies and events, tiles (windows in turn), files.
 ///
-/// Thread safe. After close() everything given is dropped and nobody waits.
+/// Thread safe. After close() all new frames are dropped and nobody waits.
 class Outbox {
  public:
   struct Limits {
-    size_t text = 4 << 20, files = 64 << 20, pixels = 256 << 20;  ///< bytes that wait
+    size_t text = 4 << 20, files = 64 << 20, pixels = 256 << 20;  ///< bytes in the queue, by kind
   };
 
-  /// `wake` is called, from any thread, when there is something to send; it must be short and take no lock that calls
-  /// into the Outbox are made with. What waits is in `memory`.
+  /// `wake` is called from any thread when there is something to send. It must be short, and must not take a
+  /// lock that is held during calls of the Outbox. `memory` is resized to the bytes in the queue.
   Outbox(Limits limits, std::function<void()> wake, LedgerEntry memory);
 
-  /// What waits is in `memory` instead, from now on.
+  /// From now on, the queue is charged to `memory` instead.
   void chargeTo(LedgerEntry memory);
 
   void control(std::string_view text);
-  /// A last control frame: sent after replies and events that wait; nothing follows it.
+  /// Adds a last control frame. It is sent after waiting replies and events, and nothing is sent after it.
   void farewell(std::string_view text);
   void reply(uint32_t id, std::string_view text);
-  /// False: left out, and counted in the next `lost` event.
+  /// Returns false if the event was left out; it is then counted in the next `lost` event.
   bool event(const nlohmann::json& event);
 
-  /// A record of pixel_record.h. A tile of another frame, or of another pass of the same level, than the last of its window
-  /// drops the window's older tiles. False: the tile was dropped, since too much waits.
-  /// `sent`, of the end of a pass, is called (on the thread of next()) when this record or a later one of its kind has been
-  /// taken; not if it was dropped. A window has one at a time.
+  /// Adds a record of pixel_record.h. If it is a tile of another frame, or of another pass of the same level,
+  /// than the last one of its window, the window's older tiles are dropped. Returns false if the tile itself
+  /// was dropped because too much waits. For the end of a pass, `sent` is called on the thread of next() when
+  /// this record or a later end of a pass has been taken, but not if it was dropped. A window has one such
+  /// function at a time.
   bool pixels(Bytes record, std::function<void()> sent = {});
-  /// Drops the tiles of a window.
+  /// Drops the tiles and ends of passes of a window.
   void dropTiles(uint32_t window);
 
-  /// Waits while too much waits. False: the client has gone, or `cancelled` has become true.
+  /// Adds a file record, and blocks while too many bytes of files wait. Returns false if the client has gone
+  /// or `cancelled` returns true.
   bool file(uint32_t id, Bytes payload, const std::function<bool()>& cancelled);
 
-  /// The next frame to send.
+  /// Takes the next frame to send.
   std::optional<protocol::Frame> next();
-  /// Text that waits exceeds its limit.
+  /// Whether more text waits than the limit.
   bool congested() const;
-  /// The same; if so, `drained` is called once (on the thread of next()) when it no longer does, not if it closes before.
+  /// The same. If true, `drained` is called once on the thread of next() when it is no longer so; not if the
+  /// Outbox is closed before.
   bool congested(std::function<void()> drained);
   bool empty() const;
   void close();
-  /// Calls `action` when it closes, at once if it has. The same as of `wake` holds.
+  /// Calls `action` on close(), or at once if it is closed. `action` must satisfy the conditions of `wake`.
   void onClose(std::function<void()> action);
 
   struct Counters {
@@ -77,7 +81,7 @@ class Outbox {
     std::deque<Frame> records;
     uint64_t frame = 0;
     uint32_t scale = 0, pass = 0;
-    std::function<void()> sent;  ///< of an end of a pass that waits
+    std::function<void()> sent;  ///< function of the end of a pass that waits
   };
 
   void add(std::deque<Frame>& queue, Frame frame);
@@ -91,7 +95,7 @@ class Outbox {
   mutable std::mutex mutex_;
   std::condition_variable filesLeft_;
   LedgerEntry memory_;
-  bool closed_ = false, gone_ = false;  ///< nothing is taken any more; close() was called
+  bool closed_ = false, gone_ = false;  ///< no more frames are accepted; close() was called
   std::optional<Frame> farewell_;
   std::deque<Frame> control_, text_, files_;
   std::map<uint32_t, Window> windows_;

@@ -28,7 +28,7 @@ using asio::ip::tcp;
 using nlohmann::json;
 
 namespace {
-constexpr size_t kHandshakes = 256;  // sockets without a session; the oldest is closed for one more
+constexpr size_t kHandshakes = 256;  // limit on sockets without a session; beyond it the oldest is closed
 }
 
 class Server::Impl {
@@ -45,7 +45,7 @@ class Server::Impl {
     if (options_.signals) {
       signals_.add(SIGINT);
       signals_.add(SIGTERM);
-      signals_.add(SIGUSR2);  // which mpirun hands on, and lives
+      signals_.add(SIGUSR2);  // mpirun passes it on and keeps running
       signals_.async_wait([this](auto failed, int) {
         if (!failed) stop();
       });
@@ -79,7 +79,7 @@ class Server::Impl {
     context_->stop();
     thread_.join();
     context_->restart();
-    context_->poll();  // what was cancelled: it holds connections, and they hold the context
+    context_->poll();  // Cancelled operations hold connections, which hold the context.
     node_.clients = [] { return json::array(); };
     node_.stop = [] {};
   }
@@ -110,7 +110,7 @@ class Server::Impl {
   void accept() {
     acceptor_.async_accept([this](auto failed, tcp::socket socket) {
       if (failed == asio::error::operation_aborted || ending_) return;
-      if (failed) {  // no descriptors left, for instance
+      if (failed) {  // for instance, no file descriptors are left
         spdlog::warn("rank 0: a client could not be accepted: {}", failed.message());
         timer_.expires_after(std::chrono::milliseconds(100));
         retry_ = true;
@@ -137,7 +137,7 @@ class Server::Impl {
     });
   }
 
-  // Whoever says hello soon comes in, however many sockets say nothing.
+  // A client that says hello soon gets in, however many sockets say nothing.
   void limitHandshakes() {
     std::vector<ConnectionPtr> shaking;
     for (const ConnectionPtr& c : connections_)
@@ -196,7 +196,7 @@ class Server::Impl {
     });
   }
 
-  // From any thread; the sockets' own thread is asked.
+  // Any thread may call this. The sockets' thread collects the data.
   json statistics() {
     const auto list = std::make_shared<std::promise<json>>();
     asio::post(*context_, [this, list] {
@@ -234,8 +234,8 @@ class Server::Impl {
     });
   }
 
-  // Ranks are asked all the time; clients are told of those that do not answer. A dead one is the end of the run, also where
-  // whatever started it does not end it.
+  // Asks the ranks at intervals, and tells clients about those that do not answer. If a rank has died, ends
+  // the run, because not every launcher does so.
   void watchRanks() {
     node_.presence.ask();
     const auto patience = node_.options.rankPatience;
@@ -251,10 +251,10 @@ class Server::Impl {
     });
   }
 
-  // Why the server ends: quit, a signal, or that a rank has died, after which whatever started it ends the others by
-  // signals. Where it does that on another machine, the dead rank is the one that does not answer.
+  // Returns the reason why the server ends: quit, a signal, or the death of a rank, after which the launcher
+  // ends the other ranks by signals. A rank that has died on another machine is recognised by not answering.
   std::string farewell() const {
-    constexpr std::chrono::milliseconds kMoment(400);  // of the second that is left by then
+    constexpr std::chrono::milliseconds kMoment(400);  // About a second is left before the process is ended.
     node_.presence.ask();
     node_.presence.answered(kMoment);
     const std::string missing = textOf(node_.presence.missing(kMoment));
@@ -274,7 +274,7 @@ class Server::Impl {
   asio::signal_set signals_;
   asio::steady_timer timer_, questions_;
   uint16_t port_ = 0;
-  std::set<ConnectionPtr> connections_;  ///< the sockets' thread only, as the next four
+  std::set<ConnectionPtr> connections_;  ///< used on the sockets' thread only, like the next four
   uint64_t sessions_ = 0;
   std::chrono::steady_clock::time_point idleSince_ = std::chrono::steady_clock::now();
   bool retry_ = false;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Rank 0's ear: accepts clients, gives each a session, and ends.
+// The listening server on rank 0: accepts clients, gives each a session, and decides when to stop.
 #pragma once
 #include <cstdint>
 #include <functional>
@@ -13,9 +13,9 @@ namespace gxy {
 
 struct ServerOptions {
   std::string bind = "127.0.0.1";
-  uint16_t port = 5001;              ///< 0: any that is free
-  std::chrono::seconds idleExit{0};  ///< stops after so long without clients; 0: never
-  size_t tenantClients = 256;        ///< of those that may be connected, of one tenant
+  uint16_t port = 5001;              ///< 0: any free port
+  std::chrono::seconds idleExit{0};  ///< time without clients after which the server stops; 0: never
+  size_t tenantClients = 256;        ///< number of connected clients of one tenant
   bool signals = true;               ///< SIGINT, SIGTERM and SIGUSR2 stop it
   Connection::Options connection;
 };
@@ -23,16 +23,16 @@ struct ServerOptions {
 /// Listens while it lives. One thread serves all sockets; requests run on the Transport's threads.
 class Server {
  public:
-  /// Throws Error where it cannot listen. `onStop` is called once, from any thread, when the server is to end: by quit, a
-  /// signal or idleness. It must be short.
+  /// Throws Error if it cannot listen. `onStop` is called once, from any thread, when the server should end:
+  /// after quit, a signal, idleness, or the death of a rank. It must be short.
   Server(Node& node, ServerOptions options, std::function<void()> onStop);
-  /// Says bye to all clients, and waits for their requests.
+  /// Says bye to all clients, and waits for their requests to end.
   ~Server();
   Server(const Server&) = delete;
   Server& operator=(const Server&) = delete;
 
   uint16_t port() const;
-  /// Connected, or gone with requests that still come to their end.
+  /// The number of clients that are connected, or have gone but have requests that have not ended.
   size_t clients() const;
 
  private:

@@ -19,14 +19,14 @@ namespace {
 using nlohmann::json;
 
 struct Offered {
-  std::string name;  ///< as to be typed
-  std::string full;  ///< with its module, which is always unambiguous
+  std::string name;  ///< the name to type
+  std::string full;  ///< the name with its module, which is always unambiguous
   const Verb* verb;
 };
 
 const std::vector<Verb>& serverVerbs();
 
-// All that a session can say, hidden verbs by their full names.
+// Returns all verbs of a session. Verbs that others hide have their full names.
 std::vector<Offered> offeredTo(const Session& session) {
   std::vector<Offered> offered;
   for (const Verb& verb : serverVerbs()) offered.push_back({verb.name, "server." + verb.name, &verb});
@@ -92,7 +92,7 @@ json statisticsOfRank(const Node& node) {
   for (const Ledger::Line& line : node.ledger.snapshot())
     if (line.bytes != 0)
       lines.push_back({{"tenant", line.tenant}, {"purpose", line.purpose}, {"bytes", line.bytes}});
-  json byTenant = json::array();  // by number, until rank 0 has it
+  json byTenant = json::array();  // Here tenants are numbers; rank 0 replaces them by names.
   for (const auto& [tenant, rays] : kept.tenantCredits)
     byTenant.push_back({{"tenant", tenant}, {"in flight", rays}});
   return {{"rank", node.rank()},
@@ -117,7 +117,7 @@ json statisticsOfRank(const Node& node) {
           {"most bytes waiting", t.mostBytesWaiting}};
 }
 
-// To three digits.
+// Returns a size with three digits and a unit.
 std::string sizeText(const json& bytes) {
   constexpr const char* units[] = {" B", " KiB", " MiB", " GiB", " TiB"};
   double size = bytes.get<double>();
@@ -198,7 +198,7 @@ json quit(Request& request) {
   return nullptr;
 }
 
-// A verb that takes no arguments.
+// Makes a verb without arguments.
 Verb alone(std::string name, std::string help, Order order, json (*action)(Request&)) {
   Verb verb{std::move(name), "", std::move(help), order, {}};
   verb.action = [usage = verb.name, action](Request& request) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What every session can ask the server itself, and how verbs are found.
+// The server's own verbs, and the search for verbs.
 #pragma once
 #include <string>
 
@@ -7,14 +7,15 @@
 
 namespace gxy {
 
-/// The server's own verb of this name ("stat" or "server.stat"), or null.
+/// Returns the server's own verb with this name ("stat" or "server.stat"), or null.
 const Verb* serverVerb(const std::string& name);
 
-/// What a session means by a verb: the server's own, else that of the first of its modules that has it; `module.verb` means
-/// that module's. Valid as long as the session. Throws Error, with what is near, where there is none.
+/// Returns the verb that a name means in a session: the server's own, or else that of the first of the
+/// session's modules that has it. `module.verb` means that module's. The result is valid as long as the
+/// session. Throws Error, with a similar name, if there is none.
 const Verb& resolveVerb(Session& session, const std::string& name);
 
-/// Registers what the verbs need on every rank.
+/// Registers the works that the verbs need, on every rank.
 void addServerWorks(Node& node);
 
 }  // namespace gxy

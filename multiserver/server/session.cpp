@@ -68,7 +68,7 @@ Session::Session(Node& node, std::shared_ptr<Outbox> outbox, Identity identity, 
 Session::~Session() = default;
 
 bool Session::makeRoom(uint64_t bytes) {
-  constexpr uint64_t kShort = 4096;  // enough to free memory where there is none
+  constexpr uint64_t kShort = 4096;  // enough for statements that free memory
   incoming_ = {};
   if (bytes <= kShort) return true;
   try {
@@ -95,7 +95,7 @@ void Session::checkId(uint32_t id) const {
 }
 
 void Session::submit(uint32_t id, Bytes text) {
-  constexpr size_t kLong = 64 << 10;  // what is longer is read in its turn, not on the thread of all sockets
+  constexpr size_t kLong = 64 << 10;  // Longer ones are parsed in their turn, not on the sockets' thread.
   const auto request = std::make_shared<Request>(*this, id, std::move(text));
   std::string wrong;
   const Verb* atOnce = nullptr;
@@ -128,7 +128,7 @@ void Session::submit(uint32_t id, Bytes text) {
   if (begin) node_.transport.postWaiting([self = shared_from_this()] { self->runNext(); });
 }
 
-// Runs what is queued, until nothing is.
+// Runs queued requests until the queue is empty.
 void Session::runNext() {
   for (;;) {
     RequestPtr request;
@@ -196,7 +196,7 @@ void Session::run(const RequestPtr& request, const std::function<nlohmann::json(
     answer(request, text);
 }
 
-// Messages may quote what is in files.
+// Messages are made printable, because they may quote the content of files.
 void Session::answerError(const RequestPtr& request, const std::string& message) {
   answer(request, "error: " + protocol::printable(message));
 }
@@ -237,7 +237,7 @@ void Session::cancel(uint32_t id) {
   }
   request->cancel();
   if (waits) return answerError(request, "cancelled");
-  const std::lock_guard lock(mutex_);  // it may wait to be run beside others
+  const std::lock_guard lock(mutex_);  // startAside() may be waiting with it
   answered_.notify_all();
 }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// One client's requests: run in their order, beside all others'. Rank 0. No sockets here.
+// Runs the requests of one client, in their order and concurrently with those of other clients. Used on rank
+// 0. It uses no sockets.
 #pragma once
 #include <atomic>
 #include <deque>
@@ -22,7 +23,7 @@ namespace gxy {
 class LoadedModule;
 class Session;
 
-/// A statement that a client has sent and that is not answered yet. Thread safe.
+/// A statement that a client has sent and that has not been answered. Thread safe.
 class Request {
  public:
   Request(Session& session, uint32_t id, Bytes text);
@@ -34,25 +35,28 @@ class Request {
   size_t bytes() const { return bytes_; }
 
   bool cancelled() const { return cancelled_; }
-  /// Throws Error "cancelled" if so. Long work calls it often.
+  /// Throws Error "cancelled" if the request is cancelled. Long work calls it often.
   void check() const;
-  /// Calls `action` (short, from any thread) when the request is cancelled, at once if it is.
+  /// Calls `action` when the request is cancelled, or at once if it is. `action` must be short; any
+  /// thread may call it.
   void onCancel(std::function<void()> action);
   void cancel();
-  /// Calls `action` (short) once the reply has been given to the outbox.
+  /// Calls `action`, which must be short, once the reply is in the outbox.
   void onAnswered(std::function<void()> action);
 
-  /// A progress event, at most ten a second, the last one and those with which a phase begins always.
+  /// Sends a progress event: `done` of `of` units. There are at most ten a second, except that the last one
+  /// (done == of) and those that begin a phase are always sent.
   void progress(int64_t done, int64_t of, const std::string& text, bool phase = false);
 
  private:
-  /// Takes verb and arguments out of the text, if that has not been done. Before anyone else has the request. Throws Error.
+  /// Parses the text into verb and arguments, unless that has been done. Called before the action runs.
+  /// Throws Error.
   void read();
 
   Session& session_;
   const uint32_t id_;
   const size_t bytes_;
-  Bytes text_;  ///< not read yet
+  Bytes text_;  ///< empty once it has been parsed
   std::string verb_, arguments_;
   std::atomic<bool> cancelled_ = false;
   std::mutex mutex_;
@@ -62,9 +66,9 @@ class Request {
   std::chrono::steady_clock::time_point lastProgress_{};
 };
 
-/// What becomes of the statements of one connection. Requests run on threads of their own (Transport::postWaiting): those
-/// in turn one after the other, those aside beside them, of which at most kAside run at once. Nothing here waits for
-/// another session.
+/// Runs the statements of one connection as requests, on threads of their own (Transport::postWaiting).
+/// Requests InTurn run one after the other; at most kAside requests Aside run beside them (module.h). A
+/// session never waits for another session.
 class Session : public std::enable_shared_from_this<Session> {
  public:
   struct Identity {
@@ -73,9 +77,9 @@ class Session : public std::enable_shared_from_this<Session> {
     bool administrator = false;
   };
 
-  static constexpr int kAside = 8;  ///< requests that run at once beside those in turn; each holds a thread
+  static constexpr int kAside = 8;  ///< number of requests Aside that run at once; each occupies a thread
 
-  /// The outbox is the connection's and outlives the session's requests.
+  /// `outbox` is that of the connection. It outlives the session's requests.
   Session(Node& node, std::shared_ptr<Outbox> outbox, Identity identity, protocol::Limits limits);
   ~Session();
 
@@ -86,46 +90,49 @@ class Session : public std::enable_shared_from_this<Session> {
   const std::string& tenant() const { return identity_.tenant; }
   const protocol::Limits& limits() const { return limits_; }
 
-  /// Takes the memory of a statement of so many bytes that is about to come; short ones may always. False where there is
-  /// none: it is not to be kept, but refused. This and the next two: one thread at a time.
+  /// Takes memory for a statement of this size that is about to come. Short statements (4096 bytes) always
+  /// get it. Returns false if there is none: then the statement must be passed to refuse() instead of
+  /// submit(). One thread at a time may call this and the next two functions.
   bool makeRoom(uint64_t bytes);
-  /// Takes a statement; its reply will come to the outbox. Throws Error for an id that is in use: the client does not keep
-  /// to the protocol.
+  /// Takes a statement. Its reply goes to the outbox. Throws Error if the id is 0 or in use, which breaks the
+  /// protocol.
   void submit(uint32_t id, Bytes text);
-  /// Answers the statement for which there was no room with an error. Throws as submit() does.
+  /// Answers the statement for which there was no memory with an error. Throws as submit() does.
   void refuse(uint32_t id);
   size_t unanswered() const;
-  /// So many statements are not answered yet, or so many bytes of them (more than twice those of the longest), that no more
-  /// should be read.
+  /// Whether no more statements should be read: limits.requests are unanswered, or the unanswered ones have
+  /// more than twice limits.requestBytes.
   bool full() const;
 
-  /// Cancels a request, if there is one with this id; one that has not begun is answered at once.
+  /// Cancels the request with this id, if there is one. A request that has not begun is answered at once.
   void cancel(uint32_t id);
 
-  /// Tells the client, by an event, which ranks do not answer and which of its requests wait meanwhile: again when either has
-  /// changed, and once when all ranks answer again.
+  /// Sends an event that says which ranks do not answer and which of the client's requests are unanswered
+  /// meanwhile. It is sent again when the ranks change or there are new requests, and once when all ranks
+  /// answer again.
   void tellMissing(const std::vector<Presence::Missing>& missing);
 
-  /// Cancels all and drops what modules keep; requests that run end soon, their replies going nowhere. Later statements are
-  /// not taken. May be called more than once; waits for requests, so not from a handler.
+  /// Cancels all requests, waits for them to end, and drops the modules' states. Later statements are
+  /// ignored. It may be called more than once, but not from a handler.
   void end();
 
-  /// What a module keeps for this session: the T that was made first. Gone when the session has ended.
+  /// Returns the module's object of type T for this session, and makes it at the first call. It is destroyed
+  /// when the session ends.
   template <class T>
   std::shared_ptr<T> state(const std::function<std::shared_ptr<T>()>& make) {
     return std::static_pointer_cast<T>(stateOf(typeid(T), [&]() -> std::shared_ptr<void> { return make(); }));
   }
-  /// The T, or null.
+  /// Returns the object of type T, or null.
   template <class T>
   std::shared_ptr<T> stateIfAny() {
     return std::static_pointer_cast<T>(stateOf(typeid(T), nullptr));
   }
 
-  /// The modules of this session, in the order of their loading.
+  /// The modules of this session, in the order in which the client loaded them.
   std::vector<std::shared_ptr<const LoadedModule>> modules() const;
   void addModule(std::shared_ptr<const LoadedModule> module);
 
-  /// Called, from any thread, when a request has been answered.
+  /// Called from any thread when a request has been answered.
   std::function<void()> onAnswered;
 
  private:
@@ -147,15 +154,15 @@ class Session : public std::enable_shared_from_this<Session> {
   std::condition_variable answered_;
   bool ended_ = false, running_ = false;
   int aside_ = 0;
-  std::map<uint32_t, RequestPtr> requests_;  ///< not answered
-  uint64_t requestBytes_ = 0;                ///< theirs
-  std::deque<RequestPtr> queue_;             ///< not begun
+  std::map<uint32_t, RequestPtr> requests_;  ///< unanswered requests, by id
+  uint64_t requestBytes_ = 0;                ///< sum of their bytes
+  std::deque<RequestPtr> queue_;             ///< requests that have not begun
   std::map<std::type_index, std::shared_ptr<void>> states_;
   std::vector<std::shared_ptr<const LoadedModule>> modules_;
-  std::vector<int> toldRanks_;  ///< by tellMissing()
+  std::vector<int> toldRanks_;  ///< ranks of the last event of tellMissing(), and its requests
   std::set<uint32_t> toldRequests_;
-  LedgerEntry incoming_;  ///< for the statement that comes
-  std::string noRoom_;    ///< why there is none for it
+  LedgerEntry incoming_;  ///< memory for the statement that is about to come
+  std::string noRoom_;    ///< the reason why there is no memory for it
 };
 
 }  // namespace gxy

@@ -48,7 +48,7 @@ std::optional<Tenants::Identity> Tenants::identify(const std::string& token,
     return Identity{tenant, true};
   }
   std::optional<Identity> found;
-  for (const auto& [expected, identity] : identities_)  // all of them, whichever it is
+  for (const auto& [expected, identity] : identities_)  // compare all, in constant time
     if (sameToken(token, expected)) found = identity;
   return found;
 }

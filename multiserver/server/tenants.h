@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Who may use the server, and how much of it. Rank 0.
+// Tenants: who may use the server, and how much of it. Used on rank 0.
 #pragma once
 #include <condition_variable>
 #include <cstdint>
@@ -14,13 +14,13 @@
 
 namespace gxy {
 
-/// 64 hexadecimal digits from the system's random source.
+/// Returns 64 hexadecimal digits from the system's random source.
 std::string newToken();
 
-/// Compares in a time that depends on the length of `given` only.
+/// Compares tokens in a time that depends only on the length of `given`.
 bool sameToken(const std::string& given, const std::string& expected);
 
-/// Tenants by token, and what each has under way. Thread safe.
+/// Identifies tenants by token, and counts and limits what each has under way. Thread safe.
 class Tenants {
  public:
   struct Identity {
@@ -28,20 +28,21 @@ class Tenants {
     bool administrator = false;
   };
 
-  /// `frames`: renderings that each tenant may have in flight.
+  /// `frames` is the number of renderings that each tenant may have in flight.
   explicit Tenants(int frames) : frames_(frames) {}
 
-  /// Empty where a tenant may be called so, else what is wrong.
+  /// Returns what is wrong with a tenant's name; empty if it is allowed.
   static std::string wrongName(const std::string& name);
 
-  /// These two before clients come.
+  /// Adds a tenant's token. add() and admitAll() are called before clients come.
   void add(const std::string& token, Identity identity);
-  /// Every client is welcome, as an administrator and whatever tenant it names.
+  /// Admits every client as an administrator, with the tenant that it names.
   void admitAll() { admitsAll_ = true; }
-  /// Nothing for a wrong token. Throws Error where a client that is welcome as any tenant names none that may be.
+  /// Returns the identity of a client; nothing for a wrong token. `tenant` counts only after admitAll();
+  /// throws Error if it is not allowed then.
   std::optional<Identity> identify(const std::string& token, const std::string& tenant) const;
 
-  /// A rendering in flight, until destroyed. May outlive the Tenants.
+  /// A rendering that is in flight as long as this object lives. It may outlive the Tenants.
   class Frame {
    public:
     Frame() = default;
@@ -60,30 +61,33 @@ class Tenants {
     std::function<void()> end_;
   };
 
-  /// What a rendering takes.
+  /// The memory that a rendering takes.
   struct Cost {
-    int64_t bytes = 0;              ///< of its picture
-    std::function<int64_t()> room;  ///< bytes that pictures of the tenant in flight may take now, together
+    int64_t bytes = 0;              ///< memory of its picture
+    std::function<int64_t()> room;  ///< bytes that all the tenant's pictures in flight may take now
   };
-  /// Throws Error when the tenant has as many as it may have.
+  /// Begins a rendering. Throws Error if the tenant has as many as it may have, or there is no memory for the
+  /// picture.
   Frame begin(const std::string& tenant, const Cost& cost);
-  /// Waits for room instead; throws Error where there would be none without its other renderings, and what `check` throws,
-  /// which is called now and then.
+  /// The same, but waits instead. `check` is called about every 100 ms while it waits; its exception is
+  /// passed on. Throws Error if there is no memory even without the tenant's other renderings.
   Frame beginWhenFree(const std::string& tenant, const Cost& cost, const std::function<void()>& check);
 
-  static constexpr int kAside = 128;  ///< long requests that run at once for a tenant; each holds a thread
-  /// One of these, until let go. Throws Error when the tenant has as many as it may have. The same lifetime.
+  static constexpr int kAside = 128;  ///< requests Aside of a tenant that run at once, each on a thread
+  /// Begins a request Aside (module.h), which ends when the result is released. Throws Error if the tenant
+  /// has kAside. The result may outlive the Tenants.
   [[nodiscard]] std::shared_ptr<void> beginAside(const std::string& tenant);
 
   static constexpr int kLong = 4;  ///< long works (Exchanges) that run at once for a tenant
-  /// One of these, until let go. Waits where the tenant has as many as it may have; throws what `check` throws, which is called
-  /// now and then. The same lifetime.
+  /// Begins a long work, which ends when the result is released. Waits while the tenant has kLong. `check` is
+  /// called about every 100 ms while it waits; its exception is passed on. The result may outlive the Tenants.
   [[nodiscard]] std::shared_ptr<void> beginLong(const std::string& tenant,
                                                 const std::function<void()>& check);
 
-  /// By name: frames in flight and done, bytes of their pictures, seconds they took.
+  /// Returns, for each tenant by name: frames in flight, bytes of their pictures, frames done, and the
+  /// seconds they took.
   nlohmann::json statistics() const;
-  /// A number for a tenant that stays the same.
+  /// Returns a number for a tenant. It never changes.
   uint32_t number(const std::string& tenant);
   std::string name(uint32_t number) const;
 
@@ -100,7 +104,7 @@ class Tenants {
     std::condition_variable ended;
     std::map<std::string, Account> accounts;
   };
-  Frame entered(const std::string& tenant, int64_t bytes);  ///< with the lock held
+  Frame entered(const std::string& tenant, int64_t bytes);  ///< called with the lock held
   Account& account(const std::string& tenant);
 
   const int frames_;

@@ -9,9 +9,9 @@ namespace gxy::test {
 
 namespace {
 
-// NaN is near nothing.
+// NaN is not near any number.
 bool isNear(double expected, double found) {
-  const double ulp = std::ldexp(1.0, std::max(std::ilogb(float(expected)), -126) - 23);  // of 0, too
+  const double ulp = std::ldexp(1.0, std::max(std::ilogb(float(expected)), -126) - 23);  // also for 0
   return std::abs(expected - found) <= 4 * ulp;
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Data in memory, cut for any partitioning and number of ranks as an import would cut it.
+// Test data in memory, cut for any partitioning and number of ranks as an import would do.
 #pragma once
 #include <functional>
 #include <memory>
@@ -12,7 +12,8 @@
 
 namespace gxy::test {
 
-/// All samples of a volume: stored type, x fastest, components interleaved; a true value is shift + scale * stored.
+/// All samples of a volume in the stored type, x fastest, components interleaved. A value is shift + scale *
+/// stored.
 struct WholeVolume {
   Grid grid;
   ScalarType stored = ScalarType::Float32;
@@ -21,22 +22,22 @@ struct WholeVolume {
   double shift = 0, scale = 1;
 };
 
-/// A float volume with the value f(world position) at each grid point.
+/// Returns a float volume with the value f(world position) at each grid point.
 WholeVolume sampled(const Grid& grid, const std::function<double(glm::dvec3)>& f);
-/// The same as 8 bits: f in [0, 1] becomes 0 to 255.
+/// Returns a volume of 8 bits, in which f in [0, 1] becomes 0 to 255.
 WholeVolume sampledAsBytes(const Grid& grid, const std::function<double(glm::dvec3)>& f);
 
-/// What each rank holds after the import: blocks with ghosts, summaries merged over all ranks.
+/// Returns each rank's volume after an import: blocks with ghosts, and summaries merged over all ranks.
 std::vector<std::shared_ptr<const Volume>> cut(const WholeVolume& whole, const Partitioning& partitioning,
                                                int ranks);
 
-/// All primitives of a geometry, ids ascending.
+/// All primitives of a geometry, by ascending id.
 struct WholeGeometry {
   GeometryKind kind = GeometryKind::Particles;
   GeometryBlock block;
 };
 
-/// What each rank holds after replication; primitives start on ranks in turn.
+/// Returns each rank's geometry after replication, where primitives were read by the ranks in turn.
 std::vector<std::shared_ptr<const Geometry>> distributed(const WholeGeometry& whole,
                                                          const Partitioning& partitioning,
                                                          const RadiusOf& radius, int ranks);

@@ -17,10 +17,10 @@ namespace gxy::test {
 
 namespace {
 
-constexpr size_t kShown = 4;     ///< pixels
-constexpr int kMostWritten = 8;  ///< per program
+constexpr size_t kShown = 4;     ///< number of pixels that are named
+constexpr int kMostWritten = 8;  ///< number of differences that a program writes as files
 
-/// Where the pictures have been written, or why they have not.
+/// Writes the pictures. Returns text that says where they are, or why they could not be written.
 std::string written(const Picture& expected, const Picture& found) {
   static std::atomic<int> before = 0;
   const int number = before++;
@@ -31,7 +31,8 @@ std::string written(const Picture& expected, const Picture& found) {
   for (char& c : name)
     if (c == '/') c = '_';
   const std::string prefix = testing::TempDir() + name + "-" + std::to_string(number);
-  // over the largest, as it may be of one bit; blue where the depth alone differs
+  // Differences are divided by the largest, as they may be of one bit. Pixels where only the depth
+  // differs are blue.
   LargeVector<float> difference(expected.rgba.size());
   float largest = 0;
   for (size_t i = 0; i < difference.size(); i++) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pictures that should be the same.
+// Compares pictures that should be the same.
 #pragma once
 #include <string>
 
@@ -8,14 +8,14 @@
 
 namespace gxy::test {
 
-/// The first pixels in which two pictures differ in any bit, in words; empty if they are the same, or if they agree as far as
-/// is asked (close_pictures.h). Where they do not, both and their difference (over its largest) are written as
-/// TEST-NUMBER_{expected,found,difference}.png into the test's temporary folder.
+/// Returns text that names the first pixels in which two pictures differ in any bit. It is empty if they are
+/// the same in the sense of `asked`. Otherwise both pictures and their difference, divided by its largest
+/// value, are written as TEST-NUMBER_{expected,found,difference}.png into the test's temporary folder.
 std::string difference(const Picture& expected, const Picture& found, Sameness asked = testedSameness());
 
 struct TestScene;
-/// What pieces are compared with, to the bit: the tested backend's own picture of the scene in one piece, which is expected to be
-/// Embree's (testedSameness).
+/// Returns the tested backend's picture of the scene in one piece. Pictures of the scene in several pieces
+/// must equal it in all bits. It is expected to be the same as Embree's (testedSameness()).
 Picture wholeOnTested(const TestScene& scene);
 
 }  // namespace gxy::test

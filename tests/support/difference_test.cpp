@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What pictures must have in common to be called the same: by bits, and as gpu_report and tests on a GPU ask it.
+// Tests the comparison of pictures: by bits, and by closeness, as gpu_report and tests on a GPU use it.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -11,7 +11,7 @@
 namespace gxy::test {
 namespace {
 
-constexpr size_t kPixels = 1000;  // of which one may differ
+constexpr size_t kPixels = 1000;  // One of these may differ.
 
 Picture plain() { return {40, 25, LargeVector<float>(4 * kPixels, 0.5f), std::vector<double>(kPixels, 3.0)}; }
 
@@ -26,7 +26,7 @@ Closeness ofChanged(size_t pixels, double by, double depthTo = 3.0) {
 }
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-constexpr double kUlp = 0x1p-22;  // of 3
+constexpr double kUlp = 0x1p-22;  // an ulp of the float 3
 
 TEST(Closeness, OfAPictureToItselfIsNone) {
   const Closeness d = ofChanged(0, 0);

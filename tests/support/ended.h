@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Long computations whose progress ends them.
+// Ends long computations by an exception from their progress function.
 #pragma once
 #include <gtest/gtest.h>
 
@@ -10,8 +10,9 @@
 
 namespace gxy::test {
 
-/// Runs `work` again and again, ended at the first, second, fourth, eighth... call of its Advance, until it comes to its end.
-/// What it throws then must be what the call threw. Returns how often it was ended.
+/// Runs `work` repeatedly until it completes. Its Advance throws at the first call in the first run, at the
+/// second call in the next run, then at the fourth, the eighth, and so on; `work` must pass that exception
+/// on. Returns the number of runs that were ended in this way.
 inline int timesEnded(const std::function<void(const Advance&)>& work) {
   struct Ended {};
   for (int times = 0;; times++) {

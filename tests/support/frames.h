@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Scenes compiled for simulated ranks, and frames rendered on them.
+// Compiles scenes for simulated ranks, and renders frames on them.
 #pragma once
 #include <functional>
 #include <map>
@@ -22,23 +22,23 @@ struct RankScene {
   std::shared_ptr<const DeviceScene> device;
 };
 
-/// The backend of a rank, which need not outlive the scenes that it makes.
+/// Returns the backend of a rank. It need not outlive the scenes that it makes.
 using BackendOf = std::function<const Backend&(int rank)>;
 
-/// Cuts the scene's data, compiles it on every rank, on testedBackend() unless `backendOf` says otherwise,
-/// and merges what ranks know of partitions.
+/// Cuts the scene's data, compiles the scene on every rank, on testedBackend() unless `backendOf` is given,
+/// and combines which partitions are visible over all ranks.
 std::vector<RankScene> compiledOn(const Cut& cut, const TestScene& scene, const BackendOf& backendOf = {});
 
-/// How frames are run.
+/// Options of running frames.
 struct FrameRun {
   uint64_t seed = 1;
-  bool threaded = false;  ///< real threads, instead of the seeded scheduler
-  int workers = 2;        ///< when threaded
+  bool threaded = false;  ///< real threads instead of the seeded scheduler
+  int workers = 2;        ///< number of worker threads, if threaded
   Renderer::Options options{};
 };
 
-/// A Renderer on every rank of an in-process world. Errors that leave handlers or tasks are collected, and
-/// what the validation layers say.
+/// A Renderer on every rank of an in-process world. It collects errors that leave handlers or tasks, and
+/// messages of the validation layers.
 class Frames {
  public:
   Frames(int ranks, const FrameRun& run);
@@ -56,7 +56,7 @@ class Frames {
     std::string error;
     Picture picture;
   };
-  /// What has become of a frame.
+  /// The outcome of a frame.
   const Outcome& outcome(FrameId id) { return outcomes_[id]; }
 
   InProcessWorld& world() { return *world_; }
@@ -71,15 +71,15 @@ class Frames {
   std::map<FrameId, Outcome> outcomes_;
 };
 
-/// A frame of the scene that a rank knows as 1, with depths.
+/// Returns a request for a frame with depths of the scene, which was added as scene 1.
 FrameRequest requestOf(const TestScene& scene);
 
-/// One frame of one scene.
+/// Renders one frame of one scene.
 Picture render(const TestScene& scene, const Cut& cut, const FrameRun& run = {});
 Picture render(const TestScene& scene, int ranks, const std::vector<RankScene>& compiled,
                const FrameRun& run = {});
 
-/// One frame of the scene in one piece on Embree: what all its pictures are compared with.
+/// Renders one frame of the scene in one piece on Embree. All pictures of the scene are compared with it.
 Picture wholeOnEmbree(const TestScene& scene);
 
 }  // namespace gxy::test

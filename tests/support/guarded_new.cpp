@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// operator new for tests of what sanitizers cannot see into, kernels in ISPC: memory that may not be touched lies before
-// and behind what it gives, directly before it or, if GXY_GUARD_BEHIND, directly behind it but for its alignment. Loaded
-// before a test program's own libraries.
+// An operator new for tests of ISPC kernels, which sanitizers do not check. Memory that must not be accessed
+// lies before and behind each allocation: directly before it, or, with GXY_GUARD_BEHIND, directly behind it
+// except for padding. The library is loaded before a test program's own libraries.
 #include <sys/mman.h>
 
 #include <atomic>
@@ -14,10 +14,10 @@
 namespace {
 
 constexpr size_t kPage = 4096, kSlot = size_t(1) << 20, kSlots = size_t(1) << 25;
-constexpr size_t kSmallest = 32,
-                 kLargest = kSlot / 2;  // smaller ones are many and of the tests; larger ones have no slot
-constexpr int kPoison = 0xFF;           // -1 as an index, NaN as a number
-constexpr int kMostGuarded = 24000;     // of the 65530 mappings that Linux allows, at two each
+// Smaller allocations are many and made by the tests themselves; larger ones do not fit into a slot.
+constexpr size_t kSmallest = 32, kLargest = kSlot / 2;
+constexpr int kPoison = 0xFF;        // -1 as an index, NaN as a number
+constexpr int kMostGuarded = 24000;  // Each takes two of the 65530 mappings that Linux allows.
 
 char* reserve(void* at, size_t bytes) {
   const int fixed = at == nullptr ? 0 : MAP_FIXED;
@@ -28,12 +28,13 @@ char* reserve(void* at, size_t bytes) {
 
 constexpr size_t kMostPages = kLargest / kPage;
 std::atomic<size_t> nextSlot = 0;
-std::atomic<int> guarded = 0;  // slots that may be touched: in use, or free
-// Null until this library begins, the last one: what others allocate when they begin would fill the slots.
+std::atomic<int> guarded = 0;  // number of slots with accessible memory, in use or free
+// Null until this library is initialised, which is the last one. Otherwise allocations of other libraries'
+// initialisation would fill the slots.
 char* const slots = reserve(nullptr, kSlot* kSlots);
 
-std::atomic<uint8_t> pagesOf[kSlots];  // of each slot, less one
-// Slots whose memory may be touched and is free, by their pages; taking one back takes no system call.
+std::atomic<uint8_t> pagesOf[kSlots];  // number of pages of each slot, minus one
+// Free slots with accessible memory, by number of pages. Using one again needs no system call.
 struct FreeSlot {
   FreeSlot* next;
 };
@@ -47,7 +48,8 @@ bool inSlots(const void* p) {
 
 char* firstByte(size_t slot) { return slots + slot * kSlot + kSlot / 4; }
 
-/// The first byte of that many pages of a slot, between memory that may not be touched; null where there is none left.
+/// Returns the first byte of this many pages in a slot, between memory that must not be accessed; null if
+/// no slot is left.
 char* takePages(size_t pages) {
   {
     std::lock_guard lock(freeMutex);
@@ -88,7 +90,7 @@ void anyDelete(void* p) {
   if (!inSlots(p)) return std::free(p);
   const size_t slot = size_t(static_cast<char*>(p) - slots) / kSlot, pages = size_t(pagesOf[slot]) + 1;
   std::memset(firstByte(slot), kPoison,
-              pages * kPage);  // whoever still reads it has no sound index or pointer
+              pages * kPage);  // Code that still reads it gets no valid index or pointer.
   std::lock_guard lock(freeMutex);
   freeSlots[pages - 1] = new (firstByte(slot)) FreeSlot{freeSlots[pages - 1]};
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reading before and behind what guarded_new gives ends a program, or that others do not end under it would say nothing.
+// Tests that reading before or behind an allocation of guarded_new ends a program. Otherwise programs that
+// pass under it would prove nothing.
 #include <gtest/gtest.h>
 
 #include <numeric>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A backend that tells a test what is asked of it. Frames are told apart by their size.
+// A backend that reports its calls to a test. The test tells frames apart by their size.
 #pragma once
 #include <functional>
 #include <memory>
@@ -10,14 +10,15 @@
 
 namespace gxy::test {
 
-/// Called on the thread that asks, before what is asked is done.
+/// Functions that are called on the thread of the call. `begins` is called before the work is done.
 struct Observer {
+  /// A frame has been made on the device.
   std::function<void(glm::ivec2 size)> known = [](glm::ivec2) {};
-  /// Work on a frame begins: rays of a packet, 0 for a tile that is spawned.
+  /// Work on a frame begins. `rays` is the number of rays of a packet, or 0 for a tile that is spawned.
   std::function<void(glm::ivec2 size, int rays)> begins = [](glm::ivec2, int) {};
 };
 
-/// Has Embree do the work. The observer must outlive its scenes.
+/// Passes all work to Embree. The observer must outlive the backend's scenes.
 class ObservedBackend : public Backend {
  public:
   explicit ObservedBackend(const Observer& observer) : observer_(observer) {}

@@ -64,7 +64,7 @@ std::vector<Cut> manyCuts(const Box& domain, uint64_t seed) {
   cuts.push_back(lattice(domain, {2, 2, 2}, 1));
   cuts.push_back(lattice(domain, {2, 2, 2}, 8));
   cuts.push_back(lattice(domain, {3, 3, 3}, 4));
-  cuts.push_back(lattice(domain, {1, 1, 2}, 4));  // two ranks own nothing
+  cuts.push_back(lattice(domain, {1, 1, 2}, 4));  // Two ranks own nothing.
   for (uint64_t i = 0; i < 4; i++) cuts.push_back(kdCut(domain, 5 + 5 * int(i), 1 + 2 * int(i), seed + i));
   return cuts;
 }

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// same_pictures [--backend=NAME] [--close] [--size=WxH] EXPECTED FOUND - for scripts: whether a picture that programs have made on
-// the tests' device is Embree's, by the rule of difference.h: bit for bit, but where NAME is vulkan and that device a GPU, or with
-// --close, as close_pictures.h says. Of .raw pictures, whose size must be given, the depths beside them count, too (.depth).
-// Exit status: 0 the same, 1 not, 2 wrong usage or a file that cannot be read.
+// same_pictures [--backend=NAME] [--close] [--size=WxH] EXPECTED FOUND: compares pictures for scripts, by the
+// rule of difference.h. Pictures must be equal bit for bit. With --close, or if NAME is vulkan and the tests'
+// device is a GPU, the rule of close_pictures.h applies. For .raw pictures the size must be given, and the
+// depths beside them (.depth) are compared too. Exit status: 0 if they are the same, 1 if not, 2 for wrong
+// usage or a file that cannot be read.
 #include <gtest/gtest.h>
 
 #include <cstdio>
@@ -41,7 +42,7 @@ int run(const std::vector<std::string>& args) {
       close = true;
     else if (arg.starts_with("--size=")) {
       if (std::sscanf(arg.c_str(), "--size=%dx%d", &width, &height) != 2) throw Error("expected --size=WxH");
-    } else if (!arg.starts_with("--backend="))  // which testedSameness() sees
+    } else if (!arg.starts_with("--backend="))  // testedSameness() reads it
       files.push_back(arg);
   }
   if (files.size() != 2) throw Error("expected two pictures");

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# same_pictures.sh SAME_PICTURES - the program that scripts compare pictures with hears a bit, and with --close a second pixel
-# in a thousand, in colours and in depths.
+# same_pictures.sh SAME_PICTURES: tests the program that scripts use to compare pictures. It must notice a difference
+# of one bit, and with --close a second differing pixel in a thousand, in colours and in depths.
 set -uo pipefail
 program=$(realpath "$1")
 folder=$(mktemp -d)

@@ -3,8 +3,8 @@
 
 namespace gxy::test {
 
-/// How many schedules of a seeded world are tried. Such a world has one thread, of which the thread sanitizer has nothing to
-/// say at twenty times the price: there, a twentieth.
+/// Returns the number of schedules of a seeded world that a test tries. Such a world has one thread, in which
+/// the thread sanitizer finds nothing at twenty times the cost, so with it a twentieth is tried.
 constexpr int seeds(int many) {
 #ifdef __SANITIZE_THREAD__
   return many / 20 > 2 ? many / 20 : 2;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Somebody who changes files between the look at them and their opening.
+// An attacker who replaces files between the check of their path and their opening.
 #pragma once
 #include <atomic>
 #include <filesystem>
@@ -8,8 +8,8 @@
 
 namespace gxy::test {
 
-/// While it lives, a thread puts a link to `target` in the place of a file, and the file back, again and again.
-/// There is always one of the two. The file is back when it ends.
+/// While it lives, a thread repeatedly replaces a file by a symbolic link to `target` and back. One of the
+/// two is always there. In the end the file is back.
 class SwappedLink {
  public:
   SwappedLink(std::filesystem::path file, std::filesystem::path target)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A place for the files of one test.
+// A folder for the files of one test.
 #pragma once
 #include <cstdlib>
 #include <filesystem>
@@ -8,7 +8,7 @@
 
 namespace gxy::test {
 
-/// An empty folder of its own, gone with the object and all that is in it.
+/// A new empty folder. The destructor removes it with its content.
 class TemporaryFolder {
  public:
   TemporaryFolder() {
