@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What gxydata does, one function per kind of work. All throw gxy::Error.
+// The commands of gxydata, one function for each kind of work. All throw gxy::Error.
 #pragma once
 #include <array>
 #include <atomic>
@@ -16,63 +16,66 @@ namespace gxy::data_tool {
 
 struct Options {
   std::array<int64_t, 3> resolution{64, 64, 64};
-  int steps = 0;  ///< 0: one file; else files NAME_0000 on
+  int steps = 0;  ///< number of time steps, in files NAME_0000 and so on; 0: one file
   uint64_t seed = 1;
-  std::string array;  ///< to write or read; empty: the first, or the active one
-  int64_t count = 0;  ///< of particles or path lines
+  std::string array;  ///< array to write or read; empty: the first, or the active one
+  int64_t count = 0;  ///< number of particles or path lines, or rows of a mesh; 0: a default
   double displacement = 0;
   std::string in, out;
-  RawOptions raw;                  ///< of `in`
-  std::vector<std::string> files;  ///< of a scene
-  LookOptions look;                ///< at them
+  RawOptions raw;                  ///< facts about `in`
+  std::vector<std::string> files;  ///< files of a scene
+  LookOptions look;                ///< options of the first look at them
 };
 
 /// Samples fields on [-1, 1]^3: all of them into a .vti, one into a .vol or .json.
 void makeVolume(const std::vector<Field>& fields, const Options& options);
 
-/// Raised when one of the generators of geometry below makes other data of the same options: gxybench keeps files by it.
+/// Raise this when one of the generators of geometry below makes other data from the same options: it is part
+/// of the names under which gxybench keeps files.
 constexpr int kGeometryVersion = 1;
 
 void makeParticles(const Options& options);
 void makeSphereMesh(const Options& options);
 void makeHelix(const Options& options);
 
-/// From any format that is read to any that is written. Coordinates and the samples of a volume stay what they
-/// are (.stl: float coordinates); of a geometry one array is kept, in float, or its magnitude, with the normals.
-/// What is lost is told.
+/// Convert from any format that can be read to any that can be written. Coordinates and the samples of a
+/// volume keep their values (.stl: float coordinates). Of a geometry, one array in float or its magnitude,
+/// and the normals, are kept. Losses are reported (tellLoss()).
 void convertVolume(const Options& options);
 void convertGeometry(const Options& options);
 
-/// Cuts a dataset into i x j x k pieces, or into `parts` by automatic decomposition if the lattice is zero.
-/// Neighbouring pieces of a volume share the points on their common face; a primitive of a geometry goes
-/// where its middle is.
+/// Cut a dataset into i x j x k pieces, or into `parts` pieces by automatic decomposition if the lattice is
+/// zero. Neighbouring pieces of a volume share the points on their common face. A primitive of a geometry
+/// goes to the piece that contains its middle.
 void partitionVolume(const Options& options, int parts, std::array<int, 3> lattice);
 void partitionGeometry(const Options& options, int parts, std::array<int, 3> lattice);
 
-/// Prints the state file that shows data files as gxyrender shows them without one (core/look/first_look.h).
+/// Prints a state file that shows data files in the same way as gxyrender does without a state file
+/// (core/scene/first_look.h).
 void printScene(const Options& options);
 
-/// Prints what is in a file to standard output.
+/// Print a description of a file's content to standard output.
 void infoVolume(const Options& options);
 void infoGeometry(const Options& options);
 
-/// NAME_0.EXT, NAME_1.EXT, ... beside `out`.
+/// Returns the path of a piece: NAME_0.EXT, NAME_1.EXT, ... beside `out`.
 std::string pieceName(const std::string& out, int piece, const char* extension);
 
-/// OUT and all pieces of a lattice.
+/// Returns `out` and the paths of all pieces of a lattice.
 std::vector<std::string> filesOfPieces(const std::string& out, std::array<int, 3> lattice,
                                        const char* extension);
 
-/// Throws Error if one of the files to be written is one that reading `in` opens; called before any is.
+/// Throws Error if one of the files to be written is a file that reading `in` opens. It is called before
+/// anything is written.
 void keepInput(const std::string& in, const std::vector<std::string>& written);
 
-/// Tells on standard error what of the input is rounded or left out.
+/// Reports on standard error a part of the input that is rounded or left out.
 void tellLoss(const Options& options, const std::string& what);
 
-/// OUT itself, or OUT with _0000 before its extension for a time series.
+/// Returns the path of a time step: OUT with _0000 before its extension, or OUT itself if there is no time series.
 std::string stepName(const Options& options, int step);
 
-/// A percentage on standard error, if that is a terminal. advance() may be called from any thread.
+/// Shows a percentage on standard error, if that is a terminal. Any thread may call advance().
 class Progress {
  public:
   Progress(std::string what, int64_t total);

@@ -20,7 +20,7 @@ uint64_t mix(uint64_t x) {
   return x ^ (x >> 31);
 }
 
-/// Value noise: random numbers on an integer lattice, smoothstep between them.
+/// Value noise: random numbers on an integer lattice, interpolated by smoothstep.
 double valueNoise(glm::dvec3 p, uint64_t seed) {
   const glm::dvec3 base(std::floor(p.x), std::floor(p.y), std::floor(p.z));
   const glm::dvec3 f = p - base, w = f * f * (3.0 - 2.0 * f);
@@ -37,7 +37,8 @@ double valueNoise(glm::dvec3 p, uint64_t seed) {
   return mixed(slice[0], slice[1], w.z);
 }
 
-/// Octaves from four cells across the box on, each 0.6 of the one before; spread to fill [0, 1].
+/// A sum of octaves. The first has four cells across the box; each has 0.6 of the amplitude of the one
+/// before. The sum is stretched to fill [0, 1].
 double octaves(glm::dvec3 p, int count, uint64_t seed) {
   double sum = 0, weight = 0, amplitude = 1;
   for (int octave = 0; octave < count; ++octave, amplitude *= 0.6) {
@@ -49,7 +50,7 @@ double octaves(glm::dvec3 p, int count, uint64_t seed) {
 
 double bump(double distance, double width) { return std::exp(-(distance / width) * (distance / width)); }
 
-/// Distance to a coil of radius 0.25 around the y axis, in the plane of equal angle.
+/// Distance to a coil of radius 0.25 around the y axis, within the half plane through the axis and p.
 double coilDistance(glm::dvec3 p) {
   const double pitch = 0.35, turn = std::atan2(p.z, p.x) / (2 * pi) * pitch;
   const double rise = p.y - turn - pitch * std::round((p.y - turn) / pitch);

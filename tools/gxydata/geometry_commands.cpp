@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// convert, partition and info of particles, path lines and triangles.
+// The commands convert, partition and info for particles, path lines and triangles.
 #include <algorithm>
 #include <cinttypes>
 #include <cmath>
@@ -22,8 +22,8 @@ namespace {
 struct Input {
   LoadedGeometry geometry;
   std::string array;        ///< name of the values
-  bool ofCells = false;     ///< these
-  GeometrySummary summary;  ///< of one of the pieces, which tells what all of them hold
+  bool ofCells = false;     ///< the values belong to cells
+  GeometrySummary summary;  ///< summary of a piece that represents all (tellingPiece())
 };
 
 Input load(const Options& options) {
@@ -39,7 +39,7 @@ Input load(const Options& options) {
   return input;
 }
 
-/// What files with this extension will not hold as the input does.
+/// Reports the content of the input that files with this extension cannot represent.
 void tellLosses(const Options& options, const Input& input, const std::string& extension) {
   const auto tell = [&](const std::string& what) { tellLoss(options, what); };
   const GeometryBlock& block = input.geometry.block;
@@ -78,7 +78,7 @@ void tellLosses(const Options& options, const Input& input, const std::string& e
     tell("cells other than " + std::string(kept) + " are left out");
 }
 
-/// The cell of a lattice over `box` that holds p.
+/// Returns the cell of a lattice over `box` that contains p.
 size_t cellOf(const Box& box, const std::array<int, 3>& lattice, glm::dvec3 p) {
   size_t cell = 0;
   for (int a = 2; a >= 0; --a) {
@@ -89,7 +89,7 @@ size_t cellOf(const Box& box, const std::array<int, 3>& lattice, glm::dvec3 p) {
   return cell;
 }
 
-/// Cells of the lattice that decompose() may use: in proportion to the box, so that pieces come out as cubes.
+/// Returns numbers of cells for decompose(), in proportion to the box, so that pieces are nearly cubes.
 std::array<int64_t, 3> proportions(const Box& box) {
   const glm::dvec3 side = box.hi - box.lo;
   const double longest = std::max({side.x, side.y, side.z, std::numeric_limits<double>::min()});
@@ -145,7 +145,7 @@ void infoGeometry(const Options& options) {
   const std::vector<std::string> pieces = geometryPieces(options.in);
   for (const std::string& piece : pieces) {
     const GeometrySummary s = summariseGeometry(piece);
-    if (&piece == &pieces.front()) {  // what cannot be read is not called geometry
+    if (&piece == &pieces.front()) {  // Print this only after a piece could be read.
       std::printf("file        %s: geometry", options.in.c_str());
       std::printf(pieces.size() > 1 ? ", %zu pieces\n" : "\n", pieces.size());
     }

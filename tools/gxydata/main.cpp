@@ -33,7 +33,7 @@ constexpr const char* kExamples = R"(Examples:
   gxydata scene noise.vti halos.vtp > scene.json     as gxyrender shows them without a state file
 Exit status: 0 done, 1 failed, 2 wrong usage.)";
 
-/// "64" or "64,32,16": one or three numbers from 1 to `most`.
+/// Parses "64" or "64,32,16": one or three numbers from 1 to `most`.
 std::vector<int64_t> numbersIn(const std::string& text, const char* option, int64_t most) {
   std::vector<int64_t> numbers;
   std::stringstream words(text);
@@ -71,7 +71,7 @@ glm::dvec3 threeReals(const std::string& text, const char* option) {
   return values;
 }
 
-/// Of files that are nothing but samples, or whose headers lack something.
+/// Adds the options for files that have samples only, or whose headers are incomplete.
 void addRawOptions(CLI::App* command, RawOptions& raw) {
   command->add_option_function<std::string>(
       "--dimensions",
@@ -99,9 +99,9 @@ void addRawOptions(CLI::App* command, RawOptions& raw) {
       "the same: of the first point");
 }
 
-/// As many as a lattice has points, or just as many.
+/// Parses a count: a number, or three numbers whose product it is.
 int64_t countIn(const std::string& text, const char* option) {
-  constexpr int64_t most = std::numeric_limits<uint32_t>::max() - 1;  // points have 32-bit indices
+  constexpr int64_t most = std::numeric_limits<uint32_t>::max() - 1;  // Points have 32-bit indices.
   int64_t count = 1;
   for (int64_t n : numbersIn(text, option, most)) {
     if (n > most / count)
@@ -158,7 +158,7 @@ void addGeometryKinds(CLI::App& app, Options& options, std::string& points) {
       ->check(CLI::PositiveNumber);
 }
 
-/// What stands where a command is expected and is none.
+/// Returns the first word of the command line if it should be a command but is none.
 std::optional<std::string> unknownCommand(const CLI::App& app, int argc, char** argv) {
   if (argc < 2 || *argv[1] == '-') return std::nullopt;
   std::vector<std::string> names;

@@ -14,7 +14,7 @@ namespace {
 
 using std::numbers::pi;
 
-/// One block a time step, `make(phase)`.
+/// Writes the block make(phase) for each time step.
 template <class Make>
 void writeSteps(const Options& options, GeometryKind kind, const char* array, Make make) {
   const int steps = std::max(options.steps, 1);
@@ -29,7 +29,7 @@ void writeSteps(const Options& options, GeometryKind kind, const char* array, Ma
   }
 }
 
-/// Isotropic, by three normal deviates of Box and Muller.
+/// Returns a point of the isotropic normal distribution, by three deviates of Box and Muller.
 glm::dvec3 gaussian(uint64_t seed, uint64_t n) {
   glm::dvec3 g;
   for (int a = 0; a < 3; ++a) {
@@ -41,8 +41,8 @@ glm::dvec3 gaussian(uint64_t seed, uint64_t n) {
 
 }  // namespace
 
-/// Three quarters of the points lie in clusters, dense towards their middle; the value is the distance from
-/// it in cluster radii, 4 for the others.
+/// Three quarters of the points lie in clusters that are dense towards their middle. The value is the
+/// distance from the middle in cluster radii, and 4 for the other points.
 void makeParticles(const Options& options) {
   const uint64_t count = uint64_t(options.count > 0 ? options.count : 10000), seed = options.seed;
   constexpr uint64_t clusters = 24;
@@ -69,7 +69,8 @@ void makeParticles(const Options& options) {
   });
 }
 
-/// Latitude rows and twice as many meridians; the value is the height of the bumps, from -1 to 1.
+/// The mesh has `count` rows of latitude and twice as many meridians. The value is the height of the
+/// bumps, from -1 to 1.
 void makeSphereMesh(const Options& options) {
   const uint32_t rows = uint32_t(options.count > 0 ? options.count : 64), columns = 2 * rows;
   writeSteps(options, GeometryKind::Triangles, "height", [&](double phase) {
@@ -87,7 +88,7 @@ void makeSphereMesh(const Options& options) {
       glm::dvec3 normal = glm::cross(point(polar, azimuth + h) - point(polar, azimuth - h),
                                      point(polar + h, azimuth) - point(polar - h, azimuth));
       const glm::dvec3 p = point(polar, azimuth);
-      if (polar == 0 || polar == pi) normal = p;  // meridians meet
+      if (polar == 0 || polar == pi) normal = p;  // Meridians meet here.
       block.points.push_back(p);
       block.normals.push_back(glm::vec3(glm::normalize(normal)));
       block.values.push_back(float(height(polar, azimuth)));
@@ -110,7 +111,7 @@ void makeSphereMesh(const Options& options) {
   });
 }
 
-/// Coils around the y axis, each sampled at steps of equal time while it speeds up and slows down.
+/// Coils around the y axis. Each is sampled at equal time steps while its speed changes.
 void makeHelix(const Options& options) {
   const int lines = int(options.count > 0 ? options.count : 8);
   constexpr int samples = 256;

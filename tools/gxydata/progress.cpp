@@ -51,7 +51,7 @@ void tellLoss(const Options& options, const std::string& what) {
 }
 
 void keepInput(const std::string& in, const std::vector<std::string>& written) {
-  std::set<std::pair<dev_t, ino_t>> read;  // whatever they are called, through links too
+  std::set<std::pair<dev_t, ino_t>> read;  // identified by device and inode, whatever their names
   struct stat status {};
   for (const std::string& file : filesOpenedFor(in))
     if (::stat(file.c_str(), &status) == 0) read.insert({status.st_dev, status.st_ino});

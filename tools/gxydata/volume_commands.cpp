@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// convert, partition and info of volumes. All work box by box: a volume need not fit into memory.
+// The commands convert, partition and info for volumes. All work box by box, so a volume need not fit into memory.
 #include <algorithm>
 #include <cinttypes>
 #include <cstdio>
@@ -13,8 +13,8 @@
 namespace gxy::data_tool {
 namespace {
 
-/// Every array of the file as a volume of its own, or the one that is asked for. A raw format takes one array
-/// only.
+/// Returns each array of the file as a volume of its own, or only the array that was asked for. Without
+/// `several`, which raw formats do not support, it returns one.
 std::vector<VolumeFile> chosenArrays(const Options& options, bool several) {
   const VolumeFile first = openVolume(options.in, options.array, options.raw);
   if (!options.array.empty() || !several) return {first};
@@ -24,7 +24,8 @@ std::vector<VolumeFile> chosenArrays(const Options& options, bool several) {
   return files;
 }
 
-/// Without those whose samples are elsewhere than those of the first: a file is written of points or of cells.
+/// Removes the arrays whose samples are not on the grid of the first one, because a written file has samples
+/// of points or of cells, but not of both.
 std::vector<VolumeFile> onOneGrid(const Options& options, std::vector<VolumeFile> files) {
   const Grid grid = files[0].grid;
   std::erase_if(files, [&](const VolumeFile& file) {
@@ -36,7 +37,7 @@ std::vector<VolumeFile> onOneGrid(const Options& options, std::vector<VolumeFile
   return files;
 }
 
-/// What of a volume's samples is the file's own: all but a rim.
+/// Returns the extent of the samples that the file contains: all but a rim.
 Extent samplesOf(const VolumeFile& file) {
   Extent own = wholeOf(file.grid);
   if (file.grid.rim)
@@ -76,7 +77,7 @@ int64_t bytesOfAll(const std::vector<VolumeFile>& files) {
   return bytes;
 }
 
-/// Where `cells` cells are cut into n blocks that differ by one cell at most.
+/// Returns the cell at which block i of n begins, where blocks of `cells` cells differ by one cell at most.
 int64_t cut(int64_t cells, int n, int i) { return cells / n * i + std::min(int64_t(i), cells % n); }
 
 void printArray(const VolumeFile& file) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// From a state to scenes on a backend: data imported, partitioned and compiled, on all ranks together.
+// Loads the data of a state, partitions them and compiles scenes, on all ranks together.
 #pragma once
 #include <map>
 #include <memory>
@@ -17,23 +17,23 @@
 
 namespace gxy {
 
-inline constexpr const char* kTenant = "batch";  ///< in the ledger
+inline constexpr const char* kTenant = "batch";  ///< tenant in the ledger
 
-/// The data of a state's visualizations, by operator.
+/// The loaded data of a state's visualizations.
 struct LoadedState {
   std::shared_ptr<const Partitioning> partitioning;
   std::vector<std::vector<OperatorData>> data;  ///< by visualization, then operator
-  /// By volume: those of its file's components that it has, where these are not all.
+  /// By volume: the components of its file that were loaded. Volumes with all components are not listed.
   std::map<std::string, std::vector<int>> components;
   std::map<std::string, DataFacts> facts;  ///< by dataset
   std::vector<ShownSoFar> shown;           ///< by visualization
   std::vector<LedgerEntry> memory;
   LeftOut leftOut;
 
-  /// Visualization v of a state that shows no more than the one that was loaded, its components counted among
-  /// those that there are, with numbers for what it asks of the data.
+  /// Returns visualization v of a state after resolved(), with component numbers that refer to the loaded
+  /// components. The state must not show more than the one that was loaded.
   Visualization visualization(const State& state, size_t v) const;
-  /// Camera c of such a state, as it sees visualization v.
+  /// Returns camera c of such a state, fitted() to visualization v.
   Camera camera(const State& state, size_t v, size_t c) const {
     return fitted(state.cameras[c], shown[v].box);
   }
@@ -45,14 +45,14 @@ struct LoadedState {
                               std::vector<ShownSoFar>);
 };
 
-/// Collective. File names are relative to `directory`. Only what some operator shows is read, and of
-/// volumes only the components that are shown are kept. `shown`: what earlier steps of the same visualizations have shown.
-/// Throws the same Error on all ranks.
+/// Loads the datasets that operators show; of volumes it keeps only the components that are shown. File names
+/// are relative to `directory`. `shown` is what earlier time steps of the same visualizations have shown.
+/// Collective: all ranks call it. Throws the same Error on all ranks.
 LoadedState loadData(const State& state, const std::string& directory, const RenderOptions& options,
                      Collectives& ranks, Ledger& ledger, std::vector<ShownSoFar> shown = {});
 
-/// Collective: compiles visualization v, taking plans from `others` (compileScene), and agrees on which partitions
-/// can be seen.
+/// Compiles visualization v, and combines which partitions are visible over all ranks. compileScene() reuses
+/// plans of `others`. Collective: all ranks call it.
 std::shared_ptr<const CompiledScene> makeScene(
     const State& state, const LoadedState& loaded, size_t v, Collectives& ranks,
     std::span<const std::shared_ptr<const CompiledScene>> others = {});

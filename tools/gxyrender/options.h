@@ -12,19 +12,19 @@
 namespace gxy {
 
 struct RenderOptions {
-  std::vector<std::string> files;  ///< a state file, or data
-  std::string array;               ///< of data files
-  LookOptions look;                ///< at data files
-  bool looks = false;              ///< whether one of the two above was given
+  std::vector<std::string> files;  ///< a state file, or data files
+  std::string array;               ///< array of data files
+  LookOptions look;                ///< options of the first look at data files
+  bool looks = false;              ///< one of the two options above was given
   std::string prefix = "image";
-  size_t firstPicture = 0;     ///< number of a step's first
-  std::optional<double> time;  ///< of that step, where it is known
+  size_t firstPicture = 0;     ///< number of the current time step's first picture
+  std::optional<double> time;  ///< time of that step, if it is known
   std::optional<std::array<int, 2>> size;
   std::string backend = "auto";
-  std::string device;  ///< of the backend; empty: the best
+  std::string device;  ///< device of the backend; empty: the best one
   bool reference = false;
   std::optional<double> tolerance, step;
-  std::array<int, 3> partitions{0, 0, 0};  ///< {n, 0, 0}: n, cut automatically; {0, 0, 0}: one a rank or more
+  std::array<int, 3> partitions{0, 0, 0};  ///< as in automaticPartitioning()
   int concurrent = 8;
   std::string format = "png";
   bool depth = false;
@@ -35,12 +35,12 @@ struct RenderOptions {
   bool annotate = false;
   bool quiet = false;
 
-  /// What the command line says goes over what the state file says.
+  /// Replaces settings of the state by those of the command line.
   void apply(State& state) const;
 };
 
-/// The exit code to end with at once (0 after --help, 2 for wrong usage), or nothing. Prints help and errors only if
-/// `speaks`.
+/// Returns the exit code if the program should end at once (0 after --help, 2 for wrong usage), or nothing.
+/// Prints help and errors only if `speaks`.
 std::optional<int> parseOptions(int argc, char** argv, bool speaks, RenderOptions& options);
 
 }  // namespace gxy

@@ -10,15 +10,16 @@
 
 namespace gxy {
 
-/// Of the picture of a visualization from a camera (core/scene/picture_name.h), with the prefix of the options.
+/// Returns the name of a picture (core/scene/picture_name.h), with the prefix of the options.
 std::string pictureName(const State& state, const RenderOptions& options, size_t visualization,
                         size_t camera);
 
-/// Draws what the state asks for over the picture of visualization v from camera c. Throws Error.
+/// Draws the state's annotations over the picture of a visualization from a camera. Throws Error if the
+/// font is missing.
 void annotate(Picture& picture, const State& state, const LoadedState& loaded, const RenderOptions& options,
               size_t visualization, size_t camera);
 
-/// Writes name.FORMAT and, if there are depths, name.depth. Throws Error when a file cannot be written.
+/// Writes name.FORMAT and, if the picture has depths, name.depth. Throws Error if a file cannot be written.
 void writePicture(const std::string& name, const RenderOptions& options, Picture picture);
 
 }  // namespace gxy

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// gxyrender --reference.
+// The option --reference of gxyrender.
 #pragma once
 #include <string>
 
@@ -7,8 +7,8 @@
 
 namespace gxy {
 
-/// Renders every picture with the reference renderer, on this process alone. `shown`, and what is returned: what the
-/// visualizations have shown before, and with these pictures.
+/// Renders every picture with the reference renderer, in this process alone. `shown` is what the
+/// visualizations have shown in earlier time steps; returns it extended by this one.
 std::vector<ShownSoFar> renderWithReference(const State& state, const std::string& directory,
                                             const RenderOptions& options, bool progress,
                                             std::vector<ShownSoFar> shown);

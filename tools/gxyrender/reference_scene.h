@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is loaded, as the reference renderer wants it.
+// Converts loaded data to scenes of the reference renderer.
 #pragma once
 #include <cstdint>
 #include <span>
@@ -9,15 +9,15 @@
 
 namespace gxy {
 
-/// A visualization of data that are whole, in one partition.
+/// Makes a scene from a visualization and its data, which must be in one partition.
 reference::ReferenceScene referenceScene(const Visualization& visualization,
                                          std::span<const OperatorData> data, const RenderSettings& settings);
 
-/// Visualization v of a state whose data are loaded whole, in one partition.
+/// Makes a scene from visualization v of a state whose data are loaded into one partition.
 reference::ReferenceScene referenceScene(const State& state, const LoadedState& loaded, size_t v);
 
-/// The directions of ambient occlusion that backends take, so that pictures can be compared pixel by pixel:
-/// of frame `frameNumber`, seen by a camera `width` pixels wide.
+/// Returns the directions of ambient occlusion rays that backends use in frame `frameNumber` of a camera
+/// `width` pixels wide, so that pictures can be compared pixel by pixel.
 reference::AoDirections occlusionDirections(int aoCount, int width, uint32_t frameNumber);
 
 }  // namespace gxy

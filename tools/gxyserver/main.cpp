@@ -31,7 +31,7 @@ using namespace gxy;
 
 namespace {
 
-/// Opens once, for all who wait.
+/// Opens once; then all who wait go on.
 class Gate {
  public:
   void open() {
@@ -50,7 +50,7 @@ class Gate {
   bool open_ = false;
 };
 
-/// Calls `action` once, on a thread of its own, when this process is asked to end.
+/// Calls `action` once, on a thread of its own, when a signal asks this process to end.
 class Signals {
  public:
   explicit Signals(std::function<void()> action) : action_(std::move(action)) {
@@ -81,7 +81,8 @@ std::string hostName() {
   return gethostname(name, sizeof name - 1) == 0 ? name : "HOST";
 }
 
-/// The tokens of this server's tenants, which exist before it listens, and their files while it runs.
+/// The tokens of this server's tenants, which are made before it listens, and their files, which exist while
+/// it runs.
 class TokenFiles {
  public:
   TokenFiles(Tenants& tenants, const ServeOptions& options) : options_(options) {
@@ -121,7 +122,7 @@ class TokenFiles {
   std::vector<protocol::TokenFile> files_;
 };
 
-/// On the other ranks: where rank 0's tokens are, for the case that it dies. Thread safe.
+/// The paths of rank 0's token files. Other ranks remove the files if rank 0 dies. Thread safe.
 class TokensOfRoot {
  public:
   void set(const nlohmann::json& paths) {
@@ -138,8 +139,8 @@ class TokensOfRoot {
   std::vector<std::string> paths_;
 };
 
-/// While it lives the run is ending: it is ended by force once a rank is missing, without which it would not come to its
-/// end. Clients hear of that first, and whatever started the ranks has the time to end them by itself.
+/// Exists while the run is ending, and ends it by force if a rank is missing, because then it would never end.
+/// It begins to check after 3 s, so that clients are told first and the launcher has time to end the ranks.
 class Ending {
  public:
   Ending(MpiTransport& transport, Presence& presence, std::chrono::milliseconds patience)
@@ -179,7 +180,7 @@ void announce(const ServeOptions& options, uint16_t port, int ranks, const Token
   address where = make_address(options.server.bind);
   if (where.is_unspecified())
     where = where.is_v6() ? address(address_v6::loopback()) : address(address_v4::loopback());
-  const bool usual = where == address_v4::loopback();  // where clients look by themselves
+  const bool usual = where == address_v4::loopback();  // clients use this address by default
   const std::string host = where.to_string();
   const std::string target = usual ? "localhost" : where.is_v6() ? "[" + host + "]" : host;
   std::string here = "msdata", there = "msdata -P " + p;
@@ -205,7 +206,7 @@ void writeDocument(const std::string& file, const std::string& text) {
   replaceFile(file, std::as_bytes(std::span(text)));
 }
 
-// What all ranks have; a failure is told and changes nothing.
+// Writes the traces of all ranks to a file. A failure is reported and has no other effect.
 void writeTrace(Node& node, const std::string& file) {
   try {
     std::vector<std::string> events;
@@ -222,16 +223,16 @@ int serve(const ServeOptions& options) {
   MpiTransport::Options transportOptions;
   transportOptions.trace = trace.get();
   transportOptions.threads = options.threads;
-  transportOptions.role = hasDevices(options.node.backend);  // those that do share them
+  transportOptions.role = hasDevices(options.node.backend);  // ranks with devices share them
   MpiTransport transport(transportOptions);
   const bool root = transport.rank() == 0;
-  constexpr uint64_t kStart = 1;  // the exchange in which ranks agree on the start
+  constexpr uint64_t kStart = 1;  // key of the collectives at start and end
   std::string failure;
   std::unique_ptr<Node> node;
   Gate stopped;
   TokensOfRoot tokensOfRoot;
   std::signal(SIGPIPE, SIG_IGN);
-  std::signal(SIGXFSZ, SIG_IGN);  // a file that may not grow is an error of who writes it
+  std::signal(SIGXFSZ, SIG_IGN);  // Exceeding a file size limit is an error of write().
   try {
     const BackendRegistry backends = allBackends({options.device, transport.rankOnNode()});
     NodeOptions nodeOptions = options.node;
@@ -250,7 +251,7 @@ int serve(const ServeOptions& options) {
   } catch (const std::exception& e) {
     failure = e.what();
   }
-  // A rank without a node still takes part.
+  // A rank whose node could not be made still takes part in the collectives.
   std::unique_ptr<Collective> spare;
   if (!node) spare = std::make_unique<Collective>(transport);
   Collective& collective = node ? node->collective : *spare;
@@ -264,7 +265,8 @@ int serve(const ServeOptions& options) {
     }
   };
   bool good = agreed(kStart);
-  // Whichever rank a signal comes to, rank 0 stops, and tells the others. It listens to its own by itself.
+  // A signal to any other rank is passed on to rank 0, which stops all ranks. Rank 0's Server handles its own
+  // signals.
   std::optional<Signals> signals;
   if (good && !root)
     signals.emplace([&] {
@@ -275,7 +277,7 @@ int serve(const ServeOptions& options) {
   std::unique_ptr<TokenFiles> tokens;
   if (good && root) {
     try {
-      if (trace) writeDocument(options.traceFile, Trace::document({}));  // tells now if it cannot be written
+      if (trace) writeDocument(options.traceFile, Trace::document({}));  // fails now if it cannot be written
       tokens = std::make_unique<TokenFiles>(node->tenants, options);
       server = std::make_unique<Server>(*node, options.server, [&] { stopped.open(); });
       tokens->write(server->port());
@@ -292,7 +294,7 @@ int serve(const ServeOptions& options) {
     stopped.wait();
     if (root) {
       ending.emplace(transport, node->presence, options.node.rankPatience);
-      tokens->remove();  // first, should there be little time
+      tokens->remove();  // first, in case there is little time
       server.reset();
       if (trace) writeTrace(*node, options.traceFile);
       node->work.broadcast("gxyserver.stop", nlohmann::json::object(), [](std::vector<Work::Reply>) {});
@@ -310,7 +312,7 @@ int serve(const ServeOptions& options) {
 int main(int argc, char** argv) {
   ServeOptions options;
   try {
-    const char* rank = std::getenv("OMPI_COMM_WORLD_RANK");  // who speaks, before there is a transport
+    const char* rank = std::getenv("OMPI_COMM_WORLD_RANK");  // MPI is not initialised yet
     if (!rank) rank = std::getenv("PMI_RANK");
     if (const auto code = parseOptions(argc, argv, !rank || std::string(rank) == "0", options)) return *code;
     MpiEnvironment mpi;

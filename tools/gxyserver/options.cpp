@@ -14,7 +14,7 @@ namespace gxy {
 
 namespace {
 
-// Beside the program, built or installed; empty where there is none.
+// Returns the folder of modules beside the program, built or installed; empty if there is none.
 std::string ownModules() {
   std::error_code failed;
   const auto program = std::filesystem::read_symlink("/proc/self/exe", failed);
@@ -25,7 +25,7 @@ std::string ownModules() {
   return {};
 }
 
-// Bytes, once AsSizeValue has made a number of them.
+// Returns what is wrong with a number of bytes, after AsSizeValue has converted it; empty if nothing is.
 std::string wrongBytes(const std::string& text) {
   int64_t bytes = 0;
   return CLI::detail::lexical_cast(text, bytes) && bytes > 0

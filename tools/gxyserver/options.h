@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What gxyserver was asked on its command line.
+// The command line of gxyserver.
 #pragma once
 #include <optional>
 #include <string>
@@ -21,7 +21,8 @@ struct ServeOptions {
   int threads = 0;
 };
 
-/// The exit code to end with at once (0 after --help, 2 for wrong usage), or nothing. Prints only if `speaks`.
+/// Returns the exit code if the program should end at once (0 after --help, 2 for wrong usage), or nothing.
+/// Prints help and errors only if `speaks`.
 std::optional<int> parseOptions(int argc, char** argv, bool speaks, ServeOptions& options);
 
 }  // namespace gxy

@@ -12,7 +12,8 @@ namespace gxy {
 
 namespace {
 
-// A parallel scale is half the window's height; Camera::height spans the smaller dimension.
+// Returns Camera::height per parallel scale. The scale is half the window's height; Camera::height spans the
+// smaller dimension.
 double heightPerScale(glm::ivec2 dimensions) {
   return 2.0 * std::min(dimensions.x, dimensions.y) / dimensions.y;
 }
@@ -23,7 +24,7 @@ glm::dvec3 vec(const double* v) { return {v[0], v[1], v[2]}; }
 
 void show(const Camera& camera, vtkCamera& view) {
   const glm::dvec3 center = camera.viewpoint + camera.viewdirection;
-  const glm::dvec3 up = glm::normalize(cameraBasis(camera).dv);  // also where viewup is of no use
+  const glm::dvec3 up = glm::normalize(cameraBasis(camera).dv);  // valid even if viewup is not
   view.SetPosition(camera.viewpoint.x, camera.viewpoint.y, camera.viewpoint.z);
   view.SetFocalPoint(center.x, center.y, center.z);
   view.SetViewUp(up.x, up.y, up.z);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Galaxy's cameras as VTK's and back, so that VTK's interaction moves them.
+// Converts Galaxy's cameras to VTK's and back, so that VTK's interaction can move them.
 #pragma once
 #include "core/scene/scene.h"
 
@@ -7,10 +7,10 @@ class vtkCamera;
 
 namespace gxy {
 
-/// Makes `view` look as `camera`. The point it turns about is viewpoint + viewdirection.
+/// Sets `view` to `camera`. Its focal point, around which the user rotates it, is viewpoint + viewdirection.
 void show(const Camera& camera, vtkCamera& view);
 
-/// The camera that looks as `view` in a window of `dimensions`, with the annotation given.
+/// Returns the camera for `view` in a window of `dimensions` pixels, with the given annotation.
 Camera cameraOf(vtkCamera& view, glm::ivec2 dimensions, const std::string& annotation);
 
 }  // namespace gxy

@@ -26,7 +26,7 @@ void Canvas::resize(glm::ivec2 size) {
   size_ = size;
   shown_ = std::move(stretched);
   gathered_.assign(shown_.size(), 0);
-  shownFrame_ = 0;  // a frame of the new size begins anew
+  shownFrame_ = 0;  // A frame of the new size starts with a hidden pass again.
 }
 
 bool Canvas::take(const PixelHeader& header, std::span<const std::byte> data) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The picture that a window's tiles have made so far. docs/protocol.md section 6.
+// Assembles a window's picture from its tiles (docs/protocol.md, section 6).
 #pragma once
 #include <cstdint>
 #include <glm/vec2.hpp>
@@ -10,24 +10,25 @@
 
 namespace gxy {
 
-/// Shows one whole picture at any time: a frame's first pass is gathered out of sight and shown when it is complete; from then
-/// on tiles of full resolution take their places one by one. A coarse level is shown as a whole, interpolated linearly between
-/// the middles of its pixels. Not thread safe.
+/// Shows a whole picture at any time. The first pass of a frame is collected in a hidden buffer and shown
+/// when it is complete. After that, tiles of full resolution are shown one by one. A coarse level is shown as
+/// a whole, interpolated linearly between the centres of its pixels. Not thread safe.
 class Canvas {
  public:
   explicit Canvas(glm::ivec2 size) { resize(size); }
 
-  /// What is shown is stretched until pixels of the new size arrive; those of another size are not taken.
+  /// Changes the size. The shown picture is stretched until pixels of the new size arrive. Pixels of other
+  /// sizes are ignored.
   void resize(glm::ivec2 size);
 
-  /// Takes a tile or the end of a pass; older frames than the newest are ignored. True if what is shown has changed.
-  /// Throws Error for data that are not what their header says.
+  /// Takes a tile or the end of a pass. Frames older than the newest are ignored. Returns whether the shown
+  /// picture has changed. Throws Error if the data do not fit the header.
   bool take(const protocol::PixelHeader& header, std::span<const std::byte> data);
 
   glm::ivec2 size() const { return size_; }
-  /// RGBA, not premultiplied, rows bottom to top. Transparent before the first frame.
+  /// The shown picture: RGBA, not premultiplied, rows bottom to top. It is transparent before the first frame.
   std::span<const uint8_t> rgba() const { return shown_; }
-  /// The frame that is shown; 0: none yet.
+  /// The number of the shown frame; 0: none yet.
   uint64_t frame() const { return shownFrame_; }
 
  private:
@@ -36,7 +37,7 @@ class Canvas {
 
   glm::ivec2 size_{0};
   std::vector<uint8_t> shown_, gathered_;
-  std::vector<uint8_t> coarse_;  ///< of the level that comes
+  std::vector<uint8_t> coarse_;  ///< pixels of the coarse level that is arriving
   uint64_t shownFrame_ = 0, newestFrame_ = 0;
 };
 

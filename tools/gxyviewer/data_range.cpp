@@ -16,7 +16,7 @@ void include(std::optional<Ends>& range, const Points& points) {
   range = range ? Ends{std::min((*range)[0], first), std::max((*range)[1], last)} : Ends{first, last};
 }
 
-// A map is constant outside its ends, so that these change nothing.
+// Extends a map's points to the range. A map is constant outside its ends, so this does not change its values.
 template <class Points>
 void extend(Points& points, const Ends& range) {
   if (!(points.front().value < points.back().value)) return;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The values over which an operator's maps run, changed by steps.
+// Changes the range of values of an operator's maps, in steps.
 #pragma once
 #include <array>
 #include <optional>
@@ -8,11 +8,13 @@
 
 namespace gxy {
 
-/// The range of its maps; where it has no `data range`, the ends of its maps together. None where no map varies.
+/// Returns the operator's data range; if it has none, the range that the points of its maps span together.
+/// Returns nothing if both maps are constant.
 std::optional<std::array<double, 2>> dataRangeOf(const Vis& vis);
 
-/// Makes the range `factor` times as wide about its middle, and then moves it by `shift` times its width. Where it was not said,
-/// it is from now on, and each value keeps its colour and opacity but for the change. False where no map varies.
+/// Makes the range `factor` times as wide around its middle, then moves it by `shift` times its new width. If
+/// the operator has no data range, it gets one, in such a way that factor 1 and shift 0 would change no
+/// colour or opacity. Returns false if both maps are constant.
 bool changeDataRange(Vis& vis, double factor, double shift);
 
 }  // namespace gxy

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Whether a file has been written.
+// Notices changes of a file.
 #pragma once
 #include <chrono>
 #include <cstdint>
@@ -8,14 +8,15 @@
 
 namespace gxy {
 
-/// Looks at a file's time and size, twice a second at most.
+/// Checks a file's modification time and size, at most twice a second.
 class FileWatch {
  public:
   using Clock = std::chrono::steady_clock;
 
   explicit FileWatch(std::filesystem::path path) : path_(std::move(path)), seen_(look()) {}
 
-  /// True once for each change since it was made. One that is not there has not changed.
+  /// Returns true once after each change of the file since construction. A file that does not exist
+  /// counts as unchanged.
   bool changed(Clock::time_point now);
 
  private:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which of the frames that a window has asked for are still to come.
+// Keeps track of the frames that a window has asked for and that have not come yet.
 #pragma once
 #include <algorithm>
 #include <chrono>
@@ -12,20 +12,20 @@
 
 namespace gxy {
 
-/// Frames that were asked for and of which nothing is shown yet. The server numbers them in its replies, which come in the order
-/// of the requests; pixels and ends of a frame may come before its number.
+/// The frames that have been requested and of which nothing has been shown yet. The server's replies give their
+/// numbers and come in the order of the requests. Pixels and the end of a frame may come before its number.
 class FramesAsked {
  public:
   using Clock = std::chrono::steady_clock;
   struct Asked {
     Clock::time_point at;
-    std::optional<Detail> moving;      ///< of a camera that moves
-    std::optional<uint64_t> number{};  ///< once the server has said it
+    std::optional<Detail> moving;      ///< detail of the frame, if the camera is moving
+    std::optional<uint64_t> number{};  ///< known once the server has replied
     Camera camera{};
   };
 
   Asked& ask(Clock::time_point now) { return asked_.emplace_back(Asked{now, {}, {}}); }
-  /// The reply to the oldest request without one.
+  /// Takes the number in the reply to the oldest request without a reply.
   void number(uint64_t frame) {
     const auto asked = oldestWithoutReply();
     asked->number = frame;
@@ -33,13 +33,13 @@ class FramesAsked {
     if (frame <= done_ || frame == skipped_) asked_.erase(asked);
   }
   void refuse() { asked_.erase(oldestWithoutReply()); }
-  /// The request of a frame; null where this window has not asked for it, or does not know its number yet.
+  /// Returns the request of a frame; null if this window has not requested it or does not know its number yet.
   const Asked* find(uint64_t frame) const {
     const auto asked = std::ranges::find(asked_, std::optional(frame), &Asked::number);
     return asked == asked_.end() ? nullptr : &*asked;
   }
-  /// The camera of a frame of which something has come. Before the server has said its number, it is that of the oldest request
-  /// without one.
+  /// Returns the camera of a frame of which something has come. If no request has its number yet, it must be
+  /// the frame of the oldest request without a reply.
   std::optional<Camera> cameraOf(uint64_t frame) const {
     const Asked* asked = find(frame);
     if (!asked) {
@@ -48,13 +48,13 @@ class FramesAsked {
     }
     return asked ? std::optional(asked->camera) : std::nullopt;
   }
-  /// Something of `frame` is shown, or it has ended: nothing of older ones will be shown any more.
+  /// Called when something of `frame` is shown or it has ended. Nothing of older frames will be shown any more.
   void done(uint64_t frame) {
     done_ = std::max(done_, frame);
     newest_ = std::max(newest_, frame);
     std::erase_if(asked_, [&](const Asked& a) { return a.number && *a.number <= frame; });
   }
-  /// `frame` was overtaken while it waited to begin: the one before it is still to come.
+  /// Called when `frame` was superseded before it began. The frame before it is still to come.
   void skip(uint64_t frame) {
     skipped_ = frame;
     newest_ = std::max(newest_, frame);
@@ -69,7 +69,7 @@ class FramesAsked {
     return std::ranges::find(asked_, std::optional<uint64_t>(), &Asked::number);
   }
 
-  std::deque<Asked> asked_;  // in order
+  std::deque<Asked> asked_;  // in the order of requests
   uint64_t newest_ = 0, done_ = 0, skipped_ = 0;
 };
 

@@ -3,7 +3,7 @@
 
 namespace gxy {
 
-/// What the mouse and the keys of the window do; shown by key h and by --help.
+/// The help text for the mouse and keys of the window. Key h and option --help show it.
 inline constexpr const char* kKeyHelp =
     "  left drag            rotate\n"
     "  middle, shift + left pan\n"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// gxyviewer: a window on what a multiserver renders.
+// gxyviewer: shows pictures that a multiserver renders in a window.
 #include <algorithm>
 #include <filesystem>
 #include <iostream>
@@ -26,7 +26,7 @@ void warn(const std::string& text) {
   std::cerr << "gxyviewer: warning: " << protocol::printable(text) << '\n';
 }
 
-/// Files of this machine by their whole names, as the server must be told them.
+/// Returns the name that the server needs: the absolute path of a file on this machine, or the name itself.
 std::string asServerHasIt(const std::string& name) {
   namespace fs = std::filesystem;
   std::error_code failed;
@@ -39,13 +39,13 @@ State withWarnings(StateFile file) {
   return std::move(file.state);
 }
 
-/// What is to be shown, and of data their steps in time.
+/// The state to show and the time steps of its data.
 struct Whole {
   State state;
   Series series;
 };
 
-/// Names of the datasets that the server has.
+/// Returns the names of the datasets on the server.
 std::set<std::string> datasetsOf(Client& client) {
   std::set<std::string> names;
   const nlohmann::json list = client.expect("data.list");
@@ -53,7 +53,7 @@ std::set<std::string> datasetsOf(Client& client) {
   return names;
 }
 
-/// What the server makes of data that no state file describes; of their series, if `inTime`.
+/// Asks the server for a first look at data, with their time steps if `inTime`.
 Whole firstLookOf(const ViewOptions& options, bool inTime) {
   std::string statement = "viewer.scene";
   for (const std::string& name : options.files) statement += " " + protocol::asWord(asServerHasIt(name));
@@ -70,13 +70,13 @@ Whole firstLookOf(const ViewOptions& options, bool inTime) {
   return whole;
 }
 
-/// Else it is data.
+/// Whether the first file is a state file. Otherwise all files are data.
 bool isStateFile(const ViewOptions& options) {
   const std::string& first = options.files[0];
   return options.files.size() == 1 && first.ends_with(".json") && gxy::isStateFile(first);
 }
 
-/// What is to be shown, with a visualization and a camera at least.
+/// Returns the state to show, with at least one visualization and one camera.
 Whole wholeOf(const ViewOptions& options) {
   const std::string& first = options.files[0];
   Whole whole = isStateFile(options) ? Whole{withWarnings(readStateFile(first)), {}}
@@ -89,7 +89,7 @@ Whole wholeOf(const ViewOptions& options) {
   return whole;
 }
 
-/// The same with every camera where its `fit` puts it; waits for the data where one has that.
+/// Returns the state with all cameras after fitted(). Waits for the data if a camera has `fit`.
 State withFittedCameras(State state, RemoteWindow& remote) {
   const auto fits = [](const Camera& camera) { return camera.fit; };
   if (std::none_of(state.cameras.begin(), state.cameras.end(), fits)) return state;
@@ -100,7 +100,7 @@ State withFittedCameras(State state, RemoteWindow& remote) {
 }
 
 int run(const ViewOptions& options) {
-  std::optional<FileWatch> stateFile;  // data are the server's to watch
+  std::optional<FileWatch> stateFile;  // The server watches data.
   if (isStateFile(options)) stateFile.emplace(options.files[0]);
   const Whole whole = wholeOf(options);
   const State state = Selection(whole.state).shown();
@@ -113,7 +113,7 @@ int run(const ViewOptions& options) {
                       warn);
   if (options.snapshot.empty()) {
     const std::shared_ptr<void> atTheEnd(nullptr, [&](void*) {
-      if (whole.series.count() > 1) remote.drop(whole.state.datasets);  // nobody else knows their names
+      if (whole.series.count() > 1) remote.drop(whole.state.datasets);  // Nobody else uses them.
     });
     const State seen = withFittedCameras(whole.state, remote);
     remote.setCamera(seen.cameras[0]);

@@ -63,7 +63,7 @@ std::optional<int> parseOptions(int argc, char** argv, ViewOptions& o) {
   }
   if (o.output.empty()) {
     const std::filesystem::path first(o.files[0]);
-    const bool state = first.extension() == ".json";  // data may lie where nothing can be written
+    const bool state = first.extension() == ".json";  // A folder of data may be read-only.
     o.output = ((state ? first.parent_path() : "") / (first.stem().string() + "-view")).string();
   }
   return std::nullopt;

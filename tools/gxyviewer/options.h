@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What gxyviewer was asked on its command line.
+// The command line of gxyviewer.
 #pragma once
 #include <glm/vec2.hpp>
 #include <optional>
@@ -13,17 +13,17 @@ namespace gxy {
 
 struct ViewOptions {
   Client::Options client;
-  std::vector<std::string> files;  ///< a state file; or data files, or names of datasets of the server
-  LookOptions look;                ///< at the latter
+  std::vector<std::string> files;  ///< a state file, or data files or names of datasets on the server
+  LookOptions look;                ///< options of the first look at data
   std::string array;
   std::string snapshot;            ///< a picture to write; empty: open a window
-  std::string output;              ///< what the window saves: OUTPUT.json, OUTPUT_00000.png, ...
-  std::optional<glm::ivec2> size;  ///< instead of the camera's dimensions
-  bool annotated = true;           ///< a window begins with legend, axes and box
-  uint32_t passes = 0;  ///< of a frame at rest; 0: as the state file says, and in a window 16 or more
+  std::string output;              ///< prefix of saved files: OUTPUT.json, OUTPUT_00000.png, ...
+  std::optional<glm::ivec2> size;  ///< replaces the camera's dimensions
+  bool annotated = true;           ///< the window starts with legend, axes and box
+  uint32_t passes = 0;  ///< passes of a frame at rest; 0: as in the state file, but at least 16 in a window
 };
 
-/// The exit code to end with at once (0 after --help, 2 for wrong usage), or nothing.
+/// Returns the exit code if the program should end at once (0 after --help, 2 for wrong usage), or nothing.
 std::optional<int> parseOptions(int argc, char** argv, ViewOptions& options);
 
 }  // namespace gxy

@@ -9,13 +9,13 @@ namespace gxy {
 
 namespace {
 
-/// Qualities, and their bytes over those of quality 70: measured on pictures of volumes and of surfaces.
+/// A quality, and its bytes relative to those of quality 70, measured on pictures of volumes and of surfaces.
 struct Quality {
   int quality;
   double bytes;
 };
 constexpr std::array<Quality, 4> kQualities{{{85, 1.5}, {70, 1}, {50, 0.75}, {30, 0.55}}};
-constexpr int kWorst = 50;  // below it a coarser level looks better
+constexpr int kWorst = 50;  // Below this quality, a coarser level looks better.
 constexpr double kRoom = 0.7;
 
 double bytesOf(int quality) {
@@ -24,7 +24,7 @@ double bytesOf(int quality) {
   return kQualities.back().bytes;
 }
 
-constexpr double kForgotten = 0.005;  // of what other scales cost, with each frame
+constexpr double kForgotten = 0.005;  // known costs decrease by this fraction with each frame
 
 double smooth(double mean, double value) { return 0.6 * mean + 0.4 * value; }
 
@@ -51,8 +51,8 @@ void Pace::take(const Pass& pass) {
   }
 }
 
-// Where it is not known, from the nearest scale of which it is: twice the scale has a quarter of the pixels, and costs
-// somewhat more than a quarter.
+// Returns the cost of a scale. If it is not known, it is estimated from the nearest known scale: twice the
+// scale has a quarter of the pixels, and costs somewhat more than a quarter.
 Pace::Cost Pace::expected(size_t index) const {
   std::optional<size_t> from;
   for (size_t i = 0; i < kScales.size(); i++)

@@ -51,14 +51,14 @@ glm::ivec2 PictureView::size() const {
   return {size[0], size[1]};
 }
 
-// Help hangs from the upper left corner, as large as the window lets it be.
+// The help text is in the upper left corner, as large as fits into the window.
 void PictureView::layOut() {
   const glm::ivec2 now = size();
   help_->GetTextProperty()->SetFontSize(std::clamp(std::min(now.x / 40, now.y / 30), 7, 15));
   help_->SetPosition(10, now.y - 10);
 }
 
-// Over black, as JPEG has it.
+// The picture is blended over black, as in JPEG.
 void PictureView::setPicture(const Canvas& canvas, const Overlay& overlay) {
   const int width = canvas.size().x, height = canvas.size().y;
   if (image_->GetDimensions()[0] != width || image_->GetDimensions()[1] != height ||

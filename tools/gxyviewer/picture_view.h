@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the user's window shows: the picture, the line of status over it, and the help.
+// The content of the user's window: the picture, a status line over it, and the help text.
 #pragma once
 #include <vtkActor2D.h>
 #include <vtkImageData.h>
@@ -16,7 +16,7 @@
 
 namespace gxy {
 
-/// Draws on the display when it is told to. Of one thread.
+/// Draws on the display in draw(). One thread uses it.
 class PictureView {
  public:
   explicit PictureView(glm::ivec2 size);
@@ -25,11 +25,11 @@ class PictureView {
   vtkRenderer& renderer() { return *renderer_; }
   glm::ivec2 size() const;
 
-  /// Puts texts where they belong in a window of the size that it has now.
+  /// Places the texts for the present size of the window.
   void layOut();
-  /// With the overlay over it.
+  /// Sets the picture, with the overlay drawn over it.
   void setPicture(const Canvas& canvas, const Overlay& overlay);
-  /// True if it is another than before.
+  /// Sets the status line. Returns whether it has changed.
   bool setStatus(const std::string& text);
   void turnHelp();
   void draw() { window_->Render(); }

@@ -7,7 +7,8 @@
 
 namespace gxy {
 
-/// Writes a picture as it is, bit by bit, where the overlay leaves it so. Throws Error when the file cannot be written; it is whole or not there.
+/// Writes a picture, with the overlay drawn over it. Pixels that the overlay does not cover keep their bits.
+/// The file is complete or absent. Throws Error if it cannot be written.
 void writePng(const std::string& path, const Canvas& canvas, const Overlay& overlay = {});
 
 }  // namespace gxy

@@ -18,11 +18,12 @@ using protocol::PixelKind;
 
 namespace {
 
-constexpr std::chrono::milliseconds kRest{250};  // without a new camera: it rests
-constexpr std::chrono::seconds kAgain{1};  // until what was refused is asked for again, first and at most
+constexpr std::chrono::milliseconds kRest{250};  // After this time without a new camera, the camera rests.
+// Shortest and longest time until a refused frame is requested again.
+constexpr std::chrono::seconds kAgain{1};
 constexpr std::chrono::seconds kAgainAtMost{16};
-constexpr size_t kUnderWay = 2;            // frames of a moving camera
-constexpr uint64_t kMeasurable = 8 << 10;  // bytes that say how fast the link is
+constexpr size_t kUnderWay = 2;            // number of frames under way while the camera moves
+constexpr uint64_t kMeasurable = 8 << 10;  // From this many bytes on, the speed of the link can be measured.
 constexpr const char* kWindow = "1";
 constexpr uint32_t kStillWindow = 2;
 
@@ -68,7 +69,7 @@ RemoteWindow::RemoteWindow(Client::Options options, const State& state, uint32_t
   client_->expect("load data");
   client_->expect("load viewer");
   client_->expect(statement("viewer.window", {{"size", {size.x, size.y}}, {"follow", true}}));
-  // Requests are answered in turn: after `set`, and the last of these last.
+  // Requests are answered in turn, so the reply to this echo comes after those to all requests before.
   set(state, [this](const std::string& error) { fail(error); });
   client_->send("server.echo", [this](const Reply& reply) {
     if (!reply.ok) return fail(reply.error);
@@ -140,7 +141,7 @@ void RemoteWindow::drop(const std::vector<DatasetSpec>& datasets) {
     for (const DatasetSpec& dataset : datasets)
       client_->request("data.drop " + protocol::asWord(dataset.name));
   } catch (const Error&) {
-    // the server has gone
+    // The server has gone.
   }
 }
 
@@ -157,7 +158,7 @@ void RemoteWindow::askForBoxes() {
   client_->send(std::string("viewer.camera ") + kWindow, [this](const Reply& reply) { takeShown(reply); });
 }
 
-// Without an answer nothing is drawn over the picture.
+// If the reply is an error, there are no annotations.
 void RemoteWindow::takeShown(const Reply& reply) {
   ShownSoFar shown;
   if (reply.ok && reply.value.is_object()) {
@@ -173,13 +174,13 @@ void RemoteWindow::takeShown(const Reply& reply) {
   canvasChanged_ = true;
 }
 
-// What is not there has no box; what it means for the picture, its frames say.
+// A dataset that does not exist has no box. Frames report the consequences for the picture.
 void RemoteWindow::takeInfo(const std::string& name, const Reply& reply) {
   const std::lock_guard lock(mutex_);
   boxes_.erase(name);
   if (!reply.ok || std::find(names_.begin(), names_.end(), name) == names_.end()) return;
   for (const json& dataset : reply.value.at("datasets"))
-    if (!dataset.at("box").is_null()) boxes_[name] = dataset.at("box").get<Box>();  // else it has no data
+    if (!dataset.at("box").is_null()) boxes_[name] = dataset.at("box").get<Box>();  // null: no data
 }
 
 void RemoteWindow::takePixels(const PixelHeader& header, std::span<const std::byte> data) {
@@ -196,14 +197,14 @@ void RemoteWindow::takePixels(const PixelHeader& header, std::span<const std::by
   };
   if (header.frame > frame_.number) {
     if (header.kind == PixelKind::EndOfFrame && text().at("status") == "superseded") {
-      asked_.skip(header.frame);  // it never began: what is shown goes on
+      asked_.skip(header.frame);  // It never began, so the frame before it goes on.
       return changed_.notify_all();
     }
     frame_ = {};
     frame_.number = header.frame;
   }
   if (header.kind == PixelKind::Tile && frame_.bytes == 0 && !frame_.shown) {
-    // Of whatever was wrong before it.
+    // Pixels have come, so earlier errors are over.
     renderError_.clear();
     refusals_ = 0;
     again_.reset();
@@ -231,12 +232,12 @@ void RemoteWindow::takePixels(const PixelHeader& header, std::span<const std::by
   changed_.notify_all();
 }
 
-// The newest frame's first pass has come; `pass`: what its end says.
+// Called when the first pass of the newest frame is complete. `pass` is the text of its end.
 void RemoteWindow::showFirst(const json& pass) {
   const auto now = Clock::now();
   frame_.shown = true;
   Generations shown = pass.value("generations", Generations());
-  canvasChanged_ |= shown != generations_;  // what is drawn over it may tell of them
+  canvasChanged_ |= shown != generations_;  // Annotations may show them.
   generations_ = std::move(shown);
   statistics_.frames++;
   statistics_.passBytes = frame_.bytes;
@@ -259,7 +260,7 @@ void RemoteWindow::takeEvent(const json& event) {
   const std::string kind = event.value("event", "");
   if (kind == "progress") progress_ = event.value("text", "");
   if (kind == "waiting") progress_ = event.value("ranks", json()).empty() ? "" : event.value("text", "");
-  if (kind == "error") renderError_ = event.value("text", "");  // the server will try again
+  if (kind == "error") renderError_ = event.value("text", "");  // The server will try again.
   for (const char* change : {"added", "updated", "dropped", "renamed", "lost"}) boxesDue_ |= kind == change;
 }
 
@@ -337,7 +338,7 @@ std::shared_ptr<const Still> RemoteWindow::still(const State& state) {
   return still_ = Still::begin(*client_, kStillWindow, state, passes_);
 }
 
-// Its window holds what it has shown.
+// Closes the window of a finished still picture, because it holds data and memory on the server.
 void RemoteWindow::closeStill() {
   {
     const std::lock_guard lock(mutex_);
@@ -358,7 +359,7 @@ void RemoteWindow::render(bool moving, Clock::time_point now) {
       options["levels"] = {asked.moving->scale};
       options["encoding"] = "jpeg";
       options["quality"] = asked.moving->quality;
-      options["wait"] = movingSent_;  // what is made of a camera that rests is not waited for
+      options["wait"] = movingSent_;  // Do not wait for a frame at rest.
     } else {
       const uint32_t scale = statistics_.detail.scale;
       options["levels"] = statistics_.frames > 0 && scale > 1 ? json{scale, 1} : json{1};
@@ -485,7 +486,7 @@ void RemoteWindow::renderWhole() {
   }
   render(false, Clock::now());
   std::unique_lock lock(mutex_);
-  changed_.wait(lock, [this] {  // one of newer data supersedes it by itself
+  changed_.wait(lock, [this] {  // A frame with newer data may supersede it.
     return !failure_.empty() || !renderError_.empty() ||
            (asked_.underWay() == 0 && asked_.newest() > 0 && frame_.number == asked_.newest() &&
             frame_.ended && frame_.status != "superseded");

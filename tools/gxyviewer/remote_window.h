@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A window of a server: what it shows, which frames are asked for and when, and what has come of them.
+// A window on a server: sets what it shows, decides when to request frames, and receives them.
 #pragma once
 #include <array>
 #include <chrono>
@@ -23,12 +23,13 @@
 
 namespace gxy {
 
-/// While the camera moves, frames are JPEG of one level, whose detail follows the server and the link (pace.h). Two are under
-/// way at a time: one is rendered while another travels, and no more than those two ever wait anywhere. When the camera
-/// rests, one lossless frame is made, in passes that each add a ray to every pixel. Frames that the server makes by itself,
-/// because data changed, are shown like any other. A frame that the server refuses is asked for again, less and less often.
+/// While the camera moves, frames are JPEG of one level, whose detail adapts to the server and the link
+/// (pace.h). At most two are under way: one is rendered while another is transferred. When the camera rests,
+/// one lossless frame is requested, in passes that each add a ray to every pixel. Frames that the server
+/// makes because data changed are shown like any other. A frame that the server refuses is requested again,
+/// less and less often.
 ///
-/// Calls come from one thread, the user's; what the connection brings is taken by its own.
+/// One thread, the user's, calls the functions. The client's thread receives data from the server.
 class RemoteWindow {
  public:
   using Clock = std::chrono::steady_clock;
@@ -36,95 +37,99 @@ class RemoteWindow {
   using Generations = std::map<std::string, uint64_t>;  ///< by dataset
   using OnWarning = std::function<void(const std::string& text)>;
 
-  /// Connects; the server begins to import those of the state's datasets whose names it does not have. Throws Error.
-  /// `state` has one visualization and one camera, whose dimensions are the window's.
-  /// `passes`: of a frame at rest, each of one ray per pixel. `onWarning` is told what the server says of the state, on the
-  /// connection's thread.
+  /// Connects. The server begins to import the state's datasets whose names it does not have. `state` has one
+  /// visualization and one camera, whose dimensions are the window's. `passes` is the number of passes of a
+  /// frame at rest, each of one ray per pixel. `onWarning` is called on the client's thread with the server's
+  /// warnings about the state. Throws Error if it cannot connect or the window is too large.
   RemoteWindow(Client::Options options, const State& state, uint32_t passes, OnWarning onWarning = {});
 
-  /// What the next frames show instead; the camera stays. Its datasets are imported as the first state's; where the server
-  /// refuses it, status() says so, and what was shown before stays.
+  /// Shows another state with the same camera. Its datasets are imported as in the constructor. If the server
+  /// refuses it, status() says so, and the window continues to show the previous state.
   void show(const State& state);
   void setCamera(const Camera& camera);
-  /// A camera where its `fit` puts it, in a window of this size. Waits for the server. Throws Error.
+  /// Returns the camera after fitted(), with the data on the server. Waits for the server. Throws Error if it
+  /// answers an error.
   Camera fittedCamera(const Camera& camera);
   void resize(glm::ivec2 size);
-  /// Asks for what is due; called often.
+  /// Sends requests that are due. It is called often.
   void update(Clock::time_point now);
 
   struct Imported {
-    std::string error;        ///< why the data have not come; empty if they have
-    Generations generations;  ///< that they have
+    std::string error;        ///< the reason why the import failed; empty if it succeeded
+    Generations generations;  ///< generations of the imported datasets
   };
-  /// Gives datasets the data of other files; imported() has the outcome once. One at a time.
+  /// Imports other files into existing datasets. imported() returns the outcome once. Only one import at a time.
   void import(const std::vector<DatasetSpec>& datasets);
   std::optional<Imported> imported();
-  /// Ends the window on the server and drops datasets there, as far as it lets itself be told. Nothing is shown any more.
+  /// Closes the window on the server and drops datasets there; ignores a lost connection. Nothing is
+  /// shown afterwards.
   void drop(const std::vector<DatasetSpec>& datasets);
 
-  /// Whether the server has said what there is of the data. They as a whole, world, as of now, if anything of them has a box.
+  /// Whether the server has answered about the data.
   bool loaded() const;
+  /// The bounding box of all shown data in world coordinates, if any of them has one.
   std::optional<Box> box() const;
 
-  /// What the server says of the data that are shown; nothing before.
+  /// Ranges and box that the server's pictures have shown; empty until it has answered.
   ShownSoFar shown() const;
 
-  /// Calls `use` with the picture, the camera that sees it and the data's generations that it shows, if it has changed since the
-  /// last call, or one of these has. `use` does not call this.
+  /// If the picture, its camera or the generations of its data have changed since the last call, calls `use`
+  /// with them. `use` must not call this object.
   void ifChanged(const std::function<void(const Canvas&, const Camera&, const Generations&)>& use);
-  /// Of the data that the picture shows, by dataset.
+  /// The generations of the data that the picture shows, by dataset.
   Generations generations() const;
-  /// The picture counts as changed.
+  /// Makes the next ifChanged() treat the picture as changed.
   void showAgain();
-  /// What is shown now.
+  /// The picture that is shown now.
   Canvas picture() const;
 
-  /// Asks what the last picture's camera shows at a pixel, row 0 at the bottom; picked() has the answer once it is there, for
-  /// people.
+  /// Asks the server what the last picture shows at a pixel, row 0 at the bottom. picked() returns the
+  /// answer, as text for users, once when it has come.
   void pick(glm::ivec2 pixel);
   std::optional<std::string> picked();
 
-  /// Of a frame at rest.
+  /// The number of passes of a frame at rest.
   uint32_t passes() const { return passes_; }
   /// Whether the picture is that of the newest camera with all its passes.
   bool whole() const;
-  /// Begins a picture of `state`, as of one at rest, beside what goes on here; one at a time. The state is as the
-  /// constructor's.
+  /// Begins a picture of `state` with all passes, in another window of the server. Only one at a time.
+  /// `state` is as in the constructor.
   std::shared_ptr<const Still> still(const State& state);
 
-  /// Whether the newest picture cannot be made, for now; status() says why.
+  /// Whether the newest picture cannot be made at present; status() says why.
   bool refused() const;
-  /// What goes on, for people: loading, refining, how long a frame took, what failed.
+  /// The state of affairs as text for users: loading, refining, the time of a frame, errors.
   std::string status() const;
-  /// Why the data could not be shown, or the connection ended; empty while all is well.
+  /// The reason why the data could not be shown or the connection ended; empty if neither has happened.
   std::string failure() const;
 
   struct Statistics {
-    uint64_t frames = 0;     ///< of which something has been shown
-    uint64_t bytes = 0;      ///< of all pixels
-    uint64_t passBytes = 0;  ///< of the last frame's first pass
-    double firstPixels = 0;  ///< seconds from the last of these frames' request to its first pass shown
-    Detail detail;           ///< of the last one that was asked for while the camera moved
-    uint32_t passes = 0;     ///< of the newest frame: whole pictures of full detail
-    bool ended = false;      ///< the newest frame
+    uint64_t frames = 0;     ///< number of frames of which something has been shown
+    uint64_t bytes = 0;      ///< bytes of all pixels
+    uint64_t passBytes = 0;  ///< bytes of the first pass of the last of these frames
+    double firstPixels = 0;  ///< seconds from that frame's request until its first pass was shown
+    Detail detail;           ///< detail of the last frame that was requested while the camera moved
+    uint32_t passes = 0;     ///< passes of full resolution of the newest frame
+    bool ended = false;      ///< the newest frame has ended
   };
   Statistics statistics() const;
 
-  /// Waits until the data are there; then for one whole frame of `passes` passes. Throws Error when there will be none.
+  /// Waits until the data are loaded. Throws Error if that fails.
   void waitUntilLoaded();
+  /// Waits for one complete frame of `passes` passes. Throws Error if there will be none.
   void renderWhole();
 
  private:
   struct Frame {
     uint64_t number = 0;
-    uint32_t scale = 0, pass = 0;  ///< of the last pass that came
+    uint32_t scale = 0, pass = 0;  ///< of the last pass that has come
     bool ended = false;
     std::string status, error;
     double seconds = 0;
     std::map<std::string, uint64_t> generations;
-    // Of its first pass.
+    // The frame's first pass.
     Clock::time_point begin{};
-    uint64_t bytes = 0, firstBytes = 0;  ///< so far; of its first tile
+    uint64_t bytes = 0, firstBytes = 0;  ///< bytes so far, and bytes of the first tile
     bool shown = false;
   };
 
@@ -137,7 +142,7 @@ class RemoteWindow {
   void set(const State& state, std::function<void(const std::string& error)> refused);
   void showFirst(const nlohmann::json& pass);
   void fail(const std::string& why);
-  std::string whyRefused() const;  ///< with the lock held
+  std::string whyRefused() const;  ///< called with the lock held
   void closeStill();
   void render(bool moving, Clock::time_point now);
 
@@ -146,32 +151,32 @@ class RemoteWindow {
 
   mutable std::mutex mutex_;
   std::condition_variable changed_;
-  std::vector<std::string> names_;  ///< of the datasets that are shown
+  std::vector<std::string> names_;  ///< names of the shown datasets
   Canvas canvas_;
   bool canvasChanged_ = false, loaded_ = false;
-  std::map<std::string, Box> boxes_;  ///< of the datasets that have one
+  std::map<std::string, Box> boxes_;  ///< boxes of the datasets that have one
   ShownSoFar shown_;
-  Camera shownCamera_;     ///< of the picture
-  bool boxesDue_ = false;  ///< data have changed since they were asked for
+  Camera shownCamera_;     ///< camera of the picture
+  bool boxesDue_ = false;  ///< data have changed since boxes were requested
   std::string failure_, progress_, setError_, renderError_;
   std::optional<std::string> picked_;
   std::optional<Imported> imported_;
-  Generations generations_;    ///< that the picture shows
-  std::set<std::string> own_;  ///< datasets that import() was given: their generations are no news
-  Frame frame_;                ///< the newest of which something came
+  Generations generations_;    ///< generations that the picture shows
+  std::set<std::string> own_;  ///< datasets of import(); status() does not mention their new generations
+  Frame frame_;                ///< the newest frame of which something has come
   FramesAsked asked_;
-  int refusals_ = 0;                        ///< since something was shown
-  std::optional<Clock::time_point> again_;  ///< when what was refused last is asked for again
+  int refusals_ = 0;                        ///< number of refusals since something was shown
+  std::optional<Clock::time_point> again_;  ///< time at which the refused frame is requested again
   Pace pace_;
-  std::shared_ptr<Still> still_;  ///< whose window the server has
+  std::shared_ptr<Still> still_;  ///< the picture whose window the server has
   Statistics statistics_;
 
-  // Of the user's thread.
+  // Used by the user's thread.
   Camera camera_;
   bool cameraSent_ = false, movingSent_ = true;
   Clock::time_point moved_{};
 
-  std::unique_ptr<Client> client_;  ///< last, so that it goes first
+  std::unique_ptr<Client> client_;  ///< the last member, so that it is destroyed first
 };
 
 }  // namespace gxy

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which of a state's visualizations and cameras is shown.
+// The visualization and camera of a state that are shown.
 #pragma once
 #include <string>
 #include <vector>
@@ -8,38 +8,41 @@
 
 namespace gxy {
 
-/// A state, the one visualization and the one camera of it that are shown, and the operator whose maps are changed: the first
-/// of each at first.
+/// A state with a selected visualization, a selected camera, and a selected operator whose maps the user
+/// changes. The first of each is selected initially.
 class Selection {
  public:
-  /// `state` has a visualization and a camera.
+  /// `state` has at least one visualization and one camera.
   explicit Selection(State state) : state_(std::move(state)), original_(state_) {}
 
-  /// Another state, as far as it has as many of both shown at the same places.
+  /// Replaces the state. The selected numbers stay, or become the last ones if there are fewer; the operator
+  /// then is the first.
   void replace(State state);
 
-  /// The same data of other files.
+  /// Replaces the files of the datasets.
   void setDatasets(const std::vector<DatasetSpec>& datasets) {
     state_.datasets = original_.datasets = datasets;
   }
 
-  /// The next, before the first the last.
+  /// Select the next (by = 1) or previous (by = -1), cyclically.
   void nextVisualization(int by);
   void nextOperator(int by);
   void nextCamera(int by) { camera_ = next(camera_, state_.cameras.size(), by); }
 
-  /// Of the operator's maps; as in the state file again.
+  /// Calls changeDataRange() for the selected operator. resetRange() restores its range and maps from the
+  /// state file.
   void changeRange(double factor, double shift);
   void resetRange();
-  /// "operator 1 of 2, Volume balls: data range 0 to 1.7", for people.
+  /// Returns text for users: "operator 1 of 2, Volume balls: data range 0 to 1.7".
   std::string operatorText() const;
 
   const Camera& camera() const { return state_.cameras[camera_]; }
-  /// What is shown as a state of its own, with one visualization and one camera.
+  /// Returns a state with only the selected visualization and camera.
   State shown() const;
-  /// The whole state, with `camera` in the place of the one that is shown.
+  /// Returns the whole state, in which `camera` replaces the selected camera.
   State with(const Camera& camera) const;
-  /// "visualization 2 of 3, NAME, camera 1 of 2", for people; of what there is one of, nothing.
+  /// Returns text for users: "visualization 2 of 3, NAME, camera 1 of 2". If there is only one of either, it
+  /// is not mentioned.
   std::string text() const;
 
  private:

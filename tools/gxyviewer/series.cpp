@@ -14,10 +14,11 @@ using nlohmann::json;
 
 namespace {
 
-/// Whether a byte of UTF-8 goes on with the character of the one before it.
+/// Whether a byte of UTF-8 continues the character of the byte before it.
 bool isInside(char c) { return (static_cast<unsigned char>(c) & 0xc0) == 0x80; }
 
-/// A name for all files: what their names begin and end with, and * for the rest; empty if they have neither.
+/// Returns a common name for all files: the beginning and the end that their names share, and * for the rest.
+/// It is empty if they share neither.
 std::string commonName(const std::vector<std::string>& stems) {
   std::string begin = stems.front(), end = begin;
   for (const std::string& stem : stems) {
@@ -25,7 +26,7 @@ std::string commonName(const std::vector<std::string>& stems) {
     const auto differs = std::mismatch(end.rbegin(), end.rend(), stem.rbegin(), stem.rend()).first;
     end.erase(end.begin(), differs.base());
   }
-  if (begin == stems.front() && end == begin) return begin;  // all are called so
+  if (begin == stems.front() && end == begin) return begin;  // All names are equal.
   while (!begin.empty() && isInside(stems.front()[begin.size()])) begin.pop_back();
   size_t shortest = stems.front().size();
   for (const std::string& stem : stems) shortest = std::min(shortest, stem.size());
@@ -80,7 +81,7 @@ size_t Series::stepOf(uint64_t generation) const {
 std::optional<size_t> Series::begin() {
   if (underWay_ || wanted_ == there_) return std::nullopt;
   underWay_ = wanted_;
-  byGeneration_[generation_ + 1] = *underWay_;  // its pictures may come before it is said to be there
+  byGeneration_[generation_ + 1] = *underWay_;  // Its pictures may come before end() is called.
   return underWay_;
 }
 
@@ -96,7 +97,7 @@ size_t Series::end(bool came, std::optional<uint64_t> generation) {
   failed_.reset();
   there_ = step;
   byGeneration_.erase(generation_ + 1);
-  // the one before may still be seen; others are over, or another dataset's that had the name
+  // The generation before may still be shown. Older ones are over, or belong to another dataset that had the name.
   std::erase_if(byGeneration_, [&](const auto& each) { return each.first != generation_; });
   generation_ = generation.value_or(generation_ + 1);
   byGeneration_[generation_] = step;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Data in time: which step is there, which is wanted, and which is on its way.
+// Time steps of data: which step is loaded, which is wanted, and which is being imported.
 #pragma once
 #include <cstdint>
 #include <map>
@@ -13,45 +13,46 @@
 
 namespace gxy {
 
-/// The steps of the data that are shown, of which the first is there at first. One is asked for at a time; of those that are
-/// wanted meanwhile, the last is asked for then. One that cannot be had leaves that before it there.
+/// The time steps of the shown data. The first is loaded initially. One step is imported at a time; if
+/// others are wanted meanwhile, the last of them is imported next. If the import of a step fails, the step
+/// before stays loaded.
 class Series {
  public:
   struct Step {
-    std::optional<double> time;                ///< where it is known
-    std::map<std::string, std::string> files;  ///< by dataset, of those that have others in each step
+    std::optional<double> time;                ///< absent if unknown
+    std::map<std::string, std::string> files;  ///< by dataset, for those with a file for each step
   };
 
-  /// Data of one step.
+  /// Data with a single step.
   Series() : Series({}, std::vector<Step>(1)) {}
-  /// `datasets`: as the first step has them. There is a step at least.
+  /// `datasets` are those of the first step. There is at least one step.
   Series(std::vector<DatasetSpec> datasets, std::vector<Step> steps)
       : datasets_(std::move(datasets)), steps_(std::move(steps)) {}
 
   size_t count() const { return steps_.size(); }
   std::optional<double> timeOf(size_t step) const { return steps_[step].time; }
-  /// All datasets with the files that they have in a step.
+  /// Returns all datasets with their files in a step.
   std::vector<DatasetSpec> datasetsAt(size_t step) const;
-  /// "step 2 of 9, time 0.25", for people.
+  /// Returns text for users: "step 2 of 9, time 0.25".
   std::string textOf(size_t step) const;
 
-  // What is wanted. Beyond the first and the last there is none. One that could not be had last is passed by, if there is
-  // another behind it.
+  // The wanted step. next() stays within the first and the last step, and skips the step whose import failed
+  // last, if there is another one behind it.
   void next(int by);
   void first() { wanted_ = 0; }
   void last() { wanted_ = steps_.size() - 1; }
   size_t wanted() const { return wanted_; }
 
-  /// The newest that is there, and the generation of its datasets.
+  /// The step that was loaded last, and the generation of its datasets.
   size_t there() const { return there_; }
   uint64_t generation() const { return generation_; }
-  /// The step whose datasets have a generation; the newest of one that this has not brought about.
+  /// Returns the step that a generation of the datasets belongs to; the loaded step for an unknown generation.
   size_t stepOf(uint64_t generation) const;
 
-  /// The step that is to be asked for, if any: it is under way from now on.
+  /// Returns the step to import now, if there is one. It then is under way until end().
   std::optional<size_t> begin();
-  /// The one under way has come, as a generation of its datasets (the next one, where it is not known), or has not. Which that
-  /// was.
+  /// Ends the import of the step under way and returns that step. `came`: it has succeeded, as `generation`
+  /// of the datasets, or as the next generation if that is not known.
   size_t end(bool came, std::optional<uint64_t> generation = {});
 
  private:
@@ -63,11 +64,12 @@ class Series {
   std::map<uint64_t, size_t> byGeneration_{{1, 0}};
 };
 
-/// What a server says of steps, viewer.scene's `steps`. Throws Error for what is none of that.
+/// Returns the steps in `steps` of a reply to viewer.scene. Throws Error if it is malformed.
 std::vector<Series::Step> stepsFrom(const nlohmann::json& steps);
 
-/// The series that a state shows: its datasets get names of their own, which are not in `taken`, as their data will change, and
-/// whoever else shows these files is not to see that. Where a dataset's files have different names, * stands for what differs.
+/// Makes a series and renames the state's datasets to names that are not in `taken`. The names are new
+/// because the datasets' data will change, and other clients that show these files must not see that. The new
+/// name is that of the dataset's files; if they have different names, * stands for the part that differs.
 Series makeSeries(State& state, std::vector<Series::Step> steps, std::set<std::string> taken);
 
 }  // namespace gxy

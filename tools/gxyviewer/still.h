@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A picture that is made to be saved, while the user goes on in another window of the server.
+// A picture that is rendered for saving, in a window of its own on the server, while the user goes on working.
 #pragma once
 #include <map>
 #include <memory>
@@ -13,22 +13,22 @@
 
 namespace gxy {
 
-/// One frame of a window that shows nothing else: without loss, at full resolution, in passes of a ray per pixel. Thread safe,
-/// but for the canvas, which is still once the frame has ended.
+/// One lossless frame at full resolution, in passes of one ray per pixel. Thread safe, except canvas(), which
+/// may be used only after the frame has ended.
 class Still {
  public:
-  /// Asks for it; waits for nothing. `state` has one visualization and one camera, whose dimensions are the picture's; `window`
-  /// is one that the client does not use.
+  /// Sends the requests and does not wait. `state` has one visualization and one camera, whose dimensions are
+  /// the picture's. `window` is the number of a window that the client does not use.
   static std::shared_ptr<Still> begin(Client& client, uint32_t window, const State& state, uint32_t passes);
 
-  /// Pixels that come for its window.
+  /// Takes pixels for its window.
   void take(const protocol::PixelHeader& header, std::span<const std::byte> data);
 
   struct Progress {
-    uint32_t passes = 0;  ///< that have come
+    uint32_t passes = 0;  ///< number of passes that have come
     bool ended = false;
-    std::string error;                            ///< why there is no whole picture, if it has ended so
-    std::map<std::string, uint64_t> generations;  ///< that it shows, once it has ended
+    std::string error;                            ///< the reason why it has ended without a whole picture
+    std::map<std::string, uint64_t> generations;  ///< of the data that it shows, once it has ended
   };
   Progress progress() const;
   const Canvas& canvas() const { return canvas_; }

@@ -9,12 +9,12 @@ namespace gxy {
 
 namespace {
 
-constexpr uint32_t kOne = 256;  // of a weight
+constexpr uint32_t kOne = 256;  // a weight of 1
 
-/// Where a column or row lies: between two of the level's.
+/// The position of a column or row between two of the level.
 struct Between {
   size_t first, second;
-  uint32_t weight;  ///< of the second
+  uint32_t weight;  ///< weight of the second
 };
 
 std::vector<Between> betweens(int whole, int level, double levelPerPixel) {
@@ -29,7 +29,7 @@ std::vector<Between> betweens(int whole, int level, double levelPerPixel) {
   return places;
 }
 
-/// A row of the level across the window, premultiplied, in units of 1 / kOne.
+/// Interpolates a row of the level across the window, premultiplied, in units of 1 / kOne.
 void spread(std::span<const uint8_t> row, const std::vector<Between>& columns, std::vector<uint32_t>& wide) {
   const auto premultiplied = [&](size_t pixel, size_t channel) {
     const uint32_t alpha = row[pixel * 4 + 3];
@@ -56,7 +56,7 @@ void upsample(std::span<const uint8_t> coarse, glm::ivec2 level, std::span<uint8
                              rows = betweens(size.y, level.y, perPixel);
   const size_t width = size_t(size.x) * 4, levelWidth = size_t(level.x) * 4;
   std::vector<uint32_t> lower(width), upper(width);
-  size_t of = size_t(level.y);  // the row that `lower` is; none yet
+  size_t of = size_t(level.y);  // the level's row in `lower`; none yet
   for (size_t y = 0; y < rows.size(); y++) {
     const Between& at = rows[y];
     if (at.first != of) {

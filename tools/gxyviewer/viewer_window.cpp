@@ -32,15 +32,15 @@ using Clock = RemoteWindow::Clock;
 constexpr unsigned long kTickMilliseconds = 10;
 constexpr double kSpinDegreesPerSecond = 30;
 constexpr std::chrono::seconds kNoticeTime{4};
-constexpr double kNarrower = 0.8, kShift = 0.1;  // of a data range, at each key
+constexpr double kNarrower = 0.8, kShift = 0.1;  // change of a data range for each key press
 
-/// VTK's trackball, without the keys that VTK binds to other things.
+/// VTK's trackball without VTK's key bindings.
 class Style : public vtkInteractorStyleTrackballCamera {
  public:
   static Style* New();
   vtkTypeMacro(Style, vtkInteractorStyleTrackballCamera);
   void OnChar() override {}
-  void OnTimer() override {}  // VTK would repeat the last step of a drag, at each tick
+  void OnTimer() override {}  // VTK would repeat the last step of a drag at each timer event.
 };
 vtkStandardNewMacro(Style);
 
@@ -75,7 +75,7 @@ class ViewerWindow {
   vtkCamera& view() { return *shown_.renderer().GetActiveCamera(); }
   Camera cameraNow() { return cameraOf(view(), size_, selection_.camera().annotation); }
 
-  // While a button is held the style has the focus, and of the others only passive observers are told of events.
+  // While a button is held, the style has the focus, and only passive observers receive events besides it.
   void observe(unsigned long event, void (*action)(ViewerWindow&)) {
     vtkNew<vtkCallbackCommand> command;
     command->SetPassiveObserver(1);
@@ -128,8 +128,8 @@ class ViewerWindow {
     if (changed) shown_.draw();
   }
 
-  // Calls use(overlay) for the picture that a camera sees of a step. Where the overlay cannot be drawn, as without a font, it says so, and
-  // goes on without.
+  // Calls use(overlay) with the overlay for a camera's picture of a step. If it cannot be drawn, for example
+  // without a font, it shows the reason and calls use() with an empty overlay.
   template <class Use>
   void withOverlay(const ShownSoFar& data, Camera camera, glm::ivec2 size, size_t step, const Use& use) {
     if (!annotates_) return use(Overlay());
@@ -159,7 +159,8 @@ class ViewerWindow {
     return text;
   }
 
-  // A direction without a length that means anything leads to the middle of the data.
+  // If the focal point is outside the data's box, moves it along the view direction to the depth of the box's
+  // centre.
   void turnAboutData() {
     const auto box = remote_.box();
     if (!box) return;
@@ -193,7 +194,7 @@ class ViewerWindow {
     view().SetViewUp(0, axis == 1 ? 0 : 1, axis == 1 ? 1 : 0);
   }
 
-  // Where the file's camera has changed, it is what is to be looked at.
+  // Shows a newer state. If the camera in the file has changed, it becomes the camera.
   void takeNewer() try {
     std::optional<State> newer = newer_();
     if (!newer) return;
@@ -209,7 +210,7 @@ class ViewerWindow {
 
   // --- steps in time ---
 
-  // What these are of the series' data, 0 if none.
+  // Returns the generation of the series' data among `generations`; 0 if there is none.
   uint64_t generationSeen(const RemoteWindow::Generations& generations) const {
     const std::vector<DatasetSpec> datasets = series_.datasetsAt(series_.there());
     const auto seen = datasets.empty() ? generations.end() : generations.find(datasets[0].name);
@@ -217,7 +218,8 @@ class ViewerWindow {
   }
   size_t stepSeen() const { return series_.stepOf(generationSeen(remote_.generations())); }
 
-  // A step is asked for once that before it is seen, or why it cannot be: pictures in the making are not overtaken by data.
+  // A step is imported only when the step before is shown or the server has refused its picture, so that new
+  // data do not overtake pictures under way.
   void goOnInTime() {
     if (series_.count() == 1) return;
     if (const auto outcome = remote_.imported()) takeStep(*outcome);
@@ -257,7 +259,7 @@ class ViewerWindow {
     return text + (playing_ ? ", playing" : "");
   }
 
-  // What is under the mouse.
+  // Asks what is under the mouse.
   void pick() {
     const int* const at = interactor_->GetEventPosition();
     remote_.pick({at[0], at[1]});
@@ -299,7 +301,7 @@ class ViewerWindow {
     show(camera, view());
   }
 
-  // What a key does; capitals that are not here do what their small letters do.
+  // The actions of keys. A capital that is not listed acts as its small letter.
   using Action = std::function<void(ViewerWindow&)>;
   static const std::map<std::string, Action>& actions() {
     using Self = ViewerWindow;
@@ -343,7 +345,7 @@ class ViewerWindow {
   }
 
   void key() {
-    if (size_ == glm::ivec2(0)) return;  // nothing is there yet that could be changed or saved
+    if (size_ == glm::ivec2(0)) return;  // There is no picture yet.
     const char* const symbol = interactor_->GetKeySym();
     std::string key = symbol ? symbol : "";
     if (key.size() == 1 && !actions().contains(key)) key[0] = char(std::tolower(key[0]));
@@ -361,7 +363,8 @@ class ViewerWindow {
     say("saved " + output_ + ".json");
   }
 
-  // What is on the screen, if it is whole; else it is made beside, of the camera of now.
+  // Saves the picture on the screen if it is whole. Otherwise it is rendered in another window, with the
+  // present camera.
   void savePicture() {
     std::string path;
     do {
@@ -390,7 +393,7 @@ class ViewerWindow {
     const Saving saving = std::move(savings_.front());
     savings_.pop_front();
     const bool leaves =
-        std::exchange(leaves_, false);  // it stays where this fails, so that somebody sees why
+        std::exchange(leaves_, false);  // If saving fails, the window stays open and shows the reason.
     if (!progress.error.empty()) throw Error(saving.path + ": " + progress.error);
     savePicture(saving.path, saving.still->canvas(), saving.state.cameras[0],
                 series_.stepOf(generationSeen(progress.generations)));
@@ -406,7 +409,7 @@ class ViewerWindow {
            (savings_.size() == 1 ? "" : ", and " + std::to_string(savings_.size() - 1) + " more");
   }
 
-  // Once what is being saved is; at once if it is asked for again.
+  // Quits when pictures that are being saved are complete, or at once at the second call.
   void leave() {
     if (std::exchange(leaves_, true) || savings_.empty()) return interactor_->TerminateApp();
   }
@@ -419,7 +422,7 @@ class ViewerWindow {
   struct Saving {
     std::string path;
     State state;
-    std::shared_ptr<const Still> still;  ///< once it has begun
+    std::shared_ptr<const Still> still;  ///< null until it has begun
   };
   struct Call {
     ViewerWindow& self;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The window on the user's display: VTK's interaction moves the camera, the server's pictures fill it.
+// The window on the user's display. VTK's interaction moves the camera, and the server renders the pictures.
 #pragma once
 #include <functional>
 #include <optional>
@@ -10,17 +10,18 @@
 
 namespace gxy {
 
-/// A state that is to be shown instead, if there is one. Asked often; throws Error for one that is not whole or not right.
+/// Returns a newer state to show, if there is one. It is called often. Throws Error for a state file that is
+/// incomplete or wrong.
 using NewerState = std::function<std::optional<State>()>;
 
-/// Shows `remote` until the user quits. It shows `selection`, of which the user may choose another part and which is saved with
-/// the camera as it is then, and whose data are those of the first step of `series`; `output` is the prefix of the files;
-/// `annotated`: whether annotations are drawn at first. Throws Error where there is no display that can show it, and when the
-/// server has gone or could not show the state.
+/// Shows `remote` until the user quits. `remote` shows `selection`, whose data are those of the first step of
+/// `series`. The user can select other parts, and save the state with the present camera. `output` is the
+/// prefix of saved files. `annotated`: annotations are drawn initially. Throws Error if no display can show
+/// the window, and when the server has gone or cannot show the state.
 void runViewer(RemoteWindow& remote, Selection selection, Series series, const std::string& output,
                bool annotated, NewerState newer);
 
-/// Throws Error, with what to do, unless a window can be opened. VTK itself would end the process.
+/// Throws Error, with advice, unless a window can be opened. VTK itself would end the process.
 void checkDisplay();
 
 }  // namespace gxy

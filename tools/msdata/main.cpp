@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// msdata and msclient: statements to a multiserver, typed or from scripts.
+// msdata and msclient: send statements to a multiserver, typed or from scripts.
 #include <unistd.h>
 
 #include <filesystem>
@@ -20,19 +20,19 @@ using nlohmann::json;
 
 namespace {
 
-/// What may be typed next.
+/// The words that may be typed next.
 class Words {
  public:
   explicit Words(Client& client) : client_(client) { update(); }
 
-  /// After modules were loaded.
+  /// Called after modules were loaded.
   void update() {
     std::set<std::string> words{"exit"};
     const json help = client_.expect("help"), modules = client_.expect("modules");
     for (const auto& verb : help.at("verbs")) words.insert(verb.at("verb").get<std::string>());
     for (const auto& loaded : modules.at("loaded")) {
       const std::string module = loaded;
-      const json again = client_.expect("load " + module);  // it changes nothing and lists
+      const json again = client_.expect("load " + module);  // lists the verbs; changes nothing
       for (const auto& verb : again.at("verbs")) words.insert(module + "." + verb.get<std::string>());
     }
     verbs_ = {words.begin(), words.end()};
@@ -46,7 +46,7 @@ class Words {
   }
 
  private:
-  // Of a reply's list of names, or of what has names; none where the statement fails.
+  // Runs a statement and returns the names in a list of its reply; none if it fails.
   std::vector<std::string> names(const std::string& statement, const char* list) const {
     std::vector<std::string> found;
     const Reply reply = client_.request(statement);
@@ -63,7 +63,7 @@ class Words {
   std::vector<std::string> verbs_;
 };
 
-// False: `exit`, or the connection has ended, which a user who types sees.
+// Returns false after `exit`, or when the connection has ended, which the user has been told.
 bool readAtTerminal(Client& client, Runner& runner, Output& output) {
   Words words(client);
   return readTerminal([&](const std::string& before) { return words.after(before); }, output,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where a client's lines are printed.
+// Prints the lines of a client.
 #pragma once
 #include <condition_variable>
 #include <deque>
@@ -10,28 +10,29 @@
 
 namespace gxy {
 
-/// Prints lines in the order in which they are given, on a thread of its own: who gives them, as the thread that reads
-/// from a server, never waits for a slow pipe or a stopped terminal. What a terminal could obey in them is replaced. Thread
-/// safe.
+/// Prints lines in the order in which they are given, on a thread of its own, so that the thread that reads
+/// from the server never waits for a slow pipe or a stopped terminal. Control characters are replaced
+/// (protocol::printable()). Thread safe.
 class Output {
  public:
   Output();
-  /// Prints what waits.
+  /// Prints all waiting lines.
   ~Output();
   Output(const Output&) = delete;
   Output& operator=(const Output&) = delete;
 
-  void line(const std::string& text) { add(Kind::Line, text); }    ///< to standard output
-  void error(const std::string& text) { add(Kind::Error, text); }  ///< to standard error
-  /// How far work is, on standard error if that is a terminal, until something else is printed.
+  void line(const std::string& text) { add(Kind::Line, text); }    ///< prints to standard output
+  void error(const std::string& text) { add(Kind::Error, text); }  ///< prints to standard error
+  /// Shows progress on standard error, if that is a terminal, until something else is printed.
   void progress(const std::string& text);
-  /// Waits until all is printed; no progress is shown afterwards.
+  /// Waits until everything is printed, and removes progress.
   void flush();
 
-  /// From here, with all printed, until release() nothing is printed but by printHeld(): a line is being edited.
+  /// Waits until everything is printed. From then on until release(), only printHeld() prints, because a line
+  /// is being edited.
   void hold();
   void release();
-  /// Prints what waits, if something does, on this thread, `before` it; whether something did.
+  /// If lines wait, calls `before` and prints them on this thread. Returns whether lines waited.
   bool printHeld(const std::function<void()>& before);
 
  private:
@@ -52,7 +53,7 @@ class Output {
   std::condition_variable changed_;
   std::deque<Item> waiting_;
   bool printing_ = false, held_ = false, ending_ = false;
-  bool progressShown_ = false;  ///< of whoever prints
+  bool progressShown_ = false;  ///< used by the thread that prints
   std::thread thread_;
 };
 

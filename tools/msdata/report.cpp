@@ -24,14 +24,14 @@ std::string indented(const std::string& text) {
   return out;
 }
 
-// A member for people, whatever it is; empty where there is none.
+// Returns a member of any type as text for users; empty if there is none.
 std::string member(const json& object, const char* key) {
   const auto found = object.find(key);
   if (found == object.end()) return {};
   return found->is_string() ? found->get<std::string>() : protocol::dump(*found);
 }
 
-// Whatever path the server says, nothing outside of the current folder is written.
+// Returns the name for a picture's file in the current folder, whatever path the server sends.
 std::string pictureName(const json& header) {
   const std::string name = member(header, "name");
   const std::string own = std::filesystem::path(name).filename().string();

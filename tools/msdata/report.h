@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What becomes of that which a server sends: replies, events, pictures.
+// Shows the replies and events that a server sends, and writes its pictures to files.
 #pragma once
 #include <atomic>
 #include <future>
@@ -12,18 +12,18 @@
 
 namespace gxy {
 
-/// Shows it, as text for people or as lines of JSON, and writes pictures to the current folder. Thread safe.
+/// Shows replies and events as text or as lines of JSON, and writes pictures to the current folder. Thread safe.
 class Report {
  public:
   Report(Output& output, bool json) : output_(output), json_(json) {}
 
-  /// Has a client's callbacks come here. The report outlives the client.
+  /// Sets a client's callbacks to this report, which must outlive the client.
   void listenTo(Client::Options& options);
   void reply(const std::string& statement, const Reply& reply);
-  /// Waits for the end of the connection; why it came.
+  /// Waits for the end of the connection and returns the reason. May be called once.
   std::string waitForEnd() { return ended_.get_future().get(); }
 
-  /// A statement has failed, or a picture could not be written.
+  /// Whether a statement has failed or a picture could not be written.
   bool failed() const { return failed_; }
 
  private:
@@ -36,7 +36,7 @@ class Report {
   std::promise<std::string> ended_;
 };
 
-/// An event on one line, for people.
+/// Returns an event as one line of text for users.
 std::string eventText(const nlohmann::json& event);
 
 }  // namespace gxy

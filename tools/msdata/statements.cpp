@@ -16,7 +16,7 @@ namespace {
 
 constexpr const char* kBlanks = " \t\r\n";
 
-/// `show ...`, or `help show`.
+/// Whether the statement is `show ...` or `help show`.
 bool isAboutShow(const std::string& statement) {
   std::istringstream words(statement);
   std::string first, second;
@@ -29,8 +29,8 @@ bool isAboutShow(const std::string& statement) {
 bool Runner::run(const std::string& statement) {
   if (statement == "exit") return false;
   if (isAboutShow(statement))
-    client_.request("load viewer");  // which has this verb; where it fails, `show` says so
-  // Shown by the thread that reads, so that replies and events are in the order in which they came.
+    client_.request("load viewer");  // It has this verb. If loading fails, the reply to `show` says so.
+  // The reading thread shows the reply, so that replies and events are in the order in which they came.
   const auto shown = std::make_shared<std::promise<void>>();
   const uint32_t id = client_.send(statement, [&report = report_, statement, shown](const Reply& reply) {
     report.reply(statement, reply);

@@ -18,10 +18,10 @@ namespace {
 
 using Words = std::function<std::vector<std::string>(const std::string&)>;
 
-// Readline's callbacks carry nothing with them, nor do handlers of signals.
+// Global state, because neither readline's callbacks nor signal handlers take an argument for it.
 const Words* wordsAfter = nullptr;
 std::vector<std::string> completions;
-const std::string* begunBefore = nullptr;  // of the statement, in earlier lines
+const std::string* begunBefore = nullptr;  // the part of the statement in earlier lines
 Output* printed = nullptr;
 volatile std::sig_atomic_t interrupted = 0;
 
@@ -44,7 +44,7 @@ char** complete(const char* begun, int start, int) {
   return rl_completion_matches(begun, nextCompletion);
 }
 
-// Ten times a second while a line is edited: what has come meanwhile goes above it.
+// Called ten times a second while a line is edited. Prints output that has arrived above the line.
 int showArrivals() {
   if (interrupted) {
     rl_crlf();
@@ -57,7 +57,7 @@ int showArrivals() {
   return 0;
 }
 
-/// What was typed, in this session and, where the user has a folder for it, in earlier ones.
+/// The lines typed in this session and, if the user has a state folder, in earlier ones.
 class History {
  public:
   History() {
@@ -67,14 +67,14 @@ class History {
     const std::filesystem::path folder =
         (state && *state ? std::filesystem::path(state) : std::filesystem::path(home) / ".local/state") /
         "galaxy";
-    std::error_code failed;  // then nothing is kept
+    std::error_code failed;  // If this fails, no history is kept.
     std::filesystem::create_directories(folder, failed);
     file_ = folder / "history";
     read_history(file_.c_str());
   }
   ~History() {
     if (file_.empty() || added_ == 0) return;
-    if (append_history(added_, file_.c_str()) != 0) write_history(file_.c_str());  // it makes the file
+    if (append_history(added_, file_.c_str()) != 0) write_history(file_.c_str());  // creates the file
     history_truncate_file(file_.c_str(), kLines);
   }
   History(const History&) = delete;
