@@ -182,8 +182,7 @@ std::vector<std::string> geometryPieces(const std::string& path) {
   if (extension == ".pvtp") return xmlPieces(path, "PPolyData");
   if (extension != ".part") return {path};
   std::vector<std::string> files;
-  for (const GeometryInPartition& part : parsePart(readText(path), path))
-    files.push_back(beside(path, part.file));
+  for (const GeometryPart& part : parsePart(readText(path), path)) files.push_back(beside(path, part.file));
   return files;
 }
 

@@ -28,9 +28,9 @@ Box parseExtent(const json& extent, const std::string& where) {
   return box;
 }
 
-GeometryInPartition parseEntry(const json& entry, const std::string& where) {
+GeometryPart parseEntry(const json& entry, const std::string& where) {
   if (!entry.is_object()) throw Error(where + ": expected an object with \"extent\" and \"filename\"");
-  GeometryInPartition part;
+  GeometryPart part;
   if (entry.contains("extent")) part.extent = parseExtent(entry["extent"], where);
   if (entry.contains("host") || entry.contains("port"))
     throw Error(where +
@@ -49,7 +49,7 @@ GeometryInPartition parseEntry(const json& entry, const std::string& where) {
 
 }  // namespace
 
-std::vector<GeometryInPartition> parsePart(std::string_view text, const std::string& where) {
+std::vector<GeometryPart> parsePart(std::string_view text, const std::string& where) {
   json document;
   try {
     document = json::parse(text);
@@ -59,15 +59,15 @@ std::vector<GeometryInPartition> parsePart(std::string_view text, const std::str
   if (!document.is_object() || !document.contains("parts") || !document["parts"].is_array())
     throw Error(where + ": expected a JSON object with an array \"parts\"");
   if (document["parts"].empty()) throw Error(where + ": \"parts\" is empty");
-  std::vector<GeometryInPartition> parts;
+  std::vector<GeometryPart> parts;
   for (const json& entry : document["parts"])
     parts.push_back(parseEntry(entry, where + ": part " + std::to_string(parts.size())));
   return parts;
 }
 
-std::string formatPart(const std::vector<GeometryInPartition>& parts) {
+std::string formatPart(const std::vector<GeometryPart>& parts) {
   nlohmann::ordered_json list = nlohmann::ordered_json::array();
-  for (const GeometryInPartition& part : parts) {
+  for (const GeometryPart& part : parts) {
     const glm::dvec3 &lo = part.extent.lo, &hi = part.extent.hi;
     list.push_back({{"extent", {lo.x, hi.x, lo.y, hi.y, lo.z, hi.z}}, {"filename", part.file}});
   }

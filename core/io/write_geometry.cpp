@@ -223,7 +223,7 @@ void writeGeometryPieces(const std::string& path, const std::vector<GeometryPiec
                          const GeometryBlock& like, const std::string& array) {
   const std::string extension = extensionOf(path);
   if (extension == ".part") {
-    std::vector<GeometryInPartition> parts;
+    std::vector<GeometryPart> parts;
     for (const GeometryPiece& piece : pieces) parts.push_back({piece.extent, piece.file});
     return writeText(path, formatPart(parts));
   }

@@ -37,7 +37,7 @@ TEST(Part, DamagedTextsGiveAnErrorOrNamedParts) {
   int errors = 0;
   for (int i = 0; i < 2000; ++i) {
     try {
-      for (const GeometryInPartition& part : parsePart(testing::mutated(kPart, random), "f"))
+      for (const GeometryPart& part : parsePart(testing::mutated(kPart, random), "f"))
         EXPECT_FALSE(part.file.empty());
     } catch (const Error& e) {
       ++errors;
