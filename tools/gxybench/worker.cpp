@@ -14,7 +14,6 @@
 #include "core/comm/error.h"
 #include "core/comm/mpi_environment.h"
 #include "core/comm/mpi_transport.h"
-#include "core/rays/scene_memory.h"
 #include "core/render/renderer.h"
 #include "tools/gxybench/job.h"
 #include "tools/gxyrender/load.h"
@@ -89,10 +88,13 @@ class Worker {
   void runSetting(size_t i) {
     forgetPeakMemory();
     const State& state = job_.settings[i].state;
-    const auto scene = makeScene(state, loaded_, 0, ranks_);
-    std::shared_ptr<const DeviceScene> device;
-    agree(ranks_, [&] { device = backend_->makeScene(scene, transport_.rank()); });
-    renderer_.addScene(i, scene, device);
+    SceneBuilder builder(*backend_, transport_.rank());
+    const EnterMemory enter = [this](const char* purpose, int64_t bytes) {
+      return ledger_.enter("bench", purpose, bytes);
+    };
+    const BuiltScene scene =
+        builder.build(sceneSource(state, loaded_, 0, ranks_), sceneRanksOf(ranks_), enter);
+    renderer_.addScene(i, scene.compiled, scene.device);
     collective_.barrier(kRunKey);
 
     // The first frame warms up. Its picture is the one that is compared.
@@ -117,7 +119,7 @@ class Worker {
       wall.push_back(t.wall), cpu.push_back(t.cpu);
       total += t.wall;
     }
-    report(i, *device, *scene, before, wall, cpu);
+    report(i, before, wall, cpu);
     renderer_.removeScene(i);
   }
 
@@ -155,14 +157,11 @@ class Worker {
     return times;
   }
 
-  void report(size_t i, const DeviceScene& device, const CompiledScene& scene, const nlohmann::json& before,
-              const std::vector<double>& wall, const std::vector<double>& cpu) {
+  void report(size_t i, const nlohmann::json& before, const std::vector<double>& wall,
+              const std::vector<double>& cpu) {
     nlohmann::json mine = countersOf(renderer_);
     for (auto& [name, value] : mine.items())
       value = (value.get<int64_t>() - before.at(name).get<int64_t>()) / int64_t(wall.size());
-    SceneMemory memory;
-    const auto entries =
-        memory.enter(scene, device, [&](int64_t bytes) { return ledger_.enter("bench", "scene", bytes); });
     mine["bytes_held"] = ledger_.total();
     const int64_t peak = processBytes().peakResident;
     int64_t largest = 0;

@@ -2,7 +2,6 @@
 #include "tools/gxyrender/load.h"
 
 #include <algorithm>
-#include <array>
 #include <filesystem>
 #include <map>
 #include <set>
@@ -130,7 +129,11 @@ LoadedState loadData(const State& state, const std::string& directory, const Ren
   loaded.shown.resize(state.visualizations.size());
 
   // Geometry goes to every partition that it touches with the radii that its Vis gives it, once for each.
-  std::map<std::pair<std::string, std::array<double, 4>>, std::shared_ptr<const Geometry>> distributed;
+  SharedGeometry distributed;
+  const SceneRanks all = sceneRanksOf(ranks);
+  const EnterMemory enter = [&ledger](const char* purpose, int64_t bytes) {
+    return ledger.enter(kTenant, purpose, bytes);
+  };
   for (size_t v = 0; v < state.visualizations.size(); v++) {
     const Visualization kept = loaded.withKeptComponents(state.visualizations[v]);
     auto& list = loaded.data.emplace_back();
@@ -141,34 +144,24 @@ LoadedState loadData(const State& state, const std::string& directory, const Ren
       if (d.type == DatasetType::Volume) {
         data.volume = volumes[d.name];
       } else {
-        auto& g = distributed[{d.name, radiiOf(op)}];
-        if (!g) {
-          g = distribute(
-              geometry.at(d.name), *loaded.partitioning,
-              [&](double value) { return op.type == VisType::Triangles ? 0.0 : radiusOf(op, value); }, ranks);
-          loaded.memory.push_back(ledger.enter(kTenant, "geometry", bytesOf(*g)));
-        }
-        data.geometry = g;
+        const auto distributeIt = [&](const RadiusOf& radius) {
+          return distribute(geometry.at(d.name), *loaded.partitioning, radius, ranks);
+        };
+        loaded.geometry.push_back(distributed.get({d.name, distributeIt}, op, all, enter));
+        data.geometry = loaded.geometry.back()->geometry;
       }
     }
   }
   return loaded;
 }
 
-std::shared_ptr<const CompiledScene> makeScene(const State& state, const LoadedState& loaded, size_t v,
-                                               Collectives& ranks,
-                                               std::span<const std::shared_ptr<const CompiledScene>> others) {
-  std::shared_ptr<CompiledScene> scene;
-  agree(ranks, [&] {
-    scene = compileScene(loaded.visualization(state, v), loaded.data[v], loaded.partitioning, state.settings,
-                         others);
-  });
-  Bytes mine(scene->visible.size());
-  std::transform(scene->visible.begin(), scene->visible.end(), mine.begin(),
-                 [](uint8_t x) { return std::byte(x); });
-  for (const Bytes& theirs : ranks.allGather(std::move(mine)))
-    for (size_t p = 0; p < theirs.size(); p++) scene->visible[p] |= uint8_t(theirs[p]);
-  return scene;
+SceneSource sceneSource(const State& state, const LoadedState& loaded, size_t v, Collectives& ranks) {
+  SceneSource source;
+  agree(ranks, [&] { source.visualization = loaded.visualization(state, v); });
+  source.settings = state.settings;
+  source.partitioning = loaded.partitioning;
+  for (const OperatorData& data : loaded.data[v]) source.data.push_back({data, {}});
+  return source;
 }
 
 }  // namespace gxy

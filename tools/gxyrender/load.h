@@ -3,15 +3,13 @@
 #pragma once
 #include <map>
 #include <memory>
-#include <span>
 #include <string>
 #include <vector>
 
 #include "core/io/collectives.h"
 #include "core/io/import_volume.h"
 #include "core/look/loaded_facts.h"
-#include "core/rays/backend.h"
-#include "core/rays/compiled_scene.h"
+#include "core/render/scene_builder.h"
 #include "core/space/ledger.h"
 #include "tools/gxyrender/options.h"
 
@@ -25,9 +23,10 @@ struct LoadedState {
   std::vector<std::vector<OperatorData>> data;  ///< by visualization, then operator
   /// By volume: the components of its file that were loaded. Volumes with all components are not listed.
   std::map<std::string, std::vector<int>> components;
-  std::map<std::string, DataFacts> facts;  ///< by dataset
-  std::vector<ShownSoFar> shown;           ///< by visualization
-  std::vector<LedgerEntry> memory;
+  std::map<std::string, DataFacts> facts;        ///< by dataset
+  std::vector<ShownSoFar> shown;                 ///< by visualization
+  std::vector<LedgerEntry> memory;               ///< of volumes
+  std::vector<DistributedGeometryPtr> geometry;  ///< that `data` show, with its memory
   LeftOut leftOut;
 
   /// Returns visualization v of a state after resolved(), with component numbers that refer to the loaded
@@ -51,10 +50,7 @@ struct LoadedState {
 LoadedState loadData(const State& state, const std::string& directory, const RenderOptions& options,
                      Collectives& ranks, Ledger& ledger, std::vector<ShownSoFar> shown = {});
 
-/// Compiles visualization v, and combines which partitions are visible over all ranks. compileScene() reuses
-/// plans of `others`. Collective: all ranks call it.
-std::shared_ptr<const CompiledScene> makeScene(
-    const State& state, const LoadedState& loaded, size_t v, Collectives& ranks,
-    std::span<const std::shared_ptr<const CompiledScene>> others = {});
+/// Collective: what visualization v of such a state is built of. Throws the same Error on all ranks.
+SceneSource sceneSource(const State& state, const LoadedState& loaded, size_t v, Collectives& ranks);
 
 }  // namespace gxy

@@ -15,7 +15,6 @@
 #include "core/comm/mpi_environment.h"
 #include "core/comm/mpi_transport.h"
 #include "core/look/file_facts.h"
-#include "core/rays/scene_memory.h"
 #include "core/render/renderer.h"
 #include "core/scene/data_files.h"
 #include "core/scene/state_file.h"
@@ -209,20 +208,18 @@ std::vector<ShownSoFar> renderStep(const State& state, const std::string& direct
   Renderer::Options rendering{options.packet, options.raysInFlight, &at.ledger, kTenant};
   rendering.runners = rendering.handOuts = at.transport.threads();
   Renderer renderer(at.transport, rendering);
-  SceneMemory memory;
-  std::vector<SceneMemory::Entries> held;
-  std::vector<std::shared_ptr<const CompiledScene>> scenes;
+  SceneBuilder builder(at.backend, at.transport.rank());
+  const EnterMemory enter = [&at](const char* purpose, int64_t bytes) {
+    return at.ledger.enter(kTenant, purpose, bytes);
+  };
+  std::vector<BuiltScene> scenes;
   LeftBefore before{loaded.leftOut};
   for (size_t v = 0; v < state.visualizations.size(); v++) {
     const double since = wallSeconds();
-    const auto scene = makeScene(state, loaded, v, at.ranks, scenes);
-    scenes.push_back(scene);
-    std::shared_ptr<const DeviceScene> device;
-    agree(at.ranks, [&] { device = at.backend.makeScene(scene, at.transport.rank()); });
-    held.push_back(memory.enter(*scene, *device,
-                                [&](int64_t bytes) { return at.ledger.enter(kTenant, "scene", bytes); }));
-    before.isoCells += scene->isoCellsSkipped;
-    renderer.addScene(v, scene, device);
+    const BuiltScene& scene = scenes.emplace_back(
+        builder.build(sceneSource(state, loaded, v, at.ranks), sceneRanksOf(at.ranks), enter));
+    before.isoCells += scene.compiled->isoCellsSkipped;
+    renderer.addScene(v, scene.compiled, scene.device);
     phases.compileEach.push_back(wallSeconds() - since);
   }
   at.collective.barrier(kRunKey);

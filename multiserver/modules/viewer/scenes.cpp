@@ -81,111 +81,77 @@ const NamedDataset* SceneHandle::find(Key key, std::optional<Generation> generat
   return nullptr;
 }
 
-Scenes::Scenes(Registration& registration) : node_(registration.node()) {
+Scenes::Scenes(Registration& registration)
+    : node_(registration.node()), builder_(*node_.backend, node_.rank()) {
   registration.work(
       "viewer.make", [this](const Work::Call& call) { return make(call.parameters); }, Work::Runs::Waiting);
   registration.work("viewer.forget", [this](const Work::Call& call) { return forget(call.parameters); });
+}
+
+// What rank 0 has asked for, with this rank's part of its data. `ranks` outlive it.
+SceneSource Scenes::sourceOf(const json& p, Collectives& ranks) const {
+  SceneSource source;
+  const State state = readState(p.at("state").get<std::string>(), "visualization").state;
+  source.visualization = state.visualizations.at(0);
+  source.settings = state.settings;
+  for (const json& d : p.at("data")) {
+    const auto key = d.at("key").get<uint64_t>();
+    const auto generation = d.at("generation").get<Generation>();
+    const auto dataset = node_.objects.pin(Key{key}, generation).get<Dataset>();
+    if (!source.partitioning) source.partitioning = dataset->partitioning;
+    const auto& operators = source.visualization.operators;
+    if (source.partitioning != dataset->partitioning && !(*source.partitioning == *dataset->partitioning))
+      throw Error("visualization: " + inQuotes(operators[0].dataset) + " and " +
+                  inQuotes(operators[source.data.size()].dataset) +
+                  " are partitioned differently, expected one partitioning; import one `like` the other");
+    OperatorSource& shown = source.data.emplace_back();
+    shown.data.color = glm::dvec3(dataset->color);
+    shown.data.volume = dataset->volume;
+    if (!dataset->geometry) continue;
+    const auto tenant = p.at("tenant").get<std::string>();  // whose memory it takes
+    shown.geometry = {tenant + " " + std::to_string(key) + ":" + std::to_string(generation),
+                      [dataset, partitioning = source.partitioning, &ranks](const RadiusOf& radius) {
+                        return distribute(*dataset->geometry, *partitioning, radius, ranks);
+                      }};
+  }
+  return source;
 }
 
 // Every rank: all make the same exchanges, whatever fails.
 json Scenes::make(const json& p) {
   const auto id = p.at("scene").get<SceneId>();
   const auto tenant = p.at("tenant").get<std::string>();
-  const json& keys = p.at("data");
   Exchanges::Part part = node_.exchanges.join(p.at("exchange").get<uint64_t>());
   RankCollectives& ranks = part.ranks;
 
-  Visualization visualization;
-  RenderSettings settings;
-  std::shared_ptr<const Partitioning> partitioning;
-  std::vector<std::shared_ptr<const Dataset>> datasets;
-  agree(ranks, [&] {
-    const State state = readState(p.at("state").get<std::string>(), "visualization").state;
-    visualization = state.visualizations.at(0);
-    settings = state.settings;
-    for (const json& d : keys) {
-      const Pin pin =
-          node_.objects.pin(Key{d.at("key").get<uint64_t>()}, d.at("generation").get<Generation>());
-      const auto dataset = datasets.emplace_back(pin.get<Dataset>());
-      if (!partitioning) partitioning = dataset->partitioning;
-      if (partitioning != dataset->partitioning && !(*partitioning == *dataset->partitioning))
-        throw Error("visualization: " + inQuotes(visualization.operators[0].dataset) + " and " +
-                    inQuotes(visualization.operators[datasets.size() - 1].dataset) +
-                    " are partitioned differently, expected one partitioning; import one `like` the other");
-    }
-  });
-  std::vector<OperatorData> data;
-  std::shared_ptr<CompiledScene> scene;
-  std::shared_ptr<const DeviceScene> device;
-  Made made;  // goes before what it accounts for
-  // What is told of: each geometry, and the scene twice.
-  const int64_t of = 2 + std::count_if(datasets.begin(), datasets.end(),
-                                       [](const auto& d) { return d->geometry != nullptr; });
-  int64_t item = 0;
-  for (size_t i = 0; i < datasets.size(); i++) {
-    const Vis& vis = visualization.operators[i];
-    const Dataset& dataset = *datasets[i];
-    OperatorData& operand = data.emplace_back();
-    operand.color = glm::dvec3(dataset.color);
-    operand.volume = dataset.volume;
-    if (!dataset.geometry) continue;
-    part.begin(item++, of, "distributing " + vis.dataset);
-    const Distribution distribution{tenant, keys[i].at("key"), keys[i].at("generation"), radiiOf(vis)};
-    std::shared_ptr<const Distributed> known = distributed_.find(distribution);
-    // One rank may have forgotten it already.
-    const auto there = ranks.allGather(Bytes(1, std::byte(known != nullptr)));
-    if (std::any_of(there.begin(), there.end(), [](const Bytes& b) { return b.at(0) == std::byte(0); })) {
-      Distributed mine;
-      mine.geometry = distribute(
-          *dataset.geometry, *partitioning,
-          [&vis](double value) { return vis.type == VisType::Triangles ? 0.0 : radiusOf(vis, value); },
-          ranks);
-      agree(ranks, [&] { mine.memory = node_.takeMemory(tenant, "geometry", bytesOf(*mine.geometry)); });
-      known = distributed_.get(distribution, [&] { return std::move(mine); });
-    }
-    operand.geometry = known->geometry;
-    made.geometry.push_back(known);
-  }
-  Bytes visible;
-  part.begin(item++, of, "compiling the scene");
-  agree(ranks, [&] {
-    std::vector<std::shared_ptr<const CompiledScene>> others;
-    {
-      const std::lock_guard lock(mutex_);
-      for (const auto& [known, made] : made_)
-        if (auto other = made.scene.lock()) others.push_back(std::move(other));
-    }
-    scene = compileScene(visualization, data, partitioning, settings, others, advanceOf(ranks));
-    for (const uint8_t v : scene->visible) visible.push_back(std::byte(v));
-  });
-  for (const Bytes& theirs : ranks.allGather(std::move(visible)))
-    for (size_t i = 0; i < theirs.size(); i++) scene->visible[i] |= uint8_t(theirs[i]);
-  part.begin(item++, of, "building the scene");
-  agree(ranks, [&] {
-    device = node_.backend->makeScene(scene, node_.rank(), advanceOf(ranks));
-    made.memory = memory_.enter(*scene, *device,
-                                [&](int64_t bytes) { return node_.takeMemory(tenant, "scene", bytes); });
-    made.scene = scene;
-    const std::lock_guard lock(mutex_);
-    made_[id] = std::move(made);
-    node_.renderer.addScene(id, scene, device);
-  });
+  SceneSource source;
+  agree(ranks, [&] { source = sourceOf(p, ranks); });
+  const SceneBuilder::OnItem onItem = [&part](int64_t item, int64_t of, const std::string& text) {
+    part.begin(item, of, text);
+  };
+  const EnterMemory enter = [this, &tenant](const char* purpose, int64_t bytes) {
+    return node_.takeMemory(tenant, purpose, bytes);
+  };
+  BuiltScene built = builder_.build(std::move(source), sceneRanksOf(ranks), enter, onItem);
+  const std::lock_guard lock(mutex_);
+  node_.renderer.addScene(id, built.compiled, built.device);
+  built_[id] = std::move(built);
   return nullptr;
 }
 
 std::shared_ptr<const CompiledScene> Scenes::compiled(SceneId id) {
   const std::lock_guard lock(mutex_);
-  const auto at = made_.find(id);
-  auto scene = at == made_.end() ? nullptr : at->second.scene.lock();
-  if (!scene) throw Error("the scene has been let go");
-  return scene;
+  const auto at = built_.find(id);
+  if (at == built_.end()) throw Error("the scene has been let go");
+  return at->second.compiled;
 }
 
 json Scenes::forget(const json& p) {
   const auto id = p.at("scene").get<SceneId>();
   {
+    std::map<SceneId, BuiltScene>::node_type gone;  // outside the lock
     const std::lock_guard lock(mutex_);
-    made_.erase(id);
+    gone = built_.extract(id);
   }
   node_.renderer.removeScene(id);
   return nullptr;

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Visualizations with their data, compiled on all ranks and shared by all frames of a tenant that show them.
 #pragma once
-#include <array>
 #include <atomic>
 #include <chrono>
 #include <condition_variable>
@@ -10,12 +9,10 @@
 #include <mutex>
 #include <optional>
 #include <string>
-#include <tuple>
 #include <vector>
 
-#include "core/rays/scene_memory.h"
+#include "core/render/scene_builder.h"
 #include "core/scene/resolve.h"
-#include "core/space/shared_by.h"
 #include "multiserver/server/datasets.h"
 #include "multiserver/server/module.h"
 
@@ -78,6 +75,7 @@ class Scenes {
     Visualization resolved;
   };
   Held hold(const std::string& tenant, const Visualization& visualization, ShownSoFar& shown) const;
+  SceneSource sourceOf(const nlohmann::json& parameters, Collectives& ranks) const;
   nlohmann::json make(const nlohmann::json& parameters);
   nlohmann::json forget(const nlohmann::json& parameters);
   /// A scene that is being made, and who waits for it. Rank 0; under mutex_ but for `wanted`.
@@ -106,21 +104,8 @@ class Scenes {
   std::map<std::string, MakingPtr> underWay_;                      ///< rank 0: by content
   std::condition_variable ended_;                                  ///< of one of these
   SceneId next_ = 1;                                               ///< rank 0
-  /// Geometry in every partition that it touches, of a tenant's scenes.
-  struct Distributed {
-    std::shared_ptr<const Geometry> geometry;
-    LedgerEntry memory;
-  };
-  using Distribution =
-      std::tuple<std::string, uint64_t, Generation, std::array<double, 4>>;  ///< tenant, key... radii
-  struct Made {
-    SceneMemory::Entries memory;
-    std::vector<std::shared_ptr<const Distributed>> geometry;
-    std::weak_ptr<const CompiledScene> scene;
-  };
-  std::map<SceneId, Made> made_;
-  SharedBy<Distribution, Distributed> distributed_;
-  SceneMemory memory_;
+  SceneBuilder builder_;
+  std::map<SceneId, BuiltScene> built_;  ///< every rank: those that rank 0 has not let go
 };
 
 }  // namespace gxy::viewer

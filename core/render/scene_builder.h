@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: Apache-2.0
+// Builds scenes for Renderers: all ranks together turn a visualization and its data into a scene on their devices.
+#pragma once
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/comm/transport.h"
+#include "core/data/replicate.h"
+#include "core/rays/backend.h"
+#include "core/rays/compiled_scene.h"
+#include "core/rays/scene_memory.h"
+#include "core/space/ledger.h"
+#include "core/space/shared_by.h"
+
+namespace gxy {
+
+/// The ranks that build a scene together. All ranks make the same calls in the same order. Calls block.
+struct SceneRanks {
+  /// Runs `work`, which must not communicate, on every rank. If it throws on one rank, all ranks throw the same Error.
+  std::function<void(const std::function<void()>& work)> agree;
+  /// Returns the bytes of every rank, by rank, on every rank.
+  std::function<std::vector<Bytes>(Bytes mine)> allGather;
+  /// Is told how far long computations are. It throws to end them.
+  Advance advance;
+};
+
+/// Makes SceneRanks of Collectives (core/io/collectives.h), which must outlive the result.
+template <class Collectives>
+SceneRanks sceneRanksOf(Collectives& ranks) {
+  return {[&ranks](const std::function<void()>& work) { agree(ranks, work); },
+          [&ranks](Bytes mine) { return ranks.allGather(std::move(mine)); }, advanceOf(ranks)};
+}
+
+/// Enters bytes in a ledger for a purpose ("geometry", "scene"). Throws Error if there is no room for them.
+using EnterMemory = std::function<LedgerEntry(const char* purpose, int64_t bytes)>;
+
+/// Geometry that has not been distributed to the partitions that it touches.
+struct GeometrySource {
+  /// Scenes share the distributed geometry if this name and the radii are the same. So different geometry needs different names.
+  std::string name;
+  /// Collective. Returns the geometry in every partition that its primitives touch with these radii (world units). If one rank
+  /// fails, all ranks throw the same Error.
+  std::function<std::shared_ptr<const Geometry>(const RadiusOf& radius)> distribute;
+};
+
+/// Geometry in every partition that it touches, with its entry in the ledger.
+struct DistributedGeometry {
+  std::shared_ptr<const Geometry> geometry;
+  LedgerEntry memory;
+};
+using DistributedGeometryPtr = std::shared_ptr<const DistributedGeometry>;
+
+/// Keeps distributed geometry for as long as somebody holds it, so that scenes share it. There is one on each rank. Thread safe.
+class SharedGeometry {
+ public:
+  /// Collective. Returns the geometry with the radii that `vis` gives it. If any rank does not have it, the geometry is
+  /// distributed and `enter` is called for "geometry". If either fails on one rank, all ranks throw the same Error.
+  DistributedGeometryPtr get(const GeometrySource& source, const Vis& vis, const SceneRanks& ranks,
+                             const EnterMemory& enter);
+
+ private:
+  using Distribution = std::pair<std::string, std::array<double, 4>>;  ///< name and radiiOf()
+  SharedBy<Distribution, DistributedGeometry> known_;
+};
+
+/// The data of one operator.
+struct OperatorSource {
+  OperatorData data;
+  /// Geometry to be distributed, which becomes `data.geometry`. None: `data` is complete.
+  std::optional<GeometrySource> geometry;
+};
+
+/// A visualization with its data, from which a scene is built.
+struct SceneSource {
+  Visualization visualization;  ///< resolved(): ranges and radii are numbers (core/scene/resolve.h)
+  RenderSettings settings;
+  std::shared_ptr<const Partitioning> partitioning;
+  std::vector<OperatorSource> data;  ///< by operator
+};
+
+/// A scene on one rank, with its entries in the ledger. The holder keeps it for as long as the ledger is to show it.
+struct BuiltScene {
+  std::shared_ptr<const CompiledScene> compiled;
+  std::shared_ptr<const DeviceScene> device;
+  std::vector<DistributedGeometryPtr> geometry;  ///< distributed for this scene, or shared with others
+  /// Entries for "scene". This member is the last, so that the entries are destroyed before the memory that they count.
+  SceneMemory::Entries memory;
+};
+
+/// Builds scenes. There is one builder on each rank. Its scenes share distributed geometry, the parts that compileScene() takes
+/// from other scenes, and the ledger's entries for them. Thread safe: several scenes may be built at the same time.
+class SceneBuilder {
+ public:
+  /// Is called on all ranks when item `item` of `of` begins. There is one item for each geometry that is distributed, one for
+  /// compiling and one for the device. If it throws, it must throw on all ranks, and ends the building.
+  using OnItem = std::function<void(int64_t item, int64_t of, const std::string& text)>;
+
+  /// The backend must outlive the builder. `rank` is this rank.
+  SceneBuilder(const Backend& backend, int rank) : backend_(backend), rank_(rank) {}
+
+  /// Collective. Distributes geometry, compiles the scene, merges over all ranks which partitions are visible, and makes the
+  /// scene on the backend's device. Calls `enter` for "geometry" after each distribution, and for "scene" once the device has
+  /// the scene. Takes long for much data. If a rank fails or has no room, all ranks throw the same Error and nothing remains.
+  BuiltScene build(
+      SceneSource source, const SceneRanks& ranks, const EnterMemory& enter,
+      const OnItem& onItem = [](int64_t, int64_t, const std::string&) {});
+
+ private:
+  std::vector<std::shared_ptr<const CompiledScene>> others();
+
+  const Backend& backend_;
+  const int rank_;
+  SharedGeometry geometry_;
+  SceneMemory memory_;
+  std::mutex mutex_;
+  std::vector<std::weak_ptr<const CompiledScene>> scenes_;  ///< in the order in which they were built
+};
+
+}  // namespace gxy

@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: Apache-2.0
+// Scenes built by ranks together: what they share, what they enter in a ledger, and what is left when one fails.
+#include "core/render/scene_builder.h"
+
+#include <gtest/gtest.h>
+
+#include "core/comm/error.h"
+#include "tests/support/backends.h"
+#include "tests/support/frames.h"
+
+namespace gxy::test {
+namespace {
+
+/// One rank by itself, and particles that it distributes.
+class SceneBuilderTest : public testing::Test {
+ protected:
+  SceneBuilderTest() : scene_(emptyScene("particles")) {
+    addParticles(scene_, 1);
+    compiled_ = compiledOn(whole(scene_.domain), scene_)[0].compiled;
+    ranks_.agree = [](const std::function<void()>& work) { work(); };
+    ranks_.allGather = [](Bytes mine) { return std::vector<Bytes>{std::move(mine)}; };
+    ranks_.advance = [](double) {};
+  }
+
+  /// The particles with a largest radius, under a name.
+  SceneSource source(double radius, const std::string& name = "particles") {
+    SceneSource source{scene_.visualization, scene_.settings, compiled_->partitioning, {}};
+    source.visualization.operators[0].radius1 = radius;
+    source.data.push_back({{}, GeometrySource{name, [this](const RadiusOf&) {
+                                                distributions_++;
+                                                return compiled_->operators[0].data.geometry;
+                                              }}});
+    return source;
+  }
+  BuiltScene build(SceneSource source) {
+    const auto enter = [this](const char* purpose, int64_t bytes) {
+      entered_.push_back(purpose);
+      if (entered_.back() == full_) throw Error("there is no room");
+      return ledger_.enter("tenant", purpose, bytes);
+    };
+    const auto onItem = [this](int64_t item, int64_t of, const std::string& text) {
+      items_.push_back(std::to_string(item) + " of " + std::to_string(of) + ": " + text);
+    };
+    return builder_.build(std::move(source), ranks_, enter, onItem);
+  }
+
+  TestScene scene_;
+  std::shared_ptr<const CompiledScene> compiled_;
+  SceneRanks ranks_;
+  Ledger ledger_;
+  SceneBuilder builder_{embree(), 0};
+  int distributions_ = 0;
+  std::vector<std::string> entered_, items_;
+  std::string full_;  ///< a purpose for which there is no room
+};
+
+TEST_F(SceneBuilderTest, DistributesGeometryOnceForEachNameAndRadii) {
+  {
+    const BuiltScene first = build(source(0.05)), second = build(source(0.05));
+    EXPECT_EQ(distributions_, 1);
+    EXPECT_EQ(first.geometry.at(0), second.geometry.at(0));
+    EXPECT_EQ(second.compiled->operators[0].data.geometry, first.geometry[0]->geometry);
+    const BuiltScene thicker = build(source(0.06)), renamed = build(source(0.05, "others"));
+    EXPECT_EQ(distributions_, 3);
+  }
+  build(source(0.05));
+  EXPECT_EQ(distributions_, 4) << "the scenes that held it have gone";
+}
+
+TEST_F(SceneBuilderTest, DistributesAgainWhereAnotherRankHasForgotten) {
+  const BuiltScene first = build(source(0.05));
+  ranks_.allGather = [](Bytes mine) { return std::vector<Bytes>{mine, Bytes(mine.size(), std::byte(0))}; };
+  const BuiltScene second = build(source(0.05));
+  EXPECT_EQ(distributions_, 2);
+  EXPECT_EQ(first.geometry.at(0), second.geometry.at(0)) << "what this rank has is kept";
+}
+
+TEST_F(SceneBuilderTest, TakesPrimitivesFromScenesThatThereAre) {
+  const BuiltScene first = build(source(0.05)), second = build(source(0.05));
+  ASSERT_FALSE(first.compiled->operators[0].parts.empty());
+  for (const auto& [partition, part] : first.compiled->operators[0].parts)
+    EXPECT_EQ(second.compiled->operators[0].parts.at(partition).geometry, part.geometry);
+}
+
+TEST_F(SceneBuilderTest, EntersWhatScenesHoldOnceAndInOrder) {
+  {
+    const BuiltScene first = build(source(0.05));
+    ASSERT_GE(entered_.size(), 2u);
+    EXPECT_EQ(entered_[0], "geometry");
+    for (size_t i = 1; i < entered_.size(); i++) EXPECT_EQ(entered_[i], "scene");
+    const int64_t shared = ledger_.total();
+    const auto alone = int64_t(first.compiled->bytes() + first.device->bytes());
+    const BuiltScene second = build(source(0.05));
+    EXPECT_EQ(ledger_.total(), shared + alone);
+  }
+  EXPECT_EQ(ledger_.total(), 0);
+}
+
+TEST_F(SceneBuilderTest, TellsWhatBegins) {
+  build(source(0.05));
+  EXPECT_EQ(items_,
+            (std::vector<std::string>{"0 of 3: distributing " + scene_.visualization.operators[0].dataset,
+                                      "1 of 3: compiling the scene", "2 of 3: building the scene"}));
+}
+
+TEST_F(SceneBuilderTest, SeesWhatAnyRankSees) {
+  EXPECT_EQ(build(source(0.05)).compiled->visible, compiled_->visible);
+  SceneSource nothing = source(0.05);
+  nothing.data[0].geometry->distribute = [this](const RadiusOf&) {
+    auto empty = std::make_shared<Geometry>(*compiled_->operators[0].data.geometry);
+    for (auto& [partition, block] : empty->blocks) block = {};
+    return empty;
+  };
+  SceneSource again = nothing;
+  EXPECT_EQ(build(std::move(nothing)).compiled->visible, std::vector<uint8_t>{0});
+  ranks_.allGather = [](Bytes mine) { return std::vector<Bytes>{mine, Bytes(mine.size(), std::byte(1))}; };
+  EXPECT_EQ(build(std::move(again)).compiled->visible, std::vector<uint8_t>{1});
+}
+
+TEST_F(SceneBuilderTest, LeavesNothingWhereThereIsNoRoom) {
+  for (const char* purpose : {"geometry", "scene"}) {
+    full_ = purpose;
+    EXPECT_THROW(build(source(0.05)), Error) << purpose;
+    EXPECT_EQ(ledger_.total(), 0) << purpose;
+  }
+  full_.clear();
+  const BuiltScene scene = build(source(0.05));
+  EXPECT_NE(scene.device, nullptr);
+  EXPECT_EQ(distributions_, 3);
+}
+
+}  // namespace
+}  // namespace gxy::test
