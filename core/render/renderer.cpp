@@ -26,7 +26,7 @@ void writeRequest(Writer& w, const FrameRequest& r) {
       .write(r.sums)
       .write(r.window)
       .write(r.share.tenant);
-  w.write(r.share.interactive).write(r.share.stream).write(r.account).write(r.note);
+  w.write(r.share.interactive).write(r.share.stream).write(r.account);
   w.write(c.viewpoint)
       .write(c.viewdirection)
       .write(c.viewup)
@@ -48,7 +48,6 @@ FrameRequest readRequest(Reader& in) {
   r.share.interactive = in.read<bool>();
   r.share.stream = in.read<uint64_t>();
   r.account = in.readString();
-  r.note = in.readString();
   c.viewpoint = in.read<glm::dvec3>();
   c.viewdirection = in.read<glm::dvec3>();
   c.viewup = in.read<glm::dvec3>();
@@ -60,6 +59,13 @@ FrameRequest readRequest(Reader& in) {
     throw Error("a frame of " + std::to_string(r.samples) + " samples from " + std::to_string(r.firstSample) +
                 " on, expected numbers from 0 to " + std::to_string(kSamples));
   return r;
+}
+
+// Nothing where there is no operation, else a byte before what the operation writes.
+Bytes operationBytes(const PictureOperationPtr& operation) {
+  Writer w;
+  if (operation) operation->write(w.write(true));
+  return w.take();
 }
 
 LedgerEntry entry(const Renderer::Options& options, const std::string& tenant, const char* purpose) {
@@ -132,6 +138,11 @@ void Renderer::onPicture(PictureHandler handler) {
   pictureHandler_ = std::move(handler);
 }
 
+void Renderer::onOperation(PictureOperationReader reader) {
+  std::lock_guard lock(mutex_);
+  operationReader_ = std::move(reader);
+}
+
 Renderer::Counters Renderer::counters() const {
   std::lock_guard lock(mutex_);
   Counters c = counters_;
@@ -185,7 +196,8 @@ void Renderer::beginFrame(FrameId id, const FrameRequest& request) {
   Writer w;
   w.write(FrameMessage::Start).write(id);
   writeRequest(w, request);
-  start(id, request, w.take());
+  w.write(operationBytes(request.operation));
+  start(id, request, {}, w.take());
 }
 
 void Renderer::beginWaiting(const std::vector<FrameId>& ids) {
@@ -279,13 +291,14 @@ void Renderer::receiveFrame(const Bytes& message) {
     in.fail("it is not for rank " + std::to_string(transport_.rank()));
   if (kind == FrameMessage::Start) {
     const FrameRequest request = readRequest(in);
+    const Bytes operation = in.readVector<std::byte>();
     in.expectEnd();
     validate(request.camera);
     {
       std::lock_guard lock(mutex_);
       if (find(id) || isOver(id)) in.fail("frame " + std::to_string(id) + " has started before");
     }
-    start(id, request, message);
+    start(id, request, operation, message);
   } else if (kind == FrameMessage::Cancel) {
     in.expectEnd();
     sendDown(message);
@@ -331,9 +344,22 @@ void Renderer::delivered(FrameId id, const std::string& error) {
   beginWaiting(next);
 }
 
-// Makes what this rank needs for a frame besides the request.
-void Renderer::prepare(Frame& frame) {
+// Makes what this rank needs for a frame besides the request. `operation` is the operation of the frame's picture as rank 0 has
+// written it; empty where the request holds it already.
+void Renderer::prepare(Frame& frame, const Bytes& operation) {
   const FrameRequest& request = frame.request;
+  if (frame.owner == transport_.rank() && !operation.empty()) {
+    PictureOperationReader read;
+    {
+      std::lock_guard lock(mutex_);
+      read = operationReader_;
+    }
+    if (!read) throw Error("its picture comes with an operation, expected Renderer::onOperation() before");
+    Reader in(operation, "picture operation");
+    in.read<bool>();
+    frame.request.operation = read(in);
+    in.expectEnd();
+  }
   if (!request.account.empty()) frame.own.emplace(options_, request.account);
   {
     std::lock_guard lock(mutex_);
@@ -372,7 +398,7 @@ void Renderer::prepare(Frame& frame) {
     counters_.partitionsSkipped += !scene.visible[size_t(p)];
 }
 
-void Renderer::start(FrameId id, FrameRequest request, const Bytes& message) {
+void Renderer::start(FrameId id, FrameRequest request, const Bytes& operation, const Bytes& message) {
   sendDown(message);
   auto frame = std::make_shared<Frame>(options_);
   frame->id = id;
@@ -380,7 +406,7 @@ void Renderer::start(FrameId id, FrameRequest request, const Bytes& message) {
   frame->owner = int(id % uint64_t(transport_.size()));
   frame->shared = &account_;
   try {
-    prepare(*frame);
+    prepare(*frame, operation);
   } catch (const std::exception& e) {
     frame->tiles.clear();    // the frame spawns nothing here, and rays that arrive are retired
     fail(frame, textOf(e));  // before other ranks can end the frame
@@ -452,11 +478,13 @@ void Renderer::deliver(const FramePtr& frame, bool hasPicture) {
     Writer w;
     transport_.send(0, Channel::Frame, w.write(FrameMessage::Delivered).write(frame->id).write(error).take());
   });
+  const PictureOperationPtr& operation = frame->request.operation;
   PictureHandler handler;
   {
     std::lock_guard lock(mutex_);
     handler = pictureHandler_;
-    if (!handler || !hasPicture) return;
+    const bool wanted = operation ? operationReader_ != nullptr : handler != nullptr;
+    if (!wanted || !hasPicture) return;
     counters_.pixelsSkipped += frame->framebuffer->pixelsLeft();
   }
   const Trace::Span span(options_.trace, "picture", frame->id);
@@ -466,7 +494,10 @@ void Renderer::deliver(const FramePtr& frame, bool hasPicture) {
                                                                         frame->request.share.interactive);
     frame->framebuffer->release();
     const LedgerEntry memory = frame->account().picture.another(int64_t(picture.bytes()));
-    handler(frame->id, frame->request, std::move(picture));
+    if (operation)
+      operation->run(std::move(picture));
+    else
+      handler(frame->id, frame->request, std::move(picture));
   } catch (const std::exception& e) {
     error = "rank " + std::to_string(transport_.rank()) + ": " + textOf(e);
     throw;

@@ -20,6 +20,7 @@
 #include "core/rays/packet_size.h"
 #include "core/render/admission.h"
 #include "core/render/framebuffer.h"
+#include "core/render/picture_operation.h"
 #include "core/render/ready_queue.h"
 #include "core/space/ledger.h"
 
@@ -41,7 +42,8 @@ struct FrameRequest {
   uint64_t window = 0;  ///< not 0: a newer frame of the same window supersedes this one
   Share share;          ///< tenant, stream and whether somebody watches
   std::string account;  ///< the tenant that the ledger charges; empty: Options::tenant
-  std::string note;     ///< text of the caller for the picture handler
+  /// What is done with the picture; null: it goes to the handler of onPicture().
+  PictureOperationPtr operation;
 };
 
 /// Renders frames together with the Renderers of all other ranks; each rank has one, over its Transport.
@@ -121,13 +123,16 @@ class Renderer {
   /// Forgets a scene on this rank. Frames that are under way keep what they need.
   void removeScene(SceneId id);
 
-  /// Sets the handler of pictures that this rank owns. It is not called for frames that end without a
-  /// picture. Call this before frames start.
+  /// Sets the handler of pictures that this rank owns and that come without an operation. It is not called for
+  /// frames that end without a picture. Call this before frames start.
   void onPicture(PictureHandler handler);
+  /// Sets how this rank reads the operations that rank 0 has written. Call this on every rank before frames with
+  /// operations start. Once the reader is empty, pictures that come with an operation are dropped.
+  void onOperation(PictureOperationReader reader);
 
   /// Rank 0 only: starts a frame, or lets it wait (Admission). `finished` is called on rank 0 when the
-  /// picture handler has returned on its rank, or when the frame has ended without a picture. Throws Error
-  /// for an invalid camera or an unknown scene.
+  /// operation or the picture handler has returned on its rank, or when the frame has ended without a picture.
+  /// Throws Error for an invalid camera or an unknown scene.
   FrameId render(const FrameRequest& request, Finished finished);
 
   /// Rank 0 only: gives a frame up, as if a newer one of its window had come. Does nothing if the frame is
@@ -197,8 +202,8 @@ class Renderer {
   void receiveContributions(Bytes message);
   void beginFrame(FrameId id, const FrameRequest& request);
   void beginWaiting(const std::vector<FrameId>& ids);
-  void start(FrameId id, FrameRequest request, const Bytes& message);
-  void prepare(Frame& frame);
+  void start(FrameId id, FrameRequest request, const Bytes& operation, const Bytes& message);
+  void prepare(Frame& frame, const Bytes& operation);
   void cancel(FrameId id);
   void cancelEverywhere(FrameId id);
   void fail(const FramePtr& frame, const std::string& error);
@@ -255,6 +260,7 @@ class Renderer {
   std::map<FrameId, FramePtr> frames_;
   std::map<FrameId, std::vector<Parked>> parked_;  ///< messages that overtook their frame's start
   PictureHandler pictureHandler_;
+  PictureOperationReader operationReader_;
   FrameId firstNotOver_ = 1;             ///< all frames below this number are over here
   std::set<FrameId> over_;               ///< frames that are over and above firstNotOver_
   std::map<FrameId, Pending> pending_;   ///< rank 0

@@ -2,6 +2,8 @@
 // The protocol of frames: always reported, never early, nothing left behind, under any schedule.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "core/comm/error.h"
 #include "core/comm/random.h"
 #include "core/render/tiles.h"
@@ -164,7 +166,6 @@ TEST(Frames, OfTenantsWithLittleAllEnd) {
     for (int i = 0; i < 6; i++) {
       FrameRequest request = balls.request(1);
       request.share = {uint32_t(i % 3), i % 2 == 0, uint64_t(i / 3)};
-      request.note = "for " + std::to_string(i);
       ids.push_back(frames.start(request));
     }
     frames.renderer(0).supersede(ids[3]);
@@ -274,6 +275,91 @@ TEST(Frames, AreReportedEvenIfThePictureCannotBeHandedOut) {
   EXPECT_EQ(frames.outcome(id).error, "rank 1: the disk is full");
   ASSERT_EQ(frames.errors().size(), 1u);
   EXPECT_NE(frames.errors()[0].find("the disk is full"), std::string::npos);
+}
+
+// What a rank has done with the picture of a frame.
+struct OperationRun {
+  int rank;
+  std::string text;
+  Picture picture;
+};
+
+class RecordedOperation final : public PictureOperation {
+ public:
+  RecordedOperation(int rank, std::string text, std::vector<OperationRun>& done)
+      : rank_(rank), text_(std::move(text)), done_(done) {}
+  void write(Writer& w) const override { w.write(text_); }
+  void run(Picture picture) const override {
+    if (text_ == "the disk is full") throw Error(text_);
+    done_.push_back({rank_, text_, std::move(picture)});
+  }
+
+ private:
+  const int rank_;
+  const std::string text_;
+  std::vector<OperationRun>& done_;
+};
+
+TEST(Frames, RunTheirOperationWhereTheirPictureIs) {
+  const Prepared balls(litBalls({40, 36}), lattice(sceneDomain(), {2, 2, 1}, 3));
+  for (uint64_t seed = 1; seed <= uint64_t(seeds(20)); seed++) {
+    FrameRun run;
+    run.seed = seed;
+    run.options.packetRays = 64;
+    Frames frames(3, run);
+    frames.add(1, balls.compiled);
+    std::vector<OperationRun> done;
+    for (int r = 0; r < 3; r++)
+      frames.renderer(r).onOperation([r, &done](Reader& in) {
+        return std::make_shared<const RecordedOperation>(r, in.readString(), done);
+      });
+    std::vector<FrameId> ids;
+    for (int i = 0; i < 6; i++) {
+      FrameRequest request = balls.request(1);
+      if (i != 2)
+        request.operation = std::make_shared<const RecordedOperation>(0, "for " + std::to_string(i), done);
+      ids.push_back(frames.start(request));
+    }
+    frames.renderer(0).supersede(ids[4]);
+    frames.run();
+    ASSERT_EQ(frames.errors(), std::vector<std::string>{}) << seed;
+    for (size_t i = 0; i < ids.size(); i++) {
+      ASSERT_EQ(frames.outcome(ids[i]).finished, 1) << seed;
+      ASSERT_EQ(frames.outcome(ids[i]).pictures, i == 2) << "one has none";
+      const auto isOfThis = [&](const OperationRun& d) { return d.text == "for " + std::to_string(i); };
+      ASSERT_EQ(std::count_if(done.begin(), done.end(), isOfThis), i != 2 && i != 4) << seed;
+      const auto at = std::find_if(done.begin(), done.end(), isOfThis);
+      if (at == done.end()) continue;
+      ASSERT_EQ(at->rank, int(ids[i] % 3)) << "the owner";
+      ASSERT_EQ(difference(balls.expected, at->picture), "") << seed;
+    }
+    expectNothingKept(frames);
+  }
+}
+
+TEST(Frames, EndWithWhatTheirOperationThrows) {
+  const Prepared balls(litBalls({5, 4}), lattice(sceneDomain(), {2, 1, 1}, 2));
+  std::vector<OperationRun> done;
+  Frames frames(2, {});
+  frames.add(1, balls.compiled);
+  FrameRequest request = balls.request(1);
+  request.operation = std::make_shared<const RecordedOperation>(0, "the disk is full", done);
+  const auto errorOf = [&](const FrameRequest& asked) {
+    const FrameId id = frames.start(asked);
+    frames.run();
+    EXPECT_EQ(frames.outcome(id).finished, 1);
+    EXPECT_EQ(frames.outcome(id).pictures, 0);
+    return frames.outcome(id).error;
+  };
+  EXPECT_NE(errorOf(request).find("rank 1: its picture comes with an operation"), std::string::npos)
+      << "no reader";
+  for (int r = 0; r < 2; r++)
+    frames.renderer(r).onOperation([r, &done](Reader& in) {
+      return std::make_shared<const RecordedOperation>(r, in.readString(), done);
+    });
+  EXPECT_EQ(errorOf(request), "rank 0: the disk is full") << "frame 2 is rank 0's";
+  EXPECT_EQ(errorOf(request), "rank 1: the disk is full");
+  expectNothingKept(frames);
 }
 
 }  // namespace

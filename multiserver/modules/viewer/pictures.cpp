@@ -44,15 +44,6 @@ Overlay readOverlay(Reader& in) {
   return overlay;
 }
 
-std::string noteOf(uint64_t ticket, const Wanted& wanted) {
-  Writer w;
-  w.write(ticket).write(wanted.as).write(wanted.encoding).write(int32_t(wanted.quality));
-  w.write(wanted.format).write(wanted.path);
-  write(w, wanted.overlay);
-  const Bytes bytes = w.take();
-  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
-}
-
 }  // namespace
 
 std::vector<Bytes> tilesOfPicture(const Picture& picture, protocol::PixelEncoding encoding, int quality) {
@@ -82,16 +73,40 @@ std::vector<Bytes> tilesOfPicture(const Picture& picture, protocol::PixelEncodin
   return tiles;
 }
 
+/// What the owner of a frame does: it brings the picture to rank 0, where the ticket says who gets it.
+class Pictures::Delivery final : public PictureOperation {
+ public:
+  Delivery(Pictures& pictures, uint64_t ticket, Wanted wanted)
+      : pictures_(pictures), ticket_(ticket), wanted_(std::move(wanted)) {}
+  Delivery(Pictures& pictures, Reader& in) : pictures_(pictures), ticket_(in.read<uint64_t>()) {
+    wanted_.as = in.read<Wanted::As>();
+    wanted_.encoding = in.read<protocol::PixelEncoding>();
+    wanted_.quality = in.read<int32_t>();
+    wanted_.format = in.readString();
+    wanted_.path = in.readString();
+    wanted_.overlay = readOverlay(in);
+  }
+  void write(Writer& w) const override {
+    w.write(ticket_).write(wanted_.as).write(wanted_.encoding).write(int32_t(wanted_.quality));
+    w.write(wanted_.format).write(wanted_.path);
+    gxy::viewer::write(w, wanted_.overlay);
+  }
+  void run(Picture picture) const override { pictures_.deliver(ticket_, wanted_, std::move(picture)); }
+
+ private:
+  Pictures& pictures_;
+  const uint64_t ticket_;
+  Wanted wanted_;
+};
+
 Pictures::Pictures(Node& node) : node_(node) {
-  node_.renderer.onPicture([this](FrameId, const FrameRequest& request, Picture picture) {
-    onPicture(request, std::move(picture));
-  });
+  node_.renderer.onOperation([this](Reader& in) { return std::make_shared<const Delivery>(*this, in); });
   if (node_.rank() == 0)
     node_.transport.onMessage(Channel::Pictures, [this](int, Bytes message) { receive(std::move(message)); });
 }
 
 Pictures::~Pictures() {
-  node_.renderer.onPicture({});
+  node_.renderer.onOperation({});
   if (node_.rank() == 0) node_.transport.onMessage(Channel::Pictures, {});
 }
 
@@ -104,7 +119,7 @@ FrameId Pictures::start(FrameRequest request, const Wanted& wanted, Receiver rec
     ticket = nextTicket_++;
     expected_[ticket] = expected;
   }
-  request.note = noteOf(ticket, wanted);
+  request.operation = std::make_shared<const Delivery>(*this, ticket, wanted);
   request.sums = wanted.as == Wanted::As::Sums;
   request.depth = wanted.as == Wanted::As::Depth;
   try {
@@ -118,20 +133,10 @@ FrameId Pictures::start(FrameRequest request, const Wanted& wanted, Receiver rec
 }
 
 // On the owner, as a task.
-void Pictures::onPicture(const FrameRequest& request, Picture picture) {
-  const std::span<const char> note(request.note);
-  Reader in(std::as_bytes(note), "picture's note");
-  const auto ticket = in.read<uint64_t>();
-  Wanted wanted;
-  wanted.as = in.read<Wanted::As>();
-  wanted.encoding = in.read<protocol::PixelEncoding>();
-  wanted.quality = in.read<int32_t>();
-  wanted.format = in.readString();
-  wanted.path = in.readString();
+void Pictures::deliver(uint64_t ticket, const Wanted& wanted, Picture picture) {
   uint64_t pieces = 0;
   std::string error;
   try {
-    wanted.overlay = readOverlay(in);
     pieces = sendPieces(ticket, wanted, std::move(picture));
   } catch (const std::exception& e) {
     error = "rank " + std::to_string(node_.rank()) + ": " + e.what();

@@ -56,7 +56,8 @@ class Pictures {
   };
   using ExpectedPtr = std::shared_ptr<Expected>;
 
-  void onPicture(const FrameRequest& request, Picture picture);
+  class Delivery;
+  void deliver(uint64_t ticket, const Wanted& wanted, Picture picture);
   uint64_t sendPieces(uint64_t ticket, const Wanted& wanted, Picture picture);
   void receive(Bytes message);
   void receivePiece(uint64_t ticket, Expected& expected, const Bytes& message);
