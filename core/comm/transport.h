@@ -23,7 +23,7 @@ enum class Channel : uint16_t {
   Contributions = 9,
   Frame = 10,
   Credits = 11,
-  Pictures = 16,  ///< multiserver/modules/viewer
+  Pictures = 16,  ///< multiserver/rendering
   Test = 64,
 };
 

@@ -10,6 +10,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <typeindex>
 #include <utility>
 #include <vector>
 
@@ -22,7 +23,7 @@ namespace gxy {
 
 /// This number changes with every change of the headers that modules include. A module built for another
 /// number is refused.
-inline constexpr uint32_t kModuleAbi = 5;
+inline constexpr uint32_t kModuleAbi = 6;
 
 /// When a request runs. InTurn: after the earlier requests of its session and before the later ones. Aside:
 /// it starts in its turn, but later requests do not wait for its end; for long work. AtOnce: immediately, on
@@ -80,8 +81,17 @@ class Registration {
   /// Keeps an object of the module alive as long as the server runs.
   void keep(std::shared_ptr<void> what) { kept_.push_back(std::move(what)); }
 
+  /// What modules have in common on this rank, and keep: the T of a module that is loaded already, else what `make` makes, which
+  /// may register works here. T is a type of the server's own libraries.
+  template <class T>
+  std::shared_ptr<T> shared(const std::function<std::shared_ptr<T>()>& make) {
+    return std::static_pointer_cast<T>(
+        sharedOf(typeid(T), [&]() -> std::shared_ptr<void> { return make(); }));
+  }
+
  private:
   friend class Modules;
+  std::shared_ptr<void> sharedOf(std::type_index type, const std::function<std::shared_ptr<void>()>& make);
   struct NamedWork {
     std::string name;
     Work::Action action;

@@ -155,6 +155,23 @@ nlohmann::json Modules::abandon(const std::string& name) {
   return nullptr;
 }
 
+// What a module made that could not be loaded has gone with it.
+std::shared_ptr<void> Modules::sharedOf(std::type_index type,
+                                        const std::function<std::shared_ptr<void>()>& make) {
+  std::weak_ptr<void>& known = shared_[type];
+  if (auto what = known.lock()) return what;
+  auto what = make();
+  known = what;
+  return what;
+}
+
+std::shared_ptr<void> Registration::sharedOf(std::type_index type,
+                                             const std::function<std::shared_ptr<void>()>& make) {
+  auto what = node_.modules->sharedOf(type, make);
+  keep(what);
+  return what;
+}
+
 std::shared_ptr<const LoadedModule> Modules::load(const std::string& name) {
   const auto known = [&]() -> std::shared_ptr<const LoadedModule> {
     const std::lock_guard lock(mutex_);

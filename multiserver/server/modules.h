@@ -5,6 +5,7 @@
 #include <memory>
 #include <mutex>
 #include <string>
+#include <typeindex>
 #include <vector>
 
 #include "multiserver/server/module.h"
@@ -50,12 +51,15 @@ class Modules {
   nlohmann::json open(const std::string& name);
   nlohmann::json commit(const std::string& name);
   nlohmann::json abandon(const std::string& name);
+  friend class Registration;
+  std::shared_ptr<void> sharedOf(std::type_index type, const std::function<std::shared_ptr<void>()>& make);
 
   Node& node_;
   std::mutex loading_;  ///< rank 0: held during a load
   mutable std::mutex mutex_;
   std::map<std::string, Opened> opened_;  ///< libraries, both before and after commit()
   std::map<std::string, std::shared_ptr<const LoadedModule>> loaded_;
+  std::map<std::type_index, std::weak_ptr<void>> shared_;  ///< which modules keep; used while one is loaded
 };
 
 }  // namespace gxy

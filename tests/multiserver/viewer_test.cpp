@@ -505,10 +505,50 @@ TEST(ViewerModule, ABatchThatIsCancelledCompilesNoMoreScenes) {
   EXPECT_EQ(ended.get_future().get().error, "cancelled");
   const std::string events = trace.events(0);
   int compiled = 0;
-  for (size_t at = events.find("viewer.make"); at != std::string::npos;
-       at = events.find("viewer.make", at + 1))
+  for (size_t at = events.find("rendering.make_scene"); at != std::string::npos;
+       at = events.find("rendering.make_scene", at + 1))
     compiled++;
   EXPECT_LT(compiled, kVisualizations);
+}
+
+TEST(ViewerModule, SharesScenesAndTheWayOfPicturesWithOtherModules) {
+  const TemporaryFolder folder;
+  for (const char* module : {"data", "viewer"})
+    std::filesystem::copy_file(
+        std::filesystem::path(GALAXY_MODULES) / ("galaxy_" + std::string(module) + ".so"),
+        folder / ("galaxy_" + std::string(module) + ".so"));
+  std::filesystem::copy_file(GALAXY_PICTURE_MODULE, folder / "galaxy_picture.so");
+  for (const bool viewerFirst : {true, false}) {
+    Trace trace;
+    ServerSetup setup;
+    setup.modules = folder.path().string();
+    setup.node.trace = &trace;
+    TestServer server(std::move(setup));
+    auto options = server.options();
+    Screen screen;
+    options.onPixels = [&](const auto& header, auto data) { screen.take(header, data); };
+    Client client(options);
+    client.expect("load data");
+    client.expect(importBall("ball"));
+    for (const char* module : {"viewer", "picture"})
+      client.expect(std::string("load ") + (viewerFirst ? module : *module == 'v' ? "picture" : "viewer"));
+    client.expect("window 1 {\"size\": [96, 80]}");
+    client.expect("set 1 " + stateOf("ball"));
+    const auto renders = [&] {
+      EXPECT_EQ(screen.waitFor(1, client.expect("render 1").at("frame")).status, "complete");
+    };
+    renders();
+    const json picture = client.expect("picture " + stateOf("ball"));
+    EXPECT_EQ(picture.at("scene"), 1) << "the window's";
+    EXPECT_EQ(picture.at("bytes"), 96 * 80 * 4 * sizeof(float));
+    renders();
+    const std::string events = trace.events(0);
+    int made = 0;
+    for (size_t at = events.find("rendering.make_scene"); at != std::string::npos;
+         at = events.find("rendering.make_scene", at + 1))
+      made++;
+    EXPECT_EQ(made, 2) << "once on each rank";
+  }
 }
 
 TEST(ViewerModule, PicturesCountAgainstTheMemoryOfTheirTenant) {

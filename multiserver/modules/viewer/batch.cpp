@@ -11,6 +11,7 @@
 #include "core/comm/error_text.h"
 #include "core/scene/picture_name.h"
 #include "multiserver/protocol/json.h"
+#include "multiserver/rendering/cost.h"
 
 namespace gxy::viewer {
 
@@ -60,7 +61,7 @@ class Run {
         request_(request),
         batch_(batch),
         total_(batch.state.cameras.size() * batch.state.visualizations.size()),
-        stream_(services.streams++) {
+        stream_(services.rendering->nextStream()) {
     asker_.check = [this] { check(); };
   }
 
@@ -186,8 +187,8 @@ class Run {
       const std::lock_guard lock(job_->mutex);
       kept = job_->scenes[index % of];
     }
-    Scenes::Pinned pinned = services_.scenes.get(tenant, batch_.state.visualizations[index % of],
-                                                 batch_.state.settings, asker_, shown_[index % of], kept);
+    SceneCache::Pinned pinned = services_.scenes.get(tenant, batch_.state.visualizations[index % of],
+                                                     batch_.state.settings, asker_, shown_[index % of], kept);
     ScenePtr scene = std::move(pinned.scene);
     if (scene != kept) {
       const std::lock_guard lock(job_->mutex);
@@ -199,8 +200,8 @@ class Run {
     frame.camera = fitted(camera, shown_[index % of].box);
     frame.share = {node.tenants.number(tenant), false, stream_};
     frame.account = tenant;
-    Wanted wanted;
-    wanted.as = batch_.toClient ? Wanted::As::Bytes : Wanted::As::File;
+    PictureFormat wanted;
+    wanted.as = batch_.toClient ? PictureFormat::As::Bytes : PictureFormat::As::File;
     wanted.format = batch_.format;
     if (!batch_.toClient) wanted.path = paths_[index];
     if (!(batch_.state.annotations == Annotations())) {
@@ -211,7 +212,7 @@ class Run {
           overlayOf(batch_.state.annotations, {batch_.state.visualizations[index % of], shown, frame.camera,
                                                batch_.state.settings, size_t(newest)});
     }
-    Receiver receiver;
+    PictureReceiver receiver;
     receiver.bytes = [job = job_, index, slot](Bytes content) {
       const std::lock_guard lock(job->mutex);
       job->contents[index] = {std::move(content), std::move(*slot)};

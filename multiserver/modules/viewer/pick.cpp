@@ -48,7 +48,7 @@ Camera alongRay(const Camera& camera, const CameraRay& ray) {
 }
 
 /// Renders the one pixel; how far its first surface is.
-double depthOf(Services& services, Request& request, const Scenes::Pinned& shown, const Camera& one) {
+double depthOf(Services& services, Request& request, const SceneCache::Pinned& shown, const Camera& one) {
   struct Answer {
     std::mutex mutex;
     std::condition_variable changed;
@@ -67,9 +67,9 @@ double depthOf(Services& services, Request& request, const Scenes::Pinned& shown
   frame.samples = 1;
   frame.share = {node.tenants.number(tenant), true};
   frame.account = tenant;
-  Wanted wanted;
-  wanted.as = Wanted::As::Depth;
-  Receiver receiver;
+  PictureFormat wanted;
+  wanted.as = PictureFormat::As::Depth;
+  PictureReceiver receiver;
   receiver.depth = [answer](const std::vector<double>& depth) {
     const std::lock_guard lock(answer->mutex);
     answer->depth = depth.at(0);

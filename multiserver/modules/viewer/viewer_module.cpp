@@ -12,6 +12,7 @@
 #include "multiserver/modules/viewer/pick.h"
 #include "multiserver/modules/viewer/window.h"
 #include "multiserver/protocol/json.h"
+#include "multiserver/rendering/cost.h"
 
 namespace gxy::viewer {
 namespace {

@@ -16,7 +16,7 @@ Window::Window(Services& services, std::shared_ptr<Outbox> outbox, std::string t
       outbox_(std::move(outbox)),
       tenant_(std::move(tenant)),
       id_(id),
-      stream_(services.streams++) {
+      stream_(services.rendering->nextStream()) {
   state_.cameras = {defaultCamera()};
   state_.visualizations.resize(1);
 }
@@ -98,7 +98,7 @@ Window::View Window::view(const Asker& asker) const {
     throw Error("window " + std::to_string(id_) +
                 ": it shows nothing yet, expected a `set` with a Visualization");
   validate(shows.cameras[0]);
-  Scenes::Pinned pinned =
+  SceneCache::Pinned pinned =
       services_.scenes.get(tenant_, shows.visualizations[0], shows.settings, asker, shown, known);
   return {std::move(pinned), shows.visualizations[0], fitted(shows.cameras[0], shown.box)};
 }

@@ -10,10 +10,9 @@
 #include <vector>
 
 #include "multiserver/modules/viewer/first_looks.h"
-#include "multiserver/modules/viewer/pictures.h"
 #include "multiserver/modules/viewer/retries.h"
-#include "multiserver/modules/viewer/scenes.h"
 #include "multiserver/protocol/pixel_record.h"
+#include "multiserver/rendering/rendering.h"
 #include "multiserver/server/outbox.h"
 #include "multiserver/server/tenants.h"
 
@@ -22,13 +21,13 @@ namespace gxy::viewer {
 /// What the viewer module has on a rank.
 struct Services {
   explicit Services(Registration& registration)
-      : node(registration.node()), looks(registration), scenes(registration), pictures(registration.node()) {}
+      : node(registration.node()), looks(registration), rendering(renderingOf(registration)) {}
   Node& node;
   FirstLooks looks;
-  Scenes scenes;
-  Pictures pictures;
-  std::atomic<uint64_t> streams = 1;  ///< for keys of windows and batches (Share::stream)
-  Retries retries;                    ///< of windows; last: it uses them
+  const std::shared_ptr<Rendering> rendering;
+  SceneCache& scenes = rendering->scenes;
+  PictureDelivery& pictures = rendering->pictures;
+  Retries retries;  ///< of windows; last: it uses them
 };
 
 /// How a frame is wanted.
@@ -67,14 +66,14 @@ class Window : public std::enable_shared_from_this<Window> {
 
   /// What a frame that began now would show; its camera has the window's size. Compiles the scene if need be, as render does.
   struct View {
-    Scenes::Pinned pinned;
+    SceneCache::Pinned pinned;
     Visualization visualization;
     Camera camera;
   };
   View view(const Asker& asker) const;
 
   /// Begins a frame; older ones are superseded. One that waits begins later, and is superseded by any newer one, so that at
-  /// most one does. Compiles the scene if need be, so it takes its time, of which `asker` is told (Scenes::get). Throws Error.
+  /// most one does. Compiles the scene if need be, so it takes its time, of which `asker` is told (SceneCache::get). Throws Error.
   uint64_t render(const FrameOptions& options, const Asker& asker);
   /// Ends the frame under way and the one that waits, if any.
   void cancel();

@@ -7,6 +7,7 @@
 #include "core/comm/parallel_for.h"
 #include "multiserver/modules/viewer/window_frame.h"
 #include "multiserver/protocol/json.h"
+#include "multiserver/rendering/cost.h"
 
 namespace gxy::viewer {
 
@@ -79,7 +80,7 @@ uint64_t Window::render(const FrameOptions& options, const Asker& asker, std::op
     asked_++;
     lastOptions_ = options;
   }
-  Scenes::Pinned pinned;
+  SceneCache::Pinned pinned;
   try {
     pinned =
         services_.scenes.get(tenant_, state.visualizations[0], state.settings, asker, shown, frame->scene);
@@ -195,7 +196,7 @@ void Window::beginWithNewData(const FramePtr& frame) {
     if (frame->over) throw Error(frame->over);
   };
   try {
-    Scenes::Pinned pinned =
+    SceneCache::Pinned pinned =
         services_.scenes.get(tenant_, frame->state.visualizations[0], frame->state.settings, asker, shown);
     const std::lock_guard lock(mutex_);
     if (state_.visualizations == frame->state.visualizations) shown_ = shown;
@@ -224,7 +225,7 @@ void Window::beginWithNewData(const FramePtr& frame) {
 
 void Window::startStage(const FramePtr& frame) {
   FrameRequest request;
-  Wanted wanted;
+  PictureFormat wanted;
   {
     const std::lock_guard lock(mutex_);
     const PixelHeader header = frame->header(id_);
@@ -238,9 +239,9 @@ void Window::startStage(const FramePtr& frame) {
     request.account = tenant_;
     wanted.encoding = frame->options.encoding;
     wanted.quality = frame->options.quality;
-    if (frame->last() && frame->options.passes > 1) wanted.as = Wanted::As::Sums;
+    if (frame->last() && frame->options.passes > 1) wanted.as = PictureFormat::As::Sums;
   }
-  Receiver receiver;
+  PictureReceiver receiver;
   const auto self = shared_from_this();
   receiver.tile = [self, frame](Bytes record) { self->onTile(frame, std::move(record)); };
   receiver.sums = [self, frame](Picture picture) { self->onSums(frame, std::move(picture)); };

@@ -16,7 +16,7 @@
 #include "multiserver/server/datasets.h"
 #include "multiserver/server/module.h"
 
-namespace gxy::viewer {
+namespace gxy {
 
 /// A scene that all ranks have, until the last who holds this lets go. Rank 0.
 struct SceneHandle {
@@ -34,18 +34,10 @@ struct SceneHandle {
 };
 using ScenePtr = std::shared_ptr<const SceneHandle>;
 
-/// Throws Error for what would take more of the server than any client may have (docs/protocol.md section 8).
-void checkCost(const Visualization& visualization);
-void checkCost(const RenderSettings& settings, glm::ivec2 size);
-
-/// Memory that these take, or somewhat less.
-int64_t bytesOf(const Visualization& visualization);
-int64_t bytesOf(const State& state);
-
-/// One on each rank. Thread safe.
-class Scenes {
+/// One on each rank (Rendering). Thread safe.
+class SceneCache {
  public:
-  explicit Scenes(Registration& registration);
+  explicit SceneCache(Registration& registration);
 
   struct Pinned {
     ScenePtr scene;
@@ -108,4 +100,4 @@ class Scenes {
   std::map<SceneId, BuiltScene> built_;  ///< every rank: those that rank 0 has not let go
 };
 
-}  // namespace gxy::viewer
+}  // namespace gxy

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pictures from the rank that owns a frame to rank 0, as tiles, sums or files.
+// Pictures go from the rank that owns a frame to rank 0, as tiles, sums or encoded files, or into a file.
 #pragma once
 #include <cstdint>
 #include <functional>
@@ -12,10 +12,10 @@
 #include "multiserver/protocol/pixel_record.h"
 #include "multiserver/server/node.h"
 
-namespace gxy::viewer {
+namespace gxy {
 
 /// What the owner of a frame's picture does with it.
-struct Wanted {
+struct PictureFormat {
   enum class As : uint8_t { Tiles, Sums, Depth, Bytes, File };
   As as = As::Tiles;
   protocol::PixelEncoding encoding = protocol::PixelEncoding::Zstd;
@@ -27,7 +27,7 @@ struct Wanted {
 
 /// Who gets what comes, on rank 0, in any order. `tile` is called on a progress thread and must be short, `sums`, `depth` and `bytes`
 /// as tasks; `done` is called once, after them, as a task: with what went wrong, if anything did.
-struct Receiver {
+struct PictureReceiver {
   std::function<void(Bytes tile)> tile;  ///< a record whose window, frame, scale and pass are to be filled in
   std::function<void(Picture picture)> sums;
   std::function<void(const std::vector<double>& depth)> depth;  ///< of each pixel, as Picture::depth
@@ -38,27 +38,27 @@ struct Receiver {
 /// The tiles of a picture, as records; window, frame, scale and pass are 0, 0, 1 and 0. May use all threads.
 std::vector<Bytes> tilesOfPicture(const Picture& picture, protocol::PixelEncoding encoding, int quality);
 
-/// One on each rank. Thread safe.
-class Pictures {
+/// One on each rank (Rendering). Thread safe.
+class PictureDelivery {
  public:
-  explicit Pictures(Node& node);
-  ~Pictures();
+  explicit PictureDelivery(Node& node);
+  ~PictureDelivery();
 
   /// Rank 0: starts a frame. Throws Error as Renderer::render does.
-  FrameId start(FrameRequest request, const Wanted& wanted, Receiver receiver);
+  FrameId start(FrameRequest request, const PictureFormat& wanted, PictureReceiver receiver);
 
  private:
   struct Expected {
-    Receiver receiver;
+    PictureReceiver receiver;
     uint64_t pieces = 0, announced = 0;
     bool finished = false, told = false;
     std::string error;
   };
   using ExpectedPtr = std::shared_ptr<Expected>;
 
-  class Delivery;
-  void deliver(uint64_t ticket, const Wanted& wanted, Picture picture);
-  uint64_t sendPieces(uint64_t ticket, const Wanted& wanted, Picture picture);
+  class Operation;
+  void deliver(uint64_t ticket, const PictureFormat& wanted, Picture picture);
+  uint64_t sendPieces(uint64_t ticket, const PictureFormat& wanted, Picture picture);
   void receive(Bytes message);
   void receivePiece(uint64_t ticket, Expected& expected, const Bytes& message);
   void onFinished(uint64_t ticket, const Renderer::Ending& ending);
@@ -71,4 +71,4 @@ class Pictures {
   uint64_t nextTicket_ = 1;
 };
 
-}  // namespace gxy::viewer
+}  // namespace gxy

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "multiserver/modules/viewer/pictures.h"
+#include "multiserver/rendering/picture_delivery.h"
 
 #include <algorithm>
 #include <cstring>
@@ -10,13 +10,13 @@
 #include "core/image/image.h"
 #include "multiserver/protocol/tile_codec.h"
 
-namespace gxy::viewer {
+namespace gxy {
 
 namespace {
 
 enum class Piece : uint8_t { Tile, Sums, Depth, Bytes, All };
 
-void write(Writer& w, const Overlay& overlay) {
+void writeOverlay(Writer& w, const Overlay& overlay) {
   w.write(overlay.lines);
   w.write(uint64_t(overlay.bars.size()));
   for (const Overlay::Bar& bar : overlay.bars) w.write(bar.lo).write(bar.hi).write(bar.colors);
@@ -74,12 +74,12 @@ std::vector<Bytes> tilesOfPicture(const Picture& picture, protocol::PixelEncodin
 }
 
 /// What the owner of a frame does: it brings the picture to rank 0, where the ticket says who gets it.
-class Pictures::Delivery final : public PictureOperation {
+class PictureDelivery::Operation final : public PictureOperation {
  public:
-  Delivery(Pictures& pictures, uint64_t ticket, Wanted wanted)
+  Operation(PictureDelivery& pictures, uint64_t ticket, PictureFormat wanted)
       : pictures_(pictures), ticket_(ticket), wanted_(std::move(wanted)) {}
-  Delivery(Pictures& pictures, Reader& in) : pictures_(pictures), ticket_(in.read<uint64_t>()) {
-    wanted_.as = in.read<Wanted::As>();
+  Operation(PictureDelivery& pictures, Reader& in) : pictures_(pictures), ticket_(in.read<uint64_t>()) {
+    wanted_.as = in.read<PictureFormat::As>();
     wanted_.encoding = in.read<protocol::PixelEncoding>();
     wanted_.quality = in.read<int32_t>();
     wanted_.format = in.readString();
@@ -89,28 +89,28 @@ class Pictures::Delivery final : public PictureOperation {
   void write(Writer& w) const override {
     w.write(ticket_).write(wanted_.as).write(wanted_.encoding).write(int32_t(wanted_.quality));
     w.write(wanted_.format).write(wanted_.path);
-    gxy::viewer::write(w, wanted_.overlay);
+    writeOverlay(w, wanted_.overlay);
   }
   void run(Picture picture) const override { pictures_.deliver(ticket_, wanted_, std::move(picture)); }
 
  private:
-  Pictures& pictures_;
+  PictureDelivery& pictures_;
   const uint64_t ticket_;
-  Wanted wanted_;
+  PictureFormat wanted_;
 };
 
-Pictures::Pictures(Node& node) : node_(node) {
-  node_.renderer.onOperation([this](Reader& in) { return std::make_shared<const Delivery>(*this, in); });
+PictureDelivery::PictureDelivery(Node& node) : node_(node) {
+  node_.renderer.onOperation([this](Reader& in) { return std::make_shared<const Operation>(*this, in); });
   if (node_.rank() == 0)
     node_.transport.onMessage(Channel::Pictures, [this](int, Bytes message) { receive(std::move(message)); });
 }
 
-Pictures::~Pictures() {
+PictureDelivery::~PictureDelivery() {
   node_.renderer.onOperation({});
   if (node_.rank() == 0) node_.transport.onMessage(Channel::Pictures, {});
 }
 
-FrameId Pictures::start(FrameRequest request, const Wanted& wanted, Receiver receiver) {
+FrameId PictureDelivery::start(FrameRequest request, const PictureFormat& wanted, PictureReceiver receiver) {
   const auto expected = std::make_shared<Expected>();
   expected->receiver = std::move(receiver);
   uint64_t ticket;
@@ -119,9 +119,9 @@ FrameId Pictures::start(FrameRequest request, const Wanted& wanted, Receiver rec
     ticket = nextTicket_++;
     expected_[ticket] = expected;
   }
-  request.operation = std::make_shared<const Delivery>(*this, ticket, wanted);
-  request.sums = wanted.as == Wanted::As::Sums;
-  request.depth = wanted.as == Wanted::As::Depth;
+  request.operation = std::make_shared<const Operation>(*this, ticket, wanted);
+  request.sums = wanted.as == PictureFormat::As::Sums;
+  request.depth = wanted.as == PictureFormat::As::Depth;
   try {
     return node_.renderer.render(
         request, [this, ticket](FrameId, const Renderer::Ending& ending) { onFinished(ticket, ending); });
@@ -133,7 +133,7 @@ FrameId Pictures::start(FrameRequest request, const Wanted& wanted, Receiver rec
 }
 
 // On the owner, as a task.
-void Pictures::deliver(uint64_t ticket, const Wanted& wanted, Picture picture) {
+void PictureDelivery::deliver(uint64_t ticket, const PictureFormat& wanted, Picture picture) {
   uint64_t pieces = 0;
   std::string error;
   try {
@@ -146,29 +146,29 @@ void Pictures::deliver(uint64_t ticket, const Wanted& wanted, Picture picture) {
                        w.write(ticket).write(Piece::All).write(pieces).write(error).take());
 }
 
-uint64_t Pictures::sendPieces(uint64_t ticket, const Wanted& wanted, Picture picture) {
+uint64_t PictureDelivery::sendPieces(uint64_t ticket, const PictureFormat& wanted, Picture picture) {
   const auto send = [&](Piece piece, std::span<const std::byte> content) {
     Writer w;
     w.write(ticket).write(piece).write(int32_t(picture.width)).write(int32_t(picture.height)).write(content);
     node_.transport.send(0, Channel::Pictures, w.take());
   };
-  if (wanted.as == Wanted::As::Tiles) {
+  if (wanted.as == PictureFormat::As::Tiles) {
     const std::vector<Bytes> tiles = tilesOfPicture(picture, wanted.encoding, wanted.quality);
     for (const Bytes& tile : tiles) send(Piece::Tile, tile);
     return tiles.size();
   }
-  if (wanted.as == Wanted::As::Sums) {
+  if (wanted.as == PictureFormat::As::Sums) {
     send(Piece::Sums, std::as_bytes(std::span(picture.sums)));
     return 1;
   }
-  if (wanted.as == Wanted::As::Depth) {
+  if (wanted.as == PictureFormat::As::Depth) {
     send(Piece::Depth, std::as_bytes(std::span(picture.depth)));
     return 1;
   }
   Image image{picture.width, picture.height, std::move(picture.rgba)};
   draw(wanted.overlay, image);
   const Bytes content = encodeImage(wanted.format, image);
-  if (wanted.as == Wanted::As::Bytes) {
+  if (wanted.as == PictureFormat::As::Bytes) {
     send(Piece::Bytes, content);
     return 1;
   }
@@ -176,13 +176,13 @@ uint64_t Pictures::sendPieces(uint64_t ticket, const Wanted& wanted, Picture pic
   return 0;
 }
 
-Pictures::ExpectedPtr Pictures::find(uint64_t ticket) const {
+PictureDelivery::ExpectedPtr PictureDelivery::find(uint64_t ticket) const {
   const std::lock_guard lock(mutex_);
   const auto at = expected_.find(ticket);
   return at == expected_.end() ? nullptr : at->second;
 }
 
-void Pictures::receive(Bytes message) {
+void PictureDelivery::receive(Bytes message) {
   Reader in(message, "picture");
   const auto ticket = in.read<uint64_t>();
   const auto piece = in.read<Piece>();
@@ -201,7 +201,7 @@ void Pictures::receive(Bytes message) {
   });
 }
 
-void Pictures::receivePiece(uint64_t ticket, Expected& expected, const Bytes& message) {
+void PictureDelivery::receivePiece(uint64_t ticket, Expected& expected, const Bytes& message) {
   Reader in(message, "picture");
   in.read<uint64_t>();
   const auto piece = in.read<Piece>();
@@ -210,7 +210,7 @@ void Pictures::receivePiece(uint64_t ticket, Expected& expected, const Bytes& me
   const std::span<const std::byte> content = in.rest();
   if (content.size() != size)
     in.fail(std::to_string(content.size()) + " bytes follow, expected " + std::to_string(size));
-  const Receiver& receiver = expected.receiver;
+  const PictureReceiver& receiver = expected.receiver;
   if (piece == Piece::Tile && receiver.tile) receiver.tile({content.begin(), content.end()});
   if (piece == Piece::Bytes && receiver.bytes) receiver.bytes({content.begin(), content.end()});
   if (piece == Piece::Depth && receiver.depth) {
@@ -228,7 +228,7 @@ void Pictures::receivePiece(uint64_t ticket, Expected& expected, const Bytes& me
   conclude(ticket, lock);
 }
 
-void Pictures::onFinished(uint64_t ticket, const Renderer::Ending& ending) {
+void PictureDelivery::onFinished(uint64_t ticket, const Renderer::Ending& ending) {
   std::unique_lock lock(mutex_);
   const auto at = expected_.find(ticket);
   if (at == expected_.end()) return;
@@ -242,7 +242,7 @@ void Pictures::onFinished(uint64_t ticket, const Renderer::Ending& ending) {
   expected->receiver.done(ending.superseded, ending.superseded ? std::string() : ending.error);
 }
 
-void Pictures::conclude(uint64_t ticket, std::unique_lock<std::mutex>& lock) {
+void PictureDelivery::conclude(uint64_t ticket, std::unique_lock<std::mutex>& lock) {
   const auto at = expected_.find(ticket);
   if (at == expected_.end()) return;
   const ExpectedPtr expected = at->second;
@@ -254,4 +254,4 @@ void Pictures::conclude(uint64_t ticket, std::unique_lock<std::mutex>& lock) {
   node_.transport.post([expected] { expected->receiver.done(false, expected->error); });
 }
 
-}  // namespace gxy::viewer
+}  // namespace gxy

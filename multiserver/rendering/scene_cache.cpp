@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "multiserver/modules/viewer/scenes.h"
+#include "multiserver/rendering/scene_cache.h"
 
 #include <algorithm>
 #include <exception>
@@ -10,7 +10,7 @@
 #include "core/scene/json_text.h"
 #include "core/scene/state_file.h"
 
-namespace gxy::viewer {
+namespace gxy {
 
 using nlohmann::json;
 
@@ -20,59 +20,8 @@ constexpr int kLooks = 8;  // at names whose objects are replaced meanwhile, eac
 
 }  // namespace
 
-namespace {
-
-void check(const char* what, int64_t value, int64_t most) {
-  if (value > most)
-    throw Error(std::string("rendering: ") + std::to_string(value) + " " + what + ", expected at most " +
-                std::to_string(most));
-}
-
-}  // namespace
-
-void checkCost(const RenderSettings& settings, glm::ivec2 size) {
-  constexpr int64_t kRays = int64_t(1) << 31;
-  check("primary rays", int64_t(size.x) * size.y * settings.raysPerPixel, kRays);
-}
-
-void checkCost(const Visualization& visualization) {
-  constexpr int64_t kOcclusion = 256, kLights = 64;
-  constexpr int64_t kOperators = 64, kSurfaces = 256, kClips = 64, kMapPoints = 65536;
-  check("ambient-occlusion rays per hit", visualization.lighting.aoCount, kOcclusion);
-  check("lights", int64_t(visualization.lighting.sources.size()), kLights);
-  // Compiling looks at all data for each isovalue and slice.
-  check("operators", int64_t(visualization.operators.size()), kOperators);
-  size_t surfaces = 0, clips = 0, points = 0;
-  for (const Vis& vis : visualization.operators) {
-    surfaces += vis.isovalues.size() + vis.slices.size();
-    clips += vis.clipPlanes.size();
-    points += vis.colormap.points.size() + vis.opacitymap.points.size();
-  }
-  check("isovalues and slices", int64_t(surfaces), kSurfaces);
-  check("clip planes", int64_t(clips), kClips);
-  check("points of maps", int64_t(points), kMapPoints);
-}
-
-int64_t bytesOf(const Visualization& visualization) {
-  size_t bytes = visualization.annotation.size() +
-                 visualization.lighting.sources.size() * sizeof visualization.lighting.sources[0];
-  for (const Vis& vis : visualization.operators)
-    bytes += sizeof vis + vis.dataset.size() + vis.isovalues.size() * sizeof vis.isovalues[0] +
-             (vis.slices.size() + vis.clipPlanes.size()) * sizeof vis.slices[0] +
-             vis.colormap.points.size() * sizeof vis.colormap.points[0] +
-             vis.opacitymap.points.size() * sizeof vis.opacitymap.points[0];
-  return int64_t(bytes);
-}
-
-int64_t bytesOf(const State& state) {
-  auto bytes = int64_t(state.visualizations.size() * sizeof(Visualization) +
-                       state.cameras.size() * sizeof(Camera) + state.datasets.size() * sizeof(DatasetSpec));
-  for (const Visualization& v : state.visualizations) bytes += bytesOf(v);
-  return bytes;
-}
-
 SceneHandle::~SceneHandle() {
-  node.work.broadcast("viewer.forget", {{"scene", id}}, [](std::vector<Work::Reply>) {});
+  node.work.broadcast("rendering.forget_scene", {{"scene", id}}, [](std::vector<Work::Reply>) {});
 }
 
 const NamedDataset* SceneHandle::find(Key key, std::optional<Generation> generation) const {
@@ -81,15 +30,17 @@ const NamedDataset* SceneHandle::find(Key key, std::optional<Generation> generat
   return nullptr;
 }
 
-Scenes::Scenes(Registration& registration)
+SceneCache::SceneCache(Registration& registration)
     : node_(registration.node()), builder_(*node_.backend, node_.rank()) {
   registration.work(
-      "viewer.make", [this](const Work::Call& call) { return make(call.parameters); }, Work::Runs::Waiting);
-  registration.work("viewer.forget", [this](const Work::Call& call) { return forget(call.parameters); });
+      "rendering.make_scene", [this](const Work::Call& call) { return make(call.parameters); },
+      Work::Runs::Waiting);
+  registration.work("rendering.forget_scene",
+                    [this](const Work::Call& call) { return forget(call.parameters); });
 }
 
 // What rank 0 has asked for, with this rank's part of its data. `ranks` outlive it.
-SceneSource Scenes::sourceOf(const json& p, Collectives& ranks) const {
+SceneSource SceneCache::sourceOf(const json& p, Collectives& ranks) const {
   SceneSource source;
   const State state = readState(p.at("state").get<std::string>(), "visualization").state;
   source.visualization = state.visualizations.at(0);
@@ -118,7 +69,7 @@ SceneSource Scenes::sourceOf(const json& p, Collectives& ranks) const {
 }
 
 // Every rank: all make the same exchanges, whatever fails.
-json Scenes::make(const json& p) {
+json SceneCache::make(const json& p) {
   const auto id = p.at("scene").get<SceneId>();
   const auto tenant = p.at("tenant").get<std::string>();
   Exchanges::Part part = node_.exchanges.join(p.at("exchange").get<uint64_t>());
@@ -139,14 +90,14 @@ json Scenes::make(const json& p) {
   return nullptr;
 }
 
-std::shared_ptr<const CompiledScene> Scenes::compiled(SceneId id) {
+std::shared_ptr<const CompiledScene> SceneCache::compiled(SceneId id) {
   const std::lock_guard lock(mutex_);
   const auto at = built_.find(id);
   if (at == built_.end()) throw Error("the scene has been let go");
   return at->second.compiled;
 }
 
-json Scenes::forget(const json& p) {
+json SceneCache::forget(const json& p) {
   const auto id = p.at("scene").get<SceneId>();
   {
     std::map<SceneId, BuiltScene>::node_type gone;  // outside the lock
@@ -167,15 +118,15 @@ std::vector<Pin> pinned(Node& node, const std::vector<NamedDataset>& data) {
 
 }  // namespace
 
-bool Scenes::namesMean(const std::string& tenant, const std::vector<NamedDataset>& data) const {
+bool SceneCache::namesMean(const std::string& tenant, const std::vector<NamedDataset>& data) const {
   return std::all_of(data.begin(), data.end(), [&](const NamedDataset& d) {
     const auto now = node_.datasets->find(tenant, d.name);
     return now && now->key == d.key;
   });
 }
 
-Scenes::Held Scenes::hold(const std::string& tenant, const Visualization& visualization,
-                          ShownSoFar& shown) const {
+SceneCache::Held SceneCache::hold(const std::string& tenant, const Visualization& visualization,
+                                  ShownSoFar& shown) const {
   Held held;
   std::vector<DataFacts> facts;
   for (const Vis& vis : visualization.operators) {
@@ -189,13 +140,14 @@ Scenes::Held Scenes::hold(const std::string& tenant, const Visualization& visual
   return held;
 }
 
-void Scenes::widen(const std::string& tenant, const Visualization& visualization, ShownSoFar& shown) const {
+void SceneCache::widen(const std::string& tenant, const Visualization& visualization,
+                       ShownSoFar& shown) const {
   hold(tenant, visualization, shown);
 }
 
-Scenes::Pinned Scenes::get(const std::string& tenant, const Visualization& visualization,
-                           const RenderSettings& settings, const Asker& asker, ShownSoFar& shown,
-                           const ScenePtr& known) {
+SceneCache::Pinned SceneCache::get(const std::string& tenant, const Visualization& visualization,
+                                   const RenderSettings& settings, const Asker& asker, ShownSoFar& shown,
+                                   const ScenePtr& known) {
   if (known && namesMean(tenant, known->data)) try {
       return {known, pinned(node_, known->data)};
     } catch (const Error&) {
@@ -227,8 +179,8 @@ Scenes::Pinned Scenes::get(const std::string& tenant, const Visualization& visua
   }
 }
 
-ScenePtr Scenes::getOf(const std::string& tenant, const State& state, const std::vector<NamedDataset>& data,
-                       const Asker& asker) {
+ScenePtr SceneCache::getOf(const std::string& tenant, const State& state,
+                           const std::vector<NamedDataset>& data, const Asker& asker) {
   asker.check();
   const std::string text = writeState(state);
   std::string content = tenant + "\n" + text;  // whose memory it takes
@@ -256,8 +208,8 @@ ScenePtr Scenes::getOf(const std::string& tenant, const State& state, const std:
   return waitFor(making, content, asker);
 }
 
-void Scenes::start(const MakingPtr& making, const std::string& content, const std::string& tenant,
-                   const std::string& text, std::vector<NamedDataset> data) {
+void SceneCache::start(const MakingPtr& making, const std::string& content, const std::string& tenant,
+                       const std::string& text, std::vector<NamedDataset> data) {
   SceneId id;
   {
     const std::lock_guard lock(mutex_);
@@ -276,7 +228,7 @@ void Scenes::start(const MakingPtr& making, const std::string& content, const st
   making->exchange = *exchange;
   const json parameters{
       {"exchange", *exchange}, {"scene", id}, {"tenant", tenant}, {"state", text}, {"data", keys}};
-  node_.work.broadcast("viewer.make", parameters,
+  node_.work.broadcast("rendering.make_scene", parameters,
                        [this, making, content, scene = ScenePtr(std::move(scene)),
                         exchange = std::move(exchange)](std::vector<Work::Reply> replies) mutable {
                          std::string error;
@@ -290,8 +242,8 @@ void Scenes::start(const MakingPtr& making, const std::string& content, const st
                        });
 }
 
-void Scenes::end(const MakingPtr& making, const std::string& content, ScenePtr scene,
-                 const std::string& error) {
+void SceneCache::end(const MakingPtr& making, const std::string& content, ScenePtr scene,
+                     const std::string& error) {
   if (scene && making->told) tell(*making, making->told, making->told, "done", true);
   const std::lock_guard lock(mutex_);
   if (making->wanted) {  // else there may be another by now
@@ -304,7 +256,7 @@ void Scenes::end(const MakingPtr& making, const std::string& content, ScenePtr s
   ended_.notify_all();
 }
 
-void Scenes::tell(Making& making, int64_t done, int64_t of, const std::string& text, bool phase) {
+void SceneCache::tell(Making& making, int64_t done, int64_t of, const std::string& text, bool phase) {
   constexpr std::chrono::milliseconds kMoment{200};  // of which nobody wants to be told
   if (std::chrono::steady_clock::now() < making.begin + kMoment) return;
   const std::lock_guard lock(mutex_);
@@ -312,7 +264,7 @@ void Scenes::tell(Making& making, int64_t done, int64_t of, const std::string& t
   for (const Asker* asker : making.askers) asker->progress(done, of, text, phase);
 }
 
-ScenePtr Scenes::waitFor(const MakingPtr& making, const std::string& content, const Asker& asker) {
+ScenePtr SceneCache::waitFor(const MakingPtr& making, const std::string& content, const Asker& asker) {
   std::unique_lock lock(mutex_);
   const auto hasEnded = [&] { return making->ended; };
   std::exception_ptr givesUp;
@@ -339,4 +291,4 @@ ScenePtr Scenes::waitFor(const MakingPtr& making, const std::string& content, co
   return making->scene;
 }
 
-}  // namespace gxy::viewer
+}  // namespace gxy
