@@ -12,6 +12,7 @@
 #include "core/scene/picture_name.h"
 #include "multiserver/protocol/json.h"
 #include "multiserver/rendering/cost.h"
+#include "multiserver/rendering/data_hold.h"
 
 namespace gxy::viewer {
 
@@ -111,16 +112,15 @@ class Run {
   // another tenant waiting the batch fails.
   void letGo(Key key, Generation generation) {
     std::vector<ScenePtr> gone;  // outside the lock
-    const auto late = std::chrono::steady_clock::now() - services_.node.options.longestHold;
     const std::lock_guard lock(job_->mutex);
     for (ScenePtr& scene : job_->scenes)
-      if (scene && scene->find(key, generation)) gone.push_back(std::exchange(scene, nullptr));
+      if (ScenePtr taken = takeIfShown(scene, key, generation)) gone.push_back(std::move(taken));
     for (const auto& [index, flight] : job_->inFlight) {
       const ScenePtr& scene = gone.emplace_back(flight.scene.lock());
-      const NamedDataset* const shown = scene ? scene->find(key, generation) : nullptr;
-      if (!shown || shown->owner == request_.session().tenant() || flight.begin > late) continue;
+      const DataHold hold = dataHold(scene, key, generation, request_.session().tenant(), flight.begin);
+      if (!hold.tooLong) continue;
       if (job_->error.empty())
-        job_->error = "batch: dataset " + inQuotes(shown->name) +
+        job_->error = "batch: dataset " + inQuotes(hold.dataset->name) +
                       ": an update needs the room of generation " + std::to_string(generation) +
                       ", of which picture " + std::to_string(index) + " takes too long";
       job_->changed.notify_all();

@@ -8,6 +8,7 @@
 #include "core/comm/error_text.h"
 #include "core/scene/camera.h"
 #include "multiserver/modules/viewer/window_frame.h"
+#include "multiserver/rendering/data_hold.h"
 
 namespace gxy::viewer {
 
@@ -27,16 +28,14 @@ Window::Settings Window::settings() const {
 }
 
 void Window::setSettings(const Settings& settings) {
-  FrameId refined = 0;
-  bool again = false;
+  Change change;
   {
     const std::lock_guard lock(mutex_);
     settings_ = settings;
-    refined = endRefinement();
-    again = stale_ && settings_.follow && !current_ && !waiting_;
+    change.ended = endRefinement();
+    change.newData = update_.due && settings_.follow && !current_ && !waiting_;
   }
-  if (refined) services_.node.renderer.supersede(refined);
-  if (again) renderAgain();
+  carryOut(change);
 }
 
 void Window::setVisualization(const Visualization& visualization, LedgerEntry memory) {
@@ -108,119 +107,123 @@ uint64_t Window::lastFrame() const {
   return frames_;
 }
 
-void Window::cancel() {
+void Window::cancel() { end(Phase::Idle); }
+
+void Window::endFrames() { end(Phase::Closed); }
+
+void Window::end(Phase after) {
   FramePtr frame, waiting;
-  FrameId rendering = 0;
   {
     const std::lock_guard lock(mutex_);
     frame = std::exchange(current_, nullptr);
     waiting = std::exchange(waiting_, nullptr);
-    inOutbox_ = 0;
-    if (frame) frame->over = "cancelled", rendering = frame->rendering;
+    if (phase_ != Phase::Closed) phase_ = after;
+    if (frame) frame->over = "cancelled";
     outbox_->dropTiles(id_);
   }
-  if (frame) services_.node.renderer.supersede(rendering);
+  supersede(frame);
   if (waiting) finish(waiting, "cancelled", {});
-}
-
-void Window::endFrames() {
-  {
-    const std::lock_guard lock(mutex_);
-    closed_ = true;
-  }
-  cancel();
 }
 
 void Window::close() {
   endFrames();
   std::unique_lock lock(mutex_);
-  ended_.wait(lock, [this] { return underWay_ == 0; });
+  ended_.wait(lock, [this] { return unfinished_ == 0; });
   scene_ = nullptr;
   edited_ = nullptr;
 }
 
 void Window::onData(const DatasetEvent& event) {
+  if (event.kind == DatasetEvent::Kind::Skipped) return;
+  const Change change = changeBy(event);
+  carryOut(change);
+}
+
+void Window::carryOut(const Change& change) {
+  if (change.ended) services_.node.renderer.supersede(change.ended);
+  if (change.newData) renderNewData();
+}
+
+Window::Change Window::changeBy(const DatasetEvent& event) {
+  Change change;
+  const std::lock_guard lock(mutex_);
+  if (event.kind == DatasetEvent::Kind::Dropped && current_ && current_->scene &&
+      current_->scene->find(event.dataset.key) &&
+      !services_.scenes.namesMean(tenant_, current_->scene->data)) {
+    current_->why = "dataset " + inQuotes(event.dataset.name) + " was dropped: it is refined no further";
+    change.ended = endRefinement();
+  }
+  if (!concerns(event)) return change;
+  change.scenes = {std::exchange(scene_, nullptr), std::exchange(edited_, nullptr)};
+  if (!allThereAfter(event)) return change;
+  updates_++;
+  if (waiting_) {
+    change.scenes.push_back(std::exchange(waiting_->scene, nullptr));
+    change.pins.swap(waiting_->pins);
+    return change;
+  }
+  if (asked_ == 0 || phase_ == Phase::Closed) return change;
+  update_.due = current_ || !settings_.follow;
+  if (const FrameId refined = endRefinement()) change.ended = refined;
+  change.newData = !update_.due;
+  return change;
+}
+
+// Whether names that the window shows mean something else, or newer data, since the event. With the lock held.
+bool Window::concerns(const DatasetEvent& event) const {
   using Kind = DatasetEvent::Kind;
-  if (event.kind == Kind::Skipped) return;
-  Datasets& datasets = *services_.node.datasets;
-  ScenePtr released, edited, waitings;  // outside the lock
-  std::vector<Pin> pins;
-  FrameId refined = 0;
-  bool again = false;
-  const auto update = [&] {
-    const std::lock_guard lock(mutex_);
-    if (event.kind == Kind::Dropped && current_ && current_->scene &&
-        current_->scene->find(event.dataset.key) &&
-        !services_.scenes.namesMean(tenant_, current_->scene->data)) {
-      current_->why = "dataset " + inQuotes(event.dataset.name) + " was dropped: it is refined no further";
-      refined = endRefinement();
-    }
-    const auto& operators = state_.visualizations[0].operators;
-    const auto shows = [&](const std::string& name) {
-      return std::any_of(operators.begin(), operators.end(),
-                         [&](const Vis& vis) { return vis.dataset == name; });
-    };
-    if (!shows(event.dataset.name) && !(event.kind == Kind::Renamed && shows(event.newName))) return;
-    // Names of others, or hidden by its own, or the same object in another directory.
-    const auto means = datasets.find(tenant_, event.dataset.name);
-    const bool came = event.kind == Kind::Added || event.kind == Kind::Updated;
-    if (came && !(means && means->key == event.dataset.key)) return;
-    if (event.kind != Kind::Updated && scene_ && services_.scenes.namesMean(tenant_, scene_->data)) return;
-    released = std::exchange(scene_, nullptr);
-    edited = std::exchange(edited_, nullptr);
-    // A dataset in whose place another one comes is dropped first; one that was hidden by it is there at once.
-    const bool there = std::all_of(operators.begin(), operators.end(), [&](const Vis& vis) {
-      const auto now = datasets.find(tenant_, vis.dataset);
-      const bool inItsPlace = event.kind == Kind::Dropped && vis.dataset == event.dataset.name;
-      return now && !(inItsPlace && now->scope == event.dataset.scope);
-    });
-    if (!there) return;
-    updates_++;
-    if (waiting_) {
-      waitings = std::exchange(waiting_->scene, nullptr);
-      pins.swap(waiting_->pins);
-      return;
-    }
-    if (asked_ == 0 || closed_) return;
-    stale_ = current_ || !settings_.follow;
-    refined = endRefinement();
-    again = !stale_;
+  const auto& operators = state_.visualizations[0].operators;
+  const auto shows = [&](const std::string& name) {
+    return std::any_of(operators.begin(), operators.end(),
+                       [&](const Vis& vis) { return vis.dataset == name; });
   };
-  update();
-  if (refined) services_.node.renderer.supersede(refined);
-  if (again) renderAgain();
+  if (!shows(event.dataset.name) && !(event.kind == Kind::Renamed && shows(event.newName))) return false;
+  // Names of others, or hidden by its own, or the same object in another directory.
+  const auto means = services_.node.datasets->find(tenant_, event.dataset.name);
+  const bool came = event.kind == Kind::Added || event.kind == Kind::Updated;
+  if (came && !(means && means->key == event.dataset.key)) return false;
+  return event.kind == Kind::Updated || !scene_ || !services_.scenes.namesMean(tenant_, scene_->data);
+}
+
+// Whether there are datasets of all names that the window shows. Where another dataset comes in the place of one, that one is
+// dropped first; one that was hidden by it is there at once. With the lock held.
+bool Window::allThereAfter(const DatasetEvent& event) const {
+  const auto& operators = state_.visualizations[0].operators;
+  return std::all_of(operators.begin(), operators.end(), [&](const Vis& vis) {
+    const auto now = services_.node.datasets->find(tenant_, vis.dataset);
+    const bool inItsPlace = event.kind == DatasetEvent::Kind::Dropped && vis.dataset == event.dataset.name;
+    return now && !(inItsPlace && now->scope == event.dataset.scope);
+  });
 }
 
 void Window::onWanted(Key key, Generation generation) {
-  ScenePtr scene;  // outside the lock
-  std::vector<Pin> pins;
-  FrameId refined = 0;
+  Change change;
   {
     const std::lock_guard lock(mutex_);
-    if (waiting_ && waiting_->scene && waiting_->scene->find(key, generation)) {
-      scene = std::exchange(waiting_->scene, nullptr);
-      pins.swap(waiting_->pins);
+    if (waiting_) {
+      change.scenes.push_back(takeIfShown(waiting_->scene, key, generation));
+      if (change.scenes.back()) change.pins.swap(waiting_->pins);
     }
-    const NamedDataset* const shown =
-        current_ && current_->scene ? current_->scene->find(key, generation) : nullptr;
-    if (!shown) return;
-    current_->why = "dataset " + inQuotes(shown->name) + ": another update needs the room of generation " +
-                    std::to_string(generation) + ", which is shown: it is refined no further";
-    refined = endRefinement();
-    if (!current_->over && shown->owner != tenant_ &&
-        std::chrono::steady_clock::now() - current_->begin > services_.node.options.longestHold) {
+    if (!current_) return;
+    const DataHold hold = dataHold(current_->scene, key, generation, tenant_, current_->begin);
+    if (!hold.dataset) return;
+    current_->why = "dataset " + inQuotes(hold.dataset->name) +
+                    ": another update needs the room of generation " + std::to_string(generation) +
+                    ", which is shown: it is refined no further";
+    change.ended = endRefinement();
+    if (!current_->over && hold.tooLong) {
       current_->over = "failed";
-      refined = current_->rendering;
+      change.ended = current_->rendering;
     }
   }
-  if (refined) services_.node.renderer.supersede(refined);
+  carryOut(change);
 }
 
-// Of the frame under way, if it is whole and there is a reason: what it is over with. With the lock held. The rendering that
-// is to be superseded then; 0: none.
+// Ends the frame under way if it has a picture of all pixels and there is a reason to refine it no further. Returns the rendering
+// that is to be superseded; 0: none. With the lock held.
 FrameId Window::endRefinement() {
   if (!current_ || current_->over || !current_->whole()) return 0;
-  if (stale_ && settings_.follow)
+  if (update_.due && settings_.follow)
     current_->over = "superseded";
   else if (!current_->why.empty())
     current_->over = "failed";
@@ -232,7 +235,7 @@ FrameId Window::endRefinement() {
 void Window::onDrained() {
   {
     const std::lock_guard lock(mutex_);
-    drains_ = false;
+    update_.awaitsOutbox = false;
   }
   tryAgain();
 }
@@ -240,54 +243,59 @@ void Window::onDrained() {
 void Window::tryAgain() {
   {
     const std::lock_guard lock(mutex_);
-    tries_ = false;
-    if (!stale_ || !settings_.follow || current_ || waiting_) return;
+    update_.awaitsRoom = false;
+    if (!update_.due || !settings_.follow || current_ || waiting_) return;
   }
-  renderAgain();
+  renderNewData();
 }
 
-// Compiles, so on a thread that may wait.
-void Window::renderAgain() {
+// Begins a frame of the newest data, now or when the client has read enough: the ends of frames are kept for one that does not read.
+void Window::renderNewData() {
   {
     const std::lock_guard lock(mutex_);
-    if (closed_) return;
-    // Ends of frames are kept for a client that does not read.
-    stale_ = drains_ || outbox_->congested([weak = weak_from_this(), &transport = services_.node.transport] {
+    if (phase_ == Phase::Closed) return;
+    const auto drained = [weak = weak_from_this(), &transport = services_.node.transport] {
       transport.post([weak] {
         if (const auto self = weak.lock()) self->onDrained();
       });
-    });
-    drains_ = stale_;
-    if (stale_) return;
-    underWay_++;
+    };
+    update_.due = update_.awaitsOutbox || outbox_->congested(drained);
+    update_.awaitsOutbox = update_.due;
+    if (update_.due) return;
+    unfinished_++;
   }
   services_.node.transport.postWaiting([self = shared_from_this()] {
     const std::shared_ptr<void> leave(nullptr, [&](void*) {
       const std::lock_guard lock(self->mutex_);
-      self->underWay_--;
+      self->unfinished_--;
       self->ended_.notify_all();
     });
-    FrameOptions options;
-    Since since{};
-    {
-      const std::lock_guard lock(self->mutex_);
-      since = {self->asked_, self->frames_};
-      options = self->lastOptions_;
-      options.wait = true;  // a picture that is on its way to the client gets there
-    }
-    Asker asker;
-    asker.check = [&] {
-      const std::lock_guard lock(self->mutex_);
-      if (self->closed_) throw Error("window " + std::to_string(self->id_) + ": it is closed");
-    };
-    try {
-      const uint64_t frame = self->render(options, asker, since);
-      if (frame == 0) return self->tryAgainUnlessMade(since.frames);
-      self->outbox_->event({{"event", "frame"}, {"window", self->id_}, {"frame", frame}, {"reason", "data"}});
-    } catch (const Error& e) {
-      self->onRefused(since.frames, e.what());
-    }
+    self->renderByItself();
   });
+}
+
+// Compiles the scene, so on a thread that may wait.
+void Window::renderByItself() {
+  FrameOptions options;
+  Since since{};
+  {
+    const std::lock_guard lock(mutex_);
+    since = {asked_, frames_};
+    options = lastOptions_;
+    options.wait = true;  // a picture that is on its way to the client gets there
+  }
+  Asker asker;
+  asker.check = [&] {
+    const std::lock_guard lock(mutex_);
+    if (phase_ == Phase::Closed) throw Error("window " + std::to_string(id_) + ": it is closed");
+  };
+  try {
+    const uint64_t frame = render(options, asker, since);
+    if (frame == 0) return tryAgainUnlessMade(since.frames);
+    outbox_->event({{"event", "frame"}, {"window", id_}, {"frame", frame}, {"reason", "data"}});
+  } catch (const Error& e) {
+    onRefused(since.frames, e.what());
+  }
 }
 
 // Somebody asked for a frame meanwhile, and may have been refused.
@@ -295,7 +303,7 @@ void Window::tryAgainUnlessMade(uint64_t lastFrame) {
   {
     const std::lock_guard lock(mutex_);
     if (frames_ != lastFrame) return;
-    stale_ = true;
+    update_.due = true;
   }
   tryAgain();
 }
@@ -304,11 +312,11 @@ void Window::tryAgainUnlessMade(uint64_t lastFrame) {
 void Window::onRefused(uint64_t lastFrame, const std::string& error) {
   {
     const std::lock_guard lock(mutex_);
-    if (closed_ || frames_ != lastFrame) return;  // nobody waits for it
-    stale_ = true;
-    if (!std::exchange(tries_, true)) services_.retries.add(tenant_, weak_from_this());
-    if (told_ == error) return;
-    told_ = error;
+    if (phase_ == Phase::Closed || frames_ != lastFrame) return;  // nobody waits for it
+    update_.due = true;
+    if (!std::exchange(update_.awaitsRoom, true)) services_.retries.add(tenant_, weak_from_this());
+    if (update_.refusal == error) return;
+    update_.refusal = error;
   }
   outbox_->event({{"event", "error"}, {"window", id_}, {"text", error}});
 }

@@ -96,24 +96,63 @@ class Window : public std::enable_shared_from_this<Window> {
  private:
   struct Frame;
   using FramePtr = std::shared_ptr<Frame>;
+
+  /// How far the frames of the window are. In Rendering and Sending another frame may wait (`waiting_`).
+  enum class Phase {
+    Idle,       ///< no frame is under way
+    Rendering,  ///< the frame under way has not made its first pass
+    Sending,   ///< a frame's first pass waits in the outbox; meanwhile it makes further ones, or it has ended
+    Refining,  ///< the first pass has been sent, and the frame makes further ones
+    Closed,    ///< no frame begins any more
+  };
+  /// The client has not been shown the newest data.
+  struct PendingUpdate {
+    bool due = false;           ///< the newest frame shows older data than there are
+    bool awaitsOutbox = false;  ///< onDrained() will be called
+    bool awaitsRoom = false;    ///< the window is in Services::retries
+    std::string refusal;        ///< why there is no frame of the newest data, as the client was told
+  };
+  /// What is to be done once the lock is not held any more.
+  struct Change {
+    std::vector<ScenePtr> scenes;  ///< to be let go of
+    std::vector<Pin> pins;         ///< as well
+    FrameId ended = 0;             ///< a rendering to be superseded; 0: none
+    bool newData = false;          ///< renderNewData() is to be called
+  };
+  Change changeBy(const DatasetEvent& event);
+  void carryOut(const Change& change);
+  bool concerns(const DatasetEvent& event) const;
+  bool allThereAfter(const DatasetEvent& event) const;
   void forgetScene();
+  void end(Phase after);
+
+  struct Snapshot;
+  Snapshot takeSnapshot();
+  FramePtr frameOf(const FrameOptions& options, const Snapshot& snapshot) const;
+  void compile(Frame& frame, Snapshot& snapshot, const Asker& asker);
+  void takeRoom(Frame& frame) const;
+  FramePtr makeCurrent(const FramePtr& frame);
   void begin(const FramePtr& frame);
   void onFirstPassSent(uint64_t number);
   void beginWaiting();
   void beginWithNewData(const FramePtr& frame);
   void supersede(const FramePtr& older);
   FrameId endRefinement();
+  void addPass(const FramePtr& frame);
   void startStage(const FramePtr& frame);
   void onTile(const FramePtr& frame, Bytes record);
   void onSums(const FramePtr& frame, Picture picture);
   void onStage(const FramePtr& frame, bool superseded, const std::string& error);
+  void sendEndOfPass(const FramePtr& frame);
   void finish(const FramePtr& frame, const char* status, const std::string& error);
   /// What the window had been asked for when it decided to render by itself.
   struct Since {
     uint64_t asked, frames;
   };
   uint64_t render(const FrameOptions& options, const Asker& asker, std::optional<Since> byItself);
-  void renderAgain();
+  uint64_t enter(const FramePtr& frame, Snapshot snapshot, std::optional<Since> byItself);
+  void renderNewData();
+  void renderByItself();
   void tryAgainUnlessMade(uint64_t lastFrame);
   void onRefused(uint64_t lastFrame, const std::string& error);
   void onDrained();
@@ -129,21 +168,20 @@ class Window : public std::enable_shared_from_this<Window> {
   Settings settings_;
   State state_;
   LedgerEntry stateMemory_;
-  bool hasVisualization_ = false, closed_ = false;
-  bool stale_ = false;        ///< the newest frame shows older data than there are
-  bool drains_ = false;       ///< onDrained() is to come
-  bool tries_ = false;        ///< it is in Services::retries
-  std::string told_;          ///< why there is no frame of the newest data, as the client was told
+  bool hasVisualization_ = false;
   ShownSoFar shown_;          ///< since the visualization was set
   uint64_t asked_ = 0;        ///< for so many frames, which may have been refused
   FrameOptions lastOptions_;  ///< with which it was asked for last
   ScenePtr scene_;
-  ScenePtr edited_;        ///< shown before an edit: the next scene takes over what it may
-  FramePtr current_;       ///< under way and not superseded
-  FramePtr waiting_;       ///< begins once `current_` has made its first pass and that has left the outbox
-  uint64_t inOutbox_ = 0;  ///< the frame whose first pass waits there; 0: none
-  uint64_t frames_ = 0, updates_ = 0;  ///< asked for; of its data
-  int underWay_ = 0;                   ///< superseded ones included
+  ScenePtr edited_;  ///< shown before an edit: the next scene takes over what it may
+  Phase phase_ = Phase::Idle;
+  uint64_t sending_ = 0;  ///< in Phase::Sending: the frame whose first pass waits in the outbox
+  FramePtr current_;      ///< under way and not superseded; null when Idle and Closed
+  FramePtr waiting_;      ///< begins once the first pass of `current_` has been sent
+  PendingUpdate update_;
+  uint64_t frames_ = 0;   ///< begun, or waiting to begin, so far
+  uint64_t updates_ = 0;  ///< of its data so far
+  int unfinished_ = 0;    ///< frames under way, superseded ones included, and tasks that may begin one
 };
 
 }  // namespace gxy::viewer

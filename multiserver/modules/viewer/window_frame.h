@@ -5,6 +5,16 @@
 
 namespace gxy::viewer {
 
+/// What a frame that begins now would show.
+struct Window::Snapshot {
+  State state;
+  ShownSoFar shown;
+  Camera camera;  ///< of the window's size
+  ScenePtr scene;
+  ScenePtr edited;  ///< shown before an edit; held until the new scene has taken over what it may
+  uint64_t updates = 0;
+};
+
 /// One frame: its stages are its levels, then the further passes of the last.
 struct Window::Frame {
   uint64_t number = 0;
@@ -24,7 +34,6 @@ struct Window::Frame {
   LedgerEntry sumMemory;
   int samples = 1;  ///< of each pass
   Background background{glm::dvec4(0)};
-  bool firstPassMade = false;
   const char* over = nullptr;  ///< "superseded", "cancelled", or "failed" because of `why`
   std::string why;             ///< it is to be refined no further: it ends with its first whole picture
   bool dropped = false;        ///< a tile found no room

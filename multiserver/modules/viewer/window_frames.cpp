@@ -47,86 +47,98 @@ uint64_t Window::render(const FrameOptions& options, const Asker& asker) {
 
 // 0 where the window would do it by itself and somebody has asked meanwhile: what they want counts.
 uint64_t Window::render(const FrameOptions& options, const Asker& asker, std::optional<Since> byItself) {
-  auto frame = std::make_shared<Frame>();
-  State state;
-  ShownSoFar shown;
-  ScenePtr edited;
-  uint64_t updates = 0;
-  {
-    const std::lock_guard lock(mutex_);
-    if (!hasVisualization_)
-      throw Error("window " + std::to_string(id_) +
-                  ": it shows nothing yet, expected a `set` with a Visualization");
-    state = state_;
-    updates = updates_;
-    frame->scene = scene_;
-    shown = shown_;
-    edited = std::exchange(edited_, nullptr);
-    frame->camera = state_.cameras[0];
-    frame->camera.dimensions = settings_.size;
-  }
-  validate(frame->camera);
-  frame->samples = options.rays ? int(options.rays) : state.settings.raysPerPixel;
-  RenderSettings settings = state.settings;
-  settings.raysPerPixel = frame->samples;
-  checkCost(settings, frame->camera.dimensions);
-  constexpr int64_t kSamples = 65536;  // that a ray can name
-  if (int64_t(options.passes) * frame->samples > kSamples)
-    throw Error("render: " + std::to_string(options.passes) + " passes of " + std::to_string(frame->samples) +
-                " rays per pixel, expected at most " + std::to_string(kSamples) + " rays");
+  Snapshot snapshot = takeSnapshot();
+  const FramePtr frame = frameOf(options, snapshot);
   if (!byItself) {
     // What follows is refused for what may change: the data, and how much room there is.
     const std::lock_guard lock(mutex_);
     asked_++;
     lastOptions_ = options;
   }
+  compile(*frame, snapshot, asker);
+  takeRoom(*frame);
+  return enter(frame, std::move(snapshot), byItself);
+}
+
+Window::Snapshot Window::takeSnapshot() {
+  const std::lock_guard lock(mutex_);
+  if (!hasVisualization_)
+    throw Error("window " + std::to_string(id_) +
+                ": it shows nothing yet, expected a `set` with a Visualization");
+  Snapshot snapshot{state_, shown_, state_.cameras[0], scene_, std::exchange(edited_, nullptr), updates_};
+  snapshot.camera.dimensions = settings_.size;
+  return snapshot;
+}
+
+// Throws Error for what no client may ask for.
+Window::FramePtr Window::frameOf(const FrameOptions& options, const Snapshot& snapshot) const {
+  auto frame = std::make_shared<Frame>();
+  frame->options = options;
+  frame->camera = snapshot.camera;
+  validate(frame->camera);
+  RenderSettings settings = snapshot.state.settings;
+  frame->samples = options.rays ? int(options.rays) : settings.raysPerPixel;
+  settings.raysPerPixel = frame->samples;
+  checkCost(settings, frame->camera.dimensions);
+  constexpr int64_t kSamples = 65536;  // that a ray can name
+  if (int64_t(options.passes) * frame->samples > kSamples)
+    throw Error("render: " + std::to_string(options.passes) + " passes of " + std::to_string(frame->samples) +
+                " rays per pixel, expected at most " + std::to_string(kSamples) + " rays");
+  frame->background = snapshot.state.settings;
+  return frame;
+}
+
+// Waits for the scene.
+void Window::compile(Frame& frame, Snapshot& snapshot, const Asker& asker) {
+  const State& state = snapshot.state;
   SceneCache::Pinned pinned;
   try {
-    pinned =
-        services_.scenes.get(tenant_, state.visualizations[0], state.settings, asker, shown, frame->scene);
+    pinned = services_.scenes.get(tenant_, state.visualizations[0], state.settings, asker, snapshot.shown,
+                                  snapshot.scene);
   } catch (const Error&) {
     // Who has cancelled an edit makes the next, which takes over as much; where there was no room, its room is needed.
     const bool wanted = isWanted(asker);
     const std::lock_guard lock(mutex_);
-    if (!wanted && !scene_ && !edited_ && updates_ == updates) edited_ = std::move(edited);
+    if (!wanted && !scene_ && !edited_ && updates_ == snapshot.updates) edited_ = std::move(snapshot.edited);
     throw;
   }
-  edited = nullptr;
-  frame->scene = std::move(pinned.scene);
-  frame->pins = std::move(pinned.pins);
-  {
-    // Kept for the next frame, also where this one is refused, unless the state or the data have changed since.
-    const std::lock_guard lock(mutex_);
-    if (state_ == state && updates_ == updates) scene_ = frame->scene;
-    if (state_.visualizations == state.visualizations) shown_ = shown;
-  }
-  frame->camera = fitted(frame->camera, shown.box);
+  snapshot.edited = nullptr;
+  snapshot.scene = nullptr;
+  frame.scene = std::move(pinned.scene);
+  frame.pins = std::move(pinned.pins);
+  frame.camera = fitted(frame.camera, snapshot.shown.box);
+  // Kept for the next frame, also where this one is refused, unless the state or the data have changed since.
+  const std::lock_guard lock(mutex_);
+  if (state_ == state && updates_ == snapshot.updates) scene_ = frame.scene;
+  if (state_.visualizations == state.visualizations) shown_ = snapshot.shown;
+}
+
+void Window::takeRoom(Frame& frame) const {
   Node& node = services_.node;
-  const int64_t pixels = int64_t(frame->camera.dimensions.x) * frame->camera.dimensions.y;
-  if (options.passes > 1) frame->sumMemory = node.takeMemory(tenant_, "passes", pixels * 64);
-  frame->background = state.settings;
-  frame->slot = node.tenants.begin(tenant_, node.costOf(tenant_, frame->camera.dimensions));
-  frame->options = options;
+  const int64_t pixels = int64_t(frame.camera.dimensions.x) * frame.camera.dimensions.y;
+  if (frame.options.passes > 1) frame.sumMemory = node.takeMemory(tenant_, "passes", pixels * 64);
+  frame.slot = node.tenants.begin(tenant_, node.costOf(tenant_, frame.camera.dimensions));
+}
+
+// The frame begins, or waits.
+uint64_t Window::enter(const FramePtr& frame, Snapshot snapshot, std::optional<Since> byItself) {
   FramePtr older, skipped;
   bool waits = false;
   {
     const std::lock_guard lock(mutex_);
-    if (closed_) throw Error("window " + std::to_string(id_) + ": it is closed");
+    if (phase_ == Phase::Closed) throw Error("window " + std::to_string(id_) + ": it is closed");
     if (byItself && (byItself->asked != asked_ || byItself->frames != frames_)) return 0;
-    told_.clear();
     frame->number = ++frames_;
-    underWay_++;
-    stale_ = updates_ != updates;
+    unfinished_++;
+    update_.refusal.clear();
+    update_.due = updates_ != snapshot.updates;
     skipped = std::exchange(waiting_, nullptr);
-    waits = options.wait && ((current_ && !current_->firstPassMade) || inOutbox_);
+    waits = frame->options.wait && (phase_ == Phase::Rendering || phase_ == Phase::Sending);
     if (waits) {
-      frame->state = std::move(state);
+      frame->state = std::move(snapshot.state);
       waiting_ = frame;
     } else {
-      older = std::exchange(current_, frame);
-      if (older) older->over = "superseded";
-      inOutbox_ = 0;
-      outbox_->dropTiles(id_);
+      older = makeCurrent(frame);
     }
   }
   if (skipped) finish(skipped, "superseded", {});
@@ -135,6 +147,15 @@ uint64_t Window::render(const FrameOptions& options, const Asker& asker, std::op
     begin(frame);
   }
   return frame->number;
+}
+
+// Returns the frame that it supersedes; null: none. With the lock held.
+Window::FramePtr Window::makeCurrent(const FramePtr& frame) {
+  FramePtr older = std::exchange(current_, frame);
+  if (older) older->over = "superseded";
+  phase_ = Phase::Rendering;
+  outbox_->dropTiles(id_);
+  return older;
 }
 
 void Window::supersede(const FramePtr& older) {
@@ -156,8 +177,8 @@ void Window::begin(const FramePtr& frame) {
 void Window::onFirstPassSent(uint64_t number) {
   {
     const std::lock_guard lock(mutex_);
-    if (inOutbox_ != number) return;
-    inOutbox_ = 0;
+    if (phase_ != Phase::Sending || sending_ != number) return;
+    phase_ = current_ ? Phase::Refining : Phase::Idle;
   }
   beginWaiting();
 }
@@ -168,11 +189,9 @@ void Window::beginWaiting() {
   bool newData = false;
   {
     const std::lock_guard lock(mutex_);
-    if (!waiting_ || (current_ && !current_->firstPassMade) || inOutbox_) return;
+    if (!waiting_ || phase_ == Phase::Rendering || phase_ == Phase::Sending) return;
     frame = std::exchange(waiting_, nullptr);
-    older = std::exchange(current_, frame);
-    if (older) older->over = "superseded";
-    outbox_->dropTiles(id_);
+    older = makeCurrent(frame);
     newData = frame->scene == nullptr;
     if (!newData) frame->state = {};
   }
@@ -209,14 +228,14 @@ void Window::beginWithNewData(const FramePtr& frame) {
     if (updates_ == updates && state_.visualizations == frame->state.visualizations &&
         state_.settings == frame->state.settings)
       scene_ = frame->scene;
-    stale_ = updates_ != updates;
+    update_.due = updates_ != updates;
     frame->state = {};
   } catch (const Error& e) {
     const char* over = nullptr;
     {
       const std::lock_guard lock(mutex_);
       over = frame->over;
-      stale_ = stale_ || !over;
+      update_.due = update_.due || !over;
     }
     return finish(frame, over ? over : "failed", e.what());
   }
@@ -282,8 +301,13 @@ void Window::onSums(const FramePtr& frame, Picture picture) {
 // A level or pass has been rendered, and its tiles are in the outbox or its sums have arrived.
 void Window::onStage(const FramePtr& frame, bool superseded, const std::string& error) {
   std::unique_lock lock(mutex_);
+  if (!frame->over && !superseded && error.empty() && !frame->arrived.sums.empty()) {
+    lock.unlock();
+    addPass(frame);
+    lock.lock();
+  }
   if (frame->over || superseded) {
-    const char* status = frame->over ? frame->over : "superseded";
+    const char* const status = frame->over ? frame->over : "superseded";
     const std::string why = frame->why;
     lock.unlock();
     return finish(frame, status, why);
@@ -292,38 +316,7 @@ void Window::onStage(const FramePtr& frame, bool superseded, const std::string& 
     lock.unlock();
     return finish(frame, "failed", error);
   }
-  if (Picture pass = std::exchange(frame->arrived, {}); !pass.sums.empty()) {
-    lock.unlock();
-    Picture& sum = frame->sum;
-    if (frame->pass == 0)
-      sum = std::move(pass);
-    else
-      parallelFor(size_t(0), sum.sums.size() / 4, [&](size_t i) {
-        for (size_t k = 4 * i; k < 4 * i + 4; k++) sum.sums[k] += pass.sums[k];
-      });
-    const Picture mean{sum.width, sum.height,
-                       pixelsOf(sum.sums, frame->samples * int(frame->pass + 1), frame->background,
-                                {sum.width, sum.height})};
-    for (Bytes& tile : tilesOfPicture(mean, frame->options.encoding, frame->options.quality))
-      onTile(frame, std::move(tile));
-    lock.lock();
-  }
-  if (const char* const status = frame->over) {
-    const std::string why = frame->why;
-    lock.unlock();
-    return finish(frame, status, why);
-  }
-  std::function<void()> sent;
-  if (!std::exchange(frame->firstPassMade, true)) {
-    inOutbox_ = frame->number;
-    sent = [self = shared_from_this(), number = frame->number] {
-      self->services_.node.transport.post([self, number] { self->onFirstPassSent(number); });
-    };
-  }
-  outbox_->pixels(endRecord(frame->header(id_), PixelKind::EndOfPass,
-                            protocol::dump({{"seconds", secondsSince(frame->begin)},
-                                            {"generations", frame->generations()}})),
-                  std::move(sent));
+  sendEndOfPass(frame);
   bool more = true;
   if (!frame->last()) {
     frame->level++;
@@ -340,6 +333,39 @@ void Window::onStage(const FramePtr& frame, bool superseded, const std::string& 
   if (over) return finish(frame, over, why);
   if (more) return startStage(frame);
   finish(frame, "complete", {});
+}
+
+// Puts the tiles of the mean of all passes so far into the outbox. Between stages, so nobody else uses the sums.
+void Window::addPass(const FramePtr& frame) {
+  Picture pass = std::exchange(frame->arrived, {});
+  Picture& sum = frame->sum;
+  if (frame->pass == 0)
+    sum = std::move(pass);
+  else
+    parallelFor(size_t(0), sum.sums.size() / 4, [&](size_t i) {
+      for (size_t k = 4 * i; k < 4 * i + 4; k++) sum.sums[k] += pass.sums[k];
+    });
+  const Picture mean{
+      sum.width, sum.height,
+      pixelsOf(sum.sums, frame->samples * int(frame->pass + 1), frame->background, {sum.width, sum.height})};
+  for (Bytes& tile : tilesOfPicture(mean, frame->options.encoding, frame->options.quality))
+    onTile(frame, std::move(tile));
+}
+
+// With the lock held.
+void Window::sendEndOfPass(const FramePtr& frame) {
+  std::function<void()> sent;
+  if (phase_ == Phase::Rendering) {
+    phase_ = Phase::Sending;
+    sending_ = frame->number;
+    sent = [self = shared_from_this(), number = frame->number] {
+      self->services_.node.transport.post([self, number] { self->onFirstPassSent(number); });
+    };
+  }
+  outbox_->pixels(endRecord(frame->header(id_), PixelKind::EndOfPass,
+                            protocol::dump({{"seconds", secondsSince(frame->begin)},
+                                            {"generations", frame->generations()}})),
+                  std::move(sent));
 }
 
 void Window::finish(const FramePtr& frame, const char* status, const std::string& error) {
@@ -366,14 +392,14 @@ void Window::finish(const FramePtr& frame, const char* status, const std::string
     scene = std::exchange(frame->scene, nullptr);
     if (current_ == frame) {
       current_ = nullptr;
-      if (!frame->firstPassMade) inOutbox_ = 0;
+      if (phase_ == Phase::Rendering || phase_ == Phase::Refining) phase_ = Phase::Idle;
     }
     if (!current_ && !waiting_)  // after a frame that was cancelled too
-      again = stale_ && settings_.follow && !closed_;
-    underWay_--;
+      again = update_.due && settings_.follow && phase_ != Phase::Closed;
+    unfinished_--;
     ended_.notify_all();
   }
-  if (again) renderAgain();
+  if (again) renderNewData();
   beginWaiting();
   scene = nullptr;
   services_.retries.onEnd(tenant_);
