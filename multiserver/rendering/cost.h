@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a rendering may ask for, and what its description takes.
+// Limits on what a client may ask to be rendered, and the memory that its description takes.
 #pragma once
 #include <cstdint>
 #include <glm/vec2.hpp>
@@ -8,11 +8,12 @@
 
 namespace gxy {
 
-/// Throws Error for what would take more of the server than any client may have (docs/protocol.md section 8).
+/// These throw Error if rendering it would take more of the server than any client may have (docs/protocol.md, section 8).
+/// `size` is in pixels.
 void checkCost(const Visualization& visualization);
 void checkCost(const RenderSettings& settings, glm::ivec2 size);
 
-/// Memory that these take, or somewhat less.
+/// Bytes that these take in memory, or somewhat less.
 int64_t bytesOf(const Visualization& visualization);
 int64_t bytesOf(const State& state);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pictures whose data have to make room for an update.
+// Whether pictures let go of their data when an update needs the room.
 #pragma once
 #include <chrono>
 #include <string>
@@ -8,21 +8,21 @@
 
 namespace gxy {
 
-/// What a picture under way means for an update that needs the room of a generation (ObjectEvent::Kind::Wanted).
+/// How a picture under way holds a generation whose room an update needs (ObjectEvent::Kind::Wanted).
 struct DataHold {
   const NamedDataset* dataset =
-      nullptr;  ///< of that generation, which the picture shows; null: it shows none
-  /// The dataset is another tenant's, and the picture has been under way for longer than NodeOptions::longestHold: it is to end
-  /// without having been finished.
+      nullptr;  ///< the dataset of that generation that the picture shows; null: none
+  /// The dataset belongs to another tenant, and the picture has been under way for longer than
+  /// NodeOptions::longestHold. The picture must end now, unfinished.
   bool tooLong = false;
 };
 
-/// Rank 0: that of a picture of `tenant` that began at `begin` and shows `scene`, which may be null.
+/// Rank 0: how a picture of `tenant` that began at `begin` and shows `scene` holds the generation. `scene` may be null.
 DataHold dataHold(const ScenePtr& scene, Key key, Generation generation, const std::string& tenant,
                   std::chrono::steady_clock::time_point begin);
 
-/// Rank 0: takes a scene that is kept for the next picture, if it shows the generation, so that the next picture shows newer data.
-/// The caller lets go of what is returned without holding locks; null: the scene stays.
+/// Rank 0: takes away a scene that is kept for the next picture if it shows the generation. The next picture then shows newer
+/// data. Returns the scene, which the caller must destroy without holding locks, or null if it does not show the generation.
 ScenePtr takeIfShown(ScenePtr& scene, Key key, Generation generation);
 
 }  // namespace gxy

@@ -73,7 +73,7 @@ std::vector<Bytes> tilesOfPicture(const Picture& picture, protocol::PixelEncodin
   return tiles;
 }
 
-/// What the owner of a frame does: it brings the picture to rank 0, where the ticket says who gets it.
+/// Runs on the owner of a frame and sends its picture to rank 0. There, the ticket leads to the receiver.
 class PictureDelivery::Operation final : public PictureOperation {
  public:
   Operation(PictureDelivery& pictures, uint64_t ticket, PictureFormat wanted)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pictures go from the rank that owns a frame to rank 0, as tiles, sums or encoded files, or into a file.
+// Delivers pictures from the rank that owns a frame to rank 0, as tiles, sums, depths or encoded files, or writes files.
 #pragma once
 #include <cstdint>
 #include <functional>
@@ -14,37 +14,39 @@
 
 namespace gxy {
 
-/// What the owner of a frame's picture does with it.
+/// The form in which the owner of a frame delivers its picture.
 struct PictureFormat {
   enum class As : uint8_t { Tiles, Sums, Depth, Bytes, File };
   As as = As::Tiles;
   protocol::PixelEncoding encoding = protocol::PixelEncoding::Zstd;
   int quality = 75;
-  std::string format = "png";  ///< Bytes and File
-  std::string path;            ///< File: where, checked already
-  Overlay overlay;             ///< Bytes and File: drawn over it
+  std::string format = "png";  ///< Bytes and File: the format that encodeImage() takes
+  std::string path;            ///< File: a path that DataFolders has checked
+  Overlay overlay;             ///< Bytes and File: drawn over the picture
 };
 
-/// Who gets what comes, on rank 0, in any order. `tile` is called on a progress thread and must be short, `sums`, `depth` and `bytes`
-/// as tasks; `done` is called once, after them, as a task: with what went wrong, if anything did.
+/// Receives a picture on rank 0. Pieces arrive in any order. `tile` is called on the rank's progress thread and must be short.
+/// `sums`, `depth` and `bytes` are called as tasks. `done` is called once, after all of them, as a task; its error is empty
+/// if nothing went wrong.
 struct PictureReceiver {
-  std::function<void(Bytes tile)> tile;  ///< a record whose window, frame, scale and pass are to be filled in
+  std::function<void(Bytes tile)>
+      tile;  ///< a record in which window, frame, scale and pass are to be filled in
   std::function<void(Picture picture)> sums;
   std::function<void(const std::vector<double>& depth)> depth;  ///< of each pixel, as Picture::depth
   std::function<void(Bytes content)> bytes;
   std::function<void(bool superseded, const std::string& error)> done;
 };
 
-/// The tiles of a picture, as records; window, frame, scale and pass are 0, 0, 1 and 0. May use all threads.
+/// Returns the tiles of a picture as records with window 0, frame 0, scale 1 and pass 0. May use all threads.
 std::vector<Bytes> tilesOfPicture(const Picture& picture, protocol::PixelEncoding encoding, int quality);
 
-/// One on each rank (Rendering). Thread safe.
+/// Starts frames and delivers their pictures. There is one on each rank (Rendering). Thread safe.
 class PictureDelivery {
  public:
   explicit PictureDelivery(Node& node);
   ~PictureDelivery();
 
-  /// Rank 0: starts a frame. Throws Error as Renderer::render does.
+  /// Rank 0: starts a frame whose picture goes to `receiver`. Throws Error as Renderer::render() does, and calls nothing then.
   FrameId start(FrameRequest request, const PictureFormat& wanted, PictureReceiver receiver);
 
  private:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What modules render with: scenes, and the way of pictures to rank 0.
+// What modules render with: the cache of scenes and the delivery of pictures.
 #pragma once
 #include <atomic>
 #include <cstdint>
@@ -11,21 +11,21 @@
 
 namespace gxy {
 
-/// One on each rank, for all modules. Thread safe.
+/// There is one on each rank, for all modules. Thread safe.
 struct Rendering {
   explicit Rendering(Registration& registration) : scenes(registration), pictures(registration.node()) {}
 
   SceneCache scenes;
   PictureDelivery pictures;
 
-  /// Rank 0: a number for frames that come one after the other, as those of a window or a batch (Share::stream).
+  /// Rank 0: returns a new number for a stream of frames, for instance those of a window or of a batch (Share::stream).
   uint64_t nextStream() { return streams_++; }
 
  private:
   std::atomic<uint64_t> streams_ = 1;
 };
 
-/// In a module's body, on every rank: the rank's Rendering, which the first module that asks for it registers.
+/// Returns the rank's Rendering. Called in a module's body, on every rank. The first module that calls it registers the works.
 std::shared_ptr<Rendering> renderingOf(Registration& registration);
 
 }  // namespace gxy

@@ -39,7 +39,7 @@ SceneCache::SceneCache(Registration& registration)
                     [this](const Work::Call& call) { return forget(call.parameters); });
 }
 
-// What rank 0 has asked for, with this rank's part of its data. `ranks` outlive it.
+// Reads what rank 0 asks for, and finds this rank's part of the data. `ranks` must outlive the result.
 SceneSource SceneCache::sourceOf(const json& p, Collectives& ranks) const {
   SceneSource source;
   const State state = readState(p.at("state").get<std::string>(), "visualization").state;
@@ -68,7 +68,7 @@ SceneSource SceneCache::sourceOf(const json& p, Collectives& ranks) const {
   return source;
 }
 
-// Every rank: all make the same exchanges, whatever fails.
+// Every rank: all ranks make the same exchanges, whatever fails.
 json SceneCache::make(const json& p) {
   const auto id = p.at("scene").get<SceneId>();
   const auto tenant = p.at("tenant").get<std::string>();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Visualizations with their data, compiled on all ranks and shared by all frames of a tenant that show them.
+// The cache of scenes. All ranks build a scene once, and all frames of a tenant that show it share it.
 #pragma once
 #include <atomic>
 #include <chrono>
@@ -18,7 +18,7 @@
 
 namespace gxy {
 
-/// A scene that all ranks have, until the last who holds this lets go. Rank 0.
+/// Rank 0's handle of a scene that all ranks hold. When the last handle goes, all ranks forget the scene.
 struct SceneHandle {
   SceneHandle(Node& node, SceneId id) : node(node), id(id) {}
   ~SceneHandle();
@@ -27,14 +27,14 @@ struct SceneHandle {
 
   Node& node;
   const SceneId id;
-  std::vector<NamedDataset> data;  ///< with the generations that it shows
+  std::vector<NamedDataset> data;  ///< by operator, with the generations that the scene shows
 
-  /// What it calls that dataset, if it shows it; of that generation, if one is given.
+  /// The dataset with this key, and of this generation if one is given. Null if the scene does not show it.
   const NamedDataset* find(Key key, std::optional<Generation> generation = {}) const;
 };
 using ScenePtr = std::shared_ptr<const SceneHandle>;
 
-/// One on each rank (Rendering). Thread safe.
+/// Builds scenes and keeps track of those that there are. There is one on each rank (Rendering). Thread safe.
 class SceneCache {
  public:
   explicit SceneCache(Registration& registration);
@@ -43,24 +43,28 @@ class SceneCache {
     ScenePtr scene;
     std::vector<Pin> pins;  ///< of its data
   };
-  /// Rank 0: the scene of a visualization with the current generations of its data, as the tenant sees them; compiled
-  /// unless that tenant has one of the same content, or one that is being made: then all who want it wait for that one, and
-  /// are told its progress, and it is given up on all ranks when none of them wants it any more. `known`, if not null, is
-  /// taken while its names mean its data. What the visualization asks of the data is said by these and by what it has shown
-  /// so far, `shown`, which they widen; a scene that is `known` has widened it before. Waits; the asker lives as long. Throws
-  /// Error for data that are not there or do not fit, and soon what `asker.check` throws, the last who waits once nothing of
-  /// the scene is left.
+  /// Rank 0: returns the scene of a visualization with the current generations of its data, as the tenant sees them.
+  ///
+  /// `known`, if not null, is returned while its names still mean its data. Otherwise a scene of the same tenant and content
+  /// is returned. If that scene is still being built, all callers wait for it and are told its progress; when none of them
+  /// wants it any more, all ranks give it up. Otherwise all ranks build a new scene.
+  ///
+  /// Ranges and radii that the visualization takes from its data follow the data and all that was shown before. `shown` holds
+  /// what was shown before, and the data widen it. A `known` scene has widened it already.
+  ///
+  /// Waits; the asker must live as long. Throws Error for data that do not exist or do not fit. Throws soon what
+  /// `asker.check` throws; the last caller who waits throws it once no rank holds anything of the scene.
   Pinned get(const std::string& tenant, const Visualization& visualization, const RenderSettings& settings,
              const Asker& asker, ShownSoFar& shown, const ScenePtr& known = nullptr);
-  /// Rank 0: what get() would do to `shown`. Throws Error for data that are not there.
+  /// Rank 0: widens `shown` as get() would. Throws Error for data that do not exist.
   void widen(const std::string& tenant, const Visualization& visualization, ShownSoFar& shown) const;
-  /// Every rank: a scene that rank 0 has got. Throws Error once it has been let go.
+  /// Every rank: returns a scene that rank 0 has a handle of. Throws Error if all handles have gone.
   std::shared_ptr<const CompiledScene> compiled(SceneId id);
-  /// Whether that is what these names mean to the tenant now.
+  /// Rank 0: whether these names mean these datasets to the tenant now.
   bool namesMean(const std::string& tenant, const std::vector<NamedDataset>& data) const;
 
  private:
-  /// A visualization with its data, as the tenant sees them, and numbers for what it asks of them.
+  /// A visualization with the data that it shows, pinned, and with numbers where it takes ranges and radii from them.
   struct Held {
     std::vector<NamedDataset> data;
     std::vector<Pin> pins;
@@ -70,16 +74,17 @@ class SceneCache {
   SceneSource sourceOf(const nlohmann::json& parameters, Collectives& ranks) const;
   nlohmann::json make(const nlohmann::json& parameters);
   nlohmann::json forget(const nlohmann::json& parameters);
-  /// A scene that is being made, and who waits for it. Rank 0; under mutex_ but for `wanted`.
+  /// Rank 0: a scene that is being built, and the callers that wait for it. mutex_ guards all but `wanted`.
   struct Making {
     std::vector<const Asker*> askers;
-    std::atomic<bool> wanted = true;  ///< by any of them; no more ask for it once nobody does
+    std::atomic<bool> wanted =
+        true;  ///< by any asker; false: the building ends, and nobody else may wait for it
     uint64_t exchange = 0;
     bool ended = false;
-    ScenePtr scene;     ///< then; null: failed
-    std::string error;  ///< of that
+    ScenePtr scene;     ///< when it has ended; null: it has failed
+    std::string error;  ///< why it has failed
     const std::chrono::steady_clock::time_point begin = std::chrono::steady_clock::now();
-    int64_t told = 0;  ///< of how many units of progress
+    int64_t told = 0;  ///< units of progress that the askers were told of; 0: none so far
   };
   using MakingPtr = std::shared_ptr<Making>;
   void start(const MakingPtr& making, const std::string& content, const std::string& tenant,
@@ -94,10 +99,10 @@ class SceneCache {
   std::mutex mutex_;
   std::map<std::string, std::weak_ptr<const SceneHandle>> known_;  ///< rank 0: by content
   std::map<std::string, MakingPtr> underWay_;                      ///< rank 0: by content
-  std::condition_variable ended_;                                  ///< of one of these
-  SceneId next_ = 1;                                               ///< rank 0
+  std::condition_variable ended_;  ///< notified when one of underWay_ has ended
+  SceneId next_ = 1;               ///< rank 0
   SceneBuilder builder_;
-  std::map<SceneId, BuiltScene> built_;  ///< every rank: those that rank 0 has not let go
+  std::map<SceneId, BuiltScene> built_;  ///< every rank: the scenes that rank 0 has handles of
 };
 
 }  // namespace gxy

@@ -18,7 +18,7 @@
 
 namespace gxy::viewer {
 
-/// What the viewer module has on a rank.
+/// The parts of the viewer module on a rank.
 struct Services {
   explicit Services(Registration& registration)
       : node(registration.node()), looks(registration), rendering(renderingOf(registration)) {}
@@ -27,20 +27,21 @@ struct Services {
   const std::shared_ptr<Rendering> rendering;
   SceneCache& scenes = rendering->scenes;
   PictureDelivery& pictures = rendering->pictures;
-  Retries retries;  ///< of windows; last: it uses them
+  Retries retries;  ///< of windows; the last member, since its thread calls windows, which use the others
 };
 
-/// How a frame is wanted.
+/// The options of `render` (docs/protocol.md).
 struct FrameOptions {
-  std::vector<uint32_t> levels{4, 1};  ///< descending
+  std::vector<uint32_t> levels{4, 1};  ///< scales, descending
   uint32_t passes = 1;                 ///< of the last level
-  uint32_t rays = 0;                   ///< per pixel, of each pass; 0: what the state says
+  uint32_t rays = 0;                   ///< per pixel in each pass; 0: as many as the state says
   protocol::PixelEncoding encoding = protocol::PixelEncoding::Zstd;
   int quality = 75;
-  bool wait = false;  ///< for the first pass of the frame under way to be sent, instead of superseding it
+  /// The frame begins once the first pass of the frame under way has been sent, instead of superseding that frame.
+  bool wait = false;
 };
 
-/// Thread safe. Frames under way keep their window alive.
+/// A window. Frames under way keep it alive. Thread safe.
 class Window : public std::enable_shared_from_this<Window> {
  public:
   Window(Services& services, std::shared_ptr<Outbox> outbox, std::string tenant, uint32_t id);
@@ -52,19 +53,19 @@ class Window : public std::enable_shared_from_this<Window> {
   Settings settings() const;
   void setSettings(const Settings& settings);
 
-  /// These replace what a state document says. `memory` is for the visualization.
+  /// These replace one part of the window's state document. `memory` is the ledger's entry for the visualization.
   void setVisualization(const Visualization& visualization, LedgerEntry memory);
   void setRenderer(const RenderSettings& settings);
   void setCamera(const Camera& camera);
   State state() const;
-  /// The camera, or the window's, where the data that are shown now put it, and what these data are.
+  /// Returns the camera (none: the window's) where its `fit` puts it for the data that are shown now, and what has been shown.
   struct Seen {
     Camera camera;
     ShownSoFar shown;
   };
   Seen seen(const std::optional<Camera>& camera) const;
 
-  /// What a frame that began now would show; its camera has the window's size. Compiles the scene if need be, as render does.
+  /// Returns what a frame that began now would show. The camera has the window's size. Builds the scene if need be, as render().
   struct View {
     SceneCache::Pinned pinned;
     Visualization visualization;
@@ -72,52 +73,55 @@ class Window : public std::enable_shared_from_this<Window> {
   };
   View view(const Asker& asker) const;
 
-  /// Begins a frame; older ones are superseded. One that waits begins later, and is superseded by any newer one, so that at
-  /// most one does. Compiles the scene if need be, so it takes its time, of which `asker` is told (SceneCache::get). Throws Error.
+  /// Begins a frame, which supersedes older ones, and returns its number. A frame with FrameOptions::wait may begin later. At
+  /// most one frame waits, since any newer frame supersedes it. Builds the scene if need be, which takes long and tells `asker`
+  /// its progress (SceneCache::get). Throws Error.
   uint64_t render(const FrameOptions& options, const Asker& asker);
   /// Ends the frame under way and the one that waits, if any.
   void cancel();
-  /// Cancels, and begins no frame any more.
+  /// Cancels. From now on no frame begins.
   void endFrames();
-  /// The same, and waits until no frame is under way.
+  /// Does what endFrames() does, and waits until no frame is under way.
   void close();
   uint64_t lastFrame() const;
 
-  /// A name that it shows means something else, or newer data: scenes of the old ones are let go, a frame that waits will
-  /// show the new ones, and, if it follows and there is something to see, a frame begins once the client has read enough and
-  /// the one under way is whole, which is then refined no further. Short.
+  /// Is told of every change of datasets. If a name that the window shows now means something else or newer data, the window
+  /// lets go of its scenes of the old data, and a frame that waits will show the new data. If the window follows and a frame
+  /// has been asked for before, a frame of the new data begins once the client has read enough and the frame under way has a
+  /// picture of all pixels, which is then refined no further. Returns soon.
   void onData(const DatasetEvent& event);
-  /// An update needs the room of a generation. Where a frame of it waits, it gets newer data; where one is whole, it is
-  /// refined no further; another ends with its first whole picture, or now if it has long kept another tenant waiting. Short.
+  /// Is told that an update needs the room of a generation. A frame of it that waits will show newer data. A frame of it that
+  /// has a picture of all pixels is refined no further. Another frame of it ends with its first picture of all pixels, or now if
+  /// it has kept another tenant waiting for too long (DataHold). Returns soon.
   void onWanted(Key key, Generation generation);
-  /// Renders newer data, if that is still due. Short.
+  /// Renders newer data if that is still due. Returns soon.
   void tryAgain();
 
  private:
   struct Frame;
   using FramePtr = std::shared_ptr<Frame>;
 
-  /// How far the frames of the window are. In Rendering and Sending another frame may wait (`waiting_`).
+  /// How far the window's newest frame that has begun is. In Rendering and Sending another frame may wait (`waiting_`).
   enum class Phase {
     Idle,       ///< no frame is under way
     Rendering,  ///< the frame under way has not made its first pass
-    Sending,   ///< a frame's first pass waits in the outbox; meanwhile it makes further ones, or it has ended
-    Refining,  ///< the first pass has been sent, and the frame makes further ones
+    Sending,   ///< its first pass waits in the outbox; the frame makes further passes meanwhile, or has ended
+    Refining,  ///< its first pass has been sent, and the frame makes further passes
     Closed,    ///< no frame begins any more
   };
-  /// The client has not been shown the newest data.
+  /// Whether newer data are to be shown, and what the window waits for before it shows them.
   struct PendingUpdate {
     bool due = false;           ///< the newest frame shows older data than there are
-    bool awaitsOutbox = false;  ///< onDrained() will be called
-    bool awaitsRoom = false;    ///< the window is in Services::retries
-    std::string refusal;        ///< why there is no frame of the newest data, as the client was told
+    bool awaitsOutbox = false;  ///< the client has not read enough; onDrained() will be called
+    bool awaitsRoom = false;    ///< there was no room for a frame; the window is in Services::retries
+    std::string refusal;        ///< the last error of a frame of newer data that the client was told of
   };
-  /// What is to be done once the lock is not held any more.
+  /// Consequences of an event that are carried out after the lock has been released.
   struct Change {
-    std::vector<ScenePtr> scenes;  ///< to be let go of
-    std::vector<Pin> pins;         ///< as well
-    FrameId ended = 0;             ///< a rendering to be superseded; 0: none
-    bool newData = false;          ///< renderNewData() is to be called
+    std::vector<ScenePtr> scenes;  ///< to be destroyed
+    std::vector<Pin> pins;         ///< to be destroyed
+    FrameId ended = 0;             ///< the rendering to supersede; 0: none
+    bool newData = false;          ///< whether to call renderNewData()
   };
   Change changeBy(const DatasetEvent& event);
   void carryOut(const Change& change);
@@ -145,7 +149,7 @@ class Window : public std::enable_shared_from_this<Window> {
   void onStage(const FramePtr& frame, bool superseded, const std::string& error);
   void sendEndOfPass(const FramePtr& frame);
   void finish(const FramePtr& frame, const char* status, const std::string& error);
-  /// What the window had been asked for when it decided to render by itself.
+  /// The values of asked_ and frames_ when the window decided to render by itself.
   struct Since {
     uint64_t asked, frames;
   };
@@ -170,17 +174,17 @@ class Window : public std::enable_shared_from_this<Window> {
   LedgerEntry stateMemory_;
   bool hasVisualization_ = false;
   ShownSoFar shown_;          ///< since the visualization was set
-  uint64_t asked_ = 0;        ///< for so many frames, which may have been refused
-  FrameOptions lastOptions_;  ///< with which it was asked for last
-  ScenePtr scene_;
-  ScenePtr edited_;  ///< shown before an edit: the next scene takes over what it may
+  uint64_t asked_ = 0;        ///< frames that the client has asked for, refused ones included
+  FrameOptions lastOptions_;  ///< of the last of these
+  ScenePtr scene_;   ///< of the last frame, kept for the next; null once the state or the data have changed
+  ScenePtr edited_;  ///< the scene before an edit, kept until the next scene has taken over what it can
   Phase phase_ = Phase::Idle;
   uint64_t sending_ = 0;  ///< in Phase::Sending: the frame whose first pass waits in the outbox
   FramePtr current_;      ///< under way and not superseded; null when Idle and Closed
   FramePtr waiting_;      ///< begins once the first pass of `current_` has been sent
   PendingUpdate update_;
-  uint64_t frames_ = 0;   ///< begun, or waiting to begin, so far
-  uint64_t updates_ = 0;  ///< of its data so far
+  uint64_t frames_ = 0;   ///< frames so far that have begun or wait; the number of the newest
+  uint64_t updates_ = 0;  ///< changes so far of the data that the window shows
   int unfinished_ = 0;    ///< frames under way, superseded ones included, and tasks that may begin one
 };
 

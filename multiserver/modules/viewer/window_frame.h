@@ -1,26 +1,26 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a Window keeps of a frame; for its own sources only.
+// The state of one frame of a Window. Only the sources of Window include this.
 #pragma once
 #include "multiserver/modules/viewer/window.h"
 
 namespace gxy::viewer {
 
-/// What a frame that begins now would show.
+/// The state of the window when a frame was asked for.
 struct Window::Snapshot {
   State state;
   ShownSoFar shown;
   Camera camera;  ///< of the window's size
   ScenePtr scene;
-  ScenePtr edited;  ///< shown before an edit; held until the new scene has taken over what it may
-  uint64_t updates = 0;
+  ScenePtr edited;       ///< the scene before an edit, held until the new scene has taken over what it can
+  uint64_t updates = 0;  ///< Window::updates_
 };
 
 /// One frame: its stages are its levels, then the further passes of the last.
 struct Window::Frame {
   uint64_t number = 0;
   FrameOptions options;
-  State state;     ///< of one that waits, until it begins
-  ScenePtr scene;  ///< none: its data were updated while it waited, so it gets one when it begins
+  State state;     ///< what a frame that waits is to show; empty once it has begun
+  ScenePtr scene;  ///< null: the data changed while the frame waited, and it gets a scene when it begins
   Camera camera;   ///< of the window's size
   std::vector<Pin> pins;
   Tenants::Frame slot;
@@ -30,17 +30,18 @@ struct Window::Frame {
   uint32_t pass = 0, passesSent = 0;
   FrameId rendering = 0;
   Picture arrived;  ///< the sums of the pass that was rendered last
-  Picture sum;      ///< of all passes; of the stages only
+  Picture sum;      ///< the sums of all passes; used by one stage at a time
   LedgerEntry sumMemory;
   int samples = 1;  ///< of each pass
   Background background{glm::dvec4(0)};
   const char* over = nullptr;  ///< "superseded", "cancelled", or "failed" because of `why`
-  std::string why;             ///< it is to be refined no further: it ends with its first whole picture
-  bool dropped = false;        ///< a tile found no room
+  std::string why;       ///< not empty: the frame ends with its first picture of all pixels, for this reason
+  bool dropped = false;  ///< the outbox had no room for a tile
 
-  bool whole() const { return passesSent > 0; }  ///< there is a picture of all pixels, and it is only refined
+  /// The client has been sent a picture of all pixels, which further passes refine.
+  bool whole() const { return passesSent > 0; }
   bool last() const { return level + 1 == options.levels.size(); }
-  /// That it shows, by name; of one that has not begun, none.
+  /// The generations that the frame shows, by name; none if it has no scene.
   nlohmann::json generations() const {
     nlohmann::json shown = nlohmann::json::object();
     if (scene)
