@@ -245,7 +245,8 @@ class Uploading {
     }
     const Hierarchy hierarchy = hierarchyOf(scene_, partition_, partOf(advance_, 0, 4));
     const uint32_t list = words.add(hierarchy.primitives);
-    const float nodes = std::nextafter(float(hierarchy.nodes.size() / NODE_WORDS), 1e30f);
+    const size_t count = hierarchy.nodes.size() / NODE_WORDS;
+    const float nodes = std::nextafter(float(count), 1e30f);
     made.hierarchy = words.add(std::vector<uint32_t>{list, std::bit_cast<uint32_t>(nodes)});
     words.add(hierarchy.nodes);
     made.buffer = Buffer(device_, words.bytes().size(), Place::Device, "geometry");

@@ -48,8 +48,8 @@ std::vector<double> evenFaces(double lo, double hi, int n, int64_t cells) {
   std::vector<double> faces(size_t(n) + 1);
   for (int i = 0; i <= n; ++i) {
     // floor(i * cells / n) without overflow, and a fraction of the interval.
-    const double fraction =
-        cells > 0 ? double(cells / n * i + cells % n * i / n) / double(cells) : double(i) / n;
+    const int64_t cell = cells / n * i + cells % n * i / n;
+    const double fraction = cells > 0 ? double(cell) / double(cells) : double(i) / n;
     faces[i] = lo + (hi - lo) * fraction;
   }
   faces[n] = hi;

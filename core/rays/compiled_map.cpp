@@ -318,7 +318,8 @@ CompiledMap::Over CompiledMap::over(float lo, float hi) const {
 }
 
 void CompiledMap::RangeMax::build(std::vector<double> values) {
-  levels.assign(1, std::move(values));
+  levels.clear();
+  levels.push_back(std::move(values));
   for (size_t run = 1; 2 * run <= levels[0].size(); run *= 2) {
     const auto& below = levels.back();
     std::vector<double> next(levels[0].size() - 2 * run + 1);

@@ -46,7 +46,7 @@ void Observers::notify(const ObjectEvent& event) const {
   }
 }
 
-Observers::Subscription& Observers::Subscription::operator=(Subscription&& other) {
+Observers::Subscription& Observers::Subscription::operator=(Subscription&& other) noexcept {
   if (this != &other) {
     end();
     subscriber_ = std::move(other.subscriber_);

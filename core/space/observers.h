@@ -42,7 +42,7 @@ class Observers {
    public:
     Subscription() = default;
     Subscription(Subscription&&) = default;
-    Subscription& operator=(Subscription&& other);
+    Subscription& operator=(Subscription&& other) noexcept;
     ~Subscription() { end(); }
     void end();
 

@@ -41,7 +41,7 @@ std::vector<Offered> offeredTo(const Session& session) {
 }
 
 json help(Request& request) {
-  const std::string wanted = request.arguments();
+  const std::string& wanted = request.arguments();
   json verbs = json::array();
   std::string text;
   for (const auto& [name, full, verb] : offeredTo(request.session())) {
