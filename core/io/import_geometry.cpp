@@ -11,6 +11,7 @@
 #include "core/comm/error.h"
 #include "core/comm/error_text.h"
 #include "core/comm/wire.h"
+#include "core/data/merge_ranges.h"
 #include "core/io/point_spread.h"
 
 namespace gxy {
@@ -73,10 +74,6 @@ struct Reading {
     block.ids.resize(block.ids.size() + from.ids.size());
   }
 };
-
-uint64_t sumOf(const std::vector<uint64_t>& counts) {
-  return std::accumulate(counts.begin(), counts.end(), uint64_t(0));
-}
 
 const char* plural(GeometryKind kind) {
   return kind == GeometryKind::Particles ? "points" : kind == GeometryKind::PathLines ? "lines" : "triangles";
@@ -202,11 +199,11 @@ LoadedGeometry loadGeometry(const std::string& path, GeometryKind kind, const Va
   const size_t rank = size_t(ranks.rank());
   Reading reading = reader.run();
 
-  const bool values = sumOf(gatherCounts(ranks, !reading.values)) == 0;
-  const bool normals = sumOf(gatherCounts(ranks, !reading.normals)) == 0;
-  const bool colors = sumOf(gatherCounts(ranks, !reading.colors)) == 0;
-  const uint64_t pointsOfColors = sumOf(gatherCounts(ranks, reading.block.colors.size()));
-  const uint64_t pointsOfValues = sumOf(gatherCounts(ranks, reading.block.values.size()));
+  const bool values = sumOfCounts(ranks, !reading.values) == 0;
+  const bool normals = sumOfCounts(ranks, !reading.normals) == 0;
+  const bool colors = sumOfCounts(ranks, !reading.colors) == 0;
+  const uint64_t pointsOfColors = sumOfCounts(ranks, reading.block.colors.size());
+  const uint64_t pointsOfValues = sumOfCounts(ranks, reading.block.values.size());
   if (!values) reading.block.values.clear();
   if (!colors) reading.block.colors.clear();
   loaded.colored = colors && pointsOfColors > 0;
@@ -222,9 +219,11 @@ LoadedGeometry loadGeometry(const std::string& path, GeometryKind kind, const Va
   agree(ranks, [&] { dropped = uint64_t(dropUnusable(reading.block, kind)); });
   loaded.block = std::move(reading.block);
   loaded.leftOut = reading.leftOut;
-  loaded.dropped = loaded.everywhere ? dropped : sumOf(gatherCounts(ranks, dropped));
-  loaded.primitives = (loaded.everywhere ? counts[0] : sumOf(counts)) - loaded.dropped;
-  const uint64_t unused = sumOf(gatherCounts(ranks, reading.unusedCells));
+  loaded.dropped = loaded.everywhere ? dropped : sumOfCounts(ranks, dropped);
+  const uint64_t read =
+      loaded.everywhere ? counts[0] : std::accumulate(counts.begin(), counts.end(), uint64_t(0));
+  loaded.primitives = read - loaded.dropped;
+  const uint64_t unused = sumOfCounts(ranks, reading.unusedCells);
   if (loaded.primitives + loaded.dropped == 0 && unused > 0)
     throw Error(path + ": the file has no " + plural(kind) + ", only other kinds of cells");
   std::vector<std::string> told =

@@ -7,10 +7,10 @@
 #include <optional>
 #include <string>
 
+#include "core/comm/collectives.h"
 #include "core/data/geometry.h"
 #include "core/data/partitioning.h"
 #include "core/data/replicate.h"
-#include "core/io/collectives.h"
 #include "core/io/geometry_file.h"
 
 namespace gxy {

@@ -11,17 +11,11 @@
 #include "core/comm/error.h"
 #include "core/data/bricks.h"
 #include "core/data/macrocells.h"
+#include "core/data/merge_ranges.h"
 #include "core/io/volume_formats.h"
 
 namespace gxy {
 namespace {
-
-/// The sum over all ranks.
-uint64_t sum(Collectives& ranks, uint64_t mine) {
-  uint64_t total = 0;
-  for (uint64_t theirs : gatherCounts(ranks, mine)) total += theirs;
-  return total;
-}
 
 void mergeMacrocells(Volume& volume, Collectives& ranks) {
   const std::vector<BorderSummary> mine = borderSummaries(volume);
@@ -161,7 +155,7 @@ std::shared_ptr<Volume> importVolume(VolumeFile file, const Partitioning& partit
 
   mergeRanges(ranks, statistics.ranges);
   volume->ranges = statistics.ranges;
-  volume->noDataSamples = int64_t(sum(ranks, uint64_t(statistics.noDataSamples)));
+  volume->noDataSamples = int64_t(sumOfCounts(ranks, uint64_t(statistics.noDataSamples)));
   storeSamples(*volume, type, componentsOfFile, volume->ranges, ranks, count);
   return volume;
 }
@@ -179,7 +173,7 @@ void completeVolume(Volume& volume, const Partitioning& partitioning, Collective
   for (Range& range : volume.ranges)
     if (!range.empty())
       range = {volume.shift + volume.scale * range.min, volume.shift + volume.scale * range.max};
-  volume.noDataSamples = int64_t(sum(ranks, uint64_t(statistics.noDataSamples)));
+  volume.noDataSamples = int64_t(sumOfCounts(ranks, uint64_t(statistics.noDataSamples)));
   storeSamples(volume, volume.stored, volume.components, statistics.ranges, ranks);
 }
 

@@ -4,9 +4,9 @@
 #include <memory>
 #include <string>
 
+#include "core/comm/collectives.h"
 #include "core/data/partitioning.h"
 #include "core/data/volume.h"
-#include "core/io/collectives.h"
 #include "core/io/left_out.h"
 #include "core/io/volume_file.h"
 

@@ -9,7 +9,7 @@
 #include <mutex>
 #include <string>
 
-#include "core/io/collectives.h"
+#include "core/comm/collectives.h"
 
 namespace gxy {
 

@@ -10,9 +10,9 @@
 #include <vector>
 
 #include "core/comm/collective.h"
+#include "core/comm/collectives.h"
 #include "core/comm/presence.h"
 #include "core/comm/work.h"
-#include "core/io/collectives.h"
 #include "core/rays/backend.h"
 #include "core/render/renderer.h"
 #include "core/space/directory.h"

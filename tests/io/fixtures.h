@@ -5,23 +5,22 @@
 #include <spdlog/spdlog.h>
 #include <unistd.h>
 
-#include <barrier>
 #include <cstring>
-#include <exception>
 #include <filesystem>
 #include <random>
 #include <string>
-#include <thread>
 #include <vector>
 
+#include "core/comm/collectives.h"
 #include "core/comm/error.h"
-#include "core/io/collectives.h"
 #include "core/io/volume_file.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/thread_ranks.h"
 
 namespace gxy::testing {
 
 using gxy::test::TemporaryFolder;
+using gxy::test::ThreadRanks;
 
 /// Bytes that differ from sample to sample, and are finite as floats.
 inline std::vector<std::byte> pattern(int64_t samples, ScalarType type) {
@@ -34,52 +33,6 @@ inline std::vector<std::byte> pattern(int64_t samples, ScalarType type) {
   });
   return bytes;
 }
-
-/// `size` ranks on threads; a collective operation is a barrier and a look at the others' bytes.
-class ThreadRanks {
- public:
-  explicit ThreadRanks(int size) : barrier_(size), boxes_(size_t(size)) {}
-
-  /// Runs work(ranks) on every rank; returns each rank's error text, empty where there was none.
-  template <class Work>
-  std::vector<std::string> run(Work work) {
-    std::vector<std::string> errors(boxes_.size());
-    std::vector<std::thread> threads;
-    for (int r = 0; r < int(boxes_.size()); ++r)
-      threads.emplace_back([&, r] {
-        Rank rank(*this, r);
-        try {
-          work(static_cast<Collectives&>(rank));
-        } catch (const std::exception& e) {
-          errors[size_t(r)] = e.what();
-        }
-      });
-    for (std::thread& thread : threads) thread.join();
-    return errors;
-  }
-
- private:
-  struct Rank final : Collectives {
-    Rank(ThreadRanks& all, int rank) : all_(all), rank_(rank) {}
-    int rank() const override { return rank_; }
-    int size() const override { return int(all_.boxes_.size()); }
-    std::vector<Bytes> allGather(Bytes mine) override {
-      return allToAll(std::vector<Bytes>(all_.boxes_.size(), mine));
-    }
-    std::vector<Bytes> allToAll(std::vector<Bytes> perRank) override {
-      all_.boxes_[size_t(rank_)] = std::move(perRank);
-      all_.barrier_.arrive_and_wait();
-      std::vector<Bytes> mine;
-      for (const auto& box : all_.boxes_) mine.push_back(box[size_t(rank_)]);
-      all_.barrier_.arrive_and_wait();
-      return mine;
-    }
-    ThreadRanks& all_;
-    int rank_;
-  };
-  std::barrier<> barrier_;
-  std::vector<std::vector<Bytes>> boxes_;
-};
 
 /// One rank whose part is to end when it has been asked so often.
 struct EndsAt : Collectives {

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "core/io/collectives.h"
+#include "core/comm/collectives.h"
 #include "core/io/import_volume.h"
 #include "core/look/loaded_facts.h"
 #include "core/render/scene_builder.h"

@@ -1,19 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
-// What an import needs of the other ranks: two collective operations, and the agreements built on them.
+// What a computation on several ranks needs of the others: two collective operations, and the agreements built on them.
 #pragma once
 #include <cstdint>
+#include <cstring>
 #include <functional>
 #include <span>
+#include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "core/comm/advance.h"
 #include "core/comm/collective.h"
+#include "core/comm/error.h"
 #include "core/comm/transport.h"
-#include "core/data/box.h"
 
 namespace gxy {
 
-/// The ranks of one import. Every rank calls the same operations in the same order; calls block.
+/// The ranks of one computation. Every rank calls the same operations in the same order; calls block.
 struct Collectives {
   virtual ~Collectives() = default;
   virtual int rank() const = 0;
@@ -81,11 +84,24 @@ inline Advance advanceOf(const Collectives& ranks, double first = 0, double last
 /// rank, with the message of the lowest rank that failed (and that rank, where there are several).
 void agree(Collectives& ranks, const std::function<void()>& work);
 
-/// The union over all ranks, in place: of ranges element by element (same number on each rank), of boxes.
-void mergeRanges(Collectives& ranks, std::span<Range> ranges);
-void mergeBox(Collectives& ranks, Box& box);
+/// The values of every rank, by rank. Every rank gives the same number of them, else all throw Error.
+template <class T>
+std::vector<std::vector<T>> gatherValues(Collectives& ranks, std::span<const T> mine) {
+  static_assert(std::is_trivially_copyable_v<T>);
+  Bytes bytes(mine.size_bytes());
+  if (!bytes.empty()) std::memcpy(bytes.data(), mine.data(), bytes.size());
+  std::vector<std::vector<T>> all;
+  for (const Bytes& theirs : ranks.allGather(std::move(bytes))) {
+    if (theirs.size() != mine.size_bytes())
+      throw Error("collective operation: ranks disagree about its size");
+    all.emplace_back(mine.size());
+    if (!theirs.empty()) std::memcpy(all.back().data(), theirs.data(), theirs.size());
+  }
+  return all;
+}
 
-/// The value of every rank, by rank.
+/// The count of every rank, by rank; and their sum.
 std::vector<uint64_t> gatherCounts(Collectives& ranks, uint64_t mine);
+uint64_t sumOfCounts(Collectives& ranks, uint64_t mine);
 
 }  // namespace gxy
