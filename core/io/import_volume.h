@@ -17,12 +17,11 @@ namespace gxy {
 Grid gridOf(const std::string& path, const std::string& array, Collectives& ranks,
             std::vector<std::string>* warnings = nullptr);
 
-/// Collective over `ranks`. Reads, for each partition that this rank owns, the samples it needs and `ghosts`
-/// layers more; stores them as encodingOf() says (scalar.h); fills ranges, the number of samples without data, and
-/// macrocell summaries merged over all ranks. The volume is named after the file and the array. Tells ranks.done() what of this rank's
-/// points has been read and stored. If any rank fails, all throw the same Error. Memory: the blocks, and for types that change once more the block that is being
-/// converted. Of the components of the array only `components`, which ascend, are kept if there are
-/// any; their values are stored as they are beside the others. What is left out is added to `leftOut`.
+/// Collective over `ranks`. Reads, for each partition that this rank owns, the samples it needs and `ghosts` layers more,
+/// and completes the volume (complete_volume.h). The volume is named after the file and the array. Tells ranks.done() what of
+/// this rank's points has been read and stored. If any rank fails, all throw the same Error. Of the components of the array
+/// only `components`, which ascend, are kept if there are any; their values are stored as they are beside the others. What is
+/// left out is added to `leftOut`.
 std::shared_ptr<Volume> importVolume(const std::string& path, const std::string& array,
                                      const Partitioning& partitioning, int ghosts, Collectives& ranks,
                                      std::vector<int> components = {}, LeftOut* leftOut = nullptr);
@@ -30,11 +29,5 @@ std::shared_ptr<Volume> importVolume(const std::string& path, const std::string&
 std::shared_ptr<Volume> importVolume(VolumeFile file, const Partitioning& partitioning, int ghosts,
                                      Collectives& ranks, std::vector<int> components = {},
                                      LeftOut* leftOut = nullptr);
-
-/// Collective. Completes a volume whose blocks (of the partitions of this rank that touch its grid, extents as extentOf()
-/// gives them with kGhostLayers) hold samples that were computed, x fastest: fills ranges, noDataSamples, and summaries
-/// merged over all ranks, stores the samples as encodingOf() says of the whole field (shift and scale may change), and puts
-/// them into bricks. If any rank fails, all throw the same Error.
-void completeVolume(Volume& volume, const Partitioning& partitioning, Collectives& ranks);
 
 }  // namespace gxy

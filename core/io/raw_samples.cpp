@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include "core/comm/error.h"
+#include "core/data/extent_pieces.h"
 #include "core/io/volume_description.h"
 #include "core/io/volume_formats.h"
 

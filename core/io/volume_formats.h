@@ -43,20 +43,6 @@ void forBoxes(const Extent& extent, int64_t first, int64_t count, Use use) {
 /// Returns the points that two extents share; count 0 if there are none.
 Extent intersection(const Extent& a, const Extent& b);
 
-/// Splits an extent into boxes of at most `most` points, but at least a row. Calls use(box) for each.
-template <class Use>
-void forPieces(const Extent& extent, int64_t most, Use use) {
-  const int64_t row = std::max<int64_t>(1, extent.points[0]),
-                slice = row * std::max<int64_t>(1, extent.points[1]);
-  const int64_t depth = std::max<int64_t>(1, most / slice),
-                rows = depth > 1 ? extent.points[1] : std::max<int64_t>(1, most / row);
-  for (int64_t z = 0; z < extent.points[2]; z += depth)
-    for (int64_t y = 0; y < extent.points[1]; y += rows)
-      use(Extent{
-          {extent.first[0], extent.first[1] + y, extent.first[2] + z},
-          {extent.points[0], std::min(rows, extent.points[1] - y), std::min(depth, extent.points[2] - z)}});
-}
-
 /// Copies the points that both extents contain from samples laid out as `from` to samples laid out as `to`.
 void copyExtent(std::span<const std::byte> source, const Extent& from, std::span<std::byte> target,
                 const Extent& to, size_t bytesPerPoint);

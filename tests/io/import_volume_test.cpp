@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/io/import_volume.h"
-#include "core/data/bricks.h"
 
 #include <gtest/gtest.h>
 
@@ -8,6 +7,7 @@
 
 #include "core/comm/error.h"
 #include "core/data/bricks.h"
+#include "core/data/complete_volume.h"
 #include "core/io/write_volume.h"
 #include "tests/io/fixtures.h"
 

@@ -3,8 +3,12 @@
 
 #include <cmath>
 #include <cstring>
+#include <string>
+#include <utility>
 
-#include "core/data/macrocells.h"
+#include "core/comm/error.h"
+#include "core/data/complete_volume.h"
+#include "tests/support/thread_ranks.h"
 
 namespace gxy::test {
 
@@ -36,6 +40,13 @@ Samples samplesOf(const WholeVolume& whole, const Extent& e) {
   return out;
 }
 
+/// Runs work(ranks) on so many ranks, and throws the error of the first that failed.
+template <class Work>
+void onRanks(int ranks, Work work) {
+  for (const std::string& error : ThreadRanks(ranks).run(work))
+    if (!error.empty()) throw Error(error);
+}
+
 }  // namespace
 
 WholeVolume sampled(const Grid& grid, const std::function<double(glm::dvec3)>& f) {
@@ -49,33 +60,25 @@ WholeVolume sampledAsBytes(const Grid& grid, const std::function<double(glm::dve
 
 std::vector<std::shared_ptr<const Volume>> cut(const WholeVolume& whole, const Partitioning& partitioning,
                                                int ranks) {
-  FieldStatistics statistics = statisticsOf(whole.samples, whole.stored, whole.components);
-  for (Range& r : statistics.ranges)
-    if (!r.empty()) r = {whole.shift + whole.scale * r.min, whole.shift + whole.scale * r.max};
-  std::vector<std::shared_ptr<Volume>> volumes;
-  std::vector<BorderSummary> records;
-  for (int rank = 0; rank < ranks; rank++) {
-    auto& volume = *volumes.emplace_back(std::make_shared<Volume>());
-    volume.name = "volume";
-    volume.grid = whole.grid;
-    volume.stored = whole.stored;
-    volume.components = whole.components;
-    volume.shift = whole.shift, volume.scale = whole.scale;
-    volume.ranges = statistics.ranges;
-    volume.noDataSamples = statistics.noDataSamples;
-    for (int partition : partitioning.owned(rank)) {
+  std::vector<std::shared_ptr<const Volume>> volumes(static_cast<size_t>(ranks));
+  onRanks(ranks, [&](Collectives& mine) {
+    const auto volume = std::make_shared<Volume>();
+    volume->name = "volume";
+    volume->grid = whole.grid;
+    volume->stored = whole.stored;
+    volume->components = whole.components;
+    volume->shift = whole.shift, volume->scale = whole.scale;
+    for (int partition : partitioning.owned(mine.rank())) {
       VolumeBlock block;
       block.extent = extentOf(whole.grid, partitioning.box(partition), kGhostLayers);
       if (block.extent.count() == 0) continue;
       block.samples = samplesOf(whole, block.extent);
-      completeBlock(block, whole.stored, whole.components);
-      volume.blocks.emplace(partition, std::move(block));
+      volume->blocks.emplace(partition, std::move(block));
     }
-    const auto mine = borderSummaries(volume);
-    records.insert(records.end(), mine.begin(), mine.end());
-  }
-  for (auto& volume : volumes) mergeSummaries(*volume, records);
-  return {volumes.begin(), volumes.end()};
+    completeVolume(*volume, partitioning, mine);
+    volumes[size_t(mine.rank())] = volume;
+  });
+  return volumes;
 }
 
 std::vector<std::shared_ptr<const Geometry>> distributed(const WholeGeometry& whole,

@@ -5,7 +5,7 @@
 
 #include "core/comm/error.h"
 #include "core/data/bricks.h"
-#include "core/io/import_volume.h"
+#include "core/data/complete_volume.h"
 #include "multiserver/server/datasets.h"
 #include "multiserver/server/module.h"
 
