@@ -11,6 +11,7 @@
 #include <unordered_map>
 
 #include "core/comm/error.h"
+#include "core/data/geometry_bytes.h"
 
 namespace gxy {
 namespace {
@@ -351,12 +352,9 @@ std::optional<Range> radiusRangeOf(const GeometryBlock& block) {
 }
 
 int64_t bytesOf(const Geometry& geometry) {
-  const auto bytes = [](const auto& array) { return array.size() * sizeof(array[0]); };
-  size_t sum = 0;
-  for (const auto& [partition, b] : geometry.blocks)
-    sum += bytes(b.points) + bytes(b.normals) + bytes(b.values) + bytes(b.colors) + bytes(b.radiusValues) +
-           bytes(b.triangles) + bytes(b.segments) + bytes(b.neighbours) + bytes(b.ids);
-  return int64_t(sum);
+  int64_t sum = 0;
+  for (const auto& [partition, block] : geometry.blocks) sum += bytesOf(block);
+  return sum;
 }
 
 }  // namespace gxy

@@ -12,6 +12,7 @@
 #include "core/comm/error_text.h"
 #include "core/comm/wire.h"
 #include "core/data/merge_ranges.h"
+#include "core/data/replicate.h"
 #include "core/io/point_spread.h"
 
 namespace gxy {
@@ -192,8 +193,9 @@ LoadedGeometry loadGeometry(const std::string& path, GeometryKind kind, const Va
                             Collectives& ranks, const TakeMemory& toTake,
                             std::vector<std::string>* warnings) {
   LoadedGeometry loaded;
-  loaded.name = std::filesystem::path(path).stem().string();
-  loaded.kind = kind;
+  OwnedGeometry& geometry = loaded.geometry;
+  geometry.name = std::filesystem::path(path).stem().string();
+  geometry.kind = kind;
   PieceReader reader(path, kind, wanted, ranks, toTake);
   loaded.everywhere = reader.isOneFile();
   const size_t rank = size_t(ranks.rank());
@@ -206,7 +208,7 @@ LoadedGeometry loadGeometry(const std::string& path, GeometryKind kind, const Va
   const uint64_t pointsOfValues = sumOfCounts(ranks, reading.block.values.size());
   if (!values) reading.block.values.clear();
   if (!colors) reading.block.colors.clear();
-  loaded.colored = colors && pointsOfColors > 0;
+  geometry.colored = colors && pointsOfColors > 0;
   if (rank == 0 && pointsOfColors > 0 && pointsOfValues > 0)
     reading.warn(path + ": some pieces have colours where others have values, so neither are used");
   if (!normals) reading.block.normals.clear();
@@ -217,19 +219,19 @@ LoadedGeometry loadGeometry(const std::string& path, GeometryKind kind, const Va
   std::iota(reading.block.ids.begin(), reading.block.ids.end(), loaded.everywhere ? uint64_t(0) : before);
   uint64_t dropped = 0;
   agree(ranks, [&] { dropped = uint64_t(dropUnusable(reading.block, kind)); });
-  loaded.block = std::move(reading.block);
+  geometry.block = std::move(reading.block);
   loaded.leftOut = reading.leftOut;
-  loaded.dropped = loaded.everywhere ? dropped : sumOfCounts(ranks, dropped);
+  geometry.droppedPrimitives = loaded.everywhere ? dropped : sumOfCounts(ranks, dropped);
   const uint64_t read =
       loaded.everywhere ? counts[0] : std::accumulate(counts.begin(), counts.end(), uint64_t(0));
-  loaded.primitives = read - loaded.dropped;
+  geometry.primitives = read - geometry.droppedPrimitives;
   const uint64_t unused = sumOfCounts(ranks, reading.unusedCells);
-  if (loaded.primitives + loaded.dropped == 0 && unused > 0)
+  if (geometry.primitives + geometry.droppedPrimitives == 0 && unused > 0)
     throw Error(path + ": the file has no " + plural(kind) + ", only other kinds of cells");
   std::vector<std::string> told =
       loaded.everywhere && rank != 0 ? std::vector<std::string>() : reading.warnings;
-  if (loaded.dropped > 0 && rank == 0)
-    told.push_back(path + ": " + std::to_string(loaded.dropped) + " " + plural(kind) +
+  if (geometry.droppedPrimitives > 0 && rank == 0)
+    told.push_back(path + ": " + std::to_string(geometry.droppedPrimitives) + " " + plural(kind) +
                    " dropped: not finite, without area, or repeated");
   for (std::string& warning : gathered(ranks, told)) {
     if (warnings)
@@ -242,51 +244,32 @@ LoadedGeometry loadGeometry(const std::string& path, GeometryKind kind, const Va
   Range radii;
   agree(ranks, [&] {
     const Advance go = [&](double) { ranks.check(); };
-    for (size_t p = 0; p < loaded.block.ids.size(); ++p) {
-      tell(go, p, loaded.block.ids.size());
-      for (uint32_t point : cornersOf(loaded.block, kind, p)) {
-        loaded.box.extend(loaded.block.points[point]);
-        if (!loaded.block.values.empty()) loaded.range.extend(double(loaded.block.values[point]));
-        if (!loaded.block.radiusValues.empty()) radii.extend(double(loaded.block.radiusValues[point]));
+    for (size_t p = 0; p < geometry.block.ids.size(); ++p) {
+      tell(go, p, geometry.block.ids.size());
+      for (uint32_t point : cornersOf(geometry.block, kind, p)) {
+        geometry.box.extend(geometry.block.points[point]);
+        if (!geometry.block.values.empty()) geometry.range.extend(double(geometry.block.values[point]));
+        if (!geometry.block.radiusValues.empty()) radii.extend(double(geometry.block.radiusValues[point]));
       }
     }
   });
-  mergeBox(ranks, loaded.box);
-  mergeRanges(ranks, std::span(&loaded.range, 1));
+  mergeBox(ranks, geometry.box);
+  mergeRanges(ranks, std::span(&geometry.range, 1));
   mergeRanges(ranks, std::span(&radii, 1));
-  if (!wanted.radii.empty()) loaded.radiusRange = radii;
+  if (!wanted.radii.empty()) geometry.radiusRange = radii;
   const PointSpread spread = spreadOf(loaded, ranks);
-  loaded.middle = kind == GeometryKind::Particles ? spread.middle : loaded.box;
-  loaded.spacing = spread.spacing;
+  geometry.middle = kind == GeometryKind::Particles ? spread.middle : geometry.box;
+  geometry.spacing = spread.spacing;
   return loaded;
 }
 
-std::shared_ptr<Geometry> distribute(const LoadedGeometry& loaded, const Partitioning& partitioning,
-                                     const RadiusOf& radius, Collectives& ranks) {
-  auto geometry = std::make_shared<Geometry>();
-  geometry->name = loaded.name;
-  geometry->kind = loaded.kind;
-  geometry->box = loaded.box;
-  geometry->range = loaded.range;
-  geometry->radiusRange = loaded.radiusRange;
-  geometry->colored = loaded.colored;
-  geometry->primitives = loaded.primitives;
-  geometry->droppedPrimitives = loaded.dropped;
-  std::vector<Bytes> messages;
-  agree(ranks, [&] {
-    GeometryBlock home;
-    const bool some = loaded.everywhere && ranks.size() > 1;
-    if (some)
-      home = keepHome(loaded.block, loaded.kind, partitioning, ranks.rank(), advanceOf(ranks, 0, 0.25));
-    messages = packForOwners(some ? home : loaded.block, loaded.kind, partitioning, radius, ranks.size(),
-                             advanceOf(ranks, 0.25, 0.5));
-  });
-  const std::vector<Bytes> received = ranks.allToAll(std::move(messages));
-  agree(ranks, [&] {
-    geometry->blocks =
-        unpackReceived(loaded.kind, partitioning, ranks.rank(), received, advanceOf(ranks, 0.5));
-  });
-  return geometry;
+OwnedGeometry ownedGeometry(LoadedGeometry loaded, const Partitioning& partitioning, Collectives& ranks) {
+  if (loaded.everywhere && ranks.size() > 1)
+    agree(ranks, [&] {
+      loaded.geometry.block = keepHome(loaded.geometry.block, loaded.geometry.kind, partitioning,
+                                       ranks.rank(), [&](double) { ranks.check(); });
+    });
+  return std::move(loaded.geometry);
 }
 
 }  // namespace gxy

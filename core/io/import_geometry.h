@@ -1,35 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
 // A geometry file becomes the blocks of a rank's partitions.
 #pragma once
-#include <cstdint>
-#include <functional>
-#include <memory>
-#include <optional>
 #include <string>
+#include <vector>
 
 #include "core/comm/collectives.h"
-#include "core/data/geometry.h"
+#include "core/data/owned_geometry.h"
 #include "core/data/partitioning.h"
-#include "core/data/replicate.h"
 #include "core/io/geometry_file.h"
+#include "core/io/left_out.h"
 
 namespace gxy {
 
-/// What a rank has read, before it is brought to its partitions. Everything but `block` and `leftOut` is the same on every
-/// rank.
+/// What a rank has read.
 struct LoadedGeometry {
-  std::string name;
-  GeometryKind kind = GeometryKind::Particles;
-  GeometryBlock block;      ///< usable primitives only; ids are global, in file order
-  bool colored = false;     ///< points have colours instead of values
-  bool everywhere = false;  ///< the format has no pieces, so every rank has read all
-  Box box;
-  Box middle;          ///< of points: the box without outliers (point_spread.h); else the box
-  double spacing = 0;  ///< mean distance between neighbouring points; 0: there are too few
-  Range range;
-  std::optional<Range> radiusRange;  ///< of the scalars that give radii, if these are not the values
-  uint64_t primitives = 0, dropped = 0;
-  LeftOut leftOut;  ///< of the files that this rank has read
+  OwnedGeometry geometry;   ///< ids are in file order
+  bool everywhere = false;  ///< the format has no pieces, so every rank has read all primitives
+  LeftOut leftOut;          ///< of the files that this rank has read
 };
 
 /// Collective over `ranks`. Each rank reads its share of the pieces of a .pvtu, .pvtp or .part, else all of
@@ -45,8 +32,8 @@ LoadedGeometry loadGeometry(const std::string& path, GeometryKind kind, const Va
                             Collectives& ranks, const TakeMemory& toTake = {},
                             std::vector<std::string>* warnings = nullptr);
 
-/// Collective. Brings primitives to every partition that they, `radius` thick, touch.
-std::shared_ptr<Geometry> distribute(const LoadedGeometry& loaded, const Partitioning& partitioning,
-                                     const RadiusOf& radius, Collectives& ranks);
+/// Collective. Leaves each primitive to one rank: what every rank has read, to the rank where it is at home (keepHome()). If any
+/// rank fails, all throw the same Error.
+OwnedGeometry ownedGeometry(LoadedGeometry loaded, const Partitioning& partitioning, Collectives& ranks);
 
 }  // namespace gxy

@@ -39,12 +39,12 @@ struct Counts {
 };
 using Axes = std::array<Counts, 3>;
 
-void count(const LoadedGeometry& geometry, Collectives& ranks, Axes& axes) {
-  const GeometryBlock& block = geometry.block;
+void count(const LoadedGeometry& loaded, Collectives& ranks, Axes& axes) {
+  const GeometryBlock& block = loaded.geometry.block;
   for (size_t p = 0; p < block.ids.size(); p++)
-    for (const uint32_t point : cornersOf(block, geometry.kind, p))
+    for (const uint32_t point : cornersOf(block, loaded.geometry.kind, p))
       for (size_t a = 0; a < 3; a++) axes[a].add(block.points[point][int(a)]);
-  if (geometry.everywhere) return;
+  if (loaded.everywhere) return;
   constexpr size_t kEach = sizeof(Counts::bins);
   Bytes mine(3 * kEach);
   for (size_t a = 0; a < 3; a++) std::memcpy(mine.data() + a * kEach, axes[a].bins.data(), kEach);
@@ -60,7 +60,8 @@ void count(const LoadedGeometry& geometry, Collectives& ranks, Axes& axes) {
 
 }  // namespace
 
-PointSpread spreadOf(const LoadedGeometry& geometry, Collectives& ranks) {
+PointSpread spreadOf(const LoadedGeometry& loaded, Collectives& ranks) {
+  const OwnedGeometry& geometry = loaded.geometry;
   PointSpread spread{geometry.box, 0};
   const Box& box = geometry.box;
   if (box.empty()) return spread;
@@ -68,7 +69,7 @@ PointSpread spreadOf(const LoadedGeometry& geometry, Collectives& ranks) {
   for (int round = 0; round < kRounds; round++) {
     Axes axes;
     for (int a = 0; a < 3; a++) axes[size_t(a)].lo = inner.lo[a], axes[size_t(a)].hi = inner.hi[a];
-    count(geometry, ranks, axes);
+    count(loaded, ranks, axes);
     for (int a = 0; a < 3; a++) {
       const auto [lo, hi] = axes[size_t(a)].hundredths();
       inner.lo[a] = lo, inner.hi[a] = hi;

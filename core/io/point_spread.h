@@ -17,8 +17,8 @@ struct PointSpread {
 };
 
 /// Measures the corners of primitives; a point counts once for each primitive that it belongs to. Uses `box`
-/// and `primitives` of `geometry`. Collective: all ranks call it. Points are counted in bins that all ranks
+/// and `primitives` of `loaded`. Collective: all ranks call it. Points are counted in bins that all ranks
 /// agree on, so the result does not depend on the number of ranks.
-PointSpread spreadOf(const LoadedGeometry& geometry, Collectives& ranks);
+PointSpread spreadOf(const LoadedGeometry& loaded, Collectives& ranks);
 
 }  // namespace gxy

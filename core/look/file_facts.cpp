@@ -75,13 +75,13 @@ LookFacts factsOfGeometry(const std::string& path, const std::string& array, con
   const GeometryKind kind = likelyKind(tellingPiece(path, toTake).second);
   SingleRank alone;
   std::vector<std::string> warnings;  // They are not shown here, but again when the file is loaded.
-  const LoadedGeometry geometry = loadGeometry(path, kind, array, alone, toTake, &warnings);
+  const OwnedGeometry geometry = loadGeometry(path, kind, array, alone, toTake, &warnings).geometry;
   LookFacts facts;
   facts.dataset.type = kind == GeometryKind::Particles   ? DatasetType::Particles
                        : kind == GeometryKind::PathLines ? DatasetType::PathLines
                                                          : DatasetType::Triangles;
   facts.data = factsOf(geometry);
-  if (valuesCount(path, array)) facts.values = sampleOf(geometry, 0);
+  if (valuesCount(path, array)) facts.values = sampleOf(geometry);
   return facts;
 }
 

@@ -13,7 +13,7 @@ DataFacts factsOf(const Volume& volume) {
   return {box, box, volume.ranges, 0};
 }
 
-DataFacts factsOf(const LoadedGeometry& geometry) {
+DataFacts factsOf(const OwnedGeometry& geometry) {
   return {geometry.box, geometry.middle, {geometry.range}, geometry.spacing};
 }
 
@@ -70,10 +70,10 @@ std::vector<float> sampleOf(const Volume& volume, const Partitioning& partitioni
   return values;
 }
 
-std::vector<float> sampleOf(const LoadedGeometry& geometry, int rank) {
+std::vector<float> sampleOf(const OwnedGeometry& geometry) {
   std::vector<float> values;
   const GeometryBlock& block = geometry.block;
-  if (block.values.empty() || (geometry.everywhere && rank != 0)) return values;
+  if (block.values.empty()) return values;
   const uint64_t stride = geometry.primitives / kSampledValues + 1;
   for (size_t p = 0; p < block.ids.size(); p++) {
     const float value = block.values[*cornersOf(block, geometry.kind, p).begin()];

@@ -31,7 +31,7 @@ struct SceneRanks {
   Advance advance;
 };
 
-/// Makes SceneRanks of Collectives (core/io/collectives.h), which must outlive the result.
+/// Makes SceneRanks of Collectives (core/comm/collectives.h), which must outlive the result.
 template <class Collectives>
 SceneRanks sceneRanksOf(Collectives& ranks) {
   return {[&ranks](const std::function<void()>& work) { agree(ranks, work); },

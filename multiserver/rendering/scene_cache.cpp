@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/comm/error.h"
+#include "core/data/distribute.h"
 #include "core/look/loaded_facts.h"
 #include "core/scene/json_text.h"
 #include "core/scene/state_file.h"

@@ -12,9 +12,9 @@
 #include <string>
 #include <vector>
 
+#include "core/data/owned_geometry.h"
 #include "core/data/partitioning.h"
 #include "core/data/volume.h"
-#include "core/io/import_geometry.h"
 #include "core/scene/scene.h"
 #include "multiserver/server/node.h"
 
@@ -28,10 +28,9 @@ struct Dataset {
   std::string file, array, radiusArray;  ///< where it was read; empty: it was not, as what a filter has made
   glm::dvec4 color{0.8, 0.8, 0.8, 1};
   std::shared_ptr<const Partitioning> partitioning;
-  std::shared_ptr<const Volume> volume;  ///< of a volume
-  std::shared_ptr<const LoadedGeometry>
-      geometry;       ///< else: as this rank has read it, before radii say where it goes
-  int64_t bytes = 0;  ///< on this rank
+  std::shared_ptr<const Volume> volume;           ///< of a volume
+  std::shared_ptr<const OwnedGeometry> geometry;  ///< else
+  int64_t bytes = 0;                              ///< on this rank
   LedgerEntry memory;
 
   Box box() const;

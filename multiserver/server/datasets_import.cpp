@@ -8,7 +8,9 @@
 #include "core/comm/error.h"
 #include "core/comm/wire.h"
 #include "core/data/bricks.h"
+#include "core/data/geometry_bytes.h"
 #include "core/io/automatic_partitioning.h"
+#include "core/io/import_geometry.h"
 #include "core/io/import_volume.h"
 #include "core/scene/json_text.h"
 #include "multiserver/server/datasets.h"
@@ -37,14 +39,6 @@ int64_t bytesToCome(const VolumeFile& file, const Partitioning& partitioning, in
   const bool becomesFloat = bytesOf(file.array.type) > sizeof(float);  // block by block
   return int64_t(points * each +
                  (becomesFloat ? largest * sizeof(float) * size_t(file.array.components) : 0));
-}
-
-int64_t bytesOf(const GeometryBlock& b) {
-  return int64_t(b.points.size() * sizeof b.points[0] + b.normals.size() * sizeof b.normals[0] +
-                 b.values.size() * sizeof b.values[0] + b.colors.size() * sizeof b.colors[0] +
-                 b.radiusValues.size() * sizeof b.radiusValues[0] +
-                 b.triangles.size() * sizeof b.triangles[0] + b.segments.size() * sizeof b.segments[0] +
-                 b.neighbours.size() * sizeof b.neighbours[0] + b.ids.size() * sizeof b.ids[0]);
 }
 
 bool holds(const Box& outer, const Box& inner) {
@@ -133,7 +127,8 @@ json Datasets::importHere(const json& p) {
   });
   Box box;
   std::optional<Grid> first;
-  std::vector<std::string> warnings;  // on rank 0
+  std::vector<LoadedGeometry> loaded(made.size());  // of those that are geometry
+  std::vector<std::string> warnings;                // on rank 0
   const auto all = int64_t(made.size());
   int64_t finished = 0;
   const auto begin = [&](const char* what, size_t i, bool phase = false) {
@@ -150,16 +145,14 @@ json Datasets::importHere(const json& p) {
       std::vector<LedgerEntry> reading;  // until it is known what is kept
       ValuesWanted wanted(d.array);
       wanted.radii = d.radiusArray;
-      auto geometry = std::make_shared<LoadedGeometry>(loadGeometry(
+      loaded[i] = loadGeometry(
           d.file, kindOf(d.type), wanted, ranks,
-          [&](int64_t bytes) { reading.push_back(node_.takeMemory(tenant, "geometry", bytes)); }, &warnings));
+          [&](int64_t bytes) { reading.push_back(node_.takeMemory(tenant, "geometry", bytes)); }, &warnings);
       agree(ranks, [&] {
         reading.clear();
-        d.bytes = bytesOf(geometry->block);
-        d.memory = node_.takeMemory(tenant, "geometry", d.bytes);
+        d.memory = node_.takeMemory(tenant, "geometry", bytesOf(loaded[i].geometry.block));
       });
-      box.extend(geometry->box);
-      d.geometry = std::move(geometry);
+      box.extend(loaded[i].geometry.box);
       finished++;
     }
   }
@@ -181,7 +174,13 @@ json Datasets::importHere(const json& p) {
   for (size_t i = 0; i < made.size(); i++) {
     Dataset& d = *made[i];
     d.partitioning = partitioning;
-    if (d.type != DatasetType::Volume) continue;
+    if (d.type != DatasetType::Volume) {
+      d.geometry =
+          std::make_shared<const OwnedGeometry>(ownedGeometry(std::move(loaded[i]), *partitioning, ranks));
+      d.bytes = bytesOf(d.geometry->block);
+      d.memory.resize(d.bytes);
+      continue;
+    }
     begin("importing ", i, !std::exchange(samples, true));
     VolumeFile file;
     agree(ranks, [&] {

@@ -327,7 +327,7 @@ std::vector<float> valuesOfPieces(const std::string& list, int count) {
   const auto errors = ranks.run([&](Collectives& mine) {
     const LoadedGeometry loaded = loadGeometry(list, GeometryKind::Triangles, "", mine);
     const std::lock_guard lock(mutex);
-    values.insert(values.end(), loaded.block.values.begin(), loaded.block.values.end());
+    values.insert(values.end(), loaded.geometry.block.values.begin(), loaded.geometry.block.values.end());
   });
   EXPECT_EQ(errors, std::vector<std::string>(size_t(count)));
   std::sort(values.begin(), values.end());
@@ -351,10 +351,10 @@ TEST_F(Cells, AllPiecesOfAListHaveTheArrayOfRadii) {
     ThreadRanks ranks(count);
     const auto errors = ranks.run([&](Collectives& mine) {
       const LoadedGeometry loaded = radii("b", mine);
-      EXPECT_EQ(loaded.radiusRange, (Range{2, 7}));
-      EXPECT_EQ(loaded.range, (Range{1, 1}));
-      EXPECT_EQ(loaded.block.radiusValues.size(), loaded.block.points.size());
-      EXPECT_EQ(loaded.block.radiusValues.at(0), mine.rank() == 0 ? 2 : 5);
+      EXPECT_EQ(loaded.geometry.radiusRange, (Range{2, 7}));
+      EXPECT_EQ(loaded.geometry.range, (Range{1, 1}));
+      EXPECT_EQ(loaded.geometry.block.radiusValues.size(), loaded.geometry.block.points.size());
+      EXPECT_EQ(loaded.geometry.block.radiusValues.at(0), mine.rank() == 0 ? 2 : 5);
     });
     EXPECT_EQ(errors, std::vector<std::string>(size_t(count)));
     for (const std::string& error : ranks.run([&](Collectives& mine) { radii("c", mine); }))
@@ -406,7 +406,7 @@ TEST_F(Cells, WarningsOfAllPiecesReachTheirUser) {
   const auto errors = ranks.run([&](Collectives& mine) {
     const LoadedGeometry loaded =
         loadGeometry(folder_ / "g.part", GeometryKind::Triangles, "", mine, {}, &warnings[mine.rank()]);
-    EXPECT_TRUE(loaded.block.values.empty());
+    EXPECT_TRUE(loaded.geometry.block.values.empty());
   });
   EXPECT_EQ(errors, std::vector<std::string>(2));
   EXPECT_EQ(warnings[0],

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <mutex>
 
+#include "core/data/distribute.h"
 #include "core/io/file.h"
 #include "core/io/geometry_file.h"
 #include "core/io/import_geometry.h"
@@ -329,7 +330,8 @@ TEST_F(ColorFiles, PiecesOnManyRanksHaveThoseOfTheWhole) {
                                             1);
       ThreadRanks ranks(count);
       const auto errors = ranks.run([&](Collectives& mine) {
-        const LoadedGeometry loaded = loadGeometry(folder_ / list, GeometryKind::Triangles, "", mine);
+        const OwnedGeometry loaded = ownedGeometry(
+            loadGeometry(folder_ / list, GeometryKind::Triangles, "", mine), partitioning, mine);
         EXPECT_TRUE(loaded.colored);
         EXPECT_TRUE(loaded.range.empty());
         const auto geometry = distribute(
@@ -359,8 +361,8 @@ TEST_F(ColorFiles, PiecesOfColoursAndOfValuesHaveNeither) {
       Warnings other;
       const LoadedGeometry loaded = loadGeometry(folder_ / "g.part", GeometryKind::Triangles, "", mine, {},
                                                  mine.rank() == 0 ? &warnings : &other);
-      EXPECT_FALSE(loaded.colored);
-      EXPECT_TRUE(loaded.block.colors.empty() && loaded.block.values.empty());
+      EXPECT_FALSE(loaded.geometry.colored);
+      EXPECT_TRUE(loaded.geometry.block.colors.empty() && loaded.geometry.block.values.empty());
     });
     EXPECT_EQ(errors, std::vector<std::string>(size_t(count)));
     EXPECT_EQ(warnings, Warnings{(folder_ / "g.part") +

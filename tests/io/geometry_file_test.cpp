@@ -8,6 +8,7 @@
 #include <set>
 
 #include "core/comm/error.h"
+#include "core/data/distribute.h"
 #include "core/io/file.h"
 #include "core/io/import_geometry.h"
 #include "core/io/write_geometry.h"
@@ -178,9 +179,9 @@ TEST(LoadGeometry, DropsAndCountsWhatCannotBeDrawn) {
   block.ids = {0, 1, 2, 3};
   writeGeometry(folder / "g.vtp", block, GeometryKind::Triangles);
   SingleRank one;
-  const LoadedGeometry loaded = loadGeometry(folder / "g.vtp", GeometryKind::Triangles, "", one);
+  const OwnedGeometry loaded = loadGeometry(folder / "g.vtp", GeometryKind::Triangles, "", one).geometry;
   EXPECT_EQ(loaded.primitives, 2u);
-  EXPECT_EQ(loaded.dropped, 2u);
+  EXPECT_EQ(loaded.droppedPrimitives, 2u);
   EXPECT_EQ(loaded.box, (Box{{0, 0, 0}, {1, 1, 0.1}}));
   EXPECT_EQ(loaded.range, (Range{1, 4}));
 }
@@ -207,8 +208,8 @@ TEST(LoadGeometry, PiecesOnManyRanksAndOneFileGiveTheSameParticles) {
     std::map<uint64_t, glm::dvec3> seen;
     const auto errors = ranks.run([&](Collectives& mine) {
       const auto geometry = distribute(
-          loadGeometry(folder / name, GeometryKind::Particles, "", mine), cut, [](double) { return 0.0; },
-          mine);
+          ownedGeometry(loadGeometry(folder / name, GeometryKind::Particles, "", mine), cut, mine), cut,
+          [](double) { return 0.0; }, mine);
       EXPECT_EQ(geometry->primitives, 300u);
       EXPECT_EQ(geometry->range, (Range{0, 299}));
       const std::lock_guard lock(mutex);

@@ -19,12 +19,12 @@ LoadedGeometry cube(int side, glm::dvec3 far, int part = 0, int of = 1) {
     const bool last = n == side * side * side;
     const glm::dvec3 p =
         last ? far : (glm::dvec3(n % side, n / side % side, n / side / side) + 0.5) / double(side);
-    g.box.extend(p);
+    g.geometry.box.extend(p);
     if (n % of != part) continue;
-    g.block.points.push_back(p);
-    g.block.ids.push_back(uint64_t(n));
+    g.geometry.block.points.push_back(p);
+    g.geometry.block.ids.push_back(uint64_t(n));
   }
-  g.primitives = uint64_t(side * side * side + 1);
+  g.geometry.primitives = uint64_t(side * side * side + 1);
   return g;
 }
 
@@ -46,19 +46,19 @@ TEST(PointSpread, FlatAndSinglePoints) {
   LoadedGeometry g;
   g.everywhere = true;
   for (uint64_t n = 0; n < 400; n++) {
-    g.block.points.push_back({double(n % 20), double(n / 20), 3});
-    g.block.ids.push_back(n);
-    g.box.extend(g.block.points.back());
+    g.geometry.block.points.push_back({double(n % 20), double(n / 20), 3});
+    g.geometry.block.ids.push_back(n);
+    g.geometry.box.extend(g.geometry.block.points.back());
   }
-  g.primitives = 400;
+  g.geometry.primitives = 400;
   EXPECT_NEAR(spreadOf(g, one).spacing, 19.0 / 20, 0.05);  // of a plane
-  EXPECT_EQ(spreadOf(g, one).middle, g.box);
+  EXPECT_EQ(spreadOf(g, one).middle, g.geometry.box);
   LoadedGeometry point;
   point.everywhere = true;
-  point.block.points = {{1, 2, 3}};
-  point.block.ids = {0};
-  point.box.extend(glm::dvec3(1, 2, 3));
-  point.primitives = 1;
+  point.geometry.block.points = {{1, 2, 3}};
+  point.geometry.block.ids = {0};
+  point.geometry.box.extend(glm::dvec3(1, 2, 3));
+  point.geometry.primitives = 1;
   EXPECT_EQ(spreadOf(point, one).spacing, 0);
   EXPECT_EQ(spreadOf(LoadedGeometry(), one).spacing, 0);
 }

@@ -8,6 +8,7 @@
 
 #include "core/comm/error.h"
 #include "core/data/complete_volume.h"
+#include "core/data/distribute.h"
 #include "tests/support/thread_ranks.h"
 
 namespace gxy::test {
@@ -84,27 +85,21 @@ std::vector<std::shared_ptr<const Volume>> cut(const WholeVolume& whole, const P
 std::vector<std::shared_ptr<const Geometry>> distributed(const WholeGeometry& whole,
                                                          const Partitioning& partitioning,
                                                          const RadiusOf& radius, int ranks) {
-  std::vector<std::vector<Bytes>> sent;
-  for (int rank = 0; rank < ranks; rank++) {
-    std::vector<uint32_t> mine;
-    for (size_t p = size_t(rank); p < whole.block.ids.size(); p += size_t(ranks)) mine.push_back(uint32_t(p));
-    sent.push_back(
-        packForOwners(subset(whole.block, whole.kind, mine), whole.kind, partitioning, radius, ranks));
-  }
-  std::vector<std::shared_ptr<const Geometry>> all;
-  for (int rank = 0; rank < ranks; rank++) {
-    std::vector<Bytes> received;
-    for (const auto& messages : sent) received.push_back(messages[size_t(rank)]);
-    auto geometry = std::make_shared<Geometry>();
-    geometry->kind = whole.kind;
-    geometry->box = boxOf(whole.block);
-    geometry->range = rangeOf(whole.block);
-    geometry->radiusRange = radiusRangeOf(whole.block);
-    geometry->colored = !whole.block.colors.empty();
-    geometry->primitives = whole.block.ids.size();
-    geometry->blocks = unpackReceived(whole.kind, partitioning, rank, received);
-    all.push_back(std::move(geometry));
-  }
+  std::vector<std::shared_ptr<const Geometry>> all(static_cast<size_t>(ranks));
+  onRanks(ranks, [&](Collectives& mine) {
+    std::vector<uint32_t> members;
+    for (auto p = size_t(mine.rank()); p < whole.block.ids.size(); p += size_t(ranks))
+      members.push_back(uint32_t(p));
+    OwnedGeometry owned;
+    owned.kind = whole.kind;
+    owned.block = subset(whole.block, whole.kind, members);
+    owned.box = boxOf(whole.block);
+    owned.range = rangeOf(whole.block);
+    owned.radiusRange = radiusRangeOf(whole.block);
+    owned.colored = !whole.block.colors.empty();
+    owned.primitives = whole.block.ids.size();
+    all[size_t(mine.rank())] = distribute(owned, partitioning, radius, mine);
+  });
   return all;
 }
 

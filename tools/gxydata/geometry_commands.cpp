@@ -20,7 +20,7 @@ namespace gxy::data_tool {
 namespace {
 
 struct Input {
-  LoadedGeometry geometry;
+  OwnedGeometry geometry;
   std::string array;        ///< name of the values
   bool ofCells = false;     ///< the values belong to cells
   GeometrySummary summary;  ///< summary of a piece that represents all (tellingPiece())
@@ -30,7 +30,7 @@ Input load(const Options& options) {
   const auto [piece, summary] = tellingPiece(options.in);
   const GeometryKind kind = likelyKind(summary);
   SingleRank rank;
-  LoadedGeometry geometry = loadGeometry(options.in, kind, options.array, rank);
+  OwnedGeometry geometry = loadGeometry(options.in, kind, options.array, rank).geometry;
   const auto listed = valuesOfList(options.in);
   const GeometryContent content =
       readGeometry(piece, kind, options.array.empty() && listed ? *listed : ValuesWanted(options.array));

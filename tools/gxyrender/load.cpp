@@ -7,7 +7,7 @@
 #include <set>
 
 #include "core/comm/error.h"
-#include "core/data/replicate.h"
+#include "core/data/distribute.h"
 #include "core/io/automatic_partitioning.h"
 #include "core/io/import_geometry.h"
 #include "core/io/import_volume.h"
@@ -90,7 +90,7 @@ LoadedState loadData(const State& state, const std::string& directory, const Ren
   // What is where, before anything is cut: grids, and geometry as each rank has read it.
   Box domain;
   std::optional<Grid> first;
-  std::map<std::string, LoadedGeometry> geometry;
+  std::map<std::string, LoadedGeometry> read;
   LeftOut leftOut;
   for (const DatasetSpec& d : state.datasets) {
     if (!shown.count(d.name)) continue;
@@ -100,10 +100,9 @@ LoadedState loadData(const State& state, const std::string& directory, const Ren
       if (!first) first = grid;
     } else {
       const LoadedGeometry& g =
-          geometry.emplace(d.name, loadGeometry(pathOf(d), kindOf(d.type), valuesWanted(d), ranks))
-              .first->second;
+          read.emplace(d.name, loadGeometry(pathOf(d), kindOf(d.type), valuesWanted(d), ranks)).first->second;
       leftOut += g.leftOut;
-      domain.extend(g.box);
+      domain.extend(g.geometry.box);
     }
   }
 
@@ -124,7 +123,9 @@ LoadedState loadData(const State& state, const std::string& directory, const Ren
       volumes[d.name] = std::move(volume);
     }
 
-  for (const auto& [name, g] : geometry) loaded.facts[name] = factsOf(g);
+  std::map<std::string, OwnedGeometry> geometry;
+  for (auto& [name, g] : read)
+    loaded.facts[name] = factsOf(geometry[name] = ownedGeometry(std::move(g), *loaded.partitioning, ranks));
   loaded.shown = std::move(shownSoFar);
   loaded.shown.resize(state.visualizations.size());
 

@@ -65,8 +65,7 @@ FirstLooks::FirstLooks(Registration& registration) : node_(registration.node()) 
 json FirstLooks::sample(const json& p) const {
   const Pin pin = node_.objects.pin(Key{p.at("key").get<uint64_t>()}, p.at("generation").get<Generation>());
   const auto dataset = pin.get<Dataset>();
-  return dataset->volume ? sampleOf(*dataset->volume, *dataset->partitioning)
-                         : sampleOf(*dataset->geometry, node_.rank());
+  return dataset->volume ? sampleOf(*dataset->volume, *dataset->partitioning) : sampleOf(*dataset->geometry);
 }
 
 LookFacts FirstLooks::factsOf(const std::string& tenant, const std::string& name) const {

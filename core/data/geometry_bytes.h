@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+// Memory of geometry.
+#pragma once
+#include <cstdint>
+
+#include "core/data/geometry.h"
+
+namespace gxy {
+
+/// Memory of the arrays of a block.
+inline int64_t bytesOf(const GeometryBlock& b) {
+  const auto bytes = [](const auto& array) { return array.size() * sizeof(array[0]); };
+  return int64_t(bytes(b.points) + bytes(b.normals) + bytes(b.values) + bytes(b.colors) +
+                 bytes(b.radiusValues) + bytes(b.triangles) + bytes(b.segments) + bytes(b.neighbours) +
+                 bytes(b.ids));
+}
+
+}  // namespace gxy
