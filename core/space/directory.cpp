@@ -35,6 +35,19 @@ std::optional<DirectoryEntry> Directory::find(const std::string& tenant, const s
   return findLocked(tenant, name, Scope::Shared);
 }
 
+std::vector<std::optional<Directory::Listed>> Directory::find(const std::string& tenant,
+                                                              std::span<const std::string> names) const {
+  const std::lock_guard lock(mutex_);
+  std::vector<std::optional<Listed>> found;
+  for (const std::string& name : names) {
+    auto& at = found.emplace_back();
+    for (const Scope scope : {Scope::Private, Scope::Shared})
+      if (auto entry = at ? std::nullopt : findLocked(tenant, name, scope))
+        at = Listed{name, scope, *std::move(entry)};
+  }
+  return found;
+}
+
 std::optional<DirectoryEntry> Directory::find(const std::string& tenant, const std::string& name,
                                               Scope scope) const {
   const std::lock_guard lock(mutex_);

@@ -4,6 +4,7 @@
 #include <map>
 #include <mutex>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -38,6 +39,9 @@ class Directory {
 
   /// Returns the entry that a name has for a tenant: that of its private directory, or else of the shared one.
   std::optional<DirectoryEntry> find(const std::string& tenant, const std::string& name) const;
+  /// Like this for several names, in their order, as they are at one moment: no name changes in between.
+  std::vector<std::optional<Listed>> find(const std::string& tenant,
+                                          std::span<const std::string> names) const;
   /// Returns the entry in one of the two directories.
   std::optional<DirectoryEntry> find(const std::string& tenant, const std::string& name, Scope scope) const;
   /// Like the first find(), but throws Error if there is no entry.

@@ -5,6 +5,7 @@
 #include <mutex>
 #include <string>
 #include <unordered_map>
+#include <unordered_set>
 #include <utility>
 
 #include "core/comm/error.h"
@@ -106,29 +107,45 @@ void Objects::drop(Key key) {
   observers_.notify({ObjectEvent::Kind::Dropped, key, dropped.current->generation});
 }
 
-Pin Objects::pin(Key key) const {
+Pin Objects::pinLocked(std::shared_ptr<Pin::Buffer> buffer) const {
   Pin pin;
-  const std::lock_guard lock(state_->mutex);
-  pin.buffer_ = state_->at(key).current;
+  pin.buffer_ = std::move(buffer);
   pin.state_ = state_;
   ++pin.buffer_->pins;
   return pin;
 }
 
-Pin Objects::pin(Key key, Generation generation) const {
-  const std::lock_guard lock(state_->mutex);
+Pin Objects::pinLocked(Key key, Generation generation) const {
   const Pin::State::Object& object = state_->at(key);
-  for (const auto& buffer : {object.current, object.previous}) {
-    if (!buffer || buffer->generation != generation) continue;
-    Pin pin;
-    pin.buffer_ = buffer;
-    pin.state_ = state_;
-    ++buffer->pins;
-    return pin;
-  }
+  for (const auto& buffer : {object.current, object.previous})
+    if (buffer && buffer->generation == generation) return pinLocked(buffer);
   fail(key, "generation " + std::to_string(generation) + " is not here, expected " +
                 std::to_string(object.current->generation) +
                 (object.previous ? " or " + std::to_string(object.previous->generation) : std::string()));
+}
+
+Pin Objects::pin(Key key) const {
+  const std::lock_guard lock(state_->mutex);
+  return pinLocked(state_->at(key).current);
+}
+
+Pin Objects::pin(Key key, Generation generation) const {
+  const std::lock_guard lock(state_->mutex);
+  return pinLocked(key, generation);
+}
+
+std::vector<Pin> Objects::pin(const std::function<std::vector<Key>()>& keys) const {
+  std::vector<Pin> pins;  // before the lock: where this throws, they are released after it
+  const std::lock_guard lock(state_->mutex);
+  for (const Key key : keys()) pins.push_back(pinLocked(state_->at(key).current));
+  return pins;
+}
+
+std::vector<Pin> Objects::pin(std::span<const ObjectGeneration> generations) const {
+  std::vector<Pin> pins;  // as above
+  const std::lock_guard lock(state_->mutex);
+  for (const auto& [key, generation] : generations) pins.push_back(pinLocked(key, generation));
+  return pins;
 }
 
 bool Objects::reserve(Key key) {
@@ -171,22 +188,43 @@ void Objects::stage(Key key, Payload payload) {
 }
 
 void Objects::commit(Key key, Generation generation) {
-  auto buffer = std::make_shared<Pin::Buffer>();
   {
     const std::lock_guard lock(state_->mutex);
-    Pin::State::Object& object = state_->at(key);
-    if (object.staged.empty()) fail(key, "nothing is staged, expected data before a commit");
-    if (generation <= object.current->generation) {
-      fail(key, "generation " + std::to_string(generation) + " was committed, expected one after " +
-                    std::to_string(object.current->generation));
+    state_->at(key);
+  }
+  const ObjectGeneration one{key, generation};
+  commit(std::span(&one, 1));
+}
+
+void Objects::commit(std::span<const ObjectGeneration> generations, const std::function<void()>& also) {
+  std::vector<ObjectEvent> events;
+  std::unordered_set<Key> keys;
+  std::vector<std::shared_ptr<Pin::Buffer>> buffers;
+  for (size_t i = 0; i < generations.size(); i++) buffers.push_back(std::make_shared<Pin::Buffer>());
+  {
+    const std::lock_guard lock(state_->mutex);
+    for (const auto& [key, generation] : generations) {
+      const auto found = state_->objects.find(key);
+      if (found == state_->objects.end()) continue;
+      if (!keys.insert(key).second) fail(key, "it is there twice, expected one generation of each object");
+      const Pin::State::Object& object = found->second;
+      if (object.staged.empty()) fail(key, "nothing is staged, expected data before a commit");
+      if (generation <= object.current->generation)
+        fail(key, "generation " + std::to_string(generation) + " was committed, expected one after " +
+                      std::to_string(object.current->generation));
+      events.push_back({ObjectEvent::Kind::Updated, key, generation});
     }
-    buffer->payload = std::exchange(object.staged, {});
-    buffer->generation = generation;
-    object.previous = std::exchange(object.current, std::move(buffer));
-    object.reserved = false;
+    if (also) also();
+    for (size_t i = 0; i < events.size(); i++) {
+      Pin::State::Object& object = state_->objects.at(events[i].key);
+      buffers[i]->payload = std::exchange(object.staged, {});
+      buffers[i]->generation = events[i].generation;
+      object.previous = std::exchange(object.current, std::move(buffers[i]));
+      object.reserved = false;
+    }
   }
   state_->changed.notify_all();
-  observers_.notify({ObjectEvent::Kind::Updated, key, generation});
+  for (const ObjectEvent& event : events) observers_.notify(event);
 }
 
 void Objects::abandon(Key key) {

@@ -4,20 +4,33 @@
 //
 // An update takes three calls on every rank: reserve() the second buffer (before the new data are made, so
 // that there are never three), stage() the data, and, when rank 0 says that they are complete everywhere,
-// commit() the generation that it assigned. If a rank could not reserve, rank 0 has all others abandon().
+// commit() the generation that it assigned. If a rank could not reserve, rank 0 has all others abandon(). What belongs
+// together, as the fields of a simulation's step, is committed by one call and pinned by one call on each rank: then no frame
+// shows one object of a step beside another of the next.
 //
 // The previous generation stays until its buffer is reserved again. A frame whose first message is still on
 // its way holds a pin on rank 0 only, so rank 0 grants a reservation after the frames that use the previous
-// generation are complete.
+// generation are complete: it reserves before the other ranks, and commits after them. So while rank 0 pins generations of
+// several objects, every rank has each of them as its current or its previous one, unless that object is dropped.
 #pragma once
 #include <chrono>
+#include <functional>
 #include <memory>
+#include <span>
+#include <vector>
 
 #include "core/space/key.h"
 #include "core/space/observers.h"
 #include "core/space/payload.h"
 
 namespace gxy {
+
+/// One generation of one object.
+struct ObjectGeneration {
+  Key key;
+  Generation generation = 0;
+  bool operator==(const ObjectGeneration&) const = default;
+};
 
 /// Keeps one generation of one object for a frame, never for a client. Move-only; may outlive the Objects.
 class Pin {
@@ -53,7 +66,7 @@ struct WhenTaken {
 };
 
 /// The objects of one rank. Thread safe; observers are called after the change, no lock held. Every function
-/// that takes a key throws Error if there is no such object.
+/// that takes a key throws Error if there is no such object, unless it says otherwise.
 class Objects {
  public:
   /// `observers` must outlive this.
@@ -68,6 +81,13 @@ class Objects {
   /// The current generation, or a given one: throws Error if it is neither the current nor the previous one.
   Pin pin(Key key) const;
   Pin pin(Key key, Generation generation) const;
+  /// The current generations of several objects, pinned under one lock, so that no commit and no drop comes in between. `keys`
+  /// is called with the lock held and says which objects: names that it looks up mean these objects when they are pinned. It
+  /// must be short and must not use this. If it throws or one of the objects is not there, none is pinned.
+  std::vector<Pin> pin(const std::function<std::vector<Key>()>& keys) const;
+  /// Given generations of several objects, pinned under one lock. If one is neither the current nor the previous one, none is
+  /// pinned.
+  std::vector<Pin> pin(std::span<const ObjectGeneration> generations) const;
 
   /// Makes room for the next generation. Where the previous one is pinned, a Wanted event first. False, and a Skipped
   /// event, if both buffers are still taken after the wait that was chosen: by a pinned previous generation or by another
@@ -78,10 +98,19 @@ class Objects {
   /// Makes the staged data the current generation. Throws Error unless data are staged and the generation is
   /// newer.
   void commit(Key key, Generation generation);
+  /// The same for several objects under one lock: whoever pins them by one call has either all of these generations or none.
+  /// The keys differ; an object that has been dropped since is left out. `also` is called with the lock held, just before, to
+  /// change names in the same moment; it must be short and must not use this. If it throws, or one of the objects cannot be
+  /// committed, nothing has changed.
+  void commit(std::span<const ObjectGeneration> generations, const std::function<void()>& also = {});
   /// Gives the reserved buffer up, with what was staged in it, if any.
   void abandon(Key key);
 
  private:
+  /// With the lock held.
+  Pin pinLocked(std::shared_ptr<Pin::Buffer> buffer) const;
+  Pin pinLocked(Key key, Generation generation) const;
+
   Observers& observers_;
   std::shared_ptr<Pin::State> state_;
 };
