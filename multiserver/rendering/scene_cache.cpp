@@ -112,9 +112,9 @@ json SceneCache::forget(const json& p) {
 namespace {
 
 std::vector<Pin> pinned(Node& node, const std::vector<NamedDataset>& data) {
-  std::vector<Pin> pins;
-  for (const NamedDataset& d : data) pins.push_back(node.objects.pin(d.key, d.generation));
-  return pins;
+  std::vector<ObjectGeneration> generations;
+  for (const NamedDataset& d : data) generations.push_back({d.key, d.generation});
+  return node.objects.pin(generations);
 }
 
 }  // namespace
@@ -130,8 +130,9 @@ SceneCache::Held SceneCache::hold(const std::string& tenant, const Visualization
                                   ShownSoFar& shown) const {
   Held held;
   std::vector<DataFacts> facts;
-  for (const Vis& vis : visualization.operators) {
-    auto [dataset, pin] = node_.datasets->getPinned(tenant, vis.dataset);
+  std::vector<std::string> names;
+  for (const Vis& vis : visualization.operators) names.push_back(vis.dataset);
+  for (auto& [dataset, pin] : node_.datasets->getPinned(tenant, names)) {
     const auto content = pin.get<Dataset>();
     facts.push_back(content->volume ? factsOf(*content->volume) : factsOf(*content->geometry));
     held.data.push_back(std::move(dataset));

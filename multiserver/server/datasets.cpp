@@ -18,6 +18,10 @@ namespace {
 
 json point(const glm::dvec3& p) { return json::array({p.x, p.y, p.z}); }
 
+[[noreturn]] void failMissing(const std::string& name) {
+  throw Error("dataset " + inQuotes(name) + ": there is none that you see; `list` names what there is");
+}
+
 const char* nameOf(DatasetEvent::Kind kind) {
   constexpr const char* names[] = {"added", "updated", "skipped", "dropped", "renamed"};
   return names[size_t(kind)];
@@ -77,11 +81,6 @@ void Datasets::addWorks() {
   });
 }
 
-void Datasets::commit(const json& updates) {
-  node_.callAll("datasets.commit", updates);
-  commitHere(updates);
-}
-
 void Datasets::abandonHere(Key key) {
   try {
     node_.objects.abandon(key);
@@ -90,19 +89,11 @@ void Datasets::abandonHere(Key key) {
   }
 }
 
-void Datasets::commitHere(const json& updates) {
-  std::string error;
-  for (const json& update : updates) {
-    const Key key{update.at("key").get<uint64_t>()};
-    if (!node_.objects.contains(key)) continue;  // dropped meanwhile
-    try {
-      node_.objects.commit(key, update.at("generation").get<Generation>());
-    } catch (const Error& e) {
-      error = e.what();
-      abandonHere(key);
-    }
-  }
-  if (!error.empty()) throw Error(error);
+void Datasets::commitHere(const json& updates, const std::function<void()>& also) {
+  std::vector<ObjectGeneration> generations;
+  for (const json& update : updates)
+    generations.push_back({Key{update.at("key").get<uint64_t>()}, update.at("generation").get<Generation>()});
+  node_.objects.commit(generations, also);
 }
 
 json Datasets::infoHere(const json& parameters) const {
@@ -174,33 +165,41 @@ std::vector<NamedDataset> Datasets::list(const std::string& tenant) const {
 }
 
 std::optional<NamedDataset> Datasets::find(const std::string& tenant, const std::string& name) const {
-  const auto entry = node_.directory.find(tenant, name);
-  if (!entry) return std::nullopt;
-  std::unique_lock lock(mutex_);
-  const auto at = names_.find(entry->key);
-  const Scope scope = at == names_.end() ? Scope::Private : at->second.second;
-  lock.unlock();
-  return named(name, scope, *entry);
+  const auto found = node_.directory.find(tenant, std::span(&name, 1)).front();
+  if (!found) return std::nullopt;
+  return named(name, found->scope, found->entry);
 }
 
 NamedDataset Datasets::get(const std::string& tenant, const std::string& name) const {
   if (auto found = find(tenant, name)) return *std::move(found);
-  throw Error("dataset " + inQuotes(name) + ": there is none that you see; `list` names what there is");
+  failMissing(name);
 }
 
 std::pair<NamedDataset, Pin> Datasets::getPinned(const std::string& tenant, const std::string& name) const {
-  for (;;) {
-    NamedDataset d = get(tenant, name);
-    try {
-      Pin pin = node_.objects.pin(d.key);
-      d.generation = pin.generation();
-      return {std::move(d), std::move(pin)};
-    } catch (const Error&) {
-      // Dropped after the look at its name, which means another dataset by now, or none.
-      const auto now = find(tenant, name);
-      if (now && now->key == d.key) throw;
+  return std::move(getPinned(tenant, std::span(&name, 1)).front());
+}
+
+std::vector<std::pair<NamedDataset, Pin>> Datasets::getPinned(const std::string& tenant,
+                                                              std::span<const std::string> names) const {
+  std::vector<NamedDataset> datasets;
+  // A name is taken away before its object is dropped, so what has one is there.
+  std::vector<Pin> pins = node_.objects.pin([&] {
+    std::vector<Key> keys;
+    const auto all = node_.directory.find(tenant, names);
+    for (size_t i = 0; i < names.size(); i++) {
+      if (!all[i]) failMissing(names[i]);
+      const auto& [name, scope, entry] = *all[i];
+      datasets.push_back({entry.key, name, scope, entry.type, entry.owner, entry.readOnly});
+      keys.push_back(entry.key);
     }
+    return keys;
+  });
+  std::vector<std::pair<NamedDataset, Pin>> pinned;
+  for (size_t i = 0; i < pins.size(); i++) {
+    datasets[i].generation = pins[i].generation();
+    pinned.emplace_back(std::move(datasets[i]), std::move(pins[i]));
   }
+  return pinned;
 }
 
 std::optional<NamedDataset> Datasets::mayName(const std::string& tenant, const std::string& name,
@@ -246,9 +245,13 @@ void Datasets::nameAll(const std::string& tenant, Scope scope, const std::vector
       }
     }
     checkUpdates(tenant, scope, updates);
-    if (!updates.empty()) commit(updates);
+    // Rank 0 goes last: what it tells of is everywhere, and the generations before are still held.
+    if (!updates.empty()) node_.callAll("datasets.commit", updates);
+    commitHere(updates, [&] {
+      for (const NamedDataset& d : all)
+        node_.directory.bind(d.name, scope, {d.key, d.type, d.owner, d.readOnly});
+    });
     for (NamedDataset& d : all) {
-      node_.directory.bind(d.name, scope, {d.key, d.type, d.owner, d.readOnly});
       d.generation = generationOf(d.key);
       const std::lock_guard lock(mutex_);
       names_[d.key] = {d.name, scope};

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <set>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -92,6 +93,10 @@ class Datasets {
   /// The same with its current generation held: while the pin lives, every rank has that generation, as its current one or
   /// the one before, unless the dataset is dropped.
   std::pair<NamedDataset, Pin> getPinned(const std::string& tenant, const std::string& name) const;
+  /// Several at one moment, in the order of the names: no new generation, drop or change of names comes in between, so what
+  /// one import or one step of a simulation has made is seen together or not at all.
+  std::vector<std::pair<NamedDataset, Pin>> getPinned(const std::string& tenant,
+                                                      std::span<const std::string> names) const;
   /// What all ranks know of it; null when it has been dropped. Waits.
   nlohmann::json info(const NamedDataset& dataset);
   /// The same of what the name means. Throws as get() does.
@@ -121,9 +126,8 @@ class Datasets {
                                   const std::shared_ptr<Importing>& importing);
   /// Ends the imports under way that the tenant has begun and that are to give it this name. False if there are none.
   bool endImportsOf(const std::string& tenant, const std::string& name);
-  /// New generations, on rank 0 last: what it tells of is everywhere, and the generation before is still held.
-  void commit(const nlohmann::json& updates);
-  void commitHere(const nlohmann::json& updates);
+  /// New generations on this rank, all at one moment; `also` as Objects::commit.
+  void commitHere(const nlohmann::json& updates, const std::function<void()>& also = {});
   /// A dataset that has no name yet.
   struct Unnamed {
     std::string name;  ///< that it is to get
