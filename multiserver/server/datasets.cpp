@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 
 #include "core/comm/error.h"
 #include "core/scene/json_text.h"
@@ -18,6 +19,22 @@ namespace {
 
 json point(const glm::dvec3& p) { return json::array({p.x, p.y, p.z}); }
 
+json listed(const std::vector<Origin>& origins) {
+  json list = json::array();
+  for (const auto& [source, step] : origins) list.push_back({{"source", source}, {"step", step}});
+  return list;
+}
+
+json described(const Provenance& provenance) {
+  json inputs = json::array();
+  for (const auto& [name, key, generation] : provenance.inputs)
+    inputs.push_back({{"name", name}, {"generation", generation}});
+  return {{"filter", provenance.filter},
+          {"version", provenance.version},
+          {"properties", json::parse(provenance.properties)},
+          {"inputs", inputs}};
+}
+
 [[noreturn]] void failMissing(const std::string& name) {
   throw Error("dataset " + inQuotes(name) + ": there is none that you see; `list` names what there is");
 }
@@ -29,6 +46,19 @@ const char* nameOf(DatasetEvent::Kind kind) {
 
 }  // namespace
 
+DatasetType typeOf(const Dataset& dataset) {
+  if (dataset.volume) return DatasetType::Volume;
+  switch (dataset.geometry->kind) {
+    case GeometryKind::Particles:
+      return DatasetType::Particles;
+    case GeometryKind::PathLines:
+      return DatasetType::PathLines;
+    case GeometryKind::Triangles:
+      break;
+  }
+  return DatasetType::Triangles;
+}
+
 const char* nameOf(DatasetType type) {
   constexpr const char* names[] = {"Volume", "Particles", "PathLines", "Triangles"};
   return names[size_t(type)];
@@ -39,10 +69,6 @@ void checkDatasetName(const std::string& name) {
     throw Error("name " + inQuotes(name.substr(0, 40)) +
                 ": expected 1 to 255 bytes without control characters");
 }
-
-Box Dataset::box() const { return volume ? volume->grid.box() : geometry->box; }
-Range Dataset::range() const { return volume ? volume->ranges.back() : geometry->range; }
-int Dataset::components() const { return volume ? volume->components : 1; }
 
 json DatasetEvent::json() const {
   nlohmann::json json{{"event", nameOf(kind)},
@@ -117,6 +143,9 @@ json Datasets::infoHere(const json& parameters) const {
     if (!d->radiusArray.empty()) result["radius array"] = d->radiusArray;
     result["file"] = d->file;
   }
+  if (!d->origins.empty()) result["origins"] = listed(d->origins);
+  if (!std::isnan(d->time)) result["time"] = d->time;
+  if (!d->provenance.filter.empty()) result["provenance"] = described(d->provenance);
   if (d->volume) result["points"] = d->volume->grid.points;
   if (d->geometry) result["primitives"] = d->geometry->primitives;
   return result;

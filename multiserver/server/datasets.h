@@ -13,9 +13,8 @@
 #include <string>
 #include <vector>
 
-#include "core/data/owned_geometry.h"
+#include "core/data/dataset.h"
 #include "core/data/partitioning.h"
-#include "core/data/volume.h"
 #include "core/scene/scene.h"
 #include "multiserver/server/node.h"
 
@@ -23,21 +22,8 @@ namespace gxy {
 
 class Request;
 
-/// What an object of the data space holds on a rank: one generation of a dataset. Immutable.
-struct Dataset {
-  DatasetType type = DatasetType::Volume;
-  std::string file, array, radiusArray;  ///< where it was read; empty: it was not, as what a filter has made
-  glm::dvec4 color{0.8, 0.8, 0.8, 1};
-  std::shared_ptr<const Partitioning> partitioning;
-  std::shared_ptr<const Volume> volume;           ///< of a volume
-  std::shared_ptr<const OwnedGeometry> geometry;  ///< else
-  int64_t bytes = 0;                              ///< on this rank
-  LedgerEntry memory;
-
-  Box box() const;
-  Range range() const;
-  int components() const;
-};
+/// What a dataset is shown as.
+DatasetType typeOf(const Dataset& dataset);
 
 /// "Volume", "Particles", "PathLines", "Triangles".
 const char* nameOf(DatasetType type);

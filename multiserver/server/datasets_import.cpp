@@ -114,13 +114,15 @@ json Datasets::importHere(const json& p) {
   const ReadWatch watch([&] { ranks.check(); });
 
   std::vector<std::shared_ptr<Dataset>> made;
+  std::vector<DatasetType> types;
   agree(ranks, [&] {
     for (const json& s : specs) {
       auto d = std::make_shared<Dataset>();
-      d->type = DatasetType(s.at("type").get<int>());
+      types.push_back(DatasetType(s.at("type").get<int>()));
       d->file = node_.folders.dataToRead(s.at("file").get<std::string>());
       d->array = s.at("array").get<std::string>();
       d->radiusArray = s.at("radius array").get<std::string>();
+      d->origins = {{s.at("key").get<uint64_t>(), s.at("generation").get<int64_t>()}};
       for (int c = 0; c < 4; c++) d->color[c] = s.at("color").at(size_t(c)).get<double>();
       made.push_back(std::move(d));
     }
@@ -136,8 +138,8 @@ json Datasets::importHere(const json& p) {
   };
   for (size_t i = 0; i < made.size(); i++) {
     Dataset& d = *made[i];
-    begin(d.type == DatasetType::Volume ? "opening " : "reading ", i);
-    if (d.type == DatasetType::Volume) {
+    begin(types[i] == DatasetType::Volume ? "opening " : "reading ", i);
+    if (types[i] == DatasetType::Volume) {
       const Grid grid = gridOf(d.file, d.array, ranks, &warnings);
       box.extend(grid.box());
       if (!first) first = grid;
@@ -146,7 +148,7 @@ json Datasets::importHere(const json& p) {
       ValuesWanted wanted(d.array);
       wanted.radii = d.radiusArray;
       loaded[i] = loadGeometry(
-          d.file, kindOf(d.type), wanted, ranks,
+          d.file, kindOf(types[i]), wanted, ranks,
           [&](int64_t bytes) { reading.push_back(node_.takeMemory(tenant, "geometry", bytes)); }, &warnings);
       agree(ranks, [&] {
         reading.clear();
@@ -174,7 +176,7 @@ json Datasets::importHere(const json& p) {
   for (size_t i = 0; i < made.size(); i++) {
     Dataset& d = *made[i];
     d.partitioning = partitioning;
-    if (d.type != DatasetType::Volume) {
+    if (types[i] != DatasetType::Volume) {
       d.geometry =
           std::make_shared<const OwnedGeometry>(ownedGeometry(std::move(loaded[i]), *partitioning, ranks));
       d.bytes = bytesOf(d.geometry->block);
@@ -319,10 +321,12 @@ std::vector<std::string> Datasets::import(Request& request, const Import& what) 
     const auto present = mayName(tenant, d.name, what.scope);
     const bool update = present && present->type == nameOf(d.type);
     const Key key = update ? present->key : node_.keys.next();
+    const Generation generation = update ? present->generation + 1 : 1;
     spec["key"] = key.value;
+    spec["generation"] = generation;
     spec["update"] = update;
     if (update)
-      updates.push_back({{"name", d.name}, {"key", key.value}, {"generation", present->generation + 1}});
+      updates.push_back({{"name", d.name}, {"key", key.value}, {"generation", generation}});
     else
       added.push_back({d.name, key, d.type});
     parameters["datasets"].push_back(std::move(spec));

@@ -48,6 +48,36 @@ TEST(Example, FindsTheRangeAndMakesADatasetWhereTheSourceIs) {
   for (int rank = 0; rank < 3; rank++) EXPECT_EQ(server.node(rank).ledger.total("user"), 0);
 }
 
+TEST(Example, WhatAFilterMadeSaysHowAndIsOfTheStepOfItsSource) {
+  ServerSetup setup;
+  setup.modules = GALAXY_MODULES;
+  TestServer server(std::move(setup));
+  const auto client = server.client();
+  for (const char* module : {"data", "example"}) client->expect(std::string("load ") + module);
+  const auto info = [&](const std::string& name) {
+    return client->expect("info " + name).at("datasets").at(0);
+  };
+  for (int step = 1; step <= 2; step++) {
+    client->expect(importBall("ball"));
+    const json ball = info("ball");
+    ASSERT_EQ(ball.at("origins").size(), 1u);
+    EXPECT_EQ(ball.at("origins").at(0).at("step"), step) << "its own generation";
+    EXPECT_FALSE(ball.contains("provenance"));
+    EXPECT_FALSE(ball.contains("time")) << "it has none";
+    client->expect("threshold ball shell 0.5 1");
+    const json shell = info("shell");
+    EXPECT_EQ(shell.at("origins"), ball.at("origins"));
+    EXPECT_EQ(shell.at("provenance"),
+              (json{{"filter", "example.threshold"},
+                    {"version", 1},
+                    {"properties", {{"least", 0.5}, {"largest", 1.0}}},
+                    {"inputs", json::array({{{"name", "ball"}, {"generation", step}}})}}));
+  }
+  client->expect(importBall("ball"));
+  EXPECT_EQ(info("ball").at("origins").at(0).at("step"), 3);
+  EXPECT_EQ(info("shell").at("origins").at(0).at("step"), 2) << "of what it was made of";
+}
+
 // A state document that named the source's file for them would bring back the source.
 TEST(Example, WhatAFilterMadeIsOfNoFile) {
   ServerSetup setup;

@@ -64,7 +64,7 @@ struct ThresholdWork {
   static constexpr Work::Runs runs = Work::Runs::Long;
   uint64_t exchange = 0, source = 0, generation = 0, destination = 0;
   double least = 0, largest = 0;
-  std::string tenant;
+  std::string tenant, sourceName;
 
   json action(Node& node, const Work::Call&) const {
     Exchanges::Part part = node.exchanges.join(exchange);
@@ -78,6 +78,12 @@ struct ThresholdWork {
       if (!from->volume || from->volume->components != 1)
         throw Error("threshold: expected a volume with one component");
       made->partitioning = from->partitioning;
+      made->origins = from->origins;
+      made->time = from->time;
+      made->provenance = {name,
+                          1,
+                          json{{"least", least}, {"largest", largest}}.dump(),
+                          {{sourceName, Key{source}, generation}}};
       volume->name = "threshold";
       volume->grid = from->volume->grid;
       volume->stored = ScalarType::UInt8;
@@ -120,7 +126,7 @@ struct ThresholdWork {
   }
 };
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ThresholdWork, exchange, source, generation, destination, least, largest,
-                                   tenant)
+                                   tenant, sourceName)
 
 /// The driver: names the destination before the work and puts it in the directory after it.
 json threshold(Request& request) {
@@ -136,7 +142,7 @@ json threshold(Request& request) {
   const auto [source, pin] = node.datasets->getPinned(tenant, from);
   const Key destination = node.keys.next();
   callAll(node, ThresholdWork{*exchange, source.key.value, source.generation, destination.value, *least,
-                              *largest, tenant});
+                              *largest, tenant, from});
   node.datasets->add(tenant, name, Scope::Private, destination, DatasetType::Volume);
   return nullptr;
 }

@@ -72,7 +72,7 @@ LookFacts FirstLooks::factsOf(const std::string& tenant, const std::string& name
   const auto [named, pin] = node_.datasets->getPinned(tenant, name);
   const auto dataset = pin.get<Dataset>();
   LookFacts facts;
-  facts.dataset = {name, dataset->type, dataset->file, dataset->array, dataset->color, dataset->radiusArray};
+  facts.dataset = {name, typeOf(*dataset), dataset->file, dataset->array, dataset->color, dataset->radiusArray};
   facts.data = dataset->volume ? gxy::factsOf(*dataset->volume) : gxy::factsOf(*dataset->geometry);
   if (!dataset->volume && !valuesCount(dataset->file, dataset->array)) return facts;
   if (dataset->volume) facts.thin = thinAxis(dataset->volume->grid);

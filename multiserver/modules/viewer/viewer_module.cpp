@@ -343,7 +343,7 @@ json state(Request& request, Arguments arguments) {
       if (!datasets.find(request.session().tenant(), vis.dataset)) continue;
       const auto d = datasets.getPinned(request.session().tenant(), vis.dataset).second.get<Dataset>();
       if (d->file.empty()) continue;  // made of others: nobody can import it
-      DatasetSpec spec{vis.dataset, d->type, d->file, d->array, d->color, d->radiusArray};
+      DatasetSpec spec{vis.dataset, typeOf(*d), d->file, d->array, d->color, d->radiusArray};
       if (std::find(state.datasets.begin(), state.datasets.end(), spec) == state.datasets.end())
         state.datasets.push_back(std::move(spec));
     }
