@@ -193,6 +193,11 @@ TEST(Steps, AreNeverSeenMixedOnAnyRankWhateverTheOrderOfCalls) {
     Publisher publisher(world, seed + 1000000);
     std::vector<Reader> readers;
     for (uint64_t i = 0; i < 2; i++) readers.emplace_back(world, seed + 2000000 * (i + 1));
+    const auto told = world.ranks[0].observers.subscribe({}, [&](const ObjectEvent& event) {
+      std::vector<ObjectGeneration> generations;
+      if (event.kind != ObjectEvent::Kind::Updated) return;
+      EXPECT_TRUE(areOfOneStep(pinAll(world.objects(), world.directory, generations)));
+    });
     for (int turn = 0; turn < 600 && !HasFailure(); turn++) {
       const uint64_t who = random.below(8);
       who < readers.size() ? readers[who].turn() : publisher.turn();
@@ -209,17 +214,18 @@ TEST(Steps, AreNeverSeenMixedOnAnyRankWhateverTheOrderOfCalls) {
 TEST(Steps, AreNeverSeenMixedUnderThreads) {
   World world;
   std::atomic<bool> done = false;
-  std::atomic<int> mixed = 0;
+  std::atomic<int> looks = 0, mixed = 0;
   std::vector<std::thread> readers;
   for (int t = 0; t < 2; t++)
     readers.emplace_back([&] {
       while (!done) {
         std::vector<ObjectGeneration> generations;
         if (!areOfOneStep(pinAll(world.objects(), world.directory, generations))) mixed++;
+        looks++;
       }
     });
   Publisher publisher(world, 1);
-  for (int turn = 0; turn < 3000; turn++) publisher.turn();
+  while (publisher.steps() < 100 || looks < 1000) publisher.turn();
   done = true;
   for (std::thread& reader : readers) reader.join();
   EXPECT_EQ(mixed, 0);

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+// New data of several objects that become current together: on all ranks, or on none.
+//
+// Every rank makes one Publication of the same items and calls, in this order: reserve(), before the data are made, so that
+// no object ever has three buffers; stage() for each item; commit(). An item is the next generation of an object, or a new
+// object, whose key nobody else knows until rank 0 gives it a name. Whatever fails on any rank, also between these calls, ends
+// the Publication, and what it has reserved and staged is given up.
+//
+// This part knows keys and generations. Which keys and generations these are, what names mean, who may give them, and who is
+// told, is decided on rank 0 by the server (multiserver/server/datasets.h), which takes part in the commit by way of `Root`.
+#pragma once
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "core/comm/collectives.h"
+#include "core/space/objects.h"
+
+namespace gxy {
+
+/// Used by one thread. If a call throws, the Publication is of no use any more.
+class Publication {
+ public:
+  struct Item {
+    Key key;
+    Generation generation = 1;  ///< 1: the object is new
+    std::string label;          ///< for messages: `dataset "pressure"`
+  };
+
+  /// `objects` and `ranks` must outlive this.
+  Publication(Objects& objects, Collectives& ranks, std::vector<Item> items, WhenTaken whenTaken = {});
+  ~Publication();
+  Publication(const Publication&) = delete;
+  Publication& operator=(const Publication&) = delete;
+
+  const std::vector<Item>& items() const { return items_; }
+
+  /// Collective. Takes room for all items on all ranks, on rank 0 first: what is pinned there keeps all ranks from giving that
+  /// generation up. Throws Error on all ranks if an object has none, after the wait that it was made with.
+  void reserve();
+
+  /// The data of an item on this rank.
+  void stage(size_t item, Payload data);
+
+  /// What rank 0 has to say about a commit.
+  struct Root {
+    std::function<void()>
+        decide;  ///< throws to refuse; called once all ranks have staged all, so that nothing else can fail
+    std::function<void()> also;  ///< called in the moment of rank 0's commit: see Objects::commit
+  };
+  /// Collective. Makes the data current if all ranks have staged all items and rank 0 does not refuse; rank 0 goes last, so
+  /// that what it has is everywhere. Throws Error on all ranks otherwise, and nothing has changed. Ranks but rank 0 ignore
+  /// `root`.
+  void commit(const Root& root = {});
+
+ private:
+  void take();
+  void store();
+
+  Objects& objects_;
+  Collectives& ranks_;
+  const std::vector<Item> items_;
+  const WhenTaken whenTaken_;
+  std::vector<Payload> data_;  ///< by item
+  size_t taken_ = 0,
+         stored_ = 0;  ///< items that room has been taken for on this rank, and that it has stored
+};
+
+}  // namespace gxy
