@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Names and events; imports are in datasets_import.cpp.
+// Names and events; datasets_publish.cpp and datasets_import.cpp have the rest.
 #include "multiserver/server/datasets.h"
 
 #include <algorithm>
@@ -97,29 +97,6 @@ void Datasets::addWorks() {
     if (node_.objects.contains(key)) node_.objects.drop(key);
     return nullptr;
   });
-  node_.work.add("datasets.commit", [this](const Work::Call& call) -> json {
-    if (node_.rank() != 0) commitHere(call.parameters);  // rank 0 follows when all have
-    return nullptr;
-  });
-  node_.work.add("datasets.abandon", [this](const Work::Call& call) -> json {
-    for (const json& update : call.parameters) abandonHere(Key{update.at("key").get<uint64_t>()});
-    return nullptr;
-  });
-}
-
-void Datasets::abandonHere(Key key) {
-  try {
-    node_.objects.abandon(key);
-  } catch (const Error&) {
-    // dropped meanwhile
-  }
-}
-
-void Datasets::commitHere(const json& updates, const std::function<void()>& also) {
-  std::vector<ObjectGeneration> generations;
-  for (const json& update : updates)
-    generations.push_back({Key{update.at("key").get<uint64_t>()}, update.at("generation").get<Generation>()});
-  node_.objects.commit(generations, also);
 }
 
 json Datasets::infoHere(const json& parameters) const {
@@ -241,61 +218,6 @@ std::optional<NamedDataset> Datasets::mayName(const std::string& tenant, const s
   return named(name, scope, *entry);
 }
 
-void Datasets::checkUpdates(const std::string& tenant, Scope scope, const json& updates) const {
-  for (const json& update : updates) {
-    const auto name = update.at("name").get<std::string>();
-    const auto now = mayName(tenant, name, scope);
-    if (!now || now->key != Key{update.at("key").get<uint64_t>()})
-      throw Error(
-          "import: " + inQuotes(name) +
-          " was dropped, renamed or taken back meanwhile, expected the dataset that was there at first");
-  }
-}
-
-void Datasets::add(const std::string& tenant, const std::string& name, Scope scope, Key key,
-                   DatasetType type) {
-  checkDatasetName(name);
-  nameAll(tenant, scope, {{name, key, type}}, json::array());
-}
-
-void Datasets::nameAll(const std::string& tenant, Scope scope, const std::vector<Unnamed>& added,
-                       const json& updates, const std::function<void()>& check) {
-  std::vector<NamedDataset> replaced, all;
-  try {
-    const std::lock_guard naming(naming_);
-    check();
-    for (const Unnamed& a : added) {
-      NamedDataset& d = all.emplace_back(
-          NamedDataset{a.key, a.name, scope, nameOf(a.type), tenant, scope == Scope::Shared});
-      if (auto before = mayName(tenant, a.name, scope)) {
-        d.owner = before->owner;  // who has published it for all to write
-        d.readOnly = before->readOnly;
-        replaced.push_back(*std::move(before));
-      }
-    }
-    checkUpdates(tenant, scope, updates);
-    // Rank 0 goes last: what it tells of is everywhere, and the generations before are still held.
-    if (!updates.empty()) node_.callAll("datasets.commit", updates);
-    commitHere(updates, [&] {
-      for (const NamedDataset& d : all)
-        node_.directory.bind(d.name, scope, {d.key, d.type, d.owner, d.readOnly});
-    });
-    for (NamedDataset& d : all) {
-      d.generation = generationOf(d.key);
-      const std::lock_guard lock(mutex_);
-      names_[d.key] = {d.name, scope};
-      newest_[d.owner].push_back(d.key);
-    }
-    for (const NamedDataset& before : replaced) tell({DatasetEvent::Kind::Dropped, before, {}});
-    for (const NamedDataset& d : all) tell({DatasetEvent::Kind::Added, d, {}});
-  } catch (const Error&) {
-    if (!updates.empty()) node_.callAll("datasets.abandon", updates);
-    for (const Unnamed& a : added) dropObject(a.key);
-    throw;
-  }
-  for (const NamedDataset& before : replaced) dropObject(before.key);
-}
-
 void Datasets::dropObject(Key key) {
   {
     const std::lock_guard lock(mutex_);
@@ -309,7 +231,7 @@ void Datasets::drop(const std::string& tenant, const std::string& name) {
   Key key;
   {
     const std::lock_guard naming(naming_);
-    if (endImportsOf(tenant, name) && !find(tenant, name)) return;
+    if (endPublishingOf(tenant, name) && !find(tenant, name)) return;
     const NamedDataset dataset = get(tenant, name);
     node_.directory.remove(tenant, name, dataset.scope);
     key = dataset.key;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Datasets in the data space: imported on all ranks, named on rank 0, and who is told.
 #pragma once
+#include <atomic>
 #include <condition_variable>
 #include <functional>
 #include <map>
@@ -16,6 +17,7 @@
 #include "core/data/dataset.h"
 #include "core/data/partitioning.h"
 #include "core/scene/scene.h"
+#include "core/space/publication.h"
 #include "multiserver/server/node.h"
 
 namespace gxy {
@@ -38,6 +40,14 @@ struct NamedDataset {
   Generation generation = 0;
 };
 
+/// A dataset that is to be published under a name.
+struct DatasetDraft {
+  std::string name;
+  DatasetType type = DatasetType::Volume;
+  Key key{};  ///< of the object that has the name, if that is of the same type; else of a new one
+  Generation generation = 1;  ///< that its data will be; 1: the object is new
+};
+
 /// What is told about names. Rank 0.
 struct DatasetEvent {
   enum class Kind { Added, Updated, Skipped, Dropped, Renamed };
@@ -50,7 +60,10 @@ struct DatasetEvent {
   nlohmann::json json() const;
 };
 
-/// Thread safe. All calls but addWorks() and here() are for rank 0; those that say so wait for all ranks.
+/// Thread safe. All calls are for rank 0 but addWorks(), join() and publish(); those that say so wait for all ranks.
+///
+/// Data get their names in one way, whoever makes them. A request takes the names on rank 0 (begin). The work that makes the
+/// data has a Publication of them on every rank (join), to which it gives the data before they are published (publish).
 class Datasets {
  public:
   explicit Datasets(Node& node);
@@ -69,8 +82,37 @@ class Datasets {
   /// Returns what of the files is not used, for their user.
   std::vector<std::string> import(Request& request, const Import& what);
 
-  /// Puts a dataset of `type` in the directory whose parts a work has made on all ranks, each by Objects::add under `key`.
-  void add(const std::string& tenant, const std::string& name, Scope scope, Key key, DatasetType type);
+  /// Names that a request has taken to publish data under; others who want them wait until this goes.
+  class Names {
+   public:
+    const std::vector<DatasetDraft>& drafts() const { return drafts_; }
+    /// For join(), in the parameters of a work.
+    nlohmann::json items() const;
+    /// Throws Error once a tenant has dropped one of the names; the exchange is cancelled then, too.
+    void check() const;
+
+   private:
+    friend class Datasets;
+    std::string operation_, tenant_;
+    Scope scope_ = Scope::Private;
+    uint64_t exchange_ = 0;
+    std::vector<DatasetDraft> drafts_;
+    std::atomic<bool> dropped_ = false;
+  };
+  /// Takes the names of `drafts` for the request's tenant, who will own what has no owner yet, and fills in keys and
+  /// generations. Waits for others who have taken one of them. `exchange` names the works that will publish, `operation` (a
+  /// verb) what errors call it. With `onlyMissing`, drafts whose names the tenant sees already are left out. Throws Error for
+  /// names that are not valid, come twice, or that the tenant may not give to something else.
+  [[nodiscard]] std::shared_ptr<const Names> begin(Request& request, uint64_t exchange,
+                                                   const std::string& operation, Scope scope,
+                                                   std::vector<DatasetDraft> drafts,
+                                                   bool onlyMissing = false);
+  /// Every rank, in a work of the exchange: the items that Names::items() has told it of, in the order of the drafts; what is
+  /// staged for them are Datasets.
+  Publication join(const nlohmann::json& items, Collectives& ranks);
+  /// Collective, in the same work. All items get their data and their names at one moment, or none does, if one of the names
+  /// means something else meanwhile or the tenant may not have it any more; then observers are told.
+  void publish(Publication& publication, uint64_t exchange);
 
   std::vector<NamedDataset> list(const std::string& tenant) const;
   /// Throws Error where the tenant sees none of this name.
@@ -88,8 +130,8 @@ class Datasets {
   /// The same of what the name means. Throws as get() does.
   std::pair<NamedDataset, nlohmann::json> info(const std::string& tenant, const std::string& name);
 
-  /// These wait for all ranks. With a drop, imports of the tenant under way that are to give it the name end, too; where there are
-  /// such, there need be no dataset.
+  /// These wait for all ranks. A drop also ends imports and filters of the tenant that are under way and are to publish the
+  /// name; where there are such, there need be no dataset.
   void drop(const std::string& tenant, const std::string& name);
   void rename(const std::string& tenant, const std::string& name, const std::string& newName);
   void move(const std::string& tenant, const std::string& name, Scope to, bool readOnly);
@@ -107,29 +149,20 @@ class Datasets {
   /// Rank 0: what an import's data are cut by.
   std::shared_ptr<const Partitioning> partitioningFor(const nlohmann::json& parameters, const Box& data,
                                                       const Grid* grid) const;
-  struct Importing;
-  std::shared_ptr<void> takeNames(Request& request, const Import& what,
-                                  const std::shared_ptr<Importing>& importing);
-  /// Ends the imports under way that the tenant has begun and that are to give it this name. False if there are none.
-  bool endImportsOf(const std::string& tenant, const std::string& name);
-  /// New generations on this rank, all at one moment; `also` as Objects::commit.
-  void commitHere(const nlohmann::json& updates, const std::function<void()>& also = {});
-  /// A dataset that has no name yet.
-  struct Unnamed {
-    std::string name;  ///< that it is to get
-    Key key;
-    DatasetType type;
+  std::shared_ptr<const Names> takeNames(Request& request, const std::shared_ptr<Names>& names);
+  std::shared_ptr<const Names> namesOf(uint64_t exchange) const;
+  /// Ends what the tenant has begun to publish under this name. False if there is nothing.
+  bool endPublishingOf(const std::string& tenant, const std::string& name);
+  /// A new object, and what has its name before.
+  struct NewObject {
+    NamedDataset dataset;
+    std::optional<NamedDataset> replaced;
   };
-  /// Throws Error unless the names of all updates still mean what is to be updated.
-  void checkUpdates(const std::string& tenant, Scope scope, const nlohmann::json& updates) const;
-  /// Names all and commits the updates, or none of either, and then tells. What has failed, or for
-  /// what `check` has thrown at the last moment, is on no rank any more.
-  void nameAll(
-      const std::string& tenant, Scope scope, const std::vector<Unnamed>& added,
-      const nlohmann::json& updates, const std::function<void()>& check = [] {});
+  /// The new objects of a publication as they will be named. Throws Error if the tenant may not have one of the names any more,
+  /// or if one that is to get a next generation means another object by now.
+  std::vector<NewObject> newObjects(const Names& names) const;
   /// What a name means there. Throws Error if the tenant may not give it to something else.
   std::optional<NamedDataset> mayName(const std::string& tenant, const std::string& name, Scope scope) const;
-  void abandonHere(Key key);
   nlohmann::json infoHere(const nlohmann::json& parameters) const;
   void tell(const DatasetEvent& event);
   void onObject(const ObjectEvent& event);
@@ -143,7 +176,8 @@ class Datasets {
   std::condition_variable changed_;
   std::mutex naming_;  ///< held while names change and that is told: one change at a time; before mutex_
   std::map<uint64_t, std::shared_ptr<const Partitioning>> like_;  ///< rank 0: to be used, by exchange
-  std::map<std::string, std::shared_ptr<Importing>> importing_;   ///< rank 0: by name with its scope
+  std::map<std::string, std::shared_ptr<Names>> taken_;           ///< rank 0: by name with its scope
+  std::map<uint64_t, std::shared_ptr<const Names>> publishing_;   ///< rank 0: by exchange
   std::map<Key, std::pair<std::string, Scope>> names_;            ///< rank 0: of each object
   std::map<std::string, std::vector<Key>> newest_;                ///< rank 0: by owner, newest last
   std::map<uint64_t, std::shared_ptr<Observer>> observers_;

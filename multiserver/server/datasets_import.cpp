@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Files become datasets on all ranks, together.
 #include <algorithm>
-#include <atomic>
 #include <chrono>
 #include <cstring>
+#include <map>
 
 #include "core/comm/error.h"
 #include "core/comm/wire.h"
@@ -112,17 +112,21 @@ json Datasets::importHere(const json& p) {
   Exchanges::Part part = node_.exchanges.join(exchange);
   RankCollectives& ranks = part.ranks;
   const ReadWatch watch([&] { ranks.check(); });
+  Publication publication = join(p.at("items"), ranks);
+  publication.reserve();
 
   std::vector<std::shared_ptr<Dataset>> made;
   std::vector<DatasetType> types;
   agree(ranks, [&] {
-    for (const json& s : specs) {
+    for (size_t i = 0; i < specs.size(); i++) {
+      const json& s = specs[i];
+      const Publication::Item& item = publication.items()[i];
       auto d = std::make_shared<Dataset>();
       types.push_back(DatasetType(s.at("type").get<int>()));
       d->file = node_.folders.dataToRead(s.at("file").get<std::string>());
       d->array = s.at("array").get<std::string>();
       d->radiusArray = s.at("radius array").get<std::string>();
-      d->origins = {{s.at("key").get<uint64_t>(), s.at("generation").get<int64_t>()}};
+      d->origins = {{item.key.value, int64_t(item.generation)}};
       for (int c = 0; c < 4; c++) d->color[c] = s.at("color").at(size_t(c)).get<double>();
       made.push_back(std::move(d));
     }
@@ -196,101 +200,13 @@ json Datasets::importHere(const json& p) {
     finished++;
   }
 
-  // Whoever shows the generation before the current one lets go of it soon (docs/protocol.md section 9).
-  constexpr WhenTaken whenTaken{std::chrono::seconds(1)};
-  // Objects that exist get a second buffer, which is committed when all ranks have theirs; the others are made. Rank 0 goes
-  // before the others: what is pinned there keeps them all from giving that generation up.
-  size_t done = 0;
-  const auto store = [&] {
-    for (; done < made.size(); done++) {
-      const Key key{specs[done].at("key").get<uint64_t>()};
-      if (!specs[done].at("update").get<bool>()) {
-        node_.objects.add(key, Payload(std::shared_ptr<const Dataset>(made[done])), whenTaken);
-      } else {
-        if (!node_.objects.reserve(key))
-          throw Error("dataset " + inQuotes(specs[done].at("name").get<std::string>()) +
-                      ": both its generations are in use, so this step is left out");
-        node_.objects.stage(key, Payload(std::shared_ptr<const Dataset>(made[done])));
-      }
-    }
-  };
-  try {
-    agree(ranks, [&] {
-      if (node_.rank() == 0) store();
-    });
-    agree(ranks, store);
-  } catch (const Error&) {
-    for (size_t i = 0; i < done; i++) {
-      const Key key{specs[i].at("key").get<uint64_t>()};
-      if (specs[i].at("update").get<bool>())
-        abandonHere(key);
-      else if (node_.objects.contains(key))  // nobody else knows its name
-        node_.objects.drop(key);
-    }
-    throw;
-  }
+  for (size_t i = 0; i < made.size(); i++)
+    publication.stage(i, Payload(std::shared_ptr<const Dataset>(std::move(made[i]))));
+  publish(publication, exchange);
   return warnings;
 }
 
 constexpr size_t kAtOnce = 10000;  // datasets: all ranks are told of all of them
-
-/// An import under way, which ends when one of its names is dropped.
-struct Datasets::Importing {
-  explicit Importing(std::string whose) : tenant(std::move(whose)) {}
-
-  const std::string tenant;
-  std::atomic<uint64_t> exchange = 0;  ///< 0: it has not begun
-  std::atomic<bool> dropped = false;
-
-  void check() const {
-    if (dropped) throw Error("cancelled: a dataset of this import was dropped");
-  }
-};
-
-bool Datasets::endImportsOf(const std::string& tenant, const std::string& name) {
-  std::vector<uint64_t> ended;
-  {
-    const std::lock_guard lock(mutex_);
-    for (const std::string& whose : {tenant, std::string()})
-      if (const auto at = importing_.find(whose + "\n" + name);
-          at != importing_.end() && at->second->tenant == tenant) {
-        at->second->dropped = true;
-        ended.push_back(at->second->exchange);
-      }
-  }
-  for (const uint64_t exchange : ended) node_.exchanges.cancel(exchange);
-  return !ended.empty();
-}
-
-// The names are the caller's until it lets go.
-std::shared_ptr<void> Datasets::takeNames(Request& request, const Import& what,
-                                          const std::shared_ptr<Importing>& importing) {
-  std::set<std::string> names;
-  for (const DatasetSpec& d : what.specs) {
-    checkDatasetName(d.name);
-    const std::string whose = what.scope == Scope::Shared ? "" : request.session().tenant();
-    if (!names.insert(whose + "\n" + d.name).second)
-      throw Error("import: the name " + inQuotes(d.name) +
-                  " is there twice, expected a name for each dataset");
-  }
-  request.onCancel([this] {
-    const std::lock_guard lock(mutex_);
-    changed_.notify_all();
-  });
-  std::unique_lock lock(mutex_);
-  changed_.wait(lock, [&] {
-    return request.cancelled() || std::none_of(names.begin(), names.end(), [this](const std::string& name) {
-             return importing_.count(name) > 0;
-           });
-  });
-  request.check();
-  for (const std::string& name : names) importing_.emplace(name, importing);
-  return {nullptr, [this, names](void*) {
-            const std::lock_guard again(mutex_);
-            for (const std::string& name : names) importing_.erase(name);
-            changed_.notify_all();
-          }};
-}
 
 std::vector<std::string> Datasets::import(Request& request, const Import& what) {
   const std::string tenant = request.session().tenant();
@@ -298,40 +214,19 @@ std::vector<std::string> Datasets::import(Request& request, const Import& what) 
   if (what.specs.size() > kAtOnce)
     throw Error("import: there are " + std::to_string(what.specs.size()) + " datasets, expected at most " +
                 std::to_string(kAtOnce) + " in one request");
-  const auto importing = std::make_shared<Importing>(tenant);
-  const std::shared_ptr<void> names = takeNames(request, what, importing);
-  std::vector<DatasetSpec> specs = what.specs;
-  if (what.onlyMissing) std::erase_if(specs, [&](const DatasetSpec& d) { return find(tenant, d.name); });
-  if (specs.empty()) return {};
-  Asker asker = askerOf(request);
-  asker.check = [&request, importing] {
-    importing->check();
-    request.check();
-  };
-  const auto exchange = node_.exchanges.begin(std::move(asker));
-  importing->exchange = *exchange;
-  request.onCancel([this, number = *exchange] { node_.exchanges.cancel(number); });
-  json parameters{{"exchange", *exchange}, {"tenant", tenant}, {"new", what.newPartitioning}};
-  std::shared_ptr<const Partitioning> like;
-  if (!what.like.empty()) like = getPinned(tenant, what.like).second.get<Dataset>()->partitioning;
-  json updates = json::array();
-  std::vector<Unnamed> added;
-  for (const DatasetSpec& d : specs) {
-    json spec = specToJson(d);
-    const auto present = mayName(tenant, d.name, what.scope);
-    const bool update = present && present->type == nameOf(d.type);
-    const Key key = update ? present->key : node_.keys.next();
-    const Generation generation = update ? present->generation + 1 : 1;
-    spec["key"] = key.value;
-    spec["generation"] = generation;
-    spec["update"] = update;
-    if (update)
-      updates.push_back({{"name", d.name}, {"key", key.value}, {"generation", generation}});
-    else
-      added.push_back({d.name, key, d.type});
-    parameters["datasets"].push_back(std::move(spec));
-  }
-  if (like) {
+  const auto exchange = node_.exchanges.begin(request);
+  std::vector<DatasetDraft> drafts;
+  for (const DatasetSpec& d : what.specs) drafts.push_back({d.name, d.type});
+  const auto names = begin(request, *exchange, "import", what.scope, std::move(drafts), what.onlyMissing);
+  if (names->drafts().empty()) return {};
+  json parameters{
+      {"exchange", *exchange}, {"tenant", tenant}, {"new", what.newPartitioning}, {"items", names->items()}};
+  std::map<std::string, const DatasetSpec*> specs;
+  for (const DatasetSpec& d : what.specs) specs[d.name] = &d;
+  for (const DatasetDraft& d : names->drafts())
+    parameters["datasets"].push_back(specToJson(*specs.at(d.name)));
+  if (!what.like.empty()) {
+    auto like = getPinned(tenant, what.like).second.get<Dataset>()->partitioning;
     const std::lock_guard lock(mutex_);
     like_[*exchange] = std::move(like);
   }
@@ -343,12 +238,10 @@ std::vector<std::string> Datasets::import(Request& request, const Import& what) 
   try {
     warnings = node_.callAll("datasets.import", parameters).at(0).get<std::vector<std::string>>();
   } catch (const Error&) {
-    importing->check();  // where one of these is why, it says more
-    checkUpdates(tenant, what.scope, updates);
+    newObjects(*names);  // if a name is why, this says more
     throw;
   }
-  nameAll(tenant, what.scope, added, updates, [&] { importing->check(); });
-  const auto all = int64_t(specs.size()) * Exchanges::kUnits;
+  const auto all = int64_t(names->drafts().size()) * Exchanges::kUnits;
   request.progress(all, all, "done");
   return warnings;
 }

@@ -57,6 +57,15 @@ void Exchanges::cancel(uint64_t number) {
   node_.work.broadcast("exchanges.cancel", {{"exchange", number}}, [](std::vector<Work::Reply>) {});
 }
 
+void Exchanges::alsoCheck(uint64_t number, std::function<void()> check) {
+  const std::lock_guard lock(mutex_);
+  auto& checks = led_.at(number).check;
+  checks = [first = std::move(check), then = std::move(checks)] {
+    first();
+    then();
+  };
+}
+
 // Rank 0 also asks the asker, because the message "exchanges.cancel" may come before the part has begun.
 void Exchanges::check(uint64_t number) const {
   const std::lock_guard lock(mutex_);

@@ -45,6 +45,8 @@ class Exchanges {
   /// The same as begin() for any asker. If it no longer wants the work, it calls cancel() to tell the other ranks.
   [[nodiscard]] std::shared_ptr<const uint64_t> begin(Asker asker);
   void cancel(uint64_t number);
+  /// Rank 0: a further reason to end an exchange that has begun. `check` is as Asker::check, and asked first.
+  void alsoCheck(uint64_t number, std::function<void()> check);
 
   /// A rank's part of an exchange. One thread uses it, except that any thread may call ranks.check() and
   /// ranks.done(). It must have made all its calls of collectives when it is destroyed.
@@ -83,8 +85,8 @@ class Exchanges {
 
   Node& node_;
   mutable std::mutex mutex_;
-  std::map<uint64_t, const Asker> led_;  ///< rank 0: askers of exchanges, by number
-  std::map<uint64_t, bool> underWay_;    ///< by number: whether this rank's part has been cancelled
+  std::map<uint64_t, Asker> led_;      ///< rank 0: askers of exchanges, by number
+  std::map<uint64_t, bool> underWay_;  ///< by number: whether this rank's part has been cancelled
 };
 
 }  // namespace gxy

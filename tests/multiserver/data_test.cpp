@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <condition_variable>
 #include <filesystem>
@@ -381,6 +382,27 @@ TEST(Data, AnImportWhoseDatasetIsDroppedAtTheLastMomentNamesNothing) {
   EXPECT_EQ(reply.error, "cancelled: a dataset of this import was dropped");
   EXPECT_EQ(names(*ann), Names{});
   for (int rank = 0; rank < 2; rank++) EXPECT_EQ(server->node(rank).ledger.total("ann"), 0) << rank;
+}
+
+TEST(Data, WhatOneImportGivesIsSeenTogetherOnAllRanks) {
+  const auto server = serve();
+  const auto ann = dataClient(*server, "ann");
+  const std::vector<std::string> both{"first", "second"};
+  const std::string import = importShared({"first", "second"});
+  ann->expect(import);
+  std::atomic<bool> done = false;
+  std::thread reader([&] {
+    while (!done) {
+      const auto seen = server->node(0).datasets->getPinned("ann", both);
+      EXPECT_EQ(seen[0].first.generation, seen[1].first.generation);
+      std::vector<ObjectGeneration> generations;
+      for (const auto& [dataset, pin] : seen) generations.push_back({dataset.key, dataset.generation});
+      EXPECT_NO_THROW(server->node(1).objects.pin(generations)) << "while they are pinned on rank 0";
+    }
+  });
+  for (int n = 0; n < 20; n++) ann->expect(import);
+  done = true;
+  reader.join();
 }
 
 TEST(Data, AnImportThatWaitsForItsNameIsCancelledAtOnce) {

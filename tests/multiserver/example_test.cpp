@@ -76,6 +76,7 @@ TEST(Example, WhatAFilterMadeSaysHowAndIsOfTheStepOfItsSource) {
   client->expect(importBall("ball"));
   EXPECT_EQ(info("ball").at("origins").at(0).at("step"), 3);
   EXPECT_EQ(info("shell").at("origins").at(0).at("step"), 2) << "of what it was made of";
+  EXPECT_EQ(info("shell").at("generation"), 2) << "made again under the same name, it is the same object";
 }
 
 // A state document that named the source's file for them would bring back the source.

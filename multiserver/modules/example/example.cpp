@@ -62,7 +62,8 @@ json range(Request& request) {
 struct ThresholdWork {
   static constexpr const char* name = "example.threshold";
   static constexpr Work::Runs runs = Work::Runs::Long;
-  uint64_t exchange = 0, source = 0, generation = 0, destination = 0;
+  uint64_t exchange = 0, source = 0, generation = 0;
+  json items;  ///< what is published
   double least = 0, largest = 0;
   std::string tenant, sourceName;
 
@@ -70,6 +71,8 @@ struct ThresholdWork {
     Exchanges::Part part = node.exchanges.join(exchange);
     RankCollectives& ranks = part.ranks;
     part.begin(0, 2, "threshold");
+    Publication publication = node.datasets->join(items, ranks);
+    publication.reserve();
     const auto made = std::make_shared<Dataset>();
     const auto volume = std::make_shared<Volume>();
     agree(ranks, [&] {  // what may fail on one rank fails on all
@@ -99,7 +102,8 @@ struct ThresholdWork {
     part.begin(1, 2, "summaries", true);
     completeVolume(*volume, *made->partitioning, ranks);
     made->volume = volume;
-    agree(ranks, [&] { node.objects.add(Key{destination}, Payload(std::shared_ptr<const Dataset>(made))); });
+    publication.stage(0, Payload(std::shared_ptr<const Dataset>(made)));
+    node.datasets->publish(publication, exchange);
     return nullptr;
   }
 
@@ -125,10 +129,10 @@ struct ThresholdWork {
     return out;
   }
 };
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ThresholdWork, exchange, source, generation, destination, least, largest,
-                                   tenant, sourceName)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ThresholdWork, exchange, source, generation, items, least, largest, tenant,
+                                   sourceName)
 
-/// The driver: names the destination before the work and puts it in the directory after it.
+/// The driver: takes the name of the destination, which the work publishes.
 json threshold(Request& request) {
   Node& node = request.session().node();
   const std::string& tenant = request.session().tenant();
@@ -137,13 +141,12 @@ json threshold(Request& request) {
   const auto least = arguments.number(), largest = arguments.number();
   if (!least || !largest) arguments.fail("LEAST and LARGEST are numbers");
   arguments.expectEnd();
-  checkDatasetName(name);
   const auto exchange = node.exchanges.beginLong(request);
   const auto [source, pin] = node.datasets->getPinned(tenant, from);
-  const Key destination = node.keys.next();
-  callAll(node, ThresholdWork{*exchange, source.key.value, source.generation, destination.value, *least,
+  const auto names =
+      node.datasets->begin(request, *exchange, "threshold", Scope::Private, {{name, DatasetType::Volume}});
+  callAll(node, ThresholdWork{*exchange, source.key.value, source.generation, names->items(), *least,
                               *largest, tenant, from});
-  node.datasets->add(tenant, name, Scope::Private, destination, DatasetType::Volume);
   return nullptr;
 }
 

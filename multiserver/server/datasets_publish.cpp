@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: Apache-2.0
+// Names that data are published under, by imports and filters alike.
+#include <algorithm>
+#include <chrono>
+
+#include "core/comm/error.h"
+#include "core/scene/json_text.h"
+#include "multiserver/server/datasets.h"
+#include "multiserver/server/session.h"
+
+namespace gxy {
+
+using nlohmann::json;
+
+namespace {
+
+/// A name as it is taken: nobody shares a private one.
+std::string keyOf(const std::string& tenant, Scope scope, const std::string& name) {
+  return (scope == Scope::Shared ? "" : tenant) + "\n" + name;
+}
+
+}  // namespace
+
+json Datasets::Names::items() const {
+  json items = json::array();
+  for (const DatasetDraft& d : drafts_)
+    items.push_back({{"name", d.name}, {"key", d.key.value}, {"generation", d.generation}});
+  return items;
+}
+
+void Datasets::Names::check() const {
+  if (dropped_) throw Error("cancelled: a dataset of this " + operation_ + " was dropped");
+}
+
+std::shared_ptr<const Datasets::Names> Datasets::begin(Request& request, uint64_t exchange,
+                                                       const std::string& operation, Scope scope,
+                                                       std::vector<DatasetDraft> drafts, bool onlyMissing) {
+  const auto names = std::make_shared<Names>();
+  names->operation_ = operation;
+  names->tenant_ = request.session().tenant();
+  names->scope_ = scope;
+  names->exchange_ = exchange;
+  names->drafts_ = std::move(drafts);
+  auto taken = takeNames(request, names);
+  node_.exchanges.alsoCheck(exchange, [names] { names->check(); });
+  if (onlyMissing)
+    std::erase_if(names->drafts_, [&](const DatasetDraft& d) { return find(names->tenant_, d.name); });
+  for (DatasetDraft& d : names->drafts_) {
+    const auto present = mayName(names->tenant_, d.name, scope);
+    const bool isNext = present && present->type == nameOf(d.type);
+    d.key = isNext ? present->key : node_.keys.next();
+    d.generation = isNext ? present->generation + 1 : 1;
+  }
+  return taken;
+}
+
+// The names are free again when what this returns goes.
+std::shared_ptr<const Datasets::Names> Datasets::takeNames(Request& request,
+                                                           const std::shared_ptr<Names>& names) {
+  std::set<std::string> keys;
+  for (const DatasetDraft& d : names->drafts_) {
+    checkDatasetName(d.name);
+    if (!keys.insert(keyOf(names->tenant_, names->scope_, d.name)).second)
+      throw Error(names->operation_ + ": the name " + inQuotes(d.name) +
+                  " is there twice, expected a name for each dataset");
+  }
+  request.onCancel([this] {
+    const std::lock_guard lock(mutex_);
+    changed_.notify_all();
+  });
+  std::unique_lock lock(mutex_);
+  changed_.wait(lock, [&] {
+    return request.cancelled() || std::none_of(keys.begin(), keys.end(), [this](const std::string& key) {
+             return taken_.count(key) > 0;
+           });
+  });
+  request.check();
+  for (const std::string& key : keys) taken_.emplace(key, names);
+  publishing_.emplace(names->exchange_, names);
+  return {names.get(), [this, keys, names](const Names*) {
+            const std::lock_guard again(mutex_);
+            for (const std::string& key : keys) taken_.erase(key);
+            publishing_.erase(names->exchange_);
+            changed_.notify_all();
+          }};
+}
+
+bool Datasets::endPublishingOf(const std::string& tenant, const std::string& name) {
+  std::vector<uint64_t> ended;
+  {
+    const std::lock_guard lock(mutex_);
+    for (const Scope scope : {Scope::Private, Scope::Shared})
+      if (const auto at = taken_.find(keyOf(tenant, scope, name));
+          at != taken_.end() && at->second->tenant_ == tenant) {
+        at->second->dropped_ = true;
+        ended.push_back(at->second->exchange_);
+      }
+  }
+  for (const uint64_t exchange : ended) node_.exchanges.cancel(exchange);
+  return !ended.empty();
+}
+
+std::vector<Datasets::NewObject> Datasets::newObjects(const Names& names) const {
+  names.check();
+  std::vector<NewObject> objects;
+  for (const DatasetDraft& d : names.drafts_) {
+    auto now = mayName(names.tenant_, d.name, names.scope_);
+    if (d.generation > 1) {
+      if (!now || now->key != d.key)
+        throw Error(
+            names.operation_ + ": " + inQuotes(d.name) +
+            " was dropped, renamed or taken back meanwhile, expected the dataset that was there at first");
+      continue;
+    }
+    NamedDataset dataset{
+        d.key, d.name, names.scope_, nameOf(d.type), names.tenant_, names.scope_ == Scope::Shared, 1};
+    if (now) {
+      dataset.owner = now->owner;  // who has published it for all to write
+      dataset.readOnly = now->readOnly;
+    }
+    objects.push_back({std::move(dataset), std::move(now)});
+  }
+  return objects;
+}
+
+Publication Datasets::join(const json& items, Collectives& ranks) {
+  // Whoever shows the generation before the current one lets go of it soon (docs/protocol.md section 9).
+  constexpr WhenTaken whenTaken{std::chrono::seconds(1)};
+  std::vector<Publication::Item> list;
+  for (const json& item : items)
+    list.push_back({Key{item.at("key").get<uint64_t>()}, item.at("generation").get<Generation>(),
+                    "dataset " + inQuotes(item.at("name").get<std::string>())});
+  return {node_.objects, ranks, std::move(list), whenTaken};
+}
+
+std::shared_ptr<const Datasets::Names> Datasets::namesOf(uint64_t exchange) const {
+  const std::lock_guard lock(mutex_);
+  return publishing_.at(exchange);
+}
+
+void Datasets::publish(Publication& publication, uint64_t exchange) {
+  if (node_.rank() != 0) return publication.commit();
+  std::vector<NewObject> objects;
+  std::unique_lock naming(naming_, std::defer_lock);
+  publication.commit({[&] {
+                        naming.lock();
+                        objects = newObjects(*namesOf(exchange));
+                      },
+                      [&] {
+                        for (const auto& [d, replaced] : objects)
+                          node_.directory.bind(d.name, d.scope, {d.key, d.type, d.owner, d.readOnly});
+                      }});
+  for (const auto& [d, replaced] : objects) {
+    const std::lock_guard lock(mutex_);
+    names_[d.key] = {d.name, d.scope};
+    newest_[d.owner].push_back(d.key);
+  }
+  for (const auto& [d, replaced] : objects)
+    if (replaced) tell({DatasetEvent::Kind::Dropped, *replaced, {}});
+  for (const auto& [d, replaced] : objects) tell({DatasetEvent::Kind::Added, d, {}});
+  naming.unlock();
+  for (const auto& [d, replaced] : objects)
+    if (replaced) dropObject(replaced->key);
+}
+
+}  // namespace gxy
