@@ -93,8 +93,8 @@ class Tree {
         return static_cast<Node*>(n);
       });
     };
-    build.buildProgress = [](void* tree, double share) {
-      const bool goesOn = inOrder(tree, [&] { return static_cast<Tree*>(tree)->progress_->tell(share); });
+    build.buildProgress = [](void* tree, double fraction) {
+      const bool goesOn = inOrder(tree, [&] { return static_cast<Tree*>(tree)->progress_->tell(fraction); });
       // Embree 3.13 ignores what this returns. It takes an exception as one of its own: the build fails and
       // is undone.
       if (!goesOn) throw Error("ended");
@@ -129,9 +129,9 @@ class Tree {
     std::exception_ptr end{};  ///< what `advance` threw first
 
     /// Calls `advance`. Returns whether the build is to go on.
-    bool tell(double share) {
+    bool tell(double fraction) {
       try {
-        advance(share);
+        advance(fraction);
         return true;
       } catch (...) {
         const std::lock_guard lock(mutex);

@@ -148,7 +148,7 @@ std::shared_ptr<const DeviceFrame> EmbreeScene::makeFrame(const CompiledFrame& f
   return frame;
 }
 
-void EmbreeScene::spawn(const DeviceFrame& deviceFrame, const Tile& tile, Done done) const {
+void EmbreeScene::spawn(const DeviceFrame& deviceFrame, const SpawnTile& tile, Done done) const {
   const auto& frame = static_cast<const EmbreeFrame&>(deviceFrame);
   TraceResult result;
   {

@@ -58,7 +58,7 @@ void Batch::start(std::unique_ptr<Lane> lane) {
   lane_ = std::move(lane);
   lane_->reserve(rays(), perHit_);
   if (kind_ == DeviceTask::Kind::Spawn) {
-    std::vector<Tile> tiles;
+    std::vector<SpawnTile> tiles;
     for (const DeviceTask& r : requests_) tiles.push_back(r.tile);
     lane_->load(tiles);
     steps_.push_back(scene_.spawnStep(part_, int(tiles.size())));

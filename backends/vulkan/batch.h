@@ -12,7 +12,7 @@
 
 namespace gxy::vulkan {
 
-inline size_t pixelsOf(const Tile& t) { return size_t(t.x1 - t.x0) * size_t(t.y1 - t.y0); }
+inline size_t pixelsOf(const SpawnTile& t) { return size_t(t.x1 - t.x0) * size_t(t.y1 - t.y0); }
 
 /// A request to a scene: a packet to trace, or a tile to spawn.
 struct DeviceTask {
@@ -23,7 +23,7 @@ struct DeviceTask {
   const VulkanFrame* frame;
   Kind kind;
   RayList rays;
-  Tile tile{};
+  SpawnTile tile{};
   DeviceScene::Done done;
   bool urgent = false;  ///< whether its frame was urgent when its turn came
 

@@ -166,8 +166,8 @@ Step Lane::take(VkDeviceAddress list, std::span<const uint32_t> places, size_t a
   return step;
 }
 
-void Lane::load(std::span<const Tile> tiles) {
-  static_assert(sizeof(Tile) == RECORD_WORDS * sizeof(int32_t) && TILE_RAYS == kTile * kTile);
+void Lane::load(std::span<const SpawnTile> tiles) {
+  static_assert(sizeof(SpawnTile) == RECORD_WORDS * sizeof(int32_t) && TILE_RAYS == kTile * kTile);
   std::memcpy(records_.mapped(), tiles.data(), tiles.size_bytes());
 }
 

@@ -65,7 +65,7 @@ class Lane {
   static Step takeStep(const Device& device);
 
   /// Sets the tiles that are spawned.
-  void load(std::span<const Tile> tiles);
+  void load(std::span<const SpawnTile> tiles);
 
   /// Submits the steps from `firstStep` on. `resumed`: counts go on from the submission before; otherwise
   /// from zero.

@@ -161,13 +161,13 @@ std::shared_ptr<const DeviceFrame> VulkanScene::makeFrame(const CompiledFrame& f
   return frame;
 }
 
-void VulkanScene::spawn(const DeviceFrame& deviceFrame, const Tile& tile, Done done) const {
+void VulkanScene::spawn(const DeviceFrame& deviceFrame, const SpawnTile& tile, Done done) const {
   const auto& frame = static_cast<const VulkanFrame&>(deviceFrame);
   const PartitionOnDevice& part = spawningPart();
   std::vector<DeviceTask> parts;
-  std::vector<Tile> tiles{tile};
+  std::vector<SpawnTile> tiles{tile};
   while (!tiles.empty()) {
-    const Tile t = tiles.back();
+    const SpawnTile t = tiles.back();
     tiles.pop_back();
     DeviceTask request{this, &part, &frame, DeviceTask::Kind::Spawn, {}, t, {}};
     if (pixelsOf(t) <= mostAtOnce(request)) {
@@ -176,8 +176,10 @@ void VulkanScene::spawn(const DeviceFrame& deviceFrame, const Tile& tile, Done d
     }
     const bool inRows = t.y1 - t.y0 > 1;
     const int x = (t.x0 + t.x1) / 2, y = (t.y0 + t.y1) / 2;
-    tiles.push_back(inRows ? Tile{t.x0, t.y0, t.x1, y, t.sample} : Tile{t.x0, t.y0, x, t.y1, t.sample});
-    tiles.push_back(inRows ? Tile{t.x0, y, t.x1, t.y1, t.sample} : Tile{x, t.y0, t.x1, t.y1, t.sample});
+    tiles.push_back(inRows ? SpawnTile{t.x0, t.y0, t.x1, y, t.sample}
+                           : SpawnTile{t.x0, t.y0, x, t.y1, t.sample});
+    tiles.push_back(inRows ? SpawnTile{t.x0, y, t.x1, t.y1, t.sample}
+                           : SpawnTile{x, t.y0, t.x1, t.y1, t.sample});
   }
   ask(std::move(parts), 0, std::move(done));
 }

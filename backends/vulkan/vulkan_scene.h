@@ -50,7 +50,7 @@ class VulkanScene final : public DeviceScene {
       const Advance& advance = [](double) {});
 
   std::shared_ptr<const DeviceFrame> makeFrame(const CompiledFrame& frame) const override;
-  void spawn(const DeviceFrame& frame, const Tile& tile, Done done) const override;
+  void spawn(const DeviceFrame& frame, const SpawnTile& tile, Done done) const override;
   void trace(const DeviceFrame& frame, int partition, bool primary, RayList rays, Done done) const override;
   size_t bytes() const override { return charge_.bytes(); }
   std::vector<SharedBytes> sharedBytes() const override;

@@ -6,15 +6,15 @@
 
 namespace gxy {
 
-/// A long computation calls this with the share that it has done, from 0 to 1, every few milliseconds, as
+/// A long computation calls this with the fraction that it has done, from 0 to 1, every few milliseconds, as
 /// long as it is in Galaxy's own loops and not in a library's. An exception thrown from here ends the
 /// computation and reaches its caller. Several threads may call it at once. It is never empty.
-using Advance = std::function<void(double share)>;
+using Advance = std::function<void(double fraction)>;
 
 /// Returns the Advance for part `i` of `n` equal parts of a computation that reports to `advance`. `advance`
 /// must outlive the result.
 inline Advance partOf(const Advance& advance, size_t i, size_t n) {
-  return [&advance, i, n](double share) { advance((double(i) + share) / double(n)); };
+  return [&advance, i, n](double fraction) { advance((double(i) + fraction) / double(n)); };
 }
 
 /// Loops of `n` iterations call this in each iteration `i`. It reports every 8192nd one.

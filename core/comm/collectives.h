@@ -60,8 +60,8 @@ class RankCollectives final : public Collectives {
   void check() const override {
     if (check_) check_();
   }
-  void done(double share) const override {
-    if (done_) done_(share);
+  void done(double fraction) const override {
+    if (done_) done_(fraction);
   }
 
  private:
@@ -74,9 +74,9 @@ class RankCollectives final : public Collectives {
 
 /// check(), then done(): of a call, or of a part of it that goes from `first` to `last`.
 inline Advance advanceOf(const Collectives& ranks, double first = 0, double last = 1) {
-  return [&ranks, first, last](double share) {
+  return [&ranks, first, last](double fraction) {
     ranks.check();
-    ranks.done(first + share * (last - first));
+    ranks.done(first + fraction * (last - first));
   };
 }
 

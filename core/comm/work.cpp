@@ -14,7 +14,7 @@ namespace gxy {
 
 namespace {
 
-enum class Part : uint8_t { Request, Reply };
+enum class MessageKind : uint8_t { Message, Reply };
 
 /// Deeper documents are refused, because parsing them is recursive.
 constexpr int maxDepth = 200;
@@ -61,7 +61,7 @@ class Work::Gate {
 };
 
 /// A request as it arrived.
-struct Work::Request {
+struct Work::Message {
   uint64_t id;
   int32_t sender;
   bool toAll;
@@ -106,7 +106,7 @@ Bytes Work::request(const std::string& name, const nlohmann::json& parameters,
   std::lock_guard lock(mutex_);
   const uint64_t id = nextId_++;
   Writer writer;
-  writer.write(Part::Request).write(id).write(int32_t(transport_.rank())).write(toAll);
+  writer.write(MessageKind::Message).write(id).write(int32_t(transport_.rank())).write(toAll);
   writer.write(name).write(dumpJson(parameters)).write(attachment);
   pending_[id] = {expected, {}, std::move(onDone)};
   return writer.take();
@@ -153,19 +153,19 @@ std::vector<nlohmann::json> Work::wait(const std::function<void(OnDone)>& start)
 // receiving
 
 void Work::receive(int source, Bytes message) {
-  switch (Reader(message, "work").read<Part>()) {
-    case Part::Request:
+  switch (Reader(message, "work").read<MessageKind>()) {
+    case MessageKind::Message:
       return receiveRequest(std::move(message));
-    case Part::Reply:
+    case MessageKind::Reply:
       return receiveReply(source, message);
   }
   throw Error("malformed message 'work' from rank " + std::to_string(source) + ": neither request nor reply");
 }
 
 void Work::receiveRequest(Bytes message) {
-  Request request;
+  Message request;
   Reader reader(message, "work request");
-  reader.read<Part>();
+  reader.read<MessageKind>();
   request.id = reader.read<uint64_t>();
   request.sender = reader.read<int32_t>();
   request.toAll = reader.read<bool>();
@@ -186,14 +186,14 @@ void Work::receiveRequest(Bytes message) {
     if (found == actions_.end()) throw Error("no work named '" + request.name + "' is registered");
     const Registered registered = found->second;
     lock.unlock();
-    startTask(registered.runs, [this, request = std::make_shared<Request>(std::move(request)),
+    startTask(registered.runs, [this, request = std::make_shared<Message>(std::move(request)),
                                 action = registered.action] { run(*request, action); });
   } catch (const std::exception& error) {
     reply(request, nullptr, error.what());
   }
 }
 
-void Work::run(const Request& request, const Action& action) {
+void Work::run(const Message& request, const Action& action) {
   const Trace::Span span(trace_, request.name, request.parameters.size());
   nlohmann::json result;
   std::string error;
@@ -209,15 +209,15 @@ void Work::run(const Request& request, const Action& action) {
   reply(request, error.empty() ? result : nullptr, error);
 }
 
-void Work::reply(const Request& request, const nlohmann::json& result, const std::string& error) {
+void Work::reply(const Message& request, const nlohmann::json& result, const std::string& error) {
   Writer writer;
-  writer.write(Part::Reply).write(request.id).write(error).write(dumpJson(result));
+  writer.write(MessageKind::Reply).write(request.id).write(error).write(dumpJson(result));
   transport_.send(request.sender, Channel::Work, writer.take());
 }
 
 void Work::receiveReply(int source, const Bytes& message) {
   Reader reader(message, "work reply");
-  reader.read<Part>();
+  reader.read<MessageKind>();
   const auto id = reader.read<uint64_t>();
   Reply reply{source, nullptr, {}};
   try {

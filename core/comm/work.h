@@ -92,7 +92,7 @@ class Work {
     std::map<int, Reply> replies;
     OnDone onDone;
   };
-  struct Request;
+  struct Message;
   class Gate;
 
   Bytes request(const std::string& name, const nlohmann::json& parameters,
@@ -100,8 +100,8 @@ class Work {
   void receive(int source, Bytes message);
   void receiveRequest(Bytes message);
   void receiveReply(int source, const Bytes& message);
-  void run(const Request& request, const Action& action);
-  void reply(const Request& request, const nlohmann::json& result, const std::string& error);
+  void run(const Message& request, const Action& action);
+  void reply(const Message& request, const nlohmann::json& result, const std::string& error);
   void startTask(Runs runs, Transport::Task task);
   std::vector<nlohmann::json> wait(const std::function<void(OnDone)>& start);
 

@@ -58,9 +58,9 @@ void storeSamples(Volume& volume, int fieldComponents, const std::vector<Range>&
         const int64_t more = point - std::exchange(told, point);
         if (stored) stored(more);
       };
-      completeBlock(block, encoding.stored, volume.components, [&](double share) {
+      completeBlock(block, encoding.stored, volume.components, [&](double fraction) {
         ranks.check();
-        tellTo(int64_t(share * double(points)));
+        tellTo(int64_t(fraction * double(points)));
       });
       tellTo(points);
     }

@@ -177,7 +177,7 @@ void withoutRepeatedPoints(GeometryBlock& block, size_t begin, size_t end, std::
 bool isFinite(glm::dvec3 p) { return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z); }
 
 bool isUsable(const GeometryBlock& block, GeometryKind kind, size_t p) {
-  for (uint32_t i : cornersOf(block, kind, p)) {
+  for (uint32_t i : primitivePoints(block, kind, p)) {
     if (!isFinite(block.points[i])) return false;
   }
   if (kind == GeometryKind::PathLines) {
@@ -207,7 +207,7 @@ bool hasValues(const Geometry& geometry) {
                      [](const auto& each) { return !each.second.values.empty(); });
 }
 
-Corners cornersOf(const GeometryBlock& block, GeometryKind kind, size_t p) {
+PrimitivePoints primitivePoints(const GeometryBlock& block, GeometryKind kind, size_t p) {
   switch (kind) {
     case GeometryKind::Particles:
       return {{uint32_t(p), 0, 0}, 1};

@@ -54,13 +54,13 @@ bool hasValues(const Geometry& geometry);
 
 /// The points that define primitive p of a block: 1 (Particles), 2 (PathLines, without neighbours) or 3
 /// (Triangles).
-struct Corners {
+struct PrimitivePoints {
   std::array<uint32_t, 3> points;
   int count;
   const uint32_t* begin() const { return points.data(); }
   const uint32_t* end() const { return points.data() + count; }
 };
-Corners cornersOf(const GeometryBlock& block, GeometryKind kind, size_t p);
+PrimitivePoints primitivePoints(const GeometryBlock& block, GeometryKind kind, size_t p);
 
 /// Throws Error unless the block's arrays fit each other and the kind, and every index names a point.
 void validate(const GeometryBlock& block, GeometryKind kind);

@@ -37,7 +37,7 @@ struct Bounds {
 };
 Bounds boundsOf(const GeometryBlock& block, GeometryKind kind, size_t p, const RadiusOf& radius) {
   Bounds bounds;
-  for (uint32_t i : cornersOf(block, kind, p)) {
+  for (uint32_t i : primitivePoints(block, kind, p)) {
     bounds.box.extend(block.points[i]);
     if (kind == GeometryKind::Triangles) continue;
     const double r = radius(radiusValue(block, i));
@@ -141,7 +141,7 @@ GeometryBlock keepHome(const GeometryBlock& read, GeometryKind kind, const Parti
   const Advance finding = partOf(advance, 0, 2);
   for (size_t p = 0; p < read.ids.size(); ++p) {
     tell(finding, p, read.ids.size());
-    const glm::dvec3 first = read.points[*cornersOf(read, kind, p).begin()];
+    const glm::dvec3 first = read.points[*primitivePoints(read, kind, p).begin()];
     if (partitioning.owner(partitioning.nearest(first)) == rank) home.push_back(uint32_t(p));
   }
   return subset(read, kind, home, partOf(advance, 1, 2));

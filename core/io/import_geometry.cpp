@@ -246,7 +246,7 @@ LoadedGeometry loadGeometry(const std::string& path, GeometryKind kind, const Va
     const Advance go = [&](double) { ranks.check(); };
     for (size_t p = 0; p < geometry.block.ids.size(); ++p) {
       tell(go, p, geometry.block.ids.size());
-      for (uint32_t point : cornersOf(geometry.block, kind, p)) {
+      for (uint32_t point : primitivePoints(geometry.block, kind, p)) {
         geometry.box.extend(geometry.block.points[point]);
         if (!geometry.block.values.empty()) geometry.range.extend(double(geometry.block.values[point]));
         if (!geometry.block.radiusValues.empty()) radii.extend(double(geometry.block.radiusValues[point]));

@@ -42,7 +42,7 @@ using Axes = std::array<Counts, 3>;
 void count(const LoadedGeometry& loaded, Collectives& ranks, Axes& axes) {
   const GeometryBlock& block = loaded.geometry.block;
   for (size_t p = 0; p < block.ids.size(); p++)
-    for (const uint32_t point : cornersOf(block, loaded.geometry.kind, p))
+    for (const uint32_t point : primitivePoints(block, loaded.geometry.kind, p))
       for (size_t a = 0; a < 3; a++) axes[a].add(block.points[point][int(a)]);
   if (loaded.everywhere) return;
   constexpr size_t kEach = sizeof(Counts::bins);

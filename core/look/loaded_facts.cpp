@@ -76,7 +76,7 @@ std::vector<float> sampleOf(const OwnedGeometry& geometry) {
   if (block.values.empty()) return values;
   const uint64_t stride = geometry.primitives / kSampledValues + 1;
   for (size_t p = 0; p < block.ids.size(); p++) {
-    const float value = block.values[*cornersOf(block, geometry.kind, p).begin()];
+    const float value = block.values[*primitivePoints(block, geometry.kind, p).begin()];
     if (block.ids[p] % stride == 0 && std::isfinite(value)) values.push_back(value);
   }
   return values;

@@ -84,7 +84,7 @@ struct TraceResult {
 };
 
 /// Pixels [x0, x1) x [y0, y1), at most kTile a side, of one sample.
-struct Tile {
+struct SpawnTile {
   int x0, y0, x1, y1, sample;
 };
 inline constexpr int kTile = 32;
@@ -121,7 +121,7 @@ class DeviceScene {
   /// Spawns the primary rays of a tile whose first visible partition is one of this rank's. The result has
   /// them as leaving rays; if the backend has already traced some, it has what became of these. It counts no
   /// rays as `retired`.
-  virtual void spawn(const DeviceFrame& frame, const Tile& tile, Done done) const = 0;
+  virtual void spawn(const DeviceFrame& frame, const SpawnTile& tile, Done done) const = 0;
 
   /// Traces rays through a local partition until each has ended or left it. This includes shading hits and
   /// finding where rays go on.

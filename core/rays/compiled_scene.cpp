@@ -177,7 +177,7 @@ std::vector<uint32_t> alongCurve(const GeometryBlock& block, GeometryKind kind, 
                                  const Advance& advance) {
   std::vector<uint64_t> places(block.ids.size());  // place on the curve in the upper 32 bits, index below
   const auto find = [&](size_t i) {
-    const glm::dvec3 p = space.toRender(block.points[*cornersOf(block, kind, i).begin()]);
+    const glm::dvec3 p = space.toRender(block.points[*primitivePoints(block, kind, i).begin()]);
     uint32_t place = 0;
     for (int a = 0; a < 3; a++) place |= spread(uint32_t(std::clamp((p[a] + 0.5) * 1024, 0.0, 1023.0))) << a;
     places[i] = uint64_t(place) << 32 | i;

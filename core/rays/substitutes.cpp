@@ -145,7 +145,7 @@ class Scene final : public DeviceScene {
     }
   }
 
-  void spawn(const DeviceFrame& frame, const Tile& tile, Done done) const override {
+  void spawn(const DeviceFrame& frame, const SpawnTile& tile, Done done) const override {
     const auto& f = static_cast<const Frame&>(frame);
     f.made.scene->spawn(*f.inner, tile, reportingErrors(f.made, std::move(done)));
   }
@@ -180,9 +180,9 @@ class Scene final : public DeviceScene {
     for (const Backend* backend; (backend = backends_->from(next_));) {
       const size_t number = next_++;
       std::atomic<bool> ended = false;
-      const Advance watched = [&](double share) {
+      const Advance watched = [&](double fraction) {
         try {
-          advance(share);
+          advance(fraction);
         } catch (...) {
           ended = true;
           throw;

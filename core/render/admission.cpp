@@ -9,8 +9,8 @@ bool Admission::mayBegin(const Stream& stream, int64_t bytes) const {
   return stream.begun.size() < few_ || stream.bytes + bytes <= bytes_;
 }
 
-bool Admission::enter(const Share& share, FrameId frame, int64_t bytes) {
-  const Key key{share.tenant, share.stream};
+bool Admission::enter(const Priority& priority, FrameId frame, int64_t bytes) {
+  const Key key{priority.tenant, priority.stream};
   Stream& stream = streams_[key];
   keys_[frame] = key;
   const bool begins = stream.waiting.empty() && mayBegin(stream, bytes);

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/render/share.h"
+#include "core/render/priority.h"
 
 namespace gxy {
 
@@ -23,7 +23,7 @@ class Admission {
   Admission(int64_t bytes, size_t few) : bytes_(bytes), few_(few) {}
 
   /// Enters a new frame. Returns true if it may begin; otherwise it waits until over() returns it.
-  bool enter(const Share& share, FrameId frame, int64_t bytes);
+  bool enter(const Priority& priority, FrameId frame, int64_t bytes);
   /// Says that a frame is over. Returns the waiting frames that may begin now, oldest first. Does nothing for
   /// frames that were never entered.
   std::vector<FrameId> over(FrameId frame);

@@ -28,29 +28,29 @@ void add(Map& map, const Key& key, int64_t by) {
 
 }  // namespace
 
-int64_t Credits::outOfTenant(const Share& share) const { return at(tenants_, share.tenant); }
+int64_t Credits::outOfTenant(const Priority& priority) const { return at(tenants_, priority.tenant); }
 
-int64_t Credits::outOfStream(const Share& share) const {
-  return at(streams_, std::pair(share.tenant, share.stream));
+int64_t Credits::outOfStream(const Priority& priority) const {
+  return at(streams_, std::pair(priority.tenant, priority.stream));
 }
 
-bool Credits::mayTake(const Share& share, int64_t cost) const {
+bool Credits::mayTake(const Priority& priority, int64_t cost) const {
   if (out_ <= 0) return true;
-  const int64_t free = all_ - out_, ofTenant = outOfTenant(share);
+  const int64_t free = all_ - out_, ofTenant = outOfTenant(priority);
   if (!fits(ofTenant, cost, free)) return false;
   const int64_t room = ofTenant > 0 ? (kOfFree * free - ofTenant) / (1 + kOfFree) : free;
-  return fits(outOfStream(share), cost, room);
+  return fits(outOfStream(priority), cost, room);
 }
 
-void Credits::change(const Share& share, int64_t by) {
+void Credits::change(const Priority& priority, int64_t by) {
   out_ += by;
   mostOut_ = std::max(mostOut_, out_);
-  add(tenants_, share.tenant, by);
-  add(streams_, std::pair(share.tenant, share.stream), by);
+  add(tenants_, priority.tenant, by);
+  add(streams_, std::pair(priority.tenant, priority.stream), by);
 }
 
-void Credits::take(const Share& share, int64_t cost) { change(share, cost); }
+void Credits::take(const Priority& priority, int64_t cost) { change(priority, cost); }
 
-void Credits::giveBack(const Share& share, int64_t credits) { change(share, -credits); }
+void Credits::giveBack(const Priority& priority, int64_t credits) { change(priority, -credits); }
 
 }  // namespace gxy

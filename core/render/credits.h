@@ -5,7 +5,7 @@
 #include <map>
 #include <utility>
 
-#include "core/render/share.h"
+#include "core/render/priority.h"
 
 namespace gxy {
 
@@ -19,21 +19,21 @@ class Credits {
  public:
   explicit Credits(int64_t all) : all_(all) {}
 
-  bool mayTake(const Share& share, int64_t cost) const;
-  void take(const Share& share, int64_t cost);
+  bool mayTake(const Priority& priority, int64_t cost) const;
+  void take(const Priority& priority, int64_t cost);
   /// `credits` is negative when a primary made more secondary rays than it took credits for.
-  void giveBack(const Share& share, int64_t credits);
+  void giveBack(const Priority& priority, int64_t credits);
 
   int64_t all() const { return all_; }
   int64_t out() const { return out_; }
   int64_t mostOut() const { return mostOut_; }
-  int64_t outOfTenant(const Share& share) const;
-  int64_t outOfStream(const Share& share) const;
+  int64_t outOfTenant(const Priority& priority) const;
+  int64_t outOfStream(const Priority& priority) const;
   /// Credits out; only those that are not 0.
   const std::map<uint32_t, int64_t>& byTenant() const { return tenants_; }
 
  private:
-  void change(const Share& share, int64_t by);
+  void change(const Priority& priority, int64_t by);
 
   const int64_t all_;
   int64_t out_ = 0, mostOut_ = 0;

@@ -13,27 +13,27 @@ struct ReadyQueue::Blocked {
   /// The least credits out of a tenant that waits, and of a stream of `whose` that waits.
   int64_t tenant = INT64_MAX, stream = INT64_MAX;
   uint32_t whose = 0;  ///< the tenant that waits first
-  void add(const Credits& credits, const Share& share) {
-    if (tenant == INT64_MAX) whose = share.tenant;
-    tenant = std::min(tenant, credits.outOfTenant(share));
-    if (share.tenant == whose) stream = std::min(stream, credits.outOfStream(share));
+  void add(const Credits& credits, const Priority& priority) {
+    if (tenant == INT64_MAX) whose = priority.tenant;
+    tenant = std::min(tenant, credits.outOfTenant(priority));
+    if (priority.tenant == whose) stream = std::min(stream, credits.outOfStream(priority));
   }
-  bool hinders(const Credits& credits, const Share& share) const {
+  bool hinders(const Credits& credits, const Priority& priority) const {
     if (tenant == INT64_MAX) return false;
-    return share.tenant == whose ? credits.outOfStream(share) >= stream
-                                 : credits.outOfTenant(share) >= tenant;
+    return priority.tenant == whose ? credits.outOfStream(priority) >= stream
+                                    : credits.outOfTenant(priority) >= tenant;
   }
 };
 
-ReadyQueue::Entry& ReadyQueue::entry(const Share& share, uint64_t frame) {
-  Entry& entry = tenants_[share.tenant].streams[share.stream].frames[frame];
-  entry.interactive = share.interactive;
+ReadyQueue::Entry& ReadyQueue::entry(const Priority& priority, uint64_t frame) {
+  Entry& entry = tenants_[priority.tenant].streams[priority.stream].frames[frame];
+  entry.interactive = priority.interactive;
   return entry;
 }
 
-void ReadyQueue::push(const Share& share, uint64_t frame, Task task, bool first) {
+void ReadyQueue::push(const Priority& priority, uint64_t frame, Task task, bool first) {
   const std::lock_guard lock(mutex_);
-  Entry& frames = entry(share, frame);
+  Entry& frames = entry(priority, frame);
   if (first)
     frames.rests.push_front(std::move(task));
   else
@@ -41,17 +41,17 @@ void ReadyQueue::push(const Share& share, uint64_t frame, Task task, bool first)
   tasks_++;
 }
 
-void ReadyQueue::addTiles(const Share& share, uint64_t frame, std::shared_ptr<TileSource> tiles) {
+void ReadyQueue::addTiles(const Priority& priority, uint64_t frame, std::shared_ptr<TileSource> tiles) {
   const std::lock_guard lock(mutex_);
-  if (!tiles->empty()) entry(share, frame).tiles = std::move(tiles);
+  if (!tiles->empty()) entry(priority, frame).tiles = std::move(tiles);
 }
 
-bool ReadyQueue::dropTiles(const Share& share, uint64_t frame) {
+bool ReadyQueue::dropTiles(const Priority& priority, uint64_t frame) {
   std::shared_ptr<TileSource> dropped;  // destroyed after the lock is released
   const std::lock_guard lock(mutex_);
-  const auto tenant = tenants_.find(share.tenant);
+  const auto tenant = tenants_.find(priority.tenant);
   if (tenant == tenants_.end()) return false;
-  const auto stream = tenant->second.streams.find(share.stream);
+  const auto stream = tenant->second.streams.find(priority.stream);
   if (stream == tenant->second.streams.end()) return false;
   const auto found = stream->second.frames.find(frame);
   if (found == stream->second.frames.end()) return false;
@@ -61,11 +61,11 @@ bool ReadyQueue::dropTiles(const Share& share, uint64_t frame) {
 }
 
 // Whether something of a stream may be done now, provided that nobody before it waits for credits.
-bool ReadyQueue::mayDo(const Share& share, const Stream& stream) const {
+bool ReadyQueue::mayDo(const Priority& priority, const Stream& stream) const {
   return std::ranges::any_of(stream.frames, [&](const auto& frame) {
     const Entry& entry = frame.second;
     return !entry.rests.empty() || !entry.others.empty() ||
-           (entry.tiles && credits_.mayTake(share, entry.tiles->cost()));
+           (entry.tiles && credits_.mayTake(priority, entry.tiles->cost()));
   });
 }
 
@@ -131,19 +131,20 @@ auto ReadyQueue::inTurn(Children& children) const {
   return order;
 }
 
-ReadyQueue::Pick ReadyQueue::pick(const Share& share, Stream& stream, Blocked& blocked) const {
+ReadyQueue::Pick ReadyQueue::pick(const Priority& priority, Stream& stream, Blocked& blocked) const {
   bool spawns = true;
   for (const bool interactive : {true, false})
     for (auto& [frame, entry] : stream.frames) {
       if (entry.interactive != interactive) continue;
-      const Pick found{&stream, frame, Kind::Rest, {share.tenant, interactive, share.stream}};
+      const Pick found{&stream, frame, Kind::Rest, {priority.tenant, interactive, priority.stream}};
       if (!entry.rests.empty()) return found;
-      if (entry.tiles && spawns && !blocked.hinders(credits_, share)) {
-        if (credits_.mayTake(share, entry.tiles->cost())) return {&stream, frame, Kind::Tile, found.share};
-        blocked.add(credits_, share);
+      if (entry.tiles && spawns && !blocked.hinders(credits_, priority)) {
+        if (credits_.mayTake(priority, entry.tiles->cost()))
+          return {&stream, frame, Kind::SpawnTile, found.priority};
+        blocked.add(credits_, priority);
       }
       spawns = spawns && !entry.tiles;  // tiles of newer frames wait for those of this frame
-      if (!entry.others.empty()) return {&stream, frame, Kind::Other, found.share};
+      if (!entry.others.empty()) return {&stream, frame, Kind::Other, found.priority};
     }
   return {};
 }
@@ -163,8 +164,8 @@ ReadyQueue::Task ReadyQueue::take(const Pick& pick) {
   const auto at = pick.stream->frames.find(pick.frame);
   Entry& entry = at->second;
   Task task;
-  if (pick.kind == Kind::Tile) {
-    credits_.take(pick.share, entry.tiles->cost());
+  if (pick.kind == Kind::SpawnTile) {
+    credits_.take(pick.priority, entry.tiles->cost());
     task = entry.tiles->take();
     if (entry.tiles->empty()) entry.tiles = nullptr;
   } else {
@@ -183,18 +184,18 @@ ReadyQueue::Next ReadyQueue::pop() {
   if (!found.stream) return {};
   const Time expected = found.stream->turn.last;
   turn_++;
-  for (Turn* turn : {&tenants_.at(found.share.tenant).turn, &found.stream->turn}) {
+  for (Turn* turn : {&tenants_.at(found.priority.tenant).turn, &found.stream->turn}) {
     turn->served = turn_;
     turn->running++;
     turn->used += expected;
   }
-  return {take(found), found.share, expected};
+  return {take(found), found.priority, expected};
 }
 
 void ReadyQueue::ran(const Next& done, Time took) {
   const std::lock_guard lock(mutex_);
-  Tenant& tenant = tenants_.at(done.share.tenant);
-  for (Turn* turn : {&tenant.turn, &tenant.streams.at(done.share.stream).turn}) {
+  Tenant& tenant = tenants_.at(done.priority.tenant);
+  for (Turn* turn : {&tenant.turn, &tenant.streams.at(done.priority.stream).turn}) {
     turn->running--;
     turn->used += took - done.expected;
     turn->last = took;
@@ -206,9 +207,9 @@ bool ReadyQueue::ready() {
   return choose().stream != nullptr;
 }
 
-void ReadyQueue::giveBack(const Share& share, int64_t credits) {
+void ReadyQueue::giveBack(const Priority& priority, int64_t credits) {
   const std::lock_guard lock(mutex_);
-  credits_.giveBack(share, credits);
+  credits_.giveBack(priority, credits);
 }
 
 Credits ReadyQueue::credits() const {

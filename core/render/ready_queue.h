@@ -10,7 +10,7 @@
 #include <mutex>
 
 #include "core/render/credits.h"
-#include "core/render/share.h"
+#include "core/render/priority.h"
 
 namespace gxy {
 
@@ -57,15 +57,15 @@ class ReadyQueue {
   /// Adds a task of a frame. `first` puts it before the other tasks and the tiles of its frame; this is for
   /// the rest of a task that gave way. All that waits of a frame counts as interactive if what was added last
   /// is.
-  void push(const Share& share, uint64_t frame, Task task, bool first = false);
+  void push(const Priority& priority, uint64_t frame, Task task, bool first = false);
   /// Adds the tiles of a frame, if there are any.
-  void addTiles(const Share& share, uint64_t frame, std::shared_ptr<TileSource> tiles);
+  void addTiles(const Priority& priority, uint64_t frame, std::shared_ptr<TileSource> tiles);
   /// Removes the tiles of a frame that are not spawned yet. Returns whether there were any.
-  bool dropTiles(const Share& share, uint64_t frame);
+  bool dropTiles(const Priority& priority, uint64_t frame);
 
   struct Next {
     Task task;
-    Share share;
+    Priority priority;
     Time expected{0};  ///< time that is charged already
     explicit operator bool() const { return bool(task); }
   };
@@ -77,7 +77,7 @@ class ReadyQueue {
   /// Whether pop() would return a task.
   bool ready();
 
-  void giveBack(const Share& share, int64_t credits);
+  void giveBack(const Priority& priority, int64_t credits);
   /// A copy of the present state.
   Credits credits() const;
   /// The number of tasks that wait, without tiles.
@@ -110,18 +110,18 @@ class ReadyQueue {
     Time least{0};
     std::map<uint64_t, Stream> streams;
   };
-  enum class Kind { Rest, Tile, Other };
+  enum class Kind { Rest, SpawnTile, Other };
   struct Pick {
     Stream* stream = nullptr;
     uint64_t frame = 0;
     Kind kind = Kind::Rest;
-    Share share;
+    Priority priority;
   };
   struct Blocked;
 
-  Entry& entry(const Share& share, uint64_t frame);
-  bool mayDo(const Share& share, const Stream& stream) const;
-  Pick pick(const Share& share, Stream& stream, Blocked& blocked) const;
+  Entry& entry(const Priority& priority, uint64_t frame);
+  bool mayDo(const Priority& priority, const Stream& stream) const;
+  Pick pick(const Priority& priority, Stream& stream, Blocked& blocked) const;
   Pick choose();
   void refresh();
   template <class Children>

@@ -25,8 +25,8 @@ void writeRequest(Writer& w, const FrameRequest& r) {
       .write(r.depth)
       .write(r.sums)
       .write(r.window)
-      .write(r.share.tenant);
-  w.write(r.share.interactive).write(r.share.stream).write(r.account);
+      .write(r.priority.tenant);
+  w.write(r.priority.interactive).write(r.priority.stream).write(r.account);
   w.write(c.viewpoint)
       .write(c.viewdirection)
       .write(c.viewup)
@@ -44,9 +44,9 @@ FrameRequest readRequest(Reader& in) {
   r.depth = in.read<bool>();
   r.sums = in.read<bool>();
   r.window = in.read<uint64_t>();
-  r.share.tenant = in.read<uint32_t>();
-  r.share.interactive = in.read<bool>();
-  r.share.stream = in.read<uint64_t>();
+  r.priority.tenant = in.read<uint32_t>();
+  r.priority.interactive = in.read<bool>();
+  r.priority.stream = in.read<uint64_t>();
   r.account = in.readString();
   c.viewpoint = in.read<glm::dvec3>();
   c.viewdirection = in.read<glm::dvec3>();
@@ -104,15 +104,15 @@ Renderer::Renderer(Transport& transport, Options options)
   transport_.onMessage(Channel::Contributions, [this](int, Bytes m) { receiveContributions(std::move(m)); });
   transport_.onMessage(Channel::Credits, [this](int, const Bytes& m) {
     Reader in(m, "ray credits");
-    Share share;
-    share.tenant = in.read<uint32_t>();
-    share.stream = in.read<uint64_t>();
+    Priority priority;
+    priority.tenant = in.read<uint32_t>();
+    priority.stream = in.read<uint64_t>();
     const auto credits = in.read<int64_t>();  // negative for secondaries beyond what their primaries took
     in.expectEnd();
     constexpr int64_t kMost = int64_t(1) << 40;  // far beyond those of a packet's rays
     if (credits < -kMost || credits > kMost)
       in.fail(std::to_string(credits) + " credits come back, expected at most " + std::to_string(kMost));
-    giveBack(transport_.rank(), share, credits);
+    giveBack(transport_.rank(), priority, credits);
   });
 }
 
@@ -151,8 +151,8 @@ Renderer::Counters Renderer::counters() const {
   return c;
 }
 
-Renderer::Kept Renderer::kept() const {
-  Kept kept;
+Renderer::ResourceCounts Renderer::kept() const {
+  ResourceCounts kept;
   kept.completionSets = completion_.setsKept();
   kept.tasks = ready_.size() + pictures_.size();
   const Credits credits = ready_.credits();
@@ -178,11 +178,11 @@ FrameId Renderer::render(const FrameRequest& request, Finished finished) {
     Pending& pending = pending_[id];
     pending.finished = std::move(finished);
     pending.window = request.window;
-    pending.share = request.share;
+    pending.priority = request.priority;
     if (request.window) older = std::exchange(windows_[request.window], id);
     const glm::ivec2 size = request.camera.dimensions;
-    waits = !request.share.interactive &&
-            !admission_.enter(request.share, id, Framebuffer::bytesOf(size.x, size.y, request.depth));
+    waits = !request.priority.interactive &&
+            !admission_.enter(request.priority, id, Framebuffer::bytesOf(size.x, size.y, request.depth));
     if (waits) pending.waiting = request;
   }
   if (older) supersede(older);
@@ -336,7 +336,7 @@ void Renderer::delivered(FrameId id, const std::string& error) {
   }
   if (pending.finished)
     post(
-        pending.share, id,
+        pending.priority, id,
         [finished = std::move(pending.finished), id, ending = std::move(pending.ending)] {
           finished(id, ending);
         },
@@ -389,9 +389,9 @@ void Renderer::prepare(Frame& frame, const Bytes& operation) {
   TileList list =
       tilesOf(scene, compiled, transport_.rank(), tileSide(options_.raysInFlight, frame.perPrimary));
   frame.tiles = std::move(list.tiles);
-  frame.tileMemory = frame.account().tiles.another(int64_t(frame.tiles.capacity() * sizeof(Tile)));
+  frame.tileMemory = frame.account().tiles.another(int64_t(frame.tiles.capacity() * sizeof(SpawnTile)));
   frame.device = frame.scene.device->makeFrame(compiled);
-  frame.device->setUrgent(request.share.interactive);
+  frame.device->setUrgent(request.priority.interactive);
   std::lock_guard lock(mutex_);
   counters_.tilesSkipped += list.skipped * uint64_t(frame.samples);
   for (int p : scene.partitioning->owned(transport_.rank()))
@@ -415,7 +415,7 @@ void Renderer::start(FrameId id, FrameRequest request, const Bytes& operation, c
   // Asked here, since other threads take tiles once the frame is known.
   const bool spawnsNothing = frame->tiles.empty();
 
-  std::vector<Parked> parked;
+  std::vector<EarlyMessage> parked;
   {
     std::lock_guard lock(mutex_);
     frames_[id] = frame;
@@ -425,8 +425,9 @@ void Renderer::start(FrameId id, FrameRequest request, const Bytes& operation, c
       parked_.erase(waiting);
     }
   }
-  for (Parked& p : parked)  // each in a task of its own, so that a refused one does not keep others back
-    post([this, id, p = std::make_shared<Parked>(std::move(p))] {
+  for (EarlyMessage& p :
+       parked)  // each in a task of its own, so that a refused one does not keep others back
+    post([this, id, p = std::make_shared<EarlyMessage>(std::move(p))] {
       if (p->channel == Channel::Rays)
         receiveRays(std::move(p->message));
       else if (p->channel == Channel::Contributions)
@@ -435,7 +436,7 @@ void Renderer::start(FrameId id, FrameRequest request, const Bytes& operation, c
         cancel(id);
     });
   if (spawnsNothing) return completion_.spawned(id);
-  ready_.addTiles(frame->request.share, id, std::make_shared<Tiles>(*this, frame));
+  ready_.addTiles(frame->request.priority, id, std::make_shared<Tiles>(*this, frame));
   if (frame->cancelled) dropTiles(frame);
   startRunner();
 }
@@ -465,8 +466,8 @@ void Renderer::finish(FrameId id, bool hasPicture) {
   if (options_.trace) options_.trace->addLong("frame", id, frame->begin);
   if (frame->owner != transport_.rank()) return;
   std::function<void()> task = [this, frame, hasPicture] { deliver(frame, hasPicture); };
-  if (frame->request.share.interactive) return post(frame->request.share, id, std::move(task));
-  pictures_.push(frame->request.share, id, std::move(task));
+  if (frame->request.priority.interactive) return post(frame->request.priority, id, std::move(task));
+  pictures_.push(frame->request.priority, id, std::move(task));
   startHandOut();
 }
 
@@ -491,7 +492,7 @@ void Renderer::deliver(const FramePtr& frame, bool hasPicture) {
   try {
     Picture picture = frame->request.sums ? frame->framebuffer->takeSums()
                                           : frame->framebuffer->picture(frame->scene.compiled->settings,
-                                                                        frame->request.share.interactive);
+                                                                        frame->request.priority.interactive);
     frame->framebuffer->release();
     const LedgerEntry memory = frame->account().picture.another(int64_t(picture.bytes()));
     if (operation)

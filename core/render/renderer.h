@@ -40,7 +40,7 @@ struct FrameRequest {
   bool depth = false;
   bool sums = false;    ///< hand the picture out as its sums, without `rgba`
   uint64_t window = 0;  ///< not 0: a newer frame of the same window supersedes this one
-  Share share;          ///< tenant, stream and whether somebody watches
+  Priority priority;    ///< tenant, stream and whether somebody watches
   std::string account;  ///< the tenant that the ledger charges; empty: Options::tenant
   /// What is done with the picture; null: it goes to the handler of onPicture().
   PictureOperationPtr operation;
@@ -157,7 +157,7 @@ class Renderer {
   Counters counters() const;
 
   /// State that is kept for frames that are not over; all 0 when none is under way.
-  struct Kept {
+  struct ResourceCounts {
     size_t frames = 0;                  ///< started here and not finished
     size_t parkedMessages = 0;          ///< messages of frames that have not started here
     size_t callbacks = 0, windows = 0;  ///< rank 0
@@ -166,14 +166,14 @@ class Renderer {
     int64_t credits = 0;                        ///< credits out
     std::map<uint32_t, int64_t> tenantCredits;  ///< credits out, by tenant
   };
-  Kept kept() const;
+  ResourceCounts kept() const;
 
  private:
   struct Frame;
   struct Scene;
-  struct Parked;
-  struct Held;
-  struct Asked;
+  struct EarlyMessage;
+  struct QueuedRays;
+  struct PendingDeviceCall;
   class Tasks;
   /// Ledger entries of 0 bytes, from which LedgerEntry::another() makes those of a frame's allocations.
   struct Account {
@@ -186,7 +186,7 @@ class Renderer {
   struct Pending {
     Finished finished;
     uint64_t window = 0;
-    Share share;
+    Priority priority;
     Ending ending;                        ///< known so far: superseded, or the first error
     bool complete = false;                ///< all its work is done, so it is too late to supersede it
     std::optional<FrameRequest> waiting;  ///< the request of a frame that has not begun (Admission)
@@ -216,27 +216,28 @@ class Renderer {
 
   class Tiles;
   void dropTiles(const FramePtr& frame);
-  void spawnTile(const FramePtr& frame, const Tile& tile, int64_t reserved);
-  void spawned(const FramePtr& frame, TraceResult& result, int64_t reserved, std::vector<Held>& stack);
-  void take(const FramePtr& frame, int origin, TraceResult& result, std::vector<Held>& stack);
-  void traced(const FramePtr& frame, int origin, bool primary, TraceResult& result, std::vector<Held>& stack);
+  void spawnTile(const FramePtr& frame, const SpawnTile& tile, int64_t reserved);
+  void spawned(const FramePtr& frame, TraceResult& result, int64_t reserved, std::vector<QueuedRays>& stack);
+  void take(const FramePtr& frame, int origin, TraceResult& result, std::vector<QueuedRays>& stack);
+  void traced(const FramePtr& frame, int origin, bool primary, TraceResult& result,
+              std::vector<QueuedRays>& stack);
   void retire(const FramePtr& frame, int origin, bool primary, uint64_t rays);
-  void process(const FramePtr& frame, int origin, std::vector<Held> stack);
+  void process(const FramePtr& frame, int origin, std::vector<QueuedRays> stack);
   using Call = std::function<void(DeviceScene::Done)>;
-  using Then = std::function<void(TraceResult&, std::vector<Held>&)>;
+  using Then = std::function<void(TraceResult&, std::vector<QueuedRays>&)>;
   void ask(const FramePtr& frame, int origin, uint64_t rays, const Call& call, Then then,
-           std::vector<Held>& stack);
-  void answered(Asked& asked, TraceResult result);
-  void putOff(const FramePtr& frame, int origin, std::vector<Held> rest);
-  static Held hold(const Frame& frame, LeavingRays rays);
+           std::vector<QueuedRays>& stack);
+  void answered(PendingDeviceCall& asked, TraceResult result);
+  void putOff(const FramePtr& frame, int origin, std::vector<QueuedRays> rest);
+  static QueuedRays hold(const Frame& frame, LeavingRays rays);
   void forward(const FramePtr& frame, int rank, int partition, bool primary, int origin, const RayList& rays);
   void contribute(const FramePtr& frame, TraceResult& result);
-  void giveBack(int origin, const Share& share, int64_t credits);
+  void giveBack(int origin, const Priority& priority, int64_t credits);
   FramePtr find(FrameId id) const;
   FramePtr findOrPark(FrameId id, Channel channel, Bytes& message);
   bool isOver(FrameId id) const { return id < firstNotOver_ || over_.count(id) > 0; }
   void post(std::function<void()> task);
-  void post(const Share& share, FrameId frame, std::function<void()> task, bool first = false);
+  void post(const Priority& priority, FrameId frame, std::function<void()> task, bool first = false);
   void post(const FramePtr& frame, std::function<void()> task, bool first = false);
   void runNext(ReadyQueue& queue);
   void startRunner();
@@ -258,7 +259,7 @@ class Renderer {
   mutable std::mutex mutex_;  ///< guards all members below
   std::map<SceneId, Scene> scenes_;
   std::map<FrameId, FramePtr> frames_;
-  std::map<FrameId, std::vector<Parked>> parked_;  ///< messages that overtook their frame's start
+  std::map<FrameId, std::vector<EarlyMessage>> parked_;  ///< messages that overtook their frame's start
   PictureHandler pictureHandler_;
   PictureOperationReader operationReader_;
   FrameId firstNotOver_ = 1;             ///< all frames below this number are over here

@@ -24,7 +24,7 @@ struct ContributionsHeader {
 }  // namespace
 
 std::function<void()> Renderer::Tiles::take() {
-  const Tile tile = frame_->nextTile();
+  const SpawnTile tile = frame_->nextTile();
   const int64_t cost = frame_->nextCost();
   frame_->next++;
   auto active = std::make_shared<Completion::Active>(renderer_.completion_, frame_->id);
@@ -34,7 +34,7 @@ std::function<void()> Renderer::Tiles::take() {
 
 // Removes the tiles of a cancelled frame.
 void Renderer::dropTiles(const FramePtr& frame) {
-  if (!ready_.dropTiles(frame->request.share, frame->id)) return;
+  if (!ready_.dropTiles(frame->request.priority, frame->id)) return;
   const size_t left = frame->allTiles() - frame->next;
   if ((frame->tilesLeft -= left) == 0) completion_.spawned(frame->id);
 }
@@ -42,9 +42,9 @@ void Renderer::dropTiles(const FramePtr& frame) {
 // Calls the device. If the answer is there when the call returns, it goes to `then` with the caller's stack;
 // otherwise it goes to `then` with a new stack, in a task of its own. No thread waits for a device.
 void Renderer::ask(const FramePtr& frame, int origin, uint64_t rays, const Call& call, Then then,
-                   std::vector<Held>& stack) {
-  const auto asked = std::make_shared<Asked>();
-  asked->next.reset(new Asked::Next{
+                   std::vector<QueuedRays>& stack) {
+  const auto asked = std::make_shared<PendingDeviceCall>();
+  asked->next.reset(new PendingDeviceCall::Next{
       tasks_->stay(), transport_.expectPost(), frame, origin, std::move(then), {completion_, frame->id}, {}});
   try {
     call([this, asked](TraceResult result) { answered(*asked, std::move(result)); });
@@ -53,7 +53,7 @@ void Renderer::ask(const FramePtr& frame, int origin, uint64_t rays, const Call&
     asked->next->answer.error = textOf(e);
     asked->answered = true;
   }
-  std::shared_ptr<Asked::Next> next;
+  std::shared_ptr<PendingDeviceCall::Next> next;
   {
     std::lock_guard lock(asked->mutex);
     asked->left = true;
@@ -62,8 +62,8 @@ void Renderer::ask(const FramePtr& frame, int origin, uint64_t rays, const Call&
   if (next) next->then(next->answer, stack);
 }
 
-void Renderer::answered(Asked& asked, TraceResult result) {
-  std::shared_ptr<Asked::Next> next;
+void Renderer::answered(PendingDeviceCall& asked, TraceResult result) {
+  std::shared_ptr<PendingDeviceCall::Next> next;
   {
     std::lock_guard lock(asked.mutex);
     asked.answered = true;
@@ -75,14 +75,14 @@ void Renderer::answered(Asked& asked, TraceResult result) {
   const std::shared_ptr<void> inside = std::move(next->inside), expected = std::move(next->expected);
   const FramePtr frame = next->frame;
   post(frame, [this, next = std::move(next)] {
-    std::vector<Held> stack;
+    std::vector<QueuedRays> stack;
     next->then(next->answer, stack);
     process(next->frame, next->origin, std::move(stack));
   });
 }
 
-void Renderer::spawnTile(const FramePtr& frame, const Tile& tile, int64_t reserved) {
-  std::vector<Held> stack;
+void Renderer::spawnTile(const FramePtr& frame, const SpawnTile& tile, int64_t reserved) {
+  std::vector<QueuedRays> stack;
   TraceResult nothing;
   const Trace::Span span(options_.trace, "tile", frame->id);
   if (frame->cancelled)
@@ -91,7 +91,7 @@ void Renderer::spawnTile(const FramePtr& frame, const Tile& tile, int64_t reserv
     ask(
         frame, transport_.rank(), 0,
         [&](DeviceScene::Done done) { frame->scene.device->spawn(*frame->device, tile, std::move(done)); },
-        [this, frame, reserved](TraceResult& result, std::vector<Held>& rest) {
+        [this, frame, reserved](TraceResult& result, std::vector<QueuedRays>& rest) {
           spawned(frame, result, reserved, rest);
         },
         stack);
@@ -99,27 +99,27 @@ void Renderer::spawnTile(const FramePtr& frame, const Tile& tile, int64_t reserv
 }
 
 void Renderer::spawned(const FramePtr& frame, TraceResult& result, int64_t reserved,
-                       std::vector<Held>& stack) {
+                       std::vector<QueuedRays>& stack) {
   for (const LeavingRays& l : result.leaving) {
     completion_.created(frame->id, uint64_t(l.rays.size()));
     reserved -= l.rays.size() * (l.primary ? frame->perPrimary : 1);
   }
   take(frame, transport_.rank(), result, stack);
   if (--frame->tilesLeft == 0) completion_.spawned(frame->id);
-  giveBack(transport_.rank(), frame->request.share, reserved);
+  giveBack(transport_.rank(), frame->request.priority, reserved);
 }
 
-Renderer::Held Renderer::hold(const Frame& frame, LeavingRays rays) {
+Renderer::QueuedRays Renderer::hold(const Frame& frame, LeavingRays rays) {
   LedgerEntry memory = frame.account().rays.another(rays.rays.bytes());
   return {std::move(rays), std::move(memory)};
 }
 
 // Distributes a device's answer: to the framebuffer, the counters, other ranks, and this rank's stack.
-void Renderer::take(const FramePtr& frame, int origin, TraceResult& result, std::vector<Held>& stack) {
+void Renderer::take(const FramePtr& frame, int origin, TraceResult& result, std::vector<QueuedRays>& stack) {
   if (!result.error.empty()) fail(frame, result.error);
   contribute(frame, result);
   frame->work += result.counters.nsWork();
-  if (frame->device && !frame->share().interactive) frame->device->setUrgent(false);
+  if (frame->device && !frame->priority().interactive) frame->device->setUrgent(false);
   {
     std::lock_guard lock(mutex_);
     counters_.trace += result.counters;
@@ -135,27 +135,27 @@ void Renderer::take(const FramePtr& frame, int origin, TraceResult& result, std:
 }
 
 void Renderer::traced(const FramePtr& frame, int origin, bool primary, TraceResult& result,
-                      std::vector<Held>& stack) {
+                      std::vector<QueuedRays>& stack) {
   completion_.created(frame->id, result.secondaries);
   take(frame, origin, result, stack);
   completion_.retired(frame->id, result.retired);
   const int64_t credits =
       int64_t(result.retired) * (primary ? frame->perPrimary : 1) - int64_t(result.secondaries);
-  giveBack(origin, frame->request.share, credits);
+  giveBack(origin, frame->request.priority, credits);
 }
 
 // Ends rays that will not be traced.
 void Renderer::retire(const FramePtr& frame, int origin, bool primary, uint64_t rays) {
   TraceResult ended;
   ended.retired = ended.counters.raysRetired = rays;
-  std::vector<Held> nothing;
+  std::vector<QueuedRays> nothing;
   traced(frame, origin, primary, ended, nothing);
 }
 
 // Traces one packet. Puts off the rest, and all rays that it leaves on this rank.
-void Renderer::process(const FramePtr& frame, int origin, std::vector<Held> stack) {
+void Renderer::process(const FramePtr& frame, int origin, std::vector<QueuedRays> stack) {
   while (!stack.empty()) {
-    Held next = std::move(stack.back());
+    QueuedRays next = std::move(stack.back());
     stack.pop_back();
     LeavingRays& list = next.list;
     const int most = frame->packet.rays();
@@ -180,7 +180,7 @@ void Renderer::process(const FramePtr& frame, int origin, std::vector<Held> stac
           frame->scene.device->trace(*frame->device, list.partition, primary, std::move(list.rays),
                                      std::move(done));
         },
-        [this, frame, origin, primary, memory](TraceResult& result, std::vector<Held>& rest) {
+        [this, frame, origin, primary, memory](TraceResult& result, std::vector<QueuedRays>& rest) {
           traced(frame, origin, primary, result, rest);
         },
         stack);
@@ -191,9 +191,9 @@ void Renderer::process(const FramePtr& frame, int origin, std::vector<Held> stac
 }
 
 // Queues the rest of a task for later.
-void Renderer::putOff(const FramePtr& frame, int origin, std::vector<Held> rest) {
+void Renderer::putOff(const FramePtr& frame, int origin, std::vector<QueuedRays> rest) {
   auto active = std::make_shared<Completion::Active>(completion_, frame->id);
-  auto held = std::make_shared<std::vector<Held>>(std::move(rest));
+  auto held = std::make_shared<std::vector<QueuedRays>>(std::move(rest));
   post(
       frame, [this, frame, origin, active, held] { process(frame, origin, std::move(*held)); }, true);
 }
@@ -249,7 +249,7 @@ void Renderer::receiveRays(Bytes message) {
   if (!frame) return;
   if (!frame->device) return retire(frame, header.origin, primary, uint64_t(header.count));
   auto active = std::make_shared<Completion::Active>(completion_, header.frame);
-  auto held = std::make_shared<std::vector<Held>>();  // shared, because tasks are copied
+  auto held = std::make_shared<std::vector<QueuedRays>>();  // shared, because tasks are copied
   try {
     const CompiledScene& scene = *frame->scene.compiled;
     if (header.partition < 0 || header.partition >= scene.partitioning->partitions() ||
@@ -299,7 +299,7 @@ void Renderer::receiveContributions(Bytes message) {
   completion_.retired(header.frame, 1);
 }
 
-void Renderer::giveBack(int origin, const Share& share, int64_t credits) {
+void Renderer::giveBack(int origin, const Priority& priority, int64_t credits) {
   if (credits == 0) {
     if (origin == transport_.rank()) return;
     std::lock_guard lock(mutex_);
@@ -308,11 +308,11 @@ void Renderer::giveBack(int origin, const Share& share, int64_t credits) {
   }
   if (origin != transport_.rank()) {
     Writer w;
-    w.write(share.tenant).write(share.stream).write(credits);
+    w.write(priority.tenant).write(priority.stream).write(credits);
     transport_.send(origin, Channel::Credits, w.take());
     return;
   }
-  ready_.giveBack(share, credits);
+  ready_.giveBack(priority, credits);
   startRunner();  // there may be room for a tile now
 }
 

@@ -35,7 +35,7 @@ struct Renderer::Frame {
   const Account* shared = nullptr;           ///< the Renderer's, for frames that name no account
   std::optional<Account> own;                ///< of a frame that names an account
   LedgerEntry tileMemory;
-  std::vector<Tile> tiles;  ///< tiles of the first sample
+  std::vector<SpawnTile> tiles;  ///< tiles of the first sample
   /// Index of the tile that is spawned next: all tiles of a sample, then those of the next sample. Guarded by
   /// the ReadyQueue's lock.
   size_t next = 0;
@@ -55,18 +55,19 @@ struct Renderer::Frame {
   const Account& account() const { return own ? *own : *shared; }
   /// The request's share, but no longer interactive when the frame has taken more than Options::urgentWork on
   /// this rank.
-  Share share() const {
-    return {request.share.tenant, request.share.interactive && work <= mostUrgentWork, request.share.stream};
+  Priority priority() const {
+    return {request.priority.tenant, request.priority.interactive && work <= mostUrgentWork,
+            request.priority.stream};
   }
   size_t allTiles() const { return tiles.size() * size_t(samples); }
-  Tile nextTile() const {
-    Tile tile = tiles[next % tiles.size()];
+  SpawnTile nextTile() const {
+    SpawnTile tile = tiles[next % tiles.size()];
     tile.sample += int(next / tiles.size());
     return tile;
   }
   /// Credits that the rays of nextTile() take.
   int64_t nextCost() const {
-    const Tile tile = nextTile();
+    const SpawnTile tile = nextTile();
     return int64_t(tile.x1 - tile.x0) * (tile.y1 - tile.y0) * perPrimary;
   }
 };
@@ -85,7 +86,7 @@ class Renderer::Tiles : public TileSource {
 };
 
 /// A message that arrived before the start of its frame.
-struct Renderer::Parked {
+struct Renderer::EarlyMessage {
   Channel channel;
   Bytes message;
   std::shared_ptr<Completion::Active> active;
@@ -93,7 +94,7 @@ struct Renderer::Parked {
 };
 
 /// A list of rays on this rank, and its entry in the ledger.
-struct Renderer::Held {
+struct Renderer::QueuedRays {
   LeavingRays list;
   LedgerEntry memory;
 };
@@ -140,7 +141,7 @@ class Renderer::Tasks : public std::enable_shared_from_this<Tasks> {
 
 /// A call to a device. The answer may come before or after the call returns; whichever is second takes `next`
 /// and goes on. What the device may still keep of the call then holds nothing.
-struct Renderer::Asked {
+struct Renderer::PendingDeviceCall {
   struct Next {
     std::shared_ptr<void> inside, expected;  ///< make this Renderer and the Transport wait for the answer
     FramePtr frame;

@@ -22,13 +22,13 @@ void Renderer::post(std::function<void()> task) {
 }
 
 // Queues a task, which runs when its turn comes.
-void Renderer::post(const Share& share, FrameId frame, std::function<void()> task, bool first) {
-  ready_.push(share, frame, std::move(task), first);
+void Renderer::post(const Priority& priority, FrameId frame, std::function<void()> task, bool first) {
+  ready_.push(priority, frame, std::move(task), first);
   startRunner();
 }
 
 void Renderer::post(const FramePtr& frame, std::function<void()> task, bool first) {
-  post(frame->share(), frame->id, std::move(task), first);
+  post(frame->priority(), frame->id, std::move(task), first);
 }
 
 void Renderer::runNext(ReadyQueue& queue) {

@@ -80,8 +80,8 @@ TileList tilesOf(const CompiledScene& scene, const CompiledFrame& frame, int ran
   TileList list;
   for (int y = 0; y < frame.height; y += side)
     for (int x = 0; x < frame.width; x += side) {
-      const Tile tile{x, y, std::min(x + side, frame.width), std::min(y + side, frame.height),
-                      frame.firstSample};
+      const SpawnTile tile{x, y, std::min(x + side, frame.width), std::min(y + side, frame.height),
+                           frame.firstSample};
       const bool meets = std::any_of(seen.begin(), seen.end(), [&](const PixelBox& b) {
         return b.x0 < tile.x1 && tile.x0 < b.x1 && b.y0 < tile.y1 && tile.y0 < b.y1;
       });

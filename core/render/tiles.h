@@ -9,7 +9,7 @@ namespace gxy {
 
 struct TileList {
   /// Tiles of the frame's first sample, in order of rendering. The other samples have the same tiles.
-  std::vector<Tile> tiles;
+  std::vector<SpawnTile> tiles;
   uint64_t skipped = 0;  ///< tiles of one sample that are left out
 };
 

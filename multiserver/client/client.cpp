@@ -19,16 +19,16 @@
 #include <thread>
 
 #include "core/comm/error.h"
-#include "multiserver/protocol/frame.h"
 #include "multiserver/protocol/json.h"
 #include "multiserver/protocol/run_files.h"
+#include "multiserver/protocol/wire_message.h"
 
 namespace gxy {
 
 namespace asio = boost::asio;
 using asio::ip::tcp;
-using protocol::Frame;
-using protocol::FrameChannel;
+using protocol::MessageChannel;
+using protocol::WireMessage;
 
 namespace {
 
@@ -66,8 +66,8 @@ class Client::Impl {
       std::array<std::byte, protocol::kPreambleBytes> theirs;
       waitFor(asio::async_read(socket_, asio::buffer(theirs), asio::use_future), end);
       protocol::checkPreamble(theirs);
-      write(protocol::textFrame(FrameChannel::Control, 0, protocol::helloText(hello)));
-      const Frame answer = next([&](const auto& buffer) {
+      write(protocol::textMessage(MessageChannel::Control, 0, protocol::helloText(hello)));
+      const WireMessage answer = next([&](const auto& buffer) {
         return waitFor(socket_.async_read_some(buffer, asio::use_future), end);
       });
       if (const auto reason = protocol::afterWord(answer.text(), "bye"))
@@ -97,7 +97,7 @@ class Client::Impl {
       waiting_[id] = std::move(onReply);
     }
     try {
-      write(protocol::textFrame(FrameChannel::Request, id, statement));
+      write(protocol::textMessage(MessageChannel::Request, id, statement));
     } catch (const boost::system::system_error&) {
       ::shutdown(socket_.native_handle(), SHUT_RDWR);  // The reading thread then ends all requests.
     }
@@ -140,17 +140,17 @@ class Client::Impl {
     return result.get();
   }
 
-  void write(const Frame& frame) {
-    const auto header = protocol::headerOf(frame);
-    const std::array<asio::const_buffer, 2> parts{asio::buffer(header), asio::buffer(frame.payload)};
+  void write(const WireMessage& message) {
+    const auto header = protocol::headerOf(message);
+    const std::array<asio::const_buffer, 2> parts{asio::buffer(header), asio::buffer(message.payload)};
     const std::lock_guard lock(writing_);
     asio::write(socket_, parts);
   }
 
-  Frame next(const auto& readSome) {
+  WireMessage next(const auto& readSome) {
     for (;;) {
       if (!unread_.empty())
-        if (auto frame = reader_.take(unread_)) return *std::move(frame);
+        if (auto message = reader_.take(unread_)) return *std::move(message);
       const size_t size = readSome(asio::buffer(buffer_));
       unread_ = std::span<const std::byte>(buffer_).first(size);
     }
@@ -160,12 +160,12 @@ class Client::Impl {
     std::string reason = "closed";
     try {
       for (;;) {
-        const Frame frame = next([this](const auto& buffer) { return socket_.read_some(buffer); });
-        if (frame.channel != FrameChannel::Control) {
-          take(frame);
-        } else if (const auto number = protocol::afterWord(frame.text(), "ping")) {
-          write(protocol::textFrame(FrameChannel::Control, 0, "pong " + std::string(*number)));
-        } else if (const auto why = protocol::afterWord(frame.text(), "bye")) {
+        const WireMessage message = next([this](const auto& buffer) { return socket_.read_some(buffer); });
+        if (message.channel != MessageChannel::Control) {
+          take(message);
+        } else if (const auto number = protocol::afterWord(message.text(), "ping")) {
+          write(protocol::textMessage(MessageChannel::Control, 0, "pong " + std::string(*number)));
+        } else if (const auto why = protocol::afterWord(message.text(), "bye")) {
           reason = *why;
           break;
         }
@@ -187,43 +187,43 @@ class Client::Impl {
     if (options_.onEnd && !ending_) options_.onEnd(reason);
   }
 
-  void take(const Frame& frame) {
-    if (frame.channel == FrameChannel::Reply) {
+  void take(const WireMessage& message) {
+    if (message.channel == MessageChannel::Reply) {
       OnReply onReply;
       {
         const std::lock_guard lock(mutex_);
-        const auto found = waiting_.find(frame.id);
+        const auto found = waiting_.find(message.id);
         if (found == waiting_.end())
-          throw Error("reply to request " + std::to_string(frame.id) + ", which is not out");
+          throw Error("reply to request " + std::to_string(message.id) + ", which is not out");
         onReply = std::move(found->second);
         waiting_.erase(found);
       }
-      onReply(replyOf(frame.text()));
-    } else if (frame.channel == FrameChannel::Event) {
-      if (options_.onEvent) options_.onEvent(protocol::parseAnswer(frame.text(), "event"));
-    } else if (frame.channel == FrameChannel::Pixels) {
-      const protocol::PixelHeader header = protocol::pixelHeader(frame.payload);
-      if (options_.onPixels) options_.onPixels(header, protocol::pixelData(frame.payload));
+      onReply(replyOf(message.text()));
+    } else if (message.channel == MessageChannel::Event) {
+      if (options_.onEvent) options_.onEvent(protocol::parseAnswer(message.text(), "event"));
+    } else if (message.channel == MessageChannel::Pixels) {
+      const protocol::PixelHeader header = protocol::pixelHeader(message.payload);
+      if (options_.onPixels) options_.onPixels(header, protocol::pixelData(message.payload));
     } else {
-      takeFile(frame);
+      takeFile(message);
     }
   }
 
-  void takeFile(const Frame& frame) {
+  void takeFile(const WireMessage& message) {
     uint32_t size = 0;
-    const std::span<const std::byte> payload(frame.payload);
+    const std::span<const std::byte> payload(message.payload);
     if (payload.size() >= sizeof size) std::memcpy(&size, payload.data(), sizeof size);
     if (payload.size() < sizeof size || size > payload.size() - sizeof size)
       throw Error("file record of " + std::to_string(payload.size()) + " bytes: its header does not fit");
-    const auto header = frame.text().substr(sizeof size, size);
+    const auto header = message.text().substr(sizeof size, size);
     if (options_.onFile)
-      options_.onFile(frame.id, protocol::parseAnswer(header, "file record"),
+      options_.onFile(message.id, protocol::parseAnswer(header, "file record"),
                       payload.subspan(sizeof size + size));
   }
 
   asio::io_context context_;
   tcp::socket socket_;
-  protocol::FrameReader reader_{protocol::FrameReader::fromServer()};
+  protocol::MessageReader reader_{protocol::MessageReader::fromServer()};
   std::array<std::byte, 64 << 10> buffer_;
   std::span<const std::byte> unread_;
   std::mutex writing_;

@@ -10,7 +10,7 @@ DataHold dataHold(const ScenePtr& scene, Key key, Generation generation, const s
   DataHold hold;
   if (scene) hold.dataset = scene->find(key, generation);
   if (hold.dataset && hold.dataset->owner != tenant)
-    hold.tooLong = std::chrono::steady_clock::now() - begin > scene->node.options.longestHold;
+    hold.tooLong = std::chrono::steady_clock::now() - begin > scene->serverRank.options.longestHold;
   return hold;
 }
 

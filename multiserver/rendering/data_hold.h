@@ -13,7 +13,7 @@ struct DataHold {
   const NamedDataset* dataset =
       nullptr;  ///< the dataset of that generation that the picture shows; null: none
   /// The dataset belongs to another tenant, and the picture has been under way for longer than
-  /// NodeOptions::longestHold. The picture must end now, unfinished.
+  /// ServerRankOptions::longestHold. The picture must end now, unfinished.
   bool tooLong = false;
 };
 

@@ -99,15 +99,17 @@ class PictureDelivery::Operation final : public PictureOperation {
   PictureFormat wanted_;
 };
 
-PictureDelivery::PictureDelivery(Node& node) : node_(node) {
-  node_.renderer.onOperation([this](Reader& in) { return std::make_shared<const Operation>(*this, in); });
-  if (node_.rank() == 0)
-    node_.transport.onMessage(Channel::Pictures, [this](int, Bytes message) { receive(std::move(message)); });
+PictureDelivery::PictureDelivery(ServerRank& serverRank) : serverRank_(serverRank) {
+  serverRank_.renderer.onOperation(
+      [this](Reader& in) { return std::make_shared<const Operation>(*this, in); });
+  if (serverRank_.rank() == 0)
+    serverRank_.transport.onMessage(Channel::Pictures,
+                                    [this](int, Bytes message) { receive(std::move(message)); });
 }
 
 PictureDelivery::~PictureDelivery() {
-  node_.renderer.onOperation({});
-  if (node_.rank() == 0) node_.transport.onMessage(Channel::Pictures, {});
+  serverRank_.renderer.onOperation({});
+  if (serverRank_.rank() == 0) serverRank_.transport.onMessage(Channel::Pictures, {});
 }
 
 FrameId PictureDelivery::start(FrameRequest request, const PictureFormat& wanted, PictureReceiver receiver) {
@@ -123,7 +125,7 @@ FrameId PictureDelivery::start(FrameRequest request, const PictureFormat& wanted
   request.sums = wanted.as == PictureFormat::As::Sums;
   request.depth = wanted.as == PictureFormat::As::Depth;
   try {
-    return node_.renderer.render(
+    return serverRank_.renderer.render(
         request, [this, ticket](FrameId, const Renderer::Ending& ending) { onFinished(ticket, ending); });
   } catch (const Error&) {
     const std::lock_guard lock(mutex_);
@@ -139,18 +141,18 @@ void PictureDelivery::deliver(uint64_t ticket, const PictureFormat& wanted, Pict
   try {
     pieces = sendPieces(ticket, wanted, std::move(picture));
   } catch (const std::exception& e) {
-    error = "rank " + std::to_string(node_.rank()) + ": " + e.what();
+    error = "rank " + std::to_string(serverRank_.rank()) + ": " + e.what();
   }
   Writer w;
-  node_.transport.send(0, Channel::Pictures,
-                       w.write(ticket).write(Piece::All).write(pieces).write(error).take());
+  serverRank_.transport.send(0, Channel::Pictures,
+                             w.write(ticket).write(Piece::All).write(pieces).write(error).take());
 }
 
 uint64_t PictureDelivery::sendPieces(uint64_t ticket, const PictureFormat& wanted, Picture picture) {
   const auto send = [&](Piece piece, std::span<const std::byte> content) {
     Writer w;
     w.write(ticket).write(piece).write(int32_t(picture.width)).write(int32_t(picture.height)).write(content);
-    node_.transport.send(0, Channel::Pictures, w.take());
+    serverRank_.transport.send(0, Channel::Pictures, w.take());
   };
   if (wanted.as == PictureFormat::As::Tiles) {
     const std::vector<Bytes> tiles = tilesOfPicture(picture, wanted.encoding, wanted.quality);
@@ -172,7 +174,7 @@ uint64_t PictureDelivery::sendPieces(uint64_t ticket, const PictureFormat& wante
     send(Piece::Bytes, content);
     return 1;
   }
-  node_.folders.write(wanted.path, content);
+  serverRank_.folders.write(wanted.path, content);
   return 0;
 }
 
@@ -196,7 +198,7 @@ void PictureDelivery::receive(Bytes message) {
     return conclude(ticket, lock);
   }
   if (piece == Piece::Tile) return receivePiece(ticket, *expected, message);
-  node_.transport.post([this, ticket, expected, message = std::move(message)] {  // a whole picture
+  serverRank_.transport.post([this, ticket, expected, message = std::move(message)] {  // a whole picture
     receivePiece(ticket, *expected, message);
   });
 }
@@ -251,7 +253,7 @@ void PictureDelivery::conclude(uint64_t ticket, std::unique_lock<std::mutex>& lo
     return;
   expected_.erase(at);
   lock.unlock();
-  node_.transport.post([expected] { expected->receiver.done(false, expected->error); });
+  serverRank_.transport.post([expected] { expected->receiver.done(false, expected->error); });
 }
 
 }  // namespace gxy

@@ -10,7 +10,7 @@
 
 #include "core/annotate/overlay.h"
 #include "multiserver/protocol/pixel_record.h"
-#include "multiserver/server/node.h"
+#include "multiserver/server/server_rank.h"
 
 namespace gxy {
 
@@ -43,7 +43,7 @@ std::vector<Bytes> tilesOfPicture(const Picture& picture, protocol::PixelEncodin
 /// Starts frames and delivers their pictures. There is one on each rank (Rendering). Thread safe.
 class PictureDelivery {
  public:
-  explicit PictureDelivery(Node& node);
+  explicit PictureDelivery(ServerRank& serverRank);
   ~PictureDelivery();
 
   /// Rank 0: starts a frame whose picture goes to `receiver`. Throws Error as Renderer::render() does, and calls nothing then.
@@ -67,7 +67,7 @@ class PictureDelivery {
   void conclude(uint64_t ticket, std::unique_lock<std::mutex>& lock);
   ExpectedPtr find(uint64_t ticket) const;
 
-  Node& node_;
+  ServerRank& serverRank_;
   mutable std::mutex mutex_;
   std::map<uint64_t, ExpectedPtr> expected_;  ///< rank 0
   uint64_t nextTicket_ = 1;

@@ -13,12 +13,13 @@ namespace gxy {
 
 /// There is one on each rank, for all modules. Thread safe.
 struct Rendering {
-  explicit Rendering(Registration& registration) : scenes(registration), pictures(registration.node()) {}
+  explicit Rendering(Registration& registration)
+      : scenes(registration), pictures(registration.serverRank()) {}
 
   SceneCache scenes;
   PictureDelivery pictures;
 
-  /// Rank 0: returns a new number for a stream of frames, for instance those of a window or of a batch (Share::stream).
+  /// Rank 0: returns a new number for a stream of frames, for instance those of a window or of a batch (Priority::stream).
   uint64_t nextStream() { return streams_++; }
 
  private:

@@ -22,7 +22,7 @@ constexpr int kLooks = 8;  // at names whose objects are replaced meanwhile, eac
 }  // namespace
 
 SceneHandle::~SceneHandle() {
-  node.work.broadcast("rendering.forget_scene", {{"scene", id}}, [](std::vector<Work::Reply>) {});
+  serverRank.work.broadcast("rendering.forget_scene", {{"scene", id}}, [](std::vector<Work::Reply>) {});
 }
 
 const NamedDataset* SceneHandle::find(Key key, std::optional<Generation> generation) const {
@@ -32,7 +32,7 @@ const NamedDataset* SceneHandle::find(Key key, std::optional<Generation> generat
 }
 
 SceneCache::SceneCache(Registration& registration)
-    : node_(registration.node()), builder_(*node_.backend, node_.rank()) {
+    : serverRank_(registration.serverRank()), builder_(*serverRank_.backend, serverRank_.rank()) {
   registration.work(
       "rendering.make_scene", [this](const Work::Call& call) { return make(call.parameters); },
       Work::Runs::Waiting);
@@ -49,7 +49,7 @@ SceneSource SceneCache::sourceOf(const json& p, Collectives& ranks) const {
   for (const json& d : p.at("data")) {
     const auto key = d.at("key").get<uint64_t>();
     const auto generation = d.at("generation").get<Generation>();
-    const auto dataset = node_.objects.pin(Key{key}, generation).get<Dataset>();
+    const auto dataset = serverRank_.objects.pin(Key{key}, generation).get<Dataset>();
     if (!source.partitioning) source.partitioning = dataset->partitioning;
     const auto& operators = source.visualization.operators;
     if (source.partitioning != dataset->partitioning && !(*source.partitioning == *dataset->partitioning))
@@ -73,7 +73,7 @@ SceneSource SceneCache::sourceOf(const json& p, Collectives& ranks) const {
 json SceneCache::make(const json& p) {
   const auto id = p.at("scene").get<SceneId>();
   const auto tenant = p.at("tenant").get<std::string>();
-  Exchanges::Part part = node_.exchanges.join(p.at("exchange").get<uint64_t>());
+  Exchanges::Part part = serverRank_.exchanges.join(p.at("exchange").get<uint64_t>());
   RankCollectives& ranks = part.ranks;
 
   SceneSource source;
@@ -82,11 +82,11 @@ json SceneCache::make(const json& p) {
     part.begin(item, of, text);
   };
   const EnterMemory enter = [this, &tenant](const char* purpose, int64_t bytes) {
-    return node_.takeMemory(tenant, purpose, bytes);
+    return serverRank_.takeMemory(tenant, purpose, bytes);
   };
   BuiltScene built = builder_.build(std::move(source), sceneRanksOf(ranks), enter, onItem);
   const std::lock_guard lock(mutex_);
-  node_.renderer.addScene(id, built.compiled, built.device);
+  serverRank_.renderer.addScene(id, built.compiled, built.device);
   built_[id] = std::move(built);
   return nullptr;
 }
@@ -105,34 +105,34 @@ json SceneCache::forget(const json& p) {
     const std::lock_guard lock(mutex_);
     gone = built_.extract(id);
   }
-  node_.renderer.removeScene(id);
+  serverRank_.renderer.removeScene(id);
   return nullptr;
 }
 
 namespace {
 
-std::vector<Pin> pinned(Node& node, const std::vector<NamedDataset>& data) {
+std::vector<Pin> pinned(ServerRank& serverRank, const std::vector<NamedDataset>& data) {
   std::vector<ObjectGeneration> generations;
   for (const NamedDataset& d : data) generations.push_back({d.key, d.generation});
-  return node.objects.pin(generations);
+  return serverRank.objects.pin(generations);
 }
 
 }  // namespace
 
 bool SceneCache::namesMean(const std::string& tenant, const std::vector<NamedDataset>& data) const {
   return std::all_of(data.begin(), data.end(), [&](const NamedDataset& d) {
-    const auto now = node_.datasets->find(tenant, d.name);
+    const auto now = serverRank_.datasets->find(tenant, d.name);
     return now && now->key == d.key;
   });
 }
 
-SceneCache::Held SceneCache::hold(const std::string& tenant, const Visualization& visualization,
-                                  ShownSoFar& shown) const {
-  Held held;
+SceneCache::HeldData SceneCache::hold(const std::string& tenant, const Visualization& visualization,
+                                      ShownSoFar& shown) const {
+  HeldData held;
   std::vector<DataFacts> facts;
   std::vector<std::string> names;
   for (const Vis& vis : visualization.operators) names.push_back(vis.dataset);
-  for (auto& [dataset, pin] : node_.datasets->getPinned(tenant, names)) {
+  for (auto& [dataset, pin] : serverRank_.datasets->getPinned(tenant, names)) {
     const auto content = pin.get<Dataset>();
     facts.push_back(content->volume ? factsOf(*content->volume) : factsOf(*content->geometry));
     held.data.push_back(std::move(dataset));
@@ -151,7 +151,7 @@ SceneCache::Pinned SceneCache::get(const std::string& tenant, const Visualizatio
                                    const RenderSettings& settings, const Asker& asker, ShownSoFar& shown,
                                    const ScenePtr& known) {
   if (known && namesMean(tenant, known->data)) try {
-      return {known, pinned(node_, known->data)};
+      return {known, pinned(serverRank_, known->data)};
     } catch (const Error&) {
       // its data have gone
     }
@@ -170,7 +170,7 @@ SceneCache::Pinned SceneCache::get(const std::string& tenant, const Visualizatio
       state.datasets.push_back(spec);
   }
   for (int looks = 1;; looks++) {
-    Held held = hold(tenant, visualization, shown);
+    HeldData held = hold(tenant, visualization, shown);
     state.visualizations = {std::move(held.resolved)};
     try {
       return {getOf(tenant, state, held.data, asker), std::move(held.pins)};
@@ -217,31 +217,32 @@ void SceneCache::start(const MakingPtr& making, const std::string& content, cons
     const std::lock_guard lock(mutex_);
     id = next_++;
   }
-  auto scene = std::make_shared<SceneHandle>(node_, id);
+  auto scene = std::make_shared<SceneHandle>(serverRank_, id);
   json keys = json::array();
   for (const NamedDataset& d : data) keys.push_back({{"key", d.key.value}, {"generation", d.generation}});
   scene->data = std::move(data);
-  auto exchange =
-      node_.exchanges.begin(Asker{[making] {
-                                    if (!making->wanted) throw Error("cancelled");
-                                  },
-                                  [this, making](int64_t done, int64_t of, const std::string& what,
-                                                 bool phase) { tell(*making, done, of, what, phase); }});
+  auto exchange = serverRank_.exchanges.begin(
+      Asker{[making] {
+              if (!making->wanted) throw Error("cancelled");
+            },
+            [this, making](int64_t done, int64_t of, const std::string& what, bool phase) {
+              tell(*making, done, of, what, phase);
+            }});
   making->exchange = *exchange;
   const json parameters{
       {"exchange", *exchange}, {"scene", id}, {"tenant", tenant}, {"state", text}, {"data", keys}};
-  node_.work.broadcast("rendering.make_scene", parameters,
-                       [this, making, content, scene = ScenePtr(std::move(scene)),
-                        exchange = std::move(exchange)](std::vector<Work::Reply> replies) mutable {
-                         std::string error;
-                         try {
-                           node_.resultsOf(std::move(replies));
-                         } catch (const std::exception& e) {
-                           error = e.what();
-                           scene = nullptr;
-                         }
-                         end(making, content, std::move(scene), error);
-                       });
+  serverRank_.work.broadcast("rendering.make_scene", parameters,
+                             [this, making, content, scene = ScenePtr(std::move(scene)),
+                              exchange = std::move(exchange)](std::vector<Work::Reply> replies) mutable {
+                               std::string error;
+                               try {
+                                 serverRank_.resultsOf(std::move(replies));
+                               } catch (const std::exception& e) {
+                                 error = e.what();
+                                 scene = nullptr;
+                               }
+                               end(making, content, std::move(scene), error);
+                             });
 }
 
 void SceneCache::end(const MakingPtr& making, const std::string& content, ScenePtr scene,
@@ -284,7 +285,7 @@ ScenePtr SceneCache::waitFor(const MakingPtr& making, const std::string& content
     making->wanted = false;
     underWay_.erase(content);
     lock.unlock();
-    node_.exchanges.cancel(making->exchange);
+    serverRank_.exchanges.cancel(making->exchange);
     lock.lock();
     ended_.wait(lock, hasEnded);
   }

@@ -20,12 +20,12 @@ namespace gxy {
 
 /// Rank 0's handle of a scene that all ranks hold. When the last handle goes, all ranks forget the scene.
 struct SceneHandle {
-  SceneHandle(Node& node, SceneId id) : node(node), id(id) {}
+  SceneHandle(ServerRank& serverRank, SceneId id) : serverRank(serverRank), id(id) {}
   ~SceneHandle();
   SceneHandle(const SceneHandle&) = delete;
   SceneHandle& operator=(const SceneHandle&) = delete;
 
-  Node& node;
+  ServerRank& serverRank;
   const SceneId id;
   std::vector<NamedDataset> data;  ///< by operator, with the generations that the scene shows
 
@@ -65,12 +65,12 @@ class SceneCache {
 
  private:
   /// A visualization with the data that it shows, pinned, and with numbers where it takes ranges and radii from them.
-  struct Held {
+  struct HeldData {
     std::vector<NamedDataset> data;
     std::vector<Pin> pins;
     Visualization resolved;
   };
-  Held hold(const std::string& tenant, const Visualization& visualization, ShownSoFar& shown) const;
+  HeldData hold(const std::string& tenant, const Visualization& visualization, ShownSoFar& shown) const;
   SceneSource sourceOf(const nlohmann::json& parameters, Collectives& ranks) const;
   nlohmann::json make(const nlohmann::json& parameters);
   nlohmann::json forget(const nlohmann::json& parameters);
@@ -95,7 +95,7 @@ class SceneCache {
   ScenePtr getOf(const std::string& tenant, const State& state, const std::vector<NamedDataset>& data,
                  const Asker& asker);
 
-  Node& node_;
+  ServerRank& serverRank_;
   std::mutex mutex_;
   std::map<std::string, std::weak_ptr<const SceneHandle>> known_;  ///< rank 0: by content
   std::map<std::string, MakingPtr> underWay_;                      ///< rank 0: by content

@@ -17,7 +17,7 @@
 namespace gxy {
 
 namespace asio = boost::asio;
-using protocol::FrameChannel;
+using protocol::MessageChannel;
 
 namespace {
 
@@ -27,12 +27,12 @@ constexpr int kUnsent = 64 << 10;
 
 }  // namespace
 
-Connection::Connection(Socket socket, std::shared_ptr<asio::io_context> context, Node& node, Options options,
-                       Dialogue::Admit admit, Closed closed)
+Connection::Connection(Socket socket, std::shared_ptr<asio::io_context> context, ServerRank& serverRank,
+                       Options options, Dialogue::Admit admit, Closed closed)
     : context_(std::move(context)),
       socket_(std::move(socket)),
       timer_(socket_.get_executor()),
-      node_(node),
+      serverRank_(serverRank),
       options_(options),
       admit_(std::move(admit)),
       onClosed_(std::move(closed)) {}
@@ -54,14 +54,14 @@ void Connection::start() {
     };
   };
   outbox_ = std::make_shared<Outbox>(options_.outbox, later(&Connection::wake),
-                                     node_.ledger.enter("server", "to be sent", 0));
+                                     serverRank_.ledger.enter("server", "to be sent", 0));
   dialogue_.emplace(
       outbox_, options_.limits,
       [this, answered = later(&Connection::read)](
           const protocol::Hello& hello, const std::shared_ptr<Outbox>& outbox, protocol::Welcome& welcome) {
         auto session = admit_(hello, outbox, welcome);
         session->onAnswered = answered;
-        outbox->chargeTo(node_.ledger.enter(session->tenant(), "to be sent", 0));
+        outbox->chargeTo(serverRank_.ledger.enter(session->tenant(), "to be sent", 0));
         return session;
       });
   greet();
@@ -112,23 +112,23 @@ void Connection::wake() {
 void Connection::write() {
   if (writing_ || closed_) return;
   writing_ = true;
-  auto frame = outbox_->next();
-  if (!frame) {
+  auto message = outbox_->next();
+  if (!message) {
     writing_ = false;
     if (leaving_) close();
     return;
   }
-  writingFrame_ = *std::move(frame);
-  header_ = protocol::headerOf(writingFrame_);
-  const bool control = writingFrame_.channel == FrameChannel::Control;
-  const std::array<asio::const_buffer, 2> parts{asio::buffer(header_), asio::buffer(writingFrame_.payload)};
+  sent_ = *std::move(message);
+  header_ = protocol::headerOf(sent_);
+  const bool control = sent_.channel == MessageChannel::Control;
+  const std::array<asio::const_buffer, 2> parts{asio::buffer(header_), asio::buffer(sent_.payload)};
   const auto wrote = [this, control, before = written_](auto failed, size_t size) {
     if (!control) written_ = before + int64_t(size);
     return asio::transfer_all()(failed, size);
   };
   asio::async_write(socket_, parts, wrote, [self = shared_from_this()](auto failed, size_t) {
     self->writing_ = false;
-    self->writingFrame_ = {};
+    self->sent_ = {};
     if (failed) return self->close();
     self->wake();
   });
@@ -153,7 +153,7 @@ void Connection::watch() {
       self->heard_ = now;
     }
     // While no more requests are read from a client, its pongs are not read either.
-    const bool unread = self->session() && self->session()->full() && !self->outbox_->congested();
+    const bool unread = self->session() && self->session()->full() && !self->outbox_->aboveWatermark();
     if (unread) self->heard_ = now;
     if (now > self->heard_ + patience.silence) return self->close();
     const auto last = unread ? self->asked_ : std::max(self->heard_, self->asked_);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The socket of one client: reads bytes, writes frames, and finds out whether the client is still there.
+// The socket of one client: reads bytes, writes messages, and finds out whether the client is still there.
 #pragma once
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
@@ -39,8 +39,8 @@ class Connection : public std::enable_shared_from_this<Connection> {
   };
 
   /// `context` is the socket's. It is shared because sessions may post to it until their last task has ended.
-  Connection(Socket socket, std::shared_ptr<boost::asio::io_context> context, Node& node, Options options,
-             Dialogue::Admit admit, Closed closed);
+  Connection(Socket socket, std::shared_ptr<boost::asio::io_context> context, ServerRank& serverRank,
+             Options options, Dialogue::Admit admit, Closed closed);
 
   void start();
   /// Sends the replies and events that wait, then `bye REASON`, and closes. Closes after a second in any case.
@@ -65,7 +65,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
   const std::shared_ptr<boost::asio::io_context> context_;
   Socket socket_;
   boost::asio::steady_timer timer_;
-  Node& node_;
+  ServerRank& serverRank_;
   const Options options_;
   const Dialogue::Admit admit_;
   const Closed onClosed_;
@@ -76,11 +76,11 @@ class Connection : public std::enable_shared_from_this<Connection> {
   std::array<std::byte, 64 << 10> buffer_;
   std::span<const std::byte> unread_;  ///< part of buffer_
   std::array<std::byte, protocol::kHeaderBytes> header_{};
-  protocol::Frame writingFrame_;
+  protocol::WireMessage sent_;  ///< being written
   bool reading_ = false, writing_ = false, leaving_ = false, closed_ = false;
   Clock::time_point heard_ = Clock::now(), asked_ = Clock::now();
   const Clock::time_point begin_ = Clock::now();
-  /// Bytes written, and acknowledged by the client's machine. Control frames do not count.
+  /// Bytes written, and acknowledged by the client's machine. Control messages do not count.
   int64_t written_ = 0, acknowledged_ = 0;
   std::atomic<uint64_t> received_ = 0;
 };

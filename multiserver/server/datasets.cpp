@@ -80,21 +80,22 @@ json DatasetEvent::json() const {
   return json;
 }
 
-Datasets::Datasets(Node& node) : node_(node) {
-  if (node_.rank() == 0)
-    subscription_ = node_.observers.subscribe({}, [this](const ObjectEvent& event) { onObject(event); });
+Datasets::Datasets(ServerRank& serverRank) : serverRank_(serverRank) {
+  if (serverRank_.rank() == 0)
+    subscription_ =
+        serverRank_.observers.subscribe({}, [this](const ObjectEvent& event) { onObject(event); });
 }
 
 Datasets::~Datasets() = default;
 
 void Datasets::addWorks() {
-  node_.work.add(
+  serverRank_.work.add(
       "datasets.import", [this](const Work::Call& call) { return importHere(call.parameters); },
       Work::Runs::Waiting);
-  node_.work.add("datasets.info", [this](const Work::Call& call) { return infoHere(call.parameters); });
-  node_.work.add("datasets.drop", [this](const Work::Call& call) -> json {
+  serverRank_.work.add("datasets.info", [this](const Work::Call& call) { return infoHere(call.parameters); });
+  serverRank_.work.add("datasets.drop", [this](const Work::Call& call) -> json {
     const Key key{call.parameters.at("key").get<uint64_t>()};
-    if (node_.objects.contains(key)) node_.objects.drop(key);
+    if (serverRank_.objects.contains(key)) serverRank_.objects.drop(key);
     return nullptr;
   });
 }
@@ -102,13 +103,13 @@ void Datasets::addWorks() {
 json Datasets::infoHere(const json& parameters) const {
   Pin pin;
   try {
-    pin = node_.objects.pin(Key{parameters.at("key").get<uint64_t>()});
+    pin = serverRank_.objects.pin(Key{parameters.at("key").get<uint64_t>()});
   } catch (const Error&) {
     return nullptr;  // dropped meanwhile
   }
   const auto d = pin.get<Dataset>();
   json result{{"bytes", d->bytes}, {"generation", pin.generation()}};
-  if (node_.rank() != 0) return result;
+  if (serverRank_.rank() != 0) return result;
   const Box box = d->box();
   const Range range = d->range();
   result["box"] = box.empty() ? json(nullptr) : json::array({point(box.lo), point(box.hi)});
@@ -129,7 +130,7 @@ json Datasets::infoHere(const json& parameters) const {
 }
 
 json Datasets::info(const NamedDataset& dataset) {
-  const std::vector<json> parts = node_.callAll("datasets.info", {{"key", dataset.key.value}});
+  const std::vector<json> parts = serverRank_.callAll("datasets.info", {{"key", dataset.key.value}});
   json result = parts.at(0);
   int64_t bytes = 0;
   for (const json& part : parts) {
@@ -153,7 +154,7 @@ std::pair<NamedDataset, json> Datasets::info(const std::string& tenant, const st
 
 Generation Datasets::generationOf(Key key) const {
   try {
-    return node_.objects.pin(key).generation();
+    return serverRank_.objects.pin(key).generation();
   } catch (const Error&) {
     return 0;  // dropped meanwhile
   }
@@ -165,13 +166,13 @@ NamedDataset Datasets::named(const std::string& name, Scope scope, const Directo
 
 std::vector<NamedDataset> Datasets::list(const std::string& tenant) const {
   std::vector<NamedDataset> all;
-  for (const Directory::Listed& l : node_.directory.list(tenant))
+  for (const Directory::Listed& l : serverRank_.directory.list(tenant))
     all.push_back(named(l.name, l.scope, l.entry));
   return all;
 }
 
 std::optional<NamedDataset> Datasets::find(const std::string& tenant, const std::string& name) const {
-  const auto found = node_.directory.find(tenant, std::span(&name, 1)).front();
+  const auto found = serverRank_.directory.find(tenant, std::span(&name, 1)).front();
   if (!found) return std::nullopt;
   return named(name, found->scope, found->entry);
 }
@@ -189,9 +190,9 @@ std::vector<std::pair<NamedDataset, Pin>> Datasets::getPinned(const std::string&
                                                               std::span<const std::string> names) const {
   std::vector<NamedDataset> datasets;
   // A name is taken away before its object is dropped, so what has one is there.
-  std::vector<Pin> pins = node_.objects.pin([&] {
+  std::vector<Pin> pins = serverRank_.objects.pin([&] {
     std::vector<Key> keys;
-    const auto all = node_.directory.find(tenant, names);
+    const auto all = serverRank_.directory.find(tenant, names);
     for (size_t i = 0; i < names.size(); i++) {
       if (!all[i]) failMissing(names[i]);
       const auto& [name, scope, entry] = *all[i];
@@ -210,7 +211,7 @@ std::vector<std::pair<NamedDataset, Pin>> Datasets::getPinned(const std::string&
 
 std::optional<NamedDataset> Datasets::mayName(const std::string& tenant, const std::string& name,
                                               Scope scope) const {
-  const auto entry = node_.directory.find(tenant, name, scope);
+  const auto entry = serverRank_.directory.find(tenant, name, scope);
   if (!entry) return std::nullopt;
   if (entry->readOnly && entry->owner != tenant)
     throw Error("dataset " + inQuotes(name) + " belongs to " + entry->owner +
@@ -224,7 +225,7 @@ void Datasets::dropObject(Key key) {
     names_.erase(key);
     for (auto& [tenant, keys] : newest_) std::erase(keys, key);
   }
-  node_.callAll("datasets.drop", {{"key", key.value}});
+  serverRank_.callAll("datasets.drop", {{"key", key.value}});
 }
 
 void Datasets::drop(const std::string& tenant, const std::string& name) {
@@ -233,7 +234,7 @@ void Datasets::drop(const std::string& tenant, const std::string& name) {
     const std::lock_guard naming(naming_);
     if (endPublishingOf(tenant, name) && !find(tenant, name)) return;
     const NamedDataset dataset = get(tenant, name);
-    node_.directory.remove(tenant, name, dataset.scope);
+    serverRank_.directory.remove(tenant, name, dataset.scope);
     key = dataset.key;
     tell({DatasetEvent::Kind::Dropped, dataset, {}});
   }
@@ -248,8 +249,8 @@ void Datasets::rename(const std::string& tenant, const std::string& name, const 
     throw Error("rename: the name " + inQuotes(newName) + " is in use, expected a free one");
   if (d.scope == Scope::Shared && d.owner != tenant)
     throw Error("rename: " + inQuotes(name) + " belongs to " + d.owner + ", expected a dataset of your own");
-  node_.directory.remove(tenant, name, d.scope);
-  node_.directory.bind(newName, d.scope, {d.key, d.type, d.owner, d.readOnly});
+  serverRank_.directory.remove(tenant, name, d.scope);
+  serverRank_.directory.bind(newName, d.scope, {d.key, d.type, d.owner, d.readOnly});
   {
     const std::lock_guard lock(mutex_);
     names_[d.key].first = newName;
@@ -260,21 +261,21 @@ void Datasets::rename(const std::string& tenant, const std::string& name, const 
 void Datasets::move(const std::string& tenant, const std::string& name, Scope to, bool readOnly) {
   const std::lock_guard naming(naming_);
   const Scope from = to == Scope::Shared ? Scope::Private : Scope::Shared;
-  const auto entry = node_.directory.find(tenant, name, from);
+  const auto entry = serverRank_.directory.find(tenant, name, from);
   NamedDataset d = entry ? named(name, from, *entry) : get(tenant, name);
   if (d.owner != tenant)
     throw Error("dataset " + inQuotes(name) + " belongs to " + d.owner + ", expected one of your own");
   if (!entry)
     throw Error("dataset " + inQuotes(name) + " is " + (to == Scope::Shared ? "shared" : "private") +
                 " already");
-  if (node_.directory.find(tenant, name, to))
+  if (serverRank_.directory.find(tenant, name, to))
     throw Error("the name " + inQuotes(name) + " is in use there, expected a free one");
-  node_.directory.bind(name, to, {d.key, d.type, d.owner, readOnly});
+  serverRank_.directory.bind(name, to, {d.key, d.type, d.owner, readOnly});
   {
     const std::lock_guard lock(mutex_);
     names_[d.key].second = to;
   }
-  node_.directory.remove(tenant, name, from);
+  serverRank_.directory.remove(tenant, name, from);
   tell({DatasetEvent::Kind::Dropped, d, {}});
   d.scope = to;
   d.readOnly = readOnly;
@@ -335,7 +336,7 @@ void Datasets::onObject(const ObjectEvent& event) {
   lock.unlock();
   std::optional<NamedDataset> dataset;
   if (scope == Scope::Shared) {
-    if (const auto entry = node_.directory.find({}, name); entry && entry->key == event.key)
+    if (const auto entry = serverRank_.directory.find({}, name); entry && entry->key == event.key)
       dataset = named(name, scope, *entry);
   } else {
     std::string owner;
@@ -344,7 +345,7 @@ void Datasets::onObject(const ObjectEvent& event) {
       for (const auto& [tenant, keys] : newest_)
         if (std::find(keys.begin(), keys.end(), event.key) != keys.end()) owner = tenant;
     }
-    if (const auto entry = node_.directory.find(owner, name); entry && entry->key == event.key)
+    if (const auto entry = serverRank_.directory.find(owner, name); entry && entry->key == event.key)
       dataset = named(name, scope, *entry);
   }
   if (!dataset) return;

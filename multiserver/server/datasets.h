@@ -18,7 +18,7 @@
 #include "core/data/partitioning.h"
 #include "core/scene/scene.h"
 #include "core/space/publication.h"
-#include "multiserver/server/node.h"
+#include "multiserver/server/server_rank.h"
 
 namespace gxy {
 
@@ -66,7 +66,7 @@ struct DatasetEvent {
 /// data has a Publication of them on every rank (join), to which it gives the data before they are published (publish).
 class Datasets {
  public:
-  explicit Datasets(Node& node);
+  explicit Datasets(ServerRank& serverRank);
   ~Datasets();
   void addWorks();
 
@@ -170,7 +170,7 @@ class Datasets {
   NamedDataset named(const std::string& name, Scope scope, const DirectoryEntry& entry) const;
   void dropObject(Key key);
 
-  Node& node_;
+  ServerRank& serverRank_;
   Observers::Subscription subscription_;
   mutable std::mutex mutex_;
   std::condition_variable changed_;

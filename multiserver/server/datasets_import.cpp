@@ -87,19 +87,19 @@ std::shared_ptr<const Partitioning> Datasets::partitioningFor(const json& p, con
   }
   if (like) {
     if (!data.empty() && !holds(like->domain(), data))
-      throw Error("import: the data reach beyond the domain of the partitioning that they were to share");
+      throw Error("import: the data reach beyond the domain of the partitioning that they were to fraction");
     return like;
   }
   while (!p.at("new").get<bool>() && !like && !candidates.empty()) {
     try {
-      like = node_.objects.pin(candidates.back()).get<Dataset>()->partitioning;
+      like = serverRank_.objects.pin(candidates.back()).get<Dataset>()->partitioning;
     } catch (const Error&) {
       // dropped meanwhile
     }
     candidates.pop_back();
   }
   if (like && holds(like->domain(), data)) return like;
-  return automaticPartitioning(data, grid, {}, node_.ranks());
+  return automaticPartitioning(data, grid, {}, serverRank_.ranks());
 }
 
 // Every rank: reads, agrees on a partitioning, imports. All ranks make the same exchanges, whatever fails: each step that
@@ -108,8 +108,8 @@ json Datasets::importHere(const json& p) {
   const auto exchange = p.at("exchange").get<uint64_t>();
   const auto tenant = p.at("tenant").get<std::string>();
   const json& specs = p.at("datasets");
-  const ReadScope inside = node_.folders.reading();
-  Exchanges::Part part = node_.exchanges.join(exchange);
+  const ReadScope inside = serverRank_.folders.reading();
+  Exchanges::Part part = serverRank_.exchanges.join(exchange);
   RankCollectives& ranks = part.ranks;
   const ReadWatch watch([&] { ranks.check(); });
   Publication publication = join(p.at("items"), ranks);
@@ -123,7 +123,7 @@ json Datasets::importHere(const json& p) {
       const Publication::Item& item = publication.items()[i];
       auto d = std::make_shared<Dataset>();
       types.push_back(DatasetType(s.at("type").get<int>()));
-      d->file = node_.folders.dataToRead(s.at("file").get<std::string>());
+      d->file = serverRank_.folders.dataToRead(s.at("file").get<std::string>());
       d->array = s.at("array").get<std::string>();
       d->radiusArray = s.at("radius array").get<std::string>();
       d->origins = {{item.key.value, int64_t(item.generation)}};
@@ -153,10 +153,11 @@ json Datasets::importHere(const json& p) {
       wanted.radii = d.radiusArray;
       loaded[i] = loadGeometry(
           d.file, kindOf(types[i]), wanted, ranks,
-          [&](int64_t bytes) { reading.push_back(node_.takeMemory(tenant, "geometry", bytes)); }, &warnings);
+          [&](int64_t bytes) { reading.push_back(serverRank_.takeMemory(tenant, "geometry", bytes)); },
+          &warnings);
       agree(ranks, [&] {
         reading.clear();
-        d.memory = node_.takeMemory(tenant, "geometry", bytesOf(loaded[i].geometry.block));
+        d.memory = serverRank_.takeMemory(tenant, "geometry", bytesOf(loaded[i].geometry.block));
       });
       box.extend(loaded[i].geometry.box);
       finished++;
@@ -167,11 +168,11 @@ json Datasets::importHere(const json& p) {
   std::shared_ptr<const Partitioning> partitioning;
   Bytes told;
   agree(ranks, [&] {
-    if (node_.rank() != 0) return;
+    if (serverRank_.rank() != 0) return;
     partitioning = partitioningFor(p, box, first ? &*first : nullptr);
     told = written(*partitioning);
   });
-  told = node_.collective.broadcast(exchange, 0, std::move(told));
+  told = serverRank_.collective.broadcast(exchange, 0, std::move(told));
   agree(ranks, [&] {
     if (!partitioning) partitioning = std::make_shared<const Partitioning>(readPartitioning(told));
   });
@@ -191,8 +192,8 @@ json Datasets::importHere(const json& p) {
     VolumeFile file;
     agree(ranks, [&] {
       file = openVolume(d.file, d.array);
-      d.bytes = bytesToCome(file, *partitioning, node_.rank());
-      d.memory = node_.takeMemory(tenant, "volume", d.bytes);
+      d.bytes = bytesToCome(file, *partitioning, serverRank_.rank());
+      d.memory = serverRank_.takeMemory(tenant, "volume", d.bytes);
     });
     d.volume = importVolume(std::move(file), *partitioning, kGhostLayers, ranks);
     d.bytes = gxy::bytesOf(*d.volume);
@@ -214,7 +215,7 @@ std::vector<std::string> Datasets::import(Request& request, const Import& what) 
   if (what.specs.size() > kAtOnce)
     throw Error("import: there are " + std::to_string(what.specs.size()) + " datasets, expected at most " +
                 std::to_string(kAtOnce) + " in one request");
-  const auto exchange = node_.exchanges.begin(request);
+  const auto exchange = serverRank_.exchanges.begin(request);
   std::vector<DatasetDraft> drafts;
   for (const DatasetSpec& d : what.specs) drafts.push_back({d.name, d.type});
   const auto names = begin(request, *exchange, "import", what.scope, std::move(drafts), what.onlyMissing);
@@ -236,7 +237,7 @@ std::vector<std::string> Datasets::import(Request& request, const Import& what) 
   });
   std::vector<std::string> warnings;
   try {
-    warnings = node_.callAll("datasets.import", parameters).at(0).get<std::vector<std::string>>();
+    warnings = serverRank_.callAll("datasets.import", parameters).at(0).get<std::vector<std::string>>();
   } catch (const Error&) {
     newObjects(*names);  // if a name is why, this says more
     throw;

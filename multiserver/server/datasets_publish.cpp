@@ -42,13 +42,13 @@ std::shared_ptr<const Datasets::Names> Datasets::begin(Request& request, uint64_
   names->exchange_ = exchange;
   names->drafts_ = std::move(drafts);
   auto taken = takeNames(request, names);
-  node_.exchanges.alsoCheck(exchange, [names] { names->check(); });
+  serverRank_.exchanges.alsoCheck(exchange, [names] { names->check(); });
   if (onlyMissing)
     std::erase_if(names->drafts_, [&](const DatasetDraft& d) { return find(names->tenant_, d.name); });
   for (DatasetDraft& d : names->drafts_) {
     const auto present = mayName(names->tenant_, d.name, scope);
     const bool isNext = present && present->type == nameOf(d.type);
-    d.key = isNext ? present->key : node_.keys.next();
+    d.key = isNext ? present->key : serverRank_.keys.next();
     d.generation = isNext ? present->generation + 1 : 1;
   }
   return taken;
@@ -96,7 +96,7 @@ bool Datasets::endPublishingOf(const std::string& tenant, const std::string& nam
         ended.push_back(at->second->exchange_);
       }
   }
-  for (const uint64_t exchange : ended) node_.exchanges.cancel(exchange);
+  for (const uint64_t exchange : ended) serverRank_.exchanges.cancel(exchange);
   return !ended.empty();
 }
 
@@ -130,7 +130,7 @@ Publication Datasets::join(const json& items, Collectives& ranks) {
   for (const json& item : items)
     list.push_back({Key{item.at("key").get<uint64_t>()}, item.at("generation").get<Generation>(),
                     "dataset " + inQuotes(item.at("name").get<std::string>())});
-  return {node_.objects, ranks, std::move(list), whenTaken};
+  return {serverRank_.objects, ranks, std::move(list), whenTaken};
 }
 
 std::shared_ptr<const Datasets::Names> Datasets::namesOf(uint64_t exchange) const {
@@ -139,7 +139,7 @@ std::shared_ptr<const Datasets::Names> Datasets::namesOf(uint64_t exchange) cons
 }
 
 void Datasets::publish(Publication& publication, uint64_t exchange) {
-  if (node_.rank() != 0) return publication.commit();
+  if (serverRank_.rank() != 0) return publication.commit();
   std::vector<NewObject> objects;
   std::unique_lock naming(naming_, std::defer_lock);
   publication.commit({[&] {
@@ -148,7 +148,7 @@ void Datasets::publish(Publication& publication, uint64_t exchange) {
                       },
                       [&] {
                         for (const auto& [d, replaced] : objects)
-                          node_.directory.bind(d.name, d.scope, {d.key, d.type, d.owner, d.readOnly});
+                          serverRank_.directory.bind(d.name, d.scope, {d.key, d.type, d.owner, d.readOnly});
                       }});
   for (const auto& [d, replaced] : objects) {
     const std::lock_guard lock(mutex_);

@@ -7,14 +7,14 @@
 
 namespace gxy {
 
-using protocol::FrameChannel;
-using protocol::FrameReader;
+using protocol::MessageChannel;
+using protocol::MessageReader;
 
 namespace {
 
-FrameReader::Rules helloRules() {
-  FrameReader::Rules rules;
-  rules.most[size_t(FrameChannel::Control)] = protocol::kMaxHelloBytes;
+MessageReader::Rules helloRules() {
+  MessageReader::Rules rules;
+  rules.most[size_t(MessageChannel::Control)] = protocol::kMaxHelloBytes;
   return rules;
 }
 
@@ -23,19 +23,19 @@ FrameReader::Rules helloRules() {
 Dialogue::Dialogue(std::shared_ptr<Outbox> outbox, protocol::Limits limits, Admit admit)
     : outbox_(std::move(outbox)), limits_(limits), admit_(std::move(admit)), reader_(helloRules()) {}
 
-bool Dialogue::paused() const { return outbox_->congested() || (session_ && session_->full()); }
+bool Dialogue::paused() const { return outbox_->aboveWatermark() || (session_ && session_->full()); }
 
 void Dialogue::take(std::span<const std::byte>& bytes) {
   takePreamble(bytes);
   while (!bytes.empty() && !over_ && !paused()) {
-    auto frame = reader_.take(bytes);
-    if (!frame) continue;
-    if (frame->channel == FrameChannel::Control)
-      control(frame->text());
-    else if (frame->skipped)
-      session_->refuse(frame->id);
+    auto message = reader_.take(bytes);
+    if (!message) continue;
+    if (message->channel == MessageChannel::Control)
+      control(message->text());
+    else if (message->skipped)
+      session_->refuse(message->id);
     else
-      session_->submit(frame->id, std::move(frame->payload));
+      session_->submit(message->id, std::move(message->payload));
   }
 }
 
@@ -60,14 +60,14 @@ void Dialogue::control(std::string_view text) {
     return outbox_->control("pong " + std::string(*number));
   }
   if (protocol::afterWord(text, "pong")) return;
-  if (!protocol::afterWord(text, "bye")) throw Error("control frame: expected ping, pong or bye");
+  if (!protocol::afterWord(text, "bye")) throw Error("control message: expected ping, pong or bye");
   over_ = true;
 }
 
 void Dialogue::hello(std::string_view text) {
   protocol::Welcome welcome;
   session_ = admit_(protocol::parseHello(text), outbox_, welcome);
-  FrameReader::Rules rules = FrameReader::fromClient(limits_.requestBytes);
+  MessageReader::Rules rules = MessageReader::fromClient(limits_.requestBytes);
   rules.room = [session = session_.get()](uint64_t bytes) { return session->makeRoom(bytes); };
   reader_.setRules(std::move(rules));
   outbox_->control(protocol::welcomeText(welcome));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Interprets the bytes that one client sends: preamble, hello, then frames. It uses no sockets; the
+// Interprets the bytes that one client sends: preamble, hello, then messages. It uses no sockets; the
 // Connection passes on the bytes that arrive.
 #pragma once
 #include <functional>
@@ -7,8 +7,8 @@
 #include <span>
 #include <string>
 
-#include "multiserver/protocol/frame.h"
 #include "multiserver/protocol/handshake.h"
+#include "multiserver/protocol/wire_message.h"
 #include "multiserver/server/outbox.h"
 #include "multiserver/server/session.h"
 
@@ -46,7 +46,7 @@ class Dialogue {
   const Admit admit_;
   std::array<std::byte, protocol::kPreambleBytes> preamble_{};
   size_t preambleBytes_ = 0;
-  protocol::FrameReader reader_;
+  protocol::MessageReader reader_;
   std::shared_ptr<Session> session_;
   bool over_ = false;
 };

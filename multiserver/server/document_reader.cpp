@@ -55,16 +55,16 @@ void DocumentReader::makeRoom(std::string_view text) {
   if (text.size() <= kShort) return;
   const Session& session = request_.session();
   const bool hasTurn = turn_.use_count() > 0;  // The pointer is null even when it holds a turn.
-  if (text.size() > kLong && !hasTurn) turn_ = session.node().reading.take(request_);
+  if (text.size() > kLong && !hasTurn) turn_ = session.serverRank().reading.take(request_);
   const int64_t bytes = costOf(text);
-  memory_.push_back(session.node().takeMemory(session.tenant(), "documents", bytes));
+  memory_.push_back(session.serverRank().takeMemory(session.tenant(), "documents", bytes));
   bytes_ += bytes;
 }
 
 StateFile DocumentReader::state(std::string_view text, const std::string& what) {
   makeRoom(text);
   return readState(text, what, [this](const std::string& name) {
-    std::string content = request_.session().node().folders.textOf(name, int64_t(kMaxJsonBytes));
+    std::string content = request_.session().serverRank().folders.textOf(name, int64_t(kMaxJsonBytes));
     makeRoom(content);
     return content;
   });

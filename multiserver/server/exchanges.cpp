@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "core/comm/error.h"
-#include "multiserver/server/node.h"
+#include "multiserver/server/server_rank.h"
 #include "multiserver/server/session.h"
 
 namespace gxy {
@@ -18,7 +18,7 @@ Asker askerOf(Request& request) {
 }
 
 void Exchanges::addWorks() {
-  node_.work.add("exchanges.cancel", [this](const Work::Call& call) -> nlohmann::json {
+  serverRank_.work.add("exchanges.cancel", [this](const Work::Call& call) -> nlohmann::json {
     const std::lock_guard lock(mutex_);
     const auto part = underWay_.find(call.parameters.at("exchange").get<uint64_t>());
     if (part != underWay_.end()) part->second = true;
@@ -29,7 +29,7 @@ void Exchanges::addWorks() {
 std::shared_ptr<const uint64_t> Exchanges::begin(Request& request) { return begin(request, nullptr); }
 
 std::shared_ptr<const uint64_t> Exchanges::beginLong(Request& request) {
-  return begin(request, node_.tenants.beginLong(request.session().tenant(), [&] { request.check(); }));
+  return begin(request, serverRank_.tenants.beginLong(request.session().tenant(), [&] { request.check(); }));
 }
 
 std::shared_ptr<const uint64_t> Exchanges::begin(Asker asker) { return begin(std::move(asker), nullptr); }
@@ -41,7 +41,7 @@ std::shared_ptr<const uint64_t> Exchanges::begin(Request& request, std::shared_p
 }
 
 std::shared_ptr<const uint64_t> Exchanges::begin(Asker asker, std::shared_ptr<void> turn) {
-  const uint64_t number = node_.nextExchange();
+  const uint64_t number = serverRank_.nextExchange();
   {
     const std::lock_guard lock(mutex_);
     led_.emplace(number, std::move(asker));
@@ -54,7 +54,7 @@ std::shared_ptr<const uint64_t> Exchanges::begin(Asker asker, std::shared_ptr<vo
 }
 
 void Exchanges::cancel(uint64_t number) {
-  node_.work.broadcast("exchanges.cancel", {{"exchange", number}}, [](std::vector<Work::Reply>) {});
+  serverRank_.work.broadcast("exchanges.cancel", {{"exchange", number}}, [](std::vector<Work::Reply>) {});
 }
 
 void Exchanges::alsoCheck(uint64_t number, std::function<void()> check) {
@@ -74,8 +74,8 @@ void Exchanges::check(uint64_t number) const {
 }
 
 Exchanges::Part::Part(Exchanges& exchanges, uint64_t number)
-    : ranks(exchanges.node_.collectives(
-          number, [this] { exchanges_.check(number_); }, [this](double share) { tell(share, false); })),
+    : ranks(exchanges.serverRank_.collectives(
+          number, [this] { exchanges_.check(number_); }, [this](double fraction) { tell(fraction, false); })),
       exchanges_(exchanges),
       number_(number) {
   const std::lock_guard lock(exchanges_.mutex_);
@@ -83,7 +83,7 @@ Exchanges::Part::Part(Exchanges& exchanges, uint64_t number)
 }
 
 Exchanges::Part::~Part() {
-  exchanges_.node_.collective.finish(number_);
+  exchanges_.serverRank_.collective.finish(number_);
   const std::lock_guard lock(exchanges_.mutex_);
   exchanges_.underWay_.erase(number_);
 }
@@ -98,12 +98,12 @@ void Exchanges::Part::begin(int64_t item, int64_t of, const std::string& text, b
   });
 }
 
-void Exchanges::Part::tell(double share, bool phase) {
+void Exchanges::Part::tell(double fraction, bool phase) {
   const std::lock_guard lock(exchanges_.mutex_);
   const auto led = exchanges_.led_.find(number_);
   if (led == exchanges_.led_.end()) return;
   // 100 % is reported only by the request itself, when all ranks are done and all data have names.
-  const auto done = std::min(kUnits * item_ + int64_t(share * kUnits), kUnits * of_ - 1);
+  const auto done = std::min(kUnits * item_ + int64_t(fraction * kUnits), kUnits * of_ - 1);
   led->second.progress(done, kUnits * of_, text_, phase);
 }
 

@@ -13,7 +13,7 @@
 
 namespace gxy {
 
-struct Node;
+struct ServerRank;
 class Request;
 
 /// The party that wants long work done. Both functions are short and not empty, and any thread may call them.
@@ -33,7 +33,7 @@ class Exchanges {
  public:
   static constexpr int64_t kUnits = 100;  ///< units of progress for each item
 
-  explicit Exchanges(Node& node) : node_(node) {}
+  explicit Exchanges(ServerRank& serverRank) : serverRank_(serverRank) {}
   void addWorks();
 
   /// Begins an exchange on rank 0 and returns its number. It ends when the result is released; the request
@@ -60,7 +60,7 @@ class Exchanges {
     /// the client; only rank 0's counts.
     RankCollectives ranks;
 
-    /// From now on, ranks.done() reports the share of item number `item` of `of`. With `phase`, the client
+    /// From now on, ranks.done() reports the fraction of item number `item` of `of`. With `phase`, the client
     /// gets this progress event even if it got one just before. Collective: all ranks call it. If check()
     /// throws on any rank, it throws on all.
     void begin(int64_t item, int64_t of, const std::string& text, bool phase = false);
@@ -68,7 +68,7 @@ class Exchanges {
    private:
     friend class Exchanges;
     Part(Exchanges& exchanges, uint64_t number);
-    void tell(double share, bool phase);
+    void tell(double fraction, bool phase);
 
     Exchanges& exchanges_;
     const uint64_t number_;
@@ -83,7 +83,7 @@ class Exchanges {
   std::shared_ptr<const uint64_t> begin(Asker asker, std::shared_ptr<void> turn);
   void check(uint64_t number) const;
 
-  Node& node_;
+  ServerRank& serverRank_;
   mutable std::mutex mutex_;
   std::map<uint64_t, Asker> led_;      ///< rank 0: askers of exchanges, by number
   std::map<uint64_t, bool> underWay_;  ///< by number: whether this rank's part has been cancelled

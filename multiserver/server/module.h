@@ -16,7 +16,7 @@
 
 #include "multiserver/protocol/statement.h"
 #include "multiserver/server/document_reader.h"
-#include "multiserver/server/node.h"
+#include "multiserver/server/server_rank.h"
 #include "multiserver/server/session.h"
 
 namespace gxy {
@@ -48,19 +48,20 @@ struct Verb {
 /// A type that defines an action of a Work: its name, how it runs, its parameters as members (converted to
 /// and from JSON, for instance by NLOHMANN_DEFINE_TYPE_INTRUSIVE), and the function action().
 template <class W>
-concept TypedWork = requires(const W& work, Node& node, nlohmann::json& json, const Work::Call& call) {
+concept TypedWork = requires(const W& work, ServerRank& serverRank, nlohmann::json& json,
+                             const Work::Call& call) {
   { W::name } -> std::convertible_to<std::string>;
   { W::runs } -> std::convertible_to<Work::Runs>;
   to_json(json, work);
-  { work.action(node, call) } -> std::convertible_to<nlohmann::json>;
+  { work.action(serverRank, call) } -> std::convertible_to<nlohmann::json>;
 };
 
 /// Collects the verbs and works that a module's body registers. They take effect only if the module loads on
 /// all ranks.
 class Registration {
  public:
-  explicit Registration(Node& node) : node_(node) {}
-  Node& node() const { return node_; }
+  explicit Registration(ServerRank& serverRank) : serverRank_(serverRank) {}
+  ServerRank& serverRank() const { return serverRank_; }
 
   void verb(Verb verb) { verbs_.push_back(std::move(verb)); }
 
@@ -72,8 +73,8 @@ class Registration {
   void work() {
     work(
         W::name,
-        [&node = node_](const Work::Call& call) -> nlohmann::json {
-          return call.parameters.get<W>().action(node, call);
+        [&serverRank = serverRank_](const Work::Call& call) -> nlohmann::json {
+          return call.parameters.get<W>().action(serverRank, call);
         },
         W::runs);
   }
@@ -97,7 +98,7 @@ class Registration {
     Work::Action action;
     Work::Runs runs;
   };
-  Node& node_;
+  ServerRank& serverRank_;
   std::vector<Verb> verbs_;
   std::vector<NamedWork> works_;
   std::vector<std::shared_ptr<void>> kept_;
@@ -105,10 +106,10 @@ class Registration {
 
 /// Sends a typed work to all ranks, waits, and returns the results by rank. Throws Error if it failed on any rank.
 template <TypedWork W>
-std::vector<nlohmann::json> callAll(Node& node, const W& work) {
+std::vector<nlohmann::json> callAll(ServerRank& serverRank, const W& work) {
   nlohmann::json parameters;
   to_json(parameters, work);
-  return node.callAll(W::name, parameters);
+  return serverRank.callAll(W::name, parameters);
 }
 
 }  // namespace gxy

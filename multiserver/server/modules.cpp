@@ -53,7 +53,7 @@ class Modules::Library {
   bool stays_ = false;
 };
 
-Modules::Modules(Node& node) : node_(node) {}
+Modules::Modules(ServerRank& serverRank) : serverRank_(serverRank) {}
 
 Modules::~Modules() {
   loaded_.clear();
@@ -66,9 +66,9 @@ void Modules::addWorks() {
       return (this->*action)(call.parameters.at("module").get<std::string>());
     };
   };
-  node_.work.add("modules.open", named(&Modules::open), Work::Runs::Waiting);
-  node_.work.add("modules.commit", named(&Modules::commit), Work::Runs::Waiting);
-  node_.work.add("modules.abandon", named(&Modules::abandon), Work::Runs::Waiting);
+  serverRank_.work.add("modules.open", named(&Modules::open), Work::Runs::Waiting);
+  serverRank_.work.add("modules.commit", named(&Modules::commit), Work::Runs::Waiting);
+  serverRank_.work.add("modules.abandon", named(&Modules::abandon), Work::Runs::Waiting);
 }
 
 namespace {
@@ -93,7 +93,7 @@ std::string fileIn(const std::string& folder, const std::string& name) {
 std::string Modules::fileOf(const std::string& name) const {
   if (!isModuleName(name))
     throw Error("module " + inQuotes(name.substr(0, 40)) + ": expected a name of letters, digits and _");
-  for (const std::string& folder : node_.options.moduleFolders)
+  for (const std::string& folder : serverRank_.options.moduleFolders)
     if (std::string file = fileIn(folder, name); !file.empty()) return file;
   std::string names;
   for (const std::string& other : available()) names += (names.empty() ? "" : ", ") + other;
@@ -103,7 +103,7 @@ std::string Modules::fileOf(const std::string& name) const {
 
 std::vector<std::string> Modules::available() const {
   std::set<std::string> names;
-  for (const std::string& folder : node_.options.moduleFolders) {
+  for (const std::string& folder : serverRank_.options.moduleFolders) {
     std::error_code failed;
     for (const auto& file : std::filesystem::directory_iterator(folder, failed)) {
       const std::string stem = file.path().stem().string();
@@ -119,7 +119,7 @@ std::vector<std::string> Modules::available() const {
 nlohmann::json Modules::open(const std::string& name) {
   Opened opened;
   opened.library = std::make_unique<Library>(name, fileOf(name));
-  opened.registration = std::make_unique<Registration>(node_);
+  opened.registration = std::make_unique<Registration>(serverRank_);
   opened.library->registerIn(*opened.registration);
   std::set<std::string> verbs;
   for (const Verb& verb : opened.registration->verbs_)
@@ -127,7 +127,7 @@ nlohmann::json Modules::open(const std::string& name) {
       throw Error("module " + name + ": verb " + verb.name + " is registered twice or without an action");
   std::set<std::string> works;
   for (const auto& work : opened.registration->works_)
-    if (!works.insert(work.name).second || node_.work.contains(work.name))
+    if (!works.insert(work.name).second || serverRank_.work.contains(work.name))
       throw Error("module " + name + ": there is a work " + work.name +
                   " already, expected a name that begins with the module's");
   const std::lock_guard lock(mutex_);
@@ -139,7 +139,7 @@ nlohmann::json Modules::commit(const std::string& name) {
   const std::lock_guard lock(mutex_);
   const Registration& registration = *opened_.at(name).registration;
   opened_.at(name).library->stay();
-  for (const auto& work : registration.works_) node_.work.add(work.name, work.action, work.runs);
+  for (const auto& work : registration.works_) serverRank_.work.add(work.name, work.action, work.runs);
   loaded_[name] = std::make_shared<const LoadedModule>(name, registration.verbs_);
   return nullptr;
 }
@@ -167,7 +167,7 @@ std::shared_ptr<void> Modules::sharedOf(std::type_index type,
 
 std::shared_ptr<void> Registration::sharedOf(std::type_index type,
                                              const std::function<std::shared_ptr<void>()>& make) {
-  auto what = node_.modules->sharedOf(type, make);
+  auto what = serverRank_.modules->sharedOf(type, make);
   keep(what);
   return what;
 }
@@ -183,12 +183,12 @@ std::shared_ptr<const LoadedModule> Modules::load(const std::string& name) {
   if (auto module = known()) return module;
   fileOf(name);  // throws for a wrong name before other ranks are asked
   try {
-    node_.callAll("modules.open", {{"module", name}});
+    serverRank_.callAll("modules.open", {{"module", name}});
   } catch (const Error&) {
-    node_.callAll("modules.abandon", {{"module", name}});
+    serverRank_.callAll("modules.abandon", {{"module", name}});
     throw;
   }
-  node_.callAll("modules.commit", {{"module", name}});
+  serverRank_.callAll("modules.commit", {{"module", name}});
   return known();
 }
 

@@ -28,9 +28,9 @@ class LoadedModule {
 
 class Modules {
  public:
-  explicit Modules(Node& node);
+  explicit Modules(ServerRank& serverRank);
   ~Modules();
-  void addWorks();  ///< called once, when the node has its Work
+  void addWorks();  ///< called once, when the server rank has its Work
 
   /// Returns the module with this name, after loading it on all ranks if it is not loaded yet. Only for rank
   /// 0; waits for all ranks and for other loads. Throws Error if any rank cannot load it; then nothing has
@@ -54,7 +54,7 @@ class Modules {
   friend class Registration;
   std::shared_ptr<void> sharedOf(std::type_index type, const std::function<std::shared_ptr<void>()>& make);
 
-  Node& node_;
+  ServerRank& serverRank_;
   std::mutex loading_;  ///< rank 0: held during a load
   mutable std::mutex mutex_;
   std::map<std::string, Opened> opened_;  ///< libraries, both before and after commit()

@@ -8,12 +8,12 @@
 
 namespace gxy {
 
-using protocol::FrameChannel;
+using protocol::MessageChannel;
 using protocol::PixelKind;
 
 namespace {
 
-PixelKind kindOf(const protocol::Frame& frame) { return protocol::pixelHeader(frame.payload).kind; }
+PixelKind kindOf(const protocol::WireMessage& message) { return protocol::pixelHeader(message.payload).kind; }
 
 }  // namespace
 
@@ -33,16 +33,16 @@ void Outbox::chargeTo(LedgerEntry memory) {
 }
 
 // Called with the lock held.
-void Outbox::add(std::deque<Frame>& queue, Frame frame) {
-  account(int64_t(frame.payload.size()));
-  queue.push_back(std::move(frame));
+void Outbox::add(std::deque<WireMessage>& queue, WireMessage message) {
+  account(int64_t(message.payload.size()));
+  queue.push_back(std::move(message));
 }
 
 void Outbox::control(std::string_view text) {
   {
     const std::lock_guard lock(mutex_);
     if (closed_) return;
-    add(control_, protocol::textFrame(FrameChannel::Control, 0, text));
+    add(control_, protocol::textMessage(MessageChannel::Control, 0, text));
   }
   wake_();
 }
@@ -51,7 +51,7 @@ void Outbox::farewell(std::string_view text) {
   {
     const std::lock_guard lock(mutex_);
     if (closed_) return;
-    farewell_ = protocol::textFrame(FrameChannel::Control, 0, text);
+    farewell_ = protocol::textMessage(MessageChannel::Control, 0, text);
   }
   wake_();
 }
@@ -61,7 +61,7 @@ void Outbox::reply(uint32_t id, std::string_view text) {
     const std::lock_guard lock(mutex_);
     if (closed_) return;
     textBytes_ += text.size();
-    add(text_, protocol::textFrame(FrameChannel::Reply, id, text));
+    add(text_, protocol::textMessage(MessageChannel::Reply, id, text));
   }
   wake_();
 }
@@ -76,9 +76,9 @@ bool Outbox::event(const nlohmann::json& event) {
       return false;
     }
     const auto put = [this](const nlohmann::json& json) {
-      Frame frame = protocol::textFrame(FrameChannel::Event, 0, protocol::dump(json));
-      textBytes_ += frame.payload.size();
-      add(text_, std::move(frame));
+      WireMessage message = protocol::textMessage(MessageChannel::Event, 0, protocol::dump(json));
+      textBytes_ += message.payload.size();
+      add(text_, std::move(message));
     };
     if (lost_) put({{"event", "lost"}, {"count", std::exchange(lost_, 0)}});
     put(event);
@@ -89,17 +89,17 @@ bool Outbox::event(const nlohmann::json& event) {
 
 // Ends of frames are not dropped, because the protocol promises that each is sent.
 void Outbox::dropTilesOf(Window& window, bool endsOfPassesToo) {
-  std::deque<Frame> kept;
+  std::deque<WireMessage> kept;
   if (endsOfPassesToo) window.sent = nullptr;
-  for (Frame& frame : window.records) {
-    const PixelKind kind = kindOf(frame);
+  for (WireMessage& message : window.records) {
+    const PixelKind kind = kindOf(message);
     if (kind == PixelKind::EndOfFrame || (kind == PixelKind::EndOfPass && !endsOfPassesToo)) {
-      kept.push_back(std::move(frame));
+      kept.push_back(std::move(message));
       continue;
     }
     counters_.tilesDropped += kind == PixelKind::Tile;
-    pixelBytes_ -= frame.payload.size();
-    account(-int64_t(frame.payload.size()));
+    pixelBytes_ -= message.payload.size();
+    account(-int64_t(message.payload.size()));
   }
   window.records = std::move(kept);
 }
@@ -127,7 +127,7 @@ bool Outbox::pixels(Bytes record, std::function<void()> sent) {
     pixelBytes_ += record.size();
     if (header.kind == PixelKind::EndOfFrame)
       textBytes_ += record.size();  // counted as text, since they are never dropped
-    add(window.records, {FrameChannel::Pixels, 0, std::move(record)});
+    add(window.records, {MessageChannel::Pixels, 0, std::move(record)});
   }
   wake_();
   return true;
@@ -148,40 +148,40 @@ bool Outbox::file(uint32_t id, Bytes payload, const std::function<bool()>& cance
     }
     if (closed_) return false;
     fileBytes_ += payload.size();
-    add(files_, {FrameChannel::File, id, std::move(payload)});
+    add(files_, {MessageChannel::File, id, std::move(payload)});
   }
   wake_();
   return true;
 }
 
-Outbox::Frame Outbox::taken(std::deque<Frame>& queue) {
-  Frame frame = std::move(queue.front());
+Outbox::WireMessage Outbox::taken(std::deque<WireMessage>& queue) {
+  WireMessage message = std::move(queue.front());
   queue.pop_front();
-  account(-int64_t(frame.payload.size()));
-  counters_.sentBytes += frame.payload.size() + protocol::kHeaderBytes;
-  return frame;
+  account(-int64_t(message.payload.size()));
+  counters_.sentBytes += message.payload.size() + protocol::kHeaderBytes;
+  return message;
 }
 
-std::optional<Outbox::Frame> Outbox::next() {
+std::optional<Outbox::WireMessage> Outbox::next() {
   std::vector<std::function<void()>> then;
-  std::optional<Frame> frame = takeNext(then);
+  std::optional<WireMessage> message = takeNext(then);
   for (const auto& action : then) action();
-  return frame;
+  return message;
 }
 
-std::optional<Outbox::Frame> Outbox::takeNext(std::vector<std::function<void()>>& then) {
+std::optional<Outbox::WireMessage> Outbox::takeNext(std::vector<std::function<void()>>& then) {
   const std::lock_guard lock(mutex_);
   if (closed_) return std::nullopt;
-  if (textBytes_ <= limits_.text) then.swap(drained_);
+  if (textBytes_ <= limits_.text) then.swap(belowWatermark_);
   if (!control_.empty()) return taken(control_);
   // A reply is sent after the files of its request.
   if (farewell_ && text_.empty()) {
     closed_ = true;
     return std::exchange(farewell_, std::nullopt);
   }
-  if (!text_.empty() && (farewell_ || files_.empty() || text_.front().channel == FrameChannel::Event ||
+  if (!text_.empty() && (farewell_ || files_.empty() || text_.front().channel == MessageChannel::Event ||
                          std::none_of(files_.begin(), files_.end(),
-                                      [&](const Frame& f) { return f.id == text_.front().id; }))) {
+                                      [&](const WireMessage& f) { return f.id == text_.front().id; }))) {
     textBytes_ -= text_.front().payload.size();
     return taken(text_);
   }
@@ -190,16 +190,16 @@ std::optional<Outbox::Frame> Outbox::takeNext(std::vector<std::function<void()>>
     if (window == windows_.end()) window = windows_.begin();
     if (window->second.records.empty()) continue;
     lastWindow_ = window->first;
-    const Frame& first = window->second.records.front();
+    const WireMessage& first = window->second.records.front();
     pixelBytes_ -= first.payload.size();
     const PixelKind kind = kindOf(first);
     counters_.tilesSent += kind == PixelKind::Tile;
     if (kind == PixelKind::EndOfPass && window->second.sent)
       then.push_back(std::exchange(window->second.sent, nullptr));
     if (kind == PixelKind::EndOfFrame) textBytes_ -= first.payload.size();
-    Frame frame = taken(window->second.records);
+    WireMessage message = taken(window->second.records);
     if (window->second.records.empty() && kind == PixelKind::EndOfFrame) windows_.erase(window);
-    return frame;
+    return message;
   }
   if (files_.empty()) return std::nullopt;
   fileBytes_ -= files_.front().payload.size();
@@ -207,15 +207,15 @@ std::optional<Outbox::Frame> Outbox::takeNext(std::vector<std::function<void()>>
   return taken(files_);
 }
 
-bool Outbox::congested() const {
+bool Outbox::aboveWatermark() const {
   const std::lock_guard lock(mutex_);
   return textBytes_ > limits_.text;
 }
 
-bool Outbox::congested(std::function<void()> drained) {
+bool Outbox::aboveWatermark(std::function<void()> belowWatermark) {
   const std::lock_guard lock(mutex_);
   if (textBytes_ <= limits_.text) return false;
-  drained_.push_back(std::move(drained));
+  belowWatermark_.push_back(std::move(belowWatermark));
   return true;
 }
 
@@ -243,7 +243,7 @@ void Outbox::close() {
   text_.clear();
   files_.clear();
   windows_.clear();
-  drained_.clear();
+  belowWatermark_.clear();
   counters_.queuedBytes = 0;
   memory_.resize(0);
   filesLeft_.notify_all();

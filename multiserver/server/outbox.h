@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The queue of frames to one client. Its size is bounded, however slowly the client reads.
+// The queue of messages to one client. Its size is bounded, however slowly the client reads.
 #pragma once
 #include <atomic>
 #include <condition_variable>
@@ -13,17 +13,17 @@
 #include <vector>
 
 #include "core/space/ledger.h"
-#include "multiserver/protocol/frame.h"
 #include "multiserver/protocol/pixel_record.h"
+#include "multiserver/protocol/wire_message.h"
 
 namespace gxy {
 
-/// Queues frames by kind. Each kind has its own answer to a slow reader. While too much text waits
-/// (congested()), the server stops reading the client's requests, and events are left out. Files wait: file()
+/// Queues messages by kind. Each kind has its own answer to a slow reader. While too much text waits
+/// (aboveWatermark()), the server stops reading the client's requests, and events are left out. Files wait: file()
 /// blocks. Tiles of a pass are dropped when a newer pass of their window comes. Frames are sent in this
 /// order: control, replies and events, tiles (windows in turn), files.
 ///
-/// Thread safe. After close() all new frames are dropped and nobody waits.
+/// Thread safe. After close() all new messages are dropped and nobody waits.
 class Outbox {
  public:
   struct Limits {
@@ -38,7 +38,7 @@ class Outbox {
   void chargeTo(LedgerEntry memory);
 
   void control(std::string_view text);
-  /// Adds a last control frame. It is sent after waiting replies and events, and nothing is sent after it.
+  /// Adds a last control message. It is sent after waiting replies and events, and nothing is sent after it.
   void farewell(std::string_view text);
   void reply(uint32_t id, std::string_view text);
   /// Returns false if the event was left out; it is then counted in the next `lost` event.
@@ -57,13 +57,13 @@ class Outbox {
   /// or `cancelled` returns true.
   bool file(uint32_t id, Bytes payload, const std::function<bool()>& cancelled);
 
-  /// Takes the next frame to send.
-  std::optional<protocol::Frame> next();
+  /// Takes the next message to send.
+  std::optional<protocol::WireMessage> next();
   /// Whether more text waits than the limit.
-  bool congested() const;
-  /// The same. If true, `drained` is called once on the thread of next() when it is no longer so; not if the
+  bool aboveWatermark() const;
+  /// The same. If true, `belowWatermark` is called once on the thread of next() when it is no longer so; not if the
   /// Outbox is closed before.
-  bool congested(std::function<void()> drained);
+  bool aboveWatermark(std::function<void()> belowWatermark);
   bool empty() const;
   void close();
   /// Calls `action` on close(), or at once if it is closed. `action` must satisfy the conditions of `wake`.
@@ -76,31 +76,31 @@ class Outbox {
   Counters counters() const;
 
  private:
-  using Frame = protocol::Frame;
+  using WireMessage = protocol::WireMessage;
   struct Window {
-    std::deque<Frame> records;
+    std::deque<WireMessage> records;
     uint64_t frame = 0;
     uint32_t scale = 0, pass = 0;
     std::function<void()> sent;  ///< function of the end of a pass that waits
   };
 
-  void add(std::deque<Frame>& queue, Frame frame);
+  void add(std::deque<WireMessage>& queue, WireMessage message);
   void dropTilesOf(Window& window, bool endsOfPassesToo);
   void account(int64_t bytes);
-  Frame taken(std::deque<Frame>& queue);
-  std::optional<Frame> takeNext(std::vector<std::function<void()>>& then);
+  WireMessage taken(std::deque<WireMessage>& queue);
+  std::optional<WireMessage> takeNext(std::vector<std::function<void()>>& then);
 
   const Limits limits_;
   const std::function<void()> wake_;
   mutable std::mutex mutex_;
   std::condition_variable filesLeft_;
   LedgerEntry memory_;
-  bool closed_ = false, gone_ = false;  ///< no more frames are accepted; close() was called
-  std::optional<Frame> farewell_;
-  std::deque<Frame> control_, text_, files_;
+  bool closed_ = false, gone_ = false;  ///< no more messages are accepted; close() was called
+  std::optional<WireMessage> farewell_;
+  std::deque<WireMessage> control_, text_, files_;
   std::map<uint32_t, Window> windows_;
   uint32_t lastWindow_ = 0;
-  std::vector<std::function<void()>> drained_, closeActions_;
+  std::vector<std::function<void()>> belowWatermark_, closeActions_;
   uint64_t textBytes_ = 0, fileBytes_ = 0, pixelBytes_ = 0, lost_ = 0;
   Counters counters_;
 };

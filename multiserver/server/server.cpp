@@ -33,8 +33,8 @@ constexpr size_t kHandshakes = 256;  // limit on sockets without a session; beyo
 
 class Server::Impl {
  public:
-  Impl(Node& node, ServerOptions options, std::function<void()> onStop)
-      : node_(node),
+  Impl(ServerRank& serverRank, ServerOptions options, std::function<void()> onStop)
+      : serverRank_(serverRank),
         options_(std::move(options)),
         onStop_(std::move(onStop)),
         acceptor_(*context_),
@@ -50,8 +50,8 @@ class Server::Impl {
         if (!failed) stop();
       });
     }
-    node_.clients = [this] { return statistics(); };
-    node_.stop = [this] { stop(); };
+    serverRank_.clients = [this] { return statistics(); };
+    serverRank_.stop = [this] { stop(); };
     accept();
     watchIdleness();
     watchRanks();
@@ -80,8 +80,8 @@ class Server::Impl {
     thread_.join();
     context_->restart();
     context_->poll();  // Cancelled operations hold connections, which hold the context.
-    node_.clients = [] { return json::array(); };
-    node_.stop = [] {};
+    serverRank_.clients = [] { return json::array(); };
+    serverRank_.stop = [] {};
   }
 
   uint16_t port() const { return port_; }
@@ -122,7 +122,7 @@ class Server::Impl {
         });
       }
       const auto connection = std::make_shared<Connection>(
-          std::move(socket), context_, node_, options_.connection,
+          std::move(socket), context_, serverRank_, options_.connection,
           [this](const protocol::Hello& hello, const std::shared_ptr<Outbox>& outbox,
                  protocol::Welcome& welcome) { return admit(hello, outbox, welcome); },
           [this](const ConnectionPtr& c) { closed(c); });
@@ -150,7 +150,7 @@ class Server::Impl {
 
   std::shared_ptr<Session> admit(const protocol::Hello& hello, const std::shared_ptr<Outbox>& outbox,
                                  protocol::Welcome& welcome) {
-    const auto identity = node_.tenants.identify(hello.token, hello.tenant);
+    const auto identity = serverRank_.tenants.identify(hello.token, hello.tenant);
     if (!identity) {
       spdlog::warn("rank 0: client {} came with a wrong token", protocol::asLogged(hello.client));
       throw Error(
@@ -169,11 +169,11 @@ class Server::Impl {
       throw Error("tenant " + identity->tenant + ": " + std::to_string(options_.tenantClients) +
                   " clients are connected, no more are allowed");
     Session::Identity who{++sessions_, hello.client, identity->tenant, identity->administrator};
-    welcome = {"gxyserver 0.1",   who.tenant,    who.number,
-               who.administrator, node_.ranks(), options_.connection.limits};
+    welcome = {"gxyserver 0.1",   who.tenant,          who.number,
+               who.administrator, serverRank_.ranks(), options_.connection.limits};
     spdlog::info("rank 0: session {} of tenant {}: {}", who.number, who.tenant,
                  protocol::asLogged(who.client));
-    return std::make_shared<Session>(node_, outbox, std::move(who), options_.connection.limits);
+    return std::make_shared<Session>(serverRank_, outbox, std::move(who), options_.connection.limits);
   }
 
   void closed(const ConnectionPtr& connection) {
@@ -187,7 +187,7 @@ class Server::Impl {
       changed_.notify_all();
     }
     if (!session) return;
-    node_.transport.postWaiting([this, session] {
+    serverRank_.transport.postWaiting([this, session] {
       session->end();
       spdlog::info("rank 0: session {} has ended", session->identity().number);
       const std::lock_guard lock(mutex_);
@@ -237,13 +237,13 @@ class Server::Impl {
   // Asks the ranks at intervals, and tells clients about those that do not answer. If a rank has died, ends
   // the run, because not every launcher does so.
   void watchRanks() {
-    node_.presence.ask();
-    const auto patience = node_.options.rankPatience;
+    serverRank_.presence.ask();
+    const auto patience = serverRank_.options.rankPatience;
     questions_.expires_after(
         std::max<std::chrono::milliseconds>(patience / 4, std::chrono::milliseconds(10)));
     questions_.async_wait([this, patience](auto failed) {
       if (failed || ending_) return;
-      const auto missing = node_.presence.missing(patience);
+      const auto missing = serverRank_.presence.missing(patience);
       for (const ConnectionPtr& c : connections_)
         if (c->session()) c->session()->tellMissing(missing);
       if (std::any_of(missing.begin(), missing.end(), [](const auto& m) { return m.died; })) stop();
@@ -255,9 +255,9 @@ class Server::Impl {
   // ends the other ranks by signals. A rank that has died on another machine is recognised by not answering.
   std::string farewell() const {
     constexpr std::chrono::milliseconds kMoment(400);  // About a second is left before the process is ended.
-    node_.presence.ask();
-    node_.presence.answered(kMoment);
-    const std::string missing = textOf(node_.presence.missing(kMoment));
+    serverRank_.presence.ask();
+    serverRank_.presence.answered(kMoment);
+    const std::string missing = textOf(serverRank_.presence.missing(kMoment));
     return missing.empty() ? "the server stops" : "the server stops: " + missing;
   }
 
@@ -265,7 +265,7 @@ class Server::Impl {
     if (!stopped_.exchange(true)) onStop_();
   }
 
-  Node& node_;
+  ServerRank& serverRank_;
   const ServerOptions options_;
   const std::function<void()> onStop_;
   std::atomic<bool> stopped_ = false;
@@ -286,8 +286,8 @@ class Server::Impl {
   std::thread thread_;
 };
 
-Server::Server(Node& node, ServerOptions options, std::function<void()> onStop)
-    : impl_(std::make_unique<Impl>(node, std::move(options), std::move(onStop))) {}
+Server::Server(ServerRank& serverRank, ServerOptions options, std::function<void()> onStop)
+    : impl_(std::make_unique<Impl>(serverRank, std::move(options), std::move(onStop))) {}
 Server::~Server() = default;
 uint16_t Server::port() const { return impl_->port(); }
 size_t Server::clients() const { return impl_->clients(); }

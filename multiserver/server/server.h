@@ -7,7 +7,7 @@
 #include <string>
 
 #include "multiserver/server/connection.h"
-#include "multiserver/server/node.h"
+#include "multiserver/server/server_rank.h"
 
 namespace gxy {
 
@@ -25,7 +25,7 @@ class Server {
  public:
   /// Throws Error if it cannot listen. `onStop` is called once, from any thread, when the server should end:
   /// after quit, a signal, idleness, or the death of a rank. It must be short.
-  Server(Node& node, ServerOptions options, std::function<void()> onStop);
+  Server(ServerRank& serverRank, ServerOptions options, std::function<void()> onStop);
   /// Says bye to all clients, and waits for their requests to end.
   ~Server();
   Server(const Server&) = delete;

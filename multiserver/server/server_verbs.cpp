@@ -56,7 +56,7 @@ json help(Request& request) {
 
 json load(Request& request) {
   Session& session = request.session();
-  const auto module = session.node().modules->load(request.arguments());
+  const auto module = session.serverRank().modules->load(request.arguments());
   json verbs = json::array(), hidden = json::array();
   for (const Verb& verb : module->verbs()) {
     verbs.push_back(verb.name);
@@ -78,29 +78,29 @@ json modules(Request& request) {
     loaded.push_back(module->name());
     text += " " + module->name();
   }
-  const json available = request.session().node().modules->available();
+  const json available = request.session().serverRank().modules->available();
   text += "\navailable:";
   for (const auto& name : available) text += " " + name.get<std::string>();
   return {{"loaded", loaded}, {"available", available}, {"text", text}};
 }
 
-json statisticsOfRank(const Node& node) {
-  const Renderer::Counters c = node.renderer.counters();
-  const Renderer::Kept kept = node.renderer.kept();
-  const Transport::Counters t = node.transport.counters();
+json statisticsOfRank(const ServerRank& serverRank) {
+  const Renderer::Counters c = serverRank.renderer.counters();
+  const Renderer::ResourceCounts kept = serverRank.renderer.kept();
+  const Transport::Counters t = serverRank.transport.counters();
   json lines = json::array();
-  for (const Ledger::Line& line : node.ledger.snapshot())
+  for (const Ledger::Line& line : serverRank.ledger.snapshot())
     if (line.bytes != 0)
       lines.push_back({{"tenant", line.tenant}, {"purpose", line.purpose}, {"bytes", line.bytes}});
   json byTenant = json::array();  // Here tenants are numbers; rank 0 replaces them by names.
   for (const auto& [tenant, rays] : kept.tenantCredits)
     byTenant.push_back({{"tenant", tenant}, {"in flight", rays}});
-  return {{"rank", node.rank()},
+  return {{"rank", serverRank.rank()},
           {"memory",
-           {{"ledger", node.ledger.total()},
-            {"peak", node.ledger.peak()},
+           {{"ledger", serverRank.ledger.total()},
+            {"peak", serverRank.ledger.peak()},
             {"resident", processBytes().resident},
-            {"limit", node.options.memory},
+            {"limit", serverRank.options.memory},
             {"by purpose", lines}}},
           {"rays",
            {{"traced", c.trace.raysTraced},
@@ -129,21 +129,22 @@ std::string sizeText(const json& bytes) {
 }
 
 json stat(Request& request) {
-  Node& node = request.session().node();
-  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - node.begin).count();
-  Node::RollCall call = node.callThoseThere("server.stat", json::object());
+  ServerRank& serverRank = request.session().serverRank();
+  const double seconds =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - serverRank.begin).count();
+  ServerRank::RollCall call = serverRank.callThoseThere("server.stat", json::object());
   json missing = json::array();
   for (const Presence::Missing& m : call.missing)
     missing.push_back({{"rank", m.rank}, {"died", m.died}, {"seconds", m.since.count()}});
   json result{{"ranks", std::move(call.results)},
               {"missing", std::move(missing)},
-              {"clients", node.clients()},
-              {"tenants", node.tenants.statistics()},
+              {"clients", serverRank.clients()},
+              {"tenants", serverRank.tenants.statistics()},
               {"seconds", seconds}};
   for (json& rank : result["ranks"])
     for (json& line : rank["rays"]["by tenant"])
-      line["tenant"] = node.tenants.name(line["tenant"].get<uint32_t>());
-  std::string text = "up " + std::to_string(int64_t(seconds)) + " s, " + std::to_string(node.ranks()) +
+      line["tenant"] = serverRank.tenants.name(line["tenant"].get<uint32_t>());
+  std::string text = "up " + std::to_string(int64_t(seconds)) + " s, " + std::to_string(serverRank.ranks()) +
                      " ranks, " + std::to_string(result["clients"].size()) + " clients";
   for (const Presence::Missing& m : call.missing) text += "\n" + textOf({m});
   for (const json& rank : result["ranks"]) {
@@ -194,7 +195,7 @@ json echo(Request& request) { return {{"text", request.arguments()}}; }
 json quit(Request& request) {
   if (!request.session().identity().administrator)
     throw Error("quit: only an administrator may stop the server; `exit` leaves the client");
-  request.onAnswered([&node = request.session().node()] { node.stop(); });
+  request.onAnswered([&serverRank = request.session().serverRank()] { serverRank.stop(); });
   return nullptr;
 }
 
@@ -243,11 +244,12 @@ const Verb& resolveVerb(Session& session, const std::string& name) {
               suggestion(name, names) + "; `help` lists them, `load MODULE` adds some");
 }
 
-void addServerWorks(Node& node) {
-  node.work.add("server.trace", [&node](const Work::Call&) -> json {
-    return node.options.trace ? node.options.trace->events(node.rank()) : std::string();
+void addServerWorks(ServerRank& serverRank) {
+  serverRank.work.add("server.trace", [&serverRank](const Work::Call&) -> json {
+    return serverRank.options.trace ? serverRank.options.trace->events(serverRank.rank()) : std::string();
   });
-  node.work.add("server.stat", [&node](const Work::Call&) { return statisticsOfRank(node); });
+  serverRank.work.add("server.stat",
+                      [&serverRank](const Work::Call&) { return statisticsOfRank(serverRank); });
 }
 
 }  // namespace gxy

@@ -16,6 +16,6 @@ const Verb* serverVerb(const std::string& name);
 const Verb& resolveVerb(Session& session, const std::string& name);
 
 /// Registers the works that the verbs need, on every rank.
-void addServerWorks(Node& node);
+void addServerWorks(ServerRank& serverRank);
 
 }  // namespace gxy

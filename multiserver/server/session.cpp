@@ -62,8 +62,9 @@ void Request::progress(int64_t done, int64_t of, const std::string& text, bool p
       {{"event", "progress"}, {"request", id_}, {"done", done}, {"of", of}, {"text", text}});
 }
 
-Session::Session(Node& node, std::shared_ptr<Outbox> outbox, Identity identity, protocol::Limits limits)
-    : node_(node), outbox_(std::move(outbox)), identity_(std::move(identity)), limits_(limits) {}
+Session::Session(ServerRank& serverRank, std::shared_ptr<Outbox> outbox, Identity identity,
+                 protocol::Limits limits)
+    : serverRank_(serverRank), outbox_(std::move(outbox)), identity_(std::move(identity)), limits_(limits) {}
 
 Session::~Session() = default;
 
@@ -72,7 +73,7 @@ bool Session::makeRoom(uint64_t bytes) {
   incoming_ = {};
   if (bytes <= kShort) return true;
   try {
-    incoming_ = node_.takeMemory(tenant(), "requests", int64_t(bytes));
+    incoming_ = serverRank_.takeMemory(tenant(), "requests", int64_t(bytes));
     return true;
   } catch (const Error& e) {
     noRoom_ = e.what();
@@ -110,7 +111,7 @@ void Session::submit(uint32_t id, Bytes text) {
   }
   request->memory_ = std::exchange(incoming_, {});
   if (request->memory_.bytes() == 0)
-    request->memory_ = node_.ledger.enter(tenant(), "requests", int64_t(request->bytes()));
+    request->memory_ = serverRank_.ledger.enter(tenant(), "requests", int64_t(request->bytes()));
   bool begin = false;
   {
     const std::lock_guard lock(mutex_);
@@ -125,7 +126,7 @@ void Session::submit(uint32_t id, Bytes text) {
   }
   if (!wrong.empty()) return answerError(request, wrong);
   if (atOnce) return run(request, atOnce->action);
-  if (begin) node_.transport.postWaiting([self = shared_from_this()] { self->runNext(); });
+  if (begin) serverRank_.transport.postWaiting([self = shared_from_this()] { self->runNext(); });
 }
 
 // Runs queued requests until the queue is empty.
@@ -162,7 +163,7 @@ void Session::startAside(const RequestPtr& request, std::function<nlohmann::json
     std::unique_lock lock(mutex_);
     answered_.wait(lock, [&] { return aside_ < kAside || request->cancelled(); });
     request->check();
-    slot = node_.tenants.beginAside(tenant());
+    slot = serverRank_.tenants.beginAside(tenant());
     aside_++;
   }
   const std::shared_ptr<void> left(nullptr, [self = shared_from_this(), slot](void*) {
@@ -170,12 +171,12 @@ void Session::startAside(const RequestPtr& request, std::function<nlohmann::json
     self->aside_--;
     self->answered_.notify_all();
   });
-  node_.transport.postWaiting(
+  serverRank_.transport.postWaiting(
       [self = shared_from_this(), request, left, action = std::move(action)] { self->run(request, action); });
 }
 
 void Session::run(const RequestPtr& request, const std::function<nlohmann::json(Request&)>& action) {
-  const Trace::Span span(node_.options.trace, request->verb(), identity_.number);
+  const Trace::Span span(serverRank_.options.trace, request->verb(), identity_.number);
   std::string text;
   std::optional<std::string> error;
   try {

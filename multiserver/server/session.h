@@ -15,8 +15,8 @@
 #include <vector>
 
 #include "multiserver/protocol/handshake.h"
-#include "multiserver/server/node.h"
 #include "multiserver/server/outbox.h"
+#include "multiserver/server/server_rank.h"
 
 namespace gxy {
 
@@ -80,10 +80,10 @@ class Session : public std::enable_shared_from_this<Session> {
   static constexpr int kAside = 8;  ///< number of requests Aside that run at once; each occupies a thread
 
   /// `outbox` is that of the connection. It outlives the session's requests.
-  Session(Node& node, std::shared_ptr<Outbox> outbox, Identity identity, protocol::Limits limits);
+  Session(ServerRank& serverRank, std::shared_ptr<Outbox> outbox, Identity identity, protocol::Limits limits);
   ~Session();
 
-  Node& node() const { return node_; }
+  ServerRank& serverRank() const { return serverRank_; }
   Outbox& outbox() const { return *outbox_; }
   const std::shared_ptr<Outbox>& sharedOutbox() const { return outbox_; }
   const Identity& identity() const { return identity_; }
@@ -145,7 +145,7 @@ class Session : public std::enable_shared_from_this<Session> {
   void answerError(const RequestPtr& request, const std::string& message);
   std::shared_ptr<void> stateOf(std::type_index type, const std::function<std::shared_ptr<void>()>& make);
 
-  Node& node_;
+  ServerRank& serverRank_;
   const std::shared_ptr<Outbox> outbox_;
   const Identity identity_;
   const protocol::Limits limits_;

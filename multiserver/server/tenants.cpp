@@ -59,10 +59,10 @@ Tenants::Account& Tenants::account(const std::string& tenant) {
   return at->second;
 }
 
-Tenants::Frame Tenants::entered(const std::string& tenant, int64_t bytes) {
+Tenants::RenderSlot Tenants::entered(const std::string& tenant, int64_t bytes) {
   account(tenant).frames++;
   account(tenant).bytes += bytes;
-  Frame frame;
+  RenderSlot frame;
   frame.end_ = [state = state_, tenant, bytes, begin = std::chrono::steady_clock::now()] {
     const std::lock_guard lock(state->mutex);
     Account& account = state->accounts.at(tenant);
@@ -84,7 +84,7 @@ namespace {
 
 }  // namespace
 
-Tenants::Frame Tenants::begin(const std::string& tenant, const Cost& cost) {
+Tenants::RenderSlot Tenants::begin(const std::string& tenant, const Cost& cost) {
   const std::lock_guard lock(state_->mutex);
   if (account(tenant).frames >= frames_)
     throw Error("tenant " + tenant + ": " + std::to_string(frames_) +
@@ -94,8 +94,8 @@ Tenants::Frame Tenants::begin(const std::string& tenant, const Cost& cost) {
   return entered(tenant, cost.bytes);
 }
 
-Tenants::Frame Tenants::beginWhenFree(const std::string& tenant, const Cost& cost,
-                                      const std::function<void()>& check) {
+Tenants::RenderSlot Tenants::beginWhenFree(const std::string& tenant, const Cost& cost,
+                                           const std::function<void()>& check) {
   std::unique_lock lock(state_->mutex);
   for (;;) {
     const Account& now = account(tenant);

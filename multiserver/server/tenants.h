@@ -43,16 +43,16 @@ class Tenants {
   std::optional<Identity> identify(const std::string& token, const std::string& tenant) const;
 
   /// A rendering that is in flight as long as this object lives. It may outlive the Tenants.
-  class Frame {
+  class RenderSlot {
    public:
-    Frame() = default;
-    Frame(Frame&& other) noexcept : end_(std::exchange(other.end_, nullptr)) {}
-    Frame& operator=(Frame&& other) noexcept {
+    RenderSlot() = default;
+    RenderSlot(RenderSlot&& other) noexcept : end_(std::exchange(other.end_, nullptr)) {}
+    RenderSlot& operator=(RenderSlot&& other) noexcept {
       if (end_) end_();
       end_ = std::exchange(other.end_, nullptr);
       return *this;
     }
-    ~Frame() {
+    ~RenderSlot() {
       if (end_) end_();
     }
 
@@ -68,10 +68,10 @@ class Tenants {
   };
   /// Begins a rendering. Throws Error if the tenant has as many as it may have, or there is no memory for the
   /// picture.
-  Frame begin(const std::string& tenant, const Cost& cost);
+  RenderSlot begin(const std::string& tenant, const Cost& cost);
   /// The same, but waits instead. `check` is called about every 100 ms while it waits; its exception is
   /// passed on. Throws Error if there is no memory even without the tenant's other renderings.
-  Frame beginWhenFree(const std::string& tenant, const Cost& cost, const std::function<void()>& check);
+  RenderSlot beginWhenFree(const std::string& tenant, const Cost& cost, const std::function<void()>& check);
 
   static constexpr int kAside = 128;  ///< requests Aside of a tenant that run at once, each on a thread
   /// Begins a request Aside (module.h), which ends when the result is released. Throws Error if the tenant
@@ -104,7 +104,7 @@ class Tenants {
     std::condition_variable ended;
     std::map<std::string, Account> accounts;
   };
-  Frame entered(const std::string& tenant, int64_t bytes);  ///< called with the lock held
+  RenderSlot entered(const std::string& tenant, int64_t bytes);  ///< called with the lock held
   Account& account(const std::string& tenant);
 
   const int frames_;

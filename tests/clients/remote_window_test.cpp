@@ -26,15 +26,15 @@ using nlohmann::json;
 constexpr uint32_t kPasses = 3;
 
 struct Shown {
-  explicit Shown(NodeOptions limits = {}, BackendRegistry::Maker backend = {})
+  explicit Shown(ServerRankOptions limits = {}, BackendRegistry::Maker backend = {})
       : server(setup(std::move(limits), std::move(backend))), user(server.client()) {
     user->expect("load data");
     user->expect("load viewer");
   }
-  static ServerSetup setup(NodeOptions limits, BackendRegistry::Maker backend) {
+  static ServerSetup setup(ServerRankOptions limits, BackendRegistry::Maker backend) {
     ServerSetup setup;
     setup.modules = GALAXY_MODULES;
-    setup.node = std::move(limits);
+    setup.serverRank = std::move(limits);
     setup.backend = std::move(backend);
     return setup;
   }
@@ -103,7 +103,7 @@ TEST(RemoteWindow, SaysThatItsSceneIsBeingMadeAsLongAsItIs) {
 }
 
 TEST(RemoteWindow, SaysThatARankIsMissingAsLongAsItIs) {
-  NodeOptions impatient;
+  ServerRankOptions impatient;
   impatient.rankPatience = std::chrono::milliseconds(100);
   Shown shown(impatient);
   shown.user->expect(importBall("ball"));
@@ -218,7 +218,7 @@ TEST(RemoteWindow, ImportsDataOfOtherFilesAndSaysWhenTheyAreSeen) {
 }
 
 TEST(RemoteWindow, AsksAgainForWhatWasRefused) {
-  NodeOptions limits;
+  ServerRankOptions limits;
   limits.tenantFrames = 1;
   Shown shown(limits);
   shown.user->expect(importBall("ball"));
@@ -278,7 +278,7 @@ TEST(RemoteWindow, TellsWhatIsAtAPixel) {
 }
 
 TEST(RemoteWindow, SaysWhyThereIsNoWholePicture) {
-  NodeOptions limits;
+  ServerRankOptions limits;
   limits.tenantFrames = 1;
   Shown shown(limits);
   shown.user->expect(importBall("ball"));

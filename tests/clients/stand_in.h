@@ -17,8 +17,8 @@
 #include <thread>
 #include <utility>
 
-#include "multiserver/protocol/frame.h"
 #include "multiserver/protocol/handshake.h"
+#include "multiserver/protocol/wire_message.h"
 
 namespace gxy::test {
 
@@ -50,7 +50,9 @@ class StandIn {
 
   uint16_t port() const { return port_; }
   /// Once the client is connected.
-  void tell(std::string_view event) { send(protocol::textFrame(protocol::FrameChannel::Event, 0, event)); }
+  void tell(std::string_view event) {
+    send(protocol::textMessage(protocol::MessageChannel::Event, 0, event));
+  }
 
  private:
   void send(std::span<const std::byte> bytes) {
@@ -60,18 +62,18 @@ class StandIn {
       bytes = bytes.subspan(size_t(sent));
     }
   }
-  void send(const protocol::Frame& frame) {
+  void send(const protocol::WireMessage& frame) {
     const std::lock_guard lock(sending_);
     send(protocol::headerOf(frame));
     send(frame.payload);
   }
   void serve() {
-    using protocol::FrameChannel;
+    using protocol::MessageChannel;
     client_ = ::accept(listening_, nullptr, nullptr);
     if (client_ < 0) return;
     send(protocol::preamble());
     size_t preamble = protocol::kPreambleBytes;
-    protocol::FrameReader reader(protocol::FrameReader::fromClient(1 << 20));
+    protocol::MessageReader reader(protocol::MessageReader::fromClient(1 << 20));
     std::array<std::byte, 4096> buffer;
     for (;;) {
       const ssize_t size = ::recv(client_, buffer.data(), buffer.size(), 0);
@@ -83,10 +85,10 @@ class StandIn {
       while (!bytes.empty()) {
         const auto frame = reader.take(bytes);
         if (!frame) break;
-        if (frame->channel == FrameChannel::Request)
-          send(protocol::textFrame(FrameChannel::Reply, frame->id, answer_(frame->text())));
+        if (frame->channel == MessageChannel::Request)
+          send(protocol::textMessage(MessageChannel::Reply, frame->id, answer_(frame->text())));
         else if (protocol::afterWord(frame->text(), "hello"))
-          send(protocol::textFrame(FrameChannel::Control, 0, protocol::welcomeText({})));
+          send(protocol::textMessage(MessageChannel::Control, 0, protocol::welcomeText({})));
       }
     }
   }

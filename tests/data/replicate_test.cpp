@@ -76,7 +76,7 @@ std::set<uint64_t> idsTouching(const GeometryBlock& all, GeometryKind kind, cons
   for (size_t i = 0; i < all.ids.size(); ++i) {
     Box box;
     double reach = 0;
-    for (uint32_t c : cornersOf(all, kind, i)) {
+    for (uint32_t c : primitivePoints(all, kind, i)) {
       box.extend(all.points[c]);
       if (kind != GeometryKind::Triangles)
         reach = std::max(reach, radiusOf(kind == GeometryKind::PathLines ? double(all.radiusValues[c])
@@ -162,7 +162,8 @@ TEST_P(Replicate, PrimitivesArriveAsTheyWereRead) {
   for (const auto& [part, block] : replicateOver(random, all, kind, p, 3)) {
     for (size_t i = 0; i < block.ids.size(); ++i) {
       const size_t original = byId.at(block.ids[i]);
-      const Corners got = cornersOf(block, kind, i), want = cornersOf(all, kind, original);
+      const PrimitivePoints got = primitivePoints(block, kind, i),
+                            want = primitivePoints(all, kind, original);
       for (int c = 0; c < got.count; ++c) expectSame(block, got.points[size_t(c)], want.points[size_t(c)]);
       if (kind == GeometryKind::PathLines) {
         for (size_t n : {0, 1}) expectSame(block, block.neighbours[i][n], all.neighbours[original][n]);

@@ -20,8 +20,8 @@
 namespace {
 
 using namespace gxy;
-using protocol::Frame;
-using protocol::FrameChannel;
+using protocol::MessageChannel;
+using protocol::WireMessage;
 
 [[noreturn]] void fail(const std::string& what) {
   std::cerr << what << '\n';
@@ -31,19 +31,19 @@ using protocol::FrameChannel;
 void append(Bytes& stream, std::span<const std::byte> bytes) {
   stream.insert(stream.end(), bytes.begin(), bytes.end());
 }
-void append(Bytes& stream, const Frame& frame) {
+void append(Bytes& stream, const WireMessage& frame) {
   append(stream, protocol::headerOf(frame));
   append(stream, frame.payload);
 }
 void request(Bytes& stream, uint32_t id, std::string_view text) {
-  append(stream, protocol::textFrame(FrameChannel::Request, id, text));
+  append(stream, protocol::textMessage(MessageChannel::Request, id, text));
 }
 
 Bytes greeting() {
   Bytes stream;
   append(stream, protocol::preamble());
   append(stream,
-         protocol::textFrame(FrameChannel::Control, 0, protocol::helloText({"", "fuzzer", "fuzzer"})));
+         protocol::textMessage(MessageChannel::Control, 0, protocol::helloText({"", "fuzzer", "fuzzer"})));
   uint32_t id = 0;
   for (const char* module : {"load data", "load viewer", "load example"}) request(stream, ++id, module);
   return stream;
@@ -61,8 +61,8 @@ Bytes streamOf(std::string_view input) {
     const std::string_view line = input.substr(0, input.find('\n'));
     input.remove_prefix(std::min(line.size() + 1, input.size()));
     if (line.size() >= 3 && line[0] == '#')
-      append(stream, protocol::textFrame(FrameChannel(uint16_t(line[1] - '0')), uint32_t(line[2] - '0'),
-                                         line.substr(3)));
+      append(stream, protocol::textMessage(MessageChannel(uint16_t(line[1] - '0')), uint32_t(line[2] - '0'),
+                                           line.substr(3)));
     else
       request(stream, id, line);
   }
@@ -72,14 +72,14 @@ Bytes streamOf(std::string_view input) {
 /// One client, and what the server has said to it.
 class Conversation {
  public:
-  Conversation(Node& node, const std::string& tenant)
+  Conversation(ServerRank& serverRank, const std::string& tenant)
       : tenant_(tenant),
         outbox_(std::make_shared<Outbox>(
             Outbox::Limits{}, [] {}, LedgerEntry())),
         dialogue_(outbox_, limits(),
-                  [this, &node](const auto&, const auto& outbox, protocol::Welcome& welcome) {
+                  [this, &serverRank](const auto&, const auto& outbox, protocol::Welcome& welcome) {
                     welcome.limits = limits();
-                    return std::make_shared<Session>(node, outbox,
+                    return std::make_shared<Session>(serverRank, outbox,
                                                      Session::Identity{1, tenant_, tenant_, false}, limits());
                   }) {}
   ~Conversation() { end(); }
@@ -128,18 +128,18 @@ class Conversation {
     limits.pixels = 4096;
     return limits;
   }
-  void heard(Frame frame) {
+  void heard(WireMessage frame) {
     Bytes bytes;
     append(bytes, frame);
     std::span<const std::byte> rest(bytes);
     const auto read = reader_.take(rest);
     if (!read || !rest.empty()) fail("the server sent what no client can read");
-    if (read->channel == FrameChannel::Reply) {
+    if (read->channel == MessageChannel::Reply) {
       if (!read->text().starts_with("ok") && !read->text().starts_with("error: "))
         fail("a reply of another form");
       replies_++;
     }
-    if (read->channel != FrameChannel::Pixels) return;
+    if (read->channel != MessageChannel::Pixels) return;
     const protocol::PixelHeader header = protocol::pixelHeader(read->payload);
     if (header.kind == protocol::PixelKind::EndOfFrame) ends_++;
     if (header.kind == protocol::PixelKind::Tile && header.scale == 1)
@@ -149,7 +149,7 @@ class Conversation {
   const std::string tenant_;
   const std::shared_ptr<Outbox> outbox_;
   Dialogue dialogue_;
-  protocol::FrameReader reader_{protocol::FrameReader::fromServer()};
+  protocol::MessageReader reader_{protocol::MessageReader::fromServer()};
   size_t replies_ = 0, ends_ = 0;
   std::vector<uint8_t> picture_;
 };
@@ -162,7 +162,7 @@ class World {
     const Bytes stream = streamOf(input);
     const size_t requests = requestsIn(stream);
     {
-      Conversation client(server_.node(), "fuzzer");
+      Conversation client(server_.serverRank(), "fuzzer");
       const bool welcome = client.say(stream, 1 + stream.size() / (1 + input.size() % 7));
       client.hear(std::chrono::milliseconds(20));
       client.end();
@@ -178,7 +178,7 @@ class World {
     test::ServerSetup setup;
     setup.ranks = 1;
     setup.modules = GALAXY_MODULES;
-    setup.node.memory = setup.node.tenantMemory = 64 << 20;
+    setup.serverRank.memory = setup.serverRank.tenantMemory = 64 << 20;
     return setup;
   }
 
@@ -187,17 +187,17 @@ class World {
     size_t requests = 0;
     if (stream.size() < protocol::kPreambleBytes) return 0;
     stream = stream.subspan(protocol::kPreambleBytes);
-    protocol::FrameReader reader(protocol::FrameReader::fromClient(protocol::Limits{}.requestBytes));
+    protocol::MessageReader reader(protocol::MessageReader::fromClient(protocol::Limits{}.requestBytes));
     try {
       while (!stream.empty())
-        if (const auto frame = reader.take(stream)) requests += frame->channel == FrameChannel::Request;
+        if (const auto frame = reader.take(stream)) requests += frame->channel == MessageChannel::Request;
     } catch (const Error&) {
     }
     return requests;
   }
 
   std::vector<uint8_t> bystandersPicture() {
-    Conversation client(server_.node(), "bystander");
+    Conversation client(server_.serverRank(), "bystander");
     Bytes stream = greeting();
     uint32_t id = 10;
     if (expected_.empty()) request(stream, ++id, test::importBall("ball"));
@@ -214,12 +214,13 @@ class World {
 
   // Each input finds the same server.
   void cleanUp() {
-    for (const NamedDataset& d : server_.node().datasets->list("fuzzer"))
-      if (d.owner == "fuzzer") server_.node().datasets->drop("fuzzer", d.name);
+    for (const NamedDataset& d : server_.serverRank().datasets->list("fuzzer"))
+      if (d.owner == "fuzzer") server_.serverRank().datasets->drop("fuzzer", d.name);
     for (const auto& file : std::filesystem::directory_iterator(server_.folder().path()))
       if (file.path().stem() != "ball") std::filesystem::remove(file.path());
     const auto until = std::chrono::steady_clock::now() + std::chrono::seconds(4);
-    while (server_.node().renderer.kept().frames > 0 || server_.node().ledger.total("fuzzer") > 0) {
+    while (server_.serverRank().renderer.kept().frames > 0 ||
+           server_.serverRank().ledger.total("fuzzer") > 0) {
       if (std::chrono::steady_clock::now() > until) fail("a client that has gone leaves something behind");
       std::this_thread::sleep_for(std::chrono::microseconds(200));
     }

@@ -80,7 +80,7 @@ TEST(Data, NamesAreDroppedAndRenamed) {
   client->expect("drop ball");
   EXPECT_EQ(names(*client), Names{});
   EXPECT_FALSE(client->request("drop ball").ok);
-  for (int rank = 0; rank < 2; rank++) EXPECT_EQ(server->node(rank).ledger.total("user"), 0) << rank;
+  for (int rank = 0; rank < 2; rank++) EXPECT_EQ(server->serverRank(rank).ledger.total("user"), 0) << rank;
 }
 
 TEST(Data, TenantsSeeOnlyWhatIsShared) {
@@ -259,7 +259,7 @@ TEST(Data, AFailedImportChangesNothing) {
     EXPECT_NE(reply.error.find("expected"), std::string::npos) << reply.error;
   }
   EXPECT_EQ(names(*client), Names{});
-  for (int rank = 0; rank < 2; rank++) EXPECT_EQ(server->node(rank).ledger.total("user"), 0) << rank;
+  for (int rank = 0; rank < 2; rank++) EXPECT_EQ(server->serverRank(rank).ledger.total("user"), 0) << rank;
   client->expect(importBall("ball"));  // all still work
 }
 
@@ -343,7 +343,7 @@ TEST(Data, AnImportThatLosesANameMeanwhileNamesNothing) {
   EXPECT_NE(published.ok, reply.ok) << reply.error;
   EXPECT_EQ(names(*import.client).size(), reply.ok ? 201u : 1u) << "all or none";
   if (reply.ok) return;
-  for (int rank = 0; rank < 2; rank++) EXPECT_EQ(server->node(rank).ledger.total("ann"), 0) << rank;
+  for (int rank = 0; rank < 2; rank++) EXPECT_EQ(server->serverRank(rank).ledger.total("ann"), 0) << rank;
 }
 
 /// What is done while rank 1 has stored the first of an import's two datasets, before any is named.
@@ -351,7 +351,7 @@ Reply importWhile(TestServer& server, Client& client, const std::string& second,
                   const std::function<void()>& meanwhile) {
   std::promise<void> stored, goOn;
   std::once_flag once;
-  const auto subscription = server.node(1).observers.subscribe({}, [&](const ObjectEvent& event) {
+  const auto subscription = server.serverRank(1).observers.subscribe({}, [&](const ObjectEvent& event) {
     if (event.kind != ObjectEvent::Kind::Added) return;
     std::call_once(once, [&] {
       stored.set_value();
@@ -381,7 +381,7 @@ TEST(Data, AnImportWhoseDatasetIsDroppedAtTheLastMomentNamesNothing) {
   const Reply reply = importWhile(*server, *ann, "second", [&] { other->expect("drop second"); });
   EXPECT_EQ(reply.error, "cancelled: a dataset of this import was dropped");
   EXPECT_EQ(names(*ann), Names{});
-  for (int rank = 0; rank < 2; rank++) EXPECT_EQ(server->node(rank).ledger.total("ann"), 0) << rank;
+  for (int rank = 0; rank < 2; rank++) EXPECT_EQ(server->serverRank(rank).ledger.total("ann"), 0) << rank;
 }
 
 TEST(Data, WhatOneImportGivesIsSeenTogetherOnAllRanks) {
@@ -393,11 +393,11 @@ TEST(Data, WhatOneImportGivesIsSeenTogetherOnAllRanks) {
   std::atomic<bool> done = false;
   std::thread reader([&] {
     while (!done) {
-      const auto seen = server->node(0).datasets->getPinned("ann", both);
+      const auto seen = server->serverRank(0).datasets->getPinned("ann", both);
       EXPECT_EQ(seen[0].first.generation, seen[1].first.generation);
       std::vector<ObjectGeneration> generations;
       for (const auto& [dataset, pin] : seen) generations.push_back({dataset.key, dataset.generation});
-      EXPECT_NO_THROW(server->node(1).objects.pin(generations)) << "while they are pinned on rank 0";
+      EXPECT_NO_THROW(server->serverRank(1).objects.pin(generations)) << "while they are pinned on rank 0";
     }
   });
   for (int n = 0; n < 20; n++) ann->expect(import);
@@ -441,14 +441,14 @@ TEST(Data, AnImportChangesNothingThatItMayNoLongerChange) {
   std::promise<Reply> dropped;  // rank 1 is not asked before the import goes on
   refused(importWhile(*server, *ann, "ball", [&] {
     bob->send("drop ball", [&](const Reply& r) { dropped.set_value(r); });
-    while (server->node().datasets->find("bob", "ball"))
+    while (server->serverRank().datasets->find("bob", "ball"))
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }));
   EXPECT_TRUE(dropped.get_future().get().ok);
   EXPECT_EQ(names(*bob), Names{});
   for (int rank = 0; rank < 2; rank++)
     for (const char* tenant : {"ann", "bob"})
-      EXPECT_EQ(server->node(rank).ledger.total(tenant), 0) << tenant << " on " << rank;
+      EXPECT_EQ(server->serverRank(rank).ledger.total(tenant), 0) << tenant << " on " << rank;
   ann->expect(importShared({"first", "ball"}));
   bob->expect(importBall("ball"));
 }
@@ -501,9 +501,9 @@ TEST(Data, InfoLeavesOutWhatIsDroppedMeanwhile) {
   const auto client = dataClient(*server);
   client->expect(importBall("ball"));
   client->expect(importBall("gone"));
-  Datasets& datasets = *server->node().datasets;
+  Datasets& datasets = *server->serverRank().datasets;
   const NamedDataset gone = datasets.get("user", "gone");
-  server->node(1).objects.drop(
+  server->serverRank(1).objects.drop(
       gone.key);  // as while it is dropped: it has its name, but not all of its parts
   const json all = client->expect("info").at("datasets");
   ASSERT_EQ(all.size(), 1u);
@@ -593,7 +593,7 @@ TEST(Data, AnImportThatIsCancelledEndsBetweenItsFilesAndLeavesNothing) {
   client->expect("cancel " + std::to_string(id));
   EXPECT_EQ(ended.get_future().get().error, "cancelled");
   EXPECT_EQ(names(*client), Names{});
-  for (int rank = 0; rank < 2; rank++) EXPECT_EQ(server->node(rank).ledger.total("user"), 0) << rank;
+  for (int rank = 0; rank < 2; rank++) EXPECT_EQ(server->serverRank(rank).ledger.total("user"), 0) << rank;
   client->expect(importBall("ball"));
 }
 
@@ -609,7 +609,7 @@ constexpr const char* kImportLarge =
     R"(import {"Datasets": [{"name": "large", "filename": "large.vol", "type": "Volume"}]})";
 
 int64_t memoryOf(TestServer& server) {
-  return server.node(0).ledger.total("user") + server.node(1).ledger.total("user");
+  return server.serverRank(0).ledger.total("user") + server.serverRank(1).ledger.total("user");
 }
 
 // The import would be done some seconds later, and keep its memory.
@@ -651,7 +651,7 @@ TEST(Data, AnUpdateEndsWhenItsDatasetIsDropped) {
 TEST(Data, QuotasOfMemoryHoldBeforeAnythingIsRead) {
   ServerSetup setup;
   setup.modules = GALAXY_MODULES;
-  setup.node.tenantMemory = 20000;  // a half of 16^3 floats with its ghosts is 12288 bytes or less
+  setup.serverRank.tenantMemory = 20000;  // a half of 16^3 floats with its ghosts is 12288 bytes or less
   TestServer server(std::move(setup));
   const auto client = dataClient(server);
   client->expect(importBall("ball"));
@@ -681,7 +681,7 @@ TEST(Data, QuotasOfMemoryHoldBeforeAnythingIsRead) {
 TEST(Data, OfAllTenantsTakeNoMoreThanTheRankMayHave) {
   ServerSetup setup;
   setup.modules = GALAXY_MODULES;
-  setup.node.memory = 20000;  // a half of 16^3 floats with its ghosts is 9216 bytes or more
+  setup.serverRank.memory = 20000;  // a half of 16^3 floats with its ghosts is 9216 bytes or more
   TestServer server(std::move(setup));
   const auto ann = dataClient(server, "ann"), bob = dataClient(server, "bob");
   ann->expect(importBall("ball"));

@@ -183,7 +183,7 @@ void until(const std::function<bool()>& condition, const char* what) {
 int64_t bytesOfScenes(TestServer& server) {
   int64_t bytes = 0;
   for (int rank = 0; rank < 2; rank++)
-    for (const auto& line : server.node(rank).ledger.snapshot())
+    for (const auto& line : server.serverRank(rank).ledger.snapshot())
       if (line.purpose == "scene") bytes += line.bytes;
   return bytes;
 }
@@ -277,8 +277,8 @@ TEST(Scenes, OfFramesThatAreCancelledAreGivenUp) {
   scenes->held = true;
   ann->expect(importBall("ball"));
   json end;
-  EXPECT_TRUE(slow.readUntil([&](const protocol::Frame& frame) {
-    if (frame.channel != protocol::FrameChannel::Pixels) return false;
+  EXPECT_TRUE(slow.readUntil([&](const protocol::WireMessage& frame) {
+    if (frame.channel != protocol::MessageChannel::Pixels) return false;
     const protocol::PixelHeader header = protocol::pixelHeader(frame.payload);
     if (header.kind == protocol::PixelKind::EndOfPass && header.frame == 1) {
       until([&] { return scenes->begun == 4; }, "the second frame gets its scene");

@@ -33,7 +33,8 @@ TEST(Example, FindsTheRangeAndMakesADatasetWhereTheSourceIs) {
   EXPECT_EQ(client->expect("range shell").at("range"), (json{0, 1}));
   int shown = 0;
   for (int rank = 0; rank < 3; rank++) {
-    const Pin pin = server.node(rank).objects.pin(server.node(0).datasets->get("user", "shell").key, 1);
+    const Pin pin =
+        server.serverRank(rank).objects.pin(server.serverRank(0).datasets->get("user", "shell").key, 1);
     for (const auto& [partition, block] : pin.get<Dataset>()->volume->blocks) {
       EXPECT_EQ(pin.get<Dataset>()->partitioning->owner(partition), rank);
       shown++;
@@ -45,7 +46,7 @@ TEST(Example, FindsTheRangeAndMakesADatasetWhereTheSourceIs) {
   EXPECT_FALSE(client->request("threshold ball x").ok);
   client->expect("drop shell");
   client->expect("drop ball");
-  for (int rank = 0; rank < 3; rank++) EXPECT_EQ(server.node(rank).ledger.total("user"), 0);
+  for (int rank = 0; rank < 3; rank++) EXPECT_EQ(server.serverRank(rank).ledger.total("user"), 0);
 }
 
 TEST(Example, WhatAFilterMadeSaysHowAndIsOfTheStepOfItsSource) {
@@ -120,7 +121,7 @@ TEST(Example, ItsWorksLookAtAllSamplesAndLeaveTheWorkersToFrames) {
   server.client()->expect("load example");
   for (int rank = 0; rank < 2; rank++)
     for (const char* name : {"example.range", "example.threshold"})
-      EXPECT_EQ(server.node(rank).work.runsOf(name), Work::Runs::Long) << name;
+      EXPECT_EQ(server.serverRank(rank).work.runsOf(name), Work::Runs::Long) << name;
 }
 
 /// A server on whose rank 1 nothing arrives until told; messages to rank 0 go on.
@@ -136,12 +137,12 @@ struct Held {
   void hold() {
     holds = true;
     std::promise<void> begun;
-    server->node(1).transport.onMessage(Channel::Test,
-                                        [&begun, released = goOn.get_future().share()](int, const Bytes&) {
-                                          begun.set_value();
-                                          released.wait();
-                                        });
-    server->node(1).transport.send(1, Channel::Test, {});
+    server->serverRank(1).transport.onMessage(
+        Channel::Test, [&begun, released = goOn.get_future().share()](int, const Bytes&) {
+          begun.set_value();
+          released.wait();
+        });
+    server->serverRank(1).transport.send(1, Channel::Test, {});
     begun.get_future().wait();
   }
   void release() {
@@ -179,7 +180,7 @@ TEST(Example, AFilterThatIsCancelledMakesNothing) {
   EXPECT_EQ(made.get_future().get().error, "cancelled");
   EXPECT_EQ(client.expect("list").at("datasets").size(), 1u);
   client.expect("drop ball");
-  for (int rank = 0; rank < 2; rank++) EXPECT_EQ(held.server->node(rank).ledger.total("user"), 0);
+  for (int rank = 0; rank < 2; rank++) EXPECT_EQ(held.server->serverRank(rank).ledger.total("user"), 0);
 }
 
 }  // namespace

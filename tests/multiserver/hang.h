@@ -10,12 +10,12 @@ namespace gxy::test {
 /// A rank that takes no messages while this lives.
 class Hang {
  public:
-  Hang(TestServer& server, int rank) : transport_(server.node(rank).transport) {
+  Hang(TestServer& server, int rank) : transport_(server.serverRank(rank).transport) {
     transport_.onMessage(Channel::Test, [this](int, Bytes) {
       begun_.count_down();
       over_.wait();
     });
-    server.node(0).transport.send(rank, Channel::Test, {});
+    server.serverRank(0).transport.send(rank, Channel::Test, {});
     begun_.wait();
   }
   ~Hang() {

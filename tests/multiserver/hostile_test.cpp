@@ -21,8 +21,8 @@ namespace gxy::test {
 namespace {
 
 using nlohmann::json;
-using protocol::Frame;
-using protocol::FrameChannel;
+using protocol::MessageChannel;
+using protocol::WireMessage;
 
 ServerSetup setup() {
   ServerSetup setup;
@@ -131,8 +131,8 @@ TEST(Hostile, BytesOfAllKindsEndOnlyTheirOwnConnection) {
     } else {
       raw.greet("hostile");
       for (int i = int(random() % 6); i >= 0; i--) {
-        Frame frame =
-            protocol::textFrame(FrameChannel(random() % 2), uint32_t(random() % 3), randomStatement(random));
+        WireMessage frame = protocol::textMessage(MessageChannel(random() % 2), uint32_t(random() % 3),
+                                                  randomStatement(random));
         auto header = protocol::headerOf(frame);
         if (random() % 2) header[random() % header.size()] = std::byte(random());
         raw.send(header);
@@ -171,7 +171,7 @@ TEST(Hostile, ViolationsOfTheProtocolCloseTheConnection) {
   })) << "too long";
   EXPECT_TRUE(closes([](RawClient& r) {
     r.greet();
-    r.send(protocol::textFrame(FrameChannel::Pixels, 0, ""));
+    r.send(protocol::textMessage(MessageChannel::Pixels, 0, ""));
   })) << "on the server's channel";
   EXPECT_TRUE(closes([](RawClient& r) {
     r.greet();
@@ -181,11 +181,11 @@ TEST(Hostile, ViolationsOfTheProtocolCloseTheConnection) {
   })) << "an id twice";
   EXPECT_TRUE(closes([](RawClient& r) {
     r.greet();
-    r.send(protocol::textFrame(FrameChannel::Control, 0, "ping me"));
+    r.send(protocol::textMessage(MessageChannel::Control, 0, "ping me"));
   })) << "a wrong ping";
   EXPECT_TRUE(closes([](RawClient& r) {
     r.greet();
-    r.send(protocol::textFrame(FrameChannel::Control, 0, "ping 123456789012345678901"));
+    r.send(protocol::textMessage(MessageChannel::Control, 0, "ping 123456789012345678901"));
   })) << "a ping of 21 digits";
   waitForClients(server, 0);
 }
@@ -288,7 +288,7 @@ TEST(Hostile, ASlowReaderGetsFewerPixelsAndTakesNoMoreMemory) {
   ASSERT_FALSE(mine.is_null());
   EXPECT_LT(mine.at("most queued bytes").get<uint64_t>(), 2 * kPicture + 100000);
   int64_t charged = 0;
-  for (const Ledger::Line& line : server.node().ledger.snapshot())
+  for (const Ledger::Line& line : server.serverRank().ledger.snapshot())
     if (line.tenant == "slow" && line.purpose == "to be sent") charged = line.bytes;
   EXPECT_GT(charged, int64_t(kPicture / 2)) << "to its tenant";
   bystander.expectTheSamePicture();
@@ -325,7 +325,7 @@ TEST(Hostile, AWindowThatFollowsMakesFewFramesForWhoReadsNoneAndThenTheNewest) {
   while (generation < 60) generation += other->request(importBall("ball")).ok;
   EXPECT_LT(frames(), 30);
   json end;
-  EXPECT_TRUE(slow.readUntil([&](const Frame& frame) {
+  EXPECT_TRUE(slow.readUntil([&](const WireMessage& frame) {
     if (!RawClient::isEnd(frame)) return false;
     const auto data = protocol::pixelData(frame.payload);
     end = json::parse(std::string_view(reinterpret_cast<const char*>(data.data()), data.size()));
@@ -357,7 +357,7 @@ TEST(Hostile, AFrameThatWaitsForAWindowThatIsNotReadHoldsNoDataBackAndShowsTheNe
   while (!waits()) std::this_thread::sleep_for(std::chrono::milliseconds(10));
   for (int update = 0; update < 3; update++) other->expect(importBall("ball"));
   json end;
-  EXPECT_TRUE(slow.readUntil([&](const Frame& frame) {
+  EXPECT_TRUE(slow.readUntil([&](const WireMessage& frame) {
     if (!RawClient::isEnd(frame) || protocol::pixelHeader(frame.payload).frame != 2) return false;
     const auto data = protocol::pixelData(frame.payload);
     end = json::parse(std::string_view(reinterpret_cast<const char*>(data.data()), data.size()));
@@ -389,8 +389,8 @@ TEST(Hostile, AFrameThatWaitsBeginsAtOnceWhereTheOneBeforeWasCancelledUnread) {
   ASSERT_TRUE(slow.request(id++, "cancel_frame 1"));
   ASSERT_TRUE(slow.request(id++, "render 1 {\"wait\": true, \"levels\": [4]}"));
   json end;
-  EXPECT_TRUE(slow.readUntil([&](const Frame& frame) {
-    if (frame.channel == FrameChannel::Control && frame.text().starts_with("ping")) return true;  // in vain
+  EXPECT_TRUE(slow.readUntil([&](const WireMessage& frame) {
+    if (frame.channel == MessageChannel::Control && frame.text().starts_with("ping")) return true;  // in vain
     if (!RawClient::isEnd(frame) || protocol::pixelHeader(frame.payload).frame != 2) return false;
     const auto data = protocol::pixelData(frame.payload);
     end = json::parse(std::string_view(reinterpret_cast<const char*>(data.data()), data.size()));
@@ -510,14 +510,14 @@ TEST(Hostile, RequestsThatWaitTakeNoMoreMemoryThanTheyMay) {
     if (c.at("tenant") == "hog") received = c.at("received bytes");
   EXPECT_GT(received, 2 * kLongest);
   EXPECT_LT(received, 4 * kLongest);
-  EXPECT_LE(server.node().ledger.total("hog"), int64_t(3 * kLongest));
+  EXPECT_LE(server.serverRank().ledger.total("hog"), int64_t(3 * kLongest));
   bystander.expectTheSamePicture();
 }
 
 TEST(Hostile, RequestsOfATenantTakeNoMoreThanItsMemoryHoweverManyItsConnections) {
   constexpr int64_t kMost = 2'000'000;
   ServerSetup s = setup();
-  s.node.tenantMemory = kMost;
+  s.serverRank.tenantMemory = kMost;
   TestServer server(std::move(s));
   Bystander bystander(server);
   std::deque<RawClient> hogs;
@@ -529,20 +529,20 @@ TEST(Hostile, RequestsOfATenantTakeNoMoreThanItsMemoryHoweverManyItsConnections)
     for (uint32_t id = 2; id <= 2 + Session::kAside; id++) hog.request(id, "wait nothing 1 1e6");
     hog.request(100, text);
     // one whose payload does not come
-    auto half = protocol::headerOf(protocol::textFrame(FrameChannel::Request, 101, text));
+    auto half = protocol::headerOf(protocol::textMessage(MessageChannel::Request, 101, text));
     hog.send(half);
   }
   RawClient& last = hogs.back();
   std::string refusal;
   last.request(102, "");  // within that payload
   last.send(Bytes(text.size() - protocol::kHeaderBytes, std::byte('x')));
-  EXPECT_TRUE(last.readUntil([&](const Frame& frame) {
-    if (frame.channel == FrameChannel::Reply && frame.id == 101) refusal = frame.text();
+  EXPECT_TRUE(last.readUntil([&](const WireMessage& frame) {
+    if (frame.channel == MessageChannel::Reply && frame.id == 101) refusal = frame.text();
     return !refusal.empty();
   }));
   EXPECT_TRUE(refusal.starts_with("error: memory: 300005 bytes are needed")) << refusal;
-  EXPECT_LE(server.node().ledger.total("hog"), kMost + 10 * (Session::kAside + 3) * 4096);
-  EXPECT_GT(server.node().ledger.total("hog"), kMost / 2);
+  EXPECT_LE(server.serverRank().ledger.total("hog"), kMost + 10 * (Session::kAside + 3) * 4096);
+  EXPECT_GT(server.serverRank().ledger.total("hog"), kMost / 2);
   EXPECT_TRUE(server.client("hog")->request("echo short").ok) << "to free memory there must be a way";
   bystander.expectTheSamePicture();
 }
@@ -632,7 +632,7 @@ TEST(Hostile, ARankThatCannotTakeItsPartOfAnImportIsNamedAndNothingChanges) {
   client->expect(importBall("ball"));
   {
     const LedgerEntry all =
-        server.node(1).ledger.enter("importer", "a test's", server.node(1).options.tenantMemory);
+        server.serverRank(1).ledger.enter("importer", "a test's", server.serverRank(1).options.tenantMemory);
     for (const char* name : {"ball", "other"}) {
       const Reply reply = client->request(importBall(name));
       EXPECT_FALSE(reply.ok);
@@ -645,7 +645,7 @@ TEST(Hostile, ARankThatCannotTakeItsPartOfAnImportIsNamedAndNothingChanges) {
   EXPECT_EQ(list[0].at("generation"), 1);
   client->expect(importBall("ball"));
   client->expect("drop ball");
-  for (int rank = 0; rank < 2; rank++) EXPECT_EQ(server.node(rank).ledger.total("importer"), 0) << rank;
+  for (int rank = 0; rank < 2; rank++) EXPECT_EQ(server.serverRank(rank).ledger.total("importer"), 0) << rank;
 }
 
 }  // namespace

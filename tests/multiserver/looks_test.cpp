@@ -148,7 +148,7 @@ TEST(ViewerLooks, ASeriesIsNamedWithTheFilesOfEachStep) {
 TEST(ViewerLooks, FilesAreReadWithinTheMemoryOfTheTenant) {
   ServerSetup setup;
   setup.modules = GALAXY_MODULES;
-  setup.node.tenantMemory = 1000;  // the ball's samples are more
+  setup.serverRank.tenantMemory = 1000;  // the ball's samples are more
   TestServer server(std::move(setup));
   const auto client = server.client();
   client->expect("load viewer");
@@ -167,7 +167,7 @@ TEST(ViewerLooks, ASceneIsCancelledWithinAFile) {
   client->expect("load viewer");
   std::promise<Reply> ended;
   const uint32_t id = client->send("scene large.vol", [&](const Reply& r) { ended.set_value(r); });
-  until([&] { return server->node().ledger.total("user") > 0; }, "it is read");
+  until([&] { return server->serverRank().ledger.total("user") > 0; }, "it is read");
   client->expect("cancel " + std::to_string(id));
   EXPECT_EQ(ended.get_future().get().error, "cancelled");
 }

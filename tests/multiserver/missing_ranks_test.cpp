@@ -18,7 +18,7 @@ std::unique_ptr<TestServer> impatient() {
   ServerSetup setup;
   setup.ranks = 4;  // rank 3 gets broadcasts from rank 1
   setup.modules = GALAXY_MODULES;
-  setup.node.rankPatience = std::chrono::milliseconds(100);
+  setup.serverRank.rankPatience = std::chrono::milliseconds(100);
   return std::make_unique<TestServer>(std::move(setup));
 }
 

@@ -8,7 +8,7 @@
 namespace gxy {
 namespace {
 
-using protocol::FrameChannel;
+using protocol::MessageChannel;
 using protocol::PixelHeader;
 using protocol::PixelKind;
 
@@ -28,7 +28,7 @@ Bytes record(uint32_t window, uint64_t frame, PixelKind kind, uint32_t pass = 0,
 std::string kindsLeft(Outbox& outbox) {
   std::string kinds;
   while (const auto frame = outbox.next()) {
-    if (frame->channel != FrameChannel::Pixels) {
+    if (frame->channel != MessageChannel::Pixels) {
       kinds += "CQREPF"[int(frame->channel)];
       continue;
     }
@@ -186,11 +186,11 @@ TEST(Outbox, TilesThatAreDroppedLeaveTheirRoom) {
 TEST(Outbox, LeavesEventsOutAndSaysHowMany) {
   Outbox outbox({.text = 1000, .files = 1000, .pixels = 1000}, [] {}, {});
   outbox.reply(1, std::string(2000, 'x'));
-  EXPECT_TRUE(outbox.congested());
+  EXPECT_TRUE(outbox.aboveWatermark());
   EXPECT_FALSE(outbox.event({{"event", "added"}}));
   EXPECT_FALSE(outbox.event({{"event", "added"}}));
   EXPECT_TRUE(outbox.next().has_value());
-  EXPECT_FALSE(outbox.congested());
+  EXPECT_FALSE(outbox.aboveWatermark());
   EXPECT_TRUE(outbox.event({{"event", "dropped"}}));
   EXPECT_EQ(nlohmann::json::parse(outbox.next()->text()), (nlohmann::json{{"event", "lost"}, {"count", 2}}));
   EXPECT_EQ(nlohmann::json::parse(outbox.next()->text())["event"], "dropped");
@@ -201,9 +201,9 @@ TEST(Outbox, LeavesEventsOutAndSaysHowMany) {
 TEST(Outbox, EndsOfFramesMakeItCongestedUntilTheyAreTaken) {
   Outbox outbox({.text = 1000, .files = 1000, .pixels = 1000}, [] {}, {});
   for (uint64_t frame = 1; frame <= 100; frame++) outbox.pixels(record(1, frame, PixelKind::EndOfFrame));
-  EXPECT_TRUE(outbox.congested());
+  EXPECT_TRUE(outbox.aboveWatermark());
   while (outbox.next()) continue;
-  EXPECT_FALSE(outbox.congested());
+  EXPECT_FALSE(outbox.aboveWatermark());
 }
 
 TEST(Outbox, SaysOnceWhenItIsNoLongerCongested) {
@@ -211,11 +211,11 @@ TEST(Outbox, SaysOnceWhenItIsNoLongerCongested) {
   int drained = 0;
   const auto count = [&] { drained++; };
   outbox.reply(1, std::string(30, 'x'));
-  EXPECT_FALSE(outbox.congested(count));
+  EXPECT_FALSE(outbox.aboveWatermark(count));
   outbox.reply(2, std::string(30, 'x'));
-  EXPECT_TRUE(outbox.congested(count));
+  EXPECT_TRUE(outbox.aboveWatermark(count));
   outbox.next();
-  EXPECT_FALSE(outbox.congested());
+  EXPECT_FALSE(outbox.aboveWatermark());
   while (outbox.next()) continue;
   EXPECT_EQ(drained, 1);
 }

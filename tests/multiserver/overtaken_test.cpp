@@ -49,8 +49,8 @@ TEST(Overtaken, AFrameThatRefinesSendsNothingMoreAndSaysThatItIsSuperseded) {
     say("render 1 {\"levels\": [1], \"wait\": true}");
     std::array<std::string, 3> ends;
     bool begun = false, mixed = false;
-    EXPECT_TRUE(slow.readUntil([&](const protocol::Frame& frame) {
-      if (frame.channel != protocol::FrameChannel::Pixels) return false;
+    EXPECT_TRUE(slow.readUntil([&](const protocol::WireMessage& frame) {
+      if (frame.channel != protocol::MessageChannel::Pixels) return false;
       const auto header = protocol::pixelHeader(frame.payload);
       if (header.window != 1) return false;
       if (header.kind == protocol::PixelKind::Tile) {

@@ -19,7 +19,7 @@ json pictureOf(gxy::Rendering& rendering, gxy::Request& request) {
   FrameRequest frame;
   frame.scene = pinned.scene->id;
   frame.camera = state.cameras.at(0);
-  frame.share.stream = rendering.nextStream();
+  frame.priority.stream = rendering.nextStream();
   frame.account = tenant;
   PictureFormat wanted;
   wanted.as = PictureFormat::As::Bytes;

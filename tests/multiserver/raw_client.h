@@ -12,9 +12,9 @@
 #include <string>
 #include <vector>
 
-#include "multiserver/protocol/frame.h"
 #include "multiserver/protocol/handshake.h"
 #include "multiserver/protocol/pixel_record.h"
+#include "multiserver/protocol/wire_message.h"
 
 namespace gxy::test {
 
@@ -55,15 +55,18 @@ class RawClient {
     }
     return true;
   }
-  bool send(const protocol::Frame& frame) { return send(protocol::headerOf(frame)) && send(frame.payload); }
+  bool send(const protocol::WireMessage& frame) {
+    return send(protocol::headerOf(frame)) && send(frame.payload);
+  }
   bool request(uint32_t id, const std::string& text) {
-    return send(protocol::textFrame(protocol::FrameChannel::Request, id, text));
+    return send(protocol::textMessage(protocol::MessageChannel::Request, id, text));
   }
 
   /// Preamble and hello, without waiting for the answer.
   void greet(const std::string& tenant = "user") {
     send(protocol::preamble());
-    send(protocol::textFrame(protocol::FrameChannel::Control, 0, protocol::helloText({"", "raw", tenant})));
+    send(protocol::textMessage(protocol::MessageChannel::Control, 0,
+                               protocol::helloText({"", "raw", tenant})));
   }
 
   /// Bytes that come within the time; 0: none, or the end.
@@ -91,7 +94,7 @@ class RawClient {
   bool readUntil(const Last& last) {
     std::vector<std::byte> buffer(65536);
     size_t preamble = protocol::kPreambleBytes;
-    protocol::FrameReader reader(protocol::FrameReader::fromServer());
+    protocol::MessageReader reader(protocol::MessageReader::fromServer());
     for (;;) {
       const size_t size = receive(buffer, 60000);
       if (size == 0) return false;
@@ -102,8 +105,8 @@ class RawClient {
       while (!bytes.empty()) {
         const auto frame = reader.take(bytes);
         if (!frame) break;
-        if (frame->channel == protocol::FrameChannel::Control && frame->text().starts_with("ping"))
-          send(protocol::textFrame(protocol::FrameChannel::Control, 0, "pong 0"));
+        if (frame->channel == protocol::MessageChannel::Control && frame->text().starts_with("ping"))
+          send(protocol::textMessage(protocol::MessageChannel::Control, 0, "pong 0"));
         if (last(*frame)) return true;
       }
     }
@@ -112,8 +115,8 @@ class RawClient {
   /// Reads until so many replies and ends of frames have come: what went wrong, or nothing. A minute at most.
   std::string repliesAndEnds(size_t replies, size_t ends) {
     std::string wrong;
-    const bool all = readUntil([&](const protocol::Frame& frame) {
-      if (frame.channel == protocol::FrameChannel::Reply) {
+    const bool all = readUntil([&](const protocol::WireMessage& frame) {
+      if (frame.channel == protocol::MessageChannel::Reply) {
         if (!frame.text().starts_with("ok")) wrong = frame.text();
         replies--;
       }
@@ -122,8 +125,8 @@ class RawClient {
     });
     return all ? wrong : "nothing more comes, though not all has come";
   }
-  static bool isEnd(const protocol::Frame& frame) {
-    return frame.channel == protocol::FrameChannel::Pixels &&
+  static bool isEnd(const protocol::WireMessage& frame) {
+    return frame.channel == protocol::MessageChannel::Pixels &&
            protocol::pixelHeader(frame.payload).kind == protocol::PixelKind::EndOfFrame;
   }
 

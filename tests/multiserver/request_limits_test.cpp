@@ -16,15 +16,15 @@ using nlohmann::json;
 
 /// A session without a socket.
 struct Alone {
-  explicit Alone(Node& node, protocol::Limits limits = {})
+  explicit Alone(ServerRank& serverRank, protocol::Limits limits = {})
       : outbox(std::make_shared<Outbox>(
-            Outbox::Limits{}, [] {}, node.ledger.enter("ann", "to be sent", 0))),
-        session(std::make_shared<Session>(node, outbox, Session::Identity{1, "test", "ann", false}, limits)) {
-  }
+            Outbox::Limits{}, [] {}, serverRank.ledger.enter("ann", "to be sent", 0))),
+        session(std::make_shared<Session>(serverRank, outbox, Session::Identity{1, "test", "ann", false},
+                                          limits)) {}
   ~Alone() { session->end(); }
   /// Waits for the next that the session sends.
-  protocol::Frame next() {
-    std::optional<protocol::Frame> frame;
+  protocol::WireMessage next() {
+    std::optional<protocol::WireMessage> frame;
     until([&] { return (frame = outbox->next()).has_value(); }, "a frame");
     return *std::move(frame);
   }
@@ -33,10 +33,10 @@ struct Alone {
   std::shared_ptr<Session> session;
 };
 
-std::unique_ptr<TestServer> withModules(NodeOptions node = {}) {
+std::unique_ptr<TestServer> withModules(ServerRankOptions serverRank = {}) {
   ServerSetup setup;
   setup.modules = GALAXY_MODULES;
-  setup.node = std::move(node);
+  setup.serverRank = std::move(serverRank);
   return std::make_unique<TestServer>(std::move(setup));
 }
 
@@ -49,7 +49,7 @@ std::future<Reply> replyTo(Client& client, const std::string& statement, uint32_
 
 TEST(Requests, ThatAreCancelledAlreadyCallAtOnceWhatIsToBeCalledThen) {
   const auto server = withModules();
-  Alone alone(server->node());
+  Alone alone(server->serverRank());
   Request request(*alone.session, 1, protocol::bytesOf("echo"));
   int before = 0, after = 0;
   request.onCancel([&] { before++; });
@@ -62,7 +62,7 @@ TEST(Requests, ThatAreCancelledAlreadyCallAtOnceWhatIsToBeCalledThen) {
 
 TEST(Requests, TellTheirProgressTenTimesASecondButEachPhaseAndTheEndAlways) {
   const auto server = withModules();
-  Alone alone(server->node());
+  Alone alone(server->serverRank());
   Request request(*alone.session, 1, protocol::bytesOf("echo"));
   const auto begin = std::chrono::steady_clock::now();
   for (int i = 0; i < 1000; i++) request.progress(i, 1000, "step");
@@ -81,7 +81,7 @@ TEST(Requests, ThatWaitAreAsManyAsMayBe) {
   const auto server = withModules();
   protocol::Limits limits;
   limits.requests = 3;
-  Alone alone(server->node(), limits);
+  Alone alone(server->serverRank(), limits);
   alone.session->submit(1, protocol::bytesOf("load data"));
   EXPECT_EQ(alone.next().text().substr(0, 2), "ok");
   for (uint32_t id = 2; id < 4; id++) alone.session->submit(id, protocol::bytesOf("wait nothing 1 1e6"));
@@ -97,7 +97,7 @@ TEST(Requests, ThatAreAnsweredNoLongerCountByTheirBytes) {
   const auto server = withModules();
   protocol::Limits limits;
   limits.requestBytes = 100;
-  Alone alone(server->node(), limits);
+  Alone alone(server->serverRank(), limits);
   for (uint32_t id = 1; id <= 10; id++) {
     alone.session->submit(id, protocol::bytesOf("echo " + std::string(55, 'x')));
     EXPECT_EQ(alone.next().text().substr(0, 2), "ok");
@@ -106,23 +106,23 @@ TEST(Requests, ThatAreAnsweredNoLongerCountByTheirBytes) {
 }
 
 TEST(Requests, OfMoreThan4096BytesNeedRoomAndShorterOnesDoNot) {
-  NodeOptions options;
+  ServerRankOptions options;
   options.tenantMemory = 1000;
   const auto server = withModules(options);
-  Alone alone(server->node());
+  Alone alone(server->serverRank());
   EXPECT_TRUE(alone.session->makeRoom(4096));
   EXPECT_FALSE(alone.session->makeRoom(4097));
 }
 
 TEST(Requests, BesideOthersHoldASlotOfTheirTenantUntilTheyEnd) {
   const auto server = withModules();
-  Alone alone(server->node());
+  Alone alone(server->serverRank());
   alone.session->submit(1, protocol::bytesOf("load data"));
   EXPECT_EQ(alone.next().text().substr(0, 2), "ok");
   alone.session->submit(2, protocol::bytesOf("wait nothing 1 1e6"));
   alone.session->submit(3, protocol::bytesOf("echo"));  // in its turn, after the one before has begun
   EXPECT_EQ(alone.next().id, 3u);
-  Tenants& tenants = server->node().tenants;
+  Tenants& tenants = server->serverRank().tenants;
   std::vector<std::shared_ptr<void>> others;
   for (int i = 1; i < Tenants::kAside; i++) others.push_back(tenants.beginAside("ann"));
   EXPECT_THROW((void)tenants.beginAside("ann"), Error);
@@ -168,15 +168,15 @@ TEST(Requests, OfAClientThatHasGoneEnd) {
 // The message that ends the parts of a work may come before they have begun: rank 0 asks by itself.
 TEST(Requests, ThatAreCancelledBeforeTheirWorkHasBegunEndItNevertheless) {
   const auto server = withModules();
-  Node& node = server->node();
+  ServerRank& serverRank = server->serverRank();
   std::promise<void> release;
   const std::shared_future<void> released = release.get_future().share();
   for (int rank = 0; rank < 2; rank++)
-    server->node(rank).work.add(
+    server->serverRank(rank).work.add(
         "test.long",
         [&, rank, released](const Work::Call& call) -> json {
           released.wait();
-          Exchanges::Part part = server->node(rank).exchanges.join(call.parameters.at("exchange"));
+          Exchanges::Part part = server->serverRank(rank).exchanges.join(call.parameters.at("exchange"));
           for (int item = 0; item < 3000; item++) {
             part.begin(item, 3000, "at it");
             std::this_thread::sleep_for(std::chrono::milliseconds(1));
@@ -184,26 +184,26 @@ TEST(Requests, ThatAreCancelledBeforeTheirWorkHasBegunEndItNevertheless) {
           return nullptr;
         },
         Work::Runs::Long);
-  Alone alone(node);
+  Alone alone(serverRank);
   Request request(*alone.session, 1, protocol::bytesOf("echo"));
-  const auto exchange = node.exchanges.begin(request);
+  const auto exchange = serverRank.exchanges.begin(request);
   auto called = std::async(std::launch::async, [&] {
     try {
-      node.callAll("test.long", {{"exchange", *exchange}});
+      serverRank.callAll("test.long", {{"exchange", *exchange}});
       return std::string("all is done");
     } catch (const Error& e) {
       return std::string(e.what());
     }
   });
   request.cancel();
-  node.callAll("exchanges.cancel", {{"exchange", *exchange}});  // it has come, and found nothing
+  serverRank.callAll("exchanges.cancel", {{"exchange", *exchange}});  // it has come, and found nothing
   release.set_value();
   const std::string said = called.get();
   EXPECT_EQ(said.substr(0, 17), "rank 0: cancelled") << said;
 }
 
 TEST(Pictures, TakeNoMoreThanAllTenantsMayHaveOnARank) {
-  NodeOptions options;
+  ServerRankOptions options;
   options.memory = 40 << 20;
   const auto server = withModules(options);
   const auto client = server->client();

@@ -229,7 +229,7 @@ TEST(Sessions, FoldersOfModulesAreLookedIntoInTheirOrder) {
   std::filesystem::copy_file(GALAXY_FOREIGN_MODULE, folder / "galaxy_viewer.so");
   ServerSetup s = setup();
   s.modules = folder.path().string();
-  s.node.moduleFolders = {GALAXY_MODULES};
+  s.serverRank.moduleFolders = {GALAXY_MODULES};
   TestServer server(std::move(s));
   const auto client = server.client();
   EXPECT_NE(client->request("load viewer").error.find("it was built for interface"), std::string::npos)
@@ -250,7 +250,7 @@ TEST(Sessions, AModuleWithAWorkThatThereIsAlreadyChangesNothing) {
     EXPECT_NE(reply.error.find("there is a work datasets.info already"), std::string::npos) << reply.error;
   }
   for (int rank = 0; rank < 2; rank++)
-    EXPECT_FALSE(server.node(rank).work.contains("clashing.first")) << rank;
+    EXPECT_FALSE(server.serverRank(rank).work.contains("clashing.first")) << rank;
 }
 
 TEST(Sessions, AModuleOfAnotherInterfaceIsRefusedBeforeItRuns) {
@@ -267,7 +267,8 @@ TEST(Sessions, AModuleOfAnotherInterfaceIsRefusedBeforeItRuns) {
               "module foreign: it was built for interface " + std::to_string(kModuleAbi + 1) + ", expected " +
                   std::to_string(kModuleAbi) + "; build it anew against this server");
   EXPECT_EQ(client->expect("modules").at("loaded"), json::array());
-  for (int rank = 0; rank < 2; rank++) EXPECT_FALSE(server.node(rank).work.contains("foreign.work")) << rank;
+  for (int rank = 0; rank < 2; rank++)
+    EXPECT_FALSE(server.serverRank(rank).work.contains("foreign.work")) << rank;
   client->expect("load data");
   client->expect("list");
 }
@@ -407,13 +408,14 @@ TEST(Sessions, LongWorkOfOthersHoldsUpNobody) {
   std::promise<void> release;
   const std::shared_future<void> released = release.get_future().share();
   for (int rank = 0; rank < 2; rank++)
-    server.node(rank).work.add(
+    server.serverRank(rank).work.add(
         "test.long", [released](const Work::Call&) -> json { return released.wait(), nullptr; },
         Work::Runs::Waiting);
   std::atomic<int> ended = 0;
   constexpr int kWorks = 60;
   for (int i = 0; i < kWorks; i++)
-    server.node().work.broadcast("test.long", json::object(), [&](std::vector<Work::Reply>) { ended++; });
+    server.serverRank().work.broadcast("test.long", json::object(),
+                                       [&](std::vector<Work::Reply>) { ended++; });
   const auto client = server.client();
   for (const std::string& statement :
        {std::string("echo"), std::string("load data"), importBall("ball"), std::string("info"),
@@ -437,7 +439,7 @@ TEST(Sessions, LongWorkOfATenantWaitsForItsTurnAndHoldsUpNobodyElse) {
   }
   std::vector<std::shared_ptr<void>> turns;
   for (int i = 0; i < Tenants::kLong; i++)
-    turns.push_back(server.node().tenants.beginLong("ann", [] { FAIL() << "there is room"; }));
+    turns.push_back(server.serverRank().tenants.beginLong("ann", [] { FAIL() << "there is room"; }));
   std::promise<Reply> filtered, found;
   const uint32_t id = ann->send("example.threshold ball late 0 1",
                                 [&](const Reply& reply) { filtered.set_value(reply); });  // aside
@@ -453,14 +455,14 @@ TEST(Sessions, LongWorkOfATenantWaitsForItsTurnAndHoldsUpNobodyElse) {
 
 TEST(Sessions, LongWorkHasItsTurnUntilItEnds) {
   TestServer server(setup());
-  Node& node = server.node();
+  ServerRank& serverRank = server.serverRank();
   const auto outbox = std::make_shared<Outbox>(
-      Outbox::Limits{}, [] {}, node.ledger.enter("ann", "to be sent", 0));
-  Session ann(node, outbox, {1, "test", "ann", false}, {});
+      Outbox::Limits{}, [] {}, serverRank.ledger.enter("ann", "to be sent", 0));
+  Session ann(serverRank, outbox, {1, "test", "ann", false}, {});
   Request request(ann, 1, protocol::bytesOf("echo"));
   std::vector<std::shared_ptr<const uint64_t>> begun;
-  for (int i = 0; i < Tenants::kLong; i++) begun.push_back(node.exchanges.beginLong(request));
-  const auto another = [&] { return node.tenants.beginLong("ann", [] { throw Error("it waits"); }); };
+  for (int i = 0; i < Tenants::kLong; i++) begun.push_back(serverRank.exchanges.beginLong(request));
+  const auto another = [&] { return serverRank.tenants.beginLong("ann", [] { throw Error("it waits"); }); };
   EXPECT_THROW((void)another(), Error);
   begun.pop_back();
   EXPECT_NO_THROW((void)another());
@@ -469,14 +471,14 @@ TEST(Sessions, LongWorkHasItsTurnUntilItEnds) {
 // As those of modules do, which cannot know how long the data are.
 TEST(Sessions, LongWorkEndsOnAllRanksWhenItsRequestIsCancelled) {
   TestServer server(setup());
-  Node& node = server.node();
+  ServerRank& serverRank = server.serverRank();
   std::promise<void> begun;
   std::atomic<int> ended = 0;
   for (int rank = 0; rank < 2; rank++)
-    server.node(rank).work.add(
+    server.serverRank(rank).work.add(
         "test.long",
         [&, rank](const Work::Call& call) -> json {
-          Exchanges::Part part = server.node(rank).exchanges.join(call.parameters.at("exchange"));
+          Exchanges::Part part = server.serverRank(rank).exchanges.join(call.parameters.at("exchange"));
           part.begin(0, 1, "at it");
           if (rank == 0) begun.set_value();
           try {
@@ -488,13 +490,13 @@ TEST(Sessions, LongWorkEndsOnAllRanksWhenItsRequestIsCancelled) {
         },
         Work::Runs::Long);
   const auto outbox = std::make_shared<Outbox>(
-      Outbox::Limits{}, [] {}, node.ledger.enter("ann", "to be sent", 0));
-  Session ann(node, outbox, {1, "test", "ann", false}, {});
+      Outbox::Limits{}, [] {}, serverRank.ledger.enter("ann", "to be sent", 0));
+  Session ann(serverRank, outbox, {1, "test", "ann", false}, {});
   Request request(ann, 1, protocol::bytesOf("echo"));
-  const auto exchange = node.exchanges.beginLong(request);
+  const auto exchange = serverRank.exchanges.beginLong(request);
   auto called = std::async(std::launch::async, [&] {
     try {
-      node.callAll("test.long", {{"exchange", *exchange}});
+      serverRank.callAll("test.long", {{"exchange", *exchange}});
       return std::string();
     } catch (const Error& e) {
       return std::string(e.what());
@@ -548,24 +550,25 @@ TEST(Sessions, LongRequestsAreReadInTheirTurn) {
 
 TEST(Sessions, LongDocumentsOfATenantAreReadOneAfterTheOther) {
   TestServer server(setup());
-  Node& node = server.node();
+  ServerRank& serverRank = server.serverRank();
   const auto outbox = std::make_shared<Outbox>(
-      Outbox::Limits{}, [] {}, node.ledger.enter("ann", "to be sent", 0));
-  Session ann(node, outbox, {1, "test", "ann", false}, {}), bob(node, outbox, {2, "test", "bob", false}, {});
+      Outbox::Limits{}, [] {}, serverRank.ledger.enter("ann", "to be sent", 0));
+  Session ann(serverRank, outbox, {1, "test", "ann", false}, {}),
+      bob(serverRank, outbox, {2, "test", "bob", false}, {});
   const Bytes text = protocol::bytesOf("echo");
   Request first(ann, 1, text), second(ann, 2, text), third(ann, 3, text), other(bob, 1, text);
-  auto turn = node.reading.take(first);
-  auto waiting = std::async(std::launch::async, [&] { return node.reading.take(second); });
-  const auto others = node.reading.take(other);
+  auto turn = serverRank.reading.take(first);
+  auto waiting = std::async(std::launch::async, [&] { return serverRank.reading.take(second); });
+  const auto others = serverRank.reading.take(other);
   second.cancel();
   EXPECT_THROW(waiting.get(), Error) << "it waited, and was cancelled";
   turn = nullptr;
-  turn = node.reading.take(third);
+  turn = serverRank.reading.take(third);
 }
 
 TEST(Sessions, DocumentsTakeMemoryOfTheirTenantWhileTheyAreRead) {
   ServerSetup s = setup();
-  s.node.tenantMemory = 8 << 20;
+  s.serverRank.tenantMemory = 8 << 20;
   TestServer server(std::move(s));
   const auto client = server.client();
   client->expect("load viewer");
@@ -596,7 +599,7 @@ TEST(Sessions, DocumentsTakeMemoryOfTheirTenantWhileTheyAreRead) {
   EXPECT_NE(error("set 1 " + isovalues(20000)).find("20000 isovalues"), std::string::npos);
   for (int i = 0; i < 20; i++) client->expect("set 1 " + isovalues(200));
   client->expect("close 1");
-  EXPECT_EQ(server.node().ledger.total("user"), 0);
+  EXPECT_EQ(server.serverRank().ledger.total("user"), 0);
 }
 
 TEST(Sessions, MoreClientsThanAllowedAreTold) {

@@ -22,8 +22,8 @@ namespace gxy::test {
 namespace {
 
 using nlohmann::json;
-using protocol::Frame;
-using protocol::FrameChannel;
+using protocol::MessageChannel;
+using protocol::WireMessage;
 
 constexpr int kRanks = 2;
 constexpr const char* kVictims[] = {"victim", "another"};  // tenants
@@ -67,7 +67,7 @@ class Soak {
     if (fate == 0) part(protocol::preamble());
     if (fate == 1) {
       raw->send(protocol::preamble());
-      part(protocol::headerOf(protocol::textFrame(FrameChannel::Control, 0, "hello {}")));
+      part(protocol::headerOf(protocol::textMessage(MessageChannel::Control, 0, "hello {}")));
     }
     if (fate >= 2) converse(*raw, random);
     if (fate == 8) {  // half open: it says nothing any more, and does not close
@@ -116,17 +116,17 @@ class Soak {
     bystander_.expectTheSamePicture();
     Counts counts;
     for (int rank = 0; rank < kRanks; rank++) {
-      Node& node = server_.node(rank);
+      ServerRank& serverRank = server_.serverRank(rank);
       // the bystander has its picture before its frame has let go of what it was made of
-      for (int i = 0; i < 1000 && (node.renderer.kept().frames > 0 || bytesOfVictims(node) > 0 ||
-                                   bytesOfFrames(node.ledger) > 0);
+      for (int i = 0; i < 1000 && (serverRank.renderer.kept().frames > 0 || bytesOfVictims(serverRank) > 0 ||
+                                   bytesOfFrames(serverRank.ledger) > 0);
            i++)
         std::this_thread::sleep_for(std::chrono::milliseconds(10));
-      EXPECT_EQ(node.renderer.kept().frames, 0u) << "rank " << rank;
-      EXPECT_EQ(node.renderer.kept().credits, 0) << "rank " << rank;
-      EXPECT_EQ(bytesOfVictims(node), 0) << "rank " << rank;
-      EXPECT_EQ(bytesOfFrames(node.ledger), 0) << "rank " << rank;
-      counts.ledger += node.ledger.total();
+      EXPECT_EQ(serverRank.renderer.kept().frames, 0u) << "rank " << rank;
+      EXPECT_EQ(serverRank.renderer.kept().credits, 0) << "rank " << rank;
+      EXPECT_EQ(bytesOfVictims(serverRank), 0) << "rank " << rank;
+      EXPECT_EQ(bytesOfFrames(serverRank.ledger), 0) << "rank " << rank;
+      counts.ledger += serverRank.ledger.total();
     }
     const json stat = cleaner->expect("stat");
     for (const json& c : stat.at("clients")) {
@@ -142,9 +142,9 @@ class Soak {
   }
 
  private:
-  static int64_t bytesOfVictims(const Node& node) {
+  static int64_t bytesOfVictims(const ServerRank& serverRank) {
     int64_t bytes = 0;
-    for (const char* victim : kVictims) bytes += node.ledger.total(victim);
+    for (const char* victim : kVictims) bytes += serverRank.ledger.total(victim);
     return bytes;
   }
   static int64_t bytesOfFrames(const Ledger& ledger) {
@@ -158,7 +158,7 @@ class Soak {
   static ServerSetup setup() {
     ServerSetup setup;
     setup.ranks = kRanks;
-    setup.node.tenantFrames = 1000;
+    setup.serverRank.tenantFrames = 1000;
     setup.modules = GALAXY_MODULES;
     setup.server.connection.patience = {std::chrono::milliseconds(5000), std::chrono::milliseconds(500),
                                         std::chrono::milliseconds(30000)};
@@ -181,7 +181,7 @@ class Soak {
     raw.greet("victim");
     uint32_t id = 1;
     for (const std::string& statement : statements("")) {
-      const Frame frame = protocol::textFrame(FrameChannel::Request, id++, statement);
+      const WireMessage frame = protocol::textMessage(MessageChannel::Request, id++, statement);
       if (random() % 12 == 0) {
         raw.send(protocol::headerOf(frame));
         raw.send(std::span(frame.payload).first(frame.payload.size() / 2));

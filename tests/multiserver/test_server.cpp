@@ -24,16 +24,17 @@ TestServer::TestServer(ServerSetup setup) {
   BackendRegistry backends;
   if (!setup.backend) setup.backend = [](Ledger*) { return makeEmbreeBackend(); };
   backends.add("tested", setup.backend);
-  auto& folders = setup.node.moduleFolders;
+  auto& folders = setup.serverRank.moduleFolders;
   if (!setup.modules.empty()) folders.insert(folders.begin(), setup.modules);
-  setup.node.dataFolders = {folder_.path().string()};
+  setup.serverRank.dataFolders = {folder_.path().string()};
   for (int r = 0; r < setup.ranks; r++)
-    nodes_.push_back(std::make_unique<Node>(world_->rank(r), setup.node, backends));
-  for (const auto& [token, tenant] : setup.tokens) node().tenants.add(token, {tenant, tenant == "admin"});
-  if (setup.tokens.empty()) node().tenants.admitAll();
+    nodes_.push_back(std::make_unique<ServerRank>(world_->rank(r), setup.serverRank, backends));
+  for (const auto& [token, tenant] : setup.tokens)
+    serverRank().tenants.add(token, {tenant, tenant == "admin"});
+  if (setup.tokens.empty()) serverRank().tenants.admitAll();
   setup.server.port = 0;
   setup.server.signals = false;
-  server_ = std::make_unique<Server>(node(), setup.server, [this] { stopAsked_ = true; });
+  server_ = std::make_unique<Server>(serverRank(), setup.server, [this] { stopAsked_ = true; });
 }
 
 TestServer::~TestServer() { stop(); }

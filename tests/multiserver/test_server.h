@@ -19,7 +19,7 @@ namespace gxy::test {
 struct ServerSetup {
   int ranks = 2;
   std::string modules;  ///< a folder to look into first; empty: none
-  NodeOptions node{};
+  ServerRankOptions serverRank{};
   ServerOptions server{};
   std::map<std::string, std::string> tokens{};  ///< tenant by token; none: --no-token
   BackendRegistry::Maker backend{};             ///< called for each rank in turn; none: Embree
@@ -33,7 +33,7 @@ class TestServer {
 
   uint16_t port() const { return server_->port(); }
   const TemporaryFolder& folder() const { return folder_; }
-  Node& node(int rank = 0) { return *nodes_[size_t(rank)]; }
+  ServerRank& serverRank(int rank = 0) { return *nodes_[size_t(rank)]; }
   Server& server() { return *server_; }
   bool stopAsked() const { return stopAsked_; }
   /// Waits for it, a minute at most; whether it came.
@@ -49,7 +49,7 @@ class TestServer {
   TemporaryFolder folder_;
   std::atomic<bool> stopAsked_ = false;
   std::unique_ptr<InProcessWorld> world_;
-  std::vector<std::unique_ptr<Node>> nodes_;
+  std::vector<std::unique_ptr<ServerRank>> nodes_;
   std::unique_ptr<Server> server_;
 };
 

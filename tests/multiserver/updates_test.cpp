@@ -151,10 +151,10 @@ TEST(Updates, AWindowThatFollowsRendersAsItWasAskedToAlsoBeforeThereWereData) {
 }
 
 // Windows 1 to 3 follow; window 4, with the small window 5, takes all that the tenant may have.
-void expectFollowersToTryAgain(NodeOptions limits, int size, int large, const std::string& refusal) {
+void expectFollowersToTryAgain(ServerRankOptions limits, int size, int large, const std::string& refusal) {
   ServerSetup setup;
   setup.modules = GALAXY_MODULES;
-  setup.node = std::move(limits);
+  setup.serverRank = std::move(limits);
   const TestServer server(std::move(setup));
   Viewer viewer(server);
   viewer.client->expect(importBall("still"));
@@ -192,13 +192,13 @@ void expectFollowersToTryAgain(NodeOptions limits, int size, int large, const st
 }
 
 TEST(Updates, FollowersThatHadNoRenderingLeftTryAgainWhenThereIsOne) {
-  NodeOptions limits;
+  ServerRankOptions limits;
   limits.tenantFrames = 2;
   expectFollowersToTryAgain(limits, 96, 96, "tenant user: 2 renderings are in flight");
 }
 
 TEST(Updates, FollowersThatHadNoMemoryTryAgainWhenThereIsSome) {
-  NodeOptions limits;
+  ServerRankOptions limits;
   limits.tenantMemory =
       32 << 20;  // 24 of them for the refined picture, of 128 bytes a pixel; 10 for a follower's, of 64
   expectFollowersToTryAgain(limits, 400, 433, "memory: ");
@@ -231,7 +231,7 @@ TEST(Updates, WhoMayOnlyReadDataKeepsNobodyFromUpdatingThem) {
 TEST(Updates, WhoMayOnlyReadDataKeepsNobodyWaitingForAPictureThatTakesLong) {
   ServerSetup setup;
   setup.modules = GALAXY_MODULES;
-  setup.node.longestHold = std::chrono::milliseconds(1);
+  setup.serverRank.longestHold = std::chrono::milliseconds(1);
   TestServer server(std::move(setup));
   const auto ann = server.client("ann");
   ann->expect("load data");
@@ -253,7 +253,7 @@ TEST(Updates, WhoMayOnlyReadDataKeepsNobodyWaitingForAPictureThatTakesLong) {
                       [&](const Reply& r) { promise.set_value(r); });
   until(
       [&] {
-        for (const json& tenant : server.node().tenants.statistics())
+        for (const json& tenant : server.serverRank().tenants.statistics())
           if (tenant.at("tenant") == "bob") return tenant.at("frames in flight") == 1;
         return false;
       },

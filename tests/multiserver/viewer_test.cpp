@@ -268,7 +268,7 @@ TEST(ViewerModule, ScenesAreSharedAndGoWithTheirWindows) {
   {
     Viewer a(*server), b(*server);
     EXPECT_EQ(a.frame().rgba, b.frame().rgba);
-    EXPECT_GT(server->node().ledger.total("user"), 0);
+    EXPECT_GT(server->serverRank().ledger.total("user"), 0);
     a.client->expect("close 1");
     b.client->expect("close 1");
     a.client->expect("drop ball");
@@ -281,7 +281,7 @@ TEST(ViewerModule, FramesOfAClientThatHasGoneEndAlsoBeforeItsRequestsDo) {
   auto viewer = std::make_unique<Viewer>(*server, "ann");
   const auto other = server->client("bob");
   std::promise<void> stored, goOn;
-  const auto subscription = server->node(1).observers.subscribe({}, [&](const ObjectEvent& event) {
+  const auto subscription = server->serverRank(1).observers.subscribe({}, [&](const ObjectEvent& event) {
     if (event.kind != ObjectEvent::Kind::Added) return;
     stored.set_value();
     goOn.get_future().wait();
@@ -302,7 +302,7 @@ TEST(ViewerModule, FramesOfAClientThatHasGoneEndAlsoBeforeItsRequestsDo) {
 int64_t peakOf(TestServer& server, const std::string& tenant, const std::string& purpose) {
   int64_t bytes = 0;
   for (int rank = 0; rank < 2; rank++)
-    for (const Ledger::Line& line : server.node(rank).ledger.peaks())
+    for (const Ledger::Line& line : server.serverRank(rank).ledger.peaks())
       if (line.tenant == tenant && line.purpose == purpose) bytes += line.bytes;
   return bytes;
 }
@@ -484,7 +484,7 @@ TEST(ViewerModule, ABatchThatIsCancelledCompilesNoMoreScenes) {
   ServerSetup setup;
   setup.ranks = 1;
   setup.modules = GALAXY_MODULES;
-  setup.node.trace = &trace;
+  setup.serverRank.trace = &trace;
   TestServer server(std::move(setup));
   const auto client = server.client();
   client->expect("load data");
@@ -522,7 +522,7 @@ TEST(ViewerModule, SharesScenesAndTheWayOfPicturesWithOtherModules) {
     Trace trace;
     ServerSetup setup;
     setup.modules = folder.path().string();
-    setup.node.trace = &trace;
+    setup.serverRank.trace = &trace;
     TestServer server(std::move(setup));
     auto options = server.options();
     Screen screen;
@@ -554,13 +554,13 @@ TEST(ViewerModule, SharesScenesAndTheWayOfPicturesWithOtherModules) {
 TEST(ViewerModule, PicturesCountAgainstTheMemoryOfTheirTenant) {
   ServerSetup setup;
   setup.modules = GALAXY_MODULES;
-  setup.node.tenantMemory = 2 << 20;  // pictures of 64 bytes a pixel, beside the ball and its scene
+  setup.serverRank.tenantMemory = 2 << 20;  // pictures of 64 bytes a pixel, beside the ball and its scene
   TestServer server(std::move(setup));
   Viewer viewer(server);
   viewer.frame();
   int64_t framebuffer = 0;
   for (int rank = 0; rank < 2; rank++)
-    for (const Ledger::Line& line : server.node(rank).ledger.peaks())
+    for (const Ledger::Line& line : server.serverRank(rank).ledger.peaks())
       if (line.tenant == "user" && line.purpose == "framebuffer")
         framebuffer = std::max(framebuffer, line.bytes);
   EXPECT_EQ(framebuffer, 96 * 80 * 32);
@@ -576,7 +576,7 @@ TEST(ViewerModule, PicturesCountAgainstTheMemoryOfTheirTenant) {
   EXPECT_EQ(viewer.client->expect("batch " + batch).at("pictures").size(), 12u) << "they wait for room";
   const json stat = viewer.client->expect("stat");
   EXPECT_EQ(stat.at("tenants").at(0).at("picture bytes"), 0);
-  for (int rank = 0; rank < 2; rank++) EXPECT_LE(server.node(rank).ledger.peak(), 2 << 20);
+  for (int rank = 0; rank < 2; rank++) EXPECT_LE(server.serverRank(rank).ledger.peak(), 2 << 20);
 }
 
 TEST(ViewerModule, VisualizationsThatWouldTakeHoursToCompileAreRefused) {
@@ -628,7 +628,7 @@ TEST(ViewerModule, VisualizationsThatWouldTakeHoursToCompileAreRefused) {
 TEST(ViewerModule, WhatWindowsShowTakesMemoryOfTheirTenant) {
   ServerSetup setup;
   setup.modules = GALAXY_MODULES;
-  setup.node.tenantMemory = 27 << 19;  // of which reading what follows takes 12.5 * 10^6 bytes
+  setup.serverRank.tenantMemory = 27 << 19;  // of which reading what follows takes 12.5 * 10^6 bytes
   TestServer server(std::move(setup));
   Viewer viewer(server);
   json state = json::parse(stateOf("ball"));

@@ -37,7 +37,7 @@ class FakeScene final : public DeviceScene {
     if (!device_.fullFrame.empty()) throw Error(device_.fullFrame);
     return device_.frame = std::make_shared<DeviceFrame>();
   }
-  void spawn(const DeviceFrame& frame, const Tile&, Done done) const override {
+  void spawn(const DeviceFrame& frame, const SpawnTile&, Done done) const override {
     device_.spawned++;
     answer(frame, done);
   }

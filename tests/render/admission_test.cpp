@@ -10,7 +10,7 @@ using Ids = std::vector<uint64_t>;
 
 TEST(Admission, FramesOfAStreamBeginInTheirOrderAsRoomComes) {
   Admission admission(100, 1);
-  const Share batch{1, false, 7};
+  const Priority batch{1, false, 7};
   EXPECT_TRUE(admission.enter(batch, 1, 40));
   EXPECT_TRUE(admission.enter(batch, 2, 60));
   EXPECT_FALSE(admission.enter(batch, 3, 70));
@@ -22,7 +22,7 @@ TEST(Admission, FramesOfAStreamBeginInTheirOrderAsRoomComes) {
 
 TEST(Admission, AFewBeginHoweverLargeTheyAre) {
   Admission admission(100, 2);
-  const Share batch{1, false, 7};
+  const Priority batch{1, false, 7};
   EXPECT_TRUE(admission.enter(batch, 1, 1000));
   EXPECT_TRUE(admission.enter(batch, 2, 1000));
   EXPECT_FALSE(admission.enter(batch, 3, 1000));
@@ -41,7 +41,7 @@ TEST(Admission, StreamsAndTenantsDoNotWaitForEachOther) {
 
 TEST(Admission, OneThatBeginsAnywayTakesRoomUntilItIsOver) {
   Admission admission(100, 1);
-  const Share batch{1, false, 7};
+  const Priority batch{1, false, 7};
   EXPECT_TRUE(admission.enter(batch, 1, 100));
   for (const uint64_t id : {2, 3}) EXPECT_FALSE(admission.enter(batch, id, 100));
   admission.beginAnyway(2);

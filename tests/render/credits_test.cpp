@@ -7,7 +7,7 @@ namespace gxy {
 namespace {
 
 // Takes single credits in turn until nobody may; what each has then.
-std::vector<int64_t> most(const std::vector<Share>& shares, int64_t all) {
+std::vector<int64_t> most(const std::vector<Priority>& shares, int64_t all) {
   Credits credits(all);
   std::vector<int64_t> out(shares.size(), 0);
   for (bool any = true; any;) {

@@ -62,7 +62,7 @@ class OddScene final : public DeviceScene {
     if (faults_.memory) throw std::bad_alloc();
     return scene_->makeFrame(frame);
   }
-  void spawn(const DeviceFrame& frame, const Tile& tile, Done done) const override {
+  void spawn(const DeviceFrame& frame, const SpawnTile& tile, Done done) const override {
     run([this, &frame, tile, done] {
       if (faults_.spawn) return fail(0, done);
       scene_->spawn(frame, tile, done);
@@ -161,7 +161,7 @@ void expectOnlyThatFrameFails(const Faults& faults, const std::string& error, bo
       EXPECT_EQ(difference(expected, frames.outcome(id).picture), "");
     }
     for (int r = 0; r < kRanks; r++) {
-      const Renderer::Kept kept = frames.renderer(r).kept();
+      const Renderer::ResourceCounts kept = frames.renderer(r).kept();
       EXPECT_EQ(kept.frames + kept.parkedMessages + kept.callbacks + kept.completionSets, 0u);
       EXPECT_EQ(kept.credits, 0);
     }

@@ -84,8 +84,8 @@ TEST(Fairness, AWatchedFrameWaitsForAtMostTwoPacketsOfABatchOnEachRank) {
   FrameRequest batch, watched;
   batch.scene = watched.scene = 1;
   batch.camera = watched.camera = scene.camera;
-  batch.share = {1, false};
-  watched.share = {2, true};
+  batch.priority = {1, false};
+  watched.priority = {2, true};
   watched.camera.dimensions = kWatchedSize;
   std::vector<FrameId> ids, watchedIds;
   const auto ended = [&](FrameId id) { return frames.outcome(id).finished > 0; };
@@ -126,8 +126,8 @@ TEST(Fairness, AFrameThatTakesLongIsNoLongerBeforeAllOthers) {
   FrameRequest large, small;
   large.scene = small.scene = 1;
   large.camera = small.camera = scene.camera;
-  large.share = {1, true};
-  small.share = {2, false};
+  large.priority = {1, true};
+  small.priority = {2, false};
   large.samples = 20;
   const auto largeIsFirst = [&](std::chrono::nanoseconds urgentWork) {
     FrameRun run = inSmallPackets(5);
@@ -162,7 +162,7 @@ TEST(Fairness, ATenantsRaysLeaveRoomForOthers) {
   request.camera = scene.camera;
   std::vector<FrameId> ids;
   for (int i = 0; i < 40; i++) {
-    request.share.tenant = i < 38 ? 1 : 2;
+    request.priority.tenant = i < 38 ? 1 : 2;
     ids.push_back(frames.start(request));
   }
   std::map<uint32_t, int64_t> most;
@@ -190,12 +190,12 @@ TEST(Fairness, PicturesThatNobodyWatchesAreHandedOutOneByOneInTurnByThreadsOfLow
   std::promise<void> begun, goOn, watchedDone;
   frames.renderer(0).onPicture(
       [&, released = goOn.get_future().share()](FrameId, const FrameRequest& request, Picture) {
-        if (request.share.interactive) return watchedDone.set_value();
+        if (request.priority.interactive) return watchedDone.set_value();
         bool first;
         {
           const std::lock_guard lock(mutex);
           first = order.empty();
-          order += char('a' + request.share.tenant);
+          order += char('a' + request.priority.tenant);
           mostAtOnce = std::max(mostAtOnce, ++atOnce);
           least = std::min(least, getpriority(PRIO_PROCESS, 0));
         }
@@ -206,18 +206,18 @@ TEST(Fairness, PicturesThatNobodyWatchesAreHandedOutOneByOneInTurnByThreadsOfLow
       });
   FrameRequest request = requestOf(scene);
   const auto start = [&](uint32_t tenant) {
-    request.share = {tenant, false};
+    request.priority = {tenant, false};
     frames.start(request);
   };
   start(0);
   begun.get_future().wait();
   for (const uint32_t tenant : {0, 0, 0, 1, 2}) start(tenant);
   const auto allAreRendered = [&] {
-    const Renderer::Kept kept = frames.renderer(0).kept();
+    const Renderer::ResourceCounts kept = frames.renderer(0).kept();
     return kept.frames == 0 && kept.tasks == 5;
   };
   while (!allAreRendered()) std::this_thread::yield();
-  request.share = {3, true};
+  request.priority = {3, true};
   frames.start(request);
   watchedDone.get_future().wait();  // it waits for none of them
   goOn.set_value();

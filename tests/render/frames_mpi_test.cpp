@@ -75,7 +75,7 @@ TEST(FramesOverMpi, AreAllReportedAndRight) {
     }
     collective.barrier(kKey);
     if (transport.rank() == 0) {
-      const Renderer::Kept kept = renderer.kept();
+      const Renderer::ResourceCounts kept = renderer.kept();
       EXPECT_EQ(kept.frames, 0u);
       EXPECT_EQ(kept.parkedMessages, 0u);
       EXPECT_EQ(kept.callbacks, 0u);

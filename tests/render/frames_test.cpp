@@ -56,7 +56,7 @@ TestScene tinyVolume(glm::ivec2 size) {
 
 void expectNothingKept(Frames& frames) {
   for (int r = 0; r < frames.world().size(); r++) {
-    const Renderer::Kept kept = frames.renderer(r).kept();
+    const Renderer::ResourceCounts kept = frames.renderer(r).kept();
     EXPECT_EQ(kept.frames, 0u);
     EXPECT_EQ(kept.parkedMessages, 0u);
     EXPECT_EQ(kept.callbacks, 0u);
@@ -165,7 +165,7 @@ TEST(Frames, OfTenantsWithLittleAllEnd) {
     std::vector<FrameId> ids;
     for (int i = 0; i < 6; i++) {
       FrameRequest request = balls.request(1);
-      request.share = {uint32_t(i % 3), i % 2 == 0, uint64_t(i / 3)};
+      request.priority = {uint32_t(i % 3), i % 2 == 0, uint64_t(i / 3)};
       ids.push_back(frames.start(request));
     }
     frames.renderer(0).supersede(ids[3]);

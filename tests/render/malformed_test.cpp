@@ -224,7 +224,7 @@ TEST(Malformed, MessagesOfItsOwnEndAFrame) {
     EXPECT_NE(endings[0].find(c.expected), std::string::npos) << endings[0];
     EXPECT_EQ(errors.size(), 1u);
     for (const auto& renderer : ranks.renderers) {
-      const Renderer::Kept kept = renderer->kept();
+      const Renderer::ResourceCounts kept = renderer->kept();
       EXPECT_EQ(kept.frames + kept.parkedMessages + kept.callbacks + kept.completionSets, 0u);
       EXPECT_EQ(kept.credits, 0);
     }

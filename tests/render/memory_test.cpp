@@ -58,7 +58,7 @@ TEST(RendererMemory, OfFramebuffersAndPicturesIsTheirSizeInPixels) {
   const auto peaks = byPurpose(ledger.peaks());
   EXPECT_EQ(peaks.at("framebuffer"), 50 * 30 * (32 + 8));
   EXPECT_EQ(peaks.at("picture"), 50 * 30 * (16 + 8));
-  EXPECT_EQ(peaks.at("tiles"), 2 * int64_t(sizeof(Tile)));
+  EXPECT_EQ(peaks.at("tiles"), 2 * int64_t(sizeof(SpawnTile)));
 }
 
 // A tile's primaries and the secondaries that its credits reserve: with a budget of one, no more is ever held.

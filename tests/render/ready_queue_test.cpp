@@ -15,9 +15,9 @@ class Written {
  public:
   explicit Written(const ReadyQueue::Options& options = {}) : queue_(options) {}
 
-  void push(const Share& share, char name, uint64_t frame = 1, bool first = false) {
+  void push(const Priority& priority, char name, uint64_t frame = 1, bool first = false) {
     queue_.push(
-        share, frame, [this, name] { ran_ += name; }, first);
+        priority, frame, [this, name] { ran_ += name; }, first);
   }
   /// Runs the next, which takes so long; false where there is none.
   bool runOne(ReadyQueue::Time time = 1ms) {

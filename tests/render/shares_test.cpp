@@ -98,13 +98,13 @@ Result beside(const Case& c) {
   request.samples = 64;
   std::vector<FrameId> windows;
   for (int i = 0; i < c.heavyWindows; i++) {
-    request.share = {c.heavyTenant, true, uint64_t(i)};
+    request.priority = {c.heavyTenant, true, uint64_t(i)};
     windows.push_back(frames.start(request));
   }
   request.scene = 2;
   request.camera = light.camera;
   request.samples = 1;
-  request.share = {c.lightTenant, true, 1000};
+  request.priority = {c.lightTenant, true, 1000};
   const auto steps = [&](uint64_t n) {
     while (n-- > 0 && frames.world().step()) {
     }

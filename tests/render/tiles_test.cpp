@@ -48,7 +48,7 @@ void expectCovered(const Cut& cut, Camera camera) {
     const TileList list = tilesOf(scene, frame, rank);
     EXPECT_EQ(list.tiles.size() + list.skipped, size_t(2 * 3));
     std::vector<int> claimed(size_t(75 * 50));
-    for (const Tile& t : list.tiles) {
+    for (const SpawnTile& t : list.tiles) {
       EXPECT_LE(t.x1 - t.x0, kTile);
       EXPECT_LE(t.y1 - t.y0, kTile);
       for (int y = t.y0; y < t.y1; y++)

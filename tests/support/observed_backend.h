@@ -45,7 +45,7 @@ class ObservedBackend : public Backend {
       observer_.known(made->size);
       return made;
     }
-    void spawn(const DeviceFrame& frame, const Tile& tile, Done done) const override {
+    void spawn(const DeviceFrame& frame, const SpawnTile& tile, Done done) const override {
       const auto& ours = static_cast<const Frame&>(frame);
       observer_.begins(ours.size, 0);
       scene_->spawn(*ours.frame, tile, std::move(done));

@@ -217,13 +217,13 @@ TEST(FullDevice, OfAutoLeavesASceneToTheNextBackend) {
 /// Tiles that wait until all are asked for: the first, when it is answered, holds up the thread that waits for the device.
 class HeldUp {
  public:
-  HeldUp(const DeviceScene& device, const DeviceFrame& first, const Tile& tile) : device_(device) {
+  HeldUp(const DeviceScene& device, const DeviceFrame& first, const SpawnTile& tile) : device_(device) {
     spawn(first, tile);
     std::unique_lock lock(mutex_);
     changed_.wait(lock, [&] { return answers_ > 0; });
   }
 
-  void spawn(const DeviceFrame& frame, const Tile& tile) {
+  void spawn(const DeviceFrame& frame, const SpawnTile& tile) {
     asked_++;
     device_.spawn(frame, tile, [this](TraceResult result) {
       std::unique_lock lock(mutex_);

@@ -13,7 +13,7 @@
 namespace gxy::vulkan_test {
 namespace {
 
-constexpr Tile kWhole{0, 0, kTile, kTile, 0};
+constexpr SpawnTile kWhole{0, 0, kTile, kTile, 0};
 
 agreement::TestScene oneTile() {
   agreement::TestScene scene = agreement::sceneFrom("wavy", {0, 0, 4}, kTile, kTile);

@@ -117,7 +117,7 @@ void partitionGeometry(const Options& options, int parts, std::array<int, 3> lat
   if (lattice[0] == 0) lattice = decompose(parts, proportions(box));
   std::vector<std::vector<uint32_t>> members(size_t(lattice[0]) * size_t(lattice[1]) * size_t(lattice[2]));
   for (size_t p = 0; p < block.ids.size(); ++p) {
-    const Corners corners = cornersOf(block, input.geometry.kind, p);
+    const PrimitivePoints corners = primitivePoints(block, input.geometry.kind, p);
     glm::dvec3 middle(0);
     for (uint32_t point : corners) middle += block.points[point] / double(corners.count);
     members[cellOf(box, lattice, middle)].push_back(uint32_t(p));

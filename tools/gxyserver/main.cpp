@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// gxyserver: the multiserver. Every rank makes a Node; rank 0 listens.
+// gxyserver: the multiserver. Every rank makes a ServerRank; rank 0 listens.
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 #include <unistd.h>
@@ -207,10 +207,10 @@ void writeDocument(const std::string& file, const std::string& text) {
 }
 
 // Writes the traces of all ranks to a file. A failure is reported and has no other effect.
-void writeTrace(Node& node, const std::string& file) {
+void writeTrace(ServerRank& serverRank, const std::string& file) {
   try {
     std::vector<std::string> events;
-    for (nlohmann::json& rank : node.callAll("server.trace", nlohmann::json::object()))
+    for (nlohmann::json& rank : serverRank.callAll("server.trace", nlohmann::json::object()))
       events.push_back(rank.get<std::string>());
     writeDocument(file, Trace::document(events));
   } catch (const Error& e) {
@@ -223,38 +223,39 @@ int serve(const ServeOptions& options) {
   MpiTransport::Options transportOptions;
   transportOptions.trace = trace.get();
   transportOptions.threads = options.threads;
-  transportOptions.role = hasDevices(options.node.backend);  // ranks with devices share them
+  transportOptions.role = hasDevices(options.serverRank.backend);  // ranks with devices share them
   MpiTransport transport(transportOptions);
   const bool root = transport.rank() == 0;
   constexpr uint64_t kStart = 1;  // key of the collectives at start and end
   std::string failure;
-  std::unique_ptr<Node> node;
+  std::unique_ptr<ServerRank> serverRank;
   Gate stopped;
   TokensOfRoot tokensOfRoot;
   std::signal(SIGPIPE, SIG_IGN);
   std::signal(SIGXFSZ, SIG_IGN);  // Exceeding a file size limit is an error of write().
   try {
     const BackendRegistry backends = allBackends({options.device, transport.rankOnNode()});
-    NodeOptions nodeOptions = options.node;
+    ServerRankOptions nodeOptions = options.serverRank;
     nodeOptions.threads = transport.threads();
     nodeOptions.trace = trace.get();
-    node = std::make_unique<Node>(transport, std::move(nodeOptions), backends);
-    spdlog::info("rank {}: backend {}, {}", transport.rank(), node->backend->name(), node->backend->device());
-    node->work.add("gxyserver.stop", [&](const Work::Call&) {
+    serverRank = std::make_unique<ServerRank>(transport, std::move(nodeOptions), backends);
+    spdlog::info("rank {}: backend {}, {}", transport.rank(), serverRank->backend->name(),
+                 serverRank->backend->device());
+    serverRank->work.add("gxyserver.stop", [&](const Work::Call&) {
       stopped.open();
       return nlohmann::json();
     });
-    node->work.add("gxyserver.tokens", [&](const Work::Call& call) {
+    serverRank->work.add("gxyserver.tokens", [&](const Work::Call& call) {
       tokensOfRoot.set(call.parameters);
       return nlohmann::json();
     });
   } catch (const std::exception& e) {
     failure = e.what();
   }
-  // A rank whose node could not be made still takes part in the collectives.
+  // A rank whose ServerRank could not be made still takes part in the collectives.
   std::unique_ptr<Collective> spare;
-  if (!node) spare = std::make_unique<Collective>(transport);
-  Collective& collective = node ? node->collective : *spare;
+  if (!serverRank) spare = std::make_unique<Collective>(transport);
+  Collective& collective = serverRank ? serverRank->collective : *spare;
   const auto agreed = [&](uint64_t exchange) {
     try {
       collective.agree(exchange, failure.empty() ? std::nullopt : std::optional(failure));
@@ -270,18 +271,18 @@ int serve(const ServeOptions& options) {
   std::optional<Signals> signals;
   if (good && !root)
     signals.emplace([&] {
-      if (node->presence.died(0)) tokensOfRoot.removeStale();
-      node->work.send(0, "gxyserver.stop", nlohmann::json::object(), {});
+      if (serverRank->presence.died(0)) tokensOfRoot.removeStale();
+      serverRank->work.send(0, "gxyserver.stop", nlohmann::json::object(), {});
     });
   std::unique_ptr<Server> server;
   std::unique_ptr<TokenFiles> tokens;
   if (good && root) {
     try {
       if (trace) writeDocument(options.traceFile, Trace::document({}));  // fails now if it cannot be written
-      tokens = std::make_unique<TokenFiles>(node->tenants, options);
-      server = std::make_unique<Server>(*node, options.server, [&] { stopped.open(); });
+      tokens = std::make_unique<TokenFiles>(serverRank->tenants, options);
+      server = std::make_unique<Server>(*serverRank, options.server, [&] { stopped.open(); });
       tokens->write(server->port());
-      node->work.broadcast("gxyserver.tokens", tokens->paths(), [](std::vector<Work::Reply>) {});
+      serverRank->work.broadcast("gxyserver.tokens", tokens->paths(), [](std::vector<Work::Reply>) {});
       announce(options, server->port(), transport.size(), *tokens);
       if (!options.portFile.empty()) writeDocument(options.portFile, std::to_string(server->port()) + "\n");
     } catch (const std::exception& e) {
@@ -293,17 +294,17 @@ int serve(const ServeOptions& options) {
   if (good) {
     stopped.wait();
     if (root) {
-      ending.emplace(transport, node->presence, options.node.rankPatience);
+      ending.emplace(transport, serverRank->presence, options.serverRank.rankPatience);
       tokens->remove();  // first, in case there is little time
       server.reset();
-      if (trace) writeTrace(*node, options.traceFile);
-      node->work.broadcast("gxyserver.stop", nlohmann::json::object(), [](std::vector<Work::Reply>) {});
+      if (trace) writeTrace(*serverRank, options.traceFile);
+      serverRank->work.broadcast("gxyserver.stop", nlohmann::json::object(), [](std::vector<Work::Reply>) {});
       std::cout << "gxyserver: stopped\n" << std::flush;
     }
   }
   server.reset();
   signals.reset();
-  if (node) node->collective.barrier(kStart);
+  if (serverRank) serverRank->collective.barrier(kStart);
   return good ? 0 : 1;
 }
 

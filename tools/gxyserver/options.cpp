@@ -39,7 +39,7 @@ std::optional<int> parseOptions(int argc, char** argv, bool speaks, ServeOptions
   CLI::App app("A server that many clients share: data, rendering and analysis on all ranks of an MPI job.",
                "gxyserver");
   int64_t idle = 0;
-  double patience = std::chrono::duration<double>(o.node.rankPatience).count();
+  double patience = std::chrono::duration<double>(o.serverRank.rankPatience).count();
   app.add_option("--port", o.server.port, "TCP port; 0: any that is free")->capture_default_str();
   app.add_option("--port-file", o.portFile, "a file to write the port to, once it listens");
   app.add_option("--bind", o.server.bind, "the address to listen on")->capture_default_str();
@@ -48,27 +48,27 @@ std::optional<int> parseOptions(int argc, char** argv, bool speaks, ServeOptions
   app.add_option("--tenant", o.tenants, "a further tenant, with a token file of its own; may be repeated")
       ->allow_extra_args(false)
       ->check(CLI::Validator(Tenants::wrongName, ""));
-  app.add_option("--modules", o.node.moduleFolders,
+  app.add_option("--modules", o.serverRank.moduleFolders,
                  "folder in which modules are looked for before Galaxy's own; may be repeated")
       ->allow_extra_args(false);
   app.add_option(
-         "--data", o.node.dataFolders,
+         "--data", o.serverRank.dataFolders,
          "folder in which clients may read and write files; may be repeated (default: the current one)")
       ->allow_extra_args(false);
-  app.add_option("--backend", o.node.backend, kBackendHelp)->capture_default_str();
+  app.add_option("--backend", o.serverRank.backend, kBackendHelp)->capture_default_str();
   app.add_option("--device", o.device, kDeviceHelp);
-  app.add_option("--memory", o.node.memory, "bytes for data, on each rank, as 500M")
-      ->default_str(std::to_string(o.node.memory >> 30) + "G")
+  app.add_option("--memory", o.serverRank.memory, "bytes for data, on each rank, as 500M")
+      ->default_str(std::to_string(o.serverRank.memory >> 30) + "G")
       ->transform(CLI::AsSizeValue(false))
       ->check(CLI::Validator(wrongBytes, ""));
-  app.add_option("--tenant-memory", o.node.tenantMemory,
+  app.add_option("--tenant-memory", o.serverRank.tenantMemory,
                  "bytes of one tenant, on each rank (default: as --memory)")
       ->transform(CLI::AsSizeValue(false))
       ->check(CLI::Validator(wrongBytes, ""));
-  app.add_option("--tenant-frames", o.node.tenantFrames, "renderings that a tenant may have in flight")
+  app.add_option("--tenant-frames", o.serverRank.tenantFrames, "renderings that a tenant may have in flight")
       ->capture_default_str()
       ->check(CLI::Range(1, 100000));
-  app.add_option("--rays-in-flight", o.node.raysInFlight, "of each rank")
+  app.add_option("--rays-in-flight", o.serverRank.raysInFlight, "of each rank")
       ->capture_default_str()
       ->check(CLI::Range(int64_t(1), int64_t(1) << 40));
   app.add_option("--max-clients", o.server.connection.limits.clients, "clients connected at once")
@@ -101,9 +101,9 @@ std::optional<int> parseOptions(int argc, char** argv, bool speaks, ServeOptions
     return code == 0 ? 0 : 2;
   }
   o.server.idleExit = std::chrono::minutes(idle);
-  o.node.rankPatience = std::chrono::milliseconds(int64_t(patience * 1000));
-  if (std::string own = ownModules(); !own.empty()) o.node.moduleFolders.push_back(std::move(own));
-  if (app.count("--tenant-memory") == 0) o.node.tenantMemory = o.node.memory;
+  o.serverRank.rankPatience = std::chrono::milliseconds(int64_t(patience * 1000));
+  if (std::string own = ownModules(); !own.empty()) o.serverRank.moduleFolders.push_back(std::move(own));
+  if (app.count("--tenant-memory") == 0) o.serverRank.tenantMemory = o.serverRank.memory;
   return std::nullopt;
 }
 

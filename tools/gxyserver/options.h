@@ -5,13 +5,13 @@
 #include <string>
 #include <vector>
 
-#include "multiserver/server/node.h"
 #include "multiserver/server/server.h"
+#include "multiserver/server/server_rank.h"
 
 namespace gxy {
 
 struct ServeOptions {
-  NodeOptions node;
+  ServerRankOptions serverRank;
   ServerOptions server;
   std::string tokenFile, portFile, traceFile;
   std::vector<std::string> tenants;

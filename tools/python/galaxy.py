@@ -261,7 +261,7 @@ class Client:
                                   (f"version {version}" if magic == _MAGIC else "something else"))
             hello = {"token": token, "client": name, "tenant": tenant}
             self._send(_CONTROL, 0, b"hello " + json.dumps(hello).encode())
-            _, _, answer = self._read_frame()
+            _, _, answer = self._read_message()
             word, _, rest = answer.decode().partition(" ")
             if word != "welcome":
                 raise GalaxyError(f"{host} port {port}: {rest}" + (f" (none was sent: {why_none})" if why_none else ""))
@@ -333,16 +333,16 @@ class Client:
             at += count
         return data
 
-    def _read_frame(self):
+    def _read_message(self):
         size, channel, _, number = _HEADER.unpack(self._read(_HEADER.size))
         if size > _LONGEST:
-            raise GalaxyError(f"a frame of {size} bytes, expected at most {_LONGEST}")
+            raise GalaxyError(f"a message of {size} bytes, expected at most {_LONGEST}")
         return channel, number, self._read(size)
 
     def _run(self):
         try:
             while True:
-                channel, number, payload = self._read_frame()
+                channel, number, payload = self._read_message()
                 if channel == _CONTROL:
                     word, _, rest = payload.decode().partition(" ")
                     if word == "ping":

@@ -19,7 +19,7 @@ json listed(const NamedDataset& d) {
           {"owner", d.owner}, {"read only", d.readOnly},  {"generation", d.generation}};
 }
 
-Datasets& datasetsOf(const Request& request) { return *request.session().node().datasets; }
+Datasets& datasetsOf(const Request& request) { return *request.session().serverRank().datasets; }
 
 json list(Request& request, protocol::Arguments arguments) {
   arguments.expectEnd();
@@ -161,7 +161,7 @@ struct Observed {
 std::shared_ptr<Observed> observedBy(Session& session) {
   return session.state<Observed>([&session]() {
     const auto observed = std::make_shared<Observed>();
-    observed->subscription = session.node().datasets->observe(
+    observed->subscription = session.serverRank().datasets->observe(
         [weak = std::weak_ptr(observed), who = session.weak_from_this()](const DatasetEvent& event) {
           const auto o = weak.lock();
           const auto s = who.lock();

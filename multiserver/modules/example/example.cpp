@@ -22,9 +22,9 @@ struct RangeWork {
   static constexpr Work::Runs runs = Work::Runs::Long;  // it looks at all samples
   uint64_t exchange = 0, key = 0, generation = 0;
 
-  json action(Node& node, const Work::Call&) const {
-    Exchanges::Part part = node.exchanges.join(exchange);
-    const Pin pin = node.objects.pin(Key{key}, generation);
+  json action(ServerRank& serverRank, const Work::Call&) const {
+    Exchanges::Part part = serverRank.exchanges.join(exchange);
+    const Pin pin = serverRank.objects.pin(Key{key}, generation);
     const auto dataset = pin.get<Dataset>();
     Range range;
     if (dataset->geometry) range = rangeOf(dataset->geometry->block);
@@ -42,15 +42,15 @@ NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(RangeWork, exchange, key, generation)
 
 /// The driver: broadcasts the work, waits until the results of all ranks have come, and merges them.
 json range(Request& request) {
-  Node& node = request.session().node();
+  ServerRank& serverRank = request.session().serverRank();
   protocol::Arguments arguments(request.arguments(), "range NAME");
   const std::string name = arguments.expectWord();
   arguments.expectEnd();
-  const auto exchange = node.exchanges.beginLong(request);  // waits for its turn among the tenant's
+  const auto exchange = serverRank.exchanges.beginLong(request);  // waits for its turn among the tenant's
   // pinned on this rank, the generation stays on all of them
-  const auto [dataset, pin] = node.datasets->getPinned(request.session().tenant(), name);
+  const auto [dataset, pin] = serverRank.datasets->getPinned(request.session().tenant(), name);
   Range all;
-  for (const json& part : callAll(node, RangeWork{*exchange, dataset.key.value, dataset.generation}))
+  for (const json& part : callAll(serverRank, RangeWork{*exchange, dataset.key.value, dataset.generation}))
     if (!part.is_null()) all.extend({part[0].get<double>(), part[1].get<double>()});
   if (all.empty()) return {{"range", nullptr}, {"text", "no values"}};
   return {{"range", {all.min, all.max}}, {"text", json(all.min).dump() + " " + json(all.max).dump()}};
@@ -67,16 +67,16 @@ struct ThresholdWork {
   double least = 0, largest = 0;
   std::string tenant, sourceName;
 
-  json action(Node& node, const Work::Call&) const {
-    Exchanges::Part part = node.exchanges.join(exchange);
+  json action(ServerRank& serverRank, const Work::Call&) const {
+    Exchanges::Part part = serverRank.exchanges.join(exchange);
     RankCollectives& ranks = part.ranks;
     part.begin(0, 2, "threshold");
-    Publication publication = node.datasets->join(items, ranks);
+    Publication publication = serverRank.datasets->join(items, ranks);
     publication.reserve();
     const auto made = std::make_shared<Dataset>();
     const auto volume = std::make_shared<Volume>();
     agree(ranks, [&] {  // what may fail on one rank fails on all
-      const Pin pin = node.objects.pin(Key{source}, generation);
+      const Pin pin = serverRank.objects.pin(Key{source}, generation);
       const auto from = pin.get<Dataset>();
       if (!from->volume || from->volume->components != 1)
         throw Error("threshold: expected a volume with one component");
@@ -92,18 +92,18 @@ struct ThresholdWork {
       volume->stored = ScalarType::UInt8;
       for (const auto& [partition, block] : from->volume->blocks)
         made->bytes += int64_t(Bricks(block.extent.points).count());
-      made->memory = node.takeMemory(tenant, "volume", made->bytes);
+      made->memory = serverRank.takeMemory(tenant, "volume", made->bytes);
       for (const auto& [partition, block] : from->volume->blocks)
-        volume->blocks[partition] = thresholded(*from->volume, block, [&](double share) {
+        volume->blocks[partition] = thresholded(*from->volume, block, [&](double fraction) {
           ranks.check();
-          ranks.done((double(volume->blocks.size()) + share) / double(from->volume->blocks.size()));
+          ranks.done((double(volume->blocks.size()) + fraction) / double(from->volume->blocks.size()));
         });
     });
     part.begin(1, 2, "summaries", true);
     completeVolume(*volume, *made->partitioning, ranks);
     made->volume = volume;
     publication.stage(0, Payload(std::shared_ptr<const Dataset>(made)));
-    node.datasets->publish(publication, exchange);
+    serverRank.datasets->publish(publication, exchange);
     return nullptr;
   }
 
@@ -134,19 +134,19 @@ NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ThresholdWork, exchange, source, generation, 
 
 /// The driver: takes the name of the destination, which the work publishes.
 json threshold(Request& request) {
-  Node& node = request.session().node();
+  ServerRank& serverRank = request.session().serverRank();
   const std::string& tenant = request.session().tenant();
   protocol::Arguments arguments(request.arguments(), "threshold NAME NEW LEAST LARGEST");
   const std::string from = arguments.expectWord(), name = arguments.expectWord();
   const auto least = arguments.number(), largest = arguments.number();
   if (!least || !largest) arguments.fail("LEAST and LARGEST are numbers");
   arguments.expectEnd();
-  const auto exchange = node.exchanges.beginLong(request);
-  const auto [source, pin] = node.datasets->getPinned(tenant, from);
-  const auto names =
-      node.datasets->begin(request, *exchange, "threshold", Scope::Private, {{name, DatasetType::Volume}});
-  callAll(node, ThresholdWork{*exchange, source.key.value, source.generation, names->items(), *least,
-                              *largest, tenant, from});
+  const auto exchange = serverRank.exchanges.beginLong(request);
+  const auto [source, pin] = serverRank.datasets->getPinned(tenant, from);
+  const auto names = serverRank.datasets->begin(request, *exchange, "threshold", Scope::Private,
+                                                {{name, DatasetType::Volume}});
+  callAll(serverRank, ThresholdWork{*exchange, source.key.value, source.generation, names->items(), *least,
+                                    *largest, tenant, from});
   return nullptr;
 }
 

@@ -34,14 +34,14 @@ struct Job {
   /// Has come and is to be sent; counts as the tenant's until then.
   struct Content {
     Bytes picture;
-    Tenants::Frame slot;
+    Tenants::RenderSlot slot;
   };
   std::map<size_t, Content> contents;
   size_t done = 0;
   std::string error;
 };
 
-std::string nameOf(const Batch& batch, size_t index) {
+std::string nameOf(const BatchRender& batch, size_t index) {
   return pictureName(batch.prefix, batch.state, index) + "." + batch.format;
 }
 
@@ -57,7 +57,7 @@ Bytes fileRecord(const json& header, std::span<const std::byte> content) {
 
 class Run {
  public:
-  Run(Services& services, Request& request, const Batch& batch)
+  Run(Services& services, Request& request, const BatchRender& batch)
       : services_(services),
         request_(request),
         batch_(batch),
@@ -84,14 +84,14 @@ class Run {
     json names = json::array();
     for (size_t i = 0; i < total_; i++) {
       names.push_back(nameOf(batch_, i));
-      if (!batch_.toClient) paths_.push_back(services_.node.folders.toWrite(nameOf(batch_, i)));
+      if (!batch_.toClient) paths_.push_back(services_.serverRank.folders.toWrite(nameOf(batch_, i)));
     }
     for (size_t i = 0; i < shown_.size(); i++)
       job_->scenes.push_back(services_.scenes
                                  .get(request_.session().tenant(), batch_.state.visualizations[i],
                                       batch_.state.settings, asker_, shown_[i])
                                  .scene);
-    const auto wanted = services_.node.observers.subscribe({}, [this](const ObjectEvent& event) {
+    const auto wanted = services_.serverRank.observers.subscribe({}, [this](const ObjectEvent& event) {
       if (event.kind == ObjectEvent::Kind::Wanted) letGo(event.key, event.generation);
     });
     const std::shared_ptr<void> end(nullptr, [this](void*) { giveUp(); });
@@ -173,12 +173,12 @@ class Run {
   }
 
   void start(size_t index) {
-    Node& node = services_.node;
+    ServerRank& serverRank = services_.serverRank;
     const std::string& tenant = request_.session().tenant();
     const size_t of = batch_.state.visualizations.size();
     const Camera& camera = batch_.state.cameras[index / of];
-    const auto slot = std::make_shared<Tenants::Frame>(
-        node.tenants.beginWhenFree(tenant, node.costOf(tenant, camera.dimensions), [this] {
+    const auto slot = std::make_shared<Tenants::RenderSlot>(
+        serverRank.tenants.beginWhenFree(tenant, serverRank.costOf(tenant, camera.dimensions), [this] {
           check();
           sendWhatHasCome();  // it takes room as long as it is here
         }));
@@ -198,7 +198,7 @@ class Run {
     FrameRequest frame;
     frame.scene = scene->id;
     frame.camera = fitted(camera, shown_[index % of].box);
-    frame.share = {node.tenants.number(tenant), false, stream_};
+    frame.priority = {serverRank.tenants.number(tenant), false, stream_};
     frame.account = tenant;
     PictureFormat wanted;
     wanted.as = batch_.toClient ? PictureFormat::As::Bytes : PictureFormat::As::File;
@@ -250,14 +250,14 @@ class Run {
     std::unique_lock lock(job_->mutex);
     const auto inFlight = job_->inFlight;
     lock.unlock();
-    for (const auto& [index, flight] : inFlight) services_.node.renderer.supersede(flight.id);
+    for (const auto& [index, flight] : inFlight) services_.serverRank.renderer.supersede(flight.id);
     lock.lock();
     job_->changed.wait(lock, [this] { return job_->inFlight.empty(); });
   }
 
   Services& services_;
   Request& request_;
-  const Batch& batch_;
+  const BatchRender& batch_;
   Asker asker_ = askerOf(request_);  ///< for its scenes
   const size_t total_;
   const uint64_t stream_;  ///< of its frames
@@ -269,7 +269,7 @@ class Run {
 
 }  // namespace
 
-json renderBatch(Services& services, Request& request, const Batch& batch) {
+json renderBatch(Services& services, Request& request, const BatchRender& batch) {
   return Run(services, request, batch).run();
 }
 

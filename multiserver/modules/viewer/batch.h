@@ -10,7 +10,7 @@
 
 namespace gxy::viewer {
 
-struct Batch {
+struct BatchRender {
   State state;
   bool toClient = false;
   std::string prefix = "picture", format = "png";
@@ -19,6 +19,6 @@ struct Batch {
 
 /// Renders every visualization with every camera, cameras outermost; returns `pictures` and `seconds`. Waits; tells the
 /// request its progress, and ends when it is cancelled. Throws Error.
-nlohmann::json renderBatch(Services& services, Request& request, const Batch& batch);
+nlohmann::json renderBatch(Services& services, Request& request, const BatchRender& batch);
 
 }  // namespace gxy::viewer

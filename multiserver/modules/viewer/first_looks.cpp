@@ -57,27 +57,29 @@ std::vector<Look::Step> together(const std::vector<Series>& all) {
 
 }  // namespace
 
-FirstLooks::FirstLooks(Registration& registration) : node_(registration.node()) {
+FirstLooks::FirstLooks(Registration& registration) : serverRank_(registration.serverRank()) {
   registration.work("viewer.sample", [this](const Work::Call& call) { return sample(call.parameters); });
 }
 
 // Every rank: what it has of the values of a dataset.
 json FirstLooks::sample(const json& p) const {
-  const Pin pin = node_.objects.pin(Key{p.at("key").get<uint64_t>()}, p.at("generation").get<Generation>());
+  const Pin pin =
+      serverRank_.objects.pin(Key{p.at("key").get<uint64_t>()}, p.at("generation").get<Generation>());
   const auto dataset = pin.get<Dataset>();
   return dataset->volume ? sampleOf(*dataset->volume, *dataset->partitioning) : sampleOf(*dataset->geometry);
 }
 
 LookFacts FirstLooks::factsOf(const std::string& tenant, const std::string& name) const {
-  const auto [named, pin] = node_.datasets->getPinned(tenant, name);
+  const auto [named, pin] = serverRank_.datasets->getPinned(tenant, name);
   const auto dataset = pin.get<Dataset>();
   LookFacts facts;
-  facts.dataset = {name, typeOf(*dataset), dataset->file, dataset->array, dataset->color, dataset->radiusArray};
+  facts.dataset = {name,           typeOf(*dataset), dataset->file,
+                   dataset->array, dataset->color,   dataset->radiusArray};
   facts.data = dataset->volume ? gxy::factsOf(*dataset->volume) : gxy::factsOf(*dataset->geometry);
   if (!dataset->volume && !valuesCount(dataset->file, dataset->array)) return facts;
   if (dataset->volume) facts.thin = thinAxis(dataset->volume->grid);
   for (const json& of :
-       node_.callAll("viewer.sample", {{"key", named.key.value}, {"generation", named.generation}}))
+       serverRank_.callAll("viewer.sample", {{"key", named.key.value}, {"generation", named.generation}}))
     for (const json& value : of) facts.values.push_back(value.get<float>());
   completeSample(facts);
   return facts;
@@ -85,7 +87,7 @@ LookFacts FirstLooks::factsOf(const std::string& tenant, const std::string& name
 
 bool FirstLooks::isOf(const std::string& tenant, const std::string& name, const std::string& file,
                       const std::string& array) const {
-  const auto dataset = node_.datasets->getPinned(tenant, name).second.get<Dataset>();
+  const auto dataset = serverRank_.datasets->getPinned(tenant, name).second.get<Dataset>();
   return dataset->file == file && dataset->array == array;
 }
 
@@ -93,7 +95,7 @@ bool FirstLooks::isOf(const std::string& tenant, const std::string& name, const 
 std::vector<std::string> FirstLooks::filesOfName(const std::string& name) const {
   namespace fs = std::filesystem;
   const fs::path path(name);
-  for (const fs::path& folder : node_.folders.folders()) {
+  for (const fs::path& folder : serverRank_.folders.folders()) {
     std::error_code failed;
     const fs::path place = fs::canonical((folder / path).parent_path(), failed);
     if (failed ||
@@ -101,28 +103,28 @@ std::vector<std::string> FirstLooks::filesOfName(const std::string& name) const 
       continue;
     try {
       std::vector<std::string> files = filesOf((place / path.filename()).string());
-      files.front() = node_.folders.dataToRead(files.front());
+      files.front() = serverRank_.folders.dataToRead(files.front());
       return files;
     } catch (const Error&) {
       if (path.is_absolute()) break;
     }
   }
-  return {node_.folders.dataToRead(name)};  // or why not
+  return {serverRank_.folders.dataToRead(name)};  // or why not
 }
 
 std::vector<TimeStep> FirstLooks::stepsToRead(const std::string& name) const {
   std::vector<std::string> files = filesOfName(name);
   for (std::string& file : files)
-    if (isCollection(file)) file = node_.folders.dataToRead(file);
+    if (isCollection(file)) file = serverRank_.folders.dataToRead(file);
   std::vector<TimeStep> steps = stepsOfFiles(files);
-  for (std::string& file : steps.front().files) file = node_.folders.dataToRead(file);
+  for (std::string& file : steps.front().files) file = serverRank_.folders.dataToRead(file);
   return steps;
 }
 
 Look FirstLooks::look(Request& request, const std::vector<std::string>& names, const std::string& array,
                       const LookOptions& options) const {
   const std::string& tenant = request.session().tenant();
-  const ReadScope inside = node_.folders.reading();
+  const ReadScope inside = serverRank_.folders.reading();
   std::vector<LookFacts> all;
   const auto taken = [&](const std::string& name) {
     return std::any_of(all.begin(), all.end(), [&](const LookFacts& f) { return f.dataset.name == name; });
@@ -131,14 +133,15 @@ Look FirstLooks::look(Request& request, const std::vector<std::string>& names, c
     const std::string stem = std::filesystem::path(file).stem().string();
     std::string called = stem;
     const auto meansAnother = [&] {
-      return taken(called) || (node_.datasets->find(tenant, called) && !isOf(tenant, called, file, array));
+      return taken(called) ||
+             (serverRank_.datasets->find(tenant, called) && !isOf(tenant, called, file, array));
     };
     for (int n = 2; meansAnother(); n++) called = stem + "-" + std::to_string(n);
-    if (node_.datasets->find(tenant, called)) return all.push_back(factsOf(tenant, called));
+    if (serverRank_.datasets->find(tenant, called)) return all.push_back(factsOf(tenant, called));
     const ReadWatch watch([&] { request.check(); });
     std::vector<LedgerEntry> reading;
     LookFacts facts = factsOfFile(file, array, [&](int64_t bytes) {
-      reading.push_back(node_.takeMemory(tenant, "first look", bytes));
+      reading.push_back(serverRank_.takeMemory(tenant, "first look", bytes));
     });
     facts.dataset.name = called;
     all.push_back(std::move(facts));
@@ -152,7 +155,7 @@ Look FirstLooks::look(Request& request, const std::vector<std::string>& names, c
   int64_t files = 0;
   for (const std::string& name : names) {
     request.check();
-    if (node_.datasets->find(tenant, name)) {
+    if (serverRank_.datasets->find(tenant, name)) {
       all.push_back(factsOf(tenant, name));
       continue;
     }
@@ -163,7 +166,7 @@ Look FirstLooks::look(Request& request, const std::vector<std::string>& names, c
     if (files > kFiles)
       throw Error(name + ": with it there are " + std::to_string(files) +
                   " files in all steps, expected at most " + std::to_string(kFiles));
-    memory.push_back(node_.takeMemory(tenant, "first look", bytes));
+    memory.push_back(serverRank_.takeMemory(tenant, "first look", bytes));
     for (const std::string& file : series.steps.front().files) {
       request.check();
       addFile(file);

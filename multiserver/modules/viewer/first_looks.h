@@ -45,7 +45,7 @@ class FirstLooks {
   /// The first one's files are checked already.
   std::vector<TimeStep> stepsToRead(const std::string& name) const;
 
-  Node& node_;
+  ServerRank& serverRank_;
 };
 
 }  // namespace gxy::viewer

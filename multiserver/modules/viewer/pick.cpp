@@ -55,17 +55,17 @@ double depthOf(Services& services, Request& request, const SceneCache::Pinned& s
     bool done = false;
     std::string error;
     double depth = kMiss;
-    Tenants::Frame slot;
+    Tenants::RenderSlot slot;
   };
   const auto answer = std::make_shared<Answer>();
   const std::string tenant = request.session().tenant();
-  Node& node = services.node;
-  answer->slot = node.tenants.begin(tenant, node.costOf(tenant, one.dimensions));
+  ServerRank& serverRank = services.serverRank;
+  answer->slot = serverRank.tenants.begin(tenant, serverRank.costOf(tenant, one.dimensions));
   FrameRequest frame;
   frame.scene = shown.scene->id;
   frame.camera = one;
   frame.samples = 1;
-  frame.share = {node.tenants.number(tenant), true};
+  frame.priority = {serverRank.tenants.number(tenant), true};
   frame.account = tenant;
   PictureFormat wanted;
   wanted.as = PictureFormat::As::Depth;
@@ -83,7 +83,7 @@ double depthOf(Services& services, Request& request, const SceneCache::Pinned& s
     answer->changed.notify_all();
   };
   const FrameId id = services.pictures.start(frame, wanted, std::move(receiver));
-  const std::shared_ptr<void> end(nullptr, [&](void*) { node.renderer.supersede(id); });
+  const std::shared_ptr<void> end(nullptr, [&](void*) { serverRank.renderer.supersede(id); });
   std::unique_lock lock(answer->mutex);
   while (!answer->changed.wait_for(lock, std::chrono::milliseconds(20), [&] { return answer->done; })) {
     lock.unlock();
@@ -132,7 +132,7 @@ json pick(Services& services, Request& request, Window& window, glm::ivec2 pixel
   if (depth >= kMiss) return {{"hit", false}, {"text", "there is no surface"}};
   const glm::dvec3 point = ray.origin + depth * ray.direction;
   std::optional<SurfaceAt> nearest;
-  for (const json& found : services.node.callAll(
+  for (const json& found : services.serverRank.callAll(
            "viewer.surface_at", {{"scene", view.pinned.scene->id}, {"point", jsonOf(point)}}))
     if (!found.is_null())
       if (const SurfaceAt at = surfaceOf(found); !nearest || at < *nearest) nearest = at;

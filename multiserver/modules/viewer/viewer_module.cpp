@@ -26,20 +26,21 @@ class Windows {
  public:
   explicit Windows(Session& session) : session_(session) {
     // What is told when a session ends may still be under way then.
-    subscription_ = session.node().datasets->observe(
+    subscription_ = session.serverRank().datasets->observe(
         [weak = std::weak_ptr(list_), tenant = session.tenant()](const DatasetEvent& event) {
           const auto list = weak.lock();
           if (!list || !event.visibleTo(tenant)) return;
           for (const auto& [id, window] : list->all()) window->onData(event);
         });
     // Whatever it can see now.
-    wanted_ = session.node().observers.subscribe({}, [weak = std::weak_ptr(list_)](const ObjectEvent& event) {
-      if (event.kind != ObjectEvent::Kind::Wanted) return;
-      if (const auto list = weak.lock())
-        for (const auto& [id, window] : list->all()) window->onWanted(event.key, event.generation);
-    });
+    wanted_ =
+        session.serverRank().observers.subscribe({}, [weak = std::weak_ptr(list_)](const ObjectEvent& event) {
+          if (event.kind != ObjectEvent::Kind::Wanted) return;
+          if (const auto list = weak.lock())
+            for (const auto& [id, window] : list->all()) window->onWanted(event.key, event.generation);
+        });
     // The session ends after all its requests, which may take a while.
-    session.outbox().onClose([weak = std::weak_ptr(list_), &transport = session.node().transport] {
+    session.outbox().onClose([weak = std::weak_ptr(list_), &transport = session.serverRank().transport] {
       transport.post([weak] {
         if (const auto list = weak.lock()) list->endFrames();
       });
@@ -189,12 +190,12 @@ std::vector<std::string> importMissing(Request& request, const std::vector<Datas
   what.specs = specs;
   what.onlyMissing = true;
   if (specs.empty()) return {};
-  return request.session().node().datasets->import(request, what);
+  return request.session().serverRank().datasets->import(request, what);
 }
 
 // Of data that no document can import, as those of filters, or whose document has no file for them.
 void warnOfMissing(Request& request, const Visualization& visualization, std::vector<std::string>& warnings) {
-  const Datasets& datasets = *request.session().node().datasets;
+  const Datasets& datasets = *request.session().serverRank().datasets;
   std::set<std::string> told;
   for (const Vis& vis : visualization.operators)
     if (!datasets.find(request.session().tenant(), vis.dataset) && told.insert(vis.dataset).second)
@@ -214,7 +215,8 @@ std::string textOf(const std::vector<std::string>& warnings) {
 LedgerEntry roomFor(const State& state, Session& session) {
   constexpr int64_t kShort = 64 << 10;
   const int64_t bytes = bytesOf(state);
-  return bytes > kShort ? session.node().takeMemory(session.tenant(), "documents", bytes) : LedgerEntry();
+  return bytes > kShort ? session.serverRank().takeMemory(session.tenant(), "documents", bytes)
+                        : LedgerEntry();
 }
 
 json set(Request& request, Arguments arguments) {
@@ -228,7 +230,7 @@ json set(Request& request, Arguments arguments) {
   if (!visualizations.empty()) {
     checkCost(visualizations[0]);
     Session& session = request.session();
-    memory = session.node().takeMemory(session.tenant(), "windows", bytesOf(visualizations[0]));
+    memory = session.serverRank().takeMemory(session.tenant(), "windows", bytesOf(visualizations[0]));
   }
   if (!file.state.cameras.empty()) validate(file.state.cameras[0]);
   for (std::string& w : importMissing(request, file.state.datasets)) file.warnings.push_back(std::move(w));
@@ -337,7 +339,7 @@ json state(Request& request, Arguments arguments) {
   const uint32_t id = windowId(arguments);
   arguments.expectEnd();
   State state = windowsOf(request.session())->get(id)->state();
-  Datasets& datasets = *request.session().node().datasets;
+  Datasets& datasets = *request.session().serverRank().datasets;
   for (const Visualization& v : state.visualizations)
     for (const Vis& vis : v.operators) {
       if (!datasets.find(request.session().tenant(), vis.dataset)) continue;
@@ -351,10 +353,10 @@ json state(Request& request, Arguments arguments) {
 }
 
 // Adds to `warnings` what of the document is not used.
-Batch readBatch(Request& request, std::string_view text, std::vector<std::string>& warnings) {
+BatchRender readBatch(Request& request, std::string_view text, std::vector<std::string>& warnings) {
   DocumentReader reader(request);
   Members members(reader, text, "batch");
-  Batch batch;
+  BatchRender batch;
   const json* document = members.find("state");
   if (!document || !document->is_object())
     throw Error("batch: `state`: expected a state document; docs/protocol.md says what else there is");
@@ -374,7 +376,7 @@ Batch readBatch(Request& request, std::string_view text, std::vector<std::string
 
 json batch(Services& services, Request& request, Arguments arguments) {
   std::vector<std::string> warnings;
-  const Batch batch = readBatch(request, arguments.expectJson(), warnings);
+  const BatchRender batch = readBatch(request, arguments.expectJson(), warnings);
   const LedgerEntry room = roomFor(batch.state, request.session());
   for (std::string& w : importMissing(request, batch.state.datasets)) warnings.push_back(std::move(w));
   json result = renderBatch(services, request, batch);
@@ -446,7 +448,7 @@ json scene(Services& services, Request& request, Arguments arguments) {
 json show(Services& services, Request& request, Arguments arguments) {
   std::vector<std::string> names;
   glm::ivec2 size = Camera().dimensions;
-  Batch batch;
+  BatchRender batch;
   batch.state = lookOf(services, request, arguments, "show", names, &size).state;
   batch.state.cameras[0].dimensions = size;
   batch.toClient = true;

@@ -140,7 +140,7 @@ void Window::onData(const DatasetEvent& event) {
 }
 
 void Window::carryOut(const Change& change) {
-  if (change.ended) services_.node.renderer.supersede(change.ended);
+  if (change.ended) services_.serverRank.renderer.supersede(change.ended);
   if (change.newData) renderNewData();
 }
 
@@ -179,7 +179,7 @@ bool Window::concerns(const DatasetEvent& event) const {
   };
   if (!shows(event.dataset.name) && !(event.kind == Kind::Renamed && shows(event.newName))) return false;
   // Names of others, or hidden by its own, or the same object in another directory.
-  const auto means = services_.node.datasets->find(tenant_, event.dataset.name);
+  const auto means = services_.serverRank.datasets->find(tenant_, event.dataset.name);
   const bool came = event.kind == Kind::Added || event.kind == Kind::Updated;
   if (came && !(means && means->key == event.dataset.key)) return false;
   return event.kind == Kind::Updated || !scene_ || !services_.scenes.namesMean(tenant_, scene_->data);
@@ -190,7 +190,7 @@ bool Window::concerns(const DatasetEvent& event) const {
 bool Window::allThereAfter(const DatasetEvent& event) const {
   const auto& operators = state_.visualizations[0].operators;
   return std::all_of(operators.begin(), operators.end(), [&](const Vis& vis) {
-    const auto now = services_.node.datasets->find(tenant_, vis.dataset);
+    const auto now = services_.serverRank.datasets->find(tenant_, vis.dataset);
     const bool inItsPlace = event.kind == DatasetEvent::Kind::Dropped && vis.dataset == event.dataset.name;
     return now && !(inItsPlace && now->scope == event.dataset.scope);
   });
@@ -232,7 +232,7 @@ FrameId Window::endRefinement() {
   return current_->rendering;
 }
 
-void Window::onDrained() {
+void Window::onBelowWatermark() {
   {
     const std::lock_guard lock(mutex_);
     update_.awaitsOutbox = false;
@@ -254,17 +254,17 @@ void Window::renderNewData() {
   {
     const std::lock_guard lock(mutex_);
     if (phase_ == Phase::Closed) return;
-    const auto drained = [weak = weak_from_this(), &transport = services_.node.transport] {
+    const auto drained = [weak = weak_from_this(), &transport = services_.serverRank.transport] {
       transport.post([weak] {
-        if (const auto self = weak.lock()) self->onDrained();
+        if (const auto self = weak.lock()) self->onBelowWatermark();
       });
     };
-    update_.due = update_.awaitsOutbox || outbox_->congested(drained);
+    update_.due = update_.awaitsOutbox || outbox_->aboveWatermark(drained);
     update_.awaitsOutbox = update_.due;
     if (update_.due) return;
     unfinished_++;
   }
-  services_.node.transport.postWaiting([self = shared_from_this()] {
+  services_.serverRank.transport.postWaiting([self = shared_from_this()] {
     const std::shared_ptr<void> leave(nullptr, [&](void*) {
       const std::lock_guard lock(self->mutex_);
       self->unfinished_--;

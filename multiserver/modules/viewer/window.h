@@ -21,8 +21,8 @@ namespace gxy::viewer {
 /// The parts of the viewer module on a rank.
 struct Services {
   explicit Services(Registration& registration)
-      : node(registration.node()), looks(registration), rendering(renderingOf(registration)) {}
-  Node& node;
+      : serverRank(registration.serverRank()), looks(registration), rendering(renderingOf(registration)) {}
+  ServerRank& serverRank;
   FirstLooks looks;
   const std::shared_ptr<Rendering> rendering;
   SceneCache& scenes = rendering->scenes;
@@ -112,7 +112,7 @@ class Window : public std::enable_shared_from_this<Window> {
   /// Whether newer data are to be shown, and what the window waits for before it shows them.
   struct PendingUpdate {
     bool due = false;           ///< the newest frame shows older data than there are
-    bool awaitsOutbox = false;  ///< the client has not read enough; onDrained() will be called
+    bool awaitsOutbox = false;  ///< the client has not read enough; onBelowWatermark() will be called
     bool awaitsRoom = false;    ///< there was no room for a frame; the window is in Services::retries
     std::string refusal;        ///< the last error of a frame of newer data that the client was told of
   };
@@ -159,7 +159,7 @@ class Window : public std::enable_shared_from_this<Window> {
   void renderByItself();
   void tryAgainUnlessMade(uint64_t lastFrame);
   void onRefused(uint64_t lastFrame, const std::string& error);
-  void onDrained();
+  void onBelowWatermark();
 
   Services& services_;
   const std::shared_ptr<Outbox> outbox_;

@@ -23,7 +23,7 @@ struct Window::Frame {
   ScenePtr scene;  ///< null: the data changed while the frame waited, and it gets a scene when it begins
   Camera camera;   ///< of the window's size
   std::vector<Pin> pins;
-  Tenants::Frame slot;
+  Tenants::RenderSlot slot;
   std::chrono::steady_clock::time_point begin = std::chrono::steady_clock::now();
 
   size_t level = 0;

@@ -114,10 +114,10 @@ void Window::compile(Frame& frame, Snapshot& snapshot, const Asker& asker) {
 }
 
 void Window::takeRoom(Frame& frame) const {
-  Node& node = services_.node;
+  ServerRank& serverRank = services_.serverRank;
   const int64_t pixels = int64_t(frame.camera.dimensions.x) * frame.camera.dimensions.y;
-  if (frame.options.passes > 1) frame.sumMemory = node.takeMemory(tenant_, "passes", pixels * 64);
-  frame.slot = node.tenants.begin(tenant_, node.costOf(tenant_, frame.camera.dimensions));
+  if (frame.options.passes > 1) frame.sumMemory = serverRank.takeMemory(tenant_, "passes", pixels * 64);
+  frame.slot = serverRank.tenants.begin(tenant_, serverRank.costOf(tenant_, frame.camera.dimensions));
 }
 
 // The frame begins, or waits.
@@ -163,7 +163,7 @@ void Window::supersede(const FramePtr& older) {
   std::unique_lock lock(mutex_);
   const FrameId rendering = older->rendering;
   lock.unlock();
-  services_.node.renderer.supersede(rendering);
+  services_.serverRank.renderer.supersede(rendering);
 }
 
 void Window::begin(const FramePtr& frame) {
@@ -197,7 +197,8 @@ void Window::beginWaiting() {
   }
   supersede(older);
   if (!newData) return begin(frame);
-  services_.node.transport.postWaiting([self = shared_from_this(), frame] { self->beginWithNewData(frame); });
+  services_.serverRank.transport.postWaiting(
+      [self = shared_from_this(), frame] { self->beginWithNewData(frame); });
 }
 
 // Its data were updated while it waited. Compiles, so on a thread that may wait.
@@ -254,7 +255,7 @@ void Window::startStage(const FramePtr& frame) {
     request.samples = frame->samples;
     request.firstSample = int32_t(frame->pass) * frame->samples;
     // Somebody waits for a level's first pass. Further ones, of which there may be thousands, are like a batch's pictures.
-    request.share = {services_.node.tenants.number(tenant_), frame->pass == 0, stream_};
+    request.priority = {services_.serverRank.tenants.number(tenant_), frame->pass == 0, stream_};
     request.account = tenant_;
     wanted.encoding = frame->options.encoding;
     wanted.quality = frame->options.quality;
@@ -277,7 +278,7 @@ void Window::startStage(const FramePtr& frame) {
   frame->rendering = std::max(frame->rendering, id);  // a later stage may have begun meanwhile
   const bool over = frame->over;
   lock.unlock();
-  if (over) services_.node.renderer.supersede(id);
+  if (over) services_.serverRank.renderer.supersede(id);
 }
 
 void Window::onTile(const FramePtr& frame, Bytes record) {
@@ -359,7 +360,7 @@ void Window::sendEndOfPass(const FramePtr& frame) {
     phase_ = Phase::Sending;
     sending_ = frame->number;
     sent = [self = shared_from_this(), number = frame->number] {
-      self->services_.node.transport.post([self, number] { self->onFirstPassSent(number); });
+      self->services_.serverRank.transport.post([self, number] { self->onFirstPassSent(number); });
     };
   }
   outbox_->pixels(endRecord(frame->header(id_), PixelKind::EndOfPass,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "multiserver/protocol/frame.h"
+#include "multiserver/protocol/wire_message.h"
 
 #include <algorithm>
 #include <bit>
@@ -26,8 +26,9 @@ void put(std::byte* at, T value) {
   std::memcpy(at, &value, sizeof value);
 }
 
-bool hasId(FrameChannel channel) {
-  return channel == FrameChannel::Request || channel == FrameChannel::Reply || channel == FrameChannel::File;
+bool hasId(MessageChannel channel) {
+  return channel == MessageChannel::Request || channel == MessageChannel::Reply ||
+         channel == MessageChannel::File;
 }
 
 }  // namespace
@@ -37,7 +38,7 @@ Bytes bytesOf(std::string_view text) {
   return Bytes(first, first + text.size());
 }
 
-Frame textFrame(FrameChannel channel, uint32_t id, std::string_view text) {
+WireMessage textMessage(MessageChannel channel, uint32_t id, std::string_view text) {
   return {channel, id, bytesOf(text)};
 }
 
@@ -58,47 +59,47 @@ void checkPreamble(std::span<const std::byte, kPreambleBytes> theirs) {
                 std::to_string(kVersion));
 }
 
-std::array<std::byte, kHeaderBytes> headerOf(const Frame& frame) {
+std::array<std::byte, kHeaderBytes> headerOf(const WireMessage& message) {
   std::array<std::byte, kHeaderBytes> header{};
-  put(header.data(), uint64_t(frame.payload.size()));
-  put(header.data() + 8, uint16_t(frame.channel));
-  put(header.data() + 12, frame.id);
+  put(header.data(), uint64_t(message.payload.size()));
+  put(header.data() + 8, uint16_t(message.channel));
+  put(header.data() + 12, message.id);
   return header;
 }
 
-FrameReader::Rules FrameReader::fromClient(uint64_t requestBytes) {
+MessageReader::Rules MessageReader::fromClient(uint64_t requestBytes) {
   Rules rules;
-  rules.most[size_t(FrameChannel::Control)] = 4096;
-  rules.most[size_t(FrameChannel::Request)] = requestBytes;
+  rules.most[size_t(MessageChannel::Control)] = 4096;
+  rules.most[size_t(MessageChannel::Request)] = requestBytes;
   return rules;
 }
 
-FrameReader::Rules FrameReader::fromServer() {
+MessageReader::Rules MessageReader::fromServer() {
   Rules rules;
-  rules.most.fill(kMaxServerFrameBytes);
-  rules.most[size_t(FrameChannel::Request)] = 0;
+  rules.most.fill(kMaxServerMessageBytes);
+  rules.most[size_t(MessageChannel::Request)] = 0;
   return rules;
 }
 
-void FrameReader::readHeader() {
+void MessageReader::readHeader() {
   length_ = get<uint64_t>(header_.data());
   const auto channel = get<uint16_t>(header_.data() + 8), zero = get<uint16_t>(header_.data() + 10);
   const auto id = get<uint32_t>(header_.data() + 12);
   if (channel >= rules_.most.size() || rules_.most[channel] == 0)
-    throw Error("frame on channel " + std::to_string(channel) + ", on which none may come");
+    throw Error("message on channel " + std::to_string(channel) + ", on which none may come");
   if (length_ > rules_.most[channel])
-    throw Error("frame of " + std::to_string(length_) + " bytes on channel " + std::to_string(channel) +
+    throw Error("message of " + std::to_string(length_) + " bytes on channel " + std::to_string(channel) +
                 ", expected at most " + std::to_string(rules_.most[channel]));
-  if (zero != 0) throw Error("frame with " + std::to_string(zero) + " in its reserved bytes, expected 0");
-  if ((id != 0) != hasId(FrameChannel(channel)))
-    throw Error("frame with id " + std::to_string(id) + " on channel " + std::to_string(channel) +
+  if (zero != 0) throw Error("message with " + std::to_string(zero) + " in its reserved bytes, expected 0");
+  if ((id != 0) != hasId(MessageChannel(channel)))
+    throw Error("message with id " + std::to_string(id) + " on channel " + std::to_string(channel) +
                 ", expected " + (id ? "0" : "one from 1 up"));
-  frame_ = {FrameChannel(channel), id, {}};
-  frame_.skipped = rules_.room && !rules_.room(length_);
+  message_ = {MessageChannel(channel), id, {}};
+  message_.skipped = rules_.room && !rules_.room(length_);
   taken_ = 0;
 }
 
-std::optional<Frame> FrameReader::take(std::span<const std::byte>& bytes) {
+std::optional<WireMessage> MessageReader::take(std::span<const std::byte>& bytes) {
   if (headerBytes_ < kHeaderBytes) {
     const size_t n = std::min(kHeaderBytes - headerBytes_, bytes.size());
     std::copy_n(bytes.begin(), n, header_.begin() + std::ptrdiff_t(headerBytes_));
@@ -108,13 +109,13 @@ std::optional<Frame> FrameReader::take(std::span<const std::byte>& bytes) {
     readHeader();
   }
   const size_t n = size_t(std::min<uint64_t>(length_ - taken_, bytes.size()));
-  if (!frame_.skipped)
-    frame_.payload.insert(frame_.payload.end(), bytes.begin(), bytes.begin() + std::ptrdiff_t(n));
+  if (!message_.skipped)
+    message_.payload.insert(message_.payload.end(), bytes.begin(), bytes.begin() + std::ptrdiff_t(n));
   taken_ += n;
   bytes = bytes.subspan(n);
   if (taken_ < length_) return std::nullopt;
   headerBytes_ = 0;
-  return std::exchange(frame_, {});
+  return std::exchange(message_, {});
 }
 
 }  // namespace gxy::protocol

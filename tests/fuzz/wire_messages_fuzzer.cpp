@@ -6,11 +6,11 @@
 #include <span>
 
 #include "core/comm/error.h"
-#include "multiserver/protocol/frame.h"
 #include "multiserver/protocol/handshake.h"
 #include "multiserver/protocol/json.h"
 #include "multiserver/protocol/statement.h"
 #include "multiserver/protocol/tile_codec.h"
+#include "multiserver/protocol/wire_message.h"
 
 namespace {
 
@@ -47,9 +47,9 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   if (size == 0) return 0;
   const size_t piece = 1 + data[0];
   const auto all = std::as_bytes(std::span(data + 1, size - 1));
-  for (const auto& rules : {FrameReader::fromClient(1 << 20), FrameReader::fromServer()})
+  for (const auto& rules : {MessageReader::fromClient(1 << 20), MessageReader::fromServer()})
     errorOrNothing([&] {
-      FrameReader reader(rules);
+      MessageReader reader(rules);
       for (size_t at = 0; at < all.size(); at += piece) {
         std::span<const std::byte> some = all.subspan(at, std::min(piece, all.size() - at));
         while (!some.empty())

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Share: who a frame is rendered for. ReadyQueue and Credits share processors and rays by it.
+// Priority: who a frame is rendered for. ReadyQueue and Credits share processors and rays by it.
 #pragma once
 #include <cstdint>
 
 namespace gxy {
 
-struct Share {
+struct Priority {
   uint32_t tenant = 0;
   bool interactive = false;  ///< somebody watches the frame, so it may go before others
   /// A window or a batch of the tenant; unique within the tenant. Frames of a stream are wanted in their

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Frames of the protocol: a header of 16 bytes and a payload (docs/protocol.md, section 2). This code
+// Messages of the protocol: a header of 16 bytes and a payload (docs/protocol.md, section 2). This code
 // uses no sockets.
 #pragma once
 #include <array>
@@ -19,12 +19,12 @@ inline constexpr uint32_t kVersion = 1;
 inline constexpr std::array<unsigned char, 8> kMagic{'G', 'A', 'L', 'A', 'X', 'Y', '\r', '\n'};
 inline constexpr size_t kPreambleBytes = 16, kHeaderBytes = 16;
 inline constexpr uint64_t kMaxHelloBytes = 64 << 10;
-inline constexpr uint64_t kMaxServerFrameBytes = uint64_t(1) << 30;
+inline constexpr uint64_t kMaxServerMessageBytes = uint64_t(1) << 30;
 
-enum class FrameChannel : uint16_t { Control = 0, Request = 1, Reply = 2, Event = 3, Pixels = 4, File = 5 };
+enum class MessageChannel : uint16_t { Control = 0, Request = 1, Reply = 2, Event = 3, Pixels = 4, File = 5 };
 
-struct Frame {
-  FrameChannel channel = FrameChannel::Control;
+struct WireMessage {
+  MessageChannel channel = MessageChannel::Control;
   uint32_t id = 0;  ///< id of the request on channels 1, 2 and 5; else 0
   Bytes payload;
   bool skipped = false;  ///< Rules::room refused the payload, so it was discarded
@@ -35,34 +35,34 @@ struct Frame {
 
 /// Returns a text as bytes.
 Bytes bytesOf(std::string_view text);
-Frame textFrame(FrameChannel channel, uint32_t id, std::string_view text);
+WireMessage textMessage(MessageChannel channel, uint32_t id, std::string_view text);
 
 std::array<std::byte, kPreambleBytes> preamble();
 /// Throws Error if the magic or the version is another.
 void checkPreamble(std::span<const std::byte, kPreambleBytes> theirs);
 
-std::array<std::byte, kHeaderBytes> headerOf(const Frame& frame);
+std::array<std::byte, kHeaderBytes> headerOf(const WireMessage& message);
 
-/// Cuts a stream of bytes into frames. It allocates memory for the bytes of the current frame that have come,
+/// Cuts a stream of bytes into messages. It allocates memory for the bytes of the current message that have come,
 /// never for the size that its header announces. One thread at a time may use it.
-class FrameReader {
+class MessageReader {
  public:
-  /// The frames that are accepted. Only frames on channels that have ids may have an id other than 0.
+  /// The messages that are accepted. Only messages on channels that have ids may have an id other than 0.
   struct Rules {
-    std::array<uint64_t, 6> most{};        ///< largest payload in bytes, by channel; 0: no frames
+    std::array<uint64_t, 6> most{};        ///< largest payload in bytes, by channel; 0: no messages
     std::function<bool(uint64_t)> room{};  ///< whether a payload of this size may be kept; empty: always
   };
   static Rules fromClient(uint64_t requestBytes);
   static Rules fromServer();
 
-  explicit FrameReader(Rules rules) : rules_(std::move(rules)) {}
+  explicit MessageReader(Rules rules) : rules_(std::move(rules)) {}
 
-  /// Sets other rules from the next frame on.
+  /// Sets other rules from the next message on.
   void setRules(Rules rules) { rules_ = std::move(rules); }
 
-  /// Takes bytes from the front of `bytes`. Returns a frame as soon as one is complete, or nothing when all
+  /// Takes bytes from the front of `bytes`. Returns a message as soon as one is complete, or nothing when all
   /// bytes have been taken. Throws Error if a header breaks the rules; the reader must not be used afterwards.
-  std::optional<Frame> take(std::span<const std::byte>& bytes);
+  std::optional<WireMessage> take(std::span<const std::byte>& bytes);
 
  private:
   void readHeader();
@@ -71,7 +71,7 @@ class FrameReader {
   std::array<std::byte, kHeaderBytes> header_{};
   size_t headerBytes_ = 0;
   uint64_t length_ = 0, taken_ = 0;
-  Frame frame_;
+  WireMessage message_;
 };
 
 }  // namespace gxy::protocol

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "multiserver/protocol/frame.h"
+#include "multiserver/protocol/wire_message.h"
 
 #include <gtest/gtest.h>
 
@@ -14,16 +14,16 @@
 namespace gxy::protocol {
 namespace {
 
-Bytes wire(const Frame& frame) {
-  const auto header = headerOf(frame);
-  Bytes bytes(header.size() + frame.payload.size());
+Bytes wire(const WireMessage& message) {
+  const auto header = headerOf(message);
+  Bytes bytes(header.size() + message.payload.size());
   std::copy(header.begin(), header.end(), bytes.begin());
-  std::copy(frame.payload.begin(), frame.payload.end(), bytes.begin() + std::ptrdiff_t(header.size()));
+  std::copy(message.payload.begin(), message.payload.end(), bytes.begin() + std::ptrdiff_t(header.size()));
   return bytes;
 }
 
-TEST(Frames, HaveTheBytesThatTheProtocolSays) {
-  const Bytes bytes = wire(textFrame(FrameChannel::Request, 0x01020304, "list"));
+TEST(WireMessages, HaveTheBytesThatTheProtocolSays) {
+  const Bytes bytes = wire(textMessage(MessageChannel::Request, 0x01020304, "list"));
   const unsigned char expected[] = {4, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 4, 3, 2, 1, 'l', 'i', 's', 't'};
   ASSERT_EQ(bytes.size(), sizeof expected);
   EXPECT_EQ(std::memcmp(bytes.data(), expected, sizeof expected), 0);
@@ -31,45 +31,45 @@ TEST(Frames, HaveTheBytesThatTheProtocolSays) {
   EXPECT_EQ(std::memcmp(preamble().data(), hello, sizeof hello), 0);
 }
 
-TEST(Frames, ComeOutOfAStreamHoweverItIsCut) {
+TEST(WireMessages, ComeOutOfAStreamHoweverItIsCut) {
   Bytes stream;
   std::vector<std::string> texts;
   for (int i = 0; i < 50; i++) {
     texts.push_back(std::string(size_t(i * i), char('a' + i % 26)));
-    const Bytes bytes = wire(textFrame(FrameChannel::Request, uint32_t(i + 1), texts.back()));
+    const Bytes bytes = wire(textMessage(MessageChannel::Request, uint32_t(i + 1), texts.back()));
     stream.insert(stream.end(), bytes.begin(), bytes.end());
   }
   for (uint32_t seed = 1; seed <= 20; seed++) {
     std::mt19937 random(seed);
-    FrameReader reader(FrameReader::fromClient(1 << 20));
+    MessageReader reader(MessageReader::fromClient(1 << 20));
     std::vector<std::string> got;
     for (size_t at = 0; at < stream.size();) {
       const size_t n = std::min<size_t>(1 + random() % 200, stream.size() - at);
       std::span<const std::byte> some(&stream[at], n);
       at += n;
       while (!some.empty())
-        if (const auto frame = reader.take(some)) got.emplace_back(frame->text());
+        if (const auto message = reader.take(some)) got.emplace_back(message->text());
     }
     EXPECT_EQ(got, texts) << seed;
   }
 }
 
-TEST(Frames, ForWhichThereIsNoRoomArePassedOver) {
+TEST(WireMessages, ForWhichThereIsNoRoomArePassedOver) {
   Bytes stream;
   for (uint32_t id = 1; id <= 4; id++) {
-    const Bytes bytes = wire(textFrame(FrameChannel::Request, id, std::string(id % 2 ? 5 : 50, 'x')));
+    const Bytes bytes = wire(textMessage(MessageChannel::Request, id, std::string(id % 2 ? 5 : 50, 'x')));
     stream.insert(stream.end(), bytes.begin(), bytes.end());
   }
   for (size_t step : {1, 7, 1000}) {
-    FrameReader::Rules rules = FrameReader::fromClient(1000);
+    MessageReader::Rules rules = MessageReader::fromClient(1000);
     rules.room = [](uint64_t bytes) { return bytes <= 5; };
-    FrameReader reader(std::move(rules));
+    MessageReader reader(std::move(rules));
     std::vector<std::pair<uint32_t, std::string>> got;
     for (size_t at = 0; at < stream.size(); at += step) {
       std::span<const std::byte> some(&stream[at], std::min(step, stream.size() - at));
       while (!some.empty())
-        if (const auto frame = reader.take(some))
-          got.emplace_back(frame->id, frame->skipped ? "no room" : std::string(frame->text()));
+        if (const auto message = reader.take(some))
+          got.emplace_back(message->id, message->skipped ? "no room" : std::string(message->text()));
     }
     const std::vector<std::pair<uint32_t, std::string>> expected{
         {1, "xxxxx"}, {2, "no room"}, {3, "xxxxx"}, {4, "no room"}};
@@ -77,12 +77,12 @@ TEST(Frames, ForWhichThereIsNoRoomArePassedOver) {
   }
 }
 
-TEST(Frames, ThatBreakTheRulesAreRefusedByTheirHeader) {
-  const auto refused = [](const Frame& frame, uint64_t announced, uint16_t channel) {
-    auto header = headerOf(frame);
+TEST(WireMessages, ThatBreakTheRulesAreRefusedByTheirHeader) {
+  const auto refused = [](const WireMessage& message, uint64_t announced, uint16_t channel) {
+    auto header = headerOf(message);
     std::memcpy(header.data(), &announced, 8);
     std::memcpy(header.data() + 8, &channel, 2);
-    FrameReader reader(FrameReader::fromClient(1000));
+    MessageReader reader(MessageReader::fromClient(1000));
     std::span<const std::byte> bytes(header);
     try {
       reader.take(bytes);
@@ -91,14 +91,14 @@ TEST(Frames, ThatBreakTheRulesAreRefusedByTheirHeader) {
       return true;
     }
   };
-  const Frame request = textFrame(FrameChannel::Request, 1, "");
+  const WireMessage request = textMessage(MessageChannel::Request, 1, "");
   EXPECT_FALSE(refused(request, 1000, 1));
   EXPECT_TRUE(refused(request, 1001, 1)) << "too long";
   EXPECT_TRUE(refused(request, ~uint64_t(0), 1)) << "negative, were it signed";
   EXPECT_TRUE(refused(request, 0, 2)) << "a reply from a client";
   EXPECT_TRUE(refused(request, 0, 6)) << "no such channel";
   EXPECT_TRUE(refused(request, 0, 0)) << "control has no id";
-  EXPECT_TRUE(refused(textFrame(FrameChannel::Request, 0, ""), 0, 1)) << "requests have one";
+  EXPECT_TRUE(refused(textMessage(MessageChannel::Request, 0, ""), 0, 1)) << "requests have one";
 }
 
 TEST(Preamble, OfAnotherProgramOrVersionIsRefused) {

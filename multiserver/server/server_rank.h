@@ -28,7 +28,7 @@ namespace gxy {
 class Datasets;
 class Modules;
 
-struct NodeOptions {
+struct ServerRankOptions {
   std::vector<std::string> dataFolders;    ///< empty: the current folder
   std::vector<std::string> moduleFolders;  ///< searched in this order; empty: there are no modules
   std::string backend = "auto";
@@ -40,17 +40,17 @@ struct NodeOptions {
   std::chrono::milliseconds rankPatience{10000};  ///< a rank that is silent for this long is missing
   int threads = 2;                                ///< threads of each rank that run its tasks
   int64_t raysInFlight = 1 << 20;                 ///< rays in flight on each rank
-  Trace* trace = nullptr;  ///< gets requests, works and rendering, unless null; outlives the node
+  Trace* trace = nullptr;  ///< gets requests, works and rendering, unless null; outlives the server rank
 };
 
 /// Made on every rank at the same time, over the rank's Transport, and destroyed on all ranks together. Each
 /// of its parts is thread safe. The order of members is that of their dependencies.
-struct Node {
+struct ServerRank {
   /// Throws Error, possibly on this rank only, for options that cannot be satisfied.
-  Node(Transport& transport, NodeOptions options, const BackendRegistry& backends);
-  ~Node();
-  Node(const Node&) = delete;
-  Node& operator=(const Node&) = delete;
+  ServerRank(Transport& transport, ServerRankOptions options, const BackendRegistry& backends);
+  ~ServerRank();
+  ServerRank(const ServerRank&) = delete;
+  ServerRank& operator=(const ServerRank&) = delete;
 
   int rank() const { return transport.rank(); }
   int ranks() const { return transport.size(); }
@@ -84,7 +84,7 @@ struct Node {
   Tenants::Cost costOf(const std::string& tenant, glm::ivec2 size) const;
 
   Transport& transport;
-  const NodeOptions options;
+  const ServerRankOptions options;
   const DataFolders folders;
   Ledger ledger;
   Observers observers;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "multiserver/server/node.h"
+#include "multiserver/server/server_rank.h"
 
 #include <algorithm>
 #include <condition_variable>
@@ -18,7 +18,7 @@ namespace gxy {
 namespace {
 
 // Checks options before any part is made that other ranks could send messages to.
-NodeOptions checked(NodeOptions options) {
+ServerRankOptions checked(ServerRankOptions options) {
   std::error_code failed;
   for (const std::string& folder : options.moduleFolders)
     if (!std::filesystem::is_directory(folder, failed))
@@ -26,7 +26,7 @@ NodeOptions checked(NodeOptions options) {
   return options;
 }
 
-Renderer::Options rendererOptions(const NodeOptions& options, Ledger& ledger) {
+Renderer::Options rendererOptions(const ServerRankOptions& options, Ledger& ledger) {
   Renderer::Options r;
   r.raysInFlight = options.raysInFlight;
   r.runners = options.threads;
@@ -39,7 +39,7 @@ Renderer::Options rendererOptions(const NodeOptions& options, Ledger& ledger) {
 
 }  // namespace
 
-Node::Node(Transport& t, NodeOptions o, const BackendRegistry& backends)
+ServerRank::ServerRank(Transport& t, ServerRankOptions o, const BackendRegistry& backends)
     : transport(t),
       options(checked(std::move(o))),
       folders(options.dataFolders),
@@ -59,16 +59,16 @@ Node::Node(Transport& t, NodeOptions o, const BackendRegistry& backends)
   addServerWorks(*this);
 }
 
-Node::~Node() = default;
+ServerRank::~ServerRank() = default;
 
-std::vector<nlohmann::json> Node::callAll(const std::string& name, const nlohmann::json& parameters) {
+std::vector<nlohmann::json> ServerRank::callAll(const std::string& name, const nlohmann::json& parameters) {
   const auto promise = std::make_shared<std::promise<std::vector<Work::Reply>>>();
   work.broadcast(name, parameters,
                  [promise](std::vector<Work::Reply> replies) { promise->set_value(std::move(replies)); });
   return resultsOf(promise->get_future().get());
 }
 
-Node::RollCall Node::callThoseThere(const std::string& name, const nlohmann::json& parameters) {
+ServerRank::RollCall ServerRank::callThoseThere(const std::string& name, const nlohmann::json& parameters) {
   struct Replies {
     std::mutex mutex;
     std::condition_variable changed;
@@ -100,7 +100,7 @@ Node::RollCall Node::callThoseThere(const std::string& name, const nlohmann::jso
   return call;
 }
 
-std::vector<nlohmann::json> Node::resultsOf(std::vector<Work::Reply> replies) const {
+std::vector<nlohmann::json> ServerRank::resultsOf(std::vector<Work::Reply> replies) const {
   std::vector<nlohmann::json> results;
   std::string all;
   int failed = 0;
@@ -121,7 +121,7 @@ std::vector<nlohmann::json> Node::resultsOf(std::vector<Work::Reply> replies) co
   return results;
 }
 
-LedgerEntry Node::takeMemory(const std::string& tenant, const std::string& purpose, int64_t bytes) {
+LedgerEntry ServerRank::takeMemory(const std::string& tenant, const std::string& purpose, int64_t bytes) {
   const std::lock_guard lock(memory_);  // Check and entry must be one step.
   const auto check = [&](int64_t used, int64_t limit, const std::string& whose) {
     if (bytes > limit - used)
@@ -134,7 +134,7 @@ LedgerEntry Node::takeMemory(const std::string& tenant, const std::string& purpo
   return ledger.enter(tenant, purpose, bytes);
 }
 
-Tenants::Cost Node::costOf(const std::string& tenant, glm::ivec2 size) const {
+Tenants::Cost ServerRank::costOf(const std::string& tenant, glm::ivec2 size) const {
   // A pixel takes 32 bytes in the framebuffer, 16 in the picture, and the rest in tiles and messages.
   constexpr int64_t kBytes = 64;
   return {int64_t(size.x) * size.y * kBytes, [this, tenant] {
