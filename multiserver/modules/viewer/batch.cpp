@@ -172,70 +172,34 @@ class Run {
     if (done < total_) request_.progress(int64_t(done), int64_t(total_), "rendered");
   }
 
+  const Visualization& visualizationOf(size_t index) const {
+    return batch_.state.visualizations[index % shown_.size()];
+  }
+  ShownSoFar& shownOf(size_t index) { return shown_[index % shown_.size()]; }
+
   void start(size_t index) {
     ServerRank& serverRank = services_.serverRank;
     const std::string& tenant = request_.session().tenant();
-    const size_t of = batch_.state.visualizations.size();
-    const Camera& camera = batch_.state.cameras[index / of];
-    const auto slot = std::make_shared<Tenants::RenderSlot>(
+    const Camera& camera = batch_.state.cameras[index / shown_.size()];
+    auto slot =
         serverRank.tenants.beginWhenFree(tenant, serverRank.costOf(tenant, camera.dimensions), [this] {
           check();
           sendWhatHasCome();  // it takes room as long as it is here
-        }));
-    ScenePtr kept, before;  // let go outside the lock
-    {
-      const std::lock_guard lock(job_->mutex);
-      kept = job_->scenes[index % of];
-    }
-    SceneCache::Pinned pinned = services_.scenes.get(tenant, batch_.state.visualizations[index % of],
-                                                     batch_.state.settings, asker_, shown_[index % of], kept);
-    ScenePtr scene = std::move(pinned.scene);
-    if (scene != kept) {
-      const std::lock_guard lock(job_->mutex);
-      before = std::exchange(job_->scenes[index % of], scene);
-    }
-    const auto pins = std::make_shared<std::vector<Pin>>(std::move(pinned.pins));
+        });
+    SceneCache::Pinned pinned = sceneOf(index);
     FrameRequest frame;
-    frame.scene = scene->id;
-    frame.camera = fitted(camera, shown_[index % of].box);
+    frame.scene = pinned.scene->id;
+    frame.camera = fitted(camera, shownOf(index).box);
     frame.priority = {serverRank.tenants.number(tenant), false, stream_};
     frame.account = tenant;
-    PictureFormat wanted;
-    wanted.as = batch_.toClient ? PictureFormat::As::Bytes : PictureFormat::As::File;
-    wanted.format = batch_.format;
-    if (!batch_.toClient) wanted.path = paths_[index];
-    if (!(batch_.state.annotations == Annotations())) {
-      Generation newest = 0;
-      for (const NamedDataset& d : scene->data) newest = std::max(newest, d.generation);
-      const ShownSoFar& shown = shown_[index % of];
-      wanted.overlay =
-          overlayOf(batch_.state.annotations, {batch_.state.visualizations[index % of], shown, frame.camera,
-                                               batch_.state.settings, size_t(newest)});
-    }
-    PictureReceiver receiver;
-    receiver.bytes = [job = job_, index, slot](Bytes content) {
-      const std::lock_guard lock(job->mutex);
-      job->contents[index] = {std::move(content), std::move(*slot)};
-    };
-    receiver.done = [&services = services_, tenant, job = job_, index, slot, pins, scene](
-                        bool, const std::string& error) mutable {
-      *slot = {};
-      services.retries.onEnd(tenant);
-      pins->clear();
-      scene = nullptr;
-      const std::lock_guard lock(job->mutex);
-      job->inFlight.erase(index);
-      job->done++;
-      if (job->error.empty()) job->error = error;
-      job->changed.notify_all();
-    };
+    const PictureFormat format = formatOf(index, frame.camera, *pinned.scene);
     {
       const std::lock_guard lock(job_->mutex);
-      job_->inFlight[index].scene = scene;
+      job_->inFlight[index].scene = pinned.scene;
     }
     FrameId id;
     try {
-      id = services_.pictures.start(frame, wanted, std::move(receiver));
+      id = services_.pictures.start(frame, format, receiverOf(index, std::move(slot), std::move(pinned)));
     } catch (const std::exception&) {
       const std::lock_guard lock(job_->mutex);
       job_->inFlight.erase(index);
@@ -243,6 +207,59 @@ class Run {
     }
     const std::lock_guard lock(job_->mutex);
     if (const auto at = job_->inFlight.find(index); at != job_->inFlight.end()) at->second.id = id;
+  }
+
+  // Returns the scene of a picture, with its data pinned. The scene is kept for the visualization's next picture.
+  SceneCache::Pinned sceneOf(size_t index) {
+    ScenePtr kept, before;  // destroyed without the lock
+    {
+      const std::lock_guard lock(job_->mutex);
+      kept = job_->scenes[index % shown_.size()];
+    }
+    SceneCache::Pinned pinned = services_.scenes.get(request_.session().tenant(), visualizationOf(index),
+                                                     batch_.state.settings, asker_, shownOf(index), kept);
+    if (pinned.scene != kept) {
+      const std::lock_guard lock(job_->mutex);
+      before = std::exchange(job_->scenes[index % shown_.size()], pinned.scene);
+    }
+    return pinned;
+  }
+
+  PictureFormat formatOf(size_t index, const Camera& camera, const SceneHandle& scene) {
+    PictureFormat format;
+    format.as = batch_.toClient ? PictureFormat::As::Bytes : PictureFormat::As::File;
+    format.format = batch_.format;
+    if (!batch_.toClient) format.path = paths_[index];
+    if (batch_.state.annotations == Annotations()) return format;
+    Generation newest = 0;
+    for (const NamedDataset& d : scene.data) newest = std::max(newest, d.generation);
+    format.overlay = overlayOf(batch_.state.annotations, {visualizationOf(index), shownOf(index), camera,
+                                                          batch_.state.settings, size_t(newest)});
+    return format;
+  }
+
+  // The receiver holds the tenant's slot until the picture has been sent, and the scene and its data until the frame has ended.
+  PictureReceiver receiverOf(size_t index, Tenants::RenderSlot tenantsSlot, SceneCache::Pinned pinned) const {
+    const auto slot = std::make_shared<Tenants::RenderSlot>(std::move(tenantsSlot));
+    const auto held = std::make_shared<SceneCache::Pinned>(std::move(pinned));
+    PictureReceiver receiver;
+    receiver.bytes = [job = job_, index, slot](Bytes content) {
+      const std::lock_guard lock(job->mutex);
+      job->contents[index] = {std::move(content), std::move(*slot)};
+    };
+    receiver.done = [&services = services_, tenant = request_.session().tenant(), job = job_, index, slot,
+                     held](bool, const std::string& error) {
+      *slot = {};
+      services.retries.onEnd(tenant);
+      held->pins.clear();
+      held->scene = nullptr;
+      const std::lock_guard lock(job->mutex);
+      job->inFlight.erase(index);
+      job->done++;
+      if (job->error.empty()) job->error = error;
+      job->changed.notify_all();
+    };
+    return receiver;
   }
 
   // Whatever is still under way ends before the request does.
