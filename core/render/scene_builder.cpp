@@ -3,18 +3,20 @@
 
 #include <algorithm>
 
+#include "core/data/distribute.h"
+
 namespace gxy {
 
 namespace {
 
 /// Whether `here` is true on every rank.
-bool everywhere(bool here, const SceneRanks& ranks) {
+bool everywhere(bool here, Collectives& ranks) {
   const std::vector<Bytes> all = ranks.allGather(Bytes(1, std::byte(here)));
   return std::all_of(all.begin(), all.end(), [](const Bytes& b) { return b.at(0) == std::byte(1); });
 }
 
 /// Each rank has compiled its own partitions. A partition is visible if one rank says so.
-void mergeVisible(CompiledScene& scene, const SceneRanks& ranks) {
+void mergeVisible(CompiledScene& scene, Collectives& ranks) {
   Bytes mine(scene.visible.size());
   std::transform(scene.visible.begin(), scene.visible.end(), mine.begin(),
                  [](uint8_t visible) { return std::byte(visible); });
@@ -25,14 +27,16 @@ void mergeVisible(CompiledScene& scene, const SceneRanks& ranks) {
 }  // namespace
 
 DistributedGeometryPtr SharedGeometry::get(const GeometrySource& source, const Vis& vis,
-                                           const SceneRanks& ranks, const EnterMemory& enter) {
+                                           const Partitioning& partitioning, Collectives& ranks,
+                                           const EnterMemory& enter) {
   const Distribution distribution{source.name, radiiOf(vis)};
   DistributedGeometryPtr known = known_.find(distribution);
   if (everywhere(known != nullptr, ranks)) return known;  // a rank may have forgotten it
   DistributedGeometry mine;
-  mine.geometry = source.distribute(
-      [&vis](double value) { return vis.type == VisType::Triangles ? 0.0 : radiusOf(vis, value); });
-  ranks.agree([&] { mine.memory = enter("geometry", bytesOf(*mine.geometry)); });
+  mine.geometry = distribute(
+      *source.owned, partitioning,
+      [&vis](double value) { return vis.type == VisType::Triangles ? 0.0 : radiusOf(vis, value); }, ranks);
+  agree(ranks, [&] { mine.memory = enter("geometry", bytesOf(*mine.geometry)); });
   return known_.get(distribution, [&] { return std::move(mine); });
 }
 
@@ -45,7 +49,7 @@ std::vector<std::shared_ptr<const CompiledScene>> SceneBuilder::others() {
   return others;
 }
 
-BuiltScene SceneBuilder::build(SceneSource source, const SceneRanks& ranks, const EnterMemory& enter,
+BuiltScene SceneBuilder::build(SceneSource source, Collectives& ranks, const EnterMemory& enter,
                                const OnItem& onItem) {
   const int64_t of = 2 + std::count_if(source.data.begin(), source.data.end(),
                                        [](const OperatorSource& o) { return o.geometry.has_value(); });
@@ -57,22 +61,22 @@ BuiltScene SceneBuilder::build(SceneSource source, const SceneRanks& ranks, cons
     if (from.geometry) {
       const Vis& vis = source.visualization.operators[i];
       onItem(item++, of, "distributing " + vis.dataset);
-      built.geometry.push_back(geometry_.get(*from.geometry, vis, ranks, enter));
+      built.geometry.push_back(geometry_.get(*from.geometry, vis, *source.partitioning, ranks, enter));
       from.data.geometry = built.geometry.back()->geometry;
     }
     data.push_back(std::move(from.data));
   }
   onItem(item++, of, "compiling the scene");
   std::shared_ptr<CompiledScene> scene;
-  ranks.agree([&] {
+  agree(ranks, [&] {
     scene = compileScene(source.visualization, std::move(data), source.partitioning, source.settings,
-                         others(), ranks.advance);
+                         others(), advanceOf(ranks));
   });
   mergeVisible(*scene, ranks);
   built.compiled = scene;
   onItem(item++, of, "building the scene");
-  ranks.agree([&] {
-    built.device = backend_.makeScene(scene, rank_, ranks.advance);
+  agree(ranks, [&] {
+    built.device = backend_.makeScene(scene, rank_, advanceOf(ranks));
     built.memory = memory_.enter(*scene, *built.device, [&](int64_t bytes) { return enter("scene", bytes); });
     const std::lock_guard lock(mutex_);
     scenes_.push_back(scene);

@@ -11,8 +11,9 @@
 #include <utility>
 #include <vector>
 
-#include "core/comm/transport.h"
-#include "core/data/replicate.h"
+#include "core/comm/collectives.h"
+#include "core/data/owned_geometry.h"
+#include "core/data/partitioning.h"
 #include "core/rays/backend.h"
 #include "core/rays/compiled_scene.h"
 #include "core/rays/scene_memory.h"
@@ -21,23 +22,6 @@
 
 namespace gxy {
 
-/// The ranks that build a scene together. All ranks make the same calls in the same order. Calls block.
-struct SceneRanks {
-  /// Runs `work`, which must not communicate, on every rank. If it throws on one rank, all ranks throw the same Error.
-  std::function<void(const std::function<void()>& work)> agree;
-  /// Returns the bytes of every rank, by rank, on every rank.
-  std::function<std::vector<Bytes>(Bytes mine)> allGather;
-  /// Is told how far long computations are. It throws to end them.
-  Advance advance;
-};
-
-/// Makes SceneRanks of Collectives (core/comm/collectives.h), which must outlive the result.
-template <class Collectives>
-SceneRanks sceneRanksOf(Collectives& ranks) {
-  return {[&ranks](const std::function<void()>& work) { agree(ranks, work); },
-          [&ranks](Bytes mine) { return ranks.allGather(std::move(mine)); }, advanceOf(ranks)};
-}
-
 /// Enters bytes in a ledger for a purpose ("geometry", "scene"). Throws Error if there is no room for them.
 using EnterMemory = std::function<LedgerEntry(const char* purpose, int64_t bytes)>;
 
@@ -45,9 +29,7 @@ using EnterMemory = std::function<LedgerEntry(const char* purpose, int64_t bytes
 struct GeometrySource {
   /// Scenes share the distributed geometry if this name and the radii are the same. So different geometry needs different names.
   std::string name;
-  /// Collective. Returns the geometry in every partition that its primitives touch with these radii (world units). If one rank
-  /// fails, all ranks throw the same Error.
-  std::function<std::shared_ptr<const Geometry>(const RadiusOf& radius)> distribute;
+  std::shared_ptr<const OwnedGeometry> owned;
 };
 
 /// Geometry in every partition that it touches, with its entry in the ledger.
@@ -62,8 +44,8 @@ class SharedGeometry {
  public:
   /// Collective. Returns the geometry with the radii that `vis` gives it. If any rank does not have it, the geometry is
   /// distributed and `enter` is called for "geometry". If either fails on one rank, all ranks throw the same Error.
-  DistributedGeometryPtr get(const GeometrySource& source, const Vis& vis, const SceneRanks& ranks,
-                             const EnterMemory& enter);
+  DistributedGeometryPtr get(const GeometrySource& source, const Vis& vis, const Partitioning& partitioning,
+                             Collectives& ranks, const EnterMemory& enter);
 
  private:
   using Distribution = std::pair<std::string, std::array<double, 4>>;  ///< name and radiiOf()
@@ -109,7 +91,7 @@ class SceneBuilder {
   /// scene on the backend's device. Calls `enter` for "geometry" after each distribution, and for "scene" once the device has
   /// the scene. Takes long for much data. If a rank fails or has no room, all ranks throw the same Error and nothing remains.
   BuiltScene build(
-      SceneSource source, const SceneRanks& ranks, const EnterMemory& enter,
+      SceneSource source, Collectives& ranks, const EnterMemory& enter,
       const OnItem& onItem = [](int64_t, int64_t, const std::string&) {});
 
  private:

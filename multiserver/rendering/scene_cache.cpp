@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "core/comm/error.h"
-#include "core/data/distribute.h"
 #include "core/look/loaded_facts.h"
 #include "core/scene/json_text.h"
 #include "core/scene/state_file.h"
@@ -40,8 +39,8 @@ SceneCache::SceneCache(Registration& registration)
                     [this](const Work::Call& call) { return forget(call.parameters); });
 }
 
-// Reads what rank 0 asks for, and finds this rank's part of the data. `ranks` must outlive the result.
-SceneSource SceneCache::sourceOf(const json& p, Collectives& ranks) const {
+// Reads what rank 0 asks for, and finds this rank's part of the data.
+SceneSource SceneCache::sourceOf(const json& p) const {
   SceneSource source;
   const State state = readState(p.at("state").get<std::string>(), "visualization").state;
   source.visualization = state.visualizations.at(0);
@@ -62,9 +61,7 @@ SceneSource SceneCache::sourceOf(const json& p, Collectives& ranks) const {
     if (!dataset->geometry) continue;
     const auto tenant = p.at("tenant").get<std::string>();  // whose memory it takes
     shown.geometry = {tenant + " " + std::to_string(key) + ":" + std::to_string(generation),
-                      [dataset, partitioning = source.partitioning, &ranks](const RadiusOf& radius) {
-                        return distribute(*dataset->geometry, *partitioning, radius, ranks);
-                      }};
+                      dataset->geometry};
   }
   return source;
 }
@@ -77,14 +74,14 @@ json SceneCache::make(const json& p) {
   RankCollectives& ranks = part.ranks;
 
   SceneSource source;
-  agree(ranks, [&] { source = sourceOf(p, ranks); });
+  agree(ranks, [&] { source = sourceOf(p); });
   const SceneBuilder::OnItem onItem = [&part](int64_t item, int64_t of, const std::string& text) {
     part.begin(item, of, text);
   };
   const EnterMemory enter = [this, &tenant](const char* purpose, int64_t bytes) {
     return serverRank_.takeMemory(tenant, purpose, bytes);
   };
-  BuiltScene built = builder_.build(std::move(source), sceneRanksOf(ranks), enter, onItem);
+  BuiltScene built = builder_.build(std::move(source), ranks, enter, onItem);
   const std::lock_guard lock(mutex_);
   serverRank_.renderer.addScene(id, built.compiled, built.device);
   built_[id] = std::move(built);

@@ -71,7 +71,7 @@ class SceneCache {
     Visualization resolved;
   };
   HeldData hold(const std::string& tenant, const Visualization& visualization, ShownSoFar& shown) const;
-  SceneSource sourceOf(const nlohmann::json& parameters, Collectives& ranks) const;
+  SceneSource sourceOf(const nlohmann::json& parameters) const;
   nlohmann::json make(const nlohmann::json& parameters);
   nlohmann::json forget(const nlohmann::json& parameters);
   /// Rank 0: a scene that is being built, and the callers that wait for it. mutex_ guards all but `wanted`.

@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "core/comm/error.h"
 #include "tests/support/backends.h"
 #include "tests/support/frames.h"
@@ -11,27 +13,46 @@
 namespace gxy::test {
 namespace {
 
-/// One rank by itself, and particles that it distributes.
+/// One rank by itself, or beside another one that says zeros or ones of as many bytes as this rank says.
+struct RankBesideAnother final : Collectives {
+  int rank() const override { return 0; }
+  int size() const override { return 1; }
+  std::vector<Bytes> allGather(Bytes mine) override {
+    std::vector<Bytes> all{mine};
+    if (other) all.push_back(Bytes(mine.size(), std::byte(*other)));
+    return all;
+  }
+  std::vector<Bytes> allToAll(std::vector<Bytes> perRank) override { return perRank; }
+
+  std::optional<int> other;
+};
+
+/// Particles of which scenes are built.
 class SceneBuilderTest : public testing::Test {
  protected:
   SceneBuilderTest() : scene_(emptyScene("particles")) {
     addParticles(scene_, 1);
     compiled_ = compiledOn(whole(scene_.domain), scene_)[0].compiled;
-    ranks_.agree = [](const std::function<void()>& work) { work(); };
-    ranks_.allGather = [](Bytes mine) { return std::vector<Bytes>{std::move(mine)}; };
-    ranks_.advance = [](double) {};
+    const auto& whole = *std::get<std::shared_ptr<const WholeGeometry>>(scene_.data[0]);
+    const Geometry& complete = *compiled_->operators[0].data.geometry;
+    auto owned = std::make_shared<OwnedGeometry>();
+    owned->kind = whole.kind;
+    owned->block = whole.block;
+    owned->box = complete.box;
+    owned->range = complete.range;
+    owned->primitives = complete.primitives;
+    owned_ = owned;
   }
 
   /// The particles with a largest radius, under a name.
   SceneSource source(double radius, const std::string& name = "particles") {
     SceneSource source{scene_.visualization, scene_.settings, compiled_->partitioning, {}};
     source.visualization.operators[0].radius1 = radius;
-    source.data.push_back({{}, GeometrySource{name, [this](const RadiusOf&) {
-                                                distributions_++;
-                                                return compiled_->operators[0].data.geometry;
-                                              }}});
+    source.data.push_back({{}, GeometrySource{name, owned_}});
     return source;
   }
+  /// How often geometry has been distributed.
+  int distributions() const { return int(std::count(entered_.begin(), entered_.end(), "geometry")); }
   BuiltScene build(SceneSource source) {
     const auto enter = [this](const char* purpose, int64_t bytes) {
       entered_.push_back(purpose);
@@ -46,10 +67,10 @@ class SceneBuilderTest : public testing::Test {
 
   TestScene scene_;
   std::shared_ptr<const CompiledScene> compiled_;
-  SceneRanks ranks_;
+  std::shared_ptr<const OwnedGeometry> owned_;
+  RankBesideAnother ranks_;
   Ledger ledger_;
   SceneBuilder builder_{embree(), 0};
-  int distributions_ = 0;
   std::vector<std::string> entered_, items_;
   std::string full_;  ///< a purpose for which there is no room
 };
@@ -57,21 +78,21 @@ class SceneBuilderTest : public testing::Test {
 TEST_F(SceneBuilderTest, DistributesGeometryOnceForEachNameAndRadii) {
   {
     const BuiltScene first = build(source(0.05)), second = build(source(0.05));
-    EXPECT_EQ(distributions_, 1);
+    EXPECT_EQ(distributions(), 1);
     EXPECT_EQ(first.geometry.at(0), second.geometry.at(0));
     EXPECT_EQ(second.compiled->operators[0].data.geometry, first.geometry[0]->geometry);
     const BuiltScene thicker = build(source(0.06)), renamed = build(source(0.05, "others"));
-    EXPECT_EQ(distributions_, 3);
+    EXPECT_EQ(distributions(), 3);
   }
   build(source(0.05));
-  EXPECT_EQ(distributions_, 4) << "the scenes that held it have gone";
+  EXPECT_EQ(distributions(), 4) << "the scenes that held it have gone";
 }
 
 TEST_F(SceneBuilderTest, DistributesAgainWhereAnotherRankHasForgotten) {
   const BuiltScene first = build(source(0.05));
-  ranks_.allGather = [](Bytes mine) { return std::vector<Bytes>{mine, Bytes(mine.size(), std::byte(0))}; };
+  ranks_.other = 0;
   const BuiltScene second = build(source(0.05));
-  EXPECT_EQ(distributions_, 2);
+  EXPECT_EQ(distributions(), 2);
   EXPECT_EQ(first.geometry.at(0), second.geometry.at(0)) << "what this rank has is kept";
 }
 
@@ -105,16 +126,10 @@ TEST_F(SceneBuilderTest, TellsWhatBegins) {
 
 TEST_F(SceneBuilderTest, SeesWhatAnyRankSees) {
   EXPECT_EQ(build(source(0.05)).compiled->visible, compiled_->visible);
-  SceneSource nothing = source(0.05);
-  nothing.data[0].geometry->distribute = [this](const RadiusOf&) {
-    auto empty = std::make_shared<Geometry>(*compiled_->operators[0].data.geometry);
-    for (auto& [partition, block] : empty->blocks) block = {};
-    return empty;
-  };
-  SceneSource again = nothing;
-  EXPECT_EQ(build(std::move(nothing)).compiled->visible, std::vector<uint8_t>{0});
-  ranks_.allGather = [](Bytes mine) { return std::vector<Bytes>{mine, Bytes(mine.size(), std::byte(1))}; };
-  EXPECT_EQ(build(std::move(again)).compiled->visible, std::vector<uint8_t>{1});
+  owned_ = std::make_shared<const OwnedGeometry>();
+  EXPECT_EQ(build(source(0.05)).compiled->visible, std::vector<uint8_t>{0});
+  ranks_.other = 1;
+  EXPECT_EQ(build(source(0.05)).compiled->visible, std::vector<uint8_t>{1});
 }
 
 TEST_F(SceneBuilderTest, LeavesNothingWhereThereIsNoRoom) {
@@ -126,7 +141,7 @@ TEST_F(SceneBuilderTest, LeavesNothingWhereThereIsNoRoom) {
   full_.clear();
   const BuiltScene scene = build(source(0.05));
   EXPECT_NE(scene.device, nullptr);
-  EXPECT_EQ(distributions_, 3);
+  EXPECT_EQ(distributions(), 3);
 }
 
 }  // namespace

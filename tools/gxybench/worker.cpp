@@ -92,8 +92,7 @@ class Worker {
     const EnterMemory enter = [this](const char* purpose, int64_t bytes) {
       return ledger_.enter("bench", purpose, bytes);
     };
-    const BuiltScene scene =
-        builder.build(sceneSource(state, loaded_, 0, ranks_), sceneRanksOf(ranks_), enter);
+    const BuiltScene scene = builder.build(sceneSource(state, loaded_, 0, ranks_), ranks_, enter);
     renderer_.addScene(i, scene.compiled, scene.device);
     collective_.barrier(kRunKey);
 

@@ -7,7 +7,6 @@
 #include <set>
 
 #include "core/comm/error.h"
-#include "core/data/distribute.h"
 #include "core/io/automatic_partitioning.h"
 #include "core/io/import_geometry.h"
 #include "core/io/import_volume.h"
@@ -123,15 +122,17 @@ LoadedState loadData(const State& state, const std::string& directory, const Ren
       volumes[d.name] = std::move(volume);
     }
 
-  std::map<std::string, OwnedGeometry> geometry;
-  for (auto& [name, g] : read)
-    loaded.facts[name] = factsOf(geometry[name] = ownedGeometry(std::move(g), *loaded.partitioning, ranks));
+  std::map<std::string, std::shared_ptr<const OwnedGeometry>> geometry;
+  for (auto& [name, g] : read) {
+    geometry[name] =
+        std::make_shared<const OwnedGeometry>(ownedGeometry(std::move(g), *loaded.partitioning, ranks));
+    loaded.facts[name] = factsOf(*geometry[name]);
+  }
   loaded.shown = std::move(shownSoFar);
   loaded.shown.resize(state.visualizations.size());
 
   // Geometry goes to every partition that it touches with the radii that its Vis gives it, once for each.
   SharedGeometry distributed;
-  const SceneRanks all = sceneRanksOf(ranks);
   const EnterMemory enter = [&ledger](const char* purpose, int64_t bytes) {
     return ledger.enter(kTenant, purpose, bytes);
   };
@@ -145,10 +146,8 @@ LoadedState loadData(const State& state, const std::string& directory, const Ren
       if (d.type == DatasetType::Volume) {
         data.volume = volumes[d.name];
       } else {
-        const auto distributeIt = [&](const RadiusOf& radius) {
-          return distribute(geometry.at(d.name), *loaded.partitioning, radius, ranks);
-        };
-        loaded.geometry.push_back(distributed.get({d.name, distributeIt}, op, all, enter));
+        loaded.geometry.push_back(
+            distributed.get({d.name, geometry.at(d.name)}, op, *loaded.partitioning, ranks, enter));
         data.geometry = loaded.geometry.back()->geometry;
       }
     }

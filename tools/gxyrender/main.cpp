@@ -216,8 +216,8 @@ std::vector<ShownSoFar> renderStep(const State& state, const std::string& direct
   LeftBefore before{loaded.leftOut};
   for (size_t v = 0; v < state.visualizations.size(); v++) {
     const double since = wallSeconds();
-    const BuiltScene& scene = scenes.emplace_back(
-        builder.build(sceneSource(state, loaded, v, at.ranks), sceneRanksOf(at.ranks), enter));
+    const BuiltScene& scene =
+        scenes.emplace_back(builder.build(sceneSource(state, loaded, v, at.ranks), at.ranks, enter));
     before.isoCells += scene.compiled->isoCellsSkipped;
     renderer.addScene(v, scene.compiled, scene.device);
     phases.compileEach.push_back(wallSeconds() - since);
