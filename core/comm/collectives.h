@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a computation on several ranks needs of the others: two collective operations, and the agreements built on them.
+// Collective operations of the ranks that compute something together, and agreements that are built on them.
 #pragma once
 #include <cstdint>
 #include <cstring>
@@ -16,23 +16,23 @@
 
 namespace gxy {
 
-/// The ranks of one computation. Every rank calls the same operations in the same order; calls block.
+/// The ranks of one computation. Every rank calls the same operations in the same order. Calls block.
 struct Collectives {
   virtual ~Collectives() = default;
   virtual int rank() const = 0;
   virtual int size() const = 0;
-  /// Every rank's bytes, by rank, on every rank.
+  /// Returns the bytes of every rank, by rank, on every rank.
   virtual std::vector<Bytes> allGather(Bytes mine) = 0;
-  /// `perRank[r]` goes to rank r; returns what each rank had for this one, by rank.
+  /// Sends `perRank[r]` to rank r. Returns what each rank has sent to this one, by rank.
   virtual std::vector<Bytes> allToAll(std::vector<Bytes> perRank) = 0;
-  /// Throws Error if this rank's part is to end before it is done; called between files, blocks and layers of them, where
-  /// agree() makes all ranks end, from any thread.
+  /// Throws Error if the computation has been cancelled. Long loops call it inside agree(), which makes all ranks end, between
+  /// files, blocks, and layers of blocks. Any thread may call it.
   virtual void check() const {}
-  /// This rank has done so much of the call that it is in, from 0 to 1; called where check() is, beside it.
+  /// Is told how much of the current call this rank has done, from 0 to 1. Long loops call it where they call check().
   virtual void done(double) const {}
 };
 
-/// One rank by itself.
+/// The only rank of a computation.
 struct SingleRank final : Collectives {
   int rank() const override { return 0; }
   int size() const override { return 1; }
@@ -40,7 +40,7 @@ struct SingleRank final : Collectives {
   std::vector<Bytes> allToAll(std::vector<Bytes> perRank) override { return perRank; }
 };
 
-/// The ranks of a Transport, over a Collective and one of its keys.
+/// The ranks of a Transport. They use a Collective with one of its keys.
 class RankCollectives final : public Collectives {
  public:
   RankCollectives(Collective& collective, int rank, int size, uint64_t key, std::function<void()> check = {},
@@ -72,7 +72,7 @@ class RankCollectives final : public Collectives {
   std::function<void(double)> done_;
 };
 
-/// check(), then done(): of a call, or of a part of it that goes from `first` to `last`.
+/// Returns an Advance that calls check() and then done(). For a part of a call, `first` and `last` say which part it is.
 inline Advance advanceOf(const Collectives& ranks, double first = 0, double last = 1) {
   return [&ranks, first, last](double fraction) {
     ranks.check();
@@ -80,11 +80,11 @@ inline Advance advanceOf(const Collectives& ranks, double first = 0, double last
   };
 }
 
-/// Runs `work`, which must not communicate, on every rank. If it throws on any rank, throws Error on every
-/// rank, with the message of the lowest rank that failed (and that rank, where there are several).
+/// Runs `work`, which must not communicate, on every rank. If it throws on any rank, every rank throws Error with the message
+/// of the lowest rank that failed; if there are several ranks, the message begins with that rank.
 void agree(Collectives& ranks, const std::function<void()>& work);
 
-/// The values of every rank, by rank. Every rank gives the same number of them, else all throw Error.
+/// Returns the values of every rank, by rank. Every rank gives the same number of them; otherwise ranks throw Error.
 template <class T>
 std::vector<std::vector<T>> gatherValues(Collectives& ranks, std::span<const T> mine) {
   static_assert(std::is_trivially_copyable_v<T>);
@@ -100,8 +100,9 @@ std::vector<std::vector<T>> gatherValues(Collectives& ranks, std::span<const T> 
   return all;
 }
 
-/// The count of every rank, by rank; and their sum.
+/// Returns the count of every rank, by rank.
 std::vector<uint64_t> gatherCounts(Collectives& ranks, uint64_t mine);
+/// Returns the sum of the counts of all ranks.
 uint64_t sumOfCounts(Collectives& ranks, uint64_t mine);
 
 }  // namespace gxy

@@ -10,16 +10,15 @@
 
 namespace gxy {
 
-/// Collective. Completes a volume whose blocks (of the partitions of this rank that touch its grid, extents as extentOf()
-/// gives them) hold samples of type `volume.stored`, x fastest: fills ranges, noDataSamples, and summaries merged over all
-/// ranks, stores the samples as encodingOf() says of the whole field (`stored`, `shift` and `scale` may change), and puts
-/// them into bricks. If any rank fails, all throw the same Error. Memory: for types that change, once more the block that
-/// is being converted.
+/// Collective. Completes a volume whose samples have just been read or computed. It has a block, of the extent that extentOf()
+/// gives, for each partition of this rank that touches its grid; the samples are of type `volume.stored`, x fastest. Fills
+/// `ranges`, `noDataSamples` and the blocks' summaries, which are those of all ranks together. Stores the samples as
+/// encodingOf() says of the whole field, so `stored`, `shift` and `scale` may change, and puts them into bricks. A type that
+/// changes takes the memory of one more block meanwhile. If any rank fails, all throw the same Error.
 void completeVolume(Volume& volume, const Partitioning& partitioning, Collectives& ranks);
 
-/// The same for a volume that has only some components of a field: values of a field with `fieldComponents` are stored as
-/// if all of them were here. `stored` is called with the number of points that were stored since its last call; it may be
-/// empty.
+/// Does the same for a volume that has some of the `fieldComponents` components of a field: they are stored as they would be
+/// beside the others. `stored`, if it is not empty, is told how many points were stored since its last call.
 void completeVolume(Volume& volume, const Partitioning& partitioning, Collectives& ranks, int fieldComponents,
                     const std::function<void(int64_t)>& stored);
 

@@ -20,25 +20,25 @@
 
 namespace gxy {
 
-/// One step of one source of data. The source of what a stream publishes is the stream, by its id, and `step` the number that
-/// the simulation gave the step. What is imported is its own source: `source` is the key of its object, `step` its generation.
+/// One step of one source of data. For data of a stream, `source` is the stream's id and `step` the number that the simulation
+/// gave to the step. Imported data are their own source: `source` is the key of their object and `step` its generation.
 struct Origin {
   uint64_t source = 0;
   int64_t step = 0;
   auto operator<=>(const Origin&) const = default;
 };
 
-/// The origins of one input of a computation, with the name that people know it by.
+/// The origins of one input of a computation. Error messages call it `name`.
 struct InputOrigins {
   std::string name;
   std::span<const Origin> origins;
 };
 
-/// The origins of what is made of these inputs: the union, sorted. Throws Error, naming both inputs and steps, if two of them
-/// are of different steps of one source: nothing may mix two steps.
+/// Returns the origins of what is made of these inputs: their union, sorted. Throws Error if two of them are of different
+/// steps of one source, because nothing may mix two steps; the message names both inputs and steps.
 std::vector<Origin> originsOf(std::span<const InputOrigins> inputs);
 
-/// How a dataset was made by a filter; `filter` is empty for what was imported.
+/// Says how a filter made a dataset. `filter` is empty if the dataset was imported.
 struct Provenance {
   struct Input {
     std::string name;  ///< when it was used
@@ -51,8 +51,8 @@ struct Provenance {
   std::vector<Input> inputs;
 };
 
-/// What an object of the data space holds on a rank: one generation of a dataset. Immutable once it is in the space; safe to
-/// read from any thread.
+/// One generation of a dataset on one rank: the data of an object of the data space. It is immutable once it is in the space,
+/// and any thread may read it.
 struct Dataset {
   std::string file, array, radiusArray;  ///< where it was read; empty for what a filter has made
   glm::dvec4 color{0.8, 0.8, 0.8, 1};

@@ -11,8 +11,8 @@
 
 namespace gxy {
 
-/// Collective. Brings primitives to every partition that they, `radius` thick, touch. If any rank fails, all throw the same
-/// Error. Tells ranks.done() how far it is.
+/// Collective. Copies primitives into every partition that they touch with this radius (world units), and returns those of the
+/// partitions of this rank. Tells ranks.done() how far it is. If any rank fails, all throw the same Error.
 std::shared_ptr<Geometry> distribute(const OwnedGeometry& owned, const Partitioning& partitioning,
                                      const RadiusOf& radius, Collectives& ranks);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// An extent in pieces of a limited size, for long loops over its points that can be ended in between.
+// Cuts an extent into pieces of limited size, so that a long loop over its points can be ended between them.
 #pragma once
 #include <algorithm>
 #include <cstdint>

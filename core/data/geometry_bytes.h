@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Memory of geometry.
+// How much memory geometry takes.
 #pragma once
 #include <cstdint>
 
@@ -7,7 +7,7 @@
 
 namespace gxy {
 
-/// Memory of the arrays of a block.
+/// Returns the memory of the arrays of a block, in bytes.
 inline int64_t bytesOf(const GeometryBlock& b) {
   const auto bytes = [](const auto& array) { return array.size() * sizeof(array[0]); };
   return int64_t(bytes(b.points) + bytes(b.normals) + bytes(b.values) + bytes(b.colors) +

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Ranges and boxes of data that lie on several ranks.
+// Merges the ranges and boxes of data that lie on several ranks.
 #pragma once
 #include <span>
 

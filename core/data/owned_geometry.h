@@ -10,9 +10,9 @@
 
 namespace gxy {
 
-/// A rank's primitives of a set that all ranks hold together, each on one rank, wherever it lies in space. distribute() copies
-/// them into the partitions that they touch once it is known how thick they are. Everything but `block` is the same on every
-/// rank. Immutable once complete; safe to read from any thread.
+/// The primitives that this rank owns of a geometry. Each primitive has one owner, which need not own the part of space where
+/// it lies. distribute() copies primitives into the partitions that they touch, once their radii are known. Everything but
+/// `block` is the same on every rank. The structure is immutable once it is complete, and any thread may read it.
 struct OwnedGeometry {
   std::string name;
   GeometryKind kind = GeometryKind::Particles;

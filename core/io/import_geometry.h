@@ -12,7 +12,7 @@
 
 namespace gxy {
 
-/// What a rank has read.
+/// The result of reading a geometry file on one rank.
 struct LoadedGeometry {
   OwnedGeometry geometry;   ///< ids are in file order
   bool everywhere = false;  ///< the format has no pieces, so every rank has read all primitives
@@ -32,8 +32,8 @@ LoadedGeometry loadGeometry(const std::string& path, GeometryKind kind, const Va
                             Collectives& ranks, const TakeMemory& toTake = {},
                             std::vector<std::string>* warnings = nullptr);
 
-/// Collective. Leaves each primitive to one rank: what every rank has read, to the rank where it is at home (keepHome()). If any
-/// rank fails, all throw the same Error.
+/// Collective. Gives each primitive one owner. If every rank has read all primitives, each rank keeps those that keepHome()
+/// gives to it; otherwise the rank that has read a primitive owns it. If any rank fails, all throw the same Error.
 OwnedGeometry ownedGeometry(LoadedGeometry loaded, const Partitioning& partitioning, Collectives& ranks);
 
 }  // namespace gxy

@@ -81,12 +81,12 @@ class Objects {
   /// The current generation, or a given one: throws Error if it is neither the current nor the previous one.
   Pin pin(Key key) const;
   Pin pin(Key key, Generation generation) const;
-  /// The current generations of several objects, pinned under one lock, so that no commit and no drop comes in between. `keys`
-  /// is called with the lock held and says which objects: names that it looks up mean these objects when they are pinned. It
-  /// must be short and must not use this. If it throws or one of the objects is not there, none is pinned.
+  /// Pins the current generations of several objects under one lock, so that no commit and no drop comes in between. `keys`
+  /// returns the objects; it is called with the lock held, so that names that it looks up still mean these objects when they are
+  /// pinned. It must be short and must not call this Objects. If it throws, or one of the objects does not exist, none is pinned.
   std::vector<Pin> pin(const std::function<std::vector<Key>()>& keys) const;
-  /// Given generations of several objects, pinned under one lock. If one is neither the current nor the previous one, none is
-  /// pinned.
+  /// Pins given generations of several objects under one lock. Throws Error if one of them is neither the current nor the
+  /// previous one of its object; then none is pinned.
   std::vector<Pin> pin(std::span<const ObjectGeneration> generations) const;
 
   /// Makes room for the next generation. Where the previous one is pinned, a Wanted event first. False, and a Skipped
@@ -98,9 +98,9 @@ class Objects {
   /// Makes the staged data the current generation. Throws Error unless data are staged and the generation is
   /// newer.
   void commit(Key key, Generation generation);
-  /// The same for several objects under one lock: whoever pins them by one call has either all of these generations or none.
-  /// The keys differ; an object that has been dropped since is left out. `also` is called with the lock held, just before, to
-  /// change names in the same moment; it must be short and must not use this. If it throws, or one of the objects cannot be
+  /// Does the same for several objects under one lock: whoever pins them by one call gets all of these generations or none. The
+  /// keys differ. An object that has been dropped meanwhile is left out. `also` is called with the lock held, so that names can
+  /// change at the same moment. It must be short and must not call this Objects. If it throws, or one of the generations cannot be
   /// committed, nothing has changed.
   void commit(std::span<const ObjectGeneration> generations, const std::function<void()>& also = {});
   /// Gives the reserved buffer up, with what was staged in it, if any.

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// New data of several objects that become current together: on all ranks, or on none.
+// Publishes new data of several objects, which become current together: on all ranks, or on none.
 //
 // Every rank makes one Publication of the same items and calls, in this order: reserve(), before the data are made, so that
 // no object ever has three buffers; stage() for each item; commit(). An item is the next generation of an object, or a new
 // object, whose key nobody else knows until rank 0 gives it a name. Whatever fails on any rank, also between these calls, ends
 // the Publication, and what it has reserved and staged is given up.
 //
-// This part knows keys and generations. Which keys and generations these are, what names mean, who may give them, and who is
-// told, is decided on rank 0 by the server (multiserver/server/datasets.h), which takes part in the commit by way of `Root`.
+// This part knows keys and generations. The server's rank 0 chooses them, and it alone knows names, the rights to them, and who
+// is told of changes (multiserver/server/datasets.h). It takes part in the commit by way of `Root`.
 #pragma once
 #include <functional>
 #include <string>
@@ -18,7 +18,7 @@
 
 namespace gxy {
 
-/// Used by one thread. If a call throws, the Publication is of no use any more.
+/// One thread uses it. After a call has thrown, it can only be destroyed.
 class Publication {
  public:
   struct Item {
@@ -35,22 +35,21 @@ class Publication {
 
   const std::vector<Item>& items() const { return items_; }
 
-  /// Collective. Takes room for all items on all ranks, on rank 0 first: what is pinned there keeps all ranks from giving that
-  /// generation up. Throws Error on all ranks if an object has none, after the wait that it was made with.
+  /// Collective. Reserves room for all items on all ranks. Rank 0 goes first: a generation that is pinned there keeps all ranks
+  /// from giving it up. If an object has no room, even after the wait that it was made with, all ranks throw Error.
   void reserve();
 
-  /// The data of an item on this rank.
+  /// Takes the data of an item on this rank.
   void stage(size_t item, Payload data);
 
-  /// What rank 0 has to say about a commit.
+  /// What rank 0 does besides in a commit.
   struct Root {
     std::function<void()>
         decide;  ///< throws to refuse; called once all ranks have staged all, so that nothing else can fail
     std::function<void()> also;  ///< called in the moment of rank 0's commit: see Objects::commit
   };
-  /// Collective. Makes the data current if all ranks have staged all items and rank 0 does not refuse; rank 0 goes last, so
-  /// that what it has is everywhere. Throws Error on all ranks otherwise, and nothing has changed. Ranks but rank 0 ignore
-  /// `root`.
+  /// Collective. Makes the data current if all ranks have staged all items and rank 0 does not refuse. Rank 0 goes last, so that
+  /// what it shows is on all ranks. Otherwise all ranks throw Error, and nothing has changed. Only rank 0 uses `root`.
   void commit(const Root& root = {});
 
  private:

@@ -24,7 +24,7 @@ namespace gxy {
 
 class Request;
 
-/// What a dataset is shown as.
+/// Returns the type of a dataset.
 DatasetType typeOf(const Dataset& dataset);
 
 /// "Volume", "Particles", "PathLines", "Triangles".
@@ -82,13 +82,13 @@ class Datasets {
   /// Returns what of the files is not used, for their user.
   std::vector<std::string> import(Request& request, const Import& what);
 
-  /// Names that a request has taken to publish data under; others who want them wait until this goes.
+  /// The names under which a request publishes data. Other requests that want one of them wait until this is released.
   class Names {
    public:
     const std::vector<DatasetDraft>& drafts() const { return drafts_; }
-    /// For join(), in the parameters of a work.
+    /// Returns what join() needs; it travels in the parameters of a work.
     nlohmann::json items() const;
-    /// Throws Error once a tenant has dropped one of the names; the exchange is cancelled then, too.
+    /// Throws Error once the tenant has dropped one of the names, which also cancels the exchange.
     void check() const;
 
    private:
@@ -107,11 +107,11 @@ class Datasets {
                                                    const std::string& operation, Scope scope,
                                                    std::vector<DatasetDraft> drafts,
                                                    bool onlyMissing = false);
-  /// Every rank, in a work of the exchange: the items that Names::items() has told it of, in the order of the drafts; what is
-  /// staged for them are Datasets.
+  /// Makes the Publication of these names on a rank, in a work of the exchange. Its items are in the order of the drafts, and what
+  /// is staged for them are Datasets.
   Publication join(const nlohmann::json& items, Collectives& ranks);
-  /// Collective, in the same work. All items get their data and their names at one moment, or none does, if one of the names
-  /// means something else meanwhile or the tenant may not have it any more; then observers are told.
+  /// Collective, in the same work. All items get their data and their names at one moment, and observers are told. If one of the
+  /// names means something else by now, or the tenant may not have it any more, all ranks throw Error and nothing has changed.
   void publish(Publication& publication, uint64_t exchange);
 
   std::vector<NamedDataset> list(const std::string& tenant) const;
@@ -121,8 +121,8 @@ class Datasets {
   /// The same with its current generation held: while the pin lives, every rank has that generation, as its current one or
   /// the one before, unless the dataset is dropped.
   std::pair<NamedDataset, Pin> getPinned(const std::string& tenant, const std::string& name) const;
-  /// Several at one moment, in the order of the names: no new generation, drop or change of names comes in between, so what
-  /// one import or one step of a simulation has made is seen together or not at all.
+  /// Does this for several names at one moment, in their order. No new generation, drop or change of names comes in between, so
+  /// what was published together is seen together or not at all.
   std::vector<std::pair<NamedDataset, Pin>> getPinned(const std::string& tenant,
                                                       std::span<const std::string> names) const;
   /// What all ranks know of it; null when it has been dropped. Waits.
@@ -153,12 +153,12 @@ class Datasets {
   std::shared_ptr<const Names> namesOf(uint64_t exchange) const;
   /// Ends what the tenant has begun to publish under this name. False if there is nothing.
   bool endPublishingOf(const std::string& tenant, const std::string& name);
-  /// A new object, and what has its name before.
+  /// A new object, and the dataset that loses its name to it.
   struct NewObject {
     NamedDataset dataset;
     std::optional<NamedDataset> replaced;
   };
-  /// The new objects of a publication as they will be named. Throws Error if the tenant may not have one of the names any more,
+  /// Returns the new objects of a publication as they will be named. Throws Error if the tenant may not have one of the names any more,
   /// or if one that is to get a next generation means another object by now.
   std::vector<NewObject> newObjects(const Names& names) const;
   /// What a name means there. Throws Error if the tenant may not give it to something else.

@@ -45,7 +45,7 @@ class Exchanges {
   /// The same as begin() for any asker. If it no longer wants the work, it calls cancel() to tell the other ranks.
   [[nodiscard]] std::shared_ptr<const uint64_t> begin(Asker asker);
   void cancel(uint64_t number);
-  /// Rank 0: a further reason to end an exchange that has begun. `check` is as Asker::check, and asked first.
+  /// Adds a reason to end an exchange that has begun, on rank 0. `check` is like Asker::check and is called before it.
   void alsoCheck(uint64_t number, std::function<void()> check);
 
   /// A rank's part of an exchange. One thread uses it, except that any thread may call ranks.check() and
