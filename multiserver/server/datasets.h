@@ -146,9 +146,12 @@ class Datasets {
 
  private:
   nlohmann::json importHere(const nlohmann::json& parameters);
-  /// Rank 0: what an import's data are cut by.
+  /// Rank 0: chooses the partitioning of an import. `data` is the box of its data; `grid`, if not null, that of its first volume.
   std::shared_ptr<const Partitioning> partitioningFor(const nlohmann::json& parameters, const Box& data,
                                                       const Grid* grid) const;
+  /// Collective. The same on every rank.
+  std::shared_ptr<const Partitioning> agreedPartitioning(const nlohmann::json& parameters, const Box& data,
+                                                         const Grid* grid, Collectives& ranks);
   std::shared_ptr<const Names> takeNames(Request& request, const std::shared_ptr<Names>& names);
   std::shared_ptr<const Names> namesOf(uint64_t exchange) const;
   /// Ends what the tenant has begun to publish under this name. False if there is nothing.

@@ -87,7 +87,7 @@ std::shared_ptr<const Partitioning> Datasets::partitioningFor(const json& p, con
   }
   if (like) {
     if (!data.empty() && !holds(like->domain(), data))
-      throw Error("import: the data reach beyond the domain of the partitioning that they were to fraction");
+      throw Error("import: the data reach beyond the domain of the partitioning that they were to share");
     return like;
   }
   while (!p.at("new").get<bool>() && !like && !candidates.empty()) {
@@ -102,109 +102,164 @@ std::shared_ptr<const Partitioning> Datasets::partitioningFor(const json& p, con
   return automaticPartitioning(data, grid, {}, serverRank_.ranks());
 }
 
-// Every rank: reads, agrees on a partitioning, imports. All ranks make the same exchanges, whatever fails: each step that
-// can fail on one of them is inside agree().
+namespace {
+
+// One dataset of an import on this rank.
+struct Importing {
+  std::shared_ptr<Dataset> dataset = std::make_shared<Dataset>();
+  DatasetType type = DatasetType::Volume;
+  std::string name;
+  LoadedGeometry loaded;  // of a geometry, until it has a partitioning
+};
+
+// The part of an import that one rank does. All ranks call the same functions in the same order and make the same exchanges,
+// whatever fails: each step that can fail on one of them is inside agree().
+class ImportPart {
+ public:
+  ImportPart(ServerRank& serverRank, Exchanges::Part& part, std::string tenant)
+      : serverRank_(serverRank), part_(part), ranks_(part.ranks), tenant_(std::move(tenant)) {}
+
+  // `specs` are those of specToJson(), one for each item.
+  void describe(const json& specs, const std::vector<Publication::Item>& items) {
+    agree(ranks_, [&] {
+      for (size_t i = 0; i < specs.size(); i++) {
+        const json& s = specs[i];
+        Importing& one = importing_.emplace_back();
+        one.type = DatasetType(s.at("type").get<int>());
+        one.name = s.at("name").get<std::string>();
+        Dataset& d = *one.dataset;
+        d.file = serverRank_.folders.dataToRead(s.at("file").get<std::string>());
+        d.array = s.at("array").get<std::string>();
+        d.radiusArray = s.at("radius array").get<std::string>();
+        d.origins = {{items[i].key.value, int64_t(items[i].generation)}};
+        for (int c = 0; c < 4; c++) d.color[c] = s.at("color").at(size_t(c)).get<double>();
+      }
+    });
+  }
+
+  // Reads what a partitioning is made for: the grids of volumes, and all of geometry.
+  void readExtents() {
+    for (Importing& one : importing_) {
+      begin(one.type == DatasetType::Volume ? "opening " : "reading ", one);
+      if (one.type == DatasetType::Volume) {
+        const Grid grid = gridOf(one.dataset->file, one.dataset->array, ranks_, &warnings);
+        box.extend(grid.box());
+        if (!firstGrid) firstGrid = grid;
+      } else {
+        readGeometry(one);
+      }
+    }
+  }
+
+  void takePartitioning(const std::shared_ptr<const Partitioning>& partitioning) {
+    bool isFirst = true;
+    for (Importing& one : importing_) {
+      one.dataset->partitioning = partitioning;
+      if (one.type != DatasetType::Volume) {
+        keepGeometry(one);
+      } else {
+        begin("importing ", one, std::exchange(isFirst, false));
+        readSamples(one);
+      }
+    }
+  }
+
+  void stage(Publication& publication) {
+    for (size_t i = 0; i < importing_.size(); i++)
+      publication.stage(i, Payload(std::shared_ptr<const Dataset>(std::move(importing_[i].dataset))));
+  }
+
+  Box box;                            // of all data, once readExtents() has been called
+  std::optional<Grid> firstGrid;      // of the first volume
+  std::vector<std::string> warnings;  // on rank 0
+
+ private:
+  void begin(const char* what, const Importing& one, bool phase = false) {
+    part_.begin(finished_, int64_t(importing_.size()), what + one.name, phase);
+  }
+
+  void readGeometry(Importing& one) {
+    Dataset& d = *one.dataset;
+    std::vector<LedgerEntry> reading;  // until it is known what is kept
+    ValuesWanted wanted(d.array);
+    wanted.radii = d.radiusArray;
+    one.loaded = loadGeometry(
+        d.file, kindOf(one.type), wanted, ranks_,
+        [&](int64_t bytes) { reading.push_back(serverRank_.takeMemory(tenant_, "geometry", bytes)); },
+        &warnings);
+    agree(ranks_, [&] {
+      reading.clear();
+      d.memory = serverRank_.takeMemory(tenant_, "geometry", bytesOf(one.loaded.geometry.block));
+    });
+    box.extend(one.loaded.geometry.box);
+    finished_++;
+  }
+
+  void keepGeometry(Importing& one) {
+    Dataset& d = *one.dataset;
+    d.geometry =
+        std::make_shared<const OwnedGeometry>(ownedGeometry(std::move(one.loaded), *d.partitioning, ranks_));
+    d.bytes = bytesOf(d.geometry->block);
+    d.memory.resize(d.bytes);
+  }
+
+  void readSamples(Importing& one) {
+    Dataset& d = *one.dataset;
+    VolumeFile file;
+    agree(ranks_, [&] {
+      file = openVolume(d.file, d.array);
+      d.bytes = bytesToCome(file, *d.partitioning, serverRank_.rank());
+      d.memory = serverRank_.takeMemory(tenant_, "volume", d.bytes);
+    });
+    d.volume = importVolume(std::move(file), *d.partitioning, kGhostLayers, ranks_);
+    d.bytes = gxy::bytesOf(*d.volume);
+    d.memory.resize(d.bytes);
+    finished_++;
+  }
+
+  ServerRank& serverRank_;
+  Exchanges::Part& part_;
+  RankCollectives& ranks_;
+  const std::string tenant_;
+  std::vector<Importing> importing_;
+  int64_t finished_ = 0;  // datasets that have been read
+};
+
+}  // namespace
+
+// Rank 0 decides, because what it takes the partitioning from may have been dropped on other ranks.
+std::shared_ptr<const Partitioning> Datasets::agreedPartitioning(const json& p, const Box& data,
+                                                                 const Grid* grid, Collectives& ranks) {
+  std::shared_ptr<const Partitioning> partitioning;
+  Bytes told;
+  agree(ranks, [&] {
+    if (ranks.rank() != 0) return;
+    partitioning = partitioningFor(p, data, grid);
+    told = written(*partitioning);
+  });
+  told = serverRank_.collective.broadcast(p.at("exchange").get<uint64_t>(), 0, std::move(told));
+  agree(ranks, [&] {
+    if (!partitioning) partitioning = std::make_shared<const Partitioning>(readPartitioning(told));
+  });
+  return partitioning;
+}
+
 json Datasets::importHere(const json& p) {
   const auto exchange = p.at("exchange").get<uint64_t>();
-  const auto tenant = p.at("tenant").get<std::string>();
-  const json& specs = p.at("datasets");
   const ReadScope inside = serverRank_.folders.reading();
   Exchanges::Part part = serverRank_.exchanges.join(exchange);
   RankCollectives& ranks = part.ranks;
   const ReadWatch watch([&] { ranks.check(); });
   Publication publication = join(p.at("items"), ranks);
   publication.reserve();
-
-  std::vector<std::shared_ptr<Dataset>> made;
-  std::vector<DatasetType> types;
-  agree(ranks, [&] {
-    for (size_t i = 0; i < specs.size(); i++) {
-      const json& s = specs[i];
-      const Publication::Item& item = publication.items()[i];
-      auto d = std::make_shared<Dataset>();
-      types.push_back(DatasetType(s.at("type").get<int>()));
-      d->file = serverRank_.folders.dataToRead(s.at("file").get<std::string>());
-      d->array = s.at("array").get<std::string>();
-      d->radiusArray = s.at("radius array").get<std::string>();
-      d->origins = {{item.key.value, int64_t(item.generation)}};
-      for (int c = 0; c < 4; c++) d->color[c] = s.at("color").at(size_t(c)).get<double>();
-      made.push_back(std::move(d));
-    }
-  });
-  Box box;
-  std::optional<Grid> first;
-  std::vector<LoadedGeometry> loaded(made.size());  // of those that are geometry
-  std::vector<std::string> warnings;                // on rank 0
-  const auto all = int64_t(made.size());
-  int64_t finished = 0;
-  const auto begin = [&](const char* what, size_t i, bool phase = false) {
-    part.begin(finished, all, what + specs[i].at("name").get<std::string>(), phase);
-  };
-  for (size_t i = 0; i < made.size(); i++) {
-    Dataset& d = *made[i];
-    begin(types[i] == DatasetType::Volume ? "opening " : "reading ", i);
-    if (types[i] == DatasetType::Volume) {
-      const Grid grid = gridOf(d.file, d.array, ranks, &warnings);
-      box.extend(grid.box());
-      if (!first) first = grid;
-    } else {
-      std::vector<LedgerEntry> reading;  // until it is known what is kept
-      ValuesWanted wanted(d.array);
-      wanted.radii = d.radiusArray;
-      loaded[i] = loadGeometry(
-          d.file, kindOf(types[i]), wanted, ranks,
-          [&](int64_t bytes) { reading.push_back(serverRank_.takeMemory(tenant, "geometry", bytes)); },
-          &warnings);
-      agree(ranks, [&] {
-        reading.clear();
-        d.memory = serverRank_.takeMemory(tenant, "geometry", bytesOf(loaded[i].geometry.block));
-      });
-      box.extend(loaded[i].geometry.box);
-      finished++;
-    }
-  }
-
-  // Rank 0 says how they are cut: what it took that from may have been dropped on others.
-  std::shared_ptr<const Partitioning> partitioning;
-  Bytes told;
-  agree(ranks, [&] {
-    if (serverRank_.rank() != 0) return;
-    partitioning = partitioningFor(p, box, first ? &*first : nullptr);
-    told = written(*partitioning);
-  });
-  told = serverRank_.collective.broadcast(exchange, 0, std::move(told));
-  agree(ranks, [&] {
-    if (!partitioning) partitioning = std::make_shared<const Partitioning>(readPartitioning(told));
-  });
-
-  bool samples = false;
-  for (size_t i = 0; i < made.size(); i++) {
-    Dataset& d = *made[i];
-    d.partitioning = partitioning;
-    if (types[i] != DatasetType::Volume) {
-      d.geometry =
-          std::make_shared<const OwnedGeometry>(ownedGeometry(std::move(loaded[i]), *partitioning, ranks));
-      d.bytes = bytesOf(d.geometry->block);
-      d.memory.resize(d.bytes);
-      continue;
-    }
-    begin("importing ", i, !std::exchange(samples, true));
-    VolumeFile file;
-    agree(ranks, [&] {
-      file = openVolume(d.file, d.array);
-      d.bytes = bytesToCome(file, *partitioning, serverRank_.rank());
-      d.memory = serverRank_.takeMemory(tenant, "volume", d.bytes);
-    });
-    d.volume = importVolume(std::move(file), *partitioning, kGhostLayers, ranks);
-    d.bytes = gxy::bytesOf(*d.volume);
-    d.memory.resize(d.bytes);
-    finished++;
-  }
-
-  for (size_t i = 0; i < made.size(); i++)
-    publication.stage(i, Payload(std::shared_ptr<const Dataset>(std::move(made[i]))));
+  ImportPart import(serverRank_, part, p.at("tenant").get<std::string>());
+  import.describe(p.at("datasets"), publication.items());
+  import.readExtents();
+  import.takePartitioning(
+      agreedPartitioning(p, import.box, import.firstGrid ? &*import.firstGrid : nullptr, ranks));
+  import.stage(publication);
   publish(publication, exchange);
-  return warnings;
+  return import.warnings;
 }
 
 constexpr size_t kAtOnce = 10000;  // datasets: all ranks are told of all of them
