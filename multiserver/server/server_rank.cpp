@@ -33,7 +33,7 @@ Renderer::Options rendererOptions(const ServerRankOptions& options, Ledger& ledg
   r.handOuts = options.threads;  // A single batch needs as many, as encoding its pictures may take longest.
   r.ledger = &ledger;
   r.trace = options.trace;
-  r.tenant = "frames";
+  r.tenant = "server";
   return r;
 }
 
