@@ -356,7 +356,7 @@ void Renderer::prepare(Frame& frame, const Bytes& operation) {
     }
     if (!read) throw Error("its picture comes with an operation, expected Renderer::onOperation() before");
     Reader in(operation, "picture operation");
-    in.read<bool>();
+    if (!in.read<bool>()) in.fail("there is none, expected one");
     frame.request.operation = read(in);
     in.expectEnd();
   }

@@ -137,12 +137,15 @@ Pin Objects::pin(Key key, Generation generation) const {
 std::vector<Pin> Objects::pin(const std::function<std::vector<Key>()>& keys) const {
   std::vector<Pin> pins;  // before the lock: where this throws, they are released after it
   const std::lock_guard lock(state_->mutex);
-  for (const Key key : keys()) pins.push_back(pinLocked(state_->at(key).current));
+  const std::vector<Key> all = keys();
+  pins.reserve(all.size());  // A pin that is lost would be released under the lock.
+  for (const Key key : all) pins.push_back(pinLocked(state_->at(key).current));
   return pins;
 }
 
 std::vector<Pin> Objects::pin(std::span<const ObjectGeneration> generations) const {
   std::vector<Pin> pins;  // as above
+  pins.reserve(generations.size());
   const std::lock_guard lock(state_->mutex);
   for (const auto& [key, generation] : generations) pins.push_back(pinLocked(key, generation));
   return pins;

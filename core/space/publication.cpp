@@ -63,10 +63,17 @@ void Publication::commit(const Root& root) {
   std::vector<ObjectGeneration> next;
   for (const Item& item : items_)
     if (item.generation > 1) next.push_back({item.key, item.generation});
+  if (!next.empty())
+    agree(ranks_, [&] {
+      if (ranks_.rank() != 0) objects_.commit(next);
+    });
   agree(ranks_, [&] {
-    if (ranks_.rank() != 0) objects_.commit(next);
+    if (ranks_.rank() != 0) return;
+    objects_.commit(next, [&] {
+      if (root.also) root.also();
+      taken_ = 0;  // Nothing can fail from here on but observers, who are told afterwards.
+    });
   });
-  if (ranks_.rank() == 0) objects_.commit(next, root.also);
   taken_ = 0;
 }
 

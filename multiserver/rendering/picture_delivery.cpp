@@ -80,7 +80,11 @@ class PictureDelivery::Operation final : public PictureOperation {
       : pictures_(pictures), ticket_(ticket), wanted_(std::move(wanted)) {}
   Operation(PictureDelivery& pictures, Reader& in) : pictures_(pictures), ticket_(in.read<uint64_t>()) {
     wanted_.as = in.read<PictureFormat::As>();
+    if (wanted_.as > PictureFormat::As::File)
+      in.fail("a picture as " + std::to_string(int(wanted_.as)) + ", expected a kind of PictureFormat");
     wanted_.encoding = in.read<protocol::PixelEncoding>();
+    if (wanted_.encoding > protocol::PixelEncoding::Zlib)
+      in.fail("encoding " + std::to_string(int(wanted_.encoding)) + ", expected one of the protocol's");
     wanted_.quality = in.read<int32_t>();
     wanted_.format = in.readString();
     wanted_.path = in.readString();

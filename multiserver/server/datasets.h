@@ -113,6 +113,8 @@ class Datasets {
   /// Collective, in the same work. All items get their data and their names at one moment, and observers are told. If one of the
   /// names means something else by now, or the tenant may not have it any more, all ranks throw Error and nothing has changed.
   void publish(Publication& publication, uint64_t exchange);
+  /// Throws Error if the names cannot be published any more, which says more than what the works have thrown then.
+  void check(const Names& names) const { newObjects(names); }
 
   std::vector<NamedDataset> list(const std::string& tenant) const;
   /// Throws Error where the tenant sees none of this name.

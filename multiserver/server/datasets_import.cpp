@@ -137,17 +137,24 @@ class ImportPart {
     });
   }
 
-  // Reads what a partitioning is made for: the grids of volumes, and all of geometry.
-  void readExtents() {
+  // Reads the grids of volumes.
+  void openVolumes() {
+    for (const Importing& one : importing_) {
+      if (one.type != DatasetType::Volume) continue;
+      begin("opening ", one);
+      const Grid grid = gridOf(one.dataset->file, one.dataset->array, ranks_, &warnings);
+      box.extend(grid.box());
+      if (!firstGrid) firstGrid = grid;
+    }
+  }
+
+  void readGeometry() {
     for (Importing& one : importing_) {
-      begin(one.type == DatasetType::Volume ? "opening " : "reading ", one);
-      if (one.type == DatasetType::Volume) {
-        const Grid grid = gridOf(one.dataset->file, one.dataset->array, ranks_, &warnings);
-        box.extend(grid.box());
-        if (!firstGrid) firstGrid = grid;
-      } else {
-        readGeometry(one);
-      }
+      if (one.type == DatasetType::Volume) continue;
+      begin("reading ", one);
+      read(one);
+      box.extend(one.loaded.geometry.box);
+      finished_++;
     }
   }
 
@@ -169,7 +176,7 @@ class ImportPart {
       publication.stage(i, Payload(std::shared_ptr<const Dataset>(std::move(importing_[i].dataset))));
   }
 
-  Box box;                            // of all data, once readExtents() has been called
+  Box box;                            // of what openVolumes() and readGeometry() have read
   std::optional<Grid> firstGrid;      // of the first volume
   std::vector<std::string> warnings;  // on rank 0
 
@@ -178,7 +185,7 @@ class ImportPart {
     part_.begin(finished_, int64_t(importing_.size()), what + one.name, phase);
   }
 
-  void readGeometry(Importing& one) {
+  void read(Importing& one) {
     Dataset& d = *one.dataset;
     std::vector<LedgerEntry> reading;  // until it is known what is kept
     ValuesWanted wanted(d.array);
@@ -191,8 +198,6 @@ class ImportPart {
       reading.clear();
       d.memory = serverRank_.takeMemory(tenant_, "geometry", bytesOf(one.loaded.geometry.block));
     });
-    box.extend(one.loaded.geometry.box);
-    finished_++;
   }
 
   void keepGeometry(Importing& one) {
@@ -251,10 +256,12 @@ json Datasets::importHere(const json& p) {
   RankCollectives& ranks = part.ranks;
   const ReadWatch watch([&] { ranks.check(); });
   Publication publication = join(p.at("items"), ranks);
-  publication.reserve();
   ImportPart import(serverRank_, part, p.at("tenant").get<std::string>());
   import.describe(p.at("datasets"), publication.items());
-  import.readExtents();
+  import.openVolumes();
+  publication
+      .reserve();  // after what shows that there are no such data, as it takes older data from who still shows them
+  import.readGeometry();
   import.takePartitioning(
       agreedPartitioning(p, import.box, import.firstGrid ? &*import.firstGrid : nullptr, ranks));
   import.stage(publication);
@@ -294,7 +301,7 @@ std::vector<std::string> Datasets::import(Request& request, const Import& what) 
   try {
     warnings = serverRank_.callAll("datasets.import", parameters).at(0).get<std::vector<std::string>>();
   } catch (const Error&) {
-    newObjects(*names);  // if a name is why, this says more
+    check(*names);  // if a name is why, this says more
     throw;
   }
   const auto all = int64_t(names->drafts().size()) * Exchanges::kUnits;

@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <fstream>
 #include <future>
+#include <set>
 #include <thread>
 
 #include "core/comm/error.h"
@@ -391,6 +392,8 @@ TEST(Data, WhatOneImportGivesIsSeenTogetherOnAllRanks) {
   const std::string import = importShared({"first", "second"});
   ann->expect(import);
   std::atomic<bool> done = false;
+  std::atomic<int> looks = 0;
+  std::set<Generation> shown;
   std::thread reader([&] {
     while (!done) {
       const auto seen = server->serverRank(0).datasets->getPinned("ann", both);
@@ -398,11 +401,35 @@ TEST(Data, WhatOneImportGivesIsSeenTogetherOnAllRanks) {
       std::vector<ObjectGeneration> generations;
       for (const auto& [dataset, pin] : seen) generations.push_back({dataset.key, dataset.generation});
       EXPECT_NO_THROW(server->serverRank(1).objects.pin(generations)) << "while they are pinned on rank 0";
+      shown.insert(seen[0].first.generation);
+      looks++;
     }
   });
-  for (int n = 0; n < 20; n++) ann->expect(import);
+  for (int n = 0; n < 20; n++) {
+    ann->expect(import);
+    for (const int before = looks; looks <= before + 1;) std::this_thread::yield();
+  }
   done = true;
   reader.join();
+  EXPECT_GE(shown.size(), 20u) << "the reader has seen each import, but perhaps the first state";
+}
+
+TEST(Data, AnImportThatFailsOnItsFilesTakesNoRoomFromWhatIsShown) {
+  const auto server = serve();
+  const auto ann = dataClient(*server, "ann");
+  ann->expect(importShared({"ball"}));
+  const Key key = server->serverRank(0).datasets->get("ann", "ball").key;
+  const Pin shown = server->serverRank(0).objects.pin(key);
+  ann->expect(importShared({"ball"}));
+  for (const std::string file : {"missing.vol", "broken.vti"}) {
+    std::ofstream(server->folder().path() / "broken.vti") << "no XML";
+    const Reply reply = ann->request(
+        "import shared {\"Datasets\": [{\"type\": \"Volume\", \"name\": \"ball\", \"filename\": \"" + file +
+        "\"}]}");
+    EXPECT_NE(reply.error.find(file), std::string::npos) << reply.error;
+    EXPECT_EQ(reply.error.find("in use"), std::string::npos) << reply.error;
+  }
+  EXPECT_NO_THROW(server->serverRank(0).objects.pin(key, shown.generation())) << "it is still there";
 }
 
 TEST(Data, AnImportThatWaitsForItsNameIsCancelledAtOnce) {

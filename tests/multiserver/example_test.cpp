@@ -183,5 +183,34 @@ TEST(Example, AFilterThatIsCancelledMakesNothing) {
   for (int rank = 0; rank < 2; rank++) EXPECT_EQ(held.server->serverRank(rank).ledger.total("user"), 0);
 }
 
+// It pins what the name means once it has it: pinned before, the source would be in the way of its own next generation.
+TEST(Example, AFilterWhoseResultIsItsSourceWaitsForItsTurn) {
+  Held held;
+  std::promise<void> begun;
+  std::once_flag once;
+  auto options = held.server->options();
+  options.onEvent = [&](const json& event) {
+    if (event.at("event") == "progress" && event.at("text") == "threshold")
+      std::call_once(once, [&] { begun.set_value(); });
+  };
+  Client client(options);
+  const auto other = held.server->client();
+  for (Client* each : {&client, other.get()})
+    for (const char* module : {"data", "example"}) each->expect(std::string("load ") + module);
+  client.expect(importBall("ball"));
+  held.hold();
+  std::promise<Reply> first, second;
+  client.send("threshold ball ball 0 1", [&](const Reply& reply) { first.set_value(reply); });
+  begun.get_future().wait();
+  other->send("threshold ball ball 0 2", [&](const Reply& reply) { second.set_value(reply); });
+  other->expect("list");  // the request before it has begun
+  held.release();
+  EXPECT_EQ(first.get_future().get().error, "");
+  EXPECT_EQ(second.get_future().get().error, "");
+  const json info = client.expect("info ball").at("datasets").at(0);
+  EXPECT_EQ(info.at("generation"), 3);
+  EXPECT_EQ(info.at("provenance").at("inputs").at(0).at("generation"), 2);
+}
+
 }  // namespace
 }  // namespace gxy::test

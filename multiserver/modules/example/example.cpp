@@ -141,12 +141,19 @@ json threshold(Request& request) {
   const auto least = arguments.number(), largest = arguments.number();
   if (!least || !largest) arguments.fail("LEAST and LARGEST are numbers");
   arguments.expectEnd();
+  checkDatasetName(name);
   const auto exchange = serverRank.exchanges.beginLong(request);
-  const auto [source, pin] = serverRank.datasets->getPinned(tenant, from);
   const auto names = serverRank.datasets->begin(request, *exchange, "threshold", Scope::Private,
                                                 {{name, DatasetType::Volume}});
-  callAll(serverRank, ThresholdWork{*exchange, source.key.value, source.generation, names->items(), *least,
-                                    *largest, tenant, from});
+  // Pinned once the name is there: whoever has it may publish what the source is, which needs the room of what is pinned.
+  const auto [source, pin] = serverRank.datasets->getPinned(tenant, from);
+  try {
+    callAll(serverRank, ThresholdWork{*exchange, source.key.value, source.generation, names->items(), *least,
+                                      *largest, tenant, from});
+  } catch (const Error&) {
+    serverRank.datasets->check(*names);
+    throw;
+  }
   return nullptr;
 }
 
