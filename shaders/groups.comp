@@ -2,8 +2,8 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 // Computes how many workgroups the next stages need for a list whose length only the device knows. After a
-// step that was cut (rays.glsl) nothing is done until that step has been resumed; the number of workgroups of
-// its own list must stay until then.
+// step that was cut (resumable.glsl) nothing is done until that step has been resumed; the number of
+// workgroups of its own list must stay until then.
 #include "shaders/kernels.glsl"
 #include "shaders/rays.glsl"
 

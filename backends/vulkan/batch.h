@@ -46,8 +46,8 @@ void endUndone(std::vector<DeviceTask>& requests, const std::string& error);
 /// start in the same partition are traced in the same submission, without the host. Rays that go on in
 /// another partition of the rank wait on the device, and the host knows their places (KeptRays). Rays that
 /// leave the rank come back to the host. Another submission follows if rays go on behind translucent
-/// surfaces, or if the device has not ended the work of a stage (shaders/rays.glsl). Used by one thread at a
-/// time.
+/// surfaces, or if the device has not ended the work of a stage (shaders/resumable.glsl). Used by one thread
+/// at a time.
 class Batch {
  public:
   /// All requests must be like the first one.

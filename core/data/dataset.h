@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A dataset: a volume or a geometry with its partitioning, where it comes from, and which step of a simulation it shows.
+// A dataset: a volume or a geometry with its partitioning, and where it comes from.
 #pragma once
 #include <compare>
 #include <cstdint>
@@ -20,8 +20,8 @@
 
 namespace gxy {
 
-/// One step of one source of data. For data of a stream, `source` is the stream's id and `step` the number that the simulation
-/// gave to the step. Imported data are their own source: `source` is the key of their object and `step` its generation.
+/// One step of one source of data. So far all sources are imports. An imported dataset is its own source:
+/// `source` is the key of its object, and `step` is the generation.
 struct Origin {
   uint64_t source = 0;
   int64_t step = 0;
@@ -60,8 +60,8 @@ struct Dataset {
   std::shared_ptr<const Volume> volume;           ///< of a volume
   std::shared_ptr<const OwnedGeometry> geometry;  ///< else
   std::vector<Origin> origins;                    ///< sorted, at most one of each source
-  double time =
-      std::numeric_limits<double>::quiet_NaN();  ///< of the simulation, in its unit; NaN: there is none
+  /// Simulation time, in the simulation's unit; NaN: unknown. No import sets it so far.
+  double time = std::numeric_limits<double>::quiet_NaN();
   Provenance provenance;
   int64_t bytes = 0;  ///< on this rank
   LedgerEntry memory;

@@ -20,7 +20,7 @@ namespace gxy {
 
 /// Queues messages by kind. Each kind has its own answer to a slow reader. While too much text waits
 /// (aboveWatermark()), the server stops reading the client's requests, and events are left out. Files wait: file()
-/// blocks. Tiles of a pass are dropped when a newer pass of their window comes. Frames are sent in this
+/// blocks. Tiles of a pass are dropped when a newer pass of their window comes. Messages are sent in this
 /// order: control, replies and events, tiles (windows in turn), files.
 ///
 /// Thread safe. After close() all new messages are dropped and nobody waits.
