@@ -397,8 +397,8 @@ FN void strideFrom(VOLUME v, GridRay g, StrideUnits u, real t, int plan, OUT(rea
 // plan behind it is looked up and the value before it is mapped: three chains of operations that do not wait
 // for each other.
 //
-// `begun`: where the first segment begins if the partition before left it undone, else -1; on return the same
-// for the partition behind.
+// `begun`: where the first segment begins if the partition before has handed it on, else -1; on return the
+// same for the partition behind.
 FN void integrateVolume(VOLUME v, VolumeRay r, MarchRange m, INOUT(real) begun, INOUT(Radiance) L,
                         INOUT(MarchCount) n) {
   real end = min(r.t1, m.tStop);

@@ -12,7 +12,7 @@
 //
 // Each dialect supplies, for its VOLUME type,
 //   vec3 gridOrigin(v), gridInverse(v); ivec3 gridCells(v)    the global grid in render space
-//   Corners cellValues(v, cell)                              samples of a cell of the local block
+//   CellValues cellValues(v, cell)                           samples of a cell of the local block
 //   int  planAt(v, index)        0: skip; else the step and the method of a macrocell of the block, see below
 //   bool anyCellwise(v)          whether any macrocell goes cell by cell
 
@@ -160,8 +160,13 @@ FN void addSegment(INOUT(vec3) rgb, INOUT(real) A, real tau, vec3 c, real tMin) 
 
 // The bounds of the work of one partition on one ray: segments that end in (tIn, tOut], from tStart (the
 // ray's last event) to tStop (a hit before tOut, or NO_HIT). The march ends early when transmittance is below
-// tMin. Segments that begin before tOut and end before tOwnershipEnd also belong to this partition; tOwnershipEnd is where the
-// next partition begins in which anything is seen (tOut, if that is the next one).
+// tMin.
+//
+// tOwnershipEnd is where the next partition begins in which anything is seen; NO_HIT: there is none. If that
+// partition borders on this one, tOwnershipEnd is tOut. If nothing is seen in the partitions directly behind,
+// rays pass them over. A segment that begins before tOut and ends there would then belong to a partition that
+// no ray visits. So this partition evaluates it, too: it owns segments that begin before tOut and end at
+// tOwnershipEnd or before.
 struct MarchRange {
   real tIn, tOut, tOwnershipEnd, tStart, tStop, tMin;
 };

@@ -13,7 +13,9 @@
 //   o*, d*     origin and unit direction in render space; t = 0 where the ray enters the visible domain,
 //              or on the surface that it starts from
 //   tLast      t of the last surface met (translucent), -1 if none; everything before it is done
-//   tResume     t where the march's first segment begins, if the partition before left that undone; else -1
+//   tResume    t where a segment of the march begins that the partition before has handed on, -1 if none. A
+//              segment is evaluated by the partition in which it ends (kernels/volume.h). So a partition
+//              does not evaluate a segment that ends behind it, and hands on where the segment begins.
 //   tMax       secondary: t of the light, or the ambient-occlusion radius
 //   A          opacity so far, 1 - transmittance
 //   r, g, b    primary: radiance accumulated so far
