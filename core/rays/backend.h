@@ -83,7 +83,8 @@ struct TraceResult {
   std::string error;  ///< not empty: the call failed, and the result has only `retired`
 };
 
-/// Pixels [x0, x1) x [y0, y1), at most kTile a side, of one sample.
+/// The pixels whose primary rays are spawned together: [x0, x1) x [y0, y1), at most kTile a side, of one
+/// sample.
 struct SpawnTile {
   int x0, y0, x1, y1, sample;
 };
@@ -94,7 +95,8 @@ inline constexpr int kTile = 32;
 class DeviceFrame {
  public:
   virtual ~DeviceFrame() = default;
-  /// A device with a queue does urgent frames before others, in turn.
+  /// A device with a queue does urgent frames before others, in turn. The Renderer makes interactive frames
+  /// urgent until they have taken Renderer::Options::urgentWork.
   virtual void setUrgent(bool urgent) const { urgent_ = urgent; }
   bool urgent() const { return urgent_; }
   /// A device with a queue answers what waits in it for this frame without doing it: all its rays are

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Admission: how many frames of a batch are rendered at once.
+// Admission: how many frames of a stream are rendered at once.
 #pragma once
 #include <cstddef>
 #include <cstdint>

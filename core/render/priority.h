@@ -7,9 +7,9 @@ namespace gxy {
 
 struct Priority {
   uint32_t tenant = 0;
-  bool interactive = false;  ///< somebody watches the frame, so it may go before others
-  /// A window or a batch of the tenant; unique within the tenant. Frames of a stream are wanted in their
-  /// order.
+  bool interactive = false;  ///< somebody waits to see the frame, so it may go before others
+  /// The stream of frames that the frame belongs to, for instance those of a window or of a batch. Unique
+  /// within the tenant. Frames of a stream are wanted in their order.
   uint64_t stream = 0;
 };
 

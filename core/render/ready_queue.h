@@ -31,14 +31,14 @@ class TileSource {
 ///
 /// Tenants share the processors by the time that their tasks take, and so do the streams of a tenant: whoever
 /// has used least time is next. A tenant or stream that is new, or comes back after a pause, starts with the
-/// least time that any active one has used (if it is watched, that any watched one has used). It thus neither
-/// waits nor catches up on time that it did not want. A tenant or stream with a frame that somebody watches
-/// goes before others until it is ahead of them by Options::ahead (Duda and Cheriton, "Borrowed-virtual-time
-/// scheduling", 1999): it does not wait, and in the long run each has its share.
+/// least time that any active one has used (if it has an interactive frame, that any other with such a frame
+/// has used). It thus neither waits nor catches up on time that it did not want. A tenant or stream with an
+/// interactive frame goes before others until it is ahead of them by Options::ahead (Duda and Cheriton,
+/// "Borrowed-virtual-time scheduling", 1999): it does not wait, and in the long run each has its share.
 ///
-/// Within a stream watched frames go before others, and older frames before newer ones. Within a frame the
-/// rest of tasks that gave way comes first, then tiles as long as there are credits, then other tasks. If a
-/// tile finds too few credits, nobody whose turn is later and who has as many credits out, or more, spawns
+/// Within a stream interactive frames go before others, and older frames before newer ones. Within a frame
+/// the rest of tasks that gave way comes first, then tiles as long as there are credits, then other tasks. If
+/// a tile finds too few credits, nobody whose turn is later and who has as many credits out, or more, spawns
 /// meanwhile. Thread safe.
 class ReadyQueue {
  public:
@@ -47,7 +47,7 @@ class ReadyQueue {
   struct Options {
     /// Credits of this rank (credits.h).
     int64_t credits = 1;
-    /// Processor time by which watched frames may get ahead of others.
+    /// Processor time by which interactive frames may get ahead of others.
     Time ahead{0};
   };
 

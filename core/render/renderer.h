@@ -38,10 +38,12 @@ struct FrameRequest {
   /// all of them.
   int32_t firstSample = 0;
   bool depth = false;
-  bool sums = false;    ///< hand the picture out as its sums, without `rgba`
-  uint64_t window = 0;  ///< not 0: a newer frame of the same window supersedes this one
-  Priority priority;    ///< tenant, stream and whether somebody watches
-  std::string account;  ///< the tenant that the ledger charges; empty: Options::tenant
+  bool sums = false;  ///< hand the picture out as its sums, without `rgba`
+  /// Not 0: a newer frame of the same window supersedes this one. This is for callers that do not call
+  /// supersede() themselves. The server's windows do, and leave it 0.
+  uint64_t window = 0;
+  Priority priority;    ///< whose turn it is rendered in, and whether it is interactive
+  std::string account;  ///< name of the tenant that the ledger charges; empty: Options::tenant
   /// What is done with the picture; null: it goes to the handler of onPicture().
   PictureOperationPtr operation;
 };
@@ -60,7 +62,7 @@ struct FrameRequest {
 /// Forwarded rays are always accepted. Behind translucent surfaces a primary may make more secondaries than
 /// it took credits for; those put its rank into debt. A framebuffer takes its memory when its first
 /// contribution arrives, and gives it back before the picture's handler runs. Of the frames of a stream that
-/// nobody watches, rank 0 begins as many as Options::framebufferBytes allows (Admission), and keeps the
+/// are not interactive, rank 0 begins as many as Options::framebufferBytes allows (Admission), and keeps the
 /// requests of the others. The ledger shows what frames hold, 0 when none is under way: "rays" (lists that
 /// wait or are traced), "framebuffer", "picture" (while its handler runs), "parked messages" and "tiles".
 ///
@@ -68,7 +70,7 @@ struct FrameRequest {
 /// tenants and the streams of each. A running task is not interrupted. But a task traces one packet and puts
 /// the rest off, so that a frame that arrives waits, on each rank, for the packets that are being traced, and
 /// an interactive frame waits for nothing else. Tiles are smaller where a pixel makes many rays, so that
-/// there are credits for all. Pictures of frames that nobody watches are handed out on threads of lower
+/// there are credits for all. Pictures of frames that are not interactive are handed out on threads of lower
 /// priority (Transport::postLong), however long that takes. At most Options::handOuts of them are handed out
 /// at once, and tenants take turns.
 ///
@@ -88,17 +90,17 @@ class Renderer {
     Ledger* ledger = nullptr;
     std::string tenant = "batch";  ///< the ledger's tenant for frames without an account
     /// Processor or device time that an interactive frame may take on a rank; after that it is treated like a
-    /// frame that nobody watches. The watched frames of a tenant may also get ahead of others by this much
-    /// (ReadyQueue).
+    /// frame that is not interactive. The interactive frames of a tenant may also get ahead of others by this
+    /// much (ReadyQueue).
     std::chrono::nanoseconds urgentWork = std::chrono::seconds(1);
     /// Processor time of the calling thread, by which tenants share the processors.
     std::function<std::chrono::nanoseconds()> processorTime = PacketSize::processorTime;
-    /// Framebuffers, on each rank, of a stream's frames that nobody watches.
+    /// Bytes, on each rank, of the framebuffers of a stream's frames that are not interactive.
     int64_t framebufferBytes = int64_t(512) << 20;
     /// Records packets, tiles, pictures and frames; may be null; outlives the Renderer.
     Trace* trace = nullptr;
     int runners = 1024;  ///< most tasks that it gives the Transport at once
-    /// Most pictures that are handed out at once, of frames that nobody watches; 0: no limit.
+    /// Most pictures that are handed out at once, of frames that are not interactive; 0: no limit.
     int handOuts = 0;
   };
   /// The end of a frame: with a picture, superseded, or with an error of a rank or of the picture handler.
@@ -135,8 +137,8 @@ class Renderer {
   /// Throws Error for an invalid camera or an unknown scene.
   FrameId render(const FrameRequest& request, Finished finished);
 
-  /// Rank 0 only: gives a frame up, as if a newer one of its window had come. Does nothing if the frame is
-  /// over.
+  /// Rank 0 only: ends a frame without a picture, because a newer one takes its place or because nobody wants
+  /// it any more. Its Ending says `superseded` in both cases. Does nothing if the frame is over.
   void supersede(FrameId id);
 
   struct Counters {
@@ -175,7 +177,8 @@ class Renderer {
   struct QueuedRays;
   struct PendingDeviceCall;
   class Tasks;
-  /// Ledger entries of 0 bytes, from which LedgerEntry::another() makes those of a frame's allocations.
+  /// Ledger entries of one tenant with 0 bytes, from which LedgerEntry::another() makes those of a frame's
+  /// allocations.
   struct Account {
     Account(const Options& options, const std::string& tenant);
     LedgerEntry rays, framebuffer, picture, tiles;
@@ -218,6 +221,7 @@ class Renderer {
   void dropTiles(const FramePtr& frame);
   void spawnTile(const FramePtr& frame, const SpawnTile& tile, int64_t reserved);
   void spawned(const FramePtr& frame, TraceResult& result, int64_t reserved, std::vector<QueuedRays>& stack);
+  // `origin`, here and below: the rank that spawned the rays' primaries. Their credits go back to it.
   void take(const FramePtr& frame, int origin, TraceResult& result, std::vector<QueuedRays>& stack);
   void traced(const FramePtr& frame, int origin, bool primary, TraceResult& result,
               std::vector<QueuedRays>& stack);
