@@ -27,7 +27,8 @@ class Publication {
     std::string label;          ///< for messages: `dataset "pressure"`
   };
 
-  /// `objects` and `ranks` must outlive this.
+  /// `objects` and `ranks` must outlive this. Objects that are new get `whenTaken`, for their updates by
+  /// later Publications.
   Publication(Objects& objects, Collectives& ranks, std::vector<Item> items, WhenTaken whenTaken = {});
   ~Publication();
   Publication(const Publication&) = delete;
@@ -36,7 +37,9 @@ class Publication {
   const std::vector<Item>& items() const { return items_; }
 
   /// Collective. Reserves room for all items on all ranks. Rank 0 goes first: a generation that is pinned there keeps all ranks
-  /// from giving it up. If an object has no room, even after the wait that it was made with, all ranks throw Error.
+  /// from giving it up. Where a generation is in the way, reserve() waits as long as the object's own
+  /// WhenTaken says, which was stored when the object was added (Objects::add). If there is no room then, all
+  /// ranks throw Error.
   void reserve();
 
   /// Takes the data of an item on this rank.

@@ -59,6 +59,8 @@ class PictureDelivery {
   using ExpectedPtr = std::shared_ptr<Expected>;
 
   class Operation;
+  // `ticket`: the number under which rank 0 keeps the receiver of a picture. Rank 0 chooses it before the
+  // frame has a number. It travels with the frame's operation to the frame's owner, and back with each piece.
   void deliver(uint64_t ticket, const PictureFormat& wanted, Picture picture);
   uint64_t sendPieces(uint64_t ticket, const PictureFormat& wanted, Picture picture);
   void receive(Bytes message);

@@ -66,7 +66,7 @@ SceneSource SceneCache::sourceOf(const json& p) const {
   return source;
 }
 
-// Every rank: all ranks make the same exchanges, whatever fails.
+// Every rank: all ranks make the same collective calls, whatever fails.
 json SceneCache::make(const json& p) {
   const auto id = p.at("scene").get<SceneId>();
   const auto tenant = p.at("tenant").get<std::string>();

@@ -43,11 +43,17 @@ class SceneCache {
     ScenePtr scene;
     std::vector<Pin> pins;  ///< of its data
   };
-  /// Rank 0: returns the scene of a visualization with the current generations of its data, as the tenant sees them.
+  /// Rank 0: returns a scene of a visualization of the tenant's data, and pins the generations that the scene
+  /// shows.
   ///
-  /// `known`, if not null, is returned while its names still mean its data. Otherwise a scene of the same tenant and content
-  /// is returned. If that scene is still being built, all callers wait for it and are told its progress; when none of them
-  /// wants it any more, all ranks give it up. Otherwise all ranks build a new scene.
+  /// `known`, if not null, is a scene that get() has returned for the same visualization and settings. It is
+  /// returned with the generations that it shows, pinned, if they are still there and its names still mean
+  /// its objects. get() does not look whether there are newer generations: whoever keeps a `known` scene
+  /// decides when to let go of it.
+  ///
+  /// Otherwise a scene of the current generations is returned: one of the same tenant and content if there is
+  /// one. If that scene is still being built, all callers wait for it and are told its progress; when none of
+  /// them wants it any more, all ranks give it up. Otherwise all ranks build a new scene.
   ///
   /// Ranges and radii that the visualization takes from its data follow the data and all that was shown before. `shown` holds
   /// what was shown before, and the data widen it. A `known` scene has widened it already.
@@ -60,7 +66,7 @@ class SceneCache {
   void widen(const std::string& tenant, const Visualization& visualization, ShownSoFar& shown) const;
   /// Every rank: returns a scene that rank 0 has a handle of. Throws Error if all handles have gone.
   std::shared_ptr<const CompiledScene> compiled(SceneId id);
-  /// Rank 0: whether these names mean these datasets to the tenant now.
+  /// Rank 0: whether these names mean these objects to the tenant now, of whatever generation.
   bool namesMean(const std::string& tenant, const std::vector<NamedDataset>& data) const;
 
  private:

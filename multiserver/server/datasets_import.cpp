@@ -112,8 +112,9 @@ struct Importing {
   LoadedGeometry loaded;  // of a geometry, until it has a partitioning
 };
 
-// The part of an import that one rank does. All ranks call the same functions in the same order and make the same exchanges,
-// whatever fails: each step that can fail on one of them is inside agree().
+// The part of an import that one rank does. All ranks call the same functions in the same order and make the
+// same collective calls, whatever fails: each step that can fail on one of them is inside agree(), or is a
+// collective call that agrees itself.
 class ImportPart {
  public:
   ImportPart(ServerRank& serverRank, Exchanges::Part& part, std::string tenant)
@@ -259,8 +260,8 @@ json Datasets::importHere(const json& p) {
   ImportPart import(serverRank_, part, p.at("tenant").get<std::string>());
   import.describe(p.at("datasets"), publication.items());
   import.openVolumes();
-  publication
-      .reserve();  // after what shows that there are no such data, as it takes older data from who still shows them
+  // This takes older data away from whoever still shows them. So files without such data fail before it.
+  publication.reserve();
   import.readGeometry();
   import.takePartitioning(
       agreedPartitioning(p, import.box, import.firstGrid ? &*import.firstGrid : nullptr, ranks));

@@ -124,7 +124,8 @@ std::vector<Datasets::NewObject> Datasets::newObjects(const Names& names) const 
 }
 
 Publication Datasets::join(const json& items, Collectives& ranks) {
-  // Whoever shows the generation before the current one lets go of it soon (docs/protocol.md section 9).
+  // New objects keep this wait for their later updates: whoever shows the generation before the current one
+  // lets go of it soon (docs/protocol.md section 9.2, Updates).
   constexpr WhenTaken whenTaken{std::chrono::seconds(1)};
   std::vector<Publication::Item> list;
   for (const json& item : items)
