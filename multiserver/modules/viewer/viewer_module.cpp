@@ -25,14 +25,14 @@ using WindowPtr = std::shared_ptr<Window>;
 class Windows {
  public:
   explicit Windows(Session& session) : session_(session) {
-    // What is told when a session ends may still be under way then.
+    // The observer may still be running when the session ends. So it looks whether the list is still there.
     subscription_ = session.serverRank().datasets->observe(
         [weak = std::weak_ptr(list_), tenant = session.tenant()](const DatasetEvent& event) {
           const auto list = weak.lock();
           if (!list || !event.visibleTo(tenant)) return;
           for (const auto& [id, window] : list->all()) window->onData(event);
         });
-    // Whatever it can see now.
+    // Windows are told whatever the tenant can see now: they may still show data that it no longer sees.
     wanted_ =
         session.serverRank().observers.subscribe({}, [weak = std::weak_ptr(list_)](const ObjectEvent& event) {
           if (event.kind != ObjectEvent::Kind::Wanted) return;

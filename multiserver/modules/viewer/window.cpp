@@ -163,6 +163,8 @@ Window::Change Window::changeBy(const DatasetEvent& event) {
     return change;
   }
   if (asked_ == 0 || phase_ == Phase::Closed) return change;
+  // If the window follows and is idle, carryOut() calls renderNewData() at once, so the update is not due
+  // later.
   update_.due = current_ || !settings_.follow;
   if (const FrameId refined = endRefinement()) change.ended = refined;
   change.newData = !update_.due;

@@ -58,19 +58,22 @@ class Window : public std::enable_shared_from_this<Window> {
   void setRenderer(const RenderSettings& settings);
   void setCamera(const Camera& camera);
   State state() const;
-  /// Returns the camera (none: the window's) where its `fit` puts it for the data that are shown now, and what has been shown.
+  /// A camera, and what the window has shown since its visualization was set.
   struct Seen {
     Camera camera;
     ShownSoFar shown;
   };
+  /// Returns `camera` (none: the window's) where its `fit` puts it for the data that are shown now, and what
+  /// has been shown, these data included.
   Seen seen(const std::optional<Camera>& camera) const;
 
-  /// Returns what a frame that began now would show. The camera has the window's size. Builds the scene if need be, as render().
+  /// What a frame that began now would show.
   struct View {
     SceneCache::Pinned pinned;
     Visualization visualization;
     Camera camera;
   };
+  /// Returns it. Its camera has the window's size. Builds the scene if need be, as render().
   View view(const Asker& asker) const;
 
   /// Begins a frame, which supersedes older ones, and returns its number. A frame with FrameOptions::wait may begin later. At
@@ -111,7 +114,8 @@ class Window : public std::enable_shared_from_this<Window> {
   };
   /// Whether newer data are to be shown, and what the window waits for before it shows them.
   struct PendingUpdate {
-    bool due = false;           ///< the newest frame shows older data than there are
+    /// There are newer data than the newest frame shows, and no task is on its way to render them.
+    bool due = false;
     bool awaitsOutbox = false;  ///< the client has not read enough; onBelowWatermark() will be called
     bool awaitsRoom = false;    ///< there was no room for a frame; the window is in Services::retries
     std::string refusal;        ///< the last error of a frame of newer data that the client was told of

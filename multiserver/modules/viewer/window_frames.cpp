@@ -50,7 +50,8 @@ uint64_t Window::render(const FrameOptions& options, const Asker& asker, std::op
   Snapshot snapshot = takeSnapshot();
   const FramePtr frame = frameOf(options, snapshot);
   if (!byItself) {
-    // What follows is refused for what may change: the data, and how much room there is.
+    // If the frame is refused from here on, it is for a reason that may change: the data, or how much room
+    // there is.
     const std::lock_guard lock(mutex_);
     asked_++;
     lastOptions_ = options;
@@ -96,7 +97,9 @@ void Window::compile(Frame& frame, Snapshot& snapshot, const Asker& asker) {
     pinned = services_.scenes.get(tenant_, state.visualizations[0], state.settings, asker, snapshot.shown,
                                   snapshot.scene);
   } catch (const Error&) {
-    // Who has cancelled an edit makes the next, which takes over as much; where there was no room, its room is needed.
+    // A client that has cancelled the making of an edited scene makes the next edit. That scene, too, can
+    // take over parts of the scene before the edits, so that one is put back. After another error, such as a
+    // lack of room, it is given up, because the room is needed.
     const bool wanted = isWanted(asker);
     const std::lock_guard lock(mutex_);
     if (!wanted && !scene_ && !edited_ && updates_ == snapshot.updates) edited_ = std::move(snapshot.edited);
