@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Lane: device buffers for one batch of rays, and the commands that work on them.
+// Lane: device buffers for one batch of rays, and the commands that work on them. It is no SIMD lane.
 #pragma once
 #include <array>
 #include <optional>
@@ -27,8 +27,9 @@ inline constexpr size_t kRayBytes = sizeof(RayBlock) / BLOCK_RAYS;
 /// Copies the rays `which` of a list of blocks, as RayList::gather() does.
 RayList gather(const RayBlock* blocks, std::span<const int> which);
 
-/// The lists that are traced. Rays that go on behind translucent surfaces are put into the other list of the
-/// pair; the two take turns.
+/// The lists of rays that are traced on the device: Given holds the rays of the batch's tiles or packets,
+/// Here the secondaries that they make and that start in the same partition. Rays that go on behind
+/// translucent surfaces are put into the other list of the pair (GivenOther, HereOther); the two take turns.
 enum class List { Given, GivenOther, Here, HereOther };
 inline List otherOf(List list) { return List(int(list) ^ 1); }
 

@@ -56,7 +56,8 @@ class VulkanScene final : public DeviceScene {
   std::vector<SharedBytes> sharedBytes() const override;
 
   // The functions below are for Batch.
-  /// Adds the steps that `rays` rays of a list (~k: as many as counts[k]) go through in a partition.
+  /// Adds the steps that the rays of a list go through in a partition. `rays` is their number. If only the
+  /// device knows it, `rays` is negative: the bitwise complement of the index of a count, as ~COUNT_SPAWNED.
   void addSteps(std::vector<Step>& steps, const PartitionOnDevice& part, const VulkanFrame& frame, List list,
                 int32_t rays, bool primary, bool complete) const;
   static Step spawnStep(const PartitionOnDevice& part, int tiles);
