@@ -47,7 +47,7 @@ namespace {
 
 }  // namespace
 
-Pin& Pin::operator=(Pin&& other) {
+Pin& Pin::operator=(Pin&& other) noexcept {
   if (this != &other) {
     release();
     state_ = std::move(other.state_);

@@ -37,7 +37,7 @@ class Pin {
  public:
   Pin() = default;
   Pin(Pin&& other) = default;
-  Pin& operator=(Pin&& other);
+  Pin& operator=(Pin&& other) noexcept;
   ~Pin() { release(); }
   void release();
 
