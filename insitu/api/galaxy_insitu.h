@@ -1,0 +1,129 @@
+/* SPDX-License-Identifier: Apache-2.0
+ *
+ * The interface by which a simulation publishes its steps to Galaxy while it runs. docs/insitu.md is the guide. It is C99 and
+ * needs no other library: neither MPI nor VTK.
+ *
+ * Every rank of the simulation opens one gxy_sim, says once which part of a grid it owns and where its fields lie in memory,
+ * and calls gxy_publish() after each step. The ranks never communicate with each other for Galaxy's sake. What gxy_publish()
+ * does with a step, and where it goes, is decided when the program runs (gxy_open); by default it does nothing.
+ *
+ * Results: functions that return int return one of gxy_result. It is safe to ignore all of them. gxy_message() says
+ * more about the last one.
+ *
+ * Threads: two threads must not use one gxy_sim at the same time. The library has one thread of its own for each gxy_sim that
+ * publishes to a server. Nothing is printed, no signal handler is changed, and no function throws or exits.
+ */
+#ifndef GALAXY_INSITU_H
+#define GALAXY_INSITU_H
+
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#if defined(__GNUC__)
+#define GXY_API __attribute__((visibility("default")))
+#else
+#define GXY_API
+#endif
+
+/* The version of this interface. A program built with this header runs with every later library of the same soname. */
+#define GXY_INSITU_VERSION 1
+GXY_API int gxy_version(void);
+
+enum gxy_result {
+  GXY_TAKEN = 0,     /* the step was taken, or what was said is remembered */
+  GXY_NOT_TAKEN = 1, /* nobody needs this step */
+  GXY_OFF = 2,       /* publishing is off */
+  GXY_LOST = 3,      /* there is no connection to the server; the library tries again if it may */
+  GXY_WRONG = -1     /* wrong use: gxy_message() says what, and nothing was changed */
+};
+
+/* Types of values. */
+enum gxy_type {
+  GXY_INT8 = 0,
+  GXY_UINT8 = 1,
+  GXY_INT16 = 2,
+  GXY_UINT16 = 3,
+  GXY_INT32 = 4,
+  GXY_UINT32 = 5,
+  GXY_INT64 = 6,
+  GXY_UINT64 = 7,
+  GXY_FLOAT32 = 8,
+  GXY_FLOAT64 = 9
+};
+
+/* What a decomposition counts and what a field has values of. */
+enum gxy_of { GXY_OF_POINTS = 0, GXY_OF_CELLS = 1 };
+
+/* Where the values of a field lie. The value of component c at (i, j, k), counted from the first owned point, is at
+ * data + i * stride[0] + j * stride[1] + k * stride[2] + c * component_stride. Strides are in bytes and may be negative, but not 0.
+ * So ghost layers, padding, Fortran's order and structures are all told by strides, and `data` points to the first OWNED value.
+ * With a component_stride of 0 the components of a point stand together. */
+typedef struct gxy_array {
+  const void* data;
+  int type;       /* gxy_type */
+  int components; /* 1 to 16 */
+  int64_t stride[3];
+  int64_t component_stride;
+  int memory; /* 0: the memory of the host. Others are reserved, and wrong so far. */
+} gxy_array;
+
+typedef struct gxy_sim gxy_sim;
+
+/* Begins a stream of steps called `name` on rank `rank` of `ranks`. All ranks give the same name, ranks and options. Returns
+ * at once and connects in the background. Never returns NULL.
+ *
+ * `options` is a JSON object, or NULL. The environment variable GALAXY_INSITU stands in for "to", and the JSON file that
+ * GALAXY_INSITU_OPTIONS names for all others.
+ *   "to"          "off" (the default), or "HOST:PORT" of a server
+ *   "token-file"  file with the server's token, "-" for none; default: where a server on this machine leaves it
+ *   "tenant"      for servers without tokens (default: "user")
+ *   "scope"       "private" (the default) or "shared": who sees the data
+ *   "partition"   "even" (the default), or {"like": DATASET}: how the server cuts the data
+ *   "reconnect"   seconds between attempts to connect (default: 5); 0: none after the first */
+GXY_API gxy_sim* gxy_open(const char* name, int rank, int ranks, const char* options);
+
+/* Says what this rank owns of a uniform grid. `size` is the number of points of the whole grid, the same on all ranks, at least
+ * 2 by axis. The block with number `block` (0, 1, ... on this rank) owns `count` points from `first` on. Blocks of all ranks must
+ * not overlap, and together they must have all points. A rank may have any number of blocks; a rank without blocks calls this
+ * once with a count of 0. `of` must be GXY_OF_POINTS so far. Point (i, j, k) lies at origin + spacing * (i, j, k); spacing is
+ * positive. A stream has one grid so far, so `mesh` is the same in all calls. Called again before
+ * the first step, it changes what was said; a change after it is wrong so far. */
+GXY_API int gxy_grid(gxy_sim* sim, const char* mesh, int block, int of, const int64_t size[3], const int64_t first[3],
+                     const int64_t count[3], const double origin[3], const double spacing[3]);
+
+/* Says where the values of a field lie for a block that gxy_grid() has described. Type and components of a field are the same
+ * in all blocks of all ranks, and all blocks have the same fields. It may be called before each step, for instance
+ * with another pointer. The values are read within gxy_publish() only. The field becomes the dataset NAME.FIELD. `of` must be
+ * GXY_OF_POINTS so far. */
+GXY_API int gxy_field(gxy_sim* sim, const char* mesh, int block, const char* field, int of, gxy_array values);
+
+/* Offers a step. All ranks offer the same steps in the same order; `step` ascends. `time` is in the simulation's own unit. If
+ * Galaxy wants this step, its values are copied, and a thread of the library sends the copy. Otherwise this takes less
+ * than a microsecond. It never waits. */
+GXY_API int gxy_publish(gxy_sim* sim, int64_t step, double time);
+
+typedef struct gxy_stat {
+  int64_t offered;         /* calls of gxy_publish() */
+  int64_t taken;           /* steps that were copied */
+  int64_t published;       /* taken steps that the server has published */
+  int64_t bytes;           /* copied */
+  double publish_seconds;  /* in gxy_publish(), all calls together */
+  double longest_seconds;  /* the longest call */
+} gxy_stat;
+GXY_API int gxy_statistics(gxy_sim* sim, gxy_stat* statistics);
+
+/* The text about the last result, or about why there is no connection. It is valid until the next call. Never NULL. */
+GXY_API const char* gxy_message(gxy_sim* sim);
+
+/* Ends the stream on this rank. Waits at most `seconds` for a step that was taken to reach the server. Frees `sim`, which may
+ * be NULL. */
+GXY_API void gxy_close(gxy_sim* sim, double seconds);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif
