@@ -18,6 +18,7 @@
 #include <string>
 #include <vector>
 
+#include "core/data/extents.h"
 #include "core/data/volume.h"
 
 namespace gxy {
@@ -115,11 +116,6 @@ void readVolume(const VolumeFile& file, std::span<const ReadTarget> targets,
                 const std::function<void(int64_t points)>& advance);
 /// Reads one box.
 void readVolume(const VolumeFile& file, const Extent& extent, std::span<std::byte> out);
-
-/// Copies the points of `box`, which both extents contain, from samples laid out as `from` to samples
-/// laid out as `to`.
-void copyBox(const Extent& box, std::span<const std::byte> source, const Extent& from,
-             std::span<std::byte> target, const Extent& to, size_t bytesPerPoint);
 
 /// The extent of a whole grid.
 inline Extent wholeOf(const Grid& grid) { return {{0, 0, 0}, grid.points}; }

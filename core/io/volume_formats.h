@@ -40,9 +40,6 @@ void forBoxes(const Extent& extent, int64_t first, int64_t count, Use use) {
   }
 }
 
-/// Returns the points that two extents share; count 0 if there are none.
-Extent intersection(const Extent& a, const Extent& b);
-
 /// Copies the points that both extents contain from samples laid out as `from` to samples laid out as `to`.
 void copyExtent(std::span<const std::byte> source, const Extent& from, std::span<std::byte> target,
                 const Extent& to, size_t bytesPerPoint);
