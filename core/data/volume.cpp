@@ -125,7 +125,8 @@ Extent ownedPoints(const Grid& grid, const Partitioning& partitioning, int parti
     const double lo = planeOf(grid, a, part.lo[a]), hi = planeOf(grid, a, part.hi[a]);
     int64_t first = owned.first[a], end = first + owned.points[a];
     if (part.lo[a] > partitioning.domain().lo[a]) first = std::max(first, int64_t(std::ceil(lo)));
-    if (part.hi[a] < partitioning.domain().hi[a]) end = std::min(end, int64_t(std::ceil(hi)));
+    const bool last = part.hi[a] >= partitioning.domain().hi[a] || hi >= double(grid.points[a] - 1);
+    if (!last) end = std::min(end, int64_t(std::ceil(hi)));
     if (first >= end) return {};
     owned.first[a] = first;
     owned.points[a] = end - first;

@@ -50,7 +50,7 @@ Extent extentOf(const Grid& grid, const Box& part, int ghosts);
 
 /// Returns the points of `grid` that belong to the partition in sums over the grid, so that each point is
 /// counted once: those of extentOf(..., 0) without the upper end, which belongs to the next partition except
-/// at the domain's end.
+/// at the end of the domain or of the grid.
 Extent ownedPoints(const Grid& grid, const Partitioning& partitioning, int partition);
 
 /// Returns `parts` blocks of a grid, as decompose() shapes them, cut on grid points and distributed over

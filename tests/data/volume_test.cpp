@@ -106,6 +106,18 @@ TEST(OwnedPoints, EachGridPointIsCountedOnce) {
   }
 }
 
+TEST(OwnedPoints, TheLastPointsCountWhereAFaceLiesOnTheEndOfTheGrid) {
+  const Grid grid{{0, 0, 0}, {1, 1, 1}, {5, 5, 5}};
+  const std::vector<double> faces{-4, 0, 2, 4, 8};
+  const Partitioning wider = Partitioning::lattice({faces, faces, faces}, 1);
+  const auto at = [](int i, int j, int k) { return (k * 4 + j) * 4 + i; };
+  EXPECT_EQ(ownedPoints(grid, wider, at(1, 1, 1)), (Extent{{0, 0, 0}, {2, 2, 2}}));
+  EXPECT_EQ(ownedPoints(grid, wider, at(2, 1, 2)), (Extent{{2, 0, 2}, {3, 2, 3}}));
+  int64_t count = 0;
+  for (int p = 0; p < wider.partitions(); ++p) count += ownedPoints(grid, wider, p).count();
+  EXPECT_EQ(count, 5 * 5 * 5) << "partitions that only touch the grid own no points";
+}
+
 TEST(Statistics, RangesArePerComponentAndOfTheMagnitude) {
   const std::vector<float> values{3, 4, 0, 0, NAN, 12, -8, 6};
   const FieldStatistics s = statisticsOf(bytes(values), ScalarType::Float32, 2);
