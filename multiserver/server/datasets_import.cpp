@@ -9,6 +9,7 @@
 #include "core/comm/wire.h"
 #include "core/data/bricks.h"
 #include "core/data/geometry_bytes.h"
+#include "core/data/partitioning_bytes.h"
 #include "core/io/automatic_partitioning.h"
 #include "core/io/import_geometry.h"
 #include "core/io/import_volume.h"
@@ -54,22 +55,6 @@ json specToJson(const DatasetSpec& d) {
           {"array", d.array},
           {"radius array", d.radiusArray},
           {"color", {d.color.r, d.color.g, d.color.b, d.color.a}}};
-}
-
-Bytes written(const Partitioning& p) {
-  std::vector<int32_t> owners;
-  for (int i = 0; i < p.partitions(); i++) owners.push_back(p.owner(i));
-  Writer w;
-  for (int a = 0; a < 3; a++) w.write(p.faces(a));
-  return w.write(p.cellPartition()).write(owners).take();
-}
-
-Partitioning readPartitioning(std::span<const std::byte> message) {
-  Reader r(message, "partitioning");
-  std::array<std::vector<double>, 3> faces;
-  for (auto& f : faces) f = r.readVector<double>();
-  auto cells = r.readVector<int32_t>(), owners = r.readVector<int32_t>();
-  return {std::move(faces), std::move(cells), std::move(owners)};
 }
 
 }  // namespace
