@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: Apache-2.0
+// How rank 0 of the server agrees with all ranks of a simulation on the step that is taken next.
+#pragma once
+#include <cstdint>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "insitu/plan/records.h"
+
+namespace gxy::insitu {
+
+/// The state machine of rank 0, for one stream. It uses no sockets, threads or clocks. What it returns is sent to all ranks of the
+/// simulation, in this order.
+///
+/// A step is taken by appointment. Rank 0 asks all ranks how many publishes there have been, and appoints one in the future, which
+/// all take: no rank of the simulation waits for another. If the appointment reaches a rank too late, the rank says that it has
+/// missed it. Then rank 0 cancels it and appoints one that lies further ahead.
+class Conductor {
+ public:
+  /// `ranks`: the number of ranks of the simulation. `owners`: the ranks of Galaxy that get samples.
+  Conductor(int ranks, std::set<int> owners);
+
+  /// There is room for a step on all ranks of Galaxy.
+  std::vector<Control> begin();
+  /// A rank of the simulation answers. Throws Error for a message that only a server sends.
+  std::vector<Control> receive(int rank, const Control& message);
+  /// A rank of the simulation has taken a step. Throws Error if ranks say different things of the same publish.
+  void receive(int rank, const StepHeader& step);
+  /// A rank of Galaxy has all samples of the step of publish `count`.
+  void complete(int owner, uint64_t count);
+
+  /// Whether all ranks have taken the step, and all of its samples are there.
+  bool isComplete() const;
+  /// Whether a rank has taken the step that is appointed now.
+  bool someTaken() const;
+  /// What of the step has not come, as text.
+  std::string missing() const;
+  /// The step that was appointed. Its `step` and `time` are known once isComplete().
+  const StepHeader& step() const { return step_; }
+  /// The largest count that was ever appointed.
+  uint64_t last() const { return last_; }
+
+  /// The step is published.
+  std::vector<Control> published();
+  /// The step is given up.
+  std::vector<Control> abandon();
+
+  struct Counters {
+    uint64_t appointed = 0, missed = 0, published = 0, abandoned = 0;
+    uint64_t margin = 0;  ///< publishes that an appointment lies further ahead than the next one
+  };
+  const Counters& counters() const { return counters_; }
+
+ private:
+  enum class State { Idle, Asking, Collecting };
+  Control ask();
+  std::vector<Control> appoint();
+  void widen(uint64_t newest);
+
+  const std::set<int> owners_;
+  State state_ = State::Idle;
+  uint64_t question_ = 0;                         ///< the number of the last AskNewest
+  std::vector<std::optional<uint64_t>> newest_;   ///< answers, by rank
+  std::vector<std::optional<StepHeader>> taken_;  ///< of the appointed publish, by rank
+  std::set<int> completed_;                       ///< ranks of Galaxy
+  StepHeader step_;
+  uint64_t last_ = 0;
+  int successes_ = 0;
+  Counters counters_;
+};
+
+}  // namespace gxy::insitu

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "insitu/plan/receiver.h"
+
+#include <algorithm>
+
+#include "core/comm/error.h"
+
+namespace gxy::insitu {
+
+Receiver::Receiver(std::vector<Source> sources) {
+  for (Source& s : sources) cursors_.push_back({std::move(s)});
+}
+
+void Receiver::restart(uint64_t count) {
+  current_ = count;
+  missing_ = 0;
+  for (Cursor& c : cursors_) {
+    c.item = 0;
+    c.offset = 0;
+    if (!c.source.items.empty()) missing_++;
+  }
+}
+
+void Receiver::open() {
+  state_ = State::Open;
+  restart(0);
+}
+
+bool Receiver::accept(int rank, const PieceHeader& header, uint64_t bytes) {
+  if (header.count <= last_ || (state_ == State::Open && header.count < current_)) return false;
+  if (state_ != State::Open)
+    throw Error("step of publish " + std::to_string(header.count) + ", which was not asked for");
+  if (header.count > current_) restart(header.count);
+  Cursor& c = cursors_.at(size_t(rank));
+  if (c.item >= c.source.items.size() || header.item != c.item || header.offset != c.offset)
+    throw Error("chunk at byte " + std::to_string(header.offset) + " of item " + std::to_string(header.item) +
+                ", expected byte " + std::to_string(c.offset) + " of item " + std::to_string(c.item) +
+                " of " + std::to_string(c.source.items.size()));
+  const uint64_t size = c.source.items[c.item], left = size - c.offset;
+  if (bytes == 0 || bytes > left || bytes % c.source.bytesPerPoint[c.item] != 0)
+    throw Error("chunk of " + std::to_string(bytes) + " bytes, expected whole points of " +
+                std::to_string(c.source.bytesPerPoint[c.item]) + " bytes, and at most " +
+                std::to_string(left) + " bytes");
+  c.offset += bytes;
+  if (c.offset == size) {
+    c.item++;
+    c.offset = 0;
+    if (c.item == c.source.items.size()) missing_--;
+  }
+  return true;
+}
+
+bool Receiver::take(uint64_t count) {
+  const bool nothingComes =
+      std::all_of(cursors_.begin(), cursors_.end(), [](const Cursor& c) { return c.source.items.empty(); });
+  if (state_ != State::Open || !(nothingComes || (complete() && current_ == count))) return false;
+  state_ = State::Taken;
+  last_ = count;
+  return true;
+}
+
+void Receiver::close(uint64_t upTo) {
+  state_ = State::Closed;
+  last_ = std::max({last_, current_, upTo});
+}
+
+}  // namespace gxy::insitu

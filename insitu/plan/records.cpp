@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "insitu/plan/records.h"
+
+#include <cmath>
+#include <cstring>
+
+#include "core/comm/error.h"
+#include "core/comm/wire.h"
+#include "insitu/plan/description.h"
+
+namespace gxy::insitu {
+
+namespace {
+
+// A destination on the wire: its rank, and how many of the pieces that follow are for it.
+struct WireDestination {
+  int32_t owner;
+  uint32_t pieces;
+};
+struct WirePiece {
+  int32_t block, partition;
+  Extent points;
+};
+
+template <class Record>
+Record readOne(std::span<const std::byte> message, const char* what) {
+  Reader r(message, what);
+  const auto record = r.read<Record>();
+  r.expectEnd();
+  return record;
+}
+
+bool isInside(const Extent& part, const Extent& whole) {
+  for (size_t a = 0; a < 3; a++)
+    if (part.points[a] < 1 || part.first[a] < whole.first[a] ||
+        part.points[a] > whole.points[a] - (part.first[a] - whole.first[a]))
+      return false;
+  return true;
+}
+
+}  // namespace
+
+Bytes written(const Hello& hello) {
+  return Writer().write(hello.stream).write(hello.ticket).write(hello.rank).take();
+}
+
+Hello readHello(std::span<const std::byte> message) {
+  Reader r(message, "hello of a data connection");
+  Hello hello;
+  hello.stream = r.read<uint64_t>();
+  hello.ticket = r.read<Ticket>();
+  hello.rank = r.read<uint32_t>();
+  r.expectEnd();
+  return hello;
+}
+
+Bytes written(const std::vector<Destination>& destinations) {
+  std::vector<WireDestination> heads;
+  std::vector<WirePiece> pieces;
+  for (const Destination& d : destinations) {
+    heads.push_back({d.owner, uint32_t(d.pieces.size())});
+    for (const Piece& p : d.pieces) pieces.push_back({p.block, p.partition, p.points});
+  }
+  return Writer().write(heads).write(pieces).take();
+}
+
+std::vector<Destination> readDestinations(std::span<const std::byte> message, int rank,
+                                          std::span<const Extent> blocks) {
+  Reader r(message, "plan of a stream");
+  const auto heads = r.readVector<WireDestination>();
+  const auto pieces = r.readVector<WirePiece>();
+  r.expectEnd();
+  std::vector<Destination> destinations;
+  size_t next = 0;
+  for (const WireDestination& head : heads) {
+    if (head.pieces > pieces.size() - next) r.fail("fewer pieces than announced");
+    Destination d{head.owner, {}};
+    for (uint32_t i = 0; i < head.pieces; i++) {
+      const WirePiece& p = pieces[next++];
+      if (p.block < 0 || size_t(p.block) >= blocks.size() || !isInside(p.points, blocks[size_t(p.block)]))
+        r.fail("a piece outside the blocks of this rank");
+      d.pieces.push_back({rank, p.block, head.owner, p.partition, p.points});
+    }
+    destinations.push_back(std::move(d));
+  }
+  if (next != pieces.size()) r.fail("more pieces than announced");
+  return destinations;
+}
+
+Bytes written(const Control& control) {
+  return Writer().write(uint8_t(control.kind)).write(control.count).write(control.newest).take();
+}
+
+Control readControl(std::span<const std::byte> message) {
+  Reader r(message, "control message");
+  const auto kind = r.read<uint8_t>();
+  if (kind > uint8_t(Control::Kind::Published))
+    r.fail("kind " + std::to_string(int(kind)) + ", expected 0 to 5");
+  Control control{Control::Kind(kind), r.read<uint64_t>(), 0};
+  control.newest = r.read<uint64_t>();
+  r.expectEnd();
+  return control;
+}
+
+Bytes written(const StepHeader& step) { return Writer().write(step).take(); }
+
+StepHeader readStep(std::span<const std::byte> message) { return readOne<StepHeader>(message, "step"); }
+
+std::array<std::byte, kPieceHeaderBytes> written(const PieceHeader& header) {
+  static_assert(sizeof header == kPieceHeaderBytes);
+  std::array<std::byte, kPieceHeaderBytes> bytes;
+  std::memcpy(bytes.data(), &header, sizeof header);
+  return bytes;
+}
+
+PieceHeader takePieceHeader(std::span<const std::byte>& message) {
+  if (message.size() < kPieceHeaderBytes)
+    throw Error("piece of a step: " + std::to_string(message.size()) + " bytes, expected a header of " +
+                std::to_string(kPieceHeaderBytes));
+  PieceHeader header;
+  std::memcpy(&header, message.data(), sizeof header);
+  message = message.subspan(kPieceHeaderBytes);
+  return header;
+}
+
+}  // namespace gxy::insitu

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: Apache-2.0
+// The messages of data connections between a simulation and a server (docs/protocol.md, section 10).
+#pragma once
+#include <array>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/comm/transport.h"
+#include "insitu/plan/redistribution.h"
+
+namespace gxy::insitu {
+
+/// What proves that a connection belongs to a stream.
+using Ticket = std::array<uint8_t, 32>;
+
+/// The first message of a data connection.
+struct Hello {
+  uint64_t stream = 0;
+  Ticket ticket{};
+  uint32_t rank = 0;  ///< of the simulation
+};
+Bytes written(const Hello& hello);
+Hello readHello(std::span<const std::byte> message);
+
+/// Where the points of one rank of the simulation go. Rank 0 of the server answers a description with it.
+Bytes written(const std::vector<Destination>& destinations);
+/// Throws Error unless each piece is inside the block that it names.
+std::vector<Destination> readDestinations(std::span<const std::byte> message, int rank,
+                                          std::span<const Extent> blocks);
+
+/// Messages about appointments between rank 0 of the server and a rank of the simulation. Counts are those of publishes.
+struct Control {
+  enum class Kind : uint8_t {
+    AskNewest,  ///< from the server: how many publishes have there been?
+    Newest,     ///< to the server: `newest`
+    Appoint,    ///< from the server: take publish `count`
+    Missed,     ///< to the server: publish `count` could not be taken; there have been `newest`
+    Cancel,     ///< from the server: forget the appointment `count`
+    Published,  ///< from the server: the step of publish `count` is published
+  };
+  Kind kind = Kind::AskNewest;
+  uint64_t count = 0, newest = 0;
+  bool operator==(const Control&) const = default;
+};
+Bytes written(const Control& control);
+Control readControl(std::span<const std::byte> message);
+
+/// What rank 0 of the server is told of a step that a rank of the simulation has taken.
+struct StepHeader {
+  uint64_t count = 0;
+  int64_t step = 0;
+  double time = 0;
+  bool operator==(const StepHeader&) const = default;
+};
+Bytes written(const StepHeader& step);
+StepHeader readStep(std::span<const std::byte> message);
+
+/// What stands before the samples of a chunk. Items are the fields of the pieces between two ranks: all fields of the first
+/// piece, then those of the next. An item is sent in chunks, from its begin to its end.
+struct PieceHeader {
+  uint64_t count = 0;   ///< the publish that it belongs to
+  uint64_t offset = 0;  ///< in bytes, from the begin of the item
+  uint32_t item = 0;
+  uint32_t reserved = 0;
+};
+inline constexpr size_t kPieceHeaderBytes = 24;
+std::array<std::byte, kPieceHeaderBytes> written(const PieceHeader& header);
+/// Removes the header from the front of a message.
+PieceHeader takePieceHeader(std::span<const std::byte>& message);
+
+}  // namespace gxy::insitu

@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "insitu/plan/sender.h"
+
+#include <algorithm>
+#include <numeric>
+#include <utility>
+
+#include "core/comm/error.h"
+
+namespace gxy::insitu {
+
+void Sender::begin(std::vector<Load> loads) {
+  const std::lock_guard lock(mutex_);
+  settle(appointed_);
+  cursors_.clear();
+  uint64_t begin = 0;
+  for (Load& load : loads) {
+    const uint64_t bytes = std::accumulate(load.items.begin(), load.items.end(), uint64_t(0));
+    cursors_.push_back({std::move(load), begin});
+    begin += bytes;
+  }
+}
+
+// Frees the slot of an appointment, or sees to it that filled() does. With the lock held.
+void Sender::settle(uint64_t count) {
+  if (slot_ == Slot::Free || slot_ == Slot::Void || appointed_ != count) return;
+  announcement_.reset();
+  const bool isBeingFilled = slot_ == Slot::Appointed && !appointment_.cancel(count);
+  slot_ = isBeingFilled ? Slot::Void : Slot::Free;
+}
+
+bool Sender::filled(int64_t step, double time) {
+  const std::lock_guard lock(mutex_);
+  if (slot_ == Slot::Void) {
+    slot_ = Slot::Free;
+    return false;
+  }
+  slot_ = Slot::Full;
+  announcement_ = StepHeader{appointed_, step, time};
+  for (Cursor& c : cursors_) {
+    c.item = 0;
+    c.itemBegin = c.offset = 0;
+  }
+  return true;
+}
+
+std::optional<Control> Sender::receive(const Control& message) {
+  const std::lock_guard lock(mutex_);
+  switch (message.kind) {
+    case Control::Kind::AskNewest:
+      return Control{Control::Kind::Newest, message.count, appointment_.count()};
+    case Control::Kind::Appoint:
+      return appoint(message.count);
+    case Control::Kind::Published:
+      if (slot_ == Slot::Full && appointed_ == message.count) published_++;
+      settle(message.count);
+      return std::nullopt;
+    case Control::Kind::Cancel:
+      settle(message.count);
+      return std::nullopt;
+    case Control::Kind::Newest:
+    case Control::Kind::Missed:
+      break;
+  }
+  throw Error("control message that only simulations send, expected one of a server");
+}
+
+// With the lock held.
+std::optional<Control> Sender::appoint(uint64_t count) {
+  if (slot_ != Slot::Free) return Control{Control::Kind::Missed, count, appointment_.count()};
+  slot_ = Slot::Appointed;
+  appointed_ = count;
+  if (appointment_.appoint(count)) return std::nullopt;
+  slot_ = Slot::Free;
+  return Control{Control::Kind::Missed, count, appointment_.count()};
+}
+
+std::optional<StepHeader> Sender::announcement() {
+  const std::lock_guard lock(mutex_);
+  return std::exchange(announcement_, std::nullopt);
+}
+
+std::optional<Sender::Chunk> Sender::next(int owner) {
+  const std::lock_guard lock(mutex_);
+  if (slot_ != Slot::Full) return std::nullopt;
+  for (Cursor& c : cursors_) {
+    if (c.load.owner != owner || c.item == c.load.items.size()) continue;
+    const uint64_t size = c.load.items[c.item], bytesPerPoint = c.load.bytesPerPoint[c.item];
+    const uint64_t bytes = std::min(kChunkBytes / bytesPerPoint * bytesPerPoint, size - c.offset);
+    const Chunk chunk{owner, {appointed_, c.offset, c.item}, c.begin + c.itemBegin + c.offset, bytes};
+    c.offset += bytes;
+    if (c.offset == size) {
+      c.item++;
+      c.itemBegin += size;
+      c.offset = 0;
+    }
+    return chunk;
+  }
+  return std::nullopt;
+}
+
+bool Sender::hasNext(int owner) const {
+  const std::lock_guard lock(mutex_);
+  return slot_ == Slot::Full && std::any_of(cursors_.begin(), cursors_.end(), [&](const Cursor& c) {
+           return c.load.owner == owner && c.item < c.load.items.size();
+         });
+}
+
+bool Sender::idle() const {
+  const std::lock_guard lock(mutex_);
+  return slot_ != Slot::Full;
+}
+
+}  // namespace gxy::insitu

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a rank of a simulation does with the steps that it publishes: which it takes, and in which order it sends them.
+#pragma once
+#include <atomic>
+#include <cstdint>
+#include <mutex>
+#include <optional>
+#include <vector>
+
+#include "insitu/plan/appointment.h"
+#include "insitu/plan/records.h"
+
+namespace gxy::insitu {
+
+/// The state machine of a rank of the simulation. It uses no sockets, threads or clocks: the caller passes on what comes from
+/// the server (receive), and sends what this returns. It has one slot for the copy of one step.
+///
+/// The simulation's thread calls publish() and filled(); one other thread calls the rest.
+class Sender {
+ public:
+  /// Bytes that go to each rank of Galaxy, by item (records.h), in their order in the slot.
+  struct Load {
+    int owner = 0;
+    std::vector<uint64_t> items;
+    std::vector<uint64_t> bytesPerPoint;  ///< by item; chunks are cut between points
+  };
+  /// Part of the slot that is to be sent to `owner` behind `header`.
+  struct Chunk {
+    int owner = 0;
+    PieceHeader header;
+    uint64_t place = 0, bytes = 0;  ///< in the slot
+  };
+
+  /// Begins anew with a server that has this plan. What was under way is forgotten. The count of publishes goes on.
+  void begin(std::vector<Load> loads);
+  /// There is no server any more.
+  void end() { begin({}); }
+
+  /// Counts a publish. True: the caller copies the step into the slot, and calls filled(). No lock is taken, and nothing waits.
+  bool publish() { return appointment_.publish(); }
+  /// The copy is in the slot. False: the step is not wanted any more, so there is nothing to send.
+  bool filled(int64_t step, double time);
+
+  /// Takes a message of the server. Returns what is answered, if anything.
+  std::optional<Control> receive(const Control& message);
+
+  /// Returns what the server's rank 0 is told about the step in the slot, once it is there.
+  std::optional<StepHeader> announcement();
+  /// Returns the next chunk for a rank of Galaxy, if there is one.
+  std::optional<Chunk> next(int owner);
+  /// Whether chunks are left for a rank of Galaxy.
+  bool hasNext(int owner) const;
+  /// A taken step has reached the server, or was given up by it, or there is none.
+  bool idle() const;
+
+  uint64_t count() const { return appointment_.count(); }
+  uint64_t published() const { return published_.load(); }  ///< steps that the server has published
+
+  static constexpr uint64_t kChunkBytes = 1 << 20;
+
+ private:
+  enum class Slot { Free, Appointed, Full, Void };  ///< Void: cancelled while the simulation copies into it
+  struct Cursor {
+    Load load;
+    uint64_t begin = 0;  ///< of its bytes in the slot
+    uint32_t item = 0;
+    uint64_t itemBegin = 0, offset = 0;
+  };
+
+  std::optional<Control> appoint(uint64_t count);
+  void settle(uint64_t count);
+
+  Appointment appointment_;
+  std::atomic<uint64_t> published_ = 0;
+  mutable std::mutex
+      mutex_;  ///< guards the members below; the simulation's thread takes it for taken steps only
+  Slot slot_ = Slot::Free;
+  uint64_t appointed_ = 0;  ///< the count that the slot is for, unless it is free
+  std::optional<StepHeader> announcement_;
+  std::vector<Cursor> cursors_;
+};
+
+}  // namespace gxy::insitu

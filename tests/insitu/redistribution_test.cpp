@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: Apache-2.0
+// Every point travels once, to the rank that owns its partition.
+#include <gtest/gtest.h>
+
+#include <map>
+
+#include "core/comm/error.h"
+#include "core/data/partitioning.h"
+#include "insitu/plan/redistribution.h"
+#include "tests/insitu/random_blocks.h"
+
+namespace gxy::insitu {
+namespace {
+
+struct Case {
+  explicit Case(uint64_t seed) : random(seed) {
+    grid.points = randomPoints(random);
+    grid.origin = {double(random.below(100)) - 50, 0.1, -3};
+    grid.spacing = {0.5, 1 / 3.0, 7};
+    ranks = 1 + int(random.below(64));
+    owners = 1 + int(random.below(8));
+    blocks = randomBlocks(random, grid.points, ranks);
+  }
+  Partitioning partitioning() {
+    const auto cells = grid.cells();
+    const int64_t most = std::min<int64_t>(12, cells[0] * cells[1] * cells[2]);
+    for (;;) try {
+        return decomposed(grid, 1 + int(random.below(uint64_t(most))), owners);
+      } catch (const Error&) {
+        // not as many blocks along the axes
+      }
+  }
+  Random random;
+  Grid grid;
+  int ranks, owners;
+  std::vector<Block> blocks;
+};
+
+TEST(Redistribution, BringsEachPointToItsOwnerOnce) {
+  for (uint64_t seed = 1; seed <= 200; seed++) {
+    Case c(seed);
+    const Partitioning partitioning = c.partitioning();
+    const BlockSearch search(c.blocks);
+    std::map<Index3, int> times;
+    for (int owner = 0; owner < c.owners; owner++)
+      for (const Piece& piece : piecesFor(owner, c.grid, partitioning, search)) {
+        EXPECT_EQ(partitioning.owner(piece.partition), owner);
+        const Extent owned = ownedPoints(c.grid, partitioning, piece.partition);
+        EXPECT_EQ(intersection(piece.points, owned), piece.points);
+        for (int64_t k = 0; k < piece.points.points[2]; k++)
+          for (int64_t j = 0; j < piece.points.points[1]; j++)
+            for (int64_t i = 0; i < piece.points.points[0]; i++)
+              times[{piece.points.first[0] + i, piece.points.first[1] + j, piece.points.first[2] + k}]++;
+      }
+    EXPECT_EQ(int64_t(times.size()), c.grid.points[0] * c.grid.points[1] * c.grid.points[2]) << seed;
+    for (const auto& [point, n] : times) EXPECT_EQ(n, 1) << seed;
+  }
+}
+
+TEST(Redistribution, TellsBothEndsTheSamePieces) {
+  for (uint64_t seed = 1; seed <= 100; seed++) {
+    Case c(seed);
+    const Partitioning partitioning = c.partitioning();
+    const BlockSearch search(c.blocks);
+    const auto all = destinations(c.ranks, c.grid, partitioning, c.owners, search);
+    for (int owner = 0; owner < c.owners; owner++) {
+      std::vector<Piece> sent;
+      for (const auto& list : all)
+        for (const Destination& d : list)
+          if (d.owner == owner) sent.insert(sent.end(), d.pieces.begin(), d.pieces.end());
+      EXPECT_EQ(sent, piecesFor(owner, c.grid, partitioning, search)) << seed;
+    }
+  }
+}
+
+TEST(Redistribution, DoesNotDependOnTheOrderInWhichBlocksAreTold) {
+  for (uint64_t seed = 1; seed <= 50; seed++) {
+    Case c(seed);
+    const Partitioning partitioning = c.partitioning();
+    auto shuffled = c.blocks;
+    for (size_t i = shuffled.size(); i > 1; i--) std::swap(shuffled[i - 1], shuffled[c.random.below(i)]);
+    EXPECT_EQ(piecesFor(0, c.grid, partitioning, BlockSearch(c.blocks)),
+              piecesFor(0, c.grid, partitioning, BlockSearch(shuffled)));
+  }
+}
+
+}  // namespace
+}  // namespace gxy::insitu

@@ -1,0 +1,242 @@
+// SPDX-License-Identifier: Apache-2.0
+// Sender, Receiver and Conductor together, with every order of events that a seed draws: connections are queues, and each rank
+// is as slow as the seed says.
+#include <gtest/gtest.h>
+
+#include <deque>
+#include <map>
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+
+#include "core/comm/error.h"
+#include "core/comm/random.h"
+#include "insitu/plan/conductor.h"
+#include "insitu/plan/receiver.h"
+#include "insitu/plan/sender.h"
+
+namespace gxy::insitu {
+namespace {
+
+constexpr uint64_t kItem = 3 * Sender::kChunkBytes / 2;  // two chunks
+
+/// A simulation of `ranks` ranks and a server of `owners` ranks, without data: a slot holds the count that it was filled for.
+class Schedule {
+ public:
+  explicit Schedule(uint64_t seed) : random_(seed) {
+    ranks_ = 1 + int(random_.below(4));
+    owners_ = 1 + int(random_.below(3));
+    stride_ = 1 + int64_t(random_.below(1000000));
+    latency_ = uint64_t(1) << random_.below(8);
+    for (int r = 0; r < ranks_; r++) simulation_.push_back(std::make_unique<Simulation>());
+    connect();
+  }
+
+  /// Runs until so many steps are published; false if that takes too long.
+  bool run(uint64_t steps) {
+    for (int i = 0; i < 5000000 && published_.size() < steps; i++) step();
+    return published_.size() >= steps;
+  }
+
+  const std::vector<StepHeader>& published() const { return published_; }
+  const Conductor::Counters& counters() const { return conductor_->counters(); }
+  std::string description() const {
+    return std::to_string(ranks_) + " -> " + std::to_string(owners_) + " ranks, latency " +
+           std::to_string(latency_) + ", " + std::to_string(conductor_->counters().missed) + " missed";
+  }
+
+ private:
+  struct Simulation {
+    Sender sender;
+    uint64_t slot = 0;              // the count whose values are in the slot
+    std::optional<uint64_t> takes;  // the count that is being copied
+    std::deque<Control> down, up;
+    std::map<int, std::deque<std::pair<Sender::Chunk, uint64_t>>> data;  // with what the slot held, by owner
+  };
+  struct Owner {
+    std::unique_ptr<Receiver> receiver;
+    std::map<std::pair<int, uint32_t>, std::set<uint64_t>> stored;  // what was stored, by rank and item
+    uint64_t told = 0;
+  };
+
+  // Each rank sends to each owner but those that the seed leaves out.
+  void connect() {
+    using Sources = std::vector<Receiver::Source>;
+    auto sources = std::vector<Sources>(size_t(owners_), Sources(size_t(ranks_)));
+    std::set<int> receiving;
+    for (int r = 0; r < ranks_; r++) {
+      std::vector<Sender::Load> loads;
+      for (int g = 0; g < owners_; g++) {
+        const size_t items = random_.below(3);
+        if (items == 0) continue;
+        loads.push_back({g, std::vector(items, kItem), std::vector<uint64_t>(items, 4)});
+        sources[size_t(g)][size_t(r)] = {loads.back().items, loads.back().bytesPerPoint};
+        receiving.insert(g);
+      }
+      simulation_[size_t(r)]->sender.begin(std::move(loads));
+    }
+    server_.clear();
+    for (int g = 0; g < owners_; g++)
+      server_.push_back({std::make_unique<Receiver>(std::move(sources[size_t(g)])), {}, 0});
+    conductor_ = std::make_unique<Conductor>(ranks_, receiving);
+  }
+
+  // What a queue brings is late: it is taken once in latency_ tries.
+  bool late() { return latency_ > 1 && !random_.oneIn(latency_); }
+
+  void step() {
+    const int r = int(random_.below(uint64_t(ranks_)));
+    switch (random_.below(7)) {
+      case 0:
+        return publish(*simulation_[size_t(r)]);
+      case 1:
+        return fill(*simulation_[size_t(r)]);
+      case 2:
+        return answer(*simulation_[size_t(r)]);
+      case 3:
+        return send(*simulation_[size_t(r)], int(random_.below(uint64_t(owners_))));
+      case 4:
+        return receive(r, int(random_.below(uint64_t(owners_))));
+      case 5:
+        return hear(r);
+      default:
+        return conduct();
+    }
+  }
+
+  void publish(Simulation& s) {
+    if (s.takes) return;  // The simulation is in gxy_publish() still.
+    if (s.sender.publish()) s.takes = s.sender.count();
+  }
+  void fill(Simulation& s) {
+    if (!s.takes) return;
+    s.slot = *s.takes;
+    s.sender.filled(int64_t(*s.takes) * stride_, double(*s.takes));
+    s.takes.reset();
+  }
+  // The thread of a rank that sends.
+  void answer(Simulation& s) {
+    if (const auto told = s.sender.announcement()) announced_.push_back({&s, *told});
+    if (s.down.empty() || late()) return;
+    const Control message = s.down.front();
+    s.down.pop_front();
+    if (const auto reply = s.sender.receive(message)) s.up.push_back(*reply);
+  }
+  void send(Simulation& s, int owner) {
+    if (const auto chunk = s.sender.next(owner)) s.data[owner].push_back({*chunk, s.slot});
+  }
+  // A rank of the server.
+  void receive(int r, int owner) {
+    auto& queue = simulation_[size_t(r)]->data[owner];
+    if (queue.empty() || late()) return;
+    const auto [chunk, slot] = queue.front();
+    queue.pop_front();
+    Owner& o = server_[size_t(owner)];
+    if (!o.receiver->accept(r, chunk.header, chunk.bytes)) return;
+    EXPECT_EQ(slot, chunk.header.count) << "the slot was used again before it was sent";
+    if (chunk.header.offset == 0) o.stored[{r, chunk.header.item}].clear();
+    o.stored[{r, chunk.header.item}].insert(slot);
+    if (o.receiver->complete() && o.told != o.receiver->count()) {
+      o.told = o.receiver->count();
+      completed_.push_back({owner, o.told});
+    }
+  }
+  // Rank 0 of the server.
+  void hear(int r) {
+    Simulation& s = *simulation_[size_t(r)];
+    if (!s.up.empty() && !late()) {
+      const Control message = s.up.front();
+      s.up.pop_front();
+      tell(conductor_->receive(r, message));
+    }
+    if (!announced_.empty() && !late()) {
+      const size_t i = random_.below(announced_.size());
+      conductor_->receive(rankOf(announced_[i].first), announced_[i].second);
+      announced_.erase(announced_.begin() + std::ptrdiff_t(i));
+    }
+    if (!completed_.empty() && !late()) {
+      const size_t i = random_.below(completed_.size());
+      conductor_->complete(completed_[i].first, completed_[i].second);
+      completed_.erase(completed_.begin() + std::ptrdiff_t(i));
+    }
+  }
+  void conduct() {
+    if (!open_) {
+      if (!random_.oneIn(4)) return;
+      for (Owner& o : server_) o.receiver->open();
+      open_ = true;
+      return tell(conductor_->begin());
+    }
+    if (random_.oneIn(600 * latency_)) {  // too late
+      tell(conductor_->abandon());
+      return close();
+    }
+    if (!conductor_->isComplete()) return;
+    for (Owner& o : server_) {
+      ASSERT_TRUE(o.receiver->take(conductor_->last()));
+      for (const auto& [from, counts] : o.stored) EXPECT_EQ(counts, std::set{conductor_->last()});
+    }
+    published_.push_back(conductor_->step());
+    tell(conductor_->published());
+    close();
+  }
+  void close() {
+    for (Owner& o : server_) {
+      o.receiver->close(conductor_->last());
+      o.stored.clear();
+    }
+    open_ = false;
+  }
+  void tell(const std::vector<Control>& messages) {
+    for (const Control& m : messages)
+      for (const auto& s : simulation_) s->down.push_back(m);
+  }
+  int rankOf(const Simulation* s) const {
+    for (int r = 0; r < ranks_; r++)
+      if (simulation_[size_t(r)].get() == s) return r;
+    throw Error("no such rank");
+  }
+
+  Random random_;
+  int ranks_ = 1, owners_ = 1;
+  int64_t stride_ = 1;
+  uint64_t latency_ = 1;
+  std::vector<std::unique_ptr<Simulation>> simulation_;
+  std::vector<Owner> server_;
+  std::unique_ptr<Conductor> conductor_;
+  std::vector<std::pair<const Simulation*, StepHeader>> announced_;
+  std::vector<std::pair<int, uint64_t>> completed_;
+  std::vector<StepHeader> published_;
+  bool open_ = false;
+};
+
+/// How many seeds: --seeds=N for long runs.
+uint64_t seeds(uint64_t few) {
+  for (const std::string& a : testing::internal::GetArgvs())
+    if (a.rfind("--seeds=", 0) == 0) return std::stoull(a.substr(8));
+  return few;
+}
+
+TEST(Schedules, PublishWholeStepsOnlyAndAlwaysOneAtLast) {
+  uint64_t missed = 0, abandoned = 0;
+  for (uint64_t seed = 1; seed <= seeds(600); seed++) {
+    Schedule schedule(seed);
+    ASSERT_TRUE(schedule.run(5)) << "seed " << seed << ": " << schedule.description();
+    const auto& steps = schedule.published();
+    for (size_t i = 0; i < steps.size(); i++) {
+      EXPECT_EQ(steps[i].time, double(steps[i].count));
+      if (i > 0) {
+        EXPECT_GT(steps[i].step, steps[i - 1].step);
+      }
+    }
+    missed += schedule.counters().missed;
+    abandoned += schedule.counters().abandoned;
+    if (testing::Test::HasFailure()) FAIL() << "seed " << seed << ": " << schedule.description();
+  }
+  EXPECT_GT(missed, 100u) << "appointments that come too late are tried as well";
+  EXPECT_GT(abandoned, 100u) << "and steps that are given up";
+}
+
+}  // namespace
+}  // namespace gxy::insitu
