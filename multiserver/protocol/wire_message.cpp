@@ -42,14 +42,15 @@ WireMessage textMessage(MessageChannel channel, uint32_t id, std::string_view te
   return {channel, id, bytesOf(text)};
 }
 
-std::array<std::byte, kPreambleBytes> preamble() {
+std::array<std::byte, kPreambleBytes> preamble(Purpose purpose) {
   std::array<std::byte, kPreambleBytes> bytes{};
   std::memcpy(bytes.data(), kMagic.data(), kMagic.size());
   put(bytes.data() + kMagic.size(), kVersion);
+  put(bytes.data() + kMagic.size() + sizeof kVersion, purpose);
   return bytes;
 }
 
-void checkPreamble(std::span<const std::byte, kPreambleBytes> theirs) {
+void checkPreamble(std::span<const std::byte, kPreambleBytes> theirs, Purpose purpose) {
   if (std::memcmp(theirs.data(), kMagic.data(), kMagic.size()) != 0)
     throw Error(
         "preamble: the other side does not speak Galaxy's protocol, expected it to begin with GALAXY");
@@ -57,11 +58,15 @@ void checkPreamble(std::span<const std::byte, kPreambleBytes> theirs) {
   if (version != kVersion)
     throw Error("preamble: protocol version " + std::to_string(version) + ", expected " +
                 std::to_string(kVersion));
+  const auto found = get<uint32_t>(theirs.data() + kMagic.size() + sizeof version);
+  if (found != uint32_t(purpose))
+    throw Error("preamble: a connection for purpose " + std::to_string(found) + ", expected " +
+                std::to_string(uint32_t(purpose)) + " at this port");
 }
 
-std::array<std::byte, kHeaderBytes> headerOf(const WireMessage& message) {
+std::array<std::byte, kHeaderBytes> headerOf(const WireMessage& message, uint64_t more) {
   std::array<std::byte, kHeaderBytes> header{};
-  put(header.data(), uint64_t(message.payload.size()));
+  put(header.data(), uint64_t(message.payload.size()) + more);
   put(header.data() + 8, uint16_t(message.channel));
   put(header.data() + 12, message.id);
   return header;
@@ -76,8 +81,33 @@ MessageReader::Rules MessageReader::fromClient(uint64_t requestBytes) {
 
 MessageReader::Rules MessageReader::fromServer() {
   Rules rules;
-  rules.most.fill(kMaxServerMessageBytes);
-  rules.most[size_t(MessageChannel::Request)] = 0;
+  for (const auto channel : {MessageChannel::Control, MessageChannel::Reply, MessageChannel::Event,
+                             MessageChannel::Pixels, MessageChannel::File})
+    rules.most[size_t(channel)] = kMaxServerMessageBytes;
+  return rules;
+}
+
+MessageReader::Rules MessageReader::ofDataToSimulation() {
+  Rules rules;
+  rules.most[size_t(MessageChannel::Plan)] = kMaxServerMessageBytes;
+  rules.most[size_t(MessageChannel::DataControl)] = 64;
+  rules.most[size_t(MessageChannel::Bye)] = 4096;
+  return rules;
+}
+
+MessageReader::Rules MessageReader::ofDataHello() {
+  Rules rules;
+  rules.most[size_t(MessageChannel::DataHello)] = 64;
+  return rules;
+}
+
+MessageReader::Rules MessageReader::ofDataFromSimulation() {
+  Rules rules;
+  rules.most[size_t(MessageChannel::Describe)] = uint64_t(64) << 20;  // the most blocks, 48 bytes each
+  rules.most[size_t(MessageChannel::DataControl)] = 64;
+  rules.most[size_t(MessageChannel::Step)] = 64;
+  rules.most[size_t(MessageChannel::Piece)] = (uint64_t(1) << 20) + 64;
+  rules.most[size_t(MessageChannel::Bye)] = 4096;
   return rules;
 }
 

@@ -21,7 +21,25 @@ inline constexpr size_t kPreambleBytes = 16, kHeaderBytes = 16;
 inline constexpr uint64_t kMaxHelloBytes = 64 << 10;
 inline constexpr uint64_t kMaxServerMessageBytes = uint64_t(1) << 30;
 
-enum class MessageChannel : uint16_t { Control = 0, Request = 1, Reply = 2, Event = 3, Pixels = 4, File = 5 };
+enum class MessageChannel : uint16_t {
+  Control = 0,
+  Request = 1,
+  Reply = 2,
+  Event = 3,
+  Pixels = 4,
+  File = 5,
+  // The data connections of simulations (insitu/plan/records.h).
+  DataHello = 16,
+  Describe = 17,
+  Plan = 18,
+  DataControl = 19,
+  Step = 20,
+  Piece = 21,
+  Bye = 23,  ///< the reason why a data connection ends, as text
+};
+
+/// What a connection is for. It stands in the preamble.
+enum class Purpose : uint32_t { Client = 0, Data = 1 };
 
 struct WireMessage {
   MessageChannel channel = MessageChannel::Control;
@@ -37,11 +55,12 @@ struct WireMessage {
 Bytes bytesOf(std::string_view text);
 WireMessage textMessage(MessageChannel channel, uint32_t id, std::string_view text);
 
-std::array<std::byte, kPreambleBytes> preamble();
-/// Throws Error if the magic or the version is another.
-void checkPreamble(std::span<const std::byte, kPreambleBytes> theirs);
+std::array<std::byte, kPreambleBytes> preamble(Purpose purpose = Purpose::Client);
+/// Throws Error if the magic, the version or the purpose is another.
+void checkPreamble(std::span<const std::byte, kPreambleBytes> theirs, Purpose purpose = Purpose::Client);
 
-std::array<std::byte, kHeaderBytes> headerOf(const WireMessage& message);
+/// Returns the header of a message whose payload goes on with `more` bytes that stand elsewhere.
+std::array<std::byte, kHeaderBytes> headerOf(const WireMessage& message, uint64_t more = 0);
 
 /// Cuts a stream of bytes into messages. It allocates memory for the bytes of the current message that have come,
 /// never for the size that its header announces. One thread at a time may use it.
@@ -49,11 +68,15 @@ class MessageReader {
  public:
   /// The messages that are accepted. Only messages on channels that have ids may have an id other than 0.
   struct Rules {
-    std::array<uint64_t, 6> most{};        ///< largest payload in bytes, by channel; 0: no messages
+    std::array<uint64_t, 24> most{};       ///< largest payload in bytes, by channel; 0: no messages
     std::function<bool(uint64_t)> room{};  ///< whether a payload of this size may be kept; empty: always
   };
   static Rules fromClient(uint64_t requestBytes);
   static Rules fromServer();
+  /// What a server says on a data connection, and what a simulation does: before its hello is known, and then.
+  static Rules ofDataToSimulation();
+  static Rules ofDataHello();
+  static Rules ofDataFromSimulation();
 
   explicit MessageReader(Rules rules) : rules_(std::move(rules)) {}
 
