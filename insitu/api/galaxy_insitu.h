@@ -16,6 +16,7 @@
 #ifndef GALAXY_INSITU_H
 #define GALAXY_INSITU_H
 
+#include <stddef.h>
 #include <stdint.h>
 
 #ifdef __cplusplus
@@ -91,8 +92,9 @@ GXY_API gxy_sim* gxy_open(const char* name, int rank, int ranks, const char* opt
  * once with a count of 0. `of` must be GXY_OF_POINTS so far. Point (i, j, k) lies at origin + spacing * (i, j, k); spacing is
  * positive. A stream has one grid so far, so `mesh` is the same in all calls. Called again before
  * the first step, it changes what was said; a change after it is wrong so far. */
-GXY_API int gxy_grid(gxy_sim* sim, const char* mesh, int block, int of, const int64_t size[3], const int64_t first[3],
-                     const int64_t count[3], const double origin[3], const double spacing[3]);
+GXY_API int gxy_grid(gxy_sim* sim, const char* mesh, int block, int of, const int64_t size[3],
+                     const int64_t first[3], const int64_t count[3], const double origin[3],
+                     const double spacing[3]);
 
 /* Says where the values of a field lie for a block that gxy_grid() has described. Type and components of a field are the same
  * in all blocks of all ranks, and all blocks have the same fields. It may be called before each step, for instance
@@ -106,12 +108,12 @@ GXY_API int gxy_field(gxy_sim* sim, const char* mesh, int block, const char* fie
 GXY_API int gxy_publish(gxy_sim* sim, int64_t step, double time);
 
 typedef struct gxy_stat {
-  int64_t offered;         /* calls of gxy_publish() */
-  int64_t taken;           /* steps that were copied */
-  int64_t published;       /* taken steps that the server has published */
-  int64_t bytes;           /* copied */
-  double publish_seconds;  /* in gxy_publish(), all calls together */
-  double longest_seconds;  /* the longest call */
+  int64_t offered;        /* calls of gxy_publish() */
+  int64_t taken;          /* steps that were copied */
+  int64_t published;      /* taken steps that the server has published */
+  int64_t bytes;          /* copied */
+  double publish_seconds; /* in gxy_publish(), all calls together */
+  double longest_seconds; /* the longest call */
 } gxy_stat;
 GXY_API int gxy_statistics(gxy_sim* sim, gxy_stat* statistics);
 

@@ -1,0 +1,225 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "insitu/client/connection.h"
+
+#include <numeric>
+#include <utility>
+
+#include "core/comm/error.h"
+
+namespace gxy::insitu {
+
+using protocol::MessageChannel;
+using protocol::WireMessage;
+
+namespace {
+
+using Clock = Interrupt::Clock;
+constexpr std::chrono::seconds kConnectPatience(10);
+
+WireMessage message(MessageChannel channel, Bytes payload) { return {channel, 0, std::move(payload)}; }
+
+}  // namespace
+
+std::shared_ptr<const Route> routeOf(std::vector<Destination> destinations,
+                                     const std::vector<Field>& fields) {
+  auto route = std::make_shared<Route>();
+  for (const Destination& d : destinations) {
+    Sender::Load load{d.owner, {}, {}};
+    for (const Piece& piece : d.pieces)
+      for (const Field& field : fields) {
+        load.items.push_back(uint64_t(piece.points.count()) * field.bytesPerPoint());
+        load.bytesPerPoint.push_back(field.bytesPerPoint());
+      }
+    route->bytes = std::accumulate(load.items.begin(), load.items.end(), route->bytes);
+    route->loads.push_back(std::move(load));
+  }
+  route->destinations = std::move(destinations);
+  route->slot = std::make_unique_for_overwrite<std::byte[]>(route->bytes);
+  return route;
+}
+
+Connection::Connection(Options options, Member member)
+    : options_(std::move(options)), member_(std::move(member)), thread_([this] { run(); }) {}
+
+Connection::~Connection() {
+  if (!thread_.joinable()) return;
+  interrupt_.close();
+  thread_.join();
+}
+
+void Connection::describe(Description description) {
+  {
+    const std::lock_guard lock(mutex_);
+    description_ = std::move(description);
+  }
+  interrupt_.wake();
+}
+
+std::shared_ptr<const Route> Connection::route() const {
+  const std::lock_guard lock(mutex_);
+  return route_;
+}
+
+void Connection::filled(int64_t step, double time) {
+  if (sender_.filled(step, time)) interrupt_.wake();
+}
+
+std::string Connection::problem() const {
+  const std::lock_guard lock(mutex_);
+  return problem_;
+}
+
+void Connection::close(double seconds) {
+  {
+    std::unique_lock lock(mutex_);
+    changed_.wait_for(lock, std::chrono::duration<double>(seconds), [this] { return sender_.idle(); });
+  }
+  interrupt_.close();
+  thread_.join();
+}
+
+void Connection::run() {
+  for (;;) {
+    try {
+      serve();
+    } catch (const Closing&) {
+      sayBye();
+      return;
+    } catch (const std::exception& e) {
+      lose(e.what());
+    }
+    if (options_.reconnect.count() == 0) return;
+    try {
+      const auto until = Clock::now() + std::chrono::duration_cast<Clock::duration>(options_.reconnect);
+      while (Clock::now() < until) {
+        pollfd none{};
+        interrupt_.wait(std::span(&none, 1), until);
+      }
+    } catch (const Closing&) {
+      return;
+    }
+  }
+}
+
+void Connection::lose(const std::string& why) {
+  connected_ = false;
+  sender_.end();
+  sockets_.clear();
+  described_ = false;
+  const std::lock_guard lock(mutex_);
+  problem_ = why;
+  changed_.notify_all();
+}
+
+// Until the connection is lost.
+void Connection::serve() {
+  joined_ = join(options_, member_, interrupt_);
+  follow(joined_, {{0, {}}});
+  connected_ = true;
+  for (;;) {
+    exchange();
+    waitForSockets();
+    for (const auto& [owner, socket] : sockets_)  // may get more of them meanwhile
+      receive(owner, *socket);
+  }
+}
+
+// Connects to the ranks of the server that get something.
+void Connection::follow(const Joined& joined, std::vector<Destination> destinations) {
+  for (const Destination& d : destinations) {
+    if (sockets_.count(d.owner) > 0) continue;
+    if (size_t(d.owner) >= joined.ranks.size()) throw Error("plan of a stream: there is no such rank");
+    const auto& [host, port] = joined.ranks[size_t(d.owner)];
+    auto socket = std::make_unique<WireSocket>(host, port, protocol::Purpose::Data, interrupt_,
+                                               Clock::now() + kConnectPatience);
+    socket->send(message(MessageChannel::DataHello,
+                         written(Hello{joined.stream, joined.ticket, uint32_t(member_.rank)})));
+    sockets_.emplace(d.owner, std::move(socket));
+  }
+}
+
+// Sends what there is to send, as much as the sockets take.
+void Connection::exchange() {
+  WireSocket& root = *sockets_.at(0);
+  if (!described_) described_ = tellDescription(root);
+  if (const auto step = sender_.announcement()) root.send(message(MessageChannel::Step, written(*step)));
+  for (const auto& [owner, socket] : sockets_) {
+    sendPieces(owner, *socket);
+    socket->flush();
+  }
+}
+
+bool Connection::tellDescription(WireSocket& root) {
+  const std::lock_guard lock(mutex_);
+  if (!description_) return false;
+  root.send(message(MessageChannel::Describe, written(*description_)));
+  return true;
+}
+
+// One chunk at a time waits in a socket's queue, so that what the server says is heard between chunks.
+void Connection::sendPieces(int owner, WireSocket& socket) {
+  socket.flush();
+  while (socket.sent()) {
+    const auto chunk = sender_.next(owner);
+    if (!chunk) return;
+    const auto header = written(chunk->header);
+    socket.send(message(MessageChannel::Piece, Bytes(header.begin(), header.end())),
+                {route_->slot.get() + chunk->place, chunk->bytes});
+    socket.flush();
+  }
+}
+
+void Connection::waitForSockets() {
+  std::vector<pollfd> sockets;
+  for (const auto& [owner, socket] : sockets_)
+    sockets.push_back({socket->descriptor(), short(socket->sent() ? POLLIN : POLLIN | POLLOUT), 0});
+  sockets.emplace_back();
+  interrupt_.wait(sockets);
+}
+
+void Connection::receive(int owner, WireSocket& socket) {
+  while (const auto m = socket.receive()) {
+    if (m->channel == MessageChannel::Bye) throw Error(std::string(m->text()));
+    if (owner != 0) throw Error("the server's rank " + std::to_string(owner) + " says what only rank 0 may");
+    if (m->channel == MessageChannel::DataControl) {
+      receiveControl(readControl(m->payload));
+      continue;
+    }
+    std::shared_ptr<const Route> route;
+    {
+      const std::lock_guard lock(mutex_);
+      if (!description_) throw Error("plan of a stream that has no description, expected it later");
+      route = routeOf(readDestinations(m->payload, member_.rank, description_->blocks),
+                      description_->mesh.fields);
+    }
+    follow(joined_, route->destinations);
+    sender_.begin(route->loads);
+    const std::lock_guard lock(mutex_);
+    route_ = std::move(route);
+    problem_.clear();  // and not before: the server may have refused the plan
+  }
+}
+
+void Connection::receiveControl(const Control& control) {
+  // The slot may be filled anew after this, so that nothing may be sent from it any more.
+  if (control.kind == Control::Kind::Cancel || control.kind == Control::Kind::Published)
+    for (const auto& [owner, socket] : sockets_) socket->own();
+  const auto answer = sender_.receive(control);
+  if (answer) sockets_.at(0)->send(message(MessageChannel::DataControl, written(*answer)));
+  const std::lock_guard lock(mutex_);
+  changed_.notify_all();
+}
+
+// The server knows then that this rank has not failed.
+void Connection::sayBye() {
+  connected_ = false;
+  for (const auto& [owner, socket] : sockets_) try {
+      socket->send(protocol::textMessage(MessageChannel::Bye, 0, "the simulation has closed the stream"));
+      socket->finish();
+    } catch (const std::exception&) {
+      // lost already
+    }
+  sockets_.clear();
+}
+
+}  // namespace gxy::insitu

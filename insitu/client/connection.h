@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: Apache-2.0
+// The thread by which a rank of a simulation is connected to a server.
+#pragma once
+#include <condition_variable>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "insitu/client/interrupt.h"
+#include "insitu/client/join.h"
+#include "insitu/client/options.h"
+#include "insitu/client/wire_socket.h"
+#include "insitu/plan/description.h"
+#include "insitu/plan/sender.h"
+
+namespace gxy::insitu {
+
+/// Where the samples of a step go, and the slot that they are copied into. It is immutable but for the bytes of the slot.
+struct Route {
+  std::vector<Destination> destinations;
+  std::vector<Sender::Load> loads;  ///< by destination
+  uint64_t bytes = 0;               ///< of the slot
+  std::unique_ptr<std::byte[]> slot;
+};
+
+/// Returns the route of a rank by the plan of a server. The slot has the items of each destination one behind the other.
+std::shared_ptr<const Route> routeOf(std::vector<Destination> destinations, const std::vector<Field>& fields);
+
+/// Connects in the background and sends what is taken. If the connection is lost, it tries again as the options say. The
+/// simulation's thread uses all functions.
+class Connection {
+ public:
+  Connection(Options options, Member member);
+  /// Waits for the thread.
+  ~Connection();
+  Connection(const Connection&) = delete;
+  Connection& operator=(const Connection&) = delete;
+
+  /// Says what this rank has; called once, before the first publish().
+  void describe(Description description);
+  /// Counts a publish. True: the caller copies the step into the slot of route() and calls filled().
+  bool publish() { return sender_.publish(); }
+  std::shared_ptr<const Route> route() const;
+  void filled(int64_t step, double time);
+
+  bool connected() const { return connected_; }
+  uint64_t published() const { return sender_.published(); }
+  /// Why there is no connection; empty if there is one, or if none has failed so far.
+  std::string problem() const;
+  /// Waits until what was taken is published or given up, at most `seconds`. Then ends the stream on this rank.
+  void close(double seconds);
+
+ private:
+  void run();
+  void serve();
+  bool tellDescription(WireSocket& root);
+  void follow(const Joined& joined, std::vector<Destination> destinations);
+  void exchange();
+  void sendPieces(int owner, WireSocket& socket);
+  void waitForSockets();
+  void receive(int owner, WireSocket& socket);
+  void receiveControl(const Control& message);
+  void lose(const std::string& why);
+  void sayBye();
+
+  const Options options_;
+  const Member member_;
+  Interrupt interrupt_;
+  Sender sender_;
+  std::atomic<bool> connected_ = false;
+
+  mutable std::mutex mutex_;  ///< guards the next four
+  std::condition_variable changed_;
+  std::optional<Description> description_;
+  std::shared_ptr<const Route> route_;
+  std::string problem_;
+
+  // Used by the thread only.
+  std::map<int, std::unique_ptr<WireSocket>> sockets_;  ///< by rank of the server
+  Joined joined_;
+  bool described_ = false;
+
+  std::thread thread_;
+};
+
+}  // namespace gxy::insitu

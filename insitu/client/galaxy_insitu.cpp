@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: Apache-2.0
+// The C interface: arguments are checked, and exceptions become results.
+#include "insitu/api/galaxy_insitu.h"
+
+#include <algorithm>
+#include <cmath>
+#include <exception>
+#include <memory>
+#include <string>
+
+#include "core/comm/error.h"
+#include "insitu/client/simulation.h"
+
+using namespace gxy;
+using namespace gxy::insitu;
+
+struct gxy_sim {
+  std::unique_ptr<Simulation> simulation;  ///< null: gxy_open() was used wrongly
+  std::string message;
+  std::string shown;  ///< what gxy_message() has returned
+};
+
+namespace {
+
+// Runs what a function does. Nothing is thrown out of the library.
+template <class Action>
+int guarded(gxy_sim* sim, Action action) {
+  if (!sim) return GXY_WRONG;
+  try {
+    if (!sim->simulation) return GXY_WRONG;  // The message of gxy_open() stays.
+    sim->message.clear();
+    return action(*sim->simulation);
+  } catch (const std::exception& e) {
+    try {
+      sim->message = e.what();
+    } catch (const std::exception&) {
+      // There is no memory for the message.
+    }
+    return GXY_WRONG;
+  }
+}
+
+const char* given(const char* text, const char* what) {
+  if (!text) throw Error(std::string(what) + " is NULL, expected a text");
+  return text;
+}
+
+void checkOf(int of, const char* function) {
+  if (of != GXY_OF_POINTS && of != GXY_OF_CELLS)
+    throw Error(std::string(function) + ": of " + std::to_string(of) + ", expected one of gxy_of");
+  if (of == GXY_OF_CELLS)
+    throw Error(std::string(function) + ": GXY_OF_CELLS is not taken so far, expected GXY_OF_POINTS");
+}
+
+std::unique_ptr<Simulation> opened(const char* name, int rank, int ranks, const char* options) {
+  checkName(given(name, "gxy_open: the name"), "stream");
+  if (ranks < 1 || ranks > kMostRanks || rank < 0 || rank >= ranks)
+    throw Error("gxy_open: rank " + std::to_string(rank) + " of " + std::to_string(ranks) +
+                ", expected a rank from 0 up, of 1 to " + std::to_string(kMostRanks) + " ranks");
+  return std::make_unique<Simulation>(readOptions(options), Member{name, rank, ranks});
+}
+
+}  // namespace
+
+int gxy_version(void) { return GXY_INSITU_VERSION; }
+
+gxy_sim* gxy_open(const char* name, int rank, int ranks, const char* options) {
+  static gxy_sim noMemory;
+  try {
+    auto sim = std::make_unique<gxy_sim>();
+    try {
+      sim->simulation = opened(name, rank, ranks, options);
+    } catch (const std::exception& e) {
+      sim->message = e.what();
+    }
+    return sim.release();
+  } catch (const std::exception&) {
+    return &noMemory;
+  }
+}
+
+int gxy_grid(gxy_sim* sim, const char* mesh, int block, int of, const int64_t size[3], const int64_t first[3],
+             const int64_t count[3], const double origin[3], const double spacing[3]) {
+  return guarded(sim, [&](Simulation& s) {
+    checkOf(of, "gxy_grid");
+    if (!size || !first || !count || !origin || !spacing)
+      throw Error("gxy_grid: an argument is NULL, expected arrays of three numbers");
+    Grid grid;
+    Extent owned;
+    for (int a = 0; a < 3; a++) {
+      grid.points[size_t(a)] = size[a];
+      grid.origin[a] = origin[a];
+      grid.spacing[a] = spacing[a];
+      owned.first[size_t(a)] = first[a];
+      owned.points[size_t(a)] = count[a];
+    }
+    if (std::any_of(count, count + 3, [](int64_t n) { return n == 0; })) owned = {};
+    s.grid(given(mesh, "gxy_grid: mesh"), block, grid, owned);
+    return GXY_TAKEN;
+  });
+}
+
+int gxy_field(gxy_sim* sim, const char* mesh, int block, const char* field, int of, gxy_array values) {
+  return guarded(sim, [&](Simulation& s) {
+    checkOf(of, "gxy_field");
+    s.field(given(mesh, "gxy_field: mesh"), block, given(field, "gxy_field: field"), values);
+    return GXY_TAKEN;
+  });
+}
+
+int gxy_publish(gxy_sim* sim, int64_t step, double time) {
+  return guarded(sim, [&](Simulation& s) { return s.publish(step, time); });
+}
+
+int gxy_statistics(gxy_sim* sim, gxy_stat* statistics) {
+  return guarded(sim, [&](Simulation& s) {
+    if (!statistics) throw Error("gxy_statistics: statistics is NULL, expected a gxy_stat");
+    *statistics = s.statistics();
+    return GXY_TAKEN;
+  });
+}
+
+const char* gxy_message(gxy_sim* sim) {
+  if (!sim) return "gxy_sim is NULL, expected what gxy_open returned";
+  try {
+    sim->shown = sim->message;
+    if (sim->shown.empty() && sim->simulation) sim->shown = sim->simulation->problem();
+    return sim->shown.c_str();
+  } catch (const std::exception&) {
+    return "there is no memory for a message";
+  }
+}
+
+void gxy_close(gxy_sim* sim, double seconds) {
+  if (!sim) return;
+  guarded(sim, [&](Simulation& s) {
+    s.close(std::isfinite(seconds) ? std::clamp(seconds, 0.0, 1e6) : 0);
+    return GXY_TAKEN;
+  });
+  if (sim->simulation || !sim->message.empty()) delete sim;
+}

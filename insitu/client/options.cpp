@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "insitu/client/options.h"
+
+#include <charconv>
+#include <cstdlib>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <sstream>
+
+#include "core/comm/error.h"
+
+namespace gxy::insitu {
+
+using nlohmann::json;
+
+namespace {
+
+json parsed(const std::string& text, const std::string& where) {
+  const json object = json::parse(text, nullptr, false);
+  if (!object.is_object()) throw Error(where + ": expected a JSON object");
+  static const std::set<std::string> known{"to", "token-file", "tenant", "scope", "partition", "reconnect"};
+  for (const auto& [key, value] : object.items())
+    if (known.count(key) == 0) {
+      std::string all;
+      for (const std::string& k : known) all += (all.empty() ? "" : ", ") + k;
+      throw Error(where + ": there is no option \"" + key + "\", expected one of " + all);
+    }
+  return object;
+}
+
+std::string textOf(const std::string& path) {
+  std::ifstream file(path);
+  std::ostringstream text;
+  text << file.rdbuf();
+  if (!file) throw Error("GALAXY_INSITU_OPTIONS: " + path + " cannot be read, expected a JSON file");
+  return text.str();
+}
+
+std::string word(const json& options, const char* key, const std::string& otherwise) {
+  const auto found = options.find(key);
+  if (found == options.end()) return otherwise;
+  if (!found->is_string()) throw Error(std::string("option \"") + key + "\": expected a text");
+  return found->get<std::string>();
+}
+
+void readWhere(const std::string& to, Options& options) {
+  if (to == "off") return;
+  const size_t colon = to.rfind(':');
+  int port = 0;
+  if (colon != std::string::npos) {
+    const char* end = to.data() + to.size();
+    const auto [rest, failed] = std::from_chars(to.data() + colon + 1, end, port);
+    if (failed != std::errc() || rest != end) port = 0;
+  }
+  if (colon == 0 || port < 1 || port > 65535)
+    throw Error("option \"to\": found \"" + to + "\", expected \"off\" or HOST:PORT");
+  options.on = true;
+  options.host = to.substr(0, colon);
+  if (options.host.size() > 2 && options.host.front() == '[')  // [::1]:5001
+    options.host = options.host.substr(1, options.host.size() - 2);
+  options.port = uint16_t(port);
+}
+
+}  // namespace
+
+Options readOptions(const char* text) {
+  json object = text ? parsed(text, "options of gxy_open") : json::object();
+  if (const char* file = std::getenv("GALAXY_INSITU_OPTIONS"))
+    object.update(parsed(textOf(file), std::string("GALAXY_INSITU_OPTIONS, ") + file));
+  Options options;
+  const char* where = std::getenv("GALAXY_INSITU");
+  readWhere(where ? where : word(object, "to", "off"), options);
+  options.tokenFile = word(object, "token-file", "");
+  options.tenant = word(object, "tenant", options.tenant);
+  options.scope = word(object, "scope", options.scope);
+  if (options.scope != "private" && options.scope != "shared")
+    throw Error("option \"scope\": found \"" + options.scope + "\", expected \"private\" or \"shared\"");
+  options.partition = object.value("partition", json("even")).dump();
+  const json reconnect = object.value("reconnect", json(5));
+  if (!reconnect.is_number() || !(reconnect.get<double>() >= 0) || reconnect.get<double>() > 1e6)
+    throw Error("option \"reconnect\": expected seconds, 0 to 10^6");
+  options.reconnect = std::chrono::duration<double>(reconnect.get<double>());
+  return options;
+}
+
+}  // namespace gxy::insitu

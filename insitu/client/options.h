@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+// Where a simulation publishes its steps, and how.
+#pragma once
+#include <chrono>
+#include <cstdint>
+#include <string>
+
+namespace gxy::insitu {
+
+/// The options of gxy_open() (insitu/api/galaxy_insitu.h).
+struct Options {
+  bool on = false;
+  std::string host;
+  uint16_t port = 0;
+  std::string tokenFile;  ///< "-": none; empty: where a server on this machine leaves its token
+  std::string tenant = "user";
+  std::string scope = "private";
+  std::string partition = "even";              ///< JSON, as it is sent to the server
+  std::chrono::duration<double> reconnect{5};  ///< 0: never
+};
+
+/// Reads `text`, a JSON object, or null for none. The environment variables GALAXY_INSITU and GALAXY_INSITU_OPTIONS go before it.
+/// Throws Error, with what was expected, for options that do not exist and for wrong values.
+Options readOptions(const char* text);
+
+}  // namespace gxy::insitu

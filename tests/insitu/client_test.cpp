@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: Apache-2.0
+// The C interface without a server.
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <cstdlib>
+#include <string>
+
+#include "insitu/api/galaxy_insitu.h"
+
+extern "C" int publish_from_c(void);
+
+namespace {
+
+constexpr int64_t kSize[3] = {4, 4, 4}, kFirst[3] = {0, 0, 0};
+constexpr double kOrigin[3] = {0, 0, 0}, kSpacing[3] = {1, 1, 1};
+constexpr const char* kNowhere = R"({"to": "127.0.0.1:1", "token-file": "-"})";
+
+struct Sim {
+  explicit Sim(const char* options = nullptr, const char* name = "heat", int rank = 0, int ranks = 1)
+      : sim(gxy_open(name, rank, ranks, options)) {}
+  ~Sim() { gxy_close(sim, 0); }
+  Sim(const Sim&) = delete;
+  Sim& operator=(const Sim&) = delete;
+  int grid(const char* mesh = "grid", int block = 0) {
+    return gxy_grid(sim, mesh, block, GXY_OF_POINTS, kSize, kFirst, kSize, kOrigin, kSpacing);
+  }
+  int field(const char* name, const gxy_array& array, int block = 0) {
+    return gxy_field(sim, "grid", block, name, GXY_OF_POINTS, array);
+  }
+  gxy_array array() const { return {values, GXY_FLOAT32, 1, {4, 16, 64}, 0, 0}; }
+  std::string message() const { return gxy_message(sim); }
+  void expectWrong(int result, const std::string& why) const {
+    EXPECT_EQ(result, GXY_WRONG);
+    EXPECT_NE(message().find(why), std::string::npos) << message();
+  }
+  gxy_sim* sim;
+  float values[64] = {};
+};
+
+TEST(Interface, IsUsedFromC) { EXPECT_EQ(publish_from_c(), 0); }
+
+TEST(Interface, IsOffUnlessItIsSaidWhereTo) {
+  Sim s;
+  EXPECT_EQ(s.grid(), GXY_TAKEN);
+  EXPECT_EQ(s.field("t", s.array()), GXY_TAKEN);
+  EXPECT_EQ(gxy_publish(s.sim, 1, 0), GXY_OFF);
+  EXPECT_EQ(s.message(), "");
+}
+
+TEST(Interface, TheEnvironmentSaysWhereTo) {
+  setenv("GALAXY_INSITU", "nowhere", 1);
+  Sim wrong;
+  unsetenv("GALAXY_INSITU");
+  wrong.expectWrong(gxy_publish(wrong.sim, 1, 0), "expected \"off\" or HOST:PORT");
+  setenv("GALAXY_INSITU", "off", 1);
+  Sim off(kNowhere);
+  unsetenv("GALAXY_INSITU");
+  EXPECT_EQ(gxy_publish(off.sim, 1, 0), GXY_OFF);
+}
+
+TEST(Interface, WrongOptionsAreTold) {
+  const auto expect = [](const char* options, const char* why) {
+    Sim s(options);
+    s.expectWrong(s.grid(), why);
+  };
+  expect("[]", "expected a JSON object");
+  expect(R"({"two": 1})", "there is no option \"two\", expected one of partition, reconnect");
+  expect(R"({"to": 5})", "option \"to\": expected a text");
+  expect(R"({"to": "here:70000"})", "expected \"off\" or HOST:PORT");
+  expect(R"({"scope": "all"})", "expected \"private\" or \"shared\"");
+  expect(R"({"reconnect": -1})", "expected seconds");
+}
+
+TEST(Interface, WrongRanksAndNamesAreTold) {
+  Sim rank(nullptr, "heat", 2, 2);
+  rank.expectWrong(rank.grid(), "rank 2 of 2");
+  Sim name(nullptr, "");
+  name.expectWrong(name.grid(), "the name of a stream has 0 bytes");
+  Sim null(nullptr, nullptr);
+  null.expectWrong(null.grid(), "is NULL, expected a text");
+  EXPECT_EQ(gxy_publish(nullptr, 1, 0), GXY_WRONG);
+  EXPECT_STRNE(gxy_message(nullptr), "");
+}
+
+TEST(Interface, WrongGridsAndFieldsAreToldAndChangeNothing) {
+  Sim s(kNowhere);
+  const int64_t large[3] = {4, 4, 5};
+  s.expectWrong(gxy_publish(s.sim, 1, 0), "expected gxy_grid() and gxy_field() first");
+  s.expectWrong(s.field("t", s.array()), "expected gxy_grid() first");
+  s.expectWrong(gxy_grid(s.sim, "grid", 0, GXY_OF_CELLS, kSize, kFirst, kSize, kOrigin, kSpacing),
+                "not taken so far");
+  s.expectWrong(gxy_grid(s.sim, "grid", 0, 7, kSize, kFirst, kSize, kOrigin, kSpacing),
+                "expected one of gxy_of");
+  s.expectWrong(gxy_grid(s.sim, "grid", 0, GXY_OF_POINTS, kSize, kFirst, large, kOrigin, kSpacing),
+                "inside the grid");
+  s.expectWrong(gxy_grid(s.sim, "grid", 0, GXY_OF_POINTS, kSize, kFirst, nullptr, kOrigin, kSpacing),
+                "is NULL");
+  EXPECT_EQ(s.grid(), GXY_TAKEN);
+  s.expectWrong(s.grid("other"), "a stream has one grid so far");
+  gxy_array a = s.array();
+  a.type = 10;
+  s.expectWrong(s.field("t", a), "type 10, expected one of gxy_type");
+  a = s.array();
+  a.stride[1] = 0;
+  s.expectWrong(s.field("t", a), "stride[1] is 0");
+  a = s.array();
+  a.data = nullptr;
+  s.expectWrong(s.field("t", a), "there are no data");
+  a = s.array();
+  a.memory = 1;
+  s.expectWrong(s.field("t", a), "expected 0, the memory of the host");
+  EXPECT_EQ(s.field("t", s.array()), GXY_TAKEN);
+  EXPECT_NE(gxy_publish(s.sim, 5, 0), GXY_WRONG);
+  s.expectWrong(gxy_publish(s.sim, 5, 0), "expected steps that ascend");
+  s.expectWrong(s.field("u", s.array()), "after the first step");
+  s.expectWrong(s.grid(), "after the first step");
+}
+
+TEST(Interface, ASimulationWithoutAServerRunsOn) {
+  Sim s(kNowhere);
+  s.grid();
+  s.field("t", s.array());
+  for (int step = 1; step <= 1000; step++) EXPECT_EQ(gxy_publish(s.sim, step, 0), GXY_LOST);
+  for (int i = 0; i < 1000 && s.message().empty(); i++) {
+    const timespec moment{0, 10000000};
+    nanosleep(&moment, nullptr);
+  }
+  EXPECT_NE(s.message().find("is a server running there?"), std::string::npos) << s.message();
+  gxy_stat statistics;
+  EXPECT_EQ(gxy_statistics(s.sim, &statistics), GXY_TAKEN);
+  EXPECT_EQ(statistics.offered, 1000);
+  EXPECT_EQ(statistics.taken, 0);
+}
+
+}  // namespace
