@@ -20,8 +20,8 @@
 
 namespace gxy {
 
-/// One step of one source of data. So far all sources are imports. An imported dataset is its own source:
-/// `source` is the key of its object, and `step` is the generation.
+/// One step of one source of data. A simulation's stream is a source: `source` is its number, and `step` is the number that the
+/// simulation gave. An imported dataset is its own source: `source` is the key of its object, and `step` is the generation.
 struct Origin {
   uint64_t source = 0;
   int64_t step = 0;
@@ -55,12 +55,13 @@ struct Provenance {
 /// and any thread may read it.
 struct Dataset {
   std::string file, array, radiusArray;  ///< where it was read; empty for what a filter has made
+  std::string stream;  ///< of which simulation `array` is a field; empty for what was read or made
   glm::dvec4 color{0.8, 0.8, 0.8, 1};
   std::shared_ptr<const Partitioning> partitioning;
   std::shared_ptr<const Volume> volume;           ///< of a volume
   std::shared_ptr<const OwnedGeometry> geometry;  ///< else
   std::vector<Origin> origins;                    ///< sorted, at most one of each source
-  /// Simulation time, in the simulation's unit; NaN: unknown. No import sets it so far.
+  /// Simulation time, in the simulation's unit; NaN: unknown. Streams set it; no import does so far.
   double time = std::numeric_limits<double>::quiet_NaN();
   Provenance provenance;
   int64_t bytes = 0;  ///< on this rank

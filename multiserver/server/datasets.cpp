@@ -77,6 +77,7 @@ json DatasetEvent::json() const {
                       {"type", dataset.type},
                       {"generation", dataset.generation}};
   if (kind == Kind::Renamed) json["to"] = newName;
+  if (!origin.is_null()) json.update(origin);
   return json;
 }
 
@@ -121,6 +122,7 @@ json Datasets::infoHere(const json& parameters) const {
     if (!d->radiusArray.empty()) result["radius array"] = d->radiusArray;
     result["file"] = d->file;
   }
+  if (!d->stream.empty()) result.update({{"stream", d->stream}, {"array", d->array}});
   if (!d->origins.empty()) result["origins"] = listed(d->origins);
   if (!std::isnan(d->time)) result["time"] = d->time;
   if (!d->provenance.filter.empty()) result["provenance"] = described(d->provenance);
@@ -158,6 +160,19 @@ Generation Datasets::generationOf(Key key) const {
   } catch (const Error&) {
     return 0;  // dropped meanwhile
   }
+}
+
+json Datasets::originOf(Key key) const {
+  std::shared_ptr<const Dataset> dataset;
+  try {
+    dataset = serverRank_.objects.pin(key).get<Dataset>();
+  } catch (const Error&) {
+    return nullptr;  // dropped meanwhile
+  }
+  if (dataset->stream.empty()) return nullptr;
+  json origin{{"stream", dataset->stream}, {"step", dataset->origins.front().step}};
+  if (!std::isnan(dataset->time)) origin["time"] = dataset->time;
+  return origin;
 }
 
 NamedDataset Datasets::named(const std::string& name, Scope scope, const DirectoryEntry& e) const {
@@ -236,7 +251,7 @@ void Datasets::drop(const std::string& tenant, const std::string& name) {
     const NamedDataset dataset = get(tenant, name);
     serverRank_.directory.remove(tenant, name, dataset.scope);
     key = dataset.key;
-    tell({DatasetEvent::Kind::Dropped, dataset, {}});
+    tell({DatasetEvent::Kind::Dropped, dataset, {}, {}});
   }
   dropObject(key);
 }
@@ -255,7 +270,7 @@ void Datasets::rename(const std::string& tenant, const std::string& name, const 
     const std::lock_guard lock(mutex_);
     names_[d.key].first = newName;
   }
-  tell({DatasetEvent::Kind::Renamed, d, newName});
+  tell({DatasetEvent::Kind::Renamed, d, newName, {}});
 }
 
 void Datasets::move(const std::string& tenant, const std::string& name, Scope to, bool readOnly) {
@@ -276,16 +291,17 @@ void Datasets::move(const std::string& tenant, const std::string& name, Scope to
     names_[d.key].second = to;
   }
   serverRank_.directory.remove(tenant, name, from);
-  tell({DatasetEvent::Kind::Dropped, d, {}});
+  tell({DatasetEvent::Kind::Dropped, d, {}, {}});
   d.scope = to;
   d.readOnly = readOnly;
-  tell({DatasetEvent::Kind::Added, d, {}});
+  tell({DatasetEvent::Kind::Added, d, {}, {}});
 }
 
 Generation Datasets::wait(Request& request, const std::string& name, std::optional<Generation> generation,
                           double seconds) {
   using namespace std::chrono;
   const std::string tenant = request.session().tenant();
+  const auto wish = want(tenant, {name});
   const auto now = find(tenant, name);
   const Generation wanted = generation ? *generation : now ? now->generation + 1 : 1;
   const auto until = steady_clock::now() + duration_cast<steady_clock::duration>(duration<double>(seconds));
@@ -304,6 +320,25 @@ Generation Datasets::wait(Request& request, const std::string& name, std::option
     std::unique_lock lock(mutex_);
     changed_.wait_until(lock, std::min(until, steady_clock::now() + milliseconds(200)));
   }
+}
+
+std::shared_ptr<void> Datasets::want(const std::string& tenant, std::vector<std::string> names) {
+  const std::lock_guard lock(mutex_);
+  const uint64_t id = nextWish_++;
+  wishes_[id] = {tenant, std::move(names)};
+  return {nullptr, [this, id](void*) {
+            const std::lock_guard again(mutex_);
+            wishes_.erase(id);
+          }};
+}
+
+bool Datasets::wanted(const std::string& tenant, Scope scope, const std::string& name) const {
+  const std::lock_guard lock(mutex_);
+  return std::any_of(wishes_.begin(), wishes_.end(), [&](const auto& one) {
+    const Wish& wish = one.second;
+    return (scope == Scope::Shared || wish.tenant == tenant) &&
+           (wish.names.empty() || std::find(wish.names.begin(), wish.names.end(), name) != wish.names.end());
+  });
 }
 
 std::shared_ptr<void> Datasets::observe(Observer observer) {
@@ -350,9 +385,11 @@ void Datasets::onObject(const ObjectEvent& event) {
   }
   if (!dataset) return;
   dataset->generation = event.generation;
-  tell({event.kind == ObjectEvent::Kind::Updated ? DatasetEvent::Kind::Updated : DatasetEvent::Kind::Skipped,
+  const bool updated = event.kind == ObjectEvent::Kind::Updated;
+  tell({updated ? DatasetEvent::Kind::Updated : DatasetEvent::Kind::Skipped,
         *dataset,
-        {}});
+        {},
+        updated ? originOf(event.key) : json()});
 }
 
 }  // namespace gxy

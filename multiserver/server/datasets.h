@@ -54,6 +54,8 @@ struct DatasetEvent {
   Kind kind;
   NamedDataset dataset;
   std::string newName;  ///< Renamed
+  nlohmann::json
+      origin;  ///< Added and Updated of a stream's data: an object with `stream`, `step` and `time`; else null
   bool visibleTo(const std::string& tenant) const {
     return dataset.scope == Scope::Shared || dataset.owner == tenant;
   }
@@ -107,6 +109,11 @@ class Datasets {
                                                    const std::string& operation, Scope scope,
                                                    std::vector<DatasetDraft> drafts,
                                                    bool onlyMissing = false);
+  /// The same for one who publishes again and again: it does not wait. Throws Error where somebody else publishes under one of the
+  /// names now.
+  [[nodiscard]] std::shared_ptr<const Names> beginNow(const std::string& tenant, uint64_t exchange,
+                                                      const std::string& operation, Scope scope,
+                                                      std::vector<DatasetDraft> drafts);
   /// Makes the Publication of these names on a rank, in a work of the exchange. Its items are in the order of the drafts, and what
   /// is staged for them are Datasets.
   Publication join(const nlohmann::json& items, Collectives& ranks);
@@ -142,6 +149,12 @@ class Datasets {
   Generation wait(Request& request, const std::string& name, std::optional<Generation> generation,
                   double seconds);
 
+  /// Says that a tenant waits for newer data of these names (none: of all that it sees), until the returned handle goes. Sources of
+  /// data that come by themselves make what is wanted (multiserver/insitu).
+  [[nodiscard]] std::shared_ptr<void> want(const std::string& tenant, std::vector<std::string> names);
+  /// Whether somebody who would see this name waits for newer data of it.
+  bool wanted(const std::string& tenant, Scope scope, const std::string& name) const;
+
   using Observer = std::function<void(const DatasetEvent&)>;
   /// Until the returned handle goes. Called on the thread that made the change; must be short.
   [[nodiscard]] std::shared_ptr<void> observe(Observer observer);
@@ -154,6 +167,10 @@ class Datasets {
   /// Collective. The same on every rank.
   std::shared_ptr<const Partitioning> agreedPartitioning(const nlohmann::json& parameters, const Box& data,
                                                          const Grid* grid, Collectives& ranks);
+  void fillIn(Names& names) const;
+  std::set<std::string> keysOf(const Names& names) const;
+  bool areFree(const std::set<std::string>& keys) const;
+  std::shared_ptr<const Names> take(const std::set<std::string>& keys, const std::shared_ptr<Names>& names);
   std::shared_ptr<const Names> takeNames(Request& request, const std::shared_ptr<Names>& names);
   std::shared_ptr<const Names> namesOf(uint64_t exchange) const;
   /// Ends what the tenant has begun to publish under this name. False if there is nothing.
@@ -172,6 +189,8 @@ class Datasets {
   void tell(const DatasetEvent& event);
   void onObject(const ObjectEvent& event);
   Generation generationOf(Key key) const;
+  /// What DatasetEvent::origin says of the current generation of an object.
+  nlohmann::json originOf(Key key) const;
   NamedDataset named(const std::string& name, Scope scope, const DirectoryEntry& entry) const;
   void dropObject(Key key);
 
@@ -185,6 +204,12 @@ class Datasets {
   std::map<uint64_t, std::shared_ptr<const Names>> publishing_;   ///< rank 0: by exchange
   std::map<Key, std::pair<std::string, Scope>> names_;            ///< rank 0: of each object
   std::map<std::string, std::vector<Key>> newest_;                ///< rank 0: by owner, newest last
+  struct Wish {
+    std::string tenant;
+    std::vector<std::string> names;  ///< none: all
+  };
+  std::map<uint64_t, Wish> wishes_;
+  uint64_t nextWish_ = 0;
   std::map<uint64_t, std::shared_ptr<Observer>> observers_;
   uint64_t nextObserver_ = 0;
 };

@@ -45,36 +45,61 @@ std::shared_ptr<const Datasets::Names> Datasets::begin(Request& request, uint64_
   serverRank_.exchanges.alsoCheck(exchange, [names] { names->check(); });
   if (onlyMissing)
     std::erase_if(names->drafts_, [&](const DatasetDraft& d) { return find(names->tenant_, d.name); });
-  for (DatasetDraft& d : names->drafts_) {
-    const auto present = mayName(names->tenant_, d.name, scope);
+  fillIn(*names);
+  return taken;
+}
+
+std::shared_ptr<const Datasets::Names> Datasets::beginNow(const std::string& tenant, uint64_t exchange,
+                                                          const std::string& operation, Scope scope,
+                                                          std::vector<DatasetDraft> drafts) {
+  const auto names = std::make_shared<Names>();
+  names->operation_ = operation;
+  names->tenant_ = tenant;
+  names->scope_ = scope;
+  names->exchange_ = exchange;
+  names->drafts_ = std::move(drafts);
+  const std::set<std::string> keys = keysOf(*names);
+  std::shared_ptr<const Names> taken;
+  {
+    const std::lock_guard lock(mutex_);
+    if (!areFree(keys)) throw Error(operation + ": an import or a filter makes one of its datasets now");
+    taken = take(keys, names);
+  }
+  serverRank_.exchanges.alsoCheck(exchange, [names] { names->check(); });
+  fillIn(*names);
+  return taken;
+}
+
+void Datasets::fillIn(Names& names) const {
+  for (DatasetDraft& d : names.drafts_) {
+    const auto present = mayName(names.tenant_, d.name, names.scope_);
     const bool isNext = present && present->type == nameOf(d.type);
     d.key = isNext ? present->key : serverRank_.keys.next();
     d.generation = isNext ? present->generation + 1 : 1;
   }
-  return taken;
+}
+
+// The names as they are taken.
+std::set<std::string> Datasets::keysOf(const Names& names) const {
+  std::set<std::string> keys;
+  for (const DatasetDraft& d : names.drafts_) {
+    checkDatasetName(d.name);
+    if (!keys.insert(keyOf(names.tenant_, names.scope_, d.name)).second)
+      throw Error(names.operation_ + ": the name " + inQuotes(d.name) +
+                  " is there twice, expected a name for each dataset");
+  }
+  return keys;
+}
+
+// With the lock held, as take().
+bool Datasets::areFree(const std::set<std::string>& keys) const {
+  return std::none_of(keys.begin(), keys.end(),
+                      [this](const std::string& key) { return taken_.count(key) > 0; });
 }
 
 // The names are free again when what this returns goes.
-std::shared_ptr<const Datasets::Names> Datasets::takeNames(Request& request,
-                                                           const std::shared_ptr<Names>& names) {
-  std::set<std::string> keys;
-  for (const DatasetDraft& d : names->drafts_) {
-    checkDatasetName(d.name);
-    if (!keys.insert(keyOf(names->tenant_, names->scope_, d.name)).second)
-      throw Error(names->operation_ + ": the name " + inQuotes(d.name) +
-                  " is there twice, expected a name for each dataset");
-  }
-  request.onCancel([this] {
-    const std::lock_guard lock(mutex_);
-    changed_.notify_all();
-  });
-  std::unique_lock lock(mutex_);
-  changed_.wait(lock, [&] {
-    return request.cancelled() || std::none_of(keys.begin(), keys.end(), [this](const std::string& key) {
-             return taken_.count(key) > 0;
-           });
-  });
-  request.check();
+std::shared_ptr<const Datasets::Names> Datasets::take(const std::set<std::string>& keys,
+                                                      const std::shared_ptr<Names>& names) {
   for (const std::string& key : keys) taken_.emplace(key, names);
   publishing_.emplace(names->exchange_, names);
   return {names.get(), [this, keys, names](const Names*) {
@@ -83,6 +108,19 @@ std::shared_ptr<const Datasets::Names> Datasets::takeNames(Request& request,
             publishing_.erase(names->exchange_);
             changed_.notify_all();
           }};
+}
+
+std::shared_ptr<const Datasets::Names> Datasets::takeNames(Request& request,
+                                                           const std::shared_ptr<Names>& names) {
+  const std::set<std::string> keys = keysOf(*names);
+  request.onCancel([this] {
+    const std::lock_guard lock(mutex_);
+    changed_.notify_all();
+  });
+  std::unique_lock lock(mutex_);
+  changed_.wait(lock, [&] { return request.cancelled() || areFree(keys); });
+  request.check();
+  return take(keys, names);
 }
 
 bool Datasets::endPublishingOf(const std::string& tenant, const std::string& name) {
@@ -157,8 +195,8 @@ void Datasets::publish(Publication& publication, uint64_t exchange) {
     newest_[d.owner].push_back(d.key);
   }
   for (const auto& [d, replaced] : objects)
-    if (replaced) tell({DatasetEvent::Kind::Dropped, *replaced, {}});
-  for (const auto& [d, replaced] : objects) tell({DatasetEvent::Kind::Added, d, {}});
+    if (replaced) tell({DatasetEvent::Kind::Dropped, *replaced, {}, {}});
+  for (const auto& [d, replaced] : objects) tell({DatasetEvent::Kind::Added, d, {}, originOf(d.key)});
   naming.unlock();
   for (const auto& [d, replaced] : objects)
     if (replaced) dropObject(replaced->key);

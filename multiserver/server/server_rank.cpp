@@ -61,10 +61,12 @@ ServerRank::ServerRank(Transport& t, ServerRankOptions o, const BackendRegistry&
 
 ServerRank::~ServerRank() = default;
 
-std::vector<nlohmann::json> ServerRank::callAll(const std::string& name, const nlohmann::json& parameters) {
+std::vector<nlohmann::json> ServerRank::callAll(const std::string& name, const nlohmann::json& parameters,
+                                                std::span<const std::byte> attachment) {
   const auto promise = std::make_shared<std::promise<std::vector<Work::Reply>>>();
-  work.broadcast(name, parameters,
-                 [promise](std::vector<Work::Reply> replies) { promise->set_value(std::move(replies)); });
+  work.broadcast(
+      name, parameters,
+      [promise](std::vector<Work::Reply> replies) { promise->set_value(std::move(replies)); }, attachment);
   return resultsOf(promise->get_future().get());
 }
 

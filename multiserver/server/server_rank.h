@@ -6,6 +6,7 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -40,6 +41,7 @@ struct ServerRankOptions {
   std::chrono::milliseconds rankPatience{10000};  ///< a rank that is silent for this long is missing
   int threads = 2;                                ///< threads of each rank that run its tasks
   int64_t raysInFlight = 1 << 20;                 ///< rays in flight on each rank
+  std::string insituBind = "127.0.0.1";  ///< the address on which each rank takes data of simulations
   Trace* trace = nullptr;  ///< gets requests, works and rendering, unless null; outlives the server rank
 };
 
@@ -63,7 +65,8 @@ struct ServerRank {
   }
 
   /// Like Work::callAll(), but an error that is the same on all ranks is stated once.
-  std::vector<nlohmann::json> callAll(const std::string& name, const nlohmann::json& parameters);
+  std::vector<nlohmann::json> callAll(const std::string& name, const nlohmann::json& parameters,
+                                      std::span<const std::byte> attachment = {});
   /// Returns the results of the replies of all ranks, or throws Error as callAll() does.
   std::vector<nlohmann::json> resultsOf(std::vector<Work::Reply> replies) const;
 
@@ -106,6 +109,29 @@ struct ServerRank {
   /// stopping the server.
   std::function<nlohmann::json()> clients = [] { return nlohmann::json::array(); };
   std::function<void()> stop = [] {};
+  /// What no session has asked for, on rank 0: the streams of simulations (multiserver/insitu). The Server asks, and ends them.
+  class Streaming {
+   public:
+    void set(std::function<size_t()> count, std::function<void()> end) {
+      const std::lock_guard lock(mutex_);
+      count_ = std::move(count);
+      end_ = std::move(end);
+    }
+    /// The number of streams.
+    size_t count() const { return function(count_)(); }
+    /// Ends them, and waits. None begins any more.
+    void end() const { function(end_)(); }
+
+   private:
+    template <class F>
+    F function(const F& f) const {
+      const std::lock_guard lock(mutex_);
+      return f;
+    }
+    mutable std::mutex mutex_;
+    std::function<size_t()> count_ = [] { return size_t(0); };
+    std::function<void()> end_ = [] {};
+  } streaming;
 
   const std::chrono::steady_clock::time_point begin = std::chrono::steady_clock::now();
 

@@ -43,6 +43,8 @@ std::optional<int> parseOptions(int argc, char** argv, bool speaks, ServeOptions
   app.add_option("--port", o.server.port, "TCP port; 0: any that is free")->capture_default_str();
   app.add_option("--port-file", o.portFile, "a file to write the port to, once it listens");
   app.add_option("--bind", o.server.bind, "the address to listen on")->capture_default_str();
+  app.add_option("--insitu-bind", o.serverRank.insituBind,
+                 "the address on which each rank takes data of simulations (default: that of --bind)");
   app.add_option("--token-file", o.tokenFile, "where to leave the token (default: the user's run directory)");
   app.add_flag("--no-token", o.noToken, "let everybody in who can connect: for tests only");
   app.add_option("--tenant", o.tenants, "a further tenant, with a token file of its own; may be repeated")
@@ -103,6 +105,7 @@ std::optional<int> parseOptions(int argc, char** argv, bool speaks, ServeOptions
   o.server.idleExit = std::chrono::minutes(idle);
   o.serverRank.rankPatience = std::chrono::milliseconds(int64_t(patience * 1000));
   if (std::string own = ownModules(); !own.empty()) o.serverRank.moduleFolders.push_back(std::move(own));
+  if (app.count("--insitu-bind") == 0) o.serverRank.insituBind = o.server.bind;
   if (app.count("--tenant-memory") == 0) o.serverRank.tenantMemory = o.serverRank.memory;
   return std::nullopt;
 }

@@ -36,8 +36,8 @@ std::string infoText(const json& d) {
   std::string text = d["name"].get<std::string>() + ": " + d["type"].get<std::string>() + " of " +
                      d["owner"].get<std::string>() + ", " + d["scope"].get<std::string>() + ", generation " +
                      d["generation"].dump();
-  for (const char* key :
-       {"points", "primitives", "components", "range", "box", "partitions", "bytes", "file"})
+  for (const char* key : {"points", "primitives", "components", "range", "box", "partitions", "bytes", "file",
+                          "stream", "time"})
     if (d.contains(key)) text += "\n  " + std::string(key) + " " + d[key].dump();
   return text;
 }
@@ -149,6 +149,7 @@ struct Observed {
   std::mutex mutex;
   bool all = false;
   std::set<std::string> names;
+  std::shared_ptr<void> wish;
   std::shared_ptr<void> subscription;  ///< last: ends first
 
   bool concerns(const DatasetEvent& event) {
@@ -171,6 +172,14 @@ std::shared_ptr<Observed> observedBy(Session& session) {
   });
 }
 
+// Says for whom data that come by themselves are to be made. With the lock held.
+void wantObserved(Session& session, Observed& observed) {
+  const bool any = observed.all || !observed.names.empty();
+  std::vector<std::string> names;
+  if (!observed.all) names.assign(observed.names.begin(), observed.names.end());
+  observed.wish = any ? session.serverRank().datasets->want(session.tenant(), std::move(names)) : nullptr;
+}
+
 json observe(Request& request, protocol::Arguments arguments) {
   const auto name = arguments.word();
   arguments.expectEnd();
@@ -183,6 +192,7 @@ json observe(Request& request, protocol::Arguments arguments) {
     observed->names.insert(*name);
   else
     throw Error("observe: 10000 names are observed, expected fewer; `observe` without a name observes all");
+  wantObserved(request.session(), *observed);
   return nullptr;
 }
 
@@ -195,6 +205,7 @@ json unobserve(Request& request, protocol::Arguments arguments) {
     observed->names.erase(*name);
   else
     observed->all = false, observed->names.clear();
+  wantObserved(request.session(), *observed);
   return nullptr;
 }
 
