@@ -32,6 +32,7 @@ void Window::setSettings(const Settings& settings) {
   {
     const std::lock_guard lock(mutex_);
     settings_ = settings;
+    wantNews();
     change.ended = endRefinement();
     change.newData = update_.due && settings_.follow && !current_ && !waiting_;
   }
@@ -45,6 +46,16 @@ void Window::setVisualization(const Visualization& visualization, LedgerEntry me
   stateMemory_ = std::move(memory);
   hasVisualization_ = true;
   forgetScene();
+  wantNews();
+}
+
+// With the lock held.
+void Window::wantNews() {
+  wish_ = nullptr;
+  if (!settings_.follow || !hasVisualization_ || phase_ == Phase::Closed) return;
+  std::vector<std::string> names;
+  for (const Vis& vis : state_.visualizations[0].operators) names.push_back(vis.dataset);
+  if (!names.empty()) wish_ = services_.serverRank.datasets->want(tenant_, std::move(names));
 }
 
 void Window::setRenderer(const RenderSettings& settings) {
@@ -118,6 +129,7 @@ void Window::end(Phase after) {
     frame = std::exchange(current_, nullptr);
     waiting = std::exchange(waiting_, nullptr);
     if (phase_ != Phase::Closed) phase_ = after;
+    wantNews();
     if (frame) frame->over = "cancelled";
     outbox_->dropTiles(id_);
   }

@@ -132,6 +132,7 @@ class Window : public std::enable_shared_from_this<Window> {
   bool concerns(const DatasetEvent& event) const;
   bool allThereAfter(const DatasetEvent& event) const;
   void forgetScene();
+  void wantNews();
   void end(Phase after);
 
   struct Snapshot;
@@ -187,9 +188,10 @@ class Window : public std::enable_shared_from_this<Window> {
   FramePtr current_;      ///< under way and not superseded; null when Idle and Closed
   FramePtr waiting_;      ///< begins once the first pass of `current_` has been sent
   PendingUpdate update_;
-  uint64_t frames_ = 0;   ///< frames so far that have begun or wait; the number of the newest
-  uint64_t updates_ = 0;  ///< changes so far of the data that the window shows
-  int unfinished_ = 0;    ///< frames under way, superseded ones included, and tasks that may begin one
+  std::shared_ptr<void> wish_;  ///< for newer data of what a window that follows shows
+  uint64_t frames_ = 0;         ///< frames so far that have begun or wait; the number of the newest
+  uint64_t updates_ = 0;        ///< changes so far of the data that the window shows
+  int unfinished_ = 0;          ///< frames under way, superseded ones included, and tasks that may begin one
 };
 
 }  // namespace gxy::viewer
