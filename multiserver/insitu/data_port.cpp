@@ -1,0 +1,250 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "multiserver/insitu/data_port.h"
+
+#include <netinet/tcp.h>
+#include <spdlog/spdlog.h>
+
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/post.hpp>
+#include <boost/asio/read.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <boost/asio/write.hpp>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <deque>
+#include <set>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "core/comm/error.h"
+#include "multiserver/protocol/handshake.h"
+
+namespace gxy {
+
+namespace asio = boost::asio;
+using asio::ip::tcp;
+using protocol::MessageChannel;
+using protocol::MessageReader;
+using protocol::WireMessage;
+
+namespace {
+
+constexpr std::chrono::seconds kHandshake(5);  // within which a connection says which stream it is of
+constexpr size_t kHandshakes = 256;            // connections without a stream; more are closed at once
+constexpr size_t kReadBytes = 1 << 20;
+
+Bytes bytesOf(const WireMessage& message) {
+  const auto header = protocol::headerOf(message);
+  Bytes bytes(header.size() + message.payload.size());
+  std::copy(header.begin(), header.end(), bytes.begin());
+  std::copy(message.payload.begin(), message.payload.end(), bytes.begin() + std::ptrdiff_t(header.size()));
+  return bytes;
+}
+
+// One connection. It lives as long as one of its operations is under way or somebody holds it. All but send() and bye() are
+// called on the port's thread.
+class Socket final : public DataLink, public std::enable_shared_from_this<Socket> {
+ public:
+  Socket(tcp::socket socket, std::shared_ptr<asio::io_context> context, const DataPort::Admit& admit)
+      : context_(std::move(context)), socket_(std::move(socket)), timer_(*context_), admit_(admit) {}
+
+  void start() {
+    boost::system::error_code ignored;
+    socket_.set_option(tcp::no_delay(true), ignored);
+    socket_.set_option(asio::socket_base::keep_alive(true), ignored);
+    const unsigned silent =
+        45000;  // milliseconds without an acknowledgement after which the other machine is gone
+    ::setsockopt(socket_.native_handle(), IPPROTO_TCP, TCP_USER_TIMEOUT, &silent, sizeof silent);
+    const auto greeting = protocol::preamble(protocol::Purpose::Data);
+    write(Bytes(greeting.begin(), greeting.end()));
+    timer_.expires_after(kHandshake);
+    timer_.async_wait([self = shared_from_this()](auto failed) {
+      if (!failed && !self->taker_) self->close();
+    });
+    asio::async_read(socket_, asio::buffer(theirs_), [self = shared_from_this()](auto failed, size_t) {
+      if (failed) return self->close();
+      try {
+        protocol::checkPreamble(self->theirs_, protocol::Purpose::Data);
+      } catch (const Error&) {
+        return self->close();
+      }
+      self->read();
+    });
+  }
+
+  void send(WireMessage message) override {
+    asio::post(*context_, [weak = weak_from_this(), message = std::move(message)] {
+      const auto self = weak.lock();
+      if (!self) return;
+      self->write(bytesOf(message));
+    });
+  }
+  void bye(const std::string& reason) override {
+    asio::post(*context_, [weak = weak_from_this(), reason] {
+      if (const auto self = weak.lock()) self->leave(reason);
+    });
+  }
+
+  // Sends what waits, then the reason, and closes.
+  void leave(const std::string& reason) {
+    if (closed_ || leaving_) return;
+    leaving_ = true;
+    WireMessage message =
+        protocol::textMessage(MessageChannel::Bye, 0, std::string_view(reason).substr(0, 4000));
+    write(bytesOf(message));
+    timer_.expires_after(std::chrono::seconds(1));  // Whoever does not read is closed all the same.
+    timer_.async_wait([self = shared_from_this()](auto failed) {
+      if (!failed) self->close();
+    });
+  }
+  void close() { end("the server closes the connection", false); }
+  bool admitted() const { return taker_ != nullptr; }
+  std::function<void(const std::shared_ptr<Socket>&)> onClosed;
+
+ private:
+  void read() {
+    if (closed_ || leaving_) return;
+    if (buffer_.empty()) buffer_.resize(taker_ ? kReadBytes : 256);
+    socket_.async_read_some(asio::buffer(buffer_), [self = shared_from_this()](auto failed, size_t size) {
+      if (failed)
+        return self->end(
+            failed == asio::error::eof ? "the connection has ended without a word" : failed.message(), false);
+      self->consume(std::span<const std::byte>(self->buffer_).first(size));
+    });
+  }
+
+  void consume(std::span<const std::byte> bytes) {
+    try {
+      while (!bytes.empty() && !closed_ && !leaving_)
+        if (auto message = reader_.take(bytes)) take(*std::move(message));
+    } catch (const std::exception& e) {
+      if (!taker_) return close();  // Whoever has no ticket gets no advice.
+      failure_ = e.what();
+      return leave(failure_);
+    }
+    read();
+  }
+
+  void take(WireMessage message) {
+    if (taker_) {
+      if (message.channel == MessageChannel::Bye)
+        return end(std::string(protocol::asLogged(message.text())), true);
+      return taker_->take(std::move(message));
+    }
+    const std::shared_ptr<DataTaker> taker = admit_(insitu::readHello(message.payload), shared_from_this());
+    if (!taker) return close();
+    taker_ = taker;
+    reader_.setRules(MessageReader::ofDataFromSimulation());
+    buffer_ = Bytes(kReadBytes);
+  }
+
+  void write(Bytes bytes) {
+    if (closed_) return;
+    queue_.push_back(std::move(bytes));
+    if (queue_.size() == 1) writeNext();
+  }
+  void writeNext() {
+    asio::async_write(socket_, asio::buffer(queue_.front()),
+                      [self = shared_from_this()](auto failed, size_t) {
+                        if (failed) return self->end(failed.message(), false);
+                        self->queue_.pop_front();
+                        if (!self->queue_.empty()) return self->writeNext();
+                        if (self->leaving_)
+                          self->end(self->failure_.empty() ? "the stream has ended" : self->failure_, false);
+                      });
+  }
+
+  void end(const std::string& reason, bool regularly) {
+    if (std::exchange(closed_, true)) return;
+    boost::system::error_code ignored;
+    timer_.cancel(ignored);
+    socket_.close(ignored);
+    if (taker_) taker_->ended(failure_.empty() ? reason : failure_, regularly);
+    taker_ = nullptr;
+    if (onClosed) onClosed(shared_from_this());
+  }
+
+  const std::shared_ptr<asio::io_context> context_;
+  tcp::socket socket_;
+  asio::steady_timer timer_;
+  const DataPort::Admit& admit_;
+  std::array<std::byte, protocol::kPreambleBytes> theirs_{};
+  Bytes buffer_;
+  MessageReader reader_{MessageReader::ofDataHello()};
+  std::shared_ptr<DataTaker> taker_;  ///< null before the hello
+  std::deque<Bytes> queue_;           ///< the first one is being written
+  std::string failure_;               ///< why this end closes the connection
+  bool leaving_ = false, closed_ = false;
+};
+
+}  // namespace
+
+class DataPort::Impl {
+ public:
+  Impl(const std::string& address, Admit admit) : admit_(std::move(admit)), acceptor_(*context_) {
+    try {
+      const tcp::endpoint where(asio::ip::make_address(address), 0);
+      acceptor_.open(where.protocol());
+      acceptor_.bind(where);
+      acceptor_.listen();
+      port_ = acceptor_.local_endpoint().port();
+    } catch (const boost::system::system_error& e) {
+      throw Error("cannot listen for simulations on " + address + ": " + e.code().message() +
+                  "; expected an address of this machine");
+    }
+    accept();
+    thread_ = std::thread([this] { context_->run(); });
+  }
+  ~Impl() {
+    asio::post(*context_, [this] {
+      boost::system::error_code ignored;
+      acceptor_.close(ignored);
+      for (const auto& socket : std::set(sockets_))
+        socket->admitted() ? socket->leave("the server stops") : socket->close();
+    });
+    // The thread ends when the last operation has. A socket that does not take its last words has one second.
+    thread_.join();
+  }
+  uint16_t port() const { return port_; }
+
+ private:
+  void accept() {
+    acceptor_.async_accept([this](auto failed, tcp::socket socket) {
+      if (!acceptor_.is_open()) return;
+      if (failed) {
+        spdlog::warn("a connection of a simulation could not be accepted: {}", failed.message());
+        std::this_thread::sleep_for(std::chrono::milliseconds(20));  // for instance, no descriptors are left
+        return accept();
+      }
+      admitOne(std::move(socket));
+      accept();
+    });
+  }
+  void admitOne(tcp::socket socket) {
+    size_t waiting = 0;
+    for (const auto& s : sockets_) waiting += !s->admitted();
+    if (waiting >= kHandshakes) return;
+    const auto one = std::make_shared<Socket>(std::move(socket), context_, admit_);
+    one->onClosed = [this](const std::shared_ptr<Socket>& closed) { sockets_.erase(closed); };
+    sockets_.insert(one);
+    one->start();
+  }
+
+  const Admit admit_;
+  const std::shared_ptr<asio::io_context> context_ = std::make_shared<asio::io_context>(1);
+  tcp::acceptor acceptor_;
+  uint16_t port_ = 0;
+  std::set<std::shared_ptr<Socket>> sockets_;  ///< used on the port's thread only
+  std::thread thread_;
+};
+
+DataPort::DataPort(const std::string& address, Admit admit)
+    : impl_(std::make_unique<Impl>(address, std::move(admit))) {}
+DataPort::~DataPort() = default;
+uint16_t DataPort::port() const { return impl_->port(); }
+
+}  // namespace gxy

@@ -1,0 +1,290 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "multiserver/insitu/stream_lead.h"
+
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/comm/error.h"
+#include "core/io/automatic_partitioning.h"
+#include "core/scene/json_text.h"
+#include "multiserver/server/datasets.h"
+
+namespace gxy {
+
+using insitu::Control;
+using insitu::Description;
+using nlohmann::json;
+using protocol::MessageChannel;
+
+namespace {
+
+constexpr std::chrono::milliseconds kLook(100);   // between looks whether somebody wants a step
+constexpr std::chrono::seconds kUnasked(10);      // between steps that nobody wants
+constexpr std::chrono::seconds kAfterFailure(1);  // between steps that cannot be published
+constexpr std::chrono::seconds kGathering(60);    // until all ranks of a simulation have said what they have
+constexpr std::chrono::seconds kStepPatience(
+    60);  // from the first rank that has taken a step to its last sample
+
+protocol::WireMessage controlMessage(const Control& control) {
+  return {MessageChannel::DataControl, 0, written(control)};
+}
+
+}  // namespace
+
+StreamLead::StreamLead(ServerRank& serverRank, std::shared_ptr<StreamPart> part, StreamWishes wishes,
+                       std::function<void()> onEnd)
+    : serverRank_(serverRank),
+      part_(std::move(part)),
+      wishes_(std::move(wishes)),
+      onEnd_(std::move(onEnd)),
+      descriptions_(size_t(part_->identity().ranks)),
+      thread_([this] { run(); }) {}
+
+StreamLead::~StreamLead() {
+  end("the server stops");
+  join();
+}
+
+void StreamLead::join() {
+  const std::lock_guard lock(joining_);
+  if (thread_.joinable()) thread_.join();
+}
+
+void StreamLead::end(const std::string& reason) {
+  const std::lock_guard lock(mutex_);
+  if (!end_) end_ = reason;
+  changed_.notify_all();
+}
+
+bool StreamLead::ending() const {
+  const std::lock_guard lock(mutex_);
+  return end_.has_value();
+}
+
+void StreamLead::closed(int rank) {
+  const std::lock_guard lock(mutex_);
+  if (!end_) end_ = "rank " + std::to_string(rank) + " of the simulation has closed the stream";
+  changed_.notify_all();
+}
+
+void StreamLead::complete(int owner, uint64_t count) {
+  const std::lock_guard lock(mutex_);
+  if (!conductor_) return;
+  conductor_->complete(owner, count);
+  changed_.notify_all();
+}
+
+void StreamLead::take(int rank, const protocol::WireMessage& message) {
+  if (message.channel == MessageChannel::Describe)
+    return describe(rank, insitu::readDescription(message.payload));
+  const bool isStep = message.channel == MessageChannel::Step;
+  const insitu::StepHeader step = isStep ? insitu::readStep(message.payload) : insitu::StepHeader{};
+  const Control control = isStep ? Control{} : insitu::readControl(message.payload);
+  const std::lock_guard lock(mutex_);
+  if (!conductor_) throw Error("a message about steps before there is a plan, expected it after that");
+  if (isStep)
+    conductor_->receive(rank, step);
+  else
+    tell(conductor_->receive(rank, control));
+  changed_.notify_all();
+}
+
+void StreamLead::describe(int rank, Description description) {
+  const std::lock_guard lock(mutex_);
+  auto& mine = descriptions_.at(size_t(rank));
+  if (mine || conductor_) throw Error("a second description, expected one");
+  for (size_t other = 0; other < descriptions_.size(); other++)
+    if (descriptions_[other] && !(descriptions_[other]->mesh == description.mesh))
+      throw Error("rank " + std::to_string(rank) + " has another grid or other fields than rank " +
+                  std::to_string(other) +
+                  ", expected the same size, origin, spacing, names, types and components");
+  mine = std::move(description);
+  described_++;
+  changed_.notify_all();
+}
+
+void StreamLead::tell(const std::vector<Control>& messages) {
+  for (const Control& m : messages)
+    for (int r = 0; r < identity().ranks; r++) part_->send(r, controlMessage(m));
+}
+
+void StreamLead::run() {
+  try {
+    awaitDescriptions();
+    plan();
+    publishSteps();
+  } catch (const Ended&) {
+  } catch (const std::exception& e) {
+    end(e.what());
+  }
+  finish();
+}
+
+void StreamLead::awaitDescriptions() {
+  std::unique_lock lock(mutex_);
+  const auto complete = [&] { return end_ || described_ == descriptions_.size(); };
+  for (auto until = Clock::now() + kGathering; !changed_.wait_until(lock, until, complete);) {
+    lock.unlock();
+    if (part_->connections() == 0) throw Error("no rank of the simulation is connected");
+    lock.lock();
+    until = Clock::now() + kGathering;
+  }
+  if (end_) throw Ended();
+}
+
+std::shared_ptr<const Partitioning> StreamLead::partitioning(const Grid& grid) const {
+  if (!wishes_.partition.is_object())
+    return automaticPartitioning(grid.box(), &grid, {}, serverRank_.ranks());
+  const auto name = wishes_.partition.at("like").get<std::string>();
+  auto like = serverRank_.datasets->getPinned(identity().tenant, name).second.get<Dataset>()->partitioning;
+  const Box data = grid.box(), domain = like->domain();
+  for (int a = 0; a < 3; a++)
+    if (data.lo[a] < domain.lo[a] || data.hi[a] > domain.hi[a])
+      throw Error("partition: the grid reaches beyond the domain of " + inQuotes(name) +
+                  ", whose partitioning it was to share");
+  return like;
+}
+
+void StreamLead::plan() {
+  StreamPlan plan;
+  plan.mesh = descriptions_.front()->mesh;
+  for (size_t r = 0; r < descriptions_.size(); r++)
+    for (size_t b = 0; b < descriptions_[r]->blocks.size(); b++)
+      plan.blocks.push_back({int(r), int(b), descriptions_[r]->blocks[b]});
+  if (plan.blocks.size() > insitu::kMostBlocks)
+    throw Error(std::to_string(plan.blocks.size()) + " blocks, expected at most 2^20 on all ranks together");
+  const Grid& grid = plan.mesh.grid;
+  const insitu::BlockSearch search(plan.blocks);
+  checkCover(search, grid.points);
+  plan.partitioning = partitioning(grid);
+  const Bytes bytes = written(plan);
+  std::vector<std::vector<insitu::Destination>> all =
+      destinations(identity().ranks, grid, *plan.partitioning, serverRank_.ranks(), search);
+  std::set<int> owners;
+  for (const auto& list : all)
+    for (const insitu::Destination& d : list) owners.insert(d.owner);
+  serverRank_.callAll("insitu.plan", {{"stream", identity().id}}, bytes);
+  const std::lock_guard lock(mutex_);
+  mesh_ = std::move(plan.mesh);
+  conductor_.emplace(identity().ranks, std::move(owners));
+  for (size_t r = 0; r < all.size(); r++) part_->send(int(r), {MessageChannel::Plan, 0, written(all[r])});
+  descriptions_.assign(descriptions_.size(), std::nullopt);
+}
+
+// A step is taken when somebody waits for one, and else now and then, so that whoever comes sees something.
+void StreamLead::publishSteps() {
+  for (bool isFirst = true;; isFirst = false) {
+    std::chrono::milliseconds pause = kUnasked;
+    {
+      const std::lock_guard lock(mutex_);
+      if (!problem_.empty()) pause = kAfterFailure;
+    }
+    const auto unasked = Clock::now() + pause;
+    const bool failed = pause == kAfterFailure;
+    while (!isFirst && Clock::now() < unasked && (failed || !wanted())) {
+      std::unique_lock lock(mutex_);
+      if (changed_.wait_for(lock, kLook, [this] { return end_.has_value(); })) throw Ended();
+    }
+    if (ending()) throw Ended();
+    publishOne();
+  }
+}
+
+bool StreamLead::wanted() const {
+  for (const insitu::Field& field : mesh_->fields)
+    if (serverRank_.datasets->wanted(identity().tenant, wishes_.scope, identity().name + "." + field.name))
+      return true;
+  return false;
+}
+
+void StreamLead::publishOne() {
+  std::string problem;
+  try {
+    const auto exchange = serverRank_.exchanges.begin(Asker{[this] {
+      if (ending()) throw Error("the stream has ended");
+    }});
+    std::vector<DatasetDraft> drafts;
+    for (const insitu::Field& field : mesh_->fields)
+      drafts.push_back({identity().name + "." + field.name, DatasetType::Volume});
+    const auto names =
+        serverRank_.datasets->beginNow(identity().tenant, *exchange, "stream " + inQuotes(identity().name),
+                                       wishes_.scope, std::move(drafts));
+    serverRank_.callAll("insitu.step",
+                        {{"stream", identity().id}, {"exchange", *exchange}, {"items", names->items()}});
+  } catch (const Error& e) {
+    problem = e.what();
+  }
+  const std::lock_guard lock(mutex_);
+  if (problem.empty()) newest_ = {conductor_->step().count, conductor_->step().step, conductor_->step().time};
+  tell(problem.empty() ? conductor_->published() : conductor_->abandon());
+  if (!problem.empty() && problem != problem_ && !end_)
+    spdlog::warn("rank 0: stream {}: a step is not published: {}", identity().name, problem);
+  problem_ = problem;
+}
+
+CollectedStep StreamLead::collect(const std::function<void()>& check) {
+  std::unique_lock lock(mutex_);
+  tell(conductor_->begin());
+  std::optional<Clock::time_point> until;
+  while (!conductor_->isComplete()) {
+    if (!until && conductor_->someTaken()) until = Clock::now() + kStepPatience;
+    changed_.wait_for(lock, kLook);
+    if (end_) throw Error("the stream has ended");
+    lock.unlock();
+    check();
+    lock.lock();
+    if (until && Clock::now() > *until)
+      throw Error("not all of a step came within " + std::to_string(kStepPatience.count()) +
+                  " s: " + conductor_->missing());
+  }
+  const insitu::StepHeader& step = conductor_->step();
+  if (newest_.count > 0 && step.step <= newest_.step)
+    throw Error("step " + std::to_string(step.step) + " after step " + std::to_string(newest_.step) +
+                ", expected steps that ascend");
+  return {step.count, step.step, step.time};
+}
+
+uint64_t StreamLead::lastAppointed() const {
+  const std::lock_guard lock(mutex_);
+  return conductor_ ? conductor_->last() : 0;
+}
+
+void StreamLead::finish() {
+  std::string reason;
+  {
+    const std::lock_guard lock(mutex_);
+    reason = *end_;
+  }
+  spdlog::info("rank 0: stream {} has ended: {}", identity().name, reason);
+  try {
+    serverRank_.callAll("insitu.end", {{"stream", identity().id}, {"reason", reason}});
+  } catch (const Error& e) {
+    spdlog::warn("rank 0: stream {}: {}", identity().name, e.what());
+  }
+  onEnd_();
+}
+
+json StreamLead::statistics() const {
+  const size_t connections = part_->connections();
+  const std::lock_guard lock(mutex_);
+  json fields = json::array();
+  if (mesh_)
+    for (const insitu::Field& field : mesh_->fields) fields.push_back(identity().name + "." + field.name);
+  json result{{"stream", identity().id},   {"name", identity().name},  {"tenant", identity().tenant},
+              {"ranks", identity().ranks}, {"connected", connections}, {"datasets", fields}};
+  if (conductor_) {
+    const insitu::Conductor::Counters& c = conductor_->counters();
+    result.update(
+        {{"published", c.published}, {"missed", c.missed}, {"abandoned", c.abandoned}, {"margin", c.margin}});
+  }
+  if (newest_.count > 0) {
+    result["step"] = newest_.step;
+    if (!std::isnan(newest_.time)) result["time"] = newest_.time;
+  }
+  if (!problem_.empty()) result["problem"] = problem_;
+  return result;
+}
+
+}  // namespace gxy

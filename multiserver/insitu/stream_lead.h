@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: Apache-2.0
+// What rank 0 of the server does for one stream: it plans, decides when a step is taken, and has it published.
+#pragma once
+#include <chrono>
+#include <condition_variable>
+#include <memory>
+#include <mutex>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "core/space/directory.h"
+#include "insitu/plan/conductor.h"
+#include "multiserver/insitu/stream_part.h"
+
+namespace gxy {
+
+/// What the first rank that joins asks for; the others must ask for the same.
+struct StreamWishes {
+  Scope scope = Scope::Private;
+  nlohmann::json partition = "even";  ///< or {"like": DATASET}
+  bool operator==(const StreamWishes&) const = default;
+};
+
+/// The lead of a stream. It has a thread. Thread safe.
+class StreamLead {
+ public:
+  /// `part` is rank 0's. `onEnd` is called once on the lead's thread, when the stream has ended on all ranks.
+  StreamLead(ServerRank& serverRank, std::shared_ptr<StreamPart> part, StreamWishes wishes,
+             std::function<void()> onEnd);
+  /// Ends the stream and waits. Not on the lead's thread.
+  ~StreamLead();
+  StreamLead(const StreamLead&) = delete;
+  StreamLead& operator=(const StreamLead&) = delete;
+
+  const StreamIdentity& identity() const { return part_->identity(); }
+  const StreamWishes& wishes() const { return wishes_; }
+
+  /// A message of a rank of the simulation. Throws Error for one that is wrong.
+  void take(int rank, const protocol::WireMessage& message);
+  /// A rank of the simulation has closed the stream.
+  void closed(int rank);
+  /// A rank of the server has all samples of a step.
+  void complete(int owner, uint64_t count);
+  /// Ends the stream soon. Its data stay.
+  void end(const std::string& reason);
+  bool ending() const;
+  /// Waits until the stream has ended on all ranks. Not on the lead's thread.
+  void join();
+  bool isConnected(int rank) const { return part_->isConnected(rank); }
+
+  /// The part of rank 0 in the work that publishes a step.
+  CollectedStep collect(const std::function<void()>& check);
+  uint64_t lastAppointed() const;
+
+  /// What `insitu.streams` tells.
+  nlohmann::json statistics() const;
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  struct Ended {};  ///< thrown on the lead's thread
+
+  void run();
+  void describe(int rank, insitu::Description description);
+  void awaitDescriptions();
+  void plan();
+  std::shared_ptr<const Partitioning> partitioning(const Grid& grid) const;
+  void publishSteps();
+  bool wanted() const;
+  void publishOne();
+  void tell(const std::vector<insitu::Control>& messages);
+  void finish();
+
+  ServerRank& serverRank_;
+  const std::shared_ptr<StreamPart> part_;
+  const StreamWishes wishes_;
+  const std::function<void()> onEnd_;
+  mutable std::mutex mutex_;
+  std::condition_variable changed_;
+  std::optional<std::string> end_;  ///< why the stream ends
+  std::vector<std::optional<insitu::Description>> descriptions_;
+  size_t described_ = 0, closed_ = 0;
+  std::optional<insitu::Mesh> mesh_;
+  std::optional<insitu::Conductor> conductor_;
+  std::string problem_;  ///< why the last step could not be published; empty if it was
+  CollectedStep newest_;
+  Clock::time_point offered_ = Clock::now();  ///< when the last step was tried
+  std::mutex joining_;
+  std::thread thread_;
+};
+
+}  // namespace gxy

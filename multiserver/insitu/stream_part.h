@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: Apache-2.0
+// What one rank of the server does for one stream: it takes the samples of its partitions.
+#pragma once
+#include <functional>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/data/ghosts.h"
+#include "core/space/publication.h"
+#include "insitu/plan/receiver.h"
+#include "multiserver/insitu/data_port.h"
+#include "multiserver/insitu/step_room.h"
+#include "multiserver/server/server_rank.h"
+
+namespace gxy {
+
+/// Who a stream belongs to, and how its connections show that they are of it. The same on all ranks.
+struct StreamIdentity {
+  uint64_t id = 0;
+  std::string name, tenant;
+  insitu::Ticket ticket{};
+  int ranks = 1;  ///< of the simulation
+};
+
+/// What all ranks know of the data of a stream.
+struct StreamPlan {
+  insitu::Mesh mesh;
+  std::vector<insitu::Block> blocks;
+  std::shared_ptr<const Partitioning> partitioning;
+};
+Bytes written(const StreamPlan& plan);
+StreamPlan readPlan(std::span<const std::byte> message);
+
+/// A step that is published: its number and time, and the count of the publish that it was (insitu/plan/conductor.h).
+struct CollectedStep {
+  uint64_t count = 0;
+  int64_t step = 0;
+  double time = 0;
+};
+
+/// A rank's part of a stream. Thread safe.
+class StreamPart {
+ public:
+  /// Rank 0 is told by these. They are short.
+  struct Tell {
+    std::function<void(uint64_t count)> complete;         ///< all samples of a step are on this rank
+    std::function<void(const std::string& reason)> lost;  ///< a connection has ended, but not regularly
+  };
+  StreamPart(ServerRank& serverRank, StreamIdentity identity, Tell tell);
+
+  const StreamIdentity& identity() const { return identity_; }
+  bool shows(const insitu::Hello& hello)
+      const;  ///< whether it is of this stream; takes the same time for any ticket
+
+  /// Says what comes. Throws Error where this rank has no memory for the plan.
+  void plan(StreamPlan plan);
+
+  /// A connection of rank `rank` of the simulation. False: there is one already.
+  bool connect(int rank, std::shared_ptr<DataLink> link);
+  void disconnect(int rank, const std::string& reason, bool regularly);
+  void send(int rank, protocol::WireMessage message);
+  void bye(const std::string& reason);
+  size_t connections() const;
+  bool isConnected(int rank) const;
+  void takePiece(int rank, std::span<const std::byte> message);
+
+  /// Collective, in a work that joined `publication`. Reserves room, collects a step and publishes it. `collect` is called on
+  /// rank 0 once all ranks have room. It waits until all samples are there, or throws; it returns what was collected, and
+  /// `last` the largest count that was appointed. If any rank fails, all throw Error, and the data before are current.
+  CollectedStep step(Publication& publication, uint64_t exchange, Exchanges::Part& part,
+                     const std::function<CollectedStep()>& collect, const std::function<uint64_t()>& last);
+
+ private:
+  void makeRoom(std::vector<LedgerEntry>& memory);
+  void takeRoom(const CollectedStep& step);
+  void complete(Publication& publication, const CollectedStep& step, std::vector<LedgerEntry> memory,
+                RankCollectives& ranks);
+
+  ServerRank& serverRank_;
+  const StreamIdentity identity_;
+  const Tell tell_;
+  mutable std::mutex mutex_;
+  std::map<int, std::shared_ptr<DataLink>> links_;  ///< by rank of the simulation
+  std::optional<StreamPlan> plan_;
+  std::optional<GhostPlan> ghosts_;
+  std::optional<insitu::Receiver> receiver_;
+  std::vector<std::vector<insitu::Piece>> pieces_;  ///< of this rank, by rank of the simulation
+  std::unique_ptr<StepRoom> room_;                  ///< while a step is collected
+};
+
+}  // namespace gxy

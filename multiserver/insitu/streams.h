@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+// The streams of simulations that a rank of the server takes part in.
+#pragma once
+#include <map>
+#include <memory>
+#include <mutex>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "multiserver/insitu/data_port.h"
+#include "multiserver/insitu/stream_lead.h"
+#include "multiserver/insitu/stream_part.h"
+
+namespace gxy {
+
+/// There is one on each rank. Thread safe.
+class Streams {
+ public:
+  static constexpr size_t kOfTenant = 16;  ///< streams of one tenant at a time
+
+  /// `works` registers works by name.
+  using AddWork = std::function<void(const std::string& name, Work::Action action, Work::Runs runs)>;
+  Streams(ServerRank& serverRank, const AddWork& addWork);
+  ~Streams();
+
+  /// A rank of a simulation that wants to publish.
+  struct Join {
+    std::string name;
+    int rank = 0, ranks = 1;
+    StreamWishes wishes;
+  };
+  /// Rank 0: joins a stream of the tenant, or begins it. Returns what `insitu.join` replies. Throws Error where the stream has other
+  /// members or wishes, or the tenant has too many streams.
+  nlohmann::json join(const std::string& tenant, const Join& join);
+  /// Rank 0: the streams of a tenant.
+  nlohmann::json list(const std::string& tenant) const;
+  /// Rank 0: ends a stream of the tenant. Throws Error if there is none of this name.
+  void close(const std::string& tenant, const std::string& name);
+
+ private:
+  nlohmann::json openHere(const nlohmann::json& parameters);
+  nlohmann::json stepHere(const nlohmann::json& parameters);
+  nlohmann::json endHere(const nlohmann::json& parameters);
+  std::shared_ptr<DataTaker> admit(const insitu::Hello& hello, std::shared_ptr<DataLink> link);
+  std::shared_ptr<StreamPart> part(uint64_t stream) const;
+  std::shared_ptr<StreamLead> lead(uint64_t stream) const;
+  std::shared_ptr<StreamLead> leadOf(const std::string& tenant, const std::string& name) const;
+  void begin(const std::string& tenant, const Join& join);
+  void ended(uint64_t stream);
+  void endAll();
+
+  ServerRank& serverRank_;
+  std::mutex joining_;    ///< rank 0: held while a stream begins; guards stopped_
+  bool stopped_ = false;  ///< no stream begins any more
+  mutable std::mutex mutex_;
+  std::map<uint64_t, std::shared_ptr<StreamPart>> parts_;
+  std::unique_ptr<DataPort> port_;                         ///< while there are streams
+  std::map<uint64_t, std::shared_ptr<StreamLead>> leads_;  ///< rank 0
+  std::map<uint64_t, nlohmann::json> ports_;               ///< rank 0: where each rank takes data, by stream
+  std::vector<std::shared_ptr<StreamLead>> over_;          ///< rank 0: have ended, and are to be destroyed
+};
+
+}  // namespace gxy

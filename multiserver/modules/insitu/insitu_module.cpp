@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: Apache-2.0
+// Module `insitu`: simulations publish their steps (docs/protocol.md, section 9.5).
+#include <algorithm>
+
+#include "core/comm/error.h"
+#include "core/scene/json_text.h"
+#include "insitu/plan/description.h"
+#include "multiserver/insitu/streams.h"
+#include "multiserver/protocol/json.h"
+#include "multiserver/server/module.h"
+
+namespace gxy {
+namespace {
+
+using nlohmann::json;
+
+int integer(const json& object, const char* key, int least, int most) {
+  const auto found = object.find(key);
+  if (found == object.end() || !found->is_number_integer() || found->get<int64_t>() < least ||
+      found->get<int64_t>() > most)
+    throw Error(std::string("insitu.join: `") + key + "`: expected an integer from " + std::to_string(least) +
+                " to " + std::to_string(most));
+  return found->get<int>();
+}
+
+StreamWishes wishesOf(const json& object) {
+  StreamWishes wishes;
+  const json scope = object.value("scope", json("private"));
+  if (scope != "private" && scope != "shared")
+    throw Error("insitu.join: `scope`: expected \"private\" or \"shared\"");
+  wishes.scope = scope == "shared" ? Scope::Shared : Scope::Private;
+  wishes.partition = object.value("partition", json("even"));
+  const bool like = wishes.partition.is_object() && wishes.partition.size() == 1 &&
+                    wishes.partition.contains("like") && wishes.partition["like"].is_string();
+  if (wishes.partition != "even" && !like)
+    throw Error("insitu.join: `partition`: expected \"even\" or {\"like\": DATASET}");
+  return wishes;
+}
+
+json join(Streams& streams, Request& request) {
+  const json object = protocol::parseObject(request.arguments(), "insitu.join");
+  for (const auto& [key, value] : object.items())
+    if (key != "name" && key != "rank" && key != "ranks" && key != "scope" && key != "partition")
+      throw Error("insitu.join: unknown key " + inQuotes(key) +
+                  ", expected `name`, `rank`, `ranks`, `scope` and `partition`");
+  const auto name = object.find("name");
+  if (name == object.end() || !name->is_string()) throw Error("insitu.join: `name`: expected a text");
+  Streams::Join what{name->get<std::string>(), 0, integer(object, "ranks", 1, insitu::kMostRanks),
+                     wishesOf(object)};
+  what.rank = integer(object, "rank", 0, what.ranks - 1);
+  insitu::checkName(what.name, "stream");
+  return streams.join(request.session().tenant(), what);
+}
+
+json list(Streams& streams, Request& request) {
+  protocol::Arguments(request.arguments(), "streams").expectEnd();
+  const json all = streams.list(request.session().tenant());
+  std::string text = "streams:";
+  for (const json& s : all) {
+    text += "\n" + s.at("name").get<std::string>() + ": " + s.at("connected").dump() + " of " +
+            s.at("ranks").dump() + " ranks, " + s.value("published", json(0)).dump() + " steps published";
+    if (s.contains("step")) text += ", the newest is step " + s.at("step").dump();
+    if (s.contains("problem")) text += "; " + s.at("problem").get<std::string>();
+  }
+  return {{"streams", all}, {"text", text}};
+}
+
+json close(Streams& streams, Request& request) {
+  protocol::Arguments arguments(request.arguments(), "close NAME");
+  const std::string name = arguments.expectWord();
+  arguments.expectEnd();
+  streams.close(request.session().tenant(), name);
+  return nullptr;
+}
+
+}  // namespace
+}  // namespace gxy
+
+GALAXY_MODULE(registration) {
+  using namespace gxy;
+  const auto streams = std::make_shared<Streams>(
+      registration.serverRank(), [&](const std::string& name, Work::Action action, Work::Runs runs) {
+        registration.work(name, std::move(action), runs);
+      });
+  registration.keep(streams);
+  Streams& s = *streams;
+  registration.verb({"join", "JSON", "A rank of a simulation says that it will publish steps.", Order::InTurn,
+                     [&s](Request& r) { return join(s, r); }});
+  registration.verb({"streams", "", "Lists the simulations that publish steps.", Order::InTurn,
+                     [&s](Request& r) { return list(s, r); }});
+  registration.verb({"close", "NAME", "Ends a stream; its data stay.", Order::InTurn,
+                     [&s](Request& r) { return close(s, r); }});
+}

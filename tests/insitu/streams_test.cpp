@@ -1,0 +1,320 @@
+// SPDX-License-Identifier: Apache-2.0
+// Simulations that publish to a server: what arrives is what an import of the same step would give.
+#include "core/data/dataset.h"
+#include "core/io/write_volume.h"
+#include "multiserver/server/datasets.h"
+#include "tests/insitu/mini_simulation.h"
+#include "tests/insitu/random_blocks.h"
+#include "tests/multiserver/viewer_client.h"
+
+namespace gxy::test {
+namespace {
+
+using nlohmann::json;
+
+std::string to(const TestServer& server, double reconnect = 0.05) {
+  return json{
+      {"to", "127.0.0.1:" + std::to_string(server.port())}, {"token-file", "-"}, {"reconnect", reconnect}}
+      .dump();
+}
+
+Grid gridOf(const Index3& points) {
+  Grid grid;
+  grid.points = points;
+  grid.origin = {-1, 0.25, 2};
+  grid.spacing = {0.125, 0.1, 0.3};
+  return grid;
+}
+
+/// The blocks of `ranks` slabs along z.
+std::vector<insitu::Block> slabs(const Grid& grid, int ranks) {
+  std::vector<insitu::Block> blocks;
+  for (int r = 0; r < ranks; r++) {
+    const int64_t n = grid.points[2], first = n * r / ranks, last = n * (r + 1) / ranks;
+    blocks.push_back({r, 0, {{0, 0, first}, {grid.points[0], grid.points[1], last - first}}});
+  }
+  return blocks;
+}
+
+/// Publishes steps until `enough` says so.
+void run(MiniSimulation& simulation, const std::function<bool()>& enough) {
+  until(
+      [&] {
+        simulation.publish();
+        return enough();
+      },
+      "enough steps");
+}
+
+/// Writes a step of a field as a file, and returns its name.
+std::string writeStep(const TestServer& server, const Grid& grid, const MiniField& field, size_t number,
+                      int64_t step) {
+  const std::string name = field.name + ".json";
+  const VolumeWriter writer(server.folder().path().string() + "/" + name, grid,
+                            {{"", field.type, field.components, std::nullopt, false}});
+  for (int64_t k = 0; k < grid.points[2]; k++) {
+    Bytes slice;
+    for (int64_t j = 0; j < grid.points[1]; j++)
+      for (int64_t i = 0; i < grid.points[0]; i++)
+        for (int c = 0; c < field.components; c++)
+          withType(field.type, [&](auto value) {
+            value = decltype(value)(valueAt(grid, {i, j, k}, step, number, c));
+            const auto* bytes = reinterpret_cast<const std::byte*>(&value);
+            slice.insert(slice.end(), bytes, bytes + sizeof value);
+          });
+    writer.write(0, k, slice);
+  }
+  return name;
+}
+
+/// A dataset on one rank.
+std::shared_ptr<const Dataset> datasetOn(TestServer& server, int rank, const std::string& name) {
+  const Key key = server.serverRank().datasets->get("user", name).key;
+  return server.serverRank(rank).objects.pin(key).get<Dataset>();
+}
+
+void expectSame(const Volume& found, const Volume& expected) {
+  EXPECT_EQ(found.grid, expected.grid);
+  EXPECT_EQ(found.stored, expected.stored);
+  EXPECT_EQ(found.components, expected.components);
+  EXPECT_EQ(found.shift, expected.shift);
+  EXPECT_EQ(found.scale, expected.scale);
+  EXPECT_EQ(found.noDataSamples, expected.noDataSamples);
+  ASSERT_EQ(found.ranges.size(), expected.ranges.size());
+  for (size_t i = 0; i < found.ranges.size(); i++) {
+    EXPECT_EQ(found.ranges[i].min, expected.ranges[i].min);
+    EXPECT_EQ(found.ranges[i].max, expected.ranges[i].max);
+  }
+  ASSERT_EQ(found.blocks.size(), expected.blocks.size());
+  for (const auto& [partition, block] : found.blocks) {
+    const VolumeBlock& other = expected.blocks.at(partition);
+    EXPECT_EQ(block.extent, other.extent);
+    EXPECT_TRUE(block.samples == other.samples) << "partition " << partition;
+    EXPECT_TRUE(block.summaries == other.summaries) << "partition " << partition;
+  }
+}
+
+/// Compares what is published on all ranks with an import of the same step.
+void expectEqualsImport(TestServer& server, Client& client, const Grid& grid,
+                        const std::vector<MiniField>& fields) {
+  const int64_t step = datasetOn(server, 0, "heat." + fields[0].name)->origins.at(0).step;
+  for (size_t f = 0; f < fields.size(); f++) {
+    const std::string name = "heat." + fields[f].name, file = writeStep(server, grid, fields[f], f, step);
+    client.expect("import like " + name + " " +
+                  json{{"Datasets", {{{"name", "file"}, {"filename", file}, {"type", "Volume"}}}}}.dump());
+    for (int r = 0; r < server.serverRank().ranks(); r++) {
+      const auto found = datasetOn(server, r, name), expected = datasetOn(server, r, "file");
+      EXPECT_EQ(found->origins.at(0).step, step) << "all fields are of one step";
+      EXPECT_EQ(found->time, 0.5 * double(step));
+      EXPECT_EQ(found->bytes, expected->bytes);
+      EXPECT_EQ(found->memory.bytes(), expected->memory.bytes());
+      expectSame(*found->volume, *expected->volume);
+    }
+  }
+}
+
+TEST(Streams, WhatIsPublishedEqualsTheImportOfTheSameStep) {
+  for (uint64_t seed = 1; seed <= 24; seed++) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    Random random(seed);
+    ServerSetup setup;
+    setup.ranks = 1 + int(random.below(4));
+    setup.modules = GALAXY_MODULES;
+    TestServer server(std::move(setup));
+    const auto client = server.client();
+    client->expect("load data");
+    client->expect("load insitu");
+    const Grid grid =
+        gridOf({5 + int64_t(random.below(20)), 5 + int64_t(random.below(20)), 5 + int64_t(random.below(20))});
+    const int ranks = 1 + int(random.below(8));
+    std::vector<MiniField> fields{{"a", ScalarType(seed % 10), random.oneIn(2) ? 1 : 3}};
+    if (random.oneIn(2)) fields.push_back({"b", ScalarType(random.below(10)), 1 + int(random.below(3))});
+    {
+      MiniSimulation simulation("heat", grid, insitu::randomBlocks(random, grid.points, ranks), ranks, fields,
+                                kLayouts[seed / 2 % 5], to(server));
+      ASSERT_EQ(simulation.results(), 0) << gxy_message(simulation.rank(0));
+      client->expect("observe");
+      run(simulation, [&] { return simulation.published() >= 2; });
+    }
+    until([&] { return client->expect("insitu.streams").at("streams").empty(); }, "the end of the stream");
+    expectEqualsImport(server, *client, grid, fields);
+  }
+}
+
+TEST(Streams, AWindowThatFollowsShowsStepAfterStep) {
+  const auto server = serve();
+  Viewer viewer(*server);
+  viewer.client->expect("load insitu");
+  const Grid grid = gridOf({16, 16, 16});
+  MiniSimulation simulation("heat", grid, slabs(grid, 3), 3, {{"t"}}, Layout::Ghosts, to(*server));
+  run(simulation, [&] { return simulation.published() >= 1; });
+  viewer.makeWindow("2", R"({"size": [48, 40], "follow": true})", "heat.t");
+  viewer.client->expect("render 2");
+  run(simulation, [&] { return viewer.newestFrame(2) >= 4; });
+  const auto end = viewer.screen.waitFor(2, 4);
+  EXPECT_EQ(end.status, "complete") << end.json;
+  EXPECT_GT(end.json.at("generations").at("heat.t"), 1);
+}
+
+TEST(Streams, NoStepIsTakenWhileNobodyLooks) {
+  const auto server = serve();
+  const auto client = server->client();
+  client->expect("load data");
+  client->expect("load insitu");
+  const Grid grid = gridOf({8, 8, 8});
+  MiniSimulation simulation("heat", grid, slabs(grid, 2), 2, {{"t"}}, Layout::Together, to(*server));
+  run(simulation, [&] { return simulation.published() >= 1; });
+  for (int i = 0; i < 1000; i++) EXPECT_EQ(simulation.publish(), 0);
+  EXPECT_EQ(client->expect("insitu.streams").at("streams").at(0).at("published"), 1);
+  client->expect("observe heat.t");
+  run(simulation, [&] { return simulation.published() >= 3; });
+}
+
+TEST(Streams, EventsAndInfoSayOfWhichStepDataAre) {
+  const auto server = serve();
+  std::mutex mutex;
+  std::vector<json> events;
+  auto options = server->options();
+  options.onEvent = [&](const json& event) {
+    const std::lock_guard lock(mutex);
+    if (event.value("name", "") == "heat.t") events.push_back(event);
+  };
+  Client client(options);
+  client.expect("load data");
+  client.expect("observe");
+  const Grid grid = gridOf({8, 8, 8});
+  MiniSimulation simulation("heat", grid, slabs(grid, 2), 2, {{"t"}}, Layout::Together, to(*server));
+  run(simulation, [&] { return simulation.published() >= 2; });
+  until(
+      [&] {
+        const std::lock_guard lock(mutex);
+        return events.size() >= 2;
+      },
+      "events");
+  const json info = client.expect("info heat.t").at("datasets").at(0);
+  EXPECT_EQ(info.at("stream"), "heat");
+  EXPECT_EQ(info.at("time"), 0.5 * info.at("origins").at(0).at("step").get<double>());
+  const std::lock_guard lock(mutex);
+  EXPECT_EQ(events[0].at("event"), "added");
+  EXPECT_EQ(events[1].at("event"), "updated");
+  for (const json& e : events) {
+    EXPECT_EQ(e.at("stream"), "heat");
+    EXPECT_EQ(e.at("time"), 0.5 * e.at("step").get<double>());
+  }
+  EXPECT_LT(events[0].at("step"), events[1].at("step"));
+}
+
+TEST(Streams, BlocksThatLeaveAHoleAreToldToTheSimulation) {
+  const auto server = serve();
+  const Grid grid = gridOf({8, 8, 8});
+  auto blocks = slabs(grid, 2);
+  blocks[1].extent.first[2]++;
+  blocks[1].extent.points[2]--;
+  MiniSimulation simulation("heat", grid, blocks, 2, {{"t"}}, Layout::Together, to(*server));
+  run(simulation, [&] {
+    return std::string(gxy_message(simulation.rank(0))).find("a hole of 8 x 8 x 1 points") !=
+           std::string::npos;
+  });
+}
+
+TEST(Streams, RanksThatDisagreeAreToldSo) {
+  const auto server = serve();
+  const Grid grid = gridOf({8, 8, 8});
+  MiniSimulation simulation("heat", grid, slabs(grid, 2), 2, {{"t"}}, Layout::Together, to(*server));
+  simulation.publish();
+  const auto client = server->client();
+  client->expect("load data");
+  client->expect("observe");
+  until(
+      [&] {  // rank 1 publishes other steps
+        simulation.publish();
+        gxy_publish(simulation.rank(0), simulation.step() + 1000000, 0);
+        gxy_publish(simulation.rank(1), simulation.step() + 2000000, 0);
+        return std::string(gxy_message(simulation.rank(0))).find("same steps in the same order") !=
+                   std::string::npos ||
+               std::string(gxy_message(simulation.rank(1))).find("same steps in the same order") !=
+                   std::string::npos;
+      },
+      "the error");
+}
+
+TEST(Streams, ASecondSimulationOfTheSameNameIsRefused) {
+  const auto server = serve();
+  const Grid grid = gridOf({8, 8, 8});
+  MiniSimulation first("heat", grid, slabs(grid, 1), 1, {{"t"}}, Layout::Together, to(*server));
+  run(first, [&] { return first.published() >= 1; });
+  MiniSimulation second("heat", grid, slabs(grid, 1), 1, {{"t"}}, Layout::Together, to(*server));
+  run(second, [&] {
+    return std::string(gxy_message(second.rank(0))).find("two simulations cannot have one name") !=
+           std::string::npos;
+  });
+  first.closeRank(0);
+  run(second, [&] { return second.published() >= 1; });
+}
+
+TEST(Streams, ARankThatGoesEndsTheStreamAndItsDataStay) {
+  const auto server = serve();
+  const auto client = server->client();
+  client->expect("load data");
+  client->expect("load insitu");
+  const Grid grid = gridOf({8, 8, 8});
+  MiniSimulation simulation("heat", grid, slabs(grid, 2), 2, {{"t"}}, Layout::Together, to(*server, 0));
+  run(simulation, [&] { return simulation.published() >= 1; });
+  simulation.closeRank(1);
+  until([&] { return client->expect("insitu.streams").at("streams").empty(); }, "the end of the stream");
+  EXPECT_EQ(client->expect("info heat.t").at("datasets").size(), 1u);
+}
+
+TEST(Streams, ASimulationThatBeginsAgainUpdatesItsDatasets) {
+  const auto server = serve();
+  const auto client = server->client();
+  client->expect("load data");
+  const Grid grid = gridOf({8, 8, 8});
+  for (int run_ = 1; run_ <= 3; run_++) {
+    MiniSimulation simulation("heat", grid, slabs(grid, 2), 2, {{"t"}}, Layout::Together, to(*server));
+    run(simulation, [&] { return simulation.published() >= 1; });
+  }
+  EXPECT_GE(client->expect("info heat.t").at("datasets").at(0).at("generation"), 3);
+}
+
+TEST(Streams, EndWithTheServerAndTheSimulationGoesOn) {
+  auto server = serve();
+  const Grid grid = gridOf({8, 8, 8});
+  MiniSimulation simulation("heat", grid, slabs(grid, 2), 2, {{"t"}}, Layout::Together, to(*server));
+  run(simulation, [&] { return simulation.published() >= 1; });
+  server->stop();
+  run(simulation,
+      [&] { return gxy_publish(simulation.rank(0), 1000000 + simulation.step(), 0) == GXY_LOST; });
+}
+
+TEST(Streams, ATenantThatHasNoRoomForAStepIsToldAndTheServerGoesOn) {
+  ServerSetup setup;
+  setup.modules = GALAXY_MODULES;
+  setup.serverRank.tenantMemory = 100000;
+  TestServer server(std::move(setup));
+  const auto client = server.client();
+  client->expect("load insitu");
+  const Grid grid = gridOf({64, 64, 64});
+  MiniSimulation simulation("heat", grid, slabs(grid, 2), 2, {{"t"}}, Layout::Together, to(server));
+  run(simulation, [&] {
+    const json streams = client->expect("insitu.streams").at("streams");
+    return !streams.empty() &&
+           streams.at(0).value("problem", "").find("bytes are needed") != std::string::npos;
+  });
+  EXPECT_EQ(client->expect("echo here").at("text"), "here");
+}
+
+TEST(Streams, ADroppedDatasetComesBackWithTheNextStep) {
+  const auto server = serve();
+  const auto client = server->client();
+  client->expect("load data");
+  client->expect("observe");
+  const Grid grid = gridOf({8, 8, 8});
+  MiniSimulation simulation("heat", grid, slabs(grid, 2), 2, {{"t"}}, Layout::Together, to(*server));
+  run(simulation, [&] { return simulation.published() >= 1; });
+  client->expect("drop heat.t");
+  run(simulation, [&] { return !client->expect("list").at("datasets").empty(); });
+}
+
+}  // namespace
+}  // namespace gxy::test
