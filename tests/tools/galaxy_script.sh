@@ -34,6 +34,7 @@ expect AlsoWhereThatIsTwoLettersAway 2 'did you mean test\?' "$galaxy" tset
 expect UnknownCommandFarFromAllIsWrongUsage 2 'unknown command rendering$' "$galaxy" rendering
 expect VersionIsPrinted 0 '^galaxy [0-9]+\.[0-9]+\.[0-9]+$' "$galaxy" --version
 expect UnknownOptionOfRunIsWrongUsage 2 'run: unknown option --fast' "$galaxy" run --fast true
+expect UnknownOptionOfDemoIsWrongUsage 2 'demo: unknown option --fast' "$galaxy" demo insitu --fast
 expect UnknownOptionIsWrongUsage 2 'unknown option --fast' "$galaxy" test --fast
 expect MissingValueIsWrongUsage 2 'a value is missing' "$galaxy" test -R
 expect JobsMustBeANumber 2 'expected a number' "$galaxy" build --jobs many
