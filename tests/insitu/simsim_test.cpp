@@ -324,6 +324,7 @@ TEST(SimsimReport, AStepIsPublishedWhereAllRanksHaveTakenIt) {
   EXPECT_EQ(lineAbout(3, Outcome::Published, "text"), "step 3: published");
   EXPECT_EQ(lineAbout(4, Outcome::NotNeeded, "text"), "step 4: nobody needs it");
   EXPECT_EQ(lineAbout(5, Outcome::NoConnection, "text"), "step 5: no connection: text");
+  EXPECT_EQ(lineAbout(1, Outcome::NoConnection, ""), "step 1: no connection so far");
 }
 
 TEST(SimsimPlace, LaunchersSayItInTheEnvironment) {

@@ -115,7 +115,7 @@ int run(const SimulationOptions& options, const Place& place) {
   const std::string message = ranks.message();
   ranks.close();
   if (count.lost == count.offered)
-    throw Error("no step has reached a server at " + options.server() + ": " + message);
+    throw Error("no step has reached a server" + (message.empty() ? std::string() : ": " + message));
   out << "simsim: " << count.published << " of " << count.offered << " step(s) published\n";
   return 0;
 }

@@ -29,7 +29,7 @@ std::string lineAbout(int64_t step, Outcome outcome, const std::string& message)
     case Outcome::NoConnection:
       break;
   }
-  return line + "no connection: " + message;
+  return line + (message.empty() ? "no connection so far" : "no connection: " + message);
 }
 
 }  // namespace gxy::simsim

@@ -19,7 +19,8 @@ enum class Outcome {
 /// `results` are one or more of gxy_result, without GXY_WRONG.
 Outcome outcomeOf(std::span<const int> results);
 
-/// Returns a line such as "step 3: published". `message` is the interface's, about a missing connection.
+/// Returns a line such as "step 3: published". `message` is the interface's, about a missing connection; it is
+/// empty as long as connecting has not failed.
 std::string lineAbout(int64_t step, Outcome outcome, const std::string& message);
 
 }  // namespace gxy::simsim
