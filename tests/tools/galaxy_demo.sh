@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
 # galaxy_demo.sh GALAXY - the README's first session as tools/galaxy demo does it: twice, beside a server that runs already,
-# without a display, and interrupted.
+# without a display, and interrupted; and the session in situ, where simsim is built.
 set -uo pipefail
 galaxy=$(realpath "$1")
 folder=$(mktemp -d)
@@ -23,7 +23,8 @@ check() {  # check NAME COMMAND...: the command succeeds
 tokens() { find "$folder" -name '*.token' | wc -l; }
 # Processes whose environment has this test's run directory: servers and clients that it started.
 left() { grep -lzxF "XDG_RUNTIME_DIR=$folder" /proc/[0-9]*/environ 2>/dev/null | xargs -r dirname | xargs -rn1 basename; }
-servers() { for pid in $(left); do cat "/proc/$pid/comm" 2>/dev/null; done | grep -cx gxyserver; }
+running() { for pid in $(left); do cat "/proc/$pid/comm" 2>/dev/null; done | grep -cx "$1"; }
+servers() { running gxyserver; }
 demo() { "$galaxy" demo --built >"$folder/demo.log" 2>&1; }
 picture() { sed -n 's/^galaxy: the picture: //p' "$folder/demo.log"; }
 
@@ -32,6 +33,12 @@ check ItLeavesAPicture test -s "$(picture)"
 check TheSecondClientSeesTheDataOfTheFirst grep -q '^      balls$' "$folder/demo.log"
 check NothingRunsAfterwards test "$(servers)" = 0 -a "$(tokens)" = 0
 first=$(cksum <"$(picture)")
+
+if [[ -x $(dirname "$galaxy")/../build/release/bin/simsim ]]; then
+  insitu() { "$galaxy" demo insitu --built >"$folder/insitu.log" 2>&1; }
+  check PicturesOfASimulationAreThoseOfItsFiles insitu
+  check TheServerAndTheSimulationHaveEnded test "$(servers)$(running simsim)$(tokens)" = 000
+fi
 
 "$galaxy" serve --port 0 --port-file "$folder/port" >"$folder/other.log" 2>&1 &
 other=$!
