@@ -11,7 +11,7 @@ namespace gxy::insitu {
 
 void Sender::begin(std::vector<Load> loads) {
   const std::lock_guard lock(mutex_);
-  settle(appointed_);
+  settle();
   cursors_.clear();
   uint64_t begin = 0;
   for (Load& load : loads) {
@@ -21,11 +21,11 @@ void Sender::begin(std::vector<Load> loads) {
   }
 }
 
-// Frees the slot of an appointment, or sees to it that filled() does. With the lock held.
-void Sender::settle(uint64_t count) {
-  if (slot_ == Slot::Free || slot_ == Slot::Void || appointed_ != count) return;
+// Frees the slot, or sees to it that filled() does. With the lock held.
+void Sender::settle() {
+  if (slot_ == Slot::Free || slot_ == Slot::Void) return;
   announcement_.reset();
-  const bool isBeingFilled = slot_ == Slot::Appointed && !appointment_.cancel(count);
+  const bool isBeingFilled = slot_ == Slot::Appointed && !appointment_.cancel(appointed_);
   slot_ = isBeingFilled ? Slot::Void : Slot::Free;
 }
 
@@ -53,10 +53,10 @@ std::optional<Control> Sender::receive(const Control& message) {
       return appoint(message.count);
     case Control::Kind::Published:
       if (slot_ == Slot::Full && appointed_ == message.count) published_++;
-      settle(message.count);
+      settle();
       return std::nullopt;
     case Control::Kind::Cancel:
-      settle(message.count);
+      settle();
       return std::nullopt;
     case Control::Kind::Newest:
     case Control::Kind::Missed:

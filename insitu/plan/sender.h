@@ -68,7 +68,7 @@ class Sender {
   };
 
   std::optional<Control> appoint(uint64_t count);
-  void settle(uint64_t count);
+  void settle();
 
   Appointment appointment_;
   std::atomic<uint64_t> published_ = 0;

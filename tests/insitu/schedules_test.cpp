@@ -9,6 +9,8 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "core/comm/error.h"
 #include "core/comm/random.h"
@@ -110,7 +112,7 @@ class Schedule {
     if (s.sender.publish()) s.takes = s.sender.count();
   }
   void fill(Simulation& s) {
-    if (!s.takes) return;
+    if (!s.takes || late()) return;  // Copying takes its time.
     s.slot = *s.takes;
     s.sender.filled(int64_t(*s.takes) * stride_, double(*s.takes));
     s.takes.reset();
@@ -150,7 +152,7 @@ class Schedule {
       s.up.pop_front();
       tell(conductor_->receive(r, message));
     }
-    if (!announced_.empty() && !late()) {
+    if (!announced_.empty() && !late() && !random_.oneIn(2)) {
       const size_t i = random_.below(announced_.size());
       conductor_->receive(rankOf(announced_[i].first), announced_[i].second);
       announced_.erase(announced_.begin() + std::ptrdiff_t(i));
@@ -189,8 +191,12 @@ class Schedule {
     open_ = false;
   }
   void tell(const std::vector<Control>& messages) {
-    for (const Control& m : messages)
+    for (const Control& m : messages) {
+      if (m.kind == Control::Kind::Appoint) {
+        EXPECT_GT(m.count, std::exchange(appointed_, m.count));
+      }
       for (const auto& s : simulation_) s->down.push_back(m);
+    }
   }
   int rankOf(const Simulation* s) const {
     for (int r = 0; r < ranks_; r++)
@@ -208,6 +214,7 @@ class Schedule {
   std::vector<std::pair<const Simulation*, StepHeader>> announced_;
   std::vector<std::pair<int, uint64_t>> completed_;
   std::vector<StepHeader> published_;
+  uint64_t appointed_ = 0;
   bool open_ = false;
 };
 

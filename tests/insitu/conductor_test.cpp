@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: Apache-2.0
+// What rank 0 does with messages that come late, or that nobody should send.
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <string>
+
+#include "core/comm/error.h"
+#include "insitu/plan/conductor.h"
+#include "insitu/plan/receiver.h"
+
+namespace gxy::insitu {
+namespace {
+
+using Kind = Control::Kind;
+using Messages = std::vector<Control>;
+
+/// Begins a step, and answers with these numbers of publishes; returns the count that is appointed.
+uint64_t appointed(Conductor& conductor, std::vector<uint64_t> newest) {
+  const Messages asked = conductor.begin();
+  EXPECT_EQ(asked.size(), 1u);
+  Messages last;
+  for (size_t r = 0; r < newest.size(); r++)
+    last = conductor.receive(int(r), {Kind::Newest, asked[0].count, newest[r]});
+  EXPECT_EQ(last.size(), 1u);
+  return last.empty() ? 0 : last[0].count;
+}
+
+TEST(Conductor, AppointsThePublishAfterTheNewestOfAllRanks) {
+  Conductor conductor(3, {0});
+  EXPECT_EQ(appointed(conductor, {7, 9, 8}), 10u);
+}
+
+TEST(Conductor, AppointsLaterOnesOnly) {
+  Conductor conductor(1, {0});
+  EXPECT_EQ(appointed(conductor, {0}), 1u);
+  EXPECT_EQ(conductor.abandon(), (Messages{{Kind::Cancel, 1, 0}}));
+  EXPECT_EQ(appointed(conductor, {0}), 2u) << "chunks of the first may still be on their way";
+}
+
+TEST(Conductor, AsksAnewAfterAMissAndAppointsFurtherAhead) {
+  Conductor conductor(2, {0});
+  EXPECT_EQ(appointed(conductor, {5, 5}), 6u);
+  const Messages then = conductor.receive(1, {Kind::Missed, 6, 8});
+  EXPECT_EQ(then, (Messages{{Kind::Cancel, 6, 0}, {Kind::AskNewest, 2, 0}}));
+  EXPECT_EQ(conductor.counters().margin, 3u) << "it came two publishes too late";
+  EXPECT_EQ(conductor.receive(0, {Kind::Missed, 6, 8}), Messages{}) << "the second miss of the same";
+  conductor.receive(0, {Kind::Newest, 2, 9});
+  EXPECT_EQ(conductor.receive(1, {Kind::Newest, 2, 9}), (Messages{{Kind::Appoint, 13, 0}}));
+  EXPECT_EQ(conductor.receive(0, {Kind::Missed, 6, 8}), Messages{}) << "of an older appointment";
+}
+
+TEST(Conductor, IgnoresAnswersToOlderQuestions) {
+  Conductor conductor(1, {0});
+  conductor.begin();
+  EXPECT_EQ(conductor.abandon(), Messages{});
+  const Messages asked = conductor.begin();
+  EXPECT_EQ(conductor.receive(0, {Kind::Newest, asked[0].count - 1, 3}), Messages{});
+  EXPECT_EQ(conductor.receive(0, {Kind::Newest, asked[0].count, 4}), (Messages{{Kind::Appoint, 5, 0}}));
+}
+
+TEST(Conductor, IsCompleteWithTheWordOfAllRanksAndAllSamples) {
+  Conductor conductor(2, {1});
+  const uint64_t count = appointed(conductor, {0, 0});
+  conductor.receive(0, StepHeader{count, 70, 0.5});
+  conductor.complete(1, count);
+  EXPECT_FALSE(conductor.isComplete());
+  EXPECT_EQ(
+      conductor.missing(),
+      "ranks of the simulation that have not published it: 1; ranks of the server that lack samples: none");
+  conductor.receive(1, StepHeader{count, 70, 0.5});
+  EXPECT_TRUE(conductor.isComplete());
+  EXPECT_EQ(conductor.step(), (StepHeader{count, 70, 0.5}));
+  EXPECT_EQ(conductor.published(), (Messages{{Kind::Published, count, 0}}));
+  EXPECT_FALSE(conductor.isComplete());
+}
+
+TEST(Conductor, RefusesRanksThatDisagreeAndTakesTimesThatAreUnknown) {
+  constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+  Conductor conductor(3, {});
+  const uint64_t count = appointed(conductor, {0, 0, 0});
+  conductor.receive(0, StepHeader{count, 70, kUnknown});
+  EXPECT_NO_THROW(conductor.receive(1, StepHeader{count, 70, kUnknown}));
+  EXPECT_THROW(conductor.receive(2, StepHeader{count, 71, kUnknown}), Error);
+}
+
+TEST(Conductor, RefusesWhatOnlyServersSay) {
+  Conductor conductor(1, {0});
+  EXPECT_THROW(conductor.receive(0, Control{Kind::Appoint, 1, 0}), Error);
+}
+
+TEST(Receiver, IsEmptyWhenThereIsRoomAgain) {
+  Receiver receiver({{{4}, {4}}});
+  receiver.open();
+  EXPECT_TRUE(receiver.accept(0, {1, 0, 0, 0}, 4));
+  EXPECT_TRUE(receiver.complete());
+  EXPECT_TRUE(receiver.take(1));
+  receiver.close(1);
+  receiver.open();
+  EXPECT_FALSE(receiver.complete());
+  EXPECT_FALSE(receiver.take(1));
+}
+
+TEST(Receiver, TakesWholePointsInTheirOrderOnly) {
+  const auto expectRefused = [](const PieceHeader& header, uint64_t bytes) {
+    Receiver receiver({{{12, 8}, {4, 8}}, {{}, {}}});
+    receiver.open();
+    EXPECT_THROW(receiver.accept(0, header, bytes), Error);
+  };
+  expectRefused({1, 0, 1, 0}, 8);   // the second item first
+  expectRefused({1, 4, 0, 0}, 4);   // not at its begin
+  expectRefused({1, 0, 0, 0}, 6);   // half a point
+  expectRefused({1, 0, 0, 0}, 16);  // more than there is
+  expectRefused({1, 0, 0, 0}, 0);
+  Receiver receiver({{{12, 8}, {4, 8}}, {{}, {}}});
+  EXPECT_THROW(receiver.accept(0, {1, 0, 0, 0}, 4), Error) << "there is no room";
+  receiver.open();
+  EXPECT_THROW(receiver.accept(1, {1, 0, 0, 0}, 4), Error) << "nothing comes from this rank";
+}
+
+}  // namespace
+}  // namespace gxy::insitu
