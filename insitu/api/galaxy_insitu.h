@@ -38,7 +38,8 @@ enum gxy_result {
   GXY_NOT_TAKEN = 1, /* nobody needs this step */
   GXY_OFF = 2,       /* publishing is off */
   GXY_LOST = 3,      /* there is no connection to the server; the library tries again if it may */
-  GXY_WRONG = -1     /* wrong use: gxy_message() says what, and nothing was changed */
+  /* wrong use: gxy_message() says what, and nothing was changed; such a publish does not count */
+  GXY_WRONG = -1
 };
 
 /* Types of values. */
@@ -58,7 +59,7 @@ enum gxy_type {
 /* What a decomposition counts and what a field has values of. */
 enum gxy_of { GXY_OF_POINTS = 0, GXY_OF_CELLS = 1 };
 
-/* Where the values of a field lie. The value of component c at (i, j, k), counted from the first owned point, is at
+/* Where the values of a field lie. The value of component c at (i, j, k), counted from the first owned point or cell, is at
  * data + i * stride[0] + j * stride[1] + k * stride[2] + c * component_stride. Strides are in bytes and may be negative, but not 0.
  * So ghost layers, padding, Fortran's order and structures are all told by strides, and `data` points to the first OWNED value.
  * With a component_stride of 0 the components of a point stand together. */
@@ -83,23 +84,27 @@ typedef struct gxy_sim gxy_sim;
  *   "tenant"      for servers without tokens (default: "user")
  *   "scope"       "private" (the default) or "shared": who sees the data
  *   "partition"   "even" (the default), or {"like": DATASET}: how the server cuts the data
+ *   "every"       only the first of so many publishes is offered (default: 1)
+ *   "between"     [FIRST, LAST]: only steps with these times are offered
  *   "reconnect"   seconds between attempts to connect (default: 5); 0: none after the first */
 GXY_API gxy_sim* gxy_open(const char* name, int rank, int ranks, const char* options);
 
-/* Says what this rank owns of a uniform grid. `size` is the number of points of the whole grid, the same on all ranks, at least
- * 2 by axis. The block with number `block` (0, 1, ... on this rank) owns `count` points from `first` on. Blocks of all ranks must
- * not overlap, and together they must have all points. A rank may have any number of blocks; a rank without blocks calls this
- * once with a count of 0. `of` must be GXY_OF_POINTS so far. Point (i, j, k) lies at origin + spacing * (i, j, k); spacing is
- * positive. A stream has one grid so far, so `mesh` is the same in all calls. Called again before
- * the first step, it changes what was said; a change after it is wrong so far. */
+/* Says what this rank owns of a uniform grid. `of` says whether size, first and count are in points or in cells. `size` is that of the
+ * whole grid, the same on all ranks: at least 2 points or 1 cell by axis. The block with number `block` (0, 1, ... on this rank)
+ * owns `count` points or cells from `first` on. Blocks of all ranks must not overlap, and together they must have all of them.
+ * A rank may have any number of blocks; a rank without blocks calls this once with a count of 0. Point (i, j, k) lies at
+ * origin + spacing * (i, j, k), and cell (i, j, k) lies between it and the next one; spacing is positive. A stream has one grid
+ * so far, so `mesh`, size, origin and spacing are the same in all calls. Called again before the first step, it changes what a block
+ * owns, and gxy_field() has to be called again for it; a change after the first step is wrong so far. */
 GXY_API int gxy_grid(gxy_sim* sim, const char* mesh, int block, int of, const int64_t size[3],
                      const int64_t first[3], const int64_t count[3], const double origin[3],
                      const double spacing[3]);
 
 /* Says where the values of a field lie for a block that gxy_grid() has described. Type and components of a field are the same
- * in all blocks of all ranks, and all blocks have the same fields. It may be called before each step, for instance
- * with another pointer. The values are read within gxy_publish() only. The field becomes the dataset NAME.FIELD. `of` must be
- * GXY_OF_POINTS so far. */
+ * in all blocks of all ranks, and all blocks have the same fields: also one without points, whose `data` may be NULL. It may be
+ * called before each step, for instance with another pointer. The values are read within gxy_publish() only. The field becomes the dataset NAME.FIELD. `of` must
+ * be that of the grid so far. A value of a cell stands at the centre of the cell, and those of the outermost cells hold up to the
+ * domain's end, as in files with values of cells. */
 GXY_API int gxy_field(gxy_sim* sim, const char* mesh, int block, const char* field, int of, gxy_array values);
 
 /* Offers a step. All ranks offer the same steps in the same order; `step` ascends. `time` is in the simulation's own unit. If
@@ -120,8 +125,9 @@ GXY_API int gxy_statistics(gxy_sim* sim, gxy_stat* statistics);
 /* The text about the last result, or about why there is no connection. It is valid until the next call. Never NULL. */
 GXY_API const char* gxy_message(gxy_sim* sim);
 
-/* Ends the stream on this rank. Waits at most `seconds` for a step that was taken to reach the server. Frees `sim`, which may
- * be NULL. */
+/* Ends the stream on this rank, and so for the whole simulation. Waits at most `seconds` for a step that was taken to reach the
+ * server, half a second for the connections to end, and as long as the system takes where it is looking for the server's host.
+ * Frees `sim`, which may be NULL. */
 GXY_API void gxy_close(gxy_sim* sim, double seconds);
 
 #ifdef __cplusplus

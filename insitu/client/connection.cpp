@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "insitu/client/connection.h"
 
+#include <pthread.h>
+
+#include <csignal>
 #include <numeric>
 #include <utility>
 
@@ -39,7 +42,17 @@ std::shared_ptr<const Route> routeOf(std::vector<Destination> destinations,
 }
 
 Connection::Connection(Options options, Member member)
-    : options_(std::move(options)), member_(std::move(member)), thread_([this] { run(); }) {}
+    : options_(std::move(options)), member_(std::move(member)), thread_(started(*this)) {}
+
+// Signals of the process are for its own threads.
+std::thread Connection::started(Connection& connection) {
+  sigset_t all, before;
+  sigfillset(&all);
+  pthread_sigmask(SIG_SETMASK, &all, &before);
+  const std::shared_ptr<void> restore(nullptr,
+                                      [&](void*) { pthread_sigmask(SIG_SETMASK, &before, nullptr); });
+  return std::thread([&connection] { connection.run(); });
+}
 
 Connection::~Connection() {
   if (!thread_.joinable()) return;
@@ -61,7 +74,8 @@ std::shared_ptr<const Route> Connection::route() const {
 }
 
 void Connection::filled(int64_t step, double time) {
-  if (sender_.filled(step, time)) interrupt_.wake();
+  sender_.filled(step, time);
+  interrupt_.wake();
 }
 
 std::string Connection::problem() const {
@@ -88,7 +102,7 @@ void Connection::run() {
     } catch (const std::exception& e) {
       lose(e.what());
     }
-    if (options_.reconnect.count() == 0) return;
+    if (options_.reconnect.count() == 0 || over_) return;
     try {
       const auto until = Clock::now() + std::chrono::duration_cast<Clock::duration>(options_.reconnect);
       while (Clock::now() < until) {
@@ -105,7 +119,7 @@ void Connection::lose(const std::string& why) {
   connected_ = false;
   sender_.end();
   sockets_.clear();
-  described_ = false;
+  described_ = planned_ = false;
   const std::lock_guard lock(mutex_);
   problem_ = why;
   changed_.notify_all();
@@ -142,6 +156,7 @@ void Connection::follow(const Joined& joined, std::vector<Destination> destinati
 void Connection::exchange() {
   WireSocket& root = *sockets_.at(0);
   if (!described_) described_ = tellDescription(root);
+  if (const auto answer = sender_.answer()) root.send(message(MessageChannel::DataControl, written(*answer)));
   if (const auto step = sender_.announcement()) root.send(message(MessageChannel::Step, written(*step)));
   for (const auto& [owner, socket] : sockets_) {
     sendPieces(owner, *socket);
@@ -179,16 +194,20 @@ void Connection::waitForSockets() {
 
 void Connection::receive(int owner, WireSocket& socket) {
   while (const auto m = socket.receive()) {
-    if (m->channel == MessageChannel::Bye) throw Error(std::string(m->text()));
+    if (m->channel == MessageChannel::Bye) {
+      over_ = m->text().starts_with(kClosedBy);
+      throw Error(std::string(m->text()));
+    }
     if (owner != 0) throw Error("the server's rank " + std::to_string(owner) + " says what only rank 0 may");
     if (m->channel == MessageChannel::DataControl) {
       receiveControl(readControl(m->payload));
       continue;
     }
+    if (!described_ || std::exchange(planned_, true))
+      throw Error("plan of a stream that was not asked for, expected one after the description");
     std::shared_ptr<const Route> route;
     {
       const std::lock_guard lock(mutex_);
-      if (!description_) throw Error("plan of a stream that has no description, expected it later");
       route = routeOf(readDestinations(m->payload, member_.rank, description_->blocks),
                       description_->mesh.fields);
     }
@@ -213,12 +232,15 @@ void Connection::receiveControl(const Control& control) {
 // The server knows then that this rank has not failed.
 void Connection::sayBye() {
   connected_ = false;
-  for (const auto& [owner, socket] : sockets_) try {
-      socket->send(protocol::textMessage(MessageChannel::Bye, 0, "the simulation has closed the stream"));
-      socket->finish();
-    } catch (const std::exception&) {
-      // lost already
-    }
+  const auto end = Clock::now() + std::chrono::milliseconds(500);
+  for (const bool wait : {false, true})
+    for (const auto& [owner, socket] : sockets_) try {
+        if (!wait)
+          socket->send(protocol::textMessage(MessageChannel::Bye, 0, "the simulation has closed the stream"));
+        socket->finish(wait ? end : Clock::now());
+      } catch (const std::exception&) {
+        // lost already
+      }
   sockets_.clear();
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The thread by which a rank of a simulation is connected to a server.
 #pragma once
+#include <atomic>
 #include <condition_variable>
 #include <map>
 #include <memory>
@@ -55,6 +56,7 @@ class Connection {
   void close(double seconds);
 
  private:
+  static std::thread started(Connection& connection);
   void run();
   void serve();
   bool tellDescription(WireSocket& root);
@@ -82,7 +84,8 @@ class Connection {
   // Used by the thread only.
   std::map<int, std::unique_ptr<WireSocket>> sockets_;  ///< by rank of the server
   Joined joined_;
-  bool described_ = false;
+  bool described_ = false, planned_ = false;
+  bool over_ = false;  ///< the simulation has closed the stream on another rank
 
   std::thread thread_;
 };

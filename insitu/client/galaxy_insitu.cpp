@@ -3,7 +3,6 @@
 #include "insitu/api/galaxy_insitu.h"
 
 #include <algorithm>
-#include <cmath>
 #include <exception>
 #include <memory>
 #include <string>
@@ -48,8 +47,6 @@ const char* given(const char* text, const char* what) {
 void checkOf(int of, const char* function) {
   if (of != GXY_OF_POINTS && of != GXY_OF_CELLS)
     throw Error(std::string(function) + ": of " + std::to_string(of) + ", expected one of gxy_of");
-  if (of == GXY_OF_CELLS)
-    throw Error(std::string(function) + ": GXY_OF_CELLS is not taken so far, expected GXY_OF_POINTS");
 }
 
 std::unique_ptr<Simulation> opened(const char* name, int rank, int ranks, const char* options) {
@@ -88,6 +85,10 @@ int gxy_grid(gxy_sim* sim, const char* mesh, int block, int of, const int64_t si
     Grid grid;
     Extent owned;
     for (int a = 0; a < 3; a++) {
+      if (size[a] < 1 || size[a] > kMostPoints || first[a] < 0 || first[a] > size[a] || count[a] < 0)
+        throw Error("gxy_grid: size " + std::to_string(size[a]) + ", first " + std::to_string(first[a]) +
+                    ", count " + std::to_string(count[a]) + " on axis " + std::to_string(a) +
+                    ", expected a block inside the grid, of at most 2^31 by axis");
       grid.points[size_t(a)] = size[a];
       grid.origin[a] = origin[a];
       grid.spacing[a] = spacing[a];
@@ -95,7 +96,7 @@ int gxy_grid(gxy_sim* sim, const char* mesh, int block, int of, const int64_t si
       owned.points[size_t(a)] = count[a];
     }
     if (std::any_of(count, count + 3, [](int64_t n) { return n == 0; })) owned = {};
-    s.grid(given(mesh, "gxy_grid: mesh"), block, grid, owned);
+    s.grid(given(mesh, "gxy_grid: mesh"), block, of, grid, owned);
     return GXY_TAKEN;
   });
 }
@@ -103,7 +104,7 @@ int gxy_grid(gxy_sim* sim, const char* mesh, int block, int of, const int64_t si
 int gxy_field(gxy_sim* sim, const char* mesh, int block, const char* field, int of, gxy_array values) {
   return guarded(sim, [&](Simulation& s) {
     checkOf(of, "gxy_field");
-    s.field(given(mesh, "gxy_field: mesh"), block, given(field, "gxy_field: field"), values);
+    s.field(given(mesh, "gxy_field: mesh"), block, given(field, "gxy_field: field"), of, values);
     return GXY_TAKEN;
   });
 }
@@ -134,7 +135,7 @@ const char* gxy_message(gxy_sim* sim) {
 void gxy_close(gxy_sim* sim, double seconds) {
   if (!sim) return;
   guarded(sim, [&](Simulation& s) {
-    s.close(std::isfinite(seconds) ? std::clamp(seconds, 0.0, 1e6) : 0);
+    s.close(seconds > 0 ? std::min(seconds, 1e6) : 0);
     return GXY_TAKEN;
   });
   if (sim->simulation || !sim->message.empty()) delete sim;

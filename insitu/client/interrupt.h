@@ -28,7 +28,6 @@ class Interrupt {
   void wake();
   /// From now on, waits throw Closing.
   void close();
-  bool closed() const { return closed_; }
 
   /// Waits until one of the sockets is ready, somebody wakes this, or the time has come. `sockets` has room for one more at its
   /// end. Throws Closing.

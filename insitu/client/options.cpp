@@ -19,7 +19,8 @@ namespace {
 json parsed(const std::string& text, const std::string& where) {
   const json object = json::parse(text, nullptr, false);
   if (!object.is_object()) throw Error(where + ": expected a JSON object");
-  static const std::set<std::string> known{"to", "token-file", "tenant", "scope", "partition", "reconnect"};
+  static const std::set<std::string> known{"to",        "token-file", "tenant",  "scope",
+                                           "partition", "every",      "between", "reconnect"};
   for (const auto& [key, value] : object.items())
     if (known.count(key) == 0) {
       std::string all;
@@ -66,17 +67,27 @@ void readWhere(const std::string& to, Options& options) {
 
 Options readOptions(const char* text) {
   json object = text ? parsed(text, "options of gxy_open") : json::object();
-  if (const char* file = std::getenv("GALAXY_INSITU_OPTIONS"))
+  if (const char* file = std::getenv("GALAXY_INSITU_OPTIONS"); file && *file)
     object.update(parsed(textOf(file), std::string("GALAXY_INSITU_OPTIONS, ") + file));
   Options options;
   const char* where = std::getenv("GALAXY_INSITU");
-  readWhere(where ? where : word(object, "to", "off"), options);
+  readWhere(where && *where ? where : word(object, "to", "off"), options);
   options.tokenFile = word(object, "token-file", "");
   options.tenant = word(object, "tenant", options.tenant);
   options.scope = word(object, "scope", options.scope);
   if (options.scope != "private" && options.scope != "shared")
     throw Error("option \"scope\": found \"" + options.scope + "\", expected \"private\" or \"shared\"");
   options.partition = object.value("partition", json("even")).dump();
+  const json every = object.value("every", json(1)), between = object.value("between", json());
+  if (!every.is_number_integer() || every.get<int64_t>() < 1)
+    throw Error("option \"every\": expected an integer from 1 up");
+  options.every = every.get<int64_t>();
+  if (!between.is_null()) {
+    if (!between.is_array() || between.size() != 2 || !between[0].is_number() || !between[1].is_number())
+      throw Error("option \"between\": expected two times, [FIRST, LAST]");
+    options.firstTime = between[0].get<double>();
+    options.lastTime = between[1].get<double>();
+  }
   const json reconnect = object.value("reconnect", json(5));
   if (!reconnect.is_number() || !(reconnect.get<double>() >= 0) || reconnect.get<double>() > 1e6)
     throw Error("option \"reconnect\": expected seconds, 0 to 10^6");

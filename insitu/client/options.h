@@ -3,6 +3,7 @@
 #pragma once
 #include <chrono>
 #include <cstdint>
+#include <limits>
 #include <string>
 
 namespace gxy::insitu {
@@ -15,7 +16,11 @@ struct Options {
   std::string tokenFile;  ///< "-": none; empty: where a server on this machine leaves its token
   std::string tenant = "user";
   std::string scope = "private";
-  std::string partition = "even";              ///< JSON, as it is sent to the server
+  std::string partition = "even";  ///< JSON, as it is sent to the server
+  int64_t every = 1;               ///< only the first of so many publishes is offered
+  /// Only steps with these times are offered, in the simulation's unit.
+  double firstTime = -std::numeric_limits<double>::infinity(),
+         lastTime = std::numeric_limits<double>::infinity();
   std::chrono::duration<double> reconnect{5};  ///< 0: never
 };
 

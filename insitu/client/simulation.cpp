@@ -29,10 +29,36 @@ void checkArray(const std::string& name, const gxy_array& a, const Extent& owned
       fail("stride[" + std::to_string(axis) + "] is 0, expected the bytes from one point to the next");
 }
 
+// The grid of the centres of cells, with a rim. `cells` counts cells; its origin is that of the first point.
+Grid centresOf(const Grid& cells) {
+  Grid grid = cells;
+  grid.rim = true;
+  for (int a = 0; a < 3; a++) {
+    grid.points[size_t(a)] += 2;
+    grid.origin[a] -= grid.spacing[a] / 2;
+  }
+  return grid;
+}
+
+// The points of the stream's grid that a rank owns with some cells: their centres, and the rim beside the outermost ones.
+Extent withRim(const Extent& cells, const Index3& all) {
+  Extent owned;
+  if (cells.count() == 0) return owned;
+  for (size_t a = 0; a < 3; a++) {
+    const int64_t end = cells.first[a] + cells.points[a];
+    owned.first[a] = cells.first[a] == 0 ? 0 : cells.first[a] + 1;
+    owned.points[a] = (end == all[a] ? end + 2 : end + 1) - owned.first[a];
+  }
+  return owned;
+}
+
 }  // namespace
 
 Simulation::Simulation(Options options, Member member)
-    : connection_(options.on ? std::make_unique<Connection>(std::move(options), std::move(member))
+    : every_(options.every),
+      firstTime_(options.firstTime),
+      lastTime_(options.lastTime),
+      connection_(options.on ? std::make_unique<Connection>(std::move(options), std::move(member))
                              : nullptr) {}
 
 void Simulation::checkMesh(const std::string& mesh) const {
@@ -41,29 +67,43 @@ void Simulation::checkMesh(const std::string& mesh) const {
     throw Error("mesh \"" + mesh + "\" beside \"" + mesh_ + "\": a stream has one grid so far");
 }
 
-void Simulation::grid(const std::string& mesh, int block, const Grid& grid, const Extent& owned) {
+void Simulation::grid(const std::string& mesh, int block, int of, Grid grid, const Extent& owned) {
   checkMesh(mesh);
   if (described_) throw Error("gxy_grid after the first step: a decomposition cannot change so far");
   if (block < 0) throw Error("gxy_grid: block " + std::to_string(block) + ", expected 0, 1, ...");
+  Block described{owned, owned, {}};
+  if (of == GXY_OF_CELLS) {
+    described.owned = withRim(owned, grid.points);
+    for (size_t a = 0; a < 3; a++) described.values.first[a]++;
+    grid = centresOf(grid);
+  }
   if (!blocks_.empty() && !(grid == grid_))
     throw Error("gxy_grid: a grid of " + sizeText(grid.points) + " points beside one of " +
-                sizeText(grid_.points) + ", or another origin or spacing: expected the same in all blocks");
+                sizeText(grid_.points) +
+                ", another origin or spacing, or cells beside points: expected the same in all blocks");
   Description one{{mesh, grid, {{"any", ScalarType::Float32, 1}}}, {}};
-  if (owned.count() != 0) one.blocks.push_back(owned);
+  if (owned.count() != 0) one.blocks.push_back(described.owned);
   check(one);
   mesh_ = mesh;
   grid_ = grid;
-  blocks_[block].owned = owned;
+  Block& known = blocks_[block];
+  if (known.values == described.values)
+    described.fields = std::move(known.fields);  // else they are of other arrays
+  known = std::move(described);
 }
 
-void Simulation::field(const std::string& mesh, int block, const std::string& name, const gxy_array& values) {
+void Simulation::field(const std::string& mesh, int block, const std::string& name, int of,
+                       const gxy_array& values) {
   checkMesh(mesh);
   checkName(name, "field");
   const auto at = blocks_.find(block);
   if (at == blocks_.end())
     throw Error("gxy_field, \"" + name + "\": there is no block " + std::to_string(block) +
                 " on this rank, expected gxy_grid() first");
-  checkArray(name, values, at->second.owned);
+  if ((of == GXY_OF_CELLS) != grid_.rim)
+    throw Error("gxy_field, \"" + name + "\": values of " + (grid_.rim ? "points" : "cells") +
+                " on a grid that counts " + (grid_.rim ? "cells" : "points") + ", expected the same so far");
+  checkArray(name, values, at->second.values);
   auto& known = at->second.fields;
   const auto before = known.find(name);
   if (described_ && (before == known.end() || before->second.type != values.type ||
@@ -91,17 +131,23 @@ std::vector<Field> Simulation::fields() const {
 }
 
 void Simulation::describe() {
-  fields_ = fields();
-  Description description{{mesh_, grid_, fields_}, {}};
-  for (auto& [number, block] : blocks_) {
+  Description description{{mesh_, grid_, fields()}, {}};
+  std::vector<const Block*> present;
+  for (const auto& [number, block] : blocks_) {
     if (block.owned.count() == 0) continue;
-    block.index = int(description.blocks.size());
     description.blocks.push_back(block.owned);
-    present_.push_back(&block);
+    present.push_back(&block);
   }
   check(description);
-  connection_->describe(std::move(description));
+  fields_ = description.mesh.fields;
+  present_ = std::move(present);
   described_ = true;
+  connection_->describe(std::move(description));
+}
+
+// Whether a publish is offered at all. It is the same on all ranks, so they count the same publishes.
+bool Simulation::passes(double time) const {
+  return (statistics_.offered - 1) % every_ == 0 && !(time < firstTime_) && !(time > lastTime_);
 }
 
 int Simulation::publish(int64_t step, double time) {
@@ -115,12 +161,12 @@ int Simulation::publish(int64_t step, double time) {
   lastStep_ = step;
   statistics_.offered++;
   int result = connection_->connected() ? GXY_NOT_TAKEN : GXY_LOST;
-  if (connection_->publish()) {
+  if (passes(time) && connection_->publish()) {
     const auto route = connection_->route();
-    copy(*route);
+    if (route) copy(*route);  // A server appoints nothing before there is a plan.
     connection_->filled(step, time);
     statistics_.taken++;
-    statistics_.bytes += int64_t(route->bytes);
+    statistics_.bytes += route ? int64_t(route->bytes) : 0;
     result = GXY_TAKEN;
   }
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
@@ -135,7 +181,7 @@ void Simulation::copy(const Route& route) {
     for (const Piece& piece : d.pieces) {
       const Block& block = *present_.at(size_t(piece.block));
       for (const Field& field : fields_) {
-        copyPoints(block.fields.at(field.name), block.owned.first, piece.points, to);
+        copyPoints(block.fields.at(field.name), block.values, piece.points, to);
         to += size_t(piece.points.count()) * field.bytesPerPoint();
       }
     }

@@ -16,12 +16,12 @@ class Simulation {
  public:
   Simulation(Options options, Member member);
 
-  void grid(const std::string& mesh, int block, const Grid& grid, const Extent& owned);
-  void field(const std::string& mesh, int block, const std::string& name, const gxy_array& values);
+  /// `grid` and `owned` count points, or cells if `of` is GXY_OF_CELLS; the origin is that of the first point in both cases.
+  void grid(const std::string& mesh, int block, int of, Grid grid, const Extent& owned);
+  void field(const std::string& mesh, int block, const std::string& name, int of, const gxy_array& values);
   /// Returns one of gxy_result.
   int publish(int64_t step, double time);
 
-  bool on() const { return connection_ != nullptr; }
   gxy_stat statistics() const;
   /// Why there is no connection; empty if there is one.
   std::string problem() const { return connection_ ? connection_->problem() : std::string(); }
@@ -29,22 +29,25 @@ class Simulation {
 
  private:
   struct Block {
-    Extent owned;
+    Extent owned;   ///< points of the stream's grid: for cells, with the rim beside them
+    Extent values;  ///< those of them that fields have values of
     std::map<std::string, gxy_array> fields;
-    int index = 0;  ///< among the blocks that have points, once it is described
   };
+  bool passes(double time) const;
   void checkMesh(const std::string& mesh) const;
   void describe();
   std::vector<Field> fields() const;
   void copy(const Route& route);
 
+  const int64_t every_;
+  const double firstTime_, lastTime_;
   const std::unique_ptr<Connection> connection_;  ///< null: publishing is off
   std::string mesh_;
-  Grid grid_;
+  Grid grid_;  ///< of the stream: for cells, with a rim
   std::map<int, Block> blocks_;
   bool described_ = false;
   std::vector<Field> fields_;          ///< once it is described
-  std::vector<const Block*> present_;  ///< the blocks that have points
+  std::vector<const Block*> present_;  ///< the blocks that have points, once it is described
   int64_t lastStep_ = 0;
   gxy_stat statistics_{};
 };

@@ -8,8 +8,8 @@
 
 namespace gxy::insitu {
 
-/// Copies the values of the points `points` of a block, whose first point is `first`, to `out`: x fastest, the components of a
-/// point together. `out` has room for points.count() points.
-void copyPoints(const gxy_array& values, const Index3& first, const Extent& points, std::byte* out);
+/// Copies the values of the points `points` to `out`: x fastest, the components of a point together. `values` are those of the points
+/// `block`; points beside it get the value of the nearest point in it. `out` has room for points.count() points.
+void copyPoints(const gxy_array& values, const Extent& block, const Extent& points, std::byte* out);
 
 }  // namespace gxy::insitu

@@ -66,24 +66,38 @@ void WireSocket::connect(const std::string& host, uint16_t port, Interrupt& inte
   const std::unique_ptr<addrinfo, decltype(&::freeaddrinfo)> addresses(list, ::freeaddrinfo);
   int error = 0;
   for (const addrinfo* a = list; a; a = a->ai_next) {
-    if (socket_ >= 0) ::close(socket_);
-    socket_ = ::socket(a->ai_family, a->ai_socktype | SOCK_NONBLOCK | SOCK_CLOEXEC, a->ai_protocol);
-    if (socket_ < 0) throw Error(std::string("cannot make a socket: ") + std::strerror(errno));
-    loopback_ = isOfThisMachine(*a->ai_addr);
-    error = ::connect(socket_, a->ai_addr, a->ai_addrlen) == 0 ? 0 : errno;
-    if (error == EINPROGRESS) {
-      wait(POLLOUT, interrupt, end);
-      socklen_t size = sizeof error;
-      ::getsockopt(socket_, SOL_SOCKET, SO_ERROR, &error, &size);
-    }
-    if (error == 0) break;
+    const auto now = Interrupt::Clock::now();
+    error = connect(*a, interrupt, a->ai_next ? now + (end - now) / 2 : end);
+    if (error == 0) return;
   }
-  if (error != 0)
-    throw Error("cannot connect to " + where_ + ": " + std::strerror(error) + "; is a server running there?");
-  const int yes = 1, silent = 30000;  // milliseconds after which a dead connection is given up
+  throw Error("cannot connect to " + where_ + ": " + std::strerror(error) + "; is a server running there?");
+}
+
+// Returns what is wrong, as errno; 0 if nothing is.
+int WireSocket::connect(const addrinfo& address, Interrupt& interrupt, Interrupt::Clock::time_point end) {
+  if (socket_ >= 0) ::close(socket_);
+  socket_ =
+      ::socket(address.ai_family, address.ai_socktype | SOCK_NONBLOCK | SOCK_CLOEXEC, address.ai_protocol);
+  if (socket_ < 0) return errno;
+  loopback_ = isOfThisMachine(*address.ai_addr);
+  // A connection on which nothing comes any more is given up after 45 s, whether something is under way or not.
+  const int yes = 1, silent = 45000, idle = 15, between = 5, probes = 6;
   ::setsockopt(socket_, IPPROTO_TCP, TCP_NODELAY, &yes, sizeof yes);
   ::setsockopt(socket_, IPPROTO_TCP, TCP_USER_TIMEOUT, &silent, sizeof silent);
   ::setsockopt(socket_, SOL_SOCKET, SO_KEEPALIVE, &yes, sizeof yes);
+  ::setsockopt(socket_, IPPROTO_TCP, TCP_KEEPIDLE, &idle, sizeof idle);
+  ::setsockopt(socket_, IPPROTO_TCP, TCP_KEEPINTVL, &between, sizeof between);
+  ::setsockopt(socket_, IPPROTO_TCP, TCP_KEEPCNT, &probes, sizeof probes);
+  int error = ::connect(socket_, address.ai_addr, address.ai_addrlen) == 0 ? 0 : errno;
+  if (error != EINPROGRESS) return error;
+  try {
+    wait(POLLOUT, interrupt, end);
+  } catch (const Error&) {
+    return ETIMEDOUT;
+  }
+  socklen_t size = sizeof error;
+  ::getsockopt(socket_, SOL_SOCKET, SO_ERROR, &error, &size);
+  return error;
 }
 
 void WireSocket::wait(short events, Interrupt& interrupt, Interrupt::Clock::time_point end) {
@@ -124,13 +138,14 @@ void WireSocket::flush() {
   }
 }
 
-void WireSocket::finish() {
-  const auto end = Interrupt::Clock::now() + std::chrono::milliseconds(500);
-  for (bool ended = false; Interrupt::Clock::now() < end;) {
+void WireSocket::finish(Interrupt::Clock::time_point end) {
+  for (;;) {
     flush();
-    if (sent() && !std::exchange(ended, true)) ::shutdown(socket_, SHUT_WR);
+    if (sent() && !std::exchange(finished_, true)) ::shutdown(socket_, SHUT_WR);
+    const auto left = std::chrono::ceil<std::chrono::milliseconds>(end - Interrupt::Clock::now()).count();
+    if (left <= 0) return;
     pollfd socket{socket_, short(sent() ? POLLIN : POLLIN | POLLOUT), 0};
-    ::poll(&socket, 1, 50);
+    ::poll(&socket, 1, int(left));
     const auto n = ::recv(socket_, buffer_.data(), buffer_.size(), 0);
     if (n == 0 || (n < 0 && !wouldBlock())) return;
   }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // A TCP connection that sends and receives messages and never blocks.
 #pragma once
+#include <netdb.h>
+
 #include <array>
 #include <deque>
 #include <optional>
@@ -32,8 +34,8 @@ class WireSocket {
   /// Sends what the connection takes now.
   void flush();
   bool sent() const { return queue_.empty(); }
-  /// Sends the rest, says that nothing follows, and waits for the other end to close, for half a second at most in all.
-  void finish();
+  /// Sends the rest, says that nothing follows, and waits for the other end to close, until time `end` at most.
+  void finish(Interrupt::Clock::time_point end);
 
   /// Receives what there is. Returns the next message, if one is complete.
   std::optional<protocol::WireMessage> receive();
@@ -49,10 +51,11 @@ class WireSocket {
   };
   void connect(const std::string& host, uint16_t port, Interrupt& interrupt,
                Interrupt::Clock::time_point end);
+  int connect(const addrinfo& address, Interrupt& interrupt, Interrupt::Clock::time_point end);
   void wait(short events, Interrupt& interrupt, Interrupt::Clock::time_point end);
 
   int socket_ = -1;
-  bool loopback_ = false;
+  bool loopback_ = false, finished_ = false;
   std::string where_;
   std::deque<Output> queue_;
   protocol::MessageReader reader_;

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <optional>
 #include <string>
-#include <tuple>
 #include <utility>
 
 #include "core/comm/error.h"
@@ -30,62 +29,78 @@ std::string text(const Block& b) {
 void checkDisjoint(const BlockSearch& search) {
   for (size_t i = 0; i < search.blocks().size(); i++)
     search.overlapping(search.blocks()[i].extent, [&](size_t other, const Extent& common) {
-      if (other < i)
-        throw Error("the blocks of the simulation overlap in points " + text(common) + ": " +
-                    text(search.blocks()[other]) + ", and " + text(search.blocks()[i]) +
-                    "; expected that each point is owned once");
+      if (other == i) return true;
+      throw Error("the blocks of the simulation overlap in points " + text(common) + ": " +
+                  text(search.blocks()[other]) + ", and " + text(search.blocks()[i]) +
+                  "; expected that each point is owned once");
     });
 }
 
-// Returns a box of `extent` without points of any block, if there is one. Cuts the extent along the faces of a block that it
-// meets, until a part is free.
-std::optional<Extent> holeIn(const BlockSearch& search, const Extent& extent) {
-  std::optional<Extent> met;
-  search.overlapping(extent, [&](size_t, const Extent& common) {
-    if (!met || common.count() > met->count()) met = common;
-  });
-  if (!met) return extent;
-  Extent rest = extent;
+// The parts of a box beside a box inside it.
+void addRest(const Extent& box, const Extent& inside, std::vector<Extent>& parts) {
+  Extent rest = box;
   for (size_t a = 0; a < 3; a++) {
     for (const bool below : {true, false}) {
       Extent side = rest;
-      side.first[a] = below ? rest.first[a] : endOf(*met, a);
-      side.points[a] = below ? met->first[a] - rest.first[a] : endOf(rest, a) - endOf(*met, a);
-      if (side.points[a] == 0) continue;
-      if (const auto hole = holeIn(search, side)) return hole;
+      side.first[a] = below ? rest.first[a] : endOf(inside, a);
+      side.points[a] = below ? inside.first[a] - rest.first[a] : endOf(rest, a) - endOf(inside, a);
+      if (side.points[a] > 0) parts.push_back(side);
     }
-    rest.first[a] = met->first[a];
-    rest.points[a] = met->points[a];
+    rest.first[a] = inside.first[a];
+    rest.points[a] = inside.points[a];
+  }
+}
+
+// Returns a box without points of any block; nothing if it is hard to find.
+std::optional<Extent> holeIn(const BlockSearch& search, const Extent& whole) {
+  constexpr int kMost = 1000000;  // parts that are looked at: about a second
+  std::vector<Extent> parts{whole};
+  for (int i = 0; i < kMost && !parts.empty(); i++) {
+    const Extent part = parts.back();
+    parts.pop_back();
+    Extent met;
+    const bool isFree = search.overlapping(part, [&](size_t, const Extent& common) {
+      met = common;
+      return false;
+    });
+    if (isFree) return part;
+    addRest(part, met, parts);
   }
   return std::nullopt;
+}
+
+Extent around(const Extent& a, const Extent& b) {
+  Extent both;
+  for (size_t axis = 0; axis < 3; axis++) {
+    both.first[axis] = std::min(a.first[axis], b.first[axis]);
+    both.points[axis] = std::max(endOf(a, axis), endOf(b, axis)) - both.first[axis];
+  }
+  return both;
 }
 
 }  // namespace
 
 BlockSearch::BlockSearch(std::vector<Block> blocks) : blocks_(std::move(blocks)) {
-  size_t most = 0;
-  for (size_t axis = 0; axis < 3; axis++) {
-    std::vector<int64_t> firsts;
-    for (const Block& b : blocks_) firsts.push_back(b.extent.first[axis]);
-    std::sort(firsts.begin(), firsts.end());
-    const auto different = size_t(std::unique(firsts.begin(), firsts.end()) - firsts.begin());
-    if (different > most) axis_ = axis;
-    most = std::max(most, different);
-  }
-  std::sort(blocks_.begin(), blocks_.end(), [this](const Block& a, const Block& b) {
-    return std::tuple(a.extent.first[axis_], a.rank, a.index) <
-           std::tuple(b.extent.first[axis_], b.rank, b.index);
-  });
-  for (const Block& b : blocks_)
-    furthest_.push_back(std::max(furthest_.empty() ? 0 : furthest_.back(), endOf(b.extent, axis_)));
+  if (!blocks_.empty()) build(0, blocks_.size());
 }
 
-std::pair<size_t, size_t> BlockSearch::candidates(const Extent& extent) const {
-  const auto first = std::upper_bound(furthest_.begin(), furthest_.end(), extent.first[axis_]);
-  const auto last =
-      std::lower_bound(blocks_.begin(), blocks_.end(), endOf(extent, axis_),
-                       [this](const Block& b, int64_t end) { return b.extent.first[axis_] < end; });
-  return {size_t(first - furthest_.begin()), size_t(last - blocks_.begin())};
+void BlockSearch::build(size_t first, size_t last) {
+  const size_t node = nodes_.size();
+  Extent bounds = blocks_[first].extent;
+  for (size_t i = first; i < last; i++) bounds = around(bounds, blocks_[i].extent);
+  nodes_.push_back({bounds, first, last, 0});
+  if (last - first <= kLeaf) return;
+  const auto axis =
+      size_t(std::max_element(bounds.points.begin(), bounds.points.end()) - bounds.points.begin());
+  const auto at = [this](size_t i) { return blocks_.begin() + std::ptrdiff_t(i); };
+  const size_t middle = first + (last - first) / 2;
+  std::nth_element(at(first), at(middle), at(last), [axis](const Block& a, const Block& b) {
+    return 2 * a.extent.first[axis] + a.extent.points[axis] <
+           2 * b.extent.first[axis] + b.extent.points[axis];
+  });
+  build(first, middle);
+  nodes_[node].right = nodes_.size();
+  build(middle, last);
 }
 
 void checkCover(const BlockSearch& search, const Index3& points) {
@@ -94,11 +109,12 @@ void checkCover(const BlockSearch& search, const Index3& points) {
   for (const Block& b : search.blocks()) owned += b.extent.count();
   const Extent whole{{0, 0, 0}, points};
   if (owned == whole.count()) return;
-  const auto hole = holeIn(search, whole);
-  if (hole)
+  if (const auto hole = holeIn(search, whole))
     throw Error("the blocks of the simulation leave a hole of " + std::to_string(hole->points[0]) + " x " +
                 std::to_string(hole->points[1]) + " x " + std::to_string(hole->points[2]) + " points, " +
                 text(*hole) + "; expected that each point is owned once");
+  throw Error("the blocks of the simulation have " + std::to_string(owned) + " of " +
+              std::to_string(whole.count()) + " points, expected that each point is owned once");
 }
 
 }  // namespace gxy::insitu

@@ -3,7 +3,6 @@
 #pragma once
 #include <cstdint>
 #include <span>
-#include <utility>
 #include <vector>
 
 #include "core/data/extents.h"
@@ -18,27 +17,43 @@ struct Block {
   bool operator==(const Block&) const = default;
 };
 
-/// Finds the blocks that have points in an extent. It takes O(log n + k) where blocks are about of one size. k are the blocks that
-/// overlap the extent along one axis: the one on which blocks begin at the most different places.
+/// Finds the blocks that have points in an extent, by a tree of boxes. For n blocks that do not overlap this takes O(log n + k), with
+/// k the blocks that are found.
 class BlockSearch {
  public:
   explicit BlockSearch(std::vector<Block> blocks);
 
-  /// Calls visit(number, common points) for each block that has points in `extent`. Numbers are places in blocks().
+  /// Calls visit(number, common points) for each block that has points in `extent`, until it returns false. Numbers are places
+  /// in blocks(). Returns whether it was never false.
   template <class Visit>
-  void overlapping(const Extent& extent, Visit visit) const {
-    const auto [first, last] = candidates(extent);
-    for (size_t i = first; i < last; i++)
-      if (const Extent common = intersection(blocks_[i].extent, extent); common.count() > 0) visit(i, common);
+  bool overlapping(const Extent& extent, Visit visit) const {
+    return blocks_.empty() || overlapping(0, extent, visit);
   }
   std::span<const Block> blocks() const { return blocks_; }
 
  private:
-  std::pair<size_t, size_t> candidates(const Extent& extent) const;
+  static constexpr size_t kLeaf = 4;  ///< blocks of a leaf, at most
+  /// The blocks from `first` to `last` lie in `bounds`. The left child is the next node.
+  struct Node {
+    Extent bounds;
+    size_t first = 0, last = 0;
+    size_t right = 0;  ///< 0: a leaf
+  };
+  void build(size_t first, size_t last);
 
-  size_t axis_ = 0;
-  std::vector<Block> blocks_;      ///< sorted along the axis
-  std::vector<int64_t> furthest_;  ///< by block: the furthest end of it and those before it
+  template <class Visit>
+  bool overlapping(size_t node, const Extent& extent, Visit& visit) const {
+    const Node& n = nodes_[node];
+    if (intersection(n.bounds, extent).count() == 0) return true;
+    if (n.right > 0) return overlapping(node + 1, extent, visit) && overlapping(n.right, extent, visit);
+    for (size_t i = n.first; i < n.last; i++)
+      if (const Extent common = intersection(blocks_[i].extent, extent); common.count() > 0)
+        if (!visit(i, common)) return false;
+    return true;
+  }
+
+  std::vector<Block> blocks_;
+  std::vector<Node> nodes_;
 };
 
 /// Throws Error unless each point of a grid is in exactly one block. The message names two blocks that overlap, or a box of

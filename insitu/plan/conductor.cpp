@@ -11,6 +11,7 @@ namespace gxy::insitu {
 
 namespace {
 constexpr int kSuccesses = 16;  // in a row, after which the margin is halved
+constexpr uint64_t kMostMargin = uint64_t(1) << 40;
 
 uint64_t bitsOf(double time) {
   return std::bit_cast<uint64_t>(time);
@@ -18,11 +19,13 @@ uint64_t bitsOf(double time) {
 }  // namespace
 
 Conductor::Conductor(int ranks, std::set<int> owners)
-    : owners_(std::move(owners)), newest_(size_t(ranks)), taken_(size_t(ranks)) {}
+    : owners_(std::move(owners)), answered_(size_t(ranks)), taken_(size_t(ranks)) {}
 
 Control Conductor::ask() {
   state_ = State::Asking;
-  std::fill(newest_.begin(), newest_.end(), std::nullopt);
+  answered_.assign(answered_.size(), false);
+  answers_ = 0;
+  newest_ = 0;
   return {Control::Kind::AskNewest, ++question_, 0};
 }
 
@@ -32,33 +35,33 @@ std::vector<Control> Conductor::begin() {
 }
 
 std::vector<Control> Conductor::appoint() {
-  uint64_t newest = 0;
-  for (const auto& told : newest_) newest = std::max(newest, *told);
-  last_ = std::max(newest + 1 + counters_.margin, last_ + 1);
+  last_ = std::max(newest_ + 1 + counters_.margin, last_ + 1);
   state_ = State::Collecting;
   step_ = {last_, 0, 0};
-  std::fill(taken_.begin(), taken_.end(), std::nullopt);
+  taken_.assign(taken_.size(), false);
+  takes_ = 0;
   completed_.clear();
   counters_.appointed++;
   return {{Control::Kind::Appoint, last_, 0}};
 }
 
-// The appointment came too late by newest - count publishes, and the next one is to lie as many further ahead at least.
+// The appointment came too late by newest - count publishes, and the next one is to lie as many further ahead at least. A rank that
+// misses it for want of room is not late.
 void Conductor::widen(uint64_t newest) {
-  const uint64_t late = newest > step_.count ? newest - step_.count : 0;
-  counters_.margin = std::max(2 * counters_.margin, late + 1);
   counters_.missed++;
   successes_ = 0;
+  if (newest < step_.count) return;
+  counters_.margin = std::min(std::max(2 * counters_.margin, newest - step_.count + 1), kMostMargin);
 }
 
 std::vector<Control> Conductor::receive(int rank, const Control& message) {
   switch (message.kind) {
     case Control::Kind::Newest:
       if (state_ != State::Asking || message.count != question_) return {};
-      newest_.at(size_t(rank)) = message.newest;
-      if (std::all_of(newest_.begin(), newest_.end(), [](const auto& told) { return told.has_value(); }))
-        return appoint();
-      return {};
+      if (answered_.at(size_t(rank))) return {};
+      answered_[size_t(rank)] = true;
+      newest_ = std::max(newest_, std::min(message.newest, kMostMargin));
+      return ++answers_ == answered_.size() ? appoint() : std::vector<Control>();
     case Control::Kind::Missed: {
       if (state_ != State::Collecting || message.count != step_.count) return {};
       widen(message.newest);
@@ -71,14 +74,14 @@ std::vector<Control> Conductor::receive(int rank, const Control& message) {
 }
 
 void Conductor::receive(int rank, const StepHeader& step) {
-  if (state_ != State::Collecting || step.count != step_.count) return;
-  for (const auto& other : taken_)
-    if (other && (other->step != step.step || bitsOf(other->time) != bitsOf(step.time)))
-      throw Error("publish " + std::to_string(step.count) + " is step " + std::to_string(step.step) +
-                  " with time " + std::to_string(step.time) + " on rank " + std::to_string(rank) +
-                  ", but step " + std::to_string(other->step) + " with time " + std::to_string(other->time) +
-                  " on another, expected that all ranks publish the same steps in the same order");
-  taken_.at(size_t(rank)) = step;
+  if (state_ != State::Collecting || step.count != step_.count || taken_.at(size_t(rank))) return;
+  if (takes_ > 0 && (step_.step != step.step || bitsOf(step_.time) != bitsOf(step.time)))
+    throw Error("publish " + std::to_string(step.count) + " is step " + std::to_string(step.step) +
+                " with time " + std::to_string(step.time) + " on rank " + std::to_string(rank) +
+                ", but step " + std::to_string(step_.step) + " with time " + std::to_string(step_.time) +
+                " on another, expected that all ranks publish the same steps in the same order");
+  taken_[size_t(rank)] = true;
+  takes_++;
   step_ = step;
 }
 
@@ -88,18 +91,21 @@ void Conductor::complete(int owner, uint64_t count) {
 }
 
 bool Conductor::isComplete() const {
-  return state_ == State::Collecting && completed_ == owners_ &&
-         std::all_of(taken_.begin(), taken_.end(), [](const auto& t) { return t.has_value(); });
+  return state_ == State::Collecting && completed_ == owners_ && takes_ == taken_.size();
 }
 
-bool Conductor::someTaken() const {
-  return state_ == State::Collecting &&
-         std::any_of(taken_.begin(), taken_.end(), [](const auto& t) { return t.has_value(); });
+bool Conductor::someTaken() const { return state_ == State::Collecting && takes_ > 0; }
+
+std::vector<Control> Conductor::again() {
+  if (state_ != State::Collecting || takes_ > 0 || counters_.margin == 0) return {};
+  counters_.margin /= 2;
+  const Control cancel{Control::Kind::Cancel, step_.count, 0};
+  return {cancel, ask()};
 }
 
 std::string Conductor::missing() const {
   std::string ranks, owners;
-  for (size_t r = 0; r < taken_.size(); r++)
+  for (size_t r = 0; r < taken_.size() && ranks.size() < 100; r++)
     if (!taken_[r]) ranks += " " + std::to_string(r);
   for (const int owner : owners_)
     if (completed_.count(owner) == 0) owners += " " + std::to_string(owner);

@@ -2,7 +2,6 @@
 // How rank 0 of the server agrees with all ranks of a simulation on the step that is taken next.
 #pragma once
 #include <cstdint>
-#include <optional>
 #include <set>
 #include <string>
 #include <vector>
@@ -42,6 +41,9 @@ class Conductor {
   /// The largest count that was ever appointed.
   uint64_t last() const { return last_; }
 
+  /// Nobody has come to the appointed publish for a while: perhaps the simulation has become slower since, and an appointment
+  /// that lies less far ahead will do. Returns nothing where that cannot be.
+  std::vector<Control> again();
   /// The step is published.
   std::vector<Control> published();
   /// The step is given up.
@@ -61,10 +63,13 @@ class Conductor {
 
   const std::set<int> owners_;
   State state_ = State::Idle;
-  uint64_t question_ = 0;                         ///< the number of the last AskNewest
-  std::vector<std::optional<uint64_t>> newest_;   ///< answers, by rank
-  std::vector<std::optional<StepHeader>> taken_;  ///< of the appointed publish, by rank
-  std::set<int> completed_;                       ///< ranks of Galaxy
+  uint64_t question_ = 0;       ///< the number of the last AskNewest
+  std::vector<bool> answered_;  ///< the question, by rank
+  size_t answers_ = 0;
+  uint64_t newest_ = 0;      ///< of the answers
+  std::vector<bool> taken_;  ///< the appointed publish, by rank
+  size_t takes_ = 0;
+  std::set<int> completed_;  ///< ranks of Galaxy
   StepHeader step_;
   uint64_t last_ = 0;
   int successes_ = 0;

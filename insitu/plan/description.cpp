@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <nlohmann/json.hpp>
 #include <set>
 
 #include "core/comm/error.h"
@@ -16,11 +17,22 @@ std::string text(const Index3& i) {
   return std::to_string(i[0]) + " x " + std::to_string(i[1]) + " x " + std::to_string(i[2]);
 }
 
+bool isUtf8(const std::string& text) {
+  try {
+    return !nlohmann::json(text).dump().empty();
+  } catch (const nlohmann::json::exception&) {
+    return false;
+  }
+}
+
 void checkGrid(const Grid& grid) {
   for (int a = 0; a < 3; a++) {
     const size_t axis = size_t(a);
-    if (grid.points[axis] < 2 || grid.points[axis] > kMostPoints)
-      throw Error("grid of " + text(grid.points) + " points, expected 2 to 2^31 by axis");
+    const int64_t least = grid.rim ? 3 : 2;
+    if (grid.points[axis] < least || grid.points[axis] > kMostPoints)
+      throw Error("grid of " + text(grid.points) + " points" +
+                  (grid.rim ? ", the layer around cells included" : "") + ", expected " +
+                  std::to_string(least) + " to 2^31 by axis");
     const double end = grid.origin[a] + grid.spacing[a] * double(grid.points[axis] - 1);
     if (!std::isfinite(grid.origin[a]) || !std::isfinite(end) || !(grid.spacing[a] > 0))
       throw Error("grid with origin " + std::to_string(grid.origin[a]) + " and spacing " +
@@ -28,7 +40,7 @@ void checkGrid(const Grid& grid) {
                   ", expected finite numbers and a spacing above 0");
   }
   if (grid.points[0] > kMostInAll / grid.points[1] / grid.points[2])
-    throw Error("grid of " + text(grid.points) + " points, expected at most 2^60 in all");
+    throw Error("grid of " + text(grid.points) + " points, expected at most 2^46 in all");
 }
 
 void checkFields(const std::vector<Field>& fields) {
@@ -60,9 +72,10 @@ void checkBlock(const Extent& block, const Grid& grid) {
 void checkName(const std::string& name, const std::string& what) {
   const bool controls = std::any_of(name.begin(), name.end(),
                                     [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; });
-  if (name.empty() || name.size() > kMostName || controls)
+  const bool isText = isUtf8(name) && !controls;
+  if (name.empty() || name.size() > kMostName || !isText)
     throw Error("the name of a " + what + " has " + std::to_string(name.size()) + " bytes" +
-                (controls ? " with control characters" : "") + ", expected 1 to " +
+                (isText ? "" : " that are no text, or control characters") + ", expected 1 to " +
                 std::to_string(kMostName) + " bytes of text");
 }
 
@@ -78,6 +91,7 @@ void check(const Description& description) {
 Bytes written(const Description& d) {
   Writer w;
   w.write(d.mesh.name).write(d.mesh.grid.origin).write(d.mesh.grid.spacing).write(d.mesh.grid.points);
+  w.write(d.mesh.grid.rim);
   w.write(uint32_t(d.mesh.fields.size()));
   for (const Field& f : d.mesh.fields) w.write(f.name).write(uint8_t(f.type)).write(uint32_t(f.components));
   return w.write(d.blocks).take();
@@ -90,6 +104,7 @@ Description readDescription(std::span<const std::byte> message) {
   d.mesh.grid.origin = r.read<glm::dvec3>();
   d.mesh.grid.spacing = r.read<glm::dvec3>();
   d.mesh.grid.points = r.read<Index3>();
+  d.mesh.grid.rim = r.read<bool>();
   const auto fields = r.read<uint32_t>();
   if (fields > kMostFields) r.fail(std::to_string(fields) + " fields, expected at most 64");
   for (uint32_t i = 0; i < fields; i++) {

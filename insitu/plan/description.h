@@ -18,10 +18,11 @@ inline constexpr size_t kMostBlocks = size_t(1) << 20;  ///< of all ranks togeth
 inline constexpr size_t kMostFields = 64;
 inline constexpr int kMostComponents = 16;
 inline constexpr int64_t kMostPoints = int64_t(1) << 31;  ///< by axis
-inline constexpr int64_t kMostInAll = int64_t(1) << 60;   ///< points of a grid
+inline constexpr int64_t kMostInAll = int64_t(1) << 46;   ///< points of a grid
 inline constexpr size_t kMostName = 100;                  ///< bytes of the name of a stream, mesh or field
 
-/// A field: one array with values at the points of the grid.
+/// A field: one array with values at the points of the grid, or in its cells. Cells are a grid with a rim (Grid::rim): its points
+/// are their centres and one more layer around them, which the simulation owns too, and sends with the values of the outermost cells.
 struct Field {
   std::string name;
   ScalarType type = ScalarType::Float32;
@@ -44,7 +45,7 @@ struct Description {
   std::vector<Extent> blocks;
 };
 
-/// Throws Error unless the name has 1 to kMostName bytes of text without control characters. `what` names it in the error.
+/// Throws Error unless the name has 1 to kMostName bytes of UTF-8 without control characters. `what` names it in the error.
 void checkName(const std::string& name, const std::string& what);
 
 /// Throws Error, with what was expected, for a description beyond the limits, a grid that is none, or a block that is not

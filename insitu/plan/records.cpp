@@ -71,6 +71,8 @@ std::vector<Destination> readDestinations(std::span<const std::byte> message, in
   const auto pieces = r.readVector<WirePiece>();
   r.expectEnd();
   std::vector<Destination> destinations;
+  int64_t points = 0;
+  for (const Extent& block : blocks) points += block.count();
   size_t next = 0;
   for (const WireDestination& head : heads) {
     if (head.pieces > pieces.size() - next) r.fail("fewer pieces than announced");
@@ -79,6 +81,8 @@ std::vector<Destination> readDestinations(std::span<const std::byte> message, in
       const WirePiece& p = pieces[next++];
       if (p.block < 0 || size_t(p.block) >= blocks.size() || !isInside(p.points, blocks[size_t(p.block)]))
         r.fail("a piece outside the blocks of this rank");
+      points -= p.points.count();
+      if (points < 0) r.fail("more points than this rank has");
       d.pieces.push_back({rank, p.block, head.owner, p.partition, p.points});
     }
     destinations.push_back(std::move(d));

@@ -26,9 +26,12 @@ Hello readHello(std::span<const std::byte> message);
 
 /// Where the points of one rank of the simulation go. Rank 0 of the server answers a description with it.
 Bytes written(const std::vector<Destination>& destinations);
-/// Throws Error unless each piece is inside the block that it names.
+/// Throws Error unless each piece is inside the block that it names, and there are no more points than in the blocks.
 std::vector<Destination> readDestinations(std::span<const std::byte> message, int rank,
                                           std::span<const Extent> blocks);
+
+/// A bye that begins so says that the simulation itself has closed the stream, so that no rank of it needs to come again.
+inline constexpr const char* kClosedBy = "closed by rank ";
 
 /// Messages about appointments between rank 0 of the server and a rank of the simulation. Counts are those of publishes.
 struct Control {

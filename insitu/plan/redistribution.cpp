@@ -15,6 +15,7 @@ std::vector<Piece> piecesFor(int owner, const Grid& grid, const Partitioning& pa
     search.overlapping(owned, [&](size_t number, const Extent& common) {
       const Block& block = search.blocks()[number];
       pieces.push_back({block.rank, block.index, owner, p, common});
+      return true;
     });
   }
   std::sort(pieces.begin(), pieces.end(), [](const Piece& a, const Piece& b) {

@@ -12,6 +12,7 @@ namespace gxy::insitu {
 void Sender::begin(std::vector<Load> loads) {
   const std::lock_guard lock(mutex_);
   settle();
+  question_.reset();
   cursors_.clear();
   uint64_t begin = 0;
   for (Load& load : loads) {
@@ -29,11 +30,11 @@ void Sender::settle() {
   slot_ = isBeingFilled ? Slot::Void : Slot::Free;
 }
 
-bool Sender::filled(int64_t step, double time) {
+void Sender::filled(int64_t step, double time) {
   const std::lock_guard lock(mutex_);
   if (slot_ == Slot::Void) {
     slot_ = Slot::Free;
-    return false;
+    return;
   }
   slot_ = Slot::Full;
   announcement_ = StepHeader{appointed_, step, time};
@@ -41,14 +42,14 @@ bool Sender::filled(int64_t step, double time) {
     c.item = 0;
     c.itemBegin = c.offset = 0;
   }
-  return true;
 }
 
 std::optional<Control> Sender::receive(const Control& message) {
   const std::lock_guard lock(mutex_);
   switch (message.kind) {
     case Control::Kind::AskNewest:
-      return Control{Control::Kind::Newest, message.count, appointment_.count()};
+      question_ = message.count;
+      return answerNow();
     case Control::Kind::Appoint:
       return appoint(message.count);
     case Control::Kind::Published:
@@ -65,7 +66,17 @@ std::optional<Control> Sender::receive(const Control& message) {
   throw Error("control message that only simulations send, expected one of a server");
 }
 
-// With the lock held.
+// With the lock held, as appoint().
+std::optional<Control> Sender::answerNow() {
+  if (!question_ || slot_ == Slot::Void) return std::nullopt;
+  return Control{Control::Kind::Newest, *std::exchange(question_, std::nullopt), appointment_.count()};
+}
+
+std::optional<Control> Sender::answer() {
+  const std::lock_guard lock(mutex_);
+  return answerNow();
+}
+
 std::optional<Control> Sender::appoint(uint64_t count) {
   if (slot_ != Slot::Free) return Control{Control::Kind::Missed, count, appointment_.count()};
   slot_ = Slot::Appointed;
@@ -97,13 +108,6 @@ std::optional<Sender::Chunk> Sender::next(int owner) {
     return chunk;
   }
   return std::nullopt;
-}
-
-bool Sender::hasNext(int owner) const {
-  const std::lock_guard lock(mutex_);
-  return slot_ == Slot::Full && std::any_of(cursors_.begin(), cursors_.end(), [&](const Cursor& c) {
-           return c.load.owner == owner && c.item < c.load.items.size();
-         });
 }
 
 bool Sender::idle() const {

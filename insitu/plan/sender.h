@@ -38,18 +38,19 @@ class Sender {
 
   /// Counts a publish. True: the caller copies the step into the slot, and calls filled(). No lock is taken, and nothing waits.
   bool publish() { return appointment_.publish(); }
-  /// The copy is in the slot. False: the step is not wanted any more, so there is nothing to send.
-  bool filled(int64_t step, double time);
+  /// The copy is in the slot.
+  void filled(int64_t step, double time);
 
-  /// Takes a message of the server. Returns what is answered, if anything.
+  /// Takes a message of the server. Returns what is answered at once, if anything.
   std::optional<Control> receive(const Control& message);
+  /// Returns the answer to an earlier question, once it is due. A rank that copies a step which has been cancelled has no room
+  /// until filled(), so it says nothing before that would lead to an appointment.
+  std::optional<Control> answer();
 
   /// Returns what the server's rank 0 is told about the step in the slot, once it is there.
   std::optional<StepHeader> announcement();
   /// Returns the next chunk for a rank of Galaxy, if there is one.
   std::optional<Chunk> next(int owner);
-  /// Whether chunks are left for a rank of Galaxy.
-  bool hasNext(int owner) const;
   /// A taken step has reached the server, or was given up by it, or there is none.
   bool idle() const;
 
@@ -67,6 +68,7 @@ class Sender {
     uint64_t itemBegin = 0, offset = 0;
   };
 
+  std::optional<Control> answerNow();
   std::optional<Control> appoint(uint64_t count);
   void settle();
 
@@ -75,7 +77,8 @@ class Sender {
   mutable std::mutex
       mutex_;  ///< guards the members below; the simulation's thread takes it for taken steps only
   Slot slot_ = Slot::Free;
-  uint64_t appointed_ = 0;  ///< the count that the slot is for, unless it is free
+  uint64_t appointed_ = 0;            ///< the count that the slot is for, unless it is free
+  std::optional<uint64_t> question_;  ///< that waits for an answer
   std::optional<StepHeader> announcement_;
   std::vector<Cursor> cursors_;
 };

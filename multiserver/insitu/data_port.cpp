@@ -2,8 +2,6 @@
 #include "multiserver/insitu/data_port.h"
 
 #include <netinet/tcp.h>
-#include <spdlog/spdlog.h>
-
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/post.hpp>
@@ -34,7 +32,9 @@ using protocol::WireMessage;
 namespace {
 
 constexpr std::chrono::seconds kHandshake(5);  // within which a connection says which stream it is of
-constexpr size_t kHandshakes = 256;            // connections without a stream; more are closed at once
+constexpr size_t kHandshakes = 4096;           // connections without a stream; beyond it the oldest is closed
+constexpr size_t kUnread =
+    64 << 20;  // bytes that wait for a simulation that does not read; beyond it is closed
 constexpr size_t kReadBytes = 1 << 20;
 
 Bytes bytesOf(const WireMessage& message) {
@@ -56,9 +56,12 @@ class Socket final : public DataLink, public std::enable_shared_from_this<Socket
     boost::system::error_code ignored;
     socket_.set_option(tcp::no_delay(true), ignored);
     socket_.set_option(asio::socket_base::keep_alive(true), ignored);
-    const unsigned silent =
-        45000;  // milliseconds without an acknowledgement after which the other machine is gone
+    // A machine from which nothing comes any more is given up after 45 s, whether something is under way or not.
+    const int silent = 45000, idle = 15, between = 5, probes = 6;
     ::setsockopt(socket_.native_handle(), IPPROTO_TCP, TCP_USER_TIMEOUT, &silent, sizeof silent);
+    ::setsockopt(socket_.native_handle(), IPPROTO_TCP, TCP_KEEPIDLE, &idle, sizeof idle);
+    ::setsockopt(socket_.native_handle(), IPPROTO_TCP, TCP_KEEPINTVL, &between, sizeof between);
+    ::setsockopt(socket_.native_handle(), IPPROTO_TCP, TCP_KEEPCNT, &probes, sizeof probes);
     const auto greeting = protocol::preamble(protocol::Purpose::Data);
     write(Bytes(greeting.begin(), greeting.end()));
     timer_.expires_after(kHandshake);
@@ -108,11 +111,14 @@ class Socket final : public DataLink, public std::enable_shared_from_this<Socket
  private:
   void read() {
     if (closed_ || leaving_) return;
-    if (buffer_.empty()) buffer_.resize(taker_ ? kReadBytes : 256);
+    buffer_.resize(taker_ ? kReadBytes : 256);
+    reading_ = true;
     socket_.async_read_some(asio::buffer(buffer_), [self = shared_from_this()](auto failed, size_t size) {
+      self->reading_ = false;
       if (failed)
         return self->end(
             failed == asio::error::eof ? "the connection has ended without a word" : failed.message(), false);
+      if (self->leaving_) return self->discard();
       self->consume(std::span<const std::byte>(self->buffer_).first(size));
     });
   }
@@ -138,12 +144,13 @@ class Socket final : public DataLink, public std::enable_shared_from_this<Socket
     const std::shared_ptr<DataTaker> taker = admit_(insitu::readHello(message.payload), shared_from_this());
     if (!taker) return close();
     taker_ = taker;
-    reader_.setRules(MessageReader::ofDataFromSimulation());
-    buffer_ = Bytes(kReadBytes);
+    reader_.setRules(taker_->rules());
   }
 
   void write(Bytes bytes) {
     if (closed_) return;
+    if (queued_ > kUnread) return end("the simulation does not read what it is told", false);
+    queued_ += bytes.size();
     queue_.push_back(std::move(bytes));
     if (queue_.size() == 1) writeNext();
   }
@@ -151,11 +158,27 @@ class Socket final : public DataLink, public std::enable_shared_from_this<Socket
     asio::async_write(socket_, asio::buffer(queue_.front()),
                       [self = shared_from_this()](auto failed, size_t) {
                         if (failed) return self->end(failed.message(), false);
+                        self->queued_ -= self->queue_.front().size();
                         self->queue_.pop_front();
                         if (!self->queue_.empty()) return self->writeNext();
-                        if (self->leaving_)
-                          self->end(self->failure_.empty() ? "the stream has ended" : self->failure_, false);
+                        if (self->leaving_) self->finish();
                       });
+  }
+
+  // Reads on without using it: to close with unread bytes would take the last words away from the other end.
+  void finish() {
+    boost::system::error_code ignored;
+    socket_.shutdown(tcp::socket::shutdown_send, ignored);
+    discard();
+  }
+  void discard() {
+    if (reading_) return;  // consume() goes on with it
+    reading_ = true;
+    socket_.async_read_some(asio::buffer(buffer_), [self = shared_from_this()](auto failed, size_t) {
+      self->reading_ = false;
+      if (failed) return self->end("the stream has ended", false);
+      self->discard();
+    });
   }
 
   void end(const std::string& reason, bool regularly) {
@@ -178,14 +201,16 @@ class Socket final : public DataLink, public std::enable_shared_from_this<Socket
   std::shared_ptr<DataTaker> taker_;  ///< null before the hello
   std::deque<Bytes> queue_;           ///< the first one is being written
   std::string failure_;               ///< why this end closes the connection
-  bool leaving_ = false, closed_ = false;
+  size_t queued_ = 0;                 ///< bytes in queue_
+  bool reading_ = false, leaving_ = false, closed_ = false;
 };
 
 }  // namespace
 
 class DataPort::Impl {
  public:
-  Impl(const std::string& address, Admit admit) : admit_(std::move(admit)), acceptor_(*context_) {
+  Impl(const std::string& address, Admit admit)
+      : admit_(std::move(admit)), acceptor_(*context_), retry_(*context_) {
     try {
       const tcp::endpoint where(asio::ip::make_address(address), 0);
       acceptor_.open(where.protocol());
@@ -203,6 +228,7 @@ class DataPort::Impl {
     asio::post(*context_, [this] {
       boost::system::error_code ignored;
       acceptor_.close(ignored);
+      retry_.cancel(ignored);
       for (const auto& socket : std::set(sockets_))
         socket->admitted() ? socket->leave("the server stops") : socket->close();
     });
@@ -216,29 +242,36 @@ class DataPort::Impl {
     acceptor_.async_accept([this](auto failed, tcp::socket socket) {
       if (!acceptor_.is_open()) return;
       if (failed) {
-        spdlog::warn("a connection of a simulation could not be accepted: {}", failed.message());
-        std::this_thread::sleep_for(std::chrono::milliseconds(20));  // for instance, no descriptors are left
-        return accept();
+        retry_.expires_after(std::chrono::milliseconds(100));  // for instance, no descriptors are left
+        return retry_.async_wait([this](auto cancelled) {
+          if (!cancelled) accept();
+        });
       }
       admitOne(std::move(socket));
       accept();
     });
   }
   void admitOne(tcp::socket socket) {
-    size_t waiting = 0;
-    for (const auto& s : sockets_) waiting += !s->admitted();
-    if (waiting >= kHandshakes) return;
+    std::erase_if(shaking_, [](const std::weak_ptr<Socket>& s) {
+      const auto one = s.lock();
+      return !one || one->admitted();
+    });
+    if (shaking_.size() >= kHandshakes)
+      if (const auto oldest = shaking_.front().lock()) oldest->close();
     const auto one = std::make_shared<Socket>(std::move(socket), context_, admit_);
     one->onClosed = [this](const std::shared_ptr<Socket>& closed) { sockets_.erase(closed); };
     sockets_.insert(one);
+    shaking_.push_back(one);
     one->start();
   }
 
   const Admit admit_;
   const std::shared_ptr<asio::io_context> context_ = std::make_shared<asio::io_context>(1);
   tcp::acceptor acceptor_;
+  asio::steady_timer retry_;
   uint16_t port_ = 0;
-  std::set<std::shared_ptr<Socket>> sockets_;  ///< used on the port's thread only
+  std::set<std::shared_ptr<Socket>> sockets_;  ///< used on the port's thread only, like the next
+  std::deque<std::weak_ptr<Socket>> shaking_;  ///< those that may be without a stream, the oldest first
   std::thread thread_;
 };
 

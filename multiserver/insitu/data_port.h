@@ -24,6 +24,8 @@ class DataLink {
 class DataTaker {
  public:
   virtual ~DataTaker() = default;
+  /// What the simulation may say on this connection.
+  virtual protocol::MessageReader::Rules rules() const = 0;
   /// Throws Error for a message that is wrong; the connection is then closed with this as the reason.
   virtual void take(protocol::WireMessage message) = 0;
   /// The connection has ended; called once. `regularly`: the simulation has said so.

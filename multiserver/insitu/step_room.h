@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Room on one rank for the samples of a step, before it is a dataset.
 #pragma once
-#include <map>
 #include <memory>
 #include <span>
 #include <vector>

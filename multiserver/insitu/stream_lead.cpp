@@ -23,9 +23,9 @@ namespace {
 constexpr std::chrono::milliseconds kLook(100);   // between looks whether somebody wants a step
 constexpr std::chrono::seconds kUnasked(10);      // between steps that nobody wants
 constexpr std::chrono::seconds kAfterFailure(1);  // between steps that cannot be published
-constexpr std::chrono::seconds kGathering(60);    // until all ranks of a simulation have said what they have
-constexpr std::chrono::seconds kStepPatience(
-    60);  // from the first rank that has taken a step to its last sample
+constexpr std::chrono::seconds kAppointed(5);   // until an appointment that no rank has come to is made anew
+constexpr std::chrono::seconds kGathering(60);  // until all ranks of a simulation have said what they have
+constexpr std::chrono::seconds kStepPatience(60);  // from the first rank that has taken a step to its end
 
 protocol::WireMessage controlMessage(const Control& control) {
   return {MessageChannel::DataControl, 0, written(control)};
@@ -65,7 +65,7 @@ bool StreamLead::ending() const {
 
 void StreamLead::closed(int rank) {
   const std::lock_guard lock(mutex_);
-  if (!end_) end_ = "rank " + std::to_string(rank) + " of the simulation has closed the stream";
+  if (!end_) end_ = insitu::kClosedBy + std::to_string(rank) + " of the simulation";
   changed_.notify_all();
 }
 
@@ -73,7 +73,7 @@ void StreamLead::complete(int owner, uint64_t count) {
   const std::lock_guard lock(mutex_);
   if (!conductor_) return;
   conductor_->complete(owner, count);
-  changed_.notify_all();
+  if (conductor_->isComplete()) changed_.notify_all();
 }
 
 void StreamLead::take(int rank, const protocol::WireMessage& message) {
@@ -88,21 +88,24 @@ void StreamLead::take(int rank, const protocol::WireMessage& message) {
     conductor_->receive(rank, step);
   else
     tell(conductor_->receive(rank, control));
-  changed_.notify_all();
+  if (conductor_->isComplete()) changed_.notify_all();
 }
 
 void StreamLead::describe(int rank, Description description) {
   const std::lock_guard lock(mutex_);
-  auto& mine = descriptions_.at(size_t(rank));
-  if (mine || conductor_) throw Error("a second description, expected one");
-  for (size_t other = 0; other < descriptions_.size(); other++)
-    if (descriptions_[other] && !(descriptions_[other]->mesh == description.mesh))
-      throw Error("rank " + std::to_string(rank) + " has another grid or other fields than rank " +
-                  std::to_string(other) +
-                  ", expected the same size, origin, spacing, names, types and components");
-  mine = std::move(description);
-  described_++;
-  changed_.notify_all();
+  const bool all = described_ == size_t(identity().ranks);  // Then the lead's thread uses them.
+  if (all || descriptions_.at(size_t(rank))) throw Error("a second description, expected one");
+  if (mesh_ && !(*mesh_ == description.mesh))
+    throw Error(
+        "rank " + std::to_string(rank) +
+        " has another grid or other fields than a rank before, expected the same size, origin, spacing, "
+        "names, types and components");
+  blocks_ += description.blocks.size();
+  if (blocks_ > insitu::kMostBlocks)
+    throw Error("the ranks have more than 2^20 blocks together, expected at most as many");
+  mesh_ = std::move(description.mesh);
+  descriptions_[size_t(rank)] = std::move(description.blocks);
+  if (++described_ == descriptions_.size()) changed_.notify_all();
 }
 
 void StreamLead::tell(const std::vector<Control>& messages) {
@@ -124,7 +127,7 @@ void StreamLead::run() {
 
 void StreamLead::awaitDescriptions() {
   std::unique_lock lock(mutex_);
-  const auto complete = [&] { return end_ || described_ == descriptions_.size(); };
+  const auto complete = [&] { return end_ || described_ == size_t(identity().ranks); };
   for (auto until = Clock::now() + kGathering; !changed_.wait_until(lock, until, complete);) {
     lock.unlock();
     if (part_->connections() == 0) throw Error("no rank of the simulation is connected");
@@ -147,14 +150,26 @@ std::shared_ptr<const Partitioning> StreamLead::partitioning(const Grid& grid) c
   return like;
 }
 
+// Refuses what cannot be kept before anything is made of it.
+void StreamLead::checkRoom(const insitu::Mesh& mesh) const {
+  const int64_t points = mesh.grid.points[0] * mesh.grid.points[1] * mesh.grid.points[2];
+  int64_t bytes = 0;
+  for (const insitu::Field& field : mesh.fields) bytes += points * int64_t(field.bytesPerPoint());
+  const int64_t room = std::min(serverRank_.options.tenantMemory, serverRank_.options.memory);
+  if (bytes / serverRank_.ranks() > room)
+    throw Error("memory: a step has " + std::to_string(bytes) + " bytes, but " +
+                std::to_string(serverRank_.ranks()) + " rank(s) with room for " + std::to_string(room) +
+                " bytes of a tenant each cannot keep it");
+}
+
 void StreamLead::plan() {
   StreamPlan plan;
-  plan.mesh = descriptions_.front()->mesh;
+  plan.mesh = *mesh_;
   for (size_t r = 0; r < descriptions_.size(); r++)
-    for (size_t b = 0; b < descriptions_[r]->blocks.size(); b++)
-      plan.blocks.push_back({int(r), int(b), descriptions_[r]->blocks[b]});
-  if (plan.blocks.size() > insitu::kMostBlocks)
-    throw Error(std::to_string(plan.blocks.size()) + " blocks, expected at most 2^20 on all ranks together");
+    for (size_t b = 0; b < descriptions_[r]->size(); b++)
+      plan.blocks.push_back({int(r), int(b), (*descriptions_[r])[b]});
+  descriptions_ = {};
+  checkRoom(plan.mesh);
   const Grid& grid = plan.mesh.grid;
   const insitu::BlockSearch search(plan.blocks);
   checkCover(search, grid.points);
@@ -167,29 +182,32 @@ void StreamLead::plan() {
     for (const insitu::Destination& d : list) owners.insert(d.owner);
   serverRank_.callAll("insitu.plan", {{"stream", identity().id}}, bytes);
   const std::lock_guard lock(mutex_);
-  mesh_ = std::move(plan.mesh);
   conductor_.emplace(identity().ranks, std::move(owners));
   for (size_t r = 0; r < all.size(); r++) part_->send(int(r), {MessageChannel::Plan, 0, written(all[r])});
-  descriptions_.assign(descriptions_.size(), std::nullopt);
 }
 
 // A step is taken when somebody waits for one, and else now and then, so that whoever comes sees something.
 void StreamLead::publishSteps() {
-  for (bool isFirst = true;; isFirst = false) {
-    std::chrono::milliseconds pause = kUnasked;
-    {
-      const std::lock_guard lock(mutex_);
-      if (!problem_.empty()) pause = kAfterFailure;
-    }
-    const auto unasked = Clock::now() + pause;
-    const bool failed = pause == kAfterFailure;
-    while (!isFirst && Clock::now() < unasked && (failed || !wanted())) {
-      std::unique_lock lock(mutex_);
-      if (changed_.wait_for(lock, kLook, [this] { return end_.has_value(); })) throw Ended();
-    }
-    if (ending()) throw Ended();
+  for (;;) {
+    const auto begin = Clock::now();
     publishOne();
+    awaitNext(begin);
   }
+}
+
+// `begin` is when the last step was begun.
+void StreamLead::awaitNext(Clock::time_point begin) {
+  std::unique_lock lock(mutex_);
+  const bool failed = !problem_.empty();
+  const auto until = begin + (failed ? kAfterFailure : kUnasked);
+  while (!end_ && Clock::now() < until) {
+    lock.unlock();
+    const bool isWanted = !failed && wanted();
+    lock.lock();
+    if (isWanted) break;
+    changed_.wait_for(lock, kLook);
+  }
+  if (end_) throw Ended();
 }
 
 bool StreamLead::wanted() const {
@@ -213,14 +231,14 @@ void StreamLead::publishOne() {
                                        wishes_.scope, std::move(drafts));
     serverRank_.callAll("insitu.step",
                         {{"stream", identity().id}, {"exchange", *exchange}, {"items", names->items()}});
-  } catch (const Error& e) {
+  } catch (const std::exception& e) {
     problem = e.what();
   }
   const std::lock_guard lock(mutex_);
   if (problem.empty()) newest_ = {conductor_->step().count, conductor_->step().step, conductor_->step().time};
   tell(problem.empty() ? conductor_->published() : conductor_->abandon());
   if (!problem.empty() && problem != problem_ && !end_)
-    spdlog::warn("rank 0: stream {}: a step is not published: {}", identity().name, problem);
+    spdlog::info("rank 0: stream {}: a step is left out: {}", identity().name, problem);
   problem_ = problem;
 }
 
@@ -228,8 +246,13 @@ CollectedStep StreamLead::collect(const std::function<void()>& check) {
   std::unique_lock lock(mutex_);
   tell(conductor_->begin());
   std::optional<Clock::time_point> until;
+  auto appointed = Clock::now();
   while (!conductor_->isComplete()) {
     if (!until && conductor_->someTaken()) until = Clock::now() + kStepPatience;
+    if (!until && Clock::now() > appointed + kAppointed) {
+      tell(conductor_->again());
+      appointed = Clock::now();
+    }
     changed_.wait_for(lock, kLook);
     if (end_) throw Error("the stream has ended");
     lock.unlock();

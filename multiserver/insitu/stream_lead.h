@@ -3,6 +3,7 @@
 #pragma once
 #include <chrono>
 #include <condition_variable>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <nlohmann/json.hpp>
@@ -65,9 +66,11 @@ class StreamLead {
   void run();
   void describe(int rank, insitu::Description description);
   void awaitDescriptions();
+  void checkRoom(const insitu::Mesh& mesh) const;
   void plan();
   std::shared_ptr<const Partitioning> partitioning(const Grid& grid) const;
   void publishSteps();
+  void awaitNext(Clock::time_point begin);
   bool wanted() const;
   void publishOne();
   void tell(const std::vector<insitu::Control>& messages);
@@ -79,14 +82,13 @@ class StreamLead {
   const std::function<void()> onEnd_;
   mutable std::mutex mutex_;
   std::condition_variable changed_;
-  std::optional<std::string> end_;  ///< why the stream ends
-  std::vector<std::optional<insitu::Description>> descriptions_;
-  size_t described_ = 0, closed_ = 0;
-  std::optional<insitu::Mesh> mesh_;
+  std::optional<std::string> end_;                                ///< why the stream ends
+  std::vector<std::optional<std::vector<Extent>>> descriptions_;  ///< blocks by rank, until there is a plan
+  size_t described_ = 0, blocks_ = 0;
+  std::optional<insitu::Mesh> mesh_;  ///< that the first rank has described
   std::optional<insitu::Conductor> conductor_;
   std::string problem_;  ///< why the last step could not be published; empty if it was
   CollectedStep newest_;
-  Clock::time_point offered_ = Clock::now();  ///< when the last step was tried
   std::mutex joining_;
   std::thread thread_;
 };

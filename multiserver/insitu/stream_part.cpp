@@ -56,6 +56,7 @@ void StreamPart::plan(StreamPlan plan) {
     pieces[size_t(piece.rank)].push_back(piece);
   }
   GhostPlan ghosts(grid, *plan.partitioning, kGhostLayers, serverRank_.rank(), serverRank_.ranks());
+  plan.blocks = {};  // not needed any more, and there may be many
   const std::lock_guard lock(mutex_);
   plan_ = std::move(plan);
   pieces_ = std::move(pieces);
@@ -65,7 +66,7 @@ void StreamPart::plan(StreamPlan plan) {
 
 bool StreamPart::connect(int rank, std::shared_ptr<DataLink> link) {
   const std::lock_guard lock(mutex_);
-  return links_.emplace(rank, std::move(link)).second;
+  return !over_ && links_.emplace(rank, std::move(link)).second;
 }
 
 void StreamPart::disconnect(int rank, const std::string& reason, bool regularly) {
@@ -83,6 +84,7 @@ void StreamPart::send(int rank, protocol::WireMessage message) {
 
 void StreamPart::bye(const std::string& reason) {
   const std::lock_guard lock(mutex_);
+  over_ = true;
   for (const auto& [rank, link] : links_) link->bye(reason);
 }
 

@@ -56,10 +56,10 @@ class StreamPart {
   bool shows(const insitu::Hello& hello)
       const;  ///< whether it is of this stream; takes the same time for any ticket
 
-  /// Says what comes. Throws Error where this rank has no memory for the plan.
+  /// Says what comes.
   void plan(StreamPlan plan);
 
-  /// A connection of rank `rank` of the simulation. False: there is one already.
+  /// A connection of rank `rank` of the simulation. False: there is one already, or the stream has ended.
   bool connect(int rank, std::shared_ptr<DataLink> link);
   void disconnect(int rank, const std::string& reason, bool regularly);
   void send(int rank, protocol::WireMessage message);
@@ -85,6 +85,7 @@ class StreamPart {
   const Tell tell_;
   mutable std::mutex mutex_;
   std::map<int, std::shared_ptr<DataLink>> links_;  ///< by rank of the simulation
+  bool over_ = false;                               ///< bye() has been said
   std::optional<StreamPlan> plan_;
   std::optional<GhostPlan> ghosts_;
   std::optional<insitu::Receiver> receiver_;

@@ -46,10 +46,12 @@ class Taker final : public DataTaker {
   Taker(int rank, std::shared_ptr<StreamPart> part, std::shared_ptr<StreamLead> lead)
       : rank_(rank), part_(std::move(part)), lead_(std::move(lead)) {}
 
+  protocol::MessageReader::Rules rules() const override {
+    return lead_ ? protocol::MessageReader::ofDataToRoot() : protocol::MessageReader::ofDataToOthers();
+  }
   void take(protocol::WireMessage message) override {
     if (message.channel == MessageChannel::Piece) return part_->takePiece(rank_, message.payload);
-    if (!lead_) throw Error("a message for rank 0 of the server, expected samples only");
-    lead_->take(rank_, message);
+    lead_->take(rank_, message);  // The rules let other ranks have samples only.
   }
   void ended(const std::string& reason, bool regularly) override {
     part_->disconnect(rank_, reason, regularly);
@@ -96,15 +98,12 @@ Streams::Streams(ServerRank& serverRank, const AddWork& addWork) : serverRank_(s
       },
       Work::Runs::Short);
   if (serverRank_.rank() != 0) return;
-  serverRank_.streaming.set(
-      [this] {
-        const std::lock_guard lock(mutex_);
-        return leads_.size();
-      },
-      [this] { endAll(); });
+  serverRank_.streaming.set([this] { return list({}); }, [this] { endAll(); });
 }
 
-Streams::~Streams() = default;
+Streams::~Streams() {
+  if (serverRank_.rank() == 0) serverRank_.streaming.reset();
+}
 
 std::shared_ptr<StreamPart> Streams::part(uint64_t stream) const {
   const std::lock_guard lock(mutex_);
@@ -204,31 +203,37 @@ json Streams::endHere(const json& p) {
 
 void Streams::begin(const std::string& tenant, const Join& what) {
   if (stopped_) throw Error("insitu.join: the server stops");
-  over_.clear();
+  std::vector<std::shared_ptr<StreamLead>> over;  // to be destroyed without the lock
   size_t ofTenant = 0;
   {
     const std::lock_guard lock(mutex_);
+    over.swap(over_);
     for (const auto& [id, lead] : leads_) ofTenant += lead->identity().tenant == tenant;
   }
   if (ofTenant >= kOfTenant)
     throw Error("insitu.join: tenant " + tenant + " has " + std::to_string(kOfTenant) +
                 " streams, no more are allowed");
   const StreamIdentity identity{serverRank_.keys.next().value, what.name, tenant, newTicket(), what.ranks};
-  const std::vector<json> opened = serverRank_.callAll("insitu.open", {{"stream", identity.id},
-                                                                       {"name", identity.name},
-                                                                       {"tenant", tenant},
-                                                                       {"ticket", identity.ticket},
-                                                                       {"ranks", identity.ranks}});
-  json ports = json::array();
-  for (const json& one : opened) {  // An empty host means the one at which the simulation has found rank 0.
-    const bool beside = one.at("host") == opened.front().at("host");
-    ports.push_back({{"host", beside ? json("") : one.at("host")}, {"port", one.at("port")}});
+  try {
+    const std::vector<json> opened = serverRank_.callAll("insitu.open", {{"stream", identity.id},
+                                                                         {"name", identity.name},
+                                                                         {"tenant", tenant},
+                                                                         {"ticket", identity.ticket},
+                                                                         {"ranks", identity.ranks}});
+    json ports = json::array();
+    for (const json& one : opened) {  // An empty host means the one at which the simulation has found rank 0.
+      const bool beside = one.at("host") == opened.front().at("host");
+      ports.push_back({{"host", beside ? json("") : one.at("host")}, {"port", one.at("port")}});
+    }
+    const std::lock_guard lock(mutex_);  // so that the lead, if it ends at once, finds itself
+    ports_.emplace(identity.id, std::move(ports));
+    leads_.emplace(identity.id, std::make_shared<StreamLead>(serverRank_, parts_.at(identity.id), what.wishes,
+                                                             [this, id = identity.id] { ended(id); }));
+  } catch (const std::exception& e) {
+    serverRank_.work.broadcast("insitu.end", {{"stream", identity.id}, {"reason", e.what()}},
+                               [](std::vector<Work::Reply>) {});
+    throw;
   }
-  auto lead = std::make_shared<StreamLead>(serverRank_, part(identity.id), what.wishes,
-                                           [this, id = identity.id] { ended(id); });
-  const std::lock_guard lock(mutex_);
-  leads_.emplace(identity.id, std::move(lead));
-  ports_.emplace(identity.id, std::move(ports));
 }
 
 json Streams::join(const std::string& tenant, const Join& what) {
@@ -248,9 +253,11 @@ json Streams::join(const std::string& tenant, const Join& what) {
         "insitu.join: stream " + inQuotes(what.name) + " has " + std::to_string(identity.ranks) +
         " ranks, or other options; expected the same on all ranks of the simulation, or another name");
   const std::lock_guard lock(mutex_);
+  const auto ports = ports_.find(identity.id);
+  if (ports == ports_.end()) throw Error("insitu.join: the stream has ended at once");
   return {{"stream", identity.id},
           {"ticket", hexadecimal(identity.ticket)},
-          {"ranks", ports_.at(identity.id)},
+          {"ranks", ports->second},
           {"text", "stream " + what.name}};
 }
 
@@ -259,7 +266,7 @@ json Streams::list(const std::string& tenant) const {
   {
     const std::lock_guard lock(mutex_);
     for (const auto& [id, lead] : leads_)
-      if (lead->identity().tenant == tenant) leads.push_back(lead);
+      if (tenant.empty() || lead->identity().tenant == tenant) leads.push_back(lead);
   }
   json list = json::array();
   for (const auto& lead : leads) list.push_back(lead->statistics());

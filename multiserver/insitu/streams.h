@@ -33,7 +33,7 @@ class Streams {
   /// Rank 0: joins a stream of the tenant, or begins it. Returns what `insitu.join` replies. Throws Error where the stream has other
   /// members or wishes, or the tenant has too many streams.
   nlohmann::json join(const std::string& tenant, const Join& join);
-  /// Rank 0: the streams of a tenant.
+  /// Rank 0: the streams of a tenant, or of all for an empty name.
   nlohmann::json list(const std::string& tenant) const;
   /// Rank 0: ends a stream of the tenant. Throws Error if there is none of this name.
   void close(const std::string& tenant, const std::string& name);
@@ -51,9 +51,9 @@ class Streams {
   void endAll();
 
   ServerRank& serverRank_;
-  std::mutex joining_;    ///< rank 0: held while a stream begins; guards stopped_
-  bool stopped_ = false;  ///< no stream begins any more
-  mutable std::mutex mutex_;
+  std::mutex joining_;        ///< rank 0: held while a stream begins; guards stopped_
+  bool stopped_ = false;      ///< no stream begins any more
+  mutable std::mutex mutex_;  ///< guards the others
   std::map<uint64_t, std::shared_ptr<StreamPart>> parts_;
   std::unique_ptr<DataPort> port_;                         ///< while there are streams
   std::map<uint64_t, std::shared_ptr<StreamLead>> leads_;  ///< rank 0

@@ -101,11 +101,16 @@ MessageReader::Rules MessageReader::ofDataHello() {
   return rules;
 }
 
-MessageReader::Rules MessageReader::ofDataFromSimulation() {
-  Rules rules;
+MessageReader::Rules MessageReader::ofDataToRoot() {
+  Rules rules = ofDataToOthers();
   rules.most[size_t(MessageChannel::Describe)] = uint64_t(64) << 20;  // the most blocks, 48 bytes each
   rules.most[size_t(MessageChannel::DataControl)] = 64;
   rules.most[size_t(MessageChannel::Step)] = 64;
+  return rules;
+}
+
+MessageReader::Rules MessageReader::ofDataToOthers() {
+  Rules rules;
   rules.most[size_t(MessageChannel::Piece)] = (uint64_t(1) << 20) + 64;
   rules.most[size_t(MessageChannel::Bye)] = 4096;
   return rules;

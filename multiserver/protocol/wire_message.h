@@ -73,10 +73,12 @@ class MessageReader {
   };
   static Rules fromClient(uint64_t requestBytes);
   static Rules fromServer();
-  /// What a server says on a data connection, and what a simulation does: before its hello is known, and then.
+  /// What a server says on a data connection, and what a simulation does: before its hello is known, and then to rank 0 and to
+  /// the other ranks.
   static Rules ofDataToSimulation();
   static Rules ofDataHello();
-  static Rules ofDataFromSimulation();
+  static Rules ofDataToRoot();
+  static Rules ofDataToOthers();
 
   explicit MessageReader(Rules rules) : rules_(std::move(rules)) {}
 

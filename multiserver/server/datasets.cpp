@@ -322,23 +322,28 @@ Generation Datasets::wait(Request& request, const std::string& name, std::option
   }
 }
 
-std::shared_ptr<void> Datasets::want(const std::string& tenant, std::vector<std::string> names) {
+std::shared_ptr<void> Datasets::want(const std::string& tenant, const std::vector<std::string>& names) {
+  const std::vector<std::string> all = names.empty() ? std::vector<std::string>{{}} : names;
   const std::lock_guard lock(mutex_);
-  const uint64_t id = nextWish_++;
-  wishes_[id] = {tenant, std::move(names)};
-  return {nullptr, [this, id](void*) {
-            const std::lock_guard again(mutex_);
-            wishes_.erase(id);
+  for (const std::string& name : all) wishes_[name][tenant]++;
+  return {this, [tenant, all](Datasets* self) {
+            const std::lock_guard again(self->mutex_);
+            for (const std::string& name : all) {
+              auto& tenants = self->wishes_[name];
+              if (--tenants[tenant] == 0) tenants.erase(tenant);
+              if (tenants.empty()) self->wishes_.erase(name);
+            }
           }};
 }
 
 bool Datasets::wanted(const std::string& tenant, Scope scope, const std::string& name) const {
   const std::lock_guard lock(mutex_);
-  return std::any_of(wishes_.begin(), wishes_.end(), [&](const auto& one) {
-    const Wish& wish = one.second;
-    return (scope == Scope::Shared || wish.tenant == tenant) &&
-           (wish.names.empty() || std::find(wish.names.begin(), wish.names.end(), name) != wish.names.end());
-  });
+  for (const std::string& wish : {name, std::string()}) {
+    const auto tenants = wishes_.find(wish);
+    if (tenants != wishes_.end() && (scope == Scope::Shared || tenants->second.count(tenant) > 0))
+      return true;
+  }
+  return false;
 }
 
 std::shared_ptr<void> Datasets::observe(Observer observer) {

@@ -100,6 +100,8 @@ class Datasets {
     uint64_t exchange_ = 0;
     std::vector<DatasetDraft> drafts_;
     std::atomic<bool> dropped_ = false;
+    bool givesWay_ = false;              ///< to others that want one of the names
+    std::atomic<bool> leaving_ = false;  ///< somebody does
   };
   /// Takes the names of `drafts` for the request's tenant, who will own what has no owner yet, and fills in keys and
   /// generations. Waits for others who have taken one of them. `exchange` names the works that will publish, `operation` (a
@@ -109,8 +111,8 @@ class Datasets {
                                                    const std::string& operation, Scope scope,
                                                    std::vector<DatasetDraft> drafts,
                                                    bool onlyMissing = false);
-  /// The same for one who publishes again and again: it does not wait. Throws Error where somebody else publishes under one of the
-  /// names now.
+  /// The same for one who publishes again and again: it does not wait, and gives way to requests that do. Throws Error where somebody
+  /// else publishes under one of the names now.
   [[nodiscard]] std::shared_ptr<const Names> beginNow(const std::string& tenant, uint64_t exchange,
                                                       const std::string& operation, Scope scope,
                                                       std::vector<DatasetDraft> drafts);
@@ -151,7 +153,7 @@ class Datasets {
 
   /// Says that a tenant waits for newer data of these names (none: of all that it sees), until the returned handle goes. Sources of
   /// data that come by themselves make what is wanted (multiserver/insitu).
-  [[nodiscard]] std::shared_ptr<void> want(const std::string& tenant, std::vector<std::string> names);
+  [[nodiscard]] std::shared_ptr<void> want(const std::string& tenant, const std::vector<std::string>& names);
   /// Whether somebody who would see this name waits for newer data of it.
   bool wanted(const std::string& tenant, Scope scope, const std::string& name) const;
 
@@ -170,6 +172,7 @@ class Datasets {
   void fillIn(Names& names) const;
   std::set<std::string> keysOf(const Names& names) const;
   bool areFree(const std::set<std::string>& keys) const;
+  void askToLeave(const std::set<std::string>& keys);
   std::shared_ptr<const Names> take(const std::set<std::string>& keys, const std::shared_ptr<Names>& names);
   std::shared_ptr<const Names> takeNames(Request& request, const std::shared_ptr<Names>& names);
   std::shared_ptr<const Names> namesOf(uint64_t exchange) const;
@@ -204,12 +207,8 @@ class Datasets {
   std::map<uint64_t, std::shared_ptr<const Names>> publishing_;   ///< rank 0: by exchange
   std::map<Key, std::pair<std::string, Scope>> names_;            ///< rank 0: of each object
   std::map<std::string, std::vector<Key>> newest_;                ///< rank 0: by owner, newest last
-  struct Wish {
-    std::string tenant;
-    std::vector<std::string> names;  ///< none: all
-  };
-  std::map<uint64_t, Wish> wishes_;
-  uint64_t nextWish_ = 0;
+  /// How many wait for newer data, by name (empty: of all) and tenant.
+  std::map<std::string, std::map<std::string, size_t>> wishes_;
   std::map<uint64_t, std::shared_ptr<Observer>> observers_;
   uint64_t nextObserver_ = 0;
 };

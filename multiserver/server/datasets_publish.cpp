@@ -30,6 +30,7 @@ json Datasets::Names::items() const {
 
 void Datasets::Names::check() const {
   if (dropped_) throw Error("cancelled: a dataset of this " + operation_ + " was dropped");
+  if (leaving_) throw Error(operation_ + ": an import or a filter makes one of its datasets now");
 }
 
 std::shared_ptr<const Datasets::Names> Datasets::begin(Request& request, uint64_t exchange,
@@ -57,6 +58,7 @@ std::shared_ptr<const Datasets::Names> Datasets::beginNow(const std::string& ten
   names->tenant_ = tenant;
   names->scope_ = scope;
   names->exchange_ = exchange;
+  names->givesWay_ = true;
   names->drafts_ = std::move(drafts);
   const std::set<std::string> keys = keysOf(*names);
   std::shared_ptr<const Names> taken;
@@ -110,6 +112,19 @@ std::shared_ptr<const Datasets::Names> Datasets::take(const std::set<std::string
           }};
 }
 
+void Datasets::askToLeave(const std::set<std::string>& keys) {
+  std::vector<uint64_t> leaving;
+  {
+    const std::lock_guard lock(mutex_);
+    for (const std::string& key : keys)
+      if (const auto at = taken_.find(key); at != taken_.end() && at->second->givesWay_) {
+        at->second->leaving_ = true;
+        leaving.push_back(at->second->exchange_);
+      }
+  }
+  for (const uint64_t exchange : leaving) serverRank_.exchanges.cancel(exchange);
+}
+
 std::shared_ptr<const Datasets::Names> Datasets::takeNames(Request& request,
                                                            const std::shared_ptr<Names>& names) {
   const std::set<std::string> keys = keysOf(*names);
@@ -117,6 +132,7 @@ std::shared_ptr<const Datasets::Names> Datasets::takeNames(Request& request,
     const std::lock_guard lock(mutex_);
     changed_.notify_all();
   });
+  askToLeave(keys);
   std::unique_lock lock(mutex_);
   changed_.wait(lock, [&] { return request.cancelled() || areFree(keys); });
   request.check();

@@ -60,7 +60,6 @@ class Server::Impl {
 
   ~Impl() {
     const std::string reason = farewell();
-    serverRank_.streaming.end();
     asio::post(*context_, [this, reason] {
       boost::system::error_code ignored;
       acceptor_.close(ignored);
@@ -77,6 +76,7 @@ class Server::Impl {
       std::unique_lock lock(mutex_);
       changed_.wait(lock, [this] { return count_ == 0 && sessionsEnding_ == 0 && ending_; });
     }
+    serverRank_.streaming.end();
     context_->stop();
     thread_.join();
     context_->restart();
@@ -229,7 +229,7 @@ class Server::Impl {
     timer_.async_wait([this](auto failed) {
       if (failed || ending_) return;
       const auto now = std::chrono::steady_clock::now();
-      if (!connections_.empty() || serverRank_.streaming.count() > 0) idleSince_ = now;
+      if (!connections_.empty() || !serverRank_.streaming.list().empty()) idleSince_ = now;
       if (now >= idleSince_ + options_.idleExit) return stop();
       watchIdleness();
     });

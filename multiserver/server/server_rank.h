@@ -100,25 +100,19 @@ struct ServerRank {
   Collective collective;
   Exchanges exchanges;
   Renderer renderer;
-  const std::unique_ptr<Datasets> datasets;
-  const std::unique_ptr<Modules> modules;
-  Presence presence;  ///< rank 0's Server asks
-  Work work;          ///< the last part, because its actions use all others
-
-  /// Functions of the Server on rank 0, which sets them before clients come: a list of clients, and
-  /// stopping the server.
-  std::function<nlohmann::json()> clients = [] { return nlohmann::json::array(); };
-  std::function<void()> stop = [] {};
   /// What no session has asked for, on rank 0: the streams of simulations (multiserver/insitu). The Server asks, and ends them.
   class Streaming {
    public:
-    void set(std::function<size_t()> count, std::function<void()> end) {
+    void set(std::function<nlohmann::json()> list, std::function<void()> end) {
       const std::lock_guard lock(mutex_);
-      count_ = std::move(count);
+      list_ = std::move(list);
       end_ = std::move(end);
     }
-    /// The number of streams.
-    size_t count() const { return function(count_)(); }
+    void reset() {
+      set([] { return nlohmann::json::array(); }, [] {});
+    }
+    /// The streams of all tenants, as `insitu.streams` tells them.
+    nlohmann::json list() const { return function(list_)(); }
     /// Ends them, and waits. None begins any more.
     void end() const { function(end_)(); }
 
@@ -129,10 +123,18 @@ struct ServerRank {
       return f;
     }
     mutable std::mutex mutex_;
-    std::function<size_t()> count_ = [] { return size_t(0); };
+    std::function<nlohmann::json()> list_ = [] { return nlohmann::json::array(); };
     std::function<void()> end_ = [] {};
   } streaming;
+  const std::unique_ptr<Datasets> datasets;
+  const std::unique_ptr<Modules> modules;
+  Presence presence;  ///< rank 0's Server asks
+  Work work;          ///< the last part, because its actions use all others
 
+  /// Functions of the Server on rank 0, which sets them before clients come: a list of clients, and
+  /// stopping the server.
+  std::function<nlohmann::json()> clients = [] { return nlohmann::json::array(); };
+  std::function<void()> stop = [] {};
   const std::chrono::steady_clock::time_point begin = std::chrono::steady_clock::now();
 
  private:

@@ -136,11 +136,9 @@ json stat(Request& request) {
   json missing = json::array();
   for (const Presence::Missing& m : call.missing)
     missing.push_back({{"rank", m.rank}, {"died", m.died}, {"seconds", m.since.count()}});
-  json result{{"ranks", std::move(call.results)},
-              {"missing", std::move(missing)},
-              {"clients", serverRank.clients()},
-              {"tenants", serverRank.tenants.statistics()},
-              {"seconds", seconds}};
+  json result{{"ranks", std::move(call.results)},       {"missing", std::move(missing)},
+              {"clients", serverRank.clients()},        {"tenants", serverRank.tenants.statistics()},
+              {"streams", serverRank.streaming.list()}, {"seconds", seconds}};
   for (json& rank : result["ranks"])
     for (json& line : rank["rays"]["by tenant"])
       line["tenant"] = serverRank.tenants.name(line["tenant"].get<uint32_t>());
@@ -172,6 +170,10 @@ json stat(Request& request) {
       text += " in " + numberText(std::round(tenant["frame seconds"].get<double>() / frames * 1e4) / 1e4) +
               " s on average";
   }
+  for (const json& s : result["streams"])
+    text += "\nstream " + s["name"].get<std::string>() + " of " + s["tenant"].get<std::string>() + ": " +
+            s["connected"].dump() + " of " + s["ranks"].dump() + " ranks, " +
+            s.value("published", json(0)).dump() + " steps published";
   for (const json& c : result["clients"])
     text += "\nclient " + c["session"].dump() + ": " + c["client"].get<std::string>() + " of " +
             c["tenant"].get<std::string>() + ", " + sizeText(c["queued bytes"]) + " queued, " +

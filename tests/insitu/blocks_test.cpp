@@ -45,6 +45,21 @@ TEST(Blocks, EveryHoleIsFoundWhateverBlockIsLeftOut) {
   }
 }
 
+TEST(Blocks,
+     ManyAreCheckedInTime) {  // what takes the square of their number, or a deep stack, does not end here
+  constexpr int64_t kMany = 200000;
+  std::vector<Block> slabs;
+  for (int64_t i = 0; i < kMany; i++) slabs.push_back({int(i), 0, {{0, 0, i}, {4, 4, 1}}});
+  EXPECT_EQ(errorOf(slabs, {4, 4, kMany}), "");
+  EXPECT_NE(errorOf(slabs, {4, 4, kMany + 1}).find("a hole of 4 x 4 x 1 points"), std::string::npos);
+  EXPECT_NE(
+      errorOf(std::vector(size_t(kMany), Block{0, 0, {{0, 0, 0}, {4, 4, 4}}}), {4, 4, 4}).find("overlap"),
+      std::string::npos);
+  std::vector<Block> rows{{0, 0, {{0, 0, 0}, {kMany, 1, 1}}}};  // one that is as long as all others
+  for (int64_t i = 0; i < kMany; i++) rows.push_back({int(i), 0, {{i, 1, 0}, {1, 1, 1}}});
+  EXPECT_EQ(errorOf(rows, {kMany, 2, 1}), "");
+}
+
 TEST(Blocks, ThatOverlapAreNamedBoth) {
   const std::vector<Block> blocks{{0, 0, {{0, 0, 0}, {4, 4, 3}}}, {2, 1, {{0, 0, 2}, {4, 4, 3}}}};
   const std::string error = errorOf(blocks, {4, 4, 5});
@@ -60,7 +75,10 @@ TEST(Blocks, AreFoundAsByLookingAtAll) {
     const BlockSearch search(randomBlocks(random, points, 30));
     const Extent box = randomBox(random, points);
     int64_t found = 0, expected = 0;
-    search.overlapping(box, [&](size_t, const Extent& common) { found += common.count(); });
+    search.overlapping(box, [&](size_t, const Extent& common) {
+      found += common.count();
+      return true;
+    });
     for (const Block& b : search.blocks()) expected += intersection(b.extent, box).count();
     EXPECT_EQ(found, expected) << seed;
     EXPECT_EQ(found, box.count()) << seed << ": the blocks cover the grid";

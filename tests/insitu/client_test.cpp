@@ -65,11 +65,13 @@ TEST(Interface, WrongOptionsAreTold) {
     s.expectWrong(s.grid(), why);
   };
   expect("[]", "expected a JSON object");
-  expect(R"({"two": 1})", "there is no option \"two\", expected one of partition, reconnect");
+  expect(R"({"two": 1})", "there is no option \"two\", expected one of between, every, partition");
   expect(R"({"to": 5})", "option \"to\": expected a text");
   expect(R"({"to": "here:70000"})", "expected \"off\" or HOST:PORT");
   expect(R"({"scope": "all"})", "expected \"private\" or \"shared\"");
   expect(R"({"reconnect": -1})", "expected seconds");
+  expect(R"({"every": 0})", "expected an integer from 1 up");
+  expect(R"({"between": [1]})", "expected two times");
 }
 
 TEST(Interface, WrongRanksAndNamesAreTold) {
@@ -88,8 +90,10 @@ TEST(Interface, WrongGridsAndFieldsAreToldAndChangeNothing) {
   const int64_t large[3] = {4, 4, 5};
   s.expectWrong(gxy_publish(s.sim, 1, 0), "expected gxy_grid() and gxy_field() first");
   s.expectWrong(s.field("t", s.array()), "expected gxy_grid() first");
-  s.expectWrong(gxy_grid(s.sim, "grid", 0, GXY_OF_CELLS, kSize, kFirst, kSize, kOrigin, kSpacing),
-                "not taken so far");
+  const int64_t none[3] = {4, 4, 0}, negative[3] = {4, 4, -1};
+  s.expectWrong(gxy_grid(s.sim, "grid", 0, GXY_OF_CELLS, none, kFirst, none, kOrigin, kSpacing), "size 0");
+  s.expectWrong(gxy_grid(s.sim, "grid", 0, GXY_OF_POINTS, kSize, negative, kSize, kOrigin, kSpacing),
+                "first -1");
   s.expectWrong(gxy_grid(s.sim, "grid", 0, 7, kSize, kFirst, kSize, kOrigin, kSpacing),
                 "expected one of gxy_of");
   s.expectWrong(gxy_grid(s.sim, "grid", 0, GXY_OF_POINTS, kSize, kFirst, large, kOrigin, kSpacing),
@@ -98,6 +102,10 @@ TEST(Interface, WrongGridsAndFieldsAreToldAndChangeNothing) {
                 "is NULL");
   EXPECT_EQ(s.grid(), GXY_TAKEN);
   s.expectWrong(s.grid("other"), "a stream has one grid so far");
+  s.expectWrong(gxy_grid(s.sim, "grid", 1, GXY_OF_CELLS, kSize, kFirst, kSize, kOrigin, kSpacing),
+                "cells beside points");
+  s.expectWrong(gxy_field(s.sim, "grid", 0, "t", GXY_OF_CELLS, s.array()),
+                "values of cells on a grid that counts points");
   gxy_array a = s.array();
   a.type = 10;
   s.expectWrong(s.field("t", a), "type 10, expected one of gxy_type");

@@ -3,11 +3,13 @@
 #include <gtest/gtest.h>
 
 #include <limits>
+#include <optional>
 #include <string>
 
 #include "core/comm/error.h"
 #include "insitu/plan/conductor.h"
 #include "insitu/plan/receiver.h"
+#include "insitu/plan/sender.h"
 
 namespace gxy::insitu {
 namespace {
@@ -48,6 +50,40 @@ TEST(Conductor, AsksAnewAfterAMissAndAppointsFurtherAhead) {
   conductor.receive(0, {Kind::Newest, 2, 9});
   EXPECT_EQ(conductor.receive(1, {Kind::Newest, 2, 9}), (Messages{{Kind::Appoint, 13, 0}}));
   EXPECT_EQ(conductor.receive(0, {Kind::Missed, 6, 8}), Messages{}) << "of an older appointment";
+}
+
+TEST(Conductor, DoesNotAppointFurtherAheadForARankThatHasNoRoom) {
+  Conductor conductor(1, {0});
+  EXPECT_EQ(appointed(conductor, {5}), 6u);
+  conductor.receive(0, {Kind::Missed, 6, 5});
+  EXPECT_EQ(conductor.counters().margin, 0u);
+}
+
+TEST(Conductor, AppointsLessFarAheadIfNobodyComesToIt) {
+  Conductor conductor(1, {0});
+  EXPECT_EQ(conductor.again(), Messages{}) << "there is no appointment";
+  EXPECT_EQ(appointed(conductor, {5}), 6u);
+  EXPECT_EQ(conductor.again(), Messages{}) << "it is the next publish";
+  const Messages asked = conductor.receive(0, {Kind::Missed, 6, 1005});
+  EXPECT_EQ(conductor.receive(0, {Kind::Newest, asked[1].count, 1005}), (Messages{{Kind::Appoint, 2006, 0}}));
+  const Messages then = conductor.again();
+  EXPECT_EQ(then, (Messages{{Kind::Cancel, 2006, 0}, {Kind::AskNewest, 3, 0}}));
+  EXPECT_EQ(conductor.counters().margin, 500u);
+}
+
+TEST(Sender, SaysNothingWhileItHasNoRoom) {
+  Sender sender;
+  sender.begin({{0, {4}, {4}}});
+  EXPECT_EQ(sender.receive({Kind::Appoint, 1, 0}), std::nullopt);
+  EXPECT_TRUE(sender.publish());
+  EXPECT_EQ(sender.receive({Kind::Cancel, 1, 0}), std::nullopt);
+  EXPECT_EQ(sender.receive({Kind::AskNewest, 9, 0}), std::nullopt)
+      << "the simulation still copies into the slot";
+  EXPECT_EQ(sender.answer(), std::nullopt);
+  sender.filled(1, 0);
+  EXPECT_EQ(sender.announcement(), std::nullopt) << "the step was cancelled";
+  EXPECT_EQ(sender.answer(), (Control{Kind::Newest, 9, 1}));
+  EXPECT_EQ(sender.answer(), std::nullopt);
 }
 
 TEST(Conductor, IgnoresAnswersToOlderQuestions) {

@@ -115,6 +115,29 @@ TEST(DataPort, WhoeverHasNoTicketIsClosedWithoutAWord) {
   EXPECT_EQ(p.client->expect("insitu.streams").at("streams").size(), 1u) << "the stream is not harmed";
 }
 
+TEST(DataPort, HelloAndDescriptionMayComeTogether) {
+  const Port p;
+  RawClient raw(p.port());
+  Bytes all;
+  const auto add = [&](const auto& bytes) { all.insert(all.end(), bytes.begin(), bytes.end()); };
+  add(protocol::preamble(protocol::Purpose::Data));
+  for (const WireMessage& m : {message(MessageChannel::DataHello, written(p.hello())),
+                               message(MessageChannel::Describe, written(described()))}) {
+    add(protocol::headerOf(m));
+    add(m.payload);
+  }
+  raw.send(all);
+  until([&] { return p.client->expect("insitu.streams").at("streams").at(0).contains("published"); },
+        "a plan");
+}
+
+TEST(DataPort, OtherRanksThanTheFirstTakeSamplesOnly) {
+  const Port p;
+  const auto raw = p.connect(1);
+  raw->send(message(MessageChannel::Describe, written(described())));
+  EXPECT_NE(p.reason(*raw).find("on channel 17, on which none may come"), std::string::npos);
+}
+
 TEST(DataPort, ARankConnectsOnce) {
   const Port p;
   const auto first = p.connect();
@@ -148,6 +171,21 @@ TEST(DataPort, SamplesThatWereNotAskedForEndTheStream) {
       << reason;
 }
 
+/// A message as it should be, but for a few bytes.
+WireMessage changed(Random& random) {
+  const uint64_t count = random.below(6);
+  WireMessage all[] = {message(MessageChannel::Describe, written(described())),
+                       message(MessageChannel::DataControl,
+                               written(Control{Control::Kind(random.below(6)), count, random.below(6)})),
+                       message(MessageChannel::Step, written(insitu::StepHeader{count, int64_t(count), 0})),
+                       piece(count, uint32_t(random.below(2)), 4 * random.below(3), 4 * random.below(600)),
+                       message(MessageChannel(16 + random.below(8)), Bytes(random.below(200)))};
+  WireMessage m = std::move(all[random.below(std::size(all))]);
+  for (uint64_t n = random.below(3); n > 0 && !m.payload.empty(); n--)
+    m.payload[random.below(m.payload.size())] = std::byte(random.below(256));
+  return m;
+}
+
 TEST(DataPort, RandomBytesHarmNobodyElse) {
   Port p;
   const Grid grid{{0, 0, 0}, {1, 1, 1}, {8, 8, 8}};
@@ -161,12 +199,7 @@ TEST(DataPort, RandomBytesHarmNobodyElse) {
     const auto raw = p.connect(random.below(2));
     if (random.oneIn(2)) raw->send(message(MessageChannel::Describe, written(described())));
     for (int i = 0; i < 5; i++) {
-      Bytes bytes(random.below(200));
-      for (std::byte& b : bytes) b = std::byte(random.below(256));
-      if (random.oneIn(3))
-        raw->send(bytes);
-      else
-        raw->send(message(MessageChannel(16 + random.below(8)), std::move(bytes)));
+      raw->send(changed(random));
       good.publish();
     }
     if (random.oneIn(2)) raw->reset();

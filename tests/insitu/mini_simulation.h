@@ -94,9 +94,11 @@ class MiniArray {
 
 class MiniSimulation {
  public:
+  /// `of` is GXY_OF_POINTS or GXY_OF_CELLS: of what `grid.points` and `blocks` are, and the fields.
   MiniSimulation(std::string name, const Grid& grid, std::vector<insitu::Block> blocks, int ranks,
-                 std::vector<MiniField> fields, Layout layout, const std::string& options)
-      : grid_(grid), fields_(std::move(fields)) {
+                 std::vector<MiniField> fields, Layout layout, const std::string& options,
+                 int of = GXY_OF_POINTS)
+      : grid_(grid), fields_(std::move(fields)), of_(of) {
     for (int r = 0; r < ranks; r++)
       sims_.emplace_back(gxy_open(name.c_str(), r, ranks, options.c_str()),
                          [](gxy_sim* s) { gxy_close(s, 0); });
@@ -106,7 +108,7 @@ class MiniSimulation {
       tell(b, b.extent.points);
       for (size_t f = 0; f < fields_.size(); f++) {
         arrays_.push_back({f, std::make_unique<MiniArray>(fields_[f], b.extent, layout)});
-        results_ |= gxy_field(rank(b.rank), "grid", b.index, fields_[f].name.c_str(), GXY_OF_POINTS,
+        results_ |= gxy_field(rank(b.rank), "grid", b.index, fields_[f].name.c_str(), of_,
                               arrays_.back().second->array());
       }
     }
@@ -114,7 +116,7 @@ class MiniSimulation {
       if (!has[size_t(r)]) {
         tell({r, 0, {}}, {0, 0, 0});
         for (const MiniField& f : fields_)
-          results_ |= gxy_field(rank(r), "grid", 0, f.name.c_str(), GXY_OF_POINTS,
+          results_ |= gxy_field(rank(r), "grid", 0, f.name.c_str(), of_,
                                 {nullptr, int(f.type), f.components, {0, 0, 0}, 0, 0});
       }
   }
@@ -140,12 +142,13 @@ class MiniSimulation {
 
  private:
   void tell(const insitu::Block& b, const Index3& count) {
-    results_ |= gxy_grid(rank(b.rank), "grid", b.index, GXY_OF_POINTS, grid_.points.data(),
-                         b.extent.first.data(), count.data(), &grid_.origin[0], &grid_.spacing[0]);
+    results_ |= gxy_grid(rank(b.rank), "grid", b.index, of_, grid_.points.data(), b.extent.first.data(),
+                         count.data(), &grid_.origin[0], &grid_.spacing[0]);
   }
 
   Grid grid_;
   std::vector<MiniField> fields_;
+  const int of_;
   std::vector<std::unique_ptr<gxy_sim, void (*)(gxy_sim*)>> sims_;
   std::vector<std::pair<size_t, std::unique_ptr<MiniArray>>> arrays_;  ///< with the number of their field
   int results_ = 0;

@@ -48,7 +48,7 @@ TEST(Records, DescriptionsAreReadAsWritten) {
 
 TEST(Records, WrongDescriptionsSayWhatWasExpected) {
   expectRefused([](Description& d) { d.mesh.grid.points[1] = 1; }, "expected 2 to 2^31 by axis");
-  expectRefused([](Description& d) { d.mesh.grid.points = {1 << 30, 1 << 30, 1 << 30}; }, "2^60 in all");
+  expectRefused([](Description& d) { d.mesh.grid.points = {1 << 30, 1 << 30, 1 << 30}; }, "2^46 in all");
   expectRefused([](Description& d) { d.mesh.grid.spacing[2] = 0; }, "a spacing above 0");
   expectRefused([](Description& d) { d.mesh.grid.origin[2] = std::nan(""); }, "finite numbers");
   expectRefused([](Description& d) { d.mesh.fields.clear(); }, "0 fields, expected 1 to 64");
@@ -57,6 +57,7 @@ TEST(Records, WrongDescriptionsSayWhatWasExpected) {
   expectRefused([](Description& d) { d.mesh.fields[1].components = 17; }, "expected 1 to 16");
   expectRefused([](Description& d) { d.mesh.fields[1].components = 0; }, "expected 1 to 16");
   expectRefused([](Description& d) { d.mesh.name = "a\nb"; }, "control characters");
+  expectRefused([](Description& d) { d.mesh.name = "\xff"; }, "no text");
   expectRefused([](Description& d) { d.blocks[1].first[2] = 6; }, "inside the grid");
   expectRefused([](Description& d) { d.blocks[1].first[2] = -1; }, "inside the grid");
   expectRefused([](Description& d) { d.blocks[1].points[2] = INT64_MAX; }, "inside the grid");

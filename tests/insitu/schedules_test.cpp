@@ -31,6 +31,7 @@ class Schedule {
     owners_ = 1 + int(random_.below(3));
     stride_ = 1 + int64_t(random_.below(1000000));
     latency_ = uint64_t(1) << random_.below(8);
+    copy_ = latency_ <= 8 ? 1 + random_.below(100) : 1;  // up to a hundred times as long as a message
     for (int r = 0; r < ranks_; r++) simulation_.push_back(std::make_unique<Simulation>());
     connect();
   }
@@ -112,7 +113,7 @@ class Schedule {
     if (s.sender.publish()) s.takes = s.sender.count();
   }
   void fill(Simulation& s) {
-    if (!s.takes || late()) return;  // Copying takes its time.
+    if (!s.takes || late() || !random_.oneIn(copy_)) return;
     s.slot = *s.takes;
     s.sender.filled(int64_t(*s.takes) * stride_, double(*s.takes));
     s.takes.reset();
@@ -120,6 +121,7 @@ class Schedule {
   // The thread of a rank that sends.
   void answer(Simulation& s) {
     if (const auto told = s.sender.announcement()) announced_.push_back({&s, *told});
+    if (const auto due = s.sender.answer()) s.up.push_back(*due);
     if (s.down.empty() || late()) return;
     const Control message = s.down.front();
     s.down.pop_front();
@@ -170,7 +172,7 @@ class Schedule {
       open_ = true;
       return tell(conductor_->begin());
     }
-    if (random_.oneIn(600 * latency_)) {  // too late
+    if (random_.oneIn(600 * latency_ * copy_)) {  // too late
       tell(conductor_->abandon());
       return close();
     }
@@ -207,7 +209,7 @@ class Schedule {
   Random random_;
   int ranks_ = 1, owners_ = 1;
   int64_t stride_ = 1;
-  uint64_t latency_ = 1;
+  uint64_t latency_ = 1, copy_ = 1;  ///< how long messages and copies take
   std::vector<std::unique_ptr<Simulation>> simulation_;
   std::vector<Owner> server_;
   std::unique_ptr<Conductor> conductor_;

@@ -314,14 +314,14 @@ TEST_F(SimsimFiles, ClosingWaitsAsLongAsIsSaid) {
 
 // --- what users say and are told ---
 
-TEST(SimsimReport, AStepIsPublishedWhereAllRanksHaveTakenIt) {
+TEST(SimsimReport, AStepIsTakenWhereAllRanksHaveTakenIt) {
   using Results = std::vector<int>;
-  EXPECT_EQ(outcomeOf(Results{GXY_TAKEN, GXY_TAKEN}), Outcome::Published);
+  EXPECT_EQ(outcomeOf(Results{GXY_TAKEN, GXY_TAKEN}), Outcome::Taken);
   EXPECT_EQ(outcomeOf(Results{GXY_NOT_TAKEN, GXY_NOT_TAKEN}), Outcome::NotNeeded);
   EXPECT_EQ(outcomeOf(Results{GXY_TAKEN, GXY_NOT_TAKEN}), Outcome::LeftOut);
   EXPECT_EQ(outcomeOf(Results{GXY_TAKEN, GXY_LOST, GXY_NOT_TAKEN}), Outcome::NoConnection);
   EXPECT_EQ(outcomeOf(Results{GXY_OFF, GXY_OFF}), Outcome::Off);
-  EXPECT_EQ(lineAbout(3, Outcome::Published, "text"), "step 3: published");
+  EXPECT_EQ(lineAbout(3, Outcome::Taken, "text"), "step 3: taken");
   EXPECT_EQ(lineAbout(4, Outcome::NotNeeded, "text"), "step 4: nobody needs it");
   EXPECT_EQ(lineAbout(5, Outcome::NoConnection, "text"), "step 5: no connection: text");
   EXPECT_EQ(lineAbout(1, Outcome::NoConnection, ""), "step 1: no connection so far");

@@ -36,6 +36,34 @@ std::vector<insitu::Block> slabs(const Grid& grid, int ranks) {
   return blocks;
 }
 
+/// Events about a dataset that a client is told.
+class Events {
+ public:
+  explicit Events(std::string dataset) : dataset_(std::move(dataset)) {}
+  std::unique_ptr<Client> client(const TestServer& server) {
+    auto options = server.options();
+    options.onEvent = [this](const json& event) {
+      const std::lock_guard lock(mutex_);
+      if (event.value("name", "") == dataset_) events_.push_back(event);
+    };
+    return std::make_unique<Client>(options);
+  }
+  std::vector<json> all() const {
+    const std::lock_guard lock(mutex_);
+    return events_;
+  }
+  size_t count(const std::string& kind) const {
+    const std::lock_guard lock(mutex_);
+    return size_t(
+        std::count_if(events_.begin(), events_.end(), [&](const json& e) { return e.at("event") == kind; }));
+  }
+
+ private:
+  const std::string dataset_;
+  mutable std::mutex mutex_;
+  std::vector<json> events_;
+};
+
 /// Publishes steps until `enough` says so.
 void run(MiniSimulation& simulation, const std::function<bool()>& enough) {
   until(
@@ -46,12 +74,23 @@ void run(MiniSimulation& simulation, const std::function<bool()>& enough) {
       "enough steps");
 }
 
-/// Writes a step of a field as a file, and returns its name.
-std::string writeStep(const TestServer& server, const Grid& grid, const MiniField& field, size_t number,
-                      int64_t step) {
-  const std::string name = field.name + ".json";
-  const VolumeWriter writer(server.folder().path().string() + "/" + name, grid,
-                            {{"", field.type, field.components, std::nullopt, false}});
+/// What files say of a grid that counts cells.
+Grid centresOf(Grid grid) {
+  grid.rim = true;
+  for (int a = 0; a < 3; a++) {
+    grid.points[size_t(a)] += 2;
+    grid.origin[a] -= grid.spacing[a] / 2;
+  }
+  return grid;
+}
+
+/// Writes a step of a field of points or cells as a file, and returns its name.
+std::string writeStep(const TestServer& server, const Grid& grid, int of, const MiniField& field,
+                      size_t number, int64_t step) {
+  const bool cells = of == GXY_OF_CELLS;
+  const std::string name = field.name + (cells ? ".vti" : ".json");
+  const VolumeWriter writer(server.folder().path().string() + "/" + name, cells ? centresOf(grid) : grid,
+                            {{field.name, field.type, field.components, std::nullopt, cells}});
   for (int64_t k = 0; k < grid.points[2]; k++) {
     Bytes slice;
     for (int64_t j = 0; j < grid.points[1]; j++)
@@ -95,11 +134,11 @@ void expectSame(const Volume& found, const Volume& expected) {
 }
 
 /// Compares what is published on all ranks with an import of the same step.
-void expectEqualsImport(TestServer& server, Client& client, const Grid& grid,
+void expectEqualsImport(TestServer& server, Client& client, const Grid& grid, int of,
                         const std::vector<MiniField>& fields) {
   const int64_t step = datasetOn(server, 0, "heat." + fields[0].name)->origins.at(0).step;
   for (size_t f = 0; f < fields.size(); f++) {
-    const std::string name = "heat." + fields[f].name, file = writeStep(server, grid, fields[f], f, step);
+    const std::string name = "heat." + fields[f].name, file = writeStep(server, grid, of, fields[f], f, step);
     client.expect("import like " + name + " " +
                   json{{"Datasets", {{{"name", "file"}, {"filename", file}, {"type", "Volume"}}}}}.dump());
     for (int r = 0; r < server.serverRank().ranks(); r++) {
@@ -114,7 +153,7 @@ void expectEqualsImport(TestServer& server, Client& client, const Grid& grid,
 }
 
 TEST(Streams, WhatIsPublishedEqualsTheImportOfTheSameStep) {
-  for (uint64_t seed = 1; seed <= 24; seed++) {
+  for (uint64_t seed = 1; seed <= 30; seed++) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     Random random(seed);
     ServerSetup setup;
@@ -124,20 +163,22 @@ TEST(Streams, WhatIsPublishedEqualsTheImportOfTheSameStep) {
     const auto client = server.client();
     client->expect("load data");
     client->expect("load insitu");
-    const Grid grid =
+    Grid grid =
         gridOf({5 + int64_t(random.below(20)), 5 + int64_t(random.below(20)), 5 + int64_t(random.below(20))});
+    const int of = seed % 3 == 0 ? GXY_OF_CELLS : GXY_OF_POINTS;
+    if (of == GXY_OF_CELLS) grid.spacing = {0.125, 0.25, 0.5};  // and half of it is no less exact
     const int ranks = 1 + int(random.below(8));
     std::vector<MiniField> fields{{"a", ScalarType(seed % 10), random.oneIn(2) ? 1 : 3}};
     if (random.oneIn(2)) fields.push_back({"b", ScalarType(random.below(10)), 1 + int(random.below(3))});
     {
       MiniSimulation simulation("heat", grid, insitu::randomBlocks(random, grid.points, ranks), ranks, fields,
-                                kLayouts[seed / 2 % 5], to(server));
+                                kLayouts[seed / 2 % 5], to(server), of);
       ASSERT_EQ(simulation.results(), 0) << gxy_message(simulation.rank(0));
       client->expect("observe");
       run(simulation, [&] { return simulation.published() >= 2; });
     }
     until([&] { return client->expect("insitu.streams").at("streams").empty(); }, "the end of the stream");
-    expectEqualsImport(server, *client, grid, fields);
+    expectEqualsImport(server, *client, grid, of, fields);
   }
 }
 
@@ -146,14 +187,22 @@ TEST(Streams, AWindowThatFollowsShowsStepAfterStep) {
   Viewer viewer(*server);
   viewer.client->expect("load insitu");
   const Grid grid = gridOf({16, 16, 16});
-  MiniSimulation simulation("heat", grid, slabs(grid, 3), 3, {{"t"}}, Layout::Ghosts, to(*server));
-  run(simulation, [&] { return simulation.published() >= 1; });
-  viewer.makeWindow("2", R"({"size": [48, 40], "follow": true})", "heat.t");
-  viewer.client->expect("render 2");
-  run(simulation, [&] { return viewer.newestFrame(2) >= 4; });
-  const auto end = viewer.screen.waitFor(2, 4);
-  EXPECT_EQ(end.status, "complete") << end.json;
-  EXPECT_GT(end.json.at("generations").at("heat.t"), 1);
+  {
+    MiniSimulation simulation("heat", grid, slabs(grid, 3), 3, {{"t"}}, Layout::Ghosts, to(*server));
+    run(simulation, [&] { return simulation.published() >= 1; });
+    viewer.makeWindow("2", R"({"size": [48, 40], "follow": true})", "heat.t");
+    viewer.client->expect("render 2");
+    run(simulation, [&] { return viewer.newestFrame(2) >= 4; });
+  }
+  until([&] { return viewer.client->expect("insitu.streams").at("streams").empty(); },
+        "the end of the stream");
+  const json generation = viewer.client->expect("info heat.t").at("datasets").at(0).at("generation");
+  until(
+      [&] {
+        const auto end = viewer.screen.waitFor(2, viewer.newestFrame(2));
+        return end.status == "complete" && end.json.at("generations").at("heat.t") == generation;
+      },
+      "a picture of the last step");
 }
 
 TEST(Streams, NoStepIsTakenWhileNobodyLooks) {
@@ -170,38 +219,44 @@ TEST(Streams, NoStepIsTakenWhileNobodyLooks) {
   run(simulation, [&] { return simulation.published() >= 3; });
 }
 
+TEST(Streams, OnlyStepsThatTheOptionsLetThroughAreOffered) {
+  const auto server = serve();
+  const auto client = server->client();
+  client->expect("load data");
+  client->expect("observe");
+  const Grid grid = gridOf({8, 8, 8});
+  json options = json::parse(to(*server));
+  options.update({{"every", 5}, {"between", {50, 1e6}}});  // times are half the step
+  MiniSimulation simulation("heat", grid, slabs(grid, 2), 2, {{"t"}}, Layout::Together, options.dump());
+  for (int64_t n = 1; n <= 3; n++) {
+    run(simulation, [&] { return simulation.published() >= n; });
+    const int64_t step = client->expect("info heat.t").at("datasets").at(0).at("origins").at(0).at("step");
+    EXPECT_EQ(step % 5, 1);
+    EXPECT_GE(step, 100);
+  }
+}
+
 TEST(Streams, EventsAndInfoSayOfWhichStepDataAre) {
   const auto server = serve();
-  std::mutex mutex;
-  std::vector<json> events;
-  auto options = server->options();
-  options.onEvent = [&](const json& event) {
-    const std::lock_guard lock(mutex);
-    if (event.value("name", "") == "heat.t") events.push_back(event);
-  };
-  Client client(options);
-  client.expect("load data");
-  client.expect("observe");
+  Events events("heat.t");
+  const auto client = events.client(*server);
+  client->expect("load data");
+  client->expect("observe");
   const Grid grid = gridOf({8, 8, 8});
   MiniSimulation simulation("heat", grid, slabs(grid, 2), 2, {{"t"}}, Layout::Together, to(*server));
   run(simulation, [&] { return simulation.published() >= 2; });
-  until(
-      [&] {
-        const std::lock_guard lock(mutex);
-        return events.size() >= 2;
-      },
-      "events");
-  const json info = client.expect("info heat.t").at("datasets").at(0);
+  until([&] { return events.count("added") + events.count("updated") >= 2; }, "events");
+  const json info = client->expect("info heat.t").at("datasets").at(0);
   EXPECT_EQ(info.at("stream"), "heat");
   EXPECT_EQ(info.at("time"), 0.5 * info.at("origins").at(0).at("step").get<double>());
-  const std::lock_guard lock(mutex);
-  EXPECT_EQ(events[0].at("event"), "added");
-  EXPECT_EQ(events[1].at("event"), "updated");
-  for (const json& e : events) {
+  const std::vector<json> all = events.all();
+  EXPECT_EQ(all[0].at("event"), "added");
+  EXPECT_EQ(all[1].at("event"), "updated");
+  for (const json& e : all) {
     EXPECT_EQ(e.at("stream"), "heat");
     EXPECT_EQ(e.at("time"), 0.5 * e.at("step").get<double>());
   }
-  EXPECT_LT(events[0].at("step"), events[1].at("step"));
+  EXPECT_LT(all[0].at("step"), all[1].at("step"));
 }
 
 TEST(Streams, BlocksThatLeaveAHoleAreToldToTheSimulation) {
@@ -290,10 +345,12 @@ TEST(Streams, EndWithTheServerAndTheSimulationGoesOn) {
 TEST(Streams, ATenantThatHasNoRoomForAStepIsToldAndTheServerGoesOn) {
   ServerSetup setup;
   setup.modules = GALAXY_MODULES;
-  setup.serverRank.tenantMemory = 100000;
+  setup.serverRank.tenantMemory = 900000;  // room for one step of two
   TestServer server(std::move(setup));
   const auto client = server.client();
+  client->expect("load data");
   client->expect("load insitu");
+  client->expect("observe");
   const Grid grid = gridOf({64, 64, 64});
   MiniSimulation simulation("heat", grid, slabs(grid, 2), 2, {{"t"}}, Layout::Together, to(server));
   run(simulation, [&] {
@@ -306,14 +363,81 @@ TEST(Streams, ATenantThatHasNoRoomForAStepIsToldAndTheServerGoesOn) {
 
 TEST(Streams, ADroppedDatasetComesBackWithTheNextStep) {
   const auto server = serve();
-  const auto client = server->client();
+  Events events("heat.t");
+  const auto client = events.client(*server);
   client->expect("load data");
   client->expect("observe");
   const Grid grid = gridOf({8, 8, 8});
   MiniSimulation simulation("heat", grid, slabs(grid, 2), 2, {{"t"}}, Layout::Together, to(*server));
   run(simulation, [&] { return simulation.published() >= 1; });
   client->expect("drop heat.t");
-  run(simulation, [&] { return !client->expect("list").at("datasets").empty(); });
+  run(simulation, [&] { return events.count("dropped") == 1 && events.count("added") == 2; });
+}
+
+TEST(Streams, AnImportUnderAStreamsNameIsNotHeldUp) {
+  const auto server = serve();
+  const auto client = server->client();
+  client->expect("load data");
+  const Grid grid = gridOf({8, 8, 8});
+  MiniSimulation simulation("heat", grid, slabs(grid, 1), 1, {{"t"}}, Layout::Together, to(*server));
+  run(simulation, [&] { return simulation.published() >= 1; });
+  client->expect("observe");  // The next step is asked for, and the simulation computes for long.
+  until([&] { return client->request("load insitu").ok; }, "the module");
+  client->expect(importBall("heat.t"));
+  EXPECT_TRUE(client->expect("info heat.t").at("datasets").at(0).contains("file"));
+}
+
+TEST(Streams, WhatDoesNotFitIsRefusedBeforeAnythingIsMadeOfIt) {
+  ServerSetup setup;
+  setup.modules = GALAXY_MODULES;
+  setup.serverRank.tenantMemory = 1 << 20;
+  TestServer server(std::move(setup));
+  const Grid grid = gridOf({int64_t(1) << 15, int64_t(1) << 15, int64_t(1) << 15});
+  float value = 0;  // It is never read.
+  gxy_sim* sim = gxy_open("large", 0, 1, to(server).c_str());
+  const int64_t first[3] = {0, 0, 0};
+  EXPECT_EQ(gxy_grid(sim, "grid", 0, GXY_OF_POINTS, grid.points.data(), first, grid.points.data(),
+                     &grid.origin[0], &grid.spacing[0]),
+            GXY_TAKEN);
+  EXPECT_EQ(gxy_field(sim, "grid", 0, "t", GXY_OF_POINTS, {&value, GXY_FLOAT32, 1, {4, 4, 4}, 0, 0}),
+            GXY_TAKEN);
+  int64_t step = 0;
+  until(
+      [&] {
+        gxy_publish(sim, ++step, 0);
+        return std::string(gxy_message(sim)).find("memory: a step has 140737488355328 bytes") !=
+               std::string::npos;
+      },
+      "the reason");
+  gxy_close(sim, 0);
+}
+
+TEST(Streams, RanksOfASimulationThatHasEndedDoNotComeAgain) {
+  const auto server = serve();
+  const auto client = server->client();
+  client->expect("load insitu");
+  const Grid grid = gridOf({8, 8, 8});
+  MiniSimulation simulation("heat", grid, slabs(grid, 2), 2, {{"t"}}, Layout::Together, to(*server));
+  run(simulation, [&] { return simulation.published() >= 1; });
+  simulation.closeRank(1);
+  until([&] { return std::string(gxy_message(simulation.rank(0))).find("closed by rank 1") == 0; },
+        "the word");
+  until([&] { return client->expect("insitu.streams").at("streams").empty(); }, "the end of the stream");
+  std::this_thread::sleep_for(std::chrono::milliseconds(200));  // four times its pause between attempts
+  EXPECT_TRUE(client->expect("insitu.streams").at("streams").empty());
+  EXPECT_EQ(gxy_publish(simulation.rank(0), 1000000, 0), GXY_LOST);
+}
+
+TEST(Streams, AreToldByStat) {
+  const auto server = serve();
+  const auto client = server->client();
+  const Grid grid = gridOf({8, 8, 8});
+  MiniSimulation simulation("heat", grid, slabs(grid, 2), 2, {{"t"}}, Layout::Together, to(*server));
+  run(simulation, [&] { return simulation.published() >= 1; });
+  const json stat = client->expect("stat");
+  EXPECT_EQ(stat.at("streams").at(0).at("name"), "heat");
+  EXPECT_NE(stat.at("text").get<std::string>().find("stream heat of user: 2 of 2 ranks, 1 steps published"),
+            std::string::npos);
 }
 
 }  // namespace

@@ -235,7 +235,7 @@ TEST(Sessions, FoldersOfModulesAreLookedIntoInTheirOrder) {
   EXPECT_NE(client->request("load viewer").error.find("it was built for interface"), std::string::npos)
       << "that of the first folder: " << client->request("load viewer").error;
   client->expect("load data");
-  EXPECT_EQ(client->expect("modules").at("available"), (json{"data", "example", "viewer"}));
+  EXPECT_EQ(client->expect("modules").at("available"), (json{"data", "example", "insitu", "viewer"}));
 }
 
 TEST(Sessions, AModuleWithAWorkThatThereIsAlreadyChangesNothing) {

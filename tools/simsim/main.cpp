@@ -77,7 +77,7 @@ class Ranks {
 
 /// Numbers of steps, for the summary.
 struct Count {
-  int64_t offered = 0, published = 0, lost = 0;
+  int64_t offered = 0, taken = 0, lost = 0;
 };
 
 /// Computes, saves and publishes all steps. Throws Interrupted when a signal comes.
@@ -91,7 +91,7 @@ Count publishSteps(const SimulationOptions& options, const SavedSteps* saved, Ra
     ranks.compute(options.wave.weight(step), writer ? &*writer : nullptr);
     const Outcome outcome = ranks.publish(step);
     ++count.offered;
-    count.published += outcome == Outcome::Published;
+    count.taken += outcome == Outcome::Taken;
     count.lost += outcome == Outcome::NoConnection;
     out << lineAbout(step, outcome, ranks.message()) << std::endl;
   }
@@ -116,7 +116,7 @@ int run(const SimulationOptions& options, const Place& place) {
   ranks.close();
   if (count.lost == count.offered)
     throw Error("no step has reached a server" + (message.empty() ? std::string() : ": " + message));
-  out << "simsim: " << count.published << " of " << count.offered << " step(s) published\n";
+  out << "simsim: " << count.taken << " of " << count.offered << " step(s) were taken\n";
   return 0;
 }
 

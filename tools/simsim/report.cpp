@@ -11,15 +11,15 @@ Outcome outcomeOf(std::span<const int> results) {
   const auto some = [results](int result) { return std::ranges::count(results, result) > 0; };
   if (some(GXY_LOST)) return Outcome::NoConnection;
   if (some(GXY_OFF)) return Outcome::Off;
-  if (!some(GXY_NOT_TAKEN)) return Outcome::Published;
+  if (!some(GXY_NOT_TAKEN)) return Outcome::Taken;
   return some(GXY_TAKEN) ? Outcome::LeftOut : Outcome::NotNeeded;
 }
 
 std::string lineAbout(int64_t step, Outcome outcome, const std::string& message) {
   const std::string line = "step " + std::to_string(step) + ": ";
   switch (outcome) {
-    case Outcome::Published:
-      return line + "published";
+    case Outcome::Taken:
+      return line + "taken";
     case Outcome::NotNeeded:
       return line + "nobody needs it";
     case Outcome::LeftOut:

@@ -9,7 +9,7 @@ namespace gxy::simsim {
 
 /// What has become of a step, by the results of gxy_publish() on all ranks of this process.
 enum class Outcome {
-  Published,     ///< all have taken it
+  Taken,         ///< all have taken it
   NotNeeded,     ///< none has taken it
   LeftOut,       ///< some have taken it, and others have not, so it is given up
   Off,           ///< publishing is off
@@ -19,7 +19,7 @@ enum class Outcome {
 /// `results` are one or more of gxy_result, without GXY_WRONG.
 Outcome outcomeOf(std::span<const int> results);
 
-/// Returns a line such as "step 3: published". `message` is the interface's, about a missing connection; it is
+/// Returns a line such as "step 3: taken". `message` is the interface's, about a missing connection; it is
 /// empty as long as connecting has not failed.
 std::string lineAbout(int64_t step, Outcome outcome, const std::string& message);
 

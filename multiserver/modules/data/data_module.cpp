@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Module `data`: the data space by name.
-#include <set>
+#include <map>
 
 #include "core/comm/error.h"
 #include "core/scene/state_file.h"
@@ -147,10 +147,9 @@ json wait(Request& request, protocol::Arguments arguments) {
 /// What a session observes.
 struct Observed {
   std::mutex mutex;
-  bool all = false;
-  std::set<std::string> names;
-  std::shared_ptr<void> wish;
-  std::shared_ptr<void> subscription;  ///< last: ends first
+  std::shared_ptr<void> all;                           ///< the wish for newer data of all; null: not of all
+  std::map<std::string, std::shared_ptr<void>> names;  ///< with the wishes for these
+  std::shared_ptr<void> subscription;                  ///< last: ends first
 
   bool concerns(const DatasetEvent& event) {
     const std::lock_guard lock(mutex);
@@ -172,27 +171,20 @@ std::shared_ptr<Observed> observedBy(Session& session) {
   });
 }
 
-// Says for whom data that come by themselves are to be made. With the lock held.
-void wantObserved(Session& session, Observed& observed) {
-  const bool any = observed.all || !observed.names.empty();
-  std::vector<std::string> names;
-  if (!observed.all) names.assign(observed.names.begin(), observed.names.end());
-  observed.wish = any ? session.serverRank().datasets->want(session.tenant(), std::move(names)) : nullptr;
-}
-
 json observe(Request& request, protocol::Arguments arguments) {
   const auto name = arguments.word();
   arguments.expectEnd();
   if (name) checkDatasetName(*name);  // it is kept
   const auto observed = observedBy(request.session());
   const std::lock_guard lock(observed->mutex);
+  Datasets& datasets = datasetsOf(request);
+  const std::string& tenant = request.session().tenant();
   if (!name)
-    observed->all = true;
+    observed->all = datasets.want(tenant, {});
   else if (observed->names.size() < 10000)
-    observed->names.insert(*name);
+    observed->names[*name] = datasets.want(tenant, {*name});
   else
     throw Error("observe: 10000 names are observed, expected fewer; `observe` without a name observes all");
-  wantObserved(request.session(), *observed);
   return nullptr;
 }
 
@@ -204,8 +196,7 @@ json unobserve(Request& request, protocol::Arguments arguments) {
   if (name)
     observed->names.erase(*name);
   else
-    observed->all = false, observed->names.clear();
-  wantObserved(request.session(), *observed);
+    observed->all = nullptr, observed->names.clear();
   return nullptr;
 }
 
