@@ -206,7 +206,8 @@ TEST(DataPort, RandomBytesHarmNobodyElse) {
     p.client->request("insitu.close raw");
     until(
         [&] {
-          for (const json& s : p.client->expect("insitu.streams").at("streams"))
+          const json streams = p.client->expect("insitu.streams").at("streams");
+          for (const json& s : streams)
             if (s.at("name") == "raw") return false;
           return true;
         },
