@@ -55,7 +55,7 @@ void Window::wantNews() {
   if (!settings_.follow || !hasVisualization_ || phase_ == Phase::Closed) return;
   std::vector<std::string> names;
   for (const Vis& vis : state_.visualizations[0].operators) names.push_back(vis.dataset);
-  if (!names.empty()) wish_ = services_.serverRank.datasets->want(tenant_, std::move(names));
+  if (!names.empty()) wish_ = services_.serverRank.datasets->want(tenant_, names);
 }
 
 void Window::setRenderer(const RenderSettings& settings) {
