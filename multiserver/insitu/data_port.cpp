@@ -34,7 +34,7 @@ namespace {
 constexpr std::chrono::seconds kHandshake(5);  // within which a connection says which stream it is of
 constexpr size_t kHandshakes = 4096;           // connections without a stream; beyond it the oldest is closed
 constexpr size_t kUnread =
-    64 << 20;  // bytes that wait for a simulation that does not read; beyond it is closed
+    64 << 20;  // bytes that a simulation may leave unread before its connection is closed
 constexpr size_t kReadBytes = 1 << 20;
 
 Bytes bytesOf(const WireMessage& message) {

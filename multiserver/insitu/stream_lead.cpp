@@ -248,7 +248,10 @@ CollectedStep StreamLead::collect(const std::function<void()>& check) {
   std::optional<Clock::time_point> until;
   auto appointed = Clock::now();
   while (!conductor_->isComplete()) {
-    if (!until && conductor_->someTaken()) until = Clock::now() + kStepPatience;
+    if (!conductor_->someTaken())
+      until.reset();  // also after a miss
+    else if (!until)
+      until = Clock::now() + kStepPatience;
     if (!until && Clock::now() > appointed + kAppointed) {
       tell(conductor_->again());
       appointed = Clock::now();
