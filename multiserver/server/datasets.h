@@ -204,9 +204,10 @@ class Datasets {
   std::mutex naming_;  ///< held while names change and that is told: one change at a time; before mutex_
   std::map<uint64_t, std::shared_ptr<const Partitioning>> like_;  ///< rank 0: to be used, by exchange
   std::map<std::string, std::shared_ptr<Names>> taken_;           ///< rank 0: by name with its scope
-  std::map<uint64_t, std::shared_ptr<const Names>> publishing_;   ///< rank 0: by exchange
-  std::map<Key, std::pair<std::string, Scope>> names_;            ///< rank 0: of each object
-  std::map<std::string, std::vector<Key>> newest_;                ///< rank 0: by owner, newest last
+  std::multiset<std::string> awaited_;  ///< rank 0: names that requests wait for, with their scopes
+  std::map<uint64_t, std::shared_ptr<const Names>> publishing_;  ///< rank 0: by exchange
+  std::map<Key, std::pair<std::string, Scope>> names_;           ///< rank 0: of each object
+  std::map<std::string, std::vector<Key>> newest_;               ///< rank 0: by owner, newest last
   /// How many wait for newer data, by name (empty: of all) and tenant.
   std::map<std::string, std::map<std::string, size_t>> wishes_;
   std::map<uint64_t, std::shared_ptr<Observer>> observers_;

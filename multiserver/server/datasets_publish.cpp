@@ -64,7 +64,10 @@ std::shared_ptr<const Datasets::Names> Datasets::beginNow(const std::string& ten
   std::shared_ptr<const Names> taken;
   {
     const std::lock_guard lock(mutex_);
-    if (!areFree(keys)) throw Error(operation + ": an import or a filter makes one of its datasets now");
+    const bool awaited = std::any_of(keys.begin(), keys.end(),
+                                     [this](const std::string& key) { return awaited_.count(key) > 0; });
+    if (awaited || !areFree(keys))
+      throw Error(operation + ": an import or a filter makes one of its datasets now");
     taken = take(keys, names);
   }
   serverRank_.exchanges.alsoCheck(exchange, [names] { names->check(); });
@@ -131,6 +134,14 @@ std::shared_ptr<const Datasets::Names> Datasets::takeNames(Request& request,
   request.onCancel([this] {
     const std::lock_guard lock(mutex_);
     changed_.notify_all();
+  });
+  {
+    const std::lock_guard lock(mutex_);
+    awaited_.insert(keys.begin(), keys.end());  // so that nobody who gives way takes them meanwhile
+  }
+  const std::shared_ptr<void> forget(nullptr, [&](void*) {
+    const std::lock_guard lock(mutex_);
+    for (const std::string& key : keys) awaited_.erase(awaited_.find(key));
   });
   askToLeave(keys);
   std::unique_lock lock(mutex_);
