@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # cmake -DSPIRV_DIS=... -DMODULE=x.spv -P CheckPrecise.cmake: fails unless every + - * / of the module is
-# marked NoContraction, as `precise` in GLSL does, and the module preserves signed zeros, infinities and NaN.
+# marked NoContraction, as `precise` in GLSL does, every quotient and root of floats goes only where it is chosen against that of
+# doubles (MakeShader.cmake), and the module preserves signed zeros, infinities and NaN.
 cmake_minimum_required(VERSION 3.25)
 execute_process(COMMAND ${SPIRV_DIS} --raw-id ${MODULE} OUTPUT_VARIABLE text COMMAND_ERROR_IS_FATAL ANY)
 if(NOT text MATCHES "OpExecutionMode %[0-9]+ SignedZeroInfNanPreserve 32\n")
@@ -15,6 +16,17 @@ foreach(operation ${operations})
   if(NOT "OpDecorate ${id} NoContraction" IN_LIST decorations)
     math(EXPR loose "${loose} + 1")
     message("not precise: ${operation}")
+  endif()
+endforeach()
+string(REGEX MATCH "(%[0-9]+) = OpTypeFloat 32" unused "${text}")
+string(REGEX MATCHALL "%[0-9]+ = Op(FDiv ${CMAKE_MATCH_1}|ExtInst ${CMAKE_MATCH_1} %[0-9]+ Sqrt) [^\n]*" inexact "${text}")
+foreach(operation ${inexact})
+  string(REGEX MATCH "^%[0-9]+" id "${operation}")
+  string(REGEX MATCHALL "Op[^\n]* ${id}[ \n]" uses "${text}")
+  list(FILTER uses EXCLUDE REGEX "OpSelect|OpDecorate")
+  if(uses)
+    math(EXPR loose "${loose} + 1")
+    message("not rounded right: ${operation}")
   endif()
 endforeach()
 if(total EQUAL 0 OR loose GREATER 0)

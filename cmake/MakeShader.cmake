@@ -2,9 +2,10 @@
 # cmake -DGLSLANG= -DSPIRV_DIS= -DSPIRV_AS= -DSPIRV_OPT= -DSPIRV_VAL= -DSOURCE=x.comp -DINCLUDES=list -DMODULE=x.spv
 # -DHEADER=x.h -DKEPT=folder -P MakeShader.cmake compiles a compute shader in which no float operation may be contracted
 # or reordered: each is marked NoContraction, as `precise` would where it reaches; and none may take it that there is no
-# NaN, infinity or signed zero (SignedZeroInfNanPreserve). The header holds the module as the array x_spirv. Optimizing
-# takes nearly all of the time, so each finished module is kept in the folder KEPT, which presets share, and is copied
-# from there when glslang gives the same code again.
+# NaN, infinity or signed zero (SignedZeroInfNanPreserve). Where the shader has the constant SPEC_ROUNDS_RIGHT its quotients and
+# roots are rounded right on every device. The header holds the module as the array x_spirv. Optimizing takes nearly all of
+# the time, so each finished module is kept in the folder KEPT, which presets share, and is copied from there when glslang
+# gives the same code again.
 cmake_minimum_required(VERSION 3.25)
 get_filename_component(name ${SOURCE} NAME_WE)
 list(TRANSFORM INCLUDES PREPEND -I)
@@ -21,6 +22,39 @@ set(made ${KEPT}/${name}-${key}.spv)
 if(NOT EXISTS ${made})
   execute_process(COMMAND ${SPIRV_DIS} --raw-id --no-header --no-indent ${MODULE}.plain OUTPUT_VARIABLE text
                   COMMAND_ERROR_IS_FATAL ANY)
+  # Vulkan lets a quotient or a root of floats be 2.5 units in the last place off. That of doubles, rounded to a float, is the
+  # nearest to the exact one (Figueroa, "When is double rounding innocuous?", 1995). Both are computed, and the constant selects
+  # one; a device's compiler leaves out the other.
+  if(text MATCHES "OpDecorate (%[0-9]+) SpecId 11\n")
+    set(rounds_right ${CMAKE_MATCH_1})
+    string(REGEX MATCH "(%[0-9]+) = OpTypeFloat 32\n" unused "${text}")
+    set(float ${CMAKE_MATCH_1})
+    string(REGEX MATCH "(%[0-9]+) = OpTypeFloat 64\n" unused "${text}")
+    set(double ${CMAKE_MATCH_1})
+    set(next 100000)  # glslang numbers far fewer values
+    string(REGEX MATCHALL "%[0-9]+ = Op(FDiv ${float}|ExtInst ${float} %[0-9]+ Sqrt) [^\n]*\n" operations "${text}")
+    foreach(operation ${operations})
+      string(REGEX MATCH "^(%[0-9]+) = (OpFDiv|OpExtInst) ${float}(( %[0-9]+ Sqrt)?) (.*)\n" unused "${operation}")
+      set(result ${CMAKE_MATCH_1})
+      set(instruction ${CMAKE_MATCH_2})
+      set(root "${CMAKE_MATCH_3}")
+      string(REPLACE " " ";" operands "${CMAKE_MATCH_5}")
+      set(rounded)
+      set(doubles)
+      foreach(operand ${operands})
+        string(APPEND rounded "%${next} = OpFConvert ${double} ${operand}\n")
+        string(APPEND doubles " %${next}")
+        math(EXPR next "${next} + 1")
+      endforeach()
+      math(EXPR wide "${next} + 1")
+      math(EXPR nearest "${next} + 2")
+      string(REGEX REPLACE "^%[0-9]+" "%${next}" own "${operation}")
+      string(APPEND rounded "${own}%${wide} = ${instruction} ${double}${root}${doubles}\n%${nearest} = OpFConvert ${float} %${wide}\n"
+                            "${result} = OpSelect ${float} ${rounds_right} %${next} %${nearest}\n")
+      math(EXPR next "${next} + 3")
+      string(REPLACE "\n${operation}" "\n${rounded}" text "${text}")
+    endforeach()
+  endif()
   string(REGEX MATCHALL "%[0-9]+ = Op(FAdd|FSub|FMul|FDiv|FRem|FMod|Dot|VectorTimesScalar)" operations "${text}")
   string(REGEX MATCHALL "OpDecorate %[0-9]+ NoContraction\n" decorations "${text}")
   set(marks)

@@ -24,6 +24,7 @@ layout(constant_id = SPEC_MAP_KIND) const int MAP_KIND = -1;
 layout(constant_id = SPEC_OPERATORS) const int OPERATORS = 0;
 layout(constant_id = SPEC_ROUTES) const int ROUTES = ROUTE_ON | ROUTE_LEAVES;
 layout(constant_id = SPEC_MAP_AHEAD) const int MAP_AHEAD = 0;
+layout(constant_id = SPEC_ROUNDS_RIGHT) const bool ROUNDS_RIGHT = false;  // for cmake/MakeShader.cmake
 #define GOES_ON ((ROUTES & ROUTE_ON) != 0)
 #define LEAVES ((ROUTES & ROUTE_LEAVES) != 0)
 

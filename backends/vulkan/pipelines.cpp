@@ -188,7 +188,8 @@ void Pipelines::forget() {
 }
 
 Pipeline Pipelines::get(Stage stage, const Special& wanted) {
-  const Special special = specialFor(stage, wanted);
+  Special special = specialFor(stage, wanted);
+  special.roundsRight = device_.roundsRight();
   std::shared_ptr<Compiled> compiled;
   {
     std::lock_guard lock(mutex_);

@@ -41,6 +41,7 @@ struct Special {
   uint32_t anyHit = 0;
   uint32_t byCells = 0, limited = 0;
   int32_t mapKind = -1, operators = 0, routes = ROUTE_ON | ROUTE_LEAVES, mapAhead = 0;
+  uint32_t roundsRight = 0;
   auto operator<=>(const Special&) const = default;
 };
 

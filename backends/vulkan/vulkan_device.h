@@ -72,6 +72,8 @@ class Device {
   bool endsLoops() const { return endsLoops_; }
   /// Whether it is a software device: its lanes fetch one after the other, and small batches keep it busy.
   bool isSoftware() const { return software_; }
+  /// Whether it rounds quotients and roots of floats right, as the processor does with which a software device computes.
+  bool roundsRight() const { return software_; }
 
  private:
   friend class Buffer;

@@ -8,6 +8,8 @@
 #include "core/kernels/all.h"
 #include "tests/kernels/probe.h"
 
+layout(constant_id = SPEC_ROUNDS_RIGHT) const bool ROUNDS_RIGHT = false;  // for cmake/MakeShader.cmake
+
 layout(local_size_x = BLOCK_RAYS) in;
 layout(std430, set = LANE_SET, binding = 0) buffer Result { float result[]; };
 layout(push_constant) uniform Size { int count; };

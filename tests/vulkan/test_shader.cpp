@@ -10,8 +10,10 @@ namespace gxy::vulkan_test {
 using namespace vulkan;
 
 TestShader::TestShader(const Device& device, const Pipelines& pipelines, std::span<const uint32_t> spirv,
-                       const Special& special)
+                       const Special& wanted)
     : device_(device), pipelines_(pipelines) {
+  Special special = wanted;
+  special.roundsRight = device.roundsRight();
   VkShaderModuleCreateInfo moduleInfo{};
   moduleInfo.sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO;
   moduleInfo.codeSize = spirv.size_bytes();
