@@ -84,6 +84,8 @@ typedef struct gxy_sim gxy_sim;
  *   "tenant"      for servers without tokens (default: "user")
  *   "scope"       "private" (the default) or "shared": who sees the data
  *   "partition"   "even" (the default), or {"like": DATASET}: how the server cuts the data
+ *   "policy"      "skip" (the default): gxy_publish() never waits, and steps may be left out; or "wait": it waits until its step is taken
+ *   "time-out"    with "wait": at most so many seconds; null: for ever. It must be given
  *   "every"       only the first of so many publishes is offered (default: 1)
  *   "between"     [FIRST, LAST]: only steps with these times are offered
  *   "reconnect"   seconds between attempts to connect (default: 5); 0: none after the first */
@@ -109,11 +111,18 @@ GXY_API int gxy_field(gxy_sim* sim, const char* mesh, int block, const char* fie
 
 /* Offers a step. All ranks offer the same steps in the same order; `step` ascends. `time` is in the simulation's own unit. If
  * Galaxy wants this step, its values are copied, and a thread of the library sends the copy. Otherwise this takes less
- * than a microsecond. It never waits. */
+ * than a microsecond. It never waits, unless the policy is "wait". Then it waits until the server takes the step, and so for the
+ * step before to be published; but not where a connection is lost or could not be made: it returns GXY_LOST at once. If the
+ * time is out on one rank, the step is left out on all. */
 GXY_API int gxy_publish(gxy_sim* sim, int64_t step, double time);
 
+/* Offers the last step, on all ranks, instead of gxy_publish(). It copies all values of this rank, whether or not anybody wants them, and
+ * gxy_close() waits until the step is published, at most its seconds. It is offered whatever "every" and "between" say.
+ * After it, only gxy_close() may follow. */
+GXY_API int gxy_publish_last(gxy_sim* sim, int64_t step, double time);
+
 typedef struct gxy_stat {
-  int64_t offered;        /* calls of gxy_publish() */
+  int64_t offered;        /* calls of gxy_publish() and gxy_publish_last() */
   int64_t taken;          /* steps that were copied */
   int64_t published;      /* taken steps that the server has published */
   int64_t bytes;          /* copied */
@@ -125,8 +134,8 @@ GXY_API int gxy_statistics(gxy_sim* sim, gxy_stat* statistics);
 /* The text about the last result, or about why there is no connection. It is valid until the next call. Never NULL. */
 GXY_API const char* gxy_message(gxy_sim* sim);
 
-/* Ends the stream on this rank, and so for the whole simulation. Waits at most `seconds` for a step that was taken to reach the
- * server, half a second for the connections to end, and as long as the system takes where it is looking for the server's host.
+/* Ends the stream on this rank, and so for the whole simulation. Waits at most `seconds` for a step that was taken, and that of
+ * gxy_publish_last(), to be published, half a second for the connections to end, and as long as the system takes where it is looking for the server's host.
  * Frees `sim`, which may be NULL. */
 GXY_API void gxy_close(gxy_sim* sim, double seconds);
 

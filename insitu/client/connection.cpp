@@ -83,11 +83,26 @@ std::string Connection::problem() const {
   return problem_;
 }
 
-void Connection::close(double seconds) {
-  {
-    std::unique_lock lock(mutex_);
-    changed_.wait_for(lock, std::chrono::duration<double>(seconds), [this] { return sender_.idle(); });
-  }
+bool Connection::lost() const {
+  const std::lock_guard lock(mutex_);
+  return lostNow();
+}
+
+bool Connection::await(Clock::time_point until) {
+  if (sender_.isDue()) return true;
+  sender_.await();
+  interrupt_.wake();
+  std::unique_lock lock(mutex_);
+  changed_.wait_until(lock, until, [this] { return sender_.isDue() || lostNow(); });
+  return sender_.isDue();
+}
+
+void Connection::settle(Clock::time_point until) {
+  std::unique_lock lock(mutex_);
+  changed_.wait_until(lock, until, [this] { return sender_.idle(); });
+}
+
+void Connection::close() {
   interrupt_.close();
   thread_.join();
 }
@@ -157,6 +172,8 @@ void Connection::exchange() {
   WireSocket& root = *sockets_.at(0);
   if (!described_) described_ = tellDescription(root);
   if (const auto answer = sender_.answer()) root.send(message(MessageChannel::DataControl, written(*answer)));
+  if (planned_)
+    if (const auto waits = sender_.waits()) root.send(message(MessageChannel::DataControl, written(*waits)));
   if (const auto step = sender_.announcement()) root.send(message(MessageChannel::Step, written(*step)));
   for (const auto& [owner, socket] : sockets_) {
     sendPieces(owner, *socket);

@@ -45,20 +45,29 @@ class Connection {
   void describe(Description description);
   /// Counts a publish. True: the caller copies the step into the slot of route() and calls filled().
   bool publish() { return sender_.publish(); }
+  /// Waits until the next publish is due, there is no connection, or `until` has come. Returns whether it is due.
+  bool await(Interrupt::Clock::time_point until);
+  /// As publish(), of the last publish of all. False: none is due, and nothing is counted.
+  bool publishLast() { return sender_.publishLast(); }
   std::shared_ptr<const Route> route() const;
   void filled(int64_t step, double time);
 
   bool connected() const { return connected_; }
+  /// There is no connection, and the last attempt has failed.
+  bool lost() const;
   uint64_t published() const { return sender_.published(); }
+  /// Waits until what was taken is published or given up, or `until` has come.
+  void settle(Interrupt::Clock::time_point until);
   /// Why there is no connection; empty if there is one, or if none has failed so far.
   std::string problem() const;
-  /// Waits until what was taken is published or given up, at most `seconds`. Then ends the stream on this rank.
-  void close(double seconds);
+  /// Ends the stream on this rank.
+  void close();
 
  private:
   static std::thread started(Connection& connection);
   void run();
   void serve();
+  bool lostNow() const { return !connected_ && !problem_.empty(); }
   bool tellDescription(WireSocket& root);
   void follow(const Joined& joined, std::vector<Destination> destinations);
   void exchange();

@@ -113,6 +113,10 @@ int gxy_publish(gxy_sim* sim, int64_t step, double time) {
   return guarded(sim, [&](Simulation& s) { return s.publish(step, time); });
 }
 
+int gxy_publish_last(gxy_sim* sim, int64_t step, double time) {
+  return guarded(sim, [&](Simulation& s) { return s.publishLast(step, time); });
+}
+
 int gxy_statistics(gxy_sim* sim, gxy_stat* statistics) {
   return guarded(sim, [&](Simulation& s) {
     if (!statistics) throw Error("gxy_statistics: statistics is NULL, expected a gxy_stat");

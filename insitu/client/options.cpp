@@ -19,8 +19,8 @@ namespace {
 json parsed(const std::string& text, const std::string& where) {
   const json object = json::parse(text, nullptr, false);
   if (!object.is_object()) throw Error(where + ": expected a JSON object");
-  static const std::set<std::string> known{"to",        "token-file", "tenant",  "scope",
-                                           "partition", "every",      "between", "reconnect"};
+  static const std::set<std::string> known{"to",     "token-file", "tenant", "scope",   "partition",
+                                           "policy", "time-out",   "every",  "between", "reconnect"};
   for (const auto& [key, value] : object.items())
     if (known.count(key) == 0) {
       std::string all;
@@ -63,6 +63,21 @@ void readWhere(const std::string& to, Options& options) {
   options.port = uint16_t(port);
 }
 
+void readPolicy(const json& options, Options& into) {
+  const std::string policy = word(options, "policy", "skip");
+  const auto patience = options.find("time-out");
+  if (policy != "skip" && policy != "wait")
+    throw Error("option \"policy\": found \"" + policy + "\", expected \"skip\" or \"wait\"");
+  if ((policy == "wait") != (patience != options.end()))
+    throw Error(
+        "option \"time-out\": expected with policy \"wait\", and only there: seconds, or null for ever");
+  if (policy == "skip") return;
+  if (!patience->is_null() && (!patience->is_number() || !(patience->get<double>() >= 0)))
+    throw Error("option \"time-out\": expected seconds from 0 up, or null for ever");
+  into.patience = std::chrono::duration<double>(patience->is_null() ? std::numeric_limits<double>::infinity()
+                                                                    : patience->get<double>());
+}
+
 }  // namespace
 
 Options readOptions(const char* text) {
@@ -78,6 +93,7 @@ Options readOptions(const char* text) {
   if (options.scope != "private" && options.scope != "shared")
     throw Error("option \"scope\": found \"" + options.scope + "\", expected \"private\" or \"shared\"");
   options.partition = object.value("partition", json("even")).dump();
+  readPolicy(object, options);
   const json every = object.value("every", json(1)), between = object.value("between", json());
   if (!every.is_number_integer() || every.get<int64_t>() < 1)
     throw Error("option \"every\": expected an integer from 1 up");

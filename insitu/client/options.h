@@ -17,7 +17,9 @@ struct Options {
   std::string tenant = "user";
   std::string scope = "private";
   std::string partition = "even";  ///< JSON, as it is sent to the server
-  int64_t every = 1;               ///< only the first of so many publishes is offered
+  /// How long a publish waits until it is taken: not at all (policy "skip"), or so many seconds (policy "wait"); infinity: for ever.
+  std::chrono::duration<double> patience{0};
+  int64_t every = 1;  ///< only the first of so many publishes is offered
   /// Only steps with these times are offered, in the simulation's unit.
   double firstTime = -std::numeric_limits<double>::infinity(),
          lastTime = std::numeric_limits<double>::infinity();

@@ -52,12 +52,21 @@ Extent withRim(const Extent& cells, const Index3& all) {
   return owned;
 }
 
+// A point of time `seconds` later, which may be infinitely many.
+Interrupt::Clock::time_point later(Interrupt::Clock::time_point begin,
+                                   std::chrono::duration<double> seconds) {
+  constexpr std::chrono::hours kForEver(24 * 365 * 100);
+  return begin +
+         (seconds < kForEver ? std::chrono::duration_cast<Interrupt::Clock::duration>(seconds) : kForEver);
+}
+
 }  // namespace
 
 Simulation::Simulation(Options options, Member member)
     : every_(options.every),
       firstTime_(options.firstTime),
       lastTime_(options.lastTime),
+      patience_(options.patience),
       connection_(options.on ? std::make_unique<Connection>(std::move(options), std::move(member))
                              : nullptr) {}
 
@@ -150,29 +159,86 @@ bool Simulation::passes(double time) const {
   return (statistics_.offered - 1) % every_ == 0 && !(time < firstTime_) && !(time > lastTime_);
 }
 
-int Simulation::publish(int64_t step, double time) {
-  const auto begin = std::chrono::steady_clock::now();
-  if (!connection_) return GXY_OFF;
+// What every publish begins with. Throws Error where it is used wrongly.
+void Simulation::begin(int64_t step, const char* function) {
+  if (last_) throw Error(std::string(function) + " after gxy_publish_last, expected nothing but gxy_close");
   if (!described_)
     describe();
   else if (step <= lastStep_)
-    throw Error("gxy_publish: step " + std::to_string(step) + " after step " + std::to_string(lastStep_) +
-                ", expected steps that ascend");
+    throw Error(std::string(function) + ": step " + std::to_string(step) + " after step " +
+                std::to_string(lastStep_) + ", expected steps that ascend");
   lastStep_ = step;
   statistics_.offered++;
-  int result = connection_->connected() ? GXY_NOT_TAKEN : GXY_LOST;
-  if (passes(time) && connection_->publish()) {
-    const auto route = connection_->route();
-    if (route) copy(*route);  // A server appoints nothing before there is a plan.
-    connection_->filled(step, time);
-    statistics_.taken++;
-    statistics_.bytes += route ? int64_t(route->bytes) : 0;
-    result = GXY_TAKEN;
+}
+
+int Simulation::missed() const { return connection_->connected() ? GXY_NOT_TAKEN : GXY_LOST; }
+
+int Simulation::publish(int64_t step, double time) {
+  const auto begun = Clock::now();
+  if (!connection_) return GXY_OFF;
+  begin(step, "gxy_publish");
+  int result = missed();
+  if (passes(time)) {
+    if (patience_.count() > 0) connection_->await(later(begun, patience_));
+    if (connection_->publish()) {
+      take({step, time});
+      result = GXY_TAKEN;
+    } else {
+      result = missed();
+    }
   }
-  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  const double seconds = std::chrono::duration<double>(Clock::now() - begun).count();
   statistics_.publish_seconds += seconds;
   statistics_.longest_seconds = std::max(statistics_.longest_seconds, seconds);
   return result;
+}
+
+int Simulation::publishLast(int64_t step, double time) {
+  if (!connection_) return GXY_OFF;
+  begin(step, "gxy_publish_last");
+  if (connection_->lost()) return GXY_LOST;
+  keepFields();
+  last_ = {step, time};
+  return GXY_TAKEN;
+}
+
+void Simulation::take(const Step& step) {
+  const auto route = connection_->route();
+  if (route) copy(*route);  // A server appoints nothing before there is a plan.
+  connection_->filled(step.step, step.time);
+  statistics_.taken++;
+  statistics_.bytes += route ? int64_t(route->bytes) : 0;
+}
+
+// Copies the arrays of the simulation, which may be gone when they are sent.
+void Simulation::keepFields() {
+  for (auto& [number, block] : blocks_) {
+    if (block.values.count() == 0) continue;
+    for (auto& [name, array] : block.fields) {
+      const Index3& n = block.values.points;
+      const auto bytes = int64_t(bytesOf(ScalarType(array.type))) * array.components;
+      kept_.emplace_back(size_t(bytes * block.values.count()));
+      copyPoints(array, block.values, block.values, kept_.back().data());
+      array = {kept_.back().data(),
+               array.type,
+               array.components,
+               {bytes, bytes * n[0], bytes * n[0] * n[1]},
+               0,
+               0};
+    }
+  }
+}
+
+// Whether the last step is published.
+bool Simulation::deliverLast(Clock::time_point until) {
+  const uint64_t before = connection_->published();
+  while (connection_->await(until)) {
+    if (!connection_->publishLast()) continue;  // The server has changed its mind meanwhile.
+    take(*last_);
+    connection_->settle(until);
+    if (connection_->published() > before) return true;
+  }
+  return false;
 }
 
 void Simulation::copy(const Route& route) {
@@ -194,7 +260,11 @@ gxy_stat Simulation::statistics() const {
 }
 
 void Simulation::close(double seconds) {
-  if (connection_) connection_->close(seconds);
+  if (!connection_) return;
+  const auto until = later(Clock::now(), std::chrono::duration<double>(seconds));
+  if (last_) deliverLast(until);
+  connection_->settle(until);
+  connection_->close();
 }
 
 }  // namespace gxy::insitu

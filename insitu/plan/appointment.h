@@ -21,6 +21,18 @@ class Appointment {
     return appointed == count && appointed_.compare_exchange_strong(appointed, 0);
   }
 
+  /// Whether the next publish, or one after it, is appointed.
+  bool isDue() const { return appointed_.load() > count_.load(); }
+
+  /// Takes what is appointed, if anything is, for the last publish of all: no other can come to the appointment. True: the caller
+  /// takes it, and its count is the appointed one. False: nothing is counted.
+  bool publishLast() {
+    uint64_t appointed = appointed_.load();
+    if (appointed <= count_.load() || !appointed_.compare_exchange_strong(appointed, 0)) return false;
+    count_.store(appointed);
+    return true;
+  }
+
   /// Appoints a count. False: it has been published already, so that it is missed.
   bool appoint(uint64_t count) {
     appointed_.store(count);

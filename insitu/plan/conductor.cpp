@@ -35,7 +35,9 @@ std::vector<Control> Conductor::begin() {
 }
 
 std::vector<Control> Conductor::appoint() {
-  last_ = std::max(newest_ + 1 + counters_.margin, last_ + 1);
+  // A rank that waits for the next publish comes to it in any case.
+  const uint64_t margin = awaited_ > newest_ ? 0 : counters_.margin;
+  last_ = std::max(newest_ + 1 + margin, last_ + 1);
   state_ = State::Collecting;
   step_ = {last_, 0, 0};
   taken_.assign(taken_.size(), false);
@@ -68,6 +70,9 @@ std::vector<Control> Conductor::receive(int rank, const Control& message) {
       const Control cancel{Control::Kind::Cancel, step_.count, 0};
       return {cancel, ask()};
     }
+    case Control::Kind::Waits:
+      awaited_ = std::max(awaited_, std::min(message.count, kMostMargin));
+      return {};
     default:
       throw Error("control message that only servers send, expected one of a simulation");
   }
@@ -116,6 +121,7 @@ std::string Conductor::missing() const {
 std::vector<Control> Conductor::published() {
   state_ = State::Idle;
   counters_.published++;
+  published_ = step_.count;
   if (++successes_ == kSuccesses) {
     counters_.margin /= 2;
     successes_ = 0;

@@ -32,6 +32,8 @@ class Conductor {
 
   /// Whether all ranks have taken the step, and all of its samples are there.
   bool isComplete() const;
+  /// Whether a rank of the simulation waits for a publish that has not been published.
+  bool isAwaited() const { return awaited_ > published_; }
   /// Whether a rank has taken the step that is appointed now.
   bool someTaken() const;
   /// What of the step has not come, as text.
@@ -72,6 +74,8 @@ class Conductor {
   std::set<int> completed_;  ///< ranks of Galaxy
   StepHeader step_;
   uint64_t last_ = 0;
+  uint64_t awaited_ = 0,
+           published_ = 0;  ///< counts: the largest that a rank waits for, and of the last published
   int successes_ = 0;
   Counters counters_;
 };

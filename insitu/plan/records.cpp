@@ -98,8 +98,7 @@ Bytes written(const Control& control) {
 Control readControl(std::span<const std::byte> message) {
   Reader r(message, "control message");
   const auto kind = r.read<uint8_t>();
-  if (kind > uint8_t(Control::Kind::Published))
-    r.fail("kind " + std::to_string(int(kind)) + ", expected 0 to 5");
+  if (kind > uint8_t(Control::Kind::Waits)) r.fail("kind " + std::to_string(int(kind)) + ", expected 0 to 6");
   Control control{Control::Kind(kind), r.read<uint64_t>(), 0};
   control.newest = r.read<uint64_t>();
   r.expectEnd();

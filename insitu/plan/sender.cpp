@@ -13,6 +13,7 @@ void Sender::begin(std::vector<Load> loads) {
   const std::lock_guard lock(mutex_);
   settle();
   question_.reset();
+  told_ = 0;
   cursors_.clear();
   uint64_t begin = 0;
   for (Load& load : loads) {
@@ -28,6 +29,18 @@ void Sender::settle() {
   announcement_.reset();
   const bool isBeingFilled = slot_ == Slot::Appointed && !appointment_.cancel(appointed_);
   slot_ = isBeingFilled ? Slot::Void : Slot::Free;
+}
+
+void Sender::await() {
+  const std::lock_guard lock(mutex_);
+  awaited_ = appointment_.count() + 1;
+}
+
+std::optional<Control> Sender::waits() {
+  const std::lock_guard lock(mutex_);
+  if (awaited_ <= appointment_.count() || awaited_ == told_) return std::nullopt;
+  told_ = awaited_;
+  return Control{Control::Kind::Waits, awaited_, 0};
 }
 
 void Sender::filled(int64_t step, double time) {
@@ -61,6 +74,7 @@ std::optional<Control> Sender::receive(const Control& message) {
       return std::nullopt;
     case Control::Kind::Newest:
     case Control::Kind::Missed:
+    case Control::Kind::Waits:
       break;
   }
   throw Error("control message that only simulations send, expected one of a server");

@@ -38,6 +38,12 @@ class Sender {
 
   /// Counts a publish. True: the caller copies the step into the slot, and calls filled(). No lock is taken, and nothing waits.
   bool publish() { return appointment_.publish(); }
+  /// Whether the next publish, or one after it, is appointed.
+  bool isDue() const { return appointment_.isDue(); }
+  /// The simulation waits until the next publish is due. The server is told (waits).
+  void await();
+  /// The last publish of all takes whatever is due. True as for publish(). False: nothing is due, and nothing is counted.
+  bool publishLast() { return appointment_.publishLast(); }
   /// The copy is in the slot.
   void filled(int64_t step, double time);
 
@@ -47,6 +53,8 @@ class Sender {
   /// until filled(), so it says nothing before that would lead to an appointment.
   std::optional<Control> answer();
 
+  /// Returns, once for each publish that is waited for, that the server is to appoint it. Only after begin().
+  std::optional<Control> waits();
   /// Returns what the server's rank 0 is told about the step in the slot, once it is there.
   std::optional<StepHeader> announcement();
   /// Returns the next chunk for a rank of Galaxy, if there is one.
@@ -80,6 +88,7 @@ class Sender {
   uint64_t appointed_ = 0;            ///< the count that the slot is for, unless it is free
   std::optional<uint64_t> question_;  ///< that waits for an answer
   std::optional<StepHeader> announcement_;
+  uint64_t awaited_ = 0, told_ = 0;  ///< the publish that is waited for, and of which the server knows so
   std::vector<Cursor> cursors_;
 };
 

@@ -88,7 +88,7 @@ void StreamLead::take(int rank, const protocol::WireMessage& message) {
     conductor_->receive(rank, step);
   else
     tell(conductor_->receive(rank, control));
-  if (conductor_->isComplete()) changed_.notify_all();
+  if (conductor_->isComplete() || conductor_->isAwaited()) changed_.notify_all();
 }
 
 void StreamLead::describe(int rank, Description description) {
@@ -186,7 +186,7 @@ void StreamLead::plan() {
   for (size_t r = 0; r < all.size(); r++) part_->send(int(r), {MessageChannel::Plan, 0, written(all[r])});
 }
 
-// A step is taken when somebody waits for one, and else now and then, so that whoever comes sees something.
+// A step is taken when somebody waits for one, a client or the simulation itself, and else now and then, so that whoever comes sees something.
 void StreamLead::publishSteps() {
   for (;;) {
     const auto begin = Clock::now();
@@ -201,6 +201,7 @@ void StreamLead::awaitNext(Clock::time_point begin) {
   const bool failed = !problem_.empty();
   const auto until = begin + (failed ? kAfterFailure : kUnasked);
   while (!end_ && Clock::now() < until) {
+    if (!failed && conductor_->isAwaited()) break;
     lock.unlock();
     const bool isWanted = !failed && wanted();
     lock.lock();

@@ -30,6 +30,20 @@ TEST(Appointment, OfAPublishThatHasBeenIsMissed) {
   EXPECT_FALSE(a.publish()) << "a missed appointment is not taken later";
 }
 
+TEST(Appointment, OfAnyLaterPublishIsTakenByTheLast) {
+  Appointment a;
+  a.publish();
+  EXPECT_FALSE(a.publishLast()) << "nothing is appointed";
+  EXPECT_EQ(a.count(), 1u) << "so it is not counted";
+  EXPECT_FALSE(a.isDue());
+  EXPECT_TRUE(a.appoint(7));
+  EXPECT_TRUE(a.isDue());
+  EXPECT_TRUE(a.publishLast());
+  EXPECT_EQ(a.count(), 7u);
+  EXPECT_FALSE(a.publishLast()) << "taken once";
+  EXPECT_FALSE(a.appoint(7)) << "as it has been";
+}
+
 TEST(Appointment, CanBeTakenBackUntilItIsTaken) {
   Appointment a;
   EXPECT_TRUE(a.appoint(1));

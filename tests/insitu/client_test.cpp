@@ -72,6 +72,10 @@ TEST(Interface, WrongOptionsAreTold) {
   expect(R"({"reconnect": -1})", "expected seconds");
   expect(R"({"every": 0})", "expected an integer from 1 up");
   expect(R"({"between": [1]})", "expected two times");
+  expect(R"({"policy": "all"})", "expected \"skip\" or \"wait\"");
+  expect(R"({"policy": "wait"})", "option \"time-out\": expected with policy \"wait\"");
+  expect(R"({"time-out": 1})", "option \"time-out\": expected with policy \"wait\"");
+  expect(R"({"policy": "wait", "time-out": -1})", "expected seconds from 0 up, or null");
 }
 
 TEST(Interface, WrongRanksAndNamesAreTold) {
@@ -139,6 +143,24 @@ TEST(Interface, ASimulationWithoutAServerRunsOn) {
   EXPECT_EQ(gxy_statistics(s.sim, &statistics), GXY_TAKEN);
   EXPECT_EQ(statistics.offered, 1000);
   EXPECT_EQ(statistics.taken, 0);
+}
+
+TEST(Interface, NothingIsWaitedForWithoutAServer) {
+  Sim s(R"({"to": "127.0.0.1:1", "token-file": "-", "policy": "wait", "time-out": null})");
+  s.grid();
+  s.field("t", s.array());
+  EXPECT_EQ(gxy_publish(s.sim, 1, 0), GXY_LOST);
+  EXPECT_EQ(gxy_publish(s.sim, 2, 0), GXY_LOST);
+  EXPECT_EQ(gxy_publish_last(s.sim, 3, 0), GXY_LOST);
+}
+
+TEST(Interface, NothingFollowsTheLastStep) {
+  Sim s(kNowhere);
+  s.grid();
+  s.field("t", s.array());
+  if (gxy_publish_last(s.sim, 1, 0) == GXY_LOST) return;  // It was found out already that there is no server.
+  s.expectWrong(gxy_publish(s.sim, 2, 0), "gxy_publish after gxy_publish_last");
+  s.expectWrong(gxy_publish_last(s.sim, 2, 0), "gxy_publish_last after gxy_publish_last");
 }
 
 }  // namespace

@@ -71,6 +71,37 @@ TEST(Conductor, AppointsLessFarAheadIfNobodyComesToIt) {
   EXPECT_EQ(conductor.counters().margin, 500u);
 }
 
+TEST(Conductor, AppointsTheNextPublishForRanksThatWait) {
+  Conductor conductor(1, {});
+  EXPECT_EQ(appointed(conductor, {5}), 6u);
+  const Messages asked = conductor.receive(0, {Kind::Missed, 6, 8});  // so there is a margin now
+  EXPECT_FALSE(conductor.isAwaited());
+  EXPECT_EQ(conductor.receive(0, {Kind::Waits, 9, 0}), Messages{});
+  EXPECT_TRUE(conductor.isAwaited());
+  EXPECT_EQ(conductor.receive(0, {Kind::Newest, asked[1].count, 8}), (Messages{{Kind::Appoint, 9, 0}}));
+  conductor.receive(0, StepHeader{9, 9, 0});
+  ASSERT_TRUE(conductor.isComplete());
+  conductor.published();
+  EXPECT_FALSE(conductor.isAwaited());
+  conductor.receive(0, {Kind::Waits, 9, 0});
+  EXPECT_FALSE(conductor.isAwaited()) << "it was said before the appointment came";
+  EXPECT_EQ(appointed(conductor, {20}), 24u) << "the margin is for ranks that do not wait";
+}
+
+TEST(Sender, TellsEachServerOnceWhatItWaitsFor) {
+  Sender sender;
+  sender.begin({});
+  EXPECT_EQ(sender.waits(), std::nullopt);
+  sender.await();
+  EXPECT_EQ(sender.waits(), (Control{Kind::Waits, 1, 0}));
+  EXPECT_EQ(sender.waits(), std::nullopt);
+  sender.begin({});  // with another server
+  EXPECT_EQ(sender.waits(), (Control{Kind::Waits, 1, 0}));
+  sender.publish();  // The time was out.
+  sender.begin({});
+  EXPECT_EQ(sender.waits(), std::nullopt);
+}
+
 TEST(Sender, SaysNothingWhileItHasNoRoom) {
   Sender sender;
   sender.begin({{0, {4}, {4}}});

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // A simulation of several ranks on one thread, whose values are a function of point, step and field.
 #pragma once
+#include <atomic>
 #include <cmath>
 #include <cstring>
 #include <memory>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "core/data/scalar.h"
@@ -127,11 +129,25 @@ class MiniSimulation {
 
   /// Computes the next step, and publishes it on all ranks. Returns how many have taken it.
   int publish() {
-    step_++;
-    for (auto& [field, array] : arrays_) array->fill(grid_, step_, field);
+    fill(++step_);
     int taken = 0;
     for (const auto& s : sims_) taken += gxy_publish(s.get(), step_, 0.5 * double(step_)) == GXY_TAKEN;
     return taken;
+  }
+  /// The same, with a thread for each rank, since they wait for each other.
+  int publishTogether() {
+    fill(++step_);
+    std::atomic<int> taken = 0;
+    onThreads([&](gxy_sim* s) { taken += gxy_publish(s, step_, 0.5 * double(step_)) == GXY_TAKEN; });
+    return taken;
+  }
+  /// Publishes the next step as the last, and forgets its values. Then closes the simulation.
+  void publishLastAndClose(double seconds) {
+    fill(++step_);
+    for (const auto& s : sims_) results_ |= gxy_publish_last(s.get(), step_, 0.5 * double(step_));
+    fill(step_ + 1000);
+    onThreads([&](gxy_sim* s) { gxy_close(s, seconds); });
+    for (auto& s : sims_) static_cast<void>(s.release());
   }
   int64_t published() {
     gxy_stat statistics{};
@@ -141,6 +157,15 @@ class MiniSimulation {
   void closeRank(int r) { sims_[size_t(r)].reset(); }
 
  private:
+  void fill(int64_t step) {
+    for (auto& [field, array] : arrays_) array->fill(grid_, step, field);
+  }
+  template <class Action>
+  void onThreads(Action action) {
+    std::vector<std::thread> threads;
+    for (const auto& s : sims_) threads.emplace_back(action, s.get());
+    for (std::thread& t : threads) t.join();
+  }
   void tell(const insitu::Block& b, const Index3& count) {
     results_ |= gxy_grid(rank(b.rank), "grid", b.index, of_, grid_.points.data(), b.extent.first.data(),
                          count.data(), &grid_.origin[0], &grid_.spacing[0]);

@@ -26,11 +26,15 @@ constexpr uint64_t kItem = 3 * Sender::kChunkBytes / 2;  // two chunks
 /// A simulation of `ranks` ranks and a server of `owners` ranks, without data: a slot holds the count that it was filled for.
 class Schedule {
  public:
-  explicit Schedule(uint64_t seed) : random_(seed) {
+  /// Ranks never wait; or each waits until its publish is due; or waits with its last publish only, and stops then.
+  enum class Ranks { Skip, Wait, End };
+  explicit Schedule(uint64_t seed, Ranks policy = Ranks::Skip) : random_(seed), policy_(policy) {
     ranks_ = 1 + int(random_.below(4));
     owners_ = 1 + int(random_.below(3));
     stride_ = 1 + int64_t(random_.below(1000000));
     latency_ = uint64_t(1) << random_.below(8);
+    if (policy_ == Ranks::End) end_ = 1 + random_.below(30);
+    calm_ = random_.oneIn(2);
     copy_ = latency_ <= 8 ? 1 + random_.below(100) : 1;  // up to a hundred times as long as a message
     for (int r = 0; r < ranks_; r++) simulation_.push_back(std::make_unique<Simulation>());
     connect();
@@ -41,6 +45,16 @@ class Schedule {
     for (int i = 0; i < 5000000 && published_.size() < steps; i++) step();
     return published_.size() >= steps;
   }
+
+  /// Runs until the last step of all ranks is published.
+  bool runToTheEnd() {
+    for (int i = 0; i < 5000000; i++) {
+      step();
+      if (!published_.empty() && published_.back().step == int64_t(end_) * stride_) return true;
+    }
+    return false;
+  }
+  bool isCalm() const { return calm_; }  ///< no step is given up, and nobody loses patience
 
   const std::vector<StepHeader>& published() const { return published_; }
   const Conductor::Counters& counters() const { return conductor_->counters(); }
@@ -54,6 +68,8 @@ class Schedule {
     Sender sender;
     uint64_t slot = 0;              // the count whose values are in the slot
     std::optional<uint64_t> takes;  // the count that is being copied
+    uint64_t calls = 0;             // of publish: the step
+    bool waits = false;
     std::deque<Control> down, up;
     std::map<int, std::deque<std::pair<Sender::Chunk, uint64_t>>> data;  // with what the slot held, by owner
   };
@@ -110,18 +126,38 @@ class Schedule {
 
   void publish(Simulation& s) {
     if (s.takes) return;  // The simulation is in gxy_publish() still.
+    if (policy_ == Ranks::End && s.calls + 1 >= end_) return publishLast(s);
+    if (policy_ == Ranks::Wait && !isOver(s)) return;
+    s.calls++;
     if (s.sender.publish()) s.takes = s.sender.count();
+  }
+  // Whether a rank need not wait any more.
+  bool isOver(Simulation& s) {
+    if (!std::exchange(s.waits, true)) s.sender.await();
+    if (!s.sender.isDue() && (calm_ || !random_.oneIn(1000 * latency_))) return false;
+    s.waits = false;
+    return true;
+  }
+  // As gxy_close() does it.
+  void publishLast(Simulation& s) {
+    if (!s.sender.idle()) return;
+    s.sender.await();
+    s.calls = end_ - 1;
+    if (!s.sender.publishLast()) return;
+    s.takes = s.sender.count();
+    s.calls = end_;
   }
   void fill(Simulation& s) {
     if (!s.takes || late() || !random_.oneIn(copy_)) return;
     s.slot = *s.takes;
-    s.sender.filled(int64_t(*s.takes) * stride_, double(*s.takes));
+    s.sender.filled(int64_t(s.calls) * stride_, double(s.calls));
     s.takes.reset();
   }
   // The thread of a rank that sends.
   void answer(Simulation& s) {
     if (const auto told = s.sender.announcement()) announced_.push_back({&s, *told});
     if (const auto due = s.sender.answer()) s.up.push_back(*due);
+    if (const auto waits = s.sender.waits()) s.up.push_back(*waits);
     if (s.down.empty() || late()) return;
     const Control message = s.down.front();
     s.down.pop_front();
@@ -167,12 +203,16 @@ class Schedule {
   }
   void conduct() {
     if (!open_) {
-      if (!random_.oneIn(4)) return;
+      if (policy_ == Ranks::Wait ? !conductor_->isAwaited() : !random_.oneIn(4)) return;
+      // Nobody looks at a simulation that has come to its end.
+      const bool ends = policy_ == Ranks::End && simulation_[0]->calls + 1 >= end_;
+      if (ends && !conductor_->isAwaited()) return;
       for (Owner& o : server_) o.receiver->open();
       open_ = true;
       return tell(conductor_->begin());
     }
-    if (random_.oneIn(600 * latency_ * copy_)) {  // too late
+    if (!(calm_ && policy_ != Ranks::Skip) &&
+        random_.oneIn((policy_ == Ranks::End ? 60 : 600) * latency_ * copy_)) {  // too late
       tell(conductor_->abandon());
       return close();
     }
@@ -207,6 +247,9 @@ class Schedule {
   }
 
   Random random_;
+  Ranks policy_;
+  uint64_t end_ = 0;  ///< the last publish
+  bool calm_ = false;
   int ranks_ = 1, owners_ = 1;
   int64_t stride_ = 1;
   uint64_t latency_ = 1, copy_ = 1;  ///< how long messages and copies take
@@ -245,6 +288,39 @@ TEST(Schedules, PublishWholeStepsOnlyAndAlwaysOneAtLast) {
   }
   EXPECT_GT(missed, 100u) << "appointments that come too late are tried as well";
   EXPECT_GT(abandoned, 100u) << "and steps that are given up";
+}
+
+TEST(Schedules, EachStepIsPublishedWhereRanksWait) {
+  uint64_t calm = 0, left = 0;
+  for (uint64_t seed = 1; seed <= seeds(300); seed++) {
+    Schedule schedule(seed, Schedule::Ranks::Wait);
+    ASSERT_TRUE(schedule.run(8)) << "seed " << seed << ": " << schedule.description();
+    const auto& steps = schedule.published();
+    for (size_t i = 0; i < steps.size(); i++) {
+      EXPECT_EQ(steps[i].time, double(steps[i].count));
+      if (schedule.isCalm()) {
+        EXPECT_EQ(steps[i].count, i + 1);
+      }
+      if (i > 0) left += steps[i].count - steps[i - 1].count - 1;
+    }
+    calm += schedule.isCalm();
+    if (testing::Test::HasFailure()) FAIL() << "seed " << seed << ": " << schedule.description();
+  }
+  EXPECT_GT(calm, 100u);
+  EXPECT_GT(left, 100u) << "steps are left out where ranks lose patience, or steps are given up";
+}
+
+TEST(Schedules, TheLastStepIsPublishedWhateverWasBefore) {
+  uint64_t abandoned = 0;
+  for (uint64_t seed = 1; seed <= seeds(300); seed++) {
+    Schedule schedule(seed, Schedule::Ranks::End);
+    ASSERT_TRUE(schedule.runToTheEnd()) << "seed " << seed << ": " << schedule.description();
+    const auto& steps = schedule.published();
+    for (size_t i = 1; i < steps.size(); i++) EXPECT_GT(steps[i].step, steps[i - 1].step);
+    abandoned += schedule.counters().abandoned;
+    if (testing::Test::HasFailure()) FAIL() << "seed " << seed << ": " << schedule.description();
+  }
+  EXPECT_GT(abandoned, 20u) << "also where steps are given up";
 }
 
 }  // namespace

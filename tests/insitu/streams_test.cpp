@@ -236,6 +236,76 @@ TEST(Streams, OnlyStepsThatTheOptionsLetThroughAreOffered) {
   }
 }
 
+std::string waiting(const TestServer& server, const json& timeOut) {
+  json options = json::parse(to(server));
+  options.update({{"policy", "wait"}, {"time-out", timeOut}});
+  return options.dump();
+}
+
+TEST(Streams, EveryStepIsPublishedWhereTheSimulationWaits) {
+  for (const int ranks : {1, 3}) {
+    const auto server = serve();
+    Events events("heat.t");
+    const auto client = events.client(*server);
+    client->expect("load data");
+    client->expect("load insitu");
+    client->expect("observe");
+    const Grid grid = gridOf({8, 8, 8});
+    MiniSimulation simulation("heat", grid, slabs(grid, ranks), ranks, {{"t"}}, Layout::Together,
+                              waiting(*server, nullptr));
+    for (int step = 1; step <= 20; step++) EXPECT_EQ(simulation.publishTogether(), ranks) << step;
+    until([&] { return simulation.published() == 20; }, "the last step");
+    const json stream = client->expect("insitu.streams").at("streams").at(0);
+    EXPECT_EQ(stream.at("published"), 20);
+    EXPECT_EQ(stream.at("missed"), 0);
+    EXPECT_EQ(client->expect("info heat.t").at("datasets").at(0).at("generation"), 20);
+  }
+}
+
+TEST(Streams, AStepThatOneRankDoesNotWaitForIsLeftOutAndTheNextIsNot) {
+  const auto server = serve();
+  const auto client = server->client();
+  client->expect("load insitu");
+  const Grid grid = gridOf({8, 8, 8});
+  MiniSimulation simulation("heat", grid, slabs(grid, 2), 2, {{"t"}}, Layout::Together,
+                            waiting(*server, 0.1));
+  until([&] { return simulation.publishTogether() == 2; }, "both ranks");
+  // Rank 0 goes on alone: it takes one step at most, of which nobody sees anything, and waits in vain for the others.
+  int taken = 0;
+  for (int64_t step = 1001; step <= 1003; step++)
+    taken += gxy_publish(simulation.rank(0), step, 0) == GXY_TAKEN;
+  EXPECT_LE(taken, 1);
+  for (int64_t step = 1001; step <= 1003; step++) gxy_publish(simulation.rank(1), step, 0);
+  const int64_t before = simulation.published();
+  until(
+      [&] {
+        for (const int r : {0, 1}) gxy_publish(simulation.rank(r), 2000 + simulation.step(), 0);
+        simulation.publish();
+        return simulation.published() > before;
+      },
+      "a step after the gap");
+}
+
+TEST(Streams, TheLastStepIsPublishedAlthoughNobodyLooks) {
+  for (const int of : {GXY_OF_POINTS, GXY_OF_CELLS}) {
+    const auto server = serve();
+    const auto client = server->client();
+    client->expect("load data");
+    client->expect("load insitu");
+    Grid grid = gridOf({12, 9, 10});
+    grid.spacing = {0.125, 0.25, 0.5};
+    const std::vector<MiniField> fields{{"t", ScalarType::Float64, 1}, {"v", ScalarType::Float32, 3}};
+    MiniSimulation simulation("heat", grid, slabs(grid, 3), 3, fields, Layout::Ghosts, to(*server), of);
+    run(simulation, [&] { return simulation.published() >= 1; });
+    for (int i = 0; i < 10; i++) simulation.publish();
+    simulation.publishLastAndClose(20);
+    EXPECT_EQ(simulation.results(), 0);
+    until([&] { return client->expect("insitu.streams").at("streams").empty(); }, "the end of the stream");
+    EXPECT_EQ(datasetOn(*server, 0, "heat.t")->origins.at(0).step, simulation.step());
+    expectEqualsImport(*server, *client, grid, of, fields);
+  }
+}
+
 TEST(Streams, EventsAndInfoSayOfWhichStepDataAre) {
   const auto server = serve();
   Events events("heat.t");
