@@ -1,0 +1,302 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A simulation in Python publishes its steps to a Galaxy server while it runs.
+
+    from mpi4py import MPI
+    from gxy.insitu import Simulation
+
+    with Simulation("heat", MPI.COMM_WORLD) as sim:
+        sim.grid(size=(nx, ny, nz), first=(0, 0, z), count=(nx, ny, layers))
+        sim.field("temperature", temperature)  # a NumPy array, temperature[k][j][i]
+        for step in range(1, steps + 1):
+            advance(temperature)
+            sim.publish(step, step * dt)
+
+Nothing is published unless the environment variable GALAXY_INSITU, or the option `to`, says where to. docs/insitu.md is the
+guide. This module uses libgalaxy_insitu through ctypes, and needs NumPy. It needs mpi4py only if the simulation has it.
+"""
+import ctypes
+import enum
+import json
+import os
+import sys
+import sysconfig
+import typing
+import weakref
+
+import numpy as np
+
+__all__ = ["Result", "Simulation", "Statistics"]
+
+_SONAME = "libgalaxy_insitu.so.1"
+_WRONG = -1
+_OF = {"points": 0, "cells": 1}
+_MOST_COMPONENTS = 16
+_Indices, _Coordinates = ctypes.c_int64 * 3, ctypes.c_double * 3
+
+
+class Result(enum.IntEnum):
+    """What became of a step."""
+
+    TAKEN = 0  # its values were copied
+    NOT_TAKEN = 1  # nobody needs it
+    OFF = 2  # publishing is off
+    LOST = 3  # there is no connection to the server; the library tries again if it may
+
+
+class Statistics(typing.NamedTuple):
+    """Counts of one stream on this rank."""
+
+    offered: int  # calls of publish()
+    taken: int  # steps that were copied
+    published: int  # taken steps that the server has published
+    bytes: int  # copied
+    publish_seconds: float  # in publish(), all calls together
+    longest_seconds: float  # the longest call
+
+
+class _Array(ctypes.Structure):
+    _fields_ = [("data", ctypes.c_void_p), ("type", ctypes.c_int), ("components", ctypes.c_int),
+                ("stride", ctypes.c_int64 * 3), ("component_stride", ctypes.c_int64), ("memory", ctypes.c_int)]
+
+
+class _Stat(ctypes.Structure):
+    _fields_ = [("offered", ctypes.c_int64), ("taken", ctypes.c_int64), ("published", ctypes.c_int64),
+                ("bytes", ctypes.c_int64), ("publish_seconds", ctypes.c_double), ("longest_seconds", ctypes.c_double)]
+
+
+def _candidates():
+    """Where the library is looked for: where the loader looks, then below the prefix that this package, or Python, is in."""
+    yield _SONAME
+    here = os.path.realpath(__file__)
+    for _ in range(5):  # PREFIX/lib/python3/dist-packages/gxy/insitu.py
+        here = os.path.dirname(here)
+    for prefix in dict.fromkeys((here, sys.prefix)):
+        for folder in ("lib", "lib64", os.path.join("lib", sysconfig.get_config_var("MULTIARCH") or "")):
+            yield os.path.normpath(os.path.join(prefix, folder, _SONAME))
+
+
+def _load():
+    failures = []
+    for candidate in dict.fromkeys(_candidates()):
+        try:
+            library = ctypes.CDLL(candidate)
+            break
+        except OSError as e:
+            failures.append(f"\n  {candidate}: {e}")
+    else:
+        raise OSError("Galaxy's library for simulations was not found. Expected it where the loader looks "
+                      "(LD_LIBRARY_PATH), or in an installed Galaxy beside this package:" + "".join(failures))
+    text, sim = ctypes.c_char_p, ctypes.c_void_p
+    for name, result, arguments in (
+            ("gxy_open", sim, [text, ctypes.c_int, ctypes.c_int, text]),
+            ("gxy_grid", ctypes.c_int, [sim, text, ctypes.c_int, ctypes.c_int, _Indices, _Indices, _Indices, _Coordinates,
+                                        _Coordinates]),
+            ("gxy_field", ctypes.c_int, [sim, text, ctypes.c_int, text, ctypes.c_int, _Array]),
+            ("gxy_publish", ctypes.c_int, [sim, ctypes.c_int64, ctypes.c_double]),
+            ("gxy_statistics", ctypes.c_int, [sim, ctypes.POINTER(_Stat)]),
+            ("gxy_message", text, [sim]),
+            ("gxy_close", None, [sim, ctypes.c_double])):
+        function = getattr(library, name)
+        function.restype, function.argtypes = result, arguments
+    return library
+
+
+_library = None
+
+
+def _loaded():
+    global _library
+    if _library is None:
+        _library = _load()
+    return _library
+
+
+def _three(values, what, array):
+    """Three numbers, by axis x, y and z, as C has them."""
+    convert, kind = (_index, "integers") if array is _Indices else (float, "numbers")
+    try:
+        numbers = [convert(value) for value in values]
+    except (TypeError, ValueError):
+        numbers = []
+    if len(numbers) != 3:
+        raise ValueError(f"{what}: found {values!r}, expected three {kind}, for x, y and z")
+    return array(*numbers)
+
+
+def _index(value, what="index"):
+    """An integer of any kind, NumPy's included, that C can hold."""
+    number = value.__index__() if hasattr(value, "__index__") else None
+    if number is None or not -2**63 <= number < 2**63:
+        raise ValueError(f"{what}: found {value!r}, expected an integer of 64 bits")
+    return number
+
+
+def _seconds(value, what):
+    try:
+        return float(value)
+    except (TypeError, ValueError):
+        raise ValueError(f"{what}: found {value!r}, expected a number") from None
+
+
+def _text(value, what):
+    if not isinstance(value, str) or "\0" in value:
+        raise ValueError(f"{what}: found {value!r}, expected a text")
+    return value.encode()
+
+
+def _block(value):
+    number = _index(value, "block")
+    if not 0 <= number < 2**31:
+        raise ValueError(f"block: found {value!r}, expected 0, 1, ...")
+    return number
+
+
+def _type_of(dtype):
+    """The gxy_type of a NumPy dtype."""
+    if dtype.isnative and dtype.fields is None and dtype.subdtype is None:
+        if dtype.kind in "iu" and dtype.itemsize in (1, 2, 4, 8):
+            return 2 * dtype.itemsize.bit_length() - 2 + (dtype.kind == "u")
+        if dtype.kind == "f" and dtype.itemsize in (4, 8):
+            return 8 if dtype.itemsize == 4 else 9
+    raise ValueError(f"dtype {dtype.str}, expected integers of 8 to 64 bits, float32 or float64, in this machine's byte order")
+
+
+class Simulation:
+    """One stream of steps, on one rank of a simulation. Two threads must not use it at the same time.
+
+    name: of the stream. Field F of stream NAME becomes the dataset NAME.F.
+    comm_or_rank, ranks: a communicator, which is any object with Get_rank() and Get_size() as mpi4py's have them; or the number
+        of this rank and how many there are. Without either, the simulation has one rank.
+    options: those of docs/insitu.md, with "_" for "-", as to="localhost:5001" or token_file="token".
+
+    Wrong use raises ValueError, and changes nothing. That there is no server, or that it goes, is never an error. The object
+    can be used in `with`, which closes it.
+    """
+
+    def __init__(self, name, comm_or_rank=None, ranks=None, **options):
+        if hasattr(comm_or_rank, "Get_rank") and hasattr(comm_or_rank, "Get_size"):
+            if ranks is not None:
+                raise ValueError("ranks: expected none beside a communicator, which says how many there are")
+            rank, ranks = comm_or_rank.Get_rank(), comm_or_rank.Get_size()
+        elif comm_or_rank is None and ranks is None:
+            rank, ranks = 0, 1
+        elif comm_or_rank is None or ranks is None:
+            raise ValueError("expected a communicator with Get_rank() and Get_size(), or both this rank's number and ranks")
+        else:
+            rank = comm_or_rank
+        rank, ranks = _index(rank, "rank"), _index(ranks, "ranks")
+        if not 0 <= rank < ranks < 2**31:
+            raise ValueError(f"rank {rank} of {ranks}, expected a rank from 0 up to one less than ranks")
+        try:
+            text = json.dumps({key.replace("_", "-"): value for key, value in options.items()})
+        except TypeError as e:
+            raise ValueError(f"options: {e}, expected what JSON has") from None
+        self._library = _loaded()
+        self._blocks = {}  # what a block owns, and of what, by mesh and block
+        self._arrays = {}  # those that publish() reads, by mesh, block and field
+        self._sim = self._library.gxy_open(_text(name, "name"), rank, ranks, text.encode() if options else None)
+        # An object that nobody has closed ends its stream when it goes, at the latest with Python.
+        self._end = weakref.finalize(self, self._library.gxy_close, self._sim, 0.0)
+        if self._library.gxy_statistics(self._sim, ctypes.byref(_Stat())) == _WRONG:
+            why = self.message()
+            self._end()
+            self._sim = None
+            raise ValueError(why)
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.close()
+
+    def grid(self, size, first=(0, 0, 0), count=None, origin=(0, 0, 0), spacing=(1, 1, 1), *, of="points", block=0,
+             mesh="grid"):
+        """Says what this rank owns of a uniform grid. All triples are for x, y and z, whatever the order of arrays is.
+
+        size: of the whole grid, in points or in cells, as `of` says; the same on all ranks.
+        first, count: the first point or cell that this rank owns, and how many. Without a count, all behind the first.
+        origin, spacing: point (i, j, k) lies at origin + spacing * (i, j, k).
+        block: a rank with several boxes calls this for each, with 0, 1, ...; one that owns nothing gives a count of (0, 0, 0).
+        """
+        if of not in _OF:
+            raise ValueError(f"of: found {of!r}, expected \"points\" or \"cells\"")
+        block, name = _block(block), _text(mesh, "mesh")
+        size, first = _three(size, "size", _Indices), _three(first, "first", _Indices)
+        if count is None:
+            count = [s - f for s, f in zip(size, first)]
+        count = _three(count, "count", _Indices)
+        origin, spacing = _three(origin, "origin", _Coordinates), _three(spacing, "spacing", _Coordinates)
+        self._checked(self._library.gxy_grid(self._open(), name, block, _OF[of], size, first, count, origin, spacing))
+        self._blocks[mesh, block] = tuple(count), of
+
+    def field(self, name, array, *, order="zyx", block=0, mesh="grid"):
+        """Says where the values of a field lie: in a NumPy array, which is read in publish() only and never copied here.
+
+        The array has what the block owns, and nothing else: a view leaves ghosts out, as array[1:-1, 1:-1, 1:-1]. Its strides
+        may be any, and negative, but not 0. The natural order is array[k][j][i], so that its shape is (nz, ny, nx); with
+        order="xyz" it is array[i][j][k], of shape (nx, ny, nz). A fourth axis, the last, counts 1 to 16 components. The array is kept
+        alive until it is replaced by another call, or the stream is closed. Values that the simulation writes into it
+        are seen by the next publish().
+        """
+        if order not in ("zyx", "xyz"):
+            raise ValueError(f"order: found {order!r}, expected \"zyx\" for array[k][j][i] or \"xyz\" for array[i][j][k]")
+        block, in_mesh, in_name = _block(block), _text(mesh, "mesh"), _text(name, "field")
+        if (mesh, block) not in self._blocks:
+            raise ValueError(f"field {name!r}: there is no block {block!r} of mesh {mesh!r}, expected grid() first")
+        try:
+            values, of = self._described(array, order, *self._blocks[mesh, block])
+        except ValueError as e:
+            raise ValueError(f"field {name!r}: {e}") from None
+        self._checked(self._library.gxy_field(self._open(), in_mesh, block, in_name, of, values))
+        self._arrays[mesh, block, name] = array
+
+    def publish(self, step, time):
+        """Offers a step, and says what became of it, a Result. It never waits. Steps ascend; all ranks offer the same."""
+        return self._checked(self._library.gxy_publish(self._open(), _index(step, "step"), _seconds(time, "time")))
+
+    def statistics(self):
+        """The Statistics of this stream on this rank."""
+        stat = _Stat()
+        self._checked(self._library.gxy_statistics(self._open(), ctypes.byref(stat)))
+        return Statistics(*(getattr(stat, name) for name in Statistics._fields))
+
+    def message(self):
+        """The text about the last result, or about why there is no connection; empty if there is nothing to say."""
+        return self._library.gxy_message(self._open()).decode(errors="replace")
+
+    def close(self, seconds=5.0):
+        """Ends the stream. Waits at most so many seconds for a step that was taken to reach the server. May be called again."""
+        if self._sim is None:
+            return
+        seconds = _seconds(seconds, "seconds")
+        sim, self._sim = self._sim, None
+        self._end.detach()
+        self._library.gxy_close(sim, seconds)
+        self._arrays.clear()
+
+    @staticmethod
+    def _described(array, order, count, of):
+        """The gxy_array of an array that has `count` values, and the gxy_of."""
+        if not isinstance(array, np.ndarray):
+            raise ValueError(f"found {type(array).__name__}, expected a NumPy array in the simulation's own memory")
+        shape = count[::-1] if order == "zyx" else count
+        if array.ndim not in (3, 4) or (array.shape[:3] != shape and 0 not in count):
+            raise ValueError(f"shape {array.shape}, expected {shape} for order {order!r}, and perhaps an axis of components")
+        components = array.shape[3] if array.ndim == 4 else 1
+        if not 1 <= components <= _MOST_COMPONENTS:
+            raise ValueError(f"{components} components, expected 1 to {_MOST_COMPONENTS}")
+        between = array.strides[3] if components > 1 else 0
+        if components > 1 and between == 0:
+            raise ValueError("components without memory of their own, expected a stride other than 0")
+        strides = array.strides[2::-1] if order == "zyx" else array.strides[:3]
+        return _Array(array.ctypes.data, _type_of(array.dtype), components, _Indices(*strides), between, 0), _OF[of]
+
+    def _open(self):
+        if self._sim is None:
+            raise ValueError("the stream is closed")
+        return self._sim
+
+    def _checked(self, result):
+        if result == _WRONG:
+            raise ValueError(self.message())
+        return Result(result)

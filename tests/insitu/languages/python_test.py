@@ -1,0 +1,222 @@
+# SPDX-License-Identifier: Apache-2.0
+"""python_test.py VERSION: gxy.insitu against the library and without a server, which the loader finds in LD_LIBRARY_PATH."""
+import gc
+import json
+import os
+import pathlib
+import subprocess
+import sys
+import tempfile
+import unittest
+import weakref
+
+import numpy as np
+
+PACKAGE = pathlib.Path(__file__).resolve().parents[3] / "python" / "src"
+VERSION = sys.argv.pop(1)
+sys.path.insert(0, str(PACKAGE))
+import gxy  # noqa: E402
+from gxy.insitu import Result, Simulation  # noqa: E402
+
+SIZE = (6, 5, 4)  # x, y, z
+NOWHERE = {"to": "127.0.0.1:1", "token_file": "-"}
+
+
+class Communicator:
+    """What mpi4py's communicators have."""
+
+    def __init__(self, rank, size):
+        self._rank, self._size = rank, size
+
+    def Get_rank(self):
+        return self._rank
+
+    def Get_size(self):
+        return self._size
+
+
+def described(array, order="zyx", count=SIZE):
+    """The gxy_array that an array becomes."""
+    return Simulation._described(array, order, count, "points")[0]
+
+
+class Opening(unittest.TestCase):
+    def test_it_is_off_unless_it_is_said_where_to(self):
+        with Simulation("heat") as sim:
+            sim.grid(SIZE)
+            sim.field("t", np.zeros(SIZE[::-1]))
+            self.assertEqual([sim.publish(step, step / 2) for step in (1, 2)], [Result.OFF, Result.OFF])
+            self.assertEqual(sim.message(), "")
+
+    def test_ranks_come_from_numbers_or_from_any_communicator(self):
+        Simulation("heat", 1, 3).close()
+        Simulation("heat", np.int32(1), ranks=np.int64(3)).close()
+        Simulation("heat", Communicator(2, 3)).close()
+        for arguments, words in (((3, 3), "rank 3 of 3"), ((-1, 3), "rank -1 of 3"), ((1,), "expected a communicator"),
+                                 ((None, 3), "expected a communicator"), (("a", 3), "rank: found 'a'"),
+                                 ((Communicator(0, 2), 2), "beside a communicator"), ((0, 1.5), "ranks: found 1.5")):
+            with self.assertRaisesRegex(ValueError, words):
+                Simulation("heat", *arguments)
+
+    def test_wrong_names_and_options_are_told(self):
+        for name in ("", "\0", None, 5, "a" * 1000):
+            with self.assertRaises(ValueError):
+                Simulation(name)
+        for options, words in (({"two": 1}, "there is no option \"two\""), ({"to": "here"}, "expected \"off\" or HOST:PORT"),
+                               ({"every": 0}, "option \"every\""), ({"token_file": 5}, "option \"token-file\""),
+                               ({"to": b"off"}, "expected what JSON has")):
+            with self.assertRaisesRegex(ValueError, words):
+                Simulation("heat", **options)
+
+    def test_without_a_server_the_simulation_runs_on(self):
+        with Simulation("heat", **NOWHERE) as sim:
+            sim.grid(SIZE)
+            sim.field("t", np.zeros(SIZE[::-1]))
+            for step in range(1, 101):
+                self.assertEqual(sim.publish(step, 0), Result.LOST)
+            with self.assertRaisesRegex(ValueError, "expected steps that ascend"):
+                sim.publish(100, 0)
+            statistics = sim.statistics()
+            self.assertEqual((statistics.offered, statistics.taken, statistics.bytes), (100, 0, 0))
+            self.assertGreaterEqual(statistics.publish_seconds, statistics.longest_seconds)
+
+
+class Grids(unittest.TestCase):
+    def setUp(self):
+        self.sim = Simulation("heat", **NOWHERE)
+        self.addCleanup(self.sim.close)
+
+    def wrong(self, words, *arguments, **more):
+        with self.assertRaisesRegex(ValueError, words):
+            self.sim.grid(*arguments, **more)
+
+    def test_wrong_grids_are_told(self):
+        self.wrong("size: found 5, expected three integers", 5)
+        self.wrong("size: found .*, expected three integers", (6, 5))
+        self.wrong("first: found .*, expected three integers", SIZE, (0, 0, 0.5))
+        self.wrong("count: found .*, expected three integers", SIZE, (0, 0, 0), (2**63, 1, 1))
+        self.wrong("spacing: found .*, expected three numbers", SIZE, spacing=("a", 1, 1))
+        self.wrong("expected a block inside the grid", SIZE, (0, 0, 0), (6, 5, -1))
+        self.wrong("of: found 'faces'", SIZE, of="faces")
+        self.wrong("block: found -1", SIZE, block=-1)
+        self.wrong("mesh: found 5", SIZE, mesh=5)
+        self.sim.grid(SIZE)
+        self.wrong("a stream has one grid so far", SIZE, mesh="other")
+
+    def test_a_rank_may_own_nothing_or_several_blocks(self):
+        self.sim.grid(np.array(SIZE), (0, 0, 0), (0, 0, 0))
+        self.sim.field("t", np.empty((0, 0, 0), np.float32))
+        self.sim.grid(SIZE, (0, 0, 1), (6, 5, 2), block=1)
+        self.sim.field("t", np.zeros((2, 5, 6), np.float32), block=1)
+        self.assertEqual(self.sim.publish(1, 0), Result.LOST)
+
+    def test_after_close_everything_is_wrong(self):
+        self.sim.close()
+        self.sim.close()
+        for call in (lambda: self.sim.grid(SIZE), lambda: self.sim.publish(1, 0), self.sim.statistics, self.sim.message):
+            with self.assertRaisesRegex(ValueError, "the stream is closed"):
+                call()
+
+
+class Fields(unittest.TestCase):
+    def setUp(self):
+        self.sim = Simulation("heat")
+        self.addCleanup(self.sim.close)
+        self.sim.grid(SIZE)
+
+    def wrong(self, words, array, **more):
+        with self.assertRaisesRegex(ValueError, words):
+            self.sim.field("t", array, **more)
+
+    def test_wrong_types_are_told(self):
+        for dtype in (bool, np.float16, np.longdouble, complex, "S1", object, ">f8" if sys.byteorder == "little" else "<f8",
+                      [("a", "f4")], "datetime64[s]"):
+            self.wrong("field 't': dtype .*, expected integers of 8 to 64 bits", np.zeros(SIZE[::-1], dtype))
+        for array in ([[[1.0]]], 5, None, memoryview(b"a")):
+            self.wrong("expected a NumPy array", array)
+
+    def test_wrong_shapes_are_told(self):
+        for shape in (SIZE, (4, 5), (4, 5, 7), (1, 4, 5, 6), ()):
+            self.wrong(r"shape \(.*\), expected \(4, 5, 6\) for order 'zyx'", np.zeros(shape))
+        self.wrong(r"expected \(6, 5, 4\) for order 'xyz'", np.zeros((4, 5, 6)), order="xyz")
+        self.wrong("order: found 'yxz'", np.zeros((4, 5, 6)), order="yxz")
+        self.wrong("17 components, expected 1 to 16", np.zeros((4, 5, 6, 17)))
+        self.wrong("0 components", np.zeros((4, 5, 6, 0)))
+        self.wrong("there is no block 1 of mesh 'grid'", np.zeros((4, 5, 6)), block=1)
+        self.wrong("there is no block 0 of mesh 'other'", np.zeros((4, 5, 6)), mesh="other")
+        self.wrong("stride.0. is 0", np.broadcast_to(np.zeros((4, 5, 1)), (4, 5, 6)))
+        self.wrong("components without memory of their own", np.broadcast_to(np.zeros((4, 5, 6, 1)), (4, 5, 6, 3)))
+
+    def test_a_name_that_is_none_is_told(self):
+        for name in ("", 5, "a\0b"):
+            with self.assertRaises(ValueError):
+                self.sim.field(name, np.zeros((4, 5, 6)))
+
+    def test_all_types_have_their_numbers(self):
+        names = "int8 uint8 int16 uint16 int32 uint32 int64 uint64 float32 float64".split()
+        self.assertEqual([described(np.zeros((4, 5, 6), name)).type for name in names], list(range(10)))
+        self.assertEqual(described(np.zeros((4, 5, 6), np.longlong)).type, 6)
+
+    def test_strides_are_those_of_the_view_by_axis_x_y_z(self):
+        whole = np.zeros((6, 7, 8))
+        inner = described(whole[1:-1, 1:-1, 1:-1])
+        self.assertEqual(list(inner.stride), [8, 64, 448])
+        self.assertEqual(inner.data, whole.ctypes.data + 8 * (1 + 8 * (1 + 7)))
+        backwards = whole[4:0:-1, 1:-1, 6:0:-1]
+        self.assertEqual(list(described(backwards).stride), [-8, 64, -448])
+        self.assertEqual(described(backwards).data, whole[4, 1, 6:].ctypes.data)
+        xyz = np.zeros(SIZE, np.float32)
+        self.assertEqual(list(described(xyz, "xyz").stride), [80, 16, 4])
+        self.assertEqual(list(described(np.asfortranarray(xyz), "xyz").stride), [4, 24, 120])
+
+    def test_components_are_the_last_axis(self):
+        together = described(np.zeros((4, 5, 6, 3), np.float32))
+        self.assertEqual((together.components, together.component_stride, list(together.stride)), (3, 4, [12, 72, 360]))
+        apart = described(np.moveaxis(np.zeros((3, 4, 5, 6), np.float32), 0, -1))
+        self.assertEqual((apart.components, apart.component_stride, list(apart.stride)), (3, 480, [4, 24, 120]))
+        self.assertEqual(described(np.zeros((4, 5, 6, 1))).components, 1)
+
+    def test_arrays_live_as_long_as_they_are_read(self):
+        array = np.zeros((4, 5, 6))
+        alive = weakref.ref(array)
+        self.sim.field("t", array)
+        del array
+        gc.collect()
+        self.assertIsNotNone(alive())
+        self.sim.field("t", np.ones((4, 5, 6)))
+        gc.collect()
+        self.assertIsNone(alive())
+
+
+class Package(unittest.TestCase):
+    def python(self, code, **environment):
+        return subprocess.run([sys.executable, "-B", "-c", code], capture_output=True, text=True, timeout=60,
+                              env={**os.environ, "PYTHONPATH": str(PACKAGE), **environment})
+
+    def test_its_version_is_galaxys(self):
+        self.assertEqual(gxy.__version__, VERSION)
+
+    def test_a_stream_that_nobody_closes_ends_with_python(self):
+        run = self.python(f"from gxy.insitu import Simulation; a = Simulation('a', **{NOWHERE}); a.grid({SIZE})")
+        self.assertEqual((run.returncode, run.stderr), (0, ""))
+
+    def test_the_environment_says_where_to(self):
+        with tempfile.NamedTemporaryFile("w", suffix=".json") as options:
+            json.dump({"every": 2}, options)
+            options.flush()
+            run = self.python("import numpy; from gxy.insitu import Simulation; s = Simulation('a'); s.grid((2, 2, 2)); "
+                              "s.field('t', numpy.zeros((2, 2, 2))); print(s.publish(1, 0).name)",
+                              GALAXY_INSITU="127.0.0.1:1", GALAXY_INSITU_OPTIONS=options.name)
+        self.assertEqual((run.stdout, run.stderr), ("LOST\n", ""))
+
+    def test_a_missing_library_is_told_with_the_places_that_were_looked_at(self):
+        run = self.python("from gxy.insitu import Simulation; Simulation('a')", LD_LIBRARY_PATH="")
+        if run.returncode == 0:
+            self.skipTest("an installed Galaxy has it where the loader looks")
+        self.assertIn("library for simulations was not found", run.stderr)
+        self.assertIn("libgalaxy_insitu.so.1", run.stderr)
+        self.assertIn(os.path.join(sys.prefix, "lib", "libgalaxy_insitu.so.1"), run.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main()
