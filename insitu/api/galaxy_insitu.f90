@@ -11,7 +11,7 @@ module galaxy_insitu
   implicit none
   private
 
-  public :: gxy_version, gxy_open, gxy_grid, gxy_field, gxy_values, gxy_publish
+  public :: gxy_version, gxy_open, gxy_grid, gxy_field, gxy_values, gxy_publish, gxy_publish_last
   public :: gxy_statistics, gxy_message, gxy_close
   public :: c_ptr, c_int64_t, c_double
 
@@ -64,6 +64,18 @@ module galaxy_insitu
       integer(c_int) :: taken
     end function publish_int64
   end interface gxy_publish
+
+  ! gxy_publish_last(SIM, STEP, TIME), likewise.
+  interface gxy_publish_last
+    module procedure publish_last_int32
+    function publish_last_int64(sim, step, time) result(taken) bind(c, name="gxy_publish_last")
+      import :: c_ptr, c_int, c_int64_t, c_double
+      type(c_ptr), value :: sim
+      integer(c_int64_t), value :: step
+      real(c_double), value :: time
+      integer(c_int) :: taken
+    end function publish_last_int64
+  end interface gxy_publish_last
 
   interface
     function gxy_version() result(version) bind(c, name="gxy_version")
@@ -212,6 +224,14 @@ contains
     integer(c_int) :: taken
     taken = publish_int64(sim, int(step, c_int64_t), time)
   end function publish_int32
+
+  function publish_last_int32(sim, step, time) result(taken)
+    type(c_ptr), intent(in) :: sim
+    integer(c_int32_t), intent(in) :: step
+    real(c_double), intent(in) :: time
+    integer(c_int) :: taken
+    taken = publish_last_int64(sim, int(step, c_int64_t), time)
+  end function publish_last_int32
 
   function values_float64(first, shape_of_array) result(values)
     real(c_double), intent(in), target :: first

@@ -63,9 +63,14 @@ class Simulation {
     return gxy_result(gxy_field(sim_, mesh, block, name, of_, values));
   }
 
-  /// Offers a step, and never waits. Steps ascend.
+  /// Offers a step. It never waits, unless the option "policy" says so. Steps ascend.
   gxy_result publish(std::int64_t step, double time) noexcept {
     return gxy_result(gxy_publish(sim_, step, time));
+  }
+
+  /// Offers the last step, which close() waits for. Afterwards only close() may follow.
+  gxy_result publishLast(std::int64_t step, double time) noexcept {
+    return gxy_result(gxy_publish_last(sim_, step, time));
   }
 
   /// The counts of this stream. They are zeros where the stream is used wrongly.

@@ -46,7 +46,7 @@ class Result(enum.IntEnum):
 class Statistics(typing.NamedTuple):
     """Counts of one stream on this rank."""
 
-    offered: int  # calls of publish()
+    offered: int  # calls of publish() and publish_last()
     taken: int  # steps that were copied
     published: int  # taken steps that the server has published
     bytes: int  # copied
@@ -93,6 +93,7 @@ def _load():
                                         _Coordinates]),
             ("gxy_field", ctypes.c_int, [sim, text, ctypes.c_int, text, ctypes.c_int, _Array]),
             ("gxy_publish", ctypes.c_int, [sim, ctypes.c_int64, ctypes.c_double]),
+            ("gxy_publish_last", ctypes.c_int, [sim, ctypes.c_int64, ctypes.c_double]),
             ("gxy_statistics", ctypes.c_int, [sim, ctypes.POINTER(_Stat)]),
             ("gxy_message", text, [sim]),
             ("gxy_close", None, [sim, ctypes.c_double])):
@@ -234,9 +235,9 @@ class Simulation:
 
         The array has what the block owns, and nothing else: a view leaves ghosts out, as array[1:-1, 1:-1, 1:-1]. Its strides
         may be any, and negative, but not 0. The natural order is array[k][j][i], so that its shape is (nz, ny, nx); with
-        order="xyz" it is array[i][j][k], of shape (nx, ny, nz). A fourth axis, the last, counts 1 to 16 components. The array is kept
-        alive until it is replaced by another call, or the stream is closed. Values that the simulation writes into it
-        are seen by the next publish().
+        order="xyz" it is array[i][j][k], of shape (nx, ny, nz). A fourth axis, the last, counts 1 to 16 components. The array is
+        kept alive until it is replaced by another call, or the stream is closed. Values that the simulation writes into it are
+        seen by the next publish().
         """
         if order not in ("zyx", "xyz"):
             raise ValueError(f"order: found {order!r}, expected \"zyx\" for array[k][j][i] or \"xyz\" for array[i][j][k]")
@@ -251,8 +252,15 @@ class Simulation:
         self._arrays[mesh, block, name] = array
 
     def publish(self, step, time):
-        """Offers a step, and says what became of it, a Result. It never waits. Steps ascend; all ranks offer the same."""
+        """Offers a step, and says what became of it, a Result. Steps ascend; all ranks offer the same.
+
+        It never waits, unless the option `policy` says so.
+        """
         return self._checked(self._library.gxy_publish(self._open(), _index(step, "step"), _seconds(time, "time")))
+
+    def publish_last(self, step, time):
+        """Offers the last step: it is copied, and close() waits until the server has published it. Only close() may follow."""
+        return self._checked(self._library.gxy_publish_last(self._open(), _index(step, "step"), _seconds(time, "time")))
 
     def statistics(self):
         """The Statistics of this stream on this rank."""
@@ -265,7 +273,10 @@ class Simulation:
         return self._library.gxy_message(self._open()).decode(errors="replace")
 
     def close(self, seconds=5.0):
-        """Ends the stream. Waits at most so many seconds for a step that was taken to reach the server. May be called again."""
+        """Ends the stream. Waits at most so many seconds until the server has published the last step, or one that was taken.
+
+        It may be called again.
+        """
         if self._sim is None:
             return
         seconds = _seconds(seconds, "seconds")

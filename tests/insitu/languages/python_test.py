@@ -46,6 +46,7 @@ class Opening(unittest.TestCase):
             sim.grid(SIZE)
             sim.field("t", np.zeros(SIZE[::-1]))
             self.assertEqual([sim.publish(step, step / 2) for step in (1, 2)], [Result.OFF, Result.OFF])
+            self.assertEqual(sim.publish_last(3, 1.5), Result.OFF)
             self.assertEqual(sim.message(), "")
 
     def test_ranks_come_from_numbers_or_from_any_communicator(self):
@@ -79,6 +80,20 @@ class Opening(unittest.TestCase):
             statistics = sim.statistics()
             self.assertEqual((statistics.offered, statistics.taken, statistics.bytes), (100, 0, 0))
             self.assertGreaterEqual(statistics.publish_seconds, statistics.longest_seconds)
+
+
+    def test_nothing_follows_the_last_step(self):
+        with Simulation("heat", **NOWHERE) as sim:
+            sim.grid(SIZE)
+            sim.field("t", np.zeros(SIZE[::-1]))
+            for step, time, words in ((1.5, 0, "step: found 1.5"), (1, "now", "time: found 'now'")):
+                for publish in (sim.publish, sim.publish_last):
+                    with self.assertRaisesRegex(ValueError, words):
+                        publish(step, time)
+            if sim.publish_last(1, 0) == Result.TAKEN:  # there is no connection yet, and not yet a reason why
+                with self.assertRaisesRegex(ValueError, "expected nothing but gxy_close"):
+                    sim.publish(2, 0)
+            sim.close(0)
 
 
 class Grids(unittest.TestCase):
