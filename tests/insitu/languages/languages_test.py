@@ -1,0 +1,110 @@
+# SPDX-License-Identifier: Apache-2.0
+"""languages_test.py BUILD LANGUAGES MPIEXEC...: the example wave in all languages, on several numbers of ranks, and one server on
+two ranks. The last step is the same for all, and the one that NumPy computes here: its range, and a picture to the bit."""
+import json
+import os
+import pathlib
+import subprocess
+import sys
+import time
+import unittest
+
+import numpy as np
+
+ROOT = pathlib.Path(__file__).resolve().parents[3]
+sys.path[:0] = [str(ROOT / "tests" / "clients"), str(ROOT / "tools" / "python")]
+from server import Server  # noqa: E402
+import galaxy  # noqa: E402
+
+BUILD, LANGUAGES, MPIEXEC = pathlib.Path(sys.argv[1]).resolve(), sys.argv[2].split(";"), sys.argv[3:]
+EXAMPLES = ROOT / "docs" / "examples" / "insitu"
+LAST = 8  # step
+
+
+def wave(step):
+    """The field of a step, by z, y and x. All numbers are multiples of 2^-15 below 4, so that no operation rounds."""
+    z, y, x = np.indices((32, 40, 48), dtype=np.float64)
+    x = (x - 3 * step) / 32
+    return x * (1 - x) * (1 + x) + (y - z) / 32
+
+
+def state(dataset):
+    """A view of the whole volume: translucent, with a surface and a slice."""
+    return {
+        "Visualization": {"operators": [{
+            "type": "Volume", "dataset": dataset, "colormap": "Viridis", "data range": [-3, 3], "isovalues": [0.125],
+            "slices": [[0, 0, 1, 15.25]], "opacity": 0.5, "volume rendering": True,
+            "extinctionmap": [[-3, 0.01], [3, 0.1]]}]},
+        "Camera": {"viewpoint": [110, 70, 95], "viewcenter": [23.5, 19.5, 15.5], "viewup": [0, 0, 1], "aov": 35,
+                   "dimensions": [192, 144]},
+    }
+
+
+class Languages(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.server = Server(BUILD / "bin", MPIEXEC, options=["--backend", "embree"])
+        cls.addClassCleanup(cls.server.stop)
+        cls.client = galaxy.Client(port=cls.server.port, token_file=cls.server.token)
+        cls.addClassCleanup(cls.client.close)
+        cls.addClassCleanup(cls.client.request, "quit")
+        for module in ("data", "viewer", "insitu"):
+            cls.client.request(f"load {module}")
+        np.save(cls.server.folder / "expected.npy", wave(LAST))
+        cls.options = cls.server.folder / "options.json"
+        cls.options.write_text(json.dumps({"token-file": str(cls.server.token), "reconnect": 0.2}))
+        cls.windows = 0
+
+    def run_wave(self, language, ranks, **environment):
+        """The example, as a user starts it."""
+        program = [BUILD / "tests" / f"wave_{language}"]
+        if language == "py":
+            program = [sys.executable, "-B", EXAMPLES / "wave.py"]
+        subprocess.run([*MPIEXEC, "-n", str(ranks), *program], check=True, timeout=100, env={
+            **os.environ, "OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
+            "PYTHONPATH": str(ROOT / "python" / "src"), "GALAXY_INSITU": f"127.0.0.1:{self.server.port}",
+            "GALAXY_INSITU_OPTIONS": str(self.options), **environment})
+
+    def no_stream_is_left(self):
+        """Waits for the end of the stream before, whose name the next one has."""
+        for _ in range(600):
+            if not self.client.request("insitu.streams")["streams"]:
+                return
+            time.sleep(0.05)
+        self.fail("the stream before has not ended")
+
+    def picture(self, dataset):
+        type(self).windows += 1
+        window = self.client.window(self.windows, size=(192, 144))
+        window.set(state(dataset))
+        return window.render(levels=[1]).rgba
+
+    def test_the_last_step_is_the_same_in_all_languages_and_on_all_numbers_of_ranks(self):
+        generation, expected = 0, None
+        for language in LANGUAGES:
+            for ranks in (1, 2, 4):
+                with self.subTest(language=language, ranks=ranks):
+                    self.no_stream_is_left()
+                    self.run_wave(language, ranks)
+                    info = self.client.request("data.info wave.height")["datasets"][0]
+                    self.assertGreater(info["generation"], generation)
+                    generation = info["generation"]
+                    self.assertEqual([origin["step"] for origin in info["origins"]], [LAST])
+                    self.assertEqual((info["time"], info["points"], info["components"]), (1.0, [48, 40, 32], 1))
+                    values = wave(LAST)
+                    self.assertEqual(info["range"], [values.min(), values.max()])
+                    if expected is None:
+                        self.client.request("data.import like wave.height " + json.dumps(
+                            {"Datasets": {"name": "expected", "type": "Volume", "filename": "expected.npy"}}))
+                        expected = self.picture("expected")
+                        self.assertGreater(expected.astype(int).std(), 10)  # there is something to see
+                    np.testing.assert_array_equal(self.picture("wave.height"), expected)
+
+    def test_without_a_server_they_run_to_their_end(self):
+        for language in LANGUAGES:
+            with self.subTest(language=language):
+                self.run_wave(language, 1, GALAXY_INSITU="off")
+
+
+if __name__ == "__main__":
+    unittest.main(argv=sys.argv[:1])
