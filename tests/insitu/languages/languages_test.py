@@ -12,7 +12,8 @@ import unittest
 import numpy as np
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]
-sys.path[:0] = [str(ROOT / "tests" / "clients"), str(ROOT / "tools" / "python")]
+sys.path[:0] = [str(ROOT / folder) for folder in ("tests/clients", "tools/python", "python/src")]
+from gxy.insitu import Result, Simulation  # noqa: E402
 from server import Server  # noqa: E402
 import galaxy  # noqa: E402
 
@@ -77,7 +78,17 @@ class Languages(unittest.TestCase):
         type(self).windows += 1
         window = self.client.window(self.windows, size=(192, 144))
         window.set(state(dataset))
-        return window.render(levels=[1]).rgba
+        picture = window.render(levels=[1]).rgba
+        window.close()
+        return picture
+
+    def imported(self, like):
+        """The picture of what NumPy has computed, in a file."""
+        self.client.request(f"data.import like {like} " + json.dumps(
+            {"Datasets": {"name": "expected", "type": "Volume", "filename": "expected.npy"}}))
+        picture = self.picture("expected")
+        self.assertGreater(picture.astype(int).std(), 10)  # there is something to see
+        return picture
 
     def test_the_last_step_is_the_same_in_all_languages_and_on_all_numbers_of_ranks(self):
         generation, expected = 0, None
@@ -94,11 +105,40 @@ class Languages(unittest.TestCase):
                     values = wave(LAST)
                     self.assertEqual(info["range"], [values.min(), values.max()])
                     if expected is None:
-                        self.client.request("data.import like wave.height " + json.dumps(
-                            {"Datasets": {"name": "expected", "type": "Volume", "filename": "expected.npy"}}))
-                        expected = self.picture("expected")
-                        self.assertGreater(expected.astype(int).std(), 10)  # there is something to see
+                        expected = self.imported("wave.height")
                     np.testing.assert_array_equal(self.picture("wave.height"), expected)
+
+    def test_views_of_all_kinds_show_the_same(self):
+        """Each step is another view of the same values, and is waited for."""
+        values = wave(LAST)
+        ghosts = np.full((36, 42, 50), np.nan)
+        ghosts[2:-2, 1:-1, 1:-1] = values
+        particles = np.zeros(values.shape, [("id", "i4"), ("height", "f8")])  # unaligned, too
+        particles["height"] = values
+        views = [
+            {"array": values},
+            {"array": ghosts[2:-2, 1:-1, 1:-1]},
+            {"array": particles["height"]},
+            {"array": np.asfortranarray(values)},
+            {"array": np.ascontiguousarray(values[::-1, ::-1, ::-1])[::-1, ::-1, ::-1]},
+            {"array": values.T, "order": "xyz"},
+            {"array": np.ascontiguousarray(values.T), "order": "xyz"},
+            {"array": np.repeat(values, 2, axis=2)[:, :, ::2, np.newaxis]},
+        ]
+        expected = None
+        with Simulation("views", to=f"127.0.0.1:{self.server.port}", token_file=str(self.server.token), policy="wait",
+                        time_out=60) as sim:
+            sim.grid(size=(48, 40, 32))
+            for step, view in enumerate(views, 1):
+                with self.subTest(step=step):
+                    sim.field("height", **view)
+                    self.assertEqual(sim.publish(step, step), Result.TAKEN, sim.message())
+                    self.client.request(f"data.wait views.height {step} 60")
+                    if expected is None:
+                        expected = self.imported("views.height")
+                    np.testing.assert_array_equal(self.picture("views.height"), expected)
+            self.assertEqual(sim.statistics().taken, len(views))
+            self.assertEqual(sim.statistics().bytes, len(views) * values.nbytes)
 
     def test_without_a_server_they_run_to_their_end(self):
         for language in LANGUAGES:
