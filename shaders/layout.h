@@ -21,8 +21,7 @@
 #define SPEC_OPERATORS 8   // number of operators: 1, FEW_OPERATORS (that or fewer), or 0 (any number)
 #define SPEC_ROUTES 9      // bits ROUTE_*: where rays may go besides ending in their pixels
 #define SPEC_MAP_AHEAD 10  // 4 or 8: the only map has at most this many intervals and is read ahead; else 0
-// Whether the device rounds quotients and roots of floats right by itself. cmake/MakeShader.cmake, which knows the number, adds
-// what reads it.
+// Whether the device rounds quotients and roots of floats right by itself. cmake/MakeShader.cmake adds what reads it.
 #define SPEC_ROUNDS_RIGHT 11
 
 #define FEW_OPERATORS 4

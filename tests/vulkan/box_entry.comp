@@ -8,6 +8,8 @@
 #include "core/kernels/all.h"
 #include "shaders/box_entry.glsl"
 
+layout(constant_id = SPEC_ROUNDS_RIGHT) const bool ROUNDS_RIGHT = false;  // for cmake/MakeShader.cmake
+
 layout(local_size_x = BLOCK_RAYS) in;
 layout(std430, set = LANE_SET, binding = 0) readonly buffer Cases { float cases[]; };
 layout(std430, set = LANE_SET, binding = 1) writeonly buffer Found { float found[]; };
