@@ -10,7 +10,8 @@
  * Results: functions that return int return one of gxy_result. It is safe to ignore all of them. gxy_message() says
  * more about the last one.
  *
- * Threads: two threads must not use one gxy_sim at the same time. The library has one thread of its own for each gxy_sim that
+ * Threads: two threads must not use one gxy_sim at the same time. Where calls wait (policy "wait", gxy_close() after
+ * gxy_publish_last()), they wait for all ranks: a process with several gxy_sims then needs a thread for each. The library has one thread of its own for each gxy_sim that
  * publishes to a server. Nothing is printed, no signal handler is changed, and no function throws or exits.
  */
 #ifndef GALAXY_INSITU_H
@@ -35,7 +36,7 @@ GXY_API int gxy_version(void);
 
 enum gxy_result {
   GXY_TAKEN = 0,     /* the step was taken, or what was said is remembered */
-  GXY_NOT_TAKEN = 1, /* nobody needs this step */
+  GXY_NOT_TAKEN = 1, /* nobody needs this step, or the time to wait for it was out */
   GXY_OFF = 2,       /* publishing is off */
   GXY_LOST = 3,      /* there is no connection to the server; the library tries again if it may */
   /* wrong use: gxy_message() says what, and nothing was changed; such a publish does not count */
@@ -112,13 +113,14 @@ GXY_API int gxy_field(gxy_sim* sim, const char* mesh, int block, const char* fie
 /* Offers a step. All ranks offer the same steps in the same order; `step` ascends. `time` is in the simulation's own unit. If
  * Galaxy wants this step, its values are copied, and a thread of the library sends the copy. Otherwise this takes less
  * than a microsecond. It never waits, unless the policy is "wait". Then it waits until the server takes the step, and so for the
- * step before to be published; but not where a connection is lost or could not be made: it returns GXY_LOST at once. If the
- * time is out on one rank, the step is left out on all. */
+ * step before to be published; but not where this rank's connection is lost or could not be made: it returns GXY_LOST at once. A
+ * step is left out all the same if the time is out on one rank, if one rank comes to it a minute later than another, or if
+ * the server cannot publish it. */
 GXY_API int gxy_publish(gxy_sim* sim, int64_t step, double time);
 
 /* Offers the last step, on all ranks, instead of gxy_publish(). It copies all values of this rank, whether or not anybody wants them, and
- * gxy_close() waits until the step is published, at most its seconds. It is offered whatever "every" and "between" say.
- * After it, only gxy_close() may follow. */
+ * returns at once. gxy_close() waits until the step is published, also for a lost connection to come back, at most its
+ * seconds. The step is offered whatever "every" and "between" say. After this, only gxy_close() may follow. */
 GXY_API int gxy_publish_last(gxy_sim* sim, int64_t step, double time);
 
 typedef struct gxy_stat {

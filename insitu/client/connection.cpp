@@ -85,15 +85,23 @@ std::string Connection::problem() const {
 
 bool Connection::lost() const {
   const std::lock_guard lock(mutex_);
-  return lostNow();
+  return lost_;
 }
 
-bool Connection::await(Clock::time_point until) {
+void Connection::end() {
+  const std::lock_guard lock(mutex_);
+  ended_ = true;
+  changed_.notify_all();
+}
+
+bool Connection::await(Clock::time_point until, Loss loss) {
   if (sender_.isDue()) return true;
+  if (loss == Loss::EndsTheWait && lost()) return false;
   sender_.await();
   interrupt_.wake();
   std::unique_lock lock(mutex_);
-  changed_.wait_until(lock, until, [this] { return sender_.isDue() || lostNow(); });
+  changed_.wait_until(lock, until,
+                      [&] { return sender_.isDue() || ended_ || (lost_ && loss == Loss::EndsTheWait); });
   return sender_.isDue();
 }
 
@@ -117,7 +125,7 @@ void Connection::run() {
     } catch (const std::exception& e) {
       lose(e.what());
     }
-    if (options_.reconnect.count() == 0 || over_) return;
+    if (options_.reconnect.count() == 0 || over_) return end();
     try {
       const auto until = Clock::now() + std::chrono::duration_cast<Clock::duration>(options_.reconnect);
       while (Clock::now() < until) {
@@ -137,6 +145,7 @@ void Connection::lose(const std::string& why) {
   described_ = planned_ = false;
   const std::lock_guard lock(mutex_);
   problem_ = why;
+  lost_ = true;
   changed_.notify_all();
 }
 
@@ -233,6 +242,7 @@ void Connection::receive(int owner, WireSocket& socket) {
     const std::lock_guard lock(mutex_);
     route_ = std::move(route);
     problem_.clear();  // and not before: the server may have refused the plan
+    lost_ = false;
   }
 }
 

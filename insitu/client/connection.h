@@ -45,8 +45,10 @@ class Connection {
   void describe(Description description);
   /// Counts a publish. True: the caller copies the step into the slot of route() and calls filled().
   bool publish() { return sender_.publish(); }
-  /// Waits until the next publish is due, there is no connection, or `until` has come. Returns whether it is due.
-  bool await(Interrupt::Clock::time_point until);
+  enum class Loss { EndsTheWait, IsWaitedOut };
+  /// Waits until the next publish is due, `until` has come, there will be no connection any more, or, if `loss` says so, the connection is
+  /// lost or could not be made. Returns whether the publish is due.
+  bool await(Interrupt::Clock::time_point until, Loss loss);
   /// As publish(), of the last publish of all. False: none is due, and nothing is counted.
   bool publishLast() { return sender_.publishLast(); }
   std::shared_ptr<const Route> route() const;
@@ -67,7 +69,7 @@ class Connection {
   static std::thread started(Connection& connection);
   void run();
   void serve();
-  bool lostNow() const { return !connected_ && !problem_.empty(); }
+  void end();
   bool tellDescription(WireSocket& root);
   void follow(const Joined& joined, std::vector<Destination> destinations);
   void exchange();
@@ -84,11 +86,13 @@ class Connection {
   Sender sender_;
   std::atomic<bool> connected_ = false;
 
-  mutable std::mutex mutex_;  ///< guards the next four
+  mutable std::mutex mutex_;  ///< guards the next six
   std::condition_variable changed_;
   std::optional<Description> description_;
   std::shared_ptr<const Route> route_;
   std::string problem_;
+  bool lost_ = false;   ///< the last attempt to connect has failed, or what it made was lost
+  bool ended_ = false;  ///< there are no further attempts
 
   // Used by the thread only.
   std::map<int, std::unique_ptr<WireSocket>> sockets_;  ///< by rank of the server

@@ -68,10 +68,9 @@ void readPolicy(const json& options, Options& into) {
   const auto patience = options.find("time-out");
   if (policy != "skip" && policy != "wait")
     throw Error("option \"policy\": found \"" + policy + "\", expected \"skip\" or \"wait\"");
-  if ((policy == "wait") != (patience != options.end()))
-    throw Error(
-        "option \"time-out\": expected with policy \"wait\", and only there: seconds, or null for ever");
   if (policy == "skip") return;
+  if (patience == options.end())
+    throw Error("option \"time-out\": expected with policy \"wait\": seconds, or null for ever");
   if (!patience->is_null() && (!patience->is_number() || !(patience->get<double>() >= 0)))
     throw Error("option \"time-out\": expected seconds from 0 up, or null for ever");
   into.patience = std::chrono::duration<double>(patience->is_null() ? std::numeric_limits<double>::infinity()

@@ -167,6 +167,9 @@ void Simulation::begin(int64_t step, const char* function) {
   else if (step <= lastStep_)
     throw Error(std::string(function) + ": step " + std::to_string(step) + " after step " +
                 std::to_string(lastStep_) + ", expected steps that ascend");
+}
+
+void Simulation::count(int64_t step) {
   lastStep_ = step;
   statistics_.offered++;
 }
@@ -177,9 +180,10 @@ int Simulation::publish(int64_t step, double time) {
   const auto begun = Clock::now();
   if (!connection_) return GXY_OFF;
   begin(step, "gxy_publish");
+  count(step);
   int result = missed();
   if (passes(time)) {
-    if (patience_.count() > 0) connection_->await(later(begun, patience_));
+    if (patience_.count() > 0) connection_->await(later(begun, patience_), Connection::Loss::EndsTheWait);
     if (connection_->publish()) {
       take({step, time});
       result = GXY_TAKEN;
@@ -196,10 +200,10 @@ int Simulation::publish(int64_t step, double time) {
 int Simulation::publishLast(int64_t step, double time) {
   if (!connection_) return GXY_OFF;
   begin(step, "gxy_publish_last");
-  if (connection_->lost()) return GXY_LOST;
   keepFields();
+  count(step);
   last_ = {step, time};
-  return GXY_TAKEN;
+  return connection_->lost() ? GXY_LOST : GXY_TAKEN;
 }
 
 void Simulation::take(const Step& step) {
@@ -210,35 +214,37 @@ void Simulation::take(const Step& step) {
   statistics_.bytes += route ? int64_t(route->bytes) : 0;
 }
 
-// Copies the arrays of the simulation, which may be gone when they are sent.
+// Copies the arrays of the simulation, which may be gone when they are sent. Nothing has changed if there is no memory.
 void Simulation::keepFields() {
-  for (auto& [number, block] : blocks_) {
+  std::vector<std::vector<std::byte>> kept;
+  std::map<int, Block> blocks = blocks_;
+  for (auto& [number, block] : blocks) {
+    const Index3& n = block.values.points;
     if (block.values.count() == 0) continue;
     for (auto& [name, array] : block.fields) {
-      const Index3& n = block.values.points;
       const auto bytes = int64_t(bytesOf(ScalarType(array.type))) * array.components;
-      kept_.emplace_back(size_t(bytes * block.values.count()));
-      copyPoints(array, block.values, block.values, kept_.back().data());
-      array = {kept_.back().data(),
-               array.type,
-               array.components,
-               {bytes, bytes * n[0], bytes * n[0] * n[1]},
-               0,
-               0};
+      kept.emplace_back(size_t(bytes * block.values.count()));
+      copyPoints(array, block.values, block.values, kept.back().data());
+      const gxy_array copy{kept.back().data(), array.type, array.components, {}, 0, 0};
+      array = copy;
+      array.stride[0] = bytes;
+      array.stride[1] = bytes * n[0];
+      array.stride[2] = bytes * n[0] * n[1];
     }
   }
+  for (auto& [number, block] : blocks) blocks_.at(number).fields.swap(block.fields);
+  kept_ = std::move(kept);
 }
 
-// Whether the last step is published.
-bool Simulation::deliverLast(Clock::time_point until) {
-  const uint64_t before = connection_->published();
-  while (connection_->await(until)) {
+// Waits until the last step is published, or `until` has come. A step that the server has given up is offered again.
+void Simulation::deliverLast(Clock::time_point until) {
+  while (connection_->await(until, Connection::Loss::IsWaitedOut)) {
     if (!connection_->publishLast()) continue;  // The server has changed its mind meanwhile.
+    const uint64_t before = connection_->published();
     take(*last_);
     connection_->settle(until);
-    if (connection_->published() > before) return true;
+    if (connection_->published() > before) return;
   }
-  return false;
 }
 
 void Simulation::copy(const Route& route) {

@@ -41,6 +41,7 @@ class Simulation {
   };
   using Clock = Interrupt::Clock;
   void begin(int64_t step, const char* function);
+  void count(int64_t step);
   int missed() const;
   bool passes(double time) const;
   void checkMesh(const std::string& mesh) const;
@@ -49,7 +50,7 @@ class Simulation {
   void take(const Step& step);
   void copy(const Route& route);
   void keepFields();
-  bool deliverLast(Clock::time_point until);
+  void deliverLast(Clock::time_point until);
 
   const int64_t every_;
   const double firstTime_, lastTime_;

@@ -9,7 +9,7 @@ namespace gxy::insitu {
 /// Publishes are counted from 1. All ranks publish the same sequence, so the same count is the same step on all ranks. The server
 /// appoints a count in the future, and each rank takes exactly that one, without asking the others.
 ///
-/// The thread of the simulation calls publish(); one other thread calls the rest. An appointment is taken or missed,
+/// The thread of the simulation calls publish(), publishLast(), isDue() and count(); one other thread calls the rest. An appointment is taken or missed,
 /// never both: both threads decide by an exchange of one word.
 class Appointment {
  public:

@@ -35,8 +35,9 @@ std::vector<Control> Conductor::begin() {
 }
 
 std::vector<Control> Conductor::appoint() {
-  // A rank that waits for the next publish comes to it in any case.
-  const uint64_t margin = awaited_ > newest_ ? 0 : counters_.margin;
+  // Ranks that wait come to the next publish in any case, unless they do not wait for long enough.
+  const bool waits = awaited_ > 0 && late_ < 2;
+  const uint64_t margin = waits ? 0 : counters_.margin;
   last_ = std::max(newest_ + 1 + margin, last_ + 1);
   state_ = State::Collecting;
   step_ = {last_, 0, 0};
@@ -53,6 +54,7 @@ void Conductor::widen(uint64_t newest) {
   counters_.missed++;
   successes_ = 0;
   if (newest < step_.count) return;
+  late_++;
   counters_.margin = std::min(std::max(2 * counters_.margin, newest - step_.count + 1), kMostMargin);
 }
 
@@ -122,6 +124,7 @@ std::vector<Control> Conductor::published() {
   state_ = State::Idle;
   counters_.published++;
   published_ = step_.count;
+  late_ = 0;
   if (++successes_ == kSuccesses) {
     counters_.margin /= 2;
     successes_ = 0;

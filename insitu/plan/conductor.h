@@ -75,8 +75,8 @@ class Conductor {
   StepHeader step_;
   uint64_t last_ = 0;
   uint64_t awaited_ = 0,
-           published_ = 0;  ///< counts: the largest that a rank waits for, and of the last published
-  int successes_ = 0;
+           published_ = 0;        ///< counts: the largest that a rank waits for, and of the last published
+  int successes_ = 0, late_ = 0;  ///< in a row: steps without a miss; appointments that came too late
   Counters counters_;
 };
 

@@ -14,6 +14,7 @@ void Sender::begin(std::vector<Load> loads) {
   settle();
   question_.reset();
   told_ = 0;
+  heard_ = true;
   cursors_.clear();
   uint64_t begin = 0;
   for (Load& load : loads) {
@@ -38,8 +39,9 @@ void Sender::await() {
 
 std::optional<Control> Sender::waits() {
   const std::lock_guard lock(mutex_);
-  if (awaited_ <= appointment_.count() || awaited_ == told_) return std::nullopt;
+  if (awaited_ <= appointment_.count() || awaited_ == told_ || !heard_) return std::nullopt;
   told_ = awaited_;
+  heard_ = false;
   return Control{Control::Kind::Waits, awaited_, 0};
 }
 
@@ -59,6 +61,7 @@ void Sender::filled(int64_t step, double time) {
 
 std::optional<Control> Sender::receive(const Control& message) {
   const std::lock_guard lock(mutex_);
+  heard_ = true;
   switch (message.kind) {
     case Control::Kind::AskNewest:
       question_ = message.count;

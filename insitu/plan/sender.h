@@ -15,7 +15,8 @@ namespace gxy::insitu {
 /// The state machine of a rank of the simulation. It uses no sockets, threads or clocks: the caller passes on what comes from
 /// the server (receive), and sends what this returns. It has one slot for the copy of one step.
 ///
-/// The simulation's thread calls publish() and filled(); one other thread calls the rest.
+/// The simulation's thread calls publish(), publishLast(), filled(), isDue(), await(), idle(), count() and published(); one other
+/// thread calls the rest.
 class Sender {
  public:
   /// Bytes that go to each rank of Galaxy, by item (records.h), in their order in the slot.
@@ -53,7 +54,8 @@ class Sender {
   /// until filled(), so it says nothing before that would lead to an appointment.
   std::optional<Control> answer();
 
-  /// Returns, once for each publish that is waited for, that the server is to appoint it. Only after begin().
+  /// Returns, once for each publish that is waited for, that the server is to appoint it; but not before the server has said
+  /// anything after the last such message. Only after begin().
   std::optional<Control> waits();
   /// Returns what the server's rank 0 is told about the step in the slot, once it is there.
   std::optional<StepHeader> announcement();
@@ -82,13 +84,14 @@ class Sender {
 
   Appointment appointment_;
   std::atomic<uint64_t> published_ = 0;
-  mutable std::mutex
-      mutex_;  ///< guards the members below; the simulation's thread takes it for taken steps only
+  /// Guards the members below. The simulation's thread takes it for steps that are taken or waited for, not in publish().
+  mutable std::mutex mutex_;
   Slot slot_ = Slot::Free;
   uint64_t appointed_ = 0;            ///< the count that the slot is for, unless it is free
   std::optional<uint64_t> question_;  ///< that waits for an answer
   std::optional<StepHeader> announcement_;
   uint64_t awaited_ = 0, told_ = 0;  ///< the publish that is waited for, and of which the server knows so
+  bool heard_ = true;                ///< whether the server has said anything since it was told
   std::vector<Cursor> cursors_;
 };
 

@@ -24,7 +24,7 @@ constexpr std::chrono::milliseconds kLook(100);   // between looks whether someb
 constexpr std::chrono::seconds kUnasked(10);      // between steps that nobody wants
 constexpr std::chrono::seconds kAfterFailure(1);  // between steps that cannot be published
 constexpr std::chrono::seconds kAppointed(5);   // until an appointment that no rank has come to is made anew
-constexpr std::chrono::seconds kGathering(60);  // until all ranks of a simulation have said what they have
+constexpr std::chrono::seconds kGathering(60);  // between the ranks of a simulation that say what they have
 constexpr std::chrono::seconds kStepPatience(60);  // from the first rank that has taken a step to its end
 
 protocol::WireMessage controlMessage(const Control& control) {
@@ -88,7 +88,7 @@ void StreamLead::take(int rank, const protocol::WireMessage& message) {
     conductor_->receive(rank, step);
   else
     tell(conductor_->receive(rank, control));
-  if (conductor_->isComplete() || conductor_->isAwaited()) changed_.notify_all();
+  if (conductor_->isComplete() || (!isStep && control.kind == Control::Kind::Waits)) changed_.notify_all();
 }
 
 void StreamLead::describe(int rank, Description description) {
@@ -128,11 +128,15 @@ void StreamLead::run() {
 void StreamLead::awaitDescriptions() {
   std::unique_lock lock(mutex_);
   const auto complete = [&] { return end_ || described_ == size_t(identity().ranks); };
-  for (auto until = Clock::now() + kGathering; !changed_.wait_until(lock, until, complete);) {
+  size_t before = 0;
+  while (!changed_.wait_until(lock, Clock::now() + kGathering, complete)) {
+    if (described_ > 0 && described_ == before)
+      throw Error("only " + std::to_string(described_) + " of " + std::to_string(identity().ranks) +
+                  " ranks of the simulation have published a step within a minute");
+    before = described_;
     lock.unlock();
     if (part_->connections() == 0) throw Error("no rank of the simulation is connected");
     lock.lock();
-    until = Clock::now() + kGathering;
   }
   if (end_) throw Ended();
 }

@@ -74,7 +74,7 @@ TEST(Conductor, AppointsLessFarAheadIfNobodyComesToIt) {
 TEST(Conductor, AppointsTheNextPublishForRanksThatWait) {
   Conductor conductor(1, {});
   EXPECT_EQ(appointed(conductor, {5}), 6u);
-  const Messages asked = conductor.receive(0, {Kind::Missed, 6, 8});  // so there is a margin now
+  Messages asked = conductor.receive(0, {Kind::Missed, 6, 8});  // so there is a margin now
   EXPECT_FALSE(conductor.isAwaited());
   EXPECT_EQ(conductor.receive(0, {Kind::Waits, 9, 0}), Messages{});
   EXPECT_TRUE(conductor.isAwaited());
@@ -85,7 +85,12 @@ TEST(Conductor, AppointsTheNextPublishForRanksThatWait) {
   EXPECT_FALSE(conductor.isAwaited());
   conductor.receive(0, {Kind::Waits, 9, 0});
   EXPECT_FALSE(conductor.isAwaited()) << "it was said before the appointment came";
-  EXPECT_EQ(appointed(conductor, {20}), 24u) << "the margin is for ranks that do not wait";
+  EXPECT_EQ(appointed(conductor, {20}), 21u) << "it will wait, though it does not yet";
+  asked = conductor.receive(0, {Kind::Missed, 21, 21});
+  EXPECT_EQ(conductor.receive(0, {Kind::Newest, asked[1].count, 21}), (Messages{{Kind::Appoint, 22, 0}}));
+  asked = conductor.receive(0, {Kind::Missed, 22, 22});
+  EXPECT_EQ(conductor.receive(0, {Kind::Newest, asked[1].count, 22}), (Messages{{Kind::Appoint, 35, 0}}))
+      << "it does not wait for long enough";
 }
 
 TEST(Sender, TellsEachServerOnceWhatItWaitsFor) {
@@ -98,6 +103,11 @@ TEST(Sender, TellsEachServerOnceWhatItWaitsFor) {
   sender.begin({});  // with another server
   EXPECT_EQ(sender.waits(), (Control{Kind::Waits, 1, 0}));
   sender.publish();  // The time was out.
+  sender.await();
+  EXPECT_EQ(sender.waits(), std::nullopt) << "it has not answered yet";
+  sender.receive({Kind::AskNewest, 1, 0});
+  EXPECT_EQ(sender.waits(), (Control{Kind::Waits, 2, 0}));
+  sender.publish();
   sender.begin({});
   EXPECT_EQ(sender.waits(), std::nullopt);
 }

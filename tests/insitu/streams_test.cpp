@@ -242,14 +242,12 @@ std::string waiting(const TestServer& server, const json& timeOut) {
   return options.dump();
 }
 
-TEST(Streams, EveryStepIsPublishedWhereTheSimulationWaits) {
+TEST(Streams, EveryStepIsPublishedWhereTheSimulationWaitsAlthoughNobodyLooks) {
   for (const int ranks : {1, 3}) {
     const auto server = serve();
-    Events events("heat.t");
-    const auto client = events.client(*server);
+    const auto client = server->client();
     client->expect("load data");
     client->expect("load insitu");
-    client->expect("observe");
     const Grid grid = gridOf({8, 8, 8});
     MiniSimulation simulation("heat", grid, slabs(grid, ranks), ranks, {{"t"}}, Layout::Together,
                               waiting(*server, nullptr));
@@ -262,28 +260,65 @@ TEST(Streams, EveryStepIsPublishedWhereTheSimulationWaits) {
   }
 }
 
-TEST(Streams, AStepThatOneRankDoesNotWaitForIsLeftOutAndTheNextIsNot) {
+TEST(Streams, AStepThatOneRankDoesNotWaitForIsLeftOutOnAll) {
   const auto server = serve();
-  const auto client = server->client();
-  client->expect("load insitu");
+  Events events("heat.t");
+  const auto client = events.client(*server);
+  client->expect("load data");
+  client->expect("observe");
   const Grid grid = gridOf({8, 8, 8});
   MiniSimulation simulation("heat", grid, slabs(grid, 2), 2, {{"t"}}, Layout::Together,
-                            waiting(*server, 0.1));
+                            waiting(*server, 0.2));
+  const auto publish = [&](int rank, int64_t step) { return gxy_publish(simulation.rank(rank), step, 0); };
   until([&] { return simulation.publishTogether() == 2; }, "both ranks");
-  // Rank 0 goes on alone: it takes one step at most, of which nobody sees anything, and waits in vain for the others.
-  int taken = 0;
-  for (int64_t step = 1001; step <= 1003; step++)
-    taken += gxy_publish(simulation.rank(0), step, 0) == GXY_TAKEN;
-  EXPECT_LE(taken, 1);
-  for (int64_t step = 1001; step <= 1003; step++) gxy_publish(simulation.rank(1), step, 0);
-  const int64_t before = simulation.published();
+  const int64_t first = simulation.step(), gap = first + 2;
+  EXPECT_EQ(publish(0, first + 1), GXY_TAKEN);
+  EXPECT_EQ(publish(0, gap), GXY_NOT_TAKEN) << "the step before it waits for rank 1";
+  EXPECT_EQ(publish(1, first + 1), GXY_TAKEN);
+  EXPECT_EQ(publish(1, gap), GXY_NOT_TAKEN);
+  int64_t step = gap;
   until(
       [&] {
-        for (const int r : {0, 1}) gxy_publish(simulation.rank(r), 2000 + simulation.step(), 0);
-        simulation.publish();
-        return simulation.published() > before;
+        step++;
+        std::thread other([&] { publish(1, step); });
+        publish(0, step);
+        other.join();
+        const std::vector<json> all = events.all();
+        return !all.empty() && all.back().at("step") > gap;
       },
       "a step after the gap");
+  const std::vector<json> all = events.all();
+  const auto has = [&](int64_t wanted) {
+    return std::any_of(all.begin(), all.end(), [&](const json& e) { return e.at("step") == wanted; });
+  };
+  EXPECT_TRUE(has(first + 1));
+  EXPECT_FALSE(has(gap));
+}
+
+TEST(Streams, WaitingEndsWhereTheStreamDoes) {
+  for (const std::string how : {"close", "rank", "server"}) {
+    SCOPED_TRACE(how);
+    auto server = serve();
+    const auto client = server->client();
+    client->expect("load insitu");
+    const Grid grid = gridOf({8, 8, 8});
+    json options = json::parse(waiting(*server, nullptr));
+    options["reconnect"] = 0;
+    MiniSimulation simulation("heat", grid, slabs(grid, 2), 2, {{"t"}}, Layout::Together, options.dump());
+    EXPECT_EQ(simulation.publishTogether(), 2);
+    const int64_t next = simulation.step() + 1;
+    EXPECT_EQ(gxy_publish(simulation.rank(0), next, 0), GXY_TAKEN) << "of which rank 1 publishes nothing";
+    int result = GXY_TAKEN;
+    std::thread waits([&] { result = gxy_publish(simulation.rank(0), next + 1, 0); });
+    if (how == "close")
+      client->expect("insitu.close heat");
+    else if (how == "rank")
+      simulation.closeRank(1);
+    else
+      server->stop();
+    waits.join();
+    EXPECT_EQ(result, GXY_LOST);
+  }
 }
 
 TEST(Streams, TheLastStepIsPublishedAlthoughNobodyLooks) {
@@ -298,7 +333,7 @@ TEST(Streams, TheLastStepIsPublishedAlthoughNobodyLooks) {
     MiniSimulation simulation("heat", grid, slabs(grid, 3), 3, fields, Layout::Ghosts, to(*server), of);
     run(simulation, [&] { return simulation.published() >= 1; });
     for (int i = 0; i < 10; i++) simulation.publish();
-    simulation.publishLastAndClose(20);
+    simulation.publishLastAndClose(8);  // sooner than a step that nobody wants
     EXPECT_EQ(simulation.results(), 0);
     until([&] { return client->expect("insitu.streams").at("streams").empty(); }, "the end of the stream");
     EXPECT_EQ(datasetOn(*server, 0, "heat.t")->origins.at(0).step, simulation.step());
