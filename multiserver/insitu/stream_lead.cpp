@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "core/comm/error.h"
 #include "core/io/automatic_partitioning.h"
@@ -25,6 +26,8 @@ constexpr std::chrono::seconds kUnasked(10);      // between steps that nobody w
 constexpr std::chrono::seconds kAfterFailure(1);  // between steps that cannot be published
 constexpr std::chrono::seconds kAppointed(5);   // until an appointment that no rank has come to is made anew
 constexpr std::chrono::seconds kGathering(60);  // between the ranks of a simulation that say what they have
+constexpr std::chrono::seconds kConnecting(
+    12);  // until a rank that has joined connects, which it tries for 10 s
 constexpr std::chrono::seconds kStepPatience(60);  // from the first rank that has taken a step to its end
 
 protocol::WireMessage controlMessage(const Control& control) {
@@ -129,11 +132,12 @@ void StreamLead::awaitDescriptions() {
   std::unique_lock lock(mutex_);
   const auto complete = [&] { return end_ || described_ == size_t(identity().ranks); };
   size_t before = 0;
-  while (!changed_.wait_until(lock, Clock::now() + kGathering, complete)) {
-    if (described_ > 0 && described_ == before)
+  auto last = Clock::now();  // that a rank said what it has
+  while (!changed_.wait_until(lock, Clock::now() + kConnecting, complete)) {
+    if (described_ != std::exchange(before, described_)) last = Clock::now();
+    if (described_ > 0 && Clock::now() > last + kGathering)
       throw Error("only " + std::to_string(described_) + " of " + std::to_string(identity().ranks) +
                   " ranks of the simulation have published a step within a minute");
-    before = described_;
     lock.unlock();
     if (part_->connections() == 0) throw Error("no rank of the simulation is connected");
     lock.lock();

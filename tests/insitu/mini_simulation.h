@@ -96,17 +96,19 @@ class MiniArray {
 
 class MiniSimulation {
  public:
-  /// `of` is GXY_OF_POINTS or GXY_OF_CELLS: of what `grid.points` and `blocks` are, and the fields.
+  /// `of` is GXY_OF_POINTS or GXY_OF_CELLS: of what `grid.points` and `blocks` are, and the fields. `only`: this rank is one, and the
+  /// others are elsewhere; -1: all are here.
   MiniSimulation(std::string name, const Grid& grid, std::vector<insitu::Block> blocks, int ranks,
                  std::vector<MiniField> fields, Layout layout, const std::string& options,
-                 int of = GXY_OF_POINTS)
+                 int of = GXY_OF_POINTS, int only = -1)
       : grid_(grid), fields_(std::move(fields)), of_(of) {
     for (int r = 0; r < ranks; r++)
-      sims_.emplace_back(gxy_open(name.c_str(), r, ranks, options.c_str()),
+      sims_.emplace_back(only < 0 || r == only ? gxy_open(name.c_str(), r, ranks, options.c_str()) : nullptr,
                          [](gxy_sim* s) { gxy_close(s, 0); });
     std::vector<bool> has(size_t(ranks), false);
     for (const insitu::Block& b : blocks) {
       has[size_t(b.rank)] = true;
+      if (!rank(b.rank)) continue;
       tell(b, b.extent.points);
       for (size_t f = 0; f < fields_.size(); f++) {
         arrays_.push_back({f, std::make_unique<MiniArray>(fields_[f], b.extent, layout)});
@@ -115,7 +117,7 @@ class MiniSimulation {
       }
     }
     for (int r = 0; r < ranks; r++)
-      if (!has[size_t(r)]) {
+      if (!has[size_t(r)] && rank(r)) {
         tell({r, 0, {}}, {0, 0, 0});
         for (const MiniField& f : fields_)
           results_ |= gxy_field(rank(r), "grid", 0, f.name.c_str(), of_,
@@ -131,7 +133,8 @@ class MiniSimulation {
   int publish() {
     fill(++step_);
     int taken = 0;
-    for (const auto& s : sims_) taken += gxy_publish(s.get(), step_, 0.5 * double(step_)) == GXY_TAKEN;
+    for (const auto& s : sims_)
+      if (s) taken += gxy_publish(s.get(), step_, 0.5 * double(step_)) == GXY_TAKEN;
     return taken;
   }
   /// The same, with a thread for each rank, since they wait for each other.
