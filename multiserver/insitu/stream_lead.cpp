@@ -24,10 +24,9 @@ namespace {
 constexpr std::chrono::milliseconds kLook(100);   // between looks whether somebody wants a step
 constexpr std::chrono::seconds kUnasked(10);      // between steps that nobody wants
 constexpr std::chrono::seconds kAfterFailure(1);  // between steps that cannot be published
-constexpr std::chrono::seconds kAppointed(5);   // until an appointment that no rank has come to is made anew
-constexpr std::chrono::seconds kGathering(60);  // between the ranks of a simulation that say what they have
-constexpr std::chrono::seconds kConnecting(
-    12);  // until a rank that has joined connects, which it tries for 10 s
+constexpr std::chrono::seconds kAppointed(5);    // until an appointment that no rank has come to is made anew
+constexpr std::chrono::seconds kGathering(60);   // between the ranks of a simulation that say what they have
+constexpr std::chrono::seconds kConnecting(12);  // for a rank that has joined, and tries it for 10 s
 constexpr std::chrono::seconds kStepPatience(60);  // from the first rank that has taken a step to its end
 
 protocol::WireMessage controlMessage(const Control& control) {
@@ -194,7 +193,8 @@ void StreamLead::plan() {
   for (size_t r = 0; r < all.size(); r++) part_->send(int(r), {MessageChannel::Plan, 0, written(all[r])});
 }
 
-// A step is taken when somebody waits for one, a client or the simulation itself, and else now and then, so that whoever comes sees something.
+// A step is taken when somebody waits for one, a client or the simulation itself, and else now and then, so that whoever comes
+// sees something.
 void StreamLead::publishSteps() {
   for (;;) {
     const auto begin = Clock::now();

@@ -150,7 +150,7 @@ TEST(Streams, AStepThatOneRankDoesNotWaitForIsLeftOutOnAll) {
   client->expect("observe");
   const Grid grid = gridOf({8, 8, 8});
   MiniSimulation simulation("heat", grid, slabs(grid, 2), 2, {{"t"}}, Layout::Together,
-                            waiting(*server, 0.2));
+                            waiting(*server, 3));  // far longer than a step takes to be published
   const auto publish = [&](int rank, int64_t step) { return gxy_publish(simulation.rank(rank), step, 0); };
   until([&] { return simulation.publishTogether() == 2; }, "both ranks");
   const int64_t first = simulation.step(), gap = first + 2;

@@ -38,7 +38,7 @@ class Result(enum.IntEnum):
     """What became of a step."""
 
     TAKEN = 0  # its values were copied
-    NOT_TAKEN = 1  # nobody needs it
+    NOT_TAKEN = 1  # nobody needs it, or the time to wait for it was out
     OFF = 2  # publishing is off
     LOST = 3  # there is no connection to the server; the library tries again if it may
 
