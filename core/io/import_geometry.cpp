@@ -240,13 +240,20 @@ LoadedGeometry loadGeometry(const std::string& path, GeometryKind kind, const Va
       spdlog::warn("{}", warning);
   }
 
+  if (!wanted.radii.empty()) geometry.radiusRange.emplace();
+  measureGeometry(loaded, ranks);
+  return loaded;
+}
+
+void measureGeometry(LoadedGeometry& loaded, Collectives& ranks) {
+  OwnedGeometry& geometry = loaded.geometry;
   // Points that no primitive uses do not count.
   Range radii;
   agree(ranks, [&] {
     const Advance go = [&](double) { ranks.check(); };
     for (size_t p = 0; p < geometry.block.ids.size(); ++p) {
       tell(go, p, geometry.block.ids.size());
-      for (uint32_t point : primitivePoints(geometry.block, kind, p)) {
+      for (uint32_t point : primitivePoints(geometry.block, geometry.kind, p)) {
         geometry.box.extend(geometry.block.points[point]);
         if (!geometry.block.values.empty()) geometry.range.extend(double(geometry.block.values[point]));
         if (!geometry.block.radiusValues.empty()) radii.extend(double(geometry.block.radiusValues[point]));
@@ -256,11 +263,10 @@ LoadedGeometry loadGeometry(const std::string& path, GeometryKind kind, const Va
   mergeBox(ranks, geometry.box);
   mergeRanges(ranks, std::span(&geometry.range, 1));
   mergeRanges(ranks, std::span(&radii, 1));
-  if (!wanted.radii.empty()) geometry.radiusRange = radii;
+  if (geometry.radiusRange) geometry.radiusRange = radii;
   const PointSpread spread = spreadOf(loaded, ranks);
-  geometry.middle = kind == GeometryKind::Particles ? spread.middle : geometry.box;
+  geometry.middle = geometry.kind == GeometryKind::Particles ? spread.middle : geometry.box;
   geometry.spacing = spread.spacing;
-  return loaded;
 }
 
 OwnedGeometry ownedGeometry(LoadedGeometry loaded, const Partitioning& partitioning, Collectives& ranks) {

@@ -32,6 +32,10 @@ LoadedGeometry loadGeometry(const std::string& path, GeometryKind kind, const Va
                             Collectives& ranks, const TakeMemory& toTake = {},
                             std::vector<std::string>* warnings = nullptr);
 
+/// Collective. Computes the box, the ranges of values and of radii, `middle` and `spacing` of geometry whose block and numbers of
+/// primitives are complete. If any rank fails, all throw the same Error.
+void measureGeometry(LoadedGeometry& loaded, Collectives& ranks);
+
 /// Collective. Gives each primitive one owner. If every rank has read all primitives, each rank keeps those that keepHome()
 /// gives to it; otherwise the rank that has read a primitive owns it. If any rank fails, all throw the same Error.
 OwnedGeometry ownedGeometry(LoadedGeometry loaded, const Partitioning& partitioning, Collectives& ranks);

@@ -11,7 +11,7 @@ module galaxy_insitu
   implicit none
   private
 
-  public :: gxy_version, gxy_open, gxy_grid, gxy_field, gxy_values, gxy_publish, gxy_publish_last
+  public :: gxy_version, gxy_open, gxy_grid, gxy_points, gxy_field, gxy_values, gxy_publish, gxy_publish_last
   public :: gxy_statistics, gxy_message, gxy_close
   public :: c_ptr, c_int64_t, c_double
 
@@ -41,6 +41,8 @@ module galaxy_insitu
 
   ! gxy_values(FIRST, SHAPE) describes an array without gaps. FIRST is its first owned element, SHAPE that of the whole array,
   ! ghosts included: gxy_values(energy(1, 1, 1), shape(energy)). In a shape of rank 4, the first dimension counts components.
+  ! Arrays of particles have rank 1, or rank 2 with components first: gxy_values(x(1, 1), shape(x)) for x(3, n). Without particles,
+  ! give any element.
   ! The array stays where it is until the next gxy_field or gxy_close, and has the attribute target: else the compiler may think
   ! that nobody reads it in gxy_publish.
   interface gxy_values
@@ -52,6 +54,11 @@ module galaxy_insitu
   interface gxy_grid
     module procedure grid_int32, grid_int64
   end interface gxy_grid
+
+  ! gxy_points(SIM, MESH, COUNT, POSITIONS, IDS, BOX), with a count of 32 or of 64 bits. IDS and BOX may be left out.
+  interface gxy_points
+    module procedure points_int32, points_int64
+  end interface gxy_points
 
   ! gxy_publish(SIM, STEP, TIME), with a step of 32 or of 64 bits.
   interface gxy_publish
@@ -122,6 +129,16 @@ module galaxy_insitu
       type(gxy_array), value :: values
       integer(c_int) :: taken
     end function c_field
+
+    function c_points(sim, mesh, count, positions, ids, box) result(taken) bind(c, name="gxy_points")
+      import :: c_ptr, c_char, c_int, c_int64_t, gxy_array
+      type(c_ptr), value :: sim
+      character(kind=c_char), intent(in) :: mesh(*)
+      integer(c_int64_t), value :: count
+      type(gxy_array), value :: positions, ids
+      type(c_ptr), value :: box
+      integer(c_int) :: taken
+    end function c_points
 
     function c_message(sim) result(text) bind(c, name="gxy_message")
       import :: c_ptr
@@ -202,6 +219,38 @@ contains
     taken = c_field(sim, in_c(mesh), block, in_c(field), of, values)
   end function gxy_field
 
+  function points_int64(sim, mesh, count, positions, ids, box) result(taken)
+    type(c_ptr), intent(in) :: sim
+    character(len=*), intent(in) :: mesh
+    integer(c_int64_t), intent(in) :: count
+    type(gxy_array), intent(in) :: positions
+    type(gxy_array), intent(in), optional :: ids
+    real(c_double), intent(in), optional :: box(6)
+    integer(c_int) :: taken
+    type(gxy_array) :: numbers
+    real(c_double), target :: domain(6)
+    type(c_ptr) :: where_to
+    numbers = gxy_array(c_null_ptr, 0, 0, 0_c_int64_t, 0_c_int64_t, 0)
+    where_to = c_null_ptr
+    if (present(ids)) numbers = ids
+    if (present(box)) then
+      domain = box
+      where_to = c_loc(domain)
+    end if
+    taken = c_points(sim, in_c(mesh), count, positions, numbers, where_to)
+  end function points_int64
+
+  function points_int32(sim, mesh, count, positions, ids, box) result(taken)
+    type(c_ptr), intent(in) :: sim
+    character(len=*), intent(in) :: mesh
+    integer(c_int32_t), intent(in) :: count
+    type(gxy_array), intent(in) :: positions
+    type(gxy_array), intent(in), optional :: ids
+    real(c_double), intent(in), optional :: box(6)
+    integer(c_int) :: taken
+    taken = points_int64(sim, mesh, int(count, c_int64_t), positions, ids, box)
+  end function points_int32
+
   ! The text about the last result, or about why there is no connection.
   function gxy_message(sim) result(message)
     type(c_ptr), intent(in) :: sim
@@ -254,7 +303,8 @@ contains
     values = without_gaps(c_loc(first), GXY_INT32, 4_c_int64_t, shape_of_array)
   end function values_int32
 
-  ! An array of a shape of rank 3, or of rank 4 with components first. Any other shape gives strides of 0, which gxy_field refuses.
+  ! Of a grid, an array of a shape of rank 3, or of rank 4 with components first. Of particles, one of rank 1, or of rank 2 with
+  ! components first. Any other shape gives strides of 0, which are refused.
   pure function without_gaps(data, type, bytes, shape_of_array) result(values)
     type(c_ptr), intent(in) :: data
     integer(c_int), intent(in) :: type
@@ -264,9 +314,10 @@ contains
     integer :: axes
     axes = size(shape_of_array)
     values = gxy_array(data, type, 1, 0_c_int64_t, 0_c_int64_t, 0)
-    if (axes == 4) values%components = int(shape_of_array(1), c_int)
-    if (axes /= 3 .and. axes /= 4) return
+    if (axes > 4 .or. axes < 1) return
+    if (axes == 4 .or. axes == 2) values%components = int(shape_of_array(1), c_int)
     values%stride(1) = bytes * values%components
+    if (axes < 3) return
     values%stride(2) = values%stride(1) * shape_of_array(axes - 2)
     values%stride(3) = values%stride(2) * shape_of_array(axes - 1)
   end function without_gaps

@@ -3,7 +3,7 @@
  * The interface by which a simulation publishes its steps to Galaxy while it runs. docs/insitu.md is the guide. It is C99 and
  * needs no other library: neither MPI nor VTK.
  *
- * Every rank of the simulation opens one gxy_sim, says once which part of a grid it owns and where its fields lie in memory,
+ * Every rank of the simulation opens one gxy_sim, says which part of a grid or which particles it has and where its fields lie in memory,
  * and calls gxy_publish() after each step. The ranks never communicate with each other for Galaxy's sake. What gxy_publish()
  * does with a step, and where it goes, is decided when the program runs (gxy_open); by default it does nothing.
  *
@@ -96,17 +96,32 @@ GXY_API gxy_sim* gxy_open(const char* name, int rank, int ranks, const char* opt
  * whole grid, the same on all ranks: at least 2 points or 1 cell by axis. The block with number `block` (0, 1, ... on this rank)
  * owns `count` points or cells from `first` on. Blocks of all ranks must not overlap, and together they must have all of them.
  * A rank may have any number of blocks; a rank without blocks calls this once with a count of 0. Point (i, j, k) lies at
- * origin + spacing * (i, j, k), and cell (i, j, k) lies between it and the next one; spacing is positive. A stream has one grid
- * so far, so `mesh`, size, origin and spacing are the same in all calls. Called again before the first step, it changes what a block
+ * origin + spacing * (i, j, k), and cell (i, j, k) lies between it and the next one; spacing is positive. Size,
+ * origin and spacing are the same in all calls for a mesh. A stream may have several grids: the first by name is that whose domain the
+ * server cuts for its ranks, and the others lie inside it. Called again before the first step, it changes what a block
  * owns, and gxy_field() has to be called again for it; a change after the first step is wrong so far. */
 GXY_API int gxy_grid(gxy_sim* sim, const char* mesh, int block, int of, const int64_t size[3],
                      const int64_t first[3], const int64_t count[3], const double origin[3],
                      const double spacing[3]);
 
+/* Says which particles this rank has now: `count` points, any number, on any rank, wherever they lie. It is called before each publish
+ * that has other ones, or has them elsewhere in memory; then gxy_field() is called again for their fields, with block 0 and GXY_OF_POINTS.
+ * Of arrays of particles, stride[0] is the bytes from one to the next; the other strides are not used.
+ *   `positions`  3 components, of GXY_FLOAT32 or GXY_FLOAT64
+ *   `ids`        one integer of 32 or 64 bits, from 0 up, for each particle, each number once on all ranks; with components 0 there are
+ *                none, and particles are numbered by rank. Pictures do not depend on which rank has a particle if there are ids.
+ *   `box`        the least x, y, z, and the largest, of the domain that the server cuts for its ranks; NULL: that of the particles of the first
+ *                step, a tenth larger. Particles may be outside. It is not used where the stream has a grid.
+ * Each field becomes the dataset NAME.FIELD, with the particles and its values; of several components, their magnitude. Particles without
+ * fields become NAME.MESH. Types, ids and box are the same on all ranks and in all steps, so also a rank without particles calls this and
+ * gxy_field(), where `data` may be NULL. */
+GXY_API int gxy_points(gxy_sim* sim, const char* mesh, int64_t count, gxy_array positions, gxy_array ids,
+                       const double box[6]);
+
 /* Says where the values of a field lie for a block that gxy_grid() has described. Type and components of a field are the same
  * in all blocks of all ranks, and all blocks have the same fields: also one without points, whose `data` may be NULL. It may be
- * called before each step, for instance with another pointer. The values are read within gxy_publish() only. The field becomes the dataset NAME.FIELD. `of` must
- * be that of the grid so far. A value of a cell stands at the centre of the cell, and those of the outermost cells hold up to the
+ * called before each step, for instance with another pointer. The values are read within gxy_publish() only. The field becomes the dataset NAME.FIELD, so meshes
+ * have fields of different names. `of` must be that of the grid so far. A value of a cell stands at the centre of the cell, and those of the outermost cells hold up to the
  * domain's end, as in files with values of cells. */
 GXY_API int gxy_field(gxy_sim* sim, const char* mesh, int block, const char* field, int of, gxy_array values);
 

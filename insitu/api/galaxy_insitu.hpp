@@ -63,6 +63,18 @@ class Simulation {
     return gxy_result(gxy_field(sim_, mesh, block, name, of_, values));
   }
 
+  /// Says which particles this rank has now, as gxy_points() does; row() makes the arrays. `ids` may be left out, and `box`, the
+  /// least x, y, z and then the largest, may be null. Called again, with all fields, when the particles change.
+  gxy_result points(std::int64_t count, const gxy_array& positions, const gxy_array& ids = gxy_array(),
+                    const double* box = nullptr, const char* mesh = "points") noexcept {
+    return gxy_result(gxy_points(sim_, mesh, count, positions, ids, box));
+  }
+
+  /// Says where a field of the particles lies. row() makes the array.
+  gxy_result pointField(const char* name, const gxy_array& values, const char* mesh = "points") noexcept {
+    return gxy_result(gxy_field(sim_, mesh, 0, name, GXY_OF_POINTS, values));
+  }
+
   /// Offers a step. It never waits, unless the option "policy" says so. Steps ascend.
   gxy_result publish(std::int64_t step, double time) noexcept {
     return gxy_result(gxy_publish(sim_, step, time));
@@ -109,6 +121,13 @@ template <class T>
 gxy_array values(const T* firstOwned, const Simulation::Indices& size, int components = 1) noexcept {
   const std::int64_t point = std::int64_t(sizeof(T)) * components;
   return strided(firstOwned, {{point, point * size[0], point * size[0] * size[1]}}, components);
+}
+
+/// Values of particles, one after the other. The components of a particle stand together. `stride`: the bytes from one particle to the
+/// next; 0: there are no gaps.
+template <class T>
+gxy_array row(const T* first, int components = 1, std::int64_t stride = 0) noexcept {
+  return strided(first, {{stride != 0 ? stride : std::int64_t(sizeof(T)) * components, 0, 0}}, components);
 }
 
 }  // namespace gxy

@@ -4,7 +4,6 @@
 #include <pthread.h>
 
 #include <csignal>
-#include <numeric>
 #include <utility>
 
 #include "core/comm/error.h"
@@ -23,21 +22,21 @@ WireMessage message(MessageChannel channel, Bytes payload) { return {channel, 0,
 
 }  // namespace
 
-std::shared_ptr<const Route> routeOf(std::vector<Destination> destinations,
-                                     const std::vector<Field>& fields) {
-  auto route = std::make_shared<Route>();
-  for (const Destination& d : destinations) {
-    Sender::Load load{d.owner, {}, {}};
-    for (const Piece& piece : d.pieces)
-      for (const Field& field : fields) {
-        load.items.push_back(uint64_t(piece.points.count()) * field.bytesPerPoint());
-        load.bytesPerPoint.push_back(field.bytesPerPoint());
-      }
-    route->bytes = std::accumulate(load.items.begin(), load.items.end(), route->bytes);
-    route->loads.push_back(std::move(load));
+std::byte* Slot::reserve(uint64_t bytes) {
+  if (bytes > bytes_) {
+    data_.reset();
+    bytes_ = 0;
+    data_ = std::make_unique_for_overwrite<std::byte[]>(bytes);
+    bytes_ = bytes;
   }
+  return data_.get();
+}
+
+std::shared_ptr<const Route> routeOf(std::vector<Destination> destinations, const std::vector<Mesh>& meshes) {
+  auto route = std::make_shared<Route>();
+  for (const Destination& d : destinations) route->loads.push_back({d.owner, itemsOf(d.pieces, meshes)});
   route->destinations = std::move(destinations);
-  route->slot = std::make_unique_for_overwrite<std::byte[]>(route->bytes);
+  route->slot = std::make_unique<Slot>();
   return route;
 }
 
@@ -73,8 +72,13 @@ std::shared_ptr<const Route> Connection::route() const {
   return route_;
 }
 
-void Connection::filled(int64_t step, double time) {
-  sender_.filled(step, time);
+void Connection::filled(int64_t step, double time, std::vector<uint64_t> particles) {
+  sender_.filled(step, time, std::move(particles));
+  interrupt_.wake();
+}
+
+void Connection::notFilled() {
+  sender_.notFilled();
   interrupt_.wake();
 }
 
@@ -180,7 +184,8 @@ void Connection::follow(const Joined& joined, std::vector<Destination> destinati
 void Connection::exchange() {
   WireSocket& root = *sockets_.at(0);
   if (!described_) described_ = tellDescription(root);
-  if (const auto answer = sender_.answer()) root.send(message(MessageChannel::DataControl, written(*answer)));
+  while (const auto answer = sender_.answer())
+    root.send(message(MessageChannel::DataControl, written(*answer)));
   if (planned_)
     if (const auto waits = sender_.waits()) root.send(message(MessageChannel::DataControl, written(*waits)));
   if (const auto step = sender_.announcement()) root.send(message(MessageChannel::Step, written(*step)));
@@ -205,7 +210,7 @@ void Connection::sendPieces(int owner, WireSocket& socket) {
     if (!chunk) return;
     const auto header = written(chunk->header);
     socket.send(message(MessageChannel::Piece, Bytes(header.begin(), header.end())),
-                {route_->slot.get() + chunk->place, chunk->bytes});
+                {route_->slot->data() + chunk->place, chunk->bytes});
     socket.flush();
   }
 }
@@ -234,8 +239,7 @@ void Connection::receive(int owner, WireSocket& socket) {
     std::shared_ptr<const Route> route;
     {
       const std::lock_guard lock(mutex_);
-      route = routeOf(readDestinations(m->payload, member_.rank, description_->blocks),
-                      description_->mesh.fields);
+      route = routeOf(readDestinations(m->payload, member_.rank, *description_), description_->meshes);
     }
     follow(joined_, route->destinations);
     sender_.begin(route->loads);

@@ -20,16 +20,27 @@
 
 namespace gxy::insitu {
 
-/// Where the samples of a step go, and the slot that they are copied into. It is immutable but for the bytes of the slot.
+/// Room for the copy of one step: the items of each destination one behind the other.
+class Slot {
+ public:
+  /// Makes room for so many bytes. What was there is lost where it grows. Throws std::bad_alloc.
+  std::byte* reserve(uint64_t bytes);
+  const std::byte* data() const { return data_.get(); }
+
+ private:
+  std::unique_ptr<std::byte[]> data_;
+  uint64_t bytes_ = 0;
+};
+
+/// Where the samples of a step go, and the slot that they are copied into. It is immutable but for the slot.
 struct Route {
   std::vector<Destination> destinations;
   std::vector<Sender::Load> loads;  ///< by destination
-  uint64_t bytes = 0;               ///< of the slot
-  std::unique_ptr<std::byte[]> slot;
+  std::unique_ptr<Slot> slot;
 };
 
-/// Returns the route of a rank by the plan of a server. The slot has the items of each destination one behind the other.
-std::shared_ptr<const Route> routeOf(std::vector<Destination> destinations, const std::vector<Field>& fields);
+/// Returns the route of a rank by the plan of a server.
+std::shared_ptr<const Route> routeOf(std::vector<Destination> destinations, const std::vector<Mesh>& meshes);
 
 /// Connects in the background and sends what is taken. If the connection is lost, it tries again as the options say. The
 /// simulation's thread uses all functions.
@@ -52,7 +63,10 @@ class Connection {
   /// As publish(), of the last publish of all. False: none is due, and nothing is counted.
   bool publishLast() { return sender_.publishLast(); }
   std::shared_ptr<const Route> route() const;
-  void filled(int64_t step, double time);
+  /// `particles` as in Sender::filled().
+  void filled(int64_t step, double time, std::vector<uint64_t> particles);
+  /// There is no memory for the copy.
+  void notFilled();
 
   bool connected() const { return connected_; }
   /// There is no connection, and the last attempt has failed.

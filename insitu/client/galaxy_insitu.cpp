@@ -96,7 +96,23 @@ int gxy_grid(gxy_sim* sim, const char* mesh, int block, int of, const int64_t si
       owned.points[size_t(a)] = count[a];
     }
     if (std::any_of(count, count + 3, [](int64_t n) { return n == 0; })) owned = {};
-    s.grid(given(mesh, "gxy_grid: mesh"), block, of, grid, owned);
+    s.meshes().grid(given(mesh, "gxy_grid: mesh"), block, of, grid, owned);
+    return GXY_TAKEN;
+  });
+}
+
+int gxy_points(gxy_sim* sim, const char* mesh, int64_t count, gxy_array positions, gxy_array ids,
+               const double box[6]) {
+  return guarded(sim, [&](Simulation& s) {
+    if (count < 0) throw Error("gxy_points: count " + std::to_string(count) + ", expected 0 or more");
+    Box domain;
+    for (int a = 0; box && a < 3; a++) {
+      domain.lo[a] = box[a];
+      domain.hi[a] = box[a + 3];
+    }
+    if (box && domain.empty())
+      throw Error("gxy_points: the box is empty, expected the least x, y, z and then the largest");
+    s.meshes().points(given(mesh, "gxy_points: mesh"), uint64_t(count), positions, ids, domain);
     return GXY_TAKEN;
   });
 }
@@ -104,7 +120,7 @@ int gxy_grid(gxy_sim* sim, const char* mesh, int block, int of, const int64_t si
 int gxy_field(gxy_sim* sim, const char* mesh, int block, const char* field, int of, gxy_array values) {
   return guarded(sim, [&](Simulation& s) {
     checkOf(of, "gxy_field");
-    s.field(given(mesh, "gxy_field: mesh"), block, given(field, "gxy_field: field"), of, values);
+    s.meshes().field(given(mesh, "gxy_field: mesh"), block, given(field, "gxy_field: field"), of, values);
     return GXY_TAKEN;
   });
 }

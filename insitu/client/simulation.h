@@ -9,6 +9,7 @@
 
 #include "insitu/api/galaxy_insitu.h"
 #include "insitu/client/connection.h"
+#include "insitu/client/meshes.h"
 
 namespace gxy::insitu {
 
@@ -17,9 +18,7 @@ class Simulation {
  public:
   Simulation(Options options, Member member);
 
-  /// `grid` and `owned` count points, or cells if `of` is GXY_OF_CELLS; the origin is that of the first point in both cases.
-  void grid(const std::string& mesh, int block, int of, Grid grid, const Extent& owned);
-  void field(const std::string& mesh, int block, const std::string& name, int of, const gxy_array& values);
+  Meshes& meshes() { return meshes_; }
   /// Returns one of gxy_result, as publishLast().
   int publish(int64_t step, double time);
   int publishLast(int64_t step, double time);
@@ -30,11 +29,6 @@ class Simulation {
   void close(double seconds);
 
  private:
-  struct Block {
-    Extent owned;   ///< points of the stream's grid: for cells, with the rim beside them
-    Extent values;  ///< those of them that fields have values of
-    std::map<std::string, gxy_array> fields;
-  };
   struct Step {
     int64_t step = 0;
     double time = 0;
@@ -44,27 +38,16 @@ class Simulation {
   void count(int64_t step);
   int missed() const;
   bool passes(double time) const;
-  void checkMesh(const std::string& mesh) const;
-  void describe();
-  std::vector<Field> fields() const;
-  void take(const Step& step);
-  void copy(const Route& route);
-  void keepFields();
+  int take(const Step& step);
   void deliverLast(Clock::time_point until);
 
   const int64_t every_;
   const double firstTime_, lastTime_;
   const std::chrono::duration<double> patience_;
   const std::unique_ptr<Connection> connection_;  ///< null: publishing is off
-  std::string mesh_;
-  Grid grid_;  ///< of the stream: for cells, with a rim
-  std::map<int, Block> blocks_;
-  bool described_ = false;
-  std::vector<Field> fields_;          ///< once it is described
-  std::vector<const Block*> present_;  ///< the blocks that have points, once it is described
+  Meshes meshes_;
   int64_t lastStep_ = 0;
-  std::optional<Step> last_;                  ///< of publishLast()
-  std::vector<std::vector<std::byte>> kept_;  ///< the arrays of that step, which `blocks_` then names
+  std::optional<Step> last_;  ///< of publishLast(), whose arrays are kept
   gxy_stat statistics_{};
 };
 

@@ -43,9 +43,10 @@ void checkGrid(const Grid& grid) {
     throw Error("grid of " + text(grid.points) + " points, expected at most 2^46 in all");
 }
 
-void checkFields(const std::vector<Field>& fields) {
-  if (fields.empty() || fields.size() > kMostFields)
-    throw Error(std::to_string(fields.size()) + " fields, expected 1 to " + std::to_string(kMostFields));
+void checkFields(const std::vector<Field>& fields, size_t fewest) {
+  if (fields.size() < fewest || fields.size() > kMostFields)
+    throw Error(std::to_string(fields.size()) + " fields, expected " + std::to_string(fewest) + " to " +
+                std::to_string(kMostFields));
   std::set<std::string> names;
   for (const Field& f : fields) {
     checkName(f.name, "field");
@@ -67,6 +68,29 @@ void checkBlock(const Extent& block, const Grid& grid) {
                   "), expected it inside the grid of " + text(grid.points) + " points");
 }
 
+bool isFinite(const Box& box) {
+  return std::isfinite(box.lo.x + box.lo.y + box.lo.z) && std::isfinite(box.hi.x + box.hi.y + box.hi.z);
+}
+
+void checkGridPart(const Mesh& mesh, const Part& part) {
+  checkGrid(mesh.grid);
+  checkFields(mesh.fields, 1);
+  if (part.blocks.size() > kMostBlocks)
+    throw Error(std::to_string(part.blocks.size()) + " blocks, expected at most 2^20");
+  for (const Extent& block : part.blocks) checkBlock(block, mesh.grid);
+}
+
+void checkPointsPart(const Mesh& mesh, const Part& part) {
+  checkFields(mesh.fields, 0);
+  if (mesh.positions != ScalarType::Float32 && mesh.positions != ScalarType::Float64)
+    throw Error("points \"" + mesh.name + "\": positions of type " + std::to_string(int(mesh.positions)) +
+                ", expected float32 or float64");
+  for (const Box& box : {mesh.box, part.bounds})
+    if (box != Box() && (box.empty() || !isFinite(box)))
+      throw Error("points \"" + mesh.name +
+                  "\": the box is not finite, or its lower corner is above its upper one");
+}
+
 }  // namespace
 
 void checkName(const std::string& name, const std::string& what) {
@@ -79,42 +103,119 @@ void checkName(const std::string& name, const std::string& what) {
                 std::to_string(kMostName) + " bytes of text");
 }
 
-void check(const Description& description) {
-  checkName(description.mesh.name, "mesh");
-  checkGrid(description.mesh.grid);
-  checkFields(description.mesh.fields);
-  if (description.blocks.size() > kMostBlocks)
-    throw Error(std::to_string(description.blocks.size()) + " blocks, expected at most 2^20");
-  for (const Extent& block : description.blocks) checkBlock(block, description.mesh.grid);
+std::vector<Field> arraysOf(const Mesh& mesh) {
+  if (mesh.kind == Mesh::Kind::Grid) return mesh.fields;
+  std::vector<Field> arrays{{"positions", mesh.positions, 3}};
+  if (mesh.ids) arrays.push_back({"ids", ScalarType::UInt64, 1});
+  arrays.insert(arrays.end(), mesh.fields.begin(), mesh.fields.end());
+  return arrays;
 }
 
-Bytes written(const Description& d) {
+std::vector<Publishes> datasetsOf(std::span<const Mesh> meshes) {
+  std::vector<Publishes> datasets;
+  for (size_t m = 0; m < meshes.size(); m++) {
+    if (meshes[m].fields.empty()) datasets.push_back({m, std::nullopt, meshes[m].name});
+    for (size_t f = 0; f < meshes[m].fields.size(); f++) datasets.push_back({m, f, meshes[m].fields[f].name});
+  }
+  std::set<std::string> names;
+  for (const Publishes& d : datasets)
+    if (!names.insert(d.name).second)
+      throw Error("two meshes have \"" + d.name +
+                  "\", expected fields of different names, as the name becomes that of a dataset");
+  return datasets;
+}
+
+void check(const Description& description) {
+  if (description.meshes.empty() || description.meshes.size() > kMostMeshes)
+    throw Error(std::to_string(description.meshes.size()) + " meshes, expected 1 to " +
+                std::to_string(kMostMeshes));
+  if (description.parts.size() != description.meshes.size())
+    throw Error("a mesh without its part, expected one for each");
+  std::set<std::string> names;
+  for (size_t m = 0; m < description.meshes.size(); m++) {
+    const Mesh& mesh = description.meshes[m];
+    checkName(mesh.name, "mesh");
+    if (!names.insert(mesh.name).second) throw Error("mesh \"" + mesh.name + "\" is there twice");
+    if (mesh.kind == Mesh::Kind::Grid)
+      checkGridPart(mesh, description.parts[m]);
+    else
+      checkPointsPart(mesh, description.parts[m]);
+  }
+  datasetsOf(description.meshes);
+}
+
+Bytes written(std::span<const Mesh> meshes) {
   Writer w;
-  w.write(d.mesh.name).write(d.mesh.grid.origin).write(d.mesh.grid.spacing).write(d.mesh.grid.points);
-  w.write(d.mesh.grid.rim);
-  w.write(uint32_t(d.mesh.fields.size()));
-  for (const Field& f : d.mesh.fields) w.write(f.name).write(uint8_t(f.type)).write(uint32_t(f.components));
-  return w.write(d.blocks).take();
+  w.write(uint32_t(meshes.size()));
+  for (const Mesh& mesh : meshes) {
+    w.write(mesh.name).write(uint8_t(mesh.kind));
+    if (mesh.kind == Mesh::Kind::Grid)
+      w.write(mesh.grid.origin).write(mesh.grid.spacing).write(mesh.grid.points).write(mesh.grid.rim);
+    else
+      w.write(uint8_t(mesh.positions)).write(mesh.ids).write(mesh.box);
+    w.write(uint32_t(mesh.fields.size()));
+    for (const Field& f : mesh.fields) w.write(f.name).write(uint8_t(f.type)).write(uint32_t(f.components));
+  }
+  return w.take();
+}
+
+Bytes written(const Description& description) {
+  Writer w;
+  w.write(written(description.meshes));
+  for (size_t m = 0; m < description.meshes.size(); m++) {
+    if (description.meshes[m].kind == Mesh::Kind::Grid)
+      w.write(description.parts[m].blocks);
+    else
+      w.write(description.parts[m].bounds);
+  }
+  return w.take();
+}
+
+std::vector<Mesh> readMeshes(std::span<const std::byte> message) {
+  Reader r(message, "meshes of a simulation");
+  const auto count = r.read<uint32_t>();
+  if (count > kMostMeshes) r.fail(std::to_string(count) + " meshes, expected at most 16");
+  std::vector<Mesh> meshes(count);
+  for (Mesh& mesh : meshes) {
+    mesh.name = r.readString();
+    const auto kind = r.read<uint8_t>();
+    if (kind > uint8_t(Mesh::Kind::Points))
+      r.fail("kind " + std::to_string(int(kind)) + " of a mesh, expected 0 or 1");
+    mesh.kind = Mesh::Kind(kind);
+    if (mesh.kind == Mesh::Kind::Grid) {
+      mesh.grid.origin = r.read<glm::dvec3>();
+      mesh.grid.spacing = r.read<glm::dvec3>();
+      mesh.grid.points = r.read<Index3>();
+      mesh.grid.rim = r.read<bool>();
+    } else {
+      mesh.positions = ScalarType(r.read<uint8_t>());
+      mesh.ids = r.read<bool>();
+      mesh.box = r.read<Box>();
+    }
+    const auto fields = r.read<uint32_t>();
+    if (fields > kMostFields) r.fail(std::to_string(fields) + " fields, expected at most 64");
+    for (uint32_t i = 0; i < fields; i++) {
+      Field f;
+      f.name = r.readString();
+      f.type = ScalarType(r.read<uint8_t>());
+      f.components = int(std::min<uint32_t>(r.read<uint32_t>(), uint32_t(kMostComponents) + 1));
+      mesh.fields.push_back(std::move(f));
+    }
+  }
+  r.expectEnd();
+  return meshes;
 }
 
 Description readDescription(std::span<const std::byte> message) {
   Reader r(message, "description of a simulation's data");
-  Description d;
-  d.mesh.name = r.readString();
-  d.mesh.grid.origin = r.read<glm::dvec3>();
-  d.mesh.grid.spacing = r.read<glm::dvec3>();
-  d.mesh.grid.points = r.read<Index3>();
-  d.mesh.grid.rim = r.read<bool>();
-  const auto fields = r.read<uint32_t>();
-  if (fields > kMostFields) r.fail(std::to_string(fields) + " fields, expected at most 64");
-  for (uint32_t i = 0; i < fields; i++) {
-    Field f;
-    f.name = r.readString();
-    f.type = ScalarType(r.read<uint8_t>());
-    f.components = int(std::min<uint32_t>(r.read<uint32_t>(), uint32_t(kMostComponents) + 1));
-    d.mesh.fields.push_back(std::move(f));
+  Description d{readMeshes(r.readVector<std::byte>()), {}};
+  for (const Mesh& mesh : d.meshes) {
+    d.parts.emplace_back();
+    if (mesh.kind == Mesh::Kind::Grid)
+      d.parts.back().blocks = r.readVector<Extent>();
+    else
+      d.parts.back().bounds = r.read<Box>();
   }
-  d.blocks = r.readVector<Extent>();
   r.expectEnd();
   check(d);
   return d;

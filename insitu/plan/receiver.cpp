@@ -17,7 +17,7 @@ void Receiver::restart(uint64_t count) {
   for (Cursor& c : cursors_) {
     c.item = 0;
     c.offset = 0;
-    if (!c.source.items.empty()) missing_++;
+    if (!c.source.empty()) missing_++;
   }
 }
 
@@ -32,27 +32,40 @@ bool Receiver::accept(int rank, const PieceHeader& header, uint64_t bytes) {
     throw Error("step of publish " + std::to_string(header.count) + ", which was not asked for");
   if (header.count > current_) restart(header.count);
   Cursor& c = cursors_.at(size_t(rank));
-  if (c.item >= c.source.items.size() || header.item != c.item || header.offset != c.offset)
+  if (c.item >= c.source.size() || header.item != c.item || header.offset != c.offset)
     throw Error("chunk at byte " + std::to_string(header.offset) + " of item " + std::to_string(header.item) +
                 ", expected byte " + std::to_string(c.offset) + " of item " + std::to_string(c.item) +
-                " of " + std::to_string(c.source.items.size()));
-  const uint64_t size = c.source.items[c.item], left = size - c.offset;
-  if (bytes == 0 || bytes > left || bytes % c.source.bytesPerPoint[c.item] != 0)
-    throw Error("chunk of " + std::to_string(bytes) + " bytes, expected whole points of " +
-                std::to_string(c.source.bytesPerPoint[c.item]) + " bytes, and at most " +
+                " of " + std::to_string(c.source.size()));
+  const Item& item = c.source[c.item];
+  if (item.first && c.offset == 0) {
+    if (header.points > kMostParticles)
+      throw Error(std::to_string(header.points) + " particles of one rank, expected at most 2^32 - 2");
+    c.particles = header.points;
+  }
+  const uint64_t points = item.particles < 0 ? item.points : c.particles;
+  const uint64_t size = points * item.bytesPerPoint, left = size - c.offset;
+  if (header.points != points || (bytes == 0 && size > 0) || bytes > left || bytes % item.bytesPerPoint != 0)
+    throw Error("chunk of " + std::to_string(bytes) + " bytes, of an item of " +
+                std::to_string(header.points) + " points, expected one of " + std::to_string(points) +
+                " points, whole points of " + std::to_string(item.bytesPerPoint) + " bytes, and at most " +
                 std::to_string(left) + " bytes");
   c.offset += bytes;
   if (c.offset == size) {
     c.item++;
     c.offset = 0;
-    if (c.item == c.source.items.size()) missing_--;
+    if (c.item == c.source.size()) missing_--;
   }
   return true;
 }
 
+void Receiver::refuse(uint64_t count) {
+  last_ = std::max(last_, count);
+  if (state_ == State::Open && current_ <= count) restart(0);
+}
+
 bool Receiver::take(uint64_t count) {
   const bool nothingComes =
-      std::all_of(cursors_.begin(), cursors_.end(), [](const Cursor& c) { return c.source.items.empty(); });
+      std::all_of(cursors_.begin(), cursors_.end(), [](const Cursor& c) { return c.source.empty(); });
   if (state_ != State::Open || !(nothingComes || (complete() && current_ == count))) return false;
   state_ = State::Taken;
   last_ = count;

@@ -15,10 +15,8 @@ namespace gxy::insitu {
 /// appointments, which could come later than the chunks.
 class Receiver {
  public:
-  /// What comes from one rank of the simulation: the sizes of its items (records.h) in bytes, and of their points.
-  struct Source {
-    std::vector<uint64_t> items, bytesPerPoint;
-  };
+  /// What comes from one rank of the simulation.
+  using Source = std::vector<Item>;
   /// Sources by rank of the simulation.
   explicit Receiver(std::vector<Source> sources);
 
@@ -27,6 +25,8 @@ class Receiver {
   /// Takes a chunk of `bytes` bytes from a rank of the simulation. True: it is to be stored. False: it is to be dropped. Throws Error
   /// for a chunk that does not follow the one before it, or one of a step that cannot have been appointed.
   bool accept(int rank, const PieceHeader& header, uint64_t bytes);
+  /// The step of publish `count` cannot be kept. What comes of it is dropped from now on.
+  void refuse(uint64_t count);
   /// Whether everything of the step count() has come.
   bool complete() const { return state_ == State::Open && current_ > 0 && missing_ == 0; }
   uint64_t count() const { return current_; }
@@ -42,6 +42,7 @@ class Receiver {
     Source source;
     uint32_t item = 0;
     uint64_t offset = 0;
+    uint64_t particles = 0;  ///< of the piece that `item` belongs to
   };
   void restart(uint64_t count);
 

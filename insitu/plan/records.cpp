@@ -18,7 +18,7 @@ struct WireDestination {
   uint32_t pieces;
 };
 struct WirePiece {
-  int32_t block, partition;
+  int32_t mesh, block, partition, reserved;
   Extent points;
 };
 
@@ -59,36 +59,63 @@ Bytes written(const std::vector<Destination>& destinations) {
   std::vector<WirePiece> pieces;
   for (const Destination& d : destinations) {
     heads.push_back({d.owner, uint32_t(d.pieces.size())});
-    for (const Piece& p : d.pieces) pieces.push_back({p.block, p.partition, p.points});
+    for (const Piece& p : d.pieces) pieces.push_back({p.mesh, p.block, p.partition, 0, p.points});
   }
   return Writer().write(heads).write(pieces).take();
 }
 
 std::vector<Destination> readDestinations(std::span<const std::byte> message, int rank,
-                                          std::span<const Extent> blocks) {
+                                          const Description& mine) {
   Reader r(message, "plan of a stream");
   const auto heads = r.readVector<WireDestination>();
   const auto pieces = r.readVector<WirePiece>();
   r.expectEnd();
+  std::vector<int64_t> left;  // points by mesh; of particles, the pieces
+  for (size_t m = 0; m < mine.meshes.size(); m++) {
+    left.push_back(mine.meshes[m].kind == Mesh::Kind::Points ? 1 : 0);
+    for (const Extent& block : mine.parts[m].blocks) left.back() += block.count();
+  }
+  const auto check = [&](const WirePiece& p) {
+    if (p.mesh < 0 || size_t(p.mesh) >= mine.meshes.size()) r.fail("a piece of a mesh that there is not");
+    const auto& blocks = mine.parts[size_t(p.mesh)].blocks;
+    const bool isGrid = mine.meshes[size_t(p.mesh)].kind == Mesh::Kind::Grid;
+    if (isGrid &&
+        (p.block < 0 || size_t(p.block) >= blocks.size() || !isInside(p.points, blocks[size_t(p.block)])))
+      r.fail("a piece outside the blocks of this rank");
+    if (!isGrid && (p.block != 0 || p.partition != -1 || p.points.count() != 0))
+      r.fail("a piece of particles with points of a grid");
+    left[size_t(p.mesh)] -= isGrid ? p.points.count() : 1;
+    if (left[size_t(p.mesh)] < 0) r.fail("more points than this rank has");
+  };
   std::vector<Destination> destinations;
-  int64_t points = 0;
-  for (const Extent& block : blocks) points += block.count();
   size_t next = 0;
   for (const WireDestination& head : heads) {
     if (head.pieces > pieces.size() - next) r.fail("fewer pieces than announced");
     Destination d{head.owner, {}};
     for (uint32_t i = 0; i < head.pieces; i++) {
       const WirePiece& p = pieces[next++];
-      if (p.block < 0 || size_t(p.block) >= blocks.size() || !isInside(p.points, blocks[size_t(p.block)]))
-        r.fail("a piece outside the blocks of this rank");
-      points -= p.points.count();
-      if (points < 0) r.fail("more points than this rank has");
-      d.pieces.push_back({rank, p.block, head.owner, p.partition, p.points});
+      check(p);
+      d.pieces.push_back({rank, p.block, head.owner, p.partition, p.points, p.mesh});
     }
     destinations.push_back(std::move(d));
   }
   if (next != pieces.size()) r.fail("more pieces than announced");
   return destinations;
+}
+
+std::vector<Item> itemsOf(std::span<const Piece> pieces, std::span<const Mesh> meshes) {
+  std::vector<Item> items;
+  for (const Piece& piece : pieces) {
+    const Mesh& mesh = meshes[size_t(piece.mesh)];
+    const bool isGrid = mesh.kind == Mesh::Kind::Grid;
+    bool first = true;
+    for (const Field& array : arraysOf(mesh)) {
+      items.push_back({uint64_t(piece.points.count()), array.bytesPerPoint(), isGrid ? -1 : piece.mesh,
+                       !isGrid && first});
+      first = false;
+    }
+  }
+  return items;
 }
 
 Bytes written(const Control& control) {

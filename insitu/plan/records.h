@@ -26,9 +26,20 @@ Hello readHello(std::span<const std::byte> message);
 
 /// Where the points of one rank of the simulation go. Rank 0 of the server answers a description with it.
 Bytes written(const std::vector<Destination>& destinations);
-/// Throws Error unless each piece is inside the block that it names, and there are no more points than in the blocks.
+/// Throws Error unless each piece is inside the block of `mine` that it names, and there are no more points than in the blocks, and
+/// particles go to one place only.
 std::vector<Destination> readDestinations(std::span<const std::byte> message, int rank,
-                                          std::span<const Extent> blocks);
+                                          const Description& mine);
+
+/// One array of a piece, which is sent in one go.
+struct Item {
+  uint64_t points = 0;  ///< of a grid
+  uint64_t bytesPerPoint = 0;
+  int particles = -1;  ///< the mesh, if it has particles: each step has its own number of them
+  bool first = false;  ///< of particles: it is the first array, so its header says how many there are
+};
+/// Returns the items of pieces in the order in which they are sent: all arrays of the first piece (arraysOf), then those of the next.
+std::vector<Item> itemsOf(std::span<const Piece> pieces, std::span<const Mesh> meshes);
 
 /// A bye that begins so says that the simulation itself has closed the stream, so that no rank of it needs to come again.
 inline constexpr const char* kClosedBy = "closed by rank ";
@@ -61,15 +72,17 @@ struct StepHeader {
 Bytes written(const StepHeader& step);
 StepHeader readStep(std::span<const std::byte> message);
 
-/// What stands before the samples of a chunk. Items are the fields of the pieces between two ranks: all fields of the first
-/// piece, then those of the next. An item is sent in chunks, from its begin to its end.
+/// What stands before the samples of a chunk. An item (itemsOf) is sent in chunks, from its begin to its end. An item without
+/// points, which only particles have, is one chunk without samples.
 struct PieceHeader {
   uint64_t count = 0;   ///< the publish that it belongs to
   uint64_t offset = 0;  ///< in bytes, from the begin of the item
+  uint64_t points = 0;  ///< of the item
   uint32_t item = 0;
   uint32_t reserved = 0;
+  bool operator==(const PieceHeader&) const = default;
 };
-inline constexpr size_t kPieceHeaderBytes = 24;
+inline constexpr size_t kPieceHeaderBytes = 32;
 std::array<std::byte, kPieceHeaderBytes> written(const PieceHeader& header);
 /// Removes the header from the front of a message.
 PieceHeader takePieceHeader(std::span<const std::byte>& message);

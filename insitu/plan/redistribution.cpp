@@ -14,7 +14,7 @@ std::vector<Piece> piecesFor(int owner, const Grid& grid, const Partitioning& pa
     if (owned.count() == 0) continue;
     search.overlapping(owned, [&](size_t number, const Extent& common) {
       const Block& block = search.blocks()[number];
-      pieces.push_back({block.rank, block.index, owner, p, common});
+      pieces.push_back({block.rank, block.index, owner, p, common, 0});
       return true;
     });
   }
@@ -24,12 +24,27 @@ std::vector<Piece> piecesFor(int owner, const Grid& grid, const Partitioning& pa
   return pieces;
 }
 
-std::vector<std::vector<Destination>> destinations(int ranks, const Grid& grid,
-                                                   const Partitioning& partitioning, int owners,
-                                                   const BlockSearch& blocks) {
+std::vector<Piece> piecesFor(int owner, const Layout& layout) {
+  std::vector<Piece> all;
+  for (size_t m = 0; m < layout.meshes.size(); m++) {
+    const Mesh& mesh = layout.meshes[m];
+    if (mesh.kind == Mesh::Kind::Grid) {
+      for (Piece& piece : piecesFor(owner, mesh.grid, layout.partitioning, layout.blocks[m])) {
+        piece.mesh = int(m);
+        all.push_back(std::move(piece));
+      }
+      continue;
+    }
+    for (size_t r = 0; r < layout.homes.size(); r++)
+      if (layout.homes[r] == owner) all.push_back({int(r), 0, owner, -1, {}, int(m)});
+  }
+  return all;
+}
+
+std::vector<std::vector<Destination>> destinations(int ranks, int owners, const Layout& layout) {
   std::vector<std::vector<Destination>> all(static_cast<size_t>(ranks));
   for (int owner = 0; owner < owners; owner++)
-    for (Piece& piece : piecesFor(owner, grid, partitioning, blocks)) {
+    for (Piece& piece : piecesFor(owner, layout)) {
       auto& list = all[size_t(piece.rank)];
       if (list.empty() || list.back().owner != owner) list.push_back({owner, {}});
       list.back().pieces.push_back(std::move(piece));

@@ -8,23 +8,36 @@
 #include "core/comm/transport.h"
 #include "core/data/partitioning.h"
 #include "insitu/plan/blocks.h"
+#include "insitu/plan/description.h"
 
 namespace gxy::insitu {
 
-/// The points that a block of the simulation and a partition of Galaxy have in common. They travel together, x fastest.
+/// What travels together from a rank of the simulation to a rank of Galaxy: the points that a block of a grid and a partition
+/// have in common, x fastest; or all particles of the rank.
 struct Piece {
-  int rank = 0;   ///< of the simulation
-  int block = 0;  ///< place among the blocks of that rank
-  int owner = 0;  ///< the rank of Galaxy that owns the partition
-  int partition = 0;
-  Extent points;
+  int rank = 0;       ///< of the simulation
+  int block = 0;      ///< place among the blocks of that rank; 0 for particles
+  int owner = 0;      ///< the rank of Galaxy that gets it: the owner of the partition
+  int partition = 0;  ///< -1 for particles, which may lie anywhere
+  Extent points;      ///< empty for particles
+  int mesh = 0;
   bool operator==(const Piece&) const = default;
 };
 
-/// Returns the pieces of the partitions that rank `owner` owns, in the order of rank, block and partition. Each rank of Galaxy
-/// calls it for itself. A point that no partition owns (ownedPoints()) is in no piece, since Galaxy does not keep it.
+/// What decides where samples go. What it refers to must outlive it.
+struct Layout {
+  std::span<const Mesh> meshes;
+  std::span<const BlockSearch> blocks;  ///< by mesh; not used for particles
+  std::span<const int> homes;  ///< by rank of the simulation: the rank of Galaxy that gets its particles
+  const Partitioning& partitioning;
+};
+
+/// Returns the pieces of a grid for the partitions that rank `owner` owns, in the order of rank, block and partition. A point that
+/// no partition owns (ownedPoints()) is in no piece, since Galaxy does not keep it.
 std::vector<Piece> piecesFor(int owner, const Grid& grid, const Partitioning& partitioning,
                              const BlockSearch& blocks);
+/// Returns the pieces of all meshes for rank `owner`, mesh by mesh. Each rank of Galaxy calls it for itself.
+std::vector<Piece> piecesFor(int owner, const Layout& layout);
 
 /// A rank of Galaxy that a rank of the simulation sends to, and what: the pieces in the order in which they are sent.
 struct Destination {
@@ -33,9 +46,7 @@ struct Destination {
   bool operator==(const Destination&) const = default;
 };
 
-/// Returns, by rank of the simulation, where its points go.
-std::vector<std::vector<Destination>> destinations(int ranks, const Grid& grid,
-                                                   const Partitioning& partitioning, int owners,
-                                                   const BlockSearch& blocks);
+/// Returns, by rank of the simulation, where its points go. `owners`: the number of ranks of Galaxy.
+std::vector<std::vector<Destination>> destinations(int ranks, int owners, const Layout& layout);
 
 }  // namespace gxy::insitu

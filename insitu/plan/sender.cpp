@@ -2,7 +2,6 @@
 #include "insitu/plan/sender.h"
 
 #include <algorithm>
-#include <numeric>
 #include <utility>
 
 #include "core/comm/error.h"
@@ -13,15 +12,11 @@ void Sender::begin(std::vector<Load> loads) {
   const std::lock_guard lock(mutex_);
   settle();
   question_.reset();
+  missed_.reset();
   told_ = 0;
   heard_ = true;
   cursors_.clear();
-  uint64_t begin = 0;
-  for (Load& load : loads) {
-    const uint64_t bytes = std::accumulate(load.items.begin(), load.items.end(), uint64_t(0));
-    cursors_.push_back({std::move(load), begin});
-    begin += bytes;
-  }
+  for (Load& load : loads) cursors_.push_back({std::move(load)});
 }
 
 // Frees the slot, or sees to it that filled() does. With the lock held.
@@ -45,7 +40,11 @@ std::optional<Control> Sender::waits() {
   return Control{Control::Kind::Waits, awaited_, 0};
 }
 
-void Sender::filled(int64_t step, double time) {
+uint64_t Sender::pointsOf(const Item& item) const {
+  return item.particles < 0 ? item.points : particles_.at(size_t(item.particles));
+}
+
+void Sender::filled(int64_t step, double time, std::vector<uint64_t> particles) {
   const std::lock_guard lock(mutex_);
   if (slot_ == Slot::Void) {
     slot_ = Slot::Free;
@@ -53,10 +52,20 @@ void Sender::filled(int64_t step, double time) {
   }
   slot_ = Slot::Full;
   announcement_ = StepHeader{appointed_, step, time};
+  particles_ = std::move(particles);
+  uint64_t begin = 0;
   for (Cursor& c : cursors_) {
     c.item = 0;
-    c.itemBegin = c.offset = 0;
+    c.begin = begin;
+    c.offset = 0;
+    for (const Item& item : c.load.items) begin += pointsOf(item) * item.bytesPerPoint;
   }
+}
+
+void Sender::notFilled() {
+  const std::lock_guard lock(mutex_);
+  if (std::exchange(slot_, Slot::Free) != Slot::Void)
+    missed_ = Control{Control::Kind::Missed, appointed_, appointment_.count()};
 }
 
 std::optional<Control> Sender::receive(const Control& message) {
@@ -91,6 +100,7 @@ std::optional<Control> Sender::answerNow() {
 
 std::optional<Control> Sender::answer() {
   const std::lock_guard lock(mutex_);
+  if (missed_) return std::exchange(missed_, std::nullopt);
   return answerNow();
 }
 
@@ -113,13 +123,14 @@ std::optional<Sender::Chunk> Sender::next(int owner) {
   if (slot_ != Slot::Full) return std::nullopt;
   for (Cursor& c : cursors_) {
     if (c.load.owner != owner || c.item == c.load.items.size()) continue;
-    const uint64_t size = c.load.items[c.item], bytesPerPoint = c.load.bytesPerPoint[c.item];
-    const uint64_t bytes = std::min(kChunkBytes / bytesPerPoint * bytesPerPoint, size - c.offset);
-    const Chunk chunk{owner, {appointed_, c.offset, c.item}, c.begin + c.itemBegin + c.offset, bytes};
+    const Item& item = c.load.items[c.item];
+    const uint64_t points = pointsOf(item), size = points * item.bytesPerPoint;
+    const uint64_t bytes = std::min(kChunkBytes / item.bytesPerPoint * item.bytesPerPoint, size - c.offset);
+    const Chunk chunk{owner, {appointed_, c.offset, points, c.item, 0}, c.begin + c.offset, bytes};
     c.offset += bytes;
     if (c.offset == size) {
       c.item++;
-      c.itemBegin += size;
+      c.begin += size;
       c.offset = 0;
     }
     return chunk;

@@ -19,11 +19,10 @@ namespace gxy::insitu {
 /// thread calls the rest.
 class Sender {
  public:
-  /// Bytes that go to each rank of Galaxy, by item (records.h), in their order in the slot.
+  /// What goes to each rank of Galaxy, in the order in the slot. Chunks are cut between points.
   struct Load {
     int owner = 0;
-    std::vector<uint64_t> items;
-    std::vector<uint64_t> bytesPerPoint;  ///< by item; chunks are cut between points
+    std::vector<Item> items;
   };
   /// Part of the slot that is to be sent to `owner` behind `header`.
   struct Chunk {
@@ -45,12 +44,14 @@ class Sender {
   void await();
   /// The last publish of all takes whatever is due. True as for publish(). False: nothing is due, and nothing is counted.
   bool publishLast() { return appointment_.publishLast(); }
-  /// The copy is in the slot.
-  void filled(int64_t step, double time);
+  /// The copy is in the slot. `particles`: how many there are, by mesh; it may end before meshes that have none.
+  void filled(int64_t step, double time, std::vector<uint64_t> particles = {});
+  /// There is no memory for the copy. The server is told that the publish was missed (answer).
+  void notFilled();
 
   /// Takes a message of the server. Returns what is answered at once, if anything.
   std::optional<Control> receive(const Control& message);
-  /// Returns the answer to an earlier question, once it is due. A rank that copies a step which has been cancelled has no room
+  /// Returns what is answered later, once it is due. A rank that copies a step which has been cancelled has no room
   /// until filled(), so it says nothing before that would lead to an appointment.
   std::optional<Control> answer();
 
@@ -73,10 +74,10 @@ class Sender {
   enum class Slot { Free, Appointed, Full, Void };  ///< Void: cancelled while the simulation copies into it
   struct Cursor {
     Load load;
-    uint64_t begin = 0;  ///< of its bytes in the slot
     uint32_t item = 0;
-    uint64_t itemBegin = 0, offset = 0;
+    uint64_t begin = 0, offset = 0;  ///< of the item in the slot; of what is sent next, in the item
   };
+  uint64_t pointsOf(const Item& item) const;
 
   std::optional<Control> answerNow();
   std::optional<Control> appoint(uint64_t count);
@@ -88,7 +89,9 @@ class Sender {
   mutable std::mutex mutex_;
   Slot slot_ = Slot::Free;
   uint64_t appointed_ = 0;            ///< the count that the slot is for, unless it is free
+  std::vector<uint64_t> particles_;   ///< in the slot, by mesh
   std::optional<uint64_t> question_;  ///< that waits for an answer
+  std::optional<Control> missed_;     ///< that is to be told
   std::optional<StepHeader> announcement_;
   uint64_t awaited_ = 0, told_ = 0;  ///< the publish that is waited for, and of which the server knows so
   bool heard_ = true;                ///< whether the server has said anything since it was told

@@ -41,7 +41,7 @@ StreamLead::StreamLead(ServerRank& serverRank, std::shared_ptr<StreamPart> part,
       part_(std::move(part)),
       wishes_(std::move(wishes)),
       onEnd_(std::move(onEnd)),
-      descriptions_(size_t(part_->identity().ranks)),
+      parts_(size_t(part_->identity().ranks)),
       thread_([this] { run(); }) {}
 
 StreamLead::~StreamLead() {
@@ -78,6 +78,12 @@ void StreamLead::complete(int owner, uint64_t count) {
   if (conductor_->isComplete()) changed_.notify_all();
 }
 
+void StreamLead::refused(uint64_t count, const std::string& reason) {
+  const std::lock_guard lock(mutex_);
+  refused_ = {count, reason};
+  changed_.notify_all();
+}
+
 void StreamLead::take(int rank, const protocol::WireMessage& message) {
   if (message.channel == MessageChannel::Describe)
     return describe(rank, insitu::readDescription(message.payload));
@@ -96,18 +102,19 @@ void StreamLead::take(int rank, const protocol::WireMessage& message) {
 void StreamLead::describe(int rank, Description description) {
   const std::lock_guard lock(mutex_);
   const bool all = described_ == size_t(identity().ranks);  // Then the lead's thread uses them.
-  if (all || descriptions_.at(size_t(rank))) throw Error("a second description, expected one");
-  if (mesh_ && !(*mesh_ == description.mesh))
+  if (all || parts_.at(size_t(rank))) throw Error("a second description, expected one");
+  if (described_ > 0 && meshes_ != description.meshes)
     throw Error(
         "rank " + std::to_string(rank) +
-        " has another grid or other fields than a rank before, expected the same size, origin, spacing, "
-        "names, types and components");
-  blocks_ += description.blocks.size();
+        " has other meshes or fields than a rank before, expected the same meshes in the same order, each "
+        "with the same size, "
+        "origin and spacing or type of positions, ids and box, and names, types and components of fields");
+  for (const insitu::Part& part : description.parts) blocks_ += part.blocks.size();
   if (blocks_ > insitu::kMostBlocks)
     throw Error("the ranks have more than 2^20 blocks together, expected at most as many");
-  mesh_ = std::move(description.mesh);
-  descriptions_[size_t(rank)] = std::move(description.blocks);
-  if (++described_ == descriptions_.size()) changed_.notify_all();
+  meshes_ = std::move(description.meshes);
+  parts_[size_t(rank)] = std::move(description.parts);
+  if (++described_ == parts_.size()) changed_.notify_all();
 }
 
 void StreamLead::tell(const std::vector<Control>& messages) {
@@ -144,24 +151,71 @@ void StreamLead::awaitDescriptions() {
   if (end_) throw Ended();
 }
 
-std::shared_ptr<const Partitioning> StreamLead::partitioning(const Grid& grid) const {
-  if (!wishes_.partition.is_object())
-    return automaticPartitioning(grid.box(), &grid, {}, serverRank_.ranks());
-  const auto name = wishes_.partition.at("like").get<std::string>();
-  auto like = serverRank_.datasets->getPinned(identity().tenant, name).second.get<Dataset>()->partitioning;
-  const Box data = grid.box(), domain = like->domain();
-  for (int a = 0; a < 3; a++)
-    if (data.lo[a] < domain.lo[a] || data.hi[a] > domain.hi[a])
-      throw Error("partition: the grid reaches beyond the domain of " + inQuotes(name) +
-                  ", whose partitioning it was to share");
-  return like;
+// Where the particles of the first step are, or the simulation says that they will be.
+Box StreamLead::domain() const {
+  Box domain;
+  for (size_t m = 0; m < meshes_.size(); m++) {
+    if (meshes_[m].kind == insitu::Mesh::Kind::Grid) continue;
+    Box box = meshes_[m].box;
+    if (box.empty()) {
+      for (const auto& parts : parts_) box.extend((*parts)[m].bounds);
+      if (!box.empty()) {
+        const glm::dvec3 more = 0.05 * (box.hi - box.lo);
+        box = {box.lo - more, box.hi + more};
+      }
+    }
+    domain.extend(box);
+  }
+  return domain.empty() ? Box{glm::dvec3(0), glm::dvec3(1)} : domain;
+}
+
+// A stream has one partitioning, so that all of its data can be shown together.
+std::shared_ptr<const Partitioning> StreamLead::partitioning() const {
+  const auto first = std::find_if(meshes_.begin(), meshes_.end(),
+                                  [](const insitu::Mesh& m) { return m.kind == insitu::Mesh::Kind::Grid; });
+  std::shared_ptr<const Partitioning> cuts;
+  std::string whose = "the first grid";
+  if (wishes_.partition.is_object()) {
+    const auto name = wishes_.partition.at("like").get<std::string>();
+    cuts = serverRank_.datasets->getPinned(identity().tenant, name).second.get<Dataset>()->partitioning;
+    whose = inQuotes(name);
+  } else if (first != meshes_.end()) {
+    cuts = automaticPartitioning(first->grid.box(), &first->grid, {}, serverRank_.ranks());
+  } else {
+    return automaticPartitioning(domain(), nullptr, {}, serverRank_.ranks());
+  }
+  for (const insitu::Mesh& mesh : meshes_) {
+    if (mesh.kind != insitu::Mesh::Kind::Grid) continue;
+    const Box data = mesh.grid.box(), domain = cuts->domain();
+    for (int a = 0; a < 3; a++)
+      if (data.lo[a] < domain.lo[a] || data.hi[a] > domain.hi[a])
+        throw Error("partition: the grid " + inQuotes(mesh.name) + " reaches beyond the domain of " + whose +
+                    ", whose partitioning it was to share");
+  }
+  return cuts;
+}
+
+// The rank that gets the particles of each rank of the simulation: that in whose partitions most of them are, if it can be told
+// from their box. Any will do, as particles are brought to where they are drawn.
+std::vector<int> StreamLead::homes(const Partitioning& partitioning) const {
+  std::vector<int> homes;
+  for (size_t r = 0; r < parts_.size(); r++) {
+    Box box;
+    for (const insitu::Part& part : *parts_[r]) box.extend(part.bounds);
+    homes.push_back(box.empty() ? int(r) % serverRank_.ranks()
+                                : partitioning.owner(partitioning.nearest(0.5 * box.lo + 0.5 * box.hi)));
+  }
+  return homes;
 }
 
 // Refuses what cannot be kept before anything is made of it.
-void StreamLead::checkRoom(const insitu::Mesh& mesh) const {
-  const int64_t points = mesh.grid.points[0] * mesh.grid.points[1] * mesh.grid.points[2];
+void StreamLead::checkRoom(const std::vector<insitu::Mesh>& meshes) const {
   int64_t bytes = 0;
-  for (const insitu::Field& field : mesh.fields) bytes += points * int64_t(field.bytesPerPoint());
+  for (const insitu::Mesh& mesh : meshes) {
+    if (mesh.kind != insitu::Mesh::Kind::Grid) continue;
+    const int64_t points = mesh.grid.points[0] * mesh.grid.points[1] * mesh.grid.points[2];
+    for (const insitu::Field& field : mesh.fields) bytes += points * int64_t(field.bytesPerPoint());
+  }
   const int64_t room = std::min(serverRank_.options.tenantMemory, serverRank_.options.memory);
   if (bytes / serverRank_.ranks() > room)
     throw Error("memory: a step has " + std::to_string(bytes) + " bytes, but " +
@@ -171,19 +225,25 @@ void StreamLead::checkRoom(const insitu::Mesh& mesh) const {
 
 void StreamLead::plan() {
   StreamPlan plan;
-  plan.mesh = *mesh_;
-  for (size_t r = 0; r < descriptions_.size(); r++)
-    for (size_t b = 0; b < descriptions_[r]->size(); b++)
-      plan.blocks.push_back({int(r), int(b), (*descriptions_[r])[b]});
-  descriptions_ = {};
-  checkRoom(plan.mesh);
-  const Grid& grid = plan.mesh.grid;
-  const insitu::BlockSearch search(plan.blocks);
-  checkCover(search, grid.points);
-  plan.partitioning = partitioning(grid);
+  plan.meshes = meshes_;
+  checkRoom(plan.meshes);
+  plan.blocks.resize(meshes_.size());
+  for (size_t r = 0; r < parts_.size(); r++)
+    for (size_t m = 0; m < meshes_.size(); m++) {
+      const std::vector<Extent>& mine = (*parts_[r])[m].blocks;
+      for (size_t b = 0; b < mine.size(); b++) plan.blocks[m].push_back({int(r), int(b), mine[b]});
+    }
+  std::vector<insitu::BlockSearch> searches;
+  for (size_t m = 0; m < meshes_.size(); m++) {
+    searches.emplace_back(plan.blocks[m]);
+    if (meshes_[m].kind == insitu::Mesh::Kind::Grid) checkCover(searches[m], meshes_[m].grid.points);
+  }
+  plan.partitioning = partitioning();
+  plan.homes = homes(*plan.partitioning);
+  parts_ = {};
   const Bytes bytes = written(plan);
-  std::vector<std::vector<insitu::Destination>> all =
-      destinations(identity().ranks, grid, *plan.partitioning, serverRank_.ranks(), search);
+  std::vector<std::vector<insitu::Destination>> all = insitu::destinations(
+      identity().ranks, serverRank_.ranks(), {meshes_, searches, plan.homes, *plan.partitioning});
   std::set<int> owners;
   for (const auto& list : all)
     for (const insitu::Destination& d : list) owners.insert(d.owner);
@@ -220,10 +280,10 @@ void StreamLead::awaitNext(Clock::time_point begin) {
 }
 
 bool StreamLead::wanted() const {
-  for (const insitu::Field& field : mesh_->fields)
-    if (serverRank_.datasets->wanted(identity().tenant, wishes_.scope, identity().name + "." + field.name))
-      return true;
-  return false;
+  const std::vector<insitu::Publishes> all = insitu::datasetsOf(meshes_);
+  return std::any_of(all.begin(), all.end(), [this](const insitu::Publishes& d) {
+    return serverRank_.datasets->wanted(identity().tenant, wishes_.scope, identity().name + "." + d.name);
+  });
 }
 
 void StreamLead::publishOne() {
@@ -233,8 +293,11 @@ void StreamLead::publishOne() {
       if (ending()) throw Error("the stream has ended");
     }});
     std::vector<DatasetDraft> drafts;
-    for (const insitu::Field& field : mesh_->fields)
-      drafts.push_back({identity().name + "." + field.name, DatasetType::Volume});
+    for (const insitu::Publishes& d : insitu::datasetsOf(meshes_)) {
+      const bool isGrid = meshes_[d.mesh].kind == insitu::Mesh::Kind::Grid;
+      drafts.push_back(
+          {identity().name + "." + d.name, isGrid ? DatasetType::Volume : DatasetType::Particles});
+    }
     const auto names =
         serverRank_.datasets->beginNow(identity().tenant, *exchange, "stream " + inQuotes(identity().name),
                                        wishes_.scope, std::move(drafts));
@@ -254,23 +317,25 @@ void StreamLead::publishOne() {
 CollectedStep StreamLead::collect(const std::function<void()>& check) {
   std::unique_lock lock(mutex_);
   tell(conductor_->begin());
-  std::optional<Clock::time_point> until;
+  constexpr auto kNone = Clock::time_point::max();
+  auto until = kNone;
   auto appointed = Clock::now();
   while (!conductor_->isComplete()) {
     if (!conductor_->someTaken())
-      until.reset();  // also after a miss
-    else if (!until)
+      until = kNone;  // also after a miss
+    else if (until == kNone)
       until = Clock::now() + kStepPatience;
-    if (!until && Clock::now() > appointed + kAppointed) {
+    if (until == kNone && Clock::now() > appointed + kAppointed) {
       tell(conductor_->again());
       appointed = Clock::now();
     }
     changed_.wait_for(lock, kLook);
     if (end_) throw Error("the stream has ended");
+    if (refused_.count > 0 && refused_.count == conductor_->last()) throw Error(refused_.reason);
     lock.unlock();
     check();
     lock.lock();
-    if (until && Clock::now() > *until)
+    if (Clock::now() > until)
       throw Error("not all of a step came within " + std::to_string(kStepPatience.count()) +
                   " s: " + conductor_->missing());
   }
@@ -305,8 +370,8 @@ json StreamLead::statistics() const {
   const size_t connections = part_->connections();
   const std::lock_guard lock(mutex_);
   json fields = json::array();
-  if (mesh_)
-    for (const insitu::Field& field : mesh_->fields) fields.push_back(identity().name + "." + field.name);
+  for (const insitu::Publishes& d : insitu::datasetsOf(meshes_))
+    fields.push_back(identity().name + "." + d.name);
   json result{{"stream", identity().id},   {"name", identity().name},  {"tenant", identity().tenant},
               {"ranks", identity().ranks}, {"connected", connections}, {"datasets", fields}};
   if (conductor_) {

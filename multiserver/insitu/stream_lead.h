@@ -45,6 +45,8 @@ class StreamLead {
   void closed(int rank);
   /// A rank of the server has all samples of a step.
   void complete(int owner, uint64_t count);
+  /// A rank of the server cannot keep a step.
+  void refused(uint64_t count, const std::string& reason);
   /// Ends the stream soon. Its data stay.
   void end(const std::string& reason);
   bool ending() const;
@@ -66,9 +68,11 @@ class StreamLead {
   void run();
   void describe(int rank, insitu::Description description);
   void awaitDescriptions();
-  void checkRoom(const insitu::Mesh& mesh) const;
+  void checkRoom(const std::vector<insitu::Mesh>& meshes) const;
   void plan();
-  std::shared_ptr<const Partitioning> partitioning(const Grid& grid) const;
+  std::shared_ptr<const Partitioning> partitioning() const;
+  Box domain() const;
+  std::vector<int> homes(const Partitioning& partitioning) const;
   void publishSteps();
   void awaitNext(Clock::time_point begin);
   bool wanted() const;
@@ -82,10 +86,14 @@ class StreamLead {
   const std::function<void()> onEnd_;
   mutable std::mutex mutex_;
   std::condition_variable changed_;
-  std::optional<std::string> end_;                                ///< why the stream ends
-  std::vector<std::optional<std::vector<Extent>>> descriptions_;  ///< blocks by rank, until there is a plan
+  std::optional<std::string> end_;                               ///< why the stream ends
+  std::vector<std::optional<std::vector<insitu::Part>>> parts_;  ///< by rank, until there is a plan
   size_t described_ = 0, blocks_ = 0;
-  std::optional<insitu::Mesh> mesh_;  ///< that the first rank has described
+  std::vector<insitu::Mesh> meshes_;  ///< that the first rank has described
+  struct Refused {
+    uint64_t count = 0;
+    std::string reason;
+  } refused_;  ///< the last step that a rank could not keep
   std::optional<insitu::Conductor> conductor_;
   std::string problem_;  ///< why the last step could not be published; empty if it was
   CollectedStep newest_;

@@ -2,12 +2,14 @@
 #include "multiserver/insitu/stream_part.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "core/comm/error.h"
 #include "core/comm/wire.h"
-#include "core/data/complete_volume.h"
 #include "core/data/dataset.h"
 #include "core/data/partitioning_bytes.h"
+#include "multiserver/insitu/grid_room.h"
+#include "multiserver/insitu/points_room.h"
 #include "multiserver/server/datasets.h"
 
 namespace gxy {
@@ -16,18 +18,18 @@ using insitu::Piece;
 using insitu::Receiver;
 
 Bytes written(const StreamPlan& plan) {
-  return Writer()
-      .write(written(insitu::Description{plan.mesh, {}}))
-      .write(plan.blocks)
-      .write(written(*plan.partitioning))
-      .take();
+  Writer w;
+  w.write(insitu::written(plan.meshes));
+  for (const auto& blocks : plan.blocks) w.write(blocks);
+  return w.write(plan.homes).write(written(*plan.partitioning)).take();
 }
 
 StreamPlan readPlan(std::span<const std::byte> message) {
   Reader r(message, "plan of a stream");
   StreamPlan plan;
-  plan.mesh = insitu::readDescription(r.readVector<std::byte>()).mesh;
-  plan.blocks = r.readVector<insitu::Block>();
+  plan.meshes = insitu::readMeshes(r.readVector<std::byte>());
+  for (size_t m = 0; m < plan.meshes.size(); m++) plan.blocks.push_back(r.readVector<insitu::Block>());
+  plan.homes = r.readVector<int>();
   plan.partitioning = std::make_shared<const Partitioning>(readPartitioning(r.readVector<std::byte>()));
   r.expectEnd();
   return plan;
@@ -43,25 +45,30 @@ bool StreamPart::shows(const insitu::Hello& hello) const {
 }
 
 void StreamPart::plan(StreamPlan plan) {
-  const Grid& grid = plan.mesh.grid;
+  std::vector<insitu::BlockSearch> searches;
+  for (auto& blocks : plan.blocks) searches.emplace_back(std::exchange(blocks, {}));
   std::vector<std::vector<Piece>> pieces(size_t(identity_.ranks));
-  std::vector<Receiver::Source> sources(size_t(identity_.ranks));
-  const insitu::BlockSearch search(plan.blocks);
-  for (const Piece& piece : piecesFor(serverRank_.rank(), grid, *plan.partitioning, search)) {
-    Receiver::Source& source = sources[size_t(piece.rank)];
-    for (const insitu::Field& field : plan.mesh.fields) {
-      source.items.push_back(uint64_t(piece.points.count()) * field.bytesPerPoint());
-      source.bytesPerPoint.push_back(field.bytesPerPoint());
-    }
+  for (const Piece& piece :
+       insitu::piecesFor(serverRank_.rank(), {plan.meshes, searches, plan.homes, *plan.partitioning}))
     pieces[size_t(piece.rank)].push_back(piece);
+  std::vector<std::vector<Place>> places(pieces.size());
+  std::vector<Receiver::Source> sources;
+  for (size_t r = 0; r < pieces.size(); r++) {
+    sources.push_back(itemsOf(pieces[r], plan.meshes));
+    for (const Piece& piece : pieces[r])
+      for (size_t a = 0; a < arraysOf(plan.meshes[size_t(piece.mesh)]).size(); a++)
+        places[r].push_back({piece, a});
   }
-  GhostPlan ghosts(grid, *plan.partitioning, kGhostLayers, serverRank_.rank(), serverRank_.ranks());
-  plan.blocks = {};  // not needed any more, and there may be many
+  std::vector<std::optional<GhostPlan>> ghosts(plan.meshes.size());
+  for (size_t m = 0; m < ghosts.size(); m++)
+    if (plan.meshes[m].kind == insitu::Mesh::Kind::Grid)
+      ghosts[m].emplace(plan.meshes[m].grid, *plan.partitioning, kGhostLayers, serverRank_.rank(),
+                        serverRank_.ranks());
   const std::lock_guard lock(mutex_);
   plan_ = std::move(plan);
-  pieces_ = std::move(pieces);
+  places_ = std::move(places);
   receiver_.emplace(std::move(sources));
-  ghosts_.emplace(std::move(ghosts));
+  ghosts_ = std::move(ghosts);
 }
 
 bool StreamPart::connect(int rank, std::shared_ptr<DataLink> link) {
@@ -101,26 +108,39 @@ bool StreamPart::isConnected(int rank) const {
 void StreamPart::takePiece(int rank, std::span<const std::byte> samples) {
   const insitu::PieceHeader header = insitu::takePieceHeader(samples);
   uint64_t complete = 0;
+  std::string problem;
   {
     const std::lock_guard lock(mutex_);
     if (!receiver_) throw Error("samples before there is a plan, expected them after it");
     if (!receiver_->accept(rank, header, samples.size())) return;
-    const size_t fields = plan_->mesh.fields.size();
-    room_->store(header.item % fields, pieces_[size_t(rank)].at(header.item / fields), header.offset,
-                 samples);
+    const Place& place = places_[size_t(rank)].at(header.item);
+    try {
+      rooms_.at(size_t(place.piece.mesh))->store(place.piece, place.array, header, samples);
+    } catch (const std::exception& e) {
+      problem = e.what();
+      receiver_->refuse(header.count);
+    }
     if (receiver_->complete()) complete = receiver_->count();
   }
+  if (!problem.empty()) return tell_.refused(header.count, problem);
   if (complete > 0) tell_.complete(complete);
 }
 
-void StreamPart::makeRoom(std::vector<LedgerEntry>& memory) {
-  for (const insitu::Field& field : plan_->mesh.fields)
-    memory.push_back(serverRank_.takeMemory(
-        identity_.tenant, "volume",
-        bytesToCome(field, plan_->mesh.grid, *plan_->partitioning, serverRank_.rank())));
-  auto room = std::make_unique<StepRoom>(plan_->mesh, *plan_->partitioning, serverRank_.rank());
+void StreamPart::makeRoom() {
+  const TakeStepMemory take = [this](const char* purpose, int64_t bytes) {
+    return serverRank_.takeMemory(identity_.tenant, purpose, bytes);
+  };
+  std::vector<std::unique_ptr<MeshRoom>> rooms;
+  for (size_t m = 0; m < plan_->meshes.size(); m++) {
+    const insitu::Mesh& mesh = plan_->meshes[m];
+    if (mesh.kind == insitu::Mesh::Kind::Grid)
+      rooms.push_back(
+          std::make_unique<GridRoom>(mesh, *plan_->partitioning, *ghosts_[m], serverRank_.rank(), take));
+    else
+      rooms.push_back(std::make_unique<PointsRoom>(mesh, take));
+  }
   const std::lock_guard lock(mutex_);
-  room_ = std::move(room);
+  rooms_ = std::move(rooms);
   receiver_->open();
 }
 
@@ -128,7 +148,6 @@ CollectedStep StreamPart::step(Publication& publication, uint64_t exchange, Exch
                                const std::function<CollectedStep()>& collect,
                                const std::function<uint64_t()>& last) {
   RankCollectives& ranks = part.ranks;
-  std::vector<LedgerEntry> memory;
   struct Told {
     CollectedStep step;
     uint64_t last = 0;
@@ -137,10 +156,10 @@ CollectedStep StreamPart::step(Publication& publication, uint64_t exchange, Exch
   const std::shared_ptr<void> closing(nullptr, [&](void*) {
     const std::lock_guard lock(mutex_);
     receiver_->close(std::max(told.last, told.step.count));
-    room_.reset();
+    rooms_.clear();
   });
   publication.reserve();
-  agree(ranks, [&] { makeRoom(memory); });
+  agree(ranks, [&] { makeRoom(); });
   std::string failure;
   if (serverRank_.rank() == 0) {
     try {
@@ -156,7 +175,7 @@ CollectedStep StreamPart::step(Publication& publication, uint64_t exchange, Exch
     if (!failure.empty()) throw Error(failure);
     if (told.step.count > 0) takeRoom(told.step);
   });
-  complete(publication, told.step, std::move(memory), ranks);
+  complete(publication, told.step, ranks);
   serverRank_.datasets->publish(publication, exchange);
   return told.step;
 }
@@ -167,26 +186,19 @@ void StreamPart::takeRoom(const CollectedStep& step) {
     throw Error("step " + std::to_string(step.step) + " is not complete here, expected all of its samples");
 }
 
-void StreamPart::complete(Publication& publication, const CollectedStep& step,
-                          std::vector<LedgerEntry> memory, RankCollectives& ranks) {
-  const std::vector<std::shared_ptr<Volume>>& volumes = room_->volumes();
-  std::vector<Volume*> all;
-  for (const auto& volume : volumes) all.push_back(volume.get());
-  exchangeGhosts(all, *ghosts_, ranks);
-  for (Volume* volume : all) completeVolume(*volume, *plan_->partitioning, ranks);
+void StreamPart::complete(Publication& publication, const CollectedStep& step, RankCollectives& ranks) {
+  std::vector<std::shared_ptr<Dataset>> datasets;
+  for (const auto& room : rooms_) {
+    const auto some = room->complete(ranks);
+    datasets.insert(datasets.end(), some.begin(), some.end());
+  }
   agree(ranks, [&] {
-    for (size_t i = 0; i < volumes.size(); i++) {
-      auto dataset = std::make_shared<Dataset>();
-      dataset->stream = identity_.name;
-      dataset->array = plan_->mesh.fields[i].name;
-      dataset->partitioning = plan_->partitioning;
-      dataset->volume = volumes[i];
-      dataset->origins = {{identity_.id, step.step}};
-      dataset->time = step.time;
-      dataset->bytes = bytesOf(*volumes[i]);
-      dataset->memory = std::move(memory[i]);
-      dataset->memory.resize(dataset->bytes);
-      publication.stage(i, Payload(std::shared_ptr<const Dataset>(std::move(dataset))));
+    for (size_t i = 0; i < datasets.size(); i++) {
+      datasets[i]->stream = identity_.name;
+      datasets[i]->partitioning = plan_->partitioning;
+      datasets[i]->origins = {{identity_.id, step.step}};
+      datasets[i]->time = step.time;
+      publication.stage(i, Payload(std::shared_ptr<const Dataset>(std::move(datasets[i]))));
     }
   });
 }

@@ -13,7 +13,7 @@
 #include "core/space/publication.h"
 #include "insitu/plan/receiver.h"
 #include "multiserver/insitu/data_port.h"
-#include "multiserver/insitu/step_room.h"
+#include "multiserver/insitu/mesh_room.h"
 #include "multiserver/server/server_rank.h"
 
 namespace gxy {
@@ -28,8 +28,9 @@ struct StreamIdentity {
 
 /// What all ranks know of the data of a stream.
 struct StreamPlan {
-  insitu::Mesh mesh;
-  std::vector<insitu::Block> blocks;
+  std::vector<insitu::Mesh> meshes;
+  std::vector<std::vector<insitu::Block>> blocks;  ///< by mesh; none of particles
+  std::vector<int> homes;                          ///< where the particles of each rank of the simulation go
   std::shared_ptr<const Partitioning> partitioning;
 };
 Bytes written(const StreamPlan& plan);
@@ -47,7 +48,9 @@ class StreamPart {
  public:
   /// Rank 0 is told by these. They are short.
   struct Tell {
-    std::function<void(uint64_t count)> complete;         ///< all samples of a step are on this rank
+    std::function<void(uint64_t count)> complete;  ///< all samples of a step are on this rank
+    /// A step cannot be kept on this rank.
+    std::function<void(uint64_t count, const std::string& reason)> refused;
     std::function<void(const std::string& reason)> lost;  ///< a connection has ended, but not regularly
   };
   StreamPart(ServerRank& serverRank, StreamIdentity identity, Tell tell);
@@ -75,10 +78,9 @@ class StreamPart {
                      const std::function<CollectedStep()>& collect, const std::function<uint64_t()>& last);
 
  private:
-  void makeRoom(std::vector<LedgerEntry>& memory);
+  void makeRoom();
   void takeRoom(const CollectedStep& step);
-  void complete(Publication& publication, const CollectedStep& step, std::vector<LedgerEntry> memory,
-                RankCollectives& ranks);
+  void complete(Publication& publication, const CollectedStep& step, RankCollectives& ranks);
 
   ServerRank& serverRank_;
   const StreamIdentity identity_;
@@ -87,10 +89,14 @@ class StreamPart {
   std::map<int, std::shared_ptr<DataLink>> links_;  ///< by rank of the simulation
   bool over_ = false;                               ///< bye() has been said
   std::optional<StreamPlan> plan_;
-  std::optional<GhostPlan> ghosts_;
+  std::vector<std::optional<GhostPlan>> ghosts_;  ///< by mesh; of grids
   std::optional<insitu::Receiver> receiver_;
-  std::vector<std::vector<insitu::Piece>> pieces_;  ///< of this rank, by rank of the simulation
-  std::unique_ptr<StepRoom> room_;                  ///< while a step is collected
+  struct Place {
+    insitu::Piece piece;
+    size_t array = 0;
+  };
+  std::vector<std::vector<Place>> places_;        ///< of items, by rank of the simulation
+  std::vector<std::unique_ptr<MeshRoom>> rooms_;  ///< by mesh, while a step is collected
 };
 
 }  // namespace gxy

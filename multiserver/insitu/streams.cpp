@@ -90,6 +90,15 @@ Streams::Streams(ServerRank& serverRank, const AddWork& addWork) : serverRank_(s
       },
       Work::Runs::Short);
   addWork(
+      "insitu.refused",
+      [this](const Work::Call& call) -> json {
+        if (const auto lead = this->lead(call.parameters.at("stream").get<uint64_t>()))
+          lead->refused(call.parameters.at("count").get<uint64_t>(),
+                        call.parameters.at("reason").get<std::string>());
+        return nullptr;
+      },
+      Work::Runs::Short);
+  addWork(
       "insitu.lost",
       [this](const Work::Call& call) -> json {
         if (const auto lead = this->lead(call.parameters.at("stream").get<uint64_t>()))
@@ -136,6 +145,9 @@ json Streams::openHere(const json& p) {
   };
   StreamPart::Tell tell{[tellRoot](uint64_t count) {
                           tellRoot("insitu.complete", {{"count", count}});
+                        },
+                        [tellRoot](uint64_t count, const std::string& reason) {
+                          tellRoot("insitu.refused", {{"count", count}, {"reason", reason}});
                         },
                         [tellRoot](const std::string& reason) {
                           tellRoot("insitu.lost", {{"reason", reason}});

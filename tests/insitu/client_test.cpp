@@ -91,8 +91,9 @@ TEST(Interface, WrongRanksAndNamesAreTold) {
 TEST(Interface, WrongGridsAndFieldsAreToldAndChangeNothing) {
   Sim s(kNowhere);
   const int64_t large[3] = {4, 4, 5};
-  s.expectWrong(gxy_publish(s.sim, 1, 0), "expected gxy_grid() and gxy_field() first");
-  s.expectWrong(s.field("t", s.array()), "expected gxy_grid() first");
+  s.expectWrong(gxy_publish(s.sim, 1, 0), "expected gxy_grid() and gxy_field(), or gxy_points(), first");
+  s.expectWrong(s.field("t", s.array()),
+                "there is no mesh \"grid\", expected gxy_grid() or gxy_points() first");
   const int64_t none[3] = {4, 4, 0}, negative[3] = {4, 4, -1};
   s.expectWrong(gxy_grid(s.sim, "grid", 0, GXY_OF_CELLS, none, kFirst, none, kOrigin, kSpacing), "size 0");
   s.expectWrong(gxy_grid(s.sim, "grid", 0, GXY_OF_POINTS, kSize, negative, kSize, kOrigin, kSpacing),
@@ -104,11 +105,12 @@ TEST(Interface, WrongGridsAndFieldsAreToldAndChangeNothing) {
   s.expectWrong(gxy_grid(s.sim, "grid", 0, GXY_OF_POINTS, kSize, kFirst, nullptr, kOrigin, kSpacing),
                 "is NULL");
   EXPECT_EQ(s.grid(), GXY_TAKEN);
-  s.expectWrong(s.grid("other"), "a stream has one grid so far");
+  s.expectWrong(gxy_publish(s.sim, 1, 0), "there is no field on mesh \"grid\"");
+  s.expectWrong(s.field("t", s.array(), 1), "there is no block 1 on this rank");
   s.expectWrong(gxy_grid(s.sim, "grid", 1, GXY_OF_CELLS, kSize, kFirst, kSize, kOrigin, kSpacing),
                 "cells beside points");
   s.expectWrong(gxy_field(s.sim, "grid", 0, "t", GXY_OF_CELLS, s.array()),
-                "values of cells on a grid that counts points");
+                "values of cells on a mesh that counts points");
   gxy_array a = s.array();
   a.type = 10;
   s.expectWrong(s.field("t", a), "type 10, expected one of gxy_type");
@@ -126,6 +128,54 @@ TEST(Interface, WrongGridsAndFieldsAreToldAndChangeNothing) {
   s.expectWrong(gxy_publish(s.sim, 5, 0), "expected steps that ascend");
   s.expectWrong(s.field("u", s.array()), "after the first step");
   s.expectWrong(s.grid(), "after the first step");
+}
+
+TEST(Interface, WrongParticlesAreToldAndChangeNothing) {
+  Sim s(kNowhere);
+  double positions[6] = {}, box[6] = {0, 0, 0, 1, 1, 1}, wrongBox[6] = {0, 0, 2, 1, 1, 1};
+  int64_t numbers[2] = {0, 1};
+  const gxy_array at = {positions, GXY_FLOAT64, 3, {24, 0, 0}, 0, 0},
+                  ids = {numbers, GXY_INT64, 1, {8, 0, 0}, 0, 0}, none = {};
+  const auto points = [&](const gxy_array& where, const gxy_array& which, int64_t count = 2,
+                          const double* in = nullptr) {
+    return gxy_points(s.sim, "atoms", count, where, which, in);
+  };
+  s.expectWrong(points(at, ids, -1), "count -1, expected 0 or more");
+  s.expectWrong(points(at, ids, int64_t(1) << 40), "expected at most 2^32 - 2");
+  s.expectWrong(points(at, ids, 2, wrongBox), "the box is empty");
+  gxy_array a = at;
+  a.components = 2;
+  s.expectWrong(points(a, ids), "positions: 2 components, expected 3");
+  a = at;
+  a.type = GXY_INT32;
+  s.expectWrong(points(a, ids), "expected float32 or float64");
+  a = at;
+  a.data = nullptr;
+  s.expectWrong(points(a, ids), "positions: there are no data");
+  a = at;
+  a.stride[0] = 0;
+  s.expectWrong(points(a, ids), "positions: stride[0] is 0");
+  a = ids;
+  a.type = GXY_FLOAT64;
+  s.expectWrong(points(at, a), "expected one integer of 32 or 64 bits");
+  s.expectWrong(gxy_field(s.sim, "atoms", 0, "mass", GXY_OF_POINTS, at), "there is no mesh \"atoms\"");
+  EXPECT_EQ(points(at, ids, 2, box), GXY_TAKEN);
+  s.expectWrong(gxy_grid(s.sim, "atoms", 0, GXY_OF_POINTS, kSize, kFirst, kSize, kOrigin, kSpacing),
+                "has particles");
+  s.expectWrong(gxy_field(s.sim, "atoms", 0, "mass", GXY_OF_CELLS, at),
+                "values of cells on a mesh that counts points");
+  s.expectWrong(gxy_field(s.sim, "atoms", 1, "mass", GXY_OF_POINTS, at), "there is no block 1");
+  EXPECT_EQ(
+      points({nullptr, GXY_FLOAT64, 3, {0, 0, 0}, 0, 0}, {nullptr, GXY_INT64, 1, {0, 0, 0}, 0, 0}, 0, box),
+      GXY_TAKEN);
+  EXPECT_EQ(gxy_field(s.sim, "atoms", 0, "mass", GXY_OF_POINTS, {nullptr, GXY_FLOAT64, 1, {0, 0, 0}, 0, 0}),
+            GXY_TAKEN);
+  EXPECT_NE(gxy_publish(s.sim, 1, 0), GXY_WRONG) << "a rank without particles";
+  EXPECT_EQ(points(at, ids, 2, box), GXY_TAKEN);
+  s.expectWrong(gxy_publish(s.sim, 2, 0), "gxy_publish, field \"mass\": there are no data");
+  s.expectWrong(points(at, none, 2, box), "other ids or another box after the first step");
+  s.expectWrong(points(at, ids), "other ids or another box after the first step");
+  s.expectWrong(gxy_points(s.sim, "stars", 2, at, ids, box), "a new mesh after the first step");
 }
 
 TEST(Interface, ASimulationWithoutAServerRunsOn) {

@@ -114,7 +114,7 @@ TEST(Sender, TellsEachServerOnceWhatItWaitsFor) {
 
 TEST(Sender, SaysNothingWhileItHasNoRoom) {
   Sender sender;
-  sender.begin({{0, {4}, {4}}});
+  sender.begin({{0, {{1, 4}}}});
   EXPECT_EQ(sender.receive({Kind::Appoint, 1, 0}), std::nullopt);
   EXPECT_TRUE(sender.publish());
   EXPECT_EQ(sender.receive({Kind::Cancel, 1, 0}), std::nullopt);
@@ -166,10 +166,54 @@ TEST(Conductor, RefusesWhatOnlyServersSay) {
   EXPECT_THROW(conductor.receive(0, Control{Kind::Appoint, 1, 0}), Error);
 }
 
+TEST(Sender, SaysThatAStepWithoutRoomForItsCopyIsMissed) {
+  Sender sender;
+  sender.begin({{0, {{1, 4}}}});
+  EXPECT_EQ(sender.receive({Kind::Appoint, 1, 0}), std::nullopt);
+  EXPECT_TRUE(sender.publish());
+  sender.notFilled();
+  EXPECT_EQ(sender.announcement(), std::nullopt);
+  EXPECT_EQ(sender.answer(), (Control{Kind::Missed, 1, 1}));
+  EXPECT_EQ(sender.answer(), std::nullopt);
+  EXPECT_EQ(sender.receive({Kind::AskNewest, 9, 0}), (Control{Kind::Newest, 9, 1}));
+  EXPECT_EQ(sender.receive({Kind::Appoint, 2, 0}), std::nullopt) << "the slot is free";
+  EXPECT_TRUE(sender.publish());
+  EXPECT_EQ(sender.receive({Kind::Cancel, 2, 0}), std::nullopt);
+  sender.notFilled();
+  EXPECT_EQ(sender.answer(), std::nullopt) << "the server has cancelled it by itself";
+}
+
+TEST(Sender, SendsAsManyParticlesAsThereAre) {
+  Sender sender;
+  sender.begin({{0, {{2, 4}, {0, 24, 1, true}, {0, 8, 1}}}, {1, {{0, 24, 2, true}}}});
+  uint64_t count = 0;
+  for (const uint64_t particles : {3, 0, 50000}) {
+    sender.receive({Kind::Appoint, ++count, 0});
+    ASSERT_TRUE(sender.publish());
+    sender.filled(1, 0, {0, particles, 1});
+    uint64_t place = 0, item = 0, offset = 0;
+    const uint64_t points[] = {2, particles, particles}, bytes[] = {4, 24, 8};
+    while (const auto chunk = sender.next(0)) {
+      EXPECT_EQ(chunk->header, (PieceHeader{count, offset, points[item], uint32_t(item), 0}));
+      EXPECT_EQ(chunk->place, place);
+      EXPECT_EQ(chunk->bytes % bytes[item], 0u);
+      place += chunk->bytes;
+      offset += chunk->bytes;
+      if (offset == points[item] * bytes[item]) item++, offset = 0;
+    }
+    EXPECT_EQ(item, 3u);
+    const auto other = sender.next(1);
+    ASSERT_TRUE(other);
+    EXPECT_EQ(other->place, place);
+    EXPECT_EQ(other->bytes, 24u);
+    sender.receive({Kind::Published, count, 0});
+  }
+}
+
 TEST(Receiver, IsEmptyWhenThereIsRoomAgain) {
-  Receiver receiver({{{4}, {4}}});
+  Receiver receiver({{{1, 4}}});
   receiver.open();
-  EXPECT_TRUE(receiver.accept(0, {1, 0, 0, 0}, 4));
+  EXPECT_TRUE(receiver.accept(0, {1, 0, 1, 0, 0}, 4));
   EXPECT_TRUE(receiver.complete());
   EXPECT_TRUE(receiver.take(1));
   receiver.close(1);
@@ -179,20 +223,53 @@ TEST(Receiver, IsEmptyWhenThereIsRoomAgain) {
 }
 
 TEST(Receiver, TakesWholePointsInTheirOrderOnly) {
-  const auto expectRefused = [](const PieceHeader& header, uint64_t bytes) {
-    Receiver receiver({{{12, 8}, {4, 8}}, {{}, {}}});
+  const std::vector<Receiver::Source> sources{{{3, 4}, {1, 8}}, {}};
+  const auto expectRefused = [&](const PieceHeader& header, uint64_t bytes) {
+    Receiver receiver(sources);
     receiver.open();
     EXPECT_THROW(receiver.accept(0, header, bytes), Error);
   };
-  expectRefused({1, 0, 1, 0}, 8);   // the second item first
-  expectRefused({1, 4, 0, 0}, 4);   // not at its begin
-  expectRefused({1, 0, 0, 0}, 6);   // half a point
-  expectRefused({1, 0, 0, 0}, 16);  // more than there is
-  expectRefused({1, 0, 0, 0}, 0);
-  Receiver receiver({{{12, 8}, {4, 8}}, {{}, {}}});
-  EXPECT_THROW(receiver.accept(0, {1, 0, 0, 0}, 4), Error) << "there is no room";
+  expectRefused({1, 0, 1, 1, 0}, 8);   // the second item first
+  expectRefused({1, 4, 3, 0, 0}, 4);   // not at its begin
+  expectRefused({1, 0, 3, 0, 0}, 6);   // half a point
+  expectRefused({1, 0, 3, 0, 0}, 16);  // more than there is
+  expectRefused({1, 0, 2, 0, 0}, 8);   // an item of another size
+  expectRefused({1, 0, 3, 0, 0}, 0);
+  Receiver receiver(sources);
+  EXPECT_THROW(receiver.accept(0, {1, 0, 3, 0, 0}, 4), Error) << "there is no room";
   receiver.open();
-  EXPECT_THROW(receiver.accept(1, {1, 0, 0, 0}, 4), Error) << "nothing comes from this rank";
+  EXPECT_THROW(receiver.accept(1, {1, 0, 3, 0, 0}, 4), Error) << "nothing comes from this rank";
+}
+
+TEST(Receiver, TakesAsManyParticlesAsTheFirstArrayHas) {
+  const std::vector<Receiver::Source> sources{{{0, 24, 0, true}, {0, 4, 0}}, {{0, 24, 0, true}, {0, 4, 0}}};
+  Receiver receiver(sources);
+  receiver.open();
+  EXPECT_TRUE(receiver.accept(0, {1, 0, 2, 0, 0}, 24));
+  EXPECT_THROW(receiver.accept(0, {1, 24, 3, 0, 0}, 24), Error) << "now there is one more";
+  EXPECT_TRUE(receiver.accept(0, {1, 24, 2, 0, 0}, 24));
+  EXPECT_THROW(receiver.accept(0, {1, 0, 1, 1, 0}, 4), Error) << "a value too few";
+  EXPECT_TRUE(receiver.accept(0, {1, 0, 2, 1, 0}, 8));
+  EXPECT_TRUE(receiver.accept(1, {1, 0, 0, 0, 0}, 0)) << "a rank without particles";
+  EXPECT_FALSE(receiver.complete());
+  EXPECT_TRUE(receiver.accept(1, {1, 0, 0, 1, 0}, 0));
+  EXPECT_TRUE(receiver.complete());
+  EXPECT_TRUE(receiver.accept(0, {2, 0, 1, 0, 0}, 24)) << "a later step may have others";
+  EXPECT_FALSE(receiver.complete());
+  EXPECT_THROW(receiver.accept(1, {2, 0, kMostParticles + 1, 0, 0}, 24), Error);
+}
+
+TEST(Receiver, DropsWhatComesOfAStepThatIsRefused) {
+  Receiver receiver({{{2, 4}}, {{1, 4}}});
+  receiver.open();
+  EXPECT_TRUE(receiver.accept(0, {5, 0, 2, 0, 0}, 4));
+  receiver.refuse(5);
+  EXPECT_FALSE(receiver.accept(0, {5, 4, 2, 0, 0}, 4));
+  EXPECT_FALSE(receiver.accept(1, {5, 0, 1, 0, 0}, 4));
+  EXPECT_FALSE(receiver.complete());
+  EXPECT_TRUE(receiver.accept(0, {6, 0, 2, 0, 0}, 8));
+  EXPECT_TRUE(receiver.accept(1, {6, 0, 1, 0, 0}, 4));
+  EXPECT_TRUE(receiver.take(6));
 }
 
 }  // namespace

@@ -25,17 +25,16 @@ insitu::Ticket ticketOf(const std::string& text) {
 }
 
 insitu::Description described() {
-  insitu::Description d;
-  d.mesh.name = "grid";
-  d.mesh.grid.points = {8, 8, 8};
-  d.mesh.fields = {{"t", ScalarType::Float32, 1}};
-  d.blocks = {{{0, 0, 0}, {8, 8, 8}}};
-  return d;
+  insitu::Mesh grid;
+  grid.name = "grid";
+  grid.grid.points = {8, 8, 8};
+  grid.fields = {{"t", ScalarType::Float32, 1}};
+  return {{grid}, {{{{{0, 0, 0}, {8, 8, 8}}}, {}}}};
 }
 
 WireMessage message(MessageChannel channel, Bytes payload) { return {channel, 0, std::move(payload)}; }
-WireMessage piece(uint64_t count, uint32_t item, uint64_t offset, size_t bytes) {
-  const auto header = written(insitu::PieceHeader{count, offset, item, 0});
+WireMessage piece(uint64_t count, uint32_t item, uint64_t offset, size_t bytes, uint64_t points = 512) {
+  const auto header = written(insitu::PieceHeader{count, offset, points, item, 0});
   Bytes payload(header.begin(), header.end());
   payload.resize(payload.size() + bytes);
   return message(MessageChannel::Piece, std::move(payload));
@@ -153,7 +152,7 @@ TEST(DataPort, WrongMessagesEndTheStreamWithAReason) {
   p.expectEnds(message(MessageChannel::Describe, Bytes(3)), "description of a simulation's data");
   p.expectEnds(message(MessageChannel::DataControl, Bytes(3)), "control message");
   p.expectEnds(message(MessageChannel::Plan, Bytes(3)), "on channel 18, on which none may come");
-  p.expectEnds(message(MessageChannel::Piece, Bytes(3)), "expected a header of 24");
+  p.expectEnds(message(MessageChannel::Piece, Bytes(3)), "expected a header of 32");
   p.expectEnds(message(MessageChannel::Step, Bytes(3)), "step");
   p.expectEnds(message(MessageChannel::Piece, Bytes((1 << 20) + 1000)), "expected at most");
 }

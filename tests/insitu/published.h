@@ -15,6 +15,24 @@
 
 namespace gxy::test {
 
+/// Options that publish to a server.
+inline std::string to(const TestServer& server, double reconnect = 0.05) {
+  return nlohmann::json{
+      {"to", "127.0.0.1:" + std::to_string(server.port())}, {"token-file", "-"}, {"reconnect", reconnect}}
+      .dump();
+}
+
+/// Publishes steps of a simulation until `enough` says so.
+template <class Simulation>
+void run(Simulation& simulation, const std::function<bool()>& enough) {
+  until(
+      [&] {
+        simulation.publish();
+        return enough();
+      },
+      "enough steps");
+}
+
 inline Grid gridOf(const Index3& points) {
   Grid grid;
   grid.points = points;

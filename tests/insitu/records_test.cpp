@@ -16,12 +16,17 @@ namespace gxy::insitu {
 namespace {
 
 Description described() {
-  Description d;
-  d.mesh.name = "grid";
-  d.mesh.grid = {{1, 2, 3}, {0.5, 0.5, 2}, {8, 9, 10}};
-  d.mesh.fields = {{"temperature", ScalarType::Float64, 1}, {"velocity", ScalarType::Float32, 3}};
-  d.blocks = {{{0, 0, 0}, {8, 9, 5}}, {{0, 0, 5}, {8, 4, 5}}};
-  return d;
+  Mesh grid, atoms;
+  grid.name = "grid";
+  grid.grid = {{1, 2, 3}, {0.5, 0.5, 2}, {8, 9, 10}};
+  grid.fields = {{"temperature", ScalarType::Float64, 1}, {"velocity", ScalarType::Float32, 3}};
+  atoms.name = "atoms";
+  atoms.kind = Mesh::Kind::Points;
+  atoms.ids = true;
+  atoms.box = {glm::dvec3(0), glm::dvec3(5)};
+  atoms.fields = {{"mass", ScalarType::Float64, 1}};
+  return {{grid, atoms},
+          {{{{{0, 0, 0}, {8, 9, 5}}, {{0, 0, 5}, {8, 4, 5}}}, {}}, {{}, {glm::dvec3(1), glm::dvec3(2)}}}};
 }
 
 std::string errorOf(const std::function<void()>& f) {
@@ -42,49 +47,95 @@ void expectRefused(const std::function<void(Description&)>& change, const std::s
 
 TEST(Records, DescriptionsAreReadAsWritten) {
   const Description d = described(), read = readDescription(written(d));
-  EXPECT_EQ(read.mesh, d.mesh);
-  EXPECT_EQ(read.blocks, d.blocks);
+  EXPECT_EQ(read.meshes, d.meshes);
+  ASSERT_EQ(read.parts.size(), 2u);
+  EXPECT_EQ(read.parts[0].blocks, d.parts[0].blocks);
+  EXPECT_EQ(read.parts[1].bounds, d.parts[1].bounds);
 }
 
 TEST(Records, WrongDescriptionsSayWhatWasExpected) {
-  expectRefused([](Description& d) { d.mesh.grid.points[1] = 1; }, "expected 2 to 2^31 by axis");
-  expectRefused([](Description& d) { d.mesh.grid.points = {1 << 30, 1 << 30, 1 << 30}; }, "2^46 in all");
-  expectRefused([](Description& d) { d.mesh.grid.spacing[2] = 0; }, "a spacing above 0");
-  expectRefused([](Description& d) { d.mesh.grid.origin[2] = std::nan(""); }, "finite numbers");
-  expectRefused([](Description& d) { d.mesh.fields.clear(); }, "0 fields, expected 1 to 64");
-  expectRefused([](Description& d) { d.mesh.fields[1].name = "temperature"; }, "is there twice");
-  expectRefused([](Description& d) { d.mesh.fields[1].type = ScalarType(10); }, "type 10, expected 0 to 9");
-  expectRefused([](Description& d) { d.mesh.fields[1].components = 17; }, "expected 1 to 16");
-  expectRefused([](Description& d) { d.mesh.fields[1].components = 0; }, "expected 1 to 16");
-  expectRefused([](Description& d) { d.mesh.name = "a\nb"; }, "control characters");
-  expectRefused([](Description& d) { d.mesh.name = "\xff"; }, "no text");
-  expectRefused([](Description& d) { d.blocks[1].first[2] = 6; }, "inside the grid");
-  expectRefused([](Description& d) { d.blocks[1].first[2] = -1; }, "inside the grid");
-  expectRefused([](Description& d) { d.blocks[1].points[2] = INT64_MAX; }, "inside the grid");
-  expectRefused([](Description& d) { d.blocks[1].points[0] = 0; }, "inside the grid");
+  expectRefused([](Description& d) { d.meshes[0].grid.points[1] = 1; }, "expected 2 to 2^31 by axis");
+  expectRefused([](Description& d) { d.meshes[0].grid.points = {1 << 30, 1 << 30, 1 << 30}; }, "2^46 in all");
+  expectRefused([](Description& d) { d.meshes[0].grid.spacing[2] = 0; }, "a spacing above 0");
+  expectRefused([](Description& d) { d.meshes[0].grid.origin[2] = std::nan(""); }, "finite numbers");
+  expectRefused([](Description& d) { d.meshes[0].fields.clear(); }, "0 fields, expected 1 to 64");
+  expectRefused([](Description& d) { d.meshes[0].fields[1].name = "temperature"; }, "is there twice");
+  expectRefused([](Description& d) { d.meshes[0].fields[1].type = ScalarType(10); },
+                "type 10, expected 0 to 9");
+  expectRefused([](Description& d) { d.meshes[0].fields[1].components = 17; }, "expected 1 to 16");
+  expectRefused([](Description& d) { d.meshes[0].fields[1].components = 0; }, "expected 1 to 16");
+  expectRefused([](Description& d) { d.meshes[0].name = "a\nb"; }, "control characters");
+  expectRefused([](Description& d) { d.meshes[0].name = "\xff"; }, "no text");
+  expectRefused([](Description& d) { d.parts[0].blocks[1].first[2] = 6; }, "inside the grid");
+  expectRefused([](Description& d) { d.parts[0].blocks[1].first[2] = -1; }, "inside the grid");
+  expectRefused([](Description& d) { d.parts[0].blocks[1].points[2] = INT64_MAX; }, "inside the grid");
+  expectRefused([](Description& d) { d.parts[0].blocks[1].points[0] = 0; }, "inside the grid");
+  expectRefused([](Description& d) { d.meshes[1].name = "grid"; }, "mesh \"grid\" is there twice");
+  expectRefused([](Description& d) { d.meshes[1].fields[0].name = "velocity"; },
+                "two meshes have \"velocity\"");
+  expectRefused(
+      [](Description& d) {
+        d.meshes[1].fields.clear();
+        d.meshes[1].name = "velocity";
+      },
+      "two meshes have \"velocity\"");
+  expectRefused([](Description& d) { d.meshes[1].positions = ScalarType::Int32; },
+                "expected float32 or float64");
+  expectRefused([](Description& d) { d.meshes[1].box.lo.x = 6; }, "the box is not finite");
+  expectRefused([](Description& d) { d.meshes[1].box.hi.x = INFINITY; }, "the box is not finite");
+  expectRefused([](Description& d) { d.parts[1].bounds.hi.y = std::nan(""); }, "the box is not finite");
+  expectRefused(
+      [](Description& d) {
+        d.meshes.clear();
+        d.parts.clear();
+      },
+      "0 meshes, expected 1 to 16");
 }
 
 TEST(Records, PlansOutsideTheBlocksOfARankAreRefused) {
-  const std::vector<Extent> blocks = described().blocks;
-  std::vector<Destination> plan{{1, {{3, 0, 1, 7, {{0, 0, 1}, {8, 9, 4}}}}}, {2, {{3, 1, 2, 8, blocks[1]}}}};
-  EXPECT_EQ(readDestinations(written(plan), 3, blocks), plan);
-  plan[1].pieces[0].block = 2;
-  EXPECT_NE(errorOf([&] { readDestinations(written(plan), 3, blocks); }), "");
-  plan[1].pieces[0].block = 1;
-  plan[1].pieces[0].points.points[1]++;
-  EXPECT_NE(errorOf([&] { readDestinations(written(plan), 3, blocks); }), "");
+  const Description mine = described();
+  const std::vector<Destination> plan{{1, {{3, 0, 1, 7, {{0, 0, 1}, {8, 9, 4}}, 0}, {3, 0, 1, -1, {}, 1}}},
+                                      {2, {{3, 1, 2, 8, mine.parts[0].blocks[1], 0}}}};
+  EXPECT_EQ(readDestinations(written(plan), 3, mine), plan);
+  const auto expectRefused = [&](const std::function<void(std::vector<Destination>&)>& change) {
+    auto other = plan;
+    change(other);
+    EXPECT_NE(errorOf([&] { readDestinations(written(other), 3, mine); }), "");
+  };
+  expectRefused([](auto& p) { p[1].pieces[0].block = 2; });
+  expectRefused([](auto& p) { p[1].pieces[0].points.points[1]++; });
+  expectRefused([](auto& p) { p[1].pieces[0].mesh = 2; });
+  expectRefused([](auto& p) { p[1].pieces[0].mesh = 1; });
+  expectRefused([](auto& p) { p[0].pieces[1].block = 1; });
+  expectRefused(
+      [](auto& p) { p[1].pieces.push_back(p[0].pieces[1]); });  // the particles, to another rank as well
+}
+
+TEST(Records, ItemsAreTheArraysOfPieces) {
+  const Description d = described();
+  const std::vector<Piece> pieces{{0, 0, 0, 0, {{0, 0, 0}, {2, 3, 4}}, 0}, {0, 0, 0, -1, {}, 1}};
+  const std::vector<Item> items = itemsOf(pieces, d.meshes);
+  ASSERT_EQ(items.size(), 5u);
+  EXPECT_EQ(items[0].points, 24u);
+  EXPECT_EQ(items[0].particles, -1);
+  EXPECT_EQ(items[1].bytesPerPoint, 12u);
+  EXPECT_EQ(items[2].bytesPerPoint, 24u) << "positions";
+  EXPECT_TRUE(items[2].first);
+  EXPECT_EQ(items[3].bytesPerPoint, 8u) << "ids";
+  EXPECT_FALSE(items[3].first);
+  EXPECT_EQ(items[4].particles, 1);
 }
 
 TEST(Records, BytesThatNobodyWroteAreRefusedOrReadWithoutHarm) {
   Random random(1);
-  const std::vector<Extent> blocks = described().blocks;
+  const Description mine = described();
   for (int i = 0; i < 20000; i++) {
     Bytes bytes = written(described());
     bytes.resize(random.below(bytes.size() + 1));
     for (uint64_t n = random.below(4); n > 0 && !bytes.empty(); n--)
       bytes[random.below(bytes.size())] = std::byte(random.below(256));
     errorOf([&] { readDescription(bytes); });
-    errorOf([&] { readDestinations(bytes, 0, blocks); });
+    errorOf([&] { readDestinations(bytes, 0, mine); });
     errorOf([&] { readControl(bytes); });
     errorOf([&] { readStep(bytes); });
     errorOf([&] { readHello(bytes); });

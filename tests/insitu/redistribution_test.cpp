@@ -2,6 +2,7 @@
 // Every point travels once, to the rank that owns its partition.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <map>
 
 #include "core/comm/error.h"
@@ -62,14 +63,28 @@ TEST(Redistribution, TellsBothEndsTheSamePieces) {
     Case c(seed);
     const Partitioning partitioning = c.partitioning();
     const BlockSearch search(c.blocks);
-    const auto all = destinations(c.ranks, c.grid, partitioning, c.owners, search);
+    std::vector<int> homes;
+    for (int r = 0; r < c.ranks; r++) homes.push_back(int(c.random.below(uint64_t(c.owners))));
+    Mesh grid, particles;
+    grid.grid = c.grid;
+    particles.kind = Mesh::Kind::Points;
+    const std::vector<Mesh> meshes{particles, grid, grid};
+    const std::vector<BlockSearch> searches{BlockSearch({}), search, search};
+    const Layout layout{meshes, searches, homes, partitioning};
+    const auto all = destinations(c.ranks, c.owners, layout);
+    std::map<int, int> homesFound;
     for (int owner = 0; owner < c.owners; owner++) {
-      std::vector<Piece> sent;
+      std::vector<Piece> sent, received = piecesFor(owner, layout);
       for (const auto& list : all)
         for (const Destination& d : list)
           if (d.owner == owner) sent.insert(sent.end(), d.pieces.begin(), d.pieces.end());
-      EXPECT_EQ(sent, piecesFor(owner, c.grid, partitioning, search)) << seed;
+      std::stable_sort(received.begin(), received.end(),
+                       [](const Piece& a, const Piece& b) { return a.rank < b.rank; });
+      EXPECT_EQ(sent, received) << seed;
+      for (const Piece& piece : sent)
+        if (piece.mesh == 0) homesFound[piece.rank] += 1 + owner;
     }
+    for (int r = 0; r < c.ranks; r++) EXPECT_EQ(homesFound[r], 1 + homes[size_t(r)]) << seed;
   }
 }
 

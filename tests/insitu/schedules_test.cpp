@@ -22,7 +22,7 @@
 namespace gxy::insitu {
 namespace {
 
-constexpr uint64_t kItem = 3 * Sender::kChunkBytes / 2;  // two chunks
+constexpr uint64_t kItem = 3 * Sender::kChunkBytes / 2 / 4;  // points of two chunks
 
 /// A simulation of `ranks` ranks and a server of `owners` ranks, without data: a slot holds the count that it was filled for.
 class Schedule {
@@ -95,8 +95,10 @@ class Schedule {
       for (int g = 0; g < owners_; g++) {
         const size_t items = random_.below(3);
         if (items == 0) continue;
-        loads.push_back({g, std::vector(items, kItem), std::vector<uint64_t>(items, 4)});
-        sources[size_t(g)][size_t(r)] = {loads.back().items, loads.back().bytesPerPoint};
+        std::vector<Item> load(items, Item{kItem, 4, -1, false});
+        if (random_.oneIn(2)) load.push_back({0, 24, 0, true});  // and particles
+        sources[size_t(g)][size_t(r)] = load;
+        loads.push_back({g, std::move(load)});
         receiving.insert(g);
       }
       simulation_[size_t(r)]->sender.begin(std::move(loads));
@@ -162,7 +164,7 @@ class Schedule {
   void fill(Simulation& s) {
     if (!s.takes || late() || !random_.oneIn(copy_)) return;
     s.slot = *s.takes;
-    s.sender.filled(int64_t(s.calls) * stride_, double(s.calls));
+    s.sender.filled(int64_t(s.calls) * stride_, double(s.calls), {random_.below(3) * 30000});
     s.takes.reset();
   }
   // The thread of a rank that sends.

@@ -8,12 +8,6 @@ namespace {
 
 using nlohmann::json;
 
-std::string to(const TestServer& server, double reconnect = 0.05) {
-  return json{
-      {"to", "127.0.0.1:" + std::to_string(server.port())}, {"token-file", "-"}, {"reconnect", reconnect}}
-      .dump();
-}
-
 /// The blocks of `ranks` slabs along z.
 std::vector<insitu::Block> slabs(const Grid& grid, int ranks) {
   std::vector<insitu::Block> blocks;
@@ -22,16 +16,6 @@ std::vector<insitu::Block> slabs(const Grid& grid, int ranks) {
     blocks.push_back({r, 0, {{0, 0, first}, {grid.points[0], grid.points[1], last - first}}});
   }
   return blocks;
-}
-
-/// Publishes steps until `enough` says so.
-void run(MiniSimulation& simulation, const std::function<bool()>& enough) {
-  until(
-      [&] {
-        simulation.publish();
-        return enough();
-      },
-      "enough steps");
 }
 
 TEST(Streams, WhatIsPublishedEqualsTheImportOfTheSameStep) {

@@ -71,6 +71,20 @@ TEST(Wrapper, FieldsAreOfWhatTheGridCounts) {
   EXPECT_NE(std::string(sim.message()).find("there is no block 0"), std::string::npos) << sim.message();
 }
 
+TEST(Wrapper, ParticlesAreRowsOfValues) {
+  const std::vector<double> positions(6);
+  const std::vector<long long> ids(2);
+  expectStrides(gxy::row(positions.data(), 3), 24, 0, 0);
+  expectStrides(gxy::row(positions.data(), 3, 64), 64, 0, 0);
+  const double box[6] = {0, 0, 0, 1, 1, 1};
+  Simulation sim("cloud", 0, 1, kNobodyThere);
+  EXPECT_EQ(sim.grid(kWhole, kBegin, kWhole, {{0, 0, 0}}, {{1, 1, 1}}, GXY_OF_CELLS), GXY_TAKEN);
+  EXPECT_EQ(sim.points(2, gxy::row(positions.data(), 3), gxy::row(ids.data()), box), GXY_TAKEN)
+      << sim.message();
+  EXPECT_EQ(sim.pointField("mass", gxy::row(positions.data())), GXY_TAKEN) << sim.message();
+  EXPECT_EQ(sim.points(2, gxy::row(positions.data(), 2)), GXY_WRONG);
+}
+
 TEST(Wrapper, AStreamMovesWithItsObject) {
   const std::vector<float> values(4 * 3 * 2);
   Simulation first("heat", 0, 1, kNobodyThere);

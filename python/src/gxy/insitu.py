@@ -91,6 +91,7 @@ def _load():
             ("gxy_open", sim, [text, ctypes.c_int, ctypes.c_int, text]),
             ("gxy_grid", ctypes.c_int, [sim, text, ctypes.c_int, ctypes.c_int, _Indices, _Indices, _Indices, _Coordinates,
                                         _Coordinates]),
+            ("gxy_points", ctypes.c_int, [sim, text, ctypes.c_int64, _Array, _Array, ctypes.POINTER(ctypes.c_double)]),
             ("gxy_field", ctypes.c_int, [sim, text, ctypes.c_int, text, ctypes.c_int, _Array]),
             ("gxy_publish", ctypes.c_int, [sim, ctypes.c_int64, ctypes.c_double]),
             ("gxy_publish_last", ctypes.c_int, [sim, ctypes.c_int64, ctypes.c_double]),
@@ -195,6 +196,7 @@ class Simulation:
         self._library = _loaded()
         self._blocks = {}  # what a block owns, and of what, by mesh and block
         self._arrays = {}  # those that publish() reads, by mesh, block and field
+        self._fields = {}  # the names of the fields of particles, by mesh
         self._sim = self._library.gxy_open(_text(name, "name"), rank, ranks, text.encode() if options else None)
         # An object that nobody has closed ends its stream when it goes, at the latest with Python.
         self._end = weakref.finalize(self, self._library.gxy_close, self._sim, 0.0)
@@ -251,6 +253,43 @@ class Simulation:
         self._checked(self._library.gxy_field(self._open(), in_mesh, block, in_name, of, values))
         self._arrays[mesh, block, name] = array
 
+    def points(self, mesh, positions, ids=None, box=None, **fields):
+        """Says which particles this rank has now. Called before each publish() that has other ones, or has them elsewhere in memory.
+
+        mesh: the name of the particles. Each field F becomes the dataset NAME.F; particles without fields become NAME.MESH.
+        positions: an array of shape (n, 3), of float32 or float64; n may be 0, and differs from rank to rank and from step to step.
+        ids: n integers of 32 or 64 bits, from 0 up, each once on all ranks. Without, particles are numbered by rank.
+        box: the least and the largest corner, of the domain that the server cuts for its ranks: two triples for x, y, z. Without, it
+            is that of the particles of the first step, a tenth larger. Particles may be outside.
+        fields: arrays of shape (n,), or (n, components), as speed=speed. The same names in all steps and on all ranks.
+
+        The arrays are read in publish() only and never copied here; they are kept alive until they are replaced.
+        """
+        name = _text(mesh, "mesh")
+        if self._fields.get(mesh, set(fields)) != set(fields):
+            raise ValueError(f"points {mesh!r}: fields {sorted(fields)}, expected {sorted(self._fields[mesh])} as before")
+        given = {"positions": positions, **({} if ids is None else {"ids": ids}), **fields}
+        arrays = {}
+        for what, array in given.items():
+            try:
+                arrays[what] = self._of_particles(array, len(positions) if isinstance(positions, np.ndarray) else 0)
+            except ValueError as e:
+                raise ValueError(f"points {mesh!r}, {what}: {e}") from None
+        corners = None
+        if box is not None:
+            try:
+                low, high = box
+            except (TypeError, ValueError):
+                raise ValueError(f"box: found {box!r}, expected two corners") from None
+            corners = (ctypes.c_double * 6)(*_three(low, "box", _Coordinates), *_three(high, "box", _Coordinates))
+        self._checked(self._library.gxy_points(self._open(), name, len(positions), arrays["positions"],
+                                               arrays.get("ids", _Array()), corners))
+        self._arrays[mesh, 0, None] = positions, ids
+        for field in fields:
+            self._checked(self._library.gxy_field(self._open(), name, 0, _text(field, "field"), _OF["points"], arrays[field]))
+            self._arrays[mesh, 0, field] = fields[field]
+        self._fields[mesh] = set(fields)
+
     def publish(self, step, time):
         """Offers a step, and says what became of it, a Result. Steps ascend; all ranks offer the same.
 
@@ -301,6 +340,21 @@ class Simulation:
             raise ValueError("components without memory of their own, expected a stride other than 0")
         strides = array.strides[2::-1] if order == "zyx" else array.strides[:3]
         return _Array(array.ctypes.data, _type_of(array.dtype), components, _Indices(*strides), between, 0), _OF[of]
+
+    @staticmethod
+    def _of_particles(array, count):
+        """The gxy_array of an array with one row for each particle."""
+        if not isinstance(array, np.ndarray):
+            raise ValueError(f"found {type(array).__name__}, expected a NumPy array in the simulation's own memory")
+        if array.ndim not in (1, 2) or len(array) != count:
+            raise ValueError(f"shape {array.shape}, expected ({count},) or ({count}, components)")
+        components = array.shape[1] if array.ndim == 2 else 1
+        if not 1 <= components <= _MOST_COMPONENTS:
+            raise ValueError(f"{components} components, expected 1 to {_MOST_COMPONENTS}")
+        between = array.strides[1] if components > 1 else 0
+        if components > 1 and between == 0:
+            raise ValueError("components without memory of their own, expected a stride other than 0")
+        return _Array(array.ctypes.data, _type_of(array.dtype), components, _Indices(array.strides[0], 0, 0), between, 0)
 
     def _open(self):
         if self._sim is None:

@@ -116,7 +116,8 @@ class Grids(unittest.TestCase):
         self.wrong("block: found -1", SIZE, block=-1)
         self.wrong("mesh: found 5", SIZE, mesh=5)
         self.sim.grid(SIZE)
-        self.wrong("a stream has one grid so far", SIZE, mesh="other")
+        self.wrong("expected the same in all blocks", SIZE, origin=(0, 0, 1))
+        self.sim.grid((3, 3, 3), mesh="other")
 
     def test_a_rank_may_own_nothing_or_several_blocks(self):
         self.sim.grid(np.array(SIZE), (0, 0, 0), (0, 0, 0))
@@ -201,6 +202,55 @@ class Fields(unittest.TestCase):
         self.sim.field("t", np.ones((4, 5, 6)))
         gc.collect()
         self.assertIsNone(alive())
+
+
+class Particles(unittest.TestCase):
+    def setUp(self):
+        self.sim = Simulation("cloud", **NOWHERE)
+        self.addCleanup(self.sim.close)
+        self.positions, self.ids = np.zeros((5, 3)), np.arange(5)
+
+    def wrong(self, words, *arguments, **more):
+        with self.assertRaisesRegex(ValueError, words):
+            self.sim.points("atoms", *arguments, **more)
+
+    def test_wrong_particles_are_told(self):
+        self.wrong("positions: found list", [[0, 0, 0]])
+        self.wrong("positions: 2 components, expected 3", np.zeros((5, 2)))
+        self.wrong("positions: 1 components, expected 3", np.zeros(5))
+        self.wrong(r"positions: shape \(5, 3, 1\), expected \(5,\) or", np.zeros((5, 3, 1)))
+        self.wrong("expected float32 or float64", np.zeros((5, 3), int))
+        self.wrong(r"ids: shape \(4,\), expected \(5,\)", self.positions, self.ids[1:])
+        self.wrong("ids: type 9 .* expected one integer", self.positions, np.zeros(5))
+        self.wrong("box: found 5, expected two corners", self.positions, box=5)
+        self.wrong("box: found .*, expected three numbers", self.positions, box=((0, 0), (1, 1)))
+        self.wrong("the box is empty", self.positions, box=((0, 0, 1), (1, 1, 0)))
+        self.wrong("speed: dtype", self.positions, speed=np.zeros(5, complex))
+        self.wrong("speed: shape", self.positions, speed=np.zeros(6))
+        self.wrong("there are no data|stride.0. is 0", np.broadcast_to(np.zeros((1, 3)), (5, 3)))
+
+    def test_they_may_differ_from_step_to_step_but_not_their_fields(self):
+        structures = np.zeros(7, [("id", "i4"), ("x", "f8", 3), ("speed", "f4")])
+        structures["id"] = range(7)
+        self.sim.points("atoms", structures["x"], structures["id"], speed=structures["speed"])
+        self.assertEqual(self.sim.publish(1, 0), Result.LOST)
+        none = structures[:0]
+        self.sim.points("atoms", none["x"], none["id"], speed=none["speed"])
+        self.assertEqual(self.sim.publish(2, 0), Result.LOST)
+        self.wrong("fields .'mass'., expected .'speed'. as before", structures["x"], structures["id"], mass=structures["speed"])
+        self.wrong("expected .'speed'. as before", structures["x"], structures["id"])
+        self.wrong("other ids or another box", structures["x"], speed=structures["speed"])
+
+    def test_their_arrays_live_as_long_as_they_are_read(self):
+        positions, speed = np.zeros((5, 3)), np.zeros(5)
+        alive = weakref.ref(positions), weakref.ref(speed)
+        self.sim.points("atoms", positions, self.ids, speed=speed)
+        del positions, speed
+        gc.collect()
+        self.assertTrue(alive[0]() is not None and alive[1]() is not None)
+        self.sim.points("atoms", self.positions, self.ids, speed=np.ones(5))
+        gc.collect()
+        self.assertEqual((alive[0](), alive[1]()), (None, None))
 
 
 class Package(unittest.TestCase):

@@ -1,13 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "multiserver/insitu/step_room.h"
+#include "multiserver/insitu/grid_room.h"
 
 #include <algorithm>
 #include <cstring>
 
 #include "core/data/bricks.h"
+#include "core/data/complete_volume.h"
 
 namespace gxy {
 
+namespace {
+
+// The bytes of this rank's blocks of a field, while they are completed.
 int64_t bytesToCome(const insitu::Field& field, const Grid& grid, const Partitioning& partitioning,
                     int rank) {
   size_t points = 0, largest = 0;
@@ -23,7 +27,13 @@ int64_t bytesToCome(const insitu::Field& field, const Grid& grid, const Partitio
                  (becomesFloat ? largest * sizeof(float) * size_t(field.components) : 0));
 }
 
-StepRoom::StepRoom(const insitu::Mesh& mesh, const Partitioning& partitioning, int rank) {
+}  // namespace
+
+GridRoom::GridRoom(const insitu::Mesh& mesh, const Partitioning& partitioning, const GhostPlan& ghosts,
+                   int rank, const TakeStepMemory& take)
+    : partitioning_(partitioning), ghosts_(ghosts) {
+  for (const insitu::Field& field : mesh.fields)
+    memory_.push_back(take("volume", bytesToCome(field, mesh.grid, partitioning, rank)));
   for (const insitu::Field& field : mesh.fields) {
     auto volume = std::make_shared<Volume>();
     volume->name = field.name;
@@ -42,13 +52,13 @@ StepRoom::StepRoom(const insitu::Mesh& mesh, const Partitioning& partitioning, i
   }
 }
 
-void StepRoom::store(size_t field, const insitu::Piece& piece, uint64_t offset,
+void GridRoom::store(const insitu::Piece& piece, size_t array, const insitu::PieceHeader& header,
                      std::span<const std::byte> samples) {
-  Volume& volume = *volumes_.at(field);
+  Volume& volume = *volumes_.at(array);
   VolumeBlock& block = volume.blocks.at(piece.partition);
   const auto bytes = int64_t(bytesOf(volume.stored)) * volume.components;
   const Index3& size = piece.points.points;
-  for (int64_t point = int64_t(offset) / bytes; !samples.empty();) {
+  for (int64_t point = int64_t(header.offset) / bytes; !samples.empty();) {
     const Index3 at{point % size[0], point / size[0] % size[1], point / size[0] / size[1]};
     const int64_t n = std::min(size[0] - at[0], int64_t(samples.size()) / bytes);
     int64_t place = 0;
@@ -58,6 +68,24 @@ void StepRoom::store(size_t field, const insitu::Piece& piece, uint64_t offset,
     samples = samples.subspan(size_t(n * bytes));
     point += n;
   }
+}
+
+std::vector<std::shared_ptr<Dataset>> GridRoom::complete(Collectives& ranks) {
+  std::vector<Volume*> all;
+  for (const auto& volume : volumes_) all.push_back(volume.get());
+  exchangeGhosts(all, ghosts_, ranks);
+  for (Volume* volume : all) completeVolume(*volume, partitioning_, ranks);
+  std::vector<std::shared_ptr<Dataset>> datasets;
+  for (size_t i = 0; i < volumes_.size(); i++) {
+    datasets.push_back(std::make_shared<Dataset>());
+    Dataset& d = *datasets.back();
+    d.array = volumes_[i]->name;
+    d.bytes = bytesOf(*volumes_[i]);
+    d.memory = std::move(memory_[i]);
+    d.memory.resize(d.bytes);
+    d.volume = std::move(volumes_[i]);
+  }
+  return datasets;
 }
 
 }  // namespace gxy

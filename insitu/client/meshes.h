@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a simulation has said of its meshes, and where its arrays lie.
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "insitu/api/galaxy_insitu.h"
+#include "insitu/plan/description.h"
+#include "insitu/plan/redistribution.h"
+
+namespace gxy::insitu {
+
+/// The meshes of one rank. Functions throw Error for wrong use, which names the function of the interface; then nothing has changed. The
+/// arrays are those of the simulation. They are read in describe(), copy() and kept() only.
+class Meshes {
+ public:
+  /// `grid` and `owned` count points, or cells if `of` is GXY_OF_CELLS; the origin is that of the first point in both cases.
+  void grid(const std::string& mesh, int block, int of, Grid grid, const Extent& owned);
+  /// `box` may be empty.
+  void points(const std::string& mesh, uint64_t count, const gxy_array& positions, const gxy_array& ids,
+              const Box& box);
+  void field(const std::string& mesh, int block, const std::string& name, int of, const gxy_array& values);
+
+  bool isDescribed() const { return !meshes_.empty(); }
+  /// Returns what is said to the server. From now on only what may differ from step to step can change.
+  Description describe();
+  /// Throws Error if particles lack an array. `function` is the one that publishes.
+  void check(const char* function) const;
+
+  /// The particles of this rank, by mesh, in the order of the description.
+  std::vector<uint64_t> particles() const;
+  /// Copies what is to be sent, in the order of the destinations. `to` has room for bytes().
+  void copy(std::span<const Destination> destinations, std::byte* to) const;
+  /// Returns the bytes that copy() writes.
+  uint64_t bytes(std::span<const Destination> destinations) const;
+  /// Copies all arrays, and reads the copies from then on. Nothing has changed if there is no memory for it.
+  void keep();
+
+ private:
+  using Arrays = std::map<std::string, gxy_array>;
+  struct Block {
+    Extent owned;   ///< points of the stream's grid: for cells, with the rim beside them
+    Extent values;  ///< those of them that fields have values of
+    Arrays fields;
+  };
+  struct Data {
+    Mesh mesh;                    ///< its fields are known once it is described
+    std::map<int, Block> blocks;  ///< of a grid; of points the block 0, with all of them
+    gxy_array positions{}, ids{};
+    std::vector<const Block*> present;  ///< the blocks that have points, once it is described
+  };
+  Data& at(const std::string& mesh, const std::string& what);
+  static std::vector<Field> fieldsOf(const Data& data);
+  static uint64_t particlesOf(const Data& data);
+
+  std::map<std::string, Data> data_;  ///< by name
+  std::vector<const Data*> meshes_;   ///< in the order of the description, once there is one
+  std::vector<std::vector<std::byte>> kept_;
+};
+
+}  // namespace gxy::insitu

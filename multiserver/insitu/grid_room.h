@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+// Room on one rank for the fields of a grid in one step.
+#pragma once
+#include <memory>
+#include <vector>
+
+#include "core/data/ghosts.h"
+#include "core/data/partitioning.h"
+#include "core/data/volume.h"
+#include "multiserver/insitu/mesh_room.h"
+
+namespace gxy {
+
+/// One volume for each field, with the blocks of the partitions of one rank and room for their ghosts.
+class GridRoom final : public MeshRoom {
+ public:
+  /// Takes the memory at once. Mesh, partitioning and ghosts must outlive it.
+  GridRoom(const insitu::Mesh& mesh, const Partitioning& partitioning, const GhostPlan& ghosts, int rank,
+           const TakeStepMemory& take);
+
+  void store(const insitu::Piece& piece, size_t array, const insitu::PieceHeader& header,
+             std::span<const std::byte> samples) override;
+  std::vector<std::shared_ptr<Dataset>> complete(Collectives& ranks) override;
+
+ private:
+  const Partitioning& partitioning_;
+  const GhostPlan& ghosts_;
+  std::vector<std::shared_ptr<Volume>> volumes_;  ///< by field
+  std::vector<LedgerEntry> memory_;
+};
+
+}  // namespace gxy
