@@ -89,6 +89,7 @@ typedef struct gxy_sim gxy_sim;
  *   "time-out"    with "wait": at most so many seconds; null: for ever. It must be given
  *   "every"       only the first of so many publishes is offered (default: 1)
  *   "between"     [FIRST, LAST]: only steps with these times are offered
+ *   "triggers"    what the server does with steps: a list, or the name of a file that has it (docs/insitu.md). Rank 0 reads it
  *   "reconnect"   seconds between attempts to connect (default: 5); 0: none after the first */
 GXY_API gxy_sim* gxy_open(const char* name, int rank, int ranks, const char* options);
 

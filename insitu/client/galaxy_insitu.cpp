@@ -54,7 +54,9 @@ std::unique_ptr<Simulation> opened(const char* name, int rank, int ranks, const 
   if (ranks < 1 || ranks > kMostRanks || rank < 0 || rank >= ranks)
     throw Error("gxy_open: rank " + std::to_string(rank) + " of " + std::to_string(ranks) +
                 ", expected a rank from 0 up, of 1 to " + std::to_string(kMostRanks) + " ranks");
-  return std::make_unique<Simulation>(readOptions(options), Member{name, rank, ranks});
+  Options read = readOptions(options);
+  if (read.on && rank == 0) readTriggers(read);
+  return std::make_unique<Simulation>(std::move(read), Member{name, rank, ranks});
 }
 
 }  // namespace

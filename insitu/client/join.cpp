@@ -94,11 +94,12 @@ Ticket ticketOf(const std::string& hexadecimal) {
 Joined join(const Options& options, const Member& member, Interrupt& interrupt) {
   Requests requests(options, member, interrupt);
   requests.request("load insitu");
-  const json what{{"name", member.name},
-                  {"rank", member.rank},
-                  {"ranks", member.ranks},
-                  {"scope", options.scope},
-                  {"partition", json::parse(options.partition)}};
+  json what{{"name", member.name},
+            {"rank", member.rank},
+            {"ranks", member.ranks},
+            {"scope", options.scope},
+            {"partition", json::parse(options.partition)}};
+  if (member.rank == 0) what["triggers"] = json::parse(options.triggers);
   const json reply = requests.request("insitu.join " + what.dump());
   try {
     Joined joined{reply.at("stream").get<uint64_t>(), ticketOf(reply.at("ticket").get<std::string>()), {}};

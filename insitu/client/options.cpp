@@ -19,8 +19,9 @@ namespace {
 json parsed(const std::string& text, const std::string& where) {
   const json object = json::parse(text, nullptr, false);
   if (!object.is_object()) throw Error(where + ": expected a JSON object");
-  static const std::set<std::string> known{"to",     "token-file", "tenant", "scope",   "partition",
-                                           "policy", "time-out",   "every",  "between", "reconnect"};
+  static const std::set<std::string> known{"to",        "token-file", "tenant",   "scope",
+                                           "partition", "policy",     "time-out", "every",
+                                           "between",   "reconnect",  "triggers"};
   for (const auto& [key, value] : object.items())
     if (known.count(key) == 0) {
       std::string all;
@@ -30,11 +31,11 @@ json parsed(const std::string& text, const std::string& where) {
   return object;
 }
 
-std::string textOf(const std::string& path) {
+std::string textOf(const std::string& path, const std::string& what) {
   std::ifstream file(path);
   std::ostringstream text;
   text << file.rdbuf();
-  if (!file) throw Error("GALAXY_INSITU_OPTIONS: " + path + " cannot be read, expected a JSON file");
+  if (!file) throw Error(what + ": " + path + " cannot be read, expected a JSON file");
   return text.str();
 }
 
@@ -82,7 +83,8 @@ void readPolicy(const json& options, Options& into) {
 Options readOptions(const char* text) {
   json object = text ? parsed(text, "options of gxy_open") : json::object();
   if (const char* file = std::getenv("GALAXY_INSITU_OPTIONS"); file && *file)
-    object.update(parsed(textOf(file), std::string("GALAXY_INSITU_OPTIONS, ") + file));
+    object.update(
+        parsed(textOf(file, "GALAXY_INSITU_OPTIONS"), std::string("GALAXY_INSITU_OPTIONS, ") + file));
   Options options;
   const char* where = std::getenv("GALAXY_INSITU");
   readWhere(where && *where ? where : word(object, "to", "off"), options);
@@ -92,6 +94,10 @@ Options readOptions(const char* text) {
   if (options.scope != "private" && options.scope != "shared")
     throw Error("option \"scope\": found \"" + options.scope + "\", expected \"private\" or \"shared\"");
   options.partition = object.value("partition", json("even")).dump();
+  const json triggers = object.value("triggers", json::array());
+  if (!triggers.is_array() && !triggers.is_string())
+    throw Error("option \"triggers\": expected a list, or the name of a file that has it");
+  options.triggers = triggers.dump();
   readPolicy(object, options);
   const json every = object.value("every", json(1)), between = object.value("between", json());
   if (!every.is_number_integer() || every.get<int64_t>() < 1)
@@ -108,6 +114,16 @@ Options readOptions(const char* text) {
     throw Error("option \"reconnect\": expected seconds, 0 to 10^6");
   options.reconnect = std::chrono::duration<double>(reconnect.get<double>());
   return options;
+}
+
+void readTriggers(Options& options) {
+  const json given = json::parse(options.triggers);
+  if (given.is_array()) return;
+  const auto path = given.get<std::string>();
+  const json triggers = json::parse(textOf(path, "option \"triggers\""), nullptr, false);
+  if (!triggers.is_array())
+    throw Error("option \"triggers\": " + path + " has no JSON list, expected one of triggers");
+  options.triggers = triggers.dump();
 }
 
 }  // namespace gxy::insitu

@@ -17,6 +17,7 @@ struct Options {
   std::string tenant = "user";
   std::string scope = "private";
   std::string partition = "even";  ///< JSON, as it is sent to the server
+  std::string triggers = "[]";     ///< the same; or the name of a file that has it, in quotes
   /// How long a publish waits until it is taken: not at all (policy "skip"), or so many seconds (policy "wait"); infinity: for ever.
   std::chrono::duration<double> patience{0};
   int64_t every = 1;  ///< only the first of so many publishes is offered
@@ -29,5 +30,7 @@ struct Options {
 /// Reads `text`, a JSON object, or null for none. The environment variables GALAXY_INSITU and GALAXY_INSITU_OPTIONS go before it.
 /// Throws Error, with what was expected, for options that do not exist and for wrong values.
 Options readOptions(const char* text);
+/// Reads the file of triggers, if they are in one. Rank 0 of the simulation calls it, and brings them to the server. Throws Error.
+void readTriggers(Options& options);
 
 }  // namespace gxy::insitu

@@ -29,16 +29,25 @@ Control Conductor::ask() {
   return {Control::Kind::AskNewest, ++question_, 0};
 }
 
-std::vector<Control> Conductor::begin() {
+std::vector<Control> Conductor::begin(uint64_t from) {
   if (state_ != State::Idle) throw Error("a step is under way, expected none");
+  from_ = std::min(from, kMostMargin);
   return {ask()};
+}
+
+std::vector<Control> Conductor::hurry() {
+  const bool isAhead = std::exchange(from_, 0) > 0 && state_ == State::Collecting && takes_ == 0;
+  if (!isAhead) return {};
+  const Control cancel{Control::Kind::Cancel, step_.count, 0};
+  return {cancel, ask()};
 }
 
 std::vector<Control> Conductor::appoint() {
   // Ranks that wait come to the next publish in any case, unless they do not wait for long enough.
   const bool waits = awaited_ > 0 && late_ < 2;
   const uint64_t margin = waits ? 0 : counters_.margin;
-  last_ = std::max(newest_ + 1 + margin, last_ + 1);
+  if (waits) from_ = 0;
+  last_ = std::max({newest_ + 1 + margin, last_ + 1, from_});
   state_ = State::Collecting;
   step_ = {last_, 0, 0};
   taken_.assign(taken_.size(), false);
@@ -74,7 +83,7 @@ std::vector<Control> Conductor::receive(int rank, const Control& message) {
     }
     case Control::Kind::Waits:
       awaited_ = std::max(awaited_, std::min(message.count, kMostMargin));
-      return {};
+      return hurry();
     default:
       throw Error("control message that only servers send, expected one of a simulation");
   }
@@ -104,7 +113,7 @@ bool Conductor::isComplete() const {
 bool Conductor::someTaken() const { return state_ == State::Collecting && takes_ > 0; }
 
 std::vector<Control> Conductor::again() {
-  if (state_ != State::Collecting || takes_ > 0 || counters_.margin == 0) return {};
+  if (state_ != State::Collecting || takes_ > 0 || counters_.margin == 0 || from_ > 0) return {};
   counters_.margin /= 2;
   const Control cancel{Control::Kind::Cancel, step_.count, 0};
   return {cancel, ask()};

@@ -21,8 +21,10 @@ class Conductor {
   /// `ranks`: the number of ranks of the simulation. `owners`: the ranks of Galaxy that get samples.
   Conductor(int ranks, std::set<int> owners);
 
-  /// There is room for a step on all ranks of Galaxy.
-  std::vector<Control> begin();
+  /// There is room for a step on all ranks of Galaxy. Publishes before `from` are not needed; but where a rank waits, all are.
+  std::vector<Control> begin(uint64_t from = 0);
+  /// The next publish is needed after all.
+  std::vector<Control> hurry();
   /// A rank of the simulation answers. Throws Error for a message that only a server sends.
   std::vector<Control> receive(int rank, const Control& message);
   /// A rank of the simulation has taken a step. Throws Error if ranks say different things of the same publish.
@@ -73,7 +75,7 @@ class Conductor {
   size_t takes_ = 0;
   std::set<int> completed_;  ///< ranks of Galaxy
   StepHeader step_;
-  uint64_t last_ = 0;
+  uint64_t last_ = 0, from_ = 0;
   uint64_t awaited_ = 0,
            published_ = 0;        ///< counts: the largest that a rank waits for, and of the last published
   int successes_ = 0, late_ = 0;  ///< in a row: steps without a miss; appointments that came too late

@@ -36,17 +36,24 @@ protocol::WireMessage controlMessage(const Control& control) {
 }  // namespace
 
 StreamLead::StreamLead(ServerRank& serverRank, std::shared_ptr<StreamPart> part, StreamWishes wishes,
-                       std::function<void()> onEnd)
+                       Triggers::Tell tell, std::function<void()> onEnd)
     : serverRank_(serverRank),
       part_(std::move(part)),
       wishes_(std::move(wishes)),
+      tell_(std::move(tell)),
       onEnd_(std::move(onEnd)),
+      triggers_(serverRank, part_->identity().name, part_->identity().tenant, tell_),
       parts_(size_t(part_->identity().ranks)),
       thread_([this] { run(); }) {}
 
 StreamLead::~StreamLead() {
-  end("the server stops");
+  stop("the server stops");
   join();
+}
+
+void StreamLead::stop(const std::string& reason) {
+  end(reason);
+  triggers_.end();
 }
 
 void StreamLead::join() {
@@ -259,6 +266,7 @@ void StreamLead::publishSteps() {
   for (;;) {
     const auto begin = Clock::now();
     publishOne();
+    pullTriggers();
     awaitNext(begin);
   }
 }
@@ -274,9 +282,44 @@ void StreamLead::awaitNext(Clock::time_point begin) {
     const bool isWanted = !failed && wanted();
     lock.lock();
     if (isWanted) break;
+    if (const Triggers::Wants triggers = triggers_.wants(); triggers.any && !failed) {
+      from_ = triggers.from ? publishOf(*triggers.from) : 0;
+      return;
+    }
     changed_.wait_for(lock, kLook);
   }
+  from_ = 0;
   if (end_) throw Ended();
+}
+
+// The publish that will have a step, if the steps between publishes stay what they were. With the lock held.
+uint64_t StreamLead::publishOf(int64_t step) const {
+  if (before_.count == 0 || newest_.count <= before_.count || newest_.step <= before_.step) return 0;
+  const double between = double(newest_.step - before_.step) / double(newest_.count - before_.count);
+  const double publishes = std::ceil(double(step - newest_.step) / between);
+  return publishes > 0 && publishes < 1e12 ? newest_.count + uint64_t(publishes) : 0;
+}
+
+StepValues StreamLead::valuesOf(const std::string& field) const {
+  const std::string name = identity().name + "." + field;
+  const auto dataset = serverRank_.datasets->getPinned(identity().tenant, name).second.get<Dataset>();
+  const Range range = dataset->range();
+  return {range.min, range.max, dataset->volume ? dataset->volume->noDataSamples : 0};
+}
+
+// Does what is to be done with the step that was just published.
+void StreamLead::pullTriggers() {
+  CollectedStep step;
+  {
+    const std::lock_guard lock(mutex_);
+    if (!problem_.empty()) return;
+    step = newest_;
+  }
+  triggers_.published(
+      step.step, step.time, [this](const std::string& field) { return valuesOf(field); },
+      [this] {
+        if (ending()) throw Ended();
+      });
 }
 
 bool StreamLead::wanted() const {
@@ -307,7 +350,10 @@ void StreamLead::publishOne() {
     problem = e.what();
   }
   const std::lock_guard lock(mutex_);
-  if (problem.empty()) newest_ = {conductor_->step().count, conductor_->step().step, conductor_->step().time};
+  if (problem.empty()) {
+    before_ = newest_;
+    newest_ = {conductor_->step().count, conductor_->step().step, conductor_->step().time};
+  }
   tell(problem.empty() ? conductor_->published() : conductor_->abandon());
   if (!problem.empty() && problem != problem_ && !end_)
     spdlog::info("rank 0: stream {}: a step is left out: {}", identity().name, problem);
@@ -316,7 +362,7 @@ void StreamLead::publishOne() {
 
 CollectedStep StreamLead::collect(const std::function<void()>& check) {
   std::unique_lock lock(mutex_);
-  tell(conductor_->begin());
+  tell(conductor_->begin(from_));
   constexpr auto kNone = Clock::time_point::max();
   auto until = kNone;
   auto appointed = Clock::now();
@@ -334,7 +380,12 @@ CollectedStep StreamLead::collect(const std::function<void()>& check) {
     if (refused_.count > 0 && refused_.count == conductor_->last()) throw Error(refused_.reason);
     lock.unlock();
     check();
+    const bool isWanted = from_ > 0 && wanted();
     lock.lock();
+    if (isWanted) {
+      from_ = 0;
+      tell(conductor_->hurry());
+    }
     if (Clock::now() > until)
       throw Error("not all of a step came within " + std::to_string(kStepPatience.count()) +
                   " s: " + conductor_->missing());
@@ -363,6 +414,8 @@ void StreamLead::finish() {
   } catch (const Error& e) {
     spdlog::warn("rank 0: stream {}: {}", identity().name, e.what());
   }
+  triggers_.finish();
+  tell_({{"event", "stream ended"}, {"stream", identity().name}, {"reason", reason}});
   onEnd_();
 }
 

@@ -15,6 +15,7 @@
 #include "core/space/directory.h"
 #include "insitu/plan/conductor.h"
 #include "multiserver/insitu/stream_part.h"
+#include "multiserver/insitu/triggers.h"
 
 namespace gxy {
 
@@ -29,8 +30,9 @@ struct StreamWishes {
 class StreamLead {
  public:
   /// `part` is rank 0's. `onEnd` is called once on the lead's thread, when the stream has ended on all ranks.
+  /// `tell` tells clients of the tenant who listen to streams.
   StreamLead(ServerRank& serverRank, std::shared_ptr<StreamPart> part, StreamWishes wishes,
-             std::function<void()> onEnd);
+             Triggers::Tell tell, std::function<void()> onEnd);
   /// Ends the stream and waits. Not on the lead's thread.
   ~StreamLead();
   StreamLead(const StreamLead&) = delete;
@@ -50,9 +52,13 @@ class StreamLead {
   /// Ends the stream soon. Its data stay.
   void end(const std::string& reason);
   bool ending() const;
+  /// The same, without waiting for what triggers have begun.
+  void stop(const std::string& reason);
   /// Waits until the stream has ended on all ranks. Not on the lead's thread.
   void join();
   bool isConnected(int rank) const { return part_->isConnected(rank); }
+
+  Triggers& triggers() { return triggers_; }
 
   /// The part of rank 0 in the work that publishes a step.
   CollectedStep collect(const std::function<void()>& check);
@@ -76,6 +82,9 @@ class StreamLead {
   void publishSteps();
   void awaitNext(Clock::time_point begin);
   bool wanted() const;
+  uint64_t publishOf(int64_t step) const;
+  StepValues valuesOf(const std::string& field) const;
+  void pullTriggers();
   void publishOne();
   void tell(const std::vector<insitu::Control>& messages);
   void finish();
@@ -83,7 +92,9 @@ class StreamLead {
   ServerRank& serverRank_;
   const std::shared_ptr<StreamPart> part_;
   const StreamWishes wishes_;
+  const Triggers::Tell tell_;
   const std::function<void()> onEnd_;
+  Triggers triggers_;
   mutable std::mutex mutex_;
   std::condition_variable changed_;
   std::optional<std::string> end_;                               ///< why the stream ends
@@ -95,8 +106,9 @@ class StreamLead {
     std::string reason;
   } refused_;  ///< the last step that a rank could not keep
   std::optional<insitu::Conductor> conductor_;
-  std::string problem_;  ///< why the last step could not be published; empty if it was
-  CollectedStep newest_;
+  std::string problem_;            ///< why the last step could not be published; empty if it was
+  CollectedStep newest_, before_;  ///< that were published last
+  uint64_t from_ = 0;              ///< the publish that is needed next; 0: any
   std::mutex joining_;
   std::thread thread_;
 };

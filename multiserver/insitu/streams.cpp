@@ -239,8 +239,10 @@ void Streams::begin(const std::string& tenant, const Join& what) {
     }
     const std::lock_guard lock(mutex_);  // so that the lead, if it ends at once, finds itself
     ports_.emplace(identity.id, std::move(ports));
-    leads_.emplace(identity.id, std::make_shared<StreamLead>(serverRank_, parts_.at(identity.id), what.wishes,
-                                                             [this, id = identity.id] { ended(id); }));
+    leads_.emplace(identity.id, std::make_shared<StreamLead>(
+                                    serverRank_, parts_.at(identity.id), what.wishes,
+                                    [this, tenant](const json& event) { tell(tenant, event); },
+                                    [this, id = identity.id] { ended(id); }));
   } catch (const std::exception& e) {
     serverRank_.work.broadcast("insitu.end", {{"stream", identity.id}, {"reason", e.what()}},
                                [](std::vector<Work::Reply>) {});
@@ -264,6 +266,7 @@ json Streams::join(const std::string& tenant, const Join& what) {
     throw Error(
         "insitu.join: stream " + inQuotes(what.name) + " has " + std::to_string(identity.ranks) +
         " ranks, or other options; expected the same on all ranks of the simulation, or another name");
+  for (const Trigger& trigger : what.triggers) lead->triggers().add(trigger);
   const std::lock_guard lock(mutex_);
   const auto ports = ports_.find(identity.id);
   if (ports == ports_.end()) throw Error("insitu.join: the stream has ended at once");
@@ -292,6 +295,32 @@ void Streams::close(const std::string& tenant, const std::string& name) {
   lead->end("closed by a client");
 }
 
+void Streams::withTriggers(const std::string& tenant, const std::string& name,
+                           const std::function<void(Triggers&)>& action) {
+  const auto lead = leadOf(tenant, name);
+  if (!lead) throw Error("there is no stream " + inQuotes(name) + "; `insitu.streams` lists them");
+  action(lead->triggers());
+}
+
+std::shared_ptr<void> Streams::listen(const std::string& tenant, std::shared_ptr<Outbox> outbox) {
+  const auto listener = std::make_shared<Listener>(Listener{tenant, std::move(outbox)});
+  const std::lock_guard lock(mutex_);
+  std::erase_if(listeners_, [](const auto& l) { return l.expired(); });
+  listeners_.push_back(listener);
+  return listener;
+}
+
+void Streams::tell(const std::string& tenant, const json& event) {
+  std::vector<std::shared_ptr<Listener>> listeners;
+  {
+    const std::lock_guard lock(mutex_);
+    for (const auto& l : listeners_)
+      if (auto listener = l.lock(); listener && listener->tenant == tenant)
+        listeners.push_back(std::move(listener));
+  }
+  for (const auto& l : listeners) l->outbox->event(event);
+}
+
 // On the lead's own thread, which cannot destroy it.
 void Streams::ended(uint64_t stream) {
   const std::lock_guard lock(mutex_);
@@ -311,7 +340,7 @@ void Streams::endAll() {
     for (const auto& [id, lead] : leads_) all.push_back(lead);
     all.insert(all.end(), over_.begin(), over_.end());
   }
-  for (const auto& lead : all) lead->end("the server stops");
+  for (const auto& lead : all) lead->stop("the server stops");
   for (const auto& lead : all) lead->join();
 }
 

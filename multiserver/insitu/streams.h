@@ -29,6 +29,7 @@ class Streams {
     std::string name;
     int rank = 0, ranks = 1;
     StreamWishes wishes;
+    std::vector<Trigger> triggers{};  ///< that the rank brings with it
   };
   /// Rank 0: joins a stream of the tenant, or begins it. Returns what `insitu.join` replies. Throws Error where the stream has other
   /// members or wishes, or the tenant has too many streams.
@@ -37,6 +38,12 @@ class Streams {
   nlohmann::json list(const std::string& tenant) const;
   /// Rank 0: ends a stream of the tenant. Throws Error if there is none of this name.
   void close(const std::string& tenant, const std::string& name);
+  /// Rank 0: calls `action` with the triggers of a stream of the tenant. Throws Error if there is none of this name.
+  void withTriggers(const std::string& tenant, const std::string& name,
+                    const std::function<void(Triggers&)>& action);
+
+  /// Rank 0: events about the tenant's streams go to the outbox from now on, as long as what this returns lives.
+  [[nodiscard]] std::shared_ptr<void> listen(const std::string& tenant, std::shared_ptr<Outbox> outbox);
 
  private:
   nlohmann::json openHere(const nlohmann::json& parameters);
@@ -48,6 +55,7 @@ class Streams {
   std::shared_ptr<StreamLead> leadOf(const std::string& tenant, const std::string& name) const;
   void begin(const std::string& tenant, const Join& join);
   void ended(uint64_t stream);
+  void tell(const std::string& tenant, const nlohmann::json& event);
   void endAll();
 
   ServerRank& serverRank_;
@@ -59,6 +67,11 @@ class Streams {
   std::map<uint64_t, std::shared_ptr<StreamLead>> leads_;  ///< rank 0
   std::map<uint64_t, nlohmann::json> ports_;               ///< rank 0: where each rank takes data, by stream
   std::vector<std::shared_ptr<StreamLead>> over_;          ///< rank 0: have ended, and are to be destroyed
+  struct Listener {
+    std::string tenant;
+    std::shared_ptr<Outbox> outbox;
+  };
+  std::vector<std::weak_ptr<Listener>> listeners_;  ///< rank 0
 };
 
 }  // namespace gxy

@@ -70,6 +70,9 @@ TEST(Interface, WrongOptionsAreTold) {
   expect(R"({"to": "here:70000"})", "expected \"off\" or HOST:PORT");
   expect(R"({"scope": "all"})", "expected \"private\" or \"shared\"");
   expect(R"({"reconnect": -1})", "expected seconds");
+  expect(R"({"triggers": 5})", "expected a list, or the name of a file");
+  expect(R"({"to": "127.0.0.1:1", "triggers": "nowhere.json"})", "nowhere.json cannot be read");
+  expect(R"({"to": "127.0.0.1:1", "triggers": "/dev/null"})", "has no JSON list");
   expect(R"({"every": 0})", "expected an integer from 1 up");
   expect(R"({"between": [1]})", "expected two times");
   expect(R"({"policy": "all"})", "expected \"skip\" or \"wait\"");

@@ -136,6 +136,29 @@ TEST(Conductor, IgnoresAnswersToOlderQuestions) {
   EXPECT_EQ(conductor.receive(0, {Kind::Newest, asked[0].count, 4}), (Messages{{Kind::Appoint, 5, 0}}));
 }
 
+TEST(Conductor, LeavesOutPublishesThatAreNotNeeded) {
+  Conductor conductor(1, {});
+  const auto answer = [&](const Messages& asked, uint64_t newest) {
+    return conductor.receive(0, {Kind::Newest, asked.back().count, newest});
+  };
+  EXPECT_EQ(answer(conductor.begin(100), 3), (Messages{{Kind::Appoint, 100, 0}}));
+  EXPECT_EQ(conductor.again(), Messages{}) << "nobody is late";
+  const Messages hurried = conductor.hurry();
+  ASSERT_EQ(hurried.size(), 2u);
+  EXPECT_EQ(hurried[0], (Control{Kind::Cancel, 100, 0}));
+  EXPECT_EQ(conductor.hurry(), Messages{}) << "it does so already";
+  EXPECT_EQ(answer(hurried, 7), (Messages{{Kind::Appoint, 101, 0}})) << "counts ascend";
+  conductor.receive(0, StepHeader{101, 1, 0});
+  conductor.published();
+  EXPECT_EQ(answer(conductor.begin(50), 200), (Messages{{Kind::Appoint, 201, 0}}))
+      << "the simulation is farther already";
+  conductor.abandon();
+  EXPECT_EQ(answer(conductor.begin(500), 201), (Messages{{Kind::Appoint, 500, 0}}));
+  const Messages waits = conductor.receive(0, {Kind::Waits, 203, 0});
+  ASSERT_EQ(waits.size(), 2u) << "where a rank waits, no publish is left out";
+  EXPECT_EQ(waits[0], (Control{Kind::Cancel, 500, 0}));
+}
+
 TEST(Conductor, IsCompleteWithTheWordOfAllRanksAndAllSamples) {
   Conductor conductor(2, {1});
   const uint64_t count = appointed(conductor, {0, 0});

@@ -224,7 +224,8 @@ class Schedule {
       if (ends && !conductor_->isAwaited()) return;
       for (Owner& o : server_) o.receiver->open();
       open_ = true;
-      return tell(conductor_->begin());
+      const bool some = random_.oneIn(2);  // publishes are not needed
+      return tell(conductor_->begin(some ? conductor_->last() + random_.below(100) : 0));
     }
     if (!(calm_ && policy_ != Ranks::Skip) &&
         random_.oneIn((policy_ == Ranks::End ? 60 : 600) * latency_ * copy_)) {  // too late
@@ -232,6 +233,7 @@ class Schedule {
       return close();
     }
     if (random_.oneIn(100 * latency_ * copy_)) tell(conductor_->again());  // nobody comes to it
+    if (random_.oneIn(200 * latency_ * copy_)) tell(conductor_->hurry());
     if (!conductor_->isComplete()) return;
     for (Owner& o : server_) {
       ASSERT_TRUE(o.receiver->take(conductor_->last()));

@@ -40,15 +40,19 @@ StreamWishes wishesOf(const json& object) {
 json join(Streams& streams, Request& request) {
   const json object = protocol::parseObject(request.arguments(), "insitu.join");
   for (const auto& [key, value] : object.items())
-    if (key != "name" && key != "rank" && key != "ranks" && key != "scope" && key != "partition")
+    if (key != "name" && key != "rank" && key != "ranks" && key != "scope" && key != "partition" &&
+        key != "triggers")
       throw Error("insitu.join: unknown key " + inQuotes(key) +
-                  ", expected `name`, `rank`, `ranks`, `scope` and `partition`");
+                  ", expected `name`, `rank`, `ranks`, `scope`, `partition` and `triggers`");
   const auto name = object.find("name");
   if (name == object.end() || !name->is_string()) throw Error("insitu.join: `name`: expected a text");
   Streams::Join what{name->get<std::string>(), 0, integer(object, "ranks", 1, insitu::kMostRanks),
                      wishesOf(object)};
   what.rank = integer(object, "rank", 0, what.ranks - 1);
   insitu::checkName(what.name, "stream");
+  const json triggers = object.value("triggers", json::array());
+  if (!triggers.is_array()) throw Error("insitu.join: `triggers`: expected a list");
+  for (const json& trigger : triggers) what.triggers.push_back(readTrigger(trigger));
   return streams.join(request.session().tenant(), what);
 }
 
@@ -63,6 +67,52 @@ json list(Streams& streams, Request& request) {
     if (s.contains("problem")) text += "; " + s.at("problem").get<std::string>();
   }
   return {{"streams", all}, {"text", text}};
+}
+
+json trigger(Streams& streams, Request& request) {
+  protocol::Arguments arguments(request.arguments(), "trigger STREAM JSON");
+  const std::string stream = arguments.expectWord();
+  Trigger trigger = readTrigger(protocol::parseObject(arguments.expectJson(), "insitu.trigger"));
+  streams.withTriggers(request.session().tenant(), stream, [&](Triggers& t) { t.add(std::move(trigger)); });
+  return nullptr;
+}
+
+json untrigger(Streams& streams, Request& request) {
+  protocol::Arguments arguments(request.arguments(), "untrigger STREAM NAME");
+  const std::string stream = arguments.expectWord(), name = arguments.expectWord();
+  arguments.expectEnd();
+  streams.withTriggers(request.session().tenant(), stream, [&](Triggers& t) { t.remove(name); });
+  return nullptr;
+}
+
+json triggers(Streams& streams, Request& request) {
+  protocol::Arguments arguments(request.arguments(), "triggers STREAM");
+  const std::string stream = arguments.expectWord();
+  arguments.expectEnd();
+  json all;
+  streams.withTriggers(request.session().tenant(), stream, [&](Triggers& t) { all = t.list(); });
+  std::string text = "triggers:";
+  for (const json& t : all) {
+    text += "\n" + t.at("name").get<std::string>() + ": " + t.at("do").get<std::string>() + " when " +
+            t.at("when").dump() + ", for " + t.at("fired").dump() + " steps, " + t.at("done").dump() +
+            " done";
+    if (t.contains("problem")) text += "; " + t.at("problem").get<std::string>();
+  }
+  return {{"triggers", all}, {"text", text}};
+}
+
+/// What a session listens to.
+struct Listening {
+  std::shared_ptr<void> subscription;
+};
+
+json listen(Streams& streams, Request& request) {
+  protocol::Arguments(request.arguments(), "listen").expectEnd();
+  Session& session = request.session();
+  session.state<Listening>([&]() -> std::shared_ptr<Listening> {
+    return std::make_shared<Listening>(Listening{streams.listen(session.tenant(), session.sharedOutbox())});
+  });
+  return nullptr;
 }
 
 json close(Streams& streams, Request& request) {
@@ -90,4 +140,12 @@ GALAXY_MODULE(registration) {
                      [&s](Request& r) { return list(s, r); }});
   registration.verb({"close", "NAME", "Ends a stream; its data stay.", Order::InTurn,
                      [&s](Request& r) { return close(s, r); }});
+  registration.verb({"trigger", "STREAM JSON", "Has the server do something with steps of a stream.",
+                     Order::InTurn, [&s](Request& r) { return trigger(s, r); }});
+  registration.verb({"untrigger", "STREAM NAME", "Removes a trigger.", Order::InTurn,
+                     [&s](Request& r) { return untrigger(s, r); }});
+  registration.verb({"triggers", "STREAM", "Lists the triggers of a stream.", Order::InTurn,
+                     [&s](Request& r) { return triggers(s, r); }});
+  registration.verb({"listen", "", "Events about streams: of triggers, and their ends.", Order::InTurn,
+                     [&s](Request& r) { return listen(s, r); }});
 }

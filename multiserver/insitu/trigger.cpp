@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "multiserver/insitu/trigger.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <set>
+
+#include "core/comm/error.h"
+#include "core/scene/json_text.h"
+#include "insitu/plan/description.h"
+#include "multiserver/protocol/json.h"
+
+namespace gxy {
+
+using nlohmann::json;
+
+namespace {
+
+constexpr struct {
+  const char* key;
+  Trigger::Threshold::Kind kind;
+} kKinds[] = {{"above", Trigger::Threshold::Kind::Above},
+              {"below", Trigger::Threshold::Kind::Below},
+              {"nodata", Trigger::Threshold::Kind::NoData}};
+
+[[noreturn]] void fail(const std::string& key, const std::string& expected) {
+  throw Error("trigger: `" + key + "`: expected " + expected);
+}
+
+void expectKeys(const json& object, const std::set<std::string>& known, const std::string& what) {
+  std::string names;
+  for (const std::string& k : known) names += (names.empty() ? "`" : ", `") + k + "`";
+  for (const auto& [key, value] : object.items())
+    if (known.count(key) == 0) throw Error(what + ": unknown key " + inQuotes(key) + ", expected " + names);
+}
+
+void readWhen(const json& when, Trigger& trigger) {
+  if (!when.is_object() || when.empty()) fail("when", "an object with `every`, `above`, `below` or `nodata`");
+  expectKeys(when, {"every", "above", "below", "nodata"}, "trigger: `when`");
+  if (const auto every = when.find("every"); every != when.end()) {
+    if (!every->is_number_integer() || every->get<int64_t>() < 1)
+      fail("every", "an integer from 1 up, of steps");
+    trigger.every = every->get<int64_t>();
+  }
+  for (const auto& [key, kind] : kKinds) {
+    const auto given = when.find(key);
+    if (given == when.end()) continue;
+    if (!given->is_object() || given->empty()) fail(key, "an object with a number for each field");
+    for (const auto& [field, value] : given->items()) {
+      if (!value.is_number() || !std::isfinite(value.get<double>()))
+        fail(key, "a number for field " + inQuotes(field));
+      insitu::checkName(field, "field");
+      trigger.thresholds.push_back({kind, field, value.get<double>()});
+    }
+  }
+}
+
+}  // namespace
+
+Trigger readTrigger(const json& document) {
+  if (!document.is_object()) throw Error("trigger: expected an object with `name`, `when` and `do`");
+  expectKeys(document, {"name", "when", "do", "batch", "exact"}, "trigger");
+  Trigger trigger;
+  const auto name = document.find("name");
+  if (name == document.end() || !name->is_string()) fail("name", "a text");
+  trigger.name = name->get<std::string>();
+  insitu::checkName(trigger.name, "trigger");
+  readWhen(document.value("when", json()), trigger);
+  const json what = document.value("do", json());
+  if (what != "batch" && what != "event") fail("do", "\"batch\" or \"event\"");
+  trigger.does = what == "batch" ? Trigger::Does::Batch : Trigger::Does::Event;
+  trigger.batch = document.value("batch", json());
+  if ((trigger.does == Trigger::Does::Batch) != trigger.batch.is_object())
+    fail("batch", "with \"do\": \"batch\", and only then, an object as `viewer.batch` takes it");
+  const json prefix =
+      trigger.batch.is_object() ? trigger.batch.value("prefix", json("picture-{step}")) : json("{step}");
+  if (!prefix.is_string() || prefix.get<std::string>().find("{step}") == std::string::npos)
+    fail("prefix", "a text with {step} in it, so that no picture replaces another");
+  if (trigger.batch.is_object() && trigger.batch.value("to", json("files")) != "files")
+    fail("to", "\"files\", as there is no client that pictures could be sent to");
+  if (trigger.batch.is_object()) trigger.batch["prefix"] = prefix;
+  const json exact = document.value("exact", json(false));
+  if (!exact.is_boolean()) fail("exact", "true or false");
+  trigger.exact = exact.get<bool>();
+  return trigger;
+}
+
+json written(const Trigger& trigger) {
+  json when = json::object();
+  if (trigger.every > 0) when["every"] = trigger.every;
+  for (const Trigger::Threshold& t : trigger.thresholds)
+    for (const auto& [key, kind] : kKinds)
+      if (kind == t.kind) when[key][t.field] = t.value;
+  json document{{"name", trigger.name}, {"when", when}, {"exact", trigger.exact}};
+  document["do"] = trigger.does == Trigger::Does::Batch ? "batch" : "event";
+  if (trigger.does == Trigger::Does::Batch) document["batch"] = trigger.batch;
+  return document;
+}
+
+bool TriggerCondition::holds(int64_t step, const ValuesOf& valuesOf) {
+  bool hold = true;
+  for (const Trigger::Threshold& t : thresholds_) {
+    const StepValues values = valuesOf(t.field);
+    hold = hold && (t.kind == Trigger::Threshold::Kind::Above   ? values.largest > t.value
+                    : t.kind == Trigger::Threshold::Kind::Below ? values.least < t.value
+                                                                : double(values.noData) > t.value);
+  }
+  const bool before = std::exchange(held_, hold);
+  if (!hold || (every_ == 0 && before)) return false;
+  if (every_ > 0 && last_ && step - *last_ < every_) return false;
+  last_ = step;
+  return true;
+}
+
+std::optional<int64_t> TriggerCondition::next() const {
+  if (!thresholds_.empty() || !last_) return std::nullopt;
+  return *last_ + every_;
+}
+
+std::string prefixOf(const std::string& pattern, int64_t step) {
+  char digits[32];
+  std::snprintf(digits, sizeof digits, "%08lld", static_cast<long long>(step));
+  std::string prefix = pattern;
+  constexpr std::string_view kStep = "{step}";
+  for (size_t at = 0; (at = prefix.find(kStep, at)) != std::string::npos;
+       at += std::char_traits<char>::length(digits))
+    prefix.replace(at, kStep.size(), digits);
+  return prefix;
+}
+
+}  // namespace gxy
