@@ -15,7 +15,7 @@ mkdir "$folder/work"
 cd "$folder/work"
 is() { [[ $2 == "$3" ]] || { printf '%s: "%s", expected "%s"\n' "$1" "$2" "$3"; exit 1; }; }
 
-for program in gxyrender gxydata gxydiff gxybench gxyserver msdata msclient gxyviewer simsim galaxy; do
+for program in gxyrender gxydata gxydiff gxybench gxyserver msdata msclient gxyviewer simsim gxysim galaxy; do
   is "$program --version" "$($program --version)" "$program $version"
 done
 client=$tree/lib/python3/dist-packages/galaxy.py
