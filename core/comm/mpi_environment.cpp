@@ -60,21 +60,22 @@ class SettingsOfOneRank {
 
 }  // namespace
 
-MpiEnvironment::MpiEnvironment() {
+MpiEnvironment::MpiEnvironment(bool beside) {
+  const int needed = beside ? MPI_THREAD_MULTIPLE : MPI_THREAD_SERIALIZED;
   int initialised = 0, level = 0;
   MPI_Initialized(&initialised);
   if (initialised) {
     MPI_Query_thread(&level);
   } else {
     const SettingsOfOneRank settings;
-    MPI_Init_thread(nullptr, nullptr, MPI_THREAD_SERIALIZED, &level);
+    MPI_Init_thread(nullptr, nullptr, needed, &level);
     finalises_ = true;
   }
-  if (level >= MPI_THREAD_SERIALIZED) return;
+  if (level >= needed) return;
   if (finalises_) MPI_Finalize();
-  throw Error(
-      "MPI runs with thread level " + std::to_string(level) +
-      ", expected MPI_THREAD_SERIALIZED, or MPI_THREAD_MULTIPLE when the host program calls MPI as well");
+  throw Error("MPI runs with thread level " + std::to_string(level) + ", expected " +
+              (beside ? "" : "MPI_THREAD_SERIALIZED, or ") +
+              "MPI_THREAD_MULTIPLE when the host program calls MPI as well");
 }
 
 MpiEnvironment::~MpiEnvironment() {

@@ -13,12 +13,18 @@ namespace {
 
 // In a build tree programs are build/PRESET/{bin,tests}/program and plugins are in build/PRESET/lib/galaxy.
 // In an installation their relative place follows from the folders that CMake was given.
-std::string besideProgram(const std::string& file) {
+std::string placeOf(const std::string& file) {
   namespace fs = std::filesystem;
   std::error_code failed;
   const fs::path program = fs::read_symlink("/proc/self/exe", failed);
   for (const char* folder : {"../lib/galaxy", GALAXY_PLUGIN_FOLDER}) {
     const fs::path found = program.parent_path() / folder / file;
+    if (fs::is_regular_file(found, failed)) return found.string();
+  }
+  // This code may be in a shared library that another program has opened.
+  Dl_info self{};
+  if (dladdr(reinterpret_cast<const void*>(&openPlugin), &self) != 0 && self.dli_fname) {
+    const fs::path found = fs::absolute(self.dli_fname, failed).parent_path() / "galaxy" / file;
     if (fs::is_regular_file(found, failed)) return found.string();
   }
   return file;
@@ -27,7 +33,7 @@ std::string besideProgram(const std::string& file) {
 }  // namespace
 
 const void* openPlugin(const std::string& name, const std::string& purpose) {
-  const std::string path = besideProgram("libgalaxy_" + name + ".so");
+  const std::string path = placeOf("libgalaxy_" + name + ".so");
   const std::string begin = purpose + " needs Galaxy's library ";
   void* library = dlopen(path.c_str(), RTLD_LAZY | RTLD_LOCAL);
   if (!library)

@@ -8,7 +8,7 @@
 namespace gxy {
 
 /// Opens the plugin `name` and returns its table. The plugin is searched for in Galaxy's library folder
-/// beside the program's folder, then where the dynamic linker searches for the program's libraries (the run
+/// beside the program's folder, in the folder `galaxy` beside the shared library that has this code, if it is in one, then where the dynamic linker searches for the program's libraries (the run
 /// path, which CMake sets for programs that link Galaxy's libraries). The plugin stays open. Throws Error if
 /// the plugin is missing or its version differs from the program's; `purpose` ("reading pictures") begins the
 /// message. Any thread may call it.

@@ -80,7 +80,9 @@ typedef struct gxy_sim gxy_sim;
  *
  * `options` is a JSON object, or NULL. The environment variable GALAXY_INSITU stands in for "to", and the JSON file that
  * GALAXY_INSITU_OPTIONS names for all others.
- *   "to"          "off" (the default), or "HOST:PORT" of a server
+ *   "to"          "off", "HOST:PORT" of a server, or "here", the server in the simulation's own processes (galaxy_insitu_mpi.h).
+ *                 The default is "off", and "here" in a simulation that gxyserver has loaded
+ *   "here"        options of that server, an object: "port" (5001), "port-file", "data" (folder), "backend", "threads" (1), "niceness" (5)
  *   "token-file"  file with the server's token, "-" for none; default: where a server on this machine leaves it
  *   "tenant"      for servers without tokens (default: "user")
  *   "scope"       "private" (the default) or "shared": who sees the data
@@ -156,6 +158,17 @@ GXY_API const char* gxy_message(gxy_sim* sim);
  * gxy_publish_last(), to be published, half a second for the connections to end, and as long as the system takes where it is looking for the server's host.
  * Frees `sim`, which may be NULL. */
 GXY_API void gxy_close(gxy_sim* sim, double seconds);
+
+/* The next three are for galaxy_insitu_mpi.h and gxyserver, which simulations use instead. */
+
+/* The server of this process, or of its MPI job, listens at `address`, HOST:PORT, and asks for `token`. Streams whose "to" is "here", or says
+ * nothing, go there. An empty address: it could not be started. */
+GXY_API void gxy_set_here(const char* address, const char* token);
+/* 1: these options say "here", and a server can be started in this process; 0: they do not; -1: it cannot be. `mpi`: what
+ * MPI_Get_library_version() says. */
+GXY_API int gxy_prepare_here(const char* options, const char* mpi);
+/* As gxy_open(); `comm` points to an MPI_Comm of a server to be started, or is NULL where one of its ranks cannot. */
+GXY_API gxy_sim* gxy_open_here(const char* name, int rank, int ranks, const char* options, const void* comm);
 
 #ifdef __cplusplus
 }

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "core/comm/error.h"
+#include "insitu/client/here.h"
 #include "insitu/client/simulation.h"
 
 using namespace gxy;
@@ -16,7 +17,8 @@ using namespace gxy::insitu;
 struct gxy_sim {
   std::unique_ptr<Simulation> simulation;  ///< null: gxy_open() was used wrongly
   std::string message;
-  std::string shown;  ///< what gxy_message() has returned
+  std::string shown;      ///< what gxy_message() has returned
+  bool embedded = false;  ///< it was opened with a server in this process
 };
 
 namespace {
@@ -76,6 +78,54 @@ gxy_sim* gxy_open(const char* name, int rank, int ranks, const char* options) {
   } catch (const std::exception&) {
     return &noMemory;
   }
+}
+
+void gxy_set_here(const char* address, const char* token) {
+  try {
+    Here server;
+    const std::string where = address ? address : "";
+    const size_t colon = where.rfind(':');
+    if (colon != std::string::npos) {
+      server.host = where.substr(0, colon);
+      server.port = uint16_t(std::stoi(where.substr(colon + 1)));
+      server.token = token ? token : "";
+    } else {
+      server.problem = "\"to\": \"here\": the server of this MPI job could not be started";
+    }
+    setHere(std::move(server));
+  } catch (const std::exception&) {
+    // no memory, or no address: there is no server
+  }
+}
+
+int gxy_prepare_here(const char* options, const char* mpi) {
+  try {
+    if (!saysHere(options)) return 0;
+    if (here().port == 0) loadEmbedded(mpi ? mpi : "");
+    return 1;
+  } catch (const std::exception& e) {
+    try {
+      setHere({{}, 0, {}, e.what()});
+    } catch (const std::exception&) {
+      // There is no memory for the message.
+    }
+    return -1;
+  }
+}
+
+gxy_sim* gxy_open_here(const char* name, int rank, int ranks, const char* options, const void* comm) {
+  bool started = false;
+  try {
+    if (comm)
+      started = startEmbedded(comm, givenOptions(options));
+    else if (here().problem.empty() && here().port == 0)
+      setHere({{}, 0, {}, "\"to\": \"here\": another rank cannot start a server in its process"});
+  } catch (const std::exception&) {
+    // no memory
+  }
+  gxy_sim* sim = gxy_open(name, rank, ranks, options);
+  sim->embedded = started;
+  return sim;
 }
 
 int gxy_grid(gxy_sim* sim, const char* mesh, int block, int of, const int64_t size[3], const int64_t first[3],
@@ -160,5 +210,6 @@ void gxy_close(gxy_sim* sim, double seconds) {
     s.close(seconds > 0 ? std::min(seconds, 1e6) : 0);
     return GXY_TAKEN;
   });
+  if (sim->embedded) leaveEmbedded();
   if (sim->simulation || !sim->message.empty()) delete sim;
 }

@@ -9,6 +9,7 @@
 #include <sstream>
 
 #include "core/comm/error.h"
+#include "insitu/client/here.h"
 
 namespace gxy::insitu {
 
@@ -21,7 +22,7 @@ json parsed(const std::string& text, const std::string& where) {
   if (!object.is_object()) throw Error(where + ": expected a JSON object");
   static const std::set<std::string> known{"to",        "token-file", "tenant",   "scope",
                                            "partition", "policy",     "time-out", "every",
-                                           "between",   "reconnect",  "triggers"};
+                                           "between",   "reconnect",  "triggers", "here"};
   for (const auto& [key, value] : object.items())
     if (known.count(key) == 0) {
       std::string all;
@@ -46,8 +47,21 @@ std::string word(const json& options, const char* key, const std::string& otherw
   return found->get<std::string>();
 }
 
+void readHere(Options& options) {
+  const Here server = here();
+  if (server.port == 0)
+    throw Error(server.problem.empty() ? "option \"to\": \"here\", but no server runs in this program, "
+                                         "expected gxy_open_mpi() of galaxy_insitu_mpi.h"
+                                       : server.problem);
+  options.on = true;
+  options.host = server.host;
+  options.port = server.port;
+  options.token = server.token;
+}
+
 void readWhere(const std::string& to, Options& options) {
   if (to == "off") return;
+  if (to == "here") return readHere(options);
   const size_t colon = to.rfind(':');
   int port = 0;
   if (colon != std::string::npos) {
@@ -56,12 +70,27 @@ void readWhere(const std::string& to, Options& options) {
     if (failed != std::errc() || rest != end) port = 0;
   }
   if (colon == 0 || port < 1 || port > 65535)
-    throw Error("option \"to\": found \"" + to + "\", expected \"off\" or HOST:PORT");
+    throw Error("option \"to\": found \"" + to + "\", expected \"off\", \"here\" or HOST:PORT");
   options.on = true;
   options.host = to.substr(0, colon);
   if (options.host.size() > 2 && options.host.front() == '[')  // [::1]:5001
     options.host = options.host.substr(1, options.host.size() - 2);
   options.port = uint16_t(port);
+}
+
+// Those of the program, and of the environment, which go before them.
+json allOptions(const char* text) {
+  json object = text ? parsed(text, "options of gxy_open") : json::object();
+  if (const char* file = std::getenv("GALAXY_INSITU_OPTIONS"); file && *file)
+    object.update(
+        parsed(textOf(file, "GALAXY_INSITU_OPTIONS"), std::string("GALAXY_INSITU_OPTIONS, ") + file));
+  return object;
+}
+
+std::string where(const json& options) {
+  const char* given = std::getenv("GALAXY_INSITU");
+  if (given && *given) return given;
+  return word(options, "to", here().port > 0 ? "here" : "off");
 }
 
 void readPolicy(const json& options, Options& into) {
@@ -80,14 +109,14 @@ void readPolicy(const json& options, Options& into) {
 
 }  // namespace
 
+std::string givenOptions(const char* text) { return allOptions(text).dump(); }
+
+bool saysHere(const char* text) { return where(allOptions(text)) == "here"; }
+
 Options readOptions(const char* text) {
-  json object = text ? parsed(text, "options of gxy_open") : json::object();
-  if (const char* file = std::getenv("GALAXY_INSITU_OPTIONS"); file && *file)
-    object.update(
-        parsed(textOf(file, "GALAXY_INSITU_OPTIONS"), std::string("GALAXY_INSITU_OPTIONS, ") + file));
+  const json object = allOptions(text);
   Options options;
-  const char* where = std::getenv("GALAXY_INSITU");
-  readWhere(where && *where ? where : word(object, "to", "off"), options);
+  readWhere(where(object), options);
   options.tokenFile = word(object, "token-file", "");
   options.tenant = word(object, "tenant", options.tenant);
   options.scope = word(object, "scope", options.scope);

@@ -14,6 +14,7 @@ struct Options {
   std::string host;
   uint16_t port = 0;
   std::string tokenFile;  ///< "-": none; empty: where a server on this machine leaves its token
+  std::string token;      ///< if it is known already
   std::string tenant = "user";
   std::string scope = "private";
   std::string partition = "even";  ///< JSON, as it is sent to the server
@@ -30,6 +31,10 @@ struct Options {
 /// Reads `text`, a JSON object, or null for none. The environment variables GALAXY_INSITU and GALAXY_INSITU_OPTIONS go before it.
 /// Throws Error, with what was expected, for options that do not exist and for wrong values.
 Options readOptions(const char* text);
+/// Whether `text`, or the environment, says "here". Throws Error as readOptions().
+bool saysHere(const char* text);
+/// Returns the options of the program and the environment together, as JSON. Throws Error as readOptions().
+std::string givenOptions(const char* text);
 /// Reads the file of triggers, if they are in one. Rank 0 of the simulation calls it, and brings them to the server. Throws Error.
 void readTriggers(Options& options);
 

@@ -52,7 +52,7 @@ TEST(Interface, TheEnvironmentSaysWhereTo) {
   setenv("GALAXY_INSITU", "nowhere", 1);
   Sim wrong;
   unsetenv("GALAXY_INSITU");
-  wrong.expectWrong(gxy_publish(wrong.sim, 1, 0), "expected \"off\" or HOST:PORT");
+  wrong.expectWrong(gxy_publish(wrong.sim, 1, 0), "expected \"off\", \"here\" or HOST:PORT");
   setenv("GALAXY_INSITU", "off", 1);
   Sim off(kNowhere);
   unsetenv("GALAXY_INSITU");
@@ -65,9 +65,10 @@ TEST(Interface, WrongOptionsAreTold) {
     s.expectWrong(s.grid(), why);
   };
   expect("[]", "expected a JSON object");
-  expect(R"({"two": 1})", "there is no option \"two\", expected one of between, every, partition");
+  expect(R"({"two": 1})", "there is no option \"two\", expected one of between, every, here");
   expect(R"({"to": 5})", "option \"to\": expected a text");
-  expect(R"({"to": "here:70000"})", "expected \"off\" or HOST:PORT");
+  expect(R"({"to": "here"})", "no server runs in this program, expected gxy_open_mpi()");
+  expect(R"({"to": "here:70000"})", "expected \"off\", \"here\" or HOST:PORT");
   expect(R"({"scope": "all"})", "expected \"private\" or \"shared\"");
   expect(R"({"reconnect": -1})", "expected seconds");
   expect(R"({"triggers": 5})", "expected a list, or the name of a file");

@@ -10,10 +10,14 @@
 #include <boost/asio/post.hpp>
 #include <boost/asio/signal_set.hpp>
 
+#include <algorithm>
+#include <atomic>
+#include <chrono>
 #include <condition_variable>
 #include <csignal>
 #include <cstdlib>
 #include <functional>
+#include <future>
 #include <iostream>
 #include <mutex>
 #include <optional>
@@ -23,9 +27,11 @@
 #include "core/comm/error.h"
 #include "core/comm/mpi_environment.h"
 #include "core/comm/mpi_transport.h"
+#include "core/comm/wire.h"
 #include "core/image/replace_file.h"
 #include "multiserver/protocol/run_files.h"
 #include "tools/gxyserver/options.h"
+#include "tools/gxyserver/simulation.h"
 
 using namespace gxy;
 
@@ -81,6 +87,12 @@ std::string hostName() {
   return gethostname(name, sizeof name - 1) == 0 ? name : "HOST";
 }
 
+// How the ranks of a simulation reach this machine's rank.
+std::string hostOf(const ServeOptions& options) {
+  const auto where = boost::asio::ip::make_address(options.server.bind);
+  return where.is_loopback() ? where.to_string() : hostName();
+}
+
 /// The tokens of this server's tenants, which are made before it listens, and their files, which exist while
 /// it runs.
 class TokenFiles {
@@ -110,6 +122,8 @@ class TokenFiles {
   }
   void remove() { files_.clear(); }
   const std::vector<protocol::TokenFile>& files() const { return files_; }
+  /// Empty if no token is asked for.
+  std::string administrators() const { return tokens_.empty() ? std::string() : tokens_.front(); }
   nlohmann::json paths() const {
     nlohmann::json paths = nlohmann::json::array();
     for (const protocol::TokenFile& file : files_) paths.push_back(file.path());
@@ -218,18 +232,29 @@ void writeTrace(ServerRank& serverRank, const std::string& file) {
   }
 }
 
-int serve(const ServeOptions& options) {
+/// A simulation in the same processes, or in the same MPI job.
+struct Beside {
+  std::string failure;                           ///< why it cannot be there on this rank; empty: it can
+  const void* communicator = nullptr;            ///< of the server's ranks; null: MPI_COMM_WORLD
+  std::function<void(const Listening&)> tell{};  ///< called once on each rank
+  Gate stopped{};                                ///< somebody opens it on rank 0 to end the server
+  std::atomic<bool> ended =
+      false;  ///< the simulation has; what triggers have begun is finished before the server ends
+};
+
+int serve(const ServeOptions& options, Beside& beside) {
   const auto trace = options.traceFile.empty() ? nullptr : std::make_unique<Trace>();
   MpiTransport::Options transportOptions;
   transportOptions.trace = trace.get();
+  transportOptions.communicator = beside.communicator;
   transportOptions.threads = options.threads;
   transportOptions.role = hasDevices(options.serverRank.backend);  // ranks with devices share them
   MpiTransport transport(transportOptions);
   const bool root = transport.rank() == 0;
   constexpr uint64_t kStart = 1;  // key of the collectives at start and end
-  std::string failure;
+  std::string failure = beside.failure;
   std::unique_ptr<ServerRank> serverRank;
-  Gate stopped;
+  Gate& stopped = beside.stopped;
   TokensOfRoot tokensOfRoot;
   std::signal(SIGPIPE, SIG_IGN);
   std::signal(SIGXFSZ, SIG_IGN);  // Exceeding a file size limit is an error of write().
@@ -290,10 +315,25 @@ int serve(const ServeOptions& options) {
     }
   }
   good = good && agreed(kStart);
+  if (beside.tell) {
+    Listening where;
+    if (good) {
+      if (root) where = {hostOf(options), server->port(), tokens->administrators()};
+      const Bytes told = collective.broadcast(
+          kStart, 0, Writer().write(where.host).write(where.port).write(where.token).take());
+      Reader reader(told, "address of the server");
+      where.host = reader.readString();
+      where.port = reader.read<uint16_t>();
+      where.token = reader.readString();
+    }
+    beside.tell(where);
+  }
   std::optional<Ending> ending;
   if (good) {
     stopped.wait();
     if (root) {
+      while (beside.ended && !serverRank->streaming.list().empty())
+        std::this_thread::sleep_for(std::chrono::milliseconds(10));
       ending.emplace(transport, serverRank->presence, options.serverRank.rankPatience);
       tokens->remove();  // first, in case there is little time
       server.reset();
@@ -308,6 +348,60 @@ int serve(const ServeOptions& options) {
   return good ? 0 : 1;
 }
 
+/// serve() on a thread of its own, beside what the main thread does.
+class Serving {
+ public:
+  Serving(const ServeOptions& options, Beside& beside) {
+    beside.tell = [this](const Listening& where) { listening_.set_value(where); };
+    thread_ = std::thread([this, &options, &beside] {
+      try {
+        status_ = serve(options, beside);
+      } catch (const std::exception& e) {
+        std::cerr << "gxyserver: error: " << e.what() << '\n';
+      }
+    });
+  }
+  /// Waits until the server listens, or cannot.
+  Listening listening() { return listening_.get_future().get(); }
+  /// Waits for the server's end, and returns its status.
+  int join() {
+    thread_.join();
+    return status_;
+  }
+
+ private:
+  std::promise<Listening> listening_;
+  int status_ = 1;
+  std::thread thread_;
+};
+
+// The server goes on after the simulation's end, until somebody stops it; and the simulation after the server's.
+int serveWithSimulation(const ServeOptions& options) {
+  Beside beside;
+  std::optional<LoadedSimulation> simulation;
+  try {
+    simulation.emplace(options.simulation, options.serverRank.moduleFolders);
+  } catch (const Error& e) {
+    beside.failure = e.what();
+  }
+  Serving serving(options, beside);
+  const Listening where = serving.listening();
+  const int status = where.port > 0 ? simulation->run(where, options.simulationArguments) : 0;
+  return std::max(serving.join(), status);
+}
+
+int serveWorld(const ServeOptions& options) {
+  SharedWorld world;
+  Beside beside;
+  beside.communicator = world.communicator();
+  Serving serving(options, beside);
+  world.tell(serving.listening());
+  world.awaitEnd();
+  beside.ended = true;
+  beside.stopped.open();
+  return serving.join();
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -316,10 +410,13 @@ int main(int argc, char** argv) {
     const char* rank = std::getenv("OMPI_COMM_WORLD_RANK");  // MPI is not initialised yet
     if (!rank) rank = std::getenv("PMI_RANK");
     if (const auto code = parseOptions(argc, argv, !rank || std::string(rank) == "0", options)) return *code;
-    MpiEnvironment mpi;
+    MpiEnvironment mpi(options.world || !options.simulation.empty());
     spdlog::set_default_logger(spdlog::stderr_color_mt("gxyserver"));
     spdlog::set_level(spdlog::level::from_str(options.logLevel));
-    return serve(options);
+    if (options.world) return serveWorld(options);
+    if (!options.simulation.empty()) return serveWithSimulation(options);
+    Beside nobody;
+    return serve(options, nobody);
   } catch (const std::exception& e) {
     std::cerr << "gxyserver: error: " << e.what() << '\n';
     return 1;

@@ -91,6 +91,14 @@ std::optional<int> parseOptions(int argc, char** argv, bool speaks, ServeOptions
   app.add_option("--log-level", o.logLevel, "debug, info, warn, error or off")
       ->capture_default_str()
       ->check(CLI::IsMember({"debug", "info", "warn", "error", "off"}));
+  auto* simulation = app.add_option("--simulation", o.simulation,
+                                    "run the simulation galaxy_NAME.so, of the module folders or their "
+                                    "folders `simulations`, in these processes, with what follows --");
+  app.add_option("ARGS", o.simulationArguments, "arguments of the simulation, after --")->needs(simulation);
+  app.add_flag(
+         "--world", o.world,
+         "the ranks of a simulation are in the same MPI job: mpirun -n M SIMULATION : -n N gxyserver --world")
+      ->excludes(simulation);
   addVersion(app, "gxyserver");
   try {
     app.parse(argc, argv);

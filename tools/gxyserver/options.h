@@ -19,6 +19,9 @@ struct ServeOptions {
   std::string device;  ///< BackendOptions::device
   std::string logLevel = "info";
   int threads = 0;
+  std::string simulation;  ///< of galaxy_SIMULATION.so, which these processes run as well; empty: none
+  std::vector<std::string> simulationArguments;
+  bool world = false;  ///< ranks of a simulation are in MPI_COMM_WORLD, too
 };
 
 /// Returns the exit code if the program should end at once (0 after --help, 2 for wrong usage), or nothing.

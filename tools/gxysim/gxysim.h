@@ -21,6 +21,10 @@ typedef struct gxysim_options {
   int sine;               /* heat starts with a sine mode, and nothing else warms it */
 } gxysim_options;
 
+/* Runs the simulation that the arguments ask for, and returns the exit status. */
+int gxysim_run(MPI_Comm comm, int argc, char** argv);
+int galaxy_simulation(MPI_Comm mine, int argc, char** argv);
+
 /* Reads the program's arguments. Returns -1, or the exit status if the program is to end now; `speaks`: with a text. */
 int gxysim_parse(int argc, char** argv, int speaks, gxysim_options* options);
 

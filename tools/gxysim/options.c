@@ -8,7 +8,8 @@
 static const char help[] =
     "gxysim SIMULATION [OPTIONS]: a small simulation that publishes its steps to Galaxy. Start it under "
     "mpirun.\n"
-    "GALAXY_INSITU=HOST:PORT says where to, and GALAXY_INSITU_OPTIONS=FILE.json more (docs/insitu.md).\n\n"
+    "GALAXY_INSITU=HOST:PORT says where to, and GALAXY_INSITU_OPTIONS=FILE.json more (docs/insitu.md).\n"
+    "GALAXY_INSITU=here runs a server in these processes.\n\n"
     "  heat       heat conduction in a box with a warm floor and two hot balls: NAME.temperature, of points\n"
     "  blobs      clouds in two eddies: NAME.density and NAME.velocity, of cells\n"
     "  particles  bodies that orbit a mass: NAME.speed and NAME.velocity, of points\n\n"
@@ -25,6 +26,7 @@ static const char help[] =
     "  --output FILE.npy     write the last step: temperature or density by z, y and x; position and "
     "velocity of\n"
     "                        each particle\n"
+    "  --world               as the last argument: ranks of `gxyserver --world` are in the same MPI job\n"
     "  --help, --version     this text; the version\n\n"
     "The results are the same on all numbers of ranks, to the bit.\n"
     "Exit status: 0 done, 1 failed, 2 wrong usage. That there is no server is no failure.\n";

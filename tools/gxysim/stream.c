@@ -2,14 +2,13 @@
 #define _POSIX_C_SOURCE 200809L
 #include "tools/gxysim/stream.h"
 
+#include "insitu/api/galaxy_insitu_mpi.h"
+
 #include <stdio.h>
 #include <time.h>
 
 gxy_sim* gxysim_open(MPI_Comm comm, const gxysim_options* options) {
-  int rank, ranks;
-  MPI_Comm_rank(comm, &rank);
-  MPI_Comm_size(comm, &ranks);
-  return gxy_open(options->name, rank, ranks, NULL);
+  return gxy_open_mpi(options->name, comm, NULL);
 }
 
 int gxysim_offers(const gxysim_options* options, int64_t step) {

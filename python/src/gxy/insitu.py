@@ -89,6 +89,8 @@ def _load():
     text, sim = ctypes.c_char_p, ctypes.c_void_p
     for name, result, arguments in (
             ("gxy_open", sim, [text, ctypes.c_int, ctypes.c_int, text]),
+            ("gxy_prepare_here", ctypes.c_int, [text, text]),
+            ("gxy_open_here", sim, [text, ctypes.c_int, ctypes.c_int, text, sim]),
             ("gxy_grid", ctypes.c_int, [sim, text, ctypes.c_int, ctypes.c_int, _Indices, _Indices, _Indices, _Coordinates,
                                         _Coordinates]),
             ("gxy_points", ctypes.c_int, [sim, text, ctypes.c_int64, _Array, _Array, ctypes.POINTER(ctypes.c_double)]),
@@ -168,7 +170,8 @@ class Simulation:
 
     name: of the stream. Field F of stream NAME becomes the dataset NAME.F.
     comm_or_rank, ranks: a communicator, which is any object with Get_rank() and Get_size() as mpi4py's have them; or the number
-        of this rank and how many there are. Without either, the simulation has one rank.
+        of this rank and how many there are. Without either, the simulation has one rank. With a communicator of mpi4py this is
+        collective, and to="here" runs a server in the simulation's own processes, until close(), which is collective then.
     options: those of docs/insitu.md, with "_" for "-", as to="localhost:5001" or token_file="token".
 
     Wrong use raises ValueError, and changes nothing. That there is no server, or that it goes, is never an error. The object
@@ -197,7 +200,7 @@ class Simulation:
         self._blocks = {}  # what a block owns, and of what, by mesh and block
         self._arrays = {}  # those that publish() reads, by mesh, block and field
         self._fields = {}  # the names of the fields of particles, by mesh
-        self._sim = self._library.gxy_open(_text(name, "name"), rank, ranks, text.encode() if options else None)
+        self._sim = self._begin(comm_or_rank, _text(name, "name"), rank, ranks, text.encode() if options else None)
         # An object that nobody has closed ends its stream when it goes, at the latest with Python.
         self._end = weakref.finalize(self, self._library.gxy_close, self._sim, 0.0)
         if self._library.gxy_statistics(self._sim, ctypes.byref(_Stat())) == _WRONG:
@@ -205,6 +208,17 @@ class Simulation:
             self._end()
             self._sim = None
             raise ValueError(why)
+
+    def _begin(self, comm, name, rank, ranks, options):
+        """Opens the stream. Where mpi4py gives the communicator, a server may run in these processes (galaxy_insitu_mpi.h)."""
+        if type(comm).__module__.partition(".")[0] != "mpi4py":
+            return self._library.gxy_open(name, rank, ranks, options)
+        from mpi4py import MPI
+        able = self._library.gxy_prepare_here(options, MPI.Get_library_version().encode())
+        least, most = comm.allreduce(able, MPI.MIN), comm.allreduce(able, MPI.MAX)
+        if least == most == 0:
+            return self._library.gxy_open(name, rank, ranks, options)
+        return self._library.gxy_open_here(name, rank, ranks, options, MPI._addressof(comm) if least == 1 else None)
 
     def __enter__(self):
         return self

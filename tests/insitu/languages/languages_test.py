@@ -140,6 +140,16 @@ class Languages(unittest.TestCase):
             self.assertEqual(sim.statistics().taken, len(views))
             self.assertEqual(sim.statistics().bytes, len(views) * values.nbytes)
 
+    @unittest.skipUnless("py" in LANGUAGES, "there is no mpi4py")
+    def test_a_server_runs_in_the_processes_of_a_simulation_in_python(self):
+        trigger = {"name": "last", "when": {"every": 7}, "do": "batch", "exact": True,
+                   "batch": {"prefix": "here-{step}", "format": "raw", "state": state("wave.height")}}
+        options = self.server.folder / "here.json"
+        options.write_text(json.dumps({"triggers": [trigger], "policy": "wait", "time-out": 60,
+                                       "here": {"port": 0, "data": str(self.server.folder), "backend": "embree"}}))
+        self.run_wave("py", 2, GALAXY_INSITU="here", GALAXY_INSITU_OPTIONS=str(options))
+        self.assertEqual(len(list(self.server.folder.glob("here-*"))), 2)
+
     def test_without_a_server_they_run_to_their_end(self):
         for language in LANGUAGES:
             with self.subTest(language=language):

@@ -63,7 +63,7 @@ class Opening(unittest.TestCase):
         for name in ("", "\0", None, 5, "a" * 1000):
             with self.assertRaises(ValueError):
                 Simulation(name)
-        for options, words in (({"two": 1}, "there is no option \"two\""), ({"to": "here"}, "expected \"off\" or HOST:PORT"),
+        for options, words in (({"two": 1}, "there is no option \"two\""), ({"to": "nowhere"}, "expected \"off\", \"here\" or HOST:PORT"), ({"to": "here"}, "no server runs in this program"),
                                ({"every": 0}, "option \"every\""), ({"token_file": 5}, "option \"token-file\""),
                                ({"to": b"off"}, "expected what JSON has")):
             with self.assertRaisesRegex(ValueError, words):
