@@ -1,0 +1,308 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "insitu/catalyst/adaptor.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+
+namespace gxy::catalyst {
+
+namespace {
+
+constexpr size_t kMostMessages = 1000;
+constexpr double kNear = 1e-6;  // of a cell, and of the spacing
+
+// A rank and the number of ranks, as launchers tell them to a process.
+std::pair<int64_t, int64_t> ofLauncher() {
+  // SLURM_NTASKS would also be there for a single process in a batch job.
+  constexpr const char* names[][2] = {{"OMPI_COMM_WORLD_RANK", "OMPI_COMM_WORLD_SIZE"},
+                                      {"PMI_RANK", "PMI_SIZE"},
+                                      {"SLURM_PROCID", "SLURM_STEP_NUM_TASKS"}};
+  for (const auto& [rankName, ranksName] : names) {
+    const char *rank = std::getenv(rankName), *ranks = std::getenv(ranksName);
+    if (rank && ranks) return {std::atoll(rank), std::atoll(ranks)};
+  }
+  return {0, 1};
+}
+
+int asInt(int64_t value, const char* what) {
+  if (value != int(value))
+    throw std::runtime_error(std::string(what) + " " + std::to_string(value) + " is too large");
+  return int(value);
+}
+
+std::string destination(const std::string& options) {
+  if (const char* to = std::getenv("GALAXY_INSITU")) return to;
+  const auto json = nlohmann::json::parse(options, nullptr, false);
+  return json.is_object() && json.contains("to") && json["to"].is_string() ? json["to"] : "off";
+}
+
+// An origin that was computed, the same on all ranks though each rounds differently: a multiple of a millionth of a cell.
+double snapped(double origin, double spacing) {
+  const double unit = std::ldexp(1.0, std::ilogb(spacing) - 20);
+  return std::round(origin / unit) * unit;
+}
+
+// Where a block begins in the grid that begins at `origin`.
+Index placeOf(const GridBlock& block, const Position& origin, const Position& spacing) {
+  Index place;
+  for (size_t a = 0; a < 3; a++) {
+    const double cells = (block.origin[a] - origin[a]) / spacing[a];
+    place[a] = std::llround(std::clamp(cells, -0x1p40, 0x1p40));
+    if (!(std::abs(cells - double(place[a])) <= kNear))
+      throw std::runtime_error(block.path + ": its origin " + std::to_string(block.origin[a]) + " is " +
+                               std::to_string(cells) + " cells from " + std::to_string(origin[a]) +
+                               " on axis " + std::to_string(a) + ", expected a whole number");
+  }
+  return place;
+}
+
+// Components that lie at equal distances are read where they are, others from a copy.
+gxy_array described(const Values& values, const Index& extent, const Index& first,
+                    std::vector<std::byte>& copy) {
+  const auto& all = values.components;
+  const auto address = [&](size_t c) { return reinterpret_cast<intptr_t>(all[c].data); };
+  const int64_t bytes = int64_t(bytesOf(all[0].type)), components = int64_t(all.size());
+  int64_t apart = components > 1 ? address(1) - address(0) : 0;
+  bool regular = components == 1 || apart != 0;
+  for (size_t c = 1; c < all.size(); c++)
+    regular = regular && all[c].stride == all[0].stride && address(c) - address(c - 1) == apart;
+  const std::byte* data = all[0].data;
+  int64_t stride = all[0].stride;
+  if (!regular) {
+    copy.resize(size_t(bytes * components * all[0].count));
+    std::byte* to = copy.data();
+    for (int64_t n = 0; n < all[0].count; n++)
+      for (const Array& c : all) to = std::copy_n(c.data + n * c.stride, bytes, to);
+    data = copy.data(), stride = bytes * components, apart = bytes;
+  }
+  const Index strides{stride, stride * extent[0], stride * extent[0] * extent[1]};
+  for (size_t a = 0; a < 3 && data; a++) data += first[a] * strides[a];
+  return {data, all[0].type, int(components), {strides[0], strides[1], strides[2]}, apart, 0};
+}
+
+}  // namespace
+
+void Messages::say(const std::string& text) {
+  if (said_.size() >= kMostMessages || !said_.insert(text).second) return;
+  std::fputs((prefix_ + text + "\n").c_str(), stderr);
+}
+
+void Messages::setRank(int rank, int ranks) {
+  prefix_ = ranks == 1 ? "galaxy: " : "galaxy: rank " + std::to_string(rank) + ": ";
+}
+
+Adaptor::Adaptor(const Node& params, Messages& messages)
+    : messages_(&messages), sim_(nullptr, Close{&seconds_}) {
+  const auto [rank, ranks] = ofLauncher();
+  rank_ = asInt(params.integerOr("catalyst/galaxy/rank", rank), "rank");
+  ranks_ = asInt(params.integerOr("catalyst/galaxy/ranks", ranks), "ranks");
+  messages.setRank(rank_, ranks_);
+  if (const auto size = params.find("catalyst/galaxy/size")) {
+    const auto n = size->numbers(3);
+    for (const double points : n)
+      if (!(points >= 1 && points <= 0x1p31))
+        throw std::runtime_error(size->path() + ": expected 1 to 2^31 points by axis");
+    size_ = {int64_t(n[0]), int64_t(n[1]), int64_t(n[2])};
+  }
+  if (const auto origin = params.find("catalyst/galaxy/origin")) {
+    const auto x = origin->numbers(3);
+    origin_ = {x[0], x[1], x[2]};
+  }
+  shared_ = params.integerOr("catalyst/galaxy/shared", 1) != 0;
+  ghosts_ = params.textOr("catalyst/galaxy/ghosts", "");
+  association_ = params.textOr("catalyst/galaxy/association", "");
+  if (!association_.empty() && association_ != "vertex" && association_ != "element")
+    throw std::runtime_error("catalyst/galaxy/association: expected \"vertex\" or \"element\"");
+  seconds_ = params.numberOr("catalyst/galaxy/seconds", 5);
+  const std::string name = params.textOr("catalyst/galaxy/name", "catalyst");
+  const std::string options = params.textOr("catalyst/galaxy/options", "{}");
+  to_ = destination(options);
+  sim_.reset(gxy_open(name.c_str(), rank_, ranks_, options.c_str()));
+  gxy_stat counts;
+  if (gxy_statistics(sim_.get(), &counts) != GXY_TAKEN) throw std::runtime_error(gxy_message(sim_.get()));
+  for (const char* part : {"scripts", "pipelines"})
+    if (params.find(std::string("catalyst/") + part))
+      warn(std::string("catalyst/") + part +
+           ": what is to be done with the data is said to the server, left out");
+}
+
+void Adaptor::about(void* node) const {
+  conduit().nodeSetPathChar8Str(node, "catalyst/galaxy/to", to_.c_str());
+  conduit().nodeSetPathChar8Str(node, "catalyst/galaxy/message", gxy_message(sim_.get()));
+}
+
+Meshes Adaptor::meshesOf(const Node& params) {
+  Meshes meshes;
+  const Warn say = [this](const std::string& text) { warn(text); };
+  for (const Node& channel : params.at("catalyst/channels").children()) {
+    const std::string type = channel.at("type").text(), name = channel.name();
+    if (type == "mesh") {
+      addMeshes(channel.at("data"), name, name, ghosts_, say, meshes);
+    } else if (type == "multimesh") {
+      for (const Node& mesh : channel.at("data").children())
+        addMeshes(mesh, name, name + "." + mesh.name(), ghosts_, say, meshes);
+    } else {
+      warn(channel.path() + ": type \"" + type +
+           "\" is not taken, expected \"mesh\" or \"multimesh\", left out");
+    }
+  }
+  return meshes;
+}
+
+Adaptor::Whole Adaptor::wholeOf(const std::vector<GridBlock>& blocks, const std::vector<Box>& boxes) const {
+  const GridBlock& one = blocks.front();
+  const auto missing = [&](const char* what, const char* how) {
+    throw std::runtime_error(one.path + ": with several ranks, " + what +
+                             " of the whole grid is not known, expected " + how + " in catalyst_initialize");
+  };
+  Whole whole{{}, one.origin, one.spacing};
+  for (const GridBlock& block : blocks)
+    for (size_t a = 0; a < 3; a++)
+      if (!(std::abs(block.spacing[a] - one.spacing[a]) <= kNear * one.spacing[a]))
+        throw std::runtime_error(block.path + ": spacing " + std::to_string(block.spacing[a]) + " beside " +
+                                 std::to_string(one.spacing[a]) + " of " + one.path + ", expected the same");
+  if (ranks_ > 1) {
+    if (!size_) missing("the size", "catalyst/galaxy/size, its points along x, y and z,");
+    if (!origin_ && !one.index)
+      missing("the origin",
+              "catalyst/galaxy/origin (x, y, z), or elements/origin in the topology instead of it");
+    for (size_t a = 0; a < 3 && !origin_; a++)
+      whole.origin[a] = snapped(one.origin[a] - double((*one.index)[a]) * one.spacing[a], one.spacing[a]);
+  } else {
+    // The blocks of this rank are all there are.
+    Index least{INT64_MAX, INT64_MAX, INT64_MAX}, end{INT64_MIN, INT64_MIN, INT64_MIN};
+    const Position base = one.origin;
+    for (size_t b = 0; b < blocks.size(); b++) {
+      if (boxes[b].empty()) continue;
+      const Index place = placeOf(blocks[b], base, whole.spacing);
+      for (size_t a = 0; a < 3; a++) {
+        const int64_t first = place[a] + boxes[b].first[a];
+        if (first < least[a])
+          least[a] = first,
+          whole.origin[a] = blocks[b].origin[a] + double(boxes[b].first[a]) * whole.spacing[a];
+        end[a] = std::max(end[a], first + boxes[b].count[a]);
+      }
+    }
+    if (end[0] == INT64_MIN) throw std::runtime_error(one.path + ": the grid has no points");
+    for (size_t a = 0; a < 3; a++) whole.points[a] = end[a] - least[a];
+  }
+  if (origin_) whole.origin = *origin_;
+  if (size_) whole.points = *size_;
+  return whole;
+}
+
+void Adaptor::place(const std::vector<GridBlock>& blocks) {
+  placed_.clear();
+  std::vector<Box> boxes;
+  bool points = association_ == "vertex";
+  for (const GridBlock& block : blocks) {
+    boxes.push_back(ownedOf(block));
+    for (const Values& values : block.fields) points = points || (association_.empty() && !values.ofElements);
+  }
+  of_ = points ? GXY_OF_POINTS : GXY_OF_CELLS;
+  const Whole whole = wholeOf(blocks, boxes);
+  std::vector<Placed> placed;
+  for (size_t b = 0; b < blocks.size(); b++) {
+    Box& box = boxes[b];
+    if (box.ofPoints && !points && !box.empty())
+      throw std::runtime_error(blocks[b].ghosts->path +
+                               ": ghosts of points do not say which cells are ghosts");
+    const Index place = placeOf(blocks[b], whole.origin, whole.spacing);
+    Index size = whole.points, first{}, count = box.count;
+    for (size_t a = 0; a < 3; a++) {
+      first[a] = place[a] + box.first[a];
+      if (box.empty()) {
+        first[a] = count[a] = 0;
+      } else if (!points) {
+        size[a] = cells(whole.points, a);
+        count[a] = cells(box.count, a);
+      } else if (!box.ofPoints && shared_ && box.count[a] > 1 && first[a] + count[a] != size[a]) {
+        count[a]--;  // The next block has the last points, too.
+      }
+    }
+    if (gxy_grid(sim_.get(), blocks[b].mesh.c_str(), int(b), of_, size.data(), first.data(), count.data(),
+                 whole.origin.data(), whole.spacing.data()) != GXY_TAKEN)
+      throw std::runtime_error(blocks[b].path + ": " + gxy_message(sim_.get()));
+    placed.push_back({blocks[b].points, blocks[b].origin, box});
+  }
+  grid_ = blocks.front().mesh;
+  placed_ = std::move(placed);
+}
+
+void Adaptor::grids(std::vector<GridBlock> blocks) {
+  if (blocks.empty()) return;
+  const std::string mesh = published_ && !placed_.empty() ? grid_ : blocks.front().mesh;
+  std::erase_if(blocks, [&](const GridBlock& block) {
+    if (block.mesh == mesh) return false;
+    warn(block.path + ": a stream has one grid so far, \"" + mesh + "\", left out");
+    return true;
+  });
+  if (!published_) {
+    if (!blocks.empty()) place(blocks);
+  } else if (!std::equal(blocks.begin(), blocks.end(), placed_.begin(), placed_.end(),
+                         [](const GridBlock& now, const Placed& before) {
+                           return now.points == before.points && now.origin == before.origin;
+                         })) {
+    throw std::runtime_error(
+        "grid \"" + mesh +
+        "\": its blocks on this rank have changed after the first step, which is not taken so far");
+  }
+  for (size_t b = 0; b < blocks.size(); b++) {
+    Index extent = blocks[b].points;
+    for (size_t a = 0; a < 3 && of_ == GXY_OF_CELLS; a++) extent[a] = cells(blocks[b].points, a);
+    for (const Values& values : blocks[b].fields) {
+      if (values.ofElements == (of_ == GXY_OF_CELLS))
+        field(values, mesh, int(b), of_, extent, placed_[b].box.first);
+      else
+        warn(values.path +
+             ": a grid has fields of its points or of its cells so far, left out "
+             "(catalyst/galaxy/association)");
+    }
+  }
+}
+
+void Adaptor::field(const Values& values, const std::string& mesh, int block, int of, const Index& extent,
+                    const Index& first) {
+  const Key key{mesh, block, values.name};
+  const bool known = told_.count(key) != 0;
+  Told& told = told_[key];
+  const gxy_array array = described(values, extent, first, told.copy);
+  if (gxy_field(sim_.get(), mesh.c_str(), block, values.name.c_str(), of, array) == GXY_TAKEN) {
+    told.now = true;
+    return;
+  }
+  const std::string why = values.path + ": " + gxy_message(sim_.get());
+  if (known) throw std::runtime_error(why);  // What was told before may not be there any more.
+  told_.erase(key);
+  warn(why + ", left out");
+}
+
+void Adaptor::execute(const Node& params) {
+  if (off_) return;
+  const Node state = params.at("catalyst/state");
+  const int64_t step = state.find("timestep") ? state.at("timestep").integer() : state.at("cycle").integer();
+  const double time = state.at("time").number();
+  for (auto& [key, told] : told_) told.now = false;
+  Meshes meshes = meshesOf(params);
+  for (const Points& points : meshes.points) warn(points.path + ": points are not taken so far, left out");
+  grids(std::move(meshes.grids));
+  if (told_.empty()) return warn("catalyst/channels: there is nothing that Galaxy takes");
+  for (const auto& [key, told] : told_)
+    if (!told.now)
+      throw std::runtime_error("field \"" + std::get<2>(key) + "\" of block " +
+                               std::to_string(std::get<1>(key)) + " of mesh \"" + std::get<0>(key) +
+                               "\" is missing, expected the fields of the first step");
+  const bool last = params.integerOr("catalyst/galaxy/last", 0) != 0;
+  const int result = (last ? gxy_publish_last : gxy_publish)(sim_.get(), step, time);
+  if (result == GXY_WRONG) throw std::runtime_error(gxy_message(sim_.get()));
+  published_ = true;
+  off_ = result == GXY_OFF;
+  if (result == GXY_LOST && *gxy_message(sim_.get())) warn(gxy_message(sim_.get()));
+}
+
+}  // namespace gxy::catalyst

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+// What Galaxy takes of a mesh in Conduit's Mesh Blueprint: blocks of uniform grids, points, and fields.
+#pragma once
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "insitu/catalyst/conduit.h"
+
+namespace gxy::catalyst {
+
+using Index = std::array<int64_t, 3>;
+using Position = std::array<double, 3>;
+
+/// A field on a mesh of this rank.
+struct Values {
+  std::string path, name;
+  bool ofElements = false;
+  std::vector<Array> components;  ///< of one type and length
+};
+
+/// A box of a block's points, its last ones included.
+struct Box {
+  Index first{}, count{};
+  bool ofPoints =
+      false;  ///< ghosts of points have said so: exactly these points are owned. Else the cells between them are.
+  bool empty() const { return count[0] <= 0 || count[1] <= 0 || count[2] <= 0; }
+};
+
+/// A block of a uniform grid.
+struct GridBlock {
+  std::string path, mesh;
+  Index points{};  ///< 1 along z in two dimensions
+  Position origin{}, spacing{};
+  std::optional<Index> index;  ///< of the block's first point in the whole grid
+  std::vector<Values> fields;
+  std::optional<Values> ghosts;
+};
+
+/// Cells along an axis. A grid of one layer of points in z has two dimensions, and one layer of cells.
+int64_t cells(const Index& points, size_t axis);
+
+/// What the block has without ghosts. Throws std::runtime_error where that is not a box.
+Box ownedOf(const GridBlock& block);
+
+/// Points, with a field for each.
+struct Points {
+  std::string path, mesh;
+  Values positions;
+  std::vector<Values> fields;
+};
+
+struct Meshes {
+  std::vector<GridBlock> grids;
+  std::vector<Points> points;
+};
+
+using Warn = std::function<void(const std::string&)>;
+
+/// Adds the meshes of `mesh`, a Blueprint mesh, to `meshes`. `name` becomes that of its grid and `pointsName` that of its points.
+/// What Galaxy does not take is told to `warn` and left out. `ghosts` is the name of the field of ghosts; empty: one of the usual names.
+/// Throws std::runtime_error where the mesh is not what the Blueprint says.
+void addMeshes(const Node& mesh, const std::string& name, const std::string& pointsName,
+               const std::string& ghosts, const Warn& warn, Meshes& meshes);
+
+}  // namespace gxy::catalyst

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: Apache-2.0
+// Reads the nodes of Conduit that a simulation hands to Catalyst. Nothing of Conduit is needed to build this: nodes are opaque,
+// they belong to the Conduit that the simulation uses, and its C functions, a promised binary interface, are found in the
+// process at run time.
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace gxy::catalyst {
+
+/// The functions of Conduit that are used. Most take a node, `type` functions the type of a node's values.
+struct Conduit {
+  int (*nodeHasPath)(const void*, const char*);
+  void* (*nodeFetchExisting)(void*, const char*);  // throws or calls a handler where there is no such path
+  int64_t (*nodeNumberOfChildren)(void*);
+  void* (*nodeChild)(void*, int64_t);
+  char* (*nodeName)(const void*);  // the caller frees it
+  const void* (*nodeDtype)(const void*);
+  void* (*nodeElementPtr)(void*, int64_t);
+  void (*nodeSetPathChar8Str)(void*, const char*, const char*);
+  int64_t (*typeId)(const void*);
+  int64_t (*typeNumberOfElements)(const void*);
+  int64_t (*typeStride)(const void*);  // in bytes
+  int (*typeEndiannessMatchesMachine)(const void*);
+};
+
+/// The functions, looked for in the process and in libcatalyst.so.3 where that is loaded. Throws std::runtime_error.
+const Conduit& conduit();
+
+/// The numbers of a node, in the memory of the simulation.
+struct Array {
+  const std::byte* data = nullptr;  ///< the first one; may be null where there are none
+  int type = 0;                     ///< gxy_type
+  int64_t count = 0;
+  int64_t stride = 0;  ///< bytes from one to the next
+};
+size_t bytesOf(int type);
+
+/// A node and its path, for messages. Functions that expect something throw std::runtime_error with the path.
+class Node {
+ public:
+  Node(void* node, std::string path) : node_(node), path_(std::move(path)) {}
+  const std::string& path() const { return path_; }
+
+  std::optional<Node> find(const std::string& path) const;
+  Node at(const std::string& path) const;
+  std::vector<Node> children() const;
+  /// The last name of the path.
+  std::string name() const { return path_.substr(path_.rfind('/') + 1); }
+
+  std::string text() const;
+  Array array() const;
+  double number() const;
+  int64_t integer() const;
+  /// So many numbers: those of an array, or one of each child.
+  std::vector<double> numbers(size_t count) const;
+
+  /// The text, integer or number at a path, or what holds without it.
+  std::string textOr(const std::string& path, const std::string& otherwise) const;
+  int64_t integerOr(const std::string& path, int64_t otherwise) const;
+  double numberOr(const std::string& path, double otherwise) const;
+
+ private:
+  [[noreturn]] void expected(const std::string& what) const;
+  int64_t typeId() const;
+
+  void* node_;
+  std::string path_;
+};
+
+}  // namespace gxy::catalyst
