@@ -102,12 +102,12 @@ int64_t Node::typeId() const { return conduit().typeId(conduit().nodeDtype(node_
 
 std::optional<Node> Node::find(const std::string& path) const {
   if (!conduit().nodeHasPath(node_, path.c_str())) return {};
-  return Node(conduit().nodeFetchExisting(node_, path.c_str()), path_ + "/" + path);
+  return Node(conduit().nodeFetchExisting(node_, path.c_str()), path_.empty() ? path : path_ + "/" + path);
 }
 
 Node Node::at(const std::string& path) const {
   const auto node = find(path);
-  if (!node) throw std::runtime_error(path_ + ": there is no " + path);
+  if (!node) throw std::runtime_error((path_.empty() ? "" : path_ + ": ") + "there is no " + path);
   return *node;
 }
 

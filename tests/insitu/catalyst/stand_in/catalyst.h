@@ -19,7 +19,9 @@ enum catalyst_status {
   catalyst_status_error_not_found,
   catalyst_status_error_not_catalyst,
   catalyst_status_error_incomplete,
-  catalyst_status_error_unsupported_version
+  catalyst_status_error_unsupported_version,
+  catalyst_status_error_conduit_mismatch,
+  stand_in_status_of_implementations = 100 /* Implementations have numbers of their own from here on. */
 };
 enum catalyst_status catalyst_initialize(const conduit_node* params);
 enum catalyst_status catalyst_execute(const conduit_node* params);

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "catalyst.h"
+#include <catalyst.h>
 
 struct conduit_node_impl {
   std::string name;

@@ -1,0 +1,512 @@
+// SPDX-License-Identifier: Apache-2.0
+// libcatalyst-galaxy.so, opened by the stand-in for Catalyst as a simulation's Catalyst opens it. recorder.h takes the place of the
+// library that publishes.
+#include <catalyst.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <numeric>
+#include <random>
+
+#include "tests/insitu/catalyst/recorder.h"
+
+namespace gxy::test {
+namespace {
+
+constexpr int kWrong = 100;
+const std::string kMesh = "catalyst/channels/grid/data", kField = kMesh + "/fields/t";
+
+template <class T>
+constexpr int64_t idOf() {  // of Conduit's types
+  if (std::is_floating_point_v<T>) return sizeof(T) == 4 ? 11 : 12;
+  return (std::is_signed_v<T> ? 3 : 7) + (sizeof(T) == 1 ? 0 : sizeof(T) == 2 ? 1 : sizeof(T) == 4 ? 2 : 3);
+}
+
+/// A tree of nodes that a simulation makes.
+class Tree {
+ public:
+  Tree() : node_(catalyst_conduit_node_create()) {}
+  ~Tree() { catalyst_conduit_node_destroy(node_); }
+  Tree(const Tree&) = delete;
+  Tree& operator=(const Tree&) = delete;
+  conduit_node* node() const { return node_; }
+  void set(const std::string& path, const char* text) {
+    catalyst_conduit_node_set_path_char8_str(node_, path.c_str(), text);
+  }
+  void set(const std::string& path, int value) {
+    catalyst_conduit_node_set_path_int64(node_, path.c_str(), value);
+  }
+  void set(const std::string& path, double value) {
+    catalyst_conduit_node_set_path_float64(node_, path.c_str(), value);
+  }
+  template <class T>
+  void external(const std::string& path, const T* data, int64_t count, int64_t stride = sizeof(T),
+                int64_t offset = 0) {
+    stand_in_set_external(node_, path.c_str(), idOf<T>(), const_cast<T*>(data), count, offset, stride, 0);
+  }
+  template <class T>
+  void external(const std::string& path, const std::vector<T>& data) {
+    external(path, data.data(), int64_t(data.size()));
+  }
+  void remove(const std::string& path) { stand_in_remove(node_, path.c_str()); }
+
+  void step(int step = 1) { set("catalyst/state/timestep", step), set("catalyst/state/time", 0.5 * step); }
+  /// A uniform grid of some points, which begins at `first` of a grid with origin (-1, 2, 0) and spacing 0.25.
+  void grid(const std::array<int, 3>& points, const std::array<int, 3>& first = {},
+            const std::string& mesh = kMesh) {
+    const double origin[] = {-1, 2, 0};
+    for (size_t a = 0; a < 3; a++) {
+      const std::string coords = mesh + "/coordsets/coords/", axis(1, "xyz"[a]);
+      set(coords + "dims/" + "ijk"[a], points[a]);
+      set(coords + "origin/" + axis, origin[a] + 0.25 * first[a]);
+      set(coords + "spacing/d" + axis, 0.25);
+    }
+    set(mesh + "/coordsets/coords/type", "uniform");
+    set(mesh + "/topologies/mesh/type", "uniform");
+    set(mesh + "/topologies/mesh/coordset", "coords");
+    set("catalyst/channels/grid/type", mesh == kMesh ? "mesh" : "multimesh");
+  }
+  void field(const std::string& association, const std::string& path = kField) {
+    set(path + "/association", association.c_str()), set(path + "/topology", "mesh");
+  }
+
+ private:
+  conduit_node* node_;
+};
+
+std::vector<float> numbered(size_t count) {
+  std::vector<float> values(count);
+  std::iota(values.begin(), values.end(), 0.f);
+  return values;
+}
+
+class Catalyst : public testing::Test {
+ protected:
+  Catalyst() {
+    for (const char* name : {"OMPI_COMM_WORLD_RANK", "PMI_RANK", "SLURM_PROCID", "GALAXY_INSITU"})
+      unsetenv(name);
+    setenv("CATALYST_IMPLEMENTATION_NAME", "galaxy", 1);
+    setenv("CATALYST_IMPLEMENTATION_PATHS", CATALYST_GALAXY, 1);
+    testing::internal::CaptureStderr();
+  }
+  ~Catalyst() override {
+    catalyst_finalize(params_.node());
+    testing::internal::GetCapturedStderr();
+  }
+  /// What was said on standard error since.
+  std::string said() {
+    std::string text = testing::internal::GetCapturedStderr();
+    testing::internal::CaptureStderr();
+    return text;
+  }
+  void ranks(int rank, int of) {
+    params_.set("catalyst/galaxy/rank", rank), params_.set("catalyst/galaxy/ranks", of);
+  }
+  void whole(const std::array<int, 3>& size, bool origin = true) {
+    for (size_t a = 0; a < 3; a++) {
+      params_.set(std::string("catalyst/galaxy/size/") + "ijk"[a], size[a]);
+      if (origin)
+        params_.set(std::string("catalyst/galaxy/origin/") + "xyz"[a], a == 0 ? -1. : a == 1 ? 2. : 0.);
+    }
+  }
+  int initialize() { return catalyst_initialize(params_.node()); }
+  int execute(const Tree& tree) { return catalyst_execute(tree.node()); }
+  void expectSaid(const std::string& what, const std::string& of = "") {
+    const std::string text = said();
+    EXPECT_NE(text.find(what), std::string::npos) << of << ": " << text;
+    EXPECT_EQ(text.rfind("galaxy: ", 0), 0) << text;
+  }
+  void expectGrid(int block, const std::array<int64_t, 3>& size, const std::array<int64_t, 3>& first,
+                  const std::array<int64_t, 3>& count) {
+    const auto& grid = recorded().grids.at({"grid", block});
+    EXPECT_EQ(grid.size, size);
+    EXPECT_EQ(grid.first, first);
+    EXPECT_EQ(grid.count, count);
+    EXPECT_EQ(grid.origin, (std::array<double, 3>{-1, 2, 0}));
+    EXPECT_EQ(grid.spacing, (std::array<double, 3>{0.25, 0.25, 0.25}));
+  }
+  const std::vector<double>& read(int block = 0, const std::string& field = "t") {
+    return recorded().read[{"grid", block, field}];
+  }
+
+  Tree params_;
+};
+
+/// One block of 4 x 3 x 2 points with a field of them.
+struct Simple : Tree {
+  Simple() { step(), grid({4, 3, 2}), field("vertex"), external(kField + "/values", values); }
+  std::vector<float> values = numbered(24);
+};
+
+TEST_F(Catalyst, TellsWhatItIs) {
+  Tree about;
+  params_.set("catalyst/galaxy/options", R"({"to": "there:5001"})");
+  ASSERT_EQ(initialize(), 0);
+  EXPECT_EQ(catalyst_about(about.node()), 0);
+  EXPECT_STREQ(stand_in_text(about.node(), "catalyst/implementation"), "galaxy");
+  EXPECT_STREQ(stand_in_text(about.node(), "catalyst/version"), GALAXY_VERSION);
+  EXPECT_STREQ(stand_in_text(about.node(), "catalyst/galaxy/to"), "there:5001");
+  EXPECT_EQ(catalyst_results(about.node()), 0);
+}
+
+TEST_F(Catalyst, AGridOfOneRankIsPublished) {
+  params_.set("catalyst/galaxy/name", "heat"), params_.set("catalyst/galaxy/seconds", 2.5);
+  ASSERT_EQ(initialize(), 0);
+  Simple tree;
+  EXPECT_EQ(execute(tree), 0);
+  expectGrid(0, {4, 3, 2}, {0, 0, 0}, {4, 3, 2});
+  EXPECT_EQ(read(), std::vector<double>(tree.values.begin(), tree.values.end()));
+  tree.step(7), tree.set("catalyst/galaxy/last", 1);
+  EXPECT_EQ(execute(tree), 0);
+  EXPECT_EQ(recorded().steps, (std::vector<std::pair<int64_t, double>>{{1, 0.5}, {7, 3.5}}));
+  EXPECT_TRUE(recorded().last);
+  EXPECT_EQ(catalyst_finalize(params_.node()), 0);
+  EXPECT_EQ(recorded().closed, 2.5);
+  EXPECT_EQ(recorded().name, "heat");
+  EXPECT_EQ(said(), "");
+}
+
+TEST_F(Catalyst, AllTypesOfNumbersAreTaken) {
+  const auto check = [this]<class T>(T) {
+    const std::vector<T> values{T(-1), 2, 3, T(1e9), 5, 6, 7, 8};
+    Simple tree;
+    tree.grid({2, 2, 2}), tree.external(kField + "/values", values);
+    ASSERT_EQ(initialize(), 0);
+    EXPECT_EQ(execute(tree), 0) << said();
+    EXPECT_EQ(read(), std::vector<double>(values.begin(), values.end()));
+  };
+  check(int8_t()), check(uint8_t()), check(int16_t()), check(uint16_t()), check(int32_t()), check(uint32_t());
+  check(int64_t()), check(uint64_t()), check(float()), check(double());
+}
+
+TEST_F(Catalyst, ComponentsTogetherApartAndAnywhereAreReadAlike) {
+  std::vector<double> expected(72), memory(400);
+  std::iota(expected.begin(), expected.end(), 0.);
+  struct Layout {
+    int64_t first[3], stride;  // in values
+    bool copied;
+  };
+  for (const Layout& layout :
+       {Layout{{0, 1, 2}, 3, false}, Layout{{1, 2, 3}, 4, false}, Layout{{0, 100, 200}, 1, false},
+        Layout{{200, 100, 0}, 2, false}, Layout{{0, 200, 100}, 1, true}}) {
+    Simple tree;
+    tree.remove(kField + "/values");
+    for (size_t c = 0; c < 3; c++) {
+      for (size_t n = 0; n < 24; n++)
+        memory[size_t(layout.first[c] + int64_t(n) * layout.stride)] = expected[3 * n + c];
+      tree.external(kField + "/values/" + "uvw"[c], memory.data(), 24, 8 * layout.stride,
+                    8 * layout.first[c]);
+    }
+    ASSERT_EQ(initialize(), 0);
+    EXPECT_EQ(execute(tree), 0) << said();
+    EXPECT_EQ(read(), expected) << layout.first[1];
+    EXPECT_EQ(recorded().fields.begin()->second.data != &memory[size_t(layout.first[0])], layout.copied);
+  }
+}
+
+TEST_F(Catalyst, NeighboursShareALayerOfPointsThatIsOwnedOnce) {
+  ASSERT_EQ(initialize(), 0);
+  Tree tree;
+  tree.step();
+  const auto low = numbered(24), high = numbered(48);
+  const std::string a = kMesh + "/low", b = kMesh + "/high";
+  tree.grid({4, 3, 2}, {0, 0, 0}, a), tree.grid({4, 3, 4}, {0, 0, 1}, b);
+  tree.field("vertex", a + "/fields/t"), tree.field("vertex", b + "/fields/t");
+  tree.external(a + "/fields/t/values", low), tree.external(b + "/fields/t/values", high);
+  EXPECT_EQ(execute(tree), 0) << said();
+  expectGrid(0, {4, 3, 5}, {0, 0, 0}, {4, 3, 1});
+  expectGrid(1, {4, 3, 5}, {0, 0, 1}, {4, 3, 4});
+  EXPECT_EQ(read(0), std::vector<double>(low.begin(), low.begin() + 12));
+  EXPECT_EQ(read(1), std::vector<double>(high.begin(), high.end()));
+}
+
+TEST_F(Catalyst, PointsThatAreNotSharedAreAllOwned) {
+  params_.set("catalyst/galaxy/shared", 0);
+  ranks(0, 2), whole({4, 3, 4});
+  ASSERT_EQ(initialize(), 0);
+  Simple tree;
+  EXPECT_EQ(execute(tree), 0) << said();
+  expectGrid(0, {4, 3, 4}, {0, 0, 0}, {4, 3, 2});
+}
+
+TEST_F(Catalyst, GhostsAreNotOwned) {
+  for (const char* association : {"vertex", "element"}) {
+    const bool cells = association[0] == 'e';
+    Tree tree;
+    tree.step(), tree.grid({5, 5, 5}, {-1, -1, -1});  // one layer of ghost cells around 2 x 2 x 2
+    tree.field(association), tree.field("element", kMesh + "/fields/vtkGhostType");
+    std::vector<uint8_t> ghosts(64, 1);
+    std::vector<double> expected;
+    const auto values = numbered(cells ? 64 : 125);
+    for (size_t k = 1; k < 3; k++)
+      for (size_t j = 1; j < 3; j++) ghosts[1 + 4 * (j + 4 * k)] = ghosts[2 + 4 * (j + 4 * k)] = 0;
+    const size_t n = cells ? 4 : 5, end = cells ? 3 : 4;
+    for (size_t k = 1; k < end; k++)
+      for (size_t j = 1; j < end; j++)
+        for (size_t i = 1; i < end; i++) expected.push_back(double(i + n * (j + n * k)));
+    tree.external(kField + "/values", values), tree.external(kMesh + "/fields/vtkGhostType/values", ghosts);
+    ASSERT_EQ(initialize(), 0);
+    EXPECT_EQ(execute(tree), 0) << said();
+    const int64_t count = cells ? 2 : 3;
+    expectGrid(0, {count, count, count}, {0, 0, 0}, {count, count, count});
+    EXPECT_EQ(read(), expected);
+    EXPECT_EQ(recorded().fields.size(), 1u);
+    ASSERT_EQ(initialize(), 0);
+    ghosts[1 + 4 * (1 + 4)] = 2;
+    EXPECT_EQ(execute(tree), kWrong);
+    expectSaid("vtkGhostType/values: the 7 values that are 0, for what is no ghost, are not a box");
+  }
+}
+
+TEST_F(Catalyst, WithSeveralRanksTheWholeGridIsSaid) {
+  ranks(1, 3);
+  Simple tree;
+  tree.grid({4, 3, 2}, {0, 0, 1});
+  ASSERT_EQ(initialize(), 0);
+  EXPECT_EQ(execute(tree), kWrong);
+  expectSaid(
+      "rank 1: catalyst/channels/grid/data/topologies/mesh: with several ranks, the size of the whole grid");
+  whole({4, 3, 4}, false);
+  ASSERT_EQ(initialize(), 0);
+  EXPECT_EQ(execute(tree), kWrong);
+  expectSaid("the origin of the whole grid is not known, expected catalyst/galaxy/origin");
+  tree.set(kMesh + "/topologies/mesh/elements/origin/k0", 1);
+  EXPECT_EQ(execute(tree), 0) << said();
+  expectGrid(0, {4, 3, 4}, {0, 0, 1}, {4, 3, 1});
+  tree.remove(kMesh + "/topologies/mesh/elements");
+  whole({4, 3, 4});
+  ASSERT_EQ(initialize(), 0);
+  EXPECT_EQ(execute(tree), 0) << said();
+  expectGrid(0, {4, 3, 4}, {0, 0, 1}, {4, 3, 1});
+  EXPECT_EQ(recorded().rank, 1);
+  EXPECT_EQ(recorded().ranks, 3);
+}
+
+TEST_F(Catalyst, RanksAreThoseOfTheLauncher) {
+  setenv("OMPI_COMM_WORLD_RANK", "2", 1), setenv("OMPI_COMM_WORLD_SIZE", "5", 1);
+  ASSERT_EQ(initialize(), 0);
+  unsetenv("OMPI_COMM_WORLD_RANK");
+  EXPECT_EQ(recorded().rank, 2);
+  EXPECT_EQ(recorded().ranks, 5);
+}
+
+TEST_F(Catalyst, BlocksThatDoNotFitTogetherAreNamed) {
+  const auto values = numbered(24);
+  const std::string a = kMesh + "/a", b = kMesh + "/b";
+  for (const bool spacing : {false, true}) {
+    Tree tree;
+    tree.step(), tree.grid({4, 3, 2}, {}, a), tree.grid({4, 3, 2}, {0, 0, 1}, b);
+    if (spacing)
+      tree.set(b + "/coordsets/coords/spacing/dy", 0.3);
+    else
+      tree.set(b + "/coordsets/coords/origin/z", 0.3);
+    tree.field("vertex", a + "/fields/t"), tree.field("vertex", b + "/fields/t");
+    tree.external(a + "/fields/t/values", values), tree.external(b + "/fields/t/values", values);
+    ASSERT_EQ(initialize(), 0);
+    EXPECT_EQ(execute(tree), kWrong);
+    expectSaid(spacing ? "b/topologies/mesh: spacing 0.300000 beside 0.250000 of "
+                       : "b/topologies/mesh: its origin 0.300000 is 1.200000 cells from 0.000000 on axis 2");
+  }
+}
+
+TEST_F(Catalyst, WhatIsNotTakenIsSaidOnce) {
+  params_.set("catalyst/scripts/a", "a.py");
+  ASSERT_EQ(initialize(), 0);
+  expectSaid("catalyst/scripts: what is to be done with the data is said to the server, left out");
+  Simple tree;
+  const auto expect = [&](const std::string& what) {
+    EXPECT_EQ(execute(tree), 0);
+    expectSaid(what);
+    tree.step(int(recorded().steps.size()) + 1);
+    EXPECT_EQ(execute(tree), 0);
+    EXPECT_EQ(said(), "");
+    tree.step(int(recorded().steps.size()) + 1);
+  };
+  EXPECT_EQ(execute(tree), 0);
+  tree.step(2);
+  tree.set("catalyst/channels/amr/type", "amrmesh");
+  expect("channels/amr: type \"amrmesh\" is not taken");
+  tree.set(kMesh + "/matsets/m/topology", "mesh");
+  expect("grid/data/matsets: materials are not taken");
+  tree.set(kMesh + "/fields/g/topology", "mesh"), tree.set(kMesh + "/fields/g/basis", "H1");
+  expect("fields/g: a grid function of finite elements, left out");
+  tree.set(kMesh + "/fields/m/topology", "mesh"), tree.set(kMesh + "/fields/m/matset", "m");
+  expect("fields/m: a field without values, of materials, left out");
+  tree.field("element", kMesh + "/fields/e"),
+      tree.external(kMesh + "/fields/e/values", tree.values.data(), 6);
+  expect("fields/e/values: a grid has fields of its points or of its cells so far, left out");
+  tree.field("vertex", kMesh + "/fields/new"), tree.external(kMesh + "/fields/new/values", tree.values);
+  expect("fields/new/values: a wrong field, left out");
+  tree.grid({4, 3, 2}, {}, "catalyst/channels/other/data"), tree.grid({4, 3, 2});
+  tree.set("catalyst/channels/other/type", "mesh");
+  expect("other/data/topologies/mesh: a stream has one grid so far, \"grid\", left out");
+  for (const char* type : {"rectilinear", "structured", "unstructured"}) {
+    tree.set("catalyst/channels/other/data/topologies/mesh/type", type);
+    expect(std::string("type \"") + type +
+           "\" on coordinates of type \"uniform\" is not taken so far, left out");
+  }
+  EXPECT_EQ(recorded().fields.size(), 1u);
+}
+
+TEST_F(Catalyst, WrongNodesAreToldAndTheNextStepGoesOn) {
+  const auto expect = [this](const std::string& what, auto spoil) {
+    ASSERT_EQ(initialize(), 0);
+    Simple tree;
+    spoil(tree);
+    EXPECT_EQ(execute(tree), kWrong) << what;
+    expectSaid(what, what);
+    EXPECT_TRUE(recorded().steps.empty()) << what;
+    EXPECT_EQ(execute(Simple()), 0) << what << said();
+  };
+  const std::string coords = kMesh + "/coordsets/coords";
+  for (const std::string& path : std::initializer_list<std::string>{
+           "catalyst/state", "catalyst/state/time", "catalyst/channels", "catalyst/channels/grid/type",
+           kMesh + "/topologies", kMesh + "/topologies/mesh/type", kMesh + "/topologies/mesh/coordset",
+           coords, coords + "/type", coords + "/dims", kField + "/association", kField + "/topology"})
+    expect("there is no ", [&](Tree& t) { t.remove(path); });
+  expect("there is no cycle", [](Tree& t) { t.remove("catalyst/state/timestep"); });
+  expect("timestep: expected an integer", [](Tree& t) { t.set("catalyst/state/timestep", 1.5); });
+  expect("timestep: expected a number", [](Tree& t) { t.set("catalyst/state/timestep", "1"); });
+  expect("grid/type: expected a text", [](Tree& t) { t.set("catalyst/channels/grid/type", 1); });
+  expect("there is no coordsets/other", [](Tree& t) { t.set(kMesh + "/topologies/mesh/coordset", "other"); });
+  expect("dims/j: expected 0 to 2^31 points", [&](Tree& t) { t.set(coords + "/dims/j", -1); });
+  expect("dims: too many points", [&](Tree& t) {
+    for (const char* axis : {"i", "j", "k"}) t.set(coords + "/dims/" + axis, 2147483647);
+  });
+  expect("expected a finite origin and a positive spacing",
+         [&](Tree& t) { t.set(coords + "/spacing/dx", 0.); });
+  expect("expected a finite origin", [&](Tree& t) { t.set(coords + "/origin/x", std::nan("")); });
+  expect("other coordinates are not taken", [&](Tree& t) { t.remove(coords + "/origin/x"); });
+  expect("association: found \"face\", expected \"vertex\" or \"element\"",
+         [](Tree& t) { t.set(kField + "/association", "face"); });
+  expect("values: expected numbers", [](Tree& t) { t.set(kField + "/values", "none"); });
+  expect("fields/t/values: found 23 values, expected 24, one for each of the points",
+         [](Simple& t) { t.external(kField + "/values", t.values.data(), 23); });
+  expect("values: expected numbers in memory",
+         [](Tree& t) { t.external(kField + "/values", static_cast<float*>(nullptr), 24); });
+  expect("values: expected components of one type and length", [](Simple& t) {
+    t.external(kField + "/values/u", t.values.data(), 24),
+        t.external(kField + "/values/v", t.values.data(), 23);
+  });
+  expect("expected numbers in the byte order of this machine", [](Simple& t) {
+    stand_in_set_external(t.node(), (kField + "/values").c_str(), 11, t.values.data(), 24, 0, 4, 1);
+  });
+  EXPECT_EQ(catalyst_execute(nullptr), kWrong);
+  expectSaid("the node is NULL");
+}
+
+TEST_F(Catalyst, AFieldThatIsMissingLaterIsNotReadWhereItWas) {
+  ASSERT_EQ(initialize(), 0);
+  Simple tree;
+  EXPECT_EQ(execute(tree), 0);
+  tree.step(2), tree.remove(kField);
+  EXPECT_EQ(execute(tree), kWrong);
+  expectSaid("field \"t\" of block 0 of mesh \"grid\" is missing");
+  std::vector<double> other(24);
+  tree.field("vertex"), tree.external(kField + "/values", other);
+  EXPECT_EQ(execute(tree), kWrong);
+  expectSaid("fields/t/values: a wrong field");
+  tree.grid({4, 2, 3}), tree.external(kField + "/values", tree.values);
+  EXPECT_EQ(execute(tree), kWrong);
+  expectSaid("its blocks on this rank have changed after the first step");
+  tree.grid({4, 3, 2});
+  EXPECT_EQ(execute(tree), 0) << said();
+  EXPECT_EQ(recorded().steps.size(), 2u);
+}
+
+TEST_F(Catalyst, WrongParametersAreTold) {
+  const auto expect = [this](const std::string& what, const std::string& path, auto value) {
+    Tree params;
+    params.set(path, value);
+    EXPECT_EQ(catalyst_initialize(params.node()), kWrong) << path;
+    expectSaid(what, path);
+    EXPECT_EQ(execute(Simple()), 1);
+    expectSaid("catalyst_execute before catalyst_initialize");
+  };
+  expect("expected a JSON object", "catalyst/galaxy/options", "[]");
+  expect("catalyst/galaxy/name: expected a text", "catalyst/galaxy/name", 1);
+  expect("catalyst/galaxy/size: expected 3 numbers", "catalyst/galaxy/size", 4);
+  expect("catalyst/galaxy/size: expected 3 numbers", "catalyst/galaxy/size/i", 4);
+  expect("catalyst/galaxy/association: expected \"vertex\"", "catalyst/galaxy/association", "face");
+  expect("catalyst/galaxy/rank: expected a number", "catalyst/galaxy/rank", "1e");
+}
+
+TEST_F(Catalyst, ALostConnectionIsSaidOnceAndIsNoError) {
+  ASSERT_EQ(initialize(), 0);
+  Simple tree;
+  recorded().published = GXY_LOST;
+  EXPECT_EQ(execute(tree), 0);
+  expectSaid("there is no connection");
+  EXPECT_EQ(execute(tree), 0);
+  EXPECT_EQ(said(), "");
+}
+
+TEST_F(Catalyst, WhereItIsOffNothingIsLookedAt) {
+  ASSERT_EQ(initialize(), 0);
+  recorded().published = GXY_OFF;
+  EXPECT_EQ(execute(Simple()), 0);
+  EXPECT_EQ(execute(Tree()), 0);
+  EXPECT_EQ(said(), "");
+}
+
+// Nodes are removed, get another type, or another text of the Blueprint's; sizes stay true, since nobody can see that a size is a lie.
+TEST_F(Catalyst, NoTreeEndsTheSimulation) {
+  std::mt19937 random(1);
+  const auto below = [&](size_t n) { return size_t(random() % n); };
+  std::vector<std::string> paths;
+  for (const char* path : {"type", "coordset", "elements/origin/i0", "elements/origin"})
+    paths.push_back(kMesh + "/topologies/mesh/" + path);
+  for (const char* path :
+       {"type", "dims", "dims/i", "dims/k", "origin", "origin/y", "spacing", "spacing/dz", "values/x"})
+    paths.push_back(kMesh + "/coordsets/coords/" + path);
+  for (const char* field : {"t", "ascent_ghosts", "u"})
+    for (const char* path : {"", "/association", "/topology", "/values", "/values/u", "/values/v", "/basis"})
+      paths.push_back(kMesh + "/fields/" + field + path);
+  for (const char* path : {"catalyst/channels/grid/type", "catalyst/channels/grid", "catalyst/state/time",
+                           "catalyst/galaxy/last"})
+    paths.push_back(path);
+  const char* texts[] = {"mesh",    "multimesh", "uniform", "explicit", "points", "vertex",
+                         "element", "coords",    "",        "..",       "a/b"};
+  const auto values = numbered(1000);
+  size_t published = 0;
+  for (int round = 0; round < 20000; round++) {
+    if (round % 50 == 0) {
+      published += recorded().steps.size();
+      whole({4, 3, 2}), ranks(0, 1 + round / 50 % 2);
+      ASSERT_EQ(initialize(), 0);
+    }
+    Simple tree;
+    tree.step(round + 1);
+    for (size_t changes = below(4); changes > 0; changes--) {
+      const std::string& path = paths[below(paths.size())];
+      switch (below(6)) {
+        case 0:
+          tree.set(path, texts[below(std::size(texts))]);
+          break;
+        case 1:
+          tree.set(path, int(below(6)) - 1);
+          break;
+        case 2:
+          tree.set(path, below(2) ? 0.25 * double(below(9)) : std::numeric_limits<double>::infinity());
+          break;
+        case 3:
+          tree.external(path, values.data(), int64_t(below(30)), int64_t(4 * below(20)),
+                        int64_t(4 * below(20)));
+          break;
+        case 4:
+          tree.external(path, reinterpret_cast<const uint8_t*>(values.data()), 24 >> below(3),
+                        int64_t(below(3)));
+          break;
+        default:
+          tree.set(path, 1), tree.remove(path);
+      }
+    }
+    const int status = execute(tree);
+    ASSERT_TRUE(status == 0 || status == kWrong) << status;
+  }
+  EXPECT_GT(published, 1000u);
+}
+
+}  // namespace
+}  // namespace gxy::test

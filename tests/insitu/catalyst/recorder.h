@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+// Stands in for libgalaxy_insitu, whose functions the test program defines itself: keeps what the adaptor says.
+#pragma once
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include "insitu/api/galaxy_insitu.h"
+
+struct gxy_sim {
+  struct Grid {
+    int of;
+    std::array<int64_t, 3> size, first, count;
+    std::array<double, 3> origin, spacing;
+    bool operator==(const Grid&) const = default;
+  };
+  std::string name, options, message;
+  int rank = 0, ranks = 0;
+  std::map<std::pair<std::string, int>, Grid> grids;                      // by mesh and block
+  std::map<std::tuple<std::string, int, std::string>, gxy_array> fields;  // and name
+  /// What gxy_publish() has read of each field, as doubles: x fastest, components together.
+  std::map<std::tuple<std::string, int, std::string>, std::vector<double>> read;
+  std::vector<std::pair<int64_t, double>> steps;
+  int published = GXY_TAKEN;  ///< what gxy_publish() returns
+  bool last = false;
+  double closed = -1;
+};
+
+namespace gxy::test {
+gxy_sim& recorded();  ///< the newest stream
+}
