@@ -216,12 +216,12 @@ void Adaptor::place(const std::vector<GridBlock>& blocks) {
     Index size = whole.points, first{}, count = box.count;
     for (size_t a = 0; a < 3; a++) {
       first[a] = place[a] + box.first[a];
+      if (!points) size[a] = cells(whole.points, a);
       if (box.empty()) {
         first[a] = count[a] = 0;
       } else if (!points) {
-        size[a] = cells(whole.points, a);
         count[a] = cells(box.count, a);
-      } else if (!box.ofPoints && shared_ && box.count[a] > 1 && first[a] + count[a] != size[a]) {
+      } else if (!box.ofPoints && shared_ && first[a] + count[a] != size[a]) {
         count[a]--;  // The next block has the last points, too.
       }
     }

@@ -205,6 +205,19 @@ TEST_F(Catalyst, ComponentsTogetherApartAndAnywhereAreReadAlike) {
   }
 }
 
+TEST_F(Catalyst, ComponentsMayHaveStridesOfTheirOwn) {
+  const auto one = numbered(24), other = numbered(48);
+  std::vector<double> expected;
+  for (int n = 0; n < 24; n++) expected.insert(expected.end(), {double(n), 2. * n});
+  Simple tree;
+  tree.remove(kField + "/values");
+  tree.external(kField + "/values/u", one);
+  tree.external(kField + "/values/v", other.data(), 24, 8);
+  ASSERT_EQ(initialize(), 0);
+  EXPECT_EQ(execute(tree), 0) << said();
+  EXPECT_EQ(read(), expected);
+}
+
 TEST_F(Catalyst, NeighboursShareALayerOfPointsThatIsOwnedOnce) {
   ASSERT_EQ(initialize(), 0);
   Tree tree;
@@ -256,6 +269,55 @@ TEST_F(Catalyst, GhostsAreNotOwned) {
     ghosts[1 + 4 * (1 + 4)] = 2;
     EXPECT_EQ(execute(tree), kWrong);
     expectSaid("vtkGhostType/values: the 7 values that are 0, for what is no ghost, are not a box");
+  }
+}
+
+TEST_F(Catalyst, GhostsOfPointsSayWhichPointsAreOwned) {
+  ranks(0, 2), whole({6, 6, 2});
+  ASSERT_EQ(initialize(), 0);
+  Simple tree;
+  std::vector<int32_t> ghosts(24, 1);
+  for (const size_t n : {5, 6, 9, 10, 17, 18, 21, 22}) ghosts[n] = 0;
+  tree.grid({4, 3, 2}, {-1, -1, 0});
+  tree.field("vertex", kMesh + "/fields/ascent_ghosts"),
+      tree.external(kMesh + "/fields/ascent_ghosts/values", ghosts);
+  EXPECT_EQ(execute(tree), 0) << said();
+  expectGrid(0, {6, 6, 2}, {0, 0, 0}, {2, 2, 2});
+  EXPECT_EQ(read(), (std::vector<double>{5, 6, 9, 10, 17, 18, 21, 22}));
+  tree.field("element"), tree.external(kField + "/values", tree.values.data(), 6);
+  ASSERT_EQ(initialize(), 0);
+  EXPECT_EQ(execute(tree), kWrong);
+  expectSaid("ghosts of points do not say which cells are ghosts");
+}
+
+TEST_F(Catalyst, AGridOfTwoDimensionsHasOneLayerOfCells) {
+  ASSERT_EQ(initialize(), 0);
+  Simple tree;
+  tree.grid({4, 3, 1}), tree.remove(kMesh + "/coordsets/coords/dims/k");
+  tree.field("element"), tree.external(kField + "/values", tree.values.data(), 6);
+  EXPECT_EQ(execute(tree), 0) << said();
+  expectGrid(0, {3, 2, 1}, {0, 0, 0}, {3, 2, 1});
+  EXPECT_EQ(read(), (std::vector<double>{0, 1, 2, 3, 4, 5}));
+  const std::vector<uint8_t> ghosts(6);
+  tree.field("vertex"), tree.external(kField + "/values", tree.values.data(), 12);
+  tree.field("element", kMesh + "/fields/vtkGhostType"),
+      tree.external(kMesh + "/fields/vtkGhostType/values", ghosts);
+  ASSERT_EQ(initialize(), 0);
+  EXPECT_EQ(execute(tree), 0) << said();
+  expectGrid(0, {4, 3, 1}, {0, 0, 0}, {4, 3, 1});
+}
+
+TEST_F(Catalyst, ARankWithoutAPartHasABlockWithoutPoints) {
+  for (const char* association : {"vertex", "element"}) {
+    const int64_t size = association[0] == 'v' ? 4 : 3;
+    ranks(2, 3), whole({4, 4, 4});
+    ASSERT_EQ(initialize(), 0);
+    Simple tree;
+    tree.grid({0, 0, 0}), tree.field(association);
+    tree.external(kField + "/values", static_cast<float*>(nullptr), 0);
+    EXPECT_EQ(execute(tree), 0) << said();
+    expectGrid(0, {size, size, size}, {0, 0, 0}, {0, 0, 0});
+    EXPECT_EQ(recorded().fields.begin()->second.type, GXY_FLOAT32);
   }
 }
 
@@ -407,9 +469,11 @@ TEST_F(Catalyst, AFieldThatIsMissingLaterIsNotReadWhereItWas) {
   tree.field("vertex"), tree.external(kField + "/values", other);
   EXPECT_EQ(execute(tree), kWrong);
   expectSaid("fields/t/values: a wrong field");
-  tree.grid({4, 2, 3}), tree.external(kField + "/values", tree.values);
+  tree.grid({4, 3, 2}, {1, 0, 0}), tree.external(kField + "/values", tree.values);
   EXPECT_EQ(execute(tree), kWrong);
   expectSaid("its blocks on this rank have changed after the first step");
+  tree.grid({4, 2, 3});
+  EXPECT_EQ(execute(tree), kWrong);
   tree.grid({4, 3, 2});
   EXPECT_EQ(execute(tree), 0) << said();
   EXPECT_EQ(recorded().steps.size(), 2u);
