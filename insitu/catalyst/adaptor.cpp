@@ -102,19 +102,26 @@ Adaptor::Adaptor(const Node& params, Messages& messages)
   rank_ = asInt(params.integerOr("catalyst/galaxy/rank", rank), "rank");
   ranks_ = asInt(params.integerOr("catalyst/galaxy/ranks", ranks), "ranks");
   messages.setRank(rank_, ranks_);
-  if (const auto size = params.find("catalyst/galaxy/size")) {
-    const auto n = size->numbers(3);
-    for (const double points : n)
-      if (!(points >= 1 && points <= 0x1p31))
+  const auto say = [this](const Node& node, const std::string& mesh) {
+    Said& said = wholes_[mesh];
+    if (const auto size = node.find("size")) {
+      const auto n = size->numbers(3);
+      if (!std::all_of(n.begin(), n.end(), [](double points) { return points >= 1 && points <= 0x1p31; }))
         throw std::runtime_error(size->path() + ": expected 1 to 2^31 points by axis");
-    size_ = {int64_t(n[0]), int64_t(n[1]), int64_t(n[2])};
-  }
-  if (const auto origin = params.find("catalyst/galaxy/origin")) {
-    const auto x = origin->numbers(3);
-    origin_ = {x[0], x[1], x[2]};
-  }
+      said.size = {int64_t(n[0]), int64_t(n[1]), int64_t(n[2])};
+    }
+    if (const auto origin = node.find("origin")) {
+      const auto x = origin->numbers(3);
+      said.origin = {x[0], x[1], x[2]};
+    }
+  };
+  if (const auto all = params.find("catalyst/galaxy")) say(*all, "");
+  if (const auto grids = params.find("catalyst/galaxy/grids"))
+    for (const Node& grid : grids->children()) say(grid, grid.name());
+  if (const auto box = params.find("catalyst/galaxy/box")) box_ = box->numbers(6);
   shared_ = params.integerOr("catalyst/galaxy/shared", 1) != 0;
   ghosts_ = params.textOr("catalyst/galaxy/ghosts", "");
+  ids_ = params.textOr("catalyst/galaxy/ids", "");
   association_ = params.textOr("catalyst/galaxy/association", "");
   if (!association_.empty() && association_ != "vertex" && association_ != "element")
     throw std::runtime_error("catalyst/galaxy/association: expected \"vertex\" or \"element\"");
@@ -156,6 +163,8 @@ Meshes Adaptor::meshesOf(const Node& params) {
 
 Adaptor::Whole Adaptor::wholeOf(const std::vector<GridBlock>& blocks, const std::vector<Box>& boxes) const {
   const GridBlock& one = blocks.front();
+  const auto named = wholes_.find(wholes_.count(one.mesh) ? one.mesh : "");
+  const Said said = named == wholes_.end() ? Said() : named->second;
   const auto missing = [&](const char* what, const char* how) {
     throw std::runtime_error(one.path + ": with several ranks, " + what +
                              " of the whole grid is not known, expected " + how + " in catalyst_initialize");
@@ -167,11 +176,11 @@ Adaptor::Whole Adaptor::wholeOf(const std::vector<GridBlock>& blocks, const std:
         throw std::runtime_error(block.path + ": spacing " + std::to_string(block.spacing[a]) + " beside " +
                                  std::to_string(one.spacing[a]) + " of " + one.path + ", expected the same");
   if (ranks_ > 1) {
-    if (!size_) missing("the size", "catalyst/galaxy/size, its points along x, y and z,");
-    if (!origin_ && !one.index)
+    if (!said.size) missing("the size", "catalyst/galaxy/size, its points along x, y and z,");
+    if (!said.origin && !one.index)
       missing("the origin",
               "catalyst/galaxy/origin (x, y, z), or elements/origin in the topology instead of it");
-    for (size_t a = 0; a < 3 && !origin_; a++)
+    for (size_t a = 0; a < 3 && !said.origin; a++)
       whole.origin[a] = snapped(one.origin[a] - double((*one.index)[a]) * one.spacing[a], one.spacing[a]);
   } else {
     // The blocks of this rank are all there are.
@@ -191,22 +200,21 @@ Adaptor::Whole Adaptor::wholeOf(const std::vector<GridBlock>& blocks, const std:
     if (end[0] == INT64_MIN) throw std::runtime_error(one.path + ": the grid has no points");
     for (size_t a = 0; a < 3; a++) whole.points[a] = end[a] - least[a];
   }
-  if (origin_) whole.origin = *origin_;
-  if (size_) whole.points = *size_;
+  if (said.origin) whole.origin = *said.origin;
+  if (said.size) whole.points = *said.size;
   return whole;
 }
 
-void Adaptor::place(const std::vector<GridBlock>& blocks) {
-  placed_.clear();
+Adaptor::Grid Adaptor::placed(const std::vector<GridBlock>& blocks) {
+  Grid grid;
   std::vector<Box> boxes;
   bool points = association_ == "vertex";
   for (const GridBlock& block : blocks) {
     boxes.push_back(ownedOf(block));
     for (const Values& values : block.fields) points = points || (association_.empty() && !values.ofElements);
   }
-  of_ = points ? GXY_OF_POINTS : GXY_OF_CELLS;
+  grid.of = points ? GXY_OF_POINTS : GXY_OF_CELLS;
   const Whole whole = wholeOf(blocks, boxes);
-  std::vector<Placed> placed;
   for (size_t b = 0; b < blocks.size(); b++) {
     Box& box = boxes[b];
     if (box.ofPoints && !points && !box.empty())
@@ -217,47 +225,42 @@ void Adaptor::place(const std::vector<GridBlock>& blocks) {
     for (size_t a = 0; a < 3; a++) {
       first[a] = place[a] + box.first[a];
       if (!points) size[a] = cells(whole.points, a);
-      if (box.empty()) {
+      if (box.empty())
         first[a] = count[a] = 0;
-      } else if (!points) {
+      else if (!points)
         count[a] = cells(box.count, a);
-      } else if (!box.ofPoints && shared_ && first[a] + count[a] != size[a]) {
+      else if (!box.ofPoints && shared_ && first[a] + count[a] != size[a])
         count[a]--;  // The next block has the last points, too.
-      }
     }
-    if (gxy_grid(sim_.get(), blocks[b].mesh.c_str(), int(b), of_, size.data(), first.data(), count.data(),
+    if (gxy_grid(sim_.get(), blocks[b].mesh.c_str(), int(b), grid.of, size.data(), first.data(), count.data(),
                  whole.origin.data(), whole.spacing.data()) != GXY_TAKEN)
       throw std::runtime_error(blocks[b].path + ": " + gxy_message(sim_.get()));
-    placed.push_back({blocks[b].points, blocks[b].origin, box});
+    grid.blocks.push_back({blocks[b].points, blocks[b].origin, box});
   }
-  grid_ = blocks.front().mesh;
-  placed_ = std::move(placed);
+  return grid;
 }
 
-void Adaptor::grids(std::vector<GridBlock> blocks) {
-  if (blocks.empty()) return;
-  const std::string mesh = published_ && !placed_.empty() ? grid_ : blocks.front().mesh;
-  std::erase_if(blocks, [&](const GridBlock& block) {
-    if (block.mesh == mesh) return false;
-    warn(block.path + ": a stream has one grid so far, \"" + mesh + "\", left out");
-    return true;
-  });
-  if (!published_) {
-    if (!blocks.empty()) place(blocks);
-  } else if (!std::equal(blocks.begin(), blocks.end(), placed_.begin(), placed_.end(),
-                         [](const GridBlock& now, const Placed& before) {
-                           return now.points == before.points && now.origin == before.origin;
-                         })) {
+void Adaptor::grid(const std::string& mesh, const std::vector<GridBlock>& blocks) {
+  if (published_ && !grids_.count(mesh))
+    return warn(blocks[0].path + ": a new grid after the first step, left out");
+  if (std::all_of(blocks.begin(), blocks.end(), [](const GridBlock& block) { return block.fields.empty(); }))
+    return warn(blocks[0].path + ": a grid without fields, left out");
+  if (!published_) grids_[mesh] = placed(blocks);
+  const Grid& grid = grids_.at(mesh);
+  if (!std::equal(blocks.begin(), blocks.end(), grid.blocks.begin(), grid.blocks.end(),
+                  [](const GridBlock& now, const Placed& before) {
+                    return now.points == before.points && now.origin == before.origin;
+                  }))
     throw std::runtime_error(
         "grid \"" + mesh +
         "\": its blocks on this rank have changed after the first step, which is not taken so far");
-  }
+  const bool ofCells = grid.of == GXY_OF_CELLS;
   for (size_t b = 0; b < blocks.size(); b++) {
     Index extent = blocks[b].points;
-    for (size_t a = 0; a < 3 && of_ == GXY_OF_CELLS; a++) extent[a] = cells(blocks[b].points, a);
+    for (size_t a = 0; a < 3 && ofCells; a++) extent[a] = cells(blocks[b].points, a);
     for (const Values& values : blocks[b].fields) {
-      if (values.ofElements == (of_ == GXY_OF_CELLS))
-        field(values, mesh, int(b), of_, extent, placed_[b].box.first);
+      if (values.ofElements == ofCells)
+        field(values, {mesh, int(b), values.name}, grid.of, extent, grid.blocks[b].box.first);
       else
         warn(values.path +
              ": a grid has fields of its points or of its cells so far, left out "
@@ -266,20 +269,34 @@ void Adaptor::grids(std::vector<GridBlock> blocks) {
   }
 }
 
-void Adaptor::field(const Values& values, const std::string& mesh, int block, int of, const Index& extent,
-                    const Index& first) {
-  const Key key{mesh, block, values.name};
-  const bool known = told_.count(key) != 0;
-  Told& told = told_[key];
-  const gxy_array array = described(values, extent, first, told.copy);
-  if (gxy_field(sim_.get(), mesh.c_str(), block, values.name.c_str(), of, array) == GXY_TAKEN) {
-    told.now = true;
+void Adaptor::points(const Points& points) {
+  const Key key{points.mesh, 0, ""};
+  const int64_t count = points.positions.components[0].count;
+  const Index row{count, 1, 1};
+  gxy_array ids{};
+  for (const Values& values : points.fields)
+    if (values.name == ids_) ids = described(values, row, {}, copies_[{points.mesh, 0, ids_}]);
+  const gxy_array positions = described(points.positions, row, {}, copies_[key]);
+  const double* box = box_ ? box_->data() : nullptr;
+  if (!told(key, points.path, gxy_points(sim_.get(), points.mesh.c_str(), count, positions, ids, box)))
     return;
-  }
-  const std::string why = values.path + ": " + gxy_message(sim_.get());
-  if (known) throw std::runtime_error(why);  // What was told before may not be there any more.
-  told_.erase(key);
+  for (const Values& values : points.fields)
+    if (values.name != ids_) field(values, {points.mesh, 0, values.name}, GXY_OF_POINTS, row, {});
+}
+
+void Adaptor::field(const Values& values, const Key& key, int of, const Index& extent, const Index& first) {
+  const auto& [mesh, block, name] = key;
+  const gxy_array array = described(values, extent, first, copies_[key]);
+  told(key, values.path, gxy_field(sim_.get(), mesh.c_str(), block, name.c_str(), of, array));
+}
+
+// What is not taken is left out; but what was taken before may not be there any more.
+bool Adaptor::told(const Key& key, const std::string& path, int result) {
+  if (result == GXY_TAKEN) return told_[key] = true;
+  const std::string why = path + ": " + gxy_message(sim_.get());
+  if (told_.count(key)) throw std::runtime_error(why);
   warn(why + ", left out");
+  return false;
 }
 
 void Adaptor::execute(const Node& params) {
@@ -287,16 +304,20 @@ void Adaptor::execute(const Node& params) {
   const Node state = params.at("catalyst/state");
   const int64_t step = state.find("timestep") ? state.at("timestep").integer() : state.at("cycle").integer();
   const double time = state.at("time").number();
-  for (auto& [key, told] : told_) told.now = false;
-  Meshes meshes = meshesOf(params);
-  for (const Points& points : meshes.points) warn(points.path + ": points are not taken so far, left out");
-  grids(std::move(meshes.grids));
+  for (auto& [key, now] : told_) now = false;
+  const Meshes meshes = meshesOf(params);
+  std::map<std::string, std::vector<GridBlock>> grids;
+  for (const GridBlock& block : meshes.grids) grids[block.mesh].push_back(block);
+  for (const auto& [mesh, blocks] : grids) grid(mesh, blocks);
+  for (const Points& all : meshes.points) points(all);
   if (told_.empty()) return warn("catalyst/channels: there is nothing that Galaxy takes");
-  for (const auto& [key, told] : told_)
-    if (!told.now)
-      throw std::runtime_error("field \"" + std::get<2>(key) + "\" of block " +
-                               std::to_string(std::get<1>(key)) + " of mesh \"" + std::get<0>(key) +
-                               "\" is missing, expected the fields of the first step");
+  for (const auto& [key, now] : told_) {
+    const auto& [mesh, block, name] = key;
+    if (!now)
+      throw std::runtime_error(
+          (name.empty() ? "the points" : "field \"" + name + "\" of block " + std::to_string(block)) +
+          " of mesh \"" + mesh + "\": missing, expected what the first step had");
+  }
   const bool last = params.integerOr("catalyst/galaxy/last", 0) != 0;
   const int result = (last ? gxy_publish_last : gxy_publish)(sim_.get(), step, time);
   if (result == GXY_WRONG) throw std::runtime_error(gxy_message(sim_.get()));

@@ -42,40 +42,45 @@ class Adaptor {
     Index points;
     Position origin, spacing;
   };
+  /// What catalyst_initialize has said of a whole grid.
+  struct Said {
+    std::optional<Index> size;
+    std::optional<Position> origin;
+  };
   struct Placed {
     Index points;
     Position origin;
     Box box;
   };
-  using Key = std::tuple<std::string, int, std::string>;  // mesh, block, field
-  struct Told {
-    bool now = true;  // in this step
-    std::vector<std::byte> copy;
+  struct Grid {
+    int of = GXY_OF_POINTS;
+    std::vector<Placed> blocks;
   };
+  using Key = std::tuple<std::string, int, std::string>;  // mesh, block, field; "": the positions of points
 
   Meshes meshesOf(const Node& params);
   Whole wholeOf(const std::vector<GridBlock>& blocks, const std::vector<Box>& boxes) const;
-  void place(const std::vector<GridBlock>& blocks);
-  void grids(std::vector<GridBlock> blocks);
-  void field(const Values& values, const std::string& mesh, int block, int of, const Index& extent,
-             const Index& first);
+  Grid placed(const std::vector<GridBlock>& blocks);
+  void grid(const std::string& mesh, const std::vector<GridBlock>& blocks);
+  void points(const Points& points);
+  void field(const Values& values, const Key& key, int of, const Index& extent, const Index& first);
+  bool told(const Key& key, const std::string& path, int result);
   void warn(const std::string& text) const { messages_->say(text); }
 
   Messages* messages_;
   int rank_ = 0, ranks_ = 1;
-  std::optional<Index> size_;  // what catalyst_initialize has said of the whole grid
-  std::optional<Position> origin_;
-  bool shared_;  // neighbouring blocks have a layer of points in common
-  std::string ghosts_, association_, to_;
+  std::map<std::string, Said> wholes_;  // by mesh; "": of those that are not named
+  bool shared_;                         // neighbouring blocks have a layer of points in common
+  std::string ghosts_, association_, ids_, to_;
+  std::optional<std::vector<double>> box_;  // the domain of particles
   double seconds_;
   std::unique_ptr<gxy_sim, Close> sim_;
 
   bool published_ = false;  // once; from then on blocks cannot change
   bool off_ = false;        // publishing is, and so for ever
-  int of_ = GXY_OF_POINTS;
-  std::string grid_;  // the mesh that is the stream's grid
-  std::vector<Placed> placed_;
-  std::map<Key, Told> told_;  // what gxy_publish() will read
+  std::map<std::string, Grid> grids_;
+  std::map<Key, bool> told_;  // what gxy_publish() will read, and whether this step has it
+  std::map<Key, std::vector<std::byte>> copies_;  // of components that lie at unequal distances
 };
 
 }  // namespace gxy::catalyst

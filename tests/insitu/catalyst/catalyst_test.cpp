@@ -402,7 +402,7 @@ TEST_F(Catalyst, WhatIsNotTakenIsSaidOnce) {
   expect("fields/new/values: a wrong field, left out");
   tree.grid({4, 3, 2}, {}, "catalyst/channels/other/data"), tree.grid({4, 3, 2});
   tree.set("catalyst/channels/other/type", "mesh");
-  expect("other/data/topologies/mesh: a stream has one grid so far, \"grid\", left out");
+  expect("other/data/topologies/mesh: a new grid after the first step, left out");
   for (const char* type : {"rectilinear", "structured", "unstructured"}) {
     tree.set("catalyst/channels/other/data/topologies/mesh/type", type);
     expect(std::string("type \"") + type +
@@ -458,13 +458,80 @@ TEST_F(Catalyst, WrongNodesAreToldAndTheNextStepGoesOn) {
   expectSaid("the node is NULL");
 }
 
+TEST_F(Catalyst, SeveralGridsAreMeshesOfOneStream) {
+  ranks(1, 2), whole({4, 3, 2});
+  params_.set("catalyst/galaxy/grids/fine/size/i", 7), params_.set("catalyst/galaxy/grids/fine/size/j", 3);
+  params_.set("catalyst/galaxy/grids/fine/size/k", 2);
+  for (const char* axis : {"x", "y", "z"})
+    params_.set(std::string("catalyst/galaxy/grids/fine/origin/") + axis, 0.);
+  ASSERT_EQ(initialize(), 0);
+  Simple tree;
+  const std::string fine = "catalyst/channels/fine/data";
+  tree.grid({7, 3, 2}, {4, -8, 0}, fine), tree.grid({4, 3, 2});
+  tree.set("catalyst/channels/fine/type", "mesh");
+  tree.field("element", fine + "/fields/e"), tree.external(fine + "/fields/e/values", tree.values.data(), 12);
+  EXPECT_EQ(execute(tree), 0) << said();
+  EXPECT_EQ(recorded().grids.at({"grid", 0}).of, GXY_OF_POINTS);
+  EXPECT_EQ(recorded().grids.at({"fine", 0}).of, GXY_OF_CELLS);
+  EXPECT_EQ(recorded().grids.at({"fine", 0}).size, (std::array<int64_t, 3>{6, 2, 1}));
+  EXPECT_EQ((recorded().read[{"fine", 0, "e"}]),
+            std::vector<double>(tree.values.begin(), tree.values.begin() + 12));
+}
+
+/// Particles beside a grid.
+struct Particles : Simple {
+  explicit Particles(size_t count) : x(count, 1), y(count, 2), z(count, 3), ids(count), speed(count) {
+    const std::string mesh = "catalyst/channels/atoms/data";
+    std::iota(ids.begin(), ids.end(), 10);
+    std::iota(speed.begin(), speed.end(), 0.5f);
+    set("catalyst/channels/atoms/type", "mesh"), set(mesh + "/coordsets/coords/type", "explicit");
+    external(mesh + "/coordsets/coords/values/x", x), external(mesh + "/coordsets/coords/values/y", y);
+    external(mesh + "/coordsets/coords/values/z", z);
+    set(mesh + "/topologies/mesh/type", "points"), set(mesh + "/topologies/mesh/coordset", "coords");
+    field("vertex", mesh + "/fields/id"), external(mesh + "/fields/id/values", ids);
+    field("element", mesh + "/fields/speed"), external(mesh + "/fields/speed/values", speed);
+  }
+  std::vector<double> x, y, z;
+  std::vector<int64_t> ids;
+  std::vector<float> speed;
+};
+
+TEST_F(Catalyst, ParticlesMayBeOthersInEachStep) {
+  params_.set("catalyst/galaxy/ids", "id");
+  for (int n = 0; n < 6; n++) params_.set("catalyst/galaxy/box/" + std::to_string(n), n);
+  ASSERT_EQ(initialize(), 0);
+  for (const size_t count : {3, 5, 0}) {
+    Particles tree(count);
+    tree.step(int(10 - count));
+    EXPECT_EQ(execute(tree), 0) << said();
+    const auto& points = recorded().points.at("atoms");
+    std::vector<double> at;
+    for (size_t n = 0; n < count; n++) at.insert(at.end(), {1, 2, 3});
+    EXPECT_EQ(points.at, at);
+    EXPECT_EQ(points.numbers, std::vector<double>(tree.ids.begin(), tree.ids.end()));
+    EXPECT_EQ(points.box, (std::vector<double>{0, 1, 2, 3, 4, 5}));
+    EXPECT_EQ((recorded().read[{"atoms", 0, "speed"}]),
+              std::vector<double>(tree.speed.begin(), tree.speed.end()));
+    EXPECT_EQ(recorded().fields.size(), 2u);  // that of the grid, too
+  }
+  Particles tree(4);
+  tree.remove("catalyst/channels/atoms");
+  EXPECT_EQ(execute(tree), kWrong);
+  expectSaid("the points of mesh \"atoms\": missing, expected what the first step had");
+  Particles flat(4);
+  flat.remove("catalyst/channels/atoms/data/coordsets/coords/values/z");
+  EXPECT_EQ(execute(flat), kWrong);
+  expectSaid("atoms/data/coordsets/coords/values: expected x, y and z");
+  EXPECT_EQ(recorded().steps.size(), 3u);
+}
+
 TEST_F(Catalyst, AFieldThatIsMissingLaterIsNotReadWhereItWas) {
   ASSERT_EQ(initialize(), 0);
   Simple tree;
   EXPECT_EQ(execute(tree), 0);
   tree.step(2), tree.remove(kField);
   EXPECT_EQ(execute(tree), kWrong);
-  expectSaid("field \"t\" of block 0 of mesh \"grid\" is missing");
+  expectSaid("field \"t\" of block 0 of mesh \"grid\": missing, expected what the first step had");
   std::vector<double> other(24);
   tree.field("vertex"), tree.external(kField + "/values", other);
   EXPECT_EQ(execute(tree), kWrong);
@@ -521,8 +588,8 @@ TEST_F(Catalyst, NoTreeEndsTheSimulation) {
   std::vector<std::string> paths;
   for (const char* path : {"type", "coordset", "elements/origin/i0", "elements/origin"})
     paths.push_back(kMesh + "/topologies/mesh/" + path);
-  for (const char* path :
-       {"type", "dims", "dims/i", "dims/k", "origin", "origin/y", "spacing", "spacing/dz", "values/x"})
+  for (const char* path : {"type", "dims", "dims/i", "dims/k", "origin", "origin/y", "spacing", "spacing/dz",
+                           "values/x", "values"})
     paths.push_back(kMesh + "/coordsets/coords/" + path);
   for (const char* field : {"t", "ascent_ghosts", "u"})
     for (const char* path : {"", "/association", "/topology", "/values", "/values/u", "/values/v", "/basis"})

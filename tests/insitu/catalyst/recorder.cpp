@@ -85,6 +85,18 @@ int gxy_grid(gxy_sim* sim, const char* mesh, int block, int of, const int64_t si
   return GXY_TAKEN;
 }
 
+int gxy_points(gxy_sim* sim, const char* mesh, int64_t count, gxy_array positions, gxy_array ids,
+               const double box[6]) {
+  const auto known = sim->points.find(mesh);
+  if ((known == sim->points.end() && !sim->steps.empty()) || positions.components != 3) {
+    sim->message = "wrong points";
+    return GXY_WRONG;
+  }
+  sim->points[mesh] = {positions, ids, box ? std::vector<double>(box, box + 6) : std::vector<double>()};
+  sim->grids[{mesh, 0}] = {GXY_OF_POINTS, {}, {}, {count, 1, 1}, {}, {}};
+  return GXY_TAKEN;
+}
+
 int gxy_field(gxy_sim* sim, const char* mesh, int block, const char* field, int, gxy_array values) {
   const auto before = sim->fields.find({mesh, block, field});
   if (values.components > 16 || (before != sim->fields.end() && before->second.type != values.type) ||
@@ -101,6 +113,11 @@ int gxy_publish(gxy_sim* sim, int64_t step, double time) {
   if (sim->published != GXY_TAKEN) return sim->published;
   for (const auto& [key, array] : sim->fields)
     sim->read[key] = gxy::test::valuesOf(array, sim->grids.at({std::get<0>(key), std::get<1>(key)}).count);
+  for (auto& [mesh, points] : sim->points) {
+    const auto& count = sim->grids.at({mesh, 0}).count;
+    points.at = gxy::test::valuesOf(points.positions, count);
+    points.numbers = points.ids.components ? gxy::test::valuesOf(points.ids, count) : std::vector<double>();
+  }
   sim->steps.emplace_back(step, time);
   return GXY_TAKEN;
 }

@@ -18,12 +18,17 @@ struct gxy_sim {
     std::array<double, 3> origin, spacing;
     bool operator==(const Grid&) const = default;
   };
+  struct Points {
+    gxy_array positions, ids;
+    std::vector<double> box, at{}, numbers{};  ///< the last two are what gxy_publish() has read
+  };
   std::string name, options, message;
   int rank = 0, ranks = 0;
   std::map<std::pair<std::string, int>, Grid> grids;                      // by mesh and block
   std::map<std::tuple<std::string, int, std::string>, gxy_array> fields;  // and name
   /// What gxy_publish() has read of each field, as doubles: x fastest, components together.
   std::map<std::tuple<std::string, int, std::string>, std::vector<double>> read;
+  std::map<std::string, Points> points;
   std::vector<std::pair<int64_t, double>> steps;
   int published = GXY_TAKEN;  ///< what gxy_publish() returns
   bool last = false;
