@@ -591,6 +591,11 @@ TEST_F(Catalyst, NoTreeEndsTheSimulation) {
   for (const char* path : {"type", "dims", "dims/i", "dims/k", "origin", "origin/y", "spacing", "spacing/dz",
                            "values/x", "values"})
     paths.push_back(kMesh + "/coordsets/coords/" + path);
+  const std::string atoms = "catalyst/channels/atoms/data";
+  for (const char* path :
+       {"topologies/mesh/type", "coordsets/coords/type", "coordsets/coords/values",
+        "coordsets/coords/values/z", "fields/id/values", "fields/speed/association", "fields/speed/values"})
+    paths.push_back(atoms + "/" + path);
   for (const char* field : {"t", "ascent_ghosts", "u"})
     for (const char* path : {"", "/association", "/topology", "/values", "/values/u", "/values/v", "/basis"})
       paths.push_back(kMesh + "/fields/" + field + path);
@@ -604,10 +609,11 @@ TEST_F(Catalyst, NoTreeEndsTheSimulation) {
   for (int round = 0; round < 20000; round++) {
     if (round % 50 == 0) {
       published += recorded().steps.size();
-      whole({4, 3, 2}), ranks(0, 1 + round / 50 % 2);
+      whole({4, 3, 2}), ranks(0, 1 + round / 50 % 2), params_.set("catalyst/galaxy/ids", "id");
       ASSERT_EQ(initialize(), 0);
     }
-    Simple tree;
+    Particles tree(5);
+    if (below(2) != 0) tree.remove("catalyst/channels/atoms");
     tree.step(round + 1);
     for (size_t changes = below(4); changes > 0; changes--) {
       const std::string& path = paths[below(paths.size())];

@@ -40,6 +40,17 @@ def state(dataset):
     }
 
 
+def atoms(dataset):
+    return {
+        "Visualization": {
+            "Lighting": {"Sources": [[-1, -2, -1.6, 0]], "shadows": True},
+            "operators": [{"type": "Particles", "dataset": dataset, "colormap": "Viridis", "data range": [0, 150],
+                           "radius": 0.6}]},
+        "Camera": {"viewpoint": [55, 35, 47], "viewcenter": [12, 10, 8], "viewup": [0, 0, 1], "aov": 35,
+                   "dimensions": [192, 144]},
+    }
+
+
 class Catalyst(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
@@ -69,10 +80,10 @@ class Catalyst(unittest.TestCase):
             time.sleep(0.05)
         self.fail("the stream before has not ended")
 
-    def picture(self, dataset):
+    def picture(self, dataset, view=state):
         type(self).windows += 1
         window = self.client.window(self.windows, size=(192, 144))
-        window.set(state(dataset))
+        window.set(view(dataset))
         picture = window.render(levels=[1]).rgba
         window.close()
         return picture
@@ -109,6 +120,31 @@ class Catalyst(unittest.TestCase):
                         np.testing.assert_array_equal(self.picture(f"{layout}.height"), picture)
                         origins = self.client.request(f"data.info {layout}.height")["datasets"][0]["origins"]
                         self.assertEqual([origin["step"] for origin in origins], [LAST])
+
+    def test_particles_beside_a_grid_are_the_same_on_all_numbers_of_ranks(self):
+        n = np.arange(300)
+        at = np.stack([n * 7919 % 97 / 4, n * 104729 % 79 / 4, n % 61 / 4 + LAST / 8], axis=1)
+        with Simulation("expected-atoms", to=f"127.0.0.1:{self.server.port}", token_file=str(self.server.token)) as sim:
+            sim.grid((48, 40, 32), spacing=(0.5, 0.5, 0.5))
+            sim.field("height", wave(LAST))
+            sim.points("atoms", at, ids=n.astype(np.int32), speed=n / 2)
+            sim.publish_last(LAST, 1.0)
+            sim.close(60)
+        keys = ("time", "primitives", "range", "box")
+
+        def info(dataset):
+            found = self.client.request(f"data.info {dataset}")["datasets"][0]
+            return {key: found[key] for key in keys}
+        expected, picture = info("expected-atoms.speed"), self.picture("expected-atoms.speed", atoms)
+        self.assertEqual((expected["primitives"], expected["range"]), (300, [0, 149.5]))
+        self.assertGreater(picture.astype(int).std(), 10)
+        for ranks in (1, 2, 3):
+            with self.subTest(ranks=ranks):
+                self.no_stream_is_left()
+                self.run_simulation("atoms", ranks)
+                self.assertEqual(info("atoms.speed"), expected)
+                np.testing.assert_array_equal(self.picture("atoms.speed", atoms), picture)
+                self.assertEqual(self.info("atoms.height"), self.info("expected-atoms.height"))
 
     def test_without_a_server_the_simulation_runs_to_its_end(self):
         self.run_simulation("plain", 2, GALAXY_INSITU="off")

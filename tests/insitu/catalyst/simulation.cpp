@@ -5,6 +5,7 @@
 //   ghosts   a layer of ghost cells all around, outside of the grid, too. What is of ghosts only is NaN
 //   blocks   two blocks for each rank
 //   cells    one block for each rank, with values of 48 x 40 x 32 cells
+//   atoms    one block for each rank, and 300 particles, which go from rank to rank
 #include <catalyst.h>
 #include <mpi.h>
 
@@ -76,6 +77,44 @@ void describe(conduit_node* node, const std::string& mesh, Block& b, bool cells)
       4, 0);
 }
 
+struct Atoms {
+  std::vector<double> at, speed;
+  std::vector<int32_t> ids;
+};
+
+// The particles of a rank in a step. No operation rounds.
+Atoms atomsOf(int step, int rank, int ranks) {
+  Atoms atoms;
+  for (int n = 0; n < 300; n++) {
+    if ((n + step) % ranks != rank) continue;
+    atoms.at.insert(atoms.at.end(),
+                    {0.25 * (n * 7919 % 97), 0.25 * (n * 104729 % 79), 0.25 * (n % 61) + 0.125 * step});
+    atoms.speed.push_back(0.5 * n);
+    atoms.ids.push_back(n);
+  }
+  return atoms;
+}
+
+void describe(conduit_node* node, Atoms& atoms) {
+  const std::string mesh = "catalyst/channels/atoms/data", fields = mesh + "/fields/";
+  const int64_t count = int64_t(atoms.ids.size());
+  const auto text = [&](const std::string& path, const char* value) {
+    catalyst_conduit_node_set_path_char8_str(node, path.c_str(), value);
+  };
+  text("catalyst/channels/atoms/type", "mesh"), text(mesh + "/coordsets/coords/type", "explicit");
+  for (int a = 0; a < 3; a++)
+    catalyst_conduit_node_set_path_external_float64_ptr_detailed(
+        node, (mesh + "/coordsets/coords/values/" + "xyz"[a]).c_str(), atoms.at.data(), count, 8 * a, 24, 8,
+        0);
+  text(mesh + "/topologies/mesh/type", "points"), text(mesh + "/topologies/mesh/coordset", "coords");
+  for (const char* name : {"id", "speed"})
+    text(fields + name + "/association", "vertex"), text(fields + name + "/topology", "mesh");
+  catalyst_conduit_node_set_path_external_int32_ptr_detailed(node, (fields + "id/values").c_str(),
+                                                             atoms.ids.data(), count, 0, 4, 4, 0);
+  catalyst_conduit_node_set_path_external_float64_ptr_detailed(node, (fields + "speed/values").c_str(),
+                                                               atoms.speed.data(), count, 0, 8, 8, 0);
+}
+
 int run(const std::string& layout, int rank, int ranks) {
   const bool cells = layout == "cells", ghosts = layout == "ghosts";
   const int parts = layout == "blocks" ? 2 : 1, all = ranks * parts;
@@ -110,6 +149,7 @@ int run(const std::string& layout, int rank, int ranks) {
     catalyst_conduit_node_set_path_float64(node, (galaxy + "origin/" + axes[a]).c_str(), 0);
   }
   catalyst_conduit_node_set_path_float64(node, "catalyst/galaxy/seconds", 60);
+  catalyst_conduit_node_set_path_char8_str(node, "catalyst/galaxy/ids", "id");
   int status = catalyst_initialize(node);
   for (int step = 1; step <= kSteps && status == catalyst_status_ok; step++) {
     conduit_node* now = catalyst_conduit_node_create();
@@ -123,6 +163,8 @@ int run(const std::string& layout, int rank, int ranks) {
       const std::string mesh = parts > 1 ? "/block" + std::to_string(b) : "";
       describe(now, "catalyst/channels/grid/data" + mesh, blocks[b], cells);
     }
+    Atoms atoms = atomsOf(step, rank, ranks);
+    if (layout == "atoms") describe(now, atoms);
     status = catalyst_execute(now);
     catalyst_conduit_node_destroy(now);
   }
