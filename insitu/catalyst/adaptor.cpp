@@ -4,9 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <cstdlib>
 #include <cstring>
-#include <nlohmann/json.hpp>
 #include <stdexcept>
 
 namespace gxy::catalyst {
@@ -15,31 +13,6 @@ namespace {
 
 constexpr size_t kMostMessages = 1000;
 constexpr double kNear = 1e-6;  // of a cell, and of the spacing
-
-// A rank and the number of ranks, as launchers tell them to a process.
-std::pair<int64_t, int64_t> ofLauncher() {
-  // SLURM_NTASKS would also be there for a single process in a batch job.
-  constexpr const char* names[][2] = {{"OMPI_COMM_WORLD_RANK", "OMPI_COMM_WORLD_SIZE"},
-                                      {"PMI_RANK", "PMI_SIZE"},
-                                      {"SLURM_PROCID", "SLURM_STEP_NUM_TASKS"}};
-  for (const auto& [rankName, ranksName] : names) {
-    const char *rank = std::getenv(rankName), *ranks = std::getenv(ranksName);
-    if (rank && ranks) return {std::atoll(rank), std::atoll(ranks)};
-  }
-  return {0, 1};
-}
-
-int asInt(int64_t value, const char* what) {
-  if (value != int(value))
-    throw std::runtime_error(std::string(what) + " " + std::to_string(value) + " is too large");
-  return int(value);
-}
-
-std::string destination(const std::string& options) {
-  if (const char* to = std::getenv("GALAXY_INSITU")) return to;
-  const auto json = nlohmann::json::parse(options, nullptr, false);
-  return json.is_object() && json.contains("to") && json["to"].is_string() ? json["to"] : "off";
-}
 
 // An origin that was computed, the same on all ranks though each rounds differently: a multiple of a millionth of a cell.
 double snapped(double origin, double spacing) {
@@ -97,39 +70,9 @@ void Messages::setRank(int rank, int ranks) {
 }
 
 Adaptor::Adaptor(const Node& params, Messages& messages)
-    : messages_(&messages), sim_(nullptr, Close{&seconds_}) {
-  const auto [rank, ranks] = ofLauncher();
-  rank_ = asInt(params.integerOr("catalyst/galaxy/rank", rank), "rank");
-  ranks_ = asInt(params.integerOr("catalyst/galaxy/ranks", ranks), "ranks");
-  messages.setRank(rank_, ranks_);
-  const auto say = [this](const Node& node, const std::string& mesh) {
-    Said& said = wholes_[mesh];
-    if (const auto size = node.find("size")) {
-      const auto n = size->numbers(3);
-      if (!std::all_of(n.begin(), n.end(), [](double points) { return points >= 1 && points <= 0x1p31; }))
-        throw std::runtime_error(size->path() + ": expected 1 to 2^31 points by axis");
-      said.size = {int64_t(n[0]), int64_t(n[1]), int64_t(n[2])};
-    }
-    if (const auto origin = node.find("origin")) {
-      const auto x = origin->numbers(3);
-      said.origin = {x[0], x[1], x[2]};
-    }
-  };
-  if (const auto all = params.find("catalyst/galaxy")) say(*all, "");
-  if (const auto grids = params.find("catalyst/galaxy/grids"))
-    for (const Node& grid : grids->children()) say(grid, grid.name());
-  if (const auto box = params.find("catalyst/galaxy/box")) box_ = box->numbers(6);
-  shared_ = params.integerOr("catalyst/galaxy/shared", 1) != 0;
-  ghosts_ = params.textOr("catalyst/galaxy/ghosts", "");
-  ids_ = params.textOr("catalyst/galaxy/ids", "");
-  association_ = params.textOr("catalyst/galaxy/association", "");
-  if (!association_.empty() && association_ != "vertex" && association_ != "element")
-    throw std::runtime_error("catalyst/galaxy/association: expected \"vertex\" or \"element\"");
-  seconds_ = params.numberOr("catalyst/galaxy/seconds", 5);
-  const std::string name = params.textOr("catalyst/galaxy/name", "catalyst");
-  const std::string options = params.textOr("catalyst/galaxy/options", "{}");
-  to_ = destination(options);
-  sim_.reset(gxy_open(name.c_str(), rank_, ranks_, options.c_str()));
+    : messages_(&messages), params_(readParameters(params)), sim_(nullptr, Close{&params_.seconds}) {
+  messages.setRank(params_.rank, params_.ranks);
+  sim_.reset(gxy_open(params_.name.c_str(), params_.rank, params_.ranks, params_.options.c_str()));
   gxy_stat counts;
   if (gxy_statistics(sim_.get(), &counts) != GXY_TAKEN) throw std::runtime_error(gxy_message(sim_.get()));
   for (const char* part : {"scripts", "pipelines"})
@@ -139,7 +82,7 @@ Adaptor::Adaptor(const Node& params, Messages& messages)
 }
 
 void Adaptor::about(void* node) const {
-  conduit().nodeSetPathChar8Str(node, "catalyst/galaxy/to", to_.c_str());
+  conduit().nodeSetPathChar8Str(node, "catalyst/galaxy/to", params_.to.c_str());
   conduit().nodeSetPathChar8Str(node, "catalyst/galaxy/message", gxy_message(sim_.get()));
 }
 
@@ -149,10 +92,10 @@ Meshes Adaptor::meshesOf(const Node& params) {
   for (const Node& channel : params.at("catalyst/channels").children()) {
     const std::string type = channel.at("type").text(), name = channel.name();
     if (type == "mesh") {
-      addMeshes(channel.at("data"), name, name, ghosts_, say, meshes);
+      addMeshes(channel.at("data"), name, name, params_.ghosts, say, meshes);
     } else if (type == "multimesh") {
       for (const Node& mesh : channel.at("data").children())
-        addMeshes(mesh, name, name + "." + mesh.name(), ghosts_, say, meshes);
+        addMeshes(mesh, name, name + "." + mesh.name(), params_.ghosts, say, meshes);
     } else {
       warn(channel.path() + ": type \"" + type +
            "\" is not taken, expected \"mesh\" or \"multimesh\", left out");
@@ -163,8 +106,7 @@ Meshes Adaptor::meshesOf(const Node& params) {
 
 Adaptor::Whole Adaptor::wholeOf(const std::vector<GridBlock>& blocks, const std::vector<Box>& boxes) const {
   const GridBlock& one = blocks.front();
-  const auto named = wholes_.find(wholes_.count(one.mesh) ? one.mesh : "");
-  const Said said = named == wholes_.end() ? Said() : named->second;
+  const WholeGrid& said = params_.wholes.at(params_.wholes.count(one.mesh) ? one.mesh : "");
   const auto missing = [&](const char* what, const char* how) {
     throw std::runtime_error(one.path + ": with several ranks, " + what +
                              " of the whole grid is not known, expected " + how + " in catalyst_initialize");
@@ -175,7 +117,7 @@ Adaptor::Whole Adaptor::wholeOf(const std::vector<GridBlock>& blocks, const std:
       if (!(std::abs(block.spacing[a] - one.spacing[a]) <= kNear * one.spacing[a]))
         throw std::runtime_error(block.path + ": spacing " + std::to_string(block.spacing[a]) + " beside " +
                                  std::to_string(one.spacing[a]) + " of " + one.path + ", expected the same");
-  if (ranks_ > 1) {
+  if (params_.ranks > 1) {
     if (!said.size) missing("the size", "catalyst/galaxy/size, its points along x, y and z,");
     if (!said.origin && !one.index)
       missing("the origin",
@@ -208,10 +150,11 @@ Adaptor::Whole Adaptor::wholeOf(const std::vector<GridBlock>& blocks, const std:
 Adaptor::Grid Adaptor::placed(const std::vector<GridBlock>& blocks) {
   Grid grid;
   std::vector<Box> boxes;
-  bool points = association_ == "vertex";
+  bool points = params_.association == "vertex";
   for (const GridBlock& block : blocks) {
     boxes.push_back(ownedOf(block));
-    for (const Values& values : block.fields) points = points || (association_.empty() && !values.ofElements);
+    for (const Values& values : block.fields)
+      points = points || (params_.association.empty() && !values.ofElements);
   }
   grid.of = points ? GXY_OF_POINTS : GXY_OF_CELLS;
   const Whole whole = wholeOf(blocks, boxes);
@@ -229,7 +172,7 @@ Adaptor::Grid Adaptor::placed(const std::vector<GridBlock>& blocks) {
         first[a] = count[a] = 0;
       else if (!points)
         count[a] = cells(box.count, a);
-      else if (!box.ofPoints && shared_ && first[a] + count[a] != size[a])
+      else if (!box.ofPoints && params_.shared && first[a] + count[a] != size[a])
         count[a]--;  // The next block has the last points, too.
     }
     if (gxy_grid(sim_.get(), blocks[b].mesh.c_str(), int(b), grid.of, size.data(), first.data(), count.data(),
@@ -275,13 +218,13 @@ void Adaptor::points(const Points& points) {
   const Index row{count, 1, 1};
   gxy_array ids{};
   for (const Values& values : points.fields)
-    if (values.name == ids_) ids = described(values, row, {}, copies_[{points.mesh, 0, ids_}]);
+    if (values.name == params_.ids) ids = described(values, row, {}, copies_[{points.mesh, 0, params_.ids}]);
   const gxy_array positions = described(points.positions, row, {}, copies_[key]);
-  const double* box = box_ ? box_->data() : nullptr;
+  const double* box = params_.box ? params_.box->data() : nullptr;
   if (!told(key, points.path, gxy_points(sim_.get(), points.mesh.c_str(), count, positions, ids, box)))
     return;
   for (const Values& values : points.fields)
-    if (values.name != ids_) field(values, {points.mesh, 0, values.name}, GXY_OF_POINTS, row, {});
+    if (values.name != params_.ids) field(values, {points.mesh, 0, values.name}, GXY_OF_POINTS, row, {});
 }
 
 void Adaptor::field(const Values& values, const Key& key, int of, const Index& extent, const Index& first) {

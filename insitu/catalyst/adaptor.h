@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "insitu/api/galaxy_insitu.h"
-#include "insitu/catalyst/blueprint.h"
+#include "insitu/catalyst/parameters.h"
 
 namespace gxy::catalyst {
 
@@ -42,11 +42,6 @@ class Adaptor {
     Index points;
     Position origin, spacing;
   };
-  /// What catalyst_initialize has said of a whole grid.
-  struct Said {
-    std::optional<Index> size;
-    std::optional<Position> origin;
-  };
   struct Placed {
     Index points;
     Position origin;
@@ -68,12 +63,7 @@ class Adaptor {
   void warn(const std::string& text) const { messages_->say(text); }
 
   Messages* messages_;
-  int rank_ = 0, ranks_ = 1;
-  std::map<std::string, Said> wholes_;  // by mesh; "": of those that are not named
-  bool shared_;                         // neighbouring blocks have a layer of points in common
-  std::string ghosts_, association_, ids_, to_;
-  std::optional<std::vector<double>> box_;  // the domain of particles
-  double seconds_;
+  Parameters params_;
   std::unique_ptr<gxy_sim, Close> sim_;
 
   bool published_ = false;  // once; from then on blocks cannot change

@@ -123,8 +123,11 @@ std::vector<Node> Node::children() const {
   return all;
 }
 
+bool Node::isText() const { return typeId() == kText; }
+bool Node::isNumbers() const { return typeOf(typeId()) >= 0; }
+
 std::string Node::text() const {
-  const auto* at = typeId() == kText ? static_cast<const char*>(conduit().nodeElementPtr(node_, 0)) : nullptr;
+  const auto* at = isText() ? static_cast<const char*>(conduit().nodeElementPtr(node_, 0)) : nullptr;
   if (!at) expected("a text");
   return {at, strnlen(at, size_t(conduit().typeNumberOfElements(conduit().nodeDtype(node_))))};
 }
@@ -154,7 +157,7 @@ int64_t Node::integer() const {
 std::vector<double> Node::numbers(size_t count) const {
   std::vector<double> all;
   const std::string what = count == 1 ? "a number" : std::to_string(count) + " numbers";
-  if (typeOf(typeId()) >= 0) {
+  if (isNumbers()) {
     const Array values = array();
     if (values.count != int64_t(count)) expected(what);
     for (size_t i = 0; i < count; i++)
@@ -164,11 +167,6 @@ std::vector<double> Node::numbers(size_t count) const {
   }
   if (all.size() != count) expected(what);
   return all;
-}
-
-std::string Node::textOr(const std::string& path, const std::string& otherwise) const {
-  const auto node = find(path);
-  return node ? node->text() : otherwise;
 }
 
 int64_t Node::integerOr(const std::string& path, int64_t otherwise) const {

@@ -51,6 +51,8 @@ class Node {
   /// The last name of the path.
   std::string name() const { return path_.substr(path_.rfind('/') + 1); }
 
+  bool isText() const;
+  bool isNumbers() const;
   std::string text() const;
   Array array() const;
   double number() const;
@@ -58,8 +60,7 @@ class Node {
   /// So many numbers: those of an array, or one of each child.
   std::vector<double> numbers(size_t count) const;
 
-  /// The text, integer or number at a path, or what holds without it.
-  std::string textOr(const std::string& path, const std::string& otherwise) const;
+  /// The integer or number at a path, or what holds without it.
   int64_t integerOr(const std::string& path, int64_t otherwise) const;
   double numberOr(const std::string& path, double otherwise) const;
 

@@ -5,7 +5,9 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdio>
 #include <cstdlib>
+#include <fstream>
 #include <numeric>
 #include <random>
 
@@ -84,7 +86,8 @@ std::vector<float> numbered(size_t count) {
 class Catalyst : public testing::Test {
  protected:
   Catalyst() {
-    for (const char* name : {"OMPI_COMM_WORLD_RANK", "PMI_RANK", "SLURM_PROCID", "GALAXY_INSITU"})
+    for (const char* name :
+         {"OMPI_COMM_WORLD_RANK", "PMI_RANK", "SLURM_PROCID", "GALAXY_INSITU", "GALAXY_CATALYST"})
       unsetenv(name);
     setenv("CATALYST_IMPLEMENTATION_NAME", "galaxy", 1);
     setenv("CATALYST_IMPLEMENTATION_PATHS", CATALYST_GALAXY, 1);
@@ -345,6 +348,24 @@ TEST_F(Catalyst, WithSeveralRanksTheWholeGridIsSaid) {
   EXPECT_EQ(recorded().ranks, 3);
 }
 
+TEST_F(Catalyst, AFileSaysWhatTheSimulationDoesNot) {
+  const std::string path = testing::TempDir() + "catalyst_test.json";
+  std::ofstream(path) << R"({"size": [4, 3, 4], "origin": [-1, 2, 0], "ranks": 3, "name": "file"})";
+  params_.set("catalyst/galaxy/name", "program"), params_.set("catalyst/galaxy/rank", 1);
+  setenv("GALAXY_CATALYST", path.c_str(), 1);
+  ASSERT_EQ(initialize(), 0) << said();
+  std::remove(path.c_str());
+  Simple tree;
+  tree.grid({4, 3, 2}, {0, 0, 1});
+  EXPECT_EQ(execute(tree), 0) << said();
+  expectGrid(0, {4, 3, 4}, {0, 0, 1}, {4, 3, 1});
+  EXPECT_EQ(recorded().name, "file");
+  EXPECT_EQ(recorded().rank, 1);
+  EXPECT_EQ(recorded().ranks, 3);
+  EXPECT_EQ(initialize(), kWrong);
+  expectSaid("GALAXY_CATALYST: " + path + ": expected a file with a JSON object");
+}
+
 TEST_F(Catalyst, RanksAreThoseOfTheLauncher) {
   setenv("OMPI_COMM_WORLD_RANK", "2", 1), setenv("OMPI_COMM_WORLD_SIZE", "5", 1);
   ASSERT_EQ(initialize(), 0);
@@ -561,6 +582,14 @@ TEST_F(Catalyst, WrongParametersAreTold) {
   expect("catalyst/galaxy/size: expected 3 numbers", "catalyst/galaxy/size/i", 4);
   expect("catalyst/galaxy/association: expected \"vertex\"", "catalyst/galaxy/association", "face");
   expect("catalyst/galaxy/rank: expected a number", "catalyst/galaxy/rank", "1e");
+  expect("catalyst/galaxy/shared: expected an integer from 0 up", "catalyst/galaxy/shared", -1);
+  expect("catalyst/galaxy/box: expected 6 numbers", "catalyst/galaxy/box/x", 1);
+  expect("catalyst/galaxy/grids: expected an object", "catalyst/galaxy/grids", 1);
+  expect("catalyst/galaxy/grids/a/origin: expected 3 numbers", "catalyst/galaxy/grids/a/origin", "0");
+  expect("catalyst/galaxy: expected an object", "catalyst/galaxy", 1);
+  whole({0, 3, 2});
+  EXPECT_EQ(initialize(), kWrong);
+  expectSaid("catalyst/galaxy/size: expected 1 to 2^31 points by axis");
 }
 
 TEST_F(Catalyst, ALostConnectionIsSaidOnceAndIsNoError) {
