@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <cstring>
 #include <stdexcept>
 
 namespace gxy::catalyst {
@@ -109,7 +108,8 @@ Adaptor::Whole Adaptor::wholeOf(const std::vector<GridBlock>& blocks, const std:
   const WholeGrid& said = params_.wholes.at(params_.wholes.count(one.mesh) ? one.mesh : "");
   const auto missing = [&](const char* what, const char* how) {
     throw std::runtime_error(one.path + ": with several ranks, " + what +
-                             " of the whole grid is not known, expected " + how + " in catalyst_initialize");
+                             " of the whole grid is not known, expected " + how +
+                             " in catalyst_initialize, or in the file that GALAXY_CATALYST names");
   };
   Whole whole{{}, one.origin, one.spacing};
   for (const GridBlock& block : blocks)
@@ -178,7 +178,7 @@ Adaptor::Grid Adaptor::placed(const std::vector<GridBlock>& blocks) {
     if (gxy_grid(sim_.get(), blocks[b].mesh.c_str(), int(b), grid.of, size.data(), first.data(), count.data(),
                  whole.origin.data(), whole.spacing.data()) != GXY_TAKEN)
       throw std::runtime_error(blocks[b].path + ": " + gxy_message(sim_.get()));
-    grid.blocks.push_back({blocks[b].points, blocks[b].origin, box});
+    grid.blocks.push_back({blocks[b].points, blocks[b].origin, blocks[b].spacing, box});
   }
   return grid;
 }
@@ -192,7 +192,8 @@ void Adaptor::grid(const std::string& mesh, const std::vector<GridBlock>& blocks
   const Grid& grid = grids_.at(mesh);
   if (!std::equal(blocks.begin(), blocks.end(), grid.blocks.begin(), grid.blocks.end(),
                   [](const GridBlock& now, const Placed& before) {
-                    return now.points == before.points && now.origin == before.origin;
+                    return now.points == before.points && now.origin == before.origin &&
+                           now.spacing == before.spacing;
                   }))
     throw std::runtime_error(
         "grid \"" + mesh +

@@ -44,7 +44,7 @@ class Adaptor {
   };
   struct Placed {
     Index points;
-    Position origin;
+    Position origin, spacing;
     Box box;
   };
   struct Grid {
