@@ -80,7 +80,7 @@ Adaptor::Adaptor(const Node& params, Messages& messages)
            ": what is to be done with the data is said to the server, left out");
 }
 
-void Adaptor::about(void* node) const {
+void Adaptor::about(conduit_node_impl* node) const {
   conduit().nodeSetPathChar8Str(node, "catalyst/galaxy/to", params_.to.c_str());
   conduit().nodeSetPathChar8Str(node, "catalyst/galaxy/message", gxy_message(sim_.get()));
 }
@@ -234,12 +234,10 @@ void Adaptor::field(const Values& values, const Key& key, int of, const Index& e
   told(key, values.path, gxy_field(sim_.get(), mesh.c_str(), block, name.c_str(), of, array));
 }
 
-// What is not taken is left out; but what was taken before may not be there any more.
+// What is not taken is left out. What was taken before is then missing, since it may not be there any more.
 bool Adaptor::told(const Key& key, const std::string& path, int result) {
   if (result == GXY_TAKEN) return told_[key] = true;
-  const std::string why = path + ": " + gxy_message(sim_.get());
-  if (told_.count(key)) throw std::runtime_error(why);
-  warn(why + ", left out");
+  warn(path + ": " + gxy_message(sim_.get()) + ", left out");
   return false;
 }
 

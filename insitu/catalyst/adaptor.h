@@ -31,7 +31,7 @@ class Adaptor {
 
   /// Offers the step. What is not taken is said and left out.
   void execute(const Node& params);
-  void about(void* node) const;
+  void about(conduit_node_impl* node) const;
 
  private:
   struct Close {

@@ -9,10 +9,10 @@
 
 using namespace gxy::catalyst;
 
-namespace {
+// What the functions return. Numbers from 100 on are for implementations.
+enum catalyst_status { kOk = 0, kNotInitialized = 1, kConduitMissing = 7, kWrong = 100 };
 
-// What the functions return: a catalyst_status. Those from 100 on are for implementations.
-enum Status { kOk = 0, kNotInitialized = 1, kConduitMissing = 7, kWrong = 100 };
+namespace {
 
 Messages messages;
 // A program that ends without catalyst_finalize() leaves the stream as it is: the system ends its thread and closes its connections.
@@ -21,8 +21,8 @@ Adaptor* adaptor = nullptr;
 void end() { std::unique_ptr<Adaptor>(std::exchange(adaptor, nullptr)).reset(); }
 
 template <class Action>
-int guarded(Action action) noexcept {
-  int status = kConduitMissing;
+catalyst_status guarded(Action action) noexcept {
+  catalyst_status status = kConduitMissing;
   try {
     try {
       conduit();
@@ -37,12 +37,12 @@ int guarded(Action action) noexcept {
   return status;
 }
 
-Node root(const void* params) {
+Node root(const conduit_node_impl* params) {
   if (!params) throw std::runtime_error("the node is NULL");
-  return Node(const_cast<void*>(params), "");
+  return Node(const_cast<conduit_node_impl*>(params), "");
 }
 
-int initialize(const void* params) {
+catalyst_status initialize(const conduit_node_impl* params) {
   return guarded([&] {
     end();
     messages = {};
@@ -51,7 +51,7 @@ int initialize(const void* params) {
   });
 }
 
-int execute(const void* params) {
+catalyst_status execute(const conduit_node_impl* params) {
   return guarded([&] {
     if (!adaptor) {
       messages.say("catalyst_execute before catalyst_initialize, or that failed");
@@ -62,14 +62,14 @@ int execute(const void* params) {
   });
 }
 
-int finalize(const void*) {
+catalyst_status finalize(const conduit_node_impl*) {
   return guarded([] {
     end();
     return kOk;
   });
 }
 
-int about(void* node) {
+catalyst_status about(conduit_node_impl* node) {
   return guarded([&] {
     root(node);
     conduit().nodeSetPathChar8Str(node, "catalyst/implementation", "galaxy");
@@ -79,7 +79,7 @@ int about(void* node) {
   });
 }
 
-int results(void*) { return kOk; }  // Nothing comes back so far.
+catalyst_status results(conduit_node_impl*) { return kOk; }  // Nothing comes back so far.
 
 }  // namespace
 
@@ -88,11 +88,11 @@ extern "C" {
 
 struct catalyst_impl {
   int version;
-  int (*initialize)(const void*);
-  int (*execute)(const void*);
-  int (*finalize)(const void*);
-  int (*about)(void*);
-  int (*results)(void*);
+  catalyst_status (*initialize)(const conduit_node_impl*);
+  catalyst_status (*execute)(const conduit_node_impl*);
+  catalyst_status (*finalize)(const conduit_node_impl*);
+  catalyst_status (*about)(conduit_node_impl*);
+  catalyst_status (*results)(conduit_node_impl*);
 };
 
 extern const struct catalyst_impl catalyst_api_impl;

@@ -115,7 +115,7 @@ std::vector<Node> Node::children() const {
   std::vector<Node> all;
   const int64_t count = conduit().nodeNumberOfChildren(node_);
   for (int64_t i = 0; i < count; i++) {
-    void* child = conduit().nodeChild(node_, i);
+    conduit_node_impl* child = conduit().nodeChild(node_, i);
     const std::unique_ptr<char, decltype(&std::free)> name(conduit().nodeName(child), &std::free);
     const bool named = name && *name.get();  // those of lists have no names
     all.emplace_back(child, path_ + "/" + (named ? name.get() : std::to_string(i)));
@@ -133,7 +133,7 @@ std::string Node::text() const {
 }
 
 Array Node::array() const {
-  const void* type = conduit().nodeDtype(node_);
+  const conduit_datatype_impl* type = conduit().nodeDtype(node_);
   const int64_t count = conduit().typeNumberOfElements(type);
   Array array{nullptr, typeOf(conduit().typeId(type)), count, conduit().typeStride(type)};
   if (array.type < 0) expected("numbers");

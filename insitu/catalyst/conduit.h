@@ -9,22 +9,26 @@
 #include <string>
 #include <vector>
 
+struct conduit_node_impl;  // Conduit's own names; nobody else knows what is in them
+struct conduit_datatype_impl;
+
 namespace gxy::catalyst {
 
-/// The functions of Conduit that are used. Most take a node, `type` functions the type of a node's values.
+/// The functions of Conduit that are used.
 struct Conduit {
-  int (*nodeHasPath)(const void*, const char*);
-  void* (*nodeFetchExisting)(void*, const char*);  // throws or calls a handler where there is no such path
-  int64_t (*nodeNumberOfChildren)(void*);
-  void* (*nodeChild)(void*, int64_t);
-  char* (*nodeName)(const void*);  // the caller frees it
-  const void* (*nodeDtype)(const void*);
-  void* (*nodeElementPtr)(void*, int64_t);
-  void (*nodeSetPathChar8Str)(void*, const char*, const char*);
-  int64_t (*typeId)(const void*);
-  int64_t (*typeNumberOfElements)(const void*);
-  int64_t (*typeStride)(const void*);  // in bytes
-  int (*typeEndiannessMatchesMachine)(const void*);
+  int (*nodeHasPath)(const conduit_node_impl*, const char*);
+  conduit_node_impl* (*nodeFetchExisting)(conduit_node_impl*,
+                                          const char*);  // an error where there is no such path
+  int64_t (*nodeNumberOfChildren)(conduit_node_impl*);
+  conduit_node_impl* (*nodeChild)(conduit_node_impl*, int64_t);
+  char* (*nodeName)(const conduit_node_impl*);  // the caller frees it
+  const conduit_datatype_impl* (*nodeDtype)(const conduit_node_impl*);
+  void* (*nodeElementPtr)(conduit_node_impl*, int64_t);
+  void (*nodeSetPathChar8Str)(conduit_node_impl*, const char*, const char*);
+  int64_t (*typeId)(const conduit_datatype_impl*);
+  int64_t (*typeNumberOfElements)(const conduit_datatype_impl*);
+  int64_t (*typeStride)(const conduit_datatype_impl*);  // in bytes
+  int (*typeEndiannessMatchesMachine)(const conduit_datatype_impl*);
 };
 
 /// The functions, looked for in the process and in libcatalyst.so.3 where that is loaded. Throws std::runtime_error.
@@ -42,7 +46,7 @@ size_t bytesOf(int type);
 /// A node and its path, for messages. Functions that expect something throw std::runtime_error with the path.
 class Node {
  public:
-  Node(void* node, std::string path) : node_(node), path_(std::move(path)) {}
+  Node(conduit_node_impl* node, std::string path) : node_(node), path_(std::move(path)) {}
   const std::string& path() const { return path_; }
 
   std::optional<Node> find(const std::string& path) const;
@@ -68,7 +72,7 @@ class Node {
   [[noreturn]] void expected(const std::string& what) const;
   int64_t typeId() const;
 
-  void* node_;
+  conduit_node_impl* node_;
   std::string path_;
 };
 

@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <fstream>
+#include <limits>
 #include <numeric>
 #include <random>
 
@@ -172,7 +173,7 @@ TEST_F(Catalyst, AGridOfOneRankIsPublished) {
 
 TEST_F(Catalyst, AllTypesOfNumbersAreTaken) {
   const auto check = [this]<class T>(T) {
-    const std::vector<T> values{T(-1), 2, 3, T(1e9), 5, 6, 7, 8};
+    const std::vector<T> values{T(-1), 2, 3, std::numeric_limits<T>::max(), 5, 6, 7, 8};
     Simple tree;
     tree.grid({2, 2, 2}), tree.external(kField + "/values", values);
     ASSERT_EQ(initialize(), 0);
@@ -479,6 +480,21 @@ TEST_F(Catalyst, WrongNodesAreToldAndTheNextStepGoesOn) {
   expectSaid("the node is NULL");
 }
 
+TEST_F(Catalyst, AGridWithoutFieldsIsLeftOut) {
+  ASSERT_EQ(initialize(), 0);
+  Simple tree;
+  tree.grid({7, 3, 2}, {}, "catalyst/channels/bare/data"), tree.grid({4, 3, 2});
+  tree.set("catalyst/channels/bare/type", "mesh");
+  EXPECT_EQ(execute(tree), 0);
+  expectSaid("bare/data/topologies/mesh: a grid without fields, left out");
+  EXPECT_EQ(recorded().grids.size(), 1u);
+  tree.remove("catalyst/channels/grid");
+  ASSERT_EQ(initialize(), 0);
+  EXPECT_EQ(execute(tree), 0);
+  expectSaid("catalyst/channels: there is nothing that Galaxy takes");
+  EXPECT_TRUE(recorded().steps.empty());
+}
+
 TEST_F(Catalyst, SeveralGridsAreMeshesOfOneStream) {
   ranks(1, 2), whole({4, 3, 2});
   params_.set("catalyst/galaxy/grids/fine/size/i", 7), params_.set("catalyst/galaxy/grids/fine/size/j", 3);
@@ -561,6 +577,8 @@ TEST_F(Catalyst, AFieldThatIsMissingLaterIsNotReadWhereItWas) {
   EXPECT_EQ(execute(tree), kWrong);
   expectSaid("its blocks on this rank have changed after the first step");
   tree.grid({4, 2, 3});
+  EXPECT_EQ(execute(tree), kWrong);
+  tree.grid({4, 3, 2}), tree.set(kMesh + "/coordsets/coords/spacing/dz", 0.5);
   EXPECT_EQ(execute(tree), kWrong);
   tree.grid({4, 3, 2});
   EXPECT_EQ(execute(tree), 0) << said();

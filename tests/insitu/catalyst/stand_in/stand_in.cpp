@@ -12,6 +12,7 @@
 
 #include <catalyst.h>
 
+struct conduit_datatype_impl;
 struct conduit_node_impl {
   std::string name;
   conduit_index_t type = 0;  // 0: empty, 1: an object, 3 to 12: numbers, 13: a text
@@ -61,7 +62,8 @@ void set(Node* node, const char* path, conduit_index_t type, const void* value, 
   to->stride = conduit_index_t(bytes) / count;
 }
 
-const Node* dtype(const void* type) { return static_cast<const Node*>(type); }
+// A node stands for the type of its values, too.
+const Node* dtype(const conduit_datatype_impl* type) { return reinterpret_cast<const Node*>(type); }
 
 struct Implementation {
   int version;
@@ -158,14 +160,20 @@ conduit_node* catalyst_conduit_node_child(conduit_node* node, conduit_index_t in
   return node->children[size_t(index)].get();
 }
 char* catalyst_conduit_node_name(const conduit_node* node) { return strdup(node->name.c_str()); }
-const void* catalyst_conduit_node_dtype(const conduit_node* node) { return node; }
+const conduit_datatype_impl* catalyst_conduit_node_dtype(const conduit_node* node) {
+  return reinterpret_cast<const conduit_datatype_impl*>(node);
+}
 void* catalyst_conduit_node_element_ptr(conduit_node* node, conduit_index_t index) {
   return node->data ? node->data + node->offset + index * node->stride : nullptr;
 }
-conduit_index_t catalyst_conduit_datatype_id(const void* type) { return dtype(type)->type; }
-conduit_index_t catalyst_conduit_datatype_number_of_elements(const void* type) { return dtype(type)->count; }
-conduit_index_t catalyst_conduit_datatype_stride(const void* type) { return dtype(type)->stride; }
-int catalyst_conduit_datatype_endianness_matches_machine(const void* type) {
+conduit_index_t catalyst_conduit_datatype_id(const conduit_datatype_impl* type) { return dtype(type)->type; }
+conduit_index_t catalyst_conduit_datatype_number_of_elements(const conduit_datatype_impl* type) {
+  return dtype(type)->count;
+}
+conduit_index_t catalyst_conduit_datatype_stride(const conduit_datatype_impl* type) {
+  return dtype(type)->stride;
+}
+int catalyst_conduit_datatype_endianness_matches_machine(const conduit_datatype_impl* type) {
   return dtype(type)->endianness == 0;
 }
 }
