@@ -6,6 +6,7 @@
 #include <csignal>
 #include <filesystem>
 #include <fstream>
+#include <sstream>
 
 #include "core/comm/random.h"
 #include "core/comm/thread_pool.h"
@@ -42,6 +43,24 @@ class Process {
     pid_ = 0;
   }
   bool runs() const { return waitpid(pid_, nullptr, WNOHANG) == 0; }
+  /// Waits for its end.
+  void wait() {
+    waitpid(pid_, nullptr, 0);
+    pid_ = 0;
+  }
+  /// The processes that it has started, by name.
+  std::vector<pid_t> children(const std::string& name) const {
+    std::vector<pid_t> found;
+    for (const auto& entry : std::filesystem::directory_iterator("/proc")) {
+      std::ifstream stat(entry.path() / "stat");
+      pid_t pid = 0, parent = 0;
+      std::string comm;
+      char state = 0;
+      if (stat >> pid >> comm >> state >> parent && parent == pid_ && comm == "(" + name + ")")
+        found.push_back(pid);
+    }
+    return found;
+  }
 
  private:
   pid_t pid_ = 0;
@@ -72,7 +91,7 @@ void pause(Random& random, uint64_t mostMilliseconds) {
 }
 
 TEST(Kills, OfASimulationHarmNeitherTheServerNorItsData) {
-  Random random(given("seed", 1));
+  Random random(given("seed", KILLS_SEED));
   ServerSetup setup;
   setup.ranks = 3;
   setup.modules = GALAXY_MODULES;
@@ -142,7 +161,7 @@ TEST(Kills, OfASimulationHarmNeitherTheServerNorItsData) {
 }
 
 TEST(Kills, OfTheServerDoNotHarmTheSimulation) {
-  Random random(given("seed", 1));
+  Random random(given("seed", KILLS_SEED));
   const TemporaryFolder folder;
   const auto place = folder.path() / "port";
   std::string port = "0";
@@ -188,6 +207,74 @@ TEST(Kills, OfTheServerDoNotHarmTheSimulation) {
   }
   until([&] { return held() == heldBefore; }, "descriptors and threads");
   std::cout << kills << " kills\n";
+}
+
+TEST(Kills, OfOneRankOfAServerDoNotHarmTheSimulation) {
+  Random random(given("seed", KILLS_SEED));
+  const TemporaryFolder folder;
+  const auto place = folder.path() / "port";
+  std::string port = "0";
+  setenv("OMPI_ALLOW_RUN_AS_ROOT", "1", 1);
+  setenv("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1", 1);
+  constexpr size_t kRanks = 3;
+  const auto start = [&] {
+    std::vector<std::string> command;
+    std::istringstream words(MPIEXEC);
+    for (std::string word; words >> word;) command.push_back(word);
+    for (const std::string& word :
+         {std::string("-n"), std::to_string(kRanks), std::string(GXYSERVER), std::string("--no-token"),
+          std::string("--port"), port, std::string("--port-file"), place.string(), std::string("--log-level"),
+          std::string("off")})
+      command.push_back(word);
+    auto job = std::make_unique<Process>(command);
+    until([&] { return std::filesystem::exists(place); }, "the server");
+    std::ifstream(place) >> port;
+    std::filesystem::remove(place);
+    return job;
+  };
+  auto job = start();
+  const auto heldBefore = held();
+  int kills = 0;
+  {
+    MiniSimulation simulation(
+        "heat", killedGrid(), killedBlocks(1, 3), 3, killedFields(), Layout::Ghosts,
+        json{{"to", "127.0.0.1:" + port}, {"token-file", "-"}, {"reconnect", 0.05}}.dump());
+    for (const auto until_ = end(); kills < 1 || Clock::now() < until_; kills++) {
+      const int64_t before = simulation.published();
+      until(
+          [&] {
+            simulation.publish();
+            return simulation.published() > before;
+          },
+          "a step");
+      for (uint64_t i = random.below(30); i > 0; i--) simulation.publish();
+      const std::vector<pid_t> ranks = job->children("gxyserver");
+      ASSERT_EQ(ranks.size(), kRanks);
+      const pid_t victim = ranks[random.below(kRanks)];
+      const bool stops = random.oneIn(3);
+      if (stops) ::kill(victim, SIGSTOP);
+      for (uint64_t i = random.below(50); i > 0; i--) simulation.publish();  // It does not wait for the rank.
+      pause(random, 20);
+      ::kill(victim, SIGKILL);
+      until(
+          [&] {
+            simulation.publish();
+            return *gxy_message(simulation.rank(0)) != 0;
+          },
+          "the loss");
+      job->wait();  // The launcher ends the other ranks.
+      job = start();
+    }
+    const int64_t before = simulation.published();
+    until(
+        [&] {
+          simulation.publish();
+          return simulation.published() > before;
+        },
+        "a step for the last server");
+  }
+  until([&] { return held() == heldBefore; }, "descriptors and threads");
+  std::cout << kills << " kills of one rank\n";
 }
 
 }  // namespace
