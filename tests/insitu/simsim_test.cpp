@@ -394,6 +394,8 @@ TEST(SimsimOptions, AddressesWithColonsAreInBrackets) {
   options.host = "::1";
   options.tokenFile = "-";
   EXPECT_EQ(options.ofStream(), R"({"to":"[::1]:5001","token-file":"-"})");
+  options.waits = true;
+  EXPECT_EQ(options.ofStream(), R"({"policy":"wait","time-out":60,"to":"[::1]:5001","token-file":"-"})");
 }
 
 }  // namespace

@@ -55,6 +55,12 @@ void addSteps(CLI::App& app, SimulationOptions& o, std::optional<double>& cycles
 
 /// Options that say where to.
 void addPlaces(CLI::App& app, SimulationOptions& o, std::string& layout) {
+  const std::map<std::string, bool> policies{{"skip", false}, {"wait", true}};
+  app.add_option("--policy", o.waits,
+                 "skip: steps may be left out (the default); wait: each is taken, which is waited for a "
+                 "minute at most")
+      ->transform(CLI::Transformer(policies))
+      ->type_name("skip|wait");
   app.add_option("-H,--host", o.host, "where the server runs")->capture_default_str();
   app.add_option("-P,-p,--port", o.port, "its port")->capture_default_str();
   app.add_option(
@@ -95,6 +101,7 @@ std::string SimulationOptions::server() const {
 std::string SimulationOptions::ofStream() const {
   nlohmann::json options{{"to", server()}};
   if (!tokenFile.empty()) options["token-file"] = tokenFile;
+  if (waits) options.update({{"policy", "wait"}, {"time-out", 60}});
   return options.dump();
 }
 

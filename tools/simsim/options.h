@@ -23,6 +23,7 @@ struct SimulationOptions {
   Wave wave;                ///< how steps go to and fro
   int threads = 1;          ///< ranks in this process, if no launcher has started several
   std::string savedFolder;  ///< empty: steps are not saved
+  bool waits = false;       ///< for each step to be taken, a minute at most
   bool quiet = false;
 
   /// "HOST:PORT"
