@@ -12,6 +12,7 @@ module galaxy_insitu
   private
 
   public :: gxy_version, gxy_open, gxy_grid, gxy_points, gxy_field, gxy_values, gxy_publish, gxy_publish_last
+  public :: gxy_wanted, gxy_wanted_settle
   public :: gxy_statistics, gxy_message, gxy_close
   public :: c_ptr, c_int64_t, c_double
 
@@ -96,6 +97,22 @@ module galaxy_insitu
       type(gxy_stat), intent(out) :: statistics
       integer(c_int) :: taken
     end function gxy_statistics
+
+    function gxy_wanted(sim, step, time) result(wanted) bind(c, name="gxy_wanted")
+      import :: c_ptr, c_int, c_int64_t, c_double
+      type(c_ptr), value :: sim
+      integer(c_int64_t), value :: step
+      real(c_double), value :: time
+      integer(c_int) :: wanted
+    end function gxy_wanted
+
+    function gxy_wanted_settle(sim, step, any_rank) result(taken) bind(c, name="gxy_wanted_settle")
+      import :: c_ptr, c_int, c_int64_t
+      type(c_ptr), value :: sim
+      integer(c_int64_t), value :: step
+      integer(c_int), value :: any_rank
+      integer(c_int) :: taken
+    end function gxy_wanted_settle
 
     subroutine gxy_close(sim, seconds) bind(c, name="gxy_close")
       import :: c_ptr, c_double

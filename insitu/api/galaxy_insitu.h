@@ -136,6 +136,15 @@ GXY_API int gxy_field(gxy_sim* sim, const char* mesh, int block, const char* fie
  * the server cannot publish it. */
 GXY_API int gxy_publish(gxy_sim* sim, int64_t step, double time);
 
+/* Whether the next gxy_publish(), which is of this step and time, will be taken: 1, or 0; below 0: wrong use. So a simulation need not compute
+ * what nobody looks at. It waits where gxy_publish() would, which then does not. After 0, this rank does not take the step.
+ *
+ * Ranks may get different answers, as they are told at different times. Where they compute together what is published, they
+ * agree on the largest of their answers, and tell it to gxy_wanted_settle() on all ranks: after 1, gxy_publish() takes the step if
+ * the server has asked this rank for it by then. A step that one rank does not take is left out on all. */
+GXY_API int gxy_wanted(gxy_sim* sim, int64_t step, double time);
+GXY_API int gxy_wanted_settle(gxy_sim* sim, int64_t step, int any);
+
 /* Offers the last step, on all ranks, instead of gxy_publish(). It copies all values of this rank, whether or not anybody wants them, and
  * returns at once. gxy_close() waits until the step is published, also for a lost connection to come back, at most its
  * seconds. The step is offered whatever "every" and "between" say. After this, only gxy_close() may follow. */

@@ -75,6 +75,14 @@ class Simulation {
     return gxy_result(gxy_field(sim_, mesh, 0, name, GXY_OF_POINTS, values));
   }
 
+  /// Whether the next publish(), of this step and time, will be taken, as gxy_wanted() says; off or wrong use: not.
+  bool wanted(std::int64_t step, double time) noexcept { return gxy_wanted(sim_, step, time) == 1; }
+
+  /// Says what the ranks have agreed on: whether any of them wants the step.
+  gxy_result settle(std::int64_t step, bool any) noexcept {
+    return gxy_result(gxy_wanted_settle(sim_, step, any ? 1 : 0));
+  }
+
   /// Offers a step. It never waits, unless the option "policy" says so. Steps ascend.
   gxy_result publish(std::int64_t step, double time) noexcept {
     return gxy_result(gxy_publish(sim_, step, time));

@@ -56,6 +56,8 @@ class Connection {
   void describe(Description description);
   /// Counts a publish. True: the caller copies the step into the slot of route() and calls filled().
   bool publish() { return sender_.publish(); }
+  /// Whether the next publish is appointed, so far.
+  bool isNext() const { return sender_.isNext(); }
   enum class Loss { EndsTheWait, IsWaitedOut };
   /// Waits until the next publish is due, `until` has come, there will be no connection any more, or, if `loss` says so, the connection is
   /// lost or could not be made. Returns whether the publish is due.

@@ -177,6 +177,17 @@ int gxy_field(gxy_sim* sim, const char* mesh, int block, const char* field, int 
   });
 }
 
+int gxy_wanted(gxy_sim* sim, int64_t step, double time) {
+  return guarded(sim, [&](Simulation& s) { return s.wanted(step, time); });
+}
+
+int gxy_wanted_settle(gxy_sim* sim, int64_t step, int any) {
+  return guarded(sim, [&](Simulation& s) {
+    s.settle(step, any != 0);
+    return GXY_TAKEN;
+  });
+}
+
 int gxy_publish(gxy_sim* sim, int64_t step, double time) {
   return guarded(sim, [&](Simulation& s) { return s.publish(step, time); });
 }

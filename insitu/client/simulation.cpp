@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <new>
 
 #include "core/comm/error.h"
@@ -29,9 +30,13 @@ Simulation::Simulation(Options options, Member member)
       connection_(options.on ? std::make_unique<Connection>(std::move(options), std::move(member))
                              : nullptr) {}
 
-// Whether a publish is offered at all. It is the same on all ranks, so they count the same publishes.
-bool Simulation::passes(double time) const {
-  return (statistics_.offered - 1) % every_ == 0 && !(time < firstTime_) && !(time > lastTime_);
+// Whether a publish, counted from 1, is offered at all. It is the same on all ranks, so they count the same publishes.
+bool Simulation::passes(int64_t number, double time) const {
+  return (number - 1) % every_ == 0 && !(time < firstTime_) && !(time > lastTime_);
+}
+
+void Simulation::await(Clock::time_point begun) {
+  if (patience_.count() > 0) connection_->await(later(begun, patience_), Connection::Loss::EndsTheWait);
 }
 
 // What every publish begins with. Throws Error where it is used wrongly.
@@ -52,15 +57,48 @@ void Simulation::count(int64_t step) {
 
 int Simulation::missed() const { return connection_->connected() ? GXY_NOT_TAKEN : GXY_LOST; }
 
+int Simulation::wanted(int64_t step, double time) {
+  if (!connection_) return 0;
+  begin(step, "gxy_wanted");
+  if (asked_)
+    throw Error("gxy_wanted: it has been asked for this publish already, expected gxy_publish next");
+  bool isNext = false;
+  if (passes(statistics_.offered + 1, time)) {
+    await(Clock::now());
+    isNext = connection_->isNext();
+  }
+  asked_ = {{step, time}, isNext};
+  return isNext ? 1 : 0;
+}
+
+void Simulation::settle(int64_t step, bool any) {
+  if (!connection_) return;
+  if (!asked_ || asked_->step.step != step)
+    throw Error("gxy_wanted_settle: step " + std::to_string(step) +
+                ", expected that of gxy_wanted just before");
+  asked_->take = any;
+}
+
 int Simulation::publish(int64_t step, double time) {
   const auto begun = Clock::now();
   if (!connection_) return GXY_OFF;
   begin(step, "gxy_publish");
+  const bool isSame =
+      !asked_ || (asked_->step.step == step && (asked_->step.time == time || std::isnan(time)));
+  if (!isSame)
+    throw Error("gxy_publish: step " + std::to_string(step) + " after gxy_wanted for step " +
+                std::to_string(asked_->step.step) + ", expected the same step and time");
+  const bool declined = asked_ && !asked_->take, waited = asked_.has_value();
+  asked_.reset();
   count(step);
   int result = missed();
-  if (passes(time)) {
-    if (patience_.count() > 0) connection_->await(later(begun, patience_), Connection::Loss::EndsTheWait);
-    result = connection_->publish() ? take({step, time}) : missed();
+  if (passes(statistics_.offered, time)) {
+    if (!waited) await(begun);
+    const bool isDue = connection_->publish();
+    if (isDue && declined)
+      connection_->notFilled();
+    else
+      result = isDue ? take({step, time}) : missed();
   }
   const double seconds = std::chrono::duration<double>(Clock::now() - begun).count();
   statistics_.publish_seconds += seconds;

@@ -19,6 +19,9 @@ class Simulation {
   Simulation(Options options, Member member);
 
   Meshes& meshes() { return meshes_; }
+  /// Whether the next publish, which is of this step, is wanted; 1 or 0. Unless it is, or settle() says 1, this rank does not take it.
+  int wanted(int64_t step, double time);
+  void settle(int64_t step, bool any);
   /// Returns one of gxy_result, as publishLast().
   int publish(int64_t step, double time);
   int publishLast(int64_t step, double time);
@@ -37,7 +40,8 @@ class Simulation {
   void begin(int64_t step, const char* function);
   void count(int64_t step);
   int missed() const;
-  bool passes(double time) const;
+  bool passes(int64_t number, double time) const;
+  void await(Clock::time_point begun);
   int take(const Step& step);
   void deliverLast(Clock::time_point until);
 
@@ -47,7 +51,12 @@ class Simulation {
   const std::unique_ptr<Connection> connection_;  ///< null: publishing is off
   Meshes meshes_;
   int64_t lastStep_ = 0;
-  std::optional<Step> last_;  ///< of publishLast(), whose arrays are kept
+  struct Asked {
+    Step step;
+    bool take = false;
+  };
+  std::optional<Asked> asked_;  ///< what wanted() has said of the next publish
+  std::optional<Step> last_;    ///< of publishLast(), whose arrays are kept
   gxy_stat statistics_{};
 };
 

@@ -9,7 +9,7 @@ namespace gxy::insitu {
 /// Publishes are counted from 1. All ranks publish the same sequence, so the same count is the same step on all ranks. The server
 /// appoints a count in the future, and each rank takes exactly that one, without asking the others.
 ///
-/// The thread of the simulation calls publish(), publishLast(), isDue() and count(); one other thread calls the rest. An appointment is taken or missed,
+/// The thread of the simulation calls publish(), publishLast(), isDue(), isNext() and count(); one other thread calls the rest. An appointment is taken or missed,
 /// never both: both threads decide by an exchange of one word.
 class Appointment {
  public:
@@ -23,6 +23,9 @@ class Appointment {
 
   /// Whether the next publish, or one after it, is appointed.
   bool isDue() const { return appointed_.load() > count_.load(); }
+
+  /// Whether the next publish is appointed.
+  bool isNext() const { return appointed_.load() == count_.load() + 1; }
 
   /// Takes what is appointed, if anything is, for the last publish of all: no other can come to the appointment. True: the caller
   /// takes it, and its count is the appointed one. False: nothing is counted.

@@ -15,7 +15,7 @@ namespace gxy::insitu {
 /// The state machine of a rank of the simulation. It uses no sockets, threads or clocks: the caller passes on what comes from
 /// the server (receive), and sends what this returns. It has one slot for the copy of one step.
 ///
-/// The simulation's thread calls publish(), publishLast(), filled(), isDue(), await(), idle(), count() and published(); one other
+/// The simulation's thread calls publish(), publishLast(), filled(), notFilled(), isDue(), isNext(), await(), idle(), count() and published(); one other
 /// thread calls the rest.
 class Sender {
  public:
@@ -40,6 +40,8 @@ class Sender {
   bool publish() { return appointment_.publish(); }
   /// Whether the next publish, or one after it, is appointed.
   bool isDue() const { return appointment_.isDue(); }
+  /// Whether the next publish is appointed.
+  bool isNext() const { return appointment_.isNext(); }
   /// The simulation waits until the next publish is due. The server is told (waits).
   void await();
   /// The last publish of all takes whatever is due. True as for publish(). False: nothing is due, and nothing is counted.

@@ -207,6 +207,24 @@ TEST(Interface, NothingIsWaitedForWithoutAServer) {
   EXPECT_EQ(gxy_publish_last(s.sim, 3, 0), GXY_LOST) << "it is kept nevertheless";
 }
 
+TEST(Interface, WhatIsWantedIsAskedOnceAndOfTheNextPublish) {
+  Sim s(kNowhere);
+  s.grid();
+  s.field("t", s.array());
+  s.expectWrong(gxy_wanted_settle(s.sim, 1, 1), "expected that of gxy_wanted just before");
+  EXPECT_EQ(gxy_wanted(s.sim, 1, 0.5), 0);
+  s.expectWrong(gxy_wanted(s.sim, 1, 0.5), "expected gxy_publish next");
+  s.expectWrong(gxy_wanted_settle(s.sim, 2, 1), "step 2, expected that of gxy_wanted");
+  EXPECT_EQ(gxy_wanted_settle(s.sim, 1, 1), GXY_TAKEN);
+  s.expectWrong(gxy_publish(s.sim, 2, 0.5), "expected the same step and time");
+  s.expectWrong(gxy_publish(s.sim, 1, 0.25), "expected the same step and time");
+  EXPECT_EQ(gxy_publish(s.sim, 1, 0.5), GXY_LOST);
+  EXPECT_EQ(gxy_publish(s.sim, 2, 1), GXY_LOST) << "without asking";
+  Sim off;
+  EXPECT_EQ(gxy_wanted(off.sim, 1, 0), 0);
+  EXPECT_EQ(gxy_wanted_settle(off.sim, 1, 1), GXY_TAKEN);
+}
+
 TEST(Interface, NothingFollowsTheLastStep) {
   Sim s(kNowhere);
   s.grid();

@@ -161,6 +161,48 @@ TEST(Streams, AStepThatOneRankDoesNotWaitForIsLeftOutOnAll) {
   EXPECT_FALSE(has(gap));
 }
 
+TEST(Streams, ASimulationComputesOnlyWhatIsWanted) {
+  const auto server = serve();
+  const auto client = server->client();
+  client->expect("load data");
+  const Grid grid = gridOf({8, 8, 8});
+  MiniSimulation simulation("heat", grid, slabs(grid, 2), 2, {{"t"}}, Layout::Together, to(*server));
+  run(simulation, [&] { return simulation.published() >= 1; });
+  int64_t step = simulation.step(), computed = 0, offered = 0;
+  const auto offer = [&](bool together) {  // returns whether all ranks have taken it
+    step++;
+    offered++;
+    int wanted[2], taken = 0;
+    for (int r = 0; r < 2; r++) wanted[r] = gxy_wanted(simulation.rank(r), step, 0);
+    const bool any = wanted[0] == 1 || wanted[1] == 1;
+    computed += any;
+    for (int r = 0; r < 2; r++) {
+      if (together) {
+        EXPECT_EQ(gxy_wanted_settle(simulation.rank(r), step, any), GXY_TAKEN);
+      }
+      const int result = gxy_publish(simulation.rank(r), step, 0);
+      taken += result == GXY_TAKEN;
+      if (!(together ? any : wanted[r] == 1)) {
+        EXPECT_NE(result, GXY_TAKEN) << "it was not wanted";
+      }
+    }
+    return taken == 2;
+  };
+  for (int i = 0; i < 300; i++) offer(true);
+  EXPECT_EQ(computed, 0) << "nobody looks";
+  client->expect("observe");
+  for (const bool together : {true, false}) {
+    const int64_t before = simulation.published();
+    until(
+        [&] {
+          offer(together);
+          return simulation.published() >= before + 3;
+        },
+        "steps that are wanted");
+  }
+  EXPECT_LT(computed, offered - 300);
+}
+
 TEST(Streams, WaitingEndsWhereTheStreamDoes) {
   for (const std::string how : {"close", "rank", "server"}) {
     SCOPED_TRACE(how);

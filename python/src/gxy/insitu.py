@@ -95,6 +95,8 @@ def _load():
                                         _Coordinates]),
             ("gxy_points", ctypes.c_int, [sim, text, ctypes.c_int64, _Array, _Array, ctypes.POINTER(ctypes.c_double)]),
             ("gxy_field", ctypes.c_int, [sim, text, ctypes.c_int, text, ctypes.c_int, _Array]),
+            ("gxy_wanted", ctypes.c_int, [sim, ctypes.c_int64, ctypes.c_double]),
+            ("gxy_wanted_settle", ctypes.c_int, [sim, ctypes.c_int64, ctypes.c_int]),
             ("gxy_publish", ctypes.c_int, [sim, ctypes.c_int64, ctypes.c_double]),
             ("gxy_publish_last", ctypes.c_int, [sim, ctypes.c_int64, ctypes.c_double]),
             ("gxy_statistics", ctypes.c_int, [sim, ctypes.POINTER(_Stat)]),
@@ -303,6 +305,20 @@ class Simulation:
             self._checked(self._library.gxy_field(self._open(), name, 0, _text(field, "field"), _OF["points"], arrays[field]))
             self._arrays[mesh, 0, field] = fields[field]
         self._fields[mesh] = set(fields)
+
+    def wanted(self, step, time):
+        """Whether the next publish(), which is of this step and time, will be taken. If not, this rank does not take it.
+
+        Ranks may get different answers. Where they compute together what is published, settle() tells what they agree on.
+        """
+        wanted = self._library.gxy_wanted(self._open(), _index(step, "step"), _seconds(time, "time"))
+        if wanted == _WRONG:
+            raise ValueError(self.message())
+        return wanted == 1
+
+    def settle(self, step, any_rank):
+        """Says whether any rank wants the step; the same on all ranks, after wanted()."""
+        self._checked(self._library.gxy_wanted_settle(self._open(), _index(step, "step"), int(bool(any_rank))))
 
     def publish(self, step, time):
         """Offers a step, and says what became of it, a Result. Steps ascend; all ranks offer the same.
