@@ -12,7 +12,7 @@ module galaxy_insitu
   private
 
   public :: gxy_version, gxy_open, gxy_grid, gxy_points, gxy_field, gxy_values, gxy_publish, gxy_publish_last
-  public :: gxy_wanted, gxy_wanted_settle
+  public :: gxy_wanted, gxy_wanted_settle, gxy_steered
   public :: gxy_statistics, gxy_message, gxy_close
   public :: c_ptr, c_int64_t, c_double
 
@@ -157,6 +157,14 @@ module galaxy_insitu
       integer(c_int) :: taken
     end function c_points
 
+    function c_steered(sim, parameter, value) result(changed) bind(c, name="gxy_steered")
+      import :: c_ptr, c_char, c_int, c_double
+      type(c_ptr), value :: sim
+      character(kind=c_char), intent(in) :: parameter(*)
+      real(c_double), intent(inout) :: value
+      integer(c_int) :: changed
+    end function c_steered
+
     function c_message(sim) result(text) bind(c, name="gxy_message")
       import :: c_ptr
       type(c_ptr), value :: sim
@@ -267,6 +275,15 @@ contains
     integer(c_int) :: taken
     taken = points_int64(sim, mesh, int(count, c_int64_t), positions, ids, box)
   end function points_int32
+
+  ! 1 if somebody has given a parameter another value since the last call: VALUE has it then.
+  function gxy_steered(sim, parameter_name, value) result(changed)
+    type(c_ptr), intent(in) :: sim
+    character(len=*), intent(in) :: parameter_name
+    real(c_double), intent(inout) :: value
+    integer(c_int) :: changed
+    changed = c_steered(sim, in_c(parameter_name), value)
+  end function gxy_steered
 
   ! The text about the last result, or about why there is no connection.
   function gxy_message(sim) result(message)

@@ -92,6 +92,7 @@ typedef struct gxy_sim gxy_sim;
  *   "every"       only the first of so many publishes is offered (default: 1)
  *   "between"     [FIRST, LAST]: only steps with these times are offered
  *   "triggers"    what the server does with steps: a list, or the name of a file that has it (docs/insitu.md). Rank 0 reads it
+ *   "steerable"   the parameters that clients may change: a list of {"name", "least", "largest"} (gxy_steered)
  *   "reconnect"   seconds between attempts to connect (default: 5); 0: none after the first */
 GXY_API gxy_sim* gxy_open(const char* name, int rank, int ranks, const char* options);
 
@@ -136,6 +137,10 @@ GXY_API int gxy_field(gxy_sim* sim, const char* mesh, int block, const char* fie
  * the server cannot publish it. */
 GXY_API int gxy_publish(gxy_sim* sim, int64_t step, double time);
 
+/* Counts a step that this rank cannot publish, so that all ranks go on counting alike. It is left out on all of them. It may come before
+ * the first gxy_publish(). */
+GXY_API int gxy_skip(gxy_sim* sim, int64_t step, double time);
+
 /* Whether the next gxy_publish(), which is of this step and time, will be taken: 1, or 0; below 0: wrong use. So a simulation need not compute
  * what nobody looks at. It waits where gxy_publish() would, which then does not. After 0, this rank does not take the step.
  *
@@ -144,6 +149,12 @@ GXY_API int gxy_publish(gxy_sim* sim, int64_t step, double time);
  * the server has asked this rank for it by then. A step that one rank does not take is left out on all. */
 GXY_API int gxy_wanted(gxy_sim* sim, int64_t step, double time);
 GXY_API int gxy_wanted_settle(gxy_sim* sim, int64_t step, int any);
+
+/* Whether somebody has given a parameter another value since the last call: 1, and *value is that; 0; below 0: wrong use. Only the
+ * parameters of the option "steerable" can be steered. A value arrives with a step that this rank takes, so it may have changed after gxy_publish()
+ * only. With the policy "wait" and no time-out, all ranks have it after the same step. Otherwise a rank may have it some steps before
+ * another: then one rank asks, and tells the others. */
+GXY_API int gxy_steered(gxy_sim* sim, const char* parameter, double* value);
 
 /* Offers the last step, on all ranks, instead of gxy_publish(). It copies all values of this rank, whether or not anybody wants them, and
  * returns at once. gxy_close() waits until the step is published, also for a lost connection to come back, at most its

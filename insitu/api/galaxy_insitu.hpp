@@ -83,6 +83,11 @@ class Simulation {
     return gxy_result(gxy_wanted_settle(sim_, step, any ? 1 : 0));
   }
 
+  /// Whether somebody has given a parameter another value since the last call, as gxy_steered() says; then `value` is that.
+  bool steered(const char* parameter, double& value) noexcept {
+    return gxy_steered(sim_, parameter, &value) == 1;
+  }
+
   /// Offers a step. It never waits, unless the option "policy" says so. Steps ascend.
   gxy_result publish(std::int64_t step, double time) noexcept {
     return gxy_result(gxy_publish(sim_, step, time));

@@ -87,6 +87,11 @@ std::string Connection::problem() const {
   return problem_;
 }
 
+Steering Connection::steering() const {
+  const std::lock_guard lock(mutex_);
+  return steering_;
+}
+
 bool Connection::lost() const {
   const std::lock_guard lock(mutex_);
   return lost_;
@@ -230,6 +235,11 @@ void Connection::receive(int owner, WireSocket& socket) {
       throw Error(std::string(m->text()));
     }
     if (owner != 0) throw Error("the server's rank " + std::to_string(owner) + " says what only rank 0 may");
+    if (m->channel == MessageChannel::Steer) {
+      const std::lock_guard lock(mutex_);
+      steering_ = readSteering(m->payload);
+      continue;
+    }
     if (m->channel == MessageChannel::DataControl) {
       receiveControl(readControl(m->payload));
       continue;

@@ -74,6 +74,8 @@ class Connection {
   /// There is no connection, and the last attempt has failed.
   bool lost() const;
   uint64_t published() const { return sender_.published(); }
+  /// The parameters that the server has told last.
+  Steering steering() const;
   /// Waits until what was taken is published or given up, or `until` has come.
   void settle(Interrupt::Clock::time_point until);
   /// Why there is no connection; empty if there is one, or if none has failed so far.
@@ -102,13 +104,14 @@ class Connection {
   Sender sender_;
   std::atomic<bool> connected_ = false;
 
-  mutable std::mutex mutex_;  ///< guards the next six
+  mutable std::mutex mutex_;  ///< guards the next seven
   std::condition_variable changed_;
   std::optional<Description> description_;
   std::shared_ptr<const Route> route_;
   std::string problem_;
   bool lost_ = false;   ///< the last attempt to connect has failed, or what it made was lost
   bool ended_ = false;  ///< there are no further attempts
+  Steering steering_;
 
   // Used by the thread only.
   std::map<int, std::unique_ptr<WireSocket>> sockets_;  ///< by rank of the server

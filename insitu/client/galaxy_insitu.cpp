@@ -177,6 +177,10 @@ int gxy_field(gxy_sim* sim, const char* mesh, int block, const char* field, int 
   });
 }
 
+int gxy_skip(gxy_sim* sim, int64_t step, double time) {
+  return guarded(sim, [&](Simulation& s) { return s.skip(step, time); });
+}
+
 int gxy_wanted(gxy_sim* sim, int64_t step, double time) {
   return guarded(sim, [&](Simulation& s) { return s.wanted(step, time); });
 }
@@ -185,6 +189,13 @@ int gxy_wanted_settle(gxy_sim* sim, int64_t step, int any) {
   return guarded(sim, [&](Simulation& s) {
     s.settle(step, any != 0);
     return GXY_TAKEN;
+  });
+}
+
+int gxy_steered(gxy_sim* sim, const char* parameter, double* value) {
+  return guarded(sim, [&](Simulation& s) {
+    if (!value) throw Error("gxy_steered: value is NULL, expected a double");
+    return s.steered(given(parameter, "gxy_steered: parameter"), *value) ? 1 : 0;
   });
 }
 

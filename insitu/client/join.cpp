@@ -99,7 +99,8 @@ Joined join(const Options& options, const Member& member, Interrupt& interrupt) 
             {"rank", member.rank},
             {"ranks", member.ranks},
             {"scope", options.scope},
-            {"partition", json::parse(options.partition)}};
+            {"partition", json::parse(options.partition)},
+            {"steerable", json::parse(options.steerable)}};
   if (member.rank == 0) what["triggers"] = json::parse(options.triggers);
   const json reply = requests.request("insitu.join " + what.dump());
   try {

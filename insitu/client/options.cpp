@@ -10,6 +10,7 @@
 
 #include "core/comm/error.h"
 #include "insitu/client/here.h"
+#include "insitu/plan/records.h"
 
 namespace gxy::insitu {
 
@@ -22,7 +23,7 @@ json parsed(const std::string& text, const std::string& where) {
   if (!object.is_object()) throw Error(where + ": expected a JSON object");
   static const std::set<std::string> known{"to",        "token-file", "tenant",   "scope",
                                            "partition", "policy",     "time-out", "every",
-                                           "between",   "reconnect",  "triggers", "here"};
+                                           "between",   "reconnect",  "triggers", "here", "steerable"};
   for (const auto& [key, value] : object.items())
     if (known.count(key) == 0) {
       std::string all;
@@ -93,6 +94,20 @@ std::string where(const json& options) {
   return word(options, "to", here().port > 0 ? "here" : "off");
 }
 
+// Checks the list of parameters that may be steered.
+json steerable(const json& list) {
+  const std::string expected = "option \"steerable\": expected a list of {\"name\", \"least\", \"largest\"}, at most 64";
+  if (!list.is_array() || list.size() > kMostSteerable) throw Error(expected);
+  for (const json& one : list) {
+    if (!one.is_object() || one.size() != 3 || !one.value("name", json()).is_string() ||
+        !one.value("least", json()).is_number() || !one.value("largest", json()).is_number() ||
+        !(one["least"].get<double>() <= one["largest"].get<double>()))
+      throw Error(expected);
+    checkName(one["name"].get<std::string>(), "parameter");
+  }
+  return list;
+}
+
 void readPolicy(const json& options, Options& into) {
   const std::string policy = word(options, "policy", "skip");
   const auto patience = options.find("time-out");
@@ -123,6 +138,7 @@ Options readOptions(const char* text) {
   if (options.scope != "private" && options.scope != "shared")
     throw Error("option \"scope\": found \"" + options.scope + "\", expected \"private\" or \"shared\"");
   options.partition = object.value("partition", json("even")).dump();
+  options.steerable = steerable(object.value("steerable", json::array())).dump();
   const json triggers = object.value("triggers", json::array());
   if (!triggers.is_array() && !triggers.is_string())
     throw Error("option \"triggers\": expected a list, or the name of a file that has it");

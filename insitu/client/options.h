@@ -18,6 +18,7 @@ struct Options {
   std::string tenant = "user";
   std::string scope = "private";
   std::string partition = "even";  ///< JSON, as it is sent to the server
+  std::string steerable = "[]";    ///< the same
   std::string triggers = "[]";     ///< the same; or the name of a file that has it, in quotes
   /// How long a publish waits until it is taken: not at all (policy "skip"), or so many seconds (policy "wait"); infinity: for ever.
   std::chrono::duration<double> patience{0};

@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cmath>
 #include <new>
+#include <nlohmann/json.hpp>
 
 #include "core/comm/error.h"
 
@@ -20,6 +21,12 @@ Interrupt::Clock::time_point later(Interrupt::Clock::time_point begin,
          (seconds < kForEver ? std::chrono::duration_cast<Interrupt::Clock::duration>(seconds) : kForEver);
 }
 
+std::set<std::string> namesIn(const std::string& steerable) {
+  std::set<std::string> names;
+  for (const auto& one : nlohmann::json::parse(steerable)) names.insert(one.at("name").get<std::string>());
+  return names;
+}
+
 }  // namespace
 
 Simulation::Simulation(Options options, Member member)
@@ -27,6 +34,7 @@ Simulation::Simulation(Options options, Member member)
       firstTime_(options.firstTime),
       lastTime_(options.lastTime),
       patience_(options.patience),
+      steerable_(namesIn(options.steerable)),
       connection_(options.on ? std::make_unique<Connection>(std::move(options), std::move(member))
                              : nullptr) {}
 
@@ -39,15 +47,18 @@ void Simulation::await(Clock::time_point begun) {
   if (patience_.count() > 0) connection_->await(later(begun, patience_), Connection::Loss::EndsTheWait);
 }
 
-// What every publish begins with. Throws Error where it is used wrongly.
-void Simulation::begin(int64_t step, const char* function) {
+void Simulation::checkOrder(int64_t step, const char* function) const {
   if (last_) throw Error(std::string(function) + " after gxy_publish_last, expected nothing but gxy_close");
-  meshes_.check(function);
-  if (!meshes_.isDescribed())
-    connection_->describe(meshes_.describe());
-  else if (step <= lastStep_)
+  if (statistics_.offered > 0 && step <= lastStep_)
     throw Error(std::string(function) + ": step " + std::to_string(step) + " after step " +
                 std::to_string(lastStep_) + ", expected steps that ascend");
+}
+
+// What every publish begins with. Throws Error where it is used wrongly.
+void Simulation::begin(int64_t step, const char* function) {
+  checkOrder(step, function);
+  meshes_.check(function);
+  if (!meshes_.isDescribed()) connection_->describe(meshes_.describe());
 }
 
 void Simulation::count(int64_t step) {
@@ -106,6 +117,26 @@ int Simulation::publish(int64_t step, double time) {
   return result;
 }
 
+int Simulation::skip(int64_t step, double time) {
+  if (!connection_) return GXY_OFF;
+  checkOrder(step, "gxy_skip");
+  asked_.reset();
+  count(step);
+  if (passes(statistics_.offered, time) && connection_->publish()) connection_->notFilled();
+  return missed();
+}
+
+bool Simulation::steered(const std::string& parameter, double& value) {
+  if (steerable_.count(parameter) == 0)
+    throw Error("gxy_steered: \"" + parameter + "\", expected one of the option \"steerable\"");
+  const auto now = steering_.find(parameter);
+  if (now == steering_.end()) return false;
+  const auto before = seen_.find(parameter);
+  if (before != seen_.end() && before->second == now->second) return false;
+  seen_[parameter] = value = now->second;
+  return true;
+}
+
 int Simulation::publishLast(int64_t step, double time) {
   if (!connection_) return GXY_OFF;
   begin(step, "gxy_publish_last");
@@ -125,6 +156,7 @@ int Simulation::take(const Step& step) {
       connection_->notFilled();
       return GXY_NOT_TAKEN;
     }
+  steering_ = connection_->steering();
   connection_->filled(step.step, step.time, meshes_.particles());
   statistics_.taken++;
   statistics_.bytes += int64_t(bytes);

@@ -4,6 +4,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -22,8 +23,12 @@ class Simulation {
   /// Whether the next publish, which is of this step, is wanted; 1 or 0. Unless it is, or settle() says 1, this rank does not take it.
   int wanted(int64_t step, double time);
   void settle(int64_t step, bool any);
+  /// Whether a parameter has changed; then `value` is what it has now. Throws Error unless the options declare it.
+  bool steered(const std::string& parameter, double& value);
   /// Returns one of gxy_result, as publishLast().
   int publish(int64_t step, double time);
+  /// Counts a publish that this rank does not take.
+  int skip(int64_t step, double time);
   int publishLast(int64_t step, double time);
 
   gxy_stat statistics() const;
@@ -38,6 +43,7 @@ class Simulation {
   };
   using Clock = Interrupt::Clock;
   void begin(int64_t step, const char* function);
+  void checkOrder(int64_t step, const char* function) const;
   void count(int64_t step);
   int missed() const;
   bool passes(int64_t number, double time) const;
@@ -48,6 +54,7 @@ class Simulation {
   const int64_t every_;
   const double firstTime_, lastTime_;
   const std::chrono::duration<double> patience_;
+  const std::set<std::string> steerable_;
   const std::unique_ptr<Connection> connection_;  ///< null: publishing is off
   Meshes meshes_;
   int64_t lastStep_ = 0;
@@ -56,6 +63,7 @@ class Simulation {
     bool take = false;
   };
   std::optional<Asked> asked_;  ///< what wanted() has said of the next publish
+  Steering steering_, seen_;    ///< of the last step that was taken; what steered() has returned
   std::optional<Step> last_;    ///< of publishLast(), whose arrays are kept
   gxy_stat statistics_{};
 };

@@ -132,6 +132,28 @@ Control readControl(std::span<const std::byte> message) {
   return control;
 }
 
+Bytes written(const Steering& steering) {
+  Writer w;
+  w.write(uint32_t(steering.size()));
+  for (const auto& [name, value] : steering) w.write(name).write(value);
+  return w.take();
+}
+
+Steering readSteering(std::span<const std::byte> message) {
+  Reader r(message, "steered parameters");
+  const auto count = r.read<uint32_t>();
+  if (count > kMostSteerable) r.fail(std::to_string(count) + " parameters, expected at most 64");
+  Steering steering;
+  for (uint32_t i = 0; i < count; i++) {
+    const std::string name = r.readString();
+    const auto value = r.read<double>();
+    if (!std::isfinite(value)) r.fail("a value that is not finite");
+    steering[name] = value;
+  }
+  r.expectEnd();
+  return steering;
+}
+
 Bytes written(const StepHeader& step) { return Writer().write(step).take(); }
 
 StepHeader readStep(std::span<const std::byte> message) { return readOne<StepHeader>(message, "step"); }

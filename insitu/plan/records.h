@@ -3,6 +3,7 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <map>
 #include <span>
 #include <string>
 #include <vector>
@@ -61,6 +62,13 @@ struct Control {
 };
 Bytes written(const Control& control);
 Control readControl(std::span<const std::byte> message);
+
+/// The parameters that somebody has steered, by name. Rank 0 of the server tells them before an appointment.
+using Steering = std::map<std::string, double>;
+inline constexpr size_t kMostSteerable = 64;
+Bytes written(const Steering& steering);
+/// Throws Error for more than kMostSteerable, and for values that are not finite.
+Steering readSteering(std::span<const std::byte> message);
 
 /// What rank 0 of the server is told of a step that a rank of the simulation has taken.
 struct StepHeader {

@@ -42,7 +42,8 @@ StreamLead::StreamLead(ServerRank& serverRank, std::shared_ptr<StreamPart> part,
       wishes_(std::move(wishes)),
       tell_(std::move(tell)),
       onEnd_(std::move(onEnd)),
-      triggers_(serverRank, part_->identity().name, part_->identity().tenant, tell_),
+      triggers_(serverRank, part_->identity().name, part_->identity().tenant, tell_,
+                [this](const insitu::Steering& values) { steer(values); }),
       parts_(size_t(part_->identity().ranks)),
       thread_([this] { run(); }) {}
 
@@ -124,7 +125,30 @@ void StreamLead::describe(int rank, Description description) {
   if (++described_ == parts_.size()) changed_.notify_all();
 }
 
+void StreamLead::steer(const insitu::Steering& values) {
+  for (const auto& [name, value] : values) {
+    const auto known = std::find_if(wishes_.steerable.begin(), wishes_.steerable.end(),
+                                    [&](const StreamWishes::Steerable& s) { return s.name == name; });
+    if (known == wishes_.steerable.end())
+      throw Error("steer: parameter " + inQuotes(name) + " of stream " + inQuotes(identity().name) +
+                  " cannot be steered; `insitu.streams` lists those that can");
+    if (!(value >= known->least && value <= known->largest))
+      throw Error("steer: " + inQuotes(name) + ": found " + std::to_string(value) + ", expected " +
+                  std::to_string(known->least) + " to " + std::to_string(known->largest));
+  }
+  const std::lock_guard lock(mutex_);
+  for (const auto& [name, value] : values) steering_[name] = value;
+  steered_++;
+  changed_.notify_all();
+}
+
+// Values that were steered stand before an appointment, so that they are there when the step is taken.
 void StreamLead::tell(const std::vector<Control>& messages) {
+  for (const Control& m : messages)
+    if (m.kind == Control::Kind::Appoint && steered_ > 0) {
+      told_ = steered_;
+      for (int r = 0; r < identity().ranks; r++) part_->send(r, {MessageChannel::Steer, 0, written(steering_)});
+    }
   for (const Control& m : messages)
     for (int r = 0; r < identity().ranks; r++) part_->send(r, controlMessage(m));
 }
@@ -277,7 +301,7 @@ void StreamLead::awaitNext(Clock::time_point begin) {
   const bool failed = !problem_.empty();
   const auto until = begin + (failed ? kAfterFailure : kUnasked);
   while (!end_ && Clock::now() < until) {
-    if (!failed && conductor_->isAwaited()) break;
+    if (!failed && (conductor_->isAwaited() || steers())) break;
     lock.unlock();
     const bool isWanted = !failed && wanted();
     lock.lock();
@@ -380,8 +404,9 @@ CollectedStep StreamLead::collect(const std::function<void()>& check) {
     if (refused_.count > 0 && refused_.count == conductor_->last()) throw Error(refused_.reason);
     lock.unlock();
     check();
-    const bool isWanted = from_ > 0 && wanted();
+    const bool isLooked = from_ > 0 && wanted();
     lock.lock();
+    const bool isWanted = isLooked || (from_ > 0 && steers());
     if (isWanted) {
       from_ = 0;
       tell(conductor_->hurry());
@@ -435,6 +460,11 @@ json StreamLead::statistics() const {
   if (newest_.count > 0) {
     result["step"] = newest_.step;
     if (!std::isnan(newest_.time)) result["time"] = newest_.time;
+  }
+  for (const StreamWishes::Steerable& s : wishes_.steerable) {
+    json& one = result["steerable"][s.name];
+    one = {{"least", s.least}, {"largest", s.largest}};
+    if (const auto value = steering_.find(s.name); value != steering_.end()) one["value"] = value->second;
   }
   if (!problem_.empty()) result["problem"] = problem_;
   return result;

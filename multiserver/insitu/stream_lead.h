@@ -23,6 +23,12 @@ namespace gxy {
 struct StreamWishes {
   Scope scope = Scope::Private;
   nlohmann::json partition = "even";  ///< or {"like": DATASET}
+  struct Steerable {
+    std::string name;
+    double least = 0, largest = 0;
+    bool operator==(const Steerable&) const = default;
+  };
+  std::vector<Steerable> steerable{};  ///< parameters of the simulation
   bool operator==(const StreamWishes&) const = default;
 };
 
@@ -59,6 +65,9 @@ class StreamLead {
   bool isConnected(int rank) const { return part_->isConnected(rank); }
 
   Triggers& triggers() { return triggers_; }
+  /// Gives parameters of the simulation other values, with its next step. Throws Error for one that is not declared, or a value out of
+  /// its range; then nothing has changed.
+  void steer(const insitu::Steering& values);
 
   /// The part of rank 0 in the work that publishes a step.
   CollectedStep collect(const std::function<void()>& check);
@@ -87,6 +96,7 @@ class StreamLead {
   void pullTriggers();
   void publishOne();
   void tell(const std::vector<insitu::Control>& messages);
+  bool steers() const { return told_ != steered_; }
   void finish();
 
   ServerRank& serverRank_;
@@ -106,6 +116,8 @@ class StreamLead {
     std::string reason;
   } refused_;  ///< the last step that a rank could not keep
   std::optional<insitu::Conductor> conductor_;
+  insitu::Steering steering_;        ///< values that were ever steered
+  uint64_t steered_ = 0, told_ = 0;  ///< how often; and when the simulation was told
   std::string problem_;            ///< why the last step could not be published; empty if it was
   CollectedStep newest_, before_;  ///< that were published last
   uint64_t from_ = 0;              ///< the publish that is needed next; 0: any

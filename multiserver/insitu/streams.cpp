@@ -295,6 +295,12 @@ void Streams::close(const std::string& tenant, const std::string& name) {
   lead->end("closed by a client");
 }
 
+void Streams::steer(const std::string& tenant, const std::string& name, const insitu::Steering& values) {
+  const auto lead = leadOf(tenant, name);
+  if (!lead) throw Error("there is no stream " + inQuotes(name) + "; `insitu.streams` lists them");
+  lead->steer(values);
+}
+
 void Streams::withTriggers(const std::string& tenant, const std::string& name,
                            const std::function<void(Triggers&)>& action) {
   const auto lead = leadOf(tenant, name);

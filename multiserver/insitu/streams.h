@@ -38,6 +38,8 @@ class Streams {
   nlohmann::json list(const std::string& tenant) const;
   /// Rank 0: ends a stream of the tenant. Throws Error if there is none of this name.
   void close(const std::string& tenant, const std::string& name);
+  /// Rank 0: as StreamLead::steer(), of a stream of the tenant.
+  void steer(const std::string& tenant, const std::string& name, const insitu::Steering& values);
   /// Rank 0: calls `action` with the triggers of a stream of the tenant. Throws Error if there is none of this name.
   void withTriggers(const std::string& tenant, const std::string& name,
                     const std::function<void(Triggers&)>& action);

@@ -56,11 +56,23 @@ void readWhen(const json& when, Trigger& trigger) {
   }
 }
 
+void readSteer(const json& document, Trigger& trigger) {
+  const json values = document.value("steer", json());
+  const bool steers = trigger.does == Trigger::Does::Steer;
+  if (steers != (values.is_object() && !values.empty()) || (!steers && document.contains("steer")))
+    fail("steer", "with \"do\": \"steer\", and only then, an object with a number for each parameter");
+  if (!steers) return;
+  for (const auto& [name, value] : values.items()) {
+    if (!value.is_number()) fail("steer", "a number for parameter " + inQuotes(name));
+    trigger.steer[name] = value.get<double>();
+  }
+}
+
 }  // namespace
 
 Trigger readTrigger(const json& document) {
   if (!document.is_object()) throw Error("trigger: expected an object with `name`, `when` and `do`");
-  expectKeys(document, {"name", "when", "do", "batch", "exact"}, "trigger");
+  expectKeys(document, {"name", "when", "do", "batch", "steer", "exact"}, "trigger");
   Trigger trigger;
   const auto name = document.find("name");
   if (name == document.end() || !name->is_string()) fail("name", "a text");
@@ -68,8 +80,11 @@ Trigger readTrigger(const json& document) {
   insitu::checkName(trigger.name, "trigger");
   readWhen(document.value("when", json()), trigger);
   const json what = document.value("do", json());
-  if (what != "batch" && what != "event") fail("do", "\"batch\" or \"event\"");
-  trigger.does = what == "batch" ? Trigger::Does::Batch : Trigger::Does::Event;
+  if (what != "batch" && what != "event" && what != "steer") fail("do", "\"batch\", \"event\" or \"steer\"");
+  trigger.does = what == "batch"   ? Trigger::Does::Batch
+                 : what == "event" ? Trigger::Does::Event
+                                   : Trigger::Does::Steer;
+  readSteer(document, trigger);
   trigger.batch = document.value("batch", json());
   if ((trigger.does == Trigger::Does::Batch) != trigger.batch.is_object())
     fail("batch", "with \"do\": \"batch\", and only then, an object as `viewer.batch` takes it");
@@ -93,7 +108,10 @@ json written(const Trigger& trigger) {
     for (const auto& [key, kind] : kKinds)
       if (kind == t.kind) when[key][t.field] = t.value;
   json document{{"name", trigger.name}, {"when", when}, {"exact", trigger.exact}};
-  document["do"] = trigger.does == Trigger::Does::Batch ? "batch" : "event";
+  document["do"] = trigger.does == Trigger::Does::Batch   ? "batch"
+                   : trigger.does == Trigger::Does::Event ? "event"
+                                                          : "steer";
+  if (trigger.does == Trigger::Does::Steer) document["steer"] = trigger.steer;
   if (trigger.does == Trigger::Does::Batch) document["batch"] = trigger.batch;
   return document;
 }

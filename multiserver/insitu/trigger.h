@@ -3,6 +3,7 @@
 #pragma once
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
@@ -27,13 +28,14 @@ struct Trigger {
     std::string field;  ///< the dataset is STREAM.field
     double value = 0;
   };
-  enum class Does { Batch, Event };
+  enum class Does { Batch, Event, Steer };
 
   std::string name;
   int64_t every = 0;  ///< 0: not asked for
   std::vector<Threshold> thresholds;
   Does does = Does::Event;
   nlohmann::json batch;  ///< the document of `viewer.batch`; its prefix may contain {step}
+  std::map<std::string, double> steer;  ///< the values that parameters get
   bool exact = false;    ///< the next step waits until this is done
 };
 

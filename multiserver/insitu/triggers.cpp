@@ -16,11 +16,12 @@ namespace gxy {
 
 using nlohmann::json;
 
-Triggers::Triggers(ServerRank& serverRank, std::string stream, std::string tenant, Tell tell)
+Triggers::Triggers(ServerRank& serverRank, std::string stream, std::string tenant, Tell tell, Steer steer)
     : serverRank_(serverRank),
       stream_(std::move(stream)),
       tenant_(std::move(tenant)),
-      tell_(std::move(tell)) {}
+      tell_(std::move(tell)),
+      steer_(std::move(steer)) {}
 
 void Triggers::finish() {
   std::unique_lock lock(mutex_);
@@ -129,13 +130,20 @@ void Triggers::fire(const ArmedPtr& armed, int64_t step, double time, const Valu
     if (values.least <= values.largest) event["values"][t.field]["range"] = {values.least, values.largest};
   }
   tell_(std::move(event));
+  std::string problem;
+  if (trigger.does == Trigger::Does::Steer) try {
+      steer_(trigger.steer);
+    } catch (const Error& e) {
+      problem = e.what();
+    }
   bool begins = false;
   {
     const std::lock_guard lock(mutex_);
     armed->fired++;
-    if (trigger.does == Trigger::Does::Event)
-      armed->done++;
-    else if (armed->running)
+    if (trigger.does != Trigger::Does::Batch) {
+      armed->done += problem.empty();
+      armed->problem = problem;
+    } else if (armed->running)
       armed->next = step;
     else
       begins = armed->running = true;

@@ -3,6 +3,7 @@
 #pragma once
 #include <condition_variable>
 #include <functional>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <nlohmann/json.hpp>
@@ -23,7 +24,10 @@ class Triggers {
   /// Tells the clients of the stream's tenant.
   using Tell = std::function<void(nlohmann::json event)>;
 
-  Triggers(ServerRank& serverRank, std::string stream, std::string tenant, Tell tell);
+  /// Steers the simulation. Throws Error.
+  using Steer = std::function<void(const std::map<std::string, double>& values)>;
+
+  Triggers(ServerRank& serverRank, std::string stream, std::string tenant, Tell tell, Steer steer);
   ~Triggers() { end(); }
 
   static constexpr size_t kMost = 64;
@@ -67,6 +71,7 @@ class Triggers {
   ServerRank& serverRank_;
   const std::string stream_, tenant_;
   const Tell tell_;
+  const Steer steer_;
   mutable std::mutex mutex_;
   std::condition_variable changed_;
   std::vector<ArmedPtr> triggers_;

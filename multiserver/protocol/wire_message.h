@@ -35,6 +35,7 @@ enum class MessageChannel : uint16_t {
   DataControl = 19,
   Step = 20,
   Piece = 21,
+  Steer = 22,
   Bye = 23,  ///< the reason why a data connection ends, as text
 };
 

@@ -126,6 +126,15 @@ TEST(Records, ItemsAreTheArraysOfPieces) {
   EXPECT_EQ(items[4].particles, 1);
 }
 
+TEST(Records, SteeredParametersAreReadAsWritten) {
+  const Steering steering{{"dt", 0.5}, {"gas", -1e300}};
+  EXPECT_EQ(readSteering(written(steering)), steering);
+  EXPECT_THROW(readSteering(written(Steering{{"dt", std::nan("")}})), Error);
+  Steering many;
+  for (int i = 0; i < 65; i++) many[std::to_string(i)] = 1;
+  EXPECT_THROW(readSteering(written(many)), Error);
+}
+
 TEST(Records, BytesThatNobodyWroteAreRefusedOrReadWithoutHarm) {
   Random random(1);
   const Description mine = described();
@@ -139,6 +148,7 @@ TEST(Records, BytesThatNobodyWroteAreRefusedOrReadWithoutHarm) {
     errorOf([&] { readControl(bytes); });
     errorOf([&] { readStep(bytes); });
     errorOf([&] { readHello(bytes); });
+    errorOf([&] { readSteering(bytes); });
   }
 }
 

@@ -161,6 +161,106 @@ TEST(Streams, AStepThatOneRankDoesNotWaitForIsLeftOutOnAll) {
   EXPECT_FALSE(has(gap));
 }
 
+TEST(Streams, AStepThatOneRankSkipsIsLeftOutAndTheOthersAreNot) {
+  const auto server = serve();
+  Events events("heat.t");
+  const auto client = events.client(*server);
+  client->expect("load data");
+  client->expect("observe");
+  const Grid grid = gridOf({8, 8, 8});
+  MiniSimulation simulation("heat", grid, slabs(grid, 2), 2, {{"t"}}, Layout::Together, to(*server));
+  int64_t step = 0;
+  const auto offer = [&](bool skips) {
+    step++;
+    EXPECT_NE(gxy_publish(simulation.rank(0), step, 0), GXY_WRONG);
+    EXPECT_NE((skips ? gxy_skip : gxy_publish)(simulation.rank(1), step, 0), GXY_WRONG);
+  };
+  for (int i = 0; i < 5; i++) offer(true);  // before its first step, too
+  until(
+      [&] {
+        offer(step % 3 == 0);
+        return events.count("updated") >= 4;
+      },
+      "steps");
+  for (const json& e : events.all()) EXPECT_NE(e.at("step").get<int64_t>() % 3, 1) << "the rank has skipped it";
+  EXPECT_EQ(gxy_skip(simulation.rank(1), step, 0), GXY_WRONG) << "steps ascend";
+}
+
+std::string steerable(const TestServer& server, bool waits) {
+  json options = json::parse(waits ? waiting(server, nullptr) : to(server));
+  options["steerable"] = {{{"name", "dt"}, {"least", 0}, {"largest", 1}}, {{"name", "gas"}, {"least", -1}, {"largest", 1}}};
+  return options.dump();
+}
+
+TEST(Streams, AllRanksThatWaitAreSteeredAtTheSameStep) {
+  const auto server = serve();
+  const auto client = server->client();
+  client->expect("load insitu");
+  const Grid grid = gridOf({8, 8, 8});
+  MiniSimulation simulation("heat", grid, slabs(grid, 3), 3, {{"t"}}, Layout::Together, steerable(*server, true));
+  EXPECT_EQ(simulation.publishTogether(), 3);
+  double value = -5;
+  EXPECT_EQ(gxy_steered(simulation.rank(0), "dt", &value), 0);
+  EXPECT_EQ(value, -5);
+  for (const double wanted : {0.25, 0.5, 0.5, 1.0}) {
+    client->expect("insitu.steer heat dt " + std::to_string(wanted));
+    const bool isNew = value != wanted;
+    int64_t steps = 0;
+    for (int changed = 0; changed == 0 && steps < 50; steps++) {
+      EXPECT_EQ(simulation.publishTogether(), 3);
+      for (int r = 0; r < 3; r++) changed += gxy_steered(simulation.rank(r), "dt", &value);
+      EXPECT_TRUE(changed == 0 || changed == 3) << "at the same step";
+    }
+    if (isNew) {
+      EXPECT_LT(steps, 4) << "with the step after the one that was under way, at the latest";
+    }
+    EXPECT_EQ(value, wanted);
+    EXPECT_EQ(gxy_steered(simulation.rank(0), "gas", &value), 0) << "the other has not changed";
+  }
+  const json known = client->expect("insitu.streams").at("streams").at(0).at("steerable");
+  EXPECT_EQ(known.at("dt").at("value"), 1.0);
+  EXPECT_FALSE(known.at("gas").contains("value"));
+}
+
+TEST(Streams, ASimulationThatNobodyWatchesIsSteered) {
+  const auto server = serve();
+  const auto client = server->client();
+  client->expect("load insitu");
+  const Grid grid = gridOf({8, 8, 8});
+  MiniSimulation simulation("heat", grid, slabs(grid, 1), 1, {{"t"}}, Layout::Together, steerable(*server, false));
+  run(simulation, [&] { return simulation.published() >= 1; });
+  client->expect("insitu.steer heat gas -0.5");
+  double value = 0;
+  run(simulation, [&] { return gxy_steered(simulation.rank(0), "gas", &value) == 1; });
+  EXPECT_EQ(value, -0.5);
+  client->expect(
+      R"(insitu.trigger heat {"name": "slower", "when": {"above": {"t": 0}}, "do": "steer", "steer": {"dt": 0.125}})");
+  run(simulation, [&] { return gxy_steered(simulation.rank(0), "dt", &value) == 1; });
+  EXPECT_EQ(value, 0.125);
+}
+
+TEST(Streams, OnlyWhatIsDeclaredIsSteered) {
+  const auto server = serve();
+  const auto client = server->client();
+  client->expect("load insitu");
+  const Grid grid = gridOf({8, 8, 8});
+  MiniSimulation simulation("heat", grid, slabs(grid, 1), 1, {{"t"}}, Layout::Together, steerable(*server, false));
+  run(simulation, [&] { return simulation.published() >= 1; });
+  const auto expectRefused = [&](const std::string& arguments, const std::string& why) {
+    const auto reply = client->request("insitu.steer " + arguments);
+    EXPECT_FALSE(reply.ok);
+    EXPECT_NE(reply.text.find(why), std::string::npos) << reply.text;
+  };
+  expectRefused("heat dx 0.5", "cannot be steered");
+  expectRefused("heat dt 1.5", "expected 0.000000 to 1.000000");
+  expectRefused("heat dt nan", "");
+  expectRefused("heat dt", "");
+  expectRefused("cold dt 0.5", "there is no stream");
+  double value = 0;
+  EXPECT_EQ(gxy_steered(simulation.rank(0), "dx", &value), GXY_WRONG);
+  EXPECT_EQ(gxy_steered(simulation.rank(0), "dt", nullptr), GXY_WRONG);
+}
+
 TEST(Streams, ASimulationComputesOnlyWhatIsWanted) {
   const auto server = serve();
   const auto client = server->client();

@@ -33,6 +33,8 @@ TEST(Trigger, DocumentsAreReadAsWritten) {
       {"batch", {{"state", json::object()}, {"prefix", "hot-{step}"}}},
       {"exact", true}};
   EXPECT_EQ(written(readTrigger(document)), document);
+  const json steers{{"name", "slow"}, {"when", {{"every", 3}}}, {"do", "steer"}, {"steer", {{"dt", 0.5}}}, {"exact", false}};
+  EXPECT_EQ(written(readTrigger(steers)), steers);
   json shorter = document;
   shorter["batch"].erase("prefix");
   EXPECT_EQ(readTrigger(shorter).batch.at("prefix"), "picture-{step}");
@@ -53,7 +55,9 @@ TEST(Trigger, WrongDocumentsSayWhatWasExpected) {
   expect("when", {{"every", 0}}, "an integer from 1 up");
   expect("when", {{"above", 5}}, "a number for each field");
   expect("when", {{"above", {{"t", "hot"}}}}, "a number for field");
-  expect("do", "export", "\"batch\" or \"event\"");
+  expect("do", "export", "\"batch\", \"event\" or \"steer\"");
+  expect("do", "steer", "`steer`: expected");
+  expect("steer", {{"dt", 1}}, "`steer`: expected");
   expect("do", "batch", "`batch`: expected");
   expect("batch", json::object(), "`batch`: expected");
   expect("exact", 1, "true or false");

@@ -34,6 +34,16 @@ StreamWishes wishesOf(const json& object) {
                     wishes.partition.contains("like") && wishes.partition["like"].is_string();
   if (wishes.partition != "even" && !like)
     throw Error("insitu.join: `partition`: expected \"even\" or {\"like\": DATASET}");
+  const json steerable = object.value("steerable", json::array());
+  if (!steerable.is_array() || steerable.size() > insitu::kMostSteerable)
+    throw Error("insitu.join: `steerable`: expected a list, of at most 64 parameters");
+  for (const json& one : steerable) {
+    if (!one.is_object() || !one.value("name", json()).is_string() || !one.value("least", json()).is_number() ||
+        !one.value("largest", json()).is_number())
+      throw Error("insitu.join: `steerable`: expected objects with `name`, `least` and `largest`");
+    wishes.steerable.push_back({one["name"].get<std::string>(), one["least"].get<double>(), one["largest"].get<double>()});
+    insitu::checkName(wishes.steerable.back().name, "parameter");
+  }
   return wishes;
 }
 
@@ -41,9 +51,9 @@ json join(Streams& streams, Request& request) {
   const json object = protocol::parseObject(request.arguments(), "insitu.join");
   for (const auto& [key, value] : object.items())
     if (key != "name" && key != "rank" && key != "ranks" && key != "scope" && key != "partition" &&
-        key != "triggers")
+        key != "triggers" && key != "steerable")
       throw Error("insitu.join: unknown key " + inQuotes(key) +
-                  ", expected `name`, `rank`, `ranks`, `scope`, `partition` and `triggers`");
+                  ", expected `name`, `rank`, `ranks`, `scope`, `partition`, `triggers` and `steerable`");
   const auto name = object.find("name");
   if (name == object.end() || !name->is_string()) throw Error("insitu.join: `name`: expected a text");
   Streams::Join what{name->get<std::string>(), 0, integer(object, "ranks", 1, insitu::kMostRanks),
@@ -74,6 +84,16 @@ json trigger(Streams& streams, Request& request) {
   const std::string stream = arguments.expectWord();
   Trigger trigger = readTrigger(protocol::parseObject(arguments.expectJson(), "insitu.trigger"));
   streams.withTriggers(request.session().tenant(), stream, [&](Triggers& t) { t.add(std::move(trigger)); });
+  return nullptr;
+}
+
+json steer(Streams& streams, Request& request) {
+  protocol::Arguments arguments(request.arguments(), "steer STREAM PARAMETER VALUE");
+  const std::string stream = arguments.expectWord(), parameter = arguments.expectWord();
+  const auto value = arguments.number();
+  if (!value) arguments.fail("VALUE is a number");
+  arguments.expectEnd();
+  streams.steer(request.session().tenant(), stream, {{parameter, *value}});
   return nullptr;
 }
 
@@ -142,6 +162,8 @@ GALAXY_MODULE(registration) {
                      [&s](Request& r) { return close(s, r); }});
   registration.verb({"trigger", "STREAM JSON", "Has the server do something with steps of a stream.",
                      Order::InTurn, [&s](Request& r) { return trigger(s, r); }});
+  registration.verb({"steer", "STREAM PARAMETER VALUE", "Gives a parameter of a simulation another value.", Order::InTurn,
+                     [&s](Request& r) { return steer(s, r); }});
   registration.verb({"untrigger", "STREAM NAME", "Removes a trigger.", Order::InTurn,
                      [&s](Request& r) { return untrigger(s, r); }});
   registration.verb({"triggers", "STREAM", "Lists the triggers of a stream.", Order::InTurn,

@@ -96,6 +96,7 @@ def _load():
             ("gxy_points", ctypes.c_int, [sim, text, ctypes.c_int64, _Array, _Array, ctypes.POINTER(ctypes.c_double)]),
             ("gxy_field", ctypes.c_int, [sim, text, ctypes.c_int, text, ctypes.c_int, _Array]),
             ("gxy_wanted", ctypes.c_int, [sim, ctypes.c_int64, ctypes.c_double]),
+            ("gxy_steered", ctypes.c_int, [sim, text, ctypes.POINTER(ctypes.c_double)]),
             ("gxy_wanted_settle", ctypes.c_int, [sim, ctypes.c_int64, ctypes.c_int]),
             ("gxy_publish", ctypes.c_int, [sim, ctypes.c_int64, ctypes.c_double]),
             ("gxy_publish_last", ctypes.c_int, [sim, ctypes.c_int64, ctypes.c_double]),
@@ -319,6 +320,17 @@ class Simulation:
     def settle(self, step, any_rank):
         """Says whether any rank wants the step; the same on all ranks, after wanted()."""
         self._checked(self._library.gxy_wanted_settle(self._open(), _index(step, "step"), int(bool(any_rank))))
+
+    def steered(self, parameter):
+        """The value that somebody has given a parameter of the option `steerable` since the last call; None if nobody has.
+
+        Unless the policy is "wait" without a time-out, ranks may get it after different steps: one asks, and tells the others.
+        """
+        value = ctypes.c_double()
+        changed = self._library.gxy_steered(self._open(), _text(parameter, "parameter"), ctypes.byref(value))
+        if changed == _WRONG:
+            raise ValueError(self.message())
+        return value.value if changed else None
 
     def publish(self, step, time):
         """Offers a step, and says what became of it, a Result. Steps ascend; all ranks offer the same.
