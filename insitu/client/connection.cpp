@@ -77,8 +77,8 @@ void Connection::filled(int64_t step, double time, std::vector<uint64_t> particl
   interrupt_.wake();
 }
 
-void Connection::notFilled() {
-  sender_.notFilled();
+void Connection::notFilled(bool late) {
+  sender_.notFilled(late);
   interrupt_.wake();
 }
 

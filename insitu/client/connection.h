@@ -67,8 +67,8 @@ class Connection {
   std::shared_ptr<const Route> route() const;
   /// `particles` as in Sender::filled().
   void filled(int64_t step, double time, std::vector<uint64_t> particles);
-  /// There is no memory for the copy.
-  void notFilled();
+  /// The step is not copied, as in Sender::notFilled().
+  void notFilled(bool late);
 
   bool connected() const { return connected_; }
   /// There is no connection, and the last attempt has failed.

@@ -53,7 +53,7 @@ class Requests {
  private:
   // As the client library does: a token that lies on this machine goes to no other machine unasked.
   std::string token(const Options& options, std::string& whyNone) const {
-    if (!options.token.empty()) return options.token;
+    if (!options.token.empty() || !options.asksForToken) return options.token;
     if (options.tokenFile == "-") return {};
     if (!options.tokenFile.empty()) return protocol::readToken(options.tokenFile);
     if (!socket_.isLoopback())

@@ -167,6 +167,7 @@ void Meshes::points(const std::string& mesh, uint64_t count, const gxy_array& po
   data.ids = ids;
   Block& all = data.blocks[0];
   all.owned = all.values = rowOf(count);
+  for (auto& [name, values] : all.fields) values.data = nullptr;  // They are of other particles.
 }
 
 void Meshes::field(const std::string& mesh, int block, const std::string& name, int of,

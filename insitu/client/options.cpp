@@ -21,9 +21,9 @@ namespace {
 json parsed(const std::string& text, const std::string& where) {
   const json object = json::parse(text, nullptr, false);
   if (!object.is_object()) throw Error(where + ": expected a JSON object");
-  static const std::set<std::string> known{"to",        "token-file", "tenant",   "scope",
-                                           "partition", "policy",     "time-out", "every",
-                                           "between",   "reconnect",  "triggers", "here", "steerable"};
+  static const std::set<std::string> known{"to",       "token-file", "tenant",   "scope",   "partition",
+                                           "policy",   "time-out",   "every",    "between", "reconnect",
+                                           "triggers", "here",       "steerable"};
   for (const auto& [key, value] : object.items())
     if (known.count(key) == 0) {
       std::string all;
@@ -58,6 +58,7 @@ void readHere(Options& options) {
   options.host = server.host;
   options.port = server.port;
   options.token = server.token;
+  options.asksForToken = !server.token.empty();
 }
 
 void readWhere(const std::string& to, Options& options) {
@@ -96,7 +97,8 @@ std::string where(const json& options) {
 
 // Checks the list of parameters that may be steered.
 json steerable(const json& list) {
-  const std::string expected = "option \"steerable\": expected a list of {\"name\", \"least\", \"largest\"}, at most 64";
+  const std::string expected =
+      "option \"steerable\": expected a list of {\"name\", \"least\", \"largest\"}, at most 64";
   if (!list.is_array() || list.size() > kMostSteerable) throw Error(expected);
   for (const json& one : list) {
     if (!one.is_object() || one.size() != 3 || !one.value("name", json()).is_string() ||

@@ -13,8 +13,9 @@ struct Options {
   bool on = false;
   std::string host;
   uint16_t port = 0;
-  std::string tokenFile;  ///< "-": none; empty: where a server on this machine leaves its token
-  std::string token;      ///< if it is known already
+  std::string tokenFile;     ///< "-": none; empty: where a server on this machine leaves its token
+  std::string token;         ///< if it is known already
+  bool asksForToken = true;  ///< false: the server is known to need none
   std::string tenant = "user";
   std::string scope = "private";
   std::string partition = "even";  ///< JSON, as it is sent to the server

@@ -107,7 +107,7 @@ int Simulation::publish(int64_t step, double time) {
     if (!waited) await(begun);
     const bool isDue = connection_->publish();
     if (isDue && declined)
-      connection_->notFilled();
+      connection_->notFilled(true);
     else
       result = isDue ? take({step, time}) : missed();
   }
@@ -122,7 +122,7 @@ int Simulation::skip(int64_t step, double time) {
   checkOrder(step, "gxy_skip");
   asked_.reset();
   count(step);
-  if (passes(statistics_.offered, time) && connection_->publish()) connection_->notFilled();
+  if (passes(statistics_.offered, time) && connection_->publish()) connection_->notFilled(true);
   return missed();
 }
 
@@ -153,7 +153,7 @@ int Simulation::take(const Step& step) {
       bytes = meshes_.bytes(route->destinations);
       meshes_.copy(route->destinations, route->slot->reserve(bytes));
     } catch (const std::bad_alloc&) {
-      connection_->notFilled();
+      connection_->notFilled(false);
       return GXY_NOT_TAKEN;
     }
   steering_ = connection_->steering();

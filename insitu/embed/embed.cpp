@@ -6,7 +6,11 @@
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 #include <sys/resource.h>
+#include <unistd.h>
 
+#include <boost/asio/ip/address.hpp>
+
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <filesystem>
@@ -16,6 +20,7 @@
 #include <optional>
 #include <string>
 #include <thread>
+#include <utility>
 
 #include "backends/registry/backends.h"
 #include "core/comm/error.h"
@@ -44,7 +49,7 @@ std::string ownModules() {
 /// The member "here" of the options.
 struct Settings {
   uint16_t port = 5001;
-  std::string portFile, data, backend = "auto";
+  std::string bind = "127.0.0.1", portFile, data, backend = "auto";
   int threads = 1;
   int niceness = 5;
 };
@@ -67,17 +72,36 @@ Settings readSettings(const std::string& options) {
     return value.get<std::string>();
   };
   for (const auto& [key, value] : given.items())
-    if (key != "port" && key != "port-file" && key != "data" && key != "backend" && key != "threads" &&
-        key != "niceness")
+    if (key != "bind" && key != "port" && key != "port-file" && key != "data" && key != "backend" &&
+        key != "threads" && key != "niceness")
       throw Error("option \"here\": there is no \"" + key +
-                  "\", expected port, port-file, data, backend, threads or niceness");
+                  "\", expected bind, port, port-file, data, backend, threads or niceness");
   s.port = uint16_t(integer("port", s.port, 0, 65535));
   s.threads = int(integer("threads", s.threads, 1, 4096));
   s.niceness = int(integer("niceness", s.niceness, 0, 19));
+  s.bind = text("bind", s.bind);
   s.portFile = text("port-file", "");
   s.data = text("data", "");
   s.backend = text("backend", s.backend);
   return s;
+}
+
+// Whether the ranks are on several machines; the same on all of them.
+bool isOnSeveralMachines(MPI_Comm comm) {
+  MPI_Comm beside;
+  int here = 0, all = 0;
+  MPI_Comm_split_type(comm, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &beside);
+  MPI_Comm_size(beside, &here);
+  MPI_Comm_size(comm, &all);
+  MPI_Comm_free(&beside);
+  return here < all;
+}
+
+std::string hostOf(const std::string& bind) {
+  const auto address = boost::asio::ip::make_address(bind);
+  char name[256] = {};
+  if (!address.is_unspecified()) return address.to_string();
+  return gethostname(name, sizeof name - 1) == 0 ? name : "localhost";
 }
 
 /// The server of this process, one rank of it. Made and destroyed on all ranks together.
@@ -91,6 +115,7 @@ class Embedded {
       const BackendRegistry backends = allBackends({{}, transport_.rankOnNode()});
       ServerRankOptions options;
       options.backend = settings.backend;
+      options.insituBind = settings.bind;
       options.threads = transport_.threads();
       if (!settings.data.empty()) options.dataFolders = {settings.data};
       if (std::string own = ownModules(); !own.empty()) options.moduleFolders = {std::move(own)};
@@ -113,6 +138,7 @@ class Embedded {
         rank_->tenants.add(token, {"user", true});
         ServerOptions options;
         options.port = settings.port;
+        options.bind = settings.bind;
         options.signals = false;
         server_ = std::make_unique<Server>(*rank_, options, [] {});
         port = server_->port();
@@ -133,15 +159,21 @@ class Embedded {
       server_.reset();
       throw;
     }
-    const Bytes told = collective.broadcast(kStart, 0, Writer().write(port).write(token).take());
+    const std::string host = transport_.rank() == 0 ? hostOf(settings.bind) : std::string();
+    const Bytes told = collective.broadcast(kStart, 0, Writer().write(port).write(token).write(host).take());
     Reader reader(told, "address of the server");
     port_ = reader.read<uint16_t>();
     token_ = reader.readString();
+    host_ = reader.readString();
   }
   ~Embedded() {
-    // What triggers have begun is finished.
-    while (rank_->rank() == 0 && !rank_->streaming.list().empty())
-      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    // What triggers have begun for streams that have ended is finished.
+    const auto isEnding = [](const json& stream) { return stream.contains("ending"); };
+    const auto someEnd = [&] {
+      const json streams = rank_->streaming.list();
+      return std::any_of(streams.begin(), streams.end(), isEnding);
+    };
+    while (rank_->rank() == 0 && someEnd()) std::this_thread::sleep_for(std::chrono::milliseconds(10));
     tokenFile_.reset();
     server_.reset();
     rank_->collective.barrier(kStart);
@@ -149,6 +181,7 @@ class Embedded {
   Embedded(const Embedded&) = delete;
   Embedded& operator=(const Embedded&) = delete;
 
+  const std::string& host() const { return host_; }
   uint16_t port() const { return port_; }
   const std::string& token() const { return token_; }
 
@@ -165,10 +198,10 @@ class Embedded {
   std::unique_ptr<Server> server_;
   std::optional<protocol::TokenFile> tokenFile_;
   uint16_t port_ = 0;
-  std::string token_;
+  std::string host_, token_;
 };
 
-std::unique_ptr<Embedded> embedded;
+Embedded* embedded = nullptr;  // A process that exits without stop() must not wait for the others.
 
 template <size_t Size>
 void put(char (&to)[Size], const std::string& text) {
@@ -185,6 +218,12 @@ int start(const void* communicator, const char* options, galaxy_embed_address* a
       throw Error("MPI runs with thread level " + std::to_string(level) +
                   ", expected MPI_THREAD_MULTIPLE of MPI_Init_thread; or use a server beside");
     const Settings settings = readSettings(options);
+    const bool isLocal = boost::asio::ip::make_address(settings.bind).is_loopback();
+    if (isOnSeveralMachines(*static_cast<const MPI_Comm*>(communicator)) && isLocal)
+      throw Error(
+          "the ranks are on several machines, expected the option \"here\" with \"bind\": an address on "
+          "which others reach "
+          "this one, or 0.0.0.0");
     std::thread([&] {
       try {
         setpriority(PRIO_PROCESS, 0, settings.niceness);  // of this thread
@@ -192,7 +231,7 @@ int start(const void* communicator, const char* options, galaxy_embed_address* a
           spdlog::set_default_logger(spdlog::stderr_color_mt("galaxy"));
           spdlog::set_level(spdlog::level::warn);
         }
-        embedded = std::make_unique<Embedded>(communicator, settings);
+        embedded = new Embedded(communicator, settings);
       } catch (const std::exception& e) {
         failure = e.what();
       }
@@ -204,13 +243,13 @@ int start(const void* communicator, const char* options, galaxy_embed_address* a
     put(address->error, failure);
     return 1;
   }
-  put(address->host, "127.0.0.1");
+  put(address->host, embedded->host());
   address->port = embedded->port();
   put(address->token, embedded->token());
   return 0;
 }
 
-void stop() { embedded.reset(); }
+void stop() { delete std::exchange(embedded, nullptr); }
 
 #define TEXT_OF(x) #x
 #define VALUE_OF(x) TEXT_OF(x)

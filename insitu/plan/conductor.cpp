@@ -25,29 +25,28 @@ Control Conductor::ask() {
   state_ = State::Asking;
   answered_.assign(answered_.size(), false);
   answers_ = 0;
-  newest_ = 0;
+  answer_ = 0;
   return {Control::Kind::AskNewest, ++question_, 0};
 }
 
-std::vector<Control> Conductor::begin(uint64_t from) {
-  if (state_ != State::Idle) throw Error("a step is under way, expected none");
-  from_ = std::min(from, kMostMargin);
-  return {ask()};
+std::vector<Control> Conductor::look() {
+  if (state_ != State::Idle) return {};  // Some have not answered yet.
+  const Control question = ask();
+  state_ = State::Looking;
+  return {question};
 }
 
-std::vector<Control> Conductor::hurry() {
-  const bool isAhead = std::exchange(from_, 0) > 0 && state_ == State::Collecting && takes_ == 0;
-  if (!isAhead) return {};
-  const Control cancel{Control::Kind::Cancel, step_.count, 0};
-  return {cancel, ask()};
+std::vector<Control> Conductor::begin(uint64_t from) {
+  if (state_ != State::Idle && state_ != State::Looking) throw Error("a step is under way, expected none");
+  from_ = std::min(from, kMostMargin);
+  return {ask()};
 }
 
 std::vector<Control> Conductor::appoint() {
   // Ranks that wait come to the next publish in any case, unless they do not wait for long enough.
   const bool waits = awaited_ > 0 && late_ < 2;
   const uint64_t margin = waits ? 0 : counters_.margin;
-  if (waits) from_ = 0;
-  last_ = std::max({newest_ + 1 + margin, last_ + 1, from_});
+  last_ = std::max({newest_ + 1 + margin, last_ + 1, waits ? 0 : from_});
   state_ = State::Collecting;
   step_ = {last_, 0, 0};
   taken_.assign(taken_.size(), false);
@@ -70,11 +69,14 @@ void Conductor::widen(uint64_t newest) {
 std::vector<Control> Conductor::receive(int rank, const Control& message) {
   switch (message.kind) {
     case Control::Kind::Newest:
-      if (state_ != State::Asking || message.count != question_) return {};
+      if ((state_ != State::Asking && state_ != State::Looking) || message.count != question_) return {};
       if (answered_.at(size_t(rank))) return {};
       answered_[size_t(rank)] = true;
-      newest_ = std::max(newest_, std::min(message.newest, kMostMargin));
-      return ++answers_ == answered_.size() ? appoint() : std::vector<Control>();
+      answer_ = std::max(answer_, std::min(message.newest, kMostMargin));
+      if (++answers_ < answered_.size()) return {};
+      newest_ = answer_;
+      if (std::exchange(state_, State::Idle) == State::Looking) return {};
+      return appoint();
     case Control::Kind::Missed: {
       if (state_ != State::Collecting || message.count != step_.count) return {};
       widen(message.newest);
@@ -83,7 +85,7 @@ std::vector<Control> Conductor::receive(int rank, const Control& message) {
     }
     case Control::Kind::Waits:
       awaited_ = std::max(awaited_, std::min(message.count, kMostMargin));
-      return hurry();
+      return {};
     default:
       throw Error("control message that only servers send, expected one of a simulation");
   }
@@ -143,7 +145,7 @@ std::vector<Control> Conductor::published() {
 
 std::vector<Control> Conductor::abandon() {
   const State before = std::exchange(state_, State::Idle);
-  if (before == State::Idle) return {};
+  if (before == State::Idle || before == State::Looking) return {};
   counters_.abandoned++;
   if (before == State::Asking) return {};
   return {{Control::Kind::Cancel, step_.count, 0}};

@@ -21,10 +21,12 @@ class Conductor {
   /// `ranks`: the number of ranks of the simulation. `owners`: the ranks of Galaxy that get samples.
   Conductor(int ranks, std::set<int> owners);
 
-  /// There is room for a step on all ranks of Galaxy. Publishes before `from` are not needed; but where a rank waits, all are.
+  /// Asks how many publishes there have been, while no step is under way. Once all ranks have answered, newest() is the largest.
+  std::vector<Control> look();
+  uint64_t newest() const { return newest_; }
+  /// There is room for a step on all ranks of Galaxy. Publishes before `from` are not needed, unless a rank waits. It should be near:
+  /// nothing sooner can be appointed then.
   std::vector<Control> begin(uint64_t from = 0);
-  /// The next publish is needed after all.
-  std::vector<Control> hurry();
   /// A rank of the simulation answers. Throws Error for a message that only a server sends.
   std::vector<Control> receive(int rank, const Control& message);
   /// A rank of the simulation has taken a step. Throws Error if ranks say different things of the same publish.
@@ -60,7 +62,7 @@ class Conductor {
   const Counters& counters() const { return counters_; }
 
  private:
-  enum class State { Idle, Asking, Collecting };
+  enum class State { Idle, Looking, Asking, Collecting };
   Control ask();
   std::vector<Control> appoint();
   void widen(uint64_t newest);
@@ -70,7 +72,8 @@ class Conductor {
   uint64_t question_ = 0;       ///< the number of the last AskNewest
   std::vector<bool> answered_;  ///< the question, by rank
   size_t answers_ = 0;
-  uint64_t newest_ = 0;      ///< of the answers
+  uint64_t answer_ = 0;      ///< the largest of the answers so far
+  uint64_t newest_ = 0;      ///< of all ranks
   std::vector<bool> taken_;  ///< the appointed publish, by rank
   size_t takes_ = 0;
   std::set<int> completed_;  ///< ranks of Galaxy

@@ -62,10 +62,10 @@ void Sender::filled(int64_t step, double time, std::vector<uint64_t> particles) 
   }
 }
 
-void Sender::notFilled() {
+void Sender::notFilled(bool late) {
   const std::lock_guard lock(mutex_);
   if (std::exchange(slot_, Slot::Free) != Slot::Void)
-    missed_ = Control{Control::Kind::Missed, appointed_, appointment_.count()};
+    missed_ = Control{Control::Kind::Missed, appointed_, late ? appointment_.count() : appointed_ - 1};
 }
 
 std::optional<Control> Sender::receive(const Control& message) {

@@ -48,8 +48,9 @@ class Sender {
   bool publishLast() { return appointment_.publishLast(); }
   /// The copy is in the slot. `particles`: how many there are, by mesh; it may end before meshes that have none.
   void filled(int64_t step, double time, std::vector<uint64_t> particles = {});
-  /// There is no memory for the copy. The server is told that the publish was missed (answer).
-  void notFilled();
+  /// The step is not copied. The server is told that the publish was missed (answer); `late`: it came too late for this rank, else
+  /// there is no memory for the copy.
+  void notFilled(bool late);
 
   /// Takes a message of the server. Returns what is answered at once, if anything.
   std::optional<Control> receive(const Control& message);

@@ -46,10 +46,12 @@ void OwnSession::Replies::take() {
     }
     constexpr std::string_view kError = "error: ";
     const std::string_view text = message->text();
+    const std::shared_ptr<void> over(nullptr, [this](void*) {
+      const std::lock_guard lock(mutex);
+      running--;
+      ended.notify_all();
+    });
     done(text.starts_with(kError) ? std::string(text.substr(kError.size())) : std::string());
-    const std::lock_guard lock(mutex);
-    running--;
-    ended.notify_all();
   }
 }
 

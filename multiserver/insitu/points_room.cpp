@@ -43,6 +43,7 @@ PointsRoom::PointsRoom(const insitu::Mesh& mesh, TakeStepMemory take)
 uint64_t PointsRoom::bytesPerPoint() const {
   uint64_t bytes = sizeof(Place);
   for (const insitu::Field& array : arrays_) bytes += array.bytesPerPoint();
+  if (mesh_.ids) bytes += 2 * sizeof(uint64_t);  // while numbers are compared
   const size_t fields = mesh_.fields.size();
   return bytes + (sizeof(glm::dvec3) + sizeof(uint64_t)) * std::max<size_t>(fields, 1) +
          sizeof(float) * fields;
@@ -128,11 +129,13 @@ std::vector<PointsRoom::Place> PointsRoom::places(const std::map<int, uint64_t>&
 // Each rank looks at a share of the numbers, so that none has to know all of them.
 void PointsRoom::checkDistinct(const std::vector<Place>& places, Collectives& ranks) const {
   std::vector<Bytes> shares(size_t(ranks.size()));
-  for (const Place& place : places) {
-    Bytes& share = shares[place.id % size_t(ranks.size())];
-    const auto* bytes = reinterpret_cast<const std::byte*>(&place.id);
-    share.insert(share.end(), bytes, bytes + sizeof place.id);
-  }
+  agree(ranks, [&] {
+    for (const Place& place : places) {
+      Bytes& share = shares[place.id % size_t(ranks.size())];
+      const auto* bytes = reinterpret_cast<const std::byte*>(&place.id);
+      share.insert(share.end(), bytes, bytes + sizeof place.id);
+    }
+  });
   const std::vector<Bytes> received = ranks.allToAll(std::move(shares));
   agree(ranks, [&] {
     std::vector<uint64_t> ids;
@@ -169,6 +172,8 @@ std::vector<std::shared_ptr<Dataset>> PointsRoom::complete(Collectives& ranks) {
   agree(ranks, [&] {
     places = this->places(first);
     for (const Source& source : sources_) count += source.count;
+    points.block.points.reserve(places.size());
+    points.block.ids.reserve(places.size());
     for (const Place& place : places) {
       points.block.points.push_back(position(place));
       points.block.ids.push_back(place.id);
@@ -183,7 +188,9 @@ std::vector<std::shared_ptr<Dataset>> PointsRoom::complete(Collectives& ranks) {
   std::vector<Range> ranges(mesh_.fields.size());
   agree(ranks, [&] {
     for (size_t f = 0; f < mesh_.fields.size(); f++) {
-      all.push_back(std::make_shared<OwnedGeometry>(points));
+      const bool isLast = f + 1 == mesh_.fields.size();
+      all.push_back(isLast ? std::make_shared<OwnedGeometry>(std::move(points))
+                           : std::make_shared<OwnedGeometry>(points));
       all.back()->block.values = values(f, places);
       ranges[f] = rangeOf(all.back()->block);
     }

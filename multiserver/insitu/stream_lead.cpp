@@ -147,7 +147,8 @@ void StreamLead::tell(const std::vector<Control>& messages) {
   for (const Control& m : messages)
     if (m.kind == Control::Kind::Appoint && steered_ > 0) {
       told_ = steered_;
-      for (int r = 0; r < identity().ranks; r++) part_->send(r, {MessageChannel::Steer, 0, written(steering_)});
+      for (int r = 0; r < identity().ranks; r++)
+        part_->send(r, {MessageChannel::Steer, 0, insitu::written(steering_)});
     }
   for (const Control& m : messages)
     for (int r = 0; r < identity().ranks; r++) part_->send(r, controlMessage(m));
@@ -218,10 +219,12 @@ std::shared_ptr<const Partitioning> StreamLead::partitioning() const {
   for (const insitu::Mesh& mesh : meshes_) {
     if (mesh.kind != insitu::Mesh::Kind::Grid) continue;
     const Box data = mesh.grid.box(), domain = cuts->domain();
-    for (int a = 0; a < 3; a++)
-      if (data.lo[a] < domain.lo[a] || data.hi[a] > domain.hi[a])
+    for (int a = 0; a < 3; a++) {
+      const double rounding = 1e-9 * (domain.hi[a] - domain.lo[a]);
+      if (data.lo[a] < domain.lo[a] - rounding || data.hi[a] > domain.hi[a] + rounding)
         throw Error("partition: the grid " + inQuotes(mesh.name) + " reaches beyond the domain of " + whose +
                     ", whose partitioning it was to share");
+    }
   }
   return cuts;
 }
@@ -308,7 +311,7 @@ void StreamLead::awaitNext(Clock::time_point begin) {
     if (isWanted) break;
     if (const Triggers::Wants triggers = triggers_.wants(); triggers.any && !failed) {
       from_ = triggers.from ? publishOf(*triggers.from) : 0;
-      return;
+      if (!triggers.from || isNear(from_, Clock::now())) return;
     }
     changed_.wait_for(lock, kLook);
   }
@@ -316,11 +319,25 @@ void StreamLead::awaitNext(Clock::time_point begin) {
   if (end_) throw Ended();
 }
 
+// Whether the simulation will come to a publish soon. It is asked now and then how far it is. So nothing is reserved, and nothing
+// appointed, long before it is needed. With the lock held.
+bool StreamLead::isNear(uint64_t publish, Clock::time_point now) {
+  constexpr double kSoon = 3;  // times kLook
+  tell(conductor_->look());
+  const Look before = std::exchange(look_, {conductor_->newest(), now});
+  const double looks = std::chrono::duration<double>(now - before.at) / kLook;
+  if (look_.newest < before.newest || before.newest == 0 || looks <= 0) return publish <= look_.newest + 1;
+  const double perLook = double(look_.newest - before.newest) / looks;
+  return double(publish) <=
+         double(look_.newest) + 1 + double(conductor_->counters().margin) + kSoon * perLook;
+}
+
 // The publish that will have a step, if the steps between publishes stay what they were. With the lock held.
 uint64_t StreamLead::publishOf(int64_t step) const {
-  if (before_.count == 0 || newest_.count <= before_.count || newest_.step <= before_.step) return 0;
-  const double between = double(newest_.step - before_.step) / double(newest_.count - before_.count);
-  const double publishes = std::ceil(double(step - newest_.step) / between);
+  if (before_.count == 0 || newest_.count <= before_.count) return 0;
+  const double between =
+      (double(newest_.step) - double(before_.step)) / double(newest_.count - before_.count);
+  const double publishes = std::ceil((double(step) - double(newest_.step)) / between);
   return publishes > 0 && publishes < 1e12 ? newest_.count + uint64_t(publishes) : 0;
 }
 
@@ -404,13 +421,7 @@ CollectedStep StreamLead::collect(const std::function<void()>& check) {
     if (refused_.count > 0 && refused_.count == conductor_->last()) throw Error(refused_.reason);
     lock.unlock();
     check();
-    const bool isLooked = from_ > 0 && wanted();
     lock.lock();
-    const bool isWanted = isLooked || (from_ > 0 && steers());
-    if (isWanted) {
-      from_ = 0;
-      tell(conductor_->hurry());
-    }
     if (Clock::now() > until)
       throw Error("not all of a step came within " + std::to_string(kStepPatience.count()) +
                   " s: " + conductor_->missing());
@@ -440,6 +451,7 @@ void StreamLead::finish() {
     spdlog::warn("rank 0: stream {}: {}", identity().name, e.what());
   }
   triggers_.finish();
+  triggers_.end();
   tell_({{"event", "stream ended"}, {"stream", identity().name}, {"reason", reason}});
   onEnd_();
 }
@@ -467,6 +479,7 @@ json StreamLead::statistics() const {
     if (const auto value = steering_.find(s.name); value != steering_.end()) one["value"] = value->second;
   }
   if (!problem_.empty()) result["problem"] = problem_;
+  if (end_) result["ending"] = *end_;
   return result;
 }
 

@@ -91,9 +91,14 @@ class StreamLead {
   void publishSteps();
   void awaitNext(Clock::time_point begin);
   bool wanted() const;
+  bool isNear(uint64_t publish, Clock::time_point now);
   uint64_t publishOf(int64_t step) const;
   StepValues valuesOf(const std::string& field) const;
   void pullTriggers();
+  struct Look {
+    uint64_t newest = 0;
+    Clock::time_point at;
+  } look_;  ///< how many publishes there had been; used by the lead's thread only
   void publishOne();
   void tell(const std::vector<insitu::Control>& messages);
   bool steers() const { return told_ != steered_; }
@@ -118,9 +123,9 @@ class StreamLead {
   std::optional<insitu::Conductor> conductor_;
   insitu::Steering steering_;        ///< values that were ever steered
   uint64_t steered_ = 0, told_ = 0;  ///< how often; and when the simulation was told
-  std::string problem_;            ///< why the last step could not be published; empty if it was
-  CollectedStep newest_, before_;  ///< that were published last
-  uint64_t from_ = 0;              ///< the publish that is needed next; 0: any
+  std::string problem_;              ///< why the last step could not be published; empty if it was
+  CollectedStep newest_, before_;    ///< that were published last
+  uint64_t from_ = 0;                ///< the publish that is needed next; 0: any
   std::mutex joining_;
   std::thread thread_;
 };

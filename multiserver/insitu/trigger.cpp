@@ -116,6 +116,11 @@ json written(const Trigger& trigger) {
   return document;
 }
 
+namespace {
+// A step so many steps later, or the last one that there can be.
+int64_t later(int64_t step, int64_t steps) { return step > INT64_MAX - steps ? INT64_MAX : step + steps; }
+}  // namespace
+
 bool TriggerCondition::holds(int64_t step, const ValuesOf& valuesOf) {
   bool hold = true;
   for (const Trigger::Threshold& t : thresholds_) {
@@ -126,14 +131,14 @@ bool TriggerCondition::holds(int64_t step, const ValuesOf& valuesOf) {
   }
   const bool before = std::exchange(held_, hold);
   if (!hold || (every_ == 0 && before)) return false;
-  if (every_ > 0 && last_ && step - *last_ < every_) return false;
+  if (every_ > 0 && last_ && step < later(*last_, every_)) return false;
   last_ = step;
   return true;
 }
 
 std::optional<int64_t> TriggerCondition::next() const {
   if (!thresholds_.empty() || !last_) return std::nullopt;
-  return *last_ + every_;
+  return later(*last_, every_);
 }
 
 std::string prefixOf(const std::string& pattern, int64_t step) {

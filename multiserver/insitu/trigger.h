@@ -34,9 +34,9 @@ struct Trigger {
   int64_t every = 0;  ///< 0: not asked for
   std::vector<Threshold> thresholds;
   Does does = Does::Event;
-  nlohmann::json batch;  ///< the document of `viewer.batch`; its prefix may contain {step}
+  nlohmann::json batch;                 ///< the document of `viewer.batch`; its prefix may contain {step}
   std::map<std::string, double> steer;  ///< the values that parameters get
-  bool exact = false;    ///< the next step waits until this is done
+  bool exact = false;                   ///< the next step waits until this is done
 };
 
 /// Reads a trigger. Throws Error, with what was expected.

@@ -25,10 +25,7 @@ Triggers::Triggers(ServerRank& serverRank, std::string stream, std::string tenan
 
 void Triggers::finish() {
   std::unique_lock lock(mutex_);
-  changed_.wait(lock, [this] {
-    return over_ ||
-           std::none_of(triggers_.begin(), triggers_.end(), [](const ArmedPtr& t) { return t->running; });
-  });
+  changed_.wait(lock, [this] { return over_ || running_ == 0; });
 }
 
 void Triggers::end() {
@@ -125,7 +122,12 @@ void Triggers::fire(const ArmedPtr& armed, int64_t step, double time, const Valu
   json event{{"event", "trigger"}, {"stream", stream_}, {"trigger", trigger.name}, {"step", step}};
   if (!std::isnan(time)) event["time"] = time;
   for (const Trigger::Threshold& t : trigger.thresholds) {
-    const StepValues values = valuesOf(t.field);
+    StepValues values;
+    try {
+      values = valuesOf(t.field);
+    } catch (const Error&) {
+      continue;  // The dataset was dropped just now.
+    }
     event["values"][t.field] = {{"nodata", values.noData}};
     if (values.least <= values.largest) event["values"][t.field]["range"] = {values.least, values.largest};
   }
@@ -146,7 +148,7 @@ void Triggers::fire(const ArmedPtr& armed, int64_t step, double time, const Valu
     } else if (armed->running)
       armed->next = step;
     else
-      begins = armed->running = true;
+      begins = armed->running = ++running_ > 0;
   }
   if (begins) begin(armed, step);
 }
@@ -167,6 +169,7 @@ void Triggers::ended(const ArmedPtr& armed, int64_t step, const std::string& err
     armed->problem = error;
     if (!over_) next = std::exchange(armed->next, std::nullopt);
     armed->running = next.has_value();
+    if (!armed->running) running_--;
     changed_.notify_all();
     if (over_) return;
   }

@@ -75,6 +75,7 @@ class Triggers {
   mutable std::mutex mutex_;
   std::condition_variable changed_;
   std::vector<ArmedPtr> triggers_;
+  int running_ = 0;  ///< triggers of which something is under way, removed ones included
   bool over_ = false;
   std::unique_ptr<OwnSession> session_;  ///< once a trigger needs it
 };

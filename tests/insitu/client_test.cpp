@@ -72,7 +72,8 @@ TEST(Interface, WrongOptionsAreTold) {
   expect(R"({"scope": "all"})", "expected \"private\" or \"shared\"");
   expect(R"({"reconnect": -1})", "expected seconds");
   expect(R"({"steerable": {}})", "option \"steerable\": expected a list");
-  expect(R"({"steerable": [{"name": "dt", "least": 1, "largest": 0}]})", "option \"steerable\": expected a list");
+  expect(R"({"steerable": [{"name": "dt", "least": 1, "largest": 0}]})",
+         "option \"steerable\": expected a list");
   expect(R"({"triggers": 5})", "expected a list, or the name of a file");
   expect(R"({"to": "127.0.0.1:1", "triggers": "nowhere.json"})", "nowhere.json cannot be read");
   expect(R"({"to": "127.0.0.1:1", "triggers": "/dev/null"})", "has no JSON list");

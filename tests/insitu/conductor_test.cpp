@@ -141,22 +141,33 @@ TEST(Conductor, LeavesOutPublishesThatAreNotNeeded) {
   const auto answer = [&](const Messages& asked, uint64_t newest) {
     return conductor.receive(0, {Kind::Newest, asked.back().count, newest});
   };
-  EXPECT_EQ(answer(conductor.begin(100), 3), (Messages{{Kind::Appoint, 100, 0}}));
+  EXPECT_EQ(answer(conductor.begin(100), 95), (Messages{{Kind::Appoint, 100, 0}}));
   EXPECT_EQ(conductor.again(), Messages{}) << "nobody is late";
-  const Messages hurried = conductor.hurry();
-  ASSERT_EQ(hurried.size(), 2u);
-  EXPECT_EQ(hurried[0], (Control{Kind::Cancel, 100, 0}));
-  EXPECT_EQ(conductor.hurry(), Messages{}) << "it does so already";
-  EXPECT_EQ(answer(hurried, 7), (Messages{{Kind::Appoint, 101, 0}})) << "counts ascend";
-  conductor.receive(0, StepHeader{101, 1, 0});
+  conductor.receive(0, StepHeader{100, 1, 0});
   conductor.published();
-  EXPECT_EQ(answer(conductor.begin(50), 200), (Messages{{Kind::Appoint, 201, 0}}))
-      << "the simulation is farther already";
-  conductor.abandon();
-  EXPECT_EQ(answer(conductor.begin(500), 201), (Messages{{Kind::Appoint, 500, 0}}));
-  const Messages waits = conductor.receive(0, {Kind::Waits, 203, 0});
-  ASSERT_EQ(waits.size(), 2u) << "where a rank waits, no publish is left out";
-  EXPECT_EQ(waits[0], (Control{Kind::Cancel, 500, 0}));
+  EXPECT_EQ(answer(conductor.begin(50), 200), (Messages{{Kind::Appoint, 201, 0}})) << "it is farther already";
+  conductor.receive(0, StepHeader{201, 2, 0});
+  conductor.published();
+  conductor.receive(0, {Kind::Waits, 202, 0});
+  EXPECT_EQ(answer(conductor.begin(500), 201), (Messages{{Kind::Appoint, 202, 0}}))
+      << "where a rank waits, none is left out";
+}
+
+TEST(Conductor, LooksHowManyPublishesThereHaveBeen) {
+  Conductor conductor(2, {});
+  const Messages asked = conductor.look();
+  ASSERT_EQ(asked.size(), 1u);
+  EXPECT_EQ(conductor.look(), Messages{}) << "it has asked";
+  EXPECT_EQ(conductor.receive(0, {Kind::Newest, asked[0].count, 7}), Messages{});
+  EXPECT_EQ(conductor.newest(), 0u);
+  EXPECT_EQ(conductor.receive(1, {Kind::Newest, asked[0].count, 9}), Messages{});
+  EXPECT_EQ(conductor.newest(), 9u);
+  const Messages again = conductor.look();
+  const Messages begun = conductor.begin();
+  ASSERT_EQ(begun.size(), 1u) << "although not all have answered";
+  EXPECT_EQ(conductor.receive(0, {Kind::Newest, again[0].count, 10}), Messages{}) << "too late";
+  conductor.receive(0, {Kind::Newest, begun[0].count, 11});
+  EXPECT_EQ(conductor.receive(1, {Kind::Newest, begun[0].count, 12}), (Messages{{Kind::Appoint, 13, 0}}));
 }
 
 TEST(Conductor, IsCompleteWithTheWordOfAllRanksAndAllSamples) {
@@ -194,7 +205,7 @@ TEST(Sender, SaysThatAStepWithoutRoomForItsCopyIsMissed) {
   sender.begin({{0, {{1, 4}}}});
   EXPECT_EQ(sender.receive({Kind::Appoint, 1, 0}), std::nullopt);
   EXPECT_TRUE(sender.publish());
-  sender.notFilled();
+  sender.notFilled(true);
   EXPECT_EQ(sender.announcement(), std::nullopt);
   EXPECT_EQ(sender.answer(), (Control{Kind::Missed, 1, 1}));
   EXPECT_EQ(sender.answer(), std::nullopt);
@@ -202,7 +213,7 @@ TEST(Sender, SaysThatAStepWithoutRoomForItsCopyIsMissed) {
   EXPECT_EQ(sender.receive({Kind::Appoint, 2, 0}), std::nullopt) << "the slot is free";
   EXPECT_TRUE(sender.publish());
   EXPECT_EQ(sender.receive({Kind::Cancel, 2, 0}), std::nullopt);
-  sender.notFilled();
+  sender.notFilled(false);
   EXPECT_EQ(sender.answer(), std::nullopt) << "the server has cancelled it by itself";
 }
 

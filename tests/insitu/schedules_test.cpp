@@ -217,6 +217,7 @@ class Schedule {
   }
   void conduct() {
     if (!open_) {
+      if (random_.oneIn(8)) tell(conductor_->look());
       const bool wanted = (policy_ != Ranks::Wait || eager_) && random_.oneIn(4);
       if (!wanted && !(policy_ == Ranks::Wait && conductor_->isAwaited())) return;
       // Nobody looks at a simulation that has come to its end.
@@ -224,7 +225,7 @@ class Schedule {
       if (ends && !conductor_->isAwaited()) return;
       for (Owner& o : server_) o.receiver->open();
       open_ = true;
-      const bool some = random_.oneIn(2);  // publishes are not needed
+      const bool some = published_.size() >= 2 && random_.oneIn(2);  // publishes are not needed
       return tell(conductor_->begin(some ? conductor_->last() + random_.below(100) : 0));
     }
     if (!(calm_ && policy_ != Ranks::Skip) &&
@@ -233,7 +234,6 @@ class Schedule {
       return close();
     }
     if (random_.oneIn(100 * latency_ * copy_)) tell(conductor_->again());  // nobody comes to it
-    if (random_.oneIn(200 * latency_ * copy_)) tell(conductor_->hurry());
     if (!conductor_->isComplete()) return;
     for (Owner& o : server_) {
       ASSERT_TRUE(o.receiver->take(conductor_->last()));

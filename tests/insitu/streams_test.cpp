@@ -182,13 +182,15 @@ TEST(Streams, AStepThatOneRankSkipsIsLeftOutAndTheOthersAreNot) {
         return events.count("updated") >= 4;
       },
       "steps");
-  for (const json& e : events.all()) EXPECT_NE(e.at("step").get<int64_t>() % 3, 1) << "the rank has skipped it";
+  for (const json& e : events.all())
+    EXPECT_NE(e.at("step").get<int64_t>() % 3, 1) << "the rank has skipped it";
   EXPECT_EQ(gxy_skip(simulation.rank(1), step, 0), GXY_WRONG) << "steps ascend";
 }
 
 std::string steerable(const TestServer& server, bool waits) {
   json options = json::parse(waits ? waiting(server, nullptr) : to(server));
-  options["steerable"] = {{{"name", "dt"}, {"least", 0}, {"largest", 1}}, {{"name", "gas"}, {"least", -1}, {"largest", 1}}};
+  options["steerable"] = {{{"name", "dt"}, {"least", 0}, {"largest", 1}},
+                          {{"name", "gas"}, {"least", -1}, {"largest", 1}}};
   return options.dump();
 }
 
@@ -197,7 +199,8 @@ TEST(Streams, AllRanksThatWaitAreSteeredAtTheSameStep) {
   const auto client = server->client();
   client->expect("load insitu");
   const Grid grid = gridOf({8, 8, 8});
-  MiniSimulation simulation("heat", grid, slabs(grid, 3), 3, {{"t"}}, Layout::Together, steerable(*server, true));
+  MiniSimulation simulation("heat", grid, slabs(grid, 3), 3, {{"t"}}, Layout::Together,
+                            steerable(*server, true));
   EXPECT_EQ(simulation.publishTogether(), 3);
   double value = -5;
   EXPECT_EQ(gxy_steered(simulation.rank(0), "dt", &value), 0);
@@ -227,7 +230,8 @@ TEST(Streams, ASimulationThatNobodyWatchesIsSteered) {
   const auto client = server->client();
   client->expect("load insitu");
   const Grid grid = gridOf({8, 8, 8});
-  MiniSimulation simulation("heat", grid, slabs(grid, 1), 1, {{"t"}}, Layout::Together, steerable(*server, false));
+  MiniSimulation simulation("heat", grid, slabs(grid, 1), 1, {{"t"}}, Layout::Together,
+                            steerable(*server, false));
   run(simulation, [&] { return simulation.published() >= 1; });
   client->expect("insitu.steer heat gas -0.5");
   double value = 0;
@@ -244,12 +248,13 @@ TEST(Streams, OnlyWhatIsDeclaredIsSteered) {
   const auto client = server->client();
   client->expect("load insitu");
   const Grid grid = gridOf({8, 8, 8});
-  MiniSimulation simulation("heat", grid, slabs(grid, 1), 1, {{"t"}}, Layout::Together, steerable(*server, false));
+  MiniSimulation simulation("heat", grid, slabs(grid, 1), 1, {{"t"}}, Layout::Together,
+                            steerable(*server, false));
   run(simulation, [&] { return simulation.published() >= 1; });
   const auto expectRefused = [&](const std::string& arguments, const std::string& why) {
     const auto reply = client->request("insitu.steer " + arguments);
     EXPECT_FALSE(reply.ok);
-    EXPECT_NE(reply.text.find(why), std::string::npos) << reply.text;
+    EXPECT_NE(reply.error.find(why), std::string::npos) << reply.error;
   };
   expectRefused("heat dx 0.5", "cannot be steered");
   expectRefused("heat dt 1.5", "expected 0.000000 to 1.000000");

@@ -33,7 +33,11 @@ TEST(Trigger, DocumentsAreReadAsWritten) {
       {"batch", {{"state", json::object()}, {"prefix", "hot-{step}"}}},
       {"exact", true}};
   EXPECT_EQ(written(readTrigger(document)), document);
-  const json steers{{"name", "slow"}, {"when", {{"every", 3}}}, {"do", "steer"}, {"steer", {{"dt", 0.5}}}, {"exact", false}};
+  const json steers{{"name", "slow"},
+                    {"when", {{"every", 3}}},
+                    {"do", "steer"},
+                    {"steer", {{"dt", 0.5}}},
+                    {"exact", false}};
   EXPECT_EQ(written(readTrigger(steers)), steers);
   json shorter = document;
   shorter["batch"].erase("prefix");
@@ -211,12 +215,29 @@ TEST(Triggers, LeaveTheStepsBetweenUntakenUnlessSomebodyWantsThem) {
   EXPECT_LT(taken, 5 + 6) << "one for each, and some to find out how far apart steps are, of " << steps;
   std::vector<int64_t> fired;
   for (const json& e : events.all("trigger")) fired.push_back(e.at("step"));
-  for (size_t i = 3; i < fired.size(); i++) EXPECT_EQ(fired[i] - fired[i - 1], 60);
+  for (size_t i = 1; i < fired.size(); i++) EXPECT_GE(fired[i] - fired[i - 1], 60);
   events.client->expect("load data");
   events.client->expect("observe");
   const int64_t before = heat.simulation.step();
   run(heat.simulation, [&] { return heat.simulation.published() >= taken + 3; });
   EXPECT_LT(heat.simulation.step() - before, 120) << "a client wants the steps between";
+}
+
+TEST(Triggers, DoNotHoldUpClientsThatWantStepsSooner) {
+  const auto server = serve();
+  StreamEvents events(*server);
+  Heat heat(*server);
+  run(heat.simulation, [&] { return heat.simulation.published() >= 1; });
+  events.client->expect("insitu.trigger heat " + every(1000000).dump());
+  run(heat.simulation, [&] { return events.all("trigger").size() == 1; });
+  for (int i = 0; i < 50; i++) heat.simulation.publish();
+  const int64_t before = heat.simulation.published();
+  events.client->expect("load data");
+  events.client->expect("data.observe");
+  run(heat.simulation, [&] { return heat.simulation.published() >= before + 3; });
+  events.client->expect("data.unobserve");
+  events.client->expect(R"(insitu.trigger heat {"name": "t", "when": {"every": 1}, "do": "event"})");
+  run(heat.simulation, [&] { return events.all("trigger").size() >= 4; });
 }
 
 TEST(Triggers, TellOfThresholdsWithTheValues) {

@@ -90,7 +90,7 @@ std::string hostName() {
 // How the ranks of a simulation reach this machine's rank.
 std::string hostOf(const ServeOptions& options) {
   const auto where = boost::asio::ip::make_address(options.server.bind);
-  return where.is_loopback() ? where.to_string() : hostName();
+  return where.is_unspecified() ? hostName() : where.to_string();
 }
 
 /// The tokens of this server's tenants, which are made before it listens, and their files, which exist while
@@ -232,6 +232,12 @@ void writeTrace(ServerRank& serverRank, const std::string& file) {
   }
 }
 
+// Whether triggers of streams that have ended are at work.
+bool someEnd(const nlohmann::json& streams) {
+  return std::any_of(streams.begin(), streams.end(),
+                     [](const nlohmann::json& stream) { return stream.contains("ending"); });
+}
+
 /// A simulation in the same processes, or in the same MPI job.
 struct Beside {
   std::string failure;                           ///< why it cannot be there on this rank; empty: it can
@@ -332,7 +338,7 @@ int serve(const ServeOptions& options, Beside& beside) {
   if (good) {
     stopped.wait();
     if (root) {
-      while (beside.ended && !serverRank->streaming.list().empty())
+      while (beside.ended && someEnd(serverRank->streaming.list()))
         std::this_thread::sleep_for(std::chrono::milliseconds(10));
       ending.emplace(transport, serverRank->presence, options.serverRank.rankPatience);
       tokens->remove();  // first, in case there is little time
@@ -352,12 +358,16 @@ int serve(const ServeOptions& options, Beside& beside) {
 class Serving {
  public:
   Serving(const ServeOptions& options, Beside& beside) {
-    beside.tell = [this](const Listening& where) { listening_.set_value(where); };
+    beside.tell = [this](const Listening& where) {
+      told_ = true;
+      listening_.set_value(where);
+    };
     thread_ = std::thread([this, &options, &beside] {
       try {
         status_ = serve(options, beside);
       } catch (const std::exception& e) {
         std::cerr << "gxyserver: error: " << e.what() << '\n';
+        if (!told_) listening_.set_value({});
       }
     });
   }
@@ -371,6 +381,7 @@ class Serving {
 
  private:
   std::promise<Listening> listening_;
+  bool told_ = false;  ///< used by the thread only
   int status_ = 1;
   std::thread thread_;
 };

@@ -38,10 +38,11 @@ StreamWishes wishesOf(const json& object) {
   if (!steerable.is_array() || steerable.size() > insitu::kMostSteerable)
     throw Error("insitu.join: `steerable`: expected a list, of at most 64 parameters");
   for (const json& one : steerable) {
-    if (!one.is_object() || !one.value("name", json()).is_string() || !one.value("least", json()).is_number() ||
-        !one.value("largest", json()).is_number())
+    if (!one.is_object() || !one.value("name", json()).is_string() ||
+        !one.value("least", json()).is_number() || !one.value("largest", json()).is_number())
       throw Error("insitu.join: `steerable`: expected objects with `name`, `least` and `largest`");
-    wishes.steerable.push_back({one["name"].get<std::string>(), one["least"].get<double>(), one["largest"].get<double>()});
+    wishes.steerable.push_back(
+        {one["name"].get<std::string>(), one["least"].get<double>(), one["largest"].get<double>()});
     insitu::checkName(wishes.steerable.back().name, "parameter");
   }
   return wishes;
@@ -162,8 +163,8 @@ GALAXY_MODULE(registration) {
                      [&s](Request& r) { return close(s, r); }});
   registration.verb({"trigger", "STREAM JSON", "Has the server do something with steps of a stream.",
                      Order::InTurn, [&s](Request& r) { return trigger(s, r); }});
-  registration.verb({"steer", "STREAM PARAMETER VALUE", "Gives a parameter of a simulation another value.", Order::InTurn,
-                     [&s](Request& r) { return steer(s, r); }});
+  registration.verb({"steer", "STREAM PARAMETER VALUE", "Gives a parameter of a simulation another value.",
+                     Order::InTurn, [&s](Request& r) { return steer(s, r); }});
   registration.verb({"untrigger", "STREAM NAME", "Removes a trigger.", Order::InTurn,
                      [&s](Request& r) { return untrigger(s, r); }});
   registration.verb({"triggers", "STREAM", "Lists the triggers of a stream.", Order::InTurn,

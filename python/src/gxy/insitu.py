@@ -221,7 +221,15 @@ class Simulation:
         least, most = comm.allreduce(able, MPI.MIN), comm.allreduce(able, MPI.MAX)
         if least == most == 0:
             return self._library.gxy_open(name, rank, ranks, options)
-        return self._library.gxy_open_here(name, rank, ranks, options, MPI._addressof(comm) if least == 1 else None)
+        sim = self._library.gxy_open_here(name, rank, ranks, options, MPI._addressof(comm) if least == 1 else None)
+        # Where one rank has used it wrongly, all of them close it, which is collective.
+        right = self._library.gxy_statistics(sim, ctypes.byref(_Stat())) != _WRONG
+        if right and not comm.allreduce(right, MPI.LAND):
+            self._library.gxy_close(sim, 0.0)
+            raise ValueError("another rank has used Simulation() wrongly")
+        if not right:
+            comm.allreduce(right, MPI.LAND)
+        return sim
 
     def __enter__(self):
         return self

@@ -103,7 +103,9 @@ class Here(unittest.TestCase):
         self.run_to_its_end(name("beside"), *MPIEXEC, "-n", 3, GXYSIM, *arguments, options=beside, to=f"127.0.0.1:{server.port}")
         with galaxy.Client(port=server.port, token_file=server.token) as client:
             client.request("load insitu")
-            while client.request("insitu.streams")["streams"]:
+            for _ in range(1200):
+                if not client.request("insitu.streams")["streams"]:
+                    break
                 time.sleep(0.05)
             client.request("quit")
         self.assertEqual(server.stop(), 0)
@@ -133,13 +135,13 @@ class Here(unittest.TestCase):
 
     def test_a_server_that_is_stopped_does_not_stop_the_simulation(self):
         loaded = self.start("loaded", *MPIEXEC, "-n", 2, GXYSERVER, "--port", 0, "--port-file", "port", "--simulation", "gxysim", "--",
-                            "heat", "--size", 16, "--steps", 20, "--seconds-per-step", 0.1, "--last", 0, "--output", "result.npy",
+                            "heat", "--size", 16, "--steps", 80, "--seconds-per-step", 0.1, "--last", 0, "--output", "result.npy",
                             options=self.options(policy="skip", **{"time-out": None, "reconnect": 0}))
         with galaxy.Client(port=self.await_port("loaded")) as client:
             client.request("quit")
         text, _ = loaded.communicate(timeout=60)
         self.assertEqual(loaded.returncode, 0, text)
-        self.assertLess(text.index("gxyserver: stopped"), text.index("heat: step 20"))
+        self.assertLess(text.index("gxyserver: stopped"), text.index("heat: step 80"))
         self.assertTrue((self.folder / "loaded" / "result.npy").exists())
 
     def test_what_cannot_be_is_told(self):
