@@ -243,16 +243,26 @@ bool Adaptor::told(const Key& key, const std::string& path, int result) {
 
 void Adaptor::execute(const Node& params) {
   if (off_) return;
-  const Node state = params.at("catalyst/state");
-  const int64_t step = state.find("timestep") ? state.at("timestep").integer() : state.at("cycle").integer();
-  const double time = state.at("time").number();
+  step_++;  // at least, where the node does not say it
+  try {
+    const Node state = params.at("catalyst/state");
+    step_ = state.at(state.find("timestep") ? "timestep" : "cycle").integer();
+    time_ = state.at("time").number();
+    describe(params);
+    publish(params.integerOr("catalyst/galaxy/last", 0) != 0);
+  } catch (...) {
+    gxy_skip(sim_.get(), step_, time_);  // the other ranks may publish it
+    throw;
+  }
+}
+
+void Adaptor::describe(const Node& params) {
   for (auto& [key, now] : told_) now = false;
   const Meshes meshes = meshesOf(params);
   std::map<std::string, std::vector<GridBlock>> grids;
   for (const GridBlock& block : meshes.grids) grids[block.mesh].push_back(block);
   for (const auto& [mesh, blocks] : grids) grid(mesh, blocks);
   for (const Points& all : meshes.points) points(all);
-  if (told_.empty()) return warn("catalyst/channels: there is nothing that Galaxy takes");
   for (const auto& [key, now] : told_) {
     const auto& [mesh, block, name] = key;
     if (!now)
@@ -260,10 +270,14 @@ void Adaptor::execute(const Node& params) {
           (name.empty() ? "the points" : "field \"" + name + "\" of block " + std::to_string(block)) +
           " of mesh \"" + mesh + "\": missing, expected what the first step had");
   }
-  const bool last = params.integerOr("catalyst/galaxy/last", 0) != 0;
-  const int result = (last ? gxy_publish_last : gxy_publish)(sim_.get(), step, time);
+}
+
+void Adaptor::publish(bool last) {
+  if (told_.empty()) warn("catalyst/channels: there is nothing that Galaxy takes");
+  const auto offer = told_.empty() ? gxy_skip : last ? gxy_publish_last : gxy_publish;
+  const int result = offer(sim_.get(), step_, time_);
   if (result == GXY_WRONG) throw std::runtime_error(gxy_message(sim_.get()));
-  published_ = true;
+  published_ = !told_.empty();
   off_ = result == GXY_OFF;
   if (result == GXY_LOST && *gxy_message(sim_.get())) warn(gxy_message(sim_.get()));
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Publishes what a simulation hands to Catalyst through the interface of galaxy_insitu.h.
 #pragma once
+#include <limits>
 #include <map>
 #include <memory>
 #include <set>
@@ -53,6 +54,8 @@ class Adaptor {
   };
   using Key = std::tuple<std::string, int, std::string>;  // mesh, block, field; "": the positions of points
 
+  void describe(const Node& params);
+  void publish(bool last);
   Meshes meshesOf(const Node& params);
   Whole wholeOf(const std::vector<GridBlock>& blocks, const std::vector<Box>& boxes) const;
   Grid placed(const std::vector<GridBlock>& blocks);
@@ -66,6 +69,8 @@ class Adaptor {
   Parameters params_;
   std::unique_ptr<gxy_sim, Close> sim_;
 
+  int64_t step_ = std::numeric_limits<int64_t>::min();  // of the last node
+  double time_ = 0;
   bool published_ = false;  // once; from then on blocks cannot change
   bool off_ = false;        // publishing is, and so for ever
   std::map<std::string, Grid> grids_;

@@ -228,6 +228,19 @@ TEST(Interface, WhatIsWantedIsAskedOnceAndOfTheNextPublish) {
   EXPECT_EQ(gxy_wanted_settle(off.sim, 1, 1), GXY_TAKEN);
 }
 
+TEST(Interface, AStepIsSkippedAlsoBeforeThereIsAMesh) {
+  Sim s(kNowhere);
+  EXPECT_NE(gxy_skip(s.sim, 1, 0), GXY_WRONG);
+  s.expectWrong(gxy_skip(s.sim, 1, 0), "gxy_skip: step 1 after step 1, expected steps that ascend");
+  s.grid();
+  s.field("t", s.array());
+  EXPECT_NE(gxy_publish(s.sim, 2, 0), GXY_WRONG);
+  EXPECT_NE(gxy_skip(s.sim, 3, 0), GXY_WRONG);
+  s.expectWrong(gxy_publish(s.sim, 3, 0), "step 3 after step 3");
+  Sim off;
+  EXPECT_EQ(gxy_skip(off.sim, 1, 0), GXY_OFF);
+}
+
 TEST(Interface, NothingFollowsTheLastStep) {
   Sim s(kNowhere);
   s.grid();
@@ -235,6 +248,7 @@ TEST(Interface, NothingFollowsTheLastStep) {
   EXPECT_NE(gxy_publish_last(s.sim, 1, 0), GXY_WRONG);
   s.expectWrong(gxy_publish(s.sim, 2, 0), "gxy_publish after gxy_publish_last");
   s.expectWrong(gxy_publish_last(s.sim, 2, 0), "gxy_publish_last after gxy_publish_last");
+  s.expectWrong(gxy_skip(s.sim, 2, 0), "gxy_skip after gxy_publish_last");
 }
 
 }  // namespace

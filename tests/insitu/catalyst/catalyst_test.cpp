@@ -441,7 +441,13 @@ TEST_F(Catalyst, WrongNodesAreToldAndTheNextStepGoesOn) {
     EXPECT_EQ(execute(tree), kWrong) << what;
     expectSaid(what, what);
     EXPECT_TRUE(recorded().steps.empty()) << what;
-    EXPECT_EQ(execute(Simple()), 0) << what << said();
+    EXPECT_EQ(recorded().skipped.size(), 1u) << what;
+    tree.step(7), tree.remove("catalyst/channels");
+    EXPECT_EQ(execute(tree), kWrong);
+    EXPECT_EQ(recorded().skipped.back(), (std::pair<int64_t, double>{7, 3.5})) << what;
+    Simple next;
+    next.step(8);
+    EXPECT_EQ(execute(next), 0) << what << said();
   };
   const std::string coords = kMesh + "/coordsets/coords";
   for (const std::string& path : std::initializer_list<std::string>{
@@ -493,6 +499,7 @@ TEST_F(Catalyst, AGridWithoutFieldsIsLeftOut) {
   EXPECT_EQ(execute(tree), 0);
   expectSaid("catalyst/channels: there is nothing that Galaxy takes");
   EXPECT_TRUE(recorded().steps.empty());
+  EXPECT_EQ(recorded().skipped.size(), 1u);
 }
 
 TEST_F(Catalyst, SeveralGridsAreMeshesOfOneStream) {

@@ -122,6 +122,11 @@ int gxy_publish(gxy_sim* sim, int64_t step, double time) {
   return GXY_TAKEN;
 }
 
+int gxy_skip(gxy_sim* sim, int64_t step, double time) {
+  if (sim->published == GXY_TAKEN) sim->skipped.emplace_back(step, time);
+  return sim->published;
+}
+
 int gxy_publish_last(gxy_sim* sim, int64_t step, double time) {
   sim->last = true;
   return gxy_publish(sim, step, time);

@@ -30,6 +30,7 @@ struct gxy_sim {
   std::map<std::tuple<std::string, int, std::string>, std::vector<double>> read;
   std::map<std::string, Points> points;
   std::vector<std::pair<int64_t, double>> steps;
+  std::vector<std::pair<int64_t, double>> skipped;
   int published = GXY_TAKEN;  ///< what gxy_publish() returns
   bool last = false;
   double closed = -1;

@@ -5,6 +5,8 @@
 //   ghosts   a layer of ghost cells all around, outside of the grid, too. What is of ghosts only is NaN
 //   blocks   two blocks for each rank
 //   cells    one block for each rank, with values of 48 x 40 x 32 cells
+//   gap      as plain, but the last rank has nothing in step 3
+//   late     as plain, but the last rank has nothing before step 4
 //   atoms    one block for each rank, and 300 particles, which go from rank to rank
 #include <catalyst.h>
 #include <mpi.h>
@@ -155,10 +157,14 @@ int run(const std::string& layout, int rank, int ranks) {
     conduit_node* now = catalyst_conduit_node_create();
     catalyst_conduit_node_set_path_int64(now, "catalyst/state/timestep", step);
     catalyst_conduit_node_set_path_float64(now, "catalyst/state/time", 0.125 * step);
-    if (step == kSteps) catalyst_conduit_node_set_path_int64(now, "catalyst/galaxy/last", 1);
+    const bool without = rank == ranks - 1 && (layout == "late" ? step < 4 : layout == "gap" && step == 3);
+    if (step == kSteps && layout != "late" && layout != "gap")
+      catalyst_conduit_node_set_path_int64(now, "catalyst/galaxy/last", 1);
     catalyst_conduit_node_set_path_char8_str(now, "catalyst/channels/grid/type",
-                                             parts > 1 ? "multimesh" : "mesh");
-    for (size_t b = 0; b < blocks.size(); b++) {
+                                             without     ? "none"
+                                             : parts > 1 ? "multimesh"
+                                                         : "mesh");
+    for (size_t b = 0; b < blocks.size() && !without; b++) {
       compute(blocks[b], step, ghosts, owned);
       const std::string mesh = parts > 1 ? "/block" + std::to_string(b) : "";
       describe(now, "catalyst/channels/grid/data" + mesh, blocks[b], cells);
@@ -166,6 +172,7 @@ int run(const std::string& layout, int rank, int ranks) {
     Atoms atoms = atomsOf(step, rank, ranks);
     if (layout == "atoms") describe(now, atoms);
     status = catalyst_execute(now);
+    if (without) status = catalyst_status_ok;
     catalyst_conduit_node_destroy(now);
   }
   const int end = catalyst_finalize(node);
