@@ -72,6 +72,7 @@ Adaptor::Adaptor(const Node& params, Messages& messages)
     : messages_(&messages), params_(readParameters(params)), sim_(nullptr, Close{&params_.seconds}) {
   messages.setRank(params_.rank, params_.ranks);
   sim_.reset(gxy_open(params_.name.c_str(), params_.rank, params_.ranks, params_.options.c_str()));
+  off_ = gxy_publish(sim_.get(), 0, 0) == GXY_OFF;  // else it is wrong without a mesh, and counts nothing
   gxy_stat counts;
   if (gxy_statistics(sim_.get(), &counts) != GXY_TAKEN) throw std::runtime_error(gxy_message(sim_.get()));
   for (const char* part : {"scripts", "pipelines"})
@@ -158,6 +159,11 @@ Adaptor::Grid Adaptor::placed(const std::vector<GridBlock>& blocks) {
   }
   grid.of = points ? GXY_OF_POINTS : GXY_OF_CELLS;
   const Whole whole = wholeOf(blocks, boxes);
+  if (points && std::count(whole.points.begin(), whole.points.end(), 1) > 0) {
+    warn(blocks[0].path +
+         ": fields of points in one layer, expected two layers or fields of elements, left out");
+    return grid;
+  }
   for (size_t b = 0; b < blocks.size(); b++) {
     Box& box = boxes[b];
     if (box.ofPoints && !points && !box.empty())
@@ -190,6 +196,7 @@ void Adaptor::grid(const std::string& mesh, const std::vector<GridBlock>& blocks
     return warn(blocks[0].path + ": a grid without fields, left out");
   if (!published_) grids_[mesh] = placed(blocks);
   const Grid& grid = grids_.at(mesh);
+  if (grid.blocks.empty()) return;  // It was left out.
   if (!std::equal(blocks.begin(), blocks.end(), grid.blocks.begin(), grid.blocks.end(),
                   [](const GridBlock& now, const Placed& before) {
                     return now.points == before.points && now.origin == before.origin &&
@@ -229,7 +236,9 @@ void Adaptor::points(const Points& points) {
 }
 
 void Adaptor::field(const Values& values, const Key& key, int of, const Index& extent, const Index& first) {
-  const auto& [mesh, block, name] = key;
+  const auto& [mesh, block, own] = key;
+  const std::string& owner = owners_.try_emplace(own, mesh).first->second;
+  const std::string name = owner == mesh ? own : mesh + "." + own;
   const gxy_array array = described(values, extent, first, copies_[key]);
   told(key, values.path, gxy_field(sim_.get(), mesh.c_str(), block, name.c_str(), of, array));
 }

@@ -50,7 +50,7 @@ class Adaptor {
   };
   struct Grid {
     int of = GXY_OF_POINTS;
-    std::vector<Placed> blocks;
+    std::vector<Placed> blocks;  // none: it is left out
   };
   using Key = std::tuple<std::string, int, std::string>;  // mesh, block, field; "": the positions of points
 
@@ -74,7 +74,8 @@ class Adaptor {
   bool published_ = false;  // once; from then on blocks cannot change
   bool off_ = false;        // publishing is, and so for ever
   std::map<std::string, Grid> grids_;
-  std::map<Key, bool> told_;  // what gxy_publish() will read, and whether this step has it
+  std::map<std::string, std::string> owners_;  // by field, the first mesh with one of this name
+  std::map<Key, bool> told_;                   // what gxy_publish() will read, and whether this step has it
   std::map<Key, std::vector<std::byte>> copies_;  // of components that lie at unequal distances
 };
 

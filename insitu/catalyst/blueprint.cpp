@@ -16,16 +16,24 @@ const std::array<std::string, 3> kI{"i", "j", "k"}, kX{"x", "y", "z"};
   throw std::runtime_error(path + ": " + what);
 }
 
-// Values that are an array, or an array for each component.
-Values valuesAt(const Node& node, const std::string& name) {
+// Values that are an array, or an array for each of the components.
+Values valuesAt(const Node& node, const std::string& name, const std::vector<Node>& children) {
   Values values{node.path(), name, false, {}};
-  const auto children = node.children();
   for (const Node& child : children) values.components.push_back(child.array());
   if (children.empty()) values.components.push_back(node.array());
   for (const Array& c : values.components)
     if (c.type != values.components[0].type || c.count != values.components[0].count)
       fail(node.path(), "expected components of one type and length");
   return values;
+}
+
+// Coordinates by their names, in whatever order they stand.
+Values positionsAt(const Node& node) {
+  std::vector<Node> axes;
+  for (const std::string& axis : kX)
+    if (const auto child = node.find(axis)) axes.push_back(*child);
+  if (axes.size() != 3 || node.children().size() != 3) fail(node.path(), "expected x, y and z");
+  return valuesAt(node, "positions", axes);
 }
 
 // Points or cells of a block; -1: too many for an integer.
@@ -53,14 +61,15 @@ std::vector<Values> fieldsOf(const Node& mesh, const std::string& topology, cons
   const auto all = mesh.find("fields");
   if (!all) return fields;
   for (const Node& field : all->children()) {
-    if (field.at("topology").text() != topology) continue;
+    const bool ofMaterials = field.find("matset") && !field.find("topology");
+    if (!ofMaterials && field.at("topology").text() != topology) continue;
     const auto leaveOut = [&](const std::string& why) { warn(field.path() + ": " + why + ", left out"); };
     if (field.find("basis")) {
       leaveOut("a grid function of finite elements");
-    } else if (!field.find("values")) {
-      leaveOut("a field without values, of materials");
+    } else if (ofMaterials || !field.find("values")) {
+      leaveOut("a field of materials");
     } else {
-      Values values = valuesAt(field.at("values"), field.name());
+      Values values = valuesAt(field.at("values"), field.name(), field.at("values").children());
       const std::string association = field.at("association").text();
       if (association != "vertex" && association != "element")
         fail(field.path() + "/association",
@@ -110,7 +119,6 @@ void addGrid(GridBlock block, std::vector<Values> fields, const std::string& gho
 
 void addPoints(Points points, std::vector<Values> fields, const std::string& ghosts, const Warn& warn,
                std::vector<Points>& all) {
-  if (points.positions.components.size() != 3) fail(points.positions.path, "expected x, y and z");
   for (Values& values : fields) {
     if (isGhosts(values.name, ghosts)) {
       warn(values.path + ": ghosts of points are not known as such, and shown");
@@ -171,7 +179,7 @@ void addMeshes(const Node& mesh, const std::string& name, const std::string& poi
       block.mesh = name + suffix;
       addGrid(std::move(block), fieldsOf(mesh, topology.name(), warn), ghosts, meshes.grids);
     } else if (type == "points" && coordinates == "explicit") {
-      addPoints({topology.path(), pointsName + suffix, valuesAt(coordset.at("values"), "positions"), {}},
+      addPoints({topology.path(), pointsName + suffix, positionsAt(coordset.at("values")), {}},
                 fieldsOf(mesh, topology.name(), warn), ghosts, warn, meshes.points);
     } else {
       warn(topology.path() + ": type \"" + type + "\" on coordinates of type \"" + coordinates +

@@ -307,8 +307,13 @@ TEST_F(Catalyst, AGridOfTwoDimensionsHasOneLayerOfCells) {
   tree.field("element", kMesh + "/fields/vtkGhostType"),
       tree.external(kMesh + "/fields/vtkGhostType/values", ghosts);
   ASSERT_EQ(initialize(), 0);
-  EXPECT_EQ(execute(tree), 0) << said();
-  expectGrid(0, {4, 3, 1}, {0, 0, 0}, {4, 3, 1});
+  for (int step = 1; step < 3; step++) {
+    tree.step(step);
+    EXPECT_EQ(execute(tree), 0);
+  }
+  expectSaid("grid/data/topologies/mesh: fields of points in one layer, expected two layers");
+  EXPECT_TRUE(recorded().grids.empty());
+  EXPECT_EQ(recorded().skipped.size(), 2u);
 }
 
 TEST_F(Catalyst, ARankWithoutAPartHasABlockWithoutPoints) {
@@ -416,7 +421,9 @@ TEST_F(Catalyst, WhatIsNotTakenIsSaidOnce) {
   tree.set(kMesh + "/fields/g/topology", "mesh"), tree.set(kMesh + "/fields/g/basis", "H1");
   expect("fields/g: a grid function of finite elements, left out");
   tree.set(kMesh + "/fields/m/topology", "mesh"), tree.set(kMesh + "/fields/m/matset", "m");
-  expect("fields/m: a field without values, of materials, left out");
+  expect("fields/m: a field of materials, left out");
+  tree.set(kMesh + "/fields/n/matset", "m"), tree.external(kMesh + "/fields/n/values", tree.values);
+  expect("fields/n: a field of materials, left out");
   tree.field("element", kMesh + "/fields/e"),
       tree.external(kMesh + "/fields/e/values", tree.values.data(), 6);
   expect("fields/e/values: a grid has fields of its points or of its cells so far, left out");
@@ -513,13 +520,16 @@ TEST_F(Catalyst, SeveralGridsAreMeshesOfOneStream) {
   const std::string fine = "catalyst/channels/fine/data";
   tree.grid({7, 3, 2}, {4, -8, 0}, fine), tree.grid({4, 3, 2});
   tree.set("catalyst/channels/fine/type", "mesh");
-  tree.field("element", fine + "/fields/e"), tree.external(fine + "/fields/e/values", tree.values.data(), 12);
+  for (const std::string& field : {fine + "/fields/e", fine + "/fields/t"})
+    tree.field("element", field), tree.external(field + "/values", tree.values.data(), 12);
   EXPECT_EQ(execute(tree), 0) << said();
   EXPECT_EQ(recorded().grids.at({"grid", 0}).of, GXY_OF_POINTS);
   EXPECT_EQ(recorded().grids.at({"fine", 0}).of, GXY_OF_CELLS);
   EXPECT_EQ(recorded().grids.at({"fine", 0}).size, (std::array<int64_t, 3>{6, 2, 1}));
   EXPECT_EQ((recorded().read[{"fine", 0, "e"}]),
             std::vector<double>(tree.values.begin(), tree.values.begin() + 12));
+  EXPECT_TRUE(recorded().read.count({"fine", 0, "t"})) << "the first mesh by name";
+  EXPECT_TRUE(recorded().read.count({"grid", 0, "grid.t"}));
 }
 
 /// Particles beside a grid.
@@ -567,6 +577,18 @@ TEST_F(Catalyst, ParticlesMayBeOthersInEachStep) {
   EXPECT_EQ(execute(flat), kWrong);
   expectSaid("atoms/data/coordsets/coords/values: expected x, y and z");
   EXPECT_EQ(recorded().steps.size(), 3u);
+}
+
+TEST_F(Catalyst, CoordinatesOfParticlesAreKnownByTheirNames) {
+  const std::string values = "catalyst/channels/atoms/data/coordsets/coords/values";
+  Particles tree(1);
+  tree.remove(values + "/x"), tree.external(values + "/x", tree.x);  // now the last child
+  ASSERT_EQ(initialize(), 0);
+  EXPECT_EQ(execute(tree), 0) << said();
+  EXPECT_EQ(recorded().points.at("atoms").at, (std::vector<double>{1, 2, 3}));
+  tree.remove(values + "/x"), tree.external(values + "/r", tree.x), tree.step(2);
+  EXPECT_EQ(execute(tree), kWrong);
+  expectSaid("coords/values: expected x, y and z");
 }
 
 TEST_F(Catalyst, AFieldThatIsMissingLaterIsNotReadWhereItWas) {
@@ -628,8 +650,9 @@ TEST_F(Catalyst, ALostConnectionIsSaidOnceAndIsNoError) {
 }
 
 TEST_F(Catalyst, WhereItIsOffNothingIsLookedAt) {
+  params_.set("catalyst/galaxy/options", R"({"to": "off"})");
   ASSERT_EQ(initialize(), 0);
-  recorded().published = GXY_OFF;
+  EXPECT_EQ(execute(Tree()), 0);
   EXPECT_EQ(execute(Simple()), 0);
   EXPECT_EQ(execute(Tree()), 0);
   EXPECT_EQ(said(), "");

@@ -60,6 +60,7 @@ gxy_sim* gxy_open(const char* name, int rank, int ranks, const char* options) {
   gxy_sim& sim = gxy::test::recorded();
   sim = {};
   sim.name = name, sim.options = options, sim.rank = rank, sim.ranks = ranks;
+  if (sim.options == R"({"to": "off"})") sim.published = GXY_OFF;
   return &sim;
 }
 
@@ -76,7 +77,8 @@ int gxy_grid(gxy_sim* sim, const char* mesh, int block, int of, const int64_t si
   for (size_t a = 0; a < 3; a++) {
     grid.size[a] = size[a], grid.first[a] = first[a], grid.count[a] = count[a];
     grid.origin[a] = origin[a], grid.spacing[a] = spacing[a];
-    if (first[a] < 0 || count[a] < 0 || first[a] + count[a] > size[a]) {
+    if (size[a] < (of == GXY_OF_POINTS ? 2 : 1) || first[a] < 0 || count[a] < 0 ||
+        first[a] + count[a] > size[a]) {
       sim->message = "expected a block inside the grid";
       return GXY_WRONG;
     }
@@ -111,6 +113,7 @@ int gxy_field(gxy_sim* sim, const char* mesh, int block, const char* field, int,
 int gxy_publish(gxy_sim* sim, int64_t step, double time) {
   if (sim->published == GXY_LOST) sim->message = "there is no connection";
   if (sim->published != GXY_TAKEN) return sim->published;
+  if (sim->grids.empty()) return GXY_WRONG;
   for (const auto& [key, array] : sim->fields)
     sim->read[key] = gxy::test::valuesOf(array, sim->grids.at({std::get<0>(key), std::get<1>(key)}).count);
   for (auto& [mesh, points] : sim->points) {
