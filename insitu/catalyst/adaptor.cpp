@@ -11,12 +11,19 @@ namespace gxy::catalyst {
 namespace {
 
 constexpr size_t kMostMessages = 1000;
-constexpr double kNear = 1e-6;  // of a cell, and of the spacing
+constexpr double kNearPlace = 1e-3, kNearSpacing = 1e-6;  // of a cell; simulations compute with 32 bits, too
 
-// An origin that was computed, the same on all ranks though each rounds differently: a multiple of a millionth of a cell.
-double snapped(double origin, double spacing) {
-  const double unit = std::ldexp(1.0, std::ilogb(spacing) - 20);
-  return std::round(origin / unit) * unit;
+// What was computed, the same on all ranks though each rounds differently: a multiple of 2^-bits of a cell, about.
+double rounded(double value, double spacing, int bits) {
+  if (!std::isnormal(spacing)) return value;
+  const double unit = std::ldexp(1.0, std::ilogb(spacing) - bits);
+  return std::round(value / unit) * unit;
+}
+
+std::string text(double number) {
+  char digits[32];
+  std::snprintf(digits, sizeof digits, "%.9g", number);
+  return digits;
 }
 
 // Where a block begins in the grid that begins at `origin`.
@@ -25,10 +32,10 @@ Index placeOf(const GridBlock& block, const Position& origin, const Position& sp
   for (size_t a = 0; a < 3; a++) {
     const double cells = (block.origin[a] - origin[a]) / spacing[a];
     place[a] = std::llround(std::clamp(cells, -0x1p40, 0x1p40));
-    if (!(std::abs(cells - double(place[a])) <= kNear))
-      throw std::runtime_error(block.path + ": its origin " + std::to_string(block.origin[a]) + " is " +
-                               std::to_string(cells) + " cells from " + std::to_string(origin[a]) +
-                               " on axis " + std::to_string(a) + ", expected a whole number");
+    if (!(std::abs(cells - double(place[a])) <= kNearPlace))
+      throw std::runtime_error(block.path + ": its origin " + text(block.origin[a]) + " is " + text(cells) +
+                               " cells from " + text(origin[a]) + " on axis " + std::to_string(a) +
+                               ", expected a whole number");
   }
   return place;
 }
@@ -82,7 +89,6 @@ Adaptor::Adaptor(const Node& params, Messages& messages)
 }
 
 void Adaptor::about(conduit_node_impl* node) const {
-  conduit().nodeSetPathChar8Str(node, "catalyst/galaxy/to", params_.to.c_str());
   conduit().nodeSetPathChar8Str(node, "catalyst/galaxy/message", gxy_message(sim_.get()));
 }
 
@@ -92,10 +98,12 @@ Meshes Adaptor::meshesOf(const Node& params) {
   for (const Node& channel : params.at("catalyst/channels").children()) {
     const std::string type = channel.at("type").text(), name = channel.name();
     if (type == "mesh") {
-      addMeshes(channel.at("data"), name, name, params_.ghosts, say, meshes);
+      for (const Node& domain : domainsOf(channel.at("data")))
+        addMeshes(domain, name, name, params_.ghosts, say, meshes);
     } else if (type == "multimesh") {
       for (const Node& mesh : channel.at("data").children())
-        addMeshes(mesh, name, name + "." + mesh.name(), params_.ghosts, say, meshes);
+        for (const Node& domain : domainsOf(mesh))
+          addMeshes(domain, name, name + "." + mesh.name(), params_.ghosts, say, meshes);
     } else {
       warn(channel.path() + ": type \"" + type +
            "\" is not taken, expected \"mesh\" or \"multimesh\", left out");
@@ -105,26 +113,30 @@ Meshes Adaptor::meshesOf(const Node& params) {
 }
 
 Adaptor::Whole Adaptor::wholeOf(const std::vector<GridBlock>& blocks, const std::vector<Box>& boxes) const {
-  const GridBlock& one = blocks.front();
+  const auto part = std::find_if(boxes.begin(), boxes.end(), [](const Box& box) { return !box.empty(); });
+  const GridBlock& one = blocks[part == boxes.end() ? 0 : size_t(part - boxes.begin())];
   const WholeGrid& said = params_.wholes.at(params_.wholes.count(one.mesh) ? one.mesh : "");
   const auto missing = [&](const char* what, const char* how) {
     throw std::runtime_error(one.path + ": with several ranks, " + what +
                              " of the whole grid is not known, expected " + how +
                              " in catalyst_initialize, or in the file that GALAXY_CATALYST names");
   };
-  Whole whole{{}, one.origin, one.spacing};
-  for (const GridBlock& block : blocks)
-    for (size_t a = 0; a < 3; a++)
-      if (!(std::abs(block.spacing[a] - one.spacing[a]) <= kNear * one.spacing[a]))
-        throw std::runtime_error(block.path + ": spacing " + std::to_string(block.spacing[a]) + " beside " +
-                                 std::to_string(one.spacing[a]) + " of " + one.path + ", expected the same");
+  Whole whole{{}, one.origin, said.spacing.value_or(one.spacing)};
+  for (size_t a = 0; a < 3 && params_.ranks > 1 && !said.spacing; a++)
+    whole.spacing[a] = rounded(one.spacing[a], one.spacing[a], 30);
+  for (size_t b = 0; b < blocks.size(); b++)
+    for (size_t a = 0; a < 3 && !boxes[b].empty(); a++)
+      if (!(std::abs(blocks[b].spacing[a] - whole.spacing[a]) <= kNearSpacing * whole.spacing[a]))
+        throw std::runtime_error(blocks[b].path + ": spacing " + text(blocks[b].spacing[a]) + " beside " +
+                                 text(whole.spacing[a]) + ", expected the same");
   if (params_.ranks > 1) {
     if (!said.size) missing("the size", "catalyst/galaxy/size, its points along x, y and z,");
     if (!said.origin && !one.index)
       missing("the origin",
               "catalyst/galaxy/origin (x, y, z), or elements/origin in the topology instead of it");
     for (size_t a = 0; a < 3 && !said.origin; a++)
-      whole.origin[a] = snapped(one.origin[a] - double((*one.index)[a]) * one.spacing[a], one.spacing[a]);
+      whole.origin[a] =
+          rounded(one.origin[a] - double((*one.index)[a]) * whole.spacing[a], whole.spacing[a], 20);
   } else {
     // The blocks of this rank are all there are.
     Index least{INT64_MAX, INT64_MAX, INT64_MAX}, end{INT64_MIN, INT64_MIN, INT64_MIN};
@@ -169,7 +181,7 @@ Adaptor::Grid Adaptor::placed(const std::vector<GridBlock>& blocks) {
     if (box.ofPoints && !points && !box.empty())
       throw std::runtime_error(blocks[b].ghosts->path +
                                ": ghosts of points do not say which cells are ghosts");
-    const Index place = placeOf(blocks[b], whole.origin, whole.spacing);
+    const Index place = box.empty() ? Index() : placeOf(blocks[b], whole.origin, whole.spacing);
     Index size = whole.points, first{}, count = box.count;
     for (size_t a = 0; a < 3; a++) {
       first[a] = place[a] + box.first[a];

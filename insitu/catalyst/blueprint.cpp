@@ -92,9 +92,10 @@ GridBlock gridOf(const Node& coordset, const Node& topology) {
       fail(coordset.path() + "/" + dim, "expected 0 to 2^31 points");
     block.origin[a] = origin ? origin->numberOr(kX[a], 0) : 0;
     block.spacing[a] = spacing ? spacing->numberOr("d" + kX[a], 1) : 1;
+  }
+  for (size_t a = 0; a < 3 && countOf(block.points, false) != 0; a++)
     if (!std::isfinite(block.origin[a]) || !(block.spacing[a] > 0) || !std::isfinite(block.spacing[a]))
       fail(coordset.path(), "expected a finite origin and a positive spacing");
-  }
   if (origin && !origin->children().empty() && !origin->find("x"))
     fail(origin->path(), "expected x, y and z: other coordinates are not taken");
   if (const auto index = topology.find("elements/origin")) {
@@ -119,6 +120,8 @@ void addGrid(GridBlock block, std::vector<Values> fields, const std::string& gho
 
 void addPoints(Points points, std::vector<Values> fields, const std::string& ghosts, const Warn& warn,
                std::vector<Points>& all) {
+  if (std::any_of(all.begin(), all.end(), [&](const Points& p) { return p.mesh == points.mesh; }))
+    return warn(points.path + ": points of a second domain, expected one on each rank, left out");
   for (Values& values : fields) {
     if (isGhosts(values.name, ghosts)) {
       warn(values.path + ": ghosts of points are not known as such, and shown");
@@ -163,6 +166,14 @@ Box ownedOf(const GridBlock& block) {
     for (size_t a = 0; a < 3; a++)
       if (points[a] > 1) owned.count[a]++;
   return owned;
+}
+
+std::vector<Node> domainsOf(const Node& data) {
+  auto all = data.children();
+  const auto isMesh = [](const Node& node) { return node.find("topologies").has_value(); };
+  if (!all.empty() && std::none_of(all.begin(), all.end(), isMesh)) return {data};
+  std::erase_if(all, [](const Node& domain) { return domain.children().empty(); });
+  return all;
 }
 
 void addMeshes(const Node& mesh, const std::string& name, const std::string& pointsName,

@@ -60,6 +60,9 @@ struct Meshes {
 
 using Warn = std::function<void(const std::string&)>;
 
+/// The domains of a Blueprint mesh: itself, or its children, without those that are empty.
+std::vector<Node> domainsOf(const Node& data);
+
 /// Adds the meshes of `mesh`, a Blueprint mesh, to `meshes`. `name` becomes that of its grid and `pointsName` that of its points.
 /// What Galaxy does not take is told to `warn` and left out. `ghosts` is the name of the field of ghosts; empty: one of the usual names.
 /// Throws std::runtime_error where the mesh is not what the Blueprint says.

@@ -2,9 +2,11 @@
 #include "insitu/catalyst/parameters.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <stdexcept>
 
 namespace gxy::catalyst {
@@ -76,13 +78,19 @@ WholeGrid wholeGrid(const json& all, const std::string& path) {
   WholeGrid grid;
   if (all.contains("size")) {
     const auto n = numbers(all["size"], path + "size", 3);
-    if (!std::all_of(n.begin(), n.end(), [](double points) { return points >= 1 && points <= 0x1p31; }))
+    if (!std::all_of(n.begin(), n.end(), [](double points) {
+          return points >= 1 && points <= 0x1p31 && points == std::floor(points);
+        }))
       expected(path + "size", "1 to 2^31 points by axis");
     grid.size = {int64_t(n[0]), int64_t(n[1]), int64_t(n[2])};
   }
   if (all.contains("origin")) {
     const auto x = numbers(all["origin"], path + "origin", 3);
     grid.origin = {x[0], x[1], x[2]};
+  }
+  if (all.contains("spacing")) {
+    const auto dx = numbers(all["spacing"], path + "spacing", 3);
+    grid.spacing = {dx[0], dx[1], dx[2]};
   }
   return grid;
 }
@@ -93,13 +101,12 @@ json parsed(const char* path) {
   if (!all.is_object())
     throw std::runtime_error("GALAXY_CATALYST: " + std::string(path) +
                              ": expected a file with a JSON object");
+  const std::set<std::string> known{"association", "box",  "ghosts", "grids",   "ids",    "name", "options",
+                                    "origin",      "rank", "ranks",  "seconds", "shared", "size", "spacing"};
+  for (const auto& [key, value] : all.items())
+    if (!known.count(key))
+      throw std::runtime_error("GALAXY_CATALYST: " + std::string(path) + ": \"" + key + "\" is not known");
   return all;
-}
-
-std::string destination(const std::string& options) {
-  if (const char* to = std::getenv("GALAXY_INSITU")) return to;
-  const json all = json::parse(options, nullptr, false);
-  return all.is_object() && all.contains("to") && all["to"].is_string() ? all["to"] : "off";
 }
 
 }  // namespace
@@ -108,14 +115,13 @@ Parameters readParameters(const Node& params) {
   const auto node = params.find("catalyst/galaxy");
   json all = node ? jsonOf(*node) : json::object();
   if (!all.is_object()) throw std::runtime_error("catalyst/galaxy: expected an object");
-  if (const char* path = std::getenv("GALAXY_CATALYST")) all.update(parsed(path));
+  if (const char* path = std::getenv("GALAXY_CATALYST"); path && *path) all.update(parsed(path));
   const auto [rank, ranks] = ofLauncher();
   Parameters p;
   p.rank = integer(all, "rank", rank);
   p.ranks = integer(all, "ranks", ranks);
   read(all, "name", p.name);
   read(all, "options", p.options);
-  p.to = destination(p.options);
   read(all, "ghosts", p.ghosts);
   read(all, "ids", p.ids);
   read(all, "association", p.association);

@@ -13,11 +13,11 @@ namespace gxy::catalyst {
 /// A whole grid. The library does not communicate, so several ranks have to say it.
 struct WholeGrid {
   std::optional<Index> size;  ///< in points
-  std::optional<Position> origin;
+  std::optional<Position> origin, spacing;
 };
 
 struct Parameters {
-  std::string name = "catalyst", options = "{}", to;
+  std::string name = "catalyst", options = "{}";
   int rank = 0, ranks = 1;
   std::map<std::string, WholeGrid> wholes;  ///< by mesh; "": of those that are not named
   bool shared = true;                       ///< neighbouring blocks have a layer of points in common

@@ -11,6 +11,7 @@
 #include <limits>
 #include <numeric>
 #include <random>
+#include <set>
 
 #include "tests/insitu/catalyst/recorder.h"
 
@@ -145,12 +146,11 @@ struct Simple : Tree {
 
 TEST_F(Catalyst, TellsWhatItIs) {
   Tree about;
-  params_.set("catalyst/galaxy/options", R"({"to": "there:5001"})");
   ASSERT_EQ(initialize(), 0);
   EXPECT_EQ(catalyst_about(about.node()), 0);
   EXPECT_STREQ(stand_in_text(about.node(), "catalyst/implementation"), "galaxy");
   EXPECT_STREQ(stand_in_text(about.node(), "catalyst/version"), GALAXY_VERSION);
-  EXPECT_STREQ(stand_in_text(about.node(), "catalyst/galaxy/to"), "there:5001");
+  EXPECT_STREQ(stand_in_text(about.node(), "catalyst/galaxy/message"), "");
   EXPECT_EQ(catalyst_results(about.node()), 0);
 }
 
@@ -238,6 +238,19 @@ TEST_F(Catalyst, NeighboursShareALayerOfPointsThatIsOwnedOnce) {
   EXPECT_EQ(read(1), std::vector<double>(high.begin(), high.end()));
 }
 
+TEST_F(Catalyst, AMeshMayHaveDomains) {
+  ASSERT_EQ(initialize(), 0);
+  Simple tree;
+  tree.grid({4, 3, 2}, {}, kMesh + "/domain_000000"), tree.set("catalyst/channels/grid/type", "mesh");
+  tree.remove(kMesh + "/topologies"), tree.remove(kMesh + "/coordsets"), tree.remove(kMesh + "/fields");
+  const std::string field = kMesh + "/domain_000000/fields/t";
+  tree.field("vertex", field), tree.external(field + "/values", tree.values);
+  tree.set(kMesh + "/domain_000001/empty", 1), tree.remove(kMesh + "/domain_000001/empty");
+  EXPECT_EQ(execute(tree), 0) << said();
+  expectGrid(0, {4, 3, 2}, {0, 0, 0}, {4, 3, 2});
+  EXPECT_EQ(said(), "");
+}
+
 TEST_F(Catalyst, PointsThatAreNotSharedAreAllOwned) {
   params_.set("catalyst/galaxy/shared", 0);
   ranks(0, 2), whole({4, 3, 4});
@@ -320,9 +333,11 @@ TEST_F(Catalyst, ARankWithoutAPartHasABlockWithoutPoints) {
   for (const char* association : {"vertex", "element"}) {
     const int64_t size = association[0] == 'v' ? 4 : 3;
     ranks(2, 3), whole({4, 4, 4});
-    ASSERT_EQ(initialize(), 0);
     Simple tree;
+    for (size_t a = 0; a < 3; a++) params_.set(std::string("catalyst/galaxy/spacing/") + "xyz"[a], 0.25);
+    ASSERT_EQ(initialize(), 0);
     tree.grid({0, 0, 0}), tree.field(association);
+    for (const char* path : {"origin/x", "spacing/dx"}) tree.set(kMesh + "/coordsets/coords/" + path, 0.1);
     tree.external(kField + "/values", static_cast<float*>(nullptr), 0);
     EXPECT_EQ(execute(tree), 0) << said();
     expectGrid(0, {size, size, size}, {0, 0, 0}, {0, 0, 0});
@@ -370,6 +385,12 @@ TEST_F(Catalyst, AFileSaysWhatTheSimulationDoesNot) {
   EXPECT_EQ(recorded().ranks, 3);
   EXPECT_EQ(initialize(), kWrong);
   expectSaid("GALAXY_CATALYST: " + path + ": expected a file with a JSON object");
+  std::ofstream(path) << R"({"rang": 1})";
+  EXPECT_EQ(initialize(), kWrong);
+  expectSaid(path + ": \"rang\" is not known");
+  std::remove(path.c_str());
+  setenv("GALAXY_CATALYST", "", 1);
+  EXPECT_EQ(initialize(), 0) << said();
 }
 
 TEST_F(Catalyst, RanksAreThoseOfTheLauncher) {
@@ -394,9 +415,31 @@ TEST_F(Catalyst, BlocksThatDoNotFitTogetherAreNamed) {
     tree.external(a + "/fields/t/values", values), tree.external(b + "/fields/t/values", values);
     ASSERT_EQ(initialize(), 0);
     EXPECT_EQ(execute(tree), kWrong);
-    expectSaid(spacing ? "b/topologies/mesh: spacing 0.300000 beside 0.250000 of "
-                       : "b/topologies/mesh: its origin 0.300000 is 1.200000 cells from 0.000000 on axis 2");
+    expectSaid(spacing ? "b/topologies/mesh: spacing 0.3 beside 0.25, expected the same"
+                       : "b/topologies/mesh: its origin 0.3 is 1.2 cells from 0 on axis 2");
   }
+}
+
+TEST_F(Catalyst, SpacingThatEachRankRoundsDifferentlyIsTheSameOnAll) {
+  const std::string spacing = kMesh + "/coordsets/coords/spacing/dx";
+  std::set<double> seen;
+  for (const double ulps : {-4, 0, 4}) {
+    ranks(0, 2), whole({4, 3, 4});
+    ASSERT_EQ(initialize(), 0);
+    Simple tree;
+    tree.set(spacing, 0.1 * (1 + ulps * std::numeric_limits<double>::epsilon()));
+    EXPECT_EQ(execute(tree), 0) << said();
+    seen.insert(recorded().grids.at({"grid", 0}).spacing[0]);
+  }
+  EXPECT_EQ(seen.size(), 1u);
+  EXPECT_NEAR(*seen.begin(), 0.1, 1e-10);
+  for (size_t a = 0; a < 3; a++)
+    params_.set(std::string("catalyst/galaxy/spacing/") + "xyz"[a], a == 0 ? 0.1 : 0.25);
+  ASSERT_EQ(initialize(), 0);
+  Simple tree;
+  tree.set(spacing, double(0.1f)), tree.set(kMesh + "/coordsets/coords/origin/y", 2.0002);
+  EXPECT_EQ(execute(tree), 0) << said();
+  EXPECT_EQ(recorded().grids.at({"grid", 0}).spacing[0], 0.1);
 }
 
 TEST_F(Catalyst, WhatIsNotTakenIsSaidOnce) {
@@ -635,6 +678,9 @@ TEST_F(Catalyst, WrongParametersAreTold) {
   expect("catalyst/galaxy/grids/a/origin: expected 3 numbers", "catalyst/galaxy/grids/a/origin", "0");
   expect("catalyst/galaxy: expected an object", "catalyst/galaxy", 1);
   whole({0, 3, 2});
+  EXPECT_EQ(initialize(), kWrong);
+  expectSaid("catalyst/galaxy/size: expected 1 to 2^31 points by axis");
+  whole({4, 3, 2}), params_.set("catalyst/galaxy/size/i", 4.5);
   EXPECT_EQ(initialize(), kWrong);
   expectSaid("catalyst/galaxy/size: expected 1 to 2^31 points by axis");
 }
