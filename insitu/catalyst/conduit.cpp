@@ -47,8 +47,9 @@ Conduit found() {
   Conduit functions;
   // A program may have loaded it so that others do not see its symbols. Where it is not loaded, null stands for the process again.
   void* loaded = dlopen("libcatalyst.so.3", RTLD_LAZY | RTLD_NOLOAD);
-  for (void* where : {static_cast<void*>(RTLD_DEFAULT), loaded})
-    for (const char* prefix : {"catalyst_conduit_", "conduit_"})
+  // The process may have another Conduit, too.
+  for (const char* prefix : {"catalyst_conduit_", "conduit_"})
+    for (void* where : {loaded, static_cast<void*>(RTLD_DEFAULT)})
       if (lookUp(where, prefix, functions)) return functions;
   throw std::runtime_error(
       "the functions of Conduit were not found in this process, neither as "

@@ -4,6 +4,24 @@
 
 #include <cstdio>
 
+#ifdef OTHER_CONDUIT  // a program with a Conduit of its own, which does not know the nodes of Catalyst
+#include <cstdlib>
+#define OTHER(name) \
+  extern "C" void conduit_##name() { std::abort(); }
+OTHER(node_has_path)
+OTHER(node_fetch_existing)
+OTHER(node_number_of_children)
+OTHER(node_child)
+OTHER(node_name)
+OTHER(node_dtype)
+OTHER(node_element_ptr)
+OTHER(node_set_path_char8_str)
+OTHER(datatype_id)
+OTHER(datatype_number_of_elements)
+OTHER(datatype_stride)
+OTHER(datatype_endianness_matches_machine)
+#endif
+
 int main(int argc, char** argv) {
   void* node = nullptr;
   if (argc > 2) {
