@@ -66,6 +66,7 @@ class Catalyst(unittest.TestCase):
         cls.windows = 0
 
     def run_simulation(self, layout, ranks, says="", **environment):
+        """The stream has the name LAYOUTRANKS, since datasets of streams before are still there."""
         run = subprocess.run(
             [*MPIEXEC, "-n", str(ranks), PROGRAM, layout], timeout=100, capture_output=True, text=True, env={
                 **os.environ, "OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
@@ -117,9 +118,9 @@ class Catalyst(unittest.TestCase):
                     with self.subTest(layout=layout, ranks=ranks):
                         self.no_stream_is_left()
                         self.run_simulation(layout, ranks)
-                        self.assertEqual([self.info(f"{layout}.{field}") for field in ("height", "slope")], infos)
-                        np.testing.assert_array_equal(self.picture(f"{layout}.height"), picture)
-                        origins = self.client.request(f"data.info {layout}.height")["datasets"][0]["origins"]
+                        self.assertEqual([self.info(f"{layout}{ranks}.{field}") for field in ("height", "slope")], infos)
+                        np.testing.assert_array_equal(self.picture(f"{layout}{ranks}.height"), picture)
+                        origins = self.client.request(f"data.info {layout}{ranks}.height")["datasets"][0]["origins"]
                         self.assertEqual([origin["step"] for origin in origins], [LAST])
 
     def test_particles_beside_a_grid_are_the_same_on_all_numbers_of_ranks(self):
@@ -143,20 +144,21 @@ class Catalyst(unittest.TestCase):
             with self.subTest(ranks=ranks):
                 self.no_stream_is_left()
                 self.run_simulation("atoms", ranks)
-                self.assertEqual(info("atoms.speed"), expected)
-                np.testing.assert_array_equal(self.picture("atoms.speed", atoms), picture)
-                self.assertEqual(self.info("atoms.height"), self.info("expected-atoms.height"))
+                self.assertEqual(info(f"atoms{ranks}.speed"), expected)
+                np.testing.assert_array_equal(self.picture(f"atoms{ranks}.speed", atoms), picture)
+                self.assertEqual(self.info(f"atoms{ranks}.height"), self.info("expected-atoms.height"))
 
     def test_a_step_that_one_rank_does_not_have_is_left_out_and_the_next_ones_are_published(self):
         infos, _ = self.expected("points")
         options = self.server.folder / "wait.json"
         options.write_text(json.dumps({**json.loads(self.options.read_text()), "policy": "wait", "time-out": 60}))
+        ranks = 2
         for layout in ("gap", "late"):
             with self.subTest(layout=layout):
                 self.no_stream_is_left()
-                self.run_simulation(layout, 2, says="(galaxy: rank 1: .*\n)+", GALAXY_INSITU_OPTIONS=str(options))
-                self.assertEqual([self.info(f"{layout}.{field}") for field in ("height", "slope")], infos)
-                origins = self.client.request(f"data.info {layout}.height")["datasets"][0]["origins"]
+                self.run_simulation(layout, ranks, says="(galaxy: rank 1: .*\n)+", GALAXY_INSITU_OPTIONS=str(options))
+                self.assertEqual([self.info(f"{layout}{ranks}.{field}") for field in ("height", "slope")], infos)
+                origins = self.client.request(f"data.info {layout}{ranks}.height")["datasets"][0]["origins"]
                 self.assertEqual([origin["step"] for origin in origins], [LAST])
 
     def test_without_a_server_the_simulation_runs_to_its_end(self):

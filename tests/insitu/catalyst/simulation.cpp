@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // simulation LAYOUT: a small simulation that is instrumented with Catalyst 2, of the wave of docs/examples/insitu on 48 x 40 x 32 points.
-// Each rank has a slab along z.
+// Each rank has a slab along z. The stream's name is LAYOUT and the number of ranks.
 //   plain    one block for each rank; neighbours have a layer of points in common
 //   ghosts   a layer of ghost cells all around, outside of the grid, too. What is of ghosts only is NaN
 //   blocks   two blocks for each rank
@@ -143,7 +143,8 @@ int run(const std::string& layout, int rank, int ranks) {
   }
 
   conduit_node* node = catalyst_conduit_node_create();
-  catalyst_conduit_node_set_path_char8_str(node, "catalyst/galaxy/name", layout.c_str());
+  catalyst_conduit_node_set_path_char8_str(node, "catalyst/galaxy/name",
+                                           (layout + std::to_string(ranks)).c_str());
   const char* axes[] = {"i", "j", "k"};
   for (int a = 0; a < 3; a++) {
     const std::string galaxy = "catalyst/galaxy/";
