@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: Apache-2.0
 !
-! gxysim_heat_f90 NX NY NZ STEPS FILE.npy: the simulation of heat.c, in Fortran 2003. The same steps, published under the same
-! names, and the same file in the end, to the bit. heat.c says what is computed.
+! gxysim_heat_f90 NX NY NZ STEPS FILE.npy NAME SECONDS: the simulation of heat.c, in Fortran 2003. The same steps, published in a stream
+! NAME, and the same file in the end, to the bit. It waits SECONDS for the last step. heat.c says what is computed.
 program gxysim_heat
   use mpi
   use galaxy_insitu
@@ -11,7 +11,7 @@ program gxysim_heat
   real(real8), allocatable, target :: T(:, :, :)
   real(real8), allocatable :: next(:, :, :), q(:, :, :)
   real(real8) :: c(3), dt
-  character(len=1000) :: output
+  character(len=1000) :: output, name
   type(c_ptr) :: g
 
   call MPI_Init(e)
@@ -20,6 +20,7 @@ program gxysim_heat
   whole = [(argument(a), a = 1, 3)]
   steps = argument(4)
   call get_command_argument(5, output)
+  call get_command_argument(6, name)
   blocks = 0
   call MPI_Dims_create(ranks, 3, blocks, e)
   call MPI_Cart_create(MPI_COMM_WORLD, 3, blocks, [.false., .false., .false.], .false., comm, e)
@@ -31,7 +32,7 @@ program gxysim_heat
   dt = 0.45d0 / ((c(1) + c(2)) + c(3))
   c = dt * c
   call start()
-  g = gxy_open("heat", rank, ranks)
+  g = gxy_open(trim(name), rank, ranks)
   e = gxy_grid(g, "grid", 0, GXY_OF_POINTS, whole, first, own, [0d0, 0d0, 0d0], 1 / real(whole - 1, real8))
   e = gxy_field(g, "grid", 0, "temperature", GXY_OF_POINTS, gxy_values(T(1, 1, 1), shape(T)))
   do step = 1, steps
@@ -41,7 +42,7 @@ program gxysim_heat
   end do
   e = gxy_publish_last(g, steps, steps * dt)
   call save_values()
-  call gxy_close(g, 10d0)
+  call gxy_close(g, real(argument(7), real8))
   call MPI_Finalize(e)
 
 contains

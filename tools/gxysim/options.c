@@ -26,7 +26,7 @@ static const char help[] =
     "  --output FILE.npy     write the last step: temperature or density by z, y and x; position and "
     "velocity of\n"
     "                        each particle\n"
-    "  --world               as the last argument: ranks of `gxyserver --world` are in the same MPI job\n"
+    "  --world               ranks of `gxyserver --world` are in the same MPI job\n"
     "  --help, --version     this text; the version\n\n"
     "The results are the same on all numbers of ranks, to the bit.\n"
     "Exit status: 0 done, 1 failed, 2 wrong usage. That there is no server is no failure.\n";

@@ -115,7 +115,7 @@ class Here(unittest.TestCase):
         shutil.copy(GXYSIM, elsewhere)
         for ranks in (1, 2):
             self.run_to_its_end(name(f"here-{ranks}"), *MPIEXEC, "-n", ranks, elsewhere, *arguments, options=options, to="here")
-        text = self.run_to_its_end(name("world"), *MPIEXEC, "-n", 2, GXYSIM, *arguments, "--world", ":", "-n", 2, GXYSERVER, "--world",
+        text = self.run_to_its_end(name("world"), *MPIEXEC, "-n", 2, GXYSIM, "--world", *arguments, ":", "-n", 2, GXYSERVER, "--world",
                                    "--port", 0, "--backend", "embree", options=options)
         self.assertIn("gxyserver: stopped", text)
         loaded = self.start(name("loaded"), *MPIEXEC, "-n", 2, GXYSERVER, "--port", 0, "--port-file", "port", "--backend", "embree",
