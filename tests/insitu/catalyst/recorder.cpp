@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tests/insitu/catalyst/recorder.h"
 
+#include <dlfcn.h>
+
 #include <cstring>
 
 namespace gxy::test {
@@ -47,6 +49,19 @@ std::vector<double> valuesOf(const gxy_array& a, const std::array<int64_t, 3>& c
   return values;
 }
 
+// The function of libgalaxy_insitu, which checks what is recorded.
+#define REAL(function) reinterpret_cast<decltype(&(function))>(dlsym(library(), #function))
+
+void* library() {
+  static void* loaded = dlopen("libgalaxy_insitu.so.1", RTLD_LAZY | RTLD_NOLOAD);
+  return loaded;
+}
+
+bool isWrong(gxy_sim* sim, int result) {
+  sim->message = result == GXY_WRONG ? REAL(gxy_message)(sim->checks) : "";
+  return result == GXY_WRONG;
+}
+
 }  // namespace
 
 gxy_sim& recorded() {
@@ -56,32 +71,29 @@ gxy_sim& recorded() {
 
 }  // namespace gxy::test
 
+using namespace gxy::test;
+
 gxy_sim* gxy_open(const char* name, int rank, int ranks, const char* options) {
-  gxy_sim& sim = gxy::test::recorded();
+  gxy_sim& sim = recorded();
   sim = {};
   sim.name = name, sim.options = options, sim.rank = rank, sim.ranks = ranks;
-  if (sim.options == R"({"to": "off"})") sim.published = GXY_OFF;
+  const char* nowhere = R"({"to": "127.0.0.1:1", "token-file": "-", "reconnect": 0})";
+  sim.checks = REAL(gxy_open)(name, rank, ranks, sim.options == "{}" ? nowhere : options);
   return &sim;
 }
 
 int gxy_statistics(gxy_sim* sim, gxy_stat* statistics) {
-  *statistics = {};
-  if (sim->options[0] == '{') return GXY_TAKEN;
-  sim->message = "expected a JSON object";
-  return GXY_WRONG;
+  return isWrong(sim, REAL(gxy_statistics)(sim->checks, statistics)) ? GXY_WRONG : GXY_TAKEN;
 }
 
 int gxy_grid(gxy_sim* sim, const char* mesh, int block, int of, const int64_t size[3], const int64_t first[3],
              const int64_t count[3], const double origin[3], const double spacing[3]) {
+  if (isWrong(sim, REAL(gxy_grid)(sim->checks, mesh, block, of, size, first, count, origin, spacing)))
+    return GXY_WRONG;
   gxy_sim::Grid grid{of, {}, {}, {}, {}, {}};
   for (size_t a = 0; a < 3; a++) {
     grid.size[a] = size[a], grid.first[a] = first[a], grid.count[a] = count[a];
     grid.origin[a] = origin[a], grid.spacing[a] = spacing[a];
-    if (size[a] < (of == GXY_OF_POINTS ? 2 : 1) || first[a] < 0 || count[a] < 0 ||
-        first[a] + count[a] > size[a]) {
-      sim->message = "expected a block inside the grid";
-      return GXY_WRONG;
-    }
   }
   sim->grids[{mesh, block}] = grid;
   return GXY_TAKEN;
@@ -89,45 +101,40 @@ int gxy_grid(gxy_sim* sim, const char* mesh, int block, int of, const int64_t si
 
 int gxy_points(gxy_sim* sim, const char* mesh, int64_t count, gxy_array positions, gxy_array ids,
                const double box[6]) {
-  const auto known = sim->points.find(mesh);
-  if ((known == sim->points.end() && !sim->steps.empty()) || positions.components != 3) {
-    sim->message = "wrong points";
-    return GXY_WRONG;
-  }
+  if (isWrong(sim, REAL(gxy_points)(sim->checks, mesh, count, positions, ids, box))) return GXY_WRONG;
   sim->points[mesh] = {positions, ids, box ? std::vector<double>(box, box + 6) : std::vector<double>()};
   sim->grids[{mesh, 0}] = {GXY_OF_POINTS, {}, {}, {count, 1, 1}, {}, {}};
   return GXY_TAKEN;
 }
 
-int gxy_field(gxy_sim* sim, const char* mesh, int block, const char* field, int, gxy_array values) {
-  const auto before = sim->fields.find({mesh, block, field});
-  if (values.components > 16 || (before != sim->fields.end() && before->second.type != values.type) ||
-      (before == sim->fields.end() && !sim->steps.empty())) {
-    sim->message = "a wrong field";
-    return GXY_WRONG;
-  }
+int gxy_field(gxy_sim* sim, const char* mesh, int block, const char* field, int of, gxy_array values) {
+  if (isWrong(sim, REAL(gxy_field)(sim->checks, mesh, block, field, of, values))) return GXY_WRONG;
   sim->fields[{mesh, block, field}] = values;
   return GXY_TAKEN;
 }
 
 int gxy_publish(gxy_sim* sim, int64_t step, double time) {
-  if (sim->published == GXY_LOST) sim->message = "there is no connection";
-  if (sim->published != GXY_TAKEN) return sim->published;
-  if (sim->grids.empty()) return GXY_WRONG;
+  const int result = (sim->last ? REAL(gxy_publish_last) : REAL(gxy_publish))(sim->checks, step, time);
+  if (isWrong(sim, result) || result == GXY_OFF) return result;
+  if (sim->published == GXY_LOST) {
+    sim->message = "there is no connection";
+    return GXY_LOST;
+  }
   for (const auto& [key, array] : sim->fields)
-    sim->read[key] = gxy::test::valuesOf(array, sim->grids.at({std::get<0>(key), std::get<1>(key)}).count);
+    sim->read[key] = valuesOf(array, sim->grids.at({std::get<0>(key), std::get<1>(key)}).count);
   for (auto& [mesh, points] : sim->points) {
     const auto& count = sim->grids.at({mesh, 0}).count;
-    points.at = gxy::test::valuesOf(points.positions, count);
-    points.numbers = points.ids.components ? gxy::test::valuesOf(points.ids, count) : std::vector<double>();
+    points.at = valuesOf(points.positions, count);
+    points.numbers = points.ids.components ? valuesOf(points.ids, count) : std::vector<double>();
   }
   sim->steps.emplace_back(step, time);
   return GXY_TAKEN;
 }
 
 int gxy_skip(gxy_sim* sim, int64_t step, double time) {
-  if (sim->published == GXY_TAKEN) sim->skipped.emplace_back(step, time);
-  return sim->published;
+  if (isWrong(sim, REAL(gxy_skip)(sim->checks, step, time))) return GXY_WRONG;
+  sim->skipped.emplace_back(step, time);
+  return GXY_TAKEN;
 }
 
 int gxy_publish_last(gxy_sim* sim, int64_t step, double time) {
@@ -137,4 +144,7 @@ int gxy_publish_last(gxy_sim* sim, int64_t step, double time) {
 
 const char* gxy_message(gxy_sim* sim) { return sim->message.c_str(); }
 
-void gxy_close(gxy_sim* sim, double seconds) { sim->closed = seconds; }
+void gxy_close(gxy_sim* sim, double seconds) {
+  sim->closed = seconds;
+  REAL(gxy_close)(sim->checks, 0);
+}

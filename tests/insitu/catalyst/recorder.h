@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Stands in for libgalaxy_insitu, whose functions the test program defines itself: keeps what the adaptor says.
+// Stands before libgalaxy_insitu, whose functions the test program defines, too: keeps what the adaptor says and the library takes.
 #pragma once
 #include <array>
 #include <cstddef>
@@ -22,6 +22,7 @@ struct gxy_sim {
     gxy_array positions, ids;
     std::vector<double> box, at{}, numbers{};  ///< the last two are what gxy_publish() has read
   };
+  gxy_sim* checks = nullptr;  ///< a real one, connected to nothing, which says what is wrong
   std::string name, options, message;
   int rank = 0, ranks = 0;
   std::map<std::pair<std::string, int>, Grid> grids;                      // by mesh and block
@@ -31,7 +32,7 @@ struct gxy_sim {
   std::map<std::string, Points> points;
   std::vector<std::pair<int64_t, double>> steps;
   std::vector<std::pair<int64_t, double>> skipped;
-  int published = GXY_TAKEN;  ///< what gxy_publish() returns
+  int published = GXY_TAKEN;  ///< what gxy_publish() returns; or GXY_LOST
   bool last = false;
   double closed = -1;
 };
