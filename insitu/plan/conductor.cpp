@@ -51,6 +51,7 @@ std::vector<Control> Conductor::appoint() {
   step_ = {last_, 0, 0};
   taken_.assign(taken_.size(), false);
   takes_ = 0;
+  latest_ = -1;
   completed_.clear();
   counters_.appointed++;
   return {{Control::Kind::Appoint, last_, 0}};
@@ -100,6 +101,7 @@ void Conductor::receive(int rank, const StepHeader& step) {
                 " on another, expected that all ranks publish the same steps in the same order");
   taken_[size_t(rank)] = true;
   takes_++;
+  latest_ = rank;
   step_ = step;
 }
 

@@ -40,6 +40,8 @@ class Conductor {
   bool isAwaited() const { return awaited_ > published_; }
   /// Whether a rank has taken the step that is appointed now.
   bool someTaken() const;
+  /// The rank that took the appointed step last; -1 if none has taken it.
+  int latest() const { return latest_; }
   /// What of the step has not come, as text.
   std::string missing() const;
   /// The step that was appointed. Its `step` and `time` are known once isComplete().
@@ -76,6 +78,7 @@ class Conductor {
   uint64_t newest_ = 0;      ///< of all ranks
   std::vector<bool> taken_;  ///< the appointed publish, by rank
   size_t takes_ = 0;
+  int latest_ = -1;
   std::set<int> completed_;  ///< ranks of Galaxy
   StepHeader step_;
   uint64_t last_ = 0, from_ = 0;

@@ -100,10 +100,12 @@ void StreamLead::take(int rank, const protocol::WireMessage& message) {
   const Control control = isStep ? Control{} : insitu::readControl(message.payload);
   const std::lock_guard lock(mutex_);
   if (!conductor_) throw Error("a message about steps before there is a plan, expected it after that");
-  if (isStep)
+  if (isStep) {
+    if (!conductor_->someTaken()) course_.taken = Clock::now();
     conductor_->receive(rank, step);
-  else
+  } else {
     tell(conductor_->receive(rank, control));
+  }
   if (conductor_->isComplete() || (!isStep && control.kind == Control::Kind::Waits)) changed_.notify_all();
 }
 
@@ -372,6 +374,11 @@ bool StreamLead::wanted() const {
 
 void StreamLead::publishOne() {
   std::string problem;
+  {
+    const std::lock_guard lock(mutex_);
+    course_ = {};
+    course_.begun = Clock::now();
+  }
   try {
     const auto exchange = serverRank_.exchanges.begin(Asker{[this] {
       if (ending()) throw Error("the stream has ended");
@@ -391,18 +398,27 @@ void StreamLead::publishOne() {
     problem = e.what();
   }
   const std::lock_guard lock(mutex_);
-  if (problem.empty()) {
-    before_ = newest_;
-    newest_ = {conductor_->step().count, conductor_->step().step, conductor_->step().time};
-  }
+  if (problem.empty()) isPublished();
   tell(problem.empty() ? conductor_->published() : conductor_->abandon());
   if (!problem.empty() && problem != problem_ && !end_)
     spdlog::info("rank 0: stream {}: a step is left out: {}", identity().name, problem);
   problem_ = problem;
 }
 
+// With the lock held.
+void StreamLead::isPublished() {
+  before_ = newest_;
+  newest_ = {conductor_->step().count, conductor_->step().step, conductor_->step().time};
+  const auto seconds = [](Clock::duration d) { return std::chrono::duration<double>(d).count(); };
+  seconds_.reserve += seconds(course_.hasRoom - course_.begun);
+  seconds_.collect += seconds(course_.collected - course_.taken);
+  seconds_.complete += seconds(Clock::now() - course_.collected);
+  late_ = conductor_->latest();
+}
+
 CollectedStep StreamLead::collect(const std::function<void()>& check) {
   std::unique_lock lock(mutex_);
+  course_.hasRoom = Clock::now();
   tell(conductor_->begin(from_));
   constexpr auto kNone = Clock::time_point::max();
   auto until = kNone;
@@ -426,6 +442,7 @@ CollectedStep StreamLead::collect(const std::function<void()>& check) {
       throw Error("not all of a step came within " + std::to_string(kStepPatience.count()) +
                   " s: " + conductor_->missing());
   }
+  course_.collected = Clock::now();
   const insitu::StepHeader& step = conductor_->step();
   if (newest_.count > 0 && step.step <= newest_.step)
     throw Error("step " + std::to_string(step.step) + " after step " + std::to_string(newest_.step) +
@@ -472,6 +489,9 @@ json StreamLead::statistics() const {
   if (newest_.count > 0) {
     result["step"] = newest_.step;
     if (!std::isnan(newest_.time)) result["time"] = newest_.time;
+    result["late"] = late_;
+    result["seconds"] = {
+        {"reserve", seconds_.reserve}, {"collect", seconds_.collect}, {"complete", seconds_.complete}};
   }
   for (const StreamWishes::Steerable& s : wishes_.steerable) {
     json& one = result["steerable"][s.name];

@@ -79,6 +79,13 @@ class StreamLead {
  private:
   using Clock = std::chrono::steady_clock;
   struct Ended {};  ///< thrown on the lead's thread
+  /// When a step went from stage to stage.
+  struct Course {
+    Clock::time_point begun, hasRoom, taken, collected;
+  };
+  struct Seconds {
+    double reserve = 0, collect = 0, complete = 0;
+  };
 
   void run();
   void describe(int rank, insitu::Description description);
@@ -100,6 +107,7 @@ class StreamLead {
     Clock::time_point at;
   } look_;  ///< how many publishes there had been; used by the lead's thread only
   void publishOne();
+  void isPublished();
   void tell(const std::vector<insitu::Control>& messages);
   bool steers() const { return told_ != steered_; }
   void finish();
@@ -123,9 +131,12 @@ class StreamLead {
   std::optional<insitu::Conductor> conductor_;
   insitu::Steering steering_;        ///< values that were ever steered
   uint64_t steered_ = 0, told_ = 0;  ///< how often; and when the simulation was told
-  std::string problem_;              ///< why the last step could not be published; empty if it was
-  CollectedStep newest_, before_;    ///< that were published last
-  uint64_t from_ = 0;                ///< the publish that is needed next; 0: any
+  std::string problem_;            ///< why the last step could not be published; empty if it was
+  CollectedStep newest_, before_;  ///< that were published last
+  Course course_;                  ///< of the step under way
+  Seconds seconds_;                ///< of all published steps together
+  int late_ = -1;                  ///< the rank that took the newest step last
+  uint64_t from_ = 0;              ///< the publish that is needed next; 0: any
   std::mutex joining_;
   std::thread thread_;
 };

@@ -170,6 +170,20 @@ TEST(Conductor, LooksHowManyPublishesThereHaveBeen) {
   EXPECT_EQ(conductor.receive(1, {Kind::Newest, begun[0].count, 12}), (Messages{{Kind::Appoint, 13, 0}}));
 }
 
+TEST(Conductor, KnowsWhichRankTookTheStepLast) {
+  Conductor conductor(3, {0});
+  const uint64_t count = appointed(conductor, {4, 4, 4});
+  EXPECT_EQ(conductor.latest(), -1);
+  for (const int rank : {2, 0, 1}) {
+    conductor.receive(rank, StepHeader{count, 70, 0.5});
+    EXPECT_EQ(conductor.latest(), rank);
+  }
+  conductor.receive(2, StepHeader{count, 70, 0.5});
+  EXPECT_EQ(conductor.latest(), 1) << "rank 2 has said so before";
+  conductor.receive(0, StepHeader{count - 1, 69, 0.5});
+  EXPECT_EQ(conductor.latest(), 1) << "of another publish";
+}
+
 TEST(Conductor, IsCompleteWithTheWordOfAllRanksAndAllSamples) {
   Conductor conductor(2, {1});
   const uint64_t count = appointed(conductor, {0, 0});

@@ -126,6 +126,33 @@ TEST(Streams, EveryStepIsPublishedWhereTheSimulationWaitsAlthoughNobodyLooks) {
   }
 }
 
+TEST(Streams, SecondsOfTheStagesAddUpToNoMoreThanHasPassed) {
+  const auto server = serve();
+  const auto client = server->client();
+  client->expect("load insitu");
+  const Grid grid = gridOf({32, 24, 16});
+  const auto begin = std::chrono::steady_clock::now();
+  MiniSimulation simulation("heat", grid, slabs(grid, 2), 2, {{"t"}}, Layout::Together,
+                            waiting(*server, nullptr));
+  double before = 0;
+  for (const int64_t steps : {3, 6}) {
+    while (simulation.step() < steps) EXPECT_EQ(simulation.publishTogether(), 2);
+    until([&] { return simulation.published() == steps; }, "the last step");
+    const json stream = client->expect("insitu.streams").at("streams").at(0), &seconds = stream.at("seconds");
+    const std::chrono::duration<double> passed = std::chrono::steady_clock::now() - begin;
+    double sum = 0;
+    for (const char* stage : {"reserve", "collect", "complete"}) {
+      EXPECT_GT(seconds.at(stage), 0) << stage;
+      sum += seconds.at(stage).get<double>();
+    }
+    EXPECT_GT(sum, before);
+    EXPECT_LE(sum, passed.count());
+    EXPECT_GE(stream.at("late"), 0);
+    EXPECT_LT(stream.at("late"), 2);
+    before = sum;
+  }
+}
+
 TEST(Streams, AStepThatOneRankDoesNotWaitForIsLeftOutOnAll) {
   const auto server = serve();
   Events events("heat.t");
