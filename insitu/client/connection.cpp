@@ -194,10 +194,7 @@ void Connection::exchange() {
   if (planned_)
     if (const auto waits = sender_.waits()) root.send(message(MessageChannel::DataControl, written(*waits)));
   if (const auto step = sender_.announcement()) root.send(message(MessageChannel::Step, written(*step)));
-  for (const auto& [owner, socket] : sockets_) {
-    sendPieces(owner, *socket);
-    socket->flush();
-  }
+  for (const auto& [owner, socket] : sockets_) sendPieces(owner, *socket);
 }
 
 bool Connection::tellDescription(WireSocket& root) {
@@ -207,7 +204,8 @@ bool Connection::tellDescription(WireSocket& root) {
   return true;
 }
 
-// One chunk at a time waits in a socket's queue, so that what the server says is heard between chunks.
+// One chunk at a time waits in a socket's queue, so that what the server says is heard between chunks. Afterwards something waits in the
+// queue, or there is nothing more to send: else nobody would wake this thread to send the rest.
 void Connection::sendPieces(int owner, WireSocket& socket) {
   socket.flush();
   while (socket.sent()) {
