@@ -139,7 +139,9 @@ class Socket final : public DataLink, public std::enable_shared_from_this<Socket
     if (taker_) {
       if (message.channel == MessageChannel::Bye)
         return end(std::string(protocol::asLogged(message.text())), true);
-      return taker_->take(std::move(message));
+      taker_->take(message);
+      if (message.channel == MessageChannel::Piece) reader_.reuse(std::move(message.payload));
+      return;
     }
     const std::shared_ptr<DataTaker> taker = admit_(insitu::readHello(message.payload), shared_from_this());
     if (!taker) return close();

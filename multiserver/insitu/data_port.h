@@ -27,7 +27,7 @@ class DataTaker {
   /// What the simulation may say on this connection.
   virtual protocol::MessageReader::Rules rules() const = 0;
   /// Throws Error for a message that is wrong; the connection is then closed with this as the reason.
-  virtual void take(protocol::WireMessage message) = 0;
+  virtual void take(const protocol::WireMessage& message) = 0;
   /// The connection has ended; called once. `regularly`: the simulation has said so.
   virtual void ended(const std::string& reason, bool regularly) = 0;
 };

@@ -49,7 +49,7 @@ class Taker final : public DataTaker {
   protocol::MessageReader::Rules rules() const override {
     return lead_ ? protocol::MessageReader::ofDataToRoot() : protocol::MessageReader::ofDataToOthers();
   }
-  void take(protocol::WireMessage message) override {
+  void take(const protocol::WireMessage& message) override {
     if (message.channel == MessageChannel::Piece) return part_->takePiece(rank_, message.payload);
     lead_->take(rank_, message);  // The rules let other ranks have samples only.
   }

@@ -130,9 +130,14 @@ void MessageReader::readHeader() {
   if ((id != 0) != hasId(MessageChannel(channel)))
     throw Error("message with id " + std::to_string(id) + " on channel " + std::to_string(channel) +
                 ", expected " + (id ? "0" : "one from 1 up"));
-  message_ = {MessageChannel(channel), id, {}};
+  message_ = {MessageChannel(channel), id, std::exchange(spare_, {})};
   message_.skipped = rules_.room && !rules_.room(length_);
   taken_ = 0;
+}
+
+void MessageReader::reuse(Bytes payload) {
+  spare_ = std::move(payload);
+  spare_.clear();
 }
 
 std::optional<WireMessage> MessageReader::take(std::span<const std::byte>& bytes) {

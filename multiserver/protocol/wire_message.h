@@ -89,6 +89,8 @@ class MessageReader {
   /// Takes bytes from the front of `bytes`. Returns a message as soon as one is complete, or nothing when all
   /// bytes have been taken. Throws Error if a header breaks the rules; the reader must not be used afterwards.
   std::optional<WireMessage> take(std::span<const std::byte>& bytes);
+  /// Takes the memory of a payload back, for the next message.
+  void reuse(Bytes payload);
 
  private:
   void readHeader();
@@ -98,6 +100,7 @@ class MessageReader {
   size_t headerBytes_ = 0;
   uint64_t length_ = 0, taken_ = 0;
   WireMessage message_;
+  Bytes spare_;  ///< memory for the next payload
 };
 
 }  // namespace gxy::protocol
