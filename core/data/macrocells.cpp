@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/data/macrocells.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstring>
@@ -38,9 +39,17 @@ class RowSummary {
   }
 
   // Each loop is written so that compilers vectorise it: no branch, one pass, arrays that do not alias. A
-  // difference of a NaN or an infinity is NaN or infinite, and so fails the comparison in widen().
+  // difference of a NaN or an infinity is NaN or infinite, and so fails the comparisons in widen(). With
+  // Take::Any infinite differences are taken: half the work, which is done anew if there are any.
+  enum class Take { Any, Finite };
+  bool hasInfiniteDifferences() const {
+    for (const auto* v : {&steep_, &bend_, &steepNext_, &bendNext_, &bendBoth_})
+      if (std::find(v->begin(), v->end(), kInfinity) != v->end()) return true;
+    return false;
+  }
 
   /// Adds a row and its differences along x.
+  template <Take kTake>
   void add(const float* __restrict__ row) {
     float* __restrict__ l = lo_.data(), * __restrict__ h = hi_.data();
     float* __restrict__ steep = steepNext_.data(), * __restrict__ bend = bendBoth_.data();
@@ -54,22 +63,24 @@ class RowSummary {
       h[x] = above > h[x] ? above : h[x];
       b[x] |= finite ? 0u : 1u;
     }
-    for (size_t x = 0; x + 1 < n; ++x) widen(steep[x], row[x + 1] - row[x]);
-    for (size_t x = 1; x + 1 < n; ++x) widen(bend[x], (row[x + 1] - row[x]) - (row[x] - row[x - 1]));
+    for (size_t x = 0; x + 1 < n; ++x) widen<kTake>(steep[x], row[x + 1] - row[x]);
+    for (size_t x = 1; x + 1 < n; ++x) widen<kTake>(bend[x], (row[x + 1] - row[x]) - (row[x] - row[x - 1]));
   }
   /// Adds the differences of rows that are neighbours along y or z.
+  template <Take kTake>
   void addPair(const float* __restrict__ a, const float* __restrict__ b) {
     float* __restrict__ steep = steep_.data(), * __restrict__ twist = bendNext_.data();
     const size_t n = lo_.size();
-    for (size_t x = 0; x < n; ++x) widen(steep[x], b[x] - a[x]);
-    for (size_t x = 0; x + 1 < n; ++x) widen(twist[x], (b[x + 1] - b[x]) - (a[x + 1] - a[x]));
+    for (size_t x = 0; x < n; ++x) widen<kTake>(steep[x], b[x] - a[x]);
+    for (size_t x = 0; x + 1 < n; ++x) widen<kTake>(twist[x], (b[x + 1] - b[x]) - (a[x + 1] - a[x]));
   }
   /// Adds the second differences (b - a) - (d - c) of three rows in a line, a, b = c and d, or of four
   /// rows around a face.
+  template <Take kTake>
   void addSecond(const float* __restrict__ a, const float* b, const float* __restrict__ c, const float* d) {
     float* __restrict__ bend = bend_.data();
     const size_t n = lo_.size();
-    for (size_t x = 0; x < n; ++x) widen(bend[x], (b[x] - a[x]) - (d[x] - c[x]));
+    for (size_t x = 0; x < n; ++x) widen<kTake>(bend[x], (b[x] - a[x]) - (d[x] - c[x]));
   }
 
   Macrocell over(int64_t first, int64_t last) const {
@@ -87,9 +98,13 @@ class RowSummary {
   }
 
  private:
+  template <Take kTake>
   static void widen(float& most, float difference) {
     const float d = std::abs(difference);
-    most = d > most && d < kInfinity ? d : most;
+    if constexpr (kTake == Take::Any)
+      most = d > most ? d : most;
+    else
+      most = d > most && d < kInfinity ? d : most;
   }
 
   std::vector<float> lo_, hi_, steep_, bend_, steepNext_, bendNext_, bendBoth_;
@@ -157,6 +172,22 @@ class Rows {
   std::vector<std::vector<float>> copies_;
 };
 
+/// Adds all rows of one row of macrocells, `ny` x `nz` of them.
+template <RowSummary::Take kTake>
+void addAll(const Rows& rows, int64_t ny, int64_t nz, RowSummary& to) {
+  to.reset();
+  for (int64_t z = 0; z < nz; ++z) {
+    for (int64_t y = 0; y < ny; ++y) {
+      to.add<kTake>(rows(y, z));
+      if (y > 0) to.addPair<kTake>(rows(y - 1, z), rows(y, z));
+      if (z > 0) to.addPair<kTake>(rows(y, z - 1), rows(y, z));
+      if (y > 1) to.addSecond<kTake>(rows(y - 2, z), rows(y - 1, z), rows(y - 1, z), rows(y, z));
+      if (z > 1) to.addSecond<kTake>(rows(y, z - 2), rows(y, z - 1), rows(y, z - 1), rows(y, z));
+      if (y > 0 && z > 0) to.addSecond<kTake>(rows(y - 1, z - 1), rows(y, z - 1), rows(y - 1, z), rows(y, z));
+    }
+  }
+}
+
 /// The points of macrocell `m` on one axis that lie in the extent, relative to the extent's first point.
 struct PointSpan {
   int64_t first, last;
@@ -222,17 +253,9 @@ void completeBlock(VolumeBlock& block, ScalarType stored, int components, const 
           summing(double(row) / double(n[1] * n[2]));
         const PointSpan zs = pointsOf(e, 2, f[2] + k), ys = pointsOf(e, 1, f[1] + j);
         rows.read(ys.first, ys.last, zs.first, zs.last, int(s));
-        row.reset();
-        for (int64_t z = 0; z <= zs.last - zs.first; ++z) {
-          for (int64_t y = 0; y <= ys.last - ys.first; ++y) {
-            row.add(rows(y, z));
-            if (y > 0) row.addPair(rows(y - 1, z), rows(y, z));
-            if (z > 0) row.addPair(rows(y, z - 1), rows(y, z));
-            if (y > 1) row.addSecond(rows(y - 2, z), rows(y - 1, z), rows(y - 1, z), rows(y, z));
-            if (z > 1) row.addSecond(rows(y, z - 2), rows(y, z - 1), rows(y, z - 1), rows(y, z));
-            if (y > 0 && z > 0) row.addSecond(rows(y - 1, z - 1), rows(y, z - 1), rows(y - 1, z), rows(y, z));
-          }
-        }
+        const int64_t ny = ys.last - ys.first + 1, nz = zs.last - zs.first + 1;
+        addAll<RowSummary::Take::Any>(rows, ny, nz, row);
+        if (row.hasInfiniteDifferences()) addAll<RowSummary::Take::Finite>(rows, ny, nz, row);
         for (int64_t i = 0; i < n[0]; ++i) {
           const PointSpan xs = pointsOf(e, 0, f[0] + i);
           cells.push_back(row.over(xs.first, xs.last));
