@@ -24,6 +24,7 @@ sys.path[:0] = [str(ROOT / folder) for folder in ("tests/clients", "tools/python
 from server import Server  # noqa: E402
 import galaxy  # noqa: E402
 
+PARTS = ["publishes", "copies", "overhead", "transfers", "latencies"]
 TICKS = os.sysconf("SC_CLK_TCK")
 ENVIRONMENT = {name: value for name, value in os.environ.items() if not name.startswith("GALAXY_INSITU")}
 ENVIRONMENT.update(OMPI_ALLOW_RUN_AS_ROOT="1", OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1")
@@ -262,17 +263,22 @@ class Bench:
         a = self._arguments
         self.numbers["load"] = os.getloadavg()
         with Serving(a, max(a.servers)) as serving:
-            self.publishes(serving)
-            self.copies()
-            self.overhead(serving)
-            servings = {max(a.servers): serving}
-            others = [(n, Serving(a, n)) for n in a.servers if n != max(a.servers)]
-            try:
-                self.transfers({**dict(others), **servings})
-            finally:
-                for _, other in others:
-                    other.__exit__()
-            self.latencies(serving, max(a.servers))
+            if "publishes" in a.parts:
+                self.publishes(serving)
+            if "copies" in a.parts:
+                self.copies()
+            if "overhead" in a.parts:
+                self.overhead(serving)
+            if "transfers" in a.parts:
+                servings = {n: serving if n == max(a.servers) else Serving(a, n) for n in a.servers}
+                try:
+                    self.transfers(servings)
+                finally:
+                    for other in servings.values():
+                        if other is not serving:
+                            other.__exit__()
+            if "latencies" in a.parts:
+                self.latencies(serving, max(a.servers))
         print("load before and after:", *(f"{load:.1f}" for load in (self.numbers["load"][0], os.getloadavg()[0])))
         if a.json:
             a.json.write_text(json.dumps(self.numbers, indent=1))
@@ -286,6 +292,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("programs", type=pathlib.Path, help="the folder of gxyserver, gxysim and insitu_benchmark")
     parser.add_argument("--quick", action="store_true", help="tiny data, seconds")
+    parser.add_argument("--parts", type=lambda text: text.split(","), default=PARTS, help="of " + ",".join(PARTS))
     parser.add_argument("--sizes", type=numbers, default=[64, 128, 256], help="points along an axis")
     parser.add_argument("--ranks", type=numbers, default=[1, 4], help="of the simulation")
     parser.add_argument("--servers", type=numbers, default=[1, 2], help="ranks of the server")
