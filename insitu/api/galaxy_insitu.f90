@@ -12,7 +12,7 @@ module galaxy_insitu
   private
 
   public :: gxy_version, gxy_open, gxy_grid, gxy_points, gxy_field, gxy_values, gxy_publish, gxy_publish_last
-  public :: gxy_wanted, gxy_wanted_settle, gxy_steered
+  public :: gxy_skip, gxy_wanted, gxy_wanted_settle, gxy_steered
   public :: gxy_statistics, gxy_message, gxy_close
   public :: c_ptr, c_int64_t, c_double
 
@@ -97,6 +97,14 @@ module galaxy_insitu
       type(gxy_stat), intent(out) :: statistics
       integer(c_int) :: taken
     end function gxy_statistics
+
+    function gxy_skip(sim, step, time) result(taken) bind(c, name="gxy_skip")
+      import :: c_ptr, c_int, c_int64_t, c_double
+      type(c_ptr), value :: sim
+      integer(c_int64_t), value :: step
+      real(c_double), value :: time
+      integer(c_int) :: taken
+    end function gxy_skip
 
     function gxy_wanted(sim, step, time) result(wanted) bind(c, name="gxy_wanted")
       import :: c_ptr, c_int, c_int64_t, c_double

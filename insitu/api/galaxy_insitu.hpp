@@ -75,6 +75,9 @@ class Simulation {
     return gxy_result(gxy_field(sim_, mesh, 0, name, GXY_OF_POINTS, values));
   }
 
+  /// Counts a step that this rank cannot publish, so that all ranks go on counting alike. It is left out on all of them.
+  gxy_result skip(std::int64_t step, double time) noexcept { return gxy_result(gxy_skip(sim_, step, time)); }
+
   /// Whether the next publish(), of this step and time, will be taken, as gxy_wanted() says; off or wrong use: not.
   bool wanted(std::int64_t step, double time) noexcept { return gxy_wanted(sim_, step, time) == 1; }
 

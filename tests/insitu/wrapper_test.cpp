@@ -85,6 +85,23 @@ TEST(Wrapper, ParticlesAreRowsOfValues) {
   EXPECT_EQ(sim.points(2, gxy::row(positions.data(), 2)), GXY_WRONG);
 }
 
+TEST(Wrapper, StepsAreAskedForSkippedAndSteered) {
+  const std::vector<float> values(4 * 3 * 2);
+  Simulation sim(
+      "heat", 0, 1,
+      R"({"to": "127.0.0.1:1", "token-file": "-", "steerable": [{"name": "dt", "least": 0, "largest": 1}]})");
+  sim.grid(kWhole, kBegin, kWhole);
+  sim.field("t", gxy::values(values.data(), kWhole));
+  double dt = 0;
+  EXPECT_EQ(sim.skip(1, 0.5), GXY_LOST);
+  EXPECT_FALSE(sim.wanted(2, 1));
+  EXPECT_EQ(sim.settle(2, true), GXY_TAKEN);
+  EXPECT_EQ(sim.publish(2, 1), GXY_LOST);
+  EXPECT_FALSE(sim.steered("dt", dt));
+  EXPECT_FALSE(sim.steered("dx", dt));
+  EXPECT_NE(std::string(sim.message()).find("steerable"), std::string::npos);
+}
+
 TEST(Wrapper, AStreamMovesWithItsObject) {
   const std::vector<float> values(4 * 3 * 2);
   Simulation first("heat", 0, 1, kNobodyThere);

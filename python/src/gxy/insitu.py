@@ -95,6 +95,7 @@ def _load():
                                         _Coordinates]),
             ("gxy_points", ctypes.c_int, [sim, text, ctypes.c_int64, _Array, _Array, ctypes.POINTER(ctypes.c_double)]),
             ("gxy_field", ctypes.c_int, [sim, text, ctypes.c_int, text, ctypes.c_int, _Array]),
+            ("gxy_skip", ctypes.c_int, [sim, ctypes.c_int64, ctypes.c_double]),
             ("gxy_wanted", ctypes.c_int, [sim, ctypes.c_int64, ctypes.c_double]),
             ("gxy_steered", ctypes.c_int, [sim, text, ctypes.POINTER(ctypes.c_double)]),
             ("gxy_wanted_settle", ctypes.c_int, [sim, ctypes.c_int64, ctypes.c_int]),
@@ -314,6 +315,10 @@ class Simulation:
             self._checked(self._library.gxy_field(self._open(), name, 0, _text(field, "field"), _OF["points"], arrays[field]))
             self._arrays[mesh, 0, field] = fields[field]
         self._fields[mesh] = set(fields)
+
+    def skip(self, step, time):
+        """Counts a step that this rank cannot publish, so that all ranks go on counting alike. It is left out on all of them."""
+        return self._checked(self._library.gxy_skip(self._open(), _index(step, "step"), _seconds(time, "time")))
 
     def wanted(self, step, time):
         """Whether the next publish(), which is of this step and time, will be taken. If not, this rank does not take it.

@@ -57,9 +57,13 @@ program fortran_test
   call check(e == GXY_TAKEN, "a grid with 64 bits is not taken: " // gxy_message(sim))
   e = gxy_field(sim, "grid", 0, "velocity", GXY_OF_CELLS, gxy_values(vectors(1, 1, 1, 1), shape(vectors)))
   call check(e == GXY_TAKEN, "vectors are not taken: " // gxy_message(sim))
+  call check(gxy_skip(sim, 0_c_int64_t, 0d0) == GXY_LOST, "a skipped step is not lost")
+  call check(gxy_wanted(sim, 1_c_int64_t, 0.5d0) == 0, "a step is wanted")
+  call check(gxy_wanted_settle(sim, 1_c_int64_t, 1) == GXY_TAKEN, "what ranks agree on is wrong")
+  call check(gxy_steered(sim, "dt", whole(1, 1, 1)) == GXY_WRONG, "what is not declared is steered")
   call check(gxy_publish(sim, 1_c_int64_t, 0.5d0) == GXY_LOST, "a step is not lost")
   e = gxy_statistics(sim, s)
-  call check(e == GXY_TAKEN .and. s%offered == 1 .and. s%taken == 0, "statistics")
+  call check(e == GXY_TAKEN .and. s%offered == 2 .and. s%taken == 0, "statistics")
   call gxy_close(sim, 0d0)
 
 contains

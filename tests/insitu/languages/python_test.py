@@ -82,6 +82,20 @@ class Opening(unittest.TestCase):
             self.assertGreaterEqual(statistics.publish_seconds, statistics.longest_seconds)
 
 
+    def test_steps_are_asked_for_skipped_and_steered(self):
+        with Simulation("heat", steerable=[{"name": "dt", "least": 0, "largest": 1}], **NOWHERE) as sim:
+            sim.grid(SIZE)
+            sim.field("t", np.zeros(SIZE[::-1]))
+            self.assertEqual(sim.skip(1, 0.5), Result.LOST)
+            self.assertIs(sim.wanted(2, 1), False)
+            sim.settle(2, True)
+            with self.assertRaisesRegex(ValueError, "expected the same step and time"):
+                sim.publish(3, 1)
+            self.assertEqual(sim.publish(2, 1), Result.LOST)
+            self.assertIsNone(sim.steered("dt"))
+            with self.assertRaisesRegex(ValueError, "expected one of the option \"steerable\""):
+                sim.steered("dx")
+
     def test_nothing_follows_the_last_step(self):
         with Simulation("heat", **NOWHERE) as sim:
             sim.grid(SIZE)
