@@ -128,7 +128,9 @@ void StreamLead::describe(int rank, Description description) {
 }
 
 void StreamLead::steer(const insitu::Steering& values) {
-  for (const auto& [name, value] : values) {
+  for (const auto& steered : values) {
+    const std::string& name = steered.first;
+    const double value = steered.second;
     const auto known = std::find_if(wishes_.steerable.begin(), wishes_.steerable.end(),
                                     [&](const StreamWishes::Steerable& s) { return s.name == name; });
     if (known == wishes_.steerable.end())
