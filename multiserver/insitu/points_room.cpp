@@ -187,14 +187,12 @@ std::vector<std::shared_ptr<Dataset>> PointsRoom::complete(Collectives& ranks) {
   std::vector<std::shared_ptr<OwnedGeometry>> all;
   std::vector<Range> ranges(mesh_.fields.size());
   agree(ranks, [&] {
+    for (size_t f = 1; f < mesh_.fields.size(); f++) all.push_back(std::make_shared<OwnedGeometry>(points));
+    all.push_back(std::make_shared<OwnedGeometry>(std::move(points)));
     for (size_t f = 0; f < mesh_.fields.size(); f++) {
-      const bool isLast = f + 1 == mesh_.fields.size();
-      all.push_back(isLast ? std::make_shared<OwnedGeometry>(std::move(points))
-                           : std::make_shared<OwnedGeometry>(points));
-      all.back()->block.values = values(f, places);
-      ranges[f] = rangeOf(all.back()->block);
+      all[f]->block.values = values(f, places);
+      ranges[f] = rangeOf(all[f]->block);
     }
-    if (all.empty()) all.push_back(std::make_shared<OwnedGeometry>(std::move(points)));
   });
   mergeRanges(ranks, ranges);
 
