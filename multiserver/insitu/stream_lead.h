@@ -131,12 +131,12 @@ class StreamLead {
   std::optional<insitu::Conductor> conductor_;
   insitu::Steering steering_;        ///< values that were ever steered
   uint64_t steered_ = 0, told_ = 0;  ///< how often; and when the simulation was told
-  std::string problem_;            ///< why the last step could not be published; empty if it was
-  CollectedStep newest_, before_;  ///< that were published last
-  Course course_;                  ///< of the step under way
-  Seconds seconds_;                ///< of all published steps together
-  int late_ = -1;                  ///< the rank that took the newest step last
-  uint64_t from_ = 0;              ///< the publish that is needed next; 0: any
+  std::string problem_;              ///< why the last step could not be published; empty if it was
+  CollectedStep newest_, before_;    ///< that were published last
+  Course course_;                    ///< of the step under way
+  Seconds seconds_;                  ///< of all published steps together
+  int late_ = -1;                    ///< the rank that took the newest step last
+  uint64_t from_ = 0;                ///< the publish that is needed next; 0: any
   std::mutex joining_;
   std::thread thread_;
 };
