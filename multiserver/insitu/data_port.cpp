@@ -187,8 +187,9 @@ class Socket final : public DataLink, public std::enable_shared_from_this<Socket
     if (std::exchange(closed_, true)) return;
     boost::system::error_code ignored;
     timer_.cancel(ignored);
-    socket_.close(ignored);
+    // First: once the other end sees the connection closed, the stream knows that it has ended.
     if (taker_) taker_->ended(failure_.empty() ? reason : failure_, regularly);
+    socket_.close(ignored);
     taker_ = nullptr;
     if (onClosed) onClosed(shared_from_this());
   }
