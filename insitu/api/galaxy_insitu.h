@@ -82,7 +82,7 @@ typedef struct gxy_sim gxy_sim;
  * GALAXY_INSITU_OPTIONS names for all others.
  *   "to"          "off", "HOST:PORT" of a server, or "here", the server in the simulation's own processes (galaxy_insitu_mpi.h).
  *                 The default is "off", and "here" in a simulation that gxyserver has loaded
- *   "here"        options of that server, an object: "port" (5001), "port-file", "data" (folder), "backend", "threads" (1), "niceness" (5)
+ *   "here"        options of that server, an object: "bind" (127.0.0.1), "port" (5001), "port-file", "data", "backend", "threads" (1), "niceness" (5)
  *   "token-file"  file with the server's token, "-" for none; default: where a server on this machine leaves it
  *   "tenant"      for servers without tokens (default: "user")
  *   "scope"       "private" (the default) or "shared": who sees the data

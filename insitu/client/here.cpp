@@ -53,7 +53,7 @@ void loadEmbedded(const std::string& mpi) {
   constexpr const char* kName = "libgalaxy_embed.so.1";
   std::string why;
   for (const std::string& name : {ownFolder() + kName, std::string(kName)}) {
-    // Modules that it loads find its symbols, which are Galaxy's only.
+    // Global, so that the modules that it loads find its symbols.
     void* handle = dlopen(name.c_str(), RTLD_NOW | RTLD_GLOBAL);
     if (!handle) {
       why += std::string("\n  ") + dlerror();

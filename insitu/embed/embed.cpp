@@ -80,6 +80,10 @@ Settings readSettings(const std::string& options) {
   s.threads = int(integer("threads", s.threads, 1, 4096));
   s.niceness = int(integer("niceness", s.niceness, 0, 19));
   s.bind = text("bind", s.bind);
+  boost::system::error_code wrong;
+  boost::asio::ip::make_address(s.bind, wrong);
+  if (wrong)
+    throw Error("option \"here\", \"bind\": found \"" + s.bind + "\", expected an address as 0.0.0.0");
   s.portFile = text("port-file", "");
   s.data = text("data", "");
   s.backend = text("backend", s.backend);

@@ -153,7 +153,7 @@ class Here(unittest.TestCase):
                 (["--simulation", "gxysim", "--world"], "--world", 2)):
             with self.subTest(command=command):
                 self.assertIn(words, self.run_to_its_end("wrong", GXYSERVER, "--port", 0, *command, status=status))
-        for here, words in (({"port": -1}, '"port": expected an integer'), ({"ports": 0}, 'there is no "ports"'),
+        for here, words in (({"bind": "somewhere"}, '"bind": found "somewhere"'), ({"port": -1}, '"port": expected an integer'), ({"ports": 0}, 'there is no "ports"'),
                             ({"port": 0, "backend": "none"}, "none")):
             with self.subTest(here=here):
                 text = self.run_to_its_end("wrong", GXYSIM, *arguments, options=self.options(here=here), to="here")
