@@ -82,7 +82,7 @@ std::vector<Destination> readDestinations(std::span<const std::byte> message, in
     if (isGrid &&
         (p.block < 0 || size_t(p.block) >= blocks.size() || !isInside(p.points, blocks[size_t(p.block)])))
       r.fail("a piece outside the blocks of this rank");
-    if (!isGrid && (p.block != 0 || p.partition != -1 || p.points.count() != 0))
+    if (!isGrid && (p.block != 0 || p.partition != -1 || p.points != Extent{}))
       r.fail("a piece of particles with points of a grid");
     left[size_t(p.mesh)] -= isGrid ? p.points.count() : 1;
     if (left[size_t(p.mesh)] < 0) r.fail("more points than this rank has");
