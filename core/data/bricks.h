@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <span>
 
 #include "core/data/scalar.h"
 #include "core/data/volume.h"
@@ -18,6 +19,7 @@ namespace gxy {
 class Bricks {
  public:
   static constexpr int64_t kSide = 8;
+  static constexpr int64_t kStepX = kSide * kSide * kSide;  ///< places from a brick to the next along x
 
   /// The layout of a block with this many points per axis. Throws Error if a layer in x and y has more than
   /// 2^28 points (padding included).
@@ -58,5 +60,17 @@ class Bricks {
 /// each layer. If `check` throws, the samples are left in an undefined order.
 void putIntoBricks(
     Samples& samples, const Index3& points, size_t bytesPerPoint, const std::function<void()>& check = [] {});
+
+/// Stores samples in a block that is in bricks: consecutive points of `box`, x fastest, from its point number `first` on. The block
+/// contains the box, and the box as many points.
+void storeInBricks(std::span<std::byte> bricks, const Extent& block, const Extent& box, int64_t first,
+                   std::span<const std::byte> samples, size_t bytesPerPoint);
+
+/// Copies the points of `box` out of a block that is in bricks and contains it, x fastest.
+void copyFromBricks(std::span<const std::byte> bricks, const Extent& block, const Extent& box,
+                    std::span<std::byte> samples, size_t bytesPerPoint);
+
+/// Sets the padding of a block of this many points to zeros.
+void clearPadding(std::span<std::byte> bricks, const Index3& points, size_t bytesPerPoint);
 
 }  // namespace gxy

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/data/bricks.h"
 #include "core/data/extent_pieces.h"
 #include "core/data/macrocells.h"
 #include "core/data/merge_ranges.h"
@@ -36,35 +37,76 @@ FieldStatistics statisticsOf(const VolumeBlock& block, ScalarType type, int comp
   return statistics;
 }
 
-/// Stores the samples of all blocks as encodingOf() says of a field with `fieldComponents` and stored values in `ranges`,
-/// which are those of all ranks, and puts them into bricks.
-void storeSamples(Volume& volume, int fieldComponents, const std::vector<Range>& ranges, Collectives& ranks,
-                  const std::function<void(int64_t)>& stored) {
+/// Returns how the samples of a field with `fieldComponents` are stored if the samples of this volume have these ranges.
+Encoding encodingFor(const Volume& volume, int fieldComponents, const std::vector<Range>& ranges) {
   Range values;
   for (int c = 0; c < volume.components; ++c) values.extend(ranges[size_t(c)]);
-  const ScalarType type = volume.stored;
-  const Encoding encoding = encodingOf(type, fieldComponents, values);
+  return encodingOf(volume.stored, fieldComponents, values);
+}
+
+/// Changes the samples of all blocks from their type to the encoding.
+void encode(Volume& volume, const Encoding& encoding, Collectives& ranks) {
+  if (encoding == Encoding{volume.stored}) return;
+  agree(ranks, [&] {
+    for (auto& [partition, block] : volume.blocks) {
+      block.samples = convert(block.samples, volume.stored, encoding, [&](double) { ranks.check(); });
+      clearPadding(block.samples, block.extent.points, bytesOf(encoding.stored) * size_t(volume.components));
+    }
+  });
   volume.stored = encoding.stored;
   volume.shift += volume.scale * encoding.shift;
   volume.scale *= encoding.scale;
+}
+
+void summarize(Volume& volume, Collectives& ranks, const std::function<void(int64_t)>& stored) {
   agree(ranks, [&] {
     for (auto& [partition, block] : volume.blocks) {
-      ranks.check();
-      if (encoding != Encoding{type})
-        block.samples = convert(block.samples, type, encoding, [&](double) { ranks.check(); });
       const int64_t points = block.extent.count();
       int64_t told = 0;
       const auto tellTo = [&](int64_t point) {
         const int64_t more = point - std::exchange(told, point);
         if (stored) stored(more);
       };
-      completeBlock(block, encoding.stored, volume.components, [&](double fraction) {
+      block.summaries.clear();
+      summarizeBlock(block, volume.stored, volume.components, [&](double fraction) {
         ranks.check();
         tellTo(int64_t(fraction * double(points)));
       });
       tellTo(points);
     }
   });
+}
+
+/// Statistics of the scalars of this rank's blocks, from their summaries. The summaries of all ranks together are those of the
+/// whole field, as the points that several blocks have in common are the same.
+FieldStatistics statisticsOfSummaries(const Volume& volume) {
+  FieldStatistics statistics;
+  statistics.ranges.resize(1);
+  for (const auto& [partition, block] : volume.blocks)
+    for (const Macrocell& m : block.summaries[0]) {
+      if (m.min <= m.max) statistics.ranges[0].extend({double(m.min), double(m.max)});
+      statistics.noDataSamples += m.noData;
+    }
+  return statistics;
+}
+
+/// Counts points without data among those that the partitions of this rank own. Most fields have none, so none is looked for
+/// unless a summary says so.
+int64_t countNoData(const Volume& volume, const Partitioning& partitioning, const Collectives& ranks) {
+  if (volume.stored != ScalarType::Float32) return 0;
+  int64_t count = 0;
+  LargeVector<std::byte> slice;
+  for (const auto& [partition, block] : volume.blocks) {
+    Extent owned = ownedPoints(volume.grid, partitioning, partition);
+    const int64_t layers = std::exchange(owned.points[2], 1);
+    slice.resize(size_t(owned.count()) * sizeof(float));
+    for (int64_t z = 0; z < layers; ++z, ++owned.first[2]) {
+      ranks.check();
+      copyFromBricks(block.samples, block.extent, owned, slice, sizeof(float));
+      count += statisticsOf(slice, volume.stored, 1).noDataSamples;
+    }
+  }
+  return count;
 }
 
 }  // namespace
@@ -75,20 +117,59 @@ void completeVolume(Volume& volume, const Partitioning& partitioning, Collective
 
 void completeVolume(Volume& volume, const Partitioning& partitioning, Collectives& ranks, int fieldComponents,
                     const std::function<void(int64_t)>& stored) {
-  FieldStatistics statistics;
-  statistics.ranges.resize(size_t(volume.components) + (volume.components > 1));
+  FieldStatistics mine;
   agree(ranks, [&] {
-    for (const auto& [partition, block] : volume.blocks)
-      statistics.merge(statisticsOf(block, volume.stored, volume.components,
-                                    ownedPoints(volume.grid, partitioning, partition), ranks));
+    for (auto& [partition, block] : volume.blocks) {
+      if (needsStatistics(volume, partitioning))
+        mine.merge(statisticsOf(block, volume.stored, volume.components,
+                                ownedPoints(volume.grid, partitioning, partition), ranks));
+      putIntoBricks(block.samples, block.extent.points, bytesOf(volume.stored) * size_t(volume.components),
+                    [&] { ranks.check(); });
+    }
   });
-  mergeRanges(ranks, statistics.ranges);
-  volume.ranges = statistics.ranges;
+  completeBricks(volume, partitioning, ranks, std::move(mine), fieldComponents, stored);
+}
+
+bool needsStatistics(const Volume& volume, const Partitioning& partitioning) {
+  const Box& domain = partitioning.domain();
+  const Box grid = volume.grid.box();
+  bool covers = true;  // and blocks have no points outside the domain
+  for (int a = 0; a < 3; ++a) covers = covers && domain.lo[a] <= grid.lo[a] && grid.hi[a] <= domain.hi[a];
+  return isWide(volume.stored) || volume.components > 1 || !covers;
+}
+
+void completeBricks(Volume& volume, const Partitioning& partitioning, Collectives& ranks,
+                    FieldStatistics mine, int fieldComponents, const std::function<void(int64_t)>& stored) {
+  const double shift = volume.shift,
+               scale = volume.scale;  // as long as the ranges are those of the samples as they came
+  const bool known = needsStatistics(volume, partitioning);
+  if (known) {
+    mine.ranges.resize(size_t(volume.components) + (volume.components > 1));
+    mergeRanges(ranks, mine.ranges);
+    encode(volume, encodingFor(volume, fieldComponents, mine.ranges), ranks);
+  }
+  summarize(volume, ranks, stored);
+  if (!known) {
+    mine = statisticsOfSummaries(volume);
+    mergeRanges(ranks, mine.ranges);
+  }
+  mine.noDataSamples = int64_t(sumOfCounts(ranks, uint64_t(mine.noDataSamples)));
+  if (!known && mine.noDataSamples > 0) {
+    int64_t count = 0;
+    agree(ranks, [&] { count = countNoData(volume, partitioning, ranks); });
+    mine.noDataSamples = int64_t(sumOfCounts(ranks, uint64_t(count)));
+  }
+  if (!known) {
+    const Encoding encoding = encodingFor(volume, fieldComponents, mine.ranges);
+    if (encoding != Encoding{volume.stored}) {  // Few floats are so large or so small that they are scaled.
+      encode(volume, encoding, ranks);
+      summarize(volume, ranks, {});
+    }
+  }
+  volume.ranges = mine.ranges;
   for (Range& range : volume.ranges)
-    if (!range.empty())
-      range = {volume.shift + volume.scale * range.min, volume.shift + volume.scale * range.max};
-  volume.noDataSamples = int64_t(sumOfCounts(ranks, uint64_t(statistics.noDataSamples)));
-  storeSamples(volume, fieldComponents, statistics.ranges, ranks, stored);
+    if (!range.empty()) range = {shift + scale * range.min, shift + scale * range.max};
+  volume.noDataSamples = mine.noDataSamples;
   mergeMacrocells(volume, ranks);
 }
 

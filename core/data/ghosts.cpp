@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "core/comm/error.h"
+#include "core/data/bricks.h"
 #include "core/data/extents.h"
 #include "core/data/replicate.h"
 
@@ -87,7 +88,7 @@ void checkBlocks(Volumes volumes, const GhostPlan& plan, const Collectives& rank
       if (block == volume->blocks.end() || block->second.extent != extent)
         throw Error(where + "there is no block with the extent of the plan");
       const size_t bytes = block->second.samples.size(),
-                   expected = size_t(extent.count()) * bytesPerPoint(*volume);
+                   expected = Bricks(extent.points).count() * bytesPerPoint(*volume);
       if (bytes != expected)
         throw Error(where + "the block has " + std::to_string(bytes) + " bytes of samples, expected " +
                     std::to_string(expected));
@@ -115,11 +116,14 @@ size_t messageSize(Volumes volumes, std::span<const Piece> pieces) {
 }
 
 void copyLocally(Volumes volumes, std::span<const Piece> pieces, const Collectives& ranks) {
-  forSamples(volumes, pieces, [&](Volume& volume, const Piece& piece, size_t, size_t) {
+  Bytes samples;
+  forSamples(volumes, pieces, [&](Volume& volume, const Piece& piece, size_t, size_t bytes) {
     ranks.check();
     const VolumeBlock& from = volume.blocks.at(piece.from);
     VolumeBlock& to = volume.blocks.at(piece.to);
-    copyBox(piece.points, from.samples, from.extent, to.samples, to.extent, bytesPerPoint(volume));
+    samples.resize(bytes);
+    copyFromBricks(from.samples, from.extent, piece.points, samples, bytesPerPoint(volume));
+    storeInBricks(to.samples, to.extent, piece.points, 0, samples, bytesPerPoint(volume));
   });
 }
 
@@ -128,8 +132,8 @@ Bytes pack(Volumes volumes, std::span<const Piece> pieces, const Collectives& ra
   forSamples(volumes, pieces, [&](const Volume& volume, const Piece& piece, size_t first, size_t bytes) {
     ranks.check();
     const VolumeBlock& from = volume.blocks.at(piece.from);
-    copyBox(piece.points, from.samples, from.extent, std::span(message).subspan(first, bytes), piece.points,
-            bytesPerPoint(volume));
+    copyFromBricks(from.samples, from.extent, piece.points, std::span(message).subspan(first, bytes),
+                   bytesPerPoint(volume));
   });
   return message;
 }
@@ -138,8 +142,8 @@ void unpack(const Bytes& message, Volumes volumes, std::span<const Piece> pieces
   forSamples(volumes, pieces, [&](Volume& volume, const Piece& piece, size_t first, size_t bytes) {
     ranks.check();
     VolumeBlock& to = volume.blocks.at(piece.to);
-    copyBox(piece.points, std::span(message).subspan(first, bytes), piece.points, to.samples, to.extent,
-            bytesPerPoint(volume));
+    storeInBricks(to.samples, to.extent, piece.points, 0, std::span(message).subspan(first, bytes),
+                  bytesPerPoint(volume));
   });
 }
 

@@ -4,7 +4,7 @@
 //
 //   1. Every rank makes a GhostPlan, once for a grid and a partitioning.
 //   2. For each step, every rank fills the points that its partitions own, and calls exchangeGhosts().
-//   3. Every rank calls completeVolume() (complete_volume.h).
+//   3. Every rank calls completeBricks() (complete_volume.h).
 #pragma once
 #include <map>
 #include <span>
@@ -50,8 +50,8 @@ class GhostPlan {
   std::vector<std::vector<Piece>> sent_, received_;  ///< by the other rank
 };
 
-/// Collective. Gives all blocks their ghosts. Each volume has the blocks of the plan, with samples of type `volume.stored`, x
-/// fastest. Before the call, the points of ownedPoints() have their samples; the call fills all others. The volumes may differ
+/// Collective. Gives all blocks their ghosts. Each volume has the blocks of the plan, with samples of type `volume.stored` in
+/// bricks (bricks.h). Before the call, the points of ownedPoints() have their samples; the call fills all others. The volumes may differ
 /// in type and number of components. All ranks give the same ones in the same order. A rank sends one message to each other
 /// rank, for all volumes together; it is empty if no partition there needs points of this rank. If any rank fails, all throw the
 /// same Error, and the points that are not owned are undefined.

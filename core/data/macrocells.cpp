@@ -2,13 +2,14 @@
 #include "core/data/macrocells.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstring>
 #include <limits>
+#include <span>
+#include <type_traits>
 
 #include "core/comm/error.h"
 #include "core/data/bricks.h"
+#include "macrocell_rows_ispc.h"
 
 namespace gxy {
 namespace {
@@ -16,177 +17,108 @@ namespace {
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 constexpr int64_t kSize = kMacrocellSize;
 
-/// Extremes over the rows of points of one row of macrocells, by x: of a point itself (lo_, hi_, steep_, bend_),
-/// of it and the next point in x (steepNext_, bendNext_), and of it and both its neighbours in x (bendBoth_).
-class RowSummary {
+/// The rows of points of one row of macrocells as float, for one summary (component or magnitude) at a time, and what
+/// summarizeRows() (macrocell_rows.ispc) finds in them.
+class Rows {
  public:
-  explicit RowSummary(size_t points)
-      : lo_(points),
-        hi_(points),
-        steep_(points),
-        bend_(points),
-        steepNext_(points),
-        bendNext_(points),
-        bendBoth_(points),
-        bad_(points) {}
+  Rows(const VolumeBlock& block, ScalarType stored, int components)
+      : block_(block),
+        bricks_(block.extent.points),
+        stored_(stored),
+        components_(components),
+        pitch_(block.extent.points[0] + 2),
+        rows_(size_t(kRows * kRows * pitch_)),
+        extremes_(size_t(kExtremes * pitch_)) {}
 
-  void reset() {
-    std::fill(lo_.begin(), lo_.end(), kInfinity);
-    std::fill(hi_.begin(), hi_.end(), -kInfinity);
-    for (auto* v : {&steep_, &bend_, &steepNext_, &bendNext_, &bendBoth_})
-      std::fill(v->begin(), v->end(), 0.f);
-    std::fill(bad_.begin(), bad_.end(), 0u);
-  }
-
-  // Each loop is written so that compilers vectorise it: no branch, one pass, arrays that do not alias. A
-  // difference of a NaN or an infinity is NaN or infinite, and so fails the comparisons in widen(). With
-  // Take::Any infinite differences are taken: half the work, which is done anew if there are any.
-  enum class Take { Any, Finite };
-  bool hasInfiniteDifferences() const {
-    for (const auto* v : {&steep_, &bend_, &steepNext_, &bendNext_, &bendBoth_})
-      if (std::find(v->begin(), v->end(), kInfinity) != v->end()) return true;
-    return false;
+  /// Summarizes the rows [y0, y1] x [z0, z1] of the block, (kSize + 1)^2 at most.
+  void summarize(int64_t y0, int64_t y1, int64_t z0, int64_t z1, int summary) {
+    withType(stored_, [&](auto t) { read<decltype(t)>(y0, y1, z0, z1, summary); });
+    const auto find = [&](bool finiteOnly) {
+      ispc::summarizeRows(rows_.data() + 1, pitch_, int(kRows), int(y1 - y0 + 1), int(z1 - z0 + 1),
+                          int(block_.extent.points[0]), finiteOnly, extremes_.data());
+    };
+    find(false);  // Half the work, which is done anew if differences are infinite.
+    const auto differences = std::span(extremes_).subspan(size_t(kSteep * pitch_), size_t(5 * pitch_));
+    if (std::find(differences.begin(), differences.end(), kInfinity) != differences.end()) find(true);
   }
 
-  /// Adds a row and its differences along x.
-  template <Take kTake>
-  void add(const float* __restrict__ row) {
-    float* __restrict__ l = lo_.data(), * __restrict__ h = hi_.data();
-    float* __restrict__ steep = steepNext_.data(), * __restrict__ bend = bendBoth_.data();
-    uint32_t* __restrict__ b = bad_.data();
-    const size_t n = lo_.size();
-    for (size_t x = 0; x < n; ++x) {
-      const float v = row[x];
-      const bool finite = v - v == 0;
-      const float below = finite ? v : kInfinity, above = finite ? v : -kInfinity;
-      l[x] = below < l[x] ? below : l[x];
-      h[x] = above > h[x] ? above : h[x];
-      b[x] |= finite ? 0u : 1u;
-    }
-    for (size_t x = 0; x + 1 < n; ++x) widen<kTake>(steep[x], row[x + 1] - row[x]);
-    for (size_t x = 1; x + 1 < n; ++x) widen<kTake>(bend[x], (row[x + 1] - row[x]) - (row[x] - row[x - 1]));
-  }
-  /// Adds the differences of rows that are neighbours along y or z.
-  template <Take kTake>
-  void addPair(const float* __restrict__ a, const float* __restrict__ b) {
-    float* __restrict__ steep = steep_.data(), * __restrict__ twist = bendNext_.data();
-    const size_t n = lo_.size();
-    for (size_t x = 0; x < n; ++x) widen<kTake>(steep[x], b[x] - a[x]);
-    for (size_t x = 0; x + 1 < n; ++x) widen<kTake>(twist[x], (b[x + 1] - b[x]) - (a[x + 1] - a[x]));
-  }
-  /// Adds the second differences (b - a) - (d - c) of three rows in a line, a, b = c and d, or of four
-  /// rows around a face.
-  template <Take kTake>
-  void addSecond(const float* __restrict__ a, const float* b, const float* __restrict__ c, const float* d) {
-    float* __restrict__ bend = bend_.data();
-    const size_t n = lo_.size();
-    for (size_t x = 0; x < n; ++x) widen<kTake>(bend[x], (b[x] - a[x]) - (d[x] - c[x]));
-  }
-
+  /// Returns the summary of the points from `first` to `last` in x.
   Macrocell over(int64_t first, int64_t last) const {
+    const auto row = [&](int64_t kind) { return extremes_.data() + kind * pitch_; };
     Macrocell m{kInfinity, -kInfinity, 0, 0, false};
     for (int64_t x = first; x <= last; ++x) {
-      m.min = std::min(m.min, lo_[x]);
-      m.max = std::max(m.max, hi_[x]);
-      m.steep = std::max(m.steep, steep_[x]);
-      m.bend = std::max(m.bend, bend_[x]);
-      m.noData |= bad_[x] != 0;
-      if (x < last) m.steep = std::max(m.steep, steepNext_[x]), m.bend = std::max(m.bend, bendNext_[x]);
-      if (x > first && x < last) m.bend = std::max(m.bend, bendBoth_[x]);
+      m.min = std::min(m.min, row(kLo)[x]);
+      m.max = std::max(m.max, row(kHi)[x]);
+      m.steep = std::max(m.steep, row(kSteep)[x]);
+      m.bend = std::max(m.bend, row(kBend)[x]);
+      m.noData |= row(kBad)[x] != 0;
     }
+    for (int64_t x = first; x < last; ++x) {
+      m.steep = std::max(m.steep, row(kSteepNext)[x]);
+      m.bend = std::max(m.bend, row(kBendNext)[x]);
+    }
+    for (int64_t x = first + 1; x < last; ++x) m.bend = std::max(m.bend, row(kBendBoth)[x]);
     return m;
   }
 
  private:
-  template <Take kTake>
-  static void widen(float& most, float difference) {
-    const float d = std::abs(difference);
-    if constexpr (kTake == Take::Any)
-      most = d > most ? d : most;
-    else
-      most = d > most && d < kInfinity ? d : most;
-  }
+  static constexpr int64_t kRows = kSize + 1;
+  enum : int64_t { kLo, kHi, kSteep, kBend, kSteepNext, kBendNext, kBendBoth, kBad, kExtremes };
 
-  std::vector<float> lo_, hi_, steep_, bend_, steepNext_, bendNext_, bendBoth_;
-  std::vector<uint32_t> bad_;
-};
-
-/// The rows of points of one row of macrocells as float, for one summary (component or magnitude) at a time.
-class Rows {
- public:
-  Rows(const VolumeBlock& block, ScalarType stored, int components)
-      : block_(block), stored_(stored), components_(components) {
-    if (stored != ScalarType::Float32 || components != 1)
-      copies_.resize(kRows * kRows, std::vector<float>(size_t(block.extent.points[0])));
-  }
-
-  /// Reads the rows [y0, y1] x [z0, z1] of the block, (kSize + 1)^2 at most.
+  template <typename T>
   void read(int64_t y0, int64_t y1, int64_t z0, int64_t z1, int summary) {
-    const Extent& e = block_.extent;
+    const auto* samples = reinterpret_cast<const T*>(block_.samples.data());
     for (int64_t z = z0; z <= z1; ++z)
       for (int64_t y = y0; y <= y1; ++y) {
-        const size_t first = size_t((z * e.points[1] + y) * e.points[0]) * size_t(components_);
-        const std::byte* at = block_.samples.data() + first * bytesOf(stored_);
-        const size_t slot = size_t((z - z0) * kRows + (y - y0));
-        if (copies_.empty()) {
-          rows_[slot] = reinterpret_cast<const float*>(at);
-          continue;
+        const T* row = samples + bricks_(0, y, z) * size_t(components_);
+        float* to = &rows_[size_t(((z - z0) * kRows + (y - y0)) * pitch_ + 1)];
+        if (components_ == 1)
+          readScalars(row, to);
+        else if (components_ ==
+                 3)  // A number that is known when the loops are compiled makes them twice as fast.
+          readVectors(row, 3, summary, to);
+        else
+          readVectors(row, components_, summary, to);
+      }
+  }
+  template <typename T>
+  void readScalars(const T* row, float* to) const {
+    const auto points = int(block_.extent.points[0]), step = int(Bricks::kStepX);
+    if constexpr (std::is_same_v<T, int8_t>) ispc::readRowInt8(row, step, points, to);
+    if constexpr (std::is_same_v<T, uint8_t>) ispc::readRowUInt8(row, step, points, to);
+    if constexpr (std::is_same_v<T, int16_t>) ispc::readRowInt16(row, step, points, to);
+    if constexpr (std::is_same_v<T, uint16_t>) ispc::readRowUInt16(row, step, points, to);
+    if constexpr (std::is_same_v<T, float>) ispc::readRowFloat(row, step, points, to);
+  }
+  /// Reads component `summary`, or the magnitude if that is the number of components.
+  template <typename T>
+  [[gnu::always_inline]] void readVectors(const T* row, int components, int summary, float* to) const {
+    const int64_t points = block_.extent.points[0];
+    for (int64_t x = 0; x < points; x += Bricks::kSide, row += Bricks::kStepX * components) {
+      const int64_t n = std::min(Bricks::kSide, points - x);
+      if (summary < components) {
+        for (int64_t i = 0; i < n; ++i) to[x + i] = float(row[i * components + summary]);
+        continue;
+      }
+      for (int64_t i = 0; i < n; ++i) {
+        float squares = 0;
+        for (int c = 0; c < components; ++c) {
+          const float v = float(row[i * components + c]);
+          squares += v * v;
         }
-        withType(stored_, [&](auto t) {
-          using T = decltype(t);
-          if (summary < components_) {
-            component(reinterpret_cast<const T*>(at) + summary, copies_[slot]);
-          } else {
-            magnitude(reinterpret_cast<const T*>(at), copies_[slot]);
-          }
-        });
-        rows_[slot] = copies_[slot].data();
+        to[x + i] = std::sqrt(squares);
       }
-  }
-  /// The row (y, z), counted from the first that was read.
-  const float* operator()(int64_t y, int64_t z) const { return rows_[size_t(z * kRows + y)]; }
-
- private:
-  static constexpr size_t kRows = kSize + 1;
-
-  template <typename T>
-  void component(const T* from, std::vector<float>& row) const {
-    for (size_t x = 0; x < row.size(); ++x) row[x] = float(from[x * size_t(components_)]);
-  }
-  template <typename T>
-  void magnitude(const T* from, std::vector<float>& row) const {
-    for (float& r : row) {
-      float squares = 0;
-      for (int c = 0; c < components_; ++c) {
-        const float v = float(*from++);
-        squares += v * v;
-      }
-      r = std::sqrt(squares);
     }
   }
 
   const VolumeBlock& block_;
+  const Bricks bricks_;
   const ScalarType stored_;
   const int components_;
-  std::array<const float*, kRows * kRows> rows_{};
-  std::vector<std::vector<float>> copies_;
+  const int64_t pitch_;          ///< of rows: the float before and the one after a row may be read
+  std::vector<float> rows_;      ///< kRows in each layer
+  std::vector<float> extremes_;  ///< by kind
 };
-
-/// Adds all rows of one row of macrocells, `ny` x `nz` of them.
-template <RowSummary::Take kTake>
-void addAll(const Rows& rows, int64_t ny, int64_t nz, RowSummary& to) {
-  to.reset();
-  for (int64_t z = 0; z < nz; ++z) {
-    for (int64_t y = 0; y < ny; ++y) {
-      to.add<kTake>(rows(y, z));
-      if (y > 0) to.addPair<kTake>(rows(y - 1, z), rows(y, z));
-      if (z > 0) to.addPair<kTake>(rows(y, z - 1), rows(y, z));
-      if (y > 1) to.addSecond<kTake>(rows(y - 2, z), rows(y - 1, z), rows(y - 1, z), rows(y, z));
-      if (z > 1) to.addSecond<kTake>(rows(y, z - 2), rows(y, z - 1), rows(y, z - 1), rows(y, z));
-      if (y > 0 && z > 0) to.addSecond<kTake>(rows(y - 1, z - 1), rows(y, z - 1), rows(y - 1, z), rows(y, z));
-    }
-  }
-}
 
 /// The points of macrocell `m` on one axis that lie in the extent, relative to the extent's first point.
 struct PointSpan {
@@ -215,20 +147,23 @@ bool isPrivate(const VolumeBlock& block, const Index3& macrocell) {
   return true;
 }
 
-}  // namespace
-
-void completeBlock(VolumeBlock& block, ScalarType stored, int components, const Advance& advance) {
-  const Extent& e = block.extent;
+void checkSamples(const VolumeBlock& block, ScalarType stored, int components, size_t points) {
   if (bytesOf(stored) > 4 || stored == ScalarType::Int32 || stored == ScalarType::UInt32) {
     throw Error(std::string("macrocells: samples stored as ") + nameOf(stored) +
                 ", expected 8 or 16 bits or float32");
   }
-  if (components < 1 || block.samples.size() != size_t(e.count()) * size_t(components) * bytesOf(stored)) {
+  if (components < 1 || block.samples.size() != points * size_t(components) * bytesOf(stored)) {
     throw Error("macrocells: a block of " + std::to_string(block.samples.size()) + " bytes, expected " +
-                std::to_string(e.count()) + " points of " + std::to_string(components) + " x " +
-                nameOf(stored));
+                std::to_string(points) + " points of " + std::to_string(components) + " x " + nameOf(stored));
   }
   if (!block.summaries.empty()) throw Error("macrocells: a block that is complete already");
+}
+
+}  // namespace
+
+void summarizeBlock(VolumeBlock& block, ScalarType stored, int components, const Advance& advance) {
+  const Extent& e = block.extent;
+  checkSamples(block, stored, components, Bricks(e.points).count());
   block.summaries.assign(components > 1 ? size_t(components) + 1 : 1, {});
   block.firstMacrocell = block.macrocells = {0, 0, 0};
   if (e.count() == 0) return;
@@ -241,29 +176,29 @@ void completeBlock(VolumeBlock& block, ScalarType stored, int components, const 
   const Index3 &n = block.macrocells, &f = block.firstMacrocell;
   // The number of rows of macrocells between two reports of progress.
   const int64_t told = std::max<int64_t>(1, (int64_t(1) << 20) / (e.points[0] * kSize * kSize));
+  for (std::vector<Macrocell>& cells : block.summaries) cells.reserve(size_t(n[0] * n[1] * n[2]));
   Rows rows(block, stored, components);
-  RowSummary row(size_t(e.points[0]));
-  for (size_t s = 0; s < block.summaries.size(); ++s) {
-    std::vector<Macrocell>& cells = block.summaries[s];
-    cells.reserve(size_t(n[0] * n[1] * n[2]));
-    const Advance summing = partOf(advance, s, block.summaries.size());
-    for (int64_t k = 0; k < n[2]; ++k) {
-      for (int64_t j = 0; j < n[1]; ++j) {
-        if (const int64_t row = k * n[1] + j; j == 0 || row % told == 0)
-          summing(double(row) / double(n[1] * n[2]));
-        const PointSpan zs = pointsOf(e, 2, f[2] + k), ys = pointsOf(e, 1, f[1] + j);
-        rows.read(ys.first, ys.last, zs.first, zs.last, int(s));
-        const int64_t ny = ys.last - ys.first + 1, nz = zs.last - zs.first + 1;
-        addAll<RowSummary::Take::Any>(rows, ny, nz, row);
-        if (row.hasInfiniteDifferences()) addAll<RowSummary::Take::Finite>(rows, ny, nz, row);
+  for (int64_t k = 0; k < n[2]; ++k) {
+    for (int64_t j = 0; j < n[1]; ++j) {
+      if (const int64_t row = k * n[1] + j; j == 0 || row % told == 0)
+        advance(double(row) / double(n[1] * n[2]));
+      const PointSpan zs = pointsOf(e, 2, f[2] + k), ys = pointsOf(e, 1, f[1] + j);
+      for (size_t s = 0; s < block.summaries.size(); ++s) {
+        rows.summarize(ys.first, ys.last, zs.first, zs.last, int(s));
         for (int64_t i = 0; i < n[0]; ++i) {
           const PointSpan xs = pointsOf(e, 0, f[0] + i);
-          cells.push_back(row.over(xs.first, xs.last));
+          block.summaries[s].push_back(rows.over(xs.first, xs.last));
         }
       }
     }
   }
-  putIntoBricks(block.samples, e.points, size_t(components) * bytesOf(stored), [&] { advance(1); });
+}
+
+void completeBlock(VolumeBlock& block, ScalarType stored, int components, const Advance& advance) {
+  checkSamples(block, stored, components, size_t(block.extent.count()));
+  putIntoBricks(block.samples, block.extent.points, size_t(components) * bytesOf(stored),
+                [&] { advance(0); });
+  summarizeBlock(block, stored, components, advance);
 }
 
 std::vector<BorderSummary> borderSummaries(const Volume& volume) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Summaries of macrocells, per block and merged over the partitions that cut a macrocell.
 //
-// After an import or update, each rank calls completeBlock() for every local block, exchanges its
+// After an import or update, each rank calls summarizeBlock() for every local block, exchanges its
 // borderSummaries() with all ranks (an all-gather of plain structs), and calls mergeSummaries() with the
 // records of all ranks, its own included. The result then does not depend on how the volume is cut, if every
 // cell is in some partition and blocks have at least one ghost layer. So both sides of a border skip and
@@ -16,11 +16,14 @@
 
 namespace gxy {
 
-/// Computes firstMacrocell, macrocells and summaries of a block from its own samples (x fastest; stored type
-/// int8 to uint16, or float), and reorders the samples into bricks. The magnitude of a point is the square
-/// root of the sum of squares of its stored components, in float, from left to right; it has no data if one
-/// component has none. Throws Error for another stored type, if the samples do not fit the extent, or if the
-/// block is complete already. A block is unusable after `advance` has thrown.
+/// Computes firstMacrocell, macrocells and summaries of a block from its own samples, which are in bricks (bricks.h; stored type
+/// int8 to uint16, or float). The magnitude of a point is the square root of the sum of squares of its stored components, in
+/// float, from left to right; it has no data if one component has none. Throws Error for another stored type, if the samples do
+/// not fit the extent, or if the block has summaries already. A block is unusable after `advance` has thrown.
+void summarizeBlock(
+    VolumeBlock& block, ScalarType stored, int components, const Advance& advance = [](double) {});
+
+/// Does the same for a block whose samples come x fastest: puts them into bricks first.
 void completeBlock(
     VolumeBlock& block, ScalarType stored, int components, const Advance& advance = [](double) {});
 

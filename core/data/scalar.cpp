@@ -10,19 +10,6 @@
 namespace gxy {
 namespace {
 
-bool isWide(ScalarType type) {
-  switch (type) {
-    case ScalarType::Int32:
-    case ScalarType::UInt32:
-    case ScalarType::Int64:
-    case ScalarType::UInt64:
-    case ScalarType::Float64:
-      return true;
-    default:
-      return false;
-  }
-}
-
 template <size_t N>
 void swapEach(std::span<std::byte> samples) {
   for (size_t i = 0; i + N <= samples.size(); i += N) std::reverse(&samples[i], &samples[i] + N);
@@ -83,6 +70,18 @@ void swapBytes(std::span<std::byte> samples, size_t bytesPerValue) {
   }
 }
 
+bool isWide(ScalarType type) {
+  switch (type) {
+    case ScalarType::Int32:
+    case ScalarType::UInt32:
+    case ScalarType::Int64:
+    case ScalarType::UInt64:
+    case ScalarType::Float64:
+      return true;
+    default:
+      return false;
+  }
+}
 Encoding encodingOf(ScalarType type, int components, const Range& range) {
   const bool wide = isWide(type);
   if (!wide && type != ScalarType::Float32) return {type};

@@ -25,6 +25,8 @@ enum class ScalarType : uint8_t {
 };
 size_t bytesOf(ScalarType type);
 const char* nameOf(ScalarType type);
+/// Whether float cannot hold all of a type's values, so that they are stored as encodingOf() says.
+bool isWide(ScalarType type);
 
 /// Calls f(T{}) with the C++ type of `type`, and returns what it returns.
 template <typename F>

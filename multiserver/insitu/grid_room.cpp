@@ -2,7 +2,7 @@
 #include "multiserver/insitu/grid_room.h"
 
 #include <algorithm>
-#include <cstring>
+#include <utility>
 
 #include "core/data/bricks.h"
 #include "core/data/complete_volume.h"
@@ -45,36 +45,32 @@ GridRoom::GridRoom(const insitu::Mesh& mesh, const Partitioning& partitioning, c
       if (extent.count() == 0) continue;
       VolumeBlock& block = volume->blocks[p];
       block.extent = extent;
-      block.samples.reserve(Bricks(extent.points).count() * field.bytesPerPoint());
-      block.samples.resize(size_t(extent.count()) * field.bytesPerPoint());
+      block.samples.resize(Bricks(extent.points).count() * field.bytesPerPoint());
+      clearPadding(block.samples, extent.points, field.bytesPerPoint());
     }
     volumes_.push_back(std::move(volume));
   }
+  statistics_.resize(volumes_.size());
 }
 
 void GridRoom::store(const insitu::Piece& piece, size_t array, const insitu::PieceHeader& header,
                      std::span<const std::byte> samples) {
+  if (header.count != std::exchange(count_, header.count))  // what came before is of a step that was given up
+    for (FieldStatistics& statistics : statistics_) statistics = {};
   Volume& volume = *volumes_.at(array);
   VolumeBlock& block = volume.blocks.at(piece.partition);
-  const auto bytes = int64_t(bytesOf(volume.stored)) * volume.components;
-  const Index3& size = piece.points.points;
-  for (int64_t point = int64_t(header.offset) / bytes; !samples.empty();) {
-    const Index3 at{point % size[0], point / size[0] % size[1], point / size[0] / size[1]};
-    const int64_t n = std::min(size[0] - at[0], int64_t(samples.size()) / bytes);
-    int64_t place = 0;
-    for (size_t a = 3; a-- > 0;)
-      place = place * block.extent.points[a] + piece.points.first[a] + at[a] - block.extent.first[a];
-    std::memcpy(block.samples.data() + place * bytes, samples.data(), size_t(n * bytes));
-    samples = samples.subspan(size_t(n * bytes));
-    point += n;
-  }
+  const size_t bytes = bytesOf(volume.stored) * size_t(volume.components);
+  storeInBricks(block.samples, block.extent, piece.points, int64_t(header.offset / bytes), samples, bytes);
+  if (needsStatistics(volume, partitioning_))  // The samples are in the processor's cache now.
+    statistics_[array].merge(statisticsOf(samples, volume.stored, volume.components));
 }
 
 std::vector<std::shared_ptr<Dataset>> GridRoom::complete(Collectives& ranks) {
   std::vector<Volume*> all;
   for (const auto& volume : volumes_) all.push_back(volume.get());
   exchangeGhosts(all, ghosts_, ranks);
-  for (Volume* volume : all) completeVolume(*volume, partitioning_, ranks);
+  for (size_t i = 0; i < volumes_.size(); i++)
+    completeBricks(*volumes_[i], partitioning_, ranks, std::move(statistics_[i]), volumes_[i]->components);
   std::vector<std::shared_ptr<Dataset>> datasets;
   for (size_t i = 0; i < volumes_.size(); i++) {
     datasets.push_back(std::make_shared<Dataset>());

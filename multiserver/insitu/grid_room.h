@@ -25,7 +25,9 @@ class GridRoom final : public MeshRoom {
  private:
   const Partitioning& partitioning_;
   const GhostPlan& ghosts_;
-  std::vector<std::shared_ptr<Volume>> volumes_;  ///< by field
+  std::vector<std::shared_ptr<Volume>> volumes_;  ///< by field; their samples are in bricks
+  std::vector<FieldStatistics> statistics_;       ///< by field, of what has come; where they are needed
+  uint64_t count_ = 0;                            ///< the publish that it is of
   std::vector<LedgerEntry> memory_;
 };
 

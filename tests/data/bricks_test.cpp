@@ -58,6 +58,30 @@ TEST(Bricks, TakeEveryPointInPlace) {
   }
 }
 
+TEST(Bricks, TakeABoxInPartsAndGiveItBack) {
+  const Extent block{{3, 5, 7}, {19, 10, 9}}, box{{6, 5, 9}, {14, 9, 5}};
+  for (const size_t bytes : {1, 2, 3, 4, 8, 12}) {
+    Samples bricks(Bricks(block.points).count() * bytes, std::byte(0xff));
+    clearPadding(bricks, block.points, bytes);
+    size_t cleared = 0;
+    for (const std::byte b : bricks) cleared += b == std::byte(0);
+    EXPECT_EQ(cleared, bricks.size() - size_t(block.count()) * bytes) << "the padding only";
+    Samples samples(size_t(box.count()) * bytes), found(samples.size());
+    for (size_t i = 0; i < samples.size(); i++) samples[i] = std::byte(1 + i % 251);
+    for (int64_t first = 0, n = 1; first < box.count();
+         first += n, n = n * 3 % 101)  // from any point on, of any length
+      storeInBricks(
+          bricks, block, box, first,
+          std::span(samples).subspan(size_t(first) * bytes, size_t(std::min(n, box.count() - first)) * bytes),
+          bytes);
+    copyFromBricks(bricks, block, box, found, bytes);
+    EXPECT_EQ(found, samples) << bytes;
+    size_t others = 0;
+    for (const std::byte b : bricks) others += b == std::byte(0xff);
+    EXPECT_EQ(others, size_t(block.count() - box.count()) * bytes) << "nothing else is changed";
+  }
+}
+
 TEST(Bricks, OfTooManyPointsInALayerAreRefused) {
   EXPECT_NO_THROW(Bricks({16000, 16000, 2}));
   EXPECT_THROW(Bricks({17000, 17000, 2}), Error);

@@ -7,14 +7,17 @@
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <functional>
 #include <random>
 #include <set>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
 #include "core/comm/error.h"
 #include "core/comm/random.h"
+#include "core/data/bricks.h"
 #include "core/data/complete_volume.h"
 #include "tests/data/random_partitioning.h"
 #include "tests/support/seeds.h"
@@ -70,9 +73,12 @@ void forPoints(const Extent& extent, Use use) {
         use(Index3{extent.first[0] + x, extent.first[1] + y, extent.first[2] + z});
 }
 
-size_t placeIn(const Extent& extent, const Index3& point) {
+/// The place of a point in a block, in bricks or x fastest, counted in points.
+enum class Order { Bricks, Rows };
+size_t placeIn(const Extent& extent, const Index3& point, Order order = Order::Bricks) {
   const int64_t x = point[0] - extent.first[0], y = point[1] - extent.first[1],
                 z = point[2] - extent.first[2];
+  if (order == Order::Bricks) return Bricks(extent.points)(x, y, z);
   return size_t((z * extent.points[1] + y) * extent.points[0] + x);
 }
 
@@ -89,7 +95,7 @@ Volume emptyVolume(const Grid& grid, const Partitioning& cut, int ghosts, int ra
     if (extent.count() == 0) continue;
     VolumeBlock& block = volume.blocks[partition];
     block.extent = extent;
-    block.samples.assign(size_t(extent.count()) * bytesOf(type) * size_t(components), poison);
+    block.samples.assign(Bricks(extent.points).count() * bytesOf(type) * size_t(components), poison);
   }
   return volume;
 }
@@ -278,53 +284,95 @@ TEST(Ghosts, NothingIsSentToRanksThatShareNone) {
   EXPECT_EQ(errors, std::vector<std::string>(4));
 }
 
+template <class T>
+ScalarType scalarTypeOf() {
+  return std::is_same_v<T, double> ? ScalarType::Float64 : ScalarType::Float32;
+}
+
 /// A wave around a large offset, with one NaN.
 double waveAt(const Index3& p) {
   if (p == Index3{3, 4, 5}) return NAN;
   return 1e5 + std::sin(double(p[0] + 21 * (p[1] + 18 * p[2])) * 0.37);
 }
 
-/// The blocks of a rank, of doubles: the wave at all points, or only at those that are owned. The others have a value that
-/// would change every range.
-Volume waveOn(const Grid& grid, const Partitioning& cut, int rank, bool ownedOnly) {
-  Volume volume = emptyVolume(grid, cut, kGhostLayers, rank, ScalarType::Float64, 1, std::byte(0));
+/// The blocks of a rank, x fastest, with the wave at all points.
+template <class T>
+Volume wholeWave(const Grid& grid, const Partitioning& cut, int rank) {
+  Volume volume = emptyVolume(grid, cut, kGhostLayers, rank, scalarTypeOf<T>(), 1, std::byte(0));
   for (auto& entry : volume.blocks) {
-    VolumeBlock& block = entry.second;
-    const auto write = [&](const Index3& point, double value) {
-      std::memcpy(block.samples.data() + placeIn(block.extent, point) * sizeof value, &value, sizeof value);
-    };
-    forPoints(block.extent, [&](const Index3& point) { write(point, -1e300); });
-    forPoints(ownedOnly ? ownedPoints(grid, cut, entry.first) : block.extent,
-              [&](const Index3& point) { write(point, waveAt(point)); });
+    entry.second.samples.resize(size_t(entry.second.extent.count()) * sizeof(T));
+    forPoints(entry.second.extent, [&, &block = entry.second](const Index3& point) {
+      const T value = T(waveAt(point));
+      std::memcpy(block.samples.data() + placeIn(block.extent, point, Order::Rows) * sizeof(T), &value,
+                  sizeof(T));
+    });
   }
   return volume;
+}
+
+/// The same in bricks, with the wave at points that are owned. The others have a value that would change every range.
+template <class T>
+Volume ownedWave(const Grid& grid, const Partitioning& cut, int rank) {
+  Volume volume = emptyVolume(grid, cut, kGhostLayers, rank, scalarTypeOf<T>(), 1, std::byte(0));
+  for (auto& entry : volume.blocks) {
+    const auto write = [&block = entry.second](const Index3& point, T value) {
+      std::memcpy(block.samples.data() + placeIn(block.extent, point) * sizeof(T), &value, sizeof(T));
+    };
+    forPoints(entry.second.extent, [&](const Index3& point) { write(point, T(-1e30)); });
+    forPoints(ownedPoints(grid, cut, entry.first),
+              [&](const Index3& point) { write(point, T(waveAt(point))); });
+  }
+  return volume;
+}
+
+/// Statistics of the wave at the points that a rank owns.
+template <class T>
+FieldStatistics ownedStatistics(const Grid& grid, const Partitioning& cut, int rank) {
+  FieldStatistics statistics;
+  for (const int partition : cut.owned(rank))
+    forPoints(ownedPoints(grid, cut, partition), [&](const Index3& point) {
+      const T value = T(waveAt(point));
+      statistics.merge(statisticsOf(std::as_bytes(std::span(&value, 1)), scalarTypeOf<T>(), 1));
+    });
+  return statistics;
+}
+
+template <class T>
+void expectThatOfWholeBlocks(const Grid& grid, const Partitioning& cut) {
+  test::ThreadRanks three(3);
+  const auto errors = three.run([&](Collectives& ranks) {
+    Volume whole = wholeWave<T>(grid, cut, ranks.rank());
+    Volume mine = ownedWave<T>(grid, cut, ranks.rank());
+    Volume* const pointer = &mine;
+    exchangeGhosts(std::span(&pointer, 1), GhostPlan(grid, cut, kGhostLayers, ranks.rank(), 3), ranks);
+    EXPECT_EQ(needsStatistics(mine, cut), (std::is_same_v<T, double>));
+    completeVolume(whole, cut, ranks);
+    completeBricks(
+        mine, cut, ranks,
+        std::is_same_v<T, double> ? ownedStatistics<T>(grid, cut, ranks.rank()) : FieldStatistics{}, 1);
+    const FieldStatistics all = ownedStatistics<T>(grid, decomposed(grid, 1, 1), 0);
+    for (const Volume& volume : {std::cref(whole), std::cref(mine)}) {
+      EXPECT_EQ(volume.ranges, all.ranges);
+      EXPECT_EQ(volume.noDataSamples, 1);
+    }
+    EXPECT_EQ(mine.stored, whole.stored);
+    EXPECT_EQ(mine.shift, whole.shift);
+    EXPECT_EQ(mine.scale, whole.scale);
+    EXPECT_EQ(mine.blocks.size(), whole.blocks.size());
+    for (const auto& [partition, block] : whole.blocks) {
+      EXPECT_EQ(mine.blocks.at(partition).samples, block.samples);
+      EXPECT_EQ(mine.blocks.at(partition).summaries, block.summaries);
+    }
+  });
+  EXPECT_EQ(errors, std::vector<std::string>(3));
 }
 
 TEST(Ghosts, ACompletedVolumeIsThatOfWholeBlocks) {
   const Grid grid{{0, 0, 0}, {1, 1, 1}, {21, 18, 15}};
   for (uint64_t seed = 0; seed < 6; ++seed) {
     const Partitioning cut = kdCut(seed, grid.box(), 9, 3);
-    test::ThreadRanks three(3);
-    const auto errors = three.run([&](Collectives& ranks) {
-      Volume whole = waveOn(grid, cut, ranks.rank(), false);
-      Volume mine = waveOn(grid, cut, ranks.rank(), true);
-      Volume* const pointer = &mine;
-      exchangeGhosts(std::span(&pointer, 1), GhostPlan(grid, cut, kGhostLayers, ranks.rank(), 3), ranks);
-      completeVolume(whole, cut, ranks);
-      completeVolume(mine, cut, ranks);
-      EXPECT_EQ(mine.ranges, whole.ranges);
-      EXPECT_EQ(mine.noDataSamples, 1);
-      EXPECT_EQ(whole.noDataSamples, 1);
-      EXPECT_EQ(mine.stored, whole.stored);
-      EXPECT_EQ(mine.shift, whole.shift);
-      EXPECT_EQ(mine.scale, whole.scale);
-      EXPECT_EQ(mine.blocks.size(), whole.blocks.size());
-      for (const auto& [partition, block] : whole.blocks) {
-        EXPECT_EQ(mine.blocks.at(partition).samples, block.samples);
-        EXPECT_EQ(mine.blocks.at(partition).summaries, block.summaries);
-      }
-    });
-    EXPECT_EQ(errors, std::vector<std::string>(3));
+    expectThatOfWholeBlocks<double>(grid, cut);
+    expectThatOfWholeBlocks<float>(grid, cut);
   }
 }
 
