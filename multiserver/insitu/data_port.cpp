@@ -35,7 +35,9 @@ constexpr std::chrono::seconds kHandshake(5);  // within which a connection says
 constexpr size_t kHandshakes = 4096;           // connections without a stream; beyond it the oldest is closed
 constexpr size_t kUnread =
     64 << 20;  // bytes that a simulation may leave unread before its connection is closed
-constexpr size_t kReadBytes = 1 << 20;
+// Bytes that are read where no payload is under way. So most of a long payload is read to where it stays.
+constexpr size_t kReadBytes = 4096;
+constexpr size_t kPayloadBytes = 1 << 20;  // and most bytes of a payload that are read at once
 
 Bytes bytesOf(const WireMessage& message) {
   const auto header = protocol::headerOf(message);
@@ -111,28 +113,39 @@ class Socket final : public DataLink, public std::enable_shared_from_this<Socket
  private:
   void read() {
     if (closed_ || leaving_) return;
+    const std::span<std::byte> payload = taker_ ? reader_.room(kPayloadBytes) : std::span<std::byte>();
+    const bool isPayload = !payload.empty();
     buffer_.resize(taker_ ? kReadBytes : 256);
     reading_ = true;
-    socket_.async_read_some(asio::buffer(buffer_), [self = shared_from_this()](auto failed, size_t size) {
-      self->reading_ = false;
-      if (failed)
-        return self->end(
-            failed == asio::error::eof ? "the connection has ended without a word" : failed.message(), false);
-      if (self->leaving_) return self->discard();
-      self->consume(std::span<const std::byte>(self->buffer_).first(size));
-    });
+    socket_.async_read_some(isPayload ? asio::buffer(payload.data(), payload.size()) : asio::buffer(buffer_),
+                            [self = shared_from_this(), isPayload](auto failed, size_t size) {
+                              self->hasRead(failed, size, isPayload);
+                            });
   }
 
-  void consume(std::span<const std::byte> bytes) {
+  void hasRead(const boost::system::error_code& failed, size_t size, bool isPayload) {
+    reading_ = false;
+    if (failed)
+      return end(failed == asio::error::eof ? "the connection has ended without a word" : failed.message(),
+                 false);
+    if (leaving_) return discard();
     try {
-      while (!bytes.empty() && !closed_ && !leaving_)
-        if (auto message = reader_.take(bytes)) take(*std::move(message));
+      if (isPayload) {
+        if (auto message = reader_.took(size)) take(*std::move(message));
+      } else {
+        consume(std::span<const std::byte>(buffer_).first(size));
+      }
     } catch (const std::exception& e) {
       if (!taker_) return close();  // Whoever has no ticket gets no advice.
       failure_ = e.what();
       return leave(failure_);
     }
     read();
+  }
+
+  void consume(std::span<const std::byte> bytes) {
+    while (!bytes.empty() && !closed_ && !leaving_)
+      if (auto message = reader_.take(bytes)) take(*std::move(message));
   }
 
   void take(WireMessage message) {

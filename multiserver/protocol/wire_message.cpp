@@ -135,9 +135,25 @@ void MessageReader::readHeader() {
   taken_ = 0;
 }
 
-void MessageReader::reuse(Bytes payload) {
-  spare_ = std::move(payload);
-  spare_.clear();
+void MessageReader::reuse(Bytes payload) { spare_ = std::move(payload); }
+
+std::span<std::byte> MessageReader::room(size_t most) {
+  if (headerBytes_ < kHeaderBytes || message_.skipped) return {};
+  const auto n = size_t(std::min<uint64_t>(length_ - taken_, most));
+  if (message_.payload.size() < taken_ + n) message_.payload.resize(size_t(taken_) + n);
+  return std::span(message_.payload).subspan(size_t(taken_), n);
+}
+
+std::optional<WireMessage> MessageReader::took(size_t bytes) {
+  taken_ += bytes;
+  return complete();
+}
+
+std::optional<WireMessage> MessageReader::complete() {
+  if (taken_ < length_) return std::nullopt;
+  headerBytes_ = 0;
+  message_.payload.resize(message_.skipped ? 0 : size_t(length_));
+  return std::exchange(message_, {});
 }
 
 std::optional<WireMessage> MessageReader::take(std::span<const std::byte>& bytes) {
@@ -150,13 +166,9 @@ std::optional<WireMessage> MessageReader::take(std::span<const std::byte>& bytes
     readHeader();
   }
   const size_t n = size_t(std::min<uint64_t>(length_ - taken_, bytes.size()));
-  if (!message_.skipped)
-    message_.payload.insert(message_.payload.end(), bytes.begin(), bytes.begin() + std::ptrdiff_t(n));
-  taken_ += n;
+  if (!message_.skipped) std::copy_n(bytes.begin(), n, room(n).begin());
   bytes = bytes.subspan(n);
-  if (taken_ < length_) return std::nullopt;
-  headerBytes_ = 0;
-  return std::exchange(message_, {});
+  return took(n);
 }
 
 }  // namespace gxy::protocol

@@ -63,8 +63,8 @@ void checkPreamble(std::span<const std::byte, kPreambleBytes> theirs, Purpose pu
 /// Returns the header of a message whose payload goes on with `more` bytes that stand elsewhere.
 std::array<std::byte, kHeaderBytes> headerOf(const WireMessage& message, uint64_t more = 0);
 
-/// Cuts a stream of bytes into messages. It allocates memory for the bytes of the current message that have come,
-/// never for the size that its header announces. One thread at a time may use it.
+/// Cuts a stream of bytes into messages. It allocates memory for the bytes of the current message that have come or that room()
+/// was asked for, never for the size that its header announces. One thread at a time may use it.
 class MessageReader {
  public:
   /// The messages that are accepted. Only messages on channels that have ids may have an id other than 0.
@@ -89,18 +89,24 @@ class MessageReader {
   /// Takes bytes from the front of `bytes`. Returns a message as soon as one is complete, or nothing when all
   /// bytes have been taken. Throws Error if a header breaks the rules; the reader must not be used afterwards.
   std::optional<WireMessage> take(std::span<const std::byte>& bytes);
+  /// Returns where the next bytes of the payload that is under way may be read to, at most `most` of them, so that they need not be
+  /// copied. It is empty if a header comes next, or if the payload is not kept. Valid until the next call.
+  std::span<std::byte> room(size_t most);
+  /// Takes bytes that have been read to the front of room(). Returns the message if it is complete.
+  std::optional<WireMessage> took(size_t bytes);
   /// Takes the memory of a payload back, for the next message.
   void reuse(Bytes payload);
 
  private:
   void readHeader();
+  std::optional<WireMessage> complete();
 
   Rules rules_;
   std::array<std::byte, kHeaderBytes> header_{};
   size_t headerBytes_ = 0;
   uint64_t length_ = 0, taken_ = 0;
-  WireMessage message_;
-  Bytes spare_;  ///< memory for the next payload
+  WireMessage message_;  ///< its payload may be longer than taken_, and is cut to length_ in the end
+  Bytes spare_;          ///< memory for the next payload
 };
 
 }  // namespace gxy::protocol
