@@ -7,10 +7,8 @@
 #include <vtkUnsignedCharArray.h>
 
 #include <algorithm>
-#include <limits>
-#include <numeric>
 
-#include "core/data/polygon.h"
+#include "core/data/cells.h"
 
 namespace gxy {
 namespace {
@@ -30,14 +28,6 @@ std::vector<uint32_t> along(int type, std::span<const vtkIdType> ids) {
   return {ids.begin(), ids.end()};
 }
 
-void addPolyline(GeometryBlock& block, const std::vector<uint32_t>& ids) {
-  const size_t n = ids.size();
-  for (size_t i = 0; i + 1 < n; ++i) {
-    block.segments.push_back({ids[i], ids[i + 1]});
-    block.neighbours.push_back({ids[i > 0 ? i - 1 : 0], ids[std::min(i + 2, n - 1)]});
-  }
-}
-
 }  // namespace
 
 bool isDrawn(vtkUnsignedCharArray* pointGhosts, vtkIdType point) {
@@ -46,11 +36,10 @@ bool isDrawn(vtkUnsignedCharArray* pointGhosts, vtkIdType point) {
 
 bool isFlat(int type) {
   const CellShape* shape = shapeOf(type);
-  return type == VTK_TRIANGLE || type == VTK_QUAD || type == VTK_POLYGON || type == VTK_TRIANGLE_STRIP ||
-         type == VTK_PIXEL || (shape && !shape->solid);
+  return becomesTriangles(type) || (shape && !shape->solid);
 }
 
-bool isLine(int type) { return type == VTK_LINE || type == VTK_POLY_LINE || type == VTK_QUADRATIC_EDGE; }
+bool isLine(int type) { return becomesLines(type) || type == VTK_QUADRATIC_EDGE; }
 
 bool isSolid(int type) {
   const CellShape* shape = shapeOf(type);
@@ -116,34 +105,19 @@ size_t DrawnCells::primitivesOf(vtkIdType cell, int type, Flaws& flaws) {
   return points <= fewer ? 0 : points - fewer;
 }
 
-void DrawnCells::addFlat(GeometryBlock& block, int type) const {
+void DrawnCells::addFlat(GeometryBlock& block, int type, std::vector<uint32_t>& points) const {
   const auto ids = spanOf(ids_);
-  const auto add = [&](size_t a, size_t b, size_t c) {
-    block.triangles.push_back({uint32_t(ids[a]), uint32_t(ids[b]), uint32_t(ids[c])});
-  };
   if (const CellShape* shape = shapeOf(type)) {
     if (ids.size() == size_t(shape->points)) appendFace(set_, shape->faces[0], ids, block.triangles);
-  } else if (type == VTK_TRIANGLE_STRIP) {
-    for (size_t i = 0; i + 2 < ids.size(); ++i) add(i + i % 2, i + 1 - i % 2, i + 2);
-  } else if (ids.size() == 3) {
-    add(0, 1, 2);
   } else {
-    std::vector<glm::dvec3> corners;
-    std::vector<vtkIdType> around(ids.begin(), ids.end());
-    if (type == VTK_PIXEL) std::swap(around[2], around[3]);
-    for (vtkIdType id : around) {
-      const double* p = set_->GetPoint(id);
-      corners.push_back({p[0], p[1], p[2]});
-    }
-    std::vector<std::array<uint32_t, 3>> cut;
-    triangulate(corners, cut);
-    for (const auto& [a, b, c] : cut)
-      block.triangles.push_back({uint32_t(around[a]), uint32_t(around[b]), uint32_t(around[c])});
+    points.assign(ids.begin(), ids.end());
+    appendTriangles(CellType(type), points, block);
   }
 }
 
-void DrawnCells::addTo(GeometryBlock& block, std::vector<vtkIdType>* cells) const {
+void DrawnCells::addTo(GeometryBlock& block, std::vector<int64_t>* cells) const {
   auto outer = outer_.begin();
+  std::vector<uint32_t> points;
   for (vtkIdType cell = 0; cell < list_.count(); ++cell) {
     const int type = list_.type(cell);
     const auto first = outer;
@@ -151,48 +125,16 @@ void DrawnCells::addTo(GeometryBlock& block, std::vector<vtkIdType>* cells) cons
     if (isOthers(cell) || !isThere(cell)) continue;
     list_.points(cell, ids_);
     if (kind_ == GeometryKind::PathLines) {
-      if (isLine(type)) addPolyline(block, along(type, spanOf(ids_)));
+      if (isLine(type)) appendLine(along(type, spanOf(ids_)), block);
     } else if (isSolid(type)) {
       for (auto face = first; face != outer; ++face)
         appendFace(set_, shapeOf(type)->faces[size_t(face->face)], spanOf(ids_), block.triangles);
     } else if (isFlat(type)) {
-      addFlat(block, type);
+      addFlat(block, type, points);
     }
     if (cells)
       cells->resize(kind_ == GeometryKind::PathLines ? block.segments.size() : block.triangles.size(), cell);
   }
-}
-
-void splitByCell(GeometryBlock& block, GeometryKind kind, const std::vector<vtkIdType>& cells,
-                 const std::function<void(GeometryBlock&, vtkIdType)>& give) {
-  constexpr auto kNone = std::numeric_limits<vtkIdType>::min();
-  GeometryBlock split;
-  std::vector<vtkIdType> cellOf(block.points.size(), kNone);  // by point: the cell that used it last
-  std::vector<uint32_t> number(block.points.size());
-  for (size_t p = 0; p < cells.size(); ++p) {
-    const auto own = [&](uint32_t& point) {
-      if (cellOf[point] != cells[p]) {
-        cellOf[point] = cells[p];
-        number[point] = uint32_t(split.points.size());
-        split.points.push_back(block.points[point]);
-        if (!block.normals.empty()) split.normals.push_back(block.normals[point]);
-        if (!block.radiusValues.empty()) split.radiusValues.push_back(block.radiusValues[point]);
-        give(split, cells[p]);
-      }
-      point = number[point];
-    };
-    if (kind == GeometryKind::PathLines) {
-      for (uint32_t& point : block.segments[p]) own(point);
-      for (uint32_t& point : block.neighbours[p]) own(point);
-    } else {
-      for (uint32_t& point : block.triangles[p]) own(point);
-    }
-  }
-  block.points = std::move(split.points);
-  block.normals = std::move(split.normals);
-  block.values = std::move(split.values);
-  block.colors = std::move(split.colors);
-  block.radiusValues = std::move(split.radiusValues);
 }
 
 }  // namespace gxy

@@ -34,15 +34,16 @@ class DrawnCells {
   size_t primitives() const { return primitives_; }  ///< an upper bound
   uint64_t unused() const { return unused_; }        ///< number of cells of other kinds
 
-  /// Appends the primitives in the order of cells. If `cells` is not null, appends the cell of each
+  /// Appends the primitives in the order of cells; the points are in the block. If `cells` is not null, appends the cell of each
   /// primitive to it.
-  void addTo(GeometryBlock& block, std::vector<vtkIdType>* cells) const;
+  void addTo(GeometryBlock& block, std::vector<int64_t>* cells) const;
 
  private:
   bool isThere(vtkIdType cell) const;
   bool isOthers(vtkIdType cell) const;
   size_t primitivesOf(vtkIdType cell, int type, Flaws& flaws);
-  void addFlat(GeometryBlock& block, int type) const;
+  /// `points` is memory for the cell's.
+  void addFlat(GeometryBlock& block, int type, std::vector<uint32_t>& points) const;
 
   vtkPointSet* const set_;
   const CellList list_;
@@ -53,11 +54,5 @@ class DrawnCells {
   size_t primitives_ = 0;
   uint64_t unused_ = 0;
 };
-
-/// Copies points so that each cell has points of its own, which its primitives share; so a cell can have one
-/// value or colour. For each point that is added, give(split, cell) appends the value or colour of its cell.
-/// `cells` has the cell of each primitive; primitives of one cell follow each other.
-void splitByCell(GeometryBlock& block, GeometryKind kind, const std::vector<vtkIdType>& cells,
-                 const std::function<void(GeometryBlock& split, vtkIdType cell)>& give);
 
 }  // namespace gxy

@@ -16,6 +16,7 @@
 #include <numeric>
 
 #include "core/comm/error.h"
+#include "core/data/cells.h"
 #include "core/io/color_arrays.h"
 #include "core/io/drawn_cells.h"
 #include "core/io/file.h"
@@ -246,7 +247,7 @@ GeometryContent readGeometry(const std::string& path, GeometryKind kind, const V
     block.triangles.reserve(kind == GeometryKind::Triangles ? primitives : 0);
     block.segments.reserve(kind == GeometryKind::PathLines ? primitives : 0);
     block.neighbours.reserve(block.segments.capacity());
-    std::vector<vtkIdType> cellOf;
+    std::vector<int64_t> cellOf;
     cells->addTo(block, split ? &cellOf : nullptr);
     if (split) splitByCell(block, kind, cellOf, give);
     content.unusedCells = cells->unused();

@@ -3,7 +3,7 @@
  * The interface by which a simulation publishes its steps to Galaxy while it runs. docs/insitu.md is the guide. It is C99 and
  * needs no other library: neither MPI nor VTK.
  *
- * Every rank of the simulation opens one gxy_sim, says which part of a grid or which particles it has and where its fields lie in memory,
+ * Every rank of the simulation opens one gxy_sim, says which part of a grid or which particles or cells it has and where its fields lie in memory,
  * and calls gxy_publish() after each step. The ranks never communicate with each other for Galaxy's sake. What gxy_publish()
  * does with a step, and where it goes, is decided when the program runs (gxy_open); by default it does nothing.
  *
@@ -59,6 +59,17 @@ enum gxy_type {
 
 /* What a decomposition counts and what a field has values of. */
 enum gxy_of { GXY_OF_POINTS = 0, GXY_OF_CELLS = 1 };
+
+/* Types of the cells that gxy_cells() takes. The numbers are those of VTK. */
+enum gxy_cell {
+  GXY_LINE = 3,
+  GXY_POLY_LINE = 4, /* points along a line, any number */
+  GXY_TRIANGLE = 5,
+  GXY_TRIANGLE_STRIP = 6,
+  GXY_POLYGON = 7, /* corners in order around it, any number; it need not be convex */
+  GXY_PIXEL = 8,   /* a quad whose last two points are swapped */
+  GXY_QUAD = 9
+};
 
 /* Where the values of a field lie. The value of component c at (i, j, k), counted from the first owned point or cell, is at
  * data + i * stride[0] + j * stride[1] + k * stride[2] + c * component_stride. Strides are in bytes and may be negative, but not 0.
@@ -122,10 +133,37 @@ GXY_API int gxy_grid(gxy_sim* sim, const char* mesh, int block, int of, const in
 GXY_API int gxy_points(gxy_sim* sim, const char* mesh, int64_t count, gxy_array positions, gxy_array ids,
                        const double box[6]);
 
-/* Says where the values of a field lie for a block that gxy_grid() has described. Type and components of a field are the same
+/* Says which lines or triangles this rank has now: points, and cells between them. It is called before each publish that has other ones, or has them
+ * elsewhere in memory; then gxy_field() is called again for their fields, with block 0. Any rank may have any number of points and cells, none included.
+ * Of the arrays, stride[0] is the bytes from one entry to the next; the other strides are not used.
+ *   `positions`     of `points` points: 3 components, of GXY_FLOAT32 or GXY_FLOAT64
+ *   `types`         of each cell, an integer of any type, one of gxy_cell. With stride[0] = 0 all cells are of the type that `data` points to now
+ *   `offsets`       cells + 1 integers of 32 or 64 bits, as in VTK: the points of cell c are `connectivity` from entry offsets[c] up to and without
+ *                   entry offsets[c + 1]. They never descend. The first is 0; if it is not, the entries before are not used. With components 0
+ *                   there are none, and the cells follow each other; then all are of one type with a fixed number of points: GXY_LINE,
+ *                   GXY_TRIANGLE, GXY_PIXEL or GXY_QUAD
+ *   `connectivity`  integers of 32 or 64 bits: the points of each cell, by their number on this rank, from 0
+ * Cells of a mesh are of lines (GXY_LINE, GXY_POLY_LINE), which become path lines, or of the others, which are cut into triangles as those
+ * of files are; a mesh has one of both kinds on all ranks. If no rank has a cell in the first step, and `types` does not say of which type they
+ * will be, they are triangles. Cells with a volume, such as tetrahedra, are not supported yet. Poly-lines, strips and polygons of too few
+ * points are left out; so are triangles without area and what is repeated along a line, as in files.
+ *
+ * gxy_field() gives the points or the cells a field. Each becomes the dataset NAME.FIELD, with the mesh and its values; of several components,
+ * their magnitude; or colours, where files would have them: bytes, or any type with the name RGB, of 3 or 4 components. A cell has one
+ * value. The field Normals of points, with 3 components, has the normals of all datasets of the mesh instead. A mesh without (other) fields
+ * becomes NAME.MESH. The domain that the server cuts for its ranks is that of the first step's points, a tenth larger, unless the stream has a
+ * grid; points may be outside. The type of positions, and the fields with their types, are the same on all ranks and in all steps,
+ * so also a rank without points calls this and gxy_field(), where `data` may be NULL.
+ *
+ * The cells are read in gxy_publish(). Those that are wrong (another type, offsets that descend, a point that there is not or that is not
+ * finite) make the first publish wrong; later, a step with such cells is left out on all ranks, and the server's `insitu.streams` says why. */
+GXY_API int gxy_cells(gxy_sim* sim, const char* mesh, int64_t points, gxy_array positions, int64_t cells,
+                      gxy_array types, gxy_array offsets, gxy_array connectivity);
+
+/* Says where the values of a field lie for a block that gxy_grid() has described, or for block 0 of particles or cells. Type and components of a field are the same
  * in all blocks of all ranks, and all blocks have the same fields: also one without points, whose `data` may be NULL. It may be
  * called before each step, for instance with another pointer. The values are read within gxy_publish() only. The field becomes the dataset NAME.FIELD, so meshes
- * have fields of different names. `of` must be that of the grid so far. A value of a cell stands at the centre of the cell, and those of the outermost cells hold up to the
+ * have fields of different names. `of` must be that of the grid so far, GXY_OF_POINTS for particles, and either for cells. A value of a cell of a grid stands at the centre of the cell, and those of the outermost cells hold up to the
  * domain's end, as in files with values of cells. */
 GXY_API int gxy_field(gxy_sim* sim, const char* mesh, int block, const char* field, int of, gxy_array values);
 

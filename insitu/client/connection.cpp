@@ -72,8 +72,8 @@ std::shared_ptr<const Route> Connection::route() const {
   return route_;
 }
 
-void Connection::filled(int64_t step, double time, std::vector<uint64_t> particles) {
-  sender_.filled(step, time, std::move(particles));
+void Connection::filled(int64_t step, double time, Counts counts) {
+  sender_.filled(step, time, std::move(counts));
   interrupt_.wake();
 }
 

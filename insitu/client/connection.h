@@ -65,8 +65,8 @@ class Connection {
   /// As publish(), of the last publish of all. False: none is due, and nothing is counted.
   bool publishLast() { return sender_.publishLast(); }
   std::shared_ptr<const Route> route() const;
-  /// `particles` as in Sender::filled().
-  void filled(int64_t step, double time, std::vector<uint64_t> particles);
+  /// `counts` as in Sender::filled().
+  void filled(int64_t step, double time, Counts counts);
   /// The step is not copied, as in Sender::notFilled().
   void notFilled(bool late);
 

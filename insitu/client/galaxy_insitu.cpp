@@ -169,6 +169,22 @@ int gxy_points(gxy_sim* sim, const char* mesh, int64_t count, gxy_array position
   });
 }
 
+int gxy_cells(gxy_sim* sim, const char* mesh, int64_t points, gxy_array positions, int64_t cells, gxy_array types,
+              gxy_array offsets, gxy_array connectivity) {
+  return guarded(sim, [&](Simulation& s) {
+    if (points < 0 || cells < 0)
+      throw Error("gxy_cells: " + std::to_string(points) + " points and " + std::to_string(cells) +
+                  " cells, expected 0 or more");
+    CellArrays arrays;
+    arrays.count = uint64_t(cells);
+    arrays.types = types;
+    arrays.offsets = offsets;
+    arrays.connectivity = connectivity;
+    s.meshes().cells(given(mesh, "gxy_cells: mesh"), uint64_t(points), positions, arrays);
+    return GXY_TAKEN;
+  });
+}
+
 int gxy_field(gxy_sim* sim, const char* mesh, int block, const char* field, int of, gxy_array values) {
   return guarded(sim, [&](Simulation& s) {
     checkOf(of, "gxy_field");

@@ -58,37 +58,44 @@ Extent withRim(const Extent& cells, const Index3& all) {
 // Particles are a row of points.
 Extent rowOf(uint64_t count) { return count > 0 ? Extent{{0, 0, 0}, {int64_t(count), 1, 1}} : Extent(); }
 
+// Point i of an array of positions.
+glm::dvec3 positionAt(const gxy_array& positions, size_t i) {
+  glm::dvec3 p(0);
+  const std::byte* at = static_cast<const std::byte*>(positions.data) + int64_t(i) * positions.stride[0];
+  const auto read = [&](auto value) {
+    const int64_t next = positions.component_stride != 0 ? positions.component_stride : int64_t(sizeof value);
+    for (int a = 0; a < 3; a++, at += next) {
+      std::memcpy(&value, at, sizeof value);
+      p[a] = double(value);
+    }
+  };
+  if (positions.type == GXY_FLOAT32)
+    read(0.F);
+  else
+    read(0.0);
+  return p;
+}
+
 Box boundsOf(const gxy_array& positions, uint64_t count) {
   Box bounds;
-  const size_t bytes = bytesOf(ScalarType(positions.type)) * 3;
-  std::vector<std::byte> some(bytes * std::min<uint64_t>(count, 4096));
-  for (uint64_t begin = 0; begin < count; begin += 4096) {
-    const Extent points{{int64_t(begin), 0, 0}, {int64_t(std::min<uint64_t>(count - begin, 4096)), 1, 1}};
-    copyPoints(positions, rowOf(count), points, some.data());
-    for (int64_t i = 0; i < points.points[0]; i++) {
-      glm::dvec3 p;
-      for (int a = 0; a < 3; a++)
-        withType(ScalarType(positions.type), [&](auto value) {
-          std::memcpy(&value, some.data() + size_t(i) * bytes + size_t(a) * sizeof value, sizeof value);
-          p[a] = double(value);
-        });
-      if (std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z)) bounds.extend(p);
-    }
+  for (uint64_t i = 0; i < count; i++) {
+    const glm::dvec3 p = positionAt(positions, i);
+    if (std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z)) bounds.extend(p);
   }
   return bounds;
 }
 
-// Copies integers of any type as those of 64 bits.
-void copyIds(const gxy_array& ids, uint64_t count, std::byte* to) {
-  std::vector<std::byte> row(count * bytesOf(ScalarType(ids.type)));
-  copyPoints(ids, rowOf(count), rowOf(count), row.data());
-  withType(ScalarType(ids.type), [&](auto value) {
-    for (uint64_t i = 0; i < count; i++) {
-      std::memcpy(&value, row.data() + i * sizeof value, sizeof value);
-      const auto wide = uint64_t(int64_t(value));
-      std::memcpy(to + i * sizeof wide, &wide, sizeof wide);
-    }
-  });
+void checkPositions(const std::string& what, const gxy_array& positions, uint64_t count) {
+  if (count > kMostParticles)
+    throw Error(what + ": " + std::to_string(count) + " points, expected at most 2^32 - 2");
+  checkArray(what + ", positions", positions, rowOf(count));
+  if (positions.components != 3)
+    throw Error(what + ", positions: " + std::to_string(positions.components) + " components, expected 3");
+}
+
+std::string nameOf(Mesh::Kind kind) {
+  if (kind == Mesh::Kind::Grid) return "is a grid";
+  return kind == Mesh::Kind::Points ? "has particles" : "has cells";
 }
 
 }  // namespace
@@ -96,7 +103,7 @@ void copyIds(const gxy_array& ids, uint64_t count, std::byte* to) {
 Meshes::Data& Meshes::at(const std::string& mesh, const std::string& function) {
   const auto found = data_.find(mesh);
   if (found == data_.end())
-    throw Error(function + ": there is no mesh \"" + mesh + "\", expected gxy_grid() or gxy_points() first");
+    throw Error(function + ": there is no mesh \"" + mesh + "\", expected gxy_grid(), gxy_points() or gxy_cells() first");
   return found->second;
 }
 
@@ -112,7 +119,8 @@ void Meshes::grid(const std::string& mesh, int block, int of, Grid grid, const E
   }
   const auto known = data_.find(mesh);
   if (known != data_.end() && known->second.mesh.kind != Mesh::Kind::Grid)
-    throw Error("gxy_grid: mesh \"" + mesh + "\" has particles, expected another name");
+    throw Error("gxy_grid: mesh \"" + mesh + "\" " + nameOf(known->second.mesh.kind) +
+                ", expected another name");
   if (known != data_.end() && !(grid == known->second.mesh.grid))
     throw Error("gxy_grid: a grid of " + sizeText(grid.points) + " points beside one of " +
                 sizeText(known->second.mesh.grid.points) +
@@ -137,37 +145,72 @@ void Meshes::points(const std::string& mesh, uint64_t count, const gxy_array& po
                     const Box& box) {
   checkName(mesh, "mesh");
   const std::string what = "gxy_points, \"" + mesh + "\"";
-  if (count > kMostParticles)
-    throw Error(what + ": " + std::to_string(count) + " points, expected at most 2^32 - 2");
-  checkArray(what + ", positions", positions, rowOf(count));
-  if (positions.components != 3)
-    throw Error(what + ", positions: " + std::to_string(positions.components) + " components, expected 3");
+  checkPositions(what, positions, count);
   const bool hasIds = ids.components != 0;
   if (hasIds) checkArray(what + ", ids", ids, rowOf(count));
   if (hasIds && (ids.components != 1 || ids.type < GXY_INT32 || ids.type > GXY_UINT64))
     throw Error(what + ", ids: type " + std::to_string(ids.type) + " and " + std::to_string(ids.components) +
                 " components, expected one integer of 32 or 64 bits, or 0 components for points without ids");
-  const Mesh one{mesh, Mesh::Kind::Points, {}, {}, ScalarType(positions.type), hasIds, box};
-  insitu::check({{one}, {Part()}});
-  const auto known = data_.find(mesh);
-  if (known != data_.end() && known->second.mesh.kind != Mesh::Kind::Points)
-    throw Error(what + ": this mesh is a grid, expected another name");
-  if (isDescribed()) {
-    if (known == data_.end())
-      throw Error(what + ": a new mesh after the first step, expected those of before");
-    const Mesh& before = known->second.mesh;
-    if (before.positions != one.positions || before.ids != one.ids || before.box != one.box)
+  Mesh one;
+  one.name = mesh;
+  one.kind = Mesh::Kind::Points;
+  one.positions = ScalarType(positions.type);
+  one.ids = hasIds;
+  one.box = box;
+  if (const Mesh* before = described(what, one))
+    if (before->positions != one.positions || before->ids != one.ids || before->box != one.box)
       throw Error(what +
                   ": another type of positions, other ids or another box after the first step, expected "
                   "those of before");
+  replace(one, count, positions).ids = ids;
+}
+
+void Meshes::cells(const std::string& mesh, uint64_t count, const gxy_array& positions,
+                   const CellArrays& cells) {
+  checkName(mesh, "mesh");
+  const std::string what = "gxy_cells, \"" + mesh + "\"";
+  checkPositions(what, positions, count);
+  if (cells.count > kMostParticles)
+    throw Error(what + ": " + std::to_string(cells.count) + " cells, expected at most 2^32 - 2");
+  CellArrays arrays = cells;
+  arrays.describe(what);
+  Mesh one;
+  one.name = mesh;
+  one.kind = Mesh::Kind::Cells;
+  one.positions = ScalarType(positions.type);
+  one.shape = arrays.shape();
+  if (const Mesh* before = described(what, one)) {
+    const bool isShape = before->shape == Mesh::Shape::Unknown || one.shape == Mesh::Shape::Unknown ||
+                         before->shape == one.shape;
+    if (before->positions != one.positions || !isShape)
+      throw Error(what +
+                  ": another type of positions, or lines and triangles, after the first step, expected "
+                  "those of before");
   }
-  Data& data = data_[mesh];
-  if (!isDescribed()) data.mesh = one;
+  Data& data = replace(one, count, positions);
+  data.cells = arrays;
+  for (auto& [name, values] : data.cellFields) values.data = nullptr;
+}
+
+const Mesh* Meshes::described(const std::string& what, const Mesh& mesh) const {
+  insitu::check({{mesh}, {Part()}});
+  const auto known = data_.find(mesh.name);
+  if (known != data_.end() && known->second.mesh.kind != mesh.kind)
+    throw Error(what + ": this mesh " + nameOf(known->second.mesh.kind) + ", expected another name");
+  if (!isDescribed()) return nullptr;
+  if (known == data_.end())
+    throw Error(what + ": a new mesh after the first step, expected those of before");
+  return &known->second.mesh;
+}
+
+Meshes::Data& Meshes::replace(const Mesh& mesh, uint64_t points, const gxy_array& positions) {
+  Data& data = data_[mesh.name];
+  if (!isDescribed()) data.mesh = mesh;
   data.positions = positions;
-  data.ids = ids;
   Block& all = data.blocks[0];
-  all.owned = all.values = rowOf(count);
-  for (auto& [name, values] : all.fields) values.data = nullptr;  // They are of other particles.
+  all.owned = all.values = rowOf(points);
+  for (auto& [name, values] : all.fields) values.data = nullptr;  // They are of other points.
+  return data;
 }
 
 void Meshes::field(const std::string& mesh, int block, const std::string& name, int of,
@@ -179,12 +222,13 @@ void Meshes::field(const std::string& mesh, int block, const std::string& name, 
   if (found == data.blocks.end())
     throw Error(what + ": there is no block " + std::to_string(block) +
                 " on this rank, expected gxy_grid() first");
-  if ((of == GXY_OF_CELLS) != data.mesh.grid.rim)
+  const bool hasBoth = data.mesh.kind == Mesh::Kind::Cells, ofCells = hasBoth && of == GXY_OF_CELLS;
+  if (!hasBoth && (of == GXY_OF_CELLS) != data.mesh.grid.rim)
     throw Error(what + ": values of " + (data.mesh.grid.rim ? "points" : "cells") +
                 " on a mesh that counts " + (data.mesh.grid.rim ? "cells" : "points") +
                 ", expected the same so far");
-  checkArray(what, values, found->second.values);
-  Arrays& known = found->second.fields;
+  checkArray(what, values, ofCells ? rowOf(data.cells.count) : found->second.values);
+  Arrays& known = ofCells ? data.cellFields : found->second.fields;
   const auto before = known.find(name);
   if (isDescribed() && (before == known.end() || before->second.type != values.type ||
                         before->second.components != values.components))
@@ -204,6 +248,8 @@ std::vector<Field> Meshes::fieldsOf(const Data& data) {
                   " differ from those of another block, expected the same names, types and components");
     fields = std::move(here);
   }
+  for (const auto& [name, values] : data.cellFields)
+    fields.push_back({name, ScalarType(values.type), values.components, true});
   if (fields.empty() && data.mesh.kind == Mesh::Kind::Grid)
     throw Error("gxy_publish: there is no field on mesh \"" + data.mesh.name +
                 "\", expected gxy_field() first");
@@ -212,79 +258,112 @@ std::vector<Field> Meshes::fieldsOf(const Data& data) {
 
 Description Meshes::describe() {
   if (data_.empty())
-    throw Error("gxy_publish: there is no mesh, expected gxy_grid() and gxy_field(), or gxy_points(), first");
+    throw Error("gxy_publish: there is no mesh, expected gxy_grid() and gxy_field(), gxy_points() or gxy_cells() first");
   Description description;
   for (const auto& [name, data] : data_) {
     description.meshes.push_back(data.mesh);
     description.meshes.back().fields = fieldsOf(data);
     description.parts.emplace_back();
-    if (data.mesh.kind == Mesh::Kind::Points)
-      description.parts.back().bounds = boundsOf(data.positions, particlesOf(data));
+    if (data.mesh.kind != Mesh::Kind::Grid)
+      description.parts.back().bounds = boundsOf(data.positions, pointsOf(data));
     else
       for (const auto& [number, block] : data.blocks)
         if (block.owned.count() > 0) description.parts.back().blocks.push_back(block.owned);
+    if (data.mesh.kind == Mesh::Kind::Cells)  // Wrong cells of the first step are told here, later ones by the server.
+      description.meshes.back().shape =
+          data.cells.checked("gxy_publish, cells \"" + name + "\"", pointsOf(data),
+                             [&positions = data.positions](size_t i) { return positionAt(positions, i); });
   }
   insitu::check(description);
   std::vector<const Data*> meshes;
   for (auto& [name, data] : data_) {
-    data.mesh.fields = description.meshes[meshes.size()].fields;
+    data.mesh = description.meshes[meshes.size()];
     for (const auto& [number, block] : data.blocks)
-      if (block.owned.count() > 0 || data.mesh.kind == Mesh::Kind::Points) data.present.push_back(&block);
+      if (block.owned.count() > 0 || data.mesh.kind != Mesh::Kind::Grid) data.present.push_back(&block);
     meshes.push_back(&data);
   }
   meshes_ = std::move(meshes);
   return description;
 }
 
-// The number of particles may have grown since their fields were told.
+// The number of particles or cells may have grown since their fields were told.
 void Meshes::check(const char* function) const {
   for (const auto& [name, data] : data_) {
-    if (data.mesh.kind != Mesh::Kind::Points || particlesOf(data) == 0) continue;
-    for (const auto& [field, values] : data.blocks.at(0).fields)
-      if (!values.data || values.stride[0] == 0)
-        checkArray(std::string(function) + ", field \"" + field + "\"", values, data.blocks.at(0).values);
+    if (data.mesh.kind == Mesh::Kind::Grid) continue;
+    const auto checkAll = [&function](const Arrays& fields, const Extent& row) {
+      if (row.count() == 0) return;
+      for (const auto& [field, values] : fields)
+        if (!values.data || values.stride[0] == 0)
+          checkArray(std::string(function) + ", field \"" + field + "\"", values, row);
+    };
+    checkAll(data.blocks.at(0).fields, data.blocks.at(0).values);
+    checkAll(data.cellFields, rowOf(data.cells.count));
   }
 }
 
-uint64_t Meshes::particlesOf(const Data& data) { return uint64_t(data.blocks.at(0).values.count()); }
+uint64_t Meshes::pointsOf(const Data& data) { return uint64_t(data.blocks.at(0).values.count()); }
 
-std::vector<uint64_t> Meshes::particles() const {
-  std::vector<uint64_t> counts;
-  for (const Data* data : meshes_)
-    counts.push_back(data->mesh.kind == Mesh::Kind::Points ? particlesOf(*data) : 0);
+Counts Meshes::counts() const {
+  Counts counts(3 * meshes_.size());
+  for (size_t m = 0; m < meshes_.size(); m++) {
+    const Data& data = *meshes_[m];
+    if (data.mesh.kind == Mesh::Kind::Grid) continue;
+    counts[placeOf(m, Per::Point)] = pointsOf(data);
+    counts[placeOf(m, Per::Cell)] = data.cells.count;
+    counts[placeOf(m, Per::Corner)] = data.cells.corners();
+  }
   return counts;
 }
 
-uint64_t Meshes::bytes(std::span<const Destination> destinations) const {
+uint64_t Meshes::bytes(std::span<const Destination> destinations, const Counts& counts) const {
   uint64_t bytes = 0;
   for (const Destination& d : destinations)
     for (const Piece& piece : d.pieces) {
-      const Data& data = *meshes_.at(size_t(piece.mesh));
-      const bool isGrid = data.mesh.kind == Mesh::Kind::Grid;
-      const uint64_t points = isGrid ? uint64_t(piece.points.count()) : particlesOf(data);
-      for (const Field& array : arraysOf(data.mesh)) bytes += points * array.bytesPerPoint();
+      const Mesh& mesh = meshes_.at(size_t(piece.mesh))->mesh;
+      for (const Array& array : arraysOf(mesh))
+        bytes += array.bytesPerPoint() * (mesh.kind == Mesh::Kind::Grid
+                                              ? uint64_t(piece.points.count())
+                                              : counts.at(placeOf(size_t(piece.mesh), array.per)));
     }
   return bytes;
 }
 
-void Meshes::copy(std::span<const Destination> destinations, std::byte* to) const {
+void Meshes::copy(const Data& data, const Array& array, uint64_t count, std::byte* to) {
+  const Extent row = rowOf(count);
+  switch (array.what) {
+    case Array::What::Positions:
+      return copyPoints(data.positions, row, row, to);
+    case Array::What::Ids:
+      return copyIds(data.ids, count, to);
+    case Array::What::Types:
+      return data.cells.copyTypes(to);
+    case Array::What::Ends:
+      return data.cells.copyEnds(to);
+    case Array::What::Connectivity:
+      return data.cells.copyConnectivity(count, to);
+    case Array::What::Field:
+      break;
+  }
+  copyPoints(array.ofCells ? data.cellFields.at(array.name) : data.blocks.at(0).fields.at(array.name), row, row,
+             to);
+}
+
+void Meshes::copy(std::span<const Destination> destinations, const Counts& counts, std::byte* to) const {
   for (const Destination& d : destinations)
     for (const Piece& piece : d.pieces) {
       const Data& data = *meshes_.at(size_t(piece.mesh));
       const Block& block = *data.present.at(size_t(piece.block));
       const bool isGrid = data.mesh.kind == Mesh::Kind::Grid;
-      const Extent& points = isGrid ? piece.points : block.values;
-      const auto put = [&](const gxy_array& array) {
-        copyPoints(array, block.values, points, to);
-        to += size_t(points.count()) * bytesOf(ScalarType(array.type)) * size_t(array.components);
-      };
-      if (points.count() == 0) continue;
-      if (!isGrid) put(data.positions);
-      if (!isGrid && data.mesh.ids) {
-        copyIds(data.ids, uint64_t(points.count()), to);
-        to += size_t(points.count()) * sizeof(uint64_t);
+      for (const Array& array : arraysOf(data.mesh)) {
+        const uint64_t count =
+            isGrid ? uint64_t(piece.points.count()) : counts.at(placeOf(size_t(piece.mesh), array.per));
+        if (count == 0) continue;
+        if (isGrid)
+          copyPoints(block.fields.at(array.name), block.values, piece.points, to);
+        else
+          copy(data, array, count, to);
+        to += size_t(count) * array.bytesPerPoint();
       }
-      for (const Field& field : data.mesh.fields) put(block.fields.at(field.name));
     }
 }
 
@@ -305,11 +384,15 @@ void Meshes::keep() {
       for (auto& [field, array] : block.fields) copy(array, block.values);
       copy(data.positions, block.values);
       copy(data.ids, block.values);
+      for (auto& [field, array] : data.cellFields) copy(array, rowOf(data.cells.count));
+      data.cells.keep(kept);
     }
   for (auto& [name, data] : data_) {
     Data& now = copies.at(name);
     data.positions = now.positions;
     data.ids = now.ids;
+    data.cells = now.cells;
+    data.cellFields.swap(now.cellFields);
     for (auto& [number, block] : data.blocks) block.fields.swap(now.blocks.at(number).fields);
   }
   kept_ = std::move(kept);

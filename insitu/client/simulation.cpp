@@ -149,15 +149,16 @@ int Simulation::publishLast(int64_t step, double time) {
 int Simulation::take(const Step& step) {
   const auto route = connection_->route();
   uint64_t bytes = 0;
+  const Counts counts = meshes_.counts();
   if (route) try {  // A server appoints nothing before there is a plan.
-      bytes = meshes_.bytes(route->destinations);
-      meshes_.copy(route->destinations, route->slot->reserve(bytes));
+      bytes = meshes_.bytes(route->destinations, counts);
+      meshes_.copy(route->destinations, counts, route->slot->reserve(bytes));
     } catch (const std::bad_alloc&) {
       connection_->notFilled(false);
       return GXY_NOT_TAKEN;
     }
   steering_ = connection_->steering();
-  connection_->filled(step.step, step.time, meshes_.particles());
+  connection_->filled(step.step, step.time, counts);
   statistics_.taken++;
   statistics_.bytes += int64_t(bytes);
   return GXY_TAKEN;

@@ -80,14 +80,16 @@ void checkGridPart(const Mesh& mesh, const Part& part) {
   for (const Extent& block : part.blocks) checkBlock(block, mesh.grid);
 }
 
+// Of points and cells.
 void checkPointsPart(const Mesh& mesh, const Part& part) {
   checkFields(mesh.fields, 0);
+  const std::string kind = mesh.kind == Mesh::Kind::Points ? "points" : "cells";
   if (mesh.positions != ScalarType::Float32 && mesh.positions != ScalarType::Float64)
-    throw Error("points \"" + mesh.name + "\": positions of type " + std::to_string(int(mesh.positions)) +
+    throw Error(kind + " \"" + mesh.name + "\": positions of type " + std::to_string(int(mesh.positions)) +
                 ", expected float32 or float64");
   for (const Box& box : {mesh.box, part.bounds})
     if (box != Box() && (box.empty() || !isFinite(box)))
-      throw Error("points \"" + mesh.name +
+      throw Error(kind + " \"" + mesh.name +
                   "\": the box is not finite, or its lower corner is above its upper one");
 }
 
@@ -103,19 +105,59 @@ void checkName(const std::string& name, const std::string& what) {
                 std::to_string(kMostName) + " bytes of text");
 }
 
-std::vector<Field> arraysOf(const Mesh& mesh) {
-  if (mesh.kind == Mesh::Kind::Grid) return mesh.fields;
-  std::vector<Field> arrays{{"positions", mesh.positions, 3}};
-  if (mesh.ids) arrays.push_back({"ids", ScalarType::UInt64, 1});
-  arrays.insert(arrays.end(), mesh.fields.begin(), mesh.fields.end());
+std::vector<Array> arraysOf(const Mesh& mesh) {
+  using What = Array::What;
+  std::vector<Array> arrays;
+  const auto addFields = [&](Per per) {
+    for (size_t f = 0; f < mesh.fields.size(); f++)
+      if (mesh.fields[f].ofCells == (per == Per::Cell))
+        arrays.push_back({mesh.fields[f], What::Field, per, f});
+  };
+  if (mesh.kind != Mesh::Kind::Grid)
+    arrays.push_back({{"positions", mesh.positions, 3}, What::Positions, Per::Point, 0});
+  if (mesh.ids) arrays.push_back({{"ids", ScalarType::UInt64, 1}, What::Ids, Per::Point, 0});
+  addFields(Per::Point);
+  if (mesh.kind != Mesh::Kind::Cells) return arrays;
+  arrays.push_back({{"types", ScalarType::UInt8, 1}, What::Types, Per::Cell, 0});
+  arrays.push_back({{"ends", ScalarType::UInt32, 1}, What::Ends, Per::Cell, 0});
+  addFields(Per::Cell);
+  arrays.push_back({{"connectivity", ScalarType::UInt32, 1}, What::Connectivity, Per::Corner, 0});
   return arrays;
+}
+
+bool isNormals(const Mesh& mesh, const Field& field) {
+  return mesh.kind == Mesh::Kind::Cells && !field.ofCells && field.components == 3 &&
+         (field.name == "Normals" || field.name == "Normals_");
+}
+
+void mergeMeshes(std::vector<Mesh>& meshes, const std::vector<Mesh>& others, int rank) {
+  std::vector<Mesh> merged = meshes;
+  for (size_t m = 0; m < std::min(meshes.size(), others.size()); m++) {
+    const Mesh::Shape shape = others[m].shape;
+    if (merged[m].shape == Mesh::Shape::Unknown) merged[m].shape = shape;
+    if (shape == Mesh::Shape::Unknown || shape == merged[m].shape) continue;
+    throw Error("cells \"" + meshes[m].name + "\": rank " + std::to_string(rank) + " has " +
+                (shape == Mesh::Shape::Lines ? "lines" : "triangles") + ", and a rank before has " +
+                (shape == Mesh::Shape::Lines ? "triangles" : "lines") +
+                ", expected one of both in a mesh");
+  }
+  std::vector<Mesh> same = others;
+  for (size_t m = 0; m < std::min(merged.size(), same.size()); m++) same[m].shape = merged[m].shape;
+  if (merged != same)
+    throw Error("rank " + std::to_string(rank) +
+                " has other meshes or fields than a rank before, expected the same meshes in the same order, each "
+                "with the same size, "
+                "origin and spacing or type of positions, ids and box, and names, types and components of fields");
+  meshes = std::move(merged);
 }
 
 std::vector<Publishes> datasetsOf(std::span<const Mesh> meshes) {
   std::vector<Publishes> datasets;
   for (size_t m = 0; m < meshes.size(); m++) {
-    if (meshes[m].fields.empty()) datasets.push_back({m, std::nullopt, meshes[m].name});
-    for (size_t f = 0; f < meshes[m].fields.size(); f++) datasets.push_back({m, f, meshes[m].fields[f].name});
+    const size_t before = datasets.size();
+    for (size_t f = 0; f < meshes[m].fields.size(); f++)
+      if (!isNormals(meshes[m], meshes[m].fields[f])) datasets.push_back({m, f, meshes[m].fields[f].name});
+    if (datasets.size() == before) datasets.push_back({m, std::nullopt, meshes[m].name});
   }
   std::set<std::string> names;
   for (const Publishes& d : datasets)
@@ -151,10 +193,15 @@ Bytes written(std::span<const Mesh> meshes) {
     w.write(mesh.name).write(uint8_t(mesh.kind));
     if (mesh.kind == Mesh::Kind::Grid)
       w.write(mesh.grid.origin).write(mesh.grid.spacing).write(mesh.grid.points).write(mesh.grid.rim);
-    else
+    else if (mesh.kind == Mesh::Kind::Points)
       w.write(uint8_t(mesh.positions)).write(mesh.ids).write(mesh.box);
+    else
+      w.write(uint8_t(mesh.positions)).write(uint8_t(mesh.shape));
     w.write(uint32_t(mesh.fields.size()));
-    for (const Field& f : mesh.fields) w.write(f.name).write(uint8_t(f.type)).write(uint32_t(f.components));
+    for (const Field& f : mesh.fields) {
+      w.write(f.name).write(uint8_t(f.type)).write(uint32_t(f.components));
+      if (mesh.kind == Mesh::Kind::Cells) w.write(f.ofCells);
+    }
   }
   return w.take();
 }
@@ -179,8 +226,8 @@ std::vector<Mesh> readMeshes(std::span<const std::byte> message) {
   for (Mesh& mesh : meshes) {
     mesh.name = r.readString();
     const auto kind = r.read<uint8_t>();
-    if (kind > uint8_t(Mesh::Kind::Points))
-      r.fail("kind " + std::to_string(int(kind)) + " of a mesh, expected 0 or 1");
+    if (kind > uint8_t(Mesh::Kind::Cells))
+      r.fail("kind " + std::to_string(int(kind)) + " of a mesh, expected 0 to 2");
     mesh.kind = Mesh::Kind(kind);
     if (mesh.kind == Mesh::Kind::Grid) {
       mesh.grid.origin = r.read<glm::dvec3>();
@@ -189,8 +236,15 @@ std::vector<Mesh> readMeshes(std::span<const std::byte> message) {
       mesh.grid.rim = r.read<bool>();
     } else {
       mesh.positions = ScalarType(r.read<uint8_t>());
-      mesh.ids = r.read<bool>();
-      mesh.box = r.read<Box>();
+      if (mesh.kind == Mesh::Kind::Points) {
+        mesh.ids = r.read<bool>();
+        mesh.box = r.read<Box>();
+      } else {
+        const auto shape = r.read<uint8_t>();
+        if (shape > uint8_t(Mesh::Shape::Triangles))
+          r.fail("shape " + std::to_string(int(shape)) + " of cells, expected 0 to 2");
+        mesh.shape = Mesh::Shape(shape);
+      }
     }
     const auto fields = r.read<uint32_t>();
     if (fields > kMostFields) r.fail(std::to_string(fields) + " fields, expected at most 64");
@@ -199,6 +253,7 @@ std::vector<Mesh> readMeshes(std::span<const std::byte> message) {
       f.name = r.readString();
       f.type = ScalarType(r.read<uint8_t>());
       f.components = int(std::min<uint32_t>(r.read<uint32_t>(), uint32_t(kMostComponents) + 1));
+      if (mesh.kind == Mesh::Kind::Cells) f.ofCells = r.read<bool>();
       mesh.fields.push_back(std::move(f));
     }
   }

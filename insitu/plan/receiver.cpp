@@ -39,10 +39,11 @@ bool Receiver::accept(int rank, const PieceHeader& header, uint64_t bytes) {
   const Item& item = c.source[c.item];
   if (item.first && c.offset == 0) {
     if (header.points > kMostParticles)
-      throw Error(std::to_string(header.points) + " particles of one rank, expected at most 2^32 - 2");
-    c.particles = header.points;
+      throw Error(std::to_string(header.points) +
+                  " points, cells or corners of cells of one rank, expected at most 2^32 - 2");
+    c.entries = header.points;
   }
-  const uint64_t points = item.particles < 0 ? item.points : c.particles;
+  const uint64_t points = item.number < 0 ? item.points : c.entries;
   const uint64_t size = points * item.bytesPerPoint, left = size - c.offset;
   if (header.points != points || (bytes == 0 && size > 0) || bytes > left || bytes % item.bytesPerPoint != 0)
     throw Error("chunk of " + std::to_string(bytes) + " bytes, of an item of " +

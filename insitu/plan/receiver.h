@@ -42,7 +42,7 @@ class Receiver {
     Source source;
     uint32_t item = 0;
     uint64_t offset = 0;
-    uint64_t particles = 0;  ///< of the piece that `item` belongs to
+    uint64_t entries = 0;  ///< of the item, and of those behind it that are not the first with their number
   };
   void restart(uint64_t count);
 

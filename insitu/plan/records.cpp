@@ -70,9 +70,9 @@ std::vector<Destination> readDestinations(std::span<const std::byte> message, in
   const auto heads = r.readVector<WireDestination>();
   const auto pieces = r.readVector<WirePiece>();
   r.expectEnd();
-  std::vector<int64_t> left;  // points by mesh; of particles, the pieces
+  std::vector<int64_t> left;  // points by mesh; of others than grids, the pieces
   for (size_t m = 0; m < mine.meshes.size(); m++) {
-    left.push_back(mine.meshes[m].kind == Mesh::Kind::Points ? 1 : 0);
+    left.push_back(mine.meshes[m].kind == Mesh::Kind::Grid ? 0 : 1);
     for (const Extent& block : mine.parts[m].blocks) left.back() += block.count();
   }
   const auto check = [&](const WirePiece& p) {
@@ -83,7 +83,7 @@ std::vector<Destination> readDestinations(std::span<const std::byte> message, in
         (p.block < 0 || size_t(p.block) >= blocks.size() || !isInside(p.points, blocks[size_t(p.block)])))
       r.fail("a piece outside the blocks of this rank");
     if (!isGrid && (p.block != 0 || p.partition != -1 || p.points != Extent{}))
-      r.fail("a piece of particles with points of a grid");
+      r.fail("a piece of particles or cells with points of a grid");
     left[size_t(p.mesh)] -= isGrid ? p.points.count() : 1;
     if (left[size_t(p.mesh)] < 0) r.fail("more points than this rank has");
   };
@@ -108,11 +108,11 @@ std::vector<Item> itemsOf(std::span<const Piece> pieces, std::span<const Mesh> m
   for (const Piece& piece : pieces) {
     const Mesh& mesh = meshes[size_t(piece.mesh)];
     const bool isGrid = mesh.kind == Mesh::Kind::Grid;
-    bool first = true;
-    for (const Field& array : arraysOf(mesh)) {
-      items.push_back({uint64_t(piece.points.count()), array.bytesPerPoint(), isGrid ? -1 : piece.mesh,
-                       !isGrid && first});
-      first = false;
+    int before = -1;
+    for (const Array& array : arraysOf(mesh)) {
+      const int number = isGrid ? -1 : int(placeOf(size_t(piece.mesh), array.per));
+      items.push_back({uint64_t(piece.points.count()), array.bytesPerPoint(), number, number != before});
+      before = number;
     }
   }
   return items;

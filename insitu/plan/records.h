@@ -28,7 +28,7 @@ Hello readHello(std::span<const std::byte> message);
 /// Where the points of one rank of the simulation go. Rank 0 of the server answers a description with it.
 Bytes written(const std::vector<Destination>& destinations);
 /// Throws Error unless each piece is inside the block of `mine` that it names, and there are no more points than in the blocks, and
-/// particles go to one place only.
+/// the particles or cells of a mesh go to one place only.
 std::vector<Destination> readDestinations(std::span<const std::byte> message, int rank,
                                           const Description& mine);
 
@@ -36,8 +36,8 @@ std::vector<Destination> readDestinations(std::span<const std::byte> message, in
 struct Item {
   uint64_t points = 0;  ///< of a grid
   uint64_t bytesPerPoint = 0;
-  int particles = -1;  ///< the mesh, if it has particles: each step has its own number of them
-  bool first = false;  ///< of particles: it is the first array, so its header says how many there are
+  int number = -1;     ///< of other meshes: which of the step's Counts says how many entries it has
+  bool first = false;  ///< it is the first with this number, so its header says how many there are
 };
 /// Returns the items of pieces in the order in which they are sent: all arrays of the first piece (arraysOf), then those of the next.
 std::vector<Item> itemsOf(std::span<const Piece> pieces, std::span<const Mesh> meshes);
@@ -81,11 +81,11 @@ Bytes written(const StepHeader& step);
 StepHeader readStep(std::span<const std::byte> message);
 
 /// What stands before the samples of a chunk. An item (itemsOf) is sent in chunks, from its begin to its end. An item without
-/// points, which only particles have, is one chunk without samples.
+/// entries, which only particles and cells have, is one chunk without samples.
 struct PieceHeader {
   uint64_t count = 0;   ///< the publish that it belongs to
   uint64_t offset = 0;  ///< in bytes, from the begin of the item
-  uint64_t points = 0;  ///< of the item
+  uint64_t points = 0;  ///< of the item; or cells or corners, if it has values of them
   uint32_t item = 0;
   uint32_t reserved = 0;
   bool operator==(const PieceHeader&) const = default;

@@ -13,13 +13,13 @@
 namespace gxy::insitu {
 
 /// What travels together from a rank of the simulation to a rank of Galaxy: the points that a block of a grid and a partition
-/// have in common, x fastest; or all particles of the rank.
+/// have in common, x fastest; or all particles or cells of the rank.
 struct Piece {
   int rank = 0;       ///< of the simulation
-  int block = 0;      ///< place among the blocks of that rank; 0 for particles
+  int block = 0;      ///< place among the blocks of that rank; 0 for particles and cells
   int owner = 0;      ///< the rank of Galaxy that gets it: the owner of the partition
-  int partition = 0;  ///< -1 for particles, which may lie anywhere
-  Extent points;      ///< empty for particles
+  int partition = 0;  ///< -1 for particles and cells, which may lie anywhere
+  Extent points;      ///< empty for particles and cells
   int mesh = 0;
   bool operator==(const Piece&) const = default;
 };
@@ -27,8 +27,8 @@ struct Piece {
 /// What decides where samples go. What it refers to must outlive it.
 struct Layout {
   std::span<const Mesh> meshes;
-  std::span<const BlockSearch> blocks;  ///< by mesh; not used for particles
-  std::span<const int> homes;  ///< by rank of the simulation: the rank of Galaxy that gets its particles
+  std::span<const BlockSearch> blocks;  ///< by mesh; of grids
+  std::span<const int> homes;  ///< by rank of the simulation: the rank of Galaxy that gets its particles and cells
   const Partitioning& partitioning;
 };
 

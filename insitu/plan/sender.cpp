@@ -41,10 +41,10 @@ std::optional<Control> Sender::waits() {
 }
 
 uint64_t Sender::pointsOf(const Item& item) const {
-  return item.particles < 0 ? item.points : particles_.at(size_t(item.particles));
+  return item.number < 0 ? item.points : counts_.at(size_t(item.number));
 }
 
-void Sender::filled(int64_t step, double time, std::vector<uint64_t> particles) {
+void Sender::filled(int64_t step, double time, Counts counts) {
   const std::lock_guard lock(mutex_);
   if (slot_ == Slot::Void) {
     slot_ = Slot::Free;
@@ -52,7 +52,7 @@ void Sender::filled(int64_t step, double time, std::vector<uint64_t> particles) 
   }
   slot_ = Slot::Full;
   announcement_ = StepHeader{appointed_, step, time};
-  particles_ = std::move(particles);
+  counts_ = std::move(counts);
   uint64_t begin = 0;
   for (Cursor& c : cursors_) {
     c.item = 0;

@@ -46,8 +46,8 @@ class Sender {
   void await();
   /// The last publish of all takes whatever is due. True as for publish(). False: nothing is due, and nothing is counted.
   bool publishLast() { return appointment_.publishLast(); }
-  /// The copy is in the slot. `particles`: how many there are, by mesh; it may end before meshes that have none.
-  void filled(int64_t step, double time, std::vector<uint64_t> particles = {});
+  /// The copy is in the slot. `counts`: of all meshes, or up to the last one that is no grid.
+  void filled(int64_t step, double time, Counts counts = {});
   /// The step is not copied. The server is told that the publish was missed (answer); `late`: it came too late for this rank, else
   /// there is no memory for the copy.
   void notFilled(bool late);
@@ -92,7 +92,7 @@ class Sender {
   mutable std::mutex mutex_;
   Slot slot_ = Slot::Free;
   uint64_t appointed_ = 0;            ///< the count that the slot is for, unless it is free
-  std::vector<uint64_t> particles_;   ///< in the slot, by mesh
+  Counts counts_;                     ///< of what is in the slot
   std::optional<uint64_t> question_;  ///< that waits for an answer
   std::optional<Control> missed_;     ///< that is to be told
   std::optional<StepHeader> announcement_;

@@ -4,12 +4,9 @@
 #include <cstdint>
 #include <map>
 #include <memory>
-#include <string>
 #include <vector>
 
-#include "core/data/owned_geometry.h"
-#include "core/space/large_vector.h"
-#include "multiserver/insitu/mesh_room.h"
+#include "multiserver/insitu/sent_arrays.h"
 
 namespace gxy {
 
@@ -20,37 +17,28 @@ class PointsRoom final : public MeshRoom {
   PointsRoom(const insitu::Mesh& mesh, TakeStepMemory take);
 
   void store(const insitu::Piece& piece, size_t array, const insitu::PieceHeader& header,
-             std::span<const std::byte> samples) override;
+             std::span<const std::byte> samples) override {
+    sent_.store(piece, array, header, samples);
+  }
   /// Particles without numbers of their own are numbered by rank of the simulation. Throws Error also if a number is there twice
   /// or negative. Particles with a coordinate that is not finite are left out, and counted. Values of several components become
-  /// their magnitude, as in files.
+  /// their magnitude or a colour, as in files (LookOf).
   std::vector<std::shared_ptr<Dataset>> complete(Collectives& ranks) override;
 
  private:
-  using Values = LargeVector<std::byte>;
-  /// What one rank of the simulation has sent.
-  struct Source {
-    uint64_t count = 0;
-    std::vector<Values> arrays;
-    LedgerEntry memory;
-  };
   /// Where a particle stands, and its number.
   struct Place {
     uint64_t id = 0;
     int rank = 0;
     uint32_t index = 0;
   };
-  uint64_t bytesPerPoint() const;
   glm::dvec3 position(const Place& place) const;
   std::vector<Place> places(const std::map<int, uint64_t>& firstIds) const;
-  std::map<int, uint64_t> firstIds(Collectives& ranks) const;
   void checkDistinct(const std::vector<Place>& places, Collectives& ranks) const;
-  std::vector<float> values(size_t field, const std::vector<Place>& places) const;
+  void giveLook(size_t field, const std::vector<Place>& places, GeometryBlock& block) const;
 
   const insitu::Mesh& mesh_;
-  const std::vector<insitu::Field> arrays_;
-  const TakeStepMemory take_;
-  std::vector<Source> sources_;  ///< by rank of the simulation, up to the last one that has sent something
+  SentArrays sent_;
 };
 
 }  // namespace gxy

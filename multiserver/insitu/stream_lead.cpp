@@ -33,6 +33,12 @@ protocol::WireMessage controlMessage(const Control& control) {
   return {MessageChannel::DataControl, 0, written(control)};
 }
 
+DatasetType typeOf(const insitu::Mesh& mesh) {
+  if (mesh.kind == insitu::Mesh::Kind::Grid) return DatasetType::Volume;
+  if (mesh.kind == insitu::Mesh::Kind::Points) return DatasetType::Particles;
+  return mesh.shape == insitu::Mesh::Shape::Lines ? DatasetType::PathLines : DatasetType::Triangles;
+}
+
 }  // namespace
 
 StreamLead::StreamLead(ServerRank& serverRank, std::shared_ptr<StreamPart> part, StreamWishes wishes,
@@ -113,16 +119,13 @@ void StreamLead::describe(int rank, Description description) {
   const std::lock_guard lock(mutex_);
   const bool all = described_ == size_t(identity().ranks);  // Then the lead's thread uses them.
   if (all || parts_.at(size_t(rank))) throw Error("a second description, expected one");
-  if (described_ > 0 && meshes_ != description.meshes)
-    throw Error(
-        "rank " + std::to_string(rank) +
-        " has other meshes or fields than a rank before, expected the same meshes in the same order, each "
-        "with the same size, "
-        "origin and spacing or type of positions, ids and box, and names, types and components of fields");
   for (const insitu::Part& part : description.parts) blocks_ += part.blocks.size();
   if (blocks_ > insitu::kMostBlocks)
     throw Error("the ranks have more than 2^20 blocks together, expected at most as many");
-  meshes_ = std::move(description.meshes);
+  if (described_ == 0)
+    meshes_ = std::move(description.meshes);
+  else
+    insitu::mergeMeshes(meshes_, description.meshes, rank);
   parts_[size_t(rank)] = std::move(description.parts);
   if (++described_ == parts_.size()) changed_.notify_all();
 }
@@ -187,7 +190,7 @@ void StreamLead::awaitDescriptions() {
   if (end_) throw Ended();
 }
 
-// Where the particles of the first step are, or the simulation says that they will be.
+// Where the particles and cells of the first step are, or the simulation says that they will be.
 Box StreamLead::domain() const {
   Box domain;
   for (size_t m = 0; m < meshes_.size(); m++) {
@@ -233,8 +236,8 @@ std::shared_ptr<const Partitioning> StreamLead::partitioning() const {
   return cuts;
 }
 
-// The rank that gets the particles of each rank of the simulation: that in whose partitions most of them are, if it can be told
-// from their box. Any will do, as particles are brought to where they are drawn.
+// The rank that gets the particles and cells of each rank of the simulation: that in whose partitions most of them are, if it can be told
+// from their box. Any will do, as they are brought to where they are drawn.
 std::vector<int> StreamLead::homes(const Partitioning& partitioning) const {
   std::vector<int> homes;
   for (size_t r = 0; r < parts_.size(); r++) {
@@ -262,6 +265,9 @@ void StreamLead::checkRoom(const std::vector<insitu::Mesh>& meshes) const {
 }
 
 void StreamLead::plan() {
+  for (insitu::Mesh& mesh : meshes_)  // No rank has cells so far.
+    if (mesh.kind == insitu::Mesh::Kind::Cells && mesh.shape == insitu::Mesh::Shape::Unknown)
+      mesh.shape = insitu::Mesh::Shape::Triangles;
   StreamPlan plan;
   plan.meshes = meshes_;
   checkRoom(plan.meshes);
@@ -387,9 +393,7 @@ void StreamLead::publishOne() {
     }});
     std::vector<DatasetDraft> drafts;
     for (const insitu::Publishes& d : insitu::datasetsOf(meshes_)) {
-      const bool isGrid = meshes_[d.mesh].kind == insitu::Mesh::Kind::Grid;
-      drafts.push_back(
-          {identity().name + "." + d.name, isGrid ? DatasetType::Volume : DatasetType::Particles});
+      drafts.push_back({identity().name + "." + d.name, typeOf(meshes_[d.mesh])});
     }
     const auto names =
         serverRank_.datasets->beginNow(identity().tenant, *exchange, "stream " + inQuotes(identity().name),

@@ -8,6 +8,7 @@
 #include "core/comm/wire.h"
 #include "core/data/dataset.h"
 #include "core/data/partitioning_bytes.h"
+#include "multiserver/insitu/cells_room.h"
 #include "multiserver/insitu/grid_room.h"
 #include "multiserver/insitu/points_room.h"
 #include "multiserver/server/datasets.h"
@@ -136,8 +137,10 @@ void StreamPart::makeRoom() {
     if (mesh.kind == insitu::Mesh::Kind::Grid)
       rooms.push_back(
           std::make_unique<GridRoom>(mesh, *plan_->partitioning, *ghosts_[m], serverRank_.rank(), take));
-    else
+    else if (mesh.kind == insitu::Mesh::Kind::Points)
       rooms.push_back(std::make_unique<PointsRoom>(mesh, take));
+    else
+      rooms.push_back(std::make_unique<CellsRoom>(mesh, take));
   }
   const std::lock_guard lock(mutex_);
   rooms_ = std::move(rooms);

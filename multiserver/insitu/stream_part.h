@@ -29,8 +29,8 @@ struct StreamIdentity {
 /// What all ranks know of the data of a stream.
 struct StreamPlan {
   std::vector<insitu::Mesh> meshes;
-  std::vector<std::vector<insitu::Block>> blocks;  ///< by mesh; none of particles
-  std::vector<int> homes;                          ///< where the particles of each rank of the simulation go
+  std::vector<std::vector<insitu::Block>> blocks;  ///< by mesh; of grids
+  std::vector<int> homes;                          ///< where the particles and cells of each rank of the simulation go
   std::shared_ptr<const Partitioning> partitioning;
 };
 Bytes written(const StreamPlan& plan);

@@ -117,13 +117,13 @@ TEST(Records, ItemsAreTheArraysOfPieces) {
   const std::vector<Item> items = itemsOf(pieces, d.meshes);
   ASSERT_EQ(items.size(), 5u);
   EXPECT_EQ(items[0].points, 24u);
-  EXPECT_EQ(items[0].particles, -1);
+  EXPECT_EQ(items[0].number, -1);
   EXPECT_EQ(items[1].bytesPerPoint, 12u);
   EXPECT_EQ(items[2].bytesPerPoint, 24u) << "positions";
   EXPECT_TRUE(items[2].first);
   EXPECT_EQ(items[3].bytesPerPoint, 8u) << "ids";
   EXPECT_FALSE(items[3].first);
-  EXPECT_EQ(items[4].particles, 1);
+  EXPECT_EQ(items[4].number, 1);
 }
 
 TEST(Records, SteeredParametersAreReadAsWritten) {
