@@ -2,7 +2,6 @@
 // Simulations that publish particles: what arrives is what an import of the same step would give.
 #include <numeric>
 
-#include "core/data/geometry_bytes.h"
 #include "core/io/write_geometry.h"
 #include "tests/insitu/published.h"
 
@@ -113,19 +112,6 @@ class MiniParticles {
   std::vector<Rank> ranks_;
   int64_t step_ = 0;
 };
-
-/// What all ranks of a server own of a dataset, by ascending number.
-GeometryBlock gathered(TestServer& server, const std::string& name) {
-  std::vector<GeometryBlock> parts;
-  for (int r = 0; r < server.serverRank().ranks(); r++) {
-    const auto d = datasetOn(server, r, name);
-    if (!d->geometry->block.ids.empty()) parts.push_back(d->geometry->block);
-    EXPECT_TRUE(std::is_sorted(d->geometry->block.ids.begin(), d->geometry->block.ids.end()));
-    EXPECT_EQ(d->bytes, gxy::bytesOf(d->geometry->block));
-    EXPECT_EQ(d->memory.bytes(), d->bytes);
-  }
-  return merged(GeometryKind::Particles, parts);
-}
 
 /// Compares a dataset with an import of a file that has the same particles.
 void expectEqualsImport(TestServer& server, Viewer& viewer, const std::string& name, bool floats) {

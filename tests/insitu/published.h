@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/data/dataset.h"
+#include "core/data/geometry_bytes.h"
 #include "core/io/write_volume.h"
 #include "multiserver/server/datasets.h"
 #include "tests/insitu/mini_simulation.h"
@@ -105,6 +106,21 @@ inline std::string writeStep(const TestServer& server, const Grid& grid, int of,
 inline std::shared_ptr<const Dataset> datasetOn(TestServer& server, int rank, const std::string& name) {
   const Key key = server.serverRank().datasets->get("user", name).key;
   return server.serverRank(rank).objects.pin(key).get<Dataset>();
+}
+
+/// What all ranks of a server own of a dataset, by ascending number.
+inline GeometryBlock gathered(TestServer& server, const std::string& name) {
+  std::vector<GeometryBlock> parts;
+  GeometryKind kind = GeometryKind::Triangles;
+  for (int r = 0; r < server.serverRank().ranks(); r++) {
+    const auto d = datasetOn(server, r, name);
+    kind = d->geometry->kind;
+    if (!d->geometry->block.ids.empty()) parts.push_back(d->geometry->block);
+    EXPECT_TRUE(std::is_sorted(d->geometry->block.ids.begin(), d->geometry->block.ids.end()));
+    EXPECT_EQ(d->bytes, gxy::bytesOf(d->geometry->block));
+    EXPECT_EQ(d->memory.bytes(), d->bytes);
+  }
+  return merged(kind, parts);
 }
 
 inline void expectSame(const Volume& found, const Volume& expected) {
