@@ -59,6 +59,12 @@ Mesh::Shape shapeOf(int type, const std::string& what) {
 Mesh::Shape check(const Cells& cells, Mesh::Shape shape, const std::string& what,
                   const std::function<glm::dvec3(size_t point)>& position) {
   const auto at = [&](size_t cell) { return what + ", cell " + std::to_string(cell); };
+  // The offsets come first: where one is wrong, the simulation sends no corners.
+  for (size_t c = 0; c < cells.count(); c++)
+    if (cells.ends[c] == kNoPlace || (c > 0 && cells.ends[c] < cells.ends[c - 1]))
+      throw Error(at(c) +
+                  ": its offsets do not ascend, or are negative, or above 2^32 - 2, expected offsets that "
+                  "ascend from 0");
   size_t begin = 0;
   for (size_t c = 0; c < cells.count(); c++) {
     const int type = cells.types[c];
@@ -68,10 +74,9 @@ Mesh::Shape check(const Cells& cells, Mesh::Shape shape, const std::string& what
       throw Error(at(c) + ": type " + std::to_string(type) + ", of " + nameOf(own) + ", in a mesh of " +
                   nameOf(shape) + ", expected one of both in a mesh");
     const size_t end = cells.ends[c];
-    if (end == kNoPlace || end < begin || end > cells.connectivity.size())
-      throw Error(at(c) +
-                  ": its offsets do not ascend, or are negative, or above 2^32 - 2, expected offsets that "
-                  "ascend from 0");
+    if (end > cells.connectivity.size())
+      throw Error(at(c) + ": it ends at " + std::to_string(end) + " of " +
+                  std::to_string(cells.connectivity.size()) + " numbers of points, expected all in cells");
     const size_t count = end - begin, expected = pointsOfEach(CellType(type));
     if (expected > 0 && count != expected)
       throw Error(at(c) + ": " + std::to_string(count) + " points, expected " + std::to_string(expected) +

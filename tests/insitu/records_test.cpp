@@ -16,7 +16,7 @@ namespace gxy::insitu {
 namespace {
 
 Description described() {
-  Mesh grid, atoms;
+  Mesh grid, atoms, surface;
   grid.name = "grid";
   grid.grid = {{1, 2, 3}, {0.5, 0.5, 2}, {8, 9, 10}};
   grid.fields = {{"temperature", ScalarType::Float64, 1}, {"velocity", ScalarType::Float32, 3}};
@@ -25,8 +25,16 @@ Description described() {
   atoms.ids = true;
   atoms.box = {glm::dvec3(0), glm::dvec3(5)};
   atoms.fields = {{"mass", ScalarType::Float64, 1}};
-  return {{grid, atoms},
-          {{{{{0, 0, 0}, {8, 9, 5}}, {{0, 0, 5}, {8, 4, 5}}}, {}}, {{}, {glm::dvec3(1), glm::dvec3(2)}}}};
+  surface.name = "surface";
+  surface.kind = Mesh::Kind::Cells;
+  surface.positions = ScalarType::Float32;
+  surface.shape = Mesh::Shape::Triangles;
+  surface.fields = {{"height", ScalarType::Float64, 1},
+                    {"Normals", ScalarType::Float32, 3},
+                    {"region", ScalarType::Int16, 1, true}};
+  const Box box{glm::dvec3(1), glm::dvec3(2)};
+  return {{grid, atoms, surface},
+          {{{{{0, 0, 0}, {8, 9, 5}}, {{0, 0, 5}, {8, 4, 5}}}, {}}, {{}, box}, {{}, box}}};
 }
 
 std::string errorOf(const std::function<void()>& f) {
@@ -48,9 +56,43 @@ void expectRefused(const std::function<void(Description&)>& change, const std::s
 TEST(Records, DescriptionsAreReadAsWritten) {
   const Description d = described(), read = readDescription(written(d));
   EXPECT_EQ(read.meshes, d.meshes);
-  ASSERT_EQ(read.parts.size(), 2u);
+  ASSERT_EQ(read.parts.size(), 3u);
   EXPECT_EQ(read.parts[0].blocks, d.parts[0].blocks);
   EXPECT_EQ(read.parts[1].bounds, d.parts[1].bounds);
+  EXPECT_EQ(read.parts[2].bounds, d.parts[2].bounds);
+}
+
+TEST(Records, NormalsAreNoDatasetByThemselves) {
+  std::vector<Mesh> meshes{described().meshes[2]};
+  const auto names = [&] {
+    std::string all;
+    for (const Publishes& d : datasetsOf(meshes)) all += d.name + " ";
+    return all;
+  };
+  EXPECT_EQ(names(), "height region ");
+  meshes[0].fields = {meshes[0].fields[1]};
+  EXPECT_EQ(names(), "surface ");
+  meshes[0].fields[0].components = 2;
+  EXPECT_EQ(names(), "Normals ");
+}
+
+TEST(Records, RanksAgreeAboutMeshesAndWhatCellsBecome) {
+  const std::vector<Mesh> all = described().meshes;
+  std::vector<Mesh> known = all, others = all;
+  known[2].shape = Mesh::Shape::Unknown;
+  mergeMeshes(known, others, 1);
+  EXPECT_EQ(known, all) << "a rank with cells says what they are";
+  others[2].shape = Mesh::Shape::Unknown;
+  mergeMeshes(known, others, 2);
+  EXPECT_EQ(known, all) << "a rank without them says nothing";
+  others[2].shape = Mesh::Shape::Lines;
+  EXPECT_EQ(errorOf([&] { mergeMeshes(known, others, 3); }),
+            "cells \"surface\": rank 3 has lines, and a rank before has triangles, expected one of both in a mesh");
+  others = all;
+  others[2].fields[2].ofCells = false;
+  EXPECT_NE(errorOf([&] { mergeMeshes(known, others, 3); }).find("rank 3 has other meshes or fields"),
+            std::string::npos);
+  EXPECT_EQ(known, all);
 }
 
 TEST(Records, WrongDescriptionsSayWhatWasExpected) {
@@ -80,7 +122,12 @@ TEST(Records, WrongDescriptionsSayWhatWasExpected) {
       },
       "two meshes have \"velocity\"");
   expectRefused([](Description& d) { d.meshes[1].positions = ScalarType::Int32; },
-                "expected float32 or float64");
+                "points \"atoms\": positions of type 4, expected float32 or float64");
+  expectRefused([](Description& d) { d.meshes[2].positions = ScalarType::Int32; },
+                "cells \"surface\": positions of type 4, expected float32 or float64");
+  expectRefused([](Description& d) { d.meshes[2].shape = Mesh::Shape(3); }, "shape 3 of cells, expected 0 to 2");
+  expectRefused([](Description& d) { d.meshes[2].kind = Mesh::Kind(3); }, "kind 3 of a mesh, expected 0 to 2");
+  expectRefused([](Description& d) { d.meshes[2].fields[2].name = "height"; }, "is there twice");
   expectRefused([](Description& d) { d.meshes[1].box.lo.x = 6; }, "the box is not finite");
   expectRefused([](Description& d) { d.meshes[1].box.hi.x = INFINITY; }, "the box is not finite");
   expectRefused([](Description& d) { d.parts[1].bounds.hi.y = std::nan(""); }, "the box is not finite");
@@ -94,7 +141,7 @@ TEST(Records, WrongDescriptionsSayWhatWasExpected) {
 
 TEST(Records, PlansOutsideTheBlocksOfARankAreRefused) {
   const Description mine = described();
-  const std::vector<Destination> plan{{1, {{3, 0, 1, 7, {{0, 0, 1}, {8, 9, 4}}, 0}, {3, 0, 1, -1, {}, 1}}},
+  const std::vector<Destination> plan{{1, {{3, 0, 1, 7, {{0, 0, 1}, {8, 9, 4}}, 0}, {3, 0, 1, -1, {}, 1}, {3, 0, 1, -1, {}, 2}}},
                                       {2, {{3, 1, 2, 8, mine.parts[0].blocks[1], 0}}}};
   EXPECT_EQ(readDestinations(written(plan), 3, mine), plan);
   const auto expectRefused = [&](const std::function<void(std::vector<Destination>&)>& change) {
@@ -104,18 +151,21 @@ TEST(Records, PlansOutsideTheBlocksOfARankAreRefused) {
   };
   expectRefused([](auto& p) { p[1].pieces[0].block = 2; });
   expectRefused([](auto& p) { p[1].pieces[0].points.points[1]++; });
+  expectRefused([](auto& p) { p[1].pieces[0].mesh = 3; });
   expectRefused([](auto& p) { p[1].pieces[0].mesh = 2; });
   expectRefused([](auto& p) { p[1].pieces[0].mesh = 1; });
   expectRefused([](auto& p) { p[0].pieces[1].block = 1; });
   expectRefused(
       [](auto& p) { p[1].pieces.push_back(p[0].pieces[1]); });  // the particles, to another rank as well
+  expectRefused([](auto& p) { p[1].pieces.push_back(p[0].pieces[2]); });  // the cells
 }
 
 TEST(Records, ItemsAreTheArraysOfPieces) {
   const Description d = described();
-  const std::vector<Piece> pieces{{0, 0, 0, 0, {{0, 0, 0}, {2, 3, 4}}, 0}, {0, 0, 0, -1, {}, 1}};
+  const std::vector<Piece> pieces{
+      {0, 0, 0, 0, {{0, 0, 0}, {2, 3, 4}}, 0}, {0, 0, 0, -1, {}, 1}, {0, 0, 0, -1, {}, 2}};
   const std::vector<Item> items = itemsOf(pieces, d.meshes);
-  ASSERT_EQ(items.size(), 5u);
+  ASSERT_EQ(items.size(), 12u);
   EXPECT_EQ(items[0].points, 24u);
   EXPECT_EQ(items[0].number, -1);
   EXPECT_EQ(items[1].bytesPerPoint, 12u);
@@ -123,7 +173,13 @@ TEST(Records, ItemsAreTheArraysOfPieces) {
   EXPECT_TRUE(items[2].first);
   EXPECT_EQ(items[3].bytesPerPoint, 8u) << "ids";
   EXPECT_FALSE(items[3].first);
-  EXPECT_EQ(items[4].number, 1);
+  EXPECT_EQ(items[4].number, int(placeOf(1, Per::Point)));
+  const uint64_t bytes[] = {12, 8, 12, 1, 4, 2, 4};  // positions, height, Normals; types, ends, region; connectivity
+  for (size_t i = 0; i < 7; i++) {
+    EXPECT_EQ(items[5 + i].bytesPerPoint, bytes[i]);
+    EXPECT_EQ(items[5 + i].number, int(placeOf(2, i < 3 ? Per::Point : i < 6 ? Per::Cell : Per::Corner)));
+    EXPECT_EQ(items[5 + i].first, i == 0 || i == 3 || i == 6) << "its header says how many there are";
+  }
 }
 
 TEST(Records, SteeredParametersAreReadAsWritten) {
