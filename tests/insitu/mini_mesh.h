@@ -80,9 +80,11 @@ class MiniMesh {
     step_++;
     std::vector<RankMesh>& all = steps_[step_];
     for (int r = 0; r < settings_.ranks; r++) all.push_back(random());
+    change(all);
     for (int r = 0; r < settings_.ranks; r++) {
       RankMesh copy = all[size_t(r)];
       tell(rank(r), copy);
+      beside(rank(r), r, step_);
       EXPECT_NE(gxy_publish_last(rank(r), step_, 0.5 * double(step_)), GXY_WRONG) << gxy_message(rank(r));
     }  // Nobody has the arrays any more.
     std::vector<std::thread> threads;
