@@ -11,7 +11,7 @@ module galaxy_insitu
   implicit none
   private
 
-  public :: gxy_version, gxy_open, gxy_grid, gxy_points, gxy_field, gxy_values, gxy_publish, gxy_publish_last
+  public :: gxy_version, gxy_open, gxy_grid, gxy_points, gxy_cells, gxy_all_of, gxy_field, gxy_values, gxy_publish, gxy_publish_last
   public :: gxy_skip, gxy_wanted, gxy_wanted_settle, gxy_steered
   public :: gxy_statistics, gxy_message, gxy_close
   public :: c_ptr, c_int64_t, c_double
@@ -23,6 +23,11 @@ module galaxy_insitu
     GXY_UINT32 = 5, GXY_INT64 = 6, GXY_UINT64 = 7, GXY_FLOAT32 = 8, GXY_FLOAT64 = 9
   ! What a decomposition counts and what a field has values of.
   integer(c_int), parameter, public :: GXY_OF_POINTS = 0, GXY_OF_CELLS = 1
+
+  ! Types of the cells that gxy_cells takes. The numbers are those of VTK.
+  integer(c_int), parameter, public :: GXY_LINE = 3, GXY_POLY_LINE = 4, GXY_TRIANGLE = 5, GXY_TRIANGLE_STRIP = 6, &
+    GXY_POLYGON = 7, GXY_PIXEL = 8, GXY_QUAD = 9
+  integer(c_int), save, target :: cell_types(9) = [1, 2, 3, 4, 5, 6, 7, 8, 9]
 
   ! Where the values of a field lie. gxy_values makes it for arrays of the commonest types.
   type, bind(c), public :: gxy_array
@@ -42,12 +47,12 @@ module galaxy_insitu
 
   ! gxy_values(FIRST, SHAPE) describes an array without gaps. FIRST is its first owned element, SHAPE that of the whole array,
   ! ghosts included: gxy_values(energy(1, 1, 1), shape(energy)). In a shape of rank 4, the first dimension counts components.
-  ! Arrays of particles have rank 1, or rank 2 with components first: gxy_values(x(1, 1), shape(x)) for x(3, n). Without particles,
-  ! give any element.
+  ! Arrays of particles and of cells have rank 1, or rank 2 with components first: gxy_values(x(1, 1), shape(x)) for x(3, n). Without
+  ! particles or cells, give any element.
   ! The array stays where it is until the next gxy_field or gxy_close, and has the attribute target: else the compiler may think
   ! that nobody reads it in gxy_publish.
   interface gxy_values
-    module procedure values_float64, values_float32, values_int32
+    module procedure values_float64, values_float32, values_int32, values_int64
   end interface gxy_values
 
   ! gxy_grid(SIM, MESH, BLOCK, OF, SIZE, FIRST, COUNT, ORIGIN, SPACING), with indices of 32 or of 64 bits. Without
@@ -60,6 +65,13 @@ module galaxy_insitu
   interface gxy_points
     module procedure points_int32, points_int64
   end interface gxy_points
+
+  ! gxy_cells(SIM, MESH, POINTS, POSITIONS, CELLS, TYPES, CONNECTIVITY, OFFSETS), with counts of 32 or of 64 bits. OFFSETS may be left out
+  ! for cells of one type with a fixed number of points: gxy_all_of(GXY_TRIANGLE) as TYPES. CONNECTIVITY counts points from 0. A
+  ! connectivity of rank 2, as triangles(3, n), is given with its size: gxy_values(triangles(1, 1), [3 * n]).
+  interface gxy_cells
+    module procedure cells_int32, cells_int64
+  end interface gxy_cells
 
   ! gxy_publish(SIM, STEP, TIME), with a step of 32 or of 64 bits.
   interface gxy_publish
@@ -164,6 +176,15 @@ module galaxy_insitu
       type(c_ptr), value :: box
       integer(c_int) :: taken
     end function c_points
+
+    function c_cells(sim, mesh, points, positions, cells, types, offsets, connectivity) result(taken) bind(c, name="gxy_cells")
+      import :: c_ptr, c_char, c_int, c_int64_t, gxy_array
+      type(c_ptr), value :: sim
+      character(kind=c_char), intent(in) :: mesh(*)
+      integer(c_int64_t), value :: points, cells
+      type(gxy_array), value :: positions, types, offsets, connectivity
+      integer(c_int) :: taken
+    end function c_cells
 
     function c_steered(sim, parameter, value) result(changed) bind(c, name="gxy_steered")
       import :: c_ptr, c_char, c_int, c_double
@@ -284,6 +305,37 @@ contains
     taken = points_int64(sim, mesh, int(count, c_int64_t), positions, ids, box)
   end function points_int32
 
+  function cells_int64(sim, mesh, points, positions, cells, types, connectivity, offsets) result(taken)
+    type(c_ptr), intent(in) :: sim
+    character(len=*), intent(in) :: mesh
+    integer(c_int64_t), intent(in) :: points, cells
+    type(gxy_array), intent(in) :: positions, types, connectivity
+    type(gxy_array), intent(in), optional :: offsets
+    integer(c_int) :: taken
+    type(gxy_array) :: begins
+    begins = gxy_array(c_null_ptr, 0, 0, 0_c_int64_t, 0_c_int64_t, 0)
+    if (present(offsets)) begins = offsets
+    taken = c_cells(sim, in_c(mesh), points, positions, cells, types, begins, connectivity)
+  end function cells_int64
+
+  function cells_int32(sim, mesh, points, positions, cells, types, connectivity, offsets) result(taken)
+    type(c_ptr), intent(in) :: sim
+    character(len=*), intent(in) :: mesh
+    integer(c_int32_t), intent(in) :: points, cells
+    type(gxy_array), intent(in) :: positions, types, connectivity
+    type(gxy_array), intent(in), optional :: offsets
+    integer(c_int) :: taken
+    taken = cells_int64(sim, mesh, int(points, c_int64_t), positions, int(cells, c_int64_t), types, connectivity, offsets)
+  end function cells_int32
+
+  ! Types of cells that are all of this one.
+  function gxy_all_of(cell_type) result(types)
+    integer(c_int), intent(in) :: cell_type
+    type(gxy_array) :: types
+    types = gxy_array(c_null_ptr, GXY_INT32, 1, 0_c_int64_t, 0_c_int64_t, 0)
+    if (cell_type >= 1 .and. cell_type <= 9) types%data = c_loc(cell_types(cell_type))
+  end function gxy_all_of
+
   ! 1 if somebody has given a parameter another value since the last call: VALUE has it then.
   function gxy_steered(sim, parameter_name, value) result(changed)
     type(c_ptr), intent(in) :: sim
@@ -344,6 +396,13 @@ contains
     type(gxy_array) :: values
     values = without_gaps(c_loc(first), GXY_INT32, 4_c_int64_t, shape_of_array)
   end function values_int32
+
+  function values_int64(first, shape_of_array) result(values)
+    integer(c_int64_t), intent(in), target :: first
+    integer, intent(in) :: shape_of_array(:)
+    type(gxy_array) :: values
+    values = without_gaps(c_loc(first), GXY_INT64, 8_c_int64_t, shape_of_array)
+  end function values_int64
 
   ! Of a grid, an array of a shape of rank 3, or of rank 4 with components first. Of particles, one of rank 1, or of rank 2 with
   ! components first. Any other shape gives strides of 0, which are refused.

@@ -75,6 +75,20 @@ class Simulation {
     return gxy_result(gxy_field(sim_, mesh, 0, name, GXY_OF_POINTS, values));
   }
 
+  /// Says which lines or triangles this rank has now, as gxy_cells() does; row() makes the arrays, and allOf() one for cells of one type. Without
+  /// `offsets`, all cells are of one type with a fixed number of points. Called again, with all fields, when the cells change.
+  gxy_result cells(std::int64_t points, const gxy_array& positions, std::int64_t cells, const gxy_array& types,
+                   const gxy_array& connectivity, const gxy_array& offsets = gxy_array(),
+                   const char* mesh = "cells") noexcept {
+    return gxy_result(gxy_cells(sim_, mesh, points, positions, cells, types, offsets, connectivity));
+  }
+
+  /// Says where a field of the points or of the cells of a mesh of cells lies. row() makes the array.
+  gxy_result cellsField(const char* name, const gxy_array& values, gxy_of of = GXY_OF_POINTS,
+                        const char* mesh = "cells") noexcept {
+    return gxy_result(gxy_field(sim_, mesh, 0, name, of, values));
+  }
+
   /// Counts a step that this rank cannot publish, so that all ranks go on counting alike. It is left out on all of them.
   gxy_result skip(std::int64_t step, double time) noexcept { return gxy_result(gxy_skip(sim_, step, time)); }
 
@@ -139,11 +153,17 @@ gxy_array values(const T* firstOwned, const Simulation::Indices& size, int compo
   return strided(firstOwned, {{point, point * size[0], point * size[0] * size[1]}}, components);
 }
 
-/// Values of particles, one after the other. The components of a particle stand together. `stride`: the bytes from one particle to the
+/// Values of particles, points or cells, one after the other. The components of one stand together. `stride`: the bytes from one to the
 /// next; 0: there are no gaps.
 template <class T>
 gxy_array row(const T* first, int components = 1, std::int64_t stride = 0) noexcept {
   return strided(first, {{stride != 0 ? stride : std::int64_t(sizeof(T)) * components, 0, 0}}, components);
+}
+
+/// Types of cells that are all of this one.
+inline gxy_array allOf(gxy_cell type) noexcept {
+  static const std::uint8_t types[] = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9};
+  return strided(&types[type], {{0, 0, 0}});
 }
 
 }  // namespace gxy

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
+#include <cmath>
 #include <cstdlib>
 #include <string>
 
@@ -98,9 +99,9 @@ TEST(Interface, WrongRanksAndNamesAreTold) {
 TEST(Interface, WrongGridsAndFieldsAreToldAndChangeNothing) {
   Sim s(kNowhere);
   const int64_t large[3] = {4, 4, 5};
-  s.expectWrong(gxy_publish(s.sim, 1, 0), "expected gxy_grid() and gxy_field(), or gxy_points(), first");
+  s.expectWrong(gxy_publish(s.sim, 1, 0), "expected gxy_grid() and gxy_field(), gxy_points() or gxy_cells() first");
   s.expectWrong(s.field("t", s.array()),
-                "there is no mesh \"grid\", expected gxy_grid() or gxy_points() first");
+                "there is no mesh \"grid\", expected gxy_grid(), gxy_points() or gxy_cells() first");
   const int64_t none[3] = {4, 4, 0}, negative[3] = {4, 4, -1};
   s.expectWrong(gxy_grid(s.sim, "grid", 0, GXY_OF_CELLS, none, kFirst, none, kOrigin, kSpacing), "size 0");
   s.expectWrong(gxy_grid(s.sim, "grid", 0, GXY_OF_POINTS, kSize, negative, kSize, kOrigin, kSpacing),
@@ -183,6 +184,118 @@ TEST(Interface, WrongParticlesAreToldAndChangeNothing) {
   s.expectWrong(points(at, none, 2, box), "other ids or another box after the first step");
   s.expectWrong(points(at, ids), "other ids or another box after the first step");
   s.expectWrong(gxy_points(s.sim, "stars", 2, at, ids, box), "a new mesh after the first step");
+}
+
+TEST(Interface, WrongCellsAreToldAndChangeNothing) {
+  Sim s(kNowhere);
+  const double positions[9] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
+  int64_t ends[3] = {0, 3, 6}, points[6] = {0, 1, 2, 2, 1, 0};
+  int triangle = GXY_TRIANGLE;
+  uint8_t types[2] = {GXY_TRIANGLE, GXY_TRIANGLE};
+  const gxy_array at = {positions, GXY_FLOAT64, 3, {24, 0, 0}, 0, 0}, all = {&triangle, GXY_INT32, 1, {0, 0, 0}, 0, 0},
+                  each = {types, GXY_UINT8, 1, {1, 0, 0}, 0, 0}, offsets = {ends, GXY_INT64, 1, {8, 0, 0}, 0, 0},
+                  corners = {points, GXY_INT64, 1, {8, 0, 0}, 0, 0}, none = {};
+  const auto cells = [&](const gxy_array& where, const gxy_array& kinds, const gxy_array& from,
+                         const gxy_array& of, int64_t count = 2, int64_t pointCount = 3) {
+    return gxy_cells(s.sim, "surface", pointCount, where, count, kinds, from, of);
+  };
+  s.expectWrong(cells(at, each, offsets, corners, -1), "-1 cells, expected 0 or more");
+  s.expectWrong(cells(at, each, offsets, corners, 2, -1), "gxy_cells: -1 points");
+  s.expectWrong(cells(at, each, offsets, corners, int64_t(1) << 40), "cells, expected at most 2^32 - 2");
+  s.expectWrong(cells(at, each, offsets, corners, 2, int64_t(1) << 40), "points, expected at most 2^32 - 2");
+  gxy_array a = at;
+  a.components = 2;
+  s.expectWrong(cells(a, each, offsets, corners), "gxy_cells, \"surface\", positions: 2 components, expected 3");
+  a = at;
+  a.type = GXY_INT32;
+  s.expectWrong(cells(a, each, offsets, corners), "positions of type 4, expected float32 or float64");
+  a = each;
+  a.type = GXY_FLOAT32;
+  s.expectWrong(cells(at, a, offsets, corners), "types: type 8 and 1 components, expected one integer for each cell");
+  a = each;
+  a.data = nullptr;
+  s.expectWrong(cells(at, a, offsets, corners), "types: there are no data");
+  a = offsets;
+  a.type = GXY_INT16;
+  s.expectWrong(cells(at, each, a, corners), "offsets: type 2 and 1 components, expected one integer of 32 or 64 bits");
+  a = offsets;
+  a.stride[0] = 0;
+  s.expectWrong(cells(at, each, a, corners), "offsets: stride[0] is 0");
+  s.expectWrong(cells(at, each, none, corners), "offsets: there are none, expected cells + 1");
+  a = corners;
+  a.components = 3;
+  s.expectWrong(cells(at, each, offsets, a), "connectivity: type 6 and 3 components, expected one integer");
+  a = corners;
+  a.data = nullptr;
+  s.expectWrong(cells(at, each, offsets, a), "connectivity: there are no data");
+  a = corners;
+  a.memory = 1;
+  s.expectWrong(cells(at, each, offsets, a), "connectivity: memory 1, expected 0");
+  triangle = 10;
+  s.expectWrong(cells(at, all, none, corners), "cells of type 10 (tetrahedron) are not supported yet");
+  triangle = GXY_POLYGON;
+  s.expectWrong(cells(at, all, none, corners), "offsets: there are none");
+  triangle = GXY_TRIANGLE;
+  s.expectWrong(gxy_field(s.sim, "surface", 0, "height", GXY_OF_POINTS, at), "there is no mesh \"surface\"");
+  s.expectWrong(cells(at, all, none, corners, int64_t(1) << 31), "more than 2^32 - 2 points together");
+
+  EXPECT_EQ(cells(at, all, none, corners), GXY_TAKEN) << s.message();
+  s.expectWrong(gxy_grid(s.sim, "surface", 0, GXY_OF_POINTS, kSize, kFirst, kSize, kOrigin, kSpacing), "has cells");
+  s.expectWrong(gxy_points(s.sim, "surface", 3, at, none, nullptr), "this mesh has cells, expected another name");
+  s.expectWrong(gxy_field(s.sim, "surface", 1, "height", GXY_OF_POINTS, at), "there is no block 1");
+  EXPECT_EQ(gxy_field(s.sim, "surface", 0, "height", GXY_OF_POINTS, at), GXY_TAKEN);
+  EXPECT_EQ(gxy_field(s.sim, "surface", 0, "region", GXY_OF_CELLS, corners), GXY_TAKEN);
+  EXPECT_EQ(gxy_field(s.sim, "surface", 0, "height", GXY_OF_CELLS, corners), GXY_TAKEN);
+  s.expectWrong(gxy_publish(s.sim, 1, 0), "field \"height\" is there twice");
+}
+
+TEST(Interface, WrongCellsOfTheFirstStepAreToldAtOnce) {
+  Sim s(kNowhere);
+  double positions[9] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
+  int32_t ends[3] = {0, 3, 6}, points[6] = {0, 1, 2, 2, 1, 0};
+  int types[2] = {GXY_TRIANGLE, GXY_TRIANGLE};
+  const gxy_array at = {positions, GXY_FLOAT64, 3, {24, 0, 0}, 0, 0};
+  const auto tell = [&](int64_t count = 2) {
+    EXPECT_EQ(gxy_cells(s.sim, "surface", 3, at, count, {types, GXY_INT32, 1, {4, 0, 0}, 0, 0},
+                        {ends, GXY_INT32, 1, {4, 0, 0}, 0, 0}, {points, GXY_INT32, 1, {4, 0, 0}, 0, 0}),
+              GXY_TAKEN)
+        << s.message();
+  };
+  const auto expect = [&](auto& value, auto wrong, const char* why) {
+    const auto before = value;
+    value = wrong;
+    tell();
+    s.expectWrong(gxy_publish(s.sim, 1, 0), std::string("gxy_publish, cells \"surface\", cell ") + why);
+    value = before;
+  };
+  expect(types[1], 12, "1: cells of type 12 (hexahedron) are not supported yet");
+  expect(types[1], 261, "1: cells of type 255 are not supported");
+  expect(types[1], GXY_LINE, "1: type 3, of lines, in a mesh of triangles");
+  expect(types[1], GXY_QUAD, "1: 3 points, expected 4 for type 9");
+  expect(ends[2], 2, "1: its offsets do not ascend");
+  expect(ends[0], -1, "0: its offsets do not ascend");
+  expect(ends[1], 4, "0: 4 points, expected 3");
+  expect(points[4], -1, "1: point number negative");
+  expect(points[4], 3, "1: point 3, expected one of the 3 points");
+  expect(positions[8], double(INFINITY), "0: the coordinates of point 2 are not finite");
+  tell();
+  EXPECT_EQ(gxy_field(s.sim, "surface", 0, "height", GXY_OF_POINTS, at), GXY_TAKEN);
+  EXPECT_NE(gxy_publish(s.sim, 1, 0), GXY_WRONG) << s.message();
+  tell();
+  s.expectWrong(gxy_publish(s.sim, 2, 0), "gxy_publish, field \"height\": there are no data");
+  const int line = GXY_LINE;
+  s.expectWrong(gxy_cells(s.sim, "surface", 3, at, 2, {&line, GXY_INT32, 1, {0, 0, 0}, 0, 0}, {},
+                          {points, GXY_INT32, 1, {4, 0, 0}, 0, 0}),
+                "or lines and triangles, after the first step");
+  tell(0);
+  EXPECT_EQ(gxy_field(s.sim, "surface", 0, "height", GXY_OF_POINTS, at), GXY_TAKEN);
+  EXPECT_NE(gxy_publish(s.sim, 2, 0), GXY_WRONG) << s.message();
+  Sim off;
+  types[0] = 12;
+  EXPECT_EQ(gxy_cells(off.sim, "surface", 3, at, 2, {types, GXY_INT32, 1, {4, 0, 0}, 0, 0},
+                      {ends, GXY_INT32, 1, {4, 0, 0}, 0, 0}, {points, GXY_INT32, 1, {4, 0, 0}, 0, 0}),
+            GXY_TAKEN);
+  EXPECT_EQ(gxy_publish(off.sim, 1, 0), GXY_OFF) << "nothing is read";
 }
 
 TEST(Interface, ASimulationWithoutAServerRunsOn) {

@@ -85,6 +85,23 @@ TEST(Wrapper, ParticlesAreRowsOfValues) {
   EXPECT_EQ(sim.points(2, gxy::row(positions.data(), 2)), GXY_WRONG);
 }
 
+TEST(Wrapper, CellsAreRowsOfNumbers) {
+  const std::vector<float> positions{0, 0, 0, 1, 0, 0, 0, 1, 0};
+  const std::vector<int> triangles{0, 1, 2, 2, 1, 0}, offsets{0, 3, 6};
+  const std::vector<unsigned char> types{GXY_TRIANGLE, GXY_POLYGON};
+  expectStrides(gxy::allOf(GXY_QUAD), 0, 0, 0);
+  EXPECT_EQ(*static_cast<const unsigned char*>(gxy::allOf(GXY_QUAD).data), 9);
+  Simulation sim("sea", 0, 1, kNobodyThere);
+  const gxy_array at = gxy::row(positions.data(), 3), corners = gxy::row(triangles.data());
+  EXPECT_EQ(sim.cells(3, at, 2, gxy::allOf(GXY_TRIANGLE), corners), GXY_TAKEN) << sim.message();
+  EXPECT_EQ(sim.cells(3, at, 2, gxy::row(types.data()), corners), GXY_WRONG) << "there are no offsets";
+  EXPECT_EQ(sim.cells(3, at, 2, gxy::row(types.data()), corners, gxy::row(offsets.data())), GXY_TAKEN)
+      << sim.message();
+  EXPECT_EQ(sim.cellsField("height", gxy::row(positions.data())), GXY_TAKEN) << sim.message();
+  EXPECT_EQ(sim.cellsField("region", gxy::row(offsets.data()), GXY_OF_CELLS), GXY_TAKEN) << sim.message();
+  EXPECT_EQ(sim.publish(1, 0), GXY_LOST) << sim.message();
+}
+
 TEST(Wrapper, StepsAreAskedForSkippedAndSteered) {
   const std::vector<float> values(4 * 3 * 2);
   Simulation sim(

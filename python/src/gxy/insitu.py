@@ -30,6 +30,8 @@ __all__ = ["Result", "Simulation", "Statistics"]
 _SONAME = "libgalaxy_insitu.so.1"
 _WRONG = -1
 _OF = {"points": 0, "cells": 1}
+_OF_POINTS = {2: 3, 3: 5, 4: 9}  # the type of cells in VTK: lines, triangles and quads, by their number of points
+_POINTS_OF = {3: 2, 5: 3, 8: 4, 9: 4}  # the other way round, with pixels
 _MOST_COMPONENTS = 16
 _Indices, _Coordinates = ctypes.c_int64 * 3, ctypes.c_double * 3
 
@@ -94,6 +96,7 @@ def _load():
             ("gxy_grid", ctypes.c_int, [sim, text, ctypes.c_int, ctypes.c_int, _Indices, _Indices, _Indices, _Coordinates,
                                         _Coordinates]),
             ("gxy_points", ctypes.c_int, [sim, text, ctypes.c_int64, _Array, _Array, ctypes.POINTER(ctypes.c_double)]),
+            ("gxy_cells", ctypes.c_int, [sim, text, ctypes.c_int64, _Array, ctypes.c_int64, _Array, _Array, _Array]),
             ("gxy_field", ctypes.c_int, [sim, text, ctypes.c_int, text, ctypes.c_int, _Array]),
             ("gxy_skip", ctypes.c_int, [sim, ctypes.c_int64, ctypes.c_double]),
             ("gxy_wanted", ctypes.c_int, [sim, ctypes.c_int64, ctypes.c_double]),
@@ -203,7 +206,7 @@ class Simulation:
         self._library = _loaded()
         self._blocks = {}  # what a block owns, and of what, by mesh and block
         self._arrays = {}  # those that publish() reads, by mesh, block and field
-        self._fields = {}  # the names of the fields of particles, by mesh
+        self._fields = {}  # the names of the fields of particles and cells, by mesh
         self._sim = self._begin(comm_or_rank, _text(name, "name"), rank, ranks, text.encode() if options else None)
         # An object that nobody has closed ends its stream when it goes, at the latest with Python.
         self._end = weakref.finalize(self, self._library.gxy_close, self._sim, 0.0)
@@ -292,15 +295,10 @@ class Simulation:
         The arrays are read in publish() only and never copied here; they are kept alive until they are replaced.
         """
         name = _text(mesh, "mesh")
-        if self._fields.get(mesh, set(fields)) != set(fields):
-            raise ValueError(f"points {mesh!r}: fields {sorted(fields)}, expected {sorted(self._fields[mesh])} as before")
+        self._check_fields("points", mesh, set(fields))
+        count = len(positions) if isinstance(positions, np.ndarray) and positions.ndim else 0
         given = {"positions": positions, **({} if ids is None else {"ids": ids}), **fields}
-        arrays = {}
-        for what, array in given.items():
-            try:
-                arrays[what] = self._of_particles(array, len(positions) if isinstance(positions, np.ndarray) else 0)
-            except ValueError as e:
-                raise ValueError(f"points {mesh!r}, {what}: {e}") from None
+        arrays = {what: self._row(f"points {mesh!r}, {what}", array, count) for what, array in given.items()}
         corners = None
         if box is not None:
             try:
@@ -312,9 +310,50 @@ class Simulation:
                                                arrays.get("ids", _Array()), corners))
         self._arrays[mesh, 0, None] = positions, ids
         for field in fields:
-            self._checked(self._library.gxy_field(self._open(), name, 0, _text(field, "field"), _OF["points"], arrays[field]))
-            self._arrays[mesh, 0, field] = fields[field]
+            self._tell_field(mesh, field, "points", arrays[field], fields[field])
         self._fields[mesh] = set(fields)
+
+    def cells(self, mesh, positions, connectivity, types=None, offsets=None, cell_fields=None, **fields):
+        """Says which lines or triangles this rank has now. Called before each publish() that has other ones, or has them elsewhere in memory.
+
+        mesh: the name of the cells. Each field F becomes the dataset NAME.F; cells without fields become NAME.MESH.
+        positions: an array of shape (n, 3), of float32 or float64; n may be 0, and differs from rank to rank and from step to step.
+        connectivity: integers of 32 or 64 bits, the points of each cell by their number on this rank. Of shape (cells, 2) for lines, (cells, 3)
+            for triangles, (cells, 4) for quads; without gaps, since it is never copied. Or of shape (m,), with the cells one after
+            the other.
+        types: VTK's number for all cells, or an array with one for each: lines (3, 4), or triangles, strips, polygons, pixels and quads (5 to 9).
+            It may be left out for a connectivity of two axes.
+        offsets: for a connectivity of one axis: cells + 1 integers of 32 or 64 bits, as in VTK: cell c has entries offsets[c] up to and
+            without offsets[c + 1]. It may be left out if all cells are of one type with a fixed number of points.
+        fields: of points, arrays of shape (n,), or (n, components), as height=height. `Normals`, of shape (n, 3), are the normals of the mesh.
+        cell_fields: of cells, a dict of arrays with a row for each cell. The same names in all steps and on all ranks.
+
+        The arrays are read in publish() only and never copied here; they are kept alive until they are replaced.
+        """
+        name, of_cells = _text(mesh, "mesh"), dict(cell_fields or {})
+        what = f"cells {mesh!r}"
+        self._check_fields("cells", mesh, set(fields) | {("cells", field) for field in of_cells})
+        count = len(positions) if isinstance(positions, np.ndarray) and positions.ndim else 0
+        at = self._row(f"{what}, positions", positions, count)
+        points = {field: self._row(f"{what}, {field}", array, count) for field, array in fields.items()}
+        cells, types, flat = self._cells(what, connectivity, types, offsets)
+        corners = self._row(f"{what}, connectivity", flat, len(flat))
+        begins = _Array() if offsets is None else self._row(f"{what}, offsets", offsets, cells + 1)
+        values = {field: self._row(f"{what}, {field}", array, cells) for field, array in of_cells.items()}
+        if np.ndim(types) == 0:
+            kept = np.array([types], np.int64)
+            kinds = _Array(kept.ctypes.data, _type_of(kept.dtype), 1, _Indices(0, 0, 0), 0, 0)
+        else:
+            kept, kinds = types, self._row(f"{what}, types", types, cells)
+        if offsets is not None and cells > 0:
+            self._check_end(what, offsets, len(flat))
+        self._checked(self._library.gxy_cells(self._open(), name, count, at, cells, kinds, begins, corners))
+        self._arrays[mesh, 0, None] = positions, flat, kept, offsets
+        for field in fields:
+            self._tell_field(mesh, field, "points", points[field], fields[field])
+        for field in of_cells:
+            self._tell_field(mesh, field, "cells", values[field], of_cells[field])
+        self._fields[mesh] = set(fields) | {("cells", field) for field in of_cells}
 
     def skip(self, step, time):
         """Counts a step that this rank cannot publish, so that all ranks go on counting alike. It is left out on all of them."""
@@ -396,9 +435,60 @@ class Simulation:
         strides = array.strides[2::-1] if order == "zyx" else array.strides[:3]
         return _Array(array.ctypes.data, _type_of(array.dtype), components, _Indices(*strides), between, 0), _OF[of]
 
+    def _check_fields(self, what, mesh, fields):
+        """What has been told once has the same fields from then on."""
+        before = self._fields.get(mesh, fields)
+        if before != fields:
+            names = [sorted(f if isinstance(f, str) else f[1] for f in some) for some in (fields, before)]
+            raise ValueError(f"{what} {mesh!r}: fields {names[0]}, expected {names[1]} as before")
+
+    def _tell_field(self, mesh, field, of, values, array):
+        """Tells where a field of particles, or of points or cells of a mesh of cells, lies, and keeps its array alive."""
+        self._checked(self._library.gxy_field(self._open(), _text(mesh, "mesh"), 0, _text(field, "field"), _OF[of], values))
+        self._arrays[mesh, 0, field] = array
+
+    @classmethod
+    def _row(cls, what, array, count):
+        try:
+            return cls._of_particles(array, count)
+        except ValueError as e:
+            raise ValueError(f"{what}: {e}") from None
+
+    @staticmethod
+    def _cells(what, connectivity, types, offsets):
+        """The number of cells, their types (a number or an array), and the connectivity with one axis."""
+        if not isinstance(connectivity, np.ndarray) or connectivity.ndim not in (1, 2):
+            raise ValueError(f"{what}, connectivity: expected a NumPy array with one or two axes")
+        if connectivity.ndim == 2:
+            each = connectivity.shape[1]
+            if offsets is not None or each not in _OF_POINTS or np.ndim(types) != 0:
+                raise ValueError(f"{what}, connectivity: shape {connectivity.shape}, expected 2, 3 or 4 points of each cell, one type "
+                                 "and no offsets")
+            if not connectivity.flags.c_contiguous:
+                raise ValueError(f"{what}, connectivity: there are gaps, expected an array that is contiguous")
+            return len(connectivity), _OF_POINTS[each] if types is None else _index(types, "types"), connectivity.reshape(-1)
+        if types is None:
+            raise ValueError(f"{what}: there are no types, expected them, or a connectivity with a row for each cell")
+        if np.ndim(types) == 0:
+            types = _index(types, "types")
+        if offsets is not None:
+            if not isinstance(offsets, np.ndarray) or offsets.ndim != 1 or len(offsets) == 0:
+                raise ValueError(f"{what}, offsets: expected a NumPy array of cells + 1 integers")
+            return len(offsets) - 1, types, connectivity
+        each = _POINTS_OF.get(types) if isinstance(types, int) else None
+        if each is None or len(connectivity) % each:
+            raise ValueError(f"{what}: there are no offsets, expected them, or cells of one type with a fixed number of points")
+        return len(connectivity) // each, types, connectivity
+
+    @staticmethod
+    def _check_end(what, offsets, entries):
+        """The library reads as far as the offsets say, so they must not reach beyond the array."""
+        if not 0 <= int(offsets[-1]) <= entries:
+            raise ValueError(f"{what}, offsets: the last is {offsets[-1]}, expected at most {entries}, the length of the connectivity")
+
     @staticmethod
     def _of_particles(array, count):
-        """The gxy_array of an array with one row for each particle."""
+        """The gxy_array of an array with one row for each particle, point or cell."""
         if not isinstance(array, np.ndarray):
             raise ValueError(f"found {type(array).__name__}, expected a NumPy array in the simulation's own memory")
         if array.ndim not in (1, 2) or len(array) != count:

@@ -7,6 +7,7 @@ program fortran_test
   real(c_double), target :: whole(6, 5, 4), positions(3, 2)
   real(c_float), target :: vectors(3, 4, 3, 2)
   integer(c_int32_t), target :: numbers(4, 3, 2)
+  integer(c_int64_t), target :: long_numbers(2)
   type(gxy_array) :: a
   type(gxy_stat) :: s
   type(c_ptr) :: sim
@@ -46,6 +47,15 @@ program fortran_test
   call check(index(gxy_message(sim), "the box is empty") > 0, gxy_message(sim))
   e = gxy_field(sim, "atoms", 0, "mass", GXY_OF_POINTS, gxy_values(positions(1, 1), [2]))
   call check(e == GXY_TAKEN, "a field of particles is not taken: " // gxy_message(sim))
+  e = gxy_cells(sim, "surface", 2, a, 1, gxy_all_of(GXY_LINE), gxy_values(numbers(1, 1, 1), [2]))
+  call check(e == GXY_TAKEN, "lines are not taken: " // gxy_message(sim))
+  e = gxy_cells(sim, "surface", 2, a, 1, gxy_all_of(GXY_POLY_LINE), gxy_values(numbers(1, 1, 1), [2]), &
+    gxy_values(long_numbers(1), [2]))
+  call check(e == GXY_TAKEN, "lines with offsets are not taken: " // gxy_message(sim))
+  e = gxy_cells(sim, "surface", 2_c_int64_t, a, 1_c_int64_t, gxy_all_of(10), gxy_values(numbers(1, 1, 1), [2]))
+  call check(e == GXY_WRONG, "cells without a type are taken")
+  e = gxy_field(sim, "surface", 0, "region", GXY_OF_CELLS, gxy_values(long_numbers(1), [2]))
+  call check(e == GXY_TAKEN, "a field of cells is not taken: " // gxy_message(sim))
   call check(gxy_publish(sim, 1, 0.5d0) == GXY_OFF, "a step is not off")
   call check(gxy_publish_last(sim, 2_c_int64_t, 1d0) == GXY_OFF, "the last step is not off")
   call check(gxy_message(sim) == "", "there is a message: " // gxy_message(sim))

@@ -267,6 +267,71 @@ class Particles(unittest.TestCase):
         self.assertEqual((alive[0](), alive[1]()), (None, None))
 
 
+class Cells(unittest.TestCase):
+    def setUp(self):
+        self.sim = Simulation("sea", **NOWHERE)
+        self.addCleanup(self.sim.close)
+        self.positions = np.zeros((5, 3))
+        self.triangles = np.array([[0, 1, 2], [2, 3, 4]])
+
+    def wrong(self, words, *arguments, **more):
+        with self.assertRaisesRegex(ValueError, words):
+            self.sim.cells("surface", *arguments, **more)
+
+    def test_wrong_cells_are_told(self):
+        flat, ends = self.triangles.reshape(-1), np.array([0, 3, 6])
+        self.wrong("positions: 2 components, expected 3", np.zeros((5, 2)), self.triangles)
+        self.wrong("cells 'surface', positions: found list", [[0, 0, 0]], self.triangles)
+        self.wrong("connectivity: expected a NumPy array with one or two axes", self.positions, [[0, 1, 2]])
+        self.wrong(r"connectivity: shape \(2, 5\), expected 2, 3 or 4", self.positions, np.zeros((2, 5), int))
+        self.wrong("connectivity: there are gaps", self.positions, np.zeros((2, 6), int)[:, ::2])
+        self.wrong("connectivity: type 9 .* expected one integer", self.positions, np.zeros((2, 3)))
+        self.wrong("there are no types", self.positions, flat)
+        self.wrong("there are no offsets", self.positions, flat, 7)
+        self.wrong("there are no offsets", self.positions, flat, np.array([5, 5]))
+        self.wrong("there are no offsets", self.positions, flat[1:], 5)
+        self.wrong("and no offsets", self.positions, self.triangles, 5, ends)
+        self.wrong("offsets: expected a NumPy array of cells . 1", self.positions, flat, 5, [0, 3, 6])
+        self.wrong("offsets: type 9", self.positions, flat, 5, ends.astype(float))
+        self.wrong("offsets: the last is 7, expected at most 6", self.positions, flat, 5, np.array([0, 3, 7]))
+        self.wrong(r"types: shape \(3,\), expected \(2,\)", self.positions, flat, np.array([5, 5, 5]), ends)
+        self.wrong("type 10 .tetrahedron. are not supported yet", self.positions, flat, 10, ends)
+        self.wrong("height: shape", self.positions, self.triangles, height=np.zeros(4))
+        self.wrong("region: shape", self.positions, self.triangles, cell_fields={"region": np.zeros(3)})
+        self.sim.cells("surface", self.positions, flat, np.array([5, 3]), ends)
+        with self.assertRaisesRegex(ValueError, "cell 1: type 3, of lines, in a mesh of triangles"):
+            self.sim.publish(1, 0)
+
+    def test_they_may_differ_from_step_to_step_but_not_their_fields(self):
+        def tell(n, **more):
+            self.sim.cells("surface", self.positions, self.triangles[:n], height=np.zeros(5), cell_fields={"region": np.arange(n)},
+                           **more)
+        for step, n in enumerate((2, 0, 1), 1):
+            tell(n)
+            self.assertEqual(self.sim.publish(step, 0), Result.LOST)
+        tell(2, types=np.int8(5))
+        self.wrong("fields ., expected .'height', 'region'. as before|fields \\[\\], expected", self.positions, self.triangles)
+        self.wrong("lines and triangles, after the first step", self.positions, self.triangles[:, :2].copy(), height=np.zeros(5),
+                   cell_fields={"region": np.arange(2)})
+
+    def test_lines_and_polygons_have_offsets(self):
+        self.sim.cells("lines", self.positions, np.arange(5, dtype="u4"), 4, np.array([0, 2, 5], "i4"))
+        self.sim.cells("pairs", self.positions, np.array([[0, 1]], "i4"))
+        self.sim.cells("mixed", self.positions, np.array([0, 1, 2, 3, 0, 1, 2]), np.array([9, 7], "u1"), np.array([0, 4, 7]))
+        self.assertEqual(self.sim.publish(1, 0), Result.LOST)
+
+    def test_their_arrays_live_as_long_as_they_are_read(self):
+        triangles, region = np.zeros((2, 3), int), np.zeros(2)
+        alive = weakref.ref(triangles), weakref.ref(region)
+        self.sim.cells("surface", self.positions, triangles, cell_fields={"region": region})
+        del triangles, region
+        gc.collect()
+        self.assertTrue(alive[0]() is not None and alive[1]() is not None)
+        self.sim.cells("surface", self.positions, self.triangles, cell_fields={"region": np.ones(2)})
+        gc.collect()
+        self.assertEqual((alive[0](), alive[1]()), (None, None))
+
+
 class Package(unittest.TestCase):
     def python(self, code, **environment):
         return subprocess.run([sys.executable, "-B", "-c", code], capture_output=True, text=True, timeout=60,
