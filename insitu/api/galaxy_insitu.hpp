@@ -77,9 +77,9 @@ class Simulation {
 
   /// Says which lines or triangles this rank has now, as gxy_cells() does; row() makes the arrays, and allOf() one for cells of one type. Without
   /// `offsets`, all cells are of one type with a fixed number of points. Called again, with all fields, when the cells change.
-  gxy_result cells(std::int64_t points, const gxy_array& positions, std::int64_t cells, const gxy_array& types,
-                   const gxy_array& connectivity, const gxy_array& offsets = gxy_array(),
-                   const char* mesh = "cells") noexcept {
+  gxy_result cells(std::int64_t points, const gxy_array& positions, std::int64_t cells,
+                   const gxy_array& types, const gxy_array& connectivity,
+                   const gxy_array& offsets = gxy_array(), const char* mesh = "cells") noexcept {
     return gxy_result(gxy_cells(sim_, mesh, points, positions, cells, types, offsets, connectivity));
   }
 

@@ -68,17 +68,20 @@ void CellArrays::describe(const std::string& what) {
     throw Error(what + ", offsets: " + found(offsets) +
                 ", expected one integer of 32 or 64 bits, or 0 components for none");
   if (!hasOffsets && count > 0 && (allOf == 0 || pointsOfEach(CellType(allOf)) == 0))
-    throw Error(what +
-                ", offsets: there are none, expected cells + 1 of them unless all cells are said to be lines (3), "
-                "triangles (5), pixels (8) or quads (9)");
+    throw Error(
+        what +
+        ", offsets: there are none, expected cells + 1 of them unless all cells are said to be lines (3), "
+        "triangles (5), pixels (8) or quads (9)");
   if (hasOffsets)
     checkIntegers(what + ", offsets", offsets, count > 0 ? count + 1 : 0, "that of the first cell");
   if (!isInteger(connectivity, false))
     throw Error(what + ", connectivity: " + found(connectivity) +
                 ", expected one integer of 32 or 64 bits for each point of each cell");
   if (!hasOffsets && count > 0 && count * pointsOfEach(CellType(allOf)) > kMostParticles)
-    throw Error(what + ": the cells of this rank have more than 2^32 - 2 points together, expected at most as many");
-  checkIntegers(what + ", connectivity", connectivity, count > 0 ? 2 : 0, "the first point of the first cell");
+    throw Error(what +
+                ": the cells of this rank have more than 2^32 - 2 points together, expected at most as many");
+  checkIntegers(what + ", connectivity", connectivity, count > 0 ? 2 : 0,
+                "the first point of the first cell");
 }
 
 Mesh::Shape CellArrays::shape() const {
@@ -105,8 +108,9 @@ void CellArrays::copyTypes(std::byte* to) const {
     return;
   }
   // A type beyond 8 bits is none that is taken.
-  eachInteger(types, 0, count,
-              [&](uint64_t i, int64_t type) { put(to, i, type < 0 || type > 255 ? uint8_t(255) : uint8_t(type)); });
+  eachInteger(types, 0, count, [&](uint64_t i, int64_t type) {
+    put(to, i, type < 0 || type > 255 ? uint8_t(255) : uint8_t(type));
+  });
 }
 
 void CellArrays::copyEnds(std::byte* to) const {

@@ -169,8 +169,8 @@ int gxy_points(gxy_sim* sim, const char* mesh, int64_t count, gxy_array position
   });
 }
 
-int gxy_cells(gxy_sim* sim, const char* mesh, int64_t points, gxy_array positions, int64_t cells, gxy_array types,
-              gxy_array offsets, gxy_array connectivity) {
+int gxy_cells(gxy_sim* sim, const char* mesh, int64_t points, gxy_array positions, int64_t cells,
+              gxy_array types, gxy_array offsets, gxy_array connectivity) {
   return guarded(sim, [&](Simulation& s) {
     if (points < 0 || cells < 0)
       throw Error("gxy_cells: " + std::to_string(points) + " points and " + std::to_string(cells) +

@@ -103,7 +103,8 @@ std::string nameOf(Mesh::Kind kind) {
 Meshes::Data& Meshes::at(const std::string& mesh, const std::string& function) {
   const auto found = data_.find(mesh);
   if (found == data_.end())
-    throw Error(function + ": there is no mesh \"" + mesh + "\", expected gxy_grid(), gxy_points() or gxy_cells() first");
+    throw Error(function + ": there is no mesh \"" + mesh +
+                "\", expected gxy_grid(), gxy_points() or gxy_cells() first");
   return found->second;
 }
 
@@ -198,8 +199,7 @@ const Mesh* Meshes::described(const std::string& what, const Mesh& mesh) const {
   if (known != data_.end() && known->second.mesh.kind != mesh.kind)
     throw Error(what + ": this mesh " + nameOf(known->second.mesh.kind) + ", expected another name");
   if (!isDescribed()) return nullptr;
-  if (known == data_.end())
-    throw Error(what + ": a new mesh after the first step, expected those of before");
+  if (known == data_.end()) throw Error(what + ": a new mesh after the first step, expected those of before");
   return &known->second.mesh;
 }
 
@@ -258,7 +258,9 @@ std::vector<Field> Meshes::fieldsOf(const Data& data) {
 
 Description Meshes::describe() {
   if (data_.empty())
-    throw Error("gxy_publish: there is no mesh, expected gxy_grid() and gxy_field(), gxy_points() or gxy_cells() first");
+    throw Error(
+        "gxy_publish: there is no mesh, expected gxy_grid() and gxy_field(), gxy_points() or gxy_cells() "
+        "first");
   Description description;
   for (const auto& [name, data] : data_) {
     description.meshes.push_back(data.mesh);
@@ -269,7 +271,8 @@ Description Meshes::describe() {
     else
       for (const auto& [number, block] : data.blocks)
         if (block.owned.count() > 0) description.parts.back().blocks.push_back(block.owned);
-    if (data.mesh.kind == Mesh::Kind::Cells)  // Wrong cells of the first step are told here, later ones by the server.
+    if (data.mesh.kind ==
+        Mesh::Kind::Cells)  // Wrong cells of the first step are told here, later ones by the server.
       description.meshes.back().shape =
           data.cells.checked("gxy_publish, cells \"" + name + "\"", pointsOf(data),
                              [&positions = data.positions](size_t i) { return positionAt(positions, i); });
@@ -344,8 +347,8 @@ void Meshes::copy(const Data& data, const Array& array, uint64_t count, std::byt
     case Array::What::Field:
       break;
   }
-  copyPoints(array.ofCells ? data.cellFields.at(array.name) : data.blocks.at(0).fields.at(array.name), row, row,
-             to);
+  copyPoints(array.ofCells ? data.cellFields.at(array.name) : data.blocks.at(0).fields.at(array.name), row,
+             row, to);
 }
 
 void Meshes::copy(std::span<const Destination> destinations, const Counts& counts, std::byte* to) const {

@@ -41,9 +41,7 @@ std::string nameOf(int type) {
 
 const char* nameOf(Mesh::Shape shape) { return shape == Mesh::Shape::Lines ? "lines" : "triangles"; }
 
-bool isFinite(const glm::dvec3& p) {
-  return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
-}
+bool isFinite(const glm::dvec3& p) { return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z); }
 
 }  // namespace
 

@@ -138,16 +138,16 @@ void mergeMeshes(std::vector<Mesh>& meshes, const std::vector<Mesh>& others, int
     if (shape == Mesh::Shape::Unknown || shape == merged[m].shape) continue;
     throw Error("cells \"" + meshes[m].name + "\": rank " + std::to_string(rank) + " has " +
                 (shape == Mesh::Shape::Lines ? "lines" : "triangles") + ", and a rank before has " +
-                (shape == Mesh::Shape::Lines ? "triangles" : "lines") +
-                ", expected one of both in a mesh");
+                (shape == Mesh::Shape::Lines ? "triangles" : "lines") + ", expected one of both in a mesh");
   }
   std::vector<Mesh> same = others;
   for (size_t m = 0; m < std::min(merged.size(), same.size()); m++) same[m].shape = merged[m].shape;
   if (merged != same)
-    throw Error("rank " + std::to_string(rank) +
-                " has other meshes or fields than a rank before, expected the same meshes in the same order, each "
-                "with the same size, "
-                "origin and spacing or type of positions, ids and box, and names, types and components of fields");
+    throw Error(
+        "rank " + std::to_string(rank) +
+        " has other meshes or fields than a rank before, expected the same meshes in the same order, each "
+        "with the same size, "
+        "origin and spacing or type of positions, ids and box, and names, types and components of fields");
   meshes = std::move(merged);
 }
 

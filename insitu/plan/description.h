@@ -20,10 +20,10 @@ inline constexpr size_t kMostBlocks = size_t(1) << 20;  ///< of all ranks togeth
 inline constexpr size_t kMostMeshes = 16;
 inline constexpr size_t kMostFields = 64;  ///< of a mesh
 inline constexpr int kMostComponents = 16;
-inline constexpr int64_t kMostPoints = int64_t(1) << 31;             ///< by axis
-inline constexpr int64_t kMostInAll = int64_t(1) << 46;              ///< points of a grid
+inline constexpr int64_t kMostPoints = int64_t(1) << 31;  ///< by axis
+inline constexpr int64_t kMostInAll = int64_t(1) << 46;   ///< points of a grid
 inline constexpr uint64_t kMostParticles =
-    (uint64_t(1) << 32) - 2;              ///< of one rank; also the most points of a mesh of cells, and corners
+    (uint64_t(1) << 32) - 2;  ///< of one rank; also the most points of a mesh of cells, and corners
 inline constexpr size_t kMostName = 100;  ///< bytes of the name of a stream, mesh or field
 
 /// A field: one array with values at the points of a mesh, or in its cells. The cells of a grid are one with a rim (Grid::rim): its points

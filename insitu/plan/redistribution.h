@@ -28,7 +28,8 @@ struct Piece {
 struct Layout {
   std::span<const Mesh> meshes;
   std::span<const BlockSearch> blocks;  ///< by mesh; of grids
-  std::span<const int> homes;  ///< by rank of the simulation: the rank of Galaxy that gets its particles and cells
+  std::span<const int>
+      homes;  ///< by rank of the simulation: the rank of Galaxy that gets its particles and cells
   const Partitioning& partitioning;
 };
 

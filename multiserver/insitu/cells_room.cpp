@@ -40,7 +40,8 @@ std::vector<uint64_t> CellsRoom::checkedPrimitives() const {
   for (const SentArrays::Source& source : sent_.sources()) {
     const insitu::Cells cells = cellsOf(source);
     check(cells, sent_.mesh().shape,
-          "cells \"" + sent_.mesh().name + "\", rank " + std::to_string(primitives.size()) + " of the simulation",
+          "cells \"" + sent_.mesh().name + "\", rank " + std::to_string(primitives.size()) +
+              " of the simulation",
           [&](size_t point) { return sent_.position(source, point); });
     primitives.push_back(insitu::primitivesOf(cells));
   }
@@ -53,7 +54,8 @@ int64_t CellsRoom::bytesToMake(uint64_t primitives) const {
   uint64_t points = 0, bytes = 0;
   for (const SentArrays::Source& source : sent_.sources()) points += source.points();
   const bool isLines = kind_ == GeometryKind::PathLines;
-  const uint64_t each = sizeof(uint64_t) + (isLines ? 2 * sizeof(std::array<uint32_t, 2>) : sizeof(std::array<uint32_t, 3>));
+  const uint64_t each =
+      sizeof(uint64_t) + (isLines ? 2 * sizeof(std::array<uint32_t, 2>) : sizeof(std::array<uint32_t, 3>));
   for (const insitu::Publishes& dataset : datasetsOf(std::span(&mesh, 1))) {
     const bool ofCells = dataset.field && mesh.fields[*dataset.field].ofCells;
     const uint64_t most = points + (ofCells ? primitives * (isLines ? 4 : 3) : 0);
@@ -85,10 +87,12 @@ CellsRoom::Made CellsRoom::make(const std::map<int, uint64_t>& firstIds) const {
       else if (corners.size() > 2)
         appendTriangles(CellType(cells.types[c]), corners, block);
       if (hasCellFields)
-        made.cells.resize(kind_ == GeometryKind::PathLines ? block.segments.size() : block.triangles.size(), cell);
+        made.cells.resize(kind_ == GeometryKind::PathLines ? block.segments.size() : block.triangles.size(),
+                          cell);
     }
-    const size_t before = block.ids.size(),
-                 primitives = kind_ == GeometryKind::PathLines ? block.segments.size() : block.triangles.size();
+    const size_t before = block.ids.size(), primitives = kind_ == GeometryKind::PathLines
+                                                             ? block.segments.size()
+                                                             : block.triangles.size();
     block.ids.resize(primitives);
     if (primitives > before)
       std::iota(block.ids.begin() + ptrdiff_t(before), block.ids.end(), firstIds.at(int(r)));

@@ -16,15 +16,15 @@ SentArrays::SentArrays(const insitu::Mesh& mesh, TakeStepMemory take, uint64_t m
     : mesh_(mesh), arrays_(arraysOf(mesh)), take_(std::move(take)), morePerPoint_(morePerPoint) {}
 
 size_t SentArrays::arrayOf(size_t field) const {
-  return size_t(std::find_if(arrays_.begin(), arrays_.end(),
-                             [&](const Array& a) { return a.what == Array::What::Field && a.field == field; }) -
-                arrays_.begin());
+  return size_t(
+      std::find_if(arrays_.begin(), arrays_.end(),
+                   [&](const Array& a) { return a.what == Array::What::Field && a.field == field; }) -
+      arrays_.begin());
 }
 
 size_t SentArrays::arrayOf(Array::What what) const {
-  return size_t(
-      std::find_if(arrays_.begin(), arrays_.end(), [&](const Array& a) { return a.what == what; }) -
-      arrays_.begin());
+  return size_t(std::find_if(arrays_.begin(), arrays_.end(), [&](const Array& a) { return a.what == what; }) -
+                arrays_.begin());
 }
 
 void SentArrays::store(const insitu::Piece& piece, size_t array, const insitu::PieceHeader& header,
@@ -111,8 +111,8 @@ void LookOf::append(const std::byte* values, size_t i, GeometryBlock& to) const 
   });
 }
 
-std::shared_ptr<Dataset> datasetOf(const insitu::Mesh& mesh, const insitu::Field* field, OwnedGeometry geometry,
-                                   const LedgerEntry& memory) {
+std::shared_ptr<Dataset> datasetOf(const insitu::Mesh& mesh, const insitu::Field* field,
+                                   OwnedGeometry geometry, const LedgerEntry& memory) {
   auto d = std::make_shared<Dataset>();
   if (field) d->array = field->name;
   geometry.name = field ? field->name : mesh.name;

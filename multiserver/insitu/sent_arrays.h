@@ -82,7 +82,7 @@ class LookOf {
 };
 
 /// Returns the dataset of a field, or of a mesh without fields. Takes its memory as another of `memory`.
-std::shared_ptr<Dataset> datasetOf(const insitu::Mesh& mesh, const insitu::Field* field, OwnedGeometry geometry,
-                                   const LedgerEntry& memory);
+std::shared_ptr<Dataset> datasetOf(const insitu::Mesh& mesh, const insitu::Field* field,
+                                   OwnedGeometry geometry, const LedgerEntry& memory);
 
 }  // namespace gxy

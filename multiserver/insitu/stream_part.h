@@ -30,7 +30,7 @@ struct StreamIdentity {
 struct StreamPlan {
   std::vector<insitu::Mesh> meshes;
   std::vector<std::vector<insitu::Block>> blocks;  ///< by mesh; of grids
-  std::vector<int> homes;                          ///< where the particles and cells of each rank of the simulation go
+  std::vector<int> homes;  ///< where the particles and cells of each rank of the simulation go
   std::shared_ptr<const Partitioning> partitioning;
 };
 Bytes written(const StreamPlan& plan);

@@ -34,7 +34,8 @@ void expectEqualsImport(TestServer& server, Viewer& viewer, const MiniMesh& mesh
   const auto picture = [&](const std::string& dataset) {
     json vis{{"type", type}, {"dataset", dataset}, {"data range", "data"}};
     if (type == "PathLines") vis["radius"] = 0.01;
-    viewer.client->expect("set 1 " + json{{"Visualization", {{"operators", {vis}}}}, {"Camera", {{"fit", true}}}}.dump());
+    viewer.client->expect(
+        "set 1 " + json{{"Visualization", {{"operators", {vis}}}}, {"Camera", {{"fit", true}}}}.dump());
     return viewer.frame().rgba;
   };
   const auto ours = picture(name), theirs = picture("file");
@@ -143,14 +144,17 @@ TEST(Cells, ThatAreWrongAreLeftOutAndTold) {
       return client->expect("insitu.streams").at("streams").at(0).value("problem", "").find(why) !=
              std::string::npos;
     });
-    const auto problem = client->expect("insitu.streams").at("streams").at(0).at("problem").get<std::string>();
+    const auto problem =
+        client->expect("insitu.streams").at("streams").at(0).at("problem").get<std::string>();
     EXPECT_NE(problem.find("cells \"surface\", rank "), std::string::npos) << problem;
     mesh.change = [](auto&) {};
     const int64_t before = mesh.published();
     run(mesh, [&] { return mesh.published() > before; });
   };
-  expectProblem([](RankMesh& m) { m.types[2] = 12; }, "cell 2: cells of type 12 (hexahedron) are not supported yet");
-  expectProblem([](RankMesh& m) { m.types[3] = GXY_POLY_LINE; }, "cell 3: type 4, of lines, in a mesh of triangles");
+  expectProblem([](RankMesh& m) { m.types[2] = 12; },
+                "cell 2: cells of type 12 (hexahedron) are not supported yet");
+  expectProblem([](RankMesh& m) { m.types[3] = GXY_POLY_LINE; },
+                "cell 3: type 4, of lines, in a mesh of triangles");
   expectProblem([](RankMesh& m) { m.offsets[2] = 1; }, "cell 1: its offsets do not ascend");
   expectProblem([](RankMesh& m) { m.offsets[0] = -1; }, "cell 0: its offsets do not ascend, or are negative");
   expectProblem([](RankMesh& m) { m.connectivity[1] = -7; }, "cell 0: point number negative");
@@ -212,8 +216,11 @@ TEST(Cells, ForWhichThereIsNoRoomAreLeftOutAndTheServerGoesOn) {
     }
   };
   run(mesh, [&] {
-    return client->expect("insitu.streams").at("streams").at(0).value("problem", "").find("bytes are needed") !=
-           std::string::npos;
+    return client->expect("insitu.streams")
+               .at("streams")
+               .at(0)
+               .value("problem", "")
+               .find("bytes are needed") != std::string::npos;
   });
   mesh.change = [](auto&) {};
   const int64_t before = mesh.published();
@@ -241,12 +248,14 @@ TEST(Cells, AreShownTogetherWithAGridAndParticlesOfTheirSimulation) {
       MiniArray& t = *arrays[size_t(rank)];
       t.fill(grid, step, 0);
       if (step == 1) {
-        EXPECT_EQ(gxy_grid(sim, "grid", 0, GXY_OF_POINTS, grid.points.data(), half.first.data(), half.points.data(),
-                           &grid.origin[0], &grid.spacing[0]),
+        EXPECT_EQ(gxy_grid(sim, "grid", 0, GXY_OF_POINTS, grid.points.data(), half.first.data(),
+                           half.points.data(), &grid.origin[0], &grid.spacing[0]),
                   GXY_TAKEN);
         EXPECT_EQ(gxy_field(sim, "grid", 0, "t", GXY_OF_POINTS, t.array()), GXY_TAKEN);
       }
-      EXPECT_EQ(gxy_points(sim, "atoms", 1, {atoms + 3 * rank, GXY_FLOAT32, 3, {12, 0, 0}, 0, 0}, {}, nullptr), GXY_TAKEN);
+      EXPECT_EQ(
+          gxy_points(sim, "atoms", 1, {atoms + 3 * rank, GXY_FLOAT32, 3, {12, 0, 0}, 0, 0}, {}, nullptr),
+          GXY_TAKEN);
     };
     mesh.change = [](std::vector<RankMesh>& ranks) {  // inside the grid, so that a file can share its domain
       for (RankMesh& m : ranks)
@@ -260,12 +269,13 @@ TEST(Cells, AreShownTogetherWithAGridAndParticlesOfTheirSimulation) {
     EXPECT_EQ(*field->partitioning, *surface->partitioning);
     expectEqualsImport(*server, viewer, mesh, "sea.height");
     expectEqualsImport(*server, viewer, mesh, "sea.region");
-    viewer.client->expect("set 1 " + json{{"Visualization",
-                                           {{"operators",
-                                             {{{"type", "Volume"}, {"dataset", "sea.t"}},
-                                              {{"type", lines ? "PathLines" : "Triangles"}, {"dataset", "sea.height"}}}}}},
-                                          {"Camera", {{"fit", true}}}}
-                                         .dump());
+    viewer.client->expect(
+        "set 1 " + json{{"Visualization",
+                         {{"operators",
+                           {{{"type", "Volume"}, {"dataset", "sea.t"}},
+                            {{"type", lines ? "PathLines" : "Triangles"}, {"dataset", "sea.height"}}}}}},
+                        {"Camera", {{"fit", true}}}}
+                       .dump());
     EXPECT_FALSE(viewer.frame().rgba.empty());
   }
 }

@@ -99,7 +99,8 @@ TEST(Interface, WrongRanksAndNamesAreTold) {
 TEST(Interface, WrongGridsAndFieldsAreToldAndChangeNothing) {
   Sim s(kNowhere);
   const int64_t large[3] = {4, 4, 5};
-  s.expectWrong(gxy_publish(s.sim, 1, 0), "expected gxy_grid() and gxy_field(), gxy_points() or gxy_cells() first");
+  s.expectWrong(gxy_publish(s.sim, 1, 0),
+                "expected gxy_grid() and gxy_field(), gxy_points() or gxy_cells() first");
   s.expectWrong(s.field("t", s.array()),
                 "there is no mesh \"grid\", expected gxy_grid(), gxy_points() or gxy_cells() first");
   const int64_t none[3] = {4, 4, 0}, negative[3] = {4, 4, -1};
@@ -192,8 +193,10 @@ TEST(Interface, WrongCellsAreToldAndChangeNothing) {
   int64_t ends[3] = {0, 3, 6}, points[6] = {0, 1, 2, 2, 1, 0};
   int triangle = GXY_TRIANGLE;
   uint8_t types[2] = {GXY_TRIANGLE, GXY_TRIANGLE};
-  const gxy_array at = {positions, GXY_FLOAT64, 3, {24, 0, 0}, 0, 0}, all = {&triangle, GXY_INT32, 1, {0, 0, 0}, 0, 0},
-                  each = {types, GXY_UINT8, 1, {1, 0, 0}, 0, 0}, offsets = {ends, GXY_INT64, 1, {8, 0, 0}, 0, 0},
+  const gxy_array at = {positions, GXY_FLOAT64, 3, {24, 0, 0}, 0, 0},
+                  all = {&triangle, GXY_INT32, 1, {0, 0, 0}, 0, 0},
+                  each = {types, GXY_UINT8, 1, {1, 0, 0}, 0, 0},
+                  offsets = {ends, GXY_INT64, 1, {8, 0, 0}, 0, 0},
                   corners = {points, GXY_INT64, 1, {8, 0, 0}, 0, 0}, none = {};
   const auto cells = [&](const gxy_array& where, const gxy_array& kinds, const gxy_array& from,
                          const gxy_array& of, int64_t count = 2, int64_t pointCount = 3) {
@@ -205,19 +208,22 @@ TEST(Interface, WrongCellsAreToldAndChangeNothing) {
   s.expectWrong(cells(at, each, offsets, corners, 2, int64_t(1) << 40), "points, expected at most 2^32 - 2");
   gxy_array a = at;
   a.components = 2;
-  s.expectWrong(cells(a, each, offsets, corners), "gxy_cells, \"surface\", positions: 2 components, expected 3");
+  s.expectWrong(cells(a, each, offsets, corners),
+                "gxy_cells, \"surface\", positions: 2 components, expected 3");
   a = at;
   a.type = GXY_INT32;
   s.expectWrong(cells(a, each, offsets, corners), "positions of type 4, expected float32 or float64");
   a = each;
   a.type = GXY_FLOAT32;
-  s.expectWrong(cells(at, a, offsets, corners), "types: type 8 and 1 components, expected one integer for each cell");
+  s.expectWrong(cells(at, a, offsets, corners),
+                "types: type 8 and 1 components, expected one integer for each cell");
   a = each;
   a.data = nullptr;
   s.expectWrong(cells(at, a, offsets, corners), "types: there are no data");
   a = offsets;
   a.type = GXY_INT16;
-  s.expectWrong(cells(at, each, a, corners), "offsets: type 2 and 1 components, expected one integer of 32 or 64 bits");
+  s.expectWrong(cells(at, each, a, corners),
+                "offsets: type 2 and 1 components, expected one integer of 32 or 64 bits");
   a = offsets;
   a.stride[0] = 0;
   s.expectWrong(cells(at, each, a, corners), "offsets: stride[0] is 0");
@@ -240,8 +246,10 @@ TEST(Interface, WrongCellsAreToldAndChangeNothing) {
   s.expectWrong(cells(at, all, none, corners, int64_t(1) << 31), "more than 2^32 - 2 points together");
 
   EXPECT_EQ(cells(at, all, none, corners), GXY_TAKEN) << s.message();
-  s.expectWrong(gxy_grid(s.sim, "surface", 0, GXY_OF_POINTS, kSize, kFirst, kSize, kOrigin, kSpacing), "has cells");
-  s.expectWrong(gxy_points(s.sim, "surface", 3, at, none, nullptr), "this mesh has cells, expected another name");
+  s.expectWrong(gxy_grid(s.sim, "surface", 0, GXY_OF_POINTS, kSize, kFirst, kSize, kOrigin, kSpacing),
+                "has cells");
+  s.expectWrong(gxy_points(s.sim, "surface", 3, at, none, nullptr),
+                "this mesh has cells, expected another name");
   s.expectWrong(gxy_field(s.sim, "surface", 1, "height", GXY_OF_POINTS, at), "there is no block 1");
   EXPECT_EQ(gxy_field(s.sim, "surface", 0, "height", GXY_OF_POINTS, at), GXY_TAKEN);
   EXPECT_EQ(gxy_field(s.sim, "surface", 0, "region", GXY_OF_CELLS, corners), GXY_TAKEN);

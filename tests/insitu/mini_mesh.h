@@ -35,10 +35,11 @@ class MiniMesh {
   struct Settings {
     int ranks = 2;
     bool lines = false;
-    std::vector<int> types{GXY_TRIANGLE};  ///< of cells; of one that is fixed, neither types nor offsets are told as arrays
-    uint64_t points = 100, cells = 80;     ///< the most of a rank
-    bool floats = false;                   ///< positions are floats
-    bool shortIndices = false;             ///< offsets and connectivity have 32 bits
+    std::vector<int> types{
+        GXY_TRIANGLE};  ///< of cells; of one that is fixed, neither types nor offsets are told as arrays
+    uint64_t points = 100, cells = 80;  ///< the most of a rank
+    bool floats = false;                ///< positions are floats
+    bool shortIndices = false;          ///< offsets and connectivity have 32 bits
     bool fields = true;
     bool normals = false;
   };
@@ -101,8 +102,10 @@ class MiniMesh {
     for (const RankMesh& m : all) points += m.points.size(), cells += m.types.size();
     std::ofstream file(path);
     file.precision(std::numeric_limits<double>::max_digits10);
-    file << "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\">\n"
-         << "<UnstructuredGrid>\n<Piece NumberOfPoints=\"" << points << "\" NumberOfCells=\"" << cells << "\">\n";
+    file << "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" "
+            "byte_order=\"LittleEndian\">\n"
+         << "<UnstructuredGrid>\n<Piece NumberOfPoints=\"" << points << "\" NumberOfCells=\"" << cells
+         << "\">\n";
     const auto array = [&](const char* type, const char* name, int components, auto write) {
       file << "<DataArray type=\"" << type << "\" Name=\"" << name << "\" NumberOfComponents=\"" << components
            << "\" format=\"ascii\">\n";
@@ -165,7 +168,8 @@ class MiniMesh {
     for (uint64_t c = 0; c < cells; c++) {
       const int type = settings_.types[random_.below(settings_.types.size())];
       uint64_t corners = type == GXY_LINE ? 2 : type == GXY_TRIANGLE ? 3 : 4;  // Quads and pixels have 4.
-      if (type == GXY_POLY_LINE || type == GXY_TRIANGLE_STRIP || type == GXY_POLYGON) corners = random_.below(7);
+      if (type == GXY_POLY_LINE || type == GXY_TRIANGLE_STRIP || type == GXY_POLYGON)
+        corners = random_.below(7);
       m.types.push_back(uint8_t(type));
       for (uint64_t i = 0; i < corners; i++) m.connectivity.push_back(int64_t(random_.below(points)));
       m.offsets.push_back(int64_t(m.connectivity.size()));
@@ -181,17 +185,20 @@ class MiniMesh {
     const auto array = [](const auto& values, int type, int components, int64_t bytes) {
       return gxy_array{values.empty() ? nullptr : values.data(), type, components, {bytes, 0, 0}, 0, 0};
     };
-    const gxy_array positions = settings_.floats ? array(m.floats, GXY_FLOAT32, 3, 12) : array(m.points, GXY_FLOAT64, 3, 32);
+    const gxy_array positions =
+        settings_.floats ? array(m.floats, GXY_FLOAT32, 3, 12) : array(m.points, GXY_FLOAT64, 3, 32);
     gxy_array types = array(m.types, GXY_UINT8, 1, 1), offsets = array(m.offsets, GXY_INT64, 1, 8),
               connectivity = array(m.connectivity, GXY_INT64, 1, 8);
     if (settings_.shortIndices)
-      offsets = array(m.shortOffsets, GXY_INT32, 1, 4), connectivity = array(m.shortConnectivity, GXY_UINT32, 1, 4);
+      offsets = array(m.shortOffsets, GXY_INT32, 1, 4),
+      connectivity = array(m.shortConnectivity, GXY_UINT32, 1, 4);
     const int type = settings_.types[0];  // The library keeps it.
     if (settings_.types.size() == 1) types = {&type, GXY_INT32, 1, {0, 0, 0}, 0, 0};
-    if (settings_.types.size() == 1 && type != GXY_POLYGON && type != GXY_POLY_LINE && type != GXY_TRIANGLE_STRIP)
+    if (settings_.types.size() == 1 && type != GXY_POLYGON && type != GXY_POLY_LINE &&
+        type != GXY_TRIANGLE_STRIP)
       offsets = {};
-    EXPECT_EQ(gxy_cells(sim, "surface", int64_t(m.points.size()), positions, int64_t(m.types.size()), types, offsets,
-                        connectivity),
+    EXPECT_EQ(gxy_cells(sim, "surface", int64_t(m.points.size()), positions, int64_t(m.types.size()), types,
+                        offsets, connectivity),
               GXY_TAKEN)
         << gxy_message(sim);
     const auto field = [&](const char* name, int of, const gxy_array& values) {

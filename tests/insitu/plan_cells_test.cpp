@@ -17,7 +17,8 @@ namespace {
 struct Arrays {
   std::vector<glm::dvec3> points = std::vector<glm::dvec3>(6);
   std::vector<uint8_t> types{5, 5, 5, 9, 6};
-  std::vector<uint32_t> ends{3, 6, 9, 13, 18}, connectivity{0, 1, 2, 1, 2, 3, 2, 3, 4, 0, 1, 2, 5, 0, 1, 2, 3, 4};
+  std::vector<uint32_t> ends{3, 6, 9, 13, 18},
+      connectivity{0, 1, 2, 1, 2, 3, 2, 3, 4, 0, 1, 2, 5, 0, 1, 2, 3, 4};
   Cells cells() const { return {points.size(), types, ends, connectivity}; }
 };
 
@@ -51,16 +52,24 @@ TEST(PlanCells, SayWhatTheyBecome) {
 }
 
 TEST(PlanCells, ThatAreWrongAreRefusedWithTheirNumber) {
-  const std::string taken = ", expected lines (3, 4), or triangles, strips, polygons, pixels and quads (5 to 9)";
-  expectRefused([](Arrays& a) { a.types[2] = 10; },
-                "mesh, cell 2: cells of type 10 (tetrahedron) are not supported yet, nor are others with a volume" + taken);
-  expectRefused([](Arrays& a) { a.types[0] = 42; },
-                "mesh, cell 0: cells of type 42 (polyhedron) are not supported yet, nor are others with a volume" + taken);
-  expectRefused([](Arrays& a) { a.types[4] = 1; }, "mesh, cell 4: cells of type 1 (vertex) are not supported" + taken);
-  expectRefused([](Arrays& a) { a.types[4] = 200; }, "mesh, cell 4: cells of type 200 are not supported" + taken);
+  const std::string taken =
+      ", expected lines (3, 4), or triangles, strips, polygons, pixels and quads (5 to 9)";
+  expectRefused(
+      [](Arrays& a) { a.types[2] = 10; },
+      "mesh, cell 2: cells of type 10 (tetrahedron) are not supported yet, nor are others with a volume" +
+          taken);
+  expectRefused(
+      [](Arrays& a) { a.types[0] = 42; },
+      "mesh, cell 0: cells of type 42 (polyhedron) are not supported yet, nor are others with a volume" +
+          taken);
+  expectRefused([](Arrays& a) { a.types[4] = 1; },
+                "mesh, cell 4: cells of type 1 (vertex) are not supported" + taken);
+  expectRefused([](Arrays& a) { a.types[4] = 200; },
+                "mesh, cell 4: cells of type 200 are not supported" + taken);
   expectRefused([](Arrays& a) { a.types[1] = 4; },
                 "mesh, cell 1: type 4, of lines, in a mesh of triangles, expected one of both in a mesh");
-  expectRefused([](Arrays&) {}, "mesh, cell 0: type 5, of triangles, in a mesh of lines, expected one of both in a mesh",
+  expectRefused([](Arrays&) {},
+                "mesh, cell 0: type 5, of triangles, in a mesh of lines, expected one of both in a mesh",
                 Mesh::Shape::Lines);
   const std::string offsets =
       ": its offsets do not ascend, or are negative, or above 2^32 - 2, expected offsets that ascend from 0";
@@ -75,7 +84,8 @@ TEST(PlanCells, ThatAreWrongAreRefusedWithTheirNumber) {
   expectRefused([](Arrays& a) { a.connectivity[12] = 6; },
                 "mesh, cell 3: point 6, expected one of the 6 points of its rank, from 0");
   expectRefused([](Arrays& a) { a.connectivity[0] = kNoPlace; },
-                "mesh, cell 0: point number negative, or above 2^32 - 2, expected one of the 6 points of its rank, from 0");
+                "mesh, cell 0: point number negative, or above 2^32 - 2, expected one of the 6 points of its "
+                "rank, from 0");
   expectRefused([](Arrays& a) { a.points[5].y = NAN; },
                 "mesh, cell 3: the coordinates of point 5 are not finite, expected finite ones");
 }

@@ -86,8 +86,9 @@ TEST(Records, RanksAgreeAboutMeshesAndWhatCellsBecome) {
   mergeMeshes(known, others, 2);
   EXPECT_EQ(known, all) << "a rank without them says nothing";
   others[2].shape = Mesh::Shape::Lines;
-  EXPECT_EQ(errorOf([&] { mergeMeshes(known, others, 3); }),
-            "cells \"surface\": rank 3 has lines, and a rank before has triangles, expected one of both in a mesh");
+  EXPECT_EQ(
+      errorOf([&] { mergeMeshes(known, others, 3); }),
+      "cells \"surface\": rank 3 has lines, and a rank before has triangles, expected one of both in a mesh");
   others = all;
   others[2].fields[2].ofCells = false;
   EXPECT_NE(errorOf([&] { mergeMeshes(known, others, 3); }).find("rank 3 has other meshes or fields"),
@@ -125,8 +126,10 @@ TEST(Records, WrongDescriptionsSayWhatWasExpected) {
                 "points \"atoms\": positions of type 4, expected float32 or float64");
   expectRefused([](Description& d) { d.meshes[2].positions = ScalarType::Int32; },
                 "cells \"surface\": positions of type 4, expected float32 or float64");
-  expectRefused([](Description& d) { d.meshes[2].shape = Mesh::Shape(3); }, "shape 3 of cells, expected 0 to 2");
-  expectRefused([](Description& d) { d.meshes[2].kind = Mesh::Kind(3); }, "kind 3 of a mesh, expected 0 to 2");
+  expectRefused([](Description& d) { d.meshes[2].shape = Mesh::Shape(3); },
+                "shape 3 of cells, expected 0 to 2");
+  expectRefused([](Description& d) { d.meshes[2].kind = Mesh::Kind(3); },
+                "kind 3 of a mesh, expected 0 to 2");
   expectRefused([](Description& d) { d.meshes[2].fields[2].name = "height"; }, "is there twice");
   expectRefused([](Description& d) { d.meshes[1].box.lo.x = 6; }, "the box is not finite");
   expectRefused([](Description& d) { d.meshes[1].box.hi.x = INFINITY; }, "the box is not finite");
@@ -141,8 +144,9 @@ TEST(Records, WrongDescriptionsSayWhatWasExpected) {
 
 TEST(Records, PlansOutsideTheBlocksOfARankAreRefused) {
   const Description mine = described();
-  const std::vector<Destination> plan{{1, {{3, 0, 1, 7, {{0, 0, 1}, {8, 9, 4}}, 0}, {3, 0, 1, -1, {}, 1}, {3, 0, 1, -1, {}, 2}}},
-                                      {2, {{3, 1, 2, 8, mine.parts[0].blocks[1], 0}}}};
+  const std::vector<Destination> plan{
+      {1, {{3, 0, 1, 7, {{0, 0, 1}, {8, 9, 4}}, 0}, {3, 0, 1, -1, {}, 1}, {3, 0, 1, -1, {}, 2}}},
+      {2, {{3, 1, 2, 8, mine.parts[0].blocks[1], 0}}}};
   EXPECT_EQ(readDestinations(written(plan), 3, mine), plan);
   const auto expectRefused = [&](const std::function<void(std::vector<Destination>&)>& change) {
     auto other = plan;
@@ -174,7 +178,8 @@ TEST(Records, ItemsAreTheArraysOfPieces) {
   EXPECT_EQ(items[3].bytesPerPoint, 8u) << "ids";
   EXPECT_FALSE(items[3].first);
   EXPECT_EQ(items[4].number, int(placeOf(1, Per::Point)));
-  const uint64_t bytes[] = {12, 8, 12, 1, 4, 2, 4};  // positions, height, Normals; types, ends, region; connectivity
+  const uint64_t bytes[] = {12, 8, 12, 1,
+                            4,  2, 4};  // positions, height, Normals; types, ends, region; connectivity
   for (size_t i = 0; i < 7; i++) {
     EXPECT_EQ(items[5 + i].bytesPerPoint, bytes[i]);
     EXPECT_EQ(items[5 + i].number, int(placeOf(2, i < 3 ? Per::Point : i < 6 ? Per::Cell : Per::Corner)));
