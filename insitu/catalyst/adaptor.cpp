@@ -238,13 +238,27 @@ void Adaptor::points(const Points& points) {
   const Index row{count, 1, 1};
   gxy_array ids{};
   for (const Values& values : points.fields)
-    if (values.name == params_.ids) ids = described(values, row, {}, copies_[{points.mesh, 0, params_.ids}]);
+    if (values.name == params_.ids && !points.cells)
+      ids = described(values, row, {}, copies_[{points.mesh, 0, params_.ids}]);
   const gxy_array positions = described(points.positions, row, {}, copies_[key]);
   const double* box = params_.box ? params_.box->data() : nullptr;
-  if (!told(key, points.path, gxy_points(sim_.get(), points.mesh.c_str(), count, positions, ids, box)))
-    return;
-  for (const Values& values : points.fields)
-    if (values.name != params_.ids) field(values, {points.mesh, 0, values.name}, GXY_OF_POINTS, row, {});
+  int result = GXY_TAKEN;
+  if (points.cells) {
+    const Array& corners = points.cells->connectivity;
+    const gxy_array type{&points.cells->type, GXY_UINT8, 1, {0, 0, 0}, 0, 0},
+        connectivity{corners.data, corners.type, 1, {corners.stride, 0, 0}, 0, 0};
+    result = gxy_cells(sim_.get(), points.mesh.c_str(), count, positions, points.cells->count, type, {},
+                       connectivity);
+  } else {
+    result = gxy_points(sim_.get(), points.mesh.c_str(), count, positions, ids, box);
+  }
+  if (!told(key, points.path, result)) return;
+  for (const Values& values : points.fields) {
+    const bool ofCells = points.cells && values.ofElements;
+    if (values.name != params_.ids || points.cells)
+      field(values, {points.mesh, 0, values.name}, ofCells ? GXY_OF_CELLS : GXY_OF_POINTS,
+            ofCells ? Index{points.cells->count, 1, 1} : row, {});
+  }
 }
 
 void Adaptor::field(const Values& values, const Key& key, int of, const Index& extent, const Index& first) {

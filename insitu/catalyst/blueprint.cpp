@@ -5,6 +5,8 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "insitu/api/galaxy_insitu.h"
+
 namespace gxy::catalyst {
 
 namespace {
@@ -118,16 +120,38 @@ void addGrid(GridBlock block, std::vector<Values> fields, const std::string& gho
   grids.push_back(std::move(block));
 }
 
+// The cells of a topology of one shape; nothing if they are none that is taken.
+std::optional<Cells> cellsOf(const Node& topology) {
+  constexpr struct {
+    const char* shape;
+    uint8_t type, points;
+  } kTaken[] = {{"line", GXY_LINE, 2}, {"tri", GXY_TRIANGLE, 3}, {"quad", GXY_QUAD, 4}};
+  const std::string shape = topology.at("elements/shape").text();
+  for (const auto& taken : kTaken) {
+    if (shape != taken.shape) continue;
+    const Node connectivity = topology.at("elements/connectivity");
+    const Cells cells{taken.type, connectivity.array(), connectivity.array().count / taken.points};
+    if (cells.count * taken.points != cells.connectivity.count)
+      fail(connectivity.path(), "found " + std::to_string(cells.connectivity.count) + " points, expected " +
+                                    std::to_string(taken.points) + " for each of the elements");
+    return cells;
+  }
+  return {};
+}
+
 void addPoints(Points points, std::vector<Values> fields, const std::string& ghosts, const Warn& warn,
                std::vector<Points>& all) {
   if (std::any_of(all.begin(), all.end(), [&](const Points& p) { return p.mesh == points.mesh; }))
-    return warn(points.path + ": points of a second domain, expected one on each rank, left out");
+    return warn(points.path + ": " + (points.cells ? "cells" : "points") +
+                " of a second domain, expected one on each rank, left out");
   for (Values& values : fields) {
     if (isGhosts(values.name, ghosts)) {
-      warn(values.path + ": ghosts of points are not known as such, and shown");
+      warn(values.path + ": ghosts of " + (points.cells ? "cells" : "points") +
+           " are not known as such, and shown");
       continue;
     }
-    checkCount(values, points.positions.components[0].count);
+    checkCount(values, points.cells && values.ofElements ? points.cells->count
+                                                         : points.positions.components[0].count);
     points.fields.push_back(std::move(values));
   }
   all.push_back(std::move(points));
@@ -190,8 +214,15 @@ void addMeshes(const Node& mesh, const std::string& name, const std::string& poi
       block.mesh = name + suffix;
       addGrid(std::move(block), fieldsOf(mesh, topology.name(), warn), ghosts, meshes.grids);
     } else if (type == "points" && coordinates == "explicit") {
-      addPoints({topology.path(), pointsName + suffix, positionsAt(coordset.at("values")), {}},
+      addPoints({topology.path(), pointsName + suffix, positionsAt(coordset.at("values")), {}, {}},
                 fieldsOf(mesh, topology.name(), warn), ghosts, warn, meshes.points);
+    } else if (type == "unstructured" && coordinates == "explicit") {
+      if (const auto cells = cellsOf(topology))
+        addPoints({topology.path(), pointsName + suffix, positionsAt(coordset.at("values")), {}, cells},
+                  fieldsOf(mesh, topology.name(), warn), ghosts, warn, meshes.points);
+      else
+        warn(topology.path() + ": elements of shape \"" + topology.at("elements/shape").text() +
+             "\" are not taken so far, expected \"line\", \"tri\" or \"quad\", left out");
     } else {
       warn(topology.path() + ": type \"" + type + "\" on coordinates of type \"" + coordinates +
            "\" is not taken so far, left out");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What Galaxy takes of a mesh in Conduit's Mesh Blueprint: blocks of uniform grids, points, and fields.
+// What Galaxy takes of a mesh in Conduit's Mesh Blueprint: blocks of uniform grids, points, lines and triangles, and fields.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -46,11 +46,19 @@ int64_t cells(const Index& points, size_t axis);
 /// What the block has without ghosts. Throws std::runtime_error where that is not a box.
 Box ownedOf(const GridBlock& block);
 
-/// Points, with a field for each.
+/// Lines, triangles or quads between points.
+struct Cells {
+  uint8_t type = 0;  ///< gxy_cell
+  Array connectivity;
+  int64_t count = 0;
+};
+
+/// Points, with a field for each. Or with cells between them, and fields of both.
 struct Points {
   std::string path, mesh;
   Values positions;
   std::vector<Values> fields;
+  std::optional<Cells> cells;
 };
 
 struct Meshes {
@@ -63,7 +71,7 @@ using Warn = std::function<void(const std::string&)>;
 /// The domains of a Blueprint mesh: itself, or its children, without those that are empty.
 std::vector<Node> domainsOf(const Node& data);
 
-/// Adds the meshes of `mesh`, a Blueprint mesh, to `meshes`. `name` becomes that of its grid and `pointsName` that of its points.
+/// Adds the meshes of `mesh`, a Blueprint mesh, to `meshes`. `name` becomes that of its grid and `pointsName` that of its points or cells.
 /// What Galaxy does not take is told to `warn` and left out. `ghosts` is the name of the field of ghosts; empty: one of the usual names.
 /// Throws std::runtime_error where the mesh is not what the Blueprint says.
 void addMeshes(const Node& mesh, const std::string& name, const std::string& pointsName,

@@ -635,6 +635,70 @@ TEST_F(Catalyst, CoordinatesOfParticlesAreKnownByTheirNames) {
   expectSaid("coords/values: expected x, y and z");
 }
 
+/// Lines, triangles or quads beside a grid.
+struct Surface : Simple {
+  Surface(const char* shape, size_t points, std::vector<int32_t> numbers, size_t count)
+      : x(points), y(points), z(points, 3), corners(std::move(numbers)), height(points), region(count) {
+    std::iota(x.begin(), x.end(), 0.5), std::iota(y.begin(), y.end(), -1);
+    for (size_t p = 0; p < points; p++) y[p] *= y[p];
+    std::iota(height.begin(), height.end(), 7.f), std::iota(region.begin(), region.end(), 100);
+    set("catalyst/channels/sea/type", "mesh"), set(kSea + "/coordsets/coords/type", "explicit");
+    external(kSea + "/coordsets/coords/values/x", x), external(kSea + "/coordsets/coords/values/y", y);
+    external(kSea + "/coordsets/coords/values/z", z);
+    set(kSea + "/topologies/mesh/type", "unstructured"), set(kSea + "/topologies/mesh/coordset", "coords");
+    set(kSea + "/topologies/mesh/elements/shape", shape);
+    external(kSea + "/topologies/mesh/elements/connectivity", corners);
+    field("vertex", kSea + "/fields/height"), external(kSea + "/fields/height/values", height);
+    field("element", kSea + "/fields/region"), external(kSea + "/fields/region/values", region);
+  }
+  static inline const std::string kSea = "catalyst/channels/sea/data";
+  std::vector<double> x, y, z;
+  std::vector<int32_t> corners;
+  std::vector<float> height;
+  std::vector<int16_t> region;
+};
+
+TEST_F(Catalyst, LinesTrianglesAndQuadsMayBeOthersInEachStep) {
+  for (const auto& [shape, each] : {std::pair("line", 2), std::pair("tri", 3), std::pair("quad", 4)}) {
+    ASSERT_EQ(initialize(), 0);
+    for (const int count : {2, 1, 0}) {
+      std::vector<int32_t> corners;
+      for (int c = 0; c < count * each; c++) corners.push_back(c % each);
+      Surface tree(shape, 4, corners, size_t(count));
+      tree.step(3 - count);
+      EXPECT_EQ(execute(tree), 0) << said();
+      const auto& cells = recorded().points.at("sea");
+      EXPECT_EQ(cells.pointsOfEach, each);
+      EXPECT_EQ(cells.at.size(), 12u);
+      EXPECT_EQ(cells.corners, std::vector<double>(corners.begin(), corners.end()));
+      EXPECT_EQ((recorded().read[{"sea", 0, "height"}]),
+                std::vector<double>(tree.height.begin(), tree.height.end()));
+      EXPECT_EQ((recorded().read[{"sea", 0, "region"}]),
+                std::vector<double>(tree.region.begin(), tree.region.end()));
+    }
+    EXPECT_EQ(said(), "");
+    EXPECT_EQ(catalyst_finalize(params_.node()), 0);
+  }
+}
+
+TEST_F(Catalyst, OtherElementsAreLeftOutAndWrongOnesTold) {
+  ASSERT_EQ(initialize(), 0);
+  Surface solid("tet", 4, {0, 1, 2, 3}, 1);
+  EXPECT_EQ(execute(solid), 0);
+  expectSaid(
+      "topologies/mesh: elements of shape \"tet\" are not taken so far, expected \"line\", \"tri\" or "
+      "\"quad\", left out");
+  EXPECT_TRUE(recorded().points.empty());
+  Surface some("tri", 4, {0, 1, 2, 3}, 1);
+  some.step(2);
+  EXPECT_EQ(execute(some), kWrong);
+  expectSaid("elements/connectivity: found 4 points, expected 3 for each of the elements");
+  Surface fewer("tri", 4, {0, 1, 2}, 2);
+  fewer.step(3);
+  EXPECT_EQ(execute(fewer), kWrong);
+  expectSaid("fields/region/values: found 2 values, expected 1, one for each of the elements");
+}
+
 TEST_F(Catalyst, AFieldThatIsMissingLaterIsNotReadWhereItWas) {
   ASSERT_EQ(initialize(), 0);
   Simple tree;

@@ -107,9 +107,22 @@ int gxy_points(gxy_sim* sim, const char* mesh, int64_t count, gxy_array position
   return GXY_TAKEN;
 }
 
+int gxy_cells(gxy_sim* sim, const char* mesh, int64_t points, gxy_array positions, int64_t cells,
+              gxy_array types, gxy_array offsets, gxy_array connectivity) {
+  if (isWrong(sim,
+              REAL(gxy_cells)(sim->checks, mesh, points, positions, cells, types, offsets, connectivity)))
+    return GXY_WRONG;
+  const int type = int(valueAt(static_cast<const std::byte*>(types.data), types.type));
+  sim->points[mesh] = {positions, {}, {}, {}, {}, connectivity, cells, type == GXY_LINE ? 2 : type - 2, {}};
+  if (type == GXY_QUAD) sim->points[mesh].pointsOfEach = 4;
+  sim->grids[{mesh, 0}] = {GXY_OF_POINTS, {}, {}, {points, 1, 1}, {}, {}};
+  return GXY_TAKEN;
+}
+
 int gxy_field(gxy_sim* sim, const char* mesh, int block, const char* field, int of, gxy_array values) {
   if (isWrong(sim, REAL(gxy_field)(sim->checks, mesh, block, field, of, values))) return GXY_WRONG;
   sim->fields[{mesh, block, field}] = values;
+  if (of == GXY_OF_CELLS && sim->points.count(mesh)) sim->ofCells[mesh].insert(field);
   return GXY_TAKEN;
 }
 
@@ -120,11 +133,17 @@ int gxy_publish(gxy_sim* sim, int64_t step, double time) {
     sim->message = "there is no connection";
     return GXY_LOST;
   }
-  for (const auto& [key, array] : sim->fields)
-    sim->read[key] = valuesOf(array, sim->grids.at({std::get<0>(key), std::get<1>(key)}).count);
+  for (const auto& [key, array] : sim->fields) {
+    const auto& [mesh, block, field] = key;
+    const auto ofCells = sim->ofCells.find(mesh);
+    const bool isOfCells = ofCells != sim->ofCells.end() && ofCells->second.count(field) > 0;
+    sim->read[key] = valuesOf(array, isOfCells ? std::array<int64_t, 3>{sim->points.at(mesh).cells, 1, 1}
+                                               : sim->grids.at({mesh, block}).count);
+  }
   for (auto& [mesh, points] : sim->points) {
     const auto& count = sim->grids.at({mesh, 0}).count;
     points.at = valuesOf(points.positions, count);
+    points.corners = valuesOf(points.connectivity, {points.cells * points.pointsOfEach, 1, 1});
     points.numbers = points.ids.components ? valuesOf(points.ids, count) : std::vector<double>();
   }
   sim->steps.emplace_back(step, time);

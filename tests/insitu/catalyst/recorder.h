@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <map>
+#include <set>
 #include <string>
 #include <tuple>
 #include <vector>
@@ -21,6 +22,9 @@ struct gxy_sim {
   struct Points {
     gxy_array positions, ids;
     std::vector<double> box, at{}, numbers{};  ///< the last two are what gxy_publish() has read
+    gxy_array connectivity{};
+    int64_t cells = 0, pointsOfEach = 0;  ///< of cells
+    std::vector<double> corners{};        ///< what gxy_publish() has read
   };
   gxy_sim* checks = nullptr;  ///< a real one, connected to nothing, which says what is wrong
   std::string name, options, message;
@@ -29,7 +33,8 @@ struct gxy_sim {
   std::map<std::tuple<std::string, int, std::string>, gxy_array> fields;  // and name
   /// What gxy_publish() has read of each field, as doubles: x fastest, components together.
   std::map<std::tuple<std::string, int, std::string>, std::vector<double>> read;
-  std::map<std::string, Points> points;
+  std::map<std::string, Points> points;                  ///< also those of cells
+  std::map<std::string, std::set<std::string>> ofCells;  ///< fields of cells, by mesh
   std::vector<std::pair<int64_t, double>> steps;
   std::vector<std::pair<int64_t, double>> skipped;
   int published = GXY_TAKEN;  ///< what gxy_publish() returns; or GXY_LOST
