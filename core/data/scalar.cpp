@@ -23,6 +23,20 @@ double powerAbove(double x) {
   return std::ldexp(1.0, std::clamp(exponent, -1021, 1023));
 }
 
+/// A shift and a bound of what is left of the values.
+struct SteadyShift {
+  double shift, bound;
+};
+
+/// Returns the multiple of the power of two at or above `half` that is nearest to `middle`, and twice this power: both
+/// stay as they are while the range drifts a little. `half` > 0 is less than a quarter of the largest magnitude.
+SteadyShift steadyShift(double middle, double half) {
+  int exponent;
+  if (std::frexp(half, &exponent) == 0.5) --exponent;
+  const double multiple = std::round(std::scalbn(middle, -exponent));
+  return {std::scalbn(multiple, exponent), std::scalbn(1.0, exponent + 1)};
+}
+
 }  // namespace
 
 size_t bytesOf(ScalarType type) {
@@ -90,8 +104,14 @@ Encoding encodingOf(ScalarType type, int components, const Range& range) {
   double largest = std::max(std::abs(range.min), std::abs(range.max));
   Encoding encoding;
   if (wide && components == 1 && largest > 4 * half) {
-    encoding.shift = range.min / 2 + range.max / 2;
-    largest = std::max(std::abs(range.min - encoding.shift), std::abs(range.max - encoding.shift));
+    const double middle = range.min / 2 + range.max / 2;
+    if (half > 0) {
+      const SteadyShift steady = steadyShift(middle, half);
+      encoding.shift = steady.shift, largest = steady.bound;
+    } else {
+      encoding.shift = middle;
+      largest = std::max(std::abs(range.min - middle), std::abs(range.max - middle));
+    }
   }
   const double ample = 0x1p64;
   if (largest > 0 && (largest > ample || largest < 1 / ample)) encoding.scale = powerAbove(largest);

@@ -70,11 +70,13 @@ struct Encoding {
 /// Returns the encoding of a field of `type` with values in `range`, which covers all ranks and all components.
 ///
 /// Narrow types are stored as they are. Wide types become float. Their shift is 0 if the offset of the range
-/// costs at most two bits, and otherwise the middle of the range. It is always 0 for several components, so
-/// that the magnitude of values is that of the stored values times the scale. The scale is 1 if float's
-/// exponent has ample room: backends take denormals and squares that underflow as 0. Otherwise it is a power
-/// of two that brings the values into [-1, 1]. Whole numbers below 2^24 after the shift stay exact. Float is
-/// never shifted, so it loses no bit.
+/// costs at most two bits. Otherwise it is the multiple of the power of two at or above half the range's width
+/// that is nearest to the range's middle. It is off the middle by less than half the width, which costs at most
+/// one of float's 24 bits, so that a range that drifts slowly keeps its encoding (docs/decisions/0023). It is
+/// always 0 for several components, so that the magnitude of values is that of the stored values times the
+/// scale. The scale is 1 if float's exponent has ample room: backends take denormals and squares that underflow
+/// as 0. Otherwise it is a power of two that brings the values into [-1, 1]. Whole numbers stay exact where none
+/// is further than 2^24 from the shift. Float is never shifted, so it loses no bit.
 Encoding encodingOf(ScalarType type, int components, const Range& range);
 
 /// Samples of a volume in their stored type, as bytes.

@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <cstring>
+#include <functional>
 #include <limits>
 #include <random>
 
@@ -109,6 +110,115 @@ TEST(Convert, FloatsOfAnySizeKeepEveryBit) {
 TEST(Convert, VectorsAreNeverShifted) {
   EXPECT_EQ(encodingOf(ScalarType::Float64, 3, {101324, 101325}).shift, 0);
   EXPECT_NE(encodingOf(ScalarType::Float64, 1, {101324, 101325}).shift, 0);
+}
+
+/// How often the encoding of a step differs from that of the step before.
+int changes(int steps, const std::function<Range(double)>& rangeAt) {
+  int changed = 0;
+  Encoding last = encodingOf(ScalarType::Float64, 1, rangeAt(0));
+  for (int step = 1; step < steps; ++step) {
+    const Encoding e = encodingOf(ScalarType::Float64, 1, rangeAt(double(step) / steps));
+    changed += e != last;
+    last = e;
+  }
+  return changed;
+}
+
+TEST(Convert, ASlowDriftKeepsTheEncoding) {
+  // By one width of the range at most three multiples of the power are passed, and one power by twice the width.
+  std::mt19937 random(2);
+  std::uniform_real_distribution<> unit(0, 1), sign(-1, 1);
+  for (int draw = 0; draw < 100; ++draw) {
+    const double half = std::exp2(14 * unit(random) - 10), drift = 2 * half * sign(random),
+                 growth = std::exp2(sign(random));
+    const auto rangeAt = [&](double time) {
+      const double middle = 101325 + drift * time, wide = half * std::pow(growth, time);
+      return Range{middle - wide, middle + wide};
+    };
+    EXPECT_LE(changes(1000, rangeAt), 4) << half << " " << drift << " " << growth;
+  }
+}
+
+TEST(Convert, ADriftOfExtremeValuesKeepsTheEncoding) {
+  for (double size : {1e-300, 1e300})
+    EXPECT_LE(changes(1000,
+                      [&](double time) {
+                        return Range{(1000 + time) * size, (1002 + 1.5 * time) * size};
+                      }),
+              4)
+        << size;
+}
+
+/// Asserts that each value in `values` is stored with at most one bit of 24 lost to the steady shift: half a unit in the
+/// last place of float at the range's width. `slack` covers the rounding of what the test computes in double.
+template <typename T>
+void expectOneBit(const std::vector<T>& values, ScalarType type, double slack) {
+  Range range;
+  for (T v : values) range.extend(double(v));
+  const Encoding e = encodingOf(type, 1, range);
+  ASSERT_TRUE(std::isfinite(e.shift) && std::isnormal(e.scale)) << e.shift << " " << e.scale;
+  const double half = range.max / 2 - range.min / 2;
+  if (e.shift != 0) {
+    EXPECT_GE(e.shift, range.min);
+    EXPECT_LE(e.shift, range.max);
+  }
+  const std::vector<float> f = stored(values, type, e);
+  for (size_t i = 0; i < values.size(); ++i) {
+    ASSERT_TRUE(std::isfinite(f[i]) && (f[i] == 0 || std::isnormal(f[i]))) << f[i];
+    const long double off = (long double)e.shift + (long double)e.scale * f[i] - (long double)values[i];
+    EXPECT_LE(std::abs(double(off)), half * 0x1p-23 + slack) << double(values[i]);
+  }
+}
+
+TEST(Convert, TheSteadyShiftCostsAtMostOneBit) {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<> unit(0, 1);
+  for (int draw = 0; draw < 2000; ++draw) {
+    const double middle = std::exp2(2000 * unit(random) - 1000) * (draw % 2 ? 1 : -1);
+    const double half = std::abs(middle) * std::exp2(-3 - 40 * unit(random));
+    std::vector<double> values{middle - half, middle + half, middle};
+    for (int i = 0; i < 10; ++i) values.push_back(middle + half * (2 * unit(random) - 1));
+    expectOneBit(values, ScalarType::Float64, std::abs(middle) * 0x1p-52);
+  }
+}
+
+TEST(Convert, ExtremeOffsetsNeitherOverflowNorDivideByZero) {
+  const double least = std::numeric_limits<double>::denorm_min(), most = std::numeric_limits<double>::max();
+  const auto f64 = [](std::vector<double> values) { expectOneBit(values, ScalarType::Float64, 0); };
+  f64({0});
+  f64({least});
+  f64({-least});
+  f64({least, 2 * least, 3 * least});
+  f64({1000 * least, 1001 * least});
+  f64({0x1p-1022, 0x1p-1022 + least, 0x1p-1022 + 7 * least});
+  f64({most});
+  f64({-most});
+  f64({most * 0.6, most * 0.8, most});
+  f64({std::nextafter(most, 0), most});
+  f64({-most, -most * 0.7});
+  f64({5e9});
+  const int64_t low = std::numeric_limits<int64_t>::min(), high = std::numeric_limits<int64_t>::max();
+  // The range of 64-bit integers is in double, so it may be off by 512 at their largest.
+  const auto i64 = [](std::vector<int64_t> values) {
+    expectOneBit(values, ScalarType::Int64, 1024 * 0x1p-24);
+  };
+  i64({low});
+  i64({low, low + 1024});
+  i64({low, low / 4 * 3});
+  i64({high - 1023, high - 2047});
+  i64({high / 4 * 3, high - 1023});
+  expectOneBit(
+      std::vector<int32_t>{std::numeric_limits<int32_t>::max() - 100, std::numeric_limits<int32_t>::max()},
+      ScalarType::Int32, 0);
+  expectOneBit(std::vector<uint32_t>{4000000000u, 4294967295u}, ScalarType::UInt32, 0);
+}
+
+TEST(Convert, WholeNumbersNear16MillionOfAnOffsetStayExact) {
+  const int32_t base = 1'000'000'000;
+  const std::vector<int32_t> values{base, base + 1, base + 16777215, base + 8388607};
+  const Encoding e = encodingOf(ScalarType::Int32, 1, {double(base), double(base + 16777215)});
+  const std::vector<float> f = stored(values, ScalarType::Int32, e);
+  for (size_t i = 0; i < values.size(); ++i) EXPECT_EQ(e.shift + e.scale * double(f[i]), double(values[i]));
 }
 
 TEST(SwapBytes, ReversesEachValue) {
