@@ -91,16 +91,20 @@ function(galaxy_library NAME)
 endfunction()
 
 # galaxy_install_package() installs the files that find_package(Galaxy) reads. It is called once, after all
-# libraries are declared.
+# libraries are declared. cmake --install BUILD --component insitu installs what simulations link, and no more.
 function(galaxy_install_package)
   include(CMakePackageConfigHelpers)
   set(where ${CMAKE_INSTALL_LIBDIR}/cmake/Galaxy)
-  configure_package_config_file(${PROJECT_SOURCE_DIR}/cmake/GalaxyConfig.cmake.in
-                                ${PROJECT_BINARY_DIR}/GalaxyConfig.cmake INSTALL_DESTINATION ${where})
+  set(modules ${CMAKE_INSTALL_INCLUDEDIR}/galaxy/insitu/api)
+  configure_package_config_file(${PROJECT_SOURCE_DIR}/cmake/GalaxyConfig.cmake.in ${PROJECT_BINARY_DIR}/GalaxyConfig.cmake
+                                INSTALL_DESTINATION ${where} PATH_VARS modules)
   write_basic_package_version_file(${PROJECT_BINARY_DIR}/GalaxyConfigVersion.cmake COMPATIBILITY SameMinorVersion)
   install(FILES ${PROJECT_BINARY_DIR}/GalaxyConfig.cmake ${PROJECT_BINARY_DIR}/GalaxyConfigVersion.cmake
-          DESTINATION ${where})
+          DESTINATION ${where} COMPONENT insitu)
   install(EXPORT GalaxyTargets NAMESPACE Galaxy:: DESTINATION ${where})
+  if(TARGET galaxy_insitu)
+    install(EXPORT GalaxyInsituTargets NAMESPACE Galaxy:: DESTINATION ${where} COMPONENT insitu)
+  endif()
 endfunction()
 
 # galaxy_plugin(NAME SOURCES... DEPENDS targets...) declares libgalaxy_NAME.so, which programs open when they
