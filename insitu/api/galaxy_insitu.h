@@ -227,6 +227,9 @@ GXY_API void gxy_set_here(const char* address, const char* token);
 GXY_API int gxy_prepare_here(const char* options, const char* mpi);
 /* As gxy_open(); `comm` points to an MPI_Comm of a server to be started, or is NULL where one of its ranks cannot. */
 GXY_API gxy_sim* gxy_open_here(const char* name, int rank, int ranks, const char* options, const void* comm);
+/* The same with the communicator as Fortran has it; `comm` points to one, or is NULL. */
+GXY_API gxy_sim* gxy_open_here_fortran(const char* name, int rank, int ranks, const char* options,
+                                       const int* comm);
 
 #ifdef __cplusplus
 }

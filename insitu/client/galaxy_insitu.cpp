@@ -113,10 +113,12 @@ int gxy_prepare_here(const char* options, const char* mpi) {
   }
 }
 
-gxy_sim* gxy_open_here(const char* name, int rank, int ranks, const char* options, const void* comm) {
+namespace {
+
+gxy_sim* openedHere(const char* name, int rank, int ranks, const char* options, Communicator comm) {
   bool started = false;
   try {
-    if (comm)
+    if (comm.given())
       started = startEmbedded(comm, givenOptions(options));
     else if (here().problem.empty() && here().port == 0)
       setHere({{}, 0, {}, "\"to\": \"here\": another rank cannot start a server in its process"});
@@ -126,6 +128,16 @@ gxy_sim* gxy_open_here(const char* name, int rank, int ranks, const char* option
   gxy_sim* sim = gxy_open(name, rank, ranks, options);
   sim->embedded = started;
   return sim;
+}
+
+}  // namespace
+
+gxy_sim* gxy_open_here(const char* name, int rank, int ranks, const char* options, const void* comm) {
+  return openedHere(name, rank, ranks, options, {comm, nullptr});
+}
+
+gxy_sim* gxy_open_here_fortran(const char* name, int rank, int ranks, const char* options, const int* comm) {
+  return openedHere(name, rank, ranks, options, {nullptr, comm});
 }
 
 int gxy_grid(gxy_sim* sim, const char* mesh, int block, int of, const int64_t size[3], const int64_t first[3],

@@ -72,14 +72,17 @@ void loadEmbedded(const std::string& mpi) {
               " was not found. Expected it beside libgalaxy_insitu, or where the loader looks:" + why);
 }
 
-bool startEmbedded(const void* communicator, const std::string& options) {
+bool startEmbedded(Communicator communicator, const std::string& options) {
   Process& p = process();
   const std::lock_guard lock(p.starting);
   if (!p.library) return false;  // The server is that of gxyserver, which has loaded the simulation.
   if (p.runs) return ++p.streams > 0;
   galaxy_embed_address address{};
   Here found;
-  if (p.library->start(communicator, options.c_str(), &address) == 0) {
+  const int failed = communicator.c
+                         ? p.library->start(communicator.c, options.c_str(), &address)
+                         : p.library->start_fortran(*communicator.fortran, options.c_str(), &address);
+  if (failed == 0) {
     p.runs = true;
     p.streams = 1;
     found = {address.host, address.port, address.token, {}};

@@ -22,9 +22,15 @@ void setHere(Here here);
 /// Loads libgalaxy_embed, which runs a server in this process, unless that has been done. `mpi` is what the simulation's MPI
 /// calls itself. Throws Error, with what was looked for and where, if it cannot be, or was built for another MPI.
 void loadEmbedded(const std::string& mpi);
-/// Collective over the ranks of `communicator` (which points to an MPI_Comm): starts a server, unless one runs. `options` are those of
+/// A communicator as C and as Fortran have it. One of them is given.
+struct Communicator {
+  const void* c = nullptr;  ///< points to an MPI_Comm
+  const int* fortran = nullptr;
+  bool given() const { return c || fortran; }
+};
+/// Collective over the ranks of `communicator`: starts a server, unless one runs. `options` are those of
 /// gxy_open. Sets here(). Returns whether leaveEmbedded() is to be called for this stream.
-bool startEmbedded(const void* communicator, const std::string& options);
+bool startEmbedded(Communicator communicator, const std::string& options);
 /// Counts a stream of it that has ended. With the last one the server ends; that is collective.
 void leaveEmbedded();
 

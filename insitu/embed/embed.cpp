@@ -253,6 +253,11 @@ int start(const void* communicator, const char* options, galaxy_embed_address* a
   return 0;
 }
 
+int startFortran(int communicator, const char* options, galaxy_embed_address* address) {
+  const MPI_Comm comm = MPI_Comm_f2c(communicator);
+  return start(&comm, options, address);
+}
+
 void stop() { delete std::exchange(embedded, nullptr); }
 
 #define TEXT_OF(x) #x
@@ -266,4 +271,4 @@ constexpr const char* kMpi = "MPI";
 }  // namespace
 
 extern "C" __attribute__((visibility("default")))
-const galaxy_embed galaxy_embed_impl{GALAXY_EMBED_VERSION, kMpi, start, stop};
+const galaxy_embed galaxy_embed_impl{GALAXY_EMBED_VERSION, kMpi, start, startFortran, stop};

@@ -11,7 +11,7 @@
 extern "C" {
 #endif
 
-#define GALAXY_EMBED_VERSION 1
+#define GALAXY_EMBED_VERSION 2
 
 /* Texts end with 0. */
 typedef struct galaxy_embed_address {
@@ -27,6 +27,8 @@ typedef struct galaxy_embed {
   /* Collective over the ranks of *communicator, an MPI_Comm, which is duplicated. `options` are those of gxy_open, JSON. 0: `address` says where
    * the server listens; else its `error` says what is wrong, on all ranks. */
   int (*start)(const void* communicator, const char* options, galaxy_embed_address* address);
+  /* The same with the communicator as Fortran has it. */
+  int (*start_fortran)(int communicator, const char* options, galaxy_embed_address* address);
   /* Collective over the same ranks. Ends the server. */
   void (*stop)(void);
 } galaxy_embed;

@@ -21,7 +21,7 @@ done
 client=$tree/lib/python3/dist-packages/galaxy.py
 is "galaxy.py --version" "$(python3 "$client" --version)" "galaxy.py $version"
 is "gxy.insitu" "$(python3 -B -c 'from gxy.insitu import Simulation; print(Simulation("heat").publish_last.__name__)')" publish_last
-for file in galaxy_insitu.h galaxy_insitu.hpp galaxy_insitu_mpi.h galaxy_insitu.f90; do
+for file in galaxy_insitu.h galaxy_insitu.hpp galaxy_insitu_mpi.h galaxy_insitu.f90 galaxy_insitu_mpi.f90; do
   [[ -s $tree/include/galaxy/insitu/api/$file ]] || { echo "include/galaxy/insitu/api/$file is not installed"; exit 1; }
 done
 for file in README.md LICENSE docs/state-file.md examples/demo.json; do

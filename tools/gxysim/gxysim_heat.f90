@@ -1,29 +1,33 @@
 ! SPDX-License-Identifier: Apache-2.0
 !
-! gxysim_heat_f90 NX NY NZ STEPS FILE.npy NAME SECONDS: the simulation of heat.c, in Fortran 2003. The same steps, published in a stream
-! NAME, and the same file in the end, to the bit. It waits SECONDS for the last step. heat.c says what is computed.
+! gxysim_heat_f90 NX NY NZ STEPS FILE.npy NAME SECONDS [--world]: the simulation of heat.c, in Fortran 2003. The same steps, published in a stream
+! NAME, and the same file in the end, to the bit. It waits SECONDS for the last step. With --world, ranks of `gxyserver --world` are in the same MPI job. heat.c says what is computed.
 program gxysim_heat
   use mpi
   use galaxy_insitu
+  use galaxy_insitu_mpi
   implicit none
   integer, parameter :: real8 = c_double
-  integer :: whole(3), steps, comm, rank, ranks, blocks(3), first(3), own(3), step, a, e
+  integer :: whole(3), steps, world, comm, rank, ranks, blocks(3), first(3), own(3), step, level, a, e
   real(real8), allocatable, target :: T(:, :, :)
   real(real8), allocatable :: next(:, :, :), q(:, :, :)
   real(real8) :: c(3), dt
-  character(len=1000) :: output, name
+  character(len=1000) :: output, name, last
   type(c_ptr) :: g
 
-  call MPI_Init(e)
-  call MPI_Comm_rank(MPI_COMM_WORLD, rank, e)
-  call MPI_Comm_size(MPI_COMM_WORLD, ranks, e)
+  call MPI_Init_thread(MPI_THREAD_MULTIPLE, level, e)  ! for a server in these processes
+  call get_command_argument(8, last)
+  world = MPI_COMM_WORLD
+  if (last == "--world") world = gxy_split_world()
+  call MPI_Comm_rank(world, rank, e)
+  call MPI_Comm_size(world, ranks, e)
   whole = [(argument(a), a = 1, 3)]
   steps = argument(4)
   call get_command_argument(5, output)
   call get_command_argument(6, name)
   blocks = 0
   call MPI_Dims_create(ranks, 3, blocks, e)
-  call MPI_Cart_create(MPI_COMM_WORLD, 3, blocks, [.false., .false., .false.], .false., comm, e)
+  call MPI_Cart_create(world, 3, blocks, [.false., .false., .false.], .false., comm, e)
   call box_of(rank, first, own)
   allocate (T(0:own(1) + 1, 0:own(2) + 1, 0:own(3) + 1))
   allocate (next(0:own(1) + 1, 0:own(2) + 1, 0:own(3) + 1), q(0:own(1) + 1, 0:own(2) + 1, 0:own(3) + 1))
@@ -32,7 +36,7 @@ program gxysim_heat
   dt = 0.45d0 / ((c(1) + c(2)) + c(3))
   c = dt * c
   call start()
-  g = gxy_open(trim(name), rank, ranks)
+  g = gxy_open_mpi(trim(name), comm)
   e = gxy_grid(g, "grid", 0, GXY_OF_POINTS, whole, first, own, [0d0, 0d0, 0d0], 1 / real(whole - 1, real8))
   e = gxy_field(g, "grid", 0, "temperature", GXY_OF_POINTS, gxy_values(T(1, 1, 1), shape(T)))
   do step = 1, steps
@@ -43,6 +47,7 @@ program gxysim_heat
   e = gxy_publish_last(g, steps, steps * dt)
   call save_values()
   call gxy_close(g, real(argument(7), real8))
+  if (last == "--world") call gxy_end_world()
   call MPI_Finalize(e)
 
 contains

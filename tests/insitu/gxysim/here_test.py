@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""here_test.py BUILD MPIEXEC...: a simulation of gxysim with a server beside, in its own processes, in the same MPI job, and loaded by
+"""here_test.py BUILD FORTRAN MPIEXEC...: a simulation of gxysim with a server beside, in its own processes, in the same MPI job, and loaded by
 gxyserver. Triggers leave pictures of the same steps, which are the same to the bit, and the results of the simulation are those
-of a run without Galaxy."""
+of a run without Galaxy. FORTRAN is the program gxysim_heat_f90, empty if there is none."""
 import json
 import os
 import pathlib
@@ -17,7 +17,7 @@ sys.path[:0] = [str(ROOT / folder) for folder in ("tests/clients", "tools/python
 from server import Server  # noqa: E402
 import galaxy  # noqa: E402
 
-BUILD, MPIEXEC = pathlib.Path(sys.argv[1]).resolve(), sys.argv[2:]
+BUILD, FORTRAN, MPIEXEC = pathlib.Path(sys.argv[1]).resolve(), sys.argv[2], sys.argv[3:]
 GXYSIM, GXYSERVER = BUILD / "bin" / "gxysim", BUILD / "bin" / "gxyserver"
 STEPS, EVERY = 11, 5  # so that the last step is seen, too
 # by simulation: arguments, and what its pictures show
@@ -132,6 +132,26 @@ class Here(unittest.TestCase):
             with self.subTest(way=way):
                 self.assertEqual((self.folder / name(way) / "result.npy").read_bytes(), result)
                 self.assertEqual(self.pictures(name(way)), expected)
+
+    @unittest.skipUnless(FORTRAN, "there is no Fortran compiler")
+    def test_fortran_shows_what_c_shows(self):
+        options = self.options("heat", here={"port": 0, "backend": "embree"})
+        self.run_to_its_end("c", *MPIEXEC, "-n", 2, GXYSIM, "heat", "--size", "20x18x16", "--steps", STEPS, "--output", "result.npy",
+                            options=options, to="here")
+        program = [FORTRAN, 20, 18, 16, STEPS, "result.npy", "heat", 60]
+        for ranks in (1, 2):
+            self.run_to_its_end(f"here-{ranks}", *MPIEXEC, "-n", ranks, *program, options=options, to="here")
+        text = self.run_to_its_end("world", *MPIEXEC, "-n", 2, *program, "--world", ":", "-n", 2, GXYSERVER, "--world", "--port", 0,
+                                   "--backend", "embree", options=options)
+        self.assertIn("gxyserver: stopped", text)
+        self.run_to_its_end("off", *MPIEXEC, "-n", 2, *program, options=options, to="off")
+        self.assertEqual(len(self.pictures("c")), 3)
+        for way in ("here-1", "here-2", "world"):
+            with self.subTest(way=way):
+                self.assertEqual(self.pictures(way), self.pictures("c"))
+        for way in ("off", "here-1", "here-2", "world"):
+            with self.subTest(way=way):
+                self.assertEqual((self.folder / way / "result.npy").read_bytes(), (self.folder / "c" / "result.npy").read_bytes())
 
     def test_a_server_that_is_stopped_does_not_stop_the_simulation(self):
         loaded = self.start("loaded", *MPIEXEC, "-n", 2, GXYSERVER, "--port", 0, "--port-file", "port", "--simulation", "gxysim", "--",
