@@ -104,6 +104,7 @@ typedef struct gxy_sim gxy_sim;
  *   "between"     [FIRST, LAST]: only steps with these times are offered
  *   "triggers"    what the server does with steps: a list, or the name of a file that has it (docs/insitu.md). Rank 0 reads it
  *   "steerable"   the parameters that clients may change: a list of {"name", "least", "largest"} (gxy_steered)
+ *   "checksum"    true, false, or null (the default): whether samples are sent with checksums. null: to all addresses but loopback's
  *   "reconnect"   seconds between attempts to connect (default: 5); 0: none after the first */
 GXY_API gxy_sim* gxy_open(const char* name, int rank, int ranks, const char* options);
 

@@ -91,6 +91,7 @@ class Connection {
   bool tellDescription(WireSocket& root);
   void follow(const Joined& joined, std::vector<Destination> destinations);
   void exchange();
+  Checksum checksumOf(const WireSocket& socket) const;
   void sendPieces(int owner, WireSocket& socket);
   void waitForSockets();
   void receive(int owner, WireSocket& socket);

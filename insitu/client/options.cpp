@@ -21,9 +21,9 @@ namespace {
 json parsed(const std::string& text, const std::string& where) {
   const json object = json::parse(text, nullptr, false);
   if (!object.is_object()) throw Error(where + ": expected a JSON object");
-  static const std::set<std::string> known{"to",       "token-file", "tenant",   "scope",   "partition",
-                                           "policy",   "time-out",   "every",    "between", "reconnect",
-                                           "triggers", "here",       "steerable"};
+  static const std::set<std::string> known{"to",       "token-file", "tenant",    "scope",   "partition",
+                                           "policy",   "time-out",   "every",     "between", "reconnect",
+                                           "triggers", "here",       "steerable", "checksum"};
   for (const auto& [key, value] : object.items())
     if (known.count(key) == 0) {
       std::string all;
@@ -156,6 +156,10 @@ Options readOptions(const char* text) {
     options.firstTime = between[0].get<double>();
     options.lastTime = between[1].get<double>();
   }
+  const json checksum = object.value("checksum", json());
+  if (!checksum.is_null() && !checksum.is_boolean())
+    throw Error("option \"checksum\": expected true, false, or null for all but loopback addresses");
+  if (checksum.is_boolean()) options.checksum = checksum.get<bool>();
   const json reconnect = object.value("reconnect", json(5));
   if (!reconnect.is_number() || !(reconnect.get<double>() >= 0) || reconnect.get<double>() > 1e6)
     throw Error("option \"reconnect\": expected seconds, 0 to 10^6");

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <string>
 
 namespace gxy::insitu {
@@ -28,6 +29,7 @@ struct Options {
   double firstTime = -std::numeric_limits<double>::infinity(),
          lastTime = std::numeric_limits<double>::infinity();
   std::chrono::duration<double> reconnect{5};  ///< 0: never
+  std::optional<bool> checksum;  ///< whether samples are sent with checksums; none: but to loopback addresses
 };
 
 /// Reads `text`, a JSON object, or null for none. The environment variables GALAXY_INSITU and GALAXY_INSITU_OPTIONS go before it.

@@ -41,7 +41,7 @@ bool isInside(const Extent& part, const Extent& whole) {
 }  // namespace
 
 Bytes written(const Hello& hello) {
-  return Writer().write(hello.stream).write(hello.ticket).write(hello.rank).take();
+  return Writer().write(hello.stream).write(hello.ticket).write(hello.rank).write(hello.checksum).take();
 }
 
 Hello readHello(std::span<const std::byte> message) {
@@ -50,6 +50,10 @@ Hello readHello(std::span<const std::byte> message) {
   hello.stream = r.read<uint64_t>();
   hello.ticket = r.read<Ticket>();
   hello.rank = r.read<uint32_t>();
+  const auto checksum = r.read<uint32_t>();
+  if (checksum > uint32_t(Checksum::Crc32c))
+    r.fail("checksum " + std::to_string(checksum) + ", expected 0 or 1");
+  hello.checksum = Checksum(checksum);
   r.expectEnd();
   return hello;
 }

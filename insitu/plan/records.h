@@ -16,13 +16,21 @@ namespace gxy::insitu {
 /// What proves that a connection belongs to a stream.
 using Ticket = std::array<uint8_t, 32>;
 
+/// What stands in the header of each piece of a connection.
+enum class Checksum : uint32_t {
+  None,    ///< nothing
+  Crc32c,  ///< the CRC-32C of its samples (core/comm/crc32c.h)
+};
+
 /// The first message of a data connection.
 struct Hello {
   uint64_t stream = 0;
   Ticket ticket{};
   uint32_t rank = 0;  ///< of the simulation
+  Checksum checksum = Checksum::None;
 };
 Bytes written(const Hello& hello);
+/// Throws Error for a checksum that there is not.
 Hello readHello(std::span<const std::byte> message);
 
 /// Where the points of one rank of the simulation go. Rank 0 of the server answers a description with it.
@@ -87,7 +95,7 @@ struct PieceHeader {
   uint64_t offset = 0;  ///< in bytes, from the begin of the item
   uint64_t points = 0;  ///< of the item; or cells or corners, if it has values of them
   uint32_t item = 0;
-  uint32_t reserved = 0;
+  uint32_t checksum = 0;  ///< of the samples of the chunk, as the hello says; else it means nothing
   bool operator==(const PieceHeader&) const = default;
 };
 inline constexpr size_t kPieceHeaderBytes = 32;

@@ -480,13 +480,14 @@ void StreamLead::finish() {
 }
 
 json StreamLead::statistics() const {
-  const size_t connections = part_->connections();
+  const size_t connections = part_->connections(), checked = part_->checkedConnections();
   const std::lock_guard lock(mutex_);
   json fields = json::array();
   for (const insitu::Publishes& d : insitu::datasetsOf(meshes_))
     fields.push_back(identity().name + "." + d.name);
   json result{{"stream", identity().id},   {"name", identity().name},  {"tenant", identity().tenant},
-              {"ranks", identity().ranks}, {"connected", connections}, {"datasets", fields}};
+              {"ranks", identity().ranks}, {"connected", connections}, {"checked", checked},
+              {"datasets", fields}};
   if (conductor_) {
     const insitu::Conductor::Counters& c = conductor_->counters();
     result.update(

@@ -2,8 +2,10 @@
 #include "multiserver/insitu/stream_part.h"
 
 #include <algorithm>
+#include <cstdio>
 #include <utility>
 
+#include "core/comm/crc32c.h"
 #include "core/comm/error.h"
 #include "core/comm/wire.h"
 #include "core/data/dataset.h"
@@ -72,9 +74,9 @@ void StreamPart::plan(StreamPlan plan) {
   ghosts_ = std::move(ghosts);
 }
 
-bool StreamPart::connect(int rank, std::shared_ptr<DataLink> link) {
+bool StreamPart::connect(int rank, std::shared_ptr<DataLink> link, insitu::Checksum checksum) {
   const std::lock_guard lock(mutex_);
-  return !over_ && links_.emplace(rank, std::move(link)).second;
+  return !over_ && links_.emplace(rank, Link{std::move(link), checksum}).second;
 }
 
 void StreamPart::disconnect(int rank, const std::string& reason, bool regularly) {
@@ -87,13 +89,13 @@ void StreamPart::disconnect(int rank, const std::string& reason, bool regularly)
 
 void StreamPart::send(int rank, protocol::WireMessage message) {
   const std::lock_guard lock(mutex_);
-  if (const auto link = links_.find(rank); link != links_.end()) link->second->send(std::move(message));
+  if (const auto link = links_.find(rank); link != links_.end()) link->second.link->send(std::move(message));
 }
 
 void StreamPart::bye(const std::string& reason) {
   const std::lock_guard lock(mutex_);
   over_ = true;
-  for (const auto& [rank, link] : links_) link->bye(reason);
+  for (const auto& [rank, link] : links_) link.link->bye(reason);
 }
 
 size_t StreamPart::connections() const {
@@ -101,13 +103,31 @@ size_t StreamPart::connections() const {
   return links_.size();
 }
 
+size_t StreamPart::checkedConnections() const {
+  const std::lock_guard lock(mutex_);
+  return size_t(std::count_if(links_.begin(), links_.end(),
+                              [](const auto& one) { return one.second.checksum != insitu::Checksum::None; }));
+}
+
 bool StreamPart::isConnected(int rank) const {
   const std::lock_guard lock(mutex_);
   return links_.count(rank) > 0;
 }
 
-void StreamPart::takePiece(int rank, std::span<const std::byte> samples) {
+std::string StreamPart::damaged(const Place& place, const insitu::PieceHeader& header, size_t bytes,
+                                uint32_t found) const {
+  const insitu::Mesh& mesh = plan_->meshes[size_t(place.piece.mesh)];
+  char checksums[64];
+  std::snprintf(checksums, sizeof checksums, "%08x, expected %08x", found, header.checksum);
+  return "samples were damaged on their way: publish " + std::to_string(header.count) + ", item " +
+         std::to_string(header.item) + " (\"" + arraysOf(mesh)[place.array].name + "\" of mesh \"" +
+         mesh.name + "\"), " + std::to_string(bytes) + " bytes from byte " + std::to_string(header.offset) +
+         " have the CRC-32C " + checksums;
+}
+
+void StreamPart::takePiece(int rank, insitu::Checksum checksum, std::span<const std::byte> samples) {
   const insitu::PieceHeader header = insitu::takePieceHeader(samples);
+  const uint32_t found = checksum == insitu::Checksum::Crc32c ? crc32c(samples) : header.checksum;
   uint64_t complete = 0;
   std::string problem;
   {
@@ -115,6 +135,7 @@ void StreamPart::takePiece(int rank, std::span<const std::byte> samples) {
     if (!receiver_) throw Error("samples before there is a plan, expected them after it");
     if (!receiver_->accept(rank, header, samples.size())) return;
     const Place& place = places_[size_t(rank)].at(header.item);
+    if (found != header.checksum) throw Error(damaged(place, header, samples.size(), found));
     try {
       rooms_.at(size_t(place.piece.mesh))->store(place.piece, place.array, header, samples);
     } catch (const std::exception& e) {

@@ -62,14 +62,17 @@ class StreamPart {
   /// Says what comes.
   void plan(StreamPlan plan);
 
-  /// A connection of rank `rank` of the simulation. False: there is one already, or the stream has ended.
-  bool connect(int rank, std::shared_ptr<DataLink> link);
+  /// A connection of rank `rank` of the simulation, whose pieces have checksums of this kind. False: there is one already, or the
+  /// stream has ended.
+  bool connect(int rank, std::shared_ptr<DataLink> link, insitu::Checksum checksum);
   void disconnect(int rank, const std::string& reason, bool regularly);
   void send(int rank, protocol::WireMessage message);
   void bye(const std::string& reason);
   size_t connections() const;
+  size_t checkedConnections() const;  ///< those whose pieces have checksums
   bool isConnected(int rank) const;
-  void takePiece(int rank, std::span<const std::byte> message);
+  /// Stores what a rank has sent. Throws Error, and stores nothing, for a piece that should not come or whose samples are damaged.
+  void takePiece(int rank, insitu::Checksum checksum, std::span<const std::byte> message);
 
   /// Collective, in a work that joined `publication`. Reserves room, collects a step and publishes it. `collect` is called on
   /// rank 0 once all ranks have room. It waits until all samples are there, or throws; it returns what was collected, and
@@ -86,8 +89,12 @@ class StreamPart {
   const StreamIdentity identity_;
   const Tell tell_;
   mutable std::mutex mutex_;
-  std::map<int, std::shared_ptr<DataLink>> links_;  ///< by rank of the simulation
-  bool over_ = false;                               ///< bye() has been said
+  struct Link {
+    std::shared_ptr<DataLink> link;
+    insitu::Checksum checksum = insitu::Checksum::None;
+  };
+  std::map<int, Link> links_;  ///< by rank of the simulation
+  bool over_ = false;          ///< bye() has been said
   std::optional<StreamPlan> plan_;
   std::vector<std::optional<GhostPlan>> ghosts_;  ///< by mesh; of grids
   std::optional<insitu::Receiver> receiver_;
@@ -95,6 +102,8 @@ class StreamPart {
     insitu::Piece piece;
     size_t array = 0;
   };
+  std::string damaged(const Place& place, const insitu::PieceHeader& header, size_t bytes,
+                      uint32_t found) const;
   std::vector<std::vector<Place>> places_;        ///< of items, by rank of the simulation
   std::vector<std::unique_ptr<MeshRoom>> rooms_;  ///< by mesh, while a step is collected
 };

@@ -43,14 +43,15 @@ std::string hostName() {
 // A rank of a simulation, on one rank of the server. `lead` is null on other ranks than 0.
 class Taker final : public DataTaker {
  public:
-  Taker(int rank, std::shared_ptr<StreamPart> part, std::shared_ptr<StreamLead> lead)
-      : rank_(rank), part_(std::move(part)), lead_(std::move(lead)) {}
+  Taker(int rank, insitu::Checksum checksum, std::shared_ptr<StreamPart> part,
+        std::shared_ptr<StreamLead> lead)
+      : rank_(rank), checksum_(checksum), part_(std::move(part)), lead_(std::move(lead)) {}
 
   protocol::MessageReader::Rules rules() const override {
     return lead_ ? protocol::MessageReader::ofDataToRoot() : protocol::MessageReader::ofDataToOthers();
   }
   void take(const protocol::WireMessage& message) override {
-    if (message.channel == MessageChannel::Piece) return part_->takePiece(rank_, message.payload);
+    if (message.channel == MessageChannel::Piece) return part_->takePiece(rank_, checksum_, message.payload);
     lead_->take(rank_, message);  // The rules let other ranks have samples only.
   }
   void ended(const std::string& reason, bool regularly) override {
@@ -60,6 +61,7 @@ class Taker final : public DataTaker {
 
  private:
   const int rank_;
+  const insitu::Checksum checksum_;
   const std::shared_ptr<StreamPart> part_;
   const std::shared_ptr<StreamLead> lead_;
 };
@@ -176,8 +178,8 @@ std::shared_ptr<DataTaker> Streams::admit(const insitu::Hello& hello, std::share
     }
   }
   const int rank = int(hello.rank);
-  if (!part || !part->connect(rank, std::move(link))) return nullptr;
-  return std::make_shared<Taker>(rank, std::move(part), std::move(lead));
+  if (!part || !part->connect(rank, std::move(link), hello.checksum)) return nullptr;
+  return std::make_shared<Taker>(rank, hello.checksum, std::move(part), std::move(lead));
 }
 
 json Streams::stepHere(const json& p) {

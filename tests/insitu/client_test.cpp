@@ -66,7 +66,7 @@ TEST(Interface, WrongOptionsAreTold) {
     s.expectWrong(s.grid(), why);
   };
   expect("[]", "expected a JSON object");
-  expect(R"({"two": 1})", "there is no option \"two\", expected one of between, every, here");
+  expect(R"({"two": 1})", "there is no option \"two\", expected one of between, checksum, every, here");
   expect(R"({"to": 5})", "option \"to\": expected a text");
   expect(R"({"to": "here"})", "no server runs in this program, expected gxy_open_mpi()");
   expect(R"({"to": "here:70000"})", "expected \"off\", \"here\" or HOST:PORT");
@@ -78,6 +78,7 @@ TEST(Interface, WrongOptionsAreTold) {
   expect(R"({"triggers": 5})", "expected a list, or the name of a file");
   expect(R"({"to": "127.0.0.1:1", "triggers": "nowhere.json"})", "nowhere.json cannot be read");
   expect(R"({"to": "127.0.0.1:1", "triggers": "/dev/null"})", "has no JSON list");
+  expect(R"({"checksum": 1})", "option \"checksum\": expected true, false, or null");
   expect(R"({"every": 0})", "expected an integer from 1 up");
   expect(R"({"between": [1]})", "expected two times");
   expect(R"({"policy": "all"})", "expected \"skip\" or \"wait\"");

@@ -3,8 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "core/comm/random.h"
-#include "insitu/plan/description.h"
-#include "insitu/plan/records.h"
+#include "tests/insitu/data_messages.h"
 #include "tests/insitu/mini_simulation.h"
 #include "tests/multiserver/raw_client.h"
 #include "tests/multiserver/viewer_client.h"
@@ -17,22 +16,6 @@ using nlohmann::json;
 using protocol::MessageChannel;
 using protocol::WireMessage;
 
-insitu::Ticket ticketOf(const std::string& text) {
-  insitu::Ticket ticket;
-  for (size_t i = 0; i < ticket.size(); i++)
-    ticket[i] = uint8_t(std::stoi(text.substr(2 * i, 2), nullptr, 16));
-  return ticket;
-}
-
-insitu::Description described() {
-  insitu::Mesh grid;
-  grid.name = "grid";
-  grid.grid.points = {8, 8, 8};
-  grid.fields = {{"t", ScalarType::Float32, 1}};
-  return {{grid}, {{{{{0, 0, 0}, {8, 8, 8}}}, {}}}};
-}
-
-WireMessage message(MessageChannel channel, Bytes payload) { return {channel, 0, std::move(payload)}; }
 WireMessage piece(uint64_t count, uint32_t item, uint64_t offset, size_t bytes, uint64_t points = 512) {
   const auto header = written(insitu::PieceHeader{count, offset, points, item, 0});
   Bytes payload(header.begin(), header.end());

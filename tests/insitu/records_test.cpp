@@ -196,6 +196,16 @@ TEST(Records, SteeredParametersAreReadAsWritten) {
   EXPECT_THROW(readSteering(written(many)), Error);
 }
 
+TEST(Records, AHelloSaysWhichChecksumsThereAre) {
+  Hello hello{5, {}, 3, Checksum::Crc32c};
+  EXPECT_EQ(readHello(written(hello)).checksum, Checksum::Crc32c);
+  hello.checksum = Checksum::None;
+  EXPECT_EQ(readHello(written(hello)).checksum, Checksum::None);
+  hello.checksum = Checksum(2);
+  EXPECT_NE(errorOf([&] { readHello(written(hello)); }).find("checksum 2, expected 0 or 1"),
+            std::string::npos);
+}
+
 TEST(Records, BytesThatNobodyWroteAreRefusedOrReadWithoutHarm) {
   Random random(1);
   const Description mine = described();
