@@ -85,8 +85,10 @@ void StreamLead::closed(int rank) {
   changed_.notify_all();
 }
 
-void StreamLead::complete(int owner, uint64_t count) {
+void StreamLead::complete(int owner, uint64_t count, uint64_t bytes) {
   const std::lock_guard lock(mutex_);
+  uint64_t& soFar = bytes_[owner];
+  soFar = std::max(soFar, bytes);
   if (!conductor_) return;
   conductor_->complete(owner, count);
   if (conductor_->isComplete()) changed_.notify_all();
@@ -492,6 +494,9 @@ json StreamLead::statistics() const {
     const insitu::Conductor::Counters& c = conductor_->counters();
     result.update(
         {{"published", c.published}, {"missed", c.missed}, {"abandoned", c.abandoned}, {"margin", c.margin}});
+    uint64_t bytes = 0;
+    for (const auto& [owner, some] : bytes_) bytes += some;
+    result["bytes"] = bytes;
   }
   if (newest_.count > 0) {
     result["step"] = newest_.step;

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <condition_variable>
 #include <functional>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <nlohmann/json.hpp>
@@ -51,8 +52,8 @@ class StreamLead {
   void take(int rank, const protocol::WireMessage& message);
   /// A rank of the simulation has closed the stream.
   void closed(int rank);
-  /// A rank of the server has all samples of a step.
-  void complete(int owner, uint64_t count);
+  /// A rank of the server has all samples of a step, and has stored so many bytes so far.
+  void complete(int owner, uint64_t count, uint64_t bytes);
   /// A rank of the server cannot keep a step.
   void refused(uint64_t count, const std::string& reason);
   /// Ends the stream soon. Its data stay.
@@ -135,6 +136,7 @@ class StreamLead {
   CollectedStep newest_, before_;    ///< that were published last
   Course course_;                    ///< of the step under way
   Seconds seconds_;                  ///< of all published steps together
+  std::map<int, uint64_t> bytes_;    ///< of samples that each rank of the server has stored
   int late_ = -1;                    ///< the rank that took the newest step last
   uint64_t from_ = 0;                ///< the publish that is needed next; 0: any
   std::mutex joining_;

@@ -128,7 +128,7 @@ std::string StreamPart::damaged(const Place& place, const insitu::PieceHeader& h
 void StreamPart::takePiece(int rank, insitu::Checksum checksum, std::span<const std::byte> samples) {
   const insitu::PieceHeader header = insitu::takePieceHeader(samples);
   const uint32_t found = checksum == insitu::Checksum::Crc32c ? crc32c(samples) : header.checksum;
-  uint64_t complete = 0;
+  uint64_t complete = 0, bytes = 0;
   std::string problem;
   {
     const std::lock_guard lock(mutex_);
@@ -142,10 +142,11 @@ void StreamPart::takePiece(int rank, insitu::Checksum checksum, std::span<const 
       problem = e.what();
       receiver_->refuse(header.count);
     }
+    bytes = bytes_ += samples.size();
     if (receiver_->complete()) complete = receiver_->count();
   }
   if (!problem.empty()) return tell_.refused(header.count, problem);
-  if (complete > 0) tell_.complete(complete);
+  if (complete > 0) tell_.complete(complete, bytes);
 }
 
 void StreamPart::makeRoom() {

@@ -48,7 +48,8 @@ class StreamPart {
  public:
   /// Rank 0 is told by these. They are short.
   struct Tell {
-    std::function<void(uint64_t count)> complete;  ///< all samples of a step are on this rank
+    /// All samples of a step are on this rank, which has stored so many bytes of samples so far.
+    std::function<void(uint64_t count, uint64_t bytes)> complete;
     /// A step cannot be kept on this rank.
     std::function<void(uint64_t count, const std::string& reason)> refused;
     std::function<void(const std::string& reason)> lost;  ///< a connection has ended, but not regularly
@@ -104,6 +105,7 @@ class StreamPart {
   };
   std::string damaged(const Place& place, const insitu::PieceHeader& header, size_t bytes,
                       uint32_t found) const;
+  uint64_t bytes_ = 0;                            ///< of samples that were stored
   std::vector<std::vector<Place>> places_;        ///< of items, by rank of the simulation
   std::vector<std::unique_ptr<MeshRoom>> rooms_;  ///< by mesh, while a step is collected
 };

@@ -87,7 +87,8 @@ Streams::Streams(ServerRank& serverRank, const AddWork& addWork) : serverRank_(s
       "insitu.complete",
       [this](const Work::Call& call) -> json {
         if (const auto lead = this->lead(call.parameters.at("stream").get<uint64_t>()))
-          lead->complete(call.sender, call.parameters.at("count").get<uint64_t>());
+          lead->complete(call.sender, call.parameters.at("count").get<uint64_t>(),
+                         call.parameters.at("bytes").get<uint64_t>());
         return nullptr;
       },
       Work::Runs::Short);
@@ -145,8 +146,8 @@ json Streams::openHere(const json& p) {
     what["stream"] = id;
     serverRank_.work.send(0, work, what, [](std::vector<Work::Reply>) {});
   };
-  StreamPart::Tell tell{[tellRoot](uint64_t count) {
-                          tellRoot("insitu.complete", {{"count", count}});
+  StreamPart::Tell tell{[tellRoot](uint64_t count, uint64_t bytes) {
+                          tellRoot("insitu.complete", {{"count", count}, {"bytes", bytes}});
                         },
                         [tellRoot](uint64_t count, const std::string& reason) {
                           tellRoot("insitu.refused", {{"count", count}, {"reason", reason}});

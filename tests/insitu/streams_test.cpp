@@ -597,11 +597,19 @@ TEST(Streams, AreToldByStat) {
   const auto server = serve();
   const auto client = server->client();
   const Grid grid = gridOf({8, 8, 8});
-  MiniSimulation simulation("heat", grid, slabs(grid, 2), 2, {{"t"}}, Layout::Together, to(*server));
-  run(simulation, [&] { return simulation.published() >= 1; });
-  const json stat = client->expect("stat");
-  EXPECT_EQ(stat.at("streams").at(0).at("name"), "heat");
-  EXPECT_NE(stat.at("text").get<std::string>().find("stream heat of user: 2 of 2 ranks, 1 steps published"),
+  MiniSimulation simulation("heat", grid, slabs(grid, 2), 2, {{"t"}}, Layout::Together,
+                            waiting(*server, nullptr));
+  for (int step = 1; step <= 3; step++) EXPECT_EQ(simulation.publishTogether(), 2);
+  until([&] { return simulation.published() == 3; }, "the last step");
+  const json stat = client->expect("stat"), stream = stat.at("streams").at(0);
+  EXPECT_EQ(stream.at("name"), "heat");
+  EXPECT_EQ(stream.at("tenant"), "user");
+  EXPECT_EQ(stream.at("ranks"), 2);
+  EXPECT_EQ(stream.at("published"), 3);
+  EXPECT_EQ(stream.at("bytes"), 3 * 8 * 8 * 8 * sizeof(float));
+  for (const char* member : {"step", "missed", "abandoned", "margin", "seconds", "late"})
+    EXPECT_TRUE(stream.contains(member)) << member;
+  EXPECT_NE(stat.at("text").get<std::string>().find("stream heat of user: 2 of 2 ranks, 3 steps published"),
             std::string::npos);
 }
 
