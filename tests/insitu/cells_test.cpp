@@ -58,7 +58,9 @@ MiniMesh::Settings settingsOf(Random& random, uint64_t seed) {
   s.floats = random.oneIn(2);
   s.shortIndices = random.oneIn(2);
   s.fields = seed % 4 != 0;
-  s.normals = random.oneIn(2);
+  s.normals = seed % 7 == 0 || random.oneIn(2);
+  s.zeroNormals = seed % 7 == 0;
+  s.flat = seed % 5 == 0;
   return s;
 }
 

@@ -231,6 +231,39 @@ TEST(Sender, SaysThatAStepWithoutRoomForItsCopyIsMissed) {
   EXPECT_EQ(sender.answer(), std::nullopt) << "the server has cancelled it by itself";
 }
 
+TEST(Sender, SendsAsManyPointsCellsAndCornersAsThereAre) {
+  // Positions, a field of points; types, ends; corners.
+  const std::vector<Item> items{{0, 24, 3, true}, {0, 4, 3}, {0, 1, 4, true}, {0, 4, 4}, {0, 4, 5, true}};
+  Sender sender;
+  sender.begin({{0, items}});
+  Receiver receiver({items});
+  uint64_t count = 0;
+  for (const Counts& counts :
+       {Counts{0, 0, 0, 4, 2, 6}, Counts{0, 0, 0, 9, 0, 0}, Counts{0, 0, 0, 100000, 300000, 900000}}) {
+    sender.receive({Kind::Appoint, ++count, 0});
+    ASSERT_TRUE(sender.publish());
+    sender.filled(1, 0, counts);
+    receiver.open();
+    uint64_t place = 0;
+    while (const auto chunk = sender.next(0)) {
+      EXPECT_FALSE(receiver.complete());
+      EXPECT_EQ(chunk->place, place);
+      place += chunk->bytes;
+      EXPECT_TRUE(receiver.accept(0, chunk->header, chunk->bytes));
+    }
+    EXPECT_EQ(place, counts[3] * 28 + counts[4] * 5 + counts[5] * 4);
+    EXPECT_TRUE(receiver.complete());
+    EXPECT_TRUE(receiver.take(count));
+    receiver.close(count);
+    sender.receive({Kind::Published, count, 0});
+  }
+  receiver.open();
+  receiver.accept(0, {9, 0, 2, 0, 0}, 48);
+  receiver.accept(0, {9, 0, 2, 1, 0}, 8);
+  receiver.accept(0, {9, 0, 3, 2, 0}, 3);
+  EXPECT_THROW(receiver.accept(0, {9, 0, 2, 3, 0}, 8), Error) << "as many ends as types";
+}
+
 TEST(Sender, SendsAsManyParticlesAsThereAre) {
   Sender sender;
   sender.begin({{0, {{2, 4}, {0, 24, 1, true}, {0, 8, 1}}}, {1, {{0, 24, 2, true}}}});

@@ -42,6 +42,8 @@ class MiniMesh {
     bool shortIndices = false;          ///< offsets and connectivity have 32 bits
     bool fields = true;
     bool normals = false;
+    bool zeroNormals = false;  ///< some have no direction
+    bool flat = false;         ///< all points have a z of 0
   };
   MiniMesh(const std::string& options, const Settings& settings, uint64_t seed)
       : settings_(settings), random_(seed) {
@@ -159,9 +161,11 @@ class MiniMesh {
     for (uint64_t i = 0; i < points; i++) {
       m.points.push_back({number(), number(), 0.3 * number(), 1e300});
       if (step_ == 1 && i < 2) m.points.back() = {i ? 1. : -1., i ? 1. : -1., i ? 1. : -1., 0};
+      if (settings_.flat) m.points.back()[2] = 0;
       m.height.push_back(number());
       m.flow.push_back({float(number()), float(number()), float(number())});
       m.normals.push_back({float(number()), float(number()), 2});
+      if (settings_.zeroNormals && i == 0) m.normals.back() = {0, 0, 0};
       m.paint.push_back({uint8_t(random_.below(256)), uint8_t(random_.below(256)), 7});
     }
     const uint64_t cells = points == 0 ? 0 : random_.below(settings_.cells + 1);

@@ -26,7 +26,7 @@ class MiniParticles {
     uint64_t count = 100;
     bool floats = false;  ///< positions are floats
     int ids = GXY_INT64;  ///< their type; -1: none, and the particles stay in the order of ranks
-    bool fields = true;   ///< mass and velocity
+    bool fields = true;   ///< mass, velocity, and colours
     const double* box = nullptr;
   };
   MiniParticles(const TestServer& server, const Settings& settings, uint64_t seed)
@@ -76,6 +76,7 @@ class MiniParticles {
     int32_t shortId;
     double mass;
     float velocity[3];
+    uint8_t paint[3];
   };
   struct Rank {
     gxy_sim* sim;
@@ -83,8 +84,13 @@ class MiniParticles {
   };
   Particle particle(uint64_t id) const {
     const glm::dvec3 p = positionOf(id, step_), v = velocityOf(id);
-    return {{p.x, p.y, p.z},   {float(p.x), float(p.y), float(p.z)}, int64_t(id), int32_t(id),
-            massOf(id, step_), {float(v.x), float(v.y), float(v.z)}};
+    return {{p.x, p.y, p.z},
+            {float(p.x), float(p.y), float(p.z)},
+            int64_t(id),
+            int32_t(id),
+            massOf(id, step_),
+            {float(v.x), float(v.y), float(v.z)},
+            {uint8_t(100 + id % 150), uint8_t(100 + step_ % 150), 7}};
   }
   void tell(Rank& r) const {
     const Particle* all = r.particles.data();
@@ -104,6 +110,8 @@ class MiniParticles {
     EXPECT_EQ(gxy_field(r.sim, "atoms", 0, "mass", GXY_OF_POINTS, array(&all->mass, GXY_FLOAT64, 1)),
               GXY_TAKEN);
     EXPECT_EQ(gxy_field(r.sim, "atoms", 0, "velocity", GXY_OF_POINTS, array(all->velocity, GXY_FLOAT32, 3)),
+              GXY_TAKEN);
+    EXPECT_EQ(gxy_field(r.sim, "atoms", 0, "paint", GXY_OF_POINTS, array(all->paint, GXY_UINT8, 3)),
               GXY_TAKEN);
   }
 
@@ -125,6 +133,9 @@ void expectEqualsImport(TestServer& server, Viewer& viewer, const std::string& n
     block.ids.push_back(id);
     const glm::dvec3 v = velocityOf(id);
     if (field == "mass") block.values.push_back(float(massOf(id, step)));
+    if (field == "paint")
+      block.colors.push_back(
+          {float(double(100 + id % 150) / 255), float(double(100 + step % 150) / 255), float(7. / 255)});
     if (field == "velocity") block.values.push_back(float(std::sqrt(v.x * v.x + v.y * v.y + v.z * v.z)));
   }
   writeGeometry(server.folder().path().string() + "/file.vtp", block, GeometryKind::Particles, "values");
@@ -137,6 +148,7 @@ void expectEqualsImport(TestServer& server, Viewer& viewer, const std::string& n
   EXPECT_EQ(a.middle, b.middle);
   EXPECT_EQ(a.spacing, b.spacing);
   EXPECT_EQ(a.range, b.range);
+  EXPECT_EQ(a.colored, b.colored);
   EXPECT_EQ(a.primitives, b.primitives);
   EXPECT_EQ(gathered(server, name), gathered(server, "file"));
   EXPECT_EQ(published->time, 0.5 * double(step));
@@ -184,6 +196,7 @@ TEST(Particles, ThatArePublishedEqualTheImportOfTheSameStep) {
     }
     expectEqualsImport(*server, viewer, "cloud.mass", settings.floats);
     expectEqualsImport(*server, viewer, "cloud.velocity", settings.floats);
+    expectEqualsImport(*server, viewer, "cloud.paint", settings.floats);
     EXPECT_EQ(datasetOn(*server, 0, "cloud.mass")->origins, datasetOn(*server, 0, "cloud.velocity")->origins);
   }
 }
