@@ -144,12 +144,14 @@ OwnedGeometry CellsRoom::geometryOf(Made made, const insitu::Publishes& dataset,
   OwnedGeometry& geometry = loaded.geometry;
   geometry.kind = kind_;
   int64_t dropped = 0;
+  uint64_t colors = 0;
   agree(ranks, [&] {
     if (dataset.field) giveLook(made, *dataset.field);
+    colors = made.block.colors.size();
     dropped = dropUnusable(made.block, kind_);
     geometry.block = std::move(made.block);
   });
-  geometry.colored = sumOfCounts(ranks, geometry.block.colors.size()) > 0;
+  geometry.colored = sumOfCounts(ranks, colors) > 0;
   geometry.primitives = sumOfCounts(ranks, geometry.block.ids.size());
   geometry.droppedPrimitives = sumOfCounts(ranks, uint64_t(dropped));
   measureGeometry(loaded, ranks);

@@ -33,6 +33,7 @@ struct RankMesh {
 class MiniMesh {
  public:
   struct Settings {
+    std::string name = "sea";
     int ranks = 2;
     bool lines = false;
     std::vector<int> types{
@@ -48,7 +49,7 @@ class MiniMesh {
   MiniMesh(const std::string& options, const Settings& settings, uint64_t seed)
       : settings_(settings), random_(seed) {
     for (int r = 0; r < settings.ranks; r++)
-      sims_.push_back(gxy_open("sea", r, settings.ranks, options.c_str()));
+      sims_.push_back(gxy_open(settings.name.c_str(), r, settings.ranks, options.c_str()));
   }
   ~MiniMesh() {
     for (gxy_sim* s : sims_) gxy_close(s, 0);
