@@ -128,8 +128,8 @@ GXY_API int gxy_grid(gxy_sim* sim, const char* mesh, int block, int of, const in
  *                none, and particles are numbered by rank. Pictures do not depend on which rank has a particle if there are ids.
  *   `box`        the least x, y, z, and the largest, of the domain that the server cuts for its ranks; NULL: that of the particles of the first
  *                step, a tenth larger. Particles may be outside. It is not used where the stream has a grid.
- * Each field becomes the dataset NAME.FIELD, with the particles and its values; of several components, their magnitude. Particles without
- * fields become NAME.MESH. Types, ids and box are the same on all ranks and in all steps, so also a rank without particles calls this and
+ * Each field becomes the dataset NAME.FIELD, with the particles and its values; of several components, their magnitude; or colours, where files
+ * would have them: bytes, or any type with the name RGB, of 3 or 4 components. Particles without fields become NAME.MESH. Types, ids and box are the same on all ranks and in all steps, so also a rank without particles calls this and
  * gxy_field(), where `data` may be NULL. */
 GXY_API int gxy_points(gxy_sim* sim, const char* mesh, int64_t count, gxy_array positions, gxy_array ids,
                        const double box[6]);
@@ -161,11 +161,12 @@ GXY_API int gxy_points(gxy_sim* sim, const char* mesh, int64_t count, gxy_array 
 GXY_API int gxy_cells(gxy_sim* sim, const char* mesh, int64_t points, gxy_array positions, int64_t cells,
                       gxy_array types, gxy_array offsets, gxy_array connectivity);
 
-/* Says where the values of a field lie for a block that gxy_grid() has described, or for block 0 of particles or cells. Type and components of a field are the same
- * in all blocks of all ranks, and all blocks have the same fields: also one without points, whose `data` may be NULL. It may be
- * called before each step, for instance with another pointer. The values are read within gxy_publish() only. The field becomes the dataset NAME.FIELD, so meshes
- * have fields of different names. `of` must be that of the grid so far, GXY_OF_POINTS for particles, and either for cells. A value of a cell of a grid stands at the centre of the cell, and those of the outermost cells hold up to the
- * domain's end, as in files with values of cells. */
+/* Says where the values of a field lie for a block that gxy_grid() has described, or for block 0 of particles or cells. Type and components of
+ * a field are the same in all blocks of all ranks, and all blocks have the same fields: also one without points, whose `data` may be NULL. It
+ * may be called before each step, for instance with another pointer. The values are read within gxy_publish() only. The field becomes the
+ * dataset NAME.FIELD, so meshes have fields of different names. `of` must be that of the grid so far, GXY_OF_POINTS for particles, and either
+ * for cells. A value of a cell of a grid stands at the centre of the cell, and those of the outermost cells hold up to the domain's end, as in
+ * files with values of cells. */
 GXY_API int gxy_field(gxy_sim* sim, const char* mesh, int block, const char* field, int of, gxy_array values);
 
 /* Offers a step. All ranks offer the same steps in the same order; `step` ascends. `time` is in the simulation's own unit. If
