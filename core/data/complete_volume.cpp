@@ -37,13 +37,6 @@ FieldStatistics statisticsOf(const VolumeBlock& block, ScalarType type, int comp
   return statistics;
 }
 
-/// Returns how the samples of a field with `fieldComponents` are stored if the samples of this volume have these ranges.
-Encoding encodingFor(const Volume& volume, int fieldComponents, const std::vector<Range>& ranges) {
-  Range values;
-  for (int c = 0; c < volume.components; ++c) values.extend(ranges[size_t(c)]);
-  return encodingOf(volume.stored, fieldComponents, values);
-}
-
 /// Changes the samples of all blocks from their type to the encoding.
 void encode(Volume& volume, const Encoding& encoding, Collectives& ranks) {
   if (encoding == Encoding{volume.stored}) return;
@@ -90,23 +83,23 @@ FieldStatistics statisticsOfSummaries(const Volume& volume) {
   return statistics;
 }
 
-/// Counts points without data among those that the partitions of this rank own. Most fields have none, so none is looked for
-/// unless a summary says so.
-int64_t countNoData(const Volume& volume, const Partitioning& partitioning, const Collectives& ranks) {
-  if (volume.stored != ScalarType::Float32) return 0;
-  int64_t count = 0;
-  LargeVector<std::byte> slice;
+/// Statistics of the points that the partitions of this rank own.
+FieldStatistics statisticsOfOwned(const Volume& volume, const Partitioning& partitioning,
+                                  const Collectives& ranks) {
+  FieldStatistics statistics;
+  Samples slice;
+  const size_t bytes = bytesOf(volume.stored) * size_t(volume.components);
   for (const auto& [partition, block] : volume.blocks) {
     Extent owned = ownedPoints(volume.grid, partitioning, partition);
     const int64_t layers = std::exchange(owned.points[2], 1);
-    slice.resize(size_t(owned.count()) * sizeof(float));
+    slice.resize(size_t(owned.count()) * bytes);
     for (int64_t z = 0; z < layers; ++z, ++owned.first[2]) {
       ranks.check();
-      copyFromBricks(block.samples, block.extent, owned, slice, sizeof(float));
-      count += statisticsOf(slice, volume.stored, 1).noDataSamples;
+      copyFromBricks(block.samples, block.extent, owned, slice, bytes);
+      statistics.merge(statisticsOf(slice, volume.stored, volume.components));
     }
   }
-  return count;
+  return statistics;
 }
 
 }  // namespace
@@ -116,7 +109,7 @@ void completeVolume(Volume& volume, const Partitioning& partitioning, Collective
 }
 
 void completeVolume(Volume& volume, const Partitioning& partitioning, Collectives& ranks, int fieldComponents,
-                    const std::function<void(int64_t)>& stored) {
+                    const std::function<void(int64_t)>& stored, const std::optional<Encoding>& like) {
   FieldStatistics mine;
   agree(ranks, [&] {
     for (auto& [partition, block] : volume.blocks) {
@@ -127,7 +120,7 @@ void completeVolume(Volume& volume, const Partitioning& partitioning, Collective
                     [&] { ranks.check(); });
     }
   });
-  completeBricks(volume, partitioning, ranks, std::move(mine), fieldComponents, stored);
+  completeBricks(volume, partitioning, ranks, std::move(mine), fieldComponents, stored, like);
 }
 
 bool needsStatistics(const Volume& volume, const Partitioning& partitioning) {
@@ -139,28 +132,40 @@ bool needsStatistics(const Volume& volume, const Partitioning& partitioning) {
 }
 
 void completeBricks(Volume& volume, const Partitioning& partitioning, Collectives& ranks,
-                    FieldStatistics mine, int fieldComponents, const std::function<void(int64_t)>& stored) {
-  const double shift = volume.shift,
-               scale = volume.scale;  // as long as the ranges are those of the samples as they came
-  const bool known = needsStatistics(volume, partitioning);
-  if (known) {
+                    FieldStatistics mine, int fieldComponents, const std::function<void(int64_t)>& stored,
+                    const std::optional<Encoding>& like) {
+  double shift = volume.shift, scale = volume.scale;  // of the samples that the ranges are of
+  const auto mergeStatistics = [&] {
     mine.ranges.resize(size_t(volume.components) + (volume.components > 1));
     mergeRanges(ranks, mine.ranges);
-    encode(volume, encodingFor(volume, fieldComponents, mine.ranges), ranks);
+  };
+  bool known = needsStatistics(volume, partitioning);
+  if (known) {
+    mergeStatistics();
+    Range values;
+    for (int c = 0; c < volume.components; ++c) values.extend(mine.ranges[size_t(c)]);
+    const bool isLike = like && suffices(*like, volume.stored, fieldComponents, values);
+    encode(volume, isLike ? *like : encodingOf(volume.stored, fieldComponents, values), ranks);
+    if (isLike) {
+      shift = volume.shift, scale = volume.scale;
+      known = needsStatistics(volume, partitioning);
+      if (known) agree(ranks, [&] { mine = statisticsOfOwned(volume, partitioning, ranks); });
+      if (known) mergeStatistics();
+    }
   }
   summarize(volume, ranks, stored);
   if (!known) {
     mine = statisticsOfSummaries(volume);
-    mergeRanges(ranks, mine.ranges);
+    mergeStatistics();
   }
   mine.noDataSamples = int64_t(sumOfCounts(ranks, uint64_t(mine.noDataSamples)));
-  if (!known && mine.noDataSamples > 0) {
-    int64_t count = 0;
-    agree(ranks, [&] { count = countNoData(volume, partitioning, ranks); });
-    mine.noDataSamples = int64_t(sumOfCounts(ranks, uint64_t(count)));
+  if (!known &&
+      mine.noDataSamples > 0) {  // Most fields have no such points, so most fields' are not counted.
+    agree(ranks, [&] { mine.noDataSamples = statisticsOfOwned(volume, partitioning, ranks).noDataSamples; });
+    mine.noDataSamples = int64_t(sumOfCounts(ranks, uint64_t(mine.noDataSamples)));
   }
   if (!known) {
-    const Encoding encoding = encodingFor(volume, fieldComponents, mine.ranges);
+    const Encoding encoding = encodingOf(volume.stored, fieldComponents, mine.ranges[0]);
     if (encoding != Encoding{volume.stored}) {  // Few floats are so large or so small that they are scaled.
       encode(volume, encoding, ranks);
       summarize(volume, ranks, {});

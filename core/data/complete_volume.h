@@ -3,6 +3,7 @@
 #pragma once
 #include <cstdint>
 #include <functional>
+#include <optional>
 
 #include "core/comm/collectives.h"
 #include "core/data/partitioning.h"
@@ -18,9 +19,11 @@ namespace gxy {
 void completeVolume(Volume& volume, const Partitioning& partitioning, Collectives& ranks);
 
 /// Does the same for a volume that has some of the `fieldComponents` components of a field: they are stored as they would be
-/// beside the others. `stored`, if it is not empty, is told how many points were stored since its last call.
+/// beside the others. `stored`, if it is not empty, is told how many points were stored since its last call. Where `like` suffices(),
+/// the samples are stored so, and the ranges are those of the stored samples.
 void completeVolume(Volume& volume, const Partitioning& partitioning, Collectives& ranks, int fieldComponents,
-                    const std::function<void(int64_t)>& stored);
+                    const std::function<void(int64_t)>& stored,
+                    const std::optional<Encoding>& like = std::nullopt);
 
 /// Whether completeBricks() must be told the statistics of a field. The ranges of others come from the summaries.
 bool needsStatistics(const Volume& volume, const Partitioning& partitioning);
@@ -29,6 +32,7 @@ bool needsStatistics(const Volume& volume, const Partitioning& partitioning);
 /// statistics of the points that the partitions of this rank own (ownedPoints).
 void completeBricks(Volume& volume, const Partitioning& partitioning, Collectives& ranks,
                     FieldStatistics mine, int fieldComponents,
-                    const std::function<void(int64_t)>& stored = {});
+                    const std::function<void(int64_t)>& stored = {},
+                    const std::optional<Encoding>& like = std::nullopt);
 
 }  // namespace gxy

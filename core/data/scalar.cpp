@@ -118,6 +118,17 @@ Encoding encodingOf(ScalarType type, int components, const Range& range) {
   return encoding;
 }
 
+bool suffices(const Encoding& known, ScalarType type, int components, const Range& range) {
+  if (!isWide(type) || known.stored != ScalarType::Float32 || (components > 1 && known.shift != 0))
+    return false;
+  if (range.empty()) return true;
+  const Encoding own = encodingOf(type, components, range);
+  const auto largest = [&](double shift) {
+    return std::max(std::abs(range.min - shift), std::abs(range.max - shift));
+  };
+  return known.scale == own.scale && largest(known.shift) <= 4 * largest(own.shift);
+}
+
 Samples convert(std::span<const std::byte> values, ScalarType type, const Encoding& encoding,
                 const Advance& advance) {
   constexpr size_t kTold = size_t(1) << 20;  ///< number of values between two reports of progress

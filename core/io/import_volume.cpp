@@ -60,7 +60,8 @@ std::shared_ptr<Volume> importVolume(const std::string& path, const std::string&
 }
 
 std::shared_ptr<Volume> importVolume(VolumeFile file, const Partitioning& partitioning, int ghosts,
-                                     Collectives& ranks, std::vector<int> components, LeftOut* leftOut) {
+                                     Collectives& ranks, std::vector<int> components, LeftOut* leftOut,
+                                     const std::optional<Encoding>& like) {
   auto volume = std::make_shared<Volume>();
   int componentsOfFile = 0;
   int64_t points = 0, done = 0;  // of this rank's; each is read and stored
@@ -94,7 +95,7 @@ std::shared_ptr<Volume> importVolume(VolumeFile file, const Partitioning& partit
     });
     if (leftOut) *leftOut += leftOutOf(file, componentsOfFile, *volume);
   });
-  completeVolume(*volume, partitioning, ranks, componentsOfFile, count);
+  completeVolume(*volume, partitioning, ranks, componentsOfFile, count, like);
   return volume;
 }
 

@@ -2,6 +2,7 @@
 // A volume file becomes the blocks of a rank's partitions.
 #pragma once
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "core/comm/collectives.h"
@@ -25,9 +26,11 @@ Grid gridOf(const std::string& path, const std::string& array, Collectives& rank
 std::shared_ptr<Volume> importVolume(const std::string& path, const std::string& array,
                                      const Partitioning& partitioning, int ghosts, Collectives& ranks,
                                      std::vector<int> components = {}, LeftOut* leftOut = nullptr);
-/// The same of a file that every rank has opened. All blocks are read in one pass (SampleSource::read).
+/// The same of a file that every rank has opened. All blocks are read in one pass (SampleSource::read). `like`: how samples of a wide
+/// type are stored where that suffices() (completeVolume()).
 std::shared_ptr<Volume> importVolume(VolumeFile file, const Partitioning& partitioning, int ghosts,
                                      Collectives& ranks, std::vector<int> components = {},
-                                     LeftOut* leftOut = nullptr);
+                                     LeftOut* leftOut = nullptr,
+                                     const std::optional<Encoding>& like = std::nullopt);
 
 }  // namespace gxy

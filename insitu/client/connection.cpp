@@ -34,11 +34,21 @@ std::byte* Slot::reserve(uint64_t bytes) {
 }
 
 std::shared_ptr<const Route> routeOf(std::vector<Destination> destinations, const std::vector<Mesh>& meshes) {
-  auto route = std::make_shared<Route>();
-  for (const Destination& d : destinations) route->loads.push_back({d.owner, itemsOf(d.pieces, meshes)});
-  route->destinations = std::move(destinations);
-  route->slot = std::make_unique<Slot>();
-  return route;
+  Route route;
+  route.destinations = std::move(destinations);
+  route.slot = std::make_shared<Slot>();
+  return routeOf(route, meshes, {});
+}
+
+std::shared_ptr<const Route> routeOf(const Route& route, const std::vector<Mesh>& meshes,
+                                     Encodings encodings) {
+  auto result = std::make_shared<Route>();
+  result->destinations = route.destinations;
+  const std::vector<Mesh> sent = encoded(meshes, encodings);
+  for (const Destination& d : route.destinations) result->loads.push_back({d.owner, itemsOf(d.pieces, sent)});
+  result->encodings = std::move(encodings);
+  result->slot = route.slot;
+  return result;
 }
 
 Connection::Connection(Options options, Member member)
@@ -246,6 +256,10 @@ void Connection::receive(int owner, WireSocket& socket) {
       steering_ = readSteering(m->payload);
       continue;
     }
+    if (m->channel == MessageChannel::Encode) {
+      receiveEncodings(m->payload);
+      continue;
+    }
     if (m->channel == MessageChannel::DataControl) {
       receiveControl(readControl(m->payload));
       continue;
@@ -264,6 +278,15 @@ void Connection::receive(int owner, WireSocket& socket) {
     problem_.clear();  // and not before: the server may have refused the plan
     lost_ = false;
   }
+}
+
+// The server appoints the next step after this.
+void Connection::receiveEncodings(std::span<const std::byte> message) {
+  if (!planned_) throw Error("encodings of a stream before its plan, expected them after it");
+  const std::lock_guard lock(mutex_);
+  auto route = routeOf(*route_, description_->meshes, readEncodings(message, description_->meshes));
+  sender_.expect(route->loads);
+  route_ = std::move(route);
 }
 
 void Connection::receiveControl(const Control& control) {

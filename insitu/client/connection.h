@@ -16,6 +16,7 @@
 #include "insitu/client/options.h"
 #include "insitu/client/wire_socket.h"
 #include "insitu/plan/description.h"
+#include "insitu/plan/encodings.h"
 #include "insitu/plan/sender.h"
 
 namespace gxy::insitu {
@@ -35,12 +36,16 @@ class Slot {
 /// Where the samples of a step go, and the slot that they are copied into. It is immutable but for the slot.
 struct Route {
   std::vector<Destination> destinations;
+  Encodings encodings;
   std::vector<Sender::Load> loads;  ///< by destination
-  std::unique_ptr<Slot> slot;
+  std::shared_ptr<Slot> slot;
 };
 
 /// Returns the route of a rank by the plan of a server.
 std::shared_ptr<const Route> routeOf(std::vector<Destination> destinations, const std::vector<Mesh>& meshes);
+/// Returns the same route with other encodings, and with the same slot.
+std::shared_ptr<const Route> routeOf(const Route& route, const std::vector<Mesh>& meshes,
+                                     Encodings encodings);
 
 /// Connects in the background and sends what is taken. If the connection is lost, it tries again as the options say. The
 /// simulation's thread uses all functions.
@@ -96,6 +101,7 @@ class Connection {
   void waitForSockets();
   void receive(int owner, WireSocket& socket);
   void receiveControl(const Control& message);
+  void receiveEncodings(std::span<const std::byte> message);
   void lose(const std::string& why);
   void sayBye();
 

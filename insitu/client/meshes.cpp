@@ -98,6 +98,11 @@ std::string nameOf(Mesh::Kind kind) {
   return kind == Mesh::Kind::Points ? "has particles" : "has cells";
 }
 
+size_t bytesSent(const Encodings& encodings, size_t mesh, const Array& array) {
+  const bool isFloat = array.what == Array::What::Field && encodingIn(encodings, mesh, array.field);
+  return isFloat ? sizeof(float) * size_t(array.components) : array.bytesPerPoint();
+}
+
 }  // namespace
 
 Meshes::Data& Meshes::at(const std::string& mesh, const std::string& function) {
@@ -318,15 +323,18 @@ Counts Meshes::counts() const {
   return counts;
 }
 
-uint64_t Meshes::bytes(std::span<const Destination> destinations, const Counts& counts) const {
+uint64_t Meshes::bytes(std::span<const Destination> destinations, const Encodings& encodings,
+                       const Counts& counts) const {
   uint64_t bytes = 0;
   for (const Destination& d : destinations)
     for (const Piece& piece : d.pieces) {
       const Mesh& mesh = meshes_.at(size_t(piece.mesh))->mesh;
-      for (const Array& array : arraysOf(mesh))
-        bytes += array.bytesPerPoint() * (mesh.kind == Mesh::Kind::Grid
-                                              ? uint64_t(piece.points.count())
-                                              : counts.at(placeOf(size_t(piece.mesh), array.per)));
+      for (const Array& array : arraysOf(mesh)) {
+        const uint64_t count = mesh.kind == Mesh::Kind::Grid
+                                   ? uint64_t(piece.points.count())
+                                   : counts.at(placeOf(size_t(piece.mesh), array.per));
+        bytes += count * bytesSent(encodings, size_t(piece.mesh), array);
+      }
     }
   return bytes;
 }
@@ -351,7 +359,8 @@ void Meshes::copy(const Data& data, const Array& array, uint64_t count, std::byt
              row, to);
 }
 
-void Meshes::copy(std::span<const Destination> destinations, const Counts& counts, std::byte* to) const {
+void Meshes::copy(std::span<const Destination> destinations, const Encodings& encodings, const Counts& counts,
+                  std::byte* to) const {
   for (const Destination& d : destinations)
     for (const Piece& piece : d.pieces) {
       const Data& data = *meshes_.at(size_t(piece.mesh));
@@ -361,11 +370,13 @@ void Meshes::copy(std::span<const Destination> destinations, const Counts& count
         const uint64_t count =
             isGrid ? uint64_t(piece.points.count()) : counts.at(placeOf(size_t(piece.mesh), array.per));
         if (count == 0) continue;
-        if (isGrid)
-          copyPoints(block.fields.at(array.name), block.values, piece.points, to);
-        else
+        if (!isGrid)
           copy(data, array, count, to);
-        to += size_t(count) * array.bytesPerPoint();
+        else if (const FieldEncoding* e = encodingIn(encodings, size_t(piece.mesh), array.field))
+          copyPointsAsFloats(block.fields.at(array.name), block.values, piece.points, e->shift, e->scale, to);
+        else
+          copyPoints(block.fields.at(array.name), block.values, piece.points, to);
+        to += size_t(count) * bytesSent(encodings, size_t(piece.mesh), array);
       }
     }
 }

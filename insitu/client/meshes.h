@@ -13,6 +13,7 @@
 #include "insitu/api/galaxy_insitu.h"
 #include "insitu/client/cell_arrays.h"
 #include "insitu/plan/description.h"
+#include "insitu/plan/encodings.h"
 #include "insitu/plan/redistribution.h"
 
 namespace gxy::insitu {
@@ -38,9 +39,11 @@ class Meshes {
   /// What this rank has of each mesh, in the order of the description. Reads the offsets of cells.
   Counts counts() const;
   /// Copies what is to be sent, in the order of the destinations. `to` has room for bytes(). `counts` are those of counts().
-  void copy(std::span<const Destination> destinations, const Counts& counts, std::byte* to) const;
+  void copy(std::span<const Destination> destinations, const Encodings& encodings, const Counts& counts,
+            std::byte* to) const;
   /// Returns the bytes that copy() writes.
-  uint64_t bytes(std::span<const Destination> destinations, const Counts& counts) const;
+  uint64_t bytes(std::span<const Destination> destinations, const Encodings& encodings,
+                 const Counts& counts) const;
   /// Copies all arrays, and reads the copies from then on. Nothing has changed if there is no memory for it.
   void keep();
 

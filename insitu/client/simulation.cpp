@@ -151,8 +151,8 @@ int Simulation::take(const Step& step) {
   uint64_t bytes = 0;
   const Counts counts = meshes_.counts();
   if (route) try {  // A server appoints nothing before there is a plan.
-      bytes = meshes_.bytes(route->destinations, counts);
-      meshes_.copy(route->destinations, counts, route->slot->reserve(bytes));
+      bytes = meshes_.bytes(route->destinations, route->encodings, counts);
+      meshes_.copy(route->destinations, route->encodings, counts, route->slot->reserve(bytes));
     } catch (const std::bad_alloc&) {
       connection_->notFilled(false);
       return GXY_NOT_TAKEN;

@@ -2,7 +2,9 @@
 #include "insitu/client/snapshot.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
+#include <limits>
 
 #include "core/data/scalar.h"
 
@@ -10,23 +12,53 @@ namespace gxy::insitu {
 
 namespace {
 
-// Copies `n` points of a row, each with `components` values of `Size` bytes.
+// How a value is written. row(): the same of `n` values that stand together.
 template <size_t Size>
-std::byte* copyRow(const std::byte* from, int64_t n, int64_t stride, int components, int64_t componentStride,
-                   std::byte* out) {
+struct AsItIs {
+  static constexpr size_t kFrom = Size, kTo = Size;
+  void operator()(const std::byte* from, std::byte* to) const { std::memcpy(to, from, Size); }
+  void row(const std::byte* from, size_t n, std::byte* to) const { std::memcpy(to, from, n * Size); }
+};
+
+struct AsFloat {
+  static constexpr size_t kFrom = sizeof(double), kTo = sizeof(float);
+  double shift = 0, inverse = 1;  // of the scale, so that a product is the quotient
+
+  void operator()(const std::byte* from, std::byte* to) const {
+    double value;
+    std::memcpy(&value, from, sizeof value);
+    const auto stored = float((value - shift) * inverse);
+    constexpr float kLargest = std::numeric_limits<float>::max();
+    // Infinite values remain so.
+    const bool isTooLarge =
+        std::abs(stored) > kLargest && std::abs(value) <= std::numeric_limits<double>::max();
+    const float kept = isTooLarge ? std::copysign(kLargest, stored) : stored;
+    std::memcpy(to, &kept, sizeof kept);
+  }
+  void row(const std::byte* __restrict__ from, size_t n, std::byte* __restrict__ to) const {
+    for (size_t i = 0; i < n; i++) (*this)(from + i * kFrom, to + i * kTo);
+  }
+};
+
+// Copies `n` points of a row, each with `components` values.
+template <class Write>
+std::byte* copyRow(const Write& write, const std::byte* from, int64_t n, int64_t stride, int components,
+                   int64_t componentStride, std::byte* out) {
   for (int64_t i = 0; i < n; i++, from += stride) {
     const std::byte* value = from;
-    for (int c = 0; c < components; c++, value += componentStride, out += Size) std::memcpy(out, value, Size);
+    for (int c = 0; c < components; c++, value += componentStride, out += Write::kTo) write(value, out);
   }
   return out;
 }
 
-template <size_t Size>
-void copyBox(const gxy_array& values, const Extent& block, const Extent& points, std::byte* out) {
-  const int64_t componentStride = values.component_stride ? values.component_stride : int64_t(Size);
-  const auto pointBytes = int64_t(Size) * values.components;
+template <class Write>
+void copyBox(const Write& write, const gxy_array& values, const Extent& block, const Extent& points,
+             std::byte* out) {
+  constexpr auto kFrom = int64_t(Write::kFrom);
+  const int64_t componentStride = values.component_stride ? values.component_stride : kFrom;
+  const auto pointBytes = kFrom * values.components;
   const bool together =
-      (values.components == 1 || componentStride == int64_t(Size)) && values.stride[0] == pointBytes;
+      (values.components == 1 || componentStride == kFrom) && values.stride[0] == pointBytes;
   // The place of a value, along one axis.
   const auto along = [&](size_t axis, int64_t i) {
     return std::clamp<int64_t>(i - block.first[axis], 0, block.points[axis] - 1) * values.stride[axis];
@@ -38,13 +70,14 @@ void copyBox(const gxy_array& values, const Extent& block, const Extent& points,
     for (int64_t j = points.first[1]; j < points.first[1] + points.points[1]; j++) {
       const std::byte* row = static_cast<const std::byte*>(values.data) + along(1, j) + along(2, k);
       const auto copy = [&](int64_t from, int64_t to, int64_t stride) {
-        out = copyRow<Size>(row + along(0, from), to - from, stride, values.components, componentStride, out);
+        out =
+            copyRow(write, row + along(0, from), to - from, stride, values.components, componentStride, out);
       };
       copy(first, inside, 0);
       if (together) {
-        const auto bytes = size_t((outside - inside) * pointBytes);
-        std::memcpy(out, row + along(0, inside), bytes);
-        out += bytes;
+        const auto n = size_t((outside - inside) * values.components);
+        write.row(row + along(0, inside), n, out);
+        out += n * Write::kTo;
       } else {
         copy(inside, outside, values.stride[0]);
       }
@@ -57,14 +90,19 @@ void copyBox(const gxy_array& values, const Extent& block, const Extent& points,
 void copyPoints(const gxy_array& values, const Extent& block, const Extent& points, std::byte* out) {
   switch (bytesOf(ScalarType(values.type))) {
     case 1:
-      return copyBox<1>(values, block, points, out);
+      return copyBox(AsItIs<1>(), values, block, points, out);
     case 2:
-      return copyBox<2>(values, block, points, out);
+      return copyBox(AsItIs<2>(), values, block, points, out);
     case 4:
-      return copyBox<4>(values, block, points, out);
+      return copyBox(AsItIs<4>(), values, block, points, out);
     default:
-      return copyBox<8>(values, block, points, out);
+      return copyBox(AsItIs<8>(), values, block, points, out);
   }
+}
+
+void copyPointsAsFloats(const gxy_array& values, const Extent& block, const Extent& points, double shift,
+                        double scale, std::byte* out) {
+  copyBox(AsFloat{shift, 1 / scale}, values, block, points, out);
 }
 
 }  // namespace gxy::insitu

@@ -12,4 +12,9 @@ namespace gxy::insitu {
 /// `block`; points beside it get the value of the nearest point in it. `out` has room for points.count() points.
 void copyPoints(const gxy_array& values, const Extent& block, const Extent& points, std::byte* out);
 
+/// Does the same with doubles, and stores them as floats: (value - shift) / scale in double, rounded once. A finite value that float cannot
+/// hold becomes the largest float. The scale is a power of two whose inverse is exact.
+void copyPointsAsFloats(const gxy_array& values, const Extent& block, const Extent& points, double shift,
+                        double scale, std::byte* out);
+
 }  // namespace gxy::insitu

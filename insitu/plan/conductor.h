@@ -38,6 +38,8 @@ class Conductor {
   bool isComplete() const;
   /// Whether a rank of the simulation waits for a publish that has not been published.
   bool isAwaited() const { return awaited_ > published_; }
+  /// Whether a rank has ever waited for a publish.
+  bool wasAwaited() const { return awaited_ > 0; }
   /// Whether a rank has taken the step that is appointed now.
   bool someTaken() const;
   /// The rank that took the appointed step last; -1 if none has taken it.

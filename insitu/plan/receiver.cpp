@@ -7,7 +7,11 @@
 
 namespace gxy::insitu {
 
-Receiver::Receiver(std::vector<Source> sources) {
+Receiver::Receiver(std::vector<Source> sources) { expect(std::move(sources)); }
+
+void Receiver::expect(std::vector<Source> sources) {
+  if (state_ != State::Closed) throw Error("another form of steps while there is room, expected none");
+  cursors_.clear();
   for (Source& s : sources) cursors_.push_back({std::move(s)});
 }
 

@@ -20,6 +20,8 @@ class Receiver {
   /// Sources by rank of the simulation.
   explicit Receiver(std::vector<Source> sources);
 
+  /// Steps have this form from now on. Only while there is no room.
+  void expect(std::vector<Source> sources);
   /// There is room for a step from now on.
   void open();
   /// Takes a chunk of `bytes` bytes from a rank of the simulation. True: it is to be stored. False: it is to be dropped. Throws Error

@@ -19,6 +19,14 @@ void Sender::begin(std::vector<Load> loads) {
   for (Load& load : loads) cursors_.push_back({std::move(load)});
 }
 
+void Sender::expect(std::vector<Load> loads) {
+  const std::lock_guard lock(mutex_);
+  if (slot_ != Slot::Free && slot_ != Slot::Void)
+    throw Error("another form of steps while one is under way, expected it between two steps");
+  cursors_.clear();
+  for (Load& load : loads) cursors_.push_back({std::move(load)});
+}
+
 // Frees the slot, or sees to it that filled() does. With the lock held.
 void Sender::settle() {
   if (slot_ == Slot::Free || slot_ == Slot::Void) return;

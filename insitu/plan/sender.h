@@ -33,6 +33,8 @@ class Sender {
 
   /// Begins anew with a server that has this plan. What was under way is forgotten. The count of publishes goes on.
   void begin(std::vector<Load> loads);
+  /// Steps have this form from now on. Throws Error if one is under way.
+  void expect(std::vector<Load> loads);
   /// There is no server any more.
   void end() { begin({}); }
 

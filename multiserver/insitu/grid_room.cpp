@@ -29,17 +29,24 @@ int64_t bytesToCome(const insitu::Field& field, const Grid& grid, const Partitio
 
 }  // namespace
 
-GridRoom::GridRoom(const insitu::Mesh& mesh, const Partitioning& partitioning, const GhostPlan& ghosts,
-                   int rank, const TakeStepMemory& take)
+GridRoom::GridRoom(const insitu::Mesh& mesh, size_t number, const insitu::Encodings& encodings,
+                   const Partitioning& partitioning, const GhostPlan& ghosts, int rank,
+                   const TakeStepMemory& take)
     : partitioning_(partitioning), ghosts_(ghosts) {
-  for (const insitu::Field& field : mesh.fields)
-    memory_.push_back(take("volume", bytesToCome(field, mesh.grid, partitioning, rank)));
-  for (const insitu::Field& field : mesh.fields) {
+  std::vector<insitu::Field> fields = mesh.fields;
+  for (size_t f = 0; f < fields.size(); f++) {
+    if (encodingIn(encodings, number, f)) fields[f].type = ScalarType::Float32;
+    memory_.push_back(take("volume", bytesToCome(fields[f], mesh.grid, partitioning, rank)));
+  }
+  for (size_t f = 0; f < fields.size(); f++) {
+    const insitu::Field& field = fields[f];
     auto volume = std::make_shared<Volume>();
     volume->name = field.name;
     volume->grid = mesh.grid;
     volume->stored = field.type;
     volume->components = field.components;
+    if (const insitu::FieldEncoding* e = encodingIn(encodings, number, f))
+      volume->shift = e->shift, volume->scale = e->scale;
     for (const int p : partitioning.owned(rank)) {
       const Extent extent = extentOf(mesh.grid, partitioning.box(p), kGhostLayers);
       if (extent.count() == 0) continue;

@@ -7,6 +7,7 @@
 #include "core/data/ghosts.h"
 #include "core/data/partitioning.h"
 #include "core/data/volume.h"
+#include "insitu/plan/encodings.h"
 #include "multiserver/insitu/mesh_room.h"
 
 namespace gxy {
@@ -14,9 +15,9 @@ namespace gxy {
 /// One volume for each field, with the blocks of the partitions of one rank and room for their ghosts.
 class GridRoom final : public MeshRoom {
  public:
-  /// Takes the memory at once. Mesh, partitioning and ghosts must outlive it.
-  GridRoom(const insitu::Mesh& mesh, const Partitioning& partitioning, const GhostPlan& ghosts, int rank,
-           const TakeStepMemory& take);
+  /// Takes the memory at once. The mesh is the stream's mesh `number`. Partitioning and ghosts must outlive it.
+  GridRoom(const insitu::Mesh& mesh, size_t number, const insitu::Encodings& encodings,
+           const Partitioning& partitioning, const GhostPlan& ghosts, int rank, const TakeStepMemory& take);
 
   void store(const insitu::Piece& piece, size_t array, const insitu::PieceHeader& header,
              std::span<const std::byte> samples) override;

@@ -163,6 +163,14 @@ void StreamLead::tell(const std::vector<Control>& messages) {
     for (int r = 0; r < identity().ranks; r++) part_->send(r, controlMessage(m));
 }
 
+// With the lock held, before a step is appointed.
+void StreamLead::tellEncodings() {
+  if (encodings_ == toldEncodings_) return;
+  for (int r = 0; r < identity().ranks; r++)
+    part_->send(r, {MessageChannel::Encode, 0, insitu::written(encodings_)});
+  toldEncodings_ = encodings_;
+}
+
 void StreamLead::run() {
   try {
     awaitDescriptions();
@@ -388,6 +396,8 @@ void StreamLead::publishOne() {
     const std::lock_guard lock(mutex_);
     course_ = {};
     course_.begun = Clock::now();
+    // A step whose encodings do not fit is left out, which a simulation that waits has ruled out.
+    encodings_ = conductor_->wasAwaited() ? insitu::Encodings() : part_->encodings();
   }
   try {
     const auto exchange = serverRank_.exchanges.begin(Asker{[this] {
@@ -400,8 +410,13 @@ void StreamLead::publishOne() {
     const auto names =
         serverRank_.datasets->beginNow(identity().tenant, *exchange, "stream " + inQuotes(identity().name),
                                        wishes_.scope, std::move(drafts));
-    serverRank_.callAll("insitu.step",
-                        {{"stream", identity().id}, {"exchange", *exchange}, {"items", names->items()}});
+    json encodings = json::array();  // used by this thread only
+    for (const insitu::FieldEncoding& e : encodings_)
+      encodings.push_back({e.mesh, e.field, e.shift, e.scale});
+    serverRank_.callAll("insitu.step", {{"stream", identity().id},
+                                        {"exchange", *exchange},
+                                        {"items", names->items()},
+                                        {"encodings", std::move(encodings)}});
   } catch (const std::exception& e) {
     problem = e.what();
   }
@@ -427,6 +442,7 @@ void StreamLead::isPublished() {
 CollectedStep StreamLead::collect(const std::function<void()>& check) {
   std::unique_lock lock(mutex_);
   course_.hasRoom = Clock::now();
+  tellEncodings();
   tell(conductor_->begin(from_));
   constexpr auto kNone = Clock::time_point::max();
   auto until = kNone;

@@ -110,6 +110,7 @@ class StreamLead {
   void publishOne();
   void isPublished();
   void tell(const std::vector<insitu::Control>& messages);
+  void tellEncodings();
   bool steers() const { return told_ != steered_; }
   void finish();
 
@@ -130,6 +131,8 @@ class StreamLead {
     std::string reason;
   } refused_;  ///< the last step that a rank could not keep
   std::optional<insitu::Conductor> conductor_;
+  insitu::Encodings encodings_;      ///< that the step under way is sent with
+  insitu::Encodings toldEncodings_;  ///< to the simulation
   insitu::Steering steering_;        ///< values that were ever steered
   uint64_t steered_ = 0, told_ = 0;  ///< how often; and when the simulation was told
   std::string problem_;              ///< why the last step could not be published; empty if it was

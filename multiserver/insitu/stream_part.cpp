@@ -69,6 +69,7 @@ void StreamPart::plan(StreamPlan plan) {
                         serverRank_.ranks());
   const std::lock_guard lock(mutex_);
   plan_ = std::move(plan);
+  pieces_ = std::move(pieces);
   places_ = std::move(places);
   receiver_.emplace(std::move(sources));
   ghosts_ = std::move(ghosts);
@@ -149,7 +150,7 @@ void StreamPart::takePiece(int rank, insitu::Checksum checksum, std::span<const 
   if (complete > 0) tell_.complete(complete, bytes);
 }
 
-void StreamPart::makeRoom() {
+void StreamPart::makeRoom(const insitu::Encodings& encodings) {
   const TakeStepMemory take = [this](const char* purpose, int64_t bytes) {
     return serverRank_.takeMemory(identity_.tenant, purpose, bytes);
   };
@@ -157,19 +158,27 @@ void StreamPart::makeRoom() {
   for (size_t m = 0; m < plan_->meshes.size(); m++) {
     const insitu::Mesh& mesh = plan_->meshes[m];
     if (mesh.kind == insitu::Mesh::Kind::Grid)
-      rooms.push_back(
-          std::make_unique<GridRoom>(mesh, *plan_->partitioning, *ghosts_[m], serverRank_.rank(), take));
+      rooms.push_back(std::make_unique<GridRoom>(mesh, m, encodings, *plan_->partitioning, *ghosts_[m],
+                                                 serverRank_.rank(), take));
     else if (mesh.kind == insitu::Mesh::Kind::Points)
       rooms.push_back(std::make_unique<PointsRoom>(mesh, take));
     else
       rooms.push_back(std::make_unique<CellsRoom>(mesh, take));
   }
   const std::lock_guard lock(mutex_);
+  if (encodings != expected_) {
+    const std::vector<insitu::Mesh> sent = encoded(plan_->meshes, encodings);
+    std::vector<Receiver::Source> sources;
+    for (const auto& pieces : pieces_) sources.push_back(itemsOf(pieces, sent));
+    receiver_->expect(std::move(sources));
+    expected_ = encodings;
+  }
   rooms_ = std::move(rooms);
   receiver_->open();
 }
 
 CollectedStep StreamPart::step(Publication& publication, uint64_t exchange, Exchanges::Part& part,
+                               const insitu::Encodings& encodings,
                                const std::function<CollectedStep()>& collect,
                                const std::function<uint64_t()>& last) {
   RankCollectives& ranks = part.ranks;
@@ -184,7 +193,7 @@ CollectedStep StreamPart::step(Publication& publication, uint64_t exchange, Exch
     rooms_.clear();
   });
   publication.reserve();
-  agree(ranks, [&] { makeRoom(); });
+  agree(ranks, [&] { makeRoom(encodings); });
   std::string failure;
   if (serverRank_.rank() == 0) {
     try {
@@ -200,7 +209,7 @@ CollectedStep StreamPart::step(Publication& publication, uint64_t exchange, Exch
     if (!failure.empty()) throw Error(failure);
     if (told.step.count > 0) takeRoom(told.step);
   });
-  complete(publication, told.step, ranks);
+  complete(publication, told.step, encodings, ranks);
   serverRank_.datasets->publish(publication, exchange);
   return told.step;
 }
@@ -211,12 +220,51 @@ void StreamPart::takeRoom(const CollectedStep& step) {
     throw Error("step " + std::to_string(step.step) + " is not complete here, expected all of its samples");
 }
 
-void StreamPart::complete(Publication& publication, const CollectedStep& step, RankCollectives& ranks) {
+// Throws the same Error on all ranks if floats with these encodings are not exact enough for the values of the step.
+void StreamPart::learnEncodings(const std::vector<std::shared_ptr<Dataset>>& datasets,
+                                const insitu::Encodings& encodings) {
+  constexpr int kPlain = 10;  // steps, so that not every other one is lost where ranges change all the time
+  const std::vector<insitu::Publishes> all = insitu::datasetsOf(plan_->meshes);
+  insitu::Encodings learned;
+  std::string unfit;
+  for (size_t i = 0; i < datasets.size(); i++) {
+    const Volume* volume = datasets[i]->volume.get();
+    if (!volume || !all[i].field) continue;
+    const insitu::FieldEncoding now{uint32_t(all[i].mesh), uint32_t(*all[i].field), volume->shift,
+                                    volume->scale};
+    if (!mayBeEncoded(plan_->meshes, now)) continue;
+    learned.push_back(now);
+    Range values;
+    for (int c = 0; c < volume->components; c++) values.extend(volume->ranges[size_t(c)]);
+    if (const insitu::FieldEncoding* e = encodingIn(encodings, now.mesh, now.field))
+      if (!suffices({ScalarType::Float32, e->shift, e->scale}, ScalarType::Float64, volume->components,
+                    values))
+        unfit = all[i].name;
+  }
+  const std::lock_guard lock(mutex_);
+  if (!unfit.empty()) {
+    learned_.clear();
+    plain_ = kPlain;
+    throw Error("the values of \"" + unfit +
+                "\" are not where they were, so the next steps are sent as doubles, not as floats");
+  }
+  plain_ = std::max(0, plain_ - 1);
+  learned_ = plain_ > 0 ? insitu::Encodings() : learned;
+}
+
+insitu::Encodings StreamPart::encodings() const {
+  const std::lock_guard lock(mutex_);
+  return learned_;
+}
+
+void StreamPart::complete(Publication& publication, const CollectedStep& step,
+                          const insitu::Encodings& encodings, RankCollectives& ranks) {
   std::vector<std::shared_ptr<Dataset>> datasets;
   for (const auto& room : rooms_) {
     const auto some = room->complete(ranks);
     datasets.insert(datasets.end(), some.begin(), some.end());
   }
+  learnEncodings(datasets, encodings);
   agree(ranks, [&] {
     for (size_t i = 0; i < datasets.size(); i++) {
       datasets[i]->stream = identity_.name;

@@ -11,6 +11,7 @@
 
 #include "core/data/ghosts.h"
 #include "core/space/publication.h"
+#include "insitu/plan/encodings.h"
 #include "insitu/plan/receiver.h"
 #include "multiserver/insitu/data_port.h"
 #include "multiserver/insitu/mesh_room.h"
@@ -75,16 +76,23 @@ class StreamPart {
   /// Stores what a rank has sent. Throws Error, and stores nothing, for a piece that should not come or whose samples are damaged.
   void takePiece(int rank, insitu::Checksum checksum, std::span<const std::byte> message);
 
-  /// Collective, in a work that joined `publication`. Reserves room, collects a step and publishes it. `collect` is called on
-  /// rank 0 once all ranks have room. It waits until all samples are there, or throws; it returns what was collected, and
-  /// `last` the largest count that was appointed. If any rank fails, all throw Error, and the data before are current.
+  /// Collective, in a work that joined `publication`. Reserves room, collects a step and publishes it. `encodings` are those that
+  /// the step is sent with. `collect` is called on rank 0 once all ranks have room. It waits until all samples are there, or throws;
+  /// it returns what was collected, and `last` the largest count that was appointed. If any rank fails, all throw Error, and the
+  /// data before are current.
   CollectedStep step(Publication& publication, uint64_t exchange, Exchanges::Part& part,
-                     const std::function<CollectedStep()>& collect, const std::function<uint64_t()>& last);
+                     const insitu::Encodings& encodings, const std::function<CollectedStep()>& collect,
+                     const std::function<uint64_t()>& last);
+  /// Returns how the next step may be sent: doubles as floats with the shift and scale that the last step has got.
+  insitu::Encodings encodings() const;
 
  private:
-  void makeRoom();
+  void makeRoom(const insitu::Encodings& encodings);
   void takeRoom(const CollectedStep& step);
-  void complete(Publication& publication, const CollectedStep& step, RankCollectives& ranks);
+  void complete(Publication& publication, const CollectedStep& step, const insitu::Encodings& encodings,
+                RankCollectives& ranks);
+  void learnEncodings(const std::vector<std::shared_ptr<Dataset>>& datasets,
+                      const insitu::Encodings& encodings);
 
   ServerRank& serverRank_;
   const StreamIdentity identity_;
@@ -105,9 +113,13 @@ class StreamPart {
   };
   std::string damaged(const Place& place, const insitu::PieceHeader& header, size_t bytes,
                       uint32_t found) const;
-  uint64_t bytes_ = 0;                            ///< of samples that were stored
-  std::vector<std::vector<Place>> places_;        ///< of items, by rank of the simulation
-  std::vector<std::unique_ptr<MeshRoom>> rooms_;  ///< by mesh, while a step is collected
+  uint64_t bytes_ = 0;                              ///< of samples that were stored
+  std::vector<std::vector<insitu::Piece>> pieces_;  ///< by rank of the simulation
+  std::vector<std::vector<Place>> places_;          ///< of items, by rank of the simulation
+  insitu::Encodings expected_;                      ///< by the receiver
+  insitu::Encodings learned_;                       ///< from the last step
+  int plain_ = 0;                                   ///< steps that are sent as they are before others
+  std::vector<std::unique_ptr<MeshRoom>> rooms_;    ///< by mesh, while a step is collected
 };
 
 }  // namespace gxy

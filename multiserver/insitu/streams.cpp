@@ -191,8 +191,12 @@ json Streams::stepHere(const json& p) {
   std::shared_ptr<StreamPart> mine;
   agree(ranks, [&] { mine = part(id); });
   const std::shared_ptr<StreamLead> leading = lead(id);  // null on other ranks than 0
+  insitu::Encodings encodings;
+  for (const json& e : p.at("encodings"))
+    encodings.push_back(
+        {e.at(0).get<uint32_t>(), e.at(1).get<uint32_t>(), e.at(2).get<double>(), e.at(3).get<double>()});
   mine->step(
-      publication, exchange, underWay,
+      publication, exchange, underWay, encodings,
       [&] {
         if (!leading) throw Error("the stream has ended");
         return leading->collect([&] { ranks.check(); });

@@ -91,7 +91,7 @@ MessageReader::Rules MessageReader::ofDataToSimulation() {
   Rules rules;
   rules.most[size_t(MessageChannel::Plan)] = kMaxServerMessageBytes;
   rules.most[size_t(MessageChannel::DataControl)] = 64;
-  rules.most[size_t(MessageChannel::Steer)] = 64 << 10;
+  rules.most[size_t(MessageChannel::Steer)] = rules.most[size_t(MessageChannel::Encode)] = 64 << 10;
   rules.most[size_t(MessageChannel::Bye)] = 4096;
   return rules;
 }

@@ -37,6 +37,7 @@ enum class MessageChannel : uint16_t {
   Piece = 21,
   Steer = 22,
   Bye = 23,  ///< the reason why a data connection ends, as text
+  Encode = 24,
 };
 
 /// What a connection is for. It stands in the preamble.
@@ -69,7 +70,7 @@ class MessageReader {
  public:
   /// The messages that are accepted. Only messages on channels that have ids may have an id other than 0.
   struct Rules {
-    std::array<uint64_t, 24> most{};       ///< largest payload in bytes, by channel; 0: no messages
+    std::array<uint64_t, 25> most{};       ///< largest payload in bytes, by channel; 0: no messages
     std::function<bool(uint64_t)> room{};  ///< whether a payload of this size may be kept; empty: always
   };
   static Rules fromClient(uint64_t requestBytes);

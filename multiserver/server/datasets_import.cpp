@@ -102,8 +102,9 @@ struct Importing {
 // collective call that agrees itself.
 class ImportPart {
  public:
-  ImportPart(ServerRank& serverRank, Exchanges::Part& part, std::string tenant)
-      : serverRank_(serverRank), part_(part), ranks_(part.ranks), tenant_(std::move(tenant)) {}
+  // `like`: how wide samples are stored if that will do.
+  ImportPart(ServerRank& serverRank, Exchanges::Part& part, std::string tenant, std::optional<Encoding> like)
+      : serverRank_(serverRank), part_(part), ranks_(part.ranks), tenant_(std::move(tenant)), like_(like) {}
 
   // `specs` are those of specToJson(), one for each item.
   void describe(const json& specs, const std::vector<Publication::Item>& items) {
@@ -202,7 +203,7 @@ class ImportPart {
       d.bytes = bytesToCome(file, *d.partitioning, serverRank_.rank());
       d.memory = serverRank_.takeMemory(tenant_, "volume", d.bytes);
     });
-    d.volume = importVolume(std::move(file), *d.partitioning, kGhostLayers, ranks_);
+    d.volume = importVolume(std::move(file), *d.partitioning, kGhostLayers, ranks_, {}, nullptr, like_);
     d.bytes = gxy::bytesOf(*d.volume);
     d.memory.resize(d.bytes);
     finished_++;
@@ -212,6 +213,7 @@ class ImportPart {
   Exchanges::Part& part_;
   RankCollectives& ranks_;
   const std::string tenant_;
+  const std::optional<Encoding> like_;
   std::vector<Importing> importing_;
   int64_t finished_ = 0;  // datasets that have been read
 };
@@ -242,7 +244,10 @@ json Datasets::importHere(const json& p) {
   RankCollectives& ranks = part.ranks;
   const ReadWatch watch([&] { ranks.check(); });
   Publication publication = join(p.at("items"), ranks);
-  ImportPart import(serverRank_, part, p.at("tenant").get<std::string>());
+  std::optional<Encoding> like;
+  if (p.contains("like"))
+    like = {ScalarType::Float32, p.at("like").at(0).get<double>(), p.at("like").at(1).get<double>()};
+  ImportPart import(serverRank_, part, p.at("tenant").get<std::string>(), like);
   import.describe(p.at("datasets"), publication.items());
   import.openVolumes();
   // This takes older data away from whoever still shows them. So files without such data fail before it.
@@ -275,9 +280,11 @@ std::vector<std::string> Datasets::import(Request& request, const Import& what) 
   for (const DatasetDraft& d : names->drafts())
     parameters["datasets"].push_back(specToJson(*specs.at(d.name)));
   if (!what.like.empty()) {
-    auto like = getPinned(tenant, what.like).second.get<Dataset>()->partitioning;
+    const auto like = getPinned(tenant, what.like).second.get<Dataset>();
+    if (like->volume && like->volume->stored == ScalarType::Float32)
+      parameters["like"] = {like->volume->shift, like->volume->scale};
     const std::lock_guard lock(mutex_);
-    like_[*exchange] = std::move(like);
+    like_[*exchange] = like->partitioning;
   }
   const std::shared_ptr<void> forget(nullptr, [&](void*) {
     const std::lock_guard lock(mutex_);
