@@ -10,6 +10,7 @@
 #include "core/comm/random.h"
 #include "core/comm/wire.h"
 #include "insitu/plan/description.h"
+#include "insitu/plan/encodings.h"
 #include "insitu/plan/records.h"
 
 namespace gxy::insitu {
@@ -204,6 +205,30 @@ TEST(Records, AHelloSaysWhichChecksumsThereAre) {
   hello.checksum = Checksum(2);
   EXPECT_NE(errorOf([&] { readHello(written(hello)); }).find("checksum 2, expected 0 or 1"),
             std::string::npos);
+}
+
+TEST(Records, EncodingsAreReadAsWrittenAndOnlyOfDoublesOfGrids) {
+  std::vector<Mesh> meshes = described().meshes;
+  meshes[0].fields.push_back({"flow", ScalarType::Float64, 3});
+  const Encodings encodings{{0, 0, 101325, 1}, {0, 2, 0, 0x1p-70}};
+  EXPECT_EQ(readEncodings(written(encodings), meshes), encodings);
+  EXPECT_EQ(readEncodings(written(Encodings()), meshes), Encodings());
+  const std::vector<Mesh> sent = encoded(meshes, encodings);
+  EXPECT_EQ(sent[0].fields[0].type, ScalarType::Float32);
+  EXPECT_EQ(sent[0].fields[2].type, ScalarType::Float32);
+  EXPECT_EQ(sent[1], meshes[1]);
+  const auto refused = [&](const Encodings& wrong) {
+    return !errorOf([&] { readEncodings(written(wrong), meshes); }).empty();
+  };
+  EXPECT_TRUE(refused({{0, 1, 0, 1}})) << "floats";
+  EXPECT_TRUE(refused({{0, 3, 0, 1}})) << "no such field";
+  EXPECT_TRUE(refused({{3, 0, 0, 1}})) << "no such mesh";
+  EXPECT_TRUE(refused({{1, 0, 0, 1}})) << "doubles of particles";
+  EXPECT_TRUE(refused({{0, 0, 0, 1}, {0, 0, 0, 1}})) << "twice";
+  EXPECT_TRUE(refused({{0, 2, 5, 1}})) << "a vector with a shift";
+  for (const double scale : {0.0, -1.0, 3.0, 0x1p-1060, double(INFINITY), double(NAN)})
+    EXPECT_TRUE(refused({{0, 0, 0, scale}})) << scale;
+  for (const double shift : {double(INFINITY), double(NAN)}) EXPECT_TRUE(refused({{0, 0, shift, 1}}));
 }
 
 TEST(Records, BytesThatNobodyWroteAreRefusedOrReadWithoutHarm) {
