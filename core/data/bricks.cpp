@@ -38,6 +38,7 @@ Bricks::Bricks(const Index3& points) {
 void putIntoBricks(Samples& samples, const Index3& points, size_t bytesPerPoint,
                    const std::function<void()>& check) {
   const Bricks bricks(points);
+  if (bricks.count() == 0) return samples.clear();
   const size_t layer = size_t(bricks.layer()) * bytesPerPoint;
   const size_t row = size_t(points[0]) * bytesPerPoint, plane = size_t(points[1]) * row;
   samples.resize(bricks.count() * bytesPerPoint);

@@ -3,9 +3,11 @@
 
 #include <cstring>
 #include <span>
+#include <string>
 #include <utility>
 #include <vector>
 
+#include "core/comm/error.h"
 #include "core/data/bricks.h"
 #include "core/data/extent_pieces.h"
 #include "core/data/macrocells.h"
@@ -37,6 +39,26 @@ FieldStatistics statisticsOf(const VolumeBlock& block, ScalarType type, int comp
   return statistics;
 }
 
+/// Throws Error unless the block has as many samples as points, and was not completed.
+void checkRows(const Volume& volume, const VolumeBlock& block) {
+  const size_t points = size_t(block.extent.count()) * size_t(volume.components) * bytesOf(volume.stored);
+  if (block.samples.size() != points || !block.summaries.empty())
+    throw Error("volume " + volume.name + ": a block of " + std::to_string(block.samples.size()) + " bytes" +
+                (block.summaries.empty() ? "" : " that is complete already") + ", expected " +
+                std::to_string(points) + " bytes of samples, x fastest");
+}
+
+/// Throws Error unless there are statistics of this rank's points, if it has any.
+void checkStatistics(const Volume& volume, const Partitioning& partitioning, const FieldStatistics& mine) {
+  int64_t points = 0;
+  for (const auto& [partition, block] : volume.blocks)
+    points += ownedPoints(volume.grid, partitioning, partition).count();
+  const size_t ranges = size_t(volume.components) + (volume.components > 1);
+  if (points > 0 && mine.ranges.size() != ranges)
+    throw Error("volume " + volume.name + ": statistics with " + std::to_string(mine.ranges.size()) +
+                " ranges, expected " + std::to_string(ranges));
+}
+
 /// Changes the samples of all blocks from their type to the encoding.
 void encode(Volume& volume, const Encoding& encoding, Collectives& ranks) {
   if (encoding == Encoding{volume.stored}) return;
@@ -60,7 +82,6 @@ void summarize(Volume& volume, Collectives& ranks, const std::function<void(int6
         const int64_t more = point - std::exchange(told, point);
         if (stored) stored(more);
       };
-      block.summaries.clear();
       summarizeBlock(block, volume.stored, volume.components, [&](double fraction) {
         ranks.check();
         tellTo(int64_t(fraction * double(points)));
@@ -86,18 +107,18 @@ FieldStatistics statisticsOfSummaries(const Volume& volume) {
 /// Statistics of the points that the partitions of this rank own.
 FieldStatistics statisticsOfOwned(const Volume& volume, const Partitioning& partitioning,
                                   const Collectives& ranks) {
+  constexpr int64_t kPoints = 1 << 22;
   FieldStatistics statistics;
-  Samples slice;
+  Samples samples;
   const size_t bytes = bytesOf(volume.stored) * size_t(volume.components);
-  for (const auto& [partition, block] : volume.blocks) {
-    Extent owned = ownedPoints(volume.grid, partitioning, partition);
-    const int64_t layers = std::exchange(owned.points[2], 1);
-    slice.resize(size_t(owned.count()) * bytes);
-    for (int64_t z = 0; z < layers; ++z, ++owned.first[2]) {
+  for (const auto& entry : volume.blocks) {
+    const VolumeBlock& block = entry.second;
+    forPieces(ownedPoints(volume.grid, partitioning, entry.first), kPoints, [&](const Extent& piece) {
       ranks.check();
-      copyFromBricks(block.samples, block.extent, owned, slice, bytes);
-      statistics.merge(statisticsOf(slice, volume.stored, volume.components));
-    }
+      samples.resize(size_t(piece.count()) * bytes);
+      copyFromBricks(block.samples, block.extent, piece, samples, bytes);
+      statistics.merge(statisticsOf(samples, volume.stored, volume.components));
+    });
   }
   return statistics;
 }
@@ -113,6 +134,7 @@ void completeVolume(Volume& volume, const Partitioning& partitioning, Collective
   FieldStatistics mine;
   agree(ranks, [&] {
     for (auto& [partition, block] : volume.blocks) {
+      checkRows(volume, block);
       if (needsStatistics(volume, partitioning))
         mine.merge(statisticsOf(block, volume.stored, volume.components,
                                 ownedPoints(volume.grid, partitioning, partition), ranks));
@@ -141,6 +163,7 @@ void completeBricks(Volume& volume, const Partitioning& partitioning, Collective
   };
   bool known = needsStatistics(volume, partitioning);
   if (known) {
+    agree(ranks, [&] { checkStatistics(volume, partitioning, mine); });
     mergeStatistics();
     Range values;
     for (int c = 0; c < volume.components; ++c) values.extend(mine.ranges[size_t(c)]);
@@ -168,6 +191,7 @@ void completeBricks(Volume& volume, const Partitioning& partitioning, Collective
     const Encoding encoding = encodingOf(volume.stored, fieldComponents, mine.ranges[0]);
     if (encoding != Encoding{volume.stored}) {  // Few floats are so large or so small that they are scaled.
       encode(volume, encoding, ranks);
+      for (auto& [partition, block] : volume.blocks) block.summaries.clear();
       summarize(volume, ranks, {});
     }
   }

@@ -12,7 +12,8 @@
 namespace gxy {
 
 /// Collective. Completes a volume whose samples have just been read or computed. It has a block, of the extent that extentOf()
-/// gives, for each partition of this rank that touches its grid; the samples are of type `volume.stored`, x fastest. Fills
+/// gives, for each partition of this rank that touches its grid; the samples are of type `volume.stored`, x fastest. Points that blocks
+/// have in common have the same samples in all of them. Fills
 /// `ranges`, `noDataSamples` and the blocks' summaries, which are those of all ranks together. Stores the samples as
 /// encodingOf() says of the whole field, so `stored`, `shift` and `scale` may change, and puts them into bricks. A type that
 /// changes takes the memory of one more block meanwhile. If any rank fails, all throw the same Error.
@@ -28,7 +29,7 @@ void completeVolume(Volume& volume, const Partitioning& partitioning, Collective
 /// Whether completeBricks() must be told the statistics of a field. The ranges of others come from the summaries.
 bool needsStatistics(const Volume& volume, const Partitioning& partitioning);
 
-/// Collective. Does the same for a volume whose samples are in bricks already (bricks.h). `mine`, where needsStatistics(): the
+/// Collective. Does the same for a volume whose samples are in bricks already (bricks.h), with zeros as padding. `mine`, where needsStatistics(): the
 /// statistics of the points that the partitions of this rank own (ownedPoints).
 void completeBricks(Volume& volume, const Partitioning& partitioning, Collectives& ranks,
                     FieldStatistics mine, int fieldComponents,

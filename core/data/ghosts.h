@@ -4,7 +4,7 @@
 //
 //   1. Every rank makes a GhostPlan, once for a grid and a partitioning.
 //   2. For each step, every rank fills the points that its partitions own, and calls exchangeGhosts().
-//   3. Every rank calls completeBricks() (complete_volume.h).
+//   3. Every rank calls completeBricks() (complete_volume.h), with statistics of its points if these are needed.
 #pragma once
 #include <map>
 #include <span>

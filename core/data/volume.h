@@ -72,7 +72,7 @@ struct Macrocell {
 };
 
 /// The samples of one partition, including ghosts, in the stored type. The components of a point stand
-/// together. Points come x fastest until completeBlock() (macrocells.h) reorders them into bricks (bricks.h).
+/// together. Points of a complete block lie in bricks (bricks.h).
 struct VolumeBlock {
   Extent extent;
   Samples samples;

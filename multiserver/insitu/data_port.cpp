@@ -125,6 +125,7 @@ class Socket final : public DataLink, public std::enable_shared_from_this<Socket
 
   void hasRead(const boost::system::error_code& failed, size_t size, bool isPayload) {
     reading_ = false;
+    if (closed_) return;
     if (failed)
       return end(failed == asio::error::eof ? "the connection has ended without a word" : failed.message(),
                  false);
@@ -135,12 +136,12 @@ class Socket final : public DataLink, public std::enable_shared_from_this<Socket
       } else {
         consume(std::span<const std::byte>(buffer_).first(size));
       }
+      read();
     } catch (const std::exception& e) {
       if (!taker_) return close();  // Whoever has no ticket gets no advice.
       failure_ = e.what();
       return leave(failure_);
     }
-    read();
   }
 
   void consume(std::span<const std::byte> bytes) {

@@ -22,7 +22,7 @@ int64_t bytesToCome(const insitu::Field& field, const Grid& grid, const Partitio
     points += block;
     largest = std::max(largest, block);
   }
-  const bool becomesFloat = bytesOf(field.type) > sizeof(float);  // block by block
+  const bool becomesFloat = isWide(field.type);    // block by block
   return int64_t(points * field.bytesPerPoint() +  // The limits of a description keep this below 2^63.
                  (becomesFloat ? largest * sizeof(float) * size_t(field.components) : 0));
 }

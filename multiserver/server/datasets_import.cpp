@@ -37,7 +37,7 @@ int64_t bytesToCome(const VolumeFile& file, const Partitioning& partitioning, in
     points += block;
     largest = std::max(largest, block);
   }
-  const bool becomesFloat = bytesOf(file.array.type) > sizeof(float);  // block by block
+  const bool becomesFloat = isWide(file.array.type);  // block by block
   return int64_t(points * each +
                  (becomesFloat ? largest * sizeof(float) * size_t(file.array.components) : 0));
 }

@@ -5,9 +5,12 @@
 
 #include <cmath>
 #include <cstring>
+#include <functional>
 #include <string>
 #include <vector>
 
+#include "core/comm/error.h"
+#include "core/data/bricks.h"
 #include "tests/support/thread_ranks.h"
 
 namespace gxy {
@@ -75,6 +78,79 @@ TEST(CompleteVolume, EveryRankHasTheRangesAndTheEncodingOfTheWholeField) {
           }
   });
   EXPECT_EQ(errors, std::vector<std::string>(3));
+}
+
+/// One block of floats, x fastest, with the points of the grid and a value for each.
+Volume floatsOf(const Grid& grid, const std::function<float(const Index3&)>& value) {
+  Volume volume;
+  volume.grid = grid;
+  VolumeBlock& block = volume.blocks[0];
+  block.extent = {{0, 0, 0}, grid.points};
+  std::vector<float> values;
+  for (int64_t z = 0; z < grid.points[2]; z++)
+    for (int64_t y = 0; y < grid.points[1]; y++)
+      for (int64_t x = 0; x < grid.points[0]; x++) values.push_back(value({x, y, z}));
+  block.samples.resize(values.size() * sizeof(float));
+  std::memcpy(block.samples.data(), values.data(), block.samples.size());
+  return volume;
+}
+
+TEST(CompleteVolume, RangesAreThoseOfTheDomainWhereTheGridIsLarger) {
+  const Grid grid{{0, 0, 0}, {1, 1, 1}, {9, 8, 7}};
+  SingleRank one;
+  const auto largeAtTheCorner = [](const Index3& p) { return p == Index3{0, 0, 0} ? 1e6f : float(p[0]); };
+  for (const bool whole : {true, false}) {
+    const double from = whole ? 0 : 2;
+    const Partitioning cut = Partitioning::lattice({std::vector<double>{from, 8}, {from, 7}, {from, 6}}, 1);
+    Volume volume = floatsOf(grid, largeAtTheCorner);
+    EXPECT_EQ(needsStatistics(volume, cut), !whole);
+    completeVolume(volume, cut, one);
+    EXPECT_EQ(volume.ranges.at(0).max, whole ? 1e6 : 8);
+    EXPECT_EQ(volume.ranges.at(0).min, whole ? 1 : 2);
+  }
+}
+
+TEST(CompleteVolume, AFieldWithoutDataHasNoRange) {
+  SingleRank one;
+  const Partitioning cut = decomposed(kGrid, 1, 1);
+  Volume volume = floatsOf(kGrid, [](const Index3&) { return NAN; });
+  completeVolume(volume, cut, one);
+  EXPECT_TRUE(volume.ranges.at(0).empty());
+  EXPECT_EQ(volume.noDataSamples, 21 * 18 * 15);
+}
+
+TEST(CompleteVolume, BlocksOfAnotherSizeAndCompleteOnesAreErrors) {
+  SingleRank one;
+  const Partitioning cut = decomposed(kGrid, 1, 1);
+  const auto zero = [](const Index3&) { return 0.f; };
+  for (const int64_t more : {-4, 4}) {
+    Volume volume = floatsOf(kGrid, zero);
+    Samples& samples = volume.blocks[0].samples;
+    samples.resize(size_t(int64_t(samples.size()) + more));
+    EXPECT_THROW(completeVolume(volume, cut, one), Error);
+  }
+  Volume volume = floatsOf(kGrid, zero);
+  completeVolume(volume, cut, one);
+  EXPECT_THROW(completeVolume(volume, cut, one), Error);
+  Volume doubles = samplesOf(cut, 0);
+  putIntoBricks(doubles.blocks[0].samples, doubles.blocks[0].extent.points, sizeof(double));
+  EXPECT_THROW(completeBricks(doubles, cut, one, {}, 1), Error) << "without statistics";
+}
+
+TEST(CompleteVolume, SamplesAreStoredLikeOthersWhereThatSuffices) {
+  SingleRank one;
+  const Partitioning cut = decomposed(kGrid, 1, 1);
+  Volume own = samplesOf(cut, 0);
+  completeVolume(own, cut, one);
+  for (const double shift : {own.shift, own.shift + 2, own.shift + 100}) {
+    Volume volume = samplesOf(cut, 0);
+    const bool suffices = shift < own.shift + 3;
+    completeVolume(volume, cut, one, 1, {}, Encoding{ScalarType::Float32, shift, own.scale});
+    EXPECT_EQ(volume.shift, suffices ? shift : own.shift);
+    EXPECT_EQ(volume.noDataSamples, 1);
+    EXPECT_NEAR(volume.ranges.at(0).min, own.ranges.at(0).min, 1e-6);
+    EXPECT_NEAR(volume.ranges.at(0).max, own.ranges.at(0).max, 1e-6);
+  }
 }
 
 TEST(CompleteVolume, TellsEachPointThatIsStoredOnce) {

@@ -18,7 +18,7 @@ template <typename T>
 std::vector<T> randomField(std::mt19937& random, int64_t values) {
   std::vector<T> field(static_cast<size_t>(values));
   for (T& v : field) {
-    v = T(random() % 200);
+    v = T(random() % (sizeof(T) == 2 ? 65536 : 200));
     if constexpr (std::is_floating_point_v<T>) {
       if (random() % 500 == 0) v = random() % 2 ? NAN : -INFINITY;
     }
@@ -140,6 +140,8 @@ TEST(Macrocells, NarrowTypesAndVectorsToo) {
   const Grid grid{{0, 0, 0}, {1, 1, 1}, {17, 18, 9}};
   checkAnyCut<uint8_t>(ScalarType::UInt8, 1, grid, 1);
   checkAnyCut<int16_t>(ScalarType::Int16, 1, grid, 2);
+  checkAnyCut<int8_t>(ScalarType::Int8, 1, grid, 4);
+  checkAnyCut<uint16_t>(ScalarType::UInt16, 1, grid, 5);
   checkAnyCut<float>(ScalarType::Float32, 3, grid, 2);
   checkAnyCut<int8_t>(ScalarType::Int8, 2, grid, 3);
 }

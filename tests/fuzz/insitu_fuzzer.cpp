@@ -13,6 +13,7 @@
 #include "insitu/plan/cells.h"
 #include "insitu/plan/conductor.h"
 #include "insitu/plan/description.h"
+#include "insitu/plan/encodings.h"
 #include "insitu/plan/receiver.h"
 #include "insitu/plan/records.h"
 
@@ -39,7 +40,7 @@ void describe(std::span<const std::byte> bytes) {
 Description allKinds() {
   Description d;
   d.meshes.resize(3), d.parts.resize(3);
-  d.meshes[0].name = "grid", d.meshes[0].fields = {{"pressure"}};
+  d.meshes[0].name = "grid", d.meshes[0].fields = {{"pressure"}, {"heat", ScalarType::Float64}};
   d.meshes[0].grid.points = {4, 4, 4};
   d.parts[0].blocks = {{{0, 0, 0}, {4, 4, 4}}};
   d.meshes[1].name = "atoms", d.meshes[1].kind = Mesh::Kind::Points;
@@ -140,7 +141,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   if (size == 0) return 0;
   const std::span<const std::byte> bytes = std::as_bytes(std::span(data + 1, size - 1));
   try {
-    switch (data[0] % 9) {
+    switch (data[0] % 10) {
       case 0:
         describe(bytes);
         break;
@@ -167,6 +168,9 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
         break;
       case 8:
         show(bytes);
+        break;
+      case 9:
+        readEncodings(bytes, allKinds().meshes);
         break;
     }
   } catch (const Error&) {

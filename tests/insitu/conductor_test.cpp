@@ -291,6 +291,32 @@ TEST(Sender, SendsAsManyParticlesAsThereAre) {
   }
 }
 
+TEST(Sender, SendsStepsOfAnotherFormFromTheNextOneOn) {
+  Sender sender;
+  sender.begin({{0, {{2, 8}}}});
+  Receiver receiver({{{2, 8}}});
+  uint64_t count = 0;
+  for (const uint64_t bytes : {8, 4, 4, 8}) {
+    sender.expect({{0, {{2, bytes}}}});
+    receiver.expect({{{2, bytes}}});
+    receiver.open();
+    EXPECT_THROW(receiver.expect({}), Error) << "there is room";
+    sender.receive({Kind::Appoint, ++count, 0});
+    EXPECT_THROW(sender.expect({}), Error) << "a step is appointed";
+    ASSERT_TRUE(sender.publish());
+    sender.filled(1, 0);
+    EXPECT_THROW(sender.expect({}), Error) << "a step is sent";
+    const auto chunk = sender.next(0);
+    ASSERT_TRUE(chunk);
+    EXPECT_EQ(chunk->bytes, 2 * bytes);
+    EXPECT_TRUE(receiver.accept(0, chunk->header, chunk->bytes));
+    EXPECT_TRUE(receiver.take(count));
+    receiver.close(count);
+    EXPECT_FALSE(receiver.accept(0, chunk->header, 1)) << "chunks of before are dropped, whatever they have";
+    sender.receive({Kind::Published, count, 0});
+  }
+}
+
 TEST(Receiver, IsEmptyWhenThereIsRoomAgain) {
   Receiver receiver({{{1, 4}}});
   receiver.open();

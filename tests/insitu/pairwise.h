@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Runs of a test that has several parameters, such that each two values of two parameters occur together in some run.
 #pragma once
+#include <cstdint>
+#include <iterator>
 #include <set>
 #include <tuple>
 #include <vector>
@@ -9,7 +11,7 @@
 
 namespace gxy::test {
 
-/// Returns runs: a value, from 0 up, for each parameter. `values`: by parameter, how many it has. The same for the same seed. Each run
+/// Returns runs: a value, from 0 up, for each of two or more parameters. `values`: by parameter, how many it has. The same for the same seed. Each run
 /// is the best of 30 that are drawn: the one with most pairs that have not occurred.
 inline std::vector<std::vector<int>> pairwise(const std::vector<int>& values, uint64_t seed) {
   using Pair = std::tuple<size_t, int, size_t, int>;  // parameter and value, twice

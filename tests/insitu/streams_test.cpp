@@ -80,19 +80,27 @@ std::string waiting(const TestServer& server, const json& timeOut) {
 /// A simulation of one rank with one field of doubles, whose values are a wave with an amplitude around a middle.
 class Doubles {
  public:
-  explicit Doubles(const std::string& options, int components = 1)
-      : grid_(gridOf({9, 8, 7})), components_(components), values_(size_t(9 * 8 * 7 * components)) {
-    const int64_t size[3] = {9, 8, 7}, first[3] = {0, 0, 0};
+  explicit Doubles(const std::string& options, int components = 1, const Index3& points = {9, 8, 7})
+      : grid_(gridOf(points)),
+        components_(components),
+        values_(size_t(points[0] * points[1] * points[2] * components)) {
+    const int64_t *size = grid_.points.data(), first[3] = {0, 0, 0};
     sim_.reset(gxy_open("heat", 0, 1, options.c_str()));
     gxy_grid(sim_.get(), "grid", 0, GXY_OF_POINTS, size, first, size, &grid_.origin[0], &grid_.spacing[0]);
     const int64_t bytes = 8 * components;
     gxy_field(sim_.get(), "grid", 0, "p", GXY_OF_POINTS,
-              {values_.data(), GXY_FLOAT64, components, {bytes, 9 * bytes, 72 * bytes}, 0, 0});
+              {values_.data(),
+               GXY_FLOAT64,
+               components,
+               {bytes, points[0] * bytes, points[0] * points[1] * bytes},
+               0,
+               0});
   }
   int publish(double middle, double amplitude) {
     step_++;
     for (size_t i = 0; i < values_.size(); i++)
       values_[i] = middle + amplitude * std::sin(double(i) + 0.1 * double(step_));
+    for (size_t i = 5; i < values_.size(); i += 1009) values_[i] = i % 2 ? NAN : -INFINITY;
     kept_[step_] = values_;
     return gxy_publish(sim_.get(), step_, 0.5 * double(step_));
   }
@@ -116,8 +124,8 @@ class Doubles {
   std::string write(const TestServer& server, int64_t step) const {
     const VolumeWriter writer(server.folder().path().string() + "/p.json", grid_,
                               {{"p", ScalarType::Float64, components_, std::nullopt, false}});
-    const size_t slice = values_.size() / 7;
-    for (int64_t k = 0; k < 7; k++)
+    const size_t slice = values_.size() / size_t(grid_.points[2]);
+    for (int64_t k = 0; k < grid_.points[2]; k++)
       writer.write(0, k, std::as_bytes(std::span(kept_.at(step)).subspan(size_t(k) * slice, slice)));
     return "p.json";
   }
@@ -172,6 +180,24 @@ TEST(Streams, DoublesAreSentAsFloatsOnceTheirRangeIsKnown) {
     else
       EXPECT_EQ(volume->shift, 0);
     expectEqualsImport(*server, *client, simulation);
+  }
+}
+
+TEST(Streams, PiecesOfManyChunksEqualTheImport) {
+  const auto server = serve();
+  const auto client = server->client();
+  client->expect("load data");
+  client->expect("load insitu");
+  client->expect("observe");
+  for (const int components : {3, 1}) {
+    Doubles simulation(to(*server), components, {131, 41, 67});  // chunks end inside rows
+    for (int steps = 1; steps <= 2; steps++) {                   // as doubles, and as floats
+      simulation.publishOne(100, 20);
+      expectEqualsImport(*server, *client, simulation);
+    }
+    simulation.close();
+    until([&] { return client->expect("insitu.streams").at("streams").empty(); }, "the end of the stream");
+    client->expect("drop heat.p file");
   }
 }
 

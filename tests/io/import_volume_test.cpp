@@ -160,6 +160,10 @@ TEST(ImportVolume, FloatsAreScaledByWhatIsLargestOnAllRanks) {
       for (const auto& [partition, block] : made.blocks) {
         EXPECT_EQ(block.samples, volume->blocks.at(partition).samples);
         EXPECT_EQ(block.summaries, volume->blocks.at(partition).summaries);
+        for (const Macrocell& m : block.summaries[0]) {
+          EXPECT_GE(m.min, float(1e-42 / volume->scale) * 0.9f) << "of the samples as they are stored";
+          EXPECT_LE(m.max, float(largest / volume->scale) * 1.1f);
+        }
       }
     });
     EXPECT_EQ(errors, std::vector<std::string>(3));
