@@ -130,7 +130,7 @@ void completeVolume(Volume& volume, const Partitioning& partitioning, Collective
 }
 
 void completeVolume(Volume& volume, const Partitioning& partitioning, Collectives& ranks, int fieldComponents,
-                    const std::function<void(int64_t)>& stored, const std::optional<Encoding>& like) {
+                    const std::function<void(int64_t)>& stored, const std::optional<StoredLike>& like) {
   FieldStatistics mine;
   agree(ranks, [&] {
     for (auto& [partition, block] : volume.blocks) {
@@ -155,7 +155,7 @@ bool needsStatistics(const Volume& volume, const Partitioning& partitioning) {
 
 void completeBricks(Volume& volume, const Partitioning& partitioning, Collectives& ranks,
                     FieldStatistics mine, int fieldComponents, const std::function<void(int64_t)>& stored,
-                    const std::optional<Encoding>& like) {
+                    const std::optional<StoredLike>& like) {
   double shift = volume.shift, scale = volume.scale;  // of the samples that the ranges are of
   const auto mergeStatistics = [&] {
     mine.ranges.resize(size_t(volume.components) + (volume.components > 1));
@@ -167,9 +167,10 @@ void completeBricks(Volume& volume, const Partitioning& partitioning, Collective
     mergeStatistics();
     Range values;
     for (int c = 0; c < volume.components; ++c) values.extend(mine.ranges[size_t(c)]);
-    const bool isLike = like && suffices(*like, volume.stored, fieldComponents, values);
-    encode(volume, isLike ? *like : encodingOf(volume.stored, fieldComponents, values), ranks);
-    if (isLike) {
+    const bool isLike = like && suffices(like->encoding, volume.stored, fieldComponents, values);
+    encode(volume, isLike ? like->encoding : encodingOf(volume.stored, fieldComponents, values), ranks);
+    if (isLike && like->rangesOfStored) {
+      volume.rangesOfStored = true;
       shift = volume.shift, scale = volume.scale;
       known = needsStatistics(volume, partitioning);
       if (known) agree(ranks, [&] { mine = statisticsOfOwned(volume, partitioning, ranks); });

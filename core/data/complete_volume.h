@@ -11,6 +11,12 @@
 
 namespace gxy {
 
+/// How another volume is stored.
+struct StoredLike {
+  Encoding encoding;
+  bool rangesOfStored = false;
+};
+
 /// Collective. Completes a volume whose samples have just been read or computed. It has a block, of the extent that extentOf()
 /// gives, for each partition of this rank that touches its grid; the samples are of type `volume.stored`, x fastest. Points that blocks
 /// have in common have the same samples in all of them. Fills
@@ -20,11 +26,11 @@ namespace gxy {
 void completeVolume(Volume& volume, const Partitioning& partitioning, Collectives& ranks);
 
 /// Does the same for a volume that has some of the `fieldComponents` components of a field: they are stored as they would be
-/// beside the others. `stored`, if it is not empty, is told how many points were stored since its last call. Where `like` suffices(),
-/// the samples are stored so, and the ranges are those of the stored samples.
+/// beside the others. `stored`, if it is not empty, is told how many points were stored since its last call. Where the encoding
+/// of `like` suffices(), the samples are stored so.
 void completeVolume(Volume& volume, const Partitioning& partitioning, Collectives& ranks, int fieldComponents,
                     const std::function<void(int64_t)>& stored,
-                    const std::optional<Encoding>& like = std::nullopt);
+                    const std::optional<StoredLike>& like = std::nullopt);
 
 /// Whether completeBricks() must be told the statistics of a field. The ranges of others come from the summaries.
 bool needsStatistics(const Volume& volume, const Partitioning& partitioning);
@@ -34,6 +40,6 @@ bool needsStatistics(const Volume& volume, const Partitioning& partitioning);
 void completeBricks(Volume& volume, const Partitioning& partitioning, Collectives& ranks,
                     FieldStatistics mine, int fieldComponents,
                     const std::function<void(int64_t)>& stored = {},
-                    const std::optional<Encoding>& like = std::nullopt);
+                    const std::optional<StoredLike>& like = std::nullopt);
 
 }  // namespace gxy

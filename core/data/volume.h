@@ -98,6 +98,8 @@ struct Volume {
   /// Ranges of values (not stored values) over the whole grid: one for each component, then one for the
   /// magnitude if there are several.
   std::vector<Range> ranges;
+  /// Whether they are the ranges of the values as they are stored, where those of the values themselves are not known.
+  bool rangesOfStored = false;
   int64_t noDataSamples = 0;          ///< points with a NaN or infinite component, over the whole grid
   std::map<int, VolumeBlock> blocks;  ///< by local partition
 };

@@ -61,7 +61,7 @@ std::shared_ptr<Volume> importVolume(const std::string& path, const std::string&
 
 std::shared_ptr<Volume> importVolume(VolumeFile file, const Partitioning& partitioning, int ghosts,
                                      Collectives& ranks, std::vector<int> components, LeftOut* leftOut,
-                                     const std::optional<Encoding>& like) {
+                                     const std::optional<StoredLike>& like) {
   auto volume = std::make_shared<Volume>();
   int componentsOfFile = 0;
   int64_t points = 0, done = 0;  // of this rank's; each is read and stored

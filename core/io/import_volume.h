@@ -6,6 +6,7 @@
 #include <string>
 
 #include "core/comm/collectives.h"
+#include "core/data/complete_volume.h"
 #include "core/data/partitioning.h"
 #include "core/data/volume.h"
 #include "core/io/left_out.h"
@@ -31,6 +32,6 @@ std::shared_ptr<Volume> importVolume(const std::string& path, const std::string&
 std::shared_ptr<Volume> importVolume(VolumeFile file, const Partitioning& partitioning, int ghosts,
                                      Collectives& ranks, std::vector<int> components = {},
                                      LeftOut* leftOut = nullptr,
-                                     const std::optional<Encoding>& like = std::nullopt);
+                                     const std::optional<StoredLike>& like = std::nullopt);
 
 }  // namespace gxy

@@ -46,7 +46,7 @@ GridRoom::GridRoom(const insitu::Mesh& mesh, size_t number, const insitu::Encodi
     volume->stored = field.type;
     volume->components = field.components;
     if (const insitu::FieldEncoding* e = encodingIn(encodings, number, f))
-      volume->shift = e->shift, volume->scale = e->scale;
+      volume->shift = e->shift, volume->scale = e->scale, volume->rangesOfStored = true;
     for (const int p : partitioning.owned(rank)) {
       const Extent extent = extentOf(mesh.grid, partitioning.box(p), kGhostLayers);
       if (extent.count() == 0) continue;

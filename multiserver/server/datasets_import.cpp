@@ -103,7 +103,8 @@ struct Importing {
 class ImportPart {
  public:
   // `like`: how wide samples are stored if that will do.
-  ImportPart(ServerRank& serverRank, Exchanges::Part& part, std::string tenant, std::optional<Encoding> like)
+  ImportPart(ServerRank& serverRank, Exchanges::Part& part, std::string tenant,
+             std::optional<StoredLike> like)
       : serverRank_(serverRank), part_(part), ranks_(part.ranks), tenant_(std::move(tenant)), like_(like) {}
 
   // `specs` are those of specToJson(), one for each item.
@@ -213,7 +214,7 @@ class ImportPart {
   Exchanges::Part& part_;
   RankCollectives& ranks_;
   const std::string tenant_;
-  const std::optional<Encoding> like_;
+  const std::optional<StoredLike> like_;
   std::vector<Importing> importing_;
   int64_t finished_ = 0;  // datasets that have been read
 };
@@ -244,9 +245,10 @@ json Datasets::importHere(const json& p) {
   RankCollectives& ranks = part.ranks;
   const ReadWatch watch([&] { ranks.check(); });
   Publication publication = join(p.at("items"), ranks);
-  std::optional<Encoding> like;
+  std::optional<StoredLike> like;
   if (p.contains("like"))
-    like = {ScalarType::Float32, p.at("like").at(0).get<double>(), p.at("like").at(1).get<double>()};
+    like = {{ScalarType::Float32, p.at("like").at(0).get<double>(), p.at("like").at(1).get<double>()},
+            p.at("like").at(2).get<bool>()};
   ImportPart import(serverRank_, part, p.at("tenant").get<std::string>(), like);
   import.describe(p.at("datasets"), publication.items());
   import.openVolumes();
@@ -282,7 +284,7 @@ std::vector<std::string> Datasets::import(Request& request, const Import& what) 
   if (!what.like.empty()) {
     const auto like = getPinned(tenant, what.like).second.get<Dataset>();
     if (like->volume && like->volume->stored == ScalarType::Float32)
-      parameters["like"] = {like->volume->shift, like->volume->scale};
+      parameters["like"] = {like->volume->shift, like->volume->scale, like->volume->rangesOfStored};
     const std::lock_guard lock(mutex_);
     like_[*exchange] = like->partitioning;
   }

@@ -106,7 +106,7 @@ TEST(CompleteVolume, RangesAreThoseOfTheDomainWhereTheGridIsLarger) {
     EXPECT_EQ(needsStatistics(volume, cut), !whole);
     completeVolume(volume, cut, one);
     EXPECT_EQ(volume.ranges.at(0).max, whole ? 1e6 : 8);
-    EXPECT_EQ(volume.ranges.at(0).min, whole ? 1 : 2);
+    EXPECT_EQ(volume.ranges.at(0).min, whole ? 0 : 2);
   }
 }
 
@@ -142,14 +142,18 @@ TEST(CompleteVolume, SamplesAreStoredLikeOthersWhereThatSuffices) {
   const Partitioning cut = decomposed(kGrid, 1, 1);
   Volume own = samplesOf(cut, 0);
   completeVolume(own, cut, one);
-  for (const double shift : {own.shift, own.shift + 2, own.shift + 100}) {
+  const double shifts[] = {own.shift, own.shift + 2, own.shift + 100};
+  for (int n = 0; n < 6; n++) {
+    const double shift = shifts[n % 3];
+    const bool suffices = shift < own.shift + 3, ofStored = n < 3;
     Volume volume = samplesOf(cut, 0);
-    const bool suffices = shift < own.shift + 3;
-    completeVolume(volume, cut, one, 1, {}, Encoding{ScalarType::Float32, shift, own.scale});
+    completeVolume(volume, cut, one, 1, {}, StoredLike{{ScalarType::Float32, shift, own.scale}, ofStored});
     EXPECT_EQ(volume.shift, suffices ? shift : own.shift);
     EXPECT_EQ(volume.noDataSamples, 1);
     EXPECT_NEAR(volume.ranges.at(0).min, own.ranges.at(0).min, 1e-6);
     EXPECT_NEAR(volume.ranges.at(0).max, own.ranges.at(0).max, 1e-6);
+    EXPECT_EQ(volume.rangesOfStored, suffices && ofStored);
+    EXPECT_EQ(volume.ranges == own.ranges, !volume.rangesOfStored);
   }
 }
 
