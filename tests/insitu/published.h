@@ -23,6 +23,13 @@ inline std::string to(const TestServer& server, double reconnect = 0.05) {
       .dump();
 }
 
+/// The same of a simulation that waits for its steps, for so many seconds or, with null, as long as it takes.
+inline std::string waiting(const TestServer& server, const nlohmann::json& timeOut) {
+  nlohmann::json options = nlohmann::json::parse(to(server));
+  options.update({{"policy", "wait"}, {"time-out", timeOut}});
+  return options.dump();
+}
+
 /// Publishes steps of a simulation until `enough` says so.
 template <class Simulation>
 void run(Simulation& simulation, const std::function<bool()>& enough) {
