@@ -107,13 +107,13 @@ FieldStatistics statisticsOfSummaries(const Volume& volume) {
 /// Statistics of the points that the partitions of this rank own.
 FieldStatistics statisticsOfOwned(const Volume& volume, const Partitioning& partitioning,
                                   const Collectives& ranks) {
-  constexpr int64_t kPoints = 1 << 22;
+  const int64_t most = (int64_t(1) << 20) / volume.components;
   FieldStatistics statistics;
   Samples samples;
   const size_t bytes = bytesOf(volume.stored) * size_t(volume.components);
   for (const auto& entry : volume.blocks) {
     const VolumeBlock& block = entry.second;
-    forPieces(ownedPoints(volume.grid, partitioning, entry.first), kPoints, [&](const Extent& piece) {
+    forPieces(ownedPoints(volume.grid, partitioning, entry.first), most, [&](const Extent& piece) {
       ranks.check();
       samples.resize(size_t(piece.count()) * bytes);
       copyFromBricks(block.samples, block.extent, piece, samples, bytes);

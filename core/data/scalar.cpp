@@ -119,14 +119,19 @@ Encoding encodingOf(ScalarType type, int components, const Range& range) {
 }
 
 bool suffices(const Encoding& known, ScalarType type, int components, const Range& range) {
-  if (!isWide(type) || known.stored != ScalarType::Float32 || (components > 1 && known.shift != 0))
+  if (type != ScalarType::Float64 || known.stored != ScalarType::Float32 ||
+      (components > 1 && known.shift != 0))
     return false;
   if (range.empty()) return true;
   const Encoding own = encodingOf(type, components, range);
   const auto largest = [&](double shift) {
     return std::max(std::abs(range.min - shift), std::abs(range.max - shift));
   };
-  return known.scale == own.scale && largest(known.shift) <= 4 * largest(own.shift);
+  const double whole = 0x1p24, ample = 0x1p64;
+  const double stored = largest(known.shift) / known.scale;
+  const bool staysWhole = largest(known.shift) <= whole || largest(own.shift) > whole;
+  return largest(known.shift) <= 4 * largest(own.shift) && staysWhole &&
+         (stored == 0 || (stored >= 1 / ample && stored <= ample));
 }
 
 Samples convert(std::span<const std::byte> values, ScalarType type, const Encoding& encoding,

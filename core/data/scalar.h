@@ -79,8 +79,8 @@ struct Encoding {
 /// is further than 2^24 from the shift. Float is never shifted, so it loses no bit.
 Encoding encodingOf(ScalarType type, int components, const Range& range);
 
-/// Whether values of a wide type may be stored as `known` says, which other values of their field have been, in place of what
-/// encodingOf() says: it has the same scale, and costs at most two bits more.
+/// Whether doubles may be stored as `known` says, as other values have been, in place of what encodingOf() says: it costs at most two
+/// bits more, float's exponent has ample room, and whole numbers that would be exact stay so. False for other types.
 bool suffices(const Encoding& known, ScalarType type, int components, const Range& range);
 
 /// Samples of a volume in their stored type, as bytes.

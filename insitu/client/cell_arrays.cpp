@@ -59,7 +59,7 @@ void CellArrays::describe(const std::string& what) {
   allOf = 0;
   if (isOne && types.data) {
     eachInteger(types, 0, 1, [&](uint64_t, int64_t type) {
-      allOf = int(place(type) & 0xffff);
+      allOf = type < 0 || type > 255 ? 255 : int(type);
       shapeOf(allOf, what);
     });
   }

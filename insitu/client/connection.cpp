@@ -273,6 +273,8 @@ void Connection::receive(int owner, WireSocket& socket) {
     }
     follow(joined_, route->destinations);
     sender_.begin(route->loads);
+    if (options_.patience.count() > 0)  // The server knows from now on that no step may be left out.
+      socket.send(message(MessageChannel::DataControl, written(Control{Control::Kind::Waits, 0, 0})));
     const std::lock_guard lock(mutex_);
     route_ = std::move(route);
     problem_.clear();  // and not before: the server may have refused the plan
@@ -283,10 +285,11 @@ void Connection::receive(int owner, WireSocket& socket) {
 // The server appoints the next step after this.
 void Connection::receiveEncodings(std::span<const std::byte> message) {
   if (!planned_) throw Error("encodings of a stream before its plan, expected them after it");
+  const std::vector<Mesh>& meshes = description_->meshes;  // which do not change any more
+  auto next = routeOf(*route(), meshes, readEncodings(message, meshes));
+  sender_.expect(next->loads);
   const std::lock_guard lock(mutex_);
-  auto route = routeOf(*route_, description_->meshes, readEncodings(message, description_->meshes));
-  sender_.expect(route->loads);
-  route_ = std::move(route);
+  route_ = std::move(next);
 }
 
 void Connection::receiveControl(const Control& control) {

@@ -2,6 +2,7 @@
 #include "insitu/client/snapshot.h"
 
 #include <algorithm>
+#include <cfenv>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -102,7 +103,12 @@ void copyPoints(const gxy_array& values, const Extent& block, const Extent& poin
 
 void copyPointsAsFloats(const gxy_array& values, const Extent& block, const Extent& points, double shift,
                         double scale, std::byte* out) {
+  // The simulation may have traps, flush small results to zero or round in another way; here it is as everywhere in Galaxy.
+  std::fenv_t before;
+  std::feholdexcept(&before);
+  std::fesetenv(FE_DFL_ENV);
   copyBox(AsFloat{shift, 1 / scale}, values, block, points, out);
+  std::fesetenv(&before);
 }
 
 }  // namespace gxy::insitu

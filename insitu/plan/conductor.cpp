@@ -85,6 +85,7 @@ std::vector<Control> Conductor::receive(int rank, const Control& message) {
       return {cancel, ask()};
     }
     case Control::Kind::Waits:
+      ranksWait_ = true;
       awaited_ = std::max(awaited_, std::min(message.count, kMostMargin));
       return {};
     default:

@@ -38,8 +38,8 @@ class Conductor {
   bool isComplete() const;
   /// Whether a rank of the simulation waits for a publish that has not been published.
   bool isAwaited() const { return awaited_ > published_; }
-  /// Whether a rank has ever waited for a publish.
-  bool wasAwaited() const { return awaited_ > 0; }
+  /// Whether a rank waits for its publishes, or has done so.
+  bool ranksWait() const { return ranksWait_; }
   /// Whether a rank has taken the step that is appointed now.
   bool someTaken() const;
   /// The rank that took the appointed step last; -1 if none has taken it.
@@ -84,6 +84,7 @@ class Conductor {
   std::set<int> completed_;  ///< ranks of Galaxy
   StepHeader step_;
   uint64_t last_ = 0, from_ = 0;
+  bool ranksWait_ = false;
   uint64_t awaited_ = 0,
            published_ = 0;        ///< counts: the largest that a rank waits for, and of the last published
   int successes_ = 0, late_ = 0;  ///< in a row: steps without a miss; appointments that came too late

@@ -62,7 +62,7 @@ struct Control {
     Missed,     ///< to the server: publish `count` could not be taken; there have been `newest`
     Cancel,     ///< from the server: forget the appointment `count`
     Published,  ///< from the server: the step of publish `count` is published
-    Waits,      ///< to the server: the rank waits until publish `count` is appointed
+    Waits,  ///< to the server: the rank waits until publish `count` is appointed; 0: it will wait for its publishes
   };
   Kind kind = Kind::AskNewest;
   uint64_t count = 0, newest = 0;

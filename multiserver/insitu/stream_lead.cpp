@@ -313,6 +313,7 @@ void StreamLead::publishSteps() {
   for (;;) {
     const auto begin = Clock::now();
     publishOne();
+    if (part_->wasUnfit()) publishOne();  // the next one that there is, as it is
     pullTriggers();
     awaitNext(begin);
   }
@@ -396,8 +397,11 @@ void StreamLead::publishOne() {
     const std::lock_guard lock(mutex_);
     course_ = {};
     course_.begun = Clock::now();
-    // A step whose encodings do not fit is left out, which a simulation that waits has ruled out.
-    encodings_ = conductor_->wasAwaited() ? insitu::Encodings() : part_->encodings();
+    // A step whose encodings do not fit is left out. A simulation that waits has ruled this out, and thresholds are there for just
+    // the steps whose values jump.
+    const Triggers::Wants wants = triggers_.wants();
+    const bool isEachNeeded = conductor_->ranksWait() || (wants.any && !wants.from);
+    encodings_ = isEachNeeded ? insitu::Encodings() : part_->encodings();
   }
   try {
     const auto exchange = serverRank_.exchanges.begin(Asker{[this] {

@@ -173,6 +173,7 @@ void StreamPart::makeRoom(const insitu::Encodings& encodings) {
     receiver_->expect(std::move(sources));
     expected_ = encodings;
   }
+  unfit_ = false;
   rooms_ = std::move(rooms);
   receiver_->open();
 }
@@ -233,23 +234,31 @@ void StreamPart::learnEncodings(const std::vector<std::shared_ptr<Dataset>>& dat
     const insitu::FieldEncoding now{uint32_t(all[i].mesh), uint32_t(*all[i].field), volume->shift,
                                     volume->scale};
     if (!mayBeEncoded(plan_->meshes, now)) continue;
-    learned.push_back(now);
     Range values;
     for (int c = 0; c < volume->components; c++) values.extend(volume->ranges[size_t(c)]);
+    // One value says nothing of those to come, and floats that are all the same may be doubles that are not.
+    const bool isOne = values.min == values.max;
+    if (!isOne) learned.push_back(now);
     if (const insitu::FieldEncoding* e = encodingIn(encodings, now.mesh, now.field))
-      if (!suffices({ScalarType::Float32, e->shift, e->scale}, ScalarType::Float64, volume->components,
-                    values))
+      if (isOne || !suffices({ScalarType::Float32, e->shift, e->scale}, ScalarType::Float64,
+                             volume->components, values))
         unfit = all[i].name;
   }
   const std::lock_guard lock(mutex_);
   if (!unfit.empty()) {
     learned_.clear();
+    unfit_ = true;
     plain_ = kPlain;
     throw Error("the values of \"" + unfit +
                 "\" are not where they were, so the next steps are sent as doubles, not as floats");
   }
   plain_ = std::max(0, plain_ - 1);
   learned_ = plain_ > 0 ? insitu::Encodings() : learned;
+}
+
+bool StreamPart::wasUnfit() const {
+  const std::lock_guard lock(mutex_);
+  return unfit_;
 }
 
 insitu::Encodings StreamPart::encodings() const {

@@ -85,6 +85,8 @@ class StreamPart {
                      const std::function<uint64_t()>& last);
   /// Returns how the next step may be sent: doubles as floats with the shift and scale that the last step has got.
   insitu::Encodings encodings() const;
+  /// Whether the last step was left out since its encodings did not suit its values.
+  bool wasUnfit() const;
 
  private:
   void makeRoom(const insitu::Encodings& encodings);
@@ -118,8 +120,9 @@ class StreamPart {
   std::vector<std::vector<Place>> places_;          ///< of items, by rank of the simulation
   insitu::Encodings expected_;                      ///< by the receiver
   insitu::Encodings learned_;                       ///< from the last step
-  int plain_ = 0;                                   ///< steps that are sent as they are before others
-  std::vector<std::unique_ptr<MeshRoom>> rooms_;    ///< by mesh, while a step is collected
+  bool unfit_ = false;
+  int plain_ = 0;                                 ///< steps that are sent as they are before others
+  std::vector<std::unique_ptr<MeshRoom>> rooms_;  ///< by mesh, while a step is collected
 };
 
 }  // namespace gxy

@@ -221,6 +221,27 @@ TEST(Convert, WholeNumbersNear16MillionOfAnOffsetStayExact) {
   for (size_t i = 0; i < values.size(); ++i) EXPECT_EQ(e.shift + e.scale * double(f[i]), double(values[i]));
 }
 
+TEST(Convert, AnEncodingSufficesIfItCostsNoMoreThanTwoBits) {
+  const auto fits = [](const Encoding& known, const Range& range, int components = 1) {
+    return suffices(known, ScalarType::Float64, components, range);
+  };
+  const Encoding own = encodingOf(ScalarType::Float64, 1, {101305, 101345});
+  EXPECT_TRUE(fits(own, {101305, 101345}));
+  EXPECT_TRUE(fits(own, {101325, 101385})) << "a drift";
+  EXPECT_FALSE(fits(own, {101305 + 200, 101345 + 200}));
+  EXPECT_FALSE(fits({}, {101305, 101345})) << "no shift";
+  EXPECT_TRUE(fits({}, {-1.8e19, 1.8e19})) << "float has room";
+  EXPECT_FALSE(fits({}, {1, 1e20}));
+  EXPECT_FALSE(fits({}, {0, 1e-30})) << "these would be denormal soon";
+  EXPECT_TRUE(fits({}, {0, 0}));
+  EXPECT_TRUE(fits(own, {})) << "no data at all";
+  EXPECT_TRUE(fits({}, {-3, 5}, 3));
+  EXPECT_FALSE(fits(own, {101305, 101345}, 3)) << "vectors have no shift";
+  EXPECT_FALSE(fits({}, {3e7, 5e7})) << "whole numbers would not stay exact";
+  EXPECT_FALSE(suffices(own, ScalarType::Int32, 1, {101305, 101345}));
+  EXPECT_FALSE(suffices(own, ScalarType::Float32, 1, {101305, 101345}));
+}
+
 TEST(SwapBytes, ReversesEachValue) {
   std::vector<uint32_t> values{0x01020304u, 0xa0b0c0d0u};
   swapBytes(std::as_writable_bytes(std::span(values)), 4);
