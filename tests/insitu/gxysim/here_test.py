@@ -131,7 +131,9 @@ class Here(unittest.TestCase):
         for way in ("beside", "here-1", "here-2", "world", "loaded"):
             with self.subTest(way=way):
                 self.assertEqual((self.folder / name(way) / "result.npy").read_bytes(), result)
-                self.assertEqual(self.pictures(name(way)), expected)
+                found = self.pictures(name(way))
+                self.assertEqual(list(found), list(expected), text if way == "loaded" else None)
+                self.assertEqual(found, expected)
 
     @unittest.skipUnless(FORTRAN, "there is no Fortran compiler")
     def test_fortran_shows_what_c_shows(self):
