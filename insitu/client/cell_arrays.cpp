@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "insitu/client/cell_arrays.h"
 
+#include <algorithm>
 #include <cstring>
 #include <span>
 
@@ -104,7 +105,7 @@ uint64_t CellArrays::corners() const {
 
 void CellArrays::copyTypes(std::byte* to) const {
   if (allOf != 0) {
-    std::memset(to, allOf, count);
+    std::fill_n(to, count, std::byte(allOf));
     return;
   }
   // A type beyond 8 bits is none that is taken.
