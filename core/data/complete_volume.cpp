@@ -183,8 +183,8 @@ void completeBricks(Volume& volume, const Partitioning& partitioning, Collective
     mergeStatistics();
   }
   mine.noDataSamples = int64_t(sumOfCounts(ranks, uint64_t(mine.noDataSamples)));
-  if (!known &&
-      mine.noDataSamples > 0) {  // Most fields have no such points, so most fields' are not counted.
+  if (!known && mine.noDataSamples > 0) {
+    // Summaries say only that there are such points. Most fields have none, so nothing is counted in most.
     agree(ranks, [&] { mine.noDataSamples = statisticsOfOwned(volume, partitioning, ranks).noDataSamples; });
     mine.noDataSamples = int64_t(sumOfCounts(ranks, uint64_t(mine.noDataSamples)));
   }

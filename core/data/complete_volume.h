@@ -35,8 +35,8 @@ void completeVolume(Volume& volume, const Partitioning& partitioning, Collective
 /// Whether completeBricks() must be told the statistics of a field. The ranges of others come from the summaries.
 bool needsStatistics(const Volume& volume, const Partitioning& partitioning);
 
-/// Collective. Does the same for a volume whose samples are in bricks already (bricks.h), with zeros as padding. `mine`, where needsStatistics(): the
-/// statistics of the points that the partitions of this rank own (ownedPoints).
+/// Collective. Does the same for a volume whose samples are in bricks already (bricks.h), with zeros as padding. Where
+/// needsStatistics(), `mine` are the statistics of the points that the partitions of this rank own (ownedPoints).
 void completeBricks(Volume& volume, const Partitioning& partitioning, Collectives& ranks,
                     FieldStatistics mine, int fieldComponents,
                     const std::function<void(int64_t)>& stored = {},

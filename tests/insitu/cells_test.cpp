@@ -225,16 +225,7 @@ TEST(Cells, ForWhichThereIsNoRoomAreLeftOutAndTheServerGoesOn) {
       m.types.push_back(GXY_TRIANGLE);
     }
   };
-  run(mesh, [&] {
-    return client->expect("insitu.streams")
-               .at("streams")
-               .at(0)
-               .value("problem", "")
-               .find("bytes are needed") != std::string::npos;
-  });
-  mesh.change = [](auto&) {};
-  const int64_t before = mesh.published();
-  run(mesh, [&] { return mesh.published() > before; });
+  expectTooLittleRoomAndThenSteps(mesh, *client);
 }
 
 TEST(Cells, AreShownTogetherWithAGridAndParticlesOfTheirSimulation) {

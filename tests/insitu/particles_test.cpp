@@ -258,16 +258,7 @@ TEST(Particles, ForWhichThereIsNoRoomAreLeftOutAndTheServerGoesOn) {
   MiniParticles particles(server, {}, 1);
   run(particles, [&] { return particles.published() >= 1; });
   particles.change = [](auto& ids) { ids.resize(100000), std::iota(ids.begin(), ids.end(), uint64_t(0)); };
-  run(particles, [&] {
-    return client->expect("insitu.streams")
-               .at("streams")
-               .at(0)
-               .value("problem", "")
-               .find("bytes are needed") != std::string::npos;
-  });
-  particles.change = [](auto&) {};
-  const int64_t before = particles.published();
-  run(particles, [&] { return particles.published() > before; });
+  expectTooLittleRoomAndThenSteps(particles, *client);
 }
 
 TEST(Particles, AreShownTogetherWithAGridOfTheirSimulation) {

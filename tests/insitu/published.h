@@ -41,6 +41,19 @@ void run(Simulation& simulation, const std::function<bool()>& enough) {
       "enough steps");
 }
 
+/// Publishes steps until one is left out for want of memory, undoes what made it too large (`change`), and publishes until a step is
+/// published again.
+template <class Simulation>
+void expectTooLittleRoomAndThenSteps(Simulation& simulation, Client& client) {
+  run(simulation, [&] {
+    const nlohmann::json stream = client.expect("insitu.streams").at("streams").at(0);
+    return stream.value("problem", "").find("bytes are needed") != std::string::npos;
+  });
+  simulation.change = [](auto&) {};
+  const int64_t before = simulation.published();
+  run(simulation, [&] { return simulation.published() > before; });
+}
+
 inline Grid gridOf(const Index3& points) {
   Grid grid;
   grid.points = points;
