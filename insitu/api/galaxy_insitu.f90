@@ -56,7 +56,7 @@ module galaxy_insitu
   end interface gxy_values
 
   ! gxy_grid(SIM, MESH, BLOCK, OF, SIZE, FIRST, COUNT, ORIGIN, SPACING), with indices of 32 or of 64 bits. Without
-  ! ORIGIN and SPACING, the grid begins at 0, 0, 0, and its spacing is 1.
+  ! ORIGIN and SPACING, the grid begins at 0, 0, 0, and its spacing is 1. Called again, it changes what the rank owns from the next publish on.
   interface gxy_grid
     module procedure grid_int32, grid_int64
   end interface gxy_grid

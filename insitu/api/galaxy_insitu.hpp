@@ -47,7 +47,8 @@ class Simulation {
   Simulation(const Simulation&) = delete;
   Simulation& operator=(const Simulation&) = delete;
 
-  /// Says what this rank owns of a uniform grid: `count` points from `first` on, of `size` points, or cells with GXY_OF_CELLS.
+  /// Says what this rank owns of a uniform grid: `count` points from `first` on, of `size` points, or cells with GXY_OF_CELLS. Called again, it
+  /// changes that from the next publish on, as gxy_grid() says.
   gxy_result grid(const Indices& size, const Indices& first, const Indices& count,
                   const Coordinates& origin = Coordinates{{0, 0, 0}},
                   const Coordinates& spacing = Coordinates{{1, 1, 1}}, gxy_of of = GXY_OF_POINTS,

@@ -160,7 +160,8 @@ Adaptor::Whole Adaptor::wholeOf(const std::vector<GridBlock>& blocks, const std:
   return whole;
 }
 
-Adaptor::Grid Adaptor::placed(const std::vector<GridBlock>& blocks) {
+// `before`: how many blocks there were.
+Adaptor::Grid Adaptor::placed(const std::vector<GridBlock>& blocks, size_t before) {
   Grid grid;
   std::vector<Box> boxes;
   bool points = params_.association == "vertex";
@@ -198,6 +199,13 @@ Adaptor::Grid Adaptor::placed(const std::vector<GridBlock>& blocks) {
       throw std::runtime_error(blocks[b].path + ": " + gxy_message(sim_.get()));
     grid.blocks.push_back({blocks[b].points, blocks[b].origin, blocks[b].spacing, box});
   }
+  Index size = whole.points;
+  for (size_t a = 0; a < 3 && !points; a++) size[a] = cells(whole.points, a);
+  const Index none{};
+  for (size_t b = blocks.size(); b < before; b++)
+    if (gxy_grid(sim_.get(), blocks[0].mesh.c_str(), int(b), grid.of, size.data(), none.data(), none.data(),
+                 whole.origin.data(), whole.spacing.data()) != GXY_TAKEN)
+      throw std::runtime_error(blocks[0].path + ": " + gxy_message(sim_.get()));
   return grid;
 }
 
@@ -206,17 +214,20 @@ void Adaptor::grid(const std::string& mesh, const std::vector<GridBlock>& blocks
     return warn(blocks[0].path + ": a new grid after the first step, left out");
   if (std::all_of(blocks.begin(), blocks.end(), [](const GridBlock& block) { return block.fields.empty(); }))
     return warn(blocks[0].path + ": a grid without fields, left out");
-  if (!published_) grids_[mesh] = placed(blocks);
-  const Grid& grid = grids_.at(mesh);
+  if (!published_) grids_[mesh] = placed(blocks, 0);
+  Grid& grid = grids_.at(mesh);
   if (grid.blocks.empty()) return;  // It was left out.
   if (!std::equal(blocks.begin(), blocks.end(), grid.blocks.begin(), grid.blocks.end(),
                   [](const GridBlock& now, const Placed& before) {
                     return now.points == before.points && now.origin == before.origin &&
                            now.spacing == before.spacing;
-                  }))
-    throw std::runtime_error(
-        "grid \"" + mesh +
-        "\": its blocks on this rank have changed after the first step, which is not taken so far");
+                  })) {
+    std::erase_if(told_, [&](const auto& one) { return std::get<0>(one.first) == mesh; });
+    const size_t before = grid.blocks.size();
+    grid.blocks.assign(before, Placed());  // If the new ones are wrong, those of the next step are new again.
+    grid = placed(blocks, before);
+    if (grid.blocks.empty()) throw std::runtime_error(blocks[0].path + ": expected a grid as before");
+  }
   const bool ofCells = grid.of == GXY_OF_CELLS;
   for (size_t b = 0; b < blocks.size(); b++) {
     Index extent = blocks[b].points;

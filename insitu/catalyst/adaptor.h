@@ -58,7 +58,7 @@ class Adaptor {
   void publish(bool last);
   Meshes meshesOf(const Node& params);
   Whole wholeOf(const std::vector<GridBlock>& blocks, const std::vector<Box>& boxes) const;
-  Grid placed(const std::vector<GridBlock>& blocks);
+  Grid placed(const std::vector<GridBlock>& blocks, size_t before);
   void grid(const std::string& mesh, const std::vector<GridBlock>& blocks);
   void points(const Points& points);
   void field(const Values& values, const Key& key, int of, const Index& extent, const Index& first);
@@ -71,7 +71,7 @@ class Adaptor {
 
   int64_t step_ = std::numeric_limits<int64_t>::min();  // of the last node
   double time_ = 0;
-  bool published_ = false;  // once; from then on blocks cannot change
+  bool published_ = false;  // once; from then on meshes and fields are the same
   bool off_ = false;        // publishing is, and so for ever
   std::map<std::string, Grid> grids_;
   std::map<std::string, std::string> owners_;  // by field, the first mesh with one of this name

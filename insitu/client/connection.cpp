@@ -33,22 +33,11 @@ std::byte* Slot::reserve(uint64_t bytes) {
   return data_.get();
 }
 
-std::shared_ptr<const Route> routeOf(std::vector<Destination> destinations, const std::vector<Mesh>& meshes) {
-  Route route;
-  route.destinations = std::move(destinations);
-  route.slot = std::make_shared<Slot>();
-  return routeOf(route, meshes, {});
-}
-
-std::shared_ptr<const Route> routeOf(const Route& route, const std::vector<Mesh>& meshes,
-                                     Encodings encodings) {
-  auto result = std::make_shared<Route>();
-  result->destinations = route.destinations;
-  const std::vector<Mesh> sent = encoded(meshes, encodings);
-  for (const Destination& d : route.destinations) result->loads.push_back({d.owner, itemsOf(d.pieces, sent)});
-  result->encodings = std::move(encodings);
-  result->slot = route.slot;
-  return result;
+std::shared_ptr<const Route> withLoads(Route route, const std::vector<Mesh>& meshes) {
+  const std::vector<Mesh> sent = encoded(meshes, route.encodings);
+  route.loads.clear();
+  for (const Destination& d : route.destinations) route.loads.push_back({d.owner, itemsOf(d.pieces, sent)});
+  return std::make_shared<const Route>(std::move(route));
 }
 
 Connection::Connection(Options options, Member member)
@@ -73,6 +62,7 @@ Connection::~Connection() {
 void Connection::describe(Description description) {
   {
     const std::lock_guard lock(mutex_);
+    description.from = sender_.count() + 1;
     description_ = std::move(description);
   }
   interrupt_.wake();
@@ -80,8 +70,11 @@ void Connection::describe(Description description) {
 
 std::shared_ptr<const Route> Connection::route() const {
   const std::lock_guard lock(mutex_);
-  return route_;
+  return isPlanned() ? route_ : nullptr;
 }
+
+// With the lock held.
+bool Connection::isPlanned() const { return route_ && description_ && route_->from >= description_->from; }
 
 void Connection::filled(int64_t step, double time, Counts counts) {
   sender_.filled(step, time, std::move(counts));
@@ -115,13 +108,14 @@ void Connection::end() {
 }
 
 bool Connection::await(Clock::time_point until, Loss loss) {
-  if (sender_.isDue()) return true;
+  if (sender_.isDue() && route()) return true;
   if (loss == Loss::EndsTheWait && lost()) return false;
   sender_.await();
   interrupt_.wake();
   std::unique_lock lock(mutex_);
-  changed_.wait_until(lock, until,
-                      [&] { return sender_.isDue() || ended_ || (lost_ && loss == Loss::EndsTheWait); });
+  changed_.wait_until(lock, until, [&] {
+    return (sender_.isDue() && isPlanned()) || ended_ || (lost_ && loss == Loss::EndsTheWait);
+  });
   return sender_.isDue();
 }
 
@@ -160,10 +154,12 @@ void Connection::run() {
 
 void Connection::lose(const std::string& why) {
   connected_ = false;
-  sender_.end();
+  sender_.begin();
   sockets_.clear();
-  described_ = planned_ = false;
+  described_ = 0;
+  planned_ = false;
   const std::lock_guard lock(mutex_);
+  route_.reset();
   problem_ = why;
   lost_ = true;
   changed_.notify_all();
@@ -200,20 +196,26 @@ void Connection::follow(const Joined& joined, std::vector<Destination> destinati
 // Sends what there is to send, as much as the sockets take.
 void Connection::exchange() {
   WireSocket& root = *sockets_.at(0);
-  if (!described_) described_ = tellDescription(root);
-  while (const auto answer = sender_.answer())
-    root.send(message(MessageChannel::DataControl, written(*answer)));
+  tellDescription(root);
+  while (const auto answer = sender_.answer()) tellRoot(*answer);
   if (planned_)
-    if (const auto waits = sender_.waits()) root.send(message(MessageChannel::DataControl, written(*waits)));
+    if (const auto waits = sender_.waits()) tellRoot(*waits);
   if (const auto step = sender_.announcement()) root.send(message(MessageChannel::Step, written(*step)));
   for (const auto& [owner, socket] : sockets_) sendPieces(owner, *socket);
 }
 
-bool Connection::tellDescription(WireSocket& root) {
+void Connection::tellDescription(WireSocket& root) {
   const std::lock_guard lock(mutex_);
-  if (!description_) return false;
+  if (!description_ || description_->from == described_) return;
   root.send(message(MessageChannel::Describe, written(*description_)));
-  return true;
+  described_ = description_->from;
+}
+
+// The server relies on it that a rank which says how far it is has said what it has before.
+void Connection::tellRoot(const Control& control) {
+  WireSocket& root = *sockets_.at(0);
+  tellDescription(root);
+  root.send(message(MessageChannel::DataControl, written(control)));
 }
 
 // A network changes a bit now and then that TCP's 16 bits do not show; memory of this machine does not go through one.
@@ -264,29 +266,45 @@ void Connection::receive(int owner, WireSocket& socket) {
       receiveControl(readControl(m->payload));
       continue;
     }
-    if (!described_ || std::exchange(planned_, true))
-      throw Error("plan of a stream that was not asked for, expected one after the description");
-    std::shared_ptr<const Route> route;
-    {
-      const std::lock_guard lock(mutex_);
-      route = routeOf(readDestinations(m->payload, member_.rank, *description_), description_->meshes);
-    }
-    follow(joined_, route->destinations);
-    sender_.begin(route->loads);
-    if (options_.patience.count() > 0)  // The server knows from now on that no step may be left out.
-      socket.send(message(MessageChannel::DataControl, written(Control{Control::Kind::Waits, 0, 0})));
-    const std::lock_guard lock(mutex_);
-    route_ = std::move(route);
-    problem_.clear();  // and not before: the server may have refused the plan
-    lost_ = false;
+    receivePlan(m->payload);
   }
+}
+
+void Connection::receivePlan(std::span<const std::byte> message) {
+  if (described_ == 0) throw Error("plan of a stream before a description, expected it after that");
+  const uint64_t from = takeFrom(message);
+  std::shared_ptr<const Route> route;
+  {
+    const std::lock_guard lock(mutex_);
+    if (from < description_->from)
+      return;  // The server will know soon that this rank has something else now.
+    Route next = route_ ? *route_ : Route{0, {}, {}, {}, std::make_shared<Slot>()};
+    next.from = from;
+    next.destinations = readDestinations(message, member_.rank, *description_);
+    route = withLoads(std::move(next), description_->meshes);
+  }
+  follow(joined_, route->destinations);
+  sender_.expect(route->loads);
+  if (!std::exchange(planned_, true) && options_.patience.count() > 0)
+    tellRoot({Control::Kind::Waits, 0, 0});  // The server knows from now on that no step may be left out.
+  const std::lock_guard lock(mutex_);
+  route_ = std::move(route);
+  problem_.clear();  // and not before: the server may have refused the plan
+  lost_ = false;
+  changed_.notify_all();
 }
 
 // The server appoints the next step after this.
 void Connection::receiveEncodings(std::span<const std::byte> message) {
-  if (!planned_) throw Error("encodings of a stream before its plan, expected them after it");
-  const std::vector<Mesh>& meshes = description_->meshes;  // which do not change any more
-  auto next = routeOf(*route(), meshes, readEncodings(message, meshes));
+  std::shared_ptr<const Route> next;
+  {
+    const std::lock_guard lock(mutex_);
+    if (!route_) throw Error("encodings of a stream before its plan, expected them after it");
+    const std::vector<Mesh>& meshes = description_->meshes;  // whose fields do not change any more
+    Route other = *route_;
+    other.encodings = readEncodings(message, meshes);
+    next = withLoads(std::move(other), meshes);
+  }
   sender_.expect(next->loads);
   const std::lock_guard lock(mutex_);
   route_ = std::move(next);
@@ -296,8 +314,7 @@ void Connection::receiveControl(const Control& control) {
   // The slot may be filled anew after this, so that nothing may be sent from it any more.
   if (control.kind == Control::Kind::Cancel || control.kind == Control::Kind::Published)
     for (const auto& [owner, socket] : sockets_) socket->own();
-  const auto answer = sender_.receive(control);
-  if (answer) sockets_.at(0)->send(message(MessageChannel::DataControl, written(*answer)));
+  if (const auto answer = sender_.receive(control)) tellRoot(*answer);
   const std::lock_guard lock(mutex_);
   changed_.notify_all();
 }

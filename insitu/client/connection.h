@@ -35,17 +35,15 @@ class Slot {
 
 /// Where the samples of a step go, and the slot that they are copied into. It is immutable but for the slot.
 struct Route {
+  uint64_t from = 0;  ///< the publish from which on this is the plan
   std::vector<Destination> destinations;
   Encodings encodings;
   std::vector<Sender::Load> loads;  ///< by destination
   std::shared_ptr<Slot> slot;
 };
 
-/// Returns the route of a rank by the plan of a server.
-std::shared_ptr<const Route> routeOf(std::vector<Destination> destinations, const std::vector<Mesh>& meshes);
-/// Returns the same route with other encodings, and with the same slot.
-std::shared_ptr<const Route> routeOf(const Route& route, const std::vector<Mesh>& meshes,
-                                     Encodings encodings);
+/// Returns a route with loads that fit the rest of it.
+std::shared_ptr<const Route> withLoads(Route route, const std::vector<Mesh>& meshes);
 
 /// Connects in the background and sends what is taken. If the connection is lost, it tries again as the options say. The
 /// simulation's thread uses all functions.
@@ -57,18 +55,19 @@ class Connection {
   Connection(const Connection&) = delete;
   Connection& operator=(const Connection&) = delete;
 
-  /// Says what this rank has; called once, before the first publish().
+  /// Says what this rank has, from the next publish on. Called before the first publish() at least.
   void describe(Description description);
   /// Counts a publish. True: the caller copies the step into the slot of route() and calls filled().
   bool publish() { return sender_.publish(); }
-  /// Whether the next publish is appointed, so far.
-  bool isNext() const { return sender_.isNext(); }
+  /// Whether the next publish is appointed, so far, and can be taken.
+  bool isNext() const { return sender_.isNext() && route(); }
   enum class Loss { EndsTheWait, IsWaitedOut };
-  /// Waits until the next publish is due, `until` has come, there will be no connection any more, or, if `loss` says so, the connection is
+  /// Waits until the next publish is due and can be taken, `until` has come, there will be no connection any more, or, if `loss` says so, the connection is
   /// lost or could not be made. Returns whether the publish is due.
   bool await(Interrupt::Clock::time_point until, Loss loss);
   /// As publish(), of the last publish of all. False: none is due, and nothing is counted.
   bool publishLast() { return sender_.publishLast(); }
+  /// Returns null unless there is a plan for what was described last.
   std::shared_ptr<const Route> route() const;
   /// `counts` as in Sender::filled().
   void filled(int64_t step, double time, Counts counts);
@@ -93,7 +92,9 @@ class Connection {
   void run();
   void serve();
   void end();
-  bool tellDescription(WireSocket& root);
+  void tellDescription(WireSocket& root);
+  void tellRoot(const Control& message);
+  bool isPlanned() const;
   void follow(const Joined& joined, std::vector<Destination> destinations);
   void exchange();
   Checksum checksumOf(const WireSocket& socket) const;
@@ -101,6 +102,7 @@ class Connection {
   void waitForSockets();
   void receive(int owner, WireSocket& socket);
   void receiveControl(const Control& message);
+  void receivePlan(std::span<const std::byte> message);
   void receiveEncodings(std::span<const std::byte> message);
   void lose(const std::string& why);
   void sayBye();
@@ -123,7 +125,9 @@ class Connection {
   // Used by the thread only.
   std::map<int, std::unique_ptr<WireSocket>> sockets_;  ///< by rank of the server
   Joined joined_;
-  bool described_ = false, planned_ = false;
+  uint64_t described_ =
+      0;  ///< what the server was told last is true from this publish on; 0: it was told nothing
+  bool planned_ = false;
   bool over_ = false;  ///< the simulation has closed the stream on another rank
 
   std::thread thread_;

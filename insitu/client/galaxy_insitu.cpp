@@ -160,7 +160,7 @@ int gxy_grid(gxy_sim* sim, const char* mesh, int block, int of, const int64_t si
       owned.points[size_t(a)] = count[a];
     }
     if (std::any_of(count, count + 3, [](int64_t n) { return n == 0; })) owned = {};
-    s.meshes().grid(given(mesh, "gxy_grid: mesh"), block, of, grid, owned);
+    s.grid(given(mesh, "gxy_grid: mesh"), block, of, grid, owned);
     return GXY_TAKEN;
   });
 }

@@ -113,9 +113,8 @@ Meshes::Data& Meshes::at(const std::string& mesh, const std::string& function) {
   return found->second;
 }
 
-void Meshes::grid(const std::string& mesh, int block, int of, Grid grid, const Extent& owned) {
+void Meshes::grid(const std::string& mesh, int block, int of, Grid grid, const Extent& owned, News news) {
   checkName(mesh, "mesh");
-  if (isDescribed()) throw Error("gxy_grid after the first step: a decomposition cannot change so far");
   if (block < 0) throw Error("gxy_grid: block " + std::to_string(block) + ", expected 0, 1, ...");
   Block described{owned, owned, {}};
   if (of == GXY_OF_CELLS) {
@@ -127,7 +126,11 @@ void Meshes::grid(const std::string& mesh, int block, int of, Grid grid, const E
   if (known != data_.end() && known->second.mesh.kind != Mesh::Kind::Grid)
     throw Error("gxy_grid: mesh \"" + mesh + "\" " + nameOf(known->second.mesh.kind) +
                 ", expected another name");
-  if (known != data_.end() && !(grid == known->second.mesh.grid))
+  if (isDescribed() && known == data_.end())
+    throw Error("gxy_grid: a new mesh \"" + mesh +
+                "\" after the first step, expected one of those of before");
+  const bool isOther = known != data_.end() && !(grid == known->second.mesh.grid);
+  if (isOther && (!isDescribed() || grid.rim != known->second.mesh.grid.rim))
     throw Error("gxy_grid: a grid of " + sizeText(grid.points) + " points beside one of " +
                 sizeText(known->second.mesh.grid.points) +
                 ", another origin or spacing, or cells beside points: expected the same in all blocks");
@@ -137,10 +140,18 @@ void Meshes::grid(const std::string& mesh, int block, int of, Grid grid, const E
   one.fields = {{"any", ScalarType::Float32, 1}};
   Part part;
   if (owned.count() != 0) part.blocks.push_back(described.owned);
-  insitu::check({{one}, {part}});
-  one.fields = {};
+  insitu::check({1, {one}, {part}});
   Data& data = data_[mesh];
-  data.mesh = std::move(one);
+  const auto old = data.blocks.find(block);
+  const Extent ownedBefore = old != data.blocks.end() ? old->second.owned : Extent();
+  const bool changes = isOther || ownedBefore != described.owned;
+  if (isDescribed() && changes && news == News::None)
+    throw Error(
+        "gxy_grid: another grid or block after gxy_wanted, expected it before that, or after gxy_publish");
+  if (isDescribed() && (changes || news == News::Each)) news_ = true;
+  if (isOther) data.blocks.clear();
+  data.mesh.name = mesh;
+  data.mesh.grid = grid;
   Block& before = data.blocks[block];
   if (before.values == described.values)
     described.fields = std::move(before.fields);  // else they are of other arrays
@@ -199,7 +210,7 @@ void Meshes::cells(const std::string& mesh, uint64_t count, const gxy_array& pos
 }
 
 const Mesh* Meshes::described(const std::string& what, const Mesh& mesh) const {
-  insitu::check({{mesh}, {Part()}});
+  insitu::check({1, {mesh}, {Part()}});
   const auto known = data_.find(mesh.name);
   if (known != data_.end() && known->second.mesh.kind != mesh.kind)
     throw Error(what + ": this mesh " + nameOf(known->second.mesh.kind) + ", expected another name");
@@ -234,9 +245,9 @@ void Meshes::field(const std::string& mesh, int block, const std::string& name, 
                 ", expected the same so far");
   checkArray(what, values, ofCells ? rowOf(data.cells.count) : found->second.values);
   Arrays& known = ofCells ? data.cellFields : found->second.fields;
-  const auto before = known.find(name);
-  if (isDescribed() && (before == known.end() || before->second.type != values.type ||
-                        before->second.components != values.components))
+  const std::vector<Field>& fields = data.mesh.fields;
+  const Field told{name, ScalarType(values.type), values.components, ofCells};
+  if (isDescribed() && std::find(fields.begin(), fields.end(), told) == fields.end())
     throw Error(what +
                 ": a new field, type or number of components after the first step, expected those of before");
   known[name] = values;
@@ -261,6 +272,16 @@ std::vector<Field> Meshes::fieldsOf(const Data& data) {
   return fields;
 }
 
+// After the first step, in which all of them had the same.
+void Meshes::checkFields(const Data& data) {
+  for (const auto& [number, block] : data.blocks)
+    for (const Field& field : data.mesh.fields)
+      if (block.values.count() > 0 && block.fields.count(field.name) == 0)
+        throw Error("gxy_publish: block " + std::to_string(number) + " of mesh \"" + data.mesh.name +
+                    "\" has no field \"" + field.name +
+                    "\" since it has changed, expected gxy_field() after gxy_grid()");
+}
+
 Description Meshes::describe() {
   if (data_.empty())
     throw Error(
@@ -268,14 +289,16 @@ Description Meshes::describe() {
         "first");
   Description description;
   for (const auto& [name, data] : data_) {
+    const bool isGrid = data.mesh.kind == Mesh::Kind::Grid;
+    if (isDescribed() && isGrid) checkFields(data);
     description.meshes.push_back(data.mesh);
-    description.meshes.back().fields = fieldsOf(data);
+    if (!isDescribed()) description.meshes.back().fields = fieldsOf(data);
     description.parts.emplace_back();
-    if (data.mesh.kind != Mesh::Kind::Grid)
-      description.parts.back().bounds = boundsOf(data.positions, pointsOf(data));
-    else
+    if (isGrid)
       for (const auto& [number, block] : data.blocks)
         if (block.owned.count() > 0) description.parts.back().blocks.push_back(block.owned);
+    if (isGrid || isDescribed()) continue;  // Where others are is asked for before the first step only.
+    description.parts.back().bounds = boundsOf(data.positions, pointsOf(data));
     if (data.mesh.kind ==
         Mesh::Kind::Cells)  // Wrong cells of the first step are told here, later ones by the server.
       description.meshes.back().shape =
@@ -286,11 +309,13 @@ Description Meshes::describe() {
   std::vector<const Data*> meshes;
   for (auto& [name, data] : data_) {
     data.mesh = description.meshes[meshes.size()];
+    data.present.clear();
     for (const auto& [number, block] : data.blocks)
       if (block.owned.count() > 0 || data.mesh.kind != Mesh::Kind::Grid) data.present.push_back(&block);
     meshes.push_back(&data);
   }
   meshes_ = std::move(meshes);
+  news_ = false;
   return description;
 }
 

@@ -22,8 +22,12 @@ namespace gxy::insitu {
 /// arrays are those of the simulation. They are read in describe(), counts(), copy() and keep() only.
 class Meshes {
  public:
-  /// `grid` and `owned` count points, or cells if `of` is GXY_OF_CELLS; the origin is that of the first point in both cases.
-  void grid(const std::string& mesh, int block, int of, Grid grid, const Extent& owned);
+  /// Which calls of grid() after describe() lead to another description.
+  enum class News { Changes, Each, None };
+  /// `grid` and `owned` count points, or cells if `of` is GXY_OF_CELLS; the origin is that of the first point in both cases. After
+  /// describe(), another grid than before has no blocks but this one. A block that changes loses its fields. With News::None
+  /// a change is wrong.
+  void grid(const std::string& mesh, int block, int of, Grid grid, const Extent& owned, News news);
   /// `box` may be empty.
   void points(const std::string& mesh, uint64_t count, const gxy_array& positions, const gxy_array& ids,
               const Box& box);
@@ -31,7 +35,9 @@ class Meshes {
   void field(const std::string& mesh, int block, const std::string& name, int of, const gxy_array& values);
 
   bool isDescribed() const { return !meshes_.empty(); }
-  /// Returns what is said to the server. From now on only what may differ from step to step can change.
+  /// Whether describe() has something new.
+  bool hasNews() const { return news_; }
+  /// Returns what is said to the server. From now on meshes and fields are as they are, but for the sizes and blocks of grids.
   Description describe();
   /// Throws Error if particles or cells lack an array. `function` is the one that publishes.
   void check(const char* function) const;
@@ -69,10 +75,12 @@ class Meshes {
   Data& replace(const Mesh& mesh, uint64_t points, const gxy_array& positions);
   static void copy(const Data& data, const Array& array, uint64_t count, std::byte* to);
   static std::vector<Field> fieldsOf(const Data& data);
+  static void checkFields(const Data& data);
   static uint64_t pointsOf(const Data& data);
 
   std::map<std::string, Data> data_;  ///< by name
   std::vector<const Data*> meshes_;   ///< in the order of the description, once there is one
+  bool news_ = true;
   std::vector<std::vector<std::byte>> kept_;
 };
 

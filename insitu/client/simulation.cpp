@@ -58,7 +58,13 @@ void Simulation::checkOrder(int64_t step, const char* function) const {
 void Simulation::begin(int64_t step, const char* function) {
   checkOrder(step, function);
   meshes_.check(function);
-  if (!meshes_.isDescribed()) connection_->describe(meshes_.describe());
+  if (meshes_.hasNews()) connection_->describe(meshes_.describe());
+}
+
+void Simulation::grid(const std::string& mesh, int block, int of, const Grid& grid, const Extent& owned) {
+  // Where ranks wait, no step may be left out. So a rank whose grid stays takes none either by a plan that other ranks have left.
+  const Meshes::News news = patience_.count() > 0 ? Meshes::News::Each : Meshes::News::Changes;
+  meshes_.grid(mesh, block, of, grid, owned, asked_ ? Meshes::News::None : news);
 }
 
 void Simulation::count(int64_t step) {
@@ -150,13 +156,17 @@ int Simulation::take(const Step& step) {
   const auto route = connection_->route();
   uint64_t bytes = 0;
   const Counts counts = meshes_.counts();
-  if (route) try {  // A server appoints nothing before there is a plan.
-      bytes = meshes_.bytes(route->destinations, route->encodings, counts);
-      meshes_.copy(route->destinations, route->encodings, counts, route->slot->reserve(bytes));
-    } catch (const std::bad_alloc&) {
-      connection_->notFilled(false);
-      return GXY_NOT_TAKEN;
-    }
+  if (!route) {  // The server does not know yet that this rank has something else now.
+    connection_->notFilled(false);
+    return GXY_NOT_TAKEN;
+  }
+  try {
+    bytes = meshes_.bytes(route->destinations, route->encodings, counts);
+    meshes_.copy(route->destinations, route->encodings, counts, route->slot->reserve(bytes));
+  } catch (const std::bad_alloc&) {
+    connection_->notFilled(false);
+    return GXY_NOT_TAKEN;
+  }
   steering_ = connection_->steering();
   connection_->filled(step.step, step.time, counts);
   statistics_.taken++;

@@ -20,6 +20,8 @@ class Simulation {
   Simulation(Options options, Member member);
 
   Meshes& meshes() { return meshes_; }
+  /// As Meshes::grid(). Between wanted() and publish() nothing may change.
+  void grid(const std::string& mesh, int block, int of, const Grid& grid, const Extent& owned);
   /// Whether the next publish, which is of this step, is wanted; 1 or 0. Unless it is, or settle() says 1, this rank does not take it.
   int wanted(int64_t step, double time);
   void settle(int64_t step, bool any);

@@ -10,16 +10,44 @@
 namespace gxy::insitu {
 
 namespace {
-constexpr int kSuccesses = 16;  // in a row, after which the margin is halved
-constexpr uint64_t kMostMargin = uint64_t(1) << 40;
+constexpr int kSuccesses = 16;                       // in a row, after which the margin is halved
+constexpr uint64_t kMostMargin = uint64_t(1) << 40;  // and the largest count
 
 uint64_t bitsOf(double time) {
   return std::bit_cast<uint64_t>(time);
 }  // NaN, for an unknown time, equals NaN
 }  // namespace
 
-Conductor::Conductor(int ranks, std::set<int> owners)
-    : owners_(std::move(owners)), answered_(size_t(ranks)), taken_(size_t(ranks)) {}
+Conductor::Conductor(int ranks)
+    : said_(size_t(ranks)), known_(size_t(ranks)), answered_(size_t(ranks)), taken_(size_t(ranks)) {}
+
+void Conductor::describe(int rank, uint64_t from) {
+  uint64_t& said = said_.at(size_t(rank));
+  uint64_t& known = known_[size_t(rank)];
+  if (from > kMostMargin || from <= said || (said > 0 && from <= known))
+    throw Error("a description from publish " + std::to_string(from) +
+                " on, expected one of publishes after " + std::to_string(std::max(said, known)));
+  said = from;
+  known = std::max(known, from);
+  described_ = std::max(described_, from);
+}
+
+bool Conductor::canPlan() const {
+  const auto isZero = [](uint64_t from) { return from == 0; };
+  const auto isFarEnough = [this](uint64_t count) { return count >= described_; };
+  return std::none_of(said_.begin(), said_.end(), isZero) &&
+         std::all_of(known_.begin(), known_.end(), isFarEnough);
+}
+
+void Conductor::plan(uint64_t from, std::set<int> owners) {
+  if (state_ != State::Idle && state_ != State::Looking) throw Error("a step is under way, expected none");
+  planned_ = from;
+  owners_ = std::move(owners);
+}
+
+bool Conductor::isHeldUp() const {
+  return needsPlan() && canPlan() && state_ == State::Collecting && described_ <= step_.count;
+}
 
 Control Conductor::ask() {
   state_ = State::Asking;
@@ -46,7 +74,7 @@ std::vector<Control> Conductor::appoint() {
   // Ranks that wait come to the next publish in any case, unless they do not wait for long enough.
   const bool waits = awaited_ > 0 && late_ < 2;
   const uint64_t margin = waits ? 0 : counters_.margin;
-  last_ = std::max({newest_ + 1 + margin, last_ + 1, waits ? 0 : from_});
+  last_ = std::max({newest_ + 1 + margin, last_ + 1, planned_, waits ? 0 : from_});
   state_ = State::Collecting;
   step_ = {last_, 0, 0};
   taken_.assign(taken_.size(), false);
@@ -73,6 +101,7 @@ std::vector<Control> Conductor::receive(int rank, const Control& message) {
       if ((state_ != State::Asking && state_ != State::Looking) || message.count != question_) return {};
       if (answered_.at(size_t(rank))) return {};
       answered_[size_t(rank)] = true;
+      isAt(rank, message.newest);
       answer_ = std::max(answer_, std::min(message.newest, kMostMargin));
       if (++answers_ < answered_.size()) return {};
       newest_ = answer_;
@@ -86,6 +115,7 @@ std::vector<Control> Conductor::receive(int rank, const Control& message) {
     }
     case Control::Kind::Waits:
       ranksWait_ = true;
+      isAt(rank, message.count);
       awaited_ = std::max(awaited_, std::min(message.count, kMostMargin));
       return {};
     default:
@@ -93,7 +123,14 @@ std::vector<Control> Conductor::receive(int rank, const Control& message) {
   }
 }
 
+// A rank says first what it has, and then that it has come so far.
+void Conductor::isAt(int rank, uint64_t count) {
+  uint64_t& known = known_.at(size_t(rank));
+  known = std::max(known, std::min(count, kMostMargin));
+}
+
 void Conductor::receive(int rank, const StepHeader& step) {
+  isAt(rank, step.count);
   if (state_ != State::Collecting || step.count != step_.count || taken_.at(size_t(rank))) return;
   if (takes_ > 0 && (step_.step != step.step || bitsOf(step_.time) != bitsOf(step.time)))
     throw Error("publish " + std::to_string(step.count) + " is step " + std::to_string(step.step) +
@@ -146,10 +183,20 @@ std::vector<Control> Conductor::published() {
   return {{Control::Kind::Published, step_.count, 0}};
 }
 
+// A rank that has said something new since the plan has not taken the step.
+bool Conductor::comesAgain() const {
+  const auto isNew = [this](uint64_t from) { return from > planned_; };
+  return isHeldUp() && takes_ == 0 && std::all_of(said_.begin(), said_.end(), isNew);
+}
+
 std::vector<Control> Conductor::abandon() {
+  const bool again = comesAgain();
   const State before = std::exchange(state_, State::Idle);
   if (before == State::Idle || before == State::Looking) return {};
-  counters_.abandoned++;
+  if (again)
+    last_--;
+  else
+    counters_.abandoned++;
   if (before == State::Asking) return {};
   return {{Control::Kind::Cancel, step_.count, 0}};
 }

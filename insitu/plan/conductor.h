@@ -16,10 +16,28 @@ namespace gxy::insitu {
 /// A step is taken by appointment. Rank 0 asks all ranks how many publishes there have been, and appoints one in the future, which
 /// all take: no rank of the simulation waits for another. If the appointment reaches a rank too late, the rank says that it has
 /// missed it. Then rank 0 cancels it and appoints one that lies further ahead.
+///
+/// What a rank says of its data is true from a publish on, whose number it tells. A rank that has said something new takes no step
+/// before there is a plan for it.
 class Conductor {
  public:
-  /// `ranks`: the number of ranks of the simulation. `owners`: the ranks of Galaxy that get samples.
-  Conductor(int ranks, std::set<int> owners);
+  /// `ranks`: the number of ranks of the simulation. There is no plan yet.
+  explicit Conductor(int ranks);
+
+  /// A rank has said what it has, from publish `from` on. Throws Error unless it says so for the first time, or of later publishes
+  /// than before.
+  void describe(int rank, uint64_t from);
+  /// Whether something that a rank has said is in no plan.
+  bool needsPlan() const { return described_ > planned_; }
+  /// Whether no rank can say anything more of publishes up to described(), so that there can be a plan. Until then look() asks.
+  bool canPlan() const;
+  uint64_t described() const { return described_; }
+  /// There is a plan for the publishes from `from` on. `owners`: the ranks of Galaxy that get samples. Only while no step is under way.
+  void plan(uint64_t from, std::set<int> owners);
+  /// Whether the appointed step cannot be taken before there is another plan, and there can be one.
+  bool isHeldUp() const;
+  /// Whether the same publish can be appointed again once it is given up: it is held up, and no rank can have taken it.
+  bool comesAgain() const;
 
   /// Asks how many publishes there have been, while no step is under way. Once all ranks have answered, newest() is the largest.
   std::vector<Control> look();
@@ -70,8 +88,13 @@ class Conductor {
   Control ask();
   std::vector<Control> appoint();
   void widen(uint64_t newest);
+  void isAt(int rank, uint64_t count);
 
-  const std::set<int> owners_;
+  std::set<int> owners_;
+  std::vector<uint64_t>
+      said_;  ///< from which publish on its data are what it has said, by rank; 0: it has said nothing
+  std::vector<uint64_t> known_;  ///< what a rank says next is true of later publishes than this, by rank
+  uint64_t described_ = 0, planned_ = 0;  ///< the largest of said_, and that of the plan
   State state_ = State::Idle;
   uint64_t question_ = 0;       ///< the number of the last AskNewest
   std::vector<bool> answered_;  ///< the question, by rank

@@ -151,6 +151,21 @@ void mergeMeshes(std::vector<Mesh>& meshes, const std::vector<Mesh>& others, int
   meshes = std::move(merged);
 }
 
+void checkContinues(const std::vector<Mesh>& before, const std::vector<Mesh>& now) {
+  std::vector<Mesh> same = now;
+  for (size_t m = 0; m < std::min(before.size(), now.size()); m++) {
+    same[m].grid.points = before[m].grid.points;
+    same[m].grid.origin = before[m].grid.origin;
+    same[m].grid.spacing = before[m].grid.spacing;
+    if (before[m].shape == Mesh::Shape::Unknown || now[m].shape == Mesh::Shape::Unknown)
+      same[m].shape = before[m].shape;
+  }
+  if (before != same)
+    throw Error(
+        "other meshes or fields than before, expected the same with the same fields, of points or cells as "
+        "before, and only other blocks, sizes, origins and spacings of grids");
+}
+
 std::vector<Publishes> datasetsOf(std::span<const Mesh> meshes) {
   std::vector<Publishes> datasets;
   for (size_t m = 0; m < meshes.size(); m++) {
@@ -208,7 +223,7 @@ Bytes written(std::span<const Mesh> meshes) {
 
 Bytes written(const Description& description) {
   Writer w;
-  w.write(written(description.meshes));
+  w.write(description.from).write(written(description.meshes));
   for (size_t m = 0; m < description.meshes.size(); m++) {
     if (description.meshes[m].kind == Mesh::Kind::Grid)
       w.write(description.parts[m].blocks);
@@ -263,7 +278,10 @@ std::vector<Mesh> readMeshes(std::span<const std::byte> message) {
 
 Description readDescription(std::span<const std::byte> message) {
   Reader r(message, "description of a simulation's data");
-  Description d{readMeshes(r.readVector<std::byte>()), {}};
+  Description d;
+  d.from = r.read<uint64_t>();
+  if (d.from == 0) r.fail("from publish 0, expected 1 or more");
+  d.meshes = readMeshes(r.readVector<std::byte>());
   for (const Mesh& mesh : d.meshes) {
     d.parts.emplace_back();
     if (mesh.kind == Mesh::Kind::Grid)

@@ -86,6 +86,10 @@ std::vector<Array> arraysOf(const Mesh& mesh);
 /// datasets of the mesh, and are none by themselves.
 bool isNormals(const Mesh& mesh, const Field& field);
 
+/// Throws Error unless a simulation may go on with `now` after `before`: grids may have another size, origin and spacing, and cells that
+/// had no shape may have one; all else stays.
+void checkContinues(const std::vector<Mesh>& before, const std::vector<Mesh>& now);
+
 /// Takes over what another rank says of the meshes: the shape of cells, if this one does not know it. Throws Error if they differ; `rank`
 /// is the other one.
 void mergeMeshes(std::vector<Mesh>& meshes, const std::vector<Mesh>& others, int rank);
@@ -106,8 +110,10 @@ struct Part {
   Box bounds;  ///< of points and cells: the box of this rank's, before the first step; empty if it has none
 };
 
-/// What one rank says.
+/// What one rank says. It may say something else later: other blocks, or another grid. Then the meshes and their fields are the same,
+/// and `from` is larger.
 struct Description {
+  uint64_t from = 1;  ///< the first publish that it is true of, counted from 1
   std::vector<Mesh> meshes;
   std::vector<Part> parts;  ///< by mesh
 };

@@ -58,14 +58,20 @@ Hello readHello(std::span<const std::byte> message) {
   return hello;
 }
 
-Bytes written(const std::vector<Destination>& destinations) {
+Bytes written(uint64_t from, const std::vector<Destination>& destinations) {
   std::vector<WireDestination> heads;
   std::vector<WirePiece> pieces;
   for (const Destination& d : destinations) {
     heads.push_back({d.owner, uint32_t(d.pieces.size())});
     for (const Piece& p : d.pieces) pieces.push_back({p.mesh, p.block, p.partition, 0, p.points});
   }
-  return Writer().write(heads).write(pieces).take();
+  return Writer().write(from).write(heads).write(pieces).take();
+}
+
+uint64_t takeFrom(std::span<const std::byte>& message) {
+  const auto from = Reader(message, "plan of a stream").read<uint64_t>();
+  message = message.subspan(sizeof from);
+  return from;
 }
 
 std::vector<Destination> readDestinations(std::span<const std::byte> message, int rank,

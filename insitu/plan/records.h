@@ -33,9 +33,11 @@ Bytes written(const Hello& hello);
 /// Throws Error for a checksum that there is not.
 Hello readHello(std::span<const std::byte> message);
 
-/// Where the points of one rank of the simulation go. Rank 0 of the server answers a description with it.
-Bytes written(const std::vector<Destination>& destinations);
-/// Throws Error unless each piece is inside the block of `mine` that it names, and there are no more points than in the blocks, and
+/// Where the points of one rank of the simulation go from publish `from` on. Rank 0 of the server answers descriptions with it.
+Bytes written(uint64_t from, const std::vector<Destination>& destinations);
+/// Removes `from` from the front of such a message.
+uint64_t takeFrom(std::span<const std::byte>& message);
+/// Reads the rest of it. Throws Error unless each piece is inside the block of `mine` that it names, and there are no more points than in the blocks, and
 /// the particles or cells of a mesh go to one place only.
 std::vector<Destination> readDestinations(std::span<const std::byte> message, int rank,
                                           const Description& mine);

@@ -8,7 +8,7 @@
 
 namespace gxy::insitu {
 
-void Sender::begin(std::vector<Load> loads) {
+void Sender::begin() {
   const std::lock_guard lock(mutex_);
   settle();
   question_.reset();
@@ -16,7 +16,6 @@ void Sender::begin(std::vector<Load> loads) {
   told_ = 0;
   heard_ = true;
   cursors_.clear();
-  for (Load& load : loads) cursors_.push_back({std::move(load)});
 }
 
 void Sender::expect(std::vector<Load> loads) {

@@ -31,12 +31,10 @@ class Sender {
     uint64_t place = 0, bytes = 0;  ///< in the slot
   };
 
-  /// Begins anew with a server that has this plan. What was under way is forgotten. The count of publishes goes on.
-  void begin(std::vector<Load> loads);
+  /// Begins anew with a server. What was under way is forgotten. The count of publishes goes on.
+  void begin();
   /// Steps have this form from now on. Throws Error if one is under way.
   void expect(std::vector<Load> loads);
-  /// There is no server any more.
-  void end() { begin({}); }
 
   /// Counts a publish. True: the caller copies the step into the slot, and calls filled(). No lock is taken, and nothing waits.
   bool publish() { return appointment_.publish(); }

@@ -50,7 +50,8 @@ StreamLead::StreamLead(ServerRank& serverRank, std::shared_ptr<StreamPart> part,
       onEnd_(std::move(onEnd)),
       triggers_(serverRank, part_->identity().name, part_->identity().tenant, tell_,
                 [this](const insitu::Steering& values) { steer(values); }),
-      parts_(size_t(part_->identity().ranks)),
+      said_(size_t(part_->identity().ranks)),
+      conductor_(part_->identity().ranks),
       thread_([this] { run(); }) {}
 
 StreamLead::~StreamLead() {
@@ -89,9 +90,8 @@ void StreamLead::complete(int owner, uint64_t count, uint64_t bytes) {
   const std::lock_guard lock(mutex_);
   uint64_t& soFar = bytes_[owner];
   soFar = std::max(soFar, bytes);
-  if (!conductor_) return;
-  conductor_->complete(owner, count);
-  if (conductor_->isComplete()) changed_.notify_all();
+  conductor_.complete(owner, count);
+  if (conductor_.isComplete()) changed_.notify_all();
 }
 
 void StreamLead::refused(uint64_t count, const std::string& reason) {
@@ -107,29 +107,43 @@ void StreamLead::take(int rank, const protocol::WireMessage& message) {
   const insitu::StepHeader step = isStep ? insitu::readStep(message.payload) : insitu::StepHeader{};
   const Control control = isStep ? Control{} : insitu::readControl(message.payload);
   const std::lock_guard lock(mutex_);
-  if (!conductor_) throw Error("a message about steps before there is a plan, expected it after that");
   if (isStep) {
-    if (!conductor_->someTaken()) course_.taken = Clock::now();
-    conductor_->receive(rank, step);
+    if (!conductor_.someTaken()) course_.taken = Clock::now();
+    conductor_.receive(rank, step);
   } else {
-    tell(conductor_->receive(rank, control));
+    tell(conductor_.receive(rank, control));
   }
-  if (conductor_->isComplete() || (!isStep && control.kind == Control::Kind::Waits)) changed_.notify_all();
+  if (conductor_.isComplete() || conductor_.needsPlan() || (!isStep && control.kind == Control::Kind::Waits))
+    changed_.notify_all();
 }
 
 void StreamLead::describe(int rank, Description description) {
   const std::lock_guard lock(mutex_);
-  const bool all = described_ == size_t(identity().ranks);  // Then the lead's thread uses them.
-  if (all || parts_.at(size_t(rank))) throw Error("a second description, expected one");
+  conductor_.describe(rank, description.from);
+  Said& said = said_.at(size_t(rank));
+  if (said.from > 0)
+    insitu::checkContinues(*said.meshes, description.meshes);
+  else
+    described_++;
+  for (const insitu::Part& part : said.parts) blocks_ -= part.blocks.size();
   for (const insitu::Part& part : description.parts) blocks_ += part.blocks.size();
   if (blocks_ > insitu::kMostBlocks)
     throw Error("the ranks have more than 2^20 blocks together, expected at most as many");
-  if (described_ == 0)
-    meshes_ = std::move(description.meshes);
-  else
-    insitu::mergeMeshes(meshes_, description.meshes, rank);
-  parts_[size_t(rank)] = std::move(description.parts);
-  if (++described_ == parts_.size()) changed_.notify_all();
+  if (!newestSaid_ || *newestSaid_ != description.meshes)
+    newestSaid_ = std::make_shared<const std::vector<insitu::Mesh>>(std::move(description.meshes));
+  said = {description.from, newestSaid_, std::move(description.parts)};
+  changed_.notify_all();
+}
+
+// With the lock held.
+std::vector<insitu::Mesh> StreamLead::mergedMeshes() const {
+  std::vector<insitu::Mesh> meshes = *said_.front().meshes;
+  for (size_t r = 1; r < said_.size(); r++)
+    if (said_[r].meshes != said_[r - 1].meshes) insitu::mergeMeshes(meshes, *said_[r].meshes, int(r));
+  for (insitu::Mesh& mesh : meshes)  // No rank has cells so far.
+    if (mesh.kind == insitu::Mesh::Kind::Cells && mesh.shape == insitu::Mesh::Shape::Unknown)
+      mesh.shape = insitu::Mesh::Shape::Triangles;
+  return meshes;
 }
 
 void StreamLead::steer(const insitu::Steering& values) {
@@ -173,7 +187,6 @@ void StreamLead::tellEncodings() {
 
 void StreamLead::run() {
   try {
-    awaitDescriptions();
     plan();
     publishSteps();
   } catch (const Ended&) {
@@ -183,31 +196,36 @@ void StreamLead::run() {
   finish();
 }
 
+// Waits until all ranks have said what they have, and none can say anything else of the same publishes.
 void StreamLead::awaitDescriptions() {
-  std::unique_lock lock(mutex_);
-  const auto complete = [&] { return end_ || described_ == size_t(identity().ranks); };
+  const auto begun = Clock::now();
   size_t before = 0;
-  auto last = Clock::now();  // that a rank said what it has
-  while (!changed_.wait_until(lock, Clock::now() + kConnecting, complete)) {
+  auto last = begun;  // that a rank said for the first time what it has
+  std::unique_lock lock(mutex_);
+  while (!end_ && !conductor_.canPlan()) {
+    const bool isAll = described_ == said_.size();
     if (described_ != std::exchange(before, described_)) last = Clock::now();
-    if (described_ > 0 && Clock::now() > last + kGathering)
+    if (described_ > 0 && !isAll && Clock::now() > last + kGathering)
       throw Error("only " + std::to_string(described_) + " of " + std::to_string(identity().ranks) +
                   " ranks of the simulation have published a step within a minute");
+    if (isAll) tell(conductor_.look());
+    changed_.wait_for(lock, kLook);
     lock.unlock();
-    if (part_->connections() == 0) throw Error("no rank of the simulation is connected");
+    if (Clock::now() > begun + kConnecting && part_->connections() == 0)
+      throw Error("no rank of the simulation is connected");
     lock.lock();
   }
   if (end_) throw Ended();
 }
 
 // Where the particles and cells of the first step are, or the simulation says that they will be.
-Box StreamLead::domain() const {
+Box StreamLead::domain(const Bounds& bounds) const {
   Box domain;
   for (size_t m = 0; m < meshes_.size(); m++) {
     if (meshes_[m].kind == insitu::Mesh::Kind::Grid) continue;
     Box box = meshes_[m].box;
     if (box.empty()) {
-      for (const auto& parts : parts_) box.extend((*parts)[m].bounds);
+      for (const std::vector<Box>& ofRank : bounds) box.extend(ofRank[m]);
       if (!box.empty()) {
         const glm::dvec3 more = 0.05 * (box.hi - box.lo);
         box = {box.lo - more, box.hi + more};
@@ -219,23 +237,24 @@ Box StreamLead::domain() const {
 }
 
 // A stream has one partitioning, so that all of its data can be shown together.
-std::shared_ptr<const Partitioning> StreamLead::partitioning() const {
-  const auto first = std::find_if(meshes_.begin(), meshes_.end(),
-                                  [](const insitu::Mesh& m) { return m.kind == insitu::Mesh::Kind::Grid; });
-  std::shared_ptr<const Partitioning> cuts;
-  std::string whose = "the first grid";
+std::shared_ptr<const Partitioning> StreamLead::cut(const Bounds& bounds) const {
   if (wishes_.partition.is_object()) {
     const auto name = wishes_.partition.at("like").get<std::string>();
-    cuts = serverRank_.datasets->getPinned(identity().tenant, name).second.get<Dataset>()->partitioning;
-    whose = inQuotes(name);
-  } else if (first != meshes_.end()) {
-    cuts = automaticPartitioning(first->grid.box(), &first->grid, {}, serverRank_.ranks());
-  } else {
-    return automaticPartitioning(domain(), nullptr, {}, serverRank_.ranks());
+    return serverRank_.datasets->getPinned(identity().tenant, name).second.get<Dataset>()->partitioning;
   }
+  for (const insitu::Mesh& mesh : meshes_)
+    if (mesh.kind == insitu::Mesh::Kind::Grid)
+      return automaticPartitioning(mesh.grid.box(), &mesh.grid, {}, serverRank_.ranks());
+  return automaticPartitioning(domain(bounds), nullptr, {}, serverRank_.ranks());
+}
+
+void StreamLead::checkInside(const Partitioning& partitioning) const {
+  const std::string whose = wishes_.partition.is_object()
+                                ? inQuotes(wishes_.partition.at("like").get<std::string>())
+                                : "the first grid";
   for (const insitu::Mesh& mesh : meshes_) {
     if (mesh.kind != insitu::Mesh::Kind::Grid) continue;
-    const Box data = mesh.grid.box(), domain = cuts->domain();
+    const Box data = mesh.grid.box(), domain = partitioning.domain();
     for (int a = 0; a < 3; a++) {
       const double rounding = 1e-9 * (domain.hi[a] - domain.lo[a]);
       if (data.lo[a] < domain.lo[a] - rounding || data.hi[a] > domain.hi[a] + rounding)
@@ -243,16 +262,15 @@ std::shared_ptr<const Partitioning> StreamLead::partitioning() const {
                     ", whose partitioning it was to share");
     }
   }
-  return cuts;
 }
 
 // The rank that gets the particles and cells of each rank of the simulation: that in whose partitions most of them are, if it can be told
 // from their box. Any will do, as they are brought to where they are drawn.
-std::vector<int> StreamLead::homes(const Partitioning& partitioning) const {
+std::vector<int> StreamLead::homes(const Partitioning& partitioning, const Bounds& bounds) const {
   std::vector<int> homes;
-  for (size_t r = 0; r < parts_.size(); r++) {
+  for (size_t r = 0; r < bounds.size(); r++) {
     Box box;
-    for (const insitu::Part& part : *parts_[r]) box.extend(part.bounds);
+    for (const Box& ofMesh : bounds[r]) box.extend(ofMesh);
     homes.push_back(box.empty() ? int(r) % serverRank_.ranks()
                                 : partitioning.owner(partitioning.nearest(0.5 * box.lo + 0.5 * box.hi)));
   }
@@ -260,9 +278,9 @@ std::vector<int> StreamLead::homes(const Partitioning& partitioning) const {
 }
 
 // Refuses what cannot be kept before anything is made of it.
-void StreamLead::checkRoom(const std::vector<insitu::Mesh>& meshes) const {
+void StreamLead::checkRoom() const {
   int64_t bytes = 0;
-  for (const insitu::Mesh& mesh : meshes) {
+  for (const insitu::Mesh& mesh : meshes_) {
     if (mesh.kind != insitu::Mesh::Kind::Grid) continue;
     const int64_t points = mesh.grid.points[0] * mesh.grid.points[1] * mesh.grid.points[2];
     for (const insitu::Field& field : mesh.fields) bytes += points * int64_t(field.bytesPerPoint());
@@ -274,37 +292,50 @@ void StreamLead::checkRoom(const std::vector<insitu::Mesh>& meshes) const {
                 " bytes of a tenant each cannot keep it");
 }
 
+// Plans where samples go from now on. A simulation whose ranks share a grid in another way goes on in the partitions that there are.
 void StreamLead::plan() {
-  for (insitu::Mesh& mesh : meshes_)  // No rank has cells so far.
-    if (mesh.kind == insitu::Mesh::Kind::Cells && mesh.shape == insitu::Mesh::Shape::Unknown)
-      mesh.shape = insitu::Mesh::Shape::Triangles;
+  awaitDescriptions();
   StreamPlan plan;
-  plan.meshes = meshes_;
-  checkRoom(plan.meshes);
-  plan.blocks.resize(meshes_.size());
-  for (size_t r = 0; r < parts_.size(); r++)
-    for (size_t m = 0; m < meshes_.size(); m++) {
-      const std::vector<Extent>& mine = (*parts_[r])[m].blocks;
-      for (size_t b = 0; b < mine.size(); b++) plan.blocks[m].push_back({int(r), int(b), mine[b]});
-    }
+  uint64_t from = 0;
+  bool isOther = false;  // the meshes are not what they were
+  Bounds bounds(said_.size());
+  {
+    const std::lock_guard lock(mutex_);
+    from = conductor_.described();
+    plan.meshes = mergedMeshes();
+    isOther = plan.meshes != meshes_;
+    meshes_ = plan.meshes;
+    plan.blocks.resize(meshes_.size());
+    for (size_t r = 0; r < said_.size(); r++)
+      for (size_t m = 0; m < meshes_.size(); m++) {
+        const insitu::Part& mine = said_[r].parts[m];
+        for (size_t b = 0; b < mine.blocks.size(); b++)
+          plan.blocks[m].push_back({int(r), int(b), mine.blocks[b]});
+        bounds[r].push_back(mine.bounds);
+      }
+  }
+  checkRoom();
   std::vector<insitu::BlockSearch> searches;
   for (size_t m = 0; m < meshes_.size(); m++) {
     searches.emplace_back(plan.blocks[m]);
     if (meshes_[m].kind == insitu::Mesh::Kind::Grid) checkCover(searches[m], meshes_[m].grid.points);
   }
-  plan.partitioning = partitioning();
-  plan.homes = homes(*plan.partitioning);
-  parts_ = {};
+  if (!partitioning_ || (isOther && !wishes_.partition.is_object())) partitioning_ = cut(bounds);
+  checkInside(*partitioning_);
+  if (homes_.empty()) homes_ = homes(*partitioning_, bounds);
+  plan.partitioning = partitioning_;
+  plan.homes = homes_;
   const Bytes bytes = written(plan);
-  std::vector<std::vector<insitu::Destination>> all = insitu::destinations(
-      identity().ranks, serverRank_.ranks(), {meshes_, searches, plan.homes, *plan.partitioning});
+  const std::vector<std::vector<insitu::Destination>> all = insitu::destinations(
+      identity().ranks, serverRank_.ranks(), {meshes_, searches, homes_, *partitioning_});
   std::set<int> owners;
   for (const auto& list : all)
     for (const insitu::Destination& d : list) owners.insert(d.owner);
   serverRank_.callAll("insitu.plan", {{"stream", identity().id}}, bytes);
   const std::lock_guard lock(mutex_);
-  conductor_.emplace(identity().ranks, std::move(owners));
-  for (size_t r = 0; r < all.size(); r++) part_->send(int(r), {MessageChannel::Plan, 0, written(all[r])});
+  conductor_.plan(from, std::move(owners));
+  for (size_t r = 0; r < all.size(); r++)
+    part_->send(int(r), {MessageChannel::Plan, 0, insitu::written(from, all[r])});
 }
 
 // A step is taken when somebody waits for one, a client or the simulation itself, and else now and then, so that whoever comes
@@ -312,11 +343,21 @@ void StreamLead::plan() {
 void StreamLead::publishSteps() {
   for (;;) {
     const auto begin = Clock::now();
-    publishOne();
-    if (part_->wasUnfit()) publishOne();  // the next one that there is, as it is
+    publishNext();
+    if (part_->wasUnfit()) publishNext();  // as it is
     pullTriggers();
     awaitNext(begin);
   }
+}
+
+// Publishes the next step that there is, by another plan if ranks have something else than before.
+void StreamLead::publishNext() {
+  do {
+    std::unique_lock lock(mutex_);
+    const bool needsPlan = conductor_.needsPlan();
+    lock.unlock();
+    if (needsPlan) plan();
+  } while (!publishOne());
 }
 
 // `begin` is when the last step was begun.
@@ -325,7 +366,7 @@ void StreamLead::awaitNext(Clock::time_point begin) {
   const bool failed = !problem_.empty();
   const auto until = begin + (failed ? kAfterFailure : kUnasked);
   while (!end_ && Clock::now() < until) {
-    if (!failed && (conductor_->isAwaited() || steers())) break;
+    if (!failed && (conductor_.isAwaited() || steers())) break;
     lock.unlock();
     const bool isWanted = !failed && wanted();
     lock.lock();
@@ -344,13 +385,12 @@ void StreamLead::awaitNext(Clock::time_point begin) {
 // appointed, long before it is needed. With the lock held.
 bool StreamLead::isNear(uint64_t publish, Clock::time_point now) {
   constexpr double kSoon = 3;  // times kLook
-  tell(conductor_->look());
-  const Look before = std::exchange(look_, {conductor_->newest(), now});
+  tell(conductor_.look());
+  const Look before = std::exchange(look_, {conductor_.newest(), now});
   const double looks = std::chrono::duration<double>(now - before.at) / kLook;
   if (look_.newest < before.newest || before.newest == 0 || looks <= 0) return publish <= look_.newest + 1;
   const double perLook = double(look_.newest - before.newest) / looks;
-  return double(publish) <=
-         double(look_.newest) + 1 + double(conductor_->counters().margin) + kSoon * perLook;
+  return double(publish) <= double(look_.newest) + 1 + double(conductor_.counters().margin) + kSoon * perLook;
 }
 
 // The publish that will have a step, if the steps between publishes stay what they were. With the lock held.
@@ -391,7 +431,8 @@ bool StreamLead::wanted() const {
   });
 }
 
-void StreamLead::publishOne() {
+// Returns false if there is to be another plan first.
+bool StreamLead::publishOne() {
   std::string problem;
   {
     const std::lock_guard lock(mutex_);
@@ -400,7 +441,7 @@ void StreamLead::publishOne() {
     // A step whose encodings do not fit is left out. A simulation that waits has ruled this out, and thresholds are there for just
     // the steps whose values jump.
     const Triggers::Wants wants = triggers_.wants();
-    const bool isEachNeeded = conductor_->ranksWait() || (wants.any && !wants.from);
+    const bool isEachNeeded = conductor_.ranksWait() || (wants.any && !wants.from);
     encodings_ = isEachNeeded ? insitu::Encodings() : part_->encodings();
   }
   try {
@@ -426,52 +467,62 @@ void StreamLead::publishOne() {
   }
   const std::lock_guard lock(mutex_);
   if (problem.empty()) isPublished();
-  tell(problem.empty() ? conductor_->published() : conductor_->abandon());
-  if (!problem.empty() && problem != problem_ && !end_)
+  tell(problem.empty() ? conductor_.published() : conductor_.abandon());
+  if (!problem.empty() && problem != problem_ && !end_ && !isHeldUp_)
     spdlog::info("rank 0: stream {}: a step is left out: {}", identity().name, problem);
   problem_ = problem;
+  return !std::exchange(isHeldUp_, false);
 }
 
 // With the lock held.
 void StreamLead::isPublished() {
   before_ = newest_;
-  newest_ = {conductor_->step().count, conductor_->step().step, conductor_->step().time};
+  newest_ = {conductor_.step().count, conductor_.step().step, conductor_.step().time};
   const auto seconds = [](Clock::duration d) { return std::chrono::duration<double>(d).count(); };
   seconds_.reserve += seconds(course_.hasRoom - course_.begun);
   seconds_.collect += seconds(course_.collected - course_.taken);
   seconds_.complete += seconds(Clock::now() - course_.collected);
-  late_ = conductor_->latest();
+  late_ = conductor_.latest();
 }
 
 CollectedStep StreamLead::collect(const std::function<void()>& check) {
   std::unique_lock lock(mutex_);
   course_.hasRoom = Clock::now();
   tellEncodings();
-  tell(conductor_->begin(from_));
+  tell(conductor_.begin(from_));
   constexpr auto kNone = Clock::time_point::max();
   auto until = kNone;
   auto appointed = Clock::now();
-  while (!conductor_->isComplete()) {
-    if (!conductor_->someTaken())
+  while (!conductor_.isComplete()) {
+    if (!conductor_.someTaken())
       until = kNone;  // also after a miss
     else if (until == kNone)
       until = Clock::now() + kStepPatience;
     if (until == kNone && Clock::now() > appointed + kAppointed) {
-      tell(conductor_->again());
+      tell(conductor_.again());
       appointed = Clock::now();
     }
     changed_.wait_for(lock, kLook);
     if (end_) throw Error("the stream has ended");
-    if (refused_.count > 0 && refused_.count == conductor_->last()) throw Error(refused_.reason);
+    if (conductor_.isHeldUp()) {
+      isHeldUp_ = true;
+      if (conductor_.ranksWait() && !conductor_.comesAgain())
+        spdlog::warn(
+            "rank 0: stream {}: publish {} is left out, since not all ranks have called gxy_grid again",
+            identity().name, conductor_.last());
+      tell(conductor_.abandon());
+      throw Error("ranks of the simulation have other blocks or another grid than before");
+    }
+    if (refused_.count > 0 && refused_.count == conductor_.last()) throw Error(refused_.reason);
     lock.unlock();
     check();
     lock.lock();
     if (Clock::now() > until)
       throw Error("not all of a step came within " + std::to_string(kStepPatience.count()) +
-                  " s: " + conductor_->missing());
+                  " s: " + conductor_.missing());
   }
   course_.collected = Clock::now();
-  const insitu::StepHeader& step = conductor_->step();
+  const insitu::StepHeader& step = conductor_.step();
   if (newest_.count > 0 && step.step <= newest_.step)
     throw Error("step " + std::to_string(step.step) + " after step " + std::to_string(newest_.step) +
                 ", expected steps that ascend");
@@ -480,7 +531,7 @@ CollectedStep StreamLead::collect(const std::function<void()>& check) {
 
 uint64_t StreamLead::lastAppointed() const {
   const std::lock_guard lock(mutex_);
-  return conductor_ ? conductor_->last() : 0;
+  return conductor_.last();
 }
 
 void StreamLead::finish() {
@@ -510,8 +561,8 @@ json StreamLead::statistics() const {
   json result{{"stream", identity().id},   {"name", identity().name},  {"tenant", identity().tenant},
               {"ranks", identity().ranks}, {"connected", connections}, {"checked", checked},
               {"datasets", fields}};
-  if (conductor_) {
-    const insitu::Conductor::Counters& c = conductor_->counters();
+  if (!meshes_.empty()) {
+    const insitu::Conductor::Counters& c = conductor_.counters();
     result.update(
         {{"published", c.published}, {"missed", c.missed}, {"abandoned", c.abandoned}, {"margin", c.margin}});
     uint64_t bytes = 0;

@@ -89,14 +89,24 @@ class StreamLead {
   };
 
   void run();
+  /// What a rank has said last. Ranks that say the same of the meshes share it.
+  struct Said {
+    uint64_t from = 0;  ///< the publish from which on it is true; 0: the rank has said nothing
+    std::shared_ptr<const std::vector<insitu::Mesh>> meshes;
+    std::vector<insitu::Part> parts;
+  };
+  using Bounds = std::vector<std::vector<Box>>;  ///< of particles and cells, by rank and mesh
   void describe(int rank, insitu::Description description);
   void awaitDescriptions();
-  void checkRoom(const std::vector<insitu::Mesh>& meshes) const;
+  std::vector<insitu::Mesh> mergedMeshes() const;
+  void checkRoom() const;
   void plan();
-  std::shared_ptr<const Partitioning> partitioning() const;
-  Box domain() const;
-  std::vector<int> homes(const Partitioning& partitioning) const;
+  std::shared_ptr<const Partitioning> cut(const Bounds& bounds) const;
+  void checkInside(const Partitioning& partitioning) const;
+  Box domain(const Bounds& bounds) const;
+  std::vector<int> homes(const Partitioning& partitioning, const Bounds& bounds) const;
   void publishSteps();
+  void publishNext();
   void awaitNext(Clock::time_point begin);
   bool wanted() const;
   bool isNear(uint64_t publish, Clock::time_point now);
@@ -107,7 +117,7 @@ class StreamLead {
     uint64_t newest = 0;
     Clock::time_point at;
   } look_;  ///< how many publishes there had been; used by the lead's thread only
-  void publishOne();
+  bool publishOne();
   void isPublished();
   void tell(const std::vector<insitu::Control>& messages);
   void tellEncodings();
@@ -122,15 +132,20 @@ class StreamLead {
   Triggers triggers_;
   mutable std::mutex mutex_;
   std::condition_variable changed_;
-  std::optional<std::string> end_;                               ///< why the stream ends
-  std::vector<std::optional<std::vector<insitu::Part>>> parts_;  ///< by rank, until there is a plan
-  size_t described_ = 0, blocks_ = 0;
-  std::vector<insitu::Mesh> meshes_;  ///< that the first rank has described
+  std::optional<std::string> end_;  ///< why the stream ends
+  std::vector<Said> said_;          ///< by rank
+  std::shared_ptr<const std::vector<insitu::Mesh>> newestSaid_;
+  size_t described_ = 0;              ///< ranks that have said something
+  size_t blocks_ = 0;                 ///< of all ranks
+  std::vector<insitu::Mesh> meshes_;  ///< of the plan; none before there is one. The lead's thread changes it
+  std::shared_ptr<const Partitioning> partitioning_;  ///< the same; used by the lead's thread only
+  std::vector<int> homes_;                            ///< the same
   struct Refused {
     uint64_t count = 0;
     std::string reason;
   } refused_;  ///< the last step that a rank could not keep
-  std::optional<insitu::Conductor> conductor_;
+  insitu::Conductor conductor_;
+  bool isHeldUp_ = false;            ///< the step under way was given up, since there is to be another plan
   insitu::Encodings encodings_;      ///< that the step under way is sent with
   insitu::Encodings toldEncodings_;  ///< to the simulation
   insitu::Steering steering_;        ///< values that were ever steered

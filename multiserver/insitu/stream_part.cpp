@@ -55,13 +55,10 @@ void StreamPart::plan(StreamPlan plan) {
        insitu::piecesFor(serverRank_.rank(), {plan.meshes, searches, plan.homes, *plan.partitioning}))
     pieces[size_t(piece.rank)].push_back(piece);
   std::vector<std::vector<Place>> places(pieces.size());
-  std::vector<Receiver::Source> sources;
-  for (size_t r = 0; r < pieces.size(); r++) {
-    sources.push_back(itemsOf(pieces[r], plan.meshes));
+  for (size_t r = 0; r < pieces.size(); r++)
     for (const Piece& piece : pieces[r])
       for (size_t a = 0; a < arraysOf(plan.meshes[size_t(piece.mesh)]).size(); a++)
         places[r].push_back({piece, a});
-  }
   std::vector<std::optional<GhostPlan>> ghosts(plan.meshes.size());
   for (size_t m = 0; m < ghosts.size(); m++)
     if (plan.meshes[m].kind == insitu::Mesh::Kind::Grid)
@@ -71,8 +68,20 @@ void StreamPart::plan(StreamPlan plan) {
   plan_ = std::move(plan);
   pieces_ = std::move(pieces);
   places_ = std::move(places);
-  receiver_.emplace(std::move(sources));
   ghosts_ = std::move(ghosts);
+  expect(expected_);
+}
+
+// Steps come by the plan, and with these encodings. With the lock held.
+void StreamPart::expect(const insitu::Encodings& encodings) {
+  const std::vector<insitu::Mesh> sent = encoded(plan_->meshes, encodings);
+  std::vector<Receiver::Source> sources;
+  for (const auto& pieces : pieces_) sources.push_back(itemsOf(pieces, sent));
+  if (receiver_)
+    receiver_->expect(std::move(sources));
+  else
+    receiver_.emplace(std::move(sources));
+  expected_ = encodings;
 }
 
 bool StreamPart::connect(int rank, std::shared_ptr<DataLink> link, insitu::Checksum checksum) {
@@ -166,13 +175,7 @@ void StreamPart::makeRoom(const insitu::Encodings& encodings) {
       rooms.push_back(std::make_unique<CellsRoom>(mesh, take));
   }
   const std::lock_guard lock(mutex_);
-  if (encodings != expected_) {
-    const std::vector<insitu::Mesh> sent = encoded(plan_->meshes, encodings);
-    std::vector<Receiver::Source> sources;
-    for (const auto& pieces : pieces_) sources.push_back(itemsOf(pieces, sent));
-    receiver_->expect(std::move(sources));
-    expected_ = encodings;
-  }
+  if (encodings != expected_) expect(encodings);
   unfit_ = false;
   rooms_ = std::move(rooms);
   receiver_->open();

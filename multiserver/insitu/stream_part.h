@@ -61,7 +61,7 @@ class StreamPart {
   bool shows(const insitu::Hello& hello)
       const;  ///< whether it is of this stream; takes the same time for any ticket
 
-  /// Says what comes.
+  /// Says what comes. Only while no step is collected.
   void plan(StreamPlan plan);
 
   /// A connection of rank `rank` of the simulation, whose pieces have checksums of this kind. False: there is one already, or the
@@ -89,6 +89,7 @@ class StreamPart {
   bool wasUnfit() const;
 
  private:
+  void expect(const insitu::Encodings& encodings);
   void makeRoom(const insitu::Encodings& encodings);
   void takeRoom(const CollectedStep& step);
   void complete(Publication& publication, const CollectedStep& step, const insitu::Encodings& encodings,

@@ -16,6 +16,7 @@
 #include "insitu/plan/encodings.h"
 #include "insitu/plan/receiver.h"
 #include "insitu/plan/records.h"
+#include "tests/insitu/planned.h"
 
 using namespace gxy;
 using namespace gxy::insitu;
@@ -81,9 +82,14 @@ void show(std::span<const std::byte> bytes) {
   dropUnusable(block, kind);
 }
 
+void readPlan(std::span<const std::byte> bytes) {
+  takeFrom(bytes);
+  readDestinations(bytes, 0, allKinds());
+}
+
 // The bytes are events: a kind, a rank, and numbers.
 void converse(std::span<const std::byte> bytes) {
-  Conductor conductor(2, {0, 1});
+  Conductor conductor = test::planned(2, {0, 1});
   // Rank 0 sends two arrays of a grid, rank 1 two of particles, and three of cells.
   Receiver receiver(
       {{{1, 12}, {2, 4}}, {{0, 4, 1, true}, {0, 2, 1}, {0, 4, 2, true}, {0, 1, 3, true}, {0, 4, 4, true}}});
@@ -91,7 +97,7 @@ void converse(std::span<const std::byte> bytes) {
   for (; bytes.size() >= 4; bytes = bytes.subspan(4)) {
     const auto at = [&](size_t i) { return uint64_t(bytes[i]); };
     const int rank = int(at(1) & 1);
-    switch (at(0) % 12) {
+    switch (at(0) % 14) {
       case 0:
         if (!collecting) conductor.begin(), receiver.open(), collecting = true;
         break;
@@ -129,8 +135,14 @@ void converse(std::span<const std::byte> bytes) {
       case 10:
         if (!collecting) conductor.begin(at(2)), receiver.open(), collecting = true;
         break;
+      case 11:
+        conductor.describe(rank, at(2));
+        break;
+      case 12:
+        if (conductor.needsPlan() && conductor.canPlan()) conductor.plan(conductor.described(), {rank});
+        break;
       default:
-        conductor.missing();
+        conductor.missing(), conductor.isHeldUp();
     }
   }
 }
@@ -146,7 +158,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
         describe(bytes);
         break;
       case 1:
-        readDestinations(bytes, 0, allKinds());
+        readPlan(bytes);
         break;
       case 2:
         readControl(bytes);

@@ -137,7 +137,22 @@ TEST(Interface, WrongGridsAndFieldsAreToldAndChangeNothing) {
   EXPECT_NE(gxy_publish(s.sim, 5, 0), GXY_WRONG);
   s.expectWrong(gxy_publish(s.sim, 5, 0), "expected steps that ascend");
   s.expectWrong(s.field("u", s.array()), "after the first step");
-  s.expectWrong(s.grid(), "after the first step");
+  const int64_t half[3] = {4, 4, 2};
+  const auto grid = [&](const char* mesh, int of, const int64_t* count) {
+    return gxy_grid(s.sim, mesh, 0, of, kSize, kFirst, count, kOrigin, kSpacing);
+  };
+  s.expectWrong(grid("other", GXY_OF_POINTS, kSize), "a new mesh \"other\" after the first step");
+  s.expectWrong(grid("grid", GXY_OF_CELLS, kSize), "cells beside points");
+  EXPECT_EQ(s.grid(), GXY_TAKEN);
+  EXPECT_NE(gxy_publish(s.sim, 6, 0), GXY_WRONG) << "the block and its fields are those of before";
+  EXPECT_EQ(gxy_wanted(s.sim, 7, 0), 0);
+  s.expectWrong(grid("grid", GXY_OF_POINTS, half), "another grid or block after gxy_wanted");
+  EXPECT_EQ(s.grid(), GXY_TAKEN);
+  EXPECT_NE(gxy_publish(s.sim, 7, 0), GXY_WRONG);
+  EXPECT_EQ(grid("grid", GXY_OF_POINTS, half), GXY_TAKEN);
+  s.expectWrong(gxy_publish(s.sim, 8, 0), "block 0 of mesh \"grid\" has no field \"t\" since it has changed");
+  EXPECT_EQ(s.field("t", s.array()), GXY_TAKEN);
+  EXPECT_NE(gxy_publish(s.sim, 8, 0), GXY_WRONG);
 }
 
 TEST(Interface, WrongParticlesAreToldAndChangeNothing) {

@@ -10,6 +10,7 @@
 #include "insitu/plan/conductor.h"
 #include "insitu/plan/receiver.h"
 #include "insitu/plan/sender.h"
+#include "tests/insitu/planned.h"
 
 namespace gxy::insitu {
 namespace {
@@ -29,19 +30,19 @@ uint64_t appointed(Conductor& conductor, std::vector<uint64_t> newest) {
 }
 
 TEST(Conductor, AppointsThePublishAfterTheNewestOfAllRanks) {
-  Conductor conductor(3, {0});
+  Conductor conductor = test::planned(3, {0});
   EXPECT_EQ(appointed(conductor, {7, 9, 8}), 10u);
 }
 
 TEST(Conductor, AppointsLaterOnesOnly) {
-  Conductor conductor(1, {0});
+  Conductor conductor = test::planned(1, {0});
   EXPECT_EQ(appointed(conductor, {0}), 1u);
   EXPECT_EQ(conductor.abandon(), (Messages{{Kind::Cancel, 1, 0}}));
   EXPECT_EQ(appointed(conductor, {0}), 2u) << "chunks of the first may still be on their way";
 }
 
 TEST(Conductor, AsksAnewAfterAMissAndAppointsFurtherAhead) {
-  Conductor conductor(2, {0});
+  Conductor conductor = test::planned(2, {0});
   EXPECT_EQ(appointed(conductor, {5, 5}), 6u);
   const Messages then = conductor.receive(1, {Kind::Missed, 6, 8});
   EXPECT_EQ(then, (Messages{{Kind::Cancel, 6, 0}, {Kind::AskNewest, 2, 0}}));
@@ -53,14 +54,14 @@ TEST(Conductor, AsksAnewAfterAMissAndAppointsFurtherAhead) {
 }
 
 TEST(Conductor, DoesNotAppointFurtherAheadForARankThatHasNoRoom) {
-  Conductor conductor(1, {0});
+  Conductor conductor = test::planned(1, {0});
   EXPECT_EQ(appointed(conductor, {5}), 6u);
   conductor.receive(0, {Kind::Missed, 6, 5});
   EXPECT_EQ(conductor.counters().margin, 0u);
 }
 
 TEST(Conductor, AppointsLessFarAheadIfNobodyComesToIt) {
-  Conductor conductor(1, {0});
+  Conductor conductor = test::planned(1, {0});
   EXPECT_EQ(conductor.again(), Messages{}) << "there is no appointment";
   EXPECT_EQ(appointed(conductor, {5}), 6u);
   EXPECT_EQ(conductor.again(), Messages{}) << "it is the next publish";
@@ -72,7 +73,7 @@ TEST(Conductor, AppointsLessFarAheadIfNobodyComesToIt) {
 }
 
 TEST(Conductor, AppointsTheNextPublishForRanksThatWait) {
-  Conductor conductor(1, {});
+  Conductor conductor = test::planned(1, {});
   EXPECT_EQ(appointed(conductor, {5}), 6u);
   Messages asked = conductor.receive(0, {Kind::Missed, 6, 8});  // so there is a margin now
   EXPECT_FALSE(conductor.isAwaited());
@@ -95,12 +96,12 @@ TEST(Conductor, AppointsTheNextPublishForRanksThatWait) {
 
 TEST(Sender, TellsEachServerOnceWhatItWaitsFor) {
   Sender sender;
-  sender.begin({});
+  sender.begin();
   EXPECT_EQ(sender.waits(), std::nullopt);
   sender.await();
   EXPECT_EQ(sender.waits(), (Control{Kind::Waits, 1, 0}));
   EXPECT_EQ(sender.waits(), std::nullopt);
-  sender.begin({});  // with another server
+  sender.begin();  // with another server
   EXPECT_EQ(sender.waits(), (Control{Kind::Waits, 1, 0}));
   sender.publish();  // The time was out.
   sender.await();
@@ -108,13 +109,13 @@ TEST(Sender, TellsEachServerOnceWhatItWaitsFor) {
   sender.receive({Kind::AskNewest, 1, 0});
   EXPECT_EQ(sender.waits(), (Control{Kind::Waits, 2, 0}));
   sender.publish();
-  sender.begin({});
+  sender.begin();
   EXPECT_EQ(sender.waits(), std::nullopt);
 }
 
 TEST(Sender, SaysNothingWhileItHasNoRoom) {
   Sender sender;
-  sender.begin({{0, {{1, 4}}}});
+  sender.expect({{0, {{1, 4}}}});
   EXPECT_EQ(sender.receive({Kind::Appoint, 1, 0}), std::nullopt);
   EXPECT_TRUE(sender.publish());
   EXPECT_EQ(sender.receive({Kind::Cancel, 1, 0}), std::nullopt);
@@ -128,7 +129,7 @@ TEST(Sender, SaysNothingWhileItHasNoRoom) {
 }
 
 TEST(Conductor, IgnoresAnswersToOlderQuestions) {
-  Conductor conductor(1, {0});
+  Conductor conductor = test::planned(1, {0});
   conductor.begin();
   EXPECT_EQ(conductor.abandon(), Messages{});
   const Messages asked = conductor.begin();
@@ -137,7 +138,7 @@ TEST(Conductor, IgnoresAnswersToOlderQuestions) {
 }
 
 TEST(Conductor, LeavesOutPublishesThatAreNotNeeded) {
-  Conductor conductor(1, {});
+  Conductor conductor = test::planned(1, {});
   const auto answer = [&](const Messages& asked, uint64_t newest) {
     return conductor.receive(0, {Kind::Newest, asked.back().count, newest});
   };
@@ -154,7 +155,7 @@ TEST(Conductor, LeavesOutPublishesThatAreNotNeeded) {
 }
 
 TEST(Conductor, LooksHowManyPublishesThereHaveBeen) {
-  Conductor conductor(2, {});
+  Conductor conductor = test::planned(2, {});
   const Messages asked = conductor.look();
   ASSERT_EQ(asked.size(), 1u);
   EXPECT_EQ(conductor.look(), Messages{}) << "it has asked";
@@ -171,7 +172,7 @@ TEST(Conductor, LooksHowManyPublishesThereHaveBeen) {
 }
 
 TEST(Conductor, KnowsWhichRankTookTheStepLast) {
-  Conductor conductor(3, {0});
+  Conductor conductor = test::planned(3, {0});
   const uint64_t count = appointed(conductor, {4, 4, 4});
   EXPECT_EQ(conductor.latest(), -1);
   for (const int rank : {2, 0, 1}) {
@@ -185,7 +186,7 @@ TEST(Conductor, KnowsWhichRankTookTheStepLast) {
 }
 
 TEST(Conductor, IsCompleteWithTheWordOfAllRanksAndAllSamples) {
-  Conductor conductor(2, {1});
+  Conductor conductor = test::planned(2, {1});
   const uint64_t count = appointed(conductor, {0, 0});
   conductor.receive(0, StepHeader{count, 70, 0.5});
   conductor.complete(1, count);
@@ -202,7 +203,7 @@ TEST(Conductor, IsCompleteWithTheWordOfAllRanksAndAllSamples) {
 
 TEST(Conductor, RefusesRanksThatDisagreeAndTakesTimesThatAreUnknown) {
   constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
-  Conductor conductor(3, {});
+  Conductor conductor = test::planned(3, {});
   const uint64_t count = appointed(conductor, {0, 0, 0});
   conductor.receive(0, StepHeader{count, 70, kUnknown});
   EXPECT_NO_THROW(conductor.receive(1, StepHeader{count, 70, kUnknown}));
@@ -210,13 +211,13 @@ TEST(Conductor, RefusesRanksThatDisagreeAndTakesTimesThatAreUnknown) {
 }
 
 TEST(Conductor, RefusesWhatOnlyServersSay) {
-  Conductor conductor(1, {0});
+  Conductor conductor = test::planned(1, {0});
   EXPECT_THROW(conductor.receive(0, Control{Kind::Appoint, 1, 0}), Error);
 }
 
 TEST(Sender, SaysThatAStepWithoutRoomForItsCopyIsMissed) {
   Sender sender;
-  sender.begin({{0, {{1, 4}}}});
+  sender.expect({{0, {{1, 4}}}});
   EXPECT_EQ(sender.receive({Kind::Appoint, 1, 0}), std::nullopt);
   EXPECT_TRUE(sender.publish());
   sender.notFilled(true);
@@ -235,7 +236,7 @@ TEST(Sender, SendsAsManyPointsCellsAndCornersAsThereAre) {
   // Positions, a field of points; types, ends; corners.
   const std::vector<Item> items{{0, 24, 3, true}, {0, 4, 3}, {0, 1, 4, true}, {0, 4, 4}, {0, 4, 5, true}};
   Sender sender;
-  sender.begin({{0, items}});
+  sender.expect({{0, items}});
   Receiver receiver({items});
   uint64_t count = 0;
   for (const Counts& counts :
@@ -266,7 +267,7 @@ TEST(Sender, SendsAsManyPointsCellsAndCornersAsThereAre) {
 
 TEST(Sender, SendsAsManyParticlesAsThereAre) {
   Sender sender;
-  sender.begin({{0, {{2, 4}, {0, 24, 1, true}, {0, 8, 1}}}, {1, {{0, 24, 2, true}}}});
+  sender.expect({{0, {{2, 4}, {0, 24, 1, true}, {0, 8, 1}}}, {1, {{0, 24, 2, true}}}});
   uint64_t count = 0;
   for (const uint64_t particles : {3, 0, 50000}) {
     sender.receive({Kind::Appoint, ++count, 0});
@@ -293,7 +294,7 @@ TEST(Sender, SendsAsManyParticlesAsThereAre) {
 
 TEST(Sender, SendsStepsOfAnotherFormFromTheNextOneOn) {
   Sender sender;
-  sender.begin({{0, {{2, 8}}}});
+  sender.expect({{0, {{2, 8}}}});
   Receiver receiver({{{2, 8}}});
   uint64_t count = 0;
   for (const uint64_t bytes : {8, 4, 4, 8}) {

@@ -28,7 +28,7 @@ inline insitu::Description described() {
   grid.name = "grid";
   grid.grid.points = {8, 8, 8};
   grid.fields = {{"t", ScalarType::Float32, 1}};
-  return {{grid}, {{{{{0, 0, 0}, {8, 8, 8}}}, {}}}};
+  return {1, {grid}, {{{{{0, 0, 0}, {8, 8, 8}}}, {}}}};
 }
 
 }  // namespace gxy::test

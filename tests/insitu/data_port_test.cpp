@@ -131,7 +131,7 @@ TEST(DataPort, ARankConnectsOnce) {
 
 TEST(DataPort, WrongMessagesEndTheStreamWithAReason) {
   Port p;
-  p.expectEnds(message(MessageChannel::Describe, written(described())), "a second description");
+  p.expectEnds(message(MessageChannel::Describe, written(described())), "expected one of publishes after 1");
   p.expectEnds(message(MessageChannel::Describe, Bytes(3)), "description of a simulation's data");
   p.expectEnds(message(MessageChannel::DataControl, Bytes(3)), "control message");
   p.expectEnds(message(MessageChannel::Plan, Bytes(3)), "on channel 18, on which none may come");

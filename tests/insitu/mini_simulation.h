@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstring>
 #include <memory>
+#include <set>
 #include <string>
 #include <thread>
 #include <vector>
@@ -101,28 +102,40 @@ class MiniSimulation {
   MiniSimulation(std::string name, const Grid& grid, std::vector<insitu::Block> blocks, int ranks,
                  std::vector<MiniField> fields, Layout layout, const std::string& options,
                  int of = GXY_OF_POINTS, int only = -1)
-      : grid_(grid), fields_(std::move(fields)), of_(of) {
+      : grid_(grid), fields_(std::move(fields)), layout_(layout), of_(of) {
     for (int r = 0; r < ranks; r++)
       sims_.emplace_back(only < 0 || r == only ? gxy_open(name.c_str(), r, ranks, options.c_str()) : nullptr,
                          [](gxy_sim* s) { gxy_close(s, 0); });
-    std::vector<bool> has(size_t(ranks), false);
+    blocks_.resize(size_t(ranks));
+    decompose(grid, blocks);
+  }
+
+  /// The ranks have other blocks from now on, and perhaps another grid. `some`: only these ranks have, and tell it; none: all of them.
+  void decompose(const Grid& grid, const std::vector<insitu::Block>& blocks, const std::set<int>& some = {}) {
+    grid_ = grid;
+    const auto tells = [&](int r) { return rank(r) && (some.empty() || some.count(r) > 0); };
+    std::erase_if(arrays_, [&](const Array& a) { return tells(a.rank); });
+    std::vector<int> now(sims_.size());
     for (const insitu::Block& b : blocks) {
-      has[size_t(b.rank)] = true;
-      if (!rank(b.rank)) continue;
+      if (!tells(b.rank)) continue;
+      now[size_t(b.rank)]++;
       tell(b, b.extent.points);
       for (size_t f = 0; f < fields_.size(); f++) {
-        arrays_.push_back({f, std::make_unique<MiniArray>(fields_[f], b.extent, layout)});
+        arrays_.push_back({b.rank, f, std::make_unique<MiniArray>(fields_[f], b.extent, layout_)});
         results_ |= gxy_field(rank(b.rank), "grid", b.index, fields_[f].name.c_str(), of_,
-                              arrays_.back().second->array());
+                              arrays_.back().values->array());
       }
     }
-    for (int r = 0; r < ranks; r++)
-      if (!has[size_t(r)] && rank(r)) {
-        tell({r, 0, {}}, {0, 0, 0});
+    for (int r = 0; r < int(sims_.size()); r++) {
+      if (!tells(r)) continue;
+      for (int b = now[size_t(r)]; b < std::max(1, blocks_[size_t(r)]); b++) {
+        tell({r, b, {}}, {0, 0, 0});
         for (const MiniField& f : fields_)
-          results_ |= gxy_field(rank(r), "grid", 0, f.name.c_str(), of_,
+          results_ |= gxy_field(rank(r), "grid", b, f.name.c_str(), of_,
                                 {nullptr, int(f.type), f.components, {0, 0, 0}, 0, 0});
       }
+      blocks_[size_t(r)] = now[size_t(r)];
+    }
   }
 
   gxy_sim* rank(int r) { return sims_[size_t(r)].get(); }
@@ -161,7 +174,7 @@ class MiniSimulation {
 
  private:
   void fill(int64_t step) {
-    for (auto& [field, array] : arrays_) array->fill(grid_, step, field);
+    for (Array& a : arrays_) a.values->fill(grid_, step, a.field);
   }
   template <class Action>
   void onThreads(Action action) {
@@ -176,9 +189,16 @@ class MiniSimulation {
 
   Grid grid_;
   std::vector<MiniField> fields_;
+  const Layout layout_;
   const int of_;
   std::vector<std::unique_ptr<gxy_sim, void (*)(gxy_sim*)>> sims_;
-  std::vector<std::pair<size_t, std::unique_ptr<MiniArray>>> arrays_;  ///< with the number of their field
+  std::vector<int> blocks_;  ///< by rank: how many
+  struct Array {
+    int rank = 0;
+    size_t field = 0;
+    std::unique_ptr<MiniArray> values;
+  };
+  std::vector<Array> arrays_;
   int results_ = 0;
   int64_t step_ = 0;
 };

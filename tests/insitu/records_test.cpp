@@ -34,7 +34,8 @@ Description described() {
                     {"Normals", ScalarType::Float32, 3},
                     {"region", ScalarType::Int16, 1, true}};
   const Box box{glm::dvec3(1), glm::dvec3(2)};
-  return {{grid, atoms, surface},
+  return {7,
+          {grid, atoms, surface},
           {{{{{0, 0, 0}, {8, 9, 5}}, {{0, 0, 5}, {8, 4, 5}}}, {}}, {{}, box}, {{}, box}}};
 }
 
@@ -56,11 +57,36 @@ void expectRefused(const std::function<void(Description&)>& change, const std::s
 
 TEST(Records, DescriptionsAreReadAsWritten) {
   const Description d = described(), read = readDescription(written(d));
+  EXPECT_EQ(read.from, 7u);
   EXPECT_EQ(read.meshes, d.meshes);
   ASSERT_EQ(read.parts.size(), 3u);
   EXPECT_EQ(read.parts[0].blocks, d.parts[0].blocks);
   EXPECT_EQ(read.parts[1].bounds, d.parts[1].bounds);
   EXPECT_EQ(read.parts[2].bounds, d.parts[2].bounds);
+}
+
+TEST(Records, OnlySizesOriginsAndSpacingsOfGridsMayChange) {
+  const std::vector<Mesh> before = described().meshes;
+  const auto refused = [&](const std::function<void(std::vector<Mesh>&)>& change) {
+    std::vector<Mesh> now = before;
+    change(now);
+    return errorOf([&] { checkContinues(before, now); }).find("other meshes or fields than before") !=
+           std::string::npos;
+  };
+  EXPECT_FALSE(refused([](auto&) {}));
+  EXPECT_FALSE(refused([](auto& m) {
+    m[0].grid.points = {4, 5, 6};
+    m[0].grid.origin.y = 9;
+    m[0].grid.spacing.z = 3;
+  }));
+  EXPECT_TRUE(refused([](auto& m) { m[0].grid.rim = !m[0].grid.rim; }));
+  EXPECT_TRUE(refused([](auto& m) { m[0].name = "other"; }));
+  EXPECT_TRUE(refused([](auto& m) { m[0].fields[0].type = ScalarType::UInt8; }));
+  EXPECT_TRUE(refused([](auto& m) { m[0].fields.pop_back(); }));
+  EXPECT_TRUE(refused([](auto& m) { m[1].ids = !m[1].ids; }));
+  EXPECT_TRUE(refused([](auto& m) { m[1].box.hi.x++; }));
+  EXPECT_TRUE(refused([](auto& m) { m.pop_back(); }));
+  EXPECT_FALSE(refused([](auto& m) { m[2].shape = Mesh::Shape::Unknown; }));
 }
 
 TEST(Records, NormalsAreNoDatasetByThemselves) {
@@ -98,6 +124,7 @@ TEST(Records, RanksAgreeAboutMeshesAndWhatCellsBecome) {
 }
 
 TEST(Records, WrongDescriptionsSayWhatWasExpected) {
+  expectRefused([](Description& d) { d.from = 0; }, "from publish 0, expected 1 or more");
   expectRefused([](Description& d) { d.meshes[0].grid.points[1] = 1; }, "expected 2 to 2^31 by axis");
   expectRefused([](Description& d) { d.meshes[0].grid.points = {1 << 30, 1 << 30, 1 << 30}; }, "2^46 in all");
   expectRefused([](Description& d) { d.meshes[0].grid.spacing[2] = 0; }, "a spacing above 0");
@@ -148,11 +175,16 @@ TEST(Records, PlansOutsideTheBlocksOfARankAreRefused) {
   const std::vector<Destination> plan{
       {1, {{3, 0, 1, 7, {{0, 0, 1}, {8, 9, 4}}, 0}, {3, 0, 1, -1, {}, 1}, {3, 0, 1, -1, {}, 2}}},
       {2, {{3, 1, 2, 8, mine.parts[0].blocks[1], 0}}}};
-  EXPECT_EQ(readDestinations(written(plan), 3, mine), plan);
+  const auto read = [&](const Bytes& message) {
+    std::span<const std::byte> rest = message;
+    EXPECT_EQ(takeFrom(rest), 12);
+    return readDestinations(rest, 3, mine);
+  };
+  EXPECT_EQ(read(written(12, plan)), plan);
   const auto expectRefused = [&](const std::function<void(std::vector<Destination>&)>& change) {
     auto other = plan;
     change(other);
-    EXPECT_NE(errorOf([&] { readDestinations(written(other), 3, mine); }), "");
+    EXPECT_NE(errorOf([&] { read(written(12, other)); }), "");
   };
   expectRefused([](auto& p) { p[1].pieces[0].block = 2; });
   expectRefused([](auto& p) { p[1].pieces[0].points.points[1]++; });
@@ -240,7 +272,11 @@ TEST(Records, BytesThatNobodyWroteAreRefusedOrReadWithoutHarm) {
     for (uint64_t n = random.below(4); n > 0 && !bytes.empty(); n--)
       bytes[random.below(bytes.size())] = std::byte(random.below(256));
     errorOf([&] { readDescription(bytes); });
-    errorOf([&] { readDestinations(bytes, 0, mine); });
+    errorOf([&] {
+      std::span<const std::byte> rest = bytes;
+      takeFrom(rest);
+      readDestinations(rest, 0, mine);
+    });
     errorOf([&] { readControl(bytes); });
     errorOf([&] { readStep(bytes); });
     errorOf([&] { readHello(bytes); });

@@ -249,6 +249,10 @@ class Simulation:
         first, count: the first point or cell that this rank owns, and how many. Without a count, all behind the first.
         origin, spacing: point (i, j, k) lies at origin + spacing * (i, j, k).
         block: a rank with several boxes calls this for each, with 0, 1, ...; one that owns nothing gives a count of (0, 0, 0).
+
+        Called again, it changes what the block is from the next publish on; its fields have to be told again. Another size, origin or spacing
+        removes all blocks of the mesh, and all ranks tell it before the same publish. With the policy "wait", all ranks
+        call this whenever one of them does.
         """
         if of not in _OF:
             raise ValueError(f"of: found {of!r}, expected \"points\" or \"cells\"")
