@@ -97,7 +97,8 @@ typedef struct gxy_sim gxy_sim;
  *   "token-file"  file with the server's token, "-" for none; default: where a server on this machine leaves it
  *   "tenant"      for servers without tokens (default: "user")
  *   "scope"       "private" (the default) or "shared": who sees the data
- *   "partition"   "even" (the default), or {"like": DATASET}: how the server cuts the data
+ *   "partition"   how the server cuts the data: "even" (the default), "simulation" (the default with "here"), by the blocks of the first
+ *                 grid, or {"like": DATASET}
  *   "policy"      "skip" (the default): gxy_publish() never waits, and steps may be left out; or "wait": it waits until its step is taken
  *   "time-out"    with "wait": at most so many seconds; null: for ever. It must be given
  *   "every"       only the first of so many publishes is offered (default: 1)

@@ -139,7 +139,8 @@ Options readOptions(const char* text) {
   options.scope = word(object, "scope", options.scope);
   if (options.scope != "private" && options.scope != "shared")
     throw Error("option \"scope\": found \"" + options.scope + "\", expected \"private\" or \"shared\"");
-  options.partition = object.value("partition", json("even")).dump();
+  const char* usual = where(object) == "here" ? "simulation" : "even";
+  options.partition = object.value("partition", json(usual)).dump();
   options.steerable = steerable(object.value("steerable", json::array())).dump();
   const json triggers = object.value("triggers", json::array());
   if (!triggers.is_array() && !triggers.is_string())

@@ -41,6 +41,26 @@ std::vector<Piece> piecesFor(int owner, const Layout& layout) {
   return all;
 }
 
+Partitioning partitionsOf(const Grid& grid, std::span<const Block> blocks, int ranks, int owners) {
+  const Box domain = grid.box();
+  // Cells are cut at their faces, between their centres.
+  const double before = grid.rim ? 0.5 : 0;
+  std::vector<Box> boxes;
+  std::vector<int32_t> ownersOfBoxes;
+  for (const Block& block : blocks) {
+    Box box = domain;
+    for (int a = 0; a < 3; a++) {
+      const int64_t first = block.extent.first[size_t(a)], end = first + block.extent.points[size_t(a)];
+      if (first > 0) box.lo[a] = grid.origin[a] + grid.spacing[a] * (double(first) - before);
+      if (end < grid.points[size_t(a)]) box.hi[a] = grid.origin[a] + grid.spacing[a] * (double(end) - before);
+    }
+    if (!(box.lo.x < box.hi.x && box.lo.y < box.hi.y && box.lo.z < box.hi.z)) continue;
+    boxes.push_back(box);
+    ownersOfBoxes.push_back(int32_t(int64_t(block.rank) * owners / ranks));
+  }
+  return Partitioning::fromBoxes(boxes, std::move(ownersOfBoxes));
+}
+
 std::vector<std::vector<Destination>> destinations(int ranks, int owners, const Layout& layout) {
   std::vector<std::vector<Destination>> all(static_cast<size_t>(ranks));
   for (int owner = 0; owner < owners; owner++)

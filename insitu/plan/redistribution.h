@@ -40,6 +40,12 @@ std::vector<Piece> piecesFor(int owner, const Grid& grid, const Partitioning& pa
 /// Returns the pieces of all meshes for rank `owner`, mesh by mesh. Each rank of Galaxy calls it for itself.
 std::vector<Piece> piecesFor(int owner, const Layout& layout);
 
+/// Returns a partitioning of the grid whose partitions are the blocks, so that no sample goes to another rank of Galaxy than the one
+/// that takes its rank's place: rank r of n goes to r * owners / n. The blocks have all points of the grid (checkCover()). Points of a
+/// block without cells, at the end of the grid, are in the partition of the cells beside them. Throws Error if blocks lie so
+/// irregularly that a partitioning cannot have them (Partitioning::fromBoxes()).
+Partitioning partitionsOf(const Grid& grid, std::span<const Block> blocks, int ranks, int owners);
+
 /// A rank of Galaxy that a rank of the simulation sends to, and what: the pieces in the order in which they are sent.
 struct Destination {
   int owner = 0;

@@ -237,14 +237,19 @@ Box StreamLead::domain(const Bounds& bounds) const {
 }
 
 // A stream has one partitioning, so that all of its data can be shown together.
-std::shared_ptr<const Partitioning> StreamLead::cut(const Bounds& bounds) const {
+std::shared_ptr<const Partitioning> StreamLead::cut(const StreamPlan& plan, const Bounds& bounds) const {
   if (wishes_.partition.is_object()) {
     const auto name = wishes_.partition.at("like").get<std::string>();
     return serverRank_.datasets->getPinned(identity().tenant, name).second.get<Dataset>()->partitioning;
   }
-  for (const insitu::Mesh& mesh : meshes_)
-    if (mesh.kind == insitu::Mesh::Kind::Grid)
-      return automaticPartitioning(mesh.grid.box(), &mesh.grid, {}, serverRank_.ranks());
+  for (size_t m = 0; m < meshes_.size(); m++) {
+    if (meshes_[m].kind != insitu::Mesh::Kind::Grid) continue;
+    const Grid& grid = meshes_[m].grid;
+    if (wishes_.partition != "simulation")
+      return automaticPartitioning(grid.box(), &grid, {}, serverRank_.ranks());
+    return std::make_shared<const Partitioning>(
+        insitu::partitionsOf(grid, plan.blocks[m], identity().ranks, serverRank_.ranks()));
+  }
   return automaticPartitioning(domain(bounds), nullptr, {}, serverRank_.ranks());
 }
 
@@ -292,7 +297,8 @@ void StreamLead::checkRoom() const {
                 " bytes of a tenant each cannot keep it");
 }
 
-// Plans where samples go from now on. A simulation whose ranks share a grid in another way goes on in the partitions that there are.
+// Plans where samples go from now on. A simulation whose ranks share a grid in another way goes on in the partitions that there are,
+// unless these are to be its own.
 void StreamLead::plan() {
   awaitDescriptions();
   StreamPlan plan;
@@ -320,7 +326,8 @@ void StreamLead::plan() {
     searches.emplace_back(plan.blocks[m]);
     if (meshes_[m].kind == insitu::Mesh::Kind::Grid) checkCover(searches[m], meshes_[m].grid.points);
   }
-  if (!partitioning_ || (isOther && !wishes_.partition.is_object())) partitioning_ = cut(bounds);
+  const bool follows = wishes_.partition == "simulation" || (isOther && !wishes_.partition.is_object());
+  if (!partitioning_ || follows) partitioning_ = cut(plan, bounds);
   checkInside(*partitioning_);
   if (homes_.empty()) homes_ = homes(*partitioning_, bounds);
   plan.partitioning = partitioning_;

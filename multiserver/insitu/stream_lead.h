@@ -23,7 +23,7 @@ namespace gxy {
 /// What the first rank that joins asks for; the others must ask for the same.
 struct StreamWishes {
   Scope scope = Scope::Private;
-  nlohmann::json partition = "even";  ///< or {"like": DATASET}
+  nlohmann::json partition = "even";  ///< or "simulation", or {"like": DATASET}
   struct Steerable {
     std::string name;
     double least = 0, largest = 0;
@@ -101,7 +101,7 @@ class StreamLead {
   std::vector<insitu::Mesh> mergedMeshes() const;
   void checkRoom() const;
   void plan();
-  std::shared_ptr<const Partitioning> cut(const Bounds& bounds) const;
+  std::shared_ptr<const Partitioning> cut(const StreamPlan& plan, const Bounds& bounds) const;
   void checkInside(const Partitioning& partitioning) const;
   Box domain(const Bounds& bounds) const;
   std::vector<int> homes(const Partitioning& partitioning, const Bounds& bounds) const;

@@ -55,9 +55,11 @@ TEST(Decompositions, ChangeWithoutAStepThatIsOfTwo) {
     const int ranks = 1 + int(random.below(6));
     const int of = random.oneIn(2) ? GXY_OF_CELLS : GXY_OF_POINTS;
     const auto blocks = [&] { return insitu::randomBlocks(random, grid.points, ranks); };
+    json options = json::parse(to(*observed.server));
+    if (random.oneIn(2)) options["partition"] = "simulation";
     {
       MiniSimulation simulation("heat", grid, blocks(), ranks, kFields, kLayouts[random.below(5)],
-                                to(*observed.server), of);
+                                options.dump(), of);
       run(simulation, [&] { return simulation.published() >= 1; });
       for (uint64_t changes = 1 + random.below(3); changes > 0; changes--) {
         if (random.oneIn(2)) grid = randomGrid(random);

@@ -37,6 +37,40 @@ struct Case {
   std::vector<Block> blocks;
 };
 
+TEST(Redistribution, NothingGoesToOtherRanksWhereBlocksBecomePartitions) {
+  size_t thin = 0;
+  for (uint64_t seed = 1; seed <= 200; seed++) {
+    Case c(seed);
+    c.grid.rim = c.grid.points[0] > 2 && c.grid.points[1] > 2 && c.grid.points[2] > 2 && c.random.oneIn(2);
+    const Partitioning partitioning = partitionsOf(c.grid, c.blocks, c.ranks, c.owners);
+    EXPECT_EQ(partitioning.domain(), c.grid.box());
+    const auto hasCells = [&](const Extent& block) {
+      for (size_t a = 0; a < 3; a++)
+        if (block.first[a] + 1 == c.grid.points[a] || (c.grid.rim && block.first[a] + block.points[a] == 1))
+          return false;
+      return true;
+    };
+    const BlockSearch search(c.blocks);
+    int64_t points = 0;
+    for (int owner = 0; owner < c.owners; owner++)
+      for (const Piece& piece : piecesFor(owner, c.grid, partitioning, search)) {
+        points += piece.points.count();
+        const auto block = std::find_if(c.blocks.begin(), c.blocks.end(), [&](const Block& b) {
+          return b.rank == piece.rank && b.index == piece.block;
+        });
+        ASSERT_NE(block, c.blocks.end());
+        if (hasCells(block->extent)) {
+          EXPECT_EQ(owner, piece.rank * c.owners / c.ranks) << "seed " << seed;
+          EXPECT_EQ(piece.points, block->extent) << "seed " << seed;
+        } else {
+          thin++;
+        }
+      }
+    EXPECT_EQ(points, c.grid.points[0] * c.grid.points[1] * c.grid.points[2]) << "seed " << seed;
+  }
+  EXPECT_GT(thin, 50u) << "pieces of blocks without cells";
+}
+
 TEST(Redistribution, BringsEachPointToItsOwnerOnce) {
   for (uint64_t seed = 1; seed <= 200; seed++) {
     Case c(seed);

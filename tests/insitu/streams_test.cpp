@@ -37,7 +37,7 @@ TEST(Streams, RunsOfAMatrixHaveAllPairs) {
 TEST(Streams, WhatIsPublishedEqualsTheImportOfTheSameStep) {
   const std::vector<int> simulationRanks{1, 2, 3, 4, 8}, serverRanks{1, 2, 3, 4}, components{1, 2, 3};
   uint64_t seed = 0;
-  for (const auto& run : pairwise({5, 4, 10, 3, std::size(kLayouts), 2, 2}, 35)) {
+  for (const auto& run : pairwise({5, 4, 10, 3, std::size(kLayouts), 2, 2, 2}, 35)) {
     std::string name = "matrix";
     for (const int value : run) name += " " + std::to_string(value);
     SCOPED_TRACE(name);
@@ -57,8 +57,10 @@ TEST(Streams, WhatIsPublishedEqualsTheImportOfTheSameStep) {
     std::vector<MiniField> fields{{"a", ScalarType(run[2]), components.at(size_t(run[3]))}};
     if (run[6]) fields.push_back({"b", ScalarType(random.below(10)), 1 + int(random.below(3))});
     {
+      json options = json::parse(to(server));
+      if (run[7]) options["partition"] = "simulation";
       MiniSimulation simulation("heat", grid, insitu::randomBlocks(random, grid.points, ranks), ranks, fields,
-                                kLayouts[run[4]], to(server), of);
+                                kLayouts[run[4]], options.dump(), of);
       ASSERT_EQ(simulation.results(), 0) << gxy_message(simulation.rank(0));
       client->expect("observe");
       test::run(simulation, [&] { return simulation.published() >= 2; });

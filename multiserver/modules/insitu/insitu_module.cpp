@@ -32,8 +32,8 @@ StreamWishes wishesOf(const json& object) {
   wishes.partition = object.value("partition", json("even"));
   const bool like = wishes.partition.is_object() && wishes.partition.size() == 1 &&
                     wishes.partition.contains("like") && wishes.partition["like"].is_string();
-  if (wishes.partition != "even" && !like)
-    throw Error("insitu.join: `partition`: expected \"even\" or {\"like\": DATASET}");
+  if (wishes.partition != "even" && wishes.partition != "simulation" && !like)
+    throw Error("insitu.join: `partition`: expected \"even\", \"simulation\" or {\"like\": DATASET}");
   const json steerable = object.value("steerable", json::array());
   if (!steerable.is_array() || steerable.size() > insitu::kMostSteerable)
     throw Error("insitu.join: `steerable`: expected a list, of at most 64 parameters");
