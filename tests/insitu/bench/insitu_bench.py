@@ -24,7 +24,7 @@ sys.path[:0] = [str(ROOT / folder) for folder in ("tests/clients", "tools/python
 from server import Server  # noqa: E402
 import galaxy  # noqa: E402
 
-PARTS = ["publishes", "copies", "overhead", "transfers", "latencies"]
+PARTS = ["publishes", "copies", "carries", "overhead", "transfers", "latencies"]
 TICKS = os.sysconf("SC_CLK_TCK")
 ENVIRONMENT = {name: value for name, value in os.environ.items() if not name.startswith("GALAXY_INSITU")}
 ENVIRONMENT.update(OMPI_ALLOW_RUN_AS_ROOT="1", OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1")
@@ -136,6 +136,16 @@ class Bench:
             rows.append([layout, f"{rate:.2f}", f"{plain:.2f}", f"{100 * rate / plain:.0f} %"])
         print("copies of", "x".join(map(str, self._arguments.block)), "values")
         table(["layout", "GB/s", "memcpy, GB/s", "of it"], rows)
+
+    # From a slot into another process.
+    def carries(self):
+        size = 4
+        for n in self._arguments.block:
+            size *= n
+        turns = [self.part("carry", size, 4 if self._arguments.quick else 32) for _ in range(self._arguments.repeats)]
+        self.numbers["carry"] = turns
+        print(f"a slot of {size} bytes, filled and read by another process, CPU s/GB of both")
+        table(list(turns[0]), [[f"{turn[way]:.3f}" for way in turn] for turn in turns])
 
     # Whole steps.
     def steps(self, serving, side, ranks, steps, pause=0.0):
@@ -267,6 +277,8 @@ class Bench:
                 self.publishes(serving)
             if "copies" in a.parts:
                 self.copies()
+            if "carries" in a.parts:
+                self.carries()
             if "overhead" in a.parts:
                 self.overhead(serving)
             if "transfers" in a.parts:

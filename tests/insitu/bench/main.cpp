@@ -26,11 +26,14 @@ void run(const std::string& part, const std::vector<std::string>& a) {
     result = copies({number(0), number(1), number(2)}, number(3));
   else if (part == "raw")
     result = rawTcp(number(0), number(1), std::stoull(a.at(2)), number(3));
+  else if (part == "carry")
+    result = carries(std::stoull(a.at(0)), number(1));
   else if (part == "rank")
     return simulate({a.at(0), a.at(1)},
                     {number(2), number(3), number(4), number(5), number(6), std::stod(a.at(7))});
   else
-    throw Error("part " + part + ", expected publish, copy, raw or rank, as insitu_bench.py starts them");
+    throw Error("part " + part +
+                ", expected publish, copy, raw, carry or rank, as insitu_bench.py starts them");
   std::cout << result.dump() << std::endl;
 }
 

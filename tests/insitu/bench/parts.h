@@ -41,6 +41,13 @@ nlohmann::json copies(const Index3& points, int repeats);
 /// Each of `senders` processes sends `bytes` bytes in chunks of 1 MiB, to each of `receivers` processes its share, `rounds` times.
 nlohmann::json rawTcp(int senders, int receivers, uint64_t bytes, int rounds);
 
+/// Two ends of a TCP connection over loopback.
+void connectedPair(int ends[2]);
+
+/// Processor seconds of both ends together for each GB that is copied into a slot and comes into the buffer of another process: by TCP, by a
+/// Unix socket, and by a slot in memory that both have, of which the other reads 256 KiB at a time (memfd, pread).
+nlohmann::json carries(uint64_t bytes, int rounds);
+
 /// One rank of a simulation of `side`^3 floats that publishes each step and waits until it is taken: `warm` steps, then those that are
 /// measured, from a line of standard input on. `pause`: seconds between steps, from the moment that one is published; 0: none, and the
 /// simulation is ahead of the server by one step. Prints "ready" before that line, and a line of JSON after it. Ends with another line.

@@ -133,6 +133,15 @@ Work workOf(int pipe) {
 
 }  // namespace
 
+void connectedPair(int ends[2]) {
+  const Listener l = listening();
+  ends[0] = checked(::socket(AF_INET, SOCK_STREAM, 0), "socket");
+  const sockaddr_in address = loopback(l.port);
+  checked(::connect(ends[0], reinterpret_cast<const sockaddr*>(&address), sizeof address), "connect");
+  ends[1] = checked(::accept(l.socket, nullptr, nullptr), "accept");
+  ::close(l.socket);
+}
+
 nlohmann::json rawTcp(int senders, int receivers, uint64_t bytes, int rounds) {
   std::vector<Listener> to;
   std::vector<int> receiving, sending;
