@@ -148,7 +148,12 @@ TEST(LightAgreement, AmbientOcclusionConvergesToTheHemisphere) {
   EXPECT_GT(pixels, 300);
 }
 
-TEST(EverythingAgreement, AllAtOnce) { expectAgreement(embree(), everything(56)); }
+TEST(EverythingAgreement, AllAtOnce) {
+  CompareOptions options;
+  options.vulkan = false;
+  expectAgreement(embree(), everything(56), options);
+  drawnByBoth(everything(16));  // of which a software device draws few pixels a second
+}
 
 }  // namespace
 }  // namespace gxy::agreement
