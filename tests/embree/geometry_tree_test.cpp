@@ -17,6 +17,7 @@
 #include "geometry_ispc.h"
 #include "spawn_ispc.h"
 #include "tests/support/ended.h"
+#include "tests/support/seeds.h"
 
 namespace gxy::test {
 namespace {
@@ -124,7 +125,7 @@ TEST(GeometryTree, HoldsEveryPrimitiveOnceWithinItsBoxes) {
 TEST(GeometryTree, IsNoDeeperThanTheStackHolds) {
   for (const bool series : {false, true}) {
     GeometryInPartition part;
-    part.primitives = 100'000;
+    part.primitives = uint32_t(sweep(100'000));
     for (uint32_t p = 0; p < part.primitives; p++)
       part.points.insert(part.points.end(),
                          {series ? std::ldexp(1.f, -int(p % 120)) : 0.5f, 0.5f, 0.5f, 1e-3f * float(p + 1)});
@@ -235,7 +236,7 @@ TEST(GeometryRays, MeetWhatOnePrimitiveAfterTheOtherMeets) {
         scene.operator_ = &op;
         scene.field = &field;
         scene.hierarchy = &trees;
-        constexpr int kRays = 4000;
+        constexpr int kRays = sweep(4000);
         RayList rays(kRays);
         rays.resize(kRays);
         RayView r = rays.view();

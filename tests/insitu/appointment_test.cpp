@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "insitu/plan/appointment.h"
+#include "tests/support/seeds.h"
 
 namespace gxy::insitu {
 namespace {
@@ -62,7 +63,7 @@ TEST(Appointment, IsTakenByItsPublishOrMissedAndNeverBoth) {
     for (uint64_t count = 1; !over; count++)
       if (a.publish()) taken.push_back(count);
   });
-  for (uint64_t ahead = 0; ahead < 20000; ahead++) {
+  for (uint64_t ahead = 0; ahead < uint64_t(test::sweep(20000)); ahead++) {
     const uint64_t count = a.count() + ahead % 4;
     if (count == 0 || !a.appoint(count)) continue;
     while (a.count() < count) std::this_thread::yield();

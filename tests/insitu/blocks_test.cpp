@@ -7,6 +7,7 @@
 #include "core/comm/error.h"
 #include "insitu/plan/blocks.h"
 #include "tests/insitu/random_blocks.h"
+#include "tests/support/seeds.h"
 
 namespace gxy::insitu {
 namespace {
@@ -47,7 +48,7 @@ TEST(Blocks, EveryHoleIsFoundWhateverBlockIsLeftOut) {
 
 TEST(Blocks,
      ManyAreCheckedInTime) {  // what takes the square of their number, or a deep stack, does not end here
-  constexpr int64_t kMany = 200000;
+  constexpr int64_t kMany = test::sweep(200000);
   std::vector<Block> slabs;
   for (int64_t i = 0; i < kMany; i++) slabs.push_back({int(i), 0, {{0, 0, i}, {4, 4, 1}}});
   EXPECT_EQ(errorOf(slabs, {4, 4, kMany}), "");

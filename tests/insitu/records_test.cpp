@@ -12,6 +12,7 @@
 #include "insitu/plan/description.h"
 #include "insitu/plan/encodings.h"
 #include "insitu/plan/records.h"
+#include "tests/support/seeds.h"
 
 namespace gxy::insitu {
 namespace {
@@ -266,7 +267,7 @@ TEST(Records, EncodingsAreReadAsWrittenAndOnlyOfDoublesOfGrids) {
 TEST(Records, BytesThatNobodyWroteAreRefusedOrReadWithoutHarm) {
   Random random(1);
   const Description mine = described();
-  for (int i = 0; i < 20000; i++) {
+  for (int i = 0; i < test::sweep(20000); i++) {
     Bytes bytes = written(described());
     bytes.resize(random.below(bytes.size() + 1));
     for (uint64_t n = random.below(4); n > 0 && !bytes.empty(); n--)

@@ -18,6 +18,7 @@
 #include "insitu/plan/conductor.h"
 #include "insitu/plan/receiver.h"
 #include "insitu/plan/sender.h"
+#include "tests/support/seeds.h"
 
 namespace gxy::insitu {
 namespace {
@@ -393,7 +394,7 @@ class Schedule {
 uint64_t seeds(uint64_t few) {
   for (const std::string& a : testing::internal::GetArgvs())
     if (a.rfind("--seeds=", 0) == 0) return std::stoull(a.substr(8));
-  return few;
+  return uint64_t(test::sweep(int(few)));
 }
 
 TEST(Schedules, PublishWholeStepsOnlyAndAlwaysOneAtLast) {

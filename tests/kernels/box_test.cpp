@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/kernels/box_cases.h"
+#include "tests/support/seeds.h"
 
 namespace gxy {
 namespace {
@@ -25,7 +26,7 @@ TEST(BoxSpan, NoHitOfExactArithmeticIsMissed) {
   Random random(5);
   int hits = 0, missed = 0;
   Case c{};
-  for (int i = 0; i < 10'000'000; ++i) {
+  for (int i = 0; i < sweep(10'000'000); ++i) {
     if (i % 8 == 0) drawBox(random, c);
     drawRay(random, c);
     float tEnter, tExit;
@@ -37,7 +38,7 @@ TEST(BoxSpan, NoHitOfExactArithmeticIsMissed) {
     missed += truth && !hit;
   }
   EXPECT_EQ(missed, 0);
-  EXPECT_GT(hits, 10'000);
+  EXPECT_GT(hits, sweep(10'000));
 }
 
 TEST(BoxSpan, SpanContainsTheExactOne) {

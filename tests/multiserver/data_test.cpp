@@ -16,6 +16,7 @@
 #include "multiserver/protocol/json.h"
 #include "multiserver/server/datasets.h"
 #include "tests/multiserver/test_server.h"
+#include "tests/support/seeds.h"
 
 namespace gxy::test {
 namespace {
@@ -625,11 +626,14 @@ TEST(Data, AnImportThatIsCancelledEndsBetweenItsFilesAndLeavesNothing) {
 }
 
 /// A server with a volume that takes seconds to import, 4 GiB of zeros, none of which the disk holds.
+constexpr int64_t kLargeBytes = int64_t(1024) * 1024 * sweep(4096);
+
 std::unique_ptr<TestServer> serveLarge() {
   auto server = serve();
-  std::ofstream(server->folder() / "large.vol") << "uchar\n0 0 0\n1024 1024 4096\n1 1 1\nlarge.raw\n";
+  std::ofstream(server->folder() / "large.vol")
+      << "uchar\n0 0 0\n1024 1024 " << kLargeBytes / (1024 * 1024) << "\n1 1 1\nlarge.raw\n";
   std::ofstream(server->folder() / "large.raw").put('\0');
-  std::filesystem::resize_file(server->folder() / "large.raw", uint64_t(1) << 32);
+  std::filesystem::resize_file(server->folder() / "large.raw", uint64_t(kLargeBytes));
   return server;
 }
 constexpr const char* kImportLarge =
@@ -647,7 +651,7 @@ TEST(Data, AnImportWithinOneFileEndsByCancelAndByDropAndWithItsClient) {
     auto client = dataClient(*server);
     std::promise<Reply> ended;
     const uint32_t id = client->send(kImportLarge, [&](const Reply& r) { ended.set_value(r); });
-    while (memoryOf(*server) < int64_t(1) << 32) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    while (memoryOf(*server) < kLargeBytes) std::this_thread::sleep_for(std::chrono::milliseconds(1));
     if (way == "cancel") {
       client->expect("cancel " + std::to_string(id));
       EXPECT_EQ(ended.get_future().get().error, "cancelled");
@@ -668,7 +672,7 @@ TEST(Data, AnUpdateEndsWhenItsDatasetIsDropped) {
   client->expect(importBall("large"));
   std::promise<Reply> ended;
   client->send(kImportLarge, [&](const Reply& r) { ended.set_value(r); });
-  while (memoryOf(*server) < int64_t(1) << 32) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  while (memoryOf(*server) < kLargeBytes) std::this_thread::sleep_for(std::chrono::milliseconds(1));
   other->expect("drop large");
   EXPECT_FALSE(ended.get_future().get().ok);
   EXPECT_EQ(names(*other), Names{});

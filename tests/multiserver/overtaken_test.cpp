@@ -4,6 +4,7 @@
 
 #include "tests/multiserver/raw_client.h"
 #include "tests/multiserver/viewer_client.h"
+#include "tests/support/seeds.h"
 
 namespace gxy::test {
 namespace {
@@ -30,7 +31,7 @@ TEST(Overtaken, AFrameThatRefinesSendsNothingMoreAndSaysThatItIsSuperseded) {
   const auto other = server->client("other");
   other->expect("load data");
   other->expect("import shared " + importBall("ball").substr(7));
-  for (int round = 0; round < 12; round++) {
+  for (int round = 0; round < sweep(12); round++) {
     const std::string tenant = "slow" + std::to_string(round);
     RawClient slow(server->port(), 4096);
     slow.greet(tenant);

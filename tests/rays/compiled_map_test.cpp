@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "core/scene/colormaps.h"
+#include "tests/support/seeds.h"
 
 namespace gxy::test {
 namespace {
@@ -167,7 +168,7 @@ TEST(Maps, MeansOfFaintPartsBehindDenseOnesKeepTheirDigits) {
 TEST(Maps, MeanAlongIsTheIntegralOverTheValues) {
   Random random(53);
   const Field f = anyField();
-  for (int i = 0; i < 150; i++) {
+  for (int i = 0; i < sweep(150); i++) {
     const Maps m = wildMaps(random);
     if (!m.opacity.extinction &&
         std::any_of(m.opacity.points.begin(), m.opacity.points.end(), [](auto& p) { return p.opacity == 1; }))

@@ -8,6 +8,7 @@
 #include "core/rays/iso_mask.h"
 #include "tests/rays/maps.h"
 #include "tests/rays/roots.h"
+#include "tests/support/seeds.h"
 
 namespace gxy::test {
 namespace {
@@ -75,12 +76,12 @@ TEST(Isosurface, MarschnerLobbHasNoMissedRootAndNoWrongSheet) {
   const View<float> view(f, shown);
   Random random(31);
   Score s;
-  for (int i = 0; i < 100000; i++) compare(f, view, randomRay(random, f), 0.5, s);
+  for (int i = 0; i < sweep(100000); i++) compare(f, view, randomRay(random, f), 0.5, s);
   EXPECT_EQ(s.missed, 0);
   EXPECT_EQ(s.wrong, 0);
   EXPECT_EQ(s.imprecise, 0);
   EXPECT_EQ(s.tangentialOff, 0);
-  EXPECT_GT(s.hits, 20000);
+  EXPECT_GT(s.hits, sweep(20000));
   testing::Test::RecordProperty("hits", s.hits);
   testing::Test::RecordProperty("tangential", s.tangential);
   testing::Test::RecordProperty("worstCells", std::to_string(s.worst));
@@ -122,11 +123,11 @@ TEST(Isosurface, BracketsAreTheSameAtAnyScaleOfTheValues) {
 // would be missed.
 TEST(Isosurface, SamplesFarFromZeroAreHitAsPrecisely) {
   const Field f = cube(41, [](glm::dvec3 p) { return double(float(1000 + marschnerLobb(p))); });
-  const Score s = scoreOf(f, 1000.5f, 20000, 33);
+  const Score s = scoreOf(f, 1000.5f, sweep(20000), 33);
   EXPECT_EQ(s.missed, 0);
   EXPECT_EQ(s.wrong, 0);
   EXPECT_LE(s.imprecise, 1);  // little steeper than what counts as tangential
-  EXPECT_GT(s.hits, 4000);
+  EXPECT_GT(s.hits, sweep(4000));
 }
 
 Field randomIntegers(Random& random, const Index3& n, int below) {
@@ -305,7 +306,7 @@ TEST(Isosurface, TheNearestOfSeveralIsovaluesWins) {
   all.isovalues = {0.55f, 0.4f, 0.5f, 0.5f};
   const View<float> view(f, all);
   Random random(37);
-  for (int i = 0; i < 2000; i++) {
+  for (int i = 0; i < sweep(2000); i++) {
     const RaySpec spec = randomRay(random, f);
     Hit nearest{1e30f, -1};
     for (int k = 0; k < 4; k++) {
@@ -370,13 +371,16 @@ void startRays(const Field& f, float iso, uint64_t seed, int rays, int& started,
 
 TEST(Isosurface, SecondaryRaysNeverMeetTheirOwnStart) {
   int started = 0, again = 0, lost = 0;
-  startRays(cube(33, [](glm::dvec3 p) { return glm::length(p); }), 0.6f, 41, 60000, started, again, lost);
-  startRays(cube(41, marschnerLobb), 0.5f, 42, 80000, started, again, lost);
-  startRays(sampled(gridOf({20, 90, 60}, {3, 0.5, 1}), turbulence), 0.5f, 43, 80000, started, again, lost);
-  startRays(cube(200, [](glm::dvec3 p) { return glm::length(p); }), 0.6f, 44, 60000, started, again, lost);
+  startRays(cube(33, [](glm::dvec3 p) { return glm::length(p); }), 0.6f, 41, sweep(60000), started, again,
+            lost);
+  startRays(cube(41, marschnerLobb), 0.5f, 42, sweep(80000), started, again, lost);
+  startRays(sampled(gridOf({20, 90, 60}, {3, 0.5, 1}), turbulence), 0.5f, 43, sweep(80000), started, again,
+            lost);
+  startRays(cube(200, [](glm::dvec3 p) { return glm::length(p); }), 0.6f, 44, sweep(60000), started, again,
+            lost);
   EXPECT_EQ(again, 0);
   EXPECT_EQ(lost, 0);
-  EXPECT_GT(started, 100000);
+  EXPECT_GT(started, sweep(100000));
   testing::Test::RecordProperty("started", started);
 }
 
@@ -399,14 +403,14 @@ TEST(Isosurface, SecondaryRaysMeetASurfaceBehindAGapFromItsOtherSide) {
 TEST(Isosurface, SecondaryRaysLoseHardlyACrossingAmongGaps) {
   Random random(45);
   int started = 0, again = 0, lost = 0;
-  for (int i = 0; i < 200; i++) {
+  for (int i = 0; i < sweep(200); i++) {
     const Field f = makeField(gridOf({8, 8, 8}), [&](int64_t, int64_t, int64_t, int) {
       return random.below(25) == 0 ? double(NAN) : random.unit();
     });
     startRays(f, 0.5f, uint64_t(i), 400, started, again, lost, true);
   }
   EXPECT_LE(lost, 1);  // where the first quarter of a cell cuts the corner of a gap
-  EXPECT_GT(started, 20000);
+  EXPECT_GT(started, sweep(20000));
   testing::Test::RecordProperty("started", started);
 }
 
@@ -517,7 +521,7 @@ TEST(IsoMask, WhatItSkipsHoldsNoHit) {
     few.isoMask = limited.data();
     Random random(52);
     int hits = 0;
-    for (int i = 0; i < 20000; i++) {
+    for (int i = 0; i < sweep(20000); i++) {
       const auto ray = rayIn(view, randomRay(random, *f));
       const Hit hit = firstHit(view, ray);
       int cells = 0, skipped = 0;
@@ -525,7 +529,7 @@ TEST(IsoMask, WhatItSkipsHoldsNoHit) {
       EXPECT_EQ(firstIsosurface(few, ray, 0.f, 1e30f, -1.f, kNowhere, cells, skipped).t, hit.t);
       hits += hit.t < 1e30f;
     }
-    EXPECT_GT(hits, 400);
+    EXPECT_GT(hits, sweep(400));
   }
 }
 

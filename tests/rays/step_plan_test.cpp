@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/rays/reference_march.h"
+#include "tests/support/seeds.h"
 
 namespace gxy::test {
 namespace {
@@ -75,7 +76,7 @@ void expectTolerance(MapShape shape, int maps, int rays, bool grazing = true, in
       for (int i = 0; i < maps; i++) {
         Maps m = randomMaps(random, shape);
         if (colors > 0) m.color = randomColors(random, colors);
-        const Cost c = costOf(*f, compiled(m, *f), tolerance, uint64_t(i), rays);
+        const Cost c = costOf(*f, compiled(m, *f), tolerance, uint64_t(i), sweep(rays));
         all.worst = std::max(all.worst, c.worst);
         all.samples += c.samples / maps;
         all.rays += c.rays;

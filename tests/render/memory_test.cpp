@@ -4,6 +4,7 @@
 
 #include "core/render/tiles.h"
 #include "tests/support/frames.h"
+#include "tests/support/seeds.h"
 
 namespace gxy::test {
 namespace {
@@ -27,7 +28,7 @@ TEST(RendererMemory, OfFramesIsBackAtZeroOnceTheyAreOver) {
   const Cut cut = lattice(sceneDomain(), {2, 2, 1}, 4);
   const auto compiled = compiledOn(cut, scene);
   for (const int64_t raysInFlight : {int64_t(1), int64_t(1) << 20})
-    for (uint64_t seed = 1; seed <= 10; seed++) {
+    for (uint64_t seed = 1; seed <= uint64_t(seeds(10)); seed++) {
       Ledger ledger;  // of all ranks
       FrameRun run;
       run.seed = seed;

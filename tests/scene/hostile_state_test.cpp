@@ -7,6 +7,7 @@
 #include "core/scene/state_file.h"
 #include "tests/scene/random_state.h"
 #include "tests/scene/scene_test_support.h"
+#include "tests/support/seeds.h"
 
 namespace gxy {
 namespace {
@@ -96,7 +97,7 @@ class Mutator {
 
 TEST(HostileState, MutatedFilesGiveAStateOrAnError) {
   int loaded = 0, refused = 0;
-  for (uint64_t seed = 0; seed < 4000; ++seed) {
+  for (uint64_t seed = 0; seed < uint64_t(test::sweep(4000)); ++seed) {
     const std::string original = seed % 4 == 0 ? kOldStyle : writeState(RandomState(seed / 8).state());
     const std::string text = Mutator(seed)(original);
     try {
@@ -108,8 +109,8 @@ TEST(HostileState, MutatedFilesGiveAStateOrAnError) {
       ++refused;
     }
   }
-  EXPECT_GT(loaded, 200);
-  EXPECT_GT(refused, 200);
+  EXPECT_GT(loaded, test::sweep(200));
+  EXPECT_GT(refused, test::sweep(200));
 }
 
 TEST(HostileState, EveryPrefixOfAFileIsRefused) {

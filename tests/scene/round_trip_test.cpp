@@ -4,12 +4,13 @@
 #include "core/scene/state_file.h"
 #include "tests/scene/random_state.h"
 #include "tests/scene/scene_test_support.h"
+#include "tests/support/seeds.h"
 
 namespace gxy {
 namespace {
 
 TEST(RoundTrip, RandomStatesLoadEqualToWhatWasSaved) {
-  for (uint64_t seed = 0; seed < 500; ++seed) {
+  for (uint64_t seed = 0; seed < uint64_t(test::sweep(500)); ++seed) {
     const State state = RandomState(seed).state();
     const std::string text = writeState(state);
     const State back = readState(text, "saved").state;

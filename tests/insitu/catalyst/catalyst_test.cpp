@@ -14,6 +14,7 @@
 #include <set>
 
 #include "tests/insitu/catalyst/recorder.h"
+#include "tests/support/seeds.h"
 
 namespace gxy::test {
 namespace {
@@ -806,7 +807,7 @@ TEST_F(Catalyst, NoTreeEndsTheSimulation) {
                          "element", "coords",    "",        "..",       "a/b"};
   const auto values = numbered(1000);
   size_t published = 0;
-  for (int round = 0; round < 20000; round++) {
+  for (int round = 0; round < test::sweep(20000); round++) {
     if (round % 50 == 0) {
       published += recorded().steps.size();
       whole({4, 3, 2}), ranks(0, 1 + round / 50 % 2), params_.set("catalyst/galaxy/ids", "id");
@@ -842,7 +843,7 @@ TEST_F(Catalyst, NoTreeEndsTheSimulation) {
     const int status = execute(tree);
     ASSERT_TRUE(status == 0 || status == kWrong) << status;
   }
-  EXPECT_GT(published, 1000u);
+  EXPECT_GT(published, size_t(test::sweep(1000)));
 }
 
 }  // namespace
