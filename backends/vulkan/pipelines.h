@@ -71,7 +71,7 @@ using Pipeline = std::shared_ptr<const PipelineHandle>;
 class Pipelines {
  public:
   /// At most `most` pipelines that nobody holds stay compiled: the ones that were asked for last.
-  explicit Pipelines(const Device& device, size_t most = 24);
+  explicit Pipelines(const Device& device, size_t most = VulkanOptions().keptPipelines);
   /// Returns the pipeline of a stage, and compiles it if there is none. Constants that the stage does not
   /// read make no difference. Throws Error if the compilation fails.
   Pipeline get(Stage stage, const Special& special);

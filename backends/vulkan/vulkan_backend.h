@@ -59,6 +59,9 @@ struct VulkanOptions {
   uint64_t memoryBytes = 0;
   /// The most memory of rays that wait on the device; set by tests only. 0: an eighth of the device's memory.
   uint64_t keptBytes = 0;
+  /// How many compiled pipelines stay that no scene needs: those that were asked for last. Tests, which show many scenes in
+  /// turn, keep more.
+  size_t keptPipelines = 24;
   /// For gpu_report and tests: count TraceCounters::nodes and ::primitives, in scenes with geometry.
   bool countsNodes = false;
   bool asGpu = false;  ///< for tests: treat a software device as a GPU, although it still ends long loops

@@ -63,7 +63,7 @@ class Joined {
 
 Context::Context(const VulkanOptions& options)
     : device(options),
-      pipelines(device),
+      pipelines(device, options.keptPipelines),
       time(device.clockRound()),
       countsNodes(options.countsNodes),
       mostKept(options.keptBytes > 0 ? options.keptBytes : device.info().memory / kPartForKept),
