@@ -11,7 +11,7 @@
 namespace gxy::test {
 namespace {
 
-constexpr int kFrames = 50;
+constexpr int kFrames = std::max(20, sweep(50));
 constexpr glm::ivec2 kSize{70, 40};
 constexpr int64_t kBytes = kSize.x * kSize.y * (32 + 8);  // of a framebuffer with depths
 
