@@ -15,11 +15,13 @@ namespace gxy::test {
 
 namespace {
 
+bool isAsked(const char* option) {
+  const std::vector<std::string> args = testing::internal::GetArgvs();
+  return std::count(args.begin(), args.end(), option) > 0;
+}
+
 bool onVulkan() {
-  static const bool asked = [] {
-    const std::vector<std::string> args = testing::internal::GetArgvs();
-    return std::count(args.begin(), args.end(), "--backend=vulkan") > 0;
-  }();
+  static const bool asked = isAsked("--backend=vulkan");
   return asked;
 }
 
@@ -45,6 +47,21 @@ Sameness testedSameness() {
 #endif
   return Sameness::Bits;
 }
+
+bool onReference() { return !onVulkan(); }
+
+uint64_t seedOfTheCommit() {
+  for (const std::string& arg : testing::internal::GetArgvs())
+    if (arg.starts_with("--seed=")) return std::stoull(arg.substr(7));
+  return 1;
+}
+
+bool allIsAsked() {
+  static const bool asked = isAsked("--all");
+  return asked;
+}
+
+int affordable(int many) { return onVulkan() && !allIsAsked() ? std::max(2, many / 10) : many; }
 
 glm::ivec2 affordable(glm::ivec2 size) { return onVulkan() ? size / 3 : size; }
 
