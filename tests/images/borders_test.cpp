@@ -6,6 +6,7 @@
 #include <initializer_list>
 #include <tuple>
 
+#include "tests/support/backends.h"
 #include "tests/support/frames.h"
 
 namespace gxy::test {
@@ -13,11 +14,14 @@ namespace {
 
 const Box kCube{{-1, -1, -1}, {1, 1, 1}};
 
+/// Whether pictures are as large as on Embree: most pixels are beside what these tests are about.
+bool large() { return onReference() || allIsAsked(); }
+
 // Rays that run exactly in the planes x = 0, y = 0, and for two of the axes along lattice lines.
-Camera alongAxis(int axis, bool backwards, int pixels = 41) {
+Camera alongAxis(int axis, bool backwards, int pixels = large() ? 41 : 9) {
   Camera camera;
   camera.aov = 0;
-  camera.height = 2.05;  // a pixel is 0.05 wide and the middle one is centred on 0
+  camera.height = large() ? 2.05 : 2.25;  // a pixel is 0.05 or 0.25 wide and the middle one is centred on 0
   camera.dimensions = {pixels, pixels};
   camera.viewpoint = {0, 0, 0};
   camera.viewpoint[axis] = backwards ? 4 : -4;
@@ -28,9 +32,10 @@ Camera alongAxis(int axis, bool backwards, int pixels = 41) {
 }
 
 TestScene cubeScene(const char* name) {
-  TestScene s = emptyScene(name, {48, 48});
+  const glm::ivec2 size(large() ? 48 : 16);
+  TestScene s = emptyScene(name, size);
   s.domain = kCube;
-  s.camera = cameraOutside(kCube, {48, 48});
+  s.camera = cameraOutside(kCube, size);
   s.camera.aov = 44;
   return s;
 }
@@ -66,7 +71,10 @@ void expectNoBorderSeen(TestScene scene, const std::vector<Cut>& cuts) {
   std::vector<Camera> cameras{scene.camera};
   for (int axis = 0; axis < 3; axis++)
     for (bool backwards : {false, true}) cameras.push_back(alongAxis(axis, backwards));
+  // on Vulkan the commit decides which two of the axes' six
+  const size_t drawn = 1 + seedOfTheCommit() % 3;
   for (size_t c = 0; c < cameras.size(); c++) {
+    if (!large() && c != 0 && c != drawn && c != drawn + 3) continue;
     scene.camera = cameras[c];
     const Picture expected = wholeOnTested(scene);
     for (const Cut& cut : cuts)

@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 # ranks.sh BACKEND DEVICE FOLDER GXYDATA GXYRENDER SAME_PICTURES MPIEXEC...: pictures and depths of states/kinds.json, whose
 # data come from files of several formats, are the same as Embree's on one rank (bit for bit, but of a GPU: same_pictures.cpp), on
-# 2, 3, 4 and 8 ranks (vulkan: 2 and 4), with other packets, partitions and threads; and on two ranks of which only one has the
-# backend. All of them are left in FOLDER, with NAME_difference.png of those that are not the same.
+# 2, 3, 4 and 8 ranks (vulkan: 2, as each rank compiles all shaders), with other packets, partitions and threads; and on two ranks
+# of which only one has the backend. All of them are left in FOLDER, with NAME_difference.png of those that are not the same.
 set -euo pipefail
 
 # Three path lines, with a value along each.
@@ -47,7 +47,7 @@ render() {  # NAME RANKS OPTIONS...
 }
 mpiexec=("$@")
 render reference 1 --partitions 1 --backend embree
-case $backend in vulkan) counts=(2 4) ;; *) counts=(2 3 4 8) ;; esac
+case $backend in vulkan) counts=(2) ;; *) counts=(2 3 4 8) ;; esac
 for ranks in "${counts[@]}"; do render "on$ranks" "$ranks" "${options[@]}"; done
 all=(kinds.json -o mixed --format raw --depth)
 "${mpiexec[@]}" -n 1 "$gxyrender" "${all[@]}" --backend embree : -n 1 "$gxyrender" "${all[@]}" "${options[@]}"

@@ -44,10 +44,13 @@ TestScene coarse(std::array<int, 3> n, bool ofCells = false) {
 TEST(SmallPartitions, OneCellEach) {
   const TestScene scene = coarse({4, 3, 5});
   const Picture expected = wholeOnTested(scene);
-  for (int ranks : {1, 5, 8})
+  const int counts[] = {1, 5, 8};
+  for (int ranks : counts) {
+    if (!onReference() && !allIsAsked() && ranks != counts[seedOfTheCommit() % 3]) continue;
     EXPECT_EQ(difference(expected, render(scene, lattice(scene.domain, {4, 3, 5}, ranks)), Sameness::Bits),
               "")
         << ranks;
+  }
 }
 
 TEST(SmallPartitions, LessThanACellEach) {
