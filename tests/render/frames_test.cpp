@@ -7,6 +7,7 @@
 #include "core/comm/error.h"
 #include "core/comm/random.h"
 #include "core/render/tiles.h"
+#include "tests/support/backends.h"
 #include "tests/support/frames.h"
 #include "tests/support/seeds.h"
 
@@ -93,7 +94,7 @@ TEST(Frames, TinyOnesAreRightUnderManySchedules) {
 TEST(Frames, ANewerFrameOfAWindowSupersedesTheOlder) {
   const Prepared balls(litBalls({20, 16}), lattice(sceneDomain(), {2, 2, 1}, 4));
   int superseded = 0;
-  for (uint64_t seed = 1; seed <= uint64_t(seeds(150)); seed++) {
+  for (uint64_t seed = 1; seed <= uint64_t(affordable(seeds(150))); seed++) {
     Random random(seed);
     FrameRun run;
     run.seed = seed;
@@ -123,7 +124,7 @@ TEST(Frames, ANewerFrameOfAWindowSupersedesTheOlder) {
     expectNothingKept(frames);
     if (HasFailure()) FAIL() << "schedule " << seed;
   }
-  EXPECT_GT(superseded, seeds(150) * 2 / 3);
+  EXPECT_GT(superseded, affordable(seeds(150)) * 2 / 3);
 }
 
 TEST(Frames, OfSeveralScenesShareTheRanks) {
@@ -154,7 +155,7 @@ TEST(Frames, OfSeveralScenesShareTheRanks) {
 // waits for ever.
 TEST(Frames, OfTenantsWithLittleAllEnd) {
   const Prepared balls(litBalls({40, 36}), lattice(sceneDomain(), {2, 2, 1}, 3));
-  for (uint64_t seed = 1; seed <= uint64_t(seeds(60)); seed++) {
+  for (uint64_t seed = 1; seed <= uint64_t(affordable(seeds(60))); seed++) {
     FrameRun run;
     run.seed = seed;
     run.options.packetRays = 16;
@@ -235,7 +236,7 @@ TEST(Frames, OfARingOnEightRanksFinishWithABudgetOfOne) {
   const Prepared p(scene, {"ring", 8, Partitioning::fromBoxes(boxes, owners)});
   FrameRun run;
   run.options = {16, 1};
-  for (uint64_t seed = 1; seed <= 10; seed++) {
+  for (uint64_t seed = 1; seed <= uint64_t(affordable(10)); seed++) {
     run.seed = seed;
     EXPECT_EQ(difference(p.expected, render(p.scene, 8, p.compiled, run)), "");
   }
@@ -302,7 +303,7 @@ class RecordedOperation final : public PictureOperation {
 
 TEST(Frames, RunTheirOperationWhereTheirPictureIs) {
   const Prepared balls(litBalls({40, 36}), lattice(sceneDomain(), {2, 2, 1}, 3));
-  for (uint64_t seed = 1; seed <= uint64_t(seeds(20)); seed++) {
+  for (uint64_t seed = 1; seed <= uint64_t(affordable(seeds(20))); seed++) {
     FrameRun run;
     run.seed = seed;
     run.options.packetRays = 64;
