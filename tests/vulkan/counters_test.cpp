@@ -72,10 +72,12 @@ TEST(VulkanCounters, OnlyRaysThatLeaveTheRankComeBack) {
     if (std::find(names.begin(), names.end(), s.name) == names.end()) continue;
     SCOPED_TRACE(s.name);
     found++;
-    s.camera.dimensions /= 2;
+    s.camera.dimensions /= 4;
     const Picture expected = wholeOnEmbree(s);
     for (const int ranks : {1, 2})
       for (const bool room : {true, false}) {
+        if (!room && s.name == "several volumes")
+          continue;  // whose shaders take longest to compile, for a second device
         SCOPED_TRACE(std::to_string(ranks) + " ranks, " + (room ? "room" : "no room"));
         const Cut cut = lattice(s.domain, {2, 3, 1}, ranks);
         Frames frames(cut.ranks, {});
@@ -169,7 +171,7 @@ TEST(VulkanCounters, NodesAndPrimitivesAreCountedWhereThatIsAskedFor) {
 
 // Of several frames in several partitions (device_time_test.cpp has the sums).
 TEST(VulkanCounters, WorkingAndIdleTheDeviceIsNoLongerThanTheFramesTake) {
-  const TestScene scene = everything({24, 20});
+  const TestScene scene = everything({12, 10});
   const Cut cut = lattice(scene.domain, {2, 2, 1}, 1);
   Frames frames(cut.ranks, {});
   frames.add(1, compiledOn(cut, scene, [](int) -> const Backend& { return vulkan_test::testedVulkan(); }));
@@ -225,7 +227,7 @@ TEST(VulkanCounters, NothingIsCompiledThatASceneDoesNotNeed) {
     return *std::find_if(scenes.begin(), scenes.end(), [&](const TestScene& s) { return s.name == name; });
   };
   const TestScene isosurfaces = named("isosurfaces"), volume = named("smooth volume"),
-                  all = everything({24, 20});
+                  all = everything({12, 10});
   EXPECT_EQ(stagesOf(isosurfaces, whole(isosurfaces.domain)),
             (std::vector{Stage::Spawn, Stage::Bound, Stage::Isosurfaces, Stage::Shade, Stage::Depth,
                          Stage::Finish, Stage::Groups}));

@@ -63,8 +63,12 @@ TEST_P(VulkanData, MayBeMoreThanABindingHolds) {
   };
   static const std::unique_ptr<Backend> backends[] = {backendOf(64, 64, 64), backendOf(64, 0, 0),
                                                       backendOf(0, 0, 64)};
-  for (const auto& backend : backends)
-    EXPECT_EQ(differenceOn(whole(scene_.domain), [&](int) -> const Backend& { return *backend; }), "");
+  // each way of reading with all kinds of data at once, the first with each kind by itself, too
+  for (size_t i = 0; i < std::size(backends); i++) {
+    if (i > 0 && scene_.name != "everything" && !allIsAsked()) continue;
+    EXPECT_EQ(differenceOn(whole(scene_.domain), [&](int) -> const Backend& { return *backends[i]; }), "")
+        << i;
+  }
 }
 
 std::string nameOf(const testing::TestParamInfo<TestScene>& info) {
@@ -77,7 +81,7 @@ std::string nameOf(const testing::TestParamInfo<TestScene>& info) {
 std::vector<TestScene> allScenes() {
   std::vector<TestScene> scenes = scenesOfEachKind();
   scenes.push_back(everything());
-  for (TestScene& scene : scenes) scene.camera.dimensions /= 2;  // lavapipe takes its time
+  for (TestScene& scene : scenes) scene.camera.dimensions /= 3;  // lavapipe takes its time
   return scenes;
 }
 
