@@ -41,7 +41,7 @@ std::vector<Target> targets() {
   return all;
 }
 
-constexpr int kRays = 400;
+constexpr int kRays = 160;
 
 /// Differences of any target from C++, over all probes of random rays; `varied`: values that are not the probe's first.
 int differences(const Field& f, const Shown& shown, double lo, double hi, uint64_t seed, int& varied) {
