@@ -97,7 +97,7 @@ class Mutator {
 
 TEST(HostileState, MutatedFilesGiveAStateOrAnError) {
   int loaded = 0, refused = 0;
-  for (uint64_t seed = 0; seed < uint64_t(test::sweep(4000)); ++seed) {
+  for (uint64_t seed = 0; seed < uint64_t(test::sweep(4800)); ++seed) {
     const std::string original = seed % 4 == 0 ? kOldStyle : writeState(RandomState(seed / 8).state());
     const std::string text = Mutator(seed)(original);
     try {
