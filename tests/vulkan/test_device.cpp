@@ -29,7 +29,7 @@ VulkanOptions testDevice() {
   options.device = GALAXY_TEST_DEVICE;
   options.validation = VulkanOptions::Validation::CoreAndSynchronization;
   options.heard = failTest;
-  options.keptPipelines = 1000;  // under the layers each takes long to compile
+  options.keptPipelines = 100;  // under the layers each takes long to compile
   return options;
 }
 
