@@ -117,12 +117,12 @@ GXY_API gxy_sim* gxy_open(const char* name, int rank, int ranks, const char* opt
  * origin and spacing are the same in all calls for a mesh. A stream may have several grids: the first by name is that whose domain the
  * server cuts for its ranks, and the others lie inside it.
  *
- * Called again, it changes what a block owns, from the next publish on, and gxy_field() has to be called again for it. A block that is no
- * longer there gets a count of 0. After the first step the size, origin and spacing of a grid may change as well, on all ranks before the same
- * publish: the first call with another grid removes all blocks of the mesh on its rank. A call that changes nothing costs nothing,
- * but with the policy "wait". There all ranks call this before the publish from which on some have other blocks, also those
- * whose blocks stay; else that step may be left out. With "skip" no step is taken until the server knows what all ranks have, so a grid that
- * changes with each step is seen with "wait" only. */
+ * Called again, it changes what a block owns, from the next publish on, and gxy_field() has to be called again for a block that has changed. A
+ * block that is no longer there gets a count of 0. After the first step the size, origin and spacing of a grid may change as well, on all ranks
+ * before the same publish: a call with another grid than the one before removes all blocks of the mesh on its rank. A call that
+ * changes nothing costs nothing, but with the policy "wait". There all ranks call this before the publish from which on some have other
+ * blocks, also those whose blocks stay; else that step may be left out. With "skip" no step is taken until the server knows what all ranks
+ * have, so a grid that changes with each step is seen with "wait" only. Between gxy_wanted() and its publish nothing may change. */
 GXY_API int gxy_grid(gxy_sim* sim, const char* mesh, int block, int of, const int64_t size[3],
                      const int64_t first[3], const int64_t count[3], const double origin[3],
                      const double spacing[3]);

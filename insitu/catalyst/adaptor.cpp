@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 #include <stdexcept>
+#include <utility>
 
 namespace gxy::catalyst {
 
@@ -160,8 +161,7 @@ Adaptor::Whole Adaptor::wholeOf(const std::vector<GridBlock>& blocks, const std:
   return whole;
 }
 
-// `before`: how many blocks there were.
-Adaptor::Grid Adaptor::placed(const std::vector<GridBlock>& blocks, size_t before) {
+Adaptor::Grid Adaptor::placed(const std::vector<GridBlock>& blocks) {
   Grid grid;
   std::vector<Box> boxes;
   bool points = params_.association == "vertex";
@@ -175,38 +175,44 @@ Adaptor::Grid Adaptor::placed(const std::vector<GridBlock>& blocks, size_t befor
   if (points && std::count(whole.points.begin(), whole.points.end(), 1) > 0) {
     warn(blocks[0].path +
          ": fields of points in one layer, expected two layers or fields of elements, left out");
+    grid.leftOut = true;
     return grid;
   }
+  grid.size = whole.points;
+  for (size_t a = 0; a < 3 && !points; a++) grid.size[a] = cells(whole.points, a);
+  grid.origin = whole.origin;
+  grid.spacing = whole.spacing;
   for (size_t b = 0; b < blocks.size(); b++) {
     Box& box = boxes[b];
     if (box.ofPoints && !points && !box.empty())
       throw std::runtime_error(blocks[b].ghosts->path +
                                ": ghosts of points do not say which cells are ghosts");
     const Index place = box.empty() ? Index() : placeOf(blocks[b], whole.origin, whole.spacing);
-    Index size = whole.points, first{}, count = box.count;
+    Index first{}, count = box.count;
     for (size_t a = 0; a < 3; a++) {
       first[a] = place[a] + box.first[a];
-      if (!points) size[a] = cells(whole.points, a);
       if (box.empty())
         first[a] = count[a] = 0;
       else if (!points)
         count[a] = cells(box.count, a);
-      else if (!box.ofPoints && params_.shared && first[a] + count[a] != size[a])
+      else if (!box.ofPoints && params_.shared && first[a] + count[a] != grid.size[a])
         count[a]--;  // The next block has the last points, too.
     }
-    if (gxy_grid(sim_.get(), blocks[b].mesh.c_str(), int(b), grid.of, size.data(), first.data(), count.data(),
-                 whole.origin.data(), whole.spacing.data()) != GXY_TAKEN)
-      throw std::runtime_error(blocks[b].path + ": " + gxy_message(sim_.get()));
-    grid.blocks.push_back({blocks[b].points, blocks[b].origin, blocks[b].spacing, box});
+    grid.blocks.push_back({blocks[b].points, blocks[b].origin, blocks[b].spacing, box, first, count});
   }
-  Index size = whole.points;
-  for (size_t a = 0; a < 3 && !points; a++) size[a] = cells(whole.points, a);
-  const Index none{};
-  for (size_t b = blocks.size(); b < before; b++)
-    if (gxy_grid(sim_.get(), blocks[0].mesh.c_str(), int(b), grid.of, size.data(), none.data(), none.data(),
-                 whole.origin.data(), whole.spacing.data()) != GXY_TAKEN)
-      throw std::runtime_error(blocks[0].path + ": " + gxy_message(sim_.get()));
   return grid;
+}
+
+// `before`: how many blocks the library may know.
+void Adaptor::tell(const std::string& mesh, const Grid& grid, size_t before) {
+  const Placed none{};
+  for (size_t b = 0; b < std::max(before, grid.blocks.size()); b++) {
+    const Placed& block = b < grid.blocks.size() ? grid.blocks[b] : none;
+    if (gxy_grid(sim_.get(), mesh.c_str(), int(b), grid.of, grid.size.data(), block.first.data(),
+                 block.count.data(), grid.origin.data(), grid.spacing.data()) != GXY_TAKEN)
+      throw std::runtime_error("grid \"" + mesh + "\", block " + std::to_string(b) + ": " +
+                               gxy_message(sim_.get()));
+  }
 }
 
 void Adaptor::grid(const std::string& mesh, const std::vector<GridBlock>& blocks) {
@@ -214,19 +220,26 @@ void Adaptor::grid(const std::string& mesh, const std::vector<GridBlock>& blocks
     return warn(blocks[0].path + ": a new grid after the first step, left out");
   if (std::all_of(blocks.begin(), blocks.end(), [](const GridBlock& block) { return block.fields.empty(); }))
     return warn(blocks[0].path + ": a grid without fields, left out");
-  if (!published_) grids_[mesh] = placed(blocks, 0);
-  Grid& grid = grids_.at(mesh);
-  if (grid.blocks.empty()) return;  // It was left out.
-  if (!std::equal(blocks.begin(), blocks.end(), grid.blocks.begin(), grid.blocks.end(),
-                  [](const GridBlock& now, const Placed& before) {
-                    return now.points == before.points && now.origin == before.origin &&
-                           now.spacing == before.spacing;
-                  })) {
+  Grid& grid = grids_[mesh];
+  if (grid.leftOut) return;
+  const size_t before = grid.blocks.size();
+  const bool isAsBefore =
+      published_ && std::equal(blocks.begin(), blocks.end(), grid.blocks.begin(), grid.blocks.end(),
+                               [](const GridBlock& now, const Placed& then) {
+                                 return now.points == then.points && now.origin == then.origin &&
+                                        now.spacing == then.spacing;
+                               });
+  if (!isAsBefore) {
+    // If the new blocks are wrong, those of the next step are new again.
+    if (published_) grid.blocks.assign(std::max(before, blocks.size()), Placed());
+    Grid now = placed(blocks);
+    if (published_ && now.leftOut) throw std::runtime_error(blocks[0].path + ": expected a grid as before");
+    if (!now.leftOut) tell(mesh, now, std::max(before, grid.blocks.size()));
+    grid = std::move(now);
+    if (grid.leftOut) return;
     std::erase_if(told_, [&](const auto& one) { return std::get<0>(one.first) == mesh; });
-    const size_t before = grid.blocks.size();
-    grid.blocks.assign(before, Placed());  // If the new ones are wrong, those of the next step are new again.
-    grid = placed(blocks, before);
-    if (grid.blocks.empty()) throw std::runtime_error(blocks[0].path + ": expected a grid as before");
+  } else {
+    tell(mesh, grid, before);  // where ranks wait, whenever another rank may have other blocks
   }
   const bool ofCells = grid.of == GXY_OF_CELLS;
   for (size_t b = 0; b < blocks.size(); b++) {
@@ -308,6 +321,12 @@ void Adaptor::describe(const Node& params) {
   std::map<std::string, std::vector<GridBlock>> grids;
   for (const GridBlock& block : meshes.grids) grids[block.mesh].push_back(block);
   for (const auto& [mesh, blocks] : grids) grid(mesh, blocks);
+  for (auto& [mesh, known] : grids_) {
+    if (!published_ || known.leftOut || grids.count(mesh) > 0) continue;
+    const size_t before = std::exchange(known.blocks, {}).size();  // Other ranks have them now.
+    tell(mesh, known, before);
+    std::erase_if(told_, [&, name = mesh](const auto& one) { return std::get<0>(one.first) == name; });
+  }
   for (const Points& all : meshes.points) points(all);
   for (const auto& [key, now] : told_) {
     const auto& [mesh, block, name] = key;
@@ -319,11 +338,12 @@ void Adaptor::describe(const Node& params) {
 }
 
 void Adaptor::publish(bool last) {
-  if (told_.empty()) warn("catalyst/channels: there is nothing that Galaxy takes");
-  const auto offer = told_.empty() ? gxy_skip : last ? gxy_publish_last : gxy_publish;
+  const bool isNothing = told_.empty() && !published_;
+  if (isNothing) warn("catalyst/channels: there is nothing that Galaxy takes");
+  const auto offer = isNothing ? gxy_skip : last ? gxy_publish_last : gxy_publish;
   const int result = offer(sim_.get(), step_, time_);
   if (result == GXY_WRONG) throw std::runtime_error(gxy_message(sim_.get()));
-  published_ = !told_.empty();
+  published_ = published_ || !told_.empty();
   off_ = result == GXY_OFF;
   if (result == GXY_LOST && *gxy_message(sim_.get())) warn(gxy_message(sim_.get()));
 }

@@ -47,10 +47,14 @@ class Adaptor {
     Index points;
     Position origin, spacing;
     Box box;
+    Index first{}, count{};  // in the whole grid; points or cells, as the grid counts
   };
   struct Grid {
+    bool leftOut = false;
     int of = GXY_OF_POINTS;
-    std::vector<Placed> blocks;  // none: it is left out
+    Index size{};  // the same
+    Position origin{}, spacing{};
+    std::vector<Placed> blocks;
   };
   using Key = std::tuple<std::string, int, std::string>;  // mesh, block, field; "": the positions of points
 
@@ -58,7 +62,8 @@ class Adaptor {
   void publish(bool last);
   Meshes meshesOf(const Node& params);
   Whole wholeOf(const std::vector<GridBlock>& blocks, const std::vector<Box>& boxes) const;
-  Grid placed(const std::vector<GridBlock>& blocks, size_t before);
+  Grid placed(const std::vector<GridBlock>& blocks);
+  void tell(const std::string& mesh, const Grid& grid, size_t before);
   void grid(const std::string& mesh, const std::vector<GridBlock>& blocks);
   void points(const Points& points);
   void field(const Values& values, const Key& key, int of, const Index& extent, const Index& first);

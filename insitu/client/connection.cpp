@@ -76,6 +76,12 @@ std::shared_ptr<const Route> Connection::route() const {
 // With the lock held.
 bool Connection::isPlanned() const { return route_ && description_ && route_->from >= description_->from; }
 
+// Whether the next publish can be taken; or a later one is appointed, so that the next one will not be, unless it is the last of
+// all. With the lock held.
+bool Connection::isDueNow(Loss loss) const {
+  return sender_.isDue() && (isPlanned() || (loss == Loss::EndsTheWait && !sender_.isNext()));
+}
+
 void Connection::filled(int64_t step, double time, Counts counts) {
   sender_.filled(step, time, std::move(counts));
   interrupt_.wake();
@@ -108,14 +114,16 @@ void Connection::end() {
 }
 
 bool Connection::await(Clock::time_point until, Loss loss) {
-  if (sender_.isDue() && route()) return true;
+  {
+    const std::lock_guard lock(mutex_);
+    if (isDueNow(loss)) return true;
+  }
   if (loss == Loss::EndsTheWait && lost()) return false;
   sender_.await();
   interrupt_.wake();
   std::unique_lock lock(mutex_);
-  changed_.wait_until(lock, until, [&] {
-    return (sender_.isDue() && isPlanned()) || ended_ || (lost_ && loss == Loss::EndsTheWait);
-  });
+  changed_.wait_until(lock, until,
+                      [&] { return isDueNow(loss) || ended_ || (lost_ && loss == Loss::EndsTheWait); });
   return sender_.isDue();
 }
 
@@ -196,9 +204,9 @@ void Connection::follow(const Joined& joined, std::vector<Destination> destinati
 // Sends what there is to send, as much as the sockets take.
 void Connection::exchange() {
   WireSocket& root = *sockets_.at(0);
-  tellDescription(root);
+  if (described_ == 0) tellDescription(root);  // others when the server asks, or this rank waits
   while (const auto answer = sender_.answer()) tellRoot(*answer);
-  if (planned_)
+  if (described_ > 0)
     if (const auto waits = sender_.waits()) tellRoot(*waits);
   if (const auto step = sender_.announcement()) root.send(message(MessageChannel::Step, written(*step)));
   for (const auto& [owner, socket] : sockets_) sendPieces(owner, *socket);
@@ -276,6 +284,8 @@ void Connection::receivePlan(std::span<const std::byte> message) {
   std::shared_ptr<const Route> route;
   {
     const std::lock_guard lock(mutex_);
+    problem_.clear();  // and not before: the server may have refused the plan
+    lost_ = false;
     if (from < description_->from)
       return;  // The server will know soon that this rank has something else now.
     Route next = route_ ? *route_ : Route{0, {}, {}, {}, std::make_shared<Slot>()};
@@ -289,8 +299,6 @@ void Connection::receivePlan(std::span<const std::byte> message) {
     tellRoot({Control::Kind::Waits, 0, 0});  // The server knows from now on that no step may be left out.
   const std::lock_guard lock(mutex_);
   route_ = std::move(route);
-  problem_.clear();  // and not before: the server may have refused the plan
-  lost_ = false;
   changed_.notify_all();
 }
 

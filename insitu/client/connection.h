@@ -55,14 +55,14 @@ class Connection {
   Connection(const Connection&) = delete;
   Connection& operator=(const Connection&) = delete;
 
-  /// Says what this rank has, from the next publish on. Called before the first publish() at least.
+  /// Says what this rank has, from the next publish on. Called before the first publish() at least, and once at most before another.
   void describe(Description description);
   /// Counts a publish. True: the caller copies the step into the slot of route() and calls filled().
   bool publish() { return sender_.publish(); }
   /// Whether the next publish is appointed, so far, and can be taken.
   bool isNext() const { return sender_.isNext() && route(); }
   enum class Loss { EndsTheWait, IsWaitedOut };
-  /// Waits until the next publish is due and can be taken, `until` has come, there will be no connection any more, or, if `loss` says so, the connection is
+  /// Waits until the next publish is due and can be taken, a later one is due, `until` has come, there will be no connection any more, or, if `loss` says so, the connection is
   /// lost or could not be made. Returns whether the publish is due.
   bool await(Interrupt::Clock::time_point until, Loss loss);
   /// As publish(), of the last publish of all. False: none is due, and nothing is counted.
@@ -95,6 +95,7 @@ class Connection {
   void tellDescription(WireSocket& root);
   void tellRoot(const Control& message);
   bool isPlanned() const;
+  bool isDueNow(Loss loss) const;
   void follow(const Joined& joined, std::vector<Destination> destinations);
   void exchange();
   Checksum checksumOf(const WireSocket& socket) const;

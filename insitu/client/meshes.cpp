@@ -283,22 +283,32 @@ void Meshes::checkFields(const Data& data) {
 }
 
 Description Meshes::describe() {
+  if (isDescribed())
+    for (const auto& [name, data] : data_)
+      if (data.mesh.kind == Mesh::Kind::Grid) checkFields(data);
+  Description description = describeBlocks();
+  lacksFields_ = false;
+  return description;
+}
+
+Description Meshes::describeBlocks() {
   if (data_.empty())
     throw Error(
         "gxy_publish: there is no mesh, expected gxy_grid() and gxy_field(), gxy_points() or gxy_cells() "
         "first");
   Description description;
-  for (const auto& [name, data] : data_) {
+  for (auto& [name, data] : data_) {
     const bool isGrid = data.mesh.kind == Mesh::Kind::Grid;
-    if (isDescribed() && isGrid) checkFields(data);
     description.meshes.push_back(data.mesh);
     if (!isDescribed()) description.meshes.back().fields = fieldsOf(data);
     description.parts.emplace_back();
     if (isGrid)
       for (const auto& [number, block] : data.blocks)
         if (block.owned.count() > 0) description.parts.back().blocks.push_back(block.owned);
-    if (isGrid || isDescribed()) continue;  // Where others are is asked for before the first step only.
-    description.parts.back().bounds = boundsOf(data.positions, pointsOf(data));
+    if (isGrid) continue;
+    if (!isDescribed()) data.bounds = boundsOf(data.positions, pointsOf(data));
+    description.parts.back().bounds = data.bounds;
+    if (isDescribed()) continue;
     if (data.mesh.kind ==
         Mesh::Kind::Cells)  // Wrong cells of the first step are told here, later ones by the server.
       description.meshes.back().shape =
@@ -316,13 +326,17 @@ Description Meshes::describe() {
   }
   meshes_ = std::move(meshes);
   news_ = false;
+  lacksFields_ = true;
   return description;
 }
 
 // The number of particles or cells may have grown since their fields were told.
 void Meshes::check(const char* function) const {
   for (const auto& [name, data] : data_) {
-    if (data.mesh.kind == Mesh::Kind::Grid) continue;
+    if (data.mesh.kind == Mesh::Kind::Grid) {
+      if (lacksFields_ && !news_) checkFields(data);
+      continue;
+    }
     const auto checkAll = [&function](const Arrays& fields, const Extent& row) {
       if (row.count() == 0) return;
       for (const auto& [field, values] : fields)

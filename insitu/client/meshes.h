@@ -39,7 +39,9 @@ class Meshes {
   bool hasNews() const { return news_; }
   /// Returns what is said to the server. From now on meshes and fields are as they are, but for the sizes and blocks of grids.
   Description describe();
-  /// Throws Error if particles or cells lack an array. `function` is the one that publishes.
+  /// The same after describe(), also if blocks have no fields. That is told by check() then.
+  Description describeBlocks();
+  /// Throws Error if particles, cells or blocks lack an array. `function` is the one that publishes.
   void check(const char* function) const;
 
   /// What this rank has of each mesh, in the order of the description. Reads the offsets of cells.
@@ -65,6 +67,7 @@ class Meshes {
     std::map<int, Block> blocks;  ///< of a grid; of points and cells the block 0, with all points
     gxy_array positions{}, ids{};
     CellArrays cells;
+    Box bounds;                         ///< of points and cells, as they were described first
     Arrays cellFields;                  ///< of a mesh of cells: the fields of cells
     std::vector<const Block*> present;  ///< the blocks that have points, once it is described
   };
@@ -81,6 +84,7 @@ class Meshes {
   std::map<std::string, Data> data_;  ///< by name
   std::vector<const Data*> meshes_;   ///< in the order of the description, once there is one
   bool news_ = true;
+  bool lacksFields_ = false;  ///< perhaps
   std::vector<std::vector<std::byte>> kept_;
 };
 

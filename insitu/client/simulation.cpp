@@ -58,6 +58,10 @@ void Simulation::checkOrder(int64_t step, const char* function) const {
 void Simulation::begin(int64_t step, const char* function) {
   checkOrder(step, function);
   meshes_.check(function);
+}
+
+// Before a publish that counts: what is described is true from that one on.
+void Simulation::describe() {
   if (meshes_.hasNews()) connection_->describe(meshes_.describe());
 }
 
@@ -77,6 +81,7 @@ int Simulation::missed() const { return connection_->connected() ? GXY_NOT_TAKEN
 int Simulation::wanted(int64_t step, double time) {
   if (!connection_) return 0;
   begin(step, "gxy_wanted");
+  if (passes(statistics_.offered + 1, time)) describe();
   if (asked_)
     throw Error("gxy_wanted: it has been asked for this publish already, expected gxy_publish next");
   bool isNext = false;
@@ -105,6 +110,7 @@ int Simulation::publish(int64_t step, double time) {
   if (!isSame)
     throw Error("gxy_publish: step " + std::to_string(step) + " after gxy_wanted for step " +
                 std::to_string(asked_->step.step) + ", expected the same step and time");
+  if (passes(statistics_.offered + 1, time)) describe();
   const bool declined = asked_ && !asked_->take, waited = asked_.has_value();
   asked_.reset();
   count(step);
@@ -113,7 +119,7 @@ int Simulation::publish(int64_t step, double time) {
     if (!waited) await(begun);
     const bool isDue = connection_->publish();
     if (isDue && declined)
-      connection_->notFilled(true);
+      connection_->notFilled(connection_->route() != nullptr);
     else
       result = isDue ? take({step, time}) : missed();
   }
@@ -127,8 +133,11 @@ int Simulation::skip(int64_t step, double time) {
   if (!connection_) return GXY_OFF;
   checkOrder(step, "gxy_skip");
   asked_.reset();
+  const bool counts = passes(statistics_.offered + 1, time);
+  if (counts && meshes_.isDescribed() && meshes_.hasNews())  // The other ranks may publish it.
+    connection_->describe(meshes_.describeBlocks());
   count(step);
-  if (passes(statistics_.offered, time) && connection_->publish()) connection_->notFilled(true);
+  if (counts && connection_->publish()) connection_->notFilled(true);
   return missed();
 }
 
@@ -147,6 +156,7 @@ int Simulation::publishLast(int64_t step, double time) {
   if (!connection_) return GXY_OFF;
   begin(step, "gxy_publish_last");
   meshes_.keep();
+  describe();
   count(step);
   last_ = {step, time};
   return connection_->lost() ? GXY_LOST : GXY_TAKEN;
@@ -166,6 +176,9 @@ int Simulation::take(const Step& step) {
   } catch (const std::bad_alloc&) {
     connection_->notFilled(false);
     return GXY_NOT_TAKEN;
+  } catch (const std::exception&) {
+    connection_->notFilled(false);
+    throw;
   }
   steering_ = connection_->steering();
   connection_->filled(step.step, step.time, counts);

@@ -45,6 +45,7 @@ class Simulation {
   };
   using Clock = Interrupt::Clock;
   void begin(int64_t step, const char* function);
+  void describe();
   void checkOrder(int64_t step, const char* function) const;
   void count(int64_t step);
   int missed() const;

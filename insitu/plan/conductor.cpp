@@ -46,7 +46,9 @@ void Conductor::plan(uint64_t from, std::set<int> owners) {
 }
 
 bool Conductor::isHeldUp() const {
-  return needsPlan() && canPlan() && state_ == State::Collecting && described_ <= step_.count;
+  // Ranks that wait come to the step first. The others miss it.
+  return needsPlan() && state_ == State::Collecting && described_ <= step_.count &&
+         (canPlan() || !ranksWait_);
 }
 
 Control Conductor::ask() {

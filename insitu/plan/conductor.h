@@ -34,7 +34,7 @@ class Conductor {
   uint64_t described() const { return described_; }
   /// There is a plan for the publishes from `from` on. `owners`: the ranks of Galaxy that get samples. Only while no step is under way.
   void plan(uint64_t from, std::set<int> owners);
-  /// Whether the appointed step cannot be taken before there is another plan, and there can be one.
+  /// Whether the appointed step cannot be taken before there is another plan, and no rank has to come to it first.
   bool isHeldUp() const;
   /// Whether the same publish can be appointed again once it is given up: it is held up, and no rank can have taken it.
   bool comesAgain() const;
@@ -66,7 +66,7 @@ class Conductor {
   std::string missing() const;
   /// The step that was appointed. Its `step` and `time` are known once isComplete().
   const StepHeader& step() const { return step_; }
-  /// The largest count that was ever appointed.
+  /// The count that was appointed last, or the one before it if it comes again.
   uint64_t last() const { return last_; }
 
   /// Nobody has come to the appointed publish for a while: perhaps the simulation has become slower since, and an appointment

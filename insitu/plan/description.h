@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a rank of a simulation says about its data before the first step, and the form of that on the wire.
+// What a rank of a simulation says about its data, and the form of that on the wire.
 #pragma once
 #include <cstdint>
 #include <optional>
@@ -40,7 +40,7 @@ struct Field {
 /// What all ranks of a simulation say alike of a mesh.
 struct Mesh {
   enum class Kind : uint8_t {
-    Grid,    ///< each rank owns the same points in each step
+    Grid,    ///< each rank owns the same points in each step, until it says something else
     Points,  ///< particles: each rank has any number of them, another one in each step
     Cells    ///< points, and lines or triangles between them: each rank has any number, others in each step
   };

@@ -10,7 +10,7 @@ namespace gxy::insitu {
 
 /// The state machine of a rank of Galaxy, for one stream. It uses no sockets, threads or clocks. Counts are those of publishes.
 ///
-/// The count of a chunk says by itself which step it belongs to: a later appointment has a larger count. So a chunk of a later
+/// The count of a chunk says by itself which step it belongs to: a later appointment has a larger count, but where nobody has sent anything of the one before. So a chunk of a later
 /// step makes what came of an earlier one void, and a chunk of an earlier step is dropped. A rank of Galaxy needs no message about
 /// appointments, which could come later than the chunks.
 class Receiver {

@@ -113,22 +113,23 @@ void StreamLead::take(int rank, const protocol::WireMessage& message) {
   } else {
     tell(conductor_.receive(rank, control));
   }
-  if (conductor_.isComplete() || conductor_.needsPlan() || (!isStep && control.kind == Control::Kind::Waits))
+  const bool canPlan = conductor_.needsPlan() && conductor_.canPlan();
+  if (conductor_.isComplete() || canPlan || (!isStep && control.kind == Control::Kind::Waits))
     changed_.notify_all();
 }
 
 void StreamLead::describe(int rank, Description description) {
   const std::lock_guard lock(mutex_);
-  conductor_.describe(rank, description.from);
   Said& said = said_.at(size_t(rank));
-  if (said.from > 0)
-    insitu::checkContinues(*said.meshes, description.meshes);
-  else
-    described_++;
-  for (const insitu::Part& part : said.parts) blocks_ -= part.blocks.size();
-  for (const insitu::Part& part : description.parts) blocks_ += part.blocks.size();
-  if (blocks_ > insitu::kMostBlocks)
+  if (said.from > 0) insitu::checkContinues(*said.meshes, description.meshes);
+  size_t blocks = blocks_;
+  for (const insitu::Part& part : said.parts) blocks -= part.blocks.size();
+  for (const insitu::Part& part : description.parts) blocks += part.blocks.size();
+  if (blocks > insitu::kMostBlocks)
     throw Error("the ranks have more than 2^20 blocks together, expected at most as many");
+  conductor_.describe(rank, description.from);  // Nothing has changed where it throws.
+  blocks_ = blocks;
+  if (said.from == 0) described_++;
   if (!newestSaid_ || *newestSaid_ != description.meshes)
     newestSaid_ = std::make_shared<const std::vector<insitu::Mesh>>(std::move(description.meshes));
   said = {description.from, newestSaid_, std::move(description.parts)};
@@ -196,11 +197,13 @@ void StreamLead::run() {
   finish();
 }
 
-// Waits until all ranks have said what they have, and none can say anything else of the same publishes.
-void StreamLead::awaitDescriptions() {
+// Waits until all ranks have said what they have, and none can say anything else of the same publishes. Returns with the lock, without
+// which that may change.
+std::unique_lock<std::mutex> StreamLead::awaitDescriptions() {
   const auto begun = Clock::now();
   size_t before = 0;
   auto last = begun;  // that a rank said for the first time what it has
+  auto asked = begun - kLook;
   std::unique_lock lock(mutex_);
   while (!end_ && !conductor_.canPlan()) {
     const bool isAll = described_ == said_.size();
@@ -208,7 +211,10 @@ void StreamLead::awaitDescriptions() {
     if (described_ > 0 && !isAll && Clock::now() > last + kGathering)
       throw Error("only " + std::to_string(described_) + " of " + std::to_string(identity().ranks) +
                   " ranks of the simulation have published a step within a minute");
-    if (isAll) tell(conductor_.look());
+    if (isAll && Clock::now() >= asked + kLook) {
+      tell(conductor_.look());
+      asked = Clock::now();
+    }
     changed_.wait_for(lock, kLook);
     lock.unlock();
     if (Clock::now() > begun + kConnecting && part_->connections() == 0)
@@ -216,6 +222,7 @@ void StreamLead::awaitDescriptions() {
     lock.lock();
   }
   if (end_) throw Ended();
+  return lock;
 }
 
 // Where the particles and cells of the first step are, or the simulation says that they will be.
@@ -300,13 +307,12 @@ void StreamLead::checkRoom() const {
 // Plans where samples go from now on. A simulation whose ranks share a grid in another way goes on in the partitions that there are,
 // unless these are to be its own.
 void StreamLead::plan() {
-  awaitDescriptions();
   StreamPlan plan;
   uint64_t from = 0;
   bool isOther = false;  // the meshes are not what they were
   Bounds bounds(said_.size());
   {
-    const std::lock_guard lock(mutex_);
+    const std::unique_lock lock = awaitDescriptions();
     from = conductor_.described();
     plan.meshes = mergedMeshes();
     isOther = plan.meshes != meshes_;
@@ -357,14 +363,18 @@ void StreamLead::publishSteps() {
   }
 }
 
-// Publishes the next step that there is, by another plan if ranks have something else than before.
+// Publishes the next step that there is, by another plan if ranks have something else than before. A rank that waits for a plan may be
+// behind another one that has said something new since. Then it can only go on to the next appointment, and there is no plan before.
 void StreamLead::publishNext() {
-  do {
+  constexpr int kTries =
+      3;  // so that a simulation that always has something new does not have all of the server's time
+  for (int i = 0; i < kTries; i++) {
     std::unique_lock lock(mutex_);
-    const bool needsPlan = conductor_.needsPlan();
+    const bool plans = conductor_.needsPlan() && (conductor_.canPlan() || !conductor_.ranksWait());
     lock.unlock();
-    if (needsPlan) plan();
-  } while (!publishOne());
+    if (plans) plan();
+    if (publishOne()) return;
+  }
 }
 
 // `begin` is when the last step was begun.
@@ -495,6 +505,7 @@ void StreamLead::isPublished() {
 CollectedStep StreamLead::collect(const std::function<void()>& check) {
   std::unique_lock lock(mutex_);
   course_.hasRoom = Clock::now();
+  refused_ = {};
   tellEncodings();
   tell(conductor_.begin(from_));
   constexpr auto kNone = Clock::time_point::max();
@@ -513,10 +524,6 @@ CollectedStep StreamLead::collect(const std::function<void()>& check) {
     if (end_) throw Error("the stream has ended");
     if (conductor_.isHeldUp()) {
       isHeldUp_ = true;
-      if (conductor_.ranksWait() && !conductor_.comesAgain())
-        spdlog::warn(
-            "rank 0: stream {}: publish {} is left out, since not all ranks have called gxy_grid again",
-            identity().name, conductor_.last());
       tell(conductor_.abandon());
       throw Error("ranks of the simulation have other blocks or another grid than before");
     }

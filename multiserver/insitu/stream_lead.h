@@ -97,7 +97,7 @@ class StreamLead {
   };
   using Bounds = std::vector<std::vector<Box>>;  ///< of particles and cells, by rank and mesh
   void describe(int rank, insitu::Description description);
-  void awaitDescriptions();
+  std::unique_lock<std::mutex> awaitDescriptions();
   std::vector<insitu::Mesh> mergedMeshes() const;
   void checkRoom() const;
   void plan();

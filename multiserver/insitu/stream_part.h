@@ -78,7 +78,7 @@ class StreamPart {
 
   /// Collective, in a work that joined `publication`. Reserves room, collects a step and publishes it. `encodings` are those that
   /// the step is sent with. `collect` is called on rank 0 once all ranks have room. It waits until all samples are there, or throws;
-  /// it returns what was collected, and `last` the largest count that was appointed. If any rank fails, all throw Error, and the
+  /// it returns what was collected, and `last` the count that was appointed last. If any rank fails, all throw Error, and the
   /// data before are current.
   CollectedStep step(Publication& publication, uint64_t exchange, Exchanges::Part& part,
                      const insitu::Encodings& encodings, const std::function<CollectedStep()>& collect,

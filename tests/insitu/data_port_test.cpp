@@ -129,6 +129,19 @@ TEST(DataPort, ARankConnectsOnce) {
   EXPECT_EQ(p.client->expect("insitu.streams").at("streams").at(0).at("connected"), 1);
 }
 
+TEST(DataPort, TooManyBlocksEndTheStreamAndNoOther) {
+  Port p;
+  insitu::Description many = described();
+  many.parts[0].blocks.assign(insitu::kMostBlocks / 2 + 1, {{0, 0, 0}, {1, 1, 1}});
+  many.meshes.push_back(many.meshes[0]);
+  many.meshes[1].name = "other", many.meshes[1].fields[0].name = "u";
+  many.parts.push_back(many.parts[0]);
+  const auto raw = p.connect();
+  raw->send(message(MessageChannel::Describe, written(many)));
+  EXPECT_NE(p.reason(*raw).find("more than 2^20 blocks together"), std::string::npos);
+  until([&] { return p.client->expect("insitu.streams").at("streams").empty(); }, "the end of the stream");
+}
+
 TEST(DataPort, WrongMessagesEndTheStreamWithAReason) {
   Port p;
   p.expectEnds(message(MessageChannel::Describe, written(described())), "expected one of publishes after 1");

@@ -46,7 +46,7 @@ void runBeyond(MiniSimulation& simulation, Observed& observed, int64_t before) {
   });
 }
 
-TEST(Decompositions, ChangeWithoutAStepThatIsOfTwo) {
+TEST(Decompositions, ChangeWhileStepsAreSkipped) {
   for (uint64_t seed = 1; seed <= 12; seed++) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     Random random(seed);
@@ -117,6 +117,79 @@ TEST(Decompositions, ChangeWithoutAStepThatIsLeftOutWhereRanksWait) {
     }
     EXPECT_EQ(observed.stream().at("abandoned"), 0);
   }
+}
+
+TEST(Decompositions, OfPublishesThatAreNotOfferedAreNotMixed) {
+  for (const bool all : {true, false}) {
+    Observed observed(2);
+    Grid grid = gridOf({9, 8, 7});
+    Random random(3);
+    const auto blocks = [&] { return insitu::randomBlocks(random, grid.points, 3); };
+    json options = json::parse(waiting(*observed.server, nullptr));
+    options["every"] = 3;
+    MiniSimulation simulation("heat", grid, blocks(), 3, kFields, Layout::Together, options.dump());
+    for (int step = 1; step <= 10; step++) {
+      const bool isOffered = step % 3 == 1;
+      ASSERT_EQ(simulation.publishTogether(), isOffered ? 3 : 0) << step;
+      if (isOffered) {
+        until([&] { return simulation.published() == 1 + step / 3; }, "each step");
+        expectEqualsImport(*observed.server, *observed.client, grid, GXY_OF_POINTS, kFields);
+      }
+      if (all) grid.points[1] = 5 + step;
+      simulation.decompose(grid, blocks());
+      ASSERT_EQ(simulation.results(), 0);
+    }
+  }
+}
+
+TEST(Decompositions, ChangeInAStepThatOneRankSkips) {
+  Observed observed(2);
+  Grid grid = gridOf({9, 8, 7});
+  Random random(5);
+  const auto blocks = [&] { return insitu::randomBlocks(random, grid.points, 2); };
+  {
+    MiniSimulation simulation("heat", grid, blocks(), 2, kFields, Layout::Together, to(*observed.server));
+    run(simulation, [&] { return simulation.published() >= 1; });
+    for (int change = 0; change < 10; change++) {
+      grid.points[0] = 5 + change;
+      simulation.decompose(grid, blocks());
+      const int64_t step = simulation.next();
+      gxy_publish(simulation.rank(0), step, 0.5 * double(step));
+      gxy_skip(simulation.rank(1), step, 0.5 * double(step));
+      runBeyond(simulation, observed, step);
+    }
+  }
+  observed.awaitEnd();
+  expectEqualsImport(*observed.server, *observed.client, grid, GXY_OF_POINTS, kFields);
+}
+
+TEST(Decompositions, WhereOnlyTheRanksWithOtherBlocksTellThemNobodyHangs) {
+  Observed observed(2);
+  const Grid grid = gridOf({8, 9, 12});
+  const auto slab = [](int64_t first, int64_t end) { return Extent{{0, 0, first}, {8, 9, end - first}}; };
+  MiniSimulation simulation("heat", grid, {{0, 0, slab(0, 3)}, {1, 0, slab(3, 6)}, {2, 0, slab(6, 12)}}, 3,
+                            kFields, Layout::Together, waiting(*observed.server, nullptr));
+  for (int64_t i = 1; i <= 30; i++) {
+    simulation.publishTogether();
+    const int64_t cut = 1 + i % 5;
+    if (i % 3 == 0)  // while rank 2 may be a step ahead
+      simulation.decompose(grid, {{0, 0, slab(0, cut)}, {1, 0, slab(cut, 6)}}, {0, 1});
+  }
+  EXPECT_GT(simulation.published(), 10);
+}
+
+TEST(Decompositions, TheLastStepIsPublishedAlthoughOneRankChangesBeforeThereIsAPlan) {
+  Observed observed(2);
+  const Grid grid = gridOf({8, 9, 12});
+  const auto slab = [](int64_t first, int64_t end) { return Extent{{0, 0, first}, {8, 9, end - first}}; };
+  MiniSimulation simulation("heat", grid, {{0, 0, slab(0, 6)}, {1, 0, slab(6, 12)}}, 2, kFields,
+                            Layout::Together, to(*observed.server));
+  simulation.publish();
+  simulation.decompose(grid, {{0, 0, slab(0, 6)}, {0, 1, slab(6, 7)}}, {0});
+  simulation.decompose(grid, {{1, 0, slab(7, 12)}}, {1});
+  simulation.publishLastAndClose(60);
+  observed.awaitEnd();
+  expectEqualsImport(*observed.server, *observed.client, grid, GXY_OF_POINTS, kFields);
 }
 
 TEST(Decompositions, ChangeUnderAWindowThatFollows) {

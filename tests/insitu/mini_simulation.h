@@ -157,6 +157,11 @@ class MiniSimulation {
     onThreads([&](gxy_sim* s) { taken += gxy_publish(s, step_, 0.5 * double(step_)) == GXY_TAKEN; });
     return taken;
   }
+  /// Computes the next step, and returns its number.
+  int64_t next() {
+    fill(++step_);
+    return step_;
+  }
   /// Publishes the next step as the last, and forgets its values. Then closes the simulation.
   void publishLastAndClose(double seconds) {
     fill(++step_);

@@ -113,14 +113,14 @@ class Schedule {
     uint64_t told = 0;
   };
 
-  // The publishes from which on ranks have something else: all of them, or some where ranks do not wait.
+  // The publishes from which on ranks have something else: all of them, or some where steps may be left out.
   void drawChanges() {
     uint64_t count = 1;
     for (uint64_t left = random_.below(policy_ == Ranks::Wait ? 8 : 4); left > 0; left--) {
       count += 1 + random_.below(policy_ == Ranks::Skip ? 4 * latency_ : 3);
       std::set<int> ranks;
       for (int r = 0; r < ranks_; r++)
-        if (policy_ != Ranks::Skip || random_.oneIn(2)) ranks.insert(r);
+        if ((policy_ != Ranks::Skip && calm_) || random_.oneIn(2)) ranks.insert(r);
       changes_.emplace_back(count, std::move(ranks));
     }
   }
@@ -206,7 +206,9 @@ class Schedule {
     else
       s.sender.notFilled(false);
   }
-  static bool isDue(const Simulation& s) { return s.sender.isDue() && s.planned >= s.from; }
+  static bool isDue(const Simulation& s) {
+    return s.sender.isDue() && (s.planned >= s.from || !s.sender.isNext());
+  }
   // Whether a rank need not wait any more.
   bool isOver(Simulation& s) {
     if (!std::exchange(s.waits, true)) s.sender.await();
@@ -224,7 +226,7 @@ class Schedule {
     }
     s.calls = end_ - 1;
     s.sender.await();
-    if (!isDue(s) || !s.sender.publishLast()) return;
+    if (s.planned < s.from || !s.sender.isDue() || !s.sender.publishLast()) return;
     s.before = s.sender.published();
     s.takes = s.sender.count();
     s.calls = end_;
@@ -240,9 +242,9 @@ class Schedule {
   void answer(Simulation& s) {
     if (const auto told = s.sender.announcement()) announced_.push_back({&s, *told});
     if (const auto due = s.sender.answer()) tellRoot(s, *due);
-    if (s.planned > 0)
+    if (s.told > 0)
       if (const auto waits = s.sender.waits()) tellRoot(s, *waits);
-    describe(s);
+    if (s.told == 0) describe(s);
     if (s.down.empty() || late()) return;
     const Down message = std::move(s.down.front());
     s.down.pop_front();
@@ -308,11 +310,10 @@ class Schedule {
     if (!open_) {
       if (random_.oneIn(8)) tell(conductor_->look());
       if (conductor_->needsPlan() && conductor_->canPlan()) plan();
-      if (plans_ == 0) return;
       const bool wanted = (policy_ != Ranks::Wait || eager_) && random_.oneIn(4);
       if (!wanted && !(policy_ == Ranks::Wait && conductor_->isAwaited())) return;
       // Nobody looks at a simulation that has come to its end.
-      if (conductor_->needsPlan()) return;
+      if (plans_ == 0 || (conductor_->needsPlan() && !conductor_->ranksWait())) return;
       const bool ends = policy_ == Ranks::End && simulation_[0]->calls + 1 >= end_;
       if (ends && !conductor_->isAwaited()) return;
       for (Owner& o : server_) o.receiver->open();

@@ -263,7 +263,11 @@ class Simulation:
         count = _three(count, "count", _Indices)
         origin, spacing = _three(origin, "origin", _Coordinates), _three(spacing, "spacing", _Coordinates)
         self._checked(self._library.gxy_grid(self._open(), name, block, _OF[of], size, first, count, origin, spacing))
-        self._blocks[mesh, block] = tuple(count), of
+        now = tuple(count), of
+        if self._blocks.get((mesh, block), now) != now:  # The library has forgotten the fields, too.
+            for key in [key for key in self._arrays if key[:2] == (mesh, block)]:
+                del self._arrays[key]
+        self._blocks[mesh, block] = now
 
     def field(self, name, array, *, order="zyx", block=0, mesh="grid"):
         """Says where the values of a field lie: in a NumPy array, which is read in publish() only and never copied here.

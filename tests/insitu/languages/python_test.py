@@ -217,6 +217,18 @@ class Fields(unittest.TestCase):
         gc.collect()
         self.assertIsNone(alive())
 
+    def test_arrays_of_a_block_that_has_changed_are_let_go(self):
+        array = np.zeros((4, 5, 6))
+        alive = weakref.ref(array)
+        self.sim.field("t", array)
+        del array
+        self.sim.publish(1)
+        self.sim.grid((6, 5, 4), count=(3, 5, 4))
+        gc.collect()
+        self.assertIsNone(alive())
+        self.sim.field("t", np.ones((4, 5, 3)))
+        self.sim.publish(2)
+
 
 class Particles(unittest.TestCase):
     def setUp(self):
