@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The life of frames: started, made known, cancelled, finished, delivered. renderer_rays.cpp has the life of
-// their rays, and renderer_tasks.cpp decides when tasks run.
+// their rays.
 #include "core/render/renderer.h"
 
 #include <algorithm>
@@ -93,8 +93,9 @@ Renderer::Renderer(Transport& transport, Options options)
       completion_(transport),
       account_(options, options.tenant),
       parkedMemory_(entry(options, options.tenant, "parked messages")),
-      tasks_(std::make_shared<Tasks>()),
-      ready_({options.raysInFlight, options.urgentWork}),
+      tasks_(transport,
+             {{options.raysInFlight, options.urgentWork}, options.runners, false, options.processorTime}),
+      handOuts_(transport, {{}, options.handOuts, true, options.processorTime}),
       admission_(options.framebufferBytes * transport.size(), 1 + size_t(transport.size())) {
   if (options_.packetRays < 16)
     throw Error("packets of " + std::to_string(options_.packetRays) + " rays, expected >= 16");
@@ -119,7 +120,8 @@ Renderer::Renderer(Transport& transport, Options options)
 Renderer::~Renderer() {
   for (Channel c : {Channel::Frame, Channel::Rays, Channel::Contributions, Channel::Credits})
     transport_.onMessage(c, {});
-  tasks_->close();
+  tasks_.close();
+  handOuts_.close();
 }
 
 void Renderer::addScene(SceneId id, std::shared_ptr<const CompiledScene> scene,
@@ -146,7 +148,7 @@ void Renderer::onOperation(PictureOperationReader reader) {
 Renderer::Counters Renderer::counters() const {
   std::lock_guard lock(mutex_);
   Counters c = counters_;
-  c.mostRaysInFlight = ready_.credits().mostOut();
+  c.mostRaysInFlight = tasks_.queue().credits().mostOut();
   c.mostFramebuffers = framebuffers_->most;
   return c;
 }
@@ -154,8 +156,8 @@ Renderer::Counters Renderer::counters() const {
 Renderer::ResourceCounts Renderer::kept() const {
   ResourceCounts kept;
   kept.completionSets = completion_.setsKept();
-  kept.tasks = ready_.size() + pictures_.size();
-  const Credits credits = ready_.credits();
+  kept.tasks = tasks_.queue().size() + handOuts_.queue().size();
+  const Credits credits = tasks_.queue().credits();
   kept.credits = credits.out();
   kept.tenantCredits = credits.byTenant();
   std::lock_guard lock(mutex_);
@@ -335,7 +337,7 @@ void Renderer::delivered(FrameId id, const std::string& error) {
     next = admission_.over(id);
   }
   if (pending.finished)
-    post(
+    tasks_.push(
         pending.priority, id,
         [finished = std::move(pending.finished), id, ending = std::move(pending.ending)] {
           finished(id, ending);
@@ -427,7 +429,7 @@ void Renderer::start(FrameId id, FrameRequest request, const Bytes& operation, c
   }
   for (EarlyMessage& p :
        parked)  // each in a task of its own, so that a refused one does not keep others back
-    post([this, id, p = std::make_shared<EarlyMessage>(std::move(p))] {
+    tasks_.post([this, id, p = std::make_shared<EarlyMessage>(std::move(p))] {
       if (p->channel == Channel::Rays)
         receiveRays(std::move(p->message));
       else if (p->channel == Channel::Contributions)
@@ -436,9 +438,9 @@ void Renderer::start(FrameId id, FrameRequest request, const Bytes& operation, c
         cancel(id);
     });
   if (spawnsNothing) return completion_.spawned(id);
-  ready_.addTiles(frame->request.priority, id, std::make_shared<Tiles>(*this, frame));
+  tasks_.queue().addTiles(frame->request.priority, id, std::make_shared<Tiles>(*this, frame));
   if (frame->cancelled) dropTiles(frame);
-  startRunner();
+  tasks_.start();
 }
 
 void Renderer::cancel(FrameId id) {
@@ -466,9 +468,8 @@ void Renderer::finish(FrameId id, bool hasPicture) {
   if (options_.trace) options_.trace->addLong("frame", id, frame->begin);
   if (frame->owner != transport_.rank()) return;
   std::function<void()> task = [this, frame, hasPicture] { deliver(frame, hasPicture); };
-  if (frame->request.priority.interactive) return post(frame->request.priority, id, std::move(task));
-  pictures_.push(frame->request.priority, id, std::move(task));
-  startHandOut();
+  if (frame->request.priority.interactive) return tasks_.push(frame->request.priority, id, std::move(task));
+  handOuts_.push(frame->request.priority, id, std::move(task));
 }
 
 void Renderer::deliver(const FramePtr& frame, bool hasPicture) {

@@ -21,7 +21,7 @@
 #include "core/render/admission.h"
 #include "core/render/framebuffer.h"
 #include "core/render/picture_operation.h"
-#include "core/render/ready_queue.h"
+#include "core/render/task_runner.h"
 #include "core/space/ledger.h"
 
 namespace gxy {
@@ -176,7 +176,6 @@ class Renderer {
   struct EarlyMessage;
   struct QueuedRays;
   struct PendingDeviceCall;
-  class Tasks;
   /// Ledger entries of one tenant with 0 bytes, from which LedgerEntry::another() makes those of a frame's
   /// allocations.
   struct Account {
@@ -240,12 +239,6 @@ class Renderer {
   FramePtr find(FrameId id) const;
   FramePtr findOrPark(FrameId id, Channel channel, Bytes& message);
   bool isOver(FrameId id) const { return id < firstNotOver_ || over_.count(id) > 0; }
-  void post(std::function<void()> task);
-  void post(const Priority& priority, FrameId frame, std::function<void()> task, bool first = false);
-  void post(const FramePtr& frame, std::function<void()> task, bool first = false);
-  void runNext(ReadyQueue& queue);
-  void startRunner();
-  void startHandOut();
 
   Transport& transport_;
   const Options options_;
@@ -253,12 +246,9 @@ class Renderer {
   /// These have 0 bytes; allocations are entered by their another().
   const Account account_;
   const LedgerEntry parkedMemory_;
-  const std::shared_ptr<Tasks> tasks_;
   const std::shared_ptr<Framebuffers> framebuffers_ = std::make_shared<Framebuffers>();
-  ReadyQueue ready_;
-  std::atomic<int> runners_ = 0;   ///< tasks posted to the Transport, each of which runs one task of ready_
-  ReadyQueue pictures_;            ///< tasks that hand out pictures
-  std::atomic<int> handOuts_ = 0;  ///< the same for pictures_
+  TaskRunner tasks_;
+  TaskRunner handOuts_;  ///< tasks that hand out pictures
 
   mutable std::mutex mutex_;  ///< guards all members below
   std::map<SceneId, Scene> scenes_;

@@ -34,7 +34,7 @@ std::function<void()> Renderer::Tiles::take() {
 
 // Removes the tiles of a cancelled frame.
 void Renderer::dropTiles(const FramePtr& frame) {
-  if (!ready_.dropTiles(frame->request.priority, frame->id)) return;
+  if (!tasks_.queue().dropTiles(frame->request.priority, frame->id)) return;
   const size_t left = frame->allTiles() - frame->next;
   if ((frame->tilesLeft -= left) == 0) completion_.spawned(frame->id);
 }
@@ -45,7 +45,7 @@ void Renderer::ask(const FramePtr& frame, int origin, uint64_t rays, const Call&
                    std::vector<QueuedRays>& stack) {
   const auto asked = std::make_shared<PendingDeviceCall>();
   asked->next.reset(new PendingDeviceCall::Next{
-      tasks_->stay(), transport_.expectPost(), frame, origin, std::move(then), {completion_, frame->id}, {}});
+      tasks_.stay(), transport_.expectPost(), frame, origin, std::move(then), {completion_, frame->id}, {}});
   try {
     call([this, asked](TraceResult result) { answered(*asked, std::move(result)); });
   } catch (const std::exception& e) {
@@ -74,7 +74,7 @@ void Renderer::answered(PendingDeviceCall& asked, TraceResult result) {
   // The posted task does not keep the Renderer waiting, because it may never run.
   const std::shared_ptr<void> inside = std::move(next->inside), expected = std::move(next->expected);
   const FramePtr frame = next->frame;
-  post(frame, [this, next = std::move(next)] {
+  tasks_.push(frame->priority(), frame->id, [this, next = std::move(next)] {
     std::vector<QueuedRays> stack;
     next->then(next->answer, stack);
     process(next->frame, next->origin, std::move(stack));
@@ -194,8 +194,9 @@ void Renderer::process(const FramePtr& frame, int origin, std::vector<QueuedRays
 void Renderer::putOff(const FramePtr& frame, int origin, std::vector<QueuedRays> rest) {
   auto active = std::make_shared<Completion::Active>(completion_, frame->id);
   auto held = std::make_shared<std::vector<QueuedRays>>(std::move(rest));
-  post(
-      frame, [this, frame, origin, active, held] { process(frame, origin, std::move(*held)); }, true);
+  tasks_.push(
+      frame->priority(), frame->id,
+      [this, frame, origin, active, held] { process(frame, origin, std::move(*held)); }, true);
 }
 
 void Renderer::forward(const FramePtr& frame, int rank, int partition, bool primary, int origin,
@@ -264,8 +265,9 @@ void Renderer::receiveRays(Bytes message) {
     retire(frame, header.origin, primary, uint64_t(header.count));
     throw;
   }
-  post(frame,
-       [this, frame, origin = header.origin, active, held] { process(frame, origin, std::move(*held)); });
+  tasks_.push(frame->priority(), frame->id, [this, frame, origin = header.origin, active, held] {
+    process(frame, origin, std::move(*held));
+  });
 }
 
 void Renderer::receiveContributions(Bytes message) {
@@ -312,8 +314,8 @@ void Renderer::giveBack(int origin, const Priority& priority, int64_t credits) {
     transport_.send(origin, Channel::Credits, w.take());
     return;
   }
-  ready_.giveBack(priority, credits);
-  startRunner();  // there may be room for a tile now
+  tasks_.queue().giveBack(priority, credits);
+  tasks_.start();  // there may be room for a tile now
 }
 
 }  // namespace gxy

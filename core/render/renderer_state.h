@@ -2,7 +2,6 @@
 // The state that a Renderer keeps of a frame. Only for the Renderer's own sources.
 #pragma once
 #include <atomic>
-#include <condition_variable>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -97,46 +96,6 @@ struct Renderer::EarlyMessage {
 struct Renderer::QueuedRays {
   LeavingRays list;
   LedgerEntry memory;
-};
-
-/// Lets tasks in until it is closed, and counts those inside. A task may still run when its frame has been
-/// reported, and a device may still trace; close() waits for both.
-class Renderer::Tasks : public std::enable_shared_from_this<Tasks> {
- public:
-  void run(std::function<void()>& task) {
-    {
-      std::lock_guard lock(mutex_);
-      if (closed_) return;
-      inside_++;
-    }
-    const std::shared_ptr<void> leave(nullptr, [&](void*) {
-      task = nullptr;  // what the task holds is destroyed while the Renderer still lives
-      left();
-    });
-    task();
-  }
-  /// Must be called by a task that is inside. The caller counts as inside until the returned pointer is
-  /// destroyed, too.
-  std::shared_ptr<void> stay() {
-    std::lock_guard lock(mutex_);
-    inside_++;
-    return {this, [self = shared_from_this()](void*) { self->left(); }};
-  }
-  void close() {
-    std::unique_lock lock(mutex_);
-    closed_ = true;
-    empty_.wait(lock, [this] { return inside_ == 0; });
-  }
-
- private:
-  void left() {
-    std::lock_guard lock(mutex_);
-    if (--inside_ == 0) empty_.notify_all();
-  }
-  std::mutex mutex_;
-  std::condition_variable empty_;
-  size_t inside_ = 0;
-  bool closed_ = false;
 };
 
 /// A call to a device. The answer may come before or after the call returns; whichever is second takes `next`
