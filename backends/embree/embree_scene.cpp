@@ -296,7 +296,7 @@ class EmbreeScene::Packet {
     uint64_t going = 0;
     for (int i = 0; i < made.size(); i++)
       going += out.next[i] >= 0;  // the others leave the visible domain at once
-    result_.secondaries += going;
+    result_.created += going;
     c.secondariesSpawned += going;
     c.secondariesSkipped -= going;
     secondaries_.push_back(std::move(made));

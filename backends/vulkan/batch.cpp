@@ -202,10 +202,10 @@ void Batch::answer() {
     TraceResult& result = results_[i];
     uint64_t left = 0;
     for (const LeavingRays& l : result.leaving)
-      (l.primary == (kind_ != DeviceTask::Kind::Secondaries) ? left : result.secondaries) +=
+      (l.primary == (kind_ != DeviceTask::Kind::Secondaries) ? left : result.created) +=
           uint64_t(l.rays.size());
     if (kind_ == DeviceTask::Kind::Spawn)
-      result.secondaries = 0;
+      result.created = 0;
     else
       result.retired = uint64_t(requests_[i].rays.size()) - left;
     tell(requests_[i], std::move(result));

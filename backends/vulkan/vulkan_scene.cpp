@@ -35,7 +35,7 @@ class Joined {
       append(all_.contributions, part.contributions);
       append(all_.depths, part.depths);
       all_.retired += part.retired;
-      all_.secondaries += part.secondaries;
+      all_.created += part.created;
       all_.counters += part.counters;
       if (--left_ > 0) return;
     }

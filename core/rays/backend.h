@@ -78,7 +78,7 @@ struct TraceResult {
   std::vector<DepthContribution> depths;  ///< only if the frame wants them
   uint64_t retired = 0;                   ///< rays of the packet that have ended
   /// New secondary rays in `leaving`. The backend may have made and traced others itself.
-  uint64_t secondaries = 0;
+  uint64_t created = 0;
   TraceCounters counters;
   std::string error;  ///< not empty: the call failed, and the result has only `retired`
 };

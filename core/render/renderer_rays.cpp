@@ -136,11 +136,11 @@ void Renderer::take(const FramePtr& frame, int origin, TraceResult& result, std:
 
 void Renderer::traced(const FramePtr& frame, int origin, bool primary, TraceResult& result,
                       std::vector<QueuedRays>& stack) {
-  completion_.created(frame->id, result.secondaries);
+  completion_.created(frame->id, result.created);
   take(frame, origin, result, stack);
   completion_.retired(frame->id, result.retired);
   const int64_t credits =
-      int64_t(result.retired) * (primary ? frame->perPrimary : 1) - int64_t(result.secondaries);
+      int64_t(result.retired) * (primary ? frame->perPrimary : 1) - int64_t(result.created);
   giveBack(origin, frame->request.priority, credits);
 }
 
