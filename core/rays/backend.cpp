@@ -4,11 +4,25 @@
 #include <spdlog/spdlog.h>
 
 #include <exception>
+#include <numeric>
+#include <utility>
 
 #include "core/comm/error.h"
 #include "core/rays/substitutes.h"
 
 namespace gxy {
+
+std::vector<LeavingRays> LeavingRays::split(int most) const {
+  std::vector<LeavingRays> parts;
+  for (RayList& part : rays.split(most)) parts.push_back({partition, primary, std::move(part)});
+  return parts;
+}
+
+void LeavingRays::write(Bytes& out) const {
+  std::vector<int> all(size_t(rays.size()));
+  std::iota(all.begin(), all.end(), 0);
+  rays.write(all, primary, out);
+}
 
 TraceCounters& TraceCounters::operator+=(const TraceCounters& o) {
   raysSpawned += o.raysSpawned;

@@ -64,11 +64,19 @@ struct TraceCounters {
 };
 
 /// Rays that leave a packet for a partition; all primaries or all secondaries. Those for other ranks are in
-/// host memory (RayList::kept() is null).
+/// host memory (RayList::kept() is null). It is an ItemList (core/render/flight.h), whose kind is 1 for
+/// primaries and 0 for secondaries.
 struct LeavingRays {
   int partition = 0;
   bool primary = true;
   RayList rays;
+
+  uint32_t kind() const { return primary; }
+  int size() const { return rays.size(); }
+  int64_t bytes() const { return rays.bytes(); }
+  std::vector<LeavingRays> split(int most) const;
+  void write(Bytes& out) const;
+  static int wireBytes(uint32_t kind) { return kind > 1 ? 0 : RayList::wireBytes(kind == 1); }
 };
 
 /// The result of a traced packet or a spawned tile.

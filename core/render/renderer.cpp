@@ -1,21 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
-// The life of frames: started, made known, cancelled, finished, delivered. renderer_rays.cpp has the life of
-// their rays.
+// The life of frames: asked for, prepared, superseded, finished, delivered. renderer_rays.cpp has what is done
+// with their rays, and Flights what is the same for all items.
 #include "core/render/renderer.h"
 
 #include <algorithm>
 
 #include "core/comm/error.h"
 #include "core/comm/error_text.h"
-#include "core/comm/tree.h"
 #include "core/comm/wire.h"
 #include "core/render/renderer_state.h"
 
 namespace gxy {
 
 namespace {
-
-enum class FrameMessage : uint8_t { Start, Cancel, Finish, Delivered, Failed };
 
 void writeRequest(Writer& w, const FrameRequest& r) {
   const Camera& c = r.camera;
@@ -72,6 +69,19 @@ LedgerEntry entry(const Renderer::Options& options, const std::string& tenant, c
   return options.ledger ? options.ledger->enter(tenant, purpose, 0) : LedgerEntry();
 }
 
+FlightControl::Options flightsOf(const Renderer::Options& options) {
+  FlightControl::Options flights;
+  flights.channels = {Channel::Frame, Channel::Rays, Channel::Credits};
+  flights.words = {"frame", "rays", "tile"};
+  flights.tasks.queue = {options.raysInFlight, options.urgentWork};
+  flights.tasks.most = options.runners;
+  flights.tasks.processorTime = options.processorTime;
+  flights.ledger = options.ledger;
+  flights.tenant = options.tenant;
+  flights.trace = options.trace;
+  return flights;
+}
+
 }  // namespace
 
 Renderer::Account::Account(const Options& options, const std::string& tenant)
@@ -89,38 +99,25 @@ void Renderer::Framebuffers::more() {
 
 Renderer::Renderer(Transport& transport, Options options)
     : transport_(transport),
-      options_(options),
-      completion_(transport),
-      account_(options, options.tenant),
-      parkedMemory_(entry(options, options.tenant, "parked messages")),
-      tasks_(transport,
-             {{options.raysInFlight, options.urgentWork}, options.runners, false, options.processorTime}),
-      handOuts_(transport, {{}, options.handOuts, true, options.processorTime}),
-      admission_(options.framebufferBytes * transport.size(), 1 + size_t(transport.size())) {
+      options_(std::move(options)),
+      account_(options_, options_.tenant),
+      handOuts_(transport, {{}, options_.handOuts, true, options_.processorTime}),
+      admission_(options_.framebufferBytes * transport.size(), 1 + size_t(transport.size())),
+      flights_(
+          transport, flightsOf(options_), [this](FrameId id, Reader& in) { return readFrame(id, in); },
+          [this](FrameId id, Reader& in) {
+            const std::string error = in.readString();
+            in.expectEnd();
+            delivered(id, error);
+          }) {
   if (options_.packetRays < 16)
     throw Error("packets of " + std::to_string(options_.packetRays) + " rays, expected >= 16");
   if (options_.raysInFlight < 1) throw Error("the number of rays in flight must be >= 1");
-  transport_.onMessage(Channel::Frame, [this](int, const Bytes& m) { receiveFrame(m); });
-  transport_.onMessage(Channel::Rays, [this](int, Bytes m) { receiveRays(std::move(m)); });
   transport_.onMessage(Channel::Contributions, [this](int, Bytes m) { receiveContributions(std::move(m)); });
-  transport_.onMessage(Channel::Credits, [this](int, const Bytes& m) {
-    Reader in(m, "ray credits");
-    Priority priority;
-    priority.tenant = in.read<uint32_t>();
-    priority.stream = in.read<uint64_t>();
-    const auto credits = in.read<int64_t>();  // negative for secondaries beyond what their primaries took
-    in.expectEnd();
-    constexpr int64_t kMost = int64_t(1) << 40;  // far beyond those of a packet's rays
-    if (credits < -kMost || credits > kMost)
-      in.fail(std::to_string(credits) + " credits come back, expected at most " + std::to_string(kMost));
-    giveBack(transport_.rank(), priority, credits);
-  });
 }
 
 Renderer::~Renderer() {
-  for (Channel c : {Channel::Frame, Channel::Rays, Channel::Contributions, Channel::Credits})
-    transport_.onMessage(c, {});
-  tasks_.close();
+  transport_.onMessage(Channel::Contributions, {});
   handOuts_.close();
 }
 
@@ -148,21 +145,27 @@ void Renderer::onOperation(PictureOperationReader reader) {
 Renderer::Counters Renderer::counters() const {
   std::lock_guard lock(mutex_);
   Counters c = counters_;
-  c.mostRaysInFlight = tasks_.queue().credits().mostOut();
+  const FlightControl::Counters flights = flights_.counters();
+  c.trace.raysRetired += flights.itemsDropped;
+  c.raysForwarded = flights.itemsForwarded;
+  c.rayBytes = flights.bytesForwarded;
+  c.rayMessages = flights.messagesForwarded;
+  c.messagesSkipped += flights.creditsSkipped;
+  c.mostRaysInFlight = flights.mostCredits;
   c.mostFramebuffers = framebuffers_->most;
   return c;
 }
 
 Renderer::ResourceCounts Renderer::kept() const {
+  const FlightControl::Kept flights = flights_.kept();
   ResourceCounts kept;
-  kept.completionSets = completion_.setsKept();
-  kept.tasks = tasks_.queue().size() + handOuts_.queue().size();
-  const Credits credits = tasks_.queue().credits();
-  kept.credits = credits.out();
-  kept.tenantCredits = credits.byTenant();
+  kept.frames = flights.flights;
+  kept.parkedMessages = flights.parkedMessages;
+  kept.completionSets = flights.completionSets;
+  kept.tasks = flights.tasks + handOuts_.queue().size();
+  kept.credits = flights.credits;
+  kept.tenantCredits = flights.tenantCredits;
   std::lock_guard lock(mutex_);
-  kept.frames = frames_.size();
-  for (const auto& [id, messages] : parked_) kept.parkedMessages += messages.size();
   kept.callbacks = pending_.size();
   kept.windows = windows_.size();
   return kept;
@@ -176,7 +179,7 @@ FrameId Renderer::render(const FrameRequest& request, Finished finished) {
     std::lock_guard lock(mutex_);
     if (!scenes_.count(request.scene))
       throw Error("there is no scene " + std::to_string(request.scene) + " to render");
-    id = nextFrame_++;
+    id = flights_.announce();
     Pending& pending = pending_[id];
     pending.finished = std::move(finished);
     pending.window = request.window;
@@ -194,12 +197,21 @@ FrameId Renderer::render(const FrameRequest& request, Finished finished) {
 
 // Rank 0: makes a frame known on all ranks.
 void Renderer::beginFrame(FrameId id, const FrameRequest& request) {
-  completion_.begin(id, [this, id] { complete(id); });
   Writer w;
-  w.write(FrameMessage::Start).write(id);
   writeRequest(w, request);
   w.write(operationBytes(request.operation));
-  start(id, request, {}, w.take());
+  flights_.begin(std::make_shared<Frame>(*this, id, request), w.take(),
+                 [this, id](const FlightEnding& ending) { complete(id, ending); });
+}
+
+// The other ranks: what beginFrame() has written.
+Renderer::FramePtr Renderer::readFrame(FrameId id, Reader& in) {
+  FrameRequest request = readRequest(in);
+  Bytes operation = in.readVector<std::byte>();
+  validate(request.camera);
+  auto frame = std::make_shared<Frame>(*this, id, std::move(request));
+  frame->operation = std::move(operation);
+  return frame;
 }
 
 void Renderer::beginWaiting(const std::vector<FrameId>& ids) {
@@ -221,104 +233,18 @@ void Renderer::supersede(FrameId id) {
   {
     std::lock_guard lock(mutex_);
     const auto it = pending_.find(id);
-    if (it == pending_.end() || it->second.complete || it->second.ending.superseded) return;
-    it->second.ending.superseded = true;
+    if (it == pending_.end()) return;
     request.swap(it->second.waiting);
     if (request) admission_.beginAnyway(id);
   }
+  flights_.cancel(id);
   if (request) beginFrame(id, *request);
-  cancelEverywhere(id);
 }
 
-void Renderer::cancelEverywhere(FrameId id) {
-  Writer w;
-  sendDown(w.write(FrameMessage::Cancel).write(id).take());
-  cancel(id);
-}
-
-// Called on a rank whose device could not do its part. The message to rank 0 counts as work of the frame, so
-// the frame does not end before it is received.
-void Renderer::fail(const FramePtr& frame, const std::string& error) {
-  frame->cancel();
-  dropTiles(frame);
-  if (frame->failed.exchange(true)) return;
-  completion_.created(frame->id, 1);
-  Writer w;
-  transport_.send(0, Channel::Frame,
-                  w.write(FrameMessage::Failed)
-                      .write(frame->id)
-                      .write("rank " + std::to_string(transport_.rank()) + ": " + error)
-                      .take());
-}
-
-// Rank 0: the first error of a frame counts.
-void Renderer::failed(FrameId id, const std::string& error) {
-  {
-    std::lock_guard lock(mutex_);
-    const auto it = pending_.find(id);
-    if (it == pending_.end() || it->second.complete)
-      throw Error("frame " + std::to_string(id) + " was said to have failed, but is not under way");
-    if (it->second.ending.error.empty()) it->second.ending.error = error;
-  }
-  cancelEverywhere(id);
-  completion_.retired(id, 1);
-}
-
-// Rank 0: called once, when all work of a frame is done. Decides for all ranks whether the picture counts.
-void Renderer::complete(FrameId id) {
-  bool hasPicture;
-  {
-    std::lock_guard lock(mutex_);
-    Pending& pending = pending_.at(id);
-    pending.complete = true;
-    hasPicture = pending.ending.hasPicture();
-  }
-  Writer w;
-  sendDown(w.write(FrameMessage::Finish).write(id).write(hasPicture).take());
-  finish(id, hasPicture);
-}
-
-// Sends a message down a binary tree rooted at rank 0. Each rank passes on what it receives.
-void Renderer::sendDown(const Bytes& message) {
-  forEachTreeChild(transport_.rank(), 0, transport_.size(),
-                   [&](int child) { transport_.send(child, Channel::Frame, message); });
-}
-
-void Renderer::receiveFrame(const Bytes& message) {
-  Reader in(message, "frame message");
-  const auto kind = in.read<FrameMessage>();
-  const auto id = in.read<FrameId>();
-  if (kind > FrameMessage::Failed) in.fail("its kind is " + std::to_string(int(kind)) + ", expected 0 to 4");
-  if (id == 0 || (kind >= FrameMessage::Delivered) != (transport_.rank() == 0))
-    in.fail("it is not for rank " + std::to_string(transport_.rank()));
-  if (kind == FrameMessage::Start) {
-    const FrameRequest request = readRequest(in);
-    const Bytes operation = in.readVector<std::byte>();
-    in.expectEnd();
-    validate(request.camera);
-    {
-      std::lock_guard lock(mutex_);
-      if (find(id) || isOver(id)) in.fail("frame " + std::to_string(id) + " has started before");
-    }
-    start(id, request, operation, message);
-  } else if (kind == FrameMessage::Cancel) {
-    in.expectEnd();
-    sendDown(message);
-    cancel(id);
-  } else if (kind == FrameMessage::Finish) {
-    const bool hasPicture = in.read<bool>();
-    in.expectEnd();
-    sendDown(message);
-    finish(id, hasPicture);
-  } else if (kind == FrameMessage::Failed) {
-    const std::string error = in.readString();
-    in.expectEnd();
-    failed(id, error);
-  } else {
-    const std::string error = in.readString();
-    in.expectEnd();
-    delivered(id, error);
-  }
+// Rank 0: called once, when all work of a frame is done.
+void Renderer::complete(FrameId id, const FlightEnding& ending) {
+  std::lock_guard lock(mutex_);
+  pending_.at(id).ending = Ending{ending.cancelled, ending.error};
 }
 
 void Renderer::delivered(FrameId id, const std::string& error) {
@@ -327,30 +253,30 @@ void Renderer::delivered(FrameId id, const std::string& error) {
   {
     std::lock_guard lock(mutex_);
     const auto it = pending_.find(id);
-    if (it == pending_.end() || !it->second.complete)
+    if (it == pending_.end() || !it->second.ending)
       throw Error("frame " + std::to_string(id) + " was said to be delivered, but is not under way");
     pending = std::move(it->second);
     pending_.erase(it);
-    if (pending.ending.error.empty()) pending.ending.error = error;
+    if (pending.ending->error.empty()) pending.ending->error = error;
     const auto window = windows_.find(pending.window);
     if (window != windows_.end() && window->second == id) windows_.erase(window);
     next = admission_.over(id);
   }
   if (pending.finished)
-    tasks_.push(
+    flights_.tasks().push(
         pending.priority, id,
-        [finished = std::move(pending.finished), id, ending = std::move(pending.ending)] {
+        [finished = std::move(pending.finished), id, ending = std::move(*pending.ending)] {
           finished(id, ending);
         },
         true);
   beginWaiting(next);
 }
 
-// Makes what this rank needs for a frame besides the request. `operation` is the operation of the frame's picture as rank 0 has
-// written it; empty where the request holds it already.
-void Renderer::prepare(Frame& frame, const Bytes& operation) {
+// Makes what this rank needs for a frame besides the request.
+void Renderer::prepare(Frame& frame) {
   const FrameRequest& request = frame.request;
-  if (frame.owner == transport_.rank() && !operation.empty()) {
+  const Bytes operation = std::exchange(frame.operation, {});
+  if (frame.pictureOwner == transport_.rank() && !operation.empty()) {
     PictureOperationReader read;
     {
       std::lock_guard lock(mutex_);
@@ -377,7 +303,7 @@ void Renderer::prepare(Frame& frame, const Bytes& operation) {
   compiled.firstSample = request.firstSample;
   frame.samples = compiled.samples;
   frame.limits = limitsOf(scene, compiled);
-  if (frame.owner == transport_.rank()) {
+  if (frame.pictureOwner == transport_.rank()) {
     auto hold = [entry = &frame.account().framebuffer, all = framebuffers_](int64_t bytes) {
       all->more();
       return std::shared_ptr<void>(new LedgerEntry(entry->another(bytes)), [all](LedgerEntry* held) {
@@ -400,86 +326,20 @@ void Renderer::prepare(Frame& frame, const Bytes& operation) {
     counters_.partitionsSkipped += !scene.visible[size_t(p)];
 }
 
-void Renderer::start(FrameId id, FrameRequest request, const Bytes& operation, const Bytes& message) {
-  sendDown(message);
-  auto frame = std::make_shared<Frame>(options_);
-  frame->id = id;
-  frame->request = std::move(request);
-  frame->owner = int(id % uint64_t(transport_.size()));
-  frame->shared = &account_;
-  try {
-    prepare(*frame, operation);
-  } catch (const std::exception& e) {
-    frame->tiles.clear();    // the frame spawns nothing here, and rays that arrive are retired
-    fail(frame, textOf(e));  // before other ranks can end the frame
-  }
-  frame->tilesLeft = frame->allTiles();
-  // Asked here, since other threads take tiles once the frame is known.
-  const bool spawnsNothing = frame->tiles.empty();
-
-  std::vector<EarlyMessage> parked;
-  {
-    std::lock_guard lock(mutex_);
-    frames_[id] = frame;
-    const auto waiting = parked_.find(id);
-    if (waiting != parked_.end()) {
-      parked = std::move(waiting->second);
-      parked_.erase(waiting);
-    }
-  }
-  for (EarlyMessage& p :
-       parked)  // each in a task of its own, so that a refused one does not keep others back
-    tasks_.post([this, id, p = std::make_shared<EarlyMessage>(std::move(p))] {
-      if (p->channel == Channel::Rays)
-        receiveRays(std::move(p->message));
-      else if (p->channel == Channel::Contributions)
-        receiveContributions(std::move(p->message));
-      else
-        cancel(id);
-    });
-  if (spawnsNothing) return completion_.spawned(id);
-  tasks_.queue().addTiles(frame->request.priority, id, std::make_shared<Tiles>(*this, frame));
-  if (frame->cancelled) dropTiles(frame);
-  tasks_.start();
-}
-
-void Renderer::cancel(FrameId id) {
-  FramePtr frame;
-  {
-    std::lock_guard lock(mutex_);
-    if (isOver(id)) return;
-    frame = find(id);
-    if (!frame) return parked_[id].push_back({Channel::Frame, {}, nullptr, {}});
-    frame->cancel();
-  }
-  dropTiles(frame);
-}
-
-void Renderer::finish(FrameId id, bool hasPicture) {
-  FramePtr frame;
-  {
-    std::lock_guard lock(mutex_);
-    frame = find(id);
-    if (!frame) throw Error("frame " + std::to_string(id) + " was said to be finished, but is not under way");
-    frames_.erase(id);
-    over_.insert(id);
-    while (over_.erase(firstNotOver_)) firstNotOver_++;
-  }
-  if (options_.trace) options_.trace->addLong("frame", id, frame->begin);
-  if (frame->owner != transport_.rank()) return;
+void Renderer::finish(const FramePtr& frame, bool hasPicture) {
+  if (options_.trace) options_.trace->addLong("frame", frame->id, frame->begun);
+  if (frame->pictureOwner != transport_.rank()) return;
   std::function<void()> task = [this, frame, hasPicture] { deliver(frame, hasPicture); };
-  if (frame->request.priority.interactive) return tasks_.push(frame->request.priority, id, std::move(task));
-  handOuts_.push(frame->request.priority, id, std::move(task));
+  TaskRunner& runner = frame->request.priority.interactive ? flights_.tasks() : handOuts_;
+  runner.push(frame->request.priority, frame->id, std::move(task));
 }
 
 void Renderer::deliver(const FramePtr& frame, bool hasPicture) {
   // Rank 0 is told even if there is no memory for the picture or the handler throws, because the frame is
   // over.
   std::string error;
-  const std::shared_ptr<void> tell(nullptr, [&](void*) {
-    Writer w;
-    transport_.send(0, Channel::Frame, w.write(FrameMessage::Delivered).write(frame->id).write(error).take());
-  });
+  const std::shared_ptr<void> tell(nullptr,
+                                   [&](void*) { flights_.report(frame->id, Writer().write(error).take()); });
   const PictureOperationPtr& operation = frame->request.operation;
   PictureHandler handler;
   {
@@ -504,26 +364,6 @@ void Renderer::deliver(const FramePtr& frame, bool hasPicture) {
     error = "rank " + std::to_string(transport_.rank()) + ": " + textOf(e);
     throw;
   }
-}
-
-Renderer::FramePtr Renderer::find(FrameId id) const {
-  const auto it = frames_.find(id);
-  return it == frames_.end() ? nullptr : it->second;
-}
-
-// Returns the frame of a message. If it has not started, the message is taken and kept until then, and null
-// is returned.
-Renderer::FramePtr Renderer::findOrPark(FrameId id, Channel channel, Bytes& message) {
-  std::lock_guard lock(mutex_);
-  if (isOver(id)) throw Error("a message came for frame " + std::to_string(id) + ", which is over");
-  FramePtr frame = find(id);
-  if (!frame) {
-    std::shared_ptr<Completion::Active> active;
-    if (channel == Channel::Rays) active = std::make_shared<Completion::Active>(completion_, id);
-    LedgerEntry memory = parkedMemory_.another(int64_t(message.size()));
-    parked_[id].push_back({channel, std::move(message), std::move(active), std::move(memory)});
-  }
-  return frame;
 }
 
 }  // namespace gxy

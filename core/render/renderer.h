@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Renderer: from camera to picture on all ranks. It spawns, traces, forwards and retires rays.
+// Renderer: from camera to picture on all ranks.
 #pragma once
 #include <atomic>
 #include <chrono>
@@ -9,16 +9,15 @@
 #include <memory>
 #include <mutex>
 #include <optional>
-#include <set>
 #include <string>
 #include <vector>
 
-#include "core/comm/completion.h"
 #include "core/comm/trace.h"
 #include "core/comm/transport.h"
 #include "core/rays/backend.h"
 #include "core/rays/packet_size.h"
 #include "core/render/admission.h"
+#include "core/render/flights.h"
 #include "core/render/framebuffer.h"
 #include "core/render/picture_operation.h"
 #include "core/render/task_runner.h"
@@ -50,9 +49,9 @@ struct FrameRequest {
 
 /// Renders frames together with the Renderers of all other ranks; each rank has one, over its Transport.
 ///
-/// Rank 0 starts a frame and makes it known down a tree of ranks. Each rank spawns the primary rays that
-/// first meet something visible in one of its partitions. Rays are traced where they are and forwarded where
-/// they go. Contributions are sent to the rank that owns the frame's framebuffer (owners are dealt out round
+/// A frame is a flight (Flights) whose items are rays. Rank 0 starts a frame and makes it known on all ranks.
+/// Each rank spawns the primary rays that first meet something visible in one of its partitions. Rays are
+/// traced where they are and forwarded where they go. Contributions are sent to the rank that owns the frame's framebuffer (owners are dealt out round
 /// robin). A frame is done when Completion says that every ray and every message of contributions has been
 /// retired. Only then does its owner hand out the picture.
 ///
@@ -173,9 +172,6 @@ class Renderer {
  private:
   struct Frame;
   struct Scene;
-  struct EarlyMessage;
-  struct QueuedRays;
-  struct PendingDeviceCall;
   /// Ledger entries of one tenant with 0 bytes, from which LedgerEntry::another() makes those of a frame's
   /// allocations.
   struct Account {
@@ -189,8 +185,7 @@ class Renderer {
     Finished finished;
     uint64_t window = 0;
     Priority priority;
-    Ending ending;                        ///< known so far: superseded, or the first error
-    bool complete = false;                ///< all its work is done, so it is too late to supersede it
+    std::optional<Ending> ending;         ///< once all its work is done
     std::optional<FrameRequest> waiting;  ///< the request of a frame that has not begun (Admission)
   };
   /// Counts this rank's framebuffers that have memory. Their memory keeps the counter alive.
@@ -199,70 +194,35 @@ class Renderer {
     void more();
   };
 
-  void receiveFrame(const Bytes& message);
-  void receiveRays(Bytes message);
-  void receiveContributions(Bytes message);
   void beginFrame(FrameId id, const FrameRequest& request);
   void beginWaiting(const std::vector<FrameId>& ids);
-  void start(FrameId id, FrameRequest request, const Bytes& operation, const Bytes& message);
-  void prepare(Frame& frame, const Bytes& operation);
-  void cancel(FrameId id);
-  void cancelEverywhere(FrameId id);
-  void fail(const FramePtr& frame, const std::string& error);
-  void failed(FrameId id, const std::string& error);
-  void complete(FrameId id);
-  void finish(FrameId id, bool hasPicture);
+  FramePtr readFrame(FrameId id, Reader& in);
+  void prepare(Frame& frame);
+  void complete(FrameId id, const FlightEnding& ending);
+  void finish(const FramePtr& frame, bool hasPicture);
   void deliver(const FramePtr& frame, bool hasPicture);
   void delivered(FrameId id, const std::string& error);
-  void sendDown(const Bytes& message);
-
-  class Tiles;
-  void dropTiles(const FramePtr& frame);
-  void spawnTile(const FramePtr& frame, const SpawnTile& tile, int64_t reserved);
-  void spawned(const FramePtr& frame, TraceResult& result, int64_t reserved, std::vector<QueuedRays>& stack);
-  // `origin`, here and below: the rank that spawned the rays' primaries. Their credits go back to it.
-  void take(const FramePtr& frame, int origin, TraceResult& result, std::vector<QueuedRays>& stack);
-  void traced(const FramePtr& frame, int origin, bool primary, TraceResult& result,
-              std::vector<QueuedRays>& stack);
-  void retire(const FramePtr& frame, int origin, bool primary, uint64_t rays);
-  void process(const FramePtr& frame, int origin, std::vector<QueuedRays> stack);
-  using Call = std::function<void(DeviceScene::Done)>;
-  using Then = std::function<void(TraceResult&, std::vector<QueuedRays>&)>;
-  void ask(const FramePtr& frame, int origin, uint64_t rays, const Call& call, Then then,
-           std::vector<QueuedRays>& stack);
-  void answered(PendingDeviceCall& asked, TraceResult result);
-  void putOff(const FramePtr& frame, int origin, std::vector<QueuedRays> rest);
-  static QueuedRays hold(const Frame& frame, LeavingRays rays);
-  void forward(const FramePtr& frame, int rank, int partition, bool primary, int origin, const RayList& rays);
-  void contribute(const FramePtr& frame, TraceResult& result);
-  void giveBack(int origin, const Priority& priority, int64_t credits);
-  FramePtr find(FrameId id) const;
-  FramePtr findOrPark(FrameId id, Channel channel, Bytes& message);
-  bool isOver(FrameId id) const { return id < firstNotOver_ || over_.count(id) > 0; }
+  void takeResult(Frame& frame, TraceResult& result);
+  void contribute(Frame& frame, TraceResult& result);
+  void receiveContributions(Bytes message);
 
   Transport& transport_;
   const Options options_;
-  Completion completion_;
-  /// These have 0 bytes; allocations are entered by their another().
+  /// This has 0 bytes; allocations are entered by its another().
   const Account account_;
-  const LedgerEntry parkedMemory_;
   const std::shared_ptr<Framebuffers> framebuffers_ = std::make_shared<Framebuffers>();
-  TaskRunner tasks_;
   TaskRunner handOuts_;  ///< tasks that hand out pictures
 
-  mutable std::mutex mutex_;  ///< guards all members below
+  mutable std::mutex mutex_;  ///< guards the members below, but for flights_
   std::map<SceneId, Scene> scenes_;
-  std::map<FrameId, FramePtr> frames_;
-  std::map<FrameId, std::vector<EarlyMessage>> parked_;  ///< messages that overtook their frame's start
   PictureHandler pictureHandler_;
   PictureOperationReader operationReader_;
-  FrameId firstNotOver_ = 1;             ///< all frames below this number are over here
-  std::set<FrameId> over_;               ///< frames that are over and above firstNotOver_
   std::map<FrameId, Pending> pending_;   ///< rank 0
   Admission admission_;                  ///< rank 0
   std::map<uint64_t, FrameId> windows_;  ///< rank 0: newest frame of each window, while it is pending
-  FrameId nextFrame_ = 1;
   Counters counters_;
+
+  Flights<TraceResult> flights_;  ///< the last member, as it calls this Renderer from its constructor on
 };
 
 }  // namespace gxy

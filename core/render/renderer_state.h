@@ -6,7 +6,6 @@
 #include <optional>
 #include <vector>
 
-#include "core/rays/packet_size.h"
 #include "core/render/check_rays.h"
 #include "core/render/renderer.h"
 #include "core/render/tiles.h"
@@ -18,100 +17,64 @@ struct Renderer::Scene {
   std::shared_ptr<const DeviceScene> device;
 };
 
-struct Renderer::Frame {
-  explicit Frame(const Options& options)
-      : packet(options.packetRays), mostUrgentWork(uint64_t(options.urgentWork.count())) {}
+/// A frame as a flight: its items are rays, its chunks are tiles, and its act is to trace and to shade.
+struct Renderer::Frame final : Flight<TraceResult>, std::enable_shared_from_this<Frame> {
+  Frame(Renderer& renderer, FrameId id, FrameRequest request)
+      : Flight(id, renderer.options_.packetRays),
+        renderer(renderer),
+        request(std::move(request)),
+        pictureOwner(int(id % uint64_t(renderer.transport_.size()))),
+        mostUrgentWork(uint64_t(renderer.options_.urgentWork.count())) {}
 
-  FrameId id = 0;
+  Renderer& renderer;
   FrameRequest request;
+  /// The operation of the frame's picture as rank 0 has written it; empty where the request holds it already.
+  Bytes operation;
   Scene scene;
   std::shared_ptr<const DeviceFrame> device;  ///< null if this rank could not begin the frame
-  int owner = 0;
-  int samples = 1;                           ///< rays per pixel
-  int64_t perPrimary = 1;                    ///< credits that a primary ray takes
-  RayLimits limits;                          ///< what rays that arrive are checked against
-  std::unique_ptr<Framebuffer> framebuffer;  ///< on the owner; null if it could not begin the frame
-  const Account* shared = nullptr;           ///< the Renderer's, for frames that name no account
-  std::optional<Account> own;                ///< of a frame that names an account
+  const int pictureOwner;                     ///< the rank that has the framebuffer
+  int samples = 1;                            ///< rays per pixel
+  int64_t perPrimary = 1;                     ///< credits that a primary ray takes
+  RayLimits limits;                           ///< what rays that arrive are checked against
+  std::unique_ptr<Framebuffer> framebuffer;   ///< on its owner; null if it could not begin the frame
+  std::optional<Account> own;                 ///< of a frame that names an account
   LedgerEntry tileMemory;
   std::vector<SpawnTile> tiles;  ///< tiles of the first sample
   /// Index of the tile that is spawned next: all tiles of a sample, then those of the next sample. Guarded by
   /// the ReadyQueue's lock.
   size_t next = 0;
-  std::atomic<size_t> tilesLeft = 0;  ///< tiles that are not yet spawned completely
-  PacketSize packet;
   const uint64_t mostUrgentWork;
-  std::atomic<uint64_t> work = 0;       ///< nanoseconds of this rank's processors or device
-  std::atomic<bool> cancelled = false;  ///< set by cancel()
-  std::atomic<bool> failed = false;     ///< this rank has told rank 0 of an error
-  const Trace::Clock::time_point begin = Trace::Clock::now();
+  std::atomic<uint64_t> work = 0;  ///< nanoseconds of this rank's processors or device
+  const Trace::Clock::time_point begun = Trace::Clock::now();
 
-  /// Makes the frame's waiting rays end untraced, also those that the device queues.
-  void cancel() {
-    cancelled = true;
-    if (device) device->cancel();
-  }
-  const Account& account() const { return own ? *own : *shared; }
-  /// The request's share, but no longer interactive when the frame has taken more than Options::urgentWork on
-  /// this rank.
-  Priority priority() const {
-    return {request.priority.tenant, request.priority.interactive && work <= mostUrgentWork,
-            request.priority.stream};
-  }
-  size_t allTiles() const { return tiles.size() * size_t(samples); }
+  const Account& account() const { return own ? *own : renderer.account_; }
   SpawnTile nextTile() const {
     SpawnTile tile = tiles[next % tiles.size()];
     tile.sample += int(next / tiles.size());
     return tile;
   }
-  /// Credits that the rays of nextTile() take.
-  int64_t nextCost() const {
-    const SpawnTile tile = nextTile();
-    return int64_t(tile.x1 - tile.x0) * (tile.y1 - tile.y0) * perPrimary;
+
+  // The flight:
+  void prepare() override { renderer.prepare(*this); }
+  /// The request's share, but no longer interactive when the frame has taken more than Options::urgentWork on
+  /// this rank.
+  Priority priority() const override {
+    return {request.priority.tenant, request.priority.interactive && work <= mostUrgentWork,
+            request.priority.stream};
   }
-};
-
-/// The tiles of a frame that a ReadyQueue spawns.
-class Renderer::Tiles : public TileSource {
- public:
-  Tiles(Renderer& renderer, FramePtr frame) : renderer_(renderer), frame_(std::move(frame)) {}
-  bool empty() const override { return frame_->next == frame_->allTiles(); }
-  int64_t cost() const override { return frame_->nextCost(); }
-  std::function<void()> take() override;
-
- private:
-  Renderer& renderer_;
-  const FramePtr frame_;
-};
-
-/// A message that arrived before the start of its frame.
-struct Renderer::EarlyMessage {
-  Channel channel;
-  Bytes message;
-  std::shared_ptr<Completion::Active> active;
-  LedgerEntry memory;
-};
-
-/// A list of rays on this rank, and its entry in the ledger.
-struct Renderer::QueuedRays {
-  LeavingRays list;
-  LedgerEntry memory;
-};
-
-/// A call to a device. The answer may come before or after the call returns; whichever is second takes `next`
-/// and goes on. What the device may still keep of the call then holds nothing.
-struct Renderer::PendingDeviceCall {
-  struct Next {
-    std::shared_ptr<void> inside, expected;  ///< make this Renderer and the Transport wait for the answer
-    FramePtr frame;
-    int origin;
-    Then then;
-    Completion::Active active;
-    TraceResult answer;
-  };
-  std::mutex mutex;
-  bool answered = false, left = false;
-  std::shared_ptr<Next> next;
+  size_t chunks() const override { return tiles.size() * size_t(samples) - next; }
+  int64_t cost() const override;
+  int64_t creditsOf(uint32_t kind) const override { return kind == 1 ? perPrimary : 1; }
+  LedgerEntry hold(int64_t bytes) const override { return account().rays.another(bytes); }
+  void onCancel() override {
+    if (device) device->cancel();
+  }
+  void end(bool hasPicture) override { renderer.finish(shared_from_this(), hasPicture); }
+  int owner(int partition) const override { return scene.compiled->partitioning->owner(partition); }
+  std::function<void(Done)> takeChunk() override;
+  void advance(LeavingRays packet, Done done) override;
+  void deposit(TraceResult& result) override { renderer.takeResult(*this, result); }
+  LeavingRays read(int partition, uint32_t kind, int count, std::span<const std::byte> in) const override;
 };
 
 }  // namespace gxy
