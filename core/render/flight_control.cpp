@@ -102,8 +102,12 @@ void FlightControl::start(const BasePtr& flight, const Bytes& message) {
     flights_[id] = flight;
     if (const auto waiting = parked_.extract(id)) parked = std::move(waiting.mapped());
   }
-  for (Parked& p : parked)  // each in a task of its own, so that a refused one does not keep others back
-    tasks_.post([p = std::make_shared<Parked>(std::move(p))] { p->receive(std::move(p->message)); });
+  // Each in a task of its own, so that a refused one does not keep others back, and before the chunks, since
+  // one may say that the flight is cancelled.
+  for (Parked& p : parked)
+    tasks_.push(
+        flight->priority(), id,
+        [p = std::make_shared<Parked>(std::move(p))] { p->receive(std::move(p->message)); }, true);
   if (spawnsNothing) return completion_.spawned(id);
   tasks_.queue().addTiles(flight->priority(), id, sourceOf(flight));
   if (flight->cancelled()) dropChunks(*flight);

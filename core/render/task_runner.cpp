@@ -80,21 +80,16 @@ void TaskRunner::start() {
     });
     runNext();
   };
+  Task inside = [gate = gate_, runner = std::move(runner)]() mutable { gate->run(runner); };
   if (options_.longs)
-    transport_.postLong(inside(std::move(runner)));
+    transport_.postLong(std::move(inside));
   else
-    transport_.post(inside(std::move(runner)));
+    transport_.post(std::move(inside));
 }
-
-void TaskRunner::post(Task task) { transport_.post(inside(std::move(task))); }
 
 std::shared_ptr<void> TaskRunner::stay() { return gate_->stay(); }
 
 void TaskRunner::close() { gate_->close(); }
-
-TaskRunner::Task TaskRunner::inside(Task task) const {
-  return [gate = gate_, task = std::move(task)]() mutable { gate->run(task); };
-}
 
 void TaskRunner::runNext() {
   const ReadyQueue::Next next = queue_.pop();

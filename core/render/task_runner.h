@@ -43,8 +43,6 @@ class TaskRunner {
   /// Starts a runner if there may be one more. To be called when something else than push() has made work ready: tiles were added,
   /// or credits came back.
   void start();
-  /// Runs a task soon, without a turn.
-  void post(Task task);
   /// Must be called by a task that is running. close() then waits until the returned pointer is destroyed, too: for work that goes on
   /// where no task runs, as on a device.
   [[nodiscard]] std::shared_ptr<void> stay();
@@ -54,7 +52,6 @@ class TaskRunner {
 
  private:
   class Gate;
-  Task inside(Task task) const;
   void runNext();
 
   Transport& transport_;
