@@ -20,8 +20,8 @@
 
 namespace gxy {
 
-/// Starts flights on all ranks, cancels and fails them, and ends them when Completion says that all their items have ended. It keeps what
-/// overtakes the start of a flight until then, and it keeps the credits.
+/// Starts flights on all ranks, cancels and fails them, and ends them when Completion says that all their
+/// items have ended. It keeps what overtakes the start of a flight until then, and it keeps the credits.
 ///
 /// Threads: any thread may call all functions except the constructor and destructor.
 class FlightControl {
@@ -36,7 +36,8 @@ class FlightControl {
       const char *flight, *items, *chunk;
     } words;
     TaskRunner::Options tasks;  ///< with the credits of this rank
-    /// The ledger for messages that wait for the start of their flight, and the tenant that they count for; null: none.
+    /// The ledger for messages that wait for the start of their flight, and the tenant that they count for;
+    /// null: none.
     Ledger* ledger = nullptr;
     std::string tenant;
     Trace* trace = nullptr;  ///< records packets and chunks; may be null; must outlive the object
@@ -47,20 +48,21 @@ class FlightControl {
   FlightControl(const FlightControl&) = delete;
   FlightControl& operator=(const FlightControl&) = delete;
 
-  /// Rank 0 only: gives out the number of a flight. It must be begun at some time, because all ranks keep track of the flights that are
-  /// over.
+  /// Rank 0 only: gives out the number of a flight. It must be begun at some time, because all ranks keep
+  /// track of the flights that are over.
   FlightId announce();
-  /// Rank 0 only: makes all ranks end the flight's items where they meet them. The flight ends like any other, but does not count.
-  /// Does nothing if all its items have ended. It may be called before the flight begins.
+  /// Rank 0 only: makes all ranks end the flight's items where they meet them. The flight ends like any
+  /// other, but does not count. Does nothing if all its items have ended. It may be called before the flight
+  /// begins.
   void cancel(FlightId id);
   /// Ends a flight because this rank could not do its part. Rank 0 is told of the first error of this rank.
   void fail(FlightBase& flight, const std::string& error);
-  /// Sends bytes to the OnReport of rank 0, which gets them on its progress thread. They are not counted as an item, so they may be
-  /// about a flight that is over.
+  /// Sends bytes to the OnReport of rank 0, which gets them on its progress thread. They are not counted as
+  /// an item, so they may be about a flight that is over.
   void report(FlightId id, const Bytes& report);
 
-  /// Users who send messages of their own that belong to a flight count each as an item: as created before it is sent, and as retired
-  /// after it has been taken.
+  /// Users who send messages of their own that belong to a flight count each as an item: as created before it
+  /// is sent, and as retired after it has been taken.
   void created(FlightId id, uint64_t n) { completion_.created(id, n); }
   void retired(FlightId id, uint64_t n) { completion_.retired(id, n); }
 
@@ -98,14 +100,16 @@ class FlightControl {
   ~FlightControl() = default;
   /// Begins to receive messages. The last thing that a constructor does.
   void listen();
-  /// Receives no more messages, and waits for tasks that run and devices at work. The first thing that a destructor does.
+  /// Receives no more messages, and waits for tasks that run and devices at work. The first thing that a
+  /// destructor does.
   void stop();
   void begin(const BasePtr& flight, const Bytes& parameters, OnComplete onComplete);
   BasePtr findOrPark(FlightId id, Bytes& message, Receive receive);
   void dropChunks(FlightBase& flight);
   /// Counts a chunk whose items have all been made.
   void spawnedChunk(FlightBase& flight);
-  /// Gives credits back to the rank that took them; negative for children beyond those that their parents took credits for.
+  /// Gives credits back to the rank that took them; negative for children beyond those that their parents
+  /// took credits for.
   void giveBack(int origin, const Priority& priority, int64_t credits);
   virtual void receiveItems(Bytes message) = 0;
   virtual std::shared_ptr<TileSource> sourceOf(const BasePtr& flight) = 0;

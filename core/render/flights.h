@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Flights: items that travel between ranks, of any number of flights. They are made against credits, advanced in packets, sent on and
-// retired.
+// Flights: items that travel between ranks, of any number of flights. They are made against credits, advanced
+// in packets, sent on and retired.
 #pragma once
 #include <cstdint>
 #include <functional>
@@ -14,23 +14,26 @@
 
 namespace gxy {
 
-/// Carries out flights together with the Flights of all other ranks; each rank has one, over its Transport. What the items are, and what
-/// is done with them, say the user's classes derived from Flight.
+/// Carries out flights together with the Flights of all other ranks; each rank has one, over its Transport.
+/// What the items are, and what is done with them, say the user's classes derived from Flight.
 ///
-/// Rank 0 begins a flight and makes it known down a tree of ranks; its parameters, and the generations of data that it pins, travel in
-/// that first message. Each rank makes its items without a parent, in chunks. Items live on one rank at a time. They are advanced where
-/// they are and forwarded to the rank of the partition where they go on. A flight is complete when Completion says that all items of
-/// all ranks have been retired.
+/// Rank 0 begins a flight and makes it known down a tree of ranks; its parameters, and the generations of
+/// data that it pins, travel in that first message. Each rank makes its items without a parent, in chunks.
+/// Items live on one rank at a time. They are advanced where they are and forwarded to the rank of the
+/// partition where they go on. A flight is complete when Completion says that all items of all ranks have
+/// been retired.
 ///
-/// Memory: credits bound the items. Items take credits of the rank that made them (FlightBase::creditsOf), and give them back wherever they
-/// and their children end. A rank takes chunks only while it has credits. Items that arrive are always accepted, since ranks that
-/// refused each other's items would wait for ever. Children beyond those that an item took credits for put its rank into debt.
+/// Memory: credits bound the items. Items take credits of the rank that made them (FlightBase::creditsOf),
+/// and give them back wherever they and their children end. A rank takes chunks only while it has credits.
+/// Items that arrive are always accepted, since ranks that refused each other's items would wait for ever.
+/// Children beyond those that an item took credits for put its rank into debt.
 ///
-/// Order: chunks and packets take turns as ReadyQueue says. A task advances one packet, and puts the rest off.
+/// Order: chunks and packets take turns as ReadyQueue says. A task advances one packet, and puts the rest
+/// off.
 ///
-/// Errors: an act that throws, or whose result has an error, fails its flight: rank 0 is told, the flight's items end where they are met,
-/// and other flights go on. Messages that a Flights would not send are refused with an Error. If their flight is under way it fails, and
-/// their items count as ended.
+/// Errors: an act that throws, or whose result has an error, fails its flight: rank 0 is told, the flight's
+/// items end where they are met, and other flights go on. Messages that a Flights would not send are refused
+/// with an Error. If their flight is under way it fails, and their items count as ended.
 ///
 /// Threads: any thread may call all functions except the constructor and destructor.
 template <ItemResult Result>
@@ -47,17 +50,20 @@ class Flights final : public FlightControl {
       : FlightControl(transport, std::move(options), std::move(make), std::move(onReport)) {
     listen();
   }
-  /// Waits for running tasks and for devices at work. Drops the rest of the work of flights that are under way.
+  /// Waits for running tasks and for devices at work. Drops the rest of the work of flights that are under
+  /// way.
   ~Flights() { stop(); }
 
-  /// Rank 0 only: starts a flight whose number announce() has given out. `flight` is rank 0's own; the other ranks make theirs from
-  /// `parameters`. `onComplete` is called once, on rank 0's progress thread, before any FlightBase::end(). It must be short.
+  /// Rank 0 only: starts a flight whose number announce() has given out. `flight` is rank 0's own; the other
+  /// ranks make theirs from `parameters`. `onComplete` is called once, on rank 0's progress thread, before
+  /// any FlightBase::end(). It must be short.
   void begin(const FlightPtr& flight, const Bytes& parameters, OnComplete onComplete) {
     FlightControl::begin(flight, parameters, std::move(onComplete));
   }
 
-  /// Finds the flight that a message of the user's belongs to. If it has not started here, `message` is taken and kept, null is
-  /// returned, and `receive` is called with it in a task when the flight has started. Throws Error if the flight is over.
+  /// Finds the flight that a message of the user's belongs to. If it has not started here, `message` is taken
+  /// and kept, null is returned, and `receive` is called with it in a task when the flight has started.
+  /// Throws Error if the flight is over.
   FlightPtr findOrPark(FlightId id, Bytes& message, Receive receive) {
     return std::static_pointer_cast<Flight>(FlightControl::findOrPark(id, message, std::move(receive)));
   }
@@ -93,7 +99,7 @@ class Flights final : public FlightControl {
     std::shared_ptr<Next> next;
   };
 
-  /// The chunks of a flight that the ReadyQueue takes.
+  /// The chunks of a flight, which the ReadyQueue calls tiles.
   class Chunks final : public TileSource {
    public:
     Chunks(Flights& flights, FlightPtr flight) : flights_(flights), flight_(std::move(flight)) {}

@@ -51,9 +51,9 @@ struct FrameRequest {
 ///
 /// A frame is a flight (Flights) whose items are rays. Rank 0 starts a frame and makes it known on all ranks.
 /// Each rank spawns the primary rays that first meet something visible in one of its partitions. Rays are
-/// traced where they are and forwarded where they go. Contributions are sent to the rank that owns the frame's framebuffer (owners are dealt out round
-/// robin). A frame is done when Completion says that every ray and every message of contributions has been
-/// retired. Only then does its owner hand out the picture.
+/// traced where they are and forwarded where they go. Contributions are sent to the rank that owns the frame's
+/// framebuffer (owners are dealt out round robin). A frame is done when Completion says that every ray and
+/// every message of contributions has been retired. Only then does its owner hand out the picture.
 ///
 /// Memory: credits bound the rays. A primary ray takes 1 + (secondaries per hit) credits of its rank and
 /// gives them back wherever it and its secondaries end. A rank spawns only while it has credits, so the rays

@@ -81,7 +81,7 @@ void TaskRunner::start() {
     runNext();
   };
   Task inside = [gate = gate_, runner = std::move(runner)]() mutable { gate->run(runner); };
-  if (options_.longs)
+  if (options_.longTasks)
     transport_.postLong(std::move(inside));
   else
     transport_.post(std::move(inside));

@@ -13,9 +13,9 @@
 
 namespace gxy {
 
-/// Runs what waits in its ReadyQueue, at most Options::most tasks at once. What is posted to the Transport is a *runner*, which
-/// takes whichever task or tile is next only when it runs. Whoever is more urgent therefore waits for the tasks that run, and for
-/// none that were pushed before.
+/// Runs what waits in its ReadyQueue, at most Options::most tasks at once. What is posted to the Transport is
+/// a *runner*, which takes whichever task or tile is next only when it runs. Whoever is more urgent therefore
+/// waits for the tasks that run, and for none that were pushed before.
 ///
 /// Threads: any thread may call all functions except the constructor and destructor.
 class TaskRunner {
@@ -23,8 +23,8 @@ class TaskRunner {
   using Task = std::function<void()>;
   struct Options {
     ReadyQueue::Options queue;
-    int most = 0;        ///< most runners at once; 0: no limit
-    bool longs = false;  ///< runners are Transport::postLong() tasks, for tasks that compute for long
+    int most = 0;            ///< most runners at once; 0: no limit
+    bool longTasks = false;  ///< runners are Transport::postLong() tasks, for tasks that compute for long
     /// Processor time of the calling thread, by which the queue shares the processors.
     std::function<std::chrono::nanoseconds()> processorTime = PacketSize::processorTime;
   };
@@ -40,14 +40,14 @@ class TaskRunner {
 
   /// Queues a task, as ReadyQueue::push() does, and starts a runner.
   void push(const Priority& priority, uint64_t set, Task task, bool first = false);
-  /// Starts a runner if there may be one more. To be called when something else than push() has made work ready: tiles were added,
-  /// or credits came back.
+  /// Starts a runner if there may be one more. To be called when something else than push() has made work
+  /// ready: tiles were added, or credits came back.
   void start();
-  /// Must be called by a task that is running. close() then waits until the returned pointer is destroyed, too: for work that goes on
-  /// where no task runs, as on a device.
+  /// Must be called by a task that is running. close() then waits until the returned pointer is destroyed,
+  /// too: for work that goes on where no task runs, as on a device.
   [[nodiscard]] std::shared_ptr<void> stay();
-  /// Waits for the tasks that are running. Others that still come do not run. What waits in the queue stays there until it is
-  /// destroyed.
+  /// Waits for the tasks that are running. Others that still come do not run. What waits in the queue stays
+  /// there until it is destroyed.
   void close();
 
  private:

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Walkers: items of a flight that are no rays. They hop from partition to partition as their numbers say, and some have children.
+// Walkers: items of a flight that are no rays. They hop from partition to partition as their numbers say, and
+// some have children.
 #pragma once
 #include <algorithm>
 #include <cstdint>
@@ -99,8 +100,8 @@ class CountingTransport final : public Transport {
 
 /// Flights of walkers on all ranks of a seeded world.
 ///
-/// While an act runs, other messages and tasks go on, as they do with threads: the world takes steps within the acts' functions. Some
-/// acts give their results later.
+/// While an act runs, other messages and tasks go on, as they do with threads: the world takes steps within
+/// the acts' functions. Some acts give their results later.
 class Walks {
  public:
   static constexpr Channel kControl = Channel(65), kItems = Channel(66), kCredits = Channel(67);
@@ -110,7 +111,6 @@ class Walks {
     int64_t credits = 1 << 20;
     int packet = 3;  ///< most walkers that are advanced together
     int runners = 1024;
-    bool late = true;  ///< some results come later
   };
   /// What was seen of a flight.
   struct Outcome {
@@ -140,6 +140,12 @@ class Walks {
             in.expectEnd();
           }));
       transports_.back()->onMessage(Channel::Test, [this, r](int, Bytes m) { receiveSum(r, std::move(m)); });
+    }
+  }
+
+  ~Walks() {
+    ending_ = true;
+    while (late_ > 0 && step()) {  // Flights wait for their devices
     }
   }
 
@@ -198,7 +204,8 @@ class Walks {
     return left;
   }
 
-  /// The sum of the numbers at the end of all walkers of a flight, and how many there are, as one rank finds them.
+  /// The sum of the numbers at the end of all walkers of a flight, and how many there are, as one rank finds
+  /// them.
   static std::pair<uint64_t, uint64_t> expected(const Walk& walk, int ranks) {
     std::pair<uint64_t, uint64_t> total{0, 0};
     for (int r = 0; r < ranks; r++)
@@ -347,12 +354,16 @@ class Walks {
       result.leaving.push_back({at.partition, at.child, {at.walker}});
     }
     void answer(const Done& done, Walked result) {
-      if (!walks_.options_.late || walks_.random_.below(3)) {
+      if (walks_.ending_ || walks_.random_.below(3)) {
         done(std::move(result));
         return walks_.meanwhile();
       }
+      walks_.late_++;
       walks_.world_->rank(rank_).post(
-          [done, held = std::make_shared<Walked>(std::move(result))] { done(std::move(*held)); });
+          [&walks = walks_, done, held = std::make_shared<Walked>(std::move(result))] {
+            walks.late_--;
+            done(std::move(*held));
+          });
       walks_.meanwhile();
     }
 
@@ -396,7 +407,9 @@ class Walks {
 
   const Options options_;
   Random random_;
-  int depth_ = 0;  ///< steps within steps
+  int depth_ = 0;        ///< steps within steps
+  int late_ = 0;         ///< results to come
+  bool ending_ = false;  ///< no more results come late
   std::vector<Ledger> ledgers_;
   std::vector<LedgerEntry> items_;
   std::vector<std::string> errors_;
