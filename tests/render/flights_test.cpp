@@ -137,21 +137,26 @@ TEST(Flights, FailWithTheErrorOfTheRankThatCannotDoItsPart) {
     other.tenant = 1;
     walk.failure = Failure(1 + seed % 5);
     walk.failingRank = int(seed / 5 % uint64_t(options.ranks));
-    walk.endless = 1;
+    walk.endless = int(seed / 15 % 2);
     const FlightId id = walks.start(walk), beside = walks.start(other);
     ASSERT_TRUE(walks.run()) << "there is no end";
     ASSERT_EQ(walks.leftOver(), "");
     const std::string reason = walk.failure == Failure::Result ? "the device is lost" : "no room";
-    expectEnded(walks, id);
-    EXPECT_EQ(walks.outcome(id).ending.error, "rank " + std::to_string(walk.failingRank) + ": " + reason);
-    EXPECT_FALSE(walks.outcome(id).ending.cancelled);
+    if (walks.outcome(id).ending.counts()) {  // no walker came to the rank that would have failed
+      ASSERT_GE(walk.failure, Failure::Advance);
+      expectWhole(walks, id, walk);
+    } else {
+      expectEnded(walks, id);
+      ASSERT_EQ(walks.outcome(id).ending.error, "rank " + std::to_string(walk.failingRank) + ": " + reason);
+      ASSERT_FALSE(walks.outcome(id).ending.cancelled);
+      failed++;
+    }
     expectWhole(walks, beside, other);
     for (const std::string& error : walks.errors())  // of handlers: refused messages
       EXPECT_TRUE(walk.failure == Failure::Read && error.find("no room") != std::string::npos) << error;
-    failed++;
     if (HasFailure()) return;
   }
-  EXPECT_EQ(failed, schedules(1500));
+  EXPECT_GT(failed, schedules(1500) * 9 / 10);
 }
 
 TEST(Flights, TellTheFirstErrorOnly) {
