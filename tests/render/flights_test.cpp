@@ -213,6 +213,15 @@ TEST(Flights, HoldBackTheWaveWhileItemsWait) {
     expectWhole(walks, id, walk);
     ASSERT_EQ(walks.completionMessages(), 3u) << "schedule " << seed;
   }
+  for (uint64_t seed = 1; seed <= schedules(300); seed++) {
+    Walks walks(seed, {});
+    Walk walk;
+    walk.salt = seed;
+    const FlightId id = walks.start(walk);
+    runAll(walks);
+    expectWhole(walks, id, walk);
+    ASSERT_EQ(walks.answersWhileTasksWaited(), 0u) << "schedule " << seed;
+  }
 }
 
 TEST(Flights, RefuseWhatTheyWouldNotSend) {

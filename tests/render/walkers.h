@@ -77,14 +77,15 @@ struct Walk {
   int32_t failingRank = 0;
 };
 
-/// Counts the messages of Completion.
-class CountingTransport final : public Transport {
+/// A Transport that tells what is sent.
+class ToldTransport final : public Transport {
  public:
-  CountingTransport(Transport& to, uint64_t& completionMessages) : to_(to), completion_(completionMessages) {}
+  using Tell = std::function<void(Channel)>;
+  ToldTransport(Transport& to, Tell tell) : to_(to), tell_(std::move(tell)) {}
   int rank() const override { return to_.rank(); }
   int size() const override { return to_.size(); }
   void send(int destination, Channel channel, Bytes message) override {
-    completion_ += channel == Channel::Completion;
+    tell_(channel);
     to_.send(destination, channel, std::move(message));
   }
   void onMessage(Channel channel, Handler handler) override { to_.onMessage(channel, std::move(handler)); }
@@ -95,7 +96,7 @@ class CountingTransport final : public Transport {
 
  private:
   Transport& to_;
-  uint64_t& completion_;
+  const Tell tell_;
 };
 
 /// Flights of walkers on all ranks of a seeded world.
@@ -129,7 +130,8 @@ class Walks {
     world.onError = [this](int, const std::string& error) { errors_.push_back(error); };
     world_ = std::make_unique<InProcessWorld>(options.ranks, seed, std::move(world));
     for (int r = 0; r < options.ranks; r++) {
-      transports_.push_back(std::make_unique<CountingTransport>(world_->rank(r), completionMessages_));
+      transports_.push_back(std::make_unique<ToldTransport>(
+          world_->rank(r), [this, r](Channel channel) { countSent(r, channel); }));
       items_.push_back(ledgers_[size_t(r)].enter("test", "items", 0));
       ranks_.push_back(std::make_unique<Flights<Walked>>(
           *transports_.back(), optionsOf(r),
@@ -184,6 +186,8 @@ class Walks {
   }
   const std::vector<std::string>& errors() const { return errors_; }
   uint64_t completionMessages() const { return completionMessages_; }
+  /// How often a rank has answered a wave while tasks of flights waited there.
+  uint64_t answersWhileTasksWaited() const { return answersWhileTasksWaited_; }
   size_t mostParked() const { return mostParked_; }
   /// What is left over when nothing is under way; empty if there is nothing.
   std::string leftOver() const {
@@ -396,6 +400,13 @@ class Walks {
     static_cast<WalkFlight&>(*flight).take(number);
     this->rank(rank).retired(id, 1);
   }
+  // Ranks without ranks below them in the tree send nothing on this channel but answers.
+  void countSent(int rank, Channel channel) {
+    if (channel != Channel::Completion) return;
+    completionMessages_++;
+    if (2 * rank + 1 >= options_.ranks && rank > 0 && ranks_[size_t(rank)]->kept().tasks > 0)
+      answersWhileTasksWaited_++;
+  }
   /// What other threads do meanwhile.
   void meanwhile() {
     if (depth_ == 2 || random_.below(4)) return;
@@ -413,12 +424,12 @@ class Walks {
   std::vector<Ledger> ledgers_;
   std::vector<LedgerEntry> items_;
   std::vector<std::string> errors_;
-  uint64_t completionMessages_ = 0;
+  uint64_t completionMessages_ = 0, answersWhileTasksWaited_ = 0;
   size_t mostParked_ = 0;
   std::map<FlightId, Outcome> outcomes_;
   std::map<FlightId, std::map<int, std::shared_ptr<WalkFlight>>> flights_;
   std::unique_ptr<InProcessWorld> world_;
-  std::vector<std::unique_ptr<CountingTransport>> transports_;
+  std::vector<std::unique_ptr<ToldTransport>> transports_;
   std::vector<std::unique_ptr<Flights<Walked>>> ranks_;
 };
 
