@@ -45,7 +45,7 @@ void expectWhole(Walks& walks, FlightId id, const Walk& walk) {
 
 TEST(Flights, AreExactUnderManySchedules) {
   uint64_t overtaking = 0;
-  for (uint64_t seed = 1; seed <= schedules(3000); seed++) {
+  for (uint64_t seed = 1; seed <= schedules(1000); seed++) {
     SCOPED_TRACE("schedule " + std::to_string(seed));
     Walks::Options options;
     options.ranks = 1 + int(seed % 5);
@@ -68,12 +68,12 @@ TEST(Flights, AreExactUnderManySchedules) {
     overtaking += walks.mostParked() > 0;
     if (HasFailure()) return;
   }
-  EXPECT_GT(overtaking, schedules(3000) / 10) << "schedules in which messages overtook the start";
+  EXPECT_GT(overtaking, schedules(1000) / 10) << "schedules in which messages overtook the start";
 }
 
 TEST(Flights, ThatAreCancelledEndWhereverTheyAre) {
   uint64_t cancelled = 0, whole = 0;
-  for (uint64_t seed = 1; seed <= schedules(1500); seed++) {
+  for (uint64_t seed = 1; seed <= schedules(500); seed++) {
     SCOPED_TRACE("schedule " + std::to_string(seed));
     Walks::Options options;
     options.ranks = 1 + int(seed % 4);
@@ -104,7 +104,7 @@ TEST(Flights, ThatAreCancelledEndWhereverTheyAre) {
     ASSERT_EQ(walks.outcome(id).ending.error, "");
     if (HasFailure()) return;
   }
-  EXPECT_GT(cancelled, schedules(1500) * 6 / 10);
+  EXPECT_GT(cancelled, schedules(500) * 6 / 10);
   EXPECT_GT(whole, 0u) << "some were complete before";
 }
 
@@ -126,7 +126,7 @@ TEST(Flights, ThatAreCancelledEndAtOnce) {
 
 TEST(Flights, FailWithTheErrorOfTheRankThatCannotDoItsPart) {
   uint64_t failed = 0;
-  for (uint64_t seed = 1; seed <= schedules(1500); seed++) {
+  for (uint64_t seed = 1; seed <= schedules(500); seed++) {
     SCOPED_TRACE("schedule " + std::to_string(seed));
     Walks::Options options;
     options.ranks = 2 + int(seed % 3);
@@ -156,7 +156,7 @@ TEST(Flights, FailWithTheErrorOfTheRankThatCannotDoItsPart) {
       EXPECT_TRUE(walk.failure == Failure::Read && error.find("no room") != std::string::npos) << error;
     if (HasFailure()) return;
   }
-  EXPECT_GT(failed, schedules(1500) * 9 / 10);
+  EXPECT_GT(failed, schedules(500) * 9 / 10);
 }
 
 TEST(Flights, TellTheFirstErrorOnly) {
@@ -276,7 +276,7 @@ TEST(Flights, RefuseWhatTheyWouldNotSend) {
 
 // What is queued is dropped, whatever it holds.
 TEST(Flights, MayBeDestroyedInTheMiddle) {
-  for (uint64_t seed = 1; seed <= schedules(300); seed++) {
+  for (uint64_t seed = 1; seed <= schedules(100); seed++) {
     Walks walks(seed, {});
     Walk walk;
     walk.endless = 1;
