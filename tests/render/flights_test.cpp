@@ -66,6 +66,8 @@ TEST(Flights, AreExactUnderManySchedules) {
     runAll(walks);
     for (const auto& [id, walk] : begun) expectWhole(walks, id, walk);
     overtaking += walks.mostParked() > 0;
+    ASSERT_EQ(walks.mostBytes("parked messages") > 0, walks.mostParked() > 0);
+    ASSERT_EQ(walks.mostBytes("items") > 0, begun[0].second.walkers > 0);
     if (HasFailure()) return;
   }
   EXPECT_GT(overtaking, schedules(1000) / 10) << "schedules in which messages overtook the start";
@@ -82,7 +84,7 @@ TEST(Flights, ThatAreCancelledEndWhereverTheyAre) {
     Walk walk, other;
     walk.salt = other.salt = seed;
     other.tenant = 1;
-    walk.endless = int(seed % 3 > 0);
+    walk.endless = int(seed % 3);
     const FlightId id = walks.announce();
     if (seed % 11 == 0) walks.rank(0).cancel(id);  // before it begins
     walks.begin(id, walk);
@@ -137,7 +139,7 @@ TEST(Flights, FailWithTheErrorOfTheRankThatCannotDoItsPart) {
     other.tenant = 1;
     walk.failure = Failure(1 + seed % 5);
     walk.failingRank = int(seed / 5 % uint64_t(options.ranks));
-    walk.endless = int(seed / 15 % 2);
+    walk.endless = int(seed / 15 % 3);
     const FlightId id = walks.start(walk), beside = walks.start(other);
     ASSERT_TRUE(walks.run()) << "there is no end";
     ASSERT_EQ(walks.leftOver(), "");

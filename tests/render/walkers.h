@@ -70,8 +70,9 @@ struct Walk {
   uint64_t salt = 1;                               ///< stands for the generation of data that the flight pins
   int32_t walkers = 5, chunk = 2, partitions = 7;  ///< walkers: made on each rank, at most so many in a chunk
   int32_t children = 1;                            ///< 0: they have none
-  int32_t sends = 1;    ///< 1: half of the numbers at the end are sent to other ranks
-  int32_t endless = 0;  ///< 1: they end only when the flight is cancelled
+  int32_t sends = 1;  ///< 1: half of the numbers at the end are sent to other ranks
+  /// 1: they end only when the flight is cancelled; 2: nor do they leave the partition where they begin.
+  int32_t endless = 0;
   uint32_t tenant = 0;
   Failure failure = Failure::None;
   int32_t failingRank = 0;
@@ -149,6 +150,10 @@ class Walks {
     ending_ = true;
     while (late_ > 0 && step()) {  // Flights wait for their devices
     }
+    for (auto& transport : transports_) transport->onMessage(Channel::Test, {});
+    ranks_.clear();
+    for (int i = 0; i < 300 && world_->step(); i++) {  // messages and tasks outlive them
+    }
   }
 
   FlightId announce() { return ranks_[0]->announce(); }
@@ -188,6 +193,14 @@ class Walks {
   uint64_t completionMessages() const { return completionMessages_; }
   /// How often a rank has answered a wave while tasks of flights waited there.
   uint64_t answersWhileTasksWaited() const { return answersWhileTasksWaited_; }
+  /// The most bytes that a rank has had in its ledger for a purpose.
+  int64_t mostBytes(const std::string& purpose) const {
+    int64_t most = 0;
+    for (const Ledger& ledger : ledgers_)
+      for (const Ledger::Line& line : ledger.peaks())
+        if (line.purpose == purpose) most = std::max(most, line.bytes);
+    return most;
+  }
   size_t mostParked() const { return mostParked_; }
   /// What is left over when nothing is under way; empty if there is nothing.
   std::string leftOver() const {
@@ -238,6 +251,7 @@ class Walks {
     const uint64_t number = mix(at.walker.number ^ mix(walk.salt + uint64_t(at.partition)));
     Hop hop{
         false, {{number, at.walker.hops + 1}, int(number / 64 % uint64_t(walk.partitions)), at.child}, {}};
+    if (walk.endless == 2) hop.next.partition = at.partition;
     hop.ends = !walk.endless && (at.child ? number % 3 == 0 : number % 6 == 0 || hop.next.walker.hops == 12);
     if (walk.children && !at.child && number / 8 % 4 == 0)
       hop.child = At{{mix(number), 0}, int(number / 128 % uint64_t(walk.partitions)), true};
