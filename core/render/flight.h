@@ -131,7 +131,7 @@ class Flight : public FlightBase {
   virtual void deposit(Result& result) = 0;
   /// Reads `count` items from a message of another rank, of the size that ItemList::wireBytes() asks for.
   /// Throws Error if a partition of this rank cannot have such items. That fails the flight.
-  virtual Items read(int partition, uint32_t kind, int count, std::span<const std::byte> in) const = 0;
+  virtual Items read(int partition, uint32_t kind, int count, std::span<const std::byte> bytes) const = 0;
 };
 
 }  // namespace gxy

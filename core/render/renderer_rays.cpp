@@ -32,16 +32,15 @@ void Renderer::Frame::advance(LeavingRays packet, Done done) {
 }
 
 LeavingRays Renderer::Frame::read(int partition, uint32_t kind, int count,
-                                  std::span<const std::byte> in) const {
+                                  std::span<const std::byte> bytes) const {
+  const Reader in(bytes, "rays");
   const CompiledScene& compiled = *scene.compiled;
   if (partition < 0 || partition >= compiled.partitioning->partitions() ||
       owner(partition) != renderer.transport_.rank() || !compiled.visible[size_t(partition)])
-    throw Error("malformed message 'rays': partition " + std::to_string(partition) +
-                " is not one that this rank shows");
+    in.fail("partition " + std::to_string(partition) + " is not one that this rank shows");
   const bool primary = kind == 1;
-  RayList rays = RayList::read(in, count, primary);
-  if (const char* wrong = wrongIn(rays, primary, limits))
-    throw Error(std::string("malformed message 'rays': ") + wrong);
+  RayList rays = RayList::read(bytes, count, primary);
+  if (const char* wrong = wrongIn(rays, primary, limits)) in.fail(wrong);
   return {partition, primary, std::move(rays)};
 }
 

@@ -74,7 +74,7 @@ struct Renderer::Frame final : Flight<TraceResult>, std::enable_shared_from_this
   std::function<void(Done)> takeChunk() override;
   void advance(LeavingRays packet, Done done) override;
   void deposit(TraceResult& result) override { renderer.takeResult(*this, result); }
-  LeavingRays read(int partition, uint32_t kind, int count, std::span<const std::byte> in) const override;
+  LeavingRays read(int partition, uint32_t kind, int count, std::span<const std::byte> bytes) const override;
 };
 
 }  // namespace gxy
