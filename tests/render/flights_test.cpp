@@ -80,11 +80,13 @@ TEST(Flights, ThatAreCancelledEndWhereverTheyAre) {
     Walks::Options options;
     options.ranks = 1 + int(seed % 4);
     options.credits = seed % 2 ? 4 : 1 << 20;
+    options.runners = 4;  // so that what is slow is not one of too many
     Walks walks(seed, options);
     Walk walk, other;
     walk.salt = other.salt = seed;
     other.tenant = 1;
     walk.endless = int(seed % 3);
+    walk.children = walk.endless < 2;
     const FlightId id = walks.announce();
     if (seed % 11 == 0) walks.rank(0).cancel(id);  // before it begins
     walks.begin(id, walk);
@@ -133,13 +135,16 @@ TEST(Flights, FailWithTheErrorOfTheRankThatCannotDoItsPart) {
     Walks::Options options;
     options.ranks = 2 + int(seed % 3);
     options.credits = seed % 2 ? 3 : 1 << 20;
+    options.runners = 4;
     Walks walks(seed, options);
     Walk walk, other;
     walk.salt = other.salt = seed;
     other.tenant = 1;
     walk.failure = Failure(1 + seed % 5);
     walk.failingRank = int(seed / 5 % uint64_t(options.ranks));
-    walk.endless = int(seed / 15 % 3);
+    // Walkers that stay where they are, and have all credits, may never come to a rank that fails when they do.
+    walk.endless = int(seed / 15 % (walk.failure <= Failure::Spawn ? 3 : 2));
+    walk.children = walk.endless < 2;
     const FlightId id = walks.start(walk), beside = walks.start(other);
     ASSERT_TRUE(walks.run()) << "there is no end";
     ASSERT_EQ(walks.leftOver(), "");

@@ -3,6 +3,7 @@
 // some have children.
 #pragma once
 #include <algorithm>
+#include <chrono>
 #include <cstdint>
 #include <map>
 #include <memory>
@@ -397,6 +398,8 @@ class Walks {
     options.words = {"walk", "walkers", "chunk"};
     options.tasks.queue.credits = options_.credits;
     options.tasks.most = options_.runners;
+    // No clock decides whose turn it is, so a seed gives the same schedule everywhere.
+    options.tasks.processorTime = [this] { return std::chrono::microseconds(++clock_); };
     options.ledger = &ledgers_[size_t(rank)];
     options.tenant = "test";
     return options;
@@ -432,7 +435,8 @@ class Walks {
 
   const Options options_;
   Random random_;
-  int depth_ = 0;        ///< steps within steps
+  int depth_ = 0;  ///< steps within steps
+  int64_t clock_ = 0;
   int late_ = 0;         ///< results to come
   bool ending_ = false;  ///< no more results come late
   std::vector<Ledger> ledgers_;
