@@ -107,7 +107,8 @@ class ToldTransport final : public Transport {
 /// the acts' functions. Some acts give their results later.
 class Walks {
  public:
-  static constexpr Channel kControl = Channel(65), kItems = Channel(66), kCredits = Channel(67);
+  /// Free numbers. The world delays those that are equal modulo 64 together, so they differ from Completion's.
+  static constexpr Channel kControl = Channel(70), kItems = Channel(71), kCredits = Channel(72);
 
   struct Options {
     int ranks = 3;
