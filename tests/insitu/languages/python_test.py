@@ -222,12 +222,12 @@ class Fields(unittest.TestCase):
         alive = weakref.ref(array)
         self.sim.field("t", array)
         del array
-        self.sim.publish(1)
+        self.sim.publish(1, 0.5)
         self.sim.grid((6, 5, 4), count=(3, 5, 4))
         gc.collect()
         self.assertIsNone(alive())
         self.sim.field("t", np.ones((4, 5, 3)))
-        self.sim.publish(2)
+        self.sim.publish(2, 1)
 
 
 class Particles(unittest.TestCase):
