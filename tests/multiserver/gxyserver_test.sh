@@ -149,7 +149,14 @@ kill -TERM "$(ranks_of | tail -n 1)"
 check TermToAnyRankStopsIt ended 10
 check CleanlyToo test "$status" = 0 -a ! -e "$XDG_RUNTIME_DIR/galaxy/$port.token"
 
-announced() { sed -n "s/^gxyserver: $1: *//p" server.log; }
+# The launcher brings what the server prints, perhaps after the server has written its port.
+announced() {
+  for _ in {1..200}; do
+    grep -q "^gxyserver: $1:" server.log && break
+    sleep 0.05
+  done
+  sed -n "s/^gxyserver: $1: *//p" server.log
+}
 start 1 --bind 127.0.0.3
 check WhatIsAnnouncedHereConnects test "$(eval "echo 'list;' | '$bin'/$(announced 'on this machine')")" = "  datasets:"
 check AndTheTunnelEndsThere grep -qF "ssh -N -L $port:127.0.0.3:$port " <(announced 'from elsewhere')
