@@ -5,7 +5,6 @@
 #include <cmath>
 #include <cstdio>
 #include <stdexcept>
-#include <utility>
 
 namespace gxy::catalyst {
 
@@ -321,12 +320,6 @@ void Adaptor::describe(const Node& params) {
   std::map<std::string, std::vector<GridBlock>> grids;
   for (const GridBlock& block : meshes.grids) grids[block.mesh].push_back(block);
   for (const auto& [mesh, blocks] : grids) grid(mesh, blocks);
-  for (auto& [mesh, known] : grids_) {
-    if (!published_ || known.leftOut || grids.count(mesh) > 0) continue;
-    const size_t before = std::exchange(known.blocks, {}).size();  // Other ranks have them now.
-    tell(mesh, known, before);
-    std::erase_if(told_, [&, name = mesh](const auto& one) { return std::get<0>(one.first) == name; });
-  }
   for (const Points& all : meshes.points) points(all);
   for (const auto& [key, now] : told_) {
     const auto& [mesh, block, name] = key;
@@ -338,12 +331,11 @@ void Adaptor::describe(const Node& params) {
 }
 
 void Adaptor::publish(bool last) {
-  const bool isNothing = told_.empty() && !published_;
-  if (isNothing) warn("catalyst/channels: there is nothing that Galaxy takes");
-  const auto offer = isNothing ? gxy_skip : last ? gxy_publish_last : gxy_publish;
+  if (told_.empty()) warn("catalyst/channels: there is nothing that Galaxy takes");
+  const auto offer = told_.empty() ? gxy_skip : last ? gxy_publish_last : gxy_publish;
   const int result = offer(sim_.get(), step_, time_);
   if (result == GXY_WRONG) throw std::runtime_error(gxy_message(sim_.get()));
-  published_ = published_ || !told_.empty();
+  published_ = !told_.empty();
   off_ = result == GXY_OFF;
   if (result == GXY_LOST && *gxy_message(sim_.get())) warn(gxy_message(sim_.get()));
 }

@@ -176,7 +176,7 @@ int gxy_points(gxy_sim* sim, const char* mesh, int64_t count, gxy_array position
     }
     if (box && domain.empty())
       throw Error("gxy_points: the box is empty, expected the least x, y, z and then the largest");
-    s.meshes().points(given(mesh, "gxy_points: mesh"), uint64_t(count), positions, ids, domain);
+    s.meshes("gxy_points").points(given(mesh, "gxy_points: mesh"), uint64_t(count), positions, ids, domain);
     return GXY_TAKEN;
   });
 }
@@ -192,7 +192,7 @@ int gxy_cells(gxy_sim* sim, const char* mesh, int64_t points, gxy_array position
     arrays.types = types;
     arrays.offsets = offsets;
     arrays.connectivity = connectivity;
-    s.meshes().cells(given(mesh, "gxy_cells: mesh"), uint64_t(points), positions, arrays);
+    s.meshes("gxy_cells").cells(given(mesh, "gxy_cells: mesh"), uint64_t(points), positions, arrays);
     return GXY_TAKEN;
   });
 }
@@ -200,7 +200,8 @@ int gxy_cells(gxy_sim* sim, const char* mesh, int64_t points, gxy_array position
 int gxy_field(gxy_sim* sim, const char* mesh, int block, const char* field, int of, gxy_array values) {
   return guarded(sim, [&](Simulation& s) {
     checkOf(of, "gxy_field");
-    s.meshes().field(given(mesh, "gxy_field: mesh"), block, given(field, "gxy_field: field"), of, values);
+    s.meshes("gxy_field")
+        .field(given(mesh, "gxy_field: mesh"), block, given(field, "gxy_field: field"), of, values);
     return GXY_TAKEN;
   });
 }

@@ -282,10 +282,13 @@ void Meshes::checkFields(const Data& data) {
                     "\" since it has changed, expected gxy_field() after gxy_grid()");
 }
 
+void Meshes::checkNews() const {
+  for (const auto& [name, data] : data_)
+    if (data.mesh.kind == Mesh::Kind::Grid) checkFields(data);
+}
+
 Description Meshes::describe() {
-  if (isDescribed())
-    for (const auto& [name, data] : data_)
-      if (data.mesh.kind == Mesh::Kind::Grid) checkFields(data);
+  if (isDescribed()) checkNews();
   Description description = describeBlocks();
   lacksFields_ = false;
   return description;

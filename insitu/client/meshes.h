@@ -41,6 +41,8 @@ class Meshes {
   Description describe();
   /// The same after describe(), also if blocks have no fields. That is told by check() then.
   Description describeBlocks();
+  /// Throws Error if describe() would, after it was called once.
+  void checkNews() const;
   /// Throws Error if particles, cells or blocks lack an array. `function` is the one that publishes.
   void check(const char* function) const;
 

@@ -65,10 +65,15 @@ void Simulation::describe() {
   if (meshes_.hasNews()) connection_->describe(meshes_.describe());
 }
 
+Meshes& Simulation::meshes(const char* function) {
+  if (last_) throw Error(std::string(function) + " after gxy_publish_last, expected nothing but gxy_close");
+  return meshes_;
+}
+
 void Simulation::grid(const std::string& mesh, int block, int of, const Grid& grid, const Extent& owned) {
   // Where ranks wait, no step may be left out. So a rank whose grid stays takes none either by a plan that other ranks have left.
   const Meshes::News news = patience_.count() > 0 ? Meshes::News::Each : Meshes::News::Changes;
-  meshes_.grid(mesh, block, of, grid, owned, asked_ ? Meshes::News::None : news);
+  meshes("gxy_grid").grid(mesh, block, of, grid, owned, asked_ ? Meshes::News::None : news);
 }
 
 void Simulation::count(int64_t step) {
@@ -155,6 +160,8 @@ bool Simulation::steered(const std::string& parameter, double& value) {
 int Simulation::publishLast(int64_t step, double time) {
   if (!connection_) return GXY_OFF;
   begin(step, "gxy_publish_last");
+  if (!meshes_.isDescribed()) describe();
+  meshes_.checkNews();  // before anything is changed
   meshes_.keep();
   describe();
   count(step);

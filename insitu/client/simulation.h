@@ -19,7 +19,8 @@ class Simulation {
  public:
   Simulation(Options options, Member member);
 
-  Meshes& meshes() { return meshes_; }
+  /// `function` is the one of the interface that changes them. Throws Error after publishLast(), whose arrays are kept.
+  Meshes& meshes(const char* function);
   /// As Meshes::grid(). Between wanted() and publish() nothing may change.
   void grid(const std::string& mesh, int block, int of, const Grid& grid, const Extent& owned);
   /// Whether the next publish, which is of this step, is wanted; 1 or 0. Unless it is, or settle() says 1, this rank does not take it.

@@ -2,6 +2,7 @@
 #include "insitu/plan/redistribution.h"
 
 #include <algorithm>
+#include <set>
 #include <tuple>
 
 namespace gxy::insitu {
@@ -41,7 +42,16 @@ std::vector<Piece> piecesFor(int owner, const Layout& layout) {
   return all;
 }
 
-Partitioning partitionsOf(const Grid& grid, std::span<const Block> blocks, int ranks, int owners) {
+std::optional<Partitioning> partitionsOf(const Grid& grid, std::span<const Block> blocks, int ranks,
+                                         int owners) {
+  double cells = 1;  // of the lattice that the faces make, which each rank has a table of
+  for (size_t a = 0; a < 3; a++) {
+    std::set<int64_t> faces;
+    for (const Block& block : blocks) faces.insert(block.extent.first[a]);
+    cells *= double(faces.size());
+  }
+  constexpr double kFew = 1 << 16, kForEach = 64;
+  if (cells > kFew + kForEach * double(blocks.size())) return std::nullopt;
   const Box domain = grid.box();
   // Cells are cut at their faces, between their centres.
   const double before = grid.rim ? 0.5 : 0;

@@ -2,6 +2,7 @@
 // Which samples go from which rank of a simulation to which rank of Galaxy.
 #pragma once
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -42,9 +43,10 @@ std::vector<Piece> piecesFor(int owner, const Layout& layout);
 
 /// Returns a partitioning of the grid whose partitions are the blocks, so that no sample goes to another rank of Galaxy than the one
 /// that takes its rank's place: rank r of n goes to r * owners / n. The blocks have all points of the grid (checkCover()). Points of a
-/// block without cells, at the end of the grid, are in the partition of the cells beside them. Throws Error if blocks lie so
-/// irregularly that a partitioning cannot have them (Partitioning::fromBoxes()).
-Partitioning partitionsOf(const Grid& grid, std::span<const Block> blocks, int ranks, int owners);
+/// block without cells, at the end of the grid, are in the partition of the cells beside them. Returns none if blocks lie so
+/// irregularly that the faces of all of them together would cut the grid into far more boxes than there are blocks.
+std::optional<Partitioning> partitionsOf(const Grid& grid, std::span<const Block> blocks, int ranks,
+                                         int owners);
 
 /// A rank of Galaxy that a rank of the simulation sends to, and what: the pieces in the order in which they are sent.
 struct Destination {

@@ -200,10 +200,13 @@ void StreamLead::run() {
 // Waits until all ranks have said what they have, and none can say anything else of the same publishes. Returns with the lock, without
 // which that may change.
 std::unique_lock<std::mutex> StreamLead::awaitDescriptions() {
+  constexpr std::chrono::seconds kRarely(1);
   const auto begun = Clock::now();
   size_t before = 0;
   auto last = begun;  // that a rank said for the first time what it has
   auto asked = begun - kLook;
+  Clock::duration interval = kLook;
+  uint64_t announced = 0;  // the publish that is appointed until there is a first plan
   std::unique_lock lock(mutex_);
   while (!end_ && !conductor_.canPlan()) {
     const bool isAll = described_ == said_.size();
@@ -211,8 +214,15 @@ std::unique_lock<std::mutex> StreamLead::awaitDescriptions() {
     if (described_ > 0 && !isAll && Clock::now() > last + kGathering)
       throw Error("only " + std::to_string(described_) + " of " + std::to_string(identity().ranks) +
                   " ranks of the simulation have published a step within a minute");
-    if (isAll && Clock::now() >= asked + kLook) {
+    if (isAll && !partitioning_ && announced != conductor_.described()) {
+      // A rank that waits for its first step may be behind one that has left it out. It goes on when a later one is appointed.
+      if (announced > 0) tell({{Control::Kind::Cancel, announced, 0}});
+      announced = conductor_.described();
+      tell({{Control::Kind::Appoint, announced, 0}});
+    }
+    if (isAll && Clock::now() >= asked + interval) {
       tell(conductor_.look());
+      if (asked > begun) interval = std::min<Clock::duration>(2 * interval, kRarely);
       asked = Clock::now();
     }
     changed_.wait_for(lock, kLook);
@@ -222,6 +232,7 @@ std::unique_lock<std::mutex> StreamLead::awaitDescriptions() {
     lock.lock();
   }
   if (end_) throw Ended();
+  if (announced > 0) tell({{Control::Kind::Cancel, announced, 0}});  // No rank can have taken it.
   return lock;
 }
 
@@ -252,10 +263,15 @@ std::shared_ptr<const Partitioning> StreamLead::cut(const StreamPlan& plan, cons
   for (size_t m = 0; m < meshes_.size(); m++) {
     if (meshes_[m].kind != insitu::Mesh::Kind::Grid) continue;
     const Grid& grid = meshes_[m].grid;
-    if (wishes_.partition != "simulation")
-      return automaticPartitioning(grid.box(), &grid, {}, serverRank_.ranks());
-    return std::make_shared<const Partitioning>(
-        insitu::partitionsOf(grid, plan.blocks[m], identity().ranks, serverRank_.ranks()));
+    // Ranks of the server would have nothing to do if there were more of them than of the simulation.
+    if (wishes_.partition == "simulation" && identity().ranks >= serverRank_.ranks()) {
+      auto own = insitu::partitionsOf(grid, plan.blocks[m], identity().ranks, serverRank_.ranks());
+      if (own) return std::make_shared<const Partitioning>(*std::move(own));
+      spdlog::warn(
+          "rank 0: stream {}: its blocks are too irregular for partitions, so the grid is cut evenly",
+          identity().name);
+    }
+    return automaticPartitioning(grid.box(), &grid, {}, serverRank_.ranks());
   }
   return automaticPartitioning(domain(bounds), nullptr, {}, serverRank_.ranks());
 }
@@ -290,18 +306,21 @@ std::vector<int> StreamLead::homes(const Partitioning& partitioning, const Bound
 }
 
 // Refuses what cannot be kept before anything is made of it.
-void StreamLead::checkRoom() const {
-  int64_t bytes = 0;
+void StreamLead::checkRoom(const Partitioning& partitioning) const {
+  std::vector<int64_t> bytes(size_t(serverRank_.ranks()));
   for (const insitu::Mesh& mesh : meshes_) {
     if (mesh.kind != insitu::Mesh::Kind::Grid) continue;
-    const int64_t points = mesh.grid.points[0] * mesh.grid.points[1] * mesh.grid.points[2];
-    for (const insitu::Field& field : mesh.fields) bytes += points * int64_t(field.bytesPerPoint());
+    int64_t ofPoint = 0;
+    for (const insitu::Field& field : mesh.fields) ofPoint += int64_t(field.bytesPerPoint());
+    for (int p = 0; p < partitioning.partitions(); p++)
+      bytes[size_t(partitioning.owner(p))] += ofPoint * ownedPoints(mesh.grid, partitioning, p).count();
   }
   const int64_t room = std::min(serverRank_.options.tenantMemory, serverRank_.options.memory);
-  if (bytes / serverRank_.ranks() > room)
-    throw Error("memory: a step has " + std::to_string(bytes) + " bytes, but " +
-                std::to_string(serverRank_.ranks()) + " rank(s) with room for " + std::to_string(room) +
-                " bytes of a tenant each cannot keep it");
+  const auto most = std::max_element(bytes.begin(), bytes.end());
+  if (*most > room)
+    throw Error("memory: rank " + std::to_string(most - bytes.begin()) + " of " +
+                std::to_string(serverRank_.ranks()) + " gets " + std::to_string(*most) +
+                " bytes of a step, but has room for " + std::to_string(room) + " bytes of a tenant");
 }
 
 // Plans where samples go from now on. A simulation whose ranks share a grid in another way goes on in the partitions that there are,
@@ -326,15 +345,16 @@ void StreamLead::plan() {
         bounds[r].push_back(mine.bounds);
       }
   }
-  checkRoom();
+  const bool isFirst = !partitioning_, moves = isFirst || isOther || plan.blocks != plannedBlocks_;
   std::vector<insitu::BlockSearch> searches;
   for (size_t m = 0; m < meshes_.size(); m++) {
     searches.emplace_back(plan.blocks[m]);
     if (meshes_[m].kind == insitu::Mesh::Kind::Grid) checkCover(searches[m], meshes_[m].grid.points);
   }
-  const bool follows = wishes_.partition == "simulation" || (isOther && !wishes_.partition.is_object());
-  if (!partitioning_ || follows) partitioning_ = cut(plan, bounds);
+  const bool follows = moves && wishes_.partition == "simulation";
+  if (isFirst || follows || (isOther && !wishes_.partition.is_object())) partitioning_ = cut(plan, bounds);
   checkInside(*partitioning_);
+  checkRoom(*partitioning_);
   if (homes_.empty()) homes_ = homes(*partitioning_, bounds);
   plan.partitioning = partitioning_;
   plan.homes = homes_;
@@ -344,7 +364,8 @@ void StreamLead::plan() {
   std::set<int> owners;
   for (const auto& list : all)
     for (const insitu::Destination& d : list) owners.insert(d.owner);
-  serverRank_.callAll("insitu.plan", {{"stream", identity().id}}, bytes);
+  if (moves) serverRank_.callAll("insitu.plan", {{"stream", identity().id}}, bytes);
+  plannedBlocks_ = std::move(plan.blocks);
   const std::lock_guard lock(mutex_);
   conductor_.plan(from, std::move(owners));
   for (size_t r = 0; r < all.size(); r++)

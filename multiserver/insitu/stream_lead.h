@@ -99,7 +99,7 @@ class StreamLead {
   void describe(int rank, insitu::Description description);
   std::unique_lock<std::mutex> awaitDescriptions();
   std::vector<insitu::Mesh> mergedMeshes() const;
-  void checkRoom() const;
+  void checkRoom(const Partitioning& partitioning) const;
   void plan();
   std::shared_ptr<const Partitioning> cut(const StreamPlan& plan, const Bounds& bounds) const;
   void checkInside(const Partitioning& partitioning) const;
@@ -138,8 +138,9 @@ class StreamLead {
   size_t described_ = 0;              ///< ranks that have said something
   size_t blocks_ = 0;                 ///< of all ranks
   std::vector<insitu::Mesh> meshes_;  ///< of the plan; none before there is one. The lead's thread changes it
-  std::shared_ptr<const Partitioning> partitioning_;  ///< the same; used by the lead's thread only
-  std::vector<int> homes_;                            ///< the same
+  std::shared_ptr<const Partitioning> partitioning_;       ///< the same; used by the lead's thread only
+  std::vector<int> homes_;                                 ///< the same
+  std::vector<std::vector<insitu::Block>> plannedBlocks_;  ///< the same; by mesh
   struct Refused {
     uint64_t count = 0;
     std::string reason;

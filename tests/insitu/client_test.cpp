@@ -153,6 +153,9 @@ TEST(Interface, WrongGridsAndFieldsAreToldAndChangeNothing) {
   s.expectWrong(gxy_publish(s.sim, 8, 0), "block 0 of mesh \"grid\" has no field \"t\" since it has changed");
   EXPECT_EQ(s.field("t", s.array()), GXY_TAKEN);
   EXPECT_NE(gxy_publish(s.sim, 8, 0), GXY_WRONG);
+  EXPECT_NE(gxy_publish_last(s.sim, 9, 0), GXY_WRONG);
+  s.expectWrong(s.grid(), "gxy_grid after gxy_publish_last");
+  s.expectWrong(s.field("t", s.array()), "gxy_field after gxy_publish_last");
 }
 
 TEST(Interface, WrongParticlesAreToldAndChangeNothing) {

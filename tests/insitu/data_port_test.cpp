@@ -129,7 +129,7 @@ TEST(DataPort, ARankConnectsOnce) {
   EXPECT_EQ(p.client->expect("insitu.streams").at("streams").at(0).at("connected"), 1);
 }
 
-TEST(DataPort, TooManyBlocksEndTheStreamAndNoOther) {
+TEST(DataPort, TooManyBlocksEndTheStream) {
   Port p;
   insitu::Description many = described();
   many.parts[0].blocks.assign(insitu::kMostBlocks / 2 + 1, {{0, 0, 0}, {1, 1, 1}});

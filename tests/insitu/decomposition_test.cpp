@@ -150,6 +150,7 @@ TEST(Decompositions, ChangeInAStepThatOneRankSkips) {
   {
     MiniSimulation simulation("heat", grid, blocks(), 2, kFields, Layout::Together, to(*observed.server));
     run(simulation, [&] { return simulation.published() >= 1; });
+    const json stream = observed.stream().at("stream");
     for (int change = 0; change < 10; change++) {
       grid.points[0] = 5 + change;
       simulation.decompose(grid, blocks());
@@ -157,6 +158,7 @@ TEST(Decompositions, ChangeInAStepThatOneRankSkips) {
       gxy_publish(simulation.rank(0), step, 0.5 * double(step));
       gxy_skip(simulation.rank(1), step, 0.5 * double(step));
       runBeyond(simulation, observed, step);
+      EXPECT_EQ(observed.stream().at("stream"), stream) << "it has not ended meanwhile";
     }
   }
   observed.awaitEnd();

@@ -42,7 +42,7 @@ TEST(Redistribution, NothingGoesToOtherRanksWhereBlocksBecomePartitions) {
   for (uint64_t seed = 1; seed <= 200; seed++) {
     Case c(seed);
     c.grid.rim = c.grid.points[0] > 2 && c.grid.points[1] > 2 && c.grid.points[2] > 2 && c.random.oneIn(2);
-    const Partitioning partitioning = partitionsOf(c.grid, c.blocks, c.ranks, c.owners);
+    const Partitioning partitioning = partitionsOf(c.grid, c.blocks, c.ranks, c.owners).value();
     EXPECT_EQ(partitioning.domain(), c.grid.box());
     const auto hasCells = [&](const Extent& block) {
       for (size_t a = 0; a < 3; a++)
@@ -69,6 +69,14 @@ TEST(Redistribution, NothingGoesToOtherRanksWhereBlocksBecomePartitions) {
     EXPECT_EQ(points, c.grid.points[0] * c.grid.points[1] * c.grid.points[2]) << "seed " << seed;
   }
   EXPECT_GT(thin, 50u) << "pieces of blocks without cells";
+}
+
+TEST(Redistribution, BlocksThatCutEachOthersBoxesAreNoPartitions) {
+  Grid grid;
+  grid.points = {400, 400, 400};
+  std::vector<Block> blocks;  // each cut along all axes at a place of its own
+  for (int r = 0; r < 400; r++) blocks.push_back({r, 0, {{r, r, r}, {1, 1, 1}}});
+  EXPECT_FALSE(partitionsOf(grid, blocks, 400, 4));
 }
 
 TEST(Redistribution, BringsEachPointToItsOwnerOnce) {

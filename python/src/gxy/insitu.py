@@ -205,6 +205,7 @@ class Simulation:
             raise ValueError(f"options: {e}, expected what JSON has") from None
         self._library = _loaded()
         self._blocks = {}  # what a block owns, and of what, by mesh and block
+        self._wholes = {}  # size, origin and spacing of grids
         self._arrays = {}  # those that publish() reads, by mesh, block and field
         self._fields = {}  # the names of the fields of particles and cells, by mesh
         self._sim = self._begin(comm_or_rank, _text(name, "name"), rank, ranks, text.encode() if options else None)
@@ -263,11 +264,15 @@ class Simulation:
         count = _three(count, "count", _Indices)
         origin, spacing = _three(origin, "origin", _Coordinates), _three(spacing, "spacing", _Coordinates)
         self._checked(self._library.gxy_grid(self._open(), name, block, _OF[of], size, first, count, origin, spacing))
-        now = tuple(count), of
-        if self._blocks.get((mesh, block), now) != now:  # The library has forgotten the fields, too.
-            for key in [key for key in self._arrays if key[:2] == (mesh, block)]:
-                del self._arrays[key]
-        self._blocks[mesh, block] = now
+        now, whole = (tuple(count), of, tuple(first)), (tuple(size), tuple(origin), tuple(spacing))
+        # The library has forgotten the fields of blocks that are others, too.
+        isOther = self._wholes.get(mesh, whole) != whole
+        others = [b for b in self._blocks if b[0] == mesh and (isOther or b[1] == block) and self._blocks[b] != now]
+        for key in [key for key in self._arrays if key[:2] in others]:
+            del self._arrays[key]
+        for other in others:
+            del self._blocks[other]
+        self._blocks[mesh, block], self._wholes[mesh] = now, whole
 
     def field(self, name, array, *, order="zyx", block=0, mesh="grid"):
         """Says where the values of a field lie: in a NumPy array, which is read in publish() only and never copied here.
@@ -284,7 +289,7 @@ class Simulation:
         if (mesh, block) not in self._blocks:
             raise ValueError(f"field {name!r}: there is no block {block!r} of mesh {mesh!r}, expected grid() first")
         try:
-            values, of = self._described(array, order, *self._blocks[mesh, block])
+            values, of = self._described(array, order, *self._blocks[mesh, block][:2])
         except ValueError as e:
             raise ValueError(f"field {name!r}: {e}") from None
         self._checked(self._library.gxy_field(self._open(), in_mesh, block, in_name, of, values))

@@ -732,16 +732,6 @@ TEST_F(Catalyst, BlocksThatChangeArePlacedAgain) {
   EXPECT_EQ(grid().size, (std::array<int64_t, 3>{4, 3, 2}));
   EXPECT_EQ(grid().spacing[2], 0.5);
   EXPECT_EQ(recorded().steps.size(), 3u);
-  Simple none;  // Other ranks have all blocks now.
-  none.step(5), none.remove(kMesh + "/topologies/mesh"), none.remove(kMesh + "/fields");
-  EXPECT_EQ(execute(none), 0) << said();
-  EXPECT_EQ(grid().count, (std::array<int64_t, 3>{0, 0, 0}));
-  EXPECT_EQ(grid().size, (std::array<int64_t, 3>{4, 3, 2}));
-  EXPECT_EQ(recorded().steps.size(), 4u);
-  tree.step(6);
-  EXPECT_EQ(execute(tree), 0) << said();
-  EXPECT_EQ(grid().count, (std::array<int64_t, 3>{4, 3, 2}));
-  EXPECT_EQ(recorded().steps.size(), 5u);
 }
 
 TEST_F(Catalyst, WrongParametersAreTold) {
