@@ -13,6 +13,7 @@
 #include <array>
 #include <chrono>
 #include <deque>
+#include <mutex>
 #include <set>
 #include <thread>
 #include <utility>
@@ -81,11 +82,14 @@ class Socket final : public DataLink, public std::enable_shared_from_this<Socket
     });
   }
 
+  // What the port's thread posts is run after what another thread posts a moment later, so the order is kept here.
   void send(WireMessage message) override {
-    asio::post(*context_, [weak = weak_from_this(), message = std::move(message)] {
-      const auto self = weak.lock();
-      if (!self) return;
-      self->write(bytesOf(message));
+    {
+      const std::lock_guard lock(sending_);
+      unsent_.push_back(std::move(message));
+    }
+    asio::post(*context_, [weak = weak_from_this()] {
+      if (const auto self = weak.lock()) self->writeUnsent();
     });
   }
   void bye(const std::string& reason) override {
@@ -97,6 +101,8 @@ class Socket final : public DataLink, public std::enable_shared_from_this<Socket
   // Sends what waits, then the reason, and closes.
   void leave(const std::string& reason) {
     if (closed_ || leaving_) return;
+    writeUnsent();
+    if (closed_) return;
     leaving_ = true;
     WireMessage message =
         protocol::textMessage(MessageChannel::Bye, 0, std::string_view(reason).substr(0, 4000));
@@ -163,6 +169,14 @@ class Socket final : public DataLink, public std::enable_shared_from_this<Socket
     reader_.setRules(taker_->rules());
   }
 
+  void writeUnsent() {
+    std::vector<WireMessage> messages;
+    {
+      const std::lock_guard lock(sending_);
+      messages.swap(unsent_);
+    }
+    for (const WireMessage& message : messages) write(bytesOf(message));
+  }
   void write(Bytes bytes) {
     if (closed_) return;
     if (queued_ > kUnread) return end("the simulation does not read what it is told", false);
@@ -220,6 +234,8 @@ class Socket final : public DataLink, public std::enable_shared_from_this<Socket
   std::string failure_;               ///< why this end closes the connection
   size_t queued_ = 0;                 ///< bytes in queue_
   bool reading_ = false, leaving_ = false, closed_ = false;
+  std::mutex sending_;
+  std::vector<WireMessage> unsent_;  ///< guarded by sending_; in the order in which they are written
 };
 
 }  // namespace

@@ -566,7 +566,7 @@ TEST(Streams, WhatDoesNotFitIsRefusedBeforeAnythingIsMadeOfIt) {
   until(
       [&] {
         gxy_publish(sim, ++step, 0);
-        return std::string(gxy_message(sim)).find("memory: a step has 140737488355328 bytes") !=
+        return std::string(gxy_message(sim)).find("bytes of a step, but has room for 1048576 bytes") !=
                std::string::npos;
       },
       "the reason");
