@@ -177,7 +177,7 @@ TEST(Decompositions, WhereOnlyTheRanksWithOtherBlocksTellThemNobodyHangs) {
     if (i % 3 == 0)  // while rank 2 may be a step ahead
       simulation.decompose(grid, {{0, 0, slab(0, cut)}, {1, 0, slab(cut, 6)}}, {0, 1});
   }
-  EXPECT_GT(simulation.published(), 10);
+  EXPECT_GT(simulation.published(), 1) << "steps with other blocks may be left out, but not all";
 }
 
 TEST(Decompositions, TheLastStepIsPublishedAlthoughOneRankChangesBeforeThereIsAPlan) {
