@@ -12,6 +12,7 @@
 
 #include "core/rays/compiled_frame.h"
 #include "core/rays/compiled_scene.h"
+#include "core/rays/device_fields.h"
 #include "core/rays/ray_list.h"
 
 namespace gxy {
@@ -155,6 +156,12 @@ class Backend {
   /// behind then.
   virtual std::unique_ptr<DeviceScene> makeScene(
       std::shared_ptr<const CompiledScene> scene, int rank, const Advance& advance = [](double) {}) const = 0;
+  /// Brings fields to the device, for the partitions of `rank`. Null: this device cannot. Throws Error if it
+  /// has no room.
+  virtual std::unique_ptr<DeviceFields> makeFields(std::shared_ptr<const CompiledFields>,
+                                                   int /*rank*/) const {
+    return nullptr;
+  }
   /// Whether the device is lost. Nothing can be done on it any more.
   virtual bool lost() const { return false; }
 };

@@ -224,6 +224,13 @@ class Substituted final : public Backend {
                                          const Advance& advance) const override {
     return std::make_unique<Scene>(backends_, std::move(scene), rank, advance);
   }
+  std::unique_ptr<DeviceFields> makeFields(std::shared_ptr<const CompiledFields> fields,
+                                           int rank) const override {
+    size_t i = 0;
+    for (const Backend* backend; (backend = backends_->from(i)); i++)
+      if (auto made = backend->makeFields(fields, rank)) return made;
+    return nullptr;
+  }
 
  private:
   const Backend& used() const {
