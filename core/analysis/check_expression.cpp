@@ -202,7 +202,8 @@ class Checker {
     const std::string expected = list.empty() ? "there are no inputs" : "expected one of the inputs " + list;
     for (const ExpressionWord& word : kExpressionWords)
       if (word.name.size() > 1) names.emplace_back(word.name);
-    fail(node, "unknown name " + inQuotes(name, '`') + ", " + expected + suggestion(name, names));
+    fail(node, "unknown name " + inQuotes(name, '`') + ", " + expected +
+                   (name.size() > 1 ? suggestion(name, names) : ""));
   }
 
   ValueType component(const ExpressionNode& node) const {
