@@ -63,7 +63,7 @@ void VolumeRows::visit(size_t part, const std::function<void(const ValueRow&)>& 
     return !grid.rim && (i == data.first[a] || i == data.last[a]);
   };
   row.halfFirst = isEnd(0, at[0]);
-  row.halfLast = isEnd(0, at[0] + points.points[0] - 1);
+  row.halfLast = n > 1 && isEnd(0, at[0] + points.points[0] - 1);
   for (at[2] = points.first[2]; at[2] < points.first[2] + points.points[2]; ++at[2])
     for (at[1] = points.first[1]; at[1] < points.first[1] + points.points[1]; ++at[1]) {
       const Index3 from{at[0] - block.extent.first[0], at[1] - block.extent.first[1],
