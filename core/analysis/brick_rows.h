@@ -3,6 +3,7 @@
 #pragma once
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 
 #include "core/data/bricks.h"
 
@@ -22,6 +23,22 @@ void readPieces(const Bricks& bricks, const std::byte* samples, int components, 
       for (int64_t i = 0; i < Bricks::kSide; ++i) row[i] = To(from[3 * i]);
     else
       for (int64_t i = 0; i < n; ++i) row[i] = To(from[i * components]);
+  });
+}
+
+/// Copies the samples of a row of points, all components, or back.
+inline void readSamples(const Bricks& bricks, const std::byte* samples, size_t bytesPerPoint,
+                        const Index3& at, int64_t points, std::byte* to) {
+  bricks.alongX(at[0], at[1], at[2], points, [&](size_t place, int64_t first, int64_t n) {
+    std::memcpy(to + size_t(first) * bytesPerPoint, samples + place * bytesPerPoint,
+                size_t(n) * bytesPerPoint);
+  });
+}
+inline void writeSamples(const Bricks& bricks, std::byte* samples, size_t bytesPerPoint, const Index3& at,
+                         int64_t points, const std::byte* from) {
+  bricks.alongX(at[0], at[1], at[2], points, [&](size_t place, int64_t first, int64_t n) {
+    std::memcpy(samples + place * bytesPerPoint, from + size_t(first) * bytesPerPoint,
+                size_t(n) * bytesPerPoint);
   });
 }
 

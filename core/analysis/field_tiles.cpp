@@ -56,12 +56,13 @@ class FieldTiles::Workspace {
     squares_ = next;
     memory_.resize(next + kStride);
     bytes_.resize(kStride);
-    floats_.resize(kStride);
+    floats_.resize(3 * kStride);
+    vectors_.resize(3 * kStride);
     results.statistics.ranges.resize(rangesOf(tiles.target_.components));
   }
 
   static int64_t bytesFor(const FieldPass& pass) {
-    int64_t rows = pass.registers + 3;
+    int64_t rows = pass.registers + 6;
     for (const auto& halo : pass.windows) rows += rowsOf(halo) * planesOf(halo);
     return rows * int64_t(kStride * sizeof(double));
   }
@@ -116,7 +117,14 @@ class FieldTiles::Workspace {
       for (const int32_t w : stage.windows) std::fill_n(windowAt(w, x, y, z), points, kNone);
       return;
     }
-    for (const PointStep& step : stage.steps) run(step, x, y, z, points);
+    for (size_t i = 0; i < stage.steps.size(); ++i) {
+      if (isVector(stage.steps, i)) {
+        load(&stage.steps[i], 3, x, y, z, points);
+        i += 2;
+      } else {
+        run(stage.steps[i], x, y, z, points);
+      }
+    }
     if (!stage.results.empty()) return store(stage, y, z);
     const auto before = int(std::clamp<int64_t>(data.first[0] - x, 0, points));
     const auto behind = int(std::clamp<int64_t>(x + points - 1 - data.last[0], 0, points));
@@ -129,13 +137,25 @@ class FieldTiles::Workspace {
     }
   }
 
+  /// Whether three steps load the components of a field of vectors.
+  bool isVector(std::span<const PointStep> steps, size_t i) const {
+    if (i + 3 > steps.size() || steps[i].op != PointOp::Load) return false;
+    const Volume& field = *tiles_.fields_[size_t(steps[i].source)];
+    if (field.stored != ScalarType::Float32 || field.components != 3) return false;
+    for (size_t c = 0; c < 3; ++c)
+      if (steps[i + c].op != PointOp::Load || steps[i + c].source != steps[i].source ||
+          steps[i + c].component != int(c))
+        return false;
+    return true;
+  }
+
   void run(const PointStep& step, int64_t x, int64_t y, int64_t z, int points) {
     double* const to = at(step.to, x, y, z);
     const PointPlace& of = step.operands[0];
     const Grid& grid = tiles_.target_.grid;
     switch (step.op) {
       case PointOp::Load:
-        return load(step, x, y, z, points, to);
+        return load(&step, 1, x, y, z, points);
       case PointOp::Fill:
         std::fill_n(to, points, of.number);
         return;
@@ -180,21 +200,36 @@ class FieldTiles::Workspace {
     for (int i = 0; i < points; ++i) to[i] = grid.origin.x + grid.spacing.x * double(x + i);
   }
 
-  void load(const PointStep& step, int64_t x, int64_t y, int64_t z, int points, double* to) const {
-    const Volume& field = *tiles_.fields_[size_t(step.source)];
+  /// Loads one component of a field, or all three of vectors, by one or three steps.
+  void load(const PointStep* steps, size_t count, int64_t x, int64_t y, int64_t z, int points) {
+    const Volume& field = *tiles_.fields_[size_t(steps[0].source)];
     const VolumeBlock& block = field.blocks.at(tile_->partition);
     const int64_t first = std::max(x, tiles_.data_.first[0]),
                   end = std::min(x + points, tiles_.data_.last[0] + 1);
-    std::fill_n(to, first - x, kNone);
-    std::fill_n(to + (end - x), x + points - end, kNone);
+    const auto n = int(end - first);
+    std::array<double*, 3> rows{};
+    for (size_t i = 0; i < count; ++i) {
+      double* const to = at(steps[i].to, x, y, z);
+      std::fill_n(to, first - x, kNone);
+      std::fill_n(to + (end - x), x + points - end, kNone);
+      rows[i] = to + (first - x);
+    }
     const Bricks bricks(block.extent.points);
     const Index3 from{first - block.extent.first[0], y - block.extent.first[1], z - block.extent.first[2]};
+    const std::byte* const samples = block.samples.data();
+    if (field.stored == ScalarType::Float32 && (count == 3 || field.components == 1)) {
+      readSamples(bricks, samples, sizeof(float) * size_t(field.components), from, n,
+                  reinterpret_cast<std::byte*>(vectors_.data()));
+      if (count == 3)
+        ispc::pointValuesOfVectors(vectors_.data(), field.shift, field.scale, rows[0], rows[1], rows[2], n);
+      else
+        ispc::pointValuesOfFloats(vectors_.data(), field.shift, field.scale, rows[0], n);
+      return;
+    }
     withType(field.stored, [&](auto t) {
-      readPieces<decltype(t)>(bricks, block.samples.data(), field.components, step.component, from,
-                              end - first, to + (first - x));
+      readPieces<decltype(t)>(bricks, samples, field.components, steps[0].component, from, n, rows[0]);
     });
-    if (field.stored != ScalarType::Float64)
-      ispc::pointValues(to + (first - x), field.shift, field.scale, int(end - first));
+    if (field.stored != ScalarType::Float64) ispc::pointValues(rows[0], field.shift, field.scale, n);
   }
 
   void store(const FieldStage& stage, int64_t y, int64_t z) {
@@ -220,11 +255,13 @@ class FieldTiles::Workspace {
         ispc::pointFinite(values, points);
         writePieces(bricks, block.samples.data(), target.components, int(c), from, points, values);
       } else if (target.stored == ScalarType::Float32) {
-        ispc::pointFloats(values, floats_.data(), points);
-        writePieces(bricks, block.samples.data(), target.components, int(c), from, points, floats_.data());
+        float* const floats = floats_.data() + (target.components == 3 ? c * kStride : 0);
+        ispc::pointFloats(values, floats, points);
+        if (target.components != 3)
+          writePieces(bricks, block.samples.data(), target.components, int(c), from, points, floats);
         if (told > 0) {
           double extremes[2] = {ranges[c].min, ranges[c].max};
-          ispc::pointSquares(floats_.data() + (first - x), c == 0, squares, extremes, told);
+          ispc::pointSquares(floats + (first - x), c == 0, squares, extremes, told);
           ranges[c] = {extremes[0], extremes[1]};
         }
       } else {
@@ -232,6 +269,12 @@ class FieldTiles::Workspace {
         writePieces(bricks, block.samples.data(), 1, 0, from, points, bytes_.data());
         for (int i = 0; i < told; ++i) results.noData += std::isnan(values[first - x + i]);
       }
+    }
+    if (target.stored == ScalarType::Float32 && target.components == 3) {
+      ispc::pointVectors(floats_.data(), floats_.data() + kStride, floats_.data() + 2 * kStride,
+                         vectors_.data(), points);
+      writeSamples(bricks, block.samples.data(), 3 * sizeof(float), from, points,
+                   reinterpret_cast<const std::byte*>(vectors_.data()));
     }
     if (target.stored != ScalarType::Float32 || told == 0) return;
     results.noData += ispc::pointExtremes(squares, squareExtremes.data(), told);
@@ -243,7 +286,7 @@ class FieldTiles::Workspace {
   std::vector<size_t> windows_;  ///< where each begins
   size_t squares_ = 0;
   std::vector<double> memory_;
-  std::vector<float> floats_;
+  std::vector<float> floats_, vectors_;  ///< rows of components, and of whole points
   std::vector<uint8_t> bytes_;
 };
 

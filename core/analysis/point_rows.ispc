@@ -74,22 +74,25 @@ export void pointMag(const uniform double as[], const uniform double bs[], const
 // Differences of order 2 along one axis: central, or one-sided where the neighbour on one side has no data; of order 1 where there
 // are only two points, and 0 where both neighbours have none. The rows are those two points before to two points behind; `half` is
 // 1 / (2 spacing).
-static inline double difference(double m2, double m1, double c, double p1, double p2, uniform double half) {
-  double r = (p1 - m1) * half;
-  cif (!(r - r == 0.0d && c - c == 0.0d)) {
-    bool before = m1 - m1 == 0.0d, behind = p1 - p1 == 0.0d;
-    double one = 0.0d;
-    if (!before && behind) one = p2 - p2 == 0.0d ? (4.0d * (p1 - c) - (p2 - c)) * half : (p1 - c) * (2.0d * half);
-    if (before && !behind) one = m2 - m2 == 0.0d ? (4.0d * (c - m1) - (c - m2)) * half : (c - m1) * (2.0d * half);
-    r = before && behind ? r : one;
-    r = c - c == 0.0d ? r : none();
-  }
-  return r;
-}
-
-export void pointDifference(const uniform double m2[], const uniform double m1[], const uniform double c[], const uniform double p1[],
+export void pointDifference(const uniform double m2[], const uniform double m1[], const uniform double cs[], const uniform double p1[],
                             const uniform double p2[], const uniform double half, uniform double to[], const uniform int points) {
-  foreach (i = 0 ... points) to[i] = difference(m2[i], m1[i], c[i], p1[i], p2[i], half);
+  foreach (i = 0 ... points) {
+    double c = cs[i], a = m1[i], b = p1[i];
+    double r = (b - a) * half;
+    cif (!((r - r) + (c - c) == 0.0d)) {
+      bool before = a - a == 0.0d, behind = b - b == 0.0d;
+      double one = 0.0d;
+      if (before != behind) {
+        double n1 = behind ? b : a, n2 = behind ? p2[i] : m2[i];
+        double slope = n1 - c;
+        one = n2 - n2 == 0.0d ? (4.0d * slope - (n2 - c)) * half : slope * (2.0d * half);
+        one = behind ? one : -one;
+      }
+      r = before && behind ? r : one;
+      r = c - c == 0.0d ? r : none();
+    }
+    to[i] = r;
+  }
 }
 
 // Second differences along one axis: central; where one neighbour has no data, the one-sided one of order 2, or of order 1 where
@@ -124,11 +127,35 @@ export void pointFinite(uniform double row[], const uniform int points) {
 
 // Values of samples: offset + scale * sample. Infinities are no data. A sample below the least normal float counts as 0, as some
 // modes of the processor read it.
+static inline double valueOf(double v, const uniform double offset, const uniform double scale) {
+  v = abs(v) < 1.1754943508222875e-38d ? 0.0d : v;
+  return v - v == 0.0d ? offset + scale * v : none();
+}
+
 export void pointValues(uniform double row[], const uniform double offset, const uniform double scale, const uniform int points) {
-  foreach (i = 0 ... points) {
-    double v = row[i];
-    v = abs(v) < 1.1754943508222875e-38d ? 0.0d : v;
-    row[i] = v - v == 0.0d ? offset + scale * v : none();
+  foreach (i = 0 ... points) row[i] = valueOf(row[i], offset, scale);
+}
+
+export void pointValuesOfFloats(const uniform float samples[], const uniform double offset, const uniform double scale,
+                                uniform double to[], const uniform int points) {
+  foreach (i = 0 ... points) to[i] = valueOf(samples[i], offset, scale);
+}
+
+// The same of samples with three components.
+export void pointValuesOfVectors(const uniform float samples[], const uniform double offset, const uniform double scale,
+                                 uniform double xs[], uniform double ys[], uniform double zs[], const uniform int points) {
+  const uniform int whole = points - points % programCount;
+  for (uniform int first = 0; first < whole; first += programCount) {
+    float x, y, z;
+    aos_to_soa3((uniform float * uniform)samples + 3 * first, &x, &y, &z);
+    xs[first + programIndex] = valueOf(x, offset, scale);
+    ys[first + programIndex] = valueOf(y, offset, scale);
+    zs[first + programIndex] = valueOf(z, offset, scale);
+  }
+  foreach (i = whole ... points) {
+    xs[i] = valueOf(samples[3 * i], offset, scale);
+    ys[i] = valueOf(samples[3 * i + 1], offset, scale);
+    zs[i] = valueOf(samples[3 * i + 2], offset, scale);
   }
 }
 
@@ -139,6 +166,19 @@ export void pointFloats(const uniform double row[], uniform float to[], const un
     v = abs(v) < 1.1754943508222875e-38d ? 0.0d : v;
     float f = (float)v;
     to[i] = f - f == 0.0f ? f : floatbits(0x7fc00000);
+  }
+}
+
+// Interleaves the components of vectors.
+export void pointVectors(const uniform float xs[], const uniform float ys[], const uniform float zs[], uniform float to[],
+                         const uniform int points) {
+  const uniform int whole = points - points % programCount;
+  for (uniform int first = 0; first < whole; first += programCount)
+    soa_to_aos3(xs[first + programIndex], ys[first + programIndex], zs[first + programIndex], to + 3 * first);
+  foreach (i = whole ... points) {
+    to[3 * i] = xs[i];
+    to[3 * i + 1] = ys[i];
+    to[3 * i + 2] = zs[i];
   }
 }
 

@@ -43,7 +43,8 @@ VolumeRows::VolumeRows(const Volume& volume, const Partitioning& partitioning, i
 }
 
 void VolumeRows::visit(size_t part, const std::function<void(const ValueRow&)>& use) const {
-  const auto& [partition, points] = parts_[part];
+  const int partition = parts_[part].partition;
+  const Extent& points = parts_[part].points;
   const VolumeBlock& block = volume_.blocks.at(partition);
   const Bricks bricks(block.extent.points);
   const DataPoints data(volume_.grid);
