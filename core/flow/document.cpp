@@ -109,20 +109,24 @@ Target CompiledDocument::show(TargetId id, const std::vector<std::string>& datas
   return target;
 }
 
-Target CompiledDocument::everything() const {
-  Target target;
-  target.id = {TargetId::Kind::Run, ""};
-  target.shows = order_;
-  close(target);
-  return target;
-}
-
 Target CompiledDocument::only(size_t node) const {
   Target target;
   target.id = {TargetId::Kind::Run, nodes_[node].spec.name};
   target.shows = {node};
   close(target);
   return target;
+}
+
+std::vector<Target> CompiledDocument::everything() const {
+  std::vector<bool> isRead(nodes_.size());
+  for (const Node& node : nodes_)
+    if (node.canEvaluate())
+      for (const Node::Port& port : node.ports)
+        for (size_t read : port.places) isRead[read] = true;
+  std::vector<Target> out;
+  for (size_t at : order_)
+    if (nodes_[at].canEvaluate() && !isRead[at]) out.push_back(only(at));
+  return out;
 }
 
 void CompiledDocument::close(Target& target) const {

@@ -99,9 +99,10 @@ class CompiledDocument {
 
   std::optional<size_t> place(const std::string& dataset) const;
   const Target* target(const TargetId& id) const;
-  /// Returns what evaluates all filters, or one node.
-  Target everything() const;
+  /// Returns what evaluates a node.
   Target only(size_t node) const;
+  /// Returns what together evaluates all nodes that can be: a target for each that no other of them reads.
+  std::vector<Target> everything() const;
 
  private:
   void compileNode(size_t place, const FilterSchemas& filters);
