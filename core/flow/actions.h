@@ -53,7 +53,8 @@ struct StartEvaluation {
   std::vector<Input> inputs;
 };
 
-/// Stop an evaluation on all ranks. It is answered like any other; its result may still be told.
+/// Stop an evaluation on all ranks. It is answered like any other, by cancelled() if this stopped it; if it has ended before, by what
+/// came of it.
 struct CancelEvaluation {
   uint64_t evaluation = 0;
 };

@@ -167,11 +167,13 @@ void Flow::run() {
 void Flow::run(const std::string& node) { ask({document_->only(placeOf(node))}); }
 
 void Flow::ask(const std::vector<Target>& targets) {
-  const Step step = presentStep();
+  const Step present = presentStep(), newest = newestData();
   for (const Target& target : targets) {
-    const auto keys = keys_->of(target.closure, step);
+    const auto presentKeys = keys_->of(target.closure, present),
+               newestKeys = keys_->of(target.closure, newest);
     for (size_t at : target.closure) {
-      if (keys[at]) stock_.failures.remove(*keys[at]);
+      if (presentKeys[at]) stock_.failures.remove(*presentKeys[at]);
+      if (newestKeys[at]) stock_.failures.remove(*newestKeys[at]);
       const std::string& name = document_->nodes()[at].spec.name;
       if (stock_.sourceFailures.erase(name) > 0) sources_[name].isFetched = false;
     }
@@ -226,8 +228,7 @@ void Flow::finished(uint64_t evaluation, const Made& made) {
 void Flow::failed(uint64_t evaluation, const std::string& text, int rank) {
   const auto found = evaluations_.find(evaluation);
   if (found == evaluations_.end()) return;
-  // What was cancelled may end with an error for this alone.
-  if (!found->second.isCancelled) stock_.failures.add(found->second.key, {found->second.node, text, rank});
+  stock_.failures.add(found->second.key, {found->second.node, text, rank});
   evaluations_.erase(found);
   settle();
 }

@@ -175,6 +175,7 @@ class Flow {
   void addTarget(const Target& target, const Step& step);
   std::optional<Step> dueStep(const Target& target, const Step& preferred);
   std::optional<Step> stepFor(const Target& target, const Step& preferred, std::string& why) const;
+  static bool showsAll(const Shown& shown, const Picture& picture);
   Picture pictureFor(const Target& target, const Step& step) const;
   std::vector<SourceData> candidates(const std::string& source) const;
   bool isAvailable(const SourceData& data) const;
@@ -192,6 +193,7 @@ class Flow {
   // flow_states.cpp
   void tellStates();
   Step presentStep() const;
+  Step newestData() const;
   NodeState stateOfSource(const Node& node) const;
   NodeState stateOfFilter(size_t place, const Outcome& outcome, const std::optional<NodeKey>& key) const;
   NodeState stateOfPending(size_t place, const std::optional<NodeKey>& key) const;

@@ -46,9 +46,15 @@ void Flow::tellStates() {
   }
 }
 
-// What states are about: the step of the wave, else that of the newest data.
+// What states are about: the step of the wave, and the newest data of what it does not read.
 Step Flow::presentStep() const {
   Step step = wave_ ? wave_->step : Step();
+  step.merge(newestData());
+  return step;
+}
+
+Step Flow::newestData() const {
+  Step step;
   for (const Node& node : document_->nodes())
     if (const auto found = sources_.find(node.spec.name);
         node.isSource() && found != sources_.end() && found->second.current)

@@ -111,6 +111,10 @@ Picture Flow::pictureFor(const Target& target, const Step& step) const {
   return pictureOf(*document_, target, outcomes(*keys_, target.closure, step, stock_), step, stock_);
 }
 
+bool Flow::showsAll(const Shown& shown, const Picture& picture) {
+  return !picture.isPending && picture == shown.picture;
+}
+
 // The step that a target is to show; nothing if it shows it, or cannot show any.
 std::optional<Step> Flow::dueStep(const Target& target, const Step& preferred) {
   const auto found = shown_.find(target.id);
@@ -120,7 +124,7 @@ std::optional<Step> Flow::dueStep(const Target& target, const Step& preferred) {
     const bool hasAll = std::all_of(target.sources.begin(), target.sources.end(), [&](size_t source) {
       return shown->step.contains(document_->nodes()[source].spec.name);
     });
-    if (hasAll && pictureFor(target, shown->step) == shown->picture) return std::nullopt;
+    if (hasAll && showsAll(*shown, pictureFor(target, shown->step))) return std::nullopt;
   }
   std::string why;
   const std::optional<Step> step = stepFor(target, preferred, why);
@@ -129,7 +133,7 @@ std::optional<Step> Flow::dueStep(const Target& target, const Step& preferred) {
     return std::nullopt;
   }
   if (target.id.kind == TargetId::Kind::Run) return step;
-  if (shown && pictureFor(target, *step) == shown->picture) {
+  if (shown && showsAll(*shown, pictureFor(target, *step))) {
     found->second.isAsked = false;
     return std::nullopt;
   }

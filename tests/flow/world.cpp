@@ -195,6 +195,14 @@ void World::answer() {
   }
 }
 
+// Whether the graph has cancelled it, and the host has not heard of that yet.
+bool World::isToBeCancelled(uint64_t evaluation) const {
+  return std::any_of(actions_.begin(), actions_.end(), [&](const flow::Action& action) {
+    const auto* cancel = std::get_if<flow::CancelEvaluation>(&action);
+    return cancel && cancel->evaluation == evaluation;
+  });
+}
+
 void World::answerEvaluation() {
   if (evaluations_.empty()) return;
   const auto found = std::next(evaluations_.begin(), std::ptrdiff_t(random_.below(evaluations_.size())));
@@ -205,15 +213,14 @@ void World::answerEvaluation() {
   const flow::NodeKey& key = evaluation.what.key;
   const uint64_t luck = random_.below(evaluation.isCancelled ? 3 : 12);
   if (luck == 0) {
-    if (!evaluation.isCancelled) {
-      broken_.insert(key);
-      counters.failed++;
-    }
+    broken_.insert(key);
+    counters.failed++;
     flow_.failed(number, "it did not work", int(random_.below(4)));
   } else if (luck == 1) {
-    if (!evaluation.isCancelled) broken_.insert(key);
+    if (!evaluation.isCancelled && !isToBeCancelled(number)) broken_.insert(key);
     flow_.cancelled(number);
   } else {
+    expect(!broken_.contains(key), "an evaluation runs again that has failed");
     outputs_.insert(key);
     flow_.finished(number, {1, 0.5, 100});
   }

@@ -66,6 +66,7 @@ class World {
   void edit();
   void changeDemand();
   void answer();
+  bool isToBeCancelled(uint64_t evaluation) const;
   void answerEvaluation();
   void answerAdoption();
   void takeActions();
@@ -82,11 +83,12 @@ class World {
   bool isDemanded(const flow::TargetId& id) const;
   std::set<std::string> closure(const flow::Document& document, const std::vector<std::string>& shown) const;
   std::vector<std::string> shownBy(const flow::Document& document, const flow::TargetId& id) const;
+  std::string stateOf(const flow::TargetId& id, const std::string& name) const;
   void checkTarget(const flow::TargetId& id, bool follows);
   bool matches(const flow::CompiledDocument& document, const std::string& node,
                const flow::DataId& data) const;
   struct Newest {
-    std::optional<flow::DataId> data;  // none: a source is not there
+    std::optional<flow::DataId> data;  // none: a source is not there, or the node cannot be evaluated
     std::string brokenBy;              // a node that has failed or cannot be evaluated
   };
   Newest newest(const flow::CompiledDocument& document, const std::string& node) const;

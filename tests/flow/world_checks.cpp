@@ -60,14 +60,10 @@ void World::checkNeeded(const Evaluation& evaluation) {
   if (evaluation.isCancelled || runAsked_) return;
   for (const flow::Document& document : recent_) {
     const flow::CompiledDocument compiled(document, filters_);
-    const auto place = compiled.place(evaluation.what.node);
-    if (!place || compiled.nodes()[*place].spec.properties != evaluation.what.properties ||
-        compiled.nodes()[*place].spec.filter != evaluation.what.filter)
-      continue;
     for (const flow::Target& target : compiled.targets())
-      if (isDemanded(target.id) &&
-          closure(document, shownBy(document, target.id)).contains(evaluation.what.node))
-        return;
+      if (isDemanded(target.id))
+        for (const std::string& node : closure(document, shownBy(document, target.id)))
+          if (matches(compiled, node, evaluation.what.key)) return;
   }
   expect(false, "nobody needs " + evaluation.what.node + ", which runs");
 }
@@ -100,22 +96,24 @@ World::Newest World::newest(const flow::CompiledDocument& document, const std::s
   }
   std::vector<flow::KeyInput> inputs;
   std::string brokenBy;
-  bool isMissing = false;
+  bool hasKey = true;
   for (const flow::Node::Port& port : node.ports) {
     flow::KeyInput& input = inputs.emplace_back();
     input.input = port.input;
     for (size_t read : port.places) {
       const Newest item = newest(document, document.nodes()[read].spec.name);
       if (!item.brokenBy.empty() && brokenBy.empty()) brokenBy = item.brokenBy;
-      if (item.data) input.data.push_back(*item.data);
-      isMissing = isMissing || (!item.data && item.brokenBy.empty());
+      if (item.data)
+        input.data.push_back(*item.data);
+      else
+        hasKey = false;
     }
   }
-  if (isMissing) return {};
-  if (!brokenBy.empty()) return {std::nullopt, brokenBy};
+  if (!hasKey) return {std::nullopt, brokenBy};
   const NodeKey key = flow::keyOf(node.spec.filter, node.version, node.spec.properties, inputs);
-  if (broken_.contains(key)) return {std::nullopt, name};
-  return {key, ""};
+  if (outputs_.contains(key)) return {key, ""};  // whatever has come since of what it was made of
+  if (brokenBy.empty() && broken_.contains(key)) brokenBy = name;
+  return {key, brokenBy};
 }
 
 // Whether an output is made as the document says, of whatever generations.
@@ -128,6 +126,9 @@ bool World::matches(const flow::CompiledDocument& document, const std::string& n
   if (std::holds_alternative<Id>(data)) return false;
   const Truth& truth = truths_.at(std::get<NodeKey>(data));
   if (truth.filter != node.spec.filter || truth.properties != node.spec.properties) return false;
+  if (node.defect.kind != flow::Defect::Kind::None) return false;
+  for (size_t i = 0; i < node.ports.size(); i++)
+    if (truth.inputs.at(i).data.size() != node.ports[i].places.size()) return false;
   for (size_t i = 0; i < node.ports.size(); i++)
     for (size_t j = 0; j < node.ports[i].places.size(); j++)
       if (!matches(document, document.nodes()[node.ports[i].places[j]].spec.name, truth.inputs[i].data[j]))
@@ -163,6 +164,14 @@ void World::rest() {
     counters.leftOut += int64_t(flow_.state({flow::NodeId::Kind::Dataset, node.spec.name}).leftOut);
 }
 
+std::string World::stateOf(const TargetId& id, const std::string& name) const {
+  const auto kind = id.kind == TargetId::Kind::View ? flow::NodeId::Kind::View : flow::NodeId::Kind::Output;
+  const flow::NodeState target = flow_.state({kind, id.name});
+  const flow::NodeState node = flow_.state({flow::NodeId::Kind::Dataset, name});
+  return " (state " + std::to_string(int(target.kind)) + " " + target.text + "; of the node " +
+         std::to_string(int(node.kind)) + " " + node.text + ")";
+}
+
 void World::checkTarget(const TargetId& id, bool follows) {
   const flow::CompiledDocument compiled(recent_.back(), filters_);
   const std::vector<std::string> shown = shownBy(recent_.back(), id);
@@ -186,8 +195,9 @@ void World::checkTarget(const TargetId& id, bool follows) {
     if (!follows) {
       if (isThere)
         expect(matches(compiled, name, item->data), id.name + ": " + name + " is of an older document");
-    } else if (is.data) {
-      expect(isThere && item->data == *is.data, id.name + " does not show the newest " + name);
+    } else if (is.brokenBy.empty()) {
+      expect(isThere && item->data == *is.data,
+             id.name + " does not show the newest " + name + stateOf(id, name));
     } else {
       expect(!isThere, id.name + " shows " + name + ", which cannot be made");
       expect(std::any_of(seen.what.problems.begin(), seen.what.problems.end(),
