@@ -136,7 +136,7 @@ void World::changeDemand() {
   const std::string view = "v" + std::to_string(random_.below(3));
   const auto& nodes = flow_.document().nodes();
   const std::string& node = nodes[random_.below(nodes.size())].spec.name;
-  switch (random_.below(12)) {
+  switch (random_.below(24)) {
     case 0:
       paused_ = !paused_;
       paused_ ? flow_.pause() : flow_.resume();
@@ -144,10 +144,10 @@ void World::changeDemand() {
     case 1:
       runAsked_ = true;
       broken_.clear();
-      hasCancelled_ = false;
+      hasAsked_ = false;
       return flow_.run();
     case 2: {
-      runAsked_ = true;
+      runAsked_ = hasAsked_ = true;
       const std::set<std::string> names = closure(flow_.document().document(), {node});
       std::erase_if(broken_, [&](const flow::NodeKey& key) {
         return std::any_of(nodes.begin(), nodes.end(), [&](const flow::Node& n) {
@@ -158,10 +158,13 @@ void World::changeDemand() {
       return flow_.run(node);
     }
     case 3:
-      hasCancelled_ = true;
+      hasAsked_ = true;
       return random_.oneIn(2) ? flow_.cancel() : flow_.cancel(node);
     case 4:
     case 5:
+    case 6:
+    case 7:
+    case 8:
       windows_.erase(view);
       seen_.erase({TargetId::Kind::View, view});
       return flow_.hide(view);

@@ -101,7 +101,10 @@ class World {
   flow::Flow flow_;
   std::vector<flow::Document>
       recent_;  // the document, and those before it that a live wave may still evaluate
-  bool paused_ = false, runAsked_ = false, hasCancelled_ = false;
+  bool paused_ = false;
+  bool runAsked_ = false;  // since the graph was idle last
+  bool hasAsked_ =
+      false;  // it is not known here of which nodes the failures are forgotten, or made by cancelling
   std::set<std::string> windows_;
   std::map<uint64_t, int64_t> steps_;  // of publishers
   std::map<size_t, int64_t> due_;      // names that have to publish the step that others have published

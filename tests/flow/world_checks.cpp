@@ -139,7 +139,9 @@ bool World::matches(const flow::CompiledDocument& document, const std::string& n
 void World::rest() {
   if (paused_) flow_.resume();
   paused_ = false;
-  if (hasCancelled_) {
+  if (hasAsked_) {
+    hasAsked_ = false;
+    runAsked_ = true;
     broken_.clear();
     flow_.run();
   }
