@@ -25,7 +25,7 @@ void add(World::Counters& sum, const World::Counters& more) {
 
 TEST(Schedules, EveryViewEndsWithTheNewestDocumentAndTheNewestStepAndNothingElseIsHeld) {
   World::Counters sum;
-  const int many = seeds(2000);
+  const int many = seeds(1500);
   for (int seed = 1; seed <= many; seed++) {
     World world{uint64_t(seed)};
     for (int part = 0; part < 3; part++) {

@@ -13,8 +13,8 @@ World::World(uint64_t seed) : random_(seed), flow_(filters_, {1 + random_.below(
   for (uint64_t i = 0; i < sources; i++)
     space_.addName("s" + std::to_string(i), random_.below(publishers + 1));
   drawn_.emplace(random_, sources);
-  recent_ = {drawn_->document()};
-  flow_.edit(recent_[0]);
+  take(drawn_->document());
+  flow_.edit(newestDocument());
   for (uint64_t publisher = 0; publisher <= publishers; publisher++) steps_[publisher] = 0;
 }
 
@@ -128,7 +128,7 @@ void World::edit() {
   const uint64_t revision = flow_.edit(drawn_->document(), live);
   if (revision == before) return;
   if (!live) recent_.clear();
-  recent_.push_back(drawn_->document());
+  take(drawn_->document());
   std::erase_if(seen_, [&](const auto& item) { return !isDemanded(item.first); });
 }
 

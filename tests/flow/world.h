@@ -3,6 +3,7 @@
 #pragma once
 #include <deque>
 #include <map>
+#include <memory>
 #include <set>
 #include <string>
 #include <vector>
@@ -52,6 +53,10 @@ class World {
     bool isHeld = false, isWritten = false;
   };
 
+  void take(const flow::Document& document) {
+    recent_.push_back(std::make_shared<const flow::CompiledDocument>(document, filters_));
+  }
+  const flow::Document& newestDocument() const { return recent_.back()->document(); }
   void expect(bool holds, const std::string& what) {
     if (!holds && errors.size() < 20) errors.push_back(what);
   }
@@ -99,8 +104,7 @@ class World {
   ObjectSpace space_;
   std::optional<RandomDocument> drawn_;
   flow::Flow flow_;
-  std::vector<flow::Document>
-      recent_;  // the document, and those before it that a live wave may still evaluate
+  std::vector<std::shared_ptr<const flow::CompiledDocument>> recent_;  // a live wave may be of an older one
   bool paused_ = false;
   bool runAsked_ = false;  // since the graph was idle last
   bool hasAsked_ =

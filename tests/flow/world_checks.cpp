@@ -11,7 +11,7 @@ using flow::NodeKey;
 using flow::TargetId;
 
 bool World::isDemanded(const TargetId& id) const {
-  const flow::Document& document = recent_.back();
+  const flow::Document& document = newestDocument();
   if (id.kind == TargetId::Kind::Output)
     return std::any_of(document.outputs.begin(), document.outputs.end(),
                        [&](const flow::OutputSpec& output) { return output.name == id.name; });
@@ -58,12 +58,12 @@ void World::checkQuiet() {
 
 void World::checkNeeded(const Evaluation& evaluation) {
   if (evaluation.isCancelled || runAsked_) return;
-  for (const flow::Document& document : recent_) {
-    const flow::CompiledDocument compiled(document, filters_);
-    for (const flow::Target& target : compiled.targets())
+  for (const auto& compiled : recent_) {
+    for (const flow::Target& target : compiled->targets())
       if (isDemanded(target.id))
-        for (const std::string& node : closure(document, shownBy(document, target.id)))
-          if (matches(compiled, node, evaluation.what.key)) return;
+        for (const std::string& node :
+             closure(compiled->document(), shownBy(compiled->document(), target.id)))
+          if (matches(*compiled, node, evaluation.what.key)) return;
   }
   expect(false, "nobody needs " + evaluation.what.node + ", which runs");
 }
@@ -175,11 +175,11 @@ std::string World::stateOf(const TargetId& id, const std::string& name) const {
 }
 
 void World::checkTarget(const TargetId& id, bool follows) {
-  const flow::CompiledDocument compiled(recent_.back(), filters_);
-  const std::vector<std::string> shown = shownBy(recent_.back(), id);
+  const flow::CompiledDocument& compiled = *recent_.back();
+  const std::vector<std::string> shown = shownBy(newestDocument(), id);
   std::map<std::string, Newest> newest;
   for (const std::string& name : shown) newest[name] = this->newest(compiled, name);
-  for (const std::string& source : closure(recent_.back(), shown))
+  for (const std::string& source : closure(newestDocument(), shown))
     if (const auto place = compiled.place(source);
         place && compiled.nodes()[*place].isSource() && !this->newest(compiled, source).data) {
       // Nothing of the target can be newest without it, unless only what cannot be evaluated reads it.
@@ -212,10 +212,11 @@ void World::checkTarget(const TargetId& id, bool follows) {
 void World::leave() {
   for (const std::string& view : windows_) flow_.hide(view);
   windows_.clear();
-  flow::Document document = recent_.back();
+  flow::Document document = newestDocument();
   document.outputs.clear();
   flow_.edit(document);
-  recent_ = {document};
+  recent_.clear();
+  take(document);
   std::erase_if(seen_, [&](const auto& item) { return !isDemanded(item.first); });
   while (flow_.makeRoom()) continue;
   takeActions();
