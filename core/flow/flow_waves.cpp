@@ -12,13 +12,14 @@ void Flow::settle() {
   for (bool again = true; again;) {
     dropTargets();
     waiting_.clear();
-    if (wave_) {
-      joinWave();
-    } else {
+    if (!wave_) {
       const bool begun = (!preferred_.empty() && beginWave(preferred_)) || beginWave({});
       if (begun) preferred_.clear();
     }
-    if (wave_) showWhatIsThere();
+    if (wave_) {
+      joinWave();
+      showWhatIsThere();
+    }
     again = wave_ && wave_->targets.empty();
     if (again) wave_.reset();
   }
@@ -117,6 +118,7 @@ bool Flow::showsAll(const Shown& shown, const Picture& picture) {
 
 // The step that a target is to show; nothing if it shows it, or cannot show any.
 std::optional<Step> Flow::dueStep(const Target& target, const Step& preferred) {
+  waiting_.erase(target.id);
   const auto found = shown_.find(target.id);
   const Shown* shown = found != shown_.end() && found->second.hasPicture ? &found->second : nullptr;
   if (shown && shown->isHeld && !shown->isWritten) shown = nullptr;

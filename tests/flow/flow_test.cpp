@@ -178,6 +178,46 @@ TEST_F(FlowTest, AFileIsFetchedWhenSomethingNeedsIt) {
   EXPECT_EQ(started(), Names{"b"});
 }
 
+TEST_F(FlowTest, AnotherFileOfTheSameNameIsFetched) {
+  flow_.show("v");
+  DatasetSpec file = live("f");
+  file.filename = "f.vti";
+  Document document{{file, shift("b", "f")}, {{"v", {"b"}}}, {}};
+  flow_.edit(document);
+  flow_.update("f", data(1, 1));
+  finishAll();
+  document.datasets[0].filename = "g.vti";
+  flow_.edit(document);
+  EXPECT_EQ(taken<FetchSource>().size(), 1u);
+  EXPECT_EQ(state("f").kind, State::Waiting);
+}
+
+TEST_F(FlowTest, RunLeavesOutWhatReadsASourceThatIsNotThere) {
+  flow_.edit({{live("a"), live("gone"), shift("b", "a"), shift("c", "gone")}, {}, {}});
+  flow_.update("a", data(1, 1));
+  flow_.run();
+  EXPECT_EQ(started(), Names{"b"});
+  finish("b");
+  EXPECT_EQ(state("c").text, "for \"gone\"");
+  flow_.update("gone", data(2, 1));
+  EXPECT_TRUE(started().empty()) << "run asks once";
+}
+
+TEST_F(FlowTest, AViewThatDoesNotFollowTakesNewDataWithAnEditOnly) {
+  flow_.show("v");
+  Document document{{live("a"), shift("b", "a")}, {{"v", {"b"}, false}}, {}};
+  flow_.edit(document);
+  flow_.update("a", data(1, 1));
+  finishAll();
+  flow_.update("a", data(1, 2));
+  EXPECT_TRUE(started().empty());
+  document.datasets[1].properties = by(5);
+  flow_.edit(document);
+  const auto starts = taken<StartEvaluation>();
+  ASSERT_EQ(starts.size(), 1u);
+  EXPECT_EQ(starts[0].inputs[0].items[0].data, DataId(SourceGeneration{{1}, 2}));
+}
+
 // 3. Waves
 
 TEST_F(FlowTest, AWaveTakesOneStepOfAllSourcesOfAPublisher) {
@@ -302,6 +342,40 @@ TEST_F(FlowTest, ARefusedAdoptionLetsTheWaveGoOn) {
   EXPECT_EQ(started(), Names{"c"});
   flow_.tick(10);
   EXPECT_EQ(taken<AdoptGeneration>().size(), 1u) << "asked again";
+}
+
+TEST_F(FlowTest, WhatOnlyACancelledEvaluationReadsIsHeldButNotAdopted) {
+  flow_.show("v");
+  flow_.edit({{live("a"), shift("b", "a")}, {{"v", {"b"}}}, {}});
+  flow_.update("a", data(1, 1));
+  EXPECT_EQ(started(), Names{"b"});
+  flow_.hide("v");
+  flow_.wanted({{1}, 1});
+  flow_.tick(100);
+  EXPECT_TRUE(taken<ReleaseGeneration>().empty());
+  EXPECT_TRUE(among<AdoptGeneration>().empty());
+  flow_.cancelled(numbers_["b"]);
+  EXPECT_EQ(taken<ReleaseGeneration>().size(), 1u);
+}
+
+TEST_F(FlowTest, AViewThatWaitsForItsStepIsNotPassedOver) {
+  flow_.show("v");
+  flow_.show("w");
+  Document document{
+      {live("a"), live("b"), shift("d", "a"), sum("c", {"a", "b"})}, {{"v", {"d"}}, {"w", {"a", "b"}}}, {}};
+  flow_.edit(document);
+  flow_.update(std::vector<Flow::Update>{{"a", step(1, 1, 12)}, {"b", step(2, 1, 12)}});
+  finishAll();
+  flow_.update("a", step(1, 2, 13));
+  EXPECT_EQ(started(), Names{"d"});
+  document.views[1].datasets.push_back("c");
+  flow_.edit(document);
+  EXPECT_EQ(viewState("w").text, "for the wave that runs") << "it needs step 12, and the wave is of step 13";
+  flow_.update("a", step(1, 3, 14));
+  finish("d");
+  EXPECT_EQ(started(), Names{"c"}) << "not d again";
+  finish("c");
+  EXPECT_EQ(started(), Names{"d"});
 }
 
 TEST_F(FlowTest, AGenerationThatIsGoneIsNotWaitedFor) {
