@@ -367,13 +367,18 @@ TEST_F(FlowTest, AViewThatWaitsForItsStepIsNotPassedOver) {
   flow_.update(std::vector<Flow::Update>{{"a", step(1, 1, 12)}, {"b", step(2, 1, 12)}});
   finishAll();
   flow_.update("a", step(1, 2, 13));
-  EXPECT_EQ(started(), Names{"d"});
+  const auto starts = taken<StartEvaluation>();
+  ASSERT_EQ(starts.size(), 1u);
+  EXPECT_EQ(starts[0].node, "d");
   document.views[1].datasets.push_back("c");
   flow_.edit(document);
   EXPECT_EQ(viewState("w").text, "for the wave that runs") << "it needs step 12, and the wave is of step 13";
   flow_.update("a", step(1, 3, 14));
-  finish("d");
+  flow_.finished(starts[0].evaluation, {1, 0.5, 100});
   EXPECT_EQ(started(), Names{"c"}) << "not d again";
+  const auto shown = among<ShowData>();
+  ASSERT_EQ(shown.size(), 1u);
+  EXPECT_EQ(shown[0].data.at(0).data, DataId(starts[0].key)) << "of step 13: v is not in the wave of step 12";
   finish("c");
   EXPECT_EQ(started(), Names{"d"});
 }

@@ -235,13 +235,30 @@ void World::answerAdoption() {
     hold.isAsked = false;
     if (random_.oneIn(3)) {
       counters.refused++;
-      return flow_.refused(number, "no room");
+      return refuse(number, hold.id);
     }
     space_.adopt(hold.id);
     hold.isAdopted = true;
     counters.adopted++;
     return flow_.adopted(number);
   }
+}
+
+// Views of what is not to be kept let go of it, or show something newer.
+void World::refuse(uint64_t hold, const Id& id) {
+  std::set<TargetId> have;
+  for (const auto& [target, seen] : seen_)
+    for (const flow::ShownData& item : seen.what.data)
+      if (actions_.empty() && isDemanded(target) && !seen.isHeld && !seen.isWritten &&
+          item.data == flow::DataId(id))
+        have.insert(target);
+  flow_.refused(hold, "no room");
+  takeActions();
+  for (const flow::Action& action : actions_) {
+    if (const auto* held = std::get_if<flow::HoldPicture>(&action)) have.erase(held->target);
+    if (const auto* shown = std::get_if<flow::ShowData>(&action)) have.erase(shown->target);
+  }
+  expect(have.empty(), "a view keeps what the ledger refuses");
 }
 
 void World::takeActions() {

@@ -74,6 +74,7 @@ class World {
   bool isToBeCancelled(uint64_t evaluation) const;
   void answerEvaluation();
   void answerAdoption();
+  void refuse(uint64_t hold, const Id& id);
   void takeActions();
   void carryOut(size_t most);
   void carryOut(const flow::Action& action);
