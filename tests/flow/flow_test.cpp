@@ -576,6 +576,21 @@ TEST_F(FlowTest, WhatIsMadeOfAnOutputThatIsGoneStays) {
   EXPECT_FALSE(flow_.makeRoom());
 }
 
+TEST_F(FlowTest, AViewWhoseOutputIsGoneKeepsItsPictureUntilItIsMadeAgain) {
+  flow_.show("v");
+  flow_.edit({{live("a"), shift("b", "a")}, {{"v", {"b"}}}, {}});
+  flow_.update("a", data(1, 1));
+  const auto starts = taken<StartEvaluation>();
+  ASSERT_EQ(starts.size(), 1u);
+  flow_.finished(starts[0].evaluation, {1, 0.5, 100});
+  flow_.take();
+  flow_.evicted(starts[0].key);
+  EXPECT_EQ(started(), Names{"b"});
+  EXPECT_EQ(among<HoldPicture>().size(), 1u);
+  finish("b");
+  EXPECT_EQ(taken<ShowData>().size(), 1u);
+}
+
 // 9. Edits are atomic
 
 TEST_F(FlowTest, ARefusedEditChangesNothing) {

@@ -359,6 +359,7 @@ void World::show(const flow::ShowData& action) {
       expect(outputs_.contains(std::get<flow::NodeKey>(item.data)) || counters.evicted > 0,
              action.target.name + " shows " + item.node + ", which is not there");
   }
+  if (action.revision == flow_.revision()) checkWhole(action);
   seen_[action.target] = {action, false, false};
 }
 

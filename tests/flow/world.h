@@ -83,6 +83,7 @@ class World {
   void show(const flow::ShowData& action);
 
   // world_checks.cpp: what has to hold
+  void checkWhole(const flow::ShowData& action);
   void checkQuiet();
   void checkPins();
   void checkNeeded(const Evaluation& evaluation);

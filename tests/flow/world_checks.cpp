@@ -50,6 +50,16 @@ std::vector<Origin> World::originsOf(const DataId& data) const {
   return truths_.at(std::get<NodeKey>(data)).origins;
 }
 
+// A view changes at once: to all that it shows, but for what has a problem.
+void World::checkWhole(const flow::ShowData& action) {
+  const flow::Target* target = recent_.back()->target(action.target);
+  if (!target || target->asItComes) return;
+  const bool isWhole = action.data.size() == target->shows.size() + target->missing.size() &&
+                       std::none_of(action.data.begin(), action.data.end(),
+                                    [](const flow::ShownData& item) { return item.older; });
+  expect(isWhole || !action.problems.empty(), action.target.name + " shows a part, and does not say why");
+}
+
 void World::checkQuiet() {
   if (!flow_.isBusy()) runAsked_ = false;
   for (const auto& [number, evaluation] : evaluations_) checkNeeded(evaluation);
