@@ -8,6 +8,7 @@
 #include <set>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/flow/actions.h"
@@ -131,8 +132,10 @@ class Flow {
     std::string text;
   };
   struct Wave {
-    uint64_t number = 0, revision = 0;
-    bool live = false;
+    Wave(uint64_t n, uint64_t r, bool l, std::shared_ptr<NodeKeys> k)
+        : number(n), revision(r), live(l), keys(std::move(k)) {}
+    uint64_t number, revision;
+    bool live;
     std::shared_ptr<NodeKeys> keys;
     Step step;
     std::map<TargetId, Target> targets;  // that have not all that they show

@@ -162,11 +162,7 @@ bool Flow::beginWave(const Step& preferred) {
   }
   if (due.empty()) return false;
   std::stable_sort(due.begin(), due.end(), [](const Due& a, const Due& b) { return a.last < b.last; });
-  wave_.emplace();
-  wave_->number = ++waves_;
-  wave_->revision = revision_;
-  wave_->live = isLive_ && revision_ > evaluatedRevision_;
-  wave_->keys = keys_;
+  wave_.emplace(++waves_, revision_, isLive_ && revision_ > evaluatedRevision_, keys_);
   evaluatedRevision_ = revision_;
   for (const Due& item : due)
     if (areOneStep(wave_->step, item.step)) addTarget(item.target, item.step);
