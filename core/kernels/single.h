@@ -16,6 +16,7 @@ namespace gxy::single {
 #include "core/kernels/cells.h"
 #include "core/kernels/volume_fetch.h"
 #include "core/kernels/fields.h"
+#include "core/kernels/lines.h"
 // clang-format on
 }  // namespace gxy::single
 #undef GXY_REAL
@@ -25,6 +26,7 @@ namespace gxy::single {
 #undef OUT
 #undef UNIFORM
 #undef VOLUME
+#undef FLOW
 #undef PTR
 #undef RAW
 #undef BYTE

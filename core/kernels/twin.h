@@ -18,6 +18,7 @@ namespace gxy::twin {
 #include "core/kernels/cells.h"
 #include "core/kernels/volume_fetch.h"
 #include "core/kernels/fields.h"
+#include "core/kernels/lines.h"
 // clang-format on
 }  // namespace gxy::twin
 #undef GXY_REAL
@@ -28,6 +29,7 @@ namespace gxy::twin {
 #undef OUT
 #undef UNIFORM
 #undef VOLUME
+#undef FLOW
 #undef PTR
 #undef RAW
 #undef BYTE

@@ -13,11 +13,12 @@
 //   length, lengthRest  length since the seed, likewise
 //   steps      cells that the head has been in, without the first
 //   points     numbers that the line's stored points have used up: the next one is number `points`
-//   stalled    crossings of faces since the head has last moved on
+//   stalled    crossings of faces since the head has last moved on, and trial steps in its cell (kernels/advect.h)
 //   way        cells of way since then
 //
 // Only while a packet is in one partition:
-//   reason     END_OF_LINE_* (kernels/advect.h)
+//   fresh      whether the head has moved since the last stored point
+//   reason     LINE_* (kernels/advect.h)
 #ifndef GXY_HEAD_FIELDS
 #define GXY_HEAD_FIELDS(F) \
   F(uint32, line, 1)       \
@@ -36,6 +37,7 @@
   F(int32, points, 1)      \
   F(int32, stalled, 1)     \
   F(float, way, 1)         \
+  F(int32, fresh, 0)       \
   F(int32, reason, 0)
 
 #define HEAD_BACKWARD 256u

@@ -92,6 +92,7 @@ HeadList HeadList::read(int partition, std::span<const std::byte> in, int count)
   }
   GXY_HEAD_FIELDS(GXY_READ)
 #undef GXY_READ
+  std::fill_n(list.view_.fresh, count, 0);
   std::fill_n(list.view_.reason, count, 0);
   return list;
 }

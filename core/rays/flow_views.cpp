@@ -1,0 +1,186 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/rays/flow_views.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <limits>
+#include <map>
+
+#include "core/data/bricks.h"
+#include "core/rays/fill_views.h"
+
+namespace gxy {
+
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+void setPair(double x, float& high, float& rest) {
+  high = float(x);
+  rest = std::isfinite(high) ? float(x - double(high)) : 0;
+}
+
+// The limits of the kernel: field lines have no time of their own.
+struct Limits {
+  double time, length;
+};
+Limits limitsOf(const CompiledFields& fields, const TraceOptions& o) {
+  const Box box = fields.grid().box();
+  const double length = o.length.value_or(10 * glm::length(box.hi - box.lo));
+  return o.normalised ? Limits{kInfinity, std::min(o.time, length)} : Limits{o.time, length};
+}
+
+int pointsOf(const TraceOptions& o) {
+  switch (o.points) {
+    case PointsMode::Cells:
+      return POINTS_CELLS;
+    case PointsMode::EqualTime:
+      return o.normalised ? POINTS_LENGTH : POINTS_TIME;
+    case PointsMode::EqualLength:
+      return POINTS_LENGTH;
+    case PointsMode::Ends:
+      break;
+  }
+  return POINTS_ENDS;
+}
+
+void setCondition(const CompiledFields& fields, const TraceOptions& o, single::FlowView& v) {
+  v.conditionLow = 1, v.conditionHigh = 0;
+  if (!o.condition) return;
+  const Volume& volume = *fields.volumes()[size_t(fields.recorded()[size_t(o.condition->field)].volume)];
+  const double lo = (o.condition->lo - volume.shift) / volume.scale;
+  const double hi = (o.condition->hi - volume.shift) / volume.scale;
+  v.conditionLow = float(std::min(lo, hi)), v.conditionHigh = float(std::max(lo, hi));
+}
+
+// World time and length of a head or a point, with the sign of its direction.
+struct Measure {
+  const FlowUnits& units;
+  bool normalised;
+  double length(bool backward, float high, float rest) const {
+    return (backward ? -1 : 1) * (double(high) + double(rest)) * units.length;
+  }
+  double time(bool backward, float high, float rest, double length) const {
+    return normalised ? length : (backward ? -1 : 1) * (double(high) + double(rest)) * units.time;
+  }
+};
+
+EndReason reasonOf(const TraceOptions& o, const Limits& limits, int32_t reason) {
+  const auto r = EndReason(reason - 1);
+  return o.normalised && r == EndReason::Length && o.time <= limits.length ? EndReason::Time : r;
+}
+
+}  // namespace
+
+single::FlowView flowViewOf(const CompiledFields& fields, const Extent& block, const TraceOptions& o) {
+  single::FlowView v{};
+  const FlowUnits& u = fields.units();
+  v.scaleX = u.scale[0], v.scaleY = u.scale[1], v.scaleZ = u.scale[2];
+  v.shiftX = u.shift[0], v.shiftY = u.shift[1], v.shiftZ = u.shift[2];
+  v.spacingX = u.spacing[0], v.spacingY = u.spacing[1], v.spacingZ = u.spacing[2];
+  const StepBounds bounds = stepBoundsOf(o.tolerance);
+  v.theta = bounds.theta, v.kappa = bounds.kappa;
+  v.slowest = float(o.minimumSpeed * u.time / u.length);
+  const Limits limits = limitsOf(fields, o);
+  setPair(limits.time / u.time, v.timeLimit, v.timeLimitRest);
+  setPair(limits.length / u.length, v.lengthLimit, v.lengthLimitRest);
+  v.points = pointsOf(o);
+  setPair(o.interval / (v.points == POINTS_TIME ? u.time : u.length), v.interval, v.intervalRest);
+  setCondition(fields, o, v);
+  v.stepsLimit = int(std::min<int64_t>(o.steps, std::numeric_limits<int>::max()));
+  // Products of denormal samples and a larger scale might count for something.
+  v.flush = std::max({v.scaleX, v.scaleY, v.scaleZ}) > 65536;
+  v.rim = fields.grid().rim;
+  const Index3 cells = fields.grid().cells();
+  v.cellsX = int(cells[0]), v.cellsY = int(cells[1]), v.cellsZ = int(cells[2]);
+  v.firstX = int(block.first[0]), v.firstY = int(block.first[1]), v.firstZ = int(block.first[2]);
+  v.endX = v.firstX + int(block.points[0]) - 1;
+  v.endY = v.firstY + int(block.points[1]) - 1;
+  v.endZ = v.firstZ + int(block.points[2]) - 1;
+  return v;
+}
+
+single::VolumeView samplesViewOf(const Volume& volume, const VolumeBlock& block, int component) {
+  single::VolumeView v{};
+  v.samples = block.samples.data();
+  v.kind = sampleKindOf(volume.stored);
+  v.stride = volume.components;
+  v.component = volume.components == 1 ? 0 : component;
+  v.wide = block.samples.size() >= size_t(1) << 31;
+  const Bricks bricks(block.extent.points);
+  v.brickRow = int(bricks.row()), v.brickLayer = int(bricks.layer());
+  v.firstX = int(block.extent.first[0]), v.firstY = int(block.extent.first[1]),
+  v.firstZ = int(block.extent.first[2]);
+  return v;
+}
+
+StoredPoints::StoredPoints(size_t capacity) : capacity_(capacity) {
+#define GXY_COUNT(type, name) +1
+  storage_.resize(capacity * size_t(0 GXY_STORED_FIELDS(GXY_COUNT)));
+#undef GXY_COUNT
+  uint32_t* p = storage_.data();
+#define GXY_POINT(type, name)              \
+  view_.name = reinterpret_cast<type*>(p); \
+  p += capacity;
+  GXY_STORED_FIELDS(GXY_POINT)
+#undef GXY_POINT
+}
+
+void appendPoints(const CompiledFields& fields, const TraceOptions& options, const HeadList& heads,
+                  const StoredView& p, size_t count, const RecordValues& record, PathPoints& out) {
+  const Measure measure{fields.units(), options.normalised};
+  const double speedUnit = fields.units().length / fields.units().time;
+  const size_t first = out.size();
+  for (size_t i = 0; i < count; i++) {
+    const int head = p.head[i];
+    const bool backward = heads.backward(head);
+    const int sign = backward ? -1 : 1;
+    double length = measure.length(backward, p.length[i], p.lengthRest[i]);
+    double time = measure.time(backward, p.time[i], p.timeRest[i], length);
+    const double multiple = sign * (p.number[i] * options.interval);
+    const bool byLength = options.points == PointsMode::EqualLength;
+    if (byLength || (options.normalised && options.points == PointsMode::EqualTime)) length = multiple;
+    if (options.points == PointsMode::EqualTime || (options.normalised && byLength)) time = multiple;
+    out.line.push_back(heads.line(head));
+    out.number.push_back(sign * p.number[i]);
+    out.position.push_back(fields.worldOf({p.cellX[i], p.cellY[i], p.cellZ[i]}, {p.fx[i], p.fy[i], p.fz[i]}));
+    out.time.push_back(time);
+    out.length.push_back(length);
+    out.speed.push_back(float(p.speed[i] * speedUnit));
+  }
+  out.values.resize(fields.recorded().size());
+  for (size_t k = 0; k < out.values.size(); k++) {
+    out.values[k].resize(first + count);
+    record(k, p, count, out.values[k].data() + first);
+  }
+}
+
+void finishHeads(const CompiledFields& fields, const TraceOptions& options, HeadList heads,
+                 AdvanceResult& result) {
+  const HeadView& h = heads.view();
+  const Measure measure{fields.units(), options.normalised};
+  const Limits limits = limitsOf(fields, options);
+  std::map<int, std::vector<int>> leaving;
+  for (int i = 0; i < heads.size(); i++) {
+    const Index3 cell{h.cellX[i], h.cellY[i], h.cellZ[i]};
+    if (h.reason[i] == LINE_LEAVES || h.reason[i] == LINE_GOES_ON) {
+      leaving[h.reason[i] == LINE_LEAVES ? fields.partitionOf(cell) : heads.partition].push_back(i);
+      h.reason[i] = LINE_GOES_ON;
+      continue;
+    }
+    LineEnd end;
+    end.line = heads.line(i);
+    end.backward = heads.backward(i);
+    end.reason = reasonOf(options, limits, h.reason[i]);
+    end.points = h.points[i];
+    end.length = measure.length(end.backward, h.length[i], h.lengthRest[i]);
+    end.time = measure.time(end.backward, h.time[i], h.timeRest[i], end.length);
+    end.position = fields.worldOf(cell, {h.fx[i], h.fy[i], h.fz[i]});
+    result.ends.push_back(end);
+    result.retired++;
+  }
+  for (const auto& [partition, which] : leaving) result.leaving.push_back(heads.gather(partition, which));
+}
+
+}  // namespace gxy
