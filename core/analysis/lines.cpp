@@ -24,8 +24,9 @@ struct PointKey {
 
 class LineMaker {
  public:
-  LineMaker(TracedLines& lines, const LineValue& value, Collectives& ranks)
-      : lines_(lines), value_(value), ranks_(ranks) {}
+  using TakeMemory = std::function<LedgerEntry(int64_t)>;
+  LineMaker(TracedLines& lines, const LineValue& value, const TakeMemory& takeMemory, Collectives& ranks)
+      : lines_(lines), value_(value), takeMemory_(takeMemory), ranks_(ranks) {}
 
   // Finds the runs of this rank.
   void findRuns() {
@@ -84,13 +85,12 @@ class LineMaker {
   }
 
   // Makes the segments of this rank.
-  void makeSegments(const std::vector<Bytes>& answers, MadeLines& made,
-                    const std::function<LedgerEntry(int64_t)>& takeMemory) {
+  void makeSegments(const std::vector<Bytes>& answers, MadeLines& made) {
     std::vector<std::vector<RunNeighbours>> byHome;
     std::vector<size_t> next(answers.size(), 0), count(answers.size(), 0);
     for (const LineRun& run : runs_) count[homeOf(run.line)]++;
     for (size_t r = 0; r < answers.size(); r++) byHome.push_back(neighboursIn(answers[r], count[r]));
-    reserve(byHome, made, takeMemory);
+    reserve(byHome, made);
     const Advance advance = advanceOf(ranks_, 0.7, 1);
     std::fill(next.begin(), next.end(), 0);
     for (size_t r = 0; r < runs_.size(); r++) {
@@ -106,6 +106,7 @@ class LineMaker {
   void sortPoints() {
     size_t all = 0;
     for (const PathPoints& piece : lines_.points) all += piece.size();
+    keyMemory_ = takeMemory_(int64_t(all * sizeof(PointKey)));
     keys_.reserve(all);
     for (size_t p = 0; p < lines_.points.size(); p++) {
       const PathPoints& piece = lines_.points[p];
@@ -154,8 +155,7 @@ class LineMaker {
   }
 
   // Counts before it makes: the block has no room that it does not need.
-  void reserve(const std::vector<std::vector<RunNeighbours>>& byHome, MadeLines& made,
-               const std::function<LedgerEntry(int64_t)>& takeMemory) const {
+  void reserve(const std::vector<std::vector<RunNeighbours>>& byHome, MadeLines& made) const {
     std::vector<size_t> next(byHome.size(), 0);
     size_t points = 0, segments = 0;
     for (const LineRun& run : runs_) {
@@ -171,7 +171,7 @@ class LineMaker {
     GeometryBlock& block = made.block;
     constexpr size_t kPointBytes = sizeof(glm::dvec3) + sizeof(float);
     constexpr size_t kSegmentBytes = 4 * sizeof(uint32_t) + sizeof(uint64_t);
-    made.memory = takeMemory(int64_t(points * kPointBytes + segments * kSegmentBytes));
+    made.memory = takeMemory_(int64_t(points * kPointBytes + segments * kSegmentBytes));
     block.points.reserve(points);
     block.values.reserve(points);
     block.segments.reserve(segments);
@@ -214,7 +214,9 @@ class LineMaker {
 
   TracedLines& lines_;
   const LineValue value_;
+  const TakeMemory& takeMemory_;
   Collectives& ranks_;
+  LedgerEntry keyMemory_;
   std::vector<PointKey> keys_;  ///< in order of line and number; once runs are found, without equal points
   std::vector<LineRun> runs_;   ///< in the same order
   std::vector<size_t> begins_;  ///< the first key of each run, and the number of keys
@@ -239,7 +241,7 @@ void sumUp(MadeLines& made, const std::vector<LineEnd>& ends, Collectives& ranks
 MadeLines makeLines(TracedLines lines, const LineValue& value,
                     const std::function<LedgerEntry(int64_t)>& takeMemory, Collectives& ranks) {
   MadeLines made;
-  LineMaker maker(lines, value, ranks);
+  LineMaker maker(lines, value, takeMemory, ranks);
   std::vector<Bytes> messages;
   agree(ranks, [&] {
     maker.findRuns();
@@ -248,7 +250,7 @@ MadeLines makeLines(TracedLines lines, const LineValue& value,
   std::vector<Bytes> received = ranks.allToAll(std::move(messages));
   agree(ranks, [&] { messages = maker.answers(received, made); });
   received = ranks.allToAll(std::move(messages));
-  agree(ranks, [&] { maker.makeSegments(received, made, takeMemory); });
+  agree(ranks, [&] { maker.makeSegments(received, made); });
   sumUp(made, lines.ends, ranks);
   return made;
 }

@@ -38,7 +38,7 @@ struct MadeLines {
 /// At borders, each rank sends the first two and the last two points of what it has of a line to the line's
 /// home, which is rank (line % ranks). The home answers with the two points before and the one after.
 ///
-/// `takeMemory` enters the block's bytes in the ledger. If any rank fails, all throw the same Error.
+/// `takeMemory` enters the bytes of the block in the ledger, and those of what is needed meanwhile. If any rank fails, all throw the same Error.
 MadeLines makeLines(TracedLines lines, const LineValue& value,
                     const std::function<LedgerEntry(int64_t bytes)>& takeMemory, Collectives& ranks);
 

@@ -105,7 +105,7 @@ inline Lines trace(const DeviceFields& device, const CompiledFields& fields, con
   checkOptions(options, fields);
   std::vector<uint64_t> ids(seeds.size());
   for (size_t i = 0; i < ids.size(); i++) ids[i] = i;
-  Seeds start = seedHeads(fields, seeds, ids, direction);
+  SeedHeads start = seedHeads(fields, seeds, ids, direction);
   Lines lines;
   lines.ends = std::move(start.ends);
   std::vector<HeadList> waiting;
