@@ -112,7 +112,7 @@ TEST(Seeds, PointsThatAreNotFiniteOrOutsideEndAsOutsideInEachDirection) {
   const double inf = std::numeric_limits<double>::infinity();
   const std::vector<glm::dvec3> seeds{{NAN, 1.5, 1}, {0, inf, 1}, {0, 1.5, -inf}, {0, 1.5, 4.1}, {0, 1.5, 4}};
   const std::vector<uint64_t> ids{10, 11, 12, 13, 14};
-  const Seeds both = seedHeads(*fields, seeds, ids, TraceDirection::Both);
+  const SeedHeads both = seedHeads(*fields, seeds, ids, TraceDirection::Both);
   ASSERT_EQ(both.ends.size(), 8u);
   for (size_t i = 0; i < 8; i++) {
     EXPECT_EQ(both.ends[i].line, 10 + i / 2);
