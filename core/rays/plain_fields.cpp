@@ -73,7 +73,7 @@ class Walk {
   // Goes through cells until the head ends or leaves, or has been in `most` more.
   void run(int64_t most) {
     for (const uint64_t until = counters_.cells + uint64_t(most);
-         reason_ == LINE_GOES_ON && (h_.fresh[i_] || counters_.cells < until);)
+         reason_ == LINE_GOES_ON && (mustGoOn() || counters_.cells < until);)
       goThroughCell();
     const bool ended = reason_ != LINE_GOES_ON && reason_ != LINE_LEAVES;
     const bool stores = v_.points == POINTS_ENDS ? length_ > 0 : v_.points == POINTS_CELLS && h_.fresh[i_];
@@ -81,6 +81,9 @@ class Walk {
   }
 
  private:
+  // What has not been stored yet is not known to who goes on.
+  bool mustGoOn() const { return v_.points == POINTS_CELLS && h_.fresh[i_]; }
+
   void goThroughCell() {
     counters_.cells++;
     const CellVectors c = vectorsOf(v_, part_, cell_, sign_);
