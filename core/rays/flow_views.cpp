@@ -6,7 +6,9 @@
 #include <glm/geometric.hpp>
 #include <limits>
 #include <map>
+#include <string>
 
+#include "core/comm/error.h"
 #include "core/data/bricks.h"
 #include "core/rays/fill_views.h"
 
@@ -113,6 +115,37 @@ single::VolumeView samplesViewOf(const Volume& volume, const VolumeBlock& block,
   v.firstX = int(block.extent.first[0]), v.firstY = int(block.extent.first[1]),
   v.firstZ = int(block.extent.first[2]);
   return v;
+}
+
+FlowParts flowPartsOf(const CompiledFields& fields, int rank) {
+  FlowParts parts;
+  const Volume& vectors = fields.vectors();
+  for (int p : fields.partitioning().owned(rank)) {
+    const Extent* extent = fields.extentOf(p);
+    if (!extent) continue;
+    FlowPart& part = parts[p];
+    part.extent = extent;
+    for (int a = 0; a < 3; a++) part.vectors[size_t(a)] = samplesViewOf(vectors, vectors.blocks.at(p), a);
+    for (const RecordedField& r : fields.recorded()) {
+      const Volume& volume = *fields.volumes()[size_t(r.volume)];
+      part.recorded.push_back(samplesViewOf(volume, volume.blocks.at(p), r.component));
+    }
+  }
+  return parts;
+}
+
+size_t bytesOf(const FlowParts& parts) {
+  size_t n = 0;
+  for (const auto& [p, part] : parts) n += sizeof part + part.recorded.size() * sizeof(single::VolumeView);
+  return n;
+}
+
+const FlowPart& partIn(const FlowParts& parts, int partition) {
+  const auto found = parts.find(partition);
+  if (found == parts.end())
+    throw Error("heads of lines came for partition " + std::to_string(partition) +
+                ", which has no data on this rank");
+  return found->second;
 }
 
 StoredPoints::StoredPoints(size_t capacity) : capacity_(capacity) {
