@@ -71,6 +71,8 @@ class FilterRun {
   const FilterSource* optional(const std::string& name) const;
   /// All inputs by name.
   const Inputs& inputs() const { return inputs_; }
+  /// The time of the inputs that have one; NaN if none has, or they differ.
+  double time() const;
 
   LedgerEntry takeMemory(const std::string& purpose, int64_t bytes) {
     return services_.takeMemory(purpose, bytes);
@@ -96,6 +98,7 @@ struct FilterInfo {
   std::string help;
   std::vector<FilterPort> inputs;
   std::optional<DatasetType> makes;  ///< absent: it tells numbers only
+  std::string makesLike = {};  ///< the input whose type the dataset has, whatever `makes` says; empty: none
 };
 
 /// A filter of any type. Immutable; any thread may use it.
@@ -150,7 +153,7 @@ template <class T>
 std::shared_ptr<const Filter> makeFilter() {
   const FilterInfo info = T::info();
   auto filter = std::make_shared<Filter>();
-  filter->schema = {info.name, info.version, info.help, info.inputs, info.makes};
+  filter->schema = {info.name, info.version, info.help, info.inputs, info.makes, info.makesLike};
   for (const KeyRow<T>& key : T::properties()) filter->schema.properties.push_back(detail::describedKey(key));
   filter->schema.read = detail::readProperties<T>;
   filter->run = detail::runFilter<T>;

@@ -94,10 +94,11 @@ json FilterRuns::make(Request& request, const DatasetSpec& entry, Scope scope) {
   const std::string& tenant = request.session().tenant();
   const auto filter = serverRank_.filters.get(entry.filter);
   const auto exchange = serverRank_.exchanges.beginLong(request);
+  const auto made = filter->schema.typeMadeBy(entry, [&](const std::string& name) {
+    return typeNamed(serverRank_.datasets->get(tenant, name).type);
+  });
   std::shared_ptr<const Datasets::Names> names;
-  if (filter->schema.makes)
-    names =
-        serverRank_.datasets->begin(request, *exchange, "make", scope, {{entry.name, *filter->schema.makes}});
+  if (made) names = serverRank_.datasets->begin(request, *exchange, "make", scope, {{entry.name, *made}});
   // Inputs are pinned once the name is there: whoever had it may have published what an input is, which needs the room of what is
   // pinned.
   const std::vector<std::string> read = namesIn(entry);
@@ -121,9 +122,8 @@ json FilterRuns::make(Request& request, const DatasetSpec& entry, Scope scope) {
     throw;
   }
   if (names)
-    told.update({{"name", entry.name},
-                 {"type", nameOf(*filter->schema.makes)},
-                 {"generation", names->drafts().at(0).generation}});
+    told.update(
+        {{"name", entry.name}, {"type", nameOf(*made)}, {"generation", names->drafts().at(0).generation}});
   return told;
 }
 
