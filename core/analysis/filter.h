@@ -31,6 +31,9 @@
 
 namespace gxy {
 
+class FieldMaker;
+class Tracer;
+
 /// A generation of a dataset that a filter reads. It is pinned while the filter runs.
 struct FilterSource {
   std::string name;  ///< for messages
@@ -52,6 +55,11 @@ struct FilterServices {
   /// Is called on all ranks when item `item` of `of` begins. If it throws, it throws on all ranks.
   std::function<void(int64_t item, int64_t of, const std::string& text)> begin = [](int64_t, int64_t,
                                                                                     const std::string&) {};
+  /// Trace lines. Filters that need them throw Error where they are null.
+  Tracer* tracer = nullptr;
+  FieldMaker* fieldMaker = nullptr;
+  std::string tenant;  ///< of whom the memory is, in the ledger
+  uint32_t turn = 0;   ///< rank 0: whose turn it is for work that is shared (Priority::tenant)
 };
 
 /// One evaluation of a filter on one rank. All ranks make the same collective calls in the same order, whatever
@@ -77,6 +85,7 @@ class FilterRun {
   LedgerEntry takeMemory(const std::string& purpose, int64_t bytes) {
     return services_.takeMemory(purpose, bytes);
   }
+  const FilterServices& services() const { return services_; }
   /// Collective. Reports that item `item` of `of` begins.
   void begin(int64_t item, int64_t of, const std::string& text) { services_.begin(item, of, text); }
 

@@ -6,6 +6,7 @@
 #include "core/analysis/interpolate_filter.h"
 #include "core/analysis/seeds_filter.h"
 #include "core/analysis/statistics_filter.h"
+#include "core/analysis/stream_tracer_filter.h"
 
 namespace gxy {
 
@@ -15,6 +16,7 @@ void addStandardFilters(Filters& filters) {
   filters.add<Interpolate>();
   filters.add<Seeds>();
   filters.add<StatisticsFilter>();
+  filters.add<StreamTracer>();
 }
 
 const Filters& standardFilters() {

@@ -182,6 +182,10 @@ class BackendRegistry {
   void add(std::string name, Maker maker, std::function<bool()> fits = {}) {
     entries_.push_back({std::move(name), std::move(maker), std::move(fits)});
   }
+  /// Says how the backend is made that advances lines where the one in use cannot (field_maker.h).
+  void addForFields(Maker maker) { forFields_ = std::move(maker); }
+  /// Empty if there is none.
+  const Maker& forFields() const { return forFields_; }
   /// Makes a backend. Throws Error for an unknown name, with the known ones, and what the maker throws. With
   /// `auto`, if none can be made, it throws what the first one threw. Logs a warning of each backend that
   /// `auto` had to pass over.
@@ -189,6 +193,7 @@ class BackendRegistry {
 
  private:
   std::vector<Entry> entries_;
+  Maker forFields_;
 };
 
 }  // namespace gxy

@@ -28,6 +28,7 @@ struct MakeWork {
   uint64_t exchange = 0;
   json items;  ///< what is published; empty if the filter makes no dataset
   std::string filter, properties, tenant;
+  uint32_t turn = 0;  ///< the tenant's number
   std::vector<SourceRef> sources;
 
   json action(ServerRank& serverRank, const Work::Call&) const {
@@ -59,11 +60,15 @@ struct MakeWork {
     services.begin = [&](int64_t item, int64_t of, const std::string& text) {
       part.begin(item, of, text, item == 0);
     };
+    services.tracer = &serverRank.tracer;
+    services.fieldMaker = &serverRank.fieldMaker;
+    services.tenant = tenant;
+    services.turn = turn;
     FilterRun run(part.ranks, std::move(inputs), std::move(services));
     return evaluate(*found, run, properties);
   }
 };
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(MakeWork, exchange, items, filter, properties, tenant, sources)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(MakeWork, exchange, items, filter, properties, tenant, turn, sources)
 
 std::optional<DatasetType> typeNamed(const std::string& name) {
   for (const auto type :
@@ -106,7 +111,12 @@ json FilterRuns::make(Request& request, const DatasetSpec& entry, Scope scope) {
   checkInputs(filter->schema, entry, [&](const std::string& name) {
     return typeNamed(pinned[size_t(std::find(read.begin(), read.end(), name) - read.begin())].first.type);
   });
-  MakeWork work{*exchange, names ? names->items() : json::array(), entry.filter, entry.properties, tenant,
+  MakeWork work{*exchange,
+                names ? names->items() : json::array(),
+                entry.filter,
+                entry.properties,
+                tenant,
+                serverRank_.tenants.number(tenant),
                 {}};
   size_t next = 0;
   for (const FilterInput& input : entry.inputs)

@@ -38,6 +38,16 @@ Renderer::Options rendererOptions(const ServerRankOptions& options, Ledger& ledg
   return r;
 }
 
+Tracer::Options tracerOptions(const ServerRankOptions& options, Ledger& ledger) {
+  Tracer::Options t;
+  t.heads = std::max<int64_t>(1, options.raysInFlight / 4);
+  t.runners = options.threads;
+  t.ledger = &ledger;
+  t.tenant = "server";
+  t.trace = options.trace;
+  return t;
+}
+
 }  // namespace
 
 ServerRank::ServerRank(Transport& t, ServerRankOptions o, const BackendRegistry& backends)
@@ -50,6 +60,8 @@ ServerRank::ServerRank(Transport& t, ServerRankOptions o, const BackendRegistry&
       collective(t),
       exchanges(*this),
       renderer(t, rendererOptions(options, ledger)),
+      fieldMaker(*backend, backends, &ledger),
+      tracer(t, tracerOptions(options, ledger)),
       datasets(std::make_unique<Datasets>(*this)),
       filterRuns(std::make_unique<FilterRuns>(*this)),
       modules(std::make_unique<Modules>(*this)),

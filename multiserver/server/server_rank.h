@@ -11,11 +11,13 @@
 #include <vector>
 
 #include "core/analysis/filter.h"
+#include "core/analysis/tracer.h"
 #include "core/comm/collective.h"
 #include "core/comm/collectives.h"
 #include "core/comm/presence.h"
 #include "core/comm/work.h"
 #include "core/rays/backend.h"
+#include "core/rays/field_maker.h"
 #include "core/render/renderer.h"
 #include "core/space/directory.h"
 #include "core/space/ledger.h"
@@ -102,6 +104,8 @@ struct ServerRank {
   Collective collective;
   Exchanges exchanges;
   Renderer renderer;
+  FieldMaker fieldMaker;
+  Tracer tracer;
   /// What no session has asked for, on rank 0: the streams of simulations (multiserver/insitu). The Server asks, and ends them.
   class Streaming {
    public:
