@@ -273,14 +273,18 @@ class Measurement {
     pass(
         make,
         [&](Sums& made, const ValueRow& row) {
+          FixedSum sum(largest);
           forValues(row, [&](float stored, size_t i) {
             const double v = valueOf(stored);
-            made.plain.add(v);
-            if (row.weight > 0) made.weighted.add(v, row.weightOf(i));
+            sum.add(v);
+            if ((row.halfFirst && i == 0) || (row.halfLast && i + 1 == row.stored.size()))
+              made.weighted.add(v, -row.weight / 2);
             if (options_.bins > 0 && v >= range.min && v <= range.max)
               ++made.bins[size_t(std::min<int64_t>(int64_t((v - range.min) * perBin), options_.bins - 1))];
             if (!order.done()) order.add(made.counts, stored);
           });
+          made.plain.add(sum);
+          made.weighted.add(sum, row.weight);
         },
         [&](const Sums& made) {
           all.plain.add(made.plain);
