@@ -310,15 +310,19 @@ class Measurement {
     const double mean = found_.mean;
     const double furthest =
         std::max(std::abs(found_.least.value - mean), std::abs(found_.largest.value - mean));
+    // Distances are scaled below 1, which is exact, so that no square overflows or vanishes.
+    int exponent = 0;
+    std::frexp(furthest, &exponent);
+    const double scale = std::ldexp(1, -exponent);
     const auto make = [&] {
-      return Sums{FixedSum(furthest * furthest), order.done() ? OrderStatistics::Counts{} : order.noCounts()};
+      return Sums{FixedSum(1), order.done() ? OrderStatistics::Counts{} : order.noCounts()};
     };
     Sums all = make();
     pass(
         make,
         [&](Sums& made, const ValueRow& row) {
           forValues(row, [&](float stored, size_t) {
-            const double d = valueOf(stored) - mean;
+            const double d = (valueOf(stored) - mean) * scale;
             made.squares.add(d * d);
             if (!order.done()) order.add(made.counts, stored);
           });
@@ -328,7 +332,7 @@ class Measurement {
           addCounts(all.counts, made.counts);
         });
     mergeRanks(all.squares);
-    found_.variance = all.squares.over(double(found_.count));
+    found_.variance = std::ldexp(all.squares.over(double(found_.count)), 2 * exponent);
     nextDigit(order, all.counts);
   }
 
