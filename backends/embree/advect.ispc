@@ -61,28 +61,34 @@ static inline CellVectors cellVectors(FLOW v, const uniform VolumeView* uniform 
   return c;
 }
 
-static inline uniform int pack(uniform float* uniform to, float x) {
-  return packed_store_active((uniform int* uniform)to, (int)intbits(x));
-}
+// Masked: for the rays that take part.
+static inline void setHead(int& to, int head) { to = head; }
 
-// Stores a point of each active head. A speed that is not finite is NaN, always with the same bits.
+// Stores a point of each active head, in a row of which the idle lanes have no head (-1): to compress each array
+// takes longer than to leave gaps. A speed that is not finite is NaN, always with the same bits.
 static inline void store(OUTPUT out, int head, int number, ivec3 cell, vec3 f, float time, float timeRest,
                          float length, float lengthRest, float speed) {
   const uniform StoredView& s = *out.stored;
   uniform int at = out.count;
-  packed_store_active(s.head + at, head);
-  packed_store_active(s.number + at, number);
-  packed_store_active(s.cellX + at, cell.x);
-  packed_store_active(s.cellY + at, cell.y);
-  packed_store_active(s.cellZ + at, cell.z);
-  pack(s.fx + at, f.x);
-  pack(s.fy + at, f.y);
-  pack(s.fz + at, f.z);
-  pack(s.time + at, time);
-  pack(s.timeRest + at, timeRest);
-  pack(s.length + at, length);
-  pack(s.lengthRest + at, lengthRest);
-  out.count = at + pack(s.speed + at, speed - speed == 0.0f ? speed : floatbits(0x7fc00000u));
+  int owner;
+  unmasked { owner = -1; }
+  setHead(owner, head);
+  unmasked {
+    s.head[at + programIndex] = owner;
+    s.number[at + programIndex] = number;
+    s.cellX[at + programIndex] = cell.x;
+    s.cellY[at + programIndex] = cell.y;
+    s.cellZ[at + programIndex] = cell.z;
+    s.fx[at + programIndex] = f.x;
+    s.fy[at + programIndex] = f.y;
+    s.fz[at + programIndex] = f.z;
+    s.time[at + programIndex] = time;
+    s.timeRest[at + programIndex] = timeRest;
+    s.length[at + programIndex] = length;
+    s.lengthRest[at + programIndex] = lengthRest;
+    s.speed[at + programIndex] = speed - speed == 0.0f ? speed : floatbits(0x7fc00000u);
+  }
+  out.count = at + programCount;
 }
 
 // Whether the head may be in the condition that ends its line. `field` may be null.
@@ -306,14 +312,16 @@ export uniform bool advanceHeads(const void* uniform flowPointer, const void* un
   return full;
 }
 
-// Stored values of a component at stored points; NaN without data.
+// Stored values of a component at stored points; NaN without data. Nothing at places without a head.
 export void recordValues(const void* uniform viewPointer, const void* uniform storedPointer, uniform int n,
                          uniform float values[]) {
   const uniform VolumeView* uniform view = (const uniform VolumeView* uniform)viewPointer;
   const uniform StoredView* uniform s = (const uniform StoredView* uniform)storedPointer;
   foreach (i = 0 ... n) {
-    CellValues c = cellValues(*view, make_i3(s->cellX[i], s->cellY[i], s->cellZ[i]));
-    float x = trilinear(c, make_v3(s->fx[i], s->fy[i], s->fz[i]));
-    values[i] = holdsData(c) ? x : floatbits(0x7fc00000u);
+    if (s->head[i] >= 0) {
+      CellValues c = cellValues(*view, make_i3(s->cellX[i], s->cellY[i], s->cellZ[i]));
+      float x = trilinear(c, make_v3(s->fx[i], s->fy[i], s->fz[i]));
+      values[i] = holdsData(c) ? x : floatbits(0x7fc00000u);
+    }
   }
 }

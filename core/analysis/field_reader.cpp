@@ -12,6 +12,8 @@
 namespace gxy {
 namespace {
 
+constexpr double kEndMargin = 1e-9;  // cells by which a point on the box's end may have been rounded outwards
+
 // Exact at both ends, so that two cells agree on their face.
 double mix(double a, double b, double f) { return f < 0.5 ? a + f * (b - a) : b - (1 - f) * (b - a); }
 
@@ -39,7 +41,8 @@ FieldReader::FieldReader(const Volume& volume, const Partitioning& partitioning)
 std::optional<GridPlace> FieldReader::place(glm::dvec3 world) const {
   GridPlace place;
   for (int a = 0; a < 3; a++) {
-    if (!(world[a] >= box_.lo[a] && world[a] <= box_.hi[a])) return std::nullopt;
+    const double margin = kEndMargin * volume_.grid.spacing[a];
+    if (!(world[a] >= box_.lo[a] - margin && world[a] <= box_.hi[a] + margin)) return std::nullopt;
     const double at = (world[a] - volume_.grid.origin[a]) / volume_.grid.spacing[a];
     const int64_t last = volume_.grid.points[size_t(a)] - 2;
     place.cell[size_t(a)] = std::clamp(int64_t(std::floor(at)), int64_t(0), std::max(last, int64_t(0)));

@@ -27,7 +27,7 @@ class FieldReader {
   FieldReader(const Volume& volume, const Partitioning& partitioning);
 
   /// Returns the place of a world point. A point on a face belongs to the upper cell, at the end of the grid to the last. Returns
-  /// nothing outside the data's box, which is closed, and for points that are not finite.
+  /// nothing outside the data's box (closed, within 1e-9 cells), and for points that are not finite.
   std::optional<GridPlace> place(glm::dvec3 world) const;
   glm::dvec3 worldOf(const GridPlace& place) const;
   int partitionOf(const Index3& cell) const;

@@ -11,7 +11,7 @@
 namespace gxy {
 namespace {
 
-constexpr size_t kRound = size_t(1) << 18;  // points that a rank sends at once
+constexpr size_t kPointsOfRound = size_t(1) << 18;  // points that a rank sends at once
 
 /// The points of one round of a rank, by the ranks that own them.
 struct Round {
@@ -36,7 +36,7 @@ FieldValues valuesAt(const Volume& volume, const Partitioning& partitioning, std
   FieldValues result;
   uint64_t outside = 0, noData = 0;
   agree(ranks, [&] { result.values.assign(points.size() * n, std::numeric_limits<float>::quiet_NaN()); });
-  for (size_t begin = 0; begin < most; begin += kRound) {
+  for (size_t begin = 0; begin < most; begin += kPointsOfRound) {
     Round round;
     std::vector<Bytes> asked(size);
     agree(ranks, [&] {
@@ -44,7 +44,8 @@ FieldValues valuesAt(const Volume& volume, const Partitioning& partitioning, std
       ranks.done(double(begin) / double(most));
       round.places.resize(size);
       round.origins.resize(size);
-      for (size_t i = std::min(begin, points.size()); i < std::min(begin + kRound, points.size()); i++) {
+      for (size_t i = std::min(begin, points.size()); i < std::min(begin + kPointsOfRound, points.size());
+           i++) {
         const auto place = reader.place(points[i]);
         if (!place) {
           outside++;

@@ -6,6 +6,7 @@
 
 #include "core/analysis/made_geometry.h"
 #include "core/analysis/random_numbers.h"
+#include "core/analysis/resample_filter.h"
 #include "core/comm/error.h"
 
 namespace gxy {
@@ -21,29 +22,11 @@ void readShape(const Found& found, Seeds& seeds) {
   seeds.shape = Seeds::Shape(it - std::begin(kShapes));
 }
 
-void readBox(const Found& found, Seeds& seeds) {
-  const std::vector<double> b = found.numbers(6, 6, "[x0, x1, y0, y1, z0, z1]");
-  for (int a = 0; a < 3; a++)
-    if (!(b[size_t(2 * a)] <= b[size_t(2 * a + 1)]))
-      found.fail("[x0, x1, y0, y1, z0, z1] with x0 <= x1, y0 <= y1 and z0 <= z1");
-  seeds.box = Box{{b[0], b[2], b[4]}, {b[1], b[3], b[5]}};
-}
-
-OrderedJson writeBox(const Seeds& seeds) {
-  if (!seeds.box) return nullptr;
-  const auto& [lo, hi] = *seeds.box;
-  return {lo.x, hi.x, lo.y, hi.y, lo.z, hi.z};
-}
-
-void readDimensions(const Found& found, Seeds& seeds) {
-  const auto list = found.list("three whole numbers");
-  if (list.size() != 3) found.fail("three whole numbers");
+void readLattice(const Found& found, Seeds& seeds) {
+  seeds.dimensions = readDimensions(found, 1);
   int64_t all = 1;
-  for (size_t a = 0; a < 3; a++) {
-    seeds.dimensions[a] = list[a].integer({1, 1 << 20});
-    all *= seeds.dimensions[a];
-    if (all > kMostSeeds) found.fail("at most 2^30 points");
-  }
+  for (const int n : seeds.dimensions)
+    if ((all *= n) > kMostSeeds) found.fail("at most 2^30 points");
 }
 
 void readPoints(const Found& found, Seeds& seeds) {
@@ -84,10 +67,13 @@ std::vector<KeyRow<Seeds>> Seeds::properties() {
                        "with both ends. `box` and `sphere`: "
                        "points that are spread evenly at random. `points`: a list.",
                        readShape, [](const Seeds& s) { return OrderedJson(kShapes[size_t(s.shape)]); }),
-      customKey<Seeds>("box", "[x0, x1, y0, y1, z0, z1]", "The box of `grid` and `box`.", readBox, writeBox)
+      customKey<Seeds>(
+          "box", "[x0, x1, y0, y1, z0, z1]", "The box of `grid` and `box`.",
+          [](const Found& f, Seeds& s) { s.box = readBox(f); },
+          [](const Seeds& s) { return s.box ? toJson(*s.box) : OrderedJson(); })
           .byDefault("the box of `domain`"),
       customKey<Seeds>("dimensions", "[i, j, k], whole numbers > 0",
-                       "The number of points of `grid` along each axis.", readDimensions,
+                       "The number of points of `grid` along each axis.", readLattice,
                        [](const Seeds& s) { return OrderedJson(s.dimensions); }),
       placeKey("from", &Seeds::from, "The first point of `line`.").byDefault("the lower corner of the box"),
       placeKey("to", &Seeds::to, "The last point of `line`.").byDefault("the upper corner of the box"),

@@ -4,6 +4,7 @@
 #include "core/analysis/derive_filter.h"
 #include "core/analysis/filter.h"
 #include "core/analysis/interpolate_filter.h"
+#include "core/analysis/resample_filter.h"
 #include "core/analysis/seeds_filter.h"
 #include "core/analysis/statistics_filter.h"
 #include "core/analysis/stream_tracer_filter.h"
@@ -14,6 +15,7 @@ void addStandardFilters(Filters& filters) {
   filters.add<DensitySampler>();
   filters.add<Derive>();
   filters.add<Interpolate>();
+  filters.add<Resample>();
   filters.add<Seeds>();
   filters.add<StatisticsFilter>();
   filters.add<StreamTracer>();

@@ -164,28 +164,35 @@ void appendPoints(const CompiledFields& fields, const TraceOptions& options, con
                   const StoredView& p, size_t count, const RecordValues& record, PathPoints& out) {
   const Measure measure{fields.units(), options.normalised};
   const double speedUnit = fields.units().length / fields.units().time;
+  const bool byTime = options.points == PointsMode::EqualTime,
+             byLength = options.points == PointsMode::EqualLength;
+  const bool exactTimes = byTime || (options.normalised && byLength);
+  const bool exactLengths = byLength || (options.normalised && byTime);
   const size_t first = out.size();
+  const auto points = size_t(std::count_if(p.head, p.head + count, [](int head) { return head >= 0; }));
+  out.resize(first + points, fields.recorded().size());
+  size_t to = first;
   for (size_t i = 0; i < count; i++) {
     const int head = p.head[i];
+    if (head < 0) continue;
     const bool backward = heads.backward(head);
-    const int sign = backward ? -1 : 1;
-    double length = measure.length(backward, p.length[i], p.lengthRest[i]);
-    double time = measure.time(backward, p.time[i], p.timeRest[i], length);
-    const double multiple = sign * (p.number[i] * options.interval);
-    const bool byLength = options.points == PointsMode::EqualLength;
-    if (byLength || (options.normalised && options.points == PointsMode::EqualTime)) length = multiple;
-    if (options.points == PointsMode::EqualTime || (options.normalised && byLength)) time = multiple;
-    out.line.push_back(heads.line(head));
-    out.number.push_back(sign * p.number[i]);
-    out.position.push_back(fields.worldOf({p.cellX[i], p.cellY[i], p.cellZ[i]}, {p.fx[i], p.fy[i], p.fz[i]}));
-    out.time.push_back(time);
-    out.length.push_back(length);
-    out.speed.push_back(float(p.speed[i] * speedUnit));
+    const int32_t number = backward ? -p.number[i] : p.number[i];
+    const double multiple = number * options.interval;
+    const double length = exactLengths ? multiple : measure.length(backward, p.length[i], p.lengthRest[i]);
+    out.line[to] = heads.line(head);
+    out.number[to] = number;
+    out.position[to] = fields.worldOf({p.cellX[i], p.cellY[i], p.cellZ[i]}, {p.fx[i], p.fy[i], p.fz[i]});
+    out.time[to] = exactTimes ? multiple : measure.time(backward, p.time[i], p.timeRest[i], length);
+    out.length[to] = length;
+    out.speed[to] = float(p.speed[i] * speedUnit);
+    to++;
   }
-  out.values.resize(fields.recorded().size());
+  std::vector<float> values(out.values.empty() ? 0 : count);
   for (size_t k = 0; k < out.values.size(); k++) {
-    out.values[k].resize(first + count);
-    record(k, p, count, out.values[k].data() + first);
+    record(k, p, count, values.data());
+    to = first;
+    for (size_t i = 0; i < count; i++)
+      if (p.head[i] >= 0) out.values[k][to++] = values[i];
   }
 }
 

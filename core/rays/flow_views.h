@@ -56,7 +56,7 @@ class StoredPoints {
   StoredView view_{};
 };
 
-/// Fills values[i] with a recorded component at stored points.
+/// Fills values[i] with a recorded component at stored points, where there are any.
 using RecordValues =
     std::function<void(size_t component, const StoredView& points, size_t count, float* values)>;
 

@@ -2,7 +2,7 @@
 // The fields of stored points of lines as kernels write them, described once. GXY_STORED_FIELDS(F) calls
 // F(type, name) for each four-byte field. C++ and ISPC read this file, so it holds only macros.
 //
-//   head       index of the head in its packet
+//   head       index of the head in its packet; < 0: there is no point at this place
 //   number     of the point in its line
 //   the others as in head_fields.h; speed in kernel lengths per kernel time, NaN without data
 #ifndef GXY_STORED_FIELDS

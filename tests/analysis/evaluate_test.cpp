@@ -2,6 +2,7 @@
 #include "core/analysis/evaluate.h"
 
 #include <gtest/gtest.h>
+#include <immintrin.h>
 
 #include <algorithm>
 #include <cmath>
@@ -350,6 +351,26 @@ TEST(Derive, ScalesOf1e30AndOffsetsOf1e6KeepTheirSignal) {
   const Grid far{{1e6, -1e6, 1e6}, {1, 1, 1}, {6, 5, 4}};
   const std::vector<FieldSpec> wave{scalarField("f", [](glm::dvec3 p) { return p.x - 1e6; })};
   EXPECT_EQ(worst(derived("grad(f).x + x", wave, far), 0, [](glm::dvec3 p) { return 1 + p.x; }), 0);
+}
+
+TEST(Derive, BitsDoNotDependOnTheModeOfTheProcessor) {
+  // Some samples and some results are denormal as float, and some values as double.
+  const Grid grid{{0, 0, 0}, {1, 1, 1}, {19, 17, 9}};
+  const std::vector<FieldSpec> fields{{"f", 1, [](int, const Index3& p, glm::dvec3) {
+                                         return std::exp2(double(-130 - p[0]) + double(p[1]));
+                                       }}};
+  SingleRank ranks;
+  const auto inputs = test::inputsOf(fields, grid, Partitioning::single(grid.box()), ranks);
+  const Expression text(
+      "[f * 0.5, exp(-700 - f - x) / exp(-720 - x), grad(f).x] + (sum(f) + quantile(f, 0.3)) * [1, 0, 0]");
+  const DerivedField plain = derive(text, inputs, ranks);
+  const unsigned before = _mm_getcsr();
+  _mm_setcsr(before | 0x8040);  // results are flushed to zero, and denormal operands are taken as zero
+  const DerivedField flushed = derive(text, inputs, ranks);
+  _mm_setcsr(before);
+  EXPECT_EQ(plain.volume->blocks.at(0).samples, flushed.volume->blocks.at(0).samples);
+  EXPECT_EQ(plain.volume->ranges, flushed.volume->ranges);
+  EXPECT_GT(plain.volume->ranges[1].max, 4e8) << "e^20: what is denormal is not lost";
 }
 
 TEST(Derive, QueriesAreNumbersOfTheWholeField) {

@@ -256,6 +256,17 @@ TEST(Statistics, SumsKeepWhatIsSmall) {
   EXPECT_EQ(nothing.over(1), 0);
 }
 
+TEST(Statistics, VeryLargeAndVerySmallValuesHaveAVariance) {
+  const Grid grid{{0, 0, 0}, {1, 1, 1}, {4, 3, 2}};
+  for (const double size : {1e-150, 1e-30, 1e30, 1e150}) {
+    FieldSpec field{"f", 1, [size](int, const Index3& p, glm::dvec3) { return double(p[0]) * size; }};
+    field.type = ScalarType::Float64;
+    const Statistics s = numbersOf(field, grid, {});
+    EXPECT_NEAR(s.mean / size, 1.5, 1e-6);
+    EXPECT_NEAR(s.variance / size / size, 1.25, 1e-6) << size;
+  }
+}
+
 TEST(Statistics, MagnitudesAreOfAllComponents) {
   const Grid grid{{0, 0, 0}, {1, 1, 1}, {4, 3, 2}};
   StatisticsOptions options;
