@@ -14,7 +14,7 @@ namespace {
 
 constexpr const char* kShapes[] = {"grid", "line", "box", "sphere", "points"};
 constexpr int kMostSeeds = 1 << 30;
-constexpr size_t kMostPoints = 100000;  // that a document lists
+constexpr size_t kMostListed = 100000;  // that a document lists
 
 void readShape(const Found& found, Seeds& seeds) {
   const auto it = std::find(std::begin(kShapes), std::end(kShapes), found.text());
@@ -31,7 +31,7 @@ void readLattice(const Found& found, Seeds& seeds) {
 
 void readPoints(const Found& found, Seeds& seeds) {
   for (const Found& item : found.list("a list of [x, y, z]")) {
-    if (seeds.points.size() == kMostPoints) item.fail("at most 100000 points");
+    if (seeds.points.size() == kMostListed) item.fail("at most 100000 points");
     seeds.points.push_back(item.vec3());
   }
 }
