@@ -213,10 +213,10 @@ TEST(Trace, ForwardsNoHeadThatWindsAboutABorderByTwoCells) {
 }
 
 TEST(Trace, OfManySeedsThatAllEndInOnePartition) {
-  const Grid grid = gridOver({-4, -4, -4}, {4, 4, 4}, {9, 9, 9});
+  const Grid grid = gridOver({-4, -4, -4}, {4, 4, 4}, {33, 33, 33});
   const FlowFunction sink = [](glm::dvec3 p) { return glm::dvec3(3.5, 3.5, 3.5) - p; };
   const std::vector<RankFlow> flow = flowOnRanks(grid, sink, cutInto(grid.box(), {4, 2, 2}, 4));
-  const int n = sweep(20000);
+  const int n = sweep(8000);
   Ranks world(flow, {.heads = 1000});
   {
     const Ranks::Result result =
@@ -256,7 +256,7 @@ TEST(Trace, EndsOnAllRanksWhereTheQuotaOfOneIsReached) {
                                     request.takeMemory = [&world, rank](int64_t bytes) {
                                       EXPECT_EQ(bytes % (1 << 20), 0) << "steps of 1 MiB";
                                       Ledger& ledger = world.ledger(rank);
-                                      if (rank == 1 && ledger.total() + bytes > 40 << 20)
+                                      if (rank == 1 && ledger.total() + bytes > 20 << 20)
                                         throw Error(std::to_string(bytes) + " bytes are needed");
                                       return ledger.enter("test", "lines", bytes);
                                     };
