@@ -319,6 +319,17 @@ TEST(Derive, PartitionsMayBeOneCellOrThinner) {
   expectSame(cells, derived(kMany, fields, rim, thin, 3), "a rim in thin slabs");
 }
 
+TEST(Derive, DomainsMayEndInsideTheOutermostCellsOrBeyondThem) {
+  const Grid grid{{0, 0, 0}, {1, 1, 1}, {9, 8, 7}};
+  const auto fields = holedFields(7, true);
+  std::mt19937 random{3};
+  for (const Box& domain : {Box{{0.5, 0.5, 0.5}, {7.5, 6.5, 5.5}}, Box{{-2, -3, 0}, {8, 9, 7.5}}})
+    for (const char* text : {"curl(u)", "laplacian(f)", "f > u.x", "jacobian(u)"}) {
+      const Partitioning cut = test::randomPartitioning(random, domain, 6, 3);
+      expectSame(derived(text, fields, grid), derived(text, fields, grid, cut, 3), text);
+    }
+}
+
 TEST(Derive, RanksMayOwnNothing) {
   const Grid grid{{0, 0, 0}, {1, 1, 1}, {9, 8, 7}};
   const auto fields = holedFields(4, false);
