@@ -40,6 +40,14 @@ const char* nameOf(Channel channel) {
       return "message: frame";
     case Channel::Credits:
       return "message: credits";
+    case Channel::Items:
+      return "message: items";
+    case Channel::Flight:
+      return "message: flight";
+    case Channel::ItemCredits:
+      return "message: credits of items";
+    case Channel::ItemCompletion:
+      return "message: completion of items";
     case Channel::Pictures:
       return "message: pictures";
     case Channel::Test:

@@ -23,6 +23,10 @@ enum class Channel : uint16_t {
   Contributions = 9,
   Frame = 10,
   Credits = 11,
+  Items = 12,  ///< core/analysis: heads of lines
+  Flight = 13,
+  ItemCredits = 14,
+  ItemCompletion = 15,
   Pictures = 16,  ///< multiserver/rendering
   Test = 64,
 };

@@ -77,8 +77,8 @@ FN vec3 larger3(vec3 a, vec3 b) { return make_v3(max1(a.x, b.x), max1(a.y, b.y),
 FN real largest3(vec3 v) { return max1(max1(v.x, v.y), v.z); }
 FN real largestOf3(vec3 v) { return largest3(abs3(v)); }
 
-// |J|: a bound on the field's derivative in the cell, from the differences along its edges (largest sum of a
-// row's largest entries).
+// |J|: the size of the field's derivative in the cell: the largest row of the matrix of the largest differences
+// along its edges. Of a diagonal matrix and of a rotation it is the matrix's norm.
 FN real flowDerivative(CellVectors v) {
   vec3 x = larger3(larger3(abs3(v.v100 - v.v000), abs3(v.v110 - v.v010)),
                    larger3(abs3(v.v101 - v.v001), abs3(v.v111 - v.v011)));
@@ -86,7 +86,8 @@ FN real flowDerivative(CellVectors v) {
                    larger3(abs3(v.v011 - v.v001), abs3(v.v111 - v.v101)));
   vec3 z = larger3(larger3(abs3(v.v001 - v.v000), abs3(v.v101 - v.v100)),
                    larger3(abs3(v.v011 - v.v010), abs3(v.v111 - v.v110)));
-  return largest3((x + y) + z);
+  vec3 squares = (x * x + y * y) + z * z;
+  return sqrt(largest3(squares));
 }
 
 // The velocity through a face, by one function of its four corners, so that both cells agree on its sign. What

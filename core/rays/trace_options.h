@@ -28,7 +28,8 @@ struct TraceCondition {
 };
 
 struct TraceOptions {
-  /// Cells of error that are added per 100 cells of way, without what the flow itself makes of errors.
+  /// Cells of error that are added per 100 cells of way, without what the flow itself makes of errors. Less than
+  /// 1e-4 is taken for that, as rounding leaves no more.
   double tolerance = 1e-3;
   double time = std::numeric_limits<double>::infinity();  ///< of each direction
   std::optional<double> length;  ///< world units, of each direction; unset: 10 diagonals of the grid's box
