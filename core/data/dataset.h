@@ -41,11 +41,12 @@ std::vector<Origin> originsOf(std::span<const InputOrigins> inputs);
 /// Says how a filter made a dataset. `filter` is empty if the dataset was imported.
 struct Provenance {
   struct Input {
-    std::string name;  ///< when it was used
+    std::string input;  ///< of the filter
+    std::string name;   ///< when it was used
     Key key;
     Generation generation = 0;
   };
-  std::string filter;      ///< with its module: "example.threshold"
+  std::string filter;      ///< its name: "StreamTracer"
   int version = 1;         ///< of the filter: another one may make other data of the same properties
   std::string properties;  ///< a JSON object
   std::vector<Input> inputs;

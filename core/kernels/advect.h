@@ -170,6 +170,18 @@ FN vec3 stepPoint(StepShape s, real u) {
 }
 FN real stepLength(StepShape s, real u) { return bernsteinValue(make_v4(R(0.0), s.l1, s.l2, s.l3), u); }
 
+// The part of a step, at most `most`, at which the length along it is `target`.
+FN real partOfLength(StepShape s, real most, real target) {
+  vec4 b = make_v4(R(0.0), s.l1, s.l2, s.l3);
+  real u = target / s.l3;
+  for (UNIFORM int k = 0; k < 4; k++) {
+    u = min1(max1(u, R(0.0)), most);
+    real slope = bernsteinSlope(b, u);
+    u -= slope > R(0.0) ? (bernsteinValue(b, u) - target) / slope : R(0.0);
+  }
+  return min1(max1(u, R(0.0)), most);
+}
+
 // The classical Runge-Kutta step of time h from f, where the velocity is k and its size `speed`.
 FN StepShape flowStep(CellFlow p, vec3 spacing, vec3 f, vec3 k, real speed, real h, OUT(vec3) kEnd,
                       OUT(real) speedEnd) {
@@ -270,10 +282,13 @@ FN int tryStep(FLOW v, CellFlow p, real derivative, vec3 lo, vec3 hi, INOUT(vec3
   real s;
   int result = judgeStep(shape.b0, shape.b1, shape.b2, shape.b3, lo, hi, s, face);
   real gone = result == STEP_EXIT ? stepLength(shape, s) : shape.l3;
-  bool tooLong = gone > lengthLeft * R(1.000003814697265625);
-  if (result != STEP_AGAIN && tooLong) {
-    result = STEP_AGAIN;
-    s = lengthLeft / shape.l3;
+  // The limit of length is met on the step's way, as faces are.
+  bool ends = result != STEP_AGAIN && gone >= lengthLeft;
+  if (ends) {
+    s = partOfLength(shape, s, lengthLeft);
+    if (s < R(0.5)) result = STEP_AGAIN;
+    if (s < R(0.5)) s = STEP_OVER * s;
+    ends = result != STEP_AGAIN;
   }
   reason = LINE_GOES_ON;
   part = s;
@@ -281,8 +296,8 @@ FN int tryStep(FLOW v, CellFlow p, real derivative, vec3 lo, vec3 hi, INOUT(vec3
   if (result == STEP_AGAIN) {
     h = now * s;
   } else {
-    bool exits = result == STEP_EXIT;
-    vec3 point = exits ? stepPoint(shape, s) : shape.b3;
+    bool exits = result == STEP_EXIT && !ends;
+    vec3 point = s < R(1.0) ? stepPoint(shape, s) : shape.b3;
     vec3 g =
         make_v3(intoCell(point.x, lo.x, hi.x), intoCell(point.y, lo.y, hi.y), intoCell(point.z, lo.z, hi.z));
     if (exits) {
@@ -301,11 +316,11 @@ FN int tryStep(FLOW v, CellFlow p, real derivative, vec3 lo, vec3 hi, INOUT(vec3
     way = moved ? R(0.0) : way;
     addToPair(time, timeRest, now * s);
     addToPair(length, lengthRest, gone);
-    if (!exits && now == timeLeft) {
+    if (!exits && !ends && now == timeLeft) {
       reason = LINE_TIME;
       time = v.timeLimit;
       timeRest = v.timeLimitRest;
-    } else if (gone >= lengthLeft * R(0.999996185302734375)) {
+    } else if (ends) {
       reason = LINE_LENGTH;
       length = v.lengthLimit;
       lengthRest = v.lengthLimitRest;
@@ -365,13 +380,5 @@ FN real partAtTime(FLOW v, StepShape s, real part, int number, real x, real rest
   return min1(max1(u, R(0.0)), part);
 }
 FN real partAtLength(FLOW v, StepShape s, real part, int number, real x, real rest) {
-  real target = multipleAfter(v, number, x, rest);
-  vec4 b = make_v4(R(0.0), s.l1, s.l2, s.l3);
-  real u = target / s.l3;
-  for (UNIFORM int k = 0; k < 4; k++) {
-    u = min1(max1(u, R(0.0)), part);
-    real slope = bernsteinSlope(b, u);
-    u -= slope > R(0.0) ? (bernsteinValue(b, u) - target) / slope : R(0.0);
-  }
-  return min1(max1(u, R(0.0)), part);
+  return partOfLength(s, part, multipleAfter(v, number, x, rest));
 }

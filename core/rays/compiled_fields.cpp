@@ -15,8 +15,8 @@ namespace {
 // The largest kernel velocity is near 2^30, and steps are at most 2^40 long: speeds down to 2^-60 count, and
 // no square leaves float's range (kernels/advect.h).
 constexpr int kLargestVelocity = 30;
-// Below this a factor is no longer far from float's least normal number.
-constexpr int kLeastScale = -110;
+// Factors stay far from the ends of float's range.
+constexpr int kLeastScale = -110, kLargestScale = 110;
 
 std::string sizeText(const Grid& g) {
   return std::to_string(g.points[0]) + " x " + std::to_string(g.points[1]) + " x " +
@@ -52,7 +52,8 @@ FlowUnits unitsOf(const Volume& v) {
   }
   int exponent = kLargestVelocity - exponentOf(fastest);
   const double least = std::min({scales[0], scales[1], scales[2]});
-  exponent = std::max(exponent, kLeastScale - exponentOf(least));
+  const double most = std::max({scales[0], scales[1], scales[2]});
+  exponent = std::max(std::min(exponent, kLargestScale - exponentOf(most)), kLeastScale - exponentOf(least));
   units.time = std::ldexp(1.0, exponent);
   units.length = std::ldexp(1.0, exponentOf(largestCell));
   for (int a = 0; a < 3; a++) {

@@ -108,7 +108,7 @@ OrderedJson orAbsent(const std::vector<double>& values) {
 using V = const Vis&;
 using F = const Found&;
 
-std::vector<Key<Vis>> whatKeys() {
+std::vector<KeyRow<Vis>> whatKeys() {
   return {
       customKey<Vis>("type", "Volume, Particles, PathLines or Triangles; also with the ending Vis",
                      "What kind of operator this is. `Surface` and `SurfaceVis` mean Triangles.", readType,
@@ -130,7 +130,7 @@ std::vector<Key<Vis>> whatKeys() {
   };
 }
 
-std::vector<Key<Vis>> mapKeys() {
+std::vector<KeyRow<Vis>> mapKeys() {
   return {
       customKey<Vis>(
           "colormap", "list of [value, r, g, b], or text",
@@ -177,7 +177,7 @@ std::vector<Key<Vis>> mapKeys() {
   };
 }
 
-std::vector<Key<Vis>> surfaceKeys() {
+std::vector<KeyRow<Vis>> surfaceKeys() {
   return {
       customKey<Vis>(
           "opacity", "number 0 to 1", "Opacity of surfaces: isosurfaces, slices, geometry.",
@@ -206,7 +206,7 @@ std::vector<Key<Vis>> surfaceKeys() {
   };
 }
 
-std::vector<Key<Vis>> radiusKeys() {
+std::vector<KeyRow<Vis>> radiusKeys() {
   return {
       customKey<Vis>(
           "radius", "number or \"auto\"",

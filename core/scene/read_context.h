@@ -19,10 +19,13 @@
 
 namespace gxy {
 
+class FilterSchemas;
+
 /// The state of reading one state file. One thread uses it.
 struct ReadContext {
   std::string sourceName;  ///< name of the text in messages
   NamedFileReader readFile;
+  const FilterSchemas* filters = nullptr;  ///< null: entries of filters are kept as they are
   std::vector<std::string> warnings;
   size_t suppressedWarnings = 0;
 

@@ -127,6 +127,15 @@ struct Visualization {
 };
 
 enum class DatasetType : uint8_t { Volume, Particles, PathLines, Triangles };
+/// The datasets that a filter reads as one of its inputs, by their names.
+struct FilterInput {
+  std::string input;
+  std::vector<std::string> datasets;
+  bool operator==(const FilterInput&) const = default;
+};
+
+/// A dataset of a state file. It comes from a file, or a filter makes it. A *live* one has neither file nor filter: it is what the
+/// data space calls by this name.
 struct DatasetSpec {
   std::string name;  ///< default: the file name
   DatasetType type = DatasetType::Volume;
@@ -134,6 +143,11 @@ struct DatasetSpec {
   std::string array;                   ///< array of the file; empty: its active scalars, else its first array
   glm::dvec4 color{0.8, 0.8, 0.8, 1};  ///< colour of geometry whose file has no values to map
   std::string radiusArray{};           ///< array of the file that gives radii; empty: the values give them
+  std::string filter{};                ///< name of the filter that makes it
+  std::vector<FilterInput> inputs{};   ///< of the filter
+  std::string properties{};            ///< the filter's own keys: the text of a JSON object
+
+  bool isLive() const { return filename.empty() && filter.empty(); }
   bool operator==(const DatasetSpec&) const = default;
 };
 

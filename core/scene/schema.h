@@ -30,30 +30,30 @@ struct KeyInfo {
 
 /// One row: a key of the objects that describe a T.
 template <class T>
-struct Key {
+struct KeyRow {
   KeyInfo info;
   std::function<void(const Found&, T&)> read;
   std::function<OrderedJson(const T&)> write;  ///< returns null if the key is not saved
   bool T::*flag = nullptr;                     ///< the member that the key info.needs sets
 
-  Key alias(std::vector<std::string> names) && {
+  KeyRow alias(std::vector<std::string> names) && {
     info.aliases = std::move(names);
     return std::move(*this);
   }
-  Key require() && {
+  KeyRow require() && {
     info.required = true;
     return std::move(*this);
   }
-  Key only(unsigned types) && {
+  KeyRow only(unsigned types) && {
     info.appliesTo = types;
     return std::move(*this);
   }
-  Key with(std::string other, bool T::*member) && {
+  KeyRow with(std::string other, bool T::*member) && {
     info.needs = std::move(other);
     flag = member;
     return std::move(*this);
   }
-  Key byDefault(std::string text) && {
+  KeyRow byDefault(std::string text) && {
     info.defaultText = std::move(text);
     return std::move(*this);
   }
@@ -62,7 +62,7 @@ struct Key {
 template <class T>
 struct Schema {
   std::string title;  ///< name of the object in messages and the reference, such as "operator"
-  std::vector<Key<T>> keys;
+  std::vector<KeyRow<T>> keys;
 };
 
 /// The bit of KeyInfo::appliesTo for an object's type. Objects without types have all bits.
@@ -75,7 +75,7 @@ inline unsigned typeBit(const DatasetSpec& dataset) { return 1u << unsigned(data
 
 /// Whether the key has an effect on an object. The rows before it must have been read into the object.
 template <class T>
-bool hasEffect(const Key<T>& key, const T& t) {
+bool hasEffect(const KeyRow<T>& key, const T& t) {
   return (key.info.appliesTo & typeBit(t)) && (!key.flag || t.*key.flag);
 }
 
@@ -94,37 +94,37 @@ inline OrderedJson toJson(const std::vector<Plane>& planes) {
 
 // Rows for members of simple types.
 template <class T>
-Key<T> numberKey(std::string name, double T::*member, Limits limits, std::string meaning) {
+KeyRow<T> numberKey(std::string name, double T::*member, Limits limits, std::string meaning) {
   return {{std::move(name), {}, withRange("number", limits), std::move(meaning), "", false, ~0u, ""},
           [=](const Found& found, T& t) { t.*member = found.number(limits); },
           [=](const T& t) { return OrderedJson(t.*member); }};
 }
 template <class T>
-Key<T> integerKey(std::string name, int T::*member, Limits limits, std::string meaning) {
+KeyRow<T> integerKey(std::string name, int T::*member, Limits limits, std::string meaning) {
   return {{std::move(name), {}, withRange("integer", limits), std::move(meaning), "", false, ~0u, ""},
           [=](const Found& found, T& t) { t.*member = found.integer(limits); },
           [=](const T& t) { return OrderedJson(t.*member); }};
 }
 template <class T>
-Key<T> flagKey(std::string name, bool T::*member, std::string meaning) {
+KeyRow<T> flagKey(std::string name, bool T::*member, std::string meaning) {
   return {{std::move(name), {}, "true or false", std::move(meaning), "", false, ~0u, ""},
           [=](const Found& found, T& t) { t.*member = found.boolean(); },
           [=](const T& t) { return OrderedJson(t.*member); }};
 }
 template <class T>
-Key<T> textKey(std::string name, std::string T::*member, std::string meaning) {
+KeyRow<T> textKey(std::string name, std::string T::*member, std::string meaning) {
   return {{std::move(name), {}, "text", std::move(meaning), "empty", false, ~0u, ""},
           [=](const Found& found, T& t) { t.*member = found.text(); },
           [=](const T& t) { return (t.*member).empty() ? OrderedJson() : OrderedJson(t.*member); }};
 }
 template <class T>
-Key<T> vectorKey(std::string name, glm::dvec3 T::*member, std::string meaning) {
+KeyRow<T> vectorKey(std::string name, glm::dvec3 T::*member, std::string meaning) {
   return {{std::move(name), {}, "[x, y, z]", std::move(meaning), "", false, ~0u, ""},
           [=](const Found& found, T& t) { t.*member = found.vec3(); },
           [=](const T& t) { return toJson(t.*member); }};
 }
 template <class T>
-Key<T> colorKey(std::string name, glm::dvec4 T::*member, std::string meaning) {
+KeyRow<T> colorKey(std::string name, glm::dvec4 T::*member, std::string meaning) {
   return {
       {std::move(name), {}, "[r, g, b] or [r, g, b, a] of 0 to 1", std::move(meaning), "", false, ~0u, ""},
       [=](const Found& found, T& t) { t.*member = found.color(); },
@@ -133,7 +133,7 @@ Key<T> colorKey(std::string name, glm::dvec4 T::*member, std::string meaning) {
 
 /// The same for a colour that may be absent.
 template <class T>
-Key<T> colorKey(std::string name, std::optional<glm::dvec4> T::*member, std::string meaning) {
+KeyRow<T> colorKey(std::string name, std::optional<glm::dvec4> T::*member, std::string meaning) {
   return {
       {std::move(name), {}, "[r, g, b] or [r, g, b, a] of 0 to 1", std::move(meaning), "", false, ~0u, ""},
       [=](const Found& found, T& t) { t.*member = found.color(); },
@@ -142,7 +142,7 @@ Key<T> colorKey(std::string name, std::optional<glm::dvec4> T::*member, std::str
 
 /// A row with a reader of its own and, if the key is saved, a writer.
 template <class T, class Read>
-Key<T> customKey(
+KeyRow<T> customKey(
     std::string name, std::string type, std::string meaning, Read read,
     std::function<OrderedJson(const T&)> write = [](const T&) { return OrderedJson(); }) {
   return {{std::move(name), {}, std::move(type), std::move(meaning), "", false, ~0u, ""},
@@ -153,17 +153,17 @@ Key<T> customKey(
 namespace detail {
 
 template <class T>
-bool named(const Key<T>& key, const std::string& name) {
+bool named(const KeyRow<T>& key, const std::string& name) {
   return key.info.name == name || std::count(key.info.aliases.begin(), key.info.aliases.end(), name) > 0;
 }
 
 template <class T>
 void warnOfUnknownKeys(ReadContext& context, const JsonValue& value, const Schema<T>& schema) {
   std::vector<std::string> names;
-  for (const Key<T>& key : schema.keys) names.push_back(key.info.name);
+  for (const KeyRow<T>& key : schema.keys) names.push_back(key.info.name);
   for (const JsonMember& member : *value.object()) {
     const bool known = std::any_of(schema.keys.begin(), schema.keys.end(),
-                                   [&](const Key<T>& key) { return named(key, member.key); });
+                                   [&](const KeyRow<T>& key) { return named(key, member.key); });
     if (known) continue;
     context.warn(member.at, "unknown key " + inQuotes(member.key, '`') + " in the " + schema.title +
                                 suggestion(member.key, names));
@@ -171,7 +171,7 @@ void warnOfUnknownKeys(ReadContext& context, const JsonValue& value, const Schem
 }
 
 template <class T>
-const JsonMember* findMember(ReadContext& context, const JsonValue& value, const Key<T>& key) {
+const JsonMember* findMember(ReadContext& context, const JsonValue& value, const KeyRow<T>& key) {
   const JsonMember* found = nullptr;
   for (const JsonMember& member : *value.object()) {
     if (!named(key, member.key)) continue;
@@ -194,7 +194,7 @@ void readObject(ReadContext& context, const JsonValue& value, const Schema<T>& s
   if (!value.object())
     context.fail(value.at, "expected an object (" + schema.title + "), found " + value.describe());
   detail::warnOfUnknownKeys(context, value, schema);
-  for (const Key<T>& key : schema.keys) {
+  for (const KeyRow<T>& key : schema.keys) {
     const JsonMember* member = detail::findMember(context, value, key);
     if (!member) {
       if (key.info.required)
@@ -224,7 +224,7 @@ void readOneOrMany(const Found& found, ReadOne readOne) {
 template <class T>
 OrderedJson writeObject(const T& t, const Schema<T>& schema) {
   OrderedJson out = OrderedJson::object();
-  for (const Key<T>& key : schema.keys) {
+  for (const KeyRow<T>& key : schema.keys) {
     OrderedJson value = key.write(t);
     const bool idle = !hasEffect(key, t) && value == key.write(T{});
     if (!value.is_null() && !idle) out[key.info.name] = std::move(value);
@@ -240,6 +240,9 @@ const Schema<DatasetSpec>& datasetSchema();
 const Schema<RenderSettings>& rendererSchema();
 const Schema<Annotations>& annotationsSchema();
 const Schema<State>& stateSchema();
+
+/// Reads the key `type` of a dataset.
+void readDatasetType(const Found& found, DatasetSpec& dataset);
 
 /// Reads a camera of a state file: an object, or the name of a ParaView camera file.
 Camera readCamera(const Found& found);

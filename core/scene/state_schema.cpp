@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 
+#include "core/scene/filter_schema.h"
 #include "core/scene/schema.h"
 
 namespace gxy {
@@ -8,20 +9,21 @@ namespace {
 
 constexpr const char* kDatasetTypes[] = {"Volume", "Particles", "PathLines", "Triangles"};
 
-void readDatasetType(const Found& found, DatasetSpec& dataset) {
-  const auto it = std::find(std::begin(kDatasetTypes), std::end(kDatasetTypes), found.text());
-  if (it == std::end(kDatasetTypes)) found.fail("Volume, Particles, PathLines or Triangles");
-  dataset.type = DatasetType(it - std::begin(kDatasetTypes));
+DatasetSpec readDataset(const Found& item) {
+  if (item.value.find("filter")) return readFilterEntry(item);
+  DatasetSpec dataset;
+  readObject(item.context, item.value, datasetSchema(), dataset);
+  if (dataset.name.empty()) dataset.name = dataset.filename;
+  if (dataset.name.empty())
+    item.context.fail(item.value.at, "dataset without `filename` and without `name`; expected one of them");
+  return dataset;
 }
 
 void readDatasets(const Found& found, State& state) {
   std::vector<std::string> names;
   readOneOrMany(found, [&](const Found& item) {
-    DatasetSpec dataset;
-    readObject(item.context, item.value, datasetSchema(), dataset);
-    if (dataset.name.empty()) dataset.name = dataset.filename;
-    names.push_back(dataset.name);
-    state.datasets.push_back(std::move(dataset));
+    state.datasets.push_back(readDataset(item));
+    if (const std::string& name = state.datasets.back().name; !name.empty()) names.push_back(name);
   });
   std::sort(names.begin(), names.end());
   const auto twice = std::adjacent_find(names.begin(), names.end());
@@ -41,7 +43,7 @@ void readOldLighting(const Found& found, RenderSettings&) {
 }
 
 /// A key of the earlier Galaxy that nothing needs any more.
-Key<RenderSettings> obsoleteKey(std::string name, std::string why) {
+KeyRow<RenderSettings> obsoleteKey(std::string name, std::string why) {
   return customKey<RenderSettings>(name, "number", "Deprecated, not used: " + why + ".",
                                    [=](const Found& found, RenderSettings&) {
                                      found.number();
@@ -80,6 +82,13 @@ void readVisualizations(const Found& found, State& state) {
   });
 }
 
+OrderedJson writeDatasets(const std::vector<DatasetSpec>& datasets) {
+  OrderedJson out = OrderedJson::array();
+  for (const DatasetSpec& d : datasets)
+    out.push_back(d.filter.empty() ? writeObject(d, datasetSchema()) : writeFilterEntry(d));
+  return out;
+}
+
 template <class T>
 OrderedJson writeAll(const std::vector<T>& items, const Schema<T>& schema) {
   OrderedJson out = OrderedJson::array();
@@ -88,6 +97,12 @@ OrderedJson writeAll(const std::vector<T>& items, const Schema<T>& schema) {
 }
 
 }  // namespace
+
+void readDatasetType(const Found& found, DatasetSpec& dataset) {
+  const auto it = std::find(std::begin(kDatasetTypes), std::end(kDatasetTypes), found.text());
+  if (it == std::end(kDatasetTypes)) found.fail("Volume, Particles, PathLines or Triangles");
+  dataset.type = DatasetType(it - std::begin(kDatasetTypes));
+}
 
 const Schema<DatasetSpec>& datasetSchema() {
   using D = DatasetSpec;
@@ -102,8 +117,8 @@ const Schema<DatasetSpec>& datasetSchema() {
           customKey<D>(
               "filename", "text", "The file: absolute, or relative to the state file's directory.",
               [](const Found& f, D& d) { d.filename = f.text(); },
-              [](const D& d) { return OrderedJson(d.filename); })
-              .require(),
+              [](const D& d) { return d.filename.empty() ? OrderedJson() : OrderedJson(d.filename); })
+              .byDefault("the dataset that the data space calls `name`"),
           textKey("array", &D::array, "Which array of the file to map or, if it holds colours, to show.")
               .byDefault("its active scalars, else its first array"),
           customKey<D>(
@@ -191,7 +206,7 @@ const Schema<State>& stateSchema() {
       {
           customKey<State>("Datasets", "dataset or list of datasets",
                            "The data, imported before anything is rendered.", readDatasets,
-                           [](const State& s) { return writeAll(s.datasets, datasetSchema()); })
+                           [](const State& s) { return writeDatasets(s.datasets); })
               .byDefault("none"),
           customKey<State>(
               "Renderer", "renderer", "How pictures are computed.",

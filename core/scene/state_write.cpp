@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/comm/error.h"
+#include "core/scene/filter_schema.h"
 #include "core/scene/schema.h"
 #include "core/scene/state_file.h"
 
@@ -66,7 +67,7 @@ std::string applicability(const KeyInfo& info) {
 }
 
 template <class T>
-std::string defaultOf(const Key<T>& key) {
+std::string defaultOf(const KeyRow<T>& key) {
   if (key.info.required) return "required";
   return key.info.defaultText.empty() ? code(onOneLine(key.write(T{}))) : key.info.defaultText;
 }
@@ -76,7 +77,7 @@ std::string table(const Schema<T>& schema) {
   std::string title = schema.title;
   title[0] = char(std::toupper(static_cast<unsigned char>(title[0])));
   std::string out = "### " + title + "\n\n| key | value | default | meaning |\n|---|---|---|---|\n";
-  for (const Key<T>& key : schema.keys) {
+  for (const KeyRow<T>& key : schema.keys) {
     std::string names = code(key.info.name);
     for (const std::string& alias : key.info.aliases) names += ", " + code(alias);
     out += "| " + names + " | " + key.info.type + " | " + defaultOf(key) + " | " + key.info.meaning +
@@ -94,9 +95,9 @@ std::string writeState(const State& state) {
 }
 
 std::string stateReference() {
-  return table(stateSchema()) + "\n" + table(datasetSchema()) + "\n" + table(rendererSchema()) + "\n" +
-         table(visualizationSchema()) + "\n" + table(lightingSchema()) + "\n" + table(operatorSchema()) +
-         "\n" + table(cameraSchema()) + "\n" + table(annotationsSchema());
+  return table(stateSchema()) + "\n" + table(datasetSchema()) + "\n" + table(filterEntrySchema()) + "\n" +
+         table(rendererSchema()) + "\n" + table(visualizationSchema()) + "\n" + table(lightingSchema()) +
+         "\n" + table(operatorSchema()) + "\n" + table(cameraSchema()) + "\n" + table(annotationsSchema());
 }
 
 }  // namespace gxy

@@ -118,6 +118,13 @@ std::string_view Arguments::expectJson() {
   return *found;
 }
 
+std::string_view Arguments::expectJsonOrList() {
+  if (rest().empty() || rest().front() != '[') return expectJson();
+  const std::string_view list = rest();
+  at_ = text_.size();
+  return list;
+}
+
 void Arguments::expectEnd() const {
   if (!rest().empty()) fail(inQuotes(rest().substr(0, 40)) + " is too much");
 }

@@ -34,6 +34,8 @@ class Arguments {
   /// Takes the rest, which must be a JSON object, or nothing.
   std::optional<std::string_view> json();
   std::string_view expectJson();
+  /// Takes the rest, which must be a JSON object or list.
+  std::string_view expectJsonOrList();
 
   /// Throws Error unless everything has been taken.
   void expectEnd() const;

@@ -27,8 +27,8 @@ json listed(const std::vector<Origin>& origins) {
 
 json described(const Provenance& provenance) {
   json inputs = json::array();
-  for (const auto& [name, key, generation] : provenance.inputs)
-    inputs.push_back({{"name", name}, {"generation", generation}});
+  for (const Provenance::Input& input : provenance.inputs)
+    inputs.push_back({{"input", input.input}, {"name", input.name}, {"generation", input.generation}});
   return {{"filter", provenance.filter},
           {"version", provenance.version},
           {"properties", json::parse(provenance.properties)},

@@ -63,11 +63,17 @@ void DocumentReader::makeRoom(std::string_view text) {
 
 StateFile DocumentReader::state(std::string_view text, const std::string& what) {
   makeRoom(text);
-  return readState(text, what, [this](const std::string& name) {
+  const NamedFileReader readFile = [this](const std::string& name) {
     std::string content = request_.session().serverRank().folders.textOf(name, int64_t(kMaxJsonBytes));
     makeRoom(content);
     return content;
-  });
+  };
+  return readState(text, what, readFile, &request_.session().serverRank().filters);
+}
+
+StateFile DocumentReader::datasets(std::string_view text, const std::string& what) {
+  makeRoom(text);
+  return readDatasetEntries(text, what, &request_.session().serverRank().filters);
 }
 
 nlohmann::json DocumentReader::object(std::string_view text, const std::string& what) {

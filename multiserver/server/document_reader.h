@@ -44,6 +44,8 @@ class DocumentReader {
 
   /// Calls readState(). Preset and camera files must be files that clients may read (DataFolders::toRead()).
   StateFile state(std::string_view text, const std::string& what);
+  /// Calls readDatasetEntries().
+  StateFile datasets(std::string_view text, const std::string& what);
   /// Calls protocol::parseObject().
   nlohmann::json object(std::string_view text, const std::string& what);
 

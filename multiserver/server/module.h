@@ -2,7 +2,7 @@
 // The interface for modules. docs/modules.md explains one step by step.
 //
 // A module is a shared library that defines one GALAXY_MODULE. It is loaded on every rank. Its body runs once
-// on each, and registers verbs (used on rank 0, which serves clients) and works (used on every rank).
+// on each, and registers verbs (used on rank 0, which serves clients), works and filters (used on every rank).
 #pragma once
 #include <concepts>
 #include <cstdint>
@@ -23,7 +23,7 @@ namespace gxy {
 
 /// This number changes with every change of the headers that modules include. A module built for another
 /// number is refused.
-inline constexpr uint32_t kModuleAbi = 9;
+inline constexpr uint32_t kModuleAbi = 10;
 
 /// When a request runs. InTurn: after the earlier requests of its session and before the later ones. Aside:
 /// it starts in its turn, but later requests do not wait for its end; for long work. AtOnce: immediately, on
@@ -56,7 +56,7 @@ concept TypedWork = requires(const W& work, ServerRank& serverRank, nlohmann::js
   { work.action(serverRank, call) } -> std::convertible_to<nlohmann::json>;
 };
 
-/// Collects the verbs and works that a module's body registers. They take effect only if the module loads on
+/// Collects the verbs, works and filters that a module's body registers. They take effect only if the module loads on
 /// all ranks.
 class Registration {
  public:
@@ -77,6 +77,12 @@ class Registration {
           return call.parameters.get<W>().action(serverRank, call);
         },
         W::runs);
+  }
+
+  /// Registers a filter, which core/analysis/filter.h explains.
+  template <class F>
+  void filter() {
+    filters_.push_back(makeFilter<F>());
   }
 
   /// Keeps an object of the module alive as long as the server runs.
@@ -101,6 +107,7 @@ class Registration {
   ServerRank& serverRank_;
   std::vector<Verb> verbs_;
   std::vector<NamedWork> works_;
+  std::vector<std::shared_ptr<const Filter>> filters_;
   std::vector<std::shared_ptr<void>> kept_;
 };
 

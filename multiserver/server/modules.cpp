@@ -130,6 +130,11 @@ nlohmann::json Modules::open(const std::string& name) {
     if (!works.insert(work.name).second || serverRank_.work.contains(work.name))
       throw Error("module " + name + ": there is a work " + work.name +
                   " already, expected a name that begins with the module's");
+  std::set<std::string> filters;
+  for (const auto& filter : opened.registration->filters_)
+    if (!filters.insert(filter->schema.name).second || serverRank_.filters.find(filter->schema.name))
+      throw Error("module " + name + ": there is a filter " + filter->schema.name +
+                  " already, expected another name");
   const std::lock_guard lock(mutex_);
   opened_.insert_or_assign(name, std::move(opened));
   return nullptr;
@@ -140,6 +145,7 @@ nlohmann::json Modules::commit(const std::string& name) {
   const Registration& registration = *opened_.at(name).registration;
   opened_.at(name).library->stay();
   for (const auto& work : registration.works_) serverRank_.work.add(work.name, work.action, work.runs);
+  for (const auto& filter : registration.filters_) serverRank_.filters.add(filter);
   loaded_[name] = std::make_shared<const LoadedModule>(name, registration.verbs_);
   return nullptr;
 }

@@ -10,6 +10,7 @@
 
 #include "core/comm/error.h"
 #include "multiserver/server/datasets.h"
+#include "multiserver/server/filter_runs.h"
 #include "multiserver/server/modules.h"
 #include "multiserver/server/server_verbs.h"
 
@@ -50,11 +51,14 @@ ServerRank::ServerRank(Transport& t, ServerRankOptions o, const BackendRegistry&
       exchanges(*this),
       renderer(t, rendererOptions(options, ledger)),
       datasets(std::make_unique<Datasets>(*this)),
+      filterRuns(std::make_unique<FilterRuns>(*this)),
       modules(std::make_unique<Modules>(*this)),
       presence(t),
       work(t, options.trace) {
+  addStandardFilters(filters);
   exchanges.addWorks();
   datasets->addWorks();
+  filterRuns->addWorks();
   modules->addWorks();
   addServerWorks(*this);
 }

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "core/analysis/filter.h"
 #include "core/comm/collective.h"
 #include "core/comm/collectives.h"
 #include "core/comm/presence.h"
@@ -27,6 +28,7 @@
 namespace gxy {
 
 class Datasets;
+class FilterRuns;
 class Modules;
 
 struct ServerRankOptions {
@@ -126,7 +128,9 @@ struct ServerRank {
     std::function<nlohmann::json()> list_ = [] { return nlohmann::json::array(); };
     std::function<void()> end_ = [] {};
   } streaming;
+  Filters filters;  ///< the standard ones, and those of modules
   const std::unique_ptr<Datasets> datasets;
+  const std::unique_ptr<FilterRuns> filterRuns;
   const std::unique_ptr<Modules> modules;
   Presence presence;  ///< rank 0's Server asks
   Work work;          ///< the last part, because its actions use all others

@@ -45,7 +45,8 @@ Bytes greeting() {
   append(stream,
          protocol::textMessage(MessageChannel::Control, 0, protocol::helloText({"", "fuzzer", "fuzzer"})));
   uint32_t id = 0;
-  for (const char* module : {"load data", "load viewer", "load example"}) request(stream, ++id, module);
+  for (const char* module : {"load data", "load viewer", "load analysis", "load example"})
+    request(stream, ++id, module);
   return stream;
 }
 

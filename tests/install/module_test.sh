@@ -13,14 +13,14 @@ cp "$modules/galaxy_example.so" .
 "$prefix/bin/gxyserver" --port 0 --port-file port --modules . --log-level warn >server.log 2>&1 &
 server=$!
 for _ in $(seq 300); do [[ -s port ]] && break; sleep 0.1; done
-result=$("$prefix/bin/msclient" -P "$(cat port)" -m data -m example - <<'END'
+result=$("$prefix/bin/msclient" -P "$(cat port)" -m data -m analysis -m example - <<'END'
 import {"Datasets": {"name": "ramp", "filename": "ramp.vol", "type": "Volume"}};
 example.range ramp;
-threshold ramp upper 0 1;
+make {"name": "upper", "filter": "Threshold", "inputs": {"source": "ramp"}, "least": 0, "largest": 1};
 range upper;
 quit;
 END
 )
 wait "$server"
-expected=$'  -1.0 1.0\n  0.0 1.0'
+expected=$'  -1.0 1.0\n  upper, generation 1, type Volume\n  0.0 1.0'
 [[ $result == "$expected" ]] || { printf 'got:\n%s\nexpected:\n%s\n' "$result" "$expected"; cat server.log; exit 1; }

@@ -13,6 +13,15 @@ namespace {
 
 using nlohmann::json;
 
+std::string threshold(const std::string& source, const std::string& name, double least, double largest) {
+  return "make " + json{{"name", name},
+                        {"filter", "Threshold"},
+                        {"inputs", {{"source", source}}},
+                        {"least", least},
+                        {"largest", largest}}
+                       .dump();
+}
+
 TEST(Example, FindsTheRangeAndMakesADatasetWhereTheSourceIs) {
   ServerSetup setup;
   setup.ranks = 3;
@@ -20,13 +29,14 @@ TEST(Example, FindsTheRangeAndMakesADatasetWhereTheSourceIs) {
   TestServer server(std::move(setup));
   const auto client = server.client();
   client->expect("load data");
+  client->expect("load analysis");
   EXPECT_EQ(client->expect("load example").at("hidden"), json{"range"});
   client->expect(importBall("ball"));
   const json range = client->expect("example.range ball").at("range");
   EXPECT_NEAR(range.at(0).get<double>(), std::sqrt(3.0) / 15, 1e-6);
   EXPECT_NEAR(range.at(1).get<double>(), std::sqrt(3.0), 1e-6);
 
-  client->expect("threshold ball shell 0.5 1");
+  client->expect(threshold("ball", "shell", 0.5, 1));
   const json info = client->expect("info shell").at("datasets").at(0);
   EXPECT_EQ(info.at("points"), (json{16, 16, 16}));
   EXPECT_EQ(info.at("partitions"), 3);
@@ -42,8 +52,10 @@ TEST(Example, FindsTheRangeAndMakesADatasetWhereTheSourceIs) {
   }
   EXPECT_EQ(shown, 3);
 
-  EXPECT_FALSE(client->request("threshold nothing x 0 1").ok);
-  EXPECT_FALSE(client->request("threshold ball x").ok);
+  EXPECT_FALSE(client->request(threshold("nothing", "x", 0, 1)).ok);
+  const std::string wrong =
+      client->request(R"(make {"name": "x", "filter": "Threshold", "inputs": {"source": "ball"}})").error;
+  EXPECT_NE(wrong.find("filter Threshold without `least`; expected number"), std::string::npos) << wrong;
   client->expect("drop shell");
   client->expect("drop ball");
   for (int rank = 0; rank < 3; rank++) EXPECT_EQ(server.serverRank(rank).ledger.total("user"), 0);
@@ -54,7 +66,7 @@ TEST(Example, WhatAFilterMadeSaysHowAndIsOfTheStepOfItsSource) {
   setup.modules = GALAXY_MODULES;
   TestServer server(std::move(setup));
   const auto client = server.client();
-  for (const char* module : {"data", "example"}) client->expect(std::string("load ") + module);
+  for (const char* module : {"data", "analysis", "example"}) client->expect(std::string("load ") + module);
   const auto info = [&](const std::string& name) {
     return client->expect("info " + name).at("datasets").at(0);
   };
@@ -65,14 +77,15 @@ TEST(Example, WhatAFilterMadeSaysHowAndIsOfTheStepOfItsSource) {
     EXPECT_EQ(ball.at("origins").at(0).at("step"), step) << "its own generation";
     EXPECT_FALSE(ball.contains("provenance"));
     EXPECT_FALSE(ball.contains("time")) << "it has none";
-    client->expect("threshold ball shell 0.5 1");
+    client->expect(threshold("ball", "shell", 0.5, 1));
     const json shell = info("shell");
     EXPECT_EQ(shell.at("origins"), ball.at("origins"));
-    EXPECT_EQ(shell.at("provenance"),
-              (json{{"filter", "example.threshold"},
-                    {"version", 1},
-                    {"properties", {{"least", 0.5}, {"largest", 1.0}}},
-                    {"inputs", json::array({{{"name", "ball"}, {"generation", step}}})}}));
+    EXPECT_EQ(
+        shell.at("provenance"),
+        (json{{"filter", "Threshold"},
+              {"version", 1},
+              {"properties", {{"least", 0.5}, {"largest", 1.0}}},
+              {"inputs", json::array({{{"input", "source"}, {"name", "ball"}, {"generation", step}}})}}));
   }
   client->expect(importBall("ball"));
   EXPECT_EQ(info("ball").at("origins").at(0).at("step"), 3);
@@ -80,38 +93,38 @@ TEST(Example, WhatAFilterMadeSaysHowAndIsOfTheStepOfItsSource) {
   EXPECT_EQ(info("shell").at("generation"), 2) << "made again under the same name, it is the same object";
 }
 
-// A state document that named the source's file for them would bring back the source.
-TEST(Example, WhatAFilterMadeIsOfNoFile) {
+// A state document that named the source's file for it would bring back the source.
+TEST(Example, AStateDocumentSaysHowAFilterMadeADataset) {
   ServerSetup setup;
   setup.modules = GALAXY_MODULES;
   TestServer server(std::move(setup));
   const auto client = server.client();
-  for (const char* module : {"data", "viewer", "example"}) client->expect(std::string("load ") + module);
+  for (const char* module : {"data", "viewer", "analysis", "example"})
+    client->expect(std::string("load ") + module);
   client->expect(importBall("ball"));
-  client->expect("threshold ball shell 0.5 1");
+  client->expect(threshold("ball", "shell", 0.5, 1));
   EXPECT_FALSE(client->expect("info shell").at("datasets").at(0).contains("file"));
-  EXPECT_TRUE(client->expect("info ball").at("datasets").at(0).contains("file"));
   client->expect("window 1");
-  json document = json::parse(stateOf("shell"));
-  json& operators = document["Visualization"]["operators"];
-  EXPECT_EQ(client->expect("set 1 " + document.dump()).at("warnings"), json::array());
-  EXPECT_EQ(client->expect("state 1").at("state").value("Datasets", json::array()), json::array());
-  operators.push_back(operators[0]);
-  operators[1]["dataset"] = "ball";
-  client->expect("set 1 " + document.dump());
+  EXPECT_EQ(client->expect("set 1 " + stateOf("shell")).at("warnings"), json::array());
   const json state = client->expect("state 1").at("state");
-  ASSERT_EQ(state.at("Datasets").size(), 1u);
-  EXPECT_EQ(state.at("Datasets").at(0).at("name"), "ball");
+  ASSERT_EQ(state.at("Datasets").size(), 2u);
+  EXPECT_EQ(state.at("Datasets").at(0).at("name"), "ball") << "what it is made of comes first";
+  EXPECT_EQ(state.at("Datasets").at(1), (json{{"name", "shell"},
+                                              {"type", "Volume"},
+                                              {"filter", "Threshold"},
+                                              {"inputs", {{"source", "ball"}}},
+                                              {"color", {0.8, 0.8, 0.8, 1.0}},
+                                              {"least", 0.5},
+                                              {"largest", 1.0}}));
 
   const auto other = server.client("other");
   for (const char* module : {"data", "viewer"}) other->expect(std::string("load ") + module);
   other->expect("window 1");
-  const std::string warnings = other->expect("set 1 " + state.dump()).at("text");
-  EXPECT_NE(
-      warnings.find("dataset \"shell\": there is none that you see and the document has no file for it"),
-      std::string::npos)
-      << warnings;
-  EXPECT_NE(other->request("render 1").error.find("dataset \"shell\""), std::string::npos);
+  EXPECT_EQ(other->expect("set 1 " + state.dump()).at("warnings"), json::array());
+  EXPECT_EQ(other->expect("info shell").at("datasets").at(0).at("provenance"),
+            client->expect("info shell").at("datasets").at(0).at("provenance"))
+      << "it was made again";
+  EXPECT_EQ(other->request("render 1").error, "");
 }
 
 TEST(Example, ItsWorksLookAtAllSamplesAndLeaveTheWorkersToFrames) {
@@ -120,7 +133,7 @@ TEST(Example, ItsWorksLookAtAllSamplesAndLeaveTheWorkersToFrames) {
   TestServer server(std::move(setup));
   server.client()->expect("load example");
   for (int rank = 0; rank < 2; rank++)
-    for (const char* name : {"example.range", "example.threshold"})
+    for (const char* name : {"example.range", "filters.make"})
       EXPECT_EQ(server.serverRank(rank).work.runsOf(name), Work::Runs::Long) << name;
 }
 
@@ -164,13 +177,12 @@ TEST(Example, AFilterThatIsCancelledMakesNothing) {
       std::call_once(once, [&] { begun.set_value(event); });
   };
   Client client(options);
-  client.expect("load data");
-  client.expect("load example");
+  for (const char* module : {"data", "analysis", "example"}) client.expect(std::string("load ") + module);
   client.expect(importBall("ball"));
   held.hold();
   std::promise<Reply> made;
   const uint32_t id =
-      client.send("threshold ball shell 0.5 1", [&](const Reply& reply) { made.set_value(reply); });
+      client.send(threshold("ball", "shell", 0.5, 1), [&](const Reply& reply) { made.set_value(reply); });
   const json progress = begun.get_future().get();
   EXPECT_EQ(progress.at("request"), id);
   EXPECT_EQ(progress.at("done"), 0);
@@ -196,13 +208,13 @@ TEST(Example, AFilterWhoseResultIsItsSourceWaitsForItsTurn) {
   Client client(options);
   const auto other = held.server->client();
   for (Client* each : {&client, other.get()})
-    for (const char* module : {"data", "example"}) each->expect(std::string("load ") + module);
+    for (const char* module : {"data", "analysis", "example"}) each->expect(std::string("load ") + module);
   client.expect(importBall("ball"));
   held.hold();
   std::promise<Reply> first, second;
-  client.send("threshold ball ball 0 1", [&](const Reply& reply) { first.set_value(reply); });
+  client.send(threshold("ball", "ball", 0, 1), [&](const Reply& reply) { first.set_value(reply); });
   begun.get_future().wait();
-  other->send("threshold ball ball 0 2", [&](const Reply& reply) { second.set_value(reply); });
+  other->send(threshold("ball", "ball", 0, 2), [&](const Reply& reply) { second.set_value(reply); });
   other->expect("list");  // the request before it has begun
   held.release();
   EXPECT_EQ(first.get_future().get().error, "");

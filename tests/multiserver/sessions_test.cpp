@@ -235,7 +235,8 @@ TEST(Sessions, FoldersOfModulesAreLookedIntoInTheirOrder) {
   EXPECT_NE(client->request("load viewer").error.find("it was built for interface"), std::string::npos)
       << "that of the first folder: " << client->request("load viewer").error;
   client->expect("load data");
-  EXPECT_EQ(client->expect("modules").at("available"), (json{"data", "example", "insitu", "viewer"}));
+  EXPECT_EQ(client->expect("modules").at("available"),
+            (json{"analysis", "data", "example", "insitu", "viewer"}));
 }
 
 TEST(Sessions, AModuleWithAWorkThatThereIsAlreadyChangesNothing) {
@@ -435,16 +436,18 @@ TEST(Sessions, LongWorkOfATenantWaitsForItsTurnAndHoldsUpNobodyElse) {
   for (const auto* client : {&ann, &bob}) {
     (*client)->expect("load data");
     (*client)->expect("load example");
+    (*client)->expect("load analysis");
     (*client)->expect(importBall("ball"));
   }
+  const std::string threshold =
+      R"(make {"name": "late", "filter": "Threshold", "inputs": {"source": "ball"}, "least": 0, "largest": 1})";
   std::vector<std::shared_ptr<void>> turns;
   for (int i = 0; i < Tenants::kLong; i++)
     turns.push_back(server.serverRank().tenants.beginLong("ann", [] { FAIL() << "there is room"; }));
   std::promise<Reply> filtered, found;
-  const uint32_t id = ann->send("example.threshold ball late 0 1",
-                                [&](const Reply& reply) { filtered.set_value(reply); });  // aside
+  const uint32_t id = ann->send(threshold, [&](const Reply& reply) { filtered.set_value(reply); });  // aside
   ann->send("example.range ball", [&](const Reply& reply) { found.set_value(reply); });
-  bob->expect("example.threshold ball late 0 1");
+  bob->expect(threshold);
   bob->expect("example.range ball");
   ann->expect("cancel " + std::to_string(id));
   EXPECT_EQ(filtered.get_future().get().error, "cancelled") << "though it has not begun";

@@ -43,11 +43,27 @@ class RandomState {
   }
 
   DatasetSpec dataset(int i) {
+    if (integer(0, 3) == 0) return derived(i);
     return {std::to_string(i).append(text()),
             DatasetType(integer(0, 3)),
             text(),
             text(),
             {unit(), unit(), unit(), unit()}};
+  }
+
+  DatasetSpec derived(int i) {
+    DatasetSpec d{std::to_string(i).append(text()),
+                  DatasetType(integer(0, 3)),
+                  "",
+                  "",
+                  {unit(), unit(), unit(), unit()}};
+    d.filter = "F" + text();
+    for (int n = integer(0, 3); n > 0; --n) {
+      FilterInput& input = d.inputs.emplace_back(FilterInput{std::to_string(n) + text(), {}});
+      for (int names = integer(1, 3); names > 0; --names) input.datasets.push_back(text());
+    }
+    if (coin()) d.properties = R"({"a":[1,2.5,{"b":null}],"c":"text","d":false})";
+    return d;
   }
 
   Camera camera() {

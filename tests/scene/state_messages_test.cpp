@@ -82,7 +82,7 @@ TEST(StateMessages, SurfacesAreAsManyAsRaysCanName) {
 
 TEST(StateMessages, MissingKeysAreErrorsAtTheirObject) {
   EXPECT_EQ(errorFor("{\"Datasets\": [\n  {\"type\": \"Volume\"}]}"),
-            "state.json:2:3: dataset without `filename`; expected text");
+            "state.json:2:3: dataset without `filename` and without `name`; expected one of them");
   EXPECT_EQ(errorFor(R"({"Visualization": {}})"),
             "state.json:1:19: visualization without `operators`; expected list of operators");
   EXPECT_EQ(errorFor(R"({"Camera": {"viewpoint": [0, 0, 0]}})"),

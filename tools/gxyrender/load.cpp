@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <set>
 
 #include "core/comm/error.h"
@@ -64,69 +65,173 @@ Visualization LoadedState::withKeptComponents(Visualization out) const {
   return out;
 }
 
-LoadedState loadData(const State& state, const std::string& directory, const RenderOptions& options,
-                     Collectives& ranks, Ledger& ledger, std::vector<ShownSoFar> shownSoFar) {
-  std::map<std::string, const DatasetSpec*> specs;
-  for (const DatasetSpec& d : state.datasets) specs[d.name] = &d;
-  std::set<std::string> shown;
-  for (const Visualization& v : state.visualizations)
-    for (const Vis& op : v.operators) {
-      if (!specs.count(op.dataset))
-        throw Error("an operator shows dataset \"" + op.dataset + "\", which the state file does not define");
-      shown.insert(op.dataset);
-    }
-  auto pathOf = [&](const DatasetSpec& d) {
-    const std::filesystem::path p(d.filename);
-    return p.is_absolute() ? p.string() : (std::filesystem::path(directory) / p).string();
-  };
+namespace {
 
-  const auto valuesWanted = [](const DatasetSpec& d) {
-    ValuesWanted wanted(d.array);
-    wanted.radii = d.radiusArray;
-    return wanted;
-  };
+/// Loads the data of one state, step by step, on all ranks together.
+class Loader {
+ public:
+  Loader(const State& state, std::string directory, Collectives& ranks, Ledger& ledger)
+      : state_(state), directory_(std::move(directory)), ranks_(ranks), ledger_(ledger) {
+    for (const DatasetSpec& d : state.datasets) specs_[d.name] = &d;
+    need();
+  }
 
-  // What is where, before anything is cut: grids, and geometry as each rank has read it.
-  Box domain;
-  std::optional<Grid> first;
-  std::map<std::string, LoadedGeometry> read;
-  LeftOut leftOut;
-  for (const DatasetSpec& d : state.datasets) {
-    if (!shown.count(d.name)) continue;
-    if (d.type == DatasetType::Volume) {
-      const Grid grid = gridOf(pathOf(d), d.array, ranks);
-      domain.extend(grid.box());
-      if (!first) first = grid;
-    } else {
-      const LoadedGeometry& g =
-          read.emplace(d.name, loadGeometry(pathOf(d), kindOf(d.type), valuesWanted(d), ranks)).first->second;
-      leftOut += g.leftOut;
-      domain.extend(g.geometry.box);
+  /// Finds out what is where, before anything is cut: reads grids, and geometry as each rank gets it.
+  void open(LeftOut& leftOut) {
+    for (const DatasetSpec& d : state_.datasets) {
+      if (!isRead(d)) continue;
+      if (d.type == DatasetType::Volume) {
+        const Grid grid = gridOf(pathOf(d), d.array, ranks_);
+        domain_.extend(grid.box());
+        if (!first_) first_ = grid;
+      } else {
+        ValuesWanted wanted(d.array);
+        wanted.radii = d.radiusArray;
+        const LoadedGeometry& g =
+            read_.emplace(d.name, loadGeometry(pathOf(d), kindOf(d.type), wanted, ranks_)).first->second;
+        leftOut += g.leftOut;
+        domain_.extend(g.geometry.box);
+      }
     }
   }
 
-  LoadedState loaded;
-  loaded.leftOut = leftOut;
-  loaded.partitioning =
-      automaticPartitioning(domain, first ? &*first : nullptr, options.partitions, ranks.size());
-  loaded.components = componentsShown(state);
-  std::map<std::string, std::shared_ptr<const Volume>> volumes;
-  for (const DatasetSpec& d : state.datasets)
-    if (shown.count(d.name) && d.type == DatasetType::Volume) {
-      const auto kept = loaded.components.find(d.name);
-      auto volume =
-          importVolume(pathOf(d), d.array, *loaded.partitioning, kGhostLayers, ranks,
-                       kept == loaded.components.end() ? std::vector<int>() : kept->second, &loaded.leftOut);
-      loaded.memory.push_back(ledger.enter(kTenant, "volume", bytesOf(*volume)));
-      loaded.facts[d.name] = factsOf(*volume);
-      volumes[d.name] = std::move(volume);
-    }
+  void cut(const std::array<int, 3>& partitions) {
+    partitioning_ = automaticPartitioning(domain_, first_ ? &*first_ : nullptr, partitions, ranks_.size());
+  }
 
-  std::map<std::string, std::shared_ptr<const OwnedGeometry>> geometry;
-  for (auto& [name, g] : read) {
-    geometry[name] =
-        std::make_shared<const OwnedGeometry>(ownedGeometry(std::move(g), *loaded.partitioning, ranks));
-    loaded.facts[name] = factsOf(*geometry[name]);
+  /// Reads volumes, of those that only operators show only the components that these show.
+  void readVolumes(const std::map<std::string, std::vector<int>>& components, LeftOut& leftOut) {
+    for (const DatasetSpec& d : state_.datasets)
+      if (isRead(d) && d.type == DatasetType::Volume) {
+        const auto kept = components.find(d.name);
+        const auto dataset = newDataset(d);
+        dataset->volume =
+            importVolume(pathOf(d), d.array, *partitioning_, kGhostLayers, ranks_,
+                         kept == components.end() ? std::vector<int>() : kept->second, &leftOut);
+        dataset->memory = ledger_.enter(kTenant, "volume", bytesOf(*dataset->volume));
+        datasets_[d.name] = dataset;
+      }
+  }
+
+  void keepGeometry() {
+    for (auto& [name, g] : read_) {
+      const auto dataset = newDataset(*specs_.at(name));
+      dataset->geometry =
+          std::make_shared<const OwnedGeometry>(ownedGeometry(std::move(g), *partitioning_, ranks_));
+      datasets_[name] = dataset;
+    }
+  }
+
+  /// Evaluates filters, each after those of its inputs.
+  void makeOthers(const Filters& filters, const FilterServices& given) {
+    FilterServices services = given;
+    if (!services.takeMemory)
+      services.takeMemory = [this](const std::string& purpose, int64_t bytes) {
+        return ledger_.enter(kTenant, purpose, bytes);
+      };
+    for (const size_t i : evaluationOrder(state_.datasets)) {
+      const DatasetSpec& d = state_.datasets[i];
+      if (!needed_.count(d.name)) continue;
+      FilterRun::Inputs inputs;
+      for (const FilterInput& input : d.inputs)
+        for (const std::string& name : input.datasets)
+          inputs[input.input].push_back({name, Key{keys_.at(name)}, 1, datasets_.at(name)});
+      FilterRun run(ranks_, std::move(inputs), services);
+      datasets_[d.name] = evaluate(*filters.get(d.filter), run, d.properties).dataset;
+      keys_.emplace(d.name, keys_.size() + 1);
+    }
+  }
+
+  const Dataset& dataset(const std::string& name) const { return *datasets_.at(name); }
+  std::shared_ptr<const Dataset> sharedDataset(const std::string& name) const { return datasets_.at(name); }
+  const std::set<std::string>& needed() const { return needed_; }
+  /// Whether a filter reads it, and so perhaps all its components.
+  bool isInput(const std::string& name) const { return inputs_.count(name) > 0; }
+  const DatasetSpec& spec(const std::string& name) const { return *specs_.at(name); }
+  const std::shared_ptr<const Partitioning>& partitioning() const { return partitioning_; }
+
+ private:
+  bool isRead(const DatasetSpec& d) const { return needed_.count(d.name) && d.filter.empty(); }
+  std::string pathOf(const DatasetSpec& d) const {
+    const std::filesystem::path p(d.filename);
+    return p.is_absolute() ? p.string() : (std::filesystem::path(directory_) / p).string();
+  }
+
+  /// Collects what operators show, and what it is made of.
+  void need() {
+    std::vector<std::string> wanted;
+    for (const Visualization& v : state_.visualizations)
+      for (const Vis& op : v.operators) {
+        if (!specs_.count(op.dataset))
+          throw Error("an operator shows dataset \"" + op.dataset +
+                      "\", which the state file does not define");
+        wanted.push_back(op.dataset);
+      }
+    while (!wanted.empty()) {
+      const std::string name = std::move(wanted.back());
+      wanted.pop_back();
+      if (!needed_.insert(name).second) continue;
+      const DatasetSpec& d = *specs_.at(name);
+      if (d.isLive())
+        throw Error("dataset \"" + name +
+                    "\": its entry has neither `filename` nor `filter`; expected `--dataset " + name +
+                    "=FILE` on the command line");
+      for (const FilterInput& input : d.inputs)
+        for (const std::string& other : input.datasets) {
+          if (!specs_.count(other))
+            throw Error("dataset \"" + name + "\": input `" + input.input + "` is dataset \"" + other +
+                        "\", which the state file does not define");
+          inputs_.insert(other);
+          wanted.push_back(other);
+        }
+    }
+  }
+
+  std::shared_ptr<Dataset> newDataset(const DatasetSpec& d) {
+    const auto dataset = std::make_shared<Dataset>();
+    dataset->file = pathOf(d);
+    dataset->array = d.array;
+    dataset->partitioning = partitioning_;
+    const uint64_t key = keys_.emplace(d.name, keys_.size() + 1).first->second;
+    dataset->origins = {{key, 1}};
+    return dataset;
+  }
+
+  const State& state_;
+  const std::string directory_;
+  Collectives& ranks_;
+  Ledger& ledger_;
+  std::map<std::string, const DatasetSpec*> specs_;
+  std::set<std::string> needed_, inputs_;
+  Box domain_;
+  std::optional<Grid> first_;
+  std::map<std::string, LoadedGeometry> read_;
+  std::shared_ptr<const Partitioning> partitioning_;
+  std::map<std::string, uint64_t> keys_;  ///< of objects, as a server would have them
+  std::map<std::string, std::shared_ptr<const Dataset>> datasets_;
+};
+
+}  // namespace
+
+LoadedState loadData(const State& state, const std::string& directory, const RenderOptions& options,
+                     Collectives& ranks, Ledger& ledger, std::vector<ShownSoFar> shownSoFar,
+                     const Filters& filters, const FilterServices& services) {
+  Loader loader(state, directory, ranks, ledger);
+  LoadedState loaded;
+  loader.open(loaded.leftOut);
+  loader.cut(options.partitions);
+  loaded.partitioning = loader.partitioning();
+  loaded.components = componentsShown(state);
+  std::erase_if(loaded.components, [&](const auto& kept) {
+    return loader.isInput(kept.first) || !loader.spec(kept.first).filter.empty();
+  });
+  loader.readVolumes(loaded.components, loaded.leftOut);
+  loader.keepGeometry();
+  loader.makeOthers(filters, services);
+  for (const std::string& name : loader.needed()) {
+    const Dataset& d = loader.dataset(name);
+    loaded.facts[name] = d.volume ? factsOf(*d.volume) : factsOf(*d.geometry);
+    loaded.datasets.push_back(loader.sharedDataset(name));
   }
   loaded.shown = std::move(shownSoFar);
   loaded.shown.resize(state.visualizations.size());
@@ -140,14 +245,14 @@ LoadedState loadData(const State& state, const std::string& directory, const Ren
     const Visualization kept = loaded.withKeptComponents(state.visualizations[v]);
     auto& list = loaded.data.emplace_back();
     for (const Vis& op : resolved(kept, loaded.factsFor(kept), loaded.shown[v]).operators) {
-      const DatasetSpec& d = *specs[op.dataset];
+      const Dataset& d = loader.dataset(op.dataset);
       OperatorData& data = list.emplace_back();
-      data.color = glm::dvec3(d.color);
-      if (d.type == DatasetType::Volume) {
-        data.volume = volumes[d.name];
+      data.color = glm::dvec3(loader.spec(op.dataset).color);
+      if (d.volume) {
+        data.volume = d.volume;
       } else {
         loaded.geometry.push_back(
-            distributed.get({d.name, geometry.at(d.name)}, op, *loaded.partitioning, ranks, enter));
+            distributed.get({op.dataset, d.geometry}, op, *loaded.partitioning, ranks, enter));
         data.geometry = loaded.geometry.back()->geometry;
       }
     }

@@ -4,6 +4,7 @@
 #include <spdlog/spdlog.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <condition_variable>
 #include <filesystem>
 #include <iostream>
@@ -66,8 +67,24 @@ struct Steps {
   }
 };
 
-State readStateAlone(const std::string& path) {
-  StateFile file = readStateFile(path);
+// Gives datasets the files that the command line says.
+void giveFiles(State& state, const std::map<std::string, std::string>& files) {
+  for (const auto& [name, file] : files) {
+    const auto d =
+        std::find_if(state.datasets.begin(), state.datasets.end(),
+                     [&, wanted = name](const DatasetSpec& dataset) { return dataset.name == wanted; });
+    if (d == state.datasets.end())
+      throw Error("--dataset " + name + "=" + file + ": the state file has no dataset \"" + name + "\"");
+    d->filename = std::filesystem::absolute(file).string();
+    d->filter.clear();
+    d->inputs.clear();
+    d->properties.clear();
+  }
+}
+
+State readStateAlone(const std::string& path, const std::map<std::string, std::string>& files) {
+  StateFile file = readStateFile(path, &standardFilters());
+  giveFiles(file.state, files);
   for (const std::string& w : file.warnings) std::cerr << "warning: " << w << '\n';
   if (file.state.visualizations.empty()) throw Error(path + ": there is no visualization to render");
   if (file.state.cameras.empty()) file.state.cameras = {defaultCamera()};
@@ -79,9 +96,12 @@ nlohmann::json readAlone(const RenderOptions& options) {
   if (options.files.size() == 1 && filesOf(first).size() == 1 && isStateFile(first)) {
     if (options.looks)
       throw Error(first + ": this is a state file, and --iso, --slice and --array are for data files");
-    return {{"state", writeState(readStateAlone(first))},
+    return {{"state", writeState(readStateAlone(first, options.datasets))},
             {"directory", std::filesystem::absolute(first).parent_path().string()}};
   }
+  if (!options.datasets.empty())
+    throw Error("--dataset " + options.datasets.begin()->first + "=" + options.datasets.begin()->second +
+                ": this is for datasets of a state file, and there is none");
   const std::vector<TimeStep> series = stepsOf(options.files);
   for (const std::string& file : series[0].files)
     if (isStateFile(file))
@@ -111,7 +131,9 @@ Steps readOnAll(const RenderOptions& options, Collective& collective, bool root)
   if (heard.at(0) == '!') throw Error(heard.substr(1));
   const auto read = nlohmann::json::parse(heard.substr(1));
   Steps steps{
-      readState(read.at("state").get<std::string>(), options.files.at(0)).state, {}, read.at("directory")};
+      readState(read.at("state").get<std::string>(), options.files.at(0), ".", &standardFilters()).state,
+      {},
+      read.at("directory")};
   for (const auto& step : read.value("steps", nlohmann::json::array())) {
     TimeStep& to = steps.series.emplace_back();
     step.at("files").get_to(to.files);

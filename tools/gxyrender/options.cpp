@@ -63,6 +63,11 @@ std::optional<int> parseOptions(int argc, char** argv, bool speaks, RenderOption
       ->required();
   std::vector<std::string> isovalues;
   addLookOptions(app, isovalues, o.look, o.array);
+  std::vector<std::string> datasets;
+  app.add_option("--dataset", datasets,
+                 "NAME=FILE: the file of a dataset of the state file, in place of what it says")
+      ->type_size(1)
+      ->allow_extra_args(false);
   app.add_option("-o,--output", o.prefix, "Prefix of the pictures' names")->capture_default_str();
   app.add_option("--size", size, "Picture size WxH, instead of the cameras'");
   app.add_option("--backend", o.backend, kBackendHelp)->capture_default_str();
@@ -126,6 +131,12 @@ std::optional<int> parseOptions(int argc, char** argv, bool speaks, RenderOption
       if (app.count(other) > 0)
         return usage(std::string(other) + " does not go with --reference, which renders by itself");
   o.looks = !isovalues.empty() || o.look.slice || !o.array.empty();
+  for (const std::string& text : datasets) {
+    const size_t equals = text.find('=');
+    if (equals == 0 || equals == std::string::npos || equals + 1 == text.size())
+      return usage("--dataset " + text + ": expected NAME=FILE");
+    o.datasets[text.substr(0, equals)] = text.substr(equals + 1);
+  }
   if (!size.empty()) {
     o.size.emplace();
     if (!parseNumbers(size, 'x', *o.size, 2))

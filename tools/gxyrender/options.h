@@ -2,6 +2,7 @@
 // The command line of gxyrender.
 #pragma once
 #include <array>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -12,10 +13,11 @@
 namespace gxy {
 
 struct RenderOptions {
-  std::vector<std::string> files;  ///< a state file, or data files
-  std::string array;               ///< array of data files
-  LookOptions look;                ///< options of the first look at data files
-  bool looks = false;              ///< one of the two options above was given
+  std::vector<std::string> files;               ///< a state file, or data files
+  std::string array;                            ///< array of data files
+  LookOptions look;                             ///< options of the first look at data files
+  bool looks = false;                           ///< one of the two options above was given
+  std::map<std::string, std::string> datasets;  ///< files of datasets of the state file, by name
   std::string prefix = "image";
   size_t firstPicture = 0;     ///< number of the current time step's first picture
   std::optional<double> time;  ///< time of that step, if it is known

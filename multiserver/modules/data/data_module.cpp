@@ -5,6 +5,7 @@
 #include "core/comm/error.h"
 #include "core/scene/state_file.h"
 #include "multiserver/server/datasets.h"
+#include "multiserver/server/filter_runs.h"
 #include "multiserver/server/module.h"
 
 namespace gxy {
@@ -77,7 +78,8 @@ json import(Request& request, protocol::Arguments arguments) {
   if (!file.state.visualizations.empty() || !file.state.cameras.empty())
     throw Error("import: expected `Datasets` only; module viewer takes whole state documents");
   what.specs = file.state.datasets;
-  for (std::string& w : datasetsOf(request).import(request, what)) file.warnings.push_back(std::move(w));
+  for (std::string& w : request.session().serverRank().filterRuns->importAndMake(request, what))
+    file.warnings.push_back(std::move(w));
   json names = json::array(), generations = json::object();
   for (const DatasetSpec& d : what.specs) {
     names.push_back(d.name);

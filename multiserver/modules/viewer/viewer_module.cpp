@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Module `viewer`: windows of clients, and batches of pictures.
+#include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <map>
 #include <set>
 
@@ -13,6 +15,7 @@
 #include "multiserver/modules/viewer/window.h"
 #include "multiserver/protocol/json.h"
 #include "multiserver/rendering/cost.h"
+#include "multiserver/server/filter_runs.h"
 
 namespace gxy::viewer {
 namespace {
@@ -184,13 +187,13 @@ json windowVerb(Services& services, Request& request, Arguments arguments) {
   return {{"window", id}, {"size", {settings.size.x, settings.size.y}}};
 }
 
-// Imports what a document has and the tenant has not. Returns what of the files is not used.
+// Reads and makes what a document has and the tenant has not. Returns what of the files is not used.
 std::vector<std::string> importMissing(Request& request, const std::vector<DatasetSpec>& specs) {
   Datasets::Import what;
   what.specs = specs;
   what.onlyMissing = true;
   if (specs.empty()) return {};
-  return request.session().serverRank().datasets->import(request, what);
+  return request.session().serverRank().filterRuns->importAndMake(request, what);
 }
 
 // Of data that no document can import, as those of filters, or whose document has no file for them.
@@ -335,20 +338,45 @@ json list(Request& request, Arguments arguments) {
   return {{"windows", windows}, {"text", text}};
 }
 
+// The entry from which a dataset can be had again: its file, or its filter.
+DatasetSpec specOf(const std::string& name, const Dataset& d) {
+  DatasetSpec spec{name, typeOf(d), d.file, d.array, d.color, d.radiusArray};
+  if (!d.stream.empty()) spec.array.clear();
+  spec.filter = d.provenance.filter;
+  spec.properties = d.provenance.properties;
+  for (const Provenance::Input& input : d.provenance.inputs) {
+    if (spec.inputs.empty() || spec.inputs.back().input != input.input)
+      spec.inputs.push_back({input.input, {}});
+    spec.inputs.back().datasets.push_back(input.name);
+  }
+  return spec;
+}
+
+// Adds the entry of what the tenant calls `name`, after those of what it is made of.
+void addSpecs(Request& request, const std::string& name, std::vector<DatasetSpec>& specs) {
+  Datasets& datasets = *request.session().serverRank().datasets;
+  std::set<std::string> seen;
+  for (const DatasetSpec& d : specs) seen.insert(d.name);
+  std::vector<std::string> wanted{name};
+  std::vector<DatasetSpec> found;
+  while (!wanted.empty()) {
+    const std::string next = std::move(wanted.back());
+    wanted.pop_back();
+    if (!seen.insert(next).second || !datasets.find(request.session().tenant(), next)) continue;
+    const auto d = datasets.getPinned(request.session().tenant(), next).second.get<Dataset>();
+    found.push_back(specOf(next, *d));
+    for (const FilterInput& input : found.back().inputs)
+      wanted.insert(wanted.end(), input.datasets.begin(), input.datasets.end());
+  }
+  std::move(found.rbegin(), found.rend(), std::back_inserter(specs));
+}
+
 json state(Request& request, Arguments arguments) {
   const uint32_t id = windowId(arguments);
   arguments.expectEnd();
   State state = windowsOf(request.session())->get(id)->state();
-  Datasets& datasets = *request.session().serverRank().datasets;
   for (const Visualization& v : state.visualizations)
-    for (const Vis& vis : v.operators) {
-      if (!datasets.find(request.session().tenant(), vis.dataset)) continue;
-      const auto d = datasets.getPinned(request.session().tenant(), vis.dataset).second.get<Dataset>();
-      if (d->file.empty()) continue;  // made of others: nobody can import it
-      DatasetSpec spec{vis.dataset, typeOf(*d), d->file, d->array, d->color, d->radiusArray};
-      if (std::find(state.datasets.begin(), state.datasets.end(), spec) == state.datasets.end())
-        state.datasets.push_back(std::move(spec));
-    }
+    for (const Vis& vis : v.operators) addSpecs(request, vis.dataset, state.datasets);
   return {{"state", json::parse(writeState(state))}};
 }
 

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: Apache-2.0
+// Module `analysis`: data made of data.
+#include "core/comm/error.h"
+#include "core/scene/filter_schema.h"
+#include "multiserver/server/filter_runs.h"
+#include "multiserver/server/module.h"
+
+namespace {
+
+using namespace gxy;
+using nlohmann::json;
+
+// What a filter told, for people: a line for each dataset or each filter without one.
+std::string textOf(const DatasetSpec& entry, const json& told) {
+  std::string text = entry.name.empty() ? entry.filter : entry.name;
+  for (const auto& [key, value] : told.items())
+    if (key != "name")
+      text += ", " + key + " " + (value.is_string() ? value.get<std::string>() : value.dump());
+  return text;
+}
+
+json make(Request& request) {
+  protocol::Arguments arguments(request.arguments(), "make [shared] ENTRY");
+  const Scope scope = arguments.taken("shared") ? Scope::Shared : Scope::Private;
+  StateFile file = DocumentReader(request).datasets(arguments.expectJsonOrList(), "make");
+  const std::vector<DatasetSpec>& entries = file.state.datasets;
+  for (const DatasetSpec& entry : entries)
+    if (entry.filter.empty())
+      throw Error("make: dataset " + inQuotes(entry.name) +
+                  " has no `filter`; expected entries with filters, `import` reads files");
+  json results = json::array();
+  std::string text;
+  FilterRuns& runs = *request.session().serverRank().filterRuns;
+  for (const size_t i : evaluationOrder(entries)) {
+    json told = runs.make(request, entries[i], scope);
+    text += (text.empty() ? "" : "\n") + textOf(entries[i], told);
+    results.push_back(std::move(told));
+  }
+  for (const std::string& w : file.warnings) text += "\nwarning: " + w;
+  return {{"results", results}, {"warnings", file.warnings}, {"text", text}};
+}
+
+json described(const FilterSchema& filter) {
+  json inputs = json::array(), properties = json::array();
+  for (const FilterPort& port : filter.inputs)
+    inputs.push_back({{"name", port.name},
+                      {"takes", namesOf(port.types)},
+                      {"optional", port.count == FilterPort::Count::Optional},
+                      {"many", port.count == FilterPort::Count::Many},
+                      {"any name", port.count == FilterPort::Count::AnyName},
+                      {"help", port.help}});
+  for (const KeyInfo& key : filter.properties)
+    properties.push_back({{"key", key.name},
+                          {"type", key.type},
+                          {"default", key.defaultText},
+                          {"required", key.required},
+                          {"help", key.meaning}});
+  return {{"name", filter.name}, {"version", filter.version},
+          {"help", filter.help}, {"makes", filter.makes ? json(namesOf(bitOf(*filter.makes))) : json()},
+          {"inputs", inputs},    {"properties", properties}};
+}
+
+json filters(Request& request) {
+  protocol::Arguments(request.arguments(), "filters").expectEnd();
+  const Filters& known = request.session().serverRank().filters;
+  json all = json::array();
+  std::string text = "filters:";
+  for (const std::string& name : known.names()) {
+    all.push_back(described(*known.find(name)));
+    text += "\n" + name + ": " + known.find(name)->help;
+  }
+  return {{"filters", all}, {"text", text}};
+}
+
+}  // namespace
+
+GALAXY_MODULE(registration) {
+  registration.verb({"make", "[shared] ENTRY",
+                     "Makes datasets of datasets, or tells numbers: entries of a state file with a `filter`.",
+                     Order::Aside, make});
+  registration.verb(
+      {"filters", "", "What filters there are, with their inputs and properties.", Order::InTurn, filters});
+}
