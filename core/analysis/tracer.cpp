@@ -89,8 +89,8 @@ class Tracer::HeadFlight final : public Flight<AdvanceResult> {
     next_ += count;
     return [this, begin, count](const Done& done) {
       const TraceRequest& r = request();
-      Seeds seeds = seedHeads(*r.fields, std::span(r.seeds).subspan(begin, count),
-                              std::span(r.lines).subspan(begin, count), r.direction);
+      SeedHeads seeds = seedHeads(*r.fields, std::span(r.seeds).subspan(begin, count),
+                                  std::span(r.lines).subspan(begin, count), r.direction);
       AdvanceResult result;
       result.leaving = std::move(seeds.heads);
       result.ends = std::move(seeds.ends);

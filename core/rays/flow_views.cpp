@@ -176,6 +176,11 @@ void finishHeads(const CompiledFields& fields, const TraceOptions& options, Head
     end.points = h.points[i];
     end.length = measure.length(end.backward, h.length[i], h.lengthRest[i]);
     end.time = measure.time(end.backward, h.time[i], h.timeRest[i], end.length);
+    // The pairs of the kernel have 48 bits; limits are met exactly.
+    if (end.reason == EndReason::Time) end.time = end.backward ? -options.time : options.time;
+    if (end.reason == EndReason::Time && options.normalised) end.length = end.time;
+    if (end.reason == EndReason::Length) end.length = end.backward ? -limits.length : limits.length;
+    if (end.reason == EndReason::Length && options.normalised) end.time = end.length;
     end.position = fields.worldOf(cell, {h.fx[i], h.fy[i], h.fz[i]});
     result.ends.push_back(end);
     result.retired++;

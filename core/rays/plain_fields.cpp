@@ -101,7 +101,10 @@ class Walk {
     if (reason_ == LINE_GOES_ON && meetsCondition()) reason_ = LINE_CONDITION;
     if (reason_ != LINE_GOES_ON) return;
     const int face = faceAtOnce(f_, k, lo, hi);
-    if (face >= 0) return cross(face);
+    if (face >= 0) {
+      if (v_.points == POINTS_CELLS && h_.fresh[i_]) storeHere();
+      return cross(face);
+    }
     if (isSlow(v_, k, speed, derivative)) reason_ = LINE_SLOW;
     real h = 0;
     for (int result = STEP_AGAIN; reason_ == LINE_GOES_ON && result != STEP_FACE && result != STEP_EXIT;) {
