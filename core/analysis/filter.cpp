@@ -68,6 +68,11 @@ const FilterSource* FilterRun::optional(const std::string& name) const {
   return found == inputs_.end() || found->second.empty() ? nullptr : &found->second.front();
 }
 
+Sampler& FilterRun::sampler() const {
+  if (!services_.sampler) throw Error("this program cannot send rays for filters");
+  return *services_.sampler;
+}
+
 std::shared_ptr<Dataset> FilterRun::made(std::shared_ptr<const Volume> volume,
                                          std::shared_ptr<const Partitioning> partitioning,
                                          LedgerEntry memory) const {

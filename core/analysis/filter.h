@@ -31,6 +31,8 @@
 
 namespace gxy {
 
+class Sampler;
+
 /// A generation of a dataset that a filter reads. It is pinned while the filter runs.
 struct FilterSource {
   std::string name;  ///< for messages
@@ -52,6 +54,8 @@ struct FilterServices {
   /// Is called on all ranks when item `item` of `of` begins. If it throws, it throws on all ranks.
   std::function<void(int64_t item, int64_t of, const std::string& text)> begin = [](int64_t, int64_t,
                                                                                     const std::string&) {};
+  /// Sends rays through data, together with those of all other ranks. Null on all ranks: there is none.
+  Sampler* sampler = nullptr;
 };
 
 /// One evaluation of a filter on one rank. All ranks make the same collective calls in the same order, whatever
@@ -77,6 +81,9 @@ class FilterRun {
   }
   /// Collective. Reports that item `item` of `of` begins.
   void begin(int64_t item, int64_t of, const std::string& text) { services_.begin(item, of, text); }
+
+  /// Throws Error on all ranks if this program has none.
+  Sampler& sampler() const;
 
   /// Makes a dataset of a volume or of geometry.
   std::shared_ptr<Dataset> made(std::shared_ptr<const Volume> volume,

@@ -5,6 +5,7 @@
 #include <glm/geometric.hpp>
 
 #include "core/kernels/single.h"
+#include "core/scene/camera.h"
 
 namespace gxy {
 
@@ -38,12 +39,15 @@ void cutTo(const Box& box, const glm::dvec3& origin, const glm::dvec3& direction
   }
 }
 
+// How many of the chunks of `rays` rays are the rank's, where ranks take turns.
+uint64_t chunksOf(uint64_t rays, uint64_t rank, uint64_t ranks) {
+  const uint64_t all = (rays + RaySource::kChunk - 1) / RaySource::kChunk;
+  return (all + ranks - 1 - rank) / ranks;
+}
+
 }  // namespace
 
-size_t UniformLines::chunks() const {
-  const uint64_t all = (end_ - first_ + kChunk - 1) / kChunk;
-  return size_t((all + ranks_ - 1 - rank_) / ranks_);
-}
+size_t UniformLines::chunks() const { return chunksOf(end_ - first_, rank_, ranks_); }
 
 int UniformLines::raysOf(size_t chunk) const {
   return int(std::min<uint64_t>(kChunk, end_ - firstOf(chunk)));
@@ -64,11 +68,11 @@ RayList UniformLines::rays(size_t chunk, const RenderSpace& space) const {
   return list;
 }
 
-RayList GivenRays::rays(size_t chunk, const RenderSpace& space) const {
+RayList MappedRays::rays(size_t chunk, const RenderSpace& space) const {
   RayList list(raysOf(chunk));
   int n = 0;
-  for (size_t k = chunk * kChunk; k < chunk * kChunk + size_t(raysOf(chunk)); k++) {
-    const SampleRay& ray = rays_[k];
+  for (int i = 0; i < raysOf(chunk); i++) {
+    const SampleRay ray = rayAt_(chunk * kChunk + uint64_t(i));
     const glm::dvec3 direction = glm::normalize(ray.direction);
     double t0 = 0, t1 = ray.length;
     cutTo(within_, ray.origin, direction, t0, t1);
@@ -79,6 +83,23 @@ RayList GivenRays::rays(size_t chunk, const RenderSpace& space) const {
   }
   list.resize(n);
   return list;
+}
+
+MappedRays cameraRays(const Camera& camera, const Box& within, int rank, int ranks) {
+  const CameraBasis basis = cameraBasis(camera);
+  const auto width = uint64_t(camera.dimensions.x), all = width * uint64_t(camera.dimensions.y);
+  constexpr uint64_t kChunk = RaySource::kChunk;
+  const uint64_t chunks = chunksOf(all, uint64_t(rank), uint64_t(ranks));
+  const uint64_t last = (chunks - 1) * uint64_t(ranks) + uint64_t(rank);  // of this rank's, among all chunks
+  const uint64_t count = chunks == 0 ? 0 : (chunks - 1) * kChunk + std::min(kChunk, all - last * kChunk);
+  return {count,
+          [=](uint64_t place) {
+            const uint64_t pixel =
+                (place / kChunk * uint64_t(ranks) + uint64_t(rank)) * kChunk + place % kChunk;
+            const CameraRay ray = cameraRay(basis, double(pixel % width) + 0.5, double(pixel / width) + 0.5);
+            return SampleRay{pixel, ray.origin, ray.direction};
+          },
+          within};
 }
 
 }  // namespace gxy

@@ -4,13 +4,17 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <glm/vec3.hpp>
 #include <limits>
+#include <memory>
+#include <utility>
 #include <vector>
 
 #include "core/data/box.h"
 #include "core/rays/compiled_scene.h"
 #include "core/rays/ray_list.h"
+#include "core/scene/scene.h"
 
 namespace gxy {
 
@@ -54,20 +58,38 @@ struct SampleRay {
   double length = std::numeric_limits<double>::infinity();  ///< world units
 };
 
-/// Rays that are given one by one. Those that miss the box `within`, outside of which there is nothing, are left out; those that
-/// begin outside begin where they enter it, in double, so that a far origin loses nothing.
-class GivenRays final : public RaySource {
+/// Rays of this rank by their places, 0 to before `count`. Those that miss the box `within`, outside of which there is nothing, are
+/// left out. Those that begin outside begin where they enter it, in double, so that a far origin loses nothing; their t is 0 there.
+class MappedRays : public RaySource {
  public:
-  GivenRays(std::vector<SampleRay> rays, const Box& within) : rays_(std::move(rays)), within_(within) {}
-  size_t chunks() const override { return (rays_.size() + kChunk - 1) / kChunk; }
-  int raysOf(size_t chunk) const override {
-    return int(std::min<size_t>(kChunk, rays_.size() - chunk * kChunk));
-  }
+  using RayAt = std::function<SampleRay(uint64_t place)>;
+
+  /// `rayAt` is called by any thread, and several at once.
+  MappedRays(uint64_t count, RayAt rayAt, const Box& within)
+      : count_(count), rayAt_(std::move(rayAt)), within_(within) {}
+  size_t chunks() const override { return size_t((count_ + kChunk - 1) / kChunk); }
+  int raysOf(size_t chunk) const override { return int(std::min<uint64_t>(kChunk, count_ - chunk * kChunk)); }
   RayList rays(size_t chunk, const RenderSpace& space) const override;
 
  private:
-  const std::vector<SampleRay> rays_;
+  const uint64_t count_;
+  const RayAt rayAt_;
   const Box within_;
 };
+
+/// Rays that are given one by one.
+class GivenRays final : public MappedRays {
+ public:
+  GivenRays(std::vector<SampleRay> rays, const Box& within)
+      : GivenRays(std::make_shared<const std::vector<SampleRay>>(std::move(rays)), within) {}
+
+ private:
+  GivenRays(std::shared_ptr<const std::vector<SampleRay>> rays, const Box& within)
+      : MappedRays(
+            rays->size(), [rays](uint64_t place) { return (*rays)[place]; }, within) {}
+};
+
+/// The rays through the middles of a camera's pixels, numbered by pixel. Ranks take turns in making chunks.
+MappedRays cameraRays(const Camera& camera, const Box& within, int rank, int ranks);
 
 }  // namespace gxy

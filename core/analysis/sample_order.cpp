@@ -13,13 +13,13 @@ namespace {
 constexpr size_t kProbes = 32;  // keys that each rank tells to choose the parts by
 
 template <class T>
-Bytes bytesOf(std::span<const T> values) {
+Bytes packed(std::span<const T> values) {
   const auto bytes = std::as_bytes(values);
   return {bytes.begin(), bytes.end()};
 }
 
 template <class T>
-std::vector<T> valuesOf(const Bytes& bytes) {
+std::vector<T> unpacked(const Bytes& bytes) {
   std::vector<T> values(bytes.size() / sizeof(T));
   if (!values.empty()) std::memcpy(values.data(), bytes.data(), values.size() * sizeof(T));
   return values;
@@ -31,8 +31,8 @@ std::vector<SampleKey> splitters(std::span<const SampleKey> mine, Collectives& r
   const size_t n = std::min(kProbes, mine.size());
   for (size_t i = 0; i < n; i++) probes.push_back(mine[(2 * i + 1) * mine.size() / (2 * n)]);
   std::vector<SampleKey> all;
-  for (const Bytes& theirs : ranks.allGather(bytesOf<SampleKey>(probes)))
-    for (const SampleKey& key : valuesOf<SampleKey>(theirs)) all.push_back(key);
+  for (const Bytes& theirs : ranks.allGather(packed<SampleKey>(probes)))
+    for (const SampleKey& key : unpacked<SampleKey>(theirs)) all.push_back(key);
   std::sort(all.begin(), all.end());
   std::vector<SampleKey> first;
   for (int r = 1; r < ranks.size() && !all.empty(); r++)
@@ -47,7 +47,7 @@ std::vector<Bytes> partsOf(std::span<const SampleKey> mine, std::span<const Samp
   for (int r = 0; r < ranks; r++) {
     const auto to =
         size_t(r) < first.size() ? std::lower_bound(from, mine.end(), first[size_t(r)]) : mine.end();
-    parts.push_back(bytesOf<SampleKey>({from, to}));
+    parts.push_back(packed<SampleKey>({from, to}));
     from = to;
   }
   return parts;
@@ -66,7 +66,7 @@ std::vector<uint64_t> placesAmong(std::span<const SampleKey> mine, Collectives& 
   std::vector<From> all;
   std::vector<std::vector<uint64_t>> places(parts.size());
   for (size_t r = 0; r < parts.size(); r++) {
-    const std::vector<SampleKey> keys = valuesOf<SampleKey>(parts[r]);
+    const std::vector<SampleKey> keys = unpacked<SampleKey>(parts[r]);
     for (size_t i = 0; i < keys.size(); i++) all.push_back({keys[i], uint32_t(r), uint32_t(i)});
     places[r].resize(keys.size());
   }
@@ -76,10 +76,10 @@ std::vector<uint64_t> placesAmong(std::span<const SampleKey> mine, Collectives& 
   for (int r = 0; r < ranks.rank(); r++) place += counts[size_t(r)];
   for (const From& one : all) places[one.rank][one.index] = place++;
   std::vector<Bytes> answers;
-  for (const auto& theirs : places) answers.push_back(bytesOf<uint64_t>(theirs));
+  for (const auto& theirs : places) answers.push_back(packed<uint64_t>(theirs));
   std::vector<uint64_t> result;
   for (const Bytes& answer : ranks.allToAll(std::move(answers)))
-    for (const uint64_t p : valuesOf<uint64_t>(answer)) result.push_back(p);
+    for (const uint64_t p : unpacked<uint64_t>(answer)) result.push_back(p);
   return result;
 }
 

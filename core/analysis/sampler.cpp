@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/analysis/sampler.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <exception>
+#include <iterator>
 #include <optional>
 #include <thread>
 #include <utility>
@@ -35,7 +38,7 @@ FlightControl::Options flightsOf(const Sampler::Options& options) {
 }
 
 // What is wrong with rays that have arrived; null if nothing is.
-const char* wrongIn(const RayList& rays, const CompiledScene& scene) {
+const char* wrongAmong(const RayList& rays, const CompiledScene& scene) {
   double reach = 1;
   for (int k = 0; k < 3; k++) reach = std::max({reach, std::abs(scene.lo[k]), std::abs(scene.hi[k])});
   const RayView& r = rays.view();
@@ -53,6 +56,12 @@ const char* wrongIn(const RayList& rays, const CompiledScene& scene) {
 }
 
 }  // namespace
+
+void TakenSamples::append(TakenSamples&& other) {
+  list.append(std::move(other.list));
+  memory.insert(memory.end(), std::make_move_iterator(other.memory.begin()),
+                std::make_move_iterator(other.memory.end()));
+}
 
 /// A sampling that is under way on this rank, or whose samples have not been taken.
 struct Sampler::Run {
@@ -117,7 +126,7 @@ class Sampler::Rays final : public Flight<TraceResult> {
         owner(partition) != sampler_.transport_.rank() || !scene().visible[size_t(partition)])
       in.fail("partition " + std::to_string(partition) + " is not one that this rank shows");
     RayList rays = RayList::read(bytes, count, false);
-    if (const char* wrong = wrongIn(rays, scene())) in.fail(wrong);
+    if (const char* wrong = wrongAmong(rays, scene())) in.fail(wrong);
     return {partition, false, std::move(rays)};
   }
 
@@ -132,6 +141,7 @@ class Sampler::Rays final : public Flight<TraceResult> {
 Sampler::Sampler(Transport& transport, const Backend& backend, Options options)
     : transport_(transport),
       options_(std::move(options)),
+      backend_(backend),
       builder_(backend, transport.rank()),
       flights_(
           transport, flightsOf(options_),
@@ -145,20 +155,47 @@ Sampler::Sampler(Transport& transport, const Backend& backend, Options options)
 std::shared_ptr<const Sampling> Sampler::prepare(SamplingSource source, Collectives& ranks,
                                                  const EnterMemory& enter,
                                                  const SceneBuilder::OnItem& onItem) {
-  auto sampling = std::make_shared<Sampling>();
   source.scene.visualization = forSampling(std::move(source.scene.visualization));
-  sampling->scene = builder_.build(std::move(source.scene), ranks, enter, onItem);
+  const auto samplesEverywhere = [&ranks](const Sampling& made) {
+    const auto all = gatherValues<uint8_t>(ranks, std::array{uint8_t(made.frame != nullptr)});
+    return std::all_of(all.begin(), all.end(), [](const auto& one) { return one[0] != 0; });
+  };
+  std::shared_ptr<Sampling> sampling = build(builder_, source, ranks, enter, onItem);
+  if (samplesEverywhere(*sampling)) return sampling;
+  sampling.reset();
+  SceneBuilder* other = nullptr;
+  agree(ranks, [&] { other = &otherBuilder(); });
+  sampling = build(*other, std::move(source), ranks, enter, onItem);
+  if (!samplesEverywhere(*sampling)) throw Error("no backend of this program can sample");
+  return sampling;
+}
+
+std::shared_ptr<Sampling> Sampler::build(SceneBuilder& builder, SamplingSource source, Collectives& ranks,
+                                         const EnterMemory& enter, const SceneBuilder::OnItem& onItem) const {
+  auto sampling = std::make_shared<Sampling>();
+  sampling->scene = builder.build(std::move(source.scene), ranks, enter, onItem);
   agree(ranks, [&] {
     sampling->compiled = compileSampling(sampling->scene.compiled, std::move(source.fields), source.recorded,
                                          std::move(source.rules), source.gradient);
     sampling->frame = sampling->scene.device->makeSampling(sampling->compiled);
-    if (!sampling->frame) throw Error("no backend of this program can sample");
   });
   return sampling;
 }
 
-TakenSamples Sampler::sample(std::shared_ptr<const Sampling> sampling, std::shared_ptr<const RaySource> source,
-                        Collectives& ranks, const EnterMemory& enter) {
+SceneBuilder& Sampler::otherBuilder() {
+  const std::lock_guard lock(mutex_);
+  if (!otherBuilder_) {
+    if (!options_.other)
+      throw Error("backend " + backend_.name() + " cannot sample, and there is no other to do it");
+    other_ = options_.other(options_.ledger);
+    otherBuilder_ = std::make_unique<SceneBuilder>(*other_, transport_.rank());
+  }
+  return *otherBuilder_;
+}
+
+TakenSamples Sampler::sample(std::shared_ptr<const Sampling> sampling,
+                             std::shared_ptr<const RaySource> source, Collectives& ranks,
+                             const EnterMemory& enter) {
   const bool first = transport_.rank() == 0;
   const FlightId id = gatherValues<FlightId>(ranks, std::array{first ? announce() : FlightId(0)})[0][0];
   add(id, std::move(sampling), std::move(source), enter);

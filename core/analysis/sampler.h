@@ -39,6 +39,9 @@ struct Sampling {
 struct TakenSamples {
   SampleList list;
   std::vector<LedgerEntry> memory;
+
+  /// Appends those of another call of Sampler::sample().
+  void append(TakenSamples&& other);
 };
 
 /// Carries out samplings together with the Samplers of all other ranks; each rank has one, over its Transport.
@@ -59,6 +62,8 @@ class Sampler {
     Ledger* ledger = nullptr;        ///< for messages that wait; may be null
     std::string tenant = "analysis";
     Trace* trace = nullptr;  ///< may be null; outlives the object
+    /// Makes the backend that samples where the one in use cannot; it is made when it is needed. Empty: there is none.
+    BackendRegistry::Maker other;
     std::function<std::chrono::nanoseconds()> processorTime = PacketSize::processorTime;
   };
 
@@ -69,7 +74,8 @@ class Sampler {
   Sampler(const Sampler&) = delete;
   Sampler& operator=(const Sampler&) = delete;
 
-  /// Collective. Builds what rays of a sampling meet. Throws the same Error on all ranks.
+  /// Collective. Builds what rays of a sampling meet, on Options::other if the backend of some rank cannot sample. Throws the same
+  /// Error on all ranks.
   std::shared_ptr<const Sampling> prepare(
       SamplingSource source, Collectives& ranks, const EnterMemory& enter,
       const SceneBuilder::OnItem& onItem = [](int64_t, int64_t, const std::string&) {});
@@ -78,7 +84,7 @@ class Sampler {
   /// kept, in steps of 1 MiB, by any thread. TakenSamples are in no order. Calls ranks.check() every 10 ms. If that throws on any rank, or
   /// a rank or its device fails, nothing is kept and all ranks throw the same Error: the first of any rank, as "rank 3: <reason>".
   TakenSamples sample(std::shared_ptr<const Sampling> sampling, std::shared_ptr<const RaySource> source,
-                 Collectives& ranks, const EnterMemory& enter);
+                      Collectives& ranks, const EnterMemory& enter);
 
   // The same in steps that do not wait. All ranks add() a flight that rank 0 has announced. Then rank 0 begins it. Each rank
   // takes its samples when the flight has ended there.
@@ -100,17 +106,23 @@ class Sampler {
   class Rays;
   using RunPtr = std::shared_ptr<Run>;
 
+  std::shared_ptr<Sampling> build(SceneBuilder& builder, SamplingSource source, Collectives& ranks,
+                                  const EnterMemory& enter, const SceneBuilder::OnItem& onItem) const;
+  SceneBuilder& otherBuilder();
   void takeResult(Rays& flight, Run& run, TraceResult& result);
   RunPtr find(FlightId id) const;
   bool waitFor(Run& run, Collectives& ranks);
 
   Transport& transport_;
   const Options options_;
+  const Backend& backend_;
   SceneBuilder builder_;
 
   mutable std::mutex mutex_;  ///< guards the members below, but for flights_
   std::map<FlightId, RunPtr> runs_;
   TraceCounters traced_;
+  std::unique_ptr<Backend> other_;  ///< Options::other, once it was needed
+  std::unique_ptr<SceneBuilder> otherBuilder_;
 
   Flights<TraceResult> flights_;  ///< the last member, as it calls this Sampler from its constructor on
 };

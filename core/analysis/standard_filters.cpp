@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The list of the filters that all programs have.
 #include "core/analysis/filter.h"
+#include "core/analysis/isosurface_filter.h"
+#include "core/analysis/ray_filter.h"
 #include "core/analysis/seeds_filter.h"
 
 namespace gxy {

@@ -59,6 +59,7 @@ struct MakeWork {
     services.begin = [&](int64_t item, int64_t of, const std::string& text) {
       part.begin(item, of, text, item == 0);
     };
+    services.sampler = serverRank.sampler.get();
     FilterRun run(part.ranks, std::move(inputs), std::move(services));
     return evaluate(*found, run, properties);
   }

@@ -30,6 +30,7 @@ namespace gxy {
 class Datasets;
 class FilterRuns;
 class Modules;
+class Sampler;
 
 struct ServerRankOptions {
   std::vector<std::string> dataFolders;    ///< empty: the current folder
@@ -102,6 +103,7 @@ struct ServerRank {
   Collective collective;
   Exchanges exchanges;
   Renderer renderer;
+  const std::unique_ptr<Sampler> sampler;
   /// What no session has asked for, on rank 0: the streams of simulations (multiserver/insitu). The Server asks, and ends them.
   class Streaming {
    public:

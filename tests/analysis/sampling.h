@@ -63,11 +63,13 @@ class SamplingRanks {
     uint64_t seed = 1;
     int workers = 2;
     Sampler::Options options{};
+    const Backend* backend = nullptr;  ///< null: Embree
   };
   SamplingRanks(const Cut& cut, const Run& run)
       : cut_(cut), world_(cut.ranks, run.seed, {true, run.workers, {}}) {
     for (int r = 0; r < cut.ranks; r++)
-      samplers_.push_back(std::make_unique<Sampler>(world_.rank(r), embree(), run.options));
+      samplers_.push_back(
+          std::make_unique<Sampler>(world_.rank(r), run.backend ? *run.backend : embree(), run.options));
   }
 
   Sampler& sampler(int rank) { return *samplers_[size_t(rank)]; }

@@ -9,8 +9,10 @@
 #include <filesystem>
 #include <iostream>
 #include <mutex>
+#include <optional>
 
 #include "backends/registry/backends.h"
+#include "core/analysis/sampler.h"
 #include "core/comm/error.h"
 #include "core/comm/error_text.h"
 #include "core/comm/mpi_environment.h"
@@ -214,6 +216,7 @@ struct Place {
   Collectives& ranks;
   Ledger& ledger;
   Backend& backend;
+  Sampler& sampler;
   bool root, showProgress;
 };
 
@@ -224,7 +227,10 @@ std::vector<ShownSoFar> renderStep(const State& state, const std::string& direct
   Phases phases;
   const double begin = wallSeconds();
   const int64_t residentBefore = processBytes().resident;
-  const LoadedState loaded = loadData(state, directory, options, at.ranks, at.ledger, std::move(shown));
+  FilterServices services;
+  services.sampler = &at.sampler;
+  const LoadedState loaded =
+      loadData(state, directory, options, at.ranks, at.ledger, std::move(shown), standardFilters(), services);
   phases.load = wallSeconds() - begin;
 
   Renderer::Options rendering{options.packet, options.raysInFlight, &at.ledger, kTenant};
@@ -294,7 +300,11 @@ int run(const RenderOptions& options) {
       Ledger ledger;
       const BackendRegistry registry = allBackends({options.device, transport.rankOnNode()});
       std::unique_ptr<Backend> backend;
-      if (!options.reference) agree(ranks, [&] { backend = registry.make(options.backend, &ledger); });
+      std::optional<Sampler> sampler;
+      if (!options.reference) {
+        agree(ranks, [&] { backend = registry.make(options.backend, &ledger); });
+        sampler.emplace(transport, *backend, Sampler::Options{.runners = transport.threads()});
+      }
       std::vector<ShownSoFar> shown;
       RenderOptions numbered = options;
       for (size_t step = 0; step < steps.count(); step++) {
@@ -306,7 +316,7 @@ int run(const RenderOptions& options) {
           });
         else
           shown = renderStep(steps.at(step), steps.directory, numbered,
-                             {transport, collective, ranks, ledger, *backend, root, showProgress},
+                             {transport, collective, ranks, ledger, *backend, *sampler, root, showProgress},
                              std::move(shown));
         numbered.firstPicture += state.cameras.size() * state.visualizations.size();
       }
