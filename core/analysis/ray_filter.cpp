@@ -138,8 +138,7 @@ FilterInfo RaySampler::info() {
   return {
       "RaySampler",
       1,
-      "Points where rays meet isosurfaces, planes or triangles. An operator has `dataset`, `component`, "
-      "`isovalues`, `planes`, `clipplanes`, `conditions` (each with `field` and `range`) and `hits`.",
+      "Points where rays meet isosurfaces, planes or triangles.",
       {{"data", kVolumes | kTriangles | kParticles,
         "What operators, conditions, `values` and `points` call by this name.", FilterPort::Count::AnyName}},
       DatasetType::Particles};

@@ -92,7 +92,12 @@ SampleRay readRay(const Found& found, uint64_t number) {
 std::vector<KeyRow<RaySampler>> RaySampler::properties() {
   return {
       customKey<RaySampler>(
-          "operators", "list of objects", "What rays meet: see below.",
+          "operators", "list of objects",
+          "What rays meet. Each has `dataset`, an input, with `isovalues` or `planes` of a volume; and may "
+          "have `component`, `clipplanes`, "
+          "`conditions`, each with `field`, an input, and `range`, all of which must hold where a hit is to "
+          "count, and `hits`: "
+          "a ray ends here once it has so many, 1 by default.",
           [](const Found& found, RaySampler& s) {
             for (const Found& item : found.list("a list of operators"))
               readObject(item.context, item.value, rayTargetSchema(), s.operators.emplace_back());

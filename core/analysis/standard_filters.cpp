@@ -7,7 +7,11 @@
 
 namespace gxy {
 
-void addStandardFilters(Filters& filters) { filters.add<Seeds>(); }
+void addStandardFilters(Filters& filters) {
+  filters.add<IsosurfaceSampler>();
+  filters.add<RaySampler>();
+  filters.add<Seeds>();
+}
 
 const Filters& standardFilters() {
   static const std::unique_ptr<const Filters> filters = [] {
