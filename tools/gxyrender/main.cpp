@@ -9,8 +9,10 @@
 #include <filesystem>
 #include <iostream>
 #include <mutex>
+#include <optional>
 
 #include "backends/registry/backends.h"
+#include "core/analysis/sampler.h"
 #include "core/analysis/tracer.h"
 #include "core/comm/error.h"
 #include "core/comm/error_text.h"
@@ -211,13 +213,16 @@ double renderAll(const State& state, const LoadedState& loaded, const RenderOpti
 
 // What filters are given on a rank.
 struct FilterPlace {
-  FilterPlace(Transport& transport, const BackendRegistry& registry, const Backend& backend, Ledger& ledger)
-      : tracer(transport, options(ledger)), fieldMaker(backend, registry, &ledger) {
+  FilterPlace(MpiTransport& transport, const BackendRegistry& registry, const Backend& backend, Ledger& ledger)
+      : tracer(transport, options(ledger)),
+        fieldMaker(backend, registry, &ledger),
+        sampler(transport, backend, Sampler::Options{.runners = transport.threads()}) {
     services.takeMemory = [&ledger](const std::string& purpose, int64_t bytes) {
       return ledger.enter(kTenant, purpose, bytes);
     };
     services.tracer = &tracer;
     services.fieldMaker = &fieldMaker;
+    services.sampler = &sampler;
     services.tenant = kTenant;
   }
   static Tracer::Options options(Ledger& ledger) {
@@ -230,6 +235,7 @@ struct FilterPlace {
 
   Tracer tracer;
   FieldMaker fieldMaker;
+  Sampler sampler;
   FilterServices services;
 };
 
