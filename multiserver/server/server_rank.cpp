@@ -28,8 +28,10 @@ ServerRankOptions checked(ServerRankOptions options) {
   return options;
 }
 
-Sampler::Options samplerOptions(const ServerRankOptions& options, Ledger& ledger) {
+Sampler::Options samplerOptions(const ServerRankOptions& options, const BackendRegistry& backends,
+                                Ledger& ledger) {
   Sampler::Options s;
+  s.other = backends.forFields();
   s.runners = options.threads;
   s.ledger = &ledger;
   s.trace = options.trace;
@@ -72,7 +74,7 @@ ServerRank::ServerRank(Transport& t, ServerRankOptions o, const BackendRegistry&
       renderer(t, rendererOptions(options, ledger)),
       fieldMaker(*backend, backends, &ledger),
       tracer(t, tracerOptions(options, ledger)),
-      sampler(std::make_unique<Sampler>(t, *backend, samplerOptions(options, ledger))),
+      sampler(std::make_unique<Sampler>(t, *backend, samplerOptions(options, backends, ledger))),
       datasets(std::make_unique<Datasets>(*this)),
       filterRuns(std::make_unique<FilterRuns>(*this)),
       modules(std::make_unique<Modules>(*this)),

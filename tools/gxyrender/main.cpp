@@ -213,10 +213,11 @@ double renderAll(const State& state, const LoadedState& loaded, const RenderOpti
 
 // What filters are given on a rank.
 struct FilterPlace {
-  FilterPlace(MpiTransport& transport, const BackendRegistry& registry, const Backend& backend, Ledger& ledger)
+  FilterPlace(MpiTransport& transport, const BackendRegistry& registry, const Backend& backend,
+              Ledger& ledger)
       : tracer(transport, options(ledger)),
         fieldMaker(backend, registry, &ledger),
-        sampler(transport, backend, Sampler::Options{.runners = transport.threads()}) {
+        sampler(transport, backend, samplerOptions(transport, registry, ledger)) {
     services.takeMemory = [&ledger](const std::string& purpose, int64_t bytes) {
       return ledger.enter(kTenant, purpose, bytes);
     };
@@ -230,6 +231,16 @@ struct FilterPlace {
     o.ledger = &ledger;
     o.tenant = kTenant;
     o.runners = 0;
+    return o;
+  }
+
+  static Sampler::Options samplerOptions(const MpiTransport& transport, const BackendRegistry& registry,
+                                         Ledger& ledger) {
+    Sampler::Options o;
+    o.runners = transport.threads();
+    o.ledger = &ledger;
+    o.tenant = kTenant;
+    o.other = registry.forFields();
     return o;
   }
 
