@@ -184,7 +184,11 @@ FN real probeSample(OPERATOR op, VOLUME v, int p, vec3 o, vec3 d, uint i) {
   real t = drawIn(i, 26u, R(0.0), R(1.5));
   if (p == 42) return inRange(t, R(0.25), R(0.75)) ? R(1.0) : R(0.0);
   if (op.kind == KIND_PARTICLES || op.kind == KIND_PATHLINES || op.kind == KIND_TRIANGLES) return R(-1.0);
-  real x = p == 40 ? valueMet(v, o, d, t) : gradientMet(v, o, d, t).y;
+  real x = valueMet(v, o, d, t);
+  if (p == 41) {
+    vec3 gradient = gradientMet(v, o, d, t);
+    x = gradient.y;
+  }
   return x == x ? x : R(-2.0);
 }
 

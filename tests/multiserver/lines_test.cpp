@@ -20,6 +20,11 @@ std::string make(const std::string& filter, const std::string& name, const json&
   return "make " + properties.dump();
 }
 
+/// What the filter of a `make` tells.
+json toldBy(Client& client, const std::string& statement) {
+  return client.expect(statement).at("results").at(0);
+}
+
 /// A server with a flow about the axis z, and seeds on the axis x: two of them are outside.
 class LinesServer {
  public:
@@ -56,8 +61,9 @@ TEST(Lines, OnAnyNumberOfRanksAreTheSame) {
     LinesServer lines(ranks);
     const auto client = lines.server->client();
     lines.prepare(*client);
-    const json reply = client->expect(make("StreamTracer", "lines", {{"vectors", "turn"}, {"seeds", "seeds"}},
-                                           {{"time", 6}, {"direction", "both"}}));
+    const json reply =
+        toldBy(*client, make("StreamTracer", "lines", {{"vectors", "turn"}, {"seeds", "seeds"}},
+                             {{"time", 6}, {"direction", "both"}}));
     EXPECT_EQ(reply.at("type"), "PathLines");
     EXPECT_EQ(reply.at("lines"), 10);
     EXPECT_EQ(reply.at("ends").at("outside"), 4) << "two seeds, in each direction";
@@ -84,25 +90,25 @@ TEST(Lines, HavePointsAndValuesAsTheirEntrySays) {
   const auto client = lines.server->client();
   lines.prepare(*client);
   const json inputs{{"vectors", "turn"}, {"seeds", "seeds"}, {"field", "ball"}};
-  json reply = client->expect(
-      make("StreamTracer", "ends", inputs, {{"time", 1}, {"points", "ends"}, {"color by", "time"}}));
+  json reply = toldBy(
+      *client, make("StreamTracer", "ends", inputs, {{"time", 1}, {"points", "ends"}, {"color by", "time"}}));
   EXPECT_EQ(reply.at("points"), 20) << "of each line two";
   GeometryBlock all = lines.segments("ends");
   for (const auto& [a, b] : all.segments) {
     EXPECT_EQ(all.values[a], 0);
     EXPECT_NEAR(all.values[b], 1, 1e-6);
   }
-  reply = client->expect(make("StreamTracer", "steps", inputs,
-                              {{"time", 1}, {"points", {{"dt", 0.25}}}, {"color by", "field"}}));
+  reply = toldBy(*client, make("StreamTracer", "steps", inputs,
+                               {{"time", 1}, {"points", {{"dt", 0.25}}}, {"color by", "field"}}));
   EXPECT_EQ(reply.at("points"), 50);
   all = lines.segments("steps");
   for (size_t i = 0; i < all.points.size(); i++)
     EXPECT_NEAR(all.values[i], std::hypot(all.points[i].x, all.points[i].y), 0.02);
   // Turned by 90 degrees the flow goes away from the centre.
   client->expect(make("Derive", "away", {{"f", "ball"}}, {{"expression", "[x, y, 0 * f]"}}));
-  reply = client->expect(make("StreamTracer", "away lines",
-                              {{"vectors", "away"}, {"seeds", "seeds"}, {"field", "ball"}},
-                              {{"where", {0.7, 0.8}}}));
+  reply = toldBy(*client,
+                 make("StreamTracer", "away lines",
+                      {{"vectors", "away"}, {"seeds", "seeds"}, {"field", "ball"}}, {{"where", {0.7, 0.8}}}));
   EXPECT_EQ(reply.at("ends"), (json{{"condition", 8}, {"left", 2}, {"outside", 2}}));
 }
 
