@@ -134,6 +134,7 @@ export uniform bool advanceHeads(const void* uniform flowPointer, const void* un
   float time = 0.0f, timeRest = 0.0f, length = 0.0f, lengthRest = 0.0f, way = 0.0f;
   int steps = 0, points = 0, stalled = 0, reason = LINE_GOES_ON;
   bool fresh = false;
+  bool again = false;  // the head is in the cell that it was in before
 
   while (true) {
     uniform bool stops = full || out.cells >= most;
@@ -185,6 +186,7 @@ export uniform bool advanceHeads(const void* uniform flowPointer, const void* un
         stalled = heads.stalled[head];
         way = heads.way[head];
         fresh = heads.fresh[head] != 0;
+        again = false;
         reason = LINE_GOES_ON;
       }
       next = min(next + wanted, n);
@@ -197,7 +199,8 @@ export uniform bool advanceHeads(const void* uniform flowPointer, const void* un
     }
 
     if (head >= 0) {
-      out.cells += reduce_add(1);
+      out.cells += reduce_add(again ? 0 : 1);
+      again = false;
       CellVectors c = cellVectors(v, vectors, cell, sign);
       bool data = holdsVectors(c);
       CellFlow p = cellFlow(c);
@@ -223,6 +226,7 @@ export uniform bool advanceHeads(const void* uniform flowPointer, const void* un
       float h = 0.0f;
       int trials = stalled;
       bool goes = reason == LINE_GOES_ON && !exits;
+      uniform int began = reduce_add(goes ? 1 : 0);
       while (goes) {
         out.steps += reduce_add(1);
         vec3 fBefore = f;
@@ -293,6 +297,14 @@ export uniform bool advanceHeads(const void* uniform flowPointer, const void* un
           }
         }
         goes = goes && reason == LINE_GOES_ON;
+        // Where few lanes are left, they come back with the others' next cells. That changes no bit: between steps,
+        // and off the faces, the velocity is that which the cell gives anew.
+        uniform int going = reduce_add(goes ? 1 : 0);
+        if (going * 3 < began) {
+          bool onAny = onFace(f.x, lo.x, hi.x) || onFace(f.y, lo.y, hi.y) || onFace(f.z, lo.z, hi.z);
+          again = goes && result == STEP_INSIDE && !onAny;
+          goes = goes && !again;
+        }
       }
       if (exits) {
         if (byCells && fresh) {

@@ -14,7 +14,7 @@
 namespace gxy {
 namespace {
 
-constexpr int kMost = 1 << 28;
+constexpr int kMostSamples = 1 << 28;
 
 /// A candidate that has been accepted.
 struct Accepted {
@@ -121,7 +121,7 @@ FilterInfo DensitySampler::info() {
 std::vector<KeyRow<DensitySampler>> DensitySampler::properties() {
   using D = DensitySampler;
   return {
-      integerKey("count", &D::count, {1, kMost}, "The number of points."),
+      integerKey("count", &D::count, {1, kMostSamples}, "The number of points."),
       integerKey("seed", &D::seed, {0, 2147483647}, "Other numbers make other points."),
       customKey<D>(
           "component", "integer >= 0", "The component of a field that has several.",

@@ -54,7 +54,8 @@ FilterInfo Derive::info() {
 
 std::vector<KeyRow<Derive>> Derive::properties() {
   return {customKey<Derive>(
-              "expression", "text", "What is computed. [Expressions](#expressions) says what there is.",
+              "expression", "text",
+              "What is computed. [derived-fields.md](derived-fields.md) says what there is.",
               [](const Found& f, Derive& d) { d.expression = readExpression(f); },
               [](const Derive& d) { return OrderedJson(d.expression); })
               .require()};

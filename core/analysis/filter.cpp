@@ -68,6 +68,11 @@ double FilterRun::time() const {
   return time;
 }
 
+Sampler& FilterRun::sampler() const {
+  if (!services_.sampler) throw Error("this program cannot send rays for filters");
+  return *services_.sampler;
+}
+
 std::shared_ptr<Dataset> FilterRun::made(std::shared_ptr<const Volume> volume,
                                          std::shared_ptr<const Partitioning> partitioning,
                                          LedgerEntry memory) const {

@@ -32,6 +32,7 @@
 namespace gxy {
 
 class FieldMaker;
+class Sampler;
 class Tracer;
 
 /// A generation of a dataset that a filter reads. It is pinned while the filter runs.
@@ -60,6 +61,8 @@ struct FilterServices {
   FieldMaker* fieldMaker = nullptr;
   std::string tenant;  ///< of whom the memory is, in the ledger
   uint32_t turn = 0;   ///< rank 0: whose turn it is for work that is shared (Priority::tenant)
+  /// Sends rays through data, together with those of all other ranks. Null on all ranks: there is none.
+  Sampler* sampler = nullptr;
 };
 
 /// One evaluation of a filter on one rank. All ranks make the same collective calls in the same order, whatever
@@ -88,6 +91,9 @@ class FilterRun {
   const FilterServices& services() const { return services_; }
   /// Collective. Reports that item `item` of `of` begins.
   void begin(int64_t item, int64_t of, const std::string& text) { services_.begin(item, of, text); }
+
+  /// Throws Error on all ranks if this program has none.
+  Sampler& sampler() const;
 
   /// Makes a dataset of a volume or of geometry.
   std::shared_ptr<Dataset> made(std::shared_ptr<const Volume> volume,

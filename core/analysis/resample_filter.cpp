@@ -13,7 +13,7 @@
 namespace gxy {
 namespace {
 
-constexpr int64_t kMostSamples = int64_t(1) << 36;
+constexpr int64_t kMostGridPoints = int64_t(1) << 36;
 constexpr int64_t kPointsAtOnce = int64_t(1) << 18;  // points of a rank whose values are asked for at once
 
 /// Walks through the points that the partitions of a rank own, in pieces.
@@ -119,7 +119,7 @@ std::vector<KeyRow<Resample>> Resample::properties() {
               "dimensions", "[i, j, k], whole numbers >= 2", "The number of points along each axis.",
               [](const Found& f, R& r) {
                 r.dimensions = readDimensions(f, 2);
-                if (int64_t(r.dimensions[0]) * r.dimensions[1] > kMostSamples / r.dimensions[2])
+                if (int64_t(r.dimensions[0]) * r.dimensions[1] > kMostGridPoints / r.dimensions[2])
                   f.fail("at most 2^36 points");
               },
               [](const R& r) { return OrderedJson(r.dimensions); })};

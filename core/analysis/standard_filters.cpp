@@ -4,6 +4,8 @@
 #include "core/analysis/derive_filter.h"
 #include "core/analysis/filter.h"
 #include "core/analysis/interpolate_filter.h"
+#include "core/analysis/isosurface_filter.h"
+#include "core/analysis/ray_filter.h"
 #include "core/analysis/resample_filter.h"
 #include "core/analysis/seeds_filter.h"
 #include "core/analysis/statistics_filter.h"
@@ -15,6 +17,8 @@ void addStandardFilters(Filters& filters) {
   filters.add<DensitySampler>();
   filters.add<Derive>();
   filters.add<Interpolate>();
+  filters.add<IsosurfaceSampler>();
+  filters.add<RaySampler>();
   filters.add<Resample>();
   filters.add<Seeds>();
   filters.add<StatisticsFilter>();

@@ -66,7 +66,7 @@ std::vector<KeyRow<StatisticsFilter>> StatisticsFilter::properties() {
           .byDefault("the magnitude"),
       customKey<S>(
           "where", "text",
-          "A logical [expression](#expressions): only points of the grid where it holds count.",
+          "A logical [expression](derived-fields.md): only points of the grid where it holds count.",
           [](const Found& f, S& s) { s.where = readExpression(f); },
           [](const S& s) { return s.where.empty() ? OrderedJson() : OrderedJson(s.where); })
           .byDefault("everywhere"),

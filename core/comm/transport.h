@@ -27,7 +27,11 @@ enum class Channel : uint16_t {
   Flight = 13,
   ItemCredits = 14,
   ItemCompletion = 15,
-  Pictures = 16,  ///< multiserver/rendering
+  Pictures = 16,      ///< multiserver/rendering
+  SampleFlight = 20,  ///< core/analysis: rays of samplings
+  SampleRays = 21,
+  SampleCredits = 22,
+  SampleCompletion = 23,
   Test = 64,
 };
 

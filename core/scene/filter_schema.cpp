@@ -98,20 +98,19 @@ void checkNames(const FilterSchema& filter, const DatasetSpec& entry) {
       throw Error(where + "input " + inQuotes(input.input, '`') + ": expected one dataset, found " +
                   std::to_string(input.datasets.size()));
   }
-  for (const FilterPort& port : filter.inputs) {
-    if (port.count == FilterPort::Count::Optional || port.count == FilterPort::Count::AnyName) continue;
-    const bool there = std::any_of(entry.inputs.begin(), entry.inputs.end(), [&](const FilterInput& input) {
-      return input.input == port.name && !input.datasets.empty();
-    });
-    if (!there)
-      throw Error(where + "input " + inQuotes(port.name, '`') + " is missing, expected " +
-                  gxy::namesOf(port.types));
-  }
+}
+
+void checkNoneMissing(const FilterSchema& filter, const DatasetSpec& entry) {
+  const std::vector<const FilterPort*> missing = missingInputs(filter, entry);
+  if (missing.empty()) return;
+  throw Error("dataset " + inQuotes(entry.name) + ": filter " + filter.name + ": input " +
+              inQuotes(missing[0]->name, '`') + " is missing, expected " + gxy::namesOf(missing[0]->types));
 }
 
 void readOwnKeys(const Found& item, const FilterSchema& filter, const JsonValue& own, DatasetSpec& dataset) {
   try {
     checkNames(filter, dataset);
+    checkNoneMissing(filter, dataset);
   } catch (const Error& e) {
     item.context.fail(item.value.at, e.what());
   }
@@ -220,8 +219,10 @@ OrderedJson writeFilterEntry(const DatasetSpec& dataset) {
 }
 
 void checkInputs(const FilterSchema& filter, const DatasetSpec& entry,
-                 const std::function<std::optional<DatasetType>(const std::string&)>& typeOf) {
+                 const std::function<std::optional<DatasetType>(const std::string&)>& typeOf,
+                 Missing missing) {
   checkNames(filter, entry);
+  if (missing == Missing::Refused) checkNoneMissing(filter, entry);
   for (const FilterInput& input : entry.inputs)
     for (const std::string& dataset : input.datasets) {
       const auto type = typeOf(dataset);
@@ -231,6 +232,18 @@ void checkInputs(const FilterSchema& filter, const DatasetSpec& entry,
                     inQuotes(input.input, '`') + ": expected " + gxy::namesOf(port.types) + ", found " +
                     inQuotes(dataset) + ", which is " + gxy::namesOf(bitOf(*type)));
     }
+}
+
+std::vector<const FilterPort*> missingInputs(const FilterSchema& filter, const DatasetSpec& entry) {
+  std::vector<const FilterPort*> missing;
+  for (const FilterPort& port : filter.inputs) {
+    if (port.count == FilterPort::Count::Optional || port.count == FilterPort::Count::AnyName) continue;
+    const bool there = std::any_of(entry.inputs.begin(), entry.inputs.end(), [&](const FilterInput& input) {
+      return input.input == port.name && !input.datasets.empty();
+    });
+    if (!there) missing.push_back(&port);
+  }
+  return missing;
 }
 
 std::vector<size_t> evaluationOrder(const std::vector<DatasetSpec>& datasets) {

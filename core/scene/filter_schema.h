@@ -73,9 +73,15 @@ DatasetSpec readFilterEntry(const Found& item);
 OrderedJson writeFilterEntry(const DatasetSpec& dataset);
 
 /// Checks an entry's filter and its inputs against the types of the datasets that these names mean: `typeOf` returns nothing for a
-/// name that it does not know. Throws Error that names the dataset, the input, and what was expected.
+/// name that it does not know. Throws Error that names the dataset, the input, and what was expected. An entry that somebody is still
+/// editing may lack inputs: Missing::Allowed.
+enum class Missing { Refused, Allowed };
 void checkInputs(const FilterSchema& filter, const DatasetSpec& entry,
-                 const std::function<std::optional<DatasetType>(const std::string& dataset)>& typeOf);
+                 const std::function<std::optional<DatasetType>(const std::string& dataset)>& typeOf,
+                 Missing missing = Missing::Refused);
+
+/// Returns the inputs that an entry must have and has not, in the filter's order.
+std::vector<const FilterPort*> missingInputs(const FilterSchema& filter, const DatasetSpec& entry);
 
 /// Returns the places of the datasets that filters make, each after those it reads. Throws Error that names the
 /// datasets of a cycle.

@@ -64,6 +64,7 @@ struct MakeWork {
     services.fieldMaker = &serverRank.fieldMaker;
     services.tenant = tenant;
     services.turn = turn;
+    services.sampler = serverRank.sampler.get();
     FilterRun run(part.ranks, std::move(inputs), std::move(services));
     return evaluate(*found, run, properties);
   }

@@ -8,6 +8,7 @@
 #include <map>
 #include <set>
 
+#include "core/analysis/sampler.h"
 #include "core/comm/error.h"
 #include "multiserver/server/datasets.h"
 #include "multiserver/server/filter_runs.h"
@@ -25,6 +26,17 @@ ServerRankOptions checked(ServerRankOptions options) {
     if (!std::filesystem::is_directory(folder, failed))
       throw Error(folder + ": it is no folder, expected one of the server's modules");
   return options;
+}
+
+Sampler::Options samplerOptions(const ServerRankOptions& options, const BackendRegistry& backends,
+                                Ledger& ledger) {
+  Sampler::Options s;
+  s.other = backends.forFields();
+  s.runners = options.threads;
+  s.ledger = &ledger;
+  s.trace = options.trace;
+  s.tenant = "server";
+  return s;
 }
 
 Renderer::Options rendererOptions(const ServerRankOptions& options, Ledger& ledger) {
@@ -62,6 +74,7 @@ ServerRank::ServerRank(Transport& t, ServerRankOptions o, const BackendRegistry&
       renderer(t, rendererOptions(options, ledger)),
       fieldMaker(*backend, backends, &ledger),
       tracer(t, tracerOptions(options, ledger)),
+      sampler(std::make_unique<Sampler>(t, *backend, samplerOptions(options, backends, ledger))),
       datasets(std::make_unique<Datasets>(*this)),
       filterRuns(std::make_unique<FilterRuns>(*this)),
       modules(std::make_unique<Modules>(*this)),

@@ -32,6 +32,7 @@ namespace gxy {
 class Datasets;
 class FilterRuns;
 class Modules;
+class Sampler;
 
 struct ServerRankOptions {
   std::vector<std::string> dataFolders;    ///< empty: the current folder
@@ -106,6 +107,7 @@ struct ServerRank {
   Renderer renderer;
   FieldMaker fieldMaker;
   Tracer tracer;
+  const std::unique_ptr<Sampler> sampler;
   /// What no session has asked for, on rank 0: the streams of simulations (multiserver/insitu). The Server asks, and ends them.
   class Streaming {
    public:

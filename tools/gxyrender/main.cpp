@@ -9,8 +9,10 @@
 #include <filesystem>
 #include <iostream>
 #include <mutex>
+#include <optional>
 
 #include "backends/registry/backends.h"
+#include "core/analysis/sampler.h"
 #include "core/analysis/tracer.h"
 #include "core/comm/error.h"
 #include "core/comm/error_text.h"
@@ -211,13 +213,17 @@ double renderAll(const State& state, const LoadedState& loaded, const RenderOpti
 
 // What filters are given on a rank.
 struct FilterPlace {
-  FilterPlace(Transport& transport, const BackendRegistry& registry, const Backend& backend, Ledger& ledger)
-      : tracer(transport, options(ledger)), fieldMaker(backend, registry, &ledger) {
+  FilterPlace(MpiTransport& transport, const BackendRegistry& registry, const Backend& backend,
+              Ledger& ledger)
+      : tracer(transport, options(ledger)),
+        fieldMaker(backend, registry, &ledger),
+        sampler(transport, backend, samplerOptions(transport, registry, ledger)) {
     services.takeMemory = [&ledger](const std::string& purpose, int64_t bytes) {
       return ledger.enter(kTenant, purpose, bytes);
     };
     services.tracer = &tracer;
     services.fieldMaker = &fieldMaker;
+    services.sampler = &sampler;
     services.tenant = kTenant;
   }
   static Tracer::Options options(Ledger& ledger) {
@@ -228,8 +234,19 @@ struct FilterPlace {
     return o;
   }
 
+  static Sampler::Options samplerOptions(const MpiTransport& transport, const BackendRegistry& registry,
+                                         Ledger& ledger) {
+    Sampler::Options o;
+    o.runners = transport.threads();
+    o.ledger = &ledger;
+    o.tenant = kTenant;
+    o.other = registry.forFields();
+    return o;
+  }
+
   Tracer tracer;
   FieldMaker fieldMaker;
+  Sampler sampler;
   FilterServices services;
 };
 
