@@ -74,7 +74,7 @@ void expectEnded(Traces& traces, FlightId id) {
 TEST(Tracer, GivesTheSameLinesUnderManySchedules) {
   uint64_t forwarded = 0;
   const TraceOptions options{.time = 1.5};
-  for (uint64_t seed = 1; seed <= schedules(400); seed++) {
+  for (uint64_t seed = 1; seed <= schedules(1000); seed++) {
     SCOPED_TRACE("schedule " + std::to_string(seed));
     const CutFlow& flow = flows()[seed % flows().size()];
     Traces::Options how;
@@ -98,14 +98,14 @@ TEST(Tracer, GivesTheSameLinesUnderManySchedules) {
     ASSERT_EQ(traces.leftOver(), "");
     if (HasFailure()) return;
   }
-  EXPECT_GT(forwarded, schedules(400));
+  EXPECT_GT(forwarded, schedules(1000));
 }
 
 TEST(Tracer, EndsEverywhereWhenAnyRankStopsIt) {
   uint64_t stopped = 0, wholes = 0;
   const TraceOptions endless{.time = 1e9, .length = 1e9, .points = PointsMode::Ends};
   const TraceOptions options{.time = 1.5};
-  for (uint64_t seed = 1; seed <= schedules(300); seed++) {
+  for (uint64_t seed = 1; seed <= schedules(600); seed++) {
     SCOPED_TRACE("schedule " + std::to_string(seed));
     const CutFlow& flow = flows()[seed % flows().size()];
     Traces::Options how;
@@ -142,14 +142,14 @@ TEST(Tracer, EndsEverywhereWhenAnyRankStopsIt) {
     ASSERT_EQ(traces.leftOver(), "");
     if (HasFailure()) return;
   }
-  EXPECT_GT(stopped, schedules(300) / 3);
+  EXPECT_GT(stopped, schedules(600) / 3);
   EXPECT_GT(wholes, 0u) << "some were complete before";
 }
 
 TEST(Tracer, FailsEverywhereWithTheErrorOfTheRankThatCannotDoItsPart) {
   uint64_t failed = 0;
   const TraceOptions options{.time = 1.5};
-  for (uint64_t seed = 1; seed <= schedules(300); seed++) {
+  for (uint64_t seed = 1; seed <= schedules(600); seed++) {
     SCOPED_TRACE("schedule " + std::to_string(seed));
     const CutFlow& flow = flows()[seed % flows().size()];
     Traces::Options how;
@@ -178,7 +178,7 @@ TEST(Tracer, FailsEverywhereWithTheErrorOfTheRankThatCannotDoItsPart) {
     ASSERT_EQ(traces.leftOver(), "");
     if (HasFailure()) return;
   }
-  EXPECT_GT(failed, schedules(300) * 8 / 10);
+  EXPECT_GT(failed, schedules(600) * 8 / 10);
 }
 
 // The bound holds: heads that are under way are at most the credits, or one seed's where these are fewer.
