@@ -23,6 +23,7 @@ function(galaxy_ispc TARGET)
   list(JOIN GALAXY_ISPC_TARGETS , targets)
   list(TRANSFORM GALAXY_ISPC_TARGETS REPLACE "-.*" "" OUTPUT_VARIABLE suffixes)
   file(GLOB headers CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/core/kernels/*.h ${PROJECT_SOURCE_DIR}/core/rays/ray_fields.h
+       ${PROJECT_SOURCE_DIR}/core/rays/head_fields.h ${PROJECT_SOURCE_DIR}/core/rays/stored_fields.h
        ${PROJECT_SOURCE_DIR}/backends/embree/*.isph ${CMAKE_CURRENT_SOURCE_DIR}/*_view.h ${CMAKE_CURRENT_SOURCE_DIR}/*_layout.h)
   galaxy_view(view ${CMAKE_CURRENT_SOURCE_DIR})
   set(flags -O3 --pic --opt=disable-fma --target=${targets} --woff --math-lib=default ${GALAXY_KERNELS_SEEN} -I${view})

@@ -9,7 +9,7 @@ void main() {
   FrameView f = theFrame;
   if (!hasRay()) return;
   givenPlace = placeOf(GIVEN(shaded));
-  if (RAY_SAMPLE(GIVEN(info)) != 0u || !(GIVEN(tLast) < 0.0)) return;
+  if (RAY_SAMPLE_NUMBER(GIVEN(info)) != 0u || !(GIVEN(tLast) < 0.0)) return;
   uint pixel = GIVEN(pixel);
   vec3 o, d;
   double tEnter;

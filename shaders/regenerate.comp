@@ -11,7 +11,7 @@ void main() {
   uint pixel = GIVEN(pixel);
   vec3 o, d;
   double tEnter;
-  cameraRay(f, int(pixel % uint(f.width)), int(pixel / uint(f.width)), int(RAY_SAMPLE(GIVEN(info))), o, d, tEnter);
+  cameraRay(f, int(pixel % uint(f.width)), int(pixel / uint(f.width)), int(RAY_SAMPLE_NUMBER(GIVEN(info))), o, d, tEnter);
   RAY(ox) = o.x;
   RAY(oy) = o.y;
   RAY(oz) = o.z;

@@ -21,7 +21,7 @@ Surface surfaceHit(int op, VolumeView v, vec3 o, vec3 d) {
 
 #define SET_SECONDARY(list)                                                              \
   RAY_OF(list, i, pixel) = GIVEN(pixel);                                                   \
-  RAY_OF(list, i, info) = RAY_SAMPLE(GIVEN(info)) | (uint(kind) << 16) | startBits;        \
+  RAY_OF(list, i, info) = RAY_SAMPLE_NUMBER(GIVEN(info)) | (uint(kind) << 16) | startBits;        \
   RAY_OF(list, i, start) = start;                                                        \
   RAY_OF(list, i, ox) = from.x;                                                          \
   RAY_OF(list, i, oy) = from.y;                                                          \
@@ -83,7 +83,7 @@ void main() {
   ivec4 sum = ivec4(0);
   int rayCount = f.lights + max(s.occlusionRays, 1);
   for (int q = 0; q < rayCount; q++) {
-    LightTerm term = lightTermOf(s, f, q, surface, from, toEye, color, weight, GIVEN(pixel), RAY_SAMPLE(GIVEN(info)));
+    LightTerm term = lightTermOf(s, f, q, surface, from, toEye, color, weight, GIVEN(pixel), RAY_SAMPLE_NUMBER(GIVEN(info)));
     limitLightTerm(term, sum.x, sum.y, sum.z);
     sum += ivec4(term.r, term.g, term.b, 0);
     if ((SURFACES & SURFACE_CASTS) != 0 && term.wanted)

@@ -2,6 +2,7 @@
 #include "backends/embree/embree_backend.h"
 
 #include "backends/bvh/embree.h"
+#include "backends/embree/embree_fields.h"
 #include "backends/embree/embree_scene.h"
 #include "spawn_ispc.h"
 
@@ -18,6 +19,10 @@ class EmbreeBackend final : public Backend {
   std::unique_ptr<DeviceScene> makeScene(std::shared_ptr<const CompiledScene> scene, int rank,
                                          const Advance& advance) const override {
     return std::make_unique<EmbreeScene>(shared_, std::move(scene), rank, advance);
+  }
+  std::unique_ptr<DeviceFields> makeFields(std::shared_ptr<const CompiledFields> fields,
+                                           int rank) const override {
+    return std::make_unique<EmbreeFields>(std::move(fields), rank);
   }
 
  private:

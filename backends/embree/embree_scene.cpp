@@ -6,6 +6,8 @@
 #include <cstring>
 #include <limits>
 
+#include "backends/embree/embree_sampling.h"
+#include "backends/embree/view_pointers.h"
 #include "core/comm/error.h"
 #include "core/rays/fill_views.h"
 #include "fields_ispc.h"
@@ -24,23 +26,7 @@ struct EmbreeFrame final : DeviceFrame {
   std::vector<std::array<float, 4>> lights;
   bool depth = false;
   double worldPerRender = 1;
-};
-
-// The `put` of fill_views.h: kernels read the host's own arrays.
-struct Pointers {
-  struct Any {
-    const void* at;
-    template <class T>
-    operator const T*() const {
-      return static_cast<const T*>(at);
-    }
-    operator const void*() const { return at; }
-  };
-  template <class T>
-  Any operator()(const std::vector<T>& v) const {
-    return {v.empty() ? nullptr : v.data()};
-  }
-  Any samples(const VolumeBlock& block) const { return {block.samples.data()}; }
+  std::unique_ptr<const EmbreeSampling> sampling;  // null unless its rays sample
 };
 
 // Adds the time that it lives to a counter.
@@ -101,7 +87,7 @@ EmbreeScene::EmbreeScene(std::shared_ptr<EmbreeShared> shared, std::shared_ptr<c
   if (renderedOperators_.size() > kMostVolumes)
     throw Error("a visualization renders " + std::to_string(renderedOperators_.size()) +
                 " volumes at once; this backend takes at most " + std::to_string(kMostVolumes));
-  Pointers pointers;
+  ViewPointers pointers;
   fillSceneView(anywhere_, *scene_, -1, pointers);
   const std::vector<int> owned = scene_->partitioning->owned(rank_);
   for (size_t k = 0; k < owned.size(); k++) {
@@ -148,6 +134,15 @@ std::shared_ptr<const DeviceFrame> EmbreeScene::makeFrame(const CompiledFrame& f
   return frame;
 }
 
+std::shared_ptr<const DeviceFrame> EmbreeScene::makeSampling(
+    std::shared_ptr<const CompiledSampling> sampling) const {
+  std::vector<int> partitions;
+  for (const auto& [p, part] : parts_) partitions.push_back(p);
+  auto frame = std::make_shared<EmbreeFrame>();
+  frame->sampling = std::make_unique<const EmbreeSampling>(std::move(sampling), partitions);
+  return frame;
+}
+
 void EmbreeScene::spawn(const DeviceFrame& deviceFrame, const SpawnTile& tile, Done done) const {
   const auto& frame = static_cast<const EmbreeFrame&>(deviceFrame);
   TraceResult result;
@@ -165,11 +160,32 @@ void EmbreeScene::spawn(const DeviceFrame& deviceFrame, const SpawnTile& tile, D
   done(std::move(result));
 }
 
+void EmbreeScene::spawnRays(const DeviceFrame&, RayList rays, Done done) const {
+  TraceResult result;
+  {
+    Stopwatch time(result.counters.nsSpawn);
+    RayView view = rays.view();
+    std::fill_n(view.tLast, rays.size(), -1.0f);
+    std::fill_n(view.tResume, rays.size(), -1.0f);
+    std::fill_n(view.A, rays.size(), 0.0f);
+    ispc::routeRays(&anywhere_, &view, rays.size(), true);
+    distribute(std::move(rays), false, result.leaving);
+    for (const LeavingRays& l : result.leaving) result.counters.raysSpawned += uint64_t(l.rays.size());
+  }
+  done(std::move(result));
+}
+
 // A list of rays on its way through one partition.
 class EmbreeScene::Packet {
  public:
-  Packet(const EmbreeScene& scene, const PartitionViews& part, const EmbreeFrame& frame, bool primary)
-      : scene_(scene), part_(part), frame_(frame), primary_(primary) {}
+  Packet(const EmbreeScene& scene, int partition, const PartitionViews& part, const EmbreeFrame& frame,
+         bool primary)
+      : scene_(scene),
+        partition_(partition),
+        part_(part),
+        frame_(frame),
+        primary_(primary),
+        firstHit_(primary || frame.sampling) {}
 
   TraceResult trace(RayList rays) {
     const int start = rays.size();
@@ -201,7 +217,7 @@ class EmbreeScene::Packet {
     if (!part_.trees.empty()) {
       Stopwatch time(c.nsGeometry);
       c.runs(Kernel::Geometry)++;
-      ispc::hitGeometry(&part_.view, &view, n, !primary_ && scene_.scene_->opaqueSurfaces);
+      ispc::hitGeometry(&part_.view, &view, n, !firstHit_ && scene_.scene_->opaqueSurfaces);
     }
     if (!scene_.slicedOperators_.empty() || !scene_.isoOperators_.empty()) {
       Stopwatch time(c.nsSurfaces);
@@ -236,7 +252,7 @@ class EmbreeScene::Packet {
     ispc::routeRays(&part_.view, &view, n, false);
   }
 
-  // Shades hits, deposits light and forwards rays. Returns the rays that go on behind a translucent surface.
+  // Shades or samples hits, deposits light and forwards rays. Returns the rays that go on behind a surface.
   RayList settle(RayList rays) {
     RayView view = rays.view();
     const int n = rays.size();
@@ -247,7 +263,10 @@ class EmbreeScene::Packet {
       if (view.next[i] == END_SURFACE) which.push_back(i);
     if (!which.empty()) {
       if (primary_) shade(rays, which);
-      ispc::passSurfaces(&part_.view, &view, n);
+      if (frame_.sampling)
+        frame_.sampling->record(part_.view, partition_, view, which, result_.samples);
+      else
+        ispc::passSurfaces(&part_.view, &view, n);
     }
     which.clear();
     std::vector<int> active;
@@ -258,7 +277,7 @@ class EmbreeScene::Packet {
       }
       if (view.next[i] == END_ACTIVE) active.push_back(i);
     }
-    if (!which.empty()) {
+    if (!which.empty() && !frame_.sampling) {
       sums_.assign(4 * which.size(), 0);
       ispc::settleRays(&part_.view, &view, which.data(), int(which.size()), sums_.data());
       addContributions(view, which, sums_, result_.contributions);
@@ -305,7 +324,7 @@ class EmbreeScene::Packet {
   void addDepths(RayView& view, const std::vector<int>& which) {
     std::vector<int> first;
     for (int i : which)
-      if (RAY_SAMPLE(view.info[i]) == 0 && view.tLast[i] < 0) first.push_back(i);
+      if (RAY_SAMPLE_NUMBER(view.info[i]) == 0 && view.tLast[i] < 0) first.push_back(i);
     std::vector<double> distances(first.size());
     ispc::eyeDistances(&frame_.view, &view, first.data(), int(first.size()), distances.data());
     for (size_t k = 0; k < first.size(); k++)
@@ -313,9 +332,11 @@ class EmbreeScene::Packet {
   }
 
   const EmbreeScene& scene_;
+  const int partition_;
   const PartitionViews& part_;
   const EmbreeFrame& frame_;
   const bool primary_;
+  const bool firstHit_;  ///< rays want the first surface that they meet, and not any
   TraceResult result_;
   std::vector<int32_t> sums_;
   std::vector<RayList> secondaries_;
@@ -327,7 +348,8 @@ void EmbreeScene::trace(const DeviceFrame& frame, int partition, bool primary, R
   if (part == parts_.end())
     throw Error("rays came for partition " + std::to_string(partition) +
                 ", which has nothing to see on this rank");
-  done(Packet(*this, part->second, static_cast<const EmbreeFrame&>(frame), primary).trace(std::move(rays)));
+  done(Packet(*this, partition, part->second, static_cast<const EmbreeFrame&>(frame), primary)
+           .trace(std::move(rays)));
 }
 
 size_t EmbreeScene::bytes() const {

@@ -66,13 +66,13 @@ export uniform int shadeHits(const void* uniform scene, const void* uniform fram
 
     uniform int rayCount = f.lights + max(s.occlusionRays, 1);
     for (uniform int q = 0; q < rayCount; q++) {
-      LightTerm term = lightTermOf(s, f, q, surface, from, toEye, color, weight, r.pixel[i], RAY_SAMPLE(r.info[i]));
+      LightTerm term = lightTermOf(s, f, q, surface, from, toEye, color, weight, r.pixel[i], RAY_SAMPLE_NUMBER(r.info[i]));
       limitLightTerm(term, sum[4 * k], sum[4 * k + 1], sum[4 * k + 2]);
       depositLightTerm(sum, k, term);
       uniform int kind = q < f.lights ? RAY_SHADOW : RAY_OCCLUSION;
       if (term.wanted) {
         packed_store_active(w.pixel + made, r.pixel[i]);
-        packed_store_active(w.info + made, RAY_SAMPLE(r.info[i]) | ((unsigned int)kind << 16) | startBits);
+        packed_store_active(w.info + made, RAY_SAMPLE_NUMBER(r.info[i]) | ((unsigned int)kind << 16) | startBits);
         packed_store_active(w.start + made, start);
         packed_store_active((uniform int* uniform)(w.ox + made), intbits(from.x));
         packed_store_active((uniform int* uniform)(w.oy + made), intbits(from.y));

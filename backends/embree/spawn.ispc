@@ -54,7 +54,7 @@ export void regenerateRays(const void* uniform frame, void* uniform rays, unifor
   foreach (i = 0 ... n) {
     vec3 o, d;
     double tEnter;
-    cameraRay(f, r.pixel[i] % f.width, r.pixel[i] / f.width, RAY_SAMPLE(r.info[i]), o, d, tEnter);
+    cameraRay(f, r.pixel[i] % f.width, r.pixel[i] / f.width, RAY_SAMPLE_NUMBER(r.info[i]), o, d, tEnter);
     r.ox[i] = o.x; r.oy[i] = o.y; r.oz[i] = o.z;
     r.dx[i] = d.x; r.dy[i] = d.y; r.dz[i] = d.z;
     r.tMax[i] = NO_HIT;
@@ -70,7 +70,7 @@ export void eyeDistances(const void* uniform frame, void* uniform rays, const un
     int i = which[k];
     vec3 o, d;
     double tEnter;
-    cameraRay(f, r.pixel[i] % f.width, r.pixel[i] / f.width, RAY_SAMPLE(r.info[i]), o, d, tEnter);
+    cameraRay(f, r.pixel[i] % f.width, r.pixel[i] / f.width, RAY_SAMPLE_NUMBER(r.info[i]), o, d, tEnter);
     distance[k] = tEnter + (double)r.tHit[i];
   }
 }

@@ -48,6 +48,7 @@ BackendRegistry allBackends(const BackendOptions& options) {
                   "\" was asked for, but the embree backend has none to choose from");
     return makeEmbreeBackend();
   });
+  registry.addForFields([](Ledger*) { return makeEmbreeBackend(); });
   return registry;
 }
 

@@ -97,7 +97,9 @@ class Evaluation {
     FieldResults results;
     made.volume = std::make_shared<Volume>(samplesOf(root(), true, results));
     made.volume->name = options_.name;
-    if (needsStatistics(*made.volume, partitioning()) && grid().rim)
+    // Tiles tell them of floats, and not of a rim.
+    if (needsStatistics(*made.volume, partitioning()) &&
+        (grid().rim || made.volume->stored != ScalarType::Float32))
       agree(ranks_, [&] { results.statistics = statisticsOfOwned(*made.volume); });
     made.noData = int64_t(sumOfCounts(ranks_, uint64_t(results.noData)));
     if (!needsStatistics(*made.volume, partitioning())) results.statistics = {};

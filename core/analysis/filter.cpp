@@ -49,23 +49,28 @@ std::vector<Origin> originsOf(const FilterRun& run) {
   return originsOf(origins);
 }
 
-// The time of the inputs that have one; none if they differ.
-double timeOf(const FilterRun& run) {
-  double time = std::numeric_limits<double>::quiet_NaN();
-  for (const FilterSource* source : sourcesOf(run)) {
-    const double other = source->data->time;
-    if (std::isnan(other)) continue;
-    if (!std::isnan(time) && time != other) return std::numeric_limits<double>::quiet_NaN();
-    time = other;
-  }
-  return time;
-}
-
 }  // namespace
 
 const FilterSource* FilterRun::optional(const std::string& name) const {
   const auto found = inputs_.find(name);
   return found == inputs_.end() || found->second.empty() ? nullptr : &found->second.front();
+}
+
+double FilterRun::time() const {
+  double time = std::numeric_limits<double>::quiet_NaN();
+  for (const auto& [port, list] : inputs_)
+    for (const FilterSource& source : list) {
+      const double other = source.data->time;
+      if (std::isnan(other)) continue;
+      if (!std::isnan(time) && time != other) return std::numeric_limits<double>::quiet_NaN();
+      time = other;
+    }
+  return time;
+}
+
+Sampler& FilterRun::sampler() const {
+  if (!services_.sampler) throw Error("this program cannot send rays for filters");
+  return *services_.sampler;
 }
 
 std::shared_ptr<Dataset> FilterRun::made(std::shared_ptr<const Volume> volume,
@@ -102,7 +107,7 @@ FilterResult evaluate(const Filter& filter, FilterRun& run, const std::string& p
   if (!result.dataset) return result;
   Dataset& made = *result.dataset;
   made.origins = std::move(origins);
-  if (std::isnan(made.time)) made.time = timeOf(run);
+  if (std::isnan(made.time)) made.time = run.time();
   made.provenance = {filter.schema.name, filter.schema.version, properties, {}};
   for (const auto& [port, list] : run.inputs())
     for (const FilterSource& source : list)

@@ -31,6 +31,10 @@
 
 namespace gxy {
 
+class FieldMaker;
+class Sampler;
+class Tracer;
+
 /// A generation of a dataset that a filter reads. It is pinned while the filter runs.
 struct FilterSource {
   std::string name;  ///< for messages
@@ -52,6 +56,13 @@ struct FilterServices {
   /// Is called on all ranks when item `item` of `of` begins. If it throws, it throws on all ranks.
   std::function<void(int64_t item, int64_t of, const std::string& text)> begin = [](int64_t, int64_t,
                                                                                     const std::string&) {};
+  /// Trace lines. Filters that need them throw Error where they are null.
+  Tracer* tracer = nullptr;
+  FieldMaker* fieldMaker = nullptr;
+  std::string tenant;  ///< of whom the memory is, in the ledger
+  uint32_t turn = 0;   ///< rank 0: whose turn it is for work that is shared (Priority::tenant)
+  /// Sends rays through data, together with those of all other ranks. Null on all ranks: there is none.
+  Sampler* sampler = nullptr;
 };
 
 /// One evaluation of a filter on one rank. All ranks make the same collective calls in the same order, whatever
@@ -71,12 +82,18 @@ class FilterRun {
   const FilterSource* optional(const std::string& name) const;
   /// All inputs by name.
   const Inputs& inputs() const { return inputs_; }
+  /// The time of the inputs that have one; NaN if none has, or they differ.
+  double time() const;
 
   LedgerEntry takeMemory(const std::string& purpose, int64_t bytes) {
     return services_.takeMemory(purpose, bytes);
   }
+  const FilterServices& services() const { return services_; }
   /// Collective. Reports that item `item` of `of` begins.
   void begin(int64_t item, int64_t of, const std::string& text) { services_.begin(item, of, text); }
+
+  /// Throws Error on all ranks if this program has none.
+  Sampler& sampler() const;
 
   /// Makes a dataset of a volume or of geometry.
   std::shared_ptr<Dataset> made(std::shared_ptr<const Volume> volume,
@@ -96,6 +113,7 @@ struct FilterInfo {
   std::string help;
   std::vector<FilterPort> inputs;
   std::optional<DatasetType> makes;  ///< absent: it tells numbers only
+  std::string makesLike = {};  ///< the input whose type the dataset has, whatever `makes` says; empty: none
 };
 
 /// A filter of any type. Immutable; any thread may use it.
@@ -150,7 +168,7 @@ template <class T>
 std::shared_ptr<const Filter> makeFilter() {
   const FilterInfo info = T::info();
   auto filter = std::make_shared<Filter>();
-  filter->schema = {info.name, info.version, info.help, info.inputs, info.makes};
+  filter->schema = {info.name, info.version, info.help, info.inputs, info.makes, info.makesLike};
   for (const KeyRow<T>& key : T::properties()) filter->schema.properties.push_back(detail::describedKey(key));
   filter->schema.read = detail::readProperties<T>;
   filter->run = detail::runFilter<T>;

@@ -21,7 +21,8 @@ class FixedSum {
   }
 
   void add(double value, int times = 1) { sum_ += in(value)*times; }
-  void add(const FixedSum& other) { sum_ += other.sum_; }
+  /// `other` has the same unit.
+  void add(const FixedSum& other, int times = 1) { sum_ += other.sum_ * times; }
 
   /// The sum divided by `by`.
   double over(double by) const { return std::ldexp(double(sum_) / by, unit_); }

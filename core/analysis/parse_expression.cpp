@@ -320,7 +320,7 @@ class ExpressionParser {
     if (extreme ? given.empty() : int(given.size()) != function->arguments)
       made_.fail(name.position,
                  std::string(function->name) + "() has " + std::to_string(given.size()) +
-                     " arguments, expected " +
+                     (given.size() == 1 ? " argument, expected " : " arguments, expected ") +
                      (extreme ? "1 field, or 2 values or more" : std::to_string(function->arguments)));
     if (!extreme)
       return add(function->op, name.position, given[0], given.size() > 1 ? given[1] : -1,

@@ -2,51 +2,36 @@
 #include "core/analysis/seeds_filter.h"
 
 #include <algorithm>
+#include <glm/geometric.hpp>
 
 #include "core/analysis/made_geometry.h"
+#include "core/analysis/random_numbers.h"
+#include "core/analysis/resample_filter.h"
 #include "core/comm/error.h"
 
 namespace gxy {
 namespace {
 
-constexpr const char* kShapes[] = {"grid", "line", "points"};
+constexpr const char* kShapes[] = {"grid", "line", "box", "sphere", "points"};
 constexpr int kMostSeeds = 1 << 30;
-constexpr size_t kMostPoints = 100000;  // that a document lists
+constexpr size_t kMostListed = 100000;  // that a document lists
 
 void readShape(const Found& found, Seeds& seeds) {
   const auto it = std::find(std::begin(kShapes), std::end(kShapes), found.text());
-  if (it == std::end(kShapes)) found.fail("grid, line or points");
+  if (it == std::end(kShapes)) found.fail("grid, line, box, sphere or points");
   seeds.shape = Seeds::Shape(it - std::begin(kShapes));
 }
 
-void readBox(const Found& found, Seeds& seeds) {
-  const std::vector<double> b = found.numbers(6, 6, "[x0, x1, y0, y1, z0, z1]");
-  for (int a = 0; a < 3; a++)
-    if (!(b[size_t(2 * a)] <= b[size_t(2 * a + 1)]))
-      found.fail("[x0, x1, y0, y1, z0, z1] with x0 <= x1, y0 <= y1 and z0 <= z1");
-  seeds.box = Box{{b[0], b[2], b[4]}, {b[1], b[3], b[5]}};
-}
-
-OrderedJson writeBox(const Seeds& seeds) {
-  if (!seeds.box) return nullptr;
-  const auto& [lo, hi] = *seeds.box;
-  return {lo.x, hi.x, lo.y, hi.y, lo.z, hi.z};
-}
-
-void readDimensions(const Found& found, Seeds& seeds) {
-  const auto list = found.list("three whole numbers");
-  if (list.size() != 3) found.fail("three whole numbers");
+void readLattice(const Found& found, Seeds& seeds) {
+  seeds.dimensions = readDimensions(found, 1);
   int64_t all = 1;
-  for (size_t a = 0; a < 3; a++) {
-    seeds.dimensions[a] = list[a].integer({1, 1 << 20});
-    all *= seeds.dimensions[a];
-    if (all > kMostSeeds) found.fail("at most 2^30 points");
-  }
+  for (const int n : seeds.dimensions)
+    if ((all *= n) > kMostSeeds) found.fail("at most 2^30 points");
 }
 
 void readPoints(const Found& found, Seeds& seeds) {
   for (const Found& item : found.list("a list of [x, y, z]")) {
-    if (seeds.points.size() == kMostPoints) item.fail("at most 100000 points");
+    if (seeds.points.size() == kMostListed) item.fail("at most 100000 points");
     seeds.points.push_back(item.vec3());
   }
 }
@@ -77,18 +62,31 @@ FilterInfo Seeds::info() {
 
 std::vector<KeyRow<Seeds>> Seeds::properties() {
   return {
-      customKey<Seeds>("shape", "grid, line or points",
+      customKey<Seeds>("shape", "grid, line, box, sphere or points",
                        "`grid`: the middles of the cells of a lattice. `line`: points at equal distances, "
-                       "with both ends. `points`: a list.",
+                       "with both ends. `box` and `sphere`: "
+                       "points that are spread evenly at random. `points`: a list.",
                        readShape, [](const Seeds& s) { return OrderedJson(kShapes[size_t(s.shape)]); }),
-      customKey<Seeds>("box", "[x0, x1, y0, y1, z0, z1]", "The box of `grid`.", readBox, writeBox)
+      customKey<Seeds>(
+          "box", "[x0, x1, y0, y1, z0, z1]", "The box of `grid` and `box`.",
+          [](const Found& f, Seeds& s) { s.box = readBox(f); },
+          [](const Seeds& s) { return s.box ? toJson(*s.box) : OrderedJson(); })
           .byDefault("the box of `domain`"),
       customKey<Seeds>("dimensions", "[i, j, k], whole numbers > 0",
-                       "The number of points of `grid` along each axis.", readDimensions,
+                       "The number of points of `grid` along each axis.", readLattice,
                        [](const Seeds& s) { return OrderedJson(s.dimensions); }),
       placeKey("from", &Seeds::from, "The first point of `line`.").byDefault("the lower corner of the box"),
       placeKey("to", &Seeds::to, "The last point of `line`.").byDefault("the upper corner of the box"),
-      integerKey("count", &Seeds::count, {1, kMostSeeds}, "The number of points of `line`."),
+      placeKey("center", &Seeds::center, "The middle of `sphere`.").byDefault("the middle of the box"),
+      customKey<Seeds>(
+          "radius", "number >= 0", "The radius of `sphere`.",
+          [](const Found& f, Seeds& s) { s.radius = f.number(kNonNegative); },
+          [](const Seeds& s) { return s.radius ? OrderedJson(*s.radius) : OrderedJson(); })
+          .byDefault("a quarter of the shortest side of the box"),
+      integerKey("count", &Seeds::count, {1, kMostSeeds},
+                 "The number of points of `line`, `box` and `sphere`."),
+      integerKey("seed", &Seeds::seed, {0, 2147483647},
+                 "Other numbers make other points of `box` and `sphere`."),
       customKey<Seeds>("points", "list of [x, y, z]", "The points of `points`.", readPoints, writePoints)
           .byDefault("none"),
   };
@@ -118,10 +116,28 @@ glm::dvec3 Seeds::point(uint64_t i, const Box& domain) const {
       const glm::dvec3 first = from.value_or(domain.lo), last = to.value_or(domain.hi);
       return count == 1 ? first : first + double(i) / double(count - 1) * (last - first);
     }
+    case Shape::Box: {
+      const auto words = randomWords(uint32_t(seed), uint32_t(Draw::Seeds), i);
+      const glm::dvec3 at(unitOf(words[0]), unitOf(words[1]), unitOf(words[2]));
+      return in.lo + at * (in.hi - in.lo);
+    }
+    case Shape::Sphere: {
+      const glm::dvec3 side = domain.hi - domain.lo;
+      const double r = radius.value_or(std::min({side.x, side.y, side.z}) / 4);
+      return center.value_or((domain.lo + domain.hi) / 2.0) + r * inUnitBall(i);
+    }
     case Shape::Points:
       break;
   }
   return points[size_t(i)];
+}
+
+glm::dvec3 Seeds::inUnitBall(uint64_t i) const {
+  for (uint32_t part = 0;; part++) {
+    const auto words = randomWords(uint32_t(seed), uint32_t(Draw::Seeds), i, part);
+    const glm::dvec3 p(2 * unitOf(words[0]) - 1, 2 * unitOf(words[1]) - 1, 2 * unitOf(words[2]) - 1);
+    if (glm::dot(p, p) <= 1) return p;
+  }
 }
 
 FilterResult Seeds::run(FilterRun& run) const {

@@ -273,14 +273,18 @@ class Measurement {
     pass(
         make,
         [&](Sums& made, const ValueRow& row) {
+          FixedSum sum(largest);
           forValues(row, [&](float stored, size_t i) {
             const double v = valueOf(stored);
-            made.plain.add(v);
-            if (row.weight > 0) made.weighted.add(v, row.weightOf(i));
+            sum.add(v);
+            if ((row.halfFirst && i == 0) || (row.halfLast && i + 1 == row.stored.size()))
+              made.weighted.add(v, -row.weight / 2);
             if (options_.bins > 0 && v >= range.min && v <= range.max)
               ++made.bins[size_t(std::min<int64_t>(int64_t((v - range.min) * perBin), options_.bins - 1))];
             if (!order.done()) order.add(made.counts, stored);
           });
+          made.plain.add(sum);
+          made.weighted.add(sum, row.weight);
         },
         [&](const Sums& made) {
           all.plain.add(made.plain);
@@ -306,15 +310,19 @@ class Measurement {
     const double mean = found_.mean;
     const double furthest =
         std::max(std::abs(found_.least.value - mean), std::abs(found_.largest.value - mean));
+    // Distances are scaled below 1, which is exact, so that no square overflows or vanishes.
+    int exponent = 0;
+    std::frexp(furthest, &exponent);
+    const double scale = std::ldexp(1, -exponent);
     const auto make = [&] {
-      return Sums{FixedSum(furthest * furthest), order.done() ? OrderStatistics::Counts{} : order.noCounts()};
+      return Sums{FixedSum(1), order.done() ? OrderStatistics::Counts{} : order.noCounts()};
     };
     Sums all = make();
     pass(
         make,
         [&](Sums& made, const ValueRow& row) {
           forValues(row, [&](float stored, size_t) {
-            const double d = valueOf(stored) - mean;
+            const double d = (valueOf(stored) - mean) * scale;
             made.squares.add(d * d);
             if (!order.done()) order.add(made.counts, stored);
           });
@@ -324,7 +332,7 @@ class Measurement {
           addCounts(all.counts, made.counts);
         });
     mergeRanks(all.squares);
-    found_.variance = all.squares.over(double(found_.count));
+    found_.variance = std::ldexp(all.squares.over(double(found_.count)), 2 * exponent);
     nextDigit(order, all.counts);
   }
 

@@ -32,9 +32,6 @@ struct ValueRow {
   std::function<glm::dvec3(size_t)> position;
 
   ValueKey key(size_t i) const { return keys ? keys[i] : ValueKey{first.id + i, 0}; }
-  int weightOf(size_t i) const {
-    return weight >> int((halfFirst && i == 0) + (halfLast && i + 1 == stored.size()));
-  }
 };
 
 /// A part of all values of this rank.

@@ -65,11 +65,12 @@ struct Completion::Set {
   uint64_t retiredLastWave = 0;
 };
 
-Completion::Completion(Transport& transport, Rule rule) : transport_(transport), rule_(rule) {
-  transport_.onMessage(Channel::Completion, [this](int, Bytes message) { receive(std::move(message)); });
+Completion::Completion(Transport& transport, Rule rule, Channel channel)
+    : transport_(transport), rule_(rule), channel_(channel) {
+  transport_.onMessage(channel_, [this](int, Bytes message) { receive(std::move(message)); });
 }
 
-Completion::~Completion() { transport_.onMessage(Channel::Completion, nullptr); }
+Completion::~Completion() { transport_.onMessage(channel_, nullptr); }
 
 std::shared_ptr<Completion::Set> Completion::find(SetId id) {
   {
@@ -151,7 +152,7 @@ void Completion::receive(Bytes bytes) {
 
 void Completion::startWave(Set& set) {
   ++waves_;
-  transport_.send(0, Channel::Completion, encode({Kind::Wave, set.id, 0, 0}));
+  transport_.send(0, channel_, encode({Kind::Wave, set.id, 0, 0}));
 }
 
 void Completion::receiveWave(Set& set) {
@@ -162,9 +163,7 @@ void Completion::receiveWave(Set& set) {
     forEachChild([&](int) { ++set.childrenToAnswer; });
     set.waiting = true;
   }
-  forEachChild([&](int child) {
-    transport_.send(child, Channel::Completion, encode({Kind::Wave, set.id, 0, 0}));
-  });
+  forEachChild([&](int child) { transport_.send(child, channel_, encode({Kind::Wave, set.id, 0, 0})); });
   answerIfIdle(set);
 }
 
@@ -191,8 +190,7 @@ void Completion::answerIfIdle(Set& set) {
   if (transport_.rank() == 0)
     concludeWave(set, created, retired);
   else
-    transport_.send((transport_.rank() - 1) / 2, Channel::Completion,
-                    encode({Kind::Answer, set.id, created, retired}));
+    transport_.send((transport_.rank() - 1) / 2, channel_, encode({Kind::Answer, set.id, created, retired}));
 }
 
 void Completion::concludeWave(Set& set, uint64_t created, uint64_t retired) {
@@ -202,13 +200,11 @@ void Completion::concludeWave(Set& set, uint64_t created, uint64_t retired) {
     startWave(set);
     return;
   }
-  transport_.send(0, Channel::Completion, encode({Kind::Done, set.id, 0, 0}));
+  transport_.send(0, channel_, encode({Kind::Done, set.id, 0, 0}));
 }
 
 void Completion::receiveDone(SetId id) {
-  forEachChild([&](int child) {
-    transport_.send(child, Channel::Completion, encode({Kind::Done, id, 0, 0}));
-  });
+  forEachChild([&](int child) { transport_.send(child, channel_, encode({Kind::Done, id, 0, 0})); });
   std::shared_ptr<Set> set;
   {
     std::unique_lock lock(mutex_);

@@ -43,7 +43,9 @@ using SetId = uint64_t;
 /// Threads: any thread may call all functions except the constructor and destructor.
 class Completion {
  public:
-  explicit Completion(Transport& transport) : Completion(transport, Rule{}) {}
+  /// Each Completion over a Transport has a channel of its own, the same on all ranks.
+  explicit Completion(Transport& transport, Channel channel = Channel::Completion)
+      : Completion(transport, Rule{}, channel) {}
 
   /// Forgets sets that are not done.
   virtual ~Completion();
@@ -91,7 +93,7 @@ class Completion {
     bool tokensAtRoot = true;
     bool answersWhenIdle = true;
   };
-  Completion(Transport& transport, Rule rule);
+  Completion(Transport& transport, Rule rule, Channel channel = Channel::Completion);
 
  private:
   std::shared_ptr<Set> find(SetId id);
@@ -107,6 +109,7 @@ class Completion {
 
   Transport& transport_;
   const Rule rule_;
+  const Channel channel_;
   mutable std::shared_mutex mutex_;  ///< guards the map sets_, not the sets in it
   std::unordered_map<SetId, std::shared_ptr<Set>> sets_;
   std::atomic<uint64_t> waves_ = 0;

@@ -40,6 +40,22 @@ const char* nameOf(Channel channel) {
       return "message: frame";
     case Channel::Credits:
       return "message: credits";
+    case Channel::Items:
+      return "message: items";
+    case Channel::Flight:
+      return "message: flight";
+    case Channel::ItemCredits:
+      return "message: credits of items";
+    case Channel::ItemCompletion:
+      return "message: completion of items";
+    case Channel::SampleFlight:
+      return "message: flight of samplings";
+    case Channel::SampleRays:
+      return "message: sampling rays";
+    case Channel::SampleCredits:
+      return "message: credits of samplings";
+    case Channel::SampleCompletion:
+      return "message: completion of samplings";
     case Channel::Pictures:
       return "message: pictures";
     case Channel::Test:

@@ -23,7 +23,15 @@ enum class Channel : uint16_t {
   Contributions = 9,
   Frame = 10,
   Credits = 11,
-  Pictures = 16,  ///< multiserver/rendering
+  Items = 12,  ///< core/analysis: heads of lines
+  Flight = 13,
+  ItemCredits = 14,
+  ItemCompletion = 15,
+  Pictures = 16,      ///< multiserver/rendering
+  SampleFlight = 20,  ///< core/analysis: rays of samplings
+  SampleRays = 21,
+  SampleCredits = 22,
+  SampleCompletion = 23,
   Test = 64,
 };
 

@@ -10,4 +10,5 @@
 #include "core/kernels/primitives.h"
 #include "core/kernels/surface.h"
 #include "core/kernels/light_terms.h"
+#include "core/kernels/act_sample.h"
 // clang-format on

@@ -17,6 +17,7 @@ namespace gxy::single {
 #include "core/kernels/volume_fetch.h"
 #include "core/kernels/fields.h"
 #include "core/kernels/lines.h"
+#include "core/kernels/samples.h"
 // clang-format on
 }  // namespace gxy::single
 #undef GXY_REAL

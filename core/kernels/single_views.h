@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// scene_view.h for C++ in float, with pointers: what ISPC reads.
+// scene_view.h and sampling_view.h for C++ in float, with pointers: what ISPC reads.
 #pragma once
 #include "core/kernels/single.h"
 
@@ -7,8 +7,9 @@
 #define RAW const void*
 #define BYTE std::uint8_t
 namespace gxy::single {
+#include "core/kernels/sampling_view.h"
 #include "core/kernels/scene_view.h"
-}
+}  // namespace gxy::single
 #undef PTR
 #undef RAW
 #undef BYTE

@@ -19,6 +19,7 @@ namespace gxy::twin {
 #include "core/kernels/volume_fetch.h"
 #include "core/kernels/fields.h"
 #include "core/kernels/lines.h"
+#include "core/kernels/samples.h"
 // clang-format on
 }  // namespace gxy::twin
 #undef GXY_REAL

@@ -55,6 +55,10 @@ TraceCounters& TraceCounters::operator+=(const TraceCounters& o) {
   return *this;
 }
 
+void DeviceScene::spawnRays(const DeviceFrame&, RayList, Done) const {
+  throw Error("this device cannot begin rays of a sampling");
+}
+
 std::unique_ptr<Backend> BackendRegistry::make(const std::string& name, Ledger* ledger) const {
   std::string known = "auto";
   std::exception_ptr first;

@@ -11,9 +11,11 @@
 #include <vector>
 
 #include "core/rays/compiled_frame.h"
+#include "core/rays/compiled_sampling.h"
 #include "core/rays/compiled_scene.h"
 #include "core/rays/device_fields.h"
 #include "core/rays/ray_list.h"
+#include "core/rays/sample_list.h"
 
 namespace gxy {
 
@@ -85,6 +87,7 @@ struct TraceResult {
   std::vector<LeavingRays> leaving;  ///< forwarded rays and new secondaries, which may stay in this partition
   std::vector<Contribution> contributions;
   std::vector<DepthContribution> depths;  ///< only if the frame wants them
+  SampleList samples;                     ///< of a sampling
   uint64_t retired = 0;                   ///< rays of the packet that have ended
   /// New secondary rays in `leaving`. The backend may have made and traced others itself.
   uint64_t created = 0;
@@ -129,10 +132,21 @@ class DeviceScene {
 
   virtual std::shared_ptr<const DeviceFrame> makeFrame(const CompiledFrame& frame) const = 0;
 
+  /// Makes a frame whose rays sample surfaces instead of shading them: trace() of it takes sampling rays (RAY_SAMPLE) as
+  /// secondaries, and its results have samples and no contributions. The sampling is of this scene. Null: this device cannot.
+  virtual std::shared_ptr<const DeviceFrame> makeSampling(std::shared_ptr<const CompiledSampling>) const {
+    return nullptr;
+  }
+
   /// Spawns the primary rays of a tile whose first visible partition is one of this rank's. The result has
   /// them as leaving rays; if the backend has already traced some, it has what became of these. It counts no
   /// rays as `retired`.
   virtual void spawn(const DeviceFrame& frame, const SpawnTile& tile, Done done) const = 0;
+
+  /// Begins rays of a sampling: `pixel`, `sr`, `info`, `start`, `o*`, `d*`, `tMax` and `sg` of each are set, and they begin at t =
+  /// 0. The result has them as leaving rays, for partitions of any rank; those that meet no visible partition are left out.
+  /// Only for devices that make samplings.
+  virtual void spawnRays(const DeviceFrame& frame, RayList rays, Done done) const;
 
   /// Traces rays through a local partition until each has ended or left it. This includes shading hits and
   /// finding where rays go on.
@@ -182,6 +196,10 @@ class BackendRegistry {
   void add(std::string name, Maker maker, std::function<bool()> fits = {}) {
     entries_.push_back({std::move(name), std::move(maker), std::move(fits)});
   }
+  /// Says how the backend is made that advances lines where the one in use cannot (field_maker.h).
+  void addForFields(Maker maker) { forFields_ = std::move(maker); }
+  /// Empty if there is none.
+  const Maker& forFields() const { return forFields_; }
   /// Makes a backend. Throws Error for an unknown name, with the known ones, and what the maker throws. With
   /// `auto`, if none can be made, it throws what the first one threw. Logs a warning of each backend that
   /// `auto` had to pass over.
@@ -189,6 +207,7 @@ class BackendRegistry {
 
  private:
   std::vector<Entry> entries_;
+  Maker forFields_;
 };
 
 }  // namespace gxy

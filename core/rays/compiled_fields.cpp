@@ -124,13 +124,6 @@ bool CompiledFields::locate(glm::dvec3 world, Place& place) const {
   return true;
 }
 
-glm::dvec3 CompiledFields::worldOf(const Index3& cell, const std::array<float, 3>& fraction) const {
-  glm::dvec3 p;
-  for (int a = 0; a < 3; a++)
-    p[a] = grid().origin[a] + grid().spacing[a] * (double(cell[size_t(a)]) + double(fraction[size_t(a)]));
-  return p;
-}
-
 size_t CompiledFields::bytes() const {
   size_t n = 0;
   for (const auto& l : lattice_) n += l.size() * sizeof(int32_t);

@@ -65,7 +65,12 @@ class CompiledFields {
   /// finite.
   bool locate(glm::dvec3 world, Place& place) const;
   /// The world position of a place: one function, so that equal places have equal bits.
-  glm::dvec3 worldOf(const Index3& cell, const std::array<float, 3>& fraction) const;
+  glm::dvec3 worldOf(const Index3& cell, const std::array<float, 3>& fraction) const {
+    glm::dvec3 p;
+    for (int a = 0; a < 3; a++)
+      p[a] = grid().origin[a] + grid().spacing[a] * (double(cell[size_t(a)]) + double(fraction[size_t(a)]));
+    return p;
+  }
 
   /// Bytes besides the data.
   size_t bytes() const;

@@ -53,7 +53,7 @@ class DeviceFields {
 };
 
 /// Heads for seeds, and the ends of those that cannot have one.
-struct Seeds {
+struct SeedHeads {
   std::vector<HeadList> heads;  ///< one list for each partition, ascending; in order of the seeds
   std::vector<LineEnd> ends;    ///< `Outside`, one for each direction asked for
 };
@@ -61,8 +61,8 @@ struct Seeds {
 /// Makes heads of lines at world positions; the lines' numbers are `ids` (at most kLastLine). With
 /// TraceDirection::Both each seed has two heads, of which the forward one stores the seed. Throws Error unless
 /// there are as many ids as positions and they are in range. Thread safe.
-Seeds seedHeads(const CompiledFields& fields, std::span<const glm::dvec3> positions,
-                std::span<const uint64_t> ids, TraceDirection direction);
+SeedHeads seedHeads(const CompiledFields& fields, std::span<const glm::dvec3> positions,
+                    std::span<const uint64_t> ids, TraceDirection direction);
 
 /// Fields in plain C++: the kernels' float text without a device. Slow; others are compared with it. Throws
 /// Error if a local partition's data cannot be read.

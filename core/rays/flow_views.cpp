@@ -6,7 +6,9 @@
 #include <glm/geometric.hpp>
 #include <limits>
 #include <map>
+#include <string>
 
+#include "core/comm/error.h"
 #include "core/data/bricks.h"
 #include "core/rays/fill_views.h"
 
@@ -115,6 +117,37 @@ single::VolumeView samplesViewOf(const Volume& volume, const VolumeBlock& block,
   return v;
 }
 
+FlowParts flowPartsOf(const CompiledFields& fields, int rank) {
+  FlowParts parts;
+  const Volume& vectors = fields.vectors();
+  for (int p : fields.partitioning().owned(rank)) {
+    const Extent* extent = fields.extentOf(p);
+    if (!extent) continue;
+    FlowPart& part = parts[p];
+    part.extent = extent;
+    for (int a = 0; a < 3; a++) part.vectors[size_t(a)] = samplesViewOf(vectors, vectors.blocks.at(p), a);
+    for (const RecordedField& r : fields.recorded()) {
+      const Volume& volume = *fields.volumes()[size_t(r.volume)];
+      part.recorded.push_back(samplesViewOf(volume, volume.blocks.at(p), r.component));
+    }
+  }
+  return parts;
+}
+
+size_t bytesOf(const FlowParts& parts) {
+  size_t n = 0;
+  for (const auto& [p, part] : parts) n += sizeof part + part.recorded.size() * sizeof(single::VolumeView);
+  return n;
+}
+
+const FlowPart& partIn(const FlowParts& parts, int partition) {
+  const auto found = parts.find(partition);
+  if (found == parts.end())
+    throw Error("heads of lines came for partition " + std::to_string(partition) +
+                ", which has no data on this rank");
+  return found->second;
+}
+
 StoredPoints::StoredPoints(size_t capacity) : capacity_(capacity) {
 #define GXY_COUNT(type, name) +1
   storage_.resize(capacity * size_t(0 GXY_STORED_FIELDS(GXY_COUNT)));
@@ -131,28 +164,35 @@ void appendPoints(const CompiledFields& fields, const TraceOptions& options, con
                   const StoredView& p, size_t count, const RecordValues& record, PathPoints& out) {
   const Measure measure{fields.units(), options.normalised};
   const double speedUnit = fields.units().length / fields.units().time;
+  const bool byTime = options.points == PointsMode::EqualTime,
+             byLength = options.points == PointsMode::EqualLength;
+  const bool exactTimes = byTime || (options.normalised && byLength);
+  const bool exactLengths = byLength || (options.normalised && byTime);
   const size_t first = out.size();
+  const auto points = size_t(std::count_if(p.head, p.head + count, [](int head) { return head >= 0; }));
+  out.resize(first + points, fields.recorded().size());
+  size_t to = first;
   for (size_t i = 0; i < count; i++) {
     const int head = p.head[i];
+    if (head < 0) continue;
     const bool backward = heads.backward(head);
-    const int sign = backward ? -1 : 1;
-    double length = measure.length(backward, p.length[i], p.lengthRest[i]);
-    double time = measure.time(backward, p.time[i], p.timeRest[i], length);
-    const double multiple = sign * (p.number[i] * options.interval);
-    const bool byLength = options.points == PointsMode::EqualLength;
-    if (byLength || (options.normalised && options.points == PointsMode::EqualTime)) length = multiple;
-    if (options.points == PointsMode::EqualTime || (options.normalised && byLength)) time = multiple;
-    out.line.push_back(heads.line(head));
-    out.number.push_back(sign * p.number[i]);
-    out.position.push_back(fields.worldOf({p.cellX[i], p.cellY[i], p.cellZ[i]}, {p.fx[i], p.fy[i], p.fz[i]}));
-    out.time.push_back(time);
-    out.length.push_back(length);
-    out.speed.push_back(float(p.speed[i] * speedUnit));
+    const int32_t number = backward ? -p.number[i] : p.number[i];
+    const double multiple = number * options.interval;
+    const double length = exactLengths ? multiple : measure.length(backward, p.length[i], p.lengthRest[i]);
+    out.line[to] = heads.line(head);
+    out.number[to] = number;
+    out.position[to] = fields.worldOf({p.cellX[i], p.cellY[i], p.cellZ[i]}, {p.fx[i], p.fy[i], p.fz[i]});
+    out.time[to] = exactTimes ? multiple : measure.time(backward, p.time[i], p.timeRest[i], length);
+    out.length[to] = length;
+    out.speed[to] = float(p.speed[i] * speedUnit);
+    to++;
   }
-  out.values.resize(fields.recorded().size());
+  std::vector<float> values(out.values.empty() ? 0 : count);
   for (size_t k = 0; k < out.values.size(); k++) {
-    out.values[k].resize(first + count);
-    record(k, p, count, out.values[k].data() + first);
+    record(k, p, count, values.data());
+    to = first;
+    for (size_t i = 0; i < count; i++)
+      if (p.head[i] >= 0) out.values[k][to++] = values[i];
   }
 }
 
@@ -176,6 +216,11 @@ void finishHeads(const CompiledFields& fields, const TraceOptions& options, Head
     end.points = h.points[i];
     end.length = measure.length(end.backward, h.length[i], h.lengthRest[i]);
     end.time = measure.time(end.backward, h.time[i], h.timeRest[i], end.length);
+    // The pairs of the kernel have 48 bits; limits are met exactly.
+    if (end.reason == EndReason::Time) end.time = end.backward ? -options.time : options.time;
+    if (end.reason == EndReason::Time && options.normalised) end.length = end.time;
+    if (end.reason == EndReason::Length) end.length = end.backward ? -limits.length : limits.length;
+    if (end.reason == EndReason::Length && options.normalised) end.time = end.length;
     end.position = fields.worldOf(cell, {h.fx[i], h.fy[i], h.fz[i]});
     result.ends.push_back(end);
     result.retired++;

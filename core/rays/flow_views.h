@@ -2,11 +2,15 @@
 // Fills the structures that the kernels of lines read from compiled fields and options, and makes results of
 // what they write; the same for all devices.
 #pragma once
+#include <array>
+#include <functional>
+#include <map>
 #include <vector>
 
 #include "core/kernels/single.h"
 #include "core/rays/compiled_fields.h"
 #include "core/rays/device_fields.h"
+#include "core/rays/stored_fields.h"
 
 namespace gxy {
 
@@ -16,27 +20,25 @@ single::FlowView flowViewOf(const CompiledFields& fields, const Extent& block, c
 /// One component of a volume's block, for reading samples only; component < 0: the magnitude.
 single::VolumeView samplesViewOf(const Volume& volume, const VolumeBlock& block, int component);
 
+/// The volumes in one partition, as kernels read them.
+struct FlowPart {
+  const Extent* extent = nullptr;
+  std::array<single::VolumeView, 3> vectors{};  ///< by component
+  std::vector<single::VolumeView> recorded;
+};
+using FlowParts = std::map<int, FlowPart>;  ///< by partition
+FlowParts flowPartsOf(const CompiledFields& fields, int rank);
+size_t bytesOf(const FlowParts& parts);
+/// Throws Error if there is nothing in the partition.
+const FlowPart& partIn(const FlowParts& parts, int partition);
+
 /// The most cells that heads go through in one call. The rest of them then goes on in the same partition, so
 /// that no call takes long and no result is large.
 inline constexpr int64_t kCellsPerCall = 1 << 18;
+/// So many trial steps count as a cell there: heads may go round in one cell.
+inline constexpr int64_t kStepsPerCell = 8;
 
-/// Stored points as kernels write them: GXY_STORED_FIELDS(F) calls F(type, name) for each field of four bytes.
-/// `head` is the index in the packet; the others are as in head_fields.h.
-#define GXY_STORED_FIELDS(F) \
-  F(int32, head)             \
-  F(int32, number)           \
-  F(int32, cellX)            \
-  F(int32, cellY)            \
-  F(int32, cellZ)            \
-  F(float, fx)               \
-  F(float, fy)               \
-  F(float, fz)               \
-  F(float, time)             \
-  F(float, timeRest)         \
-  F(float, length)           \
-  F(float, lengthRest)       \
-  F(float, speed)
-
+/// Stored points as kernels write them (stored_fields.h).
 struct StoredView {
 #define GXY_FIELD(type, name) type* name;
   GXY_STORED_FIELDS(GXY_FIELD)
@@ -56,7 +58,7 @@ class StoredPoints {
   StoredView view_{};
 };
 
-/// Fills values[i] with a recorded component at stored points.
+/// Fills values[i] with a recorded component at stored points, where there are any.
 using RecordValues =
     std::function<void(size_t component, const StoredView& points, size_t count, float* values)>;
 

@@ -39,6 +39,17 @@ int64_t PathPoints::bytes() const {
   return n;
 }
 
+void PathPoints::resize(size_t points, size_t components) {
+  line.resize(points);
+  number.resize(points);
+  position.resize(points);
+  time.resize(points);
+  length.resize(points);
+  speed.resize(points);
+  values.resize(components);
+  for (auto& v : values) v.resize(points);
+}
+
 void PathPoints::append(PathPoints&& other) {
   if (values.empty()) values.resize(other.values.size());
   appendTo(line, std::move(other.line));

@@ -20,6 +20,8 @@ struct PathPoints {
   std::vector<std::vector<float>> values;  ///< of each recorded component; NaN without data
 
   size_t size() const { return line.size(); }
+  /// Makes room for so many points with so many recorded components.
+  void resize(size_t points, size_t components);
   int64_t bytes() const;
   /// Appends the points of another list with as many recorded components, or appends to an empty one.
   void append(PathPoints&& other);

@@ -9,6 +9,9 @@
 
 namespace gxy {
 
+// What counts for kCellsPerCall.
+static int64_t spent(const AdvanceCounters& c) { return int64_t(c.cells) + int64_t(c.steps) / kStepsPerCell; }
+
 AdvanceCounters& AdvanceCounters::operator+=(const AdvanceCounters& o) {
   headsAdvanced += o.headsAdvanced;
   cells += o.cells;
@@ -20,18 +23,11 @@ AdvanceCounters& AdvanceCounters::operator+=(const AdvanceCounters& o) {
 namespace single {
 namespace {
 
-// The volumes in one partition.
-struct Part {
-  const Extent* extent = nullptr;
-  std::array<VolumeView, 3> vectors;
-  std::vector<VolumeView> recorded;
-};
-
 real sampleOf(const FlowView& v, real stored, real scale, real shift) {
   return (v.flush != 0 ? flushSmall(stored) : stored) * scale + shift;
 }
 
-CellVectors vectorsOf(const FlowView& v, const Part& part, ivec3 cell, real sign) {
+CellVectors vectorsOf(const FlowView& v, const FlowPart& part, ivec3 cell, real sign) {
   const CellValues x = cellValues(part.vectors[0], cell);
   const CellValues y = cellValues(part.vectors[1], cell);
   const CellValues z = cellValues(part.vectors[2], cell);
@@ -49,7 +45,7 @@ CellVectors vectorsOf(const FlowView& v, const Part& part, ivec3 cell, real sign
 // One head on its way through a block.
 class Walk {
  public:
-  Walk(const FlowView& view, const Part& part, std::optional<int> condition, const HeadView& heads, int i,
+  Walk(const FlowView& view, const FlowPart& part, std::optional<int> condition, const HeadView& heads, int i,
        std::vector<std::array<float, 13>>& points, AdvanceCounters& counters)
       : v_(view), part_(part), condition_(condition), h_(heads), i_(i), points_(points), counters_(counters) {
     cell_ = {h_.cellX[i], h_.cellY[i], h_.cellZ[i]};
@@ -72,8 +68,8 @@ class Walk {
 
   // Goes through cells until the head ends or leaves, or has been in `most` more.
   void run(int64_t most) {
-    for (const uint64_t until = counters_.cells + uint64_t(most);
-         reason_ == LINE_GOES_ON && (h_.fresh[i_] || counters_.cells < until);)
+    for (const int64_t until = spent(counters_) + most;
+         reason_ == LINE_GOES_ON && (mustGoOn() || spent(counters_) < until);)
       goThroughCell();
     const bool ended = reason_ != LINE_GOES_ON && reason_ != LINE_LEAVES;
     const bool stores = v_.points == POINTS_ENDS ? length_ > 0 : v_.points == POINTS_CELLS && h_.fresh[i_];
@@ -81,16 +77,15 @@ class Walk {
   }
 
  private:
+  // What has not been stored yet is not known to who goes on.
+  bool mustGoOn() const { return v_.points == POINTS_CELLS && h_.fresh[i_]; }
+
   void goThroughCell() {
     counters_.cells++;
     const CellVectors c = vectorsOf(v_, part_, cell_, sign_);
     const bool data = holdsVectors(c);
     flow_ = cellFlow(c);
-    if (h_.points[i_] == 0) {
-      if (data) storeHere();
-      if (!data)
-        store(cell_, f_, time_, timeRest_, length_, lengthRest_, std::numeric_limits<float>::quiet_NaN());
-    }
+    if (h_.points[i_] == 0) storeHere();
     const vec3 lo = cellLow(v_, cell_), hi = cellHigh(v_, cell_);
     vec3 k = flowOnFaces(c, f_, flowAt(flow_, f_));
     const real derivative = flowDerivative(c);
@@ -101,7 +96,10 @@ class Walk {
     if (reason_ == LINE_GOES_ON && meetsCondition()) reason_ = LINE_CONDITION;
     if (reason_ != LINE_GOES_ON) return;
     const int face = faceAtOnce(f_, k, lo, hi);
-    if (face >= 0) return cross(face);
+    if (face >= 0) {
+      if (v_.points == POINTS_CELLS && h_.fresh[i_]) storeHere();
+      return cross(face);
+    }
     if (isSlow(v_, k, speed, derivative)) reason_ = LINE_SLOW;
     real h = 0;
     for (int result = STEP_AGAIN; reason_ == LINE_GOES_ON && result != STEP_FACE && result != STEP_EXIT;) {
@@ -174,6 +172,8 @@ class Walk {
 
   void store(ivec3 cell, vec3 f, real time, real timeRest, real length, real lengthRest, real speed) {
     const auto bits = [](int x) { return std::bit_cast<float>(x); };
+    // NaN always has the same bits.
+    if (!(speed - speed == 0)) speed = std::numeric_limits<float>::quiet_NaN();
     points_.push_back({bits(i_), bits(h_.points[i_]), bits(cell.x), bits(cell.y), bits(cell.z), f.x, f.y, f.z,
                        time, timeRest, length, lengthRest, speed});
     h_.points[i_]++;
@@ -182,7 +182,7 @@ class Walk {
   vec3 spacing() const { return make_v3(v_.spacingX, v_.spacingY, v_.spacingZ); }
 
   const FlowView& v_;
-  const Part& part_;
+  const FlowPart& part_;
   const std::optional<int> condition_;
   const HeadView& h_;
   const int i_;
@@ -202,36 +202,20 @@ namespace {
 
 class PlainFields final : public DeviceFields {
  public:
-  PlainFields(std::shared_ptr<const CompiledFields> fields, int rank) : fields_(std::move(fields)) {
-    for (int p : fields_->partitioning().owned(rank)) {
-      const Extent* extent = fields_->extentOf(p);
-      if (!extent) continue;
-      single::Part& part = parts_[p];
-      part.extent = extent;
-      const Volume& vectors = fields_->vectors();
-      for (int a = 0; a < 3; a++) part.vectors[size_t(a)] = samplesViewOf(vectors, vectors.blocks.at(p), a);
-      for (const RecordedField& r : fields_->recorded()) {
-        const Volume& volume = *fields_->volumes()[size_t(r.volume)];
-        part.recorded.push_back(samplesViewOf(volume, volume.blocks.at(p), r.component));
-      }
-    }
-  }
+  PlainFields(std::shared_ptr<const CompiledFields> fields, int rank)
+      : fields_(std::move(fields)), parts_(flowPartsOf(*fields_, rank)) {}
 
   void advance(int partition, HeadList heads, const TraceOptions& options, Done done) const override {
-    const auto found = parts_.find(partition);
-    if (found == parts_.end())
-      throw Error("heads of lines came for partition " + std::to_string(partition) +
-                  ", which has no data on this rank");
+    const FlowPart& part = partIn(parts_, partition);
     const auto start = std::chrono::steady_clock::now();
     AdvanceResult result;
     result.counters.headsAdvanced = uint64_t(heads.size());
-    const single::Part& part = found->second;
     const single::FlowView view = flowViewOf(*fields_, *part.extent, options);
     const std::optional<int> condition =
         options.condition ? std::optional(options.condition->field) : std::nullopt;
     std::vector<std::array<float, 13>> points;
     for (int i = 0; i < heads.size(); i++) {
-      const int64_t left = kCellsPerCall - int64_t(result.counters.cells);
+      const int64_t left = kCellsPerCall - spent(result.counters);
       single::Walk(view, part, condition, heads.view(), i, points, result.counters)
           .run(std::max<int64_t>(left, 0));
     }
@@ -242,15 +226,10 @@ class PlainFields final : public DeviceFields {
     done(std::move(result));
   }
 
-  size_t bytes() const override {
-    size_t n = 0;
-    for (const auto& [p, part] : parts_)
-      n += sizeof(single::Part) + part.recorded.size() * sizeof(single::VolumeView);
-    return n;
-  }
+  size_t bytes() const override { return bytesOf(parts_); }
 
  private:
-  void addPoints(const single::Part& part, const TraceOptions& options, const HeadList& heads,
+  void addPoints(const FlowPart& part, const TraceOptions& options, const HeadList& heads,
                  const std::vector<std::array<float, 13>>& points, PathPoints& out) const {
     const StoredPoints stored(points.size());
     const StoredView& s = stored.view();
@@ -273,7 +252,7 @@ class PlainFields final : public DeviceFields {
   }
 
   std::shared_ptr<const CompiledFields> fields_;
-  std::map<int, single::Part> parts_;
+  FlowParts parts_;
 };
 
 }  // namespace

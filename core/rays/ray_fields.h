@@ -21,6 +21,14 @@
 //   r, g, b    primary: radiance accumulated so far
 //   sr, sg, sb secondary: what the pixel loses if the ray is blocked, in units of 1 / CONTRIBUTION_ONE
 //
+// A sampling ray (RAY_SAMPLE) records data where it meets surfaces. It is traced as a primary is, to the
+// first hit, and is sent as a secondary. Its fields mean
+//   pixel, sr  its number, 64 bits, the lower half first
+//   info       bits 0-15: the hits so far; the others as above
+//   sg         how many rays it descends from
+//   sb         not used
+//   A          0
+//
 // Only while a packet is in one partition:
 //   tIn, tOut  where the ray enters and leaves the partition (t in [tIn, tOut) belongs to it)
 //   tEnd       where the ray leaves the visible domain or reaches tMax
@@ -65,8 +73,10 @@
 #define RAY_PRIMARY 0
 #define RAY_SHADOW 1
 #define RAY_OCCLUSION 2
+#define RAY_SAMPLE 3
 #define RAY_KIND(info) (((info) >> 16) & 3)
-#define RAY_SAMPLE(info) ((info)&0xffff)
+#define RAY_SAMPLE_NUMBER(info) ((info)&0xffff)
+#define RAY_HITS(info) ((info)&0xffff)  // of a sampling ray
 
 #define START_NONE 0
 #define START_ISOSURFACE 1

@@ -39,15 +39,15 @@ HeadList headsOf(int partition, const std::vector<Seed>& seeds, TraceDirection d
 
 }  // namespace
 
-Seeds seedHeads(const CompiledFields& fields, std::span<const glm::dvec3> positions,
-                std::span<const uint64_t> ids, TraceDirection direction) {
+SeedHeads seedHeads(const CompiledFields& fields, std::span<const glm::dvec3> positions,
+                    std::span<const uint64_t> ids, TraceDirection direction) {
   if (positions.size() != ids.size())
     throw Error("seeds: " + std::to_string(positions.size()) + " positions have " +
                 std::to_string(ids.size()) + " numbers of lines; expected as many");
   if (positions.size() > size_t(1) << 29)
     throw Error("seeds: " + std::to_string(positions.size()) + " at once; expected at most 2^29");
   std::map<int, std::vector<Seed>> byPartition;
-  Seeds seeds;
+  SeedHeads seeds;
   for (size_t i = 0; i < positions.size(); i++) {
     if (ids[i] > kLastLine)
       throw Error("seeds: a line has the number " + std::to_string(ids[i]) + "; expected at most 2^40 - 1");

@@ -105,7 +105,7 @@ struct Made {
 
 class Frame final : public DeviceFrame {
  public:
-  Frame(const Made& where, const CompiledFrame& frame) : made(where), inner(where.scene->makeFrame(frame)) {}
+  Frame(const Made& where, std::shared_ptr<const DeviceFrame> frame) : made(where), inner(std::move(frame)) {}
   void setUrgent(bool urgent) const override {
     DeviceFrame::setUrgent(urgent);
     inner->setUrgent(urgent);
@@ -137,12 +137,27 @@ class Scene final : public DeviceScene {
       size_t number = now.number;
       const bool isSound = !now.failed && backends_->from(number) && number == now.number;
       try {
-        if (isSound || !make([](double) {})) return std::make_shared<Frame>(now, frame);
+        if (isSound || !make([](double) {})) return std::make_shared<Frame>(now, now.scene->makeFrame(frame));
       } catch (const Error& error) {
         if (!isSound || backends_->isLast(now.number)) throw;
         fail(now, error.what());
       }
     }
+  }
+
+  std::shared_ptr<const DeviceFrame> makeSampling(
+      std::shared_ptr<const CompiledSampling> sampling) const override {
+    std::lock_guard lock(mutex_);
+    do {
+      if (auto made = made_.back()->scene->makeSampling(sampling))
+        return std::make_shared<Frame>(*made_.back(), std::move(made));
+    } while (make([](double) {}));
+    return nullptr;
+  }
+
+  void spawnRays(const DeviceFrame& frame, RayList rays, Done done) const override {
+    const auto& f = static_cast<const Frame&>(frame);
+    f.made.scene->spawnRays(*f.inner, std::move(rays), reportingErrors(f.made, std::move(done)));
   }
 
   void spawn(const DeviceFrame& frame, const SpawnTile& tile, Done done) const override {

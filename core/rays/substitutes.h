@@ -18,7 +18,8 @@ namespace gxy {
 /// passed on. A warning is logged whenever something is passed over, but only one for a lost device. If no
 /// substitute is left, the backend in use stays in use.
 ///
-/// Fields are made on the first that can advance lines, and stay there.
+/// Fields are made on the first that can advance lines, and stay there. A sampling is made on the first that can
+/// make it; its scene is made there, too, and stays there.
 ///
 /// A scene's bytes() and sharedBytes() are those on the backend where it was made first; it holds them as
 /// long as it lives. Memory on a substitute is entered in `ledger` for tenant "device". `ledger` may be null,

@@ -32,13 +32,14 @@ struct TraceOptions {
   /// 1e-4 is taken for that, as rounding leaves no more.
   double tolerance = 1e-3;
   double time = std::numeric_limits<double>::infinity();  ///< of each direction
-  std::optional<double> length;  ///< world units, of each direction; unset: 10 diagonals of the grid's box
+  std::optional<double> length =
+      std::nullopt;  ///< world units, of each direction; unset: 10 diagonals of the grid's box
   int64_t steps = std::numeric_limits<int64_t>::max();  ///< cells, of each direction
   double minimumSpeed = 0;  ///< world units per unit of time: a line ends where it is slower
   bool normalised = false;  ///< time is length: a field line
   PointsMode points = PointsMode::Cells;
   double interval = 0;  ///< of EqualTime and EqualLength
-  std::optional<TraceCondition> condition;
+  std::optional<TraceCondition> condition = std::nullopt;
   bool operator==(const TraceOptions&) const = default;
 };
 

@@ -25,7 +25,7 @@ Writer head(Message kind, FlightId id) {
 FlightControl::FlightControl(Transport& transport, Options options, Make make, OnReport onReport)
     : transport_(transport),
       options_(std::move(options)),
-      completion_(transport),
+      completion_(transport, options_.channels.completion),
       tasks_(transport, options_.tasks),
       make_(std::move(make)),
       onReport_(std::move(onReport)),

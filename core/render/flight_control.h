@@ -30,6 +30,7 @@ class FlightControl {
     /// The numbers of its messages.
     struct Channels {
       Channel control, items, credits;
+      Channel completion = Channel::Completion;
     } channels;
     /// What a flight, its items and a chunk of new items are called in errors and in the trace.
     struct Words {

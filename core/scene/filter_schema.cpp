@@ -115,11 +115,12 @@ void readOwnKeys(const Found& item, const FilterSchema& filter, const JsonValue&
     item.context.fail(item.value.at, e.what());
   }
   const bool isTyped = item.value.find("type") != nullptr;
-  if (filter.makes && isTyped && dataset.type != *filter.makes)
+  const bool isFixed = filter.makes && filter.makesLike.empty();
+  if (isFixed && isTyped && dataset.type != *filter.makes)
     item.context.fail(item.value.at, "dataset " + inQuotes(dataset.name) + ": filter " + filter.name +
                                          " makes " + gxy::namesOf(bitOf(*filter.makes)) + ", found type " +
                                          gxy::namesOf(bitOf(dataset.type)));
-  if (filter.makes) dataset.type = *filter.makes;
+  if (isFixed || (filter.makes && !isTyped)) dataset.type = *filter.makes;
   if (filter.makes && dataset.name.empty())
     item.context.fail(item.value.at, "filter " + filter.name +
                                          ": `name` is missing, expected that of the dataset to be made");
@@ -137,6 +138,20 @@ std::string namesOf(unsigned types) {
   for (size_t i = 0; i < names.size(); i++)
     text += (i == 0 ? "" : i + 1 < names.size() ? ", " : " or ") + names[i];
   return text;
+}
+
+std::optional<DatasetType> FilterSchema::typeMadeBy(
+    const DatasetSpec& entry,
+    const std::function<std::optional<DatasetType>(const std::string&)>& typeOf) const {
+  if (makesLike.empty()) return makes;
+  for (const FilterInput& input : entry.inputs)
+    if (input.input == makesLike && !input.datasets.empty()) return typeOf(input.datasets[0]);
+  return std::nullopt;
+}
+
+std::string FilterSchema::madeText() const {
+  if (!makes) return "no dataset: it tells numbers";
+  return makesLike.empty() ? gxy::namesOf(bitOf(*makes)) : "what " + inQuotes(makesLike, '`') + " is";
 }
 
 const FilterPort* FilterSchema::port(const std::string& input) const {
@@ -281,8 +296,7 @@ std::string filterReference(const FilterSchemas& filters) {
   std::string out;
   for (const std::string& name : filters.names()) {
     const FilterSchema& filter = *filters.find(name);
-    out += "### " + name + "\n\n" + filter.help + " It makes " +
-           (filter.makes ? gxy::namesOf(bitOf(*filter.makes)) : "no dataset: it tells numbers") + ".\n\n";
+    out += "### " + name + "\n\n" + filter.help + " It makes " + filter.madeText() + ".\n\n";
     if (!filter.inputs.empty()) out += "| input | takes | meaning |\n|---|---|---|\n";
     for (const FilterPort& port : filter.inputs) {
       const bool any = port.count == FilterPort::Count::AnyName;

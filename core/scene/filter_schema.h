@@ -39,11 +39,19 @@ struct FilterSchema {
   std::string help;
   std::vector<FilterPort> inputs;
   std::optional<DatasetType> makes;   ///< absent: it tells numbers and makes no dataset
+  std::string makesLike{};            ///< the input whose type the dataset has; empty: `makes` says it
   std::vector<KeyInfo> properties{};  ///< its own keys
   /// Reads its own keys from an object. Returns all of them with their values as the text of a JSON object, which is the same for the
   /// same values. Throws Error with the position of what is wrong.
   std::function<std::string(ReadContext&, const JsonValue& own)> read{};
 
+  /// Returns the type of the dataset that an entry makes, where the type of an input is known; nothing if it makes none or that is
+  /// not known.
+  std::optional<DatasetType> typeMadeBy(
+      const DatasetSpec& entry,
+      const std::function<std::optional<DatasetType>(const std::string& dataset)>& typeOf) const;
+  /// What it makes, in words.
+  std::string madeText() const;
   /// Returns the port of an input that an entry calls so; null if there is none.
   const FilterPort* port(const std::string& input) const;
 };

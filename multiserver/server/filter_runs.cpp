@@ -28,6 +28,7 @@ struct MakeWork {
   uint64_t exchange = 0;
   json items;  ///< what is published; empty if the filter makes no dataset
   std::string filter, properties, tenant;
+  uint32_t turn = 0;  ///< the tenant's number
   std::vector<SourceRef> sources;
 
   json action(ServerRank& serverRank, const Work::Call&) const {
@@ -59,11 +60,16 @@ struct MakeWork {
     services.begin = [&](int64_t item, int64_t of, const std::string& text) {
       part.begin(item, of, text, item == 0);
     };
+    services.tracer = &serverRank.tracer;
+    services.fieldMaker = &serverRank.fieldMaker;
+    services.tenant = tenant;
+    services.turn = turn;
+    services.sampler = serverRank.sampler.get();
     FilterRun run(part.ranks, std::move(inputs), std::move(services));
     return evaluate(*found, run, properties);
   }
 };
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(MakeWork, exchange, items, filter, properties, tenant, sources)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(MakeWork, exchange, items, filter, properties, tenant, turn, sources)
 
 std::optional<DatasetType> typeNamed(const std::string& name) {
   for (const auto type :
@@ -94,10 +100,11 @@ json FilterRuns::make(Request& request, const DatasetSpec& entry, Scope scope) {
   const std::string& tenant = request.session().tenant();
   const auto filter = serverRank_.filters.get(entry.filter);
   const auto exchange = serverRank_.exchanges.beginLong(request);
+  const auto made = filter->schema.typeMadeBy(entry, [&](const std::string& name) {
+    return typeNamed(serverRank_.datasets->get(tenant, name).type);
+  });
   std::shared_ptr<const Datasets::Names> names;
-  if (filter->schema.makes)
-    names =
-        serverRank_.datasets->begin(request, *exchange, "make", scope, {{entry.name, *filter->schema.makes}});
+  if (made) names = serverRank_.datasets->begin(request, *exchange, "make", scope, {{entry.name, *made}});
   // Inputs are pinned once the name is there: whoever had it may have published what an input is, which needs the room of what is
   // pinned.
   const std::vector<std::string> read = namesIn(entry);
@@ -105,7 +112,12 @@ json FilterRuns::make(Request& request, const DatasetSpec& entry, Scope scope) {
   checkInputs(filter->schema, entry, [&](const std::string& name) {
     return typeNamed(pinned[size_t(std::find(read.begin(), read.end(), name) - read.begin())].first.type);
   });
-  MakeWork work{*exchange, names ? names->items() : json::array(), entry.filter, entry.properties, tenant,
+  MakeWork work{*exchange,
+                names ? names->items() : json::array(),
+                entry.filter,
+                entry.properties,
+                tenant,
+                serverRank_.tenants.number(tenant),
                 {}};
   size_t next = 0;
   for (const FilterInput& input : entry.inputs)
@@ -121,9 +133,8 @@ json FilterRuns::make(Request& request, const DatasetSpec& entry, Scope scope) {
     throw;
   }
   if (names)
-    told.update({{"name", entry.name},
-                 {"type", nameOf(*filter->schema.makes)},
-                 {"generation", names->drafts().at(0).generation}});
+    told.update(
+        {{"name", entry.name}, {"type", nameOf(*made)}, {"generation", names->drafts().at(0).generation}});
   return told;
 }
 
@@ -143,7 +154,7 @@ std::vector<std::string> FilterRuns::importAndMake(Request& request, Datasets::I
           "of them, or a dataset of this name");
   }
   std::vector<std::string> warnings;
-  if (!what.specs.empty()) warnings = serverRank_.datasets->import(request, what);
+  if (!what.specs.empty() || all.empty()) warnings = serverRank_.datasets->import(request, what);
   for (const size_t i : order)
     if (!all[i].name.empty() && !(what.onlyMissing && isThere(all[i]))) make(request, all[i], what.scope);
   return warnings;

@@ -8,6 +8,7 @@
 #include <map>
 #include <set>
 
+#include "core/analysis/sampler.h"
 #include "core/comm/error.h"
 #include "multiserver/server/datasets.h"
 #include "multiserver/server/filter_runs.h"
@@ -27,6 +28,17 @@ ServerRankOptions checked(ServerRankOptions options) {
   return options;
 }
 
+Sampler::Options samplerOptions(const ServerRankOptions& options, const BackendRegistry& backends,
+                                Ledger& ledger) {
+  Sampler::Options s;
+  s.other = backends.forFields();
+  s.runners = options.threads;
+  s.ledger = &ledger;
+  s.trace = options.trace;
+  s.tenant = "server";
+  return s;
+}
+
 Renderer::Options rendererOptions(const ServerRankOptions& options, Ledger& ledger) {
   Renderer::Options r;
   r.raysInFlight = options.raysInFlight;
@@ -36,6 +48,16 @@ Renderer::Options rendererOptions(const ServerRankOptions& options, Ledger& ledg
   r.trace = options.trace;
   r.tenant = "server";
   return r;
+}
+
+Tracer::Options tracerOptions(const ServerRankOptions& options, Ledger& ledger) {
+  Tracer::Options t;
+  t.heads = std::max<int64_t>(1, options.raysInFlight / 4);
+  t.runners = options.threads;
+  t.ledger = &ledger;
+  t.tenant = "server";
+  t.trace = options.trace;
+  return t;
 }
 
 }  // namespace
@@ -50,6 +72,9 @@ ServerRank::ServerRank(Transport& t, ServerRankOptions o, const BackendRegistry&
       collective(t),
       exchanges(*this),
       renderer(t, rendererOptions(options, ledger)),
+      fieldMaker(*backend, backends, &ledger),
+      tracer(t, tracerOptions(options, ledger)),
+      sampler(std::make_unique<Sampler>(t, *backend, samplerOptions(options, backends, ledger))),
       datasets(std::make_unique<Datasets>(*this)),
       filterRuns(std::make_unique<FilterRuns>(*this)),
       modules(std::make_unique<Modules>(*this)),

@@ -11,11 +11,13 @@
 #include <vector>
 
 #include "core/analysis/filter.h"
+#include "core/analysis/tracer.h"
 #include "core/comm/collective.h"
 #include "core/comm/collectives.h"
 #include "core/comm/presence.h"
 #include "core/comm/work.h"
 #include "core/rays/backend.h"
+#include "core/rays/field_maker.h"
 #include "core/render/renderer.h"
 #include "core/space/directory.h"
 #include "core/space/ledger.h"
@@ -30,6 +32,7 @@ namespace gxy {
 class Datasets;
 class FilterRuns;
 class Modules;
+class Sampler;
 
 struct ServerRankOptions {
   std::vector<std::string> dataFolders;    ///< empty: the current folder
@@ -102,6 +105,9 @@ struct ServerRank {
   Collective collective;
   Exchanges exchanges;
   Renderer renderer;
+  FieldMaker fieldMaker;
+  Tracer tracer;
+  const std::unique_ptr<Sampler> sampler;
   /// What no session has asked for, on rank 0: the streams of simulations (multiserver/insitu). The Server asks, and ends them.
   class Streaming {
    public:

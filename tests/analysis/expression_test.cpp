@@ -198,7 +198,7 @@ TEST(Expression, EveryWrongTextHasItsMessage) {
       {"sin(f, g)", "line 1, column 1: sin() has 2 arguments, expected 1"},
       {"if(f > 1, f)", "line 1, column 1: if() has 2 arguments, expected 3"},
       {"max()", "line 1, column 1: max() has 0 arguments, expected 1 field, or 2 values or more"},
-      {"quantile(f)", "line 1, column 1: quantile() has 1 arguments, expected 2"},
+      {"quantile(f)", "line 1, column 1: quantile() has 1 argument, expected 2"},
       {"1 + presure",
        "line 1, column 5: unknown name `presure`, expected one of the inputs `f`, `g`, `u`, `v`, `t`, `w`, "
        "`pressure`; did you mean `pressure`?"},

@@ -178,6 +178,7 @@ TEST(Seeds, OfALineHaveBothEnds) {
 TEST(Seeds, AreTheSameOnAnyRanks) {
   for (const char* properties :
        {R"({"shape": "grid", "dimensions": [3, 5, 7]})", R"({"shape": "line", "count": 11})",
+        R"({"shape": "box", "count": 50, "seed": 3})", R"({"shape": "sphere", "count": 50, "seed": 3})",
         R"({"shape": "points", "points": [[1, 2, 3], [0, 0, 0], [9, 9, 9]]})"}) {
     const auto one = seedsOf(properties, 1);
     EXPECT_GE(one.size(), 3u);

@@ -193,7 +193,7 @@ TEST(Statistics, NumbersAreThoseOfAFullSort) {
 
 TEST(Statistics, BitsDoNotDependOnPartitionsOrRanks) {
   for (int seed = 0; seed < test::seeds(6); ++seed) {
-    Grid grid{{0.5, -3, 1e6}, {0.1, 0.2, 0.3}, {19, 23, 17}};
+    Grid grid{{0.5, -3, 1e6}, {0.1, 0.2, 0.3}, {15, 18, 14}};
     grid.rim = seed % 3 == 2;
     const int components = seed % 2 ? 3 : 1;
     StatisticsOptions options = everything();
@@ -254,6 +254,17 @@ TEST(Statistics, SumsKeepWhatIsSmall) {
   FixedSum nothing(0);
   nothing.add(0);
   EXPECT_EQ(nothing.over(1), 0);
+}
+
+TEST(Statistics, VeryLargeAndVerySmallValuesHaveAVariance) {
+  const Grid grid{{0, 0, 0}, {1, 1, 1}, {4, 3, 2}};
+  for (const double size : {1e-150, 1e-30, 1e30, 1e150}) {
+    FieldSpec field{"f", 1, [size](int, const Index3& p, glm::dvec3) { return double(p[0]) * size; }};
+    field.type = ScalarType::Float64;
+    const Statistics s = numbersOf(field, grid, {});
+    EXPECT_NEAR(s.mean / size, 1.5, 1e-6);
+    EXPECT_NEAR(s.variance / size / size, 1.25, 1e-6) << size;
+  }
 }
 
 TEST(Statistics, MagnitudesAreOfAllComponents) {

@@ -6,6 +6,8 @@
 #include "shaders/layout.h"
 #include "core/kernels/dialect.h"
 #include "core/kernels/all.h"
+#include "core/kernels/philox.h"
+#include "core/kernels/random_line.h"
 #include "tests/kernels/probe.h"
 
 layout(constant_id = SPEC_ROUNDS_RIGHT) const bool ROUNDS_RIGHT = false;  // for cmake/MakeShader.cmake

@@ -3,6 +3,8 @@
 // clang-format off
 #include "core/kernels/dialect.h"
 #include "core/kernels/all.h"
+#include "core/kernels/philox.h"
+#include "core/kernels/random_line.h"
 #include "tests/kernels/probe.h"
 // clang-format on
 

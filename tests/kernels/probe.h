@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Every function of core/kernels/all.h on seeded inputs, in the common dialect: probe(f, i) is a number that function f
+// Every function of core/kernels/all.h, philox.h and random_line.h on seeded inputs, in the common dialect: probe(f, i) is a number that function f
 // computes from input i. C++, ISPC and GLSL read it after that file; their results have the same bits.
 
-#define PROBES 41
+#define PROBES 48
 
 // In [lo, hi).
 FN real drawIn(uint i, uint salt, real lo, real hi) { return lo + (hi - lo) * unitReal(hash2(i, salt)); }
@@ -171,6 +171,25 @@ FN real probeNumbers(int f, uint i) {
   return floatOf(wide) + toReal(toUint(toInt(x + R(70.0)))) + toReal(asInt(asUint(x)));
 }
 
+FN real probeRandom(int f, uint i) {
+  vec3 size = make_v3(drawIn(i, 110u, R(0.0), R(1.0)), drawIn(i, 111u, R(0.1), R(1.0)), R(1.0));
+  vec3 start;
+  vec3 direction;
+  randomLine(hash1(i), 7u, i, i & 3u, size, start, direction);
+  if (f == 41) return start.x;
+  if (f == 42) return start.y;
+  if (f == 43) return start.z;
+  if (f == 44) return direction.x;
+  if (f == 45) return direction.y;
+  if (f == 46) return direction.z;
+  uint a = i;
+  uint b = hash1(i);
+  uint c = hash2(i, 112u);
+  uint d = 0u;
+  philox4x32(i, 1u, a, b, c, d);
+  return unitReal(a ^ (b >> 1u)) + unitReal(c ^ (d >> 1u));
+}
+
 FN real probe(int f, uint i) {
   if (f < 7) return probeElementary(f, i);
   if (f < 11) return probeBox(f, i);
@@ -178,5 +197,6 @@ FN real probe(int f, uint i) {
   if (f < 24) return probeTriangle(f, i);
   if (f < 32) return probeLight(f, i);
   if (f < 38) return probeTube(f, i);
-  return probeNumbers(f, i);
+  if (f < 41) return probeNumbers(f, i);
+  return probeRandom(f, i);
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Small vector fields for tests of lines, and lines traced through them on one rank.
 #pragma once
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <functional>
@@ -33,7 +34,8 @@ void fillBlock(VolumeBlock& block, const Grid& grid, int components, const Field
   for (int64_t k = 0; k < e.points[2]; k++)
     for (int64_t j = 0; j < e.points[1]; j++)
       for (int64_t i = 0; i < e.points[0]; i++)
-        for (double x : f(grid.origin + grid.spacing * glm::dvec3(e.first[0] + i, e.first[1] + j, e.first[2] + k))) {
+        for (double x :
+             f(grid.origin + grid.spacing * glm::dvec3(e.first[0] + i, e.first[1] + j, e.first[2] + k))) {
           const T t = T(x);
           std::memcpy(out, &t, sizeof t);
           out += sizeof t;
@@ -43,7 +45,8 @@ void fillBlock(VolumeBlock& block, const Grid& grid, int components, const Field
 
 /// A volume with blocks for all partitions, as one rank that owns them all has it.
 inline std::shared_ptr<const Volume> volumeOf(const Grid& grid, const Partitioning& cut, int components,
-                                              const FieldFunction& f, ScalarType stored = ScalarType::Float32) {
+                                              const FieldFunction& f,
+                                              ScalarType stored = ScalarType::Float32) {
   auto volume = std::make_shared<Volume>();
   volume->name = "field";
   volume->grid = grid;
@@ -99,13 +102,13 @@ struct Lines {
 
 /// Lines of seeds, numbered from 0, through fields whose partitions are all here. Heads travel in packets of at
 /// most `packet`, as messages do.
-inline Lines trace(const DeviceFields& device, const CompiledFields& fields, const std::vector<glm::dvec3>& seeds,
-                   const TraceOptions& options, TraceDirection direction = TraceDirection::Forward,
-                   int packet = 4096) {
+inline Lines trace(const DeviceFields& device, const CompiledFields& fields,
+                   const std::vector<glm::dvec3>& seeds, const TraceOptions& options,
+                   TraceDirection direction = TraceDirection::Forward, int packet = 4096) {
   checkOptions(options, fields);
   std::vector<uint64_t> ids(seeds.size());
   for (size_t i = 0; i < ids.size(); i++) ids[i] = i;
-  Seeds start = seedHeads(fields, seeds, ids, direction);
+  SeedHeads start = seedHeads(fields, seeds, ids, direction);
   Lines lines;
   lines.ends = std::move(start.ends);
   std::vector<HeadList> waiting;
@@ -139,7 +142,8 @@ class Flow {
   Flow(const Grid& grid, const FlowFunction& f, ScalarType stored = ScalarType::Float32)
       : cut(Partitioning::single(grid.box())),
         volume(volumeOf(grid, cut, 3, vectorsOf(f), stored)),
-        fields(std::make_shared<const CompiledFields>(std::vector{volume}, std::make_shared<Partitioning>(cut))),
+        fields(
+            std::make_shared<const CompiledFields>(std::vector{volume}, std::make_shared<Partitioning>(cut))),
         device(makePlainFields(fields, 0)) {}
 
   Lines trace(const std::vector<glm::dvec3>& seeds, const TraceOptions& options = {},

@@ -24,6 +24,7 @@ TestServer::TestServer(ServerSetup setup) {
   BackendRegistry backends;
   if (!setup.backend) setup.backend = [](Ledger*) { return makeEmbreeBackend(); };
   backends.add("tested", setup.backend);
+  backends.addForFields([](Ledger*) { return makeEmbreeBackend(); });
   auto& folders = setup.serverRank.moduleFolders;
   if (!setup.modules.empty()) folders.insert(folders.begin(), setup.modules);
   setup.serverRank.dataFolders = {folder_.path().string()};

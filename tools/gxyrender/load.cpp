@@ -137,7 +137,11 @@ class Loader {
         for (const std::string& name : input.datasets)
           inputs[input.input].push_back({name, Key{keys_.at(name)}, 1, datasets_.at(name)});
       FilterRun run(ranks_, std::move(inputs), services);
-      datasets_[d.name] = evaluate(*filters.get(d.filter), run, d.properties).dataset;
+      try {
+        datasets_[d.name] = evaluate(*filters.get(d.filter), run, d.properties).dataset;
+      } catch (const Error& e) {
+        throw Error("dataset \"" + d.name + "\": " + e.what());
+      }
       keys_.emplace(d.name, keys_.size() + 1);
     }
   }

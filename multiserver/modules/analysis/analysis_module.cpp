@@ -56,7 +56,7 @@ json described(const FilterSchema& filter) {
                           {"required", key.required},
                           {"help", key.meaning}});
   return {{"name", filter.name}, {"version", filter.version},
-          {"help", filter.help}, {"makes", filter.makes ? json(namesOf(bitOf(*filter.makes))) : json()},
+          {"help", filter.help}, {"makes", filter.makes ? json(filter.madeText()) : json()},
           {"inputs", inputs},    {"properties", properties}};
 }
 

@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: Apache-2.0
+// The properties of RaySampler.
+#include <glm/geometric.hpp>
+
+#include "core/analysis/ray_filter.h"
+#include "core/rays/compiled_sampling.h"
+#include "core/scene/schema.h"
+
+namespace gxy {
+
+namespace {
+
+constexpr int kMostRayLines = 1 << 30;
+constexpr size_t kMostListedRays = 100000;  // that a document lists
+using RayTarget = RaySampler::Target;
+using RayCondition = RaySampler::Condition;
+
+const Schema<RayCondition>& rayConditionSchema() {
+  static const Schema<RayCondition> schema{
+      "condition",
+      {textKey("field", &RayCondition::field, "The input whose values are looked at.").require(),
+       customKey<RayCondition>(
+           "range", "[least, largest]", "The values for which the condition holds.",
+           [](const Found& found, RayCondition& c) {
+             const auto range = found.numbers(2, 2, "[least, largest]");
+             if (!(range[0] <= range[1])) found.fail("[least, largest] with least <= largest");
+             c.least = range[0], c.largest = range[1];
+           },
+           [](const RayCondition& c) {
+             return OrderedJson{c.least, c.largest};
+           })
+           .require()}};
+  return schema;
+}
+
+KeyRow<RayTarget> planesKey(const char* name, std::vector<Plane> RayTarget::*member, const char* meaning) {
+  return customKey<RayTarget>(
+      name, "list of [nx, ny, nz, offset]", meaning,
+      [=](const Found& found, RayTarget& t) {
+        for (const Found& item : found.list("a list of [nx, ny, nz, offset]"))
+          (t.*member).push_back(item.plane());
+      },
+      [=](const RayTarget& t) { return toJson(t.*member); });
+}
+
+const Schema<RayTarget>& rayTargetSchema() {
+  static const Schema<RayTarget> schema{
+      "operator of a RaySampler",
+      {textKey("dataset", &RayTarget::dataset, "The input that is met: a volume or triangles.").require(),
+       customKey<RayTarget>(
+           "component", "integer >= 0", "The component of the volume, counted from 0.",
+           [](const Found& found, RayTarget& t) {
+             t.component = found.integer({0, 1 << 20});
+           },
+           [](const RayTarget& t) { return t.component ? OrderedJson(*t.component) : OrderedJson(); })
+           .byDefault("the magnitude, if there are several"),
+       customKey<RayTarget>(
+           "isovalues", "list of numbers", "Isosurfaces of the volume.",
+           [](const Found& found, RayTarget& t) {
+             t.isovalues = found.numbers(0, 65535, "a list of numbers");
+           },
+           [](const RayTarget& t) { return t.isovalues.empty() ? OrderedJson() : OrderedJson(t.isovalues); }),
+       planesKey("planes", &RayTarget::planes, "Planes n . p = offset, where the volume has data."),
+       planesKey("clipplanes", &RayTarget::clipPlanes,
+                 "Only what lies on the side n . p >= offset of each is met."),
+       customKey<RayTarget>(
+           "conditions", "list of objects with `field` and `range`",
+           "A hit counts only if all of them hold there. A ray passes others as if there were nothing.",
+           [](const Found& found, RayTarget& t) {
+             for (const Found& item : found.list("a list of conditions"))
+               readObject(item.context, item.value, rayConditionSchema(), t.conditions.emplace_back());
+           },
+           [](const RayTarget& t) {
+             OrderedJson out;
+             for (const RayCondition& c : t.conditions) out.push_back(writeObject(c, rayConditionSchema()));
+             return out;
+           }),
+       integerKey("hits", &RayTarget::hits, {1, double(kMostHits)},
+                  "A ray ends here once it has so many hits, of any operators.")}};
+  return schema;
+}
+
+SampleRay readRay(const Found& found, uint64_t number) {
+  const auto r = found.numbers(6, 6, "[x, y, z, dx, dy, dz]");
+  const SampleRay ray{number, {r[0], r[1], r[2]}, {r[3], r[4], r[5]}};
+  if (glm::length(ray.direction) == 0) found.fail("[x, y, z, dx, dy, dz] with a direction that is not 0");
+  return ray;
+}
+
+}  // namespace
+
+std::vector<KeyRow<RaySampler>> RaySampler::properties() {
+  return {
+      customKey<RaySampler>(
+          "operators", "list of objects",
+          "What rays meet. Each has `dataset`, an input, with `isovalues` or `planes` of a volume; and may "
+          "have `component`, `clipplanes`, "
+          "`conditions`, each with `field`, an input, and `range`, all of which must hold where a hit is to "
+          "count, and `hits`: "
+          "a ray ends here once it has so many, 1 by default.",
+          [](const Found& found, RaySampler& s) {
+            for (const Found& item : found.list("a list of operators"))
+              readObject(item.context, item.value, rayTargetSchema(), s.operators.emplace_back());
+          },
+          [](const RaySampler& s) {
+            OrderedJson out;
+            for (const RayTarget& t : s.operators) out.push_back(writeObject(t, rayTargetSchema()));
+            return out;
+          })
+          .require(),
+      integerKey(
+          "lines", &RaySampler::lines, {0, kMostRayLines},
+          "The number of uniformly distributed lines through the box of the first operator's dataset."),
+      customKey<RaySampler>(
+          "rays", "list of [x, y, z, dx, dy, dz]", "Rays: where they begin, and their directions.",
+          [](const Found& found, RaySampler& s) {
+            for (const Found& item : found.list("a list of [x, y, z, dx, dy, dz]")) {
+              if (s.rays.size() == kMostListedRays) item.fail("at most 100000 rays");
+              s.rays.push_back(readRay(item, s.rays.size()));
+            }
+          },
+          [](const RaySampler& s) {
+            OrderedJson out;
+            for (const SampleRay& r : s.rays)
+              out.push_back(
+                  {r.origin.x, r.origin.y, r.origin.z, r.direction.x, r.direction.y, r.direction.z});
+            return out;
+          })
+          .byDefault("none"),
+      textKey("points", &RaySampler::points, "The input from whose particles rays begin, in `direction`."),
+      customKey<RaySampler>(
+          "direction", "[x, y, z]", "The direction of rays from `points`.",
+          [](const Found& found, RaySampler& s) {
+            s.direction = found.vec3();
+            if (glm::length(s.direction) == 0) found.fail("a direction that is not 0");
+          },
+          [](const RaySampler& s) { return toJson(s.direction); }),
+      customKey<RaySampler>(
+          "camera", "object, as in `Cameras`", "A camera: one ray through the middle of each of its pixels.",
+          [](const Found& found, RaySampler& s) { s.camera = readCamera(found); },
+          [](const RaySampler& s) {
+            return s.camera ? writeObject(*s.camera, cameraSchema()) : OrderedJson();
+          })
+          .byDefault("none"),
+      textKey("values", &RaySampler::values, "The input, a volume, whose values the points get."),
+      integerKey("seed", &RaySampler::seed, {0, 2147483647},
+                 "Chooses the random numbers of `lines`. The same seed gives the same lines."),
+  };
+}
+
+}  // namespace gxy

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+// SampleList: what sampling rays have recorded.
+#pragma once
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <vector>
+
+namespace gxy {
+
+/// The samples of hits, as a structure of arrays. The key of a sample is (depth, ray, hit), which no two samples of a
+/// sampling share. Not thread safe.
+struct SampleList {
+  std::vector<uint64_t> ray;               ///< number of the ray
+  std::vector<uint32_t> hit;               ///< number of the hit on the ray, from 0
+  std::vector<uint32_t> depth;             ///< how many rays the ray descends from
+  std::vector<uint32_t> surface;           ///< index of the operator that was met
+  std::vector<float> t;                    ///< on the ray, in render space
+  std::vector<glm::dvec3> position;        ///< world
+  std::vector<std::vector<float>> values;  ///< of each recorded field; NaN where there is none
+  std::vector<glm::vec3> gradient;  ///< per world unit, of the volume that was met; empty if not asked for
+
+  size_t size() const { return ray.size(); }
+  bool empty() const { return ray.empty(); }
+  int64_t bytes() const { return int64_t(size()) * bytesPerSample(int(values.size()), !gradient.empty()); }
+  static int64_t bytesPerSample(int fields, bool gradient);
+
+  /// Appends the samples of another list with as many fields, or appends to an empty one.
+  void append(SampleList&& other);
+  /// Keeps the samples `which`, in that order.
+  void select(const std::vector<uint32_t>& which);
+};
+
+}  // namespace gxy

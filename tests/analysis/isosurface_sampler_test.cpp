@@ -1,0 +1,198 @@
+// SPDX-License-Identifier: Apache-2.0
+// Points on isosurfaces, from the filter IsosurfaceSampler.
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "core/analysis/isosurface_filter.h"
+#include "tests/analysis/sampled.h"
+#include "tests/support/seeds.h"
+
+namespace gxy::test {
+namespace {
+
+constexpr double kArea = 4 * std::numbers::pi * 0.09;  // of the sphere with radius 0.3
+
+WholeVolume sphereField(int64_t points) { return sampled(unitGrid(points), squaredDistance); }
+
+SampledPoints isosurfacePoints(const WholeVolume& field, const Cut& cut, const std::string& properties,
+                               const SamplingRanks::Run& run = {}) {
+  return evaluateOn<IsosurfaceSampler>(cut, {run, {{"field", {&field}}}}, properties);
+}
+
+TEST(IsosurfaceSampler, TellsTheAreaOfASphere) {
+  const WholeVolume field = sphereField(129);
+  const auto count = sweep(100'000);
+  const SampledPoints all = isosurfacePoints(field, whole(unitCube()),
+                                             R"({"isovalue":0.09,"count":)" + std::to_string(count) + "}");
+  const double area = all.told.at("area"), error = all.told.at("area error");
+  EXPECT_NEAR(area, kArea, 3 * error);
+  // A line has two hits or none: its variance is 4 p (1 - p), with p = area / surface of the cube.
+  const double lines = all.told.at("lines"), p = kArea / 6;
+  EXPECT_NEAR(error, 3 * std::sqrt(4 * p * (1 - p) / lines), 0.2 * error);
+  EXPECT_EQ(all.told.at("particles"), count);
+  EXPECT_FALSE(all.told.contains("found"));
+  ASSERT_EQ(all.points.size(), size_t(count));
+  EXPECT_EQ(all.points.rbegin()->first, uint64_t(count - 1));
+}
+
+TEST(IsosurfaceSampler, MakesTheSamePointsOnAnyRanksPartitionsThreadsAndPackets) {
+  const WholeVolume field = sphereField(21),
+                    values = sampled(unitGrid(7), [](glm::dvec3 p) { return p.x * p.y + p.z; });
+  const std::string properties = R"({"isovalue":0.09,"count":3000,"seed":5})";
+  const auto evaluated = [&](const Cut& cut, const SamplingRanks::Run& run) {
+    return evaluateOn<IsosurfaceSampler>(cut, {run, {{"field", {&field}}, {"values", {&values}}}},
+                                         properties);
+  };
+  const SampledPoints expected = evaluated(whole(unitCube()), {});
+  ASSERT_EQ(expected.points.size(), 3000u);
+  const Box box = unitCube();
+  std::vector<Cut> cuts = {lattice(box, {7, 1, 1}, 2), lattice(box, {4, 4, 4}, 3),
+                           lattice(box, {4, 4, 4}, 1), kdCut(box, 13, 4, 1),
+                           kdCut(box, 29, 5, 2),       lattice(box, {2, 1, 1}, 5)};
+  int packet = 16;
+  for (const Cut& cut : cuts) {
+    SamplingRanks::Run run;
+    run.seed = uint64_t(packet);
+    run.workers = 1 + packet % 3;
+    run.options.packetRays = packet;
+    packet = packet * 5 / 2;
+    EXPECT_EQ(evaluated(cut, run), expected) << cut.name;
+  }
+}
+
+TEST(IsosurfaceSampler, MakesTheSamePointsWithOneCredit) {
+  const WholeVolume field = sphereField(9);
+  const std::string properties = R"({"isovalue":0.09,"count":500})";
+  SamplingRanks::Run run;
+  run.options.raysInFlight = 1;
+  EXPECT_EQ(isosurfacePoints(field, lattice(unitCube(), {2, 2, 2}, 3), properties, run),
+            isosurfacePoints(field, whole(unitCube()), properties));
+}
+
+TEST(IsosurfaceSampler, RepeatsASeedAndTakesOtherPointsForAnother) {
+  const WholeVolume field = sphereField(9);
+  const SampledPoints one =
+      isosurfacePoints(field, whole(unitCube()), R"({"isovalue":0.09,"count":100,"seed":1})");
+  EXPECT_EQ(isosurfacePoints(field, whole(unitCube()), R"({"isovalue":0.09,"count":100,"seed":1})"), one);
+  const SampledPoints other =
+      isosurfacePoints(field, whole(unitCube()), R"({"isovalue":0.09,"count":100,"seed":2})");
+  for (const auto& [id, point] : one.points) EXPECT_NE(other.points.at(id), point);
+}
+
+TEST(IsosurfaceSampler, TakesThePrefixOfAllHits) {
+  const WholeVolume field = sphereField(9);
+  const SampledPoints few = isosurfacePoints(field, whole(unitCube()), R"({"isovalue":0.09,"count":77})");
+  const SampledPoints many = isosurfacePoints(field, whole(unitCube()), R"({"isovalue":0.09,"count":5000})");
+  ASSERT_EQ(few.points.size(), 77u);
+  for (const auto& [id, point] : few.points) EXPECT_EQ(many.points.at(id), point);
+}
+
+TEST(IsosurfaceSampler, AnEmptyIsosurfaceHasNoPoints) {
+  const SampledPoints none =
+      isosurfacePoints(sphereField(9), lattice(unitCube(), {2, 2, 2}, 3), R"({"isovalue":7,"count":100})");
+  EXPECT_TRUE(none.points.empty());
+  EXPECT_EQ(none.told.at("area"), 0);
+  EXPECT_EQ(none.told.at("found"), 0);
+  EXPECT_EQ(none.told.at("count"), 100);
+}
+
+TEST(IsosurfaceSampler, SaysHowManyItHasFoundOfASmallSurface) {
+  // An octahedron with an area of 4.3e-5: of 1e6 lines 14 meet it.
+  Grid grid = unitGrid(5);
+  const WholeVolume field = sampled(grid, [](glm::dvec3 p) { return p == glm::dvec3(0.5) ? 1 : 0; });
+  const SampledPoints some = isosurfacePoints(field, whole(unitCube()), R"({"isovalue":0.99,"count":200})");
+  EXPECT_GT(some.points.size(), 2u);
+  EXPECT_LT(some.points.size(), 60u);
+  EXPECT_EQ(some.told.at("found"), some.points.size());
+  EXPECT_GE(some.told.at("lines"), 1'200'000);
+  for (const auto& [id, point] : some.points) EXPECT_LT(squaredDistance(point.first), 6.3e-6);
+}
+
+TEST(IsosurfaceSampler, FindsASurfaceThatPassesThroughEveryCell) {
+  const WholeVolume field = sampled(unitGrid(17), [](glm::dvec3 p) {
+    const glm::ivec3 i = p * 16.0 + 0.5;
+    return (i.x + i.y + i.z) % 2 ? 1 : -1;
+  });
+  const std::string properties = R"({"isovalue":0,"count":20000})";
+  const SampledPoints all = isosurfacePoints(field, whole(unitCube()), properties);
+  EXPECT_EQ(all.points.size(), 20'000u);
+  EXPECT_EQ(isosurfacePoints(field, lattice(unitCube(), {3, 2, 2}, 4), properties), all);
+  // It is the planes through the middles of the cells: 16 of area 1 along each axis.
+  EXPECT_NEAR(all.told.at("area"), 48.0, 3 * double(all.told.at("area error")));
+}
+
+TEST(IsosurfaceSampler, EndsWhereTheIsovalueIsTheLeastValue) {
+  const WholeVolume valley = sampled(unitGrid(9), [](glm::dvec3 p) { return std::abs(p.x - 0.5); });
+  const WholeVolume constant = sampled(unitGrid(9), [](glm::dvec3) { return 2; });
+  const Cut cut = lattice(unitCube(), {2, 2, 1}, 3);
+  for (const auto& [field, isovalue] : {std::pair(&valley, "0"), std::pair(&constant, "2")}) {
+    const std::string properties = R"({"count":300,"isovalue":)" + std::string(isovalue) + "}";
+    EXPECT_EQ(isosurfacePoints(*field, cut, properties),
+              isosurfacePoints(*field, whole(unitCube()), properties))
+        << isovalue;
+  }
+}
+
+TEST(IsosurfaceSampler, LeavesOutWhereThereAreNoData) {
+  const auto hole = [](glm::dvec3 p) { return p.x > 0.5 && p.y > 0.5 && p.z > 0.5; };
+  const WholeVolume field = sampled(unitGrid(41), [&](glm::dvec3 p) {
+    return hole(p) ? std::numeric_limits<double>::quiet_NaN() : squaredDistance(p);
+  });
+  const SampledPoints all =
+      isosurfacePoints(field, lattice(unitCube(), {3, 2, 2}, 3), R"({"isovalue":0.09,"count":20000})");
+  for (const auto& [id, point] : all.points) EXPECT_FALSE(hole(point.first));
+  const double area = all.told.at("area"), error = all.told.at("area error");
+  EXPECT_NEAR(area, kArea * 7 / 8, 3 * error + 0.01 * kArea);
+}
+
+TEST(IsosurfaceSampler, ACancelledOneEndsWithTheSameErrorOnAllRanks) {
+  const WholeVolume field = sphereField(33);
+  std::atomic<int> checks = 0;
+  Evaluation evaluation{{}, {{"field", {&field}}}};
+  evaluation.check = [&](int rank) {
+    if (rank == 1 && ++checks > 20) throw Error("it was cancelled");
+  };
+  SampledPoints nothing;
+  const auto errors = evaluateOn<IsosurfaceSampler>(lattice(unitCube(), {2, 2, 2}, 3), evaluation,
+                                                    R"({"isovalue":0.09,"count":100000000})", nothing);
+  for (const std::string& error : errors) EXPECT_EQ(error, "rank 1: it was cancelled");
+}
+
+TEST(IsosurfaceSampler, ARankWithoutRoomFailsAllWithItsError) {
+  const WholeVolume field = sphereField(17);
+  for (const char* full : {"samples", "geometry", "scene"}) {
+    Evaluation evaluation{{}, {{"field", {&field}}}};
+    evaluation.memory = [&](int rank, const std::string& purpose) -> LedgerEntry {
+      if (rank == 2 && purpose == full) throw Error("no room for " + purpose);
+      return {};
+    };
+    SampledPoints nothing;
+    for (const std::string& error : evaluateOn<IsosurfaceSampler>(
+             lattice(unitCube(), {2, 2, 2}, 3), evaluation, R"({"isovalue":0.09,"count":1000})", nothing))
+      EXPECT_EQ(error, "rank 2: no room for " + std::string(full));
+  }
+}
+
+TEST(IsosurfaceSampler, RefusesWhatCannotBe) {
+  const WholeVolume field = sphereField(9);
+  const auto errorOf = [&](const std::string& properties) {
+    SampledPoints nothing;
+    try {
+      return evaluateOn<IsosurfaceSampler>(whole(unitCube()), {{}, {{"field", {&field}}}}, properties,
+                                           nothing)
+          .at(0);
+    } catch (const Error& e) {
+      return std::string(e.what());
+    }
+  };
+  EXPECT_NE(errorOf(R"({"isovalue":0.09,"component":2})").find("has 1 (counted from 0)"), std::string::npos);
+  EXPECT_NE(errorOf(R"({"isovalue":0.09,"count":0})").find("count"), std::string::npos);
+  EXPECT_NE(errorOf("{}").find("isovalue"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace gxy::test

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: Apache-2.0
+// Evaluates filters that send rays, on ranks that are threads of the test.
+#pragma once
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "core/analysis/filter.h"
+#include "tests/analysis/sampling.h"
+
+namespace gxy::test {
+
+/// Particles by id, with their values, and what rank 0 has told.
+struct SampledPoints {
+  std::map<uint64_t, std::pair<glm::dvec3, float>> points;
+  nlohmann::json told;
+  bool operator==(const SampledPoints&) const = default;
+};
+
+/// What else may be said of an evaluation.
+struct Evaluation {
+  SamplingRanks::Run run{};
+  std::map<std::string, std::vector<const WholeVolume*>> inputs;
+  /// Replaces the ranks' check() and memory, by rank; null: nothing fails.
+  std::function<void(int rank)> check = nullptr;
+  std::function<LedgerEntry(int rank, const std::string& purpose)> memory = nullptr;
+};
+
+/// Ranks with another check().
+class CheckedRanks final : public Collectives {
+ public:
+  CheckedRanks(Collectives& to, std::function<void(int)> check) : to_(to), check_(std::move(check)) {}
+  int rank() const override { return to_.rank(); }
+  int size() const override { return to_.size(); }
+  std::vector<Bytes> allGather(Bytes mine) override { return to_.allGather(std::move(mine)); }
+  std::vector<Bytes> allToAll(std::vector<Bytes> perRank) override {
+    return to_.allToAll(std::move(perRank));
+  }
+  void check() const override {
+    if (check_) check_(rank());
+  }
+
+ private:
+  Collectives& to_;
+  const std::function<void(int)> check_;
+};
+
+/// Evaluates a filter on all ranks of a cut. Returns the ranks' errors; `result` gets the particles. Throws Error if something of
+/// the flights is left over.
+template <class Filter>
+std::vector<std::string> evaluateOn(const Cut& cut, const Evaluation& evaluation,
+                                    const std::string& properties, SampledPoints& result) {
+  const auto partitioning = std::make_shared<const Partitioning>(cut.partitioning);
+  std::map<std::string, std::vector<std::vector<std::shared_ptr<const Volume>>>> parts;
+  for (const auto& [name, list] : evaluation.inputs)
+    for (const WholeVolume* whole : list) parts[name].push_back(test::cut(*whole, *partitioning, cut.ranks));
+  SamplingRanks world(cut, evaluation.run);
+  std::mutex mutex;
+  const std::vector<std::string> errors = ThreadRanks(cut.ranks).run([&](Collectives& all) {
+    const int rank = all.rank();
+    CheckedRanks ranks(all, evaluation.check);
+    FilterRun::Inputs inputs;
+    for (const auto& [name, list] : parts)
+      for (const auto& ofRanks : list) {
+        auto dataset = std::make_shared<Dataset>();
+        dataset->partitioning = partitioning;
+        dataset->volume = ofRanks[size_t(rank)];
+        inputs[name].push_back({name, {}, 1, std::move(dataset)});
+      }
+    FilterServices services;
+    services.sampler = &world.sampler(rank);
+    services.takeMemory = [&](const std::string& purpose, int64_t) {
+      return evaluation.memory ? evaluation.memory(rank, purpose) : LedgerEntry();
+    };
+    FilterRun run(ranks, std::move(inputs), std::move(services));
+    const FilterResult made = evaluate(*makeFilter<Filter>(), run, properties);
+    const GeometryBlock& block = made.dataset->geometry->block;
+    const std::lock_guard lock(mutex);
+    if (rank == 0) result.told = made.told;
+    for (size_t i = 0; i < block.ids.size(); i++)
+      if (!result.points
+               .emplace(block.ids[i],
+                        std::pair(block.points[i], block.values.empty() ? 0.0f : block.values[i]))
+               .second)
+        throw Error("two particles have one id");
+  });
+  for (int r = 0; r < cut.ranks; r++) {
+    const FlightControl::Kept kept = world.sampler(r).kept();
+    if (kept.flights || kept.parkedMessages || kept.announced || kept.completionSets || kept.tasks ||
+        kept.credits)
+      throw Error("something is left over on rank " + std::to_string(r));
+  }
+  return errors;
+}
+
+template <class Filter>
+SampledPoints evaluateOn(const Cut& cut, const Evaluation& evaluation, const std::string& properties) {
+  SampledPoints result;
+  for (const std::string& error : evaluateOn<Filter>(cut, evaluation, properties, result))
+    if (!error.empty()) throw Error(error);
+  return result;
+}
+
+}  // namespace gxy::test

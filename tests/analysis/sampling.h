@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: Apache-2.0
+// Samplings on ranks that are threads of the test.
+#pragma once
+#include <algorithm>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "core/analysis/sample_order.h"
+#include "core/analysis/sampler.h"
+#include "core/comm/error.h"
+#include "core/comm/in_process.h"
+#include "tests/support/backends.h"
+#include "tests/support/data_sets.h"
+#include "tests/support/partitionings.h"
+#include "tests/support/thread_ranks.h"
+
+namespace gxy::test {
+
+inline Box unitCube() { return {glm::dvec3(0), glm::dvec3(1)}; }
+
+/// A grid of `points` points a side on the unit cube.
+inline Grid unitGrid(int64_t points) {
+  return {glm::dvec3(0), glm::dvec3(1.0 / double(points - 1)), {points, points, points}};
+}
+
+/// The squared distance from the middle of the unit cube: its isosurfaces are spheres up to the grid's resolution.
+inline double squaredDistance(glm::dvec3 p) {
+  const glm::dvec3 q = p - 0.5;
+  return q.x * q.x + q.y * q.y + q.z * q.z;
+}
+
+/// Whole volumes and what is sampled in them.
+struct SamplingCase {
+  std::vector<WholeVolume> volumes;
+  std::vector<Vis> operators;                  ///< of VisType::Volume
+  std::vector<size_t> shown;                   ///< by operator: its volume
+  std::vector<std::pair<size_t, int>> fields;  ///< volume and component
+  int recorded = 0;
+  bool gradient = false;
+  std::vector<HitRule> rules;
+};
+
+/// One isosurface of one volume, of which all hits are taken.
+inline SamplingCase isosurfaceOf(WholeVolume whole, double isovalue) {
+  SamplingCase c;
+  c.volumes.push_back(std::move(whole));
+  Vis vis;
+  vis.isovalues = {isovalue};
+  c.operators = {vis};
+  c.shown = {0};
+  c.rules = {{{}, kMostHits}};
+  return c;
+}
+
+inline LedgerEntry freeMemory(const char*, int64_t) { return {}; }
+
+/// A Sampler on every rank of a world with threads.
+class SamplingRanks {
+ public:
+  struct Run {
+    uint64_t seed = 1;
+    int workers = 2;
+    Sampler::Options options{};
+    const Backend* backend = nullptr;  ///< null: Embree
+  };
+  SamplingRanks(const Cut& cut, const Run& run)
+      : cut_(cut), world_(cut.ranks, run.seed, {true, run.workers, {}}) {
+    for (int r = 0; r < cut.ranks; r++)
+      samplers_.push_back(
+          std::make_unique<Sampler>(world_.rank(r), run.backend ? *run.backend : embree(), run.options));
+  }
+
+  Sampler& sampler(int rank) { return *samplers_[size_t(rank)]; }
+  const Cut& cut() const { return cut_; }
+
+  /// What is sampled, on one rank.
+  static SamplingSource sourceOf(const SamplingCase& c,
+                                 const std::vector<std::vector<std::shared_ptr<const Volume>>>& parts,
+                                 std::shared_ptr<const Partitioning> partitioning, int rank) {
+    SamplingSource s;
+    s.scene.visualization.operators = c.operators;
+    s.scene.partitioning = std::move(partitioning);
+    for (const size_t v : c.shown) s.scene.data.push_back({{parts[v][size_t(rank)], nullptr}, {}});
+    for (const auto& [v, component] : c.fields) s.fields.push_back({parts[v][size_t(rank)], component});
+    s.recorded = c.recorded;
+    s.gradient = c.gradient;
+    s.rules = c.rules;
+    return s;
+  }
+
+  /// Runs work(rank, sampler, sampling, ranks) on all ranks; returns their errors.
+  template <class Work>
+  std::vector<std::string> run(const SamplingCase& c, Work work) {
+    const auto partitioning = std::make_shared<const Partitioning>(cut_.partitioning);
+    std::vector<std::vector<std::shared_ptr<const Volume>>> parts;
+    for (const WholeVolume& whole : c.volumes) parts.push_back(test::cut(whole, *partitioning, cut_.ranks));
+    return ThreadRanks(cut_.ranks).run([&](Collectives& ranks) {
+      Sampler& mine = sampler(ranks.rank());
+      const auto sampling = mine.prepare(sourceOf(c, parts, partitioning, ranks.rank()), ranks, freeMemory);
+      work(ranks.rank(), mine, sampling, ranks);
+    });
+  }
+
+  /// Samples with `lines` uniform lines. Returns the samples of all ranks in their order.
+  SampleList lines(const SamplingCase& c, uint64_t seed, uint64_t lines) {
+    return all(c, [&](int rank) -> std::shared_ptr<const RaySource> {
+      const Box box = c.volumes.front().grid.box();
+      return std::make_shared<UniformLines>(box, seed, 0, lines, rank, cut_.ranks);
+    });
+  }
+
+  SampleList all(const SamplingCase& c,
+                 const std::function<std::shared_ptr<const RaySource>(int)>& sourceOfRank) {
+    std::vector<SampleList> lists(static_cast<size_t>(cut_.ranks));
+    for (const std::string& error : run(c, [&](int rank, Sampler&sampler, auto sampling, Collectives&ranks) {
+           lists[size_t(rank)] = sampler.sample(sampling, sourceOfRank(rank), ranks, freeMemory).list;
+         }))
+      if (!error.empty()) throw Error(error);
+    SampleList merged;
+    for (SampleList& list : lists) merged.append(std::move(list));
+    sort(merged);
+    return merged;
+  }
+
+  static void sort(SampleList& list) {
+    std::vector<uint32_t> order(list.size());
+    for (size_t i = 0; i < order.size(); i++) order[i] = uint32_t(i);
+    std::sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) {
+      return SampleKey{list.ray[a], list.depth[a], list.hit[a]} <
+             SampleKey{list.ray[b], list.depth[b], list.hit[b]};
+    });
+    list.select(order);
+  }
+
+ private:
+  const Cut cut_;
+  InProcessWorld world_;
+  std::vector<std::unique_ptr<Sampler>> samplers_;
+};
+
+}  // namespace gxy::test

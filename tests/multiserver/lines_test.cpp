@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: Apache-2.0
+// The filter StreamTracer on a server: seeds, lines, what it refuses, and what is left of a cancelled one.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <future>
+#include <mutex>
+
+#include "core/data/geometry.h"
+#include "multiserver/server/datasets.h"
+#include "tests/multiserver/test_server.h"
+
+namespace gxy::test {
+namespace {
+
+using nlohmann::json;
+
+std::string make(const std::string& filter, const std::string& name, const json& inputs, json properties) {
+  properties.update({{"name", name}, {"filter", filter}, {"inputs", inputs}});
+  return "make " + properties.dump();
+}
+
+/// What the filter of a `make` tells.
+json toldBy(Client& client, const std::string& statement) {
+  return client.expect(statement).at("results").at(0);
+}
+
+/// A server with a flow about the axis z, and seeds on the axis x: three of them are outside, as the grid ends just before 1.
+class LinesServer {
+ public:
+  explicit LinesServer(int ranks) {
+    ServerSetup setup;
+    setup.ranks = ranks;
+    setup.modules = GALAXY_MODULES;
+    server = std::make_unique<TestServer>(std::move(setup));
+  }
+  void prepare(Client& client) {
+    for (const char* module : {"data", "analysis"}) client.expect(std::string("load ") + module);
+    client.expect(importBall("ball"));
+    client.expect(make("Derive", "turn", {{"f", "ball"}}, {{"expression", "[0 - y, x, 0 * f]"}}));
+    client.expect(make("Seeds", "seeds", {{"domain", "ball"}},
+                       {{"shape", "line"}, {"from", {0.1, 0.01, 0}}, {"to", {1.2, 0.01, 0}}, {"count", 12}}));
+  }
+  /// All segments of a dataset, by their ids.
+  GeometryBlock segments(const std::string& name) {
+    const auto found = server->serverRank(0).datasets->get("user", name);
+    std::vector<GeometryBlock> blocks;
+    for (int r = 0; r < server->serverRank(0).ranks(); r++)
+      blocks.push_back(
+          server->serverRank(r).objects.pin(found.key, found.generation).get<Dataset>()->geometry->block);
+    return merged(GeometryKind::PathLines, blocks);
+  }
+
+  std::unique_ptr<TestServer> server;
+};
+
+TEST(Lines, OnAnyNumberOfRanksAreTheSame) {
+  GeometryBlock expected;
+  json told;
+  for (const int ranks : {1, 3}) {
+    LinesServer lines(ranks);
+    const auto client = lines.server->client();
+    lines.prepare(*client);
+    const json reply =
+        toldBy(*client, make("StreamTracer", "lines", {{"vectors", "turn"}, {"seeds", "seeds"}},
+                             {{"time", 6}, {"direction", "both"}}));
+    EXPECT_EQ(reply.at("type"), "PathLines");
+    EXPECT_EQ(reply.at("lines"), 9);
+    EXPECT_EQ(reply.at("ends").at("outside"), 6) << "three seeds, in each direction";
+    EXPECT_EQ(reply.at("ends").at("time"), 18);
+    const json info = client->expect("info lines").at("datasets").at(0);
+    EXPECT_EQ(info.at("provenance").at("filter"), "StreamTracer");
+    EXPECT_EQ(info.at("provenance").at("properties").at("direction"), "both");
+    const GeometryBlock all = lines.segments("lines");
+    for (const glm::dvec3& p : all.points) EXPECT_EQ(p.z, 0);
+    if (ranks == 1) {
+      expected = all;
+      told = reply;
+    } else {
+      EXPECT_TRUE(all == expected);
+      EXPECT_EQ(reply.at("points"), told.at("points"));
+    }
+    for (const char* name : {"lines", "seeds", "turn", "ball"}) client->expect(std::string("drop ") + name);
+    for (int r = 0; r < ranks; r++) EXPECT_EQ(lines.server->serverRank(r).ledger.total("user"), 0);
+  }
+}
+
+TEST(Lines, HavePointsAndValuesAsTheirEntrySays) {
+  LinesServer lines(2);
+  const auto client = lines.server->client();
+  lines.prepare(*client);
+  const json inputs{{"vectors", "turn"}, {"seeds", "seeds"}, {"field", "ball"}};
+  json reply = toldBy(
+      *client, make("StreamTracer", "ends", inputs, {{"time", 1}, {"points", "ends"}, {"color by", "time"}}));
+  EXPECT_EQ(reply.at("points"), 18) << "of each line two";
+  GeometryBlock all = lines.segments("ends");
+  for (const auto& [a, b] : all.segments) {
+    EXPECT_EQ(all.values[a], 0);
+    EXPECT_NEAR(all.values[b], 1, 1e-6);
+  }
+  reply = toldBy(*client, make("StreamTracer", "steps", inputs,
+                               {{"time", 1}, {"points", {{"dt", 0.25}}}, {"color by", "field"}}));
+  EXPECT_EQ(reply.at("points"), 45);
+  all = lines.segments("steps");
+  for (size_t i = 0; i < all.points.size(); i++)
+    EXPECT_NEAR(all.values[i], std::hypot(all.points[i].x, all.points[i].y), 0.02);
+  // Turned by 90 degrees the flow goes away from the centre.
+  client->expect(make("Derive", "away", {{"f", "ball"}}, {{"expression", "[x, y, 0 * f]"}}));
+  reply = toldBy(*client,
+                 make("StreamTracer", "away lines",
+                      {{"vectors", "away"}, {"seeds", "seeds"}, {"field", "ball"}}, {{"where", {0.7, 0.8}}}));
+  EXPECT_EQ(reply.at("ends"), (json{{"condition", 8}, {"left", 1}, {"outside", 3}}));
+}
+
+TEST(Lines, RefuseWhatCannotBe) {
+  LinesServer lines(2);
+  const auto client = lines.server->client();
+  lines.prepare(*client);
+  const json inputs{{"vectors", "turn"}, {"seeds", "seeds"}};
+  const auto refused = [&](const json& in, const json& properties, const std::string& expected) {
+    const std::string error = client->request(make("StreamTracer", "x", in, properties)).error;
+    EXPECT_NE(error.find(expected), std::string::npos) << error;
+  };
+  refused({{"vectors", "ball"}, {"seeds", "seeds"}}, json::object(), "\"ball\" has 1 components, expected 3");
+  refused({{"vectors", "turn"}, {"seeds", "ball"}}, json::object(), "seeds");
+  refused({{"vectors", "turn"}, {"seeds", "seeds"}, {"field", "turn"}}, json::object(),
+          "\"turn\" has 3 components, expected one");
+  refused(inputs, {{"where", {1, 2}}}, "`where` needs the input `field`");
+  refused(inputs, {{"color by", "field"}}, "`color by` needs the input `field`");
+  refused(inputs, {{"where", {2, 1}}}, "[lo, hi] with lo <= hi");
+  refused(inputs, {{"direction", "up"}}, "forward, backward or both");
+  refused(inputs, {{"points", {{"dt", 0}}}}, "number > 0");
+  refused(inputs, {{"points", {{"dx", 1}}}}, "{\"dt\": number > 0}");
+  refused(inputs, {{"time", -1}}, "number >= 0");
+  EXPECT_EQ(client->expect("list").at("datasets").size(), 3u);
+}
+
+// It would go round for weeks.
+TEST(Lines, ThatAreCancelledLeaveNothing) {
+  LinesServer lines(3);
+  std::promise<void> begun;
+  std::once_flag once;
+  auto options = lines.server->options();
+  options.onEvent = [&](const json& event) {
+    if (event.at("event") == "progress" && event.at("text") == "lines")
+      std::call_once(once, [&] { begun.set_value(); });
+  };
+  Client client(options);
+  lines.prepare(client);
+  std::vector<int64_t> before;
+  for (int r = 0; r < 3; r++) before.push_back(lines.server->serverRank(r).ledger.total("user"));
+  std::promise<Reply> made;
+  const uint32_t id = client.send(make("StreamTracer", "lines", {{"vectors", "turn"}, {"seeds", "seeds"}},
+                                       {{"length", 1e12}, {"points", "ends"}}),
+                                  [&](const Reply& reply) { made.set_value(reply); });
+  begun.get_future().get();
+  client.expect("cancel " + std::to_string(id));
+  EXPECT_EQ(made.get_future().get().error, "cancelled");
+  EXPECT_EQ(client.expect("list").at("datasets").size(), 3u);
+  for (int r = 0; r < 3; r++) EXPECT_EQ(lines.server->serverRank(r).ledger.total("user"), before[size_t(r)]);
+  client.expect(make("StreamTracer", "lines", {{"vectors", "turn"}, {"seeds", "seeds"}}, {{"time", 1}}));
+}
+
+}  // namespace
+}  // namespace gxy::test
